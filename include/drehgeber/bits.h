@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * Endian loads and stores, and bounded cursors over byte buffers. A cursor never reads or writes
+ * past its end: it remembers that it would have, and the caller asks once at the end.
+ */
+#ifndef DREHGEBER_BITS_H
+#define DREHGEBER_BITS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/** Loads and stores; `p` needs no alignment. be = most significant byte first. */
+uint16_t dg_load_be16(const uint8_t *p);
+uint32_t dg_load_be24(const uint8_t *p);
+uint32_t dg_load_be32(const uint8_t *p);
+uint16_t dg_load_le16(const uint8_t *p);
+uint32_t dg_load_le32(const uint8_t *p);
+void dg_store_be16(uint8_t *p, uint16_t value);
+void dg_store_be24(uint8_t *p, uint32_t value);
+void dg_store_be32(uint8_t *p, uint32_t value);
+void dg_store_le16(uint8_t *p, uint16_t value);
+void dg_store_le32(uint8_t *p, uint32_t value);
+
+/** Reads bytes from `at` up to `end`. Lives as long as the buffer. */
+struct dg_reader {
+    const uint8_t *at;
+    const uint8_t *end;
+    bool overrun; /**< more was asked for than there was; every such read gave 0 */
+};
+
+/** Appends bytes at `at` up to `end`. */
+struct dg_writer {
+    uint8_t *at;
+    uint8_t *end;
+    bool overrun; /**< more was appended than fits; what did not fit was dropped whole */
+};
+
+struct dg_reader dg_reader(const uint8_t *bytes, size_t n);
+uint8_t dg_read_u8(struct dg_reader *r);
+uint16_t dg_read_be16(struct dg_reader *r);
+uint32_t dg_read_be32(struct dg_reader *r);
+
+struct dg_writer dg_writer(uint8_t *bytes, size_t capacity);
+void dg_write_u8(struct dg_writer *w, uint8_t value);
+void dg_write_be16(struct dg_writer *w, uint16_t value);
+void dg_write_be24(struct dg_writer *w, uint32_t value);
+void dg_write_be32(struct dg_writer *w, uint32_t value);
+void dg_write_bytes(struct dg_writer *w, const uint8_t *bytes, size_t n);
+
+#endif

@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * The models: which stack, which figures, which identity. One row each.
+ */
+#ifndef DREHGEBER_DEVICES_H
+#define DREHGEBER_DEVICES_H
+
+#include <stddef.h>
+
+#include "drehgeber/hiperface.h"
+
+/** Which stack a model runs, and so which member of dg_device.model is valid. */
+enum dg_device_stack {
+    DG_STACK_HIPERFACE,
+};
+
+/** A model as it can be ordered. */
+struct dg_device {
+    const char *name;       /**< as on the command line, e.g. "s3684-rs485" */
+    const char *wire;       /**< what it speaks, e.g. "RS485 + SinCos (HIPERFACE-compatible)" */
+    const char *resolution; /**< in words, e.g. "2048 x 32 steps, 4096 turns" */
+    enum dg_device_stack stack;
+    const struct dg_hf_model *hiperface; /**< for DG_STACK_HIPERFACE */
+};
+
+/** All models, in the order they are listed. */
+extern const struct dg_device dg_devices[];
+extern const size_t dg_device_count;
+
+/** The model called `name`, or NULL. */
+const struct dg_device *dg_device_find(const char *name);
+
+#endif

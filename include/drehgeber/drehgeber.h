@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * Everything of the library. Version numbers follow semver; the version of the library linked
+ * against is dg_version().
+ */
+#ifndef DREHGEBER_DREHGEBER_H
+#define DREHGEBER_DREHGEBER_H
+
+#include "drehgeber/angle.h"
+#include "drehgeber/bits.h"
+#include "drehgeber/crc.h"
+#include "drehgeber/devices.h"
+#include "drehgeber/hal.h"
+#include "drehgeber/hiperface.h"
+#include "drehgeber/motion.h"
+#include "drehgeber/store.h"
+#include "drehgeber/time.h"
+#include "drehgeber/world.h"
+
+/** "major.minor.patch" of the library. */
+const char *dg_version(void);
+
+#endif

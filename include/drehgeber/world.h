@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * The world an encoder lives in. The host owns it, turns the shaft and bends the quantities; the
+ * device only reads it, and finds its own error codes. A defect is a cause here, never a code.
+ *
+ * Every change takes effect at the next moment the device looks. One world may be shared by
+ * several encoders on one shaft. It must outlive every device it was handed to.
+ */
+#ifndef DREHGEBER_WORLD_H
+#define DREHGEBER_WORLD_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "drehgeber/angle.h"
+#include "drehgeber/time.h"
+
+/** Everything the encoders of this library sense. */
+struct dg_world {
+    /**
+     * The shaft's angle as a pure function of time; positive is clockwise. Called at the latch
+     * moment the protocol defines, and for the speed also up to 1 ms earlier. Must not block.
+     */
+    dg_angle (*angle)(void *ctx, dg_ns now);
+    void *angle_ctx;                 /**< handed to `angle` */
+    int32_t temperature_mdegc;       /**< in the housing, 0.001 degC; healthy: 37 000 */
+    uint32_t led_current_ua;         /**< of the optical scanner; healthy: 12 000 */
+    uint32_t supply_mv;              /**< healthy: 5 000 */
+    uint32_t battery_mv;             /**< of the multiturn counter; healthy: 3 610 */
+    uint16_t sin_amplitude_permille; /**< of the nominal amplitude, 0..2000; healthy: 1000 */
+    uint16_t cos_amplitude_permille; /**< likewise */
+    int16_t sin_offset_permille;     /**< of the nominal amplitude, -1000..1000; healthy: 0 */
+    int16_t cos_offset_permille;     /**< likewise */
+    bool singleturn_ok;              /**< the singleturn track can be read */
+    bool multiturn_amplitude_ok;     /**< the multiturn sensor's amplitude is sufficient */
+    bool multiturn_sync_ok;          /**< multiturn and singleturn agree */
+    bool multiturn_vector_ok;        /**< the multiturn sensor's vector length is in range */
+    bool eeprom_acknowledges;        /**< the EEPROM answers on its I2C bus */
+    bool watchdog_fired;             /**< the watchdog has reset the processor */
+};
+
+/** Healthy defaults, the shaft at rest at angle 0. */
+void dg_world_init(struct dg_world *self);
+
+/** The span over which dg_world_speed_mrpm() looks back. */
+#define DG_WORLD_SPEED_SPAN DG_MS(1)
+
+/** The shaft's angle at `now`. */
+dg_angle dg_world_angle(const struct dg_world *self, dg_ns now);
+
+/**
+ * Mean speed over the millisecond before `now` (over the first millisecond when `now` is earlier
+ * than that), in 0.001 rpm, truncated towards 0, positive clockwise; saturates at +-2^31-1.
+ */
+int32_t dg_world_speed_mrpm(const struct dg_world *self, dg_ns now);
+
+#endif
