@@ -90,8 +90,8 @@ extern const struct dg_store_layout dg_hf_layout;
 
 /**
  * What a model is. Every figure is configuration; src/devices has the models of the manual.
- * The figures are burnt into the EEPROM by dg_hf_format(); a running device reads them there.
- * Only the two times are read from here at run time.
+ * dg_hf_format() burns the figures into the EEPROM, and a device reads them from there at power-on;
+ * what is damaged there is taken from here. Only the two times are always taken from here.
  */
 struct dg_hf_model {
     uint16_t periods_per_turn;   /**< 1..65535 sine periods a turn */
@@ -142,6 +142,7 @@ struct dg_hf_setup {
 enum dg_hf_rx_flags {
     DG_HF_RX_OK = 0,
     DG_HF_RX_DAMAGED = 1, /**< parity or framing error, or sent with another UART setting */
+    DG_HF_RX_START = 2,   /**< only a start bit so far: `byte` means nothing, the frame goes on */
 };
 
 /** Things nobody has to act on; they only count up. */
@@ -176,13 +177,14 @@ struct dg_hf {
 
     /* line */
     enum dg_hf_line_state line;
-    dg_ns deadline;     /**< of the line state, or DG_NEVER */
-    dg_ns last_rx;      /**< end of the last character received */
-    dg_ns window_end;   /**< end of the start-up window; DG_NEVER when it is over */
-    uint8_t uart;       /**< setting in force */
-    uint8_t uart_next;  /**< setting in force after the window or 53h */
-    bool frame_damaged; /**< a character of this frame was damaged */
-    uint16_t length;    /**< characters of this frame, also beyond the buffer */
+    dg_ns deadline;      /**< of the line state, or DG_NEVER */
+    dg_ns last_rx;       /**< end of the last character received */
+    dg_ns window_end;    /**< end of the start-up window; DG_NEVER when it is over */
+    uint8_t uart;        /**< setting in force */
+    uint8_t uart_next;   /**< setting in force after the window or 53h */
+    uint8_t uart_stored; /**< setting in the EEPROM */
+    bool frame_damaged;  /**< a character of this frame was damaged */
+    uint16_t length;     /**< characters of this frame, also beyond the buffer */
     uint8_t frame[DG_HF_FRAME_MAX];
 
     /* working copy of the EEPROM, read at power-on */
@@ -246,7 +248,11 @@ void dg_hf_power_off(struct dg_hf *self);
 
 /**
  * A character came in.
- * @param now the end of its stop bit
+ *
+ * A frame goes on when the next character starts within the timeout. A host that sees start bits
+ * reports them with DG_HF_RX_START; without that, a character has to be complete within the
+ * timeout (one that ends exactly with it is). At the same `now`, call this before dg_hf_step().
+ * @param now the end of its stop bit, or with DG_HF_RX_START the edge of its start bit
  * @param flags enum dg_hf_rx_flags
  * @return the next deadline, as dg_hf_step()
  */

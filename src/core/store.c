@@ -1,0 +1,526 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The medium, least significant byte first:
+ *
+ *    0  header    "dge1" | layout id, 4 | size of the layout, 4
+ *   12  copy of the header
+ *   24  journal   length, 2 | its complement, 2 | CRC-32 over these four bytes and the changes, 4
+ *   32  changes   region, 1 | 00h | offset, 2 | n, 2 | n bytes | next change ...
+ *       regions   in table order, a checked one followed by its CRC-16
+ *
+ * A checked region is changed as a whole, so its change needs no offset; its CRC-16 stands there.
+ *
+ * When the power may fail, and what the next mount finds:
+ *
+ *   stage, stage | length, CRC | sync | apply | sync | clear
+ *   idle: old    | idle, torn or  ... whole: completed .. | idle or whole: new
+ *                | whole: either
+ *
+ * Clearing needs no sync: until the next commit's sync a surviving journal only repeats what is in
+ * place already, and the bytes staged over it break its sum.
+ */
+#include "drehgeber/store.h"
+
+#include <string.h>
+
+#include "drehgeber/bits.h"
+#include "drehgeber/crc.h"
+
+#define HEADER_SIZE 12u
+#define HEADERS_SIZE (2u * HEADER_SIZE)
+#define JOURNAL HEADERS_SIZE
+#define JOURNAL_HEAD_SIZE 8u
+#define JOURNAL_LENGTH_SIZE 4u /* length and complement */
+#define CHANGES (JOURNAL + JOURNAL_HEAD_SIZE)
+#define CHANGE_HEAD_SIZE 6u
+#define SUM_SIZE 2u
+#define SUM_SEED 0xFFFFu
+#define ERASED 0xFFu
+#define CHUNK 32u
+
+enum journal_state { JOURNAL_IDLE, JOURNAL_WHOLE, JOURNAL_TORN };
+
+/* A port's other negative codes must not pass for results of the store. */
+static int nvm_read(const struct dg_nvm *nvm, uint32_t address, void *to, size_t n)
+{
+    return nvm->ops->read(nvm->ctx, address, to, n) == 0 ? DG_OK : DG_ERR_IO;
+}
+
+static int nvm_write(const struct dg_nvm *nvm, uint32_t address, const void *from, size_t n)
+{
+    return nvm->ops->write(nvm->ctx, address, from, n) == 0 ? DG_OK : DG_ERR_IO;
+}
+
+static int nvm_sync(const struct dg_nvm *nvm)
+{
+    return nvm->ops->sync == NULL || nvm->ops->sync(nvm->ctx) == 0 ? DG_OK : DG_ERR_IO;
+}
+
+static size_t chunk(uint32_t n)
+{
+    return n < CHUNK ? n : CHUNK;
+}
+
+static int nvm_erase(const struct dg_nvm *nvm, uint32_t address, uint32_t n)
+{
+    uint8_t bytes[CHUNK];
+    int result = DG_OK;
+    memset(bytes, ERASED, sizeof bytes);
+    for (uint32_t done = 0; result == DG_OK && done < n; done += CHUNK) {
+        result = nvm_write(nvm, address + done, bytes, chunk(n - done));
+    }
+    return result;
+}
+
+static int nvm_copy(const struct dg_nvm *nvm, uint32_t from, uint32_t to, uint32_t n)
+{
+    uint8_t bytes[CHUNK];
+    int result = DG_OK;
+    for (uint32_t done = 0; result == DG_OK && done < n; done += CHUNK) {
+        result = nvm_read(nvm, from + done, bytes, chunk(n - done));
+        if (result == DG_OK) {
+            result = nvm_write(nvm, to + done, bytes, chunk(n - done));
+        }
+    }
+    return result;
+}
+
+static bool erased(const uint8_t *bytes, size_t n)
+{
+    size_t i = 0;
+    while (i < n && bytes[i] == ERASED) {
+        i++;
+    }
+    return i == n;
+}
+
+static bool inside(const struct dg_store_layout *layout, uint8_t region, uint16_t offset,
+                   uint16_t n)
+{
+    return region < layout->region_count && offset <= layout->regions[region].size &&
+           n <= layout->regions[region].size - offset;
+}
+
+static bool checked(const struct dg_store_layout *layout, uint8_t region)
+{
+    return layout->regions[region].check == DG_STORE_CHECKED;
+}
+
+static bool stageable(const struct dg_store_layout *layout, uint8_t region, uint16_t offset,
+                      uint16_t n)
+{
+    return inside(layout, region, offset, n) &&
+           (!checked(layout, region) || n == layout->regions[region].size);
+}
+
+/* Header. */
+
+static void make_header(const struct dg_store_layout *layout, uint8_t *header)
+{
+    static const uint8_t magic[4] = {'d', 'g', 'e', '1'};
+    memcpy(header, magic, sizeof magic);
+    dg_store_le32(header + 4, layout->id);
+    dg_store_le32(header + 8, dg_store_size(layout));
+}
+
+/* A layout has exactly one header, so being the right one and being intact are the same. */
+static int check_header(struct dg_store *self)
+{
+    uint8_t right[HEADER_SIZE];
+    uint8_t found[HEADERS_SIZE];
+    make_header(self->layout, right);
+    if (nvm_read(&self->nvm, 0, found, sizeof found) != DG_OK) {
+        return DG_ERR_IO;
+    }
+    const bool first = memcmp(found, right, HEADER_SIZE) == 0;
+    const bool copy = memcmp(found + HEADER_SIZE, right, HEADER_SIZE) == 0;
+    if (first && copy) {
+        return DG_OK;
+    }
+    if (!first && !copy) {
+        return erased(found, sizeof found) ? DG_ERR_BLANK : DG_ERR_FOREIGN;
+    }
+    /* Only the damaged one is written: whatever becomes of it, the other stays. */
+    if (nvm_write(&self->nvm, first ? HEADER_SIZE : 0, right, HEADER_SIZE) != DG_OK) {
+        return DG_ERR_IO;
+    }
+    self->repairs++;
+    return nvm_sync(&self->nvm);
+}
+
+/* Journal. */
+
+/* The head that makes the first `length` bytes of changes a whole journal. */
+static int make_journal_head(const struct dg_nvm *nvm, uint16_t length, uint8_t *head)
+{
+    uint8_t bytes[CHUNK];
+    int result = DG_OK;
+    dg_store_le16(head, length);
+    dg_store_le16(head + 2, (uint16_t)~length);
+    uint32_t sum = dg_crc32(0, head, JOURNAL_LENGTH_SIZE);
+    for (uint32_t done = 0; result == DG_OK && done < length; done += CHUNK) {
+        result = nvm_read(nvm, CHANGES + done, bytes, chunk(length - done));
+        sum = dg_crc32(sum, bytes, chunk(length - done));
+    }
+    dg_store_le32(head + JOURNAL_LENGTH_SIZE, sum);
+    return result;
+}
+
+/* Whether there is a journal, see enum journal_state, and how long a whole one is. */
+static int inspect_journal(const struct dg_store *self, uint16_t *length)
+{
+    uint8_t found[JOURNAL_HEAD_SIZE];
+    uint8_t right[JOURNAL_HEAD_SIZE];
+    if (nvm_read(&self->nvm, JOURNAL, found, sizeof found) != DG_OK) {
+        return DG_ERR_IO;
+    }
+    if (erased(found, sizeof found)) {
+        return JOURNAL_IDLE;
+    }
+    *length = dg_load_le16(found);
+    if (*length > self->layout->journal_size) {
+        return JOURNAL_TORN;
+    }
+    if (make_journal_head(&self->nvm, *length, right) != DG_OK) {
+        return DG_ERR_IO;
+    }
+    return memcmp(found, right, sizeof found) == 0 ? JOURNAL_WHOLE : JOURNAL_TORN;
+}
+
+static int apply_change(const struct dg_store *self, const uint8_t *head, uint32_t from)
+{
+    const struct dg_store_layout *layout = self->layout;
+    const uint8_t region = head[0];
+    const uint16_t n = dg_load_le16(head + 4);
+    uint32_t to = dg_store_address(layout, region);
+    if (!checked(layout, region)) {
+        to += dg_load_le16(head + 2);
+    } else if (nvm_write(&self->nvm, to + n, head + 2, SUM_SIZE) != DG_OK) {
+        return DG_ERR_IO;
+    }
+    return nvm_copy(&self->nvm, from, to, n);
+}
+
+/* Put the changes in place, in order; `regions` collects the ones written as a whole. */
+static int apply(const struct dg_store *self, uint16_t length, uint32_t *regions)
+{
+    const struct dg_store_layout *layout = self->layout;
+    const uint32_t end = CHANGES + length;
+    uint32_t at = CHANGES;
+    while (end - at >= CHANGE_HEAD_SIZE) {
+        uint8_t head[CHANGE_HEAD_SIZE];
+        if (nvm_read(&self->nvm, at, head, sizeof head) != DG_OK) {
+            return DG_ERR_IO;
+        }
+        const uint8_t region = head[0];
+        const uint16_t n = dg_load_le16(head + 4);
+        at += CHANGE_HEAD_SIZE;
+        if (region >= layout->region_count || n > end - at) {
+            break;
+        }
+        const bool whole = checked(layout, region);
+        /* Stage lets nothing else in: a forged image must not write outside of its region. */
+        if (!stageable(layout, region, whole ? 0 : dg_load_le16(head + 2), n)) {
+            break;
+        }
+        if (apply_change(self, head, at) != DG_OK) {
+            return DG_ERR_IO;
+        }
+        *regions |= (uint32_t)whole << region;
+        at += n;
+    }
+    return DG_OK;
+}
+
+/*
+ * Complete a whole journal. The sync before: what a crashed process left may be readable and not
+ * yet durable, and a journal has to outlive the first change in place.
+ */
+static int complete(struct dg_store *self, uint16_t length)
+{
+    uint32_t regions = 0;
+    int result = nvm_sync(&self->nvm);
+    if (result == DG_OK) {
+        result = apply(self, length, &regions);
+    }
+    if (result == DG_OK) {
+        result = nvm_sync(&self->nvm);
+    }
+    if (result == DG_OK) {
+        self->damaged &= ~regions;
+    }
+    return result;
+}
+
+/*
+ * Leave the journal idle: complete a whole one, drop a torn one. Dropping is synced, because
+ * staging the same bytes again would make a torn journal whole without a commit.
+ * Returns enum journal_state as found, or DG_ERR_IO.
+ */
+static int settle(struct dg_store *self)
+{
+    uint16_t length = 0;
+    int result = DG_OK;
+    const int state = inspect_journal(self, &length);
+    if (state < 0) {
+        return state;
+    }
+    if (state == JOURNAL_WHOLE) {
+        result = complete(self, length);
+    }
+    if (state != JOURNAL_IDLE && result == DG_OK) {
+        result = nvm_erase(&self->nvm, JOURNAL, JOURNAL_HEAD_SIZE);
+    }
+    if (state == JOURNAL_TORN && result == DG_OK) {
+        result = nvm_sync(&self->nvm);
+    }
+    if (result == DG_OK) {
+        self->unapplied = false;
+    }
+    return result == DG_OK ? state : result;
+}
+
+/* What an earlier call left open comes first. */
+static int settle_open(struct dg_store *self)
+{
+    const int result = self->unapplied ? settle(self) : DG_OK;
+    return result < 0 ? result : DG_OK;
+}
+
+static int append(struct dg_store *self, const uint8_t *head, const void *from, uint16_t n)
+{
+    const uint32_t at = CHANGES + self->journal_length;
+    if (CHANGE_HEAD_SIZE + n > (uint32_t)self->layout->journal_size - self->journal_length) {
+        return DG_ERR_SPACE;
+    }
+    if (settle_open(self) != DG_OK || nvm_write(&self->nvm, at, head, CHANGE_HEAD_SIZE) != DG_OK ||
+        nvm_write(&self->nvm, at + CHANGE_HEAD_SIZE, from, n) != DG_OK) {
+        return DG_ERR_IO;
+    }
+    self->journal_length = (uint16_t)(self->journal_length + CHANGE_HEAD_SIZE + n);
+    return DG_OK;
+}
+
+static int commit_journal(struct dg_store *self)
+{
+    uint8_t head[JOURNAL_HEAD_SIZE];
+    if (make_journal_head(&self->nvm, self->journal_length, head) != DG_OK) {
+        return DG_ERR_IO;
+    }
+    /* From here on the journal may be on the medium, also when the write says that it failed. */
+    self->unapplied = true;
+    if (nvm_write(&self->nvm, JOURNAL, head, sizeof head) != DG_OK ||
+        settle(self) != JOURNAL_WHOLE) {
+        return DG_ERR_IO;
+    }
+    self->journal_length = 0;
+    return DG_OK;
+}
+
+/* Regions. */
+
+static int check_region(struct dg_store *self, uint8_t region)
+{
+    uint8_t bytes[CHUNK];
+    uint16_t sum = SUM_SEED;
+    const uint32_t n = self->layout->regions[region].size;
+    const uint32_t address = dg_store_address(self->layout, region);
+    for (uint32_t done = 0; done < n; done += CHUNK) {
+        if (nvm_read(&self->nvm, address + done, bytes, chunk(n - done)) != DG_OK) {
+            return DG_ERR_IO;
+        }
+        sum = dg_crc16(sum, bytes, chunk(n - done));
+    }
+    if (nvm_read(&self->nvm, address + n, bytes, SUM_SIZE) != DG_OK) {
+        return DG_ERR_IO;
+    }
+    if (dg_load_le16(bytes) != sum) {
+        self->damaged |= UINT32_C(1) << region;
+    }
+    return DG_OK;
+}
+
+static int check_regions(struct dg_store *self)
+{
+    int result = DG_OK;
+    for (uint8_t region = 0; result == DG_OK && region < self->layout->region_count; region++) {
+        if (checked(self->layout, region)) {
+            result = check_region(self, region);
+        }
+    }
+    return result;
+}
+
+/* Whether the region's delivery state goes through the buffer of format_region(). */
+static bool composed(const struct dg_store_region *region)
+{
+    return region->check == DG_STORE_CHECKED || region->defaults != NULL;
+}
+
+static int format_region(const struct dg_store_region *region, const struct dg_nvm *nvm,
+                         uint32_t address, const void *ctx)
+{
+    uint8_t bytes[DG_STORE_CHECKED_MAX + SUM_SIZE];
+    size_t n = region->size;
+    if (!composed(region)) {
+        return nvm_erase(nvm, address, region->size);
+    }
+    memset(bytes, ERASED, sizeof bytes);
+    if (region->defaults != NULL) {
+        region->defaults(ctx, bytes);
+    }
+    if (region->check == DG_STORE_CHECKED) {
+        dg_store_le16(bytes + n, dg_crc16(SUM_SEED, bytes, n));
+        n += SUM_SIZE;
+    }
+    return nvm_write(nvm, address, bytes, n);
+}
+
+/* Public. */
+
+static int counted(struct dg_store *self, int result)
+{
+    if (result == DG_ERR_IO) {
+        self->failures++;
+    }
+    return result;
+}
+
+uint32_t dg_store_size(const struct dg_store_layout *layout)
+{
+    return dg_store_address(layout, layout->region_count);
+}
+
+uint32_t dg_store_address(const struct dg_store_layout *layout, uint8_t region)
+{
+    uint32_t address = CHANGES + layout->journal_size;
+    for (uint8_t i = 0; i < region && i < layout->region_count; i++) {
+        address += layout->regions[i].size + (checked(layout, i) ? SUM_SIZE : 0u);
+    }
+    return address;
+}
+
+int dg_store_find(const struct dg_store_layout *layout, const char *name)
+{
+    for (uint8_t region = 0; region < layout->region_count; region++) {
+        const char *known = layout->regions[region].name;
+        size_t i = 0;
+        while (known[i] == name[i] && name[i] != '\0') {
+            i++;
+        }
+        if (known[i] == name[i]) {
+            return region;
+        }
+    }
+    return DG_ERR_ARGUMENT;
+}
+
+/* Headers go first and come last, a sync in between: no half image is ever under a header. */
+int dg_store_format(const struct dg_store_layout *layout, struct dg_nvm nvm, const void *ctx)
+{
+    uint8_t headers[HEADERS_SIZE];
+    for (uint8_t i = 0; i < layout->region_count; i++) {
+        if (composed(&layout->regions[i]) && layout->regions[i].size > DG_STORE_CHECKED_MAX) {
+            return DG_ERR_ARGUMENT;
+        }
+    }
+    if (nvm_erase(&nvm, 0, HEADERS_SIZE) != DG_OK || nvm_sync(&nvm) != DG_OK ||
+        nvm_erase(&nvm, JOURNAL, JOURNAL_HEAD_SIZE + layout->journal_size) != DG_OK) {
+        return DG_ERR_IO;
+    }
+    for (uint8_t i = 0; i < layout->region_count; i++) {
+        const uint32_t address = dg_store_address(layout, i);
+        if (format_region(&layout->regions[i], &nvm, address, ctx) != DG_OK) {
+            return DG_ERR_IO;
+        }
+    }
+    make_header(layout, headers);
+    make_header(layout, headers + HEADER_SIZE);
+    if (nvm_sync(&nvm) != DG_OK || nvm_write(&nvm, 0, headers, sizeof headers) != DG_OK) {
+        return DG_ERR_IO;
+    }
+    return nvm_sync(&nvm);
+}
+
+int dg_store_mount(struct dg_store *self, const struct dg_store_layout *layout, struct dg_nvm nvm)
+{
+    *self = (struct dg_store){.layout = layout, .nvm = nvm, .unapplied = true};
+    int result = check_header(self);
+    if (result == DG_OK) {
+        result = settle(self);
+    }
+    if (result >= 0) {
+        self->replays = result == JOURNAL_WHOLE;
+        result = check_regions(self);
+    }
+    return counted(self, result);
+}
+
+bool dg_store_damaged(const struct dg_store *self, uint8_t region)
+{
+    return region < self->layout->region_count && (self->damaged >> region & 1u) != 0;
+}
+
+int dg_store_read(struct dg_store *self, uint8_t region, uint16_t offset, void *to, uint16_t n)
+{
+    if (!inside(self->layout, region, offset, n)) {
+        return DG_ERR_ARGUMENT;
+    }
+    int result = settle_open(self);
+    if (result == DG_OK && n > 0) {
+        result = nvm_read(&self->nvm, dg_store_address(self->layout, region) + offset, to, n);
+    }
+    return counted(self, result);
+}
+
+void dg_store_begin(struct dg_store *self)
+{
+    self->journal_length = 0;
+    self->overflow = false;
+}
+
+/* After a failure the length means nothing any more: it holds why, for commit to repeat. */
+static int refusal(const struct dg_store *self)
+{
+    return -(int)self->journal_length;
+}
+
+int dg_store_stage(struct dg_store *self, uint8_t region, uint16_t offset, const void *from,
+                   uint16_t n)
+{
+    uint8_t head[CHANGE_HEAD_SIZE] = {region};
+    int result = DG_OK;
+    if (self->overflow) {
+        return counted(self, refusal(self));
+    }
+    if (!stageable(self->layout, region, offset, n)) {
+        result = DG_ERR_ARGUMENT;
+    } else if (n > 0) {
+        const bool whole = checked(self->layout, region);
+        dg_store_le16(head + 2, whole ? dg_crc16(SUM_SEED, from, n) : offset);
+        dg_store_le16(head + 4, n);
+        result = append(self, head, from, n);
+    }
+    if (result != DG_OK) {
+        self->overflow = true;
+        self->journal_length = (uint16_t)-result;
+    }
+    return counted(self, result);
+}
+
+int dg_store_commit(struct dg_store *self)
+{
+    int result = self->overflow ? refusal(self) : settle_open(self);
+    if (result == DG_OK && self->journal_length > 0) {
+        result = commit_journal(self);
+    }
+    return counted(self, result);
+}
+
+int dg_store_put(struct dg_store *self, uint8_t region, uint16_t offset, const void *from,
+                 uint16_t n)
+{
+    dg_store_begin(self);
+    const int result = dg_store_stage(self, region, offset, from, n);
+    return result == DG_OK ? dg_store_commit(self) : result;
+}

@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: MIT */
+#include "drehgeber/world.h"
+
+/** 1 turn in DG_WORLD_SPEED_SPAN, in 0.001 rpm. */
+#define MRPM_PER_TURN (DG_S(60) / DG_WORLD_SPEED_SPAN * 1000u)
+
+static dg_angle at_rest(void *ctx, dg_ns now)
+{
+    (void)ctx;
+    (void)now;
+    return 0;
+}
+
+void dg_world_init(struct dg_world *self)
+{
+    *self = (struct dg_world){
+        .angle = at_rest,
+        .temperature_mdegc = 37000,
+        .led_current_ua = 12000,
+        .supply_mv = 5000,
+        .battery_mv = 3610,
+        .sin_amplitude_permille = 1000,
+        .cos_amplitude_permille = 1000,
+        .singleturn_ok = true,
+        .multiturn_amplitude_ok = true,
+        .multiturn_sync_ok = true,
+        .multiturn_vector_ok = true,
+        .eeprom_acknowledges = true,
+        .watchdog_fired = false,
+    };
+}
+
+dg_angle dg_world_angle(const struct dg_world *self, dg_ns now)
+{
+    return self->angle(self->angle_ctx, now);
+}
+
+/** The speed of `travel` in DG_WORLD_SPEED_SPAN. */
+static int32_t speed_mrpm(uint64_t travel)
+{
+    /* 36 turns are above the limit already, and below them the product fits 64 bits. */
+    uint64_t mrpm = travel / DG_TURN < 36 ? travel * MRPM_PER_TURN / DG_TURN : INT32_MAX;
+
+    return mrpm < INT32_MAX ? (int32_t)mrpm : INT32_MAX;
+}
+
+int32_t dg_world_speed_mrpm(const struct dg_world *self, dg_ns now)
+{
+    dg_ns until = now > DG_WORLD_SPEED_SPAN ? now : DG_WORLD_SPEED_SPAN;
+    /* Modulo 2^64: the speed stays right where the angle's type wraps. */
+    uint64_t travel = (uint64_t)dg_world_angle(self, until) -
+                      (uint64_t)dg_world_angle(self, until - DG_WORLD_SPEED_SPAN);
+
+    return travel <= INT64_MAX ? speed_mrpm(travel) : -speed_mrpm(0 - travel);
+}

@@ -1,0 +1,248 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The EEPROM of the device: its regions, their delivery state, and the working copy read from
+ * them at power-on.
+ */
+#include <string.h>
+
+#include "drehgeber/crc.h"
+#include "hf.h"
+
+#define SERIAL_SIZE 9u
+#define VERSION_SIZE 20u
+#define DATE_SIZE 8u
+#define DESIGNATION_SIZE 18u
+/* All parameters of the label are given; no second selector follows (5.1.1.2.2). */
+#define LABEL_SELECTOR 0x07FFu
+#define LABEL_PARAMETERS 0x1Eu
+
+static void default_resolution(const void *ctx, uint8_t *out)
+{
+    const struct dg_hf_model *model = ctx;
+
+    dg_store_be16(&out[0], model->periods_per_turn);
+    out[2] = model->steps_per_period;
+    dg_store_be32(&out[3], model->turns);
+}
+
+static void default_uart(const void *ctx, uint8_t *out)
+{
+    (void)ctx;
+    out[0] = DG_HF_UART_DEFAULT;
+    out[1] = DG_HF_ADDRESS_DEFAULT;
+}
+
+static void default_memory(const void *ctx, uint8_t *out)
+{
+    const struct dg_hf_model *model = ctx;
+
+    out[0] = model->memory_blocks;
+}
+
+static void default_codes(const void *ctx, uint8_t *out)
+{
+    (void)ctx;
+    memset(out, DG_HF_CODE_DEFAULT, 4);
+}
+
+/* Trims of a sensor that needs none, an offset of 0, no data fields, a counter of 0. */
+static void default_zero4(const void *ctx, uint8_t *out)
+{
+    (void)ctx;
+    memset(out, 0, 4);
+}
+
+static void default_zero16(const void *ctx, uint8_t *out)
+{
+    (void)ctx;
+    memset(out, 0, 16);
+}
+
+static void default_counter(const void *ctx, uint8_t *out)
+{
+    (void)ctx;
+    memset(out, 0, 3);
+}
+
+static void default_fields(const void *ctx, uint8_t *out)
+{
+    (void)ctx;
+    memset(out, 0, 1u + HF_FIELDS_MAX);
+}
+
+/* A text of at most `size` characters, padded with 00h. */
+static void write_text(struct dg_writer *w, const char *text, size_t size)
+{
+    bool ended = false;
+
+    for (size_t i = 0; i < size; i++) {
+        ended = ended || text[i] == '\0';
+        dg_write_u8(w, ended ? 0 : (uint8_t)text[i]);
+    }
+}
+
+static void default_type(const void *ctx, uint8_t *out)
+{
+    const struct dg_hf_model *model = ctx;
+    struct dg_writer w = dg_writer(out, 2u + SERIAL_SIZE + VERSION_SIZE + DATE_SIZE);
+
+    dg_write_u8(&w, model->type_code);
+    dg_write_u8(&w, model->option_code);
+    write_text(&w, model->serial, SERIAL_SIZE);
+    write_text(&w, model->version, VERSION_SIZE);
+    write_text(&w, model->date, DATE_SIZE);
+}
+
+static void default_label(const void *ctx, uint8_t *out)
+{
+    const struct dg_hf_model *model = ctx;
+    const uint16_t parameters[] = {
+        model->temperature_channel,
+        (uint16_t)model->temperature_min_degc,
+        (uint16_t)model->temperature_max_degc,
+        model->led_channel,
+        model->led_min_ma,
+        model->led_max_ma,
+        model->vector_channel,
+        model->vector_min,
+        model->vector_max,
+        model->speed_max_rpm,
+        model->acceleration_max_krad_s2,
+    };
+    struct dg_writer w = dg_writer(out, HF_LABEL_SIZE);
+
+    memset(out, 0, HF_LABEL_SIZE);
+    dg_write_u8(&w, 0); /* the check sum, below */
+    dg_write_u8(&w, 0); /* rotary, counting up from 0 */
+    dg_write_be32(&w, model->periods_per_turn);
+    dg_write_be32(&w, model->turns);
+    write_text(&w, model->designation, DESIGNATION_SIZE);
+    dg_write_be16(&w, LABEL_SELECTOR);
+    for (size_t i = 0; i < sizeof parameters / sizeof parameters[0]; i++) {
+        dg_write_be16(&w, parameters[i]);
+    }
+    out[0] = dg_xor8(0, out, HF_LABEL_SIZE);
+}
+
+/* clang-format off */
+/* name, size, check, start-up code (5.1.3.2 - 5.1.3.5, 5.1.3.14, 5.1.3.15), delivery state */
+static const struct dg_store_region regions[DG_HF_REGION_COUNT] = {
+    [DG_HF_REGION_RESOLUTION]  = {"resolution",     7, DG_STORE_CHECKED, DG_HF_COMPENSATION, default_resolution},
+    [DG_HF_REGION_CALIBRATION] = {"calibration",   16, DG_STORE_CHECKED, DG_HF_COMPENSATION, default_zero16},
+    [DG_HF_REGION_OFFSET]      = {"offset",         4, DG_STORE_CHECKED, DG_HF_ANGLE_OFFSET, default_zero4},
+    [DG_HF_REGION_SYNC]        = {"sync",           4, DG_STORE_CHECKED, DG_HF_ANGLE_OFFSET, default_zero4},
+    [DG_HF_REGION_UART]        = {"uart",           2, DG_STORE_CHECKED, DG_HF_PARTITION,    default_uart},
+    [DG_HF_REGION_MEMORY]      = {"memory",         1, DG_STORE_CHECKED, DG_HF_PARTITION,    default_memory},
+    [DG_HF_REGION_CODES]       = {"codes",          4, DG_STORE_CHECKED, DG_HF_PARTITION,    default_codes},
+    [DG_HF_REGION_FIELDS]      = {"fields",       113, DG_STORE_CHECKED, DG_HF_PARTITION,    default_fields},
+    [DG_HF_REGION_TYPE]        = {"type",          39, DG_STORE_CHECKED, DG_HF_I2C,          default_type},
+    [DG_HF_REGION_COUNTER]     = {"counter",        3, DG_STORE_CHECKED, DG_HF_COUNTER,      default_counter},
+    [DG_HF_REGION_LABEL]       = {"label",         64, DG_STORE_CHECKED, DG_HF_FIELD_NUMBER, default_label},
+    [DG_HF_REGION_FIELD_SUMS]  = {"field-sums",   224, DG_STORE_RAW,     0,                  NULL},
+    [DG_HF_REGION_USER]        = {"user",        1792, DG_STORE_RAW,     0,                  NULL},
+};
+/* clang-format on */
+
+_Static_assert(113 == 1 + HF_FIELDS_MAX, "fields: count and a status byte each");
+_Static_assert(224 == 2 * HF_FIELDS_MAX, "field-sums: a CRC-16 each");
+_Static_assert(1792 == HF_BLOCK * HF_FIELDS_MAX, "user: 70h blocks");
+
+/* The longest commit is 4Bh's: 128 bytes of content and a sum, 6 bytes of journal each. */
+const struct dg_store_layout dg_hf_layout = {
+    .id = 0x48463101u,
+    .journal_size = 6u + 128u + 6u + 2u,
+    .region_count = DG_HF_REGION_COUNT,
+    .regions = regions,
+};
+
+/* turns * periods * steps has to fit 32 bits of position. */
+static bool resolution_fits(uint32_t periods, uint32_t steps, uint32_t turns)
+{
+    uint64_t per_turn = (uint64_t)periods * steps;
+
+    return per_turn != 0 && turns != 0 && turns <= ((uint64_t)1 << 32) / per_turn;
+}
+
+int dg_hf_model_check(const struct dg_hf_model *model)
+{
+    if (!resolution_fits(model->periods_per_turn, model->steps_per_period, model->turns)) {
+        return DG_ERR_ARGUMENT;
+    }
+    if (model->memory_blocks == 0 || model->memory_blocks > HF_FIELDS_MAX) {
+        return DG_ERR_ARGUMENT;
+    }
+    return DG_OK;
+}
+
+int dg_hf_format(const struct dg_hf_model *model, struct dg_nvm nvm)
+{
+    int result = dg_hf_model_check(model);
+
+    return result == DG_OK ? dg_store_format(&dg_hf_layout, nvm, model) : result;
+}
+
+/* Read a region that is in order; `to` keeps its content otherwise. */
+static bool load(struct dg_hf *self, enum dg_hf_region region, uint8_t *to)
+{
+    uint16_t size = dg_hf_layout.regions[region].size;
+
+    return !dg_store_damaged(&self->store, (uint8_t)region) &&
+           dg_store_read(&self->store, (uint8_t)region, 0, to, size) == DG_OK;
+}
+
+static void load_from_model(struct dg_hf *self)
+{
+    const struct dg_hf_model *model = self->setup.model;
+
+    self->periods = model->periods_per_turn;
+    self->steps = model->steps_per_period;
+    self->turns = model->turns;
+    self->blocks = model->memory_blocks;
+    self->offset = 0;
+    self->address = DG_HF_ADDRESS_DEFAULT;
+    self->uart_stored = DG_HF_UART_DEFAULT;
+    memset(self->codes, DG_HF_CODE_DEFAULT, sizeof self->codes);
+}
+
+static void load_limits(struct dg_hf *self, const uint8_t *label)
+{
+    const uint8_t *parameter = &label[LABEL_PARAMETERS];
+
+    self->channels[0] = parameter[1];
+    self->temperature_min_degc = (int16_t)dg_load_be16(&parameter[2]);
+    self->temperature_max_degc = (int16_t)dg_load_be16(&parameter[4]);
+    self->channels[1] = parameter[7];
+    self->led_max_ma = dg_load_be16(&parameter[10]);
+    self->channels[2] = parameter[13];
+    self->speed_max_rpm = dg_load_be16(&parameter[18]);
+}
+
+void dg_hf_load(struct dg_hf *self, bool mounted)
+{
+    uint8_t bytes[HF_LABEL_SIZE];
+
+    load_from_model(self);
+    default_label(self->setup.model, bytes);
+    if (mounted) {
+        (void)load(self, DG_HF_REGION_LABEL, bytes);
+    }
+    load_limits(self, bytes);
+    if (!mounted) {
+        return;
+    }
+    if (load(self, DG_HF_REGION_RESOLUTION, bytes) &&
+        resolution_fits(dg_load_be16(&bytes[0]), bytes[2], dg_load_be32(&bytes[3]))) {
+        self->periods = dg_load_be16(&bytes[0]);
+        self->steps = bytes[2];
+        self->turns = dg_load_be32(&bytes[3]);
+    }
+    if (load(self, DG_HF_REGION_OFFSET, bytes)) {
+        self->offset = dg_load_be32(bytes);
+    }
+    if (load(self, DG_HF_REGION_UART, bytes)) {
+        self->uart_stored = bytes[0];
+        self->address = bytes[1];
+    }
+    (void)load(self, DG_HF_REGION_MEMORY, &self->blocks);
+    (void)load(self, DG_HF_REGION_CODES, self->codes);
+}

@@ -1,0 +1,91 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * Inside of the S36 RS485 device: what its files share.
+ */
+#ifndef DREHGEBER_SRC_HF_H
+#define DREHGEBER_SRC_HF_H
+
+#include "drehgeber/bits.h"
+#include "drehgeber/hiperface.h"
+
+/** Field number of the extended type label, its size and its status byte (5.1.1.2.2). */
+#define HF_LABEL 0xFFu
+#define HF_LABEL_SIZE 64u
+#define HF_LABEL_STATUS 0x83u
+
+/** Most data fields there can be: 70h blocks of 16 bytes. */
+#define HF_FIELDS_MAX 112u
+#define HF_BLOCK 16u
+
+/** A command that carries data beyond this does not exist. */
+#define HF_DATA_MAX (DG_HF_FRAME_MAX - 3u)
+
+/** Start-up locks (5.1.3), lowest bit answered first. */
+enum hf_lock {
+    HF_LOCK_POSITION = 1, /**< 02h */
+    HF_LOCK_FIELDS = 2,   /**< 03h */
+    HF_LOCK_EEPROM = 4,   /**< 05h */
+    HF_LOCK_CHECKSUM = 8, /**< 06h */
+};
+
+/** What a command is bound to; the low bits are its locks. */
+enum hf_flags {
+    HF_LOCKS = 15,
+    HF_CODE0 = 16,
+};
+
+/** A request whose frame is in order, and the reply under construction. */
+struct hf_request {
+    dg_ns now;
+    const uint8_t *data;
+    uint16_t length; /**< of data */
+    struct dg_writer reply;
+};
+
+/** Executes a command whose general checks are passed. */
+typedef enum dg_hf_status hf_handler(struct dg_hf *self, struct hf_request *rq);
+
+/** One row of the command table. */
+struct hf_command {
+    uint8_t code;
+    uint8_t request_min;
+    uint8_t request_max;
+    uint8_t reply_max;
+    uint8_t reaction_ms;
+    uint8_t flags;
+    hf_handler *handler; /**< NULL: encoder reset, which the line itself performs */
+};
+
+/** command.c: the table, and everything between a frame and its handler (R8). */
+extern const struct hf_command dg_hf_commands[];
+extern const uint8_t dg_hf_command_count;
+/** Row of a code, or NULL. */
+const struct hf_command *dg_hf_command(uint8_t code);
+/** The protocol group's verdict on the frame in `self`; `row` is NULL when no command is known. */
+enum dg_hf_status dg_hf_check(const struct dg_hf *self, const struct hf_command **row);
+/** Check and execute the frame in `self`, and send the reply. */
+void dg_hf_answer(struct dg_hf *self, dg_ns now);
+
+/** status.c */
+void dg_hf_push(struct dg_hf *self, enum dg_hf_status status);
+void dg_hf_start_up_checks(struct dg_hf *self);
+void dg_hf_monitor(struct dg_hf *self);
+/** The wire's view of a result of the store. */
+enum dg_hf_status dg_hf_io(int result);
+
+/** factory.c */
+int dg_hf_model_check(const struct dg_hf_model *model);
+/** Working copy from the model, then from every region that is in order. */
+void dg_hf_load(struct dg_hf *self, bool mounted);
+
+/** Handlers, by file. */
+hf_handler dg_hf_read_position, dg_hf_set_position, dg_hf_set_synchronous; /* position.c */
+hf_handler dg_hf_read_data, dg_hf_save_data, dg_hf_field_status, dg_hf_create_field; /* field.c */
+hf_handler dg_hf_available_memory;
+hf_handler dg_hf_read_status; /* status.c */
+hf_handler dg_hf_read_analog, dg_hf_read_counter, dg_hf_count_up, dg_hf_erase_counter; /* unit.c */
+hf_handler dg_hf_modify_key, dg_hf_read_type_label, dg_hf_assign_address, dg_hf_read_serial;
+hf_handler dg_hf_configure_uart;
+
+#endif

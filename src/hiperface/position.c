@@ -1,0 +1,166 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Position and process channel: 42h, 43h, 6Ah (5.1.2.1, 5.1.2.2, 5.1.2.19) and the sine and cosine
+ * signals (4.1.3).
+ */
+#include "hf.h"
+
+/* Middle of what 4.1.3 allows: 0.5 V peak to peak between the lines of a signal, 2.5 V on average.
+ */
+#define SINCOS_PEAK_UV 250000
+#define SINCOS_DC_UV 2500000
+
+static uint32_t counts_per_turn(const struct dg_hf *self)
+{
+    return (uint32_t)self->periods * self->steps;
+}
+
+static uint64_t range(const struct dg_hf *self)
+{
+    return (uint64_t)counts_per_turn(self) * self->turns;
+}
+
+/* Position without the offset: the 5 LSB are the phase of the sine. */
+static uint32_t raw_position(const struct dg_hf *self, dg_ns now)
+{
+    dg_angle angle = dg_world_angle(self->setup.world, now);
+
+    return (uint32_t)dg_mod(dg_angle_counts(angle, counts_per_turn(self)), range(self));
+}
+
+/* a + b modulo the measuring range; both are inside it. */
+static uint32_t add(const struct dg_hf *self, uint32_t a, uint32_t b)
+{
+    uint64_t sum = (uint64_t)a + b;
+
+    return (uint32_t)(sum >= range(self) ? sum - range(self) : sum);
+}
+
+static uint32_t negate(const struct dg_hf *self, uint32_t a)
+{
+    return a == 0 ? 0 : (uint32_t)(range(self) - a);
+}
+
+uint32_t dg_hf_position(const struct dg_hf *self, dg_ns now)
+{
+    return add(self, raw_position(self, now), self->offset);
+}
+
+static bool too_fast(const struct dg_hf *self, dg_ns now)
+{
+    int64_t mrpm = dg_world_speed_mrpm(self->setup.world, now);
+    int64_t limit = (int64_t)self->speed_max_rpm * 1000;
+
+    return mrpm > limit || mrpm < -limit;
+}
+
+/* The first fault is the answer, the others wait in the error stack (5.1.3 'Position'). */
+static enum dg_hf_status faults(struct dg_hf *self, bool fast)
+{
+    const struct dg_world *world = self->setup.world;
+    bool multiturn = self->turns > 1;
+    const struct {
+        bool present;
+        uint8_t status;
+    } causes[] = {
+        {world->led_current_ua > self->led_max_ma * 1000u, DG_HF_LED_CURRENT},
+        {fast, DG_HF_SPEED},
+        {!world->singleturn_ok, DG_HF_SINGLETURN},
+        {multiturn && !world->multiturn_amplitude_ok, DG_HF_MULTITURN_AMPLITUDE},
+        {multiturn && !world->multiturn_sync_ok, DG_HF_MULTITURN_SYNC},
+        {multiturn && !world->multiturn_vector_ok, DG_HF_MULTITURN_VECTOR},
+    };
+    enum dg_hf_status first = DG_HF_NO_ERROR;
+
+    for (uint8_t i = 0; i < sizeof causes / sizeof causes[0]; i++) {
+        enum dg_hf_status status = (enum dg_hf_status)causes[i].status;
+        if (causes[i].present && first == DG_HF_NO_ERROR) {
+            first = status;
+        } else if (causes[i].present) {
+            dg_hf_push(self, status);
+        }
+    }
+    return first;
+}
+
+enum dg_hf_status dg_hf_read_position(struct dg_hf *self, struct hf_request *rq)
+{
+    enum dg_hf_status status = faults(self, too_fast(self, rq->now));
+
+    dg_write_be32(&rq->reply, dg_hf_position(self, rq->now));
+    return status;
+}
+
+static enum dg_hf_status store_offset(struct dg_hf *self, uint32_t offset)
+{
+    uint8_t bytes[4];
+
+    dg_store_be32(bytes, offset);
+    enum dg_hf_status status =
+        dg_hf_io(dg_store_put(&self->store, DG_HF_REGION_OFFSET, 0, bytes, sizeof bytes));
+    if (status == DG_HF_NO_ERROR) {
+        self->offset = offset;
+    }
+    return status;
+}
+
+/* Common to 43h and 6Ah: the offset that makes the position at `now` the preset. */
+static enum dg_hf_status wanted_offset(struct dg_hf *self, const struct hf_request *rq,
+                                       uint32_t *offset)
+{
+    uint32_t preset = dg_load_be32(rq->data);
+
+    if (preset >= range(self)) {
+        return DG_HF_ARGUMENT;
+    }
+    *offset = add(self, preset, negate(self, raw_position(self, rq->now)));
+    return faults(self, false);
+}
+
+enum dg_hf_status dg_hf_set_position(struct dg_hf *self, struct hf_request *rq)
+{
+    uint32_t offset = 0;
+    enum dg_hf_status status = wanted_offset(self, rq, &offset);
+
+    return status == DG_HF_NO_ERROR ? store_offset(self, offset) : status;
+}
+
+enum dg_hf_status dg_hf_set_synchronous(struct dg_hf *self, struct hf_request *rq)
+{
+    uint32_t offset = 0;
+    enum dg_hf_status status = wanted_offset(self, rq, &offset);
+
+    if (status != DG_HF_NO_ERROR) {
+        return status;
+    }
+    /* To whole periods, to the nearest, ties up (R18); the range is a whole number of periods. */
+    uint64_t periods = ((uint64_t)offset + self->steps / 2u) / self->steps;
+    offset = (uint32_t)(periods * self->steps % range(self));
+    dg_write_be32(&rq->reply, add(self, raw_position(self, rq->now), offset));
+    return store_offset(self, offset);
+}
+
+/* One signal: half of the differential voltage on either line. */
+static int32_t half_uv(int32_t sine_q30, uint16_t amplitude_permille, int16_t offset_permille)
+{
+    int64_t peak_uv = (int64_t)SINCOS_PEAK_UV * amplitude_permille / 1000;
+    int64_t offset_uv = (int64_t)SINCOS_PEAK_UV * offset_permille / 1000;
+
+    return (int32_t)((peak_uv * sine_q30 / (1 << 30) + offset_uv) / 2);
+}
+
+void dg_hf_sincos(const struct dg_hf *self, dg_ns now, struct dg_hf_sincos *out)
+{
+    const struct dg_world *world = self->setup.world;
+    /* Whole turns are whole periods: the lower half of the angle alone has the phase. */
+    uint32_t phase = (uint32_t)(uint64_t)dg_world_angle(world, now) * self->periods;
+    int32_t sin_uv =
+        half_uv(dg_sin_q30(phase), world->sin_amplitude_permille, world->sin_offset_permille);
+    int32_t cos_uv = half_uv(dg_sin_q30(phase + (1u << 30)), world->cos_amplitude_permille,
+                             world->cos_offset_permille);
+
+    out->sin_plus_uv = SINCOS_DC_UV + sin_uv;
+    out->sin_minus_uv = SINCOS_DC_UV - sin_uv;
+    out->cos_plus_uv = SINCOS_DC_UV + cos_uv;
+    out->cos_minus_uv = SINCOS_DC_UV - cos_uv;
+}
