@@ -11,15 +11,15 @@
  * sin(pi/2 u) = u (C0 - z (C1 - z (C2 - z (C3 - z (C4 - z C5))))) with z = u^2: the odd polynomial
  * through the Chebyshev nodes of degree 13, stretched so that the largest is u = 1; it is off by
  * less than 2^-35. Signs alternate and every bracket stays positive, so unsigned numbers do.
- * In units of 2^-32, the last digits chosen so that the result is off by less than 1 unit of
- * 2^-30 at every phase, and C0 - C1 + C2 - C3 + C4 - C5 = 1, which makes the peak exact.
+ * In units of 2^-32; C0 - C1 + C2 - C3 + C4 - C5 = 1, which makes the peak exact. With what is
+ * rounded on the way, the result is off by less than 1.2 units of 2^-30 at every phase.
  */
-#define C0 6746518851u
-#define C1 2774394650u
-#define C2 342277044u
-#define C3 20107379u
-#define C4 688098u
-#define C5 14668u
+#define C0 6746518852u
+#define C1 2774394651u
+#define C2 342277046u
+#define C3 20107380u
+#define C4 688099u
+#define C5 14670u
 
 /** Sine of the first quarter period, both ends included. */
 static int32_t first_quarter(uint32_t u)

@@ -1,20 +1,20 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The medium, least significant byte first:
+ * The medium; numbers are least significant byte first, except for the CRC-16:
  *
  *    0  header    "dge1" | layout id, 4 | size of the layout, 4
  *   12  copy of the header
  *   24  journal   length, 2 | its complement, 2 | CRC-32 over these four bytes and the changes, 4
  *   32  changes   region, 1 | 00h | offset, 2 | n, 2 | n bytes | next change ...
- *       regions   in table order, a checked one followed by its CRC-16
+ *       regions   in table order, a checked one followed by its CRC-16, high byte first
  *
  * A checked region is changed as a whole, so its change needs no offset; its CRC-16 stands there.
  *
- * When the power may fail, and what the next mount finds:
+ * When the power fails, the next mount finds in the journal and makes of it:
  *
- *   stage, stage | length, CRC | sync | apply | sync | clear
- *   idle: old    | idle, torn or  ... whole: completed .. | idle or whole: new
- *                | whole: either
+ *   stage ... stage | length, CRC-32 | sync   | apply        | sync | clear
+ *   idle            | idle or torn or whole   | whole        | whole or torn or idle
+ *   old             | old     old     new     | new, redone  | new     new     new
  *
  * Clearing needs no sync: until the next commit's sync a surviving journal only repeats what is in
  * place already, and the bytes staged over it break its sum.
@@ -31,6 +31,7 @@
 #define JOURNAL HEADERS_SIZE
 #define JOURNAL_HEAD_SIZE 8u
 #define JOURNAL_LENGTH_SIZE 4u /* length and complement */
+#define JOURNAL_NO_LENGTH 0xFFFFFFFFu
 #define CHANGES (JOURNAL + JOURNAL_HEAD_SIZE)
 #define CHANGE_HEAD_SIZE 6u
 #define SUM_SIZE 2u
@@ -64,34 +65,25 @@ static size_t chunk(uint32_t n)
 static int nvm_erase(const struct dg_nvm *nvm, uint32_t address, uint32_t n)
 {
     uint8_t bytes[CHUNK];
-    int result = DG_OK;
     memset(bytes, ERASED, sizeof bytes);
-    for (uint32_t done = 0; result == DG_OK && done < n; done += CHUNK) {
-        result = nvm_write(nvm, address + done, bytes, chunk(n - done));
+    for (uint32_t done = 0; done < n; done += CHUNK) {
+        if (nvm_write(nvm, address + done, bytes, chunk(n - done)) != DG_OK) {
+            return DG_ERR_IO;
+        }
     }
-    return result;
+    return DG_OK;
 }
 
 static int nvm_copy(const struct dg_nvm *nvm, uint32_t from, uint32_t to, uint32_t n)
 {
     uint8_t bytes[CHUNK];
-    int result = DG_OK;
-    for (uint32_t done = 0; result == DG_OK && done < n; done += CHUNK) {
-        result = nvm_read(nvm, from + done, bytes, chunk(n - done));
-        if (result == DG_OK) {
-            result = nvm_write(nvm, to + done, bytes, chunk(n - done));
+    for (uint32_t done = 0; done < n; done += CHUNK) {
+        if (nvm_read(nvm, from + done, bytes, chunk(n - done)) != DG_OK ||
+            nvm_write(nvm, to + done, bytes, chunk(n - done)) != DG_OK) {
+            return DG_ERR_IO;
         }
     }
-    return result;
-}
-
-static bool erased(const uint8_t *bytes, size_t n)
-{
-    size_t i = 0;
-    while (i < n && bytes[i] == ERASED) {
-        i++;
-    }
-    return i == n;
+    return DG_OK;
 }
 
 static bool inside(const struct dg_store_layout *layout, uint8_t region, uint16_t offset,
@@ -103,7 +95,7 @@ static bool inside(const struct dg_store_layout *layout, uint8_t region, uint16_
 
 static bool checked(const struct dg_store_layout *layout, uint8_t region)
 {
-    return layout->regions[region].check == DG_STORE_CHECKED;
+    return region < layout->region_count && layout->regions[region].check == DG_STORE_CHECKED;
 }
 
 static bool stageable(const struct dg_store_layout *layout, uint8_t region, uint16_t offset,
@@ -138,7 +130,11 @@ static int check_header(struct dg_store *self)
         return DG_OK;
     }
     if (!first && !copy) {
-        return erased(found, sizeof found) ? DG_ERR_BLANK : DG_ERR_FOREIGN;
+        size_t i = 0;
+        while (i < sizeof found && found[i] == ERASED) {
+            i++;
+        }
+        return i == sizeof found ? DG_ERR_BLANK : DG_ERR_FOREIGN;
     }
     /* Only the damaged one is written: whatever becomes of it, the other stays. */
     if (nvm_write(&self->nvm, first ? HEADER_SIZE : 0, right, HEADER_SIZE) != DG_OK) {
@@ -154,16 +150,17 @@ static int check_header(struct dg_store *self)
 static int make_journal_head(const struct dg_nvm *nvm, uint16_t length, uint8_t *head)
 {
     uint8_t bytes[CHUNK];
-    int result = DG_OK;
     dg_store_le16(head, length);
     dg_store_le16(head + 2, (uint16_t)~length);
     uint32_t sum = dg_crc32(0, head, JOURNAL_LENGTH_SIZE);
-    for (uint32_t done = 0; result == DG_OK && done < length; done += CHUNK) {
-        result = nvm_read(nvm, CHANGES + done, bytes, chunk(length - done));
+    for (uint32_t done = 0; done < length; done += CHUNK) {
+        if (nvm_read(nvm, CHANGES + done, bytes, chunk(length - done)) != DG_OK) {
+            return DG_ERR_IO;
+        }
         sum = dg_crc32(sum, bytes, chunk(length - done));
     }
     dg_store_le32(head + JOURNAL_LENGTH_SIZE, sum);
-    return result;
+    return DG_OK;
 }
 
 /* Whether there is a journal, see enum journal_state, and how long a whole one is. */
@@ -174,7 +171,8 @@ static int inspect_journal(const struct dg_store *self, uint16_t *length)
     if (nvm_read(&self->nvm, JOURNAL, found, sizeof found) != DG_OK) {
         return DG_ERR_IO;
     }
-    if (erased(found, sizeof found)) {
+    /* No length has itself for its complement: whatever follows, this is never a whole one. */
+    if (dg_load_le32(found) == JOURNAL_NO_LENGTH) {
         return JOURNAL_IDLE;
     }
     *length = dg_load_le16(found);
@@ -187,43 +185,29 @@ static int inspect_journal(const struct dg_store *self, uint16_t *length)
     return memcmp(found, right, sizeof found) == 0 ? JOURNAL_WHOLE : JOURNAL_TORN;
 }
 
-static int apply_change(const struct dg_store *self, const uint8_t *head, uint32_t from)
-{
-    const struct dg_store_layout *layout = self->layout;
-    const uint8_t region = head[0];
-    const uint16_t n = dg_load_le16(head + 4);
-    uint32_t to = dg_store_address(layout, region);
-    if (!checked(layout, region)) {
-        to += dg_load_le16(head + 2);
-    } else if (nvm_write(&self->nvm, to + n, head + 2, SUM_SIZE) != DG_OK) {
-        return DG_ERR_IO;
-    }
-    return nvm_copy(&self->nvm, from, to, n);
-}
-
 /* Put the changes in place, in order; `regions` collects the ones written as a whole. */
 static int apply(const struct dg_store *self, uint16_t length, uint32_t *regions)
 {
     const struct dg_store_layout *layout = self->layout;
     const uint32_t end = CHANGES + length;
     uint32_t at = CHANGES;
-    while (end - at >= CHANGE_HEAD_SIZE) {
+    while (at < end) {
         uint8_t head[CHANGE_HEAD_SIZE];
         if (nvm_read(&self->nvm, at, head, sizeof head) != DG_OK) {
             return DG_ERR_IO;
         }
         const uint8_t region = head[0];
         const uint16_t n = dg_load_le16(head + 4);
-        at += CHANGE_HEAD_SIZE;
-        if (region >= layout->region_count || n > end - at) {
-            break;
-        }
         const bool whole = checked(layout, region);
+        const uint16_t offset = whole ? 0 : dg_load_le16(head + 2);
+        const uint32_t to = dg_store_address(layout, region) + offset;
+        at += CHANGE_HEAD_SIZE;
         /* Stage lets nothing else in: a forged image must not write outside of its region. */
-        if (!stageable(layout, region, whole ? 0 : dg_load_le16(head + 2), n)) {
+        if (n > end - at || !stageable(layout, region, offset, n)) {
             break;
         }
-        if (apply_change(self, head, at) != DG_OK) {
+        if (nvm_copy(&self->nvm, at, to, n) != DG_OK ||
+            (whole && nvm_write(&self->nvm, to + n, head + 2, SUM_SIZE) != DG_OK)) {
             return DG_ERR_IO;
         }
         *regions |= (uint32_t)whole << region;
@@ -239,17 +223,12 @@ static int apply(const struct dg_store *self, uint16_t length, uint32_t *regions
 static int complete(struct dg_store *self, uint16_t length)
 {
     uint32_t regions = 0;
-    int result = nvm_sync(&self->nvm);
-    if (result == DG_OK) {
-        result = apply(self, length, &regions);
+    if (nvm_sync(&self->nvm) != DG_OK || apply(self, length, &regions) != DG_OK ||
+        nvm_sync(&self->nvm) != DG_OK) {
+        return DG_ERR_IO;
     }
-    if (result == DG_OK) {
-        result = nvm_sync(&self->nvm);
-    }
-    if (result == DG_OK) {
-        self->damaged &= ~regions;
-    }
-    return result;
+    self->damaged &= ~regions;
+    return DG_OK;
 }
 
 /*
@@ -260,24 +239,14 @@ static int complete(struct dg_store *self, uint16_t length)
 static int settle(struct dg_store *self)
 {
     uint16_t length = 0;
-    int result = DG_OK;
     const int state = inspect_journal(self, &length);
-    if (state < 0) {
-        return state;
+    if ((state == JOURNAL_WHOLE && complete(self, length) != DG_OK) ||
+        (state > JOURNAL_IDLE && nvm_erase(&self->nvm, JOURNAL, JOURNAL_HEAD_SIZE) != DG_OK) ||
+        (state == JOURNAL_TORN && nvm_sync(&self->nvm) != DG_OK)) {
+        return DG_ERR_IO;
     }
-    if (state == JOURNAL_WHOLE) {
-        result = complete(self, length);
-    }
-    if (state != JOURNAL_IDLE && result == DG_OK) {
-        result = nvm_erase(&self->nvm, JOURNAL, JOURNAL_HEAD_SIZE);
-    }
-    if (state == JOURNAL_TORN && result == DG_OK) {
-        result = nvm_sync(&self->nvm);
-    }
-    if (result == DG_OK) {
-        self->unapplied = false;
-    }
-    return result == DG_OK ? state : result;
+    self->unapplied = state < 0;
+    return state;
 }
 
 /* What an earlier call left open comes first. */
@@ -319,11 +288,12 @@ static int commit_journal(struct dg_store *self)
 
 /* Regions. */
 
+/* A CRC without reflection or final XOR over content and its own sum is 0. */
 static int check_region(struct dg_store *self, uint8_t region)
 {
     uint8_t bytes[CHUNK];
     uint16_t sum = SUM_SEED;
-    const uint32_t n = self->layout->regions[region].size;
+    const uint32_t n = self->layout->regions[region].size + SUM_SIZE;
     const uint32_t address = dg_store_address(self->layout, region);
     for (uint32_t done = 0; done < n; done += CHUNK) {
         if (nvm_read(&self->nvm, address + done, bytes, chunk(n - done)) != DG_OK) {
@@ -331,12 +301,7 @@ static int check_region(struct dg_store *self, uint8_t region)
         }
         sum = dg_crc16(sum, bytes, chunk(n - done));
     }
-    if (nvm_read(&self->nvm, address + n, bytes, SUM_SIZE) != DG_OK) {
-        return DG_ERR_IO;
-    }
-    if (dg_load_le16(bytes) != sum) {
-        self->damaged |= UINT32_C(1) << region;
-    }
+    self->damaged |= (uint32_t)(sum != 0) << region;
     return DG_OK;
 }
 
@@ -351,29 +316,25 @@ static int check_regions(struct dg_store *self)
     return result;
 }
 
-/* Whether the region's delivery state goes through the buffer of format_region(). */
-static bool composed(const struct dg_store_region *region)
-{
-    return region->check == DG_STORE_CHECKED || region->defaults != NULL;
-}
-
+/* Delivery state of a region on erased memory. */
 static int format_region(const struct dg_store_region *region, const struct dg_nvm *nvm,
                          uint32_t address, const void *ctx)
 {
     uint8_t bytes[DG_STORE_CHECKED_MAX + SUM_SIZE];
-    size_t n = region->size;
-    if (!composed(region)) {
-        return nvm_erase(nvm, address, region->size);
+    const size_t n = region->size;
+    const bool whole = region->check == DG_STORE_CHECKED;
+    if (!whole && region->defaults == NULL) {
+        return DG_OK;
+    }
+    if (n > DG_STORE_CHECKED_MAX) {
+        return DG_ERR_ARGUMENT;
     }
     memset(bytes, ERASED, sizeof bytes);
     if (region->defaults != NULL) {
         region->defaults(ctx, bytes);
     }
-    if (region->check == DG_STORE_CHECKED) {
-        dg_store_le16(bytes + n, dg_crc16(SUM_SEED, bytes, n));
-        n += SUM_SIZE;
-    }
-    return nvm_write(nvm, address, bytes, n);
+    dg_store_be16(bytes + n, dg_crc16(SUM_SEED, bytes, n));
+    return nvm_write(nvm, address, bytes, whole ? n + SUM_SIZE : n);
 }
 
 /* Public. */
@@ -419,23 +380,19 @@ int dg_store_find(const struct dg_store_layout *layout, const char *name)
 int dg_store_format(const struct dg_store_layout *layout, struct dg_nvm nvm, const void *ctx)
 {
     uint8_t headers[HEADERS_SIZE];
-    for (uint8_t i = 0; i < layout->region_count; i++) {
-        if (composed(&layout->regions[i]) && layout->regions[i].size > DG_STORE_CHECKED_MAX) {
-            return DG_ERR_ARGUMENT;
-        }
-    }
     if (nvm_erase(&nvm, 0, HEADERS_SIZE) != DG_OK || nvm_sync(&nvm) != DG_OK ||
-        nvm_erase(&nvm, JOURNAL, JOURNAL_HEAD_SIZE + layout->journal_size) != DG_OK) {
+        nvm_erase(&nvm, JOURNAL, dg_store_size(layout) - JOURNAL) != DG_OK) {
         return DG_ERR_IO;
     }
     for (uint8_t i = 0; i < layout->region_count; i++) {
         const uint32_t address = dg_store_address(layout, i);
-        if (format_region(&layout->regions[i], &nvm, address, ctx) != DG_OK) {
-            return DG_ERR_IO;
+        const int result = format_region(&layout->regions[i], &nvm, address, ctx);
+        if (result != DG_OK) {
+            return result;
         }
     }
     make_header(layout, headers);
-    make_header(layout, headers + HEADER_SIZE);
+    memcpy(headers + HEADER_SIZE, headers, HEADER_SIZE);
     if (nvm_sync(&nvm) != DG_OK || nvm_write(&nvm, 0, headers, sizeof headers) != DG_OK) {
         return DG_ERR_IO;
     }
@@ -497,7 +454,11 @@ int dg_store_stage(struct dg_store *self, uint8_t region, uint16_t offset, const
         result = DG_ERR_ARGUMENT;
     } else if (n > 0) {
         const bool whole = checked(self->layout, region);
-        dg_store_le16(head + 2, whole ? dg_crc16(SUM_SEED, from, n) : offset);
+        if (whole) {
+            dg_store_be16(head + 2, dg_crc16(SUM_SEED, from, n));
+        } else {
+            dg_store_le16(head + 2, offset);
+        }
         dg_store_le16(head + 4, n);
         result = append(self, head, from, n);
     }

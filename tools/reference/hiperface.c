@@ -1,0 +1,85 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Prints the generated part of src/hiperface/README.md from the device's own tables.
+ */
+#include <stdio.h>
+#include <string.h>
+
+#include "hf.h"
+
+#define DOC_P 1
+#define DOC_D 2
+#define DOC_E 4
+#define DOC_S 8
+#define DOC_C 16
+enum { P = DOC_P, D = DOC_D, E = DOC_E, S = DOC_S, C = DOC_C };
+
+struct row {
+    unsigned code;
+    const char *name;
+    unsigned min, max, reply, reaction_ms, flags;
+    const char *errors;
+};
+
+#define DG_HF_COMMAND(code, name, min, max, reply, reaction_ms, flags, handler, errors)            \
+    {code, name, min, max, reply, reaction_ms, flags, errors},
+
+static const struct row rows[] = {
+#include "commands.def"
+};
+
+static void print_length(char *to, size_t size, unsigned min, unsigned max)
+{
+    if (min == max) {
+        (void)snprintf(to, size, "%u", min);
+    } else {
+        (void)snprintf(to, size, "%u-%u", min, max);
+    }
+}
+
+static void print_commands(void)
+{
+    puts("| code | command | request | reply | reaction max | Code 0 | own errors |");
+    puts("|---|---|---|---|---|---|---|");
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        const struct row *row = &rows[i];
+        char request[16];
+        char reaction[16];
+        print_length(request, sizeof request, row->min, row->max);
+        (void)snprintf(reaction, sizeof reaction, "%u ms", row->reaction_ms);
+        printf("| %02Xh | %s | %s | %s%u | %s | %s | %s |\n", row->code, row->name, request,
+               row->code == 0x4A ? "4-" : "", row->reply,
+               row->reaction_ms == 0 ? "no reply" : reaction, (row->flags & DOC_C) ? "yes" : "",
+               row->errors);
+    }
+}
+
+static void print_regions(void)
+{
+    puts("| region | bytes | checked | damage at start-up | address |");
+    puts("|---|---|---|---|---|");
+    for (unsigned i = 0; i < dg_hf_layout.region_count; i++) {
+        const struct dg_store_region *region = &dg_hf_layout.regions[i];
+        char code[16] = "";
+        if (region->startup_code != 0) {
+            (void)snprintf(code, sizeof code, "%02Xh, 06h", region->startup_code);
+        }
+        printf("| %s | %u | %s | %s | %04Xh |\n", region->name, region->size,
+               region->check == DG_STORE_CHECKED ? "yes" : "no", code,
+               (unsigned)dg_store_address(&dg_hf_layout, (uint8_t)i));
+    }
+}
+
+int main(int argc, char **argv)
+{
+    if (argc == 2 && strcmp(argv[1], "commands") == 0) {
+        print_commands();
+        return 0;
+    }
+    if (argc == 2 && strcmp(argv[1], "regions") == 0) {
+        print_regions();
+        return 0;
+    }
+    (void)fprintf(stderr, "usage: reference-hiperface commands|regions\n");
+    return 2;
+}
