@@ -27,14 +27,14 @@ void dg_store_le32(uint8_t *p, uint32_t value);
 struct dg_reader {
     const uint8_t *at;
     const uint8_t *end;
-    bool overrun; /**< more was asked for than there was; every such read gave 0 */
+    bool overrun; /**< more was asked for than there was; that read and all after it gave 0 */
 };
 
 /** Appends bytes at `at` up to `end`. */
 struct dg_writer {
     uint8_t *at;
     uint8_t *end;
-    bool overrun; /**< more was appended than fits; what did not fit was dropped whole */
+    bool overrun; /**< more was appended than fits; that value and all after it were dropped */
 };
 
 struct dg_reader dg_reader(const uint8_t *bytes, size_t n);

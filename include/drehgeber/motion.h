@@ -67,7 +67,8 @@ int dg_motion_set(struct dg_motion *self, const struct dg_motion *wanted);
 /**
  * Where the shaft is at `now`. `ctx` is a struct dg_motion; the signature is dg_world.angle's.
  * Standstill and constant speed are exact (floor to 2^-32 turn); a ramp is exact to 2^-32 turn
- * plus 2^-20 ns of travel; a sine to 2^-29 of its amplitude; a replay floors its interpolation.
+ * plus 2^-20 ns of travel; a sine to 2^-29 of its amplitude plus 2^-32 turn; a replay floors its
+ * interpolation. A motion that leaves the range of dg_angle wraps modulo 2^64.
  */
 dg_angle dg_motion_angle(void *ctx, dg_ns now);
 

@@ -20,7 +20,8 @@
 struct dg_world {
     /**
      * The shaft's angle as a pure function of time; positive is clockwise. Called at the latch
-     * moment the protocol defines, and for the speed also up to 1 ms earlier. Must not block.
+     * moment the protocol defines, and for the speed also 1 ms earlier (at 0 and at 1 ms when the
+     * latch moment is earlier than 1 ms). Must not block.
      */
     dg_angle (*angle)(void *ctx, dg_ns now);
     void *angle_ctx;                 /**< handed to `angle` */
@@ -51,7 +52,9 @@ dg_angle dg_world_angle(const struct dg_world *self, dg_ns now);
 
 /**
  * Mean speed over the millisecond before `now` (over the first millisecond when `now` is earlier
- * than that), in 0.001 rpm, truncated towards 0, positive clockwise; saturates at +-2^31-1.
+ * than that), in 0.001 rpm, truncated towards 0, positive clockwise; saturates at +-(2^31-1).
+ * Modulo the range of dg_angle, so it is right where an angle wraps. An angle that is itself
+ * floored to 2^-32 turn can make the result 1 too small or too large (dg_motion_angle does).
  */
 int32_t dg_world_speed_mrpm(const struct dg_world *self, dg_ns now);
 

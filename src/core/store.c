@@ -41,20 +41,19 @@
 
 enum journal_state { JOURNAL_IDLE, JOURNAL_WHOLE, JOURNAL_TORN };
 
-/* A port's other negative codes must not pass for results of the store. */
 static int nvm_read(const struct dg_nvm *nvm, uint32_t address, void *to, size_t n)
 {
-    return nvm->ops->read(nvm->ctx, address, to, n) == 0 ? DG_OK : DG_ERR_IO;
+    return nvm->ops->read(nvm->ctx, address, to, n);
 }
 
 static int nvm_write(const struct dg_nvm *nvm, uint32_t address, const void *from, size_t n)
 {
-    return nvm->ops->write(nvm->ctx, address, from, n) == 0 ? DG_OK : DG_ERR_IO;
+    return nvm->ops->write(nvm->ctx, address, from, n);
 }
 
 static int nvm_sync(const struct dg_nvm *nvm)
 {
-    return nvm->ops->sync == NULL || nvm->ops->sync(nvm->ctx) == 0 ? DG_OK : DG_ERR_IO;
+    return nvm->ops->sync == NULL ? DG_OK : nvm->ops->sync(nvm->ctx);
 }
 
 static size_t chunk(uint32_t n)
@@ -89,8 +88,7 @@ static int nvm_copy(const struct dg_nvm *nvm, uint32_t from, uint32_t to, uint32
 static bool inside(const struct dg_store_layout *layout, uint8_t region, uint16_t offset,
                    uint16_t n)
 {
-    return region < layout->region_count && offset <= layout->regions[region].size &&
-           n <= layout->regions[region].size - offset;
+    return region < layout->region_count && (uint32_t)offset + n <= layout->regions[region].size;
 }
 
 static bool checked(const struct dg_store_layout *layout, uint8_t region)
@@ -191,7 +189,7 @@ static int apply(const struct dg_store *self, uint16_t length, uint32_t *regions
     const struct dg_store_layout *layout = self->layout;
     const uint32_t end = CHANGES + length;
     uint32_t at = CHANGES;
-    while (at < end) {
+    while (at + CHANGE_HEAD_SIZE <= end) {
         uint8_t head[CHANGE_HEAD_SIZE];
         if (nvm_read(&self->nvm, at, head, sizeof head) != DG_OK) {
             return DG_ERR_IO;
