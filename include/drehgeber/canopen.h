@@ -1,0 +1,437 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * A CANopen slave: CiA 301 V4.2 communication and CiA 305 layer setting services. The device
+ * profile (src/cia406) fills the rest of the dictionary. Source: manual F36x8 CANopen, chapters
+ * 2-19 and 27-29; what it leaves to the standards or open is decided in src/canopen/README.md.
+ *
+ * Frames and time go in, frames come out. SYNC, RTR and SDO requests are answered inside
+ * dg_co_rx(); what waits for time happens in dg_co_step(). All state lives in the caller's struct
+ * dg_co_node, plain data without pointers into itself; any number can live side by side.
+ */
+#ifndef DREHGEBER_CANOPEN_H
+#define DREHGEBER_CANOPEN_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "drehgeber/hal.h"
+#include "drehgeber/store.h"
+#include "drehgeber/time.h"
+#include "drehgeber/world.h"
+
+/** TPDOs of a node, entries a TPDO can map, heartbeat consumers, depth of 1003h. */
+#define DG_CO_TPDOS 4u
+#define DG_CO_MAPPED_MAX 8u
+#define DG_CO_CONSUMERS 2u
+#define DG_CO_HISTORY 8u
+/** Values a dictionary can keep (rows with a slot). */
+#define DG_CO_VALUES_MAX 128u
+/** Longest string in a dictionary. */
+#define DG_CO_STRING_MAX 32u
+/** Node-ID of a node that has none yet (CiA 305). */
+#define DG_CO_UNCONFIGURED 0xFFu
+
+/** A CAN 2.0A data or remote frame. */
+struct dg_can_frame {
+    uint16_t id; /**< 0..7FFh */
+    bool rtr;
+    uint8_t dlc; /**< 0..8 */
+    uint8_t data[8];
+};
+
+/** NMT states, with the values of heartbeats. */
+enum dg_co_state {
+    DG_CO_BOOT = 0x00,
+    DG_CO_STOPPED = 0x04,
+    DG_CO_OPERATIONAL = 0x05,
+    DG_CO_PRE_OPERATIONAL = 0x7F,
+    DG_CO_OFF = 0xFF, /**< no power; never on the wire */
+};
+
+/** SDO abort codes; 0 is success. Hooks return them, too. */
+enum dg_co_abort {
+    DG_CO_OK = 0,
+    DG_CO_TOGGLE = 0x05030000,
+    DG_CO_TIMEOUT = 0x05040000,
+    DG_CO_SPECIFIER = 0x05040001,
+    DG_CO_BLOCK_SIZE = 0x05040002,
+    DG_CO_SEQUENCE = 0x05040003,
+    DG_CO_CRC = 0x05040004,
+    DG_CO_ACCESS = 0x06010000,
+    DG_CO_WRITE_ONLY = 0x06010001, /**< read of a write-only object */
+    DG_CO_READ_ONLY = 0x06010002,  /**< write of a read-only object */
+    DG_CO_NO_OBJECT = 0x06020000,
+    DG_CO_NOT_MAPPABLE = 0x06040041,
+    DG_CO_PDO_LENGTH = 0x06040042,
+    DG_CO_INCOMPATIBLE = 0x06040043,
+    DG_CO_HARDWARE = 0x06060000,
+    DG_CO_LENGTH = 0x06070010,
+    DG_CO_TOO_LONG = 0x06070012,
+    DG_CO_TOO_SHORT = 0x06070013,
+    DG_CO_NO_SUB = 0x06090011,
+    DG_CO_RANGE = 0x06090030,
+    DG_CO_STORE = 0x08000020,
+    DG_CO_STATE = 0x08000022,
+    DG_CO_NO_DATA = 0x08000024,
+};
+
+/* ---------------------------------------------------------------- the dictionary */
+
+struct dg_co_node;
+struct dg_co_object;
+
+/** Data types, with the numbers of CiA 301. */
+enum dg_co_type {
+    DG_CO_I8 = 0x02,
+    DG_CO_I16 = 0x03,
+    DG_CO_I32 = 0x04,
+    DG_CO_U8 = 0x05,
+    DG_CO_U16 = 0x06,
+    DG_CO_U32 = 0x07,
+    DG_CO_STRING = 0x09, /**< default is the index into dg_co_device.strings */
+};
+
+/** Properties of a row. */
+enum dg_co_flags {
+    DG_CO_R = 1,      /**< may be read */
+    DG_CO_W = 2,      /**< may be written */
+    DG_CO_RW = 3,     /**< both */
+    DG_CO_MAP = 4,    /**< may be mapped into a TPDO */
+    DG_CO_ID = 8,     /**< the node-ID is added to the default */
+    DG_CO_SAVE = 16,  /**< 1010h keeps it */
+    DG_CO_SLOT = 32,  /**< has a value in dg_co_node.value; without it the default or the hook */
+    DG_CO_CONST = 64, /**< never changes; an EDS says const */
+};
+
+/** What a hook is called for. */
+enum dg_co_op {
+    DG_CO_READ,  /**< `*value` is the slot's value or the default; replace it by the current one */
+    DG_CO_WRITE, /**< `*value` is wanted and inside min..max; refuse or adapt it */
+    DG_CO_WRITTEN, /**< `*value` has just been stored in the slot; act on it */
+};
+
+/**
+ * Behaviour of a row. `node->now` is the moment. Signed values are sign-extended to 32 bits.
+ * For DG_CO_WRITTEN the result is ignored.
+ */
+typedef enum dg_co_abort dg_co_hook(struct dg_co_node *node, const struct dg_co_object *object,
+                                    enum dg_co_op op, uint32_t *value);
+
+/** One row of a dictionary: an object's sub-index. Const; rows are sorted by index and sub. */
+struct dg_co_object {
+    uint16_t index;
+    uint8_t sub;
+    uint8_t type;     /**< enum dg_co_type */
+    uint8_t flags;    /**< enum dg_co_flags */
+    uint8_t slot;     /**< in dg_co_node.value, with DG_CO_SLOT */
+    uint8_t region;   /**< store region that keeps it, with DG_CO_SAVE */
+    uint32_t initial; /**< default; signed ones sign-extended */
+    uint32_t min;     /**< compared as the type says */
+    uint32_t max;
+    dg_co_hook *hook; /**< or NULL */
+};
+
+/** Classes of 1029h. */
+enum dg_co_error_class {
+    DG_CO_CLASS_NONE, /**< no reaction */
+    DG_CO_CLASS_COMMUNICATION,
+    DG_CO_CLASS_DEVICE,
+    DG_CO_CLASS_MANUFACTURER,
+};
+
+/** A cause of an EMCY. A table of them belongs to the device; the first ones are the stack's. */
+struct dg_co_cause {
+    uint16_t code;    /**< EMCY code */
+    uint8_t reg;      /**< error register while the cause lasts */
+    uint8_t class_of; /**< enum dg_co_error_class */
+};
+
+/** Causes of the stack itself; a device's own begin at DG_CO_CAUSES. */
+enum dg_co_stack_cause {
+    DG_CO_CAUSE_OVERRUN,   /**< 8110h */
+    DG_CO_CAUSE_PASSIVE,   /**< 8120h */
+    DG_CO_CAUSE_BUS_OFF,   /**< 8140h when it is over */
+    DG_CO_CAUSE_LIFE,      /**< 8130h life guarding */
+    DG_CO_CAUSE_HEARTBEAT, /**< 8130h, a consumer's node is silent; one more for the second */
+    DG_CO_CAUSE_HEARTBEAT_2,
+    DG_CO_CAUSE_SYNC_LENGTH, /**< 8240h */
+    DG_CO_CAUSE_MEMORY,      /**< 5100h: stored parameters are damaged */
+    DG_CO_CAUSES
+};
+
+/** Slots of the bus parameters, whose rows belong to the device (2100h-2102h), and the first slot
+ * a device profile may use for itself. */
+#define DG_CO_SLOT_BIT_RATE 80u
+#define DG_CO_SLOT_NODE_ID 81u
+#define DG_CO_SLOT_TERMINATION 82u
+#define DG_CO_SLOT_APPLICATION 83u
+
+/** Regions of the store that the stack itself uses, in this order at the start of every layout. */
+enum dg_co_region {
+    DG_CO_REGION_BUS,           /**< "bus": 2100h bit rate, 2101h node-ID, 2102h termination */
+    DG_CO_REGION_SAVED,         /**< "saved": 1 when 1010h has been used since 1011h */
+    DG_CO_REGION_COMMUNICATION, /**< "communication": 1005h-1029h */
+    DG_CO_REGION_TPDO1,         /**< "tpdo1": 1800h and 1A00h; three more follow */
+    DG_CO_REGION_TPDO2,
+    DG_CO_REGION_TPDO3,
+    DG_CO_REGION_TPDO4,
+    DG_CO_REGION_SERIAL,      /**< "serial": the serial number */
+    DG_CO_REGION_APPLICATION, /**< first region of the device profile */
+};
+
+/** What a node is: const, shared by all nodes of the kind. */
+struct dg_co_device {
+    const char *name;                   /**< product name, for the EDS */
+    const struct dg_co_object *objects; /**< rows from 2000h on, sorted */
+    uint16_t object_count;
+    const struct dg_co_cause *causes; /**< from DG_CO_CAUSES on */
+    uint8_t cause_count;
+    const char *const *strings; /**< 1008h, 1009h, 100Ah, at most DG_CO_STRING_MAX long */
+    uint32_t device_type;       /**< 1000h */
+    uint32_t vendor_id;         /**< 1018h:1-3 */
+    uint32_t product_code;
+    uint32_t revision;
+    const struct dg_store_layout *layout;
+    /** Reset: values are loaded, boot-up comes next. True: boot into operational. May be NULL. */
+    bool (*reset)(struct dg_co_node *node);
+    /** Take a sample at node->now; once for all objects of a SYNC, a TPDO, an SDO read. May be
+     * NULL. */
+    void (*sample)(struct dg_co_node *node);
+    /** Periodic work; returns the next moment it is wanted. May be NULL. */
+    dg_ns (*step)(struct dg_co_node *node);
+};
+
+/** The bus's operations. */
+struct dg_co_ops {
+    /**
+     * Queue a frame. Must keep the order of calls, must not block, must not call back. The port
+     * holds back what it cannot send yet (and stops delivering received frames meanwhile).
+     */
+    void (*send)(void *ctx, const struct dg_can_frame *frame);
+    /** The bit rate in force has become `kbaud`; may be NULL. */
+    void (*bit_rate)(void *ctx, uint16_t kbaud);
+};
+
+/** What a node is made of. Everything pointed to must outlive it. */
+struct dg_co_setup {
+    const struct dg_co_device *device;
+    const struct dg_world *world;
+    struct dg_nvm nvm;
+    const struct dg_co_ops *ops;
+    void *ctx;         /**< handed to ops */
+    void *application; /**< the device profile's state */
+};
+
+/** SDO server: what is running. */
+enum dg_co_sdo_state {
+    DG_CO_SDO_IDLE,
+    DG_CO_SDO_UPLOAD,             /**< segments go out */
+    DG_CO_SDO_DOWNLOAD,           /**< segments come in */
+    DG_CO_SDO_BLOCK_UPLOAD_START, /**< block upload agreed, waiting for A3h */
+    DG_CO_SDO_BLOCK_UPLOAD,       /**< waiting for the acknowledgement of a block */
+    DG_CO_SDO_BLOCK_UPLOAD_END,   /**< waiting for the last A1h */
+    DG_CO_SDO_BLOCK_DOWNLOAD,     /**< segments of a block come in */
+    DG_CO_SDO_BLOCK_DOWNLOAD_END, /**< waiting for C1h */
+    DG_CO_SDO_DELAYED,            /**< the answer to "save" is due at `deadline` */
+};
+
+/** The SDO server of a node. */
+struct dg_co_sdo {
+    enum dg_co_sdo_state state;
+    dg_ns deadline;
+    uint16_t index;
+    uint8_t sub;
+    uint8_t toggle;
+    bool crc;           /**< block transfer with CRC */
+    uint8_t blksize;    /**< segments of a block */
+    uint8_t seqno;      /**< last segment in order */
+    uint8_t length;     /**< bytes in buffer */
+    uint8_t done;       /**< bytes transferred */
+    uint8_t acked;      /**< bytes of a block upload the client has confirmed */
+    uint32_t announced; /**< size the client announced, 0: none */
+    uint8_t answer[8];  /**< delayed answer */
+    uint8_t buffer[DG_CO_STRING_MAX + 8];
+};
+
+/** A TPDO at work; its parameters are values of the dictionary. */
+struct dg_co_tpdo {
+    uint16_t can_id;
+    bool valid;
+    bool rtr_allowed;
+    bool pending; /**< an event waits for the inhibit time, or for the next SYNC (type 0) */
+    bool sampled; /**< type 252: `last` is the sample of the latest SYNC */
+    bool started; /**< SYNC start value has been seen */
+    uint8_t type;
+    uint8_t sync_count; /**< SYNCs since the last transmission */
+    uint8_t mapped_count;
+    uint8_t length; /**< bytes */
+    dg_ns event_at; /**< event timer, or DG_NEVER */
+    dg_ns inhibit_until;
+    const struct dg_co_object *mapped[DG_CO_MAPPED_MAX];
+    uint8_t last[8]; /**< data sent last, for change detection and type 252 */
+};
+
+/** Counters; nobody has to act on them. */
+struct dg_co_counters {
+    uint32_t rx;        /**< frames for this node */
+    uint32_t tx;        /**< frames sent */
+    uint32_t malformed; /**< frames of a known service with a wrong length, dropped */
+    uint32_t late_sync; /**< synchronous TPDOs given up because the window 1007h was over */
+};
+
+/** LSS slave. */
+struct dg_co_lss {
+    bool configuration; /**< state configuration, not waiting */
+    bool changed;       /**< node-ID or bit timing were configured since the switch */
+    uint8_t selective;  /**< selective identity parts matched so far */
+    uint8_t identify;   /**< identify parts matched so far */
+    uint8_t fastscan;   /**< part of the identity the scan is at */
+    uint8_t node_id;    /**< pending */
+    uint8_t bit_rate;   /**< pending, index of 2100h */
+    dg_ns silent_until; /**< activate bit timing: nothing is sent before */
+    dg_ns switch_at;    /**< activate bit timing: the new rate is in force from then */
+};
+
+/** A node. Readable for tests and displays; only the stack writes it. */
+struct dg_co_node {
+    struct dg_co_setup setup;
+    struct dg_store store;
+    struct dg_co_counters counters;
+    dg_ns now;      /**< moment of the call that is being served */
+    dg_ns deadline; /**< of all services */
+    enum dg_co_state state;
+    uint8_t id;       /**< node-ID in force, DG_CO_UNCONFIGURED without one */
+    uint8_t bit_rate; /**< in force, index of 2100h */
+    bool mounted;
+    uint8_t filter_version; /**< changes whenever dg_co_filters() may have changed */
+    uint32_t serial;        /**< 1018h:4 */
+    uint32_t value[DG_CO_VALUES_MAX];
+
+    dg_ns heartbeat_at;
+    bool guard_toggle;
+    dg_ns guard_at;                     /**< life time is over */
+    dg_ns consumer_at[DG_CO_CONSUMERS]; /**< heartbeat overdue; DG_NEVER: none seen yet */
+
+    bool bus_off;                    /**< between bus-off and error active */
+    uint32_t active_causes;          /**< bit n: cause n lasts */
+    uint32_t history[DG_CO_HISTORY]; /**< 1003h, newest first */
+    uint8_t history_count;
+    uint8_t emcy_count; /**< EMCYs that wait for the inhibit time 1015h */
+    uint8_t emcy[DG_CO_HISTORY][8];
+    dg_ns emcy_until;
+
+    dg_ns sync_at; /**< latest SYNC */
+    uint8_t sync_counter;
+    uint32_t time_ms; /**< latest TIME: ms after midnight, days since 1984-01-01 */
+    uint16_t time_days;
+
+    struct dg_co_sdo sdo;
+    struct dg_co_tpdo tpdo[DG_CO_TPDOS];
+    struct dg_co_lss lss;
+};
+
+/**
+ * Rows of a layout for the regions that the stack uses (enum dg_co_region); a device appends its
+ * own from DG_CO_REGION_APPLICATION on. Their defaults take a const uint32_t *serial as ctx.
+ */
+#define DG_CO_STORE_REGIONS                                                                        \
+    [DG_CO_REGION_BUS] = {"bus", 3, DG_STORE_CHECKED, 0, dg_co_default_bus},                       \
+    [DG_CO_REGION_SAVED] = {"saved", 1, DG_STORE_CHECKED, 0, dg_co_default_saved},                 \
+    [DG_CO_REGION_COMMUNICATION] = {"communication", 35, DG_STORE_CHECKED, 0, NULL},               \
+    [DG_CO_REGION_TPDO1] = {"tpdo1", 43, DG_STORE_CHECKED, 0, NULL},                               \
+    [DG_CO_REGION_TPDO2] = {"tpdo2", 43, DG_STORE_CHECKED, 0, NULL},                               \
+    [DG_CO_REGION_TPDO3] = {"tpdo3", 43, DG_STORE_CHECKED, 0, NULL},                               \
+    [DG_CO_REGION_TPDO4] = {"tpdo4", 43, DG_STORE_CHECKED, 0, NULL},                               \
+    [DG_CO_REGION_SERIAL] = {"serial", 4, DG_STORE_CHECKED, 0, dg_co_default_serial}
+/** Journal bytes that saving the stack's own regions takes. */
+#define DG_CO_JOURNAL_SIZE (6u + 1u + 6u + 35u + 4u * (6u + 43u))
+void dg_co_default_bus(const void *ctx, uint8_t *out);
+void dg_co_default_saved(const void *ctx, uint8_t *out);
+void dg_co_default_serial(const void *ctx, uint8_t *out);
+
+/** Burn the delivery state: defaults, node-ID 3Fh, 250 kBd, `serial`. @return as dg_store_format */
+int dg_co_format(const struct dg_co_device *device, struct dg_nvm nvm, uint32_t serial);
+
+/** Make a node, without power. @return 0 or DG_ERR_ARGUMENT */
+int dg_co_init(struct dg_co_node *self, const struct dg_co_setup *setup);
+
+/**
+ * Power on: mount the store, load values, boot-up frame, pre-operational (or operational).
+ * @return 0; DG_ERR_BLANK, DG_ERR_FOREIGN: not this device's memory, the node stays off
+ */
+int dg_co_power_on(struct dg_co_node *self, dg_ns now);
+void dg_co_power_off(struct dg_co_node *self);
+
+/** A frame came in. @return the next deadline, as dg_co_step() */
+dg_ns dg_co_rx(struct dg_co_node *self, dg_ns now, const struct dg_can_frame *frame);
+
+/** Do what is due. @return when to call again, or DG_NEVER */
+dg_ns dg_co_step(struct dg_co_node *self, dg_ns now);
+
+/** What the CAN controller reports besides frames. */
+enum dg_co_bus_event {
+    DG_CO_BUS_ACTIVE,  /**< error active: passive and bus-off are over */
+    DG_CO_BUS_PASSIVE, /**< error passive: 8120h */
+    DG_CO_BUS_OFF,     /**< 1029h:1 at once, 8140h when it is over */
+    DG_CO_BUS_OVERRUN, /**< a received frame was lost: 8110h */
+};
+dg_ns dg_co_bus(struct dg_co_node *self, dg_ns now, enum dg_co_bus_event event);
+
+/** Most CAN-IDs a node listens to. */
+#define DG_CO_FILTERS_MAX 16u
+/**
+ * The CAN-IDs this node listens to at the moment, for a port's filters. Asked again when
+ * filter_version has changed.
+ * @return how many of `ids` are set
+ */
+uint8_t dg_co_filters(const struct dg_co_node *self, uint16_t ids[DG_CO_FILTERS_MAX]);
+
+/* ---------------------------------------------------------------- for device profiles */
+
+/**
+ * A cause has begun: one EMCY, an entry in 1003h, the error register, the reaction of 1029h.
+ * Nothing happens when it lasts already.
+ * @param cause enum dg_co_stack_cause, or DG_CO_CAUSES + index in device->causes
+ * @param manufacturer the five manufacturer bytes
+ */
+void dg_co_raise(struct dg_co_node *self, uint8_t cause, const uint8_t manufacturer[5]);
+/** A cause is over; EMCY 0000h with the last one. Nothing happens when it does not last. */
+void dg_co_clear(struct dg_co_node *self, uint8_t cause);
+/** The profile's event for TPDOs of type 254 and 255: the mapped objects may have changed. */
+void dg_co_pdo_event(struct dg_co_node *self);
+/** The event timer of TPDO `tpdo` (0..3) was written through another object. */
+void dg_co_pdo_rearm(struct dg_co_node *self, uint8_t tpdo);
+/** Slot of the event timer of TPDO1 (1800h:5), for 6200h. */
+extern const uint8_t dg_co_slot_event_timer;
+/** Hook of 2105h. */
+dg_co_hook dg_co_hook_save_bus;
+
+/* ---------------------------------------------------------------- many nodes on one bus */
+
+/** Nodes a net can have. */
+#define DG_CO_NET_NODES 127u
+
+/**
+ * Nodes that share a bus in one process. A frame is offered to those that listen to its CAN-ID,
+ * not to each in turn. Caller-owned; the nodes must outlive it.
+ */
+struct dg_co_net {
+    struct dg_co_node *node[DG_CO_NET_NODES];
+    dg_ns deadline[DG_CO_NET_NODES];
+    uint8_t filter_version[DG_CO_NET_NODES];
+    uint8_t count;
+    uint8_t listeners[0x800][(DG_CO_NET_NODES + 7u) / 8u]; /**< bit n: node n, by CAN-ID */
+};
+void dg_co_net_init(struct dg_co_net *self);
+/** Add a node. @return 0 or DG_ERR_SPACE */
+int dg_co_net_add(struct dg_co_net *self, struct dg_co_node *node);
+/** As dg_co_rx(), dg_co_step() and dg_co_bus() for all nodes concerned. */
+dg_ns dg_co_net_rx(struct dg_co_net *self, dg_ns now, const struct dg_can_frame *frame);
+dg_ns dg_co_net_step(struct dg_co_net *self, dg_ns now);
+dg_ns dg_co_net_bus(struct dg_co_net *self, dg_ns now, enum dg_co_bus_event event);
+/** Whether any node listens to `id`. */
+bool dg_co_net_listens(const struct dg_co_net *self, uint16_t id);
+
+#endif

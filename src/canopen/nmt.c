@@ -1,0 +1,197 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * NMT state machine, heartbeat producer and consumers, node and life guarding (CiA 301; manual
+ * chapters 16, 17, 27, 28).
+ */
+#include "co.h"
+
+static const uint8_t no_details[5];
+
+static dg_ns heartbeat_period(const struct dg_co_node *self)
+{
+    return DG_MS(self->value[CO_HEARTBEAT_MS]);
+}
+
+/* Now, and again after the period. */
+static void heartbeat(struct dg_co_node *self)
+{
+    const uint8_t state[1] = {(uint8_t)self->state};
+
+    self->heartbeat_at = DG_NEVER;
+    if (heartbeat_period(self) != 0) {
+        dg_co_send(self, (uint16_t)(CO_ID_GUARD + self->id), state, sizeof state);
+        self->heartbeat_at = dg_after(self->now, heartbeat_period(self));
+    }
+}
+
+void dg_co_enter(struct dg_co_node *self, enum dg_co_state state)
+{
+    if (self->state == state) {
+        return;
+    }
+    bool was_operational = self->state == DG_CO_OPERATIONAL;
+    self->state = state;
+    if (state == DG_CO_STOPPED) {
+        dg_co_sdo_start(self); /* a transfer does not survive */
+    }
+    heartbeat(self);
+    if (was_operational || state == DG_CO_OPERATIONAL) {
+        dg_co_pdo_state(self, state == DG_CO_OPERATIONAL);
+    }
+}
+
+static void to_operational(struct dg_co_node *self)
+{
+    dg_co_enter(self, DG_CO_OPERATIONAL);
+}
+
+static void to_stopped(struct dg_co_node *self)
+{
+    dg_co_enter(self, DG_CO_STOPPED);
+}
+
+static void to_pre_operational(struct dg_co_node *self)
+{
+    dg_co_enter(self, DG_CO_PRE_OPERATIONAL);
+}
+
+static void reset_node(struct dg_co_node *self)
+{
+    dg_co_reset(self, true);
+}
+
+static void reset_communication(struct dg_co_node *self)
+{
+    dg_co_reset(self, false);
+}
+
+void dg_co_nmt_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
+{
+    static const struct {
+        uint8_t command;
+        void (*act)(struct dg_co_node *self);
+    } commands[] = {
+        {0x01, to_operational}, {0x02, to_stopped},          {0x80, to_pre_operational},
+        {0x81, reset_node},     {0x82, reset_communication},
+    };
+
+    if (frame->dlc != 2) {
+        self->counters.malformed++;
+        return;
+    }
+    if (frame->data[1] != 0 && frame->data[1] != self->id) {
+        return;
+    }
+    for (uint8_t i = 0; i < sizeof commands / sizeof commands[0]; i++) {
+        if (commands[i].command == frame->data[0]) {
+            commands[i].act(self);
+            return;
+        }
+    }
+}
+
+void dg_co_nmt_start(struct dg_co_node *self)
+{
+    self->heartbeat_at = DG_NEVER;
+    self->guard_toggle = false;
+    self->guard_at = DG_NEVER;
+    for (uint8_t i = 0; i < DG_CO_CONSUMERS; i++) {
+        self->consumer_at[i] = DG_NEVER;
+    }
+}
+
+/* Life time runs from the first request of the master on (C13). */
+void dg_co_guard_rx(struct dg_co_node *self)
+{
+    dg_ns life = DG_MS(self->value[CO_GUARD_TIME_MS]) * self->value[CO_LIFE_FACTOR];
+
+    if (heartbeat_period(self) != 0) {
+        return;
+    }
+    const uint8_t answer[1] = {
+        (uint8_t)((unsigned)self->state | (self->guard_toggle ? 0x80u : 0u))};
+    self->guard_toggle = !self->guard_toggle;
+    dg_co_send(self, (uint16_t)(CO_ID_GUARD + self->id), answer, sizeof answer);
+    self->guard_at = life == 0 ? DG_NEVER : dg_after(self->now, life);
+    dg_co_clear(self, DG_CO_CAUSE_LIFE);
+}
+
+static uint8_t consumed_node(uint32_t entry)
+{
+    return (uint8_t)(entry >> 16);
+}
+
+static bool consumer_active(uint32_t entry)
+{
+    return consumed_node(entry) != 0 && (entry & 0xFFFFu) != 0;
+}
+
+/* Monitoring begins with the first heartbeat or boot-up of the node (C12). */
+void dg_co_heartbeat_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
+{
+    for (uint8_t i = 0; i < DG_CO_CONSUMERS; i++) {
+        uint32_t entry = self->value[CO_CONSUMER_1 + i];
+        if (consumer_active(entry) && frame->id == CO_ID_GUARD + consumed_node(entry)) {
+            self->consumer_at[i] = dg_after(self->now, DG_MS(entry & 0xFFFFu));
+            dg_co_clear(self, (uint8_t)(DG_CO_CAUSE_HEARTBEAT + i));
+        }
+    }
+}
+
+dg_ns dg_co_nmt_step(struct dg_co_node *self)
+{
+    if (self->heartbeat_at <= self->now) {
+        dg_ns due = self->heartbeat_at;
+        heartbeat(self);
+        /* Keep the phase unless whole periods were missed. */
+        if (dg_after(due, heartbeat_period(self)) > self->now) {
+            self->heartbeat_at = dg_after(due, heartbeat_period(self));
+        }
+    }
+    if (self->guard_at <= self->now) {
+        self->guard_at = DG_NEVER;
+        dg_co_raise(self, DG_CO_CAUSE_LIFE, no_details);
+    }
+    dg_ns next = dg_earliest(self->heartbeat_at, self->guard_at);
+    for (uint8_t i = 0; i < DG_CO_CONSUMERS; i++) {
+        if (self->consumer_at[i] <= self->now) {
+            self->consumer_at[i] = DG_NEVER;
+            dg_co_raise(self, (uint8_t)(DG_CO_CAUSE_HEARTBEAT + i), no_details);
+        }
+        next = dg_earliest(next, self->consumer_at[i]);
+    }
+    return next;
+}
+
+enum dg_co_abort dg_co_hook_heartbeat(struct dg_co_node *self, const struct dg_co_object *object,
+                                      enum dg_co_op op, uint32_t *value)
+{
+    (void)object;
+    (void)value;
+    if (op == DG_CO_WRITTEN) {
+        self->guard_at = DG_NEVER; /* heartbeat takes precedence over guarding */
+        heartbeat(self);
+    }
+    return DG_CO_OK;
+}
+
+enum dg_co_abort dg_co_hook_consumer(struct dg_co_node *self, const struct dg_co_object *object,
+                                     enum dg_co_op op, uint32_t *value)
+{
+    uint8_t mine = (uint8_t)(object->sub - 1u);
+    uint32_t present = self->value[CO_CONSUMER_1 + mine];
+    uint32_t other = self->value[CO_CONSUMER_1 + (mine ^ 1u)];
+
+    if (op == DG_CO_WRITTEN) {
+        self->consumer_at[mine] = DG_NEVER;
+        dg_co_clear(self, (uint8_t)(DG_CO_CAUSE_HEARTBEAT + mine));
+    }
+    if (op != DG_CO_WRITE || !consumer_active(*value)) {
+        return DG_CO_OK;
+    }
+    if (*value >> 23 != 0) {
+        return DG_CO_RANGE;
+    }
+    bool twice = consumer_active(other) && consumed_node(other) == consumed_node(*value);
+    return twice || consumer_active(present) ? DG_CO_INCOMPATIBLE : DG_CO_OK;
+}

@@ -1,0 +1,293 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * A node: power, reset, frames to services, deadlines.
+ */
+#include <string.h>
+
+#include "co.h"
+
+/* NMT states a service works in (CiA 301; spec for LSS: CiA 305). */
+enum {
+    IN_PRE_OPERATIONAL = 1,
+    IN_OPERATIONAL = 2,
+    IN_STOPPED = 4,
+};
+
+static uint8_t state_bit(const struct dg_co_node *self)
+{
+    switch (self->state) {
+    case DG_CO_PRE_OPERATIONAL:
+        return IN_PRE_OPERATIONAL;
+    case DG_CO_OPERATIONAL:
+        return IN_OPERATIONAL;
+    case DG_CO_STOPPED:
+        return IN_STOPPED;
+    case DG_CO_BOOT:
+    case DG_CO_OFF:
+        return 0;
+    }
+    return 0;
+}
+
+static bool in(const struct dg_co_node *self, uint8_t states)
+{
+    return (state_bit(self) & states) != 0;
+}
+
+void dg_co_send(struct dg_co_node *self, uint16_t id, const uint8_t *data, uint8_t dlc)
+{
+    struct dg_can_frame frame = {.id = id, .dlc = dlc};
+
+    if (dg_co_lss_silent(self)) {
+        return;
+    }
+    memcpy(frame.data, data, dlc);
+    self->counters.tx++;
+    self->setup.ops->send(self->setup.ctx, &frame);
+}
+
+static void report_bit_rate(struct dg_co_node *self)
+{
+    static const uint16_t kbaud[] = {10, 20, 50, 100, 125, 250, 500, 0, 1000};
+
+    if (self->setup.ops->bit_rate != NULL) {
+        self->setup.ops->bit_rate(self->setup.ctx, kbaud[self->bit_rate]);
+    }
+}
+
+int dg_co_init(struct dg_co_node *self, const struct dg_co_setup *setup)
+{
+    if (setup->device == NULL || setup->world == NULL || setup->nvm.ops == NULL ||
+        setup->ops == NULL || setup->ops->send == NULL) {
+        return DG_ERR_ARGUMENT;
+    }
+    *self = (struct dg_co_node){.setup = *setup, .state = DG_CO_OFF};
+    return DG_OK;
+}
+
+/* Initialisation (CiA 301): application, then communication, then boot-up. */
+void dg_co_reset(struct dg_co_node *self, bool application)
+{
+    const struct dg_co_device *device = self->setup.device;
+    bool operational = false;
+
+    self->state = DG_CO_BOOT;
+    if (application) {
+        self->id = self->lss.node_id;
+        if (self->bit_rate != self->lss.bit_rate) {
+            self->bit_rate = self->lss.bit_rate;
+            report_bit_rate(self);
+        }
+    }
+    dg_co_load(self, 0x1000, application ? 0xFFFF : 0x1FFF);
+    self->filter_version++;
+    dg_co_emcy_start(self);
+    dg_co_sdo_start(self);
+    dg_co_nmt_start(self);
+    dg_co_pdo_start(self);
+    dg_co_lss_start(self);
+    if (device->reset != NULL) {
+        operational = device->reset(self);
+    }
+    if (self->id == DG_CO_UNCONFIGURED) {
+        return; /* only LSS can give it a node-ID (CiA 305) */
+    }
+    static const uint8_t boot_up[1] = {DG_CO_BOOT};
+    dg_co_send(self, (uint16_t)(CO_ID_GUARD + self->id), boot_up, sizeof boot_up);
+    dg_co_enter(self, operational ? DG_CO_OPERATIONAL : DG_CO_PRE_OPERATIONAL);
+    dg_co_report_memory(self); /* an EMCY comes after boot-up */
+}
+
+int dg_co_power_on(struct dg_co_node *self, dg_ns now)
+{
+    dg_co_power_off(self);
+    self->now = now;
+    int result = dg_co_mount(self);
+    if (result == DG_ERR_BLANK || result == DG_ERR_FOREIGN) {
+        return result;
+    }
+    self->bus_off = false;
+    self->bit_rate = self->lss.bit_rate;
+    report_bit_rate(self);
+    dg_co_reset(self, true);
+    return DG_OK;
+}
+
+void dg_co_power_off(struct dg_co_node *self)
+{
+    self->state = DG_CO_OFF;
+    self->filter_version++;
+}
+
+/* TIME (CiA 301): milliseconds after midnight, 28 bits, and days since 1984-01-01. */
+static void time_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
+{
+    if (frame->dlc != 6) {
+        self->counters.malformed++;
+        return;
+    }
+    self->time_ms = dg_load_le32(frame->data) & 0x0FFFFFFFu;
+    self->time_days = dg_load_le16(&frame->data[4]);
+}
+
+static bool is_time(const struct dg_co_node *self, uint16_t id)
+{
+    return self->value[CO_TIME_COB_ID] == (CO_COB_INVALID | id);
+}
+
+static void remote_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
+{
+    if (frame->id == CO_ID_GUARD + self->id) {
+        dg_co_guard_rx(self);
+    } else if (in(self, IN_OPERATIONAL)) {
+        (void)dg_co_pdo_rtr(self, frame->id);
+    }
+}
+
+/* What works only with a node-ID and in some of the NMT states. */
+static void service_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
+{
+    const uint8_t on = IN_PRE_OPERATIONAL | IN_OPERATIONAL;
+
+    if (frame->rtr) {
+        remote_rx(self, frame);
+    } else if (frame->id == self->value[CO_SYNC_COB_ID]) {
+        if (in(self, on)) {
+            dg_co_sync_rx(self, frame);
+        }
+    } else if (frame->id == CO_ID_NMT) {
+        dg_co_nmt_rx(self, frame);
+    } else if (frame->id == CO_ID_SDO_RX + self->id) {
+        if (in(self, on)) {
+            dg_co_sdo_rx(self, frame);
+        }
+    } else if ((frame->id & 0x780u) == CO_ID_GUARD) {
+        dg_co_heartbeat_rx(self, frame);
+    } else if (is_time(self, frame->id) && in(self, on)) {
+        time_rx(self, frame);
+    }
+}
+
+/* Every service does what is due at self->now and says when it wants to be called again. */
+static dg_ns step_services(struct dg_co_node *self)
+{
+    dg_ns next = dg_earliest(dg_co_nmt_step(self), dg_co_emcy_step(self));
+
+    next = dg_earliest(next, dg_earliest(dg_co_sdo_step(self), dg_co_pdo_step(self)));
+    next = dg_earliest(next, dg_co_lss_step(self));
+    if (self->setup.device->step != NULL) {
+        next = dg_earliest(next, self->setup.device->step(self));
+    }
+    return next;
+}
+
+/* One service's work can make another's due at the same moment. */
+static dg_ns settle(struct dg_co_node *self)
+{
+    do {
+        self->deadline = step_services(self);
+    } while (self->deadline <= self->now);
+    return self->deadline;
+}
+
+dg_ns dg_co_step(struct dg_co_node *self, dg_ns now)
+{
+    if (self->state == DG_CO_OFF) {
+        return DG_NEVER;
+    }
+    self->now = now > self->now ? now : self->now;
+    return settle(self);
+}
+
+dg_ns dg_co_rx(struct dg_co_node *self, dg_ns now, const struct dg_can_frame *frame)
+{
+    if (self->state == DG_CO_OFF) {
+        return DG_NEVER;
+    }
+    self->now = now > self->now ? now : self->now;
+    if (self->deadline <= self->now) {
+        (void)settle(self);
+    }
+    if (dg_co_lss_silent(self)) {
+        return self->deadline;
+    }
+    self->counters.rx++;
+    if (frame->id == CO_ID_LSS_RX && !frame->rtr) {
+        if (in(self, IN_PRE_OPERATIONAL | IN_STOPPED) || self->id == DG_CO_UNCONFIGURED) {
+            dg_co_lss_rx(self, frame);
+        }
+    } else if (self->id != DG_CO_UNCONFIGURED) {
+        service_rx(self, frame);
+    }
+    return settle(self);
+}
+
+dg_ns dg_co_bus(struct dg_co_node *self, dg_ns now, enum dg_co_bus_event event)
+{
+    static const uint8_t none[5] = {0};
+
+    if (self->state == DG_CO_OFF) {
+        return DG_NEVER;
+    }
+    self->now = now > self->now ? now : self->now;
+    switch (event) {
+    case DG_CO_BUS_OVERRUN:
+        dg_co_raise(self, DG_CO_CAUSE_OVERRUN, none);
+        dg_co_clear(self, DG_CO_CAUSE_OVERRUN);
+        break;
+    case DG_CO_BUS_PASSIVE:
+        dg_co_raise(self, DG_CO_CAUSE_PASSIVE, none);
+        break;
+    case DG_CO_BUS_OFF:
+        self->bus_off = true;
+        dg_co_react(self, DG_CO_CLASS_COMMUNICATION);
+        break;
+    case DG_CO_BUS_ACTIVE:
+        if (self->bus_off) { /* nobody could have heard it before */
+            dg_co_raise(self, DG_CO_CAUSE_BUS_OFF, none);
+        }
+        self->bus_off = false;
+        dg_co_clear(self, DG_CO_CAUSE_PASSIVE);
+        dg_co_clear(self, DG_CO_CAUSE_BUS_OFF);
+        break;
+    }
+    return settle(self);
+}
+
+static uint8_t add_filter(uint16_t *ids, uint8_t n, uint32_t id)
+{
+    ids[n] = (uint16_t)(id & CO_COB_CAN_ID);
+    return (uint8_t)(n + 1u);
+}
+
+uint8_t dg_co_filters(const struct dg_co_node *self, uint16_t ids[DG_CO_FILTERS_MAX])
+{
+    uint8_t n = 0;
+
+    if (self->state == DG_CO_OFF) {
+        return 0;
+    }
+    n = add_filter(ids, n, CO_ID_LSS_RX);
+    if (self->id == DG_CO_UNCONFIGURED) {
+        return n;
+    }
+    n = add_filter(ids, n, CO_ID_NMT);
+    n = add_filter(ids, n, self->value[CO_SYNC_COB_ID]);
+    n = add_filter(ids, n, CO_ID_SDO_RX + self->id);
+    n = add_filter(ids, n, CO_ID_GUARD + self->id);
+    if ((self->value[CO_TIME_COB_ID] & CO_COB_INVALID) != 0) {
+        n = add_filter(ids, n, self->value[CO_TIME_COB_ID]);
+    }
+    for (uint8_t i = 0; i < DG_CO_CONSUMERS; i++) {
+        uint32_t node = self->value[CO_CONSUMER_1 + i] >> 16 & 0x7Fu;
+        if (node != 0) {
+            n = add_filter(ids, n, CO_ID_GUARD + node);
+        }
+    }
+    for (uint8_t i = 0; i < DG_CO_TPDOS; i++) {
+        if (self->tpdo[i].valid && self->tpdo[i].rtr_allowed) {
+            n = add_filter(ids, n, self->tpdo[i].can_id);
+        }
+    }
+    return n;
+}

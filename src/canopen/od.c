@@ -1,0 +1,236 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The object dictionary: rows, access, ranges, hooks.
+ */
+#include "co.h"
+
+/* The short names of objects.def. */
+enum {
+    R = DG_CO_R,
+    W = DG_CO_W,
+    M = DG_CO_MAP,
+    I = DG_CO_ID,
+    S = DG_CO_SAVE,
+    V = DG_CO_SLOT,
+    C = DG_CO_CONST,
+    COM = DG_CO_REGION_COMMUNICATION,
+    PDO1 = DG_CO_REGION_TPDO1,
+};
+
+#define DG_CO_PARENT(index, kind, name)
+#define DG_CO_OBJECT(index, sub, type, access, slot, region, initial, min, max, hook, name)        \
+    {index, sub, DG_CO_##type, access, slot, region, initial, min, max, hook},
+
+const struct dg_co_object dg_co_objects[] = {
+#include "objects.def"
+};
+#undef DG_CO_PARENT
+#undef DG_CO_OBJECT
+const uint8_t dg_co_slot_event_timer = CO_TPDO(0, CO_PDO_EVENT_MS);
+const uint16_t dg_co_object_count = sizeof dg_co_objects / sizeof dg_co_objects[0];
+
+/* The stack's rows end where the device's begin. */
+static const struct dg_co_object *rows_of(const struct dg_co_node *self, uint16_t index,
+                                          uint16_t *count)
+{
+    if (index < 0x2000) {
+        *count = dg_co_object_count;
+        return dg_co_objects;
+    }
+    *count = self->setup.device->object_count;
+    return self->setup.device->objects;
+}
+
+const struct dg_co_object *dg_co_find(const struct dg_co_node *self, uint16_t index, uint8_t sub,
+                                      enum dg_co_abort *abort)
+{
+    uint16_t count;
+    const struct dg_co_object *rows = rows_of(self, index, &count);
+    uint32_t wanted = (uint32_t)index << 8 | sub;
+    uint16_t low = 0;
+    uint16_t high = count;
+
+    while (low < high) {
+        uint16_t middle = (uint16_t)((low + high) / 2);
+        uint32_t key = (uint32_t)rows[middle].index << 8 | rows[middle].sub;
+        if (key == wanted) {
+            return &rows[middle];
+        }
+        if (key < wanted) {
+            low = (uint16_t)(middle + 1u);
+        } else {
+            high = middle;
+        }
+    }
+    /* `low` is where the row would be: a neighbour of the same index means the sub is missing. */
+    bool known =
+        (low < count && rows[low].index == index) || (low > 0 && rows[low - 1u].index == index);
+    *abort = known ? DG_CO_NO_SUB : DG_CO_NO_OBJECT;
+    return NULL;
+}
+
+uint8_t dg_co_size(const struct dg_co_object *object)
+{
+    static const uint8_t sizes[] = {
+        [DG_CO_I8] = 1,  [DG_CO_I16] = 2, [DG_CO_I32] = 4,    [DG_CO_U8] = 1,
+        [DG_CO_U16] = 2, [DG_CO_U32] = 4, [DG_CO_STRING] = 0,
+    };
+    return sizes[object->type];
+}
+
+static bool is_signed(const struct dg_co_object *object)
+{
+    return object->type <= DG_CO_I32;
+}
+
+uint32_t dg_co_extend(const struct dg_co_object *object, uint32_t value)
+{
+    uint32_t sign = 1u << (8u * dg_co_size(object) - 1u);
+
+    return is_signed(object) ? (value ^ sign) - sign : value;
+}
+
+uint32_t dg_co_initial(const struct dg_co_node *self, const struct dg_co_object *object)
+{
+    return object->initial + ((object->flags & DG_CO_ID) != 0 ? self->id : 0u);
+}
+
+enum dg_co_abort dg_co_read(struct dg_co_node *self, const struct dg_co_object *object,
+                            uint32_t *value)
+{
+    *value =
+        (object->flags & DG_CO_SLOT) != 0 ? self->value[object->slot] : dg_co_initial(self, object);
+    return object->hook == NULL ? DG_CO_OK : object->hook(self, object, DG_CO_READ, value);
+}
+
+static bool in_range(const struct dg_co_object *object, uint32_t value)
+{
+    if (is_signed(object)) {
+        return (int32_t)value >= (int32_t)object->min && (int32_t)value <= (int32_t)object->max;
+    }
+    return value >= object->min && value <= object->max;
+}
+
+enum dg_co_abort dg_co_write(struct dg_co_node *self, const struct dg_co_object *object,
+                             uint32_t value)
+{
+    enum dg_co_abort abort = DG_CO_OK;
+
+    if ((object->flags & DG_CO_W) == 0) {
+        return DG_CO_READ_ONLY;
+    }
+    if (!in_range(object, value)) {
+        return DG_CO_RANGE;
+    }
+    if (object->hook != NULL) {
+        abort = object->hook(self, object, DG_CO_WRITE, &value);
+    }
+    if (abort != DG_CO_OK || (object->flags & DG_CO_SLOT) == 0) {
+        return abort;
+    }
+    self->value[object->slot] = value;
+    self->filter_version++;
+    if (object->hook != NULL) {
+        (void)object->hook(self, object, DG_CO_WRITTEN, &value);
+    }
+    return DG_CO_OK;
+}
+
+void dg_co_each(struct dg_co_node *self,
+                void (*visit)(struct dg_co_node *self, const struct dg_co_object *object,
+                              void *ctx),
+                void *ctx)
+{
+    for (uint16_t i = 0; i < dg_co_object_count; i++) {
+        visit(self, &dg_co_objects[i], ctx);
+    }
+    for (uint16_t i = 0; i < self->setup.device->object_count; i++) {
+        visit(self, &self->setup.device->objects[i], ctx);
+    }
+}
+
+bool dg_co_restricted(uint32_t can_id)
+{
+    static const struct {
+        uint16_t first;
+        uint16_t last;
+    } ranges[] = {
+        {0x000, 0x07F}, {0x101, 0x180}, {0x581, 0x5FF},
+        {0x601, 0x67F}, {0x6E0, 0x6FF}, {0x701, 0x7FF},
+    };
+
+    for (uint8_t i = 0; i < sizeof ranges / sizeof ranges[0]; i++) {
+        if (can_id >= ranges[i].first && can_id <= ranges[i].last) {
+            return true;
+        }
+    }
+    return can_id > CO_COB_CAN_ID;
+}
+
+enum dg_co_abort dg_co_hook_device(struct dg_co_node *self, const struct dg_co_object *object,
+                                   enum dg_co_op op, uint32_t *value)
+{
+    (void)object;
+    (void)op;
+    *value = self->setup.device->device_type;
+    return DG_CO_OK;
+}
+
+enum dg_co_abort dg_co_hook_identity(struct dg_co_node *self, const struct dg_co_object *object,
+                                     enum dg_co_op op, uint32_t *value)
+{
+    const struct dg_co_device *device = self->setup.device;
+    const uint32_t identity[] = {device->vendor_id, device->product_code, device->revision,
+                                 self->serial};
+
+    (void)op;
+    *value = identity[object->sub - 1u];
+    return DG_CO_OK;
+}
+
+enum dg_co_abort dg_co_hook_node_id(struct dg_co_node *self, const struct dg_co_object *object,
+                                    enum dg_co_op op, uint32_t *value)
+{
+    (void)object;
+    (void)op;
+    *value = self->id;
+    return DG_CO_OK;
+}
+
+/* 1005h and 1012h: a CAN-ID of CiA 301's free ranges, 11 bit; no SYNC or TIME is produced. */
+static enum dg_co_abort consumed_id(uint32_t value, uint32_t consume_bit)
+{
+    uint32_t id = value & ~consume_bit;
+
+    return dg_co_restricted(id) ? DG_CO_RANGE : DG_CO_OK;
+}
+
+enum dg_co_abort dg_co_hook_sync_id(struct dg_co_node *self, const struct dg_co_object *object,
+                                    enum dg_co_op op, uint32_t *value)
+{
+    (void)self;
+    (void)object;
+    return op == DG_CO_WRITE ? consumed_id(*value, 0) : DG_CO_OK;
+}
+
+enum dg_co_abort dg_co_hook_time_id(struct dg_co_node *self, const struct dg_co_object *object,
+                                    enum dg_co_op op, uint32_t *value)
+{
+    (void)self;
+    (void)object;
+    return op == DG_CO_WRITE ? consumed_id(*value, CO_COB_INVALID) : DG_CO_OK;
+}
+
+/* 1019h: 0 or 2..240, and only while no cycle period is set (CiA 301). */
+enum dg_co_abort dg_co_hook_overflow(struct dg_co_node *self, const struct dg_co_object *object,
+                                     enum dg_co_op op, uint32_t *value)
+{
+    (void)object;
+    if (op != DG_CO_WRITE) {
+        return DG_CO_OK;
+    }
+    if (self->value[CO_SYNC_PERIOD_US] != 0) {
+        return DG_CO_STATE;
+    }
+    return *value == 1 ? DG_CO_RANGE : DG_CO_OK;
+}

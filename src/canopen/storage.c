@@ -1,0 +1,274 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Parameters that survive power-off: 1010h, 1011h, 2105h and LSS (manual chapters 8, 12; C7, C8).
+ *
+ * Region 'saved' tells whether the parameter regions hold anything; 1011h only clears it. A region
+ * holds the values of its rows in the dictionary's order, least significant byte first.
+ */
+#include <string.h>
+
+#include "co.h"
+
+#define SAVE 0x65766173u
+#define LOAD 0x64616F6Cu
+#define SAVE_NS DG_MS(14)
+#define BIT_RATE_DEFAULT 5
+#define NODE_ID_DEFAULT 0x3F
+
+/* Rows of one region while they are packed or unpacked. */
+struct pack {
+    uint8_t region;
+    uint8_t at;
+    uint16_t first;
+    uint16_t last;
+    uint8_t bytes[DG_STORE_CHECKED_MAX];
+};
+
+void dg_co_default_bus(const void *ctx, uint8_t *out)
+{
+    (void)ctx;
+    out[0] = BIT_RATE_DEFAULT;
+    out[1] = NODE_ID_DEFAULT;
+    out[2] = 1; /* terminated */
+}
+
+void dg_co_default_saved(const void *ctx, uint8_t *out)
+{
+    (void)ctx;
+    out[0] = 0;
+}
+
+void dg_co_default_serial(const void *ctx, uint8_t *out)
+{
+    const uint32_t *serial = ctx;
+
+    dg_store_le32(out, *serial);
+}
+
+int dg_co_format(const struct dg_co_device *device, struct dg_nvm nvm, uint32_t serial)
+{
+    return dg_store_format(device->layout, nvm, &serial);
+}
+
+/* A region that is in order; `to` keeps its content otherwise. */
+static bool load(struct dg_co_node *self, uint8_t region, uint8_t *to)
+{
+    uint16_t size = self->setup.device->layout->regions[region].size;
+
+    return self->mounted && !dg_store_damaged(&self->store, region) &&
+           dg_store_read(&self->store, region, 0, to, size) == DG_OK;
+}
+
+int dg_co_mount(struct dg_co_node *self)
+{
+    uint8_t bus[3];
+    uint8_t serial[4] = {0};
+    int result = DG_ERR_IO;
+
+    dg_co_default_bus(NULL, bus);
+    if (self->setup.world->eeprom_acknowledges) {
+        result = dg_store_mount(&self->store, self->setup.device->layout, self->setup.nvm);
+    }
+    self->mounted = result == DG_OK;
+    (void)load(self, DG_CO_REGION_BUS, bus);
+    (void)load(self, DG_CO_REGION_SERIAL, serial);
+    self->lss.bit_rate = bus[0] > 8 || bus[0] == 7 ? BIT_RATE_DEFAULT : bus[0];
+    self->lss.node_id = bus[1];
+    self->value[DG_CO_SLOT_TERMINATION] = bus[2];
+    self->serial = dg_load_le32(serial);
+    return result;
+}
+
+static void unpack_row(struct dg_co_node *self, const struct dg_co_object *object, void *ctx)
+{
+    struct pack *pack = ctx;
+    uint8_t size = dg_co_size(object);
+
+    if ((object->flags & DG_CO_SAVE) == 0 || object->region != pack->region) {
+        return;
+    }
+    if (object->index >= pack->first && object->index <= pack->last) {
+        uint32_t value = 0;
+        for (uint8_t i = 0; i < size; i++) {
+            value |= (uint32_t)pack->bytes[pack->at + i] << (8u * i);
+        }
+        self->value[object->slot] = dg_co_extend(object, value);
+    }
+    pack->at = (uint8_t)(pack->at + size);
+}
+
+static void pack_row(struct dg_co_node *self, const struct dg_co_object *object, void *ctx)
+{
+    struct pack *pack = ctx;
+
+    if ((object->flags & DG_CO_SAVE) == 0 || object->region != pack->region) {
+        return;
+    }
+    for (uint8_t i = 0; i < dg_co_size(object); i++) {
+        pack->bytes[pack->at++] = (uint8_t)(self->value[object->slot] >> (8u * i));
+    }
+}
+
+static void initial_row(struct dg_co_node *self, const struct dg_co_object *object, void *ctx)
+{
+    const struct pack *range = ctx;
+
+    if ((object->flags & DG_CO_SLOT) != 0 && object->index >= range->first &&
+        object->index <= range->last) {
+        self->value[object->slot] = dg_co_initial(self, object);
+    }
+}
+
+/* Regions that 1010h writes: everything but bus parameters, the mark and the serial number. */
+static bool is_parameters(uint8_t region)
+{
+    return region >= DG_CO_REGION_COMMUNICATION && region != DG_CO_REGION_SERIAL;
+}
+
+void dg_co_load(struct dg_co_node *self, uint16_t first, uint16_t last)
+{
+    struct pack pack = {.first = first, .last = last};
+    uint32_t termination = self->value[DG_CO_SLOT_TERMINATION];
+    uint8_t saved = 0;
+
+    dg_co_each(self, initial_row, &pack);
+    self->value[DG_CO_SLOT_BIT_RATE] = self->bit_rate;
+    self->value[DG_CO_SLOT_NODE_ID] = self->id;
+    self->value[DG_CO_SLOT_TERMINATION] = termination;
+    if (!load(self, DG_CO_REGION_SAVED, &saved) || saved != 1) {
+        return;
+    }
+    for (uint8_t i = 0; i < self->setup.device->layout->region_count; i++) {
+        pack.region = i;
+        pack.at = 0;
+        if (is_parameters(i) && load(self, i, pack.bytes)) {
+            dg_co_each(self, unpack_row, &pack);
+        }
+    }
+}
+
+void dg_co_report_memory(struct dg_co_node *self)
+{
+    static const uint8_t none[5];
+
+    if (!self->mounted || self->store.damaged != 0) {
+        dg_co_raise(self, DG_CO_CAUSE_MEMORY, none);
+    }
+}
+
+/* The wire's view of a commit. */
+static enum dg_co_abort committed(struct dg_co_node *self)
+{
+    return dg_store_commit(&self->store) == DG_OK ? DG_CO_OK : DG_CO_HARDWARE;
+}
+
+static bool writable(const struct dg_co_node *self)
+{
+    return self->mounted && self->setup.world->eeprom_acknowledges;
+}
+
+enum dg_co_abort dg_co_save_bus(struct dg_co_node *self, uint8_t bit_rate, uint8_t node_id)
+{
+    const uint8_t bus[3] = {bit_rate, node_id, (uint8_t)self->value[DG_CO_SLOT_TERMINATION]};
+
+    if (!writable(self)) {
+        return DG_CO_HARDWARE;
+    }
+    dg_store_begin(&self->store);
+    (void)dg_store_stage(&self->store, DG_CO_REGION_BUS, 0, bus, sizeof bus);
+    return committed(self);
+}
+
+/* "save" is answered when the memory has taken it, about 14 ms later (chapter 12). */
+static void answer_later(struct dg_co_node *self)
+{
+    self->sdo.state = DG_CO_SDO_DELAYED;
+    self->sdo.deadline = dg_after(self->now, SAVE_NS);
+}
+
+static enum dg_co_abort save_parameters(struct dg_co_node *self)
+{
+    static const uint8_t saved[1] = {1};
+    struct pack pack = {0};
+
+    dg_store_begin(&self->store);
+    (void)dg_store_stage(&self->store, DG_CO_REGION_SAVED, 0, saved, sizeof saved);
+    for (uint8_t i = 0; i < self->setup.device->layout->region_count; i++) {
+        if (!is_parameters(i)) {
+            continue;
+        }
+        pack.region = i;
+        pack.at = 0;
+        dg_co_each(self, pack_row, &pack);
+        if (pack.at > 0) {
+            (void)dg_store_stage(&self->store, i, 0, pack.bytes, pack.at);
+        }
+    }
+    return committed(self);
+}
+
+/* Common to 1010h:1, 1011h:1 and 2105h: reading says "on command" (1), writing wants a signature.
+ */
+static enum dg_co_abort signature(struct dg_co_node *self, enum dg_co_op op, uint32_t *value,
+                                  uint32_t wanted)
+{
+    if (op == DG_CO_READ) {
+        *value = 1;
+        return DG_CO_OK;
+    }
+    if (*value != wanted) {
+        return DG_CO_STORE;
+    }
+    return writable(self) ? DG_CO_OK : DG_CO_HARDWARE;
+}
+
+enum dg_co_abort dg_co_hook_store(struct dg_co_node *self, const struct dg_co_object *object,
+                                  enum dg_co_op op, uint32_t *value)
+{
+    enum dg_co_abort abort = signature(self, op, value, SAVE);
+
+    (void)object;
+    if (op != DG_CO_WRITE || abort != DG_CO_OK) {
+        return abort;
+    }
+    abort = save_parameters(self);
+    if (abort == DG_CO_OK) {
+        answer_later(self);
+    }
+    return abort;
+}
+
+enum dg_co_abort dg_co_hook_restore(struct dg_co_node *self, const struct dg_co_object *object,
+                                    enum dg_co_op op, uint32_t *value)
+{
+    static const uint8_t saved[1] = {0};
+    enum dg_co_abort abort = signature(self, op, value, LOAD);
+
+    (void)object;
+    if (op != DG_CO_WRITE || abort != DG_CO_OK) {
+        return abort;
+    }
+    dg_store_begin(&self->store);
+    (void)dg_store_stage(&self->store, DG_CO_REGION_SAVED, 0, saved, sizeof saved);
+    return committed(self);
+}
+
+enum dg_co_abort dg_co_hook_save_bus(struct dg_co_node *self, const struct dg_co_object *object,
+                                     enum dg_co_op op, uint32_t *value)
+{
+    uint8_t bit_rate = (uint8_t)self->value[DG_CO_SLOT_BIT_RATE];
+    uint8_t node_id = (uint8_t)self->value[DG_CO_SLOT_NODE_ID];
+    enum dg_co_abort abort = signature(self, op, value, SAVE);
+
+    (void)object;
+    if (op != DG_CO_WRITE || abort != DG_CO_OK) {
+        return abort;
+    }
+    abort = dg_co_save_bus(self, bit_rate, node_id);
+    if (abort == DG_CO_OK) {
+        self->lss.bit_rate = bit_rate; /* in force after the next reset node (C8) */
+        self->lss.node_id = node_id;
+        answer_later(self);
+    }
+    return abort;
+}
