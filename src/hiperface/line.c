@@ -65,6 +65,10 @@ static int start(struct dg_hf *self)
         result = dg_store_mount(&self->store, &dg_hf_layout, self->setup.nvm);
     }
     dg_hf_load(self, result == DG_OK);
+    if (result == DG_OK && self->store.failures > 0) {
+        result = DG_ERR_IO; /* mounted, then silent: no mixture of memory and model */
+        dg_hf_load(self, false);
+    }
     if (result == DG_OK) {
         dg_hf_start_up_checks(self);
     } else {
@@ -135,7 +139,7 @@ static void end_of_frame(struct dg_hf *self, dg_ns moment)
         reset(self, moment);
         return;
     }
-    if (row != NULL) {
+    if (row != NULL && row->handler != NULL) {
         reaction = dg_earliest(reaction, DG_MS(row->reaction_ms));
     }
     become(self, DG_HF_REPLY, dg_after(moment, reaction));
@@ -231,6 +235,7 @@ dg_ns dg_hf_rx(struct dg_hf *self, dg_ns now, uint8_t byte, uint8_t flags)
     bool damaged = (flags & DG_HF_RX_DAMAGED) != 0;
     bool start_bit = (flags & DG_HF_RX_START) != 0;
 
+    now = now > self->last_rx ? now : self->last_rx; /* earlier: no time has passed (time.h) */
     if (next_deadline(self) < now) {
         (void)dg_hf_step(self, now);
     }

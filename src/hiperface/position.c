@@ -5,9 +5,8 @@
  */
 #include "hf.h"
 
-/* Middle of what 4.1.3 allows: 0.5 V peak to peak between the lines of a signal, 2.5 V on average.
- */
-#define SINCOS_PEAK_UV 250000
+/* The figure of 4.1.3: each line 2.5 V +- 0.25 V, +-0.5 V between the lines of a signal. */
+#define SINCOS_PEAK_UV 500000
 #define SINCOS_DC_UV 2500000
 
 static uint32_t counts_per_turn(const struct dg_hf *self)

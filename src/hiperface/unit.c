@@ -36,7 +36,7 @@ static uint16_t vector_length(const struct dg_hf *self, dg_ns now)
     dg_hf_sincos(self, now, &s);
     int64_t sin_uv = s.sin_plus_uv - s.sin_minus_uv;
     int64_t cos_uv = s.cos_plus_uv - s.cos_minus_uv;
-    return (uint16_t)((dg_isqrt((uint64_t)(sin_uv * sin_uv + cos_uv * cos_uv)) + 125u) / 250u);
+    return (uint16_t)((dg_isqrt((uint64_t)(sin_uv * sin_uv + cos_uv * cos_uv)) + 250u) / 500u);
 }
 
 enum dg_hf_status dg_hf_read_analog(struct dg_hf *self, struct hf_request *rq)

@@ -1,0 +1,159 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Points of a recorded motion, a line at a time. Strict where a mistake would bend the motion
+ * (order, units, exponents), lenient where tools differ (header, blanks, line ends, digits beyond
+ * use).
+ */
+#define _GNU_SOURCE
+#include "csv.h"
+
+#include <errno.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "number.h"
+#include "shaft.h"
+
+/* Both columns keep 9 decimals: 1 ns of time; an angle far below its own unit of 8e-8 degree. */
+#define PLACES 9u
+#define TIME_MAX_S 9000000000
+#define ANGLE_MAX_DEG 6000000000
+
+/* Where the reader is, and what it has. */
+struct reader {
+    const char *name;
+    unsigned long line;
+    bool started; /* the first line that is not empty or a comment has been seen */
+    size_t capacity;
+    struct lx_recording found;
+};
+
+/* A piece of a line. */
+struct field {
+    const char *at;
+    size_t n;
+};
+
+static bool is_blank(char c)
+{
+    return c == ' ' || c == '\t' || c == '\r' || c == '\n';
+}
+
+static struct field trimmed(const char *at, size_t n)
+{
+    while (n > 0 && is_blank(at[0])) {
+        at++;
+        n--;
+    }
+    while (n > 0 && is_blank(at[n - 1])) {
+        n--;
+    }
+    return (struct field){at, n};
+}
+
+/* A header is a first line that does not start like a number. */
+static bool is_header(const struct reader *self, struct field line)
+{
+    return !self->started && memchr("+-.0123456789", line.at[0], 13) == NULL;
+}
+
+static int complain(const struct reader *self, struct lx_error *error, const char *what,
+                    struct field got)
+{
+    return lx_fail(error, "%s:%lu: %s, not '%.*s'", self->name, self->line, what,
+                   (int)(got.n > 60 ? 60 : got.n), got.at);
+}
+
+static int append(struct reader *self, struct dg_motion_point point, struct lx_error *error)
+{
+    if (self->found.count == self->capacity) {
+        const size_t capacity = self->capacity == 0 ? 256 : self->capacity * 2;
+        struct dg_motion_point *grown =
+            realloc(self->found.points, capacity * sizeof *self->found.points);
+        if (grown == NULL) {
+            return lx_fail(error, "%s:%lu: no memory for so many lines", self->name, self->line);
+        }
+        self->found.points = grown;
+        self->capacity = capacity;
+    }
+    self->found.points[self->found.count++] = point;
+    return 0;
+}
+
+/* One line `time_s,angle_deg` without its comment. */
+static int take_point(struct reader *self, struct field line, struct lx_error *error)
+{
+    const char *comma = memchr(line.at, ',', line.n);
+    /* A second comma ends up in the angle and is refused there. */
+    if (comma == NULL) {
+        return complain(self, error, "a line is 'time_s,angle_deg'", line);
+    }
+    const struct field time = trimmed(line.at, (size_t)(comma - line.at));
+    const struct field angle = trimmed(comma + 1, line.n - (size_t)(comma + 1 - line.at));
+    struct lx_decimal at;
+    struct lx_decimal degrees;
+    if (!lx_decimal_parse(time.at, time.n, PLACES, &at) || at.value < 0 ||
+        at.value > TIME_MAX_S * lx_power_of_ten(PLACES)) {
+        return complain(self, error, "the time is decimal seconds from 0 to 9000000000", time);
+    }
+    if (!lx_decimal_parse(angle.at, angle.n, PLACES, &degrees) ||
+        degrees.value < -ANGLE_MAX_DEG * lx_power_of_ten(PLACES) ||
+        degrees.value > ANGLE_MAX_DEG * lx_power_of_ten(PLACES)) {
+        return complain(self, error, "the angle is decimal degrees within +-6000000000", angle);
+    }
+    /* The core needs strictly increasing times; the nanoseconds count, not the digits. */
+    const size_t count = self->found.count;
+    if (count > 0 && self->found.points[count - 1].at >= (dg_ns)at.value) {
+        return complain(self, error, "the time must be later than on the line before", time);
+    }
+    const struct dg_motion_point point = {(dg_ns)at.value,
+                                          lx_angle_of_degrees(degrees.value, PLACES)};
+    return append(self, point, error);
+}
+
+static int take_line(struct reader *self, const char *text, size_t n, struct lx_error *error)
+{
+    const char *comment = memchr(text, '#', n);
+    const struct field line = trimmed(text, comment == NULL ? n : (size_t)(comment - text));
+    if (line.n == 0) {
+        return 0;
+    }
+    const bool header = is_header(self, line);
+    self->started = true;
+    return header ? 0 : take_point(self, line, error);
+}
+
+static int read_lines(struct reader *self, FILE *file, struct lx_error *error)
+{
+    char *text = NULL;
+    size_t capacity = 0;
+    int result = 0;
+    ssize_t n = getline(&text, &capacity, file);
+    while (n >= 0 && result == 0) {
+        self->line++;
+        result = take_line(self, text, (size_t)n, error);
+        n = getline(&text, &capacity, file);
+    }
+    if (result == 0 && ferror(file) != 0) {
+        result = lx_fail(error, "%s: cannot read: %s", self->name, strerror(errno));
+    }
+    free(text);
+    return result;
+}
+
+int lx_csv_read(struct lx_recording *out, FILE *file, const char *name, struct lx_error *error)
+{
+    struct reader self = {.name = name};
+    int result = read_lines(&self, file, error);
+    if (result == 0 && self.found.count == 0) {
+        result =
+            lx_fail(error, "%s:%lu: no points; a line is 'time_s,angle_deg'", name, self.line + 1);
+    }
+    if (result != 0) {
+        free(self.found.points);
+        return result;
+    }
+    *out = self.found;
+    return 0;
+}

@@ -1,0 +1,80 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Time of a character = its bits at the data rate, always counted from the start of the reply:
+ *
+ *   start   end_of(0)   end_of(1)   end_of(2)
+ *     |40---------|43---------|03---------|        late once is late once
+ */
+#include "line.h"
+
+#include <string.h>
+
+#define ESCAPE 0xFFu
+
+/* End of the stop bit of character `index`. */
+static dg_ns end_of(const struct lx_line *self, size_t index)
+{
+    const uint32_t bits = (uint32_t)(index + 1) * self->bits;
+    return dg_after(self->start, dg_bit_times_ns(bits, self->baud));
+}
+
+void lx_line_start(struct lx_line *self, dg_ns now, const uint8_t *bytes, size_t n)
+{
+    self->length = n < sizeof self->bytes ? n : sizeof self->bytes;
+    memcpy(self->bytes, bytes, self->length);
+    self->sent = 0;
+    self->start = now;
+}
+
+void lx_line_set(struct lx_line *self, const struct dg_hf_uart *uart)
+{
+    self->baud = uart->baud;
+    /* Start bit, 8 data bits, parity if there is one, stop bit. */
+    self->bits = uart->parity == 'N' ? 10 : 11;
+}
+
+size_t lx_line_take(struct lx_line *self, dg_ns now, const uint8_t **bytes)
+{
+    const size_t first = self->sent;
+    while (self->sent < self->length && end_of(self, self->sent) <= now) {
+        self->sent++;
+    }
+    *bytes = self->bytes + first;
+    return self->sent - first;
+}
+
+size_t lx_line_take_all(struct lx_line *self, const uint8_t **bytes)
+{
+    const size_t first = self->sent;
+    self->sent = self->length;
+    *bytes = self->bytes + first;
+    return self->length - first;
+}
+
+dg_ns lx_line_next(const struct lx_line *self)
+{
+    return self->sent < self->length ? end_of(self, self->sent) : DG_NEVER;
+}
+
+bool lx_line_busy(const struct lx_line *self, dg_ns now)
+{
+    return self->sent < self->length || (self->length > 0 && now < end_of(self, self->length - 1));
+}
+
+bool lx_parmrk_feed(struct lx_parmrk *self, uint8_t byte, struct lx_character *out)
+{
+    const uint8_t seen = self->seen;
+    if (seen == 0 && byte == ESCAPE) {
+        self->seen = 1;
+        return false;
+    }
+    if (seen == 1 && byte == 0) {
+        self->seen = 2;
+        return false;
+    }
+    /* After one FF, everything but 00 stands for itself; the kernel only sends FF there. */
+    self->seen = 0;
+    out->byte = byte;
+    out->flags = seen == 2 ? DG_HF_RX_DAMAGED : DG_HF_RX_OK;
+    return true;
+}

@@ -1,0 +1,60 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * The time and the marks of characters on an asynchronous line. No I/O.
+ */
+#ifndef DREHGEBER_LINUX_LINE_H
+#define DREHGEBER_LINUX_LINE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "drehgeber/hiperface.h"
+
+/**
+ * A reply on its way out. Character n is at the receiver at the end of its stop bit, counted from
+ * the start of the reply, so that late wake-ups do not add up.
+ */
+struct lx_line {
+    uint8_t bytes[DG_HF_FRAME_MAX];
+    size_t length;
+    size_t sent;   /**< characters handed over so far */
+    dg_ns start;   /**< falling edge of the first start bit */
+    uint32_t baud; /**< data rate */
+    uint32_t bits; /**< of a character: 11, or 10 without parity */
+};
+
+/** Begin to send `n` bytes, at most DG_HF_FRAME_MAX; what was still on its way is cut off. */
+void lx_line_start(struct lx_line *self, dg_ns now, const uint8_t *bytes, size_t n);
+
+/** The UART setting from now on. */
+void lx_line_set(struct lx_line *self, const struct dg_hf_uart *uart);
+
+/** Take the characters that have arrived by `now`. @return how many, from *bytes on */
+size_t lx_line_take(struct lx_line *self, dg_ns now, const uint8_t **bytes);
+
+/** Take all characters at once; the line stays busy for their time. */
+size_t lx_line_take_all(struct lx_line *self, const uint8_t **bytes);
+
+/** When the next character is over, DG_NEVER when all are taken. */
+dg_ns lx_line_next(const struct lx_line *self);
+
+/** Whether the reply is still on the line: what comes in now collides with it. */
+bool lx_line_busy(const struct lx_line *self, dg_ns now);
+
+/** A received character. */
+struct lx_character {
+    uint8_t byte;
+    uint8_t flags; /**< enum dg_hf_rx_flags */
+};
+
+/** Decoder of what a tty gives with INPCK|PARMRK: FF 00 c is a damaged c, FF FF an intact FF. */
+struct lx_parmrk {
+    uint8_t seen; /**< bytes of an escape seen so far, 0..2 */
+};
+
+/** @return true when `byte` completes a character, which is in `out` then */
+bool lx_parmrk_feed(struct lx_parmrk *self, uint8_t byte, struct lx_character *out);
+
+#endif

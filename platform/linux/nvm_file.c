@@ -1,0 +1,281 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Two promises: what a sync acknowledged is on the disk, and a file is either complete or not
+ * there. The lock is the kernel's, so it ends with the process however that ends. It also ends when
+ * any other descriptor of the same file is closed in this process: the file is opened once, and
+ * only here.
+ */
+#define _GNU_SOURCE
+#include "nvm_file.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* --- the memory operations --- */
+
+/* All of `n` bytes; 0 or an errno. */
+static int write_all(int fd, const uint8_t *bytes, size_t n, off_t at)
+{
+    while (n > 0) {
+        const ssize_t done = pwrite(fd, bytes, n, at);
+        if (done < 0 && errno == EINTR) {
+            continue;
+        }
+        if (done <= 0) {
+            return done < 0 ? errno : ENOSPC;
+        }
+        bytes += done;
+        at += done;
+        n -= (size_t)done;
+    }
+    return 0;
+}
+
+/* What the file does not have reads FFh, as an erased EEPROM. 0 or an errno. */
+static int read_all(int fd, uint8_t *to, size_t n, off_t at)
+{
+    while (n > 0) {
+        const ssize_t done = pread(fd, to, n, at);
+        if (done < 0 && errno == EINTR) {
+            continue;
+        }
+        if (done < 0) {
+            return errno;
+        }
+        if (done == 0) {
+            memset(to, 0xFF, n);
+            return 0;
+        }
+        to += done;
+        at += done;
+        n -= (size_t)done;
+    }
+    return 0;
+}
+
+/* One line when it starts to fail, one when it works again. A sync ends the trouble, not a write:
+   only then the bytes are known to be there. */
+static int report(struct lx_nvm_file *self, int reason, bool synced)
+{
+    if (reason != 0 && !self->failing) {
+        self->failing = true;
+        lx_complain("%s: %s; the encoder answers 05h until it works again", self->path,
+                    strerror(reason));
+    } else if (reason == 0 && synced && self->failing) {
+        self->failing = false;
+        lx_complain("%s: works again", self->path);
+    }
+    return reason == 0 ? DG_OK : DG_ERR_IO;
+}
+
+static bool inside(const struct lx_nvm_file *self, uint32_t address, size_t n)
+{
+    return address <= self->size && n <= self->size - address;
+}
+
+static int read_file(void *ctx, uint32_t address, void *to, size_t n)
+{
+    struct lx_nvm_file *self = ctx;
+    if (!inside(self, address, n)) {
+        return DG_ERR_IO;
+    }
+    return report(self, read_all(self->fd, to, n, (off_t)address), false);
+}
+
+/* A write beyond the end of a cut-off file would leave zeros before it. */
+static int fill_gap(struct lx_nvm_file *self, uint32_t address)
+{
+    const uint8_t erased = 0xFF;
+    int reason = 0;
+    while (reason == 0 && self->length < address) {
+        reason = write_all(self->fd, &erased, 1, (off_t)self->length);
+        self->length += reason == 0 ? 1u : 0u;
+    }
+    return reason;
+}
+
+static int write_file(void *ctx, uint32_t address, const void *from, size_t n)
+{
+    struct lx_nvm_file *self = ctx;
+    if (!inside(self, address, n)) {
+        return DG_ERR_IO;
+    }
+    int reason = fill_gap(self, address);
+    if (reason == 0) {
+        reason = write_all(self->fd, from, n, (off_t)address);
+    }
+    const uint32_t end = address + (uint32_t)n;
+    if (reason == 0 && self->length < end) {
+        self->length = end;
+    }
+    return report(self, reason, false);
+}
+
+static int sync_file(void *ctx)
+{
+    struct lx_nvm_file *self = ctx;
+    return report(self, fdatasync(self->fd) == 0 ? 0 : errno, true);
+}
+
+static const struct dg_nvm_ops file_ops = {
+    .read = read_file,
+    .write = write_file,
+    .sync = sync_file,
+};
+
+/* --- opening --- */
+
+static int lock(const struct lx_nvm_file *self, struct lx_error *error)
+{
+    struct flock whole = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
+    if (fcntl(self->fd, F_SETLK, &whole) == 0) {
+        return 0;
+    }
+    /* Anything but these two is a file system that cannot lock: then nobody is safe. */
+    if (errno != EACCES && errno != EAGAIN) {
+        return lx_fail(error, "%s: cannot lock: %s", self->path, strerror(errno));
+    }
+    if (fcntl(self->fd, F_GETLK, &whole) == 0 && whole.l_type != F_UNLCK) {
+        return lx_fail(error, "%s: in use by process %ld; give every encoder a file of its own",
+                       self->path, (long)whole.l_pid);
+    }
+    return lx_fail(error, "%s: in use by another process; try again", self->path);
+}
+
+/* An empty file is refused with the ones that are too long: whoever made it meant something else.
+   A short one may be an image whose end is lost; the caller looks. */
+static int check_kind(struct lx_nvm_file *self, struct lx_error *error)
+{
+    struct stat info;
+    if (fstat(self->fd, &info) != 0) {
+        return lx_fail(error, "%s: %s", self->path, strerror(errno));
+    }
+    if (!S_ISREG(info.st_mode)) {
+        return lx_fail(error, "%s: not a regular file; give the name of a new one", self->path);
+    }
+    if (info.st_size == 0 || info.st_size > (off_t)self->size) {
+        return lx_fail(error,
+                       "%s: %lld bytes, an image of this encoder has %lu; give a file made "
+                       "by drehgeber, or the name of a new one",
+                       self->path, (long long)info.st_size, (unsigned long)self->size);
+    }
+    self->length = (uint32_t)info.st_size;
+    return 0;
+}
+
+static int open_existing(struct lx_nvm_file *self, struct lx_error *error)
+{
+    /* Neither a FIFO nor a terminal may hold up or take over the process before it is refused. */
+    self->fd = open(self->path, O_RDWR | O_CLOEXEC | O_NOCTTY | O_NONBLOCK);
+    if (self->fd < 0) {
+        return lx_fail(error, "%s: cannot open: %s", self->path, strerror(errno));
+    }
+    return check_kind(self, error) != 0 ? -1 : lock(self, error);
+}
+
+/* The folder of `path`, and a name for mkostemp() in it. */
+struct neighbour {
+    char folder[PATH_MAX];
+    char name[PATH_MAX];
+};
+
+static bool neighbour_of(struct neighbour *out, const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    const int n = slash == NULL ? 0 : (int)(slash - path) + 1;
+    const char *base = slash == NULL ? path : slash + 1;
+    const int folder =
+        snprintf(out->folder, sizeof out->folder, "%.*s", n == 0 ? 1 : n, n == 0 ? "." : path);
+    const int name = snprintf(out->name, sizeof out->name, "%.*s.%s.XXXXXX", n, path, base);
+    return folder > 0 && (size_t)folder < sizeof out->folder && name > 0 &&
+           (size_t)name < sizeof out->name;
+}
+
+/* The new name is durable when its folder is. */
+static int sync_folder(const char *folder)
+{
+    const int fd = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (fd < 0) {
+        return errno;
+    }
+    const int reason = fsync(fd) == 0 ? 0 : errno;
+    (void)close(fd);
+    return reason;
+}
+
+/* A complete image under another name first, then link(): whoever sees the file sees all of it,
+   and of two processes that create it one wins. 0 or an errno. */
+static int create(struct lx_nvm_file *self, const struct lx_nvm_image *image)
+{
+    struct neighbour near = {.folder = ""};
+    if (!neighbour_of(&near, self->path)) {
+        return ENAMETOOLONG;
+    }
+    self->fd = mkostemp(near.name, O_CLOEXEC); /* mode 0600 */
+    if (self->fd < 0) {
+        return errno;
+    }
+    /* Locked before it has its name. A lock on a private file cannot be refused by others. */
+    struct flock whole = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
+    int reason = fcntl(self->fd, F_SETLK, &whole) == 0 ? 0 : errno;
+    if (reason == 0) {
+        reason = write_all(self->fd, image->bytes, image->size, 0);
+    }
+    if (reason == 0 && fsync(self->fd) != 0) {
+        reason = errno;
+    }
+    if (reason == 0 && link(near.name, self->path) != 0) {
+        reason = errno;
+    }
+    (void)unlink(near.name);
+    return reason == 0 ? sync_folder(near.folder) : reason;
+}
+
+static int open_or_create(struct lx_nvm_file *self, const struct lx_nvm_image *image,
+                          struct lx_error *error)
+{
+    if (access(self->path, F_OK) == 0) {
+        return open_existing(self, error);
+    }
+    const int reason = create(self, image);
+    if (reason == EEXIST) { /* somebody else was faster, or it is a dangling link */
+        lx_nvm_file_close(self);
+        return open_existing(self, error);
+    }
+    if (reason != 0) {
+        return lx_fail(error, "%s: cannot create: %s", self->path, strerror(reason));
+    }
+    self->created = true;
+    self->length = image->size;
+    return 0;
+}
+
+int lx_nvm_file_open(struct lx_nvm_file *self, const char *path, const struct lx_nvm_image *image,
+                     struct lx_error *error)
+{
+    *self = (struct lx_nvm_file){.path = path, .fd = -1, .size = image->size};
+    const int result = open_or_create(self, image, error);
+    if (result != 0) {
+        lx_nvm_file_close(self);
+    }
+    return result;
+}
+
+void lx_nvm_file_close(struct lx_nvm_file *self)
+{
+    if (self->fd >= 0) {
+        (void)close(self->fd);
+    }
+    self->fd = -1;
+}
+
+struct dg_nvm lx_nvm_file_port(struct lx_nvm_file *self)
+{
+    return (struct dg_nvm){&file_ops, self};
+}

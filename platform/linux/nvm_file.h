@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * An EEPROM in a file: one process at a time, durable when sync returns.
+ */
+#ifndef DREHGEBER_LINUX_NVM_FILE_H
+#define DREHGEBER_LINUX_NVM_FILE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "drehgeber/hal.h"
+#include "say.h"
+
+/** An open file. The path is borrowed. */
+struct lx_nvm_file {
+    const char *path;
+    int fd;          /**< holds the advisory lock; -1: not open */
+    uint32_t size;   /**< bytes of the memory */
+    uint32_t length; /**< bytes the file has; what is missing up to `size` reads FFh */
+    bool created;    /**< it did not exist before */
+    bool failing;    /**< the last write or sync failed, and the user has been told */
+};
+
+/** What a new file holds. */
+struct lx_nvm_image {
+    const uint8_t *bytes;
+    uint32_t size;
+};
+
+/**
+ * Open `path` and lock it; make it (mode 0600, complete or not at all) when it does not exist. The
+ * content of an existing file is not touched.
+ * @return 0, or -1 with one line in `error`: no such folder, not a regular file, longer than the
+ *         image, in use by another process, ...
+ */
+int lx_nvm_file_open(struct lx_nvm_file *self, const char *path, const struct lx_nvm_image *image,
+                     struct lx_error *error);
+
+/** Close and unlock; also when it is not open. */
+void lx_nvm_file_close(struct lx_nvm_file *self);
+
+/** The operations on `self`. */
+struct dg_nvm lx_nvm_file_port(struct lx_nvm_file *self);
+
+#endif

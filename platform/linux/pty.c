@@ -1,0 +1,232 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * A pseudo-terminal: the encoder has the master side, whoever talks to it opens the slave side as a
+ * serial port.
+ */
+#define _GNU_SOURCE
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/ioctl.h>
+#include <sys/stat.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include "serial.h"
+
+#define PTS "/dev/pts/"
+
+/* The slave side stays open here, too: no hang-up when a master goes, and its speed can be read
+   at any time. */
+struct pty {
+    struct lx_serial serial;
+    int slave;
+    bool linked;
+    bool mismatch; /* the master talks at another speed, and the user has been told */
+};
+
+static struct pty *pty_of(struct lx_serial *serial)
+{
+    return (struct pty *)serial;
+}
+
+/*
+ * A pty has no parity, and some C libraries refuse a tcsetattr() that asks for one unless something
+ * else changes with it: a client that opens the port just as it left it, or sets a timeout, would
+ * fail. So there always is something to change: CLOCAL, which serial clients set and a pty ignores.
+ * This takes it away again, and only it: the ioctl leaves alone what a client sets meanwhile.
+ */
+static void keep_changeable(const struct pty *self)
+{
+    struct termios line;
+    const int off = 0;
+    if (tcgetattr(self->slave, &line) == 0 && (line.c_cflag & (tcflag_t)CLOCAL) != 0) {
+        (void)ioctl(self->slave, TIOCSSOFTCAR, &off);
+    }
+}
+
+/* Once per episode, which setting would be right. */
+static void tell_mismatch(const struct lx_serial *serial, uint32_t baud)
+{
+    const struct dg_hf_uart *uart = &serial->uart;
+    char speed[24] = "another speed";
+    if (baud != 0) {
+        (void)snprintf(speed, sizeof speed, "%lu Bd", (unsigned long)baud);
+    }
+    lx_note(serial->setup.say,
+            "the master talks at %s, the encoder expects %lu Bd 8%c1; --set line=any takes any "
+            "data rate",
+            speed, (unsigned long)uart->baud, uart->parity);
+}
+
+/* The kernel strips the parity of a pty, so the speed is all there is to compare. */
+static bool speed_differs(struct pty *self)
+{
+    struct lx_serial *serial = &self->serial;
+    struct termios line;
+    if (serial->setup.any_line || tcgetattr(self->slave, &line) != 0) {
+        return false;
+    }
+    const uint32_t baud = lx_baud_of_speed(cfgetospeed(&line));
+    const bool differs = baud != serial->uart.baud;
+    if (differs && !self->mismatch) {
+        tell_mismatch(serial, baud);
+    }
+    self->mismatch = differs;
+    return differs;
+}
+
+/* Packet mode: a read begins with 0 and goes on with data, or it tells that something was set. */
+static void received(struct lx_serial *serial, dg_ns now, const uint8_t *bytes, size_t n)
+{
+    struct lx_character character = {.flags = DG_HF_RX_OK};
+    if (bytes[0] != TIOCPKT_DATA) {
+        keep_changeable(pty_of(serial));
+        return;
+    }
+    if (speed_differs(pty_of(serial))) {
+        character.flags = DG_HF_RX_DAMAGED;
+    }
+    for (size_t i = 1; i < n; i++) {
+        character.byte = bytes[i];
+        lx_serial_rx(serial, now, &character);
+    }
+}
+
+/* Only when the pty system itself fails: the slave side is never closed before this one. */
+static void gone(struct lx_serial *serial, int reason)
+{
+    lx_complain("%s: the pty is gone: %s", serial->address, strerror(reason == 0 ? EIO : reason));
+    (void)sd_event_exit(serial->setup.event, 1);
+}
+
+/* Remove the link, unless somebody else has put theirs there by now. */
+static void remove_link(const struct pty *self)
+{
+    char target[PATH_MAX];
+    const char *link = self->serial.setup.where;
+    const ssize_t n = readlink(link, target, sizeof target - 1);
+    if (n < 0) {
+        return;
+    }
+    target[n] = '\0';
+    if (strcmp(target, self->serial.address) == 0) {
+        (void)unlink(link);
+    }
+}
+
+static void close_pty(struct lx_serial *serial)
+{
+    struct pty *self = pty_of(serial);
+    if (self->linked) {
+        remove_link(self);
+    }
+    if (self->slave >= 0) {
+        (void)close(self->slave);
+    }
+}
+
+static const struct lx_serial_ops pty_ops = {
+    .received = received,
+    .gone = gone,
+    .close = close_pty,
+};
+
+/* A link that leads nowhere or to a pty was left behind by a run that could not clean up. */
+static bool is_stale(const char *link, const struct stat *info)
+{
+    char target[PATH_MAX];
+    if (!S_ISLNK(info->st_mode)) {
+        return false;
+    }
+    const ssize_t n = readlink(link, target, sizeof target - 1);
+    if (n < 0) {
+        return false;
+    }
+    target[n] = '\0';
+    return strncmp(target, PTS, strlen(PTS)) == 0 || access(link, F_OK) != 0;
+}
+
+static int make_link(struct pty *self, struct lx_error *error)
+{
+    const char *link = self->serial.setup.where;
+    struct stat info;
+    if (lstat(link, &info) == 0) {
+        if (!is_stale(link, &info)) {
+            return lx_fail(error,
+                           "--pty=%s: exists and is not a link to a pty; remove it or give "
+                           "another name",
+                           link);
+        }
+        (void)unlink(link);
+    }
+    if (symlink(self->serial.address, link) != 0) {
+        return lx_fail(error, "--pty=%s: cannot make the link: %s", link, strerror(errno));
+    }
+    self->linked = true;
+    return 0;
+}
+
+/* Raw, and at the speed the encoder will have: a client that never sets one works. EXTPROC makes
+   packet mode tell about every tcsetattr(); it does nothing else to raw bytes. */
+static int prepare_slave(struct pty *self)
+{
+    struct termios line;
+    if (tcgetattr(self->slave, &line) != 0) {
+        return -1;
+    }
+    cfmakeraw(&line);
+    line.c_lflag |= (tcflag_t)EXTPROC;
+    line.c_cflag |= (tcflag_t)CREAD;
+    line.c_cflag &= (tcflag_t)~CLOCAL; /* see keep_changeable() */
+    const speed_t speed = (speed_t)lx_speed_of_baud(self->serial.setup.stored.baud);
+    if (cfsetispeed(&line, speed) != 0 || cfsetospeed(&line, speed) != 0) {
+        return -1;
+    }
+    return tcsetattr(self->slave, TCSANOW, &line);
+}
+
+static int open_pair(struct pty *self)
+{
+    struct lx_serial *serial = &self->serial;
+    const int on = 1;
+    serial->fd = posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+    if (serial->fd < 0 || grantpt(serial->fd) != 0 || unlockpt(serial->fd) != 0 ||
+        ioctl(serial->fd, TIOCPKT, &on) != 0 ||
+        ptsname_r(serial->fd, serial->address, sizeof serial->address) != 0) {
+        return -1;
+    }
+    self->slave = open(serial->address, O_RDWR | O_NOCTTY | O_CLOEXEC);
+    return self->slave < 0 ? -1 : prepare_slave(self);
+}
+
+static int start(struct pty *self, struct lx_error *error)
+{
+    if (open_pair(self) != 0) {
+        return lx_fail(error, "--pty: cannot make a pty: %s", strerror(errno));
+    }
+    const int result = lx_serial_watch(&self->serial);
+    if (result < 0) {
+        return lx_fail(error, "--pty: cannot watch the pty: %s", strerror(-result));
+    }
+    return self->serial.setup.where == NULL ? 0 : make_link(self, error);
+}
+
+struct lx_serial *lx_pty_open(const struct lx_serial_setup *setup, struct lx_error *error)
+{
+    struct pty *self = calloc(1, sizeof *self);
+    if (self == NULL) {
+        (void)lx_fail(error, "--pty: no memory");
+        return NULL;
+    }
+    self->slave = -1;
+    self->serial.pace = setup->pace ? LX_PACE_TIMER : LX_PACE_NONE;
+    if (lx_serial_init(&self->serial, &pty_ops, setup, error) != 0 || start(self, error) != 0) {
+        lx_serial_close(&self->serial);
+        return NULL;
+    }
+    return &self->serial;
+}

@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * What a port tells its user: one line per event on stderr, and errors that are carried up to
+ * whoever decides what they mean.
+ */
+#ifndef DREHGEBER_LINUX_SAY_H
+#define DREHGEBER_LINUX_SAY_H
+
+#include <stdbool.h>
+
+/** One line: what was wrong and what would be right. */
+struct lx_error {
+    char text[512];
+};
+
+/** Who is told what. */
+struct lx_say {
+    bool quiet; /**< only complaints, no notes */
+};
+
+/** Fill `error`, printf style. Always returns -1, for `return lx_fail(...)`. */
+int lx_fail(struct lx_error *error, const char *format, ...);
+
+/** A line about something the user may want to know; silent when quiet. */
+void lx_note(const struct lx_say *say, const char *format, ...);
+
+/** A line about something that does not work. */
+void lx_complain(const char *format, ...);
+
+#endif

@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * --set KEY=VALUE: one table of everything about an encoder that can be set from outside.
+ */
+#ifndef DREHGEBER_LINUX_SETTINGS_H
+#define DREHGEBER_LINUX_SETTINGS_H
+
+#include <stdbool.h>
+#include <stdio.h>
+
+#include "drehgeber/hiperface.h"
+#include "drehgeber/world.h"
+#include "say.h"
+
+/** What the table's rows point into. */
+struct lx_settings {
+    struct dg_hf_model model; /**< factory figures */
+    struct dg_world world;    /**< what the encoder senses */
+    bool pace;                /**< replies go out at the line's speed */
+    bool any_line;            /**< whatever the line is set to is right */
+    bool serial_given;        /**< the serial number was asked for, not left to the model */
+};
+
+/** The figures of `model` in a healthy world. */
+void lx_settings_init(struct lx_settings *self, const struct dg_hf_model *model);
+
+/** Apply "key=value". @return 0, or -1 with one line that names what would be right */
+int lx_settings_set(struct lx_settings *self, const char *assignment, struct lx_error *error);
+
+/** Set the serial number: 1 to 9 digits, zeros in front. @return as lx_settings_set() */
+int lx_settings_serial(struct lx_settings *self, const char *digits, struct lx_error *error);
+
+/** Whether the figures fit each other. @return 0, or -1 with one line in `error` */
+int lx_settings_check(const struct lx_settings *self, struct lx_error *error);
+
+/** All keys with ranges, defaults of `self`, and what they are; for --help. */
+void lx_settings_help(const struct lx_settings *self, FILE *to);
+
+#endif

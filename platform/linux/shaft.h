@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * A motion in words, as --shaft takes it:
+ *
+ *   0 | 90DEG | 2.5REV | 60RPM | sine:AMPLITUDE,PERIOD | ramp:SPEED,TIME[,HOLD] | FILE.csv
+ *
+ * Units are not case sensitive: DEG REV (angle), RPM (speed), S MS (time). Angles are rounded up to
+ * 2^-32 turn, so that an angle written down for a step is in that step.
+ */
+#ifndef DREHGEBER_LINUX_SHAFT_H
+#define DREHGEBER_LINUX_SHAFT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "drehgeber/motion.h"
+#include "say.h"
+
+/** The forms, in one line, for help and errors. */
+extern const char lx_shaft_forms[];
+
+/** A motion and the points it borrows. */
+struct lx_shaft {
+    struct dg_motion motion;        /**< starts at 0; the host moves `start` */
+    struct dg_motion_point *points; /**< owned; NULL unless it came from a file */
+};
+
+/** What lx_shaft_parse() says when it fails. */
+enum lx_shaft_failure {
+    LX_SHAFT_WORDS = -1, /**< not a motion */
+    LX_SHAFT_FILE = -2,  /**< the file cannot be read, or what is in it */
+};
+
+/**
+ * Parse `text`; a file name is read.
+ * @return 0, or enum lx_shaft_failure with one line in `error` and nothing to free
+ */
+int lx_shaft_parse(struct lx_shaft *self, const char *text, struct lx_error *error);
+
+/** Give back the points. */
+void lx_shaft_free(struct lx_shaft *self);
+
+/** `value` / 10^places degrees as an angle, rounded up; |degrees| at most 6 * 10^9. */
+dg_angle lx_angle_of_degrees(int64_t value, unsigned places);
+
+#endif

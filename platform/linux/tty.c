@@ -1,0 +1,220 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * A real UART (or the slave side of somebody else's pty). Its driver does the timing and finds
+ * damaged characters; a device that is unplugged is waited for.
+ */
+#define _GNU_SOURCE
+#include <errno.h>
+#include <fcntl.h>
+#include <linux/serial.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/ioctl.h>
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include "serial.h"
+
+/* How often a device that has gone is looked for. */
+#define REOPEN DG_S(1)
+
+/* Device numbers of the slave sides of ptys on Linux. */
+#define PTY_SLAVE_MAJOR_FIRST 136u
+#define PTY_SLAVE_MAJOR_LAST 143u
+
+struct tty {
+    struct lx_serial serial;
+    struct lx_parmrk parmrk;
+    struct lx_timer reopen;
+    bool passing; /* a pty under its own name, which the next pty may get */
+};
+
+static struct tty *tty_of(struct lx_serial *serial)
+{
+    return (struct tty *)serial;
+}
+
+static void received(struct lx_serial *serial, dg_ns now, const uint8_t *bytes, size_t n)
+{
+    struct tty *self = tty_of(serial);
+    struct lx_character character;
+    for (size_t i = 0; i < n; i++) {
+        if (lx_parmrk_feed(&self->parmrk, bytes[i], &character)) {
+            lx_serial_rx(serial, now, &character);
+        }
+    }
+}
+
+/* Raw, with damaged characters marked. VMIN 1: a read that finds nothing says EAGAIN, so that 0
+   always is a hang-up. */
+static void make_raw(struct termios *line, const struct dg_hf_uart *uart)
+{
+    cfmakeraw(line);
+    line->c_iflag &= (tcflag_t) ~(IGNPAR | IGNBRK | BRKINT | IXON | IXOFF);
+    line->c_iflag |= (tcflag_t)(INPCK | PARMRK);
+    line->c_cflag &= (tcflag_t) ~(PARENB | PARODD | CSTOPB | CRTSCTS);
+    line->c_cflag |= (tcflag_t)(CLOCAL | CREAD);
+    if (uart->parity != 'N') {
+        line->c_cflag |= (tcflag_t)PARENB;
+    }
+    if (uart->parity == 'O') {
+        line->c_cflag |= (tcflag_t)PARODD;
+    }
+    line->c_cc[VMIN] = 1;
+    line->c_cc[VTIME] = 0;
+}
+
+/* tcsetattr() succeeds when it could do any part, so the speed is read back. */
+static int configure(int fd, const struct dg_hf_uart *uart)
+{
+    struct termios line;
+    const speed_t speed = (speed_t)lx_speed_of_baud(uart->baud);
+    if (tcgetattr(fd, &line) != 0) {
+        return -1;
+    }
+    make_raw(&line, uart);
+    if (cfsetispeed(&line, speed) != 0 || cfsetospeed(&line, speed) != 0 ||
+        tcsetattr(fd, TCSANOW, &line) != 0 || tcgetattr(fd, &line) != 0) {
+        return -1;
+    }
+    if (cfgetospeed(&line) != speed) {
+        errno = EINVAL;
+        return -1;
+    }
+    return 0;
+}
+
+/* Where the driver switches the direction of an RS485 transceiver, let it; where it can hand over
+   characters without collecting them, let it. Both are fine to miss. */
+static void tune(int fd)
+{
+    struct serial_rs485 rs485;
+    if (ioctl(fd, TIOCGRS485, &rs485) == 0 && (rs485.flags & SER_RS485_ENABLED) == 0) {
+        rs485.flags |= SER_RS485_ENABLED | SER_RS485_RTS_ON_SEND;
+        (void)ioctl(fd, TIOCSRS485, &rs485);
+    }
+    struct serial_struct port;
+    if (ioctl(fd, TIOCGSERIAL, &port) == 0) {
+        port.flags |= (int)ASYNC_LOW_LATENCY;
+        (void)ioctl(fd, TIOCSSERIAL, &port);
+    }
+}
+
+/* The slave side of a pty has no UART that does the timing. */
+static bool is_pty(int fd)
+{
+    struct stat info;
+    return fstat(fd, &info) == 0 && major(info.st_rdev) >= PTY_SLAVE_MAJOR_FIRST &&
+           major(info.st_rdev) <= PTY_SLAVE_MAJOR_LAST;
+}
+
+static bool is_link(const char *path)
+{
+    struct stat info;
+    return lstat(path, &info) == 0 && S_ISLNK(info.st_mode);
+}
+
+static int open_device(struct tty *self)
+{
+    struct lx_serial *serial = &self->serial;
+    serial->fd = open(serial->address, O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+    if (serial->fd < 0 || configure(serial->fd, &serial->uart) != 0) {
+        return -1;
+    }
+    tune(serial->fd);
+    serial->pace = LX_PACE_UART;
+    if (is_pty(serial->fd)) {
+        self->passing = !is_link(serial->address);
+        serial->pace = serial->setup.pace ? LX_PACE_TIMER : LX_PACE_NONE;
+    }
+    self->parmrk = (struct lx_parmrk){0};
+    const int result = lx_serial_watch(serial);
+    if (result < 0) {
+        errno = -result;
+        return -1;
+    }
+    return 0;
+}
+
+static void gone(struct lx_serial *serial, int reason)
+{
+    lx_serial_unwatch(serial);
+    const bool passing = tty_of(serial)->passing;
+    lx_complain("%s: gone (%s); %s", serial->address, reason == 0 ? "hung up" : strerror(reason),
+                passing ? "its name may be given to any other pty, so start again"
+                        : "looking for it once a second");
+    if (!passing) {
+        lx_timer_at(&tty_of(serial)->reopen, dg_after(lx_now(), REOPEN));
+    }
+}
+
+static void try_again(void *ctx, dg_ns now)
+{
+    struct tty *self = ctx;
+    if (open_device(self) == 0) {
+        lx_note(self->serial.setup.say, "%s: back", self->serial.address);
+        return;
+    }
+    lx_serial_unwatch(&self->serial);
+    lx_timer_at(&self->reopen, dg_after(now, REOPEN));
+}
+
+static void apply(struct lx_serial *serial)
+{
+    if (serial->fd >= 0 && configure(serial->fd, &serial->uart) != 0) {
+        lx_complain("%s: cannot do %lu Bd 8%c1: %s", serial->address,
+                    (unsigned long)serial->uart.baud, serial->uart.parity, strerror(errno));
+    }
+}
+
+static void close_tty(struct lx_serial *serial)
+{
+    lx_timer_close(&tty_of(serial)->reopen);
+}
+
+static const struct lx_serial_ops tty_ops = {
+    .apply = apply,
+    .received = received,
+    .gone = gone,
+    .close = close_tty,
+};
+
+static int start(struct tty *self, struct lx_error *error)
+{
+    struct lx_serial *serial = &self->serial;
+    const char *where = serial->setup.where;
+    const int length = snprintf(serial->address, sizeof serial->address, "%s", where);
+    if (length < 0 || (size_t)length >= sizeof serial->address) {
+        return lx_fail(error, "--tty: the path is too long");
+    }
+    const int result = lx_timer_open(&self->reopen, serial->setup.event, try_again, self);
+    if (result < 0) {
+        return lx_fail(error, "no timer: %s", strerror(-result));
+    }
+    if (open_device(self) != 0) {
+        if (errno == ENOTTY) {
+            return lx_fail(error, "--tty %s: not a serial port; one such as /dev/ttyUSB0 is right",
+                           where);
+        }
+        return lx_fail(error, "--tty %s: cannot use it at %lu Bd 8%c1: %s", where,
+                       (unsigned long)serial->uart.baud, serial->uart.parity, strerror(errno));
+    }
+    return 0;
+}
+
+struct lx_serial *lx_tty_open(const struct lx_serial_setup *setup, struct lx_error *error)
+{
+    struct tty *self = calloc(1, sizeof *self);
+    if (self == NULL) {
+        (void)lx_fail(error, "--tty: no memory");
+        return NULL;
+    }
+    if (lx_serial_init(&self->serial, &tty_ops, setup, error) != 0 || start(self, error) != 0) {
+        lx_serial_close(&self->serial);
+        return NULL;
+    }
+    return &self->serial;
+}

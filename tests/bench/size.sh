@@ -1,0 +1,23 @@
+#!/bin/bash
+# SPDX-License-Identifier: MIT
+# Prints what the core costs on a Cortex-M4 with -Os, in bytes.
+set -eu
+cd "$(dirname "$0")/../.."
+mkdir -p build/log
+[ -e build/size/build.ninja ] || cmake --preset size >build/log/size.configure
+cmake --build build/size >build/log/size.build
+
+row() { printf '%-22s %8s %8s %8s\n' "$@"; }
+# text, data and bss of every object of the libraries, summed
+total() { arm-none-eabi-size -t "$@" | awk '$NF == "(TOTALS)" { print $1, $2, $3 }'; }
+ram=$(arm-none-eabi-nm -S "$(find build/size/tests -name 'ram.c*' -name '*.o*')" |
+    awk '$4 == "dg_hf_ram" { print $2 }')
+
+row "Cortex-M4, -Os" text data bss
+for library in build/size/libdg_*.a; do
+    # shellcheck disable=SC2046 # three columns
+    row "$(basename "$library" .a)" $(total "$library")
+done
+# shellcheck disable=SC2046
+row "device and store" $(total build/size/libdg_hiperface.a build/size/libdg_core.a)
+echo "RAM of one device (sizeof(struct dg_hf)): $((16#$ram))"

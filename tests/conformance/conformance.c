@@ -1,0 +1,104 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * conformance NAME CLAUSES ROWS
+ *
+ * Every row is a test; clauses and rows that do not fit each other fail too. NAME says what runs
+ * the rows. `selftest` is the runner's own test and turns it round: every row must fail with its
+ * title in the reason, and every kind of finding must occur.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "conformance.h"
+
+static struct cf_suite suite;
+static const struct cf_device *device;
+
+static void prove_row(void **state)
+{
+    const struct cf_row *row = *state;
+    struct cf_report report;
+
+    if (!cf_run(&suite, row, device, &report)) {
+        print_error("%s\n", report.text);
+        fail();
+    }
+}
+
+static int prove(void)
+{
+    static struct CMUnitTest tests[CF_ROWS_MAX];
+    struct cf_audit audit = cf_audit(&suite, device, stderr);
+    unsigned findings = audit.duplicate + audit.unknown + audit.uncovered + audit.expectless +
+                        audit.clauseless + audit.same_titled;
+    int failed;
+
+    for (size_t i = 0; i < suite.row_count; i++) {
+        tests[i] = (struct CMUnitTest){
+            .name = suite.rows[i].title, .test_func = prove_row, .initial_state = &suite.rows[i]};
+    }
+    failed = _cmocka_run_group_tests(suite.rows_name, tests, suite.row_count, NULL, NULL);
+    (void)fflush(stderr);
+    cf_summary(&suite, stdout);
+    if (findings > 0) {
+        (void)fprintf(stderr, "%u findings: clauses and rows do not fit each other\n", findings);
+    }
+    return failed == 0 && findings == 0 && suite.row_count > 0 ? 0 : 1;
+}
+
+/* The title of a row that must fail is part of the reason it must fail for. */
+static int expect_fail(void)
+{
+    struct cf_audit audit = cf_audit(&suite, device, stdout);
+    int wrong = 0;
+
+    for (size_t i = 0; i < suite.row_count; i++) {
+        const struct cf_row *row = &suite.rows[i];
+        struct cf_report report;
+        bool passed = cf_run(&suite, row, device, &report);
+
+        if (passed || strstr(report.text, row->title) == NULL) {
+            (void)fprintf(stderr, "%s:%d: should fail for `%s`, but: %s\n", suite.rows_name,
+                          row->line, row->title, passed ? "passed" : report.text);
+            wrong++;
+        }
+    }
+    if (audit.duplicate == 0 || audit.unknown == 0 || audit.uncovered == 0 ||
+        audit.expectless == 0 || audit.clauseless == 0 || audit.same_titled == 0) {
+        (void)fprintf(stderr, "%s: the audit misses a kind of finding\n", suite.rows_name);
+        wrong++;
+    }
+    (void)printf("%zu rows had to fail, %d did otherwise\n", suite.row_count, wrong);
+    return wrong == 0 && suite.row_count > 0 ? 0 : 1;
+}
+
+int main(int argc, char **argv)
+{
+    static const struct {
+        const char *name;
+        const struct cf_device *(*device)(void);
+        int (*run)(void);
+    } suites[] = {
+        {"hiperface", cf_hiperface, prove},
+        {"selftest", cf_hiperface, expect_fail},
+    };
+    int result = 2;
+
+    for (size_t i = 0; argc == 4 && i < sizeof suites / sizeof suites[0]; i++) {
+        if (strcmp(argv[1], suites[i].name) == 0) {
+            device = suites[i].device();
+            result = cf_load(&suite, argv[2], argv[3]) ? suites[i].run() : 1;
+            cf_unload(&suite);
+        }
+    }
+    if (result == 2) {
+        (void)fprintf(stderr, "usage: conformance hiperface|selftest CLAUSES ROWS\n");
+    }
+    return result;
+}

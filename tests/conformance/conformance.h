@@ -1,0 +1,108 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * Conformance runner: a list of clauses of a manual, and rows that prove them.
+ *
+ * Clauses file, one per line:        Rows file:
+ *   5.1.2.1-3 | text                   [5.1.2.1-3 R6a] title
+ *                                        step
+ *                                        repeat 4
+ *                                        step
+ *                                        end
+ * `#` starts a comment line. What a step means is the device's business (struct cf_device); this
+ * part knows only rows, clauses, `repeat` and which clause is covered by which row.
+ */
+#ifndef TESTS_CONFORMANCE_CONFORMANCE_H
+#define TESTS_CONFORMANCE_CONFORMANCE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdio.h>
+
+#define CF_CLAUSES_MAX 800u
+#define CF_ROWS_MAX 800u
+#define CF_LINES_MAX 8000u
+#define CF_CITED_MAX 64u
+#define CF_WORDS_MAX 300u
+
+/** Why a row failed. */
+struct cf_report {
+    char text[3000];
+};
+
+/** What runs the steps of a row. */
+struct cf_device {
+    void *ctx;
+    void (*begin)(void *ctx); /**< before the first step of each row */
+    /** One step, split at blanks. @return false after cf_fail() */
+    bool (*step)(void *ctx, char **words, size_t n, struct cf_report *report);
+    bool (*finish)(void *ctx, struct cf_report *report); /**< after the last step */
+    bool (*expects)(const char *verb); /**< whether such a step can fail because of the device */
+};
+
+struct cf_clause {
+    char *id;
+    int line;
+    bool covered;
+};
+
+struct cf_line {
+    char *text;
+    int number;
+};
+
+struct cf_row {
+    char *title;
+    char *cited[CF_CITED_MAX];
+    size_t cited_count;
+    size_t first_line; /**< index of its first step in cf_suite.lines */
+    size_t line_count;
+    int line;
+};
+
+struct cf_suite {
+    const char *clauses_name;
+    const char *rows_name;
+    char *texts[2]; /**< content of the two files; everything else points into them */
+    struct cf_clause clauses[CF_CLAUSES_MAX];
+    size_t clause_count;
+    struct cf_row rows[CF_ROWS_MAX];
+    size_t row_count;
+    struct cf_line lines[CF_LINES_MAX];
+    size_t line_count;
+};
+
+/** What an audit finds, by kind. */
+struct cf_audit {
+    unsigned duplicate;   /**< IDs that stand twice */
+    unsigned unknown;     /**< citations of an ID that does not exist */
+    unsigned uncovered;   /**< clauses without a row */
+    unsigned expectless;  /**< rows that cannot fail */
+    unsigned clauseless;  /**< rows that cite nothing */
+    unsigned same_titled; /**< rows with the title of another row */
+};
+
+/** Print into `report` and return false. */
+bool cf_fail(struct cf_report *report, const char *format, ...);
+
+/** Split `text` at blanks, in place. @return number of words, at most `max` */
+size_t cf_split(char *text, char **words, size_t max);
+
+/** Read both files. @return false after saying on stderr what is wrong with them */
+bool cf_load(struct cf_suite *suite, const char *clauses_name, const char *rows_name);
+void cf_unload(struct cf_suite *suite);
+
+/** Check that clauses and rows fit each other; says every finding on `to`. */
+struct cf_audit cf_audit(struct cf_suite *suite, const struct cf_device *device, FILE *to);
+
+/** Clauses covered per chapter, on `to`. Call after cf_audit(). */
+void cf_summary(const struct cf_suite *suite, FILE *to);
+
+/** Run one row. @return false with the reason, file and line in `report` */
+bool cf_run(const struct cf_suite *suite, const struct cf_row *row, const struct cf_device *device,
+            struct cf_report *report);
+
+/** The steps of an S36 with RS485 (hiperface_steps.c). One bench: not for two at a time. */
+const struct cf_device *cf_hiperface(void);
+
+#endif

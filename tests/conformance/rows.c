@@ -1,0 +1,355 @@
+/* SPDX-License-Identifier: MIT */
+/* Clauses and rows: reading, auditing, running. Knows no device. */
+#include "conformance.h"
+
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+bool cf_fail(struct cf_report *report, const char *format, ...)
+{
+    va_list args;
+
+    va_start(args, format);
+    (void)vsnprintf(report->text, sizeof report->text, format, args);
+    va_end(args);
+    return false;
+}
+
+size_t cf_split(char *text, char **words, size_t max)
+{
+    size_t n = 0;
+
+    for (char *word = strtok(text, " \t"); word != NULL && n < max; word = strtok(NULL, " \t")) {
+        words[n++] = word;
+    }
+    return n;
+}
+
+/* --- reading ------------------------------------------------------------------------------- */
+
+static char *read_file(const char *name)
+{
+    FILE *file = fopen(name, "rb");
+    char *text = NULL;
+    long size = -1;
+
+    if (file != NULL && fseek(file, 0, SEEK_END) == 0) {
+        size = ftell(file);
+        rewind(file);
+    }
+    if (size >= 0) {
+        text = calloc(1, (size_t)size + 1);
+    }
+    if (text != NULL && fread(text, 1, (size_t)size, file) != (size_t)size) {
+        free(text);
+        text = NULL;
+    }
+    if (file != NULL) {
+        (void)fclose(file);
+    }
+    if (text == NULL) {
+        (void)fprintf(stderr, "%s: cannot be read\n", name);
+    }
+    return text;
+}
+
+static bool complain(const char *name, int line, const char *what)
+{
+    (void)fprintf(stderr, "%s:%d: %s\n", name, line, what);
+    return false;
+}
+
+/* Cuts blanks off both ends. */
+static char *trim(char *text)
+{
+    size_t n;
+
+    text += strspn(text, " \t\r");
+    for (n = strlen(text); n > 0 && strchr(" \t\r", text[n - 1]) != NULL; n--) {
+        text[n - 1] = '\0';
+    }
+    return text;
+}
+
+static bool parse_clause(struct cf_suite *suite, char *text, int line)
+{
+    char *bar = strchr(text, '|');
+
+    if (bar == NULL || suite->clause_count == CF_CLAUSES_MAX) {
+        return complain(suite->clauses_name, line, "not `ID | text`, or too many clauses");
+    }
+    *bar = '\0';
+    if (*trim(text) == '\0' || *trim(bar + 1) == '\0') {
+        return complain(suite->clauses_name, line, "ID or text is missing");
+    }
+    suite->clauses[suite->clause_count++] = (struct cf_clause){.id = trim(text), .line = line};
+    return true;
+}
+
+static bool parse_head(struct cf_suite *suite, char *text, int line)
+{
+    char *close = strchr(text, ']');
+    struct cf_row *row = &suite->rows[suite->row_count];
+
+    if (close == NULL || suite->row_count == CF_ROWS_MAX || *trim(close + 1) == '\0') {
+        return complain(suite->rows_name, line, "not `[IDs] title`, or too many rows");
+    }
+    *close = '\0';
+    *row = (struct cf_row){.title = trim(close + 1), .first_line = suite->line_count, .line = line};
+    row->cited_count = cf_split(text + 1, row->cited, CF_CITED_MAX);
+    suite->row_count++;
+    return true;
+}
+
+static bool parse_row_line(struct cf_suite *suite, char *text, int line)
+{
+    if (text[0] == '[') {
+        return parse_head(suite, text, line);
+    }
+    if (suite->row_count == 0 || suite->line_count == CF_LINES_MAX) {
+        return complain(suite->rows_name, line, "step before the first row, or too many steps");
+    }
+    suite->lines[suite->line_count++] = (struct cf_line){.text = text, .number = line};
+    suite->rows[suite->row_count - 1].line_count++;
+    return true;
+}
+
+static bool parse(struct cf_suite *suite, char *text,
+                  bool (*parse_line)(struct cf_suite *, char *, int))
+{
+    bool good = text != NULL;
+    int line = 1;
+
+    while (good && *text != '\0') {
+        size_t n = strcspn(text, "\n");
+        bool last = text[n] == '\0';
+        char *body;
+
+        text[n] = '\0';
+        body = trim(text);
+        if (*body != '\0' && *body != '#') {
+            good = parse_line(suite, body, line);
+        }
+        text += last ? n : n + 1;
+        line++;
+    }
+    return good;
+}
+
+bool cf_load(struct cf_suite *suite, const char *clauses_name, const char *rows_name)
+{
+    memset(suite, 0, sizeof *suite);
+    suite->clauses_name = clauses_name;
+    suite->rows_name = rows_name;
+    suite->texts[0] = read_file(clauses_name);
+    suite->texts[1] = read_file(rows_name);
+    return parse(suite, suite->texts[0], parse_clause) &&
+           parse(suite, suite->texts[1], parse_row_line);
+}
+
+void cf_unload(struct cf_suite *suite)
+{
+    free(suite->texts[0]);
+    free(suite->texts[1]);
+}
+
+/* --- audit --------------------------------------------------------------------------------- */
+
+static struct cf_clause *find_clause(struct cf_suite *suite, const char *id)
+{
+    for (size_t i = 0; i < suite->clause_count; i++) {
+        if (strcmp(suite->clauses[i].id, id) == 0) {
+            return &suite->clauses[i];
+        }
+    }
+    return NULL;
+}
+
+static bool has_expectation(const struct cf_suite *suite, const struct cf_row *row,
+                            const struct cf_device *device)
+{
+    for (size_t i = 0; i < row->line_count; i++) {
+        const char *text = suite->lines[row->first_line + i].text;
+        char verb[32] = {0};
+
+        (void)strncat(verb, text, strcspn(text, " \t") < 31u ? strcspn(text, " \t") : 31u);
+        if (device->expects(verb)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static unsigned finding(FILE *to, const char *name, int line, const char *what, const char *which)
+{
+    (void)fprintf(to, "%s:%d: %s: %s\n", name, line, what, which);
+    return 1;
+}
+
+static void audit_row(struct cf_suite *suite, size_t index, const struct cf_device *device,
+                      struct cf_audit *audit, FILE *to)
+{
+    const struct cf_row *row = &suite->rows[index];
+
+    for (size_t i = 0; i < row->cited_count; i++) {
+        struct cf_clause *clause = find_clause(suite, row->cited[i]);
+
+        if (clause == NULL) {
+            audit->unknown +=
+                finding(to, suite->rows_name, row->line, "no such clause", row->cited[i]);
+        } else {
+            clause->covered = true;
+        }
+    }
+    for (size_t i = 0; i < index; i++) {
+        if (strcmp(suite->rows[i].title, row->title) == 0) {
+            audit->same_titled +=
+                finding(to, suite->rows_name, row->line, "title stands twice", row->title);
+        }
+    }
+    if (row->cited_count == 0) {
+        audit->clauseless +=
+            finding(to, suite->rows_name, row->line, "row cites no clause", row->title);
+    }
+    if (!has_expectation(suite, row, device)) {
+        audit->expectless +=
+            finding(to, suite->rows_name, row->line, "row expects nothing", row->title);
+    }
+}
+
+struct cf_audit cf_audit(struct cf_suite *suite, const struct cf_device *device, FILE *to)
+{
+    struct cf_audit audit = {0};
+
+    for (size_t i = 0; i < suite->row_count; i++) {
+        audit_row(suite, i, device, &audit, to);
+    }
+    for (size_t i = 0; i < suite->clause_count; i++) {
+        const struct cf_clause *clause = &suite->clauses[i];
+
+        if (find_clause(suite, clause->id) != clause) {
+            audit.duplicate +=
+                finding(to, suite->clauses_name, clause->line, "ID stands twice", clause->id);
+        } else if (!clause->covered) {
+            audit.uncovered +=
+                finding(to, suite->clauses_name, clause->line, "no row proves", clause->id);
+        }
+    }
+    return audit;
+}
+
+/* 5.1.2.1-3 belongs to 5.1.2; R8-2 to R; D-led to D. */
+static size_t chapter_length(const char *id)
+{
+    size_t n = 0;
+    unsigned dots = 0;
+
+    if (id[0] < '0' || id[0] > '9') {
+        return 1;
+    }
+    while (id[n] != '\0' && id[n] != '-' && (id[n] != '.' || ++dots < 3)) {
+        n++;
+    }
+    return n;
+}
+
+void cf_summary(const struct cf_suite *suite, FILE *to)
+{
+    size_t covered = 0;
+
+    for (size_t i = 0; i < suite->clause_count; i++) {
+        const char *id = suite->clauses[i].id;
+        size_t n = chapter_length(id);
+        size_t total = 0;
+        size_t proved = 0;
+        bool first = true;
+
+        for (size_t k = 0; k < suite->clause_count; k++) {
+            const char *other = suite->clauses[k].id;
+
+            if (chapter_length(other) == n && strncmp(id, other, n) == 0) {
+                first = first && k >= i;
+                total++;
+                proved += suite->clauses[k].covered ? 1u : 0u;
+            }
+        }
+        if (first) {
+            (void)fprintf(to, "%-8.*s %4zu of %zu\n", (int)n, id, proved, total);
+        }
+        covered += suite->clauses[i].covered ? 1u : 0u;
+    }
+    (void)fprintf(to, "%-8s %4zu of %zu clauses, %zu rows\n", "all", covered, suite->clause_count,
+                  suite->row_count);
+}
+
+/* --- running ------------------------------------------------------------------------------- */
+
+static bool run_line(const struct cf_suite *suite, const struct cf_line *line,
+                     const struct cf_device *device, struct cf_report *report)
+{
+    struct cf_report reason;
+    char text[1024];
+    char *words[CF_WORDS_MAX];
+    size_t n;
+
+    (void)snprintf(text, sizeof text, "%s", line->text);
+    n = cf_split(text, words, CF_WORDS_MAX);
+    if (!device->step(device->ctx, words, n, &reason)) {
+        return cf_fail(report, "%s:%d: %s", suite->rows_name, line->number, reason.text);
+    }
+    return true;
+}
+
+/* A block `repeat N` .. `end` that starts at line `at`; returns the index behind it, 0 on failure.
+ */
+static size_t run_block(const struct cf_suite *suite, size_t at, size_t end,
+                        const struct cf_device *device, struct cf_report *report)
+{
+    const struct cf_line *head = &suite->lines[at];
+    unsigned long times = strtoul(head->text + strlen("repeat"), NULL, 10);
+    size_t last = at + 1;
+
+    while (last < end && strcmp(suite->lines[last].text, "end") != 0) {
+        last++;
+    }
+    if (last == end || times == 0) {
+        (void)cf_fail(report, "%s:%d: repeat without count or end", suite->rows_name, head->number);
+        return 0;
+    }
+    for (; times > 0; times--) {
+        for (size_t i = at + 1; i < last; i++) {
+            if (!run_line(suite, &suite->lines[i], device, report)) {
+                return 0;
+            }
+        }
+    }
+    return last + 1;
+}
+
+bool cf_run(const struct cf_suite *suite, const struct cf_row *row, const struct cf_device *device,
+            struct cf_report *report)
+{
+    size_t end = row->first_line + row->line_count;
+    size_t at = row->first_line;
+    struct cf_report reason;
+
+    device->begin(device->ctx);
+    while (at < end) {
+        if (strncmp(suite->lines[at].text, "repeat ", 7) == 0) {
+            at = run_block(suite, at, end, device, report);
+            if (at == 0) {
+                return false;
+            }
+        } else if (run_line(suite, &suite->lines[at], device, report)) {
+            at++;
+        } else {
+            return false;
+        }
+    }
+    if (!device->finish(device->ctx, &reason)) {
+        return cf_fail(report, "%s:%d: at the end: %s", suite->rows_name, row->line, reason.text);
+    }
+    return true;
+}

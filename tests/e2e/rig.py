@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: MIT
+"""Runs the real program as a separate process. Every wait in here has an end."""
+import os
+import resource
+import select
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import pytest
+
+from hiperface_master import Master, NoReply
+
+REPOSITORY = Path(__file__).resolve().parents[2]
+PROGRAM = os.environ.get("DREHGEBER", str(REPOSITORY / "build/release/drehgeber"))
+MULTITURN = "s3684-rs485"
+SINGLETURN = "s3674-rs485"
+STEPS_PER_TURN = 2048 * 32
+PATIENCE_S = 10.0  # for what should happen at once on a busy machine
+
+
+def run(*arguments, **options) -> subprocess.CompletedProcess:
+    """A call that ends by itself."""
+    return subprocess.run([PROGRAM, *map(str, arguments)], stdin=subprocess.DEVNULL,
+                          capture_output=True, text=True, timeout=PATIENCE_S, **options)
+
+
+def run_refused(status: int, *arguments, **options) -> str:
+    """A call that has to fail with this exit status; its one line on stderr."""
+    ended = run(*arguments, **options)
+    assert ended.returncode == status, (ended.stdout, ended.stderr)
+    assert ended.stdout == ""
+    lines = ended.stderr.splitlines()
+    assert len(lines) == 1 and ended.stderr.endswith("\n"), lines
+    return lines[0]
+
+
+class Lines:
+    """Lines out of a pipe, with bounded waits."""
+
+    def __init__(self, stream):
+        self.stream = stream
+        self.rest = b""
+        self.lines = []
+
+    def _pump(self, timeout_s: float) -> bool:
+        if not select.select([self.stream], [], [], max(0.0, timeout_s))[0]:
+            return False
+        data = os.read(self.stream.fileno(), 65536)
+        *whole, self.rest = (self.rest + data).split(b"\n")
+        self.lines += [line.decode() for line in whole]
+        return bool(data)
+
+    def wait(self, timeout_s: float = PATIENCE_S) -> str:
+        """The next line."""
+        deadline = time.monotonic() + timeout_s
+        while not self.lines:
+            left = deadline - time.monotonic()
+            if left <= 0 or not self._pump(left):
+                raise AssertionError(f"no line in {timeout_s} s, only {self.rest!r}")
+        return self.lines.pop(0)
+
+    def so_far(self) -> list:
+        """What else has been said until now."""
+        while self._pump(0):
+            pass
+        said, self.lines = self.lines, []
+        return said
+
+
+class Encoder:
+    """A running `drehgeber run`."""
+
+    def __init__(self, arguments, **options):
+        self.started = time.monotonic()
+        self.process = subprocess.Popen(
+            [PROGRAM, "run", *map(str, arguments)], stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, **options)
+        self.pid = self.process.pid
+        self.out = Lines(self.process.stdout)
+        self.errors = Lines(self.process.stderr)
+        self.masters = []
+        try:
+            self.ready_line = self.out.wait()
+        except AssertionError:
+            self.process.kill()
+            self.process.wait(PATIENCE_S)
+            raise AssertionError(f"not ready: {self.errors.so_far()}") from None
+        self.ready = time.monotonic()
+        self.path = self.ready_line.split(":", 1)[-1]
+
+    def master(self, **options) -> Master:
+        self.masters.append(Master(self.path, **options))
+        return self.masters[-1]
+
+    def alive(self) -> bool:
+        return self.process.poll() is None
+
+    def cpu_ticks(self) -> int:
+        """User and system time so far, in clock ticks of 10 ms."""
+        fields = Path(f"/proc/{self.pid}/stat").read_text().rpartition(")")[2].split()
+        return int(fields[11]) + int(fields[12])
+
+    def limit_file_size(self, size: int):
+        """Every write beyond this size fails from now on, as on a full disk."""
+        hard = resource.prlimit(self.pid, resource.RLIMIT_FSIZE)[1]
+        resource.prlimit(self.pid, resource.RLIMIT_FSIZE, (size, hard))
+
+    def end(self, signal_number: int = signal.SIGTERM) -> int:
+        """End this process and no other; its exit status."""
+        self.process.send_signal(signal_number)
+        return self.process.wait(PATIENCE_S)
+
+    def clean_up(self) -> list:
+        """What it said on stderr that no test asked for."""
+        for master in self.masters:
+            master.close()
+        if self.alive():
+            self.process.kill()
+            self.process.wait(PATIENCE_S)
+        unasked = self.errors.so_far()
+        self.process.stdout.close()
+        self.process.stderr.close()
+        return unasked
+
+
+def assert_silent(master: Master, command=Master.read_position):
+    """Nothing answers this master."""
+    grace_s, master.grace_s = master.grace_s, 0.1
+    with pytest.raises(NoReply):
+        command(master)
+    master.grace_s = grace_s
+
+
+def assert_one_line(encoder: Encoder, *parts: str) -> str:
+    """Exactly one line came on stderr, and it names all this."""
+    line = encoder.errors.wait()
+    for part in parts:
+        assert part in line, line
+    assert encoder.errors.so_far() == []
+    return line

@@ -1,0 +1,227 @@
+# SPDX-License-Identifier: MIT
+"""Start, end, and the memory that outlives both."""
+import os
+import resource
+import signal
+import socket
+import stat
+
+import pytest
+
+from hiperface_master import EncoderError, FieldStatus
+from rig import MULTITURN, PATIENCE_S, SINGLETURN, assert_one_line, run_refused
+
+
+@pytest.mark.parametrize("signal_number", [signal.SIGTERM, signal.SIGINT])
+def test_signals_end_it(start, signal_number):
+    encoder = start()
+    encoder.master().read_position()
+    assert encoder.end(signal_number) == 0
+    assert encoder.out.so_far() == []
+
+
+def test_link(start, tmp_path):
+    link = tmp_path / "encoder"
+    encoder = start(wire=[f"--pty={link}"])
+    assert link.is_symlink() and os.path.realpath(link).startswith("/dev/pts/")
+    encoder.path = str(link)
+    assert encoder.master().read_position() == 0
+    encoder.end()
+    assert not os.path.lexists(link)
+
+
+def test_link_left_behind_is_replaced(start, tmp_path):
+    link = tmp_path / "encoder"
+    start(wire=[f"--pty={link}"]).end(signal.SIGKILL)
+    assert link.is_symlink()
+    encoder = start(wire=[f"--pty={link}"])
+    encoder.path = str(link)
+    assert encoder.master().read_position() == 0
+
+
+def test_link_does_not_replace_a_file(tmp_path):
+    link = tmp_path / "precious"
+    link.write_text("precious")
+    line = run_refused(1, "run", MULTITURN, f"--pty={link}")
+    assert str(link) in line
+    assert link.read_text() == "precious"
+
+
+def test_notify_socket(start, tmp_path):
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as notify:
+        notify.bind(str(tmp_path / "notify"))
+        notify.settimeout(PATIENCE_S)
+        encoder = start(env={**os.environ, "NOTIFY_SOCKET": str(tmp_path / "notify")})
+        assert "READY=1" in notify.recv(4096).decode().splitlines()
+        encoder.end()
+
+
+def test_acknowledged_data_survives_kill(start, nvm):
+    encoder = start("--nvm", nvm, "--serial", "246813579")
+    master = encoder.master()
+    master.create_field(0, FieldStatus(64, code_number=1))
+    master.save_data(0, 3, b"drive parameters")
+    master.modify_access_code(2, 0x55, 0x66)
+    master.assign_address(0x4C)
+    master.set_position(123456)
+    master.increment_counter()
+    encoder.end(signal.SIGKILL)
+
+    master = start("--nvm", nvm).master(address=0x4C)
+    assert master.read_data(0, 0, 20) == b"\xff" * 3 + b"drive parameters" + b"\xff"
+    assert master.available_memory() == (1792 - 64, 1)
+    assert master.read_counter() == 1
+    assert master.read_position() == 123456
+    assert master.identity().serial_number == "246813579"
+    master.modify_access_code(2, 0x66, 0x55)
+
+
+def test_kill_at_any_moment(start, nvm):
+    value, rounds = 0, 5
+    for number in range(rounds):
+        encoder = start("--nvm", nvm, "--set", "pace=0")
+        master = encoder.master()
+        assert master.read_status() == 0
+        assert master.read_counter() in (value, value + 1)  # the last one was not acknowledged
+        value = master.read_counter()
+        for _ in range(3):
+            master.increment_counter()
+            value += 1
+        master.send(bytes.fromhex("40 47 07"))
+        master.receive(1, 0.003 * number)
+        encoder.end(signal.SIGKILL)
+    assert value >= 3 * rounds
+
+
+def test_without_memory_state_is_lost(start):
+    encoder = start()
+    encoder.master().increment_counter()
+    encoder.end()
+    assert start().master().read_counter() == 0
+
+
+def test_memory_is_private(start, nvm):
+    start("--nvm", nvm)
+    assert stat.S_IMODE(nvm.stat().st_mode) == 0o600
+
+
+def test_memory_in_use(start, nvm):
+    first = start("--nvm", nvm)
+    line = run_refused(1, "run", MULTITURN, "--pty", "--nvm", nvm)
+    assert str(first.pid) in line and str(nvm) in line
+    assert first.master().read_position() == 0
+    first.end(signal.SIGKILL)
+    assert start("--nvm", nvm).master().read_position() == 0
+
+
+@pytest.mark.parametrize("content", [b"[section]\nkey = value\n", bytes(range(256)) * 64],
+                         ids=["text", "binary"])
+def test_foreign_file_is_left_alone(nvm, content):
+    nvm.write_bytes(content)
+    before = nvm.stat()
+    line = run_refused(1, "run", MULTITURN, "--pty", "--nvm", nvm)
+    assert str(nvm) in line
+    after = nvm.stat()
+    assert nvm.read_bytes() == content
+    assert (after.st_mtime_ns, after.st_mode) == (before.st_mtime_ns, before.st_mode)
+
+
+def test_truncated_image_loses_data_openly(start, nvm):
+    encoder = start("--nvm", nvm, "--set", "pace=0")
+    master = encoder.master()
+    for number in range(14):
+        master.create_field(number, FieldStatus(128))
+        master.save_data(number, 0, bytes([number]) * 128)
+    encoder.end()
+    os.truncate(nvm, nvm.stat().st_size - 300)
+    encoder = start("--nvm", nvm, "--set", "pace=0")
+    assert_one_line(encoder, str(nvm))
+    master = encoder.master()
+    lost = 0
+    for number in range(14):
+        try:
+            assert master.read_data(number, 0, 128) == bytes([number]) * 128
+        except EncoderError as error:
+            assert error.code == 0x03  # 5.1.3.4, during operation
+            lost += 1
+    assert lost > 0
+
+
+def test_truncated_image_is_a_damaged_memory(start, nvm):
+    start("--nvm", nvm).end()
+    os.truncate(nvm, nvm.stat().st_size // 50)
+    encoder = start("--nvm", nvm)
+    assert_one_line(encoder, str(nvm))
+    master = encoder.master()
+    with pytest.raises(EncoderError) as refused:
+        master.read_position()
+    assert refused.value.code == 0x02 and master.warning
+    assert 0x06 in master.read_all_status()  # 5.1.3.6
+
+
+def test_memory_of_another_model(start, nvm):
+    start("--nvm", nvm, model=SINGLETURN).end()
+    before = nvm.read_bytes()
+    line = run_refused(1, "run", MULTITURN, "--pty", "--nvm", nvm)
+    assert str(nvm) in line
+    assert nvm.read_bytes() == before
+
+
+def test_memory_of_another_serial_number(start, nvm):
+    start("--nvm", nvm, "--serial", "111111111").end()
+    line = run_refused(1, "run", MULTITURN, "--pty", "--nvm", nvm, "--serial", "222222222")
+    assert str(nvm) in line and "serial number" in line
+    assert start("--nvm", nvm, "--serial", "111111111").master().read_position() == 0
+
+
+def test_no_such_directory(tmp_path):
+    missing = tmp_path / "none" / "encoder.nvm"
+    assert str(missing) in run_refused(1, "run", MULTITURN, "--pty", "--nvm", missing)
+
+
+def test_damaged_memory_is_found(start, nvm):
+    start("--nvm", nvm, "--serial", "897867564").end()
+    image = nvm.read_bytes()
+    assert b"897867564" in image
+    nvm.write_bytes(image.replace(b"897867564", b"997867564"))
+    # The serial number shares its check sum with the type code: 05h and 06h (5.1.3.5).
+    master = start("--nvm", nvm).master()
+    assert master.read_position() == 0 and master.warning
+    with pytest.raises(EncoderError) as refused:
+        master.identity()
+    assert refused.value.code == 0x05 and master.warning
+    first = master.read_status()
+    assert master.warning
+    assert {first, master.read_status()} == {0x05, 0x06}
+    assert not master.warning  # the reply that empties the stack carries it no more
+    assert master.read_status() == 0
+
+
+def test_no_room_at_first_start(start, nvm):
+    def no_room():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (0, resource.RLIM_INFINITY))
+
+    line = run_refused(1, "run", MULTITURN, "--pty", "--nvm", nvm, preexec_fn=no_room)
+    assert str(nvm) in line
+    assert start("--nvm", nvm).master().read_counter() == 0
+
+
+def test_disk_full_while_running(start, nvm):
+    encoder = start("--nvm", nvm)
+    master = encoder.master()
+    master.create_field(0, FieldStatus(16))
+    master.save_data(0, 0, b"before")
+    encoder.limit_file_size(0)
+    for _ in range(3):
+        with pytest.raises(EncoderError) as refused:
+            master.save_data(0, 0, b"during")
+        assert refused.value.code == 0x05
+    assert_one_line(encoder, str(nvm))
+    assert master.read_position() == 0
+
+    encoder.limit_file_size(resource.RLIM_INFINITY)
+    assert master.read_data(0, 0, 6) in (b"before", b"during")
+    master.save_data(0, 0, b"after!")
+    encoder.errors.so_far()  # it may say that the disk is back
+    encoder.end(signal.SIGKILL)
+    assert start("--nvm", nvm).master().read_data(0, 0, 6) == b"after!"

@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: MIT
+"""Every file says its licence, ends its lines properly, and knows no machine it was written on.
+
+usage: text.py TREE
+"""
+
+import re
+import sys
+
+from sources import files, finish, read
+
+LICENSED = (".c", ".h", ".def", ".py", ".txt", ".cmake", ".in", ".sh", ".ini")
+# Brackets keep this file from complaining about itself.
+FORBIDDEN = {
+    "a path of somebody's machine": re.compile(r"(?<![\w.}])/(wor[k]|hom[e]|roo[t]|User[s])/\w"),
+    "something left to do": re.compile(r"\b(TOD[O]|FIXM[E]|XX[X])\b"),
+    "white space at the end of the line": re.compile(r"[ \t\r]$"),
+    "a tab": re.compile(r"\t"),
+}
+
+
+def licensed(path):
+    name = path.rsplit("/", 1)[-1]
+    return path.endswith(LICENSED) or ("." not in name and name != "LICENSE")
+
+
+def main():
+    tree = sys.argv[1]
+    complaints = []
+    paths = files(tree)
+    for path in paths:
+        try:
+            text = read(tree, path)
+        except UnicodeDecodeError:
+            continue  # a fuzz corpus is not text
+        head = text.split("\n", 2)[:2]
+        if licensed(path) and not any("SPDX-License-Identifier: MIT" in line for line in head):
+            complaints.append(f"{path}:1: no licence in the first two lines")
+        for number, line in enumerate(text.split("\n"), 1):
+            complaints += [
+                f"{path}:{number}: {what}"
+                for what, pattern in FORBIDDEN.items()
+                if pattern.search(line)
+            ]
+    finish(len(paths), complaints)
+
+
+main()

@@ -1,0 +1,232 @@
+/* SPDX-License-Identifier: MIT */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "line.h"
+#include "serial.h"
+#include "settings.h"
+
+#include "drehgeber/devices.h"
+
+static const uint8_t reply[] = {0x40, 0x43, 0x03};
+
+/* 11 bits at 9600 Bd are 1145833.3 ns; every end is rounded from the start of the reply. */
+static void characters_keep_an_absolute_schedule(void **state)
+{
+    const struct dg_hf_uart uart = {9600, 'E', 44};
+    struct lx_line line = {.sent = 0};
+    const uint8_t *bytes = NULL;
+    (void)state;
+    lx_line_set(&line, &uart);
+    assert_true(lx_line_next(&line) == DG_NEVER);
+    assert_false(lx_line_busy(&line, 0));
+    lx_line_start(&line, 1000, reply, sizeof reply);
+    assert_true(lx_line_next(&line) == 1000 + 1145834);
+    assert_int_equal(lx_line_take(&line, 1000 + 1145833, &bytes), 0);
+    assert_int_equal(lx_line_take(&line, 1000 + 1145834, &bytes), 1);
+    assert_int_equal(bytes[0], 0x40);
+    assert_true(lx_line_next(&line) == 1000 + 2291667);
+    /* late by more than a character: both at once, nothing adds up */
+    assert_true(lx_line_busy(&line, 1000 + 3437500));
+    assert_int_equal(lx_line_take(&line, 1000 + 4000000, &bytes), 2);
+    assert_memory_equal(bytes, reply + 1, 2);
+    assert_true(lx_line_next(&line) == DG_NEVER);
+    assert_false(lx_line_busy(&line, 1000 + 4000000));
+}
+
+static void without_parity_a_character_is_shorter(void **state)
+{
+    const struct dg_hf_uart uart = {38400, 'N', 11};
+    struct lx_line line = {.sent = 0};
+    (void)state;
+    lx_line_set(&line, &uart);
+    lx_line_start(&line, 0, reply, sizeof reply);
+    assert_true(lx_line_next(&line) == 260417); /* 10 / 38400 s */
+}
+
+static void a_uart_takes_all_and_stays_busy(void **state)
+{
+    const struct dg_hf_uart uart = {600, 'O', 44};
+    struct lx_line line = {.sent = 0};
+    const uint8_t *bytes = NULL;
+    (void)state;
+    lx_line_set(&line, &uart);
+    lx_line_start(&line, 0, reply, sizeof reply);
+    assert_int_equal(lx_line_take_all(&line, &bytes), 3);
+    assert_memory_equal(bytes, reply, 3);
+    assert_true(lx_line_next(&line) == DG_NEVER);
+    assert_true(lx_line_busy(&line, DG_MS(55) - 1)); /* 33 / 600 s */
+    assert_false(lx_line_busy(&line, DG_MS(55)));
+}
+
+/* What the tty gives, and the characters in it; D marks damaged ones. */
+static void parity_marks(void **state)
+{
+    static const uint8_t given[] = {0x40, 0xFF, 0xFF, 0xFF, 0x00, 0x41, 0x00,
+                                    0xFF, 0x00, 0x00, 0xFF, 0x00, 0xFF, 0x42};
+    static const struct lx_character wanted[] = {
+        {0x40, DG_HF_RX_OK}, {0xFF, DG_HF_RX_OK},      {0x41, DG_HF_RX_DAMAGED},
+        {0x00, DG_HF_RX_OK}, {0x00, DG_HF_RX_DAMAGED}, {0xFF, DG_HF_RX_DAMAGED},
+        {0x42, DG_HF_RX_OK},
+    };
+    struct lx_parmrk decoder = {0};
+    size_t n = 0;
+    (void)state;
+    for (size_t i = 0; i < sizeof given; i++) {
+        struct lx_character got;
+        if (lx_parmrk_feed(&decoder, given[i], &got)) {
+            assert_true(n < sizeof wanted / sizeof wanted[0]);
+            assert_int_equal(got.byte, wanted[n].byte);
+            assert_int_equal(got.flags, wanted[n].flags);
+            n++;
+        }
+    }
+    assert_int_equal(n, sizeof wanted / sizeof wanted[0]);
+}
+
+/* Every data rate of 57h is one that termios has. */
+static void every_data_rate_is_known(void **state)
+{
+    unsigned known = 0;
+    (void)state;
+    for (unsigned setting = 0; setting < 256; setting++) {
+        struct dg_hf_uart uart;
+        if (dg_hf_uart_decode((uint8_t)setting, &uart) != DG_OK) {
+            continue;
+        }
+        assert_true(lx_speed_of_baud(uart.baud) != 0);
+        assert_int_equal(lx_baud_of_speed(lx_speed_of_baud(uart.baud)), uart.baud);
+        known++;
+    }
+    assert_true(known > 0);
+    assert_int_equal(lx_baud_of_speed(0xFFFF), 0);
+}
+
+static int set(struct lx_settings *settings, const char *assignment, const char *says)
+{
+    struct lx_error error = {""};
+    const int result = lx_settings_set(settings, assignment, &error);
+    if (result != 0) {
+        assert_non_null(strstr(error.text, says));
+        assert_null(strchr(error.text, '\n'));
+    }
+    return result;
+}
+
+static void settings_reach_their_place(void **state)
+{
+    struct lx_settings settings;
+    (void)state;
+    lx_settings_init(&settings, dg_devices[0].hiperface);
+    assert_true(settings.pace && !settings.any_line && !settings.serial_given);
+    assert_int_equal(set(&settings, "pace=0", ""), 0);
+    assert_int_equal(set(&settings, "line=any", ""), 0);
+    assert_int_equal(set(&settings, "reaction_us=2500", ""), 0);
+    assert_int_equal(set(&settings, "init_ms=20", ""), 0);
+    assert_int_equal(set(&settings, "periods=1024", ""), 0);
+    assert_int_equal(set(&settings, "steps=16", ""), 0);
+    assert_int_equal(set(&settings, "turns=65536", ""), 0);
+    assert_int_equal(set(&settings, "memory=22", ""), 0);
+    assert_int_equal(set(&settings, "type=FFh", ""), 0);
+    assert_int_equal(set(&settings, "version=v2", ""), 0);
+    assert_int_equal(set(&settings, "temperature_min=-25", ""), 0);
+    assert_int_equal(set(&settings, "temperature=-12.5", ""), 0);
+    assert_int_equal(set(&settings, "sin_offset_permille=-7", ""), 0);
+    assert_int_equal(set(&settings, "led_current_ua=31000", ""), 0);
+    assert_int_equal(set(&settings, "singleturn_ok=0", ""), 0);
+    assert_false(settings.pace);
+    assert_true(settings.any_line);
+    assert_true(settings.model.reaction == DG_US(2500) && settings.model.init == DG_MS(20));
+    assert_int_equal(settings.model.periods_per_turn, 1024);
+    assert_int_equal(settings.model.steps_per_period, 16);
+    assert_int_equal(settings.model.turns, 65536);
+    assert_int_equal(settings.model.memory_blocks, 22);
+    assert_int_equal(settings.model.type_code, 0xFF);
+    assert_string_equal(settings.model.version, "v2");
+    assert_int_equal(settings.model.temperature_min_degc, -25);
+    assert_int_equal(settings.world.temperature_mdegc, -12500);
+    assert_int_equal(settings.world.sin_offset_permille, -7);
+    assert_int_equal(settings.world.led_current_ua, 31000);
+    assert_false(settings.world.singleturn_ok);
+}
+
+static void settings_out_of_range_are_refused(void **state)
+{
+    static const struct {
+        const char *assignment;
+        const char *says;
+    } rows[] = {
+        {"pace", "KEY=VALUE"},
+        {"speed=1", "battery_mv"},
+        {"=1", "valid:"},
+        {"pace=2", "0 or 1"},
+        {"line=mine", "own or any"},
+        {"periods=0", "1..65535"},
+        {"periods=65536", "1..65535"},
+        {"periods=1.5", "0 decimals"},
+        {"periods=", "1..65535"},
+        {"memory=113", "1..112 blocks"},
+        {"type=100h", "0..255"},
+        {"temperature=1000.001", "-273..1000 degC"},
+        {"temperature=1.0001", "3 decimals"},
+        {"date=1207201", "8 to 8 characters"},
+        {"version=123456789012345678901", "0 to 20 characters"},
+    };
+    struct lx_settings settings;
+    (void)state;
+    lx_settings_init(&settings, dg_devices[0].hiperface);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        assert_int_equal(set(&settings, rows[i].assignment, rows[i].says), -1);
+    }
+    assert_memory_equal(&settings.model, dg_devices[0].hiperface, sizeof settings.model);
+}
+
+static void serial_numbers_get_zeros_in_front(void **state)
+{
+    struct lx_settings settings;
+    struct lx_error error;
+    (void)state;
+    lx_settings_init(&settings, dg_devices[0].hiperface);
+    assert_int_equal(lx_settings_serial(&settings, "4711", &error), 0);
+    assert_string_equal(settings.model.serial, "000004711");
+    assert_true(settings.serial_given);
+    assert_int_equal(lx_settings_serial(&settings, "987654321", &error), 0);
+    assert_string_equal(settings.model.serial, "987654321");
+    assert_int_equal(lx_settings_serial(&settings, "", &error), -1);
+    assert_int_equal(lx_settings_serial(&settings, "1234567890", &error), -1);
+    assert_int_equal(lx_settings_serial(&settings, "12a", &error), -1);
+    assert_string_equal(settings.model.serial, "987654321");
+}
+
+static void figures_have_to_fit_each_other(void **state)
+{
+    struct lx_settings settings;
+    struct lx_error error;
+    (void)state;
+    lx_settings_init(&settings, dg_devices[0].hiperface);
+    assert_int_equal(set(&settings, "turns=65536", ""), 0);
+    assert_int_equal(lx_settings_check(&settings, &error), 0); /* 2^32 */
+    assert_int_equal(set(&settings, "turns=65537", ""), 0);
+    assert_int_equal(lx_settings_check(&settings, &error), -1);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(characters_keep_an_absolute_schedule),
+        cmocka_unit_test(without_parity_a_character_is_shorter),
+        cmocka_unit_test(a_uart_takes_all_and_stays_busy),
+        cmocka_unit_test(parity_marks),
+        cmocka_unit_test(every_data_rate_is_known),
+        cmocka_unit_test(settings_reach_their_place),
+        cmocka_unit_test(settings_out_of_range_are_refused),
+        cmocka_unit_test(serial_numbers_get_zeros_in_front),
+        cmocka_unit_test(figures_have_to_fit_each_other),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,314 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include <fcntl.h>
+#include <setjmp.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "drehgeber/devices.h"
+#include "eeprom.h"
+
+static const struct lx_say quiet = {.quiet = true};
+
+/* A folder of its own and a file name in it for each test. */
+struct place {
+    char folder[32];
+    char path[64];
+    struct lx_settings settings;
+};
+
+static int set_up(void **state)
+{
+    struct place *self = calloc(1, sizeof *self);
+    assert_non_null(self);
+    (void)strcpy(self->folder, "/tmp/test_nvm_file.XXXXXX");
+    assert_non_null(mkdtemp(self->folder));
+    (void)snprintf(self->path, sizeof self->path, "%s/nvm", self->folder);
+    lx_settings_init(&self->settings, dg_device_find("s3684-rs485")->hiperface);
+    *state = self;
+    return 0;
+}
+
+/* rmdir() fails when a test leaves anything but its file behind. */
+static int tear_down(void **state)
+{
+    struct place *self = *state;
+    (void)unlink(self->path);
+    const int result = rmdir(self->folder);
+    free(self);
+    return result;
+}
+
+static off_t length_of(const char *path)
+{
+    struct stat info;
+    assert_int_equal(stat(path, &info), 0);
+    return info.st_size;
+}
+
+static void make_image(struct place *place)
+{
+    struct lx_eeprom eeprom;
+    struct lx_error error;
+    assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), 0);
+    lx_eeprom_close(&eeprom);
+}
+
+/* Opening the file is refused with a line that says so, and leaves every byte as it was. */
+static void refused(struct place *place, const char *says)
+{
+    uint8_t before[8192];
+    uint8_t after[8192];
+    struct lx_eeprom eeprom;
+    struct lx_error error = {""};
+    int fd = open(place->path, O_RDONLY);
+    const ssize_t n = read(fd, before, sizeof before);
+    (void)close(fd);
+    assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), -1);
+    lx_eeprom_close(&eeprom);
+    assert_non_null(strstr(error.text, says));
+    assert_non_null(strstr(error.text, place->path));
+    fd = open(place->path, O_RDONLY);
+    assert_int_equal(read(fd, after, sizeof after), n);
+    (void)close(fd);
+    assert_memory_equal(before, after, (size_t)n);
+}
+
+static void write_bytes(const char *path, const uint8_t *bytes, size_t n)
+{
+    const int fd = open(path, O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    assert_true(fd >= 0);
+    assert_int_equal(write(fd, bytes, n), (ssize_t)n);
+    (void)close(fd);
+}
+
+static void a_new_file_is_complete_and_private(void **state)
+{
+    struct place *place = *state;
+    struct stat info;
+    make_image(place);
+    assert_int_equal(stat(place->path, &info), 0);
+    assert_int_equal(info.st_mode & 07777, 0600);
+    assert_int_equal(info.st_nlink, 1);
+    assert_int_equal(info.st_size, dg_store_size(&dg_hf_layout));
+}
+
+static void what_is_written_is_there_the_next_time(void **state)
+{
+    struct place *place = *state;
+    struct lx_eeprom eeprom;
+    struct lx_error error;
+    uint8_t bytes[4] = {0};
+    assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), 0);
+    const uint32_t at = eeprom.file.size - 4;
+    assert_int_equal(eeprom.nvm.ops->write(eeprom.nvm.ctx, at, "abcd", 4), DG_OK);
+    assert_int_equal(eeprom.nvm.ops->sync(eeprom.nvm.ctx), DG_OK);
+    lx_eeprom_close(&eeprom);
+    assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), 0);
+    assert_false(eeprom.file.created);
+    assert_int_equal(eeprom.nvm.ops->read(eeprom.nvm.ctx, at, bytes, 4), DG_OK);
+    assert_memory_equal(bytes, "abcd", 4);
+    assert_int_equal(eeprom.nvm.ops->read(eeprom.nvm.ctx, at, bytes, 5), DG_ERR_IO);
+    assert_int_equal(eeprom.nvm.ops->write(eeprom.nvm.ctx, at + 5, bytes, 1), DG_ERR_IO);
+    lx_eeprom_close(&eeprom);
+}
+
+static void memory_forgets(void **state)
+{
+    struct place *place = *state;
+    struct lx_eeprom eeprom;
+    struct lx_error error;
+    struct dg_store store;
+    assert_int_equal(lx_eeprom_open(&eeprom, NULL, &place->settings, &quiet, &error), 0);
+    assert_int_equal(dg_store_mount(&store, &dg_hf_layout, eeprom.nvm), DG_OK);
+    assert_int_equal(eeprom.nvm.ops->read(eeprom.nvm.ctx, eeprom.memory.size, &store, 1),
+                     DG_ERR_IO);
+    assert_int_equal(eeprom.nvm.ops->write(eeprom.nvm.ctx, eeprom.memory.size, &store, 1),
+                     DG_ERR_IO);
+    lx_eeprom_close(&eeprom);
+}
+
+/* Locks belong to processes, so the second one is a process. */
+static void a_second_process_is_told_who_has_it(void **state)
+{
+    struct place *place = *state;
+    struct lx_eeprom eeprom;
+    struct lx_error error = {""};
+    char pid[32];
+    (void)snprintf(pid, sizeof pid, "process %ld;", (long)getpid());
+    assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), 0);
+    const pid_t child = fork();
+    if (child == 0) {
+        struct lx_eeprom second;
+        const int result = lx_eeprom_open(&second, place->path, &place->settings, &quiet, &error);
+        _exit(result == -1 && strstr(error.text, pid) != NULL ? 0 : 1);
+    }
+    int status = -1;
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_int_equal(status, 0);
+    lx_eeprom_close(&eeprom);
+}
+
+static void files_that_are_no_image_are_refused(void **state)
+{
+    struct place *place = *state;
+    const uint32_t size = dg_store_size(&dg_hf_layout);
+    uint8_t *bytes = malloc(size + 1);
+    assert_non_null(bytes);
+    memset(bytes, 0xFF, size + 1);
+    write_bytes(place->path, bytes, 0);
+    refused(place, "0 bytes");
+    write_bytes(place->path, bytes, size + 1);
+    refused(place, "an image of this encoder has");
+    write_bytes(place->path, bytes, size);
+    refused(place, "blank");
+    memset(bytes, 'x', size);
+    write_bytes(place->path, bytes, size);
+    refused(place, "something else");
+    write_bytes(place->path, bytes, 10);
+    refused(place, "something else");
+    free(bytes);
+}
+
+static void folders_and_missing_folders_are_refused(void **state)
+{
+    struct place *place = *state;
+    struct lx_eeprom eeprom;
+    struct lx_error error = {""};
+    assert_int_equal(lx_eeprom_open(&eeprom, place->folder, &place->settings, &quiet, &error), -1);
+    lx_eeprom_close(&eeprom);
+    assert_non_null(strstr(error.text, place->folder));
+    assert_int_equal(
+        lx_eeprom_open(&eeprom, "/no/such/folder/nvm", &place->settings, &quiet, &error), -1);
+    lx_eeprom_close(&eeprom);
+    assert_non_null(strstr(error.text, "/no/such/folder/nvm"));
+}
+
+static void other_factory_figures_are_refused(void **state)
+{
+    struct place *place = *state;
+    struct lx_error error;
+    make_image(place);
+    lx_settings_init(&place->settings, dg_device_find("s3674-rs485")->hiperface);
+    refused(place, "belongs to s3684-rs485");
+    static const char *const others[] = {"periods=1024", "memory=22", "type=28h",
+                                         "designation=other", "temperature_max=60"};
+    for (size_t i = 0; i < sizeof others / sizeof others[0]; i++) {
+        lx_settings_init(&place->settings, dg_device_find("s3684-rs485")->hiperface);
+        assert_int_equal(lx_settings_set(&place->settings, others[i], &error), 0);
+        refused(place, "differs");
+    }
+    lx_settings_init(&place->settings, dg_device_find("s3684-rs485")->hiperface);
+    assert_int_equal(lx_settings_serial(&place->settings, "1", &error), 0);
+    refused(place, "serial number differs");
+}
+
+/* A later firmware, or no --serial: still the same unit. */
+static void a_units_own_identity_is_kept(void **state)
+{
+    struct place *place = *state;
+    struct lx_error error;
+    struct lx_eeprom eeprom;
+    assert_int_equal(lx_settings_serial(&place->settings, "777", &error), 0);
+    make_image(place);
+    lx_settings_init(&place->settings, dg_device_find("s3684-rs485")->hiperface);
+    assert_int_equal(lx_settings_set(&place->settings, "version=v9.9.9-new", &error), 0);
+    assert_int_equal(lx_settings_set(&place->settings, "date=01012030", &error), 0);
+    assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), 0);
+    lx_eeprom_close(&eeprom);
+}
+
+/* A damaged region is for the device to report, whatever it says. */
+static void a_damaged_image_is_taken(void **state)
+{
+    struct place *place = *state;
+    struct lx_eeprom eeprom;
+    struct lx_error error;
+    make_image(place);
+    const int fd = open(place->path, O_WRONLY);
+    const off_t at = (off_t)dg_store_address(&dg_hf_layout, DG_HF_REGION_RESOLUTION);
+    assert_int_equal(pwrite(fd, "?", 1, at), 1);
+    (void)close(fd);
+    assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), 0);
+    lx_eeprom_close(&eeprom);
+}
+
+static void a_cut_off_image_reads_erased(void **state)
+{
+    struct place *place = *state;
+    struct lx_eeprom eeprom;
+    struct lx_error error;
+    uint8_t bytes[8];
+    make_image(place);
+    const off_t length = length_of(place->path) - 100;
+    assert_int_equal(truncate(place->path, length), 0);
+    assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), 0);
+    assert_int_equal(length_of(place->path), length);
+    const uint32_t at = (uint32_t)length;
+    assert_int_equal(eeprom.nvm.ops->read(eeprom.nvm.ctx, at, bytes, 8), DG_OK);
+    assert_memory_equal(bytes, "\xFF\xFF\xFF\xFF\xFF\xFF\xFF\xFF", 8);
+    /* a write behind the end leaves no zeros in between */
+    assert_int_equal(eeprom.nvm.ops->write(eeprom.nvm.ctx, at + 4, "ab", 2), DG_OK);
+    assert_int_equal(eeprom.nvm.ops->read(eeprom.nvm.ctx, at, bytes, 8), DG_OK);
+    assert_memory_equal(bytes,
+                        "\xFF\xFF\xFF\xFF"
+                        "ab\xFF\xFF",
+                        8);
+    lx_eeprom_close(&eeprom);
+}
+
+/* A file size limit stands in for a full disk. */
+static void a_full_disk_is_an_error_that_ends(void **state)
+{
+    struct place *place = *state;
+    struct lx_eeprom eeprom;
+    struct lx_error error;
+    struct rlimit limit;
+    assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), 0);
+    assert_int_equal(getrlimit(RLIMIT_FSIZE, &limit), 0);
+    const rlim_t usual = limit.rlim_cur;
+    (void)signal(SIGXFSZ, SIG_IGN);
+    limit.rlim_cur = 16;
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &limit), 0);
+    const int full = eeprom.nvm.ops->write(eeprom.nvm.ctx, 100, "a", 1);
+    limit.rlim_cur = usual;
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &limit), 0);
+    assert_int_equal(full, DG_ERR_IO);
+    assert_true(eeprom.file.failing);
+    assert_int_equal(eeprom.nvm.ops->write(eeprom.nvm.ctx, 100, "a", 1), DG_OK);
+    assert_true(eeprom.file.failing); /* not before it is durable */
+    assert_int_equal(eeprom.nvm.ops->sync(eeprom.nvm.ctx), DG_OK);
+    assert_false(eeprom.file.failing);
+    lx_eeprom_close(&eeprom);
+}
+
+#define IN_A_PLACE(test) cmocka_unit_test_setup_teardown(test, set_up, tear_down)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        IN_A_PLACE(a_new_file_is_complete_and_private),
+        IN_A_PLACE(what_is_written_is_there_the_next_time),
+        IN_A_PLACE(memory_forgets),
+        IN_A_PLACE(a_second_process_is_told_who_has_it),
+        IN_A_PLACE(files_that_are_no_image_are_refused),
+        IN_A_PLACE(folders_and_missing_folders_are_refused),
+        IN_A_PLACE(other_factory_figures_are_refused),
+        IN_A_PLACE(a_units_own_identity_is_kept),
+        IN_A_PLACE(a_damaged_image_is_taken),
+        IN_A_PLACE(a_cut_off_image_reads_erased),
+        IN_A_PLACE(a_full_disk_is_an_error_that_ends),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,94 @@
+/* SPDX-License-Identifier: MIT */
+/* drehgeber: virtual absolute encoders on the command line. */
+#include <stdio.h>
+
+#include "drehgeber/drehgeber.h"
+#include "options.h"
+#include "run.h"
+#include "settings.h"
+#include "shaft.h"
+
+static void list_models(const char *indent)
+{
+    for (size_t i = 0; i < dg_device_count; i++) {
+        (void)printf("%s%-12s %s, %s\n", indent, dg_devices[i].name, dg_devices[i].wire,
+                     dg_devices[i].resolution);
+    }
+}
+
+/* An example first, then the reference; every table in it is the one the program works with. */
+static void help(void)
+{
+    static char name[] = "drehgeber";
+    struct lx_settings defaults;
+    lx_settings_init(&defaults, dg_devices[0].hiperface);
+    (void)fputs(
+        "drehgeber - be an absolute encoder, byte for byte\n"
+        "\n"
+        "  drehgeber run s3684-rs485 --pty=enc --shaft 60RPM --nvm enc.nvm\n"
+        "\n"
+        "makes ./enc a serial port (9600 Bd, 8E1) behind which a multiturn encoder turns\n"
+        "at 60 rpm; it prints one line, 'ready s3684-rs485 pty:/dev/pts/4', and runs until\n"
+        "Ctrl-C or SIGTERM. Ask it for its position with the bytes 40 42 02.\n"
+        "\n"
+        "  drehgeber list                          the models\n"
+        "  drehgeber run MODEL [WIRE] [OPTIONS]    be that encoder\n"
+        "\n"
+        " Models:\n",
+        stdout);
+    list_models("  ");
+    (void)fputs("\n", stdout);
+    argp_help(&options_argp, stdout, ARGP_HELP_LONG, name);
+    (void)printf("\n MOTION:\n"
+                 "  %s\n"
+                 "  Units: DEG REV (angle), RPM (speed), S MS (time). Positive is clockwise, time\n"
+                 "  0 is when the encoder is ready. A file has lines 'time_s,angle_deg'.\n"
+                 "\n KEY=VALUE:\n",
+                 lx_shaft_forms);
+    lx_settings_help(&defaults, stdout);
+    (void)fputs("\n Exit status: 0 after SIGTERM or SIGINT, 2 for a wrong command line, 1 for the "
+                "rest.\n",
+                stdout);
+}
+
+static int flushed(void)
+{
+    if (fflush(stdout) == 0 && ferror(stdout) == 0) {
+        return EXIT_OK;
+    }
+    lx_complain("cannot write to stdout");
+    return EXIT_OTHER;
+}
+
+static int act(const struct options *options)
+{
+    switch (options->command) {
+    case COMMAND_LIST:
+        list_models("");
+        return flushed();
+    case COMMAND_HELP:
+        help();
+        return flushed();
+    case COMMAND_VERSION:
+        (void)printf("drehgeber %s\n", dg_version());
+        return flushed();
+    case COMMAND_RUN:
+        return run_encoder(options);
+    case COMMAND_NONE: /* refused by options_parse() */
+        break;
+    }
+    return EXIT_USAGE;
+}
+
+int main(int argc, char **argv)
+{
+    struct options options;
+    int status = EXIT_USAGE;
+    if (options_parse(&options, argc, argv) != 0) {
+        lx_complain("%s", options.error.text);
+    } else {
+        status = act(&options);
+    }
+    options_free(&options);
+    return status;
+}

@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The command line, parsed but not yet understood: values are checked where they are used.
+ */
+#ifndef DREHGEBER_TOOL_OPTIONS_H
+#define DREHGEBER_TOOL_OPTIONS_H
+
+#include <argp.h>
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "encoder.h"
+#include "say.h"
+
+/* What the command line asks for. Strings belong to argv. */
+enum command {
+    COMMAND_NONE,
+    COMMAND_LIST,
+    COMMAND_RUN,
+    COMMAND_HELP,
+    COMMAND_VERSION,
+};
+
+/* A kind of wire an encoder can be put on. */
+struct wire {
+    const char *name; /* as in "ready MODEL WIRE:ADDRESS" */
+    int option;       /* key in the option table */
+    lx_serial_open *open;
+};
+
+struct options {
+    enum command command;
+    const char *model;
+    const struct wire *wire; /* NULL: not said */
+    const char *where;       /* the wire's value; NULL: none */
+    const char *nvm;
+    const char *serial;
+    const char *shaft;
+    const char **sets; /* owned; as many as argc at most */
+    size_t set_count;
+    struct lx_say say;
+    const char *option;  /* name of the last option given; NULL: none */
+    const char *culprit; /* what the parser stumbled over */
+    struct lx_error error;
+};
+
+/* For --help. */
+extern const struct argp options_argp;
+
+/* The wire an encoder is put on when none is given. */
+extern const struct wire *const options_default_wire;
+
+/* Parse. 0, or -1 with one line in self->error. options_free() in any case. */
+int options_parse(struct options *self, int argc, char **argv);
+
+void options_free(struct options *self);
+
+#endif

@@ -1,0 +1,165 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "run.h"
+
+#include <errno.h>
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+#include <systemd/sd-daemon.h>
+#include <systemd/sd-event.h>
+
+#include "drehgeber/devices.h"
+#include "eeprom.h"
+#include "encoder.h"
+#include "settings.h"
+#include "shaft.h"
+#include "timer.h"
+
+/* Everything a running encoder consists of. */
+struct rig {
+    const struct options *options;
+    const struct wire *wire;
+    struct lx_settings settings;
+    struct lx_shaft shaft;
+    struct lx_eeprom eeprom;
+    struct lx_encoder encoder;
+    sd_event *event;
+};
+
+static int complain(const struct lx_error *error, int status)
+{
+    lx_complain("%s", error->text);
+    return status;
+}
+
+static int unknown_model(const struct options *options, struct lx_error *error)
+{
+    struct lx_error names = {""};
+    size_t used = 0;
+    for (size_t i = 0; i < dg_device_count && used < sizeof names.text; i++) {
+        const int n =
+            snprintf(names.text + used, sizeof names.text - used, " %s", dg_devices[i].name);
+        used += n > 0 ? (size_t)n : 0u;
+    }
+    if (options->model == NULL) {
+        return lx_fail(error, "run needs a model; valid:%s", names.text);
+    }
+    return lx_fail(error, "unknown model %s; valid:%s", options->model, names.text);
+}
+
+/* The user's words become figures. */
+static int understand(struct rig *self, struct lx_error *error)
+{
+    const struct options *options = self->options;
+    const struct dg_device *device = options->model == NULL ? NULL : dg_device_find(options->model);
+    if (device == NULL) {
+        return unknown_model(options, error);
+    }
+    lx_settings_init(&self->settings, device->hiperface);
+    for (size_t i = 0; i < options->set_count; i++) {
+        if (lx_settings_set(&self->settings, options->sets[i], error) != 0) {
+            return -1;
+        }
+    }
+    if (options->serial != NULL &&
+        lx_settings_serial(&self->settings, options->serial, error) != 0) {
+        return -1;
+    }
+    self->wire = options->wire == NULL ? options_default_wire : options->wire;
+    return lx_settings_check(&self->settings, error);
+}
+
+/* Blocked from here on and read by the loop: no way out that leaves a link behind. A closed stdout
+   or a file size limit is an errno then, not the end. */
+static int take_signals(sd_event *event)
+{
+    sigset_t stop;
+    (void)sigemptyset(&stop);
+    (void)sigaddset(&stop, SIGTERM);
+    (void)sigaddset(&stop, SIGINT);
+    const struct sigaction ignore = {.sa_handler = SIG_IGN};
+    if (sigprocmask(SIG_BLOCK, &stop, NULL) != 0 || sigaction(SIGPIPE, &ignore, NULL) != 0 ||
+        sigaction(SIGXFSZ, &ignore, NULL) != 0) {
+        return -errno;
+    }
+    /* Without a handler of its own a signal ends the loop with 0. */
+    const int result = sd_event_add_signal(event, NULL, SIGTERM, NULL, NULL);
+    return result < 0 ? result : sd_event_add_signal(event, NULL, SIGINT, NULL, NULL);
+}
+
+static int make_loop(struct rig *self, struct lx_error *error)
+{
+    int result = sd_event_new(&self->event);
+    if (result >= 0) {
+        result = take_signals(self->event);
+    }
+    return result < 0 ? lx_fail(error, "no event loop: %s", strerror(-result)) : 0;
+}
+
+/* From here on the encoder answers. Time 0 of the motion is now. */
+static int switch_on(struct rig *self, struct lx_error *error)
+{
+    const struct options *options = self->options;
+    if (lx_eeprom_open(&self->eeprom, options->nvm, &self->settings, &options->say, error) != 0) {
+        return -1;
+    }
+    const struct lx_encoder_setup setup = {
+        .event = self->event,
+        .say = &options->say,
+        .settings = &self->settings,
+        .nvm = self->eeprom.nvm,
+        .open = self->wire->open,
+        .where = options->where,
+    };
+    const dg_ns now = lx_now();
+    self->shaft.motion.start = now;
+    self->settings.world.angle = dg_motion_angle;
+    self->settings.world.angle_ctx = &self->shaft.motion;
+    return lx_encoder_open(&self->encoder, &setup, now, error);
+}
+
+static int announce(const struct rig *self, struct lx_error *error)
+{
+    const char *address = self->encoder.port->address;
+    if (printf("ready %s %s:%s\n", self->options->model, self->wire->name, address) < 0 ||
+        fflush(stdout) != 0) {
+        return lx_fail(error, "cannot write the ready line to stdout: %s", strerror(errno));
+    }
+    (void)sd_notify(0, "READY=1");
+    return 0;
+}
+
+static int live(struct rig *self, struct lx_error *error)
+{
+    if (make_loop(self, error) != 0 || switch_on(self, error) != 0 || announce(self, error) != 0) {
+        return complain(error, EXIT_OTHER);
+    }
+    const int result = sd_event_loop(self->event);
+    (void)sd_notify(0, "STOPPING=1");
+    if (result < 0) {
+        (void)lx_fail(error, "the event loop failed: %s", strerror(-result));
+        return complain(error, EXIT_OTHER);
+    }
+    return result;
+}
+
+int run_encoder(const struct options *options)
+{
+    struct rig self = {.options = options, .eeprom = {.file = {.fd = -1}}};
+    struct lx_error error;
+    if (understand(&self, &error) != 0) {
+        return complain(&error, EXIT_USAGE);
+    }
+    const char *shaft = options->shaft == NULL ? "0" : options->shaft;
+    const int parsed = lx_shaft_parse(&self.shaft, shaft, &error);
+    if (parsed != 0) {
+        return complain(&error, parsed == LX_SHAFT_WORDS ? EXIT_USAGE : EXIT_OTHER);
+    }
+    const int status = live(&self, &error);
+    lx_encoder_close(&self.encoder);
+    lx_eeprom_close(&self.eeprom);
+    lx_shaft_free(&self.shaft);
+    self.event = sd_event_unref(self.event);
+    return status;
+}
