@@ -240,18 +240,18 @@ enum dg_co_sdo_state {
 /** The SDO server of a node. */
 struct dg_co_sdo {
     enum dg_co_sdo_state state;
-    dg_ns deadline;
+    dg_ns deadline;                    /**< timeout, or when `answer` is due; DG_NEVER while idle */
+    const struct dg_co_object *object; /**< download: where it goes */
     uint16_t index;
     uint8_t sub;
-    uint8_t toggle;
-    bool crc;           /**< block transfer with CRC */
-    uint8_t blksize;    /**< segments of a block */
-    uint8_t seqno;      /**< last segment in order */
-    uint8_t length;     /**< bytes in buffer */
-    uint8_t done;       /**< bytes transferred */
-    uint8_t acked;      /**< bytes of a block upload the client has confirmed */
-    uint32_t announced; /**< size the client announced, 0: none */
-    uint8_t answer[8];  /**< delayed answer */
+    uint8_t toggle;    /**< bit 4 of the next segment */
+    bool sized;        /**< the client announced the size */
+    bool crc;          /**< block transfer with CRC */
+    uint8_t blksize;   /**< segments of a block the client takes */
+    uint8_t seqno;     /**< block upload: segments sent; download: last segment in order */
+    uint8_t length;    /**< bytes in buffer */
+    uint8_t done;      /**< bytes sent and, in a block upload, confirmed */
+    uint8_t answer[8]; /**< delayed answer */
     uint8_t buffer[DG_CO_STRING_MAX + 8];
 };
 
@@ -261,16 +261,16 @@ struct dg_co_tpdo {
     bool valid;
     bool rtr_allowed;
     bool pending; /**< an event waits for the inhibit time, or for the next SYNC (type 0) */
-    bool sampled; /**< type 252: `last` is the sample of the latest SYNC */
-    bool started; /**< SYNC start value has been seen */
+    bool sampled; /**< `last` counts: for the next RTR (type 252), for the detection of changes */
+    bool started; /**< the first SYNC has been seen, see SYNC start value */
     uint8_t type;
-    uint8_t sync_count; /**< SYNCs since the last transmission */
+    uint8_t sync_count; /**< SYNCs since the last one that it was sent at */
     uint8_t mapped_count;
-    uint8_t length; /**< bytes */
-    dg_ns event_at; /**< event timer, or DG_NEVER */
+    uint8_t length;      /**< bytes */
+    uint8_t last[8 + 3]; /**< data sent or sampled last; room for a whole 32-bit store at byte 7 */
+    dg_ns event_at;      /**< event timer, or DG_NEVER */
     dg_ns inhibit_until;
     const struct dg_co_object *mapped[DG_CO_MAPPED_MAX];
-    uint8_t last[8]; /**< data sent last, for change detection and type 252 */
 };
 
 /** Counters; nobody has to act on them. */
@@ -322,8 +322,7 @@ struct dg_co_node {
     uint8_t emcy[DG_CO_HISTORY][8];
     dg_ns emcy_until;
 
-    dg_ns sync_at; /**< latest SYNC */
-    uint8_t sync_counter;
+    dg_ns rx_at;      /**< moment the latest frame came in; before `now` when delivered late */
     uint32_t time_ms; /**< latest TIME: ms after midnight, days since 1984-01-01 */
     uint16_t time_days;
 

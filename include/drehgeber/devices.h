@@ -8,11 +8,13 @@
 
 #include <stddef.h>
 
+#include "drehgeber/cia406.h"
 #include "drehgeber/hiperface.h"
 
 /** Which stack a model runs, and so which member of dg_device.model is valid. */
 enum dg_device_stack {
     DG_STACK_HIPERFACE,
+    DG_STACK_CANOPEN,
 };
 
 /** A model as it can be ordered. */
@@ -21,7 +23,8 @@ struct dg_device {
     const char *wire;       /**< what it speaks, e.g. "RS485 + SinCos (HIPERFACE-compatible)" */
     const char *resolution; /**< in words, e.g. "2048 x 32 steps, 4096 turns" */
     enum dg_device_stack stack;
-    const struct dg_hf_model *hiperface; /**< for DG_STACK_HIPERFACE */
+    const struct dg_hf_model *hiperface;  /**< for DG_STACK_HIPERFACE */
+    const struct dg_cia406_model *cia406; /**< for DG_STACK_CANOPEN */
 };
 
 /** All models, in the order they are listed. */

@@ -9,6 +9,8 @@
 
 #include "drehgeber/angle.h"
 #include "drehgeber/bits.h"
+#include "drehgeber/canopen.h"
+#include "drehgeber/cia406.h"
 #include "drehgeber/crc.h"
 #include "drehgeber/devices.h"
 #include "drehgeber/hal.h"

@@ -99,6 +99,8 @@ void dg_co_report_memory(struct dg_co_node *self);
 
 /* node.c */
 void dg_co_send(struct dg_co_node *self, uint16_t id, const uint8_t *data, uint8_t dlc);
+/** The configured bit rate comes into force. */
+void dg_co_use_bit_rate(struct dg_co_node *self);
 /** Enter Initialisation; `application` also resets 2000h-9FFFh (NMT 81h, LSS). */
 void dg_co_reset(struct dg_co_node *self, bool application);
 

@@ -46,10 +46,12 @@ void dg_co_send(struct dg_co_node *self, uint16_t id, const uint8_t *data, uint8
     self->setup.ops->send(self->setup.ctx, &frame);
 }
 
-static void report_bit_rate(struct dg_co_node *self)
+/* The configured bit rate comes into force. */
+void dg_co_use_bit_rate(struct dg_co_node *self)
 {
     static const uint16_t kbaud[] = {10, 20, 50, 100, 125, 250, 500, 0, 1000};
 
+    self->bit_rate = self->lss.bit_rate;
     if (self->setup.ops->bit_rate != NULL) {
         self->setup.ops->bit_rate(self->setup.ctx, kbaud[self->bit_rate]);
     }
@@ -75,8 +77,7 @@ void dg_co_reset(struct dg_co_node *self, bool application)
     if (application) {
         self->id = self->lss.node_id;
         if (self->bit_rate != self->lss.bit_rate) {
-            self->bit_rate = self->lss.bit_rate;
-            report_bit_rate(self);
+            dg_co_use_bit_rate(self);
         }
     }
     dg_co_load(self, 0x1000, application ? 0xFFFF : 0x1FFF);
@@ -107,8 +108,8 @@ int dg_co_power_on(struct dg_co_node *self, dg_ns now)
         return result;
     }
     self->bus_off = false;
-    self->bit_rate = self->lss.bit_rate;
-    report_bit_rate(self);
+    self->lss.silent_until = 0;
+    dg_co_use_bit_rate(self);
     dg_co_reset(self, true);
     return DG_OK;
 }

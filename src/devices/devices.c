@@ -27,10 +27,15 @@ static const struct dg_hf_model s3684_rs485 = {
     .designation = "S3684 RS485+SinCos",
 };
 
+static const struct dg_cia406_model f3658 = {.turns = 1, .device = &dg_cia406_singleturn};
+static const struct dg_cia406_model f3668 = {.turns = 4096, .device = &dg_cia406_multiturn};
+
 /* clang-format off */
 const struct dg_device dg_devices[] = {
-    {"s3674-rs485", "RS485 + SinCos (HIPERFACE-compatible)", "2048 periods x 32 steps, singleturn", DG_STACK_HIPERFACE, &s3674_rs485},
-    {"s3684-rs485", "RS485 + SinCos (HIPERFACE-compatible)", "2048 periods x 32 steps, 4096 turns", DG_STACK_HIPERFACE, &s3684_rs485},
+    {"s3674-rs485", "RS485 + SinCos (HIPERFACE-compatible)", "2048 periods x 32 steps, singleturn", DG_STACK_HIPERFACE, &s3674_rs485, NULL},
+    {"s3684-rs485", "RS485 + SinCos (HIPERFACE-compatible)", "2048 periods x 32 steps, 4096 turns", DG_STACK_HIPERFACE, &s3684_rs485, NULL},
+    {"f3658", "CANopen (CiA 406)", "65536 steps, singleturn", DG_STACK_CANOPEN, NULL, &f3658},
+    {"f3668", "CANopen (CiA 406)", "65536 steps, 4096 turns", DG_STACK_CANOPEN, NULL, &f3668},
 };
 /* clang-format on */
 

@@ -15,7 +15,9 @@ ALLOWED = {
     "core":      set(),
     "motion":    {"core"},
     "hiperface": {"core"},
-    "devices":   {"core", "hiperface"},
+    "canopen":   {"core"},
+    "cia406":    {"core", "canopen"},
+    "devices":   {"core", "hiperface", "cia406"},
 }
 # public header: the folder that implements it
 OWNER = {
@@ -28,6 +30,8 @@ OWNER = {
     "world.h":     "core",
     "motion.h":    "motion",
     "hiperface.h": "hiperface",
+    "canopen.h":   "canopen",
+    "cia406.h":    "cia406",
     "devices.h":   "devices",
 }
 # The header for users that includes all others; the core only implements its dg_version().

@@ -1,0 +1,212 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Parameters of the TPDOs: 1800h and 1A00h (CiA 301; manual chapters 11, 12).
+ */
+#include "pdo.h"
+
+/* Sub-indices of 1800h. */
+enum sub_index {
+    SUB_COB_ID = 1,
+    SUB_TYPE = 2,
+    SUB_INHIBIT = 3,
+    SUB_EVENT_TIMER = 5,
+    SUB_SYNC_START = 6,
+};
+
+/* ------------------------------------------------------------ mapping */
+
+/* The row of an entry `index << 16 | sub << 8 | bits`; `*abort` is set when it cannot be mapped. */
+static const struct dg_co_object *find_mapped(const struct dg_co_node *self, uint32_t entry,
+                                              enum dg_co_abort *abort)
+{
+    const struct dg_co_object *object =
+        dg_co_find(self, (uint16_t)(entry >> 16), (uint8_t)(entry >> 8), abort);
+
+    if (object == NULL) {
+        return NULL;
+    }
+    if ((object->flags & DG_CO_MAP) == 0 || (object->flags & DG_CO_R) == 0) {
+        *abort = DG_CO_NOT_MAPPABLE;
+    } else if ((entry & 0xFFu) != 8u * dg_co_size(object)) {
+        *abort = DG_CO_INCOMPATIBLE;
+    }
+    return object;
+}
+
+/* Entries 1..count to rows. Only while the TPDO is not valid, or with the entries it has. */
+static enum dg_co_abort resolve(struct dg_co_node *self, uint8_t n, uint32_t count)
+{
+    struct dg_co_tpdo *tpdo = &self->tpdo[n];
+    enum dg_co_abort abort = count > DG_CO_MAPPED_MAX ? DG_CO_PDO_LENGTH : DG_CO_OK;
+    uint32_t bits = 0;
+
+    for (uint8_t i = 0; abort == DG_CO_OK && i < count; i++) {
+        uint32_t entry = self->value[CO_TPDO(n, CO_PDO_ENTRIES) + i];
+        tpdo->mapped[i] = find_mapped(self, entry, &abort);
+        bits += entry & 0xFFu;
+    }
+    if (abort == DG_CO_OK && bits > 64) {
+        abort = DG_CO_PDO_LENGTH;
+    }
+    tpdo->mapped_count = (uint8_t)count;
+    tpdo->length = (uint8_t)(bits / 8u);
+    return abort;
+}
+
+/*
+ * The five steps: 1 TPDO not valid (1800h:1 bit 31), 2 sub 0 = 0, 3 entries, 4 sub 0 = n, 5 valid.
+ * An entry of 0 is an unused one.
+ */
+static enum dg_co_abort check_mapping(struct dg_co_node *self, uint8_t n, uint8_t sub,
+                                      uint32_t wanted)
+{
+    enum dg_co_abort abort = DG_CO_OK;
+
+    if (self->tpdo[n].valid) {
+        return DG_CO_ACCESS;
+    }
+    if (sub == 0) {
+        return resolve(self, n, wanted);
+    }
+    if (co_pdo_parameter(self, n, CO_PDO_MAPPED) != 0) {
+        return DG_CO_ACCESS;
+    }
+    if (wanted != 0) {
+        (void)find_mapped(self, wanted, &abort);
+    }
+    return abort;
+}
+
+enum dg_co_abort dg_co_hook_mapping(struct dg_co_node *self, const struct dg_co_object *object,
+                                    enum dg_co_op op, uint32_t *value)
+{
+    uint8_t n = (uint8_t)object->index; /* 1A00h + n */
+
+    return op == DG_CO_WRITE ? check_mapping(self, n, object->sub, *value) : DG_CO_OK;
+}
+
+/* ------------------------------------------------------------ communication parameters */
+
+static bool is_reserved(uint32_t type)
+{
+    return type > CO_PDO_CYCLIC_MAX && type < CO_PDO_REQUEST_SYNC;
+}
+
+/* A valid TPDO keeps its CAN-ID. 80000000h is how masters switch one off: the CAN-ID 0 in it is
+ * never used. */
+static enum dg_co_abort check_cob_id(struct dg_co_node *self, uint8_t n, uint32_t wanted)
+{
+    const struct dg_co_tpdo *tpdo = &self->tpdo[n];
+    uint32_t id = wanted & CO_COB_CAN_ID;
+    bool valid = (wanted & CO_COB_INVALID) == 0;
+
+    if ((wanted & ~(CO_COB_INVALID | CO_COB_BIT30 | CO_COB_CAN_ID)) != 0) {
+        return DG_CO_RANGE;
+    }
+    if ((valid || id != 0) && dg_co_restricted(id)) {
+        return DG_CO_RANGE;
+    }
+    if (!valid) {
+        return DG_CO_OK;
+    }
+    if (tpdo->valid) {
+        return id == tpdo->can_id ? DG_CO_OK : DG_CO_RANGE;
+    }
+    uint32_t count = co_pdo_parameter(self, n, CO_PDO_MAPPED);
+    bool complete = count != 0 && !is_reserved(co_pdo_parameter(self, n, CO_PDO_TYPE)) &&
+                    resolve(self, n, count) == DG_CO_OK;
+    return complete ? DG_CO_OK : DG_CO_RANGE;
+}
+
+/* Inhibit time and SYNC start value are constant while the TPDO is valid; writing what is there
+ * changes nothing. */
+static enum dg_co_abort check_parameter(struct dg_co_node *self, uint8_t n,
+                                        const struct dg_co_object *object, uint32_t wanted)
+{
+    switch ((enum sub_index)object->sub) {
+    case SUB_COB_ID:
+        return check_cob_id(self, n, wanted);
+    case SUB_TYPE:
+        return is_reserved(wanted) ? DG_CO_RANGE : DG_CO_OK;
+    case SUB_EVENT_TIMER:
+        return DG_CO_OK;
+    case SUB_INHIBIT:
+    case SUB_SYNC_START:
+        return self->tpdo[n].valid && wanted != self->value[object->slot] ? DG_CO_RANGE : DG_CO_OK;
+    }
+    return DG_CO_OK;
+}
+
+/* A COB-ID that has passed check_cob_id() comes into force. */
+static void adopt_cob_id(struct dg_co_node *self, uint8_t n)
+{
+    struct dg_co_tpdo *tpdo = &self->tpdo[n];
+    uint32_t cob_id = co_pdo_parameter(self, n, CO_PDO_COB_ID);
+    bool was_valid = tpdo->valid;
+
+    tpdo->can_id = (uint16_t)(cob_id & CO_COB_CAN_ID);
+    tpdo->valid = (cob_id & CO_COB_INVALID) == 0;
+    tpdo->rtr_allowed = (cob_id & CO_COB_BIT30) == 0;
+    if (tpdo->valid != was_valid) {
+        tpdo->inhibit_until = 0;
+        dg_co_pdo_restart(self, n);
+    }
+    self->filter_version++;
+}
+
+/* The phase begins anew; an event still waits if the new type has events. */
+static void adopt_type(struct dg_co_node *self, uint8_t n)
+{
+    struct dg_co_tpdo *tpdo = &self->tpdo[n];
+
+    tpdo->type = (uint8_t)co_pdo_parameter(self, n, CO_PDO_TYPE);
+    bool waits = tpdo->pending && co_pdo_takes_events(tpdo->type);
+    dg_co_pdo_restart(self, n);
+    tpdo->pending = waits;
+}
+
+static void adopt_parameter(struct dg_co_node *self, uint8_t n, uint8_t sub)
+{
+    switch ((enum sub_index)sub) {
+    case SUB_COB_ID:
+        adopt_cob_id(self, n);
+        break;
+    case SUB_TYPE:
+        adopt_type(self, n);
+        break;
+    case SUB_EVENT_TIMER:
+        dg_co_pdo_rearm(self, n);
+        break;
+    case SUB_INHIBIT:
+    case SUB_SYNC_START:
+        break; /* only read when the TPDO is valid */
+    }
+}
+
+enum dg_co_abort dg_co_hook_tpdo(struct dg_co_node *self, const struct dg_co_object *object,
+                                 enum dg_co_op op, uint32_t *value)
+{
+    uint8_t n = (uint8_t)object->index; /* 1800h + n */
+
+    if (op == DG_CO_WRITE) {
+        return check_parameter(self, n, object, *value);
+    }
+    if (op == DG_CO_WRITTEN) {
+        adopt_parameter(self, n, object->sub);
+    }
+    return DG_CO_OK;
+}
+
+/* Parameters that do not fit together, from a damaged or foreign memory, leave a TPDO not valid. */
+void dg_co_pdo_start(struct dg_co_node *self)
+{
+    for (uint8_t n = 0; n < DG_CO_TPDOS; n++) {
+        uint32_t *cob_id = &self->value[CO_TPDO(n, CO_PDO_COB_ID)];
+        self->tpdo[n] = (struct dg_co_tpdo){.event_at = DG_NEVER};
+        if (check_cob_id(self, n, *cob_id) != DG_CO_OK) {
+            *cob_id |= CO_COB_INVALID;
+        }
+        adopt_cob_id(self, n);
+        adopt_type(self, n);
+    }
+}

@@ -1,0 +1,287 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * TPDOs and SYNC (CiA 301; manual chapters 3, 11, 12).
+ *
+ *   type      sampled   sent
+ *   0         SYNC      at the SYNC after an event
+ *   1..240    SYNC      at every nth SYNC
+ *   252       SYNC      on request (RTR)
+ *   253       RTR       on request
+ *   254, 255  when sent entering Operational, event timer, event; not within the inhibit time
+ *
+ * A remote frame is answered by every type. It neither waits for the inhibit time nor restarts it,
+ * nor does it take the place of an event that waits; like any transmission it restarts the event
+ * timer.
+ */
+#include <string.h>
+
+#include "pdo.h"
+
+static bool is_synchronous(uint8_t type)
+{
+    return type <= CO_PDO_CYCLIC_MAX || type == CO_PDO_REQUEST_SYNC;
+}
+
+/* ------------------------------------------------------------ sending */
+
+/* Values little-endian, one behind the other; each store's surplus is overwritten by the next. */
+static void build(struct dg_co_node *self, const struct dg_co_tpdo *tpdo, uint8_t *data)
+{
+    for (uint8_t i = 0; i < tpdo->mapped_count; i++) {
+        uint32_t value;
+        (void)dg_co_read(self, tpdo->mapped[i], &value);
+        dg_store_le32(data, value);
+        data += dg_co_size(tpdo->mapped[i]);
+    }
+}
+
+static void send_last(struct dg_co_node *self, const struct dg_co_tpdo *tpdo)
+{
+    dg_co_send(self, tpdo->can_id, tpdo->last, tpdo->length);
+}
+
+static void transmit(struct dg_co_node *self, struct dg_co_tpdo *tpdo)
+{
+    build(self, tpdo, tpdo->last);
+    tpdo->sampled = tpdo->type != CO_PDO_REQUEST_SYNC; /* whose sample comes from a SYNC only */
+    send_last(self, tpdo);
+}
+
+/* One sample serves all TPDOs of a moment. It can raise an EMCY, whose reaction (1029h) may end
+ * Operational: false. */
+static bool sample_once(struct dg_co_node *self, bool *sampled)
+{
+    if (!*sampled) {
+        *sampled = true;
+        self->setup.device->sample(self);
+    }
+    return self->state == DG_CO_OPERATIONAL;
+}
+
+/* The event timer runs from `from`; when a whole period has been missed, from now. */
+static void arm(struct dg_co_node *self, uint8_t n, dg_ns from)
+{
+    struct dg_co_tpdo *tpdo = &self->tpdo[n];
+    dg_ns period = DG_MS(co_pdo_parameter(self, n, CO_PDO_EVENT_MS));
+
+    tpdo->event_at = DG_NEVER;
+    if (self->state == DG_CO_OPERATIONAL && tpdo->valid && tpdo->type >= CO_PDO_EVENT &&
+        period != 0) {
+        dg_ns next = dg_after(from, period);
+        tpdo->event_at = next > self->now ? next : dg_after(self->now, period);
+    }
+}
+
+void dg_co_pdo_rearm(struct dg_co_node *self, uint8_t tpdo)
+{
+    arm(self, tpdo, self->now);
+}
+
+/* Forget events, samples and the phase of SYNC. */
+void dg_co_pdo_restart(struct dg_co_node *self, uint8_t n)
+{
+    struct dg_co_tpdo *tpdo = &self->tpdo[n];
+
+    tpdo->pending = false;
+    tpdo->sampled = false;
+    tpdo->started = false;
+    tpdo->sync_count = 0;
+    arm(self, n, self->now);
+}
+
+/* ------------------------------------------------------------ events */
+
+/*
+ * An event within the inhibit time waits for its end, and carries the value of that moment:
+ *
+ *   events  e   e e                e
+ *   sent    e     |      e         e
+ *           |<-inhibit-->|<-inhibit-->|
+ */
+static dg_ns serve(struct dg_co_node *self, uint8_t n, bool *sampled)
+{
+    struct dg_co_tpdo *tpdo = &self->tpdo[n];
+    dg_ns from = self->now;
+
+    if (tpdo->event_at <= self->now) {
+        from = tpdo->event_at; /* keeps the period exact when the host comes late */
+        tpdo->event_at = DG_NEVER;
+        tpdo->pending = true;
+    }
+    if (!tpdo->pending) {
+        return tpdo->event_at;
+    }
+    if (tpdo->inhibit_until > self->now) {
+        return dg_earliest(tpdo->event_at, tpdo->inhibit_until);
+    }
+    if (!sample_once(self, sampled)) {
+        return DG_NEVER;
+    }
+    tpdo->pending = false;
+    transmit(self, tpdo);
+    tpdo->inhibit_until =
+        dg_after(self->now, DG_US(100u * co_pdo_parameter(self, n, CO_PDO_INHIBIT_100US)));
+    arm(self, n, from);
+    return tpdo->event_at;
+}
+
+static dg_ns serve_all(struct dg_co_node *self, bool sampled)
+{
+    dg_ns next = DG_NEVER;
+
+    for (uint8_t n = 0; n < DG_CO_TPDOS && self->state == DG_CO_OPERATIONAL; n++) {
+        if (self->tpdo[n].valid && self->tpdo[n].type >= CO_PDO_EVENT) {
+            next = dg_earliest(next, serve(self, n, &sampled));
+        }
+    }
+    return next;
+}
+
+dg_ns dg_co_pdo_step(struct dg_co_node *self)
+{
+    return serve_all(self, false);
+}
+
+void dg_co_pdo_event(struct dg_co_node *self)
+{
+    bool sampled = false;
+
+    if (self->state != DG_CO_OPERATIONAL || !sample_once(self, &sampled)) {
+        return;
+    }
+    for (uint8_t n = 0; n < DG_CO_TPDOS; n++) {
+        struct dg_co_tpdo *tpdo = &self->tpdo[n];
+        uint8_t data[sizeof tpdo->last];
+        if (tpdo->valid && co_pdo_takes_events(tpdo->type) && !tpdo->pending) {
+            build(self, tpdo, data);
+            tpdo->pending = !tpdo->sampled || memcmp(data, tpdo->last, tpdo->length) != 0;
+        }
+    }
+    (void)serve_all(self, sampled);
+}
+
+void dg_co_pdo_state(struct dg_co_node *self, bool operational)
+{
+    for (uint8_t n = 0; n < DG_CO_TPDOS; n++) {
+        dg_co_pdo_restart(self, n);
+        self->tpdo[n].pending = operational && self->tpdo[n].type >= CO_PDO_EVENT;
+    }
+    (void)serve_all(self, false);
+}
+
+/* ------------------------------------------------------------ SYNC and RTR */
+
+/* With the SYNC counter enabled (1019h) the start value says which SYNC is the first one. */
+static bool has_started(const struct dg_co_node *self, uint8_t n, const struct dg_can_frame *sync)
+{
+    uint32_t start = co_pdo_parameter(self, n, CO_PDO_SYNC_START);
+
+    return start == 0 || self->value[CO_SYNC_OVERFLOW] == 0 || start == sync->data[0];
+}
+
+static bool is_due(struct dg_co_tpdo *tpdo)
+{
+    if (tpdo->type == CO_PDO_ACYCLIC) {
+        return tpdo->pending;
+    }
+    if (tpdo->type == CO_PDO_REQUEST_SYNC) {
+        return true;
+    }
+    tpdo->sync_count++;
+    if (tpdo->sync_count < tpdo->type) {
+        return false;
+    }
+    tpdo->sync_count = 0;
+    return true;
+}
+
+/* `late`: the window 1007h is over. The phase goes on, an event waits for the next SYNC. */
+static void synchronise(struct dg_co_node *self, struct dg_co_tpdo *tpdo, bool late)
+{
+    if (!is_due(tpdo)) {
+        return;
+    }
+    if (late) {
+        self->counters.late_sync++;
+    } else if (tpdo->type == CO_PDO_REQUEST_SYNC) {
+        build(self, tpdo, tpdo->last);
+        tpdo->sampled = true;
+    } else {
+        tpdo->pending = false;
+        transmit(self, tpdo);
+    }
+}
+
+/* The counter is there when 1019h says so, and nothing else (8240h). */
+static bool check_length(struct dg_co_node *self, const struct dg_can_frame *sync)
+{
+    static const uint8_t no_details[5];
+    uint8_t length = self->value[CO_SYNC_OVERFLOW] != 0 ? 1 : 0;
+
+    if (sync->dlc != length) {
+        self->counters.malformed++;
+        dg_co_raise(self, DG_CO_CAUSE_SYNC_LENGTH, no_details);
+        return false;
+    }
+    dg_co_clear(self, DG_CO_CAUSE_SYNC_LENGTH);
+    return true;
+}
+
+/* SYNC is answered in the call, so only one that the host delivers late can miss its window. */
+static bool is_late(const struct dg_co_node *self)
+{
+    dg_ns window = DG_US(self->value[CO_SYNC_WINDOW_US]);
+
+    return window != 0 && dg_elapsed(self->now, self->rx_at) > window;
+}
+
+void dg_co_sync_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
+{
+    bool sampled = false;
+
+    if (!check_length(self, frame) || self->state != DG_CO_OPERATIONAL ||
+        !sample_once(self, &sampled)) {
+        return;
+    }
+    bool late = is_late(self);
+    for (uint8_t n = 0; n < DG_CO_TPDOS; n++) {
+        struct dg_co_tpdo *tpdo = &self->tpdo[n];
+        if (!tpdo->valid || !is_synchronous(tpdo->type)) {
+            continue;
+        }
+        tpdo->started = tpdo->started || has_started(self, n, frame);
+        if (tpdo->started) {
+            synchronise(self, tpdo, late);
+        }
+    }
+}
+
+static void answer(struct dg_co_node *self, uint8_t n, bool *sampled)
+{
+    struct dg_co_tpdo *tpdo = &self->tpdo[n];
+
+    if (tpdo->type == CO_PDO_REQUEST_SYNC && tpdo->sampled) {
+        send_last(self, tpdo);
+    } else if (sample_once(self, sampled)) {
+        transmit(self, tpdo);
+        arm(self, n, self->now);
+    }
+}
+
+bool dg_co_pdo_rtr(struct dg_co_node *self, uint16_t id)
+{
+    bool mine = false;
+    bool sampled = false;
+
+    for (uint8_t n = 0; n < DG_CO_TPDOS; n++) {
+        const struct dg_co_tpdo *tpdo = &self->tpdo[n];
+        if (!tpdo->valid || tpdo->can_id != id) {
+            continue;
+        }
+        mine = true;
+        if (tpdo->rtr_allowed && self->state == DG_CO_OPERATIONAL) {
+            answer(self, n, &sampled);
+        }
+    }
+    return mine;
+}

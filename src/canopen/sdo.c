@@ -1,0 +1,369 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The SDO server (manual, chapter 5; CiA 301): requests find their handler, expedited and
+ * segmented transfers. Block transfers are in block.c.
+ *
+ *              40h long                21h
+ *   UPLOAD <------------- IDLE ---------------> DOWNLOAD     60h.. / 00h.. until the last segment
+ *              A0h         |           C0h
+ *   BLOCK_UPLOAD_START <---+------------------> BLOCK_DOWNLOAD
+ *   | A3h                                       | segments, until the last one
+ *   BLOCK_UPLOAD: A2h after every block         BLOCK_DOWNLOAD_END
+ *   | all confirmed                             | C1h
+ *   BLOCK_UPLOAD_END --A1h--> IDLE              IDLE
+ *
+ * Any of 40h, 2xh, A0h, C0h starts anew from every state; an abort by either side and the timeout
+ * lead to IDLE.
+ */
+#include <string.h>
+
+#include "sdo.h"
+
+/** CiA 301 leaves the server's timeout open. */
+#define TIMEOUT_MS 1000u
+
+/** Bit 4 of segments. */
+#define TOGGLE 0x10u
+/** Bits of a download request. */
+#define EXPEDITED 0x02u
+#define SIZED 0x01u
+/** Bit of a segment. */
+#define NO_MORE 0x01u
+
+#define IN(state) (1u << (state))
+#define ANY 0xFFFFu
+
+static sdo_handler upload_initiate, upload_segment, download_initiate, download_segment, ignore;
+
+/*
+ * Requests by byte 0; the first row that fits serves. A request of IN(...) that comes in another
+ * state is as unknown as E0h. Rows for ANY state end what was running.
+ *
+ * In a block download byte 0 is a sequence number. It cannot be mistaken for a new request, since
+ * the blocks this server asks for are short (block.c); so the last row takes all that is left.
+ */
+static const struct {
+    uint8_t mask;
+    uint8_t value;
+    uint16_t states;
+    sdo_handler *serve;
+} commands[] = {
+    /* clang-format off */
+    {0xFF, SDO_ABORT, ANY, ignore},
+    {0xE0, 0x20, ANY, download_initiate},
+    {0xE0, 0x40, ANY, upload_initiate},
+    {0xE3, 0xA0, ANY, dg_co_block_upload},
+    {0xE1, 0xC0, ANY, dg_co_block_download},
+    {0xE0, 0x00, IN(DG_CO_SDO_DOWNLOAD),           download_segment},
+    {0xE0, 0x60, IN(DG_CO_SDO_UPLOAD),             upload_segment},
+    {0xE3, 0xA3, IN(DG_CO_SDO_BLOCK_UPLOAD_START), dg_co_block_upload_start},
+    {0xE3, 0xA2, IN(DG_CO_SDO_BLOCK_UPLOAD),       dg_co_block_upload_acknowledge},
+    {0xE3, 0xA1, IN(DG_CO_SDO_BLOCK_UPLOAD_END),   dg_co_block_upload_end},
+    {0xE1, 0xC1, IN(DG_CO_SDO_BLOCK_DOWNLOAD_END), dg_co_block_download_end},
+    {0xF8, 0x80, IN(DG_CO_SDO_BLOCK_DOWNLOAD_END), ignore}, /* last segment, received twice */
+    {0x00, 0x00, IN(DG_CO_SDO_BLOCK_DOWNLOAD),     dg_co_block_download_segment},
+    /* clang-format on */
+};
+#define COMMANDS (sizeof commands / sizeof commands[0])
+
+void dg_co_sdo_become(struct dg_co_node *self, enum dg_co_sdo_state state)
+{
+    self->sdo.state = state;
+    self->sdo.deadline =
+        state == DG_CO_SDO_IDLE ? DG_NEVER : dg_after(self->now, DG_MS(TIMEOUT_MS));
+}
+
+static void send_frame(struct dg_co_node *self, const uint8_t *frame)
+{
+    dg_co_send(self, (uint16_t)(CO_ID_SDO_TX + self->id), frame, 8);
+}
+
+void dg_co_sdo_send(struct dg_co_node *self, uint8_t command, const uint8_t *bytes, uint8_t n)
+{
+    uint8_t frame[8] = {command};
+
+    memcpy(&frame[1], bytes, n);
+    if (self->sdo.state == DG_CO_SDO_DELAYED) {
+        memcpy(self->sdo.answer, frame, sizeof frame);
+    } else {
+        send_frame(self, frame);
+    }
+}
+
+void dg_co_sdo_confirm(struct dg_co_node *self, uint8_t command, uint32_t value)
+{
+    uint8_t bytes[7];
+
+    dg_store_le16(&bytes[0], self->sdo.index);
+    bytes[2] = self->sdo.sub;
+    dg_store_le32(&bytes[3], value);
+    dg_co_sdo_send(self, command, bytes, sizeof bytes);
+}
+
+static void abort_transfer(struct dg_co_node *self, enum dg_co_abort code)
+{
+    dg_co_sdo_become(self, DG_CO_SDO_IDLE);
+    dg_co_sdo_confirm(self, SDO_ABORT, code);
+}
+
+static void send_delayed(struct dg_co_node *self)
+{
+    dg_co_sdo_become(self, DG_CO_SDO_IDLE);
+    send_frame(self, self->sdo.answer);
+}
+
+static enum dg_co_abort ignore(struct dg_co_node *self, const uint8_t *data)
+{
+    (void)self;
+    (void)data;
+    return DG_CO_OK;
+}
+
+/* ---- upload */
+
+static void fetch_text(struct dg_co_sdo *sdo, const char *text)
+{
+    while (sdo->length < DG_CO_STRING_MAX && text[sdo->length] != '\0') {
+        sdo->buffer[sdo->length] = (uint8_t)text[sdo->length];
+        sdo->length++;
+    }
+}
+
+enum dg_co_abort dg_co_sdo_fetch(struct dg_co_node *self)
+{
+    struct dg_co_sdo *sdo = &self->sdo;
+    const struct dg_co_device *device = self->setup.device;
+    enum dg_co_abort abort = DG_CO_OK;
+    const struct dg_co_object *object = dg_co_find(self, sdo->index, sdo->sub, &abort);
+    uint8_t bytes[4];
+    uint32_t value;
+
+    if (object == NULL) {
+        return abort;
+    }
+    if ((object->flags & DG_CO_R) == 0) {
+        return DG_CO_WRITE_ONLY;
+    }
+    /* Zeros behind the data: whole segments are sent. */
+    memset(sdo->buffer, 0, sizeof sdo->buffer);
+    sdo->done = 0;
+    sdo->length = 0;
+    if (object->type == DG_CO_STRING) {
+        fetch_text(sdo, device->strings[object->initial]);
+        return DG_CO_OK;
+    }
+    if (object->index >= 0x2000 && device->sample != NULL) {
+        device->sample(self);
+    }
+    abort = dg_co_read(self, object, &value);
+    if (abort == DG_CO_OK) {
+        sdo->length = dg_co_size(object);
+        dg_store_le32(bytes, value);
+        memcpy(sdo->buffer, bytes, sdo->length);
+    }
+    return abort;
+}
+
+void dg_co_sdo_upload(struct dg_co_node *self)
+{
+    struct dg_co_sdo *sdo = &self->sdo;
+
+    /* An expedited answer cannot say that there are no bytes. */
+    if (sdo->length > 0 && sdo->length <= 4) {
+        dg_co_sdo_confirm(self, (uint8_t)(0x43u | (4u - sdo->length) << 2),
+                          dg_load_le32(sdo->buffer));
+        return;
+    }
+    sdo->toggle = 0;
+    dg_co_sdo_become(self, DG_CO_SDO_UPLOAD);
+    dg_co_sdo_confirm(self, 0x41, sdo->length);
+}
+
+static enum dg_co_abort upload_initiate(struct dg_co_node *self, const uint8_t *data)
+{
+    enum dg_co_abort abort = dg_co_sdo_fetch(self);
+
+    (void)data;
+    if (abort == DG_CO_OK) {
+        dg_co_sdo_upload(self);
+    }
+    return abort;
+}
+
+static enum dg_co_abort upload_segment(struct dg_co_node *self, const uint8_t *data)
+{
+    struct dg_co_sdo *sdo = &self->sdo;
+    uint8_t left = (uint8_t)(sdo->length - sdo->done);
+    uint8_t n = left < SDO_SEGMENT ? left : SDO_SEGMENT;
+    bool last = n == left;
+
+    if ((data[0] & TOGGLE) != sdo->toggle) {
+        return DG_CO_TOGGLE;
+    }
+    dg_co_sdo_send(self, (uint8_t)(sdo->toggle | (SDO_SEGMENT - n) << 1 | (last ? NO_MORE : 0u)),
+                   &sdo->buffer[sdo->done], SDO_SEGMENT);
+    sdo->toggle ^= TOGGLE;
+    sdo->done = (uint8_t)(sdo->done + n);
+    dg_co_sdo_become(self, last ? DG_CO_SDO_IDLE : DG_CO_SDO_UPLOAD);
+    return DG_CO_OK;
+}
+
+/* ---- download */
+
+enum dg_co_abort dg_co_sdo_length(const struct dg_co_node *self, uint32_t length)
+{
+    uint32_t size = dg_co_size(self->sdo.object);
+
+    if (length == size) {
+        return DG_CO_OK;
+    }
+    /* The announced size was right, so the client contradicts itself. */
+    if (self->sdo.sized) {
+        return DG_CO_LENGTH;
+    }
+    return length > size ? DG_CO_TOO_LONG : DG_CO_TOO_SHORT;
+}
+
+enum dg_co_abort dg_co_sdo_open(struct dg_co_node *self, bool sized, uint32_t size)
+{
+    struct dg_co_sdo *sdo = &self->sdo;
+    enum dg_co_abort abort = DG_CO_OK;
+
+    sdo->object = dg_co_find(self, sdo->index, sdo->sub, &abort);
+    if (sdo->object == NULL) {
+        return abort;
+    }
+    if ((sdo->object->flags & DG_CO_W) == 0) {
+        return DG_CO_READ_ONLY;
+    }
+    sdo->sized = false;
+    abort = sized ? dg_co_sdo_length(self, size) : DG_CO_OK;
+    sdo->sized = sized;
+    sdo->toggle = 0;
+    sdo->length = 0;
+    return abort;
+}
+
+enum dg_co_abort dg_co_sdo_write(struct dg_co_node *self)
+{
+    const struct dg_co_object *object = self->sdo.object;
+    uint8_t bytes[4] = {0};
+
+    memcpy(bytes, self->sdo.buffer, dg_co_size(object));
+    /* Before the hooks: one of them may make it DELAYED. */
+    dg_co_sdo_become(self, DG_CO_SDO_IDLE);
+    return dg_co_write(self, object, dg_co_extend(object, dg_load_le32(bytes)));
+}
+
+static enum dg_co_abort download_initiate(struct dg_co_node *self, const uint8_t *data)
+{
+    bool expedited = (data[0] & EXPEDITED) != 0;
+    uint32_t size = expedited ? 4u - (data[0] >> 2 & 3u) : dg_load_le32(&data[4]);
+    enum dg_co_abort abort = dg_co_sdo_open(self, (data[0] & SIZED) != 0, size);
+
+    if (abort == DG_CO_OK && expedited) {
+        /* 22h does not say how many bytes count: as many as the object has, as is common. */
+        memcpy(self->sdo.buffer, &data[4], 4);
+        abort = dg_co_sdo_write(self);
+    } else if (abort == DG_CO_OK) {
+        dg_co_sdo_become(self, DG_CO_SDO_DOWNLOAD);
+    }
+    if (abort == DG_CO_OK) {
+        dg_co_sdo_confirm(self, 0x60, 0);
+    }
+    return abort;
+}
+
+static enum dg_co_abort download_segment(struct dg_co_node *self, const uint8_t *data)
+{
+    struct dg_co_sdo *sdo = &self->sdo;
+    uint8_t n = (uint8_t)(SDO_SEGMENT - (data[0] >> 1 & 7u));
+    uint32_t length = (uint32_t)sdo->length + n;
+    bool last = (data[0] & NO_MORE) != 0;
+    enum dg_co_abort abort = DG_CO_OK;
+
+    if ((data[0] & TOGGLE) != sdo->toggle) {
+        return DG_CO_TOGGLE;
+    }
+    if (last || length > dg_co_size(sdo->object)) {
+        abort = dg_co_sdo_length(self, length);
+    }
+    if (abort != DG_CO_OK) {
+        return abort;
+    }
+    memcpy(&sdo->buffer[sdo->length], &data[1], n);
+    sdo->length = (uint8_t)length;
+    sdo->toggle ^= TOGGLE;
+    if (last) {
+        abort = dg_co_sdo_write(self);
+    } else {
+        dg_co_sdo_become(self, DG_CO_SDO_DOWNLOAD);
+    }
+    if (abort == DG_CO_OK) {
+        dg_co_sdo_send(self, (uint8_t)(0x20u | (data[0] & TOGGLE)), data, 0);
+    }
+    return abort;
+}
+
+/* ---- frames and time */
+
+static size_t find_command(enum dg_co_sdo_state state, uint8_t command)
+{
+    size_t i = 0;
+
+    while (i < COMMANDS && ((command & commands[i].mask) != commands[i].value ||
+                            (commands[i].states & IN(state)) == 0)) {
+        i++;
+    }
+    return i;
+}
+
+void dg_co_sdo_start(struct dg_co_node *self)
+{
+    dg_co_sdo_become(self, DG_CO_SDO_IDLE);
+}
+
+void dg_co_sdo_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
+{
+    struct dg_co_sdo *sdo = &self->sdo;
+    const uint8_t *data = frame->data;
+    enum dg_co_abort abort = DG_CO_SPECIFIER;
+
+    if (frame->dlc != 8) {
+        self->counters.malformed++;
+        return;
+    }
+    if (sdo->state == DG_CO_SDO_DELAYED && data[0] != SDO_ABORT) {
+        send_delayed(self);
+    }
+    size_t command = find_command(sdo->state, data[0]);
+    if (command < COMMANDS && commands[command].states == ANY) {
+        dg_co_sdo_become(self, DG_CO_SDO_IDLE);
+    }
+    /* An abort carries the multiplexor of the transfer; without one, that of the request. */
+    if (sdo->state == DG_CO_SDO_IDLE) {
+        sdo->index = dg_load_le16(&data[1]);
+        sdo->sub = data[3];
+    }
+    if (command < COMMANDS) {
+        abort = commands[command].serve(self, data);
+    }
+    if (abort != DG_CO_OK) {
+        abort_transfer(self, abort);
+    }
+}
+
+dg_ns dg_co_sdo_step(struct dg_co_node *self)
+{
+    struct dg_co_sdo *sdo = &self->sdo;
+
+    if (sdo->state == DG_CO_SDO_IDLE || self->now < sdo->deadline) {
+        return sdo->deadline;
+    }
+    if (sdo->state == DG_CO_SDO_DELAYED) {
+        send_delayed(self);
+    } else {
+        abort_transfer(self, DG_CO_TIMEOUT);
+    }
+    return sdo->deadline;
+}

@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * A CANopen node on a RAM EEPROM with a shaft, in virtual time; what it sends is kept.
+ */
+#ifndef TESTS_SUPPORT_CO_RIG_H
+#define TESTS_SUPPORT_CO_RIG_H
+
+#include "drehgeber/cia406.h"
+#include "drehgeber/motion.h"
+#include "ram_nvm.h"
+
+#define CO_RIG_FRAMES 256u
+
+struct co_rig {
+    struct ram_nvm nvm;
+    struct dg_motion motion;
+    struct dg_world world;
+    struct dg_cia406 encoder;
+    struct dg_co_node node;
+    dg_ns now;
+    uint16_t kbaud;                           /**< last bit rate the node reported */
+    uint32_t count;                           /**< frames sent since co_rig_forget() */
+    struct dg_can_frame frame[CO_RIG_FRAMES]; /**< the first CO_RIG_FRAMES of them */
+    dg_ns at[CO_RIG_FRAMES];
+};
+
+/** A fresh f3668 (node-ID 3Fh, serial number 1234567890), powered on at 1 s, boot-up forgotten. */
+void co_rig_start(struct co_rig *self);
+/** The same on the memory as it is. @return as dg_co_power_on() */
+int co_rig_power_on(struct co_rig *self);
+/** Forget what was sent. */
+void co_rig_forget(struct co_rig *self);
+/** A data frame comes in now. `bytes` in hex, e.g. "40 00 10 00"; padded to 8 for CAN-IDs
+ * 600h-67Fh. */
+void co_rig_rx(struct co_rig *self, uint16_t id, const char *bytes);
+/** A remote frame comes in now. */
+void co_rig_rtr(struct co_rig *self, uint16_t id);
+/** Time passes; every deadline on the way is served exactly. */
+void co_rig_run(struct co_rig *self, dg_ns span);
+/** The frame `n` sent since co_rig_forget() is exactly this (cmocka assertion). */
+void co_rig_expect(const struct co_rig *self, uint32_t n, uint16_t id, const char *bytes);
+/** Exactly `count` frames were sent since co_rig_forget() (cmocka assertion). */
+void co_rig_expect_count(const struct co_rig *self, uint32_t count);
+/** NMT command to the node, e.g. 01h start; forgets what was sent. */
+void co_rig_nmt(struct co_rig *self, uint8_t command);
+/** Write `size` bytes of an object by expedited SDO. @return 0 or the abort code */
+uint32_t co_rig_write(struct co_rig *self, uint16_t index, uint8_t sub, uint32_t value,
+                      uint8_t size);
+/** Read an object by expedited SDO. @return 0 or the abort code */
+uint32_t co_rig_read(struct co_rig *self, uint16_t index, uint8_t sub, uint32_t *value);
+
+#endif
