@@ -60,7 +60,7 @@ struct dg_store {
     struct dg_nvm nvm;
     uint32_t damaged;        /**< bit n: region n failed its sum; cleared by a successful put */
     uint16_t journal_length; /**< bytes staged since begin */
-    bool overflow;           /**< a stage since begin failed; commit will refuse */
+    int8_t failed;           /**< why a stage since begin failed, or 0; commit will repeat it */
     bool unapplied;          /**< a committed journal could not be applied yet; retried first */
     uint32_t replays;        /**< journals completed while mounting */
     uint32_t repairs;        /**< headers repaired while mounting */

@@ -19,10 +19,14 @@
 
 #define PTS "/dev/pts/"
 
+/* A C library that reads back what it has set is through with it after this time. */
+#define SETTLING DG_MS(1)
+
 /* The slave side stays open here, too: no hang-up when a master goes, and its speed can be read
    at any time. */
 struct pty {
     struct lx_serial serial;
+    struct lx_timer settled; /* what a client has set is in force */
     int slave;
     bool linked;
     bool mismatch; /* the master talks at another speed, and the user has been told */
@@ -39,10 +43,12 @@ static struct pty *pty_of(struct lx_serial *serial)
  * fail. So there always is something to change: CLOCAL, which serial clients set and a pty ignores.
  * This takes it away again, and only it: the ioctl leaves alone what a client sets meanwhile.
  */
-static void keep_changeable(const struct pty *self)
+static void keep_changeable(void *ctx, dg_ns now)
 {
+    const struct pty *self = ctx;
     struct termios line;
     const int off = 0;
+    (void)now;
     if (tcgetattr(self->slave, &line) == 0 && (line.c_cflag & (tcflag_t)CLOCAL) != 0) {
         (void)ioctl(self->slave, TIOCSSOFTCAR, &off);
     }
@@ -84,7 +90,7 @@ static void received(struct lx_serial *serial, dg_ns now, const uint8_t *bytes, 
 {
     struct lx_character character = {.flags = DG_HF_RX_OK};
     if (bytes[0] != TIOCPKT_DATA) {
-        keep_changeable(pty_of(serial));
+        lx_timer_at(&pty_of(serial)->settled, dg_after(now, SETTLING));
         return;
     }
     if (speed_differs(pty_of(serial))) {
@@ -124,6 +130,7 @@ static void close_pty(struct lx_serial *serial)
     if (self->linked) {
         remove_link(self);
     }
+    lx_timer_close(&self->settled);
     if (self->slave >= 0) {
         (void)close(self->slave);
     }
@@ -208,7 +215,10 @@ static int start(struct pty *self, struct lx_error *error)
     if (open_pair(self) != 0) {
         return lx_fail(error, "--pty: cannot make a pty: %s", strerror(errno));
     }
-    const int result = lx_serial_watch(&self->serial);
+    int result = lx_timer_open(&self->settled, self->serial.setup.event, keep_changeable, self);
+    if (result >= 0) {
+        result = lx_serial_watch(&self->serial);
+    }
     if (result < 0) {
         return lx_fail(error, "--pty: cannot watch the pty: %s", strerror(-result));
     }

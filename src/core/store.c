@@ -431,13 +431,7 @@ int dg_store_read(struct dg_store *self, uint8_t region, uint16_t offset, void *
 void dg_store_begin(struct dg_store *self)
 {
     self->journal_length = 0;
-    self->overflow = false;
-}
-
-/* After a failure the length means nothing any more: it holds why, for commit to repeat. */
-static int refusal(const struct dg_store *self)
-{
-    return -(int)self->journal_length;
+    self->failed = DG_OK;
 }
 
 int dg_store_stage(struct dg_store *self, uint8_t region, uint16_t offset, const void *from,
@@ -445,8 +439,8 @@ int dg_store_stage(struct dg_store *self, uint8_t region, uint16_t offset, const
 {
     uint8_t head[CHANGE_HEAD_SIZE] = {region};
     int result = DG_OK;
-    if (self->overflow) {
-        return counted(self, refusal(self));
+    if (self->failed != DG_OK) {
+        return counted(self, self->failed);
     }
     if (!stageable(self->layout, region, offset, n)) {
         result = DG_ERR_ARGUMENT;
@@ -460,16 +454,13 @@ int dg_store_stage(struct dg_store *self, uint8_t region, uint16_t offset, const
         dg_store_le16(head + 4, n);
         result = append(self, head, from, n);
     }
-    if (result != DG_OK) {
-        self->overflow = true;
-        self->journal_length = (uint16_t)-result;
-    }
+    self->failed = (int8_t)result;
     return counted(self, result);
 }
 
 int dg_store_commit(struct dg_store *self)
 {
-    int result = self->overflow ? refusal(self) : settle_open(self);
+    int result = self->failed != DG_OK ? self->failed : settle_open(self);
     if (result == DG_OK && self->journal_length > 0) {
         result = commit_journal(self);
     }

@@ -90,27 +90,28 @@ static void assert_replies(const char *request, const char *reply)
 
 /* The queue of 5.1.2.13: depth 4, the oldest gives way, no code twice. */
 struct queue {
-    uint8_t n;
-    uint8_t codes[5];
+    size_t n;
+    uint8_t codes[DG_HF_STACK_DEPTH];
 };
 
 static void enter(struct queue *queue, uint8_t code)
 {
-    for (uint8_t i = 0; i < queue->n; i++) {
+    for (size_t i = 0; i < queue->n; i++) {
         if (queue->codes[i] == code) {
             return;
         }
     }
-    queue->codes[queue->n++] = code;
-    if (queue->n == sizeof queue->codes) {
-        memmove(queue->codes, &queue->codes[1], --queue->n);
+    if (queue->n == DG_HF_STACK_DEPTH) {
+        memmove(queue->codes, &queue->codes[1], DG_HF_STACK_DEPTH - 1u);
+        queue->n = DG_HF_STACK_DEPTH - 1u;
     }
+    queue->codes[queue->n++] = code;
 }
 
 /* Read the error stack to its end; the warning bit says when that is (R10). */
 static void assert_queue(const struct queue *expected)
 {
-    for (uint8_t i = 0; i <= expected->n; i++) {
+    for (size_t i = 0; i <= expected->n; i++) {
         assert_int_equal(hf_rig_ask(&rig, "50"), 0);
         assert_int_equal(rig.reply[1], i + 1u < expected->n ? 0xD0 : 0x50);
         assert_int_equal(rig.reply[2], i < expected->n ? expected->codes[i] : 0);
@@ -294,6 +295,37 @@ static void every_set_of_damaged_regions(void **state)
     }
 }
 
+/* A table with a right sum that cannot be true: 03h on every access, and nothing is read beyond it
+ * or written by it. */
+static void a_forged_table_is_refused(void **state)
+{
+    static const struct {
+        uint8_t count;
+        uint8_t status;
+    } forged[] = {{113, 0x80}, {255, 0x80}, {15, 0xCF}, {112, 0xFF}};
+
+    (void)state;
+    for (size_t i = 0; i < sizeof forged / sizeof forged[0]; i++) {
+        uint8_t table[DG_STORE_CHECKED_MAX];
+        const uint16_t size = (uint16_t)size_of("fields");
+        rig = lived_in;
+        assert_int_equal(hf_rig_power_on(&rig), DG_OK);
+        memset(table, forged[i].status, sizeof table);
+        table[0] = forged[i].count;
+        assert_int_equal(dg_store_put(&rig.device.store, DG_HF_REGION_FIELDS, 0, table, size),
+                         DG_OK);
+        assert_int_equal(hf_rig_power_on(&rig), DG_OK);
+        const uint32_t writes = rig.nvm.writes;
+        assert_int_equal(hf_rig_ask(&rig, "4A 00 00 01 55"), 0x03);
+        assert_int_equal(hf_rig_ask(&rig, "4B 00 00 01 55 00"), 0x03);
+        assert_int_equal(hf_rig_ask(&rig, "4C 00"), 0x03);
+        assert_int_equal(hf_rig_ask(&rig, "4D 00 00 55"), 0x03);
+        assert_int_equal(hf_rig_ask(&rig, "4E"), 0x03);
+        assert_int_equal(rig.nvm.writes, writes);
+        assert_int_equal(hf_rig_ask(&rig, "4A FF 00 40 00"), 0);
+    }
+}
+
 /* 53h starts anew: the errors are entered again; and nothing was healed meanwhile. */
 static void a_reset_finds_the_damage_again(void **state)
 {
@@ -362,6 +394,7 @@ int main(void)
         cmocka_unit_test(both_headers_are_not_repaired),
         cmocka_unit_test(every_bit_of_the_data_fields),
         cmocka_unit_test(every_set_of_damaged_regions),
+        cmocka_unit_test(a_forged_table_is_refused),
         cmocka_unit_test(a_reset_finds_the_damage_again),
     };
     return cmocka_run_group_tests(tests, live, NULL);

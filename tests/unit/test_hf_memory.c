@@ -119,8 +119,10 @@ static void assert_failure(const char *request, uint32_t nth, uint32_t count)
     assert_int_equal(hf_rig_ask(&rig, "46"), count == EVER ? DG_HF_I2C : 0);
     heal();
     assert_old_or_new();
+    const bool shown = same(&seen, &after);
     assert_int_equal(hf_rig_power_on(&rig), DG_OK);
     assert_old_or_new();
+    assert_true(!shown || same(&seen, &after)); /* what has been shown is not taken back */
     if (same(&seen, &before)) {
         assert_int_equal(hf_rig_ask(&rig, request), 0);
         assert_int_equal(hf_rig_power_on(&rig), DG_OK);

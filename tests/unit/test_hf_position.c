@@ -182,6 +182,7 @@ static void assert_synchronized(dg_angle angle, uint64_t wanted)
     assert_int_equal(preset(0x6A, wanted), 0);
     assert_int_equal(rig.reply_length, 7);
     assert_int_equal(dg_load_be32(&rig.reply[2]), used);
+    assert_int_equal(rig.device.offset, rounded % range());
     assert_int_equal(position_at(angle), used);
 }
 

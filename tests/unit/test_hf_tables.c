@@ -230,6 +230,9 @@ static void as_many_fields_as_there_are_blocks(void **state)
     assert_int_equal(hf_rig_ask(&rig, "4A 6F 0E 02 55"), 0);
     assert_int_equal(rig.reply[5], 0xFF);
     assert_int_equal(rig.reply[6], 0xA5);
+    assert_int_equal(hf_rig_ask(&rig, "4A 6F 0F 02 55"), DG_HF_FIELD_OFFSET);
+    assert_int_equal(hf_rig_ask(&rig, "4B 6F 0F 02 55 A5 A5"), DG_HF_FIELD_OFFSET);
+    assert_int_equal(hf_rig_ask(&rig, "4A 6F FF FF 55"), DG_HF_FIELD_OFFSET);
 }
 
 /* Models. */

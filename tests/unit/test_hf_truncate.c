@@ -238,6 +238,18 @@ static void overlong_frames_change_nothing(void **state)
     assert_int_equal(hf_rig_ask(&rig, "42"), 0);
 }
 
+/* An address and its check sum: nothing that could be a command (5.1.3.8). */
+static void an_address_alone_is_too_short(void **state)
+{
+    static const uint8_t own[] = {DG_HF_ADDRESS_DEFAULT, DG_HF_ADDRESS_DEFAULT};
+    static const uint8_t all[] = {DG_HF_ADDRESS_BROADCAST, DG_HF_ADDRESS_BROADCAST};
+
+    (void)state;
+    assert_refused(own, sizeof own, DG_HF_LENGTH);
+    assert_refused(all, sizeof all, DG_HF_LENGTH);
+    assert_refused(all, 1, DG_HF_CHECKSUM);
+}
+
 /* What 5.1.2 has to say about a command and a number of data bytes; 0: it is analysed further. */
 static int manual_says(uint8_t code, size_t n)
 {
@@ -319,6 +331,7 @@ int main(void)
         cmocka_unit_test_setup(a_damaged_byte_changes_nothing, set_up),
         cmocka_unit_test_setup(a_flagged_character_changes_nothing, set_up),
         cmocka_unit_test_setup(overlong_frames_change_nothing, set_up),
+        cmocka_unit_test_setup(an_address_alone_is_too_short, set_up),
         cmocka_unit_test_setup(every_code_with_every_length, set_up),
         cmocka_unit_test_setup(save_data_announces_its_length, set_up),
     };

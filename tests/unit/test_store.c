@@ -500,7 +500,7 @@ static void go_on(const struct scenario *scenario, uint32_t how)
     } else if (how == 3) { /* ... or the power fails, and again while mounting ... */
         ram_nvm_restore(ram);
         (void)cut_everywhere(&next, false);
-    } else if (how == 4 && !store->overflow) { /* ... or while the commit is tried again. */
+    } else if (how == 4 && store->failed == DG_OK) { /* ... or while the commit is tried again. */
         (void)cut_everywhere(&again, false);
         assert_settled(&next, true);
     }
