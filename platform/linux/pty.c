@@ -142,33 +142,48 @@ static const struct lx_serial_ops pty_ops = {
     .close = close_pty,
 };
 
-/* A link that leads nowhere or to a pty was left behind by a run that could not clean up. */
-static bool is_stale(const char *link, const struct stat *info)
+/* The process that is an encoder behind this pty, or 0: it holds a lock on the slave side. */
+static pid_t owner_of(const char *pty)
+{
+    struct flock lock = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
+    const int fd = open(pty, O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+    if (fd < 0) {
+        return 0;
+    }
+    const bool known = fcntl(fd, F_GETLK, &lock) == 0 && lock.l_type != F_UNLCK;
+    (void)close(fd);
+    return known ? lock.l_pid : 0;
+}
+
+/* A link that leads nowhere or to a pty was left behind by a run that could not clean up, unless
+ * an encoder still runs there. */
+static int clear_link(const char *link, const struct stat *info, struct lx_error *error)
 {
     char target[PATH_MAX];
-    if (!S_ISLNK(info->st_mode)) {
-        return false;
-    }
-    const ssize_t n = readlink(link, target, sizeof target - 1);
-    if (n < 0) {
-        return false;
+    const ssize_t n = S_ISLNK(info->st_mode) ? readlink(link, target, sizeof target - 1) : -1;
+    const bool to_pty = n >= 0 && strncmp(target, PTS, strlen(PTS)) == 0;
+    if (n < 0 || (!to_pty && access(link, F_OK) == 0)) {
+        return lx_fail(error,
+                       "--pty=%s: exists and is not a link to a pty; remove it or give another "
+                       "name",
+                       link);
     }
     target[n] = '\0';
-    return strncmp(target, PTS, strlen(PTS)) == 0 || access(link, F_OK) != 0;
+    const pid_t owner = to_pty ? owner_of(target) : 0;
+    if (owner != 0) {
+        return lx_fail(error, "--pty=%s: in use by process %ld; give another name", link,
+                       (long)owner);
+    }
+    (void)unlink(link);
+    return 0;
 }
 
 static int make_link(struct pty *self, struct lx_error *error)
 {
     const char *link = self->serial.setup.where;
     struct stat info;
-    if (lstat(link, &info) == 0) {
-        if (!is_stale(link, &info)) {
-            return lx_fail(error,
-                           "--pty=%s: exists and is not a link to a pty; remove it or give "
-                           "another name",
-                           link);
-        }
-        (void)unlink(link);
+    if (lstat(link, &info) == 0 && clear_link(link, &info, error) != 0) {
+        return -1;
     }
     if (symlink(self->serial.address, link) != 0) {
         return lx_fail(error, "--pty=%s: cannot make the link: %s", link, strerror(errno));
@@ -207,7 +222,12 @@ static int open_pair(struct pty *self)
         return -1;
     }
     self->slave = open(serial->address, O_RDWR | O_NOCTTY | O_CLOEXEC);
-    return self->slave < 0 ? -1 : prepare_slave(self);
+    if (self->slave < 0) {
+        return -1;
+    }
+    struct flock lock = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
+    (void)fcntl(self->slave, F_SETLK, &lock); /* see owner_of() */
+    return prepare_slave(self);
 }
 
 static int start(struct pty *self, struct lx_error *error)

@@ -124,6 +124,7 @@ static int open_device(struct tty *self)
     if (serial->fd < 0 || configure(serial->fd, &serial->uart) != 0) {
         return -1;
     }
+    (void)tcflush(serial->fd, TCIFLUSH); /* what came in before the port was set up */
     tune(serial->fd);
     serial->pace = LX_PACE_UART;
     if (is_pty(serial->fd)) {

@@ -39,6 +39,15 @@ def test_link_left_behind_is_replaced(start, tmp_path):
     assert encoder.master().read_position() == 0
 
 
+def test_link_of_a_running_encoder_is_refused(start, tmp_path):
+    link = tmp_path / "encoder"
+    encoder = start(wire=[f"--pty={link}"])
+    line = run_refused(1, "run", MULTITURN, f"--pty={link}")
+    assert str(encoder.process.pid) in line
+    encoder.path = str(link)
+    assert encoder.master().read_position() == 0
+
+
 def test_link_does_not_replace_a_file(tmp_path):
     link = tmp_path / "precious"
     link.write_text("precious")

@@ -207,7 +207,7 @@ static void op_known_request(struct bench *bench, struct input *input)
     uint8_t command[32];
     const size_t n =
         hf_rig_hex(known[take(input) % (sizeof known / sizeof known[0])], command, sizeof command);
-    const uint8_t at = take(input);
+    const size_t at = take(input) % (2u * n);
 
     if (at < n) {
         command[at] = take(input);
@@ -304,7 +304,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
 
     memset(&bench, 0, sizeof bench);
     bench.model = *dg_devices[take(&input) % dg_device_count].hiperface;
-    if ((take(&input) & 1u) != 0) {
+    const uint8_t how = take(&input);
+    if ((how & 1u) != 0) {
         bench.model.periods_per_turn = (uint16_t)take32(&input);
         bench.model.steps_per_period = take(&input);
         bench.model.turns = take32(&input);
@@ -313,6 +314,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
         return 0;
     }
     must(dg_hf_power_on(&bench.rig.device, 0) == DG_OK);
+    if ((how & 2u) != 0) {
+        must(hf_rig_ask(&bench.rig, "4D 00 C9 55") == 0); /* a data field to begin with */
+        bench.replies = bench.rig.replies;
+    }
     while (input.at < input.end) {
         operations[take(&input) % (sizeof operations / sizeof operations[0])](&bench, &input);
     }
