@@ -74,6 +74,7 @@ static void check_reply(struct bench *bench)
     must(command == 0x50 || command == device->frame[1]);
     must(command != 0x50 || n == 4);
     must((reply[1] & 0x80u) != 0 == (device->stack_count > 0));
+    must(command != 0x4A || (n == 6u + reply[4] && reply[3] + reply[4] <= 128));
     must(command != 0x42 || (n == 7 && dg_load_be32(&reply[2]) < range(device)));
 }
 
@@ -203,6 +204,7 @@ static void op_known_request(struct bench *bench, struct input *input)
         "57 E6 55",
         "6A 00 00 12 34 55",
         "43 FF FF FF FF 55",
+        "43 00 00 00 00 55",
     };
     uint8_t command[32];
     const size_t n =
