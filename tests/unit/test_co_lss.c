@@ -1,0 +1,258 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Layer setting services (CiA 305; manual chapters 6 and 9; C8-C10), with frames written by hand.
+ * The rig's identity: vendor 13h, product 56682001h, revision 108 (6Ch), serial 1234567890
+ * (499602D2h).
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "co_rig.h"
+
+#define MASTER 0x7E5
+#define SLAVE 0x7E4
+
+static struct co_rig rig;
+
+static int setup(void **state)
+{
+    (void)state;
+    co_rig_start(&rig);
+    return 0;
+}
+
+/* A request and its only answer; NULL: none. */
+static void ask(const char *request, const char *answer)
+{
+    co_rig_forget(&rig);
+    co_rig_rx(&rig, MASTER, request);
+    co_rig_expect_count(&rig, answer == NULL ? 0 : 1);
+    if (answer != NULL) {
+        co_rig_expect(&rig, 0, SLAVE, answer);
+    }
+}
+
+#define CONFIGURE "04 01 00 00 00 00 00 00"
+#define WAIT "04 00 00 00 00 00 00 00"
+
+static void inquiries_answer_in_configuration_only(void **state)
+{
+    (void)state;
+    ask("5E 00 00 00 00 00 00 00", NULL);
+    ask(CONFIGURE, NULL);
+    ask("5A 00 00 00 00 00 00 00", "5A 13 00 00 00 00 00 00");
+    ask("5B 00 00 00 00 00 00 00", "5B 01 20 68 56 00 00 00");
+    ask("5C 00 00 00 00 00 00 00", "5C 6C 00 00 00 00 00 00");
+    ask("5D 00 00 00 00 00 00 00", "5D D2 02 96 49 00 00 00");
+    ask("5E 00 00 00 00 00 00 00", "5E 3F 00 00 00 00 00 00");
+    ask(WAIT, NULL);
+    ask("5E 00 00 00 00 00 00 00", NULL);
+}
+
+static void nothing_works_in_operational_or_with_a_short_frame(void **state)
+{
+    (void)state;
+    co_rig_rx(&rig, MASTER, "04 01");
+    ask("5E 00 00 00 00 00 00 00", NULL);
+    co_rig_nmt(&rig, 0x01);
+    ask(CONFIGURE, NULL);
+    ask("5E 00 00 00 00 00 00 00", NULL);
+    co_rig_nmt(&rig, 0x02);
+    ask(CONFIGURE, NULL);
+    ask("5E 00 00 00 00 00 00 00", "5E 3F 00 00 00 00 00 00");
+}
+
+static void selective_switch_wants_the_whole_identity_in_order(void **state)
+{
+    (void)state;
+    ask("40 13 00 00 00 00 00 00", NULL);
+    ask("41 01 20 68 56 00 00 00", NULL);
+    ask("43 D2 02 96 49 00 00 00", NULL); /* revision left out */
+    ask("40 13 00 00 00 00 00 00", NULL);
+    ask("41 01 20 68 56 00 00 00", NULL);
+    ask("42 6C 00 00 00 00 00 00", NULL);
+    ask("43 D3 02 96 49 00 00 00", NULL); /* another serial number */
+    ask("40 13 00 00 00 00 00 00", NULL);
+    ask("41 01 20 68 56 00 00 00", NULL);
+    ask("42 6C 00 00 00 00 00 00", NULL);
+    ask("43 D2 02 96 49 00 00 00", "44 00 00 00 00 00 00 00");
+    ask("5E 00 00 00 00 00 00 00", "5E 3F 00 00 00 00 00 00");
+}
+
+static void identify_compares_ranges(void **state)
+{
+    static const struct {
+        const char *low_serial;
+        const char *high_serial;
+        bool found;
+    } rows[] = {
+        {"4A 00 00 00 00 00 00 00", "4B FF FF FF FF 00 00 00", true},
+        {"4A D2 02 96 49 00 00 00", "4B D2 02 96 49 00 00 00", true},
+        {"4A D3 02 96 49 00 00 00", "4B FF FF FF FF 00 00 00", false},
+        {"4A 00 00 00 00 00 00 00", "4B D1 02 96 49 00 00 00", false},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ask("46 13 00 00 00 00 00 00", NULL);
+        ask("47 01 20 68 56 00 00 00", NULL);
+        ask("48 00 00 00 00 00 00 00", NULL);
+        ask("49 6C 00 00 00 00 00 00", NULL);
+        ask(rows[i].low_serial, NULL);
+        ask(rows[i].high_serial, rows[i].found ? "4F 00 00 00 00 00 00 00" : NULL);
+    }
+    ask("4C 00 00 00 00 00 00 00", NULL); /* it has a node-ID */
+}
+
+static void a_new_node_id_is_in_force_after_waiting_again(void **state)
+{
+    (void)state;
+    ask(CONFIGURE, NULL);
+    ask("11 00 00 00 00 00 00 00", "11 01 00 00 00 00 00 00");
+    ask("11 80 00 00 00 00 00 00", "11 01 00 00 00 00 00 00");
+    ask("11 05 00 00 00 00 00 00", "11 00 00 00 00 00 00 00");
+    ask("5E 00 00 00 00 00 00 00", "5E 3F 00 00 00 00 00 00");
+    co_rig_forget(&rig);
+    co_rig_rx(&rig, MASTER, WAIT);
+    co_rig_expect_count(&rig, 1);
+    co_rig_expect(&rig, 0, 0x705, "00");
+    co_rig_forget(&rig);
+    co_rig_rx(&rig, 0x605, "40 01 21 00");
+    co_rig_expect(&rig, 0, 0x585, "4F 01 21 00 05 00 00 00");
+    /* Not stored: gone with the power. */
+    assert_int_equal(co_rig_power_on(&rig), DG_OK);
+    assert_int_equal(rig.node.id, 0x3F);
+}
+
+static void stored_settings_survive_power_off(void **state)
+{
+    (void)state;
+    ask(CONFIGURE, NULL);
+    ask("11 07 00 00 00 00 00 00", "11 00 00 00 00 00 00 00");
+    ask("13 00 02 00 00 00 00 00", "13 00 00 00 00 00 00 00");
+    ask("17 00 00 00 00 00 00 00", "17 00 00 00 00 00 00 00");
+    assert_int_equal(rig.kbaud, 250);
+    assert_int_equal(co_rig_power_on(&rig), DG_OK);
+    assert_int_equal(rig.node.id, 7);
+    assert_int_equal(rig.kbaud, 500);
+}
+
+static void a_memory_that_does_not_answer_is_a_media_error(void **state)
+{
+    (void)state;
+    ask(CONFIGURE, NULL);
+    rig.nvm.no_acknowledge = true;
+    ask("17 00 00 00 00 00 00 00", "17 02 00 00 00 00 00 00");
+}
+
+static void bit_timing_knows_its_table(void **state)
+{
+    static const struct {
+        const char *request;
+        const char *answer;
+    } rows[] = {
+        {"13 00 00 00 00 00 00 00", "13 00 00 00 00 00 00 00"},
+        {"13 00 01 00 00 00 00 00", "13 01 00 00 00 00 00 00"}, /* 800 kBd */
+        {"13 00 05 00 00 00 00 00", "13 01 00 00 00 00 00 00"}, /* reserved */
+        {"13 00 08 00 00 00 00 00", "13 00 00 00 00 00 00 00"},
+        {"13 00 09 00 00 00 00 00", "13 01 00 00 00 00 00 00"},
+        {"13 01 00 00 00 00 00 00", "13 01 00 00 00 00 00 00"}, /* another table */
+    };
+    (void)state;
+    ask(CONFIGURE, NULL);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ask(rows[i].request, rows[i].answer);
+    }
+}
+
+static void activation_is_silent_for_two_delays(void **state)
+{
+    (void)state;
+    ask(CONFIGURE, NULL);
+    ask("13 00 04 00 00 00 00 00", "13 00 00 00 00 00 00 00");
+    ask("15 64 00 00 00 00 00 00", NULL); /* 100 ms */
+    co_rig_run(&rig, DG_MS(99));
+    ask("5E 00 00 00 00 00 00 00", NULL);
+    assert_int_equal(rig.kbaud, 250);
+    co_rig_run(&rig, DG_MS(1));
+    assert_int_equal(rig.kbaud, 125);
+    ask("5E 00 00 00 00 00 00 00", NULL);
+    co_rig_run(&rig, DG_MS(100));
+    ask("5E 00 00 00 00 00 00 00", "5E 3F 00 00 00 00 00 00");
+}
+
+/* The master's side of fastscan (CiA 305): find every bit of the four parts. */
+static void scan(uint32_t *identity)
+{
+    struct dg_can_frame frame = {.id = MASTER, .dlc = 8, .data = {0x51, 0, 0, 0, 0, 0x80, 0, 0}};
+
+    co_rig_forget(&rig);
+    (void)dg_co_rx(&rig.node, rig.now, &frame);
+    co_rig_expect(&rig, 0, SLAVE, "4F 00 00 00 00 00 00 00");
+    for (uint8_t sub = 0; sub < 4; sub++) {
+        uint32_t number = 0;
+        for (int bit = 31; bit >= 0; bit--) {
+            for (uint8_t i = 0; i < 4; i++) {
+                frame.data[1 + i] = (uint8_t)(number >> (8 * i));
+            }
+            frame.data[5] = (uint8_t)bit;
+            frame.data[6] = sub;
+            frame.data[7] = sub;
+            co_rig_forget(&rig);
+            (void)dg_co_rx(&rig.node, rig.now, &frame);
+            number |= rig.count == 0 ? 1u << bit : 0;
+        }
+        for (uint8_t i = 0; i < 4; i++) {
+            frame.data[1 + i] = (uint8_t)(number >> (8 * i));
+        }
+        frame.data[5] = 0;
+        frame.data[7] = (uint8_t)((sub + 1) % 4);
+        co_rig_forget(&rig);
+        (void)dg_co_rx(&rig.node, rig.now, &frame);
+        co_rig_expect_count(&rig, 1);
+        identity[sub] = number;
+    }
+}
+
+static void fastscan_finds_a_node_without_node_id(void **state)
+{
+    uint32_t identity[4];
+    (void)state;
+    ask("51 00 00 00 00 80 00 00", NULL); /* it has one */
+    ask(CONFIGURE, NULL);
+    ask("11 FF 00 00 00 00 00 00", "11 00 00 00 00 00 00 00");
+    ask(WAIT, NULL); /* reset: no boot-up without a node-ID */
+    ask("4C 00 00 00 00 00 00 00", "50 00 00 00 00 00 00 00");
+    co_rig_rx(&rig, 0, "01 00");
+    assert_int_equal(rig.node.state, DG_CO_BOOT);
+    scan(identity);
+    assert_int_equal(identity[0], 0x13);
+    assert_int_equal(identity[1], 0x56682001);
+    assert_int_equal(identity[2], 108);
+    assert_int_equal(identity[3], 1234567890);
+    ask("11 21 00 00 00 00 00 00", "11 00 00 00 00 00 00 00");
+    co_rig_forget(&rig);
+    co_rig_rx(&rig, MASTER, WAIT);
+    co_rig_expect(&rig, 0, 0x721, "00");
+    assert_int_equal(rig.node.state, DG_CO_PRE_OPERATIONAL);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup(inquiries_answer_in_configuration_only, setup),
+        cmocka_unit_test_setup(nothing_works_in_operational_or_with_a_short_frame, setup),
+        cmocka_unit_test_setup(selective_switch_wants_the_whole_identity_in_order, setup),
+        cmocka_unit_test_setup(identify_compares_ranges, setup),
+        cmocka_unit_test_setup(a_new_node_id_is_in_force_after_waiting_again, setup),
+        cmocka_unit_test_setup(stored_settings_survive_power_off, setup),
+        cmocka_unit_test_setup(a_memory_that_does_not_answer_is_a_media_error, setup),
+        cmocka_unit_test_setup(bit_timing_knows_its_table, setup),
+        cmocka_unit_test_setup(activation_is_silent_for_two_delays, setup),
+        cmocka_unit_test_setup(fastscan_finds_a_node_without_node_id, setup),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
