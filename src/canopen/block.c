@@ -3,10 +3,10 @@
  * SDO block transfer (CiA 301): segments in a row with one acknowledgement, CRC over the data.
  *
  *   upload    client  A0h        A3h                    A2h n          A1h
- *             server       C6h        01h 02h .. 8nh          C1h crc
+ *             server       C2h        01h 02h .. 8nh          C1h crc
  *
  *   download  client  C0h        01h 02h .. 8nh         C1h crc
- *             server       A4h                    A2h n          A1h
+ *             server       A0h                    A2h n          A1h
  *
  * An acknowledgement names the last segment that came in order; the ones behind it are repeated
  * in the next block, numbered from 1 again.
@@ -17,9 +17,12 @@
 #include "sdo.h"
 
 #define BLKSIZE_MAX 127u
-/** Bits of the initiate requests. */
-#define CLIENT_CRC 0x04u
-#define CLIENT_SIZE 0x02u
+/**
+ * Bits of the initiate requests and answers. A CRC is used when both sides offer it; this side
+ * does so only to a client that has, as some clients look at the answer alone.
+ */
+#define CRC 0x04u
+#define SIZE 0x02u
 
 /**
  * Segments of a block this server receives. More than any object needs, as writable objects have 4
@@ -27,7 +30,7 @@
  */
 #define DOWNLOAD_BLKSIZE 5u
 _Static_assert(DOWNLOAD_BLKSIZE < 0x20u, "20h is a download request");
-_Static_assert(DOWNLOAD_BLKSIZE *SDO_SEGMENT <= sizeof((struct dg_co_sdo *)0)->buffer,
+_Static_assert(sizeof((struct dg_co_sdo *)0)->buffer >= (size_t)DOWNLOAD_BLKSIZE * SDO_SEGMENT,
                "a block fits the buffer");
 
 /* ---- upload */
@@ -55,9 +58,9 @@ enum dg_co_abort dg_co_block_upload(struct dg_co_node *self, const uint8_t *data
         return DG_CO_OK;
     }
     sdo->blksize = data[4];
-    sdo->crc = (data[0] & CLIENT_CRC) != 0;
+    sdo->crc = (data[0] & CRC) != 0;
     dg_co_sdo_become(self, DG_CO_SDO_BLOCK_UPLOAD_START);
-    dg_co_sdo_confirm(self, 0xC6, sdo->length);
+    dg_co_sdo_confirm(self, (uint8_t)(0xC0u | SIZE | (data[0] & CRC)), sdo->length);
     return DG_CO_OK;
 }
 
@@ -126,16 +129,15 @@ enum dg_co_abort dg_co_block_upload_end(struct dg_co_node *self, const uint8_t *
 enum dg_co_abort dg_co_block_download(struct dg_co_node *self, const uint8_t *data)
 {
     struct dg_co_sdo *sdo = &self->sdo;
-    enum dg_co_abort abort =
-        dg_co_sdo_open(self, (data[0] & CLIENT_SIZE) != 0, dg_load_le32(&data[4]));
+    enum dg_co_abort abort = dg_co_sdo_open(self, (data[0] & SIZE) != 0, dg_load_le32(&data[4]));
 
     if (abort != DG_CO_OK) {
         return abort;
     }
-    sdo->crc = (data[0] & CLIENT_CRC) != 0;
+    sdo->crc = (data[0] & CRC) != 0;
     sdo->seqno = 0;
     dg_co_sdo_become(self, DG_CO_SDO_BLOCK_DOWNLOAD);
-    dg_co_sdo_confirm(self, 0xA4, DOWNLOAD_BLKSIZE);
+    dg_co_sdo_confirm(self, (uint8_t)(0xA0u | (data[0] & CRC)), DOWNLOAD_BLKSIZE);
     return DG_CO_OK;
 }
 
@@ -162,7 +164,7 @@ enum dg_co_abort dg_co_block_download_segment(struct dg_co_node *self, const uin
     /* The block is over; the client listens only now. A whole segment with more to come is more
      * than any object takes. */
     if (!complete && sdo->length > 0) {
-        return dg_co_sdo_length(self, sdo->length + 1u);
+        return dg_co_sdo_length(self, sdo->length);
     }
     dg_co_sdo_send(self, 0xA2, (const uint8_t[]){sdo->seqno, DOWNLOAD_BLKSIZE}, 2);
     return DG_CO_OK;

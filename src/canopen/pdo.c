@@ -58,12 +58,14 @@ static bool sample_once(struct dg_co_node *self, bool *sampled)
     return self->state == DG_CO_OPERATIONAL;
 }
 
-/* The event timer runs from `from`; when a whole period has been missed, from now. */
+/* The event timer runs from `from`; when a whole period has been missed, from now. Every change of
+ * a TPDO comes by here. */
 static void arm(struct dg_co_node *self, uint8_t n, dg_ns from)
 {
     struct dg_co_tpdo *tpdo = &self->tpdo[n];
     dg_ns period = DG_MS(co_pdo_parameter(self, n, CO_PDO_EVENT_MS));
 
+    self->pdo_at = 0;
     tpdo->event_at = DG_NEVER;
     if (self->state == DG_CO_OPERATIONAL && tpdo->valid && tpdo->type >= CO_PDO_EVENT &&
         period != 0) {
@@ -134,12 +136,13 @@ static dg_ns serve_all(struct dg_co_node *self, bool sampled)
             next = dg_earliest(next, serve(self, n, &sampled));
         }
     }
+    self->pdo_at = next;
     return next;
 }
 
 dg_ns dg_co_pdo_step(struct dg_co_node *self)
 {
-    return serve_all(self, false);
+    return self->pdo_at > self->now ? self->pdo_at : serve_all(self, false);
 }
 
 void dg_co_pdo_event(struct dg_co_node *self)

@@ -60,6 +60,7 @@ static enum dg_co_abort refuse_read(struct dg_co_node *node, const struct dg_co_
 #define RWS (DG_CO_RW | DG_CO_SLOT)
 static const struct dg_co_object objects[] = {
     /* index, sub, type, flags, slot, region, default, min, max, hook */
+    {0x2000, 0, DG_CO_U16,    DG_CO_R,    0,           0, 0, 0,    0xFFFF, read_samples},
     {0x2001, 0, DG_CO_I8,     RWS,        SDO_RIG_I8,  0, 0, (uint32_t)-100,    100,    NULL},
     {0x2002, 0, DG_CO_I16,    RWS,        SDO_RIG_I16, 0, 0, (uint32_t)-1000,   1000,   NULL},
     {0x2003, 0, DG_CO_I32,    RWS,        SDO_RIG_I32, 0, 0, (uint32_t)-100000, 100000, NULL},
@@ -69,7 +70,6 @@ static const struct dg_co_object objects[] = {
     {0x2007, 0, DG_CO_U8,     DG_CO_R,    0,           0, 1, 0,    0xFF,   NULL},
     {0x2007, 1, DG_CO_U32,    RWS,        SDO_RIG_ARRAY, 0, 0, 0,  FULL,   NULL},
     {0x2008, 0, DG_CO_U32,    DG_CO_W | DG_CO_SLOT, SDO_RIG_WRITE_ONLY, 0, 0, 0, FULL, NULL},
-    {0x2009, 0, DG_CO_U16,    DG_CO_R,    0,           0, 0, 0,    0xFFFF, read_samples},
     {0x200A, 0, DG_CO_U32,    DG_CO_RW,   0,           0, 0, 0,    FULL,   refuse_write},
     {0x200B, 0, DG_CO_U8,     DG_CO_R,    0,           0, 0, 0,    0xFF,   refuse_read},
     {0x2010, 0, DG_CO_STRING, DG_CO_R,    0,           0, 0, 0,    0,      NULL},
@@ -80,12 +80,19 @@ static const struct dg_co_object objects[] = {
     {0x2015, 0, DG_CO_STRING, DG_CO_R,    0,           0, 5, 0,    0,      NULL},
     {0x2016, 0, DG_CO_STRING, DG_CO_R,    0,           0, 6, 0,    0,      NULL},
     {0x2017, 0, DG_CO_STRING, DG_CO_R,    0,           0, 7, 0,    0,      NULL},
+    {0x2018, 0, DG_CO_STRING, DG_CO_R,    0,           0, 8, 0,    0,      NULL},
 };
 /* clang-format on */
 
-static const char *const strings[] = {
-    "",         "1.08",      "F3668",          "1234567",
-    "12345678", "123456789", "ABCDEFGHIJKLMN", "0123456789ABCDEFGHIJKLMNOPQRSTUV"};
+static const char *const strings[] = {"",
+                                      "1.08",
+                                      "F3668",
+                                      "1234567",
+                                      "12345678",
+                                      "123456789",
+                                      "ABCDEFGHIJKLMN",
+                                      "0123456789ABCDEFGHIJKLMNOPQRSTUV",
+                                      "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghij"};
 
 static const struct dg_store_region regions[] = {DG_CO_STORE_REGIONS};
 static const struct dg_store_layout layout = {

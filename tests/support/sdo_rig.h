@@ -18,8 +18,9 @@
 #define SDO_RIG_PAUSE DG_MS(1)
 
 /**
- * Slots of the rig's objects. 2001h-2006h: I8, I16, I32, U8, U16, U32, read and write; the
- * signed ones within -100..100, -1000..1000, -100000..100000. 2007h:0-1: an array with U8 and U32.
+ * Slots of the rig's objects. 2000h: U16, reads as the number of samples taken. 2001h-2006h: I8,
+ * I16, I32, U8, U16, U32, read and write; the signed ones within -100..100, -1000..1000,
+ * -100000..100000. 2007h:0-1: an array with U8 and U32.
  */
 enum sdo_rig_slot {
     SDO_RIG_I8 = DG_CO_SLOT_APPLICATION,
@@ -30,9 +31,8 @@ enum sdo_rig_slot {
     SDO_RIG_U32,
     SDO_RIG_ARRAY,
     SDO_RIG_WRITE_ONLY, /**< 2008h: U32 */
-    /* 2009h: U16, reads as the number of samples taken. 200Ah: U32, a write is refused with the
-     * value as abort code. 200Bh: U8, reading is refused with 08000024h. 2010h-2017h: texts of 0,
-     * 4, 5, 7, 8, 9, 14 and 32 characters. */
+    /* 200Ah: U32, a write is refused with the value as abort code. 200Bh: U8, reading is refused
+     * with 08000024h. 2010h-2018h: texts of 0, 4, 5, 7, 8, 9, 14, 32 and 46 characters. */
 };
 
 struct sdo_rig {
