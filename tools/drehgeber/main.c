@@ -3,6 +3,7 @@
 #include <stdio.h>
 
 #include "drehgeber/drehgeber.h"
+#include "eds.h"
 #include "options.h"
 #include "run.h"
 #include "settings.h"
@@ -33,6 +34,7 @@ static void help(void)
         "\n"
         "  drehgeber list                          the models\n"
         "  drehgeber run MODEL [WIRE] [OPTIONS]    be that encoder\n"
+        "  drehgeber eds MODEL                     the EDS file of a CANopen encoder\n"
         "\n"
         " Models:\n",
         stdout);
@@ -43,7 +45,7 @@ static void help(void)
                  "  %s\n"
                  "  Units: DEG REV (angle), RPM (speed), S MS (time). Positive is clockwise, time\n"
                  "  0 is when the encoder is ready. A file has lines 'time_s,angle_deg'.\n"
-                 "\n KEY=VALUE:\n",
+                 "\n KEY=VALUE (CANopen: those from temperature on):\n",
                  lx_shaft_forms);
     lx_settings_help(&defaults, stdout);
     (void)fputs("\n Exit status: 0 after SIGTERM or SIGINT, 2 for a wrong command line, 1 for the "
@@ -60,6 +62,17 @@ static int flushed(void)
     return EXIT_OTHER;
 }
 
+static int eds(const struct options *options)
+{
+    const struct dg_device *device = options->model == NULL ? NULL : dg_device_find(options->model);
+    if (device == NULL || device->stack != DG_STACK_CANOPEN) {
+        lx_complain("eds needs a CANopen model; valid: f3658 f3668");
+        return EXIT_USAGE;
+    }
+    eds_print(device, stdout);
+    return flushed();
+}
+
 static int act(const struct options *options)
 {
     switch (options->command) {
@@ -72,6 +85,8 @@ static int act(const struct options *options)
     case COMMAND_VERSION:
         (void)printf("drehgeber %s\n", dg_version());
         return flushed();
+    case COMMAND_EDS:
+        return eds(options);
     case COMMAND_RUN:
         return run_encoder(options);
     case COMMAND_NONE: /* refused by options_parse() */
