@@ -37,11 +37,13 @@ struct dg_writer {
     bool overrun; /**< more was appended than fits; that value and all after it were dropped */
 };
 
+/** A cursor over `n` bytes, and what it reads next, most significant byte first. */
 struct dg_reader dg_reader(const uint8_t *bytes, size_t n);
 uint8_t dg_read_u8(struct dg_reader *r);
 uint16_t dg_read_be16(struct dg_reader *r);
 uint32_t dg_read_be32(struct dg_reader *r);
 
+/** A cursor over `capacity` free bytes, and what it appends, most significant byte first. */
 struct dg_writer dg_writer(uint8_t *bytes, size_t capacity);
 void dg_write_u8(struct dg_writer *w, uint8_t value);
 void dg_write_be16(struct dg_writer *w, uint16_t value);
