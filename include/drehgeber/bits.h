@@ -11,6 +11,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /** Loads and stores; `p` needs no alignment. be = most significant byte first. */
 uint16_t dg_load_be16(const uint8_t *p);
 uint32_t dg_load_be24(const uint8_t *p);
@@ -50,5 +54,9 @@ void dg_write_be16(struct dg_writer *w, uint16_t value);
 void dg_write_be24(struct dg_writer *w, uint32_t value);
 void dg_write_be32(struct dg_writer *w, uint32_t value);
 void dg_write_bytes(struct dg_writer *w, const uint8_t *bytes, size_t n);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif
