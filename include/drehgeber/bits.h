@@ -11,6 +11,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /** Loads and stores; `p` needs no alignment. be = most significant byte first. */
 uint16_t dg_load_be16(const uint8_t *p);
 uint32_t dg_load_be24(const uint8_t *p);
@@ -37,16 +41,22 @@ struct dg_writer {
     bool overrun; /**< more was appended than fits; that value and all after it were dropped */
 };
 
+/** A cursor over `n` bytes, and what it reads next, most significant byte first. */
 struct dg_reader dg_reader(const uint8_t *bytes, size_t n);
 uint8_t dg_read_u8(struct dg_reader *r);
 uint16_t dg_read_be16(struct dg_reader *r);
 uint32_t dg_read_be32(struct dg_reader *r);
 
+/** A cursor over `capacity` free bytes, and what it appends, most significant byte first. */
 struct dg_writer dg_writer(uint8_t *bytes, size_t capacity);
 void dg_write_u8(struct dg_writer *w, uint8_t value);
 void dg_write_be16(struct dg_writer *w, uint16_t value);
 void dg_write_be24(struct dg_writer *w, uint32_t value);
 void dg_write_be32(struct dg_writer *w, uint32_t value);
 void dg_write_bytes(struct dg_writer *w, const uint8_t *bytes, size_t n);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

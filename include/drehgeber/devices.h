@@ -11,6 +11,10 @@
 #include "drehgeber/cia406.h"
 #include "drehgeber/hiperface.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /** Which stack a model runs, and so which member of dg_device.model is valid. */
 enum dg_device_stack {
     DG_STACK_HIPERFACE,
@@ -33,5 +37,9 @@ extern const size_t dg_device_count;
 
 /** The model called `name`, or NULL. */
 const struct dg_device *dg_device_find(const char *name);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -27,6 +27,10 @@
 #include "drehgeber/time.h"
 #include "drehgeber/world.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /** Longest frame in either direction: address, command, 132 data bytes, check sum (5.1.2.8). */
 #define DG_HF_FRAME_MAX 135u
 /** Address as delivered, the last one, and the broadcast address (5.1.1.2). */
@@ -282,5 +286,9 @@ uint32_t dg_hf_position(const struct dg_hf *self, dg_ns now);
  * raw position, sin 0 and cos at its peak where the raw position's 5 LSB turn to 0. Pure.
  */
 void dg_hf_sincos(const struct dg_hf *self, dg_ns now, struct dg_hf_sincos *out);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -25,6 +25,10 @@
 
 #include "drehgeber/hal.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /** A checked region is at most this long. */
 #define DG_STORE_CHECKED_MAX 128u
 /** Regions a layout may have. */
@@ -121,5 +125,9 @@ int dg_store_commit(struct dg_store *self);
 /** begin, stage, commit of one change. */
 int dg_store_put(struct dg_store *self, uint8_t region, uint16_t offset, const void *from,
                  uint16_t n);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -243,6 +243,9 @@ void dg_hf_load(struct dg_hf *self, bool mounted)
         self->uart_stored = bytes[0];
         self->address = bytes[1];
     }
-    (void)load(self, DG_HF_REGION_MEMORY, &self->blocks);
+    /* More blocks than there are would be fields beyond their table. */
+    if (load(self, DG_HF_REGION_MEMORY, bytes) && bytes[0] <= HF_FIELDS_MAX) {
+        self->blocks = bytes[0];
+    }
     (void)load(self, DG_HF_REGION_CODES, self->codes);
 }

@@ -73,7 +73,7 @@ static void check_reply(struct bench *bench)
     must(reply[0] == device->address);
     must(command == 0x50 || command == device->frame[1]);
     must(command != 0x50 || n == 4);
-    must((reply[1] & 0x80u) != 0 == (device->stack_count > 0));
+    must(((reply[1] & 0x80u) != 0) == (device->stack_count > 0));
     must(command != 0x4A || (n == 6u + reply[4] && reply[3] + reply[4] <= 128));
     must(command != 0x42 || (n == 7 && dg_load_be32(&reply[2]) < range(device)));
 }

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* drehgeber: virtual absolute encoders on the command line. */
+#define _GNU_SOURCE
+#include <fcntl.h>
 #include <stdio.h>
+#include <unistd.h>
 
 #include "drehgeber/drehgeber.h"
 #include "eds.h"
@@ -95,8 +98,22 @@ static int act(const struct options *options)
     return EXIT_USAGE;
 }
 
+/* A stream that came closed stays one that cannot be written to. Otherwise the next file opened,
+   such as the EEPROM's, would get its number and every message. */
+static void occupy_closed_streams(void)
+{
+    int fd = STDIN_FILENO;
+    while (fd >= 0 && fd <= STDERR_FILENO) {
+        fd = open("/dev/null", O_RDONLY);
+    }
+    if (fd >= 0) {
+        (void)close(fd);
+    }
+}
+
 int main(int argc, char **argv)
 {
+    occupy_closed_streams();
     struct options options;
     int status = EXIT_USAGE;
     if (options_parse(&options, argc, argv) != 0) {
