@@ -302,8 +302,9 @@ struct dg_co_node {
     dg_ns now;      /**< moment of the call that is being served */
     dg_ns deadline; /**< of all services */
     enum dg_co_state state;
-    uint8_t id;       /**< node-ID in force, DG_CO_UNCONFIGURED without one */
-    uint8_t bit_rate; /**< in force, index of 2100h */
+    uint8_t id;          /**< node-ID in force, DG_CO_UNCONFIGURED without one */
+    uint8_t bit_rate;    /**< in force, index of 2100h */
+    uint8_t termination; /**< 2102h as stored */
     bool mounted;
     uint8_t filter_version; /**< changes whenever dg_co_filters() may have changed */
     uint32_t serial;        /**< 1018h:4 */

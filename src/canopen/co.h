@@ -70,6 +70,8 @@ const struct dg_co_object *dg_co_find(const struct dg_co_node *self, uint16_t in
 uint8_t dg_co_size(const struct dg_co_object *object);
 /** A value as it stands on the wire or in the memory, sign-extended where the type is signed. */
 uint32_t dg_co_extend(const struct dg_co_object *object, uint32_t value);
+/** Whether a value is inside min..max. */
+bool dg_co_in_range(const struct dg_co_object *object, uint32_t value);
 /** Read any row but a string, whatever its access. */
 enum dg_co_abort dg_co_read(struct dg_co_node *self, const struct dg_co_object *object,
                             uint32_t *value);

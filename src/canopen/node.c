@@ -181,11 +181,14 @@ static void service_rx(struct dg_co_node *self, const struct dg_can_frame *frame
 /* Every service does what is due at self->now and says when it wants to be called again. */
 static dg_ns step_services(struct dg_co_node *self)
 {
-    /* The device first, emergencies last: what the former raises or changes leaves in this round. */
+    /* The device first, emergencies last: what the former raises or changes leaves in this round.
+     */
     dg_ns next = self->setup.device->step != NULL ? self->setup.device->step(self) : DG_NEVER;
 
-    next = dg_earliest(next, dg_earliest(dg_co_nmt_step(self), dg_co_pdo_step(self)));
-    next = dg_earliest(next, dg_earliest(dg_co_sdo_step(self), dg_co_lss_step(self)));
+    next = dg_earliest(next, dg_co_nmt_step(self));
+    next = dg_earliest(next, dg_co_pdo_step(self));
+    next = dg_earliest(next, dg_co_sdo_step(self));
+    next = dg_earliest(next, dg_co_lss_step(self));
     next = dg_earliest(next, dg_co_emcy_step(self));
     return next;
 }

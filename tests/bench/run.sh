@@ -1,23 +1,31 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# Prints how fast the S36 with RS485 is, one figure a line. Nothing is asserted.
-# usage: run.sh [BENCH_HF], by default the one of build/release
+# Prints how fast the S36 with RS485 and the F36x8 with CANopen are, one figure a line. Nothing is
+# asserted.
+# usage: run.sh [TREE], a build tree; by default build/release, which is made if there is none
 set -eu
 cd "$(dirname "$0")/../.."
-bench=${1:-build/release/tests/bench_hf}
+tree=${1:-build/release}
 if [ $# -eq 0 ]; then
     mkdir -p build/log
     [ -e build/release/build.ninja ] || cmake --preset release >build/log/release.configure
-    cmake --build build/release --target bench_hf >build/log/bench.build
+    cmake --build build/release --target bench_hf bench_co >build/log/bench.build
 fi
 
-# Instructions of a run with $1 requests 42h
+# Instructions of a run of $1 with $2 operations
 instructions() {
-    valgrind --tool=callgrind --callgrind-out-file=/dev/null "$bench" --callgrind "$1" 2>&1 |
+    valgrind --tool=callgrind --callgrind-out-file=/dev/null "$tree/tests/$1" --callgrind "$2" 2>&1 |
         awk '/Collected :/ { print $4 }'
 }
 
-"$bench"
-none=$(instructions 0)
-many=$(instructions 1000)
-printf '%-32s %10d\n' "instructions per 42h (aim: 1500)" $(((many - none) / 1000))
+# $1 bench, $2 what one operation is
+each() {
+    none=$(instructions "$1" 0)
+    many=$(instructions "$1" 1000)
+    printf '%-32s %10d\n' "instructions per $2" $(((many - none) / 1000))
+}
+
+"$tree/tests/bench_hf"
+each bench_hf "42h (aim: 1500)"
+"$tree/tests/bench_co"
+each bench_co "upload and SYNC"
