@@ -15,7 +15,7 @@
 extern "C" {
 #endif
 
-/** Which stack a model runs, and so which member of dg_device.model is valid. */
+/** Which stack a model runs, and so which of its pointers in struct dg_device is set. */
 enum dg_device_stack {
     DG_STACK_HIPERFACE,
     DG_STACK_CANOPEN,
@@ -25,7 +25,7 @@ enum dg_device_stack {
 struct dg_device {
     const char *name;       /**< as on the command line, e.g. "s3684-rs485" */
     const char *wire;       /**< what it speaks, e.g. "RS485 + SinCos (HIPERFACE-compatible)" */
-    const char *resolution; /**< in words, e.g. "2048 x 32 steps, 4096 turns" */
+    const char *resolution; /**< in words, e.g. "2048 periods x 32 steps, 4096 turns" */
     enum dg_device_stack stack;
     const struct dg_hf_model *hiperface;  /**< for DG_STACK_HIPERFACE */
     const struct dg_cia406_model *cia406; /**< for DG_STACK_CANOPEN */

@@ -43,6 +43,8 @@ extern "C" {
 #define DG_HF_CODE_DEFAULT 0x55u
 /** Depth of the error stack (5.1.2.13). */
 #define DG_HF_STACK_DEPTH 4u
+/** Longest initialisation time a model may have. */
+#define DG_HF_INIT_MAX DG_S(600)
 
 /** Status codes on the wire (5.1.3; 1Dh-23h from the command tables, 1Eh from the spec). */
 enum dg_hf_status {
@@ -120,7 +122,7 @@ struct dg_hf_model {
     uint16_t speed_max_rpm; /**< fastest speed at which 42h acquires the position */
     uint16_t acceleration_max_krad_s2;
     dg_ns reaction; /**< from the request's timeout to the reply; never more than the command's */
-    dg_ns init;     /**< initialisation time after power-on and after 53h (5.1.2.15, 5.1.2.18) */
+    dg_ns init;     /**< 0..DG_HF_INIT_MAX: after power-on and 53h (5.1.2.15, 5.1.2.18) */
 };
 
 /** The wire's operations. */

@@ -51,7 +51,8 @@ static void help(void)
                  "\n KEY=VALUE (CANopen: those from temperature on):\n",
                  lx_shaft_forms);
     lx_settings_help(&defaults, stdout);
-    (void)fputs("\n Exit status: 0 after SIGTERM or SIGINT, 2 for a wrong command line, 1 for the "
+    (void)fputs("  (factory) is burnt into a new --nvm file; an existing one has to agree.\n"
+                "\n Exit status: 0 after SIGTERM or SIGINT, 2 for a wrong command line, 1 for the "
                 "rest.\n",
                 stdout);
 }
