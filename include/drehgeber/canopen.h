@@ -21,6 +21,10 @@
 #include "drehgeber/time.h"
 #include "drehgeber/world.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /** TPDOs of a node, entries a TPDO can map, heartbeat consumers, depth of 1003h. */
 #define DG_CO_TPDOS 4u
 #define DG_CO_MAPPED_MAX 8u
@@ -434,5 +438,9 @@ dg_ns dg_co_net_step(struct dg_co_net *self, dg_ns now);
 dg_ns dg_co_net_bus(struct dg_co_net *self, dg_ns now, enum dg_co_bus_event event);
 /** Whether any node listens to `id`. */
 bool dg_co_net_listens(const struct dg_co_net *self, uint16_t id);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

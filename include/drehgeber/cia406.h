@@ -12,6 +12,10 @@
 
 #include "drehgeber/canopen.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /** Physical steps a turn: 16 bit. */
 #define DG_CIA406_STEPS 65536u
 
@@ -33,5 +37,9 @@ extern const struct dg_co_device dg_cia406_multiturn;
 
 /** Make an encoder. @return 0 or DG_ERR_ARGUMENT */
 int dg_cia406_init(struct dg_cia406 *self, const struct dg_cia406_model *model);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif
