@@ -92,6 +92,8 @@ bool dg_co_restricted(uint32_t can_id);
 
 /** Mount the store and read what is not a value: bus parameters, serial number. */
 int dg_co_mount(struct dg_co_node *self);
+/** Check the memory again, as every Initialisation does; bus parameters in force stay. */
+void dg_co_remount(struct dg_co_node *self);
 /** Values of the rows from `first` to `last` index: defaults, then what 1010h has saved. False when
  * some of that cannot be read; those are the defaults. */
 bool dg_co_load(struct dg_co_node *self, uint16_t first, uint16_t last);

@@ -76,7 +76,7 @@ int dg_co_init(struct dg_co_node *self, const struct dg_co_setup *setup)
 }
 
 /* Initialisation (CiA 301): application, then communication, then boot-up. */
-void dg_co_reset(struct dg_co_node *self, bool application)
+static void initialise(struct dg_co_node *self, bool application)
 {
     const struct dg_co_device *device = self->setup.device;
     bool operational = false;
@@ -107,6 +107,12 @@ void dg_co_reset(struct dg_co_node *self, bool application)
     dg_co_report_memory(self, loaded); /* an EMCY comes after boot-up */
 }
 
+void dg_co_reset(struct dg_co_node *self, bool application)
+{
+    dg_co_remount(self);
+    initialise(self, application);
+}
+
 int dg_co_power_on(struct dg_co_node *self, dg_ns now)
 {
     dg_co_power_off(self);
@@ -119,7 +125,7 @@ int dg_co_power_on(struct dg_co_node *self, dg_ns now)
     self->history_count = 0;
     self->lss.silent_until = 0;
     dg_co_use_bit_rate(self);
-    dg_co_reset(self, true);
+    initialise(self, true);
     return DG_OK;
 }
 

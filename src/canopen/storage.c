@@ -73,10 +73,9 @@ static bool bus_valid(const uint8_t *bus)
     return bus[0] <= 8 && bus[0] != 7 && node_id && bus[2] <= 1;
 }
 
-int dg_co_mount(struct dg_co_node *self)
+/* `bus` are the bus parameters, or their defaults. */
+static int mount(struct dg_co_node *self, uint8_t *bus)
 {
-    uint8_t bus[3];
-    uint8_t serial[4] = {0};
     int result = DG_ERR_IO;
 
     dg_co_default_bus(NULL, bus);
@@ -88,12 +87,28 @@ int dg_co_mount(struct dg_co_node *self)
         self->store.damaged |= 1u << DG_CO_REGION_BUS; /* as if its sum had failed */
         dg_co_default_bus(NULL, bus);
     }
+    return result;
+}
+
+int dg_co_mount(struct dg_co_node *self)
+{
+    uint8_t bus[3];
+    uint8_t serial[4] = {0};
+    int result = mount(self, bus);
+
     (void)load(self, DG_CO_REGION_SERIAL, serial);
     self->lss.bit_rate = bus[0];
     self->lss.node_id = bus[1];
     self->termination = bus[2];
     self->serial = dg_load_le32(serial);
     return result;
+}
+
+void dg_co_remount(struct dg_co_node *self)
+{
+    uint8_t bus[3];
+
+    (void)mount(self, bus);
 }
 
 static void unpack_row(struct dg_co_node *self, const struct dg_co_object *object, void *ctx)

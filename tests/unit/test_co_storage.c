@@ -271,24 +271,28 @@ static void parameters_that_cannot_be_read_are_the_defaults_and_an_emergency(voi
     }
 }
 
-/* Reads fail from the parameters on. */
-static int read_to_saved(void *ctx, uint32_t address, void *to, size_t n)
+static unsigned reads_of_parameters;
+
+/* The parameters can be read once, to check their sum. */
+static int read_once(void *ctx, uint32_t address, void *to, size_t n)
 {
     const struct dg_nvm nvm = ram_nvm_port(ctx);
 
-    return address >= dg_store_address(device->layout, DG_CO_REGION_COMMUNICATION)
-               ? DG_ERR_IO
-               : nvm.ops->read(ctx, address, to, n);
+    if (address == dg_store_address(device->layout, DG_CO_REGION_COMMUNICATION)) {
+        reads_of_parameters++;
+    }
+    return reads_of_parameters > 1 ? DG_ERR_IO : nvm.ops->read(ctx, address, to, n);
 }
 
 static void a_part_that_cannot_be_read_is_an_emergency(void **state)
 {
-    static const struct dg_nvm_ops failing = {.read = read_to_saved};
+    static const struct dg_nvm_ops failing = {.read = read_once};
     (void)state;
 
     write_ok(0x100C, 0, 500, 2);
     write_ok(0x1010, 1, SAVE, 4);
-    rig.node.store.nvm.ops = &failing;
+    rig.node.setup.nvm.ops = &failing;
+    reads_of_parameters = 0;
     co_rig_forget(&rig);
     co_rig_rx(&rig, 0, "82 00");
     co_rig_expect_count(&rig, 2);
@@ -400,6 +404,25 @@ static void a_damaged_region_is_the_default_and_the_others_stay(void **state)
         write_ok(0x2105, 1, SAVE, 4);
         power_cycle();
         assert_int_equal(read_ok(0x1001, 0), region == DG_CO_REGION_SERIAL ? 1 : 0);
+    }
+}
+
+/* Initialisation checks the memory again; what is in force stays in force. */
+static void damage_while_powered_is_noticed_by_either_reset(void **state)
+{
+    static const char *const resets[] = {"81 00", "82 00"};
+    (void)state;
+
+    for (size_t i = 0; i < COUNT(resets); i++) {
+        live_in();
+        rig.nvm.bytes[dg_store_address(device->layout, DG_CO_REGION_TPDO2)] ^= 1;
+        rig.nvm.bytes[dg_store_address(device->layout, DG_CO_REGION_BUS)] ^= 1;
+        co_rig_forget(&rig);
+        co_rig_rx(&rig, 0, resets[i]);
+        co_rig_expect(&rig, rig.count - 1, EMCY, DAMAGED);
+        assert_int_equal(read_ok(0x1801, 5), 0);
+        assert_int_equal(read_ok(0x1802, 5), 102);
+        assert_int_equal(rig.kbaud, 500);
     }
 }
 
@@ -616,6 +639,7 @@ int main(void)
         cmocka_unit_test_setup(a_part_that_cannot_be_read_is_an_emergency, setup),
         cmocka_unit_test_setup(a_blank_or_foreign_memory_is_not_touched, setup),
         cmocka_unit_test(a_damaged_region_is_the_default_and_the_others_stay),
+        cmocka_unit_test(damage_while_powered_is_noticed_by_either_reset),
         cmocka_unit_test(every_bit_that_rots_is_noticed_or_does_not_matter),
         cmocka_unit_test(values_out_of_range_do_not_come_into_force),
     };
