@@ -19,13 +19,32 @@ extern "C" {
 uint16_t dg_load_be16(const uint8_t *p);
 uint32_t dg_load_be24(const uint8_t *p);
 uint32_t dg_load_be32(const uint8_t *p);
-uint16_t dg_load_le16(const uint8_t *p);
-uint32_t dg_load_le32(const uint8_t *p);
+static inline uint16_t dg_load_le16(const uint8_t *p)
+{
+    return (uint16_t)((uint32_t)p[0] | (uint32_t)p[1] << 8);
+}
+
+static inline uint32_t dg_load_le32(const uint8_t *p)
+{
+    return (uint32_t)p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24;
+}
+
 void dg_store_be16(uint8_t *p, uint16_t value);
 void dg_store_be24(uint8_t *p, uint32_t value);
 void dg_store_be32(uint8_t *p, uint32_t value);
-void dg_store_le16(uint8_t *p, uint16_t value);
-void dg_store_le32(uint8_t *p, uint32_t value);
+static inline void dg_store_le16(uint8_t *p, uint16_t value)
+{
+    p[0] = (uint8_t)value;
+    p[1] = (uint8_t)(value >> 8);
+}
+
+static inline void dg_store_le32(uint8_t *p, uint32_t value)
+{
+    p[0] = (uint8_t)value;
+    p[1] = (uint8_t)(value >> 8);
+    p[2] = (uint8_t)(value >> 16);
+    p[3] = (uint8_t)(value >> 24);
+}
 
 /** Reads bytes from `at` up to `end`. Lives as long as the buffer. */
 struct dg_reader {

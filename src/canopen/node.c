@@ -41,7 +41,12 @@ void dg_co_send(struct dg_co_node *self, uint16_t id, const uint8_t *data, uint8
     if (dg_co_lss_silent(self)) {
         return;
     }
-    memcpy(frame.data, data, dlc);
+    if (dlc == 8) { /* in halves, as they were written: a wider load would wait for both */
+        memcpy(&frame.data[0], &data[0], 4);
+        memcpy(&frame.data[4], &data[4], 4);
+    } else {
+        memcpy(frame.data, data, dlc);
+    }
     self->counters.tx++;
     self->setup.ops->send(self->setup.ctx, &frame);
 }

@@ -71,15 +71,6 @@ const struct dg_co_object *dg_co_find(const struct dg_co_node *self, uint16_t in
     return NULL;
 }
 
-uint8_t dg_co_size(const struct dg_co_object *object)
-{
-    static const uint8_t sizes[] = {
-        [DG_CO_I8] = 1,  [DG_CO_I16] = 2, [DG_CO_I32] = 4,    [DG_CO_U8] = 1,
-        [DG_CO_U16] = 2, [DG_CO_U32] = 4, [DG_CO_STRING] = 0,
-    };
-    return sizes[object->type];
-}
-
 static bool is_signed(const struct dg_co_object *object)
 {
     return object->type <= DG_CO_I32;

@@ -22,8 +22,8 @@ static void sample(struct dg_co_node *node)
     struct dg_cia406 *self = encoder(node);
     dg_angle angle = dg_world_angle(node->setup.world, node->now);
 
-    self->raw = (uint32_t)dg_mod(dg_angle_counts(angle, DG_CIA406_STEPS),
-                                 (uint64_t)self->model->turns * DG_CIA406_STEPS);
+    self->raw = (uint32_t)dg_angle_counts(angle, DG_CIA406_STEPS) &
+                (uint32_t)((uint64_t)self->model->turns * DG_CIA406_STEPS - 1);
 }
 
 static enum dg_co_abort hook_position(struct dg_co_node *node, const struct dg_co_object *object,
