@@ -4,8 +4,10 @@
 RIG_CAN says which wire: `slcan` (default; a pty, python-can's slcan interface) or the name of a
 SocketCAN interface such as `vcan0`. Every wait in here has an end.
 """
+import contextlib
 import os
 import re
+import signal
 import socket
 import sys
 import threading
@@ -15,11 +17,13 @@ from pathlib import Path
 
 import can
 import canopen
+import canopen.emcy
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from rig import PATIENCE_S, PROGRAM, Encoder, Lines, run  # noqa: E402
+from rig import PATIENCE_S, PROGRAM, Encoder, Lines, assert_one_line, run  # noqa: E402
 
-__all__ = ["PATIENCE_S", "PROGRAM", "WIRE", "Encoder", "Lines", "Rig", "on_slcan", "run"]
+__all__ = ["PATIENCE_S", "PROGRAM", "WIRE", "Encoder", "Lines", "LOAD", "MODEL", "Rig", "SAVE",
+           "assert_one_line", "on_slcan", "run"]
 
 WIRE = os.environ.get("RIG_CAN", "slcan")
 MODEL = "f3668"
@@ -95,27 +99,30 @@ def open_bus(channel: str, bit_rate: int) -> can.BusABC:
 class Rig:
     """One `drehgeber run`, and a client on its bus."""
 
-    def __init__(self, link: str, eds: Path, *arguments, bit_rate=BIT_RATE, node_id=NODE_ID):
+    def __init__(self, link: str, eds: Path, *arguments, bit_rate=BIT_RATE, node_id=NODE_ID,
+                 quiet=True, client=True):
         self.eds = eds
         self.link = link
         self.network = None
         self.tap = Tap()
-        if not on_slcan():
+        if client and not on_slcan():
             self.connect(bit_rate)
         wire = [f"--slcan={link}"] if on_slcan() else ["--can", WIRE]
-        self.encoder = Encoder([MODEL, *wire, "--quiet", *arguments])
+        self.encoder = Encoder([MODEL, *wire, *(["--quiet"] if quiet else []), *arguments])
         ready = re.fullmatch(r"ready f3668 (slcan|can):(\S+?)(?:/(\d+))?", self.encoder.ready_line)
         assert ready, self.encoder.ready_line
         assert ready[2].startswith("/dev/pts/" if on_slcan() else WIRE)
         self.said_node_id = int(ready[3]) if ready[3] else None
-        if on_slcan():
+        if client and on_slcan():
             self.connect(bit_rate)
-        self.use(node_id)
+        if client:
+            self.use(node_id)
 
     def connect(self, bit_rate: int = BIT_RATE):
         """Open the bus, again if it is open: a new client."""
         self.disconnect()
         self.network = canopen.Network(open_bus(self.link, bit_rate))
+        self.network.NOTIFIER_CYCLE = 0.05  # disconnecting waits for it
         self.network.listeners.append(self.tap)
         self.network.connect()
         self.network.lss.RESPONSE_TIMEOUT = 2.0
@@ -126,13 +133,24 @@ class Rig:
         self.node = self.network.add_node(node_id, str(self.eds))
         self.sdo = self.node.sdo
         self.sdo.RESPONSE_TIMEOUT = 5.0
-        self.sdo.MAX_RETRIES = 0
+        self.sdo.MAX_RETRIES = 1  # it means attempts
         self.nmt = self.node.nmt
 
     def disconnect(self):
         if self.network is not None:
             self.network.disconnect()
             self.network = None
+
+    def kill(self, last_frame: can.Message = None, after_s: float = 0.0):
+        """As a power cut, so long after a last frame. A reader would stumble over the lost pty."""
+        self.network.notifier.stop()
+        if last_frame is not None:
+            self.network.bus.send(last_frame)
+        time.sleep(after_s)
+        self.encoder.end(signal.SIGKILL)
+        with contextlib.suppress(can.CanError):
+            self.network.bus.shutdown()
+        self.network = None
 
     def send(self, can_id: int, data: bytes = b""):
         self.network.send_message(can_id, data)
@@ -161,6 +179,12 @@ class Rig:
         self.tap.forget()
         self.nmt.send_command(command)
         assert self.tap.data(0x700 + (node_id or self.node_id)) == b"\x00"
+
+    def emergency(self, code: int) -> canopen.emcy.EmcyError:
+        """The next EMCY with this code, as canopen understood it."""
+        while int.from_bytes(self.tap.data(0x80 + self.node_id)[:2], "little") != code:
+            pass
+        return [error for error in self.node.emcy.log if error.code == code][-1]
 
     def guard(self) -> int:
         self.tap.forget()

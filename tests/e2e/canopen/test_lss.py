@@ -72,9 +72,7 @@ def test_store_over_kill(start, nvm):
     lss = configuration(rig)
     lss.configure_node_id(9)
     lss.store_configuration()
-    rig.encoder.process.kill()
-    rig.encoder.process.wait()
-    rig.disconnect()
+    rig.kill()
     rig = start("--nvm", nvm, node_id=9)
     assert rig.said_node_id in (None, 9)
     assert rig.read(0x2101) == 9
@@ -86,8 +84,7 @@ def test_without_store_the_node_id_is_lost(start, nvm):
     rig.tap.forget()
     wait(rig)
     assert rig.tap.data(0x709) == b"\x00"
-    rig.encoder.end()
-    rig.disconnect()
+    rig.kill()
     assert start("--nvm", nvm).read(0x100B) == 63
 
 

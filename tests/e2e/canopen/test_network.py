@@ -33,8 +33,9 @@ def test_resets(rig, command):
 
 
 def test_client_sees_the_boot_up(rig):
-    rig.nmt.send_command(0x81)
-    rig.nmt.wait_for_bootup(5.0)
+    rig.start()
+    assert rig.nmt.state == "OPERATIONAL"
+    rig.reset()
     assert rig.nmt.state == "PRE-OPERATIONAL"
 
 
@@ -67,10 +68,10 @@ def test_life_guarding(rig):
     rig.write(0x100D, 0, 2, 1)
     rig.start()
     assert rig.guard() == OPERATIONAL
-    error = rig.node.emcy.wait(0x8130, 5.0)
-    assert error is not None and error.register == 0x11
-    assert rig.guard() & 0x7F == PRE_OPERATIONAL
-    assert rig.node.emcy.wait(0x0000, 5.0) is not None
+    assert rig.emergency(0x8130).register == 0x11
+    rig.request(0x73F)
+    assert rig.tap.data(0x73F)[0] & 0x7F == PRE_OPERATIONAL
+    assert rig.emergency(0x0000).register == 0
 
 
 def test_heartbeat_producer(rig):
@@ -93,10 +94,7 @@ def test_heartbeat_consumer(rig):
     for _ in range(4):
         rig.send(0x707, b"\x05")
         rig.barrier()
-    sent = rig.tap
-    sent.forget()
-    error = rig.node.emcy.wait(0x8130, 5.0)
-    assert error is not None
+    error = rig.emergency(0x8130)
     assert (error.register, error.data) == (0x11, bytes(5))
     assert rig.guard() & 0x7F == PRE_OPERATIONAL
     assert rig.read(0x1003, 0) == 1
@@ -109,16 +107,15 @@ def test_error_behaviour(rig, reaction, state):
     rig.write(0x1016, 2, 20 | 9 << 16, 4)
     rig.start()
     rig.send(0x709, b"\x05")
-    assert rig.tap.data(0x0BF)[:3] == bytes.fromhex("308111")
+    assert rig.emergency(0x8130).register == 0x11
     assert rig.guard() & 0x7F == state
 
 
 def test_emergency_of_a_sync_with_a_wrong_length(rig):
     rig.send(0x080, b"\x01")
-    error = rig.node.emcy.wait(0x8240, 5.0)
-    assert error is not None
+    rig.emergency(0x8240)
     rig.network.sync.transmit()
-    assert rig.node.emcy.wait(0x0000, 5.0) is not None
+    rig.emergency(0x0000)
     assert rig.read(0x1001) == 0
     rig.write(0x1003, 0, 0, 1)
     assert rig.read(0x1003, 0) == 0

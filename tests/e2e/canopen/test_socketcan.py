@@ -1,0 +1,159 @@
+# SPDX-License-Identifier: MIT
+"""What only SocketCAN has: can-utils beside the client, a flooded bus, 127 nodes in a process."""
+import signal
+import struct
+import subprocess
+import time
+
+import can
+import pytest
+from can_rig import MODEL, PATIENCE_S, WIRE, Encoder, Lines, Tap, open_bus
+
+FLOOD_S = 20.0
+NODES = range(1, 128)
+
+
+def cansend(frame: str):
+    subprocess.run(["cansend", WIRE, frame], check=True, timeout=PATIENCE_S)
+
+
+@pytest.fixture
+def background():
+    """Start programs that run beside the test; ended by their process."""
+    running = []
+
+    def begin(*arguments) -> subprocess.Popen:
+        running.append(subprocess.Popen(arguments, stdin=subprocess.DEVNULL,
+                                        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL))
+        return running[-1]
+
+    yield begin
+    for process in running:
+        if process.poll() is None:
+            process.send_signal(signal.SIGINT)
+        process.wait(PATIENCE_S)
+        process.stdout.close()
+
+
+@pytest.fixture
+def candump(background):
+    """Lines of candump, once it is known to see the bus."""
+    lines = Lines(background("stdbuf", "-oL", "candump", "-L", WIRE).stdout)
+    deadline = time.monotonic() + PATIENCE_S
+    seen = []
+    while not seen:
+        assert time.monotonic() < deadline
+        cansend("7DF#")
+        seen = lines.so_far()
+    return lines
+
+
+def wait_for(lines: Lines, frame: str) -> str:
+    line = lines.wait()
+    while frame not in line:
+        line = lines.wait()
+    return line
+
+
+def test_candump_sees_the_boot_up(candump, start):
+    start()
+    wait_for(candump, f" {WIRE} 73F#00")
+
+
+def test_cansend_is_a_master(candump, start):
+    start()
+    wait_for(candump, "73F#00")
+    cansend("000#013F")
+    wait_for(candump, "1BF#00000000")
+    wait_for(candump, "3BF#0000")
+    wait_for(candump, "4BF#00000000C084")
+    cansend("080#")
+    wait_for(candump, "2BF#00000000")
+    cansend("1BF#R")
+    wait_for(candump, "1BF#00000000")
+    cansend("63F#4000100000000000")
+    wait_for(candump, "5BF#4300100096010200")
+    cansend("000#813F")
+    wait_for(candump, "73F#00")
+
+
+def test_encoder_waits_for_no_client(start):
+    rig = start()
+    rig.barrier()
+    rig.connect()
+    rig.use(63)
+    rig.barrier()
+
+
+def test_flooded_bus(background, rig):
+    """Frames the encoder does not listen to, and SYNCs it answers, as fast as they can be sent."""
+    rig.start()
+    rig.disconnect()
+    floods = [background("cangen", WIRE, "-g", "0", "-i", "-I", "555", "-L", "8"),
+              background("cangen", WIRE, "-g", "0", "-i", "-I", "080", "-L", "0")]
+    request = can.Message(arbitration_id=0x63F, data=bytes.fromhex("4000100000000000"),
+                          is_extended_id=False)
+    answers = 0
+    begin = time.monotonic()
+    with can.Bus(interface="socketcan", channel=WIRE,
+                 can_filters=[{"can_id": 0x5BF, "can_mask": 0x7FF}]) as bus:
+        while time.monotonic() - begin < FLOOD_S:
+            bus.send(request, timeout=PATIENCE_S)
+            answer = bus.recv(PATIENCE_S)
+            assert answer is not None, f"no answer after {answers} answers"
+            assert bytes(answer.data) == bytes.fromhex("4300100096010200")
+            answers += 1
+    assert all(flood.poll() is None for flood in floods)
+    assert answers > 100
+
+
+@pytest.fixture
+def nodes():
+    """127 encoders in one process, and everything they say."""
+    tap = Tap()
+    with open_bus(WIRE, 0) as bus:
+        notifier = can.Notifier(bus, [tap], 0.05)
+        encoder = Encoder([MODEL, "--can", WIRE, "--node", "1..127", "--quiet"])
+        ready = [encoder.ready_line] + [encoder.out.wait() for _ in NODES[1:]]
+        assert sorted(ready) == sorted(f"ready {MODEL} can:{WIRE}/{node}" for node in NODES)
+        yield bus, tap, encoder
+        notifier.stop()
+    assert encoder.clean_up() == []
+
+
+def send(bus, can_id: int, data: bytes = b""):
+    bus.send(can.Message(arbitration_id=can_id, data=data, is_extended_id=False), PATIENCE_S)
+
+
+def collect(tap: Tap, can_ids) -> dict:
+    """The first frame of each of these CAN-IDs."""
+    missing, found = set(can_ids), {}
+    deadline = time.monotonic() + PATIENCE_S
+    with tap.arrived:
+        while missing:
+            while tap.frames:
+                frame = tap.frames.popleft()
+                if frame.arbitration_id in missing and not frame.is_remote_frame:
+                    missing.remove(frame.arbitration_id)
+                    found[frame.arbitration_id] = bytes(frame.data)
+            if missing and not tap.arrived.wait(max(0.0, deadline - time.monotonic())):
+                raise AssertionError(f"nothing from {sorted(map(hex, missing))}")
+    return found
+
+
+def test_127_nodes_answer(nodes):
+    bus, tap, encoder = nodes
+    assert set(collect(tap, [0x700 + node for node in NODES]).values()) == {b"\x00"}
+    for node in NODES:
+        send(bus, 0x600 + node, bytes.fromhex("40 0B 10 00 00 00 00 00"))
+    answers = collect(tap, [0x580 + node for node in NODES])
+    assert answers == {0x580 + node: bytes.fromhex("43 0B 10 00") + struct.pack("<I", node)
+                       for node in NODES}
+    send(bus, 0x000, bytes([0x01, 0x00]))
+    collect(tap, [0x180 + node for node in NODES] + [0x480 + node for node in NODES])
+    for _ in range(10):
+        send(bus, 0x080)
+        assert set(collect(tap, [0x280 + node for node in NODES]).values()) == {bytes(4)}
+    send(bus, 0x000, bytes([0x81, 0x40]))
+    assert tap.data(0x740) == b"\x00"
+    assert encoder.alive()
