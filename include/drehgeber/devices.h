@@ -8,6 +8,7 @@
 
 #include <stddef.h>
 
+#include "drehgeber/biss.h"
 #include "drehgeber/hiperface.h"
 
 #ifdef __cplusplus
@@ -17,6 +18,7 @@ extern "C" {
 /** Which stack a model runs, and so which member of dg_device.model is valid. */
 enum dg_device_stack {
     DG_STACK_HIPERFACE,
+    DG_STACK_BISS,
 };
 
 /** A model as it can be ordered. */
@@ -26,6 +28,7 @@ struct dg_device {
     const char *resolution; /**< in words, e.g. "2048 x 32 steps, 4096 turns" */
     enum dg_device_stack stack;
     const struct dg_hf_model *hiperface; /**< for DG_STACK_HIPERFACE */
+    const struct dg_biss_model *biss;    /**< for DG_STACK_BISS */
 };
 
 /** All models, in the order they are listed. */

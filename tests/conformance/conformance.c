@@ -86,6 +86,7 @@ int main(int argc, char **argv)
         int (*run)(void);
     } suites[] = {
         {"hiperface", cf_hiperface, prove},
+        {"biss", cf_biss, prove},
         {"selftest", cf_hiperface, expect_fail},
     };
     int result = 2;
@@ -98,7 +99,7 @@ int main(int argc, char **argv)
         }
     }
     if (result == 2) {
-        (void)fprintf(stderr, "usage: conformance hiperface|selftest CLAUSES ROWS\n");
+        (void)fprintf(stderr, "usage: conformance hiperface|biss|selftest CLAUSES ROWS\n");
     }
     return result;
 }

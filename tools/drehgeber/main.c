@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <unistd.h>
 
+#include "biss.h"
 #include "drehgeber/drehgeber.h"
 #include "options.h"
 #include "run.h"
@@ -36,6 +37,10 @@ static void help(void)
         "\n"
         "  drehgeber list                          the models\n"
         "  drehgeber run MODEL [WIRE] [OPTIONS]    be that encoder\n"
+        "  drehgeber biss MODEL ACTION [OPTIONS]   ask a BiSS encoder over a simulated wire;\n"
+        "                                          ACTION, one or more: read,\n"
+        "                                          registers [BANK:]ADDR N, eds,\n"
+        "                                          write [BANK:]ADDR BYTES, command N\n"
         "\n"
         " Models:\n",
         stdout);
@@ -49,6 +54,8 @@ static void help(void)
                  "\n KEY=VALUE:\n",
                  lx_shaft_forms);
     lx_settings_help(&defaults, stdout);
+    (void)fputs("\n KEY=VALUE of BiSS encoders, beside those from temperature on:\n", stdout);
+    biss_settings_help(stdout);
     (void)fputs("\n Exit status: 0 after SIGTERM or SIGINT, 2 for a wrong command line, 1 for the "
                 "rest.\n",
                 stdout);
@@ -63,8 +70,33 @@ static int flushed(void)
     return EXIT_OTHER;
 }
 
+/* Whether the wire that was asked for, if any, is one of this model. */
+static bool wire_fits(const struct options *options, const struct dg_device *device)
+{
+    if (device == NULL || options->wire == NULL || options->wire->stack == device->stack) {
+        return true; /* an unknown model is refused where its name is needed */
+    }
+    lx_complain("--%s is no wire of %s; right is %s", options->wire->name, options->model,
+                device->stack == DG_STACK_BISS ? "--sim" : "--pty[=LINK] or --tty DEV");
+    return false;
+}
+
+static int run(const struct options *options, const struct dg_device *device)
+{
+    const bool biss = device != NULL && device->stack == DG_STACK_BISS;
+    if (!biss && options->trace != NULL) {
+        lx_complain("--trace %s: only BiSS encoders have a trace", options->trace);
+        return EXIT_USAGE;
+    }
+    return biss ? biss_run(options) : run_encoder(options);
+}
+
 static int act(const struct options *options)
 {
+    const struct dg_device *device = options->model == NULL ? NULL : dg_device_find(options->model);
+    if (!wire_fits(options, device)) {
+        return EXIT_USAGE;
+    }
     switch (options->command) {
     case COMMAND_LIST:
         list_models("");
@@ -76,7 +108,9 @@ static int act(const struct options *options)
         (void)printf("drehgeber %s\n", dg_version());
         return flushed();
     case COMMAND_RUN:
-        return run_encoder(options);
+        return run(options, device);
+    case COMMAND_BISS:
+        return biss_command(options);
     case COMMAND_NONE: /* refused by options_parse() */
         break;
     }

@@ -12,6 +12,8 @@ enum key {
     KEY_QUIET = 'q',
     KEY_PTY = 256,
     KEY_TTY,
+    KEY_SIM,
+    KEY_TRACE,
     KEY_NVM,
     KEY_SERIAL,
     KEY_SET,
@@ -19,23 +21,38 @@ enum key {
 };
 
 static const struct wire wires[] = {
-    {"pty", KEY_PTY, lx_pty_open},
-    {"tty", KEY_TTY, lx_tty_open},
+    {"pty", KEY_PTY, DG_STACK_HIPERFACE, lx_pty_open},
+    {"tty", KEY_TTY, DG_STACK_HIPERFACE, lx_tty_open},
+    {"sim", KEY_SIM, DG_STACK_BISS, NULL},
 };
 #define WIRE_COUNT (sizeof wires / sizeof wires[0])
 
 const struct wire *const options_default_wire = &wires[0];
+
+static const struct {
+    const char *name;
+    enum command command;
+} commands[] = {
+    {"list", COMMAND_LIST},
+    {"run", COMMAND_RUN},
+    {"biss", COMMAND_BISS},
+};
+#define COMMAND_COUNT (sizeof commands / sizeof commands[0])
+#define RIGHT                                                                                      \
+    "'drehgeber list', 'drehgeber run MODEL [WIRE] [OPTIONS]' or 'drehgeber biss MODEL ACTION'"
 
 /* clang-format off */
 static const struct argp_option table[] = {
     {.doc = "Wires (one of them):", .group = 1},
     {.name = "pty",     .key = KEY_PTY,     .arg = "LINK",      .flags = OPTION_ARG_OPTIONAL, .doc = "a pseudo-terminal, and a symbolic link to it while it runs (default)"},
     {.name = "tty",     .key = KEY_TTY,     .arg = "DEV",       .doc = "a serial port; data rate and parity are the encoder's own"},
+    {.name = "sim",     .key = KEY_SIM,     .doc = "BiSS on a simulated wire with a master that reads positions (default)"},
     {.doc = "Options:", .group = 2},
     {.name = "nvm",     .key = KEY_NVM,     .arg = "FILE",      .doc = "keep the EEPROM in FILE, made when it does not exist (default: forgotten at the end)"},
     {.name = "serial",  .key = KEY_SERIAL,  .arg = "N",         .doc = "serial number, up to 9 digits"},
     {.name = "shaft",   .key = KEY_SHAFT,   .arg = "MOTION",    .doc = "what the shaft does, see below (default: 0)"},
     {.name = "set",     .key = KEY_SET,     .arg = "KEY=VALUE", .doc = "see below; may be given again"},
+    {.name = "trace",   .key = KEY_TRACE,   .arg = "FILE.vcd",  .doc = "BiSS: write MA and SLO as a value change dump"},
     {.name = "quiet",   .key = KEY_QUIET,                       .doc = "no notes on stderr, only complaints"},
     {.name = "help",    .key = KEY_HELP,                        .doc = "this text"},
     {.name = "version", .key = KEY_VERSION,                     .doc = "the version"},
@@ -66,7 +83,8 @@ static error_t take_wire(struct options *self, int key, const char *value)
             continue;
         }
         if (self->wire != NULL) {
-            return fail(self, "more than one wire: --", wires[i].name, "give one of --pty, --tty");
+            return fail(self, "more than one wire: --", wires[i].name,
+                        "give one of --pty, --tty, --sim");
         }
         self->wire = &wires[i];
         self->where = value;
@@ -74,22 +92,24 @@ static error_t take_wire(struct options *self, int key, const char *value)
     return 0;
 }
 
-static error_t take_argument(struct options *self, unsigned index, const char *value)
+static error_t take_argument(struct options *self, unsigned index, char *value)
 {
-    if (index == 0 && strcmp(value, "list") == 0) {
-        self->command = COMMAND_LIST;
-    } else if (index == 0 && strcmp(value, "run") == 0) {
-        self->command = COMMAND_RUN;
-    } else if (index == 0) {
-        return fail(self, "unknown command ", value,
-                    "right is 'drehgeber list' or 'drehgeber run MODEL [WIRE] [OPTIONS]'");
-    } else if (index == 1 && self->command == COMMAND_RUN) {
-        self->model = value;
-    } else {
-        return fail(self, "superfluous argument ", value,
-                    "right is 'drehgeber list' or 'drehgeber run MODEL [WIRE] [OPTIONS]'");
+    for (size_t i = 0; index == 0 && i < COMMAND_COUNT; i++) {
+        if (strcmp(value, commands[i].name) == 0) {
+            self->command = commands[i].command;
+            return 0;
+        }
     }
-    return 0;
+    if (index == 1 && self->command != COMMAND_LIST) {
+        self->model = value;
+        return 0;
+    }
+    if (index > 1 && self->command == COMMAND_BISS) {
+        self->words[self->word_count++] = value;
+        return 0;
+    }
+    return fail(self, index == 0 ? "unknown command " : "superfluous argument ", value,
+                "right is " RIGHT);
 }
 
 static error_t take_option(struct options *self, int key, const char *value)
@@ -106,6 +126,9 @@ static error_t take_option(struct options *self, int key, const char *value)
         return 0;
     case KEY_SHAFT:
         self->shaft = value;
+        return 0;
+    case KEY_TRACE:
+        self->trace = value;
         return 0;
     case KEY_QUIET:
         self->say.quiet = true;
@@ -165,10 +188,12 @@ static int explain_culprit(struct options *self)
 {
     const struct argp_option *row = row_of(self->culprit);
     if (row == NULL) {
-        return lx_fail(&self->error,
-                       "unknown option %s; valid: --pty[=LINK] --tty DEV --nvm FILE --serial N "
-                       "--shaft MOTION --set KEY=VALUE --quiet --help --version",
-                       self->culprit);
+        return lx_fail(
+            &self->error,
+            "unknown option %s; valid: --pty[=LINK] --tty DEV --sim --nvm FILE --serial N "
+            "--shaft MOTION --set KEY=VALUE --trace FILE.vcd --quiet --help "
+            "--version",
+            self->culprit);
     }
     if (row->arg == NULL) {
         return lx_fail(&self->error, "%s: --%s takes no value", self->culprit, row->name);
@@ -180,8 +205,8 @@ static int explain_culprit(struct options *self)
 static int check_command(struct options *self)
 {
     if (self->command == COMMAND_NONE) {
-        return lx_fail(&self->error, "no command; right is 'drehgeber list', 'drehgeber run MODEL "
-                                     "[WIRE] [OPTIONS]' or 'drehgeber --help'");
+        return lx_fail(&self->error,
+                       "no command; right is " RIGHT ", 'drehgeber --help' says more");
     }
     if (self->command == COMMAND_LIST && self->option != NULL) {
         return lx_fail(&self->error, "list takes no option --%s; right is 'drehgeber list'",
@@ -194,7 +219,8 @@ int options_parse(struct options *self, int argc, char **argv)
 {
     *self = (struct options){.command = COMMAND_NONE};
     self->sets = calloc((size_t)argc + 1, sizeof *self->sets);
-    if (self->sets == NULL) {
+    self->words = calloc((size_t)argc + 1, sizeof *self->words);
+    if (self->sets == NULL || self->words == NULL) {
         return lx_fail(&self->error, "no memory");
     }
     const unsigned flags = ARGP_NO_HELP | ARGP_NO_ERRS | ARGP_NO_EXIT;
@@ -209,4 +235,6 @@ void options_free(struct options *self)
 {
     free(self->sets);
     self->sets = NULL;
+    free(self->words);
+    self->words = NULL;
 }

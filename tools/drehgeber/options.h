@@ -9,6 +9,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "drehgeber/devices.h"
 #include "encoder.h"
 #include "say.h"
 
@@ -17,6 +18,7 @@ enum command {
     COMMAND_NONE,
     COMMAND_LIST,
     COMMAND_RUN,
+    COMMAND_BISS,
     COMMAND_HELP,
     COMMAND_VERSION,
 };
@@ -25,7 +27,8 @@ enum command {
 struct wire {
     const char *name; /* as in "ready MODEL WIRE:ADDRESS" */
     int option;       /* key in the option table */
-    lx_serial_open *open;
+    enum dg_device_stack stack;
+    lx_serial_open *open; /* for DG_STACK_HIPERFACE */
 };
 
 struct options {
@@ -36,6 +39,9 @@ struct options {
     const char *nvm;
     const char *serial;
     const char *shaft;
+    const char *trace;
+    char **words; /* owned; what `biss MODEL` is to do, as many as argc at most */
+    size_t word_count;
     const char **sets; /* owned; as many as argc at most */
     size_t set_count;
     struct lx_say say;
