@@ -8,6 +8,7 @@
 
 #include <stddef.h>
 
+#include "drehgeber/biss.h"
 #include "drehgeber/cia406.h"
 #include "drehgeber/hiperface.h"
 
@@ -18,6 +19,7 @@ extern "C" {
 /** Which stack a model runs, and so which of its pointers in struct dg_device is set. */
 enum dg_device_stack {
     DG_STACK_HIPERFACE,
+    DG_STACK_BISS,
     DG_STACK_CANOPEN,
 };
 
@@ -28,6 +30,7 @@ struct dg_device {
     const char *resolution; /**< in words, e.g. "2048 periods x 32 steps, 4096 turns" */
     enum dg_device_stack stack;
     const struct dg_hf_model *hiperface;  /**< for DG_STACK_HIPERFACE */
+    const struct dg_biss_model *biss;     /**< for DG_STACK_BISS */
     const struct dg_cia406_model *cia406; /**< for DG_STACK_CANOPEN */
 };
 

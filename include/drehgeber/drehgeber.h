@@ -8,6 +8,7 @@
 #define DREHGEBER_DREHGEBER_H
 
 #include "drehgeber/angle.h"
+#include "drehgeber/biss.h"
 #include "drehgeber/bits.h"
 #include "drehgeber/canopen.h"
 #include "drehgeber/cia406.h"

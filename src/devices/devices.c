@@ -27,15 +27,26 @@ static const struct dg_hf_model s3684_rs485 = {
     .designation = "S3684 RS485+SinCos",
 };
 
+/* What both S36 share: manual 5.2.1.3, EDS; times of a serial EEPROM are chosen. */
+#define S36_BISS                                                                                   \
+    .singleturn_bits = 21, .life_counter = true, .serial = 123456789,                              \
+    .device_id = {0x04, 0x00, 0xC0, 0x00, 0x00, 0x00}, .eeprom_read = DG_US(100),                  \
+    .eeprom_write = DG_MS(5), .init = DG_MS(100)
+
+static const struct dg_biss_model s3674_biss = {S36_BISS, .multiturn_bits = 0};
+static const struct dg_biss_model s3684_biss = {S36_BISS, .multiturn_bits = 12};
+
 static const struct dg_cia406_model f3658 = {.turns = 1, .device = &dg_cia406_singleturn};
 static const struct dg_cia406_model f3668 = {.turns = 4096, .device = &dg_cia406_multiturn};
 
 /* clang-format off */
 const struct dg_device dg_devices[] = {
-    {"s3674-rs485", "RS485 + SinCos (HIPERFACE-compatible)", "2048 periods x 32 steps, singleturn", DG_STACK_HIPERFACE, &s3674_rs485, NULL},
-    {"s3684-rs485", "RS485 + SinCos (HIPERFACE-compatible)", "2048 periods x 32 steps, 4096 turns", DG_STACK_HIPERFACE, &s3684_rs485, NULL},
-    {"f3658", "CANopen (CiA 406)", "65536 steps, singleturn", DG_STACK_CANOPEN, NULL, &f3658},
-    {"f3668", "CANopen (CiA 406)", "65536 steps, 4096 turns", DG_STACK_CANOPEN, NULL, &f3668},
+    {"s3674-rs485", "RS485 + SinCos (HIPERFACE-compatible)", "2048 periods x 32 steps, singleturn", DG_STACK_HIPERFACE, &s3674_rs485, NULL, NULL},
+    {"s3684-rs485", "RS485 + SinCos (HIPERFACE-compatible)", "2048 periods x 32 steps, 4096 turns", DG_STACK_HIPERFACE, &s3684_rs485, NULL, NULL},
+    {"s3674-biss", "BiSS-C", "21 bit, singleturn", DG_STACK_BISS, NULL, &s3674_biss, NULL},
+    {"s3684-biss", "BiSS-C", "21 bit, 4096 turns", DG_STACK_BISS, NULL, &s3684_biss, NULL},
+    {"f3658", "CANopen (CiA 406)", "65536 steps, singleturn", DG_STACK_CANOPEN, NULL, NULL, &f3658},
+    {"f3668", "CANopen (CiA 406)", "65536 steps, 4096 turns", DG_STACK_CANOPEN, NULL, NULL, &f3668},
 };
 /* clang-format on */
 

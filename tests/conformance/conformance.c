@@ -86,6 +86,7 @@ int main(int argc, char **argv)
         int (*run)(void);
     } suites[] = {
         {"hiperface", cf_hiperface, prove},
+        {"biss", cf_biss, prove},
         {"selftest", cf_hiperface, expect_fail},
         {"canopen", cf_canopen, prove},
         {"canopen-selftest", cf_canopen, expect_fail},
@@ -101,7 +102,7 @@ int main(int argc, char **argv)
     }
     if (result == 2) {
         (void)fprintf(stderr, "usage: conformance %s CLAUSES ROWS\n",
-                      "hiperface|selftest|canopen|canopen-selftest");
+                      "hiperface|selftest|biss|canopen|canopen-selftest");
     }
     return result;
 }

@@ -15,9 +15,10 @@ ALLOWED = {
     "core":      set(),
     "motion":    {"core"},
     "hiperface": {"core"},
+    "biss":      {"core"},
     "canopen":   {"core"},
     "cia406":    {"core", "canopen"},
-    "devices":   {"core", "hiperface", "cia406"},
+    "devices":   {"core", "hiperface", "biss", "cia406"},
 }
 # public header: the folder that implements it
 OWNER = {
@@ -30,6 +31,7 @@ OWNER = {
     "world.h":     "core",
     "motion.h":    "motion",
     "hiperface.h": "hiperface",
+    "biss.h":      "biss",
     "canopen.h":   "canopen",
     "cia406.h":    "cia406",
     "devices.h":   "devices",

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <unistd.h>
 
+#include "biss.h"
 #include "drehgeber/drehgeber.h"
 #include "eds.h"
 #include "options.h"
@@ -38,6 +39,10 @@ static void help(void)
         "  drehgeber list                          the models\n"
         "  drehgeber run MODEL [WIRE] [OPTIONS]    be that encoder\n"
         "  drehgeber eds MODEL                     the EDS file of a CANopen encoder\n"
+        "  drehgeber biss MODEL ACTION [OPTIONS]   ask a BiSS encoder over a simulated wire;\n"
+        "                                          ACTION, one or more: read,\n"
+        "                                          registers [BANK:]ADDR N, eds,\n"
+        "                                          write [BANK:]ADDR BYTES, command N\n"
         "\n"
         " Models:\n",
         stdout);
@@ -52,7 +57,10 @@ static void help(void)
                  lx_shaft_forms);
     lx_settings_help(&defaults, stdout);
     (void)fputs("  (factory) is burnt into a new --nvm file; an existing one has to agree.\n"
-                "\n Exit status: 0 after SIGTERM or SIGINT, 2 for a wrong command line, 1 for the "
+                "\n KEY=VALUE of BiSS encoders, beside those from temperature on:\n",
+                stdout);
+    biss_settings_help(stdout);
+    (void)fputs("\n Exit status: 0 after SIGTERM or SIGINT, 2 for a wrong command line, 1 for the "
                 "rest.\n",
                 stdout);
 }
@@ -77,8 +85,34 @@ static int eds(const struct options *options)
     return flushed();
 }
 
+/* Whether the wire that was asked for, if any, is one of this model. */
+static bool wire_fits(const struct options *options, const struct dg_device *device)
+{
+    struct lx_error error;
+    if (device == NULL || options->wire == NULL ||
+        options_wire(options, device->stack, &error) != NULL) {
+        return true; /* an unknown model is refused where its name is needed */
+    }
+    lx_complain("%s", error.text);
+    return false;
+}
+
+static int run(const struct options *options, const struct dg_device *device)
+{
+    const bool biss = device != NULL && device->stack == DG_STACK_BISS;
+    if (!biss && options->trace != NULL) {
+        lx_complain("--trace %s: only BiSS encoders have a trace", options->trace);
+        return EXIT_USAGE;
+    }
+    return biss ? biss_run(options) : run_encoder(options);
+}
+
 static int act(const struct options *options)
 {
+    const struct dg_device *device = options->model == NULL ? NULL : dg_device_find(options->model);
+    if (!wire_fits(options, device)) {
+        return EXIT_USAGE;
+    }
     switch (options->command) {
     case COMMAND_LIST:
         list_models("");
@@ -92,7 +126,9 @@ static int act(const struct options *options)
     case COMMAND_EDS:
         return eds(options);
     case COMMAND_RUN:
-        return run_encoder(options);
+        return run(options, device);
+    case COMMAND_BISS:
+        return biss_command(options);
     case COMMAND_NONE: /* refused by options_parse() */
         break;
     }

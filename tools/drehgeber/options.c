@@ -15,6 +15,8 @@ enum key {
     KEY_CAN,
     KEY_SLCAN,
     KEY_NODE,
+    KEY_SIM,
+    KEY_TRACE,
     KEY_NVM,
     KEY_SERIAL,
     KEY_SET,
@@ -24,6 +26,7 @@ enum key {
 static const struct wire wires[] = {
     {"pty", KEY_PTY, DG_STACK_HIPERFACE, lx_pty_open, NULL},
     {"tty", KEY_TTY, DG_STACK_HIPERFACE, lx_tty_open, NULL},
+    {"sim", KEY_SIM, DG_STACK_BISS, NULL, NULL},
     {"can", KEY_CAN, DG_STACK_CANOPEN, NULL, lx_can_socket_open},
     {"slcan", KEY_SLCAN, DG_STACK_CANOPEN, NULL, lx_slcan_open},
 };
@@ -36,13 +39,17 @@ static const struct {
     {"list", COMMAND_LIST},
     {"run", COMMAND_RUN},
     {"eds", COMMAND_EDS},
+    {"biss", COMMAND_BISS},
 };
 #define COMMAND_COUNT (sizeof commands / sizeof commands[0])
-#define RIGHT "'drehgeber list', 'drehgeber run MODEL [WIRE] [OPTIONS]' or 'drehgeber eds MODEL'"
+#define RIGHT                                                                                      \
+    "'drehgeber list', 'drehgeber run MODEL [WIRE] [OPTIONS]', 'drehgeber eds MODEL' or "          \
+    "'drehgeber biss MODEL ACTION'"
 
 /* By enum dg_device_stack. */
 static const char *const wires_of[] = {
     [DG_STACK_HIPERFACE] = "--pty[=LINK] or --tty DEV",
+    [DG_STACK_BISS] = "--sim",
     [DG_STACK_CANOPEN] = "--can IFNAME or --slcan[=LINK]",
 };
 
@@ -51,6 +58,7 @@ static const struct argp_option table[] = {
     {.doc = "Wires (one of them):", .group = 1},
     {.name = "pty",     .key = KEY_PTY,     .arg = "LINK",      .flags = OPTION_ARG_OPTIONAL, .doc = "RS485 on a pseudo-terminal, and a symbolic link to it while it runs (default)"},
     {.name = "tty",     .key = KEY_TTY,     .arg = "DEV",       .doc = "RS485 on a serial port; data rate and parity are the encoder's own"},
+    {.name = "sim",     .key = KEY_SIM,     .doc = "BiSS on a simulated wire with a master that reads positions (default)"},
     {.name = "can",     .key = KEY_CAN,     .arg = "IFNAME",    .doc = "CAN on a network interface (SocketCAN)"},
     {.name = "slcan",   .key = KEY_SLCAN,   .arg = "LINK",      .flags = OPTION_ARG_OPTIONAL, .doc = "CAN behind an SLCAN adapter on a pseudo-terminal (default where the kernel has no CAN)"},
     {.doc = "Options:", .group = 2},
@@ -59,6 +67,7 @@ static const struct argp_option table[] = {
     {.name = "node",    .key = KEY_NODE,    .arg = "N[..M]",    .doc = "CANopen node-ID (default: 63), or several; each has its own EEPROM FILE.N"},
     {.name = "shaft",   .key = KEY_SHAFT,   .arg = "MOTION",    .doc = "what the shaft does, see below (default: 0)"},
     {.name = "set",     .key = KEY_SET,     .arg = "KEY=VALUE", .doc = "see below; may be given again"},
+    {.name = "trace",   .key = KEY_TRACE,   .arg = "FILE.vcd",  .doc = "BiSS: write MA and SLO as a value change dump"},
     {.name = "quiet",   .key = KEY_QUIET,                       .doc = "no notes on stderr, only complaints"},
     {.name = "help",    .key = KEY_HELP,                        .doc = "this text"},
     {.name = "version", .key = KEY_VERSION,                     .doc = "the version"},
@@ -90,7 +99,7 @@ static error_t take_wire(struct options *self, int key, const char *value)
         }
         if (self->wire != NULL) {
             return fail(self, "more than one wire: --", wires[i].name,
-                        "give one of --pty, --tty, --can, --slcan");
+                        "give one of --pty, --tty, --sim, --can, --slcan");
         }
         self->wire = &wires[i];
         self->where = value;
@@ -98,7 +107,7 @@ static error_t take_wire(struct options *self, int key, const char *value)
     return 0;
 }
 
-static error_t take_argument(struct options *self, unsigned index, const char *value)
+static error_t take_argument(struct options *self, unsigned index, char *value)
 {
     for (size_t i = 0; index == 0 && i < COMMAND_COUNT; i++) {
         if (strcmp(value, commands[i].name) == 0) {
@@ -108,6 +117,10 @@ static error_t take_argument(struct options *self, unsigned index, const char *v
     }
     if (index == 1 && self->command != COMMAND_LIST) {
         self->model = value;
+        return 0;
+    }
+    if (index > 1 && self->command == COMMAND_BISS) {
+        self->words[self->word_count++] = value;
         return 0;
     }
     return fail(self, index == 0 ? "unknown command " : "superfluous argument ", value,
@@ -131,6 +144,9 @@ static error_t take_option(struct options *self, int key, const char *value)
         return 0;
     case KEY_SHAFT:
         self->shaft = value;
+        return 0;
+    case KEY_TRACE:
+        self->trace = value;
         return 0;
     case KEY_QUIET:
         self->say.quiet = true;
@@ -191,9 +207,9 @@ static int explain_culprit(struct options *self)
     const struct argp_option *row = row_of(self->culprit);
     if (row == NULL) {
         return lx_fail(&self->error,
-                       "unknown option %s; valid: --pty[=LINK] --tty DEV --can IFNAME "
+                       "unknown option %s; valid: --pty[=LINK] --tty DEV --sim --can IFNAME "
                        "--slcan[=LINK] --nvm FILE --serial N --node N[..M] --shaft MOTION --set "
-                       "KEY=VALUE --quiet --help --version",
+                       "KEY=VALUE --trace FILE.vcd --quiet --help --version",
                        self->culprit);
     }
     if (row->arg == NULL) {
@@ -224,7 +240,8 @@ int options_parse(struct options *self, int argc, char **argv)
 {
     *self = (struct options){.command = COMMAND_NONE};
     self->sets = calloc((size_t)argc + 1, sizeof *self->sets);
-    if (self->sets == NULL) {
+    self->words = calloc((size_t)argc + 1, sizeof *self->words);
+    if (self->sets == NULL || self->words == NULL) {
         return lx_fail(&self->error, "no memory");
     }
     const unsigned flags = ARGP_NO_HELP | ARGP_NO_ERRS | ARGP_NO_EXIT;
@@ -258,4 +275,6 @@ void options_free(struct options *self)
 {
     free(self->sets);
     self->sets = NULL;
+    free(self->words);
+    self->words = NULL;
 }

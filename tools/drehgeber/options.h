@@ -20,6 +20,7 @@ enum command {
     COMMAND_LIST,
     COMMAND_RUN,
     COMMAND_EDS,
+    COMMAND_BISS,
     COMMAND_HELP,
     COMMAND_VERSION,
 };
@@ -42,6 +43,9 @@ struct options {
     const char *serial;
     const char *node;
     const char *shaft;
+    const char *trace;
+    char **words; /* owned; what `biss MODEL` is to do, as many as argc at most */
+    size_t word_count;
     const char **sets; /* owned; as many as argc at most */
     size_t set_count;
     struct lx_say say;

@@ -1,0 +1,318 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * Kübler Sendix S36 with BiSS-C: one slave, edge for edge. Source: manual R67057.0002, chapter 5.2,
+ * and the BiSS C protocol description Rev C6; what they leave open is decided in
+ * src/biss/README.md, 'Inaccuracies and choices'.
+ *
+ * Levels and time go in, levels come out:
+ *
+ *   MA   ¯|_|¯|_|¯|_|¯|_|¯|_|¯ ... ¯|_|¯|_________|¯
+ *         e1  e2  eS                  CDM inverted
+ *   SLO  ¯¯¯¯¯|___|¯|CDS|D D D ... C C|_______|¯¯¯
+ *         ^ position latched                  ^ timeout: CDM is read, registers are accessed
+ *
+ * The host calls dg_biss_ma() for every edge of MA and dg_biss_step() at the moment that it
+ * returned; a host that cannot be on time calls late, the result is the same. Several slaves on one
+ * line are a struct dg_biss_chain. A host whose hardware shifts whole frames uses dg_biss_frame()
+ * and dg_biss_frame_end() instead.
+ *
+ * All state lives in the caller's struct dg_biss; any number can live side by side. Nothing here
+ * blocks except the memory's operations.
+ */
+#ifndef DREHGEBER_BISS_H
+#define DREHGEBER_BISS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "drehgeber/hal.h"
+#include "drehgeber/store.h"
+#include "drehgeber/time.h"
+#include "drehgeber/world.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Silence on MA that ends a frame (5.2.1.2), and the short one chosen by 7Ch bits 2..0 (1..7). */
+#define DG_BISS_TIMEOUT_NS ((dg_ns)13000)
+#define DG_BISS_TIMEOUT_S_NS ((dg_ns)1300)
+/** Longest delay of the start bit, and longest register access (protocol description, table 2). */
+#define DG_BISS_BUSY_S_MAX_NS ((dg_ns)40000)
+#define DG_BISS_BUSY_R_MAX_NS ((dg_ns)20000000)
+/** Frames with CDM = 0 before a control frame; as many abort one (5.2.2). */
+#define DG_BISS_ZEROS 14u
+/** Most slaves with an ID of their own (5.2.2). */
+#define DG_BISS_CHAIN_MAX 8u
+/** Bytes a bank has, and the user banks (5.2.1.3). */
+#define DG_BISS_BANK_SIZE 64u
+#define DG_BISS_BANK_USER_FIRST 7u
+#define DG_BISS_BANK_USER_LAST 31u
+
+/** Limits behind the error register. */
+#define DG_BISS_LED_MAX_UA 30000u
+#define DG_BISS_AMPLITUDE_MIN_PERMILLE 600u
+#define DG_BISS_AMPLITUDE_MAX_PERMILLE 1400u
+#define DG_BISS_OFFSET_MAX_PERMILLE 100
+#define DG_BISS_TEMPERATURE_MIN_MDEGC (-40000)
+#define DG_BISS_TEMPERATURE_MAX_MDEGC 120000
+
+/**
+ * Bits of the error register 69h (5.2.3), each with its cause in struct dg_world. A bit is set
+ * while its cause lasts, no longer. nERR is low while 69h & EMASK is not 0, nWARN while 69h & WMASK
+ * is not.
+ */
+enum dg_biss_error {
+    DG_BISS_CONTROL = 0x01,       /**< led_current_ua above DG_BISS_LED_MAX_UA */
+    DG_BISS_SIGNAL = 0x02,        /**< a sin/cos amplitude or offset outside its limits */
+    DG_BISS_TEMPERATURE = 0x04,   /**< temperature_mdegc outside its limits; monitored, and shown in
+                                       69h, only while EMASK or WMASK has this bit */
+    DG_BISS_SYNC = 0x08,          /**< multiturn_sync_ok is false */
+    DG_BISS_CONFIGURATION = 0x10, /**< eeprom_acknowledges is false, or a region is damaged */
+    DG_BISS_INTERPOLATION = 0x20, /**< singleturn_ok is false */
+    DG_BISS_ABSOLUTE = 0x40,      /**< multiturn_amplitude_ok or multiturn_vector_ok is false */
+    DG_BISS_SYSTEM = 0x80,        /**< watchdog_fired, or the simulated error of command 05 */
+};
+
+/** EMASK (22h) and WMASK (23h) as delivered: no temperature monitoring, no warnings. */
+#define DG_BISS_EMASK_DEFAULT 0xFBu
+#define DG_BISS_WMASK_DEFAULT 0x00u
+
+/** Bits of the status, 60h read. */
+enum dg_biss_status {
+    DG_BISS_STATUS_INIT = 0x80,  /**< initialising; only 60h can be read, nothing written */
+    DG_BISS_STATUS_ERR = 0x40,   /**< nERR is low */
+    DG_BISS_STATUS_WARN = 0x20,  /**< nWARN is low */
+    DG_BISS_STATUS_BUSY = 0x04,  /**< the EEPROM is working */
+    DG_BISS_STATUS_VALID = 0x01, /**< position valid: not initialising, 69h bits 3, 5, 6 are 0 */
+};
+
+/** Commands, 60h written; other values do nothing. */
+enum dg_biss_command {
+    DG_BISS_NEW_POSITION = 0x00, /**< acquire the absolute position anew; nothing to see */
+    DG_BISS_STORE = 0x01,        /**< bank 0 into the EEPROM */
+    DG_BISS_SOFT_RESET = 0x03,   /**< as power-on, bus level excepted */
+    DG_BISS_CHECK = 0x04,        /**< verify the EEPROM anew, see DG_BISS_CONFIGURATION */
+    DG_BISS_SIMULATE = 0x05,     /**< set the simulated error */
+    DG_BISS_CLEAR = 0x06,        /**< clear the simulated error */
+};
+
+/** EEPROM regions; the row of dg_biss_layout.regions with the same index. */
+enum dg_biss_region {
+    DG_BISS_REGION_CONFIG, /**< "config": bank 0, 1Bh..23h */
+    DG_BISS_REGION_USER,   /**< "user7", then "user8" .. "user31": 64 bytes each */
+    DG_BISS_REGION_COUNT =
+        DG_BISS_REGION_USER + DG_BISS_BANK_USER_LAST - DG_BISS_BANK_USER_FIRST + 1
+};
+
+/** The device's EEPROM table; each region is checked. */
+extern const struct dg_store_layout dg_biss_layout;
+
+/** What a model is. Every figure is configuration; src/devices has the models of the manual. */
+struct dg_biss_model {
+    uint8_t multiturn_bits;  /**< MT, 0..24 */
+    uint8_t singleturn_bits; /**< ST, 12..23 */
+    bool life_counter;       /**< the frame has the 6 bits LC */
+    bool autostore;          /**< each write to 1Bh..23h goes to the EEPROM at once */
+    uint32_t serial;         /**< 44h..47h */
+    uint8_t device_id[6];    /**< 78h..7Dh; MT, ST and timeout in it are filled in by the device */
+    dg_ns busy;              /**< from e1 to the earliest start bit, 0..DG_BISS_BUSY_S_MAX_NS */
+    dg_ns eeprom_read;       /**< before each byte of a user bank is there, or accepted */
+    dg_ns eeprom_write;      /**< after a byte was written, before the EEPROM takes another access;
+                                  with eeprom_read at most DG_BISS_BUSY_R_MAX_NS */
+    dg_ns init;              /**< after power-on and soft reset: position 0, nERR and nWARN low,
+                                  registers refused except for reading 60h (PON_DLY) */
+};
+
+/** What a device is made of. Everything pointed to must outlive the device. */
+struct dg_biss_setup {
+    const struct dg_biss_model *model;
+    const struct dg_world *world;
+    struct dg_nvm nvm;
+};
+
+/** Things nobody has to act on; they only count up. */
+struct dg_biss_counters {
+    uint32_t frames;   /**< rising edges e1 */
+    uint32_t reads;    /**< registers read */
+    uint32_t writes;   /**< registers written */
+    uint32_t refused;  /**< accesses answered with an inverted W */
+    uint32_t damaged;  /**< control frames with a bad CRC */
+    uint32_t commands; /**< commands executed */
+};
+
+/** What the line automaton is doing. */
+enum dg_biss_line_state {
+    DG_BISS_OFF,    /**< no power */
+    DG_BISS_IDLE,   /**< the next rising edge is e1 */
+    DG_BISS_ACK,    /**< e1 has been, the next one is e2 */
+    DG_BISS_WAIT,   /**< SLO is low until the start bit */
+    DG_BISS_CDS,    /**< the start bit is on the line */
+    DG_BISS_DATA,   /**< the data is shifted out, what is on SLI behind it */
+    DG_BISS_RETURN, /**< timeout with MA low: the next rising edge returns to idle */
+};
+
+/** The line. */
+struct dg_biss_line {
+    dg_ns deadline; /**< end of the timeout, or DG_NEVER */
+    dg_ns last;     /**< latest `now` */
+    dg_ns start;    /**< the last slave's start bit is not before this */
+    uint64_t shift; /**< bit `length` of it is on SLO */
+    enum dg_biss_line_state state;
+    uint8_t length; /**< of the data in bits */
+    bool ma;        /**< level of MA */
+    bool slo;       /**< own level of SLO; see dg_biss_slo() */
+    bool is_last;   /**< SLI was low at e1: this slave makes the start bit */
+};
+
+/** What the control frame automaton waits for: the CDM bit of which frame. */
+enum dg_biss_control_state {
+    DG_BISS_CONTROL_IDLE,    /**< 14 zeros */
+    DG_BISS_CONTROL_READY,   /**< S (k = 0) */
+    DG_BISS_CONTROL_ADDRESS, /**< CTS, ID or IDS, ADR or CMD, CRC (1..15) */
+    DG_BISS_CONTROL_R,       /**< (16) */
+    DG_BISS_CONTROL_W,       /**< (17) */
+    DG_BISS_CONTROL_S,       /**< (18), and S of a further byte (32) */
+    DG_BISS_CONTROL_BUSY,    /**< S again, the register is not ready (19) */
+    DG_BISS_CONTROL_DATA,    /**< data, CRC, P (19..31) */
+    DG_BISS_CONTROL_SELECT,  /**< S of a command (16) */
+    DG_BISS_CONTROL_EXECUTE, /**< up to EX (17 or 17..24) */
+    DG_BISS_CONTROL_STATE_COUNT
+};
+
+/** A control frame. */
+struct dg_biss_control {
+    dg_ns ready;    /**< the EEPROM works until then */
+    uint16_t shift; /**< what was collected in this state */
+    enum dg_biss_control_state state;
+    uint8_t count;   /**< bits collected in this state */
+    uint8_t zeros;   /**< CDM = 0 in a row, at most DG_BISS_ZEROS */
+    uint8_t id;      /**< own one in this control frame, DG_BISS_NO_ID without */
+    uint8_t address; /**< of the register */
+    uint8_t command; /**< 0..3 */
+    bool r;
+    bool w;
+    bool addressed; /**< the command is for selected slaves */
+    bool mine;      /**< this slave is one of them */
+    bool refused;   /**< the (next) register */
+    bool cds;       /**< to be sent in the next frame */
+};
+
+/** dg_biss_control.id of a slave that got none. */
+#define DG_BISS_NO_ID 0xFFu
+
+/**
+ * A device. Caller-owned plain data without pointers into itself: it can be copied, compared and
+ * replayed. The fields are readable for tests and displays; only this module writes them.
+ */
+struct dg_biss {
+    struct dg_biss_setup setup;
+    struct dg_store store;
+    struct dg_biss_counters counters;
+    struct dg_biss_line line;
+    struct dg_biss_control control;
+    uint64_t position;      /**< MT:ST as latched last, right-aligned */
+    dg_ns ready_at;         /**< end of the initialisation */
+    uint8_t config[9];      /**< bank 0, 1Bh..23h, in force */
+    uint8_t bank;           /**< 40h */
+    uint8_t timeout;        /**< 7Ch bits 2..0 */
+    uint8_t life;           /**< LC as sent last, 68h */
+    bool started;           /**< a frame has been sent since the start */
+    bool mounted;           /**< the EEPROM could be read at the start */
+    bool simulated;         /**< simulated error */
+    bool channel_off;       /**< no data in the frame (broadcast command 00) */
+    bool communication_off; /**< takes no ID (addressed command 01) */
+};
+
+/** Slaves on one line. slave[0] is nearest to the master; SLI of the last one is low. */
+struct dg_biss_chain {
+    struct dg_biss *slave[DG_BISS_CHAIN_MAX];
+    uint8_t count; /**< 1..DG_BISS_CHAIN_MAX */
+};
+
+/**
+ * Burn the delivery state into a memory: offsets 0, masks as delivered, user banks FFh.
+ * @return 0 or DG_ERR_IO
+ */
+int dg_biss_format(struct dg_nvm nvm);
+
+/**
+ * Make a device, without power. The memory is not touched.
+ * @return 0 or DG_ERR_ARGUMENT (a pointer is missing, a figure is out of range)
+ */
+int dg_biss_init(struct dg_biss *self, const struct dg_biss_setup *setup);
+
+/**
+ * Switch the power on at `now`, MA and SLO high; the device is ready after model->init. Also from
+ * the powered state: a power cycle. A new start of the life counter, all banks and masks as stored.
+ * @return 0, also with damaged regions or a silent EEPROM (DG_BISS_CONFIGURATION, bank 0 as
+ *         delivered). DG_ERR_BLANK or DG_ERR_FOREIGN: not this device's memory; it stays off.
+ */
+int dg_biss_power_on(struct dg_biss *self, dg_ns now);
+
+/** Switch the power off. SLO is high; what was not stored is lost. */
+void dg_biss_power_off(struct dg_biss *self);
+
+/**
+ * MA is at `level` from `now` on; the same level again is no edge. Point to point: SLI is low.
+ * A timeout that ended at or before `now` comes first.
+ * @return the level of SLO
+ */
+bool dg_biss_ma(struct dg_biss *self, dg_ns now, bool level);
+
+/** The same with a neighbour: `sli` is the level of SLI before this edge. */
+bool dg_biss_link(struct dg_biss *self, dg_ns now, bool level, bool sli);
+
+/**
+ * Do what is due at `now`: the end of the timeout. May be called early (nothing happens) or late
+ * (the access happens as of the deadline).
+ * @return when to call again; DG_NEVER when only an edge can change anything
+ */
+dg_ns dg_biss_step(struct dg_biss *self, dg_ns now);
+
+/** Level of SLO. A slave that is not the last one passes `sli` on while it is idle. */
+bool dg_biss_slo(const struct dg_biss *self, bool sli);
+
+/** dg_biss_ma() for a chain. @return the level of the master's SL, the first slave's SLO */
+bool dg_biss_chain_ma(struct dg_biss_chain *self, dg_ns now, bool level);
+
+/** dg_biss_step() for a chain. */
+dg_ns dg_biss_chain_step(struct dg_biss_chain *self, dg_ns now);
+
+/** The master's SL. */
+bool dg_biss_chain_slo(const struct dg_biss_chain *self);
+
+/**
+ * A whole frame at once, point to point, for hosts whose hardware does the shifting: latch at
+ * `latch` (e1) and give what follows the start bit, which is not due before model->busy after it.
+ * To be followed by dg_biss_frame_end(); not to be mixed with dg_biss_ma() inside a frame.
+ * @param bits CDS, MT, ST, nERR, nWARN, LC, ~CRC6, right-aligned
+ * @return number of bits, 1..62; 0 without power
+ */
+uint8_t dg_biss_frame(struct dg_biss *self, dg_ns latch, uint64_t *bits);
+
+/** The timeout of that frame ended at `now`; the master sent `cdm` (MA low: 1). */
+void dg_biss_frame_end(struct dg_biss *self, dg_ns now, bool cdm);
+
+/**
+ * Position at `now`, MT:ST right-aligned, as a frame has it: counts of the angle, minus OFFS,
+ * negated with DIR, modulo its width. OFFS_ST is left-aligned in 26 bits, what is below the
+ * resolution is dropped; a borrow goes into MT. Regardless of errors and initialisation.
+ */
+uint64_t dg_biss_position(const struct dg_biss *self, dg_ns now);
+
+/** The error register 69h as it reads now. */
+uint8_t dg_biss_errors(const struct dg_biss *self);
+
+/** CRC6 (43h) over the last `n` bits of `bits`, as sent: inverted. @param n 0..64 */
+uint8_t dg_biss_crc6(uint64_t bits, uint8_t n);
+
+/** CRC4 (13h) over the last `n` bits of `bits`, as sent: inverted. @param n 0..64 */
+uint8_t dg_biss_crc4(uint64_t bits, uint8_t n);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,122 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The EEPROM of the device, and its start: everything in force is read at power-on.
+ */
+#include <string.h>
+
+#include "slave.h"
+
+static void default_config(const void *ctx, uint8_t *out)
+{
+    (void)ctx;
+    memset(out, 0, BISS_CONFIG_SIZE);
+    out[BISS_EMASK] = DG_BISS_EMASK_DEFAULT;
+    out[BISS_WMASK] = DG_BISS_WMASK_DEFAULT;
+}
+
+#define USER(name)                                                                                 \
+    {                                                                                              \
+        name, DG_BISS_BANK_SIZE, DG_STORE_CHECKED, DG_BISS_CONFIGURATION, NULL                     \
+    }
+
+/* clang-format off */
+/* name, size, check, error bit its damage raises (5.2.3), delivery state */
+static const struct dg_store_region regions[] = {
+    {"config", BISS_CONFIG_SIZE, DG_STORE_CHECKED, DG_BISS_CONFIGURATION, default_config},
+    USER("user7"),  USER("user8"),  USER("user9"),  USER("user10"), USER("user11"),
+    USER("user12"), USER("user13"), USER("user14"), USER("user15"), USER("user16"),
+    USER("user17"), USER("user18"), USER("user19"), USER("user20"), USER("user21"),
+    USER("user22"), USER("user23"), USER("user24"), USER("user25"), USER("user26"),
+    USER("user27"), USER("user28"), USER("user29"), USER("user30"), USER("user31"),
+};
+/* clang-format on */
+
+_Static_assert(sizeof regions / sizeof regions[0] == DG_BISS_REGION_COUNT, "a region a bank");
+
+/* The longest commit is a bank. */
+const struct dg_store_layout dg_biss_layout = {
+    .id = 0x42495331u,
+    .journal_size = 6u + DG_BISS_BANK_SIZE,
+    .region_count = DG_BISS_REGION_COUNT,
+    .regions = regions,
+};
+
+static bool model_ok(const struct dg_biss_model *model)
+{
+    return model->multiturn_bits <= 24 && model->singleturn_bits >= 12 &&
+           model->singleturn_bits <= 23 && model->busy <= DG_BISS_BUSY_S_MAX_NS &&
+           model->eeprom_read <= DG_BISS_BUSY_R_MAX_NS &&
+           model->eeprom_write <= DG_BISS_BUSY_R_MAX_NS - model->eeprom_read;
+}
+
+int dg_biss_format(struct dg_nvm nvm)
+{
+    return dg_store_format(&dg_biss_layout, nvm, NULL);
+}
+
+int dg_biss_init(struct dg_biss *self, const struct dg_biss_setup *setup)
+{
+    if (setup->model == NULL || setup->world == NULL || setup->world->angle == NULL ||
+        setup->nvm.ops == NULL || !model_ok(setup->model)) {
+        return DG_ERR_ARGUMENT;
+    }
+    *self = (struct dg_biss){
+        .setup = *setup,
+        .line = {.deadline = DG_NEVER, .ma = true, .slo = true, .is_last = true},
+    };
+    return DG_OK;
+}
+
+bool dg_biss_eeprom(const struct dg_biss *self)
+{
+    return self->mounted && self->setup.world->eeprom_acknowledges;
+}
+
+int dg_biss_restart(struct dg_biss *self, dg_ns now)
+{
+    int result = DG_ERR_IO;
+
+    self->control = (struct dg_biss_control){.id = DG_BISS_NO_ID};
+    self->position = 0;
+    self->ready_at = dg_after(now, self->setup.model->init);
+    self->bank = 0;
+    self->timeout = 0;
+    self->life = 0;
+    self->started = false;
+    self->simulated = false;
+    self->channel_off = false;
+    self->communication_off = false;
+    default_config(NULL, self->config);
+    if (self->setup.world->eeprom_acknowledges) {
+        result = dg_store_mount(&self->store, &dg_biss_layout, self->setup.nvm);
+    }
+    self->mounted = result == DG_OK;
+    if (!self->mounted) {
+        self->store.damaged = 0; /* nothing is known of it */
+        return result;
+    }
+    if (dg_store_damaged(&self->store, DG_BISS_REGION_CONFIG) ||
+        dg_store_read(&self->store, DG_BISS_REGION_CONFIG, 0, self->config, BISS_CONFIG_SIZE) !=
+            DG_OK) {
+        default_config(NULL, self->config);
+    }
+    return DG_OK;
+}
+
+int dg_biss_power_on(struct dg_biss *self, dg_ns now)
+{
+    dg_biss_power_off(self);
+    const int result = dg_biss_restart(self, now);
+    if (result == DG_ERR_BLANK || result == DG_ERR_FOREIGN) {
+        return result;
+    }
+    self->line.state = DG_BISS_IDLE;
+    self->line.last = now;
+    return DG_OK;
+}
+
+void dg_biss_power_off(struct dg_biss *self)
+{
+    self->line = (struct dg_biss_line){
+        .deadline = DG_NEVER, .ma = true, .slo = true, .is_last = true, .last = self->line.last};
+}

@@ -1,0 +1,127 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What the encoder senses: position (5.2.2.1, 5.2.2.2), error register (5.2.3), and the frame's
+ * data made of them (5.2.1.2).
+ */
+#include "slave.h"
+
+#define OFFSET_ST_BITS 26u
+#define STATE_BITS 2u
+#define LIFE_BITS 6u
+#define CRC_BITS 6u
+#define LIFE_MAX 63u
+
+static uint64_t mask(uint8_t bits)
+{
+    return ((uint64_t)1 << bits) - 1u;
+}
+
+/* OFFS_MT:OFFS_ST in counts of the position. */
+static uint64_t offset_counts(const struct dg_biss *self)
+{
+    const uint8_t *config = self->config;
+    const uint32_t st = (uint32_t)config[3] << 18 | (uint32_t)config[2] << 10 |
+                        (uint32_t)config[1] << 2 | (uint32_t)config[0] >> 6;
+    const uint32_t mt = (uint32_t)config[6] << 16 | (uint32_t)config[5] << 8 | config[4];
+    const uint8_t st_bits = self->setup.model->singleturn_bits;
+
+    return (uint64_t)mt << st_bits | st >> (OFFSET_ST_BITS - st_bits);
+}
+
+uint64_t dg_biss_position(const struct dg_biss *self, dg_ns now)
+{
+    const struct dg_biss_model *model = self->setup.model;
+    const dg_angle angle = dg_world_angle(self->setup.world, now);
+    const int64_t raw = dg_angle_counts(angle, (uint32_t)1 << model->singleturn_bits);
+    const uint64_t position = (uint64_t)raw - offset_counts(self);
+    const bool reverse = (self->config[BISS_DIR] & BISS_DIR_BIT) != 0;
+
+    return (reverse ? 0u - position : position) &
+           mask((uint8_t)(model->multiturn_bits + model->singleturn_bits));
+}
+
+static bool amplitude_ok(uint16_t permille)
+{
+    return permille >= DG_BISS_AMPLITUDE_MIN_PERMILLE && permille <= DG_BISS_AMPLITUDE_MAX_PERMILLE;
+}
+
+static bool offset_ok(int16_t permille)
+{
+    return permille >= -DG_BISS_OFFSET_MAX_PERMILLE && permille <= DG_BISS_OFFSET_MAX_PERMILLE;
+}
+
+static bool signal_ok(const struct dg_world *world)
+{
+    return amplitude_ok(world->sin_amplitude_permille) &&
+           amplitude_ok(world->cos_amplitude_permille) && offset_ok(world->sin_offset_permille) &&
+           offset_ok(world->cos_offset_permille);
+}
+
+static bool temperature_ok(const struct dg_biss *self)
+{
+    const int32_t mdegc = self->setup.world->temperature_mdegc;
+    const uint8_t monitored = self->config[BISS_EMASK] | self->config[BISS_WMASK];
+
+    return (monitored & DG_BISS_TEMPERATURE) == 0 ||
+           (mdegc >= DG_BISS_TEMPERATURE_MIN_MDEGC && mdegc <= DG_BISS_TEMPERATURE_MAX_MDEGC);
+}
+
+uint8_t dg_biss_errors(const struct dg_biss *self)
+{
+    const struct dg_world *world = self->setup.world;
+    const bool present[8] = {
+        world->led_current_ua > DG_BISS_LED_MAX_UA,
+        !signal_ok(world),
+        !temperature_ok(self),
+        !world->multiturn_sync_ok,
+        !dg_biss_eeprom(self) || self->store.damaged != 0,
+        !world->singleturn_ok,
+        !world->multiturn_amplitude_ok || !world->multiturn_vector_ok,
+        world->watchdog_fired || self->simulated,
+    };
+    uint8_t errors = 0;
+
+    for (uint8_t bit = 0; bit < sizeof present / sizeof present[0]; bit++) {
+        errors |= (uint8_t)((uint8_t)present[bit] << bit);
+    }
+    return errors;
+}
+
+bool dg_biss_initialising(const struct dg_biss *self, dg_ns now)
+{
+    return now < self->ready_at;
+}
+
+/* 0 only in the first frame after the start. */
+static void count_life(struct dg_biss *self)
+{
+    if (self->started) {
+        self->life = self->life == LIFE_MAX ? 1 : (uint8_t)(self->life + 1u);
+    }
+    self->started = true;
+}
+
+uint8_t dg_biss_latch(struct dg_biss *self, dg_ns now, uint64_t *bits)
+{
+    const struct dg_biss_model *model = self->setup.model;
+    const bool ready = !dg_biss_initialising(self, now);
+    const uint8_t errors = dg_biss_errors(self);
+    const bool n_err = ready && (errors & self->config[BISS_EMASK]) == 0;
+    const bool n_warn = ready && (errors & self->config[BISS_WMASK]) == 0;
+    uint8_t n = dg_biss_position_bits(model);
+
+    count_life(self);
+    self->counters.frames++;
+    self->position = ready ? dg_biss_position(self, now) : 0;
+    if (self->channel_off) {
+        *bits = 0;
+        return 0;
+    }
+    uint64_t data = self->position << STATE_BITS | (uint64_t)n_err << 1 | n_warn;
+    if (model->life_counter) {
+        data = data << LIFE_BITS | self->life;
+        n = (uint8_t)(n + LIFE_BITS);
+    }
+    *bits = data << CRC_BITS | dg_biss_crc6(data, n);
+    return (uint8_t)(n + CRC_BITS);
+}

@@ -1,0 +1,78 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * Inside of the S36 BiSS slave: what its files share.
+ */
+#ifndef DREHGEBER_SRC_BISS_SLAVE_H
+#define DREHGEBER_SRC_BISS_SLAVE_H
+
+#include "drehgeber/biss.h"
+
+/** The part of the address space that 40h banks, and the end of each part (5.2.2.3). */
+#define BISS_WINDOW_END 0x3Fu
+#define BISS_ADDRESS_END 0x7Fu
+/** Bank 0 as far as it is implemented. */
+#define BISS_CONFIG_FIRST 0x1Bu
+#define BISS_CONFIG_LAST 0x23u
+#define BISS_CONFIG_SIZE (BISS_CONFIG_LAST - BISS_CONFIG_FIRST + 1u)
+/** Places in dg_biss.config. */
+#define BISS_DIR 0u
+#define BISS_EMASK (0x22u - BISS_CONFIG_FIRST)
+#define BISS_WMASK (0x23u - BISS_CONFIG_FIRST)
+#define BISS_DIR_BIT 0x04u
+
+/** What can be done with a register. */
+enum biss_access {
+    BISS_READ = 1,
+    BISS_WRITE = 2,
+    BISS_EEPROM = 4, /**< takes its time */
+};
+
+/** Reads the register `offset` places behind the first of its row; `now` is the end of the timeout.
+ * @return DG_OK, or anything else when there is no value */
+typedef int biss_read(struct dg_biss *self, dg_ns now, uint8_t offset, uint8_t *value);
+/** Writes it. @return DG_OK, or anything else when it is not there */
+typedef int biss_write(struct dg_biss *self, dg_ns now, uint8_t offset, uint8_t value);
+
+/** A row of the register table: addresses of one kind in a range of banks. */
+struct biss_register {
+    uint8_t bank_first; /**< banks mean nothing from 40h on */
+    uint8_t bank_last;
+    uint8_t first;
+    uint8_t last;
+    uint8_t access; /**< enum biss_access */
+    biss_read *read;
+    biss_write *write;
+};
+
+/** registers.c */
+extern const struct biss_register dg_biss_registers[];
+extern const uint8_t dg_biss_register_count;
+/** Row of an address in a bank, or NULL: not implemented. */
+const struct biss_register *dg_biss_register(uint8_t bank, uint8_t address);
+/** The row when the access is possible now, or NULL: refused. */
+const struct biss_register *dg_biss_permitted(const struct dg_biss *self, dg_ns now,
+                                              uint8_t address, bool write);
+
+/** eds.c: byte `offset` of a bank. */
+uint8_t dg_biss_eds_common(const struct dg_biss_model *model, uint8_t offset);
+uint8_t dg_biss_eds_profile(const struct dg_biss_model *model, uint8_t offset);
+/** MT, ST, nERR and nWARN in bits. */
+uint8_t dg_biss_position_bits(const struct dg_biss_model *model);
+
+/** factory.c */
+/** Everything but line, counters and setup begins anew at `now`. @return dg_store_mount()'s */
+int dg_biss_restart(struct dg_biss *self, dg_ns now);
+/** The EEPROM can be used. */
+bool dg_biss_eeprom(const struct dg_biss *self);
+
+/** sense.c: latch the position. @return number of data bits, put into `bits` */
+uint8_t dg_biss_latch(struct dg_biss *self, dg_ns now, uint64_t *bits);
+bool dg_biss_initialising(const struct dg_biss *self, dg_ns now);
+
+/** control.c: the CDS bit of this frame; `sli` is the neighbour's. Takes the ID, if it is due. */
+bool dg_biss_cds(struct dg_biss *self, bool sli);
+/** The timeout of a frame ended at `now`. */
+void dg_biss_cdm(struct dg_biss *self, dg_ns now, bool cdm);
+
+#endif

@@ -1,0 +1,489 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Steps of the S36 with BiSS: frames and control frames, in virtual time. The table at the end
+ * lists all steps; biss.rows explains them. Everything goes over MA and SL, through the reference
+ * master; at the end of every row each frame it saw must have been a good one.
+ */
+#include <stdlib.h>
+#include <string.h>
+
+#include "biss_bench.h"
+
+#define BITS_MAX 1000u
+
+static struct biss_bench bench;
+
+typedef bool step_fn(struct biss_bench *b, char **words, size_t n, struct cf_report *report);
+
+/* --- lines and frames ---------------------------------------------------------------------- */
+
+/* Joins words[from..to) to one string of bits. */
+static void join(char *bits, char **words, size_t from, size_t to)
+{
+    size_t at = 0;
+
+    for (size_t i = from; i < to; i++) {
+        for (const char *c = words[i]; *c != '\0' && at < BITS_MAX; c++) {
+            bits[at++] = *c;
+        }
+    }
+    bits[at] = '\0';
+}
+
+static size_t find_equals(char **words, size_t n)
+{
+    size_t i = 1;
+
+    while (i < n && strcmp(words[i], "=") != 0) {
+        i++;
+    }
+    return i;
+}
+
+/* Equal where `want` is not x. */
+static bool bits_match(const char *want, const char *got)
+{
+    while (*want != '\0' && *got != '\0' && (*want == 'x' || *want == *got)) {
+        want++;
+        got++;
+    }
+    return *want == *got;
+}
+
+/* ma LEVELS = LEVELS: one edge each, half a period apart; SL behind each */
+static bool step_ma(struct biss_bench *b, char **words, size_t n, struct cf_report *report)
+{
+    size_t equals = find_equals(words, n);
+    char levels[BITS_MAX + 1];
+    char want[BITS_MAX + 1];
+
+    join(levels, words, 1, equals);
+    join(want, words, equals + 1, n);
+    for (char *c = levels; *c != '\0'; c++) {
+        *c = biss_master_edge(&b->master, *c == '1') ? '1' : '0';
+    }
+    return bits_match(want, levels) ||
+           cf_fail(report, "SL: expected %s\n    got          %s", want, levels);
+}
+
+/* sl L [T]: level of SL, after T without an edge */
+static bool step_sl(struct biss_bench *b, char **words, size_t n, struct cf_report *report)
+{
+    bool want = n > 1 && words[1][0] == '1';
+
+    biss_bench_wait(b, n == 3 ? biss_bench_span(words[2]) : 0);
+    return b->master.sl == want || cf_fail(report, "SL is %d", b->master.sl ? 1 : 0);
+}
+
+/* frame CDM = BITS: CDS and all data bits */
+static bool step_frame(struct biss_bench *b, char **words, size_t n, struct cf_report *report)
+{
+    size_t equals = find_equals(words, n);
+    char want[BITS_MAX + 1];
+    char got[BITS_MAX + 1];
+
+    biss_master_frame(&b->master, &b->frame, n > 1 && words[1][0] == '1');
+    join(want, words, equals + 1, n);
+    (void)snprintf(got, sizeof got, "%d%s", b->frame.cds ? 1 : 0, b->frame.bits);
+    return bits_match(want, got) ||
+           cf_fail(report, "frame: expected %s\n    got             %s", want, got);
+}
+
+/* A slave's word against POSITION:nERRnWARN[:LC[:CRC]], hexadecimal, * for anything, `latch` for
+ * the count at e1. */
+static bool word_matches(struct biss_bench *b, const struct biss_word *word, size_t slave,
+                         char *text)
+{
+    const unsigned st_bits = b->slaves[slave].model.singleturn_bits;
+    const unsigned bits = st_bits + b->slaves[slave].model.multiturn_bits;
+    uint64_t latched = (uint64_t)(biss_bench_angle(b, b->frame.latch) >> (32u - st_bits)) &
+                       (((uint64_t)1 << bits) - 1u);
+    const uint64_t got[4] = {word->position,
+                             (word->n_error ? 0x10u : 0u) | (word->n_warning ? 1u : 0u), word->lc,
+                             word->crc};
+    bool good = word->crc_good;
+
+    for (size_t i = 0; i < 4 && *text != '\0'; i++) {
+        size_t n = strcspn(text, ":");
+        uint64_t want = strncmp(text, "latch", n) == 0 ? latched : strtoull(text, NULL, 16);
+
+        good = good && (*text == '*' || want == got[i]);
+        text += text[n] == ':' ? n + 1 : n;
+    }
+    return good;
+}
+
+/* scd [@EDGE] WORD...: one frame with CDM = 0 */
+static bool step_scd(struct biss_bench *b, char **words, size_t n, struct cf_report *report)
+{
+    size_t first = n > 1 && words[1][0] == '@' ? 2 : 1;
+    const struct biss_frame *frame = &b->frame;
+
+    biss_master_frame(&b->master, &b->frame, false);
+    if (first == 2 && frame->start_edge != strtoul(words[1] + 1, NULL, 10)) {
+        return cf_fail(report, "start bit at e%u", frame->start_edge);
+    }
+    if (!frame->started || n - first != b->master.channel_count) {
+        return cf_fail(report, "%s", frame->started ? "one WORD per slave" : "no start bit");
+    }
+    for (size_t i = 0; i + first < n; i++) {
+        const struct biss_word *word = &frame->words[i];
+
+        if (!word_matches(b, word, i, words[first + i])) {
+            return cf_fail(report, "slave %zu: got %llX:%d%d:%02X:%02X, CRC %s", i,
+                           (unsigned long long)word->position, word->n_error ? 1 : 0,
+                           word->n_warning ? 1 : 0, word->lc, word->crc,
+                           word->crc_good ? "good" : "bad");
+        }
+    }
+    return true;
+}
+
+/* timeout MIN MAX: of the last `scd` or `frame` */
+static bool step_timeout(struct biss_bench *b, char **words, size_t n, struct cf_report *report)
+{
+    bool good = n == 3 && b->frame.timed_out && b->frame.timeout >= biss_bench_span(words[1]) &&
+                b->frame.timeout <= biss_bench_span(words[2]);
+
+    return good || cf_fail(report, "timeout: got %llu ns", (unsigned long long)b->frame.timeout);
+}
+
+/* bad N: of the frames so far, N were not good; they are forgiven */
+static bool step_bad(struct biss_bench *b, char **words, size_t n, struct cf_report *report)
+{
+    bool good = n == 2 && b->master.bad_frames == strtoul(words[1], NULL, 10);
+
+    if (!good) {
+        return cf_fail(report, "bad frames: got %u", b->master.bad_frames);
+    }
+    b->master.bad_frames = 0;
+    return true;
+}
+
+/* --- control frames ------------------------------------------------------------------------ */
+
+/* zeros N: frames with CDM = 0 */
+static bool step_zeros(struct biss_bench *b, char **words, size_t n, struct cf_report *report)
+{
+    for (unsigned long i = n == 2 ? strtoul(words[1], NULL, 10) : 0; i > 0; i--) {
+        struct biss_frame frame;
+
+        biss_master_frame(&b->master, &frame, false);
+    }
+    return n == 2 || cf_fail(report, "zeros N");
+}
+
+/* control CDM = CDS: one frame for each bit */
+static bool step_control(struct biss_bench *b, char **words, size_t n, struct cf_report *report)
+{
+    size_t equals = find_equals(words, n);
+    char cdm[BITS_MAX + 1];
+    char want[BITS_MAX + 1];
+
+    join(cdm, words, 1, equals);
+    join(want, words, equals + 1, n);
+    biss_master_record(&b->master);
+    biss_master_bits(&b->master, cdm);
+    return bits_match(want, b->master.cds) ||
+           cf_fail(report, "CDM %s:\n    expected %s\n    got      %s", cdm, want, b->master.cds);
+}
+
+/* word HEX = CDS: 14 zeros, S, and the 31 bits of an address word */
+static bool step_word(struct biss_bench *b, char **words, size_t n, struct cf_report *report)
+{
+    unsigned long value = n > 3 ? strtoul(words[1], NULL, 16) : 0;
+    char cdm[40] = "1";
+    char want[BITS_MAX + 1];
+
+    for (unsigned i = 0; i < 31; i++) {
+        cdm[1 + i] = (value >> (31u - i) & 1u) != 0 ? '1' : '0';
+    }
+    cdm[32] = '0'; /* no further byte */
+    cdm[33] = '\0';
+    join(want, words, 3, n);
+    biss_master_bits(&b->master, "00000000000000");
+    biss_master_record(&b->master);
+    biss_master_bits(&b->master, cdm);
+    return bits_match(want, b->master.cds) ||
+           cf_fail(report, "word: expected %s\n    got            %s", want, b->master.cds);
+}
+
+/* What an access must come to. */
+struct outcome {
+    uint8_t low[BISS_SEQUENCE_MAX]; /* a byte read may be within a range */
+    uint8_t high[BISS_SEQUENCE_MAX];
+    size_t n;
+    bool refused;
+    bool silent;
+    bool late;
+    bool stop;
+    bool any_stop;
+};
+
+static bool set_option(struct biss_access *access, const char *word)
+{
+    static const char *const names[] = {"id=", "flip=", "dflip=", "patience_us=", "more="};
+    const char *value = strchr(word, '=');
+    size_t i = 0;
+    unsigned long figure;
+
+    if (value == NULL || value[1] == '\0') {
+        return false;
+    }
+    figure = strtoul(value + 1, NULL, 16);
+    while (i < sizeof names / sizeof names[0] && strncmp(word, names[i], strlen(names[i])) != 0) {
+        i++;
+    }
+    access->id = i == 0 ? (uint8_t)figure : access->id;
+    access->address_flips = i == 1 ? (uint8_t)figure : access->address_flips;
+    access->data_flips = i == 2 ? (uint8_t)figure : access->data_flips;
+    access->patience = i == 3 ? DG_US(strtoul(value + 1, NULL, 10)) : access->patience;
+    access->n = i == 4 ? figure : access->n;
+    return i < sizeof names / sizeof names[0];
+}
+
+/* "4B", "1F..21", "FFx64", "*", "*x8" */
+static bool add_bytes(struct outcome *outcome, char *word)
+{
+    bool any = word[0] == '*';
+    char *rest = word + 1;
+    unsigned long low = any ? 0 : strtoul(word, &rest, 16);
+    unsigned long high = any ? 0xFF : low;
+    unsigned long times = 1;
+
+    if (strncmp(rest, "..", 2) == 0) {
+        high = strtoul(rest + 2, &rest, 16);
+    }
+    if (*rest == 'x') {
+        times = strtoul(rest + 1, &rest, 10);
+    }
+    if (rest == word || *rest != '\0' || outcome->n + times > BISS_SEQUENCE_MAX) {
+        return false;
+    }
+    memset(&outcome->low[outcome->n], (int)low, times);
+    memset(&outcome->high[outcome->n], (int)high, times);
+    outcome->n += times;
+    return true;
+}
+
+/* Keywords of the outcome. */
+static bool set_keyword(struct outcome *outcome, const char *word)
+{
+    const struct {
+        const char *name;
+        bool *flag;
+    } keywords[] = {
+        {"refused", &outcome->refused}, {"silent", &outcome->silent}, {"late", &outcome->late},
+        {"P", &outcome->stop},          {"anyP", &outcome->any_stop},
+    };
+
+    for (size_t i = 0; i < sizeof keywords / sizeof keywords[0]; i++) {
+        if (strcmp(word, keywords[i].name) == 0) {
+            *keywords[i].flag = true;
+            return true;
+        }
+    }
+    return false;
+}
+
+static bool parse_access(struct biss_access *access, struct outcome *outcome, char **words,
+                         size_t n)
+{
+    bool have_address = false;
+    bool good = true;
+
+    for (size_t i = 1; i < n && good; i++) {
+        if (set_option(access, words[i]) || set_keyword(outcome, words[i])) {
+            continue;
+        }
+        if (have_address) {
+            good = add_bytes(outcome, words[i]);
+        } else {
+            access->address = (uint8_t)strtoul(words[i], NULL, 16);
+            have_address = true;
+        }
+    }
+    access->n += outcome->n > 0 ? outcome->n : 1;
+    memcpy(access->data, outcome->low, sizeof access->data);
+    return good && have_address && access->n <= BISS_SEQUENCE_MAX;
+}
+
+static const char *check_bytes(const struct biss_access *got, const struct outcome *want)
+{
+    if (got->done != want->n) {
+        return "wrong length";
+    }
+    if (got->stop != want->stop && !want->any_stop) {
+        return "wrong P";
+    }
+    if (!got->crc_good) {
+        return "wrong CRC or echo";
+    }
+    for (size_t i = 0; i < want->n; i++) {
+        if (got->data[i] < want->low[i] || got->data[i] > want->high[i]) {
+            return "wrong data";
+        }
+    }
+    return NULL;
+}
+
+/* @return what is wrong, or NULL */
+static const char *check_access(const struct biss_bench *b, const struct outcome *want)
+{
+    const struct biss_access *got = &b->access;
+    bool refused = got->r == got->w;
+
+    if (want->silent) {
+        /* Nothing at all behind the ID locks. */
+        return strchr(b->master.cds + 10, '1') == NULL ? NULL : "not silent";
+    }
+    if (refused != want->refused || (refused && got->r == got->write)) {
+        return "wrong echo of RW";
+    }
+    if (want->late != got->late) {
+        return "start bit";
+    }
+    return refused || want->late ? NULL : check_bytes(got, want);
+}
+
+/* read|write [id=N] [flip=BITS] [dflip=BITS] [patience_us=N] [more=N] ADDRESS BYTES...
+ *     [P|anyP] [refused] [silent] [late] */
+static bool step_access(struct biss_bench *b, char **words, size_t n, struct cf_report *report)
+{
+    struct outcome want = {.n = 0};
+    const struct biss_access *got = &b->access;
+    const char *wrong;
+    char hex[4 * BISS_SEQUENCE_MAX] = "";
+
+    memset(&b->access, 0, sizeof b->access);
+    b->access.write = words[0][0] == 'w';
+    if (!parse_access(&b->access, &want, words, n)) {
+        return cf_fail(report, "read|write ADDRESS BYTES");
+    }
+    biss_master_access(&b->master, &b->access);
+    wrong = check_access(b, &want);
+    for (size_t i = 0; i < got->done; i++) {
+        (void)snprintf(hex + 3 * i, 4, " %02X", got->data[i]);
+    }
+    return wrong == NULL ||
+           cf_fail(report, "%s: RW %d%d, %zu bytes%s, P %d%s%s\n    CDM %s\n    CDS %s", wrong,
+                   got->r ? 1 : 0, got->w ? 1 : 0, got->done, hex, got->stop ? 1 : 0,
+                   got->crc_good ? "" : ", bad CRC", got->late ? ", late" : "", b->master.cdm,
+                   b->master.cds);
+}
+
+/* busy I MIN MAX: frames the start bit of byte I of the last access was late */
+static bool step_busy(struct biss_bench *b, char **words, size_t n, struct cf_report *report)
+{
+    unsigned long at = n == 4 ? strtoul(words[1], NULL, 10) % BISS_SEQUENCE_MAX : 0;
+
+    if (n != 4 || b->access.busy[at] < strtoul(words[2], NULL, 10) ||
+        b->access.busy[at] > strtoul(words[3], NULL, 10)) {
+        return cf_fail(report, "busy for %u frames", b->access.busy[at]);
+    }
+    return true;
+}
+
+/* idl HEX: ID locks of the last access */
+static bool step_idl(struct biss_bench *b, char **words, size_t n, struct cf_report *report)
+{
+    return (n == 2 && b->access.idl == strtoul(words[1], NULL, 16)) ||
+           cf_fail(report, "idl: got %03X", b->access.idl);
+}
+
+/* command [reduced] ids=HEX code=N [ex=0] [flip=HEX] = IDL IDA */
+static bool step_command(struct biss_bench *b, char **words, size_t n, struct cf_report *report)
+{
+    struct biss_command command = {.execute = true};
+    size_t equals = find_equals(words, n);
+
+    for (size_t i = 1; i < equals; i++) {
+        const char *value = strchr(words[i], '=');
+        unsigned long figure = value != NULL ? strtoul(value + 1, NULL, 16) : 0;
+
+        command.reduced = command.reduced || strcmp(words[i], "reduced") == 0;
+        command.execute = command.execute && strcmp(words[i], "ex=0") != 0;
+        command.ids = strncmp(words[i], "ids=", 4) == 0 ? (uint8_t)figure : command.ids;
+        command.code = strncmp(words[i], "code=", 5) == 0 ? (uint8_t)figure : command.code;
+        command.crc_flips =
+            strncmp(words[i], "flip=", 5) == 0 ? (uint8_t)figure : command.crc_flips;
+    }
+    biss_master_command(&b->master, &command);
+    if (n != equals + 3 || command.idl != strtoul(words[equals + 1], NULL, 16) ||
+        command.ida != strtoul(words[equals + 2], NULL, 16)) {
+        return cf_fail(report, "command: got IDL %03X IDA %02X\n    CDM %s\n    CDS %s",
+                       command.idl, command.ida, b->master.cdm, b->master.cds);
+    }
+    return true;
+}
+
+/* --- table --------------------------------------------------------------------------------- */
+
+/* clang-format off */
+static const struct {
+    const char *verb;
+    step_fn *run;
+    bool expects;
+} steps[] = {
+    {"given",   biss_bench_given,   false}, {"behind",  biss_bench_behind,  false}, {"power",  biss_bench_power,  false},
+    {"pos",     biss_bench_pos,     false}, {"rpm",     biss_bench_rpm,     false}, {"world",  biss_bench_world,  false},
+    {"wait",    biss_bench_after,    false}, {"damage",  biss_bench_damage,  false}, {"master", biss_bench_master, false},
+    {"zeros",   step_zeros,   false}, {"ma",      step_ma,      true},  {"sl",     step_sl,     true},
+    {"frame",   step_frame,   true},  {"scd",     step_scd,     true},  {"bad",    step_bad,    true},
+    {"timeout", step_timeout, true},  {"control", step_control, true},  {"word",   step_word,   true},
+    {"read",    step_access,  true},  {"write",   step_access,  true},  {"busy",   step_busy,   true},
+    {"idl",     step_idl,     true},  {"command", step_command, true},
+};
+/* clang-format on */
+
+static size_t find_step(const char *verb)
+{
+    size_t i = 0;
+
+    while (i < sizeof steps / sizeof steps[0] && strcmp(steps[i].verb, verb) != 0) {
+        i++;
+    }
+    return i;
+}
+
+static void begin(void *ctx)
+{
+    biss_bench_begin(ctx);
+}
+
+static bool run_step(void *ctx, char **words, size_t n, struct cf_report *report)
+{
+    struct biss_bench *b = ctx;
+    size_t i = find_step(words[0]);
+
+    if (i == sizeof steps / sizeof steps[0]) {
+        return cf_fail(report, "unknown step: %s", words[0]);
+    }
+    if (b->chain.count == 0 && steps[i].run != biss_bench_given) {
+        return cf_fail(report, "a row starts with `given`");
+    }
+    return steps[i].run(b, words, n, report);
+}
+
+static bool finish(void *ctx, struct cf_report *report)
+{
+    const struct biss_bench *b = ctx;
+
+    return b->master.bad_frames == 0 ||
+           cf_fail(report, "%u frames without Ack, start, stop or timeout, or with a bad CRC",
+                   b->master.bad_frames);
+}
+
+static bool expects(const char *verb)
+{
+    size_t i = find_step(verb);
+
+    return i < sizeof steps / sizeof steps[0] && steps[i].expects;
+}
+
+const struct cf_device *cf_biss(void)
+{
+    static const struct cf_device device = {&bench, begin, run_step, finish, expects};
+
+    return &device;
+}

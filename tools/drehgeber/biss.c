@@ -1,0 +1,364 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "biss.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+#include <systemd/sd-daemon.h>
+#include <time.h>
+
+#include "biss_eds.h"
+#include "biss_session.h"
+#include "drehgeber/devices.h"
+#include "number.h"
+#include "run.h"
+#include "timer.h"
+
+#define RIGHT "read, registers [BANK:]ADDR N, eds, write [BANK:]ADDR BYTES or command N"
+#define BANK_SELECT 0x40u
+#define COMMAND_REGISTER 0x60u
+#define ADDRESSES 0x80u
+#define PER_LINE 16u
+/* How often `run` reads, and prints what it reads every tenth time. */
+#define READ_EVERY_NS 100000000
+#define PRINT_EVERY 10u
+
+/* The words that are left. */
+struct words {
+    char *const *at;
+    size_t count;
+};
+
+static int usage(struct lx_error *error, const char *what, const char *word)
+{
+    (void)lx_fail(error, "%s%s; right is " RIGHT, what, word);
+    return EXIT_USAGE;
+}
+
+static const char *take_word(struct words *words)
+{
+    if (words->count == 0) {
+        return NULL;
+    }
+    words->count--;
+    return *words->at++;
+}
+
+static bool take_number(struct words *words, uint64_t max, uint64_t *value)
+{
+    const char *word = take_word(words);
+
+    return word != NULL && lx_unsigned_parse(word, value) && *value <= max;
+}
+
+/* Pairs of hexadecimal digits; a word that is something else is left. */
+static size_t take_bytes(struct words *words, uint8_t *bytes, size_t capacity)
+{
+    size_t n = 0;
+
+    while (words->count > 0) {
+        const char *word = *words->at;
+        const size_t length = strlen(word);
+        if (length == 0 || length % 2 != 0 || strspn(word, "0123456789abcdefABCDEF") != length ||
+            n + length / 2 > capacity) {
+            break;
+        }
+        for (size_t i = 0; i < length; i += 2) {
+            const char digits[5] = {'0', 'x', word[i], word[i + 1], '\0'};
+            uint64_t value = 0;
+            (void)lx_unsigned_parse(digits, &value);
+            bytes[n++] = (uint8_t)value;
+        }
+        (void)take_word(words);
+    }
+    return n;
+}
+
+/* How an access went wrong. */
+static int complain_access(struct lx_error *error, const char *what, unsigned address, int result)
+{
+    static const char *const reasons[] = {
+        [-BISS_WIRE_SILENT] = "no answer",
+        [-BISS_WIRE_REFUSED] = "refused: not implemented or protected",
+        [-BISS_WIRE_TOO_BUSY] = "busy for more than 20 ms",
+        [-BISS_WIRE_DAMAGED] = "wrong check sum",
+    };
+
+    (void)lx_fail(error, "%s 0x%02X: %s", what, address, reasons[-result]);
+    return EXIT_OTHER;
+}
+
+static int select_bank(struct biss_session *self, uint8_t bank, struct lx_error *error)
+{
+    const int result = biss_wire_write(&self->wire, BANK_SELECT, &bank, 1);
+
+    return result < 0 ? complain_access(error, "bank select", BANK_SELECT, result) : 0;
+}
+
+/* [BANK:]ADDR */
+static int take_address(struct biss_session *self, struct words *words, uint8_t *address,
+                        struct lx_error *error)
+{
+    char bank[8] = "";
+    uint64_t number = 0;
+    const char *word = take_word(words);
+    const char *colon = word == NULL ? NULL : strchr(word, ':');
+
+    if (colon != NULL && (size_t)(colon - word) < sizeof bank) {
+        memcpy(bank, word, (size_t)(colon - word));
+        if (!lx_unsigned_parse(bank, &number) || number > UINT8_MAX) {
+            return usage(error, "no bank: ", bank);
+        }
+        const int result = select_bank(self, (uint8_t)number, error);
+        if (result != 0) {
+            return result;
+        }
+        word = colon + 1;
+    }
+    if (word == NULL || !lx_unsigned_parse(word, &number) || number >= ADDRESSES) {
+        return usage(error, "no address of 0x00..0x7F: ", word == NULL ? "" : word);
+    }
+    *address = (uint8_t)number;
+    return 0;
+}
+
+/* As many control frames as it takes: a sequence ends where the next register is refused. */
+static int read_all(struct biss_session *self, uint8_t address, uint8_t *bytes, size_t n,
+                    struct lx_error *error)
+{
+    for (size_t done = 0; done < n;) {
+        const uint8_t at = (uint8_t)(address + done);
+        const int result = biss_wire_read(&self->wire, at, &bytes[done], n - done);
+        if (result < 0) {
+            return complain_access(error, "read", at, result);
+        }
+        done += (size_t)result;
+    }
+    return 0;
+}
+
+static int do_read(struct biss_session *self, struct words *words, struct lx_error *error)
+{
+    const struct dg_biss_model *model = &self->model;
+    const struct biss_wire_position p = biss_wire_read_position(&self->wire);
+    const uint64_t st = p.position & (((uint64_t)1 << model->singleturn_bits) - 1u);
+    const double degrees = 360.0 * (double)st / (double)(1u << model->singleturn_bits);
+
+    (void)words;
+    (void)printf("MT %" PRIu64 "  ST %" PRIu64 "  %.6f deg  nERR %d  nWARN %d  LC %u  CRC %s\n",
+                 p.position >> model->singleturn_bits, st, degrees, p.n_err, p.n_warn, p.life,
+                 p.crc_ok ? "valid" : "WRONG");
+    return p.crc_ok ? 0 : complain_access(error, "position", 0, BISS_WIRE_DAMAGED);
+}
+
+static int do_registers(struct biss_session *self, struct words *words, struct lx_error *error)
+{
+    uint8_t bytes[ADDRESSES] = {0};
+    uint8_t address = 0;
+    uint64_t n = 0;
+    int result = take_address(self, words, &address, error);
+
+    if (result != 0) {
+        return result;
+    }
+    if (!take_number(words, ADDRESSES - address, &n) || n == 0) {
+        return usage(error, "registers needs a number of registers, up to 0x7F", "");
+    }
+    result = read_all(self, address, bytes, n, error);
+    for (size_t i = 0; result == 0 && i < n; i++) {
+        const bool last = i + 1 == n || (i + 1) % PER_LINE == 0;
+        (void)printf("%02X%c", bytes[i], last ? '\n' : ' ');
+    }
+    return result;
+}
+
+static int do_eds(struct biss_session *self, struct words *words, struct lx_error *error)
+{
+    uint8_t banks[2][DG_BISS_BANK_SIZE];
+
+    (void)words;
+    for (uint8_t i = 0; i < 2; i++) {
+        int result = select_bank(self, (uint8_t)(3u + i), error);
+        result = result == 0 ? read_all(self, 0, banks[i], DG_BISS_BANK_SIZE, error) : result;
+        if (result != 0) {
+            return result;
+        }
+    }
+    if (biss_eds_print(banks[0], banks[1], stdout) != 0) {
+        (void)lx_fail(error, "eds: a check sum is wrong");
+        return EXIT_OTHER;
+    }
+    return 0;
+}
+
+static int do_write(struct biss_session *self, struct words *words, struct lx_error *error)
+{
+    uint8_t bytes[DG_BISS_BANK_SIZE];
+    uint8_t address = 0;
+    int result = take_address(self, words, &address, error);
+
+    if (result != 0) {
+        return result;
+    }
+    const size_t n = take_bytes(words, bytes, sizeof bytes);
+    if (n == 0) {
+        return usage(error, "write needs 1..64 BYTES in hexadecimal, e.g. A5 or 01 02 03", "");
+    }
+    for (size_t done = 0; done < n;) {
+        const uint8_t at = (uint8_t)(address + done);
+        result = biss_wire_write(&self->wire, at, &bytes[done], n - done);
+        if (result < 0) {
+            return complain_access(error, "write", at, result);
+        }
+        done += (size_t)result;
+    }
+    return 0;
+}
+
+static int do_command(struct biss_session *self, struct words *words, struct lx_error *error)
+{
+    uint64_t number = 0;
+
+    if (!take_number(words, UINT8_MAX, &number)) {
+        return usage(error, "command needs a number of 0..255", "");
+    }
+    const uint8_t command = (uint8_t)number;
+    const int result = biss_wire_write(&self->wire, COMMAND_REGISTER, &command, 1);
+    if (result < 0) {
+        return complain_access(error, "command", command, result);
+    }
+    biss_wire_pause(&self->wire,
+                    self->wire.now + (command == DG_BISS_SOFT_RESET ? self->model.init : 0));
+    return 0;
+}
+
+static const struct {
+    const char *name;
+    int (*act)(struct biss_session *self, struct words *words, struct lx_error *error);
+} actions[] = {
+    {"read", do_read},   {"registers", do_registers}, {"eds", do_eds},
+    {"write", do_write}, {"command", do_command},
+};
+#define ACTION_COUNT (sizeof actions / sizeof actions[0])
+
+static int act(struct biss_session *self, struct words *words, struct lx_error *error)
+{
+    const char *word = take_word(words);
+
+    for (size_t i = 0; i < ACTION_COUNT; i++) {
+        if (strcmp(word, actions[i].name) == 0) {
+            return actions[i].act(self, words, error);
+        }
+    }
+    return usage(error, "unknown action ", word);
+}
+
+static bool is_biss(const struct options *options)
+{
+    const struct dg_device *device = options->model == NULL ? NULL : dg_device_find(options->model);
+
+    if (device != NULL && device->stack == DG_STACK_BISS) {
+        return true;
+    }
+    lx_complain("biss needs a BiSS model; valid: s3674-biss s3684-biss");
+    return false;
+}
+
+/* Time is virtual: it begins with the power. */
+int biss_command(const struct options *options)
+{
+    struct biss_session session;
+    struct lx_error error;
+    struct lx_error close_error;
+    struct words words = {options->words, options->word_count};
+
+    if (!is_biss(options)) {
+        return EXIT_USAGE;
+    }
+    if (words.count == 0) {
+        lx_complain("biss %s does nothing; right is " RIGHT, options->model);
+        return EXIT_USAGE;
+    }
+    int status = biss_session_open(&session, options, 0, &error);
+    if (status == 0) {
+        biss_wire_pause(&session.wire, session.model.init);
+    }
+    while (status == 0 && words.count > 0) {
+        status = act(&session, &words, &error);
+    }
+    if (status == 0 && (fflush(stdout) != 0 || ferror(stdout) != 0)) {
+        (void)lx_fail(&error, "cannot write to stdout");
+        status = EXIT_OTHER;
+    }
+    const int closed = biss_session_close(&session, &close_error);
+    if (status != 0 || closed != 0) {
+        lx_complain("%s", status != 0 ? error.text : close_error.text);
+    }
+    return status != 0 ? status : closed;
+}
+
+static int announce(const struct options *options, struct lx_error *error)
+{
+    if (printf("ready %s sim:\n", options->model) < 0 || fflush(stdout) != 0) {
+        (void)lx_fail(error, "cannot write the ready line to stdout: %s", strerror(errno));
+        return EXIT_OTHER;
+    }
+    (void)sd_notify(0, "READY=1");
+    return 0;
+}
+
+/* Reads until a signal comes. */
+static int live(struct biss_session *self, const struct options *options, const sigset_t *stop,
+                struct lx_error *error)
+{
+    const struct timespec pause = {.tv_nsec = READ_EVERY_NS};
+    const struct timespec init = {.tv_sec = (time_t)(self->model.init / DG_S(1)),
+                                  .tv_nsec = (long)(self->model.init % DG_S(1))};
+    struct words none = {NULL, 0};
+
+    if (sigtimedwait(stop, NULL, &init) >= 0) {
+        return 0; /* stopped before it was ready */
+    }
+    int status = announce(options, error);
+    for (unsigned i = 0; status == 0; i++) {
+        biss_wire_pause(&self->wire, lx_now());
+        if (i % PRINT_EVERY == 0 && !options->say.quiet) {
+            status = do_read(self, &none, error);
+            (void)fflush(stdout);
+        } else {
+            (void)biss_wire_read_position(&self->wire);
+        }
+        if (sigtimedwait(stop, NULL, &pause) >= 0) {
+            break;
+        }
+    }
+    return status;
+}
+
+int biss_run(const struct options *options)
+{
+    struct biss_session session;
+    struct lx_error error;
+    struct lx_error close_error;
+    sigset_t stop;
+    const struct sigaction ignore = {.sa_handler = SIG_IGN};
+
+    (void)sigemptyset(&stop);
+    (void)sigaddset(&stop, SIGTERM);
+    (void)sigaddset(&stop, SIGINT);
+    (void)sigprocmask(SIG_BLOCK, &stop, NULL);
+    (void)sigaction(SIGPIPE, &ignore, NULL);
+    (void)sigaction(SIGXFSZ, &ignore, NULL);
+    int status = biss_session_open(&session, options, lx_now(), &error);
+    if (status == 0) {
+        status = live(&session, options, &stop, &error);
+    }
+    const int closed = biss_session_close(&session, &close_error);
+    if (status != 0 || closed != 0) {
+        lx_complain("%s", status != 0 ? error.text : close_error.text);
+    }
+    return status != 0 ? status : closed;
+}

@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: MIT */
+/* A BiSS encoder of the command line: its figures, world, shaft, EEPROM and wire. */
+#ifndef DREHGEBER_TOOL_BISS_SESSION_H
+#define DREHGEBER_TOOL_BISS_SESSION_H
+
+#include <stdio.h>
+
+#include "biss_wire.h"
+#include "nvm_file.h"
+#include "nvm_memory.h"
+#include "options.h"
+#include "settings.h"
+#include "shaft.h"
+
+/* Not to be moved while open. */
+struct biss_session {
+    struct dg_biss_model model;
+    struct lx_settings settings; /* the world in it */
+    struct lx_shaft shaft;
+    struct lx_nvm_memory memory;
+    struct lx_nvm_file file;
+    struct dg_biss device;
+    struct biss_wire wire;
+    FILE *trace;
+};
+
+/* The user's words become an encoder that is ready at `now` plus its initialisation; time 0 of the
+   motion is then. @return 0, or how the program ends, with `error`; to be closed in any case */
+int biss_session_open(struct biss_session *self, const struct options *options, dg_ns now,
+                      struct lx_error *error);
+
+/* @return 0, or how the program ends, with `error`: the trace could not be written */
+int biss_session_close(struct biss_session *self, struct lx_error *error);
+
+#endif
