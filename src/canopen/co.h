@@ -90,12 +90,13 @@ bool dg_co_restricted(uint32_t can_id);
 
 /** Mount the store and read what is not a value: bus parameters, serial number. */
 int dg_co_mount(struct dg_co_node *self);
-/** Values of the rows from `first` to `last` index: defaults, then what 1010h has saved. */
-void dg_co_load(struct dg_co_node *self, uint16_t first, uint16_t last);
+/** Values of the rows from `first` to `last` index: defaults, then what 1010h has saved. False when
+ * some of that cannot be read; those are the defaults. */
+bool dg_co_load(struct dg_co_node *self, uint16_t first, uint16_t last);
 /** Keep bit rate (index of 2100h) and node-ID for the next start. */
 enum dg_co_abort dg_co_save_bus(struct dg_co_node *self, uint8_t bit_rate, uint8_t node_id);
-/** 5100h when stored parameters are damaged. */
-void dg_co_report_memory(struct dg_co_node *self);
+/** 5100h when stored parameters are damaged, or not `loaded` (see dg_co_load()). */
+void dg_co_report_memory(struct dg_co_node *self, bool loaded);
 
 /* node.c */
 void dg_co_send(struct dg_co_node *self, uint16_t id, const uint8_t *data, uint8_t dlc);

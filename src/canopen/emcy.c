@@ -42,8 +42,8 @@ static uint8_t error_register(const struct dg_co_node *self)
 
 void dg_co_react(struct dg_co_node *self, enum dg_co_error_class class_of)
 {
-    if (class_of == DG_CO_CLASS_NONE) {
-        return;
+    if (class_of == DG_CO_CLASS_NONE || self->state == DG_CO_BOOT) {
+        return; /* Initialisation is left after boot-up, without a node-ID never */
     }
     uint32_t behaviour = self->value[CO_BEHAVIOUR_1 + (unsigned)class_of - 1u];
     if (behaviour == 0 && self->state == DG_CO_OPERATIONAL) {

@@ -151,7 +151,6 @@ static void adopt_cob_id(struct dg_co_node *self, uint8_t n)
         tpdo->inhibit_until = 0;
         dg_co_pdo_restart(self, n);
     }
-    self->filter_version++;
 }
 
 /* The phase begins anew; an event still waits if the new type has events. */

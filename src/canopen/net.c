@@ -72,7 +72,8 @@ dg_ns dg_co_net_rx(struct dg_co_net *self, dg_ns now, const struct dg_can_frame 
 dg_ns dg_co_net_step(struct dg_co_net *self, dg_ns now)
 {
     for (uint8_t i = 0; i < self->count; i++) {
-        if (self->deadline[i] <= now) {
+        /* A node whose power was switched has no deadline here yet. */
+        if (self->deadline[i] <= now || self->filter_version[i] != self->node[i]->filter_version) {
             refresh(self, i, dg_co_step(self->node[i], now));
         }
     }

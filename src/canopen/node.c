@@ -57,6 +57,14 @@ void dg_co_use_bit_rate(struct dg_co_node *self)
     }
 }
 
+/* Time does not run backwards, and DG_NEVER is no moment. */
+static void advance(struct dg_co_node *self, dg_ns now)
+{
+    if (now > self->now && now != DG_NEVER) {
+        self->now = now;
+    }
+}
+
 int dg_co_init(struct dg_co_node *self, const struct dg_co_setup *setup)
 {
     if (setup->device == NULL || setup->world == NULL || setup->nvm.ops == NULL ||
@@ -80,7 +88,7 @@ void dg_co_reset(struct dg_co_node *self, bool application)
             dg_co_use_bit_rate(self);
         }
     }
-    dg_co_load(self, 0x1000, application ? 0xFFFF : 0x1FFF);
+    bool loaded = dg_co_load(self, 0x1000, application ? 0xFFFF : 0x1FFF);
     self->filter_version++;
     dg_co_emcy_start(self);
     dg_co_sdo_start(self);
@@ -96,7 +104,7 @@ void dg_co_reset(struct dg_co_node *self, bool application)
     static const uint8_t boot_up[1] = {DG_CO_BOOT};
     dg_co_send(self, (uint16_t)(CO_ID_GUARD + self->id), boot_up, sizeof boot_up);
     dg_co_enter(self, operational ? DG_CO_OPERATIONAL : DG_CO_PRE_OPERATIONAL);
-    dg_co_report_memory(self); /* an EMCY comes after boot-up */
+    dg_co_report_memory(self, loaded); /* an EMCY comes after boot-up */
 }
 
 int dg_co_power_on(struct dg_co_node *self, dg_ns now)
@@ -108,6 +116,7 @@ int dg_co_power_on(struct dg_co_node *self, dg_ns now)
         return result;
     }
     self->bus_off = false;
+    self->history_count = 0;
     self->lss.silent_until = 0;
     dg_co_use_bit_rate(self);
     dg_co_reset(self, true);
@@ -172,13 +181,12 @@ static void service_rx(struct dg_co_node *self, const struct dg_can_frame *frame
 /* Every service does what is due at self->now and says when it wants to be called again. */
 static dg_ns step_services(struct dg_co_node *self)
 {
-    dg_ns next = dg_earliest(dg_co_nmt_step(self), dg_co_emcy_step(self));
+    /* The device first, emergencies last: what the former raises or changes leaves in this round. */
+    dg_ns next = self->setup.device->step != NULL ? self->setup.device->step(self) : DG_NEVER;
 
-    next = dg_earliest(next, dg_earliest(dg_co_sdo_step(self), dg_co_pdo_step(self)));
-    next = dg_earliest(next, dg_co_lss_step(self));
-    if (self->setup.device->step != NULL) {
-        next = dg_earliest(next, self->setup.device->step(self));
-    }
+    next = dg_earliest(next, dg_earliest(dg_co_nmt_step(self), dg_co_pdo_step(self)));
+    next = dg_earliest(next, dg_earliest(dg_co_sdo_step(self), dg_co_lss_step(self)));
+    next = dg_earliest(next, dg_co_emcy_step(self));
     return next;
 }
 
@@ -196,7 +204,7 @@ dg_ns dg_co_step(struct dg_co_node *self, dg_ns now)
     if (self->state == DG_CO_OFF) {
         return DG_NEVER;
     }
-    self->now = now > self->now ? now : self->now;
+    advance(self, now);
     return settle(self);
 }
 
@@ -205,7 +213,8 @@ dg_ns dg_co_rx(struct dg_co_node *self, dg_ns now, const struct dg_can_frame *fr
     if (self->state == DG_CO_OFF) {
         return DG_NEVER;
     }
-    self->now = now > self->now ? now : self->now;
+    self->rx_at = now;
+    advance(self, now);
     if (self->deadline <= self->now) {
         (void)settle(self);
     }
@@ -230,7 +239,7 @@ dg_ns dg_co_bus(struct dg_co_node *self, dg_ns now, enum dg_co_bus_event event)
     if (self->state == DG_CO_OFF) {
         return DG_NEVER;
     }
-    self->now = now > self->now ? now : self->now;
+    advance(self, now);
     switch (event) {
     case DG_CO_BUS_OVERRUN:
         dg_co_raise(self, DG_CO_CAUSE_OVERRUN, none);

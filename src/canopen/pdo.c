@@ -58,8 +58,8 @@ static bool sample_once(struct dg_co_node *self, bool *sampled)
     return self->state == DG_CO_OPERATIONAL;
 }
 
-/* The event timer runs from `from`; when a whole period has been missed, from now. Every change of
- * a TPDO comes by here. */
+/* The event timer runs from `from`; when a whole period has been missed, from now. It only counts
+ * for a TPDO that serve_all() looks at; whatever makes it look at one comes by here. */
 static void arm(struct dg_co_node *self, uint8_t n, dg_ns from)
 {
     struct dg_co_tpdo *tpdo = &self->tpdo[n];
@@ -67,8 +67,7 @@ static void arm(struct dg_co_node *self, uint8_t n, dg_ns from)
 
     self->pdo_at = 0;
     tpdo->event_at = DG_NEVER;
-    if (self->state == DG_CO_OPERATIONAL && tpdo->valid && tpdo->type >= CO_PDO_EVENT &&
-        period != 0) {
+    if (period != 0) {
         dg_ns next = dg_after(from, period);
         tpdo->event_at = next > self->now ? next : dg_after(self->now, period);
     }
@@ -282,7 +281,7 @@ bool dg_co_pdo_rtr(struct dg_co_node *self, uint16_t id)
             continue;
         }
         mine = true;
-        if (tpdo->rtr_allowed && self->state == DG_CO_OPERATIONAL) {
+        if (tpdo->rtr_allowed) {
             answer(self, n, &sampled);
         }
     }

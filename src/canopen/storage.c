@@ -50,12 +50,17 @@ int dg_co_format(const struct dg_co_device *device, struct dg_nvm nvm, uint32_t 
     return dg_store_format(device->layout, nvm, &serial);
 }
 
+static bool accessible(const struct dg_co_node *self)
+{
+    return self->mounted && self->setup.world->eeprom_acknowledges;
+}
+
 /* A region that is in order; `to` keeps its content otherwise. */
 static bool load(struct dg_co_node *self, uint8_t region, uint8_t *to)
 {
     uint16_t size = self->setup.device->layout->regions[region].size;
 
-    return self->mounted && !dg_store_damaged(&self->store, region) &&
+    return accessible(self) && !dg_store_damaged(&self->store, region) &&
            dg_store_read(&self->store, region, 0, to, size) == DG_OK;
 }
 
@@ -125,33 +130,40 @@ static bool is_parameters(uint8_t region)
     return region >= DG_CO_REGION_COMMUNICATION && region != DG_CO_REGION_SERIAL;
 }
 
-void dg_co_load(struct dg_co_node *self, uint16_t first, uint16_t last)
+bool dg_co_load(struct dg_co_node *self, uint16_t first, uint16_t last)
 {
     struct pack pack = {.first = first, .last = last};
     uint32_t termination = self->value[DG_CO_SLOT_TERMINATION];
     uint8_t saved = 0;
+    bool loaded = load(self, DG_CO_REGION_SAVED, &saved);
 
     dg_co_each(self, initial_row, &pack);
     self->value[DG_CO_SLOT_BIT_RATE] = self->bit_rate;
     self->value[DG_CO_SLOT_NODE_ID] = self->id;
     self->value[DG_CO_SLOT_TERMINATION] = termination;
-    if (!load(self, DG_CO_REGION_SAVED, &saved) || saved != 1) {
-        return;
+    if (saved != 1) {
+        return loaded;
     }
     for (uint8_t i = 0; i < self->setup.device->layout->region_count; i++) {
         pack.region = i;
         pack.at = 0;
-        if (is_parameters(i) && load(self, i, pack.bytes)) {
+        if (!is_parameters(i)) {
+            continue;
+        }
+        if (load(self, i, pack.bytes)) {
             dg_co_each(self, unpack_row, &pack);
+        } else {
+            loaded = false;
         }
     }
+    return loaded;
 }
 
-void dg_co_report_memory(struct dg_co_node *self)
+void dg_co_report_memory(struct dg_co_node *self, bool loaded)
 {
     static const uint8_t none[5];
 
-    if (!self->mounted || self->store.damaged != 0) {
+    if (!loaded || self->store.damaged != 0) {
         dg_co_raise(self, DG_CO_CAUSE_MEMORY, none);
     }
 }
@@ -162,16 +174,11 @@ static enum dg_co_abort committed(struct dg_co_node *self)
     return dg_store_commit(&self->store) == DG_OK ? DG_CO_OK : DG_CO_HARDWARE;
 }
 
-static bool writable(const struct dg_co_node *self)
-{
-    return self->mounted && self->setup.world->eeprom_acknowledges;
-}
-
 enum dg_co_abort dg_co_save_bus(struct dg_co_node *self, uint8_t bit_rate, uint8_t node_id)
 {
     const uint8_t bus[3] = {bit_rate, node_id, (uint8_t)self->value[DG_CO_SLOT_TERMINATION]};
 
-    if (!writable(self)) {
+    if (!accessible(self)) {
         return DG_CO_HARDWARE;
     }
     dg_store_begin(&self->store);
@@ -219,7 +226,7 @@ static enum dg_co_abort signature(struct dg_co_node *self, enum dg_co_op op, uin
     if (*value != wanted) {
         return DG_CO_STORE;
     }
-    return writable(self) ? DG_CO_OK : DG_CO_HARDWARE;
+    return accessible(self) ? DG_CO_OK : DG_CO_HARDWARE;
 }
 
 enum dg_co_abort dg_co_hook_store(struct dg_co_node *self, const struct dg_co_object *object,
