@@ -27,13 +27,13 @@ struct dg_cia406_model {
 
 /** Bits of 6000h (chapter 26). */
 enum dg_cia406_parameters {
-    DG_CIA406_CCW = 0x0001,          /**< ascending counterclockwise */
-    DG_CIA406_SCALING = 0x0004,      /**< 6001h and 6002h are in force */
-    DG_CIA406_USF = 0x1000,          /**< universal scaling function */
-    DG_CIA406_UNITS_PER_S = 0x2000,  /**< 6030h in units/s instead of rpm */
-    DG_CIA406_OPERATIONAL = 0x4000,  /**< boots into Operational */
-    DG_CIA406_EVENT_MODE = 0x8000,   /**< TPDOs of type 254 and 255 on every change */
-    DG_CIA406_SUPPORTED = 0xF005,    /**< the bits above */
+    DG_CIA406_CCW = 0x0001,         /**< ascending counterclockwise */
+    DG_CIA406_SCALING = 0x0004,     /**< 6001h and 6002h are in force */
+    DG_CIA406_USF = 0x1000,         /**< universal scaling function */
+    DG_CIA406_UNITS_PER_S = 0x2000, /**< 6030h in units/s instead of rpm */
+    DG_CIA406_OPERATIONAL = 0x4000, /**< boots into Operational */
+    DG_CIA406_EVENT_MODE = 0x8000,  /**< TPDOs of type 254 and 255 on every change */
+    DG_CIA406_SUPPORTED = 0xF005,   /**< the bits above */
 };
 
 /** What drives the two LEDs, later ones win (chapter 29). */
@@ -67,6 +67,7 @@ struct dg_cia406 {
     uint16_t warnings;   /**< 6505h */
     uint16_t alarms;     /**< 6503h */
     dg_ns look_at;       /**< next supervision */
+    dg_ns event_at;      /**< event mode: when the mapped values are compared next */
     dg_ns time_from;     /**< operating time is counted from here on */
     uint32_t time_10h;   /**< 6508h: operating time in 0.1 h */
     dg_ns flash_until;   /**< the error LED flashes until then */

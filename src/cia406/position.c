@@ -254,9 +254,8 @@ enum dg_co_abort dg_cia406_hook_preset(struct dg_co_node *node, const struct dg_
     return DG_CO_OK;
 }
 
-enum dg_co_abort dg_cia406_hook_position(struct dg_co_node *node,
-                                         const struct dg_co_object *object, enum dg_co_op op,
-                                         uint32_t *value)
+enum dg_co_abort dg_cia406_hook_position(struct dg_co_node *node, const struct dg_co_object *object,
+                                         enum dg_co_op op, uint32_t *value)
 {
     (void)object;
     (void)op;

@@ -52,6 +52,17 @@ enum profile_cause {
 };
 _Static_assert(CAUSE_END <= 32, "causes are bits of a 32-bit mask");
 
+/** Bits of warnings 6505h and alarms 6503h; 6506h and 6504h say which there are. */
+#define WARN_SPEED 0x0001u
+#define WARN_WATCHDOG 0x0004u
+#define WARN_TIME 0x0008u
+#define WARN_BATTERY 0x0010u
+#define WARN_TEMPERATURE 0x8000u
+#define WARNINGS (WARN_SPEED | WARN_WATCHDOG | WARN_TIME | WARN_BATTERY | WARN_TEMPERATURE)
+#define ALARM_POSITION 0x0001u
+#define ALARM_HARDWARE 0x0002u
+#define ALARMS (ALARM_POSITION | ALARM_HARDWARE)
+
 static inline struct dg_cia406 *encoder_of(const struct dg_co_node *node)
 {
     return node->setup.application;

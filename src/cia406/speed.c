@@ -18,16 +18,14 @@ static int64_t moved(const struct dg_co_node *node, uint32_t windows)
 {
     dg_ns window = DG_MS(node->value[SLOT_SPEED_WINDOW_MS]);
     dg_ns end = dg_elapsed(node->now, window * windows);
-    int64_t counts = dg_cia406_counts(node, end) -
-                     dg_cia406_counts(node, dg_elapsed(end, window));
+    int64_t counts = dg_cia406_counts(node, end) - dg_cia406_counts(node, dg_elapsed(end, window));
 
     return parameter(node, DG_CIA406_CCW) ? -counts : counts;
 }
 
 int64_t dg_cia406_rpm(const struct dg_co_node *node)
 {
-    return moved(node, 0) * 60000 /
-           ((int64_t)DG_CIA406_STEPS * node->value[SLOT_SPEED_WINDOW_MS]);
+    return moved(node, 0) * 60000 / ((int64_t)DG_CIA406_STEPS * node->value[SLOT_SPEED_WINDOW_MS]);
 }
 
 enum dg_co_abort dg_cia406_hook_speed(struct dg_co_node *node, const struct dg_co_object *object,
@@ -50,7 +48,8 @@ enum dg_co_abort dg_cia406_hook_speed(struct dg_co_node *node, const struct dg_c
     return DG_CO_OK;
 }
 
-/* Change of the speed over a window, per second; in the unit of the speed, without 6031h:3 and 4. */
+/* Change of the speed over a window, per second; in the unit of the speed, without 6031h:3 and 4.
+ */
 enum dg_co_abort dg_cia406_hook_acceleration(struct dg_co_node *node,
                                              const struct dg_co_object *object, enum dg_co_op op,
                                              uint32_t *value)
