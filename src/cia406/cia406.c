@@ -222,35 +222,41 @@ static const struct dg_store_region regions[REGION_COUNT] = {
 };
 /* clang-format on */
 
-static const struct dg_store_layout layout = {
-    .id = 0x434F3102u,
-    .journal_size = DG_CO_JOURNAL_SIZE + 6u + 60u,
-    .region_count = REGION_COUNT,
-    .regions = regions,
-};
+/* The id keeps one model's memory from being taken for another's. */
+#define LAYOUT(number)                                                                             \
+    {                                                                                              \
+        .id = (number), .journal_size = DG_CO_JOURNAL_SIZE + 6u + 60u,                             \
+        .region_count = REGION_COUNT, .regions = regions,                                          \
+    }
+static const struct dg_store_layout layout_singleturn = LAYOUT(0x434F3101u);
+static const struct dg_store_layout layout_multiturn = LAYOUT(0x434F3102u);
+static const struct dg_store_layout layout_multiturn_32 = LAYOUT(0x434F3103u);
 
 static const char *const strings[] = {"F36x8 CANopen encoder", "1.00", "1.08"};
 
 #define F36X8(rows)                                                                                \
     .objects = (rows), .object_count = sizeof(rows) / sizeof(rows)[0], .causes = causes,           \
     .cause_count = CAUSE_END - DG_CO_CAUSES, .strings = strings, .vendor_id = 0x13,                \
-    .product_code = 0x56682001, .revision = 108, .layout = &layout, .reset = reset,                \
-    .sample = dg_cia406_sample, .step = step
+    .product_code = 0x56682001, .revision = 108, .reset = reset, .sample = dg_cia406_sample,       \
+    .step = step
 
 const struct dg_co_device dg_cia406_singleturn = {
     F36X8(objects_singleturn),
+    .layout = &layout_singleturn,
     .name = "F3658",
     .device_type = 0x00010196,
 };
 
 const struct dg_co_device dg_cia406_multiturn = {
     F36X8(objects_multiturn),
+    .layout = &layout_multiturn,
     .name = "F3668",
     .device_type = 0x00020196,
 };
 
 const struct dg_co_device dg_cia406_multiturn_32 = {
     F36X8(objects_multiturn_32),
+    .layout = &layout_multiturn_32,
     .name = "F3668",
     .device_type = 0x00020196,
 };
