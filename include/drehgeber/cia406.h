@@ -62,10 +62,10 @@ struct dg_cia406 {
     uint32_t position;   /**< 6004h of the latest sample */
     uint32_t zero;       /**< USF: physical position of the internal zero */
     uint64_t zero_y;     /**< USF: position there in 1/65536 unit, modulo TMR * 65536 */
+    uint64_t y;          /**< 6004h of the latest sample in 1/65536 unit */
     uint8_t areas;       /**< 6400h:1 of the latest sample */
     bool usf_lost;       /**< the stored offset did not verify: a preset is due */
-    uint16_t warnings;   /**< 6505h */
-    uint16_t alarms;     /**< 6503h */
+    bool zero_unsaved;   /**< USF: the internal zero could not be stored yet */
     dg_ns look_at;       /**< next supervision */
     dg_ns event_at;      /**< event mode: when the mapped values are compared next */
     dg_ns time_from;     /**< operating time is counted from here on */

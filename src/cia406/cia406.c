@@ -9,6 +9,7 @@
 #include "drehgeber/bits.h"
 
 #define EVENT_NS DG_MS(1)
+#define LOOK_MS 100u
 #define PASSWORD_DELAY DG_S(1)
 #define PASSWORD_DELAYS_MAX 8u
 
@@ -118,17 +119,24 @@ static bool reset(struct dg_co_node *node, bool application)
     return parameter(node, DG_CIA406_OPERATIONAL);
 }
 
+/* With USF the zero has to be looked after before the shaft can go a quarter of the range at 250
+ * turns/s. */
+static dg_ns look_ns(const struct dg_co_node *node)
+{
+    uint32_t turns = encoder_of(node)->model->turns;
+
+    return parameter(node, DG_CIA406_USF) && turns < LOOK_MS ? DG_MS(turns) : DG_MS(LOOK_MS);
+}
+
 /* Supervision now and then; in event mode every millisecond whether something has changed. */
 static dg_ns step(struct dg_co_node *node)
 {
     struct dg_cia406 *self = encoder_of(node);
 
-    if (node->id == DG_CO_UNCONFIGURED) {
-        return DG_NEVER;
-    }
     if (self->look_at <= node->now) {
-        dg_cia406_health_look(node);
+        self->look_at = dg_after(node->now, look_ns(node));
         dg_cia406_watch_zero(node);
+        dg_cia406_health_look(node);
     }
     if (!parameter(node, DG_CIA406_EVENT_MODE) || node->state != DG_CO_OPERATIONAL) {
         return self->look_at;
@@ -209,7 +217,6 @@ static const struct dg_co_cause causes[CAUSE_END - DG_CO_CAUSES] = {
     [CAUSE_OPTICS - DG_CO_CAUSES]        = {0x5200, 0x01, DG_CO_CLASS_DEVICE},
     [CAUSE_POSITION - DG_CO_CAUSES]      = {0x1000, 0x01, DG_CO_CLASS_DEVICE},
     [CAUSE_HARDWARE - DG_CO_CAUSES]      = {0x1000, 0x01, DG_CO_CLASS_MANUFACTURER},
-    [CAUSE_MEMORY - DG_CO_CAUSES]        = {0x5100, 0x01, DG_CO_CLASS_MANUFACTURER},
     [CAUSE_USF_MOVED - DG_CO_CAUSES]     = {0x6200, 0x01, DG_CO_CLASS_NONE},
     [CAUSE_USF_LOST - DG_CO_CAUSES]      = {0x6200, 0x01, DG_CO_CLASS_MANUFACTURER},
 };

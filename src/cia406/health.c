@@ -7,8 +7,6 @@
 
 #include "drehgeber/bits.h"
 
-#define LOOK_NS DG_MS(100)
-#define FLASH_NS DG_S(3)
 #define TENTH_OF_AN_HOUR DG_S(360)
 
 #define ICLG_STATUS 0x80u
@@ -25,7 +23,7 @@
 static uint8_t temperature_code(const struct dg_co_node *node)
 {
     int32_t mdegc = node->setup.world->temperature_mdegc;
-    int32_t degc = (mdegc - (mdegc < 0 ? 999 : 0)) / 1000;
+    int32_t degc = mdegc / 1000 - (mdegc % 1000 < 0 ? 1 : 0);
     int32_t code = degc < -0x40 ? 0 : degc > 0xFF - 0x40 ? 0xFF : degc + 0x40;
 
     return (uint8_t)code;
@@ -83,9 +81,20 @@ static bool position_invalid(const struct dg_co_node *node)
     return !world->singleturn_ok || (encoder_of(node)->model->turns > 1 && !multiturn);
 }
 
-static bool memory_failed(const struct dg_co_node *node)
+static bool hardware_failed(const struct dg_co_node *node)
 {
     return !node->setup.world->eeprom_acknowledges;
+}
+
+static bool memory_failed(const struct dg_co_node *node)
+{
+    return hardware_failed(node) || !node->mounted || node->store.damaged != 0 ||
+           encoder_of(node)->zero_unsaved;
+}
+
+static bool offset_lost(const struct dg_co_node *node)
+{
+    return encoder_of(node)->usf_lost;
 }
 
 static bool watchdog(const struct dg_co_node *node)
@@ -145,8 +154,9 @@ static const struct {
     {battery_missing,  CAUSE_BATTERY_CABLE, WARN_BATTERY,     0,              cable_details},
     {optics_failed,    CAUSE_OPTICS,        0,                0,              optics_details},
     {position_invalid, CAUSE_POSITION,      0,                ALARM_POSITION, NULL},
-    {memory_failed,    CAUSE_MEMORY,        0,                0,              NULL},
-    {memory_failed,    CAUSE_HARDWARE,      0,                ALARM_HARDWARE, NULL},
+    {memory_failed,    DG_CO_CAUSE_MEMORY,  0,                0,              NULL},
+    {hardware_failed,  CAUSE_HARDWARE,      0,                ALARM_HARDWARE, NULL},
+    {offset_lost,      CAUSE_USF_LOST,      0,                0,              NULL},
     {watchdog,         NO_CAUSE,            WARN_WATCHDOG,    0,              NULL},
     {old,              NO_CAUSE,            WARN_TIME,        0,              NULL},
 };
@@ -155,16 +165,18 @@ static const struct {
 static void count_time(struct dg_co_node *node)
 {
     struct dg_cia406 *self = encoder_of(node);
+    dg_ns tenths = dg_elapsed(node->now, self->time_from) / TENTH_OF_AN_HOUR;
     uint8_t bytes[4];
 
-    while (dg_elapsed(node->now, self->time_from) >= TENTH_OF_AN_HOUR) {
-        self->time_from += TENTH_OF_AN_HOUR;
-        self->time_10h++;
-        dg_store_le32(bytes, self->time_10h);
-        if (node->mounted && node->setup.world->eeprom_acknowledges) {
-            /* A value that is lost costs six minutes of operating time, nothing else. */
-            (void)dg_store_put(&node->store, REGION_TIME, 0, bytes, sizeof bytes);
-        }
+    if (tenths == 0) {
+        return;
+    }
+    self->time_from += tenths * TENTH_OF_AN_HOUR;
+    self->time_10h += (uint32_t)tenths;
+    dg_store_le32(bytes, self->time_10h);
+    if (node->mounted && node->setup.world->eeprom_acknowledges) {
+        /* A value that is lost costs six minutes of operating time, nothing else. */
+        (void)dg_store_put(&node->store, REGION_TIME, 0, bytes, sizeof bytes);
     }
 }
 
@@ -184,10 +196,7 @@ void dg_cia406_health_start(struct dg_co_node *node)
 void dg_cia406_health_look(struct dg_co_node *node)
 {
     struct dg_cia406 *self = encoder_of(node);
-    uint16_t warnings = 0;
-    uint16_t alarms = 0;
 
-    self->look_at = dg_after(node->now, LOOK_NS);
     count_time(node);
     for (uint8_t i = 0; i < sizeof checks / sizeof checks[0]; i++) {
         uint8_t details[5] = {0};
@@ -197,8 +206,6 @@ void dg_cia406_health_look(struct dg_co_node *node)
             }
             continue;
         }
-        warnings |= checks[i].warning;
-        alarms |= checks[i].alarm;
         if (checks[i].cause == NO_CAUSE || (node->active_causes & 1u << checks[i].cause) != 0) {
             continue;
         }
@@ -208,17 +215,20 @@ void dg_cia406_health_look(struct dg_co_node *node)
         self->flash_until = dg_after(node->now, FLASH_NS);
         dg_co_raise(node, checks[i].cause, details);
     }
-    self->warnings = warnings;
-    self->alarms = alarms;
 }
 
-/* 6503h and 6505h look anew: a bit stands as long as its cause. */
+/* A bit stands as long as its cause. The EMCY is the supervision's: its reaction (1029h) must not
+ * happen while a TPDO is being built. */
 enum dg_co_abort dg_cia406_hook_health(struct dg_co_node *node, const struct dg_co_object *object,
                                        enum dg_co_op op, uint32_t *value)
 {
     (void)op;
-    dg_cia406_health_look(node);
-    *value = object->index == 0x6503 ? encoder_of(node)->alarms : encoder_of(node)->warnings;
+    *value = 0;
+    for (uint8_t i = 0; i < sizeof checks / sizeof checks[0]; i++) {
+        if (checks[i].present(node)) {
+            *value |= object->index == 0x6503 ? checks[i].alarm : checks[i].warning;
+        }
+    }
     return DG_CO_OK;
 }
 

@@ -47,7 +47,7 @@ static bool bus_off(const struct dg_co_node *node)
 
 static bool sensor_or_memory(const struct dg_co_node *node)
 {
-    return cause(node, CAUSE_POSITION) || cause(node, CAUSE_MEMORY);
+    return cause(node, CAUSE_POSITION) || cause(node, DG_CO_CAUSE_MEMORY);
 }
 
 static bool watchdog(const struct dg_co_node *node)

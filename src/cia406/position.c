@@ -89,12 +89,13 @@ static uint64_t usf_y(const struct dg_co_node *node)
     return dg_mod(y, tmr(node) * DG_CIA406_STEPS);
 }
 
-static uint32_t position(const struct dg_co_node *node)
+/* In 1/65536 unit. */
+static uint64_t position_y(const struct dg_co_node *node)
 {
     if (parameter(node, DG_CIA406_USF)) {
-        return (uint32_t)(usf_y(node) / DG_CIA406_STEPS);
+        return usf_y(node);
     }
-    return (uint32_t)((scaled(node) + node->value[SLOT_OFFSET]) % tmr(node));
+    return (scaled(node) + node->value[SLOT_OFFSET]) % tmr(node) * DG_CIA406_STEPS;
 }
 
 /* Bits 0-2 of area 1, 3-5 of area 2: outside, above, below. */
@@ -116,26 +117,30 @@ void dg_cia406_sample(struct dg_co_node *node)
     struct dg_cia406 *self = encoder_of(node);
 
     sample_raw(node);
-    self->position = position(node);
+    self->y = position_y(node);
+    self->position = (uint32_t)(self->y / DG_CIA406_STEPS);
     self->areas = areas(node, self->position);
 }
 
-/* Keep the internal zero: {stored, zero, y, MUR, TMR}, all or nothing. */
+/* Keep the internal zero: {stored, zero, y, MUR, TMR}, all or nothing. A lost one stays lost. */
 static bool store_zero(struct dg_co_node *node)
 {
-    const struct dg_cia406 *self = encoder_of(node);
-    uint8_t bytes[USF_SIZE] = {USF_STORED};
+    struct dg_cia406 *self = encoder_of(node);
+    bool wanted = parameter(node, DG_CIA406_USF) && !self->usf_lost;
+    uint8_t bytes[USF_SIZE] = {wanted ? USF_STORED : 0};
 
     dg_store_le32(&bytes[1], self->zero);
     dg_store_le32(&bytes[5], (uint32_t)self->zero_y);
     dg_store_le32(&bytes[9], (uint32_t)(self->zero_y >> 32));
     dg_store_le32(&bytes[13], node->value[SLOT_MUR]);
     dg_store_le32(&bytes[17], node->value[SLOT_TMR]);
-    return node->setup.world->eeprom_acknowledges && node->mounted &&
-           dg_store_put(&node->store, REGION_USF, 0, bytes, sizeof bytes) == DG_OK;
+    self->zero_unsaved = !node->setup.world->eeprom_acknowledges || !node->mounted ||
+                         dg_store_put(&node->store, REGION_USF, 0, bytes, sizeof bytes) != DG_OK;
+    return !self->zero_unsaved;
 }
 
-/* The internal zero comes to where the shaft is; the position there is `y`. */
+/* The internal zero comes to where the shaft is; the position there is `y`. What cannot be stored
+ * is 5100h until it can. */
 static bool move_zero(struct dg_co_node *node, uint64_t y)
 {
     static const uint8_t none[5];
@@ -143,11 +148,12 @@ static bool move_zero(struct dg_co_node *node, uint64_t y)
 
     self->zero = self->raw;
     self->zero_y = y;
-    bool stored = store_zero(node);
-    if (!stored) {
-        dg_co_raise(node, CAUSE_MEMORY, none);
+    if (store_zero(node)) {
+        self->flash_until = dg_after(node->now, FLASH_NS);
+        return true;
     }
-    return stored;
+    dg_co_raise(node, DG_CO_CAUSE_MEMORY, none);
+    return false;
 }
 
 void dg_cia406_watch_zero(struct dg_co_node *node)
@@ -155,15 +161,18 @@ void dg_cia406_watch_zero(struct dg_co_node *node)
     struct dg_cia406 *self = encoder_of(node);
 
     if (!parameter(node, DG_CIA406_USF)) {
+        if (self->zero_unsaved) {
+            (void)store_zero(node);
+        }
         return;
     }
     sample_raw(node);
     int64_t range = (int64_t)physical_range(node);
     int64_t way = from_zero(node);
-    if (way < range / 4 && way > -range / 8) {
+    bool safe = way < range / 4 && way > -range / 8;
+    if ((safe && !self->zero_unsaved) || !move_zero(node, usf_y(node))) {
         return;
     }
-    (void)move_zero(node, usf_y(node));
     uint8_t details[5] = {0};
     dg_store_le32(details, self->zero);
     dg_co_raise(node, CAUSE_USF_MOVED, details);
@@ -172,10 +181,10 @@ void dg_cia406_watch_zero(struct dg_co_node *node)
 
 void dg_cia406_restore_zero(struct dg_co_node *node)
 {
-    static const uint8_t none[5];
     struct dg_cia406 *self = encoder_of(node);
     uint8_t bytes[USF_SIZE] = {0};
-    bool good = node->mounted && !dg_store_damaged(&node->store, REGION_USF) &&
+    bool good = node->mounted && !self->zero_unsaved &&
+                !dg_store_damaged(&node->store, REGION_USF) &&
                 dg_store_read(&node->store, REGION_USF, 0, bytes, sizeof bytes) == DG_OK;
 
     good = good && bytes[0] == USF_STORED && dg_load_le32(&bytes[13]) == node->value[SLOT_MUR] &&
@@ -184,9 +193,7 @@ void dg_cia406_restore_zero(struct dg_co_node *node)
     sample_raw(node);
     self->zero = good ? dg_load_le32(&bytes[1]) : self->raw;
     self->zero_y = good ? (uint64_t)dg_load_le32(&bytes[9]) << 32 | dg_load_le32(&bytes[5]) : 0;
-    if (self->usf_lost) {
-        dg_co_raise(node, CAUSE_USF_LOST, none);
-    }
+    self->zero_unsaved = false;
 }
 
 /* What 6000h-6002h may be together (chapters 22 and 26, C26). */
@@ -208,6 +215,19 @@ static enum dg_co_abort allowed(const struct dg_co_node *node, const uint32_t *w
     return DG_CO_OK;
 }
 
+/* Without USF nobody follows the shaft: should the power fail before 6000h is saved, the zero in
+ * the memory must not be taken for a good one. */
+static void forget_zero(struct dg_co_node *node)
+{
+    uint8_t stored = 0;
+
+    encoder_of(node)->usf_lost = false;
+    if (node->mounted &&
+        (dg_store_read(&node->store, REGION_USF, 0, &stored, 1) != DG_OK || stored == USF_STORED)) {
+        (void)store_zero(node);
+    }
+}
+
 /* 6000h, 6001h, 6002h: the position carries on from the value it shows, as far as that fits. */
 enum dg_co_abort dg_cia406_hook_scaling(struct dg_co_node *node, const struct dg_co_object *object,
                                         enum dg_co_op op, uint32_t *value)
@@ -221,9 +241,12 @@ enum dg_co_abort dg_cia406_hook_scaling(struct dg_co_node *node, const struct dg
         return allowed(node, wanted);
     }
     if (op == DG_CO_WRITTEN) {
-        node->value[SLOT_OFFSET] %= tmr(node) > 0xFFFFFFFFu ? 0xFFFFFFFFu : (uint32_t)tmr(node);
+        node->value[SLOT_OFFSET] = (uint32_t)(node->value[SLOT_OFFSET] % tmr(node));
         if (parameter(node, DG_CIA406_USF)) {
-            (void)move_zero(node, encoder_of(node)->position % tmr(node) * DG_CIA406_STEPS);
+            (void)move_zero(node, encoder_of(node)->y % (tmr(node) * DG_CIA406_STEPS));
+            encoder_of(node)->look_at = node->now; /* from now on at the pace of USF */
+        } else {
+            forget_zero(node);
         }
     }
     return DG_CO_OK;
@@ -244,10 +267,14 @@ enum dg_co_abort dg_cia406_hook_preset(struct dg_co_node *node, const struct dg_
     }
     sample_raw(node);
     if (parameter(node, DG_CIA406_USF)) {
+        const struct dg_cia406 before = *self;
+        self->usf_lost = false;
         if (!move_zero(node, (uint64_t)*value * DG_CIA406_STEPS)) {
+            self->zero = before.zero;
+            self->zero_y = before.zero_y;
+            self->usf_lost = before.usf_lost;
             return DG_CO_HARDWARE;
         }
-        self->usf_lost = false;
         dg_co_clear(node, CAUSE_USF_LOST);
     }
     node->value[SLOT_OFFSET] = (uint32_t)((*value + tmr(node) - scaled(node)) % tmr(node));

@@ -45,7 +45,6 @@ enum profile_cause {
     CAUSE_OPTICS,
     CAUSE_POSITION, /* alarm bit 0 */
     CAUSE_HARDWARE, /* alarm bit 1 */
-    CAUSE_MEMORY,   /* the FRAM test failed */
     CAUSE_USF_MOVED,
     CAUSE_USF_LOST,
     CAUSE_END,
@@ -72,6 +71,9 @@ static inline bool parameter(const struct dg_co_node *node, uint32_t bit)
 {
     return (node->value[SLOT_PARAMETERS] & bit) != 0;
 }
+
+/** The error LED flashes that long after an event (chapter 29). */
+#define FLASH_NS DG_S(3)
 
 /* position.c */
 /** Physical counts of the shaft since angle 0, unbounded. */

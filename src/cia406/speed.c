@@ -7,19 +7,22 @@
 
 #define RPM_MAX_SINGLETURN 4000
 #define RPM_MAX_MULTITURN 15000
+#define MOVED_MAX ((int64_t)1 << 32)
 
 static int64_t saturate(int64_t value, int64_t limit)
 {
     return value > limit ? limit : value < -limit ? -limit : value;
 }
 
-/* Counts the shaft has moved in the window that ended `windows` windows ago. */
+/* Counts the shaft has moved in the window that ended `windows` windows ago; limited where every
+ * unit saturates anyway, so that what is computed from them fits. */
 static int64_t moved(const struct dg_co_node *node, uint32_t windows)
 {
     dg_ns window = DG_MS(node->value[SLOT_SPEED_WINDOW_MS]);
     dg_ns end = dg_elapsed(node->now, window * windows);
     int64_t counts = dg_cia406_counts(node, end) - dg_cia406_counts(node, dg_elapsed(end, window));
 
+    counts = saturate(counts, MOVED_MAX);
     return parameter(node, DG_CIA406_CCW) ? -counts : counts;
 }
 
