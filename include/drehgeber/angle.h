@@ -10,6 +10,10 @@
 
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /** An angle in units of 2^-32 turn. */
 typedef int64_t dg_angle;
 
@@ -48,5 +52,9 @@ int32_t dg_sin_q30(uint32_t phase);
 
 /** floor(sqrt(value)). */
 uint32_t dg_isqrt(uint64_t value);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -11,17 +11,40 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /** Loads and stores; `p` needs no alignment. be = most significant byte first. */
 uint16_t dg_load_be16(const uint8_t *p);
 uint32_t dg_load_be24(const uint8_t *p);
 uint32_t dg_load_be32(const uint8_t *p);
-uint16_t dg_load_le16(const uint8_t *p);
-uint32_t dg_load_le32(const uint8_t *p);
+static inline uint16_t dg_load_le16(const uint8_t *p)
+{
+    return (uint16_t)((uint32_t)p[0] | (uint32_t)p[1] << 8);
+}
+
+static inline uint32_t dg_load_le32(const uint8_t *p)
+{
+    return (uint32_t)p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24;
+}
+
 void dg_store_be16(uint8_t *p, uint16_t value);
 void dg_store_be24(uint8_t *p, uint32_t value);
 void dg_store_be32(uint8_t *p, uint32_t value);
-void dg_store_le16(uint8_t *p, uint16_t value);
-void dg_store_le32(uint8_t *p, uint32_t value);
+static inline void dg_store_le16(uint8_t *p, uint16_t value)
+{
+    p[0] = (uint8_t)value;
+    p[1] = (uint8_t)(value >> 8);
+}
+
+static inline void dg_store_le32(uint8_t *p, uint32_t value)
+{
+    p[0] = (uint8_t)value;
+    p[1] = (uint8_t)(value >> 8);
+    p[2] = (uint8_t)(value >> 16);
+    p[3] = (uint8_t)(value >> 24);
+}
 
 /** Reads bytes from `at` up to `end`. Lives as long as the buffer. */
 struct dg_reader {
@@ -37,16 +60,22 @@ struct dg_writer {
     bool overrun; /**< more was appended than fits; that value and all after it were dropped */
 };
 
+/** A cursor over `n` bytes, and what it reads next, most significant byte first. */
 struct dg_reader dg_reader(const uint8_t *bytes, size_t n);
 uint8_t dg_read_u8(struct dg_reader *r);
 uint16_t dg_read_be16(struct dg_reader *r);
 uint32_t dg_read_be32(struct dg_reader *r);
 
+/** A cursor over `capacity` free bytes, and what it appends, most significant byte first. */
 struct dg_writer dg_writer(uint8_t *bytes, size_t capacity);
 void dg_write_u8(struct dg_writer *w, uint8_t value);
 void dg_write_be16(struct dg_writer *w, uint16_t value);
 void dg_write_be24(struct dg_writer *w, uint32_t value);
 void dg_write_be32(struct dg_writer *w, uint32_t value);
 void dg_write_bytes(struct dg_writer *w, const uint8_t *bytes, size_t n);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -21,6 +21,10 @@
 #include "drehgeber/time.h"
 #include "drehgeber/world.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /** TPDOs of a node, entries a TPDO can map, heartbeat consumers, depth of 1003h. */
 #define DG_CO_TPDOS 4u
 #define DG_CO_MAPPED_MAX 8u
@@ -305,8 +309,9 @@ struct dg_co_node {
     dg_ns now;      /**< moment of the call that is being served */
     dg_ns deadline; /**< of all services */
     enum dg_co_state state;
-    uint8_t id;       /**< node-ID in force, DG_CO_UNCONFIGURED without one */
-    uint8_t bit_rate; /**< in force, index of 2100h */
+    uint8_t id;          /**< node-ID in force, DG_CO_UNCONFIGURED without one */
+    uint8_t bit_rate;    /**< in force, index of 2100h */
+    uint8_t termination; /**< 2102h as stored */
     bool mounted;
     uint8_t filter_version; /**< changes whenever dg_co_filters() may have changed */
     uint32_t serial;        /**< 1018h:4 */
@@ -436,5 +441,9 @@ dg_ns dg_co_net_step(struct dg_co_net *self, dg_ns now);
 dg_ns dg_co_net_bus(struct dg_co_net *self, dg_ns now, enum dg_co_bus_event event);
 /** Whether any node listens to `id`. */
 bool dg_co_net_listens(const struct dg_co_net *self, uint16_t id);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

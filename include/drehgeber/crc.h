@@ -9,6 +9,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /** XOR of all bytes, from `seed` (0 to start). RS485 frames and the extended type label. */
 uint8_t dg_xor8(uint8_t seed, const uint8_t *bytes, size_t n);
 
@@ -23,5 +27,9 @@ uint16_t dg_crc16(uint16_t seed, const uint8_t *bytes, size_t n);
  * one piece into the next. Check value over "123456789": CBF43926h.
  */
 uint32_t dg_crc32(uint32_t seed, const uint8_t *bytes, size_t n);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

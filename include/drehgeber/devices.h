@@ -11,7 +11,11 @@
 #include "drehgeber/cia406.h"
 #include "drehgeber/hiperface.h"
 
-/** Which stack a model runs, and so which member of dg_device.model is valid. */
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Which stack a model runs, and so which of its pointers in struct dg_device is set. */
 enum dg_device_stack {
     DG_STACK_HIPERFACE,
     DG_STACK_CANOPEN,
@@ -21,7 +25,7 @@ enum dg_device_stack {
 struct dg_device {
     const char *name;       /**< as on the command line, e.g. "s3684-rs485" */
     const char *wire;       /**< what it speaks, e.g. "RS485 + SinCos (HIPERFACE-compatible)" */
-    const char *resolution; /**< in words, e.g. "2048 x 32 steps, 4096 turns" */
+    const char *resolution; /**< in words, e.g. "2048 periods x 32 steps, 4096 turns" */
     enum dg_device_stack stack;
     const struct dg_hf_model *hiperface;  /**< for DG_STACK_HIPERFACE */
     const struct dg_cia406_model *cia406; /**< for DG_STACK_CANOPEN */
@@ -33,5 +37,9 @@ extern const size_t dg_device_count;
 
 /** The model called `name`, or NULL. */
 const struct dg_device *dg_device_find(const char *name);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

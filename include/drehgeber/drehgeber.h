@@ -20,7 +20,15 @@
 #include "drehgeber/time.h"
 #include "drehgeber/world.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /** "major.minor.patch" of the library. */
 const char *dg_version(void);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

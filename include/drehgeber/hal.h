@@ -13,6 +13,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /**
  * What a function of this library returns: 0 is success, negative is one of these, positive is a
  * count where the function says so. Never to be mixed up with the codes a device puts on its wire.
@@ -45,5 +49,9 @@ struct dg_nvm {
     const struct dg_nvm_ops *ops;
     void *ctx;
 };
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

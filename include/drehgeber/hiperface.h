@@ -27,6 +27,10 @@
 #include "drehgeber/time.h"
 #include "drehgeber/world.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /** Longest frame in either direction: address, command, 132 data bytes, check sum (5.1.2.8). */
 #define DG_HF_FRAME_MAX 135u
 /** Address as delivered, the last one, and the broadcast address (5.1.1.2). */
@@ -39,6 +43,8 @@
 #define DG_HF_CODE_DEFAULT 0x55u
 /** Depth of the error stack (5.1.2.13). */
 #define DG_HF_STACK_DEPTH 4u
+/** Longest initialisation time a model may have. */
+#define DG_HF_INIT_MAX DG_S(600)
 
 /** Status codes on the wire (5.1.3; 1Dh-23h from the command tables, 1Eh from the spec). */
 enum dg_hf_status {
@@ -116,7 +122,7 @@ struct dg_hf_model {
     uint16_t speed_max_rpm; /**< fastest speed at which 42h acquires the position */
     uint16_t acceleration_max_krad_s2;
     dg_ns reaction; /**< from the request's timeout to the reply; never more than the command's */
-    dg_ns init;     /**< initialisation time after power-on and after 53h (5.1.2.15, 5.1.2.18) */
+    dg_ns init;     /**< 0..DG_HF_INIT_MAX: after power-on and 53h (5.1.2.15, 5.1.2.18) */
 };
 
 /** The wire's operations. */
@@ -282,5 +288,9 @@ uint32_t dg_hf_position(const struct dg_hf *self, dg_ns now);
  * raw position, sin 0 and cos at its peak where the raw position's 5 LSB turn to 0. Pure.
  */
 void dg_hf_sincos(const struct dg_hf *self, dg_ns now, struct dg_hf_sincos *out);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

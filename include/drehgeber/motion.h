@@ -17,6 +17,10 @@
 #include "drehgeber/angle.h"
 #include "drehgeber/time.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /** Highest speed of a motion, in 0.001 rpm (1 000 000 rpm). */
 #define DG_MOTION_SPEED_MAX_MRPM 1000000000
 
@@ -71,5 +75,9 @@ int dg_motion_set(struct dg_motion *self, const struct dg_motion *wanted);
  * interpolation. A motion that leaves the range of dg_angle wraps modulo 2^64.
  */
 dg_angle dg_motion_angle(void *ctx, dg_ns now);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -25,6 +25,10 @@
 
 #include "drehgeber/hal.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /** A checked region is at most this long. */
 #define DG_STORE_CHECKED_MAX 128u
 /** Regions a layout may have. */
@@ -79,7 +83,8 @@ int dg_store_find(const struct dg_store_layout *layout, const char *name);
 /**
  * Write the delivery state: every region's defaults, then the headers last, so that a power cut
  * while formatting leaves DG_ERR_BLANK or DG_ERR_FOREIGN, never a half image.
- * @return 0 or DG_ERR_IO
+ * @return 0; DG_ERR_IO; DG_ERR_ARGUMENT when a region with defaults, or a checked one, is longer
+ * than DG_STORE_CHECKED_MAX (the memory is erased by then)
  */
 int dg_store_format(const struct dg_store_layout *layout, struct dg_nvm nvm, const void *ctx);
 
@@ -121,5 +126,9 @@ int dg_store_commit(struct dg_store *self);
 /** begin, stage, commit of one change. */
 int dg_store_put(struct dg_store *self, uint8_t region, uint16_t offset, const void *from,
                  uint16_t n);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -13,6 +13,10 @@
 
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /** A moment or a span in nanoseconds. */
 typedef uint64_t dg_ns;
 
@@ -48,5 +52,9 @@ static inline dg_ns dg_earliest(dg_ns a, dg_ns b)
  * @param baud 1..10000000; 0 gives DG_NEVER
  */
 dg_ns dg_bit_times_ns(uint32_t bits, uint32_t baud);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

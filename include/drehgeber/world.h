@@ -16,6 +16,10 @@
 #include "drehgeber/angle.h"
 #include "drehgeber/time.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /** Everything the encoders of this library sense. */
 struct dg_world {
     /**
@@ -57,5 +61,9 @@ dg_angle dg_world_angle(const struct dg_world *self, dg_ns now);
  * floored to 2^-32 turn can make the result 1 too small or too large (dg_motion_angle does).
  */
 int32_t dg_world_speed_mrpm(const struct dg_world *self, dg_ns now);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -114,6 +114,11 @@ static int take_point(struct reader *self, struct field line, struct lx_error *e
 
 static int take_line(struct reader *self, const char *text, size_t n, struct lx_error *error)
 {
+    static const char mark[] = "\xEF\xBB\xBF"; /* of UTF-8; some tools begin a file with it */
+    if (self->line == 1 && n >= 3 && memcmp(text, mark, 3) == 0) {
+        text += 3;
+        n -= 3;
+    }
     const char *comment = memchr(text, '#', n);
     const struct field line = trimmed(text, comment == NULL ? n : (size_t)(comment - text));
     if (line.n == 0) {

@@ -142,10 +142,22 @@ static const struct lx_serial_ops pty_ops = {
     .close = close_pty,
 };
 
-/* The process that is an encoder behind this pty, or 0: it holds a lock on the slave side. */
-static pid_t owner_of(const char *pty)
+/* The lock on a pty's slave side that says who made this link to it: one byte, numbered as the
+   link. The pty's number alone says nothing, a link left behind may lead to somebody else's. */
+static struct flock lock_of(const struct stat *link)
 {
-    struct flock lock = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
+    return (struct flock){
+        .l_type = F_WRLCK,
+        .l_whence = SEEK_SET,
+        .l_start = (off_t)(link->st_ino & INT32_MAX),
+        .l_len = 1,
+    };
+}
+
+/* The process that is the encoder behind this link to `pty`, or 0. */
+static pid_t owner_of(const char *pty, const struct stat *link)
+{
+    struct flock lock = lock_of(link);
     const int fd = open(pty, O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
     if (fd < 0) {
         return 0;
@@ -169,7 +181,7 @@ static int clear_link(const char *link, const struct stat *info, struct lx_error
                        link);
     }
     target[n] = '\0';
-    const pid_t owner = to_pty ? owner_of(target) : 0;
+    const pid_t owner = to_pty ? owner_of(target, info) : 0;
     if (owner != 0) {
         return lx_fail(error, "--pty=%s: in use by process %ld; give another name", link,
                        (long)owner);
@@ -189,6 +201,11 @@ static int make_link(struct pty *self, struct lx_error *error)
         return lx_fail(error, "--pty=%s: cannot make the link: %s", link, strerror(errno));
     }
     self->linked = true;
+    /* Not earlier: clear_link() may have looked at this very pty, and closing it unlocks it. */
+    if (lstat(link, &info) == 0) {
+        struct flock lock = lock_of(&info);
+        (void)fcntl(self->slave, F_SETLK, &lock);
+    }
     return 0;
 }
 
@@ -225,8 +242,6 @@ static int open_pair(struct pty *self)
     if (self->slave < 0) {
         return -1;
     }
-    struct flock lock = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
-    (void)fcntl(self->slave, F_SETLK, &lock); /* see owner_of() */
     return prepare_slave(self);
 }
 

@@ -76,10 +76,18 @@ static const struct setting settings[] = {
 /* clang-format on */
 #define SETTING_COUNT (sizeof settings / sizeof settings[0])
 
-static const struct setting *find(const char *key, size_t n)
+/* Whether the encoder has this key. */
+static bool applies(const struct lx_settings *self, const struct setting *row)
+{
+    const size_t world = offsetof(struct lx_settings, world);
+    return self->rs485 || (row->offset >= world && row->offset < world + sizeof self->world);
+}
+
+static const struct setting *find(const struct lx_settings *self, const char *key, size_t n)
 {
     for (size_t i = 0; i < SETTING_COUNT; i++) {
-        if (strlen(settings[i].key) == n && memcmp(settings[i].key, key, n) == 0) {
+        if (applies(self, &settings[i]) && strlen(settings[i].key) == n &&
+            memcmp(settings[i].key, key, n) == 0) {
             return &settings[i];
         }
     }
@@ -87,11 +95,15 @@ static const struct setting *find(const char *key, size_t n)
 }
 
 /* All keys fit one line; whoever mistyped one finds it there. */
-static int unknown_key(const char *key, size_t n, struct lx_error *error)
+static int unknown_key(const struct lx_settings *self, const char *key, size_t n,
+                       struct lx_error *error)
 {
     struct lx_error keys = {""};
     size_t used = 0;
     for (size_t i = 0; i < SETTING_COUNT; i++) {
+        if (!applies(self, &settings[i])) {
+            continue;
+        }
         const int length =
             snprintf(keys.text + used, sizeof keys.text - used, " %s", settings[i].key);
         used += length > 0 ? (size_t)length : 0u;
@@ -222,7 +234,10 @@ static int set_text(const struct setting *row, uint8_t *to, const char *value,
 
 void lx_settings_init(struct lx_settings *self, const struct dg_hf_model *model)
 {
-    *self = (struct lx_settings){.model = *model, .pace = true};
+    *self = (struct lx_settings){.rs485 = model != NULL, .pace = true};
+    if (model != NULL) {
+        self->model = *model;
+    }
     dg_world_init(&self->world);
 }
 
@@ -233,9 +248,9 @@ int lx_settings_set(struct lx_settings *self, const char *assignment, struct lx_
         return lx_fail(error, "--set %s: KEY=VALUE is right", assignment);
     }
     const size_t n = (size_t)(equals - assignment);
-    const struct setting *row = find(assignment, n);
+    const struct setting *row = find(self, assignment, n);
     if (row == NULL) {
-        return unknown_key(assignment, n, error);
+        return unknown_key(self, assignment, n, error);
     }
     uint8_t *to = (uint8_t *)self + row->offset;
     if (row->kind == WORD) {

@@ -20,9 +20,10 @@ struct lx_settings {
     bool pace;                /**< replies go out at the line's speed */
     bool any_line;            /**< whatever the line is set to is right */
     bool serial_given;        /**< the serial number was asked for, not left to the model */
+    bool rs485;               /**< an RS485 encoder; another one only has a world */
 };
 
-/** The figures of `model` in a healthy world. */
+/** The figures of `model` in a healthy world; NULL: not an RS485 encoder. */
 void lx_settings_init(struct lx_settings *self, const struct dg_hf_model *model);
 
 /** Apply "key=value". @return 0, or -1 with one line that names what would be right */

@@ -60,7 +60,7 @@ enum dg_co_abort dg_co_block_upload(struct dg_co_node *self, const uint8_t *data
     sdo->blksize = data[4];
     sdo->crc = (data[0] & CRC) != 0;
     dg_co_sdo_become(self, DG_CO_SDO_BLOCK_UPLOAD_START);
-    dg_co_sdo_confirm(self, (uint8_t)(0xC0u | SIZE | (data[0] & CRC)), sdo->length);
+    dg_co_sdo_confirm(self, 0xC0u | SIZE | CRC, sdo->length);
     return DG_CO_OK;
 }
 
@@ -137,7 +137,7 @@ enum dg_co_abort dg_co_block_download(struct dg_co_node *self, const uint8_t *da
     sdo->crc = (data[0] & CRC) != 0;
     sdo->seqno = 0;
     dg_co_sdo_become(self, DG_CO_SDO_BLOCK_DOWNLOAD);
-    dg_co_sdo_confirm(self, (uint8_t)(0xA0u | (data[0] & CRC)), DOWNLOAD_BLKSIZE);
+    dg_co_sdo_confirm(self, 0xA0u | CRC, DOWNLOAD_BLKSIZE);
     return DG_CO_OK;
 }
 

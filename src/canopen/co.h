@@ -67,9 +67,18 @@ extern const uint16_t dg_co_object_count;
 const struct dg_co_object *dg_co_find(const struct dg_co_node *self, uint16_t index, uint8_t sub,
                                       enum dg_co_abort *abort);
 /** Bytes of a row's type; 0 for strings. */
-uint8_t dg_co_size(const struct dg_co_object *object);
+static inline uint8_t dg_co_size(const struct dg_co_object *object)
+{
+    static const uint8_t sizes[] = {
+        [DG_CO_I8] = 1,  [DG_CO_I16] = 2, [DG_CO_I32] = 4,    [DG_CO_U8] = 1,
+        [DG_CO_U16] = 2, [DG_CO_U32] = 4, [DG_CO_STRING] = 0,
+    };
+    return sizes[object->type];
+}
 /** A value as it stands on the wire or in the memory, sign-extended where the type is signed. */
 uint32_t dg_co_extend(const struct dg_co_object *object, uint32_t value);
+/** Whether a value is inside min..max. */
+bool dg_co_in_range(const struct dg_co_object *object, uint32_t value);
 /** Read any row but a string, whatever its access. */
 enum dg_co_abort dg_co_read(struct dg_co_node *self, const struct dg_co_object *object,
                             uint32_t *value);
@@ -90,6 +99,8 @@ bool dg_co_restricted(uint32_t can_id);
 
 /** Mount the store and read what is not a value: bus parameters, serial number. */
 int dg_co_mount(struct dg_co_node *self);
+/** Check the memory again, as every Initialisation does; bus parameters in force stay. */
+void dg_co_remount(struct dg_co_node *self);
 /** Values of the rows from `first` to `last` index: defaults, then what 1010h has saved. False when
  * some of that cannot be read; those are the defaults. */
 bool dg_co_load(struct dg_co_node *self, uint16_t first, uint16_t last);
@@ -143,7 +154,10 @@ void dg_co_lss_start(struct dg_co_node *self);
 void dg_co_lss_rx(struct dg_co_node *self, const struct dg_can_frame *frame);
 dg_ns dg_co_lss_step(struct dg_co_node *self);
 /** Whether the bus is silent because of a bit rate switch. */
-bool dg_co_lss_silent(const struct dg_co_node *self);
+static inline bool dg_co_lss_silent(const struct dg_co_node *self)
+{
+    return self->now < self->lss.silent_until;
+}
 
 /* Hooks, by file. */
 dg_co_hook dg_co_hook_device, dg_co_hook_sync_id, dg_co_hook_time_id, dg_co_hook_overflow;

@@ -233,11 +233,6 @@ void dg_co_lss_start(struct dg_co_node *self)
     self->lss.switch_at = DG_NEVER;
 }
 
-bool dg_co_lss_silent(const struct dg_co_node *self)
-{
-    return self->now < self->lss.silent_until;
-}
-
 dg_ns dg_co_lss_step(struct dg_co_node *self)
 {
     if (self->lss.switch_at <= self->now) {

@@ -30,11 +30,16 @@ void dg_co_enter(struct dg_co_node *self, enum dg_co_state state)
         return;
     }
     bool was_operational = self->state == DG_CO_OPERATIONAL;
+    bool booted = self->state == DG_CO_BOOT;
     self->state = state;
     if (state == DG_CO_STOPPED) {
         dg_co_sdo_start(self); /* a transfer does not survive */
     }
-    heartbeat(self);
+    if (!booted) {
+        heartbeat(self);
+    } else if (heartbeat_period(self) != 0) { /* the boot-up was the first one */
+        self->heartbeat_at = dg_after(self->now, heartbeat_period(self));
+    }
     if (was_operational || state == DG_CO_OPERATIONAL) {
         dg_co_pdo_state(self, state == DG_CO_OPERATIONAL);
     }

@@ -41,7 +41,12 @@ void dg_co_send(struct dg_co_node *self, uint16_t id, const uint8_t *data, uint8
     if (dg_co_lss_silent(self)) {
         return;
     }
-    memcpy(frame.data, data, dlc);
+    if (dlc == 8) { /* in halves, as they were written: a wider load would wait for both */
+        memcpy(&frame.data[0], &data[0], 4);
+        memcpy(&frame.data[4], &data[4], 4);
+    } else {
+        memcpy(frame.data, data, dlc);
+    }
     self->counters.tx++;
     self->setup.ops->send(self->setup.ctx, &frame);
 }
@@ -76,7 +81,7 @@ int dg_co_init(struct dg_co_node *self, const struct dg_co_setup *setup)
 }
 
 /* Initialisation (CiA 301): application, then communication, then boot-up. */
-void dg_co_reset(struct dg_co_node *self, bool application)
+static void initialise(struct dg_co_node *self, bool application)
 {
     const struct dg_co_device *device = self->setup.device;
     bool operational = false;
@@ -107,6 +112,12 @@ void dg_co_reset(struct dg_co_node *self, bool application)
     dg_co_report_memory(self, loaded); /* an EMCY comes after boot-up */
 }
 
+void dg_co_reset(struct dg_co_node *self, bool application)
+{
+    dg_co_remount(self);
+    initialise(self, application);
+}
+
 int dg_co_power_on(struct dg_co_node *self, dg_ns now)
 {
     dg_co_power_off(self);
@@ -119,7 +130,7 @@ int dg_co_power_on(struct dg_co_node *self, dg_ns now)
     self->history_count = 0;
     self->lss.silent_until = 0;
     dg_co_use_bit_rate(self);
-    dg_co_reset(self, true);
+    initialise(self, true);
     return DG_OK;
 }
 
@@ -181,11 +192,14 @@ static void service_rx(struct dg_co_node *self, const struct dg_can_frame *frame
 /* Every service does what is due at self->now and says when it wants to be called again. */
 static dg_ns step_services(struct dg_co_node *self)
 {
-    /* The device first, emergencies last: what the former raises or changes leaves in this round. */
+    /* The device first, emergencies last: what the former raises or changes leaves in this round.
+     */
     dg_ns next = self->setup.device->step != NULL ? self->setup.device->step(self) : DG_NEVER;
 
-    next = dg_earliest(next, dg_earliest(dg_co_nmt_step(self), dg_co_pdo_step(self)));
-    next = dg_earliest(next, dg_earliest(dg_co_sdo_step(self), dg_co_lss_step(self)));
+    next = dg_earliest(next, dg_co_nmt_step(self));
+    next = dg_earliest(next, dg_co_pdo_step(self));
+    next = dg_earliest(next, dg_co_sdo_step(self));
+    next = dg_earliest(next, dg_co_lss_step(self));
     next = dg_earliest(next, dg_co_emcy_step(self));
     return next;
 }

@@ -53,7 +53,9 @@ static bool sample_once(struct dg_co_node *self, bool *sampled)
 {
     if (!*sampled) {
         *sampled = true;
-        self->setup.device->sample(self);
+        if (self->setup.device->sample != NULL) {
+            self->setup.device->sample(self);
+        }
     }
     return self->state == DG_CO_OPERATIONAL;
 }

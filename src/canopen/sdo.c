@@ -92,12 +92,16 @@ void dg_co_sdo_send(struct dg_co_node *self, uint8_t command, const uint8_t *byt
 
 void dg_co_sdo_confirm(struct dg_co_node *self, uint8_t command, uint32_t value)
 {
-    uint8_t bytes[7];
+    uint8_t frame[8];
 
-    dg_store_le16(&bytes[0], self->sdo.index);
-    bytes[2] = self->sdo.sub;
-    dg_store_le32(&bytes[3], value);
-    dg_co_sdo_send(self, command, bytes, sizeof bytes);
+    dg_store_le32(&frame[0],
+                  command | (uint32_t)self->sdo.index << 8 | (uint32_t)self->sdo.sub << 24);
+    dg_store_le32(&frame[4], value);
+    if (self->sdo.state == DG_CO_SDO_DELAYED) {
+        memcpy(self->sdo.answer, frame, sizeof frame);
+    } else {
+        send_frame(self, frame);
+    }
 }
 
 static void abort_transfer(struct dg_co_node *self, enum dg_co_abort code)
@@ -135,7 +139,6 @@ enum dg_co_abort dg_co_sdo_fetch(struct dg_co_node *self)
     const struct dg_co_device *device = self->setup.device;
     enum dg_co_abort abort = DG_CO_OK;
     const struct dg_co_object *object = dg_co_find(self, sdo->index, sdo->sub, &abort);
-    uint8_t bytes[4];
     uint32_t value;
 
     if (object == NULL) {
@@ -144,11 +147,11 @@ enum dg_co_abort dg_co_sdo_fetch(struct dg_co_node *self)
     if ((object->flags & DG_CO_R) == 0) {
         return DG_CO_WRITE_ONLY;
     }
-    /* Zeros behind the data: whole segments are sent. */
-    memset(sdo->buffer, 0, sizeof sdo->buffer);
     sdo->done = 0;
     sdo->length = 0;
     if (object->type == DG_CO_STRING) {
+        /* Zeros behind the data: whole segments are sent. */
+        memset(sdo->buffer, 0, sizeof sdo->buffer);
         fetch_text(sdo, device->strings[object->initial]);
         return DG_CO_OK;
     }
@@ -158,8 +161,8 @@ enum dg_co_abort dg_co_sdo_fetch(struct dg_co_node *self)
     abort = dg_co_read(self, object, &value);
     if (abort == DG_CO_OK) {
         sdo->length = dg_co_size(object);
-        dg_store_le32(bytes, value);
-        memcpy(sdo->buffer, bytes, sdo->length);
+        dg_store_le32(&sdo->buffer[0], value & 0xFFFFFFFFu >> (32u - 8u * sdo->length));
+        dg_store_le32(&sdo->buffer[4], 0);
     }
     return abort;
 }

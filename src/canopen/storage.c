@@ -21,6 +21,7 @@ struct pack {
     uint8_t at;
     uint16_t first;
     uint16_t last;
+    bool valid; /* all values are inside their limits */
     uint8_t bytes[DG_STORE_CHECKED_MAX];
 };
 
@@ -64,10 +65,17 @@ static bool load(struct dg_co_node *self, uint8_t region, uint8_t *to)
            dg_store_read(&self->store, region, 0, to, size) == DG_OK;
 }
 
-int dg_co_mount(struct dg_co_node *self)
+/* Bit rate, node-ID or none yet, termination. */
+static bool bus_valid(const uint8_t *bus)
 {
-    uint8_t bus[3];
-    uint8_t serial[4] = {0};
+    bool node_id = (bus[1] >= 1 && bus[1] <= 127) || bus[1] == DG_CO_UNCONFIGURED;
+
+    return bus[0] <= 8 && bus[0] != 7 && node_id && bus[2] <= 1;
+}
+
+/* `bus` are the bus parameters, or their defaults. */
+static int mount(struct dg_co_node *self, uint8_t *bus)
+{
     int result = DG_ERR_IO;
 
     dg_co_default_bus(NULL, bus);
@@ -75,13 +83,32 @@ int dg_co_mount(struct dg_co_node *self)
         result = dg_store_mount(&self->store, self->setup.device->layout, self->setup.nvm);
     }
     self->mounted = result == DG_OK;
-    (void)load(self, DG_CO_REGION_BUS, bus);
+    if (load(self, DG_CO_REGION_BUS, bus) && !bus_valid(bus)) {
+        self->store.damaged |= 1u << DG_CO_REGION_BUS; /* as if its sum had failed */
+        dg_co_default_bus(NULL, bus);
+    }
+    return result;
+}
+
+int dg_co_mount(struct dg_co_node *self)
+{
+    uint8_t bus[3];
+    uint8_t serial[4] = {0};
+    int result = mount(self, bus);
+
     (void)load(self, DG_CO_REGION_SERIAL, serial);
-    self->lss.bit_rate = bus[0] > 8 || bus[0] == 7 ? BIT_RATE_DEFAULT : bus[0];
+    self->lss.bit_rate = bus[0];
     self->lss.node_id = bus[1];
-    self->value[DG_CO_SLOT_TERMINATION] = bus[2];
+    self->termination = bus[2];
     self->serial = dg_load_le32(serial);
     return result;
+}
+
+void dg_co_remount(struct dg_co_node *self)
+{
+    uint8_t bus[3];
+
+    (void)mount(self, bus);
 }
 
 static void unpack_row(struct dg_co_node *self, const struct dg_co_object *object, void *ctx)
@@ -97,7 +124,12 @@ static void unpack_row(struct dg_co_node *self, const struct dg_co_object *objec
         for (uint8_t i = 0; i < size; i++) {
             value |= (uint32_t)pack->bytes[pack->at + i] << (8u * i);
         }
-        self->value[object->slot] = dg_co_extend(object, value);
+        value = dg_co_extend(object, value);
+        if (dg_co_in_range(object, value)) {
+            self->value[object->slot] = value;
+        } else {
+            pack->valid = false;
+        }
     }
     pack->at = (uint8_t)(pack->at + size);
 }
@@ -132,8 +164,8 @@ static bool is_parameters(uint8_t region)
 
 bool dg_co_load(struct dg_co_node *self, uint16_t first, uint16_t last)
 {
-    struct pack pack = {.first = first, .last = last};
-    uint32_t termination = self->value[DG_CO_SLOT_TERMINATION];
+    struct pack pack = {.first = first, .last = last, .valid = true};
+    uint32_t termination = last < 0x2000 ? self->value[DG_CO_SLOT_TERMINATION] : self->termination;
     uint8_t saved = 0;
     bool loaded = load(self, DG_CO_REGION_SAVED, &saved);
 
@@ -156,7 +188,7 @@ bool dg_co_load(struct dg_co_node *self, uint16_t first, uint16_t last)
             loaded = false;
         }
     }
-    return loaded;
+    return loaded && pack.valid;
 }
 
 void dg_co_report_memory(struct dg_co_node *self, bool loaded)
@@ -176,7 +208,7 @@ static enum dg_co_abort committed(struct dg_co_node *self)
 
 enum dg_co_abort dg_co_save_bus(struct dg_co_node *self, uint8_t bit_rate, uint8_t node_id)
 {
-    const uint8_t bus[3] = {bit_rate, node_id, (uint8_t)self->value[DG_CO_SLOT_TERMINATION]};
+    const uint8_t bus[3] = {bit_rate, node_id, self->termination};
 
     if (!accessible(self)) {
         return DG_CO_HARDWARE;
@@ -271,11 +303,15 @@ enum dg_co_abort dg_co_hook_save_bus(struct dg_co_node *self, const struct dg_co
     if (op != DG_CO_WRITE || abort != DG_CO_OK) {
         return abort;
     }
+    uint8_t before = self->termination;
+    self->termination = (uint8_t)self->value[DG_CO_SLOT_TERMINATION];
     abort = dg_co_save_bus(self, bit_rate, node_id);
     if (abort == DG_CO_OK) {
         self->lss.bit_rate = bit_rate; /* in force after the next reset node (C8) */
         self->lss.node_id = node_id;
         answer_later(self);
+    } else {
+        self->termination = before;
     }
     return abort;
 }

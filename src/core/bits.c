@@ -18,16 +18,6 @@ uint32_t dg_load_be32(const uint8_t *p)
     return ((uint32_t)p[0] << 24) | dg_load_be24(p + 1);
 }
 
-uint16_t dg_load_le16(const uint8_t *p)
-{
-    return (uint16_t)(((uint32_t)p[1] << 8) | p[0]);
-}
-
-uint32_t dg_load_le32(const uint8_t *p)
-{
-    return ((uint32_t)dg_load_le16(p + 2) << 16) | dg_load_le16(p);
-}
-
 void dg_store_be16(uint8_t *p, uint16_t value)
 {
     p[0] = (uint8_t)(value >> 8);
@@ -45,18 +35,6 @@ void dg_store_be32(uint8_t *p, uint32_t value)
 {
     p[0] = (uint8_t)(value >> 24);
     dg_store_be24(p + 1, value);
-}
-
-void dg_store_le16(uint8_t *p, uint16_t value)
-{
-    p[0] = (uint8_t)value;
-    p[1] = (uint8_t)(value >> 8);
-}
-
-void dg_store_le32(uint8_t *p, uint32_t value)
-{
-    dg_store_le16(p, (uint16_t)value);
-    dg_store_le16(p + 2, (uint16_t)(value >> 16));
 }
 
 /**

@@ -168,7 +168,8 @@ int dg_hf_model_check(const struct dg_hf_model *model)
     if (!resolution_fits(model->periods_per_turn, model->steps_per_period, model->turns)) {
         return DG_ERR_ARGUMENT;
     }
-    if (model->memory_blocks == 0 || model->memory_blocks > HF_FIELDS_MAX) {
+    if (model->init > DG_HF_INIT_MAX || model->memory_blocks == 0 ||
+        model->memory_blocks > HF_FIELDS_MAX) {
         return DG_ERR_ARGUMENT;
     }
     return DG_OK;
@@ -237,12 +238,16 @@ void dg_hf_load(struct dg_hf *self, bool mounted)
         self->turns = dg_load_be32(&bytes[3]);
     }
     if (load(self, DG_HF_REGION_OFFSET, bytes)) {
-        self->offset = dg_load_be32(bytes);
+        uint64_t range = (uint64_t)self->periods * self->steps * self->turns;
+        self->offset = (uint32_t)(dg_load_be32(bytes) % range);
     }
     if (load(self, DG_HF_REGION_UART, bytes)) {
         self->uart_stored = bytes[0];
         self->address = bytes[1];
     }
-    (void)load(self, DG_HF_REGION_MEMORY, &self->blocks);
+    /* More blocks than there are would be fields beyond their table. */
+    if (load(self, DG_HF_REGION_MEMORY, bytes) && bytes[0] <= HF_FIELDS_MAX) {
+        self->blocks = bytes[0];
+    }
     (void)load(self, DG_HF_REGION_CODES, self->codes);
 }

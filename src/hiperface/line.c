@@ -12,6 +12,7 @@
 #define CHARACTER_BITS 11u
 #define BAUD_MASK 0x07u
 #define LONG_TIMEOUT 0x40u
+#define REACTION_LEAST_MS 5u
 
 int dg_hf_uart_decode(uint8_t setting, struct dg_hf_uart *out)
 {
@@ -139,9 +140,9 @@ static void end_of_frame(struct dg_hf *self, dg_ns moment)
         reset(self, moment);
         return;
     }
-    if (row != NULL && row->handler != NULL) {
-        reaction = dg_earliest(reaction, DG_MS(row->reaction_ms));
-    }
+    /* What is no command has the shortest maximum that a command has. */
+    uint8_t most_ms = row != NULL && row->handler != NULL ? row->reaction_ms : REACTION_LEAST_MS;
+    reaction = dg_earliest(reaction, DG_MS(most_ms));
     become(self, DG_HF_REPLY, dg_after(moment, reaction));
 }
 

@@ -14,10 +14,12 @@
 static uint16_t temperature_degc(const struct dg_hf *self, dg_ns now)
 {
     int32_t mdegc = self->setup.world->temperature_mdegc;
+    /* To the nearest degree; away from zero in the middle. */
+    int32_t degc = mdegc / 1000 + mdegc % 1000 / 500;
 
     (void)now;
-    /* To the nearest degree; away from zero in the middle. */
-    return (uint16_t)(int16_t)((mdegc + (mdegc < 0 ? -500 : 500)) / 1000);
+    degc = degc < INT16_MIN ? INT16_MIN : degc;
+    return (uint16_t)(degc > INT16_MAX ? INT16_MAX : degc);
 }
 
 static uint16_t led_current_ma(const struct dg_hf *self, dg_ns now)

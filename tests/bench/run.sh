@@ -1,30 +1,33 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# Prints how fast the S36 with RS485 and the F36x8 are, one figure a line. Nothing is asserted.
-# usage: run.sh [FOLDER], of bench_hf and bench_406; by default that of build/release
+# Prints how fast the S36 with RS485 and the F36x8 with CANopen are, one figure a line. Nothing is
+# asserted.
+# usage: run.sh [TREE], a build tree; by default build/release, which is made if there is none
 set -eu
 cd "$(dirname "$0")/../.."
-folder=${1:-build/release/tests}
+tree=${1:-build/release}
 if [ $# -eq 0 ]; then
     mkdir -p build/log
     [ -e build/release/build.ninja ] || cmake --preset release >build/log/release.configure
-    cmake --build build/release --target bench_hf bench_406 >build/log/bench.build
+    cmake --build build/release --target bench_hf bench_co bench_406 >build/log/bench.build
 fi
 
-# Instructions of a run of bench $1 with $2 requests or samples
+# Instructions of a run of $1 with $2 operations
 instructions() {
-    valgrind --tool=callgrind --callgrind-out-file=/dev/null "$folder/$1" --callgrind "$2" 2>&1 |
+    valgrind --tool=callgrind --callgrind-out-file=/dev/null "$tree/tests/$1" --callgrind "$2" 2>&1 |
         awk '/Collected :/ { print $4 }'
 }
 
-# Instructions of one of them; $1 bench, $2 what it is
-one() {
+# $1 bench, $2 what one operation is
+each() {
     none=$(instructions "$1" 0)
     many=$(instructions "$1" 1000)
-    printf '%-32s %10d\n' "$2" $(((many - none) / 1000))
+    printf '%-32s %10d\n' "instructions per $2" $(((many - none) / 1000))
 }
 
-"$folder/bench_hf"
-one bench_hf "instructions per 42h (aim: 1500)"
-"$folder/bench_406"
-one bench_406 "instructions per 6004h (aim: 150)"
+"$tree/tests/bench_hf"
+each bench_hf "42h (aim: 1500)"
+"$tree/tests/bench_co"
+each bench_co "upload and SYNC"
+"$tree/tests/bench_406"
+each bench_406 "6004h (aim: 150)"

@@ -87,6 +87,8 @@ int main(int argc, char **argv)
     } suites[] = {
         {"hiperface", cf_hiperface, prove},
         {"selftest", cf_hiperface, expect_fail},
+        {"canopen", cf_canopen, prove},
+        {"canopen-selftest", cf_canopen, expect_fail},
     };
     int result = 2;
 
@@ -98,7 +100,8 @@ int main(int argc, char **argv)
         }
     }
     if (result == 2) {
-        (void)fprintf(stderr, "usage: conformance hiperface|selftest CLAUSES ROWS\n");
+        (void)fprintf(stderr, "usage: conformance %s CLAUSES ROWS\n",
+                      "hiperface|selftest|canopen|canopen-selftest");
     }
     return result;
 }

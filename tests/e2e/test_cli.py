@@ -150,6 +150,12 @@ def test_csv_error_names_the_line(tmp_path, text, number):
     assert re.search(rf"motion\.csv\D+{number}\b", ended.stderr), ended.stderr
 
 
+def test_csv_with_byte_order_mark(start, tmp_path):
+    motion = tmp_path / "motion.csv"
+    motion.write_bytes(b"\xef\xbb\xbf0,90\r\n1,90\r\n")
+    assert start("--shaft", motion).master().read_position() == 65536 // 4
+
+
 def test_csv_missing(tmp_path):
     ended = run("run", MULTITURN, "--pty", "--shaft", tmp_path / "none.csv")
     assert ended.returncode in (1, 2) and ended.stdout == ""

@@ -5,11 +5,12 @@ import resource
 import signal
 import socket
 import stat
+import subprocess
 
 import pytest
 
 from hiperface_master import EncoderError, FieldStatus
-from rig import MULTITURN, PATIENCE_S, SINGLETURN, assert_one_line, run_refused
+from rig import MULTITURN, PATIENCE_S, PROGRAM, SINGLETURN, assert_one_line, run_refused
 
 
 @pytest.mark.parametrize("signal_number", [signal.SIGTERM, signal.SIGINT])
@@ -46,6 +47,33 @@ def test_link_of_a_running_encoder_is_refused(start, tmp_path):
     assert str(encoder.process.pid) in line
     encoder.path = str(link)
     assert encoder.master().read_position() == 0
+
+
+def test_link_of_a_restarted_encoder_is_refused(start, tmp_path):
+    link = tmp_path / "encoder"
+    start(wire=[f"--pty={link}"]).end(signal.SIGKILL)
+    encoder = start(wire=[f"--pty={link}"])
+    assert str(encoder.pid) in run_refused(1, "run", MULTITURN, f"--pty={link}")
+
+
+def test_link_whose_pty_is_another_encoders_is_replaced(start, tmp_path):
+    links = [tmp_path / "a", tmp_path / "b"]
+    other = start(wire=[f"--pty={links[1]}"])
+    links[0].symlink_to(os.readlink(links[1]))
+    encoder = start(wire=[f"--pty={links[0]}"])
+    for running, link in ((encoder, links[0]), (other, links[1])):
+        running.path = str(link)
+        assert running.master().read_position() == 0
+
+
+def test_closed_stdout_does_not_reach_the_memory(nvm):
+    command = ["sh", "-c", 'exec "$0" "$@" >&-', str(PROGRAM), "run", MULTITURN, "--pty", "--nvm", str(nvm)]
+    ended = subprocess.run(command, stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+                           timeout=PATIENCE_S)
+    assert ended.returncode == 1 and len(ended.stderr.splitlines()) == 1, ended.stderr
+    with open(nvm, "rb") as image:
+        headers = image.read(24)
+    assert headers[:4] == b"dge1" and headers[:12] == headers[12:]
 
 
 def test_link_does_not_replace_a_file(tmp_path):

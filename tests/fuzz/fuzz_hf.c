@@ -73,7 +73,7 @@ static void check_reply(struct bench *bench)
     must(reply[0] == device->address);
     must(command == 0x50 || command == device->frame[1]);
     must(command != 0x50 || n == 4);
-    must((reply[1] & 0x80u) != 0 == (device->stack_count > 0));
+    must(((reply[1] & 0x80u) != 0) == (device->stack_count > 0));
     must(command != 0x4A || (n == 6u + reply[4] && reply[3] + reply[4] <= 128));
     must(command != 0x42 || (n == 7 && dg_load_be32(&reply[2]) < range(device)));
 }
@@ -305,7 +305,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
     struct input input = {.at = bytes, .end = bytes + n};
 
     memset(&bench, 0, sizeof bench);
-    bench.model = *dg_devices[take(&input) % dg_device_count].hiperface;
+    bench.model =
+        *dg_device_find(take(&input) % 2u == 0 ? "s3674-rs485" : "s3684-rs485")->hiperface;
     const uint8_t how = take(&input);
     if ((how & 1u) != 0) {
         bench.model.periods_per_turn = (uint16_t)take32(&input);

@@ -233,7 +233,7 @@ static void unlock(const struct dg_co_object *object)
 static uint32_t change(const struct dg_co_object *object)
 {
     static const uint32_t candidates[] = {0xC0000181u, 0x80000123u, 0x00120064u, 0x81u,
-                                          0x30050010u, 0x21600020u, 2u,          1u};
+                                          0x60040020u, 0x21600020u, 2u,          1u};
     const uint32_t before = rig.node.value[object->slot];
 
     for (size_t i = 0; i < COUNT(candidates); i++) {

@@ -195,7 +195,7 @@ static void assert_old_or_new(const struct command *command, uint32_t writes, ui
         assert_works_again(command);
     }
     /* Not in every byte of a torn write: the start only sees whether the journal is whole. */
-    if (tear_at % 16u <= 1u) {
+    if (tear_at % 32u <= 1u) {
         assert_survives_start(expected);
     }
 }

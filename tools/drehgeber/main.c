@@ -1,8 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* drehgeber: virtual absolute encoders on the command line. */
+#define _GNU_SOURCE
+#include <fcntl.h>
 #include <stdio.h>
+#include <unistd.h>
 
 #include "drehgeber/drehgeber.h"
+#include "eds.h"
 #include "options.h"
 #include "run.h"
 #include "settings.h"
@@ -33,6 +37,7 @@ static void help(void)
         "\n"
         "  drehgeber list                          the models\n"
         "  drehgeber run MODEL [WIRE] [OPTIONS]    be that encoder\n"
+        "  drehgeber eds MODEL                     the EDS file of a CANopen encoder\n"
         "\n"
         " Models:\n",
         stdout);
@@ -43,10 +48,11 @@ static void help(void)
                  "  %s\n"
                  "  Units: DEG REV (angle), RPM (speed), S MS (time). Positive is clockwise, time\n"
                  "  0 is when the encoder is ready. A file has lines 'time_s,angle_deg'.\n"
-                 "\n KEY=VALUE:\n",
+                 "\n KEY=VALUE (CANopen: those from temperature on):\n",
                  lx_shaft_forms);
     lx_settings_help(&defaults, stdout);
-    (void)fputs("\n Exit status: 0 after SIGTERM or SIGINT, 2 for a wrong command line, 1 for the "
+    (void)fputs("  (factory) is burnt into a new --nvm file; an existing one has to agree.\n"
+                "\n Exit status: 0 after SIGTERM or SIGINT, 2 for a wrong command line, 1 for the "
                 "rest.\n",
                 stdout);
 }
@@ -58,6 +64,17 @@ static int flushed(void)
     }
     lx_complain("cannot write to stdout");
     return EXIT_OTHER;
+}
+
+static int eds(const struct options *options)
+{
+    const struct dg_device *device = options->model == NULL ? NULL : dg_device_find(options->model);
+    if (device == NULL || device->stack != DG_STACK_CANOPEN) {
+        lx_complain("eds needs a CANopen model; valid: f3658 f3668");
+        return EXIT_USAGE;
+    }
+    eds_print(device, stdout);
+    return flushed();
 }
 
 static int act(const struct options *options)
@@ -72,6 +89,8 @@ static int act(const struct options *options)
     case COMMAND_VERSION:
         (void)printf("drehgeber %s\n", dg_version());
         return flushed();
+    case COMMAND_EDS:
+        return eds(options);
     case COMMAND_RUN:
         return run_encoder(options);
     case COMMAND_NONE: /* refused by options_parse() */
@@ -80,8 +99,22 @@ static int act(const struct options *options)
     return EXIT_USAGE;
 }
 
+/* A stream that came closed stays one that cannot be written to. Otherwise the next file opened,
+   such as the EEPROM's, would get its number and every message. */
+static void occupy_closed_streams(void)
+{
+    int fd = STDIN_FILENO;
+    while (fd >= 0 && fd <= STDERR_FILENO) {
+        fd = open("/dev/null", O_RDONLY);
+    }
+    if (fd >= 0) {
+        (void)close(fd);
+    }
+}
+
 int main(int argc, char **argv)
 {
+    occupy_closed_streams();
     struct options options;
     int status = EXIT_USAGE;
     if (options_parse(&options, argc, argv) != 0) {

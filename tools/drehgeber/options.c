@@ -12,6 +12,9 @@ enum key {
     KEY_QUIET = 'q',
     KEY_PTY = 256,
     KEY_TTY,
+    KEY_CAN,
+    KEY_SLCAN,
+    KEY_NODE,
     KEY_NVM,
     KEY_SERIAL,
     KEY_SET,
@@ -19,21 +22,41 @@ enum key {
 };
 
 static const struct wire wires[] = {
-    {"pty", KEY_PTY, lx_pty_open},
-    {"tty", KEY_TTY, lx_tty_open},
+    {"pty", KEY_PTY, DG_STACK_HIPERFACE, lx_pty_open, NULL},
+    {"tty", KEY_TTY, DG_STACK_HIPERFACE, lx_tty_open, NULL},
+    {"can", KEY_CAN, DG_STACK_CANOPEN, NULL, lx_can_socket_open},
+    {"slcan", KEY_SLCAN, DG_STACK_CANOPEN, NULL, lx_slcan_open},
 };
 #define WIRE_COUNT (sizeof wires / sizeof wires[0])
 
-const struct wire *const options_default_wire = &wires[0];
+static const struct {
+    const char *name;
+    enum command command;
+} commands[] = {
+    {"list", COMMAND_LIST},
+    {"run", COMMAND_RUN},
+    {"eds", COMMAND_EDS},
+};
+#define COMMAND_COUNT (sizeof commands / sizeof commands[0])
+#define RIGHT "'drehgeber list', 'drehgeber run MODEL [WIRE] [OPTIONS]' or 'drehgeber eds MODEL'"
+
+/* By enum dg_device_stack. */
+static const char *const wires_of[] = {
+    [DG_STACK_HIPERFACE] = "--pty[=LINK] or --tty DEV",
+    [DG_STACK_CANOPEN] = "--can IFNAME or --slcan[=LINK]",
+};
 
 /* clang-format off */
 static const struct argp_option table[] = {
     {.doc = "Wires (one of them):", .group = 1},
-    {.name = "pty",     .key = KEY_PTY,     .arg = "LINK",      .flags = OPTION_ARG_OPTIONAL, .doc = "a pseudo-terminal, and a symbolic link to it while it runs (default)"},
-    {.name = "tty",     .key = KEY_TTY,     .arg = "DEV",       .doc = "a serial port; data rate and parity are the encoder's own"},
+    {.name = "pty",     .key = KEY_PTY,     .arg = "LINK",      .flags = OPTION_ARG_OPTIONAL, .doc = "RS485 on a pseudo-terminal, and a symbolic link to it while it runs (default)"},
+    {.name = "tty",     .key = KEY_TTY,     .arg = "DEV",       .doc = "RS485 on a serial port; data rate and parity are the encoder's own"},
+    {.name = "can",     .key = KEY_CAN,     .arg = "IFNAME",    .doc = "CAN on a network interface (SocketCAN)"},
+    {.name = "slcan",   .key = KEY_SLCAN,   .arg = "LINK",      .flags = OPTION_ARG_OPTIONAL, .doc = "CAN behind an SLCAN adapter on a pseudo-terminal (default where the kernel has no CAN)"},
     {.doc = "Options:", .group = 2},
     {.name = "nvm",     .key = KEY_NVM,     .arg = "FILE",      .doc = "keep the EEPROM in FILE, made when it does not exist (default: forgotten at the end)"},
-    {.name = "serial",  .key = KEY_SERIAL,  .arg = "N",         .doc = "serial number, up to 9 digits"},
+    {.name = "serial",  .key = KEY_SERIAL,  .arg = "N",         .doc = "serial number, up to 9 digits, CANopen 10"},
+    {.name = "node",    .key = KEY_NODE,    .arg = "N[..M]",    .doc = "CANopen node-ID (default: 63), or several; each has its own EEPROM FILE.N"},
     {.name = "shaft",   .key = KEY_SHAFT,   .arg = "MOTION",    .doc = "what the shaft does, see below (default: 0)"},
     {.name = "set",     .key = KEY_SET,     .arg = "KEY=VALUE", .doc = "see below; may be given again"},
     {.name = "quiet",   .key = KEY_QUIET,                       .doc = "no notes on stderr, only complaints"},
@@ -66,7 +89,8 @@ static error_t take_wire(struct options *self, int key, const char *value)
             continue;
         }
         if (self->wire != NULL) {
-            return fail(self, "more than one wire: --", wires[i].name, "give one of --pty, --tty");
+            return fail(self, "more than one wire: --", wires[i].name,
+                        "give one of --pty, --tty, --can, --slcan");
         }
         self->wire = &wires[i];
         self->where = value;
@@ -76,20 +100,18 @@ static error_t take_wire(struct options *self, int key, const char *value)
 
 static error_t take_argument(struct options *self, unsigned index, const char *value)
 {
-    if (index == 0 && strcmp(value, "list") == 0) {
-        self->command = COMMAND_LIST;
-    } else if (index == 0 && strcmp(value, "run") == 0) {
-        self->command = COMMAND_RUN;
-    } else if (index == 0) {
-        return fail(self, "unknown command ", value,
-                    "right is 'drehgeber list' or 'drehgeber run MODEL [WIRE] [OPTIONS]'");
-    } else if (index == 1 && self->command == COMMAND_RUN) {
-        self->model = value;
-    } else {
-        return fail(self, "superfluous argument ", value,
-                    "right is 'drehgeber list' or 'drehgeber run MODEL [WIRE] [OPTIONS]'");
+    for (size_t i = 0; index == 0 && i < COMMAND_COUNT; i++) {
+        if (strcmp(value, commands[i].name) == 0) {
+            self->command = commands[i].command;
+            return 0;
+        }
     }
-    return 0;
+    if (index == 1 && self->command != COMMAND_LIST) {
+        self->model = value;
+        return 0;
+    }
+    return fail(self, index == 0 ? "unknown command " : "superfluous argument ", value,
+                "right is " RIGHT);
 }
 
 static error_t take_option(struct options *self, int key, const char *value)
@@ -100,6 +122,9 @@ static error_t take_option(struct options *self, int key, const char *value)
         return 0;
     case KEY_SERIAL:
         self->serial = value;
+        return 0;
+    case KEY_NODE:
+        self->node = value;
         return 0;
     case KEY_SET:
         self->sets[self->set_count++] = value;
@@ -166,8 +191,9 @@ static int explain_culprit(struct options *self)
     const struct argp_option *row = row_of(self->culprit);
     if (row == NULL) {
         return lx_fail(&self->error,
-                       "unknown option %s; valid: --pty[=LINK] --tty DEV --nvm FILE --serial N "
-                       "--shaft MOTION --set KEY=VALUE --quiet --help --version",
+                       "unknown option %s; valid: --pty[=LINK] --tty DEV --can IFNAME "
+                       "--slcan[=LINK] --nvm FILE --serial N --node N[..M] --shaft MOTION --set "
+                       "KEY=VALUE --quiet --help --version",
                        self->culprit);
     }
     if (row->arg == NULL) {
@@ -180,11 +206,15 @@ static int explain_culprit(struct options *self)
 static int check_command(struct options *self)
 {
     if (self->command == COMMAND_NONE) {
-        return lx_fail(&self->error, "no command; right is 'drehgeber list', 'drehgeber run MODEL "
-                                     "[WIRE] [OPTIONS]' or 'drehgeber --help'");
+        return lx_fail(&self->error,
+                       "no command; right is " RIGHT ", 'drehgeber --help' says more");
     }
     if (self->command == COMMAND_LIST && self->option != NULL) {
         return lx_fail(&self->error, "list takes no option --%s; right is 'drehgeber list'",
+                       self->option);
+    }
+    if (self->command == COMMAND_EDS && self->option != NULL) {
+        return lx_fail(&self->error, "eds takes no option --%s; right is 'drehgeber eds MODEL'",
                        self->option);
     }
     return 0;
@@ -203,6 +233,25 @@ int options_parse(struct options *self, int argc, char **argv)
         return -1;
     }
     return result != 0 ? explain_culprit(self) : check_command(self);
+}
+
+/* A kernel that has CAN also has an interface that the user wants it on; there is no guessing. */
+const struct wire *options_wire(const struct options *self, enum dg_device_stack stack,
+                                struct lx_error *error)
+{
+    if (self->wire != NULL && self->wire->stack == stack) {
+        return self->wire;
+    }
+    if (self->wire != NULL) {
+        (void)lx_fail(error, "--%s is no wire of %s; right is %s", self->wire->name, self->model,
+                      wires_of[stack]);
+        return NULL;
+    }
+    if (stack == DG_STACK_CANOPEN && lx_can_in_kernel()) {
+        (void)lx_fail(error, "%s needs a wire; right is %s", self->model, wires_of[stack]);
+        return NULL;
+    }
+    return stack == DG_STACK_CANOPEN ? &wires[WIRE_COUNT - 1] : &wires[0];
 }
 
 void options_free(struct options *self)

@@ -9,6 +9,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "can.h"
+#include "drehgeber/devices.h"
 #include "encoder.h"
 #include "say.h"
 
@@ -17,6 +19,7 @@ enum command {
     COMMAND_NONE,
     COMMAND_LIST,
     COMMAND_RUN,
+    COMMAND_EDS,
     COMMAND_HELP,
     COMMAND_VERSION,
 };
@@ -25,7 +28,9 @@ enum command {
 struct wire {
     const char *name; /* as in "ready MODEL WIRE:ADDRESS" */
     int option;       /* key in the option table */
-    lx_serial_open *open;
+    enum dg_device_stack stack;
+    lx_serial_open *open; /* for DG_STACK_HIPERFACE */
+    lx_can_open *can;     /* for DG_STACK_CANOPEN */
 };
 
 struct options {
@@ -35,6 +40,7 @@ struct options {
     const char *where;       /* the wire's value; NULL: none */
     const char *nvm;
     const char *serial;
+    const char *node;
     const char *shaft;
     const char **sets; /* owned; as many as argc at most */
     size_t set_count;
@@ -47,8 +53,10 @@ struct options {
 /* For --help. */
 extern const struct argp options_argp;
 
-/* The wire an encoder is put on when none is given. */
-extern const struct wire *const options_default_wire;
+/* The wire for an encoder with this stack: the one that was given, or the default. NULL with one
+   line in `error` when that is none for it. */
+const struct wire *options_wire(const struct options *self, enum dg_device_stack stack,
+                                struct lx_error *error);
 
 /* Parse. 0, or -1 with one line in self->error. options_free() in any case. */
 int options_parse(struct options *self, int argc, char **argv);

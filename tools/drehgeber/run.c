@@ -9,6 +9,7 @@
 #include <systemd/sd-daemon.h>
 #include <systemd/sd-event.h>
 
+#include "canopen.h"
 #include "drehgeber/devices.h"
 #include "eeprom.h"
 #include "encoder.h"
@@ -24,6 +25,9 @@ struct rig {
     struct lx_shaft shaft;
     struct lx_eeprom eeprom;
     struct lx_encoder encoder;
+    struct lx_can_nodes nodes; /* CANopen: instead of eeprom and encoder */
+    struct lx_can_nodes_setup nodes_setup;
+    const struct dg_device *device;
     sd_event *event;
 };
 
@@ -56,17 +60,27 @@ static int understand(struct rig *self, struct lx_error *error)
     if (device == NULL) {
         return unknown_model(options, error);
     }
+    self->device = device;
+    self->wire = options_wire(options, device->stack, error);
+    if (self->wire == NULL) {
+        return -1;
+    }
     lx_settings_init(&self->settings, device->hiperface);
     for (size_t i = 0; i < options->set_count; i++) {
         if (lx_settings_set(&self->settings, options->sets[i], error) != 0) {
             return -1;
         }
     }
+    if (device->stack == DG_STACK_CANOPEN) {
+        return canopen_understand(options, &self->nodes_setup, error);
+    }
+    if (options->node != NULL) {
+        return lx_fail(error, "--node %s: only CANopen encoders have a node-ID", options->node);
+    }
     if (options->serial != NULL &&
         lx_settings_serial(&self->settings, options->serial, error) != 0) {
         return -1;
     }
-    self->wire = options->wire == NULL ? options_default_wire : options->wire;
     return lx_settings_check(&self->settings, error);
 }
 
@@ -97,8 +111,7 @@ static int make_loop(struct rig *self, struct lx_error *error)
     return result < 0 ? lx_fail(error, "no event loop: %s", strerror(-result)) : 0;
 }
 
-/* From here on the encoder answers. Time 0 of the motion is now. */
-static int switch_on(struct rig *self, struct lx_error *error)
+static int switch_on_rs485(struct rig *self, dg_ns now, struct lx_error *error)
 {
     const struct options *options = self->options;
     if (lx_eeprom_open(&self->eeprom, options->nvm, &self->settings, &options->say, error) != 0) {
@@ -112,18 +125,51 @@ static int switch_on(struct rig *self, struct lx_error *error)
         .open = self->wire->open,
         .where = options->where,
     };
+    return lx_encoder_open(&self->encoder, &setup, now, error);
+}
+
+static int switch_on_canopen(struct rig *self, dg_ns now, struct lx_error *error)
+{
+    struct lx_can_nodes_setup *setup = &self->nodes_setup;
+    setup->event = self->event;
+    setup->say = &self->options->say;
+    setup->model = self->device->cia406;
+    setup->world = &self->settings.world;
+    setup->open = self->wire->can;
+    setup->where = self->options->where;
+    setup->nvm = self->options->nvm;
+    return lx_can_nodes_open(&self->nodes, setup, now, error);
+}
+
+/* From here on the encoder answers. Time 0 of the motion is now. */
+static int switch_on(struct rig *self, struct lx_error *error)
+{
     const dg_ns now = lx_now();
     self->shaft.motion.start = now;
     self->settings.world.angle = dg_motion_angle;
     self->settings.world.angle_ctx = &self->shaft.motion;
-    return lx_encoder_open(&self->encoder, &setup, now, error);
+    return self->device->stack == DG_STACK_CANOPEN ? switch_on_canopen(self, now, error)
+                                                   : switch_on_rs485(self, now, error);
+}
+
+/* One line for each encoder. */
+static int print_ready(const struct rig *self)
+{
+    const char *model = self->options->model;
+    int result = 0;
+    if (self->device->stack == DG_STACK_HIPERFACE) {
+        return printf("ready %s %s:%s\n", model, self->wire->name, self->encoder.port->address);
+    }
+    for (unsigned i = 0; result >= 0 && i < self->nodes.count; i++) {
+        result = printf("ready %s %s:%s/%u\n", model, self->wire->name, self->nodes.bus->address,
+                        self->nodes.node[i].device.id);
+    }
+    return result;
 }
 
 static int announce(const struct rig *self, struct lx_error *error)
 {
-    const char *address = self->encoder.port->address;
-    if (printf("ready %s %s:%s\n", self->options->model, self->wire->name, address) < 0 ||
-        fflush(stdout) != 0) {
+    if (print_ready(self) < 0 || fflush(stdout) != 0) {
         return lx_fail(error, "cannot write the ready line to stdout: %s", strerror(errno));
     }
     (void)sd_notify(0, "READY=1");
@@ -157,6 +203,7 @@ int run_encoder(const struct options *options)
         return complain(&error, parsed == LX_SHAFT_WORDS ? EXIT_USAGE : EXIT_OTHER);
     }
     const int status = live(&self, &error);
+    lx_can_nodes_close(&self.nodes);
     lx_encoder_close(&self.encoder);
     lx_eeprom_close(&self.eeprom);
     lx_shaft_free(&self.shaft);

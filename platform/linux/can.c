@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What all buses have in common: the queue.
+ *
+ *   lx_can_send --> write() --no room--> queue, reading paused
+ *   1 ms timer ---> write() ... until it is empty, flush() --> reading goes on, settle()
+ *
+ * A CAN socket without room does not become writable in the eyes of poll() (its limit is the
+ * interface's queue, not the socket's), so time it is that says when to try again.
+ */
+#include "can.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define RETRY DG_MS(1)
+/* A wire that takes nothing at all is asked less and less often. */
+#define RETRY_MAX DG_MS(64)
+
+static bool drain(struct lx_can *self)
+{
+    while (self->count > 0) {
+        if (!self->ops->write(self, &self->queue[self->first])) {
+            return false;
+        }
+        self->first++;
+        self->count--;
+        self->delay = RETRY;
+    }
+    self->first = 0;
+    return true;
+}
+
+static void try_again(void *ctx, dg_ns now)
+{
+    struct lx_can *self = ctx;
+    self->delay = self->delay < RETRY_MAX ? 2 * self->delay : RETRY_MAX;
+    if (!drain(self) || (self->ops->flush != NULL && !self->ops->flush(self))) {
+        lx_timer_at(&self->retry, dg_after(now, self->delay));
+        return;
+    }
+    self->stalled = false;
+    self->ops->pause(self, false);
+    self->setup.settle(self->setup.ctx, now);
+}
+
+void lx_can_stall(struct lx_can *self)
+{
+    if (self->stalled) {
+        return;
+    }
+    self->stalled = true;
+    self->counters.stalls++;
+    self->delay = RETRY;
+    self->ops->pause(self, true);
+    lx_timer_at(&self->retry, dg_after(lx_now(), RETRY));
+}
+
+/* Room for one more. Frames come in and deadlines are met only while the queue is empty, so what
+   one frame or one moment makes all encoders send is the most it ever holds. */
+static bool make_room(struct lx_can *self)
+{
+    if (self->first + self->count < self->capacity) {
+        return true;
+    }
+    const size_t capacity = self->capacity == 0 ? 64 : 2 * self->capacity;
+    struct dg_can_frame *queue = realloc(self->queue, capacity * sizeof *queue);
+    if (queue == NULL) {
+        return false;
+    }
+    self->queue = queue;
+    self->capacity = capacity;
+    return true;
+}
+
+void lx_can_send(struct lx_can *self, const struct dg_can_frame *frame)
+{
+    if (!self->stalled && self->ops->write(self, frame)) {
+        return;
+    }
+    if (!make_room(self)) {
+        self->counters.lost++;
+        return;
+    }
+    self->queue[self->first + self->count] = *frame;
+    self->count++;
+    lx_can_stall(self);
+}
+
+void lx_can_discard(struct lx_can *self)
+{
+    self->counters.lost += self->count;
+    self->first = 0;
+    self->count = 0;
+}
+
+int lx_can_init(struct lx_can *self, const struct lx_can_ops *ops, const struct lx_can_setup *setup,
+                struct lx_error *error)
+{
+    self->ops = ops;
+    self->setup = *setup;
+    const int result = lx_timer_open(&self->retry, setup->event, try_again, self);
+    return result < 0 ? lx_fail(error, "no timer: %s", strerror(-result)) : 0;
+}
+
+void lx_can_close(struct lx_can *self)
+{
+    if (self == NULL) {
+        return;
+    }
+    self->ops->close(self);
+    lx_timer_close(&self->retry);
+    free(self->queue);
+    free(self);
+}

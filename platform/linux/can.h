@@ -1,0 +1,117 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * A CAN bus on the event loop: frames in, frames out. Two kinds: SocketCAN (can_socket.c) and an
+ * SLCAN adapter on a pseudo-terminal (slcan_pty.c).
+ *
+ * What does not fit the wire at once waits in a queue that keeps the order. As long as it does, no
+ * frames come in and the encoders' deadlines wait: whoever is busy sending is deaf to more work.
+ */
+#ifndef DREHGEBER_LINUX_CAN_H
+#define DREHGEBER_LINUX_CAN_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <systemd/sd-event.h>
+
+#include "drehgeber/canopen.h"
+#include "say.h"
+#include "timer.h"
+
+/** Longest address of a bus: a path. */
+#define LX_CAN_ADDRESS_MAX 4096u
+
+struct lx_can;
+
+/** What a kind of bus does in its own way. Nothing here blocks. */
+struct lx_can_ops {
+    /** Put a frame on the wire, or give it up for good. @return false when there is no room now.
+     * A kind that could send a part only takes the frame and calls lx_can_stall(). */
+    bool (*write)(struct lx_can *self, const struct dg_can_frame *frame);
+    /** Send what write() took but could not send whole. @return false when something is left.
+     * NULL: there is never anything left. */
+    bool (*flush)(struct lx_can *self);
+    /** Stop reading, or go on. */
+    void (*pause)(struct lx_can *self, bool paused);
+    /** Who listens to what may have changed. NULL: everything comes in. */
+    void (*filter)(struct lx_can *self, const struct dg_co_net *net);
+    /** An encoder's bit rate is `kbaud` now; tell the user when that does not fit the wire. */
+    void (*expect)(struct lx_can *self, uint16_t kbaud);
+    /** Whether an encoder at `kbaud` understands the wire. NULL: always. */
+    bool (*hears)(const struct lx_can *self, uint16_t kbaud);
+    /** Close files, remove links. */
+    void (*close)(struct lx_can *self);
+};
+
+/** What a bus is made of. Everything pointed to must outlive it. */
+struct lx_can_setup {
+    sd_event *event;
+    const struct lx_say *say;
+    const char *where; /**< interface or link; NULL: a link is not wanted */
+    /** A frame came in at `now`, which may lie in the past and never decreases. */
+    void (*rx)(void *ctx, dg_ns now, const struct dg_can_frame *frame);
+    /** The controller says something; `now` as above. */
+    void (*bus)(void *ctx, dg_ns now, enum dg_co_bus_event event);
+    /** After the last of several frames, after the queue has drained, after the wire's bit rate has
+     * changed: look at deadlines and filters. */
+    void (*settle)(void *ctx, dg_ns now);
+    void *ctx;
+};
+
+/** Things nobody has to act on; they only count up. */
+struct lx_can_counters {
+    uint64_t stalls; /**< times the wire had no room */
+    uint64_t lost;   /**< frames that nobody could take: no interface, no master */
+};
+
+/** The part that all kinds share; first member of each kind. */
+struct lx_can {
+    const struct lx_can_ops *ops;
+    struct lx_can_setup setup;
+    struct lx_timer retry;
+    dg_ns delay;  /**< until the next attempt to send */
+    bool stalled; /**< the wire has no room */
+    struct dg_can_frame *queue;
+    size_t first; /**< oldest frame in queue */
+    size_t count;
+    size_t capacity;
+    struct lx_can_counters counters;
+    const char *kind;                 /**< "can" or "slcan" */
+    char address[LX_CAN_ADDRESS_MAX]; /**< interface, or what a master opens */
+};
+
+/** Opens one kind of bus. @return NULL with one line in `error` */
+typedef struct lx_can *lx_can_open(const struct lx_can_setup *setup, struct lx_error *error);
+lx_can_open lx_can_socket_open, lx_slcan_open;
+
+/** Whether the kernel has CAN at all. */
+bool lx_can_in_kernel(void);
+
+/** Close any of them; NULL is fine. */
+void lx_can_close(struct lx_can *self);
+
+/** Send a frame. Keeps the order, does not block, does not call back. */
+void lx_can_send(struct lx_can *self, const struct dg_can_frame *frame);
+
+/** Forget what waits to be sent. */
+void lx_can_discard(struct lx_can *self);
+
+/** For the kinds: fill the shared part. @return 0, or -1 with `error` */
+int lx_can_init(struct lx_can *self, const struct lx_can_ops *ops, const struct lx_can_setup *setup,
+                struct lx_error *error);
+
+/** For the kinds: the wire has no room; it is tried again soon. */
+void lx_can_stall(struct lx_can *self);
+
+/** What the kernel says about an interface. */
+struct lx_can_link {
+    bool up;
+    bool is_virtual;  /**< vcan: bit rates mean nothing */
+    uint32_t bitrate; /**< bit/s; 0: the kernel does not know it */
+};
+
+/** Ask about interface `index`. @return 0 or a negative errno */
+int lx_can_link_read(unsigned index, struct lx_can_link *link);
+
+#endif

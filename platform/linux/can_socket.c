@@ -1,0 +1,445 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * SocketCAN: one raw socket for all encoders on an interface. The kernel filters what nobody
+ * listens to; what the controller reports comes as error frames; an interface that is down or gone
+ * is waited for, and meanwhile frames are lost as on a bus that is not there.
+ */
+#define _GNU_SOURCE
+#include <errno.h>
+#include <linux/can.h>
+#include <linux/can/error.h>
+#include <linux/can/raw.h>
+#include <linux/sockios.h>
+#include <net/if.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/epoll.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "can.h"
+
+/* Frames taken at once; between such pieces of a flood deadlines get their turn. */
+#define BATCH 64u
+/* How often an interface that has gone is looked for. */
+#define REOPEN DG_S(1)
+/* The kernel takes 512 filters and walks through them for each frame. */
+#define FILTERS_MAX 500u
+/* Frames lost in the socket are reported not more often than this: every report makes an encoder
+   send, which must not be what overruns it again. */
+#define OVERRUN_PAUSE DG_MS(100)
+#define RECEIVE_BUFFER (1 << 20)
+
+struct can_socket {
+    struct lx_can can;
+    int fd; /* -1 while the interface is down or gone */
+    unsigned index;
+    sd_event_source *io;
+    struct lx_timer reopen;
+    dg_ns latest;        /* moment of the frame that came in last */
+    uint32_t dropped;    /* frames the socket has lost, as the kernel counts */
+    dg_ns overrun_until; /* no further report before */
+    uint16_t told_kbaud; /* the user knows what this rate means here */
+    struct can_filter filters[FILTERS_MAX];
+    size_t filter_count;
+};
+
+static struct can_socket *socket_of(struct lx_can *can)
+{
+    return (struct can_socket *)can;
+}
+
+static dg_ns of_timespec(const struct timespec *time)
+{
+    return DG_S(time->tv_sec) + (dg_ns)time->tv_nsec;
+}
+
+/* --- the interface --- */
+
+static void unwatch(struct can_socket *self)
+{
+    self->io = sd_event_source_disable_unref(self->io);
+    if (self->fd >= 0) {
+        (void)close(self->fd);
+    }
+    self->fd = -1;
+}
+
+static void gone(struct can_socket *self, int reason)
+{
+    unwatch(self);
+    lx_complain("%s: %s; looking for it once a second", self->can.address,
+                reason == ENETDOWN ? "the interface is down" : "the interface is gone");
+    lx_timer_at(&self->reopen, dg_after(lx_now(), REOPEN));
+}
+
+/* Nothing is received until the first filter() says what. */
+static int configure(int fd)
+{
+    const int on = 1;
+    const int size = RECEIVE_BUFFER;
+    const can_err_mask_t errors = CAN_ERR_BUSOFF | CAN_ERR_RESTARTED | CAN_ERR_CRTL;
+    (void)setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &size, sizeof size); /* what it may have is fine */
+    if (setsockopt(fd, SOL_CAN_RAW, CAN_RAW_FILTER, NULL, 0) != 0 ||
+        setsockopt(fd, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, &errors, sizeof errors) != 0 ||
+        setsockopt(fd, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on) != 0 ||
+        setsockopt(fd, SOL_SOCKET, SO_RXQ_OVFL, &on, sizeof on) != 0) {
+        return -errno;
+    }
+    return 0;
+}
+
+/* Bind to the interface by its name of today. @return 0 or a negative errno */
+static int bind_to(struct can_socket *self)
+{
+    struct sockaddr_can address = {.can_family = AF_CAN};
+    struct lx_can_link link;
+    self->index = if_nametoindex(self->can.address);
+    if (self->index == 0) {
+        return -ENODEV;
+    }
+    address.can_ifindex = (int)self->index;
+    if (bind(self->fd, (const struct sockaddr *)&address, sizeof address) != 0) {
+        return errno == ENODEV ? -EMEDIUMTYPE : -errno;
+    }
+    const int result = lx_can_link_read(self->index, &link);
+    return result < 0 ? result : link.up ? 0 : -ENETDOWN;
+}
+
+static int on_readable(sd_event_source *source, int fd, uint32_t events, void *ctx);
+
+static int open_socket(struct can_socket *self)
+{
+    self->fd = socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW);
+    if (self->fd < 0) {
+        return -errno;
+    }
+    int result = configure(self->fd);
+    if (result == 0) {
+        result = bind_to(self);
+    }
+    if (result == 0) {
+        result =
+            sd_event_add_io(self->can.setup.event, &self->io, self->fd, EPOLLIN, on_readable, self);
+    }
+    self->dropped = 0;
+    return result < 0 ? result : 0;
+}
+
+static void apply_filters(const struct can_socket *self)
+{
+    const size_t size = self->filter_count * sizeof self->filters[0];
+    if (self->fd >= 0 &&
+        setsockopt(self->fd, SOL_CAN_RAW, CAN_RAW_FILTER, self->filters, (socklen_t)size) != 0) {
+        lx_complain("%s: cannot set filters: %s", self->can.address, strerror(errno));
+    }
+}
+
+static void look_for_it(void *ctx, dg_ns now)
+{
+    struct can_socket *self = ctx;
+    if (open_socket(self) != 0) {
+        unwatch(self);
+        lx_timer_at(&self->reopen, dg_after(now, REOPEN));
+        return;
+    }
+    lx_complain("%s: back", self->can.address);
+    apply_filters(self);
+    if (self->can.stalled) {
+        (void)sd_event_source_set_enabled(self->io, SD_EVENT_OFF);
+    }
+    self->can.setup.settle(self->can.setup.ctx, now);
+}
+
+/* --- frames in --- */
+
+/*
+ * The moment a frame came in, on the monotonic clock. Its stamp is of the wall clock, which may
+ * have been set meanwhile: whatever that gives, a frame came in after the one before it and before
+ * now.
+ */
+static dg_ns moment(struct can_socket *self, const struct timespec *stamp)
+{
+    struct timespec wall;
+    const dg_ns now = lx_now();
+    dg_ns at = now;
+    if (stamp != NULL && clock_gettime(CLOCK_REALTIME, &wall) == 0) {
+        const dg_ns age = dg_elapsed(of_timespec(&wall), of_timespec(stamp));
+        at = age < now ? now - age : 0;
+    }
+    self->latest = at > self->latest ? at : self->latest;
+    return self->latest;
+}
+
+/* What a controller's error frame means. */
+static void take_error(struct can_socket *self, dg_ns now, const struct can_frame *frame)
+{
+    /* In this order: a lost frame first, then the worst state. A controller whose counters fall
+       below 128 says 'warning' first; that already is error active. */
+    static const struct {
+        uint32_t class_of;
+        uint8_t status; /* any of these in data[1]; 0: the class says it all */
+        enum dg_co_bus_event event;
+    } rows[] = {
+        {CAN_ERR_CRTL, CAN_ERR_CRTL_RX_OVERFLOW, DG_CO_BUS_OVERRUN},
+        {CAN_ERR_BUSOFF, 0, DG_CO_BUS_OFF},
+        {CAN_ERR_RESTARTED, 0, DG_CO_BUS_ACTIVE},
+        {CAN_ERR_CRTL, CAN_ERR_CRTL_RX_PASSIVE | CAN_ERR_CRTL_TX_PASSIVE, DG_CO_BUS_PASSIVE},
+        {CAN_ERR_CRTL, CAN_ERR_CRTL_RX_WARNING | CAN_ERR_CRTL_TX_WARNING | CAN_ERR_CRTL_ACTIVE,
+         DG_CO_BUS_ACTIVE},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        if ((frame->can_id & rows[i].class_of) == 0 ||
+            (rows[i].status != 0 && (frame->data[1] & rows[i].status) == 0)) {
+            continue;
+        }
+        self->can.setup.bus(self->can.setup.ctx, now, rows[i].event);
+        if (rows[i].event != DG_CO_BUS_OVERRUN) {
+            return;
+        }
+    }
+}
+
+static void take_frame(struct can_socket *self, dg_ns now, const struct can_frame *frame)
+{
+    struct dg_can_frame out = {.rtr = (frame->can_id & CAN_RTR_FLAG) != 0};
+    if ((frame->can_id & CAN_ERR_FLAG) != 0) {
+        take_error(self, now, frame);
+        return;
+    }
+    if ((frame->can_id & CAN_EFF_FLAG) != 0 || frame->can_dlc > sizeof out.data) {
+        return;
+    }
+    out.id = (uint16_t)(frame->can_id & CAN_SFF_MASK);
+    out.dlc = frame->can_dlc;
+    memcpy(out.data, frame->data, sizeof out.data);
+    self->can.setup.rx(self->can.setup.ctx, now, &out);
+}
+
+/* The socket's buffer was full: to the encoder that is its controller's overrun. */
+static void take_dropped(struct can_socket *self, dg_ns now, uint32_t dropped)
+{
+    if (dropped == self->dropped || now < self->overrun_until) {
+        return;
+    }
+    self->dropped = dropped;
+    self->overrun_until = dg_after(now, OVERRUN_PAUSE);
+    self->can.setup.bus(self->can.setup.ctx, now, DG_CO_BUS_OVERRUN);
+}
+
+/* One frame with what the kernel says about it. @return 1, 0 when there is none, or -errno */
+static int receive(struct can_socket *self)
+{
+    struct can_frame frame;
+    union {
+        struct cmsghdr aligned;
+        char bytes[CMSG_SPACE(sizeof(struct timespec)) + CMSG_SPACE(sizeof(uint32_t))];
+    } control;
+    struct iovec data = {&frame, sizeof frame};
+    struct msghdr message = {.msg_iov = &data,
+                             .msg_iovlen = 1,
+                             .msg_control = &control,
+                             .msg_controllen = sizeof control};
+    struct timespec stamp;
+    bool stamped = false;
+    uint32_t dropped = self->dropped;
+    const ssize_t n = recvmsg(self->fd, &message, 0);
+    if (n < 0) {
+        return errno == EAGAIN || errno == EINTR ? 0 : -errno;
+    }
+    for (struct cmsghdr *c = CMSG_FIRSTHDR(&message); c != NULL; c = CMSG_NXTHDR(&message, c)) {
+        if (c->cmsg_level == SOL_SOCKET && c->cmsg_type == SCM_TIMESTAMPNS) {
+            memcpy(&stamp, CMSG_DATA(c), sizeof stamp);
+            stamped = true;
+        } else if (c->cmsg_level == SOL_SOCKET && c->cmsg_type == SO_RXQ_OVFL) {
+            memcpy(&dropped, CMSG_DATA(c), sizeof dropped);
+        }
+    }
+    const dg_ns now = moment(self, stamped ? &stamp : NULL);
+    take_dropped(self, now, dropped);
+    if ((size_t)n == sizeof frame) { /* no CAN FD */
+        take_frame(self, now, &frame);
+    }
+    return 1;
+}
+
+static int on_readable(sd_event_source *source, int fd, uint32_t events, void *ctx)
+{
+    struct can_socket *self = ctx;
+    int result = 1;
+    (void)source;
+    (void)fd;
+    (void)events;
+    /* A frame can make an encoder send, which can stall the bus, or find it gone. */
+    for (unsigned i = 0; i < BATCH && result > 0 && !self->can.stalled && self->fd >= 0; i++) {
+        result = receive(self);
+    }
+    if (result < 0 && self->fd >= 0) {
+        gone(self, -result);
+    }
+    self->can.setup.settle(self->can.setup.ctx, lx_now());
+    return 0;
+}
+
+/* --- the operations --- */
+
+static bool write_frame(struct lx_can *can, const struct dg_can_frame *frame)
+{
+    struct can_socket *self = socket_of(can);
+    struct can_frame out = {.can_id = frame->id, .can_dlc = frame->dlc};
+    ssize_t done = -1;
+    if (self->fd < 0) {
+        can->counters.lost++;
+        return true;
+    }
+    out.can_id |= frame->rtr ? CAN_RTR_FLAG : 0u;
+    memcpy(out.data, frame->data, sizeof out.data);
+    do {
+        done = send(self->fd, &out, sizeof out, 0);
+    } while (done < 0 && errno == EINTR);
+    if (done >= 0) {
+        return true;
+    }
+    if (errno == ENOBUFS || errno == EAGAIN) {
+        return false;
+    }
+    can->counters.lost++;
+    gone(self, errno);
+    return true;
+}
+
+static void pause_reading(struct lx_can *can, bool paused)
+{
+    const struct can_socket *self = socket_of(can);
+    if (self->io != NULL) {
+        (void)sd_event_source_set_enabled(self->io, paused ? SD_EVENT_OFF : SD_EVENT_ON);
+    }
+}
+
+/* Data and remote frames of the CAN-IDs that somebody listens to; of too many, all 11-bit ones. */
+static size_t wanted_filters(const struct dg_co_net *net, struct can_filter *filters)
+{
+    size_t n = 0;
+    for (uint16_t id = 0; id <= CAN_SFF_MASK; id++) {
+        if (!dg_co_net_listens(net, id)) {
+            continue;
+        }
+        if (n == FILTERS_MAX) {
+            filters[0] = (struct can_filter){0, CAN_EFF_FLAG};
+            return 1;
+        }
+        filters[n++] = (struct can_filter){id, CAN_EFF_FLAG | CAN_SFF_MASK};
+    }
+    return n;
+}
+
+static void filter(struct lx_can *can, const struct dg_co_net *net)
+{
+    struct can_socket *self = socket_of(can);
+    struct can_filter wanted[FILTERS_MAX];
+    const size_t n = wanted_filters(net, wanted);
+    const size_t size = n * sizeof wanted[0];
+    if (n == self->filter_count && memcmp(wanted, self->filters, size) == 0) {
+        return;
+    }
+    memcpy(self->filters, wanted, size);
+    self->filter_count = n;
+    apply_filters(self);
+}
+
+/* The rate of an interface is its administrator's business, so this can only be told. */
+static void expect(struct lx_can *can, uint16_t kbaud)
+{
+    struct can_socket *self = socket_of(can);
+    struct lx_can_link link;
+    if (self->fd < 0 || kbaud == self->told_kbaud || lx_can_link_read(self->index, &link) != 0) {
+        return;
+    }
+    if (link.is_virtual && self->told_kbaud == 0) {
+        lx_note(can->setup.say, "%s: a virtual bus, bit rates mean nothing here", can->address);
+    } else if (!link.is_virtual && link.bitrate != 0 && link.bitrate != 1000u * kbaud) {
+        lx_note(can->setup.say,
+                "%s: runs at %lu bit/s, the encoder at %u000; 'ip link set %s type can bitrate "
+                "%u000' while it is down makes them agree",
+                can->address, (unsigned long)link.bitrate, kbaud, can->address, kbaud);
+    }
+    self->told_kbaud = kbaud;
+}
+
+static void close_socket(struct lx_can *can)
+{
+    struct can_socket *self = socket_of(can);
+    unwatch(self);
+    lx_timer_close(&self->reopen);
+}
+
+static const struct lx_can_ops socket_ops = {
+    .write = write_frame,
+    .pause = pause_reading,
+    .filter = filter,
+    .expect = expect,
+    .close = close_socket,
+};
+
+bool lx_can_in_kernel(void)
+{
+    const int fd = socket(PF_CAN, SOCK_RAW | SOCK_CLOEXEC, CAN_RAW);
+    if (fd < 0) {
+        return false;
+    }
+    (void)close(fd);
+    return true;
+}
+
+static int explain(int reason, const char *where, struct lx_error *error)
+{
+    switch (reason) {
+    case EAFNOSUPPORT:
+    case EPROTONOSUPPORT:
+        return lx_fail(error, "--can %s: this kernel has no CAN; --slcan[=LINK] works without",
+                       where);
+    case ENODEV:
+        return lx_fail(error, "--can %s: no such interface; one that 'ip link' shows is right",
+                       where);
+    case EMEDIUMTYPE:
+        return lx_fail(error, "--can %s: not a CAN interface; one such as can0 is right", where);
+    case ENETDOWN:
+        return lx_fail(error, "--can %s: the interface is down; 'ip link set %s up' is right",
+                       where, where);
+    default:
+        return lx_fail(error, "--can %s: cannot use it: %s", where, strerror(reason));
+    }
+}
+
+static int start(struct can_socket *self, struct lx_error *error)
+{
+    const char *where = self->can.setup.where;
+    if (strlen(where) >= IFNAMSIZ) {
+        return explain(ENODEV, where, error);
+    }
+    (void)snprintf(self->can.address, sizeof self->can.address, "%s", where);
+    int result = lx_timer_open(&self->reopen, self->can.setup.event, look_for_it, self);
+    if (result >= 0) {
+        result = open_socket(self);
+    }
+    return result < 0 ? explain(-result, where, error) : 0;
+}
+
+struct lx_can *lx_can_socket_open(const struct lx_can_setup *setup, struct lx_error *error)
+{
+    struct can_socket *self = calloc(1, sizeof *self);
+    if (self == NULL) {
+        (void)lx_fail(error, "--can: no memory");
+        return NULL;
+    }
+    self->fd = -1;
+    self->can.kind = "can";
+    if (lx_can_init(&self->can, &socket_ops, setup, error) != 0 || start(self, error) != 0) {
+        lx_can_close(&self->can);
+        return NULL;
+    }
+    return &self->can;
+}

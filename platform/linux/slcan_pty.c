@@ -1,0 +1,295 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * An SLCAN adapter on a pseudo-terminal, with the encoders on its CAN bus:
+ *
+ *   pty -- on_character --> input --> slcan.c --frame--> encoders
+ *                                        \--reply--> output --> pty <-- write_frame
+ *
+ * A master that does not read stalls the bus. When no master has the port open, what is sent is
+ * lost, as behind a serial port that nobody has open; the adapter's channel stays as it is.
+ */
+#define _GNU_SOURCE
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/epoll.h>
+#include <sys/inotify.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include "can.h"
+#include "serial.h"
+#include "slcan.h"
+
+/* What a read of the pty gives at most, see serial.c. */
+#define INPUT_MAX 4096u
+/* A line that the pty has taken a part of; a reply is shorter. */
+#define OUTPUT_MAX LX_SLCAN_TEXT_MAX
+/* A pty has no speed; this is what masters set. */
+#define BAUD 115200u
+
+struct slcan_pty {
+    struct lx_can can;
+    struct lx_serial *serial;
+    struct lx_slcan codec;
+    int slave; /* held open: to drop what a master has not read */
+    int openings;
+    sd_event_source *openings_io;
+    int masters;       /* descriptors of others on the port */
+    uint16_t expected; /* the encoders' bit rate, in kBd */
+    bool mismatch;     /* the channel has another one, and the user has been told */
+    uint8_t input[INPUT_MAX];
+    size_t input_first;
+    size_t input_count;
+    char output[OUTPUT_MAX];
+    size_t output_count;
+};
+
+static struct slcan_pty *pty_of(struct lx_can *can)
+{
+    return (struct slcan_pty *)can;
+}
+
+/* --- out --- */
+
+/* Send what there is. @return whether all of it is gone */
+static bool flush(struct lx_can *can)
+{
+    struct slcan_pty *self = pty_of(can);
+    while (self->output_count > 0 && self->masters > 0) {
+        const ssize_t done = write(self->serial->fd, self->output, self->output_count);
+        if (done < 0 && errno == EINTR) {
+            continue;
+        }
+        if (done <= 0) {
+            return false;
+        }
+        self->output_count -= (size_t)done;
+        memmove(self->output, self->output + done, self->output_count);
+    }
+    self->output_count = 0;
+    return true;
+}
+
+/* Send now, the rest later: the bus is stalled until it is gone, and meanwhile nothing is put. */
+static void put(struct slcan_pty *self, const char *text, size_t n)
+{
+    memcpy(self->output + self->output_count, text, n);
+    self->output_count += n;
+    if (!flush(&self->can)) {
+        lx_can_stall(&self->can);
+    }
+}
+
+static bool write_frame(struct lx_can *can, const struct dg_can_frame *frame)
+{
+    struct slcan_pty *self = pty_of(can);
+    char text[LX_SLCAN_TEXT_MAX + 1];
+    if (!flush(can)) {
+        return false;
+    }
+    if (self->codec.state == LX_SLCAN_CLOSED || self->masters <= 0) {
+        can->counters.lost++;
+        return true;
+    }
+    put(self, text, lx_slcan_print(&self->codec, frame, lx_now() / DG_MS(1), text));
+    return true;
+}
+
+/* --- bit rates --- */
+
+static bool hears(const struct lx_can *can, uint16_t kbaud)
+{
+    const struct lx_slcan *codec = &((const struct slcan_pty *)can)->codec;
+    return codec->state != LX_SLCAN_CLOSED && (codec->kbaud == 0 || codec->kbaud == kbaud);
+}
+
+/* Once per episode, which rate would be right. */
+static void check_rate(struct slcan_pty *self)
+{
+    if (self->codec.state == LX_SLCAN_CLOSED) {
+        return;
+    }
+    const bool differs = !hears(&self->can, self->expected);
+    if (differs && !self->mismatch) {
+        lx_note(self->can.setup.say,
+                "the master has opened the channel at %u kBd, the encoder expects %u kBd",
+                self->codec.kbaud, self->expected);
+    }
+    self->mismatch = differs;
+}
+
+static void expect(struct lx_can *can, uint16_t kbaud)
+{
+    pty_of(can)->expected = kbaud;
+    check_rate(pty_of(can));
+}
+
+/* --- in --- */
+
+static void take_line(struct slcan_pty *self, dg_ns now, const struct lx_slcan_event *event,
+                      enum lx_slcan_state before)
+{
+    const struct lx_can_setup *setup = &self->can.setup;
+    put(self, event->reply, strlen(event->reply));
+    if (event->has_frame) {
+        setup->rx(setup->ctx, now, &event->frame);
+        setup->settle(setup->ctx, now);
+    } else if (self->codec.state != before) {
+        check_rate(self);
+        setup->settle(setup->ctx, now);
+    }
+}
+
+/* Line by line, up to the first one whose answer does not fit the pty. */
+static void take_input(struct slcan_pty *self, dg_ns now)
+{
+    struct lx_slcan_event event;
+    while (self->input_count > 0 && !self->can.stalled) {
+        const enum lx_slcan_state before = self->codec.state;
+        const uint8_t byte = self->input[self->input_first++];
+        self->input_count--;
+        if (lx_slcan_feed(&self->codec, byte, &event)) {
+            take_line(self, now, &event, before);
+        }
+    }
+    if (self->input_count == 0) {
+        self->input_first = 0;
+    }
+}
+
+/* While the bus is stalled nothing is read, so what comes is the rest of one read at most. */
+static void on_character(void *ctx, dg_ns now, const struct lx_character *character)
+{
+    struct slcan_pty *self = ctx;
+    self->input[self->input_first + self->input_count++] = character->byte;
+    take_input(self, now);
+}
+
+static void pause_reading(struct lx_can *can, bool paused)
+{
+    struct slcan_pty *self = pty_of(can);
+    if (!paused) {
+        take_input(self, lx_now());
+    }
+    const bool off = paused || can->stalled;
+    (void)sd_event_source_set_enabled(self->serial->io, off ? SD_EVENT_OFF : SD_EVENT_ON);
+}
+
+/* --- who has the port open --- */
+
+/* Nobody any more: what they have not read is not for the next one. */
+static void forget(struct slcan_pty *self)
+{
+    lx_slcan_resync(&self->codec);
+    lx_can_discard(&self->can);
+    self->output_count = 0;
+    (void)tcflush(self->slave, TCIFLUSH);
+}
+
+static int on_opening(sd_event_source *source, int fd, uint32_t events, void *ctx)
+{
+    struct slcan_pty *self = ctx;
+    struct inotify_event event; /* of a file: no name behind it */
+    (void)source;
+    (void)events;
+    while (read(fd, &event, sizeof event) == (ssize_t)sizeof event) {
+        if ((event.mask & (uint32_t)IN_OPEN) != 0) {
+            self->masters++;
+        } else if ((event.mask & (uint32_t)IN_CLOSE) != 0 && --self->masters == 0) {
+            forget(self);
+        }
+    }
+    return 0;
+}
+
+static int watch_openings(struct slcan_pty *self)
+{
+    const char *path = self->serial->address;
+    self->slave = open(path, O_RDWR | O_NOCTTY | O_CLOEXEC);
+    self->openings = inotify_init1(IN_NONBLOCK | IN_CLOEXEC);
+    if (self->slave < 0 || self->openings < 0 ||
+        inotify_add_watch(self->openings, path, (uint32_t)IN_OPEN | (uint32_t)IN_CLOSE) < 0) {
+        return -errno;
+    }
+    const int result = sd_event_add_io(self->can.setup.event, &self->openings_io, self->openings,
+                                       EPOLLIN, on_opening, self);
+    /* Before anything else: a master is there before what it writes. */
+    return result < 0
+               ? result
+               : sd_event_source_set_priority(self->openings_io, SD_EVENT_PRIORITY_IMPORTANT - 1);
+}
+
+/* --- the operations --- */
+
+static void close_slcan(struct lx_can *can)
+{
+    struct slcan_pty *self = pty_of(can);
+    lx_serial_close(self->serial);
+    self->openings_io = sd_event_source_disable_unref(self->openings_io);
+    if (self->openings >= 0) {
+        (void)close(self->openings);
+    }
+    if (self->slave >= 0) {
+        (void)close(self->slave);
+    }
+}
+
+static const struct lx_can_ops slcan_ops = {
+    .write = write_frame,
+    .flush = flush,
+    .pause = pause_reading,
+    .expect = expect,
+    .hears = hears,
+    .close = close_slcan,
+};
+
+/* The pty's complaints begin with its own option. */
+static int rename_option(struct lx_error *error)
+{
+    static const char own[] = "--pty";
+    struct lx_error text = *error;
+    const bool named = strncmp(text.text, own, sizeof own - 1) == 0;
+    return named ? lx_fail(error, "--slcan%s", text.text + sizeof own - 1) : -1;
+}
+
+static int start(struct slcan_pty *self, struct lx_error *error)
+{
+    const struct dg_hf_uart uart = {.baud = BAUD, .parity = 'N'};
+    const struct lx_serial_setup line = {
+        .event = self->can.setup.event,
+        .say = self->can.setup.say,
+        .where = self->can.setup.where,
+        .uart = uart,
+        .stored = uart,
+        .any_line = true,
+        .rx = on_character,
+        .ctx = self,
+    };
+    self->serial = lx_pty_open(&line, error);
+    if (self->serial == NULL) {
+        return rename_option(error);
+    }
+    (void)snprintf(self->can.address, sizeof self->can.address, "%s", self->serial->address);
+    const int result = watch_openings(self);
+    return result < 0 ? lx_fail(error, "--slcan: cannot watch the pty: %s", strerror(-result)) : 0;
+}
+
+struct lx_can *lx_slcan_open(const struct lx_can_setup *setup, struct lx_error *error)
+{
+    struct slcan_pty *self = calloc(1, sizeof *self);
+    if (self == NULL) {
+        (void)lx_fail(error, "--slcan: no memory");
+        return NULL;
+    }
+    self->slave = -1;
+    self->openings = -1;
+    self->can.kind = "slcan";
+    if (lx_can_init(&self->can, &slcan_ops, setup, error) != 0 || start(self, error) != 0) {
+        lx_can_close(&self->can);
+        return NULL;
+    }
+    return &self->can;
+}

@@ -1,0 +1,592 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Steps of the F36x8 on a CAN bus, in virtual time. The table at the end lists them; canopen.rows
+ * explains them. The bench is a port: it delivers only frames that the node's filters ask for, asks
+ * for the filters again only when their version has changed, and steps the node at its deadlines
+ * only. Every frame the node sends has to be expected, in order; what is left over fails the row.
+ */
+#include <stdlib.h>
+#include <string.h>
+
+#include "conformance.h"
+#include "drehgeber/bits.h"
+#include "drehgeber/devices.h"
+#include "ram_nvm.h"
+
+#define QUEUE_MAX 600u
+/* Longer than the node takes for any answer to an SDO request. */
+#define PATIENCE DG_MS(50)
+
+struct bench {
+    dg_ns now;
+    dg_ns deadline;
+    int64_t from; /* the shaft: angle at `since`, and its speed */
+    dg_ns since;
+    int64_t rpm;
+    const struct dg_device *device;
+    struct dg_world world;
+    struct ram_nvm nvm;
+    struct dg_cia406 encoder;
+    struct dg_co_node node;
+    bool ready;      /* `given` has been */
+    bool stuck;      /* the node returned a deadline that does not lie ahead */
+    uint8_t node_id; /* whom `read` and `write` talk to */
+    uint16_t kbaud;  /* last bit rate the node reported */
+    dg_ns late;      /* the next frame is delivered so long after it came in */
+    uint8_t filter_version;
+    uint8_t filter_count;
+    uint16_t filters[DG_CO_FILTERS_MAX];
+    struct dg_can_frame sent[QUEUE_MAX];
+    dg_ns sent_at[QUEUE_MAX];
+    size_t sent_count;
+    size_t seen; /* frames that were expected so far */
+};
+
+static struct bench bench;
+
+typedef bool step_fn(struct bench *b, char **words, size_t n, struct cf_report *report);
+
+/* --- time, shaft, bus ---------------------------------------------------------------------- */
+
+/* Exact to 100 ns: rpm * t is split in whole turns and a rest whose product fits 64 bits. */
+static dg_angle shaft_angle(void *ctx, dg_ns now)
+{
+    const struct bench *b = ctx;
+    const int64_t per_turn = 600000000; /* 100 ns in a minute */
+    int64_t travel = b->rpm * (int64_t)(dg_elapsed(now, b->since) / 100u);
+
+    return b->from + travel / per_turn * DG_TURN + travel % per_turn * DG_TURN / per_turn;
+}
+
+static void on_send(void *ctx, const struct dg_can_frame *frame)
+{
+    struct bench *b = ctx;
+
+    if (b->sent_count < QUEUE_MAX) {
+        b->sent[b->sent_count] = *frame;
+        b->sent_at[b->sent_count] = b->now;
+    }
+    b->sent_count++;
+}
+
+static void on_bit_rate(void *ctx, uint16_t kbaud)
+{
+    struct bench *b = ctx;
+
+    b->kbaud = kbaud;
+}
+
+static const struct dg_co_ops bus = {.send = on_send, .bit_rate = on_bit_rate};
+
+/* A deadline counts from the end of the call that returned it, as a port's timer does. */
+static void note_deadline(struct bench *b, dg_ns deadline)
+{
+    b->stuck = b->stuck || deadline <= b->now;
+    b->deadline = deadline;
+}
+
+/* Lets the node do what is due until `until`, or until it has sent something. */
+static void run_until(struct bench *b, dg_ns until, bool stop_at_frame)
+{
+    while (b->deadline <= until && !b->stuck && !(stop_at_frame && b->sent_count > b->seen)) {
+        b->now = b->deadline;
+        note_deadline(b, dg_co_step(&b->node, b->now));
+    }
+    if (!(stop_at_frame && b->sent_count > b->seen)) {
+        b->now = until;
+    }
+}
+
+static void ask_filters(struct bench *b)
+{
+    b->filter_version = b->node.filter_version;
+    b->filter_count = dg_co_filters(&b->node, b->filters);
+}
+
+static void deliver(struct bench *b, const struct dg_can_frame *frame)
+{
+    if (b->filter_version != b->node.filter_version) {
+        ask_filters(b);
+    }
+    if (b->late > 0) {
+        note_deadline(b, dg_co_step(&b->node, b->now));
+    }
+    for (uint8_t i = 0; i < b->filter_count; i++) {
+        if (b->filters[i] == frame->id) {
+            note_deadline(b, dg_co_rx(&b->node, b->now - b->late, frame));
+        }
+    }
+    b->late = 0;
+}
+
+/* "5ms", "300us", "1s"; 0 when it is none of them. `*end` is what follows. */
+static dg_ns span(const char *word, const char **end)
+{
+    static const struct {
+        const char *unit;
+        dg_ns ns;
+    } units[] = {{"ms", DG_MS(1)}, {"us", DG_US(1)}, {"s", DG_S(1)}};
+    char *unit;
+    unsigned long n = strtoul(word, &unit, 10);
+
+    for (size_t i = 0; i < sizeof units / sizeof units[0]; i++) {
+        size_t length = strlen(units[i].unit);
+
+        if (strncmp(unit, units[i].unit, length) == 0) {
+            *end = unit + length;
+            return n * units[i].ns;
+        }
+    }
+    *end = word;
+    return 0;
+}
+
+/* --- frames -------------------------------------------------------------------------------- */
+
+/* The words are at most 8 bytes in hex. */
+static bool parse_bytes(char **words, size_t n, struct dg_can_frame *to, struct cf_report *report)
+{
+    for (size_t i = 0; i < n; i++) {
+        char *rest;
+        unsigned long byte = strtoul(words[i], &rest, 16);
+
+        if (rest == words[i] || *rest != '\0' || byte > 0xFF || to->dlc == 8) {
+            return cf_fail(report, "not a byte, or one too many: %s", words[i]);
+        }
+        to->data[to->dlc++] = (uint8_t)byte;
+    }
+    return true;
+}
+
+static bool parse_id(const char *word, struct dg_can_frame *to, struct cf_report *report)
+{
+    char *rest;
+    unsigned long id = strtoul(word, &rest, 16);
+
+    to->id = (uint16_t)id;
+    return (rest != word && *rest == '\0' && id <= 0x7FF) ||
+           cf_fail(report, "not a CAN-ID: %s", word);
+}
+
+/* > ID BYTES: SDO and LSS requests are filled up to 8 bytes; >! ID BYTES: as it stands */
+static bool step_data(struct bench *b, char **words, size_t n, struct cf_report *report)
+{
+    struct dg_can_frame frame = {0};
+    bool padded;
+
+    if (n < 2) {
+        return cf_fail(report, "> ID BYTES");
+    }
+    if (!parse_id(words[1], &frame, report) || !parse_bytes(&words[2], n - 2, &frame, report)) {
+        return false;
+    }
+    padded = (frame.id >= 0x600 && frame.id <= 0x67F) || frame.id == 0x7E5;
+    if (padded && words[0][1] != '!') {
+        frame.dlc = 8;
+    }
+    deliver(b, &frame);
+    return true;
+}
+
+/* rtr ID */
+static bool step_rtr(struct bench *b, char **words, size_t n, struct cf_report *report)
+{
+    struct dg_can_frame frame = {.rtr = true};
+
+    if (n != 2) {
+        return cf_fail(report, "rtr ID");
+    }
+    if (!parse_id(words[1], &frame, report)) {
+        return false;
+    }
+    deliver(b, &frame);
+    return true;
+}
+
+static void print_frame(char *to, size_t size, const struct dg_can_frame *frame)
+{
+    size_t at = (size_t)snprintf(to, size, "%03X%s", frame->id, frame->rtr ? " rtr" : "");
+
+    for (uint8_t i = 0; i < frame->dlc && at < size; i++) {
+        at += (size_t)snprintf(to + at, size - at, " %02X", frame->data[i]);
+    }
+}
+
+/* The next frame the node sent, or NULL. */
+static const struct dg_can_frame *next_frame(const struct bench *b)
+{
+    return b->seen < b->sent_count && b->seen < QUEUE_MAX ? &b->sent[b->seen] : NULL;
+}
+
+static bool expect_nothing(struct bench *b, dg_ns wait, struct cf_report *report)
+{
+    dg_ns from = b->now;
+    char got[64];
+
+    run_until(b, b->now + wait, true);
+    if (b->stuck) {
+        return cf_fail(report, "the node wants to be stepped at once, again and again");
+    }
+    if (next_frame(b) != NULL) {
+        print_frame(got, sizeof got, next_frame(b));
+        return cf_fail(report, "expected nothing, got %s after %llu ns", got,
+                       (unsigned long long)(b->now - from));
+    }
+    return true;
+}
+
+static bool expect_frame(struct bench *b, const struct dg_can_frame *want, struct cf_report *report)
+{
+    const struct dg_can_frame *got = next_frame(b);
+    char hex[2][64] = {"", "nothing"};
+
+    print_frame(hex[0], sizeof hex[0], want);
+    if (got != NULL) {
+        print_frame(hex[1], sizeof hex[1], got);
+    }
+    if (got == NULL || got->id != want->id || got->rtr != want->rtr || got->dlc != want->dlc ||
+        memcmp(got->data, want->data, want->dlc) != 0) {
+        return cf_fail(report, "expected %s\n    got      %s", hex[0], hex[1]);
+    }
+    b->seen++;
+    return true;
+}
+
+/* "@10ms" or "@13ms..15ms": the next frame is sent then, counted from now, and not earlier. */
+static bool run_to_frame(struct bench *b, const char *word, struct cf_report *report)
+{
+    const char *rest;
+    dg_ns from = b->now;
+    dg_ns earliest = span(word + 1, &rest);
+    dg_ns latest = earliest;
+    dg_ns at;
+
+    if (strncmp(rest, "..", 2) == 0) {
+        latest = span(rest + 2, &rest);
+    }
+    if (earliest == 0 || latest < earliest || *rest != '\0') {
+        return cf_fail(report, "not a moment: %s", word);
+    }
+    run_until(b, from + latest, true);
+    at = next_frame(b) != NULL ? b->sent_at[b->seen] : DG_NEVER;
+    return (at >= from + earliest && at <= from + latest) ||
+           cf_fail(report, "expected a frame %s, got one after %lld ns", word,
+                   at == DG_NEVER ? -1LL : (long long)(at - from));
+}
+
+/* < [@T] ID BYTES | < none [T] */
+static bool step_expect(struct bench *b, char **words, size_t n, struct cf_report *report)
+{
+    struct dg_can_frame want = {0};
+    bool timed = n > 1 && words[1][0] == '@';
+    size_t at = timed ? 2 : 1;
+    const char *rest;
+
+    if (n > 1 && strcmp(words[1], "none") == 0) {
+        return expect_nothing(b, n > 2 ? span(words[2], &rest) : 0, report);
+    }
+    if (n <= at) {
+        return cf_fail(report, "< [@T] ID BYTES, or < none [T]");
+    }
+    return parse_id(words[at], &want, report) &&
+           parse_bytes(&words[at + 1], n - at - 1, &want, report) &&
+           (!timed || run_to_frame(b, words[1], report)) && expect_frame(b, &want, report);
+}
+
+/* skip N: exactly N frames wait to be expected; what they say is proved elsewhere */
+static bool step_skip(struct bench *b, char **words, size_t n, struct cf_report *report)
+{
+    size_t want = n == 2 ? strtoul(words[1], NULL, 10) : 0;
+
+    if (b->sent_count - b->seen != want) {
+        return cf_fail(report, "skip: %zu frames are there", b->sent_count - b->seen);
+    }
+    b->seen = b->sent_count;
+    return true;
+}
+
+/* --- expedited SDO ------------------------------------------------------------------------- */
+
+/* "1018:1" */
+static bool parse_object(const char *word, struct dg_can_frame *to, struct cf_report *report)
+{
+    char *rest;
+    unsigned long index = strtoul(word, &rest, 16);
+    unsigned long sub = *rest == ':' ? strtoul(rest + 1, &rest, 16) : 0x100;
+
+    if (index > 0xFFFF || sub > 0xFF || *rest != '\0') {
+        return cf_fail(report, "not an object: %s", word);
+    }
+    dg_store_le16(&to->data[1], (uint16_t)index);
+    to->data[3] = (uint8_t)sub;
+    to->dlc = 4;
+    return true;
+}
+
+/* read INDEX:SUB and write INDEX:SUB BYTES, each with the answer expected: BYTES, nothing, or
+ * `abort CODE`. Bytes are those on the wire. */
+static bool step_sdo(struct bench *b, char **words, size_t n, struct cf_report *report)
+{
+    bool reads = strcmp(words[0], "read") == 0;
+    bool aborts = n >= 4 && strcmp(words[n - 2], "abort") == 0;
+    size_t given = n < 2 ? 0 : n - 2 - (aborts ? 2u : 0u);
+    struct dg_can_frame request = {.id = (uint16_t)(0x600u + b->node_id)};
+    struct dg_can_frame answer = {.id = (uint16_t)(0x580u + b->node_id)};
+
+    if (n < 2 || given > 4 || (given == 0) != (reads && aborts)) {
+        return cf_fail(report, "read INDEX:SUB BYTES, write INDEX:SUB BYTES [abort CODE]");
+    }
+    if (!parse_object(words[1], &request, report)) {
+        return false;
+    }
+    memcpy(answer.data, request.data, 4);
+    answer.dlc = 4;
+    if (!parse_bytes(&words[2], given, reads ? &answer : &request, report)) {
+        return false;
+    }
+    request.dlc = 8;
+    answer.dlc = 8;
+    request.data[0] = reads ? 0x40u : (uint8_t)(0x23u | (4u - given) << 2);
+    answer.data[0] = reads ? (uint8_t)(0x43u | (4u - given) << 2) : 0x60u;
+    if (aborts) {
+        answer.data[0] = 0x80;
+        dg_store_le32(&answer.data[4], (uint32_t)strtoul(words[n - 1], NULL, 16));
+    }
+    deliver(b, &request);
+    run_until(b, b->now + PATIENCE, true);
+    return expect_frame(b, &answer, report);
+}
+
+/* --- the other steps ----------------------------------------------------------------------- */
+
+static bool power_on(struct bench *b, struct cf_report *report)
+{
+    const struct dg_co_setup setup = {
+        .device = b->device->cia406->device,
+        .world = &b->world,
+        .nvm = ram_nvm_port(&b->nvm),
+        .ops = &bus,
+        .ctx = b,
+        .application = &b->encoder,
+    };
+
+    if (dg_cia406_init(&b->encoder, b->device->cia406) != 0 || dg_co_init(&b->node, &setup) != 0 ||
+        dg_co_power_on(&b->node, b->now) != 0) {
+        return cf_fail(report, "the node does not start");
+    }
+    note_deadline(b, dg_co_step(&b->node, b->now));
+    ask_filters(b);
+    return true;
+}
+
+/* power on|off; the memory keeps what it has */
+static bool step_power(struct bench *b, char **words, size_t n, struct cf_report *report)
+{
+    if (n == 2 && strcmp(words[1], "on") == 0) {
+        return power_on(b, report);
+    }
+    dg_co_power_off(&b->node);
+    b->deadline = DG_NEVER;
+    run_until(b, b->now + DG_MS(10), false);
+    return n == 2 && strcmp(words[1], "off") == 0 ? true : cf_fail(report, "power on|off");
+}
+
+/* given MODEL [serial=N] [boot] */
+static bool step_given(struct bench *b, char **words, size_t n, struct cf_report *report)
+{
+    uint32_t serial = 1234567890;
+    bool keep = false;
+
+    b->device = n > 1 ? dg_device_find(words[1]) : NULL;
+    if (b->device == NULL || b->device->stack != DG_STACK_CANOPEN) {
+        return cf_fail(report, "given: no such model");
+    }
+    for (size_t i = 2; i < n; i++) {
+        if (strncmp(words[i], "serial=", 7) == 0) {
+            serial = (uint32_t)strtoul(words[i] + 7, NULL, 10);
+        } else if (strcmp(words[i], "boot") == 0) {
+            keep = true;
+        } else {
+            return cf_fail(report, "given: no such figure: %s", words[i]);
+        }
+    }
+    ram_nvm_init(&b->nvm, dg_store_size(b->device->cia406->device->layout));
+    if (dg_co_format(b->device->cia406->device, ram_nvm_port(&b->nvm), serial) != 0) {
+        return cf_fail(report, "given: the memory cannot be formatted");
+    }
+    b->ready = power_on(b, report);
+    b->seen = keep ? 0 : b->sent_count;
+    return b->ready;
+}
+
+static bool step_wait(struct bench *b, char **words, size_t n, struct cf_report *report)
+{
+    const char *rest = "";
+    dg_ns wait = n == 2 ? span(words[1], &rest) : 0;
+
+    run_until(b, b->now + wait, false);
+    return (wait > 0 && *rest == '\0') || cf_fail(report, "wait 5ms, 300us or 1s");
+}
+
+/* late T: a busy port delivers the next frame T after it came in */
+static bool step_late(struct bench *b, char **words, size_t n, struct cf_report *report)
+{
+    const char *rest = "";
+
+    b->late = n == 2 ? span(words[1], &rest) : 0;
+    return (b->late > 0 && *rest == '\0') || cf_fail(report, "late 5ms, 300us or 1s");
+}
+
+/* turn 90DEG | turn 1000: to this angle, in degrees or in counts of 65536 a turn */
+static bool step_turn(struct bench *b, char **words, size_t n, struct cf_report *report)
+{
+    char *unit = NULL;
+    int64_t figure = n == 2 ? strtoll(words[1], &unit, 10) : 0;
+    int64_t per_turn = unit != NULL && strcmp(unit, "DEG") == 0 ? 360 : 65536;
+
+    b->from = figure / per_turn * DG_TURN + figure % per_turn * DG_TURN / per_turn;
+    b->since = b->now;
+    b->rpm = 0;
+    return (unit != NULL && (*unit == '\0' || per_turn == 360)) || cf_fail(report, "turn 90DEG");
+}
+
+static bool step_rpm(struct bench *b, char **words, size_t n, struct cf_report *report)
+{
+    b->from = shaft_angle(b, b->now);
+    b->since = b->now;
+    b->rpm = n == 2 ? strtoll(words[1], NULL, 10) : 0;
+    return n == 2 || cf_fail(report, "rpm N");
+}
+
+/* bus off|active|passive|overrun: what the CAN controller reports */
+static bool step_bus(struct bench *b, char **words, size_t n, struct cf_report *report)
+{
+    static const struct {
+        const char *word;
+        enum dg_co_bus_event event;
+    } events[] = {
+        {"active", DG_CO_BUS_ACTIVE},
+        {"passive", DG_CO_BUS_PASSIVE},
+        {"off", DG_CO_BUS_OFF},
+        {"overrun", DG_CO_BUS_OVERRUN},
+    };
+
+    for (size_t i = 0; n == 2 && i < sizeof events / sizeof events[0]; i++) {
+        if (strcmp(words[1], events[i].word) == 0) {
+            note_deadline(b, dg_co_bus(&b->node, b->now, events[i].event));
+            return true;
+        }
+    }
+    return cf_fail(report, "bus off|active|passive|overrun");
+}
+
+static bool step_eeprom(struct bench *b, char **words, size_t n, struct cf_report *report)
+{
+    b->nvm.no_acknowledge = n == 2 && strcmp(words[1], "silent") == 0;
+    return b->nvm.no_acknowledge || (n == 2 && strcmp(words[1], "back") == 0) ||
+           cf_fail(report, "eeprom silent|back");
+}
+
+/* damage REGION OFFSET [MASK]: bytes that change by themselves */
+static bool step_damage(struct bench *b, char **words, size_t n, struct cf_report *report)
+{
+    const struct dg_store_layout *layout = b->device->cia406->device->layout;
+    int region = n >= 3 ? dg_store_find(layout, words[1]) : -1;
+    unsigned long offset = n >= 3 ? strtoul(words[2], NULL, 0) : 0;
+    unsigned long mask = n == 4 ? strtoul(words[3], NULL, 16) : 0x01;
+
+    if (region < 0 || offset >= layout->regions[region].size) {
+        return cf_fail(report, "damage REGION OFFSET [MASK]");
+    }
+    offset += dg_store_address(layout, (uint8_t)region);
+    b->nvm.bytes[offset] ^= (uint8_t)mask;
+    b->nvm.synced[offset] = b->nvm.bytes[offset];
+    return true;
+}
+
+/* node ID: whom `read` and `write` talk to from now on */
+static bool step_node(struct bench *b, char **words, size_t n, struct cf_report *report)
+{
+    b->node_id = (uint8_t)(n == 2 ? strtoul(words[1], NULL, 16) : 0);
+    return b->node_id != 0 || cf_fail(report, "node ID");
+}
+
+/* rate KBAUD: the bit rate in force */
+static bool step_rate(struct bench *b, char **words, size_t n, struct cf_report *report)
+{
+    return (n == 2 && strtoul(words[1], NULL, 10) == b->kbaud) ||
+           cf_fail(report, "rate: got %u kBd", (unsigned)b->kbaud);
+}
+
+/* --- table --------------------------------------------------------------------------------- */
+
+/* clang-format off */
+static const struct {
+    const char *verb;
+    step_fn *run;
+    bool expects;
+} steps[] = {
+    {"given", step_given, false}, {">",     step_data,   false}, {">!",     step_data,   false},
+    {"<",     step_expect, true}, {"skip",  step_skip,   true},  {"rtr",    step_rtr,    false},
+    {"read",  step_sdo,   true},  {"write", step_sdo,    true},  {"wait",   step_wait,   false},
+    {"turn",  step_turn,  false}, {"rpm",   step_rpm,    false}, {"bus",    step_bus,    false},
+    {"power", step_power, false}, {"eeprom", step_eeprom, false}, {"damage", step_damage, false},
+    {"node",  step_node,  false}, {"rate",  step_rate,   true},  {"late",  step_late,   false},
+};
+/* clang-format on */
+
+static size_t find_step(const char *verb)
+{
+    size_t i = 0;
+
+    while (i < sizeof steps / sizeof steps[0] && strcmp(steps[i].verb, verb) != 0) {
+        i++;
+    }
+    return i;
+}
+
+static void begin(void *ctx)
+{
+    struct bench *b = ctx;
+
+    memset(b, 0, sizeof *b);
+    b->now = DG_S(1);
+    b->deadline = DG_NEVER;
+    b->node_id = 0x3F;
+    dg_world_init(&b->world);
+    b->world.angle = shaft_angle;
+    b->world.angle_ctx = b;
+}
+
+static bool run_step(void *ctx, char **words, size_t n, struct cf_report *report)
+{
+    struct bench *b = ctx;
+    size_t i = find_step(words[0]);
+
+    if (i == sizeof steps / sizeof steps[0]) {
+        return cf_fail(report, "unknown step: %s", words[0]);
+    }
+    if (!b->ready && steps[i].run != step_given) {
+        return cf_fail(report, "a row starts with `given`");
+    }
+    return steps[i].run(b, words, n, report);
+}
+
+static bool finish(void *ctx, struct cf_report *report)
+{
+    return expect_nothing(ctx, 0, report);
+}
+
+static bool expects(const char *verb)
+{
+    size_t i = find_step(verb);
+
+    return i < sizeof steps / sizeof steps[0] && steps[i].expects;
+}
+
+const struct cf_device *cf_canopen(void)
+{
+    static const struct cf_device device = {&bench, begin, run_step, finish, expects};
+
+    return &device;
+}

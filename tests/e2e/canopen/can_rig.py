@@ -1,0 +1,173 @@
+# SPDX-License-Identifier: MIT
+"""The encoder as a process on a CAN bus, and a client that knows nothing but its EDS file.
+
+RIG_CAN says which wire: `slcan` (default; a pty, python-can's slcan interface) or the name of a
+SocketCAN interface such as `vcan0`. Every wait in here has an end.
+"""
+import os
+import re
+import socket
+import sys
+import threading
+import time
+from collections import deque
+from pathlib import Path
+
+import can
+import canopen
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from rig import PATIENCE_S, PROGRAM, Encoder, Lines, run  # noqa: E402
+
+__all__ = ["PATIENCE_S", "PROGRAM", "WIRE", "Encoder", "Lines", "Rig", "on_slcan", "run"]
+
+WIRE = os.environ.get("RIG_CAN", "slcan")
+MODEL = "f3668"
+NODE_ID = 63
+BIT_RATE = 250_000
+SAVE, LOAD = b"save", b"load"
+
+
+def on_slcan() -> bool:
+    return WIRE == "slcan"
+
+
+class Tap(can.Listener):
+    """Every frame on the bus, in order."""
+
+    def __init__(self):
+        self.frames = deque()
+        self.arrived = threading.Condition()
+
+    def on_message_received(self, msg):
+        with self.arrived:
+            self.frames.append(msg)
+            self.arrived.notify_all()
+
+    def forget(self):
+        with self.arrived:
+            self.frames.clear()
+
+    def _take(self, can_id):
+        while self.frames:
+            frame = self.frames.popleft()
+            if frame.arbitration_id == can_id and not frame.is_remote_frame:
+                return frame
+        return None
+
+    def wait(self, can_id: int, timeout_s: float = PATIENCE_S) -> can.Message:
+        """The next data frame with this CAN-ID; what came before it is forgotten."""
+        deadline = time.monotonic() + timeout_s
+        with self.arrived:
+            while True:
+                frame = self._take(can_id)
+                if frame is not None:
+                    return frame
+                left = deadline - time.monotonic()
+                if left <= 0 or not self.arrived.wait(left):
+                    raise AssertionError(f"no frame {can_id:03X} within {timeout_s} s")
+
+    def data(self, can_id: int, timeout_s: float = PATIENCE_S) -> bytes:
+        return bytes(self.wait(can_id, timeout_s).data)
+
+    def so_far(self, can_id: int) -> list:
+        """Data of the frames with this CAN-ID that have come; all others are forgotten."""
+        with self.arrived:
+            found = [bytes(frame.data) for frame in self.frames
+                     if frame.arbitration_id == can_id and not frame.is_remote_frame]
+            self.frames.clear()
+        return found
+
+    def period_s(self, can_id: int, count: int) -> float:
+        """Mean time between this many frames."""
+        stamps = [self.wait(can_id).timestamp for _ in range(count + 1)]
+        return (stamps[-1] - stamps[0]) / count
+
+
+def open_bus(channel: str, bit_rate: int) -> can.BusABC:
+    if on_slcan():
+        return can.Bus(interface="slcan", channel=channel, bitrate=bit_rate, sleep_after_open=0)
+    bus = can.Bus(interface="socketcan", channel=WIRE)
+    bus.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 22)
+    return bus
+
+
+class Rig:
+    """One `drehgeber run`, and a client on its bus."""
+
+    def __init__(self, link: str, eds: Path, *arguments, bit_rate=BIT_RATE, node_id=NODE_ID):
+        self.eds = eds
+        self.link = link
+        self.network = None
+        self.tap = Tap()
+        if not on_slcan():
+            self.connect(bit_rate)
+        wire = [f"--slcan={link}"] if on_slcan() else ["--can", WIRE]
+        self.encoder = Encoder([MODEL, *wire, "--quiet", *arguments])
+        ready = re.fullmatch(r"ready f3668 (slcan|can):(\S+?)(?:/(\d+))?", self.encoder.ready_line)
+        assert ready, self.encoder.ready_line
+        assert ready[2].startswith("/dev/pts/" if on_slcan() else WIRE)
+        self.said_node_id = int(ready[3]) if ready[3] else None
+        if on_slcan():
+            self.connect(bit_rate)
+        self.use(node_id)
+
+    def connect(self, bit_rate: int = BIT_RATE):
+        """Open the bus, again if it is open: a new client."""
+        self.disconnect()
+        self.network = canopen.Network(open_bus(self.link, bit_rate))
+        self.network.listeners.append(self.tap)
+        self.network.connect()
+        self.network.lss.RESPONSE_TIMEOUT = 2.0
+
+    def use(self, node_id: int):
+        """Talk to this node-ID."""
+        self.node_id = node_id
+        self.node = self.network.add_node(node_id, str(self.eds))
+        self.sdo = self.node.sdo
+        self.sdo.RESPONSE_TIMEOUT = 5.0
+        self.sdo.MAX_RETRIES = 0
+        self.nmt = self.node.nmt
+
+    def disconnect(self):
+        if self.network is not None:
+            self.network.disconnect()
+            self.network = None
+
+    def send(self, can_id: int, data: bytes = b""):
+        self.network.send_message(can_id, data)
+
+    def request(self, can_id: int):
+        """A remote frame."""
+        self.network.send_message(can_id, b"", remote=True)
+
+    def barrier(self):
+        """Everything the encoder sent before this has arrived."""
+        self.sdo.upload(0x1000, 0)
+
+    def read(self, index: int, sub: int = 0) -> int:
+        return int.from_bytes(self.sdo.upload(index, sub), "little")
+
+    def write(self, index: int, sub: int, value: int, size: int):
+        self.sdo.download(index, sub, value.to_bytes(size, "little"))
+
+    def start(self):
+        """Operational; what is sent on entering it is not forgotten."""
+        self.nmt.send_command(0x01)
+        self.barrier()
+
+    def reset(self, command: int = 0x81, node_id: int = None):
+        """Reset the node, by default reset node, and wait for its boot-up."""
+        self.tap.forget()
+        self.nmt.send_command(command)
+        assert self.tap.data(0x700 + (node_id or self.node_id)) == b"\x00"
+
+    def guard(self) -> int:
+        self.tap.forget()
+        self.request(0x700 + self.node_id)
+        return self.tap.data(0x700 + self.node_id)[0]
+
+    def clean_up(self) -> list:
+        """What it said on stderr that no test asked for."""
+        self.disconnect()
+        return self.encoder.clean_up()

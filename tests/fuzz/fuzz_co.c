@@ -1,0 +1,492 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Fuzz target: a CANopen node of the F36x8 on a hostile bus. The input is a stream of operations:
+ * frames, time, events of the bus, a turning shaft, a rotting, failing or powerless EEPROM. Every
+ * frame that comes out must be one that the node may send in its state, every request has at most
+ * one answer, no object leaves its range.
+ */
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "drehgeber/bits.h"
+#include "drehgeber/devices.h"
+#include "ram_nvm.h"
+
+#define COUNT(a) (sizeof(a) / sizeof((a)[0]))
+#define LSS_RX 0x7E5u
+#define LSS_TX 0x7E4u
+#define SEGMENTS_MAX 6u /* of a block upload: DG_CO_STRING_MAX bytes */
+
+/* What is left of the input. */
+struct input {
+    const uint8_t *at;
+    const uint8_t *end;
+};
+
+/* The node under test and what the observer knows about the bus. */
+struct bench {
+    struct ram_nvm nvm;
+    struct dg_world world;
+    struct dg_cia406 encoder;
+    struct dg_co_node node;
+    dg_ns now;
+    dg_angle angle;
+    int64_t angle_per_ms;
+    struct dg_co_node *sender; /* the node that is being called */
+    uint32_t sent;
+    unsigned answers;         /* that the SDO server may still give */
+    struct dg_can_frame last; /* frame sent */
+};
+
+int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n);
+
+static void must(bool holds)
+{
+    if (!holds) {
+        abort();
+    }
+}
+
+static uint8_t take(struct input *input)
+{
+    return input->at < input->end ? *input->at++ : 0;
+}
+
+static uint32_t take32(struct input *input)
+{
+    uint8_t bytes[4];
+
+    for (size_t i = 0; i < sizeof bytes; i++) {
+        bytes[i] = take(input);
+    }
+    return dg_load_le32(bytes);
+}
+
+static dg_angle angle(void *ctx, dg_ns now)
+{
+    const struct bench *bench = ctx;
+
+    return (dg_angle)((uint64_t)bench->angle + (uint64_t)bench->angle_per_ms * (now / DG_MS(1)));
+}
+
+/* ------------------------------------------------------------ what the node may send */
+
+static bool in_operation(const struct dg_co_node *node)
+{
+    return node->state == DG_CO_PRE_OPERATIONAL || node->state == DG_CO_OPERATIONAL;
+}
+
+/* One answer per request, but for the segments of a block and the abort after a timeout. */
+static void count_answer(struct bench *bench, const uint8_t *data)
+{
+    const enum dg_co_sdo_state state = bench->sender->sdo.state;
+    const bool block = state == DG_CO_SDO_BLOCK_UPLOAD_START || state == DG_CO_SDO_BLOCK_UPLOAD;
+    const uint8_t seqno = data[0] & 0x7Fu;
+    const bool segment = block && seqno >= 1 && seqno <= SEGMENTS_MAX;
+    const bool timeout = data[0] == 0x80 && dg_load_le32(&data[4]) == DG_CO_TIMEOUT;
+
+    if (!segment && !timeout) {
+        must(bench->answers > 0);
+        bench->answers--;
+    }
+}
+
+static bool is_tpdo(const struct dg_co_node *node, const struct dg_can_frame *frame)
+{
+    for (uint8_t i = 0; i < DG_CO_TPDOS; i++) {
+        const struct dg_co_tpdo *tpdo = &node->tpdo[i];
+        if (tpdo->valid && tpdo->can_id == frame->id && tpdo->length == frame->dlc) {
+            return node->state == DG_CO_OPERATIONAL;
+        }
+    }
+    return false;
+}
+
+static bool may_send(struct bench *bench, const struct dg_can_frame *frame)
+{
+    const struct dg_co_node *node = bench->sender;
+
+    if (frame->id == LSS_TX) {
+        return frame->dlc == 8 && node->state != DG_CO_OPERATIONAL;
+    }
+    if (node->id == DG_CO_UNCONFIGURED) {
+        return false;
+    }
+    if (frame->id == 0x700u + node->id) {
+        return frame->dlc == 1;
+    }
+    if (frame->id == 0x580u + node->id) {
+        count_answer(bench, frame->data);
+        return frame->dlc == 8 && in_operation(node);
+    }
+    if (frame->id == 0x080u + node->id && frame->dlc == 8 && in_operation(node)) {
+        return true;
+    }
+    return is_tpdo(node, frame);
+}
+
+static void send(void *ctx, const struct dg_can_frame *frame)
+{
+    struct bench *bench = ctx;
+    const struct dg_co_node *node = bench->sender;
+
+    must(frame->id <= 0x7FF && !frame->rtr && frame->dlc <= 8);
+    must(node->state != DG_CO_OFF && node->now >= node->lss.silent_until);
+    must(may_send(bench, frame));
+    bench->sent++;
+    bench->last = *frame;
+}
+
+static void bit_rate(void *ctx, uint16_t kbaud)
+{
+    (void)ctx;
+    must(kbaud >= 10 && kbaud <= 1000);
+}
+
+static const struct dg_co_ops ops = {.send = send, .bit_rate = bit_rate};
+
+/* ------------------------------------------------------------ what must hold after every call */
+
+/* Objects whose limits are narrower than their type (manual, chapters 10, 26; CiA 301). */
+static const struct {
+    uint16_t index;
+    uint8_t sub;
+    uint32_t min;
+    uint32_t max;
+} limits[] = {
+    {0x1003, 0, 0, 8}, {0x1005, 0, 0x80, 0x700}, {0x1019, 0, 0, 240}, {0x1029, 1, 0, 2},
+    {0x1029, 2, 0, 2}, {0x1029, 3, 0, 2},        {0x1800, 6, 0, 240}, {0x1803, 6, 0, 240},
+    {0x1A00, 0, 0, 8}, {0x1A01, 0, 0, 8},        {0x1A02, 0, 0, 8},   {0x1A03, 0, 0, 8},
+    {0x2100, 0, 0, 8}, {0x2101, 0, 1, 127},      {0x2102, 0, 0, 1},   {0x6502, 0, 1, 65535},
+    {0x1016, 0, 2, 2}, {0x100B, 0, 1, 127},      {0x1018, 1, 19, 19}, {0x1001, 0, 0, 0x3F},
+};
+
+/* Upload by a copy of the node, so that nothing is disturbed. */
+static uint32_t probe(struct bench *bench, struct dg_co_node *copy, uint16_t index, uint8_t sub)
+{
+    struct dg_can_frame frame = {.id = (uint16_t)(0x600u + copy->id), .dlc = 8, .data = {0x40}};
+
+    dg_store_le16(&frame.data[1], index);
+    frame.data[3] = sub;
+    bench->answers = 2; /* one may be late */
+    (void)dg_co_rx(copy, copy->now, &frame);
+    must(bench->last.id == 0x580u + copy->id && (bench->last.data[0] & 0xF3u) == 0x43u);
+    return dg_load_le32(&bench->last.data[4]);
+}
+
+static void check_objects(struct bench *bench)
+{
+    struct dg_co_node copy = bench->node;
+    const unsigned answers = bench->answers;
+    const struct dg_cia406 encoder = bench->encoder;
+
+    if (!in_operation(&copy) || copy.now < copy.lss.silent_until) {
+        return;
+    }
+    bench->sender = &copy;
+    for (size_t i = 0; i < COUNT(limits); i++) {
+        const uint32_t value = probe(bench, &copy, limits[i].index, limits[i].sub);
+        must(value >= limits[i].min && value <= limits[i].max);
+    }
+    must(probe(bench, &copy, 0x6004, 0) < (uint64_t)encoder.model->turns * DG_CIA406_STEPS);
+    bench->sender = &bench->node;
+    bench->answers = answers;
+    bench->encoder = encoder;
+}
+
+static void check(struct bench *bench, dg_ns deadline)
+{
+    const struct dg_co_node *node = &bench->node;
+    uint16_t ids[DG_CO_FILTERS_MAX];
+
+    must(deadline > node->now);
+    must(node->emcy_count <= DG_CO_HISTORY && node->history_count <= DG_CO_HISTORY);
+    must((node->id >= 1 && node->id <= 127) || node->id == DG_CO_UNCONFIGURED);
+    must(dg_co_filters(node, ids) <= DG_CO_FILTERS_MAX);
+    for (uint8_t i = 0; i < DG_CO_TPDOS; i++) {
+        must(!node->tpdo[i].valid ||
+             (node->tpdo[i].length <= 8 && node->tpdo[i].mapped_count <= DG_CO_MAPPED_MAX));
+    }
+    bench->answers = node->sdo.state == DG_CO_SDO_DELAYED ? 1 : 0;
+}
+
+static bool listens(const struct bench *bench, uint16_t id)
+{
+    uint16_t ids[DG_CO_FILTERS_MAX];
+    bool found = false;
+
+    for (uint8_t n = dg_co_filters(&bench->node, ids); n > 0; n--) {
+        found = found || ids[n - 1u] == id;
+    }
+    return found;
+}
+
+/* ------------------------------------------------------------ calls */
+
+static void step(struct bench *bench)
+{
+    const bool off = bench->node.state == DG_CO_OFF;
+    const dg_ns deadline = dg_co_step(&bench->node, bench->now);
+
+    must(!off || deadline == DG_NEVER);
+    check(bench, deadline);
+}
+
+/* What is due comes first, so that the rest is what the frame has done. */
+static void receive(struct bench *bench, const struct dg_can_frame *frame)
+{
+    step(bench);
+    const uint32_t before = bench->sent;
+    const bool heard = listens(bench, frame->id);
+    bench->answers += !frame->rtr && frame->id == 0x600u + bench->node.id ? 1 : 0;
+    const dg_ns deadline = dg_co_rx(&bench->node, bench->now, frame);
+    must(heard || bench->sent == before);
+    check(bench, deadline);
+}
+
+static void pass(struct bench *bench, uint64_t ns)
+{
+    bench->now = dg_after(bench->now, ns);
+}
+
+static void fill(struct dg_can_frame *frame, struct input *input, size_t from)
+{
+    for (size_t i = from; i < sizeof frame->data; i++) {
+        frame->data[i] = take(input);
+    }
+}
+
+/* ------------------------------------------------------------ operations */
+
+static void op_any_frame(struct bench *bench, struct input *input)
+{
+    const uint32_t how = take32(input);
+    struct dg_can_frame frame = {.id = (uint16_t)(how & 0x7FFu),
+                                 .rtr = (how >> 11 & 1u) != 0,
+                                 .dlc = (uint8_t)((how >> 12) % 9u)};
+
+    fill(&frame, input, 0);
+    receive(bench, &frame);
+}
+
+/* CAN-IDs that mean something to this node. */
+static void op_known_frame(struct bench *bench, struct input *input)
+{
+    static const struct {
+        uint16_t base;
+        bool own;
+        bool rtr;
+        uint8_t dlc;
+    } known[] = {
+        {0x000, false, false, 2}, {0x080, false, false, 0}, {0x080, false, false, 1},
+        {0x100, false, false, 6}, {0x180, true, true, 0},   {0x280, true, true, 0},
+        {0x380, true, true, 0},   {0x480, true, true, 0},   {0x700, true, true, 0},
+        {0x705, false, false, 1}, {0x706, false, false, 1},
+    };
+    const uint8_t which = take(input) % COUNT(known);
+    struct dg_can_frame frame = {
+        .id = known[which].base, .rtr = known[which].rtr, .dlc = known[which].dlc};
+
+    frame.id = (uint16_t)(frame.id + (known[which].own ? bench->node.id & 0x7Fu : 0u));
+    for (uint8_t i = 0; i < frame.dlc; i++) {
+        frame.data[i] = take(input);
+    }
+    receive(bench, &frame);
+}
+
+static void op_nmt(struct bench *bench, struct input *input)
+{
+    static const uint8_t commands[] = {0x01, 0x02, 0x80, 0x81, 0x82};
+    const struct dg_can_frame frame = {.dlc = 2, .data = {commands[take(input) % COUNT(commands)]}};
+
+    receive(bench, &frame);
+}
+
+/* Objects that can be written, with their size. */
+static const struct {
+    uint16_t index;
+    uint8_t sub;
+    uint8_t size;
+} objects[] = {
+    {0x1005, 0, 4}, {0x1006, 0, 4}, {0x1007, 0, 4}, {0x100C, 0, 2}, {0x100D, 0, 1}, {0x1010, 1, 4},
+    {0x1011, 1, 4}, {0x1012, 0, 4}, {0x1015, 0, 2}, {0x1016, 1, 4}, {0x1016, 2, 4}, {0x1017, 0, 2},
+    {0x1019, 0, 1}, {0x1029, 1, 1}, {0x1029, 3, 1}, {0x1800, 1, 4}, {0x1800, 2, 1}, {0x1800, 3, 2},
+    {0x1800, 5, 2}, {0x1800, 6, 1}, {0x1801, 1, 4}, {0x1801, 2, 1}, {0x1A00, 0, 1}, {0x1A00, 1, 4},
+    {0x1A00, 2, 4}, {0x1A00, 8, 4}, {0x2100, 0, 1}, {0x2101, 0, 1}, {0x2105, 1, 4}, {0x6200, 0, 2},
+    {0x1008, 0, 0}, {0x1003, 0, 1}, {0x6004, 0, 4}, {0x1000, 0, 4}, {0x1803, 3, 2}, {0x1014, 0, 4},
+};
+
+static void op_write(struct bench *bench, struct input *input)
+{
+    static const uint32_t values[] = {
+        0,          1,          2,          8,          0x80,       0x90,       0x65766173,
+        0x64616F6C, 0x60040020, 0x21620010, 0x10010008, 0x60300110, 0x80000181, 0x00000222,
+        0x000500FF, 0x000600FF, 0x80000100, 100,        240,        255,        0x400001BF,
+    };
+    const uint8_t which = take(input) % COUNT(objects);
+    const uint8_t how = take(input);
+    const uint8_t size = objects[which].size == 0 ? 1 : objects[which].size;
+    struct dg_can_frame frame = {.id = (uint16_t)(0x600u + (bench->node.id & 0x7Fu)), .dlc = 8};
+
+    frame.data[0] = (uint8_t)(0x23u | (4u - size) << 2);
+    dg_store_le16(&frame.data[1], objects[which].index);
+    frame.data[3] = objects[which].sub;
+    dg_store_le32(&frame.data[4], how < COUNT(values) ? values[how] : take32(input));
+    receive(bench, &frame);
+}
+
+/* Any request of the SDO server, for a known object or with free data. */
+static void op_sdo(struct bench *bench, struct input *input)
+{
+    static const uint8_t commands[] = {0x40, 0x60, 0x70, 0x80, 0xA0, 0xA4, 0xA3, 0xA2, 0xA1,
+                                       0xC0, 0xC2, 0xC6, 0xC1, 0x20, 0x21, 0x22, 0x00, 0x10,
+                                       0x07, 0x0D, 0x1D, 0x01, 0x81, 0x82, 0xC5, 0xCD};
+    const uint8_t command = take(input);
+    const uint8_t which = take(input);
+    struct dg_can_frame frame = {.id = (uint16_t)(0x600u + (bench->node.id & 0x7Fu)), .dlc = 8};
+    size_t from = 1;
+
+    frame.data[0] = command < COUNT(commands) ? commands[command] : command;
+    if (which < COUNT(objects)) {
+        dg_store_le16(&frame.data[1], objects[which].index);
+        frame.data[3] = objects[which].sub;
+        from = 4;
+    }
+    fill(&frame, input, from);
+    receive(bench, &frame);
+}
+
+static void op_lss(struct bench *bench, struct input *input)
+{
+    static const uint8_t services[] = {0x04, 0x04, 0x11, 0x13, 0x15, 0x17, 0x40, 0x41, 0x42, 0x43,
+                                       0x46, 0x47, 0x48, 0x49, 0x4A, 0x4B, 0x4C, 0x51, 0x5A, 0x5E};
+    struct dg_can_frame frame = {.id = LSS_RX, .dlc = 8};
+    const uint8_t service = take(input);
+
+    frame.data[0] = service < COUNT(services) ? services[service] : service;
+    fill(&frame, input, 1);
+    if (frame.data[0] == 0x15) {
+        frame.data[2] = 0; /* not silent for the rest of the input */
+    }
+    receive(bench, &frame);
+}
+
+/* Time passes in one jump, or deadline by deadline. */
+static void op_time(struct bench *bench, struct input *input)
+{
+    const uint8_t how = take(input);
+    const dg_ns end = dg_after(bench->now, (uint64_t)take(input) << (how & 47u));
+
+    for (int i = 0; i < 16 && (how & 128u) != 0 && bench->node.deadline < end; i++) {
+        bench->now = bench->node.deadline > bench->now ? bench->node.deadline : bench->now;
+        step(bench);
+    }
+    bench->now = end;
+    if ((how & 64u) != 0) {
+        step(bench);
+    }
+}
+
+static void op_late_step(struct bench *bench, struct input *input)
+{
+    const dg_ns now = bench->now;
+
+    bench->now = dg_elapsed(now, (uint64_t)take(input) << 20);
+    step(bench);
+    bench->now = now;
+}
+
+static void op_bus(struct bench *bench, struct input *input)
+{
+    check(bench, dg_co_bus(&bench->node, bench->now, (enum dg_co_bus_event)(take(input) % 4u)));
+}
+
+static void op_shaft(struct bench *bench, struct input *input)
+{
+    bench->angle = (dg_angle)((uint64_t)take32(input) << 32 | take32(input));
+    bench->angle_per_ms = (int64_t)(int32_t)take32(input) * 256;
+}
+
+static void op_acknowledge(struct bench *bench, struct input *input)
+{
+    const uint8_t bits = take(input);
+
+    bench->world.eeprom_acknowledges = (bits & 1u) != 0;
+    bench->nvm.no_acknowledge = (bits & 6u) == 6u;
+}
+
+static void op_rot(struct bench *bench, struct input *input)
+{
+    const uint32_t where = take32(input);
+
+    bench->nvm.bytes[(where >> 3) % bench->nvm.size] ^= (uint8_t)(1u << (where & 7u));
+}
+
+static void op_power_cut(struct bench *bench, struct input *input)
+{
+    const uint8_t how = take(input);
+
+    ram_nvm_cut(&bench->nvm, how & 63u, (enum ram_nvm_tear)((how >> 6) % RAM_NVM_TEAR_COUNT),
+                take(input));
+}
+
+static void op_power(struct bench *bench, struct input *input)
+{
+    const uint8_t how = take(input);
+
+    if ((how & 1u) != 0) {
+        ram_nvm_restore(&bench->nvm);
+    }
+    bench->answers = 0;
+    if ((how & 6u) == 6u) {
+        dg_co_power_off(&bench->node);
+        return;
+    }
+    const int result = dg_co_power_on(&bench->node, bench->now);
+    must(result == DG_OK || result == DG_ERR_BLANK || result == DG_ERR_FOREIGN);
+    must((result != DG_OK) == (bench->node.state == DG_CO_OFF));
+    step(bench);
+}
+
+static bool start(struct bench *bench, const struct dg_cia406_model *model)
+{
+    const struct dg_co_setup setup = {.device = model->device,
+                                      .world = &bench->world,
+                                      .nvm = ram_nvm_port(&bench->nvm),
+                                      .ops = &ops,
+                                      .ctx = bench,
+                                      .application = &bench->encoder};
+
+    dg_world_init(&bench->world);
+    bench->world.angle = angle;
+    bench->world.angle_ctx = bench;
+    bench->sender = &bench->node;
+    ram_nvm_init(&bench->nvm, dg_store_size(model->device->layout));
+    return dg_co_format(model->device, setup.nvm, 1234567890u) == DG_OK &&
+           dg_cia406_init(&bench->encoder, model) == DG_OK &&
+           dg_co_init(&bench->node, &setup) == DG_OK && dg_co_power_on(&bench->node, 0) == DG_OK;
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
+{
+    /* Some stand twice: they are what a bus is made of. */
+    static void (*const operations[])(struct bench *, struct input *) = {
+        op_any_frame, op_known_frame, op_known_frame, op_nmt,       op_write, op_write,
+        op_sdo,       op_sdo,         op_lss,         op_time,      op_time,  op_late_step,
+        op_bus,       op_shaft,       op_acknowledge, op_power_cut, op_rot,   op_power,
+    };
+    static struct bench bench;
+    struct input input = {.at = bytes, .end = bytes + n};
+
+    memset(&bench, 0, sizeof bench);
+    must(start(&bench, dg_device_find((take(&input) & 1u) != 0 ? "f3658" : "f3668")->cia406));
+    while (input.at < input.end) {
+        pass(&bench, DG_US(100));
+        operations[take(&input) % COUNT(operations)](&bench, &input);
+        check_objects(&bench);
+    }
+    return 0;
+}
