@@ -15,15 +15,11 @@
 
 #include "drehgeber/canopen.h"
 
-<<<<<<< HEAD
-/** Physical counts a turn (STA_U): 16 bit. */
-=======
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-/** Physical steps a turn: 16 bit. */
->>>>>>> canopen
+/** Physical counts a turn (STA_U): 16 bit. */
 #define DG_CIA406_STEPS 65536u
 
 /** What a model is; every figure is configuration. */
@@ -92,13 +88,11 @@ extern const struct dg_co_device dg_cia406_multiturn_32;
 /** Make an encoder. @return 0 or DG_ERR_ARGUMENT */
 int dg_cia406_init(struct dg_cia406 *self, const struct dg_cia406_model *model);
 
-<<<<<<< HEAD
 /** What the LEDs show at node->now. `node` is a node of this profile. */
 struct dg_cia406_leds dg_cia406_leds(const struct dg_co_node *node);
-=======
+
 #ifdef __cplusplus
 }
 #endif
->>>>>>> canopen
 
 #endif

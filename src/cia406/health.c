@@ -88,8 +88,8 @@ static bool hardware_failed(const struct dg_co_node *node)
 
 static bool memory_failed(const struct dg_co_node *node)
 {
-    return hardware_failed(node) || !node->mounted || node->store.damaged != 0 ||
-           encoder_of(node)->zero_unsaved;
+    return hardware_failed(node) || !node->mounted ||
+           (node->store.damaged & ~(1u << REGION_USF)) != 0 || encoder_of(node)->zero_unsaved;
 }
 
 static bool offset_lost(const struct dg_co_node *node)
