@@ -5,7 +5,7 @@
  * chapters 10 to 15, 20 to 26 and 29; decisions in src/cia406/README.md.
  *
  * Counts are physical counts of 1/65536 turn ("unscaled"); units are what 6004h shows. All
- * arithmetic is exact in integers, see dg_cia406_position().
+ * arithmetic is exact in integers.
  */
 #ifndef DREHGEBER_CIA406_H
 #define DREHGEBER_CIA406_H

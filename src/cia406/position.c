@@ -21,6 +21,7 @@
 
 #define RAW_CRC_SEED 0xFFFFu
 #define USF_STORED 1u
+#define USF_STORED_CCW 2u
 #define USF_SIZE 21u
 
 static uint64_t physical_range(const struct dg_co_node *node)
@@ -122,12 +123,18 @@ void dg_cia406_sample(struct dg_co_node *node)
     self->areas = areas(node, self->position);
 }
 
-/* Keep the internal zero: {stored, zero, y, MUR, TMR}, all or nothing. A lost one stays lost. */
+/* The mark of a good record: which way the position ascends is part of the line it describes. */
+static uint8_t usf_mark(const struct dg_co_node *node)
+{
+    return parameter(node, DG_CIA406_CCW) ? USF_STORED_CCW : USF_STORED;
+}
+
+/* Keep the internal zero: {mark or 0, zero, y, MUR, TMR}, all or nothing. A lost one stays lost. */
 static bool store_zero(struct dg_co_node *node)
 {
     struct dg_cia406 *self = encoder_of(node);
     bool wanted = parameter(node, DG_CIA406_USF) && !self->usf_lost;
-    uint8_t bytes[USF_SIZE] = {wanted ? USF_STORED : 0};
+    uint8_t bytes[USF_SIZE] = {wanted ? usf_mark(node) : 0};
 
     dg_store_le32(&bytes[1], self->zero);
     dg_store_le32(&bytes[5], (uint32_t)self->zero_y);
@@ -187,7 +194,8 @@ void dg_cia406_restore_zero(struct dg_co_node *node)
                 !dg_store_damaged(&node->store, REGION_USF) &&
                 dg_store_read(&node->store, REGION_USF, 0, bytes, sizeof bytes) == DG_OK;
 
-    good = good && bytes[0] == USF_STORED && dg_load_le32(&bytes[13]) == node->value[SLOT_MUR] &&
+    good = good && bytes[0] == usf_mark(node) &&
+           dg_load_le32(&bytes[13]) == node->value[SLOT_MUR] &&
            dg_load_le32(&bytes[17]) == node->value[SLOT_TMR];
     self->usf_lost = parameter(node, DG_CIA406_USF) && !good;
     sample_raw(node);
@@ -223,7 +231,7 @@ static void forget_zero(struct dg_co_node *node)
 
     encoder_of(node)->usf_lost = false;
     if (node->mounted &&
-        (dg_store_read(&node->store, REGION_USF, 0, &stored, 1) != DG_OK || stored == USF_STORED)) {
+        (dg_store_read(&node->store, REGION_USF, 0, &stored, 1) != DG_OK || stored != 0)) {
         (void)store_zero(node);
     }
 }

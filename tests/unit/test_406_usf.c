@@ -424,11 +424,13 @@ static void a_damaged_zero_says_6200h_until_a_preset(void **state)
     co_rig_forget(&rig);
     co_rig_run(&rig, 0);
     assert_true(sent(0x62));
+    assert_false(sent(0x51)); /* the memory itself works (chapter 25) */
     assert_int_equal(co_rig_get(&rig, 0x1001, 0), 0x01);
     co_rig_put(&rig, 0x6003, 0, 500, 4);
+    assert_true(sent(0x00));
     co_rig_forget(&rig);
     co_rig_run(&rig, LOOK);
-    assert_true(sent(0x00));
+    co_rig_expect_count(&rig, 0);
     assert_int_equal(co_rig_get(&rig, 0x1001, 0), 0x00);
     assert_int_equal(dg_cia406_leds(&rig.node).err_pattern, DG_CIA406_LAMP_BLINK);
     co_rig_run(&rig, LED_FLASH);
@@ -474,6 +476,21 @@ static void a_zero_of_other_settings_does_not_count(void **state)
     co_rig_forget(&rig);
     co_rig_run(&rig, 0);
     assert_true(sent(0x62));
+}
+
+/* So does its direction. */
+static void a_zero_of_the_other_code_sequence_does_not_count(void **state)
+{
+    (void)state;
+    for (uint32_t saved = 0; saved <= CCW; saved++) {
+        activate(3600, 36000, 0, saved);
+        co_rig_put(&rig, 0x6000, 0, USF | SCALING | (saved ^ CCW), 2);
+        turn_to(line.c + 50 * STEPS);
+        power_cycle(0);
+        co_rig_forget(&rig);
+        co_rig_run(&rig, 0);
+        assert_true(sent(0x62));
+    }
 }
 
 /* The memory does not answer on its bus, or takes nothing. */
@@ -623,6 +640,7 @@ int main(int argc, char **argv)
         cmocka_unit_test_setup(a_damaged_zero_says_6200h_until_a_preset, setup),
         cmocka_unit_test_setup(only_a_preset_finds_a_lost_zero_again, setup),
         cmocka_unit_test_setup(a_zero_of_other_settings_does_not_count, setup),
+        cmocka_unit_test_setup(a_zero_of_the_other_code_sequence_does_not_count, setup),
         cmocka_unit_test_setup(a_zero_from_before_usf_was_off_does_not_count, setup),
         cmocka_unit_test_setup(what_must_not_be_kept_is_forgotten_as_soon_as_possible, setup),
         cmocka_unit_test_setup(a_failing_memory_says_5100h_as_long_as_it_lasts, setup),
