@@ -19,25 +19,30 @@ extern "C" {
 uint16_t dg_load_be16(const uint8_t *p);
 uint32_t dg_load_be24(const uint8_t *p);
 uint32_t dg_load_be32(const uint8_t *p);
+void dg_store_be16(uint8_t *p, uint16_t value);
+void dg_store_be24(uint8_t *p, uint32_t value);
+void dg_store_be32(uint8_t *p, uint32_t value);
+
+/** le = least significant byte first. In the header, so that frames are built without a call. */
 static inline uint16_t dg_load_le16(const uint8_t *p)
 {
     return (uint16_t)((uint32_t)p[0] | (uint32_t)p[1] << 8);
 }
 
+/** As dg_load_le16(), four bytes. */
 static inline uint32_t dg_load_le32(const uint8_t *p)
 {
     return (uint32_t)p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24;
 }
 
-void dg_store_be16(uint8_t *p, uint16_t value);
-void dg_store_be24(uint8_t *p, uint32_t value);
-void dg_store_be32(uint8_t *p, uint32_t value);
+/** The store for dg_load_le16(). */
 static inline void dg_store_le16(uint8_t *p, uint16_t value)
 {
     p[0] = (uint8_t)value;
     p[1] = (uint8_t)(value >> 8);
 }
 
+/** The store for dg_load_le32(). */
 static inline void dg_store_le32(uint8_t *p, uint32_t value)
 {
     p[0] = (uint8_t)value;

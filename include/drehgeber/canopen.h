@@ -198,8 +198,11 @@ struct dg_co_device {
     uint32_t product_code;
     uint32_t revision;
     const struct dg_store_layout *layout;
-    /** Reset: values are loaded, boot-up comes next. True: boot into operational. May be NULL. */
-    bool (*reset)(struct dg_co_node *node);
+    /**
+     * Reset: values are loaded, boot-up comes next. `application`: 2000h-9FFFh are reset, too.
+     * True: boot into operational. May be NULL.
+     */
+    bool (*reset)(struct dg_co_node *node, bool application);
     /** Take a sample at node->now; once for all objects of a SYNC, a TPDO, an SDO read. May be
      * NULL. */
     void (*sample)(struct dg_co_node *node);

@@ -2,7 +2,10 @@
 /**
  * @file
  * Kübler F36x8 CANopen: what the encoder adds to a CANopen node. Source: manual F36x8 CANopen,
- * chapters 10 and 26; decisions in src/cia406/README.md.
+ * chapters 10 to 15, 20 to 26 and 29; decisions in src/cia406/README.md.
+ *
+ * Counts are physical counts of 1/65536 turn ("unscaled"); units are what 6004h shows. All
+ * arithmetic is exact in integers.
  */
 #ifndef DREHGEBER_CIA406_H
 #define DREHGEBER_CIA406_H
@@ -16,27 +19,77 @@
 extern "C" {
 #endif
 
-/** Physical steps a turn: 16 bit. */
+/** Physical counts a turn (STA_U): 16 bit. */
 #define DG_CIA406_STEPS 65536u
 
 /** What a model is; every figure is configuration. */
 struct dg_cia406_model {
-    uint32_t turns;                    /**< 1 (singleturn) .. 65536; a power of two */
+    uint32_t turns;                    /**< MTA_U: 1 (singleturn) .. 65536; a power of two */
     const struct dg_co_device *device; /**< identity and dictionary */
+    uint32_t password;                 /**< opens 300Bh, see 300Ah */
+};
+
+/** Bits of 6000h (chapter 26). */
+enum dg_cia406_parameters {
+    DG_CIA406_CCW = 0x0001,         /**< ascending counterclockwise */
+    DG_CIA406_SCALING = 0x0004,     /**< 6001h and 6002h are in force */
+    DG_CIA406_USF = 0x1000,         /**< universal scaling function */
+    DG_CIA406_UNITS_PER_S = 0x2000, /**< 6030h in units/s instead of rpm */
+    DG_CIA406_OPERATIONAL = 0x4000, /**< boots into Operational */
+    DG_CIA406_EVENT_MODE = 0x8000,  /**< TPDOs of type 254 and 255 on every change */
+    DG_CIA406_SUPPORTED = 0xF005,   /**< the bits above */
+};
+
+/** What drives the two LEDs, later ones win (chapter 29). */
+enum dg_cia406_lamp {
+    DG_CIA406_LAMP_OFF,
+    DG_CIA406_LAMP_ON,
+    DG_CIA406_LAMP_BLINK,      /**< 250 ms on, 250 ms off */
+    DG_CIA406_LAMP_SLOW,       /**< 1 s on, 1 s off */
+    DG_CIA406_LAMP_FAST,       /**< 50 ms on, 50 ms off */
+    DG_CIA406_LAMP_FAST_OTHER, /**< the same in opposite phase */
+    DG_CIA406_LAMP_300,        /**< 300 ms on, 300 ms off */
+};
+
+/** Both LEDs: the pattern, and whether they are lit at this moment. */
+struct dg_cia406_leds {
+    enum dg_cia406_lamp bus_pattern; /**< green */
+    enum dg_cia406_lamp err_pattern; /**< red */
+    bool bus;
+    bool err;
 };
 
 /** An encoder behind a node: dg_co_setup.application points to it. Caller-owned plain data. */
 struct dg_cia406 {
     const struct dg_cia406_model *model;
-    uint32_t raw; /**< physical position of the latest sample, 0..turns * steps - 1 */
+    uint32_t raw;        /**< physical position of the latest sample, 0..turns * steps - 1 */
+    uint32_t position;   /**< 6004h of the latest sample */
+    uint32_t zero;       /**< USF: physical position of the internal zero */
+    uint64_t zero_y;     /**< USF: position there in 1/65536 unit, modulo TMR * 65536 */
+    uint64_t y;          /**< 6004h of the latest sample in 1/65536 unit */
+    uint8_t areas;       /**< 6400h:1 of the latest sample */
+    bool usf_lost;       /**< the stored offset did not verify: a preset is due */
+    bool zero_unsaved;   /**< USF: the internal zero could not be stored yet */
+    dg_ns look_at;       /**< next supervision */
+    dg_ns event_at;      /**< event mode: when the mapped values are compared next */
+    dg_ns time_from;     /**< operating time is counted from here on */
+    uint32_t time_10h;   /**< 6508h: operating time in 0.1 h */
+    dg_ns flash_until;   /**< the error LED flashes until then */
+    dg_ns locked_until;  /**< 300Ah refuses until then */
+    uint8_t wrong_count; /**< wrong passwords in a row */
+    bool serial_open;    /**< 300Bh may be written once */
 };
 
-/** The singleturn and the multiturn device. */
+/** The singleturn device, the multiturn device with 4096 and the one with 65536 turns. */
 extern const struct dg_co_device dg_cia406_singleturn;
 extern const struct dg_co_device dg_cia406_multiturn;
+extern const struct dg_co_device dg_cia406_multiturn_32;
 
 /** Make an encoder. @return 0 or DG_ERR_ARGUMENT */
 int dg_cia406_init(struct dg_cia406 *self, const struct dg_cia406_model *model);
+
+/** What the LEDs show at node->now. `node` is a node of this profile. */
+struct dg_cia406_leds dg_cia406_leds(const struct dg_co_node *node);
 
 #ifdef __cplusplus
 }

@@ -58,7 +58,7 @@ dg_ns dg_co_net_rx(struct dg_co_net *self, dg_ns now, const struct dg_can_frame 
     const uint8_t *listeners = self->listeners[frame->id & 0x7FFu];
 
     for (uint8_t byte = 0; byte < sizeof self->listeners[0]; byte++) {
-        uint8_t bits = listeners[byte];
+        uint32_t bits = listeners[byte];
         for (uint8_t bit = 0; bits >> bit != 0; bit++) {
             if ((bits >> bit & 1u) != 0) {
                 uint8_t i = (uint8_t)(8u * byte + bit);

@@ -101,7 +101,7 @@ static void initialise(struct dg_co_node *self, bool application)
     dg_co_pdo_start(self);
     dg_co_lss_start(self);
     if (device->reset != NULL) {
-        operational = device->reset(self);
+        operational = device->reset(self, application);
     }
     if (self->id == DG_CO_UNCONFIGURED) {
         return; /* only LSS can give it a node-ID (CiA 305) */

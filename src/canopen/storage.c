@@ -156,10 +156,12 @@ static void initial_row(struct dg_co_node *self, const struct dg_co_object *obje
     }
 }
 
-/* Regions that 1010h writes: everything but bus parameters, the mark and the serial number. */
+/* Regions that 1010h writes: not the bus parameters, the mark, the serial number, nor what a device
+ * keeps by itself. */
 static bool is_parameters(uint8_t region)
 {
-    return region >= DG_CO_REGION_COMMUNICATION && region != DG_CO_REGION_SERIAL;
+    return region >= DG_CO_REGION_COMMUNICATION && region <= DG_CO_REGION_APPLICATION &&
+           region != DG_CO_REGION_SERIAL;
 }
 
 bool dg_co_load(struct dg_co_node *self, uint16_t first, uint16_t last)
@@ -195,7 +197,8 @@ void dg_co_report_memory(struct dg_co_node *self, bool loaded)
 {
     static const uint8_t none[5];
 
-    if (!loaded || self->store.damaged != 0) {
+    const uint32_t mine = (2u << DG_CO_REGION_APPLICATION) - 1u;
+    if (!loaded || (self->store.damaged & mine) != 0) {
         dg_co_raise(self, DG_CO_CAUSE_MEMORY, none);
     }
 }

@@ -1,69 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The F36x8's rows of the dictionary and the values behind them.
+ * The F36x8 devices: their dictionaries, causes, EEPROM, and what happens at reset and in time.
  */
-#include "drehgeber/cia406.h"
+#include "profile.h"
+
+#include <string.h>
 
 #include "drehgeber/bits.h"
-#include "drehgeber/crc.h"
 
-#define FIRMWARE_VERSION 108u
-#define CRC_SEED 0xFFFFu
-#define RPM_LIMIT_SINGLETURN 4000
-#define RPM_LIMIT_MULTITURN 15000
-
-static struct dg_cia406 *encoder(const struct dg_co_node *node)
-{
-    return node->setup.application;
-}
-
-static void sample(struct dg_co_node *node)
-{
-    struct dg_cia406 *self = encoder(node);
-    dg_angle angle = dg_world_angle(node->setup.world, node->now);
-
-    self->raw = (uint32_t)dg_angle_counts(angle, DG_CIA406_STEPS) &
-                (uint32_t)((uint64_t)self->model->turns * DG_CIA406_STEPS - 1);
-}
-
-static enum dg_co_abort hook_position(struct dg_co_node *node, const struct dg_co_object *object,
-                                      enum dg_co_op op, uint32_t *value)
-{
-    (void)object;
-    (void)op;
-    *value = encoder(node)->raw;
-    return DG_CO_OK;
-}
-
-/* 2160h raw, 2161h inverted, 2162h CRC over the bytes of 2160h as they stand on the wire (C24). */
-static enum dg_co_abort hook_raw(struct dg_co_node *node, const struct dg_co_object *object,
-                                 enum dg_co_op op, uint32_t *value)
-{
-    uint8_t bytes[4];
-
-    (void)op;
-    *value = encoder(node)->raw;
-    if (object->index == 0x2161) {
-        *value = ~*value;
-    } else if (object->index == 0x2162) {
-        dg_store_le32(bytes, *value);
-        *value = dg_crc16(CRC_SEED, bytes, sizeof bytes);
-    }
-    return DG_CO_OK;
-}
-
-static enum dg_co_abort hook_speed(struct dg_co_node *node, const struct dg_co_object *object,
-                                   enum dg_co_op op, uint32_t *value)
-{
-    int32_t limit = encoder(node)->model->turns > 1 ? RPM_LIMIT_MULTITURN : RPM_LIMIT_SINGLETURN;
-    int32_t rpm = dg_world_speed_mrpm(node->setup.world, node->now) / 1000;
-
-    (void)object;
-    (void)op;
-    rpm = rpm > limit ? limit : rpm < -limit ? -limit : rpm;
-    *value = (uint32_t)rpm;
-    return DG_CO_OK;
-}
+#define EVENT_NS DG_MS(1)
+#define LOOK_MS 100u
+#define PASSWORD_DELAY DG_S(1)
+#define PASSWORD_DELAYS_MAX 8u
 
 /* 6200h is 1800h:5 seen through another object (C5). */
 static enum dg_co_abort hook_cyclic_timer(struct dg_co_node *node,
@@ -80,18 +28,6 @@ static enum dg_co_abort hook_cyclic_timer(struct dg_co_node *node,
     return DG_CO_OK;
 }
 
-/* 65536 turns do not fit 16 bits. */
-static enum dg_co_abort hook_turns(struct dg_co_node *node, const struct dg_co_object *object,
-                                   enum dg_co_op op, uint32_t *value)
-{
-    uint32_t turns = encoder(node)->model->turns;
-
-    (void)object;
-    (void)op;
-    *value = turns > 0xFFFF ? 0xFFFF : turns;
-    return DG_CO_OK;
-}
-
 /* 2100h has no rate 7 (chapter 8). */
 static enum dg_co_abort hook_bit_rate(struct dg_co_node *node, const struct dg_co_object *object,
                                       enum dg_co_op op, uint32_t *value)
@@ -101,47 +37,233 @@ static enum dg_co_abort hook_bit_rate(struct dg_co_node *node, const struct dg_c
     return op == DG_CO_WRITE && *value == 7 ? DG_CO_RANGE : DG_CO_OK;
 }
 
+/* 6031h:2 knows four windows (chapter 13, C18). */
+static enum dg_co_abort hook_window(struct dg_co_node *node, const struct dg_co_object *object,
+                                    enum dg_co_op op, uint32_t *value)
+{
+    bool known = *value == 1 || *value == 10 || *value == 100 || *value == 200;
+
+    (void)node;
+    (void)object;
+    return op == DG_CO_WRITE && !known ? DG_CO_RANGE : DG_CO_OK;
+}
+
+/* 6500h shows 6000h. */
+static enum dg_co_abort hook_status(struct dg_co_node *node, const struct dg_co_object *object,
+                                    enum dg_co_op op, uint32_t *value)
+{
+    (void)object;
+    (void)op;
+    *value = node->value[SLOT_PARAMETERS];
+    return DG_CO_OK;
+}
+
+/* 300Ah opens 300Bh; every wrong password makes the next attempt wait longer (C25). */
+static enum dg_co_abort hook_password(struct dg_co_node *node, const struct dg_co_object *object,
+                                      enum dg_co_op op, uint32_t *value)
+{
+    struct dg_cia406 *self = encoder_of(node);
+
+    (void)object;
+    if (op != DG_CO_WRITE) {
+        return DG_CO_OK;
+    }
+    self->serial_open = node->now >= self->locked_until && *value == self->model->password;
+    if (self->serial_open) {
+        self->wrong_count = 0;
+        return DG_CO_OK;
+    }
+    self->locked_until = dg_after(node->now, PASSWORD_DELAY << self->wrong_count);
+    if (self->wrong_count < PASSWORD_DELAYS_MAX) {
+        self->wrong_count++;
+    }
+    return DG_CO_STORE;
+}
+
+/* 300Bh, 650Bh: the serial number, which 1018h:4 shows, too. */
+static enum dg_co_abort hook_serial(struct dg_co_node *node, const struct dg_co_object *object,
+                                    enum dg_co_op op, uint32_t *value)
+{
+    struct dg_cia406 *self = encoder_of(node);
+    uint8_t bytes[4];
+
+    (void)object;
+    if (op != DG_CO_WRITE) {
+        *value = node->serial;
+        return DG_CO_OK;
+    }
+    if (!self->serial_open) {
+        return DG_CO_STATE;
+    }
+    dg_store_le32(bytes, *value);
+    if (!node->mounted || !node->setup.world->eeprom_acknowledges ||
+        dg_store_put(&node->store, DG_CO_REGION_SERIAL, 0, bytes, sizeof bytes) != DG_OK) {
+        return DG_CO_HARDWARE;
+    }
+    self->serial_open = false;
+    node->serial = *value;
+    return DG_CO_OK;
+}
+
+static bool reset(struct dg_co_node *node, bool application)
+{
+    struct dg_cia406 *self = encoder_of(node);
+
+    if (application) {
+        self->serial_open = false;
+        self->flash_until = 0;
+        dg_cia406_restore_zero(node);
+        dg_cia406_health_start(node);
+    }
+    dg_cia406_sample(node);
+    return parameter(node, DG_CIA406_OPERATIONAL);
+}
+
+/* With USF the zero has to be looked after before the shaft can go a quarter of the range at 250
+ * turns/s. */
+static dg_ns look_ns(const struct dg_co_node *node)
+{
+    uint32_t turns = encoder_of(node)->model->turns;
+
+    return parameter(node, DG_CIA406_USF) && turns < LOOK_MS ? DG_MS(turns) : DG_MS(LOOK_MS);
+}
+
+/* Supervision now and then; in event mode every millisecond whether something has changed. */
+static dg_ns step(struct dg_co_node *node)
+{
+    struct dg_cia406 *self = encoder_of(node);
+
+    if (self->look_at <= node->now) {
+        self->look_at = dg_after(node->now, look_ns(node));
+        dg_cia406_watch_zero(node);
+        dg_cia406_health_look(node);
+    }
+    if (!parameter(node, DG_CIA406_EVENT_MODE) || node->state != DG_CO_OPERATIONAL) {
+        return self->look_at;
+    }
+    if (self->event_at <= node->now) {
+        self->event_at = dg_after(node->now, EVENT_NS);
+        dg_co_pdo_event(node);
+    }
+    return dg_earliest(self->look_at, self->event_at);
+}
+
 /* The short names of objects.def. */
 enum {
     R = DG_CO_R,
     W = DG_CO_W,
     M = DG_CO_MAP,
+    S = DG_CO_SAVE,
     V = DG_CO_SLOT,
     C = DG_CO_CONST,
+    APP = REGION_PROFILE,
 };
 
 #define DG_CO_PARENT(index, kind, name)
 #define DG_CO_OBJECT(index, sub, type, access, slot, region, initial, min, max, hook, name)        \
     {index, sub, DG_CO_##type, access, slot, region, initial, min, max, hook},
 
-static const struct dg_co_object objects[] = {
+#define TURN_BITS 0
+#define TURNS 1
+#define RANGE 0x10000u
+#define LAST 0xFFFFu
+static const struct dg_co_object objects_singleturn[] = {
+#include "objects.def"
+};
+#undef TURN_BITS
+#undef TURNS
+#undef RANGE
+#undef LAST
+
+#define TURN_BITS 12
+#define TURNS 4096
+#define RANGE 0x10000000u
+#define LAST 0x0FFFFFFFu
+static const struct dg_co_object objects_multiturn[] = {
+#include "objects.def"
+};
+#undef TURN_BITS
+#undef TURNS
+#undef RANGE
+#undef LAST
+
+/* 2^32 does not fit 6002h, nor 65536 6502h: their highest values stand for them. */
+#define TURN_BITS 16
+#define TURNS 0xFFFF
+#define RANGE 0xFFFFFFFFu
+#define LAST 0xFFFFFFFFu
+static const struct dg_co_object objects_multiturn_32[] = {
 #include "objects.def"
 };
 
-static const struct dg_store_region regions[] = {DG_CO_STORE_REGIONS};
+static void default_usf(const void *ctx, uint8_t *out)
+{
+    (void)ctx;
+    memset(out, 0, 21);
+}
 
-static const struct dg_store_layout layout = {
-    .id = 0x434F3101u,
-    .journal_size = DG_CO_JOURNAL_SIZE,
-    .region_count = sizeof regions / sizeof regions[0],
-    .regions = regions,
+static void default_time(const void *ctx, uint8_t *out)
+{
+    (void)ctx;
+    memset(out, 0, 4);
+}
+
+/* clang-format off */
+static const struct dg_co_cause causes[CAUSE_END - DG_CO_CAUSES] = {
+    [CAUSE_TEMPERATURE - DG_CO_CAUSES]   = {0x4200, 0x09, DG_CO_CLASS_DEVICE},
+    [CAUSE_SPEED - DG_CO_CAUSES]         = {0x4200, 0x09, DG_CO_CLASS_DEVICE},
+    [CAUSE_BATTERY_LOW - DG_CO_CAUSES]   = {0x3200, 0x01, DG_CO_CLASS_MANUFACTURER},
+    [CAUSE_BATTERY_CABLE - DG_CO_CAUSES] = {0x3200, 0x05, DG_CO_CLASS_MANUFACTURER},
+    [CAUSE_OPTICS - DG_CO_CAUSES]        = {0x5200, 0x01, DG_CO_CLASS_DEVICE},
+    [CAUSE_POSITION - DG_CO_CAUSES]      = {0x1000, 0x01, DG_CO_CLASS_DEVICE},
+    [CAUSE_HARDWARE - DG_CO_CAUSES]      = {0x1000, 0x01, DG_CO_CLASS_MANUFACTURER},
+    [CAUSE_USF_MOVED - DG_CO_CAUSES]     = {0x6200, 0x01, DG_CO_CLASS_NONE},
+    [CAUSE_USF_LOST - DG_CO_CAUSES]      = {0x6200, 0x01, DG_CO_CLASS_MANUFACTURER},
 };
+
+static const struct dg_store_region regions[REGION_COUNT] = {
+    DG_CO_STORE_REGIONS,
+    [REGION_PROFILE] = {"profile", 60, DG_STORE_CHECKED, 0, NULL},
+    [REGION_USF]     = {"usf",     21, DG_STORE_CHECKED, 0, default_usf},
+    [REGION_TIME]    = {"time",     4, DG_STORE_CHECKED, 0, default_time},
+};
+/* clang-format on */
+
+/* The id keeps one model's memory from being taken for another's. */
+#define LAYOUT(number)                                                                             \
+    {                                                                                              \
+        .id = (number), .journal_size = DG_CO_JOURNAL_SIZE + 6u + 60u,                             \
+        .region_count = REGION_COUNT, .regions = regions,                                          \
+    }
+static const struct dg_store_layout layout_singleturn = LAYOUT(0x434F3101u);
+static const struct dg_store_layout layout_multiturn = LAYOUT(0x434F3102u);
+static const struct dg_store_layout layout_multiturn_32 = LAYOUT(0x434F3103u);
 
 static const char *const strings[] = {"F36x8 CANopen encoder", "1.00", "1.08"};
 
-#define F36X8                                                                                      \
-    .objects = objects, .object_count = sizeof objects / sizeof objects[0], .strings = strings,    \
-    .vendor_id = 0x13, .product_code = 0x56682001, .revision = 108, .layout = &layout,             \
-    .sample = sample
+#define F36X8(rows)                                                                                \
+    .objects = (rows), .object_count = sizeof(rows) / sizeof(rows)[0], .causes = causes,           \
+    .cause_count = CAUSE_END - DG_CO_CAUSES, .strings = strings, .vendor_id = 0x13,                \
+    .product_code = 0x56682001, .revision = 108, .reset = reset, .sample = dg_cia406_sample,       \
+    .step = step
 
 const struct dg_co_device dg_cia406_singleturn = {
-    F36X8,
+    F36X8(objects_singleturn),
+    .layout = &layout_singleturn,
     .name = "F3658",
     .device_type = 0x00010196,
 };
 
 const struct dg_co_device dg_cia406_multiturn = {
-    F36X8,
+    F36X8(objects_multiturn),
+    .layout = &layout_multiturn,
+    .name = "F3668",
+    .device_type = 0x00020196,
+};
+
+const struct dg_co_device dg_cia406_multiturn_32 = {
+    F36X8(objects_multiturn_32),
+    .layout = &layout_multiturn_32,
     .name = "F3668",
     .device_type = 0x00020196,
 };

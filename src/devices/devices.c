@@ -36,8 +36,17 @@ static const struct dg_hf_model s3684_rs485 = {
 static const struct dg_biss_model s3674_biss = {S36_BISS, .multiturn_bits = 0};
 static const struct dg_biss_model s3684_biss = {S36_BISS, .multiturn_bits = 12};
 
-static const struct dg_cia406_model f3658 = {.turns = 1, .device = &dg_cia406_singleturn};
-static const struct dg_cia406_model f3668 = {.turns = 4096, .device = &dg_cia406_multiturn};
+#define F36X8_PASSWORD 0x004B7562u
+static const struct dg_cia406_model f3658 = {
+    .turns = 1,
+    .device = &dg_cia406_singleturn,
+    .password = F36X8_PASSWORD,
+};
+static const struct dg_cia406_model f3668 = {
+    .turns = 4096,
+    .device = &dg_cia406_multiturn,
+    .password = F36X8_PASSWORD,
+};
 
 /* clang-format off */
 const struct dg_device dg_devices[] = {

@@ -10,7 +10,7 @@ import sys
 
 from sources import blank, files, finish, read
 
-DECLARED = re.compile(r"^(?!\s|#|typedef|struct \w+( \{|;)|enum)[\w \*]*\b(dg_\w+)(\(|\[|;)")
+DECLARED = re.compile(r"^(?!\s|#|typedef|struct \w+(?: \{|;)|enum)[\w \*]*\b(dg_\w+)(\(|\[|;)")
 
 
 def main():

@@ -35,13 +35,19 @@ static const struct dg_co_ops ops = {.send = send, .bit_rate = bit_rate};
 
 void co_rig_start(struct co_rig *self)
 {
+    co_rig_start_model(self, &f3668);
+}
+
+void co_rig_start_model(struct co_rig *self, const struct dg_cia406_model *model)
+{
     memset(self, 0, sizeof *self);
+    self->model = model;
     self->now = DG_S(1);
     dg_world_init(&self->world);
     self->world.angle = dg_motion_angle;
     self->world.angle_ctx = &self->motion;
-    ram_nvm_init(&self->nvm, dg_store_size(f3668.device->layout));
-    assert_int_equal(dg_co_format(f3668.device, ram_nvm_port(&self->nvm), 1234567890u), DG_OK);
+    ram_nvm_init(&self->nvm, dg_store_size(model->device->layout));
+    assert_int_equal(dg_co_format(model->device, ram_nvm_port(&self->nvm), 1234567890u), DG_OK);
     assert_int_equal(co_rig_power_on(self), DG_OK);
     co_rig_forget(self);
 }
@@ -49,7 +55,7 @@ void co_rig_start(struct co_rig *self)
 int co_rig_power_on(struct co_rig *self)
 {
     const struct dg_co_setup setup = {
-        .device = f3668.device,
+        .device = self->model->device,
         .world = &self->world,
         .nvm = ram_nvm_port(&self->nvm),
         .ops = &ops,
@@ -57,7 +63,7 @@ int co_rig_power_on(struct co_rig *self)
         .application = &self->encoder,
     };
 
-    assert_int_equal(dg_cia406_init(&self->encoder, &f3668), DG_OK);
+    assert_int_equal(dg_cia406_init(&self->encoder, self->model), DG_OK);
     assert_int_equal(dg_co_init(&self->node, &setup), DG_OK);
     return dg_co_power_on(&self->node, self->now);
 }
@@ -185,4 +191,17 @@ uint32_t co_rig_read(struct co_rig *self, uint16_t index, uint8_t sub, uint32_t 
 
     *value = dg_load_le32(&answer->data[4]);
     return answer->data[0] == 0x80 ? *value : 0;
+}
+
+void co_rig_put(struct co_rig *self, uint16_t index, uint8_t sub, uint32_t value, uint8_t size)
+{
+    assert_int_equal(co_rig_write(self, index, sub, value, size), 0);
+}
+
+uint32_t co_rig_get(struct co_rig *self, uint16_t index, uint8_t sub)
+{
+    uint32_t value;
+
+    assert_int_equal(co_rig_read(self, index, sub, &value), 0);
+    return value;
 }

@@ -13,6 +13,7 @@
 #define CO_RIG_FRAMES 256u
 
 struct co_rig {
+    const struct dg_cia406_model *model;
     struct ram_nvm nvm;
     struct dg_motion motion;
     struct dg_world world;
@@ -27,6 +28,8 @@ struct co_rig {
 
 /** A fresh f3668 (node-ID 3Fh, serial number 1234567890), powered on at 1 s, boot-up forgotten. */
 void co_rig_start(struct co_rig *self);
+/** The same with another model, which must outlive the rig. */
+void co_rig_start_model(struct co_rig *self, const struct dg_cia406_model *model);
 /** The same on the memory as it is. @return as dg_co_power_on() */
 int co_rig_power_on(struct co_rig *self);
 /** Forget what was sent. */
@@ -49,5 +52,8 @@ uint32_t co_rig_write(struct co_rig *self, uint16_t index, uint8_t sub, uint32_t
                       uint8_t size);
 /** Read an object by expedited SDO. @return 0 or the abort code */
 uint32_t co_rig_read(struct co_rig *self, uint16_t index, uint8_t sub, uint32_t *value);
+/** A write and a read that must succeed (cmocka assertions). */
+void co_rig_put(struct co_rig *self, uint16_t index, uint8_t sub, uint32_t value, uint8_t size);
+uint32_t co_rig_get(struct co_rig *self, uint16_t index, uint8_t sub);
 
 #endif

@@ -13,12 +13,6 @@
 #define TIMEOUT DG_S(1)
 #define FULL 0xFFFFFFFFu
 
-static bool reset(struct dg_co_node *node)
-{
-    (void)node;
-    return false;
-}
-
 static void sample(struct dg_co_node *node)
 {
     struct sdo_rig *rig = node->setup.application;
@@ -112,7 +106,6 @@ static const struct dg_co_device device = {
     .product_code = 0x56682001,
     .revision = 108,
     .layout = &layout,
-    .reset = reset,
     .sample = sample,
 };
 

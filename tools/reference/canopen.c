@@ -6,8 +6,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "../../src/cia406/profile.h"
 #include "co.h"
-#include "drehgeber/cia406.h"
 
 struct row {
     unsigned index, sub;
@@ -26,12 +26,17 @@ enum {
     S = DG_CO_SAVE,
     V = DG_CO_SLOT,
     C = DG_CO_CONST,
-    FIRMWARE_VERSION = 108,
 };
 
 #define DG_CO_PARENT(index, kind, name) {index, 0x100, #kind, 0, 0, name},
 #define DG_CO_OBJECT(index, sub, type, access, slot, region, initial, min, max, hook, name)        \
     {index, sub, #type, access, initial, name},
+
+/* Figures of the f3668. */
+#define TURN_BITS 12
+#define TURNS 4096
+#define RANGE 0x10000000u
+#define LAST 0x0FFFFFFFu
 
 static const struct row communication[] = {
 #include "../../src/canopen/objects.def"

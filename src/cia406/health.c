@@ -1,0 +1,264 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Supervision: warnings, alarms, temperature, battery, operating time (chapters 14, 15, 26; C15,
+ * C16, C22, C23). Causes are found in the world; each has its EMCY and its bits.
+ */
+#include "profile.h"
+
+#include "drehgeber/bits.h"
+
+#define TENTH_OF_AN_HOUR DG_S(360)
+
+#define ICLG_STATUS 0x80u
+#define ICLG_VERSION 0x2Eu
+#define BATTERY_LOW_10MV 240u
+#define BATTERY_NONE_10MV 10u
+#define BATTERY_NONE 0x3FFu
+#define LED_MAX_UA 30000u
+#define RPM_WARN_SINGLETURN 4000
+#define RPM_WARN_MULTITURN 12000
+#define TIME_WARN_10H 1000000u /* 100 000 h */
+
+/* 2120h: 40h + degC. */
+static uint8_t temperature_code(const struct dg_co_node *node)
+{
+    int32_t mdegc = node->setup.world->temperature_mdegc;
+    int32_t degc = mdegc / 1000 - (mdegc % 1000 < 0 ? 1 : 0);
+    int32_t code = degc < -0x40 ? 0 : degc > 0xFF - 0x40 ? 0xFF : degc + 0x40;
+
+    return (uint8_t)code;
+}
+
+static uint16_t battery_10mv(const struct dg_co_node *node)
+{
+    uint32_t value = node->setup.world->battery_mv / 10u;
+
+    return (uint16_t)(value > 0x3FE ? 0x3FE : value);
+}
+
+static bool too_hot_or_cold(const struct dg_co_node *node)
+{
+    uint8_t code = temperature_code(node);
+
+    return code > node->value[SLOT_TEMPERATURE_HIGH] || code < node->value[SLOT_TEMPERATURE_LOW];
+}
+
+static bool too_fast(const struct dg_co_node *node)
+{
+    int64_t limit = encoder_of(node)->model->turns > 1 ? RPM_WARN_MULTITURN : RPM_WARN_SINGLETURN;
+    int64_t rpm = dg_cia406_rpm(node);
+
+    return rpm > limit || rpm < -limit;
+}
+
+static bool has_battery(const struct dg_co_node *node)
+{
+    return encoder_of(node)->model->turns > 1;
+}
+
+static bool battery_low(const struct dg_co_node *node)
+{
+    return has_battery(node) && battery_10mv(node) < BATTERY_LOW_10MV &&
+           battery_10mv(node) >= BATTERY_NONE_10MV;
+}
+
+static bool battery_missing(const struct dg_co_node *node)
+{
+    return has_battery(node) && battery_10mv(node) < BATTERY_NONE_10MV;
+}
+
+static bool optics_failed(const struct dg_co_node *node)
+{
+    return node->setup.world->led_current_ua > LED_MAX_UA;
+}
+
+static bool position_invalid(const struct dg_co_node *node)
+{
+    const struct dg_world *world = node->setup.world;
+    bool multiturn =
+        world->multiturn_amplitude_ok && world->multiturn_sync_ok && world->multiturn_vector_ok;
+
+    return !world->singleturn_ok || (encoder_of(node)->model->turns > 1 && !multiturn);
+}
+
+static bool hardware_failed(const struct dg_co_node *node)
+{
+    return !node->setup.world->eeprom_acknowledges;
+}
+
+static bool memory_failed(const struct dg_co_node *node)
+{
+    return hardware_failed(node) || !node->mounted ||
+           (node->store.damaged & ~(1u << REGION_USF)) != 0 || encoder_of(node)->zero_unsaved;
+}
+
+static bool offset_lost(const struct dg_co_node *node)
+{
+    return encoder_of(node)->usf_lost;
+}
+
+static bool watchdog(const struct dg_co_node *node)
+{
+    return node->setup.world->watchdog_fired;
+}
+
+static bool old(const struct dg_co_node *node)
+{
+    return encoder_of(node)->time_10h > TIME_WARN_10H;
+}
+
+/* Manufacturer bytes of the EMCYs (chapter 15; 4200h as in the example of chapter 14). */
+static void sensor_details(const struct dg_co_node *node, uint8_t *details)
+{
+    details[0] = ICLG_STATUS;
+    details[1] = temperature_code(node);
+    details[2] = (uint8_t)node->value[SLOT_TEMPERATURE_LOW];
+    details[3] = (uint8_t)node->value[SLOT_TEMPERATURE_HIGH];
+    details[4] = ICLG_VERSION;
+}
+
+static void battery_details(const struct dg_co_node *node, uint8_t *details)
+{
+    details[0] = 0x02;
+    dg_store_le16(&details[1], battery_10mv(node));
+}
+
+static void cable_details(const struct dg_co_node *node, uint8_t *details)
+{
+    (void)node;
+    details[0] = 0x02;
+    details[4] = 0xFF;
+}
+
+static void optics_details(const struct dg_co_node *node, uint8_t *details)
+{
+    (void)node;
+    details[0] = 0x09;
+    details[1] = 0x81; /* error mask register */
+    details[2] = 0x45; /* error register */
+}
+
+#define NO_CAUSE 0
+
+/* clang-format off */
+static const struct {
+    bool (*present)(const struct dg_co_node *node);
+    uint8_t cause;
+    uint16_t warning;
+    uint16_t alarm;
+    void (*details)(const struct dg_co_node *node, uint8_t *details);
+} checks[] = {
+    {too_fast,         CAUSE_SPEED,         WARN_SPEED,       0,              sensor_details},
+    {too_hot_or_cold,  CAUSE_TEMPERATURE,   WARN_TEMPERATURE, 0,              sensor_details},
+    {battery_low,      CAUSE_BATTERY_LOW,   WARN_BATTERY,     0,              battery_details},
+    {battery_missing,  CAUSE_BATTERY_CABLE, WARN_BATTERY,     0,              cable_details},
+    {optics_failed,    CAUSE_OPTICS,        0,                0,              optics_details},
+    {position_invalid, CAUSE_POSITION,      0,                ALARM_POSITION, NULL},
+    {memory_failed,    DG_CO_CAUSE_MEMORY,  0,                0,              NULL},
+    {hardware_failed,  CAUSE_HARDWARE,      0,                ALARM_HARDWARE, NULL},
+    {offset_lost,      CAUSE_USF_LOST,      0,                0,              NULL},
+    {watchdog,         NO_CAUSE,            WARN_WATCHDOG,    0,              NULL},
+    {old,              NO_CAUSE,            WARN_TIME,        0,              NULL},
+};
+/* clang-format on */
+
+static void count_time(struct dg_co_node *node)
+{
+    struct dg_cia406 *self = encoder_of(node);
+    dg_ns tenths = dg_elapsed(node->now, self->time_from) / TENTH_OF_AN_HOUR;
+    uint8_t bytes[4];
+
+    if (tenths == 0) {
+        return;
+    }
+    self->time_from += tenths * TENTH_OF_AN_HOUR;
+    self->time_10h += (uint32_t)tenths;
+    dg_store_le32(bytes, self->time_10h);
+    if (node->mounted && node->setup.world->eeprom_acknowledges) {
+        /* A value that is lost costs six minutes of operating time, nothing else. */
+        (void)dg_store_put(&node->store, REGION_TIME, 0, bytes, sizeof bytes);
+    }
+}
+
+void dg_cia406_health_start(struct dg_co_node *node)
+{
+    struct dg_cia406 *self = encoder_of(node);
+    uint8_t bytes[4] = {0};
+
+    if (node->mounted && !dg_store_damaged(&node->store, REGION_TIME) &&
+        dg_store_read(&node->store, REGION_TIME, 0, bytes, sizeof bytes) == DG_OK) {
+        self->time_10h = dg_load_le32(bytes);
+    }
+    self->time_from = node->now;
+    self->look_at = node->now;
+}
+
+void dg_cia406_health_look(struct dg_co_node *node)
+{
+    struct dg_cia406 *self = encoder_of(node);
+
+    count_time(node);
+    for (uint8_t i = 0; i < sizeof checks / sizeof checks[0]; i++) {
+        uint8_t details[5] = {0};
+        if (!checks[i].present(node)) {
+            if (checks[i].cause != NO_CAUSE) {
+                dg_co_clear(node, checks[i].cause);
+            }
+            continue;
+        }
+        if (checks[i].cause == NO_CAUSE || (node->active_causes & 1u << checks[i].cause) != 0) {
+            continue;
+        }
+        if (checks[i].details != NULL) {
+            checks[i].details(node, details);
+        }
+        self->flash_until = dg_after(node->now, FLASH_NS);
+        dg_co_raise(node, checks[i].cause, details);
+    }
+}
+
+/* A bit stands as long as its cause. The EMCY is the supervision's: its reaction (1029h) must not
+ * happen while a TPDO is being built. */
+enum dg_co_abort dg_cia406_hook_health(struct dg_co_node *node, const struct dg_co_object *object,
+                                       enum dg_co_op op, uint32_t *value)
+{
+    (void)op;
+    *value = 0;
+    for (uint8_t i = 0; i < sizeof checks / sizeof checks[0]; i++) {
+        if (checks[i].present(node)) {
+            *value |= object->index == 0x6503 ? checks[i].alarm : checks[i].warning;
+        }
+    }
+    return DG_CO_OK;
+}
+
+enum dg_co_abort dg_cia406_hook_sensor(struct dg_co_node *node, const struct dg_co_object *object,
+                                       enum dg_co_op op, uint32_t *value)
+{
+    bool error = too_hot_or_cold(node) || too_fast(node);
+
+    (void)op;
+    *value = object->sub == 4 ? temperature_code(node) : error ? ICLG_STATUS : 0u;
+    return DG_CO_OK;
+}
+
+enum dg_co_abort dg_cia406_hook_battery(struct dg_co_node *node, const struct dg_co_object *object,
+                                        enum dg_co_op op, uint32_t *value)
+{
+    bool none = !has_battery(node) || battery_missing(node);
+
+    (void)object;
+    (void)op;
+    *value = none ? BATTERY_NONE : battery_10mv(node);
+    return DG_CO_OK;
+}
+
+enum dg_co_abort dg_cia406_hook_time(struct dg_co_node *node, const struct dg_co_object *object,
+                                     enum dg_co_op op, uint32_t *value)
+{
+    (void)object;
+    (void)op;
+    count_time(node);
+    *value = encoder_of(node)->time_10h;
+    return DG_CO_OK;
+}

@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Speed and acceleration (chapters 13, 26; C17-C19): from unscaled positions at the ends of the
+ * integration window, evaluated when they are asked for.
+ */
+#include "profile.h"
+
+#define RPM_MAX_SINGLETURN 4000
+#define RPM_MAX_MULTITURN 15000
+#define MOVED_MAX ((int64_t)1 << 32)
+
+static int64_t saturate(int64_t value, int64_t limit)
+{
+    return value > limit ? limit : value < -limit ? -limit : value;
+}
+
+/* Counts the shaft has moved in the window that ended `windows` windows ago; limited where every
+ * unit saturates anyway, so that what is computed from them fits. */
+static int64_t moved(const struct dg_co_node *node, uint32_t windows)
+{
+    dg_ns window = DG_MS(node->value[SLOT_SPEED_WINDOW_MS]);
+    dg_ns end = dg_elapsed(node->now, window * windows);
+    int64_t counts = dg_cia406_counts(node, end) - dg_cia406_counts(node, dg_elapsed(end, window));
+
+    counts = saturate(counts, MOVED_MAX);
+    return parameter(node, DG_CIA406_CCW) ? -counts : counts;
+}
+
+int64_t dg_cia406_rpm(const struct dg_co_node *node)
+{
+    return moved(node, 0) * 60000 / ((int64_t)DG_CIA406_STEPS * node->value[SLOT_SPEED_WINDOW_MS]);
+}
+
+enum dg_co_abort dg_cia406_hook_speed(struct dg_co_node *node, const struct dg_co_object *object,
+                                      enum dg_co_op op, uint32_t *value)
+{
+    bool multiturn = encoder_of(node)->model->turns > 1;
+    int64_t speed;
+
+    (void)object;
+    (void)op;
+    if (parameter(node, DG_CIA406_UNITS_PER_S)) {
+        int64_t divisor =
+            (int64_t)node->value[SLOT_SPEED_WINDOW_MS] * node->value[SLOT_SPEED_DIVISOR];
+        speed = saturate(moved(node, 0) * 1000 * node->value[SLOT_SPEED_MULTIPLIER] / divisor,
+                         INT16_MAX);
+    } else {
+        speed = saturate(dg_cia406_rpm(node), multiturn ? RPM_MAX_MULTITURN : RPM_MAX_SINGLETURN);
+    }
+    *value = (uint32_t)speed;
+    return DG_CO_OK;
+}
+
+/* Change of the speed over a window, per second; in the unit of the speed, without 6031h:3 and 4.
+ */
+enum dg_co_abort dg_cia406_hook_acceleration(struct dg_co_node *node,
+                                             const struct dg_co_object *object, enum dg_co_op op,
+                                             uint32_t *value)
+{
+    int64_t window_ms = node->value[SLOT_SPEED_WINDOW_MS];
+    int64_t change = moved(node, 0) - moved(node, 1);
+    int64_t acceleration;
+
+    (void)object;
+    (void)op;
+    if (parameter(node, DG_CIA406_UNITS_PER_S)) {
+        acceleration = change * 1000000 / (window_ms * window_ms);
+    } else {
+        acceleration = change * 60 * 1000000 / (DG_CIA406_STEPS * window_ms * window_ms);
+    }
+    *value = (uint32_t)saturate(acceleration, INT16_MAX);
+    return DG_CO_OK;
+}
