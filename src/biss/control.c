@@ -205,7 +205,7 @@ static void on_data(struct dg_biss *self, dg_ns now, bool cdm)
     const uint8_t last = DATA_BITS + CRC_BITS;
 
     if (control->count < last) {
-        const bool bit = (control->shift >> (last - 1u - control->count) & 1u) != 0;
+        const bool bit = ((uint32_t)control->shift >> (last - 1u - control->count) & 1u) != 0;
         control->cds = control->w ? cdm : bit;
     }
     if (!control->w) { /* what a master sends in the data of a read means nothing */

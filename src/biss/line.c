@@ -46,7 +46,7 @@ dg_ns dg_biss_step(struct dg_biss *self, dg_ns now)
     return DG_NEVER;
 }
 
-static void latch(struct dg_biss *self, dg_ns now, bool sli)
+static void on_e1(struct dg_biss *self, dg_ns now, bool sli)
 {
     struct dg_biss_line *line = &self->line;
 
@@ -64,7 +64,7 @@ static void rising(struct dg_biss *self, dg_ns now, bool sli)
     case DG_BISS_OFF:
         break;
     case DG_BISS_IDLE:
-        latch(self, now, sli);
+        on_e1(self, now, sli);
         break;
     case DG_BISS_ACK:
         line->slo = false;
@@ -160,13 +160,13 @@ dg_ns dg_biss_chain_step(struct dg_biss_chain *self, dg_ns now)
     return next;
 }
 
-uint8_t dg_biss_frame(struct dg_biss *self, dg_ns at, uint64_t *bits)
+uint8_t dg_biss_frame(struct dg_biss *self, dg_ns latch, uint64_t *bits)
 {
     *bits = 0;
     if (self->line.state == DG_BISS_OFF) {
         return 0;
     }
-    const uint8_t length = dg_biss_latch(self, at, bits);
+    const uint8_t length = dg_biss_latch(self, latch, bits);
     *bits |= (uint64_t)dg_biss_cds(self, false) << length;
     return (uint8_t)(length + 1u);
 }

@@ -16,6 +16,7 @@
 
 static struct biss_rig rig;
 static struct biss_rig fresh;
+static unsigned cuts; /* that happened */
 
 static int setup(void **state)
 {
@@ -29,6 +30,7 @@ static int setup(void **state)
     }
     rig.words = true;
     fresh = rig;
+    cuts = 0;
     return 0;
 }
 
@@ -52,6 +54,7 @@ static void cut_in_user_bank(uint32_t nth, enum ram_nvm_tear tear, uint32_t tear
         (void)biss_rig_put(&rig, 0x21, value);
         acknowledged = rig.p ? acknowledged : value;
     }
+    cuts += rig.nvm[0].dead;
     ram_nvm_restore(&rig.nvm[0]);
     assert_int_equal(biss_rig_power_on(&rig), DG_OK);
     const int found = get(12, 0x21);
@@ -75,6 +78,7 @@ static void test_user_bank(void **state)
             }
         }
     }
+    assert_true(cuts == RAM_NVM_TEAR_COUNT * 20u * 8u);
 }
 
 /* Nine bytes at once: all old or all new, whichever command 01 said. */
@@ -89,6 +93,7 @@ static void cut_in_config(uint32_t nth, enum ram_nvm_tear tear, uint32_t tear_at
     ram_nvm_cut(&rig.nvm[0], nth, tear, tear_at);
     assert_int_equal(biss_rig_put(&rig, 0x60, 0x01), 1);
     const bool dead = rig.nvm[0].dead;
+    cuts += dead;
     ram_nvm_restore(&rig.nvm[0]);
     assert_int_equal(biss_rig_power_on(&rig), DG_OK);
     assert_int_equal(biss_rig_read(&rig, 0, 0x1B, found, 9), 9);
@@ -107,6 +112,7 @@ static void test_config(void **state)
             }
         }
     }
+    assert_true(cuts > RAM_NVM_TEAR_COUNT * 3u * 20u);
 }
 
 int main(void)

@@ -68,14 +68,16 @@ static char access_of(uint8_t bank, uint8_t address)
 
 static void test_every_access(void **state)
 {
+    static const uint8_t banks[] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 30, 31, 32, 255};
+
     (void)state;
     rig.model.eeprom_read = 0;
     rig.half_ns = 50;
     rig.words = true;
-    for (unsigned bank = 0; bank < 256; bank = bank == 33 ? 255 : bank + 1u) {
+    for (size_t i = 0; i < sizeof banks / sizeof banks[0]; i++) {
         for (uint8_t address = 0; address < 0x80; address++) {
-            const char access = access_of((uint8_t)bank, address);
-            rig.slave[0].bank = (uint8_t)bank;
+            const char access = access_of(banks[i], address);
+            rig.slave[0].bank = banks[i];
             assert_int_equal(biss_rig_address(&rig, 0, address, false), access != '.' ? 2 : 3);
             assert_int_equal(biss_rig_address(&rig, 0, address, true), access == 'w' ? 1 : 0);
         }
@@ -390,6 +392,7 @@ static void test_user_banks(void **state)
 
     (void)state;
     memset(virgin, 0xFF, sizeof virgin);
+    rig.model.eeprom_write = DG_US(100);
     rig.half_ns = 50;
     for (uint8_t bank = 7; bank <= 31; bank++) {
         read_bank(bank, bytes);
