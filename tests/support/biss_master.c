@@ -404,7 +404,7 @@ void biss_master_command(struct biss_master *self, struct biss_command *command)
     unsigned cds = 0;
 
     for (unsigned id = 0; id < 8; id++) {
-        end = spell(end, command->ids >> id & 1u, 1);
+        end = spell(end, (unsigned)command->ids >> id & 1u, 1);
     }
     end = spell(end, command->code & 3u, 2);
     end = spell(end, (biss_crc4(sent + 1, 11) ^ 0xFu) ^ command->crc_flips, 4);

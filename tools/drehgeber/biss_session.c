@@ -79,7 +79,7 @@ static int understand(struct biss_session *self, const struct options *options,
     uint64_t serial = 0;
 
     self->model = *dg_device_find(options->model)->biss;
-    lx_settings_init(&self->settings, dg_devices[0].hiperface);
+    lx_settings_init(&self->settings, NULL);
     for (size_t i = 0; i < options->set_count; i++) {
         if (set(self, options->sets[i], error) != 0) {
             return -1;
