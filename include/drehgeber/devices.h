@@ -9,6 +9,7 @@
 #include <stddef.h>
 
 #include "drehgeber/hiperface.h"
+#include "drehgeber/interbus.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -17,6 +18,7 @@ extern "C" {
 /** Which stack a model runs, and so which member of dg_device.model is valid. */
 enum dg_device_stack {
     DG_STACK_HIPERFACE,
+    DG_STACK_INTERBUS,
 };
 
 /** A model as it can be ordered. */
@@ -26,6 +28,7 @@ struct dg_device {
     const char *resolution; /**< in words, e.g. "2048 x 32 steps, 4096 turns" */
     enum dg_device_stack stack;
     const struct dg_hf_model *hiperface; /**< for DG_STACK_HIPERFACE */
+    const struct dg_ib_model *interbus;  /**< for DG_STACK_INTERBUS */
 };
 
 /** All models, in the order they are listed. */

@@ -27,10 +27,22 @@ static const struct dg_hf_model s3684_rs485 = {
     .designation = "S3684 RS485+SinCos",
 };
 
+/* What the OCD share: manual 2.1, 5.4; serial number and version are chosen. */
+#define OCD_IB                                                                                     \
+    .steps = 4096, .temperature_sensor = true, .param_cycles = 3, .serial = 1234567,               \
+    .version = 0x0110, .self_test = DG_MS(100)
+
+static const struct dg_ib_model ocd_ib_k1 = {OCD_IB, .profile = DG_IB_K1, .turns = 1};
+static const struct dg_ib_model ocd_ib_k2 = {OCD_IB, .profile = DG_IB_K2, .turns = 4096};
+static const struct dg_ib_model ocd_ib_k3 = {OCD_IB, .profile = DG_IB_K3, .turns = 4096};
+
 /* clang-format off */
 const struct dg_device dg_devices[] = {
-    {"s3674-rs485", "RS485 + SinCos (HIPERFACE-compatible)", "2048 periods x 32 steps, singleturn", DG_STACK_HIPERFACE, &s3674_rs485},
-    {"s3684-rs485", "RS485 + SinCos (HIPERFACE-compatible)", "2048 periods x 32 steps, 4096 turns", DG_STACK_HIPERFACE, &s3684_rs485},
+    {"s3674-rs485", "RS485 + SinCos (HIPERFACE-compatible)", "2048 periods x 32 steps, singleturn", DG_STACK_HIPERFACE, &s3674_rs485, NULL},
+    {"s3684-rs485", "RS485 + SinCos (HIPERFACE-compatible)", "2048 periods x 32 steps, 4096 turns", DG_STACK_HIPERFACE, &s3684_rs485, NULL},
+    {"ocd-ib-k1",   "INTERBUS, ENCOM profile K1",            "4096 steps, singleturn",              DG_STACK_INTERBUS,  NULL, &ocd_ib_k1},
+    {"ocd-ib-k2",   "INTERBUS, ENCOM profile K2",            "4096 steps, 4096 turns",              DG_STACK_INTERBUS,  NULL, &ocd_ib_k2},
+    {"ocd-ib-k3",   "INTERBUS, ENCOM profile K3",            "4096 steps, 4096 turns, parameters",  DG_STACK_INTERBUS,  NULL, &ocd_ib_k3},
 };
 /* clang-format on */
 

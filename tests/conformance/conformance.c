@@ -87,6 +87,8 @@ int main(int argc, char **argv)
     } suites[] = {
         {"hiperface", cf_hiperface, prove},
         {"selftest", cf_hiperface, expect_fail},
+        {"interbus", cf_interbus, prove},
+        {"interbus-selftest", cf_interbus, expect_fail},
     };
     int result = 2;
 
@@ -98,7 +100,8 @@ int main(int argc, char **argv)
         }
     }
     if (result == 2) {
-        (void)fprintf(stderr, "usage: conformance hiperface|selftest CLAUSES ROWS\n");
+        (void)fprintf(stderr, "usage: conformance %s CLAUSES ROWS\n",
+                      "hiperface|selftest|interbus|interbus-selftest");
     }
     return result;
 }

@@ -105,4 +105,7 @@ bool cf_run(const struct cf_suite *suite, const struct cf_row *row, const struct
 /** The steps of an S36 with RS485 (hiperface_steps.c). One bench: not for two at a time. */
 const struct cf_device *cf_hiperface(void);
 
+/** The steps of an OCD with INTERBUS (interbus_steps.c). One bench: not for two at a time. */
+const struct cf_device *cf_interbus(void);
+
 #endif

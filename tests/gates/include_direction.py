@@ -15,7 +15,8 @@ ALLOWED = {
     "core":      set(),
     "motion":    {"core"},
     "hiperface": {"core"},
-    "devices":   {"core", "hiperface"},
+    "interbus":  {"core"},
+    "devices":   {"core", "hiperface", "interbus"},
 }
 # public header: the folder that implements it
 OWNER = {
@@ -28,6 +29,7 @@ OWNER = {
     "world.h":     "core",
     "motion.h":    "motion",
     "hiperface.h": "hiperface",
+    "interbus.h":  "interbus",
     "devices.h":   "devices",
 }
 # The header for users that includes all others; the core only implements its dg_version().

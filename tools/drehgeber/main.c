@@ -6,6 +6,8 @@
 #include <unistd.h>
 
 #include "drehgeber/drehgeber.h"
+#include "interbus.h"
+#include "modbus_settings.h"
 #include "options.h"
 #include "run.h"
 #include "settings.h"
@@ -36,6 +38,7 @@ static void help(void)
         "\n"
         "  drehgeber list                          the models\n"
         "  drehgeber run MODEL [WIRE] [OPTIONS]    be that encoder\n"
+        "  drehgeber map MODEL                     the Modbus registers of an INTERBUS encoder\n"
         "\n"
         " Models:\n",
         stdout);
@@ -49,6 +52,9 @@ static void help(void)
                  "\n KEY=VALUE:\n",
                  lx_shaft_forms);
     lx_settings_help(&defaults, stdout);
+    (void)fputs("\n KEY=VALUE of INTERBUS encoders, beside what they sense of the above:\n",
+                stdout);
+    lx_ring_settings_help(stdout);
     (void)fputs("\n Exit status: 0 after SIGTERM or SIGINT, 2 for a wrong command line, 1 for the "
                 "rest.\n",
                 stdout);
@@ -76,7 +82,11 @@ static int act(const struct options *options)
         (void)printf("drehgeber %s\n", dg_version());
         return flushed();
     case COMMAND_RUN:
-        return run_encoder(options);
+        return is_interbus(options) ? run_interbus(options) : run_encoder(options);
+    case COMMAND_MAP: {
+        const int status = print_map(options);
+        return status == EXIT_OK ? flushed() : status;
+    }
     case COMMAND_NONE: /* refused by options_parse() */
         break;
     }

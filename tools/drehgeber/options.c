@@ -12,6 +12,8 @@ enum key {
     KEY_QUIET = 'q',
     KEY_PTY = 256,
     KEY_TTY,
+    KEY_MODBUS,
+    KEY_RING,
     KEY_NVM,
     KEY_SERIAL,
     KEY_SET,
@@ -21,6 +23,7 @@ enum key {
 static const struct wire wires[] = {
     {"pty", KEY_PTY, lx_pty_open},
     {"tty", KEY_TTY, lx_tty_open},
+    {"modbus", KEY_MODBUS, NULL},
 };
 #define WIRE_COUNT (sizeof wires / sizeof wires[0])
 
@@ -31,7 +34,9 @@ static const struct argp_option table[] = {
     {.doc = "Wires (one of them):", .group = 1},
     {.name = "pty",     .key = KEY_PTY,     .arg = "LINK",      .flags = OPTION_ARG_OPTIONAL, .doc = "a pseudo-terminal, and a symbolic link to it while it runs (default)"},
     {.name = "tty",     .key = KEY_TTY,     .arg = "DEV",       .doc = "a serial port; data rate and parity are the encoder's own"},
+    {.name = "modbus",  .key = KEY_MODBUS,  .arg = "HOST:PORT", .doc = "INTERBUS: the Modbus/TCP coupler in front of the ring (default: 127.0.0.1:5020)"},
     {.doc = "Options:", .group = 2},
+    {.name = "ring",    .key = KEY_RING,    .arg = "MODELS",    .doc = "INTERBUS: all encoders of the ring, with commas between them"},
     {.name = "nvm",     .key = KEY_NVM,     .arg = "FILE",      .doc = "keep the EEPROM in FILE, made when it does not exist (default: forgotten at the end)"},
     {.name = "serial",  .key = KEY_SERIAL,  .arg = "N",         .doc = "serial number, up to 9 digits"},
     {.name = "shaft",   .key = KEY_SHAFT,   .arg = "MOTION",    .doc = "what the shaft does, see below (default: 0)"},
@@ -66,7 +71,8 @@ static error_t take_wire(struct options *self, int key, const char *value)
             continue;
         }
         if (self->wire != NULL) {
-            return fail(self, "more than one wire: --", wires[i].name, "give one of --pty, --tty");
+            return fail(self, "more than one wire: --", wires[i].name,
+                        "give one of --pty, --tty, --modbus");
         }
         self->wire = &wires[i];
         self->where = value;
@@ -80,10 +86,13 @@ static error_t take_argument(struct options *self, unsigned index, const char *v
         self->command = COMMAND_LIST;
     } else if (index == 0 && strcmp(value, "run") == 0) {
         self->command = COMMAND_RUN;
+    } else if (index == 0 && strcmp(value, "map") == 0) {
+        self->command = COMMAND_MAP;
     } else if (index == 0) {
         return fail(self, "unknown command ", value,
-                    "right is 'drehgeber list' or 'drehgeber run MODEL [WIRE] [OPTIONS]'");
-    } else if (index == 1 && self->command == COMMAND_RUN) {
+                    "right is 'drehgeber list', 'drehgeber run MODEL [WIRE] [OPTIONS]' or "
+                    "'drehgeber map MODEL'");
+    } else if (index == 1 && self->command != COMMAND_LIST) {
         self->model = value;
     } else {
         return fail(self, "superfluous argument ", value,
@@ -95,6 +104,9 @@ static error_t take_argument(struct options *self, unsigned index, const char *v
 static error_t take_option(struct options *self, int key, const char *value)
 {
     switch (key) {
+    case KEY_RING:
+        self->ring = value;
+        return 0;
     case KEY_NVM:
         self->nvm = value;
         return 0;
@@ -166,7 +178,8 @@ static int explain_culprit(struct options *self)
     const struct argp_option *row = row_of(self->culprit);
     if (row == NULL) {
         return lx_fail(&self->error,
-                       "unknown option %s; valid: --pty[=LINK] --tty DEV --nvm FILE --serial N "
+                       "unknown option %s; valid: --pty[=LINK] --tty DEV --modbus HOST:PORT "
+                       "--ring MODELS --nvm FILE --serial N "
                        "--shaft MOTION --set KEY=VALUE --quiet --help --version",
                        self->culprit);
     }
@@ -181,7 +194,8 @@ static int check_command(struct options *self)
 {
     if (self->command == COMMAND_NONE) {
         return lx_fail(&self->error, "no command; right is 'drehgeber list', 'drehgeber run MODEL "
-                                     "[WIRE] [OPTIONS]' or 'drehgeber --help'");
+                                     "[WIRE] [OPTIONS]', 'drehgeber map MODEL' or 'drehgeber "
+                                     "--help'");
     }
     if (self->command == COMMAND_LIST && self->option != NULL) {
         return lx_fail(&self->error, "list takes no option --%s; right is 'drehgeber list'",

@@ -17,20 +17,22 @@ enum command {
     COMMAND_NONE,
     COMMAND_LIST,
     COMMAND_RUN,
+    COMMAND_MAP,
     COMMAND_HELP,
     COMMAND_VERSION,
 };
 
 /* A kind of wire an encoder can be put on. */
 struct wire {
-    const char *name; /* as in "ready MODEL WIRE:ADDRESS" */
-    int option;       /* key in the option table */
-    lx_serial_open *open;
+    const char *name;     /* as in "ready MODEL WIRE:ADDRESS" */
+    int option;           /* key in the option table */
+    lx_serial_open *open; /* NULL: no serial line */
 };
 
 struct options {
     enum command command;
     const char *model;
+    const char *ring;        /* models with commas between them */
     const struct wire *wire; /* NULL: not said */
     const char *where;       /* the wire's value; NULL: none */
     const char *nvm;

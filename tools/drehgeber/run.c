@@ -27,7 +27,7 @@ struct rig {
     sd_event *event;
 };
 
-static int complain(const struct lx_error *error, int status)
+int run_complain(const struct lx_error *error, int status)
 {
     lx_complain("%s", error->text);
     return status;
@@ -67,6 +67,10 @@ static int understand(struct rig *self, struct lx_error *error)
         return -1;
     }
     self->wire = options->wire == NULL ? options_default_wire : options->wire;
+    if (self->wire->open == NULL) {
+        return lx_fail(error, "--%s is no wire of %s; right is --pty or --tty DEV",
+                       self->wire->name, options->model);
+    }
     return lx_settings_check(&self->settings, error);
 }
 
@@ -88,11 +92,11 @@ static int take_signals(sd_event *event)
     return result < 0 ? result : sd_event_add_signal(event, NULL, SIGINT, NULL, NULL);
 }
 
-static int make_loop(struct rig *self, struct lx_error *error)
+int run_make_loop(sd_event **event, struct lx_error *error)
 {
-    int result = sd_event_new(&self->event);
+    int result = sd_event_new(event);
     if (result >= 0) {
-        result = take_signals(self->event);
+        result = take_signals(*event);
     }
     return result < 0 ? lx_fail(error, "no event loop: %s", strerror(-result)) : 0;
 }
@@ -119,29 +123,34 @@ static int switch_on(struct rig *self, struct lx_error *error)
     return lx_encoder_open(&self->encoder, &setup, now, error);
 }
 
-static int announce(const struct rig *self, struct lx_error *error)
+int run_announce(const char *model, const char *wire, const char *address, struct lx_error *error)
 {
-    const char *address = self->encoder.port->address;
-    if (printf("ready %s %s:%s\n", self->options->model, self->wire->name, address) < 0 ||
-        fflush(stdout) != 0) {
+    if (printf("ready %s %s:%s\n", model, wire, address) < 0 || fflush(stdout) != 0) {
         return lx_fail(error, "cannot write the ready line to stdout: %s", strerror(errno));
     }
     (void)sd_notify(0, "READY=1");
     return 0;
 }
 
-static int live(struct rig *self, struct lx_error *error)
+int run_loop(sd_event *event, struct lx_error *error)
 {
-    if (make_loop(self, error) != 0 || switch_on(self, error) != 0 || announce(self, error) != 0) {
-        return complain(error, EXIT_OTHER);
-    }
-    const int result = sd_event_loop(self->event);
+    const int result = sd_event_loop(event);
     (void)sd_notify(0, "STOPPING=1");
     if (result < 0) {
         (void)lx_fail(error, "the event loop failed: %s", strerror(-result));
-        return complain(error, EXIT_OTHER);
+        return run_complain(error, EXIT_OTHER);
     }
     return result;
+}
+
+static int live(struct rig *self, struct lx_error *error)
+{
+    if (run_make_loop(&self->event, error) != 0 || switch_on(self, error) != 0 ||
+        run_announce(self->options->model, self->wire->name, self->encoder.port->address, error) !=
+            0) {
+        return run_complain(error, EXIT_OTHER);
+    }
+    return run_loop(self->event, error);
 }
 
 int run_encoder(const struct options *options)
@@ -149,12 +158,12 @@ int run_encoder(const struct options *options)
     struct rig self = {.options = options, .eeprom = {.file = {.fd = -1}}};
     struct lx_error error;
     if (understand(&self, &error) != 0) {
-        return complain(&error, EXIT_USAGE);
+        return run_complain(&error, EXIT_USAGE);
     }
     const char *shaft = options->shaft == NULL ? "0" : options->shaft;
     const int parsed = lx_shaft_parse(&self.shaft, shaft, &error);
     if (parsed != 0) {
-        return complain(&error, parsed == LX_SHAFT_WORDS ? EXIT_USAGE : EXIT_OTHER);
+        return run_complain(&error, parsed == LX_SHAFT_WORDS ? EXIT_USAGE : EXIT_OTHER);
     }
     const int status = live(&self, &error);
     lx_encoder_close(&self.encoder);
