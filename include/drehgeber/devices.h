@@ -11,6 +11,7 @@
 #include "drehgeber/biss.h"
 #include "drehgeber/cia406.h"
 #include "drehgeber/hiperface.h"
+#include "drehgeber/interbus.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -21,6 +22,7 @@ enum dg_device_stack {
     DG_STACK_HIPERFACE,
     DG_STACK_BISS,
     DG_STACK_CANOPEN,
+    DG_STACK_INTERBUS,
 };
 
 /** A model as it can be ordered. */
@@ -32,6 +34,7 @@ struct dg_device {
     const struct dg_hf_model *hiperface;  /**< for DG_STACK_HIPERFACE */
     const struct dg_biss_model *biss;     /**< for DG_STACK_BISS */
     const struct dg_cia406_model *cia406; /**< for DG_STACK_CANOPEN */
+    const struct dg_ib_model *interbus;   /**< for DG_STACK_INTERBUS */
 };
 
 /** All models, in the order they are listed. */

@@ -16,6 +16,7 @@
 #include "drehgeber/devices.h"
 #include "drehgeber/hal.h"
 #include "drehgeber/hiperface.h"
+#include "drehgeber/interbus.h"
 #include "drehgeber/motion.h"
 #include "drehgeber/store.h"
 #include "drehgeber/time.h"

@@ -48,14 +48,26 @@ static const struct dg_cia406_model f3668 = {
     .password = F36X8_PASSWORD,
 };
 
+/* What the OCD share: manual 2.1, 5.4; serial number and version are chosen. */
+#define OCD_IB                                                                                     \
+    .steps = 4096, .temperature_sensor = true, .param_cycles = 3, .serial = 1234567,               \
+    .version = 0x0110, .self_test = DG_MS(100)
+
+static const struct dg_ib_model ocd_ib_k1 = {OCD_IB, .profile = DG_IB_K1, .turns = 1};
+static const struct dg_ib_model ocd_ib_k2 = {OCD_IB, .profile = DG_IB_K2, .turns = 4096};
+static const struct dg_ib_model ocd_ib_k3 = {OCD_IB, .profile = DG_IB_K3, .turns = 4096};
+
 /* clang-format off */
 const struct dg_device dg_devices[] = {
-    {"s3674-rs485", "RS485 + SinCos (HIPERFACE-compatible)", "2048 periods x 32 steps, singleturn", DG_STACK_HIPERFACE, &s3674_rs485, NULL, NULL},
-    {"s3684-rs485", "RS485 + SinCos (HIPERFACE-compatible)", "2048 periods x 32 steps, 4096 turns", DG_STACK_HIPERFACE, &s3684_rs485, NULL, NULL},
-    {"s3674-biss", "BiSS-C", "21 bit, singleturn", DG_STACK_BISS, NULL, &s3674_biss, NULL},
-    {"s3684-biss", "BiSS-C", "21 bit, 4096 turns", DG_STACK_BISS, NULL, &s3684_biss, NULL},
-    {"f3658", "CANopen (CiA 406)", "65536 steps, singleturn", DG_STACK_CANOPEN, NULL, NULL, &f3658},
-    {"f3668", "CANopen (CiA 406)", "65536 steps, 4096 turns", DG_STACK_CANOPEN, NULL, NULL, &f3668},
+    {"s3674-rs485", "RS485 + SinCos (HIPERFACE-compatible)", "2048 periods x 32 steps, singleturn", DG_STACK_HIPERFACE, &s3674_rs485, NULL, NULL, NULL},
+    {"s3684-rs485", "RS485 + SinCos (HIPERFACE-compatible)", "2048 periods x 32 steps, 4096 turns", DG_STACK_HIPERFACE, &s3684_rs485, NULL, NULL, NULL},
+    {"s3674-biss", "BiSS-C", "21 bit, singleturn", DG_STACK_BISS, NULL, &s3674_biss, NULL, NULL},
+    {"s3684-biss", "BiSS-C", "21 bit, 4096 turns", DG_STACK_BISS, NULL, &s3684_biss, NULL, NULL},
+    {"f3658", "CANopen (CiA 406)", "65536 steps, singleturn", DG_STACK_CANOPEN, NULL, NULL, &f3658, NULL},
+    {"f3668", "CANopen (CiA 406)", "65536 steps, 4096 turns", DG_STACK_CANOPEN, NULL, NULL, &f3668, NULL},
+    {"ocd-ib-k1", "INTERBUS, ENCOM profile K1", "4096 steps, singleturn", DG_STACK_INTERBUS, NULL, NULL, NULL, &ocd_ib_k1},
+    {"ocd-ib-k2", "INTERBUS, ENCOM profile K2", "4096 steps, 4096 turns", DG_STACK_INTERBUS, NULL, NULL, NULL, &ocd_ib_k2},
+    {"ocd-ib-k3", "INTERBUS, ENCOM profile K3", "4096 steps, 4096 turns, parameters", DG_STACK_INTERBUS, NULL, NULL, NULL, &ocd_ib_k3},
 };
 /* clang-format on */
 

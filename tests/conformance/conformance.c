@@ -90,6 +90,8 @@ int main(int argc, char **argv)
         {"selftest", cf_hiperface, expect_fail},
         {"canopen", cf_canopen, prove},
         {"canopen-selftest", cf_canopen, expect_fail},
+        {"interbus", cf_interbus, prove},
+        {"interbus-selftest", cf_interbus, expect_fail},
     };
     int result = 2;
 
@@ -101,8 +103,9 @@ int main(int argc, char **argv)
         }
     }
     if (result == 2) {
-        (void)fprintf(stderr, "usage: conformance %s CLAUSES ROWS\n",
-                      "hiperface|selftest|biss|canopen|canopen-selftest");
+        (void)fprintf(
+            stderr, "usage: conformance %s CLAUSES ROWS\n",
+            "hiperface|selftest|biss|canopen|canopen-selftest|interbus|interbus-selftest");
     }
     return result;
 }

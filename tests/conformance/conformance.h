@@ -111,4 +111,7 @@ const struct cf_device *cf_biss(void);
 /** The steps of an F36x8 on CAN (canopen_steps.c). One bench: not for two at a time. */
 const struct cf_device *cf_canopen(void);
 
+/** The steps of an OCD with INTERBUS (interbus_steps.c). One bench: not for two at a time. */
+const struct cf_device *cf_interbus(void);
+
 #endif

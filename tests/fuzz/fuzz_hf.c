@@ -305,8 +305,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
     struct input input = {.at = bytes, .end = bytes + n};
 
     memset(&bench, 0, sizeof bench);
-    bench.model =
-        *dg_device_find(take(&input) % 2u == 0 ? "s3674-rs485" : "s3684-rs485")->hiperface;
+    const char *const model = (take(&input) & 1u) != 0 ? "s3684-rs485" : "s3674-rs485";
+    bench.model = *dg_device_find(model)->hiperface;
     const uint8_t how = take(&input);
     if ((how & 1u) != 0) {
         bench.model.periods_per_turn = (uint16_t)take32(&input);

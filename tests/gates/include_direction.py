@@ -18,7 +18,8 @@ ALLOWED = {
     "biss":      {"core"},
     "canopen":   {"core"},
     "cia406":    {"core", "canopen"},
-    "devices":   {"core", "hiperface", "biss", "cia406"},
+    "interbus":  {"core"},
+    "devices":   {"core", "hiperface", "biss", "cia406", "interbus"},
 }
 # public header: the folder that implements it
 OWNER = {
@@ -34,6 +35,7 @@ OWNER = {
     "biss.h":      "biss",
     "canopen.h":   "canopen",
     "cia406.h":    "cia406",
+    "interbus.h":  "interbus",
     "devices.h":   "devices",
 }
 # The header for users that includes all others; the core only implements its dg_version().

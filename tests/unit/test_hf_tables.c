@@ -180,7 +180,10 @@ static void defaults_fill_their_regions(void **state)
         }
         memset(low, 0x00, sizeof low);
         memset(high, 0xFF, sizeof high);
-        for (size_t d = 0; d < dg_device_count && dg_devices[d].stack == DG_STACK_HIPERFACE; d++) {
+        for (size_t d = 0; d < dg_device_count; d++) {
+            if (dg_devices[d].stack != DG_STACK_HIPERFACE) {
+                continue;
+            }
             region->defaults(dg_devices[d].hiperface, low);
             region->defaults(dg_devices[d].hiperface, high);
             assert_memory_equal(low, high, region->size);

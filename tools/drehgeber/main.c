@@ -8,6 +8,8 @@
 #include "biss.h"
 #include "drehgeber/drehgeber.h"
 #include "eds.h"
+#include "interbus.h"
+#include "modbus_settings.h"
 #include "options.h"
 #include "run.h"
 #include "settings.h"
@@ -43,6 +45,7 @@ static void help(void)
         "                                          ACTION, one or more: read,\n"
         "                                          registers [BANK:]ADDR N, eds,\n"
         "                                          write [BANK:]ADDR BYTES, command N\n"
+        "  drehgeber map MODEL                     the Modbus registers of an INTERBUS encoder\n"
         "\n"
         " Models:\n",
         stdout);
@@ -60,6 +63,9 @@ static void help(void)
                 "\n KEY=VALUE of BiSS encoders, beside those from temperature on:\n",
                 stdout);
     biss_settings_help(stdout);
+    (void)fputs("\n KEY=VALUE of INTERBUS encoders, beside what they sense of the above:\n",
+                stdout);
+    lx_ring_settings_help(stdout);
     (void)fputs("\n Exit status: 0 after SIGTERM or SIGINT, 2 for a wrong command line, 1 for the "
                 "rest.\n",
                 stdout);
@@ -104,6 +110,9 @@ static int run(const struct options *options, const struct dg_device *device)
         lx_complain("--trace %s: only BiSS encoders have a trace", options->trace);
         return EXIT_USAGE;
     }
+    if (is_interbus(options)) {
+        return run_interbus(options);
+    }
     return biss ? biss_run(options) : run_encoder(options);
 }
 
@@ -129,6 +138,10 @@ static int act(const struct options *options)
         return run(options, device);
     case COMMAND_BISS:
         return biss_command(options);
+    case COMMAND_MAP: {
+        const int status = print_map(options);
+        return status == EXIT_OK ? flushed() : status;
+    }
     case COMMAND_NONE: /* refused by options_parse() */
         break;
     }

@@ -17,6 +17,8 @@ enum key {
     KEY_NODE,
     KEY_SIM,
     KEY_TRACE,
+    KEY_MODBUS,
+    KEY_RING,
     KEY_NVM,
     KEY_SERIAL,
     KEY_SET,
@@ -27,6 +29,7 @@ static const struct wire wires[] = {
     {"pty", KEY_PTY, DG_STACK_HIPERFACE, lx_pty_open, NULL},
     {"tty", KEY_TTY, DG_STACK_HIPERFACE, lx_tty_open, NULL},
     {"sim", KEY_SIM, DG_STACK_BISS, NULL, NULL},
+    {"modbus", KEY_MODBUS, DG_STACK_INTERBUS, NULL, NULL},
     {"can", KEY_CAN, DG_STACK_CANOPEN, NULL, lx_can_socket_open},
     {"slcan", KEY_SLCAN, DG_STACK_CANOPEN, NULL, lx_slcan_open},
 };
@@ -36,20 +39,19 @@ static const struct {
     const char *name;
     enum command command;
 } commands[] = {
-    {"list", COMMAND_LIST},
-    {"run", COMMAND_RUN},
-    {"eds", COMMAND_EDS},
-    {"biss", COMMAND_BISS},
+    {"list", COMMAND_LIST}, {"run", COMMAND_RUN}, {"eds", COMMAND_EDS},
+    {"biss", COMMAND_BISS}, {"map", COMMAND_MAP},
 };
 #define COMMAND_COUNT (sizeof commands / sizeof commands[0])
 #define RIGHT                                                                                      \
-    "'drehgeber list', 'drehgeber run MODEL [WIRE] [OPTIONS]', 'drehgeber eds MODEL' or "          \
-    "'drehgeber biss MODEL ACTION'"
+    "'drehgeber list', 'drehgeber run MODEL [WIRE] [OPTIONS]', 'drehgeber eds MODEL', "            \
+    "'drehgeber biss MODEL ACTION' or 'drehgeber map MODEL'"
 
 /* By enum dg_device_stack. */
 static const char *const wires_of[] = {
     [DG_STACK_HIPERFACE] = "--pty[=LINK] or --tty DEV",
     [DG_STACK_BISS] = "--sim",
+    [DG_STACK_INTERBUS] = "--modbus HOST:PORT",
     [DG_STACK_CANOPEN] = "--can IFNAME or --slcan[=LINK]",
 };
 
@@ -61,7 +63,11 @@ static const struct argp_option table[] = {
     {.name = "sim",     .key = KEY_SIM,     .doc = "BiSS on a simulated wire with a master that reads positions (default)"},
     {.name = "can",     .key = KEY_CAN,     .arg = "IFNAME",    .doc = "CAN on a network interface (SocketCAN)"},
     {.name = "slcan",   .key = KEY_SLCAN,   .arg = "LINK",      .flags = OPTION_ARG_OPTIONAL, .doc = "CAN behind an SLCAN adapter on a pseudo-terminal (default where the kernel has no CAN)"},
+    {.name = "pty",     .key = KEY_PTY,     .arg = "LINK",      .flags = OPTION_ARG_OPTIONAL, .doc = "a pseudo-terminal, and a symbolic link to it while it runs (default)"},
+    {.name = "tty",     .key = KEY_TTY,     .arg = "DEV",       .doc = "a serial port; data rate and parity are the encoder's own"},
+    {.name = "modbus",  .key = KEY_MODBUS,  .arg = "HOST:PORT", .doc = "INTERBUS: the Modbus/TCP coupler in front of the ring (default: 127.0.0.1:5020)"},
     {.doc = "Options:", .group = 2},
+    {.name = "ring",    .key = KEY_RING,    .arg = "MODELS",    .doc = "INTERBUS: all encoders of the ring, with commas between them"},
     {.name = "nvm",     .key = KEY_NVM,     .arg = "FILE",      .doc = "keep the EEPROM in FILE, made when it does not exist (default: forgotten at the end)"},
     {.name = "serial",  .key = KEY_SERIAL,  .arg = "N",         .doc = "serial number, up to 9 digits, CANopen 10"},
     {.name = "node",    .key = KEY_NODE,    .arg = "N[..M]",    .doc = "CANopen node-ID (default: 63), or several; each has its own EEPROM FILE.N"},
@@ -99,7 +105,7 @@ static error_t take_wire(struct options *self, int key, const char *value)
         }
         if (self->wire != NULL) {
             return fail(self, "more than one wire: --", wires[i].name,
-                        "give one of --pty, --tty, --sim, --can, --slcan");
+                        "give one of --pty, --tty, --sim, --modbus, --can, --slcan");
         }
         self->wire = &wires[i];
         self->where = value;
@@ -130,6 +136,9 @@ static error_t take_argument(struct options *self, unsigned index, char *value)
 static error_t take_option(struct options *self, int key, const char *value)
 {
     switch (key) {
+    case KEY_RING:
+        self->ring = value;
+        return 0;
     case KEY_NVM:
         self->nvm = value;
         return 0;
@@ -206,11 +215,12 @@ static int explain_culprit(struct options *self)
 {
     const struct argp_option *row = row_of(self->culprit);
     if (row == NULL) {
-        return lx_fail(&self->error,
-                       "unknown option %s; valid: --pty[=LINK] --tty DEV --sim --can IFNAME "
-                       "--slcan[=LINK] --nvm FILE --serial N --node N[..M] --shaft MOTION --set "
-                       "KEY=VALUE --trace FILE.vcd --quiet --help --version",
-                       self->culprit);
+        return lx_fail(
+            &self->error,
+            "unknown option %s; valid: --pty[=LINK] --tty DEV --sim --can IFNAME "
+            "--slcan[=LINK] --modbus HOST:PORT --ring MODELS --nvm FILE --serial N --node N[..M] --shaft MOTION --set "
+            "KEY=VALUE --trace FILE.vcd --quiet --help --version",
+            self->culprit);
     }
     if (row->arg == NULL) {
         return lx_fail(&self->error, "%s: --%s takes no value", self->culprit, row->name);

@@ -21,6 +21,7 @@ enum command {
     COMMAND_RUN,
     COMMAND_EDS,
     COMMAND_BISS,
+    COMMAND_MAP,
     COMMAND_HELP,
     COMMAND_VERSION,
 };
@@ -37,6 +38,7 @@ struct wire {
 struct options {
     enum command command;
     const char *model;
+    const char *ring;        /* models with commas between them */
     const struct wire *wire; /* NULL: not said */
     const char *where;       /* the wire's value; NULL: none */
     const char *nvm;

@@ -31,7 +31,7 @@ struct rig {
     sd_event *event;
 };
 
-static int complain(const struct lx_error *error, int status)
+int run_complain(const struct lx_error *error, int status)
 {
     lx_complain("%s", error->text);
     return status;
@@ -102,11 +102,11 @@ static int take_signals(sd_event *event)
     return result < 0 ? result : sd_event_add_signal(event, NULL, SIGINT, NULL, NULL);
 }
 
-static int make_loop(struct rig *self, struct lx_error *error)
+int run_make_loop(sd_event **event, struct lx_error *error)
 {
-    int result = sd_event_new(&self->event);
+    int result = sd_event_new(event);
     if (result >= 0) {
-        result = take_signals(self->event);
+        result = take_signals(*event);
     }
     return result < 0 ? lx_fail(error, "no event loop: %s", strerror(-result)) : 0;
 }
@@ -152,42 +152,50 @@ static int switch_on(struct rig *self, struct lx_error *error)
                                                    : switch_on_rs485(self, now, error);
 }
 
-/* One line for each encoder. */
-static int print_ready(const struct rig *self)
+int run_announce(const char *model, const char *wire, const char *address, struct lx_error *error)
 {
-    const char *model = self->options->model;
-    int result = 0;
-    if (self->device->stack == DG_STACK_HIPERFACE) {
-        return printf("ready %s %s:%s\n", model, self->wire->name, self->encoder.port->address);
-    }
-    for (unsigned i = 0; result >= 0 && i < self->nodes.count; i++) {
-        result = printf("ready %s %s:%s/%u\n", model, self->wire->name, self->nodes.bus->address,
-                        self->nodes.node[i].device.id);
-    }
-    return result;
-}
-
-static int announce(const struct rig *self, struct lx_error *error)
-{
-    if (print_ready(self) < 0 || fflush(stdout) != 0) {
+    if (printf("ready %s %s:%s\n", model, wire, address) < 0 || fflush(stdout) != 0) {
         return lx_fail(error, "cannot write the ready line to stdout: %s", strerror(errno));
     }
     (void)sd_notify(0, "READY=1");
     return 0;
 }
 
-static int live(struct rig *self, struct lx_error *error)
+/* One line for each encoder. */
+static int announce(const struct rig *self, struct lx_error *error)
 {
-    if (make_loop(self, error) != 0 || switch_on(self, error) != 0 || announce(self, error) != 0) {
-        return complain(error, EXIT_OTHER);
+    const char *model = self->options->model;
+    char address[sizeof self->encoder.port->address + 8];
+    int result = 0;
+    if (self->device->stack == DG_STACK_HIPERFACE) {
+        return run_announce(model, self->wire->name, self->encoder.port->address, error);
     }
-    const int result = sd_event_loop(self->event);
+    for (unsigned i = 0; result == 0 && i < self->nodes.count; i++) {
+        (void)snprintf(address, sizeof address, "%s/%u", self->nodes.bus->address,
+                       (unsigned)self->nodes.node[i].device.id);
+        result = run_announce(model, self->wire->name, address, error);
+    }
+    return result;
+}
+
+int run_loop(sd_event *event, struct lx_error *error)
+{
+    const int result = sd_event_loop(event);
     (void)sd_notify(0, "STOPPING=1");
     if (result < 0) {
         (void)lx_fail(error, "the event loop failed: %s", strerror(-result));
-        return complain(error, EXIT_OTHER);
+        return run_complain(error, EXIT_OTHER);
     }
     return result;
+}
+
+static int live(struct rig *self, struct lx_error *error)
+{
+    if (run_make_loop(&self->event, error) != 0 || switch_on(self, error) != 0 ||
+        announce(self, error) != 0) {
+        return run_complain(error, EXIT_OTHER);
+    }
+    return run_loop(self->event, error);
 }
 
 int run_encoder(const struct options *options)
@@ -195,12 +203,12 @@ int run_encoder(const struct options *options)
     struct rig self = {.options = options, .eeprom = {.file = {.fd = -1}}};
     struct lx_error error;
     if (understand(&self, &error) != 0) {
-        return complain(&error, EXIT_USAGE);
+        return run_complain(&error, EXIT_USAGE);
     }
     const char *shaft = options->shaft == NULL ? "0" : options->shaft;
     const int parsed = lx_shaft_parse(&self.shaft, shaft, &error);
     if (parsed != 0) {
-        return complain(&error, parsed == LX_SHAFT_WORDS ? EXIT_USAGE : EXIT_OTHER);
+        return run_complain(&error, parsed == LX_SHAFT_WORDS ? EXIT_USAGE : EXIT_OTHER);
     }
     const int status = live(&self, &error);
     lx_can_nodes_close(&self.nodes);

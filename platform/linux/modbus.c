@@ -1,0 +1,357 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Requests are collected without blocking and checked here; libmodbus makes the answers. Its own
+ * receiver would wait for the rest of a request, and the ring with it.
+ *
+ *   client -- on_bytes --> bytes -- take_request() --> check --> map --> modbus_reply()
+ *   timer  -- on_cycle --> watchdog, ring
+ */
+#define _GNU_SOURCE
+#include "modbus.h"
+
+#include <errno.h>
+#include <netdb.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/epoll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "drehgeber/bits.h"
+#include "number.h"
+
+#define HEADER 7u
+#define LENGTH_AT 4u
+#define BACKLOG 16
+
+/* A request after its header. */
+struct request {
+    const uint8_t *pdu;
+    size_t length;
+    struct lx_range read;
+    struct lx_range write;
+    const uint8_t *values; /* most significant byte first */
+};
+
+static struct lx_range range_at(const uint8_t *pdu)
+{
+    return (struct lx_range){dg_load_be16(pdu), dg_load_be16(pdu + 2)};
+}
+
+/* Both lengths of a list of values: its byte count, and what there is. */
+static bool values_fit(const struct request *rq, size_t at, uint16_t most)
+{
+    return rq->write.count >= 1 && rq->write.count <= most && rq->pdu[at] == 2u * rq->write.count &&
+           rq->length == at + 1u + rq->pdu[at];
+}
+
+static bool count_fits(const struct lx_range *range)
+{
+    return range->count >= 1 && range->count <= MODBUS_MAX_READ_REGISTERS;
+}
+
+static bool parse_read(struct request *rq)
+{
+    rq->read = range_at(rq->pdu + 1);
+    return count_fits(&rq->read);
+}
+
+static bool parse_write_one(struct request *rq)
+{
+    rq->write = (struct lx_range){dg_load_be16(rq->pdu + 1), 1};
+    rq->values = rq->pdu + 3;
+    return true;
+}
+
+static bool parse_write(struct request *rq)
+{
+    rq->write = range_at(rq->pdu + 1);
+    rq->values = rq->pdu + 6;
+    return values_fit(rq, 5, MODBUS_MAX_WRITE_REGISTERS);
+}
+
+static bool parse_both(struct request *rq)
+{
+    rq->read = range_at(rq->pdu + 1);
+    rq->write = range_at(rq->pdu + 5);
+    rq->values = rq->pdu + 10;
+    return count_fits(&rq->read) && values_fit(rq, 9, MODBUS_MAX_WR_WRITE_REGISTERS);
+}
+
+/* Function codes, and the bytes of a request: exactly, or with values more than that. */
+static const struct {
+    uint8_t code;
+    uint8_t length;
+    bool exact;
+    bool (*parse)(struct request *rq);
+} functions[] = {
+    {MODBUS_FC_READ_HOLDING_REGISTERS, 5, true, parse_read},
+    {MODBUS_FC_READ_INPUT_REGISTERS, 5, true, parse_read},
+    {MODBUS_FC_WRITE_SINGLE_REGISTER, 5, true, parse_write_one},
+    {MODBUS_FC_WRITE_MULTIPLE_REGISTERS, 8, false, parse_write},
+    {MODBUS_FC_WRITE_AND_READ_REGISTERS, 12, false, parse_both},
+};
+
+/* 0 or the exception. */
+static unsigned parse(struct request *rq)
+{
+    for (size_t i = 0; i < sizeof functions / sizeof functions[0]; i++) {
+        if (functions[i].code != rq->pdu[0]) {
+            continue;
+        }
+        const size_t n = functions[i].length;
+        const bool fits = functions[i].exact ? rq->length == n : rq->length >= n;
+        return fits && functions[i].parse(rq) ? 0 : MODBUS_EXCEPTION_ILLEGAL_DATA_VALUE;
+    }
+    return MODBUS_EXCEPTION_ILLEGAL_FUNCTION;
+}
+
+/* 0 or the exception; then nothing has been written. */
+static unsigned execute(struct lx_modbus *self, const struct request *rq)
+{
+    uint16_t values[MODBUS_MAX_WRITE_REGISTERS];
+    if (!lx_map_readable(&self->map, rq->read) || !lx_map_writable(&self->map, rq->write)) {
+        return MODBUS_EXCEPTION_ILLEGAL_DATA_ADDRESS;
+    }
+    for (size_t i = 0; i < rq->write.count; i++) {
+        values[i] = dg_load_be16(rq->values + 2u * i);
+    }
+    if (!lx_map_write(&self->map, rq->write, values)) {
+        return MODBUS_EXCEPTION_ILLEGAL_DATA_VALUE;
+    }
+    lx_map_read(&self->map, rq->read, &self->registers[rq->read.first]);
+    return 0;
+}
+
+/* @return false: the client does not take its answers */
+static bool answer(struct lx_modbus *self, struct lx_modbus_client *client, size_t length)
+{
+    struct request rq = {.pdu = client->bytes + HEADER, .length = length - HEADER};
+    unsigned exception = parse(&rq);
+    lx_map_request(&self->map, lx_now());
+    if (exception == 0) {
+        exception = execute(self, &rq);
+    }
+    modbus_mapping_t mapping = {
+        .nb_registers = LX_MAP_END,
+        .nb_input_registers = LX_MAP_END,
+        .tab_registers = self->registers,
+        .tab_input_registers = self->registers,
+    };
+    (void)modbus_set_socket(self->protocol, client->fd);
+    self->counters.requests++;
+    if (exception != 0) {
+        self->counters.exceptions++;
+        return modbus_reply_exception(self->protocol, client->bytes, exception) > 0;
+    }
+    return modbus_reply(self->protocol, client->bytes, (int)length, &mapping) > 0;
+}
+
+static void drop(struct lx_modbus_client *client)
+{
+    client->io = sd_event_source_disable_unref(client->io);
+    if (client->fd >= 0) {
+        (void)close(client->fd);
+    }
+    client->fd = -1;
+    client->length = 0;
+}
+
+/* Bytes of the request at the beginning of the buffer, header included; 0: no Modbus. */
+static size_t request_length(const struct lx_modbus_client *client)
+{
+    const uint16_t protocol = dg_load_be16(client->bytes + 2);
+    const size_t length = dg_load_be16(client->bytes + LENGTH_AT);
+    /* The length counts the unit's byte, too, and there is a function code at least. */
+    if (protocol != 0 || length < 2 || length > LX_MODBUS_ADU_MAX - HEADER + 1u) {
+        return 0;
+    }
+    return length + HEADER - 1u;
+}
+
+/* Answer the requests that are complete. @return false: the connection is of no use any more */
+static bool take_requests(struct lx_modbus_client *client)
+{
+    struct lx_modbus *self = client->owner;
+    while (client->length >= HEADER) {
+        const size_t length = request_length(client);
+        if (length == 0) {
+            self->counters.garbage++;
+            return false;
+        }
+        if (client->length < length) {
+            return true;
+        }
+        if (!answer(self, client, length)) {
+            return false;
+        }
+        client->length -= length;
+        memmove(client->bytes, client->bytes + length, client->length);
+    }
+    return true;
+}
+
+static int on_bytes(sd_event_source *source, int fd, uint32_t events, void *ctx)
+{
+    struct lx_modbus_client *client = ctx;
+    (void)source;
+    (void)events;
+    const ssize_t n = recv(fd, client->bytes + client->length,
+                           sizeof client->bytes - client->length, MSG_DONTWAIT);
+    if (n < 0 && (errno == EAGAIN || errno == EINTR)) {
+        return 0;
+    }
+    client->heard = lx_now();
+    client->length += n > 0 ? (size_t)n : 0u;
+    if (n <= 0 || !take_requests(client)) {
+        drop(client);
+    }
+    return 0;
+}
+
+/* A free place, or the one of the client that was silent for longest. */
+static struct lx_modbus_client *place(struct lx_modbus *self)
+{
+    struct lx_modbus_client *oldest = &self->clients[0];
+    for (size_t i = 0; i < LX_MODBUS_CLIENTS; i++) {
+        if (self->clients[i].fd < 0) {
+            return &self->clients[i];
+        }
+        oldest = self->clients[i].heard < oldest->heard ? &self->clients[i] : oldest;
+    }
+    drop(oldest);
+    return oldest;
+}
+
+static int on_connection(sd_event_source *source, int fd, uint32_t events, void *ctx)
+{
+    struct lx_modbus *self = ctx;
+    (void)source;
+    (void)events;
+    const int socket = accept4(fd, NULL, NULL, SOCK_NONBLOCK | SOCK_CLOEXEC);
+    if (socket < 0) {
+        return 0; /* it has gone again */
+    }
+    struct lx_modbus_client *client = place(self);
+    *client = (struct lx_modbus_client){.owner = self, .fd = socket, .heard = lx_now()};
+    if (sd_event_add_io(sd_event_source_get_event(self->io), &client->io, socket, EPOLLIN, on_bytes,
+                        client) < 0) {
+        drop(client);
+    }
+    return 0;
+}
+
+/* Late, the master leaves cycles out; it does not make up for them. */
+static void on_cycle(void *ctx, dg_ns now)
+{
+    struct lx_modbus *self = ctx;
+    const dg_ns missed = dg_elapsed(now, self->next) / self->cycle;
+    self->map.missed += (uint32_t)missed;
+    self->next += (missed + 1u) * self->cycle;
+    lx_map_tick(&self->map, now);
+    lx_ring_cycle(self->map.ring, now);
+    lx_timer_at(&self->timer, self->next);
+}
+
+/* "host:port", "[host]:port" */
+struct endpoint {
+    char host[256];
+    char port[8];
+};
+
+static bool split(const char *where, struct endpoint *out)
+{
+    const char *colon = strrchr(where, ':');
+    size_t n = colon == NULL ? 0 : (size_t)(colon - where);
+    uint64_t port = 0;
+    if (n == 0 || n >= sizeof out->host || strlen(colon + 1) >= sizeof out->port ||
+        !lx_unsigned_parse(colon + 1, &port) || port > UINT16_MAX) {
+        return false;
+    }
+    if (where[0] == '[' && where[n - 1] == ']') {
+        where++;
+        n -= 2;
+    }
+    memcpy(out->host, where, n);
+    out->host[n] = '\0';
+    (void)snprintf(out->port, sizeof out->port, "%lu", (unsigned long)port);
+    return n > 0;
+}
+
+bool lx_modbus_address_fits(const char *where)
+{
+    struct endpoint endpoint;
+    return split(where, &endpoint);
+}
+
+static int listen_at(struct lx_modbus *self, const struct lx_modbus_setup *setup,
+                     struct lx_error *error)
+{
+    struct endpoint endpoint;
+    if (!split(setup->where, &endpoint)) {
+        return lx_fail(error, "--modbus %s: HOST:PORT is right", setup->where);
+    }
+    self->protocol = modbus_new_tcp_pi(endpoint.host, endpoint.port);
+    if (self->protocol != NULL) {
+        self->listener = modbus_tcp_pi_listen(self->protocol, BACKLOG);
+    }
+    if (self->listener < 0) {
+        return lx_fail(error, "--modbus %s: cannot listen there: %s", setup->where,
+                       errno == ECONNREFUSED ? "no such host" : strerror(errno));
+    }
+    /* Port 0: the kernel has chosen one. */
+    struct sockaddr_storage bound;
+    socklen_t size = sizeof bound;
+    if (getsockname(self->listener, (struct sockaddr *)&bound, &size) == 0) {
+        (void)getnameinfo((struct sockaddr *)&bound, size, NULL, 0, endpoint.port,
+                          sizeof endpoint.port, NI_NUMERICSERV);
+    }
+    const int host = (int)(strrchr(setup->where, ':') - setup->where);
+    (void)snprintf(self->address, sizeof self->address, "%.*s:%s", host, setup->where,
+                   endpoint.port);
+    return 0;
+}
+
+static int watch(struct lx_modbus *self, sd_event *event, dg_ns now)
+{
+    int result = sd_event_add_io(event, &self->io, self->listener, EPOLLIN, on_connection, self);
+    if (result >= 0) {
+        result = lx_timer_open(&self->timer, event, on_cycle, self);
+    }
+    if (result >= 0) {
+        self->next = now;
+        lx_timer_at(&self->timer, self->next);
+    }
+    return result;
+}
+
+int lx_modbus_open(struct lx_modbus *self, const struct lx_modbus_setup *setup, dg_ns now,
+                   struct lx_error *error)
+{
+    memset(self, 0, sizeof *self);
+    self->listener = -1;
+    for (size_t i = 0; i < LX_MODBUS_CLIENTS; i++) {
+        self->clients[i].fd = -1;
+    }
+    lx_map_init(&self->map, setup->ring);
+    self->map.tear = setup->settings->tear != 0;
+    self->cycle = DG_US(setup->settings->cycle_us);
+    if (listen_at(self, setup, error) != 0) {
+        return -1;
+    }
+    const int result = watch(self, setup->event, now);
+    return result < 0 ? lx_fail(error, "no event loop: %s", strerror(-result)) : 0;
+}
+
+void lx_modbus_close(struct lx_modbus *self)
+{
+    for (size_t i = 0; i < LX_MODBUS_CLIENTS; i++) {
+        drop(&self->clients[i]);
+    }
+    lx_timer_close(&self->timer);
+    self->io = sd_event_source_disable_unref(self->io);
+    if (self->listener >= 0) {
+        (void)close(self->listener);
+    }
+    modbus_free(self->protocol);
+}

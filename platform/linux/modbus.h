@@ -1,0 +1,75 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * A Modbus/TCP bus coupler on the event loop: its clients, its registers, and the cycle of its
+ * ring.
+ */
+#ifndef DREHGEBER_LINUX_MODBUS_H
+#define DREHGEBER_LINUX_MODBUS_H
+
+#include <modbus/modbus.h>
+#include <systemd/sd-event.h>
+
+#include "modbus_map.h"
+#include "timer.h"
+
+/** Clients at once; another one takes the place of the one that was silent for longest. */
+#define LX_MODBUS_CLIENTS 32u
+/** Longest request: 7 bytes of header and 253 of function and data. */
+#define LX_MODBUS_ADU_MAX 260u
+/** Longest "host:port". */
+#define LX_MODBUS_ADDRESS_MAX 280u
+
+struct lx_modbus;
+
+/** A connection. */
+struct lx_modbus_client {
+    struct lx_modbus *owner;
+    int fd; /**< -1: free */
+    sd_event_source *io;
+    dg_ns heard; /**< last time bytes came in */
+    size_t length;
+    uint8_t bytes[LX_MODBUS_ADU_MAX]; /**< of a request that is not complete yet */
+};
+
+/** Things nobody has to act on; they only count up. */
+struct lx_modbus_counters {
+    uint64_t requests;   /**< answered */
+    uint64_t exceptions; /**< among them */
+    uint64_t garbage;    /**< connections ended because of what came in */
+};
+
+/** What a coupler is made of. Everything pointed to must outlive it. */
+struct lx_modbus_setup {
+    sd_event *event;
+    const char *where; /**< "host:port"; port 0: any */
+    struct lx_ring *ring;
+    const struct lx_ring_settings *settings;
+};
+
+/** A coupler. Not to be moved. */
+struct lx_modbus {
+    struct lx_map map;
+    struct lx_timer timer;
+    dg_ns cycle;
+    dg_ns next; /**< cycle */
+    modbus_t *protocol;
+    int listener;
+    sd_event_source *io;
+    struct lx_modbus_client clients[LX_MODBUS_CLIENTS];
+    struct lx_modbus_counters counters;
+    uint16_t registers[LX_MAP_END]; /**< what the protocol reads and writes during a request */
+    char address[LX_MODBUS_ADDRESS_MAX];
+};
+
+/** Begin to cycle at `now` and to listen. @return 0, or -1 with `error`, then close */
+int lx_modbus_open(struct lx_modbus *self, const struct lx_modbus_setup *setup, dg_ns now,
+                   struct lx_error *error);
+
+/** Close all connections; also after a failed open. */
+void lx_modbus_close(struct lx_modbus *self);
+
+/** Whether `where` is HOST:PORT. */
+bool lx_modbus_address_fits(const char *where);
+
+#endif

@@ -1,0 +1,214 @@
+/* SPDX-License-Identifier: MIT */
+/* A device on the bus: power, the data cycle, the ID cycle, LEDs. */
+#include "drehgeber/angle.h"
+#include "ib.h"
+
+#define MESSAGE_RECONFIGURE 0x8000u
+#define MESSAGE_CRC 0x4000u
+#define MESSAGE_MODULE 0x2000u
+/* Class bytes of the Loop have other upper bits, 36h -> B2h, 37h -> B3h (2.2). */
+#define CLASS_LOOP 0x84u
+#define OPC_CLASS 12u
+#define TEN_MINUTES DG_S(600)
+/* Neither a command, nor does bit 31 rise after it. */
+#define NO_OUT 0xFFFFFFFFu
+
+/* By profile: ID word, and words of a window (2.1, 2.2). */
+static const struct {
+    uint16_t id;
+    uint8_t words;
+} profiles[DG_IB_PROFILE_COUNT] = {
+    [DG_IB_K1] = {0x0136, 1},
+    [DG_IB_K2] = {0x0236, 2},
+    [DG_IB_K3] = {0x0237, 2},
+};
+
+uint16_t dg_ib_id_word(const struct dg_ib_model *model)
+{
+    return (uint16_t)(profiles[model->profile].id ^ (model->loop ? CLASS_LOOP : 0u));
+}
+
+uint8_t dg_ib_words(const struct dg_ib_model *model)
+{
+    return profiles[model->profile].words;
+}
+
+static bool memory_is_there(const struct dg_ib_setup *setup)
+{
+    return setup->model->profile != DG_IB_K3 || setup->nvm.ops != NULL;
+}
+
+int dg_ib_init(struct dg_ib *self, const struct dg_ib_setup *setup)
+{
+    if (setup->model == NULL || setup->world == NULL || !memory_is_there(setup)) {
+        return DG_ERR_ARGUMENT;
+    }
+    if (dg_ib_model_check(setup->model) != DG_OK) {
+        return DG_ERR_ARGUMENT;
+    }
+    *self = (struct dg_ib){.setup = *setup, .mode = DG_IB_POSITION_K2};
+    self->opc[OPC_CLASS] = (uint8_t)dg_ib_id_word(setup->model);
+    return DG_OK;
+}
+
+/* Everything that does not survive without power. */
+static void forget(struct dg_ib *self, dg_ns now)
+{
+    const struct dg_ib before = *self;
+
+    *self = (struct dg_ib){
+        .setup = before.setup,
+        .counters = before.counters,
+        .reconfigure = before.reconfigure,
+        .ready_at = dg_after(now, before.setup.model->self_test),
+        .time_mark = now,
+        .last_id = DG_NEVER,
+        .last_data = DG_NEVER,
+        .out = NO_OUT,
+        .mode = DG_IB_POSITION_K2,
+    };
+    for (uint8_t i = 0; i < DG_IB_OPC_REGISTERS; i++) {
+        self->opc[i] = before.opc[i];
+    }
+}
+
+int dg_ib_power_on(struct dg_ib *self, dg_ns now)
+{
+    int result = DG_OK;
+
+    forget(self, now);
+    if (self->setup.model->profile == DG_IB_K3) {
+        result = self->setup.world->eeprom_acknowledges
+                     ? dg_store_mount(&self->store, &dg_ib_layout, self->setup.nvm)
+                     : DG_ERR_IO;
+        if (result == DG_ERR_IO) { /* a silent memory: everything is lost, until the next start */
+            self->store.layout = NULL;
+            result = DG_OK;
+        }
+        if (result != DG_OK) {
+            return result;
+        }
+        dg_ib_load(self);
+    }
+    self->powered = true;
+    return result;
+}
+
+void dg_ib_power_off(struct dg_ib *self)
+{
+    self->powered = false;
+}
+
+static void count_time(struct dg_ib *self, dg_ns now)
+{
+    dg_ns passed = dg_elapsed(now, self->time_mark);
+
+    if (passed >= TEN_MINUTES) {
+        self->time_10min += (uint32_t)(passed / TEN_MINUTES);
+        self->time_mark += passed - passed % TEN_MINUTES;
+        (void)dg_ib_put_u32(self, DG_IB_REGION_TIME, self->time_10min);
+    }
+}
+
+/* I5: as long as 60000000h stands on the bus. What it led to is stored when it ends. */
+static void hold_preset(struct dg_ib *self, dg_ns now)
+{
+    if (!self->frozen) {
+        return;
+    }
+    self->frozen = self->out == IB_FRABA_PRESET;
+    if (self->frozen) {
+        self->offset = dg_ib_preset_offset(self, now);
+    } else if (!dg_ib_put_preset(self, self->preset, self->offset, self->preset_flag)) {
+        dg_ib_refuse(self, DG_IB_LOST);
+    }
+}
+
+/* What a K3 shows in operation. */
+static uint32_t operation(const struct dg_ib *self, dg_ns now)
+{
+    uint32_t word;
+
+    if (self->lost != 0) {
+        return DG_IB_LOST;
+    }
+    if (self->mode > DG_IB_CAM) {
+        word = dg_ib_cam_word(self, now);
+    } else {
+        word = self->mode == DG_IB_SPEED ? dg_ib_speed(self, now) : dg_ib_position(self, now);
+    }
+    return word | (self->invalid ? DG_IB_NOT_VALID : 0u);
+}
+
+static uint32_t cycle_k3(struct dg_ib *self, dg_ns now, uint32_t out)
+{
+    count_time(self, now);
+    if (now < self->ready_at) {
+        return DG_IB_READ_OUT; /* I18: self-test */
+    }
+    dg_ib_execute(self, now);
+    hold_preset(self, now);
+    dg_ib_sample(self, out);
+    if (self->item != 0) {
+        return dg_ib_item(self);
+    }
+    return self->answer != 0 ? self->answer : operation(self, now);
+}
+
+void dg_ib_cycle(struct dg_ib *self, dg_ns now, uint32_t out, uint32_t *in)
+{
+    if (!self->powered) {
+        return;
+    }
+    self->counters.cycles++;
+    self->last_data = now;
+    self->invalid = dg_ib_invalid(self, now);
+    if (self->setup.model->profile == DG_IB_K3) {
+        *in = cycle_k3(self, now, out);
+    } else {
+        *in = now < self->ready_at ? 0 : dg_ib_position(self, now);
+    }
+}
+
+static bool module_error(const struct dg_ib *self)
+{
+    return self->invalid && self->setup.model->profile != DG_IB_K3; /* I19 */
+}
+
+uint16_t dg_ib_id(struct dg_ib *self, dg_ns now)
+{
+    unsigned word = dg_ib_id_word(self->setup.model);
+
+    self->last_id = now;
+    self->invalid = dg_ib_invalid(self, now);
+    word |= self->reconfigure ? MESSAGE_RECONFIGURE : 0u;
+    word |= self->crc_error ? MESSAGE_CRC : 0u;
+    word |= module_error(self) ? MESSAGE_MODULE : 0u;
+    self->reconfigure = false;
+    self->crc_error = false;
+    return (uint16_t)word;
+}
+
+static bool recent(dg_ns now, dg_ns then)
+{
+    return then != DG_NEVER && dg_elapsed(now, then) <= DG_IB_BUS_TIMEOUT;
+}
+
+uint8_t dg_ib_leds(const struct dg_ib *self, dg_ns now)
+{
+    unsigned leds = DG_IB_LED_UL;
+
+    if (!self->powered) {
+        return 0;
+    }
+    leds |= self->outgoing_off ? DG_IB_LED_RD : 0u;
+    if (recent(now, self->last_data)) {
+        leds |= DG_IB_LED_RC | DG_IB_LED_BA;
+    } else if (recent(now, self->last_id)) {
+        leds |= DG_IB_LED_RC;
+        if (self->last_data != DG_NEVER) {
+            leds |= DG_IB_LED_BA_BLINKS | (now / DG_IB_BLINK % 2 == 0 ? DG_IB_LED_BA : 0u);
+        }
+    }
+    return (uint8_t)leds;
+}

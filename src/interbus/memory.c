@@ -1,0 +1,293 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The EEPROM of a K3: its regions, their delivery state, and the working copy. A region that is
+ * damaged at power-on, or holds what no command could have stored, is lost (I17).
+ */
+#include <string.h>
+
+#include "ib.h"
+
+#define SELF_TEST_MAX DG_S(1)
+#define STEPS_MAX 8192u
+#define TURNS_MAX 4096u
+#define K1_COUNTS_MAX 65536u
+#define PRESET_SIZE 9u
+#define REGION_BIT(region) (1u << (region))
+
+static void default_steps(const void *ctx, uint8_t *out)
+{
+    const struct dg_ib_model *model = ctx;
+
+    dg_store_be32(out, model->steps - (model->steps_minus_one ? 1u : 0u));
+}
+
+static void default_revolutions(const void *ctx, uint8_t *out)
+{
+    (void)ctx;
+    dg_store_be32(out, 1);
+}
+
+static void default_direction(const void *ctx, uint8_t *out)
+{
+    (void)ctx;
+    out[0] = IB_CLOCKWISE;
+}
+
+static void default_preset(const void *ctx, uint8_t *out)
+{
+    (void)ctx;
+    memset(out, 0, PRESET_SIZE);
+}
+
+/* No zero shift; no operating time. */
+static void default_zero4(const void *ctx, uint8_t *out)
+{
+    (void)ctx;
+    memset(out, 0, 4);
+}
+
+static void default_mode(const void *ctx, uint8_t *out)
+{
+    (void)ctx;
+    out[0] = DG_IB_POSITION;
+}
+
+static void default_shift_iw(const void *ctx, uint8_t *out)
+{
+    (void)ctx;
+    out[0] = 0;
+}
+
+static void default_cams(const void *ctx, uint8_t *out)
+{
+    (void)ctx;
+    memset(out, 0, IB_CAMS_SIZE);
+}
+
+/* clang-format off */
+/* name, size, check, top byte of the start-up error, delivery state */
+static const struct dg_store_region regions[DG_IB_REGION_COUNT] = {
+    [DG_IB_REGION_STEPS]       = {"steps",        4,            DG_STORE_CHECKED, DG_IB_LOST >> 24, default_steps},
+    [DG_IB_REGION_REVOLUTIONS] = {"revolutions",  4,            DG_STORE_CHECKED, DG_IB_LOST >> 24, default_revolutions},
+    [DG_IB_REGION_DIRECTION]   = {"direction",    1,            DG_STORE_CHECKED, DG_IB_LOST >> 24, default_direction},
+    [DG_IB_REGION_PRESET]      = {"preset",       PRESET_SIZE,  DG_STORE_CHECKED, DG_IB_LOST >> 24, default_preset},
+    [DG_IB_REGION_SHIFT]       = {"shift",        4,            DG_STORE_CHECKED, DG_IB_LOST >> 24, default_zero4},
+    [DG_IB_REGION_MODE]        = {"mode",         1,            DG_STORE_CHECKED, DG_IB_LOST >> 24, default_mode},
+    [DG_IB_REGION_SHIFT_IW]    = {"shift-iw",     1,            DG_STORE_CHECKED, DG_IB_LOST >> 24, default_shift_iw},
+    [DG_IB_REGION_CAMS + 0]    = {"cams-1",       IB_CAMS_SIZE, DG_STORE_CHECKED, DG_IB_LOST >> 24, default_cams},
+    [DG_IB_REGION_CAMS + 1]    = {"cams-2",       IB_CAMS_SIZE, DG_STORE_CHECKED, DG_IB_LOST >> 24, default_cams},
+    [DG_IB_REGION_CAMS + 2]    = {"cams-3",       IB_CAMS_SIZE, DG_STORE_CHECKED, DG_IB_LOST >> 24, default_cams},
+    [DG_IB_REGION_CAMS + 3]    = {"cams-4",       IB_CAMS_SIZE, DG_STORE_CHECKED, DG_IB_LOST >> 24, default_cams},
+    [DG_IB_REGION_CAMS + 4]    = {"cams-5",       IB_CAMS_SIZE, DG_STORE_CHECKED, DG_IB_LOST >> 24, default_cams},
+    [DG_IB_REGION_CAMS + 5]    = {"cams-6",       IB_CAMS_SIZE, DG_STORE_CHECKED, DG_IB_LOST >> 24, default_cams},
+    [DG_IB_REGION_CAMS + 6]    = {"cams-7",       IB_CAMS_SIZE, DG_STORE_CHECKED, DG_IB_LOST >> 24, default_cams},
+    [DG_IB_REGION_CAMS + 7]    = {"cams-8",       IB_CAMS_SIZE, DG_STORE_CHECKED, DG_IB_LOST >> 24, default_cams},
+    [DG_IB_REGION_TIME]        = {"time",         4,            DG_STORE_CHECKED, 0,                default_zero4},
+};
+/* clang-format on */
+
+/* The longest commit sets everything but the time, 6 bytes of journal each. */
+const struct dg_store_layout dg_ib_layout = {
+    .id = 0x49423101u,
+    .journal_size = 15u * 6u + 4u + 4u + 1u + PRESET_SIZE + 4u + 1u + 1u + 8u * IB_CAMS_SIZE,
+    .region_count = DG_IB_REGION_COUNT,
+    .regions = regions,
+};
+
+/* 0E000000h sets these, whatever their state (I17). */
+#define PROFILE_REGIONS                                                                            \
+    (REGION_BIT(DG_IB_REGION_STEPS) | REGION_BIT(DG_IB_REGION_REVOLUTIONS) |                       \
+     REGION_BIT(DG_IB_REGION_DIRECTION) | REGION_BIT(DG_IB_REGION_PRESET) |                        \
+     REGION_BIT(DG_IB_REGION_SHIFT))
+
+int dg_ib_model_check(const struct dg_ib_model *model)
+{
+    uint32_t counts = (uint32_t)model->steps * model->turns;
+    uint32_t least = model->steps_minus_one ? 2 : 1;
+
+    if (model->profile >= DG_IB_PROFILE_COUNT || model->self_test > SELF_TEST_MAX ||
+        model->steps < least || model->steps > STEPS_MAX || model->turns < 1 ||
+        model->turns > TURNS_MAX || (model->profile == DG_IB_K1 && counts > K1_COUNTS_MAX)) {
+        return DG_ERR_ARGUMENT;
+    }
+    if (model->param_cycles < 1 || model->serial > DG_IB_DATA_MASK ||
+        model->version > DG_IB_DATA_MASK) {
+        return DG_ERR_ARGUMENT;
+    }
+    return DG_OK;
+}
+
+int dg_ib_format(const struct dg_ib_model *model, struct dg_nvm nvm)
+{
+    int result = dg_ib_model_check(model);
+
+    return result == DG_OK && model->profile == DG_IB_K3
+               ? dg_store_format(&dg_ib_layout, nvm, model)
+               : result;
+}
+
+/* A region as it is stored; lost, its delivery state. */
+static void load(struct dg_ib *self, uint8_t region, uint8_t *to)
+{
+    const struct dg_store_region *row = &regions[region];
+
+    if (self->store.layout == NULL || dg_store_damaged(&self->store, region) ||
+        dg_store_read(&self->store, region, 0, to, row->size) != DG_OK) {
+        row->defaults(self->setup.model, to);
+        self->lost |= REGION_BIT(region);
+    }
+}
+
+static uint32_t load_u32(struct dg_ib *self, uint8_t region)
+{
+    uint8_t bytes[4];
+
+    load(self, region, bytes);
+    return dg_load_be32(bytes);
+}
+
+/* A byte of low..high; lost, its delivery state. */
+static uint8_t load_u8(struct dg_ib *self, uint8_t region, uint8_t low, uint8_t high)
+{
+    uint8_t byte;
+
+    load(self, region, &byte);
+    if (byte < low || byte > high) {
+        regions[region].defaults(self->setup.model, &byte);
+        self->lost |= REGION_BIT(region);
+    }
+    return byte;
+}
+
+/* Steps that do not fit the revolutions, because either is damaged, have to be set again, too. */
+static void load_scale(struct dg_ib *self)
+{
+    const struct dg_ib_model *model = self->setup.model;
+    uint8_t bytes[4];
+
+    self->steps = load_u32(self, DG_IB_REGION_STEPS) & DG_IB_DATA_MASK;
+    self->revolutions = load_u32(self, DG_IB_REGION_REVOLUTIONS);
+    if (self->revolutions < 1 || self->revolutions > model->turns) {
+        self->revolutions = 1;
+        self->lost |= REGION_BIT(DG_IB_REGION_REVOLUTIONS);
+    }
+    if (!dg_ib_fits(model, self->steps, self->revolutions)) {
+        default_steps(model, bytes);
+        self->steps = dg_load_be32(bytes);
+        self->lost |= REGION_BIT(DG_IB_REGION_STEPS);
+    }
+}
+
+void dg_ib_load(struct dg_ib *self)
+{
+    uint8_t bytes[PRESET_SIZE];
+
+    self->lost = 0;
+    load_scale(self);
+    self->direction = load_u8(self, DG_IB_REGION_DIRECTION, IB_CLOCKWISE, IB_COUNTERCLOCKWISE);
+    load(self, DG_IB_REGION_PRESET, bytes);
+    self->preset = dg_load_be32(&bytes[0]) & DG_IB_DATA_MASK;
+    self->offset = dg_load_be32(&bytes[4]) & DG_IB_DATA_MASK;
+    self->preset_flag = bytes[8] != 0;
+    self->shift = load_u32(self, DG_IB_REGION_SHIFT) & DG_IB_DATA_MASK;
+    self->mode =
+        load_u8(self, DG_IB_REGION_MODE, DG_IB_POSITION, DG_IB_CAM + (uint8_t)DG_IB_PROGRAMS);
+    self->shift_iw = load_u8(self, DG_IB_REGION_SHIFT_IW, 0, IB_SHIFT_IW_MAX);
+    for (uint8_t number = 1; number <= DG_IB_PROGRAMS; number++) {
+        struct dg_ib_program program;
+        dg_ib_load_program(self, number, &program);
+        if (self->mode == DG_IB_CAM + number) {
+            self->program = program;
+        }
+    }
+    self->time_10min = load_u32(self, DG_IB_REGION_TIME);
+    self->lost &= ~REGION_BIT(DG_IB_REGION_TIME); /* nobody can send it again */
+}
+
+void dg_ib_load_program(struct dg_ib *self, uint8_t number, struct dg_ib_program *out)
+{
+    uint8_t bytes[IB_CAMS_SIZE];
+
+    load(self, (uint8_t)(DG_IB_REGION_CAMS + number - 1u), bytes);
+    out->mask = bytes[0];
+    out->on_given = bytes[1];
+    out->off_given = bytes[2];
+    for (uint8_t i = 0; i < DG_IB_CAMS; i++) {
+        out->on[i] = dg_load_be32(&bytes[3u + 8u * i]);
+        out->off[i] = dg_load_be32(&bytes[7u + 8u * i]);
+    }
+}
+
+static bool writable(const struct dg_ib *self)
+{
+    return self->store.layout != NULL && self->setup.world->eeprom_acknowledges;
+}
+
+bool dg_ib_put(struct dg_ib *self, uint8_t region, const uint8_t *bytes)
+{
+    if (!writable(self) ||
+        dg_store_put(&self->store, region, 0, bytes, regions[region].size) != DG_OK) {
+        return false;
+    }
+    self->lost &= ~REGION_BIT(region);
+    return true;
+}
+
+bool dg_ib_put_u32(struct dg_ib *self, uint8_t region, uint32_t value)
+{
+    uint8_t bytes[4];
+
+    dg_store_be32(bytes, value);
+    return dg_ib_put(self, region, bytes);
+}
+
+bool dg_ib_put_u8(struct dg_ib *self, uint8_t region, uint8_t value)
+{
+    return dg_ib_put(self, region, &value);
+}
+
+bool dg_ib_put_preset(struct dg_ib *self, uint32_t preset, uint32_t offset, bool flag)
+{
+    uint8_t bytes[PRESET_SIZE];
+
+    dg_store_be32(&bytes[0], preset);
+    dg_store_be32(&bytes[4], offset);
+    bytes[8] = flag ? 1 : 0;
+    return dg_ib_put(self, DG_IB_REGION_PRESET, bytes);
+}
+
+bool dg_ib_put_program(struct dg_ib *self, const struct dg_ib_program *program)
+{
+    uint8_t bytes[IB_CAMS_SIZE];
+
+    bytes[0] = program->mask;
+    bytes[1] = program->on_given;
+    bytes[2] = program->off_given;
+    for (uint8_t i = 0; i < DG_IB_CAMS; i++) {
+        dg_store_be32(&bytes[3u + 8u * i], program->on[i]);
+        dg_store_be32(&bytes[7u + 8u * i], program->off[i]);
+    }
+    return dg_ib_put(self, (uint8_t)(DG_IB_REGION_CAMS + self->mode - DG_IB_CAM - 1), bytes);
+}
+
+bool dg_ib_put_defaults(struct dg_ib *self)
+{
+    uint8_t bytes[IB_CAMS_SIZE];
+
+    if (!writable(self)) {
+        return false;
+    }
+    dg_store_begin(&self->store);
+    for (uint8_t region = 0; region < DG_IB_REGION_COUNT; region++) {
+        if (((PROFILE_REGIONS | self->lost) & REGION_BIT(region)) != 0) {
+            regions[region].defaults(self->setup.model, bytes);
+            (void)dg_store_stage(&self->store, region, 0, bytes, regions[region].size);
+        }
+    }
+    /* A failed stage fails the commit. */
+    if (dg_store_commit(&self->store) != DG_OK) {
+        return false;
+    }
+    dg_ib_load(self);
+    return true;
+}

@@ -1,0 +1,695 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Steps of the OCD encoders with INTERBUS, in virtual time: one data cycle a millisecond. The table
+ * at the end lists them; interbus.rows explains them. Words are looked at as the master sees them,
+ * the ring's as 16-bit images.
+ */
+#include <stdlib.h>
+#include <string.h>
+
+#include "conformance.h"
+#include "drehgeber/devices.h"
+#include "ram_nvm.h"
+
+#define DEVICES_MAX 4u
+#define WORDS_MAX ((size_t)2 * DEVICES_MAX)
+#define CYCLE DG_MS(1)
+/* An answer may come so many cycles later than the model's figure says, and has to stay so long. */
+#define SLACK 5u
+#define STAYS 3u
+
+struct slave {
+    struct dg_ib_model model;
+    struct ram_nvm nvm;
+};
+
+struct bench {
+    dg_ns now;
+    int64_t from; /* the shaft: angle at `since`, and its speed */
+    dg_ns since;
+    int64_t rpm;
+    struct dg_world world;
+    struct slave slaves[DEVICES_MAX];
+    struct dg_ib ib[DEVICES_MAX]; /* the first is the one that `out` and `in` talk to */
+    size_t count;
+    struct dg_ib_ring ring;
+    bool linked; /* `ring` is made of all devices so far */
+    uint32_t out;
+    uint32_t in;               /* last one seen */
+    uint16_t image[WORDS_MAX]; /* IN of the ring; a failed cycle leaves it */
+};
+
+static struct bench bench;
+
+typedef bool step_fn(struct bench *b, char **words, size_t n, struct cf_report *report);
+
+/* --- figures by name ----------------------------------------------------------------------- */
+
+enum kind { U8, U16, U32, I32, BOOL, MS };
+
+struct figure {
+    const char *name;
+    size_t offset;
+    enum kind kind;
+};
+
+/* clang-format off */
+#define MODEL(field, kind) {#field, offsetof(struct dg_ib_model, field), kind}
+#define WORLD(field, kind) {#field, offsetof(struct dg_world, field), kind}
+#define COUNTER(field) {#field, offsetof(struct dg_ib_counters, field), U32}
+#define RING(field) {#field, offsetof(struct dg_ib_ring_counters, field), U32}
+static const struct figure model_figures[] = {
+    MODEL(steps, U16),  MODEL(turns, U16),   MODEL(steps_minus_one, BOOL), MODEL(temperature_sensor, BOOL),
+    MODEL(serial, U32), MODEL(version, U32), MODEL(param_cycles, U8),      MODEL(loop, BOOL),
+    {"self_test_ms", offsetof(struct dg_ib_model, self_test), MS},
+    {NULL, 0, U8},
+};
+static const struct figure world_figures[] = {
+    WORLD(temperature_mdegc, I32), WORLD(singleturn_ok, BOOL),       WORLD(multiturn_amplitude_ok, BOOL),
+    WORLD(multiturn_sync_ok, BOOL), WORLD(multiturn_vector_ok, BOOL),
+    {NULL, 0, U8},
+};
+static const struct figure counters[] = {
+    COUNTER(commands), COUNTER(refused), COUNTER(dropped), COUNTER(presets_unset), COUNTER(releases_stale),
+    COUNTER(crc_errors),
+    {NULL, 0, U8},
+};
+static const struct figure ring_counters[] = {
+    RING(cycles), RING(ids), RING(crc_errors), RING(dead), RING(interrupted),
+    {NULL, 0, U8},
+};
+/* clang-format on */
+
+static const struct figure *find_figure(const struct figure *figures, const char *name, size_t n)
+{
+    while (figures->name != NULL &&
+           (strlen(figures->name) != n || strncmp(figures->name, name, n) != 0)) {
+        figures++;
+    }
+    return figures->name != NULL ? figures : NULL;
+}
+
+/* word: `name=value` */
+static bool set_figure(const struct figure *figures, void *object, const char *word)
+{
+    size_t n = strcspn(word, "=");
+    const struct figure *figure = word[n] == '=' ? find_figure(figures, word, n) : NULL;
+    long long value = figure != NULL ? strtoll(word + n + 1, NULL, 0) : 0;
+    const uint8_t u8 = (uint8_t)value;
+    const uint16_t u16 = (uint16_t)value;
+    const uint32_t u32 = (uint32_t)value;
+    const int32_t i32 = (int32_t)value;
+    const bool yes = value != 0;
+    const dg_ns ms = DG_MS(value);
+    const struct {
+        const void *from;
+        size_t n;
+    } forms[] = {
+        [U8] = {&u8, sizeof u8},    [U16] = {&u16, sizeof u16},  [U32] = {&u32, sizeof u32},
+        [I32] = {&i32, sizeof i32}, [BOOL] = {&yes, sizeof yes}, [MS] = {&ms, sizeof ms},
+    };
+
+    if (figure != NULL) {
+        memcpy((uint8_t *)object + figure->offset, forms[figure->kind].from, forms[figure->kind].n);
+    }
+    return figure != NULL;
+}
+
+static bool check_counter(const struct figure *figures, const void *object, char **words, size_t n,
+                          struct cf_report *report)
+{
+    const struct figure *figure = n == 3 ? find_figure(figures, words[1], strlen(words[1])) : NULL;
+    uint32_t got;
+
+    if (figure == NULL) {
+        return cf_fail(report, "no such counter: %s", n > 1 ? words[1] : "");
+    }
+    memcpy(&got, (const uint8_t *)object + figure->offset, sizeof got);
+    return got == strtoul(words[2], NULL, 0) ||
+           cf_fail(report, "%s: got %lu", words[1], (unsigned long)got);
+}
+
+/* --- time, shaft, words -------------------------------------------------------------------- */
+
+/* Exact to 100 ns: rpm * t is split in whole turns and a rest whose product fits 64 bits. */
+static dg_angle shaft_angle(void *ctx, dg_ns now)
+{
+    const struct bench *b = ctx;
+    const int64_t per_turn = 600000000; /* 100 ns in a minute */
+    int64_t travel = b->rpm * (int64_t)(dg_elapsed(now, b->since) / 100u);
+
+    return b->from + travel / per_turn * DG_TURN + travel % per_turn * DG_TURN / per_turn;
+}
+
+/* The first angle of that count of the first device, which is exactly on its edge. */
+static void set_angle(struct bench *b, const char *word)
+{
+    b->from = dg_angle_of_counts(strtoll(word, NULL, 0), b->slaves[0].model.steps);
+    b->since = b->now;
+    b->rpm = 0;
+}
+
+/* Hexadecimal digits of which `.` may be any. */
+static bool matches(uint32_t word, const char *pattern, int digits)
+{
+    char text[9];
+    bool good = strlen(pattern) == (size_t)digits;
+
+    (void)snprintf(text, sizeof text, "%0*lX", digits, (unsigned long)word);
+    for (size_t i = 0; good && i < (size_t)digits; i++) {
+        good = pattern[i] == '.' || pattern[i] == text[i];
+    }
+    return good;
+}
+
+static void cycle(struct bench *b)
+{
+    b->now += CYCLE;
+    dg_ib_cycle(&b->ib[0], b->now, b->out, &b->in);
+}
+
+static bool parse_word(const char *text, uint32_t *to)
+{
+    char *rest;
+
+    *to = (uint32_t)strtoul(text, &rest, 16);
+    return rest == text + 8 && *rest == '\0';
+}
+
+static bool unexpected(const struct bench *b, const char *pattern, struct cf_report *report)
+{
+    return cf_fail(report, "expected %s, got %08lX (OUT is %08lX)", pattern, (unsigned long)b->in,
+                   (unsigned long)b->out);
+}
+
+/* IN goes straight from what it was to `pattern`, and stays there. */
+static bool become(struct bench *b, const char *pattern, struct cf_report *report)
+{
+    uint32_t before = b->in;
+    unsigned patience = b->slaves[0].model.param_cycles + SLACK;
+
+    do {
+        cycle(b);
+        patience--;
+    } while (patience > 0 && b->in == before && !matches(b->in, pattern, 8));
+    /* What stays the same anyway has to outlast the handling of the command. */
+    for (unsigned i = 0; i < patience + STAYS && matches(b->in, pattern, 8); i++) {
+        cycle(b);
+    }
+    return matches(b->in, pattern, 8) || unexpected(b, pattern, report);
+}
+
+/* --- words of one device ------------------------------------------------------------------- */
+
+static bool step_out(struct bench *b, char **words, size_t n, struct cf_report *report)
+{
+    return (n == 2 && parse_word(words[1], &b->out)) || cf_fail(report, "not a word");
+}
+
+/* in WORD [xN] */
+static bool step_in(struct bench *b, char **words, size_t n, struct cf_report *report)
+{
+    unsigned long times = n == 3 && words[2][0] == 'x' ? strtoul(words[2] + 1, NULL, 10) : 1;
+    bool good = n >= 2;
+
+    for (; good && times > 0; times--) {
+        cycle(b);
+        good = matches(b->in, words[1], 8);
+    }
+    return good || unexpected(b, n >= 2 ? words[1] : "a word", report);
+}
+
+static bool step_cycles(struct bench *b, char **words, size_t n, struct cf_report *report)
+{
+    unsigned long times = n == 2 ? strtoul(words[1], NULL, 10) : 0;
+
+    for (unsigned long i = 0; i < times; i++) {
+        cycle(b);
+    }
+    return times > 0 || cf_fail(report, "cycles N");
+}
+
+/* > OUT IN */
+static bool step_command(struct bench *b, char **words, size_t n, struct cf_report *report)
+{
+    return n == 3 && step_out(b, words, 2, report) ? become(b, words[2], report)
+                                                   : cf_fail(report, "> OUT IN");
+}
+
+/* release IN: 80000000h until IN is there, then back to 0 */
+static bool step_release(struct bench *b, char **words, size_t n, struct cf_report *report)
+{
+    if (n != 2) {
+        return cf_fail(report, "release IN");
+    }
+    b->out = 0x80000000u;
+    if (!become(b, words[1], report)) {
+        return false;
+    }
+    b->out = 0;
+    return become(b, words[1], report);
+}
+
+/* read ITEM ANSWER: out of operation and back to it; IN is the same before and behind it */
+static bool step_read(struct bench *b, char **words, size_t n, struct cf_report *report)
+{
+    char before[9];
+
+    (void)snprintf(before, sizeof before, "%08lX", (unsigned long)b->in);
+    if (!step_command(b, words, n, report)) {
+        return false;
+    }
+    b->out = 0;
+    return become(b, before, report);
+}
+
+/* --- the ring ------------------------------------------------------------------------------ */
+
+static bool link_ring(struct bench *b)
+{
+    b->linked = b->linked || dg_ib_ring_init(&b->ring, b->ib, b->count) == 0;
+    return b->linked;
+}
+
+/* ids WORD... */
+static bool step_ids(struct bench *b, char **words, size_t n, struct cf_report *report)
+{
+    uint16_t ids[DEVICES_MAX] = {0};
+    uint16_t reached;
+
+    b->now += CYCLE;
+    if (!link_ring(b)) {
+        return cf_fail(report, "the ring is refused");
+    }
+    reached = dg_ib_ring_id(&b->ring, b->now, ids);
+    for (size_t i = 0; i < reached && i + 1 < n; i++) {
+        if (ids[i] != strtoul(words[i + 1], NULL, 16)) {
+            return cf_fail(report, "ID word %zu: got %04X", i, ids[i]);
+        }
+    }
+    return reached + 1u == n || cf_fail(report, "%u devices reached", reached);
+}
+
+static bool check_image(const uint16_t *got, size_t length, char **words, size_t n,
+                        struct cf_report *report)
+{
+    char text[WORDS_MAX * sizeof " FFFF"] = "";
+    bool good = length == n;
+    size_t at = 0;
+
+    for (size_t i = 0; i < length; i++) {
+        at += (size_t)snprintf(text + at, sizeof text - at, " %04X", got[i]);
+        good = good && matches(got[i], words[i], 4);
+    }
+    return good || cf_fail(report, "IN image: got%s", text);
+}
+
+/* data RESULT OUT... : IN... */
+static bool step_data(struct bench *b, char **words, size_t n, struct cf_report *report)
+{
+    static const char *const results[] = {
+        [DG_IB_RING_OK] = "ok",
+        [DG_IB_RING_CRC] = "crc",
+        [DG_IB_RING_DEAD] = "dead",
+        [DG_IB_RING_INTERRUPTED] = "interrupted",
+        [DG_IB_RING_IDENTIFY] = "identify",
+    };
+    uint16_t out[WORDS_MAX] = {0};
+    size_t colon = 2;
+    enum dg_ib_ring_result result;
+
+    while (colon < n && strcmp(words[colon], ":") != 0) {
+        colon++;
+    }
+    if (!link_ring(b) || colon == n || colon != (size_t)b->ring.words + 2) {
+        return cf_fail(report, "data RESULT OUT... : IN...; the image has %u words", b->ring.words);
+    }
+    for (size_t i = 2; i < colon; i++) {
+        out[i - 2] = (uint16_t)strtoul(words[i], NULL, 16);
+    }
+    b->now += CYCLE;
+    result = dg_ib_ring_cycle(&b->ring, b->now, out, b->image);
+    if (strcmp(results[result], words[1]) != 0) {
+        return cf_fail(report, "expected %s, got %s", words[1], results[result]);
+    }
+    return check_image(b->image, b->ring.words, words + colon + 1, n - colon - 1, report);
+}
+
+static bool step_break(struct bench *b, char **words, size_t n, struct cf_report *report)
+{
+    bool heal = n == 2 && strcmp(words[1], "none") == 0;
+
+    if (n != 2 || !link_ring(b)) {
+        return cf_fail(report, "break N or break none");
+    }
+    b->ring.broken_at = heal ? DG_IB_RING_WHOLE : (uint16_t)strtoul(words[1], NULL, 10);
+    return true;
+}
+
+static bool step_corrupt(struct bench *b, char **words, size_t n, struct cf_report *report)
+{
+    if (n != 2 || !link_ring(b)) {
+        return cf_fail(report, "corrupt N");
+    }
+    b->ring.corrupt_at = (uint16_t)strtoul(words[1], NULL, 10);
+    return true;
+}
+
+/* module N: the first device with a module error; -1: none */
+static bool step_module(struct bench *b, char **words, size_t n, struct cf_report *report)
+{
+    long got = link_ring(b) ? dg_ib_ring_module_error(&b->ring) : -2;
+
+    return (n == 2 && got == strtol(words[1], NULL, 10)) ||
+           cf_fail(report, "module error: got %ld", got);
+}
+
+/* cycletime BAUD SOFTWARE_US NS */
+static bool step_cycletime(struct bench *b, char **words, size_t n, struct cf_report *report)
+{
+    dg_ns got = 0;
+
+    if (n == 4 && link_ring(b)) {
+        got = dg_ib_ring_cycle_time(&b->ring, (uint32_t)strtoul(words[1], NULL, 10),
+                                    DG_US(strtoul(words[2], NULL, 10)));
+    }
+    return (n == 4 && got == strtoul(words[3], NULL, 10)) ||
+           cf_fail(report, "cycle time: got %llu ns", (unsigned long long)got);
+}
+
+/* bits BYTES DEVICES BITS */
+static bool step_bits(struct bench *b, char **words, size_t n, struct cf_report *report)
+{
+    uint32_t got = n == 4 ? dg_ib_bit_times((uint32_t)strtoul(words[1], NULL, 10),
+                                            (uint32_t)strtoul(words[2], NULL, 10))
+                          : 0;
+
+    (void)b;
+    return (n == 4 && got == strtoul(words[3], NULL, 10)) ||
+           cf_fail(report, "bit times: got %lu", (unsigned long)got);
+}
+
+static bool step_ringcount(struct bench *b, char **words, size_t n, struct cf_report *report)
+{
+    return link_ring(b) && check_counter(ring_counters, &b->ring.counters, words, n, report);
+}
+
+/* ringsize N ok|refused: devices that are initialised over and over */
+static bool step_ringsize(struct bench *b, char **words, size_t n, struct cf_report *report)
+{
+    static struct dg_ib many[DG_IB_RING_MAX + 1u];
+    size_t count = n == 3 ? strtoul(words[1], NULL, 10) : 0;
+    struct dg_ib_ring ring;
+
+    for (size_t i = 0; i < count && i <= DG_IB_RING_MAX; i++) {
+        many[i] = b->ib[0];
+    }
+    return (n == 3 &&
+            (dg_ib_ring_init(&ring, many, count) == 0) == (strcmp(words[2], "ok") == 0)) ||
+           cf_fail(report, "a ring of %zu devices is not %s", count, n == 3 ? words[2] : "");
+}
+
+/* --- the other steps ----------------------------------------------------------------------- */
+
+/* led NAME on|off|blinks */
+static bool step_led(struct bench *b, char **words, size_t n, struct cf_report *report)
+{
+    static const struct {
+        const char *name;
+        uint8_t bit;
+    } leds[] = {
+        {"UL", DG_IB_LED_UL}, {"RC", DG_IB_LED_RC}, {"BA", DG_IB_LED_BA}, {"RD", DG_IB_LED_RD}};
+    uint8_t lit = dg_ib_leds(&b->ib[0], b->now);
+
+    for (size_t i = 0; n == 3 && i < sizeof leds / sizeof leds[0]; i++) {
+        if (strcmp(leds[i].name, words[1]) == 0) {
+            bool blinks = leds[i].bit == DG_IB_LED_BA && (lit & DG_IB_LED_BA_BLINKS) != 0;
+            const char *steady = (lit & leds[i].bit) != 0 ? "on" : "off";
+
+            return strcmp(words[2], blinks ? "blinks" : steady) == 0 ||
+                   cf_fail(report, "%s: LEDs are %02X", words[1], lit);
+        }
+    }
+    return cf_fail(report, "led UL|RC|BA|RD on|off|blinks");
+}
+
+/* blink ON OFF: how long BA is lit and dark in a second of ID cycles, to a cycle of 20 ms */
+static bool step_blink(struct bench *b, char **words, size_t n, struct cf_report *report)
+{
+    const unsigned long period_ms = 20;
+    unsigned long lit_ms = 0;
+    unsigned long want_ms = n == 3 ? strtoul(words[1], NULL, 10) : 0;
+    uint16_t ids[DEVICES_MAX];
+
+    if (want_ms == 0 || want_ms + strtoul(words[2], NULL, 10) != 1000 || !link_ring(b)) {
+        return cf_fail(report, "blink ON OFF, a second together");
+    }
+    for (unsigned long at_ms = 0; at_ms < 1000; at_ms += period_ms) {
+        b->now += DG_MS(period_ms);
+        (void)dg_ib_ring_id(&b->ring, b->now, ids);
+        lit_ms += (dg_ib_leds(&b->ib[0], b->now) & DG_IB_LED_BA) != 0 ? period_ms : 0;
+    }
+    return (lit_ms + period_ms >= want_ms && lit_ms <= want_ms + period_ms) ||
+           cf_fail(report, "BA is lit for %lu ms", lit_ms);
+}
+
+static bool step_count(struct bench *b, char **words, size_t n, struct cf_report *report)
+{
+    return check_counter(counters, &b->ib[0].counters, words, n, report);
+}
+
+static bool step_range(struct bench *b, char **words, size_t n, struct cf_report *report)
+{
+    uint32_t got = dg_ib_range(&b->ib[0]);
+
+    return (n == 2 && got == strtoul(words[1], NULL, 0)) ||
+           cf_fail(report, "range: got %lu", (unsigned long)got);
+}
+
+/* power off | power on [test] */
+static bool step_power(struct bench *b, char **words, size_t n, struct cf_report *report)
+{
+    bool on = n > 1 && strcmp(words[1], "on") == 0;
+    int result;
+
+    b->out = 0;
+    if (!on) {
+        dg_ib_power_off(&b->ib[0]);
+        b->now += DG_MS(10);
+        return true;
+    }
+    result = dg_ib_power_on(&b->ib[0], b->now);
+    if (result != 0) {
+        return cf_fail(report, "power on returned %d", result);
+    }
+    if (n < 3 || strcmp(words[2], "test") != 0) {
+        b->now += b->slaves[0].model.self_test;
+        cycle(b);
+    }
+    return true;
+}
+
+/* Another device on the same shaft, in delivery state, powered. */
+static bool add_device(struct bench *b, char **words, size_t n, struct cf_report *report)
+{
+    const struct dg_device *device = n > 1 ? dg_device_find(words[1]) : NULL;
+    struct slave *slave = &b->slaves[b->count];
+    struct dg_ib_setup setup = {&slave->model, &b->world, {NULL, NULL}};
+
+    if (device == NULL || device->stack != DG_STACK_INTERBUS || b->count == DEVICES_MAX) {
+        return cf_fail(report, "no such model, or too many");
+    }
+    slave->model = *device->interbus;
+    for (size_t i = 2; i < n; i++) {
+        if (strncmp(words[i], "raw=", 4) != 0 && strcmp(words[i], "test") != 0 &&
+            !set_figure(model_figures, &slave->model, words[i])) {
+            return cf_fail(report, "no such figure: %s", words[i]);
+        }
+    }
+    ram_nvm_init(&slave->nvm, dg_store_size(&dg_ib_layout));
+    setup.nvm = ram_nvm_port(&slave->nvm);
+    if (slave->model.profile == DG_IB_K3 && dg_ib_format(&slave->model, setup.nvm) != 0) {
+        return cf_fail(report, "the memory cannot be formatted");
+    }
+    if (dg_ib_init(&b->ib[b->count], &setup) != 0 ||
+        dg_ib_power_on(&b->ib[b->count], b->now) != 0) {
+        return cf_fail(report, "these figures are refused");
+    }
+    b->count++;
+    b->linked = false;
+    return true;
+}
+
+/* given MODEL figure=value... [raw=N] [test] */
+static bool step_given(struct bench *b, char **words, size_t n, struct cf_report *report)
+{
+    bool test = n > 2 && strcmp(words[n - 1], "test") == 0;
+
+    if (!add_device(b, words, n, report)) {
+        return false;
+    }
+    for (size_t i = 2; i < n; i++) {
+        if (strncmp(words[i], "raw=", 4) == 0) {
+            set_angle(b, words[i] + 4);
+        }
+    }
+    if (!test) {
+        b->now += b->slaves[0].model.self_test;
+        cycle(b);
+    }
+    return true;
+}
+
+/* also MODEL figure=value...: one more device behind the others */
+static bool step_also(struct bench *b, char **words, size_t n, struct cf_report *report)
+{
+    bool good = add_device(b, words, n, report);
+
+    b->now += good ? b->slaves[b->count - 1].model.self_test : 0;
+    return good;
+}
+
+static bool step_wait(struct bench *b, char **words, size_t n, struct cf_report *report)
+{
+    char *unit = NULL;
+    unsigned long number = n == 2 ? strtoul(words[1], &unit, 10) : 0;
+    bool seconds = n == 2 && strcmp(unit, "s") == 0;
+
+    b->now += seconds ? DG_S(number) : DG_MS(number);
+    return (number > 0 && (seconds || strcmp(unit, "ms") == 0)) ||
+           cf_fail(report, "wait 5ms or 5s");
+}
+
+static bool step_angle(struct bench *b, char **words, size_t n, struct cf_report *report)
+{
+    if (n != 2) {
+        return cf_fail(report, "angle COUNTS");
+    }
+    set_angle(b, words[1]);
+    return true;
+}
+
+static bool step_rpm(struct bench *b, char **words, size_t n, struct cf_report *report)
+{
+    b->from = shaft_angle(b, b->now);
+    b->since = b->now;
+    b->rpm = n == 2 ? strtoll(words[1], NULL, 0) : 0;
+    cycle(b);
+    return n == 2 || cf_fail(report, "rpm N");
+}
+
+static bool step_world(struct bench *b, char **words, size_t n, struct cf_report *report)
+{
+    for (size_t i = 1; i < n; i++) {
+        if (!set_figure(world_figures, &b->world, words[i])) {
+            return cf_fail(report, "no such quantity: %s", words[i]);
+        }
+    }
+    return true;
+}
+
+/* damage REGION: a byte that changes by itself */
+static bool step_damage(struct bench *b, char **words, size_t n, struct cf_report *report)
+{
+    int region = n == 2 ? dg_store_find(&dg_ib_layout, words[1]) : -1;
+    struct ram_nvm *nvm = &b->slaves[0].nvm;
+    uint32_t at;
+
+    if (region < 0) {
+        return cf_fail(report, "damage REGION");
+    }
+    at = dg_store_address(&dg_ib_layout, (uint8_t)region);
+    nvm->bytes[at] ^= 0x01u;
+    nvm->synced[at] = nvm->bytes[at];
+    return true;
+}
+
+/* opc REGISTER BYTE: set by the host */
+static bool step_opc(struct bench *b, char **words, size_t n, struct cf_report *report)
+{
+    unsigned long number = n == 3 ? strtoul(words[1], NULL, 10) : DG_IB_OPC_REGISTERS;
+
+    if (number >= DG_IB_OPC_REGISTERS) {
+        return cf_fail(report, "opc REGISTER BYTE");
+    }
+    b->ib[0].opc[number] = (uint8_t)strtoul(words[2], NULL, 16);
+    return true;
+}
+
+/* --- table --------------------------------------------------------------------------------- */
+
+/* clang-format off */
+static const struct {
+    const char *verb;
+    step_fn *run;
+    bool expects;
+} steps[] = {
+    {"given",     step_given,     false}, {"also",    step_also,     false}, {"out",       step_out,       false},
+    {"in",        step_in,        true},  {">",       step_command,  true},  {"release",   step_release,   true},
+    {"read",      step_read,      true},  {"cycles",  step_cycles,   false}, {"wait",      step_wait,      false},
+    {"angle",     step_angle,     false}, {"rpm",     step_rpm,      false}, {"world",     step_world,     false},
+    {"power",     step_power,     false}, {"damage",  step_damage,   false}, {"opc",       step_opc,       false},
+    {"count",     step_count,     true},  {"range",   step_range,    true},  {"led",       step_led,       true},
+    {"blink",     step_blink,     true},  {"ids",     step_ids,      true},  {"data",      step_data,      true},
+    {"break",     step_break,     false}, {"corrupt", step_corrupt,  false}, {"module",    step_module,    true},
+    {"cycletime", step_cycletime, true},  {"bits",    step_bits,     true},  {"ringcount", step_ringcount, true},
+    {"ringsize",  step_ringsize,  true},
+};
+/* clang-format on */
+
+static size_t find_step(const char *verb)
+{
+    size_t i = 0;
+
+    while (i < sizeof steps / sizeof steps[0] && strcmp(steps[i].verb, verb) != 0) {
+        i++;
+    }
+    return i;
+}
+
+static void begin(void *ctx)
+{
+    struct bench *b = ctx;
+
+    memset(b, 0, sizeof *b);
+    b->now = DG_S(1);
+    dg_world_init(&b->world);
+    b->world.angle = shaft_angle;
+    b->world.angle_ctx = b;
+}
+
+static bool run_step(void *ctx, char **words, size_t n, struct cf_report *report)
+{
+    struct bench *b = ctx;
+    size_t i = find_step(words[0]);
+
+    if (i == sizeof steps / sizeof steps[0]) {
+        return cf_fail(report, "unknown step: %s", words[0]);
+    }
+    if ((b->count == 0) != (steps[i].run == step_given)) {
+        return cf_fail(report, "a row starts with `given`, once");
+    }
+    return steps[i].run(b, words, n, report);
+}
+
+/* Nothing is left to be seen when a row ends. */
+static bool finish(void *ctx, struct cf_report *report)
+{
+    const struct bench *b = ctx;
+
+    return b->count > 0 || cf_fail(report, "no device");
+}
+
+static bool expects(const char *verb)
+{
+    size_t i = find_step(verb);
+
+    return i < sizeof steps / sizeof steps[0] && steps[i].expects;
+}
+
+const struct cf_device *cf_interbus(void)
+{
+    static const struct cf_device device = {&bench, begin, run_step, finish, expects};
+
+    return &device;
+}
