@@ -9,7 +9,7 @@ tree=${1:-build/release}
 if [ $# -eq 0 ]; then
     mkdir -p build/log
     [ -e build/release/build.ninja ] || cmake --preset release >build/log/release.configure
-    cmake --build build/release --target bench_hf bench_co bench_406 bench_biss >build/log/bench.build
+    cmake --build build/release --target bench_hf bench_co bench_406 bench_biss bench_ib >build/log/bench.build
 fi
 
 # Instructions of a run of $1 with $2 operations
@@ -32,3 +32,4 @@ each bench_co "upload and SYNC"
 "$tree/tests/bench_406"
 each bench_406 "6004h (aim: 150)"
 "$tree/tests/bench_biss"
+"$tree/tests/bench_ib"
