@@ -1,0 +1,322 @@
+/* SPDX-License-Identifier: MIT */
+/* The coupler: --set, memory of the ring, registers, whole words, watchdog. */
+#define _GNU_SOURCE
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "drehgeber/devices.h"
+#include "modbus.h"
+
+#define START DG_S(1)
+
+static const struct dg_ib_model *models[3]; /* K1, K3, K2: words 0, 1-2, 3-4 */
+static struct lx_ring_settings settings;
+static struct lx_ring ring;
+static struct lx_map map;
+static struct lx_error error;
+static const struct lx_say quiet = {.quiet = true};
+static char path[] = "/tmp/test_ib_map.XXXXXX";
+
+static int open_ring(const char *nvm, size_t count)
+{
+    const struct lx_ring_setup setup = {models, count, &settings, nvm, &quiet};
+
+    return lx_ring_open(&ring, &setup, START, &error);
+}
+
+static int set_up(void **state)
+{
+    (void)state;
+    models[0] = dg_device_find("ocd-ib-k1")->interbus;
+    models[1] = dg_device_find("ocd-ib-k3")->interbus;
+    models[2] = dg_device_find("ocd-ib-k2")->interbus;
+    lx_ring_settings_init(&settings);
+    settings.self_test_ms = 0;
+    memset(&error, 0, sizeof error);
+    if (open_ring(NULL, 3) != 0) {
+        return -1;
+    }
+    lx_map_init(&map, &ring);
+    lx_map_request(&map, START);
+    lx_ring_cycle(&ring, START); /* the ID cycle */
+    lx_ring_cycle(&ring, START);
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    lx_ring_close(&ring);
+    return 0;
+}
+
+static uint16_t get(uint16_t address)
+{
+    uint16_t value = 0;
+
+    assert_true(lx_map_readable(&map, (struct lx_range){address, 1}));
+    lx_map_read(&map, (struct lx_range){address, 1}, &value);
+    return value;
+}
+
+static void put(uint16_t address, uint16_t value)
+{
+    assert_true(lx_map_writable(&map, (struct lx_range){address, 1}));
+    assert_true(lx_map_write(&map, (struct lx_range){address, 1}, &value));
+}
+
+static void put_out(uint16_t high, uint16_t low)
+{
+    const uint16_t words[] = {high, low};
+
+    assert_true(lx_map_write(&map, (struct lx_range){0x0801, 2}, words));
+}
+
+static void settings_of_the_ring(void **state)
+{
+    static const char *const bad[] = {
+        "cycle",     "cycle=",    "cycle=249",       "cycle=50001", "cycle=1ms",  "tear=2",
+        "periods=5", "nothing=1", "temperature=hot", "steps=0",     "turns=4097", "param_cycles=-1",
+    };
+    static const char *const good[] = {
+        "cycle=2000",
+        "steps=8192",
+        "turns=16",
+        "steps_minus_one=1",
+        "temperature_sensor=0",
+        "loop=1",
+        "param_cycles=7",
+        "self_test_ms=1000",
+        "version=0x1FFFFFF",
+        "temperature=-12.5",
+        "eeprom_acknowledges=0",
+    };
+
+    (void)state;
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        error.text[0] = '\0';
+        assert_int_equal(lx_ring_settings_set(&settings, bad[i], &error), -1);
+        assert_non_null(strstr(error.text, "--set"));
+    }
+    for (size_t i = 0; i < sizeof good / sizeof good[0]; i++) {
+        assert_int_equal(lx_ring_settings_set(&settings, good[i], &error), 0);
+    }
+    assert_int_equal(lx_ring_settings_serial(&settings, "33554432", &error), -1);
+    assert_int_equal(lx_ring_settings_serial(&settings, "x", &error), -1);
+    assert_int_equal(lx_ring_settings_serial(&settings, "33554431", &error), 0);
+    assert_int_equal(settings.cycle_us, 2000);
+    assert_int_equal(settings.common.world.temperature_mdegc, -12500);
+    assert_false(settings.common.world.eeprom_acknowledges);
+    const struct dg_ib_model k3 = lx_ring_settings_model(&settings, models[1], 1);
+    assert_int_equal(k3.steps, 8192);
+    assert_int_equal(k3.turns, 16);
+    assert_true(k3.steps_minus_one && !k3.temperature_sensor && k3.loop);
+    assert_int_equal(k3.param_cycles, 7);
+    assert_int_equal(k3.self_test, DG_S(1));
+    assert_int_equal(k3.version, 0x1FFFFFF);
+    assert_int_equal(k3.serial, 0); /* one after the last one of 25 bits */
+    assert_int_equal(lx_ring_settings_model(&settings, models[0], 0).turns, 1);
+}
+
+static void existing_registers(void **state)
+{
+    static const struct {
+        struct lx_range range;
+        bool readable;
+        bool writable;
+    } ranges[] = {
+        {{0x0000, 5}, true, false},  {{0x0000, 6}, false, false}, {{0x0004, 1}, true, false},
+        {{0x07FF, 2}, false, false}, {{0x0800, 5}, true, true},   {{0x0805, 1}, false, false},
+        {{0x0800, 1}, true, true},   {{0x0801, 1}, true, false},  {{0x0802, 1}, true, false},
+        {{0x0801, 2}, true, true},   {{0x0800, 2}, true, false},  {{0x0802, 3}, true, false},
+        {{0x0802, 2}, true, false},  {{0x0803, 2}, true, true},   {{0x0800, 3}, true, true},
+        {{0x1000, 10}, true, false}, {{0x100A, 1}, false, false}, {{0x100C, 1}, true, false},
+        {{0x1010, 6}, true, false},  {{0x1016, 1}, false, false}, {{0x1120, 4}, true, true},
+        {{0x1020, 1}, true, false},  {{0x1124, 1}, false, false}, {{0x1FFF, 1}, false, false},
+        {{0x2000, 48}, true, false}, {{0x2030, 1}, false, false}, {{0xFFFF, 2}, false, false},
+    };
+
+    (void)state;
+    for (size_t i = 0; i < sizeof ranges / sizeof ranges[0]; i++) {
+        if (lx_map_readable(&map, ranges[i].range) != ranges[i].readable ||
+            lx_map_writable(&map, ranges[i].range) != ranges[i].writable) {
+            fail_msg("%04X, %u", (unsigned)ranges[i].range.first, (unsigned)ranges[i].range.count);
+        }
+    }
+    map.tear = true;
+    assert_true(lx_map_writable(&map, (struct lx_range){0x0802, 1}));
+}
+
+static void images_and_states(void **state)
+{
+    (void)state;
+    assert_int_equal(get(0x1010), 80);
+    assert_int_equal(get(0x1011), 80);
+    assert_int_equal(get(0x100C), 1);
+    put_out(0x0800, 0x0007);
+    for (int i = 0; i < 4; i++) {
+        lx_ring_cycle(&ring, START);
+    }
+    assert_int_equal(get(0x0001), 0xC800);
+    assert_int_equal(get(0x0002), 7);
+    assert_int_equal(get(0x0802), 7);
+    assert_int_equal(get(0x2000), 0x0136);
+    assert_int_equal(get(0x2010), 0x0237);
+    assert_int_equal(get(0x2020), 0x0236);
+    assert_int_equal(get(0x2011), 1 | 4 | 32);
+    assert_int_equal(get(0x2013), 5);
+    assert_int_equal(get(0x2016), DG_IB_LED_UL | DG_IB_LED_RC | DG_IB_LED_BA);
+    assert_int_equal(get(0x2017), 1);
+    assert_int_equal(get(0x2018), 0x0800);
+    assert_int_equal(get(0x2019), 7);
+    put_out(0x0C00, 0);
+    for (int i = 0; i < 4; i++) {
+        lx_ring_cycle(&ring, START);
+    }
+    assert_int_equal(get(0x2011), 1 | 8 | 32);
+    assert_int_equal(get(0x201A), 0x8400);
+    settings.common.world.singleturn_ok = false;
+    lx_ring_cycle(&ring, START);
+    assert_int_equal(get(0x100C), 1 | 4);
+    assert_int_equal(get(0x2001), 1 | 128);
+    ring.ring.broken_at = 1;
+    lx_ring_cycle(&ring, START);
+    assert_int_equal(get(0x100C) & 0xB, 2 | 8);
+    assert_int_equal(get(0x2000), 0x0136);
+    assert_int_equal(get(0x2010), 0);
+}
+
+/* The watchdog sleeps until OUT is written, and fires one tick after its time. */
+static void watchdog_zero_and_freeze(void **state)
+{
+    (void)state;
+    put(0x1120, 100);
+    lx_map_tick(&map, START + DG_S(5));
+    assert_int_equal(get(0x1121), 0);
+    put_out(0x0800, 7);
+    assert_int_equal(get(0x1020), 100);
+    lx_map_tick(&map, START + DG_MS(100));
+    assert_int_equal(get(0x1121), 0);
+    lx_map_request(&map, START + DG_MS(60)); /* any request feeds it */
+    assert_int_equal(get(0x1020), 100);
+    lx_map_tick(&map, START + DG_MS(160));
+    assert_int_equal(get(0x1121), 0);
+    lx_map_tick(&map, START + DG_MS(160) + 1);
+    assert_int_equal(get(0x1121), 1);
+    assert_int_equal(get(0x1020), 0);
+    assert_int_equal(get(0x0801), 0);
+    put_out(0x0800, 8);
+    assert_int_equal(get(0x1121), 0);
+
+    put(0x1123, LX_FALLBACK_FREEZE);
+    put(0x1122, 0);
+    lx_map_request(&map, START + DG_MS(150)); /* only writes of OUT do now */
+    lx_map_tick(&map, START + DG_MS(170));
+    assert_int_equal(get(0x1121), 1);
+    assert_int_equal(get(0x0802), 8);
+    assert_false(ring.stopped);
+}
+
+static void watchdog_stop(void **state)
+{
+    const uint16_t bad = LX_FALLBACK_COUNT;
+
+    (void)state;
+    assert_false(lx_map_write(&map, (struct lx_range){0x1123, 1}, &bad));
+    put(0x1120, 10);
+    put(0x1123, LX_FALLBACK_STOP);
+    put_out(0, 0);
+    const uint16_t cycles = get(0x2013);
+    lx_map_tick(&map, START + DG_MS(11));
+    lx_ring_cycle(&ring, START + DG_MS(300));
+    assert_int_equal(get(0x2013), cycles);
+    assert_int_equal(get(0x100C), 0);
+    lx_map_request(&map, START + DG_MS(300));
+    assert_true((get(0x2016) & DG_IB_LED_BA_BLINKS) != 0);
+    put(0x1121, 0xAFFE);
+    put(0x1121, 0xBECF);
+    assert_int_equal(get(0x1121), 1);
+    put(0x1121, 0xAFFE);
+    assert_int_equal(get(0x1121), 0);
+    lx_map_tick(&map, START + DG_S(9)); /* asleep again */
+    lx_ring_cycle(&ring, START + DG_S(9));
+    assert_int_equal(get(0x2013), cycles + 1);
+}
+
+/* One file for the ring, an image for each K3. */
+static void the_ring_has_one_file(void **state)
+{
+    const uint32_t image = dg_store_size(&dg_ib_layout);
+
+    (void)state;
+    lx_ring_close(&ring);
+    assert_int_equal(unlink(path), 0); /* only the name is wanted */
+    assert_int_equal(open_ring(path, 3), 0);
+    assert_int_equal(ring.file.size, image);
+    lx_ring_cycle(&ring, START);
+    ring.out[1] = 0x0A00;
+    ring.out[2] = 0x0055;
+    for (int i = 0; i < 4; i++) {
+        lx_ring_cycle(&ring, START);
+    }
+    lx_ring_close(&ring);
+    assert_int_equal(open_ring(path, 3), 0);
+    assert_int_equal(ring.devices[1].shift, 0x55);
+    lx_ring_close(&ring);
+
+    models[0] = models[1]; /* two K3 find one image */
+    assert_int_equal(open_ring(path, 2), -1);
+    assert_non_null(strstr(error.text, path));
+    lx_ring_close(&ring);
+    models[0] = models[2]; /* none finds a use for it */
+    assert_int_equal(open_ring(path, 1), -1);
+    assert_non_null(strstr(error.text, "--nvm"));
+    lx_ring_close(&ring);
+    assert_int_equal(unlink(path), 0);
+    settings.steps = 1;
+    settings.steps_minus_one = 1;
+    assert_int_equal(open_ring(NULL, 1), -1);
+    assert_non_null(strstr(error.text, "factory"));
+}
+
+static void addresses(void **state)
+{
+    static const char *const good[] = {"127.0.0.1:5020", "[::1]:0", "host:65535", "::1:502"};
+    static const char *const bad[] = {"", ":", "host", "host:", ":502", "h:65536", "h:x", "[]:1"};
+
+    (void)state;
+    for (size_t i = 0; i < sizeof good / sizeof good[0]; i++) {
+        assert_true(lx_modbus_address_fits(good[i]));
+    }
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        assert_false(lx_modbus_address_fits(bad[i]));
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(settings_of_the_ring, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(existing_registers, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(images_and_states, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(watchdog_zero_and_freeze, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(watchdog_stop, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(the_ring_has_one_file, set_up, tear_down),
+        cmocka_unit_test(addresses),
+    };
+    const int file = mkstemp(path);
+    if (file < 0) {
+        return 1;
+    }
+    (void)close(file);
+    const int failed = cmocka_run_group_tests_name("the INTERBUS coupler", tests, NULL, NULL);
+    (void)unlink(path);
+    return failed;
+}
