@@ -85,10 +85,9 @@ int main(int argc, char **argv)
         const struct cf_device *(*device)(void);
         int (*run)(void);
     } suites[] = {
-        {"hiperface", cf_hiperface, prove},
-        {"selftest", cf_hiperface, expect_fail},
-        {"canopen", cf_canopen, prove},
-        {"canopen-selftest", cf_canopen, expect_fail},
+        {"hiperface", cf_hiperface, prove}, {"selftest", cf_hiperface, expect_fail},
+        {"canopen", cf_canopen, prove},     {"canopen-selftest", cf_canopen, expect_fail},
+        {"cia406", cf_canopen, prove},
     };
     int result = 2;
 
@@ -101,7 +100,7 @@ int main(int argc, char **argv)
     }
     if (result == 2) {
         (void)fprintf(stderr, "usage: conformance %s CLAUSES ROWS\n",
-                      "hiperface|selftest|canopen|canopen-selftest");
+                      "hiperface|selftest|canopen|canopen-selftest|cia406");
     }
     return result;
 }
