@@ -23,7 +23,8 @@ struct bench {
     int64_t from; /* the shaft: angle at `since`, and its speed */
     dg_ns since;
     int64_t rpm;
-    const struct dg_device *device;
+    int64_t ramp; /* rpm/s */
+    struct dg_cia406_model model;
     struct dg_world world;
     struct ram_nvm nvm;
     struct dg_cia406 encoder;
@@ -48,14 +49,23 @@ typedef bool step_fn(struct bench *b, char **words, size_t n, struct cf_report *
 
 /* --- time, shaft, bus ---------------------------------------------------------------------- */
 
-/* Exact to 100 ns: rpm * t is split in whole turns and a rest whose product fits 64 bits. */
+/* Part of a turn times 2^32: split in whole turns and a rest whose product fits 64 bits. */
+static dg_angle turns_of(int64_t figure, int64_t per_turn)
+{
+    return figure / per_turn * DG_TURN + figure % per_turn * DG_TURN / per_turn;
+}
+
+/* Speed is exact to 100 ns, the ramp to 1 ms. A motion has always been: it has a past, too. */
 static dg_angle shaft_angle(void *ctx, dg_ns now)
 {
     const struct bench *b = ctx;
-    const int64_t per_turn = 600000000; /* 100 ns in a minute */
-    int64_t travel = b->rpm * (int64_t)(dg_elapsed(now, b->since) / 100u);
+    const int64_t per_turn = 600000000;      /* 100 ns in a minute */
+    const int64_t ramp_per_turn = 120000000; /* 2 * 60 s * 10^6 ms^2/s^2 */
+    int64_t ns = (int64_t)(now - b->since);
+    int64_t ms = ns / 1000000;
 
-    return b->from + travel / per_turn * DG_TURN + travel % per_turn * DG_TURN / per_turn;
+    return b->from + turns_of(b->rpm * (ns / 100), per_turn) +
+           turns_of(b->ramp * ms * ms, ramp_per_turn);
 }
 
 static void on_send(void *ctx, const struct dg_can_frame *frame)
@@ -362,7 +372,7 @@ static bool step_sdo(struct bench *b, char **words, size_t n, struct cf_report *
 static bool power_on(struct bench *b, struct cf_report *report)
 {
     const struct dg_co_setup setup = {
-        .device = b->device->cia406->device,
+        .device = b->model.device,
         .world = &b->world,
         .nvm = ram_nvm_port(&b->nvm),
         .ops = &bus,
@@ -370,7 +380,7 @@ static bool power_on(struct bench *b, struct cf_report *report)
         .application = &b->encoder,
     };
 
-    if (dg_cia406_init(&b->encoder, b->device->cia406) != 0 || dg_co_init(&b->node, &setup) != 0 ||
+    if (dg_cia406_init(&b->encoder, &b->model) != 0 || dg_co_init(&b->node, &setup) != 0 ||
         dg_co_power_on(&b->node, b->now) != 0) {
         return cf_fail(report, "the node does not start");
     }
@@ -391,27 +401,31 @@ static bool step_power(struct bench *b, char **words, size_t n, struct cf_report
     return n == 2 && strcmp(words[1], "off") == 0 ? true : cf_fail(report, "power on|off");
 }
 
-/* given MODEL [serial=N] [boot] */
+/* given MODEL [serial=N] [turns=65536] [boot] */
 static bool step_given(struct bench *b, char **words, size_t n, struct cf_report *report)
 {
+    const struct dg_device *device = n > 1 ? dg_device_find(words[1]) : NULL;
     uint32_t serial = 1234567890;
     bool keep = false;
 
-    b->device = n > 1 ? dg_device_find(words[1]) : NULL;
-    if (b->device == NULL || b->device->stack != DG_STACK_CANOPEN) {
+    if (device == NULL || device->stack != DG_STACK_CANOPEN) {
         return cf_fail(report, "given: no such model");
     }
+    b->model = *device->cia406;
     for (size_t i = 2; i < n; i++) {
         if (strncmp(words[i], "serial=", 7) == 0) {
             serial = (uint32_t)strtoul(words[i] + 7, NULL, 10);
+        } else if (strcmp(words[i], "turns=65536") == 0) {
+            b->model.turns = 65536;
+            b->model.device = &dg_cia406_multiturn_32;
         } else if (strcmp(words[i], "boot") == 0) {
             keep = true;
         } else {
             return cf_fail(report, "given: no such figure: %s", words[i]);
         }
     }
-    ram_nvm_init(&b->nvm, dg_store_size(b->device->cia406->device->layout));
-    if (dg_co_format(b->device->cia406->device, ram_nvm_port(&b->nvm), serial) != 0) {
+    ram_nvm_init(&b->nvm, dg_store_size(b->model.device->layout));
+    if (dg_co_format(b->model.device, ram_nvm_port(&b->nvm), serial) != 0) {
         return cf_fail(report, "given: the memory cannot be formatted");
     }
     b->ready = power_on(b, report);
@@ -444,18 +458,122 @@ static bool step_turn(struct bench *b, char **words, size_t n, struct cf_report 
     int64_t figure = n == 2 ? strtoll(words[1], &unit, 10) : 0;
     int64_t per_turn = unit != NULL && strcmp(unit, "DEG") == 0 ? 360 : 65536;
 
-    b->from = figure / per_turn * DG_TURN + figure % per_turn * DG_TURN / per_turn;
+    b->from = turns_of(figure, per_turn);
     b->since = b->now;
     b->rpm = 0;
+    b->ramp = 0;
     return (unit != NULL && (*unit == '\0' || per_turn == 360)) || cf_fail(report, "turn 90DEG");
 }
 
+/* rpm N | ramp N: N rpm, or from standstill N rpm a second */
 static bool step_rpm(struct bench *b, char **words, size_t n, struct cf_report *report)
 {
+    int64_t figure = n == 2 ? strtoll(words[1], NULL, 10) : 0;
+    bool ramp = strcmp(words[0], "ramp") == 0;
+
     b->from = shaft_angle(b, b->now);
     b->since = b->now;
-    b->rpm = n == 2 ? strtoll(words[1], NULL, 10) : 0;
-    return n == 2 || cf_fail(report, "rpm N");
+    b->rpm = ramp ? 0 : figure;
+    b->ramp = ramp ? figure : 0;
+    return n == 2 || cf_fail(report, "rpm N | ramp N");
+}
+
+/* world QUANTITY N: a cause, in the unit of dg_world; bits are 0 and 1 */
+static bool step_world(struct bench *b, char **words, size_t n, struct cf_report *report)
+{
+    struct dg_world *world = &b->world;
+    const struct {
+        const char *name;
+        uint32_t *figure;
+        bool *bit;
+    } quantities[] = {
+        {"temperature_mdegc", (uint32_t *)&world->temperature_mdegc, NULL},
+        {"battery_mv", &world->battery_mv, NULL},
+        {"led_current_ua", &world->led_current_ua, NULL},
+        {"singleturn_ok", NULL, &world->singleturn_ok},
+        {"multiturn_amplitude_ok", NULL, &world->multiturn_amplitude_ok},
+        {"multiturn_sync_ok", NULL, &world->multiturn_sync_ok},
+        {"multiturn_vector_ok", NULL, &world->multiturn_vector_ok},
+        {"eeprom_acknowledges", NULL, &world->eeprom_acknowledges},
+        {"watchdog_fired", NULL, &world->watchdog_fired},
+    };
+    const size_t count = sizeof quantities / sizeof quantities[0];
+    long value = n == 3 ? strtol(words[2], NULL, 10) : 0;
+    size_t i = 0;
+
+    while (n == 3 && i < count && strcmp(words[1], quantities[i].name) != 0) {
+        i++;
+    }
+    if (n != 3 || i == count) {
+        return cf_fail(report, "world QUANTITY N");
+    }
+    if (quantities[i].bit != NULL) {
+        *quantities[i].bit = value != 0;
+    } else {
+        *quantities[i].figure = (uint32_t)value;
+    }
+    return true;
+}
+
+/* --- LEDs ---------------------------------------------------------------------------------- */
+
+static struct dg_cia406_leds look(struct bench *b)
+{
+    note_deadline(b, dg_co_step(&b->node, b->now));
+    return dg_cia406_leds(&b->node);
+}
+
+static bool lit(struct bench *b, bool red)
+{
+    struct dg_cia406_leds leds = look(b);
+
+    return red ? leds.err : leds.bus;
+}
+
+/* How long the LED stays as it is, at most 3 s. Leaves the bench at the change. */
+static dg_ns until_change(struct bench *b, bool red)
+{
+    dg_ns from = b->now;
+    bool first = lit(b, red);
+
+    while (lit(b, red) == first && b->now < from + DG_S(3)) {
+        run_until(b, b->now + DG_MS(1), false);
+    }
+    return b->now - from;
+}
+
+/* led bus|err on|off|T: lit, dark, or T lit and T dark */
+static bool step_led(struct bench *b, char **words, size_t n, struct cf_report *report)
+{
+    bool red = n == 3 && strcmp(words[1], "err") == 0;
+    const char *rest;
+    dg_ns want = n == 3 ? span(words[2], &rest) : 0;
+    bool on = n == 3 && strcmp(words[2], "on") == 0;
+
+    if (n != 3 || (want == 0 && !on && strcmp(words[2], "off") != 0)) {
+        return cf_fail(report, "led bus|err on|off|T");
+    }
+    if (want > 0) {
+        (void)until_change(b, red);
+        return (until_change(b, red) == want && until_change(b, red) == want) ||
+               cf_fail(report, "led: it does not change after %s", words[2]);
+    }
+    return lit(b, red) == on || cf_fail(report, "led: it is not %s", words[2]);
+}
+
+/* leds together|apart: both in the same phase, or in opposite phase, for half a second */
+static bool step_leds(struct bench *b, char **words, size_t n, struct cf_report *report)
+{
+    bool together = n == 2 && strcmp(words[1], "together") == 0;
+    bool held = together || (n == 2 && strcmp(words[1], "apart") == 0);
+
+    for (int i = 0; i < 500 && held; i++) {
+        struct dg_cia406_leds leds = look(b);
+
+        held = (leds.bus == leds.err) == together;
+        run_until(b, b->now + DG_MS(1), false);
+    }
+    return held || cf_fail(report, "leds together|apart: they are not");
 }
 
 /* bus off|active|passive|overrun: what the CAN controller reports */
@@ -490,7 +608,7 @@ static bool step_eeprom(struct bench *b, char **words, size_t n, struct cf_repor
 /* damage REGION OFFSET [MASK]: bytes that change by themselves */
 static bool step_damage(struct bench *b, char **words, size_t n, struct cf_report *report)
 {
-    const struct dg_store_layout *layout = b->device->cia406->device->layout;
+    const struct dg_store_layout *layout = b->model.device->layout;
     int region = n >= 3 ? dg_store_find(layout, words[1]) : -1;
     unsigned long offset = n >= 3 ? strtoul(words[2], NULL, 0) : 0;
     unsigned long mask = n == 4 ? strtoul(words[3], NULL, 16) : 0x01;
@@ -532,6 +650,8 @@ static const struct {
     {"turn",  step_turn,  false}, {"rpm",   step_rpm,    false}, {"bus",    step_bus,    false},
     {"power", step_power, false}, {"eeprom", step_eeprom, false}, {"damage", step_damage, false},
     {"node",  step_node,  false}, {"rate",  step_rate,   true},  {"late",  step_late,   false},
+    {"ramp",  step_rpm,  false}, {"world", step_world,  false}, {"led",    step_led,    true},
+    {"leds",  step_leds,  true},
 };
 /* clang-format on */
 

@@ -92,6 +92,7 @@ int main(int argc, char **argv)
         {"canopen-selftest", cf_canopen, expect_fail},
         {"interbus", cf_interbus, prove},
         {"interbus-selftest", cf_interbus, expect_fail},
+        {"cia406", cf_canopen, prove},
     };
     int result = 2;
 
@@ -105,7 +106,7 @@ int main(int argc, char **argv)
     if (result == 2) {
         (void)fprintf(
             stderr, "usage: conformance %s CLAUSES ROWS\n",
-            "hiperface|selftest|biss|canopen|canopen-selftest|interbus|interbus-selftest");
+            "hiperface|selftest|biss|canopen|canopen-selftest|cia406|interbus|interbus-selftest");
     }
     return result;
 }

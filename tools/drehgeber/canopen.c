@@ -66,3 +66,19 @@ int canopen_understand(const struct options *options, struct lx_can_nodes_setup 
     }
     return options->serial == NULL ? 0 : take_serial(options->serial, setup, error);
 }
+
+int canopen_set(struct dg_cia406_model *model, const char *assignment, struct lx_error *error)
+{
+    static const char key[] = "mt_bits=";
+    const char *value = assignment + strlen(key);
+    if (strncmp(assignment, key, strlen(key)) != 0) {
+        return 0;
+    }
+    const bool wide = strcmp(value, "16") == 0;
+    if (model->turns == 1 || (!wide && strcmp(value, "12") != 0)) {
+        return lx_fail(error, "--set %s: 12 or 16 is right, with f3668", assignment);
+    }
+    model->turns = wide ? 65536u : 4096u;
+    model->device = wide ? &dg_cia406_multiturn_32 : &dg_cia406_multiturn;
+    return 1;
+}

@@ -27,6 +27,7 @@ struct rig {
     struct lx_encoder encoder;
     struct lx_can_nodes nodes; /* CANopen: instead of eeprom and encoder */
     struct lx_can_nodes_setup nodes_setup;
+    struct dg_cia406_model cia406;
     const struct dg_device *device;
     sd_event *event;
 };
@@ -66,8 +67,15 @@ static int understand(struct rig *self, struct lx_error *error)
         return -1;
     }
     lx_settings_init(&self->settings, device->hiperface);
+    if (device->stack == DG_STACK_CANOPEN) {
+        self->cia406 = *device->cia406;
+    }
     for (size_t i = 0; i < options->set_count; i++) {
-        if (lx_settings_set(&self->settings, options->sets[i], error) != 0) {
+        const int taken = device->stack == DG_STACK_CANOPEN
+                              ? canopen_set(&self->cia406, options->sets[i], error)
+                              : 0;
+        if (taken < 0 ||
+            (taken == 0 && lx_settings_set(&self->settings, options->sets[i], error) != 0)) {
             return -1;
         }
     }
@@ -133,7 +141,7 @@ static int switch_on_canopen(struct rig *self, dg_ns now, struct lx_error *error
     struct lx_can_nodes_setup *setup = &self->nodes_setup;
     setup->event = self->event;
     setup->say = &self->options->say;
-    setup->model = self->device->cia406;
+    setup->model = &self->cia406;
     setup->world = &self->settings.world;
     setup->open = self->wire->can;
     setup->where = self->options->where;
