@@ -18,12 +18,10 @@
 #define PATIENCE DG_MS(50)
 
 struct bench {
-    dg_ns now;
-    dg_ns deadline;
+    dg_ns now, deadline;
     int64_t from; /* the shaft: angle at `since`, and its speed */
     dg_ns since;
-    int64_t rpm;
-    int64_t ramp; /* rpm/s */
+    int64_t rpm, ramp; /* the latter in rpm/s */
     struct dg_cia406_model model;
     struct dg_world world;
     struct ram_nvm nvm;
@@ -34,13 +32,11 @@ struct bench {
     uint8_t node_id; /* whom `read` and `write` talk to */
     uint16_t kbaud;  /* last bit rate the node reported */
     dg_ns late;      /* the next frame is delivered so long after it came in */
-    uint8_t filter_version;
-    uint8_t filter_count;
+    uint8_t filter_version, filter_count;
     uint16_t filters[DG_CO_FILTERS_MAX];
     struct dg_can_frame sent[QUEUE_MAX];
     dg_ns sent_at[QUEUE_MAX];
-    size_t sent_count;
-    size_t seen; /* frames that were expected so far */
+    size_t sent_count, seen; /* the latter: expected so far */
 };
 
 static struct bench bench;
@@ -499,19 +495,16 @@ static bool step_world(struct bench *b, char **words, size_t n, struct cf_report
     };
     const size_t count = sizeof quantities / sizeof quantities[0];
     long value = n == 3 ? strtol(words[2], NULL, 10) : 0;
-    size_t i = 0;
+    size_t i = n == 3 ? cf_find_verb(quantities, count, sizeof quantities[0], words[1]) : count;
 
-    while (n == 3 && i < count && strcmp(words[1], quantities[i].name) != 0) {
-        i++;
-    }
-    if (n != 3 || i == count) {
+    if (i == count) {
         return cf_fail(report, "world QUANTITY N");
     }
-    if (quantities[i].bit != NULL) {
-        *quantities[i].bit = value != 0;
-    } else {
+    if (quantities[i].bit == NULL) {
         *quantities[i].figure = (uint32_t)value;
+        return true;
     }
+    *quantities[i].bit = value != 0;
     return true;
 }
 
@@ -657,12 +650,7 @@ static const struct {
 
 static size_t find_step(const char *verb)
 {
-    size_t i = 0;
-
-    while (i < sizeof steps / sizeof steps[0] && strcmp(steps[i].verb, verb) != 0) {
-        i++;
-    }
-    return i;
+    return cf_find_verb(steps, sizeof steps / sizeof steps[0], sizeof steps[0], verb);
 }
 
 static void begin(void *ctx)

@@ -102,6 +102,12 @@ void cf_summary(const struct cf_suite *suite, FILE *to);
 bool cf_run(const struct cf_suite *suite, const struct cf_row *row, const struct cf_device *device,
             struct cf_report *report);
 
+/**
+ * Where a table of steps has `verb`. Every row of `size` bytes begins with its verb, a string.
+ * @return its index, `count` when it is not there
+ */
+size_t cf_find_verb(const void *steps, size_t count, size_t size, const char *verb);
+
 /** The steps of an S36 with RS485 (hiperface_steps.c). One bench: not for two at a time. */
 const struct cf_device *cf_hiperface(void);
 

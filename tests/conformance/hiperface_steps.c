@@ -561,12 +561,7 @@ static const struct {
 
 static size_t find_step(const char *verb)
 {
-    size_t i = 0;
-
-    while (i < sizeof steps / sizeof steps[0] && strcmp(steps[i].verb, verb) != 0) {
-        i++;
-    }
-    return i;
+    return cf_find_verb(steps, sizeof steps / sizeof steps[0], sizeof steps[0], verb);
 }
 
 static void begin(void *ctx)

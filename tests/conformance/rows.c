@@ -353,3 +353,17 @@ bool cf_run(const struct cf_suite *suite, const struct cf_row *row, const struct
     }
     return true;
 }
+
+size_t cf_find_verb(const void *steps, size_t count, size_t size, const char *verb)
+{
+    size_t i = 0;
+    const char *known;
+
+    for (; i < count; i++) {
+        memcpy(&known, (const char *)steps + i * size, sizeof known);
+        if (strcmp(known, verb) == 0) {
+            break;
+        }
+    }
+    return i;
+}
