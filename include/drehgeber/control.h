@@ -1,0 +1,193 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * The control plane: encoders and shafts as SCPI instruments, for whatever byte stream carries it.
+ * An encoder is an instrument; a session selects one (the first one to begin with), and SHAFt acts
+ * on the shaft that it sits on.
+ *
+ *   INSTrument:CATalog?                          names
+ *   INSTrument:SELect NAME | ?
+ *   INSTrument:MODel?                            e.g. "s3684-rs485"
+ *   INSTrument:WIRE?                             e.g. "pty:/dev/pts/4"
+ *   SHAFt:CATalog?                               names
+ *   SHAFt:NAME?                                  of the selected encoder's
+ *   SHAFt:POSition ANGLE | ?                     jump there and rest; degrees, 6 decimals
+ *   SHAFt:VELocity SPEED | ?                     rpm, 3 decimals
+ *   SHAFt:ACCeleration RPM/S | ?                 of what is to come; 0: at once
+ *   SHAFt:STOP
+ *   SHAFt:MOVE ANGLE[,SPEED]                     go there (default 60 RPM); overlapped, *OPC? waits
+ *   SHAFt:MOVing?                                1 while it takes time
+ *   SHAFt:PROFile "MOTION" | ?                   as --shaft takes it, also a .csv file
+ *   SHAFt:RECord:STARt "FILE.csv"[,INTERVAL]     default 1 MS
+ *   SHAFt:RECord:STOP
+ *   WORLd:TEMPerature, WORLd:LED:CURRent, WORLd:SUPPly, WORLd:BATTery, WORLd:AMPLitude:SIN, :COS,
+ *   WORLd:OFFSet:SIN, :COS, WORLd:SINGleturn, WORLd:MULTiturn:AMPLitude, :SYNC, :VECTor,
+ *   WORLd:EEPRom, WORLd:WATChdog                 VALUE | ?; numbers with units, states ON or OFF
+ *   WORLd:DEFault                                all healthy
+ *   FAULt:CATalog?                               name,kind,cause,effect,chapter for each
+ *   FAULt:SET NAME[,COUNt n][,PROBability p][,DURation TIME]
+ *   FAULt:CLEar [NAME]                           all without a name
+ *   FAULt:ACTive?                                names
+ *   FAULt:HAPPened? NAME                         frames it happened to
+ *   NVM:CATalog?                                 regions
+ *   NVM:CORRupt REGION                           flip a bit; seen from the next power-on on
+ *   NVM:ERASe                                    all of it, to the delivery state; power must be
+ * off POWer OFF|ON|CYCLe, POWer? STATe?                                       key=value,... ; see
+ * dg_encoder_kind.state TIME?                                        seconds of the rig's clock, 9
+ * decimals TIME:SCALe FACTOR | ?                        simulated wires only, else -221; 0 stops
+ *   TIME:STEP TIME                               while it is stopped
+ *   TRACe:STARt "FILE"                           of the selected encoder's wire
+ *   TRACe:STOP
+ *   TRACe:LAST? [N]                              decoded frames, newest last, strings
+ *   BISS:FRAMe?                                  position,nERR,nWARN,life,CRC ok (simulated wire)
+ *   BISS:REGister? ADDRESS[,N]                   bytes; -240 when the encoder refuses
+ *   BISS:REGister ADDRESS,BYTE[,BYTE]...
+ */
+#ifndef DREHGEBER_CONTROL_H
+#define DREHGEBER_CONTROL_H
+
+#include "drehgeber/fault.h"
+#include "drehgeber/scpi.h"
+#include "drehgeber/shaft.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+struct dg_encoder;
+
+/** What one kind of encoder does in its own way; one table for each stack. */
+struct dg_encoder_kind {
+    enum dg_device_stack stack;
+    /** Its EEPROM, NULL without one. */
+    const struct dg_store_layout *(*layout)(const struct dg_encoder *self);
+    /** The delivery state into self->nvm. @return 0 or an enum dg_result */
+    int (*format)(const struct dg_encoder *self);
+    int (*power_on)(struct dg_encoder *self, dg_ns now);
+    void (*power_off)(struct dg_encoder *self);
+    bool (*powered)(const struct dg_encoder *self);
+    /**
+     * Append key=value parts (dg_scpi_put_*), values without ',' and ';', lists with '/'. All have
+     * power (0, 1), mode, position (as the bus would see it at `now`), leds (NAME:on, off or a
+     * pattern, with '/' between them; '-' without LEDs), errors (codes in hex, newest first, '-'
+     * without) and frames; then counters and what is its own.
+     */
+    void (*state)(const struct dg_encoder *self, dg_ns now, struct dg_scpi *to);
+};
+
+/** The kinds. An image that links only one of them carries only its stack. */
+extern const struct dg_encoder_kind dg_kind_hiperface, dg_kind_biss, dg_kind_canopen,
+    dg_kind_interbus;
+
+/** The kind of a stack, for hosts that have them all. */
+const struct dg_encoder_kind *dg_encoder_kind_of(enum dg_device_stack stack);
+
+/** A shaft with a name. */
+struct dg_rig_shaft {
+    const char *name;
+    struct dg_shaft shaft;
+    void *host; /**< the host's own */
+};
+
+/** An encoder as an instrument. The host fills it; names and pointers must outlive it. */
+struct dg_encoder {
+    const char *name; /**< unique in the rig: letters, digits, '_', '-'; not case sensitive */
+    const struct dg_device *model;
+    const struct dg_encoder_kind *kind;
+    void *device;           /**< struct dg_hf, dg_biss, dg_co_node or dg_ib */
+    struct dg_world *world; /**< its own; angle from `shaft` */
+    struct dg_rig_shaft *shaft;
+    struct dg_nvm nvm; /**< ops NULL: none */
+    uint32_t serial;   /**< burnt in by `format`, where the model does not say */
+    struct dg_faults faults;
+    void *host; /**< the host's own */
+};
+
+struct dg_rig;
+
+/** What a rig needs of its host. Optional ones may be NULL: the commands answer -241. Each gives 0
+ * or an enum dg_scpi_error; `detail` has room for DG_SCPI_DETAIL_MAX characters and a zero. */
+struct dg_rig_ops {
+    /** Something about `encoder` has changed (power, world, faults): look at deadlines anew. NULL
+     * as encoder: a shaft did. Not optional. */
+    void (*changed)(struct dg_rig *self, struct dg_encoder *encoder, dg_ns now);
+    /** Address of the encoder's wire, as in the ready line, e.g. "can:vcan0/5". Not optional. */
+    const char *(*wire)(struct dg_rig *self, const struct dg_encoder *encoder);
+    /** STATe?: append what the port counts for this encoder (dg_scpi_put_*), as the kind does:
+     * wire_late (deadlines missed), wire_up (0, 1), and what is the wire's own. */
+    void (*counters)(struct dg_rig *self, const struct dg_encoder *encoder, struct dg_scpi *to);
+    /** SHAFt:PROFile: play what `text` says. */
+    int (*profile)(struct dg_rig *self, struct dg_rig_shaft *shaft, dg_ns now, const char *text,
+                   char *detail);
+    /** Text of the profile being played, or of the state: for SHAFt:PROFile?. */
+    const char *(*profile_text)(struct dg_rig *self, const struct dg_rig_shaft *shaft);
+    /** Record a shaft every `interval`; `path` NULL: stop. */
+    int (*record)(struct dg_rig *self, struct dg_rig_shaft *shaft, dg_ns now, const char *path,
+                  dg_ns interval, char *detail);
+    /** Trace the encoder's wire; `path` NULL: stop. */
+    int (*trace)(struct dg_rig *self, struct dg_encoder *encoder, const char *path, char *detail);
+    /** Decoded frame `back` (0: newest) of the encoder's wire. @return false: there is none */
+    bool (*last)(struct dg_rig *self, const struct dg_encoder *encoder, unsigned back, char *text,
+                 size_t size);
+    /** The rig's clock runs at `permille` of real time from now on. */
+    int (*set_scale)(struct dg_rig *self, uint32_t permille, char *detail);
+    /** Its present rate in permille. */
+    uint32_t (*scale)(struct dg_rig *self);
+    /** Let `span` pass. @return as above */
+    int (*step)(struct dg_rig *self, dg_ns span, char *detail);
+    /** One frame on a simulated BiSS wire, at the rig's present time. */
+    int (*biss_frame)(struct dg_rig *self, struct dg_encoder *encoder, uint64_t *bits,
+                      uint8_t *count, char *detail);
+    /** Read or write `n` registers there. */
+    int (*biss_read)(struct dg_rig *self, struct dg_encoder *encoder, uint8_t address,
+                     uint8_t *bytes, size_t n, char *detail);
+    int (*biss_write)(struct dg_rig *self, struct dg_encoder *encoder, uint8_t address,
+                      const uint8_t *bytes, size_t n, char *detail);
+};
+
+/** A rig: what all sessions work on. Caller-owned; arrays and names are borrowed. */
+struct dg_rig {
+    struct dg_encoder **encoders;
+    size_t encoder_count; /**< at least 1 */
+    struct dg_rig_shaft **shafts;
+    size_t shaft_count;
+    const struct dg_rig_ops *ops;
+    void *host; /**< the host's own */
+};
+
+/** The commands; rows for dg_scpi_setup.commands, whose ctx is the struct dg_rig behind a struct
+ * dg_control. */
+extern const struct dg_scpi_command dg_control_commands[];
+extern const size_t dg_control_command_count;
+
+/** A client of a rig. Not to be moved. */
+struct dg_control {
+    struct dg_scpi session;
+    struct dg_rig *rig;
+    void (*write)(void *ctx, const char *bytes, size_t n);
+    void *ctx; /**< of write */
+};
+
+/** A new client. `write` as dg_scpi_ops.write. */
+void dg_control_init(struct dg_control *self, struct dg_rig *rig,
+                     void (*write)(void *ctx, const char *bytes, size_t n), void *ctx);
+
+/** As dg_scpi_rx() and dg_scpi_step(). */
+size_t dg_control_rx(struct dg_control *self, dg_ns now, const char *bytes, size_t n);
+dg_ns dg_control_step(struct dg_control *self, dg_ns now);
+
+/** End faults whose time is over, of all encoders. @return when to call again; DG_NEVER */
+dg_ns dg_rig_step(struct dg_rig *self, dg_ns now);
+
+/** What faults of this encoder work on. */
+struct dg_fault_target dg_encoder_target(const struct dg_encoder *self);
+
+/** POWer: off, then on when `on`; deadlines are the host's (ops->changed). @return 0 or dg_result
+ */
+int dg_encoder_power(struct dg_encoder *self, dg_ns now, bool on);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,105 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * A shaft that is steered while it turns: by hand, by a test, by a gear from another shaft. Where
+ * it is stays a pure function of time; a command replaces the function from its own moment on.
+ *
+ * A shaft plugs into worlds: `world.angle = dg_shaft_angle; world.angle_ctx = &shaft;`
+ */
+#ifndef DREHGEBER_SHAFT_H
+#define DREHGEBER_SHAFT_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "drehgeber/motion.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Greatest acceleration, in 0.001 rpm per second (10^9 rpm/s). */
+#define DG_SHAFT_ACCELERATION_MAX INT64_C(1000000000000)
+/** Parts of constant acceleration a command can lead to: turn round, speed up, hold, slow down. */
+#define DG_SHAFT_PHASES 4u
+/** Shafts between one and the shaft that drives them all, at most. */
+#define DG_SHAFT_GEARS_MAX 8u
+
+/** A part of constant acceleration. */
+struct dg_shaft_phase {
+    dg_ns at;           /**< it begins */
+    dg_angle from;      /**< angle there */
+    int64_t mrpm;       /**< speed there */
+    int64_t mrpm_per_s; /**< acceleration */
+};
+
+/** What a shaft does from a command on. */
+struct dg_shaft_course {
+    dg_ns at;                /**< the command's moment; a play starts its motion's `start` there */
+    bool plays;              /**< `motion` says where it is, else the phases */
+    struct dg_motion motion; /**< its points are borrowed */
+    uint8_t count;           /**< phases; the last one lasts for good */
+    struct dg_shaft_phase phase[DG_SHAFT_PHASES];
+};
+
+/** A shaft. Caller-owned plain data, but for `driver`; other modules only read it. */
+struct dg_shaft {
+    struct dg_shaft_course course; /**< in force */
+    struct dg_shaft_course before; /**< in force before course.at: encoders look back 1 ms */
+    int64_t mrpm_per_s;            /**< of velocity, stop and move; 0: at once */
+    const struct dg_shaft *driver; /**< NULL: turns by itself */
+    int32_t numerator;             /**< turns of this shaft ... */
+    int32_t denominator;           /**< ... for as many of the driver; not 0 */
+    dg_angle offset;               /**< geared: angle while the driver is at 0 */
+};
+
+/** At rest at angle 0, no acceleration limit, no gear. */
+void dg_shaft_init(struct dg_shaft *self);
+
+/**
+ * Couple to `driver`, which must outlive this shaft and be declared before it: angle = floor(driver
+ * * numerator / denominator) + offset, exact for every angle. A geared shaft takes no command but
+ * dg_shaft_set_position(), which moves `offset`.
+ * @return 0 or DG_ERR_ARGUMENT: denominator < 1, or more than DG_SHAFT_GEARS_MAX gears in a row
+ */
+int dg_shaft_couple(struct dg_shaft *self, const struct dg_shaft *driver, int32_t numerator,
+                    int32_t denominator);
+
+/** Acceleration of the commands to come, 0..DG_SHAFT_ACCELERATION_MAX; 0: at once.
+ * @return 0 or DG_ERR_ARGUMENT */
+int dg_shaft_set_acceleration(struct dg_shaft *self, int64_t mrpm_per_s);
+
+/** Be at `angle` at `now`, at rest (a geared shaft goes on turning). @return 0 */
+int dg_shaft_set_position(struct dg_shaft *self, dg_ns now, dg_angle angle);
+
+/** Turn at `mrpm`, reached from the present speed with the acceleration; 0 stops.
+ * @return 0; DG_ERR_ARGUMENT beyond +-DG_MOTION_SPEED_MAX_MRPM, or for a geared shaft */
+int dg_shaft_set_velocity(struct dg_shaft *self, dg_ns now, int32_t mrpm);
+
+/**
+ * Go to `target` and stay there: from the present angle and speed, with the acceleration, at most
+ * at `mrpm` > 0. Without an acceleration at `mrpm` from the first moment to the last. It ends
+ * exactly at `target`.
+ * @return 0; DG_ERR_ARGUMENT: mrpm out of range, longer than 2^40 turns, or a geared shaft
+ */
+int dg_shaft_move(struct dg_shaft *self, dg_ns now, dg_angle target, int32_t mrpm);
+
+/** Do what `motion` says from `now` on (its `start` is set to now). @return as dg_motion_set(), or
+ * DG_ERR_ARGUMENT for a geared shaft */
+int dg_shaft_play(struct dg_shaft *self, dg_ns now, const struct dg_motion *motion);
+
+/** When the last move, stop or speed change is (or was) over; DG_NEVER while a motion is played. */
+dg_ns dg_shaft_settled(const struct dg_shaft *self);
+
+/** Where it is. `ctx` is a struct dg_shaft; the signature is dg_world.angle's. */
+dg_angle dg_shaft_angle(void *ctx, dg_ns now);
+
+/** Its speed at `now` in 0.001 rpm: of the phase, exact to 1; of a played motion the mean of the
+ * millisecond before. Geared: the driver's times the ratio, truncated, saturated. */
+int32_t dg_shaft_mrpm(const struct dg_shaft *self, dg_ns now);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,113 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * A wire with the encoders on it, whatever it is. Made in two steps: make() understands the plan
+ * and touches nothing outside the process; open() opens files and switches the power on.
+ */
+#ifndef DREHGEBER_LINUX_BUS_H
+#define DREHGEBER_LINUX_BUS_H
+
+#include <systemd/sd-event.h>
+
+#include "drehgeber/control.h"
+#include "plan.h"
+#include "say.h"
+#include "tap.h"
+
+/** The rig's clock: monotonic time, but where all wires are simulated it may be slowed down,
+ * stopped, and stepped. */
+struct lx_clock {
+    dg_ns real;        /**< lx_now() when the rate was set last */
+    dg_ns virtual_;    /**< the rig's time then */
+    uint32_t permille; /**< 1000: as real time goes */
+};
+
+struct lx_bus;
+
+/** An encoder on a bus. The rig owns it; the bus fills control.device, control.nvm. */
+struct lx_station {
+    struct dg_encoder control; /**< name, model, kind, world and shaft are set before make() */
+    struct dg_world world;     /**< what control.world points to; healthy before make() */
+    const struct lx_plan_encoder *plan;
+    struct lx_bus *bus;
+    size_t place; /**< on the bus, 0 is the first */
+    void *own;    /**< the bus's own */
+};
+
+/** What a bus is made of. Everything pointed to must outlive it. */
+struct lx_bus_setup {
+    sd_event *event;
+    const struct lx_say *say;
+    const struct lx_plan *plan;      /**< for messages */
+    const struct lx_plan_wire *wire; /**< its row of the plan */
+    struct lx_station **stations;
+    size_t count; /**< at least 1 */
+    const struct lx_clock *clock;
+};
+
+/** Longest address for a ready line. */
+#define LX_BUS_ADDRESS_MAX 4200u
+
+/** What a kind of bus does. Optional ones may be NULL. */
+struct lx_bus_ops {
+    /** Open the wire, load the EEPROMs, switch everything on at `now`.
+     * @return 0, or -1 with one line in `error`; closed by close() in any case */
+    int (*open)(struct lx_bus *self, dg_ns now, struct lx_error *error);
+    /** What a ready line says behind "KIND:". */
+    void (*address)(const struct lx_bus *self, const struct lx_station *station, char *to,
+                    size_t size);
+    /** Power, world or faults of a station have changed (NULL: a shaft): deadlines anew. */
+    void (*changed)(struct lx_bus *self, struct lx_station *station, dg_ns now);
+    /** STATe?: wire_late, wire_up and counters of its own. */
+    void (*counters)(const struct lx_bus *self, const struct lx_station *station,
+                     struct dg_scpi *to);
+    /** BISS:..., as in dg_rig_ops; optional. */
+    int (*biss_frame)(struct lx_bus *self, struct lx_station *station, uint64_t *bits,
+                      uint8_t *count, char *detail);
+    int (*biss_read)(struct lx_bus *self, struct lx_station *station, uint8_t address,
+                     uint8_t *bytes, size_t n, char *detail);
+    int (*biss_write)(struct lx_bus *self, struct lx_station *station, uint8_t address,
+                      const uint8_t *bytes, size_t n, char *detail);
+    /** Switch everything off, close the wire, free `self`. */
+    void (*close)(struct lx_bus *self);
+};
+
+/** The part that all buses share; first member of each kind. */
+struct lx_bus {
+    const struct lx_bus_ops *ops;
+    struct lx_bus_setup setup;
+    struct lx_tap tap;
+    uint64_t late; /**< deadlines missed: what is late is each kind's to say */
+};
+
+/** Understand the plan: figures, settings, addresses. @return NULL with one line in `error` */
+typedef struct lx_bus *lx_bus_make(const struct lx_bus_setup *setup, struct lx_error *error);
+
+/** A kind of wire. */
+struct lx_wire {
+    const char *name; /**< as in "ready MODEL WIRE:ADDRESS" and --WIRE */
+    enum dg_device_stack stack;
+    size_t stations_max; /**< encoders that fit on one */
+    bool simulated;      /**< runs by the rig's clock, which may be slowed down */
+    lx_bus_make *make;
+    const char *where; /**< what its address looks like, for messages, e.g. "CHIP:MA,SLO" */
+    bool where_needed;
+};
+
+/** All kinds. */
+extern const struct lx_wire lx_wires[];
+extern const size_t lx_wire_count;
+
+/** The kind called `name` (n characters), or NULL. */
+const struct lx_wire *lx_wire_find(const char *name, size_t n);
+
+/** The makers. */
+lx_bus_make lx_hf_bus_make_pty, lx_hf_bus_make_tty, lx_can_bus_make_socket, lx_can_bus_make_slcan,
+    lx_ring_bus_make, lx_sim_bus_make, lx_gpio_bus_make;
+
+/** The rig's time now. */
+dg_ns lx_clock_now(const struct lx_clock *self);
+/** Real time at which the rig's time is `at`; DG_NEVER when it stands still. */
+dg_ns lx_clock_real(const struct lx_clock *self, dg_ns at);
+
+#endif

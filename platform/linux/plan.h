@@ -1,0 +1,117 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * What a rig is to be: shafts, wires, encoders, in the user's words, in the order they were
+ * declared. A rig file (plan_file.c) or a command line makes one; lx_rig_open() makes the rig.
+ */
+#ifndef DREHGEBER_LINUX_PLAN_H
+#define DREHGEBER_LINUX_PLAN_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "drehgeber/devices.h"
+#include "say.h"
+
+/** Most shafts, wires and encoders of a rig; an INTERBUS ring alone may have 512. */
+#define LX_PLAN_SHAFTS_MAX 256u
+#define LX_PLAN_WIRES_MAX 256u
+#define LX_PLAN_ENCODERS_MAX 1024u
+/** Control addresses of a rig. */
+#define LX_PLAN_CONTROLS_MAX 4u
+
+/** Where a word stands; 0: on the command line. */
+typedef unsigned lx_line_number;
+
+/** KEY=VALUE, as --set takes it. */
+struct lx_plan_setting {
+    char *key;
+    char *value;
+    lx_line_number line;
+};
+
+/** Settings of one thing. */
+struct lx_plan_settings {
+    struct lx_plan_setting *list; /**< owned */
+    size_t count;
+};
+
+/** A shaft. */
+struct lx_plan_shaft {
+    char *name;
+    char *motion;     /**< as --shaft takes it; NULL: at rest at 0, or geared */
+    int driver;       /**< index of the shaft that drives it, declared before; -1: none */
+    int32_t ratio[2]; /**< turns of this shaft, for as many of the driver */
+    lx_line_number line;
+};
+
+/** A kind of wire; its rows are in bus.c. */
+struct lx_wire;
+
+/** A wire: a bus, or the private line of one encoder. */
+struct lx_plan_wire {
+    char *name; /**< of the [bus NAME] section, or of the encoder it belongs to */
+    const struct lx_wire *kind;
+    char *where;                      /**< LINK, DEV, IFNAME, HOST:PORT, CHIP:MA,SLO; or NULL */
+    char *trace;                      /**< file, or NULL */
+    struct lx_plan_settings settings; /**< of the wire itself, e.g. cycle of a ring */
+    lx_line_number line;
+};
+
+/** An encoder. */
+struct lx_plan_encoder {
+    char *name;
+    const struct dg_device *model;
+    size_t shaft;  /**< index */
+    size_t wire;   /**< index */
+    char *nvm;     /**< file, or NULL */
+    char *serial;  /**< or NULL */
+    char *address; /**< node-ID (CANopen), address (RS485, 0x40..0x5F); NULL: as delivered */
+    struct lx_plan_settings settings;
+    lx_line_number line;     /**< of the section */
+    lx_line_number nvm_line; /**< of the keys */
+    lx_line_number serial_line;
+    lx_line_number address_line;
+};
+
+/** A rig. All zero is an empty one. Strings are owned. */
+struct lx_plan {
+    char *file; /**< for messages; NULL: the command line */
+    char *name; /**< of the rig: the file's without its ending, or of the model */
+    char *controls[LX_PLAN_CONTROLS_MAX]; /**< unix:PATH or tcp:HOST:PORT; none: the default */
+    size_t control_count;
+    struct lx_plan_shaft *shafts;
+    size_t shaft_count;
+    struct lx_plan_wire *wires;
+    size_t wire_count;
+    struct lx_plan_encoder *encoders; /**< those of a wire in the order of their places on it */
+    size_t encoder_count;
+};
+
+/**
+ * Read a rig file (INI). Everything that can be known without opening anything but the file is
+ * checked: sections, keys, models, names, references, ratios, forms of motions and addresses.
+ * Relative file names in it are relative to its folder.
+ * @return 0, or -1 with one line "FILE:LINE: KEY: what is wrong; what would be right" in `error`
+ */
+int lx_plan_read(struct lx_plan *self, const char *file, struct lx_error *error);
+
+/** Give everything back; all zero afterwards. */
+void lx_plan_free(struct lx_plan *self);
+
+/** Append; all strings are copied. @return the index, or -1 without memory (or beyond the limits)
+ */
+int lx_plan_add_shaft(struct lx_plan *self, const char *name, const char *motion);
+int lx_plan_add_wire(struct lx_plan *self, const char *name, const struct lx_wire *kind,
+                     const char *where);
+int lx_plan_add_encoder(struct lx_plan *self, const char *name, const struct dg_device *model,
+                        size_t shaft, size_t wire);
+/** Append "KEY=VALUE". @return 0, or -1 with one line in `error` */
+int lx_plan_add_setting(struct lx_plan_settings *self, const char *assignment, lx_line_number line,
+                        struct lx_error *error);
+
+/** Fill `error`, printf style, with "FILE:LINE: " in front where there is a line. Always -1. */
+int lx_plan_fail(const struct lx_plan *self, lx_line_number line, struct lx_error *error,
+                 const char *format, ...);
+
+#endif
