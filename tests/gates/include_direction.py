@@ -20,6 +20,8 @@ ALLOWED = {
     "cia406":    {"core", "canopen"},
     "interbus":  {"core"},
     "devices":   {"core", "hiperface", "biss", "cia406", "interbus"},
+    "scpi":      {"core"},
+    "control":   {"core", "motion", "scpi", "hiperface", "biss", "canopen", "cia406", "interbus", "devices"},
 }
 # public header: the folder that implements it
 OWNER = {
@@ -37,6 +39,10 @@ OWNER = {
     "cia406.h":    "cia406",
     "interbus.h":  "interbus",
     "devices.h":   "devices",
+    "shaft.h":     "motion",
+    "scpi.h":      "scpi",
+    "fault.h":     "control",
+    "control.h":   "control",
 }
 # The header for users that includes all others; the core only implements its dg_version().
 UMBRELLA = "drehgeber.h"

@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * The control plane on sockets: unix:PATH (mode 0600) and tcp:HOST:PORT. Each connection is a
+ * session of its own. A slow or dead client never delays anybody: answers wait in its buffer up to
+ * a limit, then it is cut off.
+ */
+#ifndef DREHGEBER_LINUX_SERVER_H
+#define DREHGEBER_LINUX_SERVER_H
+
+#include <stdbool.h>
+#include <systemd/sd-event.h>
+
+#include "bus.h"
+#include "drehgeber/control.h"
+#include "say.h"
+
+/** Clients at once; one more is sent away with an error line. */
+#define LX_SERVER_CLIENTS_MAX 32u
+
+/** Longest address: "unix:" and a path, "tcp:" HOST:PORT. */
+#define LX_SERVER_ADDRESS_MAX 300u
+
+/** What a server is made of. Everything pointed to must outlive it. */
+struct lx_server_setup {
+    sd_event *event;
+    const struct lx_say *say;
+    struct dg_rig *rig;
+    const struct lx_clock *clock;
+    /** After commands of a client were done at `now` (the rig's time): deadlines may have moved. */
+    void (*settle)(void *ctx, dg_ns now);
+    void *ctx;
+};
+
+struct lx_server;
+
+/**
+ * Listen at `where`: unix:PATH or tcp:HOST:PORT (port 0: any). A socket left behind by a dead
+ * process is replaced, one of a living process is not.
+ * @return NULL with one line in `error`
+ */
+struct lx_server *lx_server_open(const char *where, const struct lx_server_setup *setup,
+                                 struct lx_error *error);
+
+/** Where it listens, with the real port. */
+const char *lx_server_address(const struct lx_server *self);
+
+/** Close all connections, remove the socket; NULL is fine. */
+void lx_server_close(struct lx_server *self);
+
+/** Whether `where` is an address at all. @return 0, or -1 with one line in `error` */
+int lx_server_check(const char *where, struct lx_error *error);
+
+/**
+ * The default address for `name`: unix:$XDG_RUNTIME_DIR/drehgeber/NAME.sock, without the variable
+ * unix:/tmp/drehgeber-UID/NAME.sock; the folder is made, mode 0700, and must be the user's own.
+ * @return 0, or -1 with one line in `error`
+ */
+int lx_server_default(const char *name, char *to, size_t size, struct lx_error *error);
+
+/** The folder of the default addresses, as above; not made. */
+int lx_server_folder(char *to, size_t size);
+
+#endif

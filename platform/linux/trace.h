@@ -1,0 +1,72 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * What went over a wire, in files that other tools open, and in words.
+ *
+ *   .vcd      RS485: the line's level, bit for bit, and a decoded text; BiSS: MA, SLO, text
+ *   .log      CAN: candump -L
+ *   .pcapng   CAN: link type SocketCAN, for Wireshark (.pcap means the same)
+ *   .csv      INTERBUS: time, IN and OUT words, whenever one has changed
+ */
+#ifndef DREHGEBER_LINUX_TRACE_H
+#define DREHGEBER_LINUX_TRACE_H
+
+#include <stddef.h>
+
+#include "drehgeber/devices.h"
+#include "say.h"
+#include "tap.h"
+
+/** A decoded line of text at most, with its zero. */
+#define LX_DECODE_MAX 160u
+
+/**
+ * Turns events of one wire into lines: a line for each RS485 frame, CAN frame, note, and INTERBUS
+ * cycle with a change. An RS485 frame ends with the next one's first character in the other
+ * direction, or with silence; lx_decoder_flush() is asked for by time.
+ */
+struct lx_decoder {
+    enum dg_device_stack stack;
+    void (*line)(void *ctx, dg_ns at, bool ours, const char *text); /**< `at`: its first bit */
+    void *ctx;
+    dg_ns begin; /**< of the frame that is being collected */
+    dg_ns last;  /**< end of its last character */
+    bool ours;
+    uint16_t length;
+    uint8_t bytes[140];
+    bool damaged;
+    uint32_t baud;
+    uint16_t words[1024]; /**< INTERBUS: IN and OUT of the last line */
+    uint16_t word_count;
+    bool valid;
+};
+
+/** Nothing collected. */
+void lx_decoder_init(struct lx_decoder *self, enum dg_device_stack stack,
+                     void (*line)(void *ctx, dg_ns at, bool ours, const char *text), void *ctx);
+/** An event; may give a line. */
+void lx_decoder_event(struct lx_decoder *self, const struct lx_tap_event *event);
+/** It is `now`: a frame that was followed by silence long enough is given. @return when to call
+ * again; DG_NEVER */
+dg_ns lx_decoder_step(struct lx_decoder *self, dg_ns now);
+
+/** A trace file. */
+struct lx_trace;
+
+/**
+ * Write what `tap` tells to `path`, whose ending says how. `wire` is the interface or name that the
+ * file shall mention. Time in the file: of the day for .log and .pcapng, else since the beginning.
+ * @return NULL with one line in `error`: an ending that is none for this stack (with those that
+ * are), or why it cannot be written
+ */
+struct lx_trace *lx_trace_open(const char *path, enum dg_device_stack stack, const char *wire,
+                               struct lx_tap *tap, dg_ns now, struct lx_error *error);
+
+/** End it; NULL is fine. @return 0, or -1 with one line in `error`: what was written is not whole
+ */
+int lx_trace_close(struct lx_trace *self, struct lx_error *error);
+
+/** Whether it still is written: false after a full disk, which has been said once. */
+bool lx_trace_good(const struct lx_trace *self);
+
+#endif
