@@ -38,6 +38,8 @@ extern "C" {
 /** Silence on MA that ends a frame (5.2.1.2), and the short one chosen by 7Ch bits 2..0 (1..7). */
 #define DG_BISS_TIMEOUT_NS ((dg_ns)13000)
 #define DG_BISS_TIMEOUT_S_NS ((dg_ns)1300)
+/** Longest one a host may choose instead, see dg_biss_model.timeout. */
+#define DG_BISS_TIMEOUT_MAX_NS ((dg_ns)1000000000)
 /** Longest delay of the start bit, and longest register access (protocol description, table 2). */
 #define DG_BISS_BUSY_S_MAX_NS ((dg_ns)40000)
 #define DG_BISS_BUSY_R_MAX_NS ((dg_ns)20000000)
@@ -123,6 +125,8 @@ struct dg_biss_model {
                                   with eeprom_read at most DG_BISS_BUSY_R_MAX_NS */
     dg_ns init;              /**< after power-on and soft reset: position 0, nERR and nWARN low,
                                   registers refused except for reading 60h (PON_DLY) */
+    dg_ns timeout;           /**< 0: as the device has it, by 7Ch. Otherwise always this long, up to
+                                  DG_BISS_TIMEOUT_MAX_NS: for lines slower than BiSS allows */
 };
 
 /** What a device is made of. Everything pointed to must outlive the device. */

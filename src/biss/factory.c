@@ -45,6 +45,7 @@ static bool model_ok(const struct dg_biss_model *model)
 {
     return model->multiturn_bits <= 24 && model->singleturn_bits >= 12 &&
            model->singleturn_bits <= 23 && model->busy <= DG_BISS_BUSY_S_MAX_NS &&
+           model->timeout <= DG_BISS_TIMEOUT_MAX_NS &&
            model->eeprom_read <= DG_BISS_BUSY_R_MAX_NS &&
            model->eeprom_write <= DG_BISS_BUSY_R_MAX_NS - model->eeprom_read;
 }

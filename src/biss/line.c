@@ -21,7 +21,10 @@ static void rest(struct dg_biss_line *line, enum dg_biss_line_state state)
 
 static dg_ns timeout_ns(const struct dg_biss *self)
 {
-    return self->timeout == 0 ? DG_BISS_TIMEOUT_NS : DG_BISS_TIMEOUT_S_NS;
+    const dg_ns chosen = self->setup.model->timeout;
+    const dg_ns own = self->timeout == 0 ? DG_BISS_TIMEOUT_NS : DG_BISS_TIMEOUT_S_NS;
+
+    return chosen != 0 ? chosen : own;
 }
 
 /* From e2 on there is a CDM bit: two clocks make a reduced frame. */

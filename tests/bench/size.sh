@@ -10,8 +10,9 @@ cmake --build build/size >build/log/size.build
 row() { printf '%-22s %8s %8s %8s\n' "$@"; }
 # text, data and bss of every object of the libraries, summed
 total() { arm-none-eabi-size -t "$@" | awk '$NF == "(TOTALS)" { print $1, $2, $3 }'; }
-ram=$(arm-none-eabi-nm -S "$(find build/size/tests -name 'ram.c*' -name '*.o*')" |
-    awk '$4 == "dg_hf_ram" { print $2 }')
+ram=$(find build/size/tests -name 'ram.c*' -name '*.o*')
+# ram DEVICE: bytes of its struct
+ram() { echo $((16#$(arm-none-eabi-nm -S "$ram" | awk -v name="ram_$1" '$4 == name { print $2 }'))); }
 
 row "Cortex-M4, -Os" text data bss
 for library in build/size/libdg_*.a; do
@@ -20,4 +21,6 @@ for library in build/size/libdg_*.a; do
 done
 # shellcheck disable=SC2046
 row "device and store" $(total build/size/libdg_hiperface.a build/size/libdg_core.a)
-echo "RAM of one device (sizeof(struct dg_hf)): $((16#$ram))"
+for device in dg_hf dg_biss dg_ib; do
+    echo "RAM of one device (sizeof(struct $device)): $(ram "$device")"
+done

@@ -181,7 +181,7 @@ static void test_refused_figures(void **state)
 {
     static const struct dg_biss_model good = {
         .multiturn_bits = 24, .singleturn_bits = 23, .busy = 40000, .eeprom_read = 20000000};
-    struct dg_biss_model bad[6] = {good, good, good, good, good, good};
+    struct dg_biss_model bad[7] = {good, good, good, good, good, good, good};
 
     (void)state;
     assert_int_equal(biss_rig_init(&rig, &good, 1), DG_OK);
@@ -191,8 +191,34 @@ static void test_refused_figures(void **state)
     bad[3].busy = 40001;
     bad[4].eeprom_write = 1;
     bad[5].eeprom_read = 20000001;
-    for (size_t i = 0; i < 6; i++) {
+    bad[6].timeout = 1000000001;
+    for (size_t i = 0; i < 7; i++) {
         assert_int_equal(biss_rig_init(&rig, &bad[i], 1), DG_ERR_ARGUMENT);
+    }
+}
+
+/* A host with a slow line chooses the timeout; 7Ch is kept and means nothing then. */
+static void test_chosen_timeout(void **state)
+{
+    static const struct {
+        dg_ns chosen;
+        uint8_t register_7c;
+        dg_ns silence;
+    } rows[] = {
+        {0, 0, 13000}, {0, 1, 1300}, {20000000, 0, 20000000}, {20000000, 1, 20000000}, {1, 0, 1},
+    };
+
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        struct dg_biss_model model = *dg_device_find("s3674-biss")->biss;
+        struct dg_biss *slave = &rig.slave[0];
+        assert_int_equal(biss_rig_init(&rig, &model, 1), DG_OK);
+        assert_int_equal(biss_rig_power_on(&rig), DG_OK);
+        assert_int_equal(biss_rig_put(&rig, 0x7C, rows[i].register_7c), 1);
+        rig.model.timeout = rows[i].chosen;
+        const dg_ns edge = rig.now + DG_MS(1);
+        (void)dg_biss_ma(slave, edge, false);
+        assert_true(dg_biss_step(slave, edge) == edge + rows[i].silence);
     }
 }
 
@@ -427,6 +453,7 @@ int main(void)
         cmocka_unit_test_setup(test_without_life_counter, setup),
         cmocka_unit_test_setup(test_widths, setup),
         cmocka_unit_test_setup(test_refused_figures, setup),
+        cmocka_unit_test_setup(test_chosen_timeout, setup),
         cmocka_unit_test_setup(test_busy, setup),
         cmocka_unit_test_setup(test_clock_rates, setup),
         cmocka_unit_test_setup(test_return_edge, setup),

@@ -11,6 +11,7 @@
 #include <time.h>
 
 #include "biss_eds.h"
+#include "biss_gpio.h"
 #include "biss_session.h"
 #include "drehgeber/devices.h"
 #include "number.h"
@@ -278,6 +279,11 @@ int biss_command(const struct options *options)
     if (!is_biss(options)) {
         return EXIT_USAGE;
     }
+    if (biss_on_gpio(options)) {
+        lx_complain("biss %s has a simulated wire; right is 'drehgeber run %s --gpio %s'",
+                    options->model, options->model, options->where);
+        return EXIT_USAGE;
+    }
     if (words.count == 0) {
         lx_complain("biss %s does nothing; right is " RIGHT, options->model);
         return EXIT_USAGE;
@@ -338,7 +344,8 @@ static int live(struct biss_session *self, const struct options *options, const 
     return status;
 }
 
-int biss_run(const struct options *options)
+/* On the simulated wire. */
+static int run_sim(const struct options *options)
 {
     struct biss_session session;
     struct lx_error error;
@@ -361,4 +368,9 @@ int biss_run(const struct options *options)
         lx_complain("%s", status != 0 ? error.text : close_error.text);
     }
     return status != 0 ? status : closed;
+}
+
+int biss_run(const struct options *options)
+{
+    return biss_on_gpio(options) ? biss_gpio_run(options) : run_sim(options);
 }

@@ -9,7 +9,8 @@
    ends. */
 int biss_command(const struct options *options);
 
-/* Be that encoder, in front of a simulated master in real time, until SIGINT or SIGTERM. */
+/* Be that encoder, on GPIO lines or in front of a simulated master in real time, until SIGINT or
+   SIGTERM. */
 int biss_run(const struct options *options);
 
 /* The KEYs of BiSS encoders, for --help. */

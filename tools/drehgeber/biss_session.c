@@ -6,9 +6,13 @@
 #include <string.h>
 
 #include "biss.h"
+#include "biss_gpio.h"
 #include "drehgeber/devices.h"
 #include "number.h"
 #include "run.h"
+
+/* Ends a frame on GPIO lines; see src/biss/README.md, 'GPIO'. */
+#define GPIO_TIMEOUT DG_MS(20)
 
 /* The encoder's own KEYs; the others are the world's. */
 static const struct key {
@@ -24,6 +28,7 @@ static const struct key {
     {"busy_us", 40, 0, "from the first clock edge to the start bit, in us"},
     {"eeprom_read_us", 1000, 0, "an access to a user bank, in us"},
     {"eeprom_write_us", 19000, 0, "what the EEPROM needs after a write, in us"},
+    {"timeout_us", 1000000, 13, "--gpio: silence on MA that ends a frame, in us; 20000 unless set"},
     {"init_ms", 600000, 0, "initialisation after power-on and reset, in ms"},
 };
 #define KEY_COUNT (sizeof keys / sizeof keys[0])
@@ -41,7 +46,8 @@ static void apply(struct dg_biss_model *model, size_t key, uint64_t value)
 {
     uint8_t *const bits[] = {&model->multiturn_bits, &model->singleturn_bits};
     bool *const flags[] = {&model->life_counter, &model->autostore};
-    dg_ns *const times[] = {&model->busy, &model->eeprom_read, &model->eeprom_write, &model->init};
+    dg_ns *const times[] = {&model->busy, &model->eeprom_read, &model->eeprom_write,
+                            &model->timeout, &model->init};
 
     if (key < 2) {
         *bits[key] = (uint8_t)value;
@@ -73,6 +79,23 @@ static int set(struct biss_session *self, const char *assignment, struct lx_erro
     return lx_settings_set(&self->settings, assignment, error);
 }
 
+/* Scheduling makes every moment on a GPIO line uncertain by milliseconds, so that 13 us of silence
+   mean nothing there. The simulated wire has the encoder's own timeout. */
+static int settle_timeout(struct biss_session *self, const struct options *options,
+                          struct lx_error *error)
+{
+    if (!biss_on_gpio(options)) {
+        return self->model.timeout == 0
+                   ? 0
+                   : lx_fail(error, "--set timeout_us: only with --gpio; the simulated wire has "
+                                    "the encoder's own timeout");
+    }
+    if (self->model.timeout == 0) {
+        self->model.timeout = GPIO_TIMEOUT;
+    }
+    return 0;
+}
+
 static int understand(struct biss_session *self, const struct options *options,
                       struct lx_error *error)
 {
@@ -84,6 +107,9 @@ static int understand(struct biss_session *self, const struct options *options,
         if (set(self, options->sets[i], error) != 0) {
             return -1;
         }
+    }
+    if (settle_timeout(self, options, error) != 0) {
+        return -1;
     }
     if (options->serial == NULL) {
         return 0;

@@ -16,6 +16,7 @@ enum key {
     KEY_SLCAN,
     KEY_NODE,
     KEY_SIM,
+    KEY_GPIO,
     KEY_TRACE,
     KEY_MODBUS,
     KEY_RING,
@@ -29,6 +30,7 @@ static const struct wire wires[] = {
     {"pty", KEY_PTY, DG_STACK_HIPERFACE, lx_pty_open, NULL},
     {"tty", KEY_TTY, DG_STACK_HIPERFACE, lx_tty_open, NULL},
     {"sim", KEY_SIM, DG_STACK_BISS, NULL, NULL},
+    {"gpio", KEY_GPIO, DG_STACK_BISS, NULL, NULL},
     {"modbus", KEY_MODBUS, DG_STACK_INTERBUS, NULL, NULL},
     {"can", KEY_CAN, DG_STACK_CANOPEN, NULL, lx_can_socket_open},
     {"slcan", KEY_SLCAN, DG_STACK_CANOPEN, NULL, lx_slcan_open},
@@ -50,7 +52,7 @@ static const struct {
 /* By enum dg_device_stack. */
 static const char *const wires_of[] = {
     [DG_STACK_HIPERFACE] = "--pty[=LINK] or --tty DEV",
-    [DG_STACK_BISS] = "--sim",
+    [DG_STACK_BISS] = "--sim or --gpio CHIP:MA,SLO",
     [DG_STACK_INTERBUS] = "--modbus HOST:PORT",
     [DG_STACK_CANOPEN] = "--can IFNAME or --slcan[=LINK]",
 };
@@ -61,10 +63,9 @@ static const struct argp_option table[] = {
     {.name = "pty",     .key = KEY_PTY,     .arg = "LINK",      .flags = OPTION_ARG_OPTIONAL, .doc = "RS485 on a pseudo-terminal, and a symbolic link to it while it runs (default)"},
     {.name = "tty",     .key = KEY_TTY,     .arg = "DEV",       .doc = "RS485 on a serial port; data rate and parity are the encoder's own"},
     {.name = "sim",     .key = KEY_SIM,     .doc = "BiSS on a simulated wire with a master that reads positions (default)"},
+    {.name = "gpio",    .key = KEY_GPIO,    .arg = "CHIP:MA,SLO", .doc = "BiSS on two GPIO lines, e.g. gpiochip0:4,5: clock in, data out"},
     {.name = "can",     .key = KEY_CAN,     .arg = "IFNAME",    .doc = "CAN on a network interface (SocketCAN)"},
     {.name = "slcan",   .key = KEY_SLCAN,   .arg = "LINK",      .flags = OPTION_ARG_OPTIONAL, .doc = "CAN behind an SLCAN adapter on a pseudo-terminal (default where the kernel has no CAN)"},
-    {.name = "pty",     .key = KEY_PTY,     .arg = "LINK",      .flags = OPTION_ARG_OPTIONAL, .doc = "a pseudo-terminal, and a symbolic link to it while it runs (default)"},
-    {.name = "tty",     .key = KEY_TTY,     .arg = "DEV",       .doc = "a serial port; data rate and parity are the encoder's own"},
     {.name = "modbus",  .key = KEY_MODBUS,  .arg = "HOST:PORT", .doc = "INTERBUS: the Modbus/TCP coupler in front of the ring (default: 127.0.0.1:5020)"},
     {.doc = "Options:", .group = 2},
     {.name = "ring",    .key = KEY_RING,    .arg = "MODELS",    .doc = "INTERBUS: all encoders of the ring, with commas between them"},
@@ -105,7 +106,7 @@ static error_t take_wire(struct options *self, int key, const char *value)
         }
         if (self->wire != NULL) {
             return fail(self, "more than one wire: --", wires[i].name,
-                        "give one of --pty, --tty, --sim, --modbus, --can, --slcan");
+                        "give one of --pty, --tty, --sim, --gpio, --modbus, --can, --slcan");
         }
         self->wire = &wires[i];
         self->where = value;
@@ -217,7 +218,7 @@ static int explain_culprit(struct options *self)
     if (row == NULL) {
         return lx_fail(
             &self->error,
-            "unknown option %s; valid: --pty[=LINK] --tty DEV --sim --can IFNAME "
+            "unknown option %s; valid: --pty[=LINK] --tty DEV --sim --gpio CHIP:MA,SLO --can IFNAME "
             "--slcan[=LINK] --modbus HOST:PORT --ring MODELS --nvm FILE --serial N --node N[..M] --shaft MOTION --set "
             "KEY=VALUE --trace FILE.vcd --quiet --help --version",
             self->culprit);

@@ -1,0 +1,266 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ *   MA edges -- on_edges --> dg_biss_ma() ---\
+ *                                             > answer(): SLO, deadline
+ *   timer ---- on_timeout -> dg_biss_step() -/
+ *
+ * Nothing is printed between an edge and its answer, nor inside a frame that goes well: a line on
+ * stderr costs more than an edge.
+ */
+#include "gpio.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/epoll.h>
+
+/* Edges taken at once, and how often in a row before others have their turn. */
+#define BATCH 64u
+#define BATCHES_MAX 32u
+/* How long an edge may be on its way to the queue when MA already has its level. */
+#define SETTLE DG_MS(1)
+#define WATCH DG_S(1)
+/* Trouble after a longer time without is told anew. */
+#define EPISODE DG_S(10)
+
+/* A chip that comes back may have another number: nothing to wait for. */
+static void gone(struct lx_gpio *self, int reason)
+{
+    if (self->has_gone) {
+        return;
+    }
+    self->has_gone = true;
+    lx_complain("%s: gone (%s); start again when the chip is back", self->setup.name,
+                strerror(-reason));
+    (void)sd_event_exit(self->setup.event, EXIT_FAILURE);
+}
+
+static void take_edge(struct lx_gpio *self, const struct lx_gpio_edge *edge)
+{
+    struct dg_biss *device = self->setup.device;
+
+    self->doubtful = false;
+    self->counters.edges++;
+    self->counters.lost += edge->gap || edge->level == device->line.ma;
+    (void)dg_biss_ma(device, edge->at, edge->level);
+    if (!edge->level) {
+        return;
+    }
+    if (self->waiting || edge->at < self->answered) {
+        self->counters.late++;
+    } else {
+        self->asked = edge->at;
+    }
+    self->waiting = true;
+}
+
+/* SLO as the device has it. It is written after every rising edge, whether it changes or not, so
+   that all answers take the same time. */
+static void answer(struct lx_gpio *self)
+{
+    struct lx_gpio_lines *lines = self->setup.lines;
+    const struct dg_biss *device = self->setup.device;
+    const bool level = dg_biss_slo(device, false);
+
+    if (self->waiting || level != self->slo) {
+        const int result = lines->ops->set_slo(lines, level);
+        if (result < 0) {
+            gone(self, result);
+            return;
+        }
+        self->slo = level;
+    }
+    if (self->waiting) {
+        self->waiting = false;
+        self->answered = lx_now();
+        if (self->asked != DG_NEVER) {
+            lx_gpio_rate_take(&self->rate, dg_elapsed(self->answered, self->asked));
+            self->asked = DG_NEVER;
+        }
+    }
+    /* A timer that fires early asks again: cheaper than moving it with every edge. */
+    if (!self->doubtful && self->timeout.at > device->line.deadline) {
+        lx_timer_at(&self->timeout, device->line.deadline);
+    }
+}
+
+/* What is queued now, up to `batches`. @return 0 or a negative errno */
+static int take_edges(struct lx_gpio *self, unsigned batches)
+{
+    struct lx_gpio_lines *lines = self->setup.lines;
+    struct lx_gpio_edge edges[BATCH];
+    int n = 1;
+
+    for (unsigned i = 0; i < batches && n > 0; i++) {
+        n = lines->ops->read(lines, edges, BATCH);
+        for (int j = 0; j < n; j++) {
+            take_edge(self, &edges[j]);
+        }
+    }
+    return n < 0 ? n : 0;
+}
+
+static int on_edges(sd_event_source *source, int fd, uint32_t events, void *ctx)
+{
+    struct lx_gpio *self = ctx;
+    const int result = (events & EPOLLIN) != 0 ? take_edges(self, 1) : -ENODEV;
+    (void)source;
+    (void)fd;
+    if (result < 0) {
+        gone(self, result);
+        return 0;
+    }
+    answer(self);
+    return 0;
+}
+
+/* Whether MA has the level of its last edge, so that the timeout may end. When not, an edge is on
+   its way or has been lost: it is waited for once, and made up for then. */
+static bool settle(struct lx_gpio *self, dg_ns now)
+{
+    struct lx_gpio_lines *lines = self->setup.lines;
+    struct dg_biss *device = self->setup.device;
+    const int level = lines->ops->get_ma(lines);
+
+    if (level < 0) {
+        gone(self, level);
+        return false;
+    }
+    if ((level != 0) == device->line.ma) {
+        self->doubtful = false;
+        return true;
+    }
+    if (!self->doubtful) {
+        self->doubtful = true;
+        lx_timer_at(&self->timeout, dg_after(now, SETTLE));
+        return false;
+    }
+    self->doubtful = false;
+    self->counters.lost++;
+    /* Before the end of the timeout, which reads CDM off MA. */
+    (void)dg_biss_ma(device, device->line.deadline - 1u, level != 0);
+    return true;
+}
+
+/* Edges that are queued came before the silence. */
+static void on_timeout(void *ctx, dg_ns now)
+{
+    struct lx_gpio *self = ctx;
+    struct dg_biss *device = self->setup.device;
+    const int result = take_edges(self, BATCHES_MAX);
+
+    if (result < 0) {
+        gone(self, result);
+        return;
+    }
+    if (device->line.deadline <= now && settle(self, now)) {
+        (void)dg_biss_step(device, now);
+    }
+    answer(self);
+}
+
+static void complain(const struct lx_gpio *self, uint64_t late, uint64_t lost)
+{
+    const char *name = self->setup.name;
+    const uint32_t rate = lx_gpio_rate_hz(&self->rate);
+
+    if (late > 0) {
+        lx_complain("%s: the master's clock is too fast, %" PRIu64 " edges came before SLO was "
+                    "set; up to %" PRIu32 " Hz is right",
+                    name, late, rate);
+    }
+    if (lost > 0) {
+        lx_complain("%s: edges of MA were lost, frames are damaged; a clean clock up to %" PRIu32
+                    " Hz is right",
+                    name, rate);
+    }
+}
+
+/* Once for each episode of trouble. */
+static void report_trouble(struct lx_gpio *self, dg_ns now)
+{
+    const uint64_t late = self->counters.late - self->seen.late;
+    const uint64_t lost = self->counters.lost - self->seen.lost;
+
+    self->seen = self->counters;
+    if (late == 0 && lost == 0) {
+        return;
+    }
+    if (self->trouble == 0 || dg_elapsed(now, self->trouble) > EPISODE) {
+        complain(self, late, lost);
+    }
+    self->trouble = now;
+}
+
+static void report_rate(struct lx_gpio *self)
+{
+    const bool in_frame = self->setup.device->line.deadline != DG_NEVER;
+
+    if (self->rate_told || in_frame || !lx_gpio_rate_known(&self->rate)) {
+        return;
+    }
+    self->rate_told = true;
+    lx_note(self->setup.say,
+            "%s: SLO follows MA within %" PRIu32 " us (99 %% of %u edges): good for a clock up to "
+            "%" PRIu32 " Hz",
+            self->setup.name, lx_gpio_rate_reaction_ns(&self->rate) / 1000u, LX_GPIO_RATE_SAMPLES,
+            lx_gpio_rate_hz(&self->rate));
+}
+
+/* Kernels before 6.7 wake nobody when a chip goes. */
+static void on_watch(void *ctx, dg_ns now)
+{
+    struct lx_gpio *self = ctx;
+    const int level = self->setup.lines->ops->get_ma(self->setup.lines);
+
+    if (level < 0) {
+        gone(self, level);
+        return;
+    }
+    report_trouble(self, now);
+    report_rate(self);
+    lx_timer_at(&self->watch, dg_after(now, WATCH));
+}
+
+static int listen(struct lx_gpio *self)
+{
+    sd_event *event = self->setup.event;
+    int result = lx_timer_open(&self->timeout, event, on_timeout, self);
+    if (result >= 0) {
+        result = lx_timer_open(&self->watch, event, on_watch, self);
+    }
+    if (result >= 0) {
+        result = sd_event_add_io(event, &self->io, self->setup.lines->fd, EPOLLIN, on_edges, self);
+    }
+    return result;
+}
+
+int lx_gpio_open(struct lx_gpio *self, const struct lx_gpio_setup *setup, struct lx_error *error)
+{
+    *self = (struct lx_gpio){.setup = *setup, .asked = DG_NEVER, .slo = true};
+    const int result = listen(self);
+    if (result < 0) {
+        return lx_fail(error, "no event loop for %s: %s", setup->name, strerror(-result));
+    }
+    const dg_ns now = lx_now();
+    const int level = setup->lines->ops->get_ma(setup->lines);
+    if (level < 0) {
+        return lx_fail(error, "%s: cannot read MA: %s", setup->name, strerror(-level));
+    }
+    (void)dg_biss_ma(setup->device, now, level != 0);
+    answer(self);
+    lx_timer_at(&self->watch, dg_after(now, WATCH));
+    return 0;
+}
+
+void lx_gpio_close(struct lx_gpio *self)
+{
+    self->io = sd_event_source_disable_unref(self->io);
+    lx_timer_close(&self->timeout);
+    lx_timer_close(&self->watch);
+    if (self->setup.lines != NULL) {
+        self->setup.lines->ops->close(self->setup.lines);
+        self->setup.lines = NULL;
+    }
+}

@@ -1,0 +1,62 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * A BiSS encoder on two GPIO lines, on the event loop. Each edge of MA goes to the device with the
+ * kernel's time of it, so that a late host delays SLO and nothing else. Edges that queued are
+ * caught up with at once: of the levels of SLO only the last is still worth setting.
+ */
+#ifndef DREHGEBER_LINUX_GPIO_H
+#define DREHGEBER_LINUX_GPIO_H
+
+#include <systemd/sd-event.h>
+
+#include "drehgeber/biss.h"
+#include "gpio_lines.h"
+#include "gpio_rate.h"
+#include "timer.h"
+
+/** What it is made of. Everything pointed to must outlive it. */
+struct lx_gpio_setup {
+    sd_event *event; /**< ended with EXIT_FAILURE when the chip has gone */
+    const struct lx_say *say;
+    struct dg_biss *device; /**< has its power */
+    const char *name;       /**< of the lines, for messages */
+    struct lx_gpio_lines *lines;
+};
+
+/** They only count up. */
+struct lx_gpio_counters {
+    uint64_t edges; /**< of MA */
+    uint64_t late;  /**< rising edges that came before the one in front was answered */
+    uint64_t lost;  /**< places where edges are missing */
+};
+
+/** A running encoder. Not to be moved. */
+struct lx_gpio {
+    struct lx_gpio_setup setup;
+    sd_event_source *io;
+    struct lx_timer timeout; /**< the device's deadline, or earlier */
+    struct lx_timer watch;   /**< looks after the chip, and reports */
+    struct lx_gpio_rate rate;
+    struct lx_gpio_counters counters;
+    struct lx_gpio_counters seen; /**< the counters at the last look */
+    dg_ns asked;                  /**< a rising edge that found no other waiting; DG_NEVER: none */
+    dg_ns answered;               /**< when SLO was set after a rising edge last */
+    dg_ns trouble;                /**< when edges were late or lost last; 0: never */
+    bool waiting;                 /**< a rising edge has no answer yet */
+    bool slo;                     /**< as it is */
+    bool doubtful;                /**< MA was not as its edges say at the last look */
+    bool rate_told;
+    bool has_gone;
+};
+
+/**
+ * Begin. The lines are its own from then on.
+ * @return 0, or -1 with `error`, then close
+ */
+int lx_gpio_open(struct lx_gpio *self, const struct lx_gpio_setup *setup, struct lx_error *error);
+
+/** Give back the lines; also after a failed open, or when never opened. */
+void lx_gpio_close(struct lx_gpio *self);
+
+#endif

@@ -1,0 +1,91 @@
+/* SPDX-License-Identifier: MIT */
+/* Where GPIO lines are, and the words for why they cannot be had. */
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "gpio_lines.h"
+#include "number.h"
+
+#define RIGHT "CHIP:MA,SLO with two offsets is right, e.g. gpiochip0:4,5"
+
+/* `n` characters of decimal digits. */
+static bool parse_offset(const char *text, size_t n, unsigned *offset)
+{
+    char digits[8] = "";
+    uint64_t value = 0;
+
+    if (n == 0 || n >= sizeof digits || strspn(text, "0123456789") < n) {
+        return false;
+    }
+    memcpy(digits, text, n);
+    if (!lx_unsigned_parse(digits, &value) || value > LX_GPIO_OFFSET_MAX) {
+        return false;
+    }
+    *offset = (unsigned)value;
+    return true;
+}
+
+int lx_gpio_address_parse(struct lx_gpio_address *self, const char *text, struct lx_error *error)
+{
+    const char *colon = strrchr(text, ':');
+    const char *comma = colon == NULL ? NULL : strchr(colon, ',');
+
+    *self = (struct lx_gpio_address){.ma = 0};
+    if (comma == NULL || colon == text || strlen(text) >= sizeof self->text ||
+        !parse_offset(colon + 1, (size_t)(comma - colon - 1), &self->ma) ||
+        !parse_offset(comma + 1, strlen(comma + 1), &self->slo)) {
+        return lx_fail(error, "--gpio %s: " RIGHT, text);
+    }
+    if (self->ma == self->slo) {
+        return lx_fail(error, "--gpio %s: MA and SLO are the same line; " RIGHT, text);
+    }
+    const int length = (int)(colon - text);
+    const char *folder = memchr(text, '/', (size_t)length) == NULL ? "/dev/" : "";
+    (void)snprintf(self->text, sizeof self->text, "%s", text);
+    (void)snprintf(self->path, sizeof self->path, "%s%.*s", folder, length, text);
+    return 0;
+}
+
+int lx_gpio_no_chip(const struct lx_gpio_address *self, int reason, struct lx_error *error)
+{
+    switch (reason) {
+    case ENOENT:
+        return lx_fail(error, "--gpio %s: there is no %s; 'gpiodetect' lists the chips", self->text,
+                       self->path);
+    case EACCES:
+    case EPERM:
+        return lx_fail(error,
+                       "--gpio %s: no permission for %s; a user who may read and write it "
+                       "is right, e.g. root or one of the group gpio",
+                       self->text, self->path);
+    case ENOTTY:
+    case ENODEV:
+        return lx_fail(error, "--gpio %s: %s is no GPIO chip; 'gpiodetect' lists them", self->text,
+                       self->path);
+    default:
+        return lx_fail(error, "--gpio %s: cannot use %s: %s", self->text, self->path,
+                       strerror(reason));
+    }
+}
+
+int lx_gpio_no_line(const struct lx_gpio_address *self, unsigned offset, int reason,
+                    struct lx_error *error)
+{
+    if (reason == EBUSY) {
+        return lx_fail(error, "--gpio %s: line %u is in use; 'gpioinfo' shows free ones",
+                       self->text, offset);
+    }
+    return lx_fail(error, "--gpio %s: cannot use line %u: %s%s", self->text, offset,
+                   strerror(reason), offset == self->ma ? "; MA needs edge detection" : "");
+}
+
+int lx_gpio_check_offsets(const struct lx_gpio_address *self, unsigned count,
+                          struct lx_error *error)
+{
+    if (self->ma < count && self->slo < count) {
+        return 0;
+    }
+    return lx_fail(error, "--gpio %s: %s has %u lines; offsets below that are right", self->text,
+                   self->path, count);
+}

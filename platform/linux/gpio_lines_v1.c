@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: MIT */
+/* GPIO lines by libgpiod 1.x. */
+#include <errno.h>
+#include <fcntl.h>
+#include <gpiod.h>
+#include <stdlib.h>
+
+#include "gpio_lines.h"
+
+/* Edges the kernel keeps for a line; what comes then is dropped without a word, so a full queue is
+   taken for one that was too short. */
+#define QUEUE 16
+
+struct lines {
+    struct lx_gpio_lines base;
+    struct gpiod_chip *chip;
+    struct gpiod_line *ma;
+    struct gpiod_line *slo;
+};
+
+static struct lines *lines_of(struct lx_gpio_lines *base)
+{
+    return (struct lines *)base;
+}
+
+static int read_edges(struct lx_gpio_lines *base, struct lx_gpio_edge *edges, size_t n)
+{
+    struct gpiod_line_event events[QUEUE];
+    const int count =
+        gpiod_line_event_read_fd_multiple(base->fd, events, (unsigned)(n < QUEUE ? n : QUEUE));
+    if (count < 0) {
+        return errno == EAGAIN ? 0 : -errno;
+    }
+    for (int i = 0; i < count; i++) {
+        edges[i] = (struct lx_gpio_edge){
+            .at = DG_S(events[i].ts.tv_sec) + (dg_ns)events[i].ts.tv_nsec,
+            .level = events[i].event_type == GPIOD_LINE_EVENT_RISING_EDGE,
+            .gap = i + 1 == QUEUE,
+        };
+    }
+    return count;
+}
+
+static int get_ma(struct lx_gpio_lines *base)
+{
+    const int level = gpiod_line_get_value(lines_of(base)->ma);
+    return level < 0 ? -errno : level;
+}
+
+static int set_slo(struct lx_gpio_lines *base, bool level)
+{
+    return gpiod_line_set_value(lines_of(base)->slo, level) < 0 ? -errno : 0;
+}
+
+static void close_lines(struct lx_gpio_lines *base)
+{
+    struct lines *self = lines_of(base);
+    if (self->chip != NULL) {
+        gpiod_chip_close(self->chip); /* its lines as well */
+    }
+    free(self);
+}
+
+static const struct lx_gpio_lines_ops ops = {
+    .read = read_edges,
+    .get_ma = get_ma,
+    .set_slo = set_slo,
+    .close = close_lines,
+};
+
+static int request(struct lines *self, const struct lx_gpio_address *address,
+                   struct lx_error *error)
+{
+    self->chip = gpiod_chip_open(address->path);
+    if (self->chip == NULL) {
+        return lx_gpio_no_chip(address, errno, error);
+    }
+    if (lx_gpio_check_offsets(address, gpiod_chip_num_lines(self->chip), error) != 0) {
+        return -1;
+    }
+    self->slo = gpiod_chip_get_line(self->chip, address->slo);
+    if (self->slo == NULL || gpiod_line_request_output(self->slo, LX_GPIO_CONSUMER, 1) != 0) {
+        return lx_gpio_no_line(address, address->slo, errno, error);
+    }
+    self->ma = gpiod_chip_get_line(self->chip, address->ma);
+    if (self->ma == NULL || gpiod_line_request_both_edges_events(self->ma, LX_GPIO_CONSUMER) != 0) {
+        return lx_gpio_no_line(address, address->ma, errno, error);
+    }
+    self->base.fd = gpiod_line_event_get_fd(self->ma);
+    if (self->base.fd < 0 || fcntl(self->base.fd, F_SETFL, O_NONBLOCK) != 0) {
+        return lx_gpio_no_line(address, address->ma, errno, error);
+    }
+    return 0;
+}
+
+struct lx_gpio_lines *lx_gpio_lines_open(const struct lx_gpio_address *address,
+                                         struct lx_error *error)
+{
+    struct lines *self = calloc(1, sizeof *self);
+    if (self == NULL) {
+        (void)lx_fail(error, "--gpio: no memory");
+        return NULL;
+    }
+    self->base.ops = &ops;
+    if (request(self, address, error) != 0) {
+        close_lines(&self->base);
+        return NULL;
+    }
+    return &self->base;
+}
+
+const char *lx_gpio_library(void)
+{
+    return gpiod_version_string();
+}

@@ -1,0 +1,195 @@
+/* SPDX-License-Identifier: MIT */
+/* GPIO lines by libgpiod 2.x. */
+#include <errno.h>
+#include <fcntl.h>
+#include <gpiod.h>
+#include <stdlib.h>
+
+#include "gpio_lines.h"
+
+/* Edges the kernel keeps, the most it allows; then the oldest go. */
+#define QUEUE 1024u
+/* Edges taken at once. */
+#define BATCH 64u
+
+struct lines {
+    struct lx_gpio_lines base;
+    struct gpiod_chip *chip;
+    struct gpiod_line_request *ma;
+    struct gpiod_line_request *slo;
+    struct gpiod_edge_event_buffer *events;
+    unsigned ma_offset;
+    unsigned slo_offset;
+    unsigned long number; /* of the latest edge */
+};
+
+static struct lines *lines_of(struct lx_gpio_lines *base)
+{
+    return (struct lines *)base;
+}
+
+static int read_edges(struct lx_gpio_lines *base, struct lx_gpio_edge *edges, size_t n)
+{
+    struct lines *self = lines_of(base);
+    const int count =
+        gpiod_line_request_read_edge_events(self->ma, self->events, n < BATCH ? n : BATCH);
+    if (count < 0) {
+        return errno == EAGAIN ? 0 : -errno;
+    }
+    for (int i = 0; i < count; i++) {
+        struct gpiod_edge_event *event =
+            gpiod_edge_event_buffer_get_event(self->events, (unsigned long)i);
+        const unsigned long number = gpiod_edge_event_get_line_seqno(event);
+        edges[i] = (struct lx_gpio_edge){
+            .at = gpiod_edge_event_get_timestamp_ns(event),
+            .level = gpiod_edge_event_get_event_type(event) == GPIOD_EDGE_EVENT_RISING_EDGE,
+            .gap = number != self->number + 1,
+        };
+        self->number = number;
+    }
+    return count;
+}
+
+static int get_ma(struct lx_gpio_lines *base)
+{
+    struct lines *self = lines_of(base);
+    const enum gpiod_line_value level = gpiod_line_request_get_value(self->ma, self->ma_offset);
+    return level == GPIOD_LINE_VALUE_ERROR ? -errno : level == GPIOD_LINE_VALUE_ACTIVE;
+}
+
+static int set_slo(struct lx_gpio_lines *base, bool level)
+{
+    struct lines *self = lines_of(base);
+    const enum gpiod_line_value value = level ? GPIOD_LINE_VALUE_ACTIVE : GPIOD_LINE_VALUE_INACTIVE;
+    return gpiod_line_request_set_value(self->slo, self->slo_offset, value) < 0 ? -errno : 0;
+}
+
+static void close_lines(struct lx_gpio_lines *base)
+{
+    struct lines *self = lines_of(base);
+    if (self->ma != NULL) {
+        gpiod_line_request_release(self->ma);
+    }
+    if (self->slo != NULL) {
+        gpiod_line_request_release(self->slo);
+    }
+    if (self->chip != NULL) {
+        gpiod_chip_close(self->chip);
+    }
+    gpiod_edge_event_buffer_free(self->events);
+    free(self);
+}
+
+static const struct lx_gpio_lines_ops ops = {
+    .read = read_edges,
+    .get_ma = get_ma,
+    .set_slo = set_slo,
+    .close = close_lines,
+};
+
+/* One line with these settings. @return NULL with errno */
+static struct gpiod_line_request *request_line(struct gpiod_chip *chip, unsigned offset,
+                                               struct gpiod_line_settings *settings)
+{
+    struct gpiod_line_request *line = NULL;
+    struct gpiod_request_config *request = gpiod_request_config_new();
+    struct gpiod_line_config *config = gpiod_line_config_new();
+    if (request != NULL && config != NULL &&
+        gpiod_line_config_add_line_settings(config, &offset, 1, settings) == 0) {
+        gpiod_request_config_set_consumer(request, LX_GPIO_CONSUMER);
+        gpiod_request_config_set_event_buffer_size(request, QUEUE);
+        line = gpiod_chip_request_lines(chip, request, config);
+    }
+    const int reason = errno;
+    gpiod_line_config_free(config);
+    gpiod_request_config_free(request);
+    errno = reason;
+    return line;
+}
+
+static struct gpiod_line_request *request_slo(const struct lines *self)
+{
+    struct gpiod_line_settings *settings = gpiod_line_settings_new();
+    if (settings == NULL) {
+        return NULL;
+    }
+    (void)gpiod_line_settings_set_direction(settings, GPIOD_LINE_DIRECTION_OUTPUT);
+    (void)gpiod_line_settings_set_output_value(settings, GPIOD_LINE_VALUE_ACTIVE);
+    struct gpiod_line_request *line = request_line(self->chip, self->slo_offset, settings);
+    gpiod_line_settings_free(settings);
+    return line;
+}
+
+/* Edges have the monotonic clock unless another one is asked for. */
+static struct gpiod_line_request *request_ma(const struct lines *self)
+{
+    struct gpiod_line_settings *settings = gpiod_line_settings_new();
+    if (settings == NULL) {
+        return NULL;
+    }
+    (void)gpiod_line_settings_set_direction(settings, GPIOD_LINE_DIRECTION_INPUT);
+    (void)gpiod_line_settings_set_edge_detection(settings, GPIOD_LINE_EDGE_BOTH);
+    struct gpiod_line_request *line = request_line(self->chip, self->ma_offset, settings);
+    gpiod_line_settings_free(settings);
+    return line;
+}
+
+static int check_chip(const struct lines *self, const struct lx_gpio_address *address,
+                      struct lx_error *error)
+{
+    struct gpiod_chip_info *info = gpiod_chip_get_info(self->chip);
+    if (info == NULL) {
+        return lx_gpio_no_chip(address, errno, error);
+    }
+    const size_t count = gpiod_chip_info_get_num_lines(info);
+    gpiod_chip_info_free(info);
+    return lx_gpio_check_offsets(address, (unsigned)count, error);
+}
+
+static int request(struct lines *self, const struct lx_gpio_address *address,
+                   struct lx_error *error)
+{
+    self->chip = gpiod_chip_open(address->path);
+    if (self->chip == NULL) {
+        return lx_gpio_no_chip(address, errno, error);
+    }
+    if (check_chip(self, address, error) != 0) {
+        return -1;
+    }
+    self->slo = request_slo(self);
+    if (self->slo == NULL) {
+        return lx_gpio_no_line(address, address->slo, errno, error);
+    }
+    self->ma = request_ma(self);
+    self->events = gpiod_edge_event_buffer_new(BATCH);
+    if (self->ma == NULL || self->events == NULL) {
+        return lx_gpio_no_line(address, address->ma, errno, error);
+    }
+    self->base.fd = gpiod_line_request_get_fd(self->ma);
+    return fcntl(self->base.fd, F_SETFL, O_NONBLOCK) == 0
+               ? 0
+               : lx_gpio_no_line(address, address->ma, errno, error);
+}
+
+struct lx_gpio_lines *lx_gpio_lines_open(const struct lx_gpio_address *address,
+                                         struct lx_error *error)
+{
+    struct lines *self = calloc(1, sizeof *self);
+    if (self == NULL) {
+        (void)lx_fail(error, "--gpio: no memory");
+        return NULL;
+    }
+    self->base.ops = &ops;
+    self->ma_offset = address->ma;
+    self->slo_offset = address->slo;
+    if (request(self, address, error) != 0) {
+        close_lines(&self->base);
+        return NULL;
+    }
+    return &self->base;
+}
+
+const char *lx_gpio_library(void)
+{
+    return gpiod_api_version();
+}

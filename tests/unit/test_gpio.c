@@ -1,0 +1,319 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The BiSS encoder on GPIO lines, on lines made up here: edges that queued, edges that got lost, a
+ * chip that goes. That the kernel's lines do the same is shown end to end.
+ */
+#define _GNU_SOURCE
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include <errno.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include "biss_rig.h"
+#include "drehgeber/devices.h"
+#include "gpio.h"
+
+#define QUEUE_MAX 64u
+#define RUNS_MAX 2000u
+#define RUN_US 1000u
+/* No clock of this test gets there. */
+#define LATER DG_S(1000000000)
+
+/* Two lines; first the base. */
+struct fake {
+    struct lx_gpio_lines base;
+    struct lx_gpio_edge queue[QUEUE_MAX];
+    size_t queued;
+    unsigned written; /* times that SLO was set */
+    int ma;           /* level, or a negative errno */
+    bool slo;
+};
+
+static struct fake fake;
+static struct biss_rig rig;
+static struct lx_gpio gpio;
+static sd_event *event;
+static const struct lx_say say = {.quiet = true};
+
+static int fake_read(struct lx_gpio_lines *base, struct lx_gpio_edge *edges, size_t n)
+{
+    uint64_t unused = 0;
+    const size_t count = fake.queued < n ? fake.queued : n;
+
+    (void)read(base->fd, &unused, sizeof unused);
+    memcpy(edges, fake.queue, count * sizeof edges[0]);
+    fake.queued = 0;
+    return fake.ma < 0 ? fake.ma : (int)count;
+}
+
+static int fake_get_ma(struct lx_gpio_lines *base)
+{
+    (void)base;
+    return fake.ma;
+}
+
+static int fake_set_slo(struct lx_gpio_lines *base, bool level)
+{
+    (void)base;
+    fake.slo = level;
+    fake.written++;
+    return fake.ma < 0 ? fake.ma : 0;
+}
+
+static void fake_close(struct lx_gpio_lines *base)
+{
+    (void)close(base->fd);
+}
+
+static const struct lx_gpio_lines_ops fake_ops = {
+    .read = fake_read,
+    .get_ma = fake_get_ma,
+    .set_slo = fake_set_slo,
+    .close = fake_close,
+};
+
+/* A device whose frames end after `timeout`, 0: after its own. */
+static void begin(dg_ns timeout)
+{
+    struct dg_biss_model model = *dg_device_find("s3674-biss")->biss;
+    const struct lx_gpio_setup setup = {.event = event,
+                                        .say = &say,
+                                        .device = &rig.slave[0],
+                                        .name = "fake:4,5",
+                                        .lines = &fake.base};
+    struct lx_error error;
+
+    model.timeout = timeout;
+    assert_int_equal(biss_rig_init(&rig, &model, 1), DG_OK);
+    assert_int_equal(biss_rig_power_on(&rig), DG_OK);
+    assert_int_equal(lx_gpio_open(&gpio, &setup, &error), 0);
+}
+
+static int setup(void **state)
+{
+    (void)state;
+    fake = (struct fake){.base = {&fake_ops, eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)}, .ma = 1};
+    return fake.base.fd < 0 || sd_event_new(&event) < 0;
+}
+
+static int teardown(void **state)
+{
+    (void)state;
+    lx_gpio_close(&gpio);
+    event = sd_event_unref(event);
+    return 0;
+}
+
+static void queue(dg_ns at, bool level)
+{
+    const uint64_t one = 1;
+
+    assert_true(fake.queued < QUEUE_MAX);
+    fake.queue[fake.queued++] = (struct lx_gpio_edge){.at = at, .level = level};
+    fake.ma = level;
+    assert_int_equal(write(fake.base.fd, &one, sizeof one), sizeof one);
+}
+
+/* `n` clocks from `at` on, 1 us apart. @return when the last edge was */
+static dg_ns queue_clocks(dg_ns at, unsigned n)
+{
+    for (unsigned i = 0; i < n; i++) {
+        queue(at + DG_US(2u * i), false);
+        queue(at + DG_US(2u * i + 1u), true);
+    }
+    return at + DG_US(2u * n - 1u);
+}
+
+static void run(void)
+{
+    assert_true(sd_event_run(event, RUN_US) >= 0);
+}
+
+static void test_queued_edges_are_caught_up_with(void **state)
+{
+    (void)state;
+    begin(DG_S(1));
+    (void)queue_clocks(lx_now(), 8);
+    run();
+    assert_int_equal(gpio.counters.edges, 16);
+    assert_int_equal(gpio.counters.late, 7);
+    assert_int_equal(gpio.counters.lost, 0);
+    assert_int_equal(rig.slave[0].counters.frames, 1);
+    assert_int_equal(rig.slave[0].line.state, DG_BISS_DATA);
+    /* Only the level that is still worth it. */
+    assert_int_equal(fake.written, 1);
+    assert_int_equal(fake.slo, dg_biss_slo(&rig.slave[0], false));
+    assert_int_equal(gpio.rate.count, 1);
+}
+
+static void test_every_clock_is_answered(void **state)
+{
+    static const bool slo[] = {true, false, true, false};
+
+    (void)state;
+    begin(DG_S(1));
+    for (unsigned i = 0; i < 4; i++) {
+        (void)queue_clocks(LATER + DG_MS(i), 1);
+        run();
+        assert_int_equal(fake.slo, slo[i]);
+        assert_int_equal(fake.written, i + 1u);
+    }
+    assert_int_equal(gpio.counters.late, 0);
+    assert_int_equal(gpio.counters.lost, 0);
+    assert_int_equal(gpio.rate.count, 4);
+}
+
+/* An edge of the past comes when the one in front has just been answered. */
+static void test_edges_behind_the_answer_are_late(void **state)
+{
+    (void)state;
+    begin(DG_S(1));
+    const dg_ns first = queue_clocks(lx_now(), 1);
+    run();
+    (void)queue_clocks(first + 1u, 1);
+    gpio.answered = first + DG_MS(1);
+    run();
+    assert_int_equal(gpio.counters.late, 1);
+    assert_int_equal(gpio.rate.count, 1);
+}
+
+static void test_missing_edges_are_noticed(void **state)
+{
+    (void)state;
+    begin(DG_S(1));
+    const dg_ns last = queue_clocks(lx_now(), 4);
+    queue(last + 1u, true); /* a falling edge is missing */
+    queue(last + 2u, false);
+    fake.queue[fake.queued - 1u].gap = true;
+    run();
+    assert_int_equal(gpio.counters.edges, 10);
+    assert_int_equal(gpio.counters.lost, 2);
+}
+
+static void run_until(const uint64_t *counter)
+{
+    for (unsigned i = 0; *counter == 0 && i < RUNS_MAX; i++) {
+        run();
+    }
+    assert_true(*counter != 0);
+}
+
+/* The falling edge of CDM = 1 got lost: MA is looked at before the timeout ends. */
+static void test_lost_last_edge_is_made_up_for(void **state)
+{
+    (void)state;
+    begin(0);
+    (void)queue_clocks(lx_now(), 5);
+    fake.ma = 0;
+    run_until(&gpio.counters.lost);
+    for (unsigned i = 0; rig.slave[0].line.state != DG_BISS_RETURN && i < RUNS_MAX; i++) {
+        run();
+    }
+    assert_int_equal(rig.slave[0].line.state, DG_BISS_RETURN);
+    assert_int_equal(rig.slave[0].control.zeros, 0);
+    assert_true(fake.slo);
+}
+
+/* MA is low already when the timeout ends, its edge is still to come: the next frame's. */
+static void test_edge_on_its_way_is_waited_for(void **state)
+{
+    (void)state;
+    begin(0);
+    const dg_ns last = queue_clocks(lx_now(), 5);
+    fake.ma = 0;
+    for (unsigned i = 0; !gpio.doubtful && i < RUNS_MAX; i++) {
+        run();
+    }
+    assert_true(gpio.doubtful);
+    const dg_ns next = last + DG_US(20);
+    queue(next, false);
+    queue(next + DG_US(1), true);
+    run();
+    assert_int_equal(gpio.counters.lost, 0);
+    assert_int_equal(rig.slave[0].counters.frames, 2);
+    assert_int_equal(rig.slave[0].control.zeros, 1);
+}
+
+static void test_chip_that_goes_ends_the_loop(void **state)
+{
+    int status = 0;
+
+    (void)state;
+    begin(DG_S(1));
+    queue(lx_now(), false);
+    fake.ma = -ENODEV;
+    run();
+    assert_true(sd_event_get_exit_code(event, &status) >= 0);
+    assert_int_equal(status, 1);
+}
+
+/* 1..200 us, in an order of its own: 99 % of 200 are at most 198. */
+static void test_rate(void **state)
+{
+    struct lx_gpio_rate rate = {.count = 0};
+
+    (void)state;
+    assert_int_equal(lx_gpio_rate_hz(&rate), 0);
+    for (uint32_t i = 0; i < 200; i++) {
+        lx_gpio_rate_take(&rate, DG_US(i * 7u % 200u + 1u));
+    }
+    assert_false(lx_gpio_rate_known(&rate));
+    assert_int_equal(lx_gpio_rate_reaction_ns(&rate), 198000);
+    assert_int_equal(lx_gpio_rate_hz(&rate), 2525);
+    for (uint32_t i = 0; i < LX_GPIO_RATE_SAMPLES; i++) {
+        lx_gpio_rate_take(&rate, DG_US(50));
+    }
+    assert_true(lx_gpio_rate_known(&rate));
+    assert_int_equal(lx_gpio_rate_hz(&rate), 10000);
+    rate.count = UINT32_MAX;
+    lx_gpio_rate_take(&rate, DG_S(100));
+    assert_true(lx_gpio_rate_known(&rate));
+}
+
+static void test_addresses(void **state)
+{
+    static const char *const wrong[] = {
+        "",       "gpiochip0", "gpiochip0:4",     "gpiochip0:4,", "gpiochip0:,5",
+        ":4,5",   "a:4,4",     "a:4,5,6",         "a:-4,5",       "a:4,65536",
+        "a:4 ,5", "a:0x4,5",   "a:4,99999999999", "a,4:5",
+    };
+    struct lx_gpio_address address;
+    struct lx_error error;
+
+    (void)state;
+    assert_int_equal(lx_gpio_address_parse(&address, "gpiochip0:4,17", &error), 0);
+    assert_string_equal(address.path, "/dev/gpiochip0");
+    assert_string_equal(address.text, "gpiochip0:4,17");
+    assert_int_equal(address.ma, 4);
+    assert_int_equal(address.slo, 17);
+    assert_int_equal(lx_gpio_address_parse(&address, "/dev/by:id/chip:0,1", &error), 0);
+    assert_string_equal(address.path, "/dev/by:id/chip");
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        assert_int_equal(lx_gpio_address_parse(&address, wrong[i], &error), -1);
+        assert_non_null(strstr(error.text, "CHIP:MA,SLO"));
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_queued_edges_are_caught_up_with, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_every_clock_is_answered, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_edges_behind_the_answer_are_late, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_missing_edges_are_noticed, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_lost_last_edge_is_made_up_for, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_edge_on_its_way_is_waited_for, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_chip_that_goes_ends_the_loop, setup, teardown),
+        cmocka_unit_test(test_rate),
+        cmocka_unit_test(test_addresses),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
