@@ -194,21 +194,24 @@ static bool add_slave(struct biss_bench *b, char **words, size_t n, struct cf_re
 }
 
 /* given MODEL figure=value... [window] */
-bool biss_bench_given(struct biss_bench *b, char **words, size_t n, struct cf_report *report)
+bool biss_bench_given(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct biss_bench *b = ctx;
     bool window = n > 1 && strcmp(words[n - 1], "window") == 0;
 
     return add_slave(b, words, n, report) && power_on(b, !window, report);
 }
 
 /* behind MODEL figure=value...: all power up anew */
-bool biss_bench_behind(struct biss_bench *b, char **words, size_t n, struct cf_report *report)
+bool biss_bench_behind(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct biss_bench *b = ctx;
     return add_slave(b, words, n, report) && power_on(b, true, report);
 }
 
-bool biss_bench_power(struct biss_bench *b, char **words, size_t n, struct cf_report *report)
+bool biss_bench_power(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct biss_bench *b = ctx;
     if (n > 1 && strcmp(words[1], "on") == 0) {
         return power_on(b, n == 2, report);
     }
@@ -221,8 +224,9 @@ bool biss_bench_power(struct biss_bench *b, char **words, size_t n, struct cf_re
 }
 
 /* pos N: counts of the first slave, multiturn and singleturn */
-bool biss_bench_pos(struct biss_bench *b, char **words, size_t n, struct cf_report *report)
+bool biss_bench_pos(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct biss_bench *b = ctx;
     if (n != 2) {
         return cf_fail(report, "pos N");
     }
@@ -232,16 +236,18 @@ bool biss_bench_pos(struct biss_bench *b, char **words, size_t n, struct cf_repo
     return true;
 }
 
-bool biss_bench_rpm(struct biss_bench *b, char **words, size_t n, struct cf_report *report)
+bool biss_bench_rpm(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct biss_bench *b = ctx;
     b->from = biss_bench_angle(b, b->master.now);
     b->since = b->master.now;
     b->rpm = n == 2 ? strtoll(words[1], NULL, 0) : 0;
     return n == 2 || cf_fail(report, "rpm N");
 }
 
-bool biss_bench_world(struct biss_bench *b, char **words, size_t n, struct cf_report *report)
+bool biss_bench_world(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct biss_bench *b = ctx;
     for (size_t i = 1; i < n; i++) {
         if (!set_figure(world_figures, &b->world, words[i])) {
             return cf_fail(report, "world: no such quantity: %s", words[i]);
@@ -250,8 +256,9 @@ bool biss_bench_world(struct biss_bench *b, char **words, size_t n, struct cf_re
     return true;
 }
 
-bool biss_bench_after(struct biss_bench *b, char **words, size_t n, struct cf_report *report)
+bool biss_bench_after(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct biss_bench *b = ctx;
     dg_ns wait = n == 2 ? biss_bench_span(words[1]) : 0;
 
     biss_bench_wait(b, wait);
@@ -259,8 +266,9 @@ bool biss_bench_after(struct biss_bench *b, char **words, size_t n, struct cf_re
 }
 
 /* damage REGION OFFSET: a bit that changes by itself */
-bool biss_bench_damage(struct biss_bench *b, char **words, size_t n, struct cf_report *report)
+bool biss_bench_damage(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct biss_bench *b = ctx;
     int region = n == 3 ? dg_store_find(&dg_biss_layout, words[1]) : -1;
     unsigned long offset = n == 3 ? strtoul(words[2], NULL, 0) : 0;
     struct ram_nvm *nvm = &b->slaves[0].nvm;
@@ -277,8 +285,9 @@ bool biss_bench_damage(struct biss_bench *b, char **words, size_t n, struct cf_r
 /* --- the master's settings ----------------------------------------------------------------- */
 
 /* master period=100ns jitter=25 extra=3 stray channels=0 */
-bool biss_bench_master(struct biss_bench *b, char **words, size_t n, struct cf_report *report)
+bool biss_bench_master(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct biss_bench *b = ctx;
     for (size_t i = 1; i < n; i++) {
         const char *value = strchr(words[i], '=');
         unsigned long figure = value != NULL ? strtoul(value + 1, NULL, 10) : 0;

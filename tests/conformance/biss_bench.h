@@ -48,14 +48,14 @@ void biss_bench_wait(struct biss_bench *b, dg_ns wait);
 dg_ns biss_bench_span(const char *word);
 
 /** Steps that set something up; see biss.rows. @return false after cf_fail() */
-bool biss_bench_given(struct biss_bench *b, char **words, size_t n, struct cf_report *report);
-bool biss_bench_behind(struct biss_bench *b, char **words, size_t n, struct cf_report *report);
-bool biss_bench_power(struct biss_bench *b, char **words, size_t n, struct cf_report *report);
-bool biss_bench_pos(struct biss_bench *b, char **words, size_t n, struct cf_report *report);
-bool biss_bench_rpm(struct biss_bench *b, char **words, size_t n, struct cf_report *report);
-bool biss_bench_world(struct biss_bench *b, char **words, size_t n, struct cf_report *report);
-bool biss_bench_after(struct biss_bench *b, char **words, size_t n, struct cf_report *report);
-bool biss_bench_damage(struct biss_bench *b, char **words, size_t n, struct cf_report *report);
-bool biss_bench_master(struct biss_bench *b, char **words, size_t n, struct cf_report *report);
+bool biss_bench_given(void *ctx, char **words, size_t n, struct cf_report *report);
+bool biss_bench_behind(void *ctx, char **words, size_t n, struct cf_report *report);
+bool biss_bench_power(void *ctx, char **words, size_t n, struct cf_report *report);
+bool biss_bench_pos(void *ctx, char **words, size_t n, struct cf_report *report);
+bool biss_bench_rpm(void *ctx, char **words, size_t n, struct cf_report *report);
+bool biss_bench_world(void *ctx, char **words, size_t n, struct cf_report *report);
+bool biss_bench_after(void *ctx, char **words, size_t n, struct cf_report *report);
+bool biss_bench_damage(void *ctx, char **words, size_t n, struct cf_report *report);
+bool biss_bench_master(void *ctx, char **words, size_t n, struct cf_report *report);
 
 #endif

@@ -13,8 +13,6 @@
 
 static struct biss_bench bench;
 
-typedef bool step_fn(struct biss_bench *b, char **words, size_t n, struct cf_report *report);
-
 /* --- lines and frames ---------------------------------------------------------------------- */
 
 /* Joins words[from..to) to one string of bits. */
@@ -51,8 +49,9 @@ static bool bits_match(const char *want, const char *got)
 }
 
 /* ma LEVELS = LEVELS: one edge each, half a period apart; SL behind each */
-static bool step_ma(struct biss_bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_ma(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct biss_bench *b = ctx;
     size_t equals = find_equals(words, n);
     char levels[BITS_MAX + 1];
     char want[BITS_MAX + 1];
@@ -67,8 +66,9 @@ static bool step_ma(struct biss_bench *b, char **words, size_t n, struct cf_repo
 }
 
 /* sl L [T]: level of SL, after T without an edge */
-static bool step_sl(struct biss_bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_sl(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct biss_bench *b = ctx;
     bool want = n > 1 && words[1][0] == '1';
 
     biss_bench_wait(b, n == 3 ? biss_bench_span(words[2]) : 0);
@@ -76,8 +76,9 @@ static bool step_sl(struct biss_bench *b, char **words, size_t n, struct cf_repo
 }
 
 /* frame CDM = BITS: CDS and all data bits */
-static bool step_frame(struct biss_bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_frame(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct biss_bench *b = ctx;
     size_t equals = find_equals(words, n);
     char want[BITS_MAX + 1];
     char got[BITS_MAX + 1];
@@ -114,8 +115,9 @@ static bool word_matches(struct biss_bench *b, const struct biss_word *word, siz
 }
 
 /* scd [@EDGE] WORD...: one frame with CDM = 0 */
-static bool step_scd(struct biss_bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_scd(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct biss_bench *b = ctx;
     size_t first = n > 1 && words[1][0] == '@' ? 2 : 1;
     const struct biss_frame *frame = &b->frame;
 
@@ -140,8 +142,9 @@ static bool step_scd(struct biss_bench *b, char **words, size_t n, struct cf_rep
 }
 
 /* timeout MIN MAX: of the last `scd` or `frame` */
-static bool step_timeout(struct biss_bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_timeout(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct biss_bench *b = ctx;
     bool good = n == 3 && b->frame.timed_out && b->frame.timeout >= biss_bench_span(words[1]) &&
                 b->frame.timeout <= biss_bench_span(words[2]);
 
@@ -149,8 +152,9 @@ static bool step_timeout(struct biss_bench *b, char **words, size_t n, struct cf
 }
 
 /* bad N: of the frames so far, N were not good; they are forgiven */
-static bool step_bad(struct biss_bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_bad(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct biss_bench *b = ctx;
     bool good = n == 2 && b->master.bad_frames == strtoul(words[1], NULL, 10);
 
     if (!good) {
@@ -163,8 +167,9 @@ static bool step_bad(struct biss_bench *b, char **words, size_t n, struct cf_rep
 /* --- control frames ------------------------------------------------------------------------ */
 
 /* zeros N: frames with CDM = 0 */
-static bool step_zeros(struct biss_bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_zeros(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct biss_bench *b = ctx;
     for (unsigned long i = n == 2 ? strtoul(words[1], NULL, 10) : 0; i > 0; i--) {
         struct biss_frame frame;
 
@@ -174,8 +179,9 @@ static bool step_zeros(struct biss_bench *b, char **words, size_t n, struct cf_r
 }
 
 /* control CDM = CDS: one frame for each bit */
-static bool step_control(struct biss_bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_control(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct biss_bench *b = ctx;
     size_t equals = find_equals(words, n);
     char cdm[BITS_MAX + 1];
     char want[BITS_MAX + 1];
@@ -189,8 +195,9 @@ static bool step_control(struct biss_bench *b, char **words, size_t n, struct cf
 }
 
 /* word HEX = CDS: 14 zeros, S, and the 31 bits of an address word */
-static bool step_word(struct biss_bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_word(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct biss_bench *b = ctx;
     unsigned long value = n > 3 ? strtoul(words[1], NULL, 16) : 0;
     char cdm[40] = "1";
     char want[BITS_MAX + 1];
@@ -348,8 +355,9 @@ static const char *check_access(const struct biss_bench *b, const struct outcome
 
 /* read|write [id=N] [flip=BITS] [dflip=BITS] [patience_us=N] [more=N] ADDRESS BYTES...
  *     [P|anyP] [refused] [silent] [late] */
-static bool step_access(struct biss_bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_access(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct biss_bench *b = ctx;
     struct outcome want = {.n = 0};
     const struct biss_access *got = &b->access;
     const char *wrong;
@@ -373,8 +381,9 @@ static bool step_access(struct biss_bench *b, char **words, size_t n, struct cf_
 }
 
 /* busy I MIN MAX: frames the start bit of byte I of the last access was late */
-static bool step_busy(struct biss_bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_busy(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct biss_bench *b = ctx;
     unsigned long at = n == 4 ? strtoul(words[1], NULL, 10) % BISS_SEQUENCE_MAX : 0;
 
     if (n != 4 || b->access.busy[at] < strtoul(words[2], NULL, 10) ||
@@ -385,15 +394,17 @@ static bool step_busy(struct biss_bench *b, char **words, size_t n, struct cf_re
 }
 
 /* idl HEX: ID locks of the last access */
-static bool step_idl(struct biss_bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_idl(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct biss_bench *b = ctx;
     return (n == 2 && b->access.idl == strtoul(words[1], NULL, 16)) ||
            cf_fail(report, "idl: got %03X", b->access.idl);
 }
 
 /* command [reduced] ids=HEX code=N [ex=0] [flip=HEX] = IDL IDA */
-static bool step_command(struct biss_bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_command(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct biss_bench *b = ctx;
     struct biss_command command = {.execute = true};
     size_t equals = find_equals(words, n);
 
@@ -420,11 +431,7 @@ static bool step_command(struct biss_bench *b, char **words, size_t n, struct cf
 /* --- table --------------------------------------------------------------------------------- */
 
 /* clang-format off */
-static const struct {
-    const char *verb;
-    step_fn *run;
-    bool expects;
-} steps[] = {
+static const struct cf_step steps[] = {
     {"given",   biss_bench_given,   false}, {"behind",  biss_bench_behind,  false}, {"power",  biss_bench_power,  false},
     {"pos",     biss_bench_pos,     false}, {"rpm",     biss_bench_rpm,     false}, {"world",  biss_bench_world,  false},
     {"wait",    biss_bench_after,    false}, {"damage",  biss_bench_damage,  false}, {"master", biss_bench_master, false},
@@ -436,28 +443,9 @@ static const struct {
 };
 /* clang-format on */
 
-static size_t find_step(const char *verb)
-{
-    return cf_find_verb(steps, sizeof steps / sizeof steps[0], sizeof steps[0], verb);
-}
-
 static void begin(void *ctx)
 {
     biss_bench_begin(ctx);
-}
-
-static bool run_step(void *ctx, char **words, size_t n, struct cf_report *report)
-{
-    struct biss_bench *b = ctx;
-    size_t i = find_step(words[0]);
-
-    if (i == sizeof steps / sizeof steps[0]) {
-        return cf_fail(report, "unknown step: %s", words[0]);
-    }
-    if (b->chain.count == 0 && steps[i].run != biss_bench_given) {
-        return cf_fail(report, "a row starts with `given`");
-    }
-    return steps[i].run(b, words, n, report);
 }
 
 static bool finish(void *ctx, struct cf_report *report)
@@ -469,16 +457,10 @@ static bool finish(void *ctx, struct cf_report *report)
                    b->master.bad_frames);
 }
 
-static bool expects(const char *verb)
-{
-    size_t i = find_step(verb);
-
-    return i < sizeof steps / sizeof steps[0] && steps[i].expects;
-}
-
 const struct cf_device *cf_biss(void)
 {
-    static const struct cf_device device = {&bench, begin, run_step, finish, expects};
+    static const struct cf_device device = {&bench, begin, steps, sizeof steps / sizeof steps[0],
+                                            finish};
 
     return &device;
 }

@@ -41,8 +41,6 @@ struct bench {
 
 static struct bench bench;
 
-typedef bool step_fn(struct bench *b, char **words, size_t n, struct cf_report *report);
-
 /* --- time, shaft, bus ---------------------------------------------------------------------- */
 
 /* Part of a turn times 2^32: split in whole turns and a rest whose product fits 64 bits. */
@@ -175,8 +173,9 @@ static bool parse_id(const char *word, struct dg_can_frame *to, struct cf_report
 }
 
 /* > ID BYTES: SDO and LSS requests are filled up to 8 bytes; >! ID BYTES: as it stands */
-static bool step_data(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_data(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     struct dg_can_frame frame = {0};
     bool padded;
 
@@ -195,8 +194,9 @@ static bool step_data(struct bench *b, char **words, size_t n, struct cf_report 
 }
 
 /* rtr ID */
-static bool step_rtr(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_rtr(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     struct dg_can_frame frame = {.rtr = true};
 
     if (n != 2) {
@@ -281,8 +281,9 @@ static bool run_to_frame(struct bench *b, const char *word, struct cf_report *re
 }
 
 /* < [@T] ID BYTES | < none [T] */
-static bool step_expect(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_expect(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     struct dg_can_frame want = {0};
     bool timed = n > 1 && words[1][0] == '@';
     size_t at = timed ? 2 : 1;
@@ -300,8 +301,9 @@ static bool step_expect(struct bench *b, char **words, size_t n, struct cf_repor
 }
 
 /* skip N: exactly N frames wait to be expected; what they say is proved elsewhere */
-static bool step_skip(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_skip(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     size_t want = n == 2 ? strtoul(words[1], NULL, 10) : 0;
 
     if (b->sent_count - b->seen != want) {
@@ -331,8 +333,9 @@ static bool parse_object(const char *word, struct dg_can_frame *to, struct cf_re
 
 /* read INDEX:SUB and write INDEX:SUB BYTES, each with the answer expected: BYTES, nothing, or
  * `abort CODE`. Bytes are those on the wire. */
-static bool step_sdo(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_sdo(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     bool reads = strcmp(words[0], "read") == 0;
     bool aborts = n >= 4 && strcmp(words[n - 2], "abort") == 0;
     size_t given = n < 2 ? 0 : n - 2 - (aborts ? 2u : 0u);
@@ -386,8 +389,9 @@ static bool power_on(struct bench *b, struct cf_report *report)
 }
 
 /* power on|off; the memory keeps what it has */
-static bool step_power(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_power(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     if (n == 2 && strcmp(words[1], "on") == 0) {
         return power_on(b, report);
     }
@@ -398,8 +402,9 @@ static bool step_power(struct bench *b, char **words, size_t n, struct cf_report
 }
 
 /* given MODEL [serial=N] [turns=65536] [boot] */
-static bool step_given(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_given(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     const struct dg_device *device = n > 1 ? dg_device_find(words[1]) : NULL;
     uint32_t serial = 1234567890;
     bool keep = false;
@@ -429,8 +434,9 @@ static bool step_given(struct bench *b, char **words, size_t n, struct cf_report
     return b->ready;
 }
 
-static bool step_wait(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_wait(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     const char *rest = "";
     dg_ns wait = n == 2 ? span(words[1], &rest) : 0;
 
@@ -439,8 +445,9 @@ static bool step_wait(struct bench *b, char **words, size_t n, struct cf_report 
 }
 
 /* late T: a busy port delivers the next frame T after it came in */
-static bool step_late(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_late(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     const char *rest = "";
 
     b->late = n == 2 ? span(words[1], &rest) : 0;
@@ -448,8 +455,9 @@ static bool step_late(struct bench *b, char **words, size_t n, struct cf_report 
 }
 
 /* turn 90DEG | turn 1000: to this angle, in degrees or in counts of 65536 a turn */
-static bool step_turn(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_turn(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     char *unit = NULL;
     int64_t figure = n == 2 ? strtoll(words[1], &unit, 10) : 0;
     int64_t per_turn = unit != NULL && strcmp(unit, "DEG") == 0 ? 360 : 65536;
@@ -462,8 +470,9 @@ static bool step_turn(struct bench *b, char **words, size_t n, struct cf_report 
 }
 
 /* rpm N | ramp N: N rpm, or from standstill N rpm a second */
-static bool step_rpm(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_rpm(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     int64_t figure = n == 2 ? strtoll(words[1], NULL, 10) : 0;
     bool ramp = strcmp(words[0], "ramp") == 0;
 
@@ -475,8 +484,9 @@ static bool step_rpm(struct bench *b, char **words, size_t n, struct cf_report *
 }
 
 /* world QUANTITY N: a cause, in the unit of dg_world; bits are 0 and 1 */
-static bool step_world(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_world(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     struct dg_world *world = &b->world;
     const struct {
         const char *name;
@@ -495,8 +505,11 @@ static bool step_world(struct bench *b, char **words, size_t n, struct cf_report
     };
     const size_t count = sizeof quantities / sizeof quantities[0];
     long value = n == 3 ? strtol(words[2], NULL, 10) : 0;
-    size_t i = n == 3 ? cf_find_verb(quantities, count, sizeof quantities[0], words[1]) : count;
+    size_t i = 0;
 
+    while (i < count && (n != 3 || strcmp(quantities[i].name, words[1]) != 0)) {
+        i++;
+    }
     if (i == count) {
         return cf_fail(report, "world QUANTITY N");
     }
@@ -536,8 +549,9 @@ static dg_ns until_change(struct bench *b, bool red)
 }
 
 /* led bus|err on|off|T: lit, dark, or T lit and T dark */
-static bool step_led(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_led(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     bool red = n == 3 && strcmp(words[1], "err") == 0;
     const char *rest;
     dg_ns want = n == 3 ? span(words[2], &rest) : 0;
@@ -555,8 +569,9 @@ static bool step_led(struct bench *b, char **words, size_t n, struct cf_report *
 }
 
 /* leds together|apart: both in the same phase, or in opposite phase, for half a second */
-static bool step_leds(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_leds(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     bool together = n == 2 && strcmp(words[1], "together") == 0;
     bool held = together || (n == 2 && strcmp(words[1], "apart") == 0);
 
@@ -570,8 +585,9 @@ static bool step_leds(struct bench *b, char **words, size_t n, struct cf_report 
 }
 
 /* bus off|active|passive|overrun: what the CAN controller reports */
-static bool step_bus(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_bus(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     static const struct {
         const char *word;
         enum dg_co_bus_event event;
@@ -591,16 +607,18 @@ static bool step_bus(struct bench *b, char **words, size_t n, struct cf_report *
     return cf_fail(report, "bus off|active|passive|overrun");
 }
 
-static bool step_eeprom(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_eeprom(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     b->nvm.no_acknowledge = n == 2 && strcmp(words[1], "silent") == 0;
     return b->nvm.no_acknowledge || (n == 2 && strcmp(words[1], "back") == 0) ||
            cf_fail(report, "eeprom silent|back");
 }
 
 /* damage REGION OFFSET [MASK]: bytes that change by themselves */
-static bool step_damage(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_damage(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     const struct dg_store_layout *layout = b->model.device->layout;
     int region = n >= 3 ? dg_store_find(layout, words[1]) : -1;
     unsigned long offset = n >= 3 ? strtoul(words[2], NULL, 0) : 0;
@@ -616,15 +634,17 @@ static bool step_damage(struct bench *b, char **words, size_t n, struct cf_repor
 }
 
 /* node ID: whom `read` and `write` talk to from now on */
-static bool step_node(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_node(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     b->node_id = (uint8_t)(n == 2 ? strtoul(words[1], NULL, 16) : 0);
     return b->node_id != 0 || cf_fail(report, "node ID");
 }
 
 /* rate KBAUD: the bit rate in force */
-static bool step_rate(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_rate(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     return (n == 2 && strtoul(words[1], NULL, 10) == b->kbaud) ||
            cf_fail(report, "rate: got %u kBd", (unsigned)b->kbaud);
 }
@@ -632,11 +652,7 @@ static bool step_rate(struct bench *b, char **words, size_t n, struct cf_report 
 /* --- table --------------------------------------------------------------------------------- */
 
 /* clang-format off */
-static const struct {
-    const char *verb;
-    step_fn *run;
-    bool expects;
-} steps[] = {
+static const struct cf_step steps[] = {
     {"given", step_given, false}, {">",     step_data,   false}, {">!",     step_data,   false},
     {"<",     step_expect, true}, {"skip",  step_skip,   true},  {"rtr",    step_rtr,    false},
     {"read",  step_sdo,   true},  {"write", step_sdo,    true},  {"wait",   step_wait,   false},
@@ -647,11 +663,6 @@ static const struct {
     {"leds",  step_leds,  true},
 };
 /* clang-format on */
-
-static size_t find_step(const char *verb)
-{
-    return cf_find_verb(steps, sizeof steps / sizeof steps[0], sizeof steps[0], verb);
-}
 
 static void begin(void *ctx)
 {
@@ -666,35 +677,15 @@ static void begin(void *ctx)
     b->world.angle_ctx = b;
 }
 
-static bool run_step(void *ctx, char **words, size_t n, struct cf_report *report)
-{
-    struct bench *b = ctx;
-    size_t i = find_step(words[0]);
-
-    if (i == sizeof steps / sizeof steps[0]) {
-        return cf_fail(report, "unknown step: %s", words[0]);
-    }
-    if (!b->ready && steps[i].run != step_given) {
-        return cf_fail(report, "a row starts with `given`");
-    }
-    return steps[i].run(b, words, n, report);
-}
-
 static bool finish(void *ctx, struct cf_report *report)
 {
     return expect_nothing(ctx, 0, report);
 }
 
-static bool expects(const char *verb)
-{
-    size_t i = find_step(verb);
-
-    return i < sizeof steps / sizeof steps[0] && steps[i].expects;
-}
-
 const struct cf_device *cf_canopen(void)
 {
-    static const struct cf_device device = {&bench, begin, run_step, finish, expects};
+    static const struct cf_device device = {&bench, begin, steps, sizeof steps / sizeof steps[0],
+                                            finish};
 
     return &device;
 }

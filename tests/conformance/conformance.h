@@ -30,14 +30,21 @@ struct cf_report {
     char text[3000];
 };
 
+/** A kind of step. The first one of a device's table begins every row. */
+struct cf_step {
+    const char *verb;
+    /** Do it; words[0] is the verb. @return false after cf_fail() */
+    bool (*run)(void *ctx, char **words, size_t n, struct cf_report *report);
+    bool expects; /**< it can fail because of the device */
+};
+
 /** What runs the steps of a row. */
 struct cf_device {
     void *ctx;
     void (*begin)(void *ctx); /**< before the first step of each row */
-    /** One step, split at blanks. @return false after cf_fail() */
-    bool (*step)(void *ctx, char **words, size_t n, struct cf_report *report);
+    const struct cf_step *steps;
+    size_t step_count;
     bool (*finish)(void *ctx, struct cf_report *report); /**< after the last step */
-    bool (*expects)(const char *verb); /**< whether such a step can fail because of the device */
 };
 
 struct cf_clause {
@@ -101,12 +108,6 @@ void cf_summary(const struct cf_suite *suite, FILE *to);
 /** Run one row. @return false with the reason, file and line in `report` */
 bool cf_run(const struct cf_suite *suite, const struct cf_row *row, const struct cf_device *device,
             struct cf_report *report);
-
-/**
- * Where a table of steps has `verb`. Every row of `size` bytes begins with its verb, a string.
- * @return its index, `count` when it is not there
- */
-size_t cf_find_verb(const void *steps, size_t count, size_t size, const char *verb);
 
 /** The steps of an S36 with RS485 (hiperface_steps.c). One bench: not for two at a time. */
 const struct cf_device *cf_hiperface(void);

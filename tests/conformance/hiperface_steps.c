@@ -42,8 +42,6 @@ struct bench {
 
 static struct bench bench;
 
-typedef bool step_fn(struct bench *b, char **words, size_t n, struct cf_report *report);
-
 /* --- figures by name ----------------------------------------------------------------------- */
 
 enum kind { U8, I16, U16, U32, I32, BOOL, MS, TEXT };
@@ -269,16 +267,18 @@ static bool send_words(struct bench *b, char **words, size_t n, bool sum, struct
     return true;
 }
 
-static bool step_request(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_request(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     bool good = send_words(b, words, n, words[0][1] == '+', report);
 
     b->request_end = b->now;
     return good;
 }
 
-static bool step_noise(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_noise(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     return send_words(b, words, n, false, report);
 }
 
@@ -318,8 +318,9 @@ static bool check_moment(const struct bench *b, const struct reply *got, dg_ns r
 }
 
 /* < none [T] | <[+] [@reaction] bytes */
-static bool step_reply(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_reply(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     bool timed = n > 1 && words[1][0] == '@';
     dg_ns reaction = timed ? span(b, words[1] + 1) : b->model.reaction;
     uint8_t want[256];
@@ -363,8 +364,9 @@ static bool step_reply(struct bench *b, char **words, size_t n, struct cf_report
 
 /* --- the other steps ----------------------------------------------------------------------- */
 
-static bool step_power(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_power(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     bool on = n > 1 && strcmp(words[1], "on") == 0;
     int result;
 
@@ -397,13 +399,15 @@ static bool set_angle(struct bench *b, const char *word)
     return per_turn > 0;
 }
 
-static bool step_angle(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_angle(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     return (n == 3 && set_angle(b, words[1])) || cf_fail(report, "angle N counts");
 }
 
-static bool step_rpm(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_rpm(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     b->from = shaft_angle(b, b->now);
     b->since = b->now;
     b->rpm = n == 2 ? strtoll(words[1], NULL, 0) : 0;
@@ -411,8 +415,9 @@ static bool step_rpm(struct bench *b, char **words, size_t n, struct cf_report *
 }
 
 /* given MODEL key=value... [raw=N] [window] */
-static bool step_given(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_given(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     const struct dg_device *device = n > 1 ? dg_device_find(words[1]) : NULL;
     struct dg_hf_setup setup = {&b->model, &b->world, {NULL, NULL}, &wire, b};
     char power[] = "power";
@@ -444,16 +449,18 @@ static bool step_given(struct bench *b, char **words, size_t n, struct cf_report
     return set_angle(b, raw) && step_power(b, power_on, in_window ? 3 : 2, report);
 }
 
-static bool step_wait(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_wait(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     dg_ns wait = n == 2 ? span(b, words[1]) : 0;
 
     run_until(b, b->now + wait, false);
     return wait > 0 || cf_fail(report, "wait 5ms, 300us or 43b");
 }
 
-static bool step_world(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_world(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     for (size_t i = 1; i < n; i++) {
         if (!set_figure(world_figures, &b->world, words[i])) {
             return cf_fail(report, "world: no such quantity: %s", words[i]);
@@ -462,16 +469,18 @@ static bool step_world(struct bench *b, char **words, size_t n, struct cf_report
     return true;
 }
 
-static bool step_eeprom(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_eeprom(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     b->nvm.no_acknowledge = n == 2 && strcmp(words[1], "silent") == 0;
     return b->nvm.no_acknowledge || (n == 2 && strcmp(words[1], "back") == 0) ||
            cf_fail(report, "eeprom silent|back");
 }
 
 /* damage REGION OFFSET [MASK]: bytes that change by themselves */
-static bool step_damage(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_damage(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     int region = n >= 3 ? dg_store_find(&dg_hf_layout, words[1]) : -1;
     unsigned long offset = n >= 3 ? strtoul(words[2], NULL, 0) : 0;
     unsigned long mask = n == 4 ? strtoul(words[3], NULL, 16) : 0x01;
@@ -486,8 +495,9 @@ static bool step_damage(struct bench *b, char **words, size_t n, struct cf_repor
 }
 
 /* fill REGION BYTE: a good value that would take long to reach over the wire; power is off */
-static bool step_fill(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_fill(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     int region = n == 3 ? dg_store_find(&dg_hf_layout, words[1]) : -1;
     uint8_t bytes[DG_STORE_CHECKED_MAX];
     struct dg_store store;
@@ -503,15 +513,17 @@ static bool step_fill(struct bench *b, char **words, size_t n, struct cf_report 
     return true;
 }
 
-static bool step_line(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_line(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     b->line = (uint8_t)(n == 2 ? strtoul(words[1], NULL, 16) : 0xE4u);
     return n == 2 || cf_fail(report, "line SETTING");
 }
 
 /* uart BAUD PARITY TIMEOUT_BITS: the setting the device uses */
-static bool step_uart(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_uart(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     struct dg_hf_uart uart = dg_hf_uart(&b->hf);
 
     if (n != 4 || uart.baud != strtoul(words[1], NULL, 10) || uart.parity != words[2][0] ||
@@ -523,8 +535,9 @@ static bool step_uart(struct bench *b, char **words, size_t n, struct cf_report 
 }
 
 /* sincos SIN+ SIN- COS+ COS-: millivolts against ground, to half a millivolt */
-static bool step_sincos(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_sincos(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     struct dg_hf_sincos out;
     int32_t got[4];
 
@@ -545,11 +558,7 @@ static bool step_sincos(struct bench *b, char **words, size_t n, struct cf_repor
 /* --- table --------------------------------------------------------------------------------- */
 
 /* clang-format off */
-static const struct {
-    const char *verb;
-    step_fn *run;
-    bool expects;
-} steps[] = {
+static const struct cf_step steps[] = {
     {"given",  step_given,   false}, {">",      step_request, false}, {">+",     step_request, false},
     {"<",      step_reply,   true},  {"<+",     step_reply,   true},  {"noise",  step_noise,   false},
     {"wait",   step_wait,    false}, {"angle",  step_angle,   false}, {"rpm",    step_rpm,     false},
@@ -558,11 +567,6 @@ static const struct {
     {"uart",   step_uart,    true},  {"sincos", step_sincos,  true},
 };
 /* clang-format on */
-
-static size_t find_step(const char *verb)
-{
-    return cf_find_verb(steps, sizeof steps / sizeof steps[0], sizeof steps[0], verb);
-}
 
 static void begin(void *ctx)
 {
@@ -577,35 +581,15 @@ static void begin(void *ctx)
     b->world.angle_ctx = b;
 }
 
-static bool run_step(void *ctx, char **words, size_t n, struct cf_report *report)
-{
-    struct bench *b = ctx;
-    size_t i = find_step(words[0]);
-
-    if (i == sizeof steps / sizeof steps[0]) {
-        return cf_fail(report, "unknown step: %s", words[0]);
-    }
-    if (!b->ready && steps[i].run != step_given) {
-        return cf_fail(report, "a row starts with `given`");
-    }
-    return steps[i].run(b, words, n, report);
-}
-
 static bool finish(void *ctx, struct cf_report *report)
 {
     return expect_nothing(ctx, 0, report);
 }
 
-static bool expects(const char *verb)
-{
-    size_t i = find_step(verb);
-
-    return i < sizeof steps / sizeof steps[0] && steps[i].expects;
-}
-
 const struct cf_device *cf_hiperface(void)
 {
-    static const struct cf_device device = {&bench, begin, run_step, finish, expects};
+    static const struct cf_device device = {&bench, begin, steps, sizeof steps / sizeof steps[0],
+                                            finish};
 
     return &device;
 }

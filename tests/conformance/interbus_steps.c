@@ -41,8 +41,6 @@ struct bench {
 
 static struct bench bench;
 
-typedef bool step_fn(struct bench *b, char **words, size_t n, struct cf_report *report);
-
 /* --- figures by name ----------------------------------------------------------------------- */
 
 enum kind { U8, U16, U32, I32, BOOL, MS };
@@ -201,14 +199,16 @@ static bool become(struct bench *b, const char *pattern, struct cf_report *repor
 
 /* --- words of one device ------------------------------------------------------------------- */
 
-static bool step_out(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_out(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     return (n == 2 && parse_word(words[1], &b->out)) || cf_fail(report, "not a word");
 }
 
 /* in WORD [xN] */
-static bool step_in(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_in(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     unsigned long times = n == 3 && words[2][0] == 'x' ? strtoul(words[2] + 1, NULL, 10) : 1;
     bool good = n >= 2;
 
@@ -219,8 +219,9 @@ static bool step_in(struct bench *b, char **words, size_t n, struct cf_report *r
     return good || unexpected(b, n >= 2 ? words[1] : "a word", report);
 }
 
-static bool step_cycles(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_cycles(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     unsigned long times = n == 2 ? strtoul(words[1], NULL, 10) : 0;
 
     for (unsigned long i = 0; i < times; i++) {
@@ -230,15 +231,17 @@ static bool step_cycles(struct bench *b, char **words, size_t n, struct cf_repor
 }
 
 /* > OUT IN */
-static bool step_command(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_command(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     return n == 3 && step_out(b, words, 2, report) ? become(b, words[2], report)
                                                    : cf_fail(report, "> OUT IN");
 }
 
 /* release IN: 80000000h until IN is there, then back to 0 */
-static bool step_release(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_release(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     if (n != 2) {
         return cf_fail(report, "release IN");
     }
@@ -251,8 +254,9 @@ static bool step_release(struct bench *b, char **words, size_t n, struct cf_repo
 }
 
 /* read ITEM ANSWER: out of operation and back to it; IN is the same before and behind it */
-static bool step_read(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_read(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     char before[9];
 
     (void)snprintf(before, sizeof before, "%08lX", (unsigned long)b->in);
@@ -272,8 +276,9 @@ static bool link_ring(struct bench *b)
 }
 
 /* ids WORD... */
-static bool step_ids(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_ids(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     uint16_t ids[DEVICES_MAX] = {0};
     uint16_t reached;
 
@@ -305,8 +310,9 @@ static bool check_image(const uint16_t *got, size_t length, char **words, size_t
 }
 
 /* data RESULT OUT... : IN... */
-static bool step_data(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_data(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     static const char *const results[] = {
         [DG_IB_RING_OK] = "ok",
         [DG_IB_RING_CRC] = "crc",
@@ -335,8 +341,9 @@ static bool step_data(struct bench *b, char **words, size_t n, struct cf_report 
     return check_image(b->image, b->ring.words, words + colon + 1, n - colon - 1, report);
 }
 
-static bool step_break(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_break(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     bool heal = n == 2 && strcmp(words[1], "none") == 0;
 
     if (n != 2 || !link_ring(b)) {
@@ -346,8 +353,9 @@ static bool step_break(struct bench *b, char **words, size_t n, struct cf_report
     return true;
 }
 
-static bool step_corrupt(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_corrupt(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     if (n != 2 || !link_ring(b)) {
         return cf_fail(report, "corrupt N");
     }
@@ -356,8 +364,9 @@ static bool step_corrupt(struct bench *b, char **words, size_t n, struct cf_repo
 }
 
 /* module N: the first device with a module error; -1: none */
-static bool step_module(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_module(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     long got = link_ring(b) ? dg_ib_ring_module_error(&b->ring) : -2;
 
     return (n == 2 && got == strtol(words[1], NULL, 10)) ||
@@ -365,8 +374,9 @@ static bool step_module(struct bench *b, char **words, size_t n, struct cf_repor
 }
 
 /* cycletime BAUD SOFTWARE_US NS */
-static bool step_cycletime(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_cycletime(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     dg_ns got = 0;
 
     if (n == 4 && link_ring(b)) {
@@ -378,25 +388,27 @@ static bool step_cycletime(struct bench *b, char **words, size_t n, struct cf_re
 }
 
 /* bits BYTES DEVICES BITS */
-static bool step_bits(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_bits(void *ctx, char **words, size_t n, struct cf_report *report)
 {
     uint32_t got = n == 4 ? dg_ib_bit_times((uint32_t)strtoul(words[1], NULL, 10),
                                             (uint32_t)strtoul(words[2], NULL, 10))
                           : 0;
 
-    (void)b;
+    (void)ctx;
     return (n == 4 && got == strtoul(words[3], NULL, 10)) ||
            cf_fail(report, "bit times: got %lu", (unsigned long)got);
 }
 
-static bool step_ringcount(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_ringcount(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     return link_ring(b) && check_counter(ring_counters, &b->ring.counters, words, n, report);
 }
 
 /* ringsize N ok|refused: devices that are initialised over and over */
-static bool step_ringsize(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_ringsize(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     static struct dg_ib many[DG_IB_RING_MAX + 1u];
     size_t count = n == 3 ? strtoul(words[1], NULL, 10) : 0;
     struct dg_ib_ring ring;
@@ -412,8 +424,9 @@ static bool step_ringsize(struct bench *b, char **words, size_t n, struct cf_rep
 /* --- the other steps ----------------------------------------------------------------------- */
 
 /* led NAME on|off|blinks */
-static bool step_led(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_led(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     static const struct {
         const char *name;
         uint8_t bit;
@@ -434,8 +447,9 @@ static bool step_led(struct bench *b, char **words, size_t n, struct cf_report *
 }
 
 /* blink ON OFF: how long BA is lit and dark in a second of ID cycles, to a cycle of 20 ms */
-static bool step_blink(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_blink(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     const unsigned long period_ms = 20;
     unsigned long lit_ms = 0;
     unsigned long want_ms = n == 3 ? strtoul(words[1], NULL, 10) : 0;
@@ -453,13 +467,15 @@ static bool step_blink(struct bench *b, char **words, size_t n, struct cf_report
            cf_fail(report, "BA is lit for %lu ms", lit_ms);
 }
 
-static bool step_count(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_count(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     return check_counter(counters, &b->ib[0].counters, words, n, report);
 }
 
-static bool step_range(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_range(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     uint32_t got = dg_ib_range(&b->ib[0]);
 
     return (n == 2 && got == strtoul(words[1], NULL, 0)) ||
@@ -467,8 +483,9 @@ static bool step_range(struct bench *b, char **words, size_t n, struct cf_report
 }
 
 /* power off | power on [test] */
-static bool step_power(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_power(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     bool on = n > 1 && strcmp(words[1], "on") == 0;
     int result;
 
@@ -521,10 +538,14 @@ static bool add_device(struct bench *b, char **words, size_t n, struct cf_report
 }
 
 /* given MODEL figure=value... [raw=N] [test] */
-static bool step_given(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_given(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     bool test = n > 2 && strcmp(words[n - 1], "test") == 0;
 
+    if (b->count > 0) {
+        return cf_fail(report, "a row has one `given`");
+    }
     if (!add_device(b, words, n, report)) {
         return false;
     }
@@ -541,16 +562,18 @@ static bool step_given(struct bench *b, char **words, size_t n, struct cf_report
 }
 
 /* also MODEL figure=value...: one more device behind the others */
-static bool step_also(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_also(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     bool good = add_device(b, words, n, report);
 
     b->now += good ? b->slaves[b->count - 1].model.self_test : 0;
     return good;
 }
 
-static bool step_wait(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_wait(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     char *unit = NULL;
     unsigned long number = n == 2 ? strtoul(words[1], &unit, 10) : 0;
     bool seconds = n == 2 && strcmp(unit, "s") == 0;
@@ -560,8 +583,9 @@ static bool step_wait(struct bench *b, char **words, size_t n, struct cf_report 
            cf_fail(report, "wait 5ms or 5s");
 }
 
-static bool step_angle(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_angle(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     if (n != 2) {
         return cf_fail(report, "angle COUNTS");
     }
@@ -569,8 +593,9 @@ static bool step_angle(struct bench *b, char **words, size_t n, struct cf_report
     return true;
 }
 
-static bool step_rpm(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_rpm(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     b->from = shaft_angle(b, b->now);
     b->since = b->now;
     b->rpm = n == 2 ? strtoll(words[1], NULL, 0) : 0;
@@ -578,8 +603,9 @@ static bool step_rpm(struct bench *b, char **words, size_t n, struct cf_report *
     return n == 2 || cf_fail(report, "rpm N");
 }
 
-static bool step_world(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_world(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     for (size_t i = 1; i < n; i++) {
         if (!set_figure(world_figures, &b->world, words[i])) {
             return cf_fail(report, "no such quantity: %s", words[i]);
@@ -589,8 +615,9 @@ static bool step_world(struct bench *b, char **words, size_t n, struct cf_report
 }
 
 /* damage REGION: a byte that changes by itself */
-static bool step_damage(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_damage(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     int region = n == 2 ? dg_store_find(&dg_ib_layout, words[1]) : -1;
     struct ram_nvm *nvm = &b->slaves[0].nvm;
     uint32_t at;
@@ -605,8 +632,9 @@ static bool step_damage(struct bench *b, char **words, size_t n, struct cf_repor
 }
 
 /* opc REGISTER BYTE: set by the host */
-static bool step_opc(struct bench *b, char **words, size_t n, struct cf_report *report)
+static bool step_opc(void *ctx, char **words, size_t n, struct cf_report *report)
 {
+    struct bench *b = ctx;
     unsigned long number = n == 3 ? strtoul(words[1], NULL, 10) : DG_IB_OPC_REGISTERS;
 
     if (number >= DG_IB_OPC_REGISTERS) {
@@ -619,11 +647,7 @@ static bool step_opc(struct bench *b, char **words, size_t n, struct cf_report *
 /* --- table --------------------------------------------------------------------------------- */
 
 /* clang-format off */
-static const struct {
-    const char *verb;
-    step_fn *run;
-    bool expects;
-} steps[] = {
+static const struct cf_step steps[] = {
     {"given",     step_given,     false}, {"also",    step_also,     false}, {"out",       step_out,       false},
     {"in",        step_in,        true},  {">",       step_command,  true},  {"release",   step_release,   true},
     {"read",      step_read,      true},  {"cycles",  step_cycles,   false}, {"wait",      step_wait,      false},
@@ -637,11 +661,6 @@ static const struct {
 };
 /* clang-format on */
 
-static size_t find_step(const char *verb)
-{
-    return cf_find_verb(steps, sizeof steps / sizeof steps[0], sizeof steps[0], verb);
-}
-
 static void begin(void *ctx)
 {
     struct bench *b = ctx;
@@ -653,20 +672,6 @@ static void begin(void *ctx)
     b->world.angle_ctx = b;
 }
 
-static bool run_step(void *ctx, char **words, size_t n, struct cf_report *report)
-{
-    struct bench *b = ctx;
-    size_t i = find_step(words[0]);
-
-    if (i == sizeof steps / sizeof steps[0]) {
-        return cf_fail(report, "unknown step: %s", words[0]);
-    }
-    if ((b->count == 0) != (steps[i].run == step_given)) {
-        return cf_fail(report, "a row starts with `given`, once");
-    }
-    return steps[i].run(b, words, n, report);
-}
-
 /* Nothing is left to be seen when a row ends. */
 static bool finish(void *ctx, struct cf_report *report)
 {
@@ -675,16 +680,10 @@ static bool finish(void *ctx, struct cf_report *report)
     return b->count > 0 || cf_fail(report, "no device");
 }
 
-static bool expects(const char *verb)
-{
-    size_t i = find_step(verb);
-
-    return i < sizeof steps / sizeof steps[0] && steps[i].expects;
-}
-
 const struct cf_device *cf_interbus(void)
 {
-    static const struct cf_device device = {&bench, begin, run_step, finish, expects};
+    static const struct cf_device device = {&bench, begin, steps, sizeof steps / sizeof steps[0],
+                                            finish};
 
     return &device;
 }

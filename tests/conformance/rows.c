@@ -167,6 +167,16 @@ static struct cf_clause *find_clause(struct cf_suite *suite, const char *id)
     return NULL;
 }
 
+static const struct cf_step *find_step(const struct cf_device *device, const char *verb)
+{
+    for (size_t i = 0; i < device->step_count; i++) {
+        if (strcmp(device->steps[i].verb, verb) == 0) {
+            return &device->steps[i];
+        }
+    }
+    return NULL;
+}
+
 static bool has_expectation(const struct cf_suite *suite, const struct cf_row *row,
                             const struct cf_device *device)
 {
@@ -175,7 +185,8 @@ static bool has_expectation(const struct cf_suite *suite, const struct cf_row *r
         char verb[32] = {0};
 
         (void)strncat(verb, text, strcspn(text, " \t") < 31u ? strcspn(text, " \t") : 31u);
-        if (device->expects(verb)) {
+        const struct cf_step *step = find_step(device, verb);
+        if (step != NULL && step->expects) {
             return true;
         }
     }
@@ -296,7 +307,11 @@ static bool run_line(const struct cf_suite *suite, const struct cf_line *line,
 
     (void)snprintf(text, sizeof text, "%s", line->text);
     n = cf_split(text, words, CF_WORDS_MAX);
-    if (!device->step(device->ctx, words, n, &reason)) {
+    const struct cf_step *step = find_step(device, words[0]);
+    if (step == NULL) {
+        return cf_fail(report, "%s:%d: unknown step: %s", suite->rows_name, line->number, words[0]);
+    }
+    if (!step->run(device->ctx, words, n, &reason)) {
         return cf_fail(report, "%s:%d: %s", suite->rows_name, line->number, reason.text);
     }
     return true;
@@ -328,6 +343,14 @@ static size_t run_block(const struct cf_suite *suite, size_t at, size_t end,
     return last + 1;
 }
 
+/* Whether the first word of `text` is `verb`. */
+static bool begins(const char *text, const char *verb)
+{
+    const size_t n = strcspn(text, " \t");
+
+    return strlen(verb) == n && strncmp(text, verb, n) == 0;
+}
+
 bool cf_run(const struct cf_suite *suite, const struct cf_row *row, const struct cf_device *device,
             struct cf_report *report)
 {
@@ -336,6 +359,10 @@ bool cf_run(const struct cf_suite *suite, const struct cf_row *row, const struct
     struct cf_report reason;
 
     device->begin(device->ctx);
+    if (at < end && !begins(suite->lines[at].text, device->steps[0].verb)) {
+        return cf_fail(report, "%s:%d: a row starts with `%s`", suite->rows_name, row->line,
+                       device->steps[0].verb);
+    }
     while (at < end) {
         if (strncmp(suite->lines[at].text, "repeat ", 7) == 0) {
             at = run_block(suite, at, end, device, report);
@@ -352,18 +379,4 @@ bool cf_run(const struct cf_suite *suite, const struct cf_row *row, const struct
         return cf_fail(report, "%s:%d: at the end: %s", suite->rows_name, row->line, reason.text);
     }
     return true;
-}
-
-size_t cf_find_verb(const void *steps, size_t count, size_t size, const char *verb)
-{
-    size_t i = 0;
-    const char *known;
-
-    for (; i < count; i++) {
-        memcpy(&known, (const char *)steps + i * size, sizeof known);
-        if (strcmp(known, verb) == 0) {
-            break;
-        }
-    }
-    return i;
 }
