@@ -164,7 +164,8 @@ class Rig:
             self._wait_until_ready(address)
             self.control = Control(address)
         except BaseException:
-            self.close()
+            with contextlib.suppress(RigError):
+                self.close()
             raise
 
     def _read(self):
