@@ -48,9 +48,6 @@ const char *lx_server_address(const struct lx_server *self);
 /** Close all connections, remove the socket; NULL is fine. */
 void lx_server_close(struct lx_server *self);
 
-/** Whether `where` is an address at all. @return 0, or -1 with one line in `error` */
-int lx_server_check(const char *where, struct lx_error *error);
-
 /**
  * The default address for `name`: unix:$XDG_RUNTIME_DIR/drehgeber/NAME.sock, without the variable
  * unix:/tmp/drehgeber-UID/NAME.sock; the folder is made, mode 0700, and must be the user's own.

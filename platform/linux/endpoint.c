@@ -1,0 +1,211 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "endpoint.h"
+
+#include <errno.h>
+#include <netdb.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include "number.h"
+
+#define UNIX_PREFIX "unix:"
+#define TCP_PREFIX "tcp:"
+#define BACKLOG 16
+#define OWNER_ONLY 0177
+
+/* What is behind the prefix, or NULL. */
+static const char *behind(const char *where, const char *prefix)
+{
+    const size_t n = strlen(prefix);
+    return strncmp(where, prefix, n) == 0 && where[n] != '\0' ? where + n : NULL;
+}
+
+bool lx_host_port_split(const char *text, struct lx_host_port *out)
+{
+    const char *colon = strrchr(text, ':');
+    size_t n = colon == NULL ? 0 : (size_t)(colon - text);
+    uint64_t port = 0;
+    if (n == 0 || n >= sizeof out->host || strlen(colon + 1) >= sizeof out->port ||
+        !lx_unsigned_parse(colon + 1, &port) || port > UINT16_MAX) {
+        return false;
+    }
+    if (text[0] == '[' && text[n - 1] == ']') {
+        text++;
+        n -= 2;
+    }
+    memcpy(out->host, text, n);
+    out->host[n] = '\0';
+    (void)snprintf(out->port, sizeof out->port, "%lu", (unsigned long)port);
+    return n > 0;
+}
+
+int lx_endpoint_check(const char *where, struct lx_error *error)
+{
+    struct lx_host_port tcp;
+    const struct sockaddr_un address = {.sun_family = AF_UNIX};
+    const char *path = behind(where, UNIX_PREFIX);
+    const char *host = behind(where, TCP_PREFIX);
+    if (path != NULL && strlen(path) >= sizeof address.sun_path) {
+        return lx_fail(error, "%s: a path of at most %lu characters is right", where,
+                       (unsigned long)sizeof address.sun_path - 1);
+    }
+    if (path != NULL || (host != NULL && lx_host_port_split(host, &tcp))) {
+        return 0;
+    }
+    return lx_fail(error, "%s: unix:PATH or tcp:HOST:PORT is right", where);
+}
+
+static struct sockaddr_un unix_address(const char *path)
+{
+    struct sockaddr_un address = {.sun_family = AF_UNIX};
+    (void)snprintf(address.sun_path, sizeof address.sun_path, "%s", path);
+    return address;
+}
+
+/* A socket left behind by a process that is gone refuses connections. */
+static int clear_stale(const char *path, const struct sockaddr_un *address, struct lx_error *error)
+{
+    struct stat info;
+    if (lstat(path, &info) != 0) {
+        return 0;
+    }
+    if (!S_ISSOCK(info.st_mode)) {
+        return lx_fail(error, "unix:%s: exists and is no socket; remove it or give another name",
+                       path);
+    }
+    const int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    const bool dead = fd >= 0 &&
+                      connect(fd, (const struct sockaddr *)address, sizeof *address) != 0 &&
+                      errno == ECONNREFUSED;
+    if (fd >= 0) {
+        (void)close(fd);
+    }
+    if (!dead) {
+        return lx_fail(error, "unix:%s: in use by another process; give another name", path);
+    }
+    (void)unlink(path);
+    return 0;
+}
+
+static int listen_unix(const char *path, struct lx_error *error)
+{
+    const struct sockaddr_un address = unix_address(path);
+    if (clear_stale(path, &address, error) != 0) {
+        return -1;
+    }
+    const int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    const mode_t before = umask(OWNER_ONLY);
+    const bool bound = fd >= 0 && bind(fd, (const struct sockaddr *)&address, sizeof address) == 0;
+    (void)umask(before);
+    if (bound && listen(fd, BACKLOG) == 0) {
+        return fd;
+    }
+    (void)lx_fail(error, "unix:%s: cannot listen there: %s", path, strerror(errno));
+    if (fd >= 0) {
+        (void)close(fd);
+    }
+    return -1;
+}
+
+/* A socket for the first of the host's addresses that `use` succeeds with. */
+static int open_tcp(const struct lx_host_port *tcp, int flags, int type,
+                    int (*use)(int fd, const struct sockaddr *address, socklen_t size))
+{
+    const struct addrinfo hints = {
+        .ai_family = AF_UNSPEC, .ai_socktype = SOCK_STREAM, .ai_flags = flags};
+    struct addrinfo *list = NULL;
+    int fd = -1;
+    if (getaddrinfo(tcp->host, tcp->port, &hints, &list) != 0) {
+        errno = EADDRNOTAVAIL;
+        return -1;
+    }
+    for (const struct addrinfo *at = list; at != NULL && fd < 0; at = at->ai_next) {
+        fd = socket(at->ai_family, type, at->ai_protocol);
+        if (fd >= 0 && use(fd, at->ai_addr, at->ai_addrlen) != 0) {
+            const int reason = errno;
+            (void)close(fd);
+            errno = reason;
+            fd = -1;
+        }
+    }
+    freeaddrinfo(list);
+    return fd;
+}
+
+static int bind_and_listen(int fd, const struct sockaddr *address, socklen_t size)
+{
+    const int on = 1;
+    (void)setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+    return bind(fd, address, size) != 0 ? -1 : listen(fd, BACKLOG);
+}
+
+/* Port 0: the kernel has chosen one. */
+static void real_port(int fd, struct lx_host_port *tcp)
+{
+    struct sockaddr_storage bound;
+    socklen_t size = sizeof bound;
+    if (getsockname(fd, (struct sockaddr *)&bound, &size) == 0) {
+        (void)getnameinfo((struct sockaddr *)&bound, size, NULL, 0, tcp->port, sizeof tcp->port,
+                          NI_NUMERICSERV);
+    }
+}
+
+int lx_endpoint_listen(const char *where, char *address, size_t size, struct lx_error *error)
+{
+    struct lx_host_port tcp;
+    const char *path = behind(where, UNIX_PREFIX);
+    if (lx_endpoint_check(where, error) != 0) {
+        return -1;
+    }
+    if (path != NULL) {
+        (void)snprintf(address, size, "%s", where);
+        return listen_unix(path, error);
+    }
+    (void)lx_host_port_split(behind(where, TCP_PREFIX), &tcp);
+    const int fd =
+        open_tcp(&tcp, AI_PASSIVE, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, bind_and_listen);
+    if (fd < 0) {
+        return lx_fail(error, "%s: cannot listen there: %s", where, strerror(errno));
+    }
+    real_port(fd, &tcp);
+    const int host = (int)(strrchr(where, ':') - where);
+    (void)snprintf(address, size, "%.*s:%s", host, where, tcp.port);
+    return fd;
+}
+
+static int connect_unix(const char *path)
+{
+    const struct sockaddr_un address = unix_address(path);
+    const int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    if (fd >= 0 && connect(fd, (const struct sockaddr *)&address, sizeof address) != 0) {
+        const int reason = errno;
+        (void)close(fd);
+        errno = reason;
+        return -1;
+    }
+    return fd;
+}
+
+int lx_endpoint_connect(const char *where, struct lx_error *error)
+{
+    struct lx_host_port tcp;
+    const char *path = behind(where, UNIX_PREFIX);
+    if (lx_endpoint_check(where, error) != 0) {
+        return -1;
+    }
+    int fd = -1;
+    if (path != NULL) {
+        fd = connect_unix(path);
+    } else {
+        (void)lx_host_port_split(behind(where, TCP_PREFIX), &tcp);
+        fd = open_tcp(&tcp, 0, SOCK_STREAM | SOCK_CLOEXEC, connect);
+    }
+    return fd >= 0 ? fd
+                   : lx_fail(error, "%s: no connection: %s; is a drehgeber running there?", where,
+                             strerror(errno));
+}

@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * Addresses of byte streams, unix:PATH and tcp:HOST:PORT, and sockets that listen at them or lead
+ * there.
+ */
+#ifndef DREHGEBER_LINUX_ENDPOINT_H
+#define DREHGEBER_LINUX_ENDPOINT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "say.h"
+
+/** A host and a port, apart. */
+struct lx_host_port {
+    char host[256];
+    char port[8];
+};
+
+/** Take "host:port" or "[host]:port" apart. @return false: it is neither */
+bool lx_host_port_split(const char *text, struct lx_host_port *out);
+
+/** Whether `where` is unix:PATH or tcp:HOST:PORT. @return 0, or -1 with one line in `error` */
+int lx_endpoint_check(const char *where, struct lx_error *error);
+
+/**
+ * A socket that listens at `where`, without blocking; unix: mode 0600. A socket that nobody listens
+ * at any more is replaced, anything else is not.
+ * @param address where it really is, with the port that the kernel has chosen for port 0
+ * @return the descriptor, or -1 with one line in `error`
+ */
+int lx_endpoint_listen(const char *where, char *address, size_t size, struct lx_error *error);
+
+/** A connection to `where`, which blocks. @return the descriptor, or -1 with `error` */
+int lx_endpoint_connect(const char *where, struct lx_error *error);
+
+#endif

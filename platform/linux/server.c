@@ -1,0 +1,327 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The core says what is next, this file makes it happen:
+ *
+ *   client -- on_event --> input -- feed() --> dg_control_rx() --> keep() --> output --> client
+ *   timer  -- on_time ---> dg_control_step(), then what waited in `input`
+ *
+ * A session that waits (*WAI, *OPC?) takes no bytes; they stay in `input`, and the client is not
+ * read from until there is room again.
+ */
+#define _GNU_SOURCE
+#include "server.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/epoll.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "endpoint.h"
+#include "timer.h"
+
+#define INPUT_MAX 1024u
+/* Answers a client may leave lying: the catalogue of a large rig several times over. */
+#define OUTPUT_MAX (1024u * 1024u)
+#define FOLDER_MODE 0700
+
+/* A connection. */
+struct client {
+    struct lx_server *server;
+    int fd; /* -1: free */
+    sd_event_source *io;
+    struct dg_control control;
+    char input[INPUT_MAX];
+    size_t input_length;
+    char *output; /* owned */
+    size_t output_length;
+    size_t output_size;
+    bool ended;  /* no more bytes will come */
+    bool broken; /* to be closed */
+};
+
+struct lx_server {
+    struct lx_server_setup setup;
+    int listener;
+    sd_event_source *io;
+    struct lx_timer timer;
+    struct client clients[LX_SERVER_CLIENTS_MAX];
+    dev_t device; /* of the socket file, to remove no other one */
+    ino_t inode;
+    char address[LX_SERVER_ADDRESS_MAX];
+};
+
+/* --- output --- */
+
+static bool make_room(struct client *client, size_t n)
+{
+    const size_t wanted = client->output_length + n;
+    if (wanted <= client->output_size) {
+        return true;
+    }
+    char *output = wanted > OUTPUT_MAX ? NULL : realloc(client->output, 2 * wanted);
+    if (output == NULL) {
+        return false;
+    }
+    client->output = output;
+    client->output_size = 2 * wanted;
+    return true;
+}
+
+/* Called inside the core. A client that does not take its answers is cut off. */
+static void keep(void *ctx, const char *bytes, size_t n)
+{
+    struct client *client = ctx;
+    if (client->broken || !make_room(client, n)) {
+        client->broken = true;
+        return;
+    }
+    memcpy(client->output + client->output_length, bytes, n);
+    client->output_length += n;
+}
+
+static void send_output(struct client *client)
+{
+    while (client->output_length > 0 && !client->broken) {
+        const ssize_t n =
+            send(client->fd, client->output, client->output_length, MSG_DONTWAIT | MSG_NOSIGNAL);
+        if (n < 0 && errno == EINTR) {
+            continue;
+        }
+        if (n < 0) {
+            client->broken = errno != EAGAIN;
+            return;
+        }
+        client->output_length -= (size_t)n;
+        memmove(client->output, client->output + n, client->output_length);
+    }
+}
+
+/* --- clients --- */
+
+static void drop(struct client *client)
+{
+    client->io = sd_event_source_disable_unref(client->io);
+    if (client->fd >= 0) {
+        (void)close(client->fd);
+    }
+    free(client->output);
+    client->output = NULL;
+    client->fd = -1;
+}
+
+/* What the client has sent, as far as its session takes it. */
+static void feed(struct client *client, dg_ns now)
+{
+    const size_t taken = dg_control_rx(&client->control, now, client->input, client->input_length);
+    client->input_length -= taken;
+    memmove(client->input, client->input + taken, client->input_length);
+}
+
+/* Read while there is room for it; write while there is something to write. */
+static void watch(struct client *client)
+{
+    const bool done = client->ended && client->input_length == 0 && client->output_length == 0 &&
+                      !client->control.session.waiting;
+    if (client->broken || done) {
+        drop(client);
+        return;
+    }
+    uint32_t events = client->output_length > 0 ? EPOLLOUT : 0u;
+    if (!client->ended && client->input_length < sizeof client->input) {
+        events |= EPOLLIN;
+    }
+    (void)sd_event_source_set_io_events(client->io, events);
+}
+
+/* What one client did may be what another one waits for. */
+static void settle(struct lx_server *self)
+{
+    const dg_ns now = lx_clock_now(self->setup.clock);
+    dg_ns next = DG_NEVER;
+    for (size_t i = 0; i < LX_SERVER_CLIENTS_MAX; i++) {
+        struct client *client = &self->clients[i];
+        if (client->fd < 0) {
+            continue;
+        }
+        (void)dg_control_step(&client->control, now);
+        feed(client, now);
+        next = dg_earliest(next, dg_control_step(&client->control, now));
+        send_output(client);
+        watch(client);
+    }
+    lx_timer_at(&self->timer, lx_clock_real(self->setup.clock, next));
+    self->setup.settle(self->setup.ctx, now);
+}
+
+static void on_time(void *ctx, dg_ns now)
+{
+    (void)now;
+    settle(ctx);
+}
+
+static int on_event(sd_event_source *source, int fd, uint32_t events, void *ctx)
+{
+    struct client *client = ctx;
+    (void)source;
+    if ((events & (EPOLLIN | EPOLLHUP | EPOLLERR)) != 0 && !client->ended) {
+        const size_t room = sizeof client->input - client->input_length;
+        const ssize_t n = recv(fd, client->input + client->input_length, room, MSG_DONTWAIT);
+        client->ended = n == 0;
+        client->broken = n < 0 && errno != EAGAIN && errno != EINTR;
+        client->input_length += n > 0 ? (size_t)n : 0u;
+    } else if ((events & (EPOLLHUP | EPOLLERR)) != 0) {
+        client->broken = true;
+    }
+    settle(client->server);
+    return 0;
+}
+
+static struct client *place(struct lx_server *self)
+{
+    for (size_t i = 0; i < LX_SERVER_CLIENTS_MAX; i++) {
+        if (self->clients[i].fd < 0) {
+            return &self->clients[i];
+        }
+    }
+    return NULL;
+}
+
+static int on_connection(sd_event_source *source, int fd, uint32_t events, void *ctx)
+{
+    static const char full[] = "-200,\"Execution error;too many clients\"\n";
+    struct lx_server *self = ctx;
+    (void)source;
+    (void)events;
+    const int socket = accept4(fd, NULL, NULL, SOCK_NONBLOCK | SOCK_CLOEXEC);
+    if (socket < 0) {
+        return 0; /* it has gone again */
+    }
+    struct client *client = place(self);
+    if (client == NULL) {
+        (void)send(socket, full, sizeof full - 1, MSG_DONTWAIT | MSG_NOSIGNAL);
+        (void)close(socket);
+        return 0;
+    }
+    *client = (struct client){.server = self, .fd = socket};
+    dg_control_init(&client->control, self->setup.rig, keep, client);
+    if (sd_event_add_io(self->setup.event, &client->io, socket, EPOLLIN, on_event, client) < 0) {
+        drop(client);
+    }
+    return 0;
+}
+
+/* --- the server --- */
+
+/* To remove no other socket than our own in the end. */
+static void remember_file(struct lx_server *self)
+{
+    struct stat info;
+    const char *path = strchr(self->address, ':') + 1;
+    if (strncmp(self->address, "unix:", 5) == 0 && stat(path, &info) == 0) {
+        self->device = info.st_dev;
+        self->inode = info.st_ino;
+    }
+}
+
+static void remove_file(const struct lx_server *self)
+{
+    struct stat info;
+    const char *path = strchr(self->address, ':') + 1;
+    if (self->inode != 0 && lstat(path, &info) == 0 && info.st_ino == self->inode &&
+        info.st_dev == self->device) {
+        (void)unlink(path);
+    }
+}
+
+static int start(struct lx_server *self, const char *where, struct lx_error *error)
+{
+    self->listener = lx_endpoint_listen(where, self->address, sizeof self->address, error);
+    if (self->listener < 0) {
+        return -1;
+    }
+    remember_file(self);
+    int result = lx_timer_open(&self->timer, self->setup.event, on_time, self);
+    if (result >= 0) {
+        result = sd_event_add_io(self->setup.event, &self->io, self->listener, EPOLLIN,
+                                 on_connection, self);
+    }
+    return result < 0 ? lx_fail(error, "%s: no event loop: %s", where, strerror(-result)) : 0;
+}
+
+struct lx_server *lx_server_open(const char *where, const struct lx_server_setup *setup,
+                                 struct lx_error *error)
+{
+    struct lx_server *self = calloc(1, sizeof *self);
+    if (self == NULL) {
+        (void)lx_fail(error, "%s: no memory", where);
+        return NULL;
+    }
+    self->setup = *setup;
+    for (size_t i = 0; i < LX_SERVER_CLIENTS_MAX; i++) {
+        self->clients[i].fd = -1;
+    }
+    if (start(self, where, error) != 0) {
+        lx_server_close(self);
+        return NULL;
+    }
+    return self;
+}
+
+const char *lx_server_address(const struct lx_server *self)
+{
+    return self->address;
+}
+
+void lx_server_close(struct lx_server *self)
+{
+    if (self == NULL) {
+        return;
+    }
+    for (size_t i = 0; i < LX_SERVER_CLIENTS_MAX; i++) {
+        drop(&self->clients[i]);
+    }
+    self->io = sd_event_source_disable_unref(self->io);
+    lx_timer_close(&self->timer);
+    if (self->listener >= 0) {
+        remove_file(self);
+        (void)close(self->listener);
+    }
+    free(self);
+}
+
+/* --- default addresses --- */
+
+int lx_server_folder(char *to, size_t size)
+{
+    const char *run = getenv("XDG_RUNTIME_DIR");
+    const bool known = run != NULL && run[0] == '/';
+    const int n = known ? snprintf(to, size, "%s/drehgeber", run)
+                        : snprintf(to, size, "/tmp/drehgeber-%lu", (unsigned long)getuid());
+    return n > 0 && (size_t)n < size ? 0 : -1;
+}
+
+int lx_server_default(const char *name, char *to, size_t size, struct lx_error *error)
+{
+    char folder[LX_SERVER_ADDRESS_MAX];
+    struct stat info;
+    if (lx_server_folder(folder, sizeof folder) != 0) {
+        return lx_fail(error, "XDG_RUNTIME_DIR is too long; --control unix:PATH is right");
+    }
+    if (mkdir(folder, FOLDER_MODE) != 0 && errno != EEXIST) {
+        return lx_fail(error, "%s: cannot make the folder: %s; --control unix:PATH is right",
+                       folder, strerror(errno));
+    }
+    if (lstat(folder, &info) != 0 || !S_ISDIR(info.st_mode) || info.st_uid != getuid() ||
+        (info.st_mode & 0022) != 0) {
+        return lx_fail(error,
+                       "%s: not a folder that only you can write to; --control unix:PATH is "
+                       "right",
+                       folder);
+    }
+    const int n = snprintf(to, size, "unix:%s/%s.sock", folder, name);
+    return n > 0 && (size_t)n < size ? 0 : lx_fail(error, "%s: name too long", name);
+}
