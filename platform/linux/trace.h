@@ -23,7 +23,7 @@
 /**
  * Turns events of one wire into lines: a line for each RS485 frame, CAN frame, note, and INTERBUS
  * cycle with a change. An RS485 frame ends with the next one's first character in the other
- * direction, or with silence; lx_decoder_flush() is asked for by time.
+ * direction, or with silence; lx_decoder_step() is asked for by time.
  */
 struct lx_decoder {
     enum dg_device_stack stack;
@@ -33,7 +33,7 @@ struct lx_decoder {
     dg_ns last;  /**< end of its last character */
     bool ours;
     uint16_t length;
-    uint8_t bytes[140];
+    uint8_t bytes[140]; /**< the frame; CAN: of each node, the SDO block transfer it is in */
     bool damaged;
     uint32_t baud;
     uint16_t words[1024]; /**< INTERBUS: IN and OUT of the last line */

@@ -1,0 +1,210 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * A trace file listens to a tap. The wire never waits for it: a file that cannot be written is said
+ * once, and from then on the trace is deaf.
+ */
+#define _GNU_SOURCE
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio_ext.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "trace_format.h"
+
+#define FILE_MODE 0666
+#define FLUSH_NS DG_S(1)
+
+static const struct lx_trace_format *const formats[] = {
+    &lx_trace_uart, &lx_trace_biss, &lx_trace_log, &lx_trace_pcapng, &lx_trace_pcap, &lx_trace_csv,
+};
+#define FORMAT_COUNT (sizeof formats / sizeof formats[0])
+
+static const char *const wires[] = {
+    [DG_STACK_HIPERFACE] = "RS485",
+    [DG_STACK_BISS] = "BiSS",
+    [DG_STACK_CANOPEN] = "CAN",
+    [DG_STACK_INTERBUS] = "INTERBUS",
+};
+
+static bool ends_in(const char *path, const char *ending)
+{
+    const size_t n = strlen(path);
+    const size_t end = strlen(ending);
+    return n > end && strcmp(path + n - end, ending) == 0 && path[n - end - 1] != '/';
+}
+
+static const struct lx_trace_format *find(const char *path, enum dg_device_stack stack,
+                                          struct lx_error *error)
+{
+    char endings[64] = "";
+    for (size_t i = 0; i < FORMAT_COUNT; i++) {
+        if (formats[i]->stack != stack) {
+            continue;
+        }
+        if (ends_in(path, formats[i]->ending)) {
+            return formats[i];
+        }
+        (void)strncat(endings, endings[0] == '\0' ? "" : ", ",
+                      sizeof endings - strlen(endings) - 1);
+        (void)strncat(endings, formats[i]->ending, sizeof endings - strlen(endings) - 1);
+    }
+    (void)lx_fail(error, "cannot trace %s to '%s': the name of such a file ends in %s",
+                  wires[stack], path, endings);
+    return NULL;
+}
+
+/* The name of an interface, or the last part of a path, fit for every format. */
+static void set_wire(struct lx_trace *self, const char *wire)
+{
+    static const char fit[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_.";
+    const char *slash = strrchr(wire, '/');
+    const char *name = slash == NULL ? wire : slash + 1;
+    (void)snprintf(self->wire, sizeof self->wire, "%s", name[0] == '\0' ? "wire" : name);
+    for (char *at = self->wire + strspn(self->wire, fit); *at != '\0'; at += strspn(at, fit)) {
+        *at = '_';
+    }
+}
+
+static uint64_t time_of_day_ns(void)
+{
+    struct timespec now = {.tv_sec = 0};
+    (void)clock_gettime(CLOCK_REALTIME, &now);
+    return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
+}
+
+/* Nothing here may block, as a pipe without a reader would. */
+static FILE *open_file(const char *path)
+{
+    const int fd =
+        open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NONBLOCK | O_NOCTTY, FILE_MODE);
+    if (fd < 0) {
+        return NULL;
+    }
+    FILE *file = fdopen(fd, "w");
+    if (file == NULL) {
+        (void)close(fd);
+    }
+    return file;
+}
+
+/* After something was written: whether all is well. */
+static bool check(struct lx_trace *self)
+{
+    if (self->good && ferror(self->file) != 0) {
+        self->reason = errno;
+        self->good = false;
+        __fpurge(self->file); /* else closing it would try again, and leave a gap */
+    }
+    return self->good;
+}
+
+static void flush(struct lx_trace *self)
+{
+    (void)fflush(self->file);
+    (void)check(self);
+}
+
+static void on_event(void *ctx, const struct lx_tap_event *event)
+{
+    struct lx_trace *self = ctx;
+    if (!self->good) {
+        return;
+    }
+    self->format->event(self, event);
+    if (check(self) && dg_elapsed(event->at, self->flushed) >= FLUSH_NS) {
+        self->flushed = event->at;
+        flush(self);
+    }
+    if (!self->good) {
+        lx_complain("%s: %s; the trace ends here", self->path, strerror(self->reason));
+    }
+}
+
+static void discard(struct lx_trace *self)
+{
+    if (self->file != NULL) {
+        (void)fclose(self->file);
+    }
+    free(self->own);
+    free(self->path);
+    free(self);
+}
+
+/* @return 0 or an errno */
+static int begin(struct lx_trace *self, const char *path)
+{
+    self->own = calloc(1, self->format->size);
+    self->path = strdup(path);
+    if (self->own == NULL || self->path == NULL) {
+        return ENOMEM;
+    }
+    self->file = open_file(path);
+    if (self->file == NULL) {
+        return errno;
+    }
+    self->good = true;
+    self->format->begin(self);
+    flush(self);
+    return self->reason;
+}
+
+struct lx_trace *lx_trace_open(const char *path, enum dg_device_stack stack, const char *wire,
+                               struct lx_tap *tap, dg_ns now, struct lx_error *error)
+{
+    const struct lx_trace_format *format = find(path, stack, error);
+    if (format == NULL) {
+        return NULL;
+    }
+    struct lx_trace *self = calloc(1, sizeof *self);
+    if (self == NULL) {
+        (void)lx_fail(error, "no memory for a trace");
+        return NULL;
+    }
+    self->format = format;
+    self->tap = tap;
+    self->listener = (struct lx_tap_listener){.event = on_event, .ctx = self};
+    self->opened = now;
+    self->flushed = now;
+    self->day_ns = time_of_day_ns() - now;
+    set_wire(self, wire);
+    const int reason = begin(self, path);
+    if (reason != 0) {
+        (void)lx_fail(error, "cannot write the trace '%s': %s", path, strerror(reason));
+        discard(self);
+        return NULL;
+    }
+    lx_tap_add(tap, &self->listener);
+    return self;
+}
+
+int lx_trace_close(struct lx_trace *self, struct lx_error *error)
+{
+    int result = 0;
+    if (self == NULL) {
+        return 0;
+    }
+    lx_tap_remove(self->tap, &self->listener);
+    if (self->good) {
+        self->format->end(self);
+        flush(self);
+    }
+    if (fclose(self->file) != 0 && self->good) {
+        self->reason = errno;
+        self->good = false;
+    }
+    self->file = NULL;
+    if (!self->good) {
+        result =
+            lx_fail(error, "the trace '%s' is not whole: %s", self->path, strerror(self->reason));
+    }
+    discard(self);
+    return result;
+}
+
+bool lx_trace_good(const struct lx_trace *self)
+{
+    return self->good;
+}

@@ -1,0 +1,75 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * Inside of trace files: what their formats share.
+ */
+#ifndef DREHGEBER_LINUX_TRACE_FORMAT_H
+#define DREHGEBER_LINUX_TRACE_FORMAT_H
+
+#include <stdio.h>
+
+#include "trace.h"
+
+/** Longest name of a wire in a file, with its zero: that of a network interface. */
+#define LX_TRACE_WIRE_MAX 16u
+
+/** How a kind of file is written. Errors of `file` are seen by the caller, after each call. */
+struct lx_trace_format {
+    const char *ending;
+    enum dg_device_stack stack;
+    size_t size; /**< of the format's own state */
+    void (*begin)(struct lx_trace *self);
+    void (*event)(struct lx_trace *self, const struct lx_tap_event *event);
+    void (*end)(struct lx_trace *self); /**< what was held back */
+};
+
+struct lx_trace {
+    const struct lx_trace_format *format;
+    FILE *file;
+    char *path;
+    struct lx_tap *tap;
+    struct lx_tap_listener listener;
+    char wire[LX_TRACE_WIRE_MAX]; /**< letters, digits, `-`, `_` and `.` only */
+    dg_ns opened;
+    dg_ns flushed;
+    uint64_t day_ns; /**< time of the day at the tap's 0, since 1970-01-01 UTC, modulo 2^64 */
+    bool good;
+    int reason; /**< errno of what went wrong */
+    void *own;  /**< the format's */
+};
+
+/** The formats. */
+extern const struct lx_trace_format lx_trace_uart, lx_trace_biss, lx_trace_log, lx_trace_pcapng,
+    lx_trace_pcap, lx_trace_csv;
+
+/** Texts of a VCD file that wait for their turn. */
+#define LX_VCD_TEXTS 16u
+
+/** A VCD file: time never goes back, so that a text which begins earlier is to be put in first. */
+struct lx_vcd {
+    FILE *file;
+    dg_ns at; /**< of what was written last */
+    size_t count;
+    struct {
+        dg_ns at;
+        char text[LX_DECODE_MAX];
+    } texts[LX_VCD_TEXTS];
+};
+
+/** The head; signals are `names` with the letters `ids`, all high at time 0. */
+void lx_vcd_begin(struct lx_vcd *self, const struct lx_trace *trace, const char *scope,
+                  const char *const *names, const char *ids);
+
+/** A level from `at` on, and before it the texts up to then. */
+void lx_vcd_level(struct lx_vcd *self, dg_ns at, char id, bool level);
+
+/** A text from `at` on. */
+void lx_vcd_text(struct lx_vcd *self, dg_ns at, const char *text);
+
+/** All texts up to `at` are written. */
+void lx_vcd_advance(struct lx_vcd *self, dg_ns at);
+
+/** All texts are written, and the end of the last level. */
+void lx_vcd_end(struct lx_vcd *self);
+
+#endif

@@ -1,0 +1,181 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * RS485 as the level of the line. A frame is drawn when it is over and its text is known:
+ *
+ *   text  |40h_42h_read_position                            |
+ *   line  ~~|_0000001~|_0100001~|_0100000~|~~~~~             idle is high
+ *
+ * Characters are known by their end. Those that a pty hands over in a bunch have the same end; they
+ * are drawn one after the other, the last of them ending then, as they would have come in.
+ */
+#include "decode.h"
+#include "drehgeber/bits.h"
+#include "trace_format.h"
+
+#define LINE_ID 'l'
+#define DATA_BITS 8u
+#define FRAME_MAX (sizeof((struct lx_decoder *)0)->bytes)
+/* A character that is told now may have begun this much before: 11 bits at 600 Bd. Notes wait as
+ * long, for it. */
+#define CHARACTER_MAX DG_MS(20)
+/* More than this behind its time a character is not drawn: a flood that no line could carry. */
+#define BEHIND_MAX DG_S(1)
+/* A damaged character without parity: its stop bit is low for three quarters. */
+#define QUARTERS 4u
+
+struct character {
+    dg_ns end; /* since the trace began */
+    uint32_t baud;
+    char parity;
+    uint8_t byte;
+    bool damaged;
+};
+
+struct uart {
+    struct lx_vcd vcd;
+    struct lx_decoder decoder;
+    bool level;
+    dg_ns free; /* end of the character drawn last */
+    size_t count;
+    struct character frame[FRAME_MAX];
+};
+
+static dg_ns duration(const struct character *character)
+{
+    return dg_bit_times_ns(lx_character_bits(character->parity), character->baud);
+}
+
+static void draw_level(struct uart *self, dg_ns at, bool level)
+{
+    if (level != self->level) {
+        lx_vcd_level(&self->vcd, at, LINE_ID, level);
+        self->level = level;
+    }
+}
+
+static bool parity_of(uint8_t byte)
+{
+    bool odd = false;
+    for (; byte != 0; byte &= (uint8_t)(byte - 1u)) {
+        odd = !odd;
+    }
+    return odd;
+}
+
+/* Damage is where a receiver finds it: in the parity, or in the stop bit. */
+static void draw(struct uart *self, const struct character *character, dg_ns start)
+{
+    const uint32_t baud = character->baud;
+    draw_level(self, start, false);
+    for (unsigned i = 0; i < DATA_BITS; i++) {
+        draw_level(self, start + dg_bit_times_ns(1u + i, baud), (character->byte >> i & 1u) != 0);
+    }
+    dg_ns stop = start + dg_bit_times_ns(1u + DATA_BITS, baud);
+    if (character->parity != 'N') {
+        const bool odd = character->parity == 'O';
+        draw_level(self, stop, parity_of(character->byte) != (odd != character->damaged));
+        stop = start + dg_bit_times_ns(2u + DATA_BITS, baud);
+    } else if (character->damaged) {
+        draw_level(self, stop, false);
+        stop += dg_bit_times_ns(1, baud) / QUARTERS * (QUARTERS - 1u);
+    }
+    draw_level(self, stop, true);
+}
+
+/* Ends that are possible on a line, from the last one back. */
+static void spread(struct uart *self)
+{
+    for (size_t i = self->count; i > 1; i--) {
+        const struct character *next = &self->frame[i - 1];
+        const dg_ns latest = dg_elapsed(next->end, duration(next));
+        self->frame[i - 2].end = dg_earliest(self->frame[i - 2].end, latest);
+    }
+}
+
+/* Not before the end of the one that was drawn last, nor back in the file's time. */
+static dg_ns start_of(const struct uart *self, const struct character *character)
+{
+    const dg_ns start = dg_elapsed(character->end, duration(character));
+    const dg_ns least = self->free > self->vcd.at ? self->free : self->vcd.at;
+    return start > least ? start : least;
+}
+
+/* What was collected, under its text. */
+static void draw_frame(struct uart *self, const char *text)
+{
+    spread(self);
+    if (self->count > 0) {
+        lx_vcd_text(&self->vcd, start_of(self, &self->frame[0]), text);
+    }
+    for (size_t i = 0; i < self->count; i++) {
+        const struct character *character = &self->frame[i];
+        const dg_ns start = start_of(self, character);
+        if (dg_elapsed(start, character->end) < BEHIND_MAX) {
+            draw(self, character, start);
+            self->free = start + duration(character);
+        }
+    }
+    lx_vcd_text(&self->vcd, self->free, "");
+    lx_vcd_advance(&self->vcd, self->free);
+    self->count = 0;
+}
+
+static void on_line(void *ctx, dg_ns at, bool ours, const char *text)
+{
+    (void)at;
+    (void)ours;
+    draw_frame(ctx, text);
+}
+
+static void uart_begin(struct lx_trace *self)
+{
+    static const char *const names[] = {"line"};
+    struct uart *uart = self->own;
+    uart->level = true;
+    lx_decoder_init(&uart->decoder, DG_STACK_HIPERFACE, on_line, uart);
+    lx_vcd_begin(&uart->vcd, self, "rs485", names, "l");
+}
+
+static void on_character(struct uart *self, const struct lx_tap_event *event, dg_ns at)
+{
+    if (event->character.baud == 0) {
+        return;
+    }
+    lx_decoder_event(&self->decoder, event);
+    if (self->count == FRAME_MAX) {
+        draw_frame(self, "too long");
+    }
+    self->frame[self->count++] = (struct character){
+        .end = at,
+        .baud = event->character.baud,
+        .parity = event->character.parity,
+        .byte = event->character.byte,
+        .damaged = event->character.damaged,
+    };
+}
+
+static void uart_event(struct lx_trace *self, const struct lx_tap_event *event)
+{
+    struct uart *uart = self->own;
+    const dg_ns at = dg_elapsed(event->at, self->opened);
+    (void)lx_decoder_step(&uart->decoder, event->at);
+    if (uart->count == 0) {
+        lx_vcd_advance(&uart->vcd, dg_elapsed(at, CHARACTER_MAX));
+    }
+    if (event->kind == LX_TAP_CHARACTER) {
+        on_character(uart, event, at);
+    } else if (event->kind == LX_TAP_NOTE) {
+        lx_vcd_text(&uart->vcd, at, event->note);
+    }
+}
+
+static void uart_end(struct lx_trace *self)
+{
+    struct uart *uart = self->own;
+    (void)lx_decoder_step(&uart->decoder, DG_NEVER);
+    lx_vcd_end(&uart->vcd);
+}
+
+const struct lx_trace_format lx_trace_uart = {
+    ".vcd", DG_STACK_HIPERFACE, sizeof(struct uart), uart_begin, uart_event, uart_end,
+};

@@ -1,0 +1,373 @@
+/* SPDX-License-Identifier: MIT */
+/* The RS485 line in a VCD file, sampled as a UART would. */
+#define _GNU_SOURCE
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "trace.h"
+
+#define CHANGES_MAX 16384u
+#define TEXTS_MAX 128u
+#define BYTES_MAX 1024u
+
+/* What a file says. */
+struct dump {
+    size_t count;
+    struct {
+        dg_ns at;
+        bool level;
+    } changes[CHANGES_MAX];
+    size_t text_count;
+    struct {
+        dg_ns at;
+        char text[LX_DECODE_MAX];
+    } texts[TEXTS_MAX];
+    dg_ns end;
+};
+
+/* A character as it was found. */
+struct found {
+    dg_ns start;
+    uint8_t byte;
+    bool parity_ok;
+    bool stop_ok;
+};
+
+struct bench {
+    char path[32];
+    struct lx_tap tap;
+    struct lx_trace *trace;
+    struct dump dump;
+    size_t count;
+    struct found found[BYTES_MAX];
+    uint32_t random;
+};
+
+static int set_up(void **state)
+{
+    struct bench *self = calloc(1, sizeof *self);
+    assert_non_null(self);
+    (void)strcpy(self->path, "/tmp/test_uart.XXXXXX.vcd");
+    const int fd = mkstemps(self->path, 4);
+    assert_true(fd >= 0);
+    (void)close(fd);
+    self->random = 1;
+    *state = self;
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    struct bench *self = *state;
+    const int result = unlink(self->path);
+    free(self);
+    return result;
+}
+
+static uint8_t random_byte(struct bench *self)
+{
+    self->random = self->random * 1664525u + 1013904223u;
+    return (uint8_t)(self->random >> 24);
+}
+
+static void begin(struct bench *self, dg_ns now)
+{
+    struct lx_error error;
+    self->trace = lx_trace_open(self->path, DG_STACK_HIPERFACE, "pty", &self->tap, now, &error);
+    assert_non_null(self->trace);
+}
+
+static void take_line(struct dump *self, const char *line)
+{
+    char text[LX_DECODE_MAX] = "";
+    if (line[0] == '#') {
+        const dg_ns at = strtoull(line + 1, NULL, 10);
+        assert_true(at > self->end || at == 0); /* never back, never twice */
+        self->end = at;
+    } else if (line[0] == 's') {
+        assert_true(self->text_count < TEXTS_MAX);
+        if (line[1] != ' ') {
+            assert_int_equal(sscanf(line, "s%159s t", text), 1);
+        }
+        self->texts[self->text_count].at = self->end;
+        (void)strcpy(self->texts[self->text_count++].text, text);
+    } else if (line[1] == 'l') {
+        assert_true(self->count < CHANGES_MAX && (line[0] == '0' || line[0] == '1'));
+        self->changes[self->count].at = self->end;
+        self->changes[self->count++].level = line[0] == '1';
+    }
+}
+
+static void finish(struct bench *self)
+{
+    char line[256];
+    struct lx_error error;
+    assert_int_equal(lx_trace_close(self->trace, &error), 0);
+    FILE *file = fopen(self->path, "r");
+    assert_non_null(file);
+    memset(&self->dump, 0, sizeof self->dump);
+    bool body = false;
+    while (fgets(line, sizeof line, file) != NULL) {
+        if (body) {
+            take_line(&self->dump, line);
+        }
+        body |= strcmp(line, "$enddefinitions $end\n") == 0;
+    }
+    (void)fclose(file);
+}
+
+static bool level_at(const struct dump *self, dg_ns at)
+{
+    size_t low = 0;
+    size_t high = self->count;
+    while (high - low > 1) {
+        const size_t middle = (low + high) / 2;
+        if (self->changes[middle].at <= at) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    return self->changes[low].level;
+}
+
+/* The falling edge at or after `from`; DG_NEVER without one. */
+static dg_ns falling_edge(const struct dump *self, dg_ns from)
+{
+    for (size_t i = 1; i < self->count; i++) {
+        if (self->changes[i].at >= from && !self->changes[i].level) {
+            return self->changes[i].at;
+        }
+    }
+    return DG_NEVER;
+}
+
+static struct found receive(const struct dump *dump, dg_ns start, uint32_t baud, char parity)
+{
+    const dg_ns bit = 1000000000u / baud;
+    dg_ns at = start + bit / 2;
+    struct found found = {.start = start, .parity_ok = true};
+    unsigned ones = 0;
+    for (unsigned i = 0; i < 8; i++) {
+        at += bit;
+        const bool one = level_at(dump, at);
+        found.byte = (uint8_t)(found.byte | one << i);
+        ones += one;
+    }
+    if (parity != 'N') {
+        at += bit;
+        ones += level_at(dump, at);
+        found.parity_ok = ones % 2 == (parity == 'O' ? 1 : 0);
+    }
+    found.stop_ok = level_at(dump, at + bit);
+    return found;
+}
+
+static void receive_all(struct bench *self, uint32_t baud, char parity)
+{
+    const dg_ns bit = 1000000000u / baud;
+    dg_ns from = 0;
+    self->count = 0;
+    for (dg_ns start = falling_edge(&self->dump, from); start != DG_NEVER;
+         start = falling_edge(&self->dump, from)) {
+        assert_true(self->count < BYTES_MAX);
+        self->found[self->count++] = receive(&self->dump, start, baud, parity);
+        from = start + (parity == 'N' ? 9 : 10) * bit + bit * 4 / 5;
+    }
+}
+
+static void tell(struct bench *self, dg_ns at, bool ours, uint8_t byte)
+{
+    const struct lx_tap_event event = {
+        .at = at,
+        .kind = LX_TAP_CHARACTER,
+        .ours = ours,
+        .character = {.baud = 9600, .parity = 'E', .byte = byte},
+    };
+    lx_tap_tell(&self->tap, &event);
+}
+
+static void tell_note(struct bench *self, dg_ns at, const char *note)
+{
+    const struct lx_tap_event event = {.at = at, .kind = LX_TAP_NOTE, .note = note};
+    lx_tap_tell(&self->tap, &event);
+}
+
+static void text_is(const struct dump *self, size_t i, dg_ns at, const char *text)
+{
+    assert_true(i < self->text_count);
+    assert_string_equal(self->texts[i].text, text);
+    assert_true(self->texts[i].at == at);
+}
+
+/* Frames of random bytes, with damage, at every setting there is. */
+static void all_bytes_at_all_settings(void **state)
+{
+    static const uint32_t bauds[] = {600, 1200, 2400, 4800, 9600, 19200, 38400};
+    static const char parities[] = {'N', 'E', 'O'};
+    struct bench *bench = *state;
+    for (size_t i = 0; i < sizeof bauds / sizeof bauds[0] * sizeof parities; i++) {
+        const uint32_t baud = bauds[i / sizeof parities];
+        const char parity = parities[i % sizeof parities];
+        const uint32_t bits = parity == 'N' ? 10 : 11;
+        struct lx_tap_event sent[300];
+        dg_ns at = DG_S(7);
+        begin(bench, at);
+        for (size_t n = 0; n < 300; n++) {
+            /* A frame is 20 characters, a pause sometimes one bit, sometimes long. */
+            at += n % 20 == 0 ? dg_bit_times_ns(60, baud) : 0;
+            at += n % 7 == 0 ? dg_bit_times_ns(1, baud) : 0;
+            at += dg_bit_times_ns(bits, baud);
+            sent[n] = (struct lx_tap_event){
+                .at = at,
+                .kind = LX_TAP_CHARACTER,
+                .ours = n / 20 % 2 != 0,
+                .character = {.baud = baud,
+                              .parity = parity,
+                              .byte = random_byte(bench),
+                              .damaged = n % 13 == 5},
+            };
+            lx_tap_tell(&bench->tap, &sent[n]);
+        }
+        finish(bench);
+        receive_all(bench, baud, parity);
+        assert_int_equal(bench->count, 300);
+        for (size_t n = 0; n < 300; n++) {
+            const struct found *found = &bench->found[n];
+            const bool damaged = sent[n].character.damaged;
+            const dg_ns start = sent[n].at - DG_S(7) - dg_bit_times_ns(bits, baud);
+            assert_int_equal(found->byte, sent[n].character.byte);
+            assert_int_equal(found->parity_ok, parity == 'N' || !damaged);
+            assert_int_equal(found->stop_ok, parity != 'N' || !damaged);
+            /* Rounding to whole nanoseconds, added up over a frame. */
+            assert_true(found->start >= start && found->start < start + 50);
+        }
+        assert_true(level_at(&bench->dump, bench->dump.end));
+    }
+}
+
+static void texts_stand_where_frames_begin(void **state)
+{
+    static const uint8_t request[] = {0x40, 0x42, 0x02};
+    static const uint8_t reply[] = {0x40, 0x42, 0x00, 0x00, 0x30, 0x39, 0x0B};
+    const dg_ns character = dg_bit_times_ns(11, 9600);
+    struct bench *bench = *state;
+    begin(bench, 0);
+    for (size_t i = 0; i < sizeof request; i++) {
+        tell(bench, DG_MS(10) + (i + 1) * character, false, request[i]);
+    }
+    tell_note(bench, DG_MS(15), "a note");
+    for (size_t i = 0; i < sizeof reply; i++) {
+        tell(bench, DG_MS(20) + (i + 1) * character, true, reply[i]);
+        if (i == 3) {
+            tell_note(bench, DG_MS(24), "in it");
+        }
+    }
+    /* The first character has begun when this happens, and is told afterwards. */
+    tell_note(bench, DG_MS(40) + character / 2, "during the first character");
+    tell(bench, DG_MS(40) + character, false, 0x40);
+    finish(bench);
+    const struct dump *dump = &bench->dump;
+    assert_int_equal(dump->text_count, 10);
+    text_is(dump, 0, 0, "");
+    text_is(dump, 1, DG_MS(10), "40h_42h_read_position");
+    text_is(dump, 2, DG_MS(10) + 3 * character, "");
+    text_is(dump, 3, DG_MS(15), "a_note");
+    text_is(dump, 4, DG_MS(20), "40h_->_42h_position_12345");
+    text_is(dump, 5, DG_MS(24), "in_it");
+    text_is(dump, 6, DG_MS(20) + 7 * character, "");
+    text_is(dump, 7, DG_MS(40), "too_short:_40");
+    text_is(dump, 9, DG_MS(40) + character, "");
+    assert_string_equal(dump->texts[8].text, "during_the_first_character");
+    receive_all(bench, 9600, 'E');
+    assert_int_equal(bench->count, 11);
+}
+
+/* A pty hands over a request at once: it is drawn as it would have come in. */
+static void a_bunch_is_spread(void **state)
+{
+    const dg_ns character = dg_bit_times_ns(11, 9600);
+    struct bench *bench = *state;
+    begin(bench, 0);
+    for (uint8_t i = 0; i < 3; i++) {
+        tell(bench, DG_MS(10), false, i);
+    }
+    tell(bench, DG_MS(17), true, 3);
+    finish(bench);
+    receive_all(bench, 9600, 'E');
+    assert_int_equal(bench->count, 4);
+    for (uint8_t i = 0; i < 3; i++) {
+        assert_int_equal(bench->found[i].byte, i);
+        assert_true(bench->found[i].start == DG_MS(10) - (3u - i) * character);
+    }
+    assert_true(bench->found[3].start == DG_MS(17) - character);
+}
+
+static void a_bunch_without_the_time_for_it_comes_late(void **state)
+{
+    const dg_ns character = dg_bit_times_ns(11, 9600);
+    struct bench *bench = *state;
+    begin(bench, DG_MS(10));
+    for (uint8_t i = 0; i < 3; i++) {
+        tell(bench, DG_MS(11), false, i);
+    }
+    finish(bench);
+    receive_all(bench, 9600, 'E');
+    assert_int_equal(bench->count, 3);
+    for (uint8_t i = 0; i < 3; i++) {
+        assert_int_equal(bench->found[i].byte, i);
+        assert_true(bench->found[i].start == i * character);
+    }
+}
+
+/* A flood that no line could carry does not push what comes after it into the future. */
+static void a_flood_is_not_drawn_whole(void **state)
+{
+    struct bench *bench = *state;
+    begin(bench, 0);
+    for (unsigned i = 0; i < 5000; i++) {
+        tell(bench, DG_MS(10), false, 0x55);
+    }
+    tell(bench, DG_S(5), true, 0xAA);
+    finish(bench);
+    assert_true(bench->dump.end < DG_S(5) + DG_MS(1));
+    receive_all(bench, 9600, 'E');
+    assert_in_range(bench->count, 500, 1000);
+    assert_int_equal(bench->found[bench->count - 1].byte, 0xAA);
+}
+
+static void a_line_without_a_rate_is_survived(void **state)
+{
+    const struct lx_tap_event event = {.at = DG_MS(5), .kind = LX_TAP_CHARACTER};
+    struct bench *bench = *state;
+    begin(bench, 0);
+    lx_tap_tell(&bench->tap, &event);
+    for (unsigned i = 0; i < 40; i++) {
+        tell_note(bench, DG_MS(5) + i, "note");
+    }
+    finish(bench);
+    assert_int_equal(bench->dump.count, 1);
+    assert_int_equal(bench->dump.text_count, 41);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(all_bytes_at_all_settings, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(texts_stand_where_frames_begin, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_bunch_is_spread, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_bunch_without_the_time_for_it_comes_late, set_up,
+                                        tear_down),
+        cmocka_unit_test_setup_teardown(a_flood_is_not_drawn_whole, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_line_without_a_rate_is_survived, set_up, tear_down),
+    };
+    return cmocka_run_group_tests_name("trace_uart", tests, NULL, NULL);
+}
