@@ -20,17 +20,21 @@ extern "C" {
 
 /** Greatest acceleration, in 0.001 rpm per second (10^9 rpm/s). */
 #define DG_SHAFT_ACCELERATION_MAX INT64_C(1000000000000)
-/** Parts of constant acceleration a command can lead to: turn round, speed up, hold, slow down. */
+/** Parts of constant acceleration a command can lead to: to a speed, hold it, brake, rest. */
 #define DG_SHAFT_PHASES 4u
+/** A phase keeps its angle in such parts of 2^-32 turn, 3 * 5^22: 512 of them are 10^-12 rpm for
+ * 1 ns, so that no number of commands adds up to a drift. */
+#define DG_SHAFT_PARTS UINT64_C(7152557373046875)
 /** Shafts between one and the shaft that drives them all, at most. */
 #define DG_SHAFT_GEARS_MAX 8u
 
 /** A part of constant acceleration. */
 struct dg_shaft_phase {
     dg_ns at;           /**< it begins */
-    dg_angle from;      /**< angle there */
-    int64_t mrpm;       /**< speed there */
-    int64_t mrpm_per_s; /**< acceleration */
+    dg_angle from;      /**< angle there, rounded down ... */
+    uint64_t part;      /**< ... and what is missing, 0..DG_SHAFT_PARTS-1 */
+    int64_t prpm;       /**< speed there in 10^-12 rpm */
+    int64_t mrpm_per_s; /**< acceleration; 0 in the last phase */
 };
 
 /** What a shaft does from a command on. */
@@ -45,7 +49,8 @@ struct dg_shaft_course {
 /** A shaft. Caller-owned plain data, but for `driver`; other modules only read it. */
 struct dg_shaft {
     struct dg_shaft_course course; /**< in force */
-    struct dg_shaft_course before; /**< in force before course.at: encoders look back 1 ms */
+    struct dg_shaft_course before; /**< in force before course.at: encoders look back 1 ms; before
+                                        before.at it counts as turning as it did there */
     int64_t mrpm_per_s;            /**< of velocity, stop and move; 0: at once */
     const struct dg_shaft *driver; /**< NULL: turns by itself */
     int32_t numerator;             /**< turns of this shaft ... */
@@ -58,15 +63,16 @@ void dg_shaft_init(struct dg_shaft *self);
 
 /**
  * Couple to `driver`, which must outlive this shaft and be declared before it: angle = floor(driver
- * * numerator / denominator) + offset, exact for every angle. A geared shaft takes no command but
- * dg_shaft_set_position(), which moves `offset`.
- * @return 0 or DG_ERR_ARGUMENT: denominator < 1, or more than DG_SHAFT_GEARS_MAX gears in a row
+ * * numerator / denominator) + offset, exact for every angle; offset is 0 to begin with. A geared
+ * shaft takes no command but dg_shaft_set_position(), which moves `offset`.
+ * @return 0 or DG_ERR_ARGUMENT: no driver, denominator < 1, more than DG_SHAFT_GEARS_MAX gears in a
+ * row, or a loop
  */
 int dg_shaft_couple(struct dg_shaft *self, const struct dg_shaft *driver, int32_t numerator,
                     int32_t denominator);
 
 /** Acceleration of the commands to come, 0..DG_SHAFT_ACCELERATION_MAX; 0: at once.
- * @return 0 or DG_ERR_ARGUMENT */
+ * @return 0 or DG_ERR_ARGUMENT, also for a geared shaft */
 int dg_shaft_set_acceleration(struct dg_shaft *self, int64_t mrpm_per_s);
 
 /** Be at `angle` at `now`, at rest (a geared shaft goes on turning). @return 0 */
@@ -78,9 +84,10 @@ int dg_shaft_set_velocity(struct dg_shaft *self, dg_ns now, int32_t mrpm);
 
 /**
  * Go to `target` and stay there: from the present angle and speed, with the acceleration, at most
- * at `mrpm` > 0. Without an acceleration at `mrpm` from the first moment to the last. It ends
- * exactly at `target`.
- * @return 0; DG_ERR_ARGUMENT: mrpm out of range, longer than 2^40 turns, or a geared shaft
+ * at `mrpm` > 0 (faster than that at present: only until it has slowed down). Moving away, or too
+ * fast to stop before the target, it turns round. Without an acceleration at `mrpm` from the first
+ * moment to the last. It ends exactly at `target`, at a whole nanosecond.
+ * @return 0; DG_ERR_ARGUMENT: mrpm not in 1..DG_MOTION_SPEED_MAX_MRPM, or a geared shaft
  */
 int dg_shaft_move(struct dg_shaft *self, dg_ns now, dg_angle target, int32_t mrpm);
 
@@ -88,14 +95,16 @@ int dg_shaft_move(struct dg_shaft *self, dg_ns now, dg_angle target, int32_t mrp
  * DG_ERR_ARGUMENT for a geared shaft */
 int dg_shaft_play(struct dg_shaft *self, dg_ns now, const struct dg_motion *motion);
 
-/** When the last move, stop or speed change is (or was) over; DG_NEVER while a motion is played. */
+/** When the last move, stop or speed change is (or was) over; DG_NEVER while a motion is played.
+ * Geared: the driver's. */
 dg_ns dg_shaft_settled(const struct dg_shaft *self);
 
 /** Where it is. `ctx` is a struct dg_shaft; the signature is dg_world.angle's. */
 dg_angle dg_shaft_angle(void *ctx, dg_ns now);
 
-/** Its speed at `now` in 0.001 rpm: of the phase, exact to 1; of a played motion the mean of the
- * millisecond before. Geared: the driver's times the ratio, truncated, saturated. */
+/** Its speed at `now` in 0.001 rpm: of the phase, truncated; of a played motion the mean of the
+ * millisecond before (of its first one in that one). Geared: the driver's times the ratio,
+ * truncated, saturated. */
 int32_t dg_shaft_mrpm(const struct dg_shaft *self, dg_ns now);
 
 #ifdef __cplusplus

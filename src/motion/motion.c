@@ -2,6 +2,7 @@
 #include "drehgeber/motion.h"
 
 #include "drehgeber/hal.h"
+#include "exact.h"
 
 /*
  * A shaft at m * 0.001 rpm travels m * 2^32 / 6e13 units of 2^-32 turn in a nanosecond, which
@@ -22,32 +23,17 @@ struct travel_time {
     uint64_t fraction; /**< in 2^-20 ns, below 2^20 */
 };
 
-/** The angle `distance` before or after `from`. Modulo 2^64: an angle wraps, it never overflows. */
-static dg_angle moved(dg_angle from, bool backwards, uint64_t distance)
-{
-    return (dg_angle)(backwards ? (uint64_t)from - distance : (uint64_t)from + distance);
-}
-
-/** a * b / c towards minus infinity once the direction is applied: backwards, it rounds up. */
-static uint64_t muldiv_towards_minus(uint64_t a, uint64_t b, uint64_t c, bool backwards)
-{
-    uint64_t quotient = dg_muldiv(a, b, c);
-    bool inexact = a * b - quotient * c != 0; /* the remainder is below c: its low half says all */
-
-    return backwards && inexact ? quotient + 1 : quotient;
-}
-
 /** Where the motion is after `time` at its full speed; floor of the exact value. */
 static dg_angle at_full_speed(const struct dg_motion *self, struct travel_time time)
 {
     bool backwards = self->mrpm < 0;
-    uint64_t mrpm = backwards ? 0 - (uint64_t)self->mrpm : (uint64_t)self->mrpm;
+    uint64_t mrpm = dg_exact_magnitude(self->mrpm);
     uint64_t whole = time.whole / TRAVEL_NS * mrpm * TRAVEL_UNITS_PER_MRPM;
     uint64_t rest = (time.whole % TRAVEL_NS << FRACTION_BITS) + time.fraction;
-    uint64_t part = muldiv_towards_minus(
+    uint64_t part = dg_exact_muldiv(
         rest, mrpm, ((uint64_t)TRAVEL_NS << FRACTION_BITS) / TRAVEL_UNITS_PER_MRPM, backwards);
 
-    return moved(self->from, backwards, whole + part);
+    return dg_exact_moved(self->from, backwards, whole + part);
 }
 
 /** What `time` from or to standstill is worth at full speed: time^2 / (2 accel), in 2^-20 ns. */
@@ -98,11 +84,10 @@ static dg_angle sine_at(const struct dg_motion *self, dg_ns t)
     uint64_t half_units = dg_muldiv(t % self->period, (uint64_t)1 << 33, self->period);
     int64_t sine = dg_sin_q30((uint32_t)((half_units + 1) >> 1));
     bool backwards = (sine < 0) != (self->amplitude < 0);
-    uint64_t amplitude =
-        self->amplitude < 0 ? 0 - (uint64_t)self->amplitude : (uint64_t)self->amplitude;
+    uint64_t amplitude = dg_exact_magnitude(self->amplitude);
 
-    return moved(self->from, backwards,
-                 dg_muldiv(amplitude, (uint64_t)(sine < 0 ? -sine : sine), SINE_ONE));
+    return dg_exact_moved(self->from, backwards,
+                          dg_muldiv(amplitude, (uint64_t)(sine < 0 ? -sine : sine), SINE_ONE));
 }
 
 /** How many of the points are at or before `t`. */
@@ -140,8 +125,8 @@ static dg_angle replay_at(const struct dg_motion *self, dg_ns t)
     uint64_t line = backwards ? (uint64_t)a->angle - (uint64_t)b->angle
                               : (uint64_t)b->angle - (uint64_t)a->angle;
 
-    return moved(a->angle, backwards,
-                 muldiv_towards_minus(line, t - a->at, b->at - a->at, backwards));
+    return dg_exact_moved(a->angle, backwards,
+                          dg_exact_muldiv(line, t - a->at, b->at - a->at, backwards));
 }
 
 dg_angle dg_motion_angle(void *ctx, dg_ns now)
