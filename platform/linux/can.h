@@ -34,12 +34,15 @@ struct lx_can_ops {
     bool (*flush)(struct lx_can *self);
     /** Stop reading, or go on. */
     void (*pause)(struct lx_can *self, bool paused);
-    /** Who listens to what may have changed. NULL: everything comes in. */
+    /** Who listens to what may have changed; `net` NULL: everything is wanted. As an operation
+     * NULL: everything comes in anyway. */
     void (*filter)(struct lx_can *self, const struct dg_co_net *net);
     /** An encoder's bit rate is `kbaud` now; tell the user when that does not fit the wire. */
     void (*expect)(struct lx_can *self, uint16_t kbaud);
     /** Whether an encoder at `kbaud` understands the wire. NULL: always. */
     bool (*hears)(const struct lx_can *self, uint16_t kbaud);
+    /** Whether the wire is there; one that is not is looked for, and what is sent is lost. */
+    bool (*up)(const struct lx_can *self);
     /** Close files, remove links. */
     void (*close)(struct lx_can *self);
 };

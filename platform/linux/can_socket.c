@@ -319,6 +319,12 @@ static void pause_reading(struct lx_can *can, bool paused)
     }
 }
 
+static size_t all_filters(struct can_filter *filters)
+{
+    filters[0] = (struct can_filter){0, CAN_EFF_FLAG};
+    return 1;
+}
+
 /* Data and remote frames of the CAN-IDs that somebody listens to; of too many, all 11-bit ones. */
 static size_t wanted_filters(const struct dg_co_net *net, struct can_filter *filters)
 {
@@ -328,8 +334,7 @@ static size_t wanted_filters(const struct dg_co_net *net, struct can_filter *fil
             continue;
         }
         if (n == FILTERS_MAX) {
-            filters[0] = (struct can_filter){0, CAN_EFF_FLAG};
-            return 1;
+            return all_filters(filters);
         }
         filters[n++] = (struct can_filter){id, CAN_EFF_FLAG | CAN_SFF_MASK};
     }
@@ -340,7 +345,7 @@ static void filter(struct lx_can *can, const struct dg_co_net *net)
 {
     struct can_socket *self = socket_of(can);
     struct can_filter wanted[FILTERS_MAX];
-    const size_t n = wanted_filters(net, wanted);
+    const size_t n = net == NULL ? all_filters(wanted) : wanted_filters(net, wanted);
     const size_t size = n * sizeof wanted[0];
     if (n == self->filter_count && memcmp(wanted, self->filters, size) == 0) {
         return;
@@ -369,6 +374,11 @@ static void expect(struct lx_can *can, uint16_t kbaud)
     self->told_kbaud = kbaud;
 }
 
+static bool up(const struct lx_can *can)
+{
+    return ((const struct can_socket *)can)->fd >= 0;
+}
+
 static void close_socket(struct lx_can *can)
 {
     struct can_socket *self = socket_of(can);
@@ -381,6 +391,7 @@ static const struct lx_can_ops socket_ops = {
     .pause = pause_reading,
     .filter = filter,
     .expect = expect,
+    .up = up,
     .close = close_socket,
 };
 

@@ -4,7 +4,7 @@
  * receiver would wait for the rest of a request, and the ring with it.
  *
  *   client -- on_bytes --> bytes -- take_request() --> check --> map --> modbus_reply()
- *   timer  -- on_cycle --> watchdog, ring
+ *   timer  -- on_cycle --> watchdog, drive(): ring
  */
 #define _GNU_SOURCE
 #include "modbus.h"
@@ -241,15 +241,18 @@ static int on_connection(sd_event_source *source, int fd, uint32_t events, void 
     return 0;
 }
 
-/* Late, the master leaves cycles out; it does not make up for them. */
+/* Late, the master leaves cycles out; it does not make up for them. The first one is when the loop
+   begins, and never late. */
 static void on_cycle(void *ctx, dg_ns now)
 {
     struct lx_modbus *self = ctx;
-    const dg_ns missed = dg_elapsed(now, self->next) / self->cycle;
+    const dg_ns cycle = self->setup.cycle;
+    const dg_ns due = self->next == DG_NEVER ? now : self->next;
+    const dg_ns missed = dg_elapsed(now, due) / cycle;
     self->map.missed += (uint32_t)missed;
-    self->next += (missed + 1u) * self->cycle;
+    self->next = due + (missed + 1u) * cycle;
     lx_map_tick(&self->map, now);
-    lx_ring_cycle(self->map.ring, now);
+    self->setup.drive(self->setup.ctx, now);
     lx_timer_at(&self->timer, self->next);
 }
 
@@ -312,34 +315,34 @@ static int listen_at(struct lx_modbus *self, const struct lx_modbus_setup *setup
     return 0;
 }
 
-static int watch(struct lx_modbus *self, sd_event *event, dg_ns now)
+static int watch(struct lx_modbus *self, sd_event *event)
 {
     int result = sd_event_add_io(event, &self->io, self->listener, EPOLLIN, on_connection, self);
     if (result >= 0) {
         result = lx_timer_open(&self->timer, event, on_cycle, self);
     }
     if (result >= 0) {
-        self->next = now;
-        lx_timer_at(&self->timer, self->next);
+        lx_timer_at(&self->timer, lx_now());
     }
     return result;
 }
 
-int lx_modbus_open(struct lx_modbus *self, const struct lx_modbus_setup *setup, dg_ns now,
+int lx_modbus_open(struct lx_modbus *self, const struct lx_modbus_setup *setup,
                    struct lx_error *error)
 {
     memset(self, 0, sizeof *self);
+    self->setup = *setup;
+    self->next = DG_NEVER;
     self->listener = -1;
     for (size_t i = 0; i < LX_MODBUS_CLIENTS; i++) {
         self->clients[i].fd = -1;
     }
     lx_map_init(&self->map, setup->ring);
-    self->map.tear = setup->settings->tear != 0;
-    self->cycle = DG_US(setup->settings->cycle_us);
+    self->map.tear = setup->tear;
     if (listen_at(self, setup, error) != 0) {
         return -1;
     }
-    const int result = watch(self, setup->event, now);
+    const int result = watch(self, setup->event);
     return result < 0 ? lx_fail(error, "no event loop: %s", strerror(-result)) : 0;
 }
 

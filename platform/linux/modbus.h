@@ -44,15 +44,19 @@ struct lx_modbus_setup {
     sd_event *event;
     const char *where; /**< "host:port"; port 0: any */
     struct lx_ring *ring;
-    const struct lx_ring_settings *settings;
+    dg_ns cycle; /**< from one cycle of the ring to the next */
+    bool tear;   /**< half of an OUT word may be written */
+    /** A cycle is due: drive the ring. */
+    void (*drive)(void *ctx, dg_ns now);
+    void *ctx;
 };
 
 /** A coupler. Not to be moved. */
 struct lx_modbus {
+    struct lx_modbus_setup setup;
     struct lx_map map;
     struct lx_timer timer;
-    dg_ns cycle;
-    dg_ns next; /**< cycle */
+    dg_ns next; /**< cycle; DG_NEVER before the first one */
     modbus_t *protocol;
     int listener;
     sd_event_source *io;
@@ -62,8 +66,9 @@ struct lx_modbus {
     char address[LX_MODBUS_ADDRESS_MAX];
 };
 
-/** Begin to cycle at `now` and to listen. @return 0, or -1 with `error`, then close */
-int lx_modbus_open(struct lx_modbus *self, const struct lx_modbus_setup *setup, dg_ns now,
+/** Listen, and cycle from the first turn of the loop on. @return 0, or -1 with `error`, then close
+ */
+int lx_modbus_open(struct lx_modbus *self, const struct lx_modbus_setup *setup,
                    struct lx_error *error);
 
 /** Close all connections; also after a failed open. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * All devices share one memory (a file): each K3 has its image in a slice of it. A file that does
+ * Each K3 has its image in a slice of a memory (a file), which several may share. A file that does
  * not fit is found before anything is written: mounting a foreign image changes nothing.
  */
 #include "modbus_ring.h"
@@ -29,49 +29,71 @@ static int slice_sync(void *ctx)
 static const struct dg_nvm_ops slice_ops = {
     .read = slice_read, .write = slice_write, .sync = slice_sync};
 
-static struct dg_nvm port_of(struct lx_ring *self, size_t index)
+struct dg_nvm lx_ring_nvm(const struct lx_ring *self, size_t index)
 {
     return (struct dg_nvm){&slice_ops, &self->slices[index]};
 }
 
-/* Arrays, and which part of the memory is whose. @return false without memory */
-static bool share_out(struct lx_ring *self, const struct lx_ring_setup *setup)
+/* The memory with this file, a new one if there is none yet; NULL: the one without a file. */
+static struct lx_ring_store *store_of(struct lx_ring *self, const char *path)
 {
-    const uint32_t image = dg_store_size(&dg_ib_layout);
-    self->devices = calloc(setup->count, sizeof *self->devices);
-    self->models = calloc(setup->count, sizeof *self->models);
-    self->slices = calloc(setup->count, sizeof *self->slices);
-    if (self->devices == NULL || self->models == NULL || self->slices == NULL) {
-        return false;
+    for (size_t i = 0; i < self->store_count; i++) {
+        const char *other = self->stores[i].path;
+        if (path == other || (path != NULL && other != NULL && strcmp(path, other) == 0)) {
+            return &self->stores[i];
+        }
     }
-    for (size_t i = 0; i < setup->count; i++) {
-        self->models[i] = lx_ring_settings_model(setup->settings, setup->models[i], (uint32_t)i);
-        self->slices[i].base = self->memory.size;
-        self->memory.size += self->models[i].profile == DG_IB_K3 ? image : 0u;
-    }
-    return true;
+    struct lx_ring_store *store = &self->stores[self->store_count++];
+    *store = (struct lx_ring_store){.path = path, .file = {.fd = -1}};
+    return store;
 }
 
-static void point_slices(struct lx_ring *self, size_t count, struct dg_nvm whole)
+static int make_arrays(struct lx_ring *self, size_t count, struct lx_error *error)
 {
-    for (size_t i = 0; i < count; i++) {
-        self->slices[i].whole = whole;
+    self->devices = calloc(count, sizeof *self->devices);
+    self->models = calloc(count, sizeof *self->models);
+    self->slices = calloc(count, sizeof *self->slices);
+    self->stores = calloc(count, sizeof *self->stores);
+    if (self->devices == NULL || self->models == NULL || self->slices == NULL ||
+        self->stores == NULL) {
+        return lx_fail(error, "no memory for %lu devices", (unsigned long)count);
     }
+    return 0;
+}
+
+/* Which part of which memory is whose. */
+static int share_out(struct lx_ring *self, const struct lx_ring_setup *setup,
+                     struct lx_error *error)
+{
+    const uint32_t image = dg_store_size(&dg_ib_layout);
+    if (make_arrays(self, setup->count, error) != 0) {
+        return -1;
+    }
+    for (size_t i = 0; i < setup->count; i++) {
+        struct lx_ring_store *store = store_of(self, setup->members[i].nvm);
+        self->models[i] = setup->members[i].model;
+        self->slices[i] = (struct lx_ring_slice){.store = store, .base = store->memory.size};
+        store->memory.size += self->models[i].profile == DG_IB_K3 ? image : 0u;
+    }
+    for (size_t i = 0; i < self->store_count; i++) {
+        struct lx_ring_store *store = &self->stores[i];
+        if (store->memory.size == 0 && store->path != NULL) {
+            return lx_fail(error, "--nvm %s: K1 and K2 have no EEPROM; leave it out, or have a K3",
+                           store->path);
+        }
+        if (lx_nvm_memory_init(&store->memory, store->memory.size) != 0) {
+            return lx_fail(error, "no memory for %lu devices", (unsigned long)setup->count);
+        }
+    }
+    return 0;
 }
 
 /* The delivery state of all devices, in memory. */
-static int deliver(struct lx_ring *self, const struct lx_ring_setup *setup, struct lx_error *error)
+static int deliver(struct lx_ring *self, size_t count, struct lx_error *error)
 {
-    if (!share_out(self, setup) || lx_nvm_memory_init(&self->memory, self->memory.size) != 0) {
-        return lx_fail(error, "no memory for %lu devices", (unsigned long)setup->count);
-    }
-    if (self->memory.size == 0 && setup->nvm != NULL) {
-        return lx_fail(error, "--nvm %s: K1 and K2 have no EEPROM; leave it out, or have a K3",
-                       setup->nvm);
-    }
-    point_slices(self, setup->count, lx_nvm_memory_port(&self->memory));
-    for (size_t i = 0; i < setup->count; i++) {
-        if (dg_ib_format(&self->models[i], port_of(self, i)) != DG_OK) {
+    for (size_t i = 0; i < count; i++) {
+        self->slices[i].whole = lx_nvm_memory_port(&self->slices[i].store->memory);
+        if (dg_ib_format(&self->models[i], lx_ring_nvm(self, i)) != DG_OK) {
             return lx_fail(error,
                            "device %lu: these factory figures make no encoder; a K1 has at "
                            "most 65536 steps, one with steps_minus_one at least 2",
@@ -81,46 +103,53 @@ static int deliver(struct lx_ring *self, const struct lx_ring_setup *setup, stru
     return 0;
 }
 
-static int open_file(struct lx_ring *self, const struct lx_ring_setup *setup,
-                     struct lx_error *error)
+/* What is in the file goes to `memory`, which is for looking at only from here on. */
+static int open_file(struct lx_ring_store *self, const struct lx_say *say, struct lx_error *error)
 {
     const struct lx_nvm_image delivery = {self->memory.bytes, self->memory.size};
-    if (setup->nvm == NULL) {
+    if (self->path == NULL) {
         return 0;
     }
-    if (lx_nvm_file_open(&self->file, setup->nvm, &delivery, error) != 0) {
+    if (lx_nvm_file_open(&self->file, self->path, &delivery, error) != 0) {
         return -1;
     }
     if (self->file.length < self->file.size) {
-        lx_note(setup->say, "%s: cut off, %lu of %lu bytes; what is missing reads FFh", setup->nvm,
+        lx_note(say, "%s: cut off, %lu of %lu bytes; what is missing reads FFh", self->path,
                 (unsigned long)self->file.length, (unsigned long)self->file.size);
     }
-    point_slices(self, setup->count, lx_nvm_file_port(&self->file));
+    const struct dg_nvm file = lx_nvm_file_port(&self->file);
+    if (file.ops->read(file.ctx, 0, self->memory.bytes, self->memory.size) != DG_OK) {
+        return lx_fail(error, "%s: cannot read", self->path);
+    }
+    return 0;
+}
+
+static int open_files(struct lx_ring *self, const struct lx_say *say, struct lx_error *error)
+{
+    for (size_t i = 0; i < self->store_count; i++) {
+        if (open_file(&self->stores[i], say, error) != 0) {
+            return -1;
+        }
+    }
     return 0;
 }
 
 /* Every image is looked at before the first device may repair its own. */
-static int check_file(struct lx_ring *self, const struct lx_ring_setup *setup,
-                      struct lx_error *error)
+static int check_files(struct lx_ring *self, size_t count, struct lx_error *error)
 {
-    struct dg_nvm file = lx_nvm_file_port(&self->file);
-    const struct dg_nvm copy = lx_nvm_memory_port(&self->memory);
-    if (setup->nvm == NULL) {
-        return 0;
-    }
-    if (file.ops->read(file.ctx, 0, self->memory.bytes, self->memory.size) != DG_OK) {
-        return lx_fail(error, "%s: cannot read", setup->nvm);
-    }
-    for (size_t i = 0; i < setup->count; i++) {
-        struct lx_ring_slice slice = {copy, self->slices[i].base};
-        const struct dg_nvm port = {&slice_ops, &slice};
-        struct dg_store store;
-        if (self->models[i].profile == DG_IB_K3 &&
-            dg_store_mount(&store, &dg_ib_layout, port) != DG_OK) {
+    struct dg_store store;
+    for (size_t i = 0; i < count; i++) {
+        if (self->slices[i].store->path != NULL && self->models[i].profile == DG_IB_K3 &&
+            dg_store_mount(&store, &dg_ib_layout, lx_ring_nvm(self, i)) != DG_OK) {
             return lx_fail(error,
                            "%s: holds no image of device %lu; give a file made by this ring, or "
                            "the name of a new one",
-                           setup->nvm, (unsigned long)i);
+                           self->slices[i].store->path, (unsigned long)i);
+        }
+    }
+    for (size_t i = 0; i < count; i++) {
+        if (self->slices[i].store->path != NULL) {
+            self->slices[i].whole = lx_nvm_file_port(&self->slices[i].store->file);
         }
     }
     return 0;
@@ -132,8 +161,8 @@ static int switch_on(struct lx_ring *self, const struct lx_ring_setup *setup, dg
     for (size_t i = 0; i < setup->count; i++) {
         const struct dg_ib_setup device = {
             .model = &self->models[i],
-            .world = &setup->settings->common.world,
-            .nvm = port_of(self, i),
+            .world = setup->members[i].world,
+            .nvm = lx_ring_nvm(self, i),
         };
         if (dg_ib_init(&self->devices[i], &device) != DG_OK ||
             dg_ib_power_on(&self->devices[i], now) != DG_OK) {
@@ -144,9 +173,6 @@ static int switch_on(struct lx_ring *self, const struct lx_ring_setup *setup, dg
         return lx_fail(error, "a ring has 1 to %u devices, not %lu", DG_IB_RING_MAX,
                        (unsigned long)setup->count);
     }
-    if (setup->settings->break_at != LX_AS_MODEL) {
-        self->ring.broken_at = (uint16_t)setup->settings->break_at;
-    }
     self->result = DG_IB_RING_IDENTIFY;
     return 0;
 }
@@ -155,9 +181,9 @@ int lx_ring_open(struct lx_ring *self, const struct lx_ring_setup *setup, dg_ns 
                  struct lx_error *error)
 {
     memset(self, 0, sizeof *self);
-    self->file.fd = -1;
-    if (deliver(self, setup, error) != 0 || open_file(self, setup, error) != 0 ||
-        check_file(self, setup, error) != 0 || switch_on(self, setup, now, error) != 0) {
+    if (share_out(self, setup, error) != 0 || deliver(self, setup->count, error) != 0 ||
+        open_files(self, setup->say, error) != 0 || check_files(self, setup->count, error) != 0 ||
+        switch_on(self, setup, now, error) != 0) {
         return -1;
     }
     return 0;
@@ -165,11 +191,15 @@ int lx_ring_open(struct lx_ring *self, const struct lx_ring_setup *setup, dg_ns 
 
 void lx_ring_close(struct lx_ring *self)
 {
-    lx_nvm_file_close(&self->file);
-    lx_nvm_memory_free(&self->memory);
+    for (size_t i = 0; i < self->store_count; i++) {
+        lx_nvm_file_close(&self->stores[i].file);
+        lx_nvm_memory_free(&self->stores[i].memory);
+    }
+    free(self->stores);
     free(self->slices);
     free(self->models);
     free(self->devices);
+    memset(self, 0, sizeof *self);
 }
 
 void lx_ring_cycle(struct lx_ring *self, dg_ns now)

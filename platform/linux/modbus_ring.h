@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * A ring of INTERBUS encoders with its memory, and the master that drives it: one call, one cycle.
+ * A ring of INTERBUS encoders with their memories, and the master that drives it: one call, one
+ * cycle.
  */
 #ifndef DREHGEBER_LINUX_MODBUS_RING_H
 #define DREHGEBER_LINUX_MODBUS_RING_H
@@ -14,28 +15,43 @@
 /** Words of either image at most: two for each device. */
 #define LX_RING_WORDS_MAX (2u * DG_IB_RING_MAX)
 
-/** What a ring is made of. Everything pointed to must outlive it. */
+/** A device, in ring order. */
+struct lx_ring_member {
+    struct dg_ib_model model;
+    const struct dg_world *world;
+    /** File of its EEPROM; NULL: state is lost at the end. Several devices may share one: it holds
+     * the images of those with a memory in ring order. */
+    const char *nvm;
+};
+
+/** What a ring is made of. What the members point to must outlive it. */
 struct lx_ring_setup {
-    const struct dg_ib_model *const *models; /**< in ring order */
-    size_t count;                            /**< 1..DG_IB_RING_MAX */
-    const struct lx_ring_settings *settings;
-    const char *nvm; /**< file; NULL: state is lost at the end */
+    const struct lx_ring_member *members;
+    size_t count; /**< 1..DG_IB_RING_MAX */
     const struct lx_say *say;
 };
 
-/** The part of the memory that belongs to one device. */
+/** A memory of one device or several. */
+struct lx_ring_store {
+    const char *path;            /**< NULL: no file */
+    struct lx_nvm_memory memory; /**< delivery state; the memory itself without a file */
+    struct lx_nvm_file file;
+};
+
+/** The part of a memory that belongs to one device. */
 struct lx_ring_slice {
+    struct lx_ring_store *store;
     struct dg_nvm whole;
     uint32_t base;
 };
 
 /** A ring. Not to be moved. */
 struct lx_ring {
-    struct dg_ib *devices; /**< owned, as the arrays below */
+    struct dg_ib *devices; /**< owned, as the arrays below; one for each device */
     struct dg_ib_model *models;
     struct lx_ring_slice *slices;
-    struct lx_nvm_memory memory; /**< delivery state; the memory itself without a file */
-    struct lx_nvm_file file;     /**< images of the devices with a memory, in ring order */
+    struct lx_ring_store *stores; /**< as many as store_count */
+    size_t store_count;
     struct dg_ib_ring ring;
     bool stopped; /**< ID cycles only */
     enum dg_ib_ring_result result;
@@ -49,8 +65,11 @@ struct lx_ring {
 int lx_ring_open(struct lx_ring *self, const struct lx_ring_setup *setup, dg_ns now,
                  struct lx_error *error);
 
-/** Switch everything off; also after a failed open. */
+/** Switch everything off; also after a failed open, or when all is zero. */
 void lx_ring_close(struct lx_ring *self);
+
+/** The EEPROM of device `index`. */
+struct dg_nvm lx_ring_nvm(const struct lx_ring *self, size_t index);
 
 /** A data cycle with the images, or an ID cycle where one is called for. */
 void lx_ring_cycle(struct lx_ring *self, dg_ns now);

@@ -8,6 +8,9 @@
 #include "drehgeber/devices.h"
 #include "number.h"
 
+/* Longest KEY=VALUE of a plan, with its end. */
+#define SETTING_MAX 256u
+
 struct setting {
     const char *key;
     const char *unit;
@@ -15,6 +18,7 @@ struct setting {
     int32_t min;
     int32_t max;
     int32_t initial; /* LX_AS_MODEL: each model's own */
+    bool of_ring;    /* else of each device */
     const char *help;
 };
 
@@ -22,18 +26,18 @@ struct setting {
 
 /* clang-format off */
 static const struct setting settings[] = {
-    /* key                 unit       field                     min    max      initial      help */
-    {"cycle",              " us",     HERE(cycle_us),           250,   50000,   1000,        "from one data cycle of the ring to the next"},
-    {"tear",               "",        HERE(tear),               0,     1,       0,           "1: half of an OUT word is taken from a request (fault)"},
-    {"break_at",           "",        HERE(break_at),           0,     511,     LX_AS_MODEL, "the bus is cut before this device, 0 is the first (fault)"},
-    {"steps",              "",        HERE(steps),              1,     8192,    LX_AS_MODEL, "steps of the discs a turn (factory)"},
-    {"turns",              "",        HERE(turns),              1,     4096,    LX_AS_MODEL, "turns of a K2 and K3; 1: singleturn (factory)"},
-    {"steps_minus_one",    "",        HERE(steps_minus_one),    0,     1,       LX_AS_MODEL, "a K3 has one step more than its parameter says (factory)"},
-    {"temperature_sensor", "",        HERE(temperature_sensor), 0,     1,       LX_AS_MODEL, "a K3 has one (factory)"},
-    {"loop",               "",        HERE(loop),               0,     1,       LX_AS_MODEL, "INTERBUS Loop: ID B2h and B3h (factory)"},
-    {"param_cycles",       " cycles", HERE(param_cycles),       1,     255,     LX_AS_MODEL, "from a K3's command to its answer"},
-    {"self_test_ms",       " ms",     HERE(self_test_ms),       0,     1000,    LX_AS_MODEL, "self-test after power-on"},
-    {"version",            "",        HERE(version),            0,     DG_IB_DATA_MASK, LX_AS_MODEL, "software version of a K3 (factory)"},
+    /* key                 unit       field                     min    max      initial      ring   help */
+    {"cycle",              " us",     HERE(cycle_us),           250,   50000,   1000,        true,  "from one data cycle of the ring to the next"},
+    {"tear",               "",        HERE(tear),               0,     1,       0,           true,  "1: half of an OUT word is taken from a request (fault)"},
+    {"break_at",           "",        HERE(break_at),           0,     511,     LX_AS_MODEL, true,  "the bus is cut before this device, 0 is the first (fault)"},
+    {"steps",              "",        HERE(steps),              1,     8192,    LX_AS_MODEL, false, "steps of the discs a turn (factory)"},
+    {"turns",              "",        HERE(turns),              1,     4096,    LX_AS_MODEL, false, "turns of a K2 and K3; 1: singleturn (factory)"},
+    {"steps_minus_one",    "",        HERE(steps_minus_one),    0,     1,       LX_AS_MODEL, false, "a K3 has one step more than its parameter says (factory)"},
+    {"temperature_sensor", "",        HERE(temperature_sensor), 0,     1,       LX_AS_MODEL, false, "a K3 has one (factory)"},
+    {"loop",               "",        HERE(loop),               0,     1,       LX_AS_MODEL, false, "INTERBUS Loop: ID B2h and B3h (factory)"},
+    {"param_cycles",       " cycles", HERE(param_cycles),       1,     255,     LX_AS_MODEL, false, "from a K3's command to its answer"},
+    {"self_test_ms",       " ms",     HERE(self_test_ms),       0,     1000,    LX_AS_MODEL, false, "self-test after power-on"},
+    {"version",            "",        HERE(version),            0,     DG_IB_DATA_MASK, LX_AS_MODEL, false, "software version of a K3 (factory)"},
 };
 /* clang-format on */
 #define SETTING_COUNT (sizeof settings / sizeof settings[0])
@@ -55,6 +59,17 @@ static bool of_the_world(const char *key, size_t n)
     for (size_t i = 0; i < WORLD_COUNT; i++) {
         if (named(world_keys[i], key, n)) {
             return true;
+        }
+    }
+    return false;
+}
+
+/* Whether it is a key of the ring as a whole. */
+static bool of_the_ring(const char *key)
+{
+    for (size_t i = 0; i < SETTING_COUNT; i++) {
+        if (strcmp(settings[i].key, key) == 0) {
+            return settings[i].of_ring;
         }
     }
     return false;
@@ -121,6 +136,26 @@ int lx_ring_settings_set(struct lx_ring_settings *self, const char *assignment,
     }
     return of_the_world(assignment, n) ? lx_settings_set(&self->common, assignment, error)
                                        : unknown_key(assignment, n, error);
+}
+
+int lx_ring_settings_take(struct lx_ring_settings *self, const struct lx_plan *plan,
+                          const struct lx_plan_setting *setting, bool of_ring,
+                          struct lx_error *error)
+{
+    char assignment[SETTING_MAX];
+    const int n = snprintf(assignment, sizeof assignment, "%s=%s", setting->key, setting->value);
+    if (n < 0 || (size_t)n >= sizeof assignment) {
+        return lx_plan_fail(plan, setting->line, error, "%.40s: the value is too long",
+                            setting->key);
+    }
+    if (of_the_ring(setting->key) != of_ring) {
+        return lx_plan_fail(plan, setting->line, error, "%.40s: a key of %s", setting->key,
+                            of_ring ? "an encoder, not of the ring"
+                                    : "the ring, not of one of its encoders");
+    }
+    return lx_ring_settings_set(self, assignment, error) == 0
+               ? 0
+               : lx_settings_refuse(plan, setting->line, error);
 }
 
 int lx_ring_settings_serial(struct lx_ring_settings *self, const char *digits,

@@ -6,7 +6,8 @@
  *                                        \--reply--> output --> pty <-- write_frame
  *
  * A master that does not read stalls the bus. When no master has the port open, what is sent is
- * lost, as behind a serial port that nobody has open; the adapter's channel stays as it is.
+ * lost, as behind a serial port that nobody has open; the adapter's channel stays as it is. A pty
+ * that was gone and is back is an adapter that was plugged in right now.
  */
 #define _GNU_SOURCE
 #include <errno.h>
@@ -58,7 +59,7 @@ static struct slcan_pty *pty_of(struct lx_can *can)
 static bool flush(struct lx_can *can)
 {
     struct slcan_pty *self = pty_of(can);
-    while (self->output_count > 0 && self->masters > 0) {
+    while (self->output_count > 0 && self->masters > 0 && self->serial->fd >= 0) {
         const ssize_t done = write(self->serial->fd, self->output, self->output_count);
         if (done < 0 && errno == EINTR) {
             continue;
@@ -90,7 +91,7 @@ static bool write_frame(struct lx_can *can, const struct dg_can_frame *frame)
     if (!flush(can)) {
         return false;
     }
-    if (self->codec.state == LX_SLCAN_CLOSED || self->masters <= 0) {
+    if (self->codec.state == LX_SLCAN_CLOSED || self->masters <= 0 || self->serial->fd < 0) {
         can->counters.lost++;
         return true;
     }
@@ -175,7 +176,9 @@ static void pause_reading(struct lx_can *can, bool paused)
         take_input(self, lx_now());
     }
     const bool off = paused || can->stalled;
-    (void)sd_event_source_set_enabled(self->serial->io, off ? SD_EVENT_OFF : SD_EVENT_ON);
+    if (self->serial->io != NULL) {
+        (void)sd_event_source_set_enabled(self->serial->io, off ? SD_EVENT_OFF : SD_EVENT_ON);
+    }
 }
 
 /* --- who has the port open --- */
@@ -222,12 +225,10 @@ static int watch_openings(struct slcan_pty *self)
                : sd_event_source_set_priority(self->openings_io, SD_EVENT_PRIORITY_IMPORTANT - 1);
 }
 
-/* --- the operations --- */
+/* --- the port --- */
 
-static void close_slcan(struct lx_can *can)
+static void unwatch_openings(struct slcan_pty *self)
 {
-    struct slcan_pty *self = pty_of(can);
-    lx_serial_close(self->serial);
     self->openings_io = sd_event_source_disable_unref(self->openings_io);
     if (self->openings >= 0) {
         (void)close(self->openings);
@@ -235,6 +236,47 @@ static void close_slcan(struct lx_can *can)
     if (self->slave >= 0) {
         (void)close(self->slave);
     }
+    self->openings = -1;
+    self->slave = -1;
+}
+
+static int use_address(struct slcan_pty *self)
+{
+    (void)snprintf(self->can.address, sizeof self->can.address, "%s", self->serial->address);
+    return watch_openings(self);
+}
+
+/* Another pty: whoever had the old one open has nothing any more. */
+static void back(void *ctx)
+{
+    struct slcan_pty *self = ctx;
+    forget(self);
+    unwatch_openings(self);
+    self->codec = (struct lx_slcan){.state = LX_SLCAN_CLOSED};
+    self->mismatch = false;
+    self->masters = 0;
+    self->input_first = 0;
+    self->input_count = 0;
+    const int result = use_address(self);
+    if (result < 0) {
+        lx_complain("%s: cannot watch the pty: %s", self->can.address, strerror(-result));
+    }
+    pause_reading(&self->can, self->can.stalled);
+    self->can.setup.settle(self->can.setup.ctx, lx_now());
+}
+
+/* --- the operations --- */
+
+static bool up(const struct lx_can *can)
+{
+    return ((const struct slcan_pty *)can)->serial->fd >= 0;
+}
+
+static void close_slcan(struct lx_can *can)
+{
+    struct slcan_pty *self = pty_of(can);
+    lx_serial_close(self->serial);
+    unwatch_openings(self);
 }
 
 static const struct lx_can_ops slcan_ops = {
@@ -243,6 +285,7 @@ static const struct lx_can_ops slcan_ops = {
     .pause = pause_reading,
     .expect = expect,
     .hears = hears,
+    .up = up,
     .close = close_slcan,
 };
 
@@ -266,14 +309,14 @@ static int start(struct slcan_pty *self, struct lx_error *error)
         .stored = uart,
         .any_line = true,
         .rx = on_character,
+        .back = back,
         .ctx = self,
     };
     self->serial = lx_pty_open(&line, error);
     if (self->serial == NULL) {
         return rename_option(error);
     }
-    (void)snprintf(self->can.address, sizeof self->can.address, "%s", self->serial->address);
-    const int result = watch_openings(self);
+    const int result = use_address(self);
     return result < 0 ? lx_fail(error, "--slcan: cannot watch the pty: %s", strerror(-result)) : 0;
 }
 

@@ -24,10 +24,19 @@ static struct lx_error error;
 static const struct lx_say quiet = {.quiet = true};
 static char path[] = "/tmp/test_ib_map.XXXXXX";
 
+/* All in one world, with one file. */
 static int open_ring(const char *nvm, size_t count)
 {
-    const struct lx_ring_setup setup = {models, count, &settings, nvm, &quiet};
+    struct lx_ring_member members[3];
+    const struct lx_ring_setup setup = {members, count, &quiet};
 
+    for (uint32_t i = 0; i < count; i++) {
+        members[i] = (struct lx_ring_member){
+            .model = lx_ring_settings_model(&settings, models[i], i),
+            .world = &settings.common.world,
+            .nvm = nvm,
+        };
+    }
     return lx_ring_open(&ring, &setup, START, &error);
 }
 
@@ -259,7 +268,8 @@ static void the_ring_has_one_file(void **state)
     lx_ring_close(&ring);
     assert_int_equal(unlink(path), 0); /* only the name is wanted */
     assert_int_equal(open_ring(path, 3), 0);
-    assert_int_equal(ring.file.size, image);
+    assert_int_equal(ring.store_count, 1);
+    assert_int_equal(ring.stores[0].file.size, image);
     lx_ring_cycle(&ring, START);
     ring.out[1] = 0x0A00;
     ring.out[2] = 0x0055;

@@ -1,0 +1,325 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The core says what is next, this file makes it happen:
+ *
+ *   wire ---- on_frame -----> dg_co_net_rx() --\
+ *   wire ---- on_bus -------> follow            > settle(): deadlines, filters, bit rates
+ *   timer --- settle -------> dg_co_net_step() /
+ *                                   \-- send_frame --> wire, other nodes in the next settle()
+ *
+ * A node whose bit rate is not the wire's lives on, but outside the net: deaf and mute. One without
+ * power stays in it, listening to nothing.
+ */
+#define _GNU_SOURCE
+#include "can_bus.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "settings.h"
+
+static struct lx_can_bus *can_bus_of(struct lx_bus *bus)
+{
+    return (struct lx_can_bus *)bus;
+}
+
+/* --- what the nodes do to the wire --- */
+
+static void send_frame(void *ctx, const struct dg_can_frame *frame)
+{
+    struct lx_can_node *node = ctx;
+    if (!node->hears) {
+        return;
+    }
+    if (node->bent) {
+        lx_can_emit_bent(node, frame);
+    } else {
+        lx_can_emit(node, frame);
+    }
+}
+
+static bool hears(const struct lx_can_node *node)
+{
+    const struct lx_can *can = node->bus->can;
+    return can->ops->hears == NULL || can->ops->hears(can, node->kbaud);
+}
+
+/* Called inside the core: whether the node still hears is settled after that, but what it sends
+   from here on already is at its new rate. */
+static void use_bit_rate(void *ctx, uint16_t kbaud)
+{
+    struct lx_can_node *node = ctx;
+    node->kbaud = kbaud;
+    node->bus->can->ops->expect(node->bus->can, kbaud);
+    node->bus->retuned = true;
+    node->hears = hears(node);
+}
+
+static const struct dg_co_ops node_ops = {.send = send_frame, .bit_rate = use_bit_rate};
+
+/* --- what the wire and the time do to the nodes --- */
+
+/* The net of those that hear the wire; on one that has no rate of its own, of all. */
+static void tune(struct lx_can_bus *self)
+{
+    const size_t count = self->bus.setup.count;
+    for (size_t i = 0; i < count; i++) {
+        const bool now = hears(&self->node[i]);
+        self->retuned = self->retuned || now != self->node[i].hears;
+        self->node[i].hears = now;
+    }
+    if (!self->retuned) {
+        return;
+    }
+    self->retuned = false;
+    self->told = false;
+    dg_co_net_init(&self->net);
+    for (size_t i = 0; i < count; i++) {
+        struct lx_can_node *node = &self->node[i];
+        node->index = LX_CAN_DEAF;
+        if (node->hears && dg_co_net_add(&self->net, &node->device) == DG_OK) {
+            node->index = (uint8_t)(self->net.count - 1u);
+        }
+    }
+}
+
+/* What is due. @return the next deadline */
+static dg_ns step(struct lx_can_bus *self, dg_ns now)
+{
+    dg_ns next = self->bent ? lx_can_overruns(self, now) : DG_NEVER;
+    next = dg_earliest(next, dg_co_net_step(&self->net, now));
+    for (size_t i = 0; i < self->bus.setup.count; i++) {
+        if (!self->node[i].hears) {
+            next = dg_earliest(next, dg_co_step(&self->node[i].device, now));
+        }
+    }
+    return next;
+}
+
+/* Whoever looks at the wire wants to see what nobody on it listens to, too. */
+static void tell_filters(struct lx_can_bus *self)
+{
+    const size_t size = sizeof self->filter_version;
+    const bool tapped = lx_tap_on(&self->bus.tap);
+    if (self->can->ops->filter == NULL ||
+        (self->told && self->tapped == tapped &&
+         memcmp(self->filter_version, self->net.filter_version, size) == 0)) {
+        return;
+    }
+    memcpy(self->filter_version, self->net.filter_version, size);
+    self->tapped = tapped;
+    self->told = true;
+    self->can->ops->filter(self->can, tapped ? NULL : &self->net);
+}
+
+static bool is_late(const struct lx_can_bus *self, dg_ns now)
+{
+    return self->promised != DG_NEVER && now > dg_after(self->promised, LX_CAN_LATE);
+}
+
+/* After everything that happened to the nodes. While the wire is stalled nothing is due. */
+static void settle(void *ctx, dg_ns now)
+{
+    struct lx_can_bus *self = ctx;
+    const bool stalled = self->can->stalled;
+    dg_ns next = DG_NEVER;
+    self->bus.late += is_late(self, now) ? 1u : 0u;
+    if (!stalled) {
+        lx_can_hear(self, now);
+    }
+    do {
+        tune(self);
+        next = self->can->stalled ? DG_NEVER : step(self, now);
+    } while (self->retuned);
+    tell_filters(self);
+    if (self->can->stalled) {
+        next = DG_NEVER;
+    } else if (self->heard.count > 0) {
+        next = now;
+    }
+    self->promised = next;
+    lx_timer_at(&self->timer, next);
+}
+
+static void on_frame(void *ctx, dg_ns now, const struct dg_can_frame *frame)
+{
+    struct lx_can_bus *self = ctx;
+    if (lx_tap_on(&self->bus.tap)) {
+        const struct lx_tap_event event = {.at = now, .kind = LX_TAP_FRAME, .frame = *frame};
+        lx_tap_tell(&self->bus.tap, &event);
+    }
+    if (self->bent) {
+        lx_can_offer(self, now, frame, NULL);
+    } else {
+        (void)dg_co_net_rx(&self->net, now, frame);
+    }
+}
+
+/* A controller that is bus-off is so until it is active again. */
+static void on_bus(void *ctx, dg_ns now, enum dg_co_bus_event event)
+{
+    struct lx_can_bus *self = ctx;
+    if (event == DG_CO_BUS_OVERRUN) {
+        (void)dg_co_net_bus(&self->net, now, event);
+        return;
+    }
+    if (self->state == DG_CO_BUS_OFF && event != DG_CO_BUS_ACTIVE) {
+        return;
+    }
+    self->state = event;
+    for (size_t i = 0; i < self->bus.setup.count; i++) {
+        if (self->node[i].hears) {
+            lx_can_follow(&self->node[i], now);
+        }
+    }
+}
+
+static void release(void *ctx, dg_ns now)
+{
+    lx_can_release(ctx, now);
+    settle(ctx, now);
+}
+
+/* --- the operations --- */
+
+static int open_wire(struct lx_can_bus *self, struct lx_error *error)
+{
+    const struct lx_bus_setup *setup = &self->bus.setup;
+    const struct lx_can_setup can = {
+        .event = setup->event,
+        .say = setup->say,
+        .where = setup->wire->where,
+        .rx = on_frame,
+        .bus = on_bus,
+        .settle = settle,
+        .ctx = self,
+    };
+    int result = lx_timer_open(&self->timer, setup->event, settle, self);
+    if (result >= 0) {
+        result = lx_timer_open(&self->release, setup->event, release, self);
+    }
+    if (result < 0) {
+        return lx_fail(error, "no timer: %s", strerror(-result));
+    }
+    self->can = self->open(&can, error);
+    return self->can == NULL ? lx_settings_refuse(setup->plan, setup->wire->line, error) : 0;
+}
+
+static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
+{
+    struct lx_can_bus *self = can_bus_of(bus);
+    if (open_wire(self, error) != 0) {
+        return -1;
+    }
+    for (size_t i = 0; i < bus->setup.count; i++) {
+        if (lx_can_node_open(&self->node[i], &node_ops, now, error) != 0) {
+            return -1;
+        }
+    }
+    settle(self, now);
+    self->promised = DG_NEVER; /* the loop has not begun yet */
+    return 0;
+}
+
+static void address(const struct lx_bus *bus, const struct lx_station *station, char *to,
+                    size_t size)
+{
+    const struct lx_can_bus *self = (const struct lx_can_bus *)bus;
+    const struct lx_can_node *node = &self->node[station->place];
+    (void)snprintf(to, size, "%s/%u", self->can->address, node->device.id);
+}
+
+static void changed(struct lx_bus *bus, struct lx_station *station, dg_ns now)
+{
+    struct lx_can_bus *self = can_bus_of(bus);
+    if (station != NULL) {
+        self->bent = false;
+        for (size_t i = 0; i < bus->setup.count; i++) {
+            lx_can_bend(&self->node[i], now);
+        }
+    }
+    settle(self, now);
+}
+
+static void counters(const struct lx_bus *bus, const struct lx_station *station, struct dg_scpi *to)
+{
+    const struct lx_can_bus *self = (const struct lx_can_bus *)bus;
+    const struct {
+        const char *name;
+        uint64_t value;
+    } rows[] = {
+        {"wire_up", self->can->ops->up(self->can)},       {"wire_late", bus->late},
+        {"wire_stalls", self->can->counters.stalls},      {"wire_lost", self->can->counters.lost},
+        {"wire_kbaud", self->node[station->place].kbaud},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char text[64];
+        (void)snprintf(text, sizeof text, "%s=%" PRIu64, rows[i].name, rows[i].value);
+        dg_scpi_put_word(to, text);
+    }
+}
+
+static void close_bus(struct lx_bus *bus)
+{
+    struct lx_can_bus *self = can_bus_of(bus);
+    for (size_t i = 0; i < bus->setup.count; i++) {
+        lx_can_node_close(&self->node[i]);
+    }
+    lx_can_close(self->can);
+    lx_timer_close(&self->timer);
+    lx_timer_close(&self->release);
+    free(self->heard.frames);
+    free(self->held.frames);
+    free(self->node);
+    free(self);
+}
+
+static const struct lx_bus_ops bus_ops = {
+    .open = open_bus,
+    .address = address,
+    .changed = changed,
+    .counters = counters,
+    .close = close_bus,
+};
+
+/* --- making --- */
+
+struct lx_bus *lx_can_bus_make(const struct lx_bus_setup *setup, lx_can_open *open,
+                               struct lx_error *error)
+{
+    struct lx_can_bus *self = calloc(1, sizeof *self);
+    struct lx_can_node *node = calloc(setup->count, sizeof *node);
+    if (self == NULL || node == NULL) {
+        (void)lx_fail(error, "no memory for %lu encoders", (unsigned long)setup->count);
+        free(node);
+        free(self);
+        return NULL;
+    }
+    self->bus.ops = &bus_ops;
+    self->bus.setup = *setup;
+    self->open = open;
+    self->promised = DG_NEVER;
+    self->node = node;
+    int result = 0;
+    for (size_t i = 0; result == 0 && i < setup->count; i++) {
+        result = lx_can_node_make(self, i, error);
+    }
+    if (result != 0) {
+        free(node);
+        free(self);
+        return NULL;
+    }
+    return &self->bus;
+}
+
+struct lx_bus *lx_can_bus_make_socket(const struct lx_bus_setup *setup, struct lx_error *error)
+{
+    return lx_can_bus_make(setup, lx_can_socket_open, error);
+}
+
+struct lx_bus *lx_can_bus_make_slcan(const struct lx_bus_setup *setup, struct lx_error *error)
+{
+    return lx_can_bus_make(setup, lx_slcan_open, error);
+}

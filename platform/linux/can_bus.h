@@ -1,0 +1,122 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * CANopen encoders on one bus of the event loop: any models, each with a world, a node-ID and an
+ * EEPROM of its own. They hear the bus, and each other one turn of the loop later.
+ */
+#ifndef DREHGEBER_LINUX_CAN_BUS_H
+#define DREHGEBER_LINUX_CAN_BUS_H
+
+#include "bus.h"
+#include "can.h"
+#include "drehgeber/cia406.h"
+#include "nvm_file.h"
+#include "nvm_memory.h"
+
+/** A deadline that is served later than this counts as late. A stalled bus serves none, and the
+ * time before the loop begins counts for nothing: neither is late. */
+#define LX_CAN_LATE DG_MS(5)
+/** While the fault "overrun" lasts, the controller loses a frame as often as this. */
+#define LX_CAN_OVERRUN_PERIOD DG_MS(100)
+/** Place in the net of a node that does not hear the wire. */
+#define LX_CAN_DEAF UINT8_MAX
+
+struct lx_can_bus;
+
+/** An encoder. */
+struct lx_can_node {
+    struct lx_can_bus *bus;
+    struct lx_station *station;
+    struct dg_co_node device;
+    struct dg_cia406 encoder;
+    struct dg_cia406_model model; /**< with what the plan sets */
+    struct lx_nvm_memory memory;
+    struct lx_nvm_file file;
+    uint8_t id;       /**< node-ID in the delivery state */
+    uint16_t kbaud;   /**< bit rate in force */
+    bool hears;       /**< the wire has this rate, too */
+    uint8_t index;    /**< in the bus's net; LX_CAN_DEAF: not there */
+    bool bent;        /**< wire faults may be active, or frames are held back */
+    unsigned held;    /**< frames held back */
+    dg_ns last_held;  /**< when the last one of them goes out */
+    dg_ns overrun_at; /**< next overrun of the fault; DG_NEVER */
+};
+
+/** A frame of a node that waits: for its turn with the other nodes, or for its time. */
+struct lx_can_waiting {
+    struct lx_can_node *from;
+    dg_ns at;
+    struct dg_can_frame frame;
+};
+
+/** Waiting frames, oldest first. */
+struct lx_can_list {
+    struct lx_can_waiting *frames; /**< owned */
+    size_t count;
+    size_t capacity;
+};
+
+/** A bus. */
+struct lx_can_bus {
+    struct lx_bus bus;
+    lx_can_open *open;
+    struct lx_can *can;
+    struct lx_timer timer;
+    struct dg_co_net net;                    /**< nodes that hear the wire */
+    uint8_t filter_version[DG_CO_NET_NODES]; /**< of `net`, when the wire was told */
+    bool told;                  /**< the wire knows who listens to what, but for filter_version */
+    bool tapped;                /**< ... and that somebody wants to see all there is */
+    bool retuned;               /**< a node's bit rate has changed */
+    bool bent;                  /**< some node is */
+    enum dg_co_bus_event state; /**< of the controller: active, passive or off */
+    dg_ns promised;             /**< when the nodes want to be called next; DG_NEVER */
+    struct lx_can_list heard;   /**< sent by a node, and another one listens to it */
+    struct lx_can_list held;    /**< by the fault "delay" */
+    struct lx_timer release;    /**< of held frames */
+    struct lx_can_node *node;   /**< owned, as many as stations */
+};
+
+/** A bus whose wire `open` opens. @return as lx_bus_make */
+struct lx_bus *lx_can_bus_make(const struct lx_bus_setup *setup, lx_can_open *open,
+                               struct lx_error *error);
+
+/* --- a node, can_node.c --- */
+
+/** Understand the plan of the station at `place`. @return 0, or -1 with one line in `error` */
+int lx_can_node_make(struct lx_can_bus *bus, size_t place, struct lx_error *error);
+
+/** Load its EEPROM, switch it on. @return 0, or -1 with one line in `error`, then close */
+int lx_can_node_open(struct lx_can_node *self, const struct dg_co_ops *ops, dg_ns now,
+                     struct lx_error *error);
+
+/** Switch it off, close its EEPROM; also after a failed open. */
+void lx_can_node_close(struct lx_can_node *self);
+
+/* --- faults of the wire, can_faults.c --- */
+
+/** Put a frame of a node on the wire: the tap, the wire itself, other nodes that listen. */
+void lx_can_emit(struct lx_can_node *from, const struct dg_can_frame *frame);
+
+/** The same for a node that is bent. */
+void lx_can_emit_bent(struct lx_can_node *from, const struct dg_can_frame *frame);
+
+/** Offer a frame to the nodes that listen to it, but for `from` (NULL: it came over the wire). */
+void lx_can_offer(struct lx_can_bus *self, dg_ns now, const struct dg_can_frame *frame,
+                  const struct lx_can_node *from);
+
+/** What the nodes have sent each other. */
+void lx_can_hear(struct lx_can_bus *self, dg_ns now);
+
+/** Send held frames whose time has come. */
+void lx_can_release(struct lx_can_bus *self, dg_ns now);
+
+/** Faults or power of a node may have changed: its controller's state, and whether it is bent. */
+void lx_can_bend(struct lx_can_node *self, dg_ns now);
+
+/** Let the node's controller be in the bus's state, or in the worse one that a fault makes. */
+void lx_can_follow(struct lx_can_node *self, dg_ns now);
+
+/** Overruns of the fault that are due. @return the next one */
+dg_ns lx_can_overruns(struct lx_can_bus *self, dg_ns now);
+
+#endif

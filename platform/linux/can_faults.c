@@ -1,0 +1,239 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Frames between the nodes of a bus and its wire, and what faults make of them:
+ *
+ *   node -- bus-off? drop? damage? -- held back? -- emit --> tap, wire, nodes that listen
+ *                            duplicate? --/
+ *   wire, other nodes -- bus-off? deaf? --> node
+ *
+ * The core must not be called back while it sends, so what nodes send each other waits until it is
+ * through. The net's deadlines are kept here as dg_co_net_rx() keeps them.
+ */
+#include "can_bus.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define LIST_FIRST 16u
+
+static struct dg_faults *faults_of(const struct lx_can_node *node)
+{
+    return &node->station->control.faults;
+}
+
+/* @return false without memory; then the frame is lost */
+static bool append(struct lx_can_list *self, const struct lx_can_waiting *frame)
+{
+    if (self->count == self->capacity) {
+        const size_t capacity = self->capacity == 0 ? LIST_FIRST : 2 * self->capacity;
+        struct lx_can_waiting *frames = realloc(self->frames, capacity * sizeof *frames);
+        if (frames == NULL) {
+            return false;
+        }
+        self->frames = frames;
+        self->capacity = capacity;
+    }
+    self->frames[self->count++] = *frame;
+    return true;
+}
+
+/* --- from a node --- */
+
+/* Whether a node of the net other than `from` listens to this CAN-ID: seldom, as encoders consume
+   nothing of each other but heartbeats. */
+static bool others_listen(const struct lx_can_node *from, uint16_t id)
+{
+    const struct dg_co_net *net = &from->bus->net;
+    uint8_t listeners[sizeof net->listeners[0]];
+    static const uint8_t nobody[sizeof listeners];
+    memcpy(listeners, net->listeners[id], sizeof listeners);
+    if (from->index != LX_CAN_DEAF) {
+        listeners[from->index / 8u] &= (uint8_t) ~(1u << from->index % 8u);
+    }
+    return memcmp(listeners, nobody, sizeof listeners) != 0;
+}
+
+void lx_can_emit(struct lx_can_node *from, const struct dg_can_frame *frame)
+{
+    struct lx_can_bus *self = from->bus;
+    if (lx_tap_on(&self->bus.tap)) {
+        const struct lx_tap_event event = {
+            .at = lx_now(), .kind = LX_TAP_FRAME, .ours = true, .frame = *frame};
+        lx_tap_tell(&self->bus.tap, &event);
+    }
+    lx_can_send(self->can, frame);
+    if (others_listen(from, frame->id)) {
+        const struct lx_can_waiting waiting = {.from = from, .frame = *frame};
+        (void)append(&self->heard, &waiting);
+    }
+}
+
+/* Now, or behind the ones that are held back already: a node's frames keep their order. */
+static void send_in_time(struct lx_can_node *from, const struct dg_can_frame *frame)
+{
+    struct lx_can_bus *self = from->bus;
+    struct lx_can_waiting waiting = {.from = from, .at = lx_now(), .frame = *frame};
+    const bool delayed = dg_fault_wire_takes(faults_of(from), DG_WIRE_DELAY);
+    if (!delayed && from->held == 0) {
+        lx_can_emit(from, frame);
+        return;
+    }
+    if (delayed) {
+        waiting.at =
+            dg_after(waiting.at, (dg_ns)dg_fault_wire_value(DG_STACK_CANOPEN, DG_WIRE_DELAY));
+    }
+    if (from->held > 0 && waiting.at < from->last_held) {
+        waiting.at = from->last_held;
+    }
+    if (!append(&self->held, &waiting)) {
+        return;
+    }
+    from->held++;
+    from->last_held = waiting.at;
+    lx_timer_at(&self->release, dg_earliest(self->release.at, waiting.at));
+}
+
+void lx_can_emit_bent(struct lx_can_node *from, const struct dg_can_frame *frame)
+{
+    struct dg_faults *faults = faults_of(from);
+    struct dg_can_frame sent = *frame;
+    if (dg_fault_wire_active(faults, DG_WIRE_BUS_OFF) ||
+        dg_fault_wire_takes(faults, DG_WIRE_DROP)) {
+        return;
+    }
+    /* Without data there is no bit to flip. */
+    if (sent.dlc > 0 && dg_fault_wire_takes(faults, DG_WIRE_DAMAGE)) {
+        const uint32_t bit = dg_fault_pick(faults, 8u * sent.dlc);
+        sent.data[bit / 8u] ^= (uint8_t)(1u << bit % 8u);
+    }
+    const unsigned times = dg_fault_wire_takes(faults, DG_WIRE_DUPLICATE) ? 2 : 1;
+    for (unsigned i = 0; i < times; i++) {
+        send_in_time(from, &sent);
+    }
+}
+
+void lx_can_release(struct lx_can_bus *self, dg_ns now)
+{
+    struct lx_can_list *held = &self->held;
+    dg_ns next = DG_NEVER;
+    size_t left = 0;
+    for (size_t i = 0; i < held->count; i++) {
+        const struct lx_can_waiting *waiting = &held->frames[i];
+        if (waiting->at <= now) {
+            waiting->from->held--;
+            lx_can_emit(waiting->from, &waiting->frame);
+        } else {
+            next = dg_earliest(next, waiting->at);
+            held->frames[left++] = *waiting;
+        }
+    }
+    held->count = left;
+    lx_timer_at(&self->release, next);
+}
+
+/* --- to a node --- */
+
+static bool reaches(const struct lx_can_node *node)
+{
+    struct dg_faults *faults = faults_of(node);
+    return faults->wire == 0 || (!dg_fault_wire_active(faults, DG_WIRE_BUS_OFF) &&
+                                 !dg_fault_wire_takes(faults, DG_WIRE_DEAF));
+}
+
+/* What the core has answered to a call that did not go through the net. */
+static void note_deadline(struct lx_can_node *node, dg_ns deadline)
+{
+    if (node->index != LX_CAN_DEAF) {
+        node->bus->net.deadline[node->index] = deadline;
+    }
+}
+
+void lx_can_offer(struct lx_can_bus *self, dg_ns now, const struct dg_can_frame *frame,
+                  const struct lx_can_node *from)
+{
+    for (uint8_t i = 0; i < self->net.count; i++) {
+        struct lx_can_node *node = self->net.node[i]->setup.ctx;
+        const bool listens = (self->net.listeners[frame->id][i / 8u] >> i % 8u & 1u) != 0;
+        if (listens && node != from && reaches(node)) {
+            note_deadline(node, dg_co_rx(&node->device, now, frame));
+        }
+    }
+}
+
+void lx_can_hear(struct lx_can_bus *self, dg_ns now)
+{
+    /* What is sent meanwhile is for the next turn: appending may move the list, too. */
+    const size_t count = self->heard.count;
+    for (size_t i = 0; i < count; i++) {
+        const struct lx_can_waiting heard = self->heard.frames[i];
+        lx_can_offer(self, now, &heard.frame, heard.from);
+    }
+    self->heard.count -= count;
+    if (self->heard.count > 0) {
+        memmove(self->heard.frames, self->heard.frames + count,
+                self->heard.count * sizeof *self->heard.frames);
+    }
+}
+
+/* --- the controller --- */
+
+/* What the node believes: the core is asked, as a power cycle may lie between two looks. */
+static enum dg_co_bus_event state_of(const struct dg_co_node *device)
+{
+    if (device->bus_off) {
+        return DG_CO_BUS_OFF;
+    }
+    return (device->active_causes >> DG_CO_CAUSE_PASSIVE & 1u) != 0 ? DG_CO_BUS_PASSIVE
+                                                                    : DG_CO_BUS_ACTIVE;
+}
+
+void lx_can_follow(struct lx_can_node *self, dg_ns now)
+{
+    struct dg_faults *faults = faults_of(self);
+    enum dg_co_bus_event wanted = self->bus->state;
+    if (dg_fault_wire_active(faults, DG_WIRE_BUS_OFF)) {
+        wanted = DG_CO_BUS_OFF;
+    } else if (wanted == DG_CO_BUS_ACTIVE && dg_fault_wire_active(faults, DG_WIRE_PASSIVE)) {
+        wanted = DG_CO_BUS_PASSIVE;
+    }
+    if (self->device.state == DG_CO_OFF || wanted == state_of(&self->device)) {
+        return;
+    }
+    /* The way from bus-off to passive leads over active. */
+    if (self->device.bus_off && wanted == DG_CO_BUS_PASSIVE) {
+        (void)dg_co_bus(&self->device, now, DG_CO_BUS_ACTIVE);
+    }
+    note_deadline(self, dg_co_bus(&self->device, now, wanted));
+}
+
+void lx_can_bend(struct lx_can_node *self, dg_ns now)
+{
+    const struct dg_faults *faults = faults_of(self);
+    self->bent = faults->wire != 0 || self->held > 0;
+    self->bus->bent = self->bus->bent || self->bent;
+    if (!dg_fault_wire_active(faults, DG_WIRE_OVERRUN)) {
+        self->overrun_at = DG_NEVER;
+    } else if (self->overrun_at == DG_NEVER) {
+        self->overrun_at = now;
+    }
+    lx_can_follow(self, now);
+}
+
+dg_ns lx_can_overruns(struct lx_can_bus *self, dg_ns now)
+{
+    dg_ns next = DG_NEVER;
+    for (size_t i = 0; i < self->bus.setup.count; i++) {
+        struct lx_can_node *node = &self->node[i];
+        struct dg_faults *faults = faults_of(node);
+        if (node->overrun_at <= now) {
+            if (dg_fault_wire_takes(faults, DG_WIRE_OVERRUN)) {
+                note_deadline(node, dg_co_bus(&node->device, now, DG_CO_BUS_OVERRUN));
+            }
+            node->overrun_at = dg_fault_wire_active(faults, DG_WIRE_OVERRUN)
+                                   ? dg_after(now, LX_CAN_OVERRUN_PERIOD)
+                                   : DG_NEVER;
+        }
+        next = dg_earliest(next, node->overrun_at);
+    }
+    return next;
+}

@@ -1,0 +1,225 @@
+/* SPDX-License-Identifier: MIT */
+/* An encoder of a CAN bus: what the plan says about it, its EEPROM, its power. */
+#define _GNU_SOURCE
+#include <stdlib.h>
+#include <string.h>
+
+#include "can_bus.h"
+#include "number.h"
+#include "settings.h"
+
+/* As delivered (manual, chapter 8). */
+#define NODE_ID_DEFAULT 63u
+#define NODE_ID_MAX 127u
+/* Of the first encoder; the next ones count up. */
+#define SERIAL_DEFAULT 1234567890u
+#define SERIAL_DIGITS 10u
+
+/* --- the plan --- */
+
+/* A whole decimal number of at most `max_digits` digits. */
+static bool take_number(const char *text, size_t max_digits, uint64_t *value)
+{
+    struct lx_decimal number = {0};
+    const size_t n = strspn(text, "0123456789");
+    if (n == 0 || n > max_digits || text[n] != '\0' || !lx_decimal_parse(text, n, 0, &number)) {
+        return false;
+    }
+    *value = (uint64_t)number.value;
+    return true;
+}
+
+static int take_node_id(struct lx_can_node *self, struct lx_error *error)
+{
+    const char *text = self->station->plan->address;
+    uint64_t id = NODE_ID_DEFAULT;
+    if (text != NULL && (!take_number(text, 3, &id) || id < 1 || id > NODE_ID_MAX)) {
+        return lx_fail(error, "--node %s: a node-ID in 1..%u is right", text, NODE_ID_MAX);
+    }
+    self->id = (uint8_t)id;
+    return 0;
+}
+
+/* The plan's node-IDs; what EEPROMs say is not known yet. */
+static int check_unique(const struct lx_can_node *self, struct lx_error *error)
+{
+    const struct lx_can_node *all = self->bus->node;
+    for (const struct lx_can_node *other = all; other < self; other++) {
+        if (other->id == self->id) {
+            return lx_fail(error, "--node %u: %s has this node-ID; another one is right", self->id,
+                           other->station->plan->name);
+        }
+    }
+    return 0;
+}
+
+static int take_serial(struct lx_can_node *self, struct lx_error *error)
+{
+    const char *text = self->station->plan->serial;
+    uint64_t serial = SERIAL_DEFAULT + (uint64_t)self->station->place;
+    if (text != NULL && (!take_number(text, SERIAL_DIGITS, &serial) || serial > UINT32_MAX)) {
+        return lx_fail(error, "--serial %s: a number up to %lu is right", text,
+                       (unsigned long)UINT32_MAX);
+    }
+    self->station->control.serial = (uint32_t)serial;
+    return 0;
+}
+
+/* mt_bits=12 or 16 makes an f3668 the one with that many turns. */
+static int set_turns(struct dg_cia406_model *model, const char *value, struct lx_error *error)
+{
+    const bool wide = strcmp(value, "16") == 0;
+    if (model->turns == 1 || (!wide && strcmp(value, "12") != 0)) {
+        return lx_fail(error, "--set mt_bits=%s: 12 or 16 is right, with f3668", value);
+    }
+    model->turns = wide ? 65536u : 4096u;
+    model->device = wide ? &dg_cia406_multiturn_32 : &dg_cia406_multiturn;
+    return 0;
+}
+
+static int take_settings(struct lx_can_node *self, struct lx_error *error)
+{
+    const struct lx_plan *plan = self->bus->bus.setup.plan;
+    const struct lx_plan_settings *list = &self->station->plan->settings;
+    struct lx_settings settings;
+    lx_settings_init(&settings, NULL);
+    for (size_t i = 0; i < list->count; i++) {
+        const struct lx_plan_setting *setting = &list->list[i];
+        if (strcmp(setting->key, "mt_bits") != 0) {
+            if (lx_settings_take(&settings, plan, setting, error) != 0) {
+                return -1;
+            }
+        } else if (set_turns(&self->model, setting->value, error) != 0) {
+            return lx_settings_refuse(plan, setting->line, error);
+        }
+    }
+    lx_settings_world(&settings, &self->station->world);
+    return 0;
+}
+
+int lx_can_node_make(struct lx_can_bus *bus, size_t place, struct lx_error *error)
+{
+    struct lx_can_node *self = &bus->node[place];
+    struct lx_station *station = bus->bus.setup.stations[place];
+    const struct lx_plan_encoder *plan = station->plan;
+    *self = (struct lx_can_node){
+        .bus = bus,
+        .station = station,
+        .model = *plan->model->cia406,
+        .file = {.fd = -1},
+        .index = LX_CAN_DEAF,
+        .overrun_at = DG_NEVER,
+    };
+    station->control.device = &self->device;
+    if (take_node_id(self, error) != 0 || check_unique(self, error) != 0) {
+        return lx_settings_refuse(bus->bus.setup.plan, plan->address_line, error);
+    }
+    if (take_serial(self, error) != 0) {
+        return lx_settings_refuse(bus->bus.setup.plan, plan->serial_line, error);
+    }
+    return take_settings(self, error);
+}
+
+/* --- EEPROM and power --- */
+
+/* The delivery state with this node-ID. */
+static int deliver(struct lx_can_node *self)
+{
+    const struct dg_co_device *device = self->model.device;
+    struct dg_store store;
+    uint8_t bus[3] = {0}; /* bit rate, node-ID, termination */
+    if (lx_nvm_memory_init(&self->memory, dg_store_size(device->layout)) != 0) {
+        return DG_ERR_SPACE;
+    }
+    const struct dg_nvm nvm = lx_nvm_memory_port(&self->memory);
+    int result = dg_co_format(device, nvm, self->station->control.serial);
+    if (result == DG_OK) {
+        result = dg_store_mount(&store, device->layout, nvm);
+    }
+    if (result == DG_OK) {
+        result = dg_store_read(&store, DG_CO_REGION_BUS, 0, bus, sizeof bus);
+    }
+    bus[1] = self->id;
+    return result == DG_OK ? dg_store_put(&store, DG_CO_REGION_BUS, 0, bus, sizeof bus) : result;
+}
+
+/* In memory, or in its file. */
+static int open_eeprom(struct lx_can_node *self, struct lx_error *error)
+{
+    const char *path = self->station->plan->nvm;
+    const struct lx_nvm_image image = {self->memory.bytes, self->memory.size};
+    self->station->control.nvm = lx_nvm_memory_port(&self->memory);
+    if (path == NULL) {
+        return 0;
+    }
+    if (lx_nvm_file_open(&self->file, path, &image, error) != 0) {
+        return -1;
+    }
+    self->station->control.nvm = lx_nvm_file_port(&self->file);
+    return 0;
+}
+
+/* A file may belong to another encoder, or know a node-ID that was set over the bus. */
+static int check_eeprom(const struct lx_can_node *self, struct lx_error *error)
+{
+    const struct lx_plan_encoder *plan = self->station->plan;
+    if (!self->device.mounted) { /* an EEPROM that does not answer belongs to nobody */
+        return 0;
+    }
+    if (plan->serial != NULL && self->device.serial != self->station->control.serial) {
+        return lx_fail(error,
+                       "%s: belongs to serial number %lu; run that one, or give the name of a new "
+                       "file",
+                       plan->nvm, (unsigned long)self->device.serial);
+    }
+    if (self->device.id != self->id) {
+        lx_note(self->bus->bus.setup.say, "%s: its node-ID is %u, not %u", plan->nvm,
+                self->device.id, self->id);
+    }
+    return 0;
+}
+
+static int power_on(struct lx_can_node *self, const struct dg_co_ops *ops, dg_ns now,
+                    struct lx_error *error)
+{
+    const char *path = self->station->plan->nvm;
+    const struct dg_co_setup device = {
+        .device = self->model.device,
+        .world = &self->station->world,
+        .nvm = self->station->control.nvm,
+        .ops = ops,
+        .ctx = self,
+        .application = &self->encoder,
+    };
+    if (dg_co_init(&self->device, &device) != DG_OK ||
+        dg_co_power_on(&self->device, now) != DG_OK) {
+        return lx_fail(error,
+                       "%s: no image of this kind of encoder; give a file made by drehgeber, or "
+                       "the name of a new one",
+                       path == NULL ? "EEPROM" : path);
+    }
+    return 0;
+}
+
+int lx_can_node_open(struct lx_can_node *self, const struct dg_co_ops *ops, dg_ns now,
+                     struct lx_error *error)
+{
+    const struct lx_bus_setup *setup = &self->bus->bus.setup;
+    const struct lx_plan_encoder *plan = self->station->plan;
+    if (dg_cia406_init(&self->encoder, &self->model) != DG_OK || deliver(self) != DG_OK) {
+        (void)lx_fail(error, "these factory figures make no encoder, or there is no memory");
+        return lx_settings_refuse(setup->plan, plan->line, error);
+    }
+    if (open_eeprom(self, error) != 0 || power_on(self, ops, now, error) != 0 ||
+        check_eeprom(self, error) != 0) {
+        return lx_settings_refuse(setup->plan, plan->nvm_line, error);
+    }
+    return 0;
+}
+
+void lx_can_node_close(struct lx_can_node *self)
+{
+    dg_co_power_off(&self->device);
+    lx_nvm_file_close(&self->file);
+    lx_nvm_memory_free(&self->memory);
+}

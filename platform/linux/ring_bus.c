@@ -1,0 +1,357 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * A ring of INTERBUS encoders behind a Modbus/TCP coupler, as a bus. In each cycle:
+ *
+ *   coupler -- drive() --> faults: no cycle, a transmission error?
+ *                          lx_ring_cycle()
+ *                          faults: IN words torn?
+ *                          tap
+ */
+#define _GNU_SOURCE
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bus.h"
+#include "modbus.h"
+#include "settings.h"
+
+#define DEFAULT_ADDRESS "127.0.0.1:5020"
+#define NOTE_MAX 80u
+#define HIGH_BYTE 0xFF00u
+#define LOW_BYTE 0x00FFu
+
+struct ring_bus {
+    struct lx_bus bus;
+    struct lx_ring_settings settings; /* of the ring as a whole */
+    struct lx_ring_member *members;   /* owned, as many as stations */
+    struct lx_ring ring;
+    struct lx_modbus coupler;
+    bool coupled;                         /* the coupler was opened */
+    bool bent;                            /* wire faults may be active at a station */
+    uint16_t break_at;                    /* as set; DG_IB_RING_WHOLE */
+    uint16_t whole_in[LX_RING_WORDS_MAX]; /* while bent: IN of the latest cycle, not torn */
+    /* what the tap was told last */
+    enum dg_ib_ring_result told;
+    uint16_t told_reached;
+};
+
+static struct ring_bus *ring_of(struct lx_bus *bus)
+{
+    return (struct ring_bus *)bus;
+}
+
+static struct dg_faults *faults_at(const struct ring_bus *self, size_t place)
+{
+    return &self->bus.setup.stations[place]->control.faults;
+}
+
+/* --- faults --- */
+
+/* Whether a data cycle comes next that a transmission error could end. */
+static bool data_is_next(const struct lx_ring *ring)
+{
+    return !ring->stopped && ring->ring.configured && ring->ring.dead == 0 &&
+           ring->ring.corrupt_at == DG_IB_RING_WHOLE;
+}
+
+/* What faults do to the cycle to come. @return false: it takes no place */
+static bool prepare(struct ring_bus *self)
+{
+    for (size_t i = 0; i < self->bus.setup.count; i++) {
+        struct dg_faults *faults = faults_at(self, i);
+        if (faults->wire == 0) {
+            continue;
+        }
+        if (dg_fault_wire_takes(faults, DG_WIRE_DROP)) {
+            return false;
+        }
+        if (data_is_next(&self->ring) && dg_fault_wire_takes(faults, DG_WIRE_DAMAGE)) {
+            self->ring.ring.corrupt_at = (uint16_t)i;
+        }
+    }
+    return true;
+}
+
+/* The high half of the cycle before: the high word, of a K1 the high byte. */
+static void tear_words(uint16_t *in, const uint16_t *before, uint8_t words)
+{
+    in[0] = words > 1 ? before[0] : (uint16_t)((before[0] & HIGH_BYTE) | (in[0] & LOW_BYTE));
+}
+
+static void tear(struct ring_bus *self)
+{
+    struct lx_ring *ring = &self->ring;
+    uint16_t whole[LX_RING_WORDS_MAX];
+    size_t at = 0;
+    if (ring->stopped || ring->result != DG_IB_RING_OK) {
+        return;
+    }
+    memcpy(whole, ring->in, sizeof whole);
+    for (size_t i = 0; i < self->bus.setup.count; i++) {
+        const uint8_t words = dg_ib_words(&ring->models[i]);
+        if (dg_fault_wire_takes(faults_at(self, i), DG_WIRE_TEAR)) {
+            tear_words(&ring->in[at], &self->whole_in[at], words);
+        }
+        at += words;
+    }
+    memcpy(self->whole_in, whole, sizeof whole);
+}
+
+/* The first place where the ring is cut, by a fault or as set. */
+static uint16_t first_break(const struct ring_bus *self)
+{
+    for (size_t i = 0; i < self->bus.setup.count && i < self->break_at; i++) {
+        if (dg_fault_wire_active(faults_at(self, i), DG_WIRE_BREAK)) {
+            return (uint16_t)i;
+        }
+    }
+    return self->break_at;
+}
+
+/* --- the tap --- */
+
+static void tell(const struct ring_bus *self, struct lx_tap_event *event, dg_ns now)
+{
+    event->at = now;
+    lx_tap_tell(&self->bus.tap, event);
+}
+
+/* ID cycles, breaks and errors, once each: a broken ring is identified again in every cycle. */
+static void tell_state(struct ring_bus *self, dg_ns now)
+{
+    const struct lx_ring *ring = &self->ring;
+    const unsigned count = ring->ring.count;
+    char text[NOTE_MAX] = "";
+    struct lx_tap_event event = {.kind = LX_TAP_NOTE, .note = text};
+    if (ring->result == self->told && ring->reached == self->told_reached) {
+        return;
+    }
+    self->told = ring->result;
+    self->told_reached = ring->reached;
+    if (ring->result == DG_IB_RING_CRC) {
+        (void)snprintf(text, sizeof text, "transmission error");
+    } else if (ring->reached < count) {
+        (void)snprintf(text, sizeof text,
+                       "ID cycle: %u of %u devices, interrupted before device %u", ring->reached,
+                       count, ring->reached);
+    } else if (ring->result == DG_IB_RING_IDENTIFY) {
+        (void)snprintf(text, sizeof text, "ID cycle: %u of %u devices", ring->reached, count);
+    } else {
+        return;
+    }
+    tell(self, &event, now);
+}
+
+static void tell_words(const struct ring_bus *self, dg_ns now, bool took_place)
+{
+    const struct lx_ring *ring = &self->ring;
+    struct lx_tap_event event = {.kind = LX_TAP_WORDS};
+    event.words.in = ring->in;
+    event.words.out = ring->out;
+    event.words.count = ring->ring.words;
+    event.words.valid = took_place && !ring->stopped && ring->result == DG_IB_RING_OK;
+    tell(self, &event, now);
+}
+
+static void drive(void *ctx, dg_ns now)
+{
+    struct ring_bus *self = ctx;
+    const bool takes_place = !self->bent || prepare(self);
+    self->bus.late = self->coupler.map.missed;
+    if (takes_place) {
+        lx_ring_cycle(&self->ring, now);
+        if (self->bent) {
+            tear(self);
+        }
+    }
+    if (lx_tap_on(&self->bus.tap)) {
+        tell_state(self, now);
+        tell_words(self, now, takes_place);
+    }
+}
+
+/* --- the operations --- */
+
+static int open_coupler(struct ring_bus *self, struct lx_error *error)
+{
+    const struct lx_plan_wire *wire = self->bus.setup.wire;
+    const struct lx_modbus_setup coupler = {
+        .event = self->bus.setup.event,
+        .where = wire->where == NULL ? DEFAULT_ADDRESS : wire->where,
+        .ring = &self->ring,
+        .cycle = DG_US(self->settings.cycle_us),
+        .tear = self->settings.tear != 0,
+        .drive = drive,
+        .ctx = self,
+    };
+    self->coupled = true;
+    return lx_modbus_open(&self->coupler, &coupler, error);
+}
+
+static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
+{
+    struct ring_bus *self = ring_of(bus);
+    const struct lx_bus_setup *setup = &bus->setup;
+    const struct lx_ring_setup ring = {
+        .members = self->members, .count = setup->count, .say = setup->say};
+    if (lx_ring_open(&self->ring, &ring, now, error) != 0 || open_coupler(self, error) != 0) {
+        return lx_settings_refuse(setup->plan, setup->wire->line, error);
+    }
+    self->ring.ring.broken_at = self->break_at;
+    for (size_t i = 0; i < setup->count; i++) {
+        struct dg_encoder *encoder = &setup->stations[i]->control;
+        encoder->device = &self->ring.devices[i];
+        if (self->ring.models[i].profile == DG_IB_K3) {
+            encoder->nvm = lx_ring_nvm(&self->ring, i);
+        }
+    }
+    return 0;
+}
+
+static void address(const struct lx_bus *bus, const struct lx_station *station, char *to,
+                    size_t size)
+{
+    (void)snprintf(to, size, "%s/%zu", ((const struct ring_bus *)bus)->coupler.address,
+                   station->place);
+}
+
+/* Power and worlds are looked at in every cycle anyway. */
+static void changed(struct lx_bus *bus, struct lx_station *station, dg_ns now)
+{
+    struct ring_bus *self = ring_of(bus);
+    const bool before = self->bent;
+    (void)station;
+    (void)now;
+    self->bent = false;
+    for (size_t i = 0; i < bus->setup.count; i++) {
+        self->bent = self->bent || faults_at(self, i)->wire != 0;
+    }
+    if (self->bent && !before) {
+        memcpy(self->whole_in, self->ring.in, sizeof self->whole_in);
+    }
+    self->ring.ring.broken_at = first_break(self);
+}
+
+static void counters(const struct lx_bus *bus, const struct lx_station *station, struct dg_scpi *to)
+{
+    const struct ring_bus *self = (const struct ring_bus *)bus;
+    const struct dg_ib_ring_counters *ring = &self->ring.ring.counters;
+    const struct {
+        const char *name;
+        uint64_t value;
+    } rows[] = {
+        {"wire_up", self->coupler.listener >= 0},
+        {"wire_late", bus->late},
+        {"wire_cycles", ring->cycles},
+        {"wire_ids", ring->ids},
+        {"wire_crc_errors", ring->crc_errors},
+        {"wire_interrupted", ring->interrupted},
+        {"wire_requests", self->coupler.counters.requests},
+    };
+    (void)station;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char text[64];
+        (void)snprintf(text, sizeof text, "%s=%" PRIu64, rows[i].name, rows[i].value);
+        dg_scpi_put_word(to, text);
+    }
+}
+
+static void close_bus(struct lx_bus *bus)
+{
+    struct ring_bus *self = ring_of(bus);
+    if (self->coupled) {
+        lx_modbus_close(&self->coupler);
+    }
+    lx_ring_close(&self->ring);
+    free(self->members);
+    free(self);
+}
+
+static const struct lx_bus_ops bus_ops = {
+    .open = open_bus,
+    .address = address,
+    .changed = changed,
+    .counters = counters,
+    .close = close_bus,
+};
+
+/* --- from the plan --- */
+
+static int take_list(struct lx_ring_settings *settings, const struct lx_plan *plan,
+                     const struct lx_plan_settings *list, bool of_ring, struct lx_error *error)
+{
+    lx_ring_settings_init(settings);
+    for (size_t i = 0; i < list->count; i++) {
+        if (lx_ring_settings_take(settings, plan, &list->list[i], of_ring, error) != 0) {
+            return -1;
+        }
+    }
+    return 0;
+}
+
+static int understand_ring(struct ring_bus *self, struct lx_error *error)
+{
+    const struct lx_bus_setup *setup = &self->bus.setup;
+    const char *where = setup->wire->where;
+    self->break_at = DG_IB_RING_WHOLE;
+    if (where != NULL && !lx_modbus_address_fits(where)) {
+        (void)lx_fail(error, "--modbus %s: HOST:PORT is right, e.g. %s", where, DEFAULT_ADDRESS);
+        return lx_settings_refuse(setup->plan, setup->wire->line, error);
+    }
+    if (take_list(&self->settings, setup->plan, &setup->wire->settings, true, error) != 0) {
+        return -1;
+    }
+    if (self->settings.break_at != LX_AS_MODEL) {
+        self->break_at = (uint16_t)self->settings.break_at;
+    }
+    return 0;
+}
+
+/* A serial number that was asked for is this one's; the models' own count up. */
+static int understand(struct ring_bus *self, size_t place, struct lx_error *error)
+{
+    const struct lx_plan *plan = self->bus.setup.plan;
+    struct lx_station *station = self->bus.setup.stations[place];
+    const struct lx_plan_encoder *encoder = station->plan;
+    struct lx_ring_member *member = &self->members[place];
+    struct lx_ring_settings settings;
+    if (take_list(&settings, plan, &encoder->settings, false, error) != 0) {
+        return -1;
+    }
+    if (encoder->serial != NULL &&
+        lx_ring_settings_serial(&settings, encoder->serial, error) != 0) {
+        return lx_settings_refuse(plan, encoder->serial_line, error);
+    }
+    const uint32_t index = encoder->serial == NULL ? (uint32_t)place : 0u;
+    member->model = lx_ring_settings_model(&settings, encoder->model->interbus, index);
+    member->world = &station->world;
+    member->nvm = encoder->nvm;
+    lx_settings_world(&settings.common, &station->world);
+    station->control.serial = member->model.serial;
+    return 0;
+}
+
+struct lx_bus *lx_ring_bus_make(const struct lx_bus_setup *setup, struct lx_error *error)
+{
+    struct ring_bus *self = calloc(1, sizeof *self);
+    struct lx_ring_member *members = calloc(setup->count, sizeof *members);
+    if (self == NULL || members == NULL) {
+        (void)lx_fail(error, "no memory for %zu encoders", setup->count);
+        free(members);
+        free(self);
+        return NULL;
+    }
+    self->bus = (struct lx_bus){.ops = &bus_ops, .setup = *setup};
+    self->members = members;
+    int result = understand_ring(self, error);
+    for (size_t i = 0; result == 0 && i < setup->count; i++) {
+        result = understand(self, i, error);
+    }
+    if (result != 0) {
+        close_bus(&self->bus);
+        return NULL;
+    }
+    return &self->bus;
+}

@@ -1,0 +1,332 @@
+/* SPDX-License-Identifier: MIT */
+/* CANopen encoders on a bus: the plan, power, the tap, lateness, a pty that goes. */
+#define _GNU_SOURCE
+#include <dirent.h>
+#include <fcntl.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "can_rig.h"
+
+#define HEARTBEAT 0x700u
+
+/* --- the plan --- */
+
+static void refuse(struct can_rig *self, const char *text)
+{
+    const struct lx_bus_setup setup = can_rig_setup(self, 2);
+    assert_null(lx_can_bus_make_slcan(&setup, &self->error));
+    assert_string_equal(self->error.text, text);
+}
+
+static void set(struct lx_plan_encoder *encoder, const char *assignment)
+{
+    struct lx_error error;
+    for (size_t i = 0; i < encoder->settings.count; i++) {
+        free(encoder->settings.list[i].key);
+        free(encoder->settings.list[i].value);
+    }
+    free(encoder->settings.list);
+    encoder->settings = (struct lx_plan_settings){.list = NULL};
+    if (assignment != NULL) {
+        assert_int_equal(lx_plan_add_setting(&encoder->settings, assignment, 9, &error), 0);
+    }
+}
+
+static void plans_that_cannot_be(void **state)
+{
+    static const struct {
+        const char *address;
+        const char *serial;
+        const char *setting;
+        const char *text;
+    } rows[] = {
+        {"0", NULL, NULL, "rig.ini:7: node 0: a node-ID in 1..127 is right"},
+        {"128", NULL, NULL, "rig.ini:7: node 128: a node-ID in 1..127 is right"},
+        {"0x5", NULL, NULL, "rig.ini:7: node 0x5: a node-ID in 1..127 is right"},
+        {"", NULL, NULL, "rig.ini:7: node : a node-ID in 1..127 is right"},
+        {"1", NULL, NULL, "rig.ini:7: node 1: e0 has this node-ID; another one is right"},
+        {"2", "4294967296", NULL,
+         "rig.ini:8: serial 4294967296: a number up to 4294967295 is right"},
+        {"2", "x", NULL, "rig.ini:8: serial x: a number up to 4294967295 is right"},
+        {"2", NULL, "mt_bits=13", "rig.ini:9: mt_bits=13: 12 or 16 is right, with f3668"},
+        {"2", NULL, "mt_bits=16", "rig.ini:9: mt_bits=16: 12 or 16 is right, with f3668"},
+        {"2", NULL, "eeprom_acknowledges=2", "rig.ini:9: eeprom_acknowledges=2: 0 or 1 is right"},
+    };
+    struct can_rig *self = *state;
+    self->plan.file = strdup("rig.ini");
+    can_rig_plan(self, 2);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        struct lx_plan_encoder *encoder = &self->encoder[1]; /* an f3658 */
+        (void)snprintf(self->address[1], sizeof self->address[1], "%s", rows[i].address);
+        char *serial = rows[i].serial == NULL ? NULL : strdup(rows[i].serial);
+        encoder->serial = serial;
+        encoder->address_line = 7;
+        encoder->serial_line = 8;
+        set(encoder, rows[i].setting);
+        refuse(self, rows[i].text);
+        free(serial);
+    }
+    set(&self->encoder[1], NULL);
+}
+
+static void on_the_command_line_it_is_an_option(void **state)
+{
+    struct can_rig *self = *state;
+    can_rig_plan(self, 2);
+    (void)strcpy(self->address[1], "0");
+    refuse(self, "--node 0: a node-ID in 1..127 is right");
+}
+
+/* Different models, node-IDs, serial numbers, worlds, on one bus. */
+static void each_is_its_own(void **state)
+{
+    static char serial[] = "42";
+    struct can_rig *self = *state;
+    can_rig_plan(self, 3);
+    set(&self->encoder[0], "mt_bits=16");
+    set(&self->encoder[1], "temperature=20.5");
+    self->encoder[2].serial = serial;
+    can_rig_open_slcan(self, 3);
+    can_rig_connect(self);
+    self->angle[0] = DG_TURN / 4;
+    self->angle[1] = DG_TURN / 2;
+    self->angle[2] = -DG_TURN / 4;
+    assert_int_equal(can_rig_device(self, 0)->setup.device, &dg_cia406_multiturn_32);
+    assert_int_equal(can_rig_device(self, 1)->setup.device, &dg_cia406_singleturn);
+    assert_int_equal(can_rig_device(self, 2)->setup.device, &dg_cia406_multiturn);
+    assert_int_equal(self->station[0].world.temperature_mdegc, 37000);
+    assert_int_equal(self->station[1].world.temperature_mdegc, 20500);
+    assert_ptr_equal(self->station[1].world.angle_ctx, &self->angle[1]);
+    assert_int_equal(can_rig_upload(self, 1, 0x6004), 0x4000);
+    assert_int_equal(can_rig_upload(self, 2, 0x6004), 0x8000);
+    assert_int_equal(can_rig_upload(self, 3, 0x6004), 0xFFFC000);
+    assert_int_equal(can_rig_device(self, 0)->serial, 1234567890);
+    assert_int_equal(can_rig_device(self, 1)->serial, 1234567891);
+    assert_int_equal(can_rig_device(self, 2)->serial, 42);
+    for (size_t i = 0; i < 3; i++) {
+        char address[LX_BUS_ADDRESS_MAX];
+        char pty[64] = "";
+        assert_true(readlink(self->link, pty, sizeof pty - 1) > 0);
+        (void)snprintf(pty + strlen(pty), sizeof pty - strlen(pty), "/%zu", i + 1);
+        self->bus->ops->address(self->bus, &self->station[i], address, sizeof address);
+        assert_string_equal(address, pty);
+        set(&self->encoder[i], NULL);
+    }
+}
+
+static void a_file_for_each(void **state)
+{
+    static char other[] = "7";
+    struct can_rig *self = *state;
+    const uint8_t node_id[8] = {0x2F, 0x01, 0x21, 0x00, 0x21};
+    const uint8_t save[8] = {0x23, 0x05, 0x21, 0x01, 's', 'a', 'v', 'e'};
+    for (int round = 0; round < 2; round++) {
+        can_rig_plan(self, 2);
+        for (size_t i = 0; i < 2; i++) {
+            (void)snprintf(self->nvm[i], sizeof self->nvm[i], "%s/%zu.nvm", self->folder, i);
+            self->encoder[i].nvm = self->nvm[i];
+        }
+        can_rig_open_slcan(self, 2);
+        can_rig_connect(self);
+        if (round == 0) {
+            can_rig_send(self, 0x601, node_id, sizeof node_id);
+            assert_int_equal(can_rig_next(self, 0x581, CAN_RIG_PATIENCE)->data[0], 0x60);
+            can_rig_send(self, 0x601, save, sizeof save);
+            assert_int_equal(can_rig_next(self, 0x581, CAN_RIG_PATIENCE)->data[0], 0x60);
+            can_rig_shut(self);
+        }
+    }
+    assert_int_equal(can_rig_device(self, 0)->id, 0x21);
+    assert_int_equal(can_rig_device(self, 1)->id, 2);
+    can_rig_shut(self);
+
+    /* A file of another encoder. */
+    const struct lx_bus_setup setup = can_rig_setup(self, 2);
+    self->plan.file = strdup("rig.ini");
+    self->encoder[0].serial = other;
+    self->encoder[0].nvm_line = 5;
+    self->bus = lx_can_bus_make_slcan(&setup, &self->error);
+    assert_non_null(self->bus);
+    assert_int_equal(self->bus->ops->open(self->bus, lx_now(), &self->error), -1);
+    assert_non_null(strstr(self->error.text, "rig.ini:5: "));
+    assert_non_null(strstr(self->error.text, "belongs to serial number 1234567890"));
+}
+
+/* --- power --- */
+
+static void power_is_each_ones_own(void **state)
+{
+    struct can_rig *self = *state;
+    can_rig_plan(self, 2);
+    can_rig_open_slcan(self, 2);
+    can_rig_connect(self);
+    dg_co_power_off(can_rig_device(self, 0));
+    can_rig_changed(self, 0);
+    assert_true(can_rig_is_silent(self, 1));
+    assert_true(can_rig_answers(self, 2));
+    assert_false(dg_co_net_listens(&((struct lx_can_bus *)self->bus)->net, 0x601));
+    assert_int_equal(dg_co_power_on(can_rig_device(self, 0), lx_now()), DG_OK);
+    can_rig_changed(self, 0);
+    const struct dg_can_frame *frame = can_rig_next(self, HEARTBEAT + 1, CAN_RIG_PATIENCE);
+    assert_non_null(frame);
+    assert_int_equal(frame->data[0], 0);
+    assert_true(can_rig_answers(self, 1));
+}
+
+/* --- the tap, lateness --- */
+
+struct ears {
+    struct lx_tap_listener listener;
+    unsigned ours;
+    unsigned theirs;
+};
+
+static void hear(void *ctx, const struct lx_tap_event *event)
+{
+    struct ears *self = ctx;
+    assert_int_equal(event->kind, LX_TAP_FRAME);
+    assert_true(event->at <= lx_now());
+    self->ours += event->ours ? 1u : 0u;
+    self->theirs += event->ours ? 0u : 1u;
+}
+
+static void the_tap_sees_everything(void **state)
+{
+    const struct dg_can_frame strange = {.id = 0x555, .dlc = 1};
+    struct can_rig *self = *state;
+    struct ears ears = {.listener = {.event = hear, .ctx = &ears}};
+    can_rig_plan(self, 1);
+    can_rig_open(self, 1);
+    assert_false(can_rig_wire(self)->seen_all);
+    lx_tap_add(&self->bus->tap, &ears.listener);
+    const struct lx_can_setup *setup = &can_rig_wire(self)->can.setup;
+    can_rig_write(self, 0, 0x1017, 0, 0, 2);
+    assert_int_equal(ears.theirs, 1);
+    assert_int_equal(ears.ours, 1);
+    assert_true(can_rig_wire(self)->seen_all);
+    setup->rx(setup->ctx, lx_now(), &strange);
+    assert_int_equal(ears.theirs, 2);
+    lx_tap_remove(&self->bus->tap, &ears.listener);
+    can_rig_write(self, 0, 0x1017, 0, 0, 2);
+    assert_int_equal(ears.theirs, 2);
+    assert_false(can_rig_wire(self)->seen_all);
+}
+
+/* In a time of the test's: the loop does not run. */
+static void late_is_more_than_5_ms(void **state)
+{
+    struct can_rig *self = *state;
+    can_rig_plan(self, 1);
+    can_rig_open(self, 1);
+    const struct lx_can_bus *bus = (const struct lx_can_bus *)self->bus;
+    const struct lx_can_setup *setup = &can_rig_wire(self)->can.setup;
+    setup->settle(setup->ctx, lx_now() + DG_S(1)); /* the loop had not begun */
+    assert_int_equal(self->bus->late, 0);
+    setup->settle(setup->ctx, bus->promised + LX_CAN_LATE);
+    assert_int_equal(self->bus->late, 0);
+    setup->settle(setup->ctx, bus->promised + LX_CAN_LATE + 1);
+    assert_int_equal(self->bus->late, 1);
+
+    /* A stalled wire is not the bus's fault. */
+    const dg_ns now = bus->promised;
+    can_rig_wire(self)->full = true;
+    dg_co_power_off(can_rig_device(self, 0));
+    assert_int_equal(dg_co_power_on(can_rig_device(self, 0), now), DG_OK);
+    self->bus->ops->changed(self->bus, &self->station[0], now);
+    assert_true(can_rig_wire(self)->can.stalled);
+    setup->settle(setup->ctx, now + DG_S(1));
+    assert_int_equal(bus->promised, DG_NEVER);
+    assert_int_equal(self->bus->late, 1);
+    can_rig_wire(self)->full = false;
+    const dg_ns end = dg_after(lx_now(), CAN_RIG_PATIENCE);
+    while (can_rig_wire(self)->can.stalled && lx_now() < end) {
+        can_rig_turn(self);
+    }
+    assert_false(can_rig_wire(self)->can.stalled);
+    assert_int_not_equal(bus->promised, DG_NEVER);
+}
+
+/* --- a pty that goes --- */
+
+/* Let every descriptor of the slave side lead elsewhere: to the other side a hang-up. */
+static void tear_off(const char *pty)
+{
+    const int nowhere = open("/dev/null", O_RDWR | O_CLOEXEC);
+    DIR *folder = opendir("/proc/self/fd");
+    assert_non_null(folder);
+    for (const struct dirent *entry = readdir(folder); entry != NULL; entry = readdir(folder)) {
+        char target[64] = "";
+        const ssize_t n = readlinkat(dirfd(folder), entry->d_name, target, sizeof target - 1);
+        if (n > 0 && strcmp(target, pty) == 0) {
+            assert_true(dup2(nowhere, atoi(entry->d_name)) >= 0);
+        }
+    }
+    (void)closedir(folder);
+    (void)close(nowhere);
+}
+
+static void a_lost_pty_comes_back(void **state)
+{
+    struct can_rig *self = *state;
+    char pty[64] = "";
+    can_rig_plan(self, 1);
+    can_rig_open_slcan(self, 1);
+    can_rig_connect(self);
+    assert_true(can_rig_answers(self, 1));
+    assert_true(readlink(self->link, pty, sizeof pty - 1) > 0);
+    tear_off(pty);
+    (void)close(self->client);
+    self->client = -1;
+    const struct lx_can *can = ((const struct lx_can_bus *)self->bus)->can;
+    const dg_ns end = dg_after(lx_now(), CAN_RIG_PATIENCE);
+    while (can->ops->up(can) && lx_now() < end) {
+        can_rig_turn(self);
+    }
+    assert_int_equal(access(self->link, F_OK), -1);
+    while (access(self->link, F_OK) != 0 && lx_now() < end) {
+        can_rig_turn(self);
+    }
+    can_rig_connect(self);
+    assert_true(can_rig_answers(self, 1));
+    assert_int_equal(can_rig_upload(self, 1, 0x6004), 0);
+}
+
+/* --- all of them --- */
+
+static void hundred_and_twenty_seven(void **state)
+{
+    struct can_rig *self = *state;
+    can_rig_plan(self, CAN_RIG_NODES_MAX);
+    can_rig_open_slcan(self, CAN_RIG_NODES_MAX);
+    can_rig_connect(self);
+    for (uint8_t id = 1; id <= CAN_RIG_NODES_MAX; id++) {
+        assert_int_equal(can_rig_upload(self, id, 0x100B), id);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(plans_that_cannot_be, can_rig_set_up, can_rig_tear_down),
+        cmocka_unit_test_setup_teardown(on_the_command_line_it_is_an_option, can_rig_set_up,
+                                        can_rig_tear_down),
+        cmocka_unit_test_setup_teardown(each_is_its_own, can_rig_set_up, can_rig_tear_down),
+        cmocka_unit_test_setup_teardown(a_file_for_each, can_rig_set_up, can_rig_tear_down),
+        cmocka_unit_test_setup_teardown(power_is_each_ones_own, can_rig_set_up, can_rig_tear_down),
+        cmocka_unit_test_setup_teardown(the_tap_sees_everything, can_rig_set_up, can_rig_tear_down),
+        cmocka_unit_test_setup_teardown(late_is_more_than_5_ms, can_rig_set_up, can_rig_tear_down),
+        cmocka_unit_test_setup_teardown(a_lost_pty_comes_back, can_rig_set_up, can_rig_tear_down),
+        cmocka_unit_test_setup_teardown(hundred_and_twenty_seven, can_rig_set_up,
+                                        can_rig_tear_down),
+    };
+    return cmocka_run_group_tests_name("CANopen encoders on a bus", tests, NULL, NULL);
+}

@@ -1,0 +1,615 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * INTERBUS encoders in a ring behind a coupler, as a bus: on a loop of its own, with libmodbus as
+ * the client.
+ */
+#define _GNU_SOURCE
+#include <poll.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "bus.h"
+#include "drehgeber/bits.h"
+#include "drehgeber/devices.h"
+#include "modbus.h"
+
+#define DEVICES_MAX 3u
+#define PATIENCE DG_S(5)
+#define TURN_US 1000u
+#define STEP ((dg_angle)1 << 20) /* of 4096 a turn */
+#define STATUS 0x100Cu
+#define SETTINGS_LINE 9u
+
+static const struct lx_say quiet = {.quiet = true};
+static const struct dg_fault_limits always = {0, 1000000, DG_NEVER};
+
+/* What the tap told. */
+struct ears {
+    struct lx_tap_listener listener;
+    unsigned valid;
+    unsigned invalid;
+    char notes[512];
+};
+
+struct bench {
+    char folder[32];
+    char nvm[DEVICES_MAX][64];
+    char name[DEVICES_MAX][8];
+    sd_event *event;
+    struct lx_plan plan;
+    struct lx_plan_wire wire;
+    struct lx_plan_encoder encoder[DEVICES_MAX];
+    struct lx_station station[DEVICES_MAX];
+    struct lx_station *stations[DEVICES_MAX];
+    dg_angle angle[DEVICES_MAX];
+    struct lx_clock clock;
+    size_t count;
+    struct lx_bus *bus;
+    struct lx_error error;
+    modbus_t *client;
+    struct ears ears;
+};
+
+static dg_angle angle_of(void *ctx, dg_ns now)
+{
+    (void)now;
+    return *(dg_angle *)ctx;
+}
+
+static void set(struct lx_plan_settings *settings, const char *assignment)
+{
+    struct lx_error error;
+    assert_int_equal(lx_plan_add_setting(settings, assignment, SETTINGS_LINE, &error), 0);
+}
+
+static void forget(struct lx_plan_settings *settings)
+{
+    for (size_t i = 0; i < settings->count; i++) {
+        free(settings->list[i].key);
+        free(settings->list[i].value);
+    }
+    free(settings->list);
+    *settings = (struct lx_plan_settings){.list = NULL};
+}
+
+static int set_up(void **state)
+{
+    struct bench *self = calloc(1, sizeof *self);
+    assert_non_null(self);
+    (void)strcpy(self->folder, "/tmp/test_ring_bus.XXXXXX");
+    assert_non_null(mkdtemp(self->folder));
+    assert_true(sd_event_new(&self->event) >= 0);
+    self->clock.permille = 1000;
+    *state = self;
+    return 0;
+}
+
+static void shut(struct bench *self)
+{
+    if (self->client != NULL) {
+        modbus_close(self->client);
+        modbus_free(self->client);
+    }
+    self->client = NULL;
+    if (self->bus != NULL) {
+        self->bus->ops->close(self->bus);
+    }
+    self->bus = NULL;
+}
+
+static void forget_plan(struct bench *self)
+{
+    forget(&self->wire.settings);
+    for (size_t i = 0; i < DEVICES_MAX; i++) {
+        forget(&self->encoder[i].settings);
+    }
+}
+
+static int tear_down(void **state)
+{
+    struct bench *self = *state;
+    shut(self);
+    forget_plan(self);
+    for (size_t i = 0; i < DEVICES_MAX; i++) {
+        if (self->nvm[i][0] != '\0') {
+            (void)unlink(self->nvm[i]);
+        }
+    }
+    lx_plan_free(&self->plan);
+    self->event = sd_event_unref(self->event);
+    const int result = rmdir(self->folder);
+    free(self);
+    return result;
+}
+
+/* A ring of these models, without self-tests. */
+static void plan_ring(struct bench *self, const char *const *models, size_t count)
+{
+    static char where[] = "127.0.0.1:0";
+    forget_plan(self);
+    self->count = count;
+    self->wire = (struct lx_plan_wire){.name = "ring", .where = where, .line = 4};
+    for (size_t i = 0; i < count; i++) {
+        struct lx_plan_encoder *encoder = &self->encoder[i];
+        struct lx_station *station = &self->station[i];
+        (void)snprintf(self->name[i], sizeof self->name[i], "e%zu", i);
+        *encoder = (struct lx_plan_encoder){
+            .name = self->name[i],
+            .model = dg_device_find(models[i]),
+            .serial_line = 8,
+        };
+        set(&encoder->settings, "self_test_ms=0");
+        *station = (struct lx_station){.plan = encoder, .place = i};
+        dg_world_init(&station->world);
+        station->world.angle = angle_of;
+        station->world.angle_ctx = &self->angle[i];
+        station->control.name = self->name[i];
+        station->control.model = encoder->model;
+        station->control.world = &station->world;
+        self->stations[i] = station;
+    }
+}
+
+static const char *const mixed[] = {"ocd-ib-k1", "ocd-ib-k3", "ocd-ib-k2"};
+
+static struct lx_bus *make(struct bench *self)
+{
+    const struct lx_bus_setup setup = {
+        .event = self->event,
+        .say = &quiet,
+        .plan = &self->plan,
+        .wire = &self->wire,
+        .stations = self->stations,
+        .count = self->count,
+        .clock = &self->clock,
+    };
+    return lx_ring_bus_make(&setup, &self->error);
+}
+
+static void connect_client(struct bench *self)
+{
+    char address[LX_BUS_ADDRESS_MAX];
+    self->bus->ops->address(self->bus, &self->station[0], address, sizeof address);
+    char *slash = strrchr(address, '/');
+    assert_non_null(slash);
+    assert_string_equal(slash, "/0");
+    *slash = '\0';
+    const char *port = strrchr(address, ':');
+    assert_non_null(port);
+    self->client = modbus_new_tcp("127.0.0.1", atoi(port + 1));
+    assert_non_null(self->client);
+    assert_int_equal(modbus_connect(self->client), 0);
+}
+
+static void open_ring(struct bench *self)
+{
+    self->bus = make(self);
+    if (self->bus == NULL || self->bus->ops->open(self->bus, lx_now(), &self->error) != 0) {
+        fail_msg("%s", self->error.text);
+    }
+    connect_client(self);
+}
+
+static struct dg_ib *device(struct bench *self, size_t i)
+{
+    return self->station[i].control.device;
+}
+
+static void turn(struct bench *self)
+{
+    assert_true(sd_event_run(self->event, TURN_US) >= 0);
+}
+
+/* Registers, as a client reads them. */
+static void read_registers(struct bench *self, uint16_t first, uint16_t count, uint16_t *to)
+{
+    const uint8_t request[] = {
+        0xFF,           MODBUS_FC_READ_INPUT_REGISTERS, (uint8_t)(first >> 8),
+        (uint8_t)first, (uint8_t)(count >> 8),          (uint8_t)count};
+    uint8_t answer[MODBUS_TCP_MAX_ADU_LENGTH];
+    struct pollfd socket = {.fd = modbus_get_socket(self->client), .events = POLLIN};
+    const dg_ns end = dg_after(lx_now(), PATIENCE);
+    assert_true(modbus_send_raw_request(self->client, request, sizeof request) > 0);
+    while (poll(&socket, 1, 0) == 0) {
+        assert_true(lx_now() < end);
+        turn(self);
+    }
+    assert_int_equal(modbus_receive_confirmation(self->client, answer), 9 + 2 * count);
+    for (uint16_t i = 0; i < count; i++) {
+        to[i] = dg_load_be16(&answer[9 + 2 * i]);
+    }
+}
+
+static uint16_t get(struct bench *self, uint16_t address)
+{
+    uint16_t value = 0;
+    read_registers(self, address, 1, &value);
+    return value;
+}
+
+static void wait_for(struct bench *self, uint16_t address, uint16_t value)
+{
+    const dg_ns end = dg_after(lx_now(), PATIENCE);
+    while (get(self, address) != value) {
+        assert_true(lx_now() < end);
+    }
+}
+
+static void wait_for_status(struct bench *self, uint16_t status)
+{
+    wait_for(self, STATUS, status);
+}
+
+static void wait_for_cycles(struct bench *self, uint32_t count)
+{
+    const dg_ns end = dg_after(lx_now(), PATIENCE);
+    const uint32_t first = device(self, 0)->counters.cycles;
+    while (device(self, 0)->counters.cycles - first < count) {
+        assert_true(lx_now() < end);
+        turn(self);
+    }
+}
+
+static void changed(struct bench *self, size_t i)
+{
+    self->bus->ops->changed(self->bus, &self->station[i], lx_now());
+}
+
+static struct dg_fault_target target_of(struct bench *self, size_t i)
+{
+    return (struct dg_fault_target){.stack = DG_STACK_INTERBUS, .world = &self->station[i].world};
+}
+
+static size_t entry_of(struct bench *self, size_t i, enum dg_wire_fault fault)
+{
+    const struct dg_fault_target target = target_of(self, i);
+    struct dg_fault_entry entry;
+    for (size_t n = 0; dg_fault_entry(&target, n, &entry); n++) {
+        if (entry.kind == DG_FAULT_WIRE && entry.row->wire == fault) {
+            return n;
+        }
+    }
+    fail_msg("no entry for wire fault %d", (int)fault);
+    return 0;
+}
+
+static void bend(struct bench *self, size_t i, enum dg_wire_fault fault, uint32_t count)
+{
+    const struct dg_fault_target target = target_of(self, i);
+    struct dg_fault_limits limits = always;
+    limits.count = count;
+    assert_int_equal(dg_fault_set(&self->station[i].control.faults, &target,
+                                  entry_of(self, i, fault), lx_now(), &limits),
+                     DG_OK);
+    changed(self, i);
+}
+
+static void mend(struct bench *self, size_t i, enum dg_wire_fault fault)
+{
+    const struct dg_fault_target target = target_of(self, i);
+    assert_int_equal(
+        dg_fault_clear(&self->station[i].control.faults, &target, entry_of(self, i, fault)), DG_OK);
+    changed(self, i);
+}
+
+static void hear(void *ctx, const struct lx_tap_event *event)
+{
+    struct ears *self = ctx;
+    if (event->kind == LX_TAP_NOTE) {
+        const size_t used = strlen(self->notes);
+        (void)snprintf(self->notes + used, sizeof self->notes - used, "%s|", event->note);
+        return;
+    }
+    assert_int_equal(event->kind, LX_TAP_WORDS);
+    assert_int_equal(event->words.count, 5);
+    assert_non_null(event->words.in);
+    assert_non_null(event->words.out);
+    self->valid += event->words.valid ? 1u : 0u;
+    self->invalid += event->words.valid ? 0u : 1u;
+}
+
+static void listen_to(struct bench *self)
+{
+    self->ears = (struct ears){.listener = {.event = hear, .ctx = &self->ears}};
+    lx_tap_add(&self->bus->tap, &self->ears.listener);
+}
+
+/* --- the plan --- */
+
+static void plans_that_cannot_be(void **state)
+{
+    static const struct {
+        const char *where;
+        const char *serial;
+        const char *of_ring;
+        const char *of_encoder;
+        const char *text;
+    } rows[] = {
+        {"host", NULL, NULL, NULL,
+         "rig.ini:4: modbus host: HOST:PORT is right, e.g. 127.0.0.1:5020"},
+        {NULL, "x", NULL, NULL, "rig.ini:8: serial x: a number in 0..33554431 is right"},
+        {NULL, NULL, "cycle=1", NULL,
+         "rig.ini:9: cycle=1: a whole number in 250..50000 us is right"},
+        {NULL, NULL, "steps=1", NULL, "rig.ini:9: steps: a key of an encoder, not of the ring"},
+        {NULL, NULL, NULL, "cycle=1000",
+         "rig.ini:9: cycle: a key of the ring, not of one of its encoders"},
+        {NULL, NULL, NULL, "turns=0", "rig.ini:9: turns=0: a whole number in 1..4096 is right"},
+        {NULL, NULL, NULL, "eeprom_acknowledges=2",
+         "rig.ini:9: eeprom_acknowledges=2: 0 or 1 is right"},
+    };
+    struct bench *self = *state;
+    self->plan.file = strdup("rig.ini");
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char where[16] = "";
+        char serial[16] = "";
+        plan_ring(self, mixed, 3);
+        if (rows[i].where != NULL) {
+            (void)snprintf(where, sizeof where, "%s", rows[i].where);
+            self->wire.where = where;
+        }
+        if (rows[i].serial != NULL) {
+            (void)snprintf(serial, sizeof serial, "%s", rows[i].serial);
+            self->encoder[1].serial = serial;
+        }
+        if (rows[i].of_ring != NULL) {
+            set(&self->wire.settings, rows[i].of_ring);
+        }
+        if (rows[i].of_encoder != NULL) {
+            set(&self->encoder[2].settings, rows[i].of_encoder);
+        }
+        assert_null(make(self));
+        assert_string_equal(self->error.text, rows[i].text);
+    }
+}
+
+static void figures_that_make_no_encoder(void **state)
+{
+    struct bench *self = *state;
+    plan_ring(self, mixed, 2);
+    set(&self->encoder[1].settings, "steps=1");
+    set(&self->encoder[1].settings, "steps_minus_one=1");
+    self->bus = make(self);
+    assert_non_null(self->bus);
+    assert_int_equal(self->bus->ops->open(self->bus, lx_now(), &self->error), -1);
+    assert_non_null(strstr(self->error.text, "device 1: these factory figures"));
+}
+
+static void each_is_its_own(void **state)
+{
+    static char serial[] = "4711";
+    uint16_t in[5];
+    struct bench *self = *state;
+    plan_ring(self, mixed, 3);
+    set(&self->encoder[1].settings, "steps=2048");
+    set(&self->encoder[2].settings, "temperature=20");
+    self->encoder[1].serial = serial;
+    self->angle[0] = 5 * STEP;
+    self->angle[1] = (dg_angle)0x23456 * 2 * STEP;
+    self->angle[2] = (dg_angle)0x34567 * STEP;
+    open_ring(self);
+    wait_for_status(self, 1);
+    read_registers(self, 0, 5, in);
+    assert_int_equal(in[0], 5);
+    assert_int_equal(in[1], 2);
+    assert_int_equal(in[2], 0x3456);
+    assert_int_equal(in[3], 3);
+    assert_int_equal(in[4], 0x4567);
+    assert_int_equal(self->station[1].world.temperature_mdegc, 37000);
+    assert_int_equal(self->station[2].world.temperature_mdegc, 20000);
+    assert_int_equal(self->station[1].control.serial, 4711);
+    assert_int_equal(device(self, 1)->setup.model->serial, 4711);
+    assert_int_equal(device(self, 2)->setup.model->serial,
+                     dg_device_find("ocd-ib-k2")->interbus->serial + 2);
+    assert_null(self->station[0].control.nvm.ops);
+    assert_non_null(self->station[1].control.nvm.ops);
+}
+
+/* The zero shift 55h, to the second of two K3. */
+static void shift_second(struct bench *self)
+{
+    const uint8_t request[] = {
+        0xFF, MODBUS_FC_WRITE_MULTIPLE_REGISTERS, 0x08, 0x02, 0, 2, 4, 0x0A, 0, 0, 0x55};
+    const dg_ns end = dg_after(lx_now(), PATIENCE);
+    assert_true(modbus_send_raw_request(self->client, request, sizeof request) > 0);
+    while (device(self, 1)->last_command != 0x0A000055) {
+        assert_true(lx_now() < end);
+        turn(self);
+    }
+    assert_int_equal(device(self, 1)->shift, 0x55);
+}
+
+/* A file for each, or one for both: what one stores is its own. */
+static void files(void **state)
+{
+    static const char *const two[] = {"ocd-ib-k3", "ocd-ib-k3"};
+    const uint32_t image = dg_store_size(&dg_ib_layout);
+    struct bench *self = *state;
+    for (size_t i = 0; i < DEVICES_MAX; i++) {
+        (void)snprintf(self->nvm[i], sizeof self->nvm[i], "%s/%zu", self->folder, i);
+    }
+    for (int round = 0; round < 4; round++) {
+        const bool shared = round >= 2;
+        plan_ring(self, two, 2);
+        self->encoder[0].nvm = self->nvm[shared ? 2 : 0];
+        self->encoder[1].nvm = self->nvm[shared ? 2 : 1];
+        open_ring(self);
+        wait_for_status(self, 1);
+        assert_int_equal(device(self, 0)->shift, 0);
+        assert_int_equal(device(self, 1)->shift, round % 2 == 0 ? 0 : 0x55);
+        shift_second(self);
+        shut(self);
+    }
+    for (size_t i = 0; i < DEVICES_MAX; i++) {
+        struct stat info;
+        assert_int_equal(stat(self->nvm[i], &info), 0);
+        assert_int_equal(info.st_size, i == 2 ? 2 * image : image);
+    }
+}
+
+static void no_file_for_those_without_a_memory(void **state)
+{
+    struct bench *self = *state;
+    plan_ring(self, mixed, 3);
+    (void)snprintf(self->nvm[0], sizeof self->nvm[0], "%s/k1", self->folder);
+    self->encoder[0].nvm = self->nvm[0];
+    self->bus = make(self);
+    assert_non_null(self->bus);
+    assert_int_equal(self->bus->ops->open(self->bus, lx_now(), &self->error), -1);
+    assert_non_null(strstr(self->error.text, "K1 and K2 have no EEPROM"));
+}
+
+/* --- the bus --- */
+
+static void power_off_interrupts_the_ring(void **state)
+{
+    struct bench *self = *state;
+    plan_ring(self, mixed, 3);
+    open_ring(self);
+    wait_for_status(self, 1);
+    listen_to(self);
+    wait_for_cycles(self, 2);
+    dg_ib_power_off(device(self, 1));
+    changed(self, 1);
+    wait_for_status(self, 2 | 8);
+    assert_int_equal(get(self, 0x2000), 0x0136);
+    assert_int_equal(get(self, 0x2010), 0);
+    assert_int_equal(dg_ib_power_on(device(self, 1), lx_now()), DG_OK);
+    changed(self, 1);
+    wait_for_status(self, 1);
+    assert_true(self->ears.valid > 0 && self->ears.invalid > 0);
+    assert_string_equal(self->ears.notes, "ID cycle: 1 of 3 devices, interrupted before device 1|"
+                                          "ID cycle: 3 of 3 devices|");
+}
+
+/* The first break counts, of a fault or as set. */
+static void breaks(void **state)
+{
+    struct bench *self = *state;
+    plan_ring(self, mixed, 3);
+    set(&self->wire.settings, "break_at=2");
+    open_ring(self);
+    wait_for_status(self, 2 | 8);
+    wait_for(self, 0x2010, 0x0237);
+    assert_int_equal(get(self, 0x2020), 0);
+    bend(self, 1, DG_WIRE_BREAK, 0);
+    wait_for(self, 0x2010, 0);
+    assert_int_equal(get(self, 0x2000), 0x0136);
+    bend(self, 0, DG_WIRE_BREAK, 0);
+    mend(self, 1, DG_WIRE_BREAK);
+    wait_for(self, 0x2000, 0);
+    mend(self, 0, DG_WIRE_BREAK);
+    wait_for(self, 0x2010, 0x0237);
+    assert_int_equal(get(self, 0x2020), 0);
+}
+
+static void dropped_cycles(void **state)
+{
+    struct bench *self = *state;
+    plan_ring(self, mixed, 3);
+    open_ring(self);
+    wait_for_status(self, 1);
+    listen_to(self);
+    bend(self, 1, DG_WIRE_DROP, 0);
+    const uint32_t cycles = device(self, 0)->counters.cycles;
+    while (self->ears.invalid < 20) {
+        turn(self);
+    }
+    assert_int_equal(device(self, 0)->counters.cycles, cycles);
+    assert_int_equal(self->ears.valid, 0);
+    mend(self, 1, DG_WIRE_DROP);
+    wait_for_cycles(self, 5);
+    bend(self, 2, DG_WIRE_DROP, 3);
+    self->ears.invalid = 0;
+    wait_for_cycles(self, 5);
+    assert_int_equal(self->ears.invalid, 3);
+}
+
+static void transmission_errors(void **state)
+{
+    struct bench *self = *state;
+    plan_ring(self, mixed, 3);
+    open_ring(self);
+    wait_for_status(self, 1);
+    listen_to(self);
+    bend(self, 1, DG_WIRE_DAMAGE, 2);
+    wait_for_cycles(self, 20);
+    assert_int_equal(device(self, 0)->counters.crc_errors, 0);
+    assert_int_equal(device(self, 1)->counters.crc_errors, 2);
+    assert_int_equal(self->ears.invalid, 2 * (1 + DG_IB_DEAD_CYCLES));
+    assert_string_equal(self->ears.notes, "transmission error|transmission error|");
+}
+
+/* A position, then another one: in between the halves of both. */
+static void torn_words(void **state)
+{
+    uint16_t in[5];
+    struct bench *self = *state;
+    plan_ring(self, mixed, 3);
+    open_ring(self);
+    wait_for_status(self, 1);
+    self->angle[0] = 0x123 * STEP;
+    self->angle[1] = 0x12345 * STEP;
+    self->angle[2] = 0x12345 * STEP;
+    wait_for_cycles(self, 3);
+    bend(self, 0, DG_WIRE_TEAR, 1);
+    bend(self, 1, DG_WIRE_TEAR, 1);
+    self->angle[0] = 0x456 * STEP;
+    self->angle[1] = 0x23456 * STEP;
+    self->angle[2] = 0x23456 * STEP;
+    /* Stop the ring in the cycle that was torn. */
+    wait_for_cycles(self, 1);
+    bend(self, 0, DG_WIRE_DROP, 0);
+    read_registers(self, 0, 5, in);
+    assert_int_equal(in[0], 0x156);
+    assert_int_equal(in[1], 0x0001);
+    assert_int_equal(in[2], 0x3456);
+    assert_int_equal(in[3], 0x0002);
+    assert_int_equal(in[4], 0x3456);
+    mend(self, 0, DG_WIRE_DROP);
+    wait_for_cycles(self, 1);
+    read_registers(self, 0, 5, in);
+    assert_int_equal(in[0], 0x456);
+    assert_int_equal(in[1], 0x0002);
+}
+
+static void late_are_missed_cycles(void **state)
+{
+    struct bench *self = *state;
+    plan_ring(self, mixed, 3);
+    set(&self->wire.settings, "cycle=50000");
+    open_ring(self);
+    (void)usleep(120000); /* the loop has not begun */
+    turn(self);
+    wait_for_cycles(self, 1);
+    const uint64_t before = self->bus->late;
+    (void)usleep(160000);
+    wait_for_cycles(self, 2);
+    assert_true(before == 0 && self->bus->late >= 2);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(plans_that_cannot_be, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(figures_that_make_no_encoder, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(each_is_its_own, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(files, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(no_file_for_those_without_a_memory, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(power_off_interrupts_the_ring, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(breaks, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(dropped_cycles, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(transmission_errors, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(torn_words, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(late_are_missed_cycles, set_up, tear_down),
+    };
+    return cmocka_run_group_tests_name("INTERBUS encoders in a ring", tests, NULL, NULL);
+}
