@@ -31,10 +31,11 @@
  *   FAULt:HAPPened? NAME                         frames it happened to
  *   NVM:CATalog?                                 regions
  *   NVM:CORRupt REGION                           flip a bit; seen from the next power-on on
- *   NVM:ERASe                                    all of it, to the delivery state; power must be
- * off POWer OFF|ON|CYCLe, POWer? STATe?                                       key=value,... ; see
- * dg_encoder_kind.state TIME?                                        seconds of the rig's clock, 9
- * decimals TIME:SCALe FACTOR | ?                        simulated wires only, else -221; 0 stops
+ *   NVM:ERASe                                    delivery state; the power has to be off
+ *   POWer OFF|ON|CYCLe | ?
+ *   STATe?                                       key=value,...; see dg_encoder_kind.state
+ *   TIME?                                        seconds of the rig's clock, 9 decimals
+ *   TIME:SCALe FACTOR | ?                        simulated wires only, else -221; 0 stops
  *   TIME:STEP TIME                               while it is stopped
  *   TRACe:STARt "FILE"                           of the selected encoder's wire
  *   TRACe:STOP
@@ -70,7 +71,7 @@ struct dg_encoder_kind {
      * Append key=value parts (dg_scpi_put_*), values without ',' and ';', lists with '/'. All have
      * power (0, 1), mode, position (as the bus would see it at `now`), leds (NAME:on, off or a
      * pattern, with '/' between them; '-' without LEDs), errors (codes in hex, newest first, '-'
-     * without) and frames; then counters and what is its own.
+     * without) and frames; then counters and what is its own. Without power position is '-'.
      */
     void (*state)(const struct dg_encoder *self, dg_ns now, struct dg_scpi *to);
 };
@@ -155,8 +156,7 @@ struct dg_rig {
     void *host; /**< the host's own */
 };
 
-/** The commands; rows for dg_scpi_setup.commands, whose ctx is the struct dg_rig behind a struct
- * dg_control. */
+/** The commands; rows for dg_scpi_setup.commands, whose ctx is a struct dg_control. */
 extern const struct dg_scpi_command dg_control_commands[];
 extern const size_t dg_control_command_count;
 
@@ -165,7 +165,8 @@ struct dg_control {
     struct dg_scpi session;
     struct dg_rig *rig;
     void (*write)(void *ctx, const char *bytes, size_t n);
-    void *ctx; /**< of write */
+    void *ctx;    /**< of write */
+    char idn[64]; /**< answer of *IDN?: the model, or "rig" for several encoders */
 };
 
 /** A new client. `write` as dg_scpi_ops.write. */

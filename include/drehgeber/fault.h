@@ -61,10 +61,10 @@ struct dg_fault_row {
 extern const struct dg_fault_row dg_fault_rows[];
 extern const size_t dg_fault_row_count;
 
-/** Faults that can be active at an encoder: one bit or slot each, rows first, then regions. */
+/** Most entries of an encoder's catalogue: its rows first, then its checked regions. */
 #define DG_FAULTS_MAX 64u
 
-/** How long a fault lasts. */
+/** How long a fault lasts. The usual one: no count, 1000000 ppm, DG_NEVER. */
 struct dg_fault_limits {
     uint32_t count;           /**< wire: frames it happens to, then it is over; 0: no limit */
     uint32_t probability_ppm; /**< wire: of each frame, 0..1000000 */
@@ -77,14 +77,16 @@ struct dg_fault {
     uint32_t left; /**< frames; 0: no limit */
     uint32_t probability_ppm;
     dg_ns until;       /**< DG_NEVER: until cleared */
-    int64_t healthy;   /**< WORLD: value before; MEMORY: address of the byte */
+    int64_t healthy;   /**< WORLD: value before; MEMORY: what is needed to undo it */
     uint32_t happened; /**< WIRE: frames it happened to */
 };
 
-/** The faults of one encoder. Plain data, zero-initialised is none active. */
+/** The faults of one encoder, by their index in its catalogue. Plain data, zero-initialised is none
+ * active. */
 struct dg_faults {
     uint32_t random; /**< state of the generator behind probabilities; any value */
-    uint32_t wire;   /**< bit n: enum dg_wire_fault n may be active: the ports' fast way out */
+    uint32_t wire;   /**< bit n: enum dg_wire_fault n is active: the ports' fast way out */
+    uint8_t slot[DG_WIRE_FAULT_COUNT]; /**< its place in `fault` while it is active */
     struct dg_fault fault[DG_FAULTS_MAX];
 };
 
@@ -115,18 +117,21 @@ bool dg_fault_entry(const struct dg_fault_target *target, size_t index, struct d
 int dg_fault_find(const struct dg_fault_target *target, const char *name);
 
 /**
- * Let entry `index` happen from `now` on; again while active: with the new limits.
- * @return 0; DG_ERR_ARGUMENT: no such entry, or count or probability for what is no wire fault;
- *         DG_ERR_IO: the memory did not answer
+ * Let entry `index` happen from `now` on; again while active: with the new limits. What bent the
+ * same quantity before gives way.
+ * @return 0; DG_ERR_ARGUMENT: no such entry, or count or probability for what does not happen to
+ *         single frames; DG_ERR_IO: the memory did not answer
  */
 int dg_fault_set(struct dg_faults *self, const struct dg_fault_target *target, size_t index,
                  dg_ns now, const struct dg_fault_limits *limits);
 
-/** Make good: the quantity is as before, the flipped bit is flipped back unless the byte was
- * written since. Nothing happens when it is not active. @return 0 or DG_ERR_ARGUMENT, DG_ERR_IO */
+/** Make good: the quantity is as before unless it was changed since, the flipped bit is flipped
+ * back unless the region was written since. Nothing happens when it is not active.
+ * @return 0 or DG_ERR_ARGUMENT; DG_ERR_IO: it is still active */
 int dg_fault_clear(struct dg_faults *self, const struct dg_fault_target *target, size_t index);
 
-/** Clear what is over. @return when to call again; DG_NEVER */
+/** Clear what is over; what the memory does not let go stays until cleared. @return when to call
+ * again; DG_NEVER */
 dg_ns dg_fault_step(struct dg_faults *self, const struct dg_fault_target *target, dg_ns now);
 
 /** Whether wire fault `fault` is active: for states (break, bus-off, passive). */

@@ -1,0 +1,268 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * FAULt and NVM: what is wrong with the selected encoder, and its EEPROM.
+ */
+#include "inside.h"
+
+static const struct dg_scpi_range counts = {DG_SCPI_PLAIN, 0, 1, UINT32_MAX};
+static const struct dg_scpi_range probabilities = {DG_SCPI_PLAIN, CONTROL_PPM_PLACES, 0,
+                                                   CONTROL_PPM};
+static const struct dg_scpi_range durations = {DG_SCPI_TIME, 0, 1, INT64_MAX};
+
+static const struct dg_fault_limits unlimited = {.probability_ppm = CONTROL_PPM,
+                                                 .duration = DG_NEVER};
+
+static struct dg_fault_target target_of(const struct dg_scpi *self)
+{
+    return dg_encoder_target(dg_control_encoder(self));
+}
+
+void dg_control_catalogue(struct dg_scpi *self, uint32_t argument)
+{
+    static const char *const kinds[] = {
+        [DG_FAULT_WORLD] = "WORLD",
+        [DG_FAULT_MEMORY] = "MEMORY",
+        [DG_FAULT_WIRE] = "WIRE",
+    };
+    const struct dg_fault_target target = target_of(self);
+    struct dg_fault_entry entry;
+
+    (void)argument;
+    for (size_t i = 0; dg_fault_entry(&target, i, &entry); i++) {
+        dg_scpi_put_string(self, entry.name);
+        dg_scpi_put_word(self, kinds[entry.kind]);
+        dg_scpi_put_string(self, entry.cause);
+        dg_scpi_put_string(self, entry.effect);
+        dg_scpi_put_string(self, entry.chapter);
+    }
+}
+
+/* Take the name of a catalogue entry. @return its index, or -1: an error was raised */
+static int take_fault(struct dg_scpi *self)
+{
+    const struct dg_fault_target target = target_of(self);
+    char name[CONTROL_NAME_MAX];
+    char detail[CONTROL_DETAIL_SIZE];
+
+    if (!dg_control_name(self, name)) {
+        return -1;
+    }
+    const int index = dg_fault_find(&target, name);
+    if (index >= 0) {
+        return index;
+    }
+    struct control_text to = dg_control_text(detail, sizeof detail);
+    dg_control_append(&to, name);
+    dg_control_append(&to, ": no such fault; FAUL:CAT? has their names");
+    dg_scpi_raise(self, DG_SCPI_ILLEGAL, detail);
+    return -1;
+}
+
+/* One "KEYWORD value". */
+static bool take_limit(struct dg_scpi *self, struct dg_fault_limits *limits)
+{
+    static const char *const words[] = {"COUNt", "PROBability", "DURation"};
+    static const struct dg_scpi_range *const ranges[] = {&counts, &probabilities, &durations};
+    enum { COUNT, PROBABILITY };
+    size_t word;
+    int64_t value;
+
+    if (!dg_scpi_word(self, words, sizeof words / sizeof words[0], &word) ||
+        !dg_scpi_number(self, ranges[word], &value)) {
+        return false;
+    }
+    if (word == COUNT) {
+        limits->count = (uint32_t)value;
+    } else if (word == PROBABILITY) {
+        limits->probability_ppm = (uint32_t)value;
+    } else {
+        limits->duration = (dg_ns)value;
+    }
+    return true;
+}
+
+/* What the faults answered. */
+static void done(struct dg_scpi *self, int result)
+{
+    if (result == DG_ERR_IO) {
+        dg_control_refuse(self, DG_SCPI_STORAGE, "the memory did not answer");
+    } else if (result != DG_OK) {
+        dg_scpi_raise(self, DG_SCPI_CONFLICT,
+                      "COUNt and PROBability are for what happens to single frames");
+    }
+    dg_control_changed(self);
+}
+
+void dg_control_fault(struct dg_scpi *self, uint32_t argument)
+{
+    struct dg_fault_limits limits = unlimited;
+    const struct dg_fault_target target = target_of(self);
+    const int index = take_fault(self);
+
+    (void)argument;
+    if (index < 0) {
+        return;
+    }
+    while (dg_scpi_more(self)) {
+        if (!take_limit(self, &limits)) {
+            return;
+        }
+    }
+    done(self, dg_fault_set(&dg_control_encoder(self)->faults, &target, (size_t)index, self->now,
+                            &limits));
+}
+
+static int clear_all(struct dg_scpi *self)
+{
+    const struct dg_fault_target target = target_of(self);
+    int result = DG_OK;
+
+    for (size_t i = 0; i < DG_FAULTS_MAX; i++) {
+        if (dg_fault_clear(&dg_control_encoder(self)->faults, &target, i) == DG_ERR_IO) {
+            result = DG_ERR_IO;
+        }
+    }
+    return result;
+}
+
+void dg_control_clear_all(struct dg_scpi *self)
+{
+    done(self, clear_all(self));
+}
+
+void dg_control_clear(struct dg_scpi *self, uint32_t argument)
+{
+    const struct dg_fault_target target = target_of(self);
+
+    (void)argument;
+    if (!dg_scpi_more(self)) {
+        dg_control_clear_all(self);
+        return;
+    }
+    const int index = take_fault(self);
+    if (index >= 0) {
+        done(self, dg_fault_clear(&dg_control_encoder(self)->faults, &target, (size_t)index));
+    }
+}
+
+void dg_control_active(struct dg_scpi *self, uint32_t argument)
+{
+    const struct dg_fault_target target = target_of(self);
+    const struct dg_faults *faults = &dg_control_encoder(self)->faults;
+    struct dg_fault_entry entry;
+    size_t count = 0;
+
+    (void)argument;
+    for (size_t i = 0; dg_fault_entry(&target, i, &entry); i++) {
+        if (faults->fault[i].active) {
+            dg_scpi_put_string(self, entry.name);
+            count++;
+        }
+    }
+    dg_control_put_none(self, count);
+}
+
+void dg_control_happened(struct dg_scpi *self, uint32_t argument)
+{
+    const int index = take_fault(self);
+
+    (void)argument;
+    if (index >= 0) {
+        dg_scpi_put_unsigned(self, dg_control_encoder(self)->faults.fault[index].happened);
+    }
+}
+
+void dg_control_regions(struct dg_scpi *self, uint32_t argument)
+{
+    const struct dg_fault_target target = target_of(self);
+    uint8_t count = 0;
+
+    (void)argument;
+    for (; target.layout != NULL && count < target.layout->region_count; count++) {
+        dg_scpi_put_string(self, target.layout->regions[count].name);
+    }
+    dg_control_put_none(self, count);
+}
+
+/* Take the name of a region. @return false: an error was raised */
+static bool take_region(struct dg_scpi *self, const struct dg_store_layout *layout, uint8_t *region)
+{
+    char name[CONTROL_NAME_MAX];
+    char detail[CONTROL_DETAIL_SIZE];
+
+    if (!dg_control_name(self, name)) {
+        return false;
+    }
+    for (*region = 0; *region < layout->region_count; (*region)++) {
+        if (dg_control_same(layout->regions[*region].name, name)) {
+            return true;
+        }
+    }
+    struct control_text to = dg_control_text(detail, sizeof detail);
+    dg_control_append(&to, name);
+    dg_control_append(&to, ": no such region; NVM:CAT? has their names");
+    dg_scpi_raise(self, DG_SCPI_ILLEGAL, detail);
+    return false;
+}
+
+static bool has_memory(struct dg_scpi *self, const struct dg_fault_target *target)
+{
+    if (target->layout == NULL) {
+        dg_control_refuse(self, DG_SCPI_MISSING_HARDWARE, "it has no EEPROM");
+    }
+    return target->layout != NULL;
+}
+
+/* The catalogue entry of a checked region, or -1. */
+static int entry_of(const struct dg_fault_target *target, uint8_t region)
+{
+    struct dg_fault_entry entry;
+
+    for (size_t i = 0; dg_fault_entry(target, i, &entry); i++) {
+        if (entry.kind == DG_FAULT_MEMORY && entry.region == region) {
+            return (int)i;
+        }
+    }
+    return -1;
+}
+
+/* What is checked is a fault like others; the rest is damaged for good. */
+static int corrupt(struct dg_scpi *self, uint8_t region)
+{
+    const struct dg_fault_target target = target_of(self);
+    struct dg_faults *faults = &dg_control_encoder(self)->faults;
+    const int index = entry_of(&target, region);
+
+    if (index < 0) {
+        const uint32_t bits = 8u * target.layout->regions[region].size;
+        return dg_control_flip(&target, region, dg_fault_pick(faults, bits));
+    }
+    return dg_fault_set(faults, &target, (size_t)index, self->now, &unlimited);
+}
+
+void dg_control_corrupt(struct dg_scpi *self, uint32_t argument)
+{
+    const struct dg_fault_target target = target_of(self);
+    uint8_t region;
+
+    (void)argument;
+    if (has_memory(self, &target) && take_region(self, target.layout, &region)) {
+        done(self, corrupt(self, region));
+    }
+}
+
+void dg_control_erase(struct dg_scpi *self, uint32_t argument)
+{
+    const struct dg_fault_target target = target_of(self);
+    const struct dg_encoder *encoder = dg_control_encoder(self);
+
+    (void)argument;
+    if (!has_memory(self, &target)) {
+        return;
+    }
+    if (encoder->kind->powered(encoder)) {
+        dg_control_refuse(self, DG_SCPI_CONFLICT, "its power is on");
+        return;
+    }
+    done(self, encoder->kind->format(encoder) == DG_OK ? DG_OK : DG_ERR_IO);
+}

@@ -1,0 +1,348 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Faults at work: what is active, what it bends, when it is over.
+ *
+ *   index   0 .. rows of the stack - 1   a row of rows.c
+ *           .. + checked regions - 1     a region of the encoder's EEPROM
+ */
+#include <string.h>
+
+#include "inside.h"
+
+/* A generator of full period; its upper bits are the good ones (Numerical Recipes, ranqd1). */
+#define RANDOM_FACTOR 1664525u
+#define RANDOM_STEP 1013904223u
+
+const struct dg_fault_row *dg_control_row(enum dg_device_stack stack, size_t index)
+{
+    for (size_t i = 0; i < dg_fault_row_count; i++) {
+        if ((dg_fault_rows[i].stacks >> stack & 1u) != 0 && index-- == 0) {
+            return &dg_fault_rows[i];
+        }
+    }
+    return NULL;
+}
+
+static size_t rows_of(enum dg_device_stack stack)
+{
+    size_t n = 0;
+
+    while (dg_control_row(stack, n) != NULL) {
+        n++;
+    }
+    return n;
+}
+
+/* Checked region `n`, or region_count. */
+static uint8_t region_at(const struct dg_store_layout *layout, size_t n)
+{
+    uint8_t region = 0;
+
+    while (region < layout->region_count &&
+           (layout->regions[region].check != DG_STORE_CHECKED || n-- > 0)) {
+        region++;
+    }
+    return region;
+}
+
+static bool region_entry(const struct dg_fault_target *target, size_t n, struct dg_fault_entry *out)
+{
+    if (target->layout == NULL) {
+        return false;
+    }
+    const uint8_t region = region_at(target->layout, n);
+    if (region == target->layout->region_count) {
+        return false;
+    }
+    const struct dg_store_region *row = &target->layout->regions[region];
+    *out = (struct dg_fault_entry){
+        .kind = DG_FAULT_MEMORY,
+        .region = region,
+        .cause = "a bit of the EEPROM has changed by itself",
+        .effect = dg_control_damage_effect(target->stack, row->name),
+        .chapter = dg_control_damage_chapter(target->stack, row->name),
+        .code = row->startup_code,
+    };
+    struct control_text name = dg_control_text(out->name, sizeof out->name);
+    dg_control_append(&name, "eeprom_");
+    dg_control_append(&name, row->name);
+    for (char *c = out->name; *c != '\0'; c++) {
+        if (*c == '-') {
+            *c = '_';
+        }
+    }
+    return true;
+}
+
+bool dg_fault_entry(const struct dg_fault_target *target, size_t index, struct dg_fault_entry *out)
+{
+    const struct dg_fault_row *row = dg_control_row(target->stack, index);
+
+    if (row == NULL) {
+        const size_t rows = rows_of(target->stack);
+        return index < DG_FAULTS_MAX && region_entry(target, index - rows, out);
+    }
+    *out = (struct dg_fault_entry){
+        .kind = row->kind,
+        .row = row,
+        .cause = row->cause,
+        .effect = row->effect,
+        .chapter = row->chapter,
+    };
+    struct control_text name = dg_control_text(out->name, sizeof out->name);
+    dg_control_append(&name, row->name);
+    return true;
+}
+
+int dg_fault_find(const struct dg_fault_target *target, const char *name)
+{
+    struct dg_fault_entry entry;
+
+    for (size_t i = 0; dg_fault_entry(target, i, &entry); i++) {
+        if (dg_control_same(entry.name, name)) {
+            return (int)i;
+        }
+    }
+    return DG_ERR_ARGUMENT;
+}
+
+_Static_assert(sizeof(bool) == 1, "a state of the world is a byte");
+
+/* All of them fit the signed type of their size: the unsigned ones have limits far below. */
+int64_t dg_control_quantity(const struct dg_world *world, size_t offset, uint8_t size)
+{
+    const unsigned char *at = (const unsigned char *)world + offset;
+    int32_t wide;
+    int16_t narrow;
+
+    if (size == sizeof wide) {
+        memcpy(&wide, at, sizeof wide);
+        return wide;
+    }
+    if (size == sizeof narrow) {
+        memcpy(&narrow, at, sizeof narrow);
+        return narrow;
+    }
+    return *at;
+}
+
+void dg_control_set_quantity(struct dg_world *world, size_t offset, uint8_t size, int64_t value)
+{
+    unsigned char *at = (unsigned char *)world + offset;
+    const int32_t wide = (int32_t)value;
+    const int16_t narrow = (int16_t)value;
+
+    if (size == sizeof wide) {
+        memcpy(at, &wide, sizeof wide);
+    } else if (size == sizeof narrow) {
+        memcpy(at, &narrow, sizeof narrow);
+    } else {
+        *at = value != 0 ? 1 : 0;
+    }
+}
+
+/* Another active fault on the same quantity, or DG_FAULTS_MAX. */
+static size_t rival(const struct dg_faults *self, enum dg_device_stack stack, size_t offset)
+{
+    const struct dg_fault_row *row;
+
+    for (size_t i = 0; (row = dg_control_row(stack, i)) != NULL; i++) {
+        if (self->fault[i].active && row->kind == DG_FAULT_WORLD && row->offset == offset) {
+            return i;
+        }
+    }
+    return DG_FAULTS_MAX;
+}
+
+void dg_control_override(struct dg_faults *self, const struct dg_fault_target *target,
+                         size_t offset)
+{
+    const size_t i = rival(self, target->stack, offset);
+
+    if (i < DG_FAULTS_MAX) {
+        self->fault[i].active = false;
+    }
+}
+
+static void bend(struct dg_faults *self, const struct dg_fault_target *target, size_t index)
+{
+    const struct dg_fault_row *row = dg_control_row(target->stack, index);
+    const size_t before = rival(self, target->stack, row->offset);
+
+    /* What the quantity was before the first of them is what it will be after the last. */
+    if (before == DG_FAULTS_MAX) {
+        self->fault[index].healthy = dg_control_quantity(target->world, row->offset, row->size);
+    } else {
+        self->fault[index].healthy = self->fault[before].healthy;
+        self->fault[before].active = false;
+    }
+    dg_control_set_quantity(target->world, row->offset, row->size, row->value);
+}
+
+static void unbend(struct dg_faults *self, const struct dg_fault_target *target, size_t index)
+{
+    const struct dg_fault_row *row = dg_control_row(target->stack, index);
+
+    if (dg_control_quantity(target->world, row->offset, row->size) == row->value) {
+        dg_control_set_quantity(target->world, row->offset, row->size, self->fault[index].healthy);
+    }
+}
+
+/* A state lasts; it does not happen to single frames. */
+static bool is_state(const struct dg_fault_row *row)
+{
+    return row->wire == DG_WIRE_BREAK || row->wire == DG_WIRE_BUS_OFF ||
+           row->wire == DG_WIRE_PASSIVE;
+}
+
+static bool limits_fit(const struct dg_fault_entry *entry, const struct dg_fault_limits *limits)
+{
+    const bool single = entry->kind == DG_FAULT_WIRE && !is_state(entry->row);
+
+    return limits->probability_ppm <= CONTROL_PPM &&
+           (single || (limits->count == 0 && limits->probability_ppm == CONTROL_PPM));
+}
+
+static int corrupt(struct dg_faults *self, const struct dg_fault_target *target, size_t index,
+                   uint8_t region)
+{
+    const uint32_t bits = 8u * target->layout->regions[region].size;
+    /* A bit that is flipped already would only be flipped back. */
+    const int result = dg_fault_clear(self, target, index);
+
+    return result == DG_OK ? dg_control_damage(target, region, dg_fault_pick(self, bits),
+                                               &self->fault[index].healthy)
+                           : result;
+}
+
+static int begin(struct dg_faults *self, const struct dg_fault_target *target, size_t index,
+                 const struct dg_fault_entry *entry)
+{
+    switch (entry->kind) {
+    case DG_FAULT_WORLD:
+        bend(self, target, index);
+        break;
+    case DG_FAULT_MEMORY:
+        return corrupt(self, target, index, entry->region);
+    case DG_FAULT_WIRE:
+        self->wire |= 1u << entry->row->wire;
+        self->slot[entry->row->wire] = (uint8_t)index;
+        break;
+    }
+    return DG_OK;
+}
+
+int dg_fault_set(struct dg_faults *self, const struct dg_fault_target *target, size_t index,
+                 dg_ns now, const struct dg_fault_limits *limits)
+{
+    struct dg_fault_entry entry;
+
+    if (!dg_fault_entry(target, index, &entry) || !limits_fit(&entry, limits)) {
+        return DG_ERR_ARGUMENT;
+    }
+    if (begin(self, target, index, &entry) != DG_OK) {
+        return DG_ERR_IO;
+    }
+    struct dg_fault *fault = &self->fault[index];
+    fault->active = true;
+    fault->left = limits->count;
+    fault->probability_ppm = limits->probability_ppm;
+    fault->until = dg_after(now, limits->duration);
+    fault->happened = 0;
+    return DG_OK;
+}
+
+int dg_fault_clear(struct dg_faults *self, const struct dg_fault_target *target, size_t index)
+{
+    struct dg_fault_entry entry;
+
+    if (!dg_fault_entry(target, index, &entry)) {
+        return DG_ERR_ARGUMENT;
+    }
+    struct dg_fault *fault = &self->fault[index];
+    if (!fault->active) {
+        return DG_OK;
+    }
+    switch (entry.kind) {
+    case DG_FAULT_WORLD:
+        unbend(self, target, index);
+        break;
+    case DG_FAULT_MEMORY:
+        if (dg_control_mend(target, entry.region, fault->healthy) != DG_OK) {
+            return DG_ERR_IO;
+        }
+        break;
+    case DG_FAULT_WIRE:
+        self->wire &= ~(1u << entry.row->wire);
+        break;
+    }
+    fault->active = false;
+    return DG_OK;
+}
+
+bool dg_control_due(const struct dg_faults *self, dg_ns now)
+{
+    for (size_t i = 0; i < DG_FAULTS_MAX; i++) {
+        if (self->fault[i].active && self->fault[i].until <= now) {
+            return true;
+        }
+    }
+    return false;
+}
+
+dg_ns dg_fault_step(struct dg_faults *self, const struct dg_fault_target *target, dg_ns now)
+{
+    dg_ns next = DG_NEVER;
+
+    for (size_t i = 0; i < DG_FAULTS_MAX; i++) {
+        struct dg_fault *fault = &self->fault[i];
+        if (fault->active && fault->until <= now && dg_fault_clear(self, target, i) != DG_OK) {
+            fault->until = DG_NEVER;
+        }
+        if (fault->active) {
+            next = dg_earliest(next, fault->until);
+        }
+    }
+    return next;
+}
+
+bool dg_fault_wire_active(const struct dg_faults *self, enum dg_wire_fault fault)
+{
+    return (self->wire >> fault & 1u) != 0;
+}
+
+bool dg_fault_wire_takes(struct dg_faults *self, enum dg_wire_fault fault)
+{
+    if (!dg_fault_wire_active(self, fault)) {
+        return false;
+    }
+    struct dg_fault *active = &self->fault[self->slot[fault]];
+    if (active->probability_ppm < CONTROL_PPM &&
+        dg_fault_pick(self, CONTROL_PPM) >= active->probability_ppm) {
+        return false;
+    }
+    active->happened++;
+    if (active->left > 0 && --active->left == 0) {
+        active->active = false;
+        self->wire &= ~(1u << fault);
+    }
+    return true;
+}
+
+uint32_t dg_fault_pick(struct dg_faults *self, uint32_t n)
+{
+    self->random = self->random * RANDOM_FACTOR + RANDOM_STEP;
+    return (uint32_t)((uint64_t)self->random * n >> 32);
+}
+
+int64_t dg_fault_wire_value(enum dg_device_stack stack, enum dg_wire_fault fault)
+{
+    const struct dg_fault_row *row;
+
+    for (size_t i = 0; (row = dg_control_row(stack, i)) != NULL; i++) {
+        if (row->kind == DG_FAULT_WIRE && row->wire == fault) {
+            return row->value;
+        }
+    }
+    return 0;
+}

@@ -1,0 +1,104 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The S36 BiSS as an instrument.
+ */
+#include "inside.h"
+
+/* EMASK and WMASK in dg_biss.config, which begins at 1Bh. */
+#define EMASK (0x22u - 0x1Bu)
+#define WMASK (0x23u - 0x1Bu)
+
+static struct dg_biss *device_of(const struct dg_encoder *self)
+{
+    return self->device;
+}
+
+static const struct dg_store_layout *layout(const struct dg_encoder *self)
+{
+    (void)self;
+    return &dg_biss_layout;
+}
+
+static int format(const struct dg_encoder *self)
+{
+    return dg_biss_format(self->nvm);
+}
+
+static int power_on(struct dg_encoder *self, dg_ns now)
+{
+    return dg_biss_power_on(device_of(self), now);
+}
+
+static void power_off(struct dg_encoder *self)
+{
+    dg_biss_power_off(device_of(self));
+}
+
+static bool powered(const struct dg_encoder *self)
+{
+    return device_of(self)->line.state != DG_BISS_OFF;
+}
+
+static const char *mode(const struct dg_biss *device, bool ready)
+{
+    if (device->line.state == DG_BISS_OFF) {
+        return "off";
+    }
+    if (!ready) {
+        return "initialising";
+    }
+    if (device->channel_off) {
+        return "channel-off";
+    }
+    return device->control.state >= DG_BISS_CONTROL_ADDRESS ? "control" : "idle";
+}
+
+/* Bits of 69h, each as it reads alone. */
+static void put_errors(uint8_t errors, struct dg_scpi *to)
+{
+    bool first = true;
+
+    dg_control_state_begin(to, "errors");
+    for (unsigned bit = 1; bit <= UINT8_MAX; bit <<= 1) {
+        if ((errors & bit) != 0) {
+            dg_control_state_item(to, &first, bit, 2);
+        }
+    }
+    if (first) {
+        dg_scpi_append(to, "-");
+    }
+}
+
+static void state(const struct dg_encoder *self, dg_ns now, struct dg_scpi *to)
+{
+    const struct dg_biss *device = device_of(self);
+    const struct dg_biss_counters *counters = &device->counters;
+    const bool on = powered(self);
+    const bool ready = now >= device->ready_at;
+    const uint8_t errors = on ? dg_biss_errors(device) : 0;
+
+    /* While it initialises a frame has position 0. */
+    dg_control_state_common(to, on, mode(device, ready), ready ? dg_biss_position(device, now) : 0);
+    dg_control_state_word(to, "leds", "-");
+    put_errors(errors, to);
+    dg_control_state_number(to, "frames", counters->frames);
+    dg_control_state_number(to, "reads", counters->reads);
+    dg_control_state_number(to, "writes", counters->writes);
+    dg_control_state_number(to, "refused", counters->refused);
+    dg_control_state_number(to, "damaged", counters->damaged);
+    dg_control_state_number(to, "commands", counters->commands);
+    dg_control_state_number(to, "nerr", on && ready && (errors & device->config[EMASK]) == 0);
+    dg_control_state_number(to, "nwarn", on && ready && (errors & device->config[WMASK]) == 0);
+    dg_control_state_number(to, "life", device->life);
+    dg_control_state_number(to, "bank", device->bank);
+}
+
+const struct dg_encoder_kind dg_kind_biss = {
+    .stack = DG_STACK_BISS,
+    .layout = layout,
+    .format = format,
+    .power_on = power_on,
+    .power_off = power_off,
+    .powered = powered,
+    .state = state,
+};

@@ -1,0 +1,94 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The S36 RS485 as an instrument.
+ */
+#include "inside.h"
+
+static struct dg_hf *device_of(const struct dg_encoder *self)
+{
+    return self->device;
+}
+
+static const struct dg_store_layout *layout(const struct dg_encoder *self)
+{
+    (void)self;
+    return &dg_hf_layout;
+}
+
+static int format(const struct dg_encoder *self)
+{
+    return dg_hf_format(device_of(self)->setup.model, self->nvm);
+}
+
+static int power_on(struct dg_encoder *self, dg_ns now)
+{
+    return dg_hf_power_on(device_of(self), now);
+}
+
+static void power_off(struct dg_encoder *self)
+{
+    dg_hf_power_off(device_of(self));
+}
+
+static bool powered(const struct dg_encoder *self)
+{
+    return device_of(self)->line != DG_HF_OFF;
+}
+
+static const char *mode(const struct dg_hf *device)
+{
+    if (device->line == DG_HF_OFF) {
+        return "off";
+    }
+    if (device->line == DG_HF_DEAF) {
+        return "initialising";
+    }
+    return device->window_end != DG_NEVER ? "window" : "on";
+}
+
+static void put_errors(const struct dg_hf *device, struct dg_scpi *to)
+{
+    bool first = true;
+
+    dg_control_state_begin(to, "errors");
+    for (uint8_t i = device->stack_count; i > 0; i--) {
+        dg_control_state_item(to, &first, device->stack[i - 1u], 2);
+    }
+    if (first) {
+        dg_scpi_append(to, "-");
+    }
+}
+
+static void state(const struct dg_encoder *self, dg_ns now, struct dg_scpi *to)
+{
+    const struct dg_hf *device = device_of(self);
+    const struct dg_hf_counters *counters = &device->counters;
+    const bool on = powered(self);
+    const struct dg_hf_uart uart = dg_hf_uart(device);
+    const char parity[2] = {uart.parity};
+
+    dg_control_state_common(to, on, mode(device), on ? dg_hf_position(device, now) : 0);
+    dg_control_state_word(to, "leds", "-");
+    put_errors(device, to);
+    dg_control_state_number(to, "frames", counters->frames);
+    dg_control_state_number(to, "replies", counters->replies);
+    dg_control_state_number(to, "error_replies", counters->errors);
+    dg_control_state_number(to, "others", counters->others);
+    dg_control_state_number(to, "damaged", counters->damaged);
+    dg_control_state_number(to, "interrupted", counters->interrupted);
+    dg_control_state_number(to, "deaf", counters->deaf);
+    dg_control_state_hex(to, "address", device->address, 2);
+    dg_control_state_number(to, "baud", uart.baud);
+    dg_control_state_word(to, "parity", parity);
+    dg_control_state_hex(to, "locks", device->locks, 2);
+}
+
+const struct dg_encoder_kind dg_kind_hiperface = {
+    .stack = DG_STACK_HIPERFACE,
+    .layout = layout,
+    .format = format,
+    .power_on = power_on,
+    .power_off = power_off,
+    .powered = powered,
+    .state = state,
+};
