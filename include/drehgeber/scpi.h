@@ -74,15 +74,21 @@ struct dg_scpi;
 /** A row of the host's table. */
 struct dg_scpi_command {
     /** Header with the short form in capitals and optional parts in brackets, e.g.
-     * "SHAFt:POSition" or "SYSTem:ERRor[:NEXT]". A query has no '?' here. */
+     * "SHAFt:POSition" or "SYSTem:ERRor[:NEXT]". A query has no '?' here. The first row that fits
+     * and has what is asked for is taken: command and query may stand in a row each. */
     const char *header;
     /** The command: pulls its parameters. NULL: there is only the query. */
     void (*set)(struct dg_scpi *self, uint32_t argument);
-    /** The query, behind '?'. NULL: there is only the command. */
+    /** The query, behind '?': pulls its parameters, then puts its answer; -108 and no answer when
+     * it has left a parameter. Without parts the answer is empty. NULL: there is only the command.
+     */
     void (*query)(struct dg_scpi *self, uint32_t argument);
-    uint32_t argument;      /**< handed to both, so that one function serves several rows */
-    const char *parameters; /**< of the command, for help, e.g. "ANGLE"; "" without */
-    const char *help;       /**< one line */
+    uint32_t argument; /**< handed to both, so that one function serves several rows */
+    /** Of the command (of the query where there is no command), for help, e.g. "ANGLE" or
+     * "NAME[,COUNt n]"; "" without. It has as many commas as the longest command, or ends with
+     * "...": with more the command is not begun, but gives -108. */
+    const char *parameters;
+    const char *help; /**< one line */
 };
 
 /** What a session needs of its host. */
@@ -122,11 +128,16 @@ struct dg_scpi {
     uint16_t length;
     bool overrun; /**< the line is too long: skipped up to its end */
 
+    const struct dg_scpi_command *command; /**< being called; NULL: none */
+    bool query;                            /**< ... its query */
+
     uint16_t at;     /**< parser: place in the line */
-    uint16_t path;   /**< length of the header path that the next relative header continues */
+    uint16_t path;   /**< length of the header path that the next relative header continues; it
+                          stands at the beginning of the line */
     bool executing;  /**< a line is complete and not done yet */
     bool first;      /**< no parameter was taken yet */
     bool failed;     /**< the command at hand has raised an error */
+    bool put;        /**< the command at hand has put a part of its answer */
     bool answered;   /**< the line has given an answer */
     bool waiting;    /**< *WAI or *OPC? holds the line */
     bool answer_due; /**< ... and it was *OPC? */
@@ -144,13 +155,16 @@ struct dg_scpi {
 void dg_scpi_init(struct dg_scpi *self, const struct dg_scpi_setup *setup);
 
 /**
- * Bytes came in: lines end with LF, CR LF, or CR. Commands are done at once.
+ * Bytes came in: lines end with LF, CR LF, or CR. Commands are done at once. Ask dg_scpi_step()
+ * for the deadline afterwards.
  * @return how many were taken: fewer than `n` while the session waits; offer the rest after
- * dg_scpi_step()
+ * dg_scpi_step(). 0 when called by a handler of this session
  */
 size_t dg_scpi_rx(struct dg_scpi *self, dg_ns now, const char *bytes, size_t n);
 
-/** Go on when what a session waits for has settled. @return when to call again; DG_NEVER */
+/** Go on when what a session waits for has settled. To be called also when that may have come
+ * sooner than it was said to (a move was stopped); nothing happens when called by a handler of this
+ * session. @return when to call again; DG_NEVER */
 dg_ns dg_scpi_step(struct dg_scpi *self, dg_ns now);
 
 /* ---------------------------------------------------------------- for handlers */
@@ -180,7 +194,8 @@ struct dg_scpi_range {
  * Take the next parameter as a number: decimal, with or without exponent, MIN and MAX; #H, #Q, #B
  * and 0x for plain whole ones. More decimals than the base unit has are truncated (angles rounded
  * up).
- * @return false: an error was raised (-109 none there, -104, -131, -222 with the range)
+ * @return false: an error was raised (-109 none there, -102 more behind it, -104, -131, -222 with
+ * the range), by this or before by the same command; `value` is as before. Likewise the others
  */
 bool dg_scpi_number(struct dg_scpi *self, const struct dg_scpi_range *range, int64_t *value);
 
@@ -195,15 +210,15 @@ bool dg_scpi_word(struct dg_scpi *self, const char *const *words, size_t count, 
  * terminated @return false: an error was raised (-109, -151; -222 when longer than size - 1) */
 bool dg_scpi_text(struct dg_scpi *self, char *to, size_t size);
 
-/** Whether another parameter is there. */
+/** Whether another parameter is there; none after an error. */
 bool dg_scpi_more(struct dg_scpi *self);
 
-/** Queue an error and set its bit in ESR; the rest of the line is not done. `detail` may be NULL;
- * it is cut to DG_SCPI_DETAIL_MAX. */
+/** Queue an error and set its bit in ESR; the rest of the line is not done, and nothing more is
+ * put. `code` 0: nothing. `detail` may be NULL; it is cut to DG_SCPI_DETAIL_MAX. */
 void dg_scpi_raise(struct dg_scpi *self, int code, const char *detail);
 
 /** Begin the next part of an answer: separators between parts and between answers come by
- * themselves. `places` decimals: 1234 with 3 is 1.234. */
+ * themselves. `places` decimals, 0..18: 1234 with 3 is 1.234. */
 void dg_scpi_put_number(struct dg_scpi *self, int64_t value, unsigned places);
 void dg_scpi_put_unsigned(struct dg_scpi *self, uint64_t value);
 /** As is. */
@@ -214,7 +229,7 @@ void dg_scpi_put_string(struct dg_scpi *self, const char *text);
 void dg_scpi_begin(struct dg_scpi *self);
 void dg_scpi_append(struct dg_scpi *self, const char *text);
 void dg_scpi_append_number(struct dg_scpi *self, int64_t value, unsigned places);
-/** `digits` digits, upper case, no prefix. */
+/** `digits` digits, 1..16, upper case, no prefix. */
 void dg_scpi_append_hex(struct dg_scpi *self, uint64_t value, unsigned digits);
 
 #ifdef __cplusplus

@@ -1,0 +1,129 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Headers and words in long and short form (SCPI-99 volume 1, 6.2.1): the short form is what stands
+ * in front of the first small letter.
+ */
+#include "session.h"
+
+/* Of a text that a host hands over. */
+#define TEXT_MAX UINT16_MAX
+
+/* A part of a pattern between colons. */
+struct node {
+    const char *name;
+    size_t n;
+    bool optional;
+};
+
+/* Bounded, so that no compiler takes the loop for strlen() and calls that. */
+size_t dg_scpi_length(const char *text)
+{
+    size_t n = 0;
+
+    while (n < TEXT_MAX && text[n] != '\0') {
+        n++;
+    }
+    return n;
+}
+
+bool dg_scpi_is_digit(char c)
+{
+    return c >= '0' && c <= '9';
+}
+
+static bool is_small(char c)
+{
+    return c >= 'a' && c <= 'z';
+}
+
+char dg_scpi_upper(char c)
+{
+    if (is_small(c)) {
+        return (char)(c - 'a' + 'A');
+    }
+    return c;
+}
+
+bool dg_scpi_same(const char *a, const char *b, size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        if (dg_scpi_upper(a[i]) != dg_scpi_upper(b[i])) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool dg_scpi_is_form(const char *name, size_t name_length, const char *text, size_t n)
+{
+    size_t brief = 0;
+
+    while (brief < name_length && !is_small(name[brief])) {
+        brief++;
+    }
+    return (n == brief || n == name_length) && dg_scpi_same(name, text, n);
+}
+
+static bool is_between(char c)
+{
+    return c == ':' || c == '[' || c == ']';
+}
+
+static const char *next_node(const char *pattern, struct node *out)
+{
+    out->optional = false;
+    while (is_between(*pattern)) {
+        out->optional = out->optional || *pattern == '[';
+        pattern++;
+    }
+    out->name = pattern;
+    while (*pattern != '\0' && !is_between(*pattern)) {
+        pattern++;
+    }
+    out->n = (size_t)(pattern - out->name);
+    return pattern;
+}
+
+bool dg_scpi_matches(const char *pattern, const char *header, size_t n)
+{
+    const char *const end = header + n;
+    struct node node;
+    bool open = true; /* a node of the header is to come, if only an empty one */
+
+    for (pattern = next_node(pattern, &node); node.n > 0; pattern = next_node(pattern, &node)) {
+        const char *stop = header;
+        while (stop < end && *stop != ':') {
+            stop++;
+        }
+        if (open && dg_scpi_is_form(node.name, node.n, header, (size_t)(stop - header))) {
+            open = stop < end;
+            header = open ? stop + 1 : stop;
+        } else if (!node.optional) {
+            return false;
+        }
+    }
+    return !open;
+}
+
+static const struct dg_scpi_command *find_in(const struct dg_scpi_command *rows, size_t count,
+                                             const char *header, size_t n, bool query)
+{
+    for (size_t i = 0; i < count; i++) {
+        if ((query ? rows[i].query : rows[i].set) != NULL &&
+            dg_scpi_matches(rows[i].header, header, n)) {
+            return &rows[i];
+        }
+    }
+    return NULL;
+}
+
+const struct dg_scpi_command *dg_scpi_find(const struct dg_scpi *self, const char *header, size_t n,
+                                           bool query)
+{
+    const struct dg_scpi_command *own = find_in(dg_scpi_own, dg_scpi_own_count, header, n, query);
+
+    if (own != NULL) {
+        return own;
+    }
+    return find_in(self->setup.commands, self->setup.command_count, header, n, query);
+}
