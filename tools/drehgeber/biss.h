@@ -12,7 +12,4 @@ int biss_command(const struct options *options);
 /* Be that encoder, in front of a simulated master in real time, until SIGINT or SIGTERM. */
 int biss_run(const struct options *options);
 
-/* The KEYs of BiSS encoders, for --help. */
-void biss_settings_help(FILE *to);
-
 #endif

@@ -26,8 +26,8 @@ enum key {
 };
 
 static const struct wire wires[] = {
-    {"pty", KEY_PTY, DG_STACK_HIPERFACE, lx_pty_open, NULL},
-    {"tty", KEY_TTY, DG_STACK_HIPERFACE, lx_tty_open, NULL},
+    {"pty", KEY_PTY, DG_STACK_HIPERFACE, lx_hf_bus_make_pty, NULL},
+    {"tty", KEY_TTY, DG_STACK_HIPERFACE, lx_hf_bus_make_tty, NULL},
     {"sim", KEY_SIM, DG_STACK_BISS, NULL, NULL},
     {"modbus", KEY_MODBUS, DG_STACK_INTERBUS, NULL, NULL},
     {"can", KEY_CAN, DG_STACK_CANOPEN, NULL, lx_can_socket_open},
