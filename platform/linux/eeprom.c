@@ -120,6 +120,27 @@ static const char *owner_of(struct image *file)
     return "an encoder with other factory figures";
 }
 
+/* A new unit has been given its address by whoever wired the line. */
+static int burn_address(struct image *self, uint8_t address)
+{
+    const uint8_t uart[] = {DG_HF_UART_DEFAULT, address};
+    return address == 0 ? DG_OK
+                        : dg_store_put(&self->store, DG_HF_REGION_UART, 0, uart, sizeof uart);
+}
+
+/* What was set over the line stays. */
+static void tell_address(const struct lx_eeprom *self, struct image *file, uint8_t address,
+                         const struct lx_say *say)
+{
+    uint8_t uart[2] = {0};
+    const bool readable =
+        address != 0 && !dg_store_damaged(&file->store, DG_HF_REGION_UART) &&
+        dg_store_read(&file->store, DG_HF_REGION_UART, 0, uart, sizeof uart) == DG_OK;
+    if (readable && uart[1] != address) {
+        lx_note(say, "%s: its address is 0x%02X, not 0x%02X", self->file.path, uart[1], address);
+    }
+}
+
 static int check_figures(const struct lx_eeprom *self, struct image *file,
                          const struct lx_settings *settings, struct lx_error *error)
 {
@@ -159,6 +180,9 @@ static int check_file(struct lx_eeprom *self, const struct lx_settings *settings
         return lx_fail(error, "%s: no memory", self->file.path);
     }
     const int result = check_image(self, &file, settings, error);
+    if (result == 0) {
+        tell_address(self, &file, settings->address, say);
+    }
     lx_nvm_memory_free(&file.memory);
     if (result == 0 && self->file.length < self->file.size) {
         lx_note(say, "%s: cut off, %lu of %lu bytes; what is missing reads FFh", self->file.path,
@@ -172,7 +196,10 @@ int lx_eeprom_open(struct lx_eeprom *self, const char *path, const struct lx_set
 {
     *self = (struct lx_eeprom){.file = {.fd = -1}};
     struct image image = {0};
-    const int made = image_of_model(&image, &settings->model);
+    int made = image_of_model(&image, &settings->model);
+    if (made == DG_OK) {
+        made = burn_address(&image, settings->address);
+    }
     self->memory = image.memory;
     self->nvm = lx_nvm_memory_port(&self->memory);
     if (made != DG_OK) {

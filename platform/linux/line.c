@@ -61,6 +61,29 @@ bool lx_line_busy(const struct lx_line *self, dg_ns now)
     return self->sent < self->length || (self->length > 0 && now < end_of(self, self->length - 1));
 }
 
+bool lx_line_on(const struct lx_line *self, dg_ns at, uint8_t *byte)
+{
+    if (self->sent >= self->length) {
+        return false;
+    }
+    *byte = self->bytes[self->sent];
+    return at > (self->sent == 0 ? self->start : end_of(self, self->sent - 1));
+}
+
+void lx_line_repeat(struct lx_line *self)
+{
+    if (self->length > 0) {
+        self->start = end_of(self, self->length - 1);
+        self->sent = 0;
+    }
+}
+
+void lx_line_stop(struct lx_line *self)
+{
+    self->length = 0;
+    self->sent = 0;
+}
+
 bool lx_parmrk_feed(struct lx_parmrk *self, uint8_t byte, struct lx_character *out)
 {
     const uint8_t seen = self->seen;

@@ -43,6 +43,15 @@ dg_ns lx_line_next(const struct lx_line *self);
 /** Whether the reply is still on the line: what comes in now collides with it. */
 bool lx_line_busy(const struct lx_line *self, dg_ns now);
 
+/** The character that began before `at` and has not been taken yet. @return false: there is none */
+bool lx_line_on(const struct lx_line *self, dg_ns at, uint8_t *byte);
+
+/** The same reply once more, right behind its end. */
+void lx_line_repeat(struct lx_line *self);
+
+/** Cut off what is on its way. */
+void lx_line_stop(struct lx_line *self);
+
 /** A received character. */
 struct lx_character {
     uint8_t byte;

@@ -29,7 +29,6 @@ struct pty {
     struct lx_timer settled; /* what a client has set is in force */
     int slave;
     bool linked;
-    bool mismatch; /* the master talks at another speed, and the user has been told */
 };
 
 static struct pty *pty_of(struct lx_serial *serial)
@@ -54,59 +53,25 @@ static void keep_changeable(void *ctx, dg_ns now)
     }
 }
 
-/* Once per episode, which setting would be right. */
-static void tell_mismatch(const struct lx_serial *serial, uint32_t baud)
-{
-    const struct dg_hf_uart *uart = &serial->uart;
-    char speed[24] = "another speed";
-    if (baud != 0) {
-        (void)snprintf(speed, sizeof speed, "%lu Bd", (unsigned long)baud);
-    }
-    lx_note(serial->setup.say,
-            "the master talks at %s, the encoder expects %lu Bd 8%c1; --set line=any takes any "
-            "data rate",
-            speed, (unsigned long)uart->baud, uart->parity);
-}
-
-/* The kernel strips the parity of a pty, so the speed is all there is to compare. */
-static bool speed_differs(struct pty *self)
-{
-    struct lx_serial *serial = &self->serial;
-    struct termios line;
-    if (serial->setup.any_line || tcgetattr(self->slave, &line) != 0) {
-        return false;
-    }
-    const uint32_t baud = lx_baud_of_speed(cfgetospeed(&line));
-    const bool differs = baud != serial->uart.baud;
-    if (differs && !self->mismatch) {
-        tell_mismatch(serial, baud);
-    }
-    self->mismatch = differs;
-    return differs;
-}
-
-/* Packet mode: a read begins with 0 and goes on with data, or it tells that something was set. */
+/* Packet mode: a read begins with 0 and goes on with data, or it tells that something was set. The
+   kernel strips the parity of a pty, so the speed is all there is to know. */
 static void received(struct lx_serial *serial, dg_ns now, const uint8_t *bytes, size_t n)
 {
     struct lx_character character = {.flags = DG_HF_RX_OK};
+    struct termios line;
     if (bytes[0] != TIOCPKT_DATA) {
         lx_timer_at(&pty_of(serial)->settled, dg_after(now, SETTLING));
         return;
     }
-    if (speed_differs(pty_of(serial))) {
-        character.flags = DG_HF_RX_DAMAGED;
+    serial->baud = LX_BAUD_ANY;
+    if (!serial->setup.any_line && tcgetattr(pty_of(serial)->slave, &line) == 0) {
+        serial->baud = lx_baud_of_speed(cfgetospeed(&line));
     }
     for (size_t i = 1; i < n; i++) {
         character.byte = bytes[i];
-        lx_serial_rx(serial, now, &character);
+        serial->more = n - i - 1;
+        serial->setup.rx(serial->setup.ctx, now, &character);
     }
-}
-
-/* Only when the pty system itself fails: the slave side is never closed before this one. */
-static void gone(struct lx_serial *serial, int reason)
-{
-    lx_complain("%s: the pty is gone: %s", serial->address, strerror(reason == 0 ? EIO : reason));
-    (void)sd_event_exit(serial->setup.event, 1);
 }
 
 /* Remove the link, unless somebody else has put theirs there by now. */
@@ -124,47 +89,49 @@ static void remove_link(const struct pty *self)
     }
 }
 
-static void close_pty(struct lx_serial *serial)
+static void shut_pty(struct lx_serial *serial)
 {
     struct pty *self = pty_of(serial);
     if (self->linked) {
         remove_link(self);
     }
-    lx_timer_close(&self->settled);
+    self->linked = false;
     if (self->slave >= 0) {
         (void)close(self->slave);
     }
+    self->slave = -1;
 }
 
-static const struct lx_serial_ops pty_ops = {
-    .received = received,
-    .gone = gone,
-    .close = close_pty,
-};
+static void close_pty(struct lx_serial *serial)
+{
+    lx_timer_close(&pty_of(serial)->settled);
+}
 
-/* The lock on a pty's slave side that says who made this link to it: one byte, numbered as the
-   link. The pty's number alone says nothing, a link left behind may lead to somebody else's. */
-static struct flock lock_of(const struct stat *link)
+/* The lock on a pty's slave side that says who made this link to it: its place is the link's
+   number, its length the process. The pty's number alone says nothing, a link left behind may lead
+   to somebody else's. The lock belongs to the open file, not to the process: it outlives that this
+   process looks at its own ptys, and is seen by it. */
+static struct flock lock_of(const struct stat *link, pid_t owner)
 {
     return (struct flock){
         .l_type = F_WRLCK,
         .l_whence = SEEK_SET,
-        .l_start = (off_t)(link->st_ino & INT32_MAX),
-        .l_len = 1,
+        .l_start = (off_t)(link->st_ino & INT32_MAX) << 32,
+        .l_len = owner,
     };
 }
 
 /* The process that is the encoder behind this link to `pty`, or 0. */
 static pid_t owner_of(const char *pty, const struct stat *link)
 {
-    struct flock lock = lock_of(link);
+    struct flock lock = lock_of(link, 1);
     const int fd = open(pty, O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
     if (fd < 0) {
         return 0;
     }
-    const bool known = fcntl(fd, F_GETLK, &lock) == 0 && lock.l_type != F_UNLCK;
+    const bool known = fcntl(fd, F_OFD_GETLK, &lock) == 0 && lock.l_type != F_UNLCK;
     (void)close(fd);
-    return known ? lock.l_pid : 0;
+    return known ? (pid_t)lock.l_len : 0;
 }
 
 /* A link that leads nowhere or to a pty was left behind by a run that could not clean up, unless
@@ -201,10 +168,9 @@ static int make_link(struct pty *self, struct lx_error *error)
         return lx_fail(error, "--pty=%s: cannot make the link: %s", link, strerror(errno));
     }
     self->linked = true;
-    /* Not earlier: clear_link() may have looked at this very pty, and closing it unlocks it. */
     if (lstat(link, &info) == 0) {
-        struct flock lock = lock_of(&info);
-        (void)fcntl(self->slave, F_SETLK, &lock);
+        struct flock lock = lock_of(&info, getpid());
+        (void)fcntl(self->slave, F_OFD_SETLK, &lock);
     }
     return 0;
 }
@@ -245,20 +211,27 @@ static int open_pair(struct pty *self)
     return prepare_slave(self);
 }
 
-static int start(struct pty *self, struct lx_error *error)
+static int open_pty(struct lx_serial *serial, struct lx_error *error)
 {
+    struct pty *self = pty_of(serial);
     if (open_pair(self) != 0) {
         return lx_fail(error, "--pty: cannot make a pty: %s", strerror(errno));
     }
-    int result = lx_timer_open(&self->settled, self->serial.setup.event, keep_changeable, self);
-    if (result >= 0) {
-        result = lx_serial_watch(&self->serial);
-    }
+    const int result = lx_serial_watch(serial);
     if (result < 0) {
         return lx_fail(error, "--pty: cannot watch the pty: %s", strerror(-result));
     }
-    return self->serial.setup.where == NULL ? 0 : make_link(self, error);
+    return serial->setup.where == NULL ? 0 : make_link(self, error);
 }
+
+/* Only when the pty system itself fails: the slave side is never closed before the other one. */
+static const struct lx_serial_ops pty_ops = {
+    .again = "making another one as soon as possible",
+    .open = open_pty,
+    .received = received,
+    .shut = shut_pty,
+    .close = close_pty,
+};
 
 struct lx_serial *lx_pty_open(const struct lx_serial_setup *setup, struct lx_error *error)
 {
@@ -268,8 +241,13 @@ struct lx_serial *lx_pty_open(const struct lx_serial_setup *setup, struct lx_err
         return NULL;
     }
     self->slave = -1;
-    self->serial.pace = setup->pace ? LX_PACE_TIMER : LX_PACE_NONE;
-    if (lx_serial_init(&self->serial, &pty_ops, setup, error) != 0 || start(self, error) != 0) {
+    const int result = lx_timer_open(&self->settled, setup->event, keep_changeable, self);
+    if (result < 0) {
+        (void)lx_fail(error, "no timer: %s", strerror(-result));
+        free(self);
+        return NULL;
+    }
+    if (lx_serial_start(&self->serial, &pty_ops, setup, error) != 0) {
         lx_serial_close(&self->serial);
         return NULL;
     }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What a pty and a UART have in common: non-blocking reads in chunks, replies that keep the time of
- * the line, and half duplex. While a reply is on the line, what comes in has collided with it.
+ * What a pty and a UART have in common: non-blocking reads in chunks, writes that lose what nobody
+ * takes, and coming back.
  */
 #define _GNU_SOURCE
 #include "serial.h"
@@ -16,6 +16,9 @@
 /* Bytes read at once; a flood is taken in pieces of this, between which deadlines get their turn.
  */
 #define CHUNK 4096u
+
+/* How often a port that has gone is looked for. */
+#define REOPEN DG_S(1)
 
 /* clang-format off */
 static const struct {
@@ -49,8 +52,8 @@ unsigned long lx_speed_of_baud(uint32_t baud)
     return 0;
 }
 
-/* A full buffer, or no line at all, loses characters as a wire does. */
-static void put(struct lx_serial *self, const uint8_t *bytes, size_t n)
+/* A full buffer, or no port at all, loses characters as a wire does. */
+void lx_serial_put(struct lx_serial *self, const uint8_t *bytes, size_t n)
 {
     while (n > 0) {
         const ssize_t done = self->fd < 0 ? -1 : write(self->fd, bytes, n);
@@ -66,13 +69,41 @@ static void put(struct lx_serial *self, const uint8_t *bytes, size_t n)
     }
 }
 
-static void on_character_over(void *ctx, dg_ns now)
+static void shut(struct lx_serial *self)
+{
+    if (self->ops->shut != NULL) {
+        self->ops->shut(self);
+    }
+    lx_serial_unwatch(self);
+}
+
+static void try_again(void *ctx, dg_ns now)
 {
     struct lx_serial *self = ctx;
-    const uint8_t *bytes = NULL;
-    const size_t n = lx_line_take(&self->line, now, &bytes);
-    put(self, bytes, n);
-    lx_timer_at(&self->timer, lx_line_next(&self->line));
+    struct lx_error ignored;
+    if (self->ops->open(self, &ignored) != 0) {
+        shut(self);
+        lx_timer_at(&self->reopen, dg_after(now, REOPEN));
+        return;
+    }
+    lx_note(self->setup.say, "%s: back",
+            self->setup.where == NULL ? self->address : self->setup.where);
+    if (self->setup.back != NULL) {
+        self->setup.back(self->setup.ctx);
+    }
+}
+
+/* `reason` is an errno, 0 for a hang-up. */
+static void gone(struct lx_serial *self, int reason)
+{
+    const bool lasting = self->ops->lasting == NULL || self->ops->lasting(self);
+    lx_complain("%s: gone (%s); %s", self->address, reason == 0 ? "hung up" : strerror(reason),
+                lasting ? self->ops->again
+                        : "its name may be given to any other pty, so start again");
+    shut(self);
+    if (lasting) {
+        lx_timer_at(&self->reopen, dg_after(lx_now(), REOPEN));
+    }
 }
 
 static int on_readable(sd_event_source *source, int fd, uint32_t events, void *ctx)
@@ -89,21 +120,24 @@ static int on_readable(sd_event_source *source, int fd, uint32_t events, void *c
     }
     const bool nothing_yet = n < 0 && (reason == EAGAIN || reason == EINTR);
     if (!nothing_yet || (events & (EPOLLHUP | EPOLLERR)) != 0) {
-        self->ops->gone(self, nothing_yet ? 0 : reason);
+        gone(self, nothing_yet ? 0 : reason);
     }
     return 0;
 }
 
-int lx_serial_init(struct lx_serial *self, const struct lx_serial_ops *ops,
-                   const struct lx_serial_setup *setup, struct lx_error *error)
+int lx_serial_start(struct lx_serial *self, const struct lx_serial_ops *ops,
+                    const struct lx_serial_setup *setup, struct lx_error *error)
 {
     self->ops = ops;
     self->setup = *setup;
     self->uart = setup->uart;
+    self->baud = LX_BAUD_ANY;
     self->fd = -1;
-    lx_line_set(&self->line, &setup->uart);
-    const int result = lx_timer_open(&self->timer, setup->event, on_character_over, self);
-    return result < 0 ? lx_fail(error, "no timer: %s", strerror(-result)) : 0;
+    const int result = lx_timer_open(&self->reopen, setup->event, try_again, self);
+    if (result < 0) {
+        return lx_fail(error, "no timer: %s", strerror(-result));
+    }
+    return ops->open(self, error);
 }
 
 int lx_serial_watch(struct lx_serial *self)
@@ -125,38 +159,18 @@ void lx_serial_close(struct lx_serial *self)
     if (self == NULL) {
         return;
     }
-    self->ops->close(self);
-    lx_serial_unwatch(self);
-    lx_timer_close(&self->timer);
+    shut(self);
+    if (self->ops->close != NULL) {
+        self->ops->close(self);
+    }
+    lx_timer_close(&self->reopen);
     free(self);
 }
 
 void lx_serial_set(struct lx_serial *self, const struct dg_hf_uart *uart)
 {
     self->uart = *uart;
-    lx_line_set(&self->line, uart);
     if (self->ops->apply != NULL) {
         self->ops->apply(self);
     }
-}
-
-void lx_serial_rx(struct lx_serial *self, dg_ns now, const struct lx_character *character)
-{
-    if (self->pace != LX_PACE_NONE && lx_line_busy(&self->line, now)) {
-        self->counters.collided++;
-        return;
-    }
-    self->setup.rx(self->setup.ctx, now, character);
-}
-
-void lx_serial_send(struct lx_serial *self, dg_ns now, const uint8_t *bytes, size_t n)
-{
-    lx_line_start(&self->line, now, bytes, n);
-    if (self->pace == LX_PACE_TIMER) {
-        lx_timer_at(&self->timer, lx_line_next(&self->line));
-        return;
-    }
-    const uint8_t *all = NULL;
-    const size_t count = lx_line_take_all(&self->line, &all);
-    put(self, all, count);
 }

@@ -11,6 +11,9 @@
 
 #include "number.h"
 
+/* Longest KEY=VALUE of a plan, with its end. */
+#define SETTING_MAX 256u
+
 /* How a value lies in memory. */
 enum kind { U8, U16, U32, I16, I32, NS, WORD, TEXT };
 
@@ -262,6 +265,20 @@ int lx_settings_set(struct lx_settings *self, const char *assignment, struct lx_
     return set_number(row, to, equals + 1, error);
 }
 
+int lx_settings_take(struct lx_settings *self, const struct lx_plan *plan,
+                     const struct lx_plan_setting *setting, struct lx_error *error)
+{
+    char assignment[SETTING_MAX];
+    const int n = snprintf(assignment, sizeof assignment, "%s=%s", setting->key, setting->value);
+    if (n < 0 || (size_t)n >= sizeof assignment) {
+        return lx_plan_fail(plan, setting->line, error, "%.40s: the value is too long",
+                            setting->key);
+    }
+    return lx_settings_set(self, assignment, error) == 0
+               ? 0
+               : lx_settings_refuse(plan, setting->line, error);
+}
+
 int lx_settings_serial(struct lx_settings *self, const char *digits, struct lx_error *error)
 {
     const size_t length = sizeof self->model.serial - 1;
@@ -273,6 +290,29 @@ int lx_settings_serial(struct lx_settings *self, const char *digits, struct lx_e
     memcpy(self->model.serial + length - n, digits, n + 1);
     self->serial_given = true;
     return 0;
+}
+
+void lx_settings_world(const struct lx_settings *self, struct dg_world *to)
+{
+    const struct dg_world before = *to;
+    *to = self->world;
+    to->angle = before.angle;
+    to->angle_ctx = before.angle_ctx;
+}
+
+int lx_settings_refuse(const struct lx_plan *plan, lx_line_number line, struct lx_error *error)
+{
+    static const char *const options[] = {"--set ", "--set: ", "--"};
+    const struct lx_error said = *error;
+    if (line == 0) {
+        return -1;
+    }
+    size_t skip = 0;
+    for (size_t i = 0; skip == 0 && i < sizeof options / sizeof options[0]; i++) {
+        const size_t n = strlen(options[i]);
+        skip = strncmp(said.text, options[i], n) == 0 ? n : 0;
+    }
+    return lx_plan_fail(plan, line, error, "%s", said.text + skip);
 }
 
 int lx_settings_check(const struct lx_settings *self, struct lx_error *error)

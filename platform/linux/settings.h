@@ -11,9 +11,10 @@
 
 #include "drehgeber/hiperface.h"
 #include "drehgeber/world.h"
+#include "plan.h"
 #include "say.h"
 
-/** What the table's rows point into. */
+/** What the table's rows point into. Once all are set, lx_settings_world() hands on the world. */
 struct lx_settings {
     struct dg_hf_model model; /**< factory figures */
     struct dg_world world;    /**< what the encoder senses */
@@ -21,6 +22,7 @@ struct lx_settings {
     bool any_line;            /**< whatever the line is set to is right */
     bool serial_given;        /**< the serial number was asked for, not left to the model */
     bool rs485;               /**< an RS485 encoder; another one only has a world */
+    uint8_t address;          /**< RS485: of a new EEPROM; 0: as delivered */
 };
 
 /** The figures of `model` in a healthy world; NULL: not an RS485 encoder. */
@@ -29,8 +31,19 @@ void lx_settings_init(struct lx_settings *self, const struct dg_hf_model *model)
 /** Apply "key=value". @return 0, or -1 with one line that names what would be right */
 int lx_settings_set(struct lx_settings *self, const char *assignment, struct lx_error *error);
 
+/** Apply a setting of a plan. @return 0, or -1 with one line in `error` that names its place */
+int lx_settings_take(struct lx_settings *self, const struct lx_plan *plan,
+                     const struct lx_plan_setting *setting, struct lx_error *error);
+
 /** Set the serial number: 1 to 9 digits, zeros in front. @return as lx_settings_set() */
 int lx_settings_serial(struct lx_settings *self, const char *digits, struct lx_error *error);
+
+/** All that the encoder senses but its shaft, to the world it lives in. */
+void lx_settings_world(const struct lx_settings *self, struct dg_world *to);
+
+/** Turn an error about "--set KEY=VALUE" or "--serial N" into one about line `line` of the plan's
+ * file; one about the command line (0) stays as it is. Always -1. */
+int lx_settings_refuse(const struct lx_plan *plan, lx_line_number line, struct lx_error *error);
 
 /** Whether the figures fit each other. @return 0, or -1 with one line in `error` */
 int lx_settings_check(const struct lx_settings *self, struct lx_error *error);

@@ -18,9 +18,6 @@
 
 #include "serial.h"
 
-/* How often a device that has gone is looked for. */
-#define REOPEN DG_S(1)
-
 /* Device numbers of the slave sides of ptys on Linux. */
 #define PTY_SLAVE_MAJOR_FIRST 136u
 #define PTY_SLAVE_MAJOR_LAST 143u
@@ -28,7 +25,6 @@
 struct tty {
     struct lx_serial serial;
     struct lx_parmrk parmrk;
-    struct lx_timer reopen;
     bool passing; /* a pty under its own name, which the next pty may get */
 };
 
@@ -41,9 +37,12 @@ static void received(struct lx_serial *serial, dg_ns now, const uint8_t *bytes, 
 {
     struct tty *self = tty_of(serial);
     struct lx_character character;
+    serial->baud = serial->uart.baud;
+    serial->parity = serial->uart.parity;
     for (size_t i = 0; i < n; i++) {
+        serial->more = n - i - 1; /* escapes count as three: an estimate */
         if (lx_parmrk_feed(&self->parmrk, bytes[i], &character)) {
-            lx_serial_rx(serial, now, &character);
+            serial->setup.rx(serial->setup.ctx, now, &character);
         }
     }
 }
@@ -117,50 +116,40 @@ static bool is_link(const char *path)
     return lstat(path, &info) == 0 && S_ISLNK(info.st_mode);
 }
 
+/* 0 or an errno. */
 static int open_device(struct tty *self)
 {
     struct lx_serial *serial = &self->serial;
     serial->fd = open(serial->address, O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
     if (serial->fd < 0 || configure(serial->fd, &serial->uart) != 0) {
-        return -1;
+        return errno;
     }
     (void)tcflush(serial->fd, TCIFLUSH); /* what came in before the port was set up */
     tune(serial->fd);
-    serial->pace = LX_PACE_UART;
-    if (is_pty(serial->fd)) {
-        self->passing = !is_link(serial->address);
-        serial->pace = serial->setup.pace ? LX_PACE_TIMER : LX_PACE_NONE;
-    }
+    serial->timed = !is_pty(serial->fd);
+    self->passing = !serial->timed && !is_link(serial->address);
     self->parmrk = (struct lx_parmrk){0};
-    const int result = lx_serial_watch(serial);
-    if (result < 0) {
-        errno = -result;
-        return -1;
+    return -lx_serial_watch(serial);
+}
+
+static int open_tty(struct lx_serial *serial, struct lx_error *error)
+{
+    const char *where = serial->setup.where;
+    const int reason = open_device(tty_of(serial));
+    if (reason == ENOTTY) {
+        return lx_fail(error, "--tty %s: not a serial port; one such as /dev/ttyUSB0 is right",
+                       where);
+    }
+    if (reason != 0) {
+        return lx_fail(error, "--tty %s: cannot use it at %lu Bd 8%c1: %s", where,
+                       (unsigned long)serial->uart.baud, serial->uart.parity, strerror(reason));
     }
     return 0;
 }
 
-static void gone(struct lx_serial *serial, int reason)
+static bool lasting(const struct lx_serial *serial)
 {
-    lx_serial_unwatch(serial);
-    const bool passing = tty_of(serial)->passing;
-    lx_complain("%s: gone (%s); %s", serial->address, reason == 0 ? "hung up" : strerror(reason),
-                passing ? "its name may be given to any other pty, so start again"
-                        : "looking for it once a second");
-    if (!passing) {
-        lx_timer_at(&tty_of(serial)->reopen, dg_after(lx_now(), REOPEN));
-    }
-}
-
-static void try_again(void *ctx, dg_ns now)
-{
-    struct tty *self = ctx;
-    if (open_device(self) == 0) {
-        lx_note(self->serial.setup.say, "%s: back", self->serial.address);
-        return;
-    }
-    lx_serial_unwatch(&self->serial);
-    lx_timer_at(&self->reopen, dg_after(now, REOPEN));
+    return !((const struct tty *)serial)->passing;
 }
 
 static void apply(struct lx_serial *serial)
@@ -171,40 +160,13 @@ static void apply(struct lx_serial *serial)
     }
 }
 
-static void close_tty(struct lx_serial *serial)
-{
-    lx_timer_close(&tty_of(serial)->reopen);
-}
-
 static const struct lx_serial_ops tty_ops = {
+    .again = "looking for it once a second",
+    .open = open_tty,
     .apply = apply,
     .received = received,
-    .gone = gone,
-    .close = close_tty,
+    .lasting = lasting,
 };
-
-static int start(struct tty *self, struct lx_error *error)
-{
-    struct lx_serial *serial = &self->serial;
-    const char *where = serial->setup.where;
-    const int length = snprintf(serial->address, sizeof serial->address, "%s", where);
-    if (length < 0 || (size_t)length >= sizeof serial->address) {
-        return lx_fail(error, "--tty: the path is too long");
-    }
-    const int result = lx_timer_open(&self->reopen, serial->setup.event, try_again, self);
-    if (result < 0) {
-        return lx_fail(error, "no timer: %s", strerror(-result));
-    }
-    if (open_device(self) != 0) {
-        if (errno == ENOTTY) {
-            return lx_fail(error, "--tty %s: not a serial port; one such as /dev/ttyUSB0 is right",
-                           where);
-        }
-        return lx_fail(error, "--tty %s: cannot use it at %lu Bd 8%c1: %s", where,
-                       (unsigned long)serial->uart.baud, serial->uart.parity, strerror(errno));
-    }
-    return 0;
-}
 
 struct lx_serial *lx_tty_open(const struct lx_serial_setup *setup, struct lx_error *error)
 {
@@ -213,9 +175,16 @@ struct lx_serial *lx_tty_open(const struct lx_serial_setup *setup, struct lx_err
         (void)lx_fail(error, "--tty: no memory");
         return NULL;
     }
-    if (lx_serial_init(&self->serial, &tty_ops, setup, error) != 0 || start(self, error) != 0) {
-        lx_serial_close(&self->serial);
+    struct lx_serial *serial = &self->serial;
+    const int length = snprintf(serial->address, sizeof serial->address, "%s", setup->where);
+    if (length < 0 || (size_t)length >= sizeof serial->address) {
+        (void)lx_fail(error, "--tty: the path is too long");
+        free(self);
         return NULL;
     }
-    return &self->serial;
+    if (lx_serial_start(serial, &tty_ops, setup, error) != 0) {
+        lx_serial_close(serial);
+        return NULL;
+    }
+    return serial;
 }

@@ -81,20 +81,13 @@ static size_t take_bytes(struct words *words, uint8_t *bytes, size_t capacity)
 /* How an access went wrong. */
 static int complain_access(struct lx_error *error, const char *what, unsigned address, int result)
 {
-    static const char *const reasons[] = {
-        [-BISS_WIRE_SILENT] = "no answer",
-        [-BISS_WIRE_REFUSED] = "refused: not implemented or protected",
-        [-BISS_WIRE_TOO_BUSY] = "busy for more than 20 ms",
-        [-BISS_WIRE_DAMAGED] = "wrong check sum",
-    };
-
-    (void)lx_fail(error, "%s 0x%02X: %s", what, address, reasons[-result]);
+    (void)lx_fail(error, "%s 0x%02X: %s", what, address, lx_biss_failure_text(result));
     return EXIT_OTHER;
 }
 
 static int select_bank(struct biss_session *self, uint8_t bank, struct lx_error *error)
 {
-    const int result = biss_wire_write(&self->wire, BANK_SELECT, &bank, 1);
+    const int result = lx_biss_wire_write(&self->wire, 0, BANK_SELECT, &bank, 1);
 
     return result < 0 ? complain_access(error, "bank select", BANK_SELECT, result) : 0;
 }
@@ -132,7 +125,7 @@ static int read_all(struct biss_session *self, uint8_t address, uint8_t *bytes, 
 {
     for (size_t done = 0; done < n;) {
         const uint8_t at = (uint8_t)(address + done);
-        const int result = biss_wire_read(&self->wire, at, &bytes[done], n - done);
+        const int result = lx_biss_wire_read(&self->wire, 0, at, &bytes[done], n - done);
         if (result < 0) {
             return complain_access(error, "read", at, result);
         }
@@ -143,8 +136,9 @@ static int read_all(struct biss_session *self, uint8_t address, uint8_t *bytes, 
 
 static int do_read(struct biss_session *self, struct words *words, struct lx_error *error)
 {
-    const struct dg_biss_model *model = &self->model;
-    const struct biss_wire_position p = biss_wire_read_position(&self->wire);
+    const struct dg_biss_model *model = &self->settings.model;
+    lx_biss_wire_frame(&self->wire);
+    const struct lx_biss_position p = lx_biss_wire_position(&self->wire, 0);
     const uint64_t st = p.position & (((uint64_t)1 << model->singleturn_bits) - 1u);
     const double degrees = 360.0 * (double)st / (double)(1u << model->singleturn_bits);
 
@@ -152,7 +146,7 @@ static int do_read(struct biss_session *self, struct words *words, struct lx_err
     (void)printf("MT %" PRIu64 "  ST %" PRIu64 "  %.6f deg  nERR %d  nWARN %d  LC %u  CRC %s\n",
                  p.position >> model->singleturn_bits, st, degrees, p.n_err, p.n_warn, p.life,
                  p.crc_ok ? "valid" : "WRONG");
-    return p.crc_ok ? 0 : complain_access(error, "position", 0, BISS_WIRE_DAMAGED);
+    return p.crc_ok ? 0 : complain_access(error, "position", 0, LX_BISS_DAMAGED);
 }
 
 static int do_registers(struct biss_session *self, struct words *words, struct lx_error *error)
@@ -210,7 +204,7 @@ static int do_write(struct biss_session *self, struct words *words, struct lx_er
     }
     for (size_t done = 0; done < n;) {
         const uint8_t at = (uint8_t)(address + done);
-        result = biss_wire_write(&self->wire, at, &bytes[done], n - done);
+        result = lx_biss_wire_write(&self->wire, 0, at, &bytes[done], n - done);
         if (result < 0) {
             return complain_access(error, "write", at, result);
         }
@@ -227,12 +221,13 @@ static int do_command(struct biss_session *self, struct words *words, struct lx_
         return usage(error, "command needs a number of 0..255", "");
     }
     const uint8_t command = (uint8_t)number;
-    const int result = biss_wire_write(&self->wire, COMMAND_REGISTER, &command, 1);
+    const int result = lx_biss_wire_write(&self->wire, 0, COMMAND_REGISTER, &command, 1);
     if (result < 0) {
         return complain_access(error, "command", command, result);
     }
-    biss_wire_pause(&self->wire,
-                    self->wire.now + (command == DG_BISS_SOFT_RESET ? self->model.init : 0));
+    lx_biss_wire_pause(&self->wire,
+                       self->wire.now +
+                           (command == DG_BISS_SOFT_RESET ? self->settings.model.init : 0));
     return 0;
 }
 
@@ -290,7 +285,7 @@ int biss_command(const struct options *options)
     }
     int status = biss_session_open(&session, options, 0, &error);
     if (status == 0) {
-        biss_wire_pause(&session.wire, session.model.init);
+        lx_biss_wire_pause(&session.wire, session.settings.model.init);
     }
     while (status == 0 && words.count > 0) {
         status = act(&session, &words, &error);
@@ -321,8 +316,8 @@ static int live(struct biss_session *self, const struct options *options, const 
                 struct lx_error *error)
 {
     const struct timespec pause = {.tv_nsec = READ_EVERY_NS};
-    const struct timespec init = {.tv_sec = (time_t)(self->model.init / DG_S(1)),
-                                  .tv_nsec = (long)(self->model.init % DG_S(1))};
+    const struct timespec init = {.tv_sec = (time_t)(self->settings.model.init / DG_S(1)),
+                                  .tv_nsec = (long)(self->settings.model.init % DG_S(1))};
     struct words none = {NULL, 0};
 
     if (sigtimedwait(stop, NULL, &init) >= 0) {
@@ -330,12 +325,12 @@ static int live(struct biss_session *self, const struct options *options, const 
     }
     int status = announce(options, error);
     for (unsigned i = 0; status == 0; i++) {
-        biss_wire_pause(&self->wire, lx_now());
+        lx_biss_wire_pause(&self->wire, lx_now());
         if (i % PRINT_EVERY == 0 && !options->say.quiet) {
             status = do_read(self, &none, error);
             (void)fflush(stdout);
         } else {
-            (void)biss_wire_read_position(&self->wire);
+            lx_biss_wire_frame(&self->wire);
         }
         if (sigtimedwait(stop, NULL, &pause) >= 0) {
             break;

@@ -13,7 +13,4 @@ int biss_command(const struct options *options);
    SIGTERM. */
 int biss_run(const struct options *options);
 
-/* The KEYs of BiSS encoders, for --help. */
-void biss_settings_help(FILE *to);
-
 #endif

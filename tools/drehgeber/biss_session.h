@@ -5,22 +5,18 @@
 
 #include <stdio.h>
 
+#include "biss_settings.h"
 #include "biss_wire.h"
-#include "nvm_file.h"
-#include "nvm_memory.h"
 #include "options.h"
-#include "settings.h"
 #include "shaft.h"
 
 /* Not to be moved while open. */
 struct biss_session {
-    struct dg_biss_model model;
-    struct lx_settings settings; /* the world in it */
+    struct lx_biss_settings settings; /* the world in it */
     struct lx_shaft shaft;
-    struct lx_nvm_memory memory;
-    struct lx_nvm_file file;
+    struct lx_biss_eeprom eeprom;
     struct dg_biss device;
-    struct biss_wire wire;
+    struct lx_biss_wire wire;
     FILE *trace;
 };
 

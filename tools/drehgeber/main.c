@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "biss.h"
+#include "biss_settings.h"
 #include "drehgeber/drehgeber.h"
 #include "eds.h"
 #include "interbus.h"
@@ -62,7 +63,7 @@ static void help(void)
     (void)fputs("  (factory) is burnt into a new --nvm file; an existing one has to agree.\n"
                 "\n KEY=VALUE of BiSS encoders, beside those from temperature on:\n",
                 stdout);
-    biss_settings_help(stdout);
+    lx_biss_settings_help(stdout);
     (void)fputs("\n KEY=VALUE of INTERBUS encoders, beside what they sense of the above:\n",
                 stdout);
     lx_ring_settings_help(stdout);

@@ -27,8 +27,8 @@ enum key {
 };
 
 static const struct wire wires[] = {
-    {"pty", KEY_PTY, DG_STACK_HIPERFACE, lx_pty_open, NULL},
-    {"tty", KEY_TTY, DG_STACK_HIPERFACE, lx_tty_open, NULL},
+    {"pty", KEY_PTY, DG_STACK_HIPERFACE, lx_hf_bus_make_pty, NULL},
+    {"tty", KEY_TTY, DG_STACK_HIPERFACE, lx_hf_bus_make_tty, NULL},
     {"sim", KEY_SIM, DG_STACK_BISS, NULL, NULL},
     {"gpio", KEY_GPIO, DG_STACK_BISS, NULL, NULL},
     {"modbus", KEY_MODBUS, DG_STACK_INTERBUS, NULL, NULL},

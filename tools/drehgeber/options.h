@@ -9,9 +9,9 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "bus.h"
 #include "can.h"
 #include "drehgeber/devices.h"
-#include "encoder.h"
 #include "say.h"
 
 /* What the command line asks for. Strings belong to argv. */
@@ -31,8 +31,8 @@ struct wire {
     const char *name; /* as in "ready MODEL WIRE:ADDRESS" */
     int option;       /* key in the option table */
     enum dg_device_stack stack;
-    lx_serial_open *open; /* for DG_STACK_HIPERFACE */
-    lx_can_open *can;     /* for DG_STACK_CANOPEN */
+    lx_bus_make *make; /* for DG_STACK_HIPERFACE */
+    lx_can_open *can;  /* for DG_STACK_CANOPEN */
 };
 
 struct options {

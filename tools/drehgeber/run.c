@@ -11,8 +11,6 @@
 
 #include "canopen.h"
 #include "drehgeber/devices.h"
-#include "eeprom.h"
-#include "encoder.h"
 #include "settings.h"
 #include "shaft.h"
 #include "timer.h"
@@ -23,9 +21,10 @@ struct rig {
     const struct wire *wire;
     struct lx_settings settings;
     struct lx_shaft shaft;
-    struct lx_eeprom eeprom;
-    struct lx_encoder encoder;
-    struct lx_can_nodes nodes; /* CANopen: instead of eeprom and encoder */
+    struct lx_plan plan; /* RS485: one encoder on its own line */
+    struct lx_station station;
+    struct lx_bus *bus;
+    struct lx_can_nodes nodes; /* CANopen: instead of these */
     struct lx_can_nodes_setup nodes_setup;
     struct dg_cia406_model cia406;
     const struct dg_device *device;
@@ -119,21 +118,43 @@ int run_make_loop(sd_event **event, struct lx_error *error)
     return result < 0 ? lx_fail(error, "no event loop: %s", strerror(-result)) : 0;
 }
 
-static int switch_on_rs485(struct rig *self, dg_ns now, struct lx_error *error)
+static int plan_rs485(struct rig *self, struct lx_error *error)
 {
     const struct options *options = self->options;
-    if (lx_eeprom_open(&self->eeprom, options->nvm, &self->settings, &options->say, error) != 0) {
+    static const struct lx_wire kind = {.stack = DG_STACK_HIPERFACE};
+    if (lx_plan_add_wire(&self->plan, options->model, &kind, options->where) < 0 ||
+        lx_plan_add_encoder(&self->plan, options->model, self->device, 0, 0) < 0) {
+        return lx_fail(error, "no memory");
+    }
+    struct lx_plan_encoder *encoder = self->plan.encoders;
+    encoder->nvm = options->nvm == NULL ? NULL : strdup(options->nvm);
+    encoder->serial = options->serial == NULL ? NULL : strdup(options->serial);
+    for (size_t i = 0; i < options->set_count; i++) {
+        if (lx_plan_add_setting(&encoder->settings, options->sets[i], 0, error) != 0) {
+            return -1;
+        }
+    }
+    return 0;
+}
+
+static int switch_on_rs485(struct rig *self, dg_ns now, struct lx_error *error)
+{
+    struct lx_station *stations[] = {&self->station};
+    if (plan_rs485(self, error) != 0) {
         return -1;
     }
-    const struct lx_encoder_setup setup = {
+    const struct lx_bus_setup setup = {
         .event = self->event,
-        .say = &options->say,
-        .settings = &self->settings,
-        .nvm = self->eeprom.nvm,
-        .open = self->wire->open,
-        .where = options->where,
+        .say = &self->options->say,
+        .plan = &self->plan,
+        .wire = self->plan.wires,
+        .stations = stations,
+        .count = 1,
     };
-    return lx_encoder_open(&self->encoder, &setup, now, error);
+    self->station.world = self->settings.world;
+    self->station.plan = self->plan.encoders;
+    self->bus = self->wire->make(&setup, error);
+    return self->bus == NULL ? -1 : self->bus->ops->open(self->bus, now, error);
 }
 
 static int switch_on_canopen(struct rig *self, dg_ns now, struct lx_error *error)
@@ -173,10 +194,11 @@ int run_announce(const char *model, const char *wire, const char *address, struc
 static int announce(const struct rig *self, struct lx_error *error)
 {
     const char *model = self->options->model;
-    char address[sizeof self->encoder.port->address + 8];
+    char address[LX_BUS_ADDRESS_MAX];
     int result = 0;
     if (self->device->stack == DG_STACK_HIPERFACE) {
-        return run_announce(model, self->wire->name, self->encoder.port->address, error);
+        self->bus->ops->address(self->bus, &self->station, address, sizeof address);
+        return run_announce(model, self->wire->name, address, error);
     }
     for (unsigned i = 0; result == 0 && i < self->nodes.count; i++) {
         (void)snprintf(address, sizeof address, "%s/%u", self->nodes.bus->address,
@@ -208,7 +230,7 @@ static int live(struct rig *self, struct lx_error *error)
 
 int run_encoder(const struct options *options)
 {
-    struct rig self = {.options = options, .eeprom = {.file = {.fd = -1}}};
+    struct rig self = {.options = options};
     struct lx_error error;
     if (understand(&self, &error) != 0) {
         return run_complain(&error, EXIT_USAGE);
@@ -220,8 +242,10 @@ int run_encoder(const struct options *options)
     }
     const int status = live(&self, &error);
     lx_can_nodes_close(&self.nodes);
-    lx_encoder_close(&self.encoder);
-    lx_eeprom_close(&self.eeprom);
+    if (self.bus != NULL) {
+        self.bus->ops->close(self.bus);
+    }
+    lx_plan_free(&self.plan);
     lx_shaft_free(&self.shaft);
     self.event = sd_event_unref(self.event);
     return status;

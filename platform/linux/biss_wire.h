@@ -1,0 +1,102 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * BiSS encoders on a simulated wire: a master that clocks every edge, in virtual time. The wire's
+ * time runs on by as much as a frame takes.
+ */
+#ifndef DREHGEBER_LINUX_BISS_WIRE_H
+#define DREHGEBER_LINUX_BISS_WIRE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "drehgeber/biss.h"
+#include "drehgeber/fault.h"
+
+/** 1 MHz. */
+#define LX_BISS_HALF_NS 500u
+
+/** Longest delay of a start bit (fault), in clocks. */
+#define LX_BISS_DELAY_MAX 255u
+
+/** What an access can end in; what is not negative counts registers. */
+enum lx_biss_failure {
+    LX_BISS_SILENT = -1,   /**< the encoder did not answer */
+    LX_BISS_REFUSED = -2,  /**< register not implemented, protected, or not ready */
+    LX_BISS_TOO_BUSY = -3, /**< longer than 20 ms */
+    LX_BISS_DAMAGED = -4,  /**< a check sum is wrong */
+};
+
+/** What faults do to the SLO of an encoder in the present frame. */
+struct lx_biss_link {
+    bool active;                       /**< anything of this */
+    bool high;                         /**< cut, or the driver is dead for this frame */
+    bool started;                      /**< the start bit has been */
+    uint8_t delay;                     /**< of what comes behind e1, in clocks */
+    uint8_t flip;                      /**< which bit behind the start bit is flipped; 0: none */
+    uint16_t bit;                      /**< on the line now, 0: the start bit */
+    uint16_t clocks;                   /**< since the frame began */
+    bool held[LX_BISS_DELAY_MAX + 1u]; /**< by clock, modulo its size */
+};
+
+/** An encoder on the wire. */
+struct lx_biss_slave {
+    struct dg_biss *device;
+    struct dg_faults *faults; /**< NULL: none */
+    uint8_t data_bits;        /**< position, nERR, nWARN, LC, CRC */
+    uint64_t bits;            /**< of the last frame, right-aligned */
+    struct lx_biss_link link;
+};
+
+/** The wire. */
+struct lx_biss_wire {
+    struct lx_biss_slave slave[DG_BISS_CHAIN_MAX]; /**< the first is nearest to the master */
+    uint8_t count;
+    dg_ns now;
+    bool ma;
+    bool slo;        /**< as the master sees it */
+    bool cds;        /**< of the last frame */
+    bool answered;   /**< there was an Ack in the last frame */
+    dg_ns start;     /**< from e1 to the start bit of the last frame */
+    uint32_t silent; /**< frames without Ack; counted up */
+    /** The levels from `at` on, whenever one has changed; NULL: nobody wants to know. */
+    void (*levels)(void *ctx, dg_ns at, bool ma, bool slo);
+    void *ctx;
+};
+
+/** A position as it came over the wire. */
+struct lx_biss_position {
+    uint64_t position; /**< MT:ST */
+    uint8_t life;
+    bool n_err;
+    bool n_warn;
+    bool crc_ok;
+};
+
+/** A wire without encoders at `now`. */
+void lx_biss_wire_init(struct lx_biss_wire *self, dg_ns now);
+
+/** Put `device`, which has its model, behind the others; at most DG_BISS_CHAIN_MAX. */
+void lx_biss_wire_add(struct lx_biss_wire *self, struct dg_biss *device, struct dg_faults *faults);
+
+/** Nothing happens until `now`; a moment that is over already is the present one. */
+void lx_biss_wire_pause(struct lx_biss_wire *self, dg_ns now);
+
+/** A frame with CDM = 0; what was in it stays in `self`. */
+void lx_biss_wire_frame(struct lx_biss_wire *self);
+
+/** What encoder `slave` sent in the last frame. */
+struct lx_biss_position lx_biss_wire_position(const struct lx_biss_wire *self, uint8_t slave);
+
+/** Read, or write, `n` registers of encoder `slave` in one control frame.
+ * @return how many, or enum lx_biss_failure */
+int lx_biss_wire_read(struct lx_biss_wire *self, uint8_t slave, uint8_t address, uint8_t *bytes,
+                      size_t n);
+int lx_biss_wire_write(struct lx_biss_wire *self, uint8_t slave, uint8_t address,
+                       const uint8_t *bytes, size_t n);
+
+/** An enum lx_biss_failure in words. */
+const char *lx_biss_failure_text(int failure);
+
+#endif

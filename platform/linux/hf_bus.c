@@ -1,0 +1,255 @@
+/* SPDX-License-Identifier: MIT */
+/* RS485 encoders on one port: from the plan to a line, see hf_line.c. */
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "hf_line.h"
+#include "number.h"
+
+static struct lx_hf_bus *hf_of(struct lx_bus *bus)
+{
+    return (struct lx_hf_bus *)bus;
+}
+
+/* --- the operations --- */
+
+static int switch_on(struct lx_hf_drop *self, dg_ns now, struct lx_error *error)
+{
+    struct lx_station *station = self->station;
+    const struct lx_bus_setup *bus = &self->all->bus.setup;
+    if (lx_eeprom_open(&self->eeprom, station->plan->nvm, &self->settings, bus->say, error) != 0) {
+        return -1;
+    }
+    station->control.nvm = self->eeprom.nvm;
+    const struct dg_hf_setup device = {
+        .model = &self->settings.model,
+        .world = &station->world,
+        .nvm = self->eeprom.nvm,
+        .ops = &lx_hf_device_ops,
+        .ctx = self,
+    };
+    if (dg_hf_init(&self->device, &device) != DG_OK ||
+        dg_hf_power_on(&self->device, now) != DG_OK) {
+        return lx_fail(error, "the encoder does not start: not its EEPROM");
+    }
+    self->uart = dg_hf_uart(&self->device);
+    lx_line_set(&self->line, &self->uart);
+    return 0;
+}
+
+static bool nobody_asks(const struct lx_hf_bus *self)
+{
+    for (size_t i = 0; i < self->count; i++) {
+        if (!self->drop[i].settings.any_line) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static int open_line(struct lx_hf_bus *self, struct lx_error *error)
+{
+    const struct lx_bus_setup *bus = &self->bus.setup;
+    struct lx_serial_setup setup = {
+        .event = bus->event,
+        .say = bus->say,
+        .where = bus->wire->where,
+        .uart = self->drop->uart,
+        .stored = self->drop->uart,
+        .any_line = nobody_asks(self),
+        .rx = lx_hf_on_character,
+        .ctx = self,
+    };
+    /* A stored setting that cannot be decoded leaves the one in force. */
+    (void)dg_hf_uart_decode(self->drop->device.uart_stored, &setup.stored);
+    const int result = lx_timer_open(&self->timer, bus->event, lx_hf_on_time, self);
+    if (result < 0) {
+        return lx_fail(error, "no timer: %s", strerror(-result));
+    }
+    self->port = self->open(&setup, error);
+    return self->port == NULL ? -1 : 0;
+}
+
+static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
+{
+    struct lx_hf_bus *self = hf_of(bus);
+    for (size_t i = 0; i < self->count; i++) {
+        if (switch_on(&self->drop[i], now, error) != 0) {
+            return -1;
+        }
+    }
+    if (open_line(self, error) != 0) {
+        return -1;
+    }
+    /* The first deadline: the end of the start-up window. */
+    for (size_t i = 0; i < self->count; i++) {
+        lx_hf_follow(&self->drop[i], dg_hf_step(&self->drop[i].device, now));
+    }
+    lx_hf_settle(self);
+    return 0;
+}
+
+static void address(const struct lx_bus *bus, const struct lx_station *station, char *to,
+                    size_t size)
+{
+    (void)station;
+    (void)snprintf(to, size, "%s", ((const struct lx_hf_bus *)bus)->port->address);
+}
+
+/* A reply ends with the power. */
+static void changed_one(struct lx_hf_drop *self, dg_ns now)
+{
+    if (!lx_hf_powered(self)) {
+        lx_line_stop(&self->line);
+        self->again = false;
+        self->deaf = false;
+    }
+    lx_hf_follow(self, dg_hf_step(&self->device, now));
+}
+
+static void changed(struct lx_bus *bus, struct lx_station *station, dg_ns now)
+{
+    struct lx_hf_bus *self = hf_of(bus);
+    for (size_t i = 0; i < self->count; i++) {
+        if (station == NULL || station == self->drop[i].station) {
+            changed_one(&self->drop[i], now);
+        }
+    }
+    lx_hf_settle(self);
+}
+
+static void counters(const struct lx_bus *bus, const struct lx_station *station, struct dg_scpi *to)
+{
+    const struct lx_hf_bus *self = (const struct lx_hf_bus *)bus;
+    const struct lx_hf_drop *drop = station->own;
+    const struct {
+        const char *name;
+        uint64_t value;
+    } rows[] = {
+        {"wire_up", self->port->fd >= 0},  {"wire_late", bus->late},
+        {"wire_collided", self->collided}, {"wire_lost", self->port->counters.lost},
+        {"wire_baud", drop->uart.baud},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char text[64];
+        (void)snprintf(text, sizeof text, "%s=%" PRIu64, rows[i].name, rows[i].value);
+        dg_scpi_put_word(to, text);
+    }
+}
+
+static void close_bus(struct lx_bus *bus)
+{
+    struct lx_hf_bus *self = hf_of(bus);
+    for (size_t i = 0; i < self->count; i++) {
+        dg_hf_power_off(&self->drop[i].device);
+        lx_eeprom_close(&self->drop[i].eeprom);
+    }
+    lx_serial_close(self->port);
+    lx_timer_close(&self->timer);
+    free(self);
+}
+
+static const struct lx_bus_ops ops = {
+    .open = open_bus,
+    .address = address,
+    .changed = changed,
+    .counters = counters,
+    .close = close_bus,
+};
+
+/* --- from the plan --- */
+
+static int understand_address(struct lx_settings *settings, const struct lx_plan *plan,
+                              const struct lx_plan_encoder *encoder, struct lx_error *error)
+{
+    uint64_t number = 0;
+    if (encoder->address == NULL) {
+        return 0;
+    }
+    if (!lx_unsigned_parse(encoder->address, &number) || number < DG_HF_ADDRESS_DEFAULT ||
+        number > DG_HF_ADDRESS_LAST) {
+        return lx_plan_fail(plan, encoder->address_line, error,
+                            "address %s: 0x%02X..0x%02X is right", encoder->address,
+                            DG_HF_ADDRESS_DEFAULT, DG_HF_ADDRESS_LAST);
+    }
+    settings->address = (uint8_t)number;
+    return 0;
+}
+
+static int understand(struct lx_settings *settings, const struct lx_plan *plan,
+                      const struct lx_plan_encoder *encoder, struct lx_error *error)
+{
+    lx_settings_init(settings, encoder->model->hiperface);
+    for (size_t i = 0; i < encoder->settings.count; i++) {
+        if (lx_settings_take(settings, plan, &encoder->settings.list[i], error) != 0) {
+            return -1;
+        }
+    }
+    if (encoder->serial != NULL && lx_settings_serial(settings, encoder->serial, error) != 0) {
+        return lx_settings_refuse(plan, encoder->serial_line, error);
+    }
+    if (lx_settings_check(settings, error) != 0) {
+        return lx_settings_refuse(plan, encoder->line, error);
+    }
+    return understand_address(settings, plan, encoder, error);
+}
+
+static int place(struct lx_hf_bus *self, size_t index, struct lx_error *error)
+{
+    struct lx_station *station = self->bus.setup.stations[index];
+    struct lx_hf_drop *drop = &self->drop[index];
+    *drop = (struct lx_hf_drop){
+        .station = station,
+        .all = self,
+        .eeprom = {.file = {.fd = -1}},
+        .device = {.line = DG_HF_OFF, .deadline = DG_NEVER},
+        .deadline = DG_NEVER,
+        .flipped = -1,
+    };
+    if (understand(&drop->settings, self->bus.setup.plan, station->plan, error) != 0) {
+        return -1;
+    }
+    lx_settings_world(&drop->settings, &station->world);
+    station->control.device = &drop->device;
+    station->own = drop;
+    return 0;
+}
+
+static struct lx_bus *make(const struct lx_bus_setup *setup, lx_serial_open *open,
+                           struct lx_error *error)
+{
+    const struct lx_plan_settings *settings = &setup->wire->settings;
+    if (settings->count > 0) {
+        (void)lx_plan_fail(setup->plan, settings->list[0].line, error,
+                           "%s: an RS485 line has no settings; each encoder has its own",
+                           settings->list[0].key);
+        return NULL;
+    }
+    struct lx_hf_bus *self = calloc(1, sizeof *self + setup->count * sizeof self->drop[0]);
+    if (self == NULL) {
+        (void)lx_fail(error, "no memory for %zu encoders", setup->count);
+        return NULL;
+    }
+    self->bus = (struct lx_bus){.ops = &ops, .setup = *setup};
+    self->open = open;
+    self->count = setup->count;
+    for (size_t i = 0; i < self->count; i++) {
+        if (place(self, i, error) != 0) {
+            free(self);
+            return NULL;
+        }
+    }
+    return &self->bus;
+}
+
+struct lx_bus *lx_hf_bus_make_pty(const struct lx_bus_setup *setup, struct lx_error *error)
+{
+    return make(setup, lx_pty_open, error);
+}
+
+struct lx_bus *lx_hf_bus_make_tty(const struct lx_bus_setup *setup, struct lx_error *error)
+{
+    return make(setup, lx_tty_open, error);
+}

@@ -1,0 +1,411 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * An RS485 line with 1..32 encoders. The core says what is next, this file makes it happen:
+ *
+ *   serial -- on_character --> listen() --> dg_hf_rx() --\
+ *                                 ^                       > next deadline, UART setting
+ *   timer --- on_time ---> pump() -+----> dg_hf_step() --/
+ *                            ^                  \-- send_reply --> own line
+ *                            \-------------------------------------/
+ *
+ * Every encoder has a transmitter of its own, and hears the master and all the others, each
+ * character at the end of its stop bit. Two at once: the characters overlap and the line carries
+ * their AND (a 0 is driven against an idle 1), once, when the first of them is over; the one that
+ * is over later is lost in it.
+ */
+#include "hf_line.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* A deadline served later than this is a missed one: the shortest maximum response time that a
+   command has (5.1.2). */
+#define LATE DG_MS(5)
+
+#define BITS_PER_CHARACTER 8u
+
+/* How a reply gets out. */
+enum pace {
+    PACE_TIMER, /* a character at a time, each at the end of its stop bit */
+    PACE_UART,  /* at once, a UART does the timing */
+    PACE_NONE,  /* at once, and it takes no time */
+};
+
+bool lx_hf_powered(const struct lx_hf_drop *self)
+{
+    return self->device.line != DG_HF_OFF;
+}
+
+static struct dg_faults *faults_of(const struct lx_hf_drop *self)
+{
+    return &self->station->control.faults;
+}
+
+/* --- the line --- */
+
+static enum pace pace_of(const struct lx_hf_drop *self)
+{
+    if (self->all->port->timed) {
+        return PACE_UART;
+    }
+    return self->settings.pace ? PACE_TIMER : PACE_NONE;
+}
+
+static bool sends(const struct lx_hf_drop *self, dg_ns now)
+{
+    return pace_of(self) != PACE_NONE && lx_line_busy(&self->line, now);
+}
+
+/* Whether a character with this setting arrives as what it is; a parity of 0 fits. */
+static bool fits(const struct lx_hf_drop *self, uint32_t baud, char parity)
+{
+    return self->settings.any_line || baud == LX_BAUD_ANY ||
+           (baud == self->uart.baud && (parity == 0 || parity == self->uart.parity));
+}
+
+static void tell(struct lx_hf_bus *self, dg_ns at, bool ours, const struct dg_hf_uart *uart,
+                 const struct lx_character *character)
+{
+    const struct lx_tap_event event = {
+        .at = at,
+        .kind = LX_TAP_CHARACTER,
+        .ours = ours,
+        .character = {uart->baud, uart->parity, character->byte, character->flags != DG_HF_RX_OK},
+    };
+    self->told = at;
+    lx_tap_tell(&self->bus.tap, &event);
+}
+
+void lx_hf_follow(struct lx_hf_drop *self, dg_ns deadline)
+{
+    struct lx_hf_bus *all = self->all;
+    self->deadline = deadline;
+    const struct dg_hf_uart uart = dg_hf_uart(&self->device);
+    if (uart.baud == self->uart.baud && uart.parity == self->uart.parity) {
+        return;
+    }
+    self->uart = uart;
+    lx_line_set(&self->line, &uart);
+    if (self == all->drop) { /* a UART has one setting: the first encoder's */
+        lx_serial_set(all->port, &uart);
+    }
+}
+
+static void count_late(struct lx_hf_drop *self, dg_ns now)
+{
+    if (now > dg_after(self->deadline, LATE)) {
+        self->all->bus.late++;
+    }
+}
+
+static void step(struct lx_hf_drop *self, dg_ns now)
+{
+    count_late(self, now);
+    lx_hf_follow(self, dg_hf_step(&self->device, now));
+}
+
+static void hear(struct lx_hf_drop *self, dg_ns at, const struct lx_character *character)
+{
+    count_late(self, at);
+    lx_hf_follow(self, dg_hf_rx(&self->device, at, character->byte, character->flags));
+}
+
+/* --- faults --- */
+
+/* Whether the master's character is kept from the encoder. Decided at the first one of a request
+   for it; what is for others it would not take anyway. */
+static bool deafened(struct lx_hf_drop *self, dg_ns now, uint8_t byte)
+{
+    struct dg_faults *faults = faults_of(self);
+    if (faults->wire == 0 && !self->deaf) {
+        return false;
+    }
+    const dg_ns silence = dg_bit_times_ns(self->uart.timeout_bits, self->uart.baud);
+    if (self->all->heard == 0 || dg_elapsed(now, self->all->heard) > silence) {
+        const bool mine = byte == self->device.address || byte == DG_HF_ADDRESS_BROADCAST;
+        self->deaf = mine && dg_fault_wire_takes(faults, DG_WIRE_DEAF);
+    }
+    return self->deaf;
+}
+
+static void send_damaged(struct lx_hf_drop *self, dg_ns now, const uint8_t *bytes, size_t n)
+{
+    struct dg_faults *faults = faults_of(self);
+    uint8_t copy[DG_HF_FRAME_MAX];
+    if (dg_fault_wire_takes(faults, DG_WIRE_DROP)) {
+        return;
+    }
+    if (dg_fault_wire_takes(faults, DG_WIRE_DELAY)) {
+        now += (dg_ns)dg_fault_wire_value(DG_STACK_HIPERFACE, DG_WIRE_DELAY);
+    }
+    memcpy(copy, bytes, n);
+    if (dg_fault_wire_takes(faults, DG_WIRE_DAMAGE)) {
+        const uint32_t bit = dg_fault_pick(faults, (uint32_t)n * BITS_PER_CHARACTER);
+        self->flipped = (int)(bit / BITS_PER_CHARACTER);
+        copy[self->flipped] ^= (uint8_t)(1u << bit % BITS_PER_CHARACTER);
+    }
+    self->again = dg_fault_wire_takes(faults, DG_WIRE_DUPLICATE);
+    lx_line_start(&self->line, now, copy, n);
+}
+
+/* --- out --- */
+
+/* Called inside dg_hf_step(), which may run late: the reply starts when it really does. What the
+   others hear of it waits until this call is over. */
+static void send_reply(void *ctx, const uint8_t *bytes, size_t n)
+{
+    struct lx_hf_drop *self = ctx;
+    self->begun = false;
+    self->again = false;
+    self->merged = false;
+    self->flipped = -1;
+    if (faults_of(self)->wire != 0) {
+        send_damaged(self, lx_now(), bytes, n);
+        return;
+    }
+    lx_line_start(&self->line, lx_now(), bytes, n);
+}
+
+const struct dg_hf_ops lx_hf_device_ops = {.tx = send_reply};
+
+/* `character` of `from` with what others send at the same time. */
+static void merge(struct lx_hf_drop *from, dg_ns at, struct lx_character *character, bool swallow)
+{
+    struct lx_hf_bus *self = from->all;
+    for (size_t i = 0; i < self->count; i++) {
+        struct lx_hf_drop *other = &self->drop[i];
+        uint8_t byte = 0;
+        if (other != from && lx_line_on(&other->line, at, &byte)) {
+            character->byte &= byte;
+            character->flags = DG_HF_RX_DAMAGED;
+            other->merged = other->merged || swallow;
+        }
+    }
+}
+
+/* A character of `from` is over. */
+static void spread(struct lx_hf_drop *from, dg_ns at, struct lx_character *character)
+{
+    struct lx_hf_bus *self = from->all;
+    self->heard = 0;
+    if (lx_tap_on(&self->bus.tap)) {
+        tell(self, at, true, &from->uart, character);
+    }
+    for (size_t i = 0; i < self->count; i++) {
+        struct lx_hf_drop *to = &self->drop[i];
+        if (to == from || sends(to, at)) {
+            continue;
+        }
+        struct lx_character heard = *character;
+        if (!fits(to, from->uart.baud, from->uart.parity)) {
+            heard.flags = DG_HF_RX_DAMAGED;
+        }
+        hear(to, at, &heard);
+    }
+}
+
+/* A character of a reply: into the port unless it is there already, and to everybody else. */
+static void emit(struct lx_hf_drop *self, dg_ns at, uint8_t byte, size_t index)
+{
+    struct lx_character character = {byte, DG_HF_RX_OK};
+    if (self->merged) {
+        self->merged = false;
+        return;
+    }
+    if (self->flipped == (int)index) {
+        character.flags = DG_HF_RX_DAMAGED;
+    }
+    merge(self, at, &character, true);
+    if (pace_of(self) != PACE_UART) {
+        lx_serial_put(self->all->port, &character.byte, 1);
+    }
+    spread(self, at, &character);
+}
+
+/* The whole reply into a UART. What is sent at the same time is there already: the later reply
+   follows it, damaged. */
+static void fill_uart(struct lx_hf_drop *self)
+{
+    uint8_t bytes[DG_HF_FRAME_MAX];
+    for (size_t i = 0; i < self->line.length; i++) {
+        struct lx_character character = {.byte = self->line.bytes[i]};
+        merge(self, self->line.start, &character, false);
+        bytes[i] = character.byte;
+    }
+    lx_serial_put(self->all->port, bytes, self->line.length);
+}
+
+static void begin_at_once(struct lx_hf_drop *self)
+{
+    const dg_ns at = self->line.start;
+    const uint8_t *bytes = NULL;
+    self->begun = true;
+    if (pace_of(self) == PACE_UART) {
+        fill_uart(self);
+        return;
+    }
+    const size_t n = lx_line_take_all(&self->line, &bytes);
+    for (size_t i = 0; i < n; i++) {
+        emit(self, at, bytes[i], i);
+    }
+}
+
+/* When something happens to the reply next. */
+static dg_ns next_of(const struct lx_hf_drop *self)
+{
+    const bool waits = !self->begun && self->line.sent < self->line.length;
+    return waits && pace_of(self) != PACE_TIMER ? self->line.start : lx_line_next(&self->line);
+}
+
+/* What is due with a reply at `at`. */
+static void send_on(struct lx_hf_drop *self, dg_ns at)
+{
+    if (!self->begun && pace_of(self) != PACE_TIMER) {
+        begin_at_once(self);
+    } else {
+        const uint8_t *byte = NULL;
+        const size_t index = self->line.sent;
+        if (lx_line_take(&self->line, at, &byte) > 0) {
+            emit(self, at, *byte, index);
+        }
+    }
+    if (self->again && self->line.sent == self->line.length) {
+        self->again = false;
+        self->begun = false;
+        lx_line_repeat(&self->line);
+    }
+}
+
+/* All that has gone over the line by `now`, in the order of time. */
+static void pump(struct lx_hf_bus *self, dg_ns now)
+{
+    for (;;) {
+        struct lx_hf_drop *first = self->drop;
+        for (size_t i = 1; i < self->count; i++) {
+            if (next_of(&self->drop[i]) < next_of(first)) {
+                first = &self->drop[i];
+            }
+        }
+        const dg_ns at = next_of(first);
+        if (at > now || at == DG_NEVER) {
+            return;
+        }
+        send_on(first, at);
+    }
+}
+
+void lx_hf_settle(struct lx_hf_bus *self)
+{
+    dg_ns next = DG_NEVER;
+    pump(self, lx_now());
+    for (size_t i = 0; i < self->count; i++) {
+        next = dg_earliest(next, dg_earliest(self->drop[i].deadline, next_of(&self->drop[i])));
+    }
+    lx_timer_at(&self->timer, next);
+}
+
+void lx_hf_on_time(void *ctx, dg_ns now)
+{
+    struct lx_hf_bus *self = ctx;
+    pump(self, now);
+    for (size_t i = 0; i < self->count; i++) {
+        if (self->drop[i].deadline <= now) {
+            step(&self->drop[i], now);
+        }
+    }
+    lx_hf_settle(self);
+}
+
+/* --- in --- */
+
+/* Once per episode, which setting would be right. */
+static void tell_mismatch(struct lx_hf_bus *self, const struct lx_hf_drop *first)
+{
+    const uint32_t baud = self->port->baud;
+    char speed[24] = "another speed";
+    if (baud != 0) {
+        (void)snprintf(speed, sizeof speed, "%lu Bd", (unsigned long)baud);
+    }
+    lx_note(self->bus.setup.say,
+            "the master talks at %s, the encoder expects %lu Bd 8%c1; --set line=any takes any "
+            "data rate",
+            speed, (unsigned long)first->uart.baud, first->uart.parity);
+}
+
+/* Said when nobody on the line can read the master. */
+static void check_speed(struct lx_hf_bus *self)
+{
+    const struct lx_hf_drop *first = NULL;
+    for (size_t i = 0; i < self->count; i++) {
+        const struct lx_hf_drop *drop = &self->drop[i];
+        if (lx_hf_powered(drop) && fits(drop, self->port->baud, self->port->parity)) {
+            self->mismatch = false;
+            return;
+        }
+        first = first == NULL && lx_hf_powered(drop) ? drop : first;
+    }
+    if (first != NULL && !self->mismatch) {
+        self->mismatch = true;
+        tell_mismatch(self, first);
+    }
+}
+
+static bool anybody_sends(const struct lx_hf_bus *self, dg_ns now)
+{
+    for (size_t i = 0; i < self->count; i++) {
+        if (sends(&self->drop[i], now)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* A character of the master, as one encoder hears it. One that sends does not hear. */
+static void listen(struct lx_hf_drop *self, dg_ns now, struct lx_character heard)
+{
+    const struct lx_serial *port = self->all->port;
+    if (!lx_hf_powered(self) || sends(self, now) || deafened(self, now, heard.byte)) {
+        return;
+    }
+    if (!fits(self, port->baud, port->parity)) {
+        heard.flags = DG_HF_RX_DAMAGED;
+    }
+    hear(self, now, &heard);
+}
+
+/* A master on a pty hands over a request at once: to the tap it is as if the last character had
+   ended now, and the others before it, as far as that is after what was told before. */
+static void tell_received(struct lx_hf_bus *self, dg_ns now, const struct lx_character *character)
+{
+    struct dg_hf_uart uart = self->port->uart;
+    if (self->port->baud != LX_BAUD_ANY && self->port->baud != 0) {
+        uart.baud = self->port->baud;
+    }
+    const uint32_t bits = uart.parity == 'N' ? 10u : 11u;
+    const dg_ns each = dg_bit_times_ns(bits, uart.baud);
+    const dg_ns spread_at = dg_elapsed(now, each * self->port->more);
+    const dg_ns earliest = self->told + each;
+    dg_ns at = spread_at > earliest ? spread_at : earliest;
+    at = at < now ? at : now;
+    tell(self, at > self->told ? at : self->told, false, &uart, character);
+}
+
+void lx_hf_on_character(void *ctx, dg_ns now, const struct lx_character *character)
+{
+    struct lx_hf_bus *self = ctx;
+    struct lx_character heard = *character;
+    pump(self, now);
+    check_speed(self);
+    if (lx_tap_on(&self->bus.tap)) {
+        tell_received(self, now, character);
+    }
+    if (anybody_sends(self, now)) {
+        self->collided++;
+        heard.flags = DG_HF_RX_DAMAGED;
+    }
+    for (size_t i = 0; i < self->count; i++) {
+        listen(&self->drop[i], now, heard);
+    }
+    self->heard = now;
+    lx_hf_settle(self);
+}

@@ -1,0 +1,69 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * Inside of the RS485 bus: an encoder with its transmitter, and the line that all of them share.
+ */
+#ifndef DREHGEBER_LINUX_HF_LINE_H
+#define DREHGEBER_LINUX_HF_LINE_H
+
+#include "bus.h"
+#include "drehgeber/hiperface.h"
+#include "eeprom.h"
+#include "serial.h"
+#include "settings.h"
+#include "timer.h"
+
+/** Opens one kind of port. */
+typedef struct lx_serial *lx_serial_open(const struct lx_serial_setup *setup,
+                                         struct lx_error *error);
+
+/** An encoder with its transmitter. */
+struct lx_hf_drop {
+    struct lx_station *station;
+    struct lx_hf_bus *all;
+    struct lx_settings settings;
+    struct lx_eeprom eeprom;
+    struct dg_hf device;
+    struct dg_hf_uart uart; /**< what its line has been told */
+    dg_ns deadline;         /**< of the device */
+    struct lx_line line;    /**< its reply on the way */
+    bool begun;             /**< all at once: it is out already */
+    bool again;             /**< it is sent a second time (fault) */
+    bool merged;            /**< its present character is lost in another one */
+    int flipped;            /**< character that a bit was flipped in (fault), -1: none */
+    bool deaf;              /**< inside a request that does not reach it (fault) */
+};
+
+/** The line with 1..32 of them. */
+struct lx_hf_bus {
+    struct lx_bus bus;
+    lx_serial_open *open;
+    struct lx_serial *port;
+    struct lx_timer timer;
+    dg_ns heard;       /**< end of the master's last character; 0: a reply has come since */
+    dg_ns told;        /**< end of the last one that the tap was told of */
+    bool mismatch;     /**< the master talks at another speed, and the user has been told */
+    uint64_t collided; /**< characters of the master that came in while a reply was on the line */
+    size_t count;
+    struct lx_hf_drop drop[];
+};
+
+/** Of the device: operations with the struct lx_hf_drop as ctx. */
+extern const struct dg_hf_ops lx_hf_device_ops;
+
+/** Whether it has power. */
+bool lx_hf_powered(const struct lx_hf_drop *self);
+
+/** After every call into the device: its next deadline, and the setting it may have changed. */
+void lx_hf_follow(struct lx_hf_drop *self, dg_ns deadline);
+
+/** After everything else: what is on the line goes on, and the timer is set. */
+void lx_hf_settle(struct lx_hf_bus *self);
+
+/** The timer; `ctx` is the bus. */
+void lx_hf_on_time(void *ctx, dg_ns now);
+
+/** The port has a character of the master; `ctx` is the bus. */
+void lx_hf_on_character(void *ctx, dg_ns now, const struct lx_character *character);
+
+#endif

@@ -1,0 +1,226 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "line_rig.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "hf_rig.h"
+#include "timer.h"
+
+#define MODEL "s3684-rs485"
+/* The pause that ends a frame at 9600 Bd, with room. */
+#define PAUSE DG_MS(12)
+
+static dg_angle turned(void *ctx, dg_ns now)
+{
+    (void)now;
+    return *(const dg_angle *)ctx;
+}
+
+static void on_event(void *ctx, const struct lx_tap_event *event)
+{
+    struct line_heard *self = ctx;
+    assert_int_equal(event->kind, LX_TAP_CHARACTER);
+    self->disordered = self->disordered || event->at < self->last;
+    self->last = event->at;
+    self->ours += event->ours;
+    self->damaged += event->character.damaged;
+    if (self->count < sizeof self->bytes) {
+        self->bytes[self->count++] = event->character.byte;
+    }
+}
+
+/* --- the loop and the master --- */
+
+static void run_until(struct line_rig *self, dg_ns end)
+{
+    for (dg_ns now = lx_now(); now < end; now = lx_now()) {
+        assert_true(sd_event_run(self->event, (end - now) / 1000u + 1u) >= 0);
+    }
+}
+
+void line_rig_run(struct line_rig *self, dg_ns span)
+{
+    run_until(self, lx_now() + span);
+}
+
+static void pump_master(struct line_rig *self)
+{
+    const ssize_t n =
+        read(self->master, self->reply + self->length, sizeof self->reply - self->length);
+    self->length += n > 0 ? (size_t)n : 0u;
+}
+
+/* Wait for `n` characters of replies. @return how many came */
+size_t line_rig_receive(struct line_rig *self, size_t n, dg_ns patience)
+{
+    const dg_ns end = lx_now() + patience;
+    pump_master(self);
+    while (self->length < n && lx_now() < end) {
+        assert_true(sd_event_run(self->event, 1000u) >= 0);
+        pump_master(self);
+    }
+    return self->length;
+}
+
+/* A request; the check sum is added. */
+void line_rig_request(struct line_rig *self, uint8_t address, const char *command)
+{
+    uint8_t frame[DG_HF_FRAME_MAX] = {address};
+    const size_t n = 1 + hf_rig_hex(command, frame + 1, sizeof frame - 2);
+    frame[n] = hf_rig_xor(frame, n);
+    line_rig_run(self, PAUSE);
+    pump_master(self);
+    self->length = 0;
+    assert_int_equal(write(self->master, frame, n + 1), (ssize_t)(n + 1));
+}
+
+/* @return the reply's length, 0 for none; its address and check sum are right */
+size_t line_rig_ask(struct line_rig *self, uint8_t address, const char *command, size_t length)
+{
+    line_rig_request(self, address, command);
+    const size_t n = line_rig_receive(self, length, LINE_PATIENCE);
+    assert_int_equal(n, length);
+    assert_int_equal(self->reply[0], address);
+    assert_int_equal(hf_rig_xor(self->reply, n), 0);
+    return n;
+}
+
+void line_rig_answers(struct line_rig *self, uint8_t address)
+{
+    (void)line_rig_ask(self, address, LINE_READ_POSITION, 7);
+    assert_int_equal(self->reply[1], 0x42);
+}
+
+void line_rig_silent(struct line_rig *self, uint8_t address)
+{
+    line_rig_request(self, address, LINE_READ_POSITION);
+    assert_int_equal(line_rig_receive(self, 1, LINE_SILENCE), 0);
+}
+
+/* --- the bus --- */
+
+static void open_master(struct line_rig *self)
+{
+    char path[LX_BUS_ADDRESS_MAX];
+    self->bus->ops->address(self->bus, self->stations[0], path, sizeof path);
+    self->master = open(path, O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+    assert_true(self->master >= 0);
+}
+
+/* A plan of `count` encoders, the first one at 40h, the next at 41h ... */
+void line_rig_plan(struct line_rig *self, size_t count, const char *where)
+{
+    static const struct lx_wire kind = {.name = "pty", .stack = DG_STACK_HIPERFACE};
+    *self = (struct line_rig){.say = {.quiet = true}, .master = -1, .clock = {.permille = 1000}};
+    assert_int_equal(lx_plan_add_wire(&self->plan, "line", &kind, where), 0);
+    for (size_t i = 0; i < count; i++) {
+        char name[24];
+        char address[24];
+        (void)snprintf(name, sizeof name, "e%zu", i);
+        (void)snprintf(address, sizeof address, "0x%02zX", 0x40u + i);
+        assert_int_equal(lx_plan_add_encoder(&self->plan, name, dg_device_find(MODEL), 0, 0),
+                         (int)i);
+        self->plan.encoders[i].address = strdup(address);
+    }
+}
+
+void line_rig_set(struct line_rig *self, size_t index, const char *assignment)
+{
+    struct lx_error error;
+    assert_int_equal(
+        lx_plan_add_setting(&self->plan.encoders[index].settings, assignment, 0, &error), 0);
+}
+
+void line_rig_stations(struct line_rig *self)
+{
+    assert_true(sd_event_new(&self->event) >= 0);
+    for (size_t i = 0; i < self->plan.encoder_count; i++) {
+        struct lx_station *station = &self->station[i];
+        dg_world_init(&station->world);
+        station->world.angle = turned;
+        station->world.angle_ctx = &self->shaft;
+        station->plan = &self->plan.encoders[i];
+        station->place = i;
+        station->control.name = station->plan->name;
+        station->control.model = station->plan->model;
+        station->control.world = &station->world;
+        self->stations[i] = station;
+    }
+    self->setup = (struct lx_bus_setup){
+        .event = self->event,
+        .say = &self->say,
+        .plan = &self->plan,
+        .wire = self->plan.wires,
+        .stations = self->stations,
+        .count = self->plan.encoder_count,
+        .clock = &self->clock,
+    };
+}
+
+/* On, with the start-up window (100 ms) over. */
+void line_rig_open(struct line_rig *self, lx_bus_make *make)
+{
+    struct lx_error error = {""};
+    line_rig_stations(self);
+    self->bus = make(&self->setup, &error);
+    assert_non_null(self->bus);
+    const int result = self->bus->ops->open(self->bus, lx_now(), &error);
+    assert_string_equal(error.text, "");
+    assert_int_equal(result, 0);
+    self->heard.listener = (struct lx_tap_listener){.event = on_event, .ctx = &self->heard};
+}
+
+void line_rig_open_pty(struct line_rig *self)
+{
+    line_rig_open(self, lx_hf_bus_make_pty);
+    open_master(self);
+    line_rig_run(self, DG_MS(110));
+}
+
+void line_rig_close(struct line_rig *self)
+{
+    self->bus->ops->close(self->bus);
+    if (self->master >= 0) {
+        (void)close(self->master);
+    }
+    self->event = sd_event_unref(self->event);
+    lx_plan_free(&self->plan);
+}
+
+struct dg_hf *line_rig_device(struct line_rig *self, size_t index)
+{
+    return self->station[index].control.device;
+}
+
+void line_rig_changed(struct line_rig *self, size_t index)
+{
+    self->bus->ops->changed(self->bus, self->stations[index], lx_now());
+}
+
+void line_rig_inject(struct line_rig *self, size_t index, const char *name, uint32_t count)
+{
+    struct lx_station *station = self->stations[index];
+    const struct dg_fault_target target = {
+        .stack = DG_STACK_HIPERFACE,
+        .world = &station->world,
+        .layout = &dg_hf_layout,
+        .nvm = station->control.nvm,
+    };
+    const struct dg_fault_limits limits = {
+        .count = count, .probability_ppm = 1000000, .duration = DG_NEVER};
+    const int entry = dg_fault_find(&target, name);
+    assert_true(entry >= 0);
+    assert_int_equal(
+        dg_fault_set(&station->control.faults, &target, (size_t)entry, lx_now(), &limits), 0);
+    line_rig_changed(self, index);
+}
