@@ -25,7 +25,7 @@
 
 #define INPUT_MAX 1024u
 /* Answers a client may leave lying: the catalogue of a large rig several times over. */
-#define OUTPUT_MAX (1024u * 1024u)
+#define OUTPUT_MAX ((size_t)1 << 20)
 #define FOLDER_MODE 0700
 
 /* A connection. */
