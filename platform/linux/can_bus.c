@@ -88,8 +88,7 @@ static void tune(struct lx_can_bus *self)
 /* What is due. @return the next deadline */
 static dg_ns step(struct lx_can_bus *self, dg_ns now)
 {
-    dg_ns next = self->bent ? lx_can_overruns(self, now) : DG_NEVER;
-    next = dg_earliest(next, dg_co_net_step(&self->net, now));
+    dg_ns next = dg_co_net_step(&self->net, now);
     for (size_t i = 0; i < self->bus.setup.count; i++) {
         if (!self->node[i].hears) {
             next = dg_earliest(next, dg_co_step(&self->node[i].device, now));

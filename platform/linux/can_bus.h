@@ -16,8 +16,6 @@
 /** A deadline that is served later than this counts as late. A stalled bus serves none, and the
  * time before the loop begins counts for nothing: neither is late. */
 #define LX_CAN_LATE DG_MS(5)
-/** While the fault "overrun" lasts, the controller loses a frame as often as this. */
-#define LX_CAN_OVERRUN_PERIOD DG_MS(100)
 /** Place in the net of a node that does not hear the wire. */
 #define LX_CAN_DEAF UINT8_MAX
 
@@ -32,14 +30,13 @@ struct lx_can_node {
     struct dg_cia406_model model; /**< with what the plan sets */
     struct lx_nvm_memory memory;
     struct lx_nvm_file file;
-    uint8_t id;       /**< node-ID in the delivery state */
-    uint16_t kbaud;   /**< bit rate in force */
-    bool hears;       /**< the wire has this rate, too */
-    uint8_t index;    /**< in the bus's net; LX_CAN_DEAF: not there */
-    bool bent;        /**< wire faults may be active, or frames are held back */
-    unsigned held;    /**< frames held back */
-    dg_ns last_held;  /**< when the last one of them goes out */
-    dg_ns overrun_at; /**< next overrun of the fault; DG_NEVER */
+    uint8_t id;      /**< node-ID in the delivery state */
+    uint16_t kbaud;  /**< bit rate in force */
+    bool hears;      /**< the wire has this rate, too */
+    uint8_t index;   /**< in the bus's net; LX_CAN_DEAF: not there */
+    bool bent;       /**< wire faults may be active, or frames are held back */
+    unsigned held;   /**< frames held back */
+    dg_ns last_held; /**< when the last one of them goes out */
 };
 
 /** A frame of a node that waits: for its turn with the other nodes, or for its time. */
@@ -115,8 +112,5 @@ void lx_can_bend(struct lx_can_node *self, dg_ns now);
 
 /** Let the node's controller be in the bus's state, or in the worse one that a fault makes. */
 void lx_can_follow(struct lx_can_node *self, dg_ns now);
-
-/** Overruns of the fault that are due. @return the next one */
-dg_ns lx_can_overruns(struct lx_can_bus *self, dg_ns now);
 
 #endif

@@ -4,7 +4,7 @@
  *
  *   node -- bus-off? drop? damage? -- held back? -- emit --> tap, wire, nodes that listen
  *                            duplicate? --/
- *   wire, other nodes -- bus-off? deaf? --> node
+ *   wire, other nodes -- bus-off? deaf? overrun? --> node
  *
  * The core must not be called back while it sends, so what nodes send each other waits until it is
  * through. The net's deadlines are kept here as dg_co_net_rx() keeps them.
@@ -133,13 +133,6 @@ void lx_can_release(struct lx_can_bus *self, dg_ns now)
 
 /* --- to a node --- */
 
-static bool reaches(const struct lx_can_node *node)
-{
-    struct dg_faults *faults = faults_of(node);
-    return faults->wire == 0 || (!dg_fault_wire_active(faults, DG_WIRE_BUS_OFF) &&
-                                 !dg_fault_wire_takes(faults, DG_WIRE_DEAF));
-}
-
 /* What the core has answered to a call that did not go through the net. */
 static void note_deadline(struct lx_can_node *node, dg_ns deadline)
 {
@@ -148,13 +141,31 @@ static void note_deadline(struct lx_can_node *node, dg_ns deadline)
     }
 }
 
+/* A frame that the controller had to drop is an event to the node. */
+static bool overruns(struct lx_can_node *node, dg_ns now)
+{
+    const bool lost = dg_fault_wire_takes(faults_of(node), DG_WIRE_OVERRUN);
+    if (lost) {
+        note_deadline(node, dg_co_bus(&node->device, now, DG_CO_BUS_OVERRUN));
+    }
+    return lost;
+}
+
+static bool reaches(struct lx_can_node *node, dg_ns now)
+{
+    struct dg_faults *faults = faults_of(node);
+    return faults->wire == 0 ||
+           (!dg_fault_wire_active(faults, DG_WIRE_BUS_OFF) &&
+            !dg_fault_wire_takes(faults, DG_WIRE_DEAF) && !overruns(node, now));
+}
+
 void lx_can_offer(struct lx_can_bus *self, dg_ns now, const struct dg_can_frame *frame,
                   const struct lx_can_node *from)
 {
     for (uint8_t i = 0; i < self->net.count; i++) {
         struct lx_can_node *node = self->net.node[i]->setup.ctx;
         const bool listens = (self->net.listeners[frame->id][i / 8u] >> i % 8u & 1u) != 0;
-        if (listens && node != from && reaches(node)) {
+        if (listens && node != from && reaches(node, now)) {
             note_deadline(node, dg_co_rx(&node->device, now, frame));
         }
     }
@@ -211,29 +222,5 @@ void lx_can_bend(struct lx_can_node *self, dg_ns now)
     const struct dg_faults *faults = faults_of(self);
     self->bent = faults->wire != 0 || self->held > 0;
     self->bus->bent = self->bus->bent || self->bent;
-    if (!dg_fault_wire_active(faults, DG_WIRE_OVERRUN)) {
-        self->overrun_at = DG_NEVER;
-    } else if (self->overrun_at == DG_NEVER) {
-        self->overrun_at = now;
-    }
     lx_can_follow(self, now);
-}
-
-dg_ns lx_can_overruns(struct lx_can_bus *self, dg_ns now)
-{
-    dg_ns next = DG_NEVER;
-    for (size_t i = 0; i < self->bus.setup.count; i++) {
-        struct lx_can_node *node = &self->node[i];
-        struct dg_faults *faults = faults_of(node);
-        if (node->overrun_at <= now) {
-            if (dg_fault_wire_takes(faults, DG_WIRE_OVERRUN)) {
-                note_deadline(node, dg_co_bus(&node->device, now, DG_CO_BUS_OVERRUN));
-            }
-            node->overrun_at = dg_fault_wire_active(faults, DG_WIRE_OVERRUN)
-                                   ? dg_after(now, LX_CAN_OVERRUN_PERIOD)
-                                   : DG_NEVER;
-        }
-        next = dg_earliest(next, node->overrun_at);
-    }
-    return next;
 }

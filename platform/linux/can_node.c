@@ -108,7 +108,6 @@ int lx_can_node_make(struct lx_can_bus *bus, size_t place, struct lx_error *erro
         .model = *plan->model->cia406,
         .file = {.fd = -1},
         .index = LX_CAN_DEAF,
-        .overrun_at = DG_NEVER,
     };
     station->control.device = &self->device;
     if (take_node_id(self, error) != 0 || check_unique(self, error) != 0) {

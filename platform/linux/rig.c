@@ -380,6 +380,7 @@ int lx_rig_close(struct lx_rig *self, struct lx_error *error)
     }
     for (size_t i = 0; i < LX_PLAN_CONTROLS_MAX; i++) {
         lx_server_close(self->servers[i]);
+        self->servers[i] = NULL;
     }
     lx_timer_close(&self->faults);
     int result = close_wires(self, error);

@@ -31,8 +31,8 @@ static int refuse(enum dg_scpi_error code, char *detail, const char *text)
     return code;
 }
 
-/* All wires look at their deadlines anew: a shaft or the clock has changed. What is recorded is
-   written as long as the shaft still knows where it was. */
+/* All wires, and clients that wait, look anew: a shaft or the clock has changed. What is recorded
+   is written as long as the shaft still knows where it was. */
 static void change_all(struct lx_rig *self, dg_ns now)
 {
     for (size_t i = 0; i < self->setup.plan->shaft_count; i++) {
@@ -42,6 +42,11 @@ static void change_all(struct lx_rig *self, dg_ns now)
         struct lx_bus *bus = self->wires[i].bus;
         if (bus->ops->changed != NULL) {
             bus->ops->changed(bus, NULL, now);
+        }
+    }
+    for (size_t i = 0; i < LX_PLAN_CONTROLS_MAX; i++) {
+        if (self->servers[i] != NULL) {
+            lx_server_wake(self->servers[i]);
         }
     }
 }

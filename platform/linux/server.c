@@ -48,6 +48,7 @@ struct lx_server {
     int listener;
     sd_event_source *io;
     struct lx_timer timer;
+    bool woken; /* look at all clients again */
     struct client clients[LX_SERVER_CLIENTS_MAX];
     dev_t device; /* of the socket file, to remove no other one */
     ino_t inode;
@@ -142,6 +143,7 @@ static void settle(struct lx_server *self)
 {
     const dg_ns now = lx_clock_now(self->setup.clock);
     dg_ns next = DG_NEVER;
+    self->woken = false;
     for (size_t i = 0; i < LX_SERVER_CLIENTS_MAX; i++) {
         struct client *client = &self->clients[i];
         if (client->fd < 0) {
@@ -153,7 +155,7 @@ static void settle(struct lx_server *self)
         send_output(client);
         watch(client);
     }
-    lx_timer_at(&self->timer, lx_clock_real(self->setup.clock, next));
+    lx_timer_at(&self->timer, self->woken ? lx_now() : lx_clock_real(self->setup.clock, next));
     self->setup.settle(self->setup.ctx, now);
 }
 
@@ -161,6 +163,12 @@ static void on_time(void *ctx, dg_ns now)
 {
     (void)now;
     settle(ctx);
+}
+
+void lx_server_wake(struct lx_server *self)
+{
+    self->woken = true; /* for the case that settle() is what calls */
+    lx_timer_at(&self->timer, lx_now());
 }
 
 static int on_event(sd_event_source *source, int fd, uint32_t events, void *ctx)

@@ -42,6 +42,9 @@ struct lx_server;
 struct lx_server *lx_server_open(const char *where, const struct lx_server_setup *setup,
                                  struct lx_error *error);
 
+/** A shaft or the clock has changed: clients that wait may wait no more. Soon, not in this call. */
+void lx_server_wake(struct lx_server *self);
+
 /** Where it listens, with the real port. */
 const char *lx_server_address(const struct lx_server *self);
 

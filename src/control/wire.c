@@ -128,7 +128,7 @@ void dg_control_last(struct dg_scpi *self, uint32_t argument)
 static bool has_biss(struct dg_scpi *self, bool there)
 {
     if (dg_control_encoder(self)->kind->stack != DG_STACK_BISS) {
-        dg_control_refuse(self, DG_SCPI_CONFLICT, "it is no BiSS encoder");
+        dg_control_refuse(self, DG_SCPI_MISSING_HARDWARE, "it is no BiSS encoder");
         return false;
     }
     return offered(self, there);

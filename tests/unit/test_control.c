@@ -479,7 +479,7 @@ static void test_frame_without_data(void **state)
     rig.ops.biss_frame = NULL;
     refuse("BISS:FRAM?", "-241", NULL);
     select_encoder("hf");
-    refuse("BISS:FRAM?", "-221", "hf: it is no BiSS encoder");
+    refuse("BISS:FRAM?", "-241", "hf: it is no BiSS encoder");
 }
 
 static void test_read_registers(void **state)
@@ -502,7 +502,7 @@ static void test_read_registers(void **state)
     rig.ops.biss_read = NULL;
     refuse("BISS:REG? 1", "-241", NULL);
     select_encoder("can");
-    refuse("BISS:REG? 1", "-221", "can: it is no BiSS encoder");
+    refuse("BISS:REG? 1", "-241", "can: it is no BiSS encoder");
 }
 
 static void test_write_registers(void **state)
@@ -532,7 +532,7 @@ static void test_write_registers(void **state)
     rig.ops.biss_write = NULL;
     refuse("BISS:REG 27,0", "-241", NULL);
     select_encoder("k3");
-    refuse("BISS:REG 27,0", "-221", NULL);
+    refuse("BISS:REG 27,0", "-241", NULL);
 }
 
 int main(void)
