@@ -164,7 +164,7 @@ void lx_can_offer(struct lx_can_bus *self, dg_ns now, const struct dg_can_frame 
 {
     for (uint8_t i = 0; i < self->net.count; i++) {
         struct lx_can_node *node = self->net.node[i]->setup.ctx;
-        const bool listens = (self->net.listeners[frame->id][i / 8u] >> i % 8u & 1u) != 0;
+        const bool listens = ((unsigned)self->net.listeners[frame->id][i / 8u] >> i % 8u & 1u) != 0;
         if (listens && node != from && reaches(node, now)) {
             note_deadline(node, dg_co_rx(&node->device, now, frame));
         }

@@ -9,6 +9,7 @@
 #include <cmocka.h>
 
 #include "can_rig.h"
+#include "drehgeber/bits.h"
 
 #define HEARTBEAT 0x700u
 #define EMCY 0x80u
@@ -96,7 +97,7 @@ static void delay(void **state)
 
 static uint16_t code_of(const struct dg_can_frame *frame)
 {
-    return frame == NULL ? 0 : (uint16_t)(frame->data[0] | frame->data[1] << 8);
+    return frame == NULL ? 0 : dg_load_le16(frame->data);
 }
 
 static void states_of_the_controller(void **state)

@@ -43,7 +43,7 @@ struct ears {
 struct bench {
     char folder[32];
     char nvm[DEVICES_MAX][64];
-    char name[DEVICES_MAX][8];
+    char name[DEVICES_MAX][24];
     sd_event *event;
     struct lx_plan plan;
     struct lx_plan_wire wire;

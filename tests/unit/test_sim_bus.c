@@ -78,7 +78,7 @@ static void plan(struct rig *self, size_t count)
     *self = (struct rig){.say = {.quiet = true}, .clock = {.virtual_ = POWER_ON}};
     assert_int_equal(lx_plan_add_wire(&self->plan, "wire", &kind, NULL), 0);
     for (size_t i = 0; i < count; i++) {
-        char name[16];
+        char name[24];
         (void)snprintf(name, sizeof name, "b%zu", i);
         assert_int_equal(lx_plan_add_encoder(&self->plan, name, dg_device_find(MODEL), 0, 0),
                          (int)i);
