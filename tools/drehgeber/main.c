@@ -16,6 +16,7 @@
 #include "run.h"
 #include "settings.h"
 #include "shaft.h"
+#include "top.h"
 
 static void list_models(const char *indent)
 {
@@ -50,6 +51,7 @@ static void help(void)
         "                                          write [BANK:]ADDR BYTES, command N\n"
         "  drehgeber map MODEL                     the Modbus registers of an INTERBUS encoder\n"
         "  drehgeber ctl [--control ADDR] COMMAND  SCPI to what is running; SYST:HELP? says which\n"
+        "  drehgeber top [ADDRESS]                 what is running, in a terminal; ? says the keys\n"
         "\n"
         " Models:\n",
         stdout);
@@ -130,6 +132,17 @@ static int map(const struct options *options)
     return flushed();
 }
 
+/* The address is an argument of its own, or that of --control. */
+static int top(const struct options *options)
+{
+    if (options->option != NULL && options->control_count == 0) {
+        lx_complain("top takes no option --%s; right is 'drehgeber top [ADDRESS]'",
+                    options->option);
+        return EXIT_USAGE;
+    }
+    return top_command(options->control_count > 0 ? options->controls[0] : options->model);
+}
+
 static int act(const struct options *options)
 {
     const struct dg_device *device = options->model == NULL ? NULL : dg_device_find(options->model);
@@ -157,6 +170,8 @@ static int act(const struct options *options)
     case COMMAND_CTL:
         return ctl_command(options->control_count == 0 ? NULL : options->controls[0],
                            options->words, options->word_count);
+    case COMMAND_TOP:
+        return top(options);
     case COMMAND_NONE: /* refused by options_parse() */
         break;
     }

@@ -34,14 +34,14 @@ static const struct {
     const char *name;
     enum command command;
 } commands[] = {
-    {"list", COMMAND_LIST}, {"run", COMMAND_RUN}, {"eds", COMMAND_EDS},
-    {"biss", COMMAND_BISS}, {"map", COMMAND_MAP}, {"ctl", COMMAND_CTL},
+    {"list", COMMAND_LIST}, {"run", COMMAND_RUN}, {"eds", COMMAND_EDS}, {"biss", COMMAND_BISS},
+    {"map", COMMAND_MAP},   {"ctl", COMMAND_CTL}, {"top", COMMAND_TOP},
 };
 #define COMMAND_COUNT (sizeof commands / sizeof commands[0])
 #define RIGHT                                                                                      \
     "'drehgeber list', 'drehgeber run MODEL [WIRE] [OPTIONS]', 'drehgeber run RIG.ini', "          \
-    "'drehgeber eds MODEL', 'drehgeber biss MODEL ACTION', 'drehgeber map MODEL' or "              \
-    "'drehgeber ctl COMMAND'"
+    "'drehgeber eds MODEL', 'drehgeber biss MODEL ACTION', 'drehgeber map MODEL', "                \
+    "'drehgeber ctl COMMAND' or 'drehgeber top [ADDRESS]'"
 
 /* By enum dg_device_stack. */
 static const char *const wires_of[] = {

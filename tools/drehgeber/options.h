@@ -22,6 +22,7 @@ enum command {
     COMMAND_BISS,
     COMMAND_MAP,
     COMMAND_CTL,
+    COMMAND_TOP,
     COMMAND_HELP,
     COMMAND_VERSION,
 };

@@ -1,0 +1,140 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "top_link.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <string.h>
+#include <sys/epoll.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include "endpoint.h"
+
+#define UNIX_PREFIX "unix:"
+
+/* The kernel knows where the first connection led to, so that no name has to be looked up again. A
+   socket file is known there by the path that its server used, which may start elsewhere. */
+static int remember_peer(struct top_link *self, const char *where)
+{
+    struct sockaddr_un *file = (struct sockaddr_un *)&self->peer;
+    self->peer_size = sizeof self->peer;
+    if (strncmp(where, UNIX_PREFIX, strlen(UNIX_PREFIX)) != 0) {
+        return getpeername(self->fd, (struct sockaddr *)&self->peer, &self->peer_size);
+    }
+    file->sun_family = AF_UNIX; /* it fits, as it has led there */
+    (void)strncpy(file->sun_path, where + strlen(UNIX_PREFIX), sizeof file->sun_path - 1u);
+    self->peer_size = sizeof *file;
+    return 0;
+}
+
+int top_link_open(struct top_link *self, const char *where, struct lx_error *error)
+{
+    self->fd = lx_endpoint_connect(where, error);
+    if (self->fd < 0) {
+        return -1;
+    }
+    if (remember_peer(self, where) != 0 || fcntl(self->fd, F_SETFL, O_NONBLOCK) != 0) {
+        (void)lx_fail(error, "%s: the connection broke: %s", where, strerror(errno));
+        top_link_close(self);
+        return -1;
+    }
+    return 0;
+}
+
+int top_link_again(struct top_link *self)
+{
+    top_link_close(self);
+    self->fd = socket(self->peer.ss_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    if (self->fd < 0) {
+        return -errno;
+    }
+    if (connect(self->fd, (const struct sockaddr *)&self->peer, self->peer_size) != 0 &&
+        errno != EINPROGRESS) {
+        const int reason = errno;
+        top_link_close(self);
+        return -reason;
+    }
+    return 0;
+}
+
+bool top_link_say(struct top_link *self, const char *line)
+{
+    const size_t n = strlen(line);
+    if (self->fd < 0 || n + 1 > sizeof self->output - self->output_length) {
+        return false;
+    }
+    memcpy(self->output + self->output_length, line, n);
+    self->output_length += n;
+    self->output[self->output_length++] = '\n';
+    return true;
+}
+
+uint32_t top_link_events(const struct top_link *self)
+{
+    return self->output_length > 0 ? EPOLLIN | EPOLLOUT : EPOLLIN;
+}
+
+/* Not possible now, but later: also while the connection is being made. */
+static bool later(int reason)
+{
+    return reason == EAGAIN || reason == EINTR;
+}
+
+static int send_some(struct top_link *self)
+{
+    const ssize_t n =
+        send(self->fd, self->output, self->output_length, MSG_NOSIGNAL | MSG_DONTWAIT);
+    if (n < 0) {
+        return later(errno) ? 0 : -errno;
+    }
+    self->output_length -= (size_t)n;
+    memmove(self->output, self->output + n, self->output_length);
+    return 0;
+}
+
+static int receive_some(struct top_link *self)
+{
+    self->input_length -= self->taken;
+    memmove(self->input, self->input + self->taken, self->input_length);
+    self->taken = 0;
+    if (self->input_length == sizeof self->input) {
+        return -EMSGSIZE;
+    }
+    const ssize_t n = recv(self->fd, self->input + self->input_length,
+                           sizeof self->input - self->input_length, MSG_DONTWAIT);
+    if (n < 0) {
+        return later(errno) ? 0 : -errno;
+    }
+    self->input_length += (size_t)n;
+    return n == 0 ? -ECONNRESET : 0;
+}
+
+int top_link_serve(struct top_link *self)
+{
+    const int result = self->output_length > 0 ? send_some(self) : 0;
+    return result == 0 ? receive_some(self) : result;
+}
+
+char *top_link_line(struct top_link *self)
+{
+    char *line = self->input + self->taken;
+    char *end = memchr(line, '\n', self->input_length - self->taken);
+    if (end == NULL) {
+        return NULL;
+    }
+    *end = '\0';
+    self->taken = (size_t)(end + 1 - self->input);
+    return line;
+}
+
+void top_link_close(struct top_link *self)
+{
+    if (self->fd >= 0) {
+        (void)close(self->fd);
+    }
+    self->fd = -1;
+    self->taken = 0;
+    self->input_length = 0;
+    self->output_length = 0;
+}
