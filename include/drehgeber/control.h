@@ -34,7 +34,7 @@
  *   NVM:ERASe                                    delivery state; the power has to be off
  *   POWer OFF|ON|CYCLe | ?
  *   STATe?                                       key=value,...; see dg_encoder_kind.state
- *   TIME?                                        seconds of the rig's clock, 9 decimals
+ *   TIME?                                        seconds since the rig began, 9 decimals
  *   TIME:SCALe FACTOR | ?                        simulated wires only, else -221; 0 stops
  *   TIME:STEP TIME                               while it is stopped
  *   TRACe:STARt "FILE"                           of the selected encoder's wire
@@ -62,6 +62,8 @@ struct dg_encoder_kind {
     enum dg_device_stack stack;
     /** Its EEPROM, NULL without one. */
     const struct dg_store_layout *(*layout)(const struct dg_encoder *self);
+    /** Whether it does not look at the multiturn sensor. */
+    bool (*singleturn)(const struct dg_encoder *self);
     /** The delivery state into self->nvm. @return 0 or an enum dg_result */
     int (*format)(const struct dg_encoder *self);
     int (*power_on)(struct dg_encoder *self, dg_ns now);
@@ -152,6 +154,7 @@ struct dg_rig {
     size_t encoder_count; /**< at least 1 */
     struct dg_rig_shaft **shafts;
     size_t shaft_count;
+    dg_ns origin; /**< TIME? counts from here: when the rig began */
     const struct dg_rig_ops *ops;
     void *host; /**< the host's own */
 };

@@ -108,6 +108,7 @@ struct dg_fault_target {
     struct dg_world *world;
     const struct dg_store_layout *layout; /**< NULL: no EEPROM */
     struct dg_nvm nvm;
+    bool singleturn; /**< it does not look at the multiturn sensor and its battery */
 };
 
 /** Entry `index` of the catalogue of an encoder. @return false behind the last one */

@@ -128,6 +128,7 @@ static bool make_room(struct lx_rig *self)
     control->encoder_count = plan->encoder_count;
     control->ops = &lx_rig_ops;
     control->host = self;
+    control->origin = self->begin;
     return self->shafts != NULL && self->wires != NULL && self->stations != NULL &&
            control->shafts != NULL && control->encoders != NULL;
 }

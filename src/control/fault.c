@@ -5,6 +5,7 @@
  *   index   0 .. rows of the stack - 1   a row of rows.c
  *           .. + checked regions - 1     a region of the encoder's EEPROM
  */
+#include <stddef.h>
 #include <string.h>
 
 #include "inside.h"
@@ -13,21 +14,43 @@
 #define RANDOM_FACTOR 1664525u
 #define RANDOM_STEP 1013904223u
 
-const struct dg_fault_row *dg_control_row(enum dg_device_stack stack, size_t index)
+/* What only the multiturn part of an encoder looks at. */
+static const size_t multiturn[] = {
+    offsetof(struct dg_world, battery_mv),
+    offsetof(struct dg_world, multiturn_amplitude_ok),
+    offsetof(struct dg_world, multiturn_sync_ok),
+    offsetof(struct dg_world, multiturn_vector_ok),
+};
+
+/* Whether this encoder can notice it. */
+static bool concerns(const struct dg_fault_target *target, const struct dg_fault_row *row)
+{
+    if ((row->stacks >> target->stack & 1u) == 0 || row->kind != DG_FAULT_WORLD) {
+        return (row->stacks >> target->stack & 1u) != 0;
+    }
+    for (size_t i = 0; target->singleturn && i < sizeof multiturn / sizeof multiturn[0]; i++) {
+        if (row->offset == multiturn[i]) {
+            return false;
+        }
+    }
+    return target->layout != NULL || row->offset != offsetof(struct dg_world, eeprom_acknowledges);
+}
+
+const struct dg_fault_row *dg_control_row(const struct dg_fault_target *target, size_t index)
 {
     for (size_t i = 0; i < dg_fault_row_count; i++) {
-        if ((dg_fault_rows[i].stacks >> stack & 1u) != 0 && index-- == 0) {
+        if (concerns(target, &dg_fault_rows[i]) && index-- == 0) {
             return &dg_fault_rows[i];
         }
     }
     return NULL;
 }
 
-static size_t rows_of(enum dg_device_stack stack)
+static size_t rows_of(const struct dg_fault_target *target)
 {
     size_t n = 0;
 
-    while (dg_control_row(stack, n) != NULL) {
+    while (dg_control_row(target, n) != NULL) {
         n++;
     }
     return n;
@@ -76,10 +99,10 @@ static bool region_entry(const struct dg_fault_target *target, size_t n, struct 
 
 bool dg_fault_entry(const struct dg_fault_target *target, size_t index, struct dg_fault_entry *out)
 {
-    const struct dg_fault_row *row = dg_control_row(target->stack, index);
+    const struct dg_fault_row *row = dg_control_row(target, index);
 
     if (row == NULL) {
-        const size_t rows = rows_of(target->stack);
+        const size_t rows = rows_of(target);
         return index < DG_FAULTS_MAX && region_entry(target, index - rows, out);
     }
     *out = (struct dg_fault_entry){
@@ -142,11 +165,12 @@ void dg_control_set_quantity(struct dg_world *world, size_t offset, uint8_t size
 }
 
 /* Another active fault on the same quantity, or DG_FAULTS_MAX. */
-static size_t rival(const struct dg_faults *self, enum dg_device_stack stack, size_t offset)
+static size_t rival(const struct dg_faults *self, const struct dg_fault_target *target,
+                    size_t offset)
 {
     const struct dg_fault_row *row;
 
-    for (size_t i = 0; (row = dg_control_row(stack, i)) != NULL; i++) {
+    for (size_t i = 0; (row = dg_control_row(target, i)) != NULL; i++) {
         if (self->fault[i].active && row->kind == DG_FAULT_WORLD && row->offset == offset) {
             return i;
         }
@@ -157,7 +181,7 @@ static size_t rival(const struct dg_faults *self, enum dg_device_stack stack, si
 void dg_control_override(struct dg_faults *self, const struct dg_fault_target *target,
                          size_t offset)
 {
-    const size_t i = rival(self, target->stack, offset);
+    const size_t i = rival(self, target, offset);
 
     if (i < DG_FAULTS_MAX) {
         self->fault[i].active = false;
@@ -166,8 +190,8 @@ void dg_control_override(struct dg_faults *self, const struct dg_fault_target *t
 
 static void bend(struct dg_faults *self, const struct dg_fault_target *target, size_t index)
 {
-    const struct dg_fault_row *row = dg_control_row(target->stack, index);
-    const size_t before = rival(self, target->stack, row->offset);
+    const struct dg_fault_row *row = dg_control_row(target, index);
+    const size_t before = rival(self, target, row->offset);
 
     /* What the quantity was before the first of them is what it will be after the last. */
     if (before == DG_FAULTS_MAX) {
@@ -181,7 +205,7 @@ static void bend(struct dg_faults *self, const struct dg_fault_target *target, s
 
 static void unbend(struct dg_faults *self, const struct dg_fault_target *target, size_t index)
 {
-    const struct dg_fault_row *row = dg_control_row(target->stack, index);
+    const struct dg_fault_row *row = dg_control_row(target, index);
 
     if (dg_control_quantity(target->world, row->offset, row->size) == row->value) {
         dg_control_set_quantity(target->world, row->offset, row->size, self->fault[index].healthy);
@@ -337,9 +361,10 @@ uint32_t dg_fault_pick(struct dg_faults *self, uint32_t n)
 
 int64_t dg_fault_wire_value(enum dg_device_stack stack, enum dg_wire_fault fault)
 {
+    const struct dg_fault_target target = {.stack = stack};
     const struct dg_fault_row *row;
 
-    for (size_t i = 0; (row = dg_control_row(stack, i)) != NULL; i++) {
+    for (size_t i = 0; (row = dg_control_row(&target, i)) != NULL; i++) {
         if (row->kind == DG_FAULT_WIRE && row->wire == fault) {
             return row->value;
         }

@@ -48,7 +48,7 @@ void dg_control_put_none(struct dg_scpi *self, size_t count);
 
 /* fault.c */
 /** Row `index` of a stack's catalogue, or NULL: a region or nothing. */
-const struct dg_fault_row *dg_control_row(enum dg_device_stack stack, size_t index);
+const struct dg_fault_row *dg_control_row(const struct dg_fault_target *target, size_t index);
 /** The quantity at `offset` of the world was set: whatever bent it is over. */
 void dg_control_override(struct dg_faults *self, const struct dg_fault_target *target,
                          size_t offset);

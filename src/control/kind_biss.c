@@ -19,6 +19,13 @@ static const struct dg_store_layout *layout(const struct dg_encoder *self)
     return &dg_biss_layout;
 }
 
+static bool singleturn(const struct dg_encoder *self)
+{
+    /* It monitors the sensor whatever its frame has room for. */
+    (void)self;
+    return false;
+}
+
 static int format(const struct dg_encoder *self)
 {
     return dg_biss_format(self->nvm);
@@ -96,6 +103,7 @@ static void state(const struct dg_encoder *self, dg_ns now, struct dg_scpi *to)
 const struct dg_encoder_kind dg_kind_biss = {
     .stack = DG_STACK_BISS,
     .layout = layout,
+    .singleturn = singleturn,
     .format = format,
     .power_on = power_on,
     .power_off = power_off,

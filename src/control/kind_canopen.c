@@ -16,6 +16,13 @@ static const struct dg_store_layout *layout(const struct dg_encoder *self)
     return device_of(self)->setup.device->layout;
 }
 
+static bool singleturn(const struct dg_encoder *self)
+{
+    const struct dg_cia406 *encoder = device_of(self)->setup.application;
+
+    return encoder->model->turns == 1;
+}
+
 static int format(const struct dg_encoder *self)
 {
     return dg_co_format(device_of(self)->setup.device, self->nvm, self->serial);
@@ -112,6 +119,7 @@ static void state(const struct dg_encoder *self, dg_ns now, struct dg_scpi *to)
 const struct dg_encoder_kind dg_kind_canopen = {
     .stack = DG_STACK_CANOPEN,
     .layout = layout,
+    .singleturn = singleturn,
     .format = format,
     .power_on = power_on,
     .power_off = power_off,

@@ -15,6 +15,11 @@ static const struct dg_store_layout *layout(const struct dg_encoder *self)
     return &dg_hf_layout;
 }
 
+static bool singleturn(const struct dg_encoder *self)
+{
+    return device_of(self)->setup.model->turns == 1;
+}
+
 static int format(const struct dg_encoder *self)
 {
     return dg_hf_format(device_of(self)->setup.model, self->nvm);
@@ -86,6 +91,7 @@ static void state(const struct dg_encoder *self, dg_ns now, struct dg_scpi *to)
 const struct dg_encoder_kind dg_kind_hiperface = {
     .stack = DG_STACK_HIPERFACE,
     .layout = layout,
+    .singleturn = singleturn,
     .format = format,
     .power_on = power_on,
     .power_off = power_off,

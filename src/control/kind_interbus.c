@@ -22,6 +22,11 @@ static const struct dg_store_layout *layout(const struct dg_encoder *self)
     return is_k3(device_of(self)) ? &dg_ib_layout : NULL;
 }
 
+static bool singleturn(const struct dg_encoder *self)
+{
+    return device_of(self)->setup.model->turns == 1;
+}
+
 static int format(const struct dg_encoder *self)
 {
     return dg_ib_format(device_of(self)->setup.model, self->nvm);
@@ -123,6 +128,7 @@ static void state(const struct dg_encoder *self, dg_ns now, struct dg_scpi *to)
 const struct dg_encoder_kind dg_kind_interbus = {
     .stack = DG_STACK_INTERBUS,
     .layout = layout,
+    .singleturn = singleturn,
     .format = format,
     .power_on = power_on,
     .power_off = power_off,

@@ -11,6 +11,7 @@ struct dg_fault_target dg_encoder_target(const struct dg_encoder *self)
         .world = self->world,
         .layout = self->nvm.ops != NULL ? self->kind->layout(self) : NULL,
         .nvm = self->nvm,
+        .singleturn = self->kind->singleturn(self),
     };
 }
 

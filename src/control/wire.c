@@ -39,7 +39,8 @@ static bool offered(struct dg_scpi *self, bool there)
 void dg_control_time(struct dg_scpi *self, uint32_t argument)
 {
     (void)argument;
-    dg_scpi_put_number(self, (int64_t)self->now, SECOND_PLACES);
+    dg_scpi_put_number(self, (int64_t)dg_elapsed(self->now, dg_control_rig(self)->origin),
+                       SECOND_PLACES);
 }
 
 void dg_control_set_scale(struct dg_scpi *self, uint32_t argument)

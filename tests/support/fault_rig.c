@@ -18,7 +18,8 @@ static void aim(enum dg_device_stack stack, struct dg_world *world,
                 const struct dg_store_layout *layout, struct dg_nvm nvm)
 {
     memset(&fault_rig.faults, 0, sizeof fault_rig.faults);
-    fault_rig.target = (struct dg_fault_target){stack, world, layout, nvm};
+    fault_rig.target =
+        (struct dg_fault_target){.stack = stack, .world = world, .layout = layout, .nvm = nvm};
 }
 
 void fault_rig_start_hf(void)

@@ -27,8 +27,8 @@ static int setup(void **state)
     (void)state;
     assert_int_equal(hf_rig_init(&rig, dg_device_find("s3684-rs485")->hiperface), DG_OK);
     memset(&faults, 0, sizeof faults);
-    target = (struct dg_fault_target){DG_STACK_HIPERFACE, &rig.world, &dg_hf_layout,
-                                      hf_rig_setup(&rig, NULL).nvm};
+    target = (struct dg_fault_target){
+        .world = &rig.world, .layout = &dg_hf_layout, .nvm = hf_rig_setup(&rig, NULL).nvm};
     return 0;
 }
 
@@ -79,7 +79,8 @@ static void expect_line(const char *text)
 
 static size_t expect_catalogue(enum dg_device_stack stack)
 {
-    const struct dg_fault_target all = {stack, &rig.world, layout_of(stack), {NULL, NULL}};
+    const struct dg_fault_target all = {
+        .stack = stack, .world = &rig.world, .layout = layout_of(stack)};
     struct dg_fault_entry entry;
     size_t count = 0;
 
@@ -148,7 +149,24 @@ static void test_without_memory_there_is_no_region(void **state)
     assert_int_equal(entry.code, DG_HF_COMPENSATION);
     target.layout = NULL;
     assert_false(dg_fault_entry(&target, first, &entry));
-    assert_true(dg_fault_entry(&target, first - 1u, &entry));
+    assert_int_equal(dg_fault_find(&target, "eeprom_resolution"), DG_ERR_ARGUMENT);
+    assert_int_equal(dg_fault_find(&target, "eeprom_silent"), DG_ERR_ARGUMENT);
+    assert_true(dg_fault_find(&target, "wire_drop") >= 0);
+}
+
+static void test_singleturn_has_no_multiturn_sensor(void **state)
+{
+    static const char *const names[] = {"multiturn_amplitude", "multiturn_sync",
+                                        "multiturn_vector"};
+
+    (void)state;
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+        target.singleturn = false;
+        assert_true(dg_fault_find(&target, names[i]) >= 0);
+        target.singleturn = true;
+        assert_int_equal(dg_fault_find(&target, names[i]), DG_ERR_ARGUMENT);
+    }
+    assert_true(dg_fault_find(&target, "eeprom_silent") >= 0);
 }
 
 static void test_no_such_entry(void **state)
@@ -180,7 +198,7 @@ static void test_limits_that_cannot_be(void **state)
         assert_int_equal(active(rows[i].name), rows[i].result == DG_OK);
         assert_int_equal(clear(rows[i].name), DG_OK);
     }
-    target = (struct dg_fault_target){DG_STACK_CANOPEN, &rig.world, NULL, {NULL, NULL}};
+    target = (struct dg_fault_target){.stack = DG_STACK_CANOPEN, .world = &rig.world};
     assert_int_equal(set("bus_off", &rows[0].limits), DG_ERR_ARGUMENT);
     assert_int_equal(set("error_passive", &rows[1].limits), DG_ERR_ARGUMENT);
     assert_int_equal(set("overrun", &rows[0].limits), DG_OK);
@@ -434,7 +452,8 @@ static void test_each_wire_fault_is_its_own(void **state)
     (void)state;
     for (unsigned stack = DG_STACK_HIPERFACE; stack <= DG_STACK_INTERBUS; stack++) {
         struct dg_fault_entry entry;
-        target = (struct dg_fault_target){(enum dg_device_stack)stack, &rig.world, NULL, {0}};
+        target =
+            (struct dg_fault_target){.stack = (enum dg_device_stack)stack, .world = &rig.world};
         for (size_t i = 0; dg_fault_entry(&target, i, &entry); i++) {
             if (entry.kind != DG_FAULT_WIRE) {
                 continue;
@@ -515,6 +534,7 @@ int main(void)
         cmocka_unit_test_setup(test_rows, setup),
         cmocka_unit_test_setup(test_names_are_found, setup),
         cmocka_unit_test_setup(test_without_memory_there_is_no_region, setup),
+        cmocka_unit_test_setup(test_singleturn_has_no_multiturn_sensor, setup),
         cmocka_unit_test_setup(test_no_such_entry, setup),
         cmocka_unit_test_setup(test_limits_that_cannot_be, setup),
         cmocka_unit_test_setup(test_quantity_is_as_before, setup),

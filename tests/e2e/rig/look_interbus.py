@@ -39,17 +39,6 @@ def position_lost(target):
     eventually(lambda: ring_fine(target))
 
 
-def multiturn_lost(target):
-    """A K1 has no multiturn sensor."""
-    if target.place == 0:
-        yield
-        stays(lambda: ring_fine(target))
-        yield
-        assert ring_fine(target)
-    else:
-        yield from position_lost(target)
-
-
 def interbus_restart(target: Target):
     power_cycle(target)
     eventually(lambda: target.master.status() & Coupler.RUN and
@@ -58,13 +47,6 @@ def interbus_restart(target: Target):
 
 def interbus_eeprom_silent(target):
     ring = target.master
-    if target.place != K3_PLACE:  # no EEPROM
-        yield
-        interbus_restart(target)
-        eventually(lambda: ring_fine(target))
-        yield
-        assert ring_fine(target)
-        return
     yield
     ring.out(0x08000123, target.at)
     eventually(lambda: position(target) == LOST)  # a parameter that cannot be stored
@@ -175,19 +157,22 @@ def interbus_time(target):
     eventually(lambda: ring_fine(target))
 
 
-INTERBUS = {
+K1 = {  # no multiturn sensor, no EEPROM
     "singleturn_lost": position_lost,
-    "multiturn_amplitude": multiturn_lost,
-    "multiturn_sync": multiturn_lost,
-    "multiturn_vector": multiturn_lost,
-    "eeprom_silent": interbus_eeprom_silent,
     "wire_drop": interbus_drop,
     "wire_damage": interbus_damage,
     "wire_tear": interbus_tear,
     "wire_break": interbus_break,
 }
+K2 = {
+    **K1,
+    "multiturn_amplitude": position_lost,
+    "multiturn_sync": position_lost,
+    "multiturn_vector": position_lost,
+}
 K3 = {
-    **INTERBUS,
+    **K2,
+    "eeprom_silent": interbus_eeprom_silent,
     "eeprom_time": interbus_time,
     **{f"eeprom_{region}": interbus_region
        for region in ["steps", "revolutions", "direction", "preset", "shift", "mode", "shift_iw",

@@ -14,7 +14,7 @@ from look_canopen import (CAN, POSITION_90DEG as CAN_90DEG, PRE_OPERATIONAL, can
                           fresh_can, states, with_heartbeats)
 from look_hiperface import (HIPERFACE, POSITION_90DEG as HIPERFACE_90DEG, code_of, fresh_hiperface,
                             hiperface_restart, silent)
-from look_interbus import INTERBUS, K3, fresh_interbus, ring_fine
+from look_interbus import K1, K2, K3, fresh_interbus, ring_fine
 from looks import HARDWARE_ERROR, Target, inject, seconds
 
 CYCLE_US = 5000
@@ -106,7 +106,7 @@ def target(bench, targets, request) -> Target:
 
 # --- all of it ------------------------------------------------------------------------------------
 
-LOOKS = {"h": HIPERFACE, "b": BISS, "c": CAN, "k1": INTERBUS, "k2": INTERBUS, "k3": K3}
+LOOKS = {"h": HIPERFACE, "b": BISS, "c": CAN, "k1": K1, "k2": K2, "k3": K3}
 FRESH = {"h": fresh_hiperface, "b": fresh_biss, "c": fresh_can, "k": fresh_interbus}
 
 
