@@ -19,8 +19,9 @@ static int switch_on(struct lx_hf_drop *self, dg_ns now, struct lx_error *error)
 {
     struct lx_station *station = self->station;
     const struct lx_bus_setup *bus = &self->all->bus.setup;
-    if (lx_eeprom_open(&self->eeprom, station->plan->nvm, &self->settings, bus->say, error) != 0) {
-        return -1;
+    const struct lx_plan_encoder *plan = station->plan;
+    if (lx_eeprom_open(&self->eeprom, plan->nvm, &self->settings, bus->say, error) != 0) {
+        return lx_plan_fail(bus->plan, plan->nvm_line, error, "%s", error->text);
     }
     station->control.nvm = self->eeprom.nvm;
     const struct dg_hf_setup device = {

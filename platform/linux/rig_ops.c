@@ -44,6 +44,9 @@ static void change_all(struct lx_rig *self, dg_ns now)
             bus->ops->changed(bus, NULL, now);
         }
     }
+    for (size_t i = 0; i < LX_PLAN_CONTROLS_MAX; i++) {
+        lx_server_wake(self->servers[i]);
+    }
 }
 
 void lx_rig_settle(void *ctx, dg_ns now)

@@ -248,11 +248,12 @@ static int biss_write(struct lx_bus *bus, struct lx_station *station, uint8_t ad
 
 /* --- the operations --- */
 
-static int switch_on(struct slave *slave, dg_ns now, struct lx_error *error)
+static int switch_on(struct slave *slave, const struct lx_plan *plan, dg_ns now,
+                     struct lx_error *error)
 {
     const char *nvm = slave->station->plan->nvm;
     if (lx_biss_eeprom_open(&slave->eeprom, nvm, error) != 0) {
-        return -1;
+        return lx_plan_fail(plan, slave->station->plan->nvm_line, error, "%s", error->text);
     }
     slave->station->control.nvm = slave->eeprom.nvm;
     const struct dg_biss_setup setup = {&slave->settings.model, &slave->station->world,
@@ -274,7 +275,7 @@ static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
     lx_biss_wire_init(&self->wire, now);
     for (size_t i = 0; i < self->count; i++) {
         struct slave *slave = &self->slave[i];
-        if (switch_on(slave, now, error) != 0) {
+        if (switch_on(slave, bus->setup.plan, now, error) != 0) {
             return -1;
         }
         lx_biss_wire_add(&self->wire, &slave->device, &slave->station->control.faults);

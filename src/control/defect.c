@@ -115,10 +115,11 @@ void dg_control_fault(struct dg_scpi *self, uint32_t argument)
 static int clear_all(struct dg_scpi *self)
 {
     const struct dg_fault_target target = target_of(self);
+    struct dg_faults *faults = &dg_control_encoder(self)->faults;
     int result = DG_OK;
 
     for (size_t i = 0; i < DG_FAULTS_MAX; i++) {
-        if (dg_fault_clear(&dg_control_encoder(self)->faults, &target, i) == DG_ERR_IO) {
+        if (faults->fault[i].active && dg_fault_clear(faults, &target, i) == DG_ERR_IO) {
             result = DG_ERR_IO;
         }
     }
