@@ -45,7 +45,7 @@ struct lx_plan_shaft {
     lx_line_number line;
 };
 
-/** A kind of wire; its rows are in bus.c. */
+/** A kind of wire; its rows are in wires.c. */
 struct lx_wire;
 
 /** A wire: a bus, or the private line of one encoder. */

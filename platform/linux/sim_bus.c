@@ -310,10 +310,7 @@ static void changed(struct lx_bus *bus, struct lx_station *station, dg_ns now)
 static void counters(const struct lx_bus *bus, const struct lx_station *station, struct dg_scpi *to)
 {
     const struct sim_bus *self = (const struct sim_bus *)bus;
-    const struct {
-        const char *name;
-        uint64_t value;
-    } rows[] = {
+    const struct lx_count rows[] = {
         {"wire_up", 1},
         {"wire_late", bus->late},
         {"wire_frames", self->frames},
@@ -321,11 +318,7 @@ static void counters(const struct lx_bus *bus, const struct lx_station *station,
         {"wire_wrong", self->wrong},
     };
     (void)station;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
-        char text[64];
-        (void)snprintf(text, sizeof text, "%s=%" PRIu64, rows[i].name, rows[i].value);
-        dg_scpi_put_word(to, text);
-    }
+    lx_bus_count(to, rows, sizeof rows / sizeof rows[0]);
 }
 
 static void close_bus(struct lx_bus *bus)

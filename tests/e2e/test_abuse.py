@@ -113,32 +113,24 @@ def test_one_file_is_of_one_recording(rig, tmp_path):
 
 
 @pytest.mark.parametrize("other", ["./a.nvm", "symbolic", "hard"])
-def test_one_eeprom_is_of_one_encoder(tmp_path, other):
-    file = tmp_path / "rig.ini"
-    file.write_text(TWO_ON_CAN.format("nvm = a.nvm\n", ""))
-    one = Encoder([file])
-    assert one.end() == 0
-    one.clean_up()
+def test_one_eeprom_is_of_one_encoder(rig, tmp_path, other):
+    assert rig(TWO_ON_CAN.format("nvm = a.nvm\n", "")).end() == 0
     (tmp_path / "symbolic").symlink_to("a.nvm")
     (tmp_path / "hard").hardlink_to(tmp_path / "a.nvm")
+    file = tmp_path / "rig.ini"
     file.write_text(TWO_ON_CAN.format("nvm = a.nvm\n", f"nvm = {other}\n"))
     said = run_refused(1, "run", file)
     assert f"{file}:8: " in said and "in use by another encoder" in said
     assert said.count(str(file)) == 1
 
 
-def test_the_lock_of_an_eeprom_lasts(tmp_path):
-    """Also after this process had the file open a second time, as a recording that was refused."""
-    file = tmp_path / "rig.ini"
-    file.write_text(CONTROLLED + "[encoder a]\nmodel = f3668\nwire = slcan\nnvm = a.csv\n")
-    one = Encoder([file])
-    client = Client(int(one.out.wait().rpartition(":")[2]))
-    assert client.error(f'SHAF:REC:STAR "{tmp_path}/a.csv"') == -256
-    said = run_refused(1, "run", "f3668", "--slcan", "--nvm", tmp_path / "a.csv")
-    assert f"in use by process {one.pid};" in said
-    client.close()
-    assert one.end() == 0
-    one.clean_up()
+def test_the_lock_of_an_eeprom_lasts(rig, tmp_path):
+    """Also after this process had the file open a second time, for a recording that it refused."""
+    image = tmp_path / "a.csv"
+    bench = rig(CONTROLLED + f"[encoder a]\nmodel = f3668\nwire = slcan\nnvm = {image}\n")
+    assert bench.client().error(f'SHAF:REC:STAR "{image}"') == -256
+    said = run_refused(1, "run", "f3668", "--slcan", "--nvm", image)
+    assert f"in use by process {bench.pid};" in said
 
 
 def test_as_many_files_as_there_are_encoders(rig):
@@ -212,9 +204,12 @@ def test_stderr_that_nobody_reads_holds_up_nobody(rig):
 
 
 def test_many_questions_at_once_are_all_answered(rig):
-    client = rig(SIMULATED).client()
-    count = 2000
-    client.line.sendall(b"FAUL:CAT?\n" * count)  # ten megabytes of answers
+    encoders = "".join(f"[encoder {'e' * 28}{i:03}]\nmodel = ocd-ib-k3\nbus = ring\n"
+                       for i in range(200))
+    client = rig(CONTROLLED + "[bus ring]\nwire = modbus\naddress = 127.0.0.1:0\n" + encoders
+                 ).client()
+    count = 20
+    client.line.sendall((b"INST:" + b"CAT?;" * 99 + b"\n") * count)  # 13 megabytes of answers
     assert sum(1 for _ in range(count) if client.answers.readline().startswith('"')) == count
 
 
