@@ -145,10 +145,7 @@ static void settle(void *ctx, dg_ns now)
 static void on_frame(void *ctx, dg_ns now, const struct dg_can_frame *frame)
 {
     struct lx_can_bus *self = ctx;
-    if (lx_tap_on(&self->bus.tap)) {
-        const struct lx_tap_event event = {.at = now, .kind = LX_TAP_FRAME, .frame = *frame};
-        lx_tap_tell(&self->bus.tap, &event);
-    }
+    lx_can_tell(self, now, false, frame);
     if (self->bent) {
         lx_can_offer(self, now, frame, NULL);
     } else {

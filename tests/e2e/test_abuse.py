@@ -6,6 +6,7 @@ import socket
 import time
 
 import pytest
+import serial
 
 from hiperface_master import Master
 from rig import PATIENCE_S, Encoder, run_refused
@@ -243,3 +244,31 @@ def test_one_control_address_twice(tmp_path):
                     "wire = slcan\n")
     assert "in use already" in run_refused(1, "run", file)
     assert not (tmp_path / "s").exists()
+
+
+def test_what_dead_rigs_left_behind_is_used_again(rig, tmp_path):
+    environment = os.environ | {"XDG_RUNTIME_DIR": str(tmp_path)}
+    text = "[rig]\nname = same\n[encoder a]\nmodel = f3668\nwire = slcan\n"
+    for _ in range(3):
+        for one in [rig(text, env=environment) for _ in range(3)]:
+            one.process.kill()
+            one.process.wait(PATIENCE_S)
+    left = sorted(path.name for path in (tmp_path / "drehgeber").iterdir())
+    assert left == ["same-2.sock", "same-3.sock", "same.sock"]
+
+
+# --- traces -------------------------------------------------------------------------------------
+
+def test_time_in_a_trace_never_goes_back(rig, tmp_path):
+    """Requests that come in at once wait for each other's answers."""
+    bench = rig("[encoder a]\nmodel = f3668\nwire = slcan:can\ntrace = can.log\n")
+    with serial.Serial(str(tmp_path / "can"), timeout=PATIENCE_S) as port:
+        port.write(b"S5\rO\r" + b"t63F84004600000000000\r" * 200)
+        answers = b""
+        while answers.count(b"t5BF8") < 200:
+            got = port.read_until(b"\r")
+            assert got, answers
+            answers += got
+    assert bench.end() == 0
+    times = [float(line[1:line.index(")")]) for line in (tmp_path / "can.log").open()]
+    assert len(times) >= 400 and times == sorted(times)
