@@ -50,12 +50,12 @@ bool lx_host_port_split(const char *text, struct lx_host_port *out)
 int lx_endpoint_check(const char *where, struct lx_error *error)
 {
     struct lx_host_port tcp;
-    const struct sockaddr_un address = {.sun_family = AF_UNIX};
+    const size_t room = sizeof((struct sockaddr_un *)0)->sun_path;
     const char *path = behind(where, UNIX_PREFIX);
     const char *host = behind(where, TCP_PREFIX);
-    if (path != NULL && strlen(path) >= sizeof address.sun_path) {
+    if (path != NULL && strlen(path) >= room) {
         return lx_fail(error, "%s: a path of at most %lu characters is right", where,
-                       (unsigned long)sizeof address.sun_path - 1);
+                       (unsigned long)room - 1);
     }
     if (path != NULL || (host != NULL && lx_host_port_split(host, &tcp))) {
         return 0;

@@ -25,9 +25,9 @@
 
 #define INPUT_MAX 1024u
 /* Answers a client may leave lying before the rest of its commands waits. */
-#define OUTPUT_FULL (64u * 1024u)
+#define OUTPUT_FULL ((size_t)64 * 1024)
 /* ... and with those of the line it was at: the catalogue of a large rig fifty times over. */
-#define OUTPUT_MAX (2u * 1024u * 1024u)
+#define OUTPUT_MAX ((size_t)2 * 1024 * 1024)
 #define FOLDER_MODE 0700
 
 /* A connection. */

@@ -257,6 +257,14 @@ def test_what_dead_rigs_left_behind_is_used_again(rig, tmp_path):
     assert left == ["same-2.sock", "same-3.sock", "same.sock"]
 
 
+def test_an_erased_eeprom_is_not_damaged(rig):
+    client = rig(ON_A_LINE).client()
+    assert client.error("POW OFF;:FAUL:SET EEPROM_UART;:FAUL:SET EEPROM_TYPE") == 0
+    assert client.ask("FAUL:ACT?").count("eeprom_") == 2
+    assert client.error("NVM:ERAS;:POW ON") == 0
+    assert client.ask("FAUL:ACT?") == '""'
+
+
 # --- traces -------------------------------------------------------------------------------------
 
 def test_time_in_a_trace_never_goes_back(rig, tmp_path):
