@@ -13,13 +13,13 @@
 
 #include "number.h"
 
+/* Connections are accepted up to so often in a time. */
+#define CALM_US 100000u
+#define CALM_ACCEPTS 100u
 #define UNIX_PREFIX "unix:"
 #define TCP_PREFIX "tcp:"
 #define BACKLOG 16
 #define OWNER_ONLY 0177
-/* Connections are accepted up to so often in a time. */
-#define CALM_US 100000u
-#define CALM_ACCEPTS 100u
 
 /* What is behind the prefix, or NULL. */
 static const char *behind(const char *where, const char *prefix)
@@ -50,12 +50,12 @@ bool lx_host_port_split(const char *text, struct lx_host_port *out)
 int lx_endpoint_check(const char *where, struct lx_error *error)
 {
     struct lx_host_port tcp;
-    const size_t room = sizeof((struct sockaddr_un *)0)->sun_path;
+    const struct sockaddr_un address = {.sun_family = AF_UNIX};
     const char *path = behind(where, UNIX_PREFIX);
     const char *host = behind(where, TCP_PREFIX);
-    if (path != NULL && strlen(path) >= room) {
+    if (path != NULL && strlen(path) >= sizeof address.sun_path) {
         return lx_fail(error, "%s: a path of at most %lu characters is right", where,
-                       (unsigned long)room - 1);
+                       (unsigned long)sizeof address.sun_path - 1);
     }
     if (path != NULL || (host != NULL && lx_host_port_split(host, &tcp))) {
         return 0;
