@@ -50,6 +50,7 @@ struct lx_server {
     int listener;
     sd_event_source *io;
     struct lx_timer timer;
+    bool woken; /* what a client waits for may have come sooner */
     struct client clients[LX_SERVER_CLIENTS_MAX];
     dev_t device; /* of the socket file, to remove no other one */
     ino_t inode;
@@ -171,10 +172,12 @@ static dg_ns serve(struct client *client)
     return next;
 }
 
-/* What one client did may be what another one waits for. */
+/* What one client did may be what another one waits for, which has had its turn: another round
+   then. */
 static void settle(struct lx_server *self)
 {
     dg_ns next = DG_NEVER;
+    self->woken = false;
     for (size_t i = 0; i < LX_SERVER_CLIENTS_MAX; i++) {
         struct client *client = &self->clients[i];
         if (client->fd >= 0) {
@@ -182,7 +185,7 @@ static void settle(struct lx_server *self)
             watch(client);
         }
     }
-    lx_timer_at(&self->timer, lx_clock_real(self->setup.clock, next));
+    lx_timer_at(&self->timer, self->woken ? lx_now() : lx_clock_real(self->setup.clock, next));
     self->setup.settle(self->setup.ctx, lx_clock_now(self->setup.clock));
 }
 
@@ -312,6 +315,7 @@ void lx_server_wake(struct lx_server *self)
         waits = waits || (self->clients[i].fd >= 0 && (session->waiting || session->opc));
     }
     if (waits) {
+        self->woken = true;
         lx_timer_at(&self->timer, lx_now());
     }
 }

@@ -178,9 +178,10 @@ def test_after_a_step_it_is_later_for_the_rest_of_the_line_and_for_others(rig):
     assert float(other.ask("SHAF:POS?")) == pytest.approx(150, abs=1e-3)
 
 
-def test_who_waits_on_another_address_is_told(rig):
+@pytest.mark.parametrize("address", [0, 1])
+def test_who_waits_is_told_what_others_did(rig, address):
     bench = rig(ON_A_LINE.replace("0\n[", "0\ncontrol = tcp:127.0.0.1:0\n[", 1))
-    waiting, steering = bench.client(0), bench.client(1)
+    waiting, steering = bench.client(0), bench.client(address)
     assert waiting.error("SHAF:MOVE 100000,1RPM") == 0
     waiting.send("*OPC?")
     time.sleep(0.2)
