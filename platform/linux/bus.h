@@ -112,6 +112,15 @@ bool lx_wire_has(const struct lx_wire *self, const char *key);
 lx_bus_make lx_hf_bus_make_pty, lx_hf_bus_make_tty, lx_can_bus_make_socket, lx_can_bus_make_slcan,
     lx_ring_bus_make, lx_sim_bus_make, lx_gpio_bus_make;
 
+/** A counter of STATe?. */
+struct lx_count {
+    const char *name;
+    uint64_t value;
+};
+
+/** Append n counters, for lx_bus_ops.counters. */
+void lx_bus_count(struct dg_scpi *to, const struct lx_count *rows, size_t n);
+
 /** The rig's time now. */
 dg_ns lx_clock_now(const struct lx_clock *self);
 /** Real time at which the rig's time is `at`; DG_NEVER when it stands still. */

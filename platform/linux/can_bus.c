@@ -13,7 +13,6 @@
 #define _GNU_SOURCE
 #include "can_bus.h"
 
-#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -145,10 +144,7 @@ static void settle(void *ctx, dg_ns now)
 static void on_frame(void *ctx, dg_ns now, const struct dg_can_frame *frame)
 {
     struct lx_can_bus *self = ctx;
-    if (lx_tap_on(&self->bus.tap)) {
-        const struct lx_tap_event event = {.at = now, .kind = LX_TAP_FRAME, .frame = *frame};
-        lx_tap_tell(&self->bus.tap, &event);
-    }
+    lx_can_tell(self, now, false, frame);
     if (self->bent) {
         lx_can_offer(self, now, frame, NULL);
     } else {
@@ -245,19 +241,12 @@ static void changed(struct lx_bus *bus, struct lx_station *station, dg_ns now)
 static void counters(const struct lx_bus *bus, const struct lx_station *station, struct dg_scpi *to)
 {
     const struct lx_can_bus *self = (const struct lx_can_bus *)bus;
-    const struct {
-        const char *name;
-        uint64_t value;
-    } rows[] = {
+    const struct lx_count rows[] = {
         {"wire_up", self->can->ops->up(self->can)},       {"wire_late", bus->late},
         {"wire_stalls", self->can->counters.stalls},      {"wire_lost", self->can->counters.lost},
         {"wire_kbaud", self->node[station->place].kbaud},
     };
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
-        char text[64];
-        (void)snprintf(text, sizeof text, "%s=%" PRIu64, rows[i].name, rows[i].value);
-        dg_scpi_put_word(to, text);
-    }
+    lx_bus_count(to, rows, sizeof rows / sizeof rows[0]);
 }
 
 static void close_bus(struct lx_bus *bus)

@@ -63,6 +63,7 @@ struct lx_can_bus {
     uint8_t filter_version[DG_CO_NET_NODES]; /**< of `net`, when the wire was told */
     bool told;                  /**< the wire knows who listens to what, but for filter_version */
     bool tapped;                /**< ... and that somebody wants to see all there is */
+    dg_ns tapped_at;            /**< of the frame that the tap was told last */
     bool retuned;               /**< a node's bit rate has changed */
     bool bent;                  /**< some node is */
     enum dg_co_bus_event state; /**< of the controller: active, passive or off */
@@ -90,6 +91,10 @@ int lx_can_node_open(struct lx_can_node *self, const struct dg_co_ops *ops, dg_n
 void lx_can_node_close(struct lx_can_node *self);
 
 /* --- faults of the wire, can_faults.c --- */
+
+/** Tell the tap of a frame, in the order of time: one that waited while another was answered is
+ * told after the answer. */
+void lx_can_tell(struct lx_can_bus *self, dg_ns at, bool ours, const struct dg_can_frame *frame);
 
 /** Put a frame of a node on the wire: the tap, the wire itself, other nodes that listen. */
 void lx_can_emit(struct lx_can_node *from, const struct dg_can_frame *frame);

@@ -53,14 +53,21 @@ static bool others_listen(const struct lx_can_node *from, uint16_t id)
     return memcmp(listeners, nobody, sizeof listeners) != 0;
 }
 
+void lx_can_tell(struct lx_can_bus *self, dg_ns at, bool ours, const struct dg_can_frame *frame)
+{
+    if (!lx_tap_on(&self->bus.tap)) {
+        return;
+    }
+    self->tapped_at = at > self->tapped_at ? at : self->tapped_at;
+    const struct lx_tap_event event = {
+        .at = self->tapped_at, .kind = LX_TAP_FRAME, .ours = ours, .frame = *frame};
+    lx_tap_tell(&self->bus.tap, &event);
+}
+
 void lx_can_emit(struct lx_can_node *from, const struct dg_can_frame *frame)
 {
     struct lx_can_bus *self = from->bus;
-    if (lx_tap_on(&self->bus.tap)) {
-        const struct lx_tap_event event = {
-            .at = lx_now(), .kind = LX_TAP_FRAME, .ours = true, .frame = *frame};
-        lx_tap_tell(&self->bus.tap, &event);
-    }
+    lx_can_tell(self, lx_now(), true, frame);
     lx_can_send(self->can, frame);
     if (others_listen(from, frame->id)) {
         const struct lx_can_waiting waiting = {.from = from, .frame = *frame};

@@ -13,6 +13,9 @@
 
 #include "number.h"
 
+/* Connections are accepted up to so often in a time. */
+#define CALM_US 100000u
+#define CALM_ACCEPTS 100u
 #define UNIX_PREFIX "unix:"
 #define TCP_PREFIX "tcp:"
 #define BACKLOG 16
@@ -86,7 +89,7 @@ static int clear_stale(const char *path, const struct sockaddr_un *address, stru
         (void)close(fd);
     }
     if (!dead) {
-        return lx_fail(error, "unix:%s: in use by another process; give another name", path);
+        return lx_fail(error, "unix:%s: in use already; give another name", path);
     }
     (void)unlink(path);
     return 0;
@@ -144,13 +147,12 @@ static int bind_and_listen(int fd, const struct sockaddr *address, socklen_t siz
     return bind(fd, address, size) != 0 ? -1 : listen(fd, BACKLOG);
 }
 
-/* Port 0: the kernel has chosen one. */
-static void real_port(int fd, struct lx_host_port *tcp)
+void lx_host_port_real(struct lx_host_port *self, int fd)
 {
     struct sockaddr_storage bound;
     socklen_t size = sizeof bound;
     if (getsockname(fd, (struct sockaddr *)&bound, &size) == 0) {
-        (void)getnameinfo((struct sockaddr *)&bound, size, NULL, 0, tcp->port, sizeof tcp->port,
+        (void)getnameinfo((struct sockaddr *)&bound, size, NULL, 0, self->port, sizeof self->port,
                           NI_NUMERICSERV);
     }
 }
@@ -172,10 +174,15 @@ int lx_endpoint_listen(const char *where, char *address, size_t size, struct lx_
     if (fd < 0) {
         return lx_fail(error, "%s: cannot listen there: %s", where, strerror(errno));
     }
-    real_port(fd, &tcp);
+    lx_host_port_real(&tcp, fd);
     const int host = (int)(strrchr(where, ':') - where);
     (void)snprintf(address, size, "%.*s:%s", host, where, tcp.port);
     return fd;
+}
+
+int lx_endpoint_calm(sd_event_source *listener)
+{
+    return sd_event_source_set_ratelimit(listener, CALM_US, CALM_ACCEPTS);
 }
 
 static int connect_unix(const char *path)

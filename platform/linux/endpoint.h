@@ -9,6 +9,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <systemd/sd-event.h>
 
 #include "say.h"
 
@@ -21,6 +22,9 @@ struct lx_host_port {
 /** Take "host:port" or "[host]:port" apart. @return false: it is neither */
 bool lx_host_port_split(const char *text, struct lx_host_port *out);
 
+/** Fill in the port that a socket really has: of port 0 the kernel has chosen one. */
+void lx_host_port_real(struct lx_host_port *self, int fd);
+
 /** Whether `where` is unix:PATH or tcp:HOST:PORT. @return 0, or -1 with one line in `error` */
 int lx_endpoint_check(const char *where, struct lx_error *error);
 
@@ -31,6 +35,10 @@ int lx_endpoint_check(const char *where, struct lx_error *error);
  * @return the descriptor, or -1 with one line in `error`
  */
 int lx_endpoint_listen(const char *where, char *address, size_t size, struct lx_error *error);
+
+/** A connection that cannot be accepted for want of descriptors stays where it is: let it not keep
+ * the loop busy. @return 0 or a negative errno */
+int lx_endpoint_calm(sd_event_source *listener);
 
 /** A connection to `where`, which blocks. @return the descriptor, or -1 with `error` */
 int lx_endpoint_connect(const char *where, struct lx_error *error);

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A BiSS encoder on GPIO lines as a wire of a rig. Only one: chains need a line for each SLI. */
 #define _GNU_SOURCE
-#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -133,10 +132,7 @@ static void changed(struct lx_bus *bus, struct lx_station *station, dg_ns now)
 static void counters(const struct lx_bus *bus, const struct lx_station *station, struct dg_scpi *to)
 {
     const struct gpio_bus *self = (const struct gpio_bus *)bus;
-    const struct {
-        const char *name;
-        uint64_t value;
-    } rows[] = {
+    const struct lx_count rows[] = {
         {"wire_up", self->up},
         {"wire_late", self->gpio.counters.late},
         {"wire_edges", self->gpio.counters.edges},
@@ -144,11 +140,7 @@ static void counters(const struct lx_bus *bus, const struct lx_station *station,
         {"wire_hz", lx_gpio_rate_known(&self->gpio.rate) ? lx_gpio_rate_hz(&self->gpio.rate) : 0u},
     };
     (void)station;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
-        char text[64];
-        (void)snprintf(text, sizeof text, "%s=%" PRIu64, rows[i].name, rows[i].value);
-        dg_scpi_put_word(to, text);
-    }
+    lx_bus_count(to, rows, sizeof rows / sizeof rows[0]);
 }
 
 static void close_bus(struct lx_bus *bus)

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* RS485 encoders on one port: from the plan to a line, see hf_line.c. */
-#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,8 +18,9 @@ static int switch_on(struct lx_hf_drop *self, dg_ns now, struct lx_error *error)
 {
     struct lx_station *station = self->station;
     const struct lx_bus_setup *bus = &self->all->bus.setup;
-    if (lx_eeprom_open(&self->eeprom, station->plan->nvm, &self->settings, bus->say, error) != 0) {
-        return -1;
+    const struct lx_plan_encoder *plan = station->plan;
+    if (lx_eeprom_open(&self->eeprom, plan->nvm, &self->settings, bus->say, error) != 0) {
+        return lx_plan_fail(bus->plan, plan->nvm_line, error, "%s", error->text);
     }
     station->control.nvm = self->eeprom.nvm;
     const struct dg_hf_setup device = {
@@ -124,19 +124,12 @@ static void counters(const struct lx_bus *bus, const struct lx_station *station,
 {
     const struct lx_hf_bus *self = (const struct lx_hf_bus *)bus;
     const struct lx_hf_drop *drop = station->own;
-    const struct {
-        const char *name;
-        uint64_t value;
-    } rows[] = {
+    const struct lx_count rows[] = {
         {"wire_up", self->port->fd >= 0},  {"wire_late", bus->late},
         {"wire_collided", self->collided}, {"wire_lost", self->port->counters.lost},
         {"wire_baud", drop->uart.baud},
     };
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
-        char text[64];
-        (void)snprintf(text, sizeof text, "%s=%" PRIu64, rows[i].name, rows[i].value);
-        dg_scpi_put_word(to, text);
-    }
+    lx_bus_count(to, rows, sizeof rows / sizeof rows[0]);
 }
 
 static void close_bus(struct lx_bus *bus)

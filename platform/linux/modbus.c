@@ -10,7 +10,6 @@
 #include "modbus.h"
 
 #include <errno.h>
-#include <netdb.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/epoll.h>
@@ -18,7 +17,7 @@
 #include <unistd.h>
 
 #include "drehgeber/bits.h"
-#include "number.h"
+#include "endpoint.h"
 
 #define HEADER 7u
 #define LENGTH_AT 4u
@@ -230,7 +229,7 @@ static int on_connection(sd_event_source *source, int fd, uint32_t events, void 
     (void)events;
     const int socket = accept4(fd, NULL, NULL, SOCK_NONBLOCK | SOCK_CLOEXEC);
     if (socket < 0) {
-        return 0; /* it has gone again */
+        return 0; /* it has gone again, or there is no descriptor for it */
     }
     struct lx_modbus_client *client = place(self);
     *client = (struct lx_modbus_client){.owner = self, .fd = socket, .heard = lx_now()};
@@ -256,42 +255,17 @@ static void on_cycle(void *ctx, dg_ns now)
     lx_timer_at(&self->timer, self->next);
 }
 
-/* "host:port", "[host]:port" */
-struct endpoint {
-    char host[256];
-    char port[8];
-};
-
-static bool split(const char *where, struct endpoint *out)
-{
-    const char *colon = strrchr(where, ':');
-    size_t n = colon == NULL ? 0 : (size_t)(colon - where);
-    uint64_t port = 0;
-    if (n == 0 || n >= sizeof out->host || strlen(colon + 1) >= sizeof out->port ||
-        !lx_unsigned_parse(colon + 1, &port) || port > UINT16_MAX) {
-        return false;
-    }
-    if (where[0] == '[' && where[n - 1] == ']') {
-        where++;
-        n -= 2;
-    }
-    memcpy(out->host, where, n);
-    out->host[n] = '\0';
-    (void)snprintf(out->port, sizeof out->port, "%lu", (unsigned long)port);
-    return n > 0;
-}
-
 bool lx_modbus_address_fits(const char *where)
 {
-    struct endpoint endpoint;
-    return split(where, &endpoint);
+    struct lx_host_port endpoint;
+    return lx_host_port_split(where, &endpoint);
 }
 
 static int listen_at(struct lx_modbus *self, const struct lx_modbus_setup *setup,
                      struct lx_error *error)
 {
-    struct endpoint endpoint;
-    if (!split(setup->where, &endpoint)) {
+    struct lx_host_port endpoint;
+    if (!lx_host_port_split(setup->where, &endpoint)) {
         return lx_fail(error, "--modbus %s: HOST:PORT is right", setup->where);
     }
     self->protocol = modbus_new_tcp_pi(endpoint.host, endpoint.port);
@@ -302,13 +276,7 @@ static int listen_at(struct lx_modbus *self, const struct lx_modbus_setup *setup
         return lx_fail(error, "--modbus %s: cannot listen there: %s", setup->where,
                        errno == ECONNREFUSED ? "no such host" : strerror(errno));
     }
-    /* Port 0: the kernel has chosen one. */
-    struct sockaddr_storage bound;
-    socklen_t size = sizeof bound;
-    if (getsockname(self->listener, (struct sockaddr *)&bound, &size) == 0) {
-        (void)getnameinfo((struct sockaddr *)&bound, size, NULL, 0, endpoint.port,
-                          sizeof endpoint.port, NI_NUMERICSERV);
-    }
+    lx_host_port_real(&endpoint, self->listener);
     const int host = (int)(strrchr(setup->where, ':') - setup->where);
     (void)snprintf(self->address, sizeof self->address, "%.*s:%s", host, setup->where,
                    endpoint.port);
@@ -318,6 +286,9 @@ static int listen_at(struct lx_modbus *self, const struct lx_modbus_setup *setup
 static int watch(struct lx_modbus *self, sd_event *event)
 {
     int result = sd_event_add_io(event, &self->io, self->listener, EPOLLIN, on_connection, self);
+    if (result >= 0) {
+        result = lx_endpoint_calm(self->io);
+    }
     if (result >= 0) {
         result = lx_timer_open(&self->timer, event, on_cycle, self);
     }

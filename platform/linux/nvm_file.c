@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Two promises: what a sync acknowledged is on the disk, and a file is either complete or not
- * there. The lock is the kernel's, so it ends with the process however that ends. It also ends when
- * any other descriptor of the same file is closed in this process: the file is opened once, and
- * only here.
+ * there. The lock is the kernel's, so it ends with the process however that ends.
  */
 #define _GNU_SOURCE
 #include "nvm_file.h"
@@ -16,6 +14,8 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+#include "file.h"
 
 /* --- the memory operations --- */
 
@@ -131,21 +131,30 @@ static const struct dg_nvm_ops file_ops = {
 
 /* --- opening --- */
 
+static int refuse(const struct lx_nvm_file *self, pid_t holder, struct lx_error *error)
+{
+    if (holder == 0) {
+        return lx_fail(error, "%s: in use by another process; try again", self->path);
+    }
+    if (holder == getpid()) {
+        return lx_fail(error,
+                       "%s: in use by another encoder, trace or recording; give every encoder a "
+                       "file of its own",
+                       self->path);
+    }
+    return lx_fail(error, "%s: in use by process %ld; give every encoder a file of its own",
+                   self->path, (long)holder);
+}
+
 static int lock(const struct lx_nvm_file *self, struct lx_error *error)
 {
-    struct flock whole = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
-    if (fcntl(self->fd, F_SETLK, &whole) == 0) {
+    const int reason = lx_file_hold(self->fd);
+    if (reason == 0) {
         return 0;
     }
-    /* Anything but these two is a file system that cannot lock: then nobody is safe. */
-    if (errno != EACCES && errno != EAGAIN) {
-        return lx_fail(error, "%s: cannot lock: %s", self->path, strerror(errno));
-    }
-    if (fcntl(self->fd, F_GETLK, &whole) == 0 && whole.l_type != F_UNLCK) {
-        return lx_fail(error, "%s: in use by process %ld; give every encoder a file of its own",
-                       self->path, (long)whole.l_pid);
-    }
-    return lx_fail(error, "%s: in use by another process; try again", self->path);
+    /* Anything but this is a file system that cannot lock: then nobody is safe. */
+    return reason == EAGAIN ? refuse(self, lx_file_holder(self->fd), error)
+                            : lx_fail(error, "%s: cannot lock: %s", self->path, strerror(reason));
 }
 
 /* An empty file is refused with the ones that are too long: whoever made it meant something else.
@@ -222,8 +231,7 @@ static int create(struct lx_nvm_file *self, const struct lx_nvm_image *image)
         return errno;
     }
     /* Locked before it has its name. A lock on a private file cannot be refused by others. */
-    struct flock whole = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
-    int reason = fcntl(self->fd, F_SETLK, &whole) == 0 ? 0 : errno;
+    int reason = lx_file_hold(self->fd);
     if (reason == 0) {
         reason = write_all(self->fd, image->bytes, image->size, 0);
     }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * An EEPROM in a file: one process at a time, durable when sync returns.
+ * An EEPROM in a file: of one encoder at a time, durable when sync returns.
  */
 #ifndef DREHGEBER_LINUX_NVM_FILE_H
 #define DREHGEBER_LINUX_NVM_FILE_H
@@ -32,7 +32,7 @@ struct lx_nvm_image {
  * Open `path` and lock it; make it (mode 0600, complete or not at all) when it does not exist. The
  * content of an existing file is not touched.
  * @return 0, or -1 with one line in `error`: no such folder, not a regular file, longer than the
- *         image, in use by another process, ...
+ *         image, in use by another encoder or process, ...
  */
 int lx_nvm_file_open(struct lx_nvm_file *self, const char *path, const struct lx_nvm_image *image,
                      struct lx_error *error);

@@ -89,6 +89,13 @@ int lx_plan_add_setting(struct lx_plan_settings *self, const char *assignment, l
     return 0;
 }
 
+/* Whoever was nearer to what is wrong has said where it stands. */
+static bool is_placed(const struct lx_plan *self, const char *text)
+{
+    const size_t n = strlen(self->file);
+    return strncmp(text, self->file, n) == 0 && text[n] == ':';
+}
+
 /* An argument may be the text of `error` itself. */
 int lx_plan_fail(const struct lx_plan *self, lx_line_number line, struct lx_error *error,
                  const char *format, ...)
@@ -98,7 +105,7 @@ int lx_plan_fail(const struct lx_plan *self, lx_line_number line, struct lx_erro
     va_start(arguments, format);
     (void)vsnprintf(text.text, sizeof text.text, format, arguments);
     va_end(arguments);
-    if (self->file == NULL || line == 0) {
+    if (self->file == NULL || line == 0 || is_placed(self, text.text)) {
         *error = text;
         return -1;
     }

@@ -45,7 +45,7 @@ struct lx_plan_shaft {
     lx_line_number line;
 };
 
-/** A kind of wire; its rows are in bus.c. */
+/** A kind of wire; its rows are in wires.c. */
 struct lx_wire;
 
 /** A wire: a bus, or the private line of one encoder. */
@@ -110,7 +110,8 @@ int lx_plan_add_encoder(struct lx_plan *self, const char *name, const struct dg_
 int lx_plan_add_setting(struct lx_plan_settings *self, const char *assignment, lx_line_number line,
                         struct lx_error *error);
 
-/** Fill `error`, printf style, with "FILE:LINE: " in front where there is a line. Always -1. */
+/** Fill `error`, printf style, with "FILE:LINE: " in front where there is a line, and no such
+ * thing yet. Always -1. */
 int lx_plan_fail(const struct lx_plan *self, lx_line_number line, struct lx_error *error,
                  const char *format, ...);
 

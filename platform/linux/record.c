@@ -12,14 +12,19 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "file.h"
 #include "timer.h"
 
 #define INTERVAL_MIN DG_US(100)
 #define INTERVAL_MAX DG_S(3600)
 /* Real time; the clock may be stopped, stepped or sped up at any time, and says nothing. */
 #define LOOK_AGAIN DG_MS(10)
+/* Between two wake-ups: others have their turn, however far behind a recording is. */
+#define PAUSE DG_MS(1)
 /* Lines of one wake-up, so that a long step of time does not hold up the wires. */
 #define LINES_MAX 1000u
+/* More than can be written before somebody misses this process: some hundred megabytes. */
+#define BEHIND_MAX 10000000u
 
 /* As csv.c reads them: 10^-9 degree, and the largest angle. */
 #define PER_DEGREE INT64_C(1000000000)
@@ -84,6 +89,9 @@ static void write_line(struct lx_record *self)
 
 static void write_lines(struct lx_record *self, dg_ns now, uint64_t most)
 {
+    if (!self->failed && dg_elapsed(now, self->next) / self->setup.interval > BEHIND_MAX) {
+        end_early(self, "too many lines at once; a longer interval or a slower clock is right");
+    }
     for (uint64_t i = 0; i < most && !self->failed && self->next <= now; i++) {
         write_line(self);
     }
@@ -92,8 +100,10 @@ static void write_lines(struct lx_record *self, dg_ns now, uint64_t most)
 static void wait_for_next(struct lx_record *self)
 {
     if (!self->failed) {
+        const dg_ns now = lx_now();
         const dg_ns due = lx_clock_real(self->setup.clock, self->next);
-        lx_timer_at(&self->timer, dg_earliest(due, dg_after(lx_now(), LOOK_AGAIN)));
+        const dg_ns soon = dg_after(now, PAUSE);
+        lx_timer_at(&self->timer, dg_earliest(due > soon ? due : soon, dg_after(now, LOOK_AGAIN)));
     }
 }
 
@@ -135,11 +145,13 @@ static int open_parts(struct lx_record *self, struct lx_error *error)
     if (result < 0) {
         return lx_fail(error, "%s: no timer for a recording: %s", self->path, strerror(-result));
     }
-    self->file = fopen(self->path, "we");
-    if (self->file == NULL || fputs("time_s,angle_deg\n", self->file) < 0) {
-        return lx_fail(error, "%s: cannot open: %s", self->path, strerror(errno));
+    self->file = lx_file_create(self->path, error);
+    if (self->file == NULL) {
+        return -1;
     }
-    return 0;
+    return fputs("time_s,angle_deg\n", self->file) >= 0
+               ? 0
+               : lx_fail(error, "%s: cannot write: %s", self->path, strerror(errno));
 }
 
 struct lx_record *lx_record_open(const struct lx_record_setup *setup, dg_ns now,

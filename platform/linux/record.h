@@ -27,8 +27,8 @@ struct lx_record_setup {
 /**
  * Write "time_s,angle_deg" every `interval` from the rig's `now` on, time 0 being now; exact
  * moments of the grid, not of the wake-ups, and angles that read back as the same angle. A full
- * disk, or an angle beyond the 6000000000 degrees that can be read back, ends it with one
- * complaint.
+ * disk, an angle beyond the 6000000000 degrees that can be read back, or a clock that makes more
+ * than 10000000 lines due at once, ends it with one complaint.
  * @return NULL with one line in `error`
  */
 struct lx_record *lx_record_open(const struct lx_record_setup *setup, dg_ns now,

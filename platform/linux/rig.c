@@ -10,10 +10,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "number.h"
 #include "rig_parts.h"
+
+/* Rigs of one name that have a default control address, at the same time. */
+#define SAME_NAME_MAX 64u
 
 /* --- shafts --- */
 
@@ -184,22 +186,21 @@ static struct lx_server *serve(struct lx_rig *self, const char *where, struct lx
     return lx_server_open(where, &setup, error);
 }
 
-/* Another rig of this name may be running: then with the process ID behind the name. Nobody has
-   asked for it, so the rig runs without, too. */
+/* Another rig of this name may be running: then with a number behind it, the first one that is
+   free, so that what dead ones have left behind is used again. Nobody has asked for the control
+   plane, so the rig runs without, too. */
 static void serve_default(struct lx_rig *self)
 {
     char where[LX_SERVER_ADDRESS_MAX];
     char name[64];
     struct lx_error error;
     (void)snprintf(name, sizeof name, "%.40s", self->setup.plan->name);
-    if (lx_server_default(name, where, sizeof where, &error) == 0) {
-        self->servers[0] = serve(self, where, &error);
-    }
-    if (self->servers[0] == NULL) {
-        (void)snprintf(name, sizeof name, "%.40s-%ld", self->setup.plan->name, (long)getpid());
-        if (lx_server_default(name, where, sizeof where, &error) == 0) {
-            self->servers[0] = serve(self, where, &error);
+    for (unsigned i = 2; self->servers[0] == NULL && i <= SAME_NAME_MAX + 1u; i++) {
+        if (lx_server_default(name, where, sizeof where, &error) != 0) {
+            break;
         }
+        self->servers[0] = serve(self, where, &error);
+        (void)snprintf(name, sizeof name, "%.40s-%u", self->setup.plan->name, i);
     }
     if (self->servers[0] == NULL) {
         lx_note(self->setup.say, "no control plane: %s", error.text);

@@ -45,9 +45,7 @@ static void change_all(struct lx_rig *self, dg_ns now)
         }
     }
     for (size_t i = 0; i < LX_PLAN_CONTROLS_MAX; i++) {
-        if (self->servers[i] != NULL) {
-            lx_server_wake(self->servers[i]);
-        }
+        lx_server_wake(self->servers[i]);
     }
 }
 

@@ -26,7 +26,7 @@ static void on_line(void *ctx, dg_ns at, bool ours, const char *text)
                    text);
     self->line_count++;
     if (self->rig->setup.verbose) {
-        (void)fprintf(stderr, "%.*s %s%s\n", seconds, line, self->plan->name, line + seconds);
+        lx_print("%.*s %s%s", seconds, line, self->plan->name, line + seconds);
     }
 }
 

@@ -8,7 +8,6 @@
  *                          tap
  */
 #define _GNU_SOURCE
-#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -238,10 +237,7 @@ static void counters(const struct lx_bus *bus, const struct lx_station *station,
 {
     const struct ring_bus *self = (const struct ring_bus *)bus;
     const struct dg_ib_ring_counters *ring = &self->ring.ring.counters;
-    const struct {
-        const char *name;
-        uint64_t value;
-    } rows[] = {
+    const struct lx_count rows[] = {
         {"wire_up", self->coupler.listener >= 0},
         {"wire_late", bus->late},
         {"wire_cycles", ring->cycles},
@@ -251,11 +247,7 @@ static void counters(const struct lx_bus *bus, const struct lx_station *station,
         {"wire_requests", self->coupler.counters.requests},
     };
     (void)station;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
-        char text[64];
-        (void)snprintf(text, sizeof text, "%s=%" PRIu64, rows[i].name, rows[i].value);
-        dg_scpi_put_word(to, text);
-    }
+    lx_bus_count(to, rows, sizeof rows / sizeof rows[0]);
 }
 
 static void close_bus(struct lx_bus *bus)

@@ -2,12 +2,16 @@
 /**
  * @file
  * What a port tells its user: one line per event on stderr, and errors that are carried up to
- * whoever decides what they mean.
+ * whoever decides what they mean. A line that stderr does not take at once is left out; how many
+ * is said with the next one.
  */
 #ifndef DREHGEBER_LINUX_SAY_H
 #define DREHGEBER_LINUX_SAY_H
 
 #include <stdbool.h>
+
+/** Longest line, with its zero; the rest is cut off. */
+#define LX_LINE_MAX 600u
 
 /** One line: what was wrong and what would be right. */
 struct lx_error {
@@ -27,5 +31,8 @@ void lx_note(const struct lx_say *say, const char *format, ...);
 
 /** A line about something that does not work. */
 void lx_complain(const char *format, ...);
+
+/** A line that was asked for, as it is. */
+void lx_print(const char *format, ...);
 
 #endif

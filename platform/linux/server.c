@@ -24,8 +24,10 @@
 #include "timer.h"
 
 #define INPUT_MAX 1024u
-/* Answers a client may leave lying: the catalogue of a large rig several times over. */
-#define OUTPUT_MAX ((size_t)1 << 20)
+/* Answers a client may leave lying before the rest of its commands waits. */
+#define OUTPUT_FULL ((size_t)64 * 1024)
+/* ... and with those of the line it was at: the catalogue of a large rig fifty times over. */
+#define OUTPUT_MAX ((size_t)2 * 1024 * 1024)
 #define FOLDER_MODE 0700
 
 /* A connection. */
@@ -48,7 +50,7 @@ struct lx_server {
     int listener;
     sd_event_source *io;
     struct lx_timer timer;
-    bool woken; /* look at all clients again */
+    bool woken; /* what a client waits for may have come sooner */
     struct client clients[LX_SERVER_CLIENTS_MAX];
     dev_t device; /* of the socket file, to remove no other one */
     ino_t inode;
@@ -114,10 +116,24 @@ static void drop(struct client *client)
     client->fd = -1;
 }
 
-/* What the client has sent, as far as its session takes it. */
+/* Up to the end of its first line. */
+static size_t line_length(const char *text, size_t n)
+{
+    const char *end = memchr(text, '\n', n);
+    return end == NULL ? n : (size_t)(end - text) + 1u;
+}
+
+/* What the client has sent, as far as its session takes it, and it takes the answers. */
 static void feed(struct client *client, dg_ns now)
 {
-    const size_t taken = dg_control_rx(&client->control, now, client->input, client->input_length);
+    size_t taken = 0;
+    size_t n = 1;
+    while (n > 0 && taken < client->input_length && client->output_length < OUTPUT_FULL) {
+        const char *line = client->input + taken;
+        n = dg_control_rx(&client->control, now, line,
+                          line_length(line, client->input_length - taken));
+        taken += n;
+    }
     client->input_length -= taken;
     memmove(client->input, client->input + taken, client->input_length);
 }
@@ -138,25 +154,39 @@ static void watch(struct client *client)
     (void)sd_event_source_set_io_events(client->io, events);
 }
 
-/* What one client did may be what another one waits for. */
+/* All that the client has sent and that can be done now. @return when there is more to do */
+static dg_ns serve(struct client *client)
+{
+    const struct lx_clock *clock = client->server->setup.clock;
+    size_t before = 0;
+    dg_ns next = DG_NEVER;
+    do {
+        const dg_ns now = lx_clock_now(clock); /* the client before may have let time pass */
+        before = client->input_length;
+        send_output(client);
+        (void)dg_control_step(&client->control, now);
+        feed(client, now);
+        next = dg_control_step(&client->control, now);
+        send_output(client);
+    } while (!client->broken && client->input_length > 0 && client->input_length < before);
+    return next;
+}
+
+/* What one client did may be what another one waits for, which has had its turn: another round
+   then. */
 static void settle(struct lx_server *self)
 {
-    const dg_ns now = lx_clock_now(self->setup.clock);
     dg_ns next = DG_NEVER;
     self->woken = false;
     for (size_t i = 0; i < LX_SERVER_CLIENTS_MAX; i++) {
         struct client *client = &self->clients[i];
-        if (client->fd < 0) {
-            continue;
+        if (client->fd >= 0) {
+            next = dg_earliest(next, serve(client));
+            watch(client);
         }
-        (void)dg_control_step(&client->control, now);
-        feed(client, now);
-        next = dg_earliest(next, dg_control_step(&client->control, now));
-        send_output(client);
-        watch(client);
     }
     lx_timer_at(&self->timer, self->woken ? lx_now() : lx_clock_real(self->setup.clock, next));
-    self->setup.settle(self->setup.ctx, now);
+    self->setup.settle(self->setup.ctx, lx_clock_now(self->setup.clock));
 }
 
 static void on_time(void *ctx, dg_ns now)
@@ -206,7 +236,7 @@ static int on_connection(sd_event_source *source, int fd, uint32_t events, void 
     (void)events;
     const int socket = accept4(fd, NULL, NULL, SOCK_NONBLOCK | SOCK_CLOEXEC);
     if (socket < 0) {
-        return 0; /* it has gone again */
+        return 0; /* it has gone again, or there is no descriptor for it */
     }
     struct client *client = place(self);
     if (client == NULL) {
@@ -257,6 +287,9 @@ static int start(struct lx_server *self, const char *where, struct lx_error *err
         result = sd_event_add_io(self->setup.event, &self->io, self->listener, EPOLLIN,
                                  on_connection, self);
     }
+    if (result >= 0) {
+        result = lx_endpoint_calm(self->io);
+    }
     return result < 0 ? lx_fail(error, "%s: no event loop: %s", where, strerror(-result)) : 0;
 }
 
@@ -277,6 +310,20 @@ struct lx_server *lx_server_open(const char *where, const struct lx_server_setup
         return NULL;
     }
     return self;
+}
+
+/* Whoever waits is looked at when the loop comes round, not inside of what has changed. */
+void lx_server_wake(struct lx_server *self)
+{
+    bool waits = false;
+    for (size_t i = 0; self != NULL && i < LX_SERVER_CLIENTS_MAX; i++) {
+        const struct dg_scpi *session = &self->clients[i].control.session;
+        waits = waits || (self->clients[i].fd >= 0 && (session->waiting || session->opc));
+    }
+    if (waits) {
+        self->woken = true;
+        lx_timer_at(&self->timer, lx_now());
+    }
 }
 
 const char *lx_server_address(const struct lx_server *self)

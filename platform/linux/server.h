@@ -2,8 +2,8 @@
 /**
  * @file
  * The control plane on sockets: unix:PATH (mode 0600) and tcp:HOST:PORT. Each connection is a
- * session of its own. A slow or dead client never delays anybody: answers wait in its buffer up to
- * a limit, then it is cut off.
+ * session of its own. A slow or dead client never delays anybody: when it does not take its answers
+ * the rest of its commands waits. One whose line has more answers than can wait is cut off.
  */
 #ifndef DREHGEBER_LINUX_SERVER_H
 #define DREHGEBER_LINUX_SERVER_H
@@ -42,7 +42,7 @@ struct lx_server;
 struct lx_server *lx_server_open(const char *where, const struct lx_server_setup *setup,
                                  struct lx_error *error);
 
-/** A shaft or the clock has changed: clients that wait may wait no more. Soon, not in this call. */
+/** A shaft or the clock has changed: what clients wait for may come sooner; NULL is fine. */
 void lx_server_wake(struct lx_server *self);
 
 /** Where it listens, with the real port. */

@@ -6,7 +6,6 @@
 #define _GNU_SOURCE
 #include "shaft.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,6 +13,7 @@
 
 #include "csv.h"
 #include "drehgeber/hal.h"
+#include "file.h"
 #include "number.h"
 
 const char lx_shaft_forms[] =
@@ -179,9 +179,9 @@ static int parse_ramp(struct dg_motion *motion, const char *rest, struct lx_erro
 
 static int parse_file(struct lx_shaft *self, const char *name, struct lx_error *error)
 {
-    FILE *file = fopen(name, "re");
+    FILE *file = lx_file_read(name, error);
     if (file == NULL) {
-        return lx_fail(error, "%s: cannot open: %s", name, strerror(errno));
+        return -1;
     }
     struct lx_recording recording;
     const int result = lx_csv_read(&recording, file, name, error);

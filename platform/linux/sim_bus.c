@@ -248,11 +248,12 @@ static int biss_write(struct lx_bus *bus, struct lx_station *station, uint8_t ad
 
 /* --- the operations --- */
 
-static int switch_on(struct slave *slave, dg_ns now, struct lx_error *error)
+static int switch_on(struct slave *slave, const struct lx_plan *plan, dg_ns now,
+                     struct lx_error *error)
 {
     const char *nvm = slave->station->plan->nvm;
     if (lx_biss_eeprom_open(&slave->eeprom, nvm, error) != 0) {
-        return -1;
+        return lx_plan_fail(plan, slave->station->plan->nvm_line, error, "%s", error->text);
     }
     slave->station->control.nvm = slave->eeprom.nvm;
     const struct dg_biss_setup setup = {&slave->settings.model, &slave->station->world,
@@ -274,7 +275,7 @@ static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
     lx_biss_wire_init(&self->wire, now);
     for (size_t i = 0; i < self->count; i++) {
         struct slave *slave = &self->slave[i];
-        if (switch_on(slave, now, error) != 0) {
+        if (switch_on(slave, bus->setup.plan, now, error) != 0) {
             return -1;
         }
         lx_biss_wire_add(&self->wire, &slave->device, &slave->station->control.faults);
@@ -309,10 +310,7 @@ static void changed(struct lx_bus *bus, struct lx_station *station, dg_ns now)
 static void counters(const struct lx_bus *bus, const struct lx_station *station, struct dg_scpi *to)
 {
     const struct sim_bus *self = (const struct sim_bus *)bus;
-    const struct {
-        const char *name;
-        uint64_t value;
-    } rows[] = {
+    const struct lx_count rows[] = {
         {"wire_up", 1},
         {"wire_late", bus->late},
         {"wire_frames", self->frames},
@@ -320,11 +318,7 @@ static void counters(const struct lx_bus *bus, const struct lx_station *station,
         {"wire_wrong", self->wrong},
     };
     (void)station;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
-        char text[64];
-        (void)snprintf(text, sizeof text, "%s=%" PRIu64, rows[i].name, rows[i].value);
-        dg_scpi_put_word(to, text);
-    }
+    lx_bus_count(to, rows, sizeof rows / sizeof rows[0]);
 }
 
 static void close_bus(struct lx_bus *bus)

@@ -33,11 +33,19 @@ int lx_timer_open(struct lx_timer *self, sd_event *event, void (*due)(void *ctx,
     if (result >= 0) {
         result = sd_event_source_set_enabled(self->source, SD_EVENT_OFF);
     }
-    /* A deadline comes before more input, so that a flood does not hold it up. */
     if (result >= 0) {
         result = sd_event_source_set_priority(self->source, SD_EVENT_PRIORITY_IMPORTANT);
     }
     return result;
+}
+
+static void set_turn(struct lx_timer *self, bool overdue)
+{
+    if (overdue != self->overdue) {
+        self->overdue = overdue;
+        (void)sd_event_source_set_priority(self->source, overdue ? SD_EVENT_PRIORITY_NORMAL
+                                                                 : SD_EVENT_PRIORITY_IMPORTANT);
+    }
 }
 
 void lx_timer_at(struct lx_timer *self, dg_ns at)
@@ -50,6 +58,7 @@ void lx_timer_at(struct lx_timer *self, dg_ns at)
         (void)sd_event_source_set_enabled(self->source, SD_EVENT_OFF);
         return;
     }
+    set_turn(self, at <= lx_now());
     /* Rounded up: never early. */
     (void)sd_event_source_set_time(self->source, at / 1000u + (at % 1000u != 0 ? 1u : 0u));
     (void)sd_event_source_set_enabled(self->source, SD_EVENT_ONESHOT);

@@ -6,6 +6,7 @@
 #ifndef DREHGEBER_LINUX_TIMER_H
 #define DREHGEBER_LINUX_TIMER_H
 
+#include <stdbool.h>
 #include <systemd/sd-event.h>
 
 #include "drehgeber/time.h"
@@ -19,13 +20,16 @@ struct lx_timer {
     void (*due)(void *ctx, dg_ns now); /**< called once at the deadline, `now` never before it */
     void *ctx;
     dg_ns at;
+    bool overdue; /**< it was when it was set: then it waits for its turn */
 };
 
 /** Make a timer that waits for nothing. @return 0 or a negative errno */
 int lx_timer_open(struct lx_timer *self, sd_event *event, void (*due)(void *ctx, dg_ns now),
                   void *ctx);
 
-/** Wait for `at` instead of what it waited for; DG_NEVER: for nothing. */
+/** Wait for `at` instead of what it waited for; DG_NEVER: for nothing. A deadline comes before more
+ * input, so that a flood does not hold it up; one that is over already comes in turn with it, so
+ * that somebody who is always late does not hold up the rest. */
 void lx_timer_at(struct lx_timer *self, dg_ns at);
 
 /** Take it off the loop; also when it was never opened. */

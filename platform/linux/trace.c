@@ -5,16 +5,14 @@
  */
 #define _GNU_SOURCE
 #include <errno.h>
-#include <fcntl.h>
 #include <stdio_ext.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
-#include <unistd.h>
 
+#include "file.h"
 #include "trace_format.h"
 
-#define FILE_MODE 0666
 #define FLUSH_NS DG_S(1)
 
 static const struct lx_trace_format *const formats[] = {
@@ -75,21 +73,6 @@ static uint64_t time_of_day_ns(void)
     return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
 }
 
-/* Nothing here may block, as a pipe without a reader would. */
-static FILE *open_file(const char *path)
-{
-    const int fd =
-        open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NONBLOCK | O_NOCTTY, FILE_MODE);
-    if (fd < 0) {
-        return NULL;
-    }
-    FILE *file = fdopen(fd, "w");
-    if (file == NULL) {
-        (void)close(fd);
-    }
-    return file;
-}
-
 /* After something was written: whether all is well. */
 static bool check(struct lx_trace *self)
 {
@@ -133,22 +116,23 @@ static void discard(struct lx_trace *self)
     free(self);
 }
 
-/* @return 0 or an errno */
-static int begin(struct lx_trace *self, const char *path)
+static int begin(struct lx_trace *self, const char *path, struct lx_error *error)
 {
     self->own = calloc(1, self->format->size);
     self->path = strdup(path);
     if (self->own == NULL || self->path == NULL) {
-        return ENOMEM;
+        return lx_fail(error, "%s: no memory for a trace", path);
     }
-    self->file = open_file(path);
+    self->file = lx_file_create(path, error);
     if (self->file == NULL) {
-        return errno;
+        return -1;
     }
     self->good = true;
     self->format->begin(self);
     flush(self);
-    return self->reason;
+    return self->good
+               ? 0
+               : lx_fail(error, "cannot write the trace '%s': %s", path, strerror(self->reason));
 }
 
 struct lx_trace *lx_trace_open(const char *path, enum dg_device_stack stack, const char *wire,
@@ -170,9 +154,7 @@ struct lx_trace *lx_trace_open(const char *path, enum dg_device_stack stack, con
     self->flushed = now;
     self->day_ns = time_of_day_ns() - now;
     set_wire(self, wire);
-    const int reason = begin(self, path);
-    if (reason != 0) {
-        (void)lx_fail(error, "cannot write the trace '%s': %s", path, strerror(reason));
+    if (begin(self, path, error) != 0) {
         discard(self);
         return NULL;
     }

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* One row for each kind of wire. */
+/* One row for each kind of wire, and what they share. */
+#include <inttypes.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "bus.h"
@@ -40,4 +42,13 @@ bool lx_wire_has(const struct lx_wire *self, const char *key)
         }
     }
     return false;
+}
+
+void lx_bus_count(struct dg_scpi *to, const struct lx_count *rows, size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        char text[64];
+        (void)snprintf(text, sizeof text, "%s=%" PRIu64, rows[i].name, rows[i].value);
+        dg_scpi_put_word(to, text);
+    }
 }

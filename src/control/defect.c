@@ -115,10 +115,11 @@ void dg_control_fault(struct dg_scpi *self, uint32_t argument)
 static int clear_all(struct dg_scpi *self)
 {
     const struct dg_fault_target target = target_of(self);
+    struct dg_faults *faults = &dg_control_encoder(self)->faults;
     int result = DG_OK;
 
     for (size_t i = 0; i < DG_FAULTS_MAX; i++) {
-        if (dg_fault_clear(&dg_control_encoder(self)->faults, &target, i) == DG_ERR_IO) {
+        if (faults->fault[i].active && dg_fault_clear(faults, &target, i) == DG_ERR_IO) {
             result = DG_ERR_IO;
         }
     }
@@ -251,10 +252,22 @@ void dg_control_corrupt(struct dg_scpi *self, uint32_t argument)
     }
 }
 
+/* What was damaged has been written since. */
+static void forget_damage(struct dg_faults *faults, const struct dg_fault_target *target)
+{
+    struct dg_fault_entry entry;
+
+    for (size_t i = 0; dg_fault_entry(target, i, &entry); i++) {
+        if (entry.kind == DG_FAULT_MEMORY) {
+            faults->fault[i].active = false;
+        }
+    }
+}
+
 void dg_control_erase(struct dg_scpi *self, uint32_t argument)
 {
     const struct dg_fault_target target = target_of(self);
-    const struct dg_encoder *encoder = dg_control_encoder(self);
+    struct dg_encoder *encoder = dg_control_encoder(self);
 
     (void)argument;
     if (!has_memory(self, &target)) {
@@ -264,5 +277,9 @@ void dg_control_erase(struct dg_scpi *self, uint32_t argument)
         dg_control_refuse(self, DG_SCPI_CONFLICT, "its power is on");
         return;
     }
-    done(self, encoder->kind->format(encoder) == DG_OK ? DG_OK : DG_ERR_IO);
+    const bool formatted = encoder->kind->format(encoder) == DG_OK;
+    if (formatted) {
+        forget_damage(&encoder->faults, &target);
+    }
+    done(self, formatted ? DG_OK : DG_ERR_IO);
 }

@@ -74,6 +74,8 @@ void dg_control_step_time(struct dg_scpi *self, uint32_t argument)
     if (dg_scpi_number(self, &spans, &span) && offered(self, ops_of(self)->step != NULL)) {
         const int code = ops_of(self)->step(dg_control_rig(self), (dg_ns)span, detail);
         dg_scpi_raise(self, code, detail);
+        /* The rest of the line is done then. */
+        self->now = code == DG_SCPI_NO_ERROR ? dg_after(self->now, (dg_ns)span) : self->now;
     }
 }
 

@@ -7,6 +7,7 @@
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <systemd/sd-daemon.h>
 #include <systemd/sd-event.h>
 
@@ -107,6 +108,16 @@ static int take_signals(sd_event *event)
     return result < 0 ? result : sd_event_add_signal(event, NULL, SIGINT, NULL, NULL);
 }
 
+/* A large rig has a file for each encoder; nothing here minds descriptors beyond 1023. */
+static void raise_file_limit(void)
+{
+    struct rlimit files;
+    if (getrlimit(RLIMIT_NOFILE, &files) == 0) {
+        files.rlim_cur = files.rlim_max;
+        (void)setrlimit(RLIMIT_NOFILE, &files);
+    }
+}
+
 static int make_loop(sd_event **event, struct lx_error *error)
 {
     int result = sd_event_new(event);
@@ -140,6 +151,7 @@ static int switch_on(struct running *self, struct lx_error *error)
 static int live(struct running *self)
 {
     struct lx_error error;
+    raise_file_limit();
     if (make_loop(&self->event, &error) != 0) {
         return run_complain(&error, EXIT_OTHER);
     }
