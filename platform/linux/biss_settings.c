@@ -93,8 +93,8 @@ int lx_biss_settings_set(struct lx_biss_settings *self, const char *assignment,
     return lx_settings_set(&self->common, assignment, error);
 }
 
-int lx_biss_settings_take(struct lx_biss_settings *self, const struct lx_plan *plan,
-                          const struct lx_plan_setting *setting, struct lx_error *error)
+static int take(struct lx_biss_settings *self, const struct lx_plan *plan,
+                const struct lx_plan_setting *setting, struct lx_error *error)
 {
     char assignment[SETTING_MAX];
     const int n = snprintf(assignment, sizeof assignment, "%s=%s", setting->key, setting->value);
@@ -115,6 +115,26 @@ int lx_biss_settings_serial(struct lx_biss_settings *self, const char *digits,
         return lx_fail(error, "--serial %s: 0..4294967295 is right", digits);
     }
     self->model.serial = (uint32_t)serial;
+    return 0;
+}
+
+int lx_biss_settings_plan(struct lx_biss_settings *self, const struct lx_plan *plan,
+                          const struct lx_plan_encoder *encoder, struct lx_error *error)
+{
+    lx_biss_settings_init(self, encoder->model->biss);
+    for (size_t i = 0; i < encoder->settings.count; i++) {
+        if (take(self, plan, &encoder->settings.list[i], error) != 0) {
+            return -1;
+        }
+    }
+    if (encoder->address != NULL) {
+        return lx_plan_fail(plan, encoder->address_line, error,
+                            "address %s: a BiSS encoder has none, only its place on the wire",
+                            encoder->address);
+    }
+    if (encoder->serial != NULL && lx_biss_settings_serial(self, encoder->serial, error) != 0) {
+        return lx_settings_refuse(plan, encoder->serial_line, error);
+    }
     return 0;
 }
 

@@ -27,9 +27,10 @@ void lx_biss_settings_init(struct lx_biss_settings *self, const struct dg_biss_m
 int lx_biss_settings_set(struct lx_biss_settings *self, const char *assignment,
                          struct lx_error *error);
 
-/** Apply a setting of a plan. @return 0, or -1 with one line in `error` that names its place */
-int lx_biss_settings_take(struct lx_biss_settings *self, const struct lx_plan *plan,
-                          const struct lx_plan_setting *setting, struct lx_error *error);
+/** The figures of an encoder of a plan. @return 0, or -1 with one line in `error` that names its
+ * place */
+int lx_biss_settings_plan(struct lx_biss_settings *self, const struct lx_plan *plan,
+                          const struct lx_plan_encoder *encoder, struct lx_error *error);
 
 /** Set the serial number: up to 4294967295. @return as lx_biss_settings_set() */
 int lx_biss_settings_serial(struct lx_biss_settings *self, const char *digits,

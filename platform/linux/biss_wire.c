@@ -10,6 +10,7 @@
 
 #include <string.h>
 
+#define CLOCK_NS ((dg_ns)2u * LX_BISS_HALF_NS)
 #define START_CLOCKS_MAX 1000u
 #define ZERO_FRAMES 14u
 #define BUSY_MAX_NS 20000000u
@@ -17,74 +18,6 @@
 #define PAUSE_NS 15000u
 #define CRC_BITS 6u
 #define LIFE_BITS 6u
-/* The clock of the Ack. */
-#define ACK_CLOCK 2u
-/* Bits behind the start bit: CDS is 1, then comes the data. */
-#define DATA_FIRST 2u
-#define HELD (LX_BISS_DELAY_MAX + 1u)
-
-/* --- faults --- */
-
-static void begin_link(struct lx_biss_slave *slave)
-{
-    struct dg_faults *faults = slave->faults;
-    slave->link.active = faults != NULL && faults->wire != 0;
-    if (!slave->link.active) {
-        return;
-    }
-    struct lx_biss_link link = {.active = true};
-    link.high = dg_fault_wire_active(faults, DG_WIRE_BREAK);
-    link.high = dg_fault_wire_takes(faults, DG_WIRE_DROP) || link.high;
-    if (dg_fault_wire_takes(faults, DG_WIRE_DELAY)) {
-        const int64_t ns = dg_fault_wire_value(DG_STACK_BISS, DG_WIRE_DELAY);
-        const int64_t clocks = ns / (2 * (int64_t)LX_BISS_HALF_NS);
-        link.delay = (uint8_t)(clocks < (int64_t)HELD ? clocks : (int64_t)LX_BISS_DELAY_MAX);
-    }
-    if (dg_fault_wire_takes(faults, DG_WIRE_DAMAGE)) {
-        link.flip = (uint8_t)(DATA_FIRST + dg_fault_pick(faults, slave->data_bits));
-    }
-    slave->link = link;
-}
-
-/* The timeout: SLO is high, whatever was to come. A cut wire stays cut. */
-static void end_link(struct lx_biss_slave *slave)
-{
-    const bool cut = slave->link.active && dg_fault_wire_active(slave->faults, DG_WIRE_BREAK);
-    slave->link = (struct lx_biss_link){.active = cut, .high = cut};
-}
-
-static bool flips(const struct lx_biss_link *self)
-{
-    return self->flip != 0 && self->bit == self->flip;
-}
-
-/* What is on the other side of the fault while SLO is at `raw`. */
-static bool behind(const struct lx_biss_link *self, bool raw)
-{
-    if (!self->active || self->high) {
-        return raw || self->active;
-    }
-    if (self->delay == 0 || self->clocks < ACK_CLOCK) {
-        return raw != flips(self);
-    }
-    const unsigned clock = self->clocks - self->delay;
-    return self->clocks >= ACK_CLOCK + self->delay && self->held[clock % HELD];
-}
-
-/* A rising edge has put SLO to `raw`. */
-static void advance(struct lx_biss_link *self, bool raw)
-{
-    if (!self->active) {
-        return;
-    }
-    self->clocks++;
-    if (self->started) {
-        self->bit++;
-    } else {
-        self->started = self->clocks > ACK_CLOCK && raw;
-    }
-    self->held[self->clocks % HELD] = raw != flips(self);
-}
 
 /* --- levels --- */
 
@@ -95,12 +28,10 @@ void lx_biss_wire_init(struct lx_biss_wire *self, dg_ns now)
 
 void lx_biss_wire_add(struct lx_biss_wire *self, struct dg_biss *device, struct dg_faults *faults)
 {
-    const struct dg_biss_model *model = device->setup.model;
     self->slave[self->count++] = (struct lx_biss_slave){
         .device = device,
         .faults = faults,
-        .data_bits = (uint8_t)(model->multiturn_bits + model->singleturn_bits + 2u +
-                               (model->life_counter ? LIFE_BITS : 0u) + CRC_BITS),
+        .data_bits = lx_biss_data_bits(device->setup.model),
     };
 }
 
@@ -123,7 +54,7 @@ static bool look(const struct lx_biss_wire *self, bool sli[DG_BISS_CHAIN_MAX])
     for (uint8_t i = self->count; i > 0; i--) {
         const struct lx_biss_slave *slave = &self->slave[i - 1u];
         sli[i - 1u] = level;
-        level = behind(&slave->link, dg_biss_slo(slave->device, level));
+        level = lx_biss_link_level(&slave->link, dg_biss_slo(slave->device, level));
     }
     return level;
 }
@@ -152,9 +83,9 @@ static bool edge(struct lx_biss_wire *self, bool level)
         struct lx_biss_slave *slave = &self->slave[i - 1u];
         const bool raw = dg_biss_slo(slave->device, seen);
         if (level) {
-            advance(&slave->link, raw);
+            lx_biss_link_advance(&slave->link, raw);
         }
-        seen = behind(&slave->link, raw);
+        seen = lx_biss_link_level(&slave->link, raw);
     }
     record(self, level, seen);
     return seen;
@@ -168,7 +99,7 @@ void lx_biss_wire_pause(struct lx_biss_wire *self, dg_ns now)
         self->now = deadline > self->now ? deadline : self->now;
     }
     for (uint8_t i = 0; i < self->count; i++) {
-        end_link(&self->slave[i]);
+        lx_biss_link_end(&self->slave[i].link, self->slave[i].faults);
     }
     record(self, self->ma, look(self, sli));
     self->now = now > self->now ? now : self->now;
@@ -186,7 +117,8 @@ static bool clock_bit(struct lx_biss_wire *self)
 static bool begin_frame(struct lx_biss_wire *self)
 {
     for (uint8_t i = 0; i < self->count; i++) {
-        begin_link(&self->slave[i]);
+        struct lx_biss_slave *slave = &self->slave[i];
+        lx_biss_link_begin(&slave->link, slave->faults, slave->data_bits, CLOCK_NS);
     }
     const bool ready = clock_bit(self); /* e1 */
     const dg_ns begin = self->now;

@@ -11,14 +11,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "drehgeber/biss.h"
-#include "drehgeber/fault.h"
+#include "biss_link.h"
 
 /** 1 MHz. */
 #define LX_BISS_HALF_NS 500u
-
-/** Longest delay of a start bit (fault), in clocks. */
-#define LX_BISS_DELAY_MAX 255u
 
 /** What an access can end in; what is not negative counts registers. */
 enum lx_biss_failure {
@@ -26,18 +22,6 @@ enum lx_biss_failure {
     LX_BISS_REFUSED = -2,  /**< register not implemented, protected, or not ready */
     LX_BISS_TOO_BUSY = -3, /**< longer than 20 ms */
     LX_BISS_DAMAGED = -4,  /**< a check sum is wrong */
-};
-
-/** What faults do to the SLO of an encoder in the present frame. */
-struct lx_biss_link {
-    bool active;                       /**< anything of this */
-    bool high;                         /**< cut, or the driver is dead for this frame */
-    bool started;                      /**< the start bit has been */
-    uint8_t delay;                     /**< of what comes behind e1, in clocks */
-    uint8_t flip;                      /**< which bit behind the start bit is flipped; 0: none */
-    uint16_t bit;                      /**< on the line now, 0: the start bit */
-    uint16_t clocks;                   /**< since the frame began */
-    bool held[LX_BISS_DELAY_MAX + 1u]; /**< by clock, modulo its size */
 };
 
 /** An encoder on the wire. */

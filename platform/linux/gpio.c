@@ -11,7 +11,6 @@
 
 #include <errno.h>
 #include <inttypes.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/epoll.h>
 
@@ -24,16 +23,33 @@
 /* Trouble after a longer time without is told anew. */
 #define EPISODE DG_S(10)
 
-/* A chip that comes back may have another number: nothing to wait for. */
 static void gone(struct lx_gpio *self, int reason)
 {
     if (self->has_gone) {
         return;
     }
     self->has_gone = true;
-    lx_complain("%s: gone (%s); start again when the chip is back", self->setup.name,
+    lx_complain("%s: gone (%s); it is looked for until it is back", self->setup.name,
                 strerror(-reason));
-    (void)sd_event_exit(self->setup.event, EXIT_FAILURE);
+    self->setup.gone(self->setup.ctx);
+}
+
+/* SLO as the master sees it. */
+static bool seen(const struct lx_gpio *self)
+{
+    return lx_biss_link_level(&self->link, dg_biss_slo(self->setup.device, false));
+}
+
+static void tell(const struct lx_gpio *self, dg_ns at)
+{
+    if (lx_tap_on(self->setup.tap)) {
+        const struct lx_tap_event event = {
+            .at = at,
+            .kind = LX_TAP_LEVELS,
+            .levels = {self->setup.device->line.ma, seen(self)},
+        };
+        lx_tap_tell(self->setup.tap, &event);
+    }
 }
 
 static void take_edge(struct lx_gpio *self, const struct lx_gpio_edge *edge)
@@ -43,10 +59,17 @@ static void take_edge(struct lx_gpio *self, const struct lx_gpio_edge *edge)
     self->doubtful = false;
     self->counters.edges++;
     self->counters.lost += edge->gap || edge->level == device->line.ma;
+    const uint32_t frames = device->counters.frames;
     (void)dg_biss_ma(device, edge->at, edge->level);
+    tell(self, edge->at);
     if (!edge->level) {
         return;
     }
+    if (device->counters.frames != frames) {
+        lx_biss_link_begin(&self->link, self->setup.faults, lx_biss_data_bits(device->setup.model),
+                           DG_MS(1));
+    }
+    lx_biss_link_advance(&self->link, dg_biss_slo(device, false));
     if (self->waiting || edge->at < self->answered) {
         self->counters.late++;
     } else {
@@ -61,7 +84,7 @@ static void answer(struct lx_gpio *self)
 {
     struct lx_gpio_lines *lines = self->setup.lines;
     const struct dg_biss *device = self->setup.device;
-    const bool level = dg_biss_slo(device, false);
+    const bool level = seen(self);
 
     if (self->waiting || level != self->slo) {
         const int result = lines->ops->set_slo(lines, level);
@@ -156,6 +179,8 @@ static void on_timeout(void *ctx, dg_ns now)
     }
     if (device->line.deadline <= now && settle(self, now)) {
         (void)dg_biss_step(device, now);
+        lx_biss_link_end(&self->link, self->setup.faults);
+        tell(self, now);
     }
     answer(self);
 }
@@ -252,6 +277,15 @@ int lx_gpio_open(struct lx_gpio *self, const struct lx_gpio_setup *setup, struct
     answer(self);
     lx_timer_at(&self->watch, dg_after(now, WATCH));
     return 0;
+}
+
+/* In a frame, its end is soon enough. */
+void lx_gpio_changed(struct lx_gpio *self)
+{
+    if (self->setup.lines != NULL && self->setup.device->line.deadline == DG_NEVER) {
+        lx_biss_link_end(&self->link, self->setup.faults);
+        answer(self);
+    }
 }
 
 void lx_gpio_close(struct lx_gpio *self)

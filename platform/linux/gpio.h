@@ -10,18 +10,25 @@
 
 #include <systemd/sd-event.h>
 
+#include "biss_link.h"
 #include "drehgeber/biss.h"
 #include "gpio_lines.h"
 #include "gpio_rate.h"
+#include "tap.h"
 #include "timer.h"
 
 /** What it is made of. Everything pointed to must outlive it. */
 struct lx_gpio_setup {
-    sd_event *event; /**< ended with EXIT_FAILURE when the chip has gone */
+    sd_event *event;
     const struct lx_say *say;
     struct dg_biss *device; /**< has its power */
     const char *name;       /**< of the lines, for messages */
     struct lx_gpio_lines *lines;
+    struct dg_faults *faults; /**< of the wire; NULL: none */
+    const struct lx_tap *tap;
+    /** The chip has gone, and the user has been told; close, but not in this call. */
+    void (*gone)(void *ctx);
+    void *ctx;
 };
 
 /** They only count up. */
@@ -43,6 +50,7 @@ struct lx_gpio {
     dg_ns asked;                  /**< a rising edge that found no other waiting; DG_NEVER: none */
     dg_ns answered;               /**< when SLO was set after a rising edge last */
     dg_ns trouble;                /**< when edges were late or lost last; 0: never */
+    struct lx_biss_link link;     /**< what faults make of SLO */
     bool waiting;                 /**< a rising edge has no answer yet */
     bool slo;                     /**< as it is */
     bool doubtful;                /**< MA was not as its edges say at the last look */
@@ -55,6 +63,9 @@ struct lx_gpio {
  * @return 0, or -1 with `error`, then close
  */
 int lx_gpio_open(struct lx_gpio *self, const struct lx_gpio_setup *setup, struct lx_error *error);
+
+/** Faults may have changed. */
+void lx_gpio_changed(struct lx_gpio *self);
 
 /** Give back the lines; also after a failed open, or when never opened. */
 void lx_gpio_close(struct lx_gpio *self);

@@ -38,10 +38,14 @@ struct lx_rig_setup {
 int lx_rig_open(struct lx_rig **self, const struct lx_rig_setup *setup, dg_ns now,
                 struct lx_error *error);
 
-/** Print the ready lines: one for each encoder (without its name for a rig from the command line),
- * "control ADDRESS" for each address that was asked for, and for a rig file "ready rig".
+/** Its encoders and shafts as instruments, for whoever does more than serve it. */
+struct dg_rig *lx_rig_control(struct lx_rig *self);
+
+/** Print the ready lines: one for each encoder (without its name for a rig from the command line,
+ * and one for a whole ring then), "control ADDRESS" for each address that was asked for, and for a
+ * rig file "ready rig".
  * @return 0, or -1 with one line in `error` */
-int lx_rig_announce(const struct lx_rig *self, struct lx_error *error);
+int lx_rig_announce(struct lx_rig *self, struct lx_error *error);
 
 /** Take everything down; NULL is fine. @return 0, or -1 with one line in `error`: a trace or a
  * recording is not whole */

@@ -238,10 +238,15 @@ static int parse_words(struct dg_motion *motion, const char *text, struct lx_err
     return parse_simple(motion, text, error);
 }
 
+bool lx_shaft_is_file(const char *text)
+{
+    return ends_with(text, ".csv");
+}
+
 int lx_shaft_parse(struct lx_shaft *self, const char *text, struct lx_error *error)
 {
     *self = (struct lx_shaft){.motion = {.kind = DG_MOTION_STANDSTILL}};
-    if (ends_with(text, ".csv")) {
+    if (lx_shaft_is_file(text)) {
         return parse_file(self, text, error) == 0 ? 0 : LX_SHAFT_FILE;
     }
     struct lx_error reason = {""};

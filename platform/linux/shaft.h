@@ -39,6 +39,9 @@ enum lx_shaft_failure {
  */
 int lx_shaft_parse(struct lx_shaft *self, const char *text, struct lx_error *error);
 
+/** Whether `text` is the name of a file, which lx_shaft_parse() would read. */
+bool lx_shaft_is_file(const char *text);
+
 /** Give back the points. */
 void lx_shaft_free(struct lx_shaft *self);
 

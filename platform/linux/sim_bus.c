@@ -351,34 +351,20 @@ static const struct lx_bus_ops ops = {
 
 /* --- from the plan --- */
 
-static int understand(struct lx_biss_settings *settings, const struct lx_plan *plan,
-                      const struct lx_plan_encoder *encoder, struct lx_error *error)
-{
-    lx_biss_settings_init(settings, encoder->model->biss);
-    for (size_t i = 0; i < encoder->settings.count; i++) {
-        if (lx_biss_settings_take(settings, plan, &encoder->settings.list[i], error) != 0) {
-            return -1;
-        }
-    }
-    if (encoder->address != NULL) {
-        return lx_plan_fail(plan, encoder->address_line, error,
-                            "address %s: a BiSS encoder has none, only its place on the wire",
-                            encoder->address);
-    }
-    if (encoder->serial != NULL && lx_biss_settings_serial(settings, encoder->serial, error) != 0) {
-        return lx_settings_refuse(plan, encoder->serial_line, error);
-    }
-    return 0;
-}
-
 static int place(struct sim_bus *self, size_t index, struct lx_error *error)
 {
     struct lx_station *station = self->bus.setup.stations[index];
     struct slave *slave = &self->slave[index];
     slave->station = station;
     slave->eeprom.file.fd = -1;
-    if (understand(&slave->settings, self->bus.setup.plan, station->plan, error) != 0) {
+    if (lx_biss_settings_plan(&slave->settings, self->bus.setup.plan, station->plan, error) != 0) {
         return -1;
+    }
+    if (slave->settings.model.timeout != 0) {
+        return lx_plan_fail(
+            self->bus.setup.plan, station->plan->line, error,
+            "timeout_us: only with --gpio; the simulated wire has the encoder's own "
+            "timeout");
     }
     lx_settings_world(&slave->settings.common, &station->world);
     station->control.device = &slave->device;

@@ -33,6 +33,12 @@ USAGE_ERRORS = [
     (["run", MULTITURN, "--pty", "--set", "init_ms=-1"], r"\d"),
     (["run", MULTITURN, "--pty", "--set", "line=maybe"], r"any"),
     (["run", MULTITURN, "--pty", "--serial", "1234567890"], r"9"),
+    (["run", MULTITURN, "--pty", "--control"], r"--control ADDRESS"),
+    (["run", MULTITURN, "--pty", "--control", "5025"], r"unix:PATH|tcp:HOST:PORT"),
+    (["run", MULTITURN, "--pty", *["--control", "tcp:127.0.0.1:0"] * 5], r"4"),
+    (["run", MULTITURN, "--node", "5"], r"--node 5"),
+    (["run", "f3668", "--slcan", "--node", "5..4"], r"1\.\.127"),
+    (["run", "f3668", "--slcan", "--node", "1..128"], r"1\.\.127"),
 ]
 
 BAD_CSV = [
@@ -86,6 +92,11 @@ def test_ready_line(start, tmp_path):
         assert re.fullmatch(r"/dev/pts/\d+", os.path.realpath(found[1]))
         assert encoder.out.so_far() == []
     assert os.path.realpath(link) == os.path.realpath(found[1])
+
+
+def test_control_line(start):
+    encoder = start("--control", "tcp:127.0.0.1:0")
+    assert re.fullmatch(r"control tcp:127\.0\.0\.1:\d+", encoder.out.wait())
 
 
 def turned(master, seconds: float) -> tuple[int, float, float]:

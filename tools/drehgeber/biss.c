@@ -1,31 +1,21 @@
 /* SPDX-License-Identifier: MIT */
-#define _GNU_SOURCE
 #include "biss.h"
 
-#include <errno.h>
 #include <inttypes.h>
-#include <signal.h>
 #include <stdio.h>
 #include <string.h>
-#include <systemd/sd-daemon.h>
-#include <time.h>
 
 #include "biss_eds.h"
-#include "biss_gpio.h"
 #include "biss_session.h"
 #include "drehgeber/devices.h"
 #include "number.h"
 #include "run.h"
-#include "timer.h"
 
 #define RIGHT "read, registers [BANK:]ADDR N, eds, write [BANK:]ADDR BYTES or command N"
 #define BANK_SELECT 0x40u
 #define COMMAND_REGISTER 0x60u
 #define ADDRESSES 0x80u
 #define PER_LINE 16u
-/* How often `run` reads, and prints what it reads every tenth time. */
-#define READ_EVERY_NS 100000000
-#define PRINT_EVERY 10u
 
 /* The words that are left. */
 struct words {
@@ -274,7 +264,7 @@ int biss_command(const struct options *options)
     if (!is_biss(options)) {
         return EXIT_USAGE;
     }
-    if (biss_on_gpio(options)) {
+    if (options->wire != NULL && !options->wire->simulated) {
         lx_complain("biss %s has a simulated wire; right is 'drehgeber run %s --gpio %s'",
                     options->model, options->model, options->where);
         return EXIT_USAGE;
@@ -299,73 +289,4 @@ int biss_command(const struct options *options)
         lx_complain("%s", status != 0 ? error.text : close_error.text);
     }
     return status != 0 ? status : closed;
-}
-
-static int announce(const struct options *options, struct lx_error *error)
-{
-    if (printf("ready %s sim:\n", options->model) < 0 || fflush(stdout) != 0) {
-        (void)lx_fail(error, "cannot write the ready line to stdout: %s", strerror(errno));
-        return EXIT_OTHER;
-    }
-    (void)sd_notify(0, "READY=1");
-    return 0;
-}
-
-/* Reads until a signal comes. */
-static int live(struct biss_session *self, const struct options *options, const sigset_t *stop,
-                struct lx_error *error)
-{
-    const struct timespec pause = {.tv_nsec = READ_EVERY_NS};
-    const struct timespec init = {.tv_sec = (time_t)(self->settings.model.init / DG_S(1)),
-                                  .tv_nsec = (long)(self->settings.model.init % DG_S(1))};
-    struct words none = {NULL, 0};
-
-    if (sigtimedwait(stop, NULL, &init) >= 0) {
-        return 0; /* stopped before it was ready */
-    }
-    int status = announce(options, error);
-    for (unsigned i = 0; status == 0; i++) {
-        lx_biss_wire_pause(&self->wire, lx_now());
-        if (i % PRINT_EVERY == 0 && !options->say.quiet) {
-            status = do_read(self, &none, error);
-            (void)fflush(stdout);
-        } else {
-            lx_biss_wire_frame(&self->wire);
-        }
-        if (sigtimedwait(stop, NULL, &pause) >= 0) {
-            break;
-        }
-    }
-    return status;
-}
-
-/* On the simulated wire. */
-static int run_sim(const struct options *options)
-{
-    struct biss_session session;
-    struct lx_error error;
-    struct lx_error close_error;
-    sigset_t stop;
-    const struct sigaction ignore = {.sa_handler = SIG_IGN};
-
-    (void)sigemptyset(&stop);
-    (void)sigaddset(&stop, SIGTERM);
-    (void)sigaddset(&stop, SIGINT);
-    (void)sigprocmask(SIG_BLOCK, &stop, NULL);
-    (void)sigaction(SIGPIPE, &ignore, NULL);
-    (void)sigaction(SIGXFSZ, &ignore, NULL);
-    int status = biss_session_open(&session, options, lx_now(), &error);
-    if (status == 0) {
-        status = live(&session, options, &stop, &error);
-    }
-    const int closed = biss_session_close(&session, &close_error);
-    if (status != 0 || closed != 0) {
-        lx_complain("%s", status != 0 ? error.text : close_error.text);
-    }
-    return status != 0 ? status : closed;
-}
-
-int biss_run(const struct options *options)
-{
-    return biss_on_gpio(options) ? biss_gpio_run(options) : run_sim(options);
 }

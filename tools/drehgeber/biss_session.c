@@ -17,6 +17,10 @@ static int understand(struct biss_session *self, const struct options *options,
             return -1;
         }
     }
+    if (self->settings.model.timeout != 0) {
+        return lx_fail(error, "--set timeout_us: only with --gpio; the simulated wire has the "
+                              "encoder's own timeout");
+    }
     return options->serial == NULL
                ? 0
                : lx_biss_settings_serial(&self->settings, options->serial, error);

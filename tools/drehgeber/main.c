@@ -7,9 +7,10 @@
 
 #include "biss.h"
 #include "biss_settings.h"
+#include "ctl.h"
 #include "drehgeber/drehgeber.h"
 #include "eds.h"
-#include "interbus.h"
+#include "modbus_map.h"
 #include "modbus_settings.h"
 #include "options.h"
 #include "run.h"
@@ -41,12 +42,14 @@ static void help(void)
         "\n"
         "  drehgeber list                          the models\n"
         "  drehgeber run MODEL [WIRE] [OPTIONS]    be that encoder\n"
+        "  drehgeber run RIG.ini [--control ...]   be all encoders of a rig file\n"
         "  drehgeber eds MODEL                     the EDS file of a CANopen encoder\n"
         "  drehgeber biss MODEL ACTION [OPTIONS]   ask a BiSS encoder over a simulated wire;\n"
         "                                          ACTION, one or more: read,\n"
         "                                          registers [BANK:]ADDR N, eds,\n"
         "                                          write [BANK:]ADDR BYTES, command N\n"
         "  drehgeber map MODEL                     the Modbus registers of an INTERBUS encoder\n"
+        "  drehgeber ctl [--control ADDR] COMMAND  SCPI to what is running; SYST:HELP? says which\n"
         "\n"
         " Models:\n",
         stdout);
@@ -104,17 +107,27 @@ static bool wire_fits(const struct options *options, const struct dg_device *dev
     return false;
 }
 
-static int run(const struct options *options, const struct dg_device *device)
+/* The registers of a model, or of a whole --ring. */
+static int map(const struct options *options)
 {
-    const bool biss = device != NULL && device->stack == DG_STACK_BISS;
-    if (!biss && options->trace != NULL) {
-        lx_complain("--trace %s: only BiSS encoders have a trace", options->trace);
+    const struct dg_device *device = options->model == NULL ? NULL : dg_device_find(options->model);
+    const struct dg_ib_model *models[DG_IB_RING_MAX];
+    struct lx_plan plan;
+    struct lx_error error;
+    if (options->ring == NULL && (device == NULL || device->stack != DG_STACK_INTERBUS)) {
+        lx_complain("map needs an INTERBUS model; right is 'drehgeber map ocd-ib-k3' or 'map "
+                    "--ring MODEL,MODEL'");
         return EXIT_USAGE;
     }
-    if (is_interbus(options)) {
-        return run_interbus(options);
+    if (options_plan(options, &plan, &error) != 0) {
+        return run_complain(&error, EXIT_USAGE);
     }
-    return biss ? biss_run(options) : run_encoder(options);
+    for (size_t i = 0; i < plan.encoder_count; i++) {
+        models[i] = plan.encoders[i].model->interbus;
+    }
+    lx_map_print(models, plan.encoder_count, stdout);
+    lx_plan_free(&plan);
+    return flushed();
 }
 
 static int act(const struct options *options)
@@ -136,13 +149,14 @@ static int act(const struct options *options)
     case COMMAND_EDS:
         return eds(options);
     case COMMAND_RUN:
-        return run(options, device);
+        return run_rig(options);
     case COMMAND_BISS:
         return biss_command(options);
-    case COMMAND_MAP: {
-        const int status = print_map(options);
-        return status == EXIT_OK ? flushed() : status;
-    }
+    case COMMAND_MAP:
+        return map(options);
+    case COMMAND_CTL:
+        return ctl_command(options->control_count == 0 ? NULL : options->controls[0],
+                           options->words, options->word_count);
     case COMMAND_NONE: /* refused by options_parse() */
         break;
     }

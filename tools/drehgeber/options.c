@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "can.h"
+
 enum key {
     KEY_HELP = 'h',
     KEY_VERSION = 'V',
@@ -24,30 +26,22 @@ enum key {
     KEY_SERIAL,
     KEY_SET,
     KEY_SHAFT,
+    KEY_CONTROL,
+    KEY_VERBOSE,
 };
-
-static const struct wire wires[] = {
-    {"pty", KEY_PTY, DG_STACK_HIPERFACE, lx_hf_bus_make_pty, NULL},
-    {"tty", KEY_TTY, DG_STACK_HIPERFACE, lx_hf_bus_make_tty, NULL},
-    {"sim", KEY_SIM, DG_STACK_BISS, NULL, NULL},
-    {"gpio", KEY_GPIO, DG_STACK_BISS, NULL, NULL},
-    {"modbus", KEY_MODBUS, DG_STACK_INTERBUS, NULL, NULL},
-    {"can", KEY_CAN, DG_STACK_CANOPEN, NULL, lx_can_socket_open},
-    {"slcan", KEY_SLCAN, DG_STACK_CANOPEN, NULL, lx_slcan_open},
-};
-#define WIRE_COUNT (sizeof wires / sizeof wires[0])
 
 static const struct {
     const char *name;
     enum command command;
 } commands[] = {
     {"list", COMMAND_LIST}, {"run", COMMAND_RUN}, {"eds", COMMAND_EDS},
-    {"biss", COMMAND_BISS}, {"map", COMMAND_MAP},
+    {"biss", COMMAND_BISS}, {"map", COMMAND_MAP}, {"ctl", COMMAND_CTL},
 };
 #define COMMAND_COUNT (sizeof commands / sizeof commands[0])
 #define RIGHT                                                                                      \
-    "'drehgeber list', 'drehgeber run MODEL [WIRE] [OPTIONS]', 'drehgeber eds MODEL', "            \
-    "'drehgeber biss MODEL ACTION' or 'drehgeber map MODEL'"
+    "'drehgeber list', 'drehgeber run MODEL [WIRE] [OPTIONS]', 'drehgeber run RIG.ini', "          \
+    "'drehgeber eds MODEL', 'drehgeber biss MODEL ACTION', 'drehgeber map MODEL' or "              \
+    "'drehgeber ctl COMMAND'"
 
 /* By enum dg_device_stack. */
 static const char *const wires_of[] = {
@@ -56,6 +50,12 @@ static const char *const wires_of[] = {
     [DG_STACK_INTERBUS] = "--modbus HOST:PORT",
     [DG_STACK_CANOPEN] = "--can IFNAME or --slcan[=LINK]",
 };
+static const char *const usual_wires[] = {
+    [DG_STACK_HIPERFACE] = "pty",
+    [DG_STACK_BISS] = "sim",
+    [DG_STACK_INTERBUS] = "modbus",
+    [DG_STACK_CANOPEN] = "slcan",
+};
 
 /* clang-format off */
 static const struct argp_option table[] = {
@@ -63,7 +63,7 @@ static const struct argp_option table[] = {
     {.name = "pty",     .key = KEY_PTY,     .arg = "LINK",      .flags = OPTION_ARG_OPTIONAL, .doc = "RS485 on a pseudo-terminal, and a symbolic link to it while it runs (default)"},
     {.name = "tty",     .key = KEY_TTY,     .arg = "DEV",       .doc = "RS485 on a serial port; data rate and parity are the encoder's own"},
     {.name = "sim",     .key = KEY_SIM,     .doc = "BiSS on a simulated wire with a master that reads positions (default)"},
-    {.name = "gpio",    .key = KEY_GPIO,    .arg = "CHIP:MA,SLO", .doc = "BiSS on two GPIO lines, e.g. gpiochip0:4,5: clock in, data out"},
+    {.name = "gpio",    .key = KEY_GPIO,    .arg = "CHIP:MA,SLO", .doc = "BiSS on two lines of a GPIO chip, e.g. gpiochip0:4,5"},
     {.name = "can",     .key = KEY_CAN,     .arg = "IFNAME",    .doc = "CAN on a network interface (SocketCAN)"},
     {.name = "slcan",   .key = KEY_SLCAN,   .arg = "LINK",      .flags = OPTION_ARG_OPTIONAL, .doc = "CAN behind an SLCAN adapter on a pseudo-terminal (default where the kernel has no CAN)"},
     {.name = "modbus",  .key = KEY_MODBUS,  .arg = "HOST:PORT", .doc = "INTERBUS: the Modbus/TCP coupler in front of the ring (default: 127.0.0.1:5020)"},
@@ -74,7 +74,9 @@ static const struct argp_option table[] = {
     {.name = "node",    .key = KEY_NODE,    .arg = "N[..M]",    .doc = "CANopen node-ID (default: 63), or several; each has its own EEPROM FILE.N"},
     {.name = "shaft",   .key = KEY_SHAFT,   .arg = "MOTION",    .doc = "what the shaft does, see below (default: 0)"},
     {.name = "set",     .key = KEY_SET,     .arg = "KEY=VALUE", .doc = "see below; may be given again"},
-    {.name = "trace",   .key = KEY_TRACE,   .arg = "FILE.vcd",  .doc = "BiSS: write MA and SLO as a value change dump"},
+    {.name = "control", .key = KEY_CONTROL, .arg = "ADDRESS",   .doc = "SCPI at unix:PATH or tcp:HOST:PORT; may be given again (default: unix:$XDG_RUNTIME_DIR/drehgeber/NAME.sock)"},
+    {.name = "trace",   .key = KEY_TRACE,   .arg = "FILE",      .doc = "what goes over the wire: .vcd (RS485, BiSS), .log or .pcapng (CAN), .csv (INTERBUS)"},
+    {.name = "verbose", .key = KEY_VERBOSE,                     .doc = "what goes over the wire in words, on stderr"},
     {.name = "quiet",   .key = KEY_QUIET,                       .doc = "no notes on stderr, only complaints"},
     {.name = "help",    .key = KEY_HELP,                        .doc = "this text"},
     {.name = "version", .key = KEY_VERSION,                     .doc = "the version"},
@@ -100,17 +102,13 @@ static const char *name_of(int key)
 
 static error_t take_wire(struct options *self, int key, const char *value)
 {
-    for (size_t i = 0; i < WIRE_COUNT; i++) {
-        if (wires[i].option != key) {
-            continue;
-        }
-        if (self->wire != NULL) {
-            return fail(self, "more than one wire: --", wires[i].name,
-                        "give one of --pty, --tty, --sim, --gpio, --modbus, --can, --slcan");
-        }
-        self->wire = &wires[i];
-        self->where = value;
+    const char *name = name_of(key);
+    if (self->wire != NULL) {
+        return fail(self, "more than one wire: --", name,
+                    "give one of --pty, --tty, --sim, --gpio, --modbus, --can, --slcan");
     }
+    self->wire = lx_wire_find(name, strlen(name));
+    self->where = value;
     return 0;
 }
 
@@ -121,6 +119,10 @@ static error_t take_argument(struct options *self, unsigned index, char *value)
             self->command = commands[i].command;
             return 0;
         }
+    }
+    if (index > 0 && self->command == COMMAND_CTL) {
+        self->words[self->word_count++] = value;
+        return 0;
     }
     if (index == 1 && self->command != COMMAND_LIST) {
         self->model = value;
@@ -134,29 +136,34 @@ static error_t take_argument(struct options *self, unsigned index, char *value)
                 "right is " RIGHT);
 }
 
+/* Options whose value is kept as it is. */
+static const struct {
+    int key;
+    size_t offset; /* of the text in struct options */
+} texts[] = {
+    {KEY_RING, offsetof(struct options, ring)},     {KEY_NVM, offsetof(struct options, nvm)},
+    {KEY_SERIAL, offsetof(struct options, serial)}, {KEY_NODE, offsetof(struct options, node)},
+    {KEY_SHAFT, offsetof(struct options, shaft)},   {KEY_TRACE, offsetof(struct options, trace)},
+};
+#define TEXT_COUNT (sizeof texts / sizeof texts[0])
+
 static error_t take_option(struct options *self, int key, const char *value)
 {
+    for (size_t i = 0; i < TEXT_COUNT; i++) {
+        if (texts[i].key == key) {
+            memcpy((char *)self + texts[i].offset, &value, sizeof value);
+            return 0;
+        }
+    }
     switch (key) {
-    case KEY_RING:
-        self->ring = value;
-        return 0;
-    case KEY_NVM:
-        self->nvm = value;
-        return 0;
-    case KEY_SERIAL:
-        self->serial = value;
-        return 0;
-    case KEY_NODE:
-        self->node = value;
-        return 0;
     case KEY_SET:
         self->sets[self->set_count++] = value;
         return 0;
-    case KEY_SHAFT:
-        self->shaft = value;
+    case KEY_CONTROL:
+        self->controls[self->control_count++] = value;
         return 0;
-    case KEY_TRACE:
-        self->trace = value;
+    case KEY_VERBOSE:
+        self->verbose = true;
         return 0;
     case KEY_QUIET:
         self->say.quiet = true;
@@ -219,8 +226,9 @@ static int explain_culprit(struct options *self)
         return lx_fail(
             &self->error,
             "unknown option %s; valid: --pty[=LINK] --tty DEV --sim --gpio CHIP:MA,SLO --can IFNAME "
-            "--slcan[=LINK] --modbus HOST:PORT --ring MODELS --nvm FILE --serial N --node N[..M] --shaft MOTION --set "
-            "KEY=VALUE --trace FILE.vcd --quiet --help --version",
+            "--slcan[=LINK] --modbus HOST:PORT --ring MODELS --nvm FILE --serial N --node N[..M] "
+            "--shaft MOTION --set KEY=VALUE --control ADDRESS --trace FILE --verbose --quiet "
+            "--help --version",
             self->culprit);
     }
     if (row->arg == NULL) {
@@ -252,7 +260,8 @@ int options_parse(struct options *self, int argc, char **argv)
     *self = (struct options){.command = COMMAND_NONE};
     self->sets = calloc((size_t)argc + 1, sizeof *self->sets);
     self->words = calloc((size_t)argc + 1, sizeof *self->words);
-    if (self->sets == NULL || self->words == NULL) {
+    self->controls = calloc((size_t)argc + 1, sizeof *self->controls);
+    if (self->sets == NULL || self->words == NULL || self->controls == NULL) {
         return lx_fail(&self->error, "no memory");
     }
     const unsigned flags = ARGP_NO_HELP | ARGP_NO_ERRS | ARGP_NO_EXIT;
@@ -264,8 +273,8 @@ int options_parse(struct options *self, int argc, char **argv)
 }
 
 /* A kernel that has CAN also has an interface that the user wants it on; there is no guessing. */
-const struct wire *options_wire(const struct options *self, enum dg_device_stack stack,
-                                struct lx_error *error)
+const struct lx_wire *options_wire(const struct options *self, enum dg_device_stack stack,
+                                   struct lx_error *error)
 {
     if (self->wire != NULL && self->wire->stack == stack) {
         return self->wire;
@@ -279,7 +288,7 @@ const struct wire *options_wire(const struct options *self, enum dg_device_stack
         (void)lx_fail(error, "%s needs a wire; right is %s", self->model, wires_of[stack]);
         return NULL;
     }
-    return stack == DG_STACK_CANOPEN ? &wires[WIRE_COUNT - 1] : &wires[0];
+    return lx_wire_find(usual_wires[stack], strlen(usual_wires[stack]));
 }
 
 void options_free(struct options *self)
@@ -288,4 +297,6 @@ void options_free(struct options *self)
     self->sets = NULL;
     free(self->words);
     self->words = NULL;
+    free(self->controls);
+    self->controls = NULL;
 }

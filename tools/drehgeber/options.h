@@ -10,8 +10,7 @@
 #include <stddef.h>
 
 #include "bus.h"
-#include "can.h"
-#include "drehgeber/devices.h"
+#include "plan.h"
 #include "say.h"
 
 /* What the command line asks for. Strings belong to argv. */
@@ -22,25 +21,17 @@ enum command {
     COMMAND_EDS,
     COMMAND_BISS,
     COMMAND_MAP,
+    COMMAND_CTL,
     COMMAND_HELP,
     COMMAND_VERSION,
 };
 
-/* A kind of wire an encoder can be put on. */
-struct wire {
-    const char *name; /* as in "ready MODEL WIRE:ADDRESS" */
-    int option;       /* key in the option table */
-    enum dg_device_stack stack;
-    lx_bus_make *make; /* for DG_STACK_HIPERFACE */
-    lx_can_open *can;  /* for DG_STACK_CANOPEN */
-};
-
 struct options {
     enum command command;
-    const char *model;
-    const char *ring;        /* models with commas between them */
-    const struct wire *wire; /* NULL: not said */
-    const char *where;       /* the wire's value; NULL: none */
+    const char *model;          /* or the rig file */
+    const char *ring;           /* models with commas between them */
+    const struct lx_wire *wire; /* NULL: not said */
+    const char *where;          /* the wire's value; NULL: none */
     const char *nvm;
     const char *serial;
     const char *node;
@@ -50,6 +41,9 @@ struct options {
     size_t word_count;
     const char **sets; /* owned; as many as argc at most */
     size_t set_count;
+    const char **controls; /* owned; as many as argc at most */
+    size_t control_count;
+    bool verbose;
     struct lx_say say;
     const char *option;  /* name of the last option given; NULL: none */
     const char *culprit; /* what the parser stumbled over */
@@ -61,8 +55,12 @@ extern const struct argp options_argp;
 
 /* The wire for an encoder with this stack: the one that was given, or the default. NULL with one
    line in `error` when that is none for it. */
-const struct wire *options_wire(const struct options *self, enum dg_device_stack stack,
-                                struct lx_error *error);
+const struct lx_wire *options_wire(const struct options *self, enum dg_device_stack stack,
+                                   struct lx_error *error);
+
+/* What `run` is to be: of a model, a ring, or a rig file. 0, or -1 with one line in `error` and
+   nothing to free. */
+int options_plan(const struct options *self, struct lx_plan *plan, struct lx_error *error);
 
 /* Parse. 0, or -1 with one line in self->error. options_free() in any case. */
 int options_parse(struct options *self, int argc, char **argv);

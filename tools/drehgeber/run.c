@@ -3,32 +3,28 @@
 #include "run.h"
 
 #include <errno.h>
+#include <inttypes.h>
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
 #include <systemd/sd-daemon.h>
 #include <systemd/sd-event.h>
 
-#include "canopen.h"
-#include "drehgeber/devices.h"
-#include "settings.h"
-#include "shaft.h"
+#include "plan.h"
+#include "rig.h"
 #include "timer.h"
 
-/* Everything a running encoder consists of. */
-struct rig {
+/* How often the master of a simulated wire says what it reads. */
+#define PRINT_EVERY DG_S(1)
+
+/* Everything that runs. */
+struct running {
     const struct options *options;
-    const struct wire *wire;
-    struct lx_settings settings;
-    struct lx_shaft shaft;
-    struct lx_plan plan; /* RS485: one encoder on its own line */
-    struct lx_station station;
-    struct lx_bus *bus;
-    struct lx_can_nodes nodes; /* CANopen: instead of these */
-    struct lx_can_nodes_setup nodes_setup;
-    struct dg_cia406_model cia406;
-    const struct dg_device *device;
+    struct lx_plan plan;
+    struct lx_rig *rig;
     sd_event *event;
+    struct lx_timer print; /* one BiSS encoder on a simulated wire */
+    dg_ns next;            /* position that is printed */
 };
 
 int run_complain(const struct lx_error *error, int status)
@@ -37,59 +33,61 @@ int run_complain(const struct lx_error *error, int status)
     return status;
 }
 
-static int unknown_model(const struct options *options, struct lx_error *error)
+/* --- positions of a simulated wire --- */
+
+/* A frame ends with ST, nERR, nWARN, LC where it has one, and CRC; before ST there is MT. */
+static void print_frame(const struct dg_biss_model *model, uint64_t bits)
 {
-    struct lx_error names = {""};
-    size_t used = 0;
-    for (size_t i = 0; i < dg_device_count && used < sizeof names.text; i++) {
-        const int n =
-            snprintf(names.text + used, sizeof names.text - used, " %s", dg_devices[i].name);
-        used += n > 0 ? (size_t)n : 0u;
-    }
-    if (options->model == NULL) {
-        return lx_fail(error, "run needs a model; valid:%s", names.text);
-    }
-    return lx_fail(error, "unknown model %s; valid:%s", options->model, names.text);
+    const unsigned st_bits = model->singleturn_bits;
+    const unsigned position_bits = st_bits + model->multiturn_bits;
+    const unsigned life_bits = model->life_counter ? 6u : 0u;
+    const uint8_t crc = bits & 0x3Fu;
+    const uint64_t data = bits >> 6;
+    const unsigned life = (unsigned)(data & ((1u << life_bits) - 1u));
+    const uint64_t flags = data >> life_bits;
+    const uint64_t position = flags >> 2 & (((uint64_t)1 << position_bits) - 1u);
+    const uint64_t st = position & (((uint64_t)1 << st_bits) - 1u);
+    const bool valid = dg_biss_crc6(data, (uint8_t)(position_bits + 2u + life_bits)) == crc;
+    (void)printf("MT %" PRIu64 "  ST %" PRIu64 "  %.6f deg  nERR %u  nWARN %u  LC %u  CRC %s\n",
+                 position >> st_bits, st, 360.0 * (double)st / (double)((uint64_t)1 << st_bits),
+                 (unsigned)(flags >> 1 & 1u), (unsigned)(flags & 1u), life,
+                 valid ? "valid" : "WRONG");
+    (void)fflush(stdout);
 }
 
-/* The user's words become figures. */
-static int understand(struct rig *self, struct lx_error *error)
+static void on_print(void *ctx, dg_ns now)
 {
-    const struct options *options = self->options;
-    const struct dg_device *device = options->model == NULL ? NULL : dg_device_find(options->model);
-    if (device == NULL) {
-        return unknown_model(options, error);
+    struct running *self = ctx;
+    struct dg_rig *rig = lx_rig_control(self->rig);
+    struct dg_encoder *encoder = rig->encoders[0];
+    const struct dg_biss *device = encoder->device;
+    char detail[DG_SCPI_DETAIL_MAX + 1u];
+    uint64_t bits = 0;
+    uint8_t count = 0;
+    if (rig->ops->biss_frame(rig, encoder, &bits, &count, detail) == 0) {
+        print_frame(device->setup.model, bits);
     }
-    self->device = device;
-    self->wire = options_wire(options, device->stack, error);
-    if (self->wire == NULL) {
-        return -1;
+    while (self->next <= now) {
+        self->next = dg_after(self->next, PRINT_EVERY);
     }
-    lx_settings_init(&self->settings, device->hiperface);
-    if (device->stack == DG_STACK_CANOPEN) {
-        self->cia406 = *device->cia406;
-    }
-    for (size_t i = 0; i < options->set_count; i++) {
-        const int taken = device->stack == DG_STACK_CANOPEN
-                              ? canopen_set(&self->cia406, options->sets[i], error)
-                              : 0;
-        if (taken < 0 ||
-            (taken == 0 && lx_settings_set(&self->settings, options->sets[i], error) != 0)) {
-            return -1;
-        }
-    }
-    if (device->stack == DG_STACK_CANOPEN) {
-        return canopen_understand(options, &self->nodes_setup, error);
-    }
-    if (options->node != NULL) {
-        return lx_fail(error, "--node %s: only CANopen encoders have a node-ID", options->node);
-    }
-    if (options->serial != NULL &&
-        lx_settings_serial(&self->settings, options->serial, error) != 0) {
-        return -1;
-    }
-    return lx_settings_check(&self->settings, error);
+    lx_timer_at(&self->print, self->next);
 }
+
+/* From the end of the initialisation on. */
+static int begin_printing(struct running *self, dg_ns now, struct lx_error *error)
+{
+    const struct lx_wire *kind = self->plan.wires[0].kind;
+    if (self->plan.file != NULL || self->options->say.quiet || !kind->simulated) {
+        return 0;
+    }
+    const struct dg_biss *device = lx_rig_control(self->rig)->encoders[0]->device;
+    const int result = lx_timer_open(&self->print, self->event, on_print, self);
+    self->next = dg_after(now, device->setup.model->init);
+    lx_timer_at(&self->print, self->next);
+    return result < 0 ? lx_fail(error, "no timer: %s", strerror(-result)) : 0;
+}
+
+/* --- the loop --- */
 
 /* Blocked from here on and read by the loop: no way out that leaves a link behind. A closed stdout
    or a file size limit is an errno then, not the end. */
@@ -109,7 +107,7 @@ static int take_signals(sd_event *event)
     return result < 0 ? result : sd_event_add_signal(event, NULL, SIGINT, NULL, NULL);
 }
 
-int run_make_loop(sd_event **event, struct lx_error *error)
+static int make_loop(sd_event **event, struct lx_error *error)
 {
     int result = sd_event_new(event);
     if (result >= 0) {
@@ -118,135 +116,59 @@ int run_make_loop(sd_event **event, struct lx_error *error)
     return result < 0 ? lx_fail(error, "no event loop: %s", strerror(-result)) : 0;
 }
 
-static int plan_rs485(struct rig *self, struct lx_error *error)
+/* From here on the encoders answer. Time 0 of all motions is now. */
+static int switch_on(struct running *self, struct lx_error *error)
 {
-    const struct options *options = self->options;
-    static const struct lx_wire kind = {.stack = DG_STACK_HIPERFACE};
-    if (lx_plan_add_wire(&self->plan, options->model, &kind, options->where) < 0 ||
-        lx_plan_add_encoder(&self->plan, options->model, self->device, 0, 0) < 0) {
-        return lx_fail(error, "no memory");
-    }
-    struct lx_plan_encoder *encoder = self->plan.encoders;
-    encoder->nvm = options->nvm == NULL ? NULL : strdup(options->nvm);
-    encoder->serial = options->serial == NULL ? NULL : strdup(options->serial);
-    for (size_t i = 0; i < options->set_count; i++) {
-        if (lx_plan_add_setting(&encoder->settings, options->sets[i], 0, error) != 0) {
-            return -1;
-        }
-    }
-    return 0;
-}
-
-static int switch_on_rs485(struct rig *self, dg_ns now, struct lx_error *error)
-{
-    struct lx_station *stations[] = {&self->station};
-    if (plan_rs485(self, error) != 0) {
-        return -1;
-    }
-    const struct lx_bus_setup setup = {
+    const dg_ns now = lx_now();
+    const struct lx_rig_setup setup = {
         .event = self->event,
         .say = &self->options->say,
         .plan = &self->plan,
-        .wire = self->plan.wires,
-        .stations = stations,
-        .count = 1,
+        .verbose = self->options->verbose,
     };
-    self->station.world = self->settings.world;
-    self->station.plan = self->plan.encoders;
-    self->bus = self->wire->make(&setup, error);
-    return self->bus == NULL ? -1 : self->bus->ops->open(self->bus, now, error);
-}
-
-static int switch_on_canopen(struct rig *self, dg_ns now, struct lx_error *error)
-{
-    struct lx_can_nodes_setup *setup = &self->nodes_setup;
-    setup->event = self->event;
-    setup->say = &self->options->say;
-    setup->model = &self->cia406;
-    setup->world = &self->settings.world;
-    setup->open = self->wire->can;
-    setup->where = self->options->where;
-    setup->nvm = self->options->nvm;
-    return lx_can_nodes_open(&self->nodes, setup, now, error);
-}
-
-/* From here on the encoder answers. Time 0 of the motion is now. */
-static int switch_on(struct rig *self, struct lx_error *error)
-{
-    const dg_ns now = lx_now();
-    self->shaft.motion.start = now;
-    self->settings.world.angle = dg_motion_angle;
-    self->settings.world.angle_ctx = &self->shaft.motion;
-    return self->device->stack == DG_STACK_CANOPEN ? switch_on_canopen(self, now, error)
-                                                   : switch_on_rs485(self, now, error);
-}
-
-int run_announce(const char *model, const char *wire, const char *address, struct lx_error *error)
-{
-    if (printf("ready %s %s:%s\n", model, wire, address) < 0 || fflush(stdout) != 0) {
-        return lx_fail(error, "cannot write the ready line to stdout: %s", strerror(errno));
+    const int result = lx_rig_open(&self->rig, &setup, now, error);
+    if (result != LX_RIG_OK) {
+        return result == LX_RIG_PLAN ? EXIT_USAGE : EXIT_OTHER;
+    }
+    if (lx_rig_announce(self->rig, error) != 0 || begin_printing(self, now, error) != 0) {
+        return EXIT_OTHER;
     }
     (void)sd_notify(0, "READY=1");
-    return 0;
+    return EXIT_OK;
 }
 
-/* One line for each encoder. */
-static int announce(const struct rig *self, struct lx_error *error)
+static int live(struct running *self)
 {
-    const char *model = self->options->model;
-    char address[LX_BUS_ADDRESS_MAX];
-    int result = 0;
-    if (self->device->stack == DG_STACK_HIPERFACE) {
-        self->bus->ops->address(self->bus, &self->station, address, sizeof address);
-        return run_announce(model, self->wire->name, address, error);
+    struct lx_error error;
+    if (make_loop(&self->event, &error) != 0) {
+        return run_complain(&error, EXIT_OTHER);
     }
-    for (unsigned i = 0; result == 0 && i < self->nodes.count; i++) {
-        (void)snprintf(address, sizeof address, "%s/%u", self->nodes.bus->address,
-                       (unsigned)self->nodes.node[i].device.id);
-        result = run_announce(model, self->wire->name, address, error);
+    const int status = switch_on(self, &error);
+    if (status != EXIT_OK) {
+        return run_complain(&error, status);
     }
-    return result;
-}
-
-int run_loop(sd_event *event, struct lx_error *error)
-{
-    const int result = sd_event_loop(event);
+    const int result = sd_event_loop(self->event);
     (void)sd_notify(0, "STOPPING=1");
     if (result < 0) {
-        (void)lx_fail(error, "the event loop failed: %s", strerror(-result));
-        return run_complain(error, EXIT_OTHER);
+        (void)lx_fail(&error, "the event loop failed: %s", strerror(-result));
+        return run_complain(&error, EXIT_OTHER);
     }
     return result;
 }
 
-static int live(struct rig *self, struct lx_error *error)
+int run_rig(const struct options *options)
 {
-    if (run_make_loop(&self->event, error) != 0 || switch_on(self, error) != 0 ||
-        announce(self, error) != 0) {
-        return run_complain(error, EXIT_OTHER);
-    }
-    return run_loop(self->event, error);
-}
-
-int run_encoder(const struct options *options)
-{
-    struct rig self = {.options = options};
+    struct running self = {.options = options};
     struct lx_error error;
-    if (understand(&self, &error) != 0) {
+    if (options_plan(options, &self.plan, &error) != 0) {
         return run_complain(&error, EXIT_USAGE);
     }
-    const char *shaft = options->shaft == NULL ? "0" : options->shaft;
-    const int parsed = lx_shaft_parse(&self.shaft, shaft, &error);
-    if (parsed != 0) {
-        return run_complain(&error, parsed == LX_SHAFT_WORDS ? EXIT_USAGE : EXIT_OTHER);
+    int status = live(&self);
+    lx_timer_close(&self.print);
+    if (lx_rig_close(self.rig, &error) != 0 && status == EXIT_OK) {
+        status = run_complain(&error, EXIT_OTHER);
     }
-    const int status = live(&self, &error);
-    lx_can_nodes_close(&self.nodes);
-    if (self.bus != NULL) {
-        self.bus->ops->close(self.bus);
-    }
-    lx_plan_free(&self.plan);
-    lx_shaft_free(&self.shaft);
     self.event = sd_event_unref(self.event);
+    lx_plan_free(&self.plan);
     return status;
 }

@@ -1,0 +1,207 @@
+/* SPDX-License-Identifier: MIT */
+/* A BiSS encoder on GPIO lines as a wire of a rig. Only one: chains need a line for each SLI. */
+#define _GNU_SOURCE
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+
+#include "biss_settings.h"
+#include "bus.h"
+#include "gpio.h"
+#include "timer.h"
+
+/* Ends a frame on GPIO lines; see src/biss/README.md, 'GPIO'. */
+#define TIMEOUT DG_MS(20)
+/* How often a chip that has gone is looked for. */
+#define RETRY DG_S(1)
+
+struct gpio_bus {
+    struct lx_bus bus;
+    struct lx_gpio_address address;
+    struct lx_biss_settings settings;
+    struct lx_biss_eeprom eeprom;
+    struct dg_biss device;
+    struct lx_gpio gpio;
+    struct lx_timer retry;
+    bool up;
+};
+
+static struct gpio_bus *gpio_of(struct lx_bus *bus)
+{
+    return (struct gpio_bus *)bus;
+}
+
+/* --- the lines --- */
+
+static void on_gone(void *ctx)
+{
+    struct gpio_bus *self = ctx;
+    self->up = false;
+    lx_timer_at(&self->retry, dg_after(lx_now(), RETRY));
+}
+
+static int take_lines(struct gpio_bus *self, struct lx_error *error)
+{
+    const struct lx_gpio_setup setup = {
+        .event = self->bus.setup.event,
+        .say = self->bus.setup.say,
+        .device = &self->device,
+        .name = self->address.text,
+        .lines = lx_gpio_lines_open(&self->address, error),
+        .faults = &self->bus.setup.stations[0]->control.faults,
+        .tap = &self->bus.tap,
+        .gone = on_gone,
+        .ctx = self,
+    };
+    self->up = setup.lines != NULL && lx_gpio_open(&self->gpio, &setup, error) == 0;
+    return self->up ? 0 : -1;
+}
+
+/* The chip has gone; it may be back by now. */
+static void on_retry(void *ctx, dg_ns now)
+{
+    struct gpio_bus *self = ctx;
+    struct lx_error ignored; /* it has been said that it is gone */
+    lx_gpio_close(&self->gpio);
+    if (take_lines(self, &ignored) == 0) {
+        lx_note(self->bus.setup.say, "%s: back", self->address.text);
+        return;
+    }
+    lx_gpio_close(&self->gpio);
+    lx_timer_at(&self->retry, dg_after(now, RETRY));
+}
+
+/* --- the operations --- */
+
+/* The encoder got its power early enough to answer when it is announced. */
+static int switch_on(struct gpio_bus *self, dg_ns now, struct lx_error *error)
+{
+    struct lx_station *station = self->bus.setup.stations[0];
+    const char *nvm = station->plan->nvm;
+    if (lx_biss_eeprom_open(&self->eeprom, nvm, error) != 0) {
+        return -1;
+    }
+    station->control.nvm = self->eeprom.nvm;
+    const struct dg_biss_setup setup = {&self->settings.model, &station->world, self->eeprom.nvm};
+    if (dg_biss_init(&self->device, &setup) != DG_OK) {
+        return lx_fail(error, "these factory figures make no encoder");
+    }
+    if (dg_biss_power_on(&self->device, dg_elapsed(now, self->settings.model.init)) != DG_OK) {
+        return lx_fail(error, "--nvm %s: not the EEPROM of a BiSS encoder; another name is right",
+                       nvm == NULL ? "" : nvm);
+    }
+    return 0;
+}
+
+static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
+{
+    struct gpio_bus *self = gpio_of(bus);
+    const int result = lx_timer_open(&self->retry, bus->setup.event, on_retry, self);
+    if (result < 0) {
+        return lx_fail(error, "no timer: %s", strerror(-result));
+    }
+    if (switch_on(self, now, error) != 0 || take_lines(self, error) != 0) {
+        return -1;
+    }
+    lx_note(bus->setup.say, "%s: libgpiod %s", self->address.text, lx_gpio_library());
+    /* Code that had to be fetched from the disk first would cost the first frame. Fine to miss. */
+    (void)mlockall(MCL_CURRENT);
+    return 0;
+}
+
+static void address(const struct lx_bus *bus, const struct lx_station *station, char *to,
+                    size_t size)
+{
+    const struct gpio_bus *self = (const struct gpio_bus *)bus;
+    (void)station;
+    (void)snprintf(to, size, "%s", self->address.text);
+}
+
+static void changed(struct lx_bus *bus, struct lx_station *station, dg_ns now)
+{
+    struct gpio_bus *self = gpio_of(bus);
+    (void)station;
+    (void)now;
+    if (self->up) {
+        lx_gpio_changed(&self->gpio);
+    }
+}
+
+static void counters(const struct lx_bus *bus, const struct lx_station *station, struct dg_scpi *to)
+{
+    const struct gpio_bus *self = (const struct gpio_bus *)bus;
+    const struct {
+        const char *name;
+        uint64_t value;
+    } rows[] = {
+        {"wire_up", self->up},
+        {"wire_late", self->gpio.counters.late},
+        {"wire_edges", self->gpio.counters.edges},
+        {"wire_lost", self->gpio.counters.lost},
+        {"wire_hz", lx_gpio_rate_known(&self->gpio.rate) ? lx_gpio_rate_hz(&self->gpio.rate) : 0u},
+    };
+    (void)station;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char text[64];
+        (void)snprintf(text, sizeof text, "%s=%" PRIu64, rows[i].name, rows[i].value);
+        dg_scpi_put_word(to, text);
+    }
+}
+
+static void close_bus(struct lx_bus *bus)
+{
+    struct gpio_bus *self = gpio_of(bus);
+    lx_gpio_close(&self->gpio);
+    dg_biss_power_off(&self->device);
+    lx_biss_eeprom_close(&self->eeprom);
+    lx_timer_close(&self->retry);
+    free(self);
+}
+
+static const struct lx_bus_ops ops = {
+    .open = open_bus,
+    .address = address,
+    .changed = changed,
+    .counters = counters,
+    .close = close_bus,
+};
+
+/* --- from the plan --- */
+
+static int understand(struct gpio_bus *self, struct lx_error *error)
+{
+    const struct lx_bus_setup *setup = &self->bus.setup;
+    struct lx_error reason;
+    if (lx_gpio_address_parse(&self->address, setup->wire->where, &reason) != 0) {
+        return lx_plan_fail(setup->plan, setup->wire->line, error, "%s", reason.text);
+    }
+    if (lx_biss_settings_plan(&self->settings, setup->plan, setup->stations[0]->plan, error) != 0) {
+        return -1;
+    }
+    if (self->settings.model.timeout == 0) {
+        self->settings.model.timeout = TIMEOUT;
+    }
+    return 0;
+}
+
+struct lx_bus *lx_gpio_bus_make(const struct lx_bus_setup *setup, struct lx_error *error)
+{
+    struct lx_station *station = setup->stations[0];
+    struct gpio_bus *self = calloc(1, sizeof *self);
+    if (self == NULL) {
+        (void)lx_fail(error, "no memory for an encoder");
+        return NULL;
+    }
+    self->bus = (struct lx_bus){.ops = &ops, .setup = *setup};
+    self->eeprom.file.fd = -1;
+    if (understand(self, error) != 0) {
+        free(self);
+        return NULL;
+    }
+    lx_settings_world(&self->settings.common, &station->world);
+    station->control.device = &self->device;
+    station->control.serial = self->settings.model.serial;
+    return &self->bus;
+}

@@ -1,0 +1,394 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * make() turns the plan into shafts, encoders and wires and touches nothing outside; power() opens
+ * what there is outside. Either all of it stands afterwards, or nothing.
+ */
+#define _GNU_SOURCE
+#include "rig.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "number.h"
+#include "rig_parts.h"
+
+/* --- shafts --- */
+
+static enum lx_rig_result make_shaft(struct lx_rig *self, size_t index, struct lx_error *error)
+{
+    const struct lx_plan *plan = self->setup.plan;
+    const struct lx_plan_shaft *row = &plan->shafts[index];
+    struct lx_rig_shaft *shaft = &self->shafts[index];
+    shaft->control.name = row->name;
+    shaft->control.host = shaft;
+    self->control.shafts[index] = &shaft->control;
+    dg_shaft_init(&shaft->control.shaft);
+    if (row->driver >= 0 &&
+        dg_shaft_couple(&shaft->control.shaft, &self->shafts[row->driver].control.shaft,
+                        row->ratio[0], row->ratio[1]) != DG_OK) {
+        (void)lx_plan_fail(plan, row->line, error, "[shaft %s]: the gear cannot be", row->name);
+        return LX_RIG_PLAN;
+    }
+    const int result =
+        row->motion == NULL ? 0 : lx_rig_play(shaft, self->begin, true, row->motion, error);
+    if (result == 0) {
+        return LX_RIG_OK;
+    }
+    (void)lx_plan_fail(plan, row->line, error, "%s", error->text);
+    return result == LX_SHAFT_FILE ? LX_RIG_WORLD : LX_RIG_PLAN;
+}
+
+static enum lx_rig_result make_shafts(struct lx_rig *self, struct lx_error *error)
+{
+    enum lx_rig_result result = LX_RIG_OK;
+    for (size_t i = 0; result == LX_RIG_OK && i < self->setup.plan->shaft_count; i++) {
+        result = make_shaft(self, i, error);
+    }
+    return result;
+}
+
+/* --- encoders and wires --- */
+
+static void make_station(struct lx_rig *self, size_t index)
+{
+    const struct lx_plan_encoder *row = &self->setup.plan->encoders[index];
+    struct lx_station *station = &self->stations[index];
+    struct dg_rig_shaft *shaft = &self->shafts[row->shaft].control;
+    uint64_t serial = 0;
+    dg_world_init(&station->world);
+    station->world.angle = dg_shaft_angle;
+    station->world.angle_ctx = &shaft->shaft;
+    station->plan = row;
+    station->control = (struct dg_encoder){
+        .name = row->name,
+        .model = row->model,
+        .kind = dg_encoder_kind_of(row->model->stack),
+        .world = &station->world,
+        .shaft = shaft,
+        .faults = {.random = (uint32_t)index},
+        .host = station,
+    };
+    if (row->serial != NULL && lx_unsigned_parse(row->serial, &serial)) {
+        station->control.serial = (uint32_t)serial;
+    }
+    self->control.encoders[index] = &station->control;
+}
+
+/* The encoders of a wire in the order of the plan. @return false without memory */
+static bool gather(struct lx_rig *self, struct lx_rig_wire *wire, size_t index)
+{
+    const struct lx_plan *plan = self->setup.plan;
+    wire->stations = calloc(plan->encoder_count, sizeof(struct lx_station *));
+    for (size_t i = 0; wire->stations != NULL && i < plan->encoder_count; i++) {
+        if (plan->encoders[i].wire == index) {
+            self->stations[i].place = wire->count;
+            wire->stations[wire->count++] = &self->stations[i];
+        }
+    }
+    return wire->stations != NULL;
+}
+
+static int make_wire(struct lx_rig *self, size_t index, struct lx_error *error)
+{
+    struct lx_rig_wire *wire = &self->wires[index];
+    wire->rig = self;
+    wire->plan = &self->setup.plan->wires[index];
+    if (!gather(self, wire, index)) {
+        return lx_fail(error, "no memory for the wires");
+    }
+    const struct lx_bus_setup setup = {
+        .event = self->setup.event,
+        .say = self->setup.say,
+        .plan = self->setup.plan,
+        .wire = wire->plan,
+        .stations = wire->stations,
+        .count = wire->count,
+        .clock = &self->clock,
+    };
+    wire->bus = wire->plan->kind->make(&setup, error);
+    for (size_t i = 0; wire->bus != NULL && i < wire->count; i++) {
+        wire->stations[i]->bus = wire->bus;
+    }
+    return wire->bus == NULL ? -1 : 0;
+}
+
+static bool make_room(struct lx_rig *self)
+{
+    const struct lx_plan *plan = self->setup.plan;
+    struct dg_rig *control = &self->control;
+    self->shafts = calloc(plan->shaft_count, sizeof *self->shafts);
+    self->wires = calloc(plan->wire_count, sizeof *self->wires);
+    self->stations = calloc(plan->encoder_count, sizeof *self->stations);
+    control->shafts = calloc(plan->shaft_count, sizeof(struct dg_rig_shaft *));
+    control->encoders = calloc(plan->encoder_count, sizeof(struct dg_encoder *));
+    control->shaft_count = plan->shaft_count;
+    control->encoder_count = plan->encoder_count;
+    control->ops = &lx_rig_ops;
+    control->host = self;
+    return self->shafts != NULL && self->wires != NULL && self->stations != NULL &&
+           control->shafts != NULL && control->encoders != NULL;
+}
+
+static enum lx_rig_result make(struct lx_rig *self, struct lx_error *error)
+{
+    const enum lx_rig_result result = make_shafts(self, error);
+    if (result != LX_RIG_OK) {
+        return result;
+    }
+    for (size_t i = 0; i < self->setup.plan->encoder_count; i++) {
+        make_station(self, i);
+    }
+    for (size_t i = 0; i < self->setup.plan->wire_count; i++) {
+        if (make_wire(self, i, error) != 0) {
+            return LX_RIG_PLAN;
+        }
+    }
+    return LX_RIG_OK;
+}
+
+/* --- power --- */
+
+/* Whoever watches a wire sees its first frame, the boot-up of a node, too. */
+static int watch(struct lx_rig_wire *self, struct lx_error *error)
+{
+    if (self->rig->setup.verbose && lx_rig_listen(self, error) != 0) {
+        return -1;
+    }
+    return self->plan->trace == NULL ? 0 : lx_rig_trace(self, self->plan->trace, error);
+}
+
+static int power_wire(struct lx_rig_wire *self, struct lx_error *error)
+{
+    if (watch(self, error) == 0 && self->bus->ops->open(self->bus, self->rig->begin, error) == 0) {
+        return 0;
+    }
+    return lx_plan_fail(self->rig->setup.plan, self->plan->line, error, "%s", error->text);
+}
+
+/* --- control plane --- */
+
+static struct lx_server *serve(struct lx_rig *self, const char *where, struct lx_error *error)
+{
+    const struct lx_server_setup setup = {
+        .event = self->setup.event,
+        .say = self->setup.say,
+        .rig = &self->control,
+        .clock = &self->clock,
+        .settle = lx_rig_settle,
+        .ctx = self,
+    };
+    return lx_server_open(where, &setup, error);
+}
+
+/* Another rig of this name may be running: then with the process ID behind the name. Nobody has
+   asked for it, so the rig runs without, too. */
+static void serve_default(struct lx_rig *self)
+{
+    char where[LX_SERVER_ADDRESS_MAX];
+    char name[64];
+    struct lx_error error;
+    (void)snprintf(name, sizeof name, "%.40s", self->setup.plan->name);
+    if (lx_server_default(name, where, sizeof where, &error) == 0) {
+        self->servers[0] = serve(self, where, &error);
+    }
+    if (self->servers[0] == NULL) {
+        (void)snprintf(name, sizeof name, "%.40s-%ld", self->setup.plan->name, (long)getpid());
+        if (lx_server_default(name, where, sizeof where, &error) == 0) {
+            self->servers[0] = serve(self, where, &error);
+        }
+    }
+    if (self->servers[0] == NULL) {
+        lx_note(self->setup.say, "no control plane: %s", error.text);
+    }
+}
+
+static int serve_all(struct lx_rig *self, struct lx_error *error)
+{
+    const struct lx_plan *plan = self->setup.plan;
+    for (size_t i = 0; i < plan->control_count; i++) {
+        self->servers[i] = serve(self, plan->controls[i], error);
+        if (self->servers[i] == NULL) {
+            return -1;
+        }
+    }
+    if (plan->control_count == 0) {
+        serve_default(self);
+    }
+    return 0;
+}
+
+static void on_faults(void *ctx, dg_ns now)
+{
+    struct lx_rig *self = ctx;
+    (void)now;
+    lx_rig_settle(self, lx_clock_now(&self->clock));
+}
+
+static int power(struct lx_rig *self, struct lx_error *error)
+{
+    const int result = lx_timer_open(&self->faults, self->setup.event, on_faults, self);
+    if (result < 0) {
+        return lx_fail(error, "no timer: %s", strerror(-result));
+    }
+    for (size_t i = 0; i < self->setup.plan->wire_count; i++) {
+        if (power_wire(&self->wires[i], error) != 0) {
+            return -1;
+        }
+    }
+    return serve_all(self, error);
+}
+
+/* --- all of it --- */
+
+int lx_rig_open(struct lx_rig **self, const struct lx_rig_setup *setup, dg_ns now,
+                struct lx_error *error)
+{
+    struct lx_rig *rig = calloc(1, sizeof *rig);
+    enum lx_rig_result result = LX_RIG_WORLD;
+    *self = NULL;
+    if (rig == NULL) {
+        (void)lx_fail(error, "no memory for a rig");
+        return result;
+    }
+    rig->setup = *setup;
+    rig->begin = now;
+    rig->clock = (struct lx_clock){.real = now, .virtual_ = now, .permille = 1000};
+    if (!make_room(rig)) {
+        (void)lx_fail(error, "no memory for a rig");
+    } else {
+        result = make(rig, error);
+    }
+    if (result == LX_RIG_OK && power(rig, error) != 0) {
+        result = LX_RIG_WORLD;
+    }
+    if (result == LX_RIG_OK) {
+        *self = rig;
+        return result;
+    }
+    struct lx_error ignored; /* the first error says why */
+    (void)lx_rig_close(rig, &ignored);
+    return result;
+}
+
+struct dg_rig *lx_rig_control(struct lx_rig *self)
+{
+    return &self->control;
+}
+
+const char *lx_rig_address(struct lx_rig *self, const struct lx_station *station)
+{
+    const int n =
+        snprintf(self->address, sizeof self->address, "%s:", station->bus->setup.wire->kind->name);
+    station->bus->ops->address(station->bus, station, self->address + n,
+                               sizeof self->address - (size_t)n);
+    return self->address;
+}
+
+/* A ring from the command line is one thing with one address: that of its coupler, without places.
+   @return false when nothing is written any more */
+static bool announce_ring(struct lx_rig *self)
+{
+    const struct lx_plan *plan = self->setup.plan;
+    char *address = self->address;
+    bool written = fputs("ready ", stdout) >= 0;
+    for (size_t i = 0; i < plan->encoder_count; i++) {
+        written = written && printf("%s%s", i == 0 ? "" : ",", plan->encoders[i].model->name) >= 0;
+    }
+    (void)lx_rig_address(self, &self->stations[0]);
+    address[strcspn(address, "/")] = '\0';
+    return written && printf(" %s\n", address) >= 0;
+}
+
+static bool announce_encoders(struct lx_rig *self)
+{
+    const struct lx_plan *plan = self->setup.plan;
+    bool written = true;
+    for (size_t i = 0; i < plan->encoder_count; i++) {
+        const char *name = plan->file == NULL ? "" : plan->encoders[i].name;
+        written = written && printf("ready %s %s%s%s\n", plan->encoders[i].model->name,
+                                    lx_rig_address(self, &self->stations[i]),
+                                    plan->file == NULL ? "" : " ", name) >= 0;
+    }
+    return written;
+}
+
+int lx_rig_announce(struct lx_rig *self, struct lx_error *error)
+{
+    const struct lx_plan *plan = self->setup.plan;
+    const bool ring = plan->file == NULL && plan->wires[0].kind->stack == DG_STACK_INTERBUS;
+    bool written = ring ? announce_ring(self) : announce_encoders(self);
+    for (size_t i = 0; i < plan->control_count; i++) {
+        written = written && printf("control %s\n", lx_server_address(self->servers[i])) >= 0;
+    }
+    if (plan->file != NULL) {
+        written = written && puts("ready rig") >= 0;
+    }
+    return fflush(stdout) == 0 && written
+               ? 0
+               : lx_fail(error, "cannot write the ready line to stdout: %s", strerror(errno));
+}
+
+/* The first error is kept. */
+static int worst(int before, int now, struct lx_error *error, const struct lx_error *latest)
+{
+    if (before == 0 && now != 0) {
+        *error = *latest;
+    }
+    return before != 0 ? before : now;
+}
+
+static int close_wires(struct lx_rig *self, struct lx_error *error)
+{
+    struct lx_error latest = {""};
+    int result = 0;
+    for (size_t i = 0; self->wires != NULL && i < self->setup.plan->wire_count; i++) {
+        struct lx_rig_wire *wire = &self->wires[i];
+        if (wire->bus != NULL) {
+            result = worst(result, lx_trace_close(wire->trace, &latest), error, &latest);
+            lx_rig_deaf(wire);
+            wire->bus->ops->close(wire->bus);
+        }
+        free(wire->stations);
+    }
+    return result;
+}
+
+static int close_shafts(struct lx_rig *self, struct lx_error *error)
+{
+    const dg_ns now = lx_clock_now(&self->clock);
+    struct lx_error latest = {""};
+    int result = 0;
+    for (size_t i = 0; self->shafts != NULL && i < self->setup.plan->shaft_count; i++) {
+        struct lx_rig_shaft *shaft = &self->shafts[i];
+        result = worst(result, lx_record_close(shaft->record, now, &latest), error, &latest);
+        for (size_t n = 0; n < LX_RIG_MOTIONS; n++) {
+            lx_shaft_free(&shaft->motion[n]);
+        }
+        free(shaft->text);
+    }
+    return result;
+}
+
+int lx_rig_close(struct lx_rig *self, struct lx_error *error)
+{
+    struct lx_error latest = {""};
+    if (self == NULL) {
+        return 0;
+    }
+    for (size_t i = 0; i < LX_PLAN_CONTROLS_MAX; i++) {
+        lx_server_close(self->servers[i]);
+    }
+    lx_timer_close(&self->faults);
+    int result = close_wires(self, error);
+    result = worst(result, close_shafts(self, &latest), error, &latest);
+    free(self->control.encoders);
+    free(self->control.shafts);
+    free(self->stations);
+    free(self->wires);
+    free(self->shafts);
+    free(self);
+    return result;
+}

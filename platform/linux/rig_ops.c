@@ -1,0 +1,319 @@
+/* SPDX-License-Identifier: MIT */
+/* What the control plane asks of a rig: everything that is the port's and not the core's. */
+#define _GNU_SOURCE
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "rig_parts.h"
+
+/* --- helpers --- */
+
+static struct lx_rig *rig_of(struct dg_rig *control)
+{
+    return control->host;
+}
+
+static struct lx_station *station_of(const struct dg_encoder *encoder)
+{
+    return encoder->host;
+}
+
+static struct lx_rig_wire *wire_of(struct dg_rig *control, const struct dg_encoder *encoder)
+{
+    return &rig_of(control)->wires[station_of(encoder)->plan->wire];
+}
+
+/* The answer to a command: what was wrong goes with it as far as there is room. */
+static int refuse(enum dg_scpi_error code, char *detail, const char *text)
+{
+    (void)snprintf(detail, DG_SCPI_DETAIL_MAX + 1u, "%.*s", (int)DG_SCPI_DETAIL_MAX, text);
+    return code;
+}
+
+/* All wires look at their deadlines anew: a shaft or the clock has changed. What is recorded is
+   written as long as the shaft still knows where it was. */
+static void change_all(struct lx_rig *self, dg_ns now)
+{
+    for (size_t i = 0; i < self->setup.plan->shaft_count; i++) {
+        lx_record_write(self->shafts[i].record, now);
+    }
+    for (size_t i = 0; i < self->setup.plan->wire_count; i++) {
+        struct lx_bus *bus = self->wires[i].bus;
+        if (bus->ops->changed != NULL) {
+            bus->ops->changed(bus, NULL, now);
+        }
+    }
+}
+
+void lx_rig_settle(void *ctx, dg_ns now)
+{
+    struct lx_rig *self = ctx;
+    const dg_ns next = dg_rig_step(&self->control, now);
+    lx_timer_at(&self->faults, lx_clock_real(&self->clock, next));
+}
+
+/* --- encoders --- */
+
+/* A fault may have come or gone: the timer comes round at once and finds its duration, which
+   cannot be looked for here, as dg_rig_step() may be what calls. */
+static void changed(struct dg_rig *control, struct dg_encoder *encoder, dg_ns now)
+{
+    struct lx_rig *self = rig_of(control);
+    if (encoder == NULL) {
+        change_all(self, now);
+        return;
+    }
+    struct lx_station *station = station_of(encoder);
+    if (station->bus->ops->changed != NULL) {
+        station->bus->ops->changed(station->bus, station, now);
+    }
+    lx_timer_at(&self->faults, lx_now());
+}
+
+static const char *wire(struct dg_rig *control, const struct dg_encoder *encoder)
+{
+    return lx_rig_address(rig_of(control), station_of(encoder));
+}
+
+static void counters(struct dg_rig *control, const struct dg_encoder *encoder, struct dg_scpi *to)
+{
+    const struct lx_station *station = station_of(encoder);
+    (void)control;
+    if (station->bus->ops->counters != NULL) {
+        station->bus->ops->counters(station->bus, station, to);
+    }
+}
+
+/* --- shafts --- */
+
+static bool borrows(const struct dg_shaft_course *course, const struct lx_shaft *motion)
+{
+    return course->plays && motion->points != NULL && course->motion.points == motion->points;
+}
+
+/* A place for a motion whose points nobody looks at any more; what was there is given back. */
+static struct lx_shaft *place(struct lx_rig_shaft *self)
+{
+    const struct dg_shaft *shaft = &self->control.shaft;
+    struct lx_shaft *at = self->motion;
+    while (borrows(&shaft->course, at) || borrows(&shaft->before, at)) {
+        at++; /* ends within the array: only two motions can be borrowed from */
+    }
+    lx_shaft_free(at);
+    return at;
+}
+
+int lx_rig_play(struct lx_rig_shaft *self, dg_ns now, bool first, const char *text,
+                struct lx_error *error)
+{
+    struct lx_shaft *motion = place(self);
+    char *copy = strdup(text);
+    const int result = copy == NULL ? lx_fail(error, "no memory for %s", text)
+                                    : lx_shaft_parse(motion, text, error);
+    if (result != 0) {
+        free(copy);
+        return result;
+    }
+    /* Encoders look back for their speed. */
+    if (first) {
+        (void)dg_shaft_set_position(&self->control.shaft, 0, dg_motion_angle(&motion->motion, 0));
+    }
+    if (dg_shaft_play(&self->control.shaft, now, &motion->motion) != DG_OK) {
+        lx_shaft_free(motion);
+        free(copy);
+        (void)lx_fail(error, "%s is geared: its driver turns it", self->control.name);
+        return LX_SHAFT_WORDS;
+    }
+    free(self->text);
+    self->text = copy;
+    return 0;
+}
+
+static int profile(struct dg_rig *control, struct dg_rig_shaft *shaft, dg_ns now, const char *text,
+                   char *detail)
+{
+    struct lx_error error;
+    (void)control;
+    if (shaft->shaft.driver != NULL) {
+        return refuse(DG_SCPI_CONFLICT, detail, "geared; its driver turns it");
+    }
+    const int result = lx_rig_play(shaft->host, now, false, text, &error);
+    if (result == 0) {
+        return 0;
+    }
+    return refuse(result == LX_SHAFT_FILE ? DG_SCPI_FILE_NAME : DG_SCPI_ILLEGAL, detail,
+                  error.text);
+}
+
+static const char *profile_text(struct dg_rig *control, const struct dg_rig_shaft *shaft)
+{
+    const struct lx_rig_shaft *self = shaft->host;
+    if (shaft->shaft.driver != NULL) {
+        return "geared";
+    }
+    if (shaft->shaft.course.plays && self->text != NULL) {
+        return self->text;
+    }
+    const dg_ns now = lx_clock_now(&rig_of(control)->clock);
+    return dg_shaft_mrpm(&shaft->shaft, now) == 0 ? "rest" : "steered";
+}
+
+static int record(struct dg_rig *control, struct dg_rig_shaft *shaft, dg_ns now, const char *path,
+                  dg_ns interval, char *detail)
+{
+    struct lx_rig *self = rig_of(control);
+    struct lx_rig_shaft *part = shaft->host;
+    struct lx_error error;
+    if (path == NULL) {
+        const int result = lx_record_close(part->record, now, &error);
+        part->record = NULL;
+        return result == 0 ? 0 : refuse(DG_SCPI_STORAGE, detail, error.text);
+    }
+    if (part->record != NULL) {
+        return refuse(DG_SCPI_CONFLICT, detail, "recorded already; SHAFt:RECord:STOP first");
+    }
+    const struct lx_record_setup setup = {
+        .path = path,
+        .shaft = &shaft->shaft,
+        .event = self->setup.event,
+        .clock = &self->clock,
+        .interval = interval,
+    };
+    part->record = lx_record_open(&setup, now, &error);
+    return part->record != NULL ? 0 : refuse(DG_SCPI_FILE_NAME, detail, error.text);
+}
+
+/* --- wires --- */
+
+int lx_rig_trace(struct lx_rig_wire *self, const char *path, struct lx_error *error)
+{
+    const struct lx_wire *kind = self->plan->kind;
+    /* Whoever replays a trace of CAN wants the interface in it. */
+    const bool interface = kind->stack == DG_STACK_CANOPEN && !kind->where_is_path;
+    self->trace = lx_trace_open(path, kind->stack, interface ? self->plan->where : self->plan->name,
+                                &self->bus->tap, lx_clock_now(&self->rig->clock), error);
+    return self->trace == NULL ? -1 : 0;
+}
+
+static int trace(struct dg_rig *control, struct dg_encoder *encoder, const char *path, char *detail)
+{
+    struct lx_rig_wire *self = wire_of(control, encoder);
+    struct lx_error error;
+    if (path == NULL) {
+        const int result = lx_trace_close(self->trace, &error);
+        self->trace = NULL;
+        return result == 0 ? 0 : refuse(DG_SCPI_STORAGE, detail, error.text);
+    }
+    if (self->trace != NULL) {
+        return refuse(DG_SCPI_CONFLICT, detail, "traced already; TRACe:STOP first");
+    }
+    return lx_rig_trace(self, path, &error) == 0 ? 0
+                                                 : refuse(DG_SCPI_FILE_NAME, detail, error.text);
+}
+
+/* The first question begins the listening, so it has no answer yet. */
+static bool last(struct dg_rig *control, const struct dg_encoder *encoder, unsigned back,
+                 char *text, size_t size)
+{
+    struct lx_rig_wire *self = wire_of(control, encoder);
+    struct lx_error error;
+    if (lx_rig_listen(self, &error) != 0 || back >= LX_RIG_LINES || back >= self->line_count) {
+        return false;
+    }
+    (void)snprintf(text, size, "%s", self->lines[(self->line_count - 1u - back) % LX_RIG_LINES]);
+    return true;
+}
+
+static int biss_frame(struct dg_rig *control, struct dg_encoder *encoder, uint64_t *bits,
+                      uint8_t *count, char *detail)
+{
+    struct lx_bus *bus = wire_of(control, encoder)->bus;
+    return bus->ops->biss_frame == NULL
+               ? refuse(DG_SCPI_MISSING_HARDWARE, detail, "no simulated BiSS wire")
+               : bus->ops->biss_frame(bus, station_of(encoder), bits, count, detail);
+}
+
+static int biss_read(struct dg_rig *control, struct dg_encoder *encoder, uint8_t address,
+                     uint8_t *bytes, size_t n, char *detail)
+{
+    struct lx_bus *bus = wire_of(control, encoder)->bus;
+    return bus->ops->biss_read == NULL
+               ? refuse(DG_SCPI_MISSING_HARDWARE, detail, "no simulated BiSS wire")
+               : bus->ops->biss_read(bus, station_of(encoder), address, bytes, n, detail);
+}
+
+static int biss_write(struct dg_rig *control, struct dg_encoder *encoder, uint8_t address,
+                      const uint8_t *bytes, size_t n, char *detail)
+{
+    struct lx_bus *bus = wire_of(control, encoder)->bus;
+    return bus->ops->biss_write == NULL
+               ? refuse(DG_SCPI_MISSING_HARDWARE, detail, "no simulated BiSS wire")
+               : bus->ops->biss_write(bus, station_of(encoder), address, bytes, n, detail);
+}
+
+/* --- time --- */
+
+static bool simulated(const struct lx_rig *self)
+{
+    const struct lx_plan *plan = self->setup.plan;
+    for (size_t i = 0; i < plan->wire_count; i++) {
+        if (!plan->wires[i].kind->simulated) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static int set_scale(struct dg_rig *control, uint32_t permille, char *detail)
+{
+    struct lx_rig *self = rig_of(control);
+    if (!simulated(self)) {
+        return refuse(DG_SCPI_CONFLICT, detail, "a wire of this rig runs in real time");
+    }
+    const dg_ns now = lx_clock_now(&self->clock);
+    self->clock = (struct lx_clock){.real = lx_now(), .virtual_ = now, .permille = permille};
+    change_all(self, now);
+    lx_rig_settle(self, now);
+    return 0;
+}
+
+static uint32_t scale(struct dg_rig *control)
+{
+    return rig_of(control)->clock.permille;
+}
+
+/* Faults end at their own moments on the way. */
+static int step(struct dg_rig *control, dg_ns span, char *detail)
+{
+    struct lx_rig *self = rig_of(control);
+    struct lx_clock *clock = &self->clock;
+    if (!simulated(self) || clock->permille != 0) {
+        return refuse(DG_SCPI_CONFLICT, detail, "time is not stopped; TIME:SCALe 0 first");
+    }
+    const dg_ns end = dg_after(clock->virtual_, span);
+    while (clock->virtual_ < end) {
+        const dg_ns next = dg_rig_step(control, clock->virtual_);
+        clock->virtual_ = next > clock->virtual_ ? dg_earliest(next, end) : end;
+        change_all(self, clock->virtual_);
+    }
+    lx_rig_settle(self, end);
+    return 0;
+}
+
+const struct dg_rig_ops lx_rig_ops = {
+    .changed = changed,
+    .wire = wire,
+    .counters = counters,
+    .profile = profile,
+    .profile_text = profile_text,
+    .record = record,
+    .trace = trace,
+    .last = last,
+    .set_scale = set_scale,
+    .scale = scale,
+    .step = step,
+    .biss_frame = biss_frame,
+    .biss_read = biss_read,
+    .biss_write = biss_write,
+};

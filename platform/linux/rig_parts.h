@@ -1,0 +1,85 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * What a rig is made of, for the files that make it: rig.c opens and closes, rig_ops.c serves the
+ * control plane, rig_watch.c listens to the wires.
+ */
+#ifndef DREHGEBER_LINUX_RIG_PARTS_H
+#define DREHGEBER_LINUX_RIG_PARTS_H
+
+#include "record.h"
+#include "rig.h"
+#include "server.h"
+#include "shaft.h"
+#include "timer.h"
+#include "trace.h"
+
+/** Decoded lines of a wire that are kept for TRACe:LAST?. */
+#define LX_RIG_LINES 32u
+/** A line with its time and direction. */
+#define LX_RIG_LINE_MAX (LX_DECODE_MAX + 32u)
+/** Motions whose points a shaft may borrow: the one in force, the one before, and the next. */
+#define LX_RIG_MOTIONS 3u
+
+/** A shaft. */
+struct lx_rig_shaft {
+    struct dg_rig_shaft control; /**< first: the control plane's */
+    struct lx_shaft motion[LX_RIG_MOTIONS];
+    char *text; /**< of the motion played last; owned */
+    struct lx_record *record;
+};
+
+/** A wire. */
+struct lx_rig_wire {
+    struct lx_rig *rig;
+    const struct lx_plan_wire *plan;
+    struct lx_bus *bus;
+    struct lx_station **stations; /**< owned */
+    size_t count;
+    struct lx_trace *trace;
+    bool listens;
+    struct lx_tap_listener listener;
+    struct lx_decoder decoder;
+    struct lx_timer silence; /**< the end of a frame that nothing follows */
+    char (*lines)[LX_RIG_LINE_MAX];
+    size_t line_count; /**< so far; the newest is in lines[(line_count - 1) % LX_RIG_LINES] */
+};
+
+/** A rig. */
+struct lx_rig {
+    struct lx_rig_setup setup;
+    struct dg_rig control;
+    struct lx_clock clock;
+    dg_ns begin; /**< its time when it was opened */
+    struct lx_rig_shaft *shafts;
+    struct lx_rig_wire *wires;
+    struct lx_station *stations;
+    struct lx_timer faults; /**< their durations */
+    struct lx_server *servers[LX_PLAN_CONTROLS_MAX];
+    char address[LX_BUS_ADDRESS_MAX + 16u]; /**< of the encoder asked for last */
+};
+
+/** What the control plane asks for. */
+extern const struct dg_rig_ops lx_rig_ops;
+
+/** The address of an encoder, "KIND:ADDRESS", in self->address. */
+const char *lx_rig_address(struct lx_rig *self, const struct lx_station *station);
+
+/** Play `text` from `now` on. `first`: before, the shaft has always been where that begins.
+ * @return 0; enum lx_shaft_failure with one line in `error` */
+int lx_rig_play(struct lx_rig_shaft *self, dg_ns now, bool first, const char *text,
+                struct lx_error *error);
+
+/** Trace a wire to `path`. @return 0, or -1 with one line in `error` */
+int lx_rig_trace(struct lx_rig_wire *self, const char *path, struct lx_error *error);
+
+/** What is due in all of the rig at `now`, and what is next. */
+void lx_rig_settle(void *ctx, dg_ns now);
+
+/** Decode what goes over a wire from now on; again: nothing. @return 0, or -1 with `error` */
+int lx_rig_listen(struct lx_rig_wire *self, struct lx_error *error);
+
+/** Stop that; also when it was not done. */
+void lx_rig_deaf(struct lx_rig_wire *self);
+
+#endif

@@ -1,0 +1,463 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "bus.h"
+#include "plan.h"
+
+#define FILE_NAME "rig.ini"
+#define LENGTH(array) (sizeof(array) / sizeof((array)[0]))
+
+static char folder[] = "/tmp/test_plan.XXXXXX";
+
+static int make_folder(void **state)
+{
+    (void)state;
+    return mkdtemp(folder) == NULL || chdir(folder) != 0 || mkdir("sub", 0700) != 0 ? -1 : 0;
+}
+
+static int remove_folder(void **state)
+{
+    (void)state;
+    (void)unlink(FILE_NAME);
+    (void)unlink("sub/" FILE_NAME);
+    return rmdir("sub") != 0 || chdir("/") != 0 || rmdir(folder) != 0 ? -1 : 0;
+}
+
+static void write_bytes(const char *path, const char *bytes, size_t n)
+{
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    assert_int_equal(fwrite(bytes, 1, n, file), n);
+    assert_int_equal(fclose(file), 0);
+}
+
+static void read_good(struct lx_plan *plan, const char *text)
+{
+    struct lx_error error = {""};
+    write_bytes(FILE_NAME, text, strlen(text));
+    if (lx_plan_read(plan, FILE_NAME, &error) != 0) {
+        fail_msg("%s", error.text);
+    }
+}
+
+static void assert_all_zero(const struct lx_plan *plan)
+{
+    static const struct lx_plan zero;
+    assert_memory_equal(plan, &zero, sizeof zero);
+}
+
+static void everything(void **state)
+{
+    struct lx_plan plan;
+    (void)state;
+    read_good(&plan, "; a comment\n"
+                     "[rig]\n"
+                     "name = bench\n"
+                     "control = tcp:127.0.0.1:5025\n"
+                     "control = unix:sock\n"
+                     "[shaft main]\n"
+                     "motion = 60RPM\n"
+                     "[shaft pitch] ; geared\n"
+                     "driver = MAIN\n"
+                     "ratio = 1:-10\n"
+                     "[bus ring]\n"
+                     "wire = modbus\n"
+                     "trace = ring.csv\n"
+                     "cycle = 2000\n"
+                     "[encoder a1]\n"
+                     "model = ocd-ib-k3\n"
+                     "bus = Ring\n"
+                     "shaft = pitch\n"
+                     "nvm = a1.nvm\n"
+                     "serial = 123\n"
+                     "temperature = 85\n"
+                     "[encoder a2]\n"
+                     "model = ocd-ib-k1\n"
+                     "bus = ring\n"
+                     "[encoder rs]\n"
+                     "model = s3684-rs485\n"
+                     "wire = pty:/tmp/enc1\n"
+                     "trace = /tmp/rs.vcd\n"
+                     "address = 0x41\n");
+    assert_string_equal(plan.name, "bench");
+    assert_string_equal(plan.file, FILE_NAME);
+    assert_int_equal(plan.control_count, 2);
+    assert_string_equal(plan.controls[0], "tcp:127.0.0.1:5025");
+    assert_string_equal(plan.controls[1], "unix:sock");
+    assert_int_equal(plan.shaft_count, 2);
+    assert_string_equal(plan.shafts[0].motion, "60RPM");
+    assert_int_equal(plan.shafts[0].driver, -1);
+    assert_int_equal(plan.shafts[1].driver, 0);
+    assert_int_equal(plan.shafts[1].ratio[0], -1);
+    assert_int_equal(plan.shafts[1].ratio[1], 10);
+    assert_int_equal(plan.wire_count, 2);
+    assert_string_equal(plan.wires[0].name, "ring");
+    assert_string_equal(plan.wires[0].where, "127.0.0.1:5020");
+    assert_string_equal(plan.wires[0].trace, "ring.csv");
+    assert_int_equal(plan.wires[0].settings.count, 1);
+    assert_string_equal(plan.wires[0].settings.list[0].key, "cycle");
+    assert_string_equal(plan.wires[0].settings.list[0].value, "2000");
+    assert_int_equal(plan.wires[0].settings.list[0].line, 14);
+    assert_string_equal(plan.wires[1].name, "rs");
+    assert_string_equal(plan.wires[1].kind->name, "pty");
+    assert_string_equal(plan.wires[1].where, "/tmp/enc1");
+    assert_string_equal(plan.wires[1].trace, "/tmp/rs.vcd");
+    assert_int_equal(plan.encoder_count, 3);
+    const struct lx_plan_encoder *a1 = &plan.encoders[0];
+    assert_string_equal(a1->model->name, "ocd-ib-k3");
+    assert_int_equal(a1->shaft, 1);
+    assert_int_equal(a1->wire, 0);
+    assert_string_equal(a1->nvm, "a1.nvm");
+    assert_string_equal(a1->serial, "123");
+    assert_null(a1->address);
+    assert_int_equal(a1->line, 15);
+    assert_int_equal(a1->nvm_line, 19);
+    assert_int_equal(a1->serial_line, 20);
+    assert_int_equal(a1->settings.count, 1);
+    assert_string_equal(a1->settings.list[0].key, "temperature");
+    assert_string_equal(a1->settings.list[0].value, "85");
+    assert_int_equal(plan.encoders[1].shaft, 0); /* the first one */
+    assert_string_equal(plan.encoders[2].address, "0x41");
+    assert_int_equal(plan.encoders[2].address_line, 29);
+    lx_plan_free(&plan);
+    assert_all_zero(&plan);
+}
+
+/* Line ends, byte order marks, indentation, colons: as other tools write such files. */
+static void other_tools(void **state)
+{
+    struct lx_plan plan;
+    (void)state;
+    read_good(&plan, "\xEF\xBB\xBF[encoder a]\r\n"
+                     "  model = f3668\r\n"
+                     "\twire:slcan ; where the kernel has no CAN\r\n"
+                     "\r\n"
+                     "  # the end, without a line end\r\n"
+                     "node=7");
+    assert_string_equal(plan.name, "rig");
+    assert_int_equal(plan.shaft_count, 1);
+    assert_string_equal(plan.shafts[0].name, "main");
+    assert_string_equal(plan.wires[0].kind->name, "slcan");
+    assert_null(plan.wires[0].where);
+    assert_string_equal(plan.encoders[0].address, "7");
+    lx_plan_free(&plan);
+}
+
+static void files_lie_beside_the_rig_file(void **state)
+{
+    static const char text[] = "[rig]\ncontrol = unix:s\n"
+                               "[shaft m]\nmotion = m.csv\n"
+                               "[encoder a]\nmodel = s3684-rs485\nwire = pty:link\nnvm = a.nvm\n"
+                               "trace = /abs/a.vcd\n";
+    struct lx_plan plan;
+    struct lx_error error;
+    (void)state;
+    write_bytes("sub/" FILE_NAME, text, strlen(text));
+    assert_int_equal(lx_plan_read(&plan, "sub/" FILE_NAME, &error), 0);
+    assert_string_equal(plan.controls[0], "unix:sub/s");
+    assert_string_equal(plan.shafts[0].motion, "sub/m.csv");
+    assert_string_equal(plan.wires[0].where, "sub/link");
+    assert_string_equal(plan.wires[0].trace, "/abs/a.vcd");
+    assert_string_equal(plan.encoders[0].nvm, "sub/a.nvm");
+    lx_plan_free(&plan);
+}
+
+/* A shaft with 8 gears in front of it, as many as there may be. */
+#define GEARS                                                                                      \
+    "[shaft s0]\n[shaft s1]\ndriver=s0\n[shaft s2]\ndriver=s1\n[shaft s3]\ndriver=s2\n"            \
+    "[shaft s4]\ndriver=s3\n[shaft s5]\ndriver=s4\n[shaft s6]\ndriver=s5\n"                        \
+    "[shaft s7]\ndriver=s6\n[shaft s8]\ndriver=s7\n"
+#define ENCODER "[encoder a]\nmodel = f3668\nwire = slcan\n"
+#define ON_BUS(name) "[encoder " name "]\nmodel = f3668\nbus = b\n"
+#define ON_SIM(name) "[encoder " name "]\nmodel = s3684-biss\nbus = b\n"
+#define RATIO(text) "[shaft a]\n[shaft b]\ndriver = a\nratio = " text "\n"
+#define NO_RATIO(text)                                                                             \
+    "4: ratio: " text " is no ratio; TURNS:TURNS with whole numbers other than 0 is right"
+#define NO_NAME(text)                                                                              \
+    "1: [" text "]: a name of 1 to 32 letters, digits, _ and - is right, as in [encoder a1]"
+#define NO_ENCODERS " without encoders; [encoder NAME] with model = MODEL and wire = KIND is right"
+#define MODELS                                                                                     \
+    "s3674-rs485 s3684-rs485 s3674-biss s3684-biss f3658 f3668 ocd-ib-k1 ocd-ib-k2 ocd-ib-k3"
+#define A32 "abcdefghijklmnopqrstuvwxyz012345"
+
+/* A file, and what follows "rig.ini:". */
+static const struct {
+    const char *text;
+    const char *message;
+} bad[] = {
+    {"", NO_ENCODERS},
+    {"; nothing\n", NO_ENCODERS},
+    {"[shaft a]\n", NO_ENCODERS},
+    {"model = f3668\n",
+     "1: model: stands before the first section; [rig], [shaft NAME], [bus NAME] and [encoder NAME] are right"},
+    {"\n[foo]\n",
+     "2: [foo]: no such section; [rig], [shaft NAME], [bus NAME] and [encoder NAME] are right"},
+    {"[]\n",
+     "1: []: no such section; [rig], [shaft NAME], [bus NAME] and [encoder NAME] are right"},
+    {"[encoder]\n", NO_NAME("encoder")},
+    {"[encoder a b]\n", NO_NAME("encoder a ...")},
+    {"[encoder a.b]\n", NO_NAME("encoder a.b")},
+    {"[encoder " A32 "6]\n", NO_NAME("encoder " A32 "6")},
+    {"[rig bench]\n", "1: [rig bench]: has no name; [rig] is right"},
+    {"[encoder a\nmodel=f3668\n",
+     "1: '[encoder a' is no section; [KIND NAME] on a line of its own is right"},
+    {"[encoder a] wire = can\n",
+     "1: '[encoder a] wire = can' is no section; [KIND NAME] on a line of its own is right"},
+    {"[encoder a]\nmodel ; = f3668\n",
+     "2: 'model ; = f3668' is neither [SECTION] nor KEY = VALUE; one of them is right"},
+    {ENCODER "so be it",
+     "4: 'so be it' is neither [SECTION] nor KEY = VALUE; one of them is right"},
+    {"[rig]\ncolour = red\n", "2: colour: no key of [rig]; name and control are right"},
+    {"[rig]\nname = a b\n", "2: name: a b is none; 1 to 32 letters, digits, _ and - are right"},
+    {"[rig]\nname = a\n[rig]\nname = b\n",
+     "4: name: the rig is called a already; one name is right"},
+    {"[rig]\nname =\n", "2: name: empty; name = VALUE is right"},
+    {"[rig]\ncontrol = tcp\n", "2: control: tcp: unix:PATH or tcp:HOST:PORT is right"},
+    {"[rig]\ncontrol = unix:a\ncontrol = unix:b\ncontrol = unix:c\ncontrol = unix:d\ncontrol = unix:e\n",
+     "6: control: one more than 4; fewer are right"},
+    {"[shaft a]\nmotion = fast\n",
+     "2: motion: fast: 'fast' is not a number with a unit (DEG REV RPM S MS); valid: 0, 90DEG, 2.5REV, 60RPM, sine:90DEG,2S, ramp:3000RPM,1S[,HOLD] or FILE.csv"},
+    {"[shaft a]\nmotion = ramp:3000RPM,0S\n",
+     "2: motion: ramp:3000RPM,0S: out of range; a ramp takes above 0 to 3600S, a sine has up to 256REV and above 0 to 86400S"},
+    {"[shaft a]\n[shaft A]\n", "2: [shaft A]: line 1 has the name already; another name is right"},
+    {"[shaft a]\ndriver = b\n",
+     "2: driver: no shaft b so far; the NAME of a [shaft] above is right"},
+    {"[shaft a]\ndriver = a\n",
+     "2: driver: no shaft a so far; the NAME of a [shaft] above is right"},
+    {"[shaft a]\nratio = 1:2\n",
+     "2: ratio: without a driver; driver = NAME of a [shaft] above is right"},
+    {"[shaft a]\n[shaft b]\nmotion = 60RPM\ndriver = a\n",
+     "3: motion: the driver in line 4 turns this shaft; one of them is right"},
+    {RATIO("0:1"), NO_RATIO("0:1")},
+    {RATIO("1:0"), NO_RATIO("1:0")},
+    {RATIO("1"), NO_RATIO("1")},
+    {RATIO("1.5:1"), NO_RATIO("1.5:1")},
+    {RATIO("1:2:3"), NO_RATIO("1:2:3")},
+    {RATIO("x:1"), NO_RATIO("x:1")},
+    {RATIO("3000000000:1"), NO_RATIO("3000000000:1")},
+    {RATIO(":"), NO_RATIO(":")},
+    {RATIO("1:"), NO_RATIO("1:")},
+    {GEARS "[shaft s9]\ndriver = s8\n",
+     "19: driver: 8 gears are between s8 and what drives it; a shaft with fewer is right"},
+    {"[shaft a]\nspeed = 1\n", "2: speed: no key of [shaft]; motion, driver and ratio are right"},
+    {"[shaft a]\nmotion = 60RPM\nmotion = 70RPM\n",
+     "3: motion: stands in line 2 already; one of them is right"},
+    {"[bus b]\n", "1: [bus b]: without a wire; wire = pty, for one, is right"},
+    {"[bus b]\nwire = rope\n",
+     "2: wire: rope is no kind of wire; pty, tty, sim, can, slcan and modbus are right"},
+    {"[bus b]\nwire = can\n", "1: address: can needs an address; IFNAME is right"},
+    {"[bus b]\nwire = sim\naddress = x\n", "3: address: sim has no address; none is right"},
+    {"[bus b]\nwire = pty\n",
+     "1: [bus b]: without encoders; bus = b in an [encoder NAME] is right, or no such bus"},
+    {"[bus b]\nwire = pty\ncycle = 1000\n",
+     "3: cycle: no key of a pty bus; wire, address, trace are right"},
+    {"[bus b]\nwire = modbus\ncolour = 1\n",
+     "3: colour: no key of a modbus bus; wire, address, trace, cycle, tear and break_at are right"},
+    {"[bus b]\nwire = pty\naddress = x\n[bus c]\nwire = slcan\naddress = x\n",
+     "6: address: x is the wire in line 1 already; another address is right"},
+    {"[bus b]\nwire = modbus\n[bus c]\nwire = modbus\n",
+     "3: address: 127.0.0.1:5020 is the wire in line 1 already; another address is right"},
+    {"[bus b]\nwire = pty\ntrace = x.vcd\n[bus c]\nwire = pty\ntrace = x.vcd\n",
+     "6: trace: x.vcd is of the wire in line 1 already; another file is right"},
+    {"[bus b]\nwire = pty\n[bus B]\nwire = pty\n",
+     "3: [bus B]: line 1 has the name already; another name is right"},
+    {"[encoder a]\nwire = pty\n",
+     "1: [encoder a]: without a model; model = MODEL is right, one of: " MODELS},
+    {"[encoder a]\nmodel = s3685\nwire = pty\n",
+     "2: model: s3685 is none; right is one of: " MODELS},
+    {"[encoder a]\nmodel = f3668\n",
+     "1: [encoder a]: without a wire; bus = NAME of a [bus] above, or wire = KIND or KIND:ADDRESS is right"},
+    {"[bus b]\nwire = slcan\n" ENCODER "bus = b\n",
+     "6: [encoder a]: a bus and a wire; bus = NAME of a [bus] above, or wire = KIND or KIND:ADDRESS is right"},
+    {ON_BUS("a"), "3: bus: no bus b so far; the NAME of a [bus] above is right"},
+    {ENCODER "[encoder b]\nmodel = f3668\nbus = a\n",
+     "6: bus: no bus a so far; the NAME of a [bus] above is right"},
+    {"[encoder a]\nmodel = f3668\nwire = pty\n",
+     "3: wire: pty is no wire of f3668; can or slcan is right"},
+    {"[encoder a]\nmodel = f3668\nwire = can\n", "3: wire: can needs an address; IFNAME is right"},
+    {"[bus b]\nwire = pty\n" ON_BUS("a"), "5: bus: pty is no wire of f3668; can or slcan is right"},
+    {ENCODER "[encoder A]\n", "4: [encoder A]: line 1 has the name already; another name is right"},
+    {"[bus A]\nwire = pty\n" ENCODER,
+     "3: [encoder a]: line 1 has the name already; another name is right"},
+    {ENCODER "node = 200\n", "4: node: 200 is not a node-ID; 1..127 is right"},
+    {ENCODER "node = 0\n", "4: node: 0 is not a node-ID; 1..127 is right"},
+    {ENCODER "address = 0x41\n", "4: address: f3668 has none; node = N is right"},
+    {"[encoder a]\nmodel = ocd-ib-k3\nwire = modbus\nnode = 5\n",
+     "4: node: ocd-ib-k3 has none; its place among the encoders of its wire is right"},
+    {"[encoder a]\nmodel = s3684-rs485\nwire = pty\naddress = 0x60\n",
+     "4: address: 0x60 is not an RS485 address; 0x40..0x5F is right"},
+    {"[bus b]\nwire = slcan\n" ON_BUS("a") ON_BUS("c"),
+     "6: node: as delivered it is node of [encoder a] already; another one is right"},
+    {"[bus b]\nwire = slcan\n" ON_BUS("a") "node = 5\n" ON_BUS("c") "node = 05h\n",
+     "10: node: 05h is node of [encoder a] already; another one is right"},
+    {ENCODER "shaft = x\n", "4: shaft: no shaft x so far; the NAME of a [shaft] above is right"},
+    {ENCODER "[shaft x]\n",
+     "4: [shaft x]: [encoder a] above has done without a shaft; shafts before all encoders are right"},
+    {ENCODER "nvm = x\n[encoder b]\nmodel = f3668\nwire = slcan\nnvm = x\n",
+     "8: nvm: x is of [encoder a] already; another file is right"},
+    {"[bus b]\nwire = slcan\n" ON_BUS("a") "trace = x.log\n",
+     "6: trace: a bus has one for all its encoders; trace = FILE in [bus b] is right"},
+    {"[bus b]\nwire = modbus\n[encoder a]\nmodel = ocd-ib-k3\nbus = b\ncycle = 250\n",
+     "6: cycle: a bus has one for all its encoders; cycle = 250 in [bus b] is right"},
+    {ENCODER "serial =\n", "4: serial: empty; serial = VALUE is right"},
+    {"[bus b]\nwire = sim\n" ON_SIM("a") ON_SIM("c") ON_SIM("d") ON_SIM("e") ON_SIM("f") ON_SIM("g")
+         ON_SIM("h") ON_SIM("i") ON_SIM("j"),
+     "29: bus: b has 8 encoders already; no more are right"},
+};
+
+static void what_is_wrong_and_where(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < LENGTH(bad); i++) {
+        struct lx_plan plan;
+        struct lx_error error = {""};
+        char expected[600];
+        (void)snprintf(expected, sizeof expected, FILE_NAME ":%s", bad[i].message);
+        write_bytes(FILE_NAME, bad[i].text, strlen(bad[i].text));
+        assert_int_equal(lx_plan_read(&plan, FILE_NAME, &error), -1);
+        assert_string_equal(error.text, expected);
+        assert_all_zero(&plan);
+    }
+}
+
+static void assert_refused(const char *file, const char *text, size_t n, const char *message)
+{
+    struct lx_plan plan;
+    struct lx_error error = {""};
+    if (text != NULL) {
+        write_bytes(file, text, n);
+    }
+    assert_int_equal(lx_plan_read(&plan, file, &error), -1);
+    assert_string_equal(error.text, message);
+    assert_all_zero(&plan);
+}
+
+static void lines_that_are_none(void **state)
+{
+    static const char limit[] = FILE_NAME
+        ":2: more than 198 characters, or no text at all; a shorter line of text is right";
+    static const char zero[] = "[encoder a]\nmodel = \0f3668\nwire = slcan\n";
+    char text[300];
+    (void)state;
+    assert_refused(FILE_NAME, zero, sizeof zero - 1, limit);
+    for (int n = 170; n <= 190; n++) { /* "nvm = " and so many characters */
+        const bool fits = strlen("nvm = ") + (size_t)n <= 198;
+        const int length = snprintf(text, sizeof text, "[encoder a]\nnvm = %0*d\n", n, 0);
+        assert_true(fits);
+        assert_refused(FILE_NAME, text, (size_t)length,
+                       FILE_NAME ":1: [encoder a]: without a model; model = MODEL is right, one "
+                                 "of: " MODELS);
+    }
+    const int length = snprintf(text, sizeof text, "[encoder a]\nnvm = %0*d\n", 193, 0);
+    assert_refused(FILE_NAME, text, (size_t)length, limit);
+}
+
+static void files_that_are_none(void **state)
+{
+    (void)state;
+    assert_refused("none.ini", NULL, 0, "none.ini: cannot open: No such file or directory");
+    assert_refused("sub", NULL, 0, "sub: cannot read: Is a directory");
+}
+
+static void too_many(void **state)
+{
+    char text[32 * (LX_PLAN_SHAFTS_MAX + 1)] = "";
+    size_t n = 0;
+    (void)state;
+    for (unsigned i = 0; i <= LX_PLAN_SHAFTS_MAX; i++) {
+        n += (size_t)snprintf(text + n, sizeof text - n, "[shaft s%u]\n", i);
+    }
+    assert_refused(FILE_NAME, text, n,
+                   FILE_NAME ":257: [shaft s256]: no memory, or too many; 256 shafts, 256 buses "
+                             "and private wires, 1024 encoders at most are right");
+}
+
+/* From the command line there are no lines. */
+static void without_a_file(void **state)
+{
+    struct lx_plan plan = {.file = NULL};
+    struct lx_error error = {""};
+    (void)state;
+    assert_int_equal(lx_plan_add_shaft(&plan, "main", "60RPM"), 0);
+    assert_int_equal(lx_plan_add_wire(&plan, "w", lx_wire_find("can", 3), "vcan0"), 0);
+    for (int i = 0; i < 9; i++) {
+        assert_int_equal(lx_plan_add_encoder(&plan, "e", dg_device_find("f3668"), 0, 0), i);
+    }
+    assert_int_equal(lx_plan_add_setting(&plan.encoders[8].settings, "a=b=c", 0, &error), 0);
+    assert_string_equal(plan.encoders[8].settings.list[0].key, "a");
+    assert_string_equal(plan.encoders[8].settings.list[0].value, "b=c");
+    assert_int_equal(lx_plan_add_setting(&plan.encoders[8].settings, "pace", 0, &error), -1);
+    assert_string_equal(error.text, "--set pace: KEY=VALUE is right");
+    assert_int_equal(lx_plan_fail(&plan, 7, &error, "no %s", "line"), -1);
+    assert_string_equal(error.text, "no line");
+    plan.file = strdup("r.ini");
+    assert_int_equal(lx_plan_fail(&plan, 0, &error, "none: %s", error.text), -1);
+    assert_string_equal(error.text, "none: no line");
+    assert_int_equal(lx_plan_fail(&plan, 7, &error, "a: %s", error.text), -1);
+    assert_string_equal(error.text, "r.ini:7: a: none: no line");
+    lx_plan_free(&plan);
+    assert_all_zero(&plan);
+}
+
+/* What is too long loses its end, and nothing else. */
+static void long_errors(void **state)
+{
+    struct lx_plan plan = {.file = NULL};
+    struct lx_error error = {""};
+    char path[700];
+    (void)state;
+    memset(path, 'p', sizeof path - 1);
+    path[sizeof path - 1] = '\0';
+    plan.file = strdup(path);
+    assert_int_equal(lx_plan_fail(&plan, 9, &error, "%s", path), -1);
+    assert_non_null(strstr(error.text, "p:9: ppp"));
+    assert_int_equal(strlen(error.text), sizeof error.text - 1);
+    lx_plan_free(&plan);
+}
+
+static void wires(void **state)
+{
+    const struct lx_wire *modbus = lx_wire_find("modbus:x", 6);
+    (void)state;
+    assert_non_null(modbus);
+    assert_true(lx_wire_has(modbus, "cycle"));
+    assert_true(lx_wire_has(modbus, "break_at"));
+    assert_false(lx_wire_has(modbus, "temperature"));
+    assert_false(lx_wire_has(lx_wire_find("pty", 3), "cycle"));
+    assert_null(lx_wire_find("pt", 2));
+    assert_null(lx_wire_find("ptyx", 4));
+    for (size_t i = 0; i < lx_wire_count; i++) {
+        assert_ptr_equal(lx_wire_find(lx_wires[i].name, strlen(lx_wires[i].name)), &lx_wires[i]);
+        assert_non_null(lx_wires[i].make);
+        assert_true(lx_wires[i].stations_max > 0);
+        assert_true(lx_wires[i].where != NULL || !lx_wires[i].where_needed);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(everything),
+        cmocka_unit_test(other_tools),
+        cmocka_unit_test(files_lie_beside_the_rig_file),
+        cmocka_unit_test(what_is_wrong_and_where),
+        cmocka_unit_test(lines_that_are_none),
+        cmocka_unit_test(files_that_are_none),
+        cmocka_unit_test(too_many),
+        cmocka_unit_test(without_a_file),
+        cmocka_unit_test(long_errors),
+        cmocka_unit_test(wires),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}

@@ -1,0 +1,87 @@
+/* SPDX-License-Identifier: MIT */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "tap.h"
+
+/* Who was told, in which order. */
+struct log {
+    char names[16];
+    size_t count;
+};
+
+struct ear {
+    struct lx_tap_listener listener;
+    struct log *log;
+    char name;
+    struct lx_tap *leaves; /* NULL: stays */
+};
+
+static void on_event(void *ctx, const struct lx_tap_event *event)
+{
+    struct ear *self = ctx;
+    assert_int_equal(event->kind, LX_TAP_NOTE);
+    assert_string_equal(event->note, "heard");
+    self->log->names[self->log->count++] = self->name;
+    if (self->leaves != NULL) {
+        lx_tap_remove(self->leaves, &self->listener);
+    }
+}
+
+static const struct lx_tap_event heard = {.kind = LX_TAP_NOTE, .note = "heard"};
+
+static void listen(struct lx_tap *tap, struct ear *ear)
+{
+    ear->listener = (struct lx_tap_listener){.event = on_event, .ctx = ear};
+    lx_tap_add(tap, &ear->listener);
+}
+
+static void in_the_order_they_came(void **state)
+{
+    struct lx_tap tap = {NULL};
+    struct log log = {"", 0};
+    struct ear ears[] = {{.log = &log, .name = 'a'}, {.log = &log, .name = 'b'}};
+    (void)state;
+    assert_false(lx_tap_on(&tap));
+    lx_tap_tell(&tap, &heard);
+    listen(&tap, &ears[0]);
+    listen(&tap, &ears[1]);
+    assert_true(lx_tap_on(&tap));
+    lx_tap_tell(&tap, &heard);
+    lx_tap_remove(&tap, &ears[0].listener);
+    lx_tap_tell(&tap, &heard);
+    lx_tap_remove(&tap, &ears[0].listener); /* does not listen any more */
+    lx_tap_remove(&tap, &ears[1].listener);
+    lx_tap_tell(&tap, &heard);
+    assert_string_equal(log.names, "abb");
+    assert_false(lx_tap_on(&tap));
+}
+
+static void leaving_while_told(void **state)
+{
+    struct lx_tap tap = {NULL};
+    struct log log = {"", 0};
+    struct ear ears[] = {{.log = &log, .name = 'a', .leaves = &tap},
+                         {.log = &log, .name = 'b'},
+                         {.log = &log, .name = 'c', .leaves = &tap}};
+    (void)state;
+    for (size_t i = 0; i < 3; i++) {
+        listen(&tap, &ears[i]);
+    }
+    lx_tap_tell(&tap, &heard);
+    lx_tap_tell(&tap, &heard);
+    assert_string_equal(log.names, "abcb");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(in_the_order_they_came),
+        cmocka_unit_test(leaving_while_told),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,359 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * One encoder, several nodes of one model, or a ring: a plan with one shaft and one wire. All
+ * encoders get the same settings; what counts (node-IDs, serial numbers, files) counts up.
+ */
+#define _GNU_SOURCE
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "bus.h"
+#include "endpoint.h"
+#include "number.h"
+#include "options.h"
+
+#define NODE_ID_MAX 127u
+
+/* Node-IDs asked for; 0: as delivered. */
+struct nodes {
+    unsigned first;
+    unsigned last;
+};
+
+static int no_memory(struct lx_error *error)
+{
+    return lx_fail(error, "no memory for so many encoders");
+}
+
+/* --- models --- */
+
+static int unknown_model(const struct options *options, struct lx_error *error)
+{
+    struct lx_error names = {""};
+    size_t used = 0;
+    for (size_t i = 0; i < dg_device_count && used < sizeof names.text; i++) {
+        const int n =
+            snprintf(names.text + used, sizeof names.text - used, " %s", dg_devices[i].name);
+        used += n > 0 ? (size_t)n : 0u;
+    }
+    if (options->model == NULL) {
+        return lx_fail(error, "run needs a model or a rig file; valid:%s, or RIG.ini", names.text);
+    }
+    return lx_fail(error, "unknown model %s; valid:%s, or RIG.ini", options->model, names.text);
+}
+
+/* The model that the first `n` characters name, which belongs into a ring. */
+static const struct dg_device *ring_model(const char *name, size_t n, struct lx_error *error)
+{
+    char text[32] = "";
+    if (n < sizeof text) {
+        memcpy(text, name, n);
+    }
+    const struct dg_device *device = dg_device_find(text);
+    if (device != NULL && device->stack == DG_STACK_INTERBUS) {
+        return device;
+    }
+    (void)lx_fail(error,
+                  "%.*s: no INTERBUS model; valid: ocd-ib-k1 ocd-ib-k2 ocd-ib-k3, several after "
+                  "--ring with commas between them",
+                  (int)n, name);
+    return NULL;
+}
+
+static const struct dg_device *the_model(const struct options *options, struct lx_error *error)
+{
+    const struct dg_device *device = options->model == NULL ? NULL : dg_device_find(options->model);
+    if (options->ring != NULL && options->model != NULL) {
+        return ring_model(options->model, strlen(options->model), error);
+    }
+    if (options->ring != NULL) {
+        return ring_model(options->ring, strcspn(options->ring, ","), error);
+    }
+    if (device == NULL) {
+        (void)unknown_model(options, error);
+    }
+    return device;
+}
+
+/* --- encoders --- */
+
+/* `digits` plus `offset`; what is no number stays as it is, for the wire to refuse. */
+static char *counted(const char *digits, unsigned offset)
+{
+    uint64_t number = 0;
+    char *text = NULL;
+    if (offset == 0 || digits[strspn(digits, "0123456789")] != '\0' ||
+        !lx_unsigned_parse(digits, &number)) {
+        return strdup(digits);
+    }
+    return asprintf(&text, "%" PRIu64, number + offset) < 0 ? NULL : text;
+}
+
+/* Settings of the wire itself go to the wire, once. */
+static int add_settings(const struct options *options, struct lx_plan *plan,
+                        struct lx_plan_encoder *encoder, struct lx_error *error)
+{
+    struct lx_plan_wire *wire = &plan->wires[0];
+    for (size_t i = 0; i < options->set_count; i++) {
+        char *key = strndup(options->sets[i], strcspn(options->sets[i], "="));
+        const bool of_wire = key != NULL && lx_wire_has(wire->kind, key);
+        const bool first = encoder == plan->encoders;
+        free(key);
+        if ((!of_wire || first) &&
+            lx_plan_add_setting(of_wire ? &wire->settings : &encoder->settings, options->sets[i], 0,
+                                error) != 0) {
+            return -1;
+        }
+    }
+    return 0;
+}
+
+/* "MODEL-NUMBER"; a negative number: there are no others of its model. */
+static char *name_of(const struct dg_device *device, int number)
+{
+    char *name = NULL;
+    if (number < 0) {
+        return strdup(device->name);
+    }
+    return asprintf(&name, "%s-%d", device->name, number) < 0 ? NULL : name;
+}
+
+static struct lx_plan_encoder *add_encoder(const struct options *options, struct lx_plan *plan,
+                                           const struct dg_device *device, int number,
+                                           struct lx_error *error)
+{
+    const unsigned offset = (unsigned)plan->encoder_count;
+    char *serial = options->serial == NULL ? NULL : counted(options->serial, offset);
+    char *name = name_of(device, number);
+    const int at = name == NULL || (options->serial != NULL && serial == NULL)
+                       ? -1
+                       : lx_plan_add_encoder(plan, name, device, 0, 0);
+    free(name);
+    if (at < 0) {
+        free(serial);
+        (void)no_memory(error);
+        return NULL;
+    }
+    struct lx_plan_encoder *encoder = &plan->encoders[at];
+    encoder->serial = serial;
+    return add_settings(options, plan, encoder, error) == 0 ? encoder : NULL;
+}
+
+static int take_nvm(const char *nvm, struct lx_plan_encoder *encoder, struct lx_error *error)
+{
+    encoder->nvm = nvm == NULL ? NULL : strdup(nvm);
+    return nvm != NULL && encoder->nvm == NULL ? no_memory(error) : 0;
+}
+
+/* --- one encoder, or a ring --- */
+
+static int plan_one(const struct options *options, struct lx_plan *plan,
+                    const struct dg_device *device, struct lx_error *error)
+{
+    struct lx_plan_encoder *encoder = add_encoder(options, plan, device, -1, error);
+    return encoder == NULL ? -1 : take_nvm(options->nvm, encoder, error);
+}
+
+/* All devices of a ring share one file. */
+static int plan_ring(const struct options *options, struct lx_plan *plan, struct lx_error *error)
+{
+    const size_t most = plan->wires[0].kind->stations_max;
+    const char *at = options->ring;
+    for (bool more = true; more;) {
+        const size_t n = strcspn(at, ",");
+        const struct dg_device *device = ring_model(at, n, error);
+        if (device == NULL) {
+            return -1;
+        }
+        if (plan->encoder_count == most) {
+            return lx_fail(error, "--ring: more than %lu devices; fewer are right",
+                           (unsigned long)most);
+        }
+        struct lx_plan_encoder *encoder =
+            add_encoder(options, plan, device, (int)plan->encoder_count, error);
+        if (encoder == NULL || take_nvm(options->nvm, encoder, error) != 0) {
+            return -1;
+        }
+        more = at[n] != '\0';
+        at += n + 1;
+    }
+    return 0;
+}
+
+/* --- CANopen nodes --- */
+
+/* A decimal node-ID of at most 3 digits at the start of `text`. @return its end or NULL */
+static const char *take_node(const char *text, unsigned *node)
+{
+    struct lx_decimal number = {0};
+    const size_t n = strspn(text, "0123456789");
+    if (n == 0 || n > 3 || !lx_decimal_parse(text, n, 0, &number)) {
+        return NULL;
+    }
+    *node = (unsigned)number.value;
+    return text + n;
+}
+
+static int take_nodes(const char *text, struct nodes *nodes, struct lx_error *error)
+{
+    if (text == NULL) {
+        return 0;
+    }
+    const char *end = take_node(text, &nodes->first);
+    nodes->last = nodes->first;
+    if (end != NULL && strncmp(end, "..", 2) == 0) {
+        end = take_node(end + 2, &nodes->last);
+    }
+    if (end == NULL || *end != '\0' || nodes->first < 1 || nodes->last < nodes->first ||
+        nodes->last > NODE_ID_MAX) {
+        return lx_fail(error, "--node %s: a node-ID, or first..last, in 1..127 is right", text);
+    }
+    return 0;
+}
+
+/* Several nodes have a file each, FILE.NODE. */
+static int add_node(const struct options *options, struct lx_plan *plan,
+                    const struct dg_device *device, const struct nodes *nodes, unsigned node,
+                    struct lx_error *error)
+{
+    const bool alone = nodes->first == nodes->last;
+    struct lx_plan_encoder *encoder =
+        add_encoder(options, plan, device, alone ? -1 : (int)node, error);
+    if (encoder == NULL) {
+        return -1;
+    }
+    if (node != 0 && asprintf(&encoder->address, "%u", node) < 0) {
+        encoder->address = NULL;
+        return no_memory(error);
+    }
+    if (alone || options->nvm == NULL) {
+        return take_nvm(options->nvm, encoder, error);
+    }
+    if (asprintf(&encoder->nvm, "%s.%u", options->nvm, node) < 0) {
+        encoder->nvm = NULL;
+        return no_memory(error);
+    }
+    return 0;
+}
+
+static int plan_nodes(const struct options *options, struct lx_plan *plan,
+                      const struct dg_device *device, struct lx_error *error)
+{
+    struct nodes nodes = {0, 0};
+    int result = take_nodes(options->node, &nodes, error);
+    for (unsigned node = nodes.first; result == 0 && node <= nodes.last; node++) {
+        result = add_node(options, plan, device, &nodes, node, error);
+    }
+    return result;
+}
+
+/* --- the whole --- */
+
+static int take_controls(const struct options *options, struct lx_plan *plan,
+                         struct lx_error *error)
+{
+    for (size_t i = 0; i < options->control_count; i++) {
+        if (plan->control_count == LX_PLAN_CONTROLS_MAX) {
+            return lx_fail(error, "--control %s: one more than %u; fewer are right",
+                           options->controls[i], LX_PLAN_CONTROLS_MAX);
+        }
+        if (lx_endpoint_check(options->controls[i], error) != 0) {
+            return lx_plan_fail(plan, 0, error, "--control %s", error->text);
+        }
+        plan->controls[plan->control_count] = strdup(options->controls[i]);
+        if (plan->controls[plan->control_count++] == NULL) {
+            return no_memory(error);
+        }
+    }
+    return 0;
+}
+
+/* The shaft and the wire, which all share. */
+static int begin(const struct options *options, struct lx_plan *plan,
+                 const struct dg_device *device, struct lx_error *error)
+{
+    const char *name = options->ring != NULL ? "ring" : device->name;
+    const struct lx_wire *kind = options_wire(options, device->stack, error);
+    if (kind == NULL) {
+        return -1;
+    }
+    const char *where = options->where == NULL ? kind->usual : options->where;
+    plan->name = strdup(name);
+    if (plan->name == NULL || lx_plan_add_shaft(plan, "main", options->shaft) < 0 ||
+        lx_plan_add_wire(plan, name, kind, where) < 0) {
+        return no_memory(error);
+    }
+    plan->wires[0].trace = options->trace == NULL ? NULL : strdup(options->trace);
+    return options->trace != NULL && plan->wires[0].trace == NULL ? no_memory(error) : 0;
+}
+
+static int plan_model(const struct options *options, struct lx_plan *plan, struct lx_error *error)
+{
+    const struct dg_device *device = the_model(options, error);
+    if (device == NULL || begin(options, plan, device, error) != 0) {
+        return -1;
+    }
+    if (device->stack == DG_STACK_CANOPEN) {
+        return plan_nodes(options, plan, device, error);
+    }
+    if (options->node != NULL) {
+        return lx_fail(error, "--node %s: only CANopen encoders have a node-ID", options->node);
+    }
+    return options->ring != NULL ? plan_ring(options, plan, error)
+                                 : plan_one(options, plan, device, error);
+}
+
+/* What belongs into the rig file then. @return the option, or NULL */
+static const char *not_with_rig(const struct options *options)
+{
+    const struct {
+        const char *name;
+        bool given;
+    } rows[] = {
+        {"set", options->set_count > 0},     {"nvm", options->nvm != NULL},
+        {"serial", options->serial != NULL}, {"node", options->node != NULL},
+        {"shaft", options->shaft != NULL},   {"trace", options->trace != NULL},
+        {"ring", options->ring != NULL},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        if (rows[i].given) {
+            return rows[i].name;
+        }
+    }
+    return options->wire == NULL ? NULL : options->wire->name;
+}
+
+static bool is_rig_file(const char *name)
+{
+    static const char ending[] = ".ini";
+    const size_t n = name == NULL ? 0 : strlen(name);
+    if (n == 0 || dg_device_find(name) != NULL) {
+        return false;
+    }
+    return strchr(name, '/') != NULL ||
+           (n >= strlen(ending) && strcasecmp(name + n - strlen(ending), ending) == 0);
+}
+
+int options_plan(const struct options *self, struct lx_plan *plan, struct lx_error *error)
+{
+    *plan = (struct lx_plan){.file = NULL};
+    int result = 0;
+    if (!is_rig_file(self->model)) {
+        result = plan_model(self, plan, error);
+    } else if (not_with_rig(self) != NULL) {
+        result = lx_fail(error, "--%s: not with a rig file; right is its place in %s",
+                         not_with_rig(self), self->model);
+    } else {
+        result = lx_plan_read(plan, self->model, error);
+    }
+    if (result == 0) {
+        result = take_controls(self, plan, error);
+    }
+    if (result != 0) {
+        lx_plan_free(plan);
+    }
+    return result;
+}
