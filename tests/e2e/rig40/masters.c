@@ -44,13 +44,14 @@
 
 #define DEVICES_MAX 16u
 #define STATE_MAX 80u
-#define LINE_MAX_BYTES 256u
+#define LINE_SIZE 256u
 #define NS_PER_MS INT64_C(1000000)
 #define NS_PER_S INT64_C(1000000000)
 #define DEGREES_PER_TURN 360.0
-#define NS_PER_MINUTE 6e10
 /* An encoder that has not answered by then is silent. */
 #define PATIENCE (250 * NS_PER_MS)
+#define CONTROL_PATIENCE (10 * NS_PER_S)
+#define LOOKS_APART NS_PER_S
 
 #define SYNC_PERIOD (20 * NS_PER_MS)
 #define RS485_PAUSE (5 * NS_PER_MS)
@@ -109,14 +110,19 @@ static void die(const char *what)
     exit(1);
 }
 
-/* Whether there are bytes, or the end of them, before `end`. */
+/* Whether there are bytes, or the end of them, before `end`. A signal does not shorten it: what has
+   been asked is answered. */
 static bool readable(int fd, int64_t end)
 {
-    const int64_t left = end - now_ns();
-    const struct timespec span = {.tv_sec = left / NS_PER_S, .tv_nsec = left % NS_PER_S};
-    const struct timespec none = {0};
-    struct pollfd one = {.fd = fd, .events = POLLIN};
-    return ppoll(&one, 1, left > 0 ? &span : &none, NULL) > 0;
+    int result = -1;
+    do {
+        const int64_t now = now_ns();
+        const int64_t left = end > now ? end - now : 0;
+        const struct timespec span = {.tv_sec = left / NS_PER_S, .tv_nsec = left % NS_PER_S};
+        struct pollfd one = {.fd = fd, .events = POLLIN};
+        result = ppoll(&one, 1, &span, NULL);
+    } while (result < 0 && errno == EINTR);
+    return result > 0;
 }
 
 /* --- what is said --- */
@@ -145,7 +151,7 @@ static void become(struct device *device, const char *state)
 static size_t read_line(int fd, char *line, int64_t end)
 {
     size_t n = 0;
-    while (n < LINE_MAX_BYTES - 1u && readable(fd, end) && read(fd, &line[n], 1) == 1) {
+    while (n < LINE_SIZE - 1u && readable(fd, end) && read(fd, &line[n], 1) == 1) {
         if (line[n] == '\n') {
             break;
         }
@@ -162,29 +168,41 @@ static void tell(int fd, const char *line)
     }
 }
 
-/* Angle and time are of the same moment: those of the line. The rig's clock is the monotonic one.
- */
-static void ask_shaft(const struct master *self, struct device *device)
+/* Where the shaft is and when: both are of the same moment, that of the line. The rig's clock is
+   the monotonic one. */
+static double ask_turn(const struct master *self, const struct device *device, int64_t *at)
 {
-    char line[LINE_MAX_BYTES];
+    char line[LINE_SIZE];
     double degrees = 0;
-    double rpm = 0;
     long long seconds = 0;
     long long ns = 0;
-    (void)snprintf(line, sizeof line, "INST:SEL %s;:SHAF:POS?;:SHAF:VEL?;:TIME?\n", device->name);
+    (void)snprintf(line, sizeof line, "INST:SEL %s;:SHAF:POS?;:TIME?\n", device->name);
     const int64_t before = now_ns();
     tell(self->control, line);
-    (void)read_line(self->control, line, before + 10 * NS_PER_S);
-    if (sscanf(line, "%lf;%lf;%lld.%9lld", &degrees, &rpm, &seconds, &ns) != 4) {
+    (void)read_line(self->control, line, before + CONTROL_PATIENCE);
+    if (sscanf(line, "%lf;%lld.%9lld", &degrees, &seconds, &ns) != 3) {
         errno = EPROTO;
         die(line);
     }
-    device->turn = degrees / DEGREES_PER_TURN;
-    device->per_ns = rpm / NS_PER_MINUTE;
-    device->at = seconds * NS_PER_S + ns;
-    if (device->at < before || device->at > now_ns()) {
+    *at = seconds * NS_PER_S + ns;
+    if (*at < before || *at > now_ns()) {
         errno = ERANGE;
         die("the rig's clock is not CLOCK_MONOTONIC");
+    }
+    return degrees / DEGREES_PER_TURN;
+}
+
+/* The shafts turn evenly: two looks say how fast. */
+static void ask_shafts(struct master *self)
+{
+    for (size_t i = 0; i < self->count; i++) {
+        self->device[i].turn = ask_turn(self, &self->device[i], &self->device[i].at);
+    }
+    sleep_until(now_ns() + LOOKS_APART);
+    for (size_t i = 0; i < self->count; i++) {
+        int64_t at = 0;
+        const double turn = ask_turn(self, &self->device[i], &at);
+        self->device[i].per_ns = (turn - self->device[i].turn) / (double)(at - self->device[i].at);
     }
 }
 
@@ -522,11 +540,12 @@ static void run_rs485(struct master *self)
 #define COUPLER_STATUS 0x100Cu
 #define STATUS_BUS_ERROR 2u
 #define STATUS_MODULE_ERROR 4u
+#define RING_CYCLE (10 * NS_PER_MS)
 #define IMAGE_WORDS 5
 #define POSITION_BITS 0x01FFFFFFu
 #define NO_POSITION 0x80000000u
 /* IN is of the last cycle of the ring, which was due not longer ago than this. */
-#define IN_AGE (2 * NS_PER_MS)
+#define IN_AGE (2 * RING_CYCLE)
 
 static uint16_t coupler_status(modbus_t *coupler)
 {
@@ -596,8 +615,8 @@ static void run_ring(struct master *self)
 
 static void ask_biss(struct master *self, struct device *device)
 {
-    char line[LINE_MAX_BYTES];
-    char errors[LINE_MAX_BYTES];
+    char line[LINE_SIZE];
+    char errors[LINE_SIZE];
     unsigned long long position = 0;
     unsigned n_err = 0;
     unsigned n_warn = 0;
@@ -606,13 +625,13 @@ static void ask_biss(struct master *self, struct device *device)
     const int64_t from = now_ns();
     tell(self->control, "BISS:FRAM?\n");
     tell(self->control, "SYST:ERR?\n");
-    (void)read_line(self->control, line, from + 10 * NS_PER_S);
+    (void)read_line(self->control, line, from + CONTROL_PATIENCE);
     if (sscanf(line, "%llu,%u,%u,%u,%u", &position, &n_err, &n_warn, &life, &crc_right) != 5) {
         become(device, "silent");
         return;
     }
     took(self, from);
-    (void)read_line(self->control, errors, from + 10 * NS_PER_S);
+    (void)read_line(self->control, errors, from + CONTROL_PATIENCE);
     if (crc_right == 0) {
         become(device, "garbled");
     } else if (n_err == 0 || n_warn == 0) {
@@ -624,7 +643,7 @@ static void ask_biss(struct master *self, struct device *device)
 
 static void run_biss(struct master *self)
 {
-    char line[LINE_MAX_BYTES];
+    char line[LINE_SIZE];
     (void)snprintf(line, sizeof line, "INST:SEL %s\n", self->device->name);
     tell(self->control, line);
     while (ended == 0) {
@@ -664,7 +683,6 @@ static void take_device(struct master *self, const char *text)
         errno = EINVAL;
         die(text);
     }
-    ask_shaft(self, device);
 }
 
 static void run(struct master *self, const char *wire)
@@ -694,6 +712,7 @@ int main(int argc, char **argv)
     for (int i = 4; i < argc; i++) {
         take_device(&self, argv[i]);
     }
+    ask_shafts(&self);
     run(&self, argv[1]);
     (void)printf("figures %s exchanges=%lu wrong=%lu longest_us=%lld\n", self.where, self.exchanges,
                  self.wrong, (long long)(self.longest / (NS_PER_MS / 1000)));

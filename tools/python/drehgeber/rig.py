@@ -145,7 +145,8 @@ class Rig:
 
     def __init__(self, arguments, folder=None):
         self._scratch = pathlib.Path(tempfile.mkdtemp(prefix="drehgeber-"))
-        address = f"unix:{self._scratch}/control.sock"
+        self.socket = f"{self._scratch}/control.sock"  # the control plane, for other programs
+        address = f"unix:{self.socket}"
         self.control = None
         self.encoders = {}
         self.lines = []  # everything it printed
