@@ -17,6 +17,7 @@
 #define TCP_PREFIX "tcp:"
 #define BACKLOG 16
 #define OWNER_ONLY 0177
+#define PATH_SIZE (sizeof(struct sockaddr_un) - offsetof(struct sockaddr_un, sun_path))
 
 /* What is behind the prefix, or NULL. */
 static const char *behind(const char *where, const char *prefix)
@@ -47,12 +48,11 @@ bool lx_host_port_split(const char *text, struct lx_host_port *out)
 int lx_endpoint_check(const char *where, struct lx_error *error)
 {
     struct lx_host_port tcp;
-    const struct sockaddr_un address = {.sun_family = AF_UNIX};
     const char *path = behind(where, UNIX_PREFIX);
     const char *host = behind(where, TCP_PREFIX);
-    if (path != NULL && strlen(path) >= sizeof address.sun_path) {
+    if (path != NULL && strlen(path) >= PATH_SIZE) {
         return lx_fail(error, "%s: a path of at most %lu characters is right", where,
-                       (unsigned long)sizeof address.sun_path - 1);
+                       (unsigned long)PATH_SIZE - 1);
     }
     if (path != NULL || (host != NULL && lx_host_port_split(host, &tcp))) {
         return 0;

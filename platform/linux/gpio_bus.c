@@ -39,7 +39,8 @@ static void on_gone(void *ctx)
 {
     struct gpio_bus *self = ctx;
     self->up = false;
-    lx_timer_at(&self->retry, dg_after(lx_now(), RETRY));
+    /* Soon: as long as its lines are held, another chip cannot have its number. */
+    lx_timer_at(&self->retry, lx_now());
 }
 
 static int take_lines(struct gpio_bus *self, struct lx_error *error)

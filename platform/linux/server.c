@@ -25,7 +25,7 @@
 
 #define INPUT_MAX 1024u
 /* Answers a client may leave lying: the catalogue of a large rig several times over. */
-#define OUTPUT_MAX (1024u * 1024u)
+#define OUTPUT_MAX ((size_t)1 << 20)
 #define FOLDER_MODE 0700
 
 /* A connection. */
@@ -298,9 +298,11 @@ void lx_server_close(struct lx_server *self)
 int lx_server_folder(char *to, size_t size)
 {
     const char *run = getenv("XDG_RUNTIME_DIR");
+    const char *tmp = getenv("TMPDIR");
     const bool known = run != NULL && run[0] == '/';
+    tmp = tmp != NULL && tmp[0] == '/' ? tmp : "/tmp";
     const int n = known ? snprintf(to, size, "%s/drehgeber", run)
-                        : snprintf(to, size, "/tmp/drehgeber-%lu", (unsigned long)getuid());
+                        : snprintf(to, size, "%s/drehgeber-%lu", tmp, (unsigned long)getuid());
     return n > 0 && (size_t)n < size ? 0 : -1;
 }
 

@@ -50,7 +50,8 @@ void lx_server_close(struct lx_server *self);
 
 /**
  * The default address for `name`: unix:$XDG_RUNTIME_DIR/drehgeber/NAME.sock, without the variable
- * unix:/tmp/drehgeber-UID/NAME.sock; the folder is made, mode 0700, and must be the user's own.
+ * unix:$TMPDIR/drehgeber-UID/NAME.sock (/tmp without that one, too); the folder is made, mode 0700,
+ * and must be the user's own.
  * @return 0, or -1 with one line in `error`
  */
 int lx_server_default(const char *name, char *to, size_t size, struct lx_error *error);

@@ -39,6 +39,9 @@ struct fake {
 static struct fake fake;
 static struct biss_rig rig;
 static struct lx_gpio gpio;
+static struct lx_tap tap;
+static struct dg_faults faults;
+static unsigned gone;
 static sd_event *event;
 static const struct lx_say say = {.quiet = true};
 
@@ -79,26 +82,44 @@ static const struct lx_gpio_lines_ops fake_ops = {
     .close = fake_close,
 };
 
-/* A device whose frames end after `timeout`, 0: after its own. */
-static void begin(dg_ns timeout)
+static void on_gone(void *ctx)
 {
-    struct dg_biss_model model = *dg_device_find("s3674-biss")->biss;
+    (void)ctx;
+    gone++;
+}
+
+static void begin_as(const struct dg_biss_model *model)
+{
     const struct lx_gpio_setup setup = {.event = event,
                                         .say = &say,
                                         .device = &rig.slave[0],
                                         .name = "fake:4,5",
-                                        .lines = &fake.base};
+                                        .lines = &fake.base,
+                                        .faults = &faults,
+                                        .tap = &tap,
+                                        .gone = on_gone};
     struct lx_error error;
 
-    model.timeout = timeout;
-    assert_int_equal(biss_rig_init(&rig, &model, 1), DG_OK);
+    assert_int_equal(biss_rig_init(&rig, model, 1), DG_OK);
     assert_int_equal(biss_rig_power_on(&rig), DG_OK);
     assert_int_equal(lx_gpio_open(&gpio, &setup, &error), 0);
+}
+
+/* A device whose frames end after `timeout`, 0: after its own. */
+static void begin(dg_ns timeout)
+{
+    struct dg_biss_model model = *dg_device_find("s3674-biss")->biss;
+
+    model.timeout = timeout;
+    begin_as(&model);
 }
 
 static int setup(void **state)
 {
     (void)state;
+    faults = (struct dg_faults){0};
+    tap = (struct lx_tap){NULL};
+    gone = 0;
     fake = (struct fake){.base = {&fake_ops, eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)}, .ma = 1};
     return fake.base.fd < 0 || sd_event_new(&event) < 0;
 }
@@ -241,17 +262,96 @@ static void test_edge_on_its_way_is_waited_for(void **state)
     assert_int_equal(rig.slave[0].control.zeros, 1);
 }
 
-static void test_chip_that_goes_ends_the_loop(void **state)
+static void test_chip_that_goes_is_told_once(void **state)
 {
-    int status = 0;
-
     (void)state;
     begin(DG_S(1));
     queue(lx_now(), false);
     fake.ma = -ENODEV;
     run();
-    assert_true(sd_event_get_exit_code(event, &status) >= 0);
-    assert_int_equal(status, 1);
+    queue(lx_now(), true);
+    fake.ma = -ENODEV;
+    run();
+    assert_int_equal(gone, 1);
+}
+
+static void set_fault(const char *name, uint32_t count)
+{
+    const struct dg_fault_target target = {.stack = DG_STACK_BISS, .world = &rig.world};
+    const struct dg_fault_limits limits = {count, 1000000, DG_NEVER};
+    const int index = dg_fault_find(&target, name);
+
+    assert_true(index >= 0);
+    assert_int_equal(dg_fault_set(&faults, &target, (size_t)index, 0, &limits), DG_OK);
+    lx_gpio_changed(&gpio);
+}
+
+/* Clock by clock. @return levels of SLO after each of them, the first one in front */
+static uint32_t levels(dg_ns at, unsigned n)
+{
+    uint32_t bits = 0;
+
+    for (unsigned i = 0; i < n; i++) {
+        (void)queue_clocks(at + DG_US(2u * i), 1);
+        run();
+        bits = bits << 1 | fake.slo;
+    }
+    return bits;
+}
+
+/* Without the life counter all frames at rest are the same. */
+static void test_faults_sit_behind_the_driver(void **state)
+{
+    enum { CLOCKS = 32 };
+    struct dg_biss_model model = *dg_device_find("s3674-biss")->biss;
+    uint32_t changes = 0;
+
+    (void)state;
+    model.timeout = DG_S(1);
+    model.life_counter = false;
+    begin_as(&model);
+    const uint32_t good = levels(LATER, CLOCKS);
+    assert_int_equal(rig.slave[0].counters.frames, 1);
+    assert_int_equal(dg_biss_step(&rig.slave[0], LATER + DG_S(2)), DG_NEVER);
+
+    set_fault("wire_damage", 1);
+    for (uint32_t bits = levels(LATER + DG_S(3), CLOCKS) ^ good; bits != 0; bits &= bits - 1u) {
+        changes++;
+    }
+    assert_int_equal(changes, 1);
+    (void)dg_biss_step(&rig.slave[0], LATER + DG_S(5));
+
+    set_fault("wire_drop", 1);
+    assert_int_equal(levels(LATER + DG_S(6), CLOCKS), UINT32_MAX);
+    (void)dg_biss_step(&rig.slave[0], LATER + DG_S(8));
+
+    assert_int_equal(levels(LATER + DG_S(9), CLOCKS), good);
+    (void)dg_biss_step(&rig.slave[0], LATER + DG_S(11));
+
+    set_fault("wire_break", 0);
+    assert_int_equal(levels(LATER + DG_S(12), CLOCKS), UINT32_MAX);
+    assert_int_equal(rig.slave[0].counters.frames, 5);
+}
+
+static void count_levels(void *ctx, const struct lx_tap_event *seen)
+{
+    unsigned *count = ctx;
+
+    assert_int_equal(seen->kind, LX_TAP_LEVELS);
+    (*count)++;
+}
+
+static void test_edges_are_told_to_the_tap(void **state)
+{
+    unsigned count = 0;
+    struct lx_tap_listener listener = {count_levels, &count, NULL};
+
+    (void)state;
+    begin(DG_S(1));
+    lx_tap_add(&tap, &listener);
+    (void)queue_clocks(LATER, 4);
+    run();
+    assert_int_equal(count, 8);
 }
 
 /* 1..200 us, in an order of its own: 99 % of 200 are at most 198. */
@@ -310,7 +410,9 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_missing_edges_are_noticed, setup, teardown),
         cmocka_unit_test_setup_teardown(test_lost_last_edge_is_made_up_for, setup, teardown),
         cmocka_unit_test_setup_teardown(test_edge_on_its_way_is_waited_for, setup, teardown),
-        cmocka_unit_test_setup_teardown(test_chip_that_goes_ends_the_loop, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_chip_that_goes_is_told_once, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_faults_sit_behind_the_driver, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_edges_are_told_to_the_tap, setup, teardown),
         cmocka_unit_test(test_rate),
         cmocka_unit_test(test_addresses),
     };

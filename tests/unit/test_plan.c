@@ -255,7 +255,7 @@ static const struct {
      "3: motion: stands in line 2 already; one of them is right"},
     {"[bus b]\n", "1: [bus b]: without a wire; wire = pty, for one, is right"},
     {"[bus b]\nwire = rope\n",
-     "2: wire: rope is no kind of wire; pty, tty, sim, can, slcan and modbus are right"},
+     "2: wire: rope is no kind of wire; pty, tty, sim, gpio, can, slcan and modbus are right"},
     {"[bus b]\nwire = can\n", "1: address: can needs an address; IFNAME is right"},
     {"[bus b]\nwire = sim\naddress = x\n", "3: address: sim has no address; none is right"},
     {"[bus b]\nwire = pty\n",

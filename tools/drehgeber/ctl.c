@@ -130,6 +130,9 @@ static void take_stdin(struct talk *self)
 
 static void send_some(struct talk *self)
 {
+    if (self->output == NULL) {
+        return;
+    }
     const ssize_t n =
         send(self->fd, self->output, self->output_length, MSG_NOSIGNAL | MSG_DONTWAIT);
     if (n < 0) {

@@ -37,6 +37,10 @@ class Chip:
         device = (self.config / "dev_name").read_text().strip()
         self.folder = Path("/sys/devices/platform") / device / self.name
 
+    def power_on_master(self):
+        """MA is high when it is idle."""
+        (self.line(MA) / "pull").write_text("pull-up")
+
     def live(self, on: bool):
         (self.config / "live").write_text(str(int(on)))
 
@@ -74,8 +78,7 @@ class Master:
 @pytest.fixture
 def chip():
     made = Chip("drehgeber")
-    # What a master does when it is switched on.
-    (made.line(MA) / "pull").write_text("pull-up")
+    made.power_on_master()
     yield made
     made.remove()
 
