@@ -1,12 +1,20 @@
 /* SPDX-License-Identifier: MIT */
 /* Where GPIO lines are, and the words for why they cannot be had. */
+#define _GNU_SOURCE
+#include <dirent.h>
 #include <errno.h>
+#include <fcntl.h>
+#include <linux/gpio.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
 
 #include "gpio_lines.h"
 #include "number.h"
 
+#define FOLDER "/dev/"
+#define CHIP "gpiochip"
 #define RIGHT "CHIP:MA,SLO with two offsets is right, e.g. gpiochip0:4,5"
 
 /* `n` characters of decimal digits. */
@@ -41,18 +49,49 @@ int lx_gpio_address_parse(struct lx_gpio_address *self, const char *text, struct
         return lx_fail(error, "--gpio %s: MA and SLO are the same line; " RIGHT, text);
     }
     const int length = (int)(colon - text);
-    const char *folder = memchr(text, '/', (size_t)length) == NULL ? "/dev/" : "";
+    const char *folder = memchr(text, '/', (size_t)length) == NULL ? FOLDER : "";
     (void)snprintf(self->text, sizeof self->text, "%s", text);
     (void)snprintf(self->path, sizeof self->path, "%s%.*s", folder, length, text);
     return 0;
+}
+
+static bool has_label(const char *path, const char *label)
+{
+    struct gpiochip_info info = {.lines = 0};
+    const int fd = open(path, O_RDWR | O_CLOEXEC);
+    const bool known = fd >= 0 && ioctl(fd, GPIO_GET_CHIPINFO_IOCTL, &info) == 0;
+    if (fd >= 0) {
+        (void)close(fd);
+    }
+    return known && strncmp(info.label, label, sizeof info.label) == 0;
+}
+
+void lx_gpio_find(const struct lx_gpio_address *self, char path[LX_GPIO_PATH_MAX])
+{
+    const char *label = self->path + strlen(FOLDER);
+    (void)snprintf(path, LX_GPIO_PATH_MAX, "%s", self->path);
+    DIR *folder = access(path, F_OK) == 0 ? NULL : opendir(FOLDER);
+    for (struct dirent *entry = NULL; folder != NULL && (entry = readdir(folder)) != NULL;) {
+        char candidate[sizeof FOLDER + sizeof entry->d_name];
+        (void)snprintf(candidate, sizeof candidate, FOLDER "%s", entry->d_name);
+        if (strncmp(entry->d_name, CHIP, strlen(CHIP)) == 0 && has_label(candidate, label)) {
+            (void)snprintf(path, LX_GPIO_PATH_MAX, "%.*s", (int)LX_GPIO_PATH_MAX - 1, candidate);
+            break;
+        }
+    }
+    if (folder != NULL) {
+        (void)closedir(folder);
+    }
 }
 
 int lx_gpio_no_chip(const struct lx_gpio_address *self, int reason, struct lx_error *error)
 {
     switch (reason) {
     case ENOENT:
-        return lx_fail(error, "--gpio %s: there is no %s; 'gpiodetect' lists the chips", self->text,
-                       self->path);
+        return lx_fail(
+            error,
+            "--gpio %s: there is no %s and no chip with that label; 'gpiodetect' lists the chips",
+            self->text, self->path);
     case EACCES:
     case EPERM:
         return lx_fail(error,

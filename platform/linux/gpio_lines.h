@@ -30,7 +30,8 @@ struct lx_gpio_address {
     unsigned slo;
 };
 
-/** Understand CHIP:MA,SLO; CHIP is a name in /dev or a path. @return 0, or -1 with `error` */
+/** Understand CHIP:MA,SLO; CHIP is a name in /dev, a path, or a label, which a chip keeps when it
+ * comes back with another number. @return 0, or -1 with `error` */
 int lx_gpio_address_parse(struct lx_gpio_address *self, const char *text, struct lx_error *error);
 
 /** An edge of MA. */
@@ -66,6 +67,10 @@ struct lx_gpio_lines *lx_gpio_lines_open(const struct lx_gpio_address *address,
 
 /** Version of the library behind them. */
 const char *lx_gpio_library(void);
+
+/** For the implementations: the path of the chip now; where no file is called so, of the one with
+ * this label. */
+void lx_gpio_find(const struct lx_gpio_address *self, char path[LX_GPIO_PATH_MAX]);
 
 /** For the implementations: the chip cannot be used, by errno. @return -1 */
 int lx_gpio_no_chip(const struct lx_gpio_address *self, int reason, struct lx_error *error);

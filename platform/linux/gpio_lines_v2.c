@@ -149,7 +149,9 @@ static int check_chip(const struct lines *self, const struct lx_gpio_address *ad
 static int request(struct lines *self, const struct lx_gpio_address *address,
                    struct lx_error *error)
 {
-    self->chip = gpiod_chip_open(address->path);
+    char path[LX_GPIO_PATH_MAX];
+    lx_gpio_find(address, path);
+    self->chip = gpiod_chip_open(path);
     if (self->chip == NULL) {
         return lx_gpio_no_chip(address, errno, error);
     }

@@ -63,7 +63,7 @@ static const struct argp_option table[] = {
     {.name = "pty",     .key = KEY_PTY,     .arg = "LINK",      .flags = OPTION_ARG_OPTIONAL, .doc = "RS485 on a pseudo-terminal, and a symbolic link to it while it runs (default)"},
     {.name = "tty",     .key = KEY_TTY,     .arg = "DEV",       .doc = "RS485 on a serial port; data rate and parity are the encoder's own"},
     {.name = "sim",     .key = KEY_SIM,     .doc = "BiSS on a simulated wire with a master that reads positions (default)"},
-    {.name = "gpio",    .key = KEY_GPIO,    .arg = "CHIP:MA,SLO", .doc = "BiSS on two lines of a GPIO chip, e.g. gpiochip0:4,5"},
+    {.name = "gpio",    .key = KEY_GPIO,    .arg = "CHIP:MA,SLO", .doc = "BiSS on two lines of a GPIO chip: its name, path or label, and two offsets, e.g. gpiochip0:4,5"},
     {.name = "can",     .key = KEY_CAN,     .arg = "IFNAME",    .doc = "CAN on a network interface (SocketCAN)"},
     {.name = "slcan",   .key = KEY_SLCAN,   .arg = "LINK",      .flags = OPTION_ARG_OPTIONAL, .doc = "CAN behind an SLCAN adapter on a pseudo-terminal (default where the kernel has no CAN)"},
     {.name = "modbus",  .key = KEY_MODBUS,  .arg = "HOST:PORT", .doc = "INTERBUS: the Modbus/TCP coupler in front of the ring (default: 127.0.0.1:5020)"},

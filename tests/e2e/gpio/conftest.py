@@ -29,13 +29,12 @@ class Chip:
     """A chip of the kernel's simulator."""
 
     def __init__(self, name: str):
+        self.label = f"{name}-label"
         self.config = Path("/sys/kernel/config/gpio-sim") / name
         (self.config / "bank").mkdir(parents=True)
         (self.config / "bank/num_lines").write_text(str(LINES))
+        (self.config / "bank/label").write_text(self.label)
         self.live(True)
-        self.name = (self.config / "bank/chip_name").read_text().strip()
-        device = (self.config / "dev_name").read_text().strip()
-        self.folder = Path("/sys/devices/platform") / device / self.name
 
     def power_on_master(self):
         """MA is high when it is idle."""
@@ -43,6 +42,9 @@ class Chip:
 
     def live(self, on: bool):
         (self.config / "live").write_text(str(int(on)))
+        self.name = (self.config / "bank/chip_name").read_text().strip()
+        device = (self.config / "dev_name").read_text().strip()
+        self.folder = Path("/sys/devices/platform") / device / self.name
 
     def line(self, offset: int) -> Path:
         return self.folder / f"sim_gpio{offset}"
@@ -95,9 +97,10 @@ def start(chip, library):
     """Start encoders on the chip; each is ended, and nothing unasked was said."""
     running = []
 
-    def begin(*arguments, model="s3674-biss", timeout_us=TIMEOUT_US) -> rig.Encoder:
+    def begin(*arguments, model="s3674-biss", timeout_us=TIMEOUT_US,
+              chip=chip.name) -> rig.Encoder:
         timeout = [] if timeout_us is None else ["--set", f"timeout_us={timeout_us}"]
-        running.append(rig.Encoder([model, "--gpio", f"{chip.name}:{MA},{SLO}", *timeout,
+        running.append(rig.Encoder([model, "--gpio", f"{chip}:{MA},{SLO}", *timeout,
                                     *arguments]))
         return running[-1]
 

@@ -109,16 +109,18 @@ def test_lost_edges(library, start, master):
 
 
 def test_chip_that_goes(chip, start, master):
-    """It is said once, and the encoder goes on as soon as the chip is back."""
-    encoder = start("--shaft", "90DEG")
+    """It is said once, and the encoder goes on as soon as a chip with this label is back."""
+    encoder = start("--shaft", "90DEG", chip=chip.label)
+    assert encoder.ready_line == f"ready s3674-biss gpio:{chip.label}:{MA},{SLO}"
     assert read(master)[1] == QUARTER
+    assert "libgpiod" in encoder.errors.wait()
     chip.live(False)
     assert "gone" in encoder.errors.wait()
     time.sleep(0.5)  # until the lines have been given back
-    chip.live(True)
+    chip.live(True)  # with another number, perhaps
     chip.power_on_master()
     assert "back" in encoder.errors.wait()
-    assert read(master)[1] == QUARTER
+    assert read(Master(chip, HALF_US, PAUSE_US))[1] == QUARTER
 
 
 def refuse(where: str, status: int = 1, **options) -> str:
