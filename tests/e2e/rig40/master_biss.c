@@ -3,6 +3,7 @@
 #define _GNU_SOURCE
 #include "masters.h"
 
+#include <math.h>
 #include <stdio.h>
 
 #define BISS_PERIOD (20 * NS_PER_MS)
@@ -11,26 +12,27 @@ static void ask_biss(struct master *self, struct device *device)
 {
     char line[LINE_SIZE];
     char errors[LINE_SIZE];
-    unsigned long long position = 0;
-    unsigned n_err = 0;
-    unsigned n_warn = 0;
-    unsigned life = 0;
-    unsigned crc_right = 0;
+    const char *rest = line;
     const int64_t from = now_ns();
     tell(self, "BISS:FRAM?\n");
     tell(self, "SYST:ERR?\n");
     hear(self, line);
-    if (sscanf(line, "%llu,%u,%u,%u,%u", &position, &n_err, &n_warn, &life, &crc_right) != 5) {
+    const double position = number(&rest);
+    const double n_err = number(&rest);
+    const double n_warn = number(&rest);
+    (void)number(&rest); /* the life counter */
+    const double crc_right = number(&rest);
+    if (isnan(crc_right)) { /* the frame's error instead */
         become(device, "silent");
         return;
     }
     took(self, from);
     hear(self, errors);
-    if (crc_right == 0) {
+    if (crc_right != 1) {
         become(device, "garbled");
-    } else if (n_err == 0 || n_warn == 0) {
-        become(device, n_err == 0 ? "nERR" : "nWARN");
-    } else if (check(self, device, position, from)) {
+    } else if (n_err != 1 || n_warn != 1) {
+        become(device, n_err != 1 ? "nERR" : "nWARN");
+    } else if (check(self, device, (uint64_t)position, from)) {
         become(device, "ok");
     }
 }

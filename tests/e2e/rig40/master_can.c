@@ -171,9 +171,9 @@ void run_can(struct master *self)
         die(self->where);
     }
     start_node(self, 0);
-    for (unsigned i = 0; ended == 0; i++) {
+    for (unsigned i = 0; ended == 0 && self->count > 0; i++) {
         cycle = (struct cycle){.sync = now_ns(), .missing = self->count};
-        send_frame(self, ID_SYNC, NULL, 0);
+        send_frame(self, ID_SYNC, (const uint8_t[]){0}, 0);
         take_frames(self, &cycle, cycle.sync + PATIENCE, false);
         ask_sdo(self, &cycle, &self->device[i % self->count]);
         take_frames(self, &cycle, cycle.sync + SYNC_PERIOD, true);

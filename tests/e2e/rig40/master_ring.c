@@ -64,7 +64,7 @@ static void ask_ring(struct master *self, modbus_t *coupler, struct device *ring
 void run_ring(struct master *self)
 {
     struct device ring = {.name = "ring"};
-    modbus_t *coupler = modbus_new_tcp("127.0.0.1", atoi(self->where));
+    modbus_t *coupler = modbus_new_tcp("127.0.0.1", (int)strtol(self->where, NULL, 10));
     if (coupler == NULL || modbus_connect(coupler) != 0) {
         die(self->where);
     }

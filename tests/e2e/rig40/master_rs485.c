@@ -120,7 +120,7 @@ void run_rs485(struct master *self)
     if (tcsetattr(self->fd, TCSANOW, &line) != 0) {
         die(self->where);
     }
-    for (unsigned i = 0; ended == 0; i++) {
+    for (unsigned i = 0; ended == 0 && self->count > 0; i++) {
         ask_rs485(self, &self->device[i % self->count]);
     }
 }

@@ -4,12 +4,12 @@
  * drive or a PLC does, and checks every answer against the angle that the shaft has by the control
  * plane.
  *
- * usage: masters WIRE WHERE CONTROL NAME,ADDRESS,STEPS,TURNS...
+ * usage: masters WIRE WHERE CONTROL [NAME,ADDRESS,STEPS,TURNS]...
  *
- * - WIRE: can, rs485, ring or biss
- * - WHERE: interface, terminal, port of the coupler on 127.0.0.1; of biss nothing: -
+ * - WIRE: can, rs485, ring or biss; clock looks at the machine's time, see master_clock.c
+ * - WHERE: interface, terminal, port of the coupler on 127.0.0.1; else -
  * - CONTROL: path of the control socket
- * - ADDRESS: node-ID, RS485 address, first input register; hexadecimal
+ * - ADDRESS: node-ID, RS485 address, first input register
  *
  * A line for each change: "NAME STATE", with "ok", "silent", "garbled", "twice", "wrong ..." or
  * what the wire has to say. SIGTERM ends it with a line of figures:
@@ -117,23 +117,34 @@ void hear(const struct master *self, char *line)
     line[n] = '\0';
 }
 
+double number(const char **text)
+{
+    char *end = NULL;
+    const double value = strtod(*text, &end);
+    if (end == *text) {
+        return NAN;
+    }
+    *text = *end == '\0' ? end : end + 1;
+    return value;
+}
+
 /* Where the shaft is and when: both are of the same moment, that of the line. The rig's clock is
    the monotonic one. */
 static double ask_turn(const struct master *self, const struct device *device, int64_t *at)
 {
     char line[LINE_SIZE];
-    double degrees = 0;
-    long long seconds = 0;
-    long long ns = 0;
+    const char *rest = line;
     (void)snprintf(line, sizeof line, "INST:SEL %s;:SHAF:POS?;:TIME?\n", device->name);
     const int64_t before = now_ns();
     tell(self, line);
     hear(self, line);
-    if (sscanf(line, "%lf;%lld.%9lld", &degrees, &seconds, &ns) != 3) {
+    const double degrees = number(&rest);
+    const double seconds = number(&rest);
+    if (isnan(degrees) || isnan(seconds)) {
         errno = EPROTO;
         die(line);
     }
-    *at = seconds * NS_PER_S + ns;
+    *at = llround(seconds * (double)NS_PER_S);
     if (*at < before || *at > now_ns()) {
         errno = ERANGE;
         die("the rig's clock is not CLOCK_MONOTONIC");
@@ -197,10 +208,8 @@ static const struct {
     const char *name;
     void (*run)(struct master *self);
 } wires[] = {
-    {"can", run_can},
-    {"rs485", run_rs485},
-    {"ring", run_ring},
-    {"biss", run_biss},
+    {"can", run_can},   {"rs485", run_rs485}, {"ring", run_ring},
+    {"biss", run_biss}, {"clock", run_clock},
 };
 
 static void connect_control(struct master *self, const char *path)
@@ -214,11 +223,18 @@ static void connect_control(struct master *self, const char *path)
     }
 }
 
+/* NAME,ADDRESS,STEPS,TURNS */
 static void take_device(struct master *self, const char *text)
 {
     struct device *device = &self->device[self->count++];
-    if (sscanf(text, "%32[^,],%x,%lf,%lf", device->name, &device->address, &device->steps,
-               &device->turns) != 4) {
+    const size_t n = strcspn(text, ",");
+    const char *rest = text + n + (text[n] == ',' ? 1 : 0);
+    (void)snprintf(device->name, sizeof device->name, "%.*s", (int)n, text);
+    const double address = number(&rest);
+    device->address = (unsigned)address;
+    device->steps = number(&rest);
+    device->turns = number(&rest);
+    if (isnan(address) || isnan(device->steps) || isnan(device->turns)) {
         errno = EINVAL;
         die(text);
     }
@@ -240,8 +256,8 @@ int main(int argc, char **argv)
 {
     struct master self = {.fd = -1};
     const struct sigaction end = {.sa_handler = on_signal, .sa_flags = SA_RESTART};
-    if (argc < 5 || argc > 4 + (int)DEVICES_MAX) {
-        (void)fprintf(stderr, "usage: masters WIRE WHERE CONTROL NAME,ADDRESS,STEPS,TURNS...\n");
+    if (argc < 4 || argc > 4 + (int)DEVICES_MAX) {
+        (void)fprintf(stderr, "usage: masters WIRE WHERE CONTROL [NAME,ADDRESS,STEPS,TURNS]...\n");
         return 2;
     }
     (void)sigaction(SIGTERM, &end, NULL);

@@ -55,6 +55,7 @@ void run_can(struct master *self);
 void run_rs485(struct master *self);
 void run_ring(struct master *self);
 void run_biss(struct master *self);
+void run_clock(struct master *self);
 
 /** CLOCK_MONOTONIC. */
 int64_t now_ns(void);
@@ -80,6 +81,9 @@ void tell(const struct master *self, const char *line);
 
 /** A line of the control plane, LINE_SIZE at most, without its end; empty when none came. */
 void hear(const struct master *self, char *line);
+
+/** The number at `*text`, which goes on behind the separator after it; NAN when there is none. */
+double number(const char **text);
 
 /** An answer came that is all right but for the position in it: whether the shaft was there some
  * time since `from`. Counts. */
