@@ -43,7 +43,8 @@ def test_a_worn_led_pulls_n_err(axis):
 
 
 def test_temperature_register(axis):
-    axis.world("TEMP", "85 DEGC")
+    """6Ah and 6Bh: 0.1 degC, signed."""
+    axis.world("TEMP", "-12.5 DEGC")
     axis.ask("TIME:STEP 1 S")
-    high, low = map(int, axis.ask("BISS:REG? #H6A,2").split(","))
-    assert (high, low) != (0, 0)
+    registers = map(int, axis.ask("BISS:REG? #H6A,2").split(","))
+    assert int.from_bytes(bytes(registers), "big", signed=True) == -125
