@@ -164,9 +164,11 @@ static void look_for_it(void *ctx, dg_ns now)
 static dg_ns moment(struct can_socket *self, const struct timespec *stamp)
 {
     struct timespec wall;
+    /* Before the monotonic one: what happens between the two makes a frame younger, never older. */
+    const bool stamped = stamp != NULL && clock_gettime(CLOCK_REALTIME, &wall) == 0;
     const dg_ns now = lx_now();
     dg_ns at = now;
-    if (stamp != NULL && clock_gettime(CLOCK_REALTIME, &wall) == 0) {
+    if (stamped) {
         const dg_ns age = dg_elapsed(of_timespec(&wall), of_timespec(stamp));
         at = age < now ? now - age : 0;
     }

@@ -195,12 +195,6 @@ static void on_time(void *ctx, dg_ns now)
     settle(ctx);
 }
 
-void lx_server_wake(struct lx_server *self)
-{
-    self->woken = true; /* for the case that settle() is what calls */
-    lx_timer_at(&self->timer, lx_now());
-}
-
 static int on_event(sd_event_source *source, int fd, uint32_t events, void *ctx)
 {
     struct client *client = ctx;

@@ -19,6 +19,6 @@ With pytest, `pytest_plugins = ["drehgeber.fixture"]` gives the fixture `drehgeb
 """
 
 from .control import Control, ScpiError
-from .rig import Encoder, Rig, RigError, Shaft, rig, run
+from .rig import Encoder, Rig, RigError, Shaft, program, rig, run
 
-__all__ = ["Control", "Encoder", "Rig", "RigError", "ScpiError", "Shaft", "rig", "run"]
+__all__ = ["Control", "Encoder", "Rig", "RigError", "ScpiError", "Shaft", "program", "rig", "run"]

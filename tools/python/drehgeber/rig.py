@@ -15,6 +15,8 @@ from .control import Control
 
 READY_S = 30.0
 STOP_S = 10.0
+# Wires whose addresses in a rig end in the encoder's place.
+PLACED = ("can", "slcan", "modbus")
 
 
 class RigError(Exception):
@@ -81,12 +83,13 @@ class Shaft:
 class Encoder:
     """An encoder of a running rig."""
 
-    def __init__(self, rig, name, model, wire, address):
+    def __init__(self, rig, name, model, wire, address, place=None):
         self._rig = rig
         self.name = name
         self.model = model
         self.wire = wire  # "pty", "can", ...
         self.address = address  # what a master opens
+        self.place = place  # node-ID on CAN, place in a ring; None: there is none, or it is not said
         self.shaft = Shaft(self)
 
     def ask(self, line):
@@ -140,24 +143,43 @@ class Encoder:
         self.ask(f"POW {word}")
 
 
+def parse_ready(rig, line):
+    """The encoder of a line "ready MODEL WIRE:ADDRESS [NAME]"; None for any other line."""
+    words = line.split(" ")
+    if words[0] != "ready" or len(words) not in (3, 4):
+        return None
+    wire, _, address = words[2].partition(":")
+    if len(words) == 3:  # from the command line: the only one, or a whole ring
+        return Encoder(rig, words[1], words[1], wire, address)
+    place = None
+    if wire in PLACED:
+        address, _, place = address.rpartition("/")
+    return Encoder(rig, words[3], words[1], wire, address, None if place is None else int(place))
+
+
 class Rig:
     """A running drehgeber. Use run() or rig()."""
 
     def __init__(self, arguments, folder=None):
         self._scratch = pathlib.Path(tempfile.mkdtemp(prefix="drehgeber-"))
-        address = f"unix:{self._scratch}/control.sock"
+        self.socket = f"{self._scratch}/control.sock"  # the control plane, for other programs
+        address = f"unix:{self.socket}"
         self.control = None
         self.encoders = {}
         self.lines = []  # everything it printed
         self._queue = queue.Queue()
-        self._process = subprocess.Popen(
-            [program(), "run", *map(str, arguments), "--control", address],
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            cwd=folder or self._scratch,
-        )
+        try:
+            self._process = subprocess.Popen(
+                [program(), "run", *map(str, arguments), "--control", address],
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.STDOUT,
+                text=True,
+                cwd=folder,
+            )
+        except (OSError, RigError) as error:
+            shutil.rmtree(self._scratch, ignore_errors=True)
+            raise RigError(f"not started: {error}") from error
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
         try:
@@ -183,11 +205,9 @@ class Rig:
                 raise RigError(f"not ready after {READY_S} s: {self.lines}") from None
             if line is None:
                 raise RigError("\n".join(self.lines) or "ended without a word")
-            words = line.split(" ")
-            if words[0] == "ready" and len(words) >= 3:
-                wire, _, where = words[2].partition(":")
-                name = words[3] if len(words) > 3 else words[1]
-                self.encoders[name] = Encoder(self, name, words[1], wire, where)
+            encoder = parse_ready(self, line)
+            if encoder is not None:
+                self.encoders[encoder.name] = encoder
             if line == f"control {address}":  # the last line, but for "ready rig"
                 return
 
