@@ -72,7 +72,11 @@ void dg_control_position(struct dg_scpi *self, uint32_t argument)
     const dg_angle angle = dg_shaft_angle(&shaft_of(self)->shaft, self->now);
 
     (void)argument;
-    dg_scpi_put_number(self, dg_angle_counts(angle, MICRODEGREES), MICRODEGREE_PLACES);
+    /* To the nearest: an angle behind a gear is rounded down to what is next to it. */
+    const int64_t halves = dg_angle_counts(angle, 2u * MICRODEGREES) + 1;
+    const int64_t counts = halves >= 0 ? halves / 2 : -((1 - halves) / 2);
+
+    dg_scpi_put_number(self, counts, MICRODEGREE_PLACES);
 }
 
 void dg_control_set_velocity(struct dg_scpi *self, uint32_t argument)

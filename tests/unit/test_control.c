@@ -130,6 +130,29 @@ static void test_position(void **state)
     refuse("SHAF:POS 1,2", "-108", NULL);
 }
 
+/* 9 degrees are no whole number of 2^-32 turn: what is next to them is shown as them. */
+static void test_position_is_the_nearest(void **state)
+{
+    static const struct {
+        dg_angle angle;
+        const char *degrees;
+    } rows[] = {
+        {QUARTER / 10, "9.000000"},
+        {QUARTER / 10 + 1, "9.000000"},
+        {-(QUARTER / 10), "-9.000000"},
+        {-1, "0.000000"},
+        {-6, "-0.000001"},
+        {5, "0.000000"},
+        {6, "0.000001"},
+    };
+
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        assert_int_equal(dg_shaft_set_position(&rig.shaft[0].shaft, rig.now, rows[i].angle), DG_OK);
+        expect("SHAF:POS?", rows[i].degrees);
+    }
+}
+
 static void test_velocity(void **state)
 {
     (void)state;
@@ -544,6 +567,7 @@ int main(void)
         cmocka_unit_test_setup(test_two_clients, setup),
         cmocka_unit_test_setup(test_shaft_names, setup),
         cmocka_unit_test_setup(test_position, setup),
+        cmocka_unit_test_setup(test_position_is_the_nearest, setup),
         cmocka_unit_test_setup(test_velocity, setup),
         cmocka_unit_test_setup(test_acceleration, setup),
         cmocka_unit_test_setup(test_move, setup),

@@ -2,13 +2,15 @@
 """Fixtures of the examples: one reader at a time on a machine, whose ports and wires pages name."""
 import fcntl
 import os
+import sys
 import tempfile
 from pathlib import Path
 
 import pytest
 
-import rig
-from examples import Reader
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+import rig  # noqa: E402
+from examples import Reader  # noqa: E402
 
 PROGRAM = Path(rig.PROGRAM).absolute()
 WHERE = os.environ.get("DREHGEBER_DOCS", "here")

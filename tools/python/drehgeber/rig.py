@@ -40,7 +40,7 @@ class Shaft:
 
     @property
     def name(self):
-        return self._encoder.ask("SHAF:NAME?")
+        return self._encoder.ask("SHAF:NAME?").strip('"')
 
     @property
     def position(self):
