@@ -351,7 +351,7 @@ def test_traces_and_recordings(rig, tmp_path):
 
 def test_biss_only_where_it_is(rig):
     with control_of(rig(BENCH)) as control:
-        control.refused("BISS:FRAM?", -221)
+        control.refused("BISS:FRAM?", -241)
         control.do("INST:SEL biss")
         deadline = time.monotonic() + PATIENCE_S
         while int(control.ask("BISS:FRAM?").split(",")[0]) != 2.75 * 2 ** 21:  # initialising
