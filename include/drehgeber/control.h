@@ -35,6 +35,7 @@
  *   POWer OFF|ON|CYCLe | ?
  *   STATe?                                       key=value,...; see dg_encoder_kind.state
  *   TIME?                                        seconds since the rig began, 9 decimals
+ *   TIME:ORIGin?                                when that was, in seconds of the host's clock
  *   TIME:SCALe FACTOR | ?                        simulated wires only, else -221; 0 stops
  *   TIME:STEP TIME                               while it is stopped
  *   TRACe:STARt "FILE"                           of the selected encoder's wire

@@ -59,6 +59,7 @@ const struct dg_scpi_command dg_control_commands[] = {
     {"STATe",                 NULL,                        dg_control_state,        0, "", "KEY=VALUE for power, mode, position, LEDs, errors and counters"},
 
     {"TIME",                  NULL,                        dg_control_time,         0, "", "in seconds since the rig began, by its clock"},
+    {"TIME:ORIGin",           NULL,                        dg_control_origin,       0, "", "when the rig began, in seconds of the host's clock: CLOCK_MONOTONIC on Linux"},
     {"TIME:SCALe",            dg_control_set_scale,        dg_control_scale,        0, "FACTOR", "how fast it goes; 0 stops it; on simulated wires only"},
     {"TIME:STEP",             dg_control_step_time,        NULL,                    0, "TIME", "let it pass while the clock stands still"},
 

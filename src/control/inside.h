@@ -95,7 +95,8 @@ control_handler dg_control_set_world, dg_control_world, dg_control_healthy; /* w
 control_handler dg_control_catalogue, dg_control_fault, dg_control_clear;   /* defect.c */
 control_handler dg_control_active, dg_control_happened;
 control_handler dg_control_regions, dg_control_corrupt, dg_control_erase;
-control_handler dg_control_time, dg_control_set_scale, dg_control_scale; /* wire.c */
+control_handler dg_control_time, dg_control_origin, dg_control_set_scale,
+    dg_control_scale; /* wire.c */
 control_handler dg_control_step_time;
 control_handler dg_control_trace, dg_control_trace_stop, dg_control_last;
 control_handler dg_control_frame, dg_control_read, dg_control_write;

@@ -43,6 +43,12 @@ void dg_control_time(struct dg_scpi *self, uint32_t argument)
                        SECOND_PLACES);
 }
 
+void dg_control_origin(struct dg_scpi *self, uint32_t argument)
+{
+    (void)argument;
+    dg_scpi_put_number(self, (int64_t)dg_control_rig(self)->origin, SECOND_PLACES);
+}
+
 void dg_control_set_scale(struct dg_scpi *self, uint32_t argument)
 {
     char detail[CONTROL_DETAIL_SIZE] = "";

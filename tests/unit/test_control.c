@@ -407,6 +407,10 @@ static void test_time(void **state)
     (void)state;
     rig.now = DG_S(12) + 345;
     expect("TIME?", "12.000000345");
+    expect("TIME:ORIG?", "0.000000000");
+    rig.rig.origin = DG_MS(2500);
+    expect("TIME?;:TIME:ORIG?", "9.500000345;2.500000000");
+    rig.rig.origin = 0;
     expect("TIME:SCAL 0.5", "");
     assert_int_equal(rig.number[0], 500);
     expect("TIME:SCAL?", "0.500");

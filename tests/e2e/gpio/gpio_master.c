@@ -27,6 +27,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#define PAUSES_MAX 10u
 #define START_CLOCKS_MAX 100u
 #define ZERO_FRAMES 14u
 #define BUSY_FRAMES_MAX 100u
@@ -117,8 +118,11 @@ static void end_frame(struct master *self, bool cdm)
 {
     drive(self, !cdm);
     wait_ns(self->pause_ns);
-    if (!sample(self)) {
-        die("SLO is low after the timeout");
+    for (unsigned i = 0; !sample(self); i++) { /* the other side's pause may begin later */
+        if (i == PAUSES_MAX) {
+            die("SLO stays low after the timeout");
+        }
+        wait_ns(self->pause_ns);
     }
     drive(self, true);
     wait_ns(self->half_ns);

@@ -53,7 +53,7 @@ HEADERS = [
     "WORLd:OFFSet:SIN", "WORLd:OFFSet:COS", "WORLd:SINGleturn", "WORLd:MULTiturn:AMPLitude",
     "WORLd:MULTiturn:SYNC", "WORLd:MULTiturn:VECTor", "WORLd:EEPRom", "WORLd:WATChdog",
     "WORLd:DEFault", "FAULt:CATalog", "FAULt:SET", "FAULt:CLEar", "FAULt:ACTive",
-    "FAULt:HAPPened", "NVM:CATalog", "NVM:CORRupt", "NVM:ERASe", "POWer", "STATe", "TIME",
+    "FAULt:HAPPened", "NVM:CATalog", "NVM:CORRupt", "NVM:ERASe", "POWer", "STATe", "TIME", "TIME:ORIGin",
     "TIME:SCALe", "TIME:STEP", "TRACe:STARt", "TRACe:STOP", "TRACe:LAST", "BISS:FRAMe",
     "BISS:REGister",
 ]
@@ -141,7 +141,7 @@ def test_what_is_no_header(session, header):
 @pytest.mark.parametrize("line", [
     "SHAF:STOP?", "SHAF:MOVE?", "WORL:DEF?", "FAUL:SET?", "FAUL:CLE?", "NVM:CORR?", "NVM:ERAS?",
     "*CLS?", "*WAI?", "*RST?", "INST:CAT", "SHAF:CAT", "SHAF:MOV", "FAUL:CAT", "STAT", "*IDN",
-    "*ESR", "*STB", "TIME", "BISS:FRAM", "SYST:ERR", "SYST:HELP",
+    "*ESR", "*STB", "TIME", "TIME:ORIG", "BISS:FRAM", "SYST:ERR", "SYST:HELP",
 ])
 def test_commands_without_query_and_queries_without_command(session, line):
     assert session.codes(line) == [UNDEFINED]

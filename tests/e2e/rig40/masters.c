@@ -128,23 +128,23 @@ double number(const char **text)
     return value;
 }
 
-/* Where the shaft is and when: both are of the same moment, that of the line. The rig's clock is
-   the monotonic one. */
+/* Where the shaft is and when: both are of the same moment, that of the line. */
 static double ask_turn(const struct master *self, const struct device *device, int64_t *at)
 {
     char line[LINE_SIZE];
     const char *rest = line;
-    (void)snprintf(line, sizeof line, "INST:SEL %s;:SHAF:POS?;:TIME?\n", device->name);
+    (void)snprintf(line, sizeof line, "INST:SEL %s;:SHAF:POS?;:TIME?;:TIME:ORIG?\n", device->name);
     const int64_t before = now_ns();
     tell(self, line);
     hear(self, line);
     const double degrees = number(&rest);
     const double seconds = number(&rest);
-    if (isnan(degrees) || isnan(seconds)) {
+    const double origin = number(&rest);
+    if (isnan(degrees) || isnan(seconds) || isnan(origin)) {
         errno = EPROTO;
         die(line);
     }
-    *at = llround(seconds * (double)NS_PER_S);
+    *at = llround(origin * (double)NS_PER_S) + llround(seconds * (double)NS_PER_S);
     if (*at < before || *at > now_ns()) {
         errno = ERANGE;
         die("the rig's clock is not CLOCK_MONOTONIC");
