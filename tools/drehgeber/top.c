@@ -24,6 +24,9 @@
 #include "top_client.h"
 #include "top_screen.h"
 
+/* Last: its macros have the names of other people's parameters. */
+#include <term.h>
+
 #define UDEG_PER_DEG 1000000
 #define MRPM_PER_RPM 1000
 #define STEP_DEG 1
@@ -327,17 +330,26 @@ static void give_back(SCREEN *screen)
     delscreen(screen);
 }
 
+/* Whether curses can work here. newterm() would lose memory where it cannot. */
+static bool has_cursor(void)
+{
+    int unused = 0;
+    if (setupterm(NULL, STDOUT_FILENO, &unused) != OK) {
+        return false;
+    }
+    const bool found = tigetstr("cup") != NULL;
+    (void)del_curterm(cur_term);
+    return found;
+}
+
 /* From here on the terminal is ours. */
 static int take_terminal(SCREEN **screen, struct lx_error *error)
 {
     const char *name = getenv("TERM");
-    *screen = newterm(NULL, stdout, stdin);
-    if (*screen != NULL && tigetstr("cup") != NULL) {
+    *screen = has_cursor() ? newterm(NULL, stdout, stdin) : NULL;
+    if (*screen != NULL) {
         top_screen_begin();
         return EXIT_OK;
-    }
-    if (*screen != NULL) {
-        give_back(*screen);
     }
     (void)lx_fail(error,
                   "TERM=%s is no terminal with a cursor that can be placed; right is "
