@@ -159,14 +159,7 @@ static int switch_on(struct slave *slave, const struct lx_plan *plan, dg_ns now,
     slave->station->control.nvm = slave->eeprom.nvm;
     const struct dg_biss_setup setup = {&slave->settings.model, &slave->station->world,
                                         slave->eeprom.nvm};
-    if (dg_biss_init(&slave->device, &setup) != DG_OK) {
-        return lx_fail(error, "these factory figures make no encoder");
-    }
-    if (dg_biss_power_on(&slave->device, now) != DG_OK) {
-        return lx_fail(error, "--nvm %s: not the EEPROM of a BiSS encoder; another name is right",
-                       nvm == NULL ? "" : nvm);
-    }
-    return 0;
+    return lx_biss_switch_on(&slave->device, &setup, now, nvm, error);
 }
 
 static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)

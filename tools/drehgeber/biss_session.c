@@ -33,14 +33,7 @@ static int power_on(struct biss_session *self, const struct options *options, dg
     world->angle = dg_motion_angle;
     world->angle_ctx = &self->shaft.motion;
     self->shaft.motion.start = dg_after(now, self->settings.model.init);
-    if (dg_biss_init(&self->device, &setup) != DG_OK) {
-        return lx_fail(error, "these factory figures make no encoder");
-    }
-    if (dg_biss_power_on(&self->device, now) != DG_OK) {
-        return lx_fail(error, "--nvm %s: not the EEPROM of a BiSS encoder; another name is right",
-                       options->nvm == NULL ? "" : options->nvm);
-    }
-    return 0;
+    return lx_biss_switch_on(&self->device, &setup, now, options->nvm, error);
 }
 
 int biss_session_open(struct biss_session *self, const struct options *options, dg_ns now,
