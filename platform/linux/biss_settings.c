@@ -6,9 +6,6 @@
 
 #include "number.h"
 
-/* Longest KEY=VALUE of a plan, with its end. */
-#define SETTING_MAX 256u
-
 /* How a value lies in memory; times are in ns there. */
 enum kind { BITS, FLAG, US, MS };
 
@@ -96,11 +93,9 @@ int lx_biss_settings_set(struct lx_biss_settings *self, const char *assignment,
 static int take(struct lx_biss_settings *self, const struct lx_plan *plan,
                 const struct lx_plan_setting *setting, struct lx_error *error)
 {
-    char assignment[SETTING_MAX];
-    const int n = snprintf(assignment, sizeof assignment, "%s=%s", setting->key, setting->value);
-    if (n < 0 || (size_t)n >= sizeof assignment) {
-        return lx_plan_fail(plan, setting->line, error, "%.40s: the value is too long",
-                            setting->key);
+    char assignment[LX_ASSIGNMENT_MAX];
+    if (lx_settings_assignment(assignment, plan, setting, error) != 0) {
+        return -1;
     }
     return lx_biss_settings_set(self, assignment, error) == 0
                ? 0
@@ -163,4 +158,17 @@ void lx_biss_eeprom_close(struct lx_biss_eeprom *self)
 {
     lx_nvm_file_close(&self->file);
     lx_nvm_memory_free(&self->memory);
+}
+
+int lx_biss_switch_on(struct dg_biss *device, const struct dg_biss_setup *setup, dg_ns now,
+                      const char *path, struct lx_error *error)
+{
+    if (dg_biss_init(device, setup) != DG_OK) {
+        return lx_fail(error, "these factory figures make no encoder");
+    }
+    if (dg_biss_power_on(device, now) != DG_OK) {
+        return lx_fail(error, "--nvm %s: not the EEPROM of a BiSS encoder; another name is right",
+                       path == NULL ? "" : path);
+    }
+    return 0;
 }

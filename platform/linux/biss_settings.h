@@ -53,4 +53,9 @@ int lx_biss_eeprom_open(struct lx_biss_eeprom *self, const char *path, struct lx
 /** Close the file, free the memory; also after a failed open. */
 void lx_biss_eeprom_close(struct lx_biss_eeprom *self);
 
+/** Make `device` and switch it on at `now`. `path` is that of the EEPROM in `setup`, for messages.
+ * @return 0, or -1 with one line in `error` */
+int lx_biss_switch_on(struct dg_biss *device, const struct dg_biss_setup *setup, dg_ns now,
+                      const char *path, struct lx_error *error);
+
 #endif

@@ -85,14 +85,8 @@ static int switch_on(struct gpio_bus *self, dg_ns now, struct lx_error *error)
     }
     station->control.nvm = self->eeprom.nvm;
     const struct dg_biss_setup setup = {&self->settings.model, &station->world, self->eeprom.nvm};
-    if (dg_biss_init(&self->device, &setup) != DG_OK) {
-        return lx_fail(error, "these factory figures make no encoder");
-    }
-    if (dg_biss_power_on(&self->device, dg_elapsed(now, self->settings.model.init)) != DG_OK) {
-        return lx_fail(error, "--nvm %s: not the EEPROM of a BiSS encoder; another name is right",
-                       nvm == NULL ? "" : nvm);
-    }
-    return 0;
+    return lx_biss_switch_on(&self->device, &setup, dg_elapsed(now, self->settings.model.init), nvm,
+                             error);
 }
 
 static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)

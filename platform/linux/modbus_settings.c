@@ -8,9 +8,6 @@
 #include "drehgeber/devices.h"
 #include "number.h"
 
-/* Longest KEY=VALUE of a plan, with its end. */
-#define SETTING_MAX 256u
-
 struct setting {
     const char *key;
     const char *unit;
@@ -142,11 +139,9 @@ int lx_ring_settings_take(struct lx_ring_settings *self, const struct lx_plan *p
                           const struct lx_plan_setting *setting, bool of_ring,
                           struct lx_error *error)
 {
-    char assignment[SETTING_MAX];
-    const int n = snprintf(assignment, sizeof assignment, "%s=%s", setting->key, setting->value);
-    if (n < 0 || (size_t)n >= sizeof assignment) {
-        return lx_plan_fail(plan, setting->line, error, "%.40s: the value is too long",
-                            setting->key);
+    char assignment[LX_ASSIGNMENT_MAX];
+    if (lx_settings_assignment(assignment, plan, setting, error) != 0) {
+        return -1;
     }
     if (of_the_ring(setting->key) != of_ring) {
         return lx_plan_fail(plan, setting->line, error, "%.40s: a key of %s", setting->key,

@@ -11,9 +11,6 @@
 
 #include "number.h"
 
-/* Longest KEY=VALUE of a plan, with its end. */
-#define SETTING_MAX 256u
-
 /* How a value lies in memory. */
 enum kind { U8, U16, U32, I16, I32, NS, WORD, TEXT };
 
@@ -265,14 +262,22 @@ int lx_settings_set(struct lx_settings *self, const char *assignment, struct lx_
     return set_number(row, to, equals + 1, error);
 }
 
+int lx_settings_assignment(char to[LX_ASSIGNMENT_MAX], const struct lx_plan *plan,
+                           const struct lx_plan_setting *setting, struct lx_error *error)
+{
+    const int n = snprintf(to, LX_ASSIGNMENT_MAX, "%s=%s", setting->key, setting->value);
+    return n >= 0 && (size_t)n < LX_ASSIGNMENT_MAX
+               ? 0
+               : lx_plan_fail(plan, setting->line, error, "%.40s: the value is too long",
+                              setting->key);
+}
+
 int lx_settings_take(struct lx_settings *self, const struct lx_plan *plan,
                      const struct lx_plan_setting *setting, struct lx_error *error)
 {
-    char assignment[SETTING_MAX];
-    const int n = snprintf(assignment, sizeof assignment, "%s=%s", setting->key, setting->value);
-    if (n < 0 || (size_t)n >= sizeof assignment) {
-        return lx_plan_fail(plan, setting->line, error, "%.40s: the value is too long",
-                            setting->key);
+    char assignment[LX_ASSIGNMENT_MAX];
+    if (lx_settings_assignment(assignment, plan, setting, error) != 0) {
+        return -1;
     }
     return lx_settings_set(self, assignment, error) == 0
                ? 0

@@ -31,6 +31,14 @@ void lx_settings_init(struct lx_settings *self, const struct dg_hf_model *model)
 /** Apply "key=value". @return 0, or -1 with one line that names what would be right */
 int lx_settings_set(struct lx_settings *self, const char *assignment, struct lx_error *error);
 
+/** Longest "key=value" of a plan, with its zero. */
+#define LX_ASSIGNMENT_MAX 256u
+
+/** A setting of a plan as "key=value". @return 0, or -1 with one line in `error` that names its
+ * place */
+int lx_settings_assignment(char to[LX_ASSIGNMENT_MAX], const struct lx_plan *plan,
+                           const struct lx_plan_setting *setting, struct lx_error *error);
+
 /** Apply a setting of a plan. @return 0, or -1 with one line in `error` that names its place */
 int lx_settings_take(struct lx_settings *self, const struct lx_plan *plan,
                      const struct lx_plan_setting *setting, struct lx_error *error);

@@ -9,14 +9,13 @@
  *
  * Whatever the clock does, each frame is read at its own moment: no deadline can be missed here.
  */
-#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "biss_settings.h"
-#include "biss_wire.h"
 #include "bus.h"
+#include "sim_master.h"
 #include "timer.h"
 
 /* How often the master reads. */
@@ -24,10 +23,6 @@
 /* Frames that are caught up with after a step or a pause of this process; older ones are left out.
  */
 #define READS_MAX 1000u
-/* A start bit later than this is worth a word. */
-#define START_MAX DG_BISS_BUSY_S_MAX_NS
-/* Room for a note: 64 registers. */
-#define NOTE_MAX 240u
 
 /* An encoder. */
 struct slave {
@@ -39,7 +34,7 @@ struct slave {
 
 struct sim_bus {
     struct lx_bus bus;
-    struct lx_biss_wire wire;
+    struct lx_sim_master master;
     struct lx_timer timer;
     dg_ns due;       /* the next frame, by the rig's clock */
     uint64_t frames; /* read */
@@ -53,94 +48,23 @@ static struct sim_bus *sim_of(struct lx_bus *bus)
     return (struct sim_bus *)bus;
 }
 
-/* --- the tap --- */
-
-static void tell_levels(void *ctx, dg_ns at, bool ma, bool slo)
-{
-    const struct sim_bus *self = ctx;
-    const struct lx_tap_event event = {.at = at, .kind = LX_TAP_LEVELS, .levels = {ma, slo}};
-    lx_tap_tell(&self->bus.tap, &event);
-}
-
-/* Edges cost most of the time of a frame: they are only told while somebody listens. */
-static void look_for_listeners(struct sim_bus *self)
-{
-    self->wire.levels = lx_tap_on(&self->bus.tap) ? tell_levels : NULL;
-    self->wire.ctx = self;
-}
-
-/* Which encoder, where there are several. */
-static int begin_note(const struct sim_bus *self, size_t place, char *text, size_t size)
-{
-    return self->count == 1
-               ? 0
-               : snprintf(text, size, "%.32s: ", self->slave[place].station->control.name);
-}
-
-static void tell_note(const struct sim_bus *self, bool ours, const char *text)
-{
-    const struct lx_tap_event event = {
-        .at = self->wire.now, .kind = LX_TAP_NOTE, .ours = ours, .note = text};
-    lx_tap_tell(&self->bus.tap, &event);
-}
-
-static void note_position(const struct sim_bus *self, size_t place)
-{
-    char text[NOTE_MAX];
-    const size_t size = sizeof text;
-    const struct lx_biss_position p = lx_biss_wire_position(&self->wire, (uint8_t)place);
-    const uint8_t st_bits = self->slave[place].settings.model.singleturn_bits;
-    int n = begin_note(self, place, text, size);
-    if (!self->wire.answered) {
-        (void)snprintf(text + n, size - (size_t)n, "no answer");
-        tell_note(self, true, text);
-        return;
-    }
-    n += snprintf(text + n, size - (size_t)n,
-                  "position %" PRIu64 ":%" PRIu64 " nERR %d nWARN %d LC %u CRC %s",
-                  p.position >> st_bits, p.position & (((uint64_t)1 << st_bits) - 1u), p.n_err,
-                  p.n_warn, p.life, p.crc_ok ? "ok" : "wrong");
-    if (self->wire.start > START_MAX) {
-        (void)snprintf(text + n, size - (size_t)n, ", start bit after %" PRIu64 " us",
-                       self->wire.start / DG_US(1));
-    }
-    tell_note(self, true, text);
-}
-
-/* "register 78h = 04 00" */
-static void note_registers(const struct sim_bus *self, size_t place, uint8_t address,
-                           const uint8_t *bytes, size_t n)
-{
-    char text[NOTE_MAX];
-    int used = begin_note(self, place, text, sizeof text);
-    used += snprintf(text + used, sizeof text - (size_t)used, "register %02Xh =", address);
-    for (size_t i = 0; i < n && (size_t)used + 4u < sizeof text; i++) {
-        used += snprintf(text + used, sizeof text - (size_t)used, " %02X", bytes[i]);
-    }
-    tell_note(self, true, text);
-}
-
 /* --- the master --- */
 
 static void read_frame(struct sim_bus *self, dg_ns at)
 {
-    look_for_listeners(self);
-    lx_biss_wire_pause(&self->wire, at);
-    lx_biss_wire_frame(&self->wire);
+    const struct lx_biss_wire *wire = &self->master.wire;
+    lx_sim_master_pause(&self->master, at);
+    lx_sim_master_frame(&self->master);
     self->frames++;
-    for (size_t i = 0; i < self->count; i++) {
-        const struct lx_biss_position p = lx_biss_wire_position(&self->wire, (uint8_t)i);
-        self->wrong += self->wire.answered && !p.crc_ok;
-        if (lx_tap_on(&self->bus.tap)) {
-            note_position(self, i);
-        }
+    for (uint8_t i = 0; i < wire->count; i++) {
+        self->wrong += wire->answered && !lx_biss_wire_position(wire, i).crc_ok;
     }
 }
 
 /* Not before the wire is free. */
 static dg_ns next_read(const struct sim_bus *self)
 {
-    return self->due > self->wire.now ? self->due : self->wire.now;
+    return self->due > self->master.wire.now ? self->due : self->master.wire.now;
 }
 
 static void catch_up(struct sim_bus *self)
@@ -166,17 +90,10 @@ static void on_time(void *ctx, dg_ns now)
 
 /* --- what the control plane asks for --- */
 
-static int complain(const char *what, char *detail)
-{
-    (void)snprintf(detail, DG_SCPI_DETAIL_MAX + 1u, "%s", what);
-    return DG_SCPI_HARDWARE;
-}
-
 static struct sim_bus *at_present(struct lx_bus *bus)
 {
     struct sim_bus *self = sim_of(bus);
-    look_for_listeners(self);
-    lx_biss_wire_pause(&self->wire, lx_clock_now(bus->setup.clock));
+    lx_sim_master_pause(&self->master, lx_clock_now(bus->setup.clock));
     return self;
 }
 
@@ -184,18 +101,20 @@ static int biss_frame(struct lx_bus *bus, struct lx_station *station, uint64_t *
                       uint8_t *count, char *detail)
 {
     struct sim_bus *self = at_present(bus);
-    const struct lx_biss_slave *slave = &self->wire.slave[station->place];
-    read_frame(self, self->wire.now);
+    const struct lx_biss_wire *wire = &self->master.wire;
+    const struct lx_biss_slave *slave = &wire->slave[station->place];
+    read_frame(self, wire->now);
     lx_timer_at(&self->timer, lx_clock_real(bus->setup.clock, next_read(self)));
-    if (!self->wire.answered) {
-        return complain(lx_biss_failure_text(LX_BISS_SILENT), detail);
+    if (!wire->answered) {
+        (void)snprintf(detail, DG_SCPI_DETAIL_MAX + 1u, "%s", lx_biss_failure_text(LX_BISS_SILENT));
+        return DG_SCPI_HARDWARE;
     }
-    *bits = (uint64_t)self->wire.cds << slave->data_bits | slave->bits;
+    *bits = (uint64_t)wire->cds << slave->data_bits | slave->bits;
     *count = (uint8_t)(slave->data_bits + 1u);
     return DG_SCPI_NO_ERROR;
 }
 
-/* The end of an access to `address`: `result` is what the last control frame ended in. */
+/* The end of an access: `result` is what that to `address` ended in. */
 static int finish(struct sim_bus *self, const struct lx_station *station, uint8_t address,
                   int result, char *detail)
 {
@@ -203,29 +122,18 @@ static int finish(struct sim_bus *self, const struct lx_station *station, uint8_
     if (result >= 0) {
         return DG_SCPI_NO_ERROR;
     }
-    char text[DG_SCPI_DETAIL_MAX + 1u];
-    const int n = begin_note(self, station->place, text, sizeof text);
-    (void)snprintf(text + n, sizeof text - (size_t)n, "register %02Xh: %s", address,
-                   lx_biss_failure_text(result));
-    tell_note(self, true, text);
-    return complain(text, detail);
+    lx_sim_master_explain(&self->master, (uint8_t)station->place, address, result, detail,
+                          DG_SCPI_DETAIL_MAX + 1u);
+    return DG_SCPI_HARDWARE;
 }
 
-/* Both: as many control frames as it takes, a sequence ends where the next register is refused. */
 static int biss_read(struct lx_bus *bus, struct lx_station *station, uint8_t address,
                      uint8_t *bytes, size_t n, char *detail)
 {
     struct sim_bus *self = at_present(bus);
     size_t done = 0;
-    int result = 0;
-    while (result >= 0 && done < n) {
-        result = lx_biss_wire_read(&self->wire, (uint8_t)station->place, (uint8_t)(address + done),
-                                   bytes + done, n - done);
-        done += result > 0 ? (size_t)result : 0;
-    }
-    if (done > 0) {
-        note_registers(self, station->place, address, bytes, done);
-    }
+    const int result =
+        lx_sim_master_read(&self->master, (uint8_t)station->place, address, bytes, n, &done);
     return finish(self, station, (uint8_t)(address + done), result, detail);
 }
 
@@ -234,15 +142,8 @@ static int biss_write(struct lx_bus *bus, struct lx_station *station, uint8_t ad
 {
     struct sim_bus *self = at_present(bus);
     size_t done = 0;
-    int result = 0;
-    while (result >= 0 && done < n) {
-        result = lx_biss_wire_write(&self->wire, (uint8_t)station->place, (uint8_t)(address + done),
-                                    bytes + done, n - done);
-        done += result > 0 ? (size_t)result : 0;
-    }
-    if (done > 0) {
-        note_registers(self, station->place, address, bytes, done);
-    }
+    const int result =
+        lx_sim_master_write(&self->master, (uint8_t)station->place, address, bytes, n, &done);
     return finish(self, station, (uint8_t)(address + done), result, detail);
 }
 
@@ -258,27 +159,21 @@ static int switch_on(struct slave *slave, const struct lx_plan *plan, dg_ns now,
     slave->station->control.nvm = slave->eeprom.nvm;
     const struct dg_biss_setup setup = {&slave->settings.model, &slave->station->world,
                                         slave->eeprom.nvm};
-    if (dg_biss_init(&slave->device, &setup) != DG_OK) {
-        return lx_fail(error, "these factory figures make no encoder");
-    }
-    if (dg_biss_power_on(&slave->device, now) != DG_OK) {
-        return lx_fail(error, "--nvm %s: not the EEPROM of a BiSS encoder; another name is right",
-                       nvm == NULL ? "" : nvm);
-    }
-    return 0;
+    return lx_biss_switch_on(&slave->device, &setup, now, nvm, error);
 }
 
 static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
 {
     struct sim_bus *self = sim_of(bus);
     dg_ns init = 0;
-    lx_biss_wire_init(&self->wire, now);
+    lx_sim_master_init(&self->master, &bus->tap, now);
     for (size_t i = 0; i < self->count; i++) {
         struct slave *slave = &self->slave[i];
         if (switch_on(slave, bus->setup.plan, now, error) != 0) {
             return -1;
         }
-        lx_biss_wire_add(&self->wire, &slave->device, &slave->station->control.faults);
+        lx_sim_master_add(&self->master, &slave->device, &slave->station->control.faults,
+                          slave->station->control.name);
         init = slave->settings.model.init > init ? slave->settings.model.init : init;
     }
     const int result = lx_timer_open(&self->timer, bus->setup.event, on_time, self);
@@ -314,7 +209,7 @@ static void counters(const struct lx_bus *bus, const struct lx_station *station,
         {"wire_up", 1},
         {"wire_late", bus->late},
         {"wire_frames", self->frames},
-        {"wire_silent", self->wire.silent},
+        {"wire_silent", self->master.wire.silent},
         {"wire_wrong", self->wrong},
     };
     (void)station;

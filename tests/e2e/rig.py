@@ -4,6 +4,7 @@ import os
 import resource
 import select
 import signal
+import socket
 import subprocess
 import time
 from pathlib import Path
@@ -34,6 +35,12 @@ def run_refused(status: int, *arguments, **options) -> str:
     lines = ended.stderr.splitlines()
     assert len(lines) == 1 and ended.stderr.endswith("\n"), lines
     return lines[0]
+
+
+def free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
 
 
 class Lines:
@@ -123,6 +130,43 @@ class Encoder:
         self.process.stdout.close()
         self.process.stderr.close()
         return unasked
+
+
+class Client:
+    """A client of the control plane; every wait has an end."""
+
+    def __init__(self, port: int):
+        self.line = socket.create_connection(("127.0.0.1", port), PATIENCE_S)
+        self.answers = self.line.makefile("r")
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *exception):
+        self.close()
+
+    def close(self):
+        self.answers.close()
+        self.line.close()
+
+    def send(self, text: str):
+        self.line.sendall(text.encode() + b"\n")
+
+    def ask(self, text: str) -> str:
+        self.send(text)
+        return self.answers.readline().strip()
+
+    def error(self, text: str) -> int:
+        """The oldest error behind a line without an answer."""
+        self.send(text)
+        return int(self.ask("SYST:ERR?").split(",")[0])
+
+    def do(self, text: str):
+        """A command that has to be taken."""
+        assert self.ask(text + ";:SYST:ERR?").startswith("0,"), text
+
+    def refused(self, text: str, code: int):
+        assert self.error(text) == code, text
 
 
 def assert_silent(master: Master, command=Master.read_position):

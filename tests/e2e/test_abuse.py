@@ -2,14 +2,13 @@
 """Rigs and the control plane, used as badly as can be: nothing hangs, nobody waits, nothing lies."""
 import os
 import resource
-import socket
 import time
 
 import pytest
 import serial
 
 from hiperface_master import Master
-from rig import PATIENCE_S, Encoder, run_refused
+from rig import PATIENCE_S, Client, Encoder, run_refused
 
 CONTROLLED = "[rig]\ncontrol = tcp:127.0.0.1:0\n"
 SIMULATED = CONTROLLED + "[encoder a]\nmodel = s3684-biss\nwire = sim\n"
@@ -19,33 +18,12 @@ TWO_ON_CAN = ("[encoder a]\nmodel = f3668\nwire = slcan\n{}[encoder b]\nmodel = 
 SOON_S = 2.0
 
 
-class Client:
-    """A client of the control plane; every wait has an end."""
-
-    def __init__(self, port: int):
-        self.line = socket.create_connection(("127.0.0.1", port), PATIENCE_S)
-        self.answers = self.line.makefile("r")
-
-    def send(self, text: str):
-        self.line.sendall(text.encode() + b"\n")
-
-    def ask(self, text: str) -> str:
-        self.send(text)
-        return self.answers.readline().strip()
-
-    def error(self, text: str) -> int:
-        self.send(text)
-        return int(self.ask("SYST:ERR?").split(",")[0])
-
+class Impatient(Client):
     def ask_soon(self, text: str) -> str:
         begin = time.monotonic()
         answer = self.ask(text)
         assert time.monotonic() - begin < SOON_S, text
         return answer
-
-    def close(self):
-        self.answers.close()
-        self.line.close()
 
 
 @pytest.fixture
@@ -63,8 +41,8 @@ def rig(tmp_path):
             lines.append(one.out.wait())
         one.ports = [int(line.rpartition(":")[2]) for line in lines if line.startswith("control ")]
 
-        def client(number: int = 0) -> Client:
-            clients.append(Client(one.ports[number]))
+        def client(number: int = 0) -> Impatient:
+            clients.append(Impatient(one.ports[number]))
             return clients[-1]
 
         one.client = client

@@ -70,11 +70,17 @@ def frames(trace: str):
         mapped[line[1]] = line[0]
 
 
+def test_trace_is_refused(tmp_path):
+    assert ".vcd" in run_refused(1, "biss", S3674, "read", "--trace", tmp_path / "biss.log")
+    assert run_refused(1, "biss", S3674, "read", "--trace", tmp_path / "none" / "biss.vcd")
+
+
 def test_trace_can_be_read_back(tmp_path):
     trace = tmp_path / "biss.vcd"
-    biss(S3674, "read", "--shaft", "90DEG", "--trace", trace)
+    biss(S3674, "read", "registers", "0x78", "2", "--shaft", "90DEG", "--trace", trace)
     text = trace.read_text()
     assert "$timescale" in text and "$enddefinitions" in text
+    assert f"sposition_0:{1 << 19}_" in text and "sregister_78h_=_04_00 " in text
     decoded = [bits for bits in frames(text) if "01" in bits]
     assert decoded
     for bits in decoded:

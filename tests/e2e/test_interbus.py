@@ -13,7 +13,7 @@ import time
 import pytest
 from pymodbus.client import ModbusTcpClient
 
-from rig import PATIENCE_S, run, run_refused
+from rig import PATIENCE_S, free_port, run, run_refused
 
 K3 = "ocd-ib-k3"
 INPUT, OUTPUT, STATUS, LENGTHS, SLAVES = 0x0000, 0x0800, 0x100C, 0x1010, 0x2000
@@ -107,12 +107,6 @@ class Plc:
         before = self.position(at)
         self.command(0x20210000 | item, 0xA0000000 | value, at)
         self.command(0, before, at)
-
-
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
 
 
 def port_of(encoder) -> int:

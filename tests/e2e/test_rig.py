@@ -12,7 +12,7 @@ import pytest
 import serial
 
 from hiperface_master import EncoderError, Master
-from rig import PATIENCE_S, PROGRAM, REPOSITORY, Encoder, run_refused
+from rig import PATIENCE_S, PROGRAM, REPOSITORY, Client, Encoder, run_refused
 
 TURN = 65536  # steps of all encoders here that have no other figure
 BENCH = """
@@ -214,35 +214,8 @@ def test_verbose_says_what_goes_over_the_wires(rig, tmp_path):
     bench.errors.so_far()
 
 
-class Control:
-    """A client of the control plane."""
-
-    def __init__(self, port: int):
-        self.line = socket.create_connection(("127.0.0.1", port), PATIENCE_S)
-        self.answers = self.line.makefile("r")
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *exception):
-        self.answers.close()
-        self.line.close()
-
-    def ask(self, text: str) -> str:
-        self.line.sendall(text.encode() + b"\n")
-        return self.answers.readline().strip()
-
-    def do(self, text: str):
-        """A command that has to be taken."""
-        assert self.ask(text + ";:SYST:ERR?").startswith("0,"), text
-
-    def refused(self, text: str, code: int):
-        self.line.sendall(text.encode() + b"\n")
-        assert int(self.ask("SYST:ERR?").split(",")[0]) == code, text
-
-
-def control_of(rig: Rig) -> Control:
-    return Control(int(rig.lines[-2].rpartition(":")[2]))
+def control_of(rig: Rig) -> Client:
+    return Client(int(rig.lines[-2].rpartition(":")[2]))
 
 
 def test_instruments_by_name(rig):

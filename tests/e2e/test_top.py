@@ -13,7 +13,7 @@ import time
 
 import pytest
 
-from rig import PATIENCE_S, PROGRAM, REPOSITORY, run, run_refused
+from rig import PATIENCE_S, PROGRAM, REPOSITORY, free_port, run, run_refused
 
 sys.path.insert(0, str(REPOSITORY / "tools/python"))
 import drehgeber  # noqa: E402
@@ -270,11 +270,6 @@ def test_forty_encoders(panel, tmp_path, monkeypatch):
         assert not re.search("^e0 ", screen, re.MULTILINE)
         top.keys("Home", *["Down"] * 25)
         top.wait(r"^e25 .* on ", "26/40")
-
-
-def free_port() -> int:
-    with socket.create_server(("127.0.0.1", 0)) as listener:
-        return listener.getsockname()[1]
 
 
 @pytest.mark.parametrize("kind", ["unix", "tcp"])

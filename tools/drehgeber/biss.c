@@ -77,7 +77,8 @@ static int complain_access(struct lx_error *error, const char *what, unsigned ad
 
 static int select_bank(struct biss_session *self, uint8_t bank, struct lx_error *error)
 {
-    const int result = lx_biss_wire_write(&self->wire, 0, BANK_SELECT, &bank, 1);
+    size_t done = 0;
+    const int result = lx_sim_master_write(&self->master, 0, BANK_SELECT, &bank, 1, &done);
 
     return result < 0 ? complain_access(error, "bank select", BANK_SELECT, result) : 0;
 }
@@ -109,26 +110,29 @@ static int take_address(struct biss_session *self, struct words *words, uint8_t 
     return 0;
 }
 
-/* As many control frames as it takes: a sequence ends where the next register is refused. */
 static int read_all(struct biss_session *self, uint8_t address, uint8_t *bytes, size_t n,
                     struct lx_error *error)
 {
-    for (size_t done = 0; done < n;) {
-        const uint8_t at = (uint8_t)(address + done);
-        const int result = lx_biss_wire_read(&self->wire, 0, at, &bytes[done], n - done);
-        if (result < 0) {
-            return complain_access(error, "read", at, result);
-        }
-        done += (size_t)result;
-    }
-    return 0;
+    size_t done = 0;
+    const int result = lx_sim_master_read(&self->master, 0, address, bytes, n, &done);
+
+    return result < 0 ? complain_access(error, "read", address + (unsigned)done, result) : 0;
+}
+
+static int write_all(struct biss_session *self, uint8_t address, const uint8_t *bytes, size_t n,
+                     struct lx_error *error)
+{
+    size_t done = 0;
+    const int result = lx_sim_master_write(&self->master, 0, address, bytes, n, &done);
+
+    return result < 0 ? complain_access(error, "write", address + (unsigned)done, result) : 0;
 }
 
 static int do_read(struct biss_session *self, struct words *words, struct lx_error *error)
 {
     const struct dg_biss_model *model = &self->settings.model;
-    lx_biss_wire_frame(&self->wire);
-    const struct lx_biss_position p = lx_biss_wire_position(&self->wire, 0);
+    lx_sim_master_frame(&self->master);
+    const struct lx_biss_position p = lx_biss_wire_position(&self->master.wire, 0);
     const uint64_t st = p.position & (((uint64_t)1 << model->singleturn_bits) - 1u);
     const double degrees = 360.0 * (double)st / (double)(1u << model->singleturn_bits);
 
@@ -192,15 +196,7 @@ static int do_write(struct biss_session *self, struct words *words, struct lx_er
     if (n == 0) {
         return usage(error, "write needs 1..64 BYTES in hexadecimal, e.g. A5 or 01 02 03", "");
     }
-    for (size_t done = 0; done < n;) {
-        const uint8_t at = (uint8_t)(address + done);
-        result = lx_biss_wire_write(&self->wire, 0, at, &bytes[done], n - done);
-        if (result < 0) {
-            return complain_access(error, "write", at, result);
-        }
-        done += (size_t)result;
-    }
-    return 0;
+    return write_all(self, address, bytes, n, error);
 }
 
 static int do_command(struct biss_session *self, struct words *words, struct lx_error *error)
@@ -211,13 +207,14 @@ static int do_command(struct biss_session *self, struct words *words, struct lx_
         return usage(error, "command needs a number of 0..255", "");
     }
     const uint8_t command = (uint8_t)number;
-    const int result = lx_biss_wire_write(&self->wire, 0, COMMAND_REGISTER, &command, 1);
+    size_t done = 0;
+    const int result = lx_sim_master_write(&self->master, 0, COMMAND_REGISTER, &command, 1, &done);
     if (result < 0) {
         return complain_access(error, "command", command, result);
     }
-    lx_biss_wire_pause(&self->wire,
-                       self->wire.now +
-                           (command == DG_BISS_SOFT_RESET ? self->settings.model.init : 0));
+    lx_sim_master_pause(&self->master,
+                        self->master.wire.now +
+                            (command == DG_BISS_SOFT_RESET ? self->settings.model.init : 0));
     return 0;
 }
 
@@ -275,7 +272,7 @@ int biss_command(const struct options *options)
     }
     int status = biss_session_open(&session, options, 0, &error);
     if (status == 0) {
-        lx_biss_wire_pause(&session.wire, session.settings.model.init);
+        lx_sim_master_pause(&session.master, session.settings.model.init);
     }
     while (status == 0 && words.count > 0) {
         status = act(&session, &words, &error);

@@ -1,10 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "biss_session.h"
 
-#include <errno.h>
-#include <inttypes.h>
-#include <string.h>
-
 #include "drehgeber/devices.h"
 #include "run.h"
 
@@ -37,31 +33,7 @@ static int power_on(struct biss_session *self, const struct options *options, dg
     world->angle = dg_motion_angle;
     world->angle_ctx = &self->shaft.motion;
     self->shaft.motion.start = dg_after(now, self->settings.model.init);
-    if (dg_biss_init(&self->device, &setup) != DG_OK) {
-        return lx_fail(error, "these factory figures make no encoder");
-    }
-    if (dg_biss_power_on(&self->device, now) != DG_OK) {
-        return lx_fail(error, "--nvm %s: not the EEPROM of a BiSS encoder; another name is right",
-                       options->nvm == NULL ? "" : options->nvm);
-    }
-    return 0;
-}
-
-/* Value change dump (IEEE 1364): two wires, nanoseconds. */
-static void begin_trace(const struct biss_session *self)
-{
-    (void)fprintf(self->trace,
-                  "$timescale 1 ns $end\n$scope module biss $end\n"
-                  "$var wire 1 m MA $end\n$var wire 1 s SLO $end\n"
-                  "$upscope $end\n$enddefinitions $end\n"
-                  "#%" PRIu64 "\n$dumpvars\n1m\n1s\n$end\n",
-                  self->wire.now);
-}
-
-static void record(void *ctx, dg_ns at, bool ma, bool slo)
-{
-    const struct biss_session *self = ctx;
-    (void)fprintf(self->trace, "#%" PRIu64 "\n%dm\n%ds\n", at, ma, slo);
+    return lx_biss_switch_on(&self->device, &setup, now, options->nvm, error);
 }
 
 int biss_session_open(struct biss_session *self, const struct options *options, dg_ns now,
@@ -80,36 +52,21 @@ int biss_session_open(struct biss_session *self, const struct options *options, 
     if (power_on(self, options, now, error) != 0) {
         return EXIT_OTHER;
     }
+    lx_sim_master_init(&self->master, &self->tap, now);
+    lx_sim_master_add(&self->master, &self->device, NULL, options->model);
     if (options->trace != NULL) {
-        self->trace = fopen(options->trace, "w");
-        if (self->trace == NULL) {
-            (void)lx_fail(error, "--trace %s: %s", options->trace, strerror(errno));
-            return EXIT_OTHER;
-        }
-    }
-    lx_biss_wire_init(&self->wire, now);
-    lx_biss_wire_add(&self->wire, &self->device, NULL);
-    if (self->trace != NULL) {
-        begin_trace(self);
-        self->wire.levels = record;
-        self->wire.ctx = self;
+        self->trace =
+            lx_trace_open(options->trace, DG_STACK_BISS, options->model, &self->tap, now, error);
+        return self->trace == NULL ? EXIT_OTHER : 0;
     }
     return 0;
 }
 
 int biss_session_close(struct biss_session *self, struct lx_error *error)
 {
-    int status = 0;
-
     dg_biss_power_off(&self->device);
-    if (self->trace != NULL) {
-        const bool failed = ferror(self->trace) != 0;
-        if (fclose(self->trace) != 0 || failed) {
-            (void)lx_fail(error, "--trace: cannot be written: %s", strerror(errno));
-            status = EXIT_OTHER;
-        }
-    }
+    const int result = lx_trace_close(self->trace, error);
     lx_biss_eeprom_close(&self->eeprom);
     lx_shaft_free(&self->shaft);
-    return status;
+    return result == 0 ? 0 : EXIT_OTHER;
 }

@@ -3,12 +3,11 @@
 #ifndef DREHGEBER_TOOL_BISS_SESSION_H
 #define DREHGEBER_TOOL_BISS_SESSION_H
 
-#include <stdio.h>
-
 #include "biss_settings.h"
-#include "biss_wire.h"
 #include "options.h"
 #include "shaft.h"
+#include "sim_master.h"
+#include "trace.h"
 
 /* Not to be moved while open. */
 struct biss_session {
@@ -16,8 +15,9 @@ struct biss_session {
     struct lx_shaft shaft;
     struct lx_biss_eeprom eeprom;
     struct dg_biss device;
-    struct lx_biss_wire wire;
-    FILE *trace;
+    struct lx_tap tap;
+    struct lx_sim_master master;
+    struct lx_trace *trace; /* NULL: none */
 };
 
 /* The user's words become an encoder that is ready at `now` plus its initialisation; time 0 of the
@@ -25,7 +25,7 @@ struct biss_session {
 int biss_session_open(struct biss_session *self, const struct options *options, dg_ns now,
                       struct lx_error *error);
 
-/* @return 0, or how the program ends, with `error`: the trace could not be written */
+/* @return 0, or how the program ends, with `error`: the trace is not whole */
 int biss_session_close(struct biss_session *self, struct lx_error *error);
 
 #endif

@@ -21,7 +21,7 @@ E2E = Path(__file__).resolve().parents[1]
 sys.path += [str(E2E), str(E2E / "canopen")]
 from can_rig import WIRE, Tap, on_slcan, open_bus  # noqa: E402
 from hiperface_master import Master  # noqa: E402
-from rig import PATIENCE_S, PROGRAM, Lines, run  # noqa: E402
+from rig import PATIENCE_S, PROGRAM, Lines, free_port, run  # noqa: E402
 
 __all__ = ["Bench", "BissMaster", "CanMaster", "Coupler", "ERROR", "Master", "NO_ERROR",
            "PATIENCE_S", "PROGRAM", "Session", "can_wire", "connect", "eventually", "fields",
@@ -45,12 +45,6 @@ def eventually(condition, timeout_s: float = PATIENCE_S):
             return value
         assert time.monotonic() < deadline, f"not within {timeout_s} s; at last {value!r}"
         time.sleep(0.005)
-
-
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
 
 
 def connect(address: str) -> socket.socket:
