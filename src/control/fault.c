@@ -168,10 +168,9 @@ void dg_control_set_quantity(struct dg_world *world, size_t offset, uint8_t size
 static size_t rival(const struct dg_faults *self, const struct dg_fault_target *target,
                     size_t offset)
 {
-    const struct dg_fault_row *row;
-
-    for (size_t i = 0; (row = dg_control_row(target, i)) != NULL; i++) {
-        if (self->fault[i].active && row->kind == DG_FAULT_WORLD && row->offset == offset) {
+    for (size_t i = 0; i < DG_FAULTS_MAX; i++) {
+        const struct dg_fault_row *row = self->fault[i].active ? dg_control_row(target, i) : NULL;
+        if (row != NULL && row->kind == DG_FAULT_WORLD && row->offset == offset) {
             return i;
         }
     }
