@@ -102,9 +102,9 @@ dg_ns dg_shaft_settled(const struct dg_shaft *self);
 /** Where it is. `ctx` is a struct dg_shaft; the signature is dg_world.angle's. */
 dg_angle dg_shaft_angle(void *ctx, dg_ns now);
 
-/** Its speed at `now` in 0.001 rpm: of the phase, truncated; of a played motion the mean of the
- * millisecond before (of its first one in that one). Geared: the driver's times the ratio,
- * truncated, saturated. */
+/** Its speed at `now` in 0.001 rpm: of the phase, truncated; of a played motion at constant speed
+ * the motion's, of another one the mean of the millisecond before (of its first one in that one),
+ * to the nearest. Geared: the driver's times the ratio, truncated, saturated. */
 int32_t dg_shaft_mrpm(const struct dg_shaft *self, dg_ns now);
 
 #ifdef __cplusplus

@@ -24,6 +24,8 @@
 #define PRPM_PER_MRPM 1000000000
 #define SPEED_MAX ((int64_t)DG_MOTION_SPEED_MAX_MRPM * PRPM_PER_MRPM)
 #define PARTS_PER_HALF 256u
+/** 1 turn in DG_WORLD_SPEED_SPAN, in 0.001 rpm. */
+#define MRPM_PER_TURN (DG_S(60) / DG_WORLD_SPEED_SPAN * 1000u)
 
 /** What a move is to do, in prpm and ns. */
 struct goal {
@@ -99,13 +101,31 @@ static struct dg_shaft_phase phase_at(const struct dg_shaft_course *self, dg_ns 
                                    : later(&self->phase[i], now - self->phase[i].at);
 }
 
+/** The speed of `travel` in DG_WORLD_SPEED_SPAN, to the nearest. */
+static int32_t mean_mrpm(uint64_t travel)
+{
+    /* 36 turns are above the limit already, and below them the product fits 64 bits. */
+    uint64_t mrpm =
+        travel / DG_TURN < 36 ? (travel * MRPM_PER_TURN + DG_TURN / 2) / DG_TURN : INT32_MAX;
+
+    return mrpm < INT32_MAX ? (int32_t)mrpm : INT32_MAX;
+}
+
 static int32_t played_mrpm(const struct dg_shaft_course *self, dg_ns now)
 {
     struct dg_motion motion = self->motion;
-    struct dg_world world = {.angle = dg_motion_angle, .angle_ctx = &motion};
+    dg_ns until = dg_elapsed(now, self->at);
 
+    if (motion.kind == DG_MOTION_SPEED) {
+        return motion.mrpm; /* the mean of angles rounded down need not be it */
+    }
     motion.start = 0;
-    return dg_world_speed_mrpm(&world, dg_elapsed(now, self->at));
+    until = until > DG_WORLD_SPEED_SPAN ? until : DG_WORLD_SPEED_SPAN;
+    /* Modulo 2^64: the speed stays right where the angle's type wraps. */
+    uint64_t travel = (uint64_t)dg_motion_angle(&motion, until) -
+                      (uint64_t)dg_motion_angle(&motion, until - DG_WORLD_SPEED_SPAN);
+
+    return travel <= INT64_MAX ? mean_mrpm(travel) : -mean_mrpm(0 - travel);
 }
 
 /** Where and how fast the shaft is at `now` by its motion, without acceleration. */

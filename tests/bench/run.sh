@@ -1,7 +1,7 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# Prints how fast the S36 with RS485 and the F36x8 with CANopen are, one figure a line. Nothing is
-# asserted.
+# Prints how fast the encoders are in virtual time, and what the running command costs (live.sh), one figure
+# a line. Nothing is asserted.
 # usage: run.sh [TREE], a build tree; by default build/release, which is made if there is none
 set -eu
 cd "$(dirname "$0")/../.."
@@ -9,7 +9,8 @@ tree=${1:-build/release}
 if [ $# -eq 0 ]; then
     mkdir -p build/log
     [ -e build/release/build.ninja ] || cmake --preset release >build/log/release.configure
-    cmake --build build/release --target bench_hf bench_co bench_406 bench_biss bench_ib >build/log/bench.build
+    cmake --build build/release --target bench_hf bench_co bench_406 bench_biss bench_ib bench_roundtrip drehgeber \
+        >build/log/bench.build
 fi
 
 # Instructions of a run of $1 with $2 operations
@@ -33,3 +34,4 @@ each bench_co "upload and SYNC"
 each bench_406 "6004h (aim: 150)"
 "$tree/tests/bench_biss"
 "$tree/tests/bench_ib"
+tests/bench/live.sh "$tree"

@@ -336,14 +336,67 @@ static void a_motion_is_played_and_left(void **state)
     /* The mean of the millisecond before, of the first one in that one. */
     assert_in_range(dg_shaft_mrpm(&shaft, DG_S(5)), 29, 31);
     assert_in_range(dg_shaft_mrpm(&shaft, DG_S(5) + DG_MS(500)), 29969, 29971);
-    assert_in_range(dg_shaft_mrpm(&shaft, DG_S(9)), REV_PER_S - 1, REV_PER_S);
+    assert_int_equal(dg_shaft_mrpm(&shaft, DG_S(9)), REV_PER_S);
     assert_int_equal(dg_shaft_set_velocity(&shaft, DG_S(9), 0), DG_OK);
     assert_true(dg_shaft_angle(&shaft, DG_S(9)) == DG_TURN * 9 / 2);
     assert_in_range(dg_shaft_angle(&shaft, DG_S(10)), DG_TURN * 5 - DG_TURN / 10000, DG_TURN * 5);
     assert_int_equal(dg_shaft_mrpm(&shaft, DG_S(10)), 0);
     /* What was played is still there for those who look back. */
     assert_true(dg_shaft_angle(&shaft, DG_S(6)) == DG_TURN * 3 / 2);
-    assert_in_range(dg_shaft_mrpm(&shaft, DG_S(8)), REV_PER_S - 1, REV_PER_S);
+    assert_int_equal(dg_shaft_mrpm(&shaft, DG_S(8)), REV_PER_S);
+}
+
+/* At every moment, and so is the course that follows it. */
+static void a_played_speed_is_exact(void **state)
+{
+    uint64_t seed = 6;
+
+    (void)state;
+    for (int i = 0; i < 20000; i++) {
+        const struct dg_motion motion = {.kind = DG_MOTION_SPEED,
+                                         .from = (dg_angle)random_bits(&seed),
+                                         .mrpm = i % 2 == 0 ? REV_PER_S : random_mrpm(&seed)};
+        const dg_ns begin = random_up_to(&seed, DG_S(10));
+        const dg_ns now = begin + random_up_to(&seed, DG_S(10));
+        struct dg_shaft shaft = fresh(1);
+
+        assert_int_equal(dg_shaft_play(&shaft, begin, &motion), DG_OK);
+        assert_int_equal(dg_shaft_mrpm(&shaft, begin), motion.mrpm);
+        assert_int_equal(dg_shaft_mrpm(&shaft, now), motion.mrpm);
+        (void)dg_shaft_set_velocity(&shaft, now, motion.mrpm);
+        assert_true(dg_shaft_settled(&shaft) == now);
+    }
+}
+
+/* A mean is 60000000 / 2^32 = 234375 / 2^24 of the travel in a millisecond. */
+static void a_played_mean_is_the_nearest(void **state)
+{
+    static const struct {
+        dg_angle travel;
+        int32_t mrpm;
+    } rows[] = {
+        {0, 0},
+        {35, 0},
+        {36, 1}, /* 0.489, 0.503 */
+        {107, 1},
+        {108, 2}, /* 1.495, 1.509 */
+        {8388607, 117187},
+        {8388608, 117188}, /* .486, .5 */
+        {8388609, 117188},
+        {DG_TURN, 60000000},
+    };
+
+    (void)state;
+    for (size_t i = 0; i < 2 * COUNT(rows); i++) {
+        const int sign = i % 2 == 0 ? 1 : -1;
+        const struct dg_motion_point points[] = {{0, 5}, {DG_MS(1), 5 + sign * rows[i / 2].travel}};
+        const struct dg_motion line = {
+            .kind = DG_MOTION_REPLAY, .points = points, .point_count = COUNT(points)};
+        struct dg_shaft shaft = fresh(0);
+
+        assert_int_equal(dg_shaft_play(&shaft, DG_S(1), &line), DG_OK);
+        assert_int_equal(dg_shaft_mrpm(&shaft, DG_S(1) + DG_MS(1)), sign * rows[i / 2].mrpm);
+    }
 }
 
 /* A replay may jump further than any shaft can turn; the stop after it begins at the limit. */
@@ -507,6 +560,8 @@ int main(void)
         cmocka_unit_test(huge_times_wrap),
         cmocka_unit_test(the_longest_speed_change),
         cmocka_unit_test(a_motion_is_played_and_left),
+        cmocka_unit_test(a_played_speed_is_exact),
+        cmocka_unit_test(a_played_mean_is_the_nearest),
         cmocka_unit_test(a_jump_is_left_at_the_highest_speed),
         cmocka_unit_test(gears_are_exact),
         cmocka_unit_test(a_geared_shaft_follows),
