@@ -10,6 +10,8 @@
 #include "modbus.h"
 
 #include <errno.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/epoll.h>
@@ -22,6 +24,7 @@
 #define HEADER 7u
 #define LENGTH_AT 4u
 #define BACKLOG 16
+#define FUNCTION_MASK 0x7Fu
 
 /* A request after its header. */
 struct request {
@@ -141,6 +144,8 @@ static bool answer(struct lx_modbus *self, struct lx_modbus_client *client, size
     self->counters.requests++;
     if (exception != 0) {
         self->counters.exceptions++;
+        /* libmodbus adds 80h to the function, which takes the bit away again where it was set. */
+        client->bytes[HEADER] &= FUNCTION_MASK;
         return modbus_reply_exception(self->protocol, client->bytes, exception) > 0;
     }
     return modbus_reply(self->protocol, client->bytes, (int)length, &mapping) > 0;
@@ -277,6 +282,9 @@ static int listen_at(struct lx_modbus *self, const struct lx_modbus_setup *setup
                        errno == ECONNREFUSED ? "no such host" : strerror(errno));
     }
     lx_host_port_real(&endpoint, self->listener);
+    /* Connections inherit it: an answer does not wait for the acknowledgement of the one before. */
+    const int on = 1;
+    (void)setsockopt(self->listener, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
     const int host = (int)(strrchr(setup->where, ':') - setup->where);
     (void)snprintf(self->address, sizeof self->address, "%.*s:%s", host, setup->where,
                    endpoint.port);
