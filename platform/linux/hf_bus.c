@@ -213,13 +213,6 @@ static int place(struct lx_hf_bus *self, size_t index, struct lx_error *error)
 static struct lx_bus *make(const struct lx_bus_setup *setup, lx_serial_open *open,
                            struct lx_error *error)
 {
-    const struct lx_plan_settings *settings = &setup->wire->settings;
-    if (settings->count > 0) {
-        (void)lx_plan_fail(setup->plan, settings->list[0].line, error,
-                           "%s: an RS485 line has no settings; each encoder has its own",
-                           settings->list[0].key);
-        return NULL;
-    }
     struct lx_hf_bus *self = calloc(1, sizeof *self + setup->count * sizeof self->drop[0]);
     if (self == NULL) {
         (void)lx_fail(error, "no memory for %zu encoders", setup->count);

@@ -33,7 +33,7 @@ struct lx_serial_ops {
     int (*open)(struct lx_serial *self, struct lx_error *error);
     /** The line's UART setting has changed to self->uart. NULL: nobody to tell. */
     void (*apply)(struct lx_serial *self);
-    /** Decode `n` bytes that read() gave at `now` and hand them to lx_serial_rx(). */
+    /** Decode `n` bytes that read() gave at `now` and hand them to setup.rx(). */
     void (*received)(struct lx_serial *self, dg_ns now, const uint8_t *bytes, size_t n);
     /** Whether what appears under this address again is the same port. NULL: it is. */
     bool (*lasting)(const struct lx_serial *self);

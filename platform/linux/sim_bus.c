@@ -264,13 +264,6 @@ static int place(struct sim_bus *self, size_t index, struct lx_error *error)
 
 struct lx_bus *lx_sim_bus_make(const struct lx_bus_setup *setup, struct lx_error *error)
 {
-    const struct lx_plan_settings *settings = &setup->wire->settings;
-    if (settings->count > 0) {
-        (void)lx_plan_fail(setup->plan, settings->list[0].line, error,
-                           "%s: a simulated wire has no settings; each encoder has its own",
-                           settings->list[0].key);
-        return NULL;
-    }
     struct sim_bus *self = calloc(1, sizeof *self + setup->count * sizeof self->slave[0]);
     if (self == NULL) {
         (void)lx_fail(error, "no memory for %zu encoders", setup->count);

@@ -13,11 +13,11 @@
 #include <cmocka.h>
 
 #include "drehgeber/devices.h"
+#include "station_fault.h"
 
 #define TURN_US 1000u
 
 static const struct lx_say quiet = {.quiet = true};
-static const struct dg_fault_limits always = {0, 1000000, DG_NEVER};
 
 /* --- the wire of the test's --- */
 
@@ -205,40 +205,15 @@ void can_rig_changed(struct can_rig *self, size_t i)
 
 /* --- faults, by what they do --- */
 
-static struct dg_fault_target target_of(struct can_rig *self, size_t i)
-{
-    return (struct dg_fault_target){.stack = DG_STACK_CANOPEN, .world = &self->station[i].world};
-}
-
-static size_t entry_of(struct can_rig *self, size_t i, enum dg_wire_fault fault)
-{
-    const struct dg_fault_target target = target_of(self, i);
-    struct dg_fault_entry entry;
-    for (size_t n = 0; dg_fault_entry(&target, n, &entry); n++) {
-        if (entry.kind == DG_FAULT_WIRE && entry.row->wire == fault) {
-            return n;
-        }
-    }
-    fail_msg("no entry for wire fault %d", (int)fault);
-    return 0;
-}
-
 void can_rig_bend(struct can_rig *self, size_t i, enum dg_wire_fault fault, uint32_t count)
 {
-    const struct dg_fault_target target = target_of(self, i);
-    struct dg_fault_limits limits = always;
-    limits.count = count;
-    assert_int_equal(dg_fault_set(&self->station[i].control.faults, &target,
-                                  entry_of(self, i, fault), lx_now(), &limits),
-                     DG_OK);
+    station_bend(&self->station[i], DG_STACK_CANOPEN, fault, count);
     can_rig_changed(self, i);
 }
 
 void can_rig_mend(struct can_rig *self, size_t i, enum dg_wire_fault fault)
 {
-    const struct dg_fault_target target = target_of(self, i);
-    assert_int_equal(
-        dg_fault_clear(&self->station[i].control.faults, &target, entry_of(self, i, fault)), DG_OK);
+    station_mend(&self->station[i], DG_STACK_CANOPEN, fault);
     can_rig_changed(self, i);
 }
 

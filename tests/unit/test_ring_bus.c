@@ -21,6 +21,7 @@
 #include "drehgeber/bits.h"
 #include "drehgeber/devices.h"
 #include "modbus.h"
+#include "station_fault.h"
 
 #define DEVICES_MAX 3u
 #define PATIENCE DG_S(5)
@@ -30,7 +31,6 @@
 #define SETTINGS_LINE 9u
 
 static const struct lx_say quiet = {.quiet = true};
-static const struct dg_fault_limits always = {0, 1000000, DG_NEVER};
 
 /* What the tap told. */
 struct ears {
@@ -264,40 +264,15 @@ static void changed(struct bench *self, size_t i)
     self->bus->ops->changed(self->bus, &self->station[i], lx_now());
 }
 
-static struct dg_fault_target target_of(struct bench *self, size_t i)
-{
-    return (struct dg_fault_target){.stack = DG_STACK_INTERBUS, .world = &self->station[i].world};
-}
-
-static size_t entry_of(struct bench *self, size_t i, enum dg_wire_fault fault)
-{
-    const struct dg_fault_target target = target_of(self, i);
-    struct dg_fault_entry entry;
-    for (size_t n = 0; dg_fault_entry(&target, n, &entry); n++) {
-        if (entry.kind == DG_FAULT_WIRE && entry.row->wire == fault) {
-            return n;
-        }
-    }
-    fail_msg("no entry for wire fault %d", (int)fault);
-    return 0;
-}
-
 static void bend(struct bench *self, size_t i, enum dg_wire_fault fault, uint32_t count)
 {
-    const struct dg_fault_target target = target_of(self, i);
-    struct dg_fault_limits limits = always;
-    limits.count = count;
-    assert_int_equal(dg_fault_set(&self->station[i].control.faults, &target,
-                                  entry_of(self, i, fault), lx_now(), &limits),
-                     DG_OK);
+    station_bend(&self->station[i], DG_STACK_INTERBUS, fault, count);
     changed(self, i);
 }
 
 static void mend(struct bench *self, size_t i, enum dg_wire_fault fault)
 {
-    const struct dg_fault_target target = target_of(self, i);
-    assert_int_equal(
-        dg_fault_clear(&self->station[i].control.faults, &target, entry_of(self, i, fault)), DG_OK);
+    station_mend(&self->station[i], DG_STACK_INTERBUS, fault);
     changed(self, i);
 }
 

@@ -452,14 +452,12 @@ static void what_does_not_fit_is_refused(void **state)
         const char *setting;
         const char *address;
         const char *serial;
-        const char *wire_setting;
         const char *says;
     } rows[] = {
-        {"mt=25", NULL, NULL, NULL, "rig.ini:7: mt=25: a number in 0..24 is right"},
-        {"pace=0", NULL, NULL, NULL, "rig.ini:7: pace: no such key"},
-        {NULL, "1", NULL, NULL, "rig.ini:8: address 1: a BiSS encoder has none"},
-        {NULL, NULL, "x", NULL, "rig.ini:9: serial x: 0..4294967295 is right"},
-        {NULL, NULL, NULL, "cycle=1000", "rig.ini:3: cycle: a simulated wire has no settings"},
+        {"mt=25", NULL, NULL, "rig.ini:7: mt=25: a number in 0..24 is right"},
+        {"pace=0", NULL, NULL, "rig.ini:7: pace: no such key"},
+        {NULL, "1", NULL, "rig.ini:8: address 1: a BiSS encoder has none"},
+        {NULL, NULL, "x", "rig.ini:9: serial x: 0..4294967295 is right"},
     };
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
@@ -472,9 +470,6 @@ static void what_does_not_fit_is_refused(void **state)
         encoder->serial_line = 9;
         if (rows[i].setting != NULL) {
             (void)lx_plan_add_setting(&encoder->settings, rows[i].setting, 7, &error);
-        }
-        if (rows[i].wire_setting != NULL) {
-            (void)lx_plan_add_setting(&rig.plan.wires->settings, rows[i].wire_setting, 3, &error);
         }
         encoder->address = rows[i].address == NULL ? NULL : strdup(rows[i].address);
         encoder->serial = rows[i].serial == NULL ? NULL : strdup(rows[i].serial);
