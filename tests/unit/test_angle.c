@@ -9,12 +9,12 @@
 #include <cmocka.h>
 
 #include "drehgeber/angle.h"
+#include "motion_model.h"
 
 #define COUNT(a) (sizeof(a) / sizeof((a)[0]))
 #define RANDOM_ROUNDS 200000
 
 /* The unbounded integers everything is checked against. */
-__extension__ typedef __int128 wide;
 __extension__ typedef unsigned __int128 uwide;
 
 static const int64_t EDGES[] = {
@@ -45,16 +45,6 @@ static const uint32_t RESOLUTIONS[] = {
     1,     2,       3,          7,          10,         65535,          65536,
     65537, 1000003, 0x7FFFFFFF, 0x80000000, 0x80000001, UINT32_MAX - 1, UINT32_MAX};
 
-/** splitmix64 */
-static uint64_t random_bits(uint64_t *seed)
-{
-    uint64_t z = *seed += 0x9E3779B97F4A7C15u;
-
-    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-    return z ^ (z >> 31);
-}
-
 /** A number of random length, so that small ones are as frequent as large ones. */
 static uint64_t random_length(uint64_t *seed)
 {
@@ -75,12 +65,6 @@ static uint32_t random_resolution(uint64_t *seed)
     uint32_t resolution = (uint32_t)random_length(seed);
 
     return resolution != 0 ? resolution : 1;
-}
-
-/** c > 0 */
-static wide floor_div(wide a, wide c)
-{
-    return a / c - (a % c < 0 ? 1 : 0);
 }
 
 static void check_counts(dg_angle angle, uint32_t resolution)

@@ -12,6 +12,7 @@
 #include "drehgeber/hal.h"
 #include "drehgeber/motion.h"
 #include "drehgeber/world.h"
+#include "motion_model.h"
 
 #define COUNT(a) (sizeof(a) / sizeof((a)[0]))
 
@@ -20,45 +21,6 @@
 #define HOURS_100 DG_S(360000)
 #define AMPLITUDE_MAX ((dg_angle)1 << 40)
 #define ACCEL_MAX ((uint64_t)1 << 36) /* of random ramps, so that the reference fits 128 bits */
-
-__extension__ typedef __int128 wide;
-
-/** splitmix64 */
-static uint64_t random_bits(uint64_t *seed)
-{
-    uint64_t z = *seed += 0x9E3779B97F4A7C15u;
-
-    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-    return z ^ (z >> 31);
-}
-
-/** 1..limit, small ones as frequent as large ones */
-static uint64_t random_up_to(uint64_t *seed, uint64_t limit)
-{
-    uint64_t bits = random_bits(seed);
-
-    return (bits >> (random_bits(seed) % 64)) % limit + 1;
-}
-
-static int32_t random_mrpm(uint64_t *seed)
-{
-    int32_t mrpm = (int32_t)random_up_to(seed, DG_MOTION_SPEED_MAX_MRPM);
-
-    return (random_bits(seed) & 1) != 0 ? mrpm : -mrpm;
-}
-
-/** c > 0 */
-static wide floor_div(wide a, wide c)
-{
-    return a / c - (a % c < 0 ? 1 : 0);
-}
-
-/** Modulo 2^64, as the angle wraps. */
-static dg_angle wrapped(wide angle)
-{
-    return (dg_angle)(uint64_t)angle;
-}
 
 static struct dg_motion accepted(struct dg_motion wanted)
 {

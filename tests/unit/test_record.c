@@ -14,6 +14,7 @@
 
 #include "csv.h"
 #include "drehgeber/hal.h"
+#include "motion_model.h"
 #include "record.h"
 #include "timer.h"
 
@@ -88,14 +89,6 @@ static struct lx_recording read_back(const struct place *place)
 }
 
 /* splitmix64 */
-static uint64_t random_bits(uint64_t *seed)
-{
-    uint64_t z = *seed += 0x9E3779B97F4A7C15u;
-    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-    return z ^ (z >> 31);
-}
-
 static void the_file_by_hand(void **state)
 {
     struct place *place = *state;

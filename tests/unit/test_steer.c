@@ -12,51 +12,13 @@
 #include "drehgeber/hal.h"
 #include "drehgeber/shaft.h"
 #include "drehgeber/world.h"
+#include "motion_model.h"
 
 #define COUNT(a) (sizeof(a) / sizeof((a)[0]))
 #define SPEED_MAX DG_MOTION_SPEED_MAX_MRPM
 /** 1 rev/s, and 1 rev/s in a second. */
 #define REV_PER_S 60000
 #define REV_PER_S2 60000
-
-__extension__ typedef __int128 wide;
-
-/** splitmix64 */
-static uint64_t random_bits(uint64_t *seed)
-{
-    uint64_t z = *seed += 0x9E3779B97F4A7C15u;
-
-    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-    return z ^ (z >> 31);
-}
-
-/** 1..limit, small ones as frequent as large ones */
-static uint64_t random_up_to(uint64_t *seed, uint64_t limit)
-{
-    uint64_t bits = random_bits(seed);
-
-    return (bits >> (random_bits(seed) % 64)) % limit + 1;
-}
-
-static int32_t random_mrpm(uint64_t *seed)
-{
-    int32_t mrpm = (int32_t)random_up_to(seed, SPEED_MAX);
-
-    return (random_bits(seed) & 1) != 0 ? mrpm : -mrpm;
-}
-
-/** c > 0 */
-static wide floor_div(wide a, wide c)
-{
-    return a / c - (a % c < 0 ? 1 : 0);
-}
-
-/** Modulo 2^64, as the angle wraps. */
-static dg_angle wrapped(wide angle)
-{
-    return (dg_angle)(uint64_t)angle;
-}
 
 static struct dg_shaft fresh(int64_t mrpm_per_s)
 {

@@ -11,6 +11,7 @@
 
 #include "drehgeber/hal.h"
 #include "drehgeber/shaft.h"
+#include "motion_model.h"
 
 #define COUNT(a) (sizeof(a) / sizeof((a)[0]))
 #define SPEED_MAX DG_MOTION_SPEED_MAX_MRPM
@@ -20,8 +21,6 @@
 #define PER_NS2 (PER_NS / 1e9L)
 #define REV_PER_S 60000
 
-__extension__ typedef __int128 wide;
-
 /** A move from a present speed; the angle there is `from`. */
 struct move {
     dg_angle from;
@@ -30,24 +29,6 @@ struct move {
     int32_t limit;
     int64_t accel;
 };
-
-/** splitmix64 */
-static uint64_t random_bits(uint64_t *seed)
-{
-    uint64_t z = *seed += 0x9E3779B97F4A7C15u;
-
-    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-    return z ^ (z >> 31);
-}
-
-/** 1..limit, small ones as frequent as large ones */
-static uint64_t random_up_to(uint64_t *seed, uint64_t limit)
-{
-    uint64_t bits = random_bits(seed);
-
-    return (bits >> (random_bits(seed) % 64)) % limit + 1;
-}
 
 static int64_t random_signed(uint64_t *seed, uint64_t limit)
 {
