@@ -29,6 +29,7 @@ enum dg_result {
     DG_ERR_DAMAGED = -4,  /**< the stored bytes fail their check sum */
     DG_ERR_BLANK = -5,    /**< the memory holds no image (reads FFh throughout its header) */
     DG_ERR_FOREIGN = -6,  /**< the memory holds something else; nothing was written */
+    DG_ERR_OLDER = -7,    /**< the memory is of an earlier release, see dg_store_grow() */
 };
 
 /**

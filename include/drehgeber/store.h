@@ -12,6 +12,11 @@
  * Layout on the medium: header, copy of the header, journal, then the regions in table order, a
  * checked region followed by its CRC-16. A damaged header is repaired from its copy.
  *
+ * Layouts only grow: a later release appends regions to the table of a device and leaves the others,
+ * the id and the size of the journal as they are. So it takes over the memory of an earlier one:
+ * old regions keep their values, new ones get their defaults. A memory of a later release is
+ * foreign.
+ *
  * A commit writes the journal (changes, then its length and CRC-32), syncs, applies the changes in
  * place, syncs, and clears the journal. Mounting completes a journal that is whole and drops one
  * that is not. No RAM copy of the memory is kept.
@@ -52,9 +57,9 @@ struct dg_store_region {
 
 /** A device's EEPROM. Const, shared by all devices of the kind. */
 struct dg_store_layout {
-    uint32_t id;           /**< names device kind and layout version; kept in the header */
-    uint16_t journal_size; /**< bytes for the changes of one commit: 6 + length for each */
-    uint8_t region_count;  /**< 1..DG_STORE_REGIONS_MAX */
+    uint32_t id;           /**< names the device kind; kept in the header, the same for ever */
+    uint16_t journal_size; /**< bytes for the changes of one commit: 6 + length for each; fixed */
+    uint8_t region_count;  /**< 1..DG_STORE_REGIONS_MAX; new ones come last */
     const struct dg_store_region *regions;
 };
 
@@ -62,6 +67,7 @@ struct dg_store_layout {
 struct dg_store {
     const struct dg_store_layout *layout;
     struct dg_nvm nvm;
+    uint8_t region_count;    /**< of the memory; fewer than the layout's until it has grown */
     uint32_t damaged;        /**< bit n: region n failed its sum; cleared by a successful put */
     uint16_t journal_length; /**< bytes staged since begin */
     int8_t failed;           /**< why a stage since begin failed, or 0; commit will repeat it */
@@ -91,10 +97,20 @@ int dg_store_format(const struct dg_store_layout *layout, struct dg_nvm nvm, con
 /**
  * Take over the memory: repair the header, complete or drop the journal, check every region
  * (see `damaged`). `self` needs no initialisation before.
- * @return 0 (also with damaged regions); DG_ERR_BLANK; DG_ERR_FOREIGN when neither header is one
- *         of this layout; DG_ERR_IO
+ * @return 0 (also with damaged regions); DG_ERR_OLDER when the regions from `region_count` on are
+ *         not there yet: the others can be read, and dg_store_grow() comes next; DG_ERR_BLANK;
+ *         DG_ERR_FOREIGN when neither header is one of this layout, or of fewer of its regions;
+ *         DG_ERR_IO
  */
 int dg_store_mount(struct dg_store *self, const struct dg_store_layout *layout, struct dg_nvm nvm);
+
+/**
+ * Give a memory that was mounted with DG_ERR_OLDER the regions it lacks, with their defaults; `ctx`
+ * as for dg_store_format(). A power cut leaves the older image or the grown one.
+ * @return 0: mounted; DG_ERR_IO: mount again before anything else; DG_ERR_ARGUMENT as
+ *         dg_store_format()
+ */
+int dg_store_grow(struct dg_store *self, const void *ctx);
 
 /** Whether `region` failed its check. */
 bool dg_store_damaged(const struct dg_store *self, uint8_t region);

@@ -15,6 +15,7 @@
 struct image {
     struct lx_nvm_memory memory;
     struct dg_store store;
+    uint32_t size; /* bytes, before it grew */
 };
 
 /* The regions that hold what the factory burnt in and nobody can write over the wire. */
@@ -34,9 +35,13 @@ static int image_init(struct image *self)
     return lx_nvm_memory_init(&self->memory, dg_store_size(&dg_hf_layout));
 }
 
-static int image_mount(struct image *self)
+/* As the device will mount it. */
+static int image_mount(struct image *self, const struct dg_hf_model *model)
 {
-    return dg_store_mount(&self->store, &dg_hf_layout, lx_nvm_memory_port(&self->memory));
+    const int result =
+        dg_store_mount(&self->store, &dg_hf_layout, lx_nvm_memory_port(&self->memory));
+    self->size = dg_store_address(&dg_hf_layout, self->store.region_count);
+    return result == DG_ERR_OLDER ? dg_store_grow(&self->store, model) : result;
 }
 
 /* The delivery state of `model`. */
@@ -46,7 +51,7 @@ static int image_of_model(struct image *self, const struct dg_hf_model *model)
         return DG_ERR_SPACE;
     }
     const int result = dg_hf_format(model, lx_nvm_memory_port(&self->memory));
-    return result == DG_OK ? image_mount(self) : result;
+    return result == DG_OK ? image_mount(self, model) : result;
 }
 
 /* The same figures, another unit from another batch: what differs between the two images is what
@@ -161,7 +166,7 @@ static int check_image(struct lx_eeprom *self, struct image *file,
     if (port.ops->read(port.ctx, 0, file->memory.bytes, file->memory.size) != DG_OK) {
         return lx_fail(error, "%s: cannot read", self->file.path);
     }
-    const int mounted = image_mount(file);
+    const int mounted = image_mount(file, &settings->model);
     if (mounted != DG_OK) {
         return lx_fail(error,
                        "%s: %s, no image of this kind of encoder; give a file made by drehgeber, "
@@ -182,12 +187,9 @@ static int check_file(struct lx_eeprom *self, const struct lx_settings *settings
     const int result = check_image(self, &file, settings, error);
     if (result == 0) {
         tell_address(self, &file, settings->address, say);
+        lx_nvm_file_tell(&self->file, file.size, say);
     }
     lx_nvm_memory_free(&file.memory);
-    if (result == 0 && self->file.length < self->file.size) {
-        lx_note(say, "%s: cut off, %lu of %lu bytes; what is missing reads FFh", self->file.path,
-                (unsigned long)self->file.length, (unsigned long)self->file.size);
-    }
     return result;
 }
 

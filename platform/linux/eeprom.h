@@ -22,7 +22,8 @@ struct lx_eeprom {
  * delivery state with the address of `settings`. An existing one must hold an image of this kind of
  * device, with the same factory figures; serial number (unless it was asked for), firmware version
  * and date may be its own; another address than the one of `settings` is noted. A cut-off image is
- * taken: the device reports what is damaged.
+ * taken: the device reports what is damaged. So is one of an earlier release: it grows when the
+ * device starts.
  * @return 0, or -1 with one line in `error`, an existing file untouched
  */
 int lx_eeprom_open(struct lx_eeprom *self, const char *path, const struct lx_settings *settings,

@@ -275,6 +275,20 @@ int lx_nvm_file_open(struct lx_nvm_file *self, const char *path, const struct lx
     return result;
 }
 
+void lx_nvm_file_tell(const struct lx_nvm_file *self, uint32_t image, const struct lx_say *say)
+{
+    if (self->length < image) {
+        lx_note(say, "%s: cut off, %lu of %lu bytes; what is missing reads FFh", self->path,
+                (unsigned long)self->length, (unsigned long)image);
+    }
+    if (image < self->size) {
+        lx_note(
+            say,
+            "%s: of an earlier release, which will not take it any more: grows from %lu to %lu bytes",
+            self->path, (unsigned long)image, (unsigned long)self->size);
+    }
+}
+
 void lx_nvm_file_close(struct lx_nvm_file *self)
 {
     if (self->fd >= 0) {

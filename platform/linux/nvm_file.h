@@ -37,6 +37,12 @@ struct lx_nvm_image {
 int lx_nvm_file_open(struct lx_nvm_file *self, const char *path, const struct lx_nvm_image *image,
                      struct lx_error *error);
 
+/**
+ * Tell the user of an existing file that is cut off, or that an earlier release has written.
+ * @param image  bytes of the memory images in it, as their headers say
+ */
+void lx_nvm_file_tell(const struct lx_nvm_file *self, uint32_t image, const struct lx_say *say);
+
 /** Close and unlock; also when it is not open. */
 void lx_nvm_file_close(struct lx_nvm_file *self);
 

@@ -73,6 +73,16 @@ bool dg_biss_eeprom(const struct dg_biss *self)
     return self->mounted && self->setup.world->eeprom_acknowledges;
 }
 
+int dg_biss_mount(struct dg_biss *self)
+{
+    int result = dg_store_mount(&self->store, &dg_biss_layout, self->setup.nvm);
+
+    if (result == DG_ERR_OLDER) {
+        result = dg_store_grow(&self->store, NULL);
+    }
+    return result;
+}
+
 int dg_biss_restart(struct dg_biss *self, dg_ns now)
 {
     int result = DG_ERR_IO;
@@ -89,7 +99,7 @@ int dg_biss_restart(struct dg_biss *self, dg_ns now)
     self->communication_off = false;
     default_config(NULL, self->config);
     if (self->setup.world->eeprom_acknowledges) {
-        result = dg_store_mount(&self->store, &dg_biss_layout, self->setup.nvm);
+        result = dg_biss_mount(self);
     }
     self->mounted = result == DG_OK;
     if (!self->mounted) {

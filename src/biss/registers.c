@@ -144,7 +144,7 @@ static int check_eeprom(struct dg_biss *self, dg_ns now)
         return DG_ERR_IO;
     }
     eeprom_works(self, now);
-    const int result = dg_store_mount(&self->store, &dg_biss_layout, self->setup.nvm);
+    const int result = dg_biss_mount(self);
     self->mounted = result == DG_OK;
     return result;
 }

@@ -61,6 +61,8 @@ uint8_t dg_biss_eds_profile(const struct dg_biss_model *model, uint8_t offset);
 uint8_t dg_biss_position_bits(const struct dg_biss_model *model);
 
 /** factory.c */
+/** Mount the EEPROM, grown when it is of an earlier release. @return as dg_store_mount() */
+int dg_biss_mount(struct dg_biss *self);
 /** Everything but line, counters and setup begins anew at `now`. @return dg_store_mount()'s */
 int dg_biss_restart(struct dg_biss *self, dg_ns now);
 /** The EEPROM can be used. */

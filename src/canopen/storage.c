@@ -73,6 +73,20 @@ static bool bus_valid(const uint8_t *bus)
     return bus[0] <= 8 && bus[0] != 7 && node_id && bus[2] <= 1;
 }
 
+/* An image of an earlier release keeps its serial number. */
+static int mount_store(struct dg_co_node *self)
+{
+    uint8_t bytes[4] = {0};
+    int result = dg_store_mount(&self->store, self->setup.device->layout, self->setup.nvm);
+
+    if (result == DG_ERR_OLDER) {
+        (void)dg_store_read(&self->store, DG_CO_REGION_SERIAL, 0, bytes, sizeof bytes);
+        const uint32_t serial = dg_load_le32(bytes);
+        result = dg_store_grow(&self->store, &serial);
+    }
+    return result;
+}
+
 /* `bus` are the bus parameters, or their defaults. */
 static int mount(struct dg_co_node *self, uint8_t *bus)
 {
@@ -80,7 +94,7 @@ static int mount(struct dg_co_node *self, uint8_t *bus)
 
     dg_co_default_bus(NULL, bus);
     if (self->setup.world->eeprom_acknowledges) {
-        result = dg_store_mount(&self->store, self->setup.device->layout, self->setup.nvm);
+        result = mount_store(self);
     }
     self->mounted = result == DG_OK;
     if (load(self, DG_CO_REGION_BUS, bus) && !bus_valid(bus)) {

@@ -18,6 +18,15 @@
  *
  * Clearing needs no sync: until the next commit's sync a surviving journal only repeats what is in
  * place already, and the bytes staged over it break its sum.
+ *
+ * The size in the header tells how many regions the image has: layouts only grow, so an older image
+ * ends where some later region of today's table begins. Growing it:
+ *
+ *   new regions ... | sync | header | sync  | copy    | sync
+ *   old             | old  | old    | new, its copy repaired
+ *
+ * A header torn in between is older, newer or none at all, and beside it stands a whole one: of two
+ * the one that knows more regions is right, as those were durable before either was written.
  */
 #include "drehgeber/store.h"
 
@@ -85,10 +94,10 @@ static int nvm_copy(const struct dg_nvm *nvm, uint32_t from, uint32_t to, uint32
     return DG_OK;
 }
 
-static bool inside(const struct dg_store_layout *layout, uint8_t region, uint16_t offset,
-                   uint16_t n)
+static bool inside(const struct dg_store *self, uint8_t region, uint16_t offset, uint16_t n)
 {
-    return region < layout->region_count && (uint32_t)offset + n <= layout->regions[region].size;
+    return region < self->region_count &&
+           (uint32_t)offset + n <= self->layout->regions[region].size;
 }
 
 static bool checked(const struct dg_store_layout *layout, uint8_t region)
@@ -96,46 +105,67 @@ static bool checked(const struct dg_store_layout *layout, uint8_t region)
     return region < layout->region_count && layout->regions[region].check == DG_STORE_CHECKED;
 }
 
-static bool stageable(const struct dg_store_layout *layout, uint8_t region, uint16_t offset,
-                      uint16_t n)
+static bool stageable(const struct dg_store *self, uint8_t region, uint16_t offset, uint16_t n)
 {
-    return inside(layout, region, offset, n) &&
-           (!checked(layout, region) || n == layout->regions[region].size);
+    return inside(self, region, offset, n) &&
+           (!checked(self->layout, region) || n == self->layout->regions[region].size);
 }
 
 /* Header. */
 
-static void make_header(const struct dg_store_layout *layout, uint8_t *header)
+/* The header of an image with the first `regions` regions. */
+static void make_header(const struct dg_store_layout *layout, uint8_t regions, uint8_t *header)
 {
     static const uint8_t magic[4] = {'d', 'g', 'e', '1'};
     memcpy(header, magic, sizeof magic);
     dg_store_le32(header + 4, layout->id);
-    dg_store_le32(header + 8, dg_store_size(layout));
+    dg_store_le32(header + 8, dg_store_address(layout, regions));
 }
 
-/* A layout has exactly one header, so being the right one and being intact are the same. */
+/* How many regions the image under `header` has; 0: of another layout, or not intact. An image has
+   exactly one header, so being the right one and being intact are the same. */
+static uint8_t regions_under(const struct dg_store_layout *layout, const uint8_t *header)
+{
+    uint8_t right[HEADER_SIZE];
+    uint8_t regions = layout->region_count;
+    while (regions > 0) {
+        make_header(layout, regions, right);
+        if (memcmp(header, right, HEADER_SIZE) == 0) {
+            break;
+        }
+        regions--;
+    }
+    return regions;
+}
+
+static int no_header(const uint8_t *headers)
+{
+    size_t i = 0;
+    while (i < HEADERS_SIZE && headers[i] == ERASED) {
+        i++;
+    }
+    return i == HEADERS_SIZE ? DG_ERR_BLANK : DG_ERR_FOREIGN;
+}
+
 static int check_header(struct dg_store *self)
 {
     uint8_t right[HEADER_SIZE];
     uint8_t found[HEADERS_SIZE];
-    make_header(self->layout, right);
     if (nvm_read(&self->nvm, 0, found, sizeof found) != DG_OK) {
         return DG_ERR_IO;
     }
-    const bool first = memcmp(found, right, HEADER_SIZE) == 0;
-    const bool copy = memcmp(found + HEADER_SIZE, right, HEADER_SIZE) == 0;
-    if (first && copy) {
+    const uint8_t first = regions_under(self->layout, found);
+    const uint8_t copy = regions_under(self->layout, found + HEADER_SIZE);
+    if (first == 0 && copy == 0) {
+        return no_header(found);
+    }
+    self->region_count = first > copy ? first : copy;
+    if (first == copy) {
         return DG_OK;
     }
-    if (!first && !copy) {
-        size_t i = 0;
-        while (i < sizeof found && found[i] == ERASED) {
-            i++;
-        }
-        return i == sizeof found ? DG_ERR_BLANK : DG_ERR_FOREIGN;
-    }
     /* Only the damaged one is written: whatever becomes of it, the other stays. */
-    if (nvm_write(&self->nvm, first ? HEADER_SIZE : 0, right, HEADER_SIZE) != DG_OK) {
+    make_header(self->layout, self->region_count, right);
+    if (nvm_write(&self->nvm, first > copy ? HEADER_SIZE : 0, right, HEADER_SIZE) != DG_OK) {
         return DG_ERR_IO;
     }
     self->repairs++;
@@ -201,7 +231,7 @@ static int apply(const struct dg_store *self, uint16_t length, uint32_t *regions
         const uint32_t to = dg_store_address(layout, region) + offset;
         at += CHANGE_HEAD_SIZE;
         /* Stage lets nothing else in: a forged image must not write outside of its region. */
-        if (n > end - at || !stageable(layout, region, offset, n)) {
+        if (n > end - at || !stageable(self, region, offset, n)) {
             break;
         }
         if (nvm_copy(&self->nvm, at, to, n) != DG_OK ||
@@ -306,7 +336,7 @@ static int check_region(struct dg_store *self, uint8_t region)
 static int check_regions(struct dg_store *self)
 {
     int result = DG_OK;
-    for (uint8_t region = 0; result == DG_OK && region < self->layout->region_count; region++) {
+    for (uint8_t region = 0; result == DG_OK && region < self->region_count; region++) {
         if (checked(self->layout, region)) {
             result = check_region(self, region);
         }
@@ -333,6 +363,18 @@ static int format_region(const struct dg_store_region *region, const struct dg_n
     }
     dg_store_be16(bytes + n, dg_crc16(SUM_SEED, bytes, n));
     return nvm_write(nvm, address, bytes, whole ? n + SUM_SIZE : n);
+}
+
+/* Delivery state of region `first` and all behind it, whatever was there. */
+static int format_regions(const struct dg_store_layout *layout, const struct dg_nvm *nvm,
+                          uint8_t first, const void *ctx)
+{
+    const uint32_t address = dg_store_address(layout, first);
+    int result = nvm_erase(nvm, address, dg_store_size(layout) - address);
+    for (uint8_t i = first; result == DG_OK && i < layout->region_count; i++) {
+        result = format_region(&layout->regions[i], nvm, dg_store_address(layout, i), ctx);
+    }
+    return result;
 }
 
 /* Public. */
@@ -379,17 +421,14 @@ int dg_store_format(const struct dg_store_layout *layout, struct dg_nvm nvm, con
 {
     uint8_t headers[HEADERS_SIZE];
     if (nvm_erase(&nvm, 0, HEADERS_SIZE) != DG_OK || nvm_sync(&nvm) != DG_OK ||
-        nvm_erase(&nvm, JOURNAL, dg_store_size(layout) - JOURNAL) != DG_OK) {
+        nvm_erase(&nvm, JOURNAL, dg_store_address(layout, 0) - JOURNAL) != DG_OK) {
         return DG_ERR_IO;
     }
-    for (uint8_t i = 0; i < layout->region_count; i++) {
-        const uint32_t address = dg_store_address(layout, i);
-        const int result = format_region(&layout->regions[i], &nvm, address, ctx);
-        if (result != DG_OK) {
-            return result;
-        }
+    const int result = format_regions(layout, &nvm, 0, ctx);
+    if (result != DG_OK) {
+        return result;
     }
-    make_header(layout, headers);
+    make_header(layout, layout->region_count, headers);
     memcpy(headers + HEADER_SIZE, headers, HEADER_SIZE);
     if (nvm_sync(&nvm) != DG_OK || nvm_write(&nvm, 0, headers, sizeof headers) != DG_OK) {
         return DG_ERR_IO;
@@ -399,7 +438,8 @@ int dg_store_format(const struct dg_store_layout *layout, struct dg_nvm nvm, con
 
 int dg_store_mount(struct dg_store *self, const struct dg_store_layout *layout, struct dg_nvm nvm)
 {
-    *self = (struct dg_store){.layout = layout, .nvm = nvm, .unapplied = true};
+    *self = (struct dg_store){
+        .layout = layout, .nvm = nvm, .region_count = layout->region_count, .unapplied = true};
     int result = check_header(self);
     if (result == DG_OK) {
         result = settle(self);
@@ -407,6 +447,28 @@ int dg_store_mount(struct dg_store *self, const struct dg_store_layout *layout, 
     if (result >= 0) {
         self->replays = result == JOURNAL_WHOLE;
         result = check_regions(self);
+    }
+    if (result == DG_OK && self->region_count < layout->region_count) {
+        result = DG_ERR_OLDER;
+    }
+    return counted(self, result);
+}
+
+int dg_store_grow(struct dg_store *self, const void *ctx)
+{
+    const struct dg_store_layout *layout = self->layout;
+    uint8_t header[HEADER_SIZE];
+    make_header(layout, layout->region_count, header);
+    int result = format_regions(layout, &self->nvm, self->region_count, ctx);
+    if (result == DG_OK &&
+        (nvm_sync(&self->nvm) != DG_OK || nvm_write(&self->nvm, 0, header, HEADER_SIZE) != DG_OK ||
+         nvm_sync(&self->nvm) != DG_OK ||
+         nvm_write(&self->nvm, HEADER_SIZE, header, HEADER_SIZE) != DG_OK ||
+         nvm_sync(&self->nvm) != DG_OK)) {
+        result = DG_ERR_IO;
+    }
+    if (result == DG_OK) {
+        self->region_count = layout->region_count;
     }
     return counted(self, result);
 }
@@ -418,7 +480,7 @@ bool dg_store_damaged(const struct dg_store *self, uint8_t region)
 
 int dg_store_read(struct dg_store *self, uint8_t region, uint16_t offset, void *to, uint16_t n)
 {
-    if (!inside(self->layout, region, offset, n)) {
+    if (!inside(self, region, offset, n)) {
         return DG_ERR_ARGUMENT;
     }
     int result = settle_open(self);
@@ -442,7 +504,7 @@ int dg_store_stage(struct dg_store *self, uint8_t region, uint16_t offset, const
     if (self->failed != DG_OK) {
         return counted(self, self->failed);
     }
-    if (!stageable(self->layout, region, offset, n)) {
+    if (!stageable(self, region, offset, n)) {
         result = DG_ERR_ARGUMENT;
     } else if (n > 0) {
         const bool whole = checked(self->layout, region);

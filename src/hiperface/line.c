@@ -65,6 +65,9 @@ static int start(struct dg_hf *self)
     if (self->setup.world->eeprom_acknowledges) {
         result = dg_store_mount(&self->store, &dg_hf_layout, self->setup.nvm);
     }
+    if (result == DG_ERR_OLDER) {
+        result = dg_store_grow(&self->store, self->setup.model);
+    }
     dg_hf_load(self, result == DG_OK);
     if (result == DG_OK && self->store.failures > 0) {
         result = DG_ERR_IO; /* mounted, then silent: no mixture of memory and model */

@@ -78,9 +78,7 @@ int dg_ib_power_on(struct dg_ib *self, dg_ns now)
 
     forget(self, now);
     if (self->setup.model->profile == DG_IB_K3) {
-        result = self->setup.world->eeprom_acknowledges
-                     ? dg_store_mount(&self->store, &dg_ib_layout, self->setup.nvm)
-                     : DG_ERR_IO;
+        result = self->setup.world->eeprom_acknowledges ? dg_ib_mount(self) : DG_ERR_IO;
         if (result == DG_ERR_IO) { /* a silent memory: everything is lost, until the next start */
             self->store.layout = NULL;
             result = DG_OK;

@@ -76,6 +76,8 @@ uint32_t dg_ib_item(const struct dg_ib *self);
 
 /** memory.c */
 int dg_ib_model_check(const struct dg_ib_model *model);
+/** Mount the EEPROM, grown when it is of an earlier release. @return as dg_store_mount() */
+int dg_ib_mount(struct dg_ib *self);
 /** Working copy from every region that is in order; the others are lost and have their defaults. */
 void dg_ib_load(struct dg_ib *self);
 /** Read cam program 1..8; a lost one is empty. */

@@ -126,6 +126,13 @@ int dg_ib_format(const struct dg_ib_model *model, struct dg_nvm nvm)
                : result;
 }
 
+int dg_ib_mount(struct dg_ib *self)
+{
+    int result = dg_store_mount(&self->store, &dg_ib_layout, self->setup.nvm);
+
+    return result == DG_ERR_OLDER ? dg_store_grow(&self->store, self->setup.model) : result;
+}
+
 /* A region as it is stored; lost, its delivery state. */
 static void load(struct dg_ib *self, uint8_t region, uint8_t *to)
 {

@@ -268,6 +268,48 @@ static void a_cut_off_image_reads_erased(void **state)
     lx_eeprom_close(&eeprom);
 }
 
+/* As the last release would have written it, had its table ended before "user". */
+static void make_older_image(struct place *place)
+{
+    struct lx_eeprom eeprom;
+    struct lx_error error;
+    struct dg_store_layout older = dg_hf_layout;
+    older.region_count--;
+    assert_int_equal(lx_eeprom_open(&eeprom, NULL, &place->settings, &quiet, &error), 0);
+    assert_int_equal(dg_store_format(&older, eeprom.nvm, &place->settings.model), DG_OK);
+    write_bytes(place->path, eeprom.memory.bytes, dg_store_size(&older));
+    lx_eeprom_close(&eeprom);
+}
+
+/* Looking at it changes nothing; mounted as the device does, the file has all of today's length. */
+static void an_image_of_an_earlier_release_is_taken_and_grows(void **state)
+{
+    struct place *place = *state;
+    struct lx_eeprom eeprom;
+    struct lx_error error;
+    struct dg_store store;
+    uint8_t bytes[4] = {0};
+    make_older_image(place);
+    const off_t length = length_of(place->path);
+    assert_true(length < (off_t)dg_store_size(&dg_hf_layout));
+    lx_settings_init(&place->settings, dg_device_find("s3674-rs485")->hiperface);
+    refused(place, "belongs to s3684-rs485");
+    assert_int_equal(length_of(place->path), length);
+    lx_settings_init(&place->settings, dg_device_find("s3684-rs485")->hiperface);
+    assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), 0);
+    assert_int_equal(length_of(place->path), length);
+    assert_int_equal(dg_store_mount(&store, &dg_hf_layout, eeprom.nvm), DG_ERR_OLDER);
+    assert_int_equal(dg_store_grow(&store, &place->settings.model), DG_OK);
+    assert_int_equal(length_of(place->path), dg_store_size(&dg_hf_layout));
+    assert_int_equal(dg_store_put(&store, DG_HF_REGION_USER, 1788, "last", 4), DG_OK);
+    lx_eeprom_close(&eeprom);
+    assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), 0);
+    assert_int_equal(dg_store_mount(&store, &dg_hf_layout, eeprom.nvm), DG_OK);
+    assert_int_equal(dg_store_read(&store, DG_HF_REGION_USER, 1788, bytes, 4), DG_OK);
+    assert_memory_equal(bytes, "last", 4);
+    lx_eeprom_close(&eeprom);
+}
+
 /* A file size limit stands in for a full disk. */
 static void a_full_disk_is_an_error_that_ends(void **state)
 {
@@ -308,6 +350,7 @@ int main(void)
         IN_A_PLACE(a_units_own_identity_is_kept),
         IN_A_PLACE(a_damaged_image_is_taken),
         IN_A_PLACE(a_cut_off_image_reads_erased),
+        IN_A_PLACE(an_image_of_an_earlier_release_is_taken_and_grows),
         IN_A_PLACE(a_full_disk_is_an_error_that_ends),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
