@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "can_bus.h"
+#include "drehgeber/bits.h"
 #include "number.h"
 #include "settings.h"
 
@@ -142,7 +143,56 @@ static int deliver(struct lx_can_node *self)
     return result == DG_OK ? dg_store_put(&store, DG_CO_REGION_BUS, 0, bus, sizeof bus) : result;
 }
 
-/* In memory, or in its file. */
+static int refuse_image(const struct lx_can_node *self, struct lx_error *error)
+{
+    const char *path = self->station->plan->nvm;
+    return lx_fail(error,
+                   "%s: no image of this kind of encoder; give a file made by drehgeber, or the "
+                   "name of a new one",
+                   path == NULL ? "EEPROM" : path);
+}
+
+/* The serial number that was asked for is the file's. One that is damaged is nobody's. */
+static int check_serial(const struct lx_can_node *self, struct dg_store *store,
+                        struct lx_error *error)
+{
+    const struct lx_plan_encoder *plan = self->station->plan;
+    uint8_t bytes[4] = {0};
+    if (!dg_store_damaged(store, DG_CO_REGION_SERIAL)) {
+        (void)dg_store_read(store, DG_CO_REGION_SERIAL, 0, bytes, sizeof bytes);
+    }
+    const uint32_t serial = dg_load_le32(bytes);
+    if (plan->serial == NULL || serial == self->station->control.serial) {
+        return 0;
+    }
+    return lx_fail(error,
+                   "%s: belongs to serial number %lu; run that one, or give the name of a new file",
+                   plan->nvm, (unsigned long)serial);
+}
+
+/* Looked at in a copy: mounting repairs and grows, and a file that is refused must stay as it is.
+   The delivery state in memory has done its duty by now. */
+static int check_file(struct lx_can_node *self, struct lx_error *error)
+{
+    const struct dg_store_layout *layout = self->model.device->layout;
+    const struct dg_nvm file = lx_nvm_file_port(&self->file);
+    struct dg_store store;
+    if (file.ops->read(file.ctx, 0, self->memory.bytes, self->memory.size) != DG_OK) {
+        return lx_fail(error, "%s: cannot read", self->file.path);
+    }
+    const int mounted = dg_store_mount(&store, layout, lx_nvm_memory_port(&self->memory));
+    if (mounted != DG_OK && mounted != DG_ERR_OLDER) {
+        return refuse_image(self, error);
+    }
+    if (check_serial(self, &store, error) != 0) {
+        return -1;
+    }
+    lx_nvm_file_tell(&self->file, dg_store_address(layout, store.region_count),
+                     self->bus->bus.setup.say);
+    return 0;
+}
+
+/* In memory, or in its file; an EEPROM that does not answer belongs to nobody. */
 static int open_eeprom(struct lx_can_node *self, struct lx_error *error)
 {
     const char *path = self->station->plan->nvm;
@@ -155,33 +205,22 @@ static int open_eeprom(struct lx_can_node *self, struct lx_error *error)
         return -1;
     }
     self->station->control.nvm = lx_nvm_file_port(&self->file);
-    return 0;
+    const bool answers = self->station->world.eeprom_acknowledges;
+    return self->file.created || !answers ? 0 : check_file(self, error);
 }
 
-/* A file may belong to another encoder, or know a node-ID that was set over the bus. */
-static int check_eeprom(const struct lx_can_node *self, struct lx_error *error)
+/* A file may know a node-ID that was set over the bus. */
+static void tell_node_id(const struct lx_can_node *self)
 {
-    const struct lx_plan_encoder *plan = self->station->plan;
-    if (!self->device.mounted) { /* an EEPROM that does not answer belongs to nobody */
-        return 0;
-    }
-    if (plan->serial != NULL && self->device.serial != self->station->control.serial) {
-        return lx_fail(error,
-                       "%s: belongs to serial number %lu; run that one, or give the name of a new "
-                       "file",
-                       plan->nvm, (unsigned long)self->device.serial);
-    }
-    if (self->device.id != self->id) {
-        lx_note(self->bus->bus.setup.say, "%s: its node-ID is %u, not %u", plan->nvm,
+    if (self->device.mounted && self->device.id != self->id) {
+        lx_note(self->bus->bus.setup.say, "%s: its node-ID is %u, not %u", self->station->plan->nvm,
                 self->device.id, self->id);
     }
-    return 0;
 }
 
 static int power_on(struct lx_can_node *self, const struct dg_co_ops *ops, dg_ns now,
                     struct lx_error *error)
 {
-    const char *path = self->station->plan->nvm;
     const struct dg_co_setup device = {
         .device = self->model.device,
         .world = &self->station->world,
@@ -192,10 +231,7 @@ static int power_on(struct lx_can_node *self, const struct dg_co_ops *ops, dg_ns
     };
     if (dg_co_init(&self->device, &device) != DG_OK ||
         dg_co_power_on(&self->device, now) != DG_OK) {
-        return lx_fail(error,
-                       "%s: no image of this kind of encoder; give a file made by drehgeber, or "
-                       "the name of a new one",
-                       path == NULL ? "EEPROM" : path);
+        return refuse_image(self, error);
     }
     return 0;
 }
@@ -209,10 +245,10 @@ int lx_can_node_open(struct lx_can_node *self, const struct dg_co_ops *ops, dg_n
         (void)lx_fail(error, "these factory figures make no encoder, or there is no memory");
         return lx_settings_refuse(setup->plan, plan->line, error);
     }
-    if (open_eeprom(self, error) != 0 || power_on(self, ops, now, error) != 0 ||
-        check_eeprom(self, error) != 0) {
+    if (open_eeprom(self, error) != 0 || power_on(self, ops, now, error) != 0) {
         return lx_settings_refuse(setup->plan, plan->nvm_line, error);
     }
+    tell_node_id(self);
     return 0;
 }
 

@@ -103,6 +103,23 @@ static int deliver(struct lx_ring *self, size_t count, struct lx_error *error)
     return 0;
 }
 
+/* The images of an earlier release are shorter and stand closer together. @return their size */
+static uint32_t spread(struct lx_ring_store *self)
+{
+    const uint32_t image = dg_store_size(&dg_ib_layout);
+    uint8_t *bytes = self->memory.bytes;
+    struct dg_store store;
+    if (dg_store_mount(&store, &dg_ib_layout, lx_nvm_memory_port(&self->memory)) != DG_ERR_OLDER) {
+        return image;
+    }
+    const uint32_t older = dg_store_address(&dg_ib_layout, store.region_count);
+    for (uint32_t i = self->memory.size / image; i-- > 0;) {
+        memmove(bytes + i * image, bytes + i * older, older);
+        memset(bytes + i * image + older, 0xFF, image - older);
+    }
+    return older;
+}
+
 /* What is in the file goes to `memory`, which is for looking at only from here on. */
 static int open_file(struct lx_ring_store *self, const struct lx_say *say, struct lx_error *error)
 {
@@ -113,14 +130,14 @@ static int open_file(struct lx_ring_store *self, const struct lx_say *say, struc
     if (lx_nvm_file_open(&self->file, self->path, &delivery, error) != 0) {
         return -1;
     }
-    if (self->file.length < self->file.size) {
-        lx_note(say, "%s: cut off, %lu of %lu bytes; what is missing reads FFh", self->path,
-                (unsigned long)self->file.length, (unsigned long)self->file.size);
-    }
     const struct dg_nvm file = lx_nvm_file_port(&self->file);
     if (file.ops->read(file.ctx, 0, self->memory.bytes, self->memory.size) != DG_OK) {
         return lx_fail(error, "%s: cannot read", self->path);
     }
+    const uint32_t image = dg_store_size(&dg_ib_layout);
+    const uint32_t found = spread(self);
+    self->older = found < image;
+    lx_nvm_file_tell(&self->file, self->memory.size / image * found, say);
     return 0;
 }
 
@@ -134,17 +151,31 @@ static int open_files(struct lx_ring *self, const struct lx_say *say, struct lx_
     return 0;
 }
 
-/* Every image is looked at before the first device may repair its own. */
-static int check_files(struct lx_ring *self, size_t count, struct lx_error *error)
+/* As device `index` will mount it. */
+static int mount(struct lx_ring *self, size_t index)
 {
     struct dg_store store;
+    const int result = dg_store_mount(&store, &dg_ib_layout, lx_ring_nvm(self, index));
+    return result == DG_ERR_OLDER ? dg_store_grow(&store, &self->models[index]) : result;
+}
+
+/* Every image is looked at before the first file changes, and before the first device may repair
+   its own. */
+static int check_files(struct lx_ring *self, size_t count, struct lx_error *error)
+{
     for (size_t i = 0; i < count; i++) {
         if (self->slices[i].store->path != NULL && self->models[i].profile == DG_IB_K3 &&
-            dg_store_mount(&store, &dg_ib_layout, lx_ring_nvm(self, i)) != DG_OK) {
+            mount(self, i) != DG_OK) {
             return lx_fail(error,
                            "%s: holds no image of device %lu; give a file made by this ring, or "
                            "the name of a new one",
                            self->slices[i].store->path, (unsigned long)i);
+        }
+    }
+    for (size_t i = 0; i < self->store_count; i++) {
+        struct lx_ring_store *store = &self->stores[i];
+        if (store->older && lx_nvm_file_replace(&store->file, store->memory.bytes, error) != 0) {
+            return -1;
         }
     }
     for (size_t i = 0; i < count; i++) {

@@ -36,6 +36,7 @@ struct lx_ring_store {
     const char *path;            /**< NULL: no file */
     struct lx_nvm_memory memory; /**< delivery state; the memory itself without a file */
     struct lx_nvm_file file;
+    bool older; /**< the file is of an earlier release: its images are to be moved apart */
 };
 
 /** The part of a memory that belongs to one device. */

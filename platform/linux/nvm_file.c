@@ -146,11 +146,14 @@ static int refuse(const struct lx_nvm_file *self, pid_t holder, struct lx_error 
                    self->path, (long)holder);
 }
 
+/* A file that has lost its name meanwhile has been replaced by another, see below. */
 static int lock(const struct lx_nvm_file *self, struct lx_error *error)
 {
     const int reason = lx_file_hold(self->fd);
+    struct stat info;
     if (reason == 0) {
-        return 0;
+        const bool named = fstat(self->fd, &info) == 0 && info.st_nlink > 0;
+        return named ? 0 : refuse(self, 0, error);
     }
     /* Anything but this is a file system that cannot lock: then nobody is safe. */
     return reason == EAGAIN ? refuse(self, lx_file_holder(self->fd), error)
@@ -218,6 +221,21 @@ static int sync_folder(const char *folder)
     return reason;
 }
 
+/* A durable file with all of its content under a name of its own, mode 0600. Locked before it gets
+   its name: a lock on a private file cannot be refused by others. 0 or an errno; `fd` -1: none. */
+static int prepare(struct neighbour *near, const uint8_t *bytes, size_t n, int *fd)
+{
+    *fd = mkostemp(near->name, O_CLOEXEC);
+    if (*fd < 0) {
+        return errno;
+    }
+    int reason = lx_file_hold(*fd);
+    if (reason == 0) {
+        reason = write_all(*fd, bytes, n, 0);
+    }
+    return reason == 0 && fsync(*fd) != 0 ? errno : reason;
+}
+
 /* A complete image under another name first, then link(): whoever sees the file sees all of it,
    and of two processes that create it one wins. 0 or an errno. */
 static int create(struct lx_nvm_file *self, const struct lx_nvm_image *image)
@@ -226,22 +244,13 @@ static int create(struct lx_nvm_file *self, const struct lx_nvm_image *image)
     if (!neighbour_of(&near, self->path)) {
         return ENAMETOOLONG;
     }
-    self->fd = mkostemp(near.name, O_CLOEXEC); /* mode 0600 */
-    if (self->fd < 0) {
-        return errno;
-    }
-    /* Locked before it has its name. A lock on a private file cannot be refused by others. */
-    int reason = lx_file_hold(self->fd);
-    if (reason == 0) {
-        reason = write_all(self->fd, image->bytes, image->size, 0);
-    }
-    if (reason == 0 && fsync(self->fd) != 0) {
-        reason = errno;
-    }
+    int reason = prepare(&near, image->bytes, image->size, &self->fd);
     if (reason == 0 && link(near.name, self->path) != 0) {
         reason = errno;
     }
-    (void)unlink(near.name);
+    if (self->fd >= 0) {
+        (void)unlink(near.name);
+    }
     return reason == 0 ? sync_folder(near.folder) : reason;
 }
 
@@ -273,6 +282,44 @@ int lx_nvm_file_open(struct lx_nvm_file *self, const char *path, const struct lx
         lx_nvm_file_close(self);
     }
     return result;
+}
+
+/* Beside the file itself, if `path` is a link to it. 0 or an errno; `fd` is the new one. */
+static int replace(const char *path, const uint8_t *bytes, size_t n, int *fd)
+{
+    char target[PATH_MAX];
+    struct stat info;
+    struct neighbour near = {.folder = ""};
+    if (realpath(path, target) == NULL || stat(target, &info) != 0) {
+        return errno;
+    }
+    if (!neighbour_of(&near, target)) {
+        return ENAMETOOLONG;
+    }
+    int reason = prepare(&near, bytes, n, fd);
+    if (reason == 0 && (fchmod(*fd, info.st_mode & 07777) != 0 || rename(near.name, target) != 0)) {
+        reason = errno;
+    }
+    if (reason != 0 && *fd >= 0) {
+        (void)unlink(near.name);
+    }
+    return reason == 0 ? sync_folder(near.folder) : reason;
+}
+
+int lx_nvm_file_replace(struct lx_nvm_file *self, const uint8_t *bytes, struct lx_error *error)
+{
+    int fd = -1;
+    const int reason = replace(self->path, bytes, self->size, &fd);
+    if (reason != 0) {
+        if (fd >= 0) {
+            (void)close(fd);
+        }
+        return lx_fail(error, "%s: cannot grow: %s", self->path, strerror(reason));
+    }
+    (void)close(self->fd);
+    self->fd = fd;
+    self->length = self->size;
+    return 0;
 }
 
 void lx_nvm_file_tell(const struct lx_nvm_file *self, uint32_t image, const struct lx_say *say)

@@ -43,6 +43,13 @@ int lx_nvm_file_open(struct lx_nvm_file *self, const char *path, const struct lx
  */
 void lx_nvm_file_tell(const struct lx_nvm_file *self, uint32_t image, const struct lx_say *say);
 
+/**
+ * Another content, `self->size` bytes, all of it or none: for images that would have to be moved.
+ * The file stays open and locked; other names (hard links) keep the content it had.
+ * @return 0, or -1 with one line in `error`, the file as it was
+ */
+int lx_nvm_file_replace(struct lx_nvm_file *self, const uint8_t *bytes, struct lx_error *error);
+
 /** Close and unlock; also when it is not open. */
 void lx_nvm_file_close(struct lx_nvm_file *self);
 

@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cmocka.h>
@@ -159,6 +160,56 @@ static void a_file_for_each(void **state)
     assert_int_equal(self->bus->ops->open(self->bus, lx_now(), &self->error), -1);
     assert_non_null(strstr(self->error.text, "rig.ini:5: "));
     assert_non_null(strstr(self->error.text, "belongs to serial number 1234567890"));
+}
+
+/* A file as the last release would have left it, had its table been shorter. @return bytes */
+static long make_older_file(const char *path, const struct dg_store_layout *layout)
+{
+    struct dg_store_layout older = *layout;
+    struct lx_nvm_memory memory;
+    const uint32_t serial = 1234567890;
+    older.region_count--;
+    assert_int_equal(lx_nvm_memory_init(&memory, dg_store_size(&older)), 0);
+    assert_int_equal(dg_store_format(&older, lx_nvm_memory_port(&memory), &serial), DG_OK);
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    assert_int_equal(fwrite(memory.bytes, 1, memory.size, file), memory.size);
+    assert_int_equal(fclose(file), 0);
+    lx_nvm_memory_free(&memory);
+    return dg_store_size(&older);
+}
+
+static long length_of(const char *path)
+{
+    struct stat info;
+    assert_int_equal(stat(path, &info), 0);
+    return info.st_size;
+}
+
+/* Refused, it stays as it is; taken, it has today's length. */
+static void a_file_of_an_earlier_release_grows(void **state)
+{
+    static char other[] = "7";
+    struct can_rig *self = *state;
+    can_rig_plan(self, 1);
+    const struct dg_store_layout *layout = self->encoder[0].model->cia406->device->layout;
+    (void)snprintf(self->nvm[0], sizeof self->nvm[0], "%s/0.nvm", self->folder);
+    self->encoder[0].nvm = self->nvm[0];
+    self->encoder[0].serial = other;
+    const long length = make_older_file(self->nvm[0], layout);
+    const struct lx_bus_setup setup = can_rig_setup(self, 1);
+    self->bus = lx_can_bus_make_slcan(&setup, &self->error);
+    assert_non_null(self->bus);
+    assert_int_equal(self->bus->ops->open(self->bus, lx_now(), &self->error), -1);
+    assert_non_null(strstr(self->error.text, "belongs to serial number 1234567890"));
+    can_rig_shut(self);
+    assert_int_equal(length_of(self->nvm[0]), length);
+
+    self->encoder[0].serial = NULL;
+    can_rig_open_slcan(self, 1);
+    assert_int_equal(can_rig_device(self, 0)->serial, 1234567890);
+    assert_true(can_rig_device(self, 0)->mounted);
+    assert_int_equal(length_of(self->nvm[0]), dg_store_size(layout));
 }
 
 /* --- power --- */
@@ -321,6 +372,8 @@ int main(void)
                                         can_rig_tear_down),
         cmocka_unit_test_setup_teardown(each_is_its_own, can_rig_set_up, can_rig_tear_down),
         cmocka_unit_test_setup_teardown(a_file_for_each, can_rig_set_up, can_rig_tear_down),
+        cmocka_unit_test_setup_teardown(a_file_of_an_earlier_release_grows, can_rig_set_up,
+                                        can_rig_tear_down),
         cmocka_unit_test_setup_teardown(power_is_each_ones_own, can_rig_set_up, can_rig_tear_down),
         cmocka_unit_test_setup_teardown(the_tap_sees_everything, can_rig_set_up, can_rig_tear_down),
         cmocka_unit_test_setup_teardown(late_is_more_than_5_ms, can_rig_set_up, can_rig_tear_down),
