@@ -20,27 +20,34 @@ struct suffix {
     uint64_t factor;
     uint16_t per;
     uint8_t unit;
-    uint8_t places; /* of the first one: what it has in the base unit, for ranges */
     char name[6];
 };
 
 /* clang-format off */
 static const struct suffix suffixes[] = {
-    {1,                   1, DG_SCPI_PLAIN,        0, ""}, /* 10^places, as the range says */
-    {(uint64_t)DG_TURN, 360, DG_SCPI_ANGLE,        6, "DEG"},
-    {(uint64_t)DG_TURN,   1, DG_SCPI_ANGLE,        0, "REV"},
-    {1000,                1, DG_SCPI_SPEED,        3, "RPM"},
-    {1000,                1, DG_SCPI_ACCELERATION, 3, "RPM/S"},
-    {1000000,             1, DG_SCPI_TIME,         6, "MS"},
-    {1000000000,          1, DG_SCPI_TIME,         0, "S"},
-    {1000,                1, DG_SCPI_TIME,         0, "US"},
-    {1,                   1, DG_SCPI_TIME,         0, "NS"},
-    {1000,                1, DG_SCPI_TEMPERATURE,  3, "DEGC"},
-    {1000,                1, DG_SCPI_TEMPERATURE,  0, "CEL"},
-    {1,                   1, DG_SCPI_VOLTAGE,      0, "MV"},
-    {1000,                1, DG_SCPI_VOLTAGE,      0, "V"},
-    {1,                   1, DG_SCPI_CURRENT,      0, "UA"},
-    {1000,                1, DG_SCPI_CURRENT,      0, "MA"},
+    {1,                   1, DG_SCPI_PLAIN,        ""}, /* 10^places, as the range says */
+    {(uint64_t)DG_TURN, 360, DG_SCPI_ANGLE,        "DEG"},
+    {(uint64_t)DG_TURN,   1, DG_SCPI_ANGLE,        "REV"},
+    {1000,                1, DG_SCPI_SPEED,        "RPM"},
+    {1000,                1, DG_SCPI_ACCELERATION, "RPM/S"},
+    {1000000,             1, DG_SCPI_TIME,         "MS"},
+    {1000000000,          1, DG_SCPI_TIME,         "S"},
+    {1000,                1, DG_SCPI_TIME,         "US"},
+    {1,                   1, DG_SCPI_TIME,         "NS"},
+    {1000,                1, DG_SCPI_TEMPERATURE,  "DEGC"},
+    {1000,                1, DG_SCPI_TEMPERATURE,  "CEL"},
+    {1,                   1, DG_SCPI_VOLTAGE,      "MV"},
+    {1000,                1, DG_SCPI_VOLTAGE,      "V"},
+    {1,                   1, DG_SCPI_CURRENT,      "UA"},
+    {1000,                1, DG_SCPI_CURRENT,      "MA"},
+};
+
+/* Places behind the point that the base unit has in the first suffix, for ranges; voltage and
+   current have none, a plain number those of its range. */
+static const uint8_t unit_places[] = {
+    [DG_SCPI_ANGLE] = 6,       [DG_SCPI_SPEED] = 3,       [DG_SCPI_ACCELERATION] = 3,
+    [DG_SCPI_TIME] = 6,        [DG_SCPI_TEMPERATURE] = 3, [DG_SCPI_VOLTAGE] = 0,
+    [DG_SCPI_CURRENT] = 0,
 };
 /* clang-format on */
 #define SUFFIX_COUNT (sizeof suffixes / sizeof suffixes[0])
@@ -282,7 +289,7 @@ static bool read_decimal(struct dg_scpi *self, const struct dg_scpi_range *range
 static void add_limit(struct scpi_detail *detail, const struct dg_scpi_range *range, int64_t limit)
 {
     const bool plain = range->unit == DG_SCPI_PLAIN;
-    unsigned places = plain ? range->places : find_suffix(range->unit, NULL, 0)->places;
+    unsigned places = plain ? range->places : unit_places[range->unit];
     uint64_t magnitude = dg_scpi_magnitude(limit);
     char text[SCPI_DIGITS_MAX];
 
