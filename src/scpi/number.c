@@ -351,8 +351,8 @@ static bool read_limit(struct dg_scpi *self, const struct dg_scpi_range *range, 
 
 bool dg_scpi_number(struct dg_scpi *self, const struct dg_scpi_range *range, int64_t *value)
 {
-    int64_t result;
-    struct value read;
+    int64_t result = 0;
+    struct value read = {.magnitude = 0};
 
     if (!dg_scpi_next(self)) {
         return false;
