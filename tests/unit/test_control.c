@@ -271,6 +271,12 @@ static void test_recording(void **state)
     assert_string_equal(rig.text, "NULL");
     refuse("SHAF:REC:STAR", "-109", NULL);
     refuse("SHAF:REC:STAR x.csv,99US", "-222", NULL);
+    refuse("SHAF:REC:STAR x.csv,99.999US", "-222", NULL);
+    refuse("SHAF:REC:STAR x.csv,3600.001S", "-222", "3600000");
+    expect("SHAF:REC:STAR x.csv,100US", "");
+    assert_int_equal(rig.number[0], DG_US(100));
+    expect("SHAF:REC:STAR x.csv,3600S", "");
+    assert_int_equal(rig.number[0], DG_S(3600));
     rig.result = DG_SCPI_FILE_NAME;
     refuse("SHAF:REC:STAR x.csv", "-256", "as record says");
     rig.ops.record = NULL;

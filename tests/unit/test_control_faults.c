@@ -71,6 +71,27 @@ static void test_catalogue(void **state)
     assert_non_null(strstr(catalogue, "\"5.1.3\""));
 }
 
+/* Without a multiturn track it cannot have the faults of one. */
+static void test_a_singleturn_offers_no_multiturn_faults(void **state)
+{
+    static const char *const kinds[] = {"multiturn_amplitude", "multiturn_sync",
+                                        "multiturn_vector"};
+
+    (void)state;
+    expect("INST:SEL hf", "");
+    for (int turns = 2; turns > 0; turns--) {
+        struct dg_hf_model model = *rig.hf.device.setup.model;
+        model.turns = (uint32_t)turns;
+        rig.hf.device.setup.model = &model;
+        const char *catalogue = control_rig_say(&rig, "FAUL:CAT?");
+        assert_non_null(strstr(catalogue, "\"singleturn_lost\""));
+        for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
+            assert_int_equal(strstr(catalogue, kinds[i]) == NULL, turns == 1);
+        }
+        rig.hf.device.setup.model = dg_device_find("s3684-rs485")->hiperface;
+    }
+}
+
 static void test_set_and_clear(void **state)
 {
     (void)state;
@@ -313,6 +334,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup(test_catalogue, setup),
+        cmocka_unit_test_setup(test_a_singleturn_offers_no_multiturn_faults, setup),
         cmocka_unit_test_setup(test_set_and_clear, setup),
         cmocka_unit_test_setup(test_limits_in_any_order, setup),
         cmocka_unit_test_setup(test_limits_that_cannot_be, setup),

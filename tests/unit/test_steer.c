@@ -427,6 +427,21 @@ static void a_geared_shaft_follows(void **state)
     assert_true(dg_shaft_angle(&shaft, DG_S(21)) == -5 * DG_TURN);
 }
 
+/* Another gear begins without the offset of the one before. */
+static void coupled_again_it_has_no_offset(void **state)
+{
+    struct dg_shaft driver = fresh(0);
+    struct dg_shaft shaft = fresh(0);
+
+    (void)state;
+    assert_int_equal(dg_shaft_set_position(&driver, 0, 10 * DG_TURN), DG_OK);
+    assert_int_equal(dg_shaft_couple(&shaft, &driver, 1, 1), DG_OK);
+    assert_int_equal(dg_shaft_set_position(&shaft, 0, 3 * DG_TURN), DG_OK);
+    assert_true(dg_shaft_angle(&shaft, 0) == 3 * DG_TURN);
+    assert_int_equal(dg_shaft_couple(&shaft, &driver, 1, 5), DG_OK);
+    assert_true(dg_shaft_angle(&shaft, 0) == 2 * DG_TURN);
+}
+
 static void speeds_behind_a_gear_saturate(void **state)
 {
     struct dg_shaft driver = fresh(0);
@@ -527,6 +542,7 @@ int main(void)
         cmocka_unit_test(a_jump_is_left_at_the_highest_speed),
         cmocka_unit_test(gears_are_exact),
         cmocka_unit_test(a_geared_shaft_follows),
+        cmocka_unit_test(coupled_again_it_has_no_offset),
         cmocka_unit_test(speeds_behind_a_gear_saturate),
         cmocka_unit_test(gears_in_a_row),
         cmocka_unit_test(what_is_out_of_range_is_refused),

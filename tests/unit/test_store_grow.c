@@ -380,6 +380,26 @@ static void an_operation_that_fails_leaves_either(void **state)
     }
 }
 
+/* Once the headers are durably gone an old image is a blank memory, whatever else is left of it. */
+static void a_format_over_an_image_that_is_cut_leaves_it_blank(void **state)
+{
+    uint32_t nth = 0;
+    (void)state;
+    while (true) {
+        make_image(3);
+        ram_nvm_cut(&ram, nth, RAM_NVM_UNSYNCED, 0);
+        if (dg_store_format(&layouts[REGIONS], nvm, ctx) == DG_OK) {
+            break;
+        }
+        ram_nvm_restore(&ram);
+        assert_int_equal(mount(3), nth == 0 ? DG_OK : DG_ERR_BLANK);
+        nth++;
+    }
+    assert_true(nth > 5);
+    assert_int_equal(mount(REGIONS), DG_OK);
+    assert_taken_over(0, REGIONS);
+}
+
 /* --- a journal of the older release --- */
 
 /* Two changes, committed and durable, none of them in place. */
@@ -464,6 +484,7 @@ int main(void)
         cmocka_unit_test(a_damaged_header_does_not_shorten_the_image),
         cmocka_unit_test(a_power_cut_leaves_the_older_image_or_the_grown_one),
         cmocka_unit_test(an_operation_that_fails_leaves_either),
+        cmocka_unit_test(a_format_over_an_image_that_is_cut_leaves_it_blank),
         cmocka_unit_test(a_journal_left_behind_is_completed),
         cmocka_unit_test(a_journal_reaches_no_region_the_image_lacks),
     };
