@@ -69,6 +69,13 @@ static struct dg_store store;
 static uint32_t calls, fail_at; /* so far; the one that fails */
 static size_t length;           /* of the last write */
 
+/* Writes since the last sync. */
+static struct {
+    uint32_t address;
+    size_t n;
+} pending[64];
+static size_t pending_count;
+
 /* Bytes as they were; most of the memory is not in use. */
 static void rewind_to(const struct ram_nvm *start)
 {
@@ -89,11 +96,15 @@ static int test_read(void *to, uint32_t address, void *bytes, size_t n)
 static int test_write(void *to, uint32_t address, const void *bytes, size_t n)
 {
     length = n;
+    assert_true(pending_count < sizeof pending / sizeof pending[0]);
+    pending[pending_count].address = address;
+    pending[pending_count++].n = n;
     return fails() ? DG_ERR_IO : ram_nvm_port(to).ops->write(to, address, bytes, n);
 }
 
 static int test_sync(void *to)
 {
+    pending_count = 0;
     return fails() ? DG_ERR_IO : ram_nvm_port(to).ops->sync(to);
 }
 
@@ -380,6 +391,31 @@ static void an_operation_that_fails_leaves_either(void **state)
     }
 }
 
+/* On a medium where the power cut tears all that was not synced, not only the last write. */
+static void writes_torn_together_leave_either(void **state)
+{
+    (void)state;
+    make_image(3);
+    assert_int_equal(test_sync(&ram), DG_OK);
+    const struct ram_nvm start = ram;
+    for (uint32_t nth = 0;; nth++) {
+        rewind_to(&start);
+        ram_nvm_cut(&ram, nth, RAM_NVM_ORDERED, 1);
+        if (take_over(REGIONS) == DG_OK) {
+            assert_true(nth > 5);
+            break;
+        }
+        ram_nvm_restore(&ram);
+        for (size_t i = 0; i < pending_count; i++) {
+            ram.bytes[pending[i].address + pending[i].n - 1] ^= 0x55;
+        }
+        pending_count = 0;
+        assert_either(3, REGIONS);
+        assert_int_equal(take_over(REGIONS), DG_OK);
+        assert_taken_over(3, REGIONS);
+    }
+}
+
 /* Once the headers are durably gone an old image is a blank memory, whatever else is left of it. */
 static void a_format_over_an_image_that_is_cut_leaves_it_blank(void **state)
 {
@@ -484,6 +520,7 @@ int main(void)
         cmocka_unit_test(a_damaged_header_does_not_shorten_the_image),
         cmocka_unit_test(a_power_cut_leaves_the_older_image_or_the_grown_one),
         cmocka_unit_test(an_operation_that_fails_leaves_either),
+        cmocka_unit_test(writes_torn_together_leave_either),
         cmocka_unit_test(a_format_over_an_image_that_is_cut_leaves_it_blank),
         cmocka_unit_test(a_journal_left_behind_is_completed),
         cmocka_unit_test(a_journal_reaches_no_region_the_image_lacks),
