@@ -67,14 +67,26 @@ static bool same_place(const struct lx_plan_wire *a, const struct lx_plan_wire *
            strcmp(a->where + n - strlen(any), any) != 0;
 }
 
+/* Whoever gives two encoders one place most likely wants them to share it. */
+static const char *right_instead(const struct lx_plan_wire *a, const struct lx_plan_wire *b,
+                                 const struct lx_plan_where *where)
+{
+    const bool can_share = a->kind == b->kind && a->kind->stations_max > 1;
+    return can_share && strcmp(where->key, "wire") == 0
+               ? "another address, or a [bus NAME] with this one and bus = NAME in both encoders"
+               : "another address";
+}
+
 static int check_place(const struct lx_plan *plan, int at, const struct lx_plan_where *where,
                        struct lx_error *error)
 {
+    const struct lx_plan_wire *wire = &plan->wires[at];
     for (int i = 0; i < at; i++) {
-        if (same_place(&plan->wires[i], &plan->wires[at])) {
+        const struct lx_plan_wire *other = &plan->wires[i];
+        if (same_place(other, wire)) {
             return lx_plan_fail(plan, where->line, error,
-                                "%s: %s is the wire in line %u already; another address is right",
-                                where->key, plan->wires[at].where, plan->wires[i].line);
+                                "%s: %s is the wire in line %u already; %s is right", where->key,
+                                wire->where, other->line, right_instead(other, wire, where));
         }
     }
     return 0;

@@ -33,6 +33,24 @@ def test_eds_banks_have_valid_check_sums(model):
     assert biss(model, "eds").count("valid") >= 2
 
 
+@pytest.mark.parametrize("model", [S3674, S3684])
+def test_eds_shows_what_the_banks_hold(model):
+    """Every field of 5.2.1.3.1 and 5.2.1.3.2 with its bytes."""
+    common, profile = biss(model, "eds").split("\n\n")
+    fields = re.compile(r"^0x([0-9A-F]{2})  (\w+) +([0-9A-F]+) +(\d+)", re.MULTILINE)
+    for bank, text, count in (3, common, 23), (4, profile, 32):
+        values = bytes.fromhex(biss(model, "registers", f"{bank}:0", "64"))
+        shown = fields.findall(text)
+        assert len(shown) == count
+        for address, _, digits, _ in shown:
+            first = int(address, 16)
+            assert values[first:first + len(digits) // 2].hex().upper() == digits
+    assert re.search(r"^0x0E  PON_DLY +0064 +100 ms ", common, re.MULTILINE)
+    assert re.search(r"^0x02  BP_ID1 +62 +98 ", profile, re.MULTILINE)
+    turns = {S3674: r"00000000 +0", S3684: r"00001000 +4096"}[model]
+    assert re.search(rf"^0x10  MT_CNT +{turns} turns", profile, re.MULTILINE)
+
+
 def test_user_bank_survives(nvm):
     biss(S3684, "write", "7:3", "A55A", "--nvm", nvm)
     assert biss(S3684, "registers", "7:2", "4", "--nvm", nvm) == "FF A5 5A FF\n"

@@ -21,6 +21,14 @@ def test_signals_end_it(start, signal_number):
     assert encoder.out.so_far() == []
 
 
+@pytest.mark.parametrize("descriptors, what", [(4, "event loop"), (5, "timer")])
+def test_without_descriptors_it_says_so(descriptors, what):
+    def limit():
+        resource.setrlimit(resource.RLIMIT_NOFILE, (descriptors, descriptors))
+    line = run_refused(1, "run", MULTITURN, "--pty", preexec_fn=limit)
+    assert line == f"drehgeber: no {what}: Too many open files"
+
+
 def test_link(start, tmp_path):
     link = tmp_path / "encoder"
     encoder = start(wire=[f"--pty={link}"])

@@ -223,8 +223,11 @@ def test_a_defect_comes_and_goes(panel, four):
     top.keys("Down", "Enter", "x")  # the next one; any other key closes
     top.wait_gone("enter sets or clears")
     eventually(lambda: co.ask("FAUL:ACT?"), f'"{catalogue[wanted + 1]}"')
+    top.wait(rf"^co .* {catalogue[wanted + 1]}$")  # and no longer the one before
+    assert "temperature_high" not in row(top.screen(), "co")
     top.keys("c")
     eventually(lambda: co.ask("FAUL:ACT?"), '""')
+    top.wait(r"^co .* - +-$")
 
 
 def test_power(panel, four):

@@ -189,6 +189,7 @@ static void folders_and_missing_folders_are_refused(void **state)
     assert_int_equal(lx_eeprom_open(&eeprom, place->folder, &place->settings, &quiet, &error), -1);
     lx_eeprom_close(&eeprom);
     assert_non_null(strstr(error.text, place->folder));
+    assert_non_null(strstr(error.text, ": cannot open: Is a directory"));
     assert_int_equal(
         lx_eeprom_open(&eeprom, "/no/such/folder/nvm", &place->settings, &quiet, &error), -1);
     lx_eeprom_close(&eeprom);

@@ -266,6 +266,13 @@ static const struct {
      "3: colour: no key of a modbus bus; wire, address, trace, cycle, tear and break_at are right"},
     {"[bus b]\nwire = pty\naddress = x\n[bus c]\nwire = slcan\naddress = x\n",
      "6: address: x is the wire in line 1 already; another address is right"},
+    {"[encoder a]\nmodel = s3684-rs485\nwire = pty:x\n"
+     "[encoder b]\nmodel = s3684-rs485\nwire = pty:x\n",
+     "6: wire: x is the wire in line 1 already; another address, or a [bus NAME] with this one and "
+     "bus = NAME in both encoders is right"},
+    {"[encoder a]\nmodel = s3684-rs485\nwire = pty:x\n"
+     "[encoder b]\nmodel = f3668\nwire = slcan:x\n",
+     "6: wire: x is the wire in line 1 already; another address is right"},
     {"[bus b]\nwire = modbus\n[bus c]\nwire = modbus\n",
      "3: address: 127.0.0.1:5020 is the wire in line 1 already; another address is right"},
     {"[bus b]\nwire = pty\ntrace = x.vcd\n[bus c]\nwire = pty\ntrace = x.vcd\n",
