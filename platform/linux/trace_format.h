@@ -23,6 +23,7 @@ struct lx_trace_format {
     void (*end)(struct lx_trace *self); /**< what was held back */
 };
 
+/** A file while it is written. */
 struct lx_trace {
     const struct lx_trace_format *format;
     FILE *file;

@@ -41,7 +41,7 @@ def main():
     tree = sys.argv[1]
     headers = "".join(blank(read(tree, path)) for path in files(tree, "include"))
     public = set(re.findall(r"\b(dg_\w+)\(", headers))
-    folders = ("src", "platform", "tools/drehgeber", "tests")
+    folders = ("src", "platform", "tools", "tests")
     functions, complaints = [], []
     for path in files(tree, *folders, suffixes=(".c", ".h")):
         text = read(tree, path)

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""Every public prototype and variable is documented: a comment opens the block of lines it stands
-in. A block ends at an empty line, so that one comment can speak for several similar functions.
+"""What a header declares is documented: every function, variable, struct, enum, typedef and macro
+with a value. A comment opens the block of lines it stands in, or stands behind it on its line. A block
+ends at an empty line, so that one comment can speak for several similar things. Members and values are
+the comment of their struct or enum's business.
 
 usage: documented.py TREE
 """
@@ -10,28 +12,42 @@ import sys
 
 from sources import blank, files, finish, read
 
-DECLARED = re.compile(r"^(?!\s|#|typedef|struct \w+(?: \{|;)|enum)[\w \*]*\b(dg_\w+)(\(|\[|;)")
+# In public headers, and in those of ports, whose functions and variables speak for themselves.
+DATA = r"(?:struct|enum|union)(?: (\w+))?(?= \{)|typedef\b[^;]*?\b(\w+)(?=[;)])|# *define (\w+)(?=[( ])"
+DECLARED = re.compile(rf"^(?:{DATA}|(?!struct \w+(?: \{{|;)|enum)[\w \*]*\b(dg_\w+)(?=\(|\[|;))")
+PLATFORM = re.compile(rf"^(?:{DATA})")
+
+
+def complaints_of(path, text, declared):
+    """Names of what is declared, and complaints."""
+    raw, bare = text.split("\n"), blank(text).split("\n")
+    complaints, checked = [], 0
+    documented, inside, continued = False, False, False
+    for number, line in enumerate(raw, 1):
+        # An empty line inside a comment is not the end of a block.
+        if not line.strip() and not inside:
+            documented = False
+        if line.lstrip().startswith("/**"):
+            documented = True
+        inside = (inside or "/*" in line) and "*/" not in line
+        match = None if continued else declared.match(bare[number - 1])
+        continued = line.endswith("\\")
+        if match:
+            checked += 1
+            if not documented and "/*" not in line:
+                name = next((group for group in match.groups() if group), match.group())
+                complaints.append(f"{path}:{number}: {name} is not documented")
+    return checked, complaints
 
 
 def main():
     tree = sys.argv[1]
     complaints, checked = [], 0
-    for path in files(tree, "include", suffixes=(".h",)):
-        text = read(tree, path)
-        raw, bare = text.split("\n"), blank(text).split("\n")
-        documented, inside = False, False
-        for number, line in enumerate(raw, 1):
-            # An empty line inside a comment is not the end of a block.
-            if not line.strip() and not inside:
-                documented = False
-            if line.lstrip().startswith("/**"):
-                documented = True
-            inside = (inside or "/*" in line) and "*/" not in line
-            match = DECLARED.match(bare[number - 1])
-            if match:
-                checked += 1
-                if not documented:
-                    complaints.append(f"{path}:{number}: {match.group(1)} is not documented")
+    for folder, declared in (("include", DECLARED), ("platform", PLATFORM)):
+        for path in files(tree, folder, suffixes=(".h",)):
+            count, wrong = complaints_of(path, read(tree, path), declared)
+            checked += count
+            complaints += wrong
     finish(checked, complaints)
 
 

@@ -15,7 +15,8 @@ def files(tree, *folders, suffixes=("",)):
     for folder in folders or ("",):
         for parent, names, leaves in os.walk(os.path.join(tree, folder)):
             names[:] = [name for name in names if name not in IGNORED]
-            found += [os.path.join(parent, leaf) for leaf in leaves if leaf.endswith(suffixes)]
+            found += [os.path.join(parent, leaf) for leaf in leaves
+                      if leaf.endswith(suffixes) and leaf not in IGNORED]
     if not found:
         sys.exit(f"nothing to check in {tree}: {folders} {suffixes}")
     return sorted(os.path.relpath(path, tree) for path in found)

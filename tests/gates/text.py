@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Every file says its licence, ends its lines properly, and knows no machine it was written on.
+"""Every file says its licence, ends its lines properly, and knows no machine it was written on. A file
+that is no UTF-8 hides from this; only images and corpora of tests may be such.
 
 usage: text.py TREE
 """
@@ -10,6 +11,8 @@ import sys
 from sources import files, finish, read
 
 LICENSED = (".c", ".h", ".def", ".py", ".txt", ".cmake", ".in", ".sh", ".ini")
+# Where files that are not text may lie; sources may not.
+BINARY = ("tests/golden/", "tests/fuzz/corpus/")
 # Brackets keep this file from complaining about itself.
 FORBIDDEN = {
     "a path of somebody's machine": re.compile(r"(?<![\w.}])/(wor[k]|hom[e]|roo[t]|User[s])/\w"),
@@ -32,7 +35,9 @@ def main():
         try:
             text = read(tree, path)
         except UnicodeDecodeError:
-            continue  # a fuzz corpus is not text
+            if licensed(path) and "." in path or not path.startswith(BINARY):
+                complaints.append(f"{path}: not UTF-8")
+            continue
         head = text.split("\n", 2)[:2]
         if licensed(path) and not any("SPDX-License-Identifier: MIT" in line for line in head):
             complaints.append(f"{path}:1: no licence in the first two lines")
