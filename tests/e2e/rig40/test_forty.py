@@ -22,9 +22,9 @@ import drehgeber  # noqa: E402
 
 MASTERS = os.environ.get("RIG_MASTERS", "")
 RIG = REPOSITORY / "tools/examples/forty.ini"
-RUN_S = 60.0  # at least, and as many of time kept, but
-RUN_MOST_S = 180.0
-KEPT_LEAST_S = 30  # seconds of time kept without which nothing is proved
+RUN_S = float(os.environ.get("RIG_SECONDS", "60"))  # at least, and as many of time kept, but
+RUN_MOST_S = 3 * RUN_S
+KEPT_LEAST_S = RUN_S / 2  # seconds of time kept without which nothing is proved
 AFTERMATH_S = 0.05  # what was held up by a stall is done by then
 PATIENCE_S = 20.0  # for what should happen at once on a busy, emulated machine
 PRIORITY = 10
