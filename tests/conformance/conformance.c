@@ -87,6 +87,7 @@ int main(int argc, char **argv)
     } suites[] = {
         {"hiperface", cf_hiperface, prove},
         {"biss", cf_biss, prove},
+        {"biss-selftest", cf_biss, expect_fail},
         {"selftest", cf_hiperface, expect_fail},
         {"canopen", cf_canopen, prove},
         {"canopen-selftest", cf_canopen, expect_fail},

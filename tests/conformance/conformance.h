@@ -60,7 +60,7 @@ struct cf_line {
 
 struct cf_row {
     char *title;
-    char *cited[CF_CITED_MAX];
+    char *cited[CF_CITED_MAX + 1u]; /**< room to notice one too many */
     size_t cited_count;
     size_t first_line; /**< index of its first step in cf_suite.lines */
     size_t line_count;

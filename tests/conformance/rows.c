@@ -98,7 +98,10 @@ static bool parse_head(struct cf_suite *suite, char *text, int line)
     }
     *close = '\0';
     *row = (struct cf_row){.title = trim(close + 1), .first_line = suite->line_count, .line = line};
-    row->cited_count = cf_split(text + 1, row->cited, CF_CITED_MAX);
+    row->cited_count = cf_split(text + 1, row->cited, CF_CITED_MAX + 1u);
+    if (row->cited_count > CF_CITED_MAX) {
+        return complain(suite->rows_name, line, "row cites too many clauses to prove each");
+    }
     suite->row_count++;
     return true;
 }
