@@ -80,6 +80,7 @@ static int expect_fail(void)
 
 int main(int argc, char **argv)
 {
+    /* clang-format off */
     static const struct {
         const char *name;
         const struct cf_device *(*device)(void);
@@ -95,6 +96,7 @@ int main(int argc, char **argv)
         {"interbus-selftest", cf_interbus, expect_fail},
         {"cia406", cf_canopen, prove},
     };
+    /* clang-format on */
     int result = 2;
 
     for (size_t i = 0; argc == 4 && i < sizeof suites / sizeof suites[0]; i++) {
