@@ -194,9 +194,11 @@ static void test_move(void **state)
     expect("SHAF:MOVE 0,600RPM", "");
     rig.now += DG_MS(50);
     expect("SHAF:MOV?;POS?", "0;0.000000");
-    refuse("SHAF:MOVE 0,0", "-222", NULL);
-    refuse("SHAF:MOVE 0,-1", "-222", NULL);
+    refuse("SHAF:MOVE 90,0", "-222", NULL);
+    refuse("SHAF:MOVE 90,-1", "-222", NULL);
     refuse("SHAF:MOVE", "-109", NULL);
+    rig.now += DG_MS(50);
+    expect("SHAF:MOV?;POS?", "0;0.000000"); /* what is refused moves nothing */
 }
 
 static void test_waiting_for_a_move(void **state)

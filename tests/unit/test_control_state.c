@@ -364,6 +364,21 @@ static void test_k3_modes(void **state)
     expect("frames=28"); /* 1, 4 for each of four commands, 3 for each of three releases, 2 */
 }
 
+static void test_k3_cam_programs(void **state)
+{
+    char mode[16];
+
+    (void)state;
+    choose("k3");
+    run_ib();
+    for (uint32_t program = 1; program <= DG_IB_PROGRAMS; program++) {
+        send_k3(0x20800000u + program);
+        release_k3();
+        (void)snprintf(mode, sizeof mode, "mode=cam-%u", (unsigned)program);
+        expect(mode);
+    }
+}
+
 static void test_k3_lost(void **state)
 {
     (void)state;
@@ -438,6 +453,7 @@ int main(void)
         cmocka_unit_test_setup(test_canopen_without_a_node_id, setup),
         cmocka_unit_test_setup(test_canopen_asking_takes_no_sample, setup),
         cmocka_unit_test_setup(test_k3_modes, setup),
+        cmocka_unit_test_setup(test_k3_cam_programs, setup),
         cmocka_unit_test_setup(test_k3_lost, setup),
         cmocka_unit_test_setup(test_k3_leds, setup),
         cmocka_unit_test_setup(test_k2, setup),
