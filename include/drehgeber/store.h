@@ -12,9 +12,9 @@
  * Layout on the medium: header, copy of the header, journal, then the regions in table order, a
  * checked region followed by its CRC-16. A damaged header is repaired from its copy.
  *
- * Layouts only grow: a later release appends regions to the table of a device and leaves the others,
- * the id and the size of the journal as they are. So it takes over the memory of an earlier one:
- * old regions keep their values, new ones get their defaults. A memory of a later release is
+ * Layouts only grow: a later release appends regions to the table of a device and leaves the
+ * others, the id and the size of the journal as they are. So it takes over the memory of an earlier
+ * one: old regions keep their values, new ones get their defaults. A memory of a later release is
  * foreign.
  *
  * A commit writes the journal (changes, then its length and CRC-32), syncs, applies the changes in
