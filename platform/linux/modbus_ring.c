@@ -104,16 +104,16 @@ static int deliver(struct lx_ring *self, size_t count, struct lx_error *error)
 }
 
 /* The images of an earlier release are shorter and stand closer together. @return their size */
-static uint32_t spread(struct lx_ring_store *self)
+static size_t spread(struct lx_ring_store *self)
 {
-    const uint32_t image = dg_store_size(&dg_ib_layout);
+    const size_t image = dg_store_size(&dg_ib_layout);
     uint8_t *bytes = self->memory.bytes;
     struct dg_store store;
     if (dg_store_mount(&store, &dg_ib_layout, lx_nvm_memory_port(&self->memory)) != DG_ERR_OLDER) {
         return image;
     }
-    const uint32_t older = dg_store_address(&dg_ib_layout, store.region_count);
-    for (uint32_t i = self->memory.size / image; i-- > 0;) {
+    const size_t older = dg_store_address(&dg_ib_layout, store.region_count);
+    for (size_t i = self->memory.size / image; i-- > 0;) {
         memmove(bytes + i * image, bytes + i * older, older);
         memset(bytes + i * image + older, 0xFF, image - older);
     }
@@ -134,10 +134,10 @@ static int open_file(struct lx_ring_store *self, const struct lx_say *say, struc
     if (file.ops->read(file.ctx, 0, self->memory.bytes, self->memory.size) != DG_OK) {
         return lx_fail(error, "%s: cannot read", self->path);
     }
-    const uint32_t image = dg_store_size(&dg_ib_layout);
-    const uint32_t found = spread(self);
+    const size_t image = dg_store_size(&dg_ib_layout);
+    const size_t found = spread(self);
     self->older = found < image;
-    lx_nvm_file_tell(&self->file, self->memory.size / image * found, say);
+    lx_nvm_file_tell(&self->file, (uint32_t)(self->memory.size / image * found), say);
     return 0;
 }
 

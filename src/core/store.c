@@ -140,7 +140,7 @@ static uint8_t regions_under(const struct dg_store_layout *layout, const uint8_t
 
 static int no_header(const uint8_t *headers)
 {
-    size_t i = 0;
+    uint32_t i = 0;
     while (i < HEADERS_SIZE && headers[i] == ERASED) {
         i++;
     }
