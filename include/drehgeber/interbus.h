@@ -102,7 +102,7 @@ struct dg_ib_model {
     uint16_t steps;       /**< per turn, 1..8192 */
     uint16_t turns;       /**< 1: singleturn; 1..4096. A K1 has at most 65536 steps in all */
     bool steps_minus_one; /**< K3: one step more than the parameter says; 2021000Ah bit 0 */
-    bool temperature_sensor; /**< K3: fitted; without, 2021000Ch answers A4000000h */
+    bool temperature_sensor; /**< K3: fitted; without, 2021000Ch answers A421000Ch */
     uint8_t param_cycles;    /**< K3: cycles a command stands before its answer, 1..255 */
     uint32_t serial;         /**< 20210000h, 25 bits */
     uint32_t version;        /**< 20210007h, 25 bits */
@@ -137,6 +137,19 @@ struct dg_ib_program {
 };
 
 /**
+ * Parameters that were sent and not released yet (I22). The read-out, the position and the EEPROM
+ * do not know what waits; without power it is gone.
+ */
+struct dg_ib_sent {
+    uint32_t steps;
+    uint32_t revolutions;
+    uint32_t preset;
+    uint32_t shift;
+    uint8_t waits;  /**< bit n: the value of region n above waits for the release */
+    uint8_t judged; /**< bit n: region n was accepted since the last release, stored or waiting */
+};
+
+/**
  * A device. Caller-owned plain data without pointers into itself: it can be copied, compared and
  * replayed. The fields are readable for tests and displays; only this module writes them, but for
  * `opc` and `reconfigure`, which are also the host's after dg_ib_init().
@@ -167,6 +180,7 @@ struct dg_ib {
     uint32_t last_command; /**< last one handled */
     uint32_t last_error;   /**< last error answered, 0: none since power-on */
     uint32_t lost;         /**< bit n: region n was found damaged and not set since */
+    struct dg_ib_sent sent;
 
     /* parameters: working copy of the EEPROM */
     uint32_t steps;       /**< as sent; one more are in force with steps_minus_one */
@@ -178,7 +192,8 @@ struct dg_ib {
     bool preset_flag; /**< a preset was set and not activated yet */
     uint8_t mode;     /**< enum dg_ib_mode */
     uint8_t shift_iw;
-    struct dg_ib_program program; /**< of the mode, in cam mode */
+    uint8_t program_number;       /**< 1..8: selected last, 1 before the first */
+    struct dg_ib_program program; /**< that one; in cam mode the one in force */
     uint32_t time_10min;          /**< operating time up to `time_mark` */
     dg_ns time_mark;
 };
@@ -205,7 +220,7 @@ int dg_ib_init(struct dg_ib *self, const struct dg_ib_setup *setup);
  */
 int dg_ib_power_on(struct dg_ib *self, dg_ns now);
 
-/** Switch the power off. What was not answered is lost. */
+/** Switch the power off. What was not answered, and what waited for the release, is lost. */
 void dg_ib_power_off(struct dg_ib *self);
 
 /**
@@ -219,7 +234,8 @@ void dg_ib_power_off(struct dg_ib *self);
  * Commands (9.1, 9.2, 9.5), P position and speed mode, C cam mode:
  *
  *   00xxxxxx      PC   normal operation; with bit 16 = 0 (as in every word) it ends the read-out
- *   80000000      PC   release, on the rising edge of bit 31: ends parameter state and errors
+ *   80000000      PC   release, on the rising edge of bit 31: ends parameter state and errors, puts
+ *                      steps and revolutions in force
  *   40000000      P    the preset, once for every 08xxxxxxh; the position is the preset then
  *   60000000      P    the preset, for as long as it stands
  *   02 04 06 08   PC   steps, revolutions, direction 3 or 4, preset
@@ -228,14 +244,21 @@ void dg_ib_power_off(struct dg_ib *self);
  *   2080000p      PC   cam program p, 0: position mode
  *   2021xxxx      PC   read-out of item xxxx
  *   2040mmmm      C    mask of the cams
- *   201000xx      C    shift_iw, one for all programs
- *   2020000x..    C    read-backs: 00 mask, 1n and 2n edges of cam n, 30 and 40 shift_iw
+ *   201000xx      PC   shift_iw, one for all programs
+ *   2020000x..    PC   read-backs: 00 mask, 1n and 2n edges of cam n, 30 and 40 shift_iw; of the
+ *                      program selected last
  *   4nvvvvvv 6n.. C    edges on and off of cam n (bits 28..25)
  *
  * An accepted command is answered with OUT and bits 31, 30 set, held until the next answer or the
  * release; read-out and read-backs with A0000000h + value (read-backs held likewise, the read-out
  * live); presets with nothing. A refused one changes nothing and is answered with an error:
- * data of 02..0E and shift_iw 82000000h, cam edges 98000004h, all else 84000000h.
+ * data of 02..0E and shift_iw 82000000h, cam edges 98000004h, an item A4000000h + item, all else
+ * 84000000h.
+ *
+ * The answers to steps and revolutions are unchecked against each other: the pair, and each preset
+ * and shift sent since the last release, is judged at the release, then stored in one commit. If it
+ * is not allowed, the release is answered with 82000000h and all that waited is dropped; the next
+ * release leaves that error.
  *
  * In operation IN is the position, the speed in rpm (25 bits two's complement, rounded to the
  * nearest), or the cam word; bit 31 says that there is no valid position.

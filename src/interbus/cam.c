@@ -43,6 +43,7 @@ uint32_t dg_ib_set_program(struct dg_ib *self, dg_ns now, uint32_t word)
     }
     self->mode = mode;
     if (number > 0) {
+        self->program_number = number;
         dg_ib_load_program(self, number, &self->program);
     }
     return word | IB_ANSWER_BITS;

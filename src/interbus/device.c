@@ -66,6 +66,7 @@ static void forget(struct dg_ib *self, dg_ns now)
         .last_data = DG_NEVER,
         .out = NO_OUT,
         .mode = DG_IB_POSITION_K2,
+        .program_number = 1,
     };
     for (uint8_t i = 0; i < DG_IB_OPC_REGISTERS; i++) {
         self->opc[i] = before.opc[i];

@@ -22,6 +22,9 @@
 
 #define IB_SHIFT_IW_MAX 25u
 
+/** Of dg_ib.lost and struct dg_ib_sent. */
+#define IB_REGION_BIT(region) (1u << (region))
+
 /** Bytes of a cam program in the EEPROM: masks, then on and off of each cam. */
 #define IB_CAMS_SIZE (3u + 8u * DG_IB_CAMS)
 
@@ -29,7 +32,6 @@
 enum ib_modes {
     IB_IN_POSITION = 1, /**< position and speed mode */
     IB_IN_CAM = 2,
-    IB_IN_ALL = 3,
 };
 
 /** A handler's result beside answers and errors. */
@@ -64,6 +66,8 @@ void dg_ib_refuse(struct dg_ib *self, uint32_t word);
 
 /** position.c */
 bool dg_ib_fits(const struct dg_ib_model *model, uint32_t steps, uint32_t revolutions);
+/** Steps of the whole range of a K3 with this gear factor, which has to fit. */
+uint32_t dg_ib_range_of(const struct dg_ib_model *model, uint32_t steps, uint32_t revolutions);
 bool dg_ib_invalid(const struct dg_ib *self, dg_ns now);
 uint32_t dg_ib_speed(const struct dg_ib *self, dg_ns now);
 /** The offset that makes the position at `now` the preset. */
@@ -87,6 +91,8 @@ bool dg_ib_put(struct dg_ib *self, uint8_t region, const uint8_t *bytes);
 bool dg_ib_put_u32(struct dg_ib *self, uint8_t region, uint32_t value);
 bool dg_ib_put_u8(struct dg_ib *self, uint8_t region, uint8_t value);
 bool dg_ib_put_preset(struct dg_ib *self, uint32_t preset, uint32_t offset, bool flag);
+/** Store what waits, all or nothing; then it is in force. */
+bool dg_ib_put_sent(struct dg_ib *self, const struct dg_ib_sent *sent);
 bool dg_ib_put_program(struct dg_ib *self, const struct dg_ib_program *program);
 /** Delivery state of the profile's parameters and of whatever is lost, all or nothing. */
 bool dg_ib_put_defaults(struct dg_ib *self);

@@ -12,7 +12,6 @@
 #define TURNS_MAX 4096u
 #define K1_COUNTS_MAX 65536u
 #define PRESET_SIZE 9u
-#define REGION_BIT(region) (1u << (region))
 
 static void default_steps(const void *ctx, uint8_t *out)
 {
@@ -96,9 +95,9 @@ const struct dg_store_layout dg_ib_layout = {
 
 /* 0E000000h sets these, whatever their state (I17). */
 #define PROFILE_REGIONS                                                                            \
-    (REGION_BIT(DG_IB_REGION_STEPS) | REGION_BIT(DG_IB_REGION_REVOLUTIONS) |                       \
-     REGION_BIT(DG_IB_REGION_DIRECTION) | REGION_BIT(DG_IB_REGION_PRESET) |                        \
-     REGION_BIT(DG_IB_REGION_SHIFT))
+    (IB_REGION_BIT(DG_IB_REGION_STEPS) | IB_REGION_BIT(DG_IB_REGION_REVOLUTIONS) |                 \
+     IB_REGION_BIT(DG_IB_REGION_DIRECTION) | IB_REGION_BIT(DG_IB_REGION_PRESET) |                  \
+     IB_REGION_BIT(DG_IB_REGION_SHIFT))
 
 int dg_ib_model_check(const struct dg_ib_model *model)
 {
@@ -141,7 +140,7 @@ static void load(struct dg_ib *self, uint8_t region, uint8_t *to)
     if (self->store.layout == NULL || dg_store_damaged(&self->store, region) ||
         dg_store_read(&self->store, region, 0, to, row->size) != DG_OK) {
         row->defaults(self->setup.model, to);
-        self->lost |= REGION_BIT(region);
+        self->lost |= IB_REGION_BIT(region);
     }
 }
 
@@ -161,7 +160,7 @@ static uint8_t load_u8(struct dg_ib *self, uint8_t region, uint8_t low, uint8_t 
     load(self, region, &byte);
     if (byte < low || byte > high) {
         regions[region].defaults(self->setup.model, &byte);
-        self->lost |= REGION_BIT(region);
+        self->lost |= IB_REGION_BIT(region);
     }
     return byte;
 }
@@ -176,12 +175,12 @@ static void load_scale(struct dg_ib *self)
     self->revolutions = load_u32(self, DG_IB_REGION_REVOLUTIONS);
     if (self->revolutions < 1 || self->revolutions > model->turns) {
         self->revolutions = 1;
-        self->lost |= REGION_BIT(DG_IB_REGION_REVOLUTIONS);
+        self->lost |= IB_REGION_BIT(DG_IB_REGION_REVOLUTIONS);
     }
     if (!dg_ib_fits(model, self->steps, self->revolutions)) {
         default_steps(model, bytes);
         self->steps = dg_load_be32(bytes);
-        self->lost |= REGION_BIT(DG_IB_REGION_STEPS);
+        self->lost |= IB_REGION_BIT(DG_IB_REGION_STEPS);
     }
 }
 
@@ -200,15 +199,18 @@ void dg_ib_load(struct dg_ib *self)
     self->mode =
         load_u8(self, DG_IB_REGION_MODE, DG_IB_POSITION, DG_IB_CAM + (uint8_t)DG_IB_PROGRAMS);
     self->shift_iw = load_u8(self, DG_IB_REGION_SHIFT_IW, 0, IB_SHIFT_IW_MAX);
+    if (self->mode > DG_IB_CAM) {
+        self->program_number = (uint8_t)(self->mode - DG_IB_CAM);
+    }
     for (uint8_t number = 1; number <= DG_IB_PROGRAMS; number++) {
         struct dg_ib_program program;
         dg_ib_load_program(self, number, &program);
-        if (self->mode == DG_IB_CAM + number) {
+        if (self->program_number == number) {
             self->program = program;
         }
     }
     self->time_10min = load_u32(self, DG_IB_REGION_TIME);
-    self->lost &= ~REGION_BIT(DG_IB_REGION_TIME); /* nobody can send it again */
+    self->lost &= ~IB_REGION_BIT(DG_IB_REGION_TIME); /* nobody can send it again */
 }
 
 void dg_ib_load_program(struct dg_ib *self, uint8_t number, struct dg_ib_program *out)
@@ -236,7 +238,7 @@ bool dg_ib_put(struct dg_ib *self, uint8_t region, const uint8_t *bytes)
         dg_store_put(&self->store, region, 0, bytes, regions[region].size) != DG_OK) {
         return false;
     }
-    self->lost &= ~REGION_BIT(region);
+    self->lost &= ~IB_REGION_BIT(region);
     return true;
 }
 
@@ -253,14 +255,60 @@ bool dg_ib_put_u8(struct dg_ib *self, uint8_t region, uint8_t value)
     return dg_ib_put(self, region, &value);
 }
 
+static void preset_bytes(uint8_t *to, uint32_t preset, uint32_t offset, bool flag)
+{
+    dg_store_be32(&to[0], preset);
+    dg_store_be32(&to[4], offset);
+    to[8] = flag ? 1 : 0;
+}
+
 bool dg_ib_put_preset(struct dg_ib *self, uint32_t preset, uint32_t offset, bool flag)
 {
     uint8_t bytes[PRESET_SIZE];
 
-    dg_store_be32(&bytes[0], preset);
-    dg_store_be32(&bytes[4], offset);
-    bytes[8] = flag ? 1 : 0;
+    preset_bytes(bytes, preset, offset, flag);
     return dg_ib_put(self, DG_IB_REGION_PRESET, bytes);
+}
+
+/* Nothing, unless this region waits. */
+static void stage_sent(struct dg_ib *self, const struct dg_ib_sent *sent, uint8_t region,
+                       const uint8_t *bytes)
+{
+    if ((sent->waits & IB_REGION_BIT(region)) != 0) {
+        (void)dg_store_stage(&self->store, region, 0, bytes, regions[region].size);
+    }
+}
+
+static bool store_sent(struct dg_ib *self, const struct dg_ib_sent *sent)
+{
+    uint8_t bytes[PRESET_SIZE];
+
+    dg_store_begin(&self->store);
+    dg_store_be32(bytes, sent->steps);
+    stage_sent(self, sent, DG_IB_REGION_STEPS, bytes);
+    dg_store_be32(bytes, sent->revolutions);
+    stage_sent(self, sent, DG_IB_REGION_REVOLUTIONS, bytes);
+    preset_bytes(bytes, sent->preset, self->offset, true);
+    stage_sent(self, sent, DG_IB_REGION_PRESET, bytes);
+    dg_store_be32(bytes, sent->shift);
+    stage_sent(self, sent, DG_IB_REGION_SHIFT, bytes);
+    /* A failed stage fails the commit. */
+    return dg_store_commit(&self->store) == DG_OK;
+}
+
+bool dg_ib_put_sent(struct dg_ib *self, const struct dg_ib_sent *sent)
+{
+    if (!writable(self) || !store_sent(self, sent)) {
+        return false;
+    }
+    self->lost &= ~(uint32_t)sent->waits;
+    self->steps = sent->steps;
+    self->revolutions = sent->revolutions;
+    self->preset = sent->preset;
+    self->shift = sent->shift;
+    self->preset_flag =
+        self->preset_flag || (sent->waits & IB_REGION_BIT(DG_IB_REGION_PRESET)) != 0;
+    return true;
 }
 
 bool dg_ib_put_program(struct dg_ib *self, const struct dg_ib_program *program)
@@ -274,7 +322,7 @@ bool dg_ib_put_program(struct dg_ib *self, const struct dg_ib_program *program)
         dg_store_be32(&bytes[3u + 8u * i], program->on[i]);
         dg_store_be32(&bytes[7u + 8u * i], program->off[i]);
     }
-    return dg_ib_put(self, (uint8_t)(DG_IB_REGION_CAMS + self->mode - DG_IB_CAM - 1), bytes);
+    return dg_ib_put(self, (uint8_t)(DG_IB_REGION_CAMS + self->program_number - 1u), bytes);
 }
 
 bool dg_ib_put_defaults(struct dg_ib *self)
@@ -286,7 +334,7 @@ bool dg_ib_put_defaults(struct dg_ib *self)
     }
     dg_store_begin(&self->store);
     for (uint8_t region = 0; region < DG_IB_REGION_COUNT; region++) {
-        if (((PROFILE_REGIONS | self->lost) & REGION_BIT(region)) != 0) {
+        if (((PROFILE_REGIONS | self->lost) & IB_REGION_BIT(region)) != 0) {
             regions[region].defaults(self->setup.model, bytes);
             (void)dg_store_stage(&self->store, region, 0, bytes, regions[region].size);
         }

@@ -12,17 +12,21 @@
 /* Fastest change of the LSB with a valid code word (6.1): 800 kHz, in steps a turn * 0.001 rpm. */
 #define FASTEST ((int64_t)800000 * 60000)
 
-bool dg_ib_fits(const struct dg_ib_model *model, uint32_t steps, uint32_t revolutions)
+/* I9 */
+static uint32_t effective(const struct dg_ib_model *model, uint32_t steps)
 {
-    uint32_t effective = steps + (model->steps_minus_one ? 1u : 0u);
-
-    return steps > 0 && revolutions > 0 && revolutions <= model->turns &&
-           effective <= revolutions * model->steps;
+    return steps + (model->steps_minus_one ? 1u : 0u);
 }
 
-static uint32_t effective_steps(const struct dg_ib *self)
+bool dg_ib_fits(const struct dg_ib_model *model, uint32_t steps, uint32_t revolutions)
 {
-    return self->steps + (self->setup.model->steps_minus_one ? 1u : 0u);
+    return steps > 0 && revolutions > 0 && revolutions <= model->turns &&
+           effective(model, steps) <= revolutions * model->steps;
+}
+
+uint32_t dg_ib_range_of(const struct dg_ib_model *model, uint32_t steps, uint32_t revolutions)
+{
+    return (uint32_t)((uint64_t)effective(model, steps) * model->turns / revolutions);
 }
 
 uint32_t dg_ib_range(const struct dg_ib *self)
@@ -32,7 +36,7 @@ uint32_t dg_ib_range(const struct dg_ib *self)
     if (model->profile != DG_IB_K3) {
         return (uint32_t)model->steps * model->turns;
     }
-    return (uint32_t)((uint64_t)effective_steps(self) * model->turns / self->revolutions);
+    return dg_ib_range_of(model, self->steps, self->revolutions);
 }
 
 static uint32_t scaled(const struct dg_ib *self, dg_ns now)
@@ -50,7 +54,7 @@ static uint32_t scaled(const struct dg_ib *self, dg_ns now)
     }
     /* Where R is not a whole number the last fraction of a step wraps to 0. */
     uint32_t divisor = self->revolutions * model->steps;
-    uint64_t steps = (uint64_t)raw * effective_steps(self);
+    uint64_t steps = (uint64_t)raw * effective(model, self->steps);
     return (uint32_t)(steps / divisor) % dg_ib_range(self);
 }
 

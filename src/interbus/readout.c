@@ -88,11 +88,9 @@ uint32_t dg_ib_item(const struct dg_ib *self)
     if ((item & 0xFF0Fu) == OPC_ITEM) {
         return DG_IB_READ_OUT | self->opc[item >> 4];
     }
-    if (item >= ITEMS || items[item] == NULL) {
-        return DG_IB_UNKNOWN_ITEM | (self->item & DG_IB_DATA_MASK);
-    }
-    if (item == TEMPERATURE && !self->setup.model->temperature_sensor) {
-        return DG_IB_UNKNOWN_ITEM;
+    bool fitted = item != TEMPERATURE || self->setup.model->temperature_sensor;
+    if (item >= ITEMS || items[item] == NULL || !fitted) {
+        return DG_IB_UNKNOWN_ITEM | (self->item & DG_IB_DATA_MASK); /* I24 */
     }
     return DG_IB_READ_OUT | (items[item](self) & DG_IB_DATA_MASK);
 }

@@ -64,7 +64,7 @@ static const struct figure model_figures[] = {
 };
 static const struct figure world_figures[] = {
     WORLD(temperature_mdegc, I32), WORLD(singleturn_ok, BOOL),       WORLD(multiturn_amplitude_ok, BOOL),
-    WORLD(multiturn_sync_ok, BOOL), WORLD(multiturn_vector_ok, BOOL),
+    WORLD(multiturn_sync_ok, BOOL), WORLD(multiturn_vector_ok, BOOL), WORLD(eeprom_acknowledges, BOOL),
     {NULL, 0, U8},
 };
 static const struct figure counters[] = {

@@ -259,6 +259,28 @@ def test_parametrise_and_read_out(coupler, plc):
     client.command(0x2021000B, 0xA4000000 | 0x0021000B)
 
 
+def test_gear_factor_in_the_order_of_the_manual(coupler, plc, nvm):
+    """Both words are echoed, the release judges them; what it has not taken is not in the memory."""
+    encoder = coupler("--nvm", nvm, "--shaft", "1080DEG")
+    client = plc(encoder)
+    in_operation(client)
+    client.parameter(0x02002710)
+    client.parameter(0x04000003)
+    assert client.release() == 10000
+    client.parameter(0x02003001)
+    client.command(0x80000000, 0x82000000)
+    client.command(0x00000000, 0x82000000)
+    time.sleep(0.02)  # bit 31 has to be seen clear
+    assert client.release() == 10000
+    client.parameter(0x02000100)
+    encoder.end(signal.SIGKILL)
+    client = plc(coupler("--nvm", nvm, "--shaft", "1080DEG"))
+    in_operation(client)
+    assert client.position() == 10000
+    client.read_out(1, 10000)
+    client.read_out(2, 3)
+
+
 def test_preset(coupler, plc):
     client = plc(coupler("--shaft", "90DEG"))
     in_operation(client)
@@ -327,6 +349,8 @@ def test_without_memory_state_is_lost(coupler, plc):
     client = plc(encoder)
     in_operation(client)
     client.parameter(0x02000064)
+    client.release()
+    client.read_out(1, 0x64)
     encoder.end()
     client = plc(coupler())
     in_operation(client)
@@ -356,6 +380,7 @@ def test_restart_of_a_ring_keeps_each_slave(coupler, plc, nvm):
     for at, steps in [(1, 100), (3, 200)]:
         in_operation(client, at)
         client.parameter(0x02000000 | steps, at)
+        client.release(at)
     encoder.end(signal.SIGKILL)
     client = plc(coupler(*ring))
     for at, steps in [(1, 100), (3, 200)]:

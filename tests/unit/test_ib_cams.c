@@ -148,6 +148,8 @@ static void the_largest_position(void **state)
     (void)state;
     assert_int_equal(ib_rig_send(&rig, 0x40FFFFFF), 0xC0FFFFFF);
     assert_int_equal(ib_rig_send(&rig, 0x02000010), 0xC2000010);
+    assert_int_equal(ib_rig_send(&rig, 0x42FFFFFF), 0xC2FFFFFF); /* it waits for the release */
+    assert_int_equal(ib_rig_release(&rig) >> 31, 0);
     assert_int_equal(ib_rig_send(&rig, 0x4000FFFF), 0xC000FFFF);
     assert_int_equal(ib_rig_send(&rig, 0x40010000), 0x98000004);
     assert_int_equal(ib_rig_send(&rig, 0x60010000), 0x98000004);

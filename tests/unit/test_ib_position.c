@@ -101,12 +101,20 @@ static uint32_t set(uint32_t code, uint32_t value)
     return ib_rig_send(&rig, code << 24 | value);
 }
 
-/* Set steps over revolutions in the order that is allowed from the delivery state. */
-static void scale(uint32_t steps, uint32_t revolutions)
+/* Set steps over revolutions, in either order. @return IN after the release */
+static uint32_t pair(uint32_t steps, uint32_t revolutions)
 {
+    if (steps % 2 == 0) {
+        assert_int_equal(set(0x02, steps), 0xC2000000 | steps);
+    }
     assert_int_equal(set(0x04, revolutions), 0xC4000000 | revolutions);
     assert_int_equal(set(0x02, steps), 0xC2000000 | steps);
-    assert_int_equal(ib_rig_release(&rig) >> 25, 0);
+    return ib_rig_release(&rig);
+}
+
+static void scale(uint32_t steps, uint32_t revolutions)
+{
+    assert_int_equal(pair(steps, revolutions) >> 25, 0);
 }
 
 static void scaling_is_exact(void **state)
@@ -137,22 +145,26 @@ static void limits(void **state)
 {
     (void)state;
     start(8192, 4096, false);
-    assert_int_equal(set(0x02, 8193), 0x82000000);
-    assert_int_equal(set(0x04, 4096), 0xC4001000);
-    assert_int_equal(set(0x02, 0x1FFFFFF), 0xC3FFFFFF);
-    assert_int_equal(set(0x04, 4095), 0x82000000);
-    assert_int_equal(set(0x02, 4095 * 8192), 0xC2000000 | 4095 * 8192);
-    assert_int_equal(set(0x04, 4095), 0xC4000FFF);
+    assert_int_equal(pair(8193, 1), 0x82000000);
+    assert_int_equal(ib_rig_release(&rig), 0);
+    scale(0x1FFFFFF, 4096);
+    assert_int_equal(pair(0x1FFFFFF, 4095), 0x82000000);
+    assert_int_equal(dg_ib_range(&rig.device), 0x1FFFFFF);
+    assert_int_equal(ib_rig_release(&rig), 0);
+    scale(4095 * 8192, 4095);
     assert_int_equal(dg_ib_range(&rig.device), 8192 * 4096);
-    assert_int_equal(set(0x02, 1), 0xC2000001);
+    assert_int_equal(pair(4095 * 8192 + 1, 4095), 0x82000000);
+    assert_int_equal(ib_rig_release(&rig), 0);
+    scale(1, 4095);
     assert_int_equal(dg_ib_range(&rig.device), 1);
     assert_int_equal(set(0x08, 1), 0x82000000);
     assert_int_equal(set(0x0A, 1), 0x82000000);
     assert_int_equal(set(0x08, 0), 0xC8000000);
     start(4096, 1, true);
-    assert_int_equal(set(0x02, 4095), 0xC2000FFF);
-    assert_int_equal(set(0x02, 4096), 0x82000000);
+    scale(4095, 1);
+    assert_int_equal(pair(4096, 1), 0x82000000);
     assert_int_equal(set(0x04, 2), 0x82000000);
+    assert_int_equal(set(0x02, 0), 0x82000000);
 }
 
 static void direction_turns_the_count(void **state)

@@ -22,12 +22,18 @@ struct model {
     uint32_t s, u, cw, preset, flag, offset, shift, iw, mode;
     uint32_t on[9][8], off[9][8], have_on[9], have_off[9], mask[9];
     uint32_t last, held, item, count;
+    uint32_t program;
     bool standing;
+    /* I22: not released yet; 0 of steps and revolutions: not sent */
+    uint32_t new_s, new_u, new_preset, new_shift;
+    bool has_preset, has_shift, said_preset, said_shift;
 };
 
 static struct ib_rig rig;
 static struct model model;
 static uint32_t noise;
+static unsigned pairs_taken;
+static unsigned pairs_refused;
 
 static uint32_t next(void)
 {
@@ -101,6 +107,60 @@ static bool held_error(void)
     return model.held >= 0x80000000 && model.held < 0xA0000000;
 }
 
+static void forget_sent(void)
+{
+    model.new_s = model.new_u = model.new_preset = model.new_shift = 0;
+    model.has_preset = model.has_shift = model.said_preset = model.said_shift = false;
+}
+
+/* 08 and 0A: with steps or revolutions before them, only noted. */
+static uint32_t preset_or_shift(uint32_t word)
+{
+    const uint32_t v = word & 0x1FFFFFF;
+    const bool preset = word >> 25 == 4;
+
+    if (model.new_s == 0 && model.new_u == 0) {
+        if (v >= range()) {
+            return 0x82000000;
+        }
+        *(preset ? &model.preset : &model.shift) = v;
+        model.flag = preset ? 1 : model.flag;
+    } else {
+        *(preset ? &model.new_preset : &model.new_shift) = v;
+        *(preset ? &model.has_preset : &model.has_shift) = true;
+    }
+    *(preset ? &model.said_preset : &model.said_shift) = true;
+    return word + 0xC0000000;
+}
+
+/* What IN holds after a release, 0: the position. */
+static uint32_t release(void)
+{
+    const struct model old = model;
+
+    forget_sent();
+    if (old.new_s == 0 && old.new_u == 0) {
+        return 0;
+    }
+    model.s = old.new_s != 0 ? old.new_s : old.s;
+    model.u = old.new_u != 0 ? old.new_u : old.u;
+    model.preset = old.has_preset ? old.new_preset : old.preset;
+    model.shift = old.has_shift ? old.new_shift : old.shift;
+    model.flag = old.has_preset ? 1 : old.flag;
+    if (model.s <= model.u * STEPS && !(old.said_preset && model.preset >= range()) &&
+        !(old.said_shift && model.shift >= range())) {
+        pairs_taken++;
+        return 0;
+    }
+    pairs_refused++;
+    model.s = old.s;
+    model.u = old.u;
+    model.preset = old.preset;
+    model.shift = old.shift;
+    model.flag = old.flag;
+    return 0x82000000;
+}
+
 /* What a profile parameter answers. */
 static uint32_t profile(uint32_t word)
 {
@@ -109,17 +169,17 @@ static uint32_t profile(uint32_t word)
 
     switch (word >> 25) {
     case 1:
-        return v > 0 && v <= model.u * STEPS ? (model.s = v, ok) : 0x82000000;
+        return v > 0 ? (model.new_s = v, ok) : 0x82000000;
     case 2:
-        return v > 0 && v <= TURNS && model.s <= v * STEPS ? (model.u = v, ok) : 0x82000000;
+        return v > 0 && v <= TURNS ? (model.new_u = v, ok) : 0x82000000;
     case 3:
         return v == 3 || v == 4 ? (model.cw = v == 3, ok) : 0x82000000;
     case 4:
-        return v < range() ? (model.preset = v, model.flag = 1, ok) : 0x82000000;
     case 5:
-        return v < range() ? (model.shift = v, ok) : 0x82000000;
+        return preset_or_shift(word);
     case 7:
         if (v == 0) {
+            forget_sent();
             model.s = STEPS;
             model.u = model.cw = 1;
             model.preset = model.flag = model.offset = model.shift = 0;
@@ -129,6 +189,27 @@ static uint32_t profile(uint32_t word)
     default:
         return 0x84000000;
     }
+}
+
+/* In every mode, of the program selected last. */
+static uint32_t cam_look(uint32_t word)
+{
+    const uint32_t n = model.program;
+    const uint32_t v = word & 0xFF;
+
+    if (word >= 0x20100000 && word <= 0x201000FF) {
+        return v <= 25 ? (model.iw = v, word + 0xC0000000) : 0x82000000;
+    }
+    if (word == 0x20200000) {
+        return 0xA0000000 + model.mask[n];
+    }
+    if (word >= 0x20200010 && word <= 0x20200017) {
+        return 0xA0000000 + model.on[n][word & 7];
+    }
+    if (word >= 0x20200020 && word <= 0x20200027) {
+        return 0xA0000000 + model.off[n][word & 7];
+    }
+    return word == 0x20200030 || word == 0x20200040 ? 0xA0000000 + model.iw : 0x84000000;
 }
 
 static uint32_t cam_command(uint32_t word)
@@ -152,19 +233,7 @@ static uint32_t cam_command(uint32_t word)
         model.mask[n] = word & 0xFF;
         return word + 0xC0000000;
     }
-    if (word >= 0x20100000 && word <= 0x201000FF) {
-        return v % 0x100 <= 25 ? (model.iw = v % 0x100, word + 0xC0000000) : 0x82000000;
-    }
-    if (word == 0x20200000) {
-        return 0xA0000000 + model.mask[n];
-    }
-    if (word >= 0x20200010 && word <= 0x20200017) {
-        return 0xA0000000 + model.on[n][word & 7];
-    }
-    if (word >= 0x20200020 && word <= 0x20200027) {
-        return 0xA0000000 + model.off[n][word & 7];
-    }
-    return word == 0x20200030 || word == 0x20200040 ? 0xA0000000 + model.iw : 0x84000000;
+    return cam_look(word);
 }
 
 static uint32_t answer_to(uint32_t word)
@@ -174,6 +243,7 @@ static uint32_t answer_to(uint32_t word)
     }
     if (word >= 0x20800000 && word <= 0x20800008) {
         model.mode = word == 0x20800000 ? 1 : 2 + (word & 15);
+        model.program = word == 0x20800000 ? model.program : word & 15;
         return word + 0xC0000000;
     }
     if (model.mode > 2) {
@@ -183,7 +253,7 @@ static uint32_t answer_to(uint32_t word)
         model.mode = 1 + (word & 1);
         return word + 0xC0000000;
     }
-    return 0x84000000;
+    return cam_look(word);
 }
 
 static void handle(uint32_t word)
@@ -198,7 +268,7 @@ static void handle(uint32_t word)
         model.item = word;
         model.held = held_error() ? 0 : model.held;
     } else if (word == 0x80000000) {
-        model.held = 0;
+        model.held = release();
     } else if (model.mode <= 2 && (word == 0x40000000 || word == 0x60000000)) {
         if (word == 0x60000000 || model.flag) {
             take_preset();
@@ -249,14 +319,15 @@ static uint32_t random_word(void)
     static const uint32_t patterns[][2] = {
         {0x00000000, 0x00000000}, {0x00000000, 0x01FFFFFF}, {0x80000000, 0x00000000},
         {0x80000000, 0x00000000}, {0x40000000, 0x00000000}, {0x60000000, 0x00000000},
-        {0x02000000, 0x00001FFF}, {0x02000000, 0x01FFFFFF}, {0x04000000, 0x0000001F},
-        {0x06000000, 0x00000007}, {0x08000000, 0x00FFFFFF}, {0x08000000, 0x000000FF},
-        {0x0A000000, 0x00FFFFFF}, {0x0E000000, 0x00000000}, {0x20400000, 0x000001FF},
-        {0x20400000, 0x00000001}, {0x20800000, 0x0000000F}, {0x20800000, 0x00000003},
-        {0x20210000, 0x0000000F}, {0x20210000, 0x000000FF}, {0x20210000, 0x0000FFFF},
-        {0x20100000, 0x0000001F}, {0x20200000, 0x0000003F}, {0x20200040, 0x00000000},
-        {0x40000000, 0x1EFFFFFF}, {0x60000000, 0x1EFFFFFF}, {0x40000000, 0x0E000FFF},
-        {0x60000000, 0x0E000FFF}, {0x00000000, 0xFFFFFFFF},
+        {0x02000000, 0x00001FFF}, {0x02000000, 0x01FFFFFF}, {0x02000000, 0x0000FFFF},
+        {0x04000000, 0x0000001F}, {0x04000000, 0x00000FFF}, {0x06000000, 0x00000007},
+        {0x08000000, 0x00FFFFFF}, {0x08000000, 0x000000FF}, {0x0A000000, 0x00FFFFFF},
+        {0x0E000000, 0x00000000}, {0x20400000, 0x000001FF}, {0x20400000, 0x00000001},
+        {0x20800000, 0x0000000F}, {0x20800000, 0x00000003}, {0x20210000, 0x0000000F},
+        {0x20210000, 0x000000FF}, {0x20210000, 0x0000FFFF}, {0x20100000, 0x0000001F},
+        {0x20200000, 0x0000003F}, {0x20200040, 0x00000000}, {0x40000000, 0x1EFFFFFF},
+        {0x60000000, 0x1EFFFFFF}, {0x40000000, 0x0E000FFF}, {0x60000000, 0x0E000FFF},
+        {0x00000000, 0xFFFFFFFF},
     };
     const uint32_t *const pattern = patterns[next() % (sizeof patterns / sizeof patterns[0])];
     const uint32_t bits = next() << 16 ^ next();
@@ -271,7 +342,7 @@ static void walk(uint32_t seed)
     assert_int_equal(ib_rig_power_on(&rig), DG_OK);
     memset(&model, 0, sizeof model);
     model.s = STEPS;
-    model.u = model.cw = model.mode = 1;
+    model.u = model.cw = model.mode = model.program = 1;
     noise = seed;
     for (int i = 0; i < 400; i++) {
         const uint32_t word = random_word();
@@ -294,6 +365,8 @@ static void walks(void **state)
     for (uint32_t seed = 0; seed < 400; seed++) {
         walk(seed);
     }
+    /* The walks came along there. */
+    assert_true(pairs_taken > 1000 && pairs_refused > 1000);
 }
 
 int main(void)
