@@ -351,6 +351,22 @@ uint16_t dg_ib_ring_id(struct dg_ib_ring *self, dg_ns now, uint16_t *ids);
 enum dg_ib_ring_result dg_ib_ring_cycle(struct dg_ib_ring *self, dg_ns now, const uint16_t *out,
                                         uint16_t *in);
 
+/**
+ * Until when data cycles need not be run, for hosts that sleep: those before the returned time,
+ * with the OUT words of the one at `now`, which gave `last`, only count and latch. It is enough to
+ * run the last of them and to count the others, dg_ib_ring_skip(); the first one at or after the
+ * time has to be run. What is done to ring, devices or world ends it: the next cycle has to be run
+ * then.
+ * @return `now`: the next cycle has to be run; DG_NEVER
+ */
+dg_ns dg_ib_ring_quiet(const struct dg_ib_ring *self, enum dg_ib_ring_result last, dg_ns now);
+
+/** Count `cycles` data cycles that are not run; they would have given `last`, OK or INTERRUPTED. */
+void dg_ib_ring_skip(struct dg_ib_ring *self, enum dg_ib_ring_result last, uint32_t cycles);
+
+/** Count `cycles` ID cycles that are not run, between two alike that are. */
+void dg_ib_ring_skip_ids(struct dg_ib_ring *self, uint32_t cycles);
+
 /** Index of the first device that reports a module error (I19), or -1. */
 int dg_ib_ring_module_error(const struct dg_ib_ring *self);
 

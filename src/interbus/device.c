@@ -9,7 +9,6 @@
 /* Class bytes of the Loop have other upper bits, 36h -> B2h, 37h -> B3h (2.2). */
 #define CLASS_LOOP 0x84u
 #define OPC_CLASS 12u
-#define TEN_MINUTES DG_S(600)
 /* Neither a command, nor does bit 31 rise after it. */
 #define NO_OUT 0xFFFFFFFFu
 
@@ -102,9 +101,9 @@ static void count_time(struct dg_ib *self, dg_ns now)
 {
     dg_ns passed = dg_elapsed(now, self->time_mark);
 
-    if (passed >= TEN_MINUTES) {
-        self->time_10min += (uint32_t)(passed / TEN_MINUTES);
-        self->time_mark += passed - passed % TEN_MINUTES;
+    if (passed >= IB_TIME_UNIT) {
+        self->time_10min += (uint32_t)(passed / IB_TIME_UNIT);
+        self->time_mark += passed - passed % IB_TIME_UNIT;
         (void)dg_ib_put_u32(self, DG_IB_REGION_TIME, self->time_10min);
     }
 }

@@ -22,6 +22,9 @@
 
 #define IB_SHIFT_IW_MAX 25u
 
+/** The operating time is counted, and stored, in these. */
+#define IB_TIME_UNIT DG_S(600)
+
 /** Of dg_ib.lost and struct dg_ib_sent. */
 #define IB_REGION_BIT(region) (1u << (region))
 
