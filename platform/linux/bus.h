@@ -56,7 +56,11 @@ struct lx_bus_ops {
     /** What a ready line says behind "KIND:". */
     void (*address)(const struct lx_bus *self, const struct lx_station *station, char *to,
                     size_t size);
-    /** Power, world or faults of a station have changed (NULL: a shaft): deadlines anew. */
+    /** Before somebody reads what the encoders and the wire have come to, or changes power, worlds,
+     * faults or shafts: be what they are at `now`. Optional: a bus that always is has none. */
+    void (*look)(struct lx_bus *self, dg_ns now);
+    /** Power, world or faults of a station have changed (NULL: a shaft, or who listens): deadlines
+     * anew. */
     void (*changed)(struct lx_bus *self, struct lx_station *station, dg_ns now);
     /** STATe?: wire_late, wire_up and counters of its own. */
     void (*counters)(const struct lx_bus *self, const struct lx_station *station,

@@ -3,8 +3,8 @@
  * Requests are collected without blocking and checked here; libmodbus makes the answers. Its own
  * receiver would wait for the rest of a request, and the ring with it.
  *
- *   client -- on_bytes --> bytes -- take_request() --> check --> map --> modbus_reply()
- *   timer  -- on_cycle --> watchdog, drive(): ring
+ *   client -- on_bytes --> bytes -- take_request() --> check --> time --> map --> modbus_reply()
+ *   timer  -- on_time  --> time: watchdog, drive(): ring
  */
 #define _GNU_SOURCE
 #include "modbus.h"
@@ -125,15 +125,27 @@ static unsigned execute(struct lx_modbus *self, const struct request *rq)
     return 0;
 }
 
+/* Sleep until a cycle does something by itself. */
+static void rest(struct lx_modbus *self)
+{
+    lx_timer_at(&self->timer, lx_ring_time_next(&self->time));
+}
+
 /* @return false: the client does not take its answers */
 static bool answer(struct lx_modbus *self, struct lx_modbus_client *client, size_t length)
 {
     struct request rq = {.pdu = client->bytes + HEADER, .length = length - HEADER};
+    const dg_ns now = lx_now();
     unsigned exception = parse(&rq);
-    lx_map_request(&self->map, lx_now());
+    lx_ring_time_to(&self->time, now);
+    lx_map_request(&self->map, now);
     if (exception == 0) {
         exception = execute(self, &rq);
     }
+    if (exception == 0 && rq.write.count > 0) {
+        lx_ring_time_stir(&self->time);
+    }
+    rest(self);
     modbus_mapping_t mapping = {
         .nb_registers = LX_MAP_END,
         .nb_input_registers = LX_MAP_END,
@@ -245,19 +257,24 @@ static int on_connection(sd_event_source *source, int fd, uint32_t events, void 
     return 0;
 }
 
-/* Late, the master leaves cycles out; it does not make up for them. The first one is when the loop
-   begins, and never late. */
-static void on_cycle(void *ctx, dg_ns now)
+static void on_time(void *ctx, dg_ns now)
 {
     struct lx_modbus *self = ctx;
-    const dg_ns cycle = self->setup.cycle;
-    const dg_ns due = self->next == DG_NEVER ? now : self->next;
-    const dg_ns missed = dg_elapsed(now, due) / cycle;
-    self->map.missed += (uint32_t)missed;
-    self->next = due + (missed + 1u) * cycle;
-    lx_map_tick(&self->map, now);
-    self->setup.drive(self->setup.ctx, now);
-    lx_timer_at(&self->timer, self->next);
+    lx_ring_time_due(&self->time, now);
+    rest(self);
+}
+
+void lx_modbus_look(struct lx_modbus *self, dg_ns now)
+{
+    lx_ring_time_to(&self->time, now);
+    rest(self);
+}
+
+void lx_modbus_stir(struct lx_modbus *self, bool watched, dg_ns now)
+{
+    lx_ring_time_watch(&self->time, watched, now);
+    lx_ring_time_stir(&self->time);
+    rest(self);
 }
 
 bool lx_modbus_address_fits(const char *where)
@@ -298,7 +315,7 @@ static int watch(struct lx_modbus *self, sd_event *event)
         result = lx_endpoint_calm(self->io);
     }
     if (result >= 0) {
-        result = lx_timer_open(&self->timer, event, on_cycle, self);
+        result = lx_timer_open(&self->timer, event, on_time, self);
     }
     if (result >= 0) {
         lx_timer_at(&self->timer, lx_now());
@@ -311,7 +328,9 @@ int lx_modbus_open(struct lx_modbus *self, const struct lx_modbus_setup *setup,
 {
     memset(self, 0, sizeof *self);
     self->setup = *setup;
-    self->next = DG_NEVER;
+    const struct lx_ring_time_setup time = {
+        .map = &self->map, .period = setup->cycle, .drive = setup->drive, .ctx = setup->ctx};
+    lx_ring_time_init(&self->time, &time);
     self->listener = -1;
     for (size_t i = 0; i < LX_MODBUS_CLIENTS; i++) {
         self->clients[i].fd = -1;

@@ -11,6 +11,7 @@
 #include <systemd/sd-event.h>
 
 #include "modbus_map.h"
+#include "modbus_time.h"
 #include "timer.h"
 
 /** Clients at once; another one takes the place of the one that was silent for longest. */
@@ -46,7 +47,7 @@ struct lx_modbus_setup {
     struct lx_ring *ring;
     dg_ns cycle; /**< from one cycle of the ring to the next */
     bool tear;   /**< half of an OUT word may be written */
-    /** A cycle is due: drive the ring. */
+    /** A cycle is due at `now`, which may be over: drive the ring. */
     void (*drive)(void *ctx, dg_ns now);
     void *ctx;
 };
@@ -56,7 +57,7 @@ struct lx_modbus {
     struct lx_modbus_setup setup;
     struct lx_map map;
     struct lx_timer timer;
-    dg_ns next; /**< cycle; DG_NEVER before the first one */
+    struct lx_ring_time time;
     modbus_t *protocol;
     int listener;
     sd_event_source *io;
@@ -70,6 +71,12 @@ struct lx_modbus {
  */
 int lx_modbus_open(struct lx_modbus *self, const struct lx_modbus_setup *setup,
                    struct lx_error *error);
+
+/** Before anybody but a client of Modbus looks at the ring or does something to it. */
+void lx_modbus_look(struct lx_modbus *self, dg_ns now);
+
+/** Something was done to it at `now`, and it is watched or not from then on. */
+void lx_modbus_stir(struct lx_modbus *self, bool watched, dg_ns now);
 
 /** Close all connections; also after a failed open. */
 void lx_modbus_close(struct lx_modbus *self);

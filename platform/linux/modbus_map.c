@@ -329,11 +329,21 @@ void lx_map_request(struct lx_map *self, dg_ns now)
     }
 }
 
+static bool watches(const struct lx_watchdog *watchdog)
+{
+    return watchdog->armed && !watchdog->fired && watchdog->time_ms != 0;
+}
+
+dg_ns lx_map_quiet(const struct lx_map *self)
+{
+    const struct lx_watchdog *watchdog = &self->watchdog;
+    return watches(watchdog) ? dg_after(watchdog->fed, DG_MS(watchdog->time_ms) + 1u) : DG_NEVER;
+}
+
 void lx_map_tick(struct lx_map *self, dg_ns now)
 {
     struct lx_watchdog *watchdog = &self->watchdog;
-    if (!watchdog->armed || watchdog->fired || watchdog->time_ms == 0 ||
-        dg_elapsed(now, watchdog->fed) <= DG_MS(watchdog->time_ms)) {
+    if (!watches(watchdog) || dg_elapsed(now, watchdog->fed) <= DG_MS(watchdog->time_ms)) {
         return;
     }
     watchdog->fired = true;

@@ -73,6 +73,9 @@ void lx_map_request(struct lx_map *self, dg_ns now);
 /** Let the watchdog look at the clock. */
 void lx_map_tick(struct lx_map *self, dg_ns now);
 
+/** Before this time it finds nothing to do, if nothing is written or asked for. */
+dg_ns lx_map_quiet(const struct lx_map *self);
+
 /** Describe the registers of a ring of these models. */
 void lx_map_print(const struct dg_ib_model *const *models, size_t count, FILE *to);
 

@@ -244,3 +244,19 @@ void lx_ring_cycle(struct lx_ring *self, dg_ns now)
         self->reached = dg_ib_ring_id(&self->ring, now, self->ids);
     }
 }
+
+dg_ns lx_ring_quiet(const struct lx_ring *self, dg_ns now)
+{
+    return self->stopped ? DG_NEVER : dg_ib_ring_quiet(&self->ring, self->result, now);
+}
+
+/* The counters wrap, as they do one by one. */
+void lx_ring_skip(struct lx_ring *self, uint64_t n)
+{
+    if (!self->stopped) {
+        dg_ib_ring_skip(&self->ring, self->result, (uint32_t)n);
+    }
+    if (self->stopped || self->result == DG_IB_RING_INTERRUPTED) {
+        dg_ib_ring_skip_ids(&self->ring, (uint32_t)n);
+    }
+}

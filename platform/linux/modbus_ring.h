@@ -75,4 +75,11 @@ struct dg_nvm lx_ring_nvm(const struct lx_ring *self, size_t index);
 /** A data cycle with the images, or an ID cycle where one is called for. */
 void lx_ring_cycle(struct lx_ring *self, dg_ns now);
 
+/** After a cycle at `now`: until when further ones only count and latch, as long as nothing is done
+ * to ring, images, devices and worlds; `now`: not even the next one. */
+dg_ns lx_ring_quiet(const struct lx_ring *self, dg_ns now);
+
+/** Count `n` such cycles, not the last of them. */
+void lx_ring_skip(struct lx_ring *self, uint64_t n);
+
 #endif

@@ -180,6 +180,7 @@ static struct lx_server *serve(struct lx_rig *self, const char *where, struct lx
         .say = self->setup.say,
         .rig = &self->control,
         .clock = &self->clock,
+        .look = lx_rig_look,
         .settle = lx_rig_settle,
         .ctx = self,
     };

@@ -49,9 +49,21 @@ static void change_all(struct lx_rig *self, dg_ns now)
     }
 }
 
+void lx_rig_look(void *ctx, dg_ns now)
+{
+    struct lx_rig *self = ctx;
+    for (size_t i = 0; i < self->setup.plan->wire_count; i++) {
+        struct lx_bus *bus = self->wires[i].bus;
+        if (bus->ops->look != NULL) {
+            bus->ops->look(bus, now);
+        }
+    }
+}
+
 void lx_rig_settle(void *ctx, dg_ns now)
 {
     struct lx_rig *self = ctx;
+    lx_rig_look(self, now);
     const dg_ns next = dg_rig_step(&self->control, now);
     lx_timer_at(&self->faults, lx_clock_real(&self->clock, next));
 }
@@ -199,6 +211,14 @@ int lx_rig_trace(struct lx_rig_wire *self, const char *path, struct lx_error *er
     return self->trace == NULL ? -1 : 0;
 }
 
+/* Somebody begins to listen to a wire, or ends. */
+static void listened(const struct lx_rig_wire *self)
+{
+    if (self->bus->ops->changed != NULL) {
+        self->bus->ops->changed(self->bus, NULL, lx_clock_now(&self->rig->clock));
+    }
+}
+
 static int trace(struct dg_rig *control, struct dg_encoder *encoder, const char *path, char *detail)
 {
     struct lx_rig_wire *self = wire_of(control, encoder);
@@ -206,13 +226,17 @@ static int trace(struct dg_rig *control, struct dg_encoder *encoder, const char 
     if (path == NULL) {
         const int result = lx_trace_close(self->trace, &error);
         self->trace = NULL;
+        listened(self);
         return result == 0 ? 0 : refuse(DG_SCPI_STORAGE, detail, error.text);
     }
     if (self->trace != NULL) {
         return refuse(DG_SCPI_CONFLICT, detail, "traced already; TRACe:STOP first");
     }
-    return lx_rig_trace(self, path, &error) == 0 ? 0
-                                                 : refuse(DG_SCPI_FILE_NAME, detail, error.text);
+    if (lx_rig_trace(self, path, &error) != 0) {
+        return refuse(DG_SCPI_FILE_NAME, detail, error.text);
+    }
+    listened(self);
+    return 0;
 }
 
 /* The first question begins the listening, so it has no answer yet. */
@@ -221,7 +245,14 @@ static bool last(struct dg_rig *control, const struct dg_encoder *encoder, unsig
 {
     struct lx_rig_wire *self = wire_of(control, encoder);
     struct lx_error error;
-    if (lx_rig_listen(self, &error) != 0 || back >= LX_RIG_LINES || back >= self->line_count) {
+    const bool begins = !self->listens;
+    if (lx_rig_listen(self, &error) != 0) {
+        return false;
+    }
+    if (begins) {
+        listened(self);
+    }
+    if (back >= LX_RIG_LINES || back >= self->line_count) {
         return false;
     }
     (void)snprintf(text, size, "%s", self->lines[(self->line_count - 1u - back) % LX_RIG_LINES]);

@@ -73,6 +73,9 @@ int lx_rig_play(struct lx_rig_shaft *self, dg_ns now, bool first, const char *te
 /** Trace a wire to `path`. @return 0, or -1 with one line in `error` */
 int lx_rig_trace(struct lx_rig_wire *self, const char *path, struct lx_error *error);
 
+/** All wires are what they have come to at `now`. */
+void lx_rig_look(void *ctx, dg_ns now);
+
 /** What is due in all of the rig at `now`, and what is next. */
 void lx_rig_settle(void *ctx, dg_ns now);
 

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A ring of INTERBUS encoders behind a Modbus/TCP coupler, as a bus. In each cycle:
+ * A ring of INTERBUS encoders behind a Modbus/TCP coupler, as a bus. Somebody who listens, and
+ * faults of the wire, want every cycle at its moment; else they are run when they are needed. In
+ * each cycle:
  *
  *   coupler -- drive() --> faults: no cycle, a transmission error?
  *                          lx_ring_cycle()
@@ -199,6 +201,7 @@ static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
         return lx_settings_refuse(setup->plan, setup->wire->line, error);
     }
     self->ring.ring.broken_at = self->break_at;
+    lx_modbus_stir(&self->coupler, lx_tap_on(&bus->tap), now);
     for (size_t i = 0; i < setup->count; i++) {
         struct dg_encoder *encoder = &setup->stations[i]->control;
         encoder->device = &self->ring.devices[i];
@@ -216,13 +219,18 @@ static void address(const struct lx_bus *bus, const struct lx_station *station, 
                    station->place);
 }
 
-/* Power and worlds are looked at in every cycle anyway. */
+static void look(struct lx_bus *bus, dg_ns now)
+{
+    lx_modbus_look(&ring_of(bus)->coupler, now);
+}
+
+/* Power and worlds are looked at in the next cycle. */
 static void changed(struct lx_bus *bus, struct lx_station *station, dg_ns now)
 {
     struct ring_bus *self = ring_of(bus);
     const bool before = self->bent;
     (void)station;
-    (void)now;
+    look(bus, now); /* what is over was not bent by what comes now */
     self->bent = false;
     for (size_t i = 0; i < bus->setup.count; i++) {
         self->bent = self->bent || faults_at(self, i)->wire != 0;
@@ -231,6 +239,7 @@ static void changed(struct lx_bus *bus, struct lx_station *station, dg_ns now)
         memcpy(self->whole_in, self->ring.in, sizeof self->whole_in);
     }
     self->ring.ring.broken_at = first_break(self);
+    lx_modbus_stir(&self->coupler, self->bent || lx_tap_on(&bus->tap), now);
 }
 
 static void counters(const struct lx_bus *bus, const struct lx_station *station, struct dg_scpi *to)
@@ -264,6 +273,7 @@ static void close_bus(struct lx_bus *bus)
 static const struct lx_bus_ops bus_ops = {
     .open = open_bus,
     .address = address,
+    .look = look,
     .changed = changed,
     .counters = counters,
     .close = close_bus,

@@ -163,6 +163,7 @@ static dg_ns serve(struct client *client)
     do {
         const dg_ns now = lx_clock_now(clock); /* the client before may have let time pass */
         before = client->input_length;
+        client->server->setup.look(client->server->setup.ctx, now);
         send_output(client);
         (void)dg_control_step(&client->control, now);
         feed(client, now);

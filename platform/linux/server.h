@@ -27,6 +27,8 @@ struct lx_server_setup {
     const struct lx_say *say;
     struct dg_rig *rig;
     const struct lx_clock *clock;
+    /** Before commands of a client are done at `now` (the rig's time). */
+    void (*look)(void *ctx, dg_ns now);
     /** After commands of a client were done at `now` (the rig's time): deadlines may have moved. */
     void (*settle)(void *ctx, dg_ns now);
     void *ctx;

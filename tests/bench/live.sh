@@ -55,12 +55,19 @@ spent() {
     cut -d ' ' -f 1 "/proc/$encoder/schedstat"
 }
 
-# idle WHAT: of one processor, with nobody connected
+# Times it has waited for something so far
+woken() {
+    awk '/^voluntary_ctxt_switches/ { print $2 }' "/proc/$encoder/status"
+}
+
+# idle WHAT: of one processor, and wake-ups, with nobody connected
 idle() {
-    local before
+    local before waits
     before=$(spent)
+    waits=$(woken)
     sleep "$idle_s"
     figure "% CPU, $1" "$(awk -v ns=$(($(spent) - before)) -v s="$idle_s" 'BEGIN { printf "%.2f", ns / s / 1e7 }')"
+    figure "wake-ups/s, $1" "$(((($(woken) - waits)) / idle_s))"
 }
 
 start f3668 --slcan
@@ -79,6 +86,7 @@ stop
 start ocd-ib-k3 --modbus 127.0.0.1:0
 port=$(place)
 "$tree/tests/bench_roundtrip" modbus "${port##*:}"
+idle "ocd-ib-k3 at rest"
 stop
 for nodes in 1 10 100; do
     start f3668 --slcan --node "1..$nodes"

@@ -2,6 +2,7 @@
 """The INTERBUS encoder behind its Modbus/TCP coupler; pymodbus and mbpoll are the clients."""
 import contextlib
 import inspect
+import pathlib
 import random
 import re
 import signal
@@ -613,6 +614,36 @@ def test_cycles_go_on(coupler, plc):
     last, seconds = client.read(SLAVES, 16), time.monotonic() - begin
     moved = [after - before for before, after in zip(first, last) if before != after]
     assert any(0.8 * 200 <= difference <= 1.05 * 200 * seconds + 1 for difference in moved), moved
+
+
+def wakes(encoder) -> int:
+    status = pathlib.Path(f"/proc/{encoder.pid}/status").read_text()
+    return int(re.search(r"^voluntary_ctxt_switches:\s+(\d+)", status, re.M)[1])
+
+
+def test_a_ring_that_nobody_needs_sleeps(coupler, plc):
+    encoder = coupler("--shaft", "60RPM")
+    client = plc(encoder)
+    in_operation(client)
+    cycles, before, begin = client.read(SLAVES + 2, 2), wakes(encoder), time.monotonic()
+    time.sleep(2)
+    assert wakes(encoder) - before < 20
+    seconds = time.monotonic() - begin
+    assert join(client.read(SLAVES + 2, 2)) - join(cycles) == pytest.approx(1000 * seconds, abs=100)
+
+
+def test_what_a_client_leaves_behind_is_done(coupler, plc, nvm):
+    """Nobody is connected when the answer is due, and it is stored all the same."""
+    encoder = coupler("--nvm", nvm)
+    client = plc(encoder)
+    in_operation(client)
+    client.write(OUTPUT, split(0x0A000321))
+    client.client.close()
+    time.sleep(0.2)
+    encoder.end(signal.SIGKILL)
+    client = plc(coupler("--nvm", nvm))
+    in_operation(client)
+    assert client.position() == 0x321
 
 
 # --- the command line ---------------------------------------------------------------------------

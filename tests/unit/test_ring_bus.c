@@ -249,11 +249,23 @@ static void wait_for_status(struct bench *self, uint16_t status)
     wait_for(self, STATUS, status);
 }
 
+/* As the rig does before it reads or changes anything. */
+static void look(struct bench *self)
+{
+    self->bus->ops->look(self->bus, lx_now());
+}
+
+static uint32_t cycles_of_first(struct bench *self)
+{
+    look(self);
+    return device(self, 0)->counters.cycles;
+}
+
 static void wait_for_cycles(struct bench *self, uint32_t count)
 {
     const dg_ns end = dg_after(lx_now(), PATIENCE);
-    const uint32_t first = device(self, 0)->counters.cycles;
-    while (device(self, 0)->counters.cycles - first < count) {
+    const uint32_t first = cycles_of_first(self);
+    while (cycles_of_first(self) - first < count) {
         assert_true(lx_now() < end);
         turn(self);
     }
@@ -266,12 +278,14 @@ static void changed(struct bench *self, size_t i)
 
 static void bend(struct bench *self, size_t i, enum dg_wire_fault fault, uint32_t count)
 {
+    look(self);
     station_bend(&self->station[i], DG_STACK_INTERBUS, fault, count);
     changed(self, i);
 }
 
 static void mend(struct bench *self, size_t i, enum dg_wire_fault fault)
 {
+    look(self);
     station_mend(&self->station[i], DG_STACK_INTERBUS, fault);
     changed(self, i);
 }
@@ -295,7 +309,29 @@ static void hear(void *ctx, const struct lx_tap_event *event)
 static void listen_to(struct bench *self)
 {
     self->ears = (struct ears){.listener = {.event = hear, .ctx = &self->ears}};
+    look(self);
     lx_tap_add(&self->bus->tap, &self->ears.listener);
+    self->bus->ops->changed(self->bus, NULL, lx_now());
+}
+
+/* Until nothing has been to do for many cycles. */
+static void settle(struct bench *self)
+{
+    while (sd_event_run(self->event, 20u * TURN_US) > 0) {
+    }
+}
+
+/* Turns of the loop in `ms` that something had to be done in. */
+static unsigned wakes_in(struct bench *self, unsigned ms)
+{
+    const dg_ns end = dg_after(lx_now(), DG_MS(ms));
+    unsigned wakes = 0;
+    for (dg_ns now = lx_now(); now < end; now = lx_now()) {
+        const int result = sd_event_run(self->event, (end - now) / 1000u + 1u);
+        assert_true(result >= 0);
+        wakes += result > 0 ? 1u : 0u;
+    }
+    return wakes;
 }
 
 /* --- the plan --- */
@@ -315,6 +351,8 @@ static void plans_that_cannot_be(void **state)
         {NULL, NULL, "cycle=1", NULL,
          "rig.ini:9: cycle=1: a whole number in 250..50000 us is right"},
         {NULL, NULL, "steps=1", NULL, "rig.ini:9: steps: a key of an encoder, not of the ring"},
+        {NULL, NULL, "param_cycles=5", NULL,
+         "rig.ini:9: param_cycles: a key of an encoder, not of the ring"},
         {NULL, NULL, NULL, "cycle=1000",
          "rig.ini:9: cycle: a key of the ring, not of one of its encoders"},
         {NULL, NULL, NULL, "turns=0", "rig.ini:9: turns=0: a whole number in 1..4096 is right"},
@@ -365,6 +403,7 @@ static void each_is_its_own(void **state)
     struct bench *self = *state;
     plan_ring(self, mixed, 3);
     set(&self->encoder[1].settings, "steps=2048");
+    set(&self->encoder[1].settings, "param_cycles=7");
     set(&self->encoder[2].settings, "temperature=20");
     self->encoder[1].serial = serial;
     self->angle[0] = 5 * STEP;
@@ -382,19 +421,37 @@ static void each_is_its_own(void **state)
     assert_int_equal(self->station[2].world.temperature_mdegc, 20000);
     assert_int_equal(self->station[1].control.serial, 4711);
     assert_int_equal(device(self, 1)->setup.model->serial, 4711);
+    assert_int_equal(device(self, 1)->setup.model->param_cycles, 7);
+    assert_int_equal(device(self, 2)->setup.model->param_cycles,
+                     dg_device_find("ocd-ib-k2")->interbus->param_cycles);
     assert_int_equal(device(self, 2)->setup.model->serial,
                      dg_device_find("ocd-ib-k2")->interbus->serial + 2);
     assert_null(self->station[0].control.nvm.ops);
     assert_non_null(self->station[1].control.nvm.ops);
 }
 
+/* A zero shift, to the K3 whose OUT is at this address. */
+static void shift(struct bench *self, uint16_t address, uint8_t steps)
+{
+    const uint8_t request[] = {0xFF,
+                               MODBUS_FC_WRITE_MULTIPLE_REGISTERS,
+                               (uint8_t)(address >> 8),
+                               (uint8_t)address,
+                               0,
+                               2,
+                               4,
+                               0x0A,
+                               0,
+                               0,
+                               steps};
+    assert_true(modbus_send_raw_request(self->client, request, sizeof request) > 0);
+}
+
 /* The zero shift 55h, to the second of two K3. */
 static void shift_second(struct bench *self)
 {
-    const uint8_t request[] = {
-        0xFF, MODBUS_FC_WRITE_MULTIPLE_REGISTERS, 0x08, 0x02, 0, 2, 4, 0x0A, 0, 0, 0x55};
     const dg_ns end = dg_after(lx_now(), PATIENCE);
-    assert_true(modbus_send_raw_request(self->client, request, sizeof request) > 0);
+    shift(self, 0x0802, 0x55);
     while (device(self, 1)->last_command != 0x0A000055) {
         assert_true(lx_now() < end);
         turn(self);
@@ -452,11 +509,13 @@ static void power_off_interrupts_the_ring(void **state)
     wait_for_status(self, 1);
     listen_to(self);
     wait_for_cycles(self, 2);
+    look(self);
     dg_ib_power_off(device(self, 1));
     changed(self, 1);
     wait_for_status(self, 2 | 8);
     assert_int_equal(get(self, 0x2000), 0x0136);
     assert_int_equal(get(self, 0x2010), 0);
+    look(self);
     assert_int_equal(dg_ib_power_on(device(self, 1), lx_now()), DG_OK);
     changed(self, 1);
     wait_for_status(self, 1);
@@ -531,6 +590,7 @@ static void torn_words(void **state)
     plan_ring(self, mixed, 3);
     open_ring(self);
     wait_for_status(self, 1);
+    look(self);
     self->angle[0] = 0x123 * STEP;
     self->angle[1] = 0x12345 * STEP;
     self->angle[2] = 0x12345 * STEP;
@@ -556,12 +616,47 @@ static void torn_words(void **state)
     assert_int_equal(in[1], 0x0002);
 }
 
+/* Cycles are counted all the same; who listens hears each of them. */
+static void a_ring_sleeps_until_it_is_needed(void **state)
+{
+    struct bench *self = *state;
+    plan_ring(self, mixed, 3);
+    open_ring(self);
+    wait_for_status(self, 1);
+    wait_for_cycles(self, 10);
+    settle(self);
+    for (int i = 0; i < 3; i++) {
+        const uint32_t before = cycles_of_first(self);
+        assert_int_equal(wakes_in(self, 100), 0);
+        assert_true(cycles_of_first(self) - before >= 100);
+    }
+    shift(self, 0x0801, 0x66);
+    while (device(self, 1)->shift != 0x66) { /* nobody looks */
+        turn(self);
+    }
+    settle(self);
+    assert_int_equal(wakes_in(self, 100), 0);
+    listen_to(self);
+    assert_true(wakes_in(self, 100) > 20);
+    look(self);
+    lx_tap_remove(&self->bus->tap, &self->ears.listener);
+    self->bus->ops->changed(self->bus, NULL, lx_now());
+    settle(self);
+    assert_int_equal(wakes_in(self, 100), 0);
+    bend(self, 2, DG_WIRE_DAMAGE, 1);
+    assert_true(wakes_in(self, 100) > 20);
+    mend(self, 2, DG_WIRE_DAMAGE);
+    settle(self);
+    assert_int_equal(wakes_in(self, 100), 0);
+}
+
 static void late_are_missed_cycles(void **state)
 {
     struct bench *self = *state;
     plan_ring(self, mixed, 3);
     set(&self->wire.settings, "cycle=50000");
     open_ring(self);
+    listen_to(self);
     (void)usleep(120000); /* the loop has not begun */
     turn(self);
     wait_for_cycles(self, 1);
@@ -584,6 +679,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(dropped_cycles, set_up, tear_down),
         cmocka_unit_test_setup_teardown(transmission_errors, set_up, tear_down),
         cmocka_unit_test_setup_teardown(torn_words, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_ring_sleeps_until_it_is_needed, set_up, tear_down),
         cmocka_unit_test_setup_teardown(late_are_missed_cycles, set_up, tear_down),
     };
     return cmocka_run_group_tests_name("INTERBUS encoders in a ring", tests, NULL, NULL);
