@@ -20,6 +20,8 @@ STEPS_PER_TURN = 4096
 LIFT, SLIDE = 0, 2  # first input registers: each has two
 NO_POSITION = 1 << 31
 COUPLER_STATUS = 0x100C
+SLIDE_OUT = 0x0800 + SLIDE
+RELEASE, ILLEGAL = 0x80000000, 0x82000000
 RUN, BUS_ERROR = 1, 2
 
 
@@ -66,6 +68,28 @@ def test_a_lost_track_has_no_position(rig, coupler):
     with rig.encoders["slide"].fault("singleturn_lost"):
         wait_for(lambda: word(coupler, SLIDE) & NO_POSITION)
     wait_for(lambda: word(coupler, SLIDE) == 0)
+
+
+def send(coupler, out: int, answer: int):
+    """OUT of the slide until IN is the answer."""
+    coupler.write_registers(SLIDE_OUT, [out >> 16, out & 0xFFFF])
+    wait_for(lambda: word(coupler, SLIDE) == answer)
+
+
+def test_10000_steps_over_3_turns(rig, coupler):
+    rig.encoders["slide"].shaft.position = 3 * 360
+    wait_for(lambda: word(coupler, SLIDE) == 3 * STEPS_PER_TURN)
+    send(coupler, 0x02000000 | 10000, 0xC2000000 | 10000)
+    send(coupler, 0x04000000 | 3, 0xC4000000 | 3)  # an echo: the release judges both
+    send(coupler, RELEASE, 10000)
+
+
+def test_more_steps_than_the_discs_have(rig, coupler):
+    send(coupler, 0x02000000 | 5000, 0xC2000000 | 5000)
+    send(coupler, RELEASE, ILLEGAL)
+    send(coupler, 0, ILLEGAL)
+    time.sleep(0.01)  # a release is an edge: the ring has to see bit 31 clear
+    send(coupler, RELEASE, 0)
 
 
 def test_a_cut_cable_stops_the_ring(rig, coupler):
