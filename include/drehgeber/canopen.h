@@ -323,6 +323,8 @@ struct dg_co_node {
     dg_ns consumer_at[DG_CO_CONSUMERS]; /**< heartbeat overdue; DG_NEVER: none seen yet */
 
     bool bus_off;                    /**< between bus-off and error active */
+    bool bus_absent;                 /**< there is no bus, see DG_CO_BUS_ABSENT */
+    bool bus_found;                  /**< there has been one since power-on: told, or heard */
     uint32_t active_causes;          /**< bit n: cause n lasts */
     uint32_t history[DG_CO_HISTORY]; /**< 1003h, newest first */
     uint8_t history_count;
@@ -384,7 +386,17 @@ enum dg_co_bus_event {
     DG_CO_BUS_PASSIVE, /**< error passive: 8120h */
     DG_CO_BUS_OFF,     /**< 1029h:1 at once, 8140h when it is over */
     DG_CO_BUS_OVERRUN, /**< a received frame was lost: 8110h */
+    DG_CO_BUS_ABSENT,  /**< no bus: nothing is connected, or nobody acknowledges */
+    DG_CO_BUS_PRESENT, /**< there is one; what a node assumes until it is told */
 };
+/**
+ * Whether there is a bus is the wire's state and not the node's: it is also taken without power and
+ * survives power-off and power-on. A node without a bus goes on as ever (what it sends is lost) and
+ * shows it on its LEDs: a bus is lost when DG_CO_BUS_PRESENT or a frame has come since power-on,
+ * else there has not been one yet. So a host that finds out only by a boot-up that nobody
+ * acknowledges tells nothing before. The other events mean nothing without power.
+ * @return the next deadline, as dg_co_step()
+ */
 dg_ns dg_co_bus(struct dg_co_node *self, dg_ns now, enum dg_co_bus_event event);
 
 /** Most CAN-IDs a node listens to. */

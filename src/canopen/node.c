@@ -129,6 +129,7 @@ int dg_co_power_on(struct dg_co_node *self, dg_ns now)
     self->bus_off = false;
     self->history_count = 0;
     self->lss.silent_until = 0;
+    self->bus_found = false;
     dg_co_use_bit_rate(self);
     initialise(self, true);
     return DG_OK;
@@ -228,6 +229,7 @@ dg_ns dg_co_rx(struct dg_co_node *self, dg_ns now, const struct dg_can_frame *fr
         return DG_NEVER;
     }
     self->rx_at = now;
+    self->bus_found = true;
     advance(self, now);
     if (self->deadline <= self->now) {
         (void)settle(self);
@@ -250,6 +252,9 @@ dg_ns dg_co_bus(struct dg_co_node *self, dg_ns now, enum dg_co_bus_event event)
 {
     static const uint8_t none[5] = {0};
 
+    if (event == DG_CO_BUS_ABSENT || event == DG_CO_BUS_PRESENT) {
+        self->bus_absent = event == DG_CO_BUS_ABSENT;
+    }
     if (self->state == DG_CO_OFF) {
         return DG_NEVER;
     }
@@ -273,6 +278,11 @@ dg_ns dg_co_bus(struct dg_co_node *self, dg_ns now, enum dg_co_bus_event event)
         self->bus_off = false;
         dg_co_clear(self, DG_CO_CAUSE_PASSIVE);
         dg_co_clear(self, DG_CO_CAUSE_BUS_OFF);
+        break;
+    case DG_CO_BUS_PRESENT:
+        self->bus_found = true;
+        break;
+    case DG_CO_BUS_ABSENT:
         break;
     }
     return settle(self);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The two LEDs (chapter 29, C29): which states light them how, as a table.
+ * The two LEDs (chapter 29, C29, C38): which states light them how, as a table.
  */
 #include "profile.h"
 
@@ -17,6 +17,16 @@ static bool pre_operational(const struct dg_co_node *node)
 static bool operational(const struct dg_co_node *node)
 {
     return node->state == DG_CO_OPERATIONAL;
+}
+
+static bool no_bus(const struct dg_co_node *node)
+{
+    return node->bus_absent;
+}
+
+static bool no_bus_yet(const struct dg_co_node *node)
+{
+    return node->bus_absent && !node->bus_found;
 }
 
 static bool cause(const struct dg_co_node *node, uint8_t which)
@@ -72,6 +82,8 @@ static const struct {
     {pre_operational,  DG_CIA406_LAMP_BLINK, KEEP},
     {stopped,          DG_CIA406_LAMP_SLOW,  KEEP},
     {operational,      DG_CIA406_LAMP_ON,    KEEP},
+    {no_bus,           DG_CIA406_LAMP_OFF,   KEEP},
+    {no_bus_yet,       KEEP,                 DG_CIA406_LAMP_BLINK},
     {link_lost,        KEEP,                 DG_CIA406_LAMP_BLINK},
     {flash,            KEEP,                 DG_CIA406_LAMP_BLINK},
     {no_offset,        KEEP,                 DG_CIA406_LAMP_BLINK},

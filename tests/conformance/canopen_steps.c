@@ -378,9 +378,15 @@ static bool power_on(struct bench *b, struct cf_report *report)
         .ctx = b,
         .application = &b->encoder,
     };
+    const bool absent = b->node.bus_absent;
 
-    if (dg_cia406_init(&b->encoder, &b->model) != 0 || dg_co_init(&b->node, &setup) != 0 ||
-        dg_co_power_on(&b->node, b->now) != 0) {
+    if (dg_cia406_init(&b->encoder, &b->model) != 0 || dg_co_init(&b->node, &setup) != 0) {
+        return cf_fail(report, "the node cannot be made");
+    }
+    if (absent) {
+        (void)dg_co_bus(&b->node, b->now, DG_CO_BUS_ABSENT);
+    }
+    if (dg_co_power_on(&b->node, b->now) != 0) {
         return cf_fail(report, "the node does not start");
     }
     note_deadline(b, dg_co_step(&b->node, b->now));
@@ -584,7 +590,8 @@ static bool step_leds(void *ctx, char **words, size_t n, struct cf_report *repor
     return held || cf_fail(report, "leds together|apart: they are not");
 }
 
-/* bus off|active|passive|overrun: what the CAN controller reports */
+/* bus off|active|passive|overrun|absent|present: what the CAN controller reports, and whether there
+ * is a bus; what is said of that without power holds when the power comes */
 static bool step_bus(void *ctx, char **words, size_t n, struct cf_report *report)
 {
     struct bench *b = ctx;
@@ -592,10 +599,9 @@ static bool step_bus(void *ctx, char **words, size_t n, struct cf_report *report
         const char *word;
         enum dg_co_bus_event event;
     } events[] = {
-        {"active", DG_CO_BUS_ACTIVE},
-        {"passive", DG_CO_BUS_PASSIVE},
-        {"off", DG_CO_BUS_OFF},
-        {"overrun", DG_CO_BUS_OVERRUN},
+        {"active", DG_CO_BUS_ACTIVE}, {"passive", DG_CO_BUS_PASSIVE},
+        {"off", DG_CO_BUS_OFF},       {"overrun", DG_CO_BUS_OVERRUN},
+        {"absent", DG_CO_BUS_ABSENT}, {"present", DG_CO_BUS_PRESENT},
     };
 
     for (size_t i = 0; n == 2 && i < sizeof events / sizeof events[0]; i++) {
@@ -604,7 +610,7 @@ static bool step_bus(void *ctx, char **words, size_t n, struct cf_report *report
             return true;
         }
     }
-    return cf_fail(report, "bus off|active|passive|overrun");
+    return cf_fail(report, "bus off|active|passive|overrun|absent|present");
 }
 
 static bool step_eeprom(void *ctx, char **words, size_t n, struct cf_report *report)

@@ -401,7 +401,7 @@ static void op_late_step(struct bench *bench, struct input *input)
 
 static void op_bus(struct bench *bench, struct input *input)
 {
-    check(bench, dg_co_bus(&bench->node, bench->now, (enum dg_co_bus_event)(take(input) % 4u)));
+    check(bench, dg_co_bus(&bench->node, bench->now, (enum dg_co_bus_event)(take(input) % 6u)));
 }
 
 static void op_shaft(struct bench *bench, struct input *input)

@@ -353,6 +353,33 @@ static void leds_show_states_and_errors(void **state)
     assert_false(dg_cia406_leds(&rig.node).bus);
 }
 
+/* Told without power, or when the boot-up has not been acknowledged. */
+static void leds_without_a_bus(void **state)
+{
+    (void)state;
+    for (int told = 0; told < 2; told++) {
+        dg_co_power_off(&rig.node);
+        if (told == 0) {
+            assert_int_equal(dg_co_bus(&rig.node, rig.now, DG_CO_BUS_ABSENT), DG_NEVER);
+        }
+        assert_int_equal(dg_co_power_on(&rig.node, rig.now), DG_OK);
+        if (told == 1) {
+            (void)dg_co_bus(&rig.node, rig.now, DG_CO_BUS_ABSENT);
+        }
+        expect_leds(DG_CIA406_LAMP_OFF, DG_CIA406_LAMP_BLINK);
+        co_rig_run(&rig, DG_S(1));
+        expect_leds(DG_CIA406_LAMP_OFF, DG_CIA406_LAMP_BLINK);
+        (void)dg_co_bus(&rig.node, rig.now, DG_CO_BUS_PRESENT);
+        expect_leds(DG_CIA406_LAMP_BLINK, DG_CIA406_LAMP_OFF);
+        (void)dg_co_bus(&rig.node, rig.now, DG_CO_BUS_ABSENT);
+        expect_leds(DG_CIA406_LAMP_OFF, DG_CIA406_LAMP_OFF);
+        (void)dg_co_bus(&rig.node, rig.now, DG_CO_BUS_PRESENT);
+    }
+    /* Nothing else has happened to the node. */
+    assert_int_equal(rig.node.history_count, 0);
+    assert_int_equal(rig.node.state, DG_CO_PRE_OPERATIONAL);
+}
+
 /* Lit and dark times by chapter 29, sampled every millisecond of 2.4 s. */
 static void expect_period(unsigned half_ms, bool opposite)
 {
@@ -420,6 +447,7 @@ int main(void)
         cmocka_unit_test_setup(the_inhibit_time_bounds_event_mode, setup),
         cmocka_unit_test_setup(the_cyclic_timer_is_tpdo1s_event_timer, setup),
         cmocka_unit_test_setup(leds_show_states_and_errors, setup),
+        cmocka_unit_test_setup(leds_without_a_bus, setup),
         cmocka_unit_test_setup(patterns_have_their_phase, setup),
         cmocka_unit_test_setup(blinking_and_slow_blinking, setup),
     };
