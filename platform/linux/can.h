@@ -68,6 +68,13 @@ struct lx_can_counters {
     uint64_t lost;   /**< frames that nobody could take: no interface, no master */
 };
 
+/** Whether there is anybody else on the wire. */
+enum lx_can_company {
+    LX_CAN_SOMEBODY,
+    LX_CAN_UNKNOWN, /**< nothing has been heard so far */
+    LX_CAN_NOBODY,  /**< nobody acknowledges */
+};
+
 /** The part that all kinds share; first member of each kind. */
 struct lx_can {
     const struct lx_can_ops *ops;
@@ -80,6 +87,7 @@ struct lx_can {
     size_t count;
     size_t capacity;
     struct lx_can_counters counters;
+    enum lx_can_company company;
     const char *kind;                 /**< "can" or "slcan" */
     char address[LX_CAN_ADDRESS_MAX]; /**< interface, or what a master opens */
 };

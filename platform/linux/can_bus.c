@@ -130,7 +130,7 @@ static void settle(void *ctx, dg_ns now)
     do {
         tune(self);
         next = self->can->stalled ? DG_NEVER : step(self, now);
-    } while (self->retuned);
+    } while (self->retuned || lx_can_tell_presence(self, now));
     tell_filters(self);
     if (self->can->stalled) {
         next = DG_NEVER;

@@ -115,6 +115,10 @@ void lx_can_release(struct lx_can_bus *self, dg_ns now);
 /** Faults or power of a node may have changed: its controller's state, and whether it is bent. */
 void lx_can_bend(struct lx_can_node *self, dg_ns now);
 
+/** Tell the nodes whether there is a bus for them: a wire, at their bit rate, with somebody on it.
+ * @return whether one did not know */
+bool lx_can_tell_presence(struct lx_can_bus *self, dg_ns now);
+
 /** Let the node's controller be in the bus's state, or in the worse one that a fault makes. */
 void lx_can_follow(struct lx_can_node *self, dg_ns now);
 

@@ -205,6 +205,31 @@ static enum dg_co_bus_event state_of(const struct dg_co_node *device)
                                                                     : DG_CO_BUS_ACTIVE;
 }
 
+static bool has_bus(const struct lx_can_node *node)
+{
+    const struct lx_can *can = node->bus->can;
+    return node->hears && can->ops->up(can) && can->company != LX_CAN_NOBODY;
+}
+
+/* The core is asked what it knows, as above. */
+bool lx_can_tell_presence(struct lx_can_bus *self, dg_ns now)
+{
+    bool told = false;
+    for (size_t i = 0; i < self->bus.setup.count; i++) {
+        struct lx_can_node *node = &self->node[i];
+        const struct dg_co_node *device = &node->device;
+        const bool there = has_bus(node);
+        const bool sure = there && self->can->company == LX_CAN_SOMEBODY;
+        if (there == device->bus_absent ||
+            (sure && !device->bus_found && device->state != DG_CO_OFF)) {
+            const enum dg_co_bus_event event = there ? DG_CO_BUS_PRESENT : DG_CO_BUS_ABSENT;
+            note_deadline(node, dg_co_bus(&node->device, now, event));
+            told = true;
+        }
+    }
+    return told;
+}
+
 void lx_can_follow(struct lx_can_node *self, dg_ns now)
 {
     struct dg_faults *faults = faults_of(self);

@@ -39,6 +39,7 @@ struct can_socket {
     unsigned index;
     sd_event_source *io;
     struct lx_timer reopen;
+    bool passive;        /* so the controller has said last */
     dg_ns latest;        /* moment of the frame that came in last */
     uint32_t dropped;    /* frames the socket has lost, as the kernel counts */
     dg_ns overrun_until; /* no further report before */
@@ -81,7 +82,7 @@ static int configure(int fd)
 {
     const int on = 1;
     const int size = RECEIVE_BUFFER;
-    const can_err_mask_t errors = CAN_ERR_BUSOFF | CAN_ERR_RESTARTED | CAN_ERR_CRTL;
+    const can_err_mask_t errors = CAN_ERR_BUSOFF | CAN_ERR_RESTARTED | CAN_ERR_CRTL | CAN_ERR_ACK;
     (void)setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &size, sizeof size); /* what it may have is fine */
     if (setsockopt(fd, SOL_CAN_RAW, CAN_RAW_FILTER, NULL, 0) != 0 ||
         setsockopt(fd, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, &errors, sizeof errors) != 0 ||
@@ -106,7 +107,13 @@ static int bind_to(struct can_socket *self)
         return errno == ENODEV ? -EMEDIUMTYPE : -errno;
     }
     const int result = lx_can_link_read(self->index, &link);
-    return result < 0 ? result : link.up ? 0 : -ENETDOWN;
+    if (result < 0) {
+        return result;
+    }
+    self->passive = false;
+    /* On a virtual bus nobody has to acknowledge. */
+    self->can.company = link.is_virtual ? LX_CAN_SOMEBODY : LX_CAN_UNKNOWN;
+    return link.up ? 0 : -ENETDOWN;
 }
 
 static int on_readable(sd_event_source *source, int fd, uint32_t events, void *ctx);
@@ -176,6 +183,28 @@ static dg_ns moment(struct can_socket *self, const struct timespec *stamp)
     return self->latest;
 }
 
+/*
+ * Who does not get an acknowledgement has nobody there. The first one that comes lets the counter
+ * of a passive controller fall, and with it its state; so does a restored one, and a frame of
+ * somebody else says the same.
+ */
+static void take_company(struct can_socket *self, const struct can_frame *frame)
+{
+    const bool counts = (frame->can_id & CAN_ERR_CRTL) != 0;
+    const uint8_t passive = CAN_ERR_CRTL_RX_PASSIVE | CAN_ERR_CRTL_TX_PASSIVE;
+    const uint8_t warning = CAN_ERR_CRTL_RX_WARNING | CAN_ERR_CRTL_TX_WARNING;
+    const bool fell = (frame->data[1] & CAN_ERR_CRTL_ACTIVE) != 0 ||
+                      (self->passive && (frame->data[1] & warning) != 0);
+    if ((frame->can_id & CAN_ERR_ACK) != 0) {
+        self->can.company = LX_CAN_NOBODY;
+    } else if (counts && fell) {
+        self->can.company = LX_CAN_SOMEBODY;
+    }
+    if (counts && (frame->data[1] & (passive | warning | CAN_ERR_CRTL_ACTIVE)) != 0) {
+        self->passive = (frame->data[1] & passive) != 0;
+    }
+}
+
 /* What a controller's error frame means. */
 static void take_error(struct can_socket *self, dg_ns now, const struct can_frame *frame)
 {
@@ -209,9 +238,11 @@ static void take_frame(struct can_socket *self, dg_ns now, const struct can_fram
 {
     struct dg_can_frame out = {.rtr = (frame->can_id & CAN_RTR_FLAG) != 0};
     if ((frame->can_id & CAN_ERR_FLAG) != 0) {
+        take_company(self, frame);
         take_error(self, now, frame);
         return;
     }
+    self->can.company = LX_CAN_SOMEBODY;
     if ((frame->can_id & CAN_EFF_FLAG) != 0 || frame->can_dlc > sizeof out.data) {
         return;
     }

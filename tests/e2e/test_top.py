@@ -154,7 +154,7 @@ def test_what_is_to_be_seen(panel, four):
         assert state["mode"] == mode
         for part in four.encoders[name].model, four.encoders[name].wire, mode, state["position"]:
             assert part in line, (part, line)
-    assert "BUS:blink ERR:off" in row(screen, "co")
+    assert "BUS:off ERR:blink" in row(screen, "co")
     assert re.search(r"UL:on RC:on BA:\w+ RD:off", row(screen, "ib"))
     top.wait(r"^bi .* \d+ +-$")  # frames per second
     four.encoders["hf"].shaft.velocity = 60
@@ -244,14 +244,14 @@ def test_power(panel, four):
 
 def test_sizes(panel, four):
     top = panel(four.address, width=80, height=24)
-    screen = top.wait("^bi .* idle", "^co .*BUS:blink ERR:off")
+    screen = top.wait("^bi .* idle", "^co .*BUS:off ERR:blink")
     assert screen.splitlines()[23].endswith("q") and "NAME" in screen
     top.tmux("resize-window", "-x", "79", "-y", "24")
     top.wait("window too small: 80x24 is right")
     top.tmux("resize-window", "-x", "10", "-y", "3")
     top.wait("window to~")
     top.tmux("resize-window", "-x", "160", "-y", "60")
-    screen = top.wait(r"^co .*slcan:/dev/pts/\d+/63 +BUS:blink ERR:off +preoperational ")
+    screen = top.wait(r"^co .*slcan:/dev/pts/\d+/63 +BUS:off ERR:blink +preoperational ")
     assert len(screen.splitlines()) == 60
     top.keys("?")
     top.wait("turn its shaft by 1 degree")

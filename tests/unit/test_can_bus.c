@@ -306,6 +306,90 @@ static void late_is_more_than_5_ms(void **state)
     assert_int_not_equal(bus->promised, DG_NEVER);
 }
 
+/* --- whether there is a bus (C38) --- */
+
+static void expect_leds(struct can_rig *self, enum dg_cia406_lamp bus, enum dg_cia406_lamp err)
+{
+    const struct dg_cia406_leds leds = dg_cia406_leds(can_rig_device(self, 0));
+    assert_int_equal(leds.bus_pattern, bus);
+    assert_int_equal(leds.err_pattern, err);
+}
+
+static void power_cycle(struct can_rig *self)
+{
+    dg_co_power_off(can_rig_device(self, 0));
+    can_rig_changed(self, 0);
+    assert_int_equal(dg_co_power_on(can_rig_device(self, 0), lx_now()), DG_OK);
+    can_rig_changed(self, 0);
+}
+
+static void say(struct can_rig *self, const char *lines)
+{
+    assert_int_equal(write(self->client, lines, strlen(lines)), strlen(lines));
+    can_rig_run(self, CAN_RIG_QUIET);
+}
+
+/* The channel of the adapter is the bus. */
+static void a_closed_channel_is_no_bus(void **state)
+{
+    struct can_rig *self = *state;
+    can_rig_plan(self, 1);
+    can_rig_open_slcan(self, 1);
+    expect_leds(self, DG_CIA406_LAMP_OFF, DG_CIA406_LAMP_BLINK);
+    can_rig_connect(self);
+    expect_leds(self, DG_CIA406_LAMP_BLINK, DG_CIA406_LAMP_OFF);
+    say(self, "C\r");
+    expect_leds(self, DG_CIA406_LAMP_OFF, DG_CIA406_LAMP_OFF);
+    power_cycle(self);
+    expect_leds(self, DG_CIA406_LAMP_OFF, DG_CIA406_LAMP_BLINK);
+    say(self, "O\r");
+    expect_leds(self, DG_CIA406_LAMP_BLINK, DG_CIA406_LAMP_OFF);
+    /* Nothing has been sent to it since: the open channel was the bus. */
+    power_cycle(self);
+    say(self, "C\r");
+    expect_leds(self, DG_CIA406_LAMP_OFF, DG_CIA406_LAMP_OFF);
+}
+
+/* Chapter 29 counts it among the causes. */
+static void another_bit_rate_is_no_bus(void **state)
+{
+    struct can_rig *self = *state;
+    can_rig_plan(self, 1);
+    can_rig_open_slcan(self, 1);
+    can_rig_connect(self);
+    say(self, "C\rS6\rO\r");
+    expect_leds(self, DG_CIA406_LAMP_OFF, DG_CIA406_LAMP_OFF);
+    power_cycle(self);
+    expect_leds(self, DG_CIA406_LAMP_OFF, DG_CIA406_LAMP_BLINK);
+    say(self, "C\rS5\rL\r");
+    expect_leds(self, DG_CIA406_LAMP_BLINK, DG_CIA406_LAMP_OFF);
+}
+
+/* A wire that knows of nobody, until it hears somebody, or until nobody acknowledges. */
+static void nobody_acknowledges(void **state)
+{
+    const struct dg_can_frame stop = {.id = 0, .dlc = 2, .data = {2, 0}};
+    struct can_rig *self = *state;
+    can_rig_plan(self, 1);
+    can_rig_open(self, 1);
+    struct lx_can *can = &can_rig_wire(self)->can;
+    can->company = LX_CAN_UNKNOWN;
+    power_cycle(self);
+    expect_leds(self, DG_CIA406_LAMP_BLINK, DG_CIA406_LAMP_OFF);
+    can->company = LX_CAN_NOBODY;
+    can->setup.settle(can->setup.ctx, lx_now());
+    expect_leds(self, DG_CIA406_LAMP_OFF, DG_CIA406_LAMP_BLINK);
+    can->company = LX_CAN_UNKNOWN;
+    power_cycle(self);
+    can->setup.rx(can->setup.ctx, lx_now(), &stop);
+    can->company = LX_CAN_NOBODY;
+    can->setup.settle(can->setup.ctx, lx_now());
+    expect_leds(self, DG_CIA406_LAMP_OFF, DG_CIA406_LAMP_OFF);
+    can->company = LX_CAN_SOMEBODY;
+    can->setup.settle(can->setup.ctx, lx_now());
+    expect_leds(self, DG_CIA406_LAMP_SLOW, DG_CIA406_LAMP_OFF);
+}
+
 /* --- a pty that goes --- */
 
 /* Let every descriptor of the slave side lead elsewhere: to the other side a hang-up. */
@@ -346,7 +430,9 @@ static void a_lost_pty_comes_back(void **state)
     while (access(self->link, F_OK) != 0 && lx_now() < end) {
         can_rig_turn(self);
     }
+    expect_leds(self, DG_CIA406_LAMP_OFF, DG_CIA406_LAMP_OFF);
     can_rig_connect(self);
+    expect_leds(self, DG_CIA406_LAMP_BLINK, DG_CIA406_LAMP_OFF);
     assert_true(can_rig_answers(self, 1));
     assert_int_equal(can_rig_upload(self, 1, 0x6004), 0);
 }
@@ -377,6 +463,11 @@ int main(void)
         cmocka_unit_test_setup_teardown(power_is_each_ones_own, can_rig_set_up, can_rig_tear_down),
         cmocka_unit_test_setup_teardown(the_tap_sees_everything, can_rig_set_up, can_rig_tear_down),
         cmocka_unit_test_setup_teardown(late_is_more_than_5_ms, can_rig_set_up, can_rig_tear_down),
+        cmocka_unit_test_setup_teardown(a_closed_channel_is_no_bus, can_rig_set_up,
+                                        can_rig_tear_down),
+        cmocka_unit_test_setup_teardown(another_bit_rate_is_no_bus, can_rig_set_up,
+                                        can_rig_tear_down),
+        cmocka_unit_test_setup_teardown(nobody_acknowledges, can_rig_set_up, can_rig_tear_down),
         cmocka_unit_test_setup_teardown(a_lost_pty_comes_back, can_rig_set_up, can_rig_tear_down),
         cmocka_unit_test_setup_teardown(hundred_and_twenty_seven, can_rig_set_up,
                                         can_rig_tear_down),

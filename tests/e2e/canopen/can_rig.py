@@ -20,10 +20,11 @@ import canopen
 import canopen.emcy
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from rig import PATIENCE_S, PROGRAM, Encoder, Lines, assert_one_line, run  # noqa: E402
+from rig import (PATIENCE_S, PROGRAM, Client, Encoder, Lines, assert_one_line,  # noqa: E402
+                 free_port, run)
 
-__all__ = ["PATIENCE_S", "PROGRAM", "WIRE", "Encoder", "Lines", "LOAD", "MODEL", "Rig", "SAVE",
-           "assert_one_line", "on_slcan", "run"]
+__all__ = ["PATIENCE_S", "PROGRAM", "WIRE", "Client", "Encoder", "Lines", "LOAD", "MODEL", "Rig",
+           "SAVE", "assert_one_line", "free_port", "on_slcan", "run", "state_of", "wait_for_leds"]
 
 WIRE = os.environ.get("RIG_CAN", "slcan")
 MODEL = "f3668"
@@ -86,6 +87,19 @@ class Tap(can.Listener):
         """Mean time between this many frames."""
         stamps = [self.wait(can_id).timestamp for _ in range(count + 1)]
         return (stamps[-1] - stamps[0]) / count
+
+
+def state_of(control: Client) -> dict:
+    """What STATe? says, by key."""
+    return dict(part.split("=", 1) for part in control.ask("STAT?").split(","))
+
+
+def wait_for_leds(control: Client, leds: str):
+    """Until STATe? says these patterns, e.g. "bus:off/err:blink"."""
+    deadline = time.monotonic() + PATIENCE_S
+    while (seen := state_of(control)["leds"]) != leds:
+        assert time.monotonic() < deadline, (seen, leds)
+        time.sleep(0.01)
 
 
 def open_bus(channel: str, bit_rate: int) -> can.BusABC:

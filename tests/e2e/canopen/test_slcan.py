@@ -6,7 +6,7 @@ import time
 import can
 import pytest
 import serial
-from can_rig import PATIENCE_S, SAVE, assert_one_line, open_bus
+from can_rig import PATIENCE_S, SAVE, Client, assert_one_line, free_port, open_bus, wait_for_leds
 
 
 @pytest.fixture
@@ -92,6 +92,21 @@ def test_bit_rate_of_lss(start):
     rig.connect(125_000)
     rig.use(63)
     assert rig.read(0x2100) == 4
+
+
+def test_leds_show_the_channel(start):
+    """A closed channel, and one at another bit rate, are no bus to the encoder."""
+    port = free_port()
+    rig = start("--control", f"tcp:127.0.0.1:{port}", client=False)
+    with Client(port) as control, serial.Serial(rig.link, timeout=PATIENCE_S) as adapter:
+        wait_for_leds(control, "bus:off/err:blink")
+        for rate, leds in [(b"S5", "bus:blink/err:off"), (b"S6", "bus:off/err:off")]:
+            assert ask(adapter, rate) + ask(adapter, b"O") == b"\r\r"
+            wait_for_leds(control, leds)
+            assert ask(adapter, b"C") == b"\r"
+            wait_for_leds(control, "bus:off/err:off")
+        control.do("POW CYCL")
+        wait_for_leds(control, "bus:off/err:blink")
 
 
 def test_client_that_comes_and_goes(rig):

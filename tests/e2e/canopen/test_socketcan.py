@@ -7,9 +7,11 @@ import time
 
 import can
 import pytest
-from can_rig import MODEL, PATIENCE_S, WIRE, Encoder, Lines, Tap, open_bus
+from can_rig import (MODEL, PATIENCE_S, WIRE, Client, Encoder, Lines, Tap, assert_one_line,
+                     free_port, open_bus, wait_for_leds)
 
 FLOOD_S = 20.0
+OTHER_WIRE = "vcan1"  # for what must not happen to the client's
 NODES = range(1, 128)
 
 
@@ -187,3 +189,68 @@ def test_127_nodes_answer(nodes):
     send(bus, 0x000, bytes([0x81, 0x40]))
     assert tap.data(0x740) == b"\x00"
     assert encoder.alive()
+
+
+# --- whether there is a bus ---
+
+@pytest.fixture
+def alone():
+    """An encoder on an interface of its own, and its control plane."""
+    set_link("up")
+    port = free_port()
+    encoder = Encoder([MODEL, "--can", OTHER_WIRE, "--quiet", "--control",
+                       f"tcp:127.0.0.1:{port}"])
+    with Client(port) as control:
+        yield encoder, control
+    set_link("up")
+    assert encoder.clean_up() == []
+
+
+def set_link(state: str):
+    subprocess.run(["ip", "link", "set", OTHER_WIRE, state], check=True, timeout=PATIENCE_S)
+
+
+def report(*bits: int):
+    """An error frame, as a controller reports it: class, then data[1]."""
+    error_class, status = bits
+    with can.Bus(interface="socketcan", channel=OTHER_WIRE) as bus:
+        bus.send(can.Message(arbitration_id=error_class, is_error_frame=True, is_extended_id=False,
+                             data=bytes([0, status, 0, 0, 0, 0, 0, 0])), PATIENCE_S)
+
+
+def test_leds_when_the_interface_is_down(alone):
+    encoder, control = alone
+    wait_for_leds(control, "bus:blink/err:off")
+    set_link("down")
+    wait_for_leds(control, "bus:off/err:off")
+    assert_one_line(encoder, OTHER_WIRE, "the interface is down")
+    control.do("POW CYCL")
+    wait_for_leds(control, "bus:off/err:blink")
+    set_link("up")
+    wait_for_leds(control, "bus:blink/err:off")
+    assert_one_line(encoder, OTHER_WIRE, "back")
+
+
+ERR_CRTL, ERR_ACK = 0x04, 0x20  # linux/can/error.h
+TX_WARNING, TX_PASSIVE, ACTIVE = 0x08, 0x20, 0x40
+
+
+def test_leds_when_nobody_acknowledges(alone):
+    """Until a passive controller is one no more, becomes active, or a frame comes."""
+    _, control = alone
+    wait_for_leds(control, "bus:blink/err:off")
+    report(ERR_ACK, 0)
+    wait_for_leds(control, "bus:off/err:off")
+    report(ERR_ACK | ERR_CRTL, TX_PASSIVE)
+    wait_for_leds(control, "bus:off/err:off")
+    report(ERR_CRTL, TX_WARNING)
+    wait_for_leds(control, "bus:blink/err:off")
+    report(ERR_ACK, 0)
+    wait_for_leds(control, "bus:off/err:off")
+    report(ERR_CRTL, ACTIVE)
+    wait_for_leds(control, "bus:blink/err:off")
+    report(ERR_ACK, 0)
+    wait_for_leds(control, "bus:off/err:off")
+    with can.Bus(interface="socketcan", channel=OTHER_WIRE) as bus:
+        send(bus, 0x000, bytes([0x02, 0x00]))
+    wait_for_leds(control, "bus:slow/err:off")
