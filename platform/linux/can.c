@@ -5,6 +5,12 @@
  *   lx_can_send --> write() --no room--> queue, reading paused
  *   1 ms timer ---> write() ... until it is empty, flush() --> reading goes on, settle()
  *
+ * On a wire that keeps the pace:
+ *
+ *   lx_can_send --> write() --the frame before is still on the wire--> queue
+ *   timer, when it is through --> write() the next one
+ *   the queue is full --> reading paused; half of it is gone --> reading goes on, settle()
+ *
  * A CAN socket without room does not become writable in the eyes of poll() (its limit is the
  * interface's queue, not the socket's), so time it is that says when to try again.
  */
@@ -13,35 +19,113 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "can_load.h"
+
 #define RETRY DG_MS(1)
 /* A wire that takes nothing at all is asked less and less often. */
 #define RETRY_MAX DG_MS(64)
+/* So much of what a late timer has cost is made up for. */
+#define CATCH_UP DG_MS(5)
 
-static bool drain(struct lx_can *self)
+/* --- the wire --- */
+
+/* Of frames that come faster than the wire is, the present one counts, so that a flood does not add
+   up to silence. */
+void lx_can_count(struct lx_can *self, uint32_t bits)
 {
-    while (self->count > 0) {
-        if (!self->ops->write(self, &self->queue[self->first])) {
+    self->bits += bits;
+    if (self->pace == 0) {
+        return;
+    }
+    const dg_ns now = lx_now();
+    const dg_ns longest = dg_bit_times_ns(LX_CAN_BITS(1u, 8u), self->pace);
+    if (self->busy_until > now) {
+        const dg_ns span = dg_bit_times_ns(bits, self->pace);
+        const dg_ns latest = dg_after(now, longest + span);
+        self->busy_until = dg_earliest(dg_after(self->busy_until, span), latest);
+    }
+}
+
+uint64_t lx_can_bits(const struct lx_can *self)
+{
+    return self->ops->bits == NULL ? self->bits : self->ops->bits(self);
+}
+
+static bool is_free(const struct lx_can *self, dg_ns now)
+{
+    return self->pace == 0 || self->busy_until <= now;
+}
+
+/* A frame that has waited for its time follows the one before it at once, however late the timer
+   was, within bounds; another one begins now. */
+static bool put(struct lx_can *self, dg_ns now, const struct dg_can_frame *frame, bool waited)
+{
+    const uint32_t bits = LX_CAN_BITS(1u, lx_can_bytes(frame));
+    const dg_ns earliest = dg_elapsed(now, CATCH_UP);
+    if (!self->ops->write(self, frame)) {
+        return false;
+    }
+    self->bits += bits;
+    if (self->pace != 0) {
+        const bool follows = waited && self->busy_until > earliest;
+        const dg_ns begin = !waited ? now : follows ? self->busy_until : earliest;
+        self->busy_until = dg_after(begin, dg_bit_times_ns(bits, self->pace));
+    }
+    return true;
+}
+
+/* --- the queue --- */
+
+/* @return false when the wire has no room; what only waits for its time stays, too */
+static bool drain(struct lx_can *self, dg_ns now)
+{
+    while (self->count > 0 && is_free(self, now)) {
+        if (!put(self, now, &self->queue[self->first], true)) {
             return false;
         }
         self->first++;
         self->count--;
         self->delay = RETRY;
     }
-    self->first = 0;
+    if (self->count == 0) {
+        self->first = 0;
+    }
     return true;
+}
+
+static void hold(struct lx_can *self)
+{
+    if (!self->stalled) {
+        self->stalled = true;
+        self->counters.stalls++;
+        self->ops->pause(self, true);
+    }
+}
+
+static void release(struct lx_can *self, dg_ns now)
+{
+    if (self->stalled) {
+        self->stalled = false;
+        self->ops->pause(self, false);
+        self->setup.settle(self->setup.ctx, now);
+    }
 }
 
 static void try_again(void *ctx, dg_ns now)
 {
     struct lx_can *self = ctx;
     self->delay = self->delay < RETRY_MAX ? 2 * self->delay : RETRY_MAX;
-    if (!drain(self) || (self->ops->flush != NULL && !self->ops->flush(self))) {
+    if (!drain(self, now) || (self->ops->flush != NULL && !self->ops->flush(self))) {
+        hold(self);
         lx_timer_at(&self->retry, dg_after(now, self->delay));
         return;
     }
-    self->stalled = false;
-    self->ops->pause(self, false);
-    self->setup.settle(self->setup.ctx, now);
+    if (self->count > 0) {
+        lx_timer_at(&self->retry, self->busy_until);
+    }
+    if (self->count <= LX_CAN_PACED_MAX / 2u) {
+        release(self, now);
+    }
 }
 
 void lx_can_stall(struct lx_can *self)
@@ -49,18 +133,22 @@ void lx_can_stall(struct lx_can *self)
     if (self->stalled) {
         return;
     }
-    self->stalled = true;
-    self->counters.stalls++;
+    hold(self);
     self->delay = RETRY;
-    self->ops->pause(self, true);
     lx_timer_at(&self->retry, dg_after(lx_now(), RETRY));
 }
 
-/* Room for one more. Frames come in and deadlines are met only while the queue is empty, so what
-   one frame or one moment makes all encoders send is the most it ever holds. */
+/* Room for one more: that of frames that are gone, or new. Frames come in and deadlines are met
+   only while little waits, so that and what one frame or one moment makes all encoders send is the
+   most it ever holds. */
 static bool make_room(struct lx_can *self)
 {
     if (self->first + self->count < self->capacity) {
+        return true;
+    }
+    if (self->first > self->capacity / 2u) {
+        memmove(self->queue, self->queue + self->first, self->count * sizeof *self->queue);
+        self->first = 0;
         return true;
     }
     const size_t capacity = self->capacity == 0 ? 64 : 2 * self->capacity;
@@ -73,18 +161,35 @@ static bool make_room(struct lx_can *self)
     return true;
 }
 
-void lx_can_send(struct lx_can *self, const struct dg_can_frame *frame)
+/* Behind all others. */
+static void append(struct lx_can *self, const struct dg_can_frame *frame)
 {
-    if (!self->stalled && self->ops->write(self, frame)) {
-        return;
-    }
     if (!make_room(self)) {
         self->counters.lost++;
         return;
     }
     self->queue[self->first + self->count] = *frame;
     self->count++;
-    lx_can_stall(self);
+}
+
+void lx_can_send(struct lx_can *self, const struct dg_can_frame *frame)
+{
+    const dg_ns now = self->pace == 0 ? 0 : lx_now();
+    const bool in_turn = self->count == 0 && is_free(self, now);
+    if (in_turn && !self->stalled && put(self, now, frame, false)) {
+        return;
+    }
+    append(self, frame);
+    if (in_turn) {
+        lx_can_stall(self);
+        return;
+    }
+    if (self->count == 1) {
+        lx_timer_at(&self->retry, self->busy_until);
+    }
+    if (self->count >= LX_CAN_PACED_MAX) {
+        hold(self);
+    }
 }
 
 void lx_can_discard(struct lx_can *self)

@@ -6,6 +6,9 @@
  *
  * What does not fit the wire at once waits in a queue that keeps the order. As long as it does, no
  * frames come in and the encoders' deadlines wait: whoever is busy sending is deaf to more work.
+ *
+ * A wire that keeps the pace lets each frame take the time it has at the wire's bit rate. What
+ * waits only for that makes nobody deaf before there is more than LX_CAN_PACED_MAX of it.
  */
 #ifndef DREHGEBER_LINUX_CAN_H
 #define DREHGEBER_LINUX_CAN_H
@@ -21,6 +24,9 @@
 
 /** Longest address of a bus: a path. */
 #define LX_CAN_ADDRESS_MAX 4096u
+/** Frames that wait for their time before the encoders have to wait, too: until half of them are
+ * gone. Nothing is lost; what one moment makes all encoders send may exceed it. */
+#define LX_CAN_PACED_MAX 32u
 
 struct lx_can;
 
@@ -41,6 +47,12 @@ struct lx_can_ops {
     void (*expect)(struct lx_can *self, uint16_t kbaud);
     /** Whether an encoder at `kbaud` understands the wire. NULL: always. */
     bool (*hears)(const struct lx_can *self, uint16_t kbaud);
+    /** The wire's own bit rate in bit/s; 0: it has none, or that is not known. NULL: it has none.
+     */
+    uint32_t (*bit_rate)(const struct lx_can *self);
+    /** Bits on the wire so far (can_load.h), of everybody's frames. NULL: those that are sent and
+     * received here are all there are. */
+    uint64_t (*bits)(const struct lx_can *self);
     /** Whether the wire is there; one that is not is looked for, and what is sent is lost. */
     bool (*up)(const struct lx_can *self);
     /** Close files, remove links. */
@@ -64,7 +76,7 @@ struct lx_can_setup {
 
 /** Things nobody has to act on; they only count up. */
 struct lx_can_counters {
-    uint64_t stalls; /**< times the wire had no room */
+    uint64_t stalls; /**< times the encoders had to wait for the wire */
     uint64_t lost;   /**< frames that nobody could take: no interface, no master */
 };
 
@@ -80,8 +92,11 @@ struct lx_can {
     const struct lx_can_ops *ops;
     struct lx_can_setup setup;
     struct lx_timer retry;
-    dg_ns delay;  /**< until the next attempt to send */
-    bool stalled; /**< the wire has no room */
+    dg_ns delay;      /**< until the next attempt to send */
+    bool stalled;     /**< the wire has no room, or too much waits for its time */
+    uint32_t pace;    /**< bit/s that frames are spaced by; 0: they are not */
+    dg_ns busy_until; /**< the frame that was sent last is on the wire until then */
+    uint64_t bits;    /**< sent and received so far, as can_load.h counts them */
     struct dg_can_frame *queue;
     size_t first; /**< oldest frame in queue */
     size_t count;
@@ -102,6 +117,13 @@ bool lx_can_in_kernel(void);
 /** Close any of them; NULL is fine. */
 void lx_can_close(struct lx_can *self);
 
+/** A frame of somebody else, with so many bits, has been on the wire until now. On one that keeps
+ * the pace, what is sent here meanwhile is through later. */
+void lx_can_count(struct lx_can *self, uint32_t bits);
+
+/** Bits on the wire so far, in both directions. */
+uint64_t lx_can_bits(const struct lx_can *self);
+
 /** Send a frame. Keeps the order, does not block, does not call back. */
 void lx_can_send(struct lx_can *self, const struct dg_can_frame *frame);
 
@@ -120,6 +142,8 @@ struct lx_can_link {
     bool up;
     bool is_virtual;  /**< vcan: bit rates mean nothing */
     uint32_t bitrate; /**< bit/s; 0: the kernel does not know it */
+    uint64_t frames;  /**< on the wire so far, in both directions, and their data */
+    uint64_t bytes;
 };
 
 /** Ask about interface `index`. @return 0 or a negative errno */

@@ -45,6 +45,26 @@ static bool hears(const struct lx_can_node *node)
     return can->ops->hears == NULL || can->ops->hears(can, node->kbaud);
 }
 
+/* The wire's own, or where it has none that of the slowest encoder that hears it; 0: unknown. */
+static uint32_t bit_rate(const struct lx_can_bus *self)
+{
+    const struct lx_can_ops *ops = self->can->ops;
+    const uint32_t own = ops->bit_rate == NULL ? 0 : ops->bit_rate(self->can);
+    uint32_t kbaud = 0;
+    for (size_t i = 0; own == 0 && i < self->bus.setup.count; i++) {
+        const struct lx_can_node *node = &self->node[i];
+        if (node->hears && node->kbaud != 0 && (kbaud == 0 || node->kbaud < kbaud)) {
+            kbaud = node->kbaud;
+        }
+    }
+    return own != 0 ? own : 1000u * kbaud;
+}
+
+static void keep_pace(struct lx_can_bus *self)
+{
+    self->can->pace = self->pace ? bit_rate(self) : 0;
+}
+
 /* Called inside the core: whether the node still hears is settled after that, but what it sends
    from here on already is at its new rate. */
 static void use_bit_rate(void *ctx, uint16_t kbaud)
@@ -54,6 +74,7 @@ static void use_bit_rate(void *ctx, uint16_t kbaud)
     node->bus->can->ops->expect(node->bus->can, kbaud);
     node->bus->retuned = true;
     node->hears = hears(node);
+    keep_pace(node->bus);
 }
 
 static const struct dg_co_ops node_ops = {.send = send_frame, .bit_rate = use_bit_rate};
@@ -69,6 +90,7 @@ static void tune(struct lx_can_bus *self)
         self->retuned = self->retuned || now != self->node[i].hears;
         self->node[i].hears = now;
     }
+    keep_pace(self);
     if (!self->retuned) {
         return;
     }
@@ -117,6 +139,21 @@ static bool is_late(const struct lx_can_bus *self, dg_ns now)
     return self->promised != DG_NEVER && now > dg_after(self->promised, LX_CAN_LATE);
 }
 
+/* Once per episode, that no real bus would carry this. */
+static void measure(struct lx_can_bus *self, dg_ns now)
+{
+    if (!lx_can_load_due(&self->load, now)) {
+        return;
+    }
+    const uint32_t rate = bit_rate(self);
+    if (lx_can_load_take(&self->load, now, lx_can_bits(self->can), rate)) {
+        lx_note(self->bus.setup.say,
+                "%s: bus load %lu %% of %lu bit/s, more than a real bus carries%s",
+                self->can->address, (unsigned long)(self->load.permille / 10u), (unsigned long)rate,
+                self->pace ? "" : "; pace=1 spaces what the encoders send");
+    }
+}
+
 /* After everything that happened to the nodes. While the wire is stalled nothing is due. */
 static void settle(void *ctx, dg_ns now)
 {
@@ -137,6 +174,7 @@ static void settle(void *ctx, dg_ns now)
     } else if (self->heard.count > 0) {
         next = now;
     }
+    measure(self, now);
     self->promised = next;
     lx_timer_at(&self->timer, next);
 }
@@ -145,6 +183,7 @@ static void on_frame(void *ctx, dg_ns now, const struct dg_can_frame *frame)
 {
     struct lx_can_bus *self = ctx;
     lx_can_tell(self, now, false, frame);
+    lx_can_count(self->can, LX_CAN_BITS(1u, lx_can_bytes(frame)));
     if (self->bent) {
         lx_can_offer(self, now, frame, NULL);
     } else {
@@ -214,6 +253,7 @@ static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
         }
     }
     settle(self, now);
+    lx_can_load_begin(&self->load, now, lx_can_bits(self->can));
     self->promised = DG_NEVER; /* the loop has not begun yet */
     return 0;
 }
@@ -241,10 +281,13 @@ static void changed(struct lx_bus *bus, struct lx_station *station, dg_ns now)
 static void counters(const struct lx_bus *bus, const struct lx_station *station, struct dg_scpi *to)
 {
     const struct lx_can_bus *self = (const struct lx_can_bus *)bus;
+    const dg_ns now = lx_now();
+    const uint64_t bits = lx_can_load_due(&self->load, now) ? lx_can_bits(self->can) : 0;
+    const uint32_t load = lx_can_load_permille(&self->load, now, bits, bit_rate(self));
     const struct lx_count rows[] = {
         {"wire_up", self->can->ops->up(self->can)},       {"wire_late", bus->late},
         {"wire_stalls", self->can->counters.stalls},      {"wire_lost", self->can->counters.lost},
-        {"wire_kbaud", self->node[station->place].kbaud},
+        {"wire_kbaud", self->node[station->place].kbaud}, {"wire_load_permille", load},
     };
     lx_bus_count(to, rows, sizeof rows / sizeof rows[0]);
 }
@@ -274,6 +317,22 @@ static const struct lx_bus_ops bus_ops = {
 
 /* --- making --- */
 
+/* The keys of the wire itself: one. */
+static int take_settings(struct lx_can_bus *self, struct lx_error *error)
+{
+    const struct lx_bus_setup *setup = &self->bus.setup;
+    const struct lx_plan_settings *list = &setup->wire->settings;
+    for (size_t i = 0; i < list->count; i++) {
+        const struct lx_plan_setting *setting = &list->list[i];
+        self->pace = strcmp(setting->value, "1") == 0;
+        if (!self->pace && strcmp(setting->value, "0") != 0) {
+            (void)lx_fail(error, "--set %s=%s: 0 or 1 is right", setting->key, setting->value);
+            return lx_settings_refuse(setup->plan, setting->line, error);
+        }
+    }
+    return 0;
+}
+
 struct lx_bus *lx_can_bus_make(const struct lx_bus_setup *setup, lx_can_open *open,
                                struct lx_error *error)
 {
@@ -290,7 +349,7 @@ struct lx_bus *lx_can_bus_make(const struct lx_bus_setup *setup, lx_can_open *op
     self->open = open;
     self->promised = DG_NEVER;
     self->node = node;
-    int result = 0;
+    int result = take_settings(self, error);
     for (size_t i = 0; result == 0 && i < setup->count; i++) {
         result = lx_can_node_make(self, i, error);
     }

@@ -9,6 +9,7 @@
 
 #include "bus.h"
 #include "can.h"
+#include "can_load.h"
 #include "drehgeber/cia406.h"
 #include "nvm_file.h"
 #include "nvm_memory.h"
@@ -58,6 +59,8 @@ struct lx_can_bus {
     struct lx_bus bus;
     lx_can_open *open;
     struct lx_can *can;
+    bool pace;               /**< the plan wants it: frames take their time on the wire */
+    struct lx_can_load load; /**< of the wire */
     struct lx_timer timer;
     struct dg_co_net net;                    /**< nodes that hear the wire */
     uint8_t filter_version[DG_CO_NET_NODES]; /**< of `net`, when the wire was told */

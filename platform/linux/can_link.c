@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * An interface's kind and bit rate, as `ip -details link` shows them: one question to rtnetlink.
+ * An interface's kind, bit rate and counters, as `ip -details -statistics link` shows them: one
+ * question to rtnetlink.
  *
  *   IFLA_LINKINFO { IFLA_INFO_KIND "can" | "vcan" | ..., IFLA_INFO_DATA { IFLA_CAN_BITTIMING } }
+ *   IFLA_STATS64
  */
 #define _GNU_SOURCE
 #include <errno.h>
@@ -46,6 +48,19 @@ static struct attributes find(struct attributes list, unsigned short type)
     return (struct attributes){NULL, 0};
 }
 
+/* A virtual interface takes what it sends for received, too, as everything on it is both. */
+static void count(struct attributes statistics, struct lx_can_link *link)
+{
+    struct rtnl_link_stats64 stats;
+    if (statistics.left < sizeof stats.rx_packets * 4) { /* the first four members */
+        return;
+    }
+    memset(&stats, 0, sizeof stats);
+    memcpy(&stats, statistics.at, statistics.left < sizeof stats ? statistics.left : sizeof stats);
+    link->frames = stats.tx_packets + (link->is_virtual ? 0 : stats.rx_packets);
+    link->bytes = stats.tx_bytes + (link->is_virtual ? 0 : stats.rx_bytes);
+}
+
 static int parse(const char *answer, size_t n, struct lx_can_link *link)
 {
     static const char virtual_kind[] = "vcan";
@@ -72,6 +87,7 @@ static int parse(const char *answer, size_t n, struct lx_can_link *link)
     *link = (struct lx_can_link){.up = (info.ifi_flags & (unsigned)IFF_UP) != 0};
     link->is_virtual =
         kind.left >= sizeof virtual_kind && memcmp(kind.at, virtual_kind, sizeof virtual_kind) == 0;
+    count(find(all, IFLA_STATS64), link);
     if (timing.left >= sizeof link->bitrate) { /* the first member of struct can_bittiming */
         memcpy(&link->bitrate, timing.at, sizeof link->bitrate);
     }

@@ -21,6 +21,7 @@
 #include <unistd.h>
 
 #include "can.h"
+#include "can_load.h"
 
 /* Frames taken at once; between such pieces of a flood deadlines get their turn. */
 #define BATCH 64u
@@ -39,6 +40,7 @@ struct can_socket {
     unsigned index;
     sd_event_source *io;
     struct lx_timer reopen;
+    uint32_t bit_rate;   /* of the interface, see lx_can_link */
     bool passive;        /* so the controller has said last */
     dg_ns latest;        /* moment of the frame that came in last */
     uint32_t dropped;    /* frames the socket has lost, as the kernel counts */
@@ -111,6 +113,7 @@ static int bind_to(struct can_socket *self)
         return result;
     }
     self->passive = false;
+    self->bit_rate = link.bitrate;
     /* On a virtual bus nobody has to acknowledge. */
     self->can.company = link.is_virtual ? LX_CAN_SOMEBODY : LX_CAN_UNKNOWN;
     return link.up ? 0 : -ENETDOWN;
@@ -407,6 +410,20 @@ static void expect(struct lx_can *can, uint16_t kbaud)
     self->told_kbaud = kbaud;
 }
 
+static uint32_t bit_rate(const struct lx_can *can)
+{
+    return ((const struct can_socket *)can)->bit_rate;
+}
+
+/* The kernel counts what its filters keep back, too. It does not tell identifiers apart: 29-bit
+   ones count like the others. */
+static uint64_t bits(const struct lx_can *can)
+{
+    struct lx_can_link link = {.frames = 0};
+    (void)lx_can_link_read(((const struct can_socket *)can)->index, &link);
+    return LX_CAN_BITS(link.frames, link.bytes);
+}
+
 static bool up(const struct lx_can *can)
 {
     return ((const struct can_socket *)can)->fd >= 0;
@@ -424,6 +441,8 @@ static const struct lx_can_ops socket_ops = {
     .pause = pause_reading,
     .filter = filter,
     .expect = expect,
+    .bit_rate = bit_rate,
+    .bits = bits,
     .up = up,
     .close = close_socket,
 };

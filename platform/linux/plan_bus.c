@@ -137,6 +137,18 @@ int lx_plan_take_trace(struct lx_plan *plan, const struct lx_plan_setting *row, 
     return 0;
 }
 
+/* ", a, b and c": the keys of a kind; "" without. */
+static struct lx_error keys_of(const struct lx_wire *kind)
+{
+    struct lx_error list = {""};
+    for (size_t i = 0; kind->keys != NULL && kind->keys[i] != NULL; i++) {
+        const size_t used = strlen(list.text);
+        const char *between = i > 0 && kind->keys[i + 1] == NULL ? " and " : ", ";
+        (void)snprintf(list.text + used, sizeof list.text - used, "%s%s", between, kind->keys[i]);
+    }
+    return list;
+}
+
 /* A bus has only the keys of its kind. */
 static int take_bus_settings(struct lx_plan *plan, const struct lx_plan_section *self, int wire,
                              struct lx_error *error)
@@ -148,9 +160,10 @@ static int take_bus_settings(struct lx_plan *plan, const struct lx_plan_section 
             continue;
         }
         if (!lx_wire_has(kind, row->key)) {
-            return lx_plan_fail(
-                plan, row->line, error, "%s: no key of a %s bus; wire, address, trace%s are right",
-                row->key, kind->name, kind->keys == NULL ? "" : ", cycle, tear and break_at");
+            const struct lx_error keys = keys_of(kind);
+            return lx_plan_fail(plan, row->line, error,
+                                "%s: no key of a %s bus; wire, address, trace%s are right",
+                                row->key, kind->name, keys.text);
         }
         if (lx_plan_copy_setting(&plan->wires[wire].settings, row, error) != 0) {
             return -1;

@@ -72,6 +72,7 @@ static const char *send(struct lx_slcan *self, struct lx_slcan_event *event)
     }
     event->frame.id = (uint16_t)(id & CAN_ID_MAX);
     event->has_frame = !extended;
+    event->extended = extended;
     return extended ? "Z" OK : "z" OK;
 }
 

@@ -39,6 +39,8 @@ struct lx_slcan {
 struct lx_slcan_event {
     const char *reply; /**< to the master, before anything that the frame causes */
     bool has_frame;    /**< the master sends `frame` */
+    bool extended; /**< the master sends a frame with a 29-bit identifier, of which only `rtr` and
+                        `dlc` are in `frame` */
     struct dg_can_frame frame;
 };
 

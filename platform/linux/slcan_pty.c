@@ -21,6 +21,7 @@
 #include <unistd.h>
 
 #include "can.h"
+#include "can_load.h"
 #include "serial.h"
 #include "slcan.h"
 
@@ -107,6 +108,11 @@ static bool hears(const struct lx_can *can, uint16_t kbaud)
     return codec->state != LX_SLCAN_CLOSED && (codec->kbaud == 0 || codec->kbaud == kbaud);
 }
 
+static uint32_t bit_rate(const struct lx_can *can)
+{
+    return 1000u * ((const struct slcan_pty *)can)->codec.kbaud;
+}
+
 /* Once per episode, which rate would be right. */
 static void check_rate(struct slcan_pty *self)
 {
@@ -138,6 +144,8 @@ static void take_line(struct slcan_pty *self, dg_ns now, const struct lx_slcan_e
     if (event->has_frame) {
         setup->rx(setup->ctx, now, &event->frame);
         setup->settle(setup->ctx, now);
+    } else if (event->extended) {
+        lx_can_count(&self->can, LX_CAN_EXTENDED_BITS(1u, lx_can_bytes(&event->frame)));
     } else if (self->codec.state != before) {
         check_rate(self);
         setup->settle(setup->ctx, now);
@@ -285,6 +293,7 @@ static const struct lx_can_ops slcan_ops = {
     .pause = pause_reading,
     .expect = expect,
     .hears = hears,
+    .bit_rate = bit_rate,
     .up = up,
     .close = close_slcan,
 };

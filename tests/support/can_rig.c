@@ -28,14 +28,14 @@ static bool wire_write(struct lx_can *can, const struct dg_can_frame *frame)
         return false;
     }
     assert_true(self->count < CAN_RIG_FRAMES_MAX);
+    self->at[self->count] = lx_now();
     self->frame[self->count++] = *frame;
     return true;
 }
 
 static void wire_pause(struct lx_can *can, bool paused)
 {
-    (void)can;
-    (void)paused;
+    ((struct can_wire *)can)->paused = paused;
 }
 
 static void wire_filter(struct lx_can *can, const struct dg_co_net *net)
@@ -47,6 +47,11 @@ static void wire_expect(struct lx_can *can, uint16_t kbaud)
 {
     (void)can;
     (void)kbaud;
+}
+
+static uint32_t wire_bit_rate(const struct lx_can *can)
+{
+    return ((const struct can_wire *)can)->bit_rate;
 }
 
 static bool wire_up(const struct lx_can *can)
@@ -67,6 +72,7 @@ static struct lx_can *wire_open(const struct lx_can_setup *setup, struct lx_erro
         .pause = wire_pause,
         .filter = wire_filter,
         .expect = wire_expect,
+        .bit_rate = wire_bit_rate,
         .up = wire_up,
         .close = wire_close,
     };

@@ -20,9 +20,12 @@
 struct can_wire {
     struct lx_can can;
     struct dg_can_frame frame[CAN_RIG_FRAMES_MAX];
+    dg_ns at[CAN_RIG_FRAMES_MAX]; /**< when it was sent */
     size_t count;
     bool full;
-    bool seen_all; /**< filter() was told that everything is wanted */
+    bool paused;
+    uint32_t bit_rate; /**< 0: it has none of its own */
+    bool seen_all;     /**< filter() was told that everything is wanted */
 };
 
 /** A rig of one bus. */

@@ -264,6 +264,8 @@ static const struct {
      "3: cycle: no key of a pty bus; wire, address, trace are right"},
     {"[bus b]\nwire = modbus\ncolour = 1\n",
      "3: colour: no key of a modbus bus; wire, address, trace, cycle, tear and break_at are right"},
+    {"[bus b]\nwire = slcan\ncycle = 1000\n",
+     "3: cycle: no key of a slcan bus; wire, address, trace, pace are right"},
     {"[bus b]\nwire = pty\naddress = x\n[bus c]\nwire = slcan\naddress = x\n",
      "6: address: x is the wire in line 1 already; another address is right"},
     {"[encoder a]\nmodel = s3684-rs485\nwire = pty:x\n"

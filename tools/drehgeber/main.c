@@ -62,7 +62,8 @@ static void help(void)
                  "  %s\n"
                  "  Units: DEG REV (angle), RPM (speed), S MS (time). Positive is clockwise, time\n"
                  "  0 is when the encoder is ready. A file has lines 'time_s,angle_deg'.\n"
-                 "\n KEY=VALUE (CANopen: those from temperature on, and f3668 mt_bits=12|16):\n",
+                 "\n KEY=VALUE (CANopen: those from temperature on, f3668 mt_bits=12|16, and\n"
+                 " pace=0|1 of the bus, default 0: frames take their time at its bit rate):\n",
                  lx_shaft_forms);
     lx_settings_help(&defaults, stdout);
     (void)fputs("  (factory) is burnt into a new --nvm file; an existing one has to agree.\n"

@@ -6,7 +6,8 @@ import time
 import can
 import pytest
 import serial
-from can_rig import PATIENCE_S, SAVE, Client, assert_one_line, free_port, open_bus, wait_for_leds
+from can_rig import (PATIENCE_S, SAVE, Client, assert_one_line, free_port, open_bus, state_of,
+                     wait_for_leds)
 
 
 @pytest.fixture
@@ -107,6 +108,76 @@ def test_leds_show_the_channel(start):
             wait_for_leds(control, "bus:off/err:off")
         control.do("POW CYCL")
         wait_for_leds(control, "bus:off/err:blink")
+
+
+# A TPDO of 4 bytes takes up to 95 bits: 105 of them in a second at 10 kBd.
+TPDO1_BITS, SLOW_BIT_RATE = 95, 10_000
+MEASURED_S = 3.0
+
+
+@pytest.fixture
+def busy(start, nvm):
+    """busy("pace=1"): an encoder at 10 kBd, as 2105h has saved it, with an event timer of 1 ms, in
+    Operational; and its control plane."""
+    controls = []
+
+    def begin(*settings):
+        rig = start("--nvm", nvm)
+        rig.write(0x2100, 0, 0, 1)
+        rig.sdo.download(0x2105, 1, SAVE)
+        rig.kill()
+        port = free_port()
+        rig = start("--nvm", nvm, "--control", f"tcp:127.0.0.1:{port}",
+                    *[word for setting in settings for word in ("--set", setting)],
+                    bit_rate=SLOW_BIT_RATE, quiet=False)
+        controls.append(Client(port))
+        assert state_of(controls[-1])["wire_kbaud"] == "10"
+        rig.write(0x1800, 5, 1, 2)
+        rig.start()
+        return rig, controls[-1]
+
+    yield begin
+    for control in controls:
+        control.close()
+
+
+def tpdos_per_s(rig) -> float:
+    rig.tap.forget()
+    begin = time.monotonic()
+    time.sleep(MEASURED_S)
+    return len(rig.tap.so_far(0x1BF)) / (time.monotonic() - begin)
+
+
+def test_more_than_a_bus_carries_is_said_once(busy):
+    rig, control = busy()
+    assert tpdos_per_s(rig) > 300
+    assert int(state_of(control)["wire_load_permille"]) > 2000
+    assert_one_line(rig.encoder, "bus load", "10000 bit/s", "pace=1")
+
+
+def test_frames_take_their_time_with_pace(busy):
+    """The bus is full and not more, nothing is lost, and the encoder is not deaf."""
+    rig, control = busy("pace=1")
+    rate = SLOW_BIT_RATE / TPDO1_BITS
+    assert 0.5 * rate < tpdos_per_s(rig) < 1.05 * rate
+    state = state_of(control)
+    assert 500 < int(state["wire_load_permille"]) <= 1020
+    assert state["wire_lost"] == "0" and int(state["wire_stalls"]) > 0
+    assert rig.read(0x1800, 5) == 1
+    rig.nmt.send_command(0x80)
+    rig.barrier()
+    rig.tap.forget()
+    rig.barrier()
+    assert rig.tap.so_far(0x1BF) == []
+
+
+def test_pace_is_of_the_bus(start):
+    """Where there is room, nothing is slowed down."""
+    rig = start("--set", "pace=1")
+    begin = time.monotonic()
+    for _ in range(20):
+        rig.barrier()
+    assert time.monotonic() - begin < 2.0
 
 
 def test_client_that_comes_and_goes(rig):

@@ -8,7 +8,7 @@ import time
 import can
 import pytest
 from can_rig import (MODEL, PATIENCE_S, WIRE, Client, Encoder, Lines, Tap, assert_one_line,
-                     free_port, open_bus, wait_for_leds)
+                     free_port, open_bus, state_of, wait_for_leds)
 
 FLOOD_S = 20.0
 OTHER_WIRE = "vcan1"  # for what must not happen to the client's
@@ -254,3 +254,22 @@ def test_leds_when_nobody_acknowledges(alone):
     with can.Bus(interface="socketcan", channel=OTHER_WIRE) as bus:
         send(bus, 0x000, bytes([0x02, 0x00]))
     wait_for_leds(control, "bus:slow/err:off")
+
+
+# --- bus load ---
+
+def test_load_of_everybodys_frames(alone, background):
+    """Frames that nobody here listens to, as canbusload counts them with worst case stuffing."""
+    _, control = alone
+    flood = background("cangen", OTHER_WIRE, "-g", "2", "-I", "555", "-L", "8")
+    lines = Lines(background("stdbuf", "-oL", "canbusload", f"{OTHER_WIRE}@250000").stdout)
+    pairs = []
+    while len(pairs) < 5:
+        line = lines.wait()
+        if line.strip().startswith(OTHER_WIRE):
+            percent = int(line.split("%")[0].split()[-1])
+            pairs.append((percent, int(state_of(control)["wire_load_permille"]) / 10))
+    assert flood.poll() is None
+    theirs, ours = (sum(column) / 4 for column in zip(*pairs[1:]))
+    assert theirs > 5
+    assert abs(theirs - ours) <= 0.25 * theirs + 1, pairs

@@ -1,0 +1,360 @@
+/* SPDX-License-Identifier: MIT */
+/* Frames that take their time on the wire (pace=1), and the load of a bus. In real time: only what
+ * a busy machine cannot spoil is asked for, so no upper bounds. */
+#define _GNU_SOURCE
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "can_rig.h"
+
+#define KBAUD_DELIVERED 250u
+
+static void set(struct can_rig *self, const char *assignment)
+{
+    assert_int_equal(lx_plan_add_setting(&self->wire.settings, assignment, 9, &self->error), 0);
+}
+
+static void forget_settings(struct can_rig *self)
+{
+    struct lx_plan_settings *list = &self->wire.settings;
+    for (size_t i = 0; i < list->count; i++) {
+        free(list->list[i].key);
+        free(list->list[i].value);
+    }
+    free(list->list);
+    *list = (struct lx_plan_settings){.list = NULL};
+}
+
+/* A bus of one encoder whose boot-up is through; NULL: nothing is set. */
+static struct can_wire *open_bus(struct can_rig *self, const char *assignment)
+{
+    can_rig_plan(self, 1);
+    if (assignment != NULL) {
+        set(self, assignment);
+    }
+    can_rig_open(self, 1);
+    struct can_wire *wire = can_rig_wire(self);
+    can_rig_run(self, DG_MS(2));
+    wire->count = 0;
+    return wire;
+}
+
+static int tear_down(void **state)
+{
+    forget_settings(*state);
+    return can_rig_tear_down(state);
+}
+
+/* Frames of the test's with the CAN-IDs from `first` on. */
+static void send(struct can_wire *wire, uint16_t first, size_t count, uint8_t dlc)
+{
+    for (size_t i = 0; i < count; i++) {
+        const struct dg_can_frame frame = {.id = (uint16_t)(first + i), .dlc = dlc};
+        lx_can_send(&wire->can, &frame);
+    }
+}
+
+static void wait_for(struct can_rig *self, size_t count)
+{
+    const dg_ns end = dg_after(lx_now(), CAN_RIG_PATIENCE);
+    while (can_rig_wire(self)->count < count && lx_now() < end) {
+        can_rig_turn(self);
+    }
+    assert_int_equal(can_rig_wire(self)->count, count);
+}
+
+static void expect_in_order(const struct can_wire *wire, uint16_t first, size_t count)
+{
+    assert_int_equal(wire->count, count);
+    for (size_t i = 0; i < count; i++) {
+        assert_int_equal(wire->frame[i].id, first + i);
+    }
+}
+
+static void unless_it_is_set_nothing_waits(void **state)
+{
+    static const char *const rows[] = {NULL, "pace=0"};
+    struct can_rig *self = *state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        struct can_wire *wire = open_bus(self, rows[i]);
+        send(wire, 0x100, 2 * LX_CAN_PACED_MAX, 8);
+        expect_in_order(wire, 0x100, 2 * LX_CAN_PACED_MAX);
+        assert_false(wire->can.stalled);
+        can_rig_shut(self);
+    }
+}
+
+static void plans_that_cannot_be(void **state)
+{
+    struct can_rig *self = *state;
+    can_rig_plan(self, 1);
+    self->plan.file = strdup("rig.ini");
+    set(self, "pace=2");
+    const struct lx_bus_setup setup = can_rig_setup(self, 1);
+    assert_null(lx_can_bus_make_slcan(&setup, &self->error));
+    assert_string_equal(self->error.text, "rig.ini:9: pace=2: 0 or 1 is right");
+    self->wire.settings.list[0].line = 0;
+    assert_null(lx_can_bus_make_slcan(&setup, &self->error));
+    assert_string_equal(self->error.text, "--set pace=2: 0 or 1 is right");
+}
+
+/* The first at once, each other one when the one before is through; a pause is not made up for. */
+static void each_frame_has_its_time(void **state)
+{
+    struct can_rig *self = *state;
+    struct can_wire *wire = open_bus(self, "pace=1");
+    const dg_ns begin = lx_now();
+    send(wire, 0x100, 1, 8);
+    send(wire, 0x101, 9, 0);
+    assert_true(wire->count >= 1);
+    assert_int_equal(wire->count + wire->can.count, 10);
+    assert_false(wire->can.stalled);
+    wait_for(self, 10);
+    expect_in_order(wire, 0x100, 10);
+    const dg_ns first = dg_bit_times_ns(135, KBAUD_DELIVERED * 1000u);
+    const dg_ns other = dg_bit_times_ns(55, KBAUD_DELIVERED * 1000u);
+    for (size_t i = 1; i < 10; i++) {
+        assert_true(dg_elapsed(wire->at[i], begin) >= first + (i - 1) * other);
+    }
+    assert_true(wire->can.busy_until >= begin + first + 9 * other);
+    can_rig_run(self, DG_MS(3));
+    const dg_ns again = lx_now();
+    send(wire, 0x10A, 2, 8);
+    assert_true(wire->count >= 11);
+    wait_for(self, 12);
+    assert_true(dg_elapsed(wire->at[11], again) >= first);
+    assert_int_equal(wire->can.counters.stalls, 0);
+    assert_int_equal(wire->can.counters.lost, 0);
+}
+
+/* What somebody else sends takes the wire's time, too, but not more than there is. */
+static void others_take_their_time(void **state)
+{
+    struct can_rig *self = *state;
+    struct can_wire *wire = open_bus(self, "pace=1");
+    const struct lx_can_setup *setup = &wire->can.setup;
+    const struct dg_can_frame strange = {.id = 0x555, .dlc = 8};
+    const dg_ns one = DG_MS(135);
+    wire->bit_rate = 1000;
+    setup->settle(setup->ctx, lx_now());
+    setup->rx(setup->ctx, lx_now(), &strange); /* over already */
+    send(wire, 0x100, 1, 8);
+    assert_int_equal(wire->count, 1);
+    const dg_ns until = wire->can.busy_until;
+    assert_true(dg_elapsed(until, wire->at[0]) <= one);
+    setup->rx(setup->ctx, lx_now(), &strange);
+    assert_int_equal(wire->can.busy_until, until + one);
+    for (int i = 0; i < 1000; i++) {
+        setup->rx(setup->ctx, lx_now(), &strange);
+    }
+    assert_true(wire->can.busy_until <= lx_now() + 2 * one);
+    send(wire, 0x101, 1, 8);
+    assert_int_equal(wire->count, 1);
+}
+
+/* The wire's own bit rate comes before the encoder's. */
+static void the_wires_bit_rate(void **state)
+{
+    struct can_rig *self = *state;
+    struct can_wire *wire = open_bus(self, "pace=1");
+    assert_int_equal(wire->can.pace, 250000);
+    wire->bit_rate = 10000;
+    wire->can.setup.settle(wire->can.setup.ctx, lx_now());
+    assert_int_equal(wire->can.pace, 10000);
+    const dg_ns begin = lx_now();
+    send(wire, 0x100, 3, 4);
+    wait_for(self, 3);
+    assert_true(dg_elapsed(wire->at[2], begin) >= 2 * DG_US(9500));
+}
+
+/* Too much makes the encoders wait until half of it is gone; nothing is lost. */
+static void a_full_queue_holds_the_encoders(void **state)
+{
+    struct can_rig *self = *state;
+    struct can_wire *wire = open_bus(self, "pace=1");
+    send(wire, 0x100, LX_CAN_PACED_MAX, 8); /* the first one does not wait */
+    assert_int_equal(wire->count + wire->can.count, LX_CAN_PACED_MAX);
+    assert_false(wire->can.stalled);
+    send(wire, 0x100 + LX_CAN_PACED_MAX, 2 * LX_CAN_PACED_MAX, 8);
+    assert_true(wire->can.stalled);
+    assert_true(wire->paused);
+    while (wire->can.stalled) {
+        assert_true(wire->can.count > LX_CAN_PACED_MAX / 2);
+        can_rig_turn(self);
+    }
+    assert_true(wire->can.count <= LX_CAN_PACED_MAX / 2);
+    assert_false(wire->paused);
+    wait_for(self, 3 * LX_CAN_PACED_MAX);
+    expect_in_order(wire, 0x100, 3 * LX_CAN_PACED_MAX);
+    assert_int_equal(wire->can.counters.stalls, 1);
+    assert_int_equal(wire->can.counters.lost, 0);
+}
+
+/* A queue that is never empty goes on in the same memory. */
+static void a_queue_that_never_empties(void **state)
+{
+    const size_t rounds = 100;
+    struct can_rig *self = *state;
+    struct can_wire *wire = open_bus(self, "pace=1");
+    wire->bit_rate = 1000000;
+    wire->can.setup.settle(wire->can.setup.ctx, lx_now());
+    send(wire, 0x100, 8, 8);
+    for (size_t i = 1; i < rounds; i++) {
+        while (wire->can.count > 4) {
+            can_rig_turn(self);
+        }
+        send(wire, (uint16_t)(0x100 + 8 * i), 8, 8);
+    }
+    wait_for(self, 8 * rounds);
+    expect_in_order(wire, 0x100, 8 * rounds);
+    assert_true(wire->can.capacity <= 64);
+}
+
+/* A wire without room, and time that has passed meanwhile. */
+static void a_wire_without_room(void **state)
+{
+    struct can_rig *self = *state;
+    struct can_wire *wire = open_bus(self, "pace=1");
+    wire->full = true;
+    send(wire, 0x100, 3, 8);
+    assert_true(wire->can.stalled);
+    can_rig_run(self, DG_MS(20));
+    assert_int_equal(wire->count, 0);
+    assert_int_equal(wire->can.count, 3);
+    wire->full = false;
+    wait_for(self, 3);
+    expect_in_order(wire, 0x100, 3);
+    can_rig_run(self, DG_MS(5));
+    assert_false(wire->can.stalled);
+    /* Full while a frame waits for its time. */
+    send(wire, 0x103, 2, 8);
+    wire->full = true;
+    assert_false(wire->can.stalled);
+    can_rig_run(self, DG_MS(20));
+    assert_true(wire->can.stalled);
+    wire->full = false;
+    wait_for(self, 5);
+    expect_in_order(wire, 0x100, 5);
+    /* What waits for nobody is forgotten, and the timer finds nothing. */
+    send(wire, 0x105, 2, 8);
+    lx_can_discard(&wire->can);
+    can_rig_run(self, DG_MS(5));
+    assert_int_equal(wire->count, 6);
+    assert_int_equal(wire->can.counters.lost, 1);
+}
+
+/* An encoder that wants to send more than its bus carries: each frame of it in its time, and it
+   still answers. */
+static void an_event_timer_below_the_bus_time(void **state)
+{
+    struct can_rig *self = *state;
+    struct can_wire *wire = open_bus(self, "pace=1");
+    const struct dg_can_frame start = {.id = 0, .dlc = 2, .data = {1, 1}};
+    wire->bit_rate = 20000; /* 4.75 ms for 4 bytes */
+    can_rig_write(self, 0, 0x1800, 5, 1, 2);
+    wire->can.setup.rx(wire->can.setup.ctx, lx_now(), &start);
+    wire->can.setup.settle(wire->can.setup.ctx, lx_now());
+    const dg_ns begin = lx_now();
+    can_rig_run(self, DG_MS(300));
+    const dg_ns span = dg_elapsed(lx_now(), begin);
+    assert_true(can_rig_sent(self, 0x181) <= 1 + span / DG_US(4750));
+    assert_true(can_rig_sent(self, 0x181) > 10);
+    assert_true(wire->can.counters.stalls > 0);
+    assert_int_equal(wire->can.counters.lost, 0);
+}
+
+/* --- load --- */
+
+static uint32_t load_of(struct can_rig *self)
+{
+    return ((const struct lx_can_bus *)self->bus)->load.permille;
+}
+
+/* A second passes for the bus. */
+static void next_window(struct can_rig *self)
+{
+    struct lx_can_bus *bus = (struct lx_can_bus *)self->bus;
+    const struct lx_can_setup *setup = &bus->can->setup;
+    setup->settle(setup->ctx, bus->load.since + LX_CAN_LOAD_WINDOW);
+}
+
+static void what_is_sent_and_received_is_load(void **state)
+{
+    struct can_rig *self = *state;
+    struct can_wire *wire = open_bus(self, NULL);
+    const struct lx_can_setup *setup = &wire->can.setup;
+    const struct dg_can_frame strange = {.id = 0x555, .dlc = 8};
+    const struct dg_can_frame request = {.id = 0x555, .rtr = true, .dlc = 8};
+    next_window(self);
+    next_window(self);
+    assert_int_equal(load_of(self), 0);
+    send(wire, 0x100, 100, 8);
+    for (int i = 0; i < 100; i++) {
+        setup->rx(setup->ctx, lx_now(), &strange);
+    }
+    for (int i = 0; i < 100; i++) {
+        setup->rx(setup->ctx, lx_now(), &request);
+    }
+    next_window(self); /* 100 * (135 + 135 + 55) bits at 250 kBd */
+    assert_int_equal(load_of(self), 130);
+    wire->bit_rate = 50000;
+    send(wire, 0x100, 500, 8);
+    assert_false(((const struct lx_can_bus *)self->bus)->load.overloaded);
+    next_window(self);
+    assert_int_equal(load_of(self), 1350);
+    assert_true(((const struct lx_can_bus *)self->bus)->load.overloaded);
+    next_window(self);
+    assert_int_equal(load_of(self), 0);
+    assert_false(((const struct lx_can_bus *)self->bus)->load.overloaded);
+}
+
+/* On the bus of an adapter: extended frames take their time, too; its bit rate is the channel's. */
+static void load_of_an_adapter(void **state)
+{
+    static const char lines[] = "T00000185411223344\rR000001854\rt5552AABB\rr6812\rt5559\r";
+    struct can_rig *self = *state;
+    can_rig_plan(self, 1);
+    set(self, "pace=1");
+    can_rig_open_slcan(self, 1);
+    can_rig_connect(self); /* at 250 kBd */
+    struct lx_can *can = ((struct lx_can_bus *)self->bus)->can;
+    assert_int_equal(can->pace, 250000);
+    uint64_t before = lx_can_bits(can);
+    assert_int_equal(write(self->client, lines, sizeof lines - 1), sizeof lines - 1);
+    can_rig_run(self, CAN_RIG_QUIET);
+    assert_int_equal(lx_can_bits(can) - before, (80 + 40) + 80 + (55 + 20) + 55);
+    before = lx_can_bits(can);
+    assert_true(can_rig_answers(self, 1));
+    assert_int_equal(lx_can_bits(can) - before, 2 * 135);
+    assert_int_equal(write(self->client, "C\rS1\rO\r", 8), 8);
+    can_rig_run(self, CAN_RIG_QUIET);
+    assert_int_equal(can->pace, 20000);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(unless_it_is_set_nothing_waits, can_rig_set_up, tear_down),
+        cmocka_unit_test_setup_teardown(plans_that_cannot_be, can_rig_set_up, tear_down),
+        cmocka_unit_test_setup_teardown(each_frame_has_its_time, can_rig_set_up, tear_down),
+        cmocka_unit_test_setup_teardown(others_take_their_time, can_rig_set_up, tear_down),
+        cmocka_unit_test_setup_teardown(the_wires_bit_rate, can_rig_set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_full_queue_holds_the_encoders, can_rig_set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_queue_that_never_empties, can_rig_set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_wire_without_room, can_rig_set_up, tear_down),
+        cmocka_unit_test_setup_teardown(an_event_timer_below_the_bus_time, can_rig_set_up,
+                                        tear_down),
+        cmocka_unit_test_setup_teardown(load_of_an_adapter, can_rig_set_up, tear_down),
+        cmocka_unit_test_setup_teardown(what_is_sent_and_received_is_load, can_rig_set_up,
+                                        tear_down),
+    };
+    return cmocka_run_group_tests_name("pace and load of a CAN bus", tests, NULL, NULL);
+}
