@@ -56,8 +56,7 @@ static uint32_t wire_bit_rate(const struct lx_can *can)
 
 static bool wire_up(const struct lx_can *can)
 {
-    (void)can;
-    return true;
+    return !((const struct can_wire *)can)->down;
 }
 
 static void wire_close(struct lx_can *can)

@@ -23,6 +23,7 @@ struct can_wire {
     dg_ns at[CAN_RIG_FRAMES_MAX]; /**< when it was sent */
     size_t count;
     bool full;
+    bool down;
     bool paused;
     uint32_t bit_rate; /**< 0: it has none of its own */
     bool seen_all;     /**< filter() was told that everything is wanted */

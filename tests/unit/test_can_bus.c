@@ -388,6 +388,25 @@ static void nobody_acknowledges(void **state)
     can->company = LX_CAN_SOMEBODY;
     can->setup.settle(can->setup.ctx, lx_now());
     expect_leds(self, DG_CIA406_LAMP_SLOW, DG_CIA406_LAMP_OFF);
+    can_rig_wire(self)->down = true;
+    can->setup.settle(can->setup.ctx, lx_now());
+    expect_leds(self, DG_CIA406_LAMP_OFF, DG_CIA406_LAMP_OFF);
+}
+
+/* A bus that comes while an encoder has no power. */
+static void found_without_power(void **state)
+{
+    struct can_rig *self = *state;
+    can_rig_plan(self, 1);
+    can_rig_open_slcan(self, 1);
+    dg_co_power_off(can_rig_device(self, 0));
+    can_rig_changed(self, 0);
+    can_rig_connect(self);
+    expect_leds(self, DG_CIA406_LAMP_OFF, DG_CIA406_LAMP_OFF);
+    power_cycle(self);
+    expect_leds(self, DG_CIA406_LAMP_BLINK, DG_CIA406_LAMP_OFF);
+    say(self, "C\r");
+    expect_leds(self, DG_CIA406_LAMP_OFF, DG_CIA406_LAMP_OFF);
 }
 
 /* --- a pty that goes --- */
@@ -468,6 +487,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(another_bit_rate_is_no_bus, can_rig_set_up,
                                         can_rig_tear_down),
         cmocka_unit_test_setup_teardown(nobody_acknowledges, can_rig_set_up, can_rig_tear_down),
+        cmocka_unit_test_setup_teardown(found_without_power, can_rig_set_up, can_rig_tear_down),
         cmocka_unit_test_setup_teardown(a_lost_pty_comes_back, can_rig_set_up, can_rig_tear_down),
         cmocka_unit_test_setup_teardown(hundred_and_twenty_seven, can_rig_set_up,
                                         can_rig_tear_down),

@@ -175,6 +175,45 @@ static void the_wires_bit_rate(void **state)
     assert_true(dg_elapsed(wire->at[2], begin) >= 2 * DG_US(9500));
 }
 
+/* A wire that has none has that of the slowest encoder. */
+static void the_slowest_encoders_bit_rate(void **state)
+{
+    static const struct {
+        uint16_t kbaud[3];
+        uint32_t bit_rate;
+    } rows[] = {
+        {{250, 250, 250}, 250000},
+        {{250, 125, 500}, 125000},
+        {{20, 125, 500}, 20000},
+        {{1000, 500, 10}, 10000},
+    };
+    struct can_rig *self = *state;
+    can_rig_plan(self, 3);
+    set(self, "pace=1");
+    can_rig_open(self, 3);
+    struct lx_can_bus *bus = (struct lx_can_bus *)self->bus;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        for (size_t n = 0; n < 3; n++) {
+            bus->node[n].kbaud = rows[i].kbaud[n];
+        }
+        bus->can->setup.settle(bus->can->setup.ctx, lx_now());
+        assert_int_equal(bus->can->pace, rows[i].bit_rate);
+    }
+}
+
+/* The wire is free, but the timer has not come round: whoever waits is first. */
+static void nobody_overtakes(void **state)
+{
+    struct can_rig *self = *state;
+    struct can_wire *wire = open_bus(self, "pace=1");
+    send(wire, 0x100, 3, 0);
+    while (lx_now() <= wire->can.busy_until) {
+    }
+    send(wire, 0x103, 3, 0);
+    wait_for(self, 6);
+    expect_in_order(wire, 0x100, 6);
+}
+
 /* Too much makes the encoders wait until half of it is gone; nothing is lost. */
 static void a_full_queue_holds_the_encoders(void **state)
 {
@@ -347,6 +386,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(each_frame_has_its_time, can_rig_set_up, tear_down),
         cmocka_unit_test_setup_teardown(others_take_their_time, can_rig_set_up, tear_down),
         cmocka_unit_test_setup_teardown(the_wires_bit_rate, can_rig_set_up, tear_down),
+        cmocka_unit_test_setup_teardown(the_slowest_encoders_bit_rate, can_rig_set_up, tear_down),
+        cmocka_unit_test_setup_teardown(nobody_overtakes, can_rig_set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_full_queue_holds_the_encoders, can_rig_set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_queue_that_never_empties, can_rig_set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_wire_without_room, can_rig_set_up, tear_down),
