@@ -214,7 +214,7 @@ static int read_errors(struct dg_biss *self, dg_ns now, uint8_t offset, uint8_t 
     return DG_OK;
 }
 
-/* 6Ah, 6Bh: in 0.1 degC, rounded towards 0. */
+/* 6Ah, 6Bh: in 0.1 degC, rounded towards 0, low byte first as 61h..67h. */
 static int read_temperature(struct dg_biss *self, dg_ns now, uint8_t offset, uint8_t *value)
 {
     int32_t tenths = self->setup.world->temperature_mdegc / 100;
@@ -223,7 +223,7 @@ static int read_temperature(struct dg_biss *self, dg_ns now, uint8_t offset, uin
     (void)now;
     tenths = tenths < INT16_MIN ? INT16_MIN : tenths;
     tenths = tenths > INT16_MAX ? INT16_MAX : tenths;
-    dg_store_be16(bytes, (uint16_t)tenths);
+    dg_store_le16(bytes, (uint16_t)tenths);
     *value = bytes[offset];
     return DG_OK;
 }

@@ -101,7 +101,7 @@ static void test_sequence_ends(void **state)
     /* A master that goes on after P = 1 gets no S. */
     biss_rig_zeros(&rig);
     send("1 1 000 1101011 0101 1 0 1 00000000 0000 0 1 00000000 0000 0 0",
-         "0 1 0000000 0 0000000 1 0 1 01110010 0001 1 0 00000000 0000 0");
+         "0 1 0000000 0 0000000 1 0 1 00000001 1100 1 0 00000000 0000 0");
 }
 
 static void test_refused(void **state)

@@ -256,7 +256,7 @@ static void test_temperature(void **state)
         uint8_t bytes[2];
         rig.world.temperature_mdegc = rows[i].mdegc;
         assert_int_equal(biss_rig_read(&rig, 0, 0x6A, bytes, 2), 2);
-        assert_int_equal((int16_t)(bytes[0] << 8 | bytes[1]), rows[i].tenths);
+        assert_int_equal((int16_t)(bytes[1] << 8 | bytes[0]), rows[i].tenths);
     }
 }
 

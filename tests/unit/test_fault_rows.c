@@ -122,8 +122,8 @@ static uint32_t monitored_as_warning(void)
 
 static uint32_t temperature_6a(void)
 {
-    return (uint32_t)biss_rig_get(&fault_rig.biss, 0x6A) << 8 |
-           (uint32_t)biss_rig_get(&fault_rig.biss, 0x6B);
+    return (uint32_t)biss_rig_get(&fault_rig.biss, 0x6B) << 8 |
+           (uint32_t)biss_rig_get(&fault_rig.biss, 0x6A);
 }
 
 /* ------------------------------------------------------------ looks: CANopen */

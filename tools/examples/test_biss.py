@@ -43,8 +43,8 @@ def test_a_worn_led_pulls_n_err(axis):
 
 
 def test_temperature_register(axis):
-    """6Ah and 6Bh: 0.1 degC, signed."""
+    """6Ah and 6Bh: 0.1 degC, signed, low byte first."""
     axis.world("TEMP", "-12.5 DEGC")
     axis.ask("TIME:STEP 1 S")
     registers = map(int, axis.ask("BISS:REG? #H6A,2").split(","))
-    assert int.from_bytes(bytes(registers), "big", signed=True) == -125
+    assert int.from_bytes(bytes(registers), "little", signed=True) == -125

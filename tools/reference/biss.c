@@ -23,7 +23,7 @@ static const struct {
     {0x61, 0, "ST (61h-64h) and MT (65h-67h), as latched last"},
     {0x68, 0, "life counter"},
     {0x69, 0, "error register"},
-    {0x6A, 0, "temperature in 0.1 degC, signed"},
+    {0x6A, 0, "temperature in 0.1 degC, signed, low byte first"},
     {0x78, 0, "device id"},
     {0x7C, 0, "device id: timeout in bits 2..0, in RAM"},
     {0x7D, 0, "device id, manufacturer id 4Bh 55h (7Eh-7Fh)"},

@@ -49,7 +49,7 @@ def monitored_temperature(tenths: int):
         master = target.master
         yield
         assert biss_fine(master)  # 'temperature monitoring is disabled as a standard'
-        assert int.from_bytes(bytes(master.read(0x6A, 2)), "big", signed=True) == tenths
+        assert int.from_bytes(bytes(master.read(0x6A, 2)), "little", signed=True) == tenths
         master.write(EMASK, EMASK_DEFAULT | TEMPERATURE_BIT)
         assert master.errors() == TEMPERATURE_BIT and master.frame()[1:3] == [0, 1]
         master.write(EMASK, EMASK_DEFAULT)
@@ -58,7 +58,7 @@ def monitored_temperature(tenths: int):
         yield
         assert biss_fine(master)
         master.write(WMASK, 0)
-        assert int.from_bytes(bytes(master.read(0x6A, 2)), "big", signed=True) == 370
+        assert int.from_bytes(bytes(master.read(0x6A, 2)), "little", signed=True) == 370
     return look
 
 
