@@ -117,6 +117,8 @@ struct dg_biss_model {
     uint8_t singleturn_bits; /**< ST, 12..23 */
     bool life_counter;       /**< the frame has the 6 bits LC */
     bool autostore;          /**< each write to 1Bh..23h goes to the EEPROM at once */
+    bool stop_bit_early;     /**< P = 1 says that the register behind the one just transferred will
+                                  be refused; otherwise that the one just transferred was */
     uint32_t serial;         /**< 44h..47h */
     uint8_t device_id[6];    /**< 78h..7Dh; MT, ST and timeout in it are filled in by the device */
     dg_ns busy;              /**< from e1 to the earliest start bit, 0..DG_BISS_BUSY_S_MAX_NS */
@@ -141,7 +143,7 @@ struct dg_biss_counters {
     uint32_t frames;   /**< rising edges e1 */
     uint32_t reads;    /**< registers read */
     uint32_t writes;   /**< registers written */
-    uint32_t refused;  /**< accesses answered with an inverted W */
+    uint32_t refused;  /**< accesses answered with an inverted W, further registers with P = 1 */
     uint32_t damaged;  /**< control frames with a bad CRC */
     uint32_t commands; /**< commands executed */
 };
@@ -199,7 +201,7 @@ struct dg_biss_control {
     bool w;
     bool addressed; /**< the command is for selected slaves */
     bool mine;      /**< this slave is one of them */
-    bool refused;   /**< the (next) register */
+    bool refused;   /**< the register, or the one behind it, which the master may go on to */
     bool cds;       /**< to be sent in the next frame */
 };
 

@@ -220,36 +220,37 @@ static bool await_start(struct lx_biss_wire *self)
     return true;
 }
 
-/* One byte is exchanged. @return whether the next one is refused */
+/* One byte is exchanged. @return P */
 static bool exchange(struct lx_biss_wire *self, uint8_t *byte, bool write, bool last, bool *good)
 {
     const unsigned word = write ? (unsigned)*byte << 4 | dg_biss_crc4(*byte, 8) : 0;
     end_frame(self, (word >> 11 & 1u) != 0); /* D7 goes first */
     const unsigned back = send(self, word << 1, 12);
-    const bool refused = begin_frame(self); /* P */
-    end_frame(self, !last && !refused);
+    const bool stop = begin_frame(self);
+    end_frame(self, !last && !stop);
     *byte = (uint8_t)(back >> 4);
     *good = (back & 0x0Fu) == dg_biss_crc4(*byte, 8);
-    return refused;
+    return stop;
 }
 
-/* `bytes` is sent when writing, and replaced by what came back. */
-static int exchange_all(struct lx_biss_wire *self, uint8_t *bytes, size_t n, bool write)
+/* `bytes` is sent when writing, and replaced by what came back. P = 1 refuses the byte itself,
+   unless the encoder tells of the next one (`early`). */
+static int exchange_all(struct lx_biss_wire *self, uint8_t *bytes, size_t n, bool write, bool early)
 {
     int done = 0;
-    bool refused = false;
-    for (size_t i = 0; i < n && !refused; i++) {
+    bool stop = false;
+    for (size_t i = 0; i < n && !stop; i++) {
         bool good = false;
         if (!await_start(self)) {
             return LX_BISS_TOO_BUSY;
         }
-        refused = exchange(self, &bytes[i], write, i + 1 == n, &good);
+        stop = exchange(self, &bytes[i], write, i + 1 == n, &good);
         if (!good) {
             return LX_BISS_DAMAGED;
         }
-        done++;
+        done += !stop || early;
     }
-    return done;
+    return done > 0 ? done : LX_BISS_REFUSED;
 }
 
 /* An SLO that reads high is no echo. */
@@ -259,7 +260,8 @@ static int access_registers(struct lx_biss_wire *self, uint8_t slave, uint8_t ad
     const uint32_t silent = self->silent;
     int result = address_register(self, slave, address, write);
     if (result == 0) {
-        result = exchange_all(self, bytes, n, write);
+        const bool early = self->slave[slave].device->setup.model->stop_bit_early;
+        result = exchange_all(self, bytes, n, write, early);
     }
     return self->silent == silent ? result : LX_BISS_SILENT;
 }

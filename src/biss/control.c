@@ -115,7 +115,17 @@ static void on_w(struct dg_biss *self, dg_ns now, bool cdm)
     become(control, control->refused ? DG_BISS_CONTROL_IDLE : DG_BISS_CONTROL_S);
 }
 
-/* The register is ready: S goes out, and a read has its data. */
+/* S goes out, and of a read the data behind it. */
+static void send_data(struct dg_biss_control *control, uint8_t value)
+{
+    become(control, DG_BISS_CONTROL_DATA);
+    if (!control->w) {
+        control->shift = (uint16_t)((uint32_t)value << CRC_BITS | dg_biss_crc4(value, DATA_BITS));
+    }
+    control->cds = true;
+}
+
+/* The register is ready, unless its bank broke away meanwhile. */
 static void begin_data(struct dg_biss *self, dg_ns now)
 {
     struct dg_biss_control *control = &self->control;
@@ -123,7 +133,6 @@ static void begin_data(struct dg_biss *self, dg_ns now)
     uint8_t value = 0;
 
     become(control, DG_BISS_CONTROL_IDLE);
-    /* It can have gone since: a bank that broke away, a soft reset's initialisation. */
     if (row == NULL) {
         return;
     }
@@ -133,11 +142,7 @@ static void begin_data(struct dg_biss *self, dg_ns now)
         }
         self->counters.reads++;
     }
-    become(control, DG_BISS_CONTROL_DATA);
-    if (!control->w) {
-        control->shift = (uint16_t)((uint32_t)value << CRC_BITS | dg_biss_crc4(value, DATA_BITS));
-    }
-    control->cds = true;
+    send_data(control, value);
 }
 
 static void on_busy(struct dg_biss *self, dg_ns now, bool cdm)
@@ -154,8 +159,13 @@ static void on_s(struct dg_biss *self, dg_ns now, bool cdm)
     struct dg_biss_control *control = &self->control;
     const struct biss_register *row = dg_biss_permitted(self, now, control->address, control->w);
 
-    if (!cdm || control->refused) {
+    if (!cdm) {
         become(control, DG_BISS_CONTROL_IDLE);
+        return;
+    }
+    if (control->refused) { /* a further register: only its own P can say so */
+        self->counters.refused++;
+        send_data(control, 0);
         return;
     }
     if (row != NULL && (row->access & BISS_EEPROM) != 0) {
@@ -187,7 +197,7 @@ static bool write_register(struct dg_biss *self, dg_ns now, uint16_t word)
     return true;
 }
 
-/* The next register, for the case that the master goes on. */
+/* The address of the next register, for the case that the master goes on. */
 static bool next_refused(struct dg_biss *self, dg_ns now)
 {
     struct dg_biss_control *control = &self->control;
@@ -216,13 +226,15 @@ static void on_data(struct dg_biss *self, dg_ns now, bool cdm)
     if (control->count <= last) {
         return;
     }
-    const bool accepted = !control->w || write_register(self, now, control->shift);
+    const bool accepted =
+        !control->refused && (!control->w || write_register(self, now, control->shift));
     if (control->state != DG_BISS_CONTROL_DATA) {
         return; /* the write was a soft reset */
     }
     control->refused = !accepted || next_refused(self, now);
-    control->cds = control->refused;
-    become(control, DG_BISS_CONTROL_S);
+    /* P of this register, or ahead of time of the next one. */
+    control->cds = self->setup.model->stop_bit_early ? control->refused : !accepted;
+    become(control, control->cds ? DG_BISS_CONTROL_IDLE : DG_BISS_CONTROL_S);
 }
 
 /* Broadcast: 00 data channels off, 01 communication on. Addressed: 00 on, 01 off. */

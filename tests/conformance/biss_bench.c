@@ -27,6 +27,7 @@ static const struct figure model_figures[] = {
     {"revision", offsetof(struct dg_biss_model, device_id) + 5,   U8},
     {"series",   offsetof(struct dg_biss_model, device_id),       U8},
     {"busy_us",  offsetof(struct dg_biss_model, busy),            US},
+    {"early",    offsetof(struct dg_biss_model, stop_bit_early),  BOOL},
     {"read_us",  offsetof(struct dg_biss_model, eeprom_read),     US},
     {"write_us", offsetof(struct dg_biss_model, eeprom_write),    US},
     {"init_us",  offsetof(struct dg_biss_model, init),            US},

@@ -107,7 +107,7 @@ struct biss_access {
     bool w;        /**< echo */
     bool late;     /**< no start bit within the patience; given up */
     bool crc_good; /**< of all bytes returned; of a write also that they are those sent */
-    bool stop;     /**< last P received: 1 means the next register is refused */
+    bool stop;     /**< last P received: 1 means that register was refused */
     size_t done;   /**< bytes exchanged */
     unsigned busy[BISS_SEQUENCE_MAX]; /**< frames the start bit of a byte was late */
 };

@@ -269,12 +269,13 @@ static int access_registers(struct biss_rig *self, const uint8_t where[2], bool 
             return BISS_RIG_CRC;
         }
         bytes[i] = (uint8_t)(back >> 4);
-        done++;
+        /* P = 1 takes the byte back; early, it is about the next one. */
+        done += !self->p || self->model.stop_bit_early;
         if (last) {
             break;
         }
     }
-    return done;
+    return done > 0 ? done : BISS_RIG_REFUSED;
 }
 
 int biss_rig_read(struct biss_rig *self, uint8_t id, uint8_t address, uint8_t *bytes, size_t n)

@@ -18,7 +18,7 @@
 /** Negative results of an access; what is not negative counts bytes. */
 enum {
     BISS_RIG_SILENT = -1,  /**< no echo of R */
-    BISS_RIG_REFUSED = -2, /**< R = W; a write to nobody looks the same */
+    BISS_RIG_REFUSED = -2, /**< R = W, or P = 1; a write to nobody looks like R = W */
     BISS_RIG_STUCK = -3,   /**< no S within the longest busy time */
     BISS_RIG_CRC = -4,     /**< data echoed or read with a wrong CRC */
 };
@@ -78,7 +78,8 @@ void biss_rig_send(struct biss_rig *self, const char *cdm, char *cds);
 /** 14 zeros and the addressing of a register. @return CDS behind R and W: R << 1 | W; IDLs lost */
 unsigned biss_rig_address(struct biss_rig *self, uint8_t id, uint8_t address, bool write);
 
-/** Read or write `n` registers in one control frame. @return how many, or why not even one */
+/** Read or write `n` registers in one control frame. @return how many were not refused, or why not
+ * even one */
 int biss_rig_read(struct biss_rig *self, uint8_t id, uint8_t address, uint8_t *bytes, size_t n);
 int biss_rig_write(struct biss_rig *self, uint8_t id, uint8_t address, const uint8_t *bytes,
                    size_t n);

@@ -82,9 +82,11 @@ static void test_sequential_read(void **state)
     assert_int_equal(biss_rig_read(&rig, 0, 0x78, bytes, sizeof bytes), 8);
     assert_memory_equal(bytes, "\x04\x00\xC0\x15\x00\x00\x4B\x55", 8);
     assert_true(rig.p);
+    assert_int_equal(biss_rig_read(&rig, 0, 0x78, bytes, 8), 8);
+    assert_false(rig.p);
 }
 
-/* Across 3Fh, too, and not beyond a register that is not there. */
+/* Across 3Fh, too, and not beyond a register that is not there: that one's P is 1. */
 static void test_sequence_ends(void **state)
 {
     uint8_t bytes[64] = {0};
@@ -92,16 +94,54 @@ static void test_sequence_ends(void **state)
     (void)state;
     assert_int_equal(biss_rig_put(&rig, 0x40, 3), 1);
     assert_int_equal(biss_rig_read(&rig, 0, 0x00, bytes, 64), 64);
-    assert_true(rig.p);
+    assert_false(rig.p);
     assert_int_equal(biss_rig_read(&rig, 0, 0x3E, bytes, 4), 2);
     assert_int_equal(biss_rig_read(&rig, 0, 0x6A, bytes, 4), 2);
     assert_true(rig.p);
     assert_int_equal(biss_rig_read(&rig, 0, 0x45, bytes, 2), 2);
     assert_false(rig.p);
-    /* A master that goes on after P = 1 gets no S. */
+    /* 6Bh of 37 degC, the byte behind it, and no S for a master that goes on after P = 1. */
+    rig.world.temperature_mdegc = 37000;
+    biss_rig_zeros(&rig);
+    send("1 1 000 1101011 0101 1 0 1 00000000 0000 0 1 00000000 0000 0 1 00000000 0000 0 0",
+         "0 1 0000000 0 0000000 1 0 1 00000001 1100 0 1 00000000 1111 1 0 00000000 0000 0");
+    assert_int_equal(rig.slave[0].counters.refused, 3);
+}
+
+/* Early: P = 1 in front of a register that refuses, and no S behind it. */
+static void test_early_stop_bit(void **state)
+{
+    uint8_t bytes[9] = {0};
+
+    (void)state;
+    rig.model.stop_bit_early = true;
+    assert_int_equal(biss_rig_read(&rig, 0, 0x78, bytes, 8), 8);
+    assert_true(rig.p);
+    assert_int_equal(biss_rig_put(&rig, 0x40, 3), 1);
+    assert_true(rig.p);
+    assert_int_equal(biss_rig_read(&rig, 0, 0x3E, bytes, 4), 2);
+    assert_int_equal(biss_rig_read(&rig, 0, 0x45, bytes, 2), 2);
+    assert_false(rig.p);
+    rig.world.temperature_mdegc = 37000;
     biss_rig_zeros(&rig);
     send("1 1 000 1101011 0101 1 0 1 00000000 0000 0 1 00000000 0000 0 0",
          "0 1 0000000 0 0000000 1 0 1 00000001 1100 1 0 00000000 0000 0");
+    assert_int_equal(rig.slave[0].counters.refused, 0);
+}
+
+/* A master that stops at S, and one that stops behind P: a 1 before 14 zeros does not go on. */
+static void test_stops_at_s(void **state)
+{
+    (void)state;
+    biss_rig_zeros(&rig);
+    send("1 1 000 0011100 0100 0 1 0 1 10100101 0100 0 0",
+         "0 1 0000000 0 0000000 0 1 0 0 00000000 0000 0");
+    biss_rig_zeros(&rig);
+    send("1 1 000 0011100 0100 0 1 1 10100101 0100 0 0 0 1 10100101 0100 0 0",
+         "0 1 0000000 0 0000000 0 1 1 10100101 0100 0 0 0 00000000 0000 00");
+    assert_int_equal(rig.slave[0].config[1], 0xA5);
+    assert_int_equal(rig.slave[0].config[2], 0);
+    assert_int_equal(rig.slave[0].counters.writes, 1);
 }
 
 static void test_refused(void **state)
@@ -199,23 +239,36 @@ static void test_too_few_zeros(void **state)
     send(frame, "0 1 0000000 0 0000000 1 0 1 00000100 0011 0");
 }
 
-/* 14 zeros in any place of a frame, and the next one is understood. */
+/* 14 zeros in any place of a frame, and the next one is understood: a read, a write, an addressed
+   command, and sequences whose second byte is refused, with both kinds of P. */
 static void test_aborted_anywhere(void **state)
 {
     const char *frames[] = {"11000111100001011010000000000000", "11000001101111010111010010101000",
                             "1010000000000010"
                             "1"
                             "0000000"
+                            "1",
+                            "1100011111111100101"
+                            "0000000000000"
+                            "1"
+                            "0000000000000"
+                            "1",
+                            "1100010000000001011"
+                            "0000000011110"
+                            "1"
+                            "1010010101000"
                             "1"};
 
     (void)state;
-    for (size_t f = 0; f < sizeof frames / sizeof frames[0]; f++) {
-        for (size_t n = 0; n <= strlen(frames[f]); n++) {
+    for (size_t f = 0; f < 2u * sizeof frames / sizeof frames[0]; f++) {
+        const char *frame = frames[f / 2u];
+        for (size_t n = 0; n <= strlen(frame); n++) {
             char part[64] = "";
             char cds[64];
             assert_int_equal(setup(state), 0);
+            rig.model.stop_bit_early = f % 2u != 0;
             biss_rig_zeros(&rig);
-            memcpy(part, frames[f], n);
+            memcpy(part, frame, n);
             biss_rig_send(&rig, part, cds);
             biss_rig_zeros(&rig);
             assert_int_equal(rig.slave[0].control.state, DG_BISS_CONTROL_READY);
@@ -231,7 +284,7 @@ static void test_stray_bits_in_read(void **state)
     (void)state;
     biss_rig_zeros(&rig);
     send("1 1 000 1111110 1111 1 0 1 10000000 0000 0 1 11111111 1111 1 0",
-         "0 1 0000000 0 0000000 1 0 1 01001011 0110 0 1 01010101 0010 1");
+         "0 1 0000000 0 0000000 1 0 1 01001011 0110 0 1 01010101 0010 0");
 }
 
 /* A user bank is busy: S comes late, the master repeats its own. */
@@ -527,6 +580,8 @@ int main(void)
         cmocka_unit_test_setup(test_write_frame, setup),
         cmocka_unit_test_setup(test_sequential_read, setup),
         cmocka_unit_test_setup(test_sequence_ends, setup),
+        cmocka_unit_test_setup(test_early_stop_bit, setup),
+        cmocka_unit_test_setup(test_stops_at_s, setup),
         cmocka_unit_test_setup(test_refused, setup),
         cmocka_unit_test_setup(test_r_equals_w, setup),
         cmocka_unit_test_setup(test_not_addressed, setup),

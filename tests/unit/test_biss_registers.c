@@ -399,7 +399,7 @@ static void test_user_banks(void **state)
         assert_memory_equal(bytes, virgin, 64);
         memset(bytes, bank, sizeof bytes);
         assert_int_equal(biss_rig_write(&rig, 0, 0, bytes, 64), 64);
-        assert_true(rig.p);
+        assert_false(rig.p);
     }
     assert_int_equal(biss_rig_power_on(&rig), DG_OK);
     for (uint8_t bank = 7; bank <= 31; bank++) {
@@ -417,8 +417,10 @@ static void test_silent_eeprom(void **state)
     assert_int_equal(biss_rig_put(&rig, 0x40, 8), 1);
     rig.world.eeprom_acknowledges = false;
     assert_int_equal(biss_rig_get(&rig, 0x00), BISS_RIG_REFUSED);
-    assert_int_equal(biss_rig_put(&rig, 0x60, 0x01), 1);
-    assert_int_equal(biss_rig_put(&rig, 0x60, 0x04), 1);
+    assert_int_equal(biss_rig_put(&rig, 0x60, 0x01), BISS_RIG_REFUSED);
+    assert_true(rig.p);
+    assert_int_equal(biss_rig_put(&rig, 0x60, 0x04), BISS_RIG_REFUSED);
+    assert_true(rig.p);
     assert_int_equal(biss_rig_get(&rig, 0x69), DG_BISS_CONFIGURATION);
     assert_int_equal(biss_rig_power_on(&rig), DG_OK);
     assert_int_equal(biss_rig_get(&rig, 0x69), DG_BISS_CONFIGURATION);
@@ -449,7 +451,7 @@ static void test_write_not_taken(void **state)
     assert_int_equal(biss_rig_put(&rig, 0x00, 0x12), 1);
     assert_false(rig.p);
     rig.nvm[0].no_acknowledge = true;
-    assert_int_equal(biss_rig_put(&rig, 0x00, 0x34), 1);
+    assert_int_equal(biss_rig_put(&rig, 0x00, 0x34), BISS_RIG_REFUSED);
     assert_true(rig.p);
     rig.nvm[0].no_acknowledge = false;
     assert_int_equal(biss_rig_get(&rig, 0x00), 0x12);

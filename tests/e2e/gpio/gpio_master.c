@@ -229,8 +229,8 @@ static void transfer(struct master *self, unsigned where, uint8_t *bytes, unsign
         /* Eleven bits to go and the stop bit; twelve come back. */
         const unsigned back = send(self, (word << 1) & 0xFFFu, 12);
         const bool more = i + 1 < n;
-        if (frame(self, more) && more) {
-            die("the next register is refused");
+        if (frame(self, more)) {
+            die("the register is refused");
         }
         if ((back & 0xFu) != crc4(back >> 4, 8) || (write && back >> 4 != bytes[i])) {
             die("the CRC of a register is wrong");
