@@ -62,8 +62,8 @@ extern "C" {
 
 /**
  * Bits of the error register 69h (5.2.3), each with its cause in struct dg_world. A bit is set
- * while its cause lasts, no longer. nERR is low while 69h & EMASK is not 0, nWARN while 69h & WMASK
- * is not.
+ * while its cause lasts, no longer. nERR is low while 69h & EMASK is not 0 or the simulated error
+ * of command 05 is set, nWARN while 69h & WMASK is not 0.
  */
 enum dg_biss_error {
     DG_BISS_CONTROL = 0x01,       /**< led_current_ua above DG_BISS_LED_MAX_UA */
@@ -71,23 +71,29 @@ enum dg_biss_error {
     DG_BISS_TEMPERATURE = 0x04,   /**< temperature_mdegc outside its limits; monitored, and shown in
                                        69h, only while EMASK or WMASK has this bit */
     DG_BISS_SYNC = 0x08,          /**< multiturn_sync_ok is false */
-    DG_BISS_CONFIGURATION = 0x10, /**< eeprom_acknowledges is false, or a region is damaged */
+    DG_BISS_CONFIGURATION = 0x10, /**< eeprom_acknowledges is false, a region is damaged, or command
+                                       04 is checking */
     DG_BISS_INTERPOLATION = 0x20, /**< singleturn_ok is false */
     DG_BISS_ABSOLUTE = 0x40,      /**< multiturn_amplitude_ok or multiturn_vector_ok is false */
-    DG_BISS_SYSTEM = 0x80,        /**< watchdog_fired, or the simulated error of command 05 */
+    DG_BISS_SYSTEM = 0x80,        /**< watchdog_fired */
 };
 
 /** EMASK (22h) and WMASK (23h) as delivered: no temperature monitoring, no warnings. */
 #define DG_BISS_EMASK_DEFAULT 0xFBu
 #define DG_BISS_WMASK_DEFAULT 0x00u
 
-/** Bits of the status, 60h read. */
+/** Bits of the status, 60h read. While initialising only ERR and WARN are set; a healthy device
+ * shows 93h. */
 enum dg_biss_status {
-    DG_BISS_STATUS_INIT = 0x80,  /**< initialising; only 60h can be read, nothing written */
+    DG_BISS_STATUS_INIT = 0x80,  /**< configuration complete: initialised, and at the start 69h had
+                                      neither DG_BISS_CONFIGURATION nor DG_BISS_ABSOLUTE */
     DG_BISS_STATUS_ERR = 0x40,   /**< nERR is low */
     DG_BISS_STATUS_WARN = 0x20,  /**< nWARN is low */
+    DG_BISS_STATUS_EWKH = 0x10,  /**< bank 0 (1Bh..23h) may be written: initialised */
+    DG_BISS_STATUS_EWKL = 0x08,  /**< the EDS may be written: never */
     DG_BISS_STATUS_BUSY = 0x04,  /**< the EEPROM is working */
-    DG_BISS_STATUS_VALID = 0x01, /**< position valid: not initialising, 69h bits 3, 5, 6 are 0 */
+    DG_BISS_STATUS_ADV = 0x02,   /**< absolute data valid: initialised, 69h bit 6 is 0 */
+    DG_BISS_STATUS_VALID = 0x01, /**< position valid: initialised, 69h bits 3, 5, 6 are 0 */
 };
 
 /** Commands, 60h written; other values do nothing. */
@@ -95,8 +101,9 @@ enum dg_biss_command {
     DG_BISS_NEW_POSITION = 0x00, /**< acquire the absolute position anew; nothing to see */
     DG_BISS_STORE = 0x01,        /**< bank 0 into the EEPROM */
     DG_BISS_SOFT_RESET = 0x03,   /**< as power-on, bus level excepted */
-    DG_BISS_CHECK = 0x04,        /**< verify the EEPROM anew, see DG_BISS_CONFIGURATION */
-    DG_BISS_SIMULATE = 0x05,     /**< set the simulated error */
+    DG_BISS_CHECK = 0x04,        /**< verify the EEPROM anew, see DG_BISS_CONFIGURATION; takes
+                                      dg_biss_model.eeprom_write */
+    DG_BISS_SIMULATE = 0x05,     /**< set the simulated error: ERR of 60h, nERR; not in 69h */
     DG_BISS_CLEAR = 0x06,        /**< clear the simulated error */
 };
 
@@ -220,12 +227,14 @@ struct dg_biss {
     struct dg_biss_control control;
     uint64_t position;      /**< MT:ST as latched last, right-aligned */
     dg_ns ready_at;         /**< end of the initialisation */
+    dg_ns checked_at;       /**< end of command 04 */
     uint8_t config[9];      /**< bank 0, 1Bh..23h, in force */
     uint8_t bank;           /**< 40h */
     uint8_t timeout;        /**< 7Ch bits 2..0 */
     uint8_t life;           /**< LC as sent last, 68h */
     bool started;           /**< a frame has been sent since the start */
     bool mounted;           /**< the EEPROM could be read at the start */
+    bool configured;        /**< DG_BISS_STATUS_INIT, once initialised */
     bool simulated;         /**< simulated error */
     bool channel_off;       /**< no data in the frame (broadcast command 00) */
     bool communication_off; /**< takes no ID (addressed command 01) */
@@ -308,8 +317,11 @@ void dg_biss_frame_end(struct dg_biss *self, dg_ns now, bool cdm);
  */
 uint64_t dg_biss_position(const struct dg_biss *self, dg_ns now);
 
-/** The error register 69h as it reads now. */
-uint8_t dg_biss_errors(const struct dg_biss *self);
+/** The error register 69h as it reads at `now`. */
+uint8_t dg_biss_errors(const struct dg_biss *self, dg_ns now);
+
+/** nERR (bit 1) and nWARN (bit 0) as a frame latched at `now` has them. */
+uint8_t dg_biss_flags(const struct dg_biss *self, dg_ns now);
 
 /** CRC6 (43h) over the last `n` bits of `bits`, as sent: inverted. @param n 0..64 */
 uint8_t dg_biss_crc6(uint64_t bits, uint8_t n);

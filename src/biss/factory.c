@@ -61,10 +61,8 @@ int dg_biss_init(struct dg_biss *self, const struct dg_biss_setup *setup)
         setup->nvm.ops == NULL || !model_ok(setup->model)) {
         return DG_ERR_ARGUMENT;
     }
-    *self = (struct dg_biss){
-        .setup = *setup,
-        .line = {.deadline = DG_NEVER, .ma = true, .slo = true, .is_last = true},
-    };
+    *self = (struct dg_biss){.setup = *setup};
+    dg_biss_power_off(self);
     return DG_OK;
 }
 
@@ -83,13 +81,34 @@ int dg_biss_mount(struct dg_biss *self)
     return result;
 }
 
-int dg_biss_restart(struct dg_biss *self, dg_ns now)
+/* @return dg_store_mount()'s */
+static int load(struct dg_biss *self)
 {
     int result = DG_ERR_IO;
+
+    if (self->setup.world->eeprom_acknowledges) {
+        result = dg_biss_mount(self);
+    }
+    self->mounted = result == DG_OK;
+    if (!self->mounted) {
+        self->store.damaged = 0; /* nothing is known of it */
+    }
+    if (!self->mounted || dg_store_damaged(&self->store, DG_BISS_REGION_CONFIG) ||
+        dg_store_read(&self->store, DG_BISS_REGION_CONFIG, 0, self->config, BISS_CONFIG_SIZE) !=
+            DG_OK) {
+        default_config(NULL, self->config);
+    }
+    return result;
+}
+
+int dg_biss_restart(struct dg_biss *self, dg_ns now)
+{
+    const uint8_t incomplete = DG_BISS_CONFIGURATION | DG_BISS_ABSOLUTE;
 
     self->control = (struct dg_biss_control){.id = DG_BISS_NO_ID};
     self->position = 0;
     self->ready_at = dg_after(now, self->setup.model->init);
+    self->checked_at = 0;
     self->bank = 0;
     self->timeout = 0;
     self->life = 0;
@@ -97,21 +116,9 @@ int dg_biss_restart(struct dg_biss *self, dg_ns now)
     self->simulated = false;
     self->channel_off = false;
     self->communication_off = false;
-    default_config(NULL, self->config);
-    if (self->setup.world->eeprom_acknowledges) {
-        result = dg_biss_mount(self);
-    }
-    self->mounted = result == DG_OK;
-    if (!self->mounted) {
-        self->store.damaged = 0; /* nothing is known of it */
-        return result;
-    }
-    if (dg_store_damaged(&self->store, DG_BISS_REGION_CONFIG) ||
-        dg_store_read(&self->store, DG_BISS_REGION_CONFIG, 0, self->config, BISS_CONFIG_SIZE) !=
-            DG_OK) {
-        default_config(NULL, self->config);
-    }
-    return DG_OK;
+    const int result = load(self);
+    self->configured = (dg_biss_errors(self, now) & incomplete) == 0;
+    return result;
 }
 
 int dg_biss_power_on(struct dg_biss *self, dg_ns now)

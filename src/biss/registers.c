@@ -8,6 +8,8 @@
 #define BANK_EDS 3u
 #define PROFILE_ID 0x62u
 #define STATUS_ADDRESS 0x60u
+/* nERR and nWARN of a frame are ERR and WARN inverted, in the same order. */
+#define STATUS_WARN_BIT 5u
 #define TIMEOUT_OFFSET 4u
 #define TIMEOUT_MASK 0x07u
 #define FIELD_MASK 0x1Fu
@@ -109,24 +111,18 @@ static int read_profile_id(struct dg_biss *self, dg_ns now, uint8_t offset, uint
 static int read_status(struct dg_biss *self, dg_ns now, uint8_t offset, uint8_t *value)
 {
     const uint8_t invalid = DG_BISS_SYNC | DG_BISS_INTERPOLATION | DG_BISS_ABSOLUTE;
-    const bool init = dg_biss_initialising(self, now);
-    const uint8_t errors = dg_biss_errors(self);
-    const struct {
-        bool set;
-        uint8_t bit;
-    } bits[] = {
-        {init, DG_BISS_STATUS_INIT},
-        {init || (errors & self->config[BISS_EMASK]) != 0, DG_BISS_STATUS_ERR},
-        {init || (errors & self->config[BISS_WMASK]) != 0, DG_BISS_STATUS_WARN},
-        {now < self->control.ready, DG_BISS_STATUS_BUSY},
-        {!init && (errors & invalid) == 0, DG_BISS_STATUS_VALID},
-    };
+    const uint8_t errors = dg_biss_errors(self, now);
+    uint32_t status = (dg_biss_flags(self, now) ^ 3u) << STATUS_WARN_BIT;
 
     (void)offset;
-    *value = 0;
-    for (uint8_t i = 0; i < sizeof bits / sizeof bits[0]; i++) {
-        *value |= bits[i].set ? bits[i].bit : 0u;
+    if (!dg_biss_initialising(self, now)) {
+        status |= DG_BISS_STATUS_EWKH;
+        status |= self->configured ? DG_BISS_STATUS_INIT : 0u;
+        status |= now < self->control.ready ? DG_BISS_STATUS_BUSY : 0u;
+        status |= (errors & DG_BISS_ABSOLUTE) == 0 ? DG_BISS_STATUS_ADV : 0u;
+        status |= (errors & invalid) == 0 ? DG_BISS_STATUS_VALID : 0u;
     }
+    *value = (uint8_t)status;
     return DG_OK;
 }
 
@@ -144,6 +140,7 @@ static int check_eeprom(struct dg_biss *self, dg_ns now)
         return DG_ERR_IO;
     }
     eeprom_works(self, now);
+    self->checked_at = self->control.ready;
     const int result = dg_biss_mount(self);
     self->mounted = result == DG_OK;
     return result;
@@ -208,9 +205,8 @@ static int read_life(struct dg_biss *self, dg_ns now, uint8_t offset, uint8_t *v
 
 static int read_errors(struct dg_biss *self, dg_ns now, uint8_t offset, uint8_t *value)
 {
-    (void)now;
     (void)offset;
-    *value = dg_biss_errors(self);
+    *value = dg_biss_errors(self, now);
     return DG_OK;
 }
 

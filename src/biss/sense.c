@@ -66,30 +66,36 @@ static bool temperature_ok(const struct dg_biss *self)
            (mdegc >= DG_BISS_TEMPERATURE_MIN_MDEGC && mdegc <= DG_BISS_TEMPERATURE_MAX_MDEGC);
 }
 
-uint8_t dg_biss_errors(const struct dg_biss *self)
+uint8_t dg_biss_errors(const struct dg_biss *self, dg_ns now)
 {
     const struct dg_world *world = self->setup.world;
-    const bool present[8] = {
-        world->led_current_ua > DG_BISS_LED_MAX_UA,
-        !signal_ok(world),
-        !temperature_ok(self),
-        !world->multiturn_sync_ok,
-        !dg_biss_eeprom(self) || self->store.damaged != 0,
-        !world->singleturn_ok,
-        !world->multiturn_amplitude_ok || !world->multiturn_vector_ok,
-        world->watchdog_fired || self->simulated,
-    };
-    uint8_t errors = 0;
+    const bool memory_ok =
+        dg_biss_eeprom(self) && self->store.damaged == 0 && now >= self->checked_at;
+    uint32_t errors = 0;
 
-    for (uint8_t bit = 0; bit < sizeof present / sizeof present[0]; bit++) {
-        errors |= (uint8_t)((uint8_t)present[bit] << bit);
-    }
-    return errors;
+    errors |= world->led_current_ua <= DG_BISS_LED_MAX_UA ? 0u : DG_BISS_CONTROL;
+    errors |= signal_ok(world) ? 0u : DG_BISS_SIGNAL;
+    errors |= temperature_ok(self) ? 0u : DG_BISS_TEMPERATURE;
+    errors |= world->multiturn_sync_ok ? 0u : DG_BISS_SYNC;
+    errors |= memory_ok ? 0u : DG_BISS_CONFIGURATION;
+    errors |= world->singleturn_ok ? 0u : DG_BISS_INTERPOLATION;
+    errors |= world->multiturn_amplitude_ok && world->multiturn_vector_ok ? 0u : DG_BISS_ABSOLUTE;
+    errors |= world->watchdog_fired ? DG_BISS_SYSTEM : 0u;
+    return (uint8_t)errors;
 }
 
 bool dg_biss_initialising(const struct dg_biss *self, dg_ns now)
 {
     return now < self->ready_at;
+}
+
+uint8_t dg_biss_flags(const struct dg_biss *self, dg_ns now)
+{
+    const uint8_t errors = dg_biss_errors(self, now);
+    const bool n_err = !self->simulated && (errors & self->config[BISS_EMASK]) == 0;
+    const bool n_warn = (errors & self->config[BISS_WMASK]) == 0;
+
+    return dg_biss_initialising(self, now) ? 0 : (uint8_t)((uint32_t)n_err << 1 | n_warn);
 }
 
 /* 0 only in the first frame after the start. */
@@ -104,20 +110,16 @@ static void count_life(struct dg_biss *self)
 uint8_t dg_biss_latch(struct dg_biss *self, dg_ns now, uint64_t *bits)
 {
     const struct dg_biss_model *model = self->setup.model;
-    const bool ready = !dg_biss_initialising(self, now);
-    const uint8_t errors = dg_biss_errors(self);
-    const bool n_err = ready && (errors & self->config[BISS_EMASK]) == 0;
-    const bool n_warn = ready && (errors & self->config[BISS_WMASK]) == 0;
     uint8_t n = dg_biss_position_bits(model);
 
     count_life(self);
     self->counters.frames++;
-    self->position = ready ? dg_biss_position(self, now) : 0;
+    self->position = dg_biss_initialising(self, now) ? 0 : dg_biss_position(self, now);
     if (self->channel_off) {
         *bits = 0;
         return 0;
     }
-    uint64_t data = self->position << STATE_BITS | (uint64_t)n_err << 1 | n_warn;
+    uint64_t data = self->position << STATE_BITS | dg_biss_flags(self, now);
     if (model->life_counter) {
         data = data << LIFE_BITS | self->life;
         n = (uint8_t)(n + LIFE_BITS);

@@ -4,10 +4,6 @@
  */
 #include "inside.h"
 
-/* EMASK and WMASK in dg_biss.config, which begins at 1Bh. */
-#define EMASK (0x22u - 0x1Bu)
-#define WMASK (0x23u - 0x1Bu)
-
 static struct dg_biss *device_of(const struct dg_encoder *self)
 {
     return self->device;
@@ -82,20 +78,20 @@ static void state(const struct dg_encoder *self, dg_ns now, struct dg_scpi *to)
     const struct dg_biss_counters *counters = &device->counters;
     const bool on = powered(self);
     const bool ready = now >= device->ready_at;
-    const uint8_t errors = on ? dg_biss_errors(device) : 0;
+    const uint8_t flags = on ? dg_biss_flags(device, now) : 0;
 
     /* While it initialises a frame has position 0. */
     dg_control_state_common(to, on, mode(device, ready), ready ? dg_biss_position(device, now) : 0);
     dg_control_state_word(to, "leds", "-");
-    put_errors(errors, to);
+    put_errors(on ? dg_biss_errors(device, now) : 0, to);
     dg_control_state_number(to, "frames", counters->frames);
     dg_control_state_number(to, "reads", counters->reads);
     dg_control_state_number(to, "writes", counters->writes);
     dg_control_state_number(to, "refused", counters->refused);
     dg_control_state_number(to, "damaged", counters->damaged);
     dg_control_state_number(to, "commands", counters->commands);
-    dg_control_state_number(to, "nerr", on && ready && (errors & device->config[EMASK]) == 0);
-    dg_control_state_number(to, "nwarn", on && ready && (errors & device->config[WMASK]) == 0);
+    dg_control_state_number(to, "nerr", flags >> 1);
+    dg_control_state_number(to, "nwarn", flags & 1u);
     dg_control_state_number(to, "life", device->life);
     dg_control_state_number(to, "bank", device->bank);
 }

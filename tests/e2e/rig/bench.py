@@ -287,7 +287,7 @@ class BissMaster:
 
     def ready(self) -> bool:
         """The initialisation is over."""
-        return self.status() & 0x80 == 0
+        return self.status() & 0x10 != 0
 
 
 class Coupler:

@@ -336,13 +336,13 @@ def test_refused_fault_leaves_nothing_behind(session):
 ])
 def test_refusals_of_biss(session, line, code):
     session.select("b")
-    eventually(lambda: int(session.ask("BISS:REG? #H60")) & 0x80 == 0)
+    eventually(lambda: int(session.ask("BISS:REG? #H60")) & 0x80 != 0)
     assert session.codes(line) == [code]
 
 
 def test_registers_of_biss(session):
     session.select("b")
-    eventually(lambda: int(session.ask("BISS:REG? #H60")) & 0x80 == 0)
+    eventually(lambda: int(session.ask("BISS:REG? #H60")) & 0x80 != 0)
     assert session.ask("BISS:REG? #H7E,2") == "75,85"
     assert session.ask("BISS:REG? 0x7E") == "75"
     session.do("BISS:REG 64,7;REG 0,17,34")  # bank 7
