@@ -12,6 +12,9 @@
  *   SLO  ¯¯¯¯¯|___|¯|CDS|D D D ... C C|_______|¯¯¯
  *         ^ position latched                  ^ timeout: CDM is read, registers are accessed
  *
+ * SLO is low from power-on to the first e1 (dg_biss_model.sl_low_at_start): a master that waits for
+ * SL to be high before its first clock waits for ever.
+ *
  * The host calls dg_biss_ma() for every edge of MA and dg_biss_step() at the moment that it
  * returned; a host that cannot be on time calls late, the result is the same. Several slaves on one
  * line are a struct dg_biss_chain. A host whose hardware shifts whole frames uses dg_biss_frame()
@@ -121,14 +124,17 @@ extern const struct dg_store_layout dg_biss_layout;
 /** What a model is. Every figure is configuration; src/devices has the models of the manual. */
 struct dg_biss_model {
     uint8_t multiturn_bits;  /**< MT, 0..24 */
-    uint8_t singleturn_bits; /**< ST, 12..23 */
+    uint8_t singleturn_bits; /**< ST, 12..24 */
     bool life_counter;       /**< the frame has the 6 bits LC */
     bool autostore;          /**< each write to 1Bh..23h goes to the EEPROM at once */
+    bool sl_low_at_start;    /**< SLO is low from power-on and command 03 to the first e1 */
     bool stop_bit_early;     /**< P = 1 says that the register behind the one just transferred will
                                   be refused; otherwise that the one just transferred was */
     uint32_t serial;         /**< 44h..47h */
     uint8_t device_id[6];    /**< 78h..7Dh; MT, ST and timeout in it are filled in by the device */
     dg_ns busy;              /**< from e1 to the earliest start bit, 0..DG_BISS_BUSY_S_MAX_NS */
+    dg_ns busy_jitter;       /**< up to as much more in every frame, see dg_biss.noise; with busy at
+                                  most DG_BISS_BUSY_S_MAX_NS */
     dg_ns eeprom_read;       /**< before each byte of a user bank is there, or accepted */
     dg_ns eeprom_write;      /**< after a byte was written, before the EEPROM takes another access;
                                   with eeprom_read at most DG_BISS_BUSY_R_MAX_NS */
@@ -170,13 +176,13 @@ enum dg_biss_line_state {
 struct dg_biss_line {
     dg_ns deadline; /**< end of the timeout, or DG_NEVER */
     dg_ns last;     /**< latest `now` */
-    dg_ns start;    /**< the last slave's start bit is not before this */
+    dg_ns start;    /**< end of the processing time: the last slave's start bit is not before it */
     uint64_t shift; /**< bit `length` of it is on SLO */
     enum dg_biss_line_state state;
     uint8_t length; /**< of the data in bits */
     bool ma;        /**< level of MA */
     bool slo;       /**< own level of SLO; see dg_biss_slo() */
-    bool is_last;   /**< SLI was low at e1: this slave makes the start bit */
+    bool is_last;   /**< SLI was low at e2: this slave makes the start bit */
 };
 
 /** What the control frame automaton waits for: the CDM bit of which frame. */
@@ -225,18 +231,20 @@ struct dg_biss {
     struct dg_biss_counters counters;
     struct dg_biss_line line;
     struct dg_biss_control control;
-    uint64_t position;      /**< MT:ST as latched last, right-aligned */
-    dg_ns ready_at;         /**< end of the initialisation */
-    dg_ns checked_at;       /**< end of command 04 */
-    uint8_t config[9];      /**< bank 0, 1Bh..23h, in force */
-    uint8_t bank;           /**< 40h */
-    uint8_t timeout;        /**< 7Ch bits 2..0 */
-    uint8_t life;           /**< LC as sent last, 68h */
-    bool started;           /**< a frame has been sent since the start */
-    bool mounted;           /**< the EEPROM could be read at the start */
-    bool configured;        /**< DG_BISS_STATUS_INIT, once initialised */
-    bool simulated;         /**< simulated error */
-    bool channel_off;       /**< no data in the frame (broadcast command 00) */
+    uint64_t position; /**< MT:ST as latched last, right-aligned */
+    dg_ns ready_at;    /**< end of the initialisation */
+    dg_ns checked_at;  /**< end of command 04 */
+    uint32_t noise;    /**< of busy_jitter: the serial number from dg_biss_init(), another value
+                            is another sequence */
+    uint8_t config[9]; /**< bank 0, 1Bh..23h, in force */
+    uint8_t bank;      /**< 40h */
+    uint8_t timeout;   /**< 7Ch bits 2..0 */
+    uint8_t life;      /**< LC as sent last, 68h */
+    bool started;      /**< a frame has been sent since the start */
+    bool mounted;      /**< the EEPROM could be read at the start */
+    bool configured;   /**< DG_BISS_STATUS_INIT, once initialised */
+    bool simulated;    /**< simulated error */
+    bool channel_off;  /**< no data in the frame (broadcast command 00) */
     bool communication_off; /**< takes no ID (addressed command 01) */
 };
 
@@ -259,8 +267,10 @@ int dg_biss_format(struct dg_nvm nvm);
 int dg_biss_init(struct dg_biss *self, const struct dg_biss_setup *setup);
 
 /**
- * Switch the power on at `now`, MA and SLO high; the device is ready after model->init. Also from
- * the powered state: a power cycle. A new start of the life counter, all banks and masks as stored.
+ * Switch the power on at `now`, MA high; the device is ready after model->init. Also from the
+ * powered state: a power cycle. SLO is low with model->sl_low_at_start, otherwise high; a host that
+ * drives a line puts it to dg_biss_slo() now. A new start of the life counter, all banks and masks
+ * as stored.
  * @return 0, also with damaged regions or a silent EEPROM (DG_BISS_CONFIGURATION, bank 0 as
  *         delivered). DG_ERR_BLANK or DG_ERR_FOREIGN: not this device's memory; it stays off.
  */
@@ -300,12 +310,12 @@ bool dg_biss_chain_slo(const struct dg_biss_chain *self);
 
 /**
  * A whole frame at once, point to point, for hosts whose hardware does the shifting: latch at
- * `latch` (e1) and give what follows the start bit, which is not due before model->busy after it.
+ * `e1` and give what follows the start bit, which is not due before self->line.start.
  * To be followed by dg_biss_frame_end(); not to be mixed with dg_biss_ma() inside a frame.
  * @param bits CDS, MT, ST, nERR, nWARN, LC, ~CRC6, right-aligned
- * @return number of bits, 1..62; 0 without power
+ * @return number of bits, 1..63; 0 without power
  */
-uint8_t dg_biss_frame(struct dg_biss *self, dg_ns latch, uint64_t *bits);
+uint8_t dg_biss_frame(struct dg_biss *self, dg_ns e1, uint64_t *bits);
 
 /** The timeout of that frame ended at `now`; the master sent `cdm` (MA low: 1). */
 void dg_biss_frame_end(struct dg_biss *self, dg_ns now, bool cdm);

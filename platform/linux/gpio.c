@@ -263,7 +263,8 @@ static int listen(struct lx_gpio *self)
 
 int lx_gpio_open(struct lx_gpio *self, const struct lx_gpio_setup *setup, struct lx_error *error)
 {
-    *self = (struct lx_gpio){.setup = *setup, .asked = DG_NEVER, .slo = true};
+    *self = (struct lx_gpio){
+        .setup = *setup, .asked = DG_NEVER, .slo = dg_biss_slo(setup->device, false)};
     const int result = listen(self);
     if (result < 0) {
         return lx_fail(error, "no event loop for %s: %s", setup->name, strerror(-result));

@@ -49,7 +49,7 @@ static int take_lines(struct gpio_bus *self, struct lx_error *error)
         .say = self->bus.setup.say,
         .device = &self->device,
         .name = self->address.text,
-        .lines = lx_gpio_lines_open(&self->address, error),
+        .lines = lx_gpio_lines_open(&self->address, dg_biss_slo(&self->device, false), error),
         .faults = &self->bus.setup.stations[0]->control.faults,
         .tap = &self->bus.tap,
         .gone = on_gone,

@@ -61,8 +61,9 @@ struct lx_gpio_lines {
     int fd; /**< readable while edges are queued */
 };
 
-/** Take the lines: MA with both edges, SLO high. @return NULL with one line in `error` */
-struct lx_gpio_lines *lx_gpio_lines_open(const struct lx_gpio_address *address,
+/** Take the lines: MA with both edges, SLO as an output that begins with level `slo`. @return NULL
+ * with one line in `error` */
+struct lx_gpio_lines *lx_gpio_lines_open(const struct lx_gpio_address *address, bool slo,
                                          struct lx_error *error);
 
 /** Version of the library behind them. */

@@ -68,7 +68,7 @@ static const struct lx_gpio_lines_ops ops = {
     .close = close_lines,
 };
 
-static int request(struct lines *self, const struct lx_gpio_address *address,
+static int request(struct lines *self, const struct lx_gpio_address *address, bool slo,
                    struct lx_error *error)
 {
     char path[LX_GPIO_PATH_MAX];
@@ -81,7 +81,7 @@ static int request(struct lines *self, const struct lx_gpio_address *address,
         return -1;
     }
     self->slo = gpiod_chip_get_line(self->chip, address->slo);
-    if (self->slo == NULL || gpiod_line_request_output(self->slo, LX_GPIO_CONSUMER, 1) != 0) {
+    if (self->slo == NULL || gpiod_line_request_output(self->slo, LX_GPIO_CONSUMER, slo) != 0) {
         return lx_gpio_no_line(address, address->slo, errno, error);
     }
     self->ma = gpiod_chip_get_line(self->chip, address->ma);
@@ -95,7 +95,7 @@ static int request(struct lines *self, const struct lx_gpio_address *address,
     return 0;
 }
 
-struct lx_gpio_lines *lx_gpio_lines_open(const struct lx_gpio_address *address,
+struct lx_gpio_lines *lx_gpio_lines_open(const struct lx_gpio_address *address, bool slo,
                                          struct lx_error *error)
 {
     struct lines *self = calloc(1, sizeof *self);
@@ -104,7 +104,7 @@ struct lx_gpio_lines *lx_gpio_lines_open(const struct lx_gpio_address *address,
         return NULL;
     }
     self->base.ops = &ops;
-    if (request(self, address, error) != 0) {
+    if (request(self, address, slo, error) != 0) {
         close_lines(&self->base);
         return NULL;
     }

@@ -107,14 +107,15 @@ static struct gpiod_line_request *request_line(struct gpiod_chip *chip, unsigned
     return line;
 }
 
-static struct gpiod_line_request *request_slo(const struct lines *self)
+static struct gpiod_line_request *request_slo(const struct lines *self, bool level)
 {
     struct gpiod_line_settings *settings = gpiod_line_settings_new();
     if (settings == NULL) {
         return NULL;
     }
     (void)gpiod_line_settings_set_direction(settings, GPIOD_LINE_DIRECTION_OUTPUT);
-    (void)gpiod_line_settings_set_output_value(settings, GPIOD_LINE_VALUE_ACTIVE);
+    (void)gpiod_line_settings_set_output_value(settings, level ? GPIOD_LINE_VALUE_ACTIVE
+                                                               : GPIOD_LINE_VALUE_INACTIVE);
     struct gpiod_line_request *line = request_line(self->chip, self->slo_offset, settings);
     gpiod_line_settings_free(settings);
     return line;
@@ -146,7 +147,7 @@ static int check_chip(const struct lines *self, const struct lx_gpio_address *ad
     return lx_gpio_check_offsets(address, (unsigned)count, error);
 }
 
-static int request(struct lines *self, const struct lx_gpio_address *address,
+static int request(struct lines *self, const struct lx_gpio_address *address, bool slo,
                    struct lx_error *error)
 {
     char path[LX_GPIO_PATH_MAX];
@@ -158,7 +159,7 @@ static int request(struct lines *self, const struct lx_gpio_address *address,
     if (check_chip(self, address, error) != 0) {
         return -1;
     }
-    self->slo = request_slo(self);
+    self->slo = request_slo(self, slo);
     if (self->slo == NULL) {
         return lx_gpio_no_line(address, address->slo, errno, error);
     }
@@ -173,7 +174,7 @@ static int request(struct lines *self, const struct lx_gpio_address *address,
                : lx_gpio_no_line(address, address->ma, errno, error);
 }
 
-struct lx_gpio_lines *lx_gpio_lines_open(const struct lx_gpio_address *address,
+struct lx_gpio_lines *lx_gpio_lines_open(const struct lx_gpio_address *address, bool slo,
                                          struct lx_error *error)
 {
     struct lines *self = calloc(1, sizeof *self);
@@ -184,7 +185,7 @@ struct lx_gpio_lines *lx_gpio_lines_open(const struct lx_gpio_address *address,
     self->base.ops = &ops;
     self->ma_offset = address->ma;
     self->slo_offset = address->slo;
-    if (request(self, address, error) != 0) {
+    if (request(self, address, slo, error) != 0) {
         close_lines(&self->base);
         return NULL;
     }

@@ -67,7 +67,8 @@ static uint8_t finish(uint8_t *bank, uint8_t offset)
 uint8_t dg_biss_eds_common(const struct dg_biss_model *model, uint8_t offset)
 {
     uint8_t bank[DG_BISS_BANK_SIZE] = {0};
-    const dg_ns busy = (model->busy + TBUSY_S_UNIT_NS - 1u) / TBUSY_S_UNIT_NS;
+    const dg_ns most = model->busy + model->busy_jitter;
+    const dg_ns busy = (most + TBUSY_S_UNIT_NS - 1u) / TBUSY_S_UNIT_NS;
 
     memcpy(bank, common, sizeof common);
     bank[0x0C] = busy > TBUSY_S_MIN ? (uint8_t)busy : TBUSY_S_MIN;

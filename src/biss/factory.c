@@ -44,7 +44,8 @@ const struct dg_store_layout dg_biss_layout = {
 static bool model_ok(const struct dg_biss_model *model)
 {
     return model->multiturn_bits <= 24 && model->singleturn_bits >= 12 &&
-           model->singleturn_bits <= 23 && model->busy <= DG_BISS_BUSY_S_MAX_NS &&
+           model->singleturn_bits <= 24 && model->busy <= DG_BISS_BUSY_S_MAX_NS &&
+           model->busy_jitter <= DG_BISS_BUSY_S_MAX_NS - model->busy &&
            model->timeout <= DG_BISS_TIMEOUT_MAX_NS &&
            model->eeprom_read <= DG_BISS_BUSY_R_MAX_NS &&
            model->eeprom_write <= DG_BISS_BUSY_R_MAX_NS - model->eeprom_read;
@@ -61,7 +62,7 @@ int dg_biss_init(struct dg_biss *self, const struct dg_biss_setup *setup)
         setup->nvm.ops == NULL || !model_ok(setup->model)) {
         return DG_ERR_ARGUMENT;
     }
-    *self = (struct dg_biss){.setup = *setup};
+    *self = (struct dg_biss){.setup = *setup, .noise = setup->model->serial};
     dg_biss_power_off(self);
     return DG_OK;
 }
@@ -116,6 +117,9 @@ int dg_biss_restart(struct dg_biss *self, dg_ns now)
     self->simulated = false;
     self->channel_off = false;
     self->communication_off = false;
+    /* Low whatever comes in on SLI, which is passed on only behind the first e2. */
+    self->line.slo = !self->setup.model->sl_low_at_start;
+    self->line.is_last = true;
     const int result = load(self);
     self->configured = (dg_biss_errors(self, now) & incomplete) == 0;
     return result;
@@ -126,6 +130,7 @@ int dg_biss_power_on(struct dg_biss *self, dg_ns now)
     dg_biss_power_off(self);
     const int result = dg_biss_restart(self, now);
     if (result == DG_ERR_BLANK || result == DG_ERR_FOREIGN) {
+        dg_biss_power_off(self);
         return result;
     }
     self->line.state = DG_BISS_IDLE;

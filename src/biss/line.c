@@ -7,6 +7,8 @@
  *                                                                 --> RETURN, MA low --> IDLE
  *   SLO   1       1        0        1       CDS     data          1
  *
+ * SLO stays at its level of the start until the first e1.
+ *
  * In a chain the start bit comes in on SLI instead, and what comes in behind the neighbour's CDS is
  * shifted through behind the own data.
  */
@@ -16,7 +18,6 @@ static void rest(struct dg_biss_line *line, enum dg_biss_line_state state)
 {
     line->state = state;
     line->deadline = DG_NEVER;
-    line->slo = true;
 }
 
 static dg_ns timeout_ns(const struct dg_biss *self)
@@ -42,6 +43,7 @@ dg_ns dg_biss_step(struct dg_biss *self, dg_ns now)
     }
     const dg_ns moment = line->deadline;
     const bool frame = has_cdm(line->state);
+    line->slo = line->slo || line->state != DG_BISS_IDLE;
     rest(line, line->ma ? DG_BISS_IDLE : DG_BISS_RETURN);
     if (frame) {
         dg_biss_cdm(self, moment, !line->ma);
@@ -49,14 +51,17 @@ dg_ns dg_biss_step(struct dg_biss *self, dg_ns now)
     return DG_NEVER;
 }
 
-static void on_e1(struct dg_biss *self, dg_ns now, bool sli)
+/* The sensor is read at e1, and takes its time from there. */
+static uint8_t latch(struct dg_biss *self, dg_ns now, uint64_t *bits)
 {
-    struct dg_biss_line *line = &self->line;
+    const struct dg_biss_model *model = self->setup.model;
 
-    line->is_last = !sli;
-    line->start = dg_after(now, self->setup.model->busy);
-    line->length = dg_biss_latch(self, now, &line->shift);
-    line->state = DG_BISS_ACK;
+    self->noise = self->noise * 1664525u + 1013904223u;
+    /* Below 2^32: the jitter is 40 000 ns at most. */
+    const uint32_t jitter = (self->noise >> 16) * ((uint32_t)model->busy_jitter + 1u) >> 16;
+    self->line.start = dg_after(now, model->busy + jitter);
+    self->line.slo = true;
+    return dg_biss_latch(self, now, bits);
 }
 
 static void rising(struct dg_biss *self, dg_ns now, bool sli)
@@ -67,9 +72,12 @@ static void rising(struct dg_biss *self, dg_ns now, bool sli)
     case DG_BISS_OFF:
         break;
     case DG_BISS_IDLE:
-        on_e1(self, now, sli);
+        line->length = latch(self, now, &line->shift);
+        line->state = DG_BISS_ACK;
         break;
     case DG_BISS_ACK:
+        /* At the start all SLO are low: only behind e1 does every neighbour show a 1. */
+        line->is_last = !sli;
         line->slo = false;
         line->state = DG_BISS_WAIT;
         break;
@@ -163,13 +171,13 @@ dg_ns dg_biss_chain_step(struct dg_biss_chain *self, dg_ns now)
     return next;
 }
 
-uint8_t dg_biss_frame(struct dg_biss *self, dg_ns latch, uint64_t *bits)
+uint8_t dg_biss_frame(struct dg_biss *self, dg_ns e1, uint64_t *bits)
 {
     *bits = 0;
     if (self->line.state == DG_BISS_OFF) {
         return 0;
     }
-    const uint8_t length = dg_biss_latch(self, latch, bits);
+    const uint8_t length = latch(self, e1, bits);
     *bits |= (uint64_t)dg_biss_cds(self, false) << length;
     return (uint8_t)(length + 1u);
 }

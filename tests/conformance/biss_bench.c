@@ -27,11 +27,12 @@ static const struct figure model_figures[] = {
     {"revision", offsetof(struct dg_biss_model, device_id) + 5,   U8},
     {"series",   offsetof(struct dg_biss_model, device_id),       U8},
     {"busy_us",  offsetof(struct dg_biss_model, busy),            US},
+    {"jitter_us", offsetof(struct dg_biss_model, busy_jitter),    US},
     {"early",    offsetof(struct dg_biss_model, stop_bit_early),  BOOL},
     {"read_us",  offsetof(struct dg_biss_model, eeprom_read),     US},
     {"write_us", offsetof(struct dg_biss_model, eeprom_write),    US},
     {"init_us",  offsetof(struct dg_biss_model, init),            US},
-    MODEL(autostore, BOOL), MODEL(serial, U32), {NULL, 0, U8},
+    MODEL(autostore, BOOL), MODEL(sl_low_at_start, BOOL), MODEL(serial, U32), {NULL, 0, U8},
 };
 static const struct figure world_figures[] = {
     WORLD(temperature_mdegc, I32),      WORLD(led_current_ua, U32),
@@ -158,6 +159,7 @@ static bool power_on(struct biss_bench *b, bool init_over, struct cf_report *rep
         init = b->slaves[i].model.init > init ? b->slaves[i].model.init : init;
     }
     b->deadline = step_devices(b, b->master.now);
+    b->master.fresh = true;
     /* The break of 40 us that 5.2.1.1 asks for. */
     biss_bench_wait(b, DG_US(40) + (init_over ? init : 0));
     return true;
@@ -285,7 +287,7 @@ bool biss_bench_damage(void *ctx, char **words, size_t n, struct cf_report *repo
 
 /* --- the master's settings ----------------------------------------------------------------- */
 
-/* master period=100ns jitter=25 extra=3 stray channels=0 */
+/* master period=100ns jitter=25 extra=3 stray channels=0 first */
 bool biss_bench_master(void *ctx, char **words, size_t n, struct cf_report *report)
 {
     struct biss_bench *b = ctx;
@@ -303,6 +305,8 @@ bool biss_bench_master(void *ctx, char **words, size_t n, struct cf_report *repo
             b->master.channel_count = figure;
         } else if (strcmp(words[i], "stray") == 0) {
             b->master.stray = true;
+        } else if (strcmp(words[i], "first") == 0) {
+            b->master.fresh = true;
         } else {
             return cf_fail(report, "master: no such setting: %s", words[i]);
         }

@@ -114,6 +114,16 @@ static bool word_matches(struct biss_bench *b, const struct biss_word *word, siz
     return good;
 }
 
+/* @EDGE, @FIRST..LAST */
+static bool edge_matches(const char *text, unsigned edge)
+{
+    char *rest;
+    unsigned long first = strtoul(text, &rest, 10);
+    unsigned long last = strncmp(rest, "..", 2) == 0 ? strtoul(rest + 2, NULL, 10) : first;
+
+    return edge >= first && edge <= last;
+}
+
 /* scd [@EDGE] WORD...: one frame with CDM = 0 */
 static bool step_scd(void *ctx, char **words, size_t n, struct cf_report *report)
 {
@@ -122,7 +132,7 @@ static bool step_scd(void *ctx, char **words, size_t n, struct cf_report *report
     const struct biss_frame *frame = &b->frame;
 
     biss_master_frame(&b->master, &b->frame, false);
-    if (first == 2 && frame->start_edge != strtoul(words[1] + 1, NULL, 10)) {
+    if (first == 2 && !edge_matches(words[1] + 1, frame->start_edge)) {
         return cf_fail(report, "start bit at e%u", frame->start_edge);
     }
     if (!frame->started || n - first != b->master.channel_count) {

@@ -126,14 +126,22 @@ static size_t channel_bits(const struct biss_channel *channel)
     return (size_t)channel->mt_bits + channel->st_bits + 2u + channel->lc_bits + 6u;
 }
 
+/* e1 and e2. */
+static void clock_ack(struct biss_master *self, struct biss_frame *frame)
+{
+    bool idle = next_clock(self, frame) || self->fresh;
+
+    self->fresh = false;
+    frame->latch = self->now;
+    frame->acknowledged = next_clock(self, frame) && idle && !self->sl;
+}
+
 /* e1, e2, and clocks up to the start bit. */
 static void clock_to_start(struct biss_master *self, struct biss_frame *frame)
 {
-    bool idle = next_clock(self, frame);
     dg_ns patience;
 
-    frame->latch = self->now;
-    frame->acknowledged = next_clock(self, frame) && idle && !self->sl;
+    clock_ack(self, frame);
     frame->start_edge = 2;
     /* Every slave delays the start bit by a clock of its own. */
     patience = frame->latch + BUSY_S_MAX + (BISS_SLAVES_MAX + 2u) * self->period_ns;
@@ -227,12 +235,9 @@ void biss_master_frame(struct biss_master *self, struct biss_frame *frame, bool 
 void biss_master_reduced(struct biss_master *self, struct biss_frame *frame, bool cdm)
 {
     unsigned bad = self->bad_frames;
-    bool idle;
 
     memset(frame, 0, sizeof *frame);
-    idle = next_clock(self, frame);
-    frame->latch = self->now;
-    frame->acknowledged = next_clock(self, frame) && idle && !self->sl;
+    clock_ack(self, frame);
     biss_master_end(self, frame, cdm);
     /* It has neither start bit nor data to be judged by. */
     self->bad_frames = bad + (frame->acknowledged && frame->timed_out ? 0u : 1u);

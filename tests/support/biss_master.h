@@ -58,7 +58,7 @@ struct biss_word {
 /** One frame. */
 struct biss_frame {
     dg_ns latch;              /**< e1 */
-    bool acknowledged;        /**< SL was high after e1 and low after e2 */
+    bool acknowledged;        /**< SL was high before e1 and after it, and low after e2 */
     bool started;             /**< a start bit came within the patience */
     bool cds;                 /**< control data of the slaves */
     bool stopped;             /**< SL was low after the last bit */
@@ -84,6 +84,7 @@ struct biss_master {
     /* state */
     bool ma;
     bool sl;
+    bool fresh; /**< the next frame is the first of a start: SL is not looked at before its e1 */
     uint32_t noise;                /**< of the jitter */
     char cdm[BISS_RECORD_MAX + 1]; /**< one character per frame since biss_master_record() */
     char cds[BISS_RECORD_MAX + 1];

@@ -113,11 +113,12 @@ static void wait_timeout(struct biss_rig *self)
 static bool begin_word(struct biss_rig *self)
 {
     const dg_ns period = 2u * self->half_ns;
-    const dg_ns busy_clocks = (self->model.busy + period - 1u) / period;
     uint64_t bits = 0;
 
     self->now += period;
     const uint8_t n = dg_biss_frame(&self->slave[0], self->now, &bits);
+    const dg_ns busy = self->slave[0].line.start - self->now;
+    const dg_ns busy_clocks = (busy + period - 1u) / period;
     self->clocks = busy_clocks > 2u ? (uint32_t)busy_clocks : 2u;
     self->now += period * (self->clocks + 1u + self->data_bits);
     self->bits = (bits & (((uint64_t)1 << (n - 1u)) - 1u)) << (self->data_bits - (n - 1u));

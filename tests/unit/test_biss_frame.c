@@ -97,6 +97,7 @@ static void test_every_edge(void **state)
     const uint64_t bits = data << 6 | biss_rig_crc6(data, 29);
 
     (void)state;
+    rig.model.busy = 0;
     rig.angle = DG_TURN / 4;
     (void)biss_rig_frame(&rig, false);
     for (size_t i = 0; i < 45; i++) {
@@ -161,7 +162,7 @@ static void test_widths(void **state)
 {
     (void)state;
     for (uint8_t mt = 0; mt <= 24; mt++) {
-        for (uint8_t st = 12; st <= 23; st++) {
+        for (uint8_t st = 12; st <= 24; st++) {
             struct dg_biss_model model = *dg_device_find("s3674-biss")->biss;
             model.multiturn_bits = mt;
             model.singleturn_bits = st;
@@ -180,19 +181,22 @@ static void test_widths(void **state)
 static void test_refused_figures(void **state)
 {
     static const struct dg_biss_model good = {
-        .multiturn_bits = 24, .singleturn_bits = 23, .busy = 40000, .eeprom_read = 20000000};
-    struct dg_biss_model bad[7] = {good, good, good, good, good, good, good};
+        .multiturn_bits = 24, .singleturn_bits = 24, .busy = 40000, .eeprom_read = 20000000};
+    struct dg_biss_model bad[9] = {good, good, good, good, good, good, good, good, good};
 
     (void)state;
     assert_int_equal(biss_rig_init(&rig, &good, 1), DG_OK);
     bad[0].multiturn_bits = 25;
-    bad[1].singleturn_bits = 24;
+    bad[1].singleturn_bits = 25;
     bad[2].singleturn_bits = 11;
     bad[3].busy = 40001;
     bad[4].eeprom_write = 1;
     bad[5].eeprom_read = 20000001;
     bad[6].timeout = 1000000001;
-    for (size_t i = 0; i < 7; i++) {
+    bad[7].busy_jitter = 1;
+    bad[8].busy = 0;
+    bad[8].busy_jitter = 40001;
+    for (size_t i = 0; i < 9; i++) {
         assert_int_equal(biss_rig_init(&rig, &bad[i], 1), DG_ERR_ARGUMENT);
     }
 }
@@ -244,6 +248,77 @@ static void test_busy(void **state)
     }
 }
 
+/* Between busy and busy + jitter, both ends reached, half of it on the average; the same again from
+   the same state. */
+static void test_busy_jitter(void **state)
+{
+    struct dg_biss *slave = &rig.slave[0];
+    dg_ns least = DG_NEVER;
+    dg_ns most = 0;
+    dg_ns sum = 0;
+
+    (void)state;
+    assert_int_equal(slave->noise, 123456789);
+    rig.model.busy = 1000;
+    rig.model.busy_jitter = 99;
+    for (unsigned i = 0; i < 4000; i++) {
+        const struct dg_biss before = *slave;
+        uint64_t bits = 0;
+        (void)dg_biss_frame(slave, rig.now, &bits);
+        const dg_ns busy = slave->line.start - rig.now;
+        least = busy < least ? busy : least;
+        most = busy > most ? busy : most;
+        sum += busy;
+        *slave = before;
+        (void)dg_biss_frame(slave, rig.now, &bits);
+        assert_int_equal(slave->line.start - rig.now, busy);
+    }
+    assert_int_equal(least, 1000);
+    assert_int_equal(most, 1099);
+    assert_in_range(sum / 4000u, 1047, 1052);
+    rig.model.busy_jitter = 40000 - 1000;
+    slave->noise = 0x58E0F1E9; /* whose successor is FFFF1234h: the longest */
+    (void)biss_rig_frame(&rig, false);
+    assert_int_equal(slave->noise >> 16, 0xFFFF);
+    assert_int_equal(rig.clocks, 40);
+}
+
+/* Low from power-on to e1, and from a soft reset to e1; high without power. */
+static void test_low_at_start(void **state)
+{
+    struct dg_biss *slave = &rig.slave[0];
+    uint64_t bits = 0;
+
+    (void)state;
+    assert_false(dg_biss_slo(slave, false));
+    assert_false(dg_biss_slo(slave, true));
+    (void)dg_biss_ma(slave, rig.now, false);
+    assert_false(dg_biss_slo(slave, false));
+    assert_true(dg_biss_ma(slave, rig.now += 500, true));
+    assert_true(dg_biss_step(slave, rig.now += 14000) == DG_NEVER);
+    assert_true(dg_biss_slo(slave, false));
+    dg_biss_power_off(slave);
+    assert_true(dg_biss_slo(slave, false));
+    assert_int_equal(dg_biss_power_on(slave, rig.now), DG_OK);
+    assert_false(dg_biss_slo(slave, false));
+    /* Frames at once have an e1, too. */
+    (void)dg_biss_frame(slave, rig.now, &bits);
+    dg_biss_frame_end(slave, rig.now, false);
+    assert_true(dg_biss_slo(slave, false));
+    rig.model.sl_low_at_start = false;
+    assert_int_equal(dg_biss_power_on(slave, rig.now), DG_OK);
+    assert_true(dg_biss_slo(slave, false));
+}
+
+/* A memory of another device: it stays off, SLO as without power. */
+static void test_foreign_memory_at_start(void **state)
+{
+    (void)state;
+    memset(rig.nvm[0].bytes, 0x5A, 64);
+    assert_int_equal(dg_biss_power_on(&rig.slave[0], rig.now), DG_ERR_FOREIGN);
+    assert_true(dg_biss_slo(&rig.slave[0], false));
+}
+
 /* 50 kHz to 10 MHz, every edge off by up to 25 % of half a period. */
 static void test_clock_rates(void **state)
 {
@@ -280,6 +355,7 @@ static void test_return_edge(void **state)
 static void test_cut_short(void **state)
 {
     (void)state;
+    (void)biss_rig_frame(&rig, false);
     for (uint32_t edges = 0; edges <= 90; edges++) {
         const uint8_t zeros = rig.slave[0].control.zeros;
         biss_rig_cut(&rig, edges);
@@ -302,7 +378,8 @@ static void test_stuck_low(void **state)
     (void)state;
     (void)dg_biss_ma(&rig.slave[0], rig.now, low_idle);
     rig.now += DG_S(1);
-    assert_true(dg_biss_ma(&rig.slave[0], rig.now, true)); /* no latch edge after that */
+    /* No latch edge after that, so that SLO stays as at the start. */
+    assert_false(dg_biss_ma(&rig.slave[0], rig.now, true));
     assert_int_equal(rig.slave[0].counters.frames, 0);
     (void)biss_rig_frame(&rig, false);
     assert_int_equal(rig.slave[0].counters.frames, 1);
@@ -414,6 +491,7 @@ static void test_words_equal_edges(void **state)
         struct dg_biss_model model =
             *dg_device_find(round % 2u != 0 ? "s3674-biss" : "s3684-biss")->biss;
         model.busy = round * 1000u;
+        model.busy_jitter = (40u - round) * 1000u;
         model.life_counter = round % 3u != 0;
         assert_int_equal(biss_rig_init(&edges, &model, 1), DG_OK);
         assert_int_equal(biss_rig_init(&words, &model, 1), DG_OK);
@@ -455,6 +533,9 @@ int main(void)
         cmocka_unit_test_setup(test_refused_figures, setup),
         cmocka_unit_test_setup(test_chosen_timeout, setup),
         cmocka_unit_test_setup(test_busy, setup),
+        cmocka_unit_test_setup(test_busy_jitter, setup),
+        cmocka_unit_test_setup(test_low_at_start, setup),
+        cmocka_unit_test_setup(test_foreign_memory_at_start, setup),
         cmocka_unit_test_setup(test_clock_rates, setup),
         cmocka_unit_test_setup(test_return_edge, setup),
         cmocka_unit_test_setup(test_cut_short, setup),

@@ -111,7 +111,8 @@ static void test_eds_common(void **state)
     assert_memory_equal(bytes, expected, 64);
     rig.model.life_counter = false;
     rig.data_bits -= 6;
-    rig.model.busy = 40000;
+    rig.model.busy = 39001;
+    rig.model.busy_jitter = 999;
     read_bank(3, bytes);
     assert_int_equal(bytes[0x15], 23);
     assert_int_equal(bytes[0x0C], 160);
