@@ -6,8 +6,8 @@
 
 #include "number.h"
 
-/* How a value lies in memory; times are in ns there. */
-enum kind { BITS, FLAG, US, MS };
+/* How a value lies in memory; times are in ns there, words are the two values of a flag. */
+enum kind { BITS, FLAG, WORDS, US, MS };
 
 /* The encoder's own keys; the others are the world's. */
 struct key {
@@ -22,12 +22,17 @@ struct key {
 #define MODEL(field) offsetof(struct dg_biss_model, field)
 
 /* clang-format off */
+static const char *const stop_bits[] = {"own", "early"};
+
 static const struct key keys[] = {
     {"mt",              MODEL(multiturn_bits),  BITS,  0,     24, "multiturn bits"},
-    {"st",              MODEL(singleturn_bits), BITS, 12,     23, "singleturn bits"},
+    {"st",              MODEL(singleturn_bits), BITS, 12,     24, "singleturn bits"},
     {"lc",              MODEL(life_counter),    FLAG,  0,      1, "the frame has a life counter"},
     {"autostore",       MODEL(autostore),       FLAG,  0,      1, "offsets and masks go to the EEPROM when they are written"},
     {"busy_us",         MODEL(busy),            US,    0,     40, "from the first clock edge to the start bit, in us"},
+    {"busy_jitter_us",  MODEL(busy_jitter),     US,    0,     40, "up to as much more, another time in every frame, in us"},
+    {"sl_low_at_start", MODEL(sl_low_at_start), FLAG,  0,      1, "SLO is low from power-on to the first clock"},
+    {"stop_bit",        MODEL(stop_bit_early),  WORDS, 0,      1, "P = 1 refuses the register just transferred, or ahead of time the next one"},
     {"eeprom_read_us",  MODEL(eeprom_read),     US,    0,   1000, "an access to a user bank, in us"},
     {"eeprom_write_us", MODEL(eeprom_write),    US,    0,  19000, "what the EEPROM needs after a write, in us"},
     {"timeout_us",      MODEL(timeout),         US,   13, 1000000, "--gpio: silence on MA that ends a frame, in us; 20000 unless set"},
@@ -35,6 +40,9 @@ static const struct key keys[] = {
 };
 /* clang-format on */
 #define KEY_COUNT (sizeof keys / sizeof keys[0])
+#define RANGE_MAX 40u
+/* busy_us and busy_jitter_us together. */
+#define BUSY_MAX_US (DG_BISS_BUSY_S_MAX_NS / 1000u)
 
 void lx_biss_settings_init(struct lx_biss_settings *self, const struct dg_biss_model *model)
 {
@@ -42,11 +50,23 @@ void lx_biss_settings_init(struct lx_biss_settings *self, const struct dg_biss_m
     lx_settings_init(&self->common, NULL);
 }
 
+/* What would be right. */
+static const char *range_of(const struct key *key, char *text, size_t size)
+{
+    if (key->kind == WORDS) {
+        (void)snprintf(text, size, "%s or %s", stop_bits[0], stop_bits[1]);
+    } else {
+        (void)snprintf(text, size, "%u..%u", key->min, key->max);
+    }
+    return text;
+}
+
 void lx_biss_settings_help(FILE *to)
 {
+    char range[RANGE_MAX];
     for (size_t i = 0; i < KEY_COUNT; i++) {
-        (void)fprintf(to, "  %-23s %s (%u..%u)\n", keys[i].name, keys[i].help, keys[i].min,
-                      keys[i].max);
+        (void)fprintf(to, "  %-23s %s (%s)\n", keys[i].name, keys[i].help,
+                      range_of(&keys[i], range, sizeof range));
     }
 }
 
@@ -60,6 +80,7 @@ static void store(struct dg_biss_model *model, const struct key *key, uint64_t v
         *to = (uint8_t)value;
         break;
     case FLAG:
+    case WORDS:
         memcpy(to, &flag, sizeof flag);
         break;
     case US:
@@ -69,6 +90,15 @@ static void store(struct dg_biss_model *model, const struct key *key, uint64_t v
     }
 }
 
+static bool parse(const struct key *key, const char *text, uint64_t *value)
+{
+    if (key->kind == WORDS) {
+        *value = strcmp(text, stop_bits[1]) == 0;
+        return *value != 0 || strcmp(text, stop_bits[0]) == 0;
+    }
+    return lx_unsigned_parse(text, value) && *value >= key->min && *value <= key->max;
+}
+
 int lx_biss_settings_set(struct lx_biss_settings *self, const char *assignment,
                          struct lx_error *error)
 {
@@ -76,18 +106,29 @@ int lx_biss_settings_set(struct lx_biss_settings *self, const char *assignment,
     for (size_t i = 0; i < KEY_COUNT; i++) {
         const struct key *key = &keys[i];
         uint64_t value = 0;
+        char range[RANGE_MAX];
         if (strlen(key->name) != n || strncmp(key->name, assignment, n) != 0) {
             continue;
         }
-        if (assignment[n] == '\0' || !lx_unsigned_parse(&assignment[n + 1], &value) ||
-            value < key->min || value > key->max) {
-            return lx_fail(error, "--set %s: a number in %u..%u is right", assignment, key->min,
-                           key->max);
+        if (assignment[n] == '\0' || !parse(key, &assignment[n + 1], &value)) {
+            return lx_fail(error, "--set %s: %s%s is right", assignment,
+                           key->kind == WORDS ? "" : "a number in ",
+                           range_of(key, range, sizeof range));
         }
         store(&self->model, key, value);
         return 0;
     }
     return lx_settings_set(&self->common, assignment, error);
+}
+
+int lx_biss_settings_check(const struct lx_biss_settings *self, struct lx_error *error)
+{
+    if (self->model.busy + self->model.busy_jitter <= DG_BISS_BUSY_S_MAX_NS) {
+        return 0;
+    }
+    return lx_fail(error, "busy_us %u and busy_jitter_us %u: together at most %u is right",
+                   (unsigned)(self->model.busy / 1000u),
+                   (unsigned)(self->model.busy_jitter / 1000u), (unsigned)BUSY_MAX_US);
 }
 
 static int take(struct lx_biss_settings *self, const struct lx_plan *plan,
@@ -130,7 +171,9 @@ int lx_biss_settings_plan(struct lx_biss_settings *self, const struct lx_plan *p
     if (encoder->serial != NULL && lx_biss_settings_serial(self, encoder->serial, error) != 0) {
         return lx_settings_refuse(plan, encoder->serial_line, error);
     }
-    return 0;
+    return lx_biss_settings_check(self, error) == 0
+               ? 0
+               : lx_settings_refuse(plan, encoder->line, error);
 }
 
 int lx_biss_eeprom_open(struct lx_biss_eeprom *self, const char *path, struct lx_error *error)

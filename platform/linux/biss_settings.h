@@ -27,6 +27,9 @@ void lx_biss_settings_init(struct lx_biss_settings *self, const struct dg_biss_m
 int lx_biss_settings_set(struct lx_biss_settings *self, const char *assignment,
                          struct lx_error *error);
 
+/** Whether the figures fit together, once all are set. @return as lx_biss_settings_set() */
+int lx_biss_settings_check(const struct lx_biss_settings *self, struct lx_error *error);
+
 /** The figures of an encoder of a plan. @return 0, or -1 with one line in `error` that names its
  * place */
 int lx_biss_settings_plan(struct lx_biss_settings *self, const struct lx_plan *plan,

@@ -17,6 +17,9 @@ static int understand(struct biss_session *self, const struct options *options,
         return lx_fail(error, "--set timeout_us: only with --gpio; the simulated wire has the "
                               "encoder's own timeout");
     }
+    if (lx_biss_settings_check(&self->settings, error) != 0) {
+        return -1;
+    }
     return options->serial == NULL
                ? 0
                : lx_biss_settings_serial(&self->settings, options->serial, error);
