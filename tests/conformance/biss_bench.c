@@ -287,7 +287,7 @@ bool biss_bench_damage(void *ctx, char **words, size_t n, struct cf_report *repo
 
 /* --- the master's settings ----------------------------------------------------------------- */
 
-/* master period=100ns jitter=25 extra=3 stray channels=0 first */
+/* master period=100ns jitter=25 extra=3 stray channels=0 disturbed=3 first */
 bool biss_bench_master(void *ctx, char **words, size_t n, struct cf_report *report)
 {
     struct biss_bench *b = ctx;
@@ -301,6 +301,8 @@ bool biss_bench_master(void *ctx, char **words, size_t n, struct cf_report *repo
             b->master.jitter_percent = (unsigned)figure;
         } else if (strncmp(words[i], "extra=", 6) == 0) {
             b->master.extra_clocks = (unsigned)figure;
+        } else if (strncmp(words[i], "disturbed=", 10) == 0) {
+            b->master.disturbed = (unsigned)figure;
         } else if (strncmp(words[i], "channels=", 9) == 0) {
             b->master.channel_count = figure;
         } else if (strcmp(words[i], "stray") == 0) {

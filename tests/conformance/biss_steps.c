@@ -234,7 +234,6 @@ struct outcome {
     bool silent;
     bool late;
     bool stop;
-    bool any_stop;
 };
 
 static bool set_option(struct biss_access *access, const char *word)
@@ -290,8 +289,10 @@ static bool set_keyword(struct outcome *outcome, const char *word)
         const char *name;
         bool *flag;
     } keywords[] = {
-        {"refused", &outcome->refused}, {"silent", &outcome->silent}, {"late", &outcome->late},
-        {"P", &outcome->stop},          {"anyP", &outcome->any_stop},
+        {"refused", &outcome->refused},
+        {"silent", &outcome->silent},
+        {"late", &outcome->late},
+        {"P", &outcome->stop},
     };
 
     for (size_t i = 0; i < sizeof keywords / sizeof keywords[0]; i++) {
@@ -330,7 +331,7 @@ static const char *check_bytes(const struct biss_access *got, const struct outco
     if (got->done != want->n) {
         return "wrong length";
     }
-    if (got->stop != want->stop && !want->any_stop) {
+    if (got->stop != want->stop) {
         return "wrong P";
     }
     if (!got->crc_good) {
@@ -364,7 +365,7 @@ static const char *check_access(const struct biss_bench *b, const struct outcome
 }
 
 /* read|write [id=N] [flip=BITS] [dflip=BITS] [patience_us=N] [more=N] ADDRESS BYTES...
- *     [P|anyP] [refused] [silent] [late] */
+ *     [P] [refused] [silent] [late] */
 static bool step_access(void *ctx, char **words, size_t n, struct cf_report *report)
 {
     struct biss_bench *b = ctx;

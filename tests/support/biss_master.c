@@ -166,7 +166,8 @@ void biss_master_clock(struct biss_master *self, struct biss_frame *frame)
         return;
     }
     (void)next_clock(self, frame);
-    frame->cds = next_clock(self, frame);
+    frame->cds = next_clock(self, frame) != (self->disturbed == 1);
+    self->disturbed -= self->disturbed > 0 ? 1u : 0u;
     for (size_t i = 0; i < total && i + 1 < sizeof frame->bits; i++) {
         frame->bits[i] = next_clock(self, frame) ? '1' : '0';
     }

@@ -79,6 +79,7 @@ struct biss_master {
     unsigned extra_clocks;   /**< behind the last check bit */
     size_t channel_count;    /**< data channels, in the order they arrive */
     struct biss_channel channels[BISS_SLAVES_MAX];
+    unsigned disturbed; /**< the CDS bit of the n-th frame from now arrives inverted; 0: of none */
     bool stray; /**< a master that cannot answer in the same frame: CDM = 1 in frame 19 of a read */
 
     /* state */
