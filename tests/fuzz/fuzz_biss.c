@@ -52,7 +52,8 @@ static void check(const struct dg_biss *slave)
     const struct dg_biss_control *control = &slave->control;
 
     must(slave->line.state <= DG_BISS_RETURN);
-    must(slave->line.length <= 61);
+    must(slave->line.length <= 62);
+    must(slave->line.start <= dg_after(rig.now, DG_BISS_BUSY_S_MAX_NS));
     must(control->state < DG_BISS_CONTROL_STATE_COUNT);
     must(control->zeros <= DG_BISS_ZEROS);
     must(control->count <= 15);
@@ -75,6 +76,8 @@ static void recover(void)
     const dg_ns deadline = dg_biss_step(&rig.slave[0], rig.now);
     must(deadline == DG_NEVER);
     (void)dg_biss_ma(&rig.slave[0], rig.now, true);
+    /* It is high, too, unless no frame has been since the start. */
+    must(dg_biss_slo(&rig.slave[0], false) || !rig.slave[0].started);
 }
 
 static void op_edges(struct input *input)
@@ -233,11 +236,15 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
     struct dg_biss_model model =
         *dg_device_find((take(&input) & 1u) != 0 ? "s3674-biss" : "s3684-biss")->biss;
 
+    const uint8_t kind = take(&input);
+    model.stop_bit_early = (kind & 1u) != 0;
+    model.sl_low_at_start = (kind & 2u) != 0;
     model.busy = DG_US(take(&input) % 41u);
+    model.busy_jitter = (DG_BISS_BUSY_S_MAX_NS - model.busy) * (kind >> 2) / 63u;
     model.eeprom_read = DG_US(take(&input));
     model.eeprom_write = DG_US(10u * take(&input));
     model.multiturn_bits = take(&input) % 25u;
-    model.singleturn_bits = (uint8_t)(12u + take(&input) % 12u);
+    model.singleturn_bits = (uint8_t)(12u + take(&input) % 13u);
     model.autostore = (take(&input) & 1u) != 0;
     must(biss_rig_init(&rig, &model, 1) == DG_OK && biss_rig_power_on(&rig) == DG_OK);
     while (input.at < input.end) {

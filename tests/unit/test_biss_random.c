@@ -44,7 +44,10 @@ static void reset(uint32_t seed)
     memset(model.user, 0xFF, sizeof model.user);
     figures.eeprom_read = DG_US(dice(60));
     figures.eeprom_write = DG_US(dice(2000));
-    figures.busy = DG_US(dice(41));
+    figures.busy = DG_US(dice(21));
+    figures.busy_jitter = DG_US(dice(20));
+    figures.stop_bit_early = seed % 2u == 0;
+    figures.singleturn_bits = seed % 3u == 0 ? 24 : 21;
     assert_int_equal(biss_rig_init(&rig, &figures, 1), DG_OK);
     assert_int_equal(biss_rig_power_on(&rig), DG_OK);
     rig.half_ns = 50u + dice(800);
@@ -189,7 +192,7 @@ static void test_traffic(void **state)
                                                op_abort, op_cut,  op_command, op_angle};
 
     (void)state;
-    for (uint32_t seed = 1; seed <= 4; seed++) {
+    for (uint32_t seed = 1; seed <= 6; seed++) {
         reset(seed);
         for (uint32_t i = 0; i < OPERATIONS; i++) {
             operations[dice(sizeof operations / sizeof operations[0])]();
@@ -202,9 +205,58 @@ static void test_traffic(void **state)
     }
 }
 
+/* Edges at any time, from fractions of a clock to silences behind the timeout. */
+static void garbage(void)
+{
+    for (uint32_t n = 1u + dice(300); n > 0; n--) {
+        rig.now += (dg_ns)dice(200) << dice(9);
+        (void)biss_rig_edge(&rig, dice(2) != 0);
+    }
+}
+
+/* 40 us of silence and MA high, and the line is in order: every frame and a register of each slave,
+   whatever the control frames have been taken for. Only that a command of a slave's took its data
+   or its ID away is put right. */
+static void test_garbage_on_ma(void **state)
+{
+    static const uint8_t counts[] = {1, 1, 2, 3};
+
+    (void)state;
+    for (uint32_t round = 0; round < 400; round++) {
+        struct dg_biss_model figures = *dg_device_find("s3674-biss")->biss;
+        const uint8_t count = counts[round % 4u];
+
+        noise = round * 7919u + 1u;
+        figures.singleturn_bits = 12;
+        figures.stop_bit_early = (round & 4u) != 0;
+        figures.sl_low_at_start = (round & 8u) != 0;
+        figures.busy_jitter = DG_US(dice(30));
+        assert_int_equal(biss_rig_init(&rig, &figures, count), DG_OK);
+        assert_int_equal(biss_rig_power_on(&rig), DG_OK);
+        rig.half_ns = 50u + dice(800);
+        garbage();
+        rig.now += 40000;
+        (void)biss_rig_edge(&rig, true);
+        rig.now += 40000;
+        (void)biss_rig_command(&rig, 0, 1);
+        for (uint8_t id = 0; id < count; id++) {
+            uint8_t bytes[3] = {0};
+            const int n = biss_rig_read(&rig, id, 0x7E, bytes, 3);
+            assert_int_equal(n, 2);
+            assert_memory_equal(bytes, "\x4B\x55", 2);
+            assert_int_equal(biss_rig_read(&rig, id, 0x48, bytes, 1), BISS_RIG_REFUSED);
+            assert_true(rig.slave[id].channel_off ||
+                        rig.slave[id].line.length == figures.singleturn_bits + 14u);
+        }
+    }
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_traffic)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_traffic),
+        cmocka_unit_test(test_garbage_on_ma),
+    };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
