@@ -108,6 +108,7 @@ struct biss {
     struct lx_vcd vcd;
     bool ma;
     bool slo;
+    bool begun; /* there was an event */
     size_t first;
     size_t count;
     struct held held[HELD];
@@ -151,8 +152,20 @@ static void on_note(struct biss *self, dg_ns at, const char *note)
     lx_vcd_text(&self->vcd, at, note);
 }
 
+/* SLO is low from power-on to the first clock. Nobody tells of it before the first edge of MA,
+   which is a falling one and leaves SLO as it was. */
+static void begin_at(struct biss *self, bool slo)
+{
+    if (!self->begun && slo != self->slo && self->vcd.at == 0) {
+        self->slo = slo;
+        lx_vcd_level(&self->vcd, 0, 's', slo);
+    }
+    self->begun = true;
+}
+
 static void on_levels(struct biss *self, dg_ns at, bool ma, bool slo)
 {
+    begin_at(self, slo);
     if (ma != self->ma) {
         hold(self, at, 'm', ma);
     }

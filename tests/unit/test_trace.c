@@ -422,6 +422,22 @@ static void biss_levels(void **state)
 
 /* More levels and notes than can be held back, and late ones: all are there, time never goes back.
  */
+/* From power-on to its first clock an encoder has SLO low, and the file says so from the start. */
+static void biss_slo_before_the_first_clock(void **state)
+{
+    struct place *place = *state;
+    struct lx_trace *trace = open_trace(place, "a.vcd", DG_STACK_BISS, DG_US(100));
+    tell_levels(place, DG_US(101), false, false);
+    tell_levels(place, DG_US(101) + 500, true, true);
+    tell_levels(place, DG_US(102), false, true);
+    tell_levels(place, DG_US(102) + 500, true, false);
+    close_trace(place, trace);
+    read_file(place);
+    assert_non_null(strstr(place->text,
+                           "1m\n1s\ns t\n$end\n0s\n#1000\n0m\n#1500\n1m\n1s\n#2000\n0m\n"
+                           "#2500\n1m\n0s\n"));
+}
+
 static void biss_levels_in_a_crowd(void **state)
 {
     struct place *place = *state;
@@ -465,6 +481,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(pcapng_blocks, set_up, tear_down),
         cmocka_unit_test_setup_teardown(rows_of_changes, set_up, tear_down),
         cmocka_unit_test_setup_teardown(biss_levels, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(biss_slo_before_the_first_clock, set_up, tear_down),
         cmocka_unit_test_setup_teardown(biss_levels_in_a_crowd, set_up, tear_down),
     };
     return cmocka_run_group_tests_name("trace", tests, NULL, NULL);
