@@ -1,16 +1,22 @@
 /* SPDX-License-Identifier: MIT */
 /*
- *            link[0]            link[1]
- *   master <--(fault)-- slave[0] <--(fault)-- slave[1] ... <-- low
+ *                cable      link[0]            link[1]
+ *   master <===(delay)=====(fault)-- slave[0] <--(fault)-- slave[1] ... <-- low
  *
  * A fault sits behind the encoder's driver: the encoder itself works, its neighbour (or the
  * master) sees something else.
+ *
+ * An edge of MA is taken at the encoders' end at once, with the time at which it gets there; what
+ * it does to SLO is then on its way back. Ack tells the master how long that takes:
+ *
+ *   MA   _|1|_|2|_|3|_|4|_|5|_      the clocks go on meanwhile
+ *   SLO  ---------.___.---....      Ack here, start bit there
+ *          e2 ----^ delay           bit n is sampled half a period behind its clock and the delay
  */
 #include "biss_wire.h"
 
 #include <string.h>
 
-#define CLOCK_NS ((dg_ns)2u * LX_BISS_HALF_NS)
 #define START_CLOCKS_MAX 1000u
 #define ZERO_FRAMES 14u
 #define BUSY_MAX_NS 20000000u
@@ -21,33 +27,54 @@
 
 /* --- levels --- */
 
-void lx_biss_wire_init(struct lx_biss_wire *self, dg_ns now)
+void lx_biss_wire_init(struct lx_biss_wire *self, const struct lx_biss_timing *timing, dg_ns now)
 {
-    *self = (struct lx_biss_wire){.now = now, .ma = true, .slo = true};
-}
-
-void lx_biss_wire_add(struct lx_biss_wire *self, struct dg_biss *device, struct dg_faults *faults)
-{
-    self->slave[self->count++] = (struct lx_biss_slave){
-        .device = device,
-        .faults = faults,
-        .data_bits = lx_biss_data_bits(device->setup.model),
+    const uint32_t edges = 2u * timing->clock_hz; /* in a second */
+    *self = (struct lx_biss_wire){
+        .half_ns = (uint32_t)(DG_S(1) / edges),
+        .rest = (uint32_t)(DG_S(1) % edges),
+        .edges_per_s = edges,
+        .now = now,
+        .ma = true,
+        .slo = true,
     };
+    lx_biss_cable_init(&self->cable, timing->line_delay_ns, true);
 }
 
-/* The levels from `now` on, as far as they are new. */
-static void record(struct lx_biss_wire *self, bool ma, bool slo)
+/* The next edge's time. Whole nanoseconds, and yet the clock is right on average. */
+static dg_ns next_edge(struct lx_biss_wire *self)
+{
+    const dg_ns at = self->now + self->half_ns;
+    self->owed += self->rest;
+    if (self->owed < self->edges_per_s) {
+        return at;
+    }
+    self->owed -= self->edges_per_s;
+    return at + 1u;
+}
+
+/* The levels from `at` on, as far as they are new. */
+static void record(struct lx_biss_wire *self, dg_ns at, bool ma, bool slo)
 {
     const bool news = ma != self->ma || slo != self->slo;
     self->ma = ma;
     self->slo = slo;
     if (news && self->levels != NULL) {
-        self->levels(self->ctx, self->now, ma, slo);
+        self->levels(self->ctx, at, ma, slo);
+    }
+}
+
+/* What gets to the master up to `until`. */
+static void arrive(struct lx_biss_wire *self, dg_ns until)
+{
+    struct lx_biss_change change;
+    while (self->cable.count > 0 && lx_biss_cable_take(&self->cable, until, &change)) {
+        record(self, change.at, self->ma, change.level);
     }
 }
 
 /* What each one shows its neighbour, from the last to the first; the last one's SLI is low.
-   @return what the master sees */
+   @return what goes into the cable */
 static bool look(const struct lx_biss_wire *self, bool sli[DG_BISS_CHAIN_MAX])
 {
     bool level = false;
@@ -59,6 +86,18 @@ static bool look(const struct lx_biss_wire *self, bool sli[DG_BISS_CHAIN_MAX])
     return level;
 }
 
+void lx_biss_wire_add(struct lx_biss_wire *self, struct dg_biss *device, struct dg_faults *faults)
+{
+    bool sli[DG_BISS_CHAIN_MAX];
+    self->slave[self->count++] = (struct lx_biss_slave){
+        .device = device,
+        .faults = faults,
+        .data_bits = lx_biss_data_bits(device->setup.model),
+    };
+    self->slo = look(self, sli);
+    lx_biss_cable_init(&self->cable, self->cable.delay, self->slo);
+}
+
 static dg_ns step(struct lx_biss_wire *self, dg_ns now)
 {
     dg_ns next = DG_NEVER;
@@ -68,49 +107,95 @@ static dg_ns step(struct lx_biss_wire *self, dg_ns now)
     return next;
 }
 
-/* All see the same edge: what counts is their neighbours' level before it. */
-static bool edge(struct lx_biss_wire *self, bool level)
+static void end_faults(struct lx_biss_wire *self)
+{
+    for (uint8_t i = 0; i < self->count; i++) {
+        lx_biss_link_end(&self->slave[i].link, self->slave[i].faults);
+    }
+}
+
+/* Timeouts that end at the encoders' end up to `now`, each at its moment. */
+static void run_encoders(struct lx_biss_wire *self, dg_ns now)
 {
     bool sli[DG_BISS_CHAIN_MAX];
-    self->now += LX_BISS_HALF_NS;
-    (void)step(self, self->now);
-    (void)look(self, sli);
+    dg_ns due = step(self, 0);
+    while (due <= now && due != DG_NEVER) {
+        const dg_ns next = step(self, due);
+        end_faults(self);
+        lx_biss_cable_put(&self->cable, due, look(self, sli));
+        due = next;
+    }
+}
+
+/* All see the same edge, at `now`: what counts is their neighbours' level before it. SLO changes on
+   rising edges only. */
+static void clock_encoders(struct lx_biss_wire *self, dg_ns now, bool level)
+{
+    bool sli[DG_BISS_CHAIN_MAX] = {false};
+    run_encoders(self, now);
+    if (level) {
+        (void)look(self, sli);
+    }
     for (uint8_t i = 0; i < self->count; i++) {
-        (void)dg_biss_link(self->slave[i].device, self->now, level, sli[i]);
+        (void)dg_biss_link(self->slave[i].device, now, level, sli[i]);
     }
     bool seen = false;
-    for (uint8_t i = self->count; i > 0; i--) {
+    for (uint8_t i = self->count; level && i > 0; i--) {
         struct lx_biss_slave *slave = &self->slave[i - 1u];
         const bool raw = dg_biss_slo(slave->device, seen);
-        if (level) {
-            lx_biss_link_advance(&slave->link, raw);
-        }
+        lx_biss_link_advance(&slave->link, raw);
         seen = lx_biss_link_level(&slave->link, raw);
     }
-    record(self, level, seen);
-    return seen;
+    if (level) {
+        lx_biss_cable_put(&self->cable, now, seen);
+    }
+}
+
+static void edge(struct lx_biss_wire *self, bool level)
+{
+    const dg_ns now = next_edge(self);
+    arrive(self, now - 1u);
+    self->now = now;
+    clock_encoders(self, now + self->cable.delay, level);
+    /* Without delay the answer comes at once: one event for both. */
+    struct lx_biss_change change = {.level = self->slo};
+    while (lx_biss_cable_take(&self->cable, now, &change)) {
+    }
+    record(self, now, level, change.level);
 }
 
 void lx_biss_wire_pause(struct lx_biss_wire *self, dg_ns now)
 {
     bool sli[DG_BISS_CHAIN_MAX];
-    for (dg_ns deadline = step(self, self->now); deadline <= now && deadline != DG_NEVER;
-         deadline = step(self, deadline)) {
-        self->now = deadline > self->now ? deadline : self->now;
-    }
-    for (uint8_t i = 0; i < self->count; i++) {
-        lx_biss_link_end(&self->slave[i].link, self->slave[i].faults);
-    }
-    record(self, self->ma, look(self, sli));
-    self->now = now > self->now ? now : self->now;
+    now = now > self->now ? now : self->now;
+    run_encoders(self, now);
+    end_faults(self);
+    lx_biss_cable_put(&self->cable, now, look(self, sli));
+    arrive(self, now);
+    self->now = now;
 }
 
 /* --- frames --- */
 
+/* @return the bit of this clock, sampled when it is on the line */
 static bool clock_bit(struct lx_biss_wire *self)
 {
-    (void)edge(self, false);
-    return edge(self, true);
+    edge(self, false);
+    edge(self, true);
+    return lx_biss_cable_level(&self->cable, self->now + self->delay + self->half_ns);
+}
+
+/* e1 and e2. @return the time of e1 */
+static dg_ns await_ack(struct lx_biss_wire *self)
+{
+    self->delay = 0;
+    (void)clock_bit(self);
+    const dg_ns begin = self->now;
+    (void)clock_bit(self);
+    self->answered = self->cable.fell >= self->now;
+    self->delay = self->answered ? self->cable.fell - self->now : 0;
+    self->silent += !self->answered;
+    return begin;
 }
 
 /* Up to the last bit of the last CRC; the CDM bit is not yet decided. @return CDS */
@@ -118,14 +203,13 @@ static bool begin_frame(struct lx_biss_wire *self)
 {
     for (uint8_t i = 0; i < self->count; i++) {
         struct lx_biss_slave *slave = &self->slave[i];
-        lx_biss_link_begin(&slave->link, slave->faults, slave->data_bits, CLOCK_NS);
+        lx_biss_link_begin(&slave->link, slave->faults, slave->data_bits, 2u * self->half_ns);
     }
-    const bool ready = clock_bit(self); /* e1 */
-    const dg_ns begin = self->now;
-    self->answered = !clock_bit(self) && ready; /* e2, Ack */
+    const dg_ns begin = await_ack(self);
     for (unsigned i = 0; i < START_CLOCKS_MAX && !clock_bit(self); i++) {
     }
     self->start = self->now - begin;
+    const dg_ns known = self->now + self->delay + self->half_ns;
     self->cds = clock_bit(self);
     for (uint8_t i = 0; i < self->count; i++) {
         self->slave[i].bits = 0;
@@ -133,18 +217,21 @@ static bool begin_frame(struct lx_biss_wire *self)
             self->slave[i].bits = self->slave[i].bits << 1 | clock_bit(self);
         }
     }
-    self->silent += !self->answered;
+    /* The master did not know when to end before it had seen the start bit. */
+    while (self->now < known) {
+        (void)clock_bit(self);
+    }
     return self->cds;
 }
 
 static void end_frame(struct lx_biss_wire *self, bool cdm)
 {
     if (cdm) {
-        (void)edge(self, false);
+        edge(self, false);
     }
-    lx_biss_wire_pause(self, self->now + PAUSE_NS);
+    lx_biss_wire_pause(self, self->now + PAUSE_NS + self->delay);
     if (cdm) {
-        (void)edge(self, true);
+        edge(self, true);
     }
 }
 

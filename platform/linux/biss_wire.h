@@ -2,7 +2,8 @@
 /**
  * @file
  * BiSS encoders on a simulated wire: a master that clocks every edge, in virtual time. The wire's
- * time runs on by as much as a frame takes.
+ * time is the master's and runs on by as much as a frame takes. A cable delays MA and SLO; the
+ * master measures by how much with every Ack and takes its samples later by that.
  */
 #ifndef DREHGEBER_LINUX_BISS_WIRE_H
 #define DREHGEBER_LINUX_BISS_WIRE_H
@@ -11,10 +12,20 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "biss_cable.h"
 #include "biss_link.h"
 
-/** 1 MHz. */
-#define LX_BISS_HALF_NS 500u
+/** The master's clock: as usual, and the slowest and fastest one that the encoder is made for.
+ * Below 38.5 kHz half a period would be longer than its timeout, which ended every frame. */
+#define LX_BISS_CLOCK_HZ 1000000u
+#define LX_BISS_CLOCK_MIN_HZ 50000u
+#define LX_BISS_CLOCK_MAX_HZ 10000000u
+
+/** Times of the master and its cable. */
+struct lx_biss_timing {
+    uint32_t clock_hz;      /**< LX_BISS_CLOCK_MIN_HZ..LX_BISS_CLOCK_MAX_HZ */
+    uint32_t line_delay_ns; /**< each way; 0..LX_BISS_LINE_DELAY_MAX_NS */
+};
 
 /** What an access can end in; what is not negative counts registers. */
 enum lx_biss_failure {
@@ -37,14 +48,21 @@ struct lx_biss_slave {
 struct lx_biss_wire {
     struct lx_biss_slave slave[DG_BISS_CHAIN_MAX]; /**< the first is nearest to the master */
     uint8_t count;
-    dg_ns now;
-    bool ma;
-    bool slo;        /**< as the master sees it */
-    bool cds;        /**< of the last frame */
-    bool answered;   /**< there was an Ack in the last frame */
-    dg_ns start;     /**< from e1 to the start bit of the last frame */
+    struct lx_biss_cable cable;
+    uint32_t edges_per_s; /**< of MA */
+    uint32_t half_ns;     /**< half a period, and */
+    uint32_t rest;        /**< what it is longer, in 1 ns / edges_per_s */
+    uint32_t owed;        /**< of such rests so far */
+    dg_ns now;            /**< at the master's end */
+    bool ma;              /**< at the master's end */
+    bool slo;             /**< at the master's end */
+    bool cds;             /**< of the last frame */
+    bool answered;        /**< there was an Ack in the last frame */
+    dg_ns delay;     /**< of the last frame's Ack: there and back; what the master reckons with */
+    dg_ns start;     /**< from e1 to the start bit of the last frame, without that delay */
     uint32_t silent; /**< frames without Ack; counted up */
-    /** The levels from `at` on, whenever one has changed; NULL: nobody wants to know. */
+    /** The levels at the master's end from `at` on, whenever one has changed; NULL: nobody wants
+     * to know. */
     void (*levels)(void *ctx, dg_ns at, bool ma, bool slo);
     void *ctx;
 };
@@ -59,9 +77,10 @@ struct lx_biss_position {
 };
 
 /** A wire without encoders at `now`. */
-void lx_biss_wire_init(struct lx_biss_wire *self, dg_ns now);
+void lx_biss_wire_init(struct lx_biss_wire *self, const struct lx_biss_timing *timing, dg_ns now);
 
-/** Put `device`, which has its model, behind the others; at most DG_BISS_CHAIN_MAX. */
+/** Put `device`, which has its model and its power, behind the others; at most DG_BISS_CHAIN_MAX.
+ */
 void lx_biss_wire_add(struct lx_biss_wire *self, struct dg_biss *device, struct dg_faults *faults);
 
 /** Nothing happens until `now`; a moment that is over already is the present one. */

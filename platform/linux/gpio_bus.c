@@ -9,6 +9,7 @@
 #include "biss_settings.h"
 #include "bus.h"
 #include "gpio.h"
+#include "sim_settings.h"
 #include "timer.h"
 
 /* Ends a frame on GPIO lines; see src/biss/README.md, 'GPIO'. */
@@ -157,6 +158,21 @@ static const struct lx_bus_ops ops = {
 
 /* --- from the plan --- */
 
+/* The master's clock and the cable are real ones. */
+static int refuse_sim_keys(const struct lx_bus_setup *setup, struct lx_error *error)
+{
+    const struct lx_plan_settings *settings = &setup->stations[0]->plan->settings;
+    for (size_t i = 0; i < settings->count; i++) {
+        const struct lx_plan_setting *row = &settings->list[i];
+        if (lx_sim_settings_has(row->key)) {
+            return lx_plan_fail(setup->plan, row->line, error,
+                                "%s: only with --sim; on GPIO lines the master has its own clock",
+                                row->key);
+        }
+    }
+    return 0;
+}
+
 static int understand(struct gpio_bus *self, struct lx_error *error)
 {
     const struct lx_bus_setup *setup = &self->bus.setup;
@@ -164,7 +180,8 @@ static int understand(struct gpio_bus *self, struct lx_error *error)
     if (lx_gpio_address_parse(&self->address, setup->wire->where, &reason) != 0) {
         return lx_plan_fail(setup->plan, setup->wire->line, error, "%s", reason.text);
     }
-    if (lx_biss_settings_plan(&self->settings, setup->plan, setup->stations[0]->plan, error) != 0) {
+    if (refuse_sim_keys(setup, error) != 0 ||
+        lx_biss_settings_plan(&self->settings, setup->plan, setup->stations[0]->plan, error) != 0) {
         return -1;
     }
     if (self->settings.model.timeout == 0) {

@@ -16,6 +16,7 @@
 #include "biss_settings.h"
 #include "bus.h"
 #include "sim_master.h"
+#include "sim_settings.h"
 #include "timer.h"
 
 /* How often the master reads. */
@@ -34,6 +35,7 @@ struct slave {
 
 struct sim_bus {
     struct lx_bus bus;
+    struct lx_biss_timing timing;
     struct lx_sim_master master;
     struct lx_timer timer;
     dg_ns due;       /* the next frame, by the rig's clock */
@@ -166,7 +168,7 @@ static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
 {
     struct sim_bus *self = sim_of(bus);
     dg_ns init = 0;
-    lx_sim_master_init(&self->master, &bus->tap, now);
+    lx_sim_master_init(&self->master, &bus->tap, &self->timing, now);
     for (size_t i = 0; i < self->count; i++) {
         struct slave *slave = &self->slave[i];
         if (switch_on(slave, bus->setup.plan, now, error) != 0) {
@@ -271,11 +273,13 @@ struct lx_bus *lx_sim_bus_make(const struct lx_bus_setup *setup, struct lx_error
     }
     self->bus = (struct lx_bus){.ops = &ops, .setup = *setup};
     self->count = setup->count;
-    for (size_t i = 0; i < self->count; i++) {
-        if (place(self, i, error) != 0) {
-            free(self);
-            return NULL;
-        }
+    int result = lx_sim_settings_plan(&self->timing, setup->plan, setup->wire, error);
+    for (size_t i = 0; i < self->count && result == 0; i++) {
+        result = place(self, i, error);
+    }
+    if (result != 0) {
+        free(self);
+        return NULL;
     }
     return &self->bus;
 }

@@ -55,8 +55,11 @@ static void note_position(const struct lx_sim_master *self, uint8_t slave)
                   p.position >> st_bits, p.position & (((uint64_t)1 << st_bits) - 1u), p.n_err,
                   p.n_warn, p.life, p.crc_ok ? "ok" : "wrong");
     if (self->wire.start > START_MAX) {
-        (void)snprintf(text + n, size - (size_t)n, ", start bit after %" PRIu64 " us",
-                       self->wire.start / DG_US(1));
+        n += snprintf(text + n, size - (size_t)n, ", start bit after %" PRIu64 " us",
+                      self->wire.start / DG_US(1));
+    }
+    if (self->wire.delay > 0) {
+        (void)snprintf(text + n, size - (size_t)n, ", line delay %" PRIu64 " ns", self->wire.delay);
     }
     tell_note(self, text);
 }
@@ -90,10 +93,11 @@ static void note_access(const struct lx_sim_master *self, uint8_t slave, uint8_t
 
 /* --- the master --- */
 
-void lx_sim_master_init(struct lx_sim_master *self, const struct lx_tap *tap, dg_ns now)
+void lx_sim_master_init(struct lx_sim_master *self, const struct lx_tap *tap,
+                        const struct lx_biss_timing *timing, dg_ns now)
 {
     self->tap = tap;
-    lx_biss_wire_init(&self->wire, now);
+    lx_biss_wire_init(&self->wire, timing, now);
 }
 
 void lx_sim_master_add(struct lx_sim_master *self, struct dg_biss *device, struct dg_faults *faults,

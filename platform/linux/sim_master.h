@@ -18,7 +18,8 @@ struct lx_sim_master {
 };
 
 /** A wire without encoders at `now`. `tap` must outlive it. */
-void lx_sim_master_init(struct lx_sim_master *self, const struct lx_tap *tap, dg_ns now);
+void lx_sim_master_init(struct lx_sim_master *self, const struct lx_tap *tap,
+                        const struct lx_biss_timing *timing, dg_ns now);
 
 /** Put an encoder behind the others, as lx_biss_wire_add(). `name` says which one it is where there
  * are several; borrowed. */

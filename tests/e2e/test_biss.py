@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: MIT
 """The BiSS encoder behind its simulated wire: what `drehgeber biss` and `run --sim` show, and the trace."""
 import re
+import time
 
 import pytest
 
-from rig import run, run_refused
+from rig import Encoder, run, run_refused
 
 S3674 = "s3674-biss"
 S3684 = "s3684-biss"
@@ -68,24 +69,33 @@ def crc6(bits: str) -> int:
     return value
 
 
-def frames(trace: str):
-    """The levels of SLO after each rising edge of MA, frame by frame; the timeout raises SLO."""
-    mapped = {"m": "1", "s": "1"}
-    now, edge, bits = 0, 0, ""
+def changes(trace: str, signal: str) -> list:
+    """(ns, level) of a signal; high in front of the first."""
+    now, found = 0, []
     for line in trace.splitlines():
         if line.startswith("#"):
             now = int(line[1:])
-        if not re.fullmatch(r"[01][ms]", line) or line[0] == mapped[line[1]]:
-            continue
-        over = now - edge > 10000
-        if over and bits:
-            yield bits + mapped["s"]
+        elif re.fullmatch(rf"[01]{signal}", line) and line[0] != (found[-1][1] if found else "1"):
+            found.append((now, line[0]))
+    return found
+
+
+def frames(trace: str, delay_ns: int = 0):
+    """The levels of SLO half a period behind each rising edge of MA and the delay there and back,
+    frame by frame; those of CDM are left out."""
+    ma, slo = changes(trace, "m"), changes(trace, "s")
+    half = ma[1][0] - ma[0][0]
+    bits, at, level = "", 0, "1"
+    for number, (moment, to) in enumerate(ma):
+        if number > 0 and moment - ma[number - 1][0] > 10000:
+            yield bits
             bits = ""
-        elif line[1] == "m" and line[0] == "0":
-            bits += mapped["s"]
-        if line[1] == "m":
-            edge = now
-        mapped[line[1]] = line[0]
+        elif to == "1":
+            while at < len(slo) and slo[at][0] <= moment + delay_ns + half:
+                level = slo[at][1]
+                at += 1
+            bits += level
+    yield bits
 
 
 def test_trace_is_refused(tmp_path):
@@ -99,11 +109,108 @@ def test_trace_can_be_read_back(tmp_path):
     text = trace.read_text()
     assert "$timescale" in text and "$enddefinitions" in text
     assert f"sposition_0:{1 << 19}_" in text and "sregister_78h_=_04_00 " in text
-    # The level in front of e1 is low before the first frame.
-    decoded = [bits[1:] for bits in frames(text) if "01" in bits[1:]]
+    assert_positions(text, 1 << 19)
+
+
+def assert_positions(trace: str, wanted: int, delay_ns: int = 0) -> int:
+    decoded = [bits for bits in frames(trace, delay_ns) if "01" in bits]
     assert decoded
     for bits in decoded:
         data = bits[bits.index("01") + 3:]  # behind Ack, start bit and CDS
         position, rest, crc = data[:21], data[21:29], data[29:35]
-        assert int(position, 2) == 1 << 19
+        assert int(position, 2) == wanted
         assert int(crc, 2) == crc6(position + rest) ^ 0x3F
+    return len(decoded)
+
+
+CABLE = ["--set", "clock_hz=10000000", "--set", "line_delay_ns=200"]
+
+
+@pytest.mark.parametrize("timing", [CABLE, ["--set", "clock_hz=50000"],
+                                    ["--set", "clock_hz=10000000", "--set", "line_delay_ns=5000"],
+                                    ["--set", "line_delay_ns=1000"]])
+def test_clock_and_cable(timing):
+    """Every position is right, and so are registers."""
+    for eighth in range(8):
+        said = biss(S3684, "read", "read", "registers", "0x78", "8", "--shaft",
+                    f"{360 + 45 * eighth}DEG", *timing)
+        lines = said.splitlines()
+        assert [line.split()[:4] for line in lines[:2]] == [
+            ["MT", "1", "ST", str(eighth << 18)]] * 2
+        assert all("CRC valid" in line for line in lines[:2])
+        assert lines[2] == "04 00 CC 15 00 00 4B 55"
+
+
+def test_clock_in_the_trace(tmp_path):
+    """Periods of 100 ns, and SLO 400 ns late: what an analyser at the master's end would see."""
+    trace = tmp_path / "cable.vcd"
+    biss(S3674, *["read"] * 3, "--shaft", "90DEG", "--trace", trace, *CABLE)
+    text = trace.read_text()
+    assert "_CRC_ok,_line_delay_400_ns" in text
+    rising = [at for at, level in changes(text, "m") if level == "1"]
+    falls = [at for at, level in changes(text, "s") if level == "0" and at > rising[0]]
+    assert rising[1] - rising[0] == 100
+    assert falls[0] - rising[1] == 400
+    # Low until the first clock, from the first moment of the trace.
+    assert changes(text, "s")[:2] == [(0, "0"), (rising[0] + 400, "1")]
+    assert assert_positions(text, 1 << 19, delay_ns=400) == 3
+
+
+def test_trace_begins_with_the_first_edge(tmp_path):
+    """Not with the initialisation of 100 ms."""
+    trace = tmp_path / "biss.vcd"
+    biss(S3674, "read", "--trace", trace)
+    assert 0 < changes(trace.read_text(), "m")[0][0] < 5000
+
+
+def test_cable_of_a_rig(tmp_path):
+    rig_file = tmp_path / "rig.ini"
+    trace = tmp_path / "rig.vcd"
+    rig_file.write_text(f"""
+[shaft main]
+motion = 90DEG
+[bus line]
+wire = sim
+clock_hz = 10000000
+line_delay_ns = 200
+trace = {trace}
+[encoder a]
+model = {S3674}
+bus = line
+""", encoding="ascii")
+    encoder = Encoder([rig_file, "--quiet"])
+    time.sleep(1)
+    assert encoder.end() == 0
+    assert assert_positions(trace.read_text(), 1 << 19, delay_ns=400) > 5
+
+
+@pytest.mark.parametrize("clock_hz, says", [(384000, "no answer"), (386000, "")])
+def test_clock_too_slow_for_the_short_timeout(clock_hz, says):
+    """Silence of 1.3 us, as chosen with 7Ch, ends a frame at its first clock."""
+    ended = run("biss", S3674, "write", "0x7C", "01", "read", "--set", f"clock_hz={clock_hz}")
+    assert ended.returncode == (1 if says else 0)
+    assert says in ended.stderr if says else "CRC valid" in ended.stdout
+
+
+@pytest.mark.parametrize("setting, right", [
+    ("clock_hz=49999", "50000..10000000"), ("clock_hz=10000001", "50000..10000000"),
+    ("line_delay_ns=5001", "0..5000"), ("line_delay_ns=-1", "0..5000"), ("clock_hz", ""),
+])
+def test_clock_and_cable_out_of_range(setting, right, tmp_path):
+    """One text on the command line, in `run`, and in a rig file."""
+    text = f"--set {setting}: a number in {right} is right" if right else "clock_hz"
+    assert text in run_refused(2, "biss", S3674, "read", "--set", setting)
+    assert text in run_refused(2, "run", S3674, "--sim", "--set", setting)
+    if right:
+        rig_file = tmp_path / "rig.ini"
+        rig_file.write_text(f"[encoder a]\nmodel = {S3674}\nwire = sim\n{setting}\n",
+                            encoding="ascii")
+        assert f"rig.ini:4: {text[len('--set '):]}" in run_refused(2, "run", rig_file)
+
+
+def test_clock_and_cable_are_of_the_simulated_wire():
+    for setting in ("clock_hz=1000000", "line_delay_ns=0"):
+        said = run_refused(2, "run", S3674, "--gpio", "gpiochip9:4,5", "--set", setting)
+        assert "only with --sim" in said
+    said = run("--help").stdout
+    assert "clock_hz" in said and "line_delay_ns" in said

@@ -12,6 +12,7 @@ import time
 import pytest
 
 MAKE_TRACES = os.environ["MAKE_TRACES"]
+PROGRAM = os.environ["DREHGEBER"]
 PARITIES = {"N": "none", "E": "even", "O": "odd"}
 BIT_NS = 1e9
 SILENCE_NS = 10_000_000
@@ -125,6 +126,23 @@ def test_biss_in_gtkwave_and_sigrok(tmp_path):
     ma = [row[0] for row in rows]
     rising = [i for i in range(1, len(ma)) if ma[i - 1] + ma[i] == "01"]
     assert "".join(rows[i][2] for i in rising) == "11011010"
+
+
+def test_biss_at_10_mhz_in_sigrok(tmp_path):
+    """A real trace at full speed, with a cable of 40 m: the idle line in front is short, and sigrok's
+    samples have every clock of 100 ns."""
+    path = str(tmp_path / "cable.vcd")
+    run(PROGRAM, "biss", "s3674-biss", "read", "--trace", path, "--set", "clock_hz=10000000",
+        "--set", "line_delay_ns=200")
+    samples = run("sigrok-cli", "-i", path, "-O", "csv:header=false:label=off")
+    rows = [line for line in samples.split("\n") if re.fullmatch(r"[01],[01]", line)]
+    ma, slo = ("".join(row[column] for row in rows) for column in (0, 2))
+    first = ma.index("0")
+    assert first < 5000
+    rising = [i for i in range(1, len(ma)) if ma[i - 1:i + 1] == "01"]
+    assert len(rising) >= 39
+    assert {after - before for before, after in zip(rising, rising[1:])} == {100}
+    assert slo.index("10", rising[0]) + 1 - rising[1] == 400  # Ack
 
 
 # (at ns, ours, id, rtr, data)

@@ -12,206 +12,40 @@
 
 #include <cmocka.h>
 
-#include "bus.h"
-#include "drehgeber/biss.h"
+#include "sim_rig.h"
 #include "timer.h"
 
-#define STATIONS_MAX 8u
-#define MODEL "s3684-biss"
-#define POWER_ON DG_S(1)
-/* Initialisation, and a bit. */
-#define READY (POWER_ON + DG_MS(101))
-#define COUNTS_PER_TURN (1u << 21)
-#define DATA_BITS 47u
-
-/* What the tap told. */
-struct heard {
-    struct lx_tap_listener listener;
-    unsigned edges;
-    unsigned notes;
-    dg_ns last;
-    bool disordered;
-    bool ma;
-    char note[256];
-};
-
-struct rig {
-    struct lx_plan plan;
-    struct lx_say say;
-    sd_event *event;
-    struct lx_clock clock;
-    struct lx_station station[STATIONS_MAX];
-    struct lx_station *stations[STATIONS_MAX];
-    dg_angle shaft[STATIONS_MAX];
-    struct lx_bus_setup setup;
-    struct lx_bus *bus;
-    struct heard heard;
-    uint64_t bits; /* of the last frame */
-    uint8_t count;
-    char detail[DG_SCPI_DETAIL_MAX + 1];
-};
-
-static dg_angle turned(void *ctx, dg_ns now)
+static void open_one(struct sim_rig *self)
 {
-    (void)now;
-    return *(const dg_angle *)ctx;
-}
-
-static void on_event(void *ctx, const struct lx_tap_event *event)
-{
-    struct heard *self = ctx;
-    self->disordered = self->disordered || event->at < self->last;
-    self->last = event->at;
-    if (event->kind == LX_TAP_LEVELS) {
-        self->edges += event->levels.ma != self->ma;
-        self->ma = event->levels.ma;
-        return;
-    }
-    assert_int_equal(event->kind, LX_TAP_NOTE);
-    self->notes++;
-    (void)snprintf(self->note, sizeof self->note, "%s", event->note);
-}
-
-static void plan(struct rig *self, size_t count)
-{
-    static const struct lx_wire kind = {.name = "sim", .stack = DG_STACK_BISS};
-    *self = (struct rig){.say = {.quiet = true}, .clock = {.virtual_ = POWER_ON}};
-    assert_int_equal(lx_plan_add_wire(&self->plan, "wire", &kind, NULL), 0);
-    for (size_t i = 0; i < count; i++) {
-        char name[24];
-        (void)snprintf(name, sizeof name, "b%zu", i);
-        assert_int_equal(lx_plan_add_encoder(&self->plan, name, dg_device_find(MODEL), 0, 0),
-                         (int)i);
-    }
-}
-
-static void make_stations(struct rig *self)
-{
-    assert_true(sd_event_new(&self->event) >= 0);
-    for (size_t i = 0; i < self->plan.encoder_count; i++) {
-        struct lx_station *station = &self->station[i];
-        dg_world_init(&station->world);
-        station->world.angle = turned;
-        station->world.angle_ctx = &self->shaft[i];
-        station->plan = &self->plan.encoders[i];
-        station->place = i;
-        station->control.name = station->plan->name;
-        station->control.world = &station->world;
-        self->stations[i] = station;
-    }
-    self->clock.real = lx_now();
-    self->setup = (struct lx_bus_setup){
-        .event = self->event,
-        .say = &self->say,
-        .plan = &self->plan,
-        .wire = self->plan.wires,
-        .stations = self->stations,
-        .count = self->plan.encoder_count,
-        .clock = &self->clock,
-    };
-}
-
-static void step_to(struct rig *self, dg_ns now)
-{
-    self->clock.virtual_ = now;
-    self->bus->ops->changed(self->bus, NULL, now);
-}
-
-static void open_rig(struct rig *self)
-{
-    struct lx_error error = {""};
-    make_stations(self);
-    self->bus = lx_sim_bus_make(&self->setup, &error);
-    assert_non_null(self->bus);
-    assert_int_equal(self->bus->ops->open(self->bus, POWER_ON, &error), 0);
-    self->heard.listener = (struct lx_tap_listener){.event = on_event, .ctx = &self->heard};
-    self->heard.ma = true;
-    lx_tap_add(&self->bus->tap, &self->heard.listener);
-    step_to(self, READY);
-}
-
-static void open_one(struct rig *self)
-{
-    plan(self, 1);
-    open_rig(self);
-}
-
-static void close_rig(struct rig *self)
-{
-    assert_false(self->heard.disordered);
-    assert_int_equal(self->bus->late, 0);
-    self->bus->ops->close(self->bus);
-    self->event = sd_event_unref(self->event);
-    lx_plan_free(&self->plan);
-}
-
-static int frame(struct rig *self, size_t place)
-{
-    return self->bus->ops->biss_frame(self->bus, self->stations[place], &self->bits, &self->count,
-                                      self->detail);
-}
-
-/* MT:ST of the last frame. */
-static uint64_t position(const struct rig *self)
-{
-    return self->bits >> 14 & (((uint64_t)1 << 33) - 1u);
-}
-
-static bool crc_ok(const struct rig *self)
-{
-    const uint64_t data = self->bits >> 6 & (((uint64_t)1 << 41) - 1u);
-    return dg_biss_crc6(data, 41) == (self->bits & 0x3Fu);
-}
-
-static int read_registers(struct rig *self, size_t place, uint8_t address, uint8_t *bytes, size_t n)
-{
-    return self->bus->ops->biss_read(self->bus, self->stations[place], address, bytes, n,
-                                     self->detail);
-}
-
-static void inject(struct rig *self, size_t place, const char *name, uint32_t count)
-{
-    struct lx_station *station = self->stations[place];
-    const struct dg_fault_target target = {
-        .stack = DG_STACK_BISS,
-        .world = &station->world,
-        .layout = &dg_biss_layout,
-        .nvm = station->control.nvm,
-    };
-    const struct dg_fault_limits limits = {
-        .count = count, .probability_ppm = 1000000, .duration = DG_NEVER};
-    const int entry = dg_fault_find(&target, name);
-    assert_true(entry >= 0);
-    assert_int_equal(dg_fault_set(&station->control.faults, &target, (size_t)entry,
-                                  self->clock.virtual_, &limits),
-                     0);
+    sim_rig_plan(self, 1);
+    sim_rig_open(self);
 }
 
 /* --- the clock --- */
 
 static void frames_come_by_the_rigs_clock(void **state)
 {
-    struct rig rig;
+    struct sim_rig rig;
     (void)state;
     open_one(&rig);
     assert_int_equal(rig.heard.notes, 1);
     assert_string_equal(rig.heard.note, "position 0:0 nERR 1 nWARN 1 LC 0 CRC ok");
-    assert_true(rig.heard.edges > 2 * DATA_BITS);
-    step_to(&rig, READY + DG_MS(50));
+    assert_true(rig.heard.edges > 2 * SIM_RIG_DATA_BITS);
+    sim_rig_step_to(&rig, SIM_RIG_READY + DG_MS(50));
     assert_int_equal(rig.heard.notes, 1);
     rig.shaft[0] = (dg_angle)5 << 31; /* 2.5 turns */
-    step_to(&rig, READY + DG_MS(100));
+    sim_rig_step_to(&rig, SIM_RIG_READY + DG_MS(100));
     assert_int_equal(rig.heard.notes, 2);
     assert_string_equal(rig.heard.note, "position 2:1048576 nERR 1 nWARN 1 LC 1 CRC ok");
-    step_to(&rig, READY + DG_MS(1100));
+    sim_rig_step_to(&rig, SIM_RIG_READY + DG_MS(1100));
     assert_int_equal(rig.heard.notes, 12);
-    close_rig(&rig);
+    sim_rig_close(&rig);
 }
 
 /* It stands still: nothing happens in real time. */
 static void a_clock_that_stands_still_reads_nothing(void **state)
 {
-    struct rig rig;
+    struct sim_rig rig;
     (void)state;
     open_one(&rig);
     const dg_ns end = lx_now() + DG_MS(150);
@@ -219,39 +53,39 @@ static void a_clock_that_stands_still_reads_nothing(void **state)
         (void)sd_event_run(rig.event, 20000);
     }
     assert_int_equal(rig.heard.notes, 1);
-    close_rig(&rig);
+    sim_rig_close(&rig);
 }
 
 static void a_clock_that_runs_reads_by_itself(void **state)
 {
-    struct rig rig;
+    struct sim_rig rig;
     (void)state;
     open_one(&rig);
-    rig.clock = (struct lx_clock){lx_now(), READY, 10000}; /* ten times as fast */
-    rig.bus->ops->changed(rig.bus, NULL, READY);
+    rig.clock = (struct lx_clock){lx_now(), SIM_RIG_READY, 10000}; /* ten times as fast */
+    rig.bus->ops->changed(rig.bus, NULL, SIM_RIG_READY);
     const dg_ns end = lx_now() + DG_S(5);
     while (rig.heard.notes < 11 && lx_now() < end) {
         (void)sd_event_run(rig.event, 20000);
     }
     assert_true(rig.heard.notes >= 11);
-    close_rig(&rig);
+    sim_rig_close(&rig);
 }
 
 static void after_a_long_step_old_frames_are_left_out(void **state)
 {
-    struct rig rig;
+    struct sim_rig rig;
     (void)state;
     open_one(&rig);
-    step_to(&rig, READY + DG_S(3600));
+    sim_rig_step_to(&rig, SIM_RIG_READY + DG_S(3600));
     assert_in_range(rig.heard.notes, 1000, 1003);
-    assert_true(rig.heard.last >= READY + DG_S(3600) - DG_MS(101));
-    close_rig(&rig);
+    assert_true(rig.heard.last >= SIM_RIG_READY + DG_S(3600) - DG_MS(101));
+    sim_rig_close(&rig);
 }
 
 /* A long access takes wire time; the frames that were due meanwhile wait for it. */
 static void time_never_runs_backwards(void **state)
 {
-    struct rig rig;
+    struct sim_rig rig;
     uint8_t bytes[64];
     const uint8_t bank = 7;
     (void)state;
@@ -260,33 +94,33 @@ static void time_never_runs_backwards(void **state)
     assert_int_equal(rig.bus->ops->biss_write(rig.bus, rig.stations[0], 0x40, &bank, 1, rig.detail),
                      0);
     for (int i = 0; i < 3; i++) {
-        assert_int_equal(read_registers(&rig, 0, 0x00, bytes, sizeof bytes), 0);
+        assert_int_equal(sim_rig_read(&rig, 0, 0x00, bytes, sizeof bytes), 0);
     }
     const dg_ns ahead = device->line.last;
-    assert_true(ahead > READY + DG_MS(100));
-    assert_int_equal(frame(&rig, 0), 0);
+    assert_true(ahead > SIM_RIG_READY + DG_MS(100));
+    assert_int_equal(sim_rig_frame(&rig, 0), 0);
     assert_true(device->line.last > ahead);
     const unsigned notes = rig.heard.notes;
-    step_to(&rig, READY + DG_MS(100));
+    sim_rig_step_to(&rig, SIM_RIG_READY + DG_MS(100));
     assert_int_equal(rig.heard.notes, notes); /* still ahead */
-    step_to(&rig, READY + DG_S(1));
+    sim_rig_step_to(&rig, SIM_RIG_READY + DG_S(1));
     assert_true(rig.heard.notes > notes);
-    close_rig(&rig);
+    sim_rig_close(&rig);
 }
 
 /* --- frames and registers --- */
 
 static void a_frame_on_request(void **state)
 {
-    struct rig rig;
+    struct sim_rig rig;
     (void)state;
     open_one(&rig);
     rig.shaft[0] = (dg_angle)3 << 32;
-    assert_int_equal(frame(&rig, 0), 0);
-    assert_int_equal(rig.count, DATA_BITS + 1);
-    assert_int_equal(position(&rig), 3 * COUNTS_PER_TURN);
-    assert_true(crc_ok(&rig));
-    close_rig(&rig);
+    assert_int_equal(sim_rig_frame(&rig, 0), 0);
+    assert_int_equal(rig.count, SIM_RIG_DATA_BITS + 1);
+    assert_int_equal(sim_rig_position(&rig), 3 * SIM_RIG_COUNTS_PER_TURN);
+    assert_true(sim_rig_crc_ok(&rig));
+    sim_rig_close(&rig);
 }
 
 static void registers_can_be_read_and_written(void **state)
@@ -294,154 +128,154 @@ static void registers_can_be_read_and_written(void **state)
     static const uint8_t id[] = {0x04, 0x00, 0xC0, 0x15, 0x0C, 0x00, 0x4B, 0x55};
     const uint8_t bank = 7;
     const uint8_t data[] = {0xA5, 0x5A};
-    struct rig rig;
+    struct sim_rig rig;
     uint8_t bytes[8];
     (void)state;
     open_one(&rig);
     const struct lx_bus_ops *ops = rig.bus->ops;
-    assert_int_equal(read_registers(&rig, 0, 0x78, bytes, 8), 0);
+    assert_int_equal(sim_rig_read(&rig, 0, 0x78, bytes, 8), 0);
     assert_memory_equal(bytes, id, 2);
     assert_memory_equal(bytes + 6, id + 6, 2); /* between them are figures of the model */
     assert_non_null(strstr(rig.heard.note, "register 78h = 04 00 "));
     assert_int_equal(ops->biss_write(rig.bus, rig.stations[0], 0x40, &bank, 1, rig.detail), 0);
     assert_int_equal(ops->biss_write(rig.bus, rig.stations[0], 3, data, 2, rig.detail), 0);
-    assert_int_equal(read_registers(&rig, 0, 3, bytes, 2), 0);
+    assert_int_equal(sim_rig_read(&rig, 0, 3, bytes, 2), 0);
     assert_memory_equal(bytes, data, 2);
     assert_int_equal(ops->biss_write(rig.bus, rig.stations[0], 0x78, data, 1, rig.detail),
                      DG_SCPI_HARDWARE);
     assert_non_null(strstr(rig.detail, "register 78h: refused"));
-    close_rig(&rig);
+    sim_rig_close(&rig);
 }
 
 static void without_power_there_is_no_answer(void **state)
 {
-    struct rig rig;
+    struct sim_rig rig;
     uint8_t byte = 0;
     (void)state;
     open_one(&rig);
     struct dg_biss *device = rig.station[0].control.device;
     dg_biss_power_off(device);
-    rig.bus->ops->changed(rig.bus, rig.stations[0], READY);
-    assert_int_equal(frame(&rig, 0), DG_SCPI_HARDWARE);
+    rig.bus->ops->changed(rig.bus, rig.stations[0], SIM_RIG_READY);
+    assert_int_equal(sim_rig_frame(&rig, 0), DG_SCPI_HARDWARE);
     assert_string_equal(rig.heard.note, "no answer");
-    assert_int_equal(read_registers(&rig, 0, 0x78, &byte, 1), DG_SCPI_HARDWARE);
-    assert_int_equal(dg_biss_power_on(device, READY), DG_OK);
-    step_to(&rig, READY + DG_MS(150));
-    assert_int_equal(frame(&rig, 0), 0);
-    assert_true(crc_ok(&rig));
-    close_rig(&rig);
+    assert_int_equal(sim_rig_read(&rig, 0, 0x78, &byte, 1), DG_SCPI_HARDWARE);
+    assert_int_equal(dg_biss_power_on(device, SIM_RIG_READY), DG_OK);
+    sim_rig_step_to(&rig, SIM_RIG_READY + DG_MS(150));
+    assert_int_equal(sim_rig_frame(&rig, 0), 0);
+    assert_true(sim_rig_crc_ok(&rig));
+    sim_rig_close(&rig);
 }
 
 /* Eight on one wire: each has its data and its registers, also the ones behind others. */
 static void a_chain_of_eight(void **state)
 {
-    struct rig rig;
+    struct sim_rig rig;
     uint8_t serial[4];
     (void)state;
-    plan(&rig, STATIONS_MAX);
-    for (size_t i = 0; i < STATIONS_MAX; i++) {
+    sim_rig_plan(&rig, SIM_RIG_ENCODERS_MAX);
+    for (size_t i = 0; i < SIM_RIG_ENCODERS_MAX; i++) {
         char digits[8];
         (void)snprintf(digits, sizeof digits, "%zu", 100 + i);
         rig.plan.encoders[i].serial = strdup(digits);
     }
-    open_rig(&rig);
-    for (size_t i = 0; i < STATIONS_MAX; i++) {
+    sim_rig_open(&rig);
+    for (size_t i = 0; i < SIM_RIG_ENCODERS_MAX; i++) {
         rig.shaft[i] = (dg_angle)(i + 1) << 32;
     }
-    for (size_t i = 0; i < STATIONS_MAX; i++) {
-        assert_int_equal(frame(&rig, i), 0);
-        assert_int_equal(position(&rig), (i + 1) * COUNTS_PER_TURN);
-        assert_true(crc_ok(&rig));
-        assert_int_equal(read_registers(&rig, i, 0x44, serial, sizeof serial), 0);
+    for (size_t i = 0; i < SIM_RIG_ENCODERS_MAX; i++) {
+        assert_int_equal(sim_rig_frame(&rig, i), 0);
+        assert_int_equal(sim_rig_position(&rig), (i + 1) * SIM_RIG_COUNTS_PER_TURN);
+        assert_true(sim_rig_crc_ok(&rig));
+        assert_int_equal(sim_rig_read(&rig, i, 0x44, serial, sizeof serial), 0);
         assert_int_equal(serial[3], 100 + i);
     }
     assert_non_null(strstr(rig.heard.note, "b7: register 44h = 00 00 00 6B"));
-    close_rig(&rig);
+    sim_rig_close(&rig);
 }
 
 /* --- faults --- */
 
 static void a_dropped_frame_has_no_ack(void **state)
 {
-    struct rig rig;
+    struct sim_rig rig;
     (void)state;
     open_one(&rig);
-    inject(&rig, 0, "wire_drop", 1);
-    assert_int_equal(frame(&rig, 0), DG_SCPI_HARDWARE);
+    sim_rig_inject(&rig, 0, "wire_drop", 1);
+    assert_int_equal(sim_rig_frame(&rig, 0), DG_SCPI_HARDWARE);
     assert_string_equal(rig.detail, "no answer");
-    assert_int_equal(frame(&rig, 0), 0);
-    assert_true(crc_ok(&rig));
-    close_rig(&rig);
+    assert_int_equal(sim_rig_frame(&rig, 0), 0);
+    assert_true(sim_rig_crc_ok(&rig));
+    sim_rig_close(&rig);
 }
 
 static void a_damaged_frame_has_a_wrong_crc(void **state)
 {
-    struct rig rig;
+    struct sim_rig rig;
     (void)state;
     open_one(&rig);
     rig.shaft[0] = (dg_angle)1000 << 32;
     for (int i = 0; i < 200; i++) {
-        inject(&rig, 0, "wire_damage", 1);
-        assert_int_equal(frame(&rig, 0), 0);
-        assert_false(crc_ok(&rig));
-        assert_int_equal(frame(&rig, 0), 0);
-        assert_true(crc_ok(&rig));
-        assert_int_equal(position(&rig), 1000 * COUNTS_PER_TURN);
+        sim_rig_inject(&rig, 0, "wire_damage", 1);
+        assert_int_equal(sim_rig_frame(&rig, 0), 0);
+        assert_false(sim_rig_crc_ok(&rig));
+        assert_int_equal(sim_rig_frame(&rig, 0), 0);
+        assert_true(sim_rig_crc_ok(&rig));
+        assert_int_equal(sim_rig_position(&rig), 1000 * SIM_RIG_COUNTS_PER_TURN);
     }
-    close_rig(&rig);
+    sim_rig_close(&rig);
 }
 
 static void a_delayed_frame_has_a_late_start_bit(void **state)
 {
-    struct rig rig;
+    struct sim_rig rig;
     (void)state;
     open_one(&rig);
     rig.shaft[0] = (dg_angle)7 << 32;
-    inject(&rig, 0, "wire_delay", 1);
-    assert_int_equal(frame(&rig, 0), 0);
-    assert_true(crc_ok(&rig));
-    assert_int_equal(position(&rig), 7 * COUNTS_PER_TURN);
+    sim_rig_inject(&rig, 0, "wire_delay", 1);
+    assert_int_equal(sim_rig_frame(&rig, 0), 0);
+    assert_true(sim_rig_crc_ok(&rig));
+    assert_int_equal(sim_rig_position(&rig), 7 * SIM_RIG_COUNTS_PER_TURN);
     assert_non_null(strstr(rig.heard.note, "start bit after 10"));
-    assert_int_equal(frame(&rig, 0), 0);
+    assert_int_equal(sim_rig_frame(&rig, 0), 0);
     assert_null(strstr(rig.heard.note, "start bit"));
-    close_rig(&rig);
+    sim_rig_close(&rig);
 }
 
 static void a_cut_wire_reads_high(void **state)
 {
-    struct rig rig;
+    struct sim_rig rig;
     uint8_t byte = 0;
     (void)state;
     open_one(&rig);
-    inject(&rig, 0, "wire_break", 0);
+    sim_rig_inject(&rig, 0, "wire_break", 0);
     for (int i = 0; i < 3; i++) {
-        assert_int_equal(frame(&rig, 0), DG_SCPI_HARDWARE);
+        assert_int_equal(sim_rig_frame(&rig, 0), DG_SCPI_HARDWARE);
     }
-    assert_int_equal(read_registers(&rig, 0, 0x78, &byte, 1), DG_SCPI_HARDWARE);
+    assert_int_equal(sim_rig_read(&rig, 0, 0x78, &byte, 1), DG_SCPI_HARDWARE);
     rig.station[0].control.faults = (struct dg_faults){0};
-    assert_int_equal(frame(&rig, 0), 0);
-    assert_true(crc_ok(&rig));
-    close_rig(&rig);
+    assert_int_equal(sim_rig_frame(&rig, 0), 0);
+    assert_true(sim_rig_crc_ok(&rig));
+    sim_rig_close(&rig);
 }
 
 /* A fault of one encoder of a chain does not touch what its neighbours send. */
 static void in_a_chain_a_damage_is_one_encoders(void **state)
 {
-    struct rig rig;
+    struct sim_rig rig;
     (void)state;
-    plan(&rig, 3);
-    open_rig(&rig);
+    sim_rig_plan(&rig, 3);
+    sim_rig_open(&rig);
     for (size_t i = 0; i < 3; i++) {
-        inject(&rig, 1, "wire_damage", 1);
-        assert_int_equal(frame(&rig, i), 0);
-        assert_int_equal(crc_ok(&rig), i != 1);
+        sim_rig_inject(&rig, 1, "wire_damage", 1);
+        assert_int_equal(sim_rig_frame(&rig, i), 0);
+        assert_int_equal(sim_rig_crc_ok(&rig), i != 1);
     }
-    inject(&rig, 2, "wire_delay", 3);
+    sim_rig_inject(&rig, 2, "wire_delay", 3);
     for (size_t i = 0; i < 3; i++) {
-        assert_int_equal(frame(&rig, i), 0);
-        assert_true(crc_ok(&rig));
+        assert_int_equal(sim_rig_frame(&rig, i), 0);
+        assert_true(sim_rig_crc_ok(&rig));
     }
-    close_rig(&rig);
+    sim_rig_close(&rig);
 }
 
 /* --- plans --- */
@@ -461,9 +295,9 @@ static void what_does_not_fit_is_refused(void **state)
     };
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
-        struct rig rig;
+        struct sim_rig rig;
         struct lx_error error = {""};
-        plan(&rig, 1);
+        sim_rig_plan(&rig, 1);
         struct lx_plan_encoder *encoder = rig.plan.encoders;
         rig.plan.file = strdup("rig.ini");
         encoder->address_line = 8;
@@ -473,7 +307,7 @@ static void what_does_not_fit_is_refused(void **state)
         }
         encoder->address = rows[i].address == NULL ? NULL : strdup(rows[i].address);
         encoder->serial = rows[i].serial == NULL ? NULL : strdup(rows[i].serial);
-        make_stations(&rig);
+        sim_rig_stations(&rig);
         assert_null(lx_sim_bus_make(&rig.setup, &error));
         assert_non_null(strstr(error.text, rows[i].says));
         rig.event = sd_event_unref(rig.event);
@@ -483,23 +317,23 @@ static void what_does_not_fit_is_refused(void **state)
 
 static void settings_reach_the_station(void **state)
 {
-    struct rig rig;
+    struct sim_rig rig;
     struct lx_error error;
     (void)state;
-    plan(&rig, 1);
+    sim_rig_plan(&rig, 1);
     struct lx_plan_settings *settings = &rig.plan.encoders[0].settings;
     assert_int_equal(lx_plan_add_setting(settings, "temperature=85", 0, &error), 0);
     assert_int_equal(lx_plan_add_setting(settings, "st=20", 0, &error), 0);
     assert_int_equal(lx_plan_add_setting(settings, "lc=0", 0, &error), 0);
     assert_int_equal(lx_plan_add_setting(settings, "busy_us=30", 0, &error), 0);
-    open_rig(&rig);
+    sim_rig_open(&rig);
     assert_int_equal(rig.station[0].world.temperature_mdegc, 85000);
     assert_ptr_equal(rig.station[0].world.angle_ctx, &rig.shaft[0]);
-    assert_int_equal(frame(&rig, 0), 0);
-    assert_int_equal(rig.count, DATA_BITS + 1 - 1 - 6);
+    assert_int_equal(sim_rig_frame(&rig, 0), 0);
+    assert_int_equal(rig.count, SIM_RIG_DATA_BITS + 1 - 1 - 6);
     const struct dg_biss *device = rig.station[0].control.device;
     assert_true(device->setup.model->busy == DG_US(30));
-    close_rig(&rig);
+    sim_rig_close(&rig);
 }
 
 int main(void)

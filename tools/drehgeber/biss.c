@@ -132,6 +132,9 @@ static int do_read(struct biss_session *self, struct words *words, struct lx_err
 {
     const struct dg_biss_model *model = &self->settings.model;
     lx_sim_master_frame(&self->master);
+    if (!self->master.wire.answered) {
+        return complain_access(error, "position", 0, LX_BISS_SILENT);
+    }
     const struct lx_biss_position p = lx_biss_wire_position(&self->master.wire, 0);
     const uint64_t st = p.position & (((uint64_t)1 << model->singleturn_bits) - 1u);
     const double degrees = 360.0 * (double)st / (double)(1u << model->singleturn_bits);
@@ -271,9 +274,6 @@ int biss_command(const struct options *options)
         return EXIT_USAGE;
     }
     int status = biss_session_open(&session, options, 0, &error);
-    if (status == 0) {
-        lx_sim_master_pause(&session.master, session.settings.model.init);
-    }
     while (status == 0 && words.count > 0) {
         status = act(&session, &words, &error);
     }

@@ -3,13 +3,25 @@
 
 #include "drehgeber/devices.h"
 #include "run.h"
+#include "sim_settings.h"
+
+/* Shown of an idle wire in front of the first edge. */
+#define TRACE_AHEAD DG_US(1)
+
+static int take_set(struct biss_session *self, const char *assignment, struct lx_error *error)
+{
+    return lx_sim_settings_has(assignment)
+               ? lx_sim_settings_set(&self->timing, assignment, error)
+               : lx_biss_settings_set(&self->settings, assignment, error);
+}
 
 static int understand(struct biss_session *self, const struct options *options,
                       struct lx_error *error)
 {
     lx_biss_settings_init(&self->settings, dg_device_find(options->model)->biss);
+    lx_sim_settings_init(&self->timing);
     for (size_t i = 0; i < options->set_count; i++) {
-        if (lx_biss_settings_set(&self->settings, options->sets[i], error) != 0) {
+        if (take_set(self, options->sets[i], error) != 0) {
             return -1;
         }
     }
@@ -39,6 +51,16 @@ static int power_on(struct biss_session *self, const struct options *options, dg
     return lx_biss_switch_on(&self->device, &setup, now, options->nvm, error);
 }
 
+/* The initialisation, in which nothing happens on the wire, is not in it. */
+static int open_trace(struct biss_session *self, const struct options *options, dg_ns ready,
+                      struct lx_error *error)
+{
+    self->trace =
+        lx_trace_open(options->trace, DG_STACK_BISS, options->model, &self->tap, ready, error);
+    lx_sim_master_pause(&self->master, dg_after(ready, TRACE_AHEAD));
+    return self->trace == NULL ? EXIT_OTHER : 0;
+}
+
 int biss_session_open(struct biss_session *self, const struct options *options, dg_ns now,
                       struct lx_error *error)
 {
@@ -55,14 +77,11 @@ int biss_session_open(struct biss_session *self, const struct options *options, 
     if (power_on(self, options, now, error) != 0) {
         return EXIT_OTHER;
     }
-    lx_sim_master_init(&self->master, &self->tap, now);
+    const dg_ns ready = dg_after(now, self->settings.model.init);
+    lx_sim_master_init(&self->master, &self->tap, &self->timing, now);
     lx_sim_master_add(&self->master, &self->device, NULL, options->model);
-    if (options->trace != NULL) {
-        self->trace =
-            lx_trace_open(options->trace, DG_STACK_BISS, options->model, &self->tap, now, error);
-        return self->trace == NULL ? EXIT_OTHER : 0;
-    }
-    return 0;
+    lx_sim_master_pause(&self->master, ready);
+    return options->trace == NULL ? 0 : open_trace(self, options, ready, error);
 }
 
 int biss_session_close(struct biss_session *self, struct lx_error *error)

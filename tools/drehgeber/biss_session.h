@@ -12,6 +12,7 @@
 /* Not to be moved while open. */
 struct biss_session {
     struct lx_biss_settings settings; /* the world in it */
+    struct lx_biss_timing timing;     /* of the master and its cable */
     struct lx_shaft shaft;
     struct lx_biss_eeprom eeprom;
     struct dg_biss device;
@@ -20,8 +21,9 @@ struct biss_session {
     struct lx_trace *trace; /* NULL: none */
 };
 
-/* The user's words become an encoder that is ready at `now` plus its initialisation; time 0 of the
-   motion is then. @return 0, or how the program ends, with `error`; to be closed in any case */
+/* The user's words become an encoder that gets its power at `now`. Its initialisation is over
+   afterwards, the motion begins with the end of it. @return 0, or how the program ends, with
+   `error`; to be closed in any case */
 int biss_session_open(struct biss_session *self, const struct options *options, dg_ns now,
                       struct lx_error *error);
 

@@ -16,6 +16,7 @@
 #include "run.h"
 #include "settings.h"
 #include "shaft.h"
+#include "sim_settings.h"
 #include "top.h"
 
 static void list_models(const char *indent)
@@ -70,6 +71,7 @@ static void help(void)
                 "\n KEY=VALUE of BiSS encoders, beside those from temperature on:\n",
                 stdout);
     lx_biss_settings_help(stdout);
+    lx_sim_settings_help(stdout);
     (void)fputs("\n KEY=VALUE of INTERBUS encoders, beside what they sense of the above:\n",
                 stdout);
     lx_ring_settings_help(stdout);

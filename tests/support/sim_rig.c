@@ -1,0 +1,148 @@
+/* SPDX-License-Identifier: MIT */
+#include "sim_rig.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+
+#include <cmocka.h>
+
+#include "timer.h"
+
+#define MODEL "s3684-biss"
+
+static dg_angle turned(void *ctx, dg_ns now)
+{
+    (void)now;
+    return *(const dg_angle *)ctx;
+}
+
+static void on_event(void *ctx, const struct lx_tap_event *event)
+{
+    struct sim_heard *self = ctx;
+    self->disordered = self->disordered || event->at < self->last;
+    self->last = event->at;
+    if (event->kind == LX_TAP_LEVELS) {
+        self->edges += event->levels.ma != self->ma;
+        self->ma = event->levels.ma;
+        if (self->count < SIM_RIG_LEVELS_MAX) {
+            self->level[self->count].at = event->at;
+            self->level[self->count].ma = event->levels.ma;
+            self->level[self->count++].slo = event->levels.slo;
+        }
+        return;
+    }
+    assert_int_equal(event->kind, LX_TAP_NOTE);
+    self->notes++;
+    (void)snprintf(self->note, sizeof self->note, "%s", event->note);
+}
+
+void sim_rig_plan(struct sim_rig *self, size_t count)
+{
+    static const struct lx_wire kind = {.name = "sim", .stack = DG_STACK_BISS};
+    *self = (struct sim_rig){.say = {.quiet = true}, .clock = {.virtual_ = SIM_RIG_POWER_ON}};
+    assert_int_equal(lx_plan_add_wire(&self->plan, "wire", &kind, NULL), 0);
+    for (size_t i = 0; i < count; i++) {
+        char name[24];
+        (void)snprintf(name, sizeof name, "b%zu", i);
+        assert_int_equal(lx_plan_add_encoder(&self->plan, name, dg_device_find(MODEL), 0, 0),
+                         (int)i);
+    }
+}
+
+void sim_rig_stations(struct sim_rig *self)
+{
+    assert_true(sd_event_new(&self->event) >= 0);
+    for (size_t i = 0; i < self->plan.encoder_count; i++) {
+        struct lx_station *station = &self->station[i];
+        dg_world_init(&station->world);
+        station->world.angle = turned;
+        station->world.angle_ctx = &self->shaft[i];
+        station->plan = &self->plan.encoders[i];
+        station->place = i;
+        station->control.name = station->plan->name;
+        station->control.world = &station->world;
+        self->stations[i] = station;
+    }
+    self->clock.real = lx_now();
+    self->setup = (struct lx_bus_setup){
+        .event = self->event,
+        .say = &self->say,
+        .plan = &self->plan,
+        .wire = self->plan.wires,
+        .stations = self->stations,
+        .count = self->plan.encoder_count,
+        .clock = &self->clock,
+    };
+}
+
+void sim_rig_step_to(struct sim_rig *self, dg_ns now)
+{
+    self->clock.virtual_ = now;
+    self->bus->ops->changed(self->bus, NULL, now);
+}
+
+void sim_rig_open(struct sim_rig *self)
+{
+    struct lx_error error = {""};
+    sim_rig_stations(self);
+    self->bus = lx_sim_bus_make(&self->setup, &error);
+    assert_non_null(self->bus);
+    assert_int_equal(self->bus->ops->open(self->bus, SIM_RIG_POWER_ON, &error), 0);
+    self->heard.listener = (struct lx_tap_listener){.event = on_event, .ctx = &self->heard};
+    self->heard.ma = true;
+    lx_tap_add(&self->bus->tap, &self->heard.listener);
+    sim_rig_step_to(self, SIM_RIG_READY);
+}
+
+void sim_rig_close(struct sim_rig *self)
+{
+    assert_false(self->heard.disordered);
+    assert_int_equal(self->bus->late, 0);
+    self->bus->ops->close(self->bus);
+    self->event = sd_event_unref(self->event);
+    lx_plan_free(&self->plan);
+}
+
+int sim_rig_frame(struct sim_rig *self, size_t place)
+{
+    return self->bus->ops->biss_frame(self->bus, self->stations[place], &self->bits, &self->count,
+                                      self->detail);
+}
+
+/* MT:ST of the last frame. */
+uint64_t sim_rig_position(const struct sim_rig *self)
+{
+    return self->bits >> 14 & (((uint64_t)1 << 33) - 1u);
+}
+
+bool sim_rig_crc_ok(const struct sim_rig *self)
+{
+    const uint64_t data = self->bits >> 6 & (((uint64_t)1 << 41) - 1u);
+    return dg_biss_crc6(data, 41) == (self->bits & 0x3Fu);
+}
+
+int sim_rig_read(struct sim_rig *self, size_t place, uint8_t address, uint8_t *bytes, size_t n)
+{
+    return self->bus->ops->biss_read(self->bus, self->stations[place], address, bytes, n,
+                                     self->detail);
+}
+
+void sim_rig_inject(struct sim_rig *self, size_t place, const char *name, uint32_t count)
+{
+    struct lx_station *station = self->stations[place];
+    const struct dg_fault_target target = {
+        .stack = DG_STACK_BISS,
+        .world = &station->world,
+        .layout = &dg_biss_layout,
+        .nvm = station->control.nvm,
+    };
+    const struct dg_fault_limits limits = {
+        .count = count, .probability_ppm = 1000000, .duration = DG_NEVER};
+    const int entry = dg_fault_find(&target, name);
+    assert_true(entry >= 0);
+    assert_int_equal(dg_fault_set(&station->control.faults, &target, (size_t)entry,
+                                  self->clock.virtual_, &limits),
+                     0);
+}
