@@ -11,6 +11,7 @@
 
 #include <errno.h>
 #include <inttypes.h>
+#include <stdio.h>
 #include <string.h>
 #include <sys/epoll.h>
 
@@ -22,6 +23,14 @@
 #define WATCH DG_S(1)
 /* Trouble after a longer time without is told anew. */
 #define EPISODE DG_S(10)
+/* Rising edges of a frame in front of its data: e1, e2, start bit, CDS. */
+#define EDGES_AHEAD 4u
+/* Room for what a rate is good for. */
+#define GOOD_FOR_MAX 96u
+
+/* What is known of the rate is told after so many frames. */
+static const uint64_t tell_after[] = {5, 100, LX_GPIO_RATE_ENOUGH};
+#define TELL_COUNT (sizeof tell_after / sizeof tell_after[0])
 
 static void gone(struct lx_gpio *self, int reason)
 {
@@ -52,6 +61,16 @@ static void tell(const struct lx_gpio *self, dg_ns at)
     }
 }
 
+/* Answers have half a period: the master may look at SLO at the edge behind a rising one already.
+ */
+static void judge(struct lx_gpio *self, dg_ns next)
+{
+    if (self->due) {
+        self->counters.late += self->waiting > 0 || next < self->answered;
+    }
+    self->due = false;
+}
+
 static void take_edge(struct lx_gpio *self, const struct lx_gpio_edge *edge)
 {
     struct dg_biss *device = self->setup.device;
@@ -59,6 +78,7 @@ static void take_edge(struct lx_gpio *self, const struct lx_gpio_edge *edge)
     self->doubtful = false;
     self->counters.edges++;
     self->counters.lost += edge->gap || edge->level == device->line.ma;
+    judge(self, edge->at);
     const uint32_t frames = device->counters.frames;
     (void)dg_biss_ma(device, edge->at, edge->level);
     tell(self, edge->at);
@@ -70,12 +90,11 @@ static void take_edge(struct lx_gpio *self, const struct lx_gpio_edge *edge)
                            DG_MS(1));
     }
     lx_biss_link_advance(&self->link, dg_biss_slo(device, false));
-    if (self->waiting || edge->at < self->answered) {
-        self->counters.late++;
-    } else {
+    if (self->waiting == 0) {
         self->asked = edge->at;
     }
-    self->waiting = true;
+    self->waiting++;
+    self->due = true;
 }
 
 /* SLO as the device has it. It is written after every rising edge, whether it changes or not, so
@@ -86,7 +105,7 @@ static void answer(struct lx_gpio *self)
     const struct dg_biss *device = self->setup.device;
     const bool level = seen(self);
 
-    if (self->waiting || level != self->slo) {
+    if (self->waiting > 0 || level != self->slo) {
         const int result = lines->ops->set_slo(lines, level);
         if (result < 0) {
             gone(self, result);
@@ -94,13 +113,10 @@ static void answer(struct lx_gpio *self)
         }
         self->slo = level;
     }
-    if (self->waiting) {
-        self->waiting = false;
+    if (self->waiting > 0) {
         self->answered = lx_now();
-        if (self->asked != DG_NEVER) {
-            lx_gpio_rate_take(&self->rate, dg_elapsed(self->answered, self->asked));
-            self->asked = DG_NEVER;
-        }
+        lx_gpio_rate_take(&self->rate, dg_elapsed(self->answered, self->asked), self->waiting);
+        self->waiting = 0;
     }
     /* A timer that fires early asks again: cheaper than moving it with every edge. */
     if (!self->doubtful && self->timeout.at > device->line.deadline) {
@@ -185,20 +201,35 @@ static void on_timeout(void *ctx, dg_ns now)
     answer(self);
 }
 
+/* Which frames a clock of lx_gpio_rate_hz() is good for. */
+static const char *good_for(const struct lx_gpio_rate *rate, char text[GOOD_FOR_MAX])
+{
+    const uint64_t frames = lx_gpio_rate_frames(rate);
+    if (lx_gpio_rate_known(rate)) {
+        (void)snprintf(text, GOOD_FOR_MAX, "99.9 %% of frames (%" PRIu64 " seen)", frames);
+    } else {
+        (void)snprintf(text, GOOD_FOR_MAX,
+                       "all of %" PRIu64 " frames seen (99.9 %% is known after %u)", frames,
+                       LX_GPIO_RATE_ENOUGH);
+    }
+    return text;
+}
+
 static void complain(const struct lx_gpio *self, uint64_t late, uint64_t lost)
 {
     const char *name = self->setup.name;
     const uint32_t rate = lx_gpio_rate_hz(&self->rate);
+    char text[GOOD_FOR_MAX];
 
     if (late > 0) {
-        lx_complain("%s: the master's clock is too fast, %" PRIu64 " edges came before SLO was "
-                    "set; up to %" PRIu32 " Hz is right",
-                    name, late, rate);
+        lx_complain("%s: the master's clock is too fast, %" PRIu64 " times SLO was set later than "
+                    "half a period behind its edge; up to %" PRIu32 " Hz is right for %s",
+                    name, late, rate, good_for(&self->rate, text));
     }
     if (lost > 0) {
         lx_complain("%s: edges of MA were lost, frames are damaged; a clean clock up to %" PRIu32
-                    " Hz is right",
-                    name, rate);
+                    " Hz is right for %s",
+                    name, rate, good_for(&self->rate, text));
     }
 }
 
@@ -221,16 +252,20 @@ static void report_trouble(struct lx_gpio *self, dg_ns now)
 static void report_rate(struct lx_gpio *self)
 {
     const bool in_frame = self->setup.device->line.deadline != DG_NEVER;
+    const uint64_t frames = lx_gpio_rate_frames(&self->rate);
+    char text[GOOD_FOR_MAX];
 
-    if (self->rate_told || in_frame || !lx_gpio_rate_known(&self->rate)) {
+    if (in_frame || self->rate_told == TELL_COUNT || frames < tell_after[self->rate_told]) {
         return;
     }
-    self->rate_told = true;
+    while (self->rate_told < TELL_COUNT && frames >= tell_after[self->rate_told]) {
+        self->rate_told++;
+    }
     lx_note(self->setup.say,
-            "%s: SLO follows MA within %" PRIu32 " us (99 %% of %u edges): good for a clock up to "
-            "%" PRIu32 " Hz",
-            self->setup.name, lx_gpio_rate_reaction_ns(&self->rate) / 1000u, LX_GPIO_RATE_SAMPLES,
-            lx_gpio_rate_hz(&self->rate));
+            "%s: SLO follows within %" PRIu32 " us of the kernel's time of an edge: a clock up to "
+            "%" PRIu32 " Hz is right for %s; the time before the kernel's is unknown",
+            self->setup.name, lx_gpio_rate_reaction_ns(&self->rate) / 1000u,
+            lx_gpio_rate_hz(&self->rate), good_for(&self->rate, text));
 }
 
 /* Kernels before 6.7 wake nobody when a chip goes. */
@@ -263,8 +298,8 @@ static int listen(struct lx_gpio *self)
 
 int lx_gpio_open(struct lx_gpio *self, const struct lx_gpio_setup *setup, struct lx_error *error)
 {
-    *self = (struct lx_gpio){
-        .setup = *setup, .asked = DG_NEVER, .slo = dg_biss_slo(setup->device, false)};
+    *self = (struct lx_gpio){.setup = *setup, .slo = dg_biss_slo(setup->device, false)};
+    lx_gpio_rate_init(&self->rate, EDGES_AHEAD + lx_biss_data_bits(setup->device->setup.model));
     const int result = listen(self);
     if (result < 0) {
         return lx_fail(error, "no event loop for %s: %s", setup->name, strerror(-result));

@@ -21,10 +21,10 @@
 struct lx_gpio_setup {
     sd_event *event;
     const struct lx_say *say;
-    struct dg_biss *device; /**< has its power */
-    const char *name;       /**< of the lines, for messages */
-    struct lx_gpio_lines *lines;
-    struct dg_faults *faults; /**< of the wire; NULL: none */
+    struct dg_biss *device;      /**< has its power */
+    const char *name;            /**< of the lines, for messages */
+    struct lx_gpio_lines *lines; /**< SLO is as the device has it */
+    struct dg_faults *faults;    /**< of the wire; NULL: none */
     const struct lx_tap *tap;
     /** The chip has gone, and the user has been told; close, but not in this call. */
     void (*gone)(void *ctx);
@@ -34,7 +34,7 @@ struct lx_gpio_setup {
 /** They only count up. */
 struct lx_gpio_counters {
     uint64_t edges; /**< of MA */
-    uint64_t late;  /**< rising edges that came before the one in front was answered */
+    uint64_t late;  /**< answers to rising edges that came behind the next edge, half a period on */
     uint64_t lost;  /**< places where edges are missing */
 };
 
@@ -47,14 +47,15 @@ struct lx_gpio {
     struct lx_gpio_rate rate;
     struct lx_gpio_counters counters;
     struct lx_gpio_counters seen; /**< the counters at the last look */
-    dg_ns asked;                  /**< a rising edge that found no other waiting; DG_NEVER: none */
+    dg_ns asked;                  /**< the first rising edge without an answer */
     dg_ns answered;               /**< when SLO was set after a rising edge last */
     dg_ns trouble;                /**< when edges were late or lost last; 0: never */
     struct lx_biss_link link;     /**< what faults make of SLO */
-    bool waiting;                 /**< a rising edge has no answer yet */
+    uint32_t waiting;             /**< rising edges without an answer */
+    bool due;                     /**< the next edge tells whether the latest answer is late */
     bool slo;                     /**< as it is */
     bool doubtful;                /**< MA was not as its edges say at the last look */
-    bool rate_told;
+    uint8_t rate_told;            /**< how often */
     bool has_gone;
 };
 

@@ -161,7 +161,9 @@ static void test_queued_edges_are_caught_up_with(void **state)
 {
     (void)state;
     begin(DG_S(1));
-    (void)queue_clocks(lx_now(), 8);
+    const dg_ns last = queue_clocks(lx_now(), 8);
+    while (lx_now() < last + DG_MS(1)) {
+    }
     run();
     assert_int_equal(gpio.counters.edges, 16);
     assert_int_equal(gpio.counters.late, 7);
@@ -171,7 +173,9 @@ static void test_queued_edges_are_caught_up_with(void **state)
     /* Only the level that is still worth it. */
     assert_int_equal(fake.written, 1);
     assert_int_equal(fake.slo, dg_biss_slo(&rig.slave[0], false));
-    assert_int_equal(gpio.rate.count, 1);
+    /* All as late as the first. */
+    assert_int_equal(gpio.rate.edges, 8);
+    assert_true(gpio.rate.worst_ns >= DG_US(1014));
 }
 
 static void test_every_clock_is_answered(void **state)
@@ -188,21 +192,88 @@ static void test_every_clock_is_answered(void **state)
     }
     assert_int_equal(gpio.counters.late, 0);
     assert_int_equal(gpio.counters.lost, 0);
-    assert_int_equal(gpio.rate.count, 4);
+    assert_int_equal(gpio.rate.edges, 4);
 }
 
-/* An edge of the past comes when the one in front has just been answered. */
-static void test_edges_behind_the_answer_are_late(void **state)
+/* A rising edge that is answered `answer` after it, the falling one `half` after it. */
+static void clock_once(dg_ns at, dg_ns answer, dg_ns half)
+{
+    queue(at, true);
+    run();
+    gpio.answered = at + answer;
+    queue(at + half, false);
+    run();
+}
+
+/* The yardstick is half a period: a master may look at SLO at the falling edge. */
+static void test_answers_behind_the_falling_edge_are_late(void **state)
+{
+    dg_ns at = LATER;
+
+    (void)state;
+    begin(DG_S(1));
+    queue(at, false);
+    run();
+    clock_once(at += DG_MS(2), DG_US(400), DG_US(500));
+    assert_int_equal(gpio.counters.late, 0);
+    clock_once(at += DG_MS(2), DG_US(500), DG_US(500));
+    assert_int_equal(gpio.counters.late, 0);
+    clock_once(at += DG_MS(2), DG_US(501), DG_US(500));
+    assert_int_equal(gpio.counters.late, 1);
+    /* Once for each, and not without an edge: the end of a frame. */
+    clock_once(at += DG_MS(2), DG_MS(700), DG_US(500));
+    assert_int_equal(gpio.counters.late, 2);
+    queue(at += DG_MS(2), true);
+    run();
+    gpio.answered = at + DG_MS(3);
+    assert_int_equal(gpio.counters.late, 2);
+    queue(at + DG_MS(30), false);
+    run();
+    assert_int_equal(gpio.counters.late, 2);
+    assert_int_equal(gpio.counters.lost, 0);
+    assert_int_equal(gpio.rate.edges, 5);
+}
+
+/* A lost falling edge: the next rising one tells. */
+static void test_rising_edge_behind_a_rising_one(void **state)
 {
     (void)state;
     begin(DG_S(1));
-    const dg_ns first = queue_clocks(lx_now(), 1);
+    queue(LATER, false);
+    queue(LATER + DG_MS(1), true);
     run();
-    (void)queue_clocks(first + 1u, 1);
-    gpio.answered = first + DG_MS(1);
+    gpio.answered = LATER + DG_MS(5);
+    queue(LATER + DG_MS(2), true);
     run();
     assert_int_equal(gpio.counters.late, 1);
-    assert_int_equal(gpio.rate.count, 1);
+    assert_int_equal(gpio.counters.lost, 1);
+}
+
+/* Frames are those of the model: e1, e2, start bit, CDS, data. */
+static void test_frames_of_the_model(void **state)
+{
+    (void)state;
+    begin(DG_S(1));
+    assert_int_equal(gpio.rate.edges_per_frame, 39);
+    lx_gpio_close(&gpio);
+    fake.base.fd = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
+    begin_as(dg_device_find("s3684-biss")->biss);
+    assert_int_equal(gpio.rate.edges_per_frame, 51);
+}
+
+/* Low, as the line was taken; the first rising edge sets it. */
+static void test_slo_begins_as_the_device_has_it(void **state)
+{
+    (void)state;
+    begin(DG_S(1));
+    assert_false(gpio.slo);
+    assert_int_equal(fake.written, 0);
+    queue(LATER, false);
+    run();
+    assert_int_equal(fake.written, 0);
+    queue(LATER + DG_US(1), true);
+    run();
+    assert_true(fake.slo);
 }
 
 static void test_missing_edges_are_noticed(void **state)
@@ -354,29 +425,6 @@ static void test_edges_are_told_to_the_tap(void **state)
     assert_int_equal(count, 8);
 }
 
-/* 1..200 us, in an order of its own: 99 % of 200 are at most 198. */
-static void test_rate(void **state)
-{
-    struct lx_gpio_rate rate = {.count = 0};
-
-    (void)state;
-    assert_int_equal(lx_gpio_rate_hz(&rate), 0);
-    for (uint32_t i = 0; i < 200; i++) {
-        lx_gpio_rate_take(&rate, DG_US(i * 7u % 200u + 1u));
-    }
-    assert_false(lx_gpio_rate_known(&rate));
-    assert_int_equal(lx_gpio_rate_reaction_ns(&rate), 198000);
-    assert_int_equal(lx_gpio_rate_hz(&rate), 2525);
-    for (uint32_t i = 0; i < LX_GPIO_RATE_SAMPLES; i++) {
-        lx_gpio_rate_take(&rate, DG_US(50));
-    }
-    assert_true(lx_gpio_rate_known(&rate));
-    assert_int_equal(lx_gpio_rate_hz(&rate), 10000);
-    rate.count = UINT32_MAX;
-    lx_gpio_rate_take(&rate, DG_S(100));
-    assert_true(lx_gpio_rate_known(&rate));
-}
-
 static void test_addresses(void **state)
 {
     static const char *const wrong[] = {
@@ -406,14 +454,17 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_queued_edges_are_caught_up_with, setup, teardown),
         cmocka_unit_test_setup_teardown(test_every_clock_is_answered, setup, teardown),
-        cmocka_unit_test_setup_teardown(test_edges_behind_the_answer_are_late, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_answers_behind_the_falling_edge_are_late, setup,
+                                        teardown),
+        cmocka_unit_test_setup_teardown(test_rising_edge_behind_a_rising_one, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_frames_of_the_model, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_slo_begins_as_the_device_has_it, setup, teardown),
         cmocka_unit_test_setup_teardown(test_missing_edges_are_noticed, setup, teardown),
         cmocka_unit_test_setup_teardown(test_lost_last_edge_is_made_up_for, setup, teardown),
         cmocka_unit_test_setup_teardown(test_edge_on_its_way_is_waited_for, setup, teardown),
         cmocka_unit_test_setup_teardown(test_chip_that_goes_is_told_once, setup, teardown),
         cmocka_unit_test_setup_teardown(test_faults_sit_behind_the_driver, setup, teardown),
         cmocka_unit_test_setup_teardown(test_edges_are_told_to_the_tap, setup, teardown),
-        cmocka_unit_test(test_rate),
         cmocka_unit_test(test_addresses),
     };
 
