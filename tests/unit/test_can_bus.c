@@ -129,7 +129,7 @@ static void a_file_for_each(void **state)
     static char other[] = "7";
     struct can_rig *self = *state;
     const uint8_t node_id[8] = {0x2F, 0x01, 0x21, 0x00, 0x21};
-    const uint8_t save[8] = {0x23, 0x05, 0x21, 0x01, 's', 'a', 'v', 'e'};
+    const uint8_t save[8] = {0x23, 0x05, 0x21, 0x00, 's', 'a', 'v', 'e'};
     for (int round = 0; round < 2; round++) {
         can_rig_plan(self, 2);
         for (size_t i = 0; i < 2; i++) {

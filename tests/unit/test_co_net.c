@@ -385,7 +385,7 @@ static void a_new_node_id_is_followed(void **state)
 {
     (void)state;
     write_ok(126, 0x2101, 0, 20, 1);
-    receive(0x67F, 8, 0x6576617301210523); /* 2105h "save" */
+    receive(0x67F, 8, 0x6576617300210523); /* 2105h "save" */
     (void)run(DG_MS(14));
     assert_int_equal(count, 1);
     receive(0, 2, 0x7F81);

@@ -134,7 +134,7 @@ static void bus_parameters_are_kept_by_2105h_alone(void **state)
     write_ok(0x2101, 0, 5, 1);
     write_ok(0x2102, 0, 0, 1);
     write_ok(0x100C, 0, 500, 2);
-    write_ok(0x2105, 1, SAVE, 4);
+    write_ok(0x2105, 0, SAVE, 4);
     assert_int_equal(rig.node.id, 0x3F); /* not before reset node */
     assert_int_equal(rig.kbaud, 250);
     co_rig_nmt(&rig, RESET_NODE);
@@ -179,8 +179,8 @@ static const struct {
      "23 10 10 01 65 76 61 73", "60 10 10 01 00 00 00 00", "80 10 10 01 20 00 00 08", 14},
     {0x1011, "40 11 10 01 00 00 00 00", "43 11 10 01 01 00 00 00", "23 11 10 01 6C 6F 61 64",
      "23 11 10 01 73 61 76 65", "60 11 10 01 00 00 00 00", "80 11 10 01 20 00 00 08", 0},
-    {0x2105, "40 05 21 01 00 00 00 00", "43 05 21 01 01 00 00 00", "23 05 21 01 73 61 76 65",
-     "23 05 21 01 6C 6F 61 64", "60 05 21 01 00 00 00 00", "80 05 21 01 20 00 00 08", 14},
+    {0x2105, "40 05 21 00 00 00 00 00", "43 05 21 00 01 00 00 00", "23 05 21 00 73 61 76 65",
+     "23 05 21 00 6C 6F 61 64", "60 05 21 00 00 00 00 00", "80 05 21 00 20 00 00 08", 14},
 };
 
 /* A request and the only answer to it, after `delay_ms`. */
@@ -247,7 +247,8 @@ static void no_answer_from_the_memory_is_told(void **state)
         rig.world.eeprom_acknowledges = how != 0 ? false : true;
         for (size_t i = 0; i < COUNT(commands); i++) {
             const uint32_t signature = commands[i].index == 0x1011 ? LOAD : SAVE;
-            assert_int_equal(co_rig_write(&rig, commands[i].index, 1, signature, 4), 0x06060000);
+            const uint8_t sub = commands[i].index == 0x2105 ? 0 : 1;
+            assert_int_equal(co_rig_write(&rig, commands[i].index, sub, signature, 4), 0x06060000);
         }
         co_rig_rx(&rig, LSS, "04 01 00 00 00 00 00 00");
         co_rig_forget(&rig);
@@ -397,7 +398,7 @@ static void live_in(void)
     write_ok(0x1010, 1, SAVE, 4);
     write_ok(0x2100, 0, 6, 1);
     write_ok(0x2102, 0, 0, 1);
-    write_ok(0x2105, 1, SAVE, 4);
+    write_ok(0x2105, 0, SAVE, 4);
     power_cycle();
 }
 
@@ -441,7 +442,7 @@ static void a_damaged_region_is_the_default_and_the_others_stay(void **state)
         assert_int_equal(read_ok(0x1003, 1), 0x5100);
         /* Saving repairs what it writes; the serial number is burnt by the maker only. */
         write_ok(0x1010, 1, SAVE, 4);
-        write_ok(0x2105, 1, SAVE, 4);
+        write_ok(0x2105, 0, SAVE, 4);
         power_cycle();
         assert_int_equal(read_ok(0x1001, 0), region == DG_CO_REGION_SERIAL ? 1 : 0);
     }
@@ -550,7 +551,7 @@ static bool save_bus(void)
     write_ok(0x2100, 0, 8, 1);
     write_ok(0x2101, 0, 9, 1);
     write_ok(0x2102, 0, 1, 1);
-    return co_rig_write(&rig, 0x2105, 1, SAVE, 4) == 0;
+    return co_rig_write(&rig, 0x2105, 0, SAVE, 4) == 0;
 }
 
 static bool store_by_lss(void)

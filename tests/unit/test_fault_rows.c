@@ -166,7 +166,7 @@ static uint32_t store_parameters(void)
 
 static uint32_t store_bus(void)
 {
-    return co_rig_write(&fault_rig.co, 0x2105, 1, SAVE, 4);
+    return co_rig_write(&fault_rig.co, 0x2105, 0, SAVE, 4);
 }
 
 /* Patterns: of the bus LED in the tens, of the error LED in the ones. */

@@ -79,7 +79,7 @@ def test_another_bit_rate_is_silence_and_one_line(start):
 def test_bit_rate_of_2100h(start, nvm):
     rig = start("--nvm", nvm)
     rig.write(0x2100, 0, 6, 1)
-    rig.sdo.download(0x2105, 1, SAVE)
+    rig.sdo.download(0x2105, 0, SAVE)
     rig.kill()
     rig = start("--nvm", nvm, bit_rate=500_000)
     assert rig.read(0x2100) == 6

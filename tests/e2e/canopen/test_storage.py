@@ -74,7 +74,7 @@ def test_bus_parameters_over_kill(start, nvm):
     rig.write(0x2101, 0, 34, 1)
     rig.write(0x2102, 0, 0, 1)
     rig.write(0x1006, 0, 10000, 4)
-    rig.sdo.download(0x2105, 1, SAVE)
+    rig.sdo.download(0x2105, 0, SAVE)
     rig.kill()
     rig = start("--nvm", nvm, node_id=34)
     assert rig.said_node_id in (None, 34)
@@ -84,7 +84,7 @@ def test_bus_parameters_over_kill(start, nvm):
 def test_bus_parameters_at_reset_node(start, nvm):
     rig = start("--nvm", nvm)
     rig.write(0x2101, 0, 34, 1)
-    rig.sdo.download(0x2105, 1, SAVE)
+    rig.sdo.download(0x2105, 0, SAVE)
     rig.reset(0x82)
     rig.reset(0x81, node_id=34)
     rig.use(34)
@@ -99,12 +99,12 @@ def test_parameters_are_not_bus_parameters(start, nvm):
     assert start("--nvm", nvm).read(0x2101) == 63
 
 
-@pytest.mark.parametrize("index", [0x1010, 0x1011, 0x2105])
-def test_other_signatures(rig, index):
+@pytest.mark.parametrize("index, sub", [(0x1010, 1), (0x1011, 1), (0x2105, 0)])
+def test_other_signatures(rig, index, sub):
     with pytest.raises(SdoAbortedError) as caught:
-        rig.sdo.download(index, 1, b"evas")
+        rig.sdo.download(index, sub, b"evas")
     assert caught.value.code == 0x08000020
-    assert rig.read(index, 1) == 1
+    assert rig.read(index, sub) == 1
 
 
 def test_a_save_cut_by_kill_is_old_or_new(start, nvm):

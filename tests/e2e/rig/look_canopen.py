@@ -66,7 +66,7 @@ def can_eeprom_silent(target):
     assert master.read(0x6503) == 0x0002
     assert master.write(0x1010, 1, SAVE, 4) == HARDWARE_ABORT
     assert master.write(0x1011, 1, LOAD, 4) == HARDWARE_ABORT
-    assert master.write(0x2105, 1, SAVE, 4) == HARDWARE_ABORT
+    assert master.write(0x2105, 0, SAVE, 4) == HARDWARE_ABORT
     can_restart(target)
     emergencies(master, 0x5100, 0x1000)
     yield
