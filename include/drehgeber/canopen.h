@@ -107,6 +107,7 @@ enum dg_co_flags {
     DG_CO_SAVE = 16,  /**< 1010h keeps it */
     DG_CO_SLOT = 32,  /**< has a value in dg_co_node.value; without it the default or the hook */
     DG_CO_CONST = 64, /**< never changes; an EDS says const */
+    DG_CO_GAP = 128,  /**< in its region a byte in front of it stays free: layouts never shrink */
 };
 
 /** What a hook is called for. */
@@ -128,7 +129,7 @@ struct dg_co_object {
     uint16_t index;
     uint8_t sub;
     uint8_t type;     /**< enum dg_co_type */
-    uint8_t flags;    /**< enum dg_co_flags */
+    uint16_t flags;   /**< enum dg_co_flags */
     uint8_t slot;     /**< in dg_co_node.value, with DG_CO_SLOT */
     uint8_t region;   /**< store region that keeps it, with DG_CO_SAVE */
     uint32_t initial; /**< default; signed ones sign-extended */
@@ -269,7 +270,6 @@ struct dg_co_tpdo {
     bool rtr_allowed;
     bool pending; /**< an event waits for the inhibit time, or for the next SYNC (type 0) */
     bool sampled; /**< `last` counts: for the next RTR (type 252), for the detection of changes */
-    bool started; /**< the first SYNC has been seen, see SYNC start value */
     uint8_t type;
     uint8_t sync_count; /**< SYNCs since the last one that it was sent at */
     uint8_t mapped_count;

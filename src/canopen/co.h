@@ -22,7 +22,6 @@ enum co_slot {
     CO_CONSUMER_1,
     CO_CONSUMER_2,
     CO_HEARTBEAT_MS,
-    CO_SYNC_OVERFLOW,
     CO_BEHAVIOUR_1, /* 1029h:1-3, in the order of enum dg_co_error_class */
     CO_BEHAVIOUR_2,
     CO_BEHAVIOUR_3,
@@ -35,7 +34,6 @@ enum co_tpdo_slot {
     CO_PDO_TYPE,
     CO_PDO_INHIBIT_100US,
     CO_PDO_EVENT_MS,
-    CO_PDO_SYNC_START,
     CO_PDO_MAPPED,  /* sub 0 of 1A00h */
     CO_PDO_ENTRIES, /* 8 of them */
     CO_PDO_SLOTS = CO_PDO_ENTRIES + DG_CO_MAPPED_MAX,
@@ -160,7 +158,7 @@ static inline bool dg_co_lss_silent(const struct dg_co_node *self)
 }
 
 /* Hooks, by file. */
-dg_co_hook dg_co_hook_device, dg_co_hook_sync_id, dg_co_hook_time_id, dg_co_hook_overflow;
+dg_co_hook dg_co_hook_device, dg_co_hook_sync_id, dg_co_hook_time_id;
 dg_co_hook dg_co_hook_identity, dg_co_hook_node_id;                          /* od.c */
 dg_co_hook dg_co_hook_error_register, dg_co_hook_status, dg_co_hook_history; /* emcy.c */
 dg_co_hook dg_co_hook_consumer, dg_co_hook_heartbeat;                        /* nmt.c */

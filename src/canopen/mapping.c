@@ -10,7 +10,6 @@ enum sub_index {
     SUB_TYPE = 2,
     SUB_INHIBIT = 3,
     SUB_EVENT_TIMER = 5,
-    SUB_SYNC_START = 6,
 };
 
 /* ------------------------------------------------------------ mapping */
@@ -118,23 +117,19 @@ static enum dg_co_abort check_cob_id(struct dg_co_node *self, uint8_t n, uint32_
     return complete ? DG_CO_OK : DG_CO_RANGE;
 }
 
-/* Inhibit time and SYNC start value are constant while the TPDO is valid; writing what is there
- * changes nothing. */
-static enum dg_co_abort check_parameter(struct dg_co_node *self, uint8_t n,
-                                        const struct dg_co_object *object, uint32_t wanted)
+static enum dg_co_abort check_type(struct dg_co_node *self, uint8_t n, uint32_t wanted)
 {
-    switch ((enum sub_index)object->sub) {
-    case SUB_COB_ID:
-        return check_cob_id(self, n, wanted);
-    case SUB_TYPE:
-        return is_reserved(wanted) ? DG_CO_RANGE : DG_CO_OK;
-    case SUB_EVENT_TIMER:
-        return DG_CO_OK;
-    case SUB_INHIBIT:
-    case SUB_SYNC_START:
-        return self->tpdo[n].valid && wanted != self->value[object->slot] ? DG_CO_RANGE : DG_CO_OK;
-    }
-    return DG_CO_OK;
+    (void)self;
+    (void)n;
+    return is_reserved(wanted) ? DG_CO_RANGE : DG_CO_OK;
+}
+
+/* Constant while the TPDO is valid; writing what is there changes nothing. */
+static enum dg_co_abort check_inhibit(struct dg_co_node *self, uint8_t n, uint32_t wanted)
+{
+    bool changes = wanted != co_pdo_parameter(self, n, CO_PDO_INHIBIT_100US);
+
+    return self->tpdo[n].valid && changes ? DG_CO_RANGE : DG_CO_OK;
 }
 
 /* A COB-ID that has passed check_cob_id() comes into force. */
@@ -164,34 +159,27 @@ static void adopt_type(struct dg_co_node *self, uint8_t n)
     tpdo->pending = waits;
 }
 
-static void adopt_parameter(struct dg_co_node *self, uint8_t n, uint8_t sub)
-{
-    switch ((enum sub_index)sub) {
-    case SUB_COB_ID:
-        adopt_cob_id(self, n);
-        break;
-    case SUB_TYPE:
-        adopt_type(self, n);
-        break;
-    case SUB_EVENT_TIMER:
-        dg_co_pdo_rearm(self, n);
-        break;
-    case SUB_INHIBIT:
-    case SUB_SYNC_START:
-        break; /* only read when the TPDO is valid */
-    }
-}
+/* By sub-index. */
+static const struct {
+    enum dg_co_abort (*check)(struct dg_co_node *self, uint8_t n, uint32_t wanted); /* or NULL */
+    void (*adopt)(struct dg_co_node *self, uint8_t n); /* NULL: read when it is needed */
+} parameters[] = {
+    [SUB_COB_ID] = {check_cob_id, adopt_cob_id},
+    [SUB_TYPE] = {check_type, adopt_type},
+    [SUB_INHIBIT] = {check_inhibit, NULL},
+    [SUB_EVENT_TIMER] = {NULL, dg_co_pdo_rearm},
+};
 
 enum dg_co_abort dg_co_hook_tpdo(struct dg_co_node *self, const struct dg_co_object *object,
                                  enum dg_co_op op, uint32_t *value)
 {
     uint8_t n = (uint8_t)object->index; /* 1800h + n */
 
-    if (op == DG_CO_WRITE) {
-        return check_parameter(self, n, object, *value);
+    if (op == DG_CO_WRITE && parameters[object->sub].check != NULL) {
+        return parameters[object->sub].check(self, n, *value);
     }
-    if (op == DG_CO_WRITTEN) {
-        adopt_parameter(self, n, object->sub);
+    if (op == DG_CO_WRITTEN && parameters[object->sub].adopt != NULL) {
+        parameters[object->sub].adopt(self, n);
     }
     return DG_CO_OK;
 }

@@ -13,6 +13,7 @@ enum {
     S = DG_CO_SAVE,
     V = DG_CO_SLOT,
     C = DG_CO_CONST,
+    G = DG_CO_GAP,
     COM = DG_CO_REGION_COMMUNICATION,
     PDO1 = DG_CO_REGION_TPDO1,
 };
@@ -212,18 +213,4 @@ enum dg_co_abort dg_co_hook_time_id(struct dg_co_node *self, const struct dg_co_
     (void)self;
     (void)object;
     return op == DG_CO_WRITE ? consumed_id(*value, CO_COB_INVALID) : DG_CO_OK;
-}
-
-/* 1019h: 0 or 2..240, and only while no cycle period is set (CiA 301). */
-enum dg_co_abort dg_co_hook_overflow(struct dg_co_node *self, const struct dg_co_object *object,
-                                     enum dg_co_op op, uint32_t *value)
-{
-    (void)object;
-    if (op != DG_CO_WRITE) {
-        return DG_CO_OK;
-    }
-    if (self->value[CO_SYNC_PERIOD_US] != 0) {
-        return DG_CO_STATE;
-    }
-    return *value == 1 ? DG_CO_RANGE : DG_CO_OK;
 }

@@ -87,7 +87,6 @@ void dg_co_pdo_restart(struct dg_co_node *self, uint8_t n)
 
     tpdo->pending = false;
     tpdo->sampled = false;
-    tpdo->started = false;
     tpdo->sync_count = 0;
     arm(self, n, self->now);
 }
@@ -175,14 +174,6 @@ void dg_co_pdo_state(struct dg_co_node *self, bool operational)
 
 /* ------------------------------------------------------------ SYNC and RTR */
 
-/* With the SYNC counter enabled (1019h) the start value says which SYNC is the first one. */
-static bool has_started(const struct dg_co_node *self, uint8_t n, const struct dg_can_frame *sync)
-{
-    uint32_t start = co_pdo_parameter(self, n, CO_PDO_SYNC_START);
-
-    return start == 0 || self->value[CO_SYNC_OVERFLOW] == 0 || start == sync->data[0];
-}
-
 static bool is_due(struct dg_co_tpdo *tpdo)
 {
     if (tpdo->type == CO_PDO_ACYCLIC) {
@@ -216,13 +207,12 @@ static void synchronise(struct dg_co_node *self, struct dg_co_tpdo *tpdo, bool l
     }
 }
 
-/* The counter is there when 1019h says so, and nothing else (8240h). */
+/* Without 1019h a SYNC has no counter, and nothing else (8240h). */
 static bool check_length(struct dg_co_node *self, const struct dg_can_frame *sync)
 {
     static const uint8_t no_details[5];
-    uint8_t length = self->value[CO_SYNC_OVERFLOW] != 0 ? 1 : 0;
 
-    if (sync->dlc != length) {
+    if (sync->dlc != 0) {
         self->counters.malformed++;
         dg_co_raise(self, DG_CO_CAUSE_SYNC_LENGTH, no_details);
         return false;
@@ -250,11 +240,7 @@ void dg_co_sync_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
     bool late = is_late(self);
     for (uint8_t n = 0; n < DG_CO_TPDOS; n++) {
         struct dg_co_tpdo *tpdo = &self->tpdo[n];
-        if (!tpdo->valid || !is_synchronous(tpdo->type)) {
-            continue;
-        }
-        tpdo->started = tpdo->started || has_started(self, n, frame);
-        if (tpdo->started) {
+        if (tpdo->valid && is_synchronous(tpdo->type)) {
             synchronise(self, tpdo, late);
         }
     }

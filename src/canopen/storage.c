@@ -3,7 +3,8 @@
  * Parameters that survive power-off: 1010h, 1011h, 2105h and LSS (manual chapters 8, 12; C7, C8).
  *
  * Region 'saved' tells whether the parameter regions hold anything; 1011h only clears it. A region
- * holds the values of its rows in the dictionary's order, least significant byte first.
+ * holds the values of its rows in the dictionary's order, least significant byte first. Where a row
+ * has gone (1019h, 1800h:6) a byte stays free, so that older memories fit.
  */
 #include <string.h>
 
@@ -133,6 +134,9 @@ static void unpack_row(struct dg_co_node *self, const struct dg_co_object *objec
     if ((object->flags & DG_CO_SAVE) == 0 || object->region != pack->region) {
         return;
     }
+    if ((object->flags & DG_CO_GAP) != 0) {
+        pack->at++;
+    }
     if (object->index >= pack->first && object->index <= pack->last) {
         uint32_t value = 0;
         for (uint8_t i = 0; i < size; i++) {
@@ -154,6 +158,9 @@ static void pack_row(struct dg_co_node *self, const struct dg_co_object *object,
 
     if ((object->flags & DG_CO_SAVE) == 0 || object->region != pack->region) {
         return;
+    }
+    if ((object->flags & DG_CO_GAP) != 0) {
+        pack->bytes[pack->at++] = 0;
     }
     for (uint8_t i = 0; i < dg_co_size(object); i++) {
         pack->bytes[pack->at++] = (uint8_t)(self->value[object->slot] >> (8u * i));

@@ -120,50 +120,6 @@ static void the_phase_begins_with_operational(void **state)
     assert_int_equal(pdo_rig.count, 3);
 }
 
-static void the_start_value_says_which_sync_is_the_first(void **state)
-{
-    (void)state;
-    pdo_put_ok(0x1019, 0, 10, 1);
-    pdo_disable(1);
-    pdo_put_ok(0x1801, 6, 3, 1);
-    pdo_enable(1);
-    pdo_only_tpdo2(4);
-    for (uint32_t i = 0; i < 20; i++) { /* counters 8 9 10 1 2 3 ...: the first is number 5 */
-        pdo_sync_counted((uint8_t)((i + 7) % 10 + 1));
-        assert_int_equal(pdo_rig.count, i < 5 ? 0 : (i - 4) / 4);
-    }
-    pdo_nmt(PRE_OPERATIONAL);
-    pdo_nmt(START);
-    pdo_forget();
-    for (uint8_t counter = 1; counter <= 6; counter++) {
-        assert_int_equal(pdo_rig.count, 0);
-        pdo_sync_counted(counter);
-    }
-    assert_int_equal(pdo_rig.count, 1);
-}
-
-static void without_a_counter_the_start_value_means_nothing(void **state)
-{
-    (void)state;
-    pdo_disable(1);
-    pdo_put_ok(0x1801, 6, 3, 1);
-    pdo_enable(1);
-    pdo_only_tpdo2(2);
-    pdo_sync();
-    pdo_sync();
-    assert_int_equal(pdo_rig.count, 1);
-}
-
-static void a_start_value_of_0_ignores_the_counter(void **state)
-{
-    (void)state;
-    pdo_put_ok(0x1019, 0, 10, 1);
-    pdo_only_tpdo2(2);
-    pdo_sync_counted(7);
-    pdo_sync_counted(8);
-    assert_int_equal(pdo_rig.count, 1);
-}
-
 static void type_0_waits_for_an_event_and_a_sync(void **state)
 {
     (void)state;
@@ -204,13 +160,6 @@ static void a_sync_of_the_wrong_length_is_an_error_and_no_sync(void **state)
     assert_int_equal(pdo_rig.count, 3);
     pdo_expect_u32(1, TPDO2, 0x01020304);
     pdo_expect(2, EMCY, over, sizeof over);
-    pdo_forget();
-    pdo_put_ok(0x1019, 0, 10, 1);
-    pdo_sync();
-    assert_int_equal(pdo_rig.count, 1);
-    pdo_expect(0, EMCY, emcy, sizeof emcy);
-    pdo_sync_counted(1);
-    assert_int_equal(pdo_rig.count, 3);
 }
 
 /* The host hands a SYNC over after it has stepped the node to a later moment. */
@@ -654,9 +603,6 @@ int main(void)
         cmocka_unit_test_setup(type_4_fires_at_sync_4_8_12, pdo_set_up),
         cmocka_unit_test_setup(every_cyclic_type_fires_at_its_multiples, pdo_set_up),
         cmocka_unit_test_setup(the_phase_begins_with_operational, pdo_set_up),
-        cmocka_unit_test_setup(the_start_value_says_which_sync_is_the_first, pdo_set_up),
-        cmocka_unit_test_setup(without_a_counter_the_start_value_means_nothing, pdo_set_up),
-        cmocka_unit_test_setup(a_start_value_of_0_ignores_the_counter, pdo_set_up),
         cmocka_unit_test_setup(type_0_waits_for_an_event_and_a_sync, pdo_set_up),
         cmocka_unit_test_setup(a_sync_of_the_wrong_length_is_an_error_and_no_sync, pdo_set_up),
         cmocka_unit_test_setup(a_synchronous_tpdo_is_given_up_after_the_window, pdo_set_up),

@@ -16,8 +16,7 @@
 
 #define COUNT(a) (sizeof(a) / sizeof((a)[0]))
 #define SAVE 0x65766173u /* "save" */
-#define FLAGS                                                                                      \
-    (DG_CO_RW | DG_CO_MAP | DG_CO_ID | DG_CO_SAVE | DG_CO_SLOT | DG_CO_CONST) /* all there are */
+#define FLAGS (DG_CO_RW | DG_CO_MAP | DG_CO_ID | DG_CO_SAVE | DG_CO_SLOT | DG_CO_CONST | DG_CO_GAP)
 
 static struct co_rig rig;
 static const struct dg_co_device *const device = &dg_cia406_multiturn;
@@ -165,13 +164,14 @@ static void flags_are_consistent(void **state)
     (void)state;
     for (size_t i = 0; i < rows(); i++) {
         const struct dg_co_object *object = row(i);
-        const uint8_t flags = object->flags;
+        const uint16_t flags = object->flags;
         assert_int_equal(flags & ~FLAGS, 0);
         assert_true((flags & DG_CO_RW) != 0);
         /* What is kept and cannot be written is the device's own to change. */
         assert_true((flags & DG_CO_SAVE) == 0 || (flags & DG_CO_RW) == DG_CO_RW ||
                     ((flags & DG_CO_R) != 0 && object->hook != NULL));
         assert_true((flags & DG_CO_SAVE) == 0 || (flags & DG_CO_SLOT) != 0);
+        assert_true((flags & DG_CO_GAP) == 0 || (flags & DG_CO_SAVE) != 0);
         assert_true((flags & DG_CO_MAP) == 0 || (flags & DG_CO_R) != 0);
         assert_true((flags & DG_CO_MAP) == 0 || dg_co_size(object) != 0);
         assert_true((flags & DG_CO_CONST) == 0 || (flags & (DG_CO_W | DG_CO_SLOT)) == 0);
@@ -200,7 +200,8 @@ static void regions_hold_exactly_their_rows(void **state)
         if ((row(i)->flags & DG_CO_SAVE) != 0) {
             assert_true(is_parameters(row(i)->region));
             assert_true(row(i)->region < device->layout->region_count);
-            size[row(i)->region] += dg_co_size(row(i));
+            size[row(i)->region] +=
+                dg_co_size(row(i)) + ((row(i)->flags & DG_CO_GAP) != 0 ? 1u : 0u);
         }
     }
     for (uint8_t region = 0; region < device->layout->region_count; region++) {

@@ -26,6 +26,7 @@ enum {
     S = DG_CO_SAVE,
     V = DG_CO_SLOT,
     C = DG_CO_CONST,
+    G = DG_CO_GAP,
 };
 
 #define DG_CO_PARENT(index, kind, name) {index, 0x100, #kind, 0, 0, name},
