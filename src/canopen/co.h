@@ -56,6 +56,12 @@ _Static_assert(CO_TPDO(DG_CO_TPDOS, 0) <= DG_CO_SLOT_APPLICATION, "room for the 
 #define CO_COB_EXTENDED 0x20000000u
 #define CO_COB_CAN_ID 0x7FFu
 
+/** CAN-ID of TPDO `n` in the predefined connection set. */
+static inline uint32_t dg_co_predefined(uint8_t n, uint8_t node_id)
+{
+    return 0x180u + 0x100u * n + node_id;
+}
+
 /* od.c: the dictionary */
 
 /** The stack's rows, 1000h-1FFFh, sorted. */
@@ -92,6 +98,9 @@ void dg_co_each(struct dg_co_node *self,
                 void *ctx);
 /** Whether a CAN-ID may not be given to a configurable COB-ID. */
 bool dg_co_restricted(uint32_t can_id);
+/** Whether the node itself has a use for a CAN-ID: SYNC, EMCY, TIME if consumed, valid TPDOs. The
+ * others it uses are restricted. */
+bool dg_co_in_use(const struct dg_co_node *self, uint32_t can_id);
 
 /* storage.c: 1010h, 1011h, 2105h */
 
@@ -143,8 +152,8 @@ void dg_co_pdo_start(struct dg_co_node *self);
 /** The NMT state has become operational, or is not any more. */
 void dg_co_pdo_state(struct dg_co_node *self, bool operational);
 void dg_co_sync_rx(struct dg_co_node *self, const struct dg_can_frame *frame);
-/** A remote frame; true when it is one of this node's TPDOs. */
-bool dg_co_pdo_rtr(struct dg_co_node *self, uint16_t id);
+/** A remote frame: is it for one of this node's TPDOs? */
+void dg_co_pdo_rtr(struct dg_co_node *self, uint16_t id);
 dg_ns dg_co_pdo_step(struct dg_co_node *self);
 
 /* lss.c */

@@ -111,6 +111,9 @@ static enum dg_co_abort check_cob_id(struct dg_co_node *self, uint8_t n, uint32_
     if (tpdo->valid) {
         return id == tpdo->can_id ? DG_CO_OK : DG_CO_RANGE;
     }
+    if (dg_co_in_use(self, id)) {
+        return DG_CO_RANGE;
+    }
     uint32_t count = co_pdo_parameter(self, n, CO_PDO_MAPPED);
     bool complete = count != 0 && !is_reserved(co_pdo_parameter(self, n, CO_PDO_TYPE)) &&
                     resolve(self, n, count) == DG_CO_OK;
@@ -185,15 +188,35 @@ enum dg_co_abort dg_co_hook_tpdo(struct dg_co_node *self, const struct dg_co_obj
 }
 
 /* Parameters that do not fit together, from a damaged or foreign memory, leave a TPDO not valid. */
+static void start(struct dg_co_node *self, uint8_t n)
+{
+    uint32_t *cob_id = &self->value[CO_TPDO(n, CO_PDO_COB_ID)];
+
+    if (check_cob_id(self, n, *cob_id) != DG_CO_OK) {
+        *cob_id |= CO_COB_INVALID;
+    }
+    adopt_cob_id(self, n);
+    adopt_type(self, n);
+}
+
+static bool is_moved(const struct dg_co_node *self, uint8_t n)
+{
+    uint32_t cob_id = co_pdo_parameter(self, n, CO_PDO_COB_ID);
+
+    return (cob_id & CO_COB_CAN_ID) != dg_co_predefined(n, self->id);
+}
+
+/* Those on their predefined CAN-ID come first: with another node-ID that may be where a moved one
+ * is, which then is not valid (C33). */
 void dg_co_pdo_start(struct dg_co_node *self)
 {
     for (uint8_t n = 0; n < DG_CO_TPDOS; n++) {
-        uint32_t *cob_id = &self->value[CO_TPDO(n, CO_PDO_COB_ID)];
         self->tpdo[n] = (struct dg_co_tpdo){.event_at = DG_NEVER};
-        if (check_cob_id(self, n, *cob_id) != DG_CO_OK) {
-            *cob_id |= CO_COB_INVALID;
+    }
+    for (uint8_t i = 0; i < 2 * DG_CO_TPDOS; i++) {
+        uint8_t n = i % DG_CO_TPDOS;
+        if (is_moved(self, n) == (i >= DG_CO_TPDOS)) {
+            start(self, n);
         }
-        adopt_cob_id(self, n);
-        adopt_type(self, n);
     }
 }

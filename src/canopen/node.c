@@ -162,7 +162,7 @@ static void remote_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
     if (frame->id == CO_ID_GUARD + self->id) {
         dg_co_guard_rx(self);
     } else if (in(self, IN_OPERATIONAL)) {
-        (void)dg_co_pdo_rtr(self, frame->id);
+        dg_co_pdo_rtr(self, frame->id);
     }
 }
 

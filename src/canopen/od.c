@@ -191,26 +191,38 @@ enum dg_co_abort dg_co_hook_node_id(struct dg_co_node *self, const struct dg_co_
     return DG_CO_OK;
 }
 
-/* 1005h and 1012h: a CAN-ID of CiA 301's free ranges, 11 bit; no SYNC or TIME is produced. */
-static enum dg_co_abort consumed_id(uint32_t value, uint32_t consume_bit)
+bool dg_co_in_use(const struct dg_co_node *self, uint32_t can_id)
 {
-    uint32_t id = value & ~consume_bit;
+    bool used = can_id == CO_ID_EMCY + self->id || can_id == self->value[CO_SYNC_COB_ID] ||
+                (can_id | CO_COB_INVALID) == self->value[CO_TIME_COB_ID];
 
-    return dg_co_restricted(id) ? DG_CO_RANGE : DG_CO_OK;
+    for (uint8_t n = 0; n < DG_CO_TPDOS; n++) {
+        used = used || (self->tpdo[n].valid && self->tpdo[n].can_id == can_id);
+    }
+    return used;
+}
+
+/* 1005h and 1012h: a CAN-ID of CiA 301's free ranges, 11 bit; no SYNC or TIME is produced. A
+ * `fresh` one must not be in use. */
+static enum dg_co_abort consumed_id(const struct dg_co_node *self, uint32_t id, bool fresh)
+{
+    return dg_co_restricted(id) || (fresh && dg_co_in_use(self, id)) ? DG_CO_RANGE : DG_CO_OK;
 }
 
 enum dg_co_abort dg_co_hook_sync_id(struct dg_co_node *self, const struct dg_co_object *object,
                                     enum dg_co_op op, uint32_t *value)
 {
-    (void)self;
-    (void)object;
-    return op == DG_CO_WRITE ? consumed_id(*value, 0) : DG_CO_OK;
+    bool fresh = *value != self->value[object->slot];
+
+    return op == DG_CO_WRITE ? consumed_id(self, *value, fresh) : DG_CO_OK;
 }
 
+/* Bit 31: the node consumes TIME. Without it the CAN-ID is not used. */
 enum dg_co_abort dg_co_hook_time_id(struct dg_co_node *self, const struct dg_co_object *object,
                                     enum dg_co_op op, uint32_t *value)
 {
-    (void)self;
-    (void)object;
-    return op == DG_CO_WRITE ? consumed_id(*value, CO_COB_INVALID) : DG_CO_OK;
+    uint32_t id = *value & ~CO_COB_INVALID;
+    bool fresh = id != *value && *value != self->value[object->slot];
+
+    return op == DG_CO_WRITE ? consumed_id(self, id, fresh) : DG_CO_OK;
 }

@@ -246,32 +246,26 @@ void dg_co_sync_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
     }
 }
 
-static void answer(struct dg_co_node *self, uint8_t n, bool *sampled)
+static void answer(struct dg_co_node *self, uint8_t n)
 {
     struct dg_co_tpdo *tpdo = &self->tpdo[n];
+    bool sampled = false;
 
     if (tpdo->type == CO_PDO_REQUEST_SYNC && tpdo->sampled) {
         send_last(self, tpdo);
-    } else if (sample_once(self, sampled)) {
+    } else if (sample_once(self, &sampled)) {
         transmit(self, tpdo);
         arm(self, n, self->now);
     }
 }
 
-bool dg_co_pdo_rtr(struct dg_co_node *self, uint16_t id)
+void dg_co_pdo_rtr(struct dg_co_node *self, uint16_t id)
 {
-    bool mine = false;
-    bool sampled = false;
-
     for (uint8_t n = 0; n < DG_CO_TPDOS; n++) {
         const struct dg_co_tpdo *tpdo = &self->tpdo[n];
-        if (!tpdo->valid || tpdo->can_id != id) {
-            continue;
-        }
-        mine = true;
-        if (tpdo->rtr_allowed) {
-            answer(self, n, &sampled);
+        if (tpdo->valid && tpdo->can_id == id && tpdo->rtr_allowed) {
+            answer(self, n);
+            return;
         }
     }
-    return mine;
 }

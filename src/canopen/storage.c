@@ -16,13 +16,19 @@
 #define BIT_RATE_DEFAULT 5
 #define NODE_ID_DEFAULT 0x3F
 
+/* A stored COB-ID that follows the node-ID has bit 29, which none of this node's COB-IDs has, and
+ * none of the reserved bits. */
+#define FOLLOWS CO_COB_EXTENDED
+#define RESERVED 0x1FFFF800u
+
 /* Rows of one region while they are packed or unpacked. */
 struct pack {
     uint8_t region;
     uint8_t at;
     uint16_t first;
     uint16_t last;
-    bool valid; /* all values are inside their limits */
+    uint8_t node_id; /* the memory's own */
+    bool valid;      /* all values are inside their limits */
     uint8_t bytes[DG_STORE_CHECKED_MAX];
 };
 
@@ -126,10 +132,80 @@ void dg_co_remount(struct dg_co_node *self)
     (void)mount(self, bus);
 }
 
+/* The node-ID that the memory holds, whatever is in force. */
+static uint8_t stored_node_id(struct dg_co_node *self)
+{
+    uint8_t bus[3];
+
+    dg_co_default_bus(NULL, bus);
+    (void)load(self, DG_CO_REGION_BUS, bus);
+    return bus[1];
+}
+
+/* ------------------------------------------------------------ COB-IDs (C33)
+ *
+ * What has its default in the 11 bits of the CAN-ID is stored so that it follows the node-ID; bits
+ * 30 and 31 are stored as they are. Earlier releases stored all of them absolute: there the default
+ * of the memory's own node-ID is taken for one that follows.
+ */
+
+static bool is_default(uint32_t cob_id, uint32_t initial)
+{
+    return ((cob_id ^ initial) & CO_COB_CAN_ID) == 0;
+}
+
+static uint32_t mark(uint32_t cob_id, uint32_t initial)
+{
+    return is_default(cob_id, initial) ? cob_id | FOLLOWS : cob_id;
+}
+
+/* `before`: the default with the node-ID the memory holds; `initial`: with the one in force. */
+static uint32_t resolve_mark(uint32_t stored, uint32_t before, uint32_t initial)
+{
+    if ((stored & RESERVED) != 0 || ((stored & FOLLOWS) == 0 && !is_default(stored, before))) {
+        return stored;
+    }
+    return (stored & (CO_COB_INVALID | CO_COB_BIT30)) | initial;
+}
+
+/* Parameters of a memory of an earlier release, about to have another node-ID: the COB-ID stands
+ * first in its region. */
+static void mark_region(struct dg_co_node *self, uint8_t n, uint8_t node_id)
+{
+    const uint8_t region = (uint8_t)(DG_CO_REGION_TPDO1 + n);
+    const uint16_t size = self->setup.device->layout->regions[region].size;
+    uint8_t bytes[DG_STORE_CHECKED_MAX];
+
+    if (!load(self, region, bytes)) {
+        return;
+    }
+    uint32_t stored = dg_load_le32(bytes);
+    uint32_t marked = mark(stored, dg_co_predefined(n, node_id));
+    if (marked != stored && (stored & RESERVED) == 0) {
+        dg_store_le32(bytes, marked);
+        (void)dg_store_stage(&self->store, region, 0, bytes, size);
+    }
+}
+
+/* ------------------------------------------------------------ rows */
+
+static uint32_t unpacked(const struct dg_co_node *self, const struct dg_co_object *object,
+                         const struct pack *pack)
+{
+    uint32_t value = 0;
+
+    for (uint8_t i = 0; i < dg_co_size(object); i++) {
+        value |= (uint32_t)pack->bytes[pack->at + i] << (8u * i);
+    }
+    if ((object->flags & DG_CO_ID) != 0) {
+        return resolve_mark(value, object->initial + pack->node_id, dg_co_initial(self, object));
+    }
+    return dg_co_extend(object, value);
+}
+
 static void unpack_row(struct dg_co_node *self, const struct dg_co_object *object, void *ctx)
 {
     struct pack *pack = ctx;
-    uint8_t size = dg_co_size(object);
 
     if ((object->flags & DG_CO_SAVE) == 0 || object->region != pack->region) {
         return;
@@ -138,18 +214,14 @@ static void unpack_row(struct dg_co_node *self, const struct dg_co_object *objec
         pack->at++;
     }
     if (object->index >= pack->first && object->index <= pack->last) {
-        uint32_t value = 0;
-        for (uint8_t i = 0; i < size; i++) {
-            value |= (uint32_t)pack->bytes[pack->at + i] << (8u * i);
-        }
-        value = dg_co_extend(object, value);
+        uint32_t value = unpacked(self, object, pack);
         if (dg_co_in_range(object, value)) {
             self->value[object->slot] = value;
         } else {
             pack->valid = false;
         }
     }
-    pack->at = (uint8_t)(pack->at + size);
+    pack->at = (uint8_t)(pack->at + dg_co_size(object));
 }
 
 static void pack_row(struct dg_co_node *self, const struct dg_co_object *object, void *ctx)
@@ -162,8 +234,12 @@ static void pack_row(struct dg_co_node *self, const struct dg_co_object *object,
     if ((object->flags & DG_CO_GAP) != 0) {
         pack->bytes[pack->at++] = 0;
     }
+    uint32_t value = self->value[object->slot];
+    if ((object->flags & DG_CO_ID) != 0) {
+        value = mark(value, dg_co_initial(self, object));
+    }
     for (uint8_t i = 0; i < dg_co_size(object); i++) {
-        pack->bytes[pack->at++] = (uint8_t)(self->value[object->slot] >> (8u * i));
+        pack->bytes[pack->at++] = (uint8_t)(value >> (8u * i));
     }
 }
 
@@ -199,6 +275,7 @@ bool dg_co_load(struct dg_co_node *self, uint16_t first, uint16_t last)
     if (saved != 1) {
         return loaded;
     }
+    pack.node_id = stored_node_id(self);
     for (uint8_t i = 0; i < self->setup.device->layout->region_count; i++) {
         pack.region = i;
         pack.at = 0;
@@ -237,8 +314,12 @@ enum dg_co_abort dg_co_save_bus(struct dg_co_node *self, uint8_t bit_rate, uint8
     if (!accessible(self)) {
         return DG_CO_HARDWARE;
     }
+    uint8_t before = stored_node_id(self);
     dg_store_begin(&self->store);
     (void)dg_store_stage(&self->store, DG_CO_REGION_BUS, 0, bus, sizeof bus);
+    for (uint8_t n = 0; n < DG_CO_TPDOS && before != node_id; n++) {
+        mark_region(self, n, before);
+    }
     return committed(self);
 }
 

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "canopen_bench.h"
 #include "conformance.h"
 #include "drehgeber/bits.h"
 #include "drehgeber/devices.h"
@@ -621,22 +622,14 @@ static bool step_eeprom(void *ctx, char **words, size_t n, struct cf_report *rep
            cf_fail(report, "eeprom silent|back");
 }
 
-/* damage REGION OFFSET [MASK]: bytes that change by themselves */
-static bool step_damage(void *ctx, char **words, size_t n, struct cf_report *report)
+/* damage REGION OFFSET [MASK] | stored REGION OFFSET BYTES: what has happened to the memory */
+static bool step_memory(void *ctx, char **words, size_t n, struct cf_report *report)
 {
     struct bench *b = ctx;
     const struct dg_store_layout *layout = b->model.device->layout;
-    int region = n >= 3 ? dg_store_find(layout, words[1]) : -1;
-    unsigned long offset = n >= 3 ? strtoul(words[2], NULL, 0) : 0;
-    unsigned long mask = n == 4 ? strtoul(words[3], NULL, 16) : 0x01;
 
-    if (region < 0 || offset >= layout->regions[region].size) {
-        return cf_fail(report, "damage REGION OFFSET [MASK]");
-    }
-    offset += dg_store_address(layout, (uint8_t)region);
-    b->nvm.bytes[offset] ^= (uint8_t)mask;
-    b->nvm.synced[offset] = b->nvm.bytes[offset];
-    return true;
+    return words[0][0] == 'd' ? canopen_damage(&b->nvm, layout, words, n, report)
+                              : canopen_stored(&b->nvm, layout, words, n, report);
 }
 
 /* node ID: whom `read` and `write` talk to from now on */
@@ -663,10 +656,10 @@ static const struct cf_step steps[] = {
     {"<",     step_expect, true}, {"skip",  step_skip,   true},  {"rtr",    step_rtr,    false},
     {"read",  step_sdo,   true},  {"write", step_sdo,    true},  {"wait",   step_wait,   false},
     {"turn",  step_turn,  false}, {"rpm",   step_rpm,    false}, {"bus",    step_bus,    false},
-    {"power", step_power, false}, {"eeprom", step_eeprom, false}, {"damage", step_damage, false},
+    {"power", step_power, false}, {"eeprom", step_eeprom, false}, {"damage", step_memory, false},
     {"node",  step_node,  false}, {"rate",  step_rate,   true},  {"late",  step_late,   false},
     {"ramp",  step_rpm,  false}, {"world", step_world,  false}, {"led",    step_led,    true},
-    {"leds",  step_leds,  true},
+    {"leds",  step_leds,  true},  {"stored", step_memory, false},
 };
 /* clang-format on */
 

@@ -205,3 +205,20 @@ uint32_t co_rig_get(struct co_rig *self, uint16_t index, uint8_t sub)
     assert_int_equal(co_rig_read(self, index, sub, &value), 0);
     return value;
 }
+
+void co_rig_store_cob_ids(struct co_rig *self, const uint32_t cob_ids[DG_CO_TPDOS])
+{
+    struct dg_store *const store = &self->node.store;
+
+    assert_int_equal(co_rig_write(self, 0x1010, 1, 0x65766173, 4), 0);
+    dg_store_begin(store);
+    for (uint8_t n = 0; n < DG_CO_TPDOS; n++) {
+        const uint8_t region = (uint8_t)(DG_CO_REGION_TPDO1 + n);
+        const uint16_t size = store->layout->regions[region].size;
+        uint8_t bytes[DG_STORE_CHECKED_MAX];
+        assert_int_equal(dg_store_read(store, region, 0, bytes, size), DG_OK);
+        dg_store_le32(bytes, cob_ids[n]); /* stands first */
+        (void)dg_store_stage(store, region, 0, bytes, size);
+    }
+    assert_int_equal(dg_store_commit(store), DG_OK);
+}

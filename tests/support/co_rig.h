@@ -55,5 +55,7 @@ uint32_t co_rig_read(struct co_rig *self, uint16_t index, uint8_t sub, uint32_t 
 /** A write and a read that must succeed (cmocka assertions). */
 void co_rig_put(struct co_rig *self, uint16_t index, uint8_t sub, uint32_t value, uint8_t size);
 uint32_t co_rig_get(struct co_rig *self, uint16_t index, uint8_t sub);
+/** 1010h, and the TPDOs' COB-IDs in the memory as earlier releases stored them: absolute. */
+void co_rig_store_cob_ids(struct co_rig *self, const uint32_t cob_ids[DG_CO_TPDOS]);
 
 #endif

@@ -145,7 +145,7 @@ static void restricted_can_ids_are_refused(void **state)
         {0x001, 0x07F}, {0x101, 0x180}, {0x581, 0x5FF}, {0x601, 0x67F},
         {0x6E0, 0x6FF}, {0x701, 0x77F}, {0x780, 0x7FF},
     };
-    static const uint16_t allowed[] = {0x080, 0x100, 0x181, 0x580, 0x600, 0x680, 0x6DF, 0x700};
+    static const uint16_t allowed[] = {0x081, 0x100, 0x181, 0x580, 0x600, 0x680, 0x6DF, 0x700};
 
     (void)state;
     pdo_disable(0);
@@ -161,6 +161,42 @@ static void restricted_can_ids_are_refused(void **state)
         pdo_put_ok(0x1800, 1, allowed[i], 4);
         pdo_put_ok(0x1800, 1, NOT_VALID, 4);
     }
+}
+
+/* SYNC, EMCY, other TPDOs that are valid, TIME as soon as it is consumed; either way round. */
+static void can_ids_the_node_uses_itself_are_refused(void **state)
+{
+    static const struct attempt attempts[] = {
+        {0x1800, 1, 4, 0x080, 0x06090030}, /* SYNC */
+        {0x1800, 1, 4, EMCY, 0x06090030},
+        {0x1800, 1, 4, TPDO2, 0x06090030},
+        {0x1800, 1, 4, TPDO4, 0x06090030},
+        {0x1800, 1, 4, NOT_VALID | 0x080, 0},
+        {0x1800, 1, 4, NOT_VALID | TPDO2, 0},
+        {0x1801, 1, 4, NOT_VALID | TPDO2, 0},
+        {0x1800, 1, 4, TPDO2, 0}, /* TPDO2 is not valid any more */
+        {0x1801, 1, 4, TPDO2, 0x06090030},
+        {0x1005, 0, 4, TPDO2, 0x06090030},
+        {0x1005, 0, 4, EMCY, 0x06090030},
+        {0x1005, 0, 4, 0x080, 0}, /* what is there */
+        {0x1005, 0, 4, TPDO1, 0}, /* nobody's */
+        {0x1801, 1, 4, TPDO1, 0x06090030},
+        {0x1801, 1, 4, 0x100, 0}, /* TIME is not consumed */
+        {0x1012, 0, 4, 0x100, 0},
+        {0x1012, 0, 4, NOT_VALID | 0x100, 0x06090030},
+        {0x1801, 1, 4, NOT_VALID, 0},
+        {0x1012, 0, 4, NOT_VALID | 0x100, 0},
+        {0x1012, 0, 4, NOT_VALID | 0x100, 0}, /* what is there */
+        {0x1012, 0, 4, NOT_VALID | TPDO4, 0x06090030},
+        {0x1012, 0, 4, NOT_VALID | TPDO1, 0x06090030}, /* SYNC's now */
+        {0x1005, 0, 4, 0x100, 0x06090030},
+        {0x1801, 1, 4, 0x100, 0x06090030},
+        {0x1801, 1, 4, 0x080, 0},
+    };
+
+    (void)state;
+    pdo_disable(0);
+    attempt_all(attempts, sizeof attempts / sizeof attempts[0]);
 }
 
 static void an_invalid_tpdo_takes_another_inhibit_time(void **state)
@@ -229,7 +265,7 @@ static void foreign_parameters_leave_the_tpdo_off(void **state)
     static const struct {
         uint8_t offset; /* in the region: COB-ID 0, type 4, entries' count 10 */
         uint8_t byte;
-    } damages[] = {{0, 0x00}, {2, 0x01}, {3, 0x20}, {4, 241},
+    } damages[] = {{0, 0x00}, {2, 0x01}, {3, 0x30}, {4, 241},
                    {10, 0},   {10, 9},   {10, 2},   {13, 0x05}};
     uint8_t good[43];
     uint8_t bad[43];
@@ -246,7 +282,7 @@ static void foreign_parameters_leave_the_tpdo_off(void **state)
         assert_int_not_equal(bad[damages[i].offset], damages[i].byte);
         bad[damages[i].offset] = damages[i].byte;
         if (damages[i].offset == 0) {
-            bad[1] = 0; /* CAN-ID 000h */
+            memset(bad, 0, 4); /* CAN-ID 000h */
         }
         assert_int_equal(dg_store_put(&store, DG_CO_REGION_TPDO1, 0, bad, sizeof bad), DG_OK);
         pdo_power_on(&pdo_rig_device);
@@ -269,6 +305,7 @@ int main(void)
         cmocka_unit_test_setup(what_a_valid_tpdo_refuses, pdo_set_up),
         cmocka_unit_test_setup(what_mapping_refuses, pdo_set_up),
         cmocka_unit_test_setup(restricted_can_ids_are_refused, pdo_set_up),
+        cmocka_unit_test_setup(can_ids_the_node_uses_itself_are_refused, pdo_set_up),
         cmocka_unit_test_setup(an_invalid_tpdo_takes_another_inhibit_time, pdo_set_up),
         cmocka_unit_test_setup(a_new_can_id_is_listened_to, pdo_set_up),
         cmocka_unit_test_setup(saved_parameters_work_after_power_off, pdo_set_up),

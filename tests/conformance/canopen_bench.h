@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * Steps of the F36x8 that need nothing of the bench but its memory, or not even that.
+ */
+#ifndef TESTS_CONFORMANCE_CANOPEN_BENCH_H
+#define TESTS_CONFORMANCE_CANOPEN_BENCH_H
+
+#include "conformance.h"
+#include "drehgeber/store.h"
+#include "ram_nvm.h"
+
+/** damage REGION OFFSET [MASK]: bytes that change by themselves */
+bool canopen_damage(struct ram_nvm *nvm, const struct dg_store_layout *layout, char **words,
+                    size_t n, struct cf_report *report);
+/** stored REGION OFFSET BYTES: what an earlier release has left there, with its sum */
+bool canopen_stored(struct ram_nvm *nvm, const struct dg_store_layout *layout, char **words,
+                    size_t n, struct cf_report *report);
+
+#endif
