@@ -131,9 +131,22 @@ static bool consumer_active(uint32_t entry)
     return consumed_node(entry) != 0 && (entry & 0xFFFFu) != 0;
 }
 
-/* Monitoring begins with the first heartbeat or boot-up of the node (C12). */
+/* A state in one byte. Neither a boot-up, nor an answer to guarding (bit 7), nor a frame without
+ * data says that the node's heartbeat is on (C32). */
+static bool is_heartbeat(const struct dg_can_frame *frame)
+{
+    uint8_t state = frame->data[0];
+
+    return frame->dlc == 1 &&
+           (state == DG_CO_STOPPED || state == DG_CO_OPERATIONAL || state == DG_CO_PRE_OPERATIONAL);
+}
+
+/* Monitoring begins with the first heartbeat of the node (C12). */
 void dg_co_heartbeat_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
 {
+    if (!is_heartbeat(frame)) {
+        return;
+    }
     for (uint8_t i = 0; i < DG_CO_CONSUMERS; i++) {
         uint32_t entry = self->value[CO_CONSUMER_1 + i];
         if (consumer_active(entry) && frame->id == CO_ID_GUARD + consumed_node(entry)) {
@@ -180,6 +193,8 @@ enum dg_co_abort dg_co_hook_heartbeat(struct dg_co_node *self, const struct dg_c
     return DG_CO_OK;
 }
 
+/* An active entry is not changed without having been cleared (chapter 16); written again as it is,
+ * it waits for a heartbeat anew. */
 enum dg_co_abort dg_co_hook_consumer(struct dg_co_node *self, const struct dg_co_object *object,
                                      enum dg_co_op op, uint32_t *value)
 {
@@ -191,12 +206,17 @@ enum dg_co_abort dg_co_hook_consumer(struct dg_co_node *self, const struct dg_co
         self->consumer_at[mine] = DG_NEVER;
         dg_co_clear(self, (uint8_t)(DG_CO_CAUSE_HEARTBEAT + mine));
     }
-    if (op != DG_CO_WRITE || !consumer_active(*value)) {
+    if (op != DG_CO_WRITE) {
         return DG_CO_OK;
     }
     if (*value >> 23 != 0) {
         return DG_CO_RANGE;
     }
-    bool twice = consumer_active(other) && consumed_node(other) == consumed_node(*value);
-    return twice || consumer_active(present) ? DG_CO_INCOMPATIBLE : DG_CO_OK;
+    if (!consumer_active(*value)) {
+        return DG_CO_OK;
+    }
+    bool taken = (consumer_active(other) && consumed_node(other) == consumed_node(*value)) ||
+                 consumed_node(*value) == self->id;
+    bool changes = consumer_active(present) && *value != present;
+    return taken || changes ? DG_CO_INCOMPATIBLE : DG_CO_OK;
 }
