@@ -107,6 +107,7 @@ void dg_co_clear(struct dg_co_node *self, uint8_t cause)
 void dg_co_emcy_start(struct dg_co_node *self)
 {
     self->active_causes = 0;
+    self->history_count = 0; /* chapter 28: power-on values (C37) */
     self->emcy_count = 0;
     self->emcy_until = 0;
 }

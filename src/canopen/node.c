@@ -127,7 +127,6 @@ int dg_co_power_on(struct dg_co_node *self, dg_ns now)
         return result;
     }
     self->bus_off = false;
-    self->history_count = 0;
     self->lss.silent_until = 0;
     self->bus_found = false;
     dg_co_use_bit_rate(self);
