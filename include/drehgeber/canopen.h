@@ -108,6 +108,8 @@ enum dg_co_flags {
     DG_CO_SLOT = 32,  /**< has a value in dg_co_node.value; without it the default or the hook */
     DG_CO_CONST = 64, /**< never changes; an EDS says const */
     DG_CO_GAP = 128,  /**< in its region a byte in front of it stays free: layouts never shrink */
+    DG_CO_EVENT =
+        256, /**< dg_co_pdo_event() sends the TPDOs it is mapped into when it has changed */
 };
 
 /** What a hook is called for. */
@@ -274,6 +276,7 @@ struct dg_co_tpdo {
     uint8_t sync_count; /**< SYNCs since the last one that it was sent at */
     uint8_t mapped_count;
     uint8_t length;      /**< bytes */
+    uint8_t event_bytes; /**< bit n: byte n is of an object with DG_CO_EVENT */
     uint8_t last[8 + 3]; /**< data sent or sampled last; room for a whole 32-bit store at byte 7 */
     dg_ns event_at;      /**< event timer, or DG_NEVER */
     dg_ns inhibit_until;
@@ -419,7 +422,8 @@ uint8_t dg_co_filters(const struct dg_co_node *self, uint16_t ids[DG_CO_FILTERS_
 void dg_co_raise(struct dg_co_node *self, uint8_t cause, const uint8_t manufacturer[5]);
 /** A cause is over; EMCY 0000h with the last one. Nothing happens when it does not last. */
 void dg_co_clear(struct dg_co_node *self, uint8_t cause);
-/** The profile's event for TPDOs of type 254 and 255: the mapped objects may have changed. */
+/** The profile's event for TPDOs of type 0, 254 and 255: objects with DG_CO_EVENT may have changed.
+ */
 void dg_co_pdo_event(struct dg_co_node *self);
 /** The event timer of TPDO `tpdo` (0..3) was written through another object. */
 void dg_co_pdo_rearm(struct dg_co_node *self, uint8_t tpdo);

@@ -36,7 +36,7 @@ enum dg_cia406_parameters {
     DG_CIA406_USF = 0x1000,         /**< universal scaling function */
     DG_CIA406_UNITS_PER_S = 0x2000, /**< 6030h in units/s instead of rpm */
     DG_CIA406_OPERATIONAL = 0x4000, /**< boots into Operational */
-    DG_CIA406_EVENT_MODE = 0x8000,  /**< TPDOs of type 254 and 255 on every change */
+    DG_CIA406_EVENT_MODE = 0x8000,  /**< TPDOs of types 0, 254, 255 on every change of a position */
     DG_CIA406_SUPPORTED = 0xF005,   /**< the bits above */
 };
 

@@ -32,29 +32,40 @@ static const struct dg_co_object *find_mapped(const struct dg_co_node *self, uin
     return object;
 }
 
-/* Entries 1..count to rows. Only while the TPDO is not valid, or with the entries it has. */
+/* One more object. */
+static void append(struct dg_co_tpdo *tpdo, const struct dg_co_object *object)
+{
+    uint8_t size = dg_co_size(object);
+
+    if ((object->flags & DG_CO_EVENT) != 0) {
+        tpdo->event_bytes |= (uint8_t)(((1u << size) - 1u) << tpdo->length);
+    }
+    tpdo->mapped[tpdo->mapped_count++] = object;
+    tpdo->length = (uint8_t)(tpdo->length + size);
+}
+
+/* Entries 1..count to rows; an entry of 0 is an unused one. Only while the TPDO is not valid, or
+ * with the entries it has. */
 static enum dg_co_abort resolve(struct dg_co_node *self, uint8_t n, uint32_t count)
 {
     struct dg_co_tpdo *tpdo = &self->tpdo[n];
     enum dg_co_abort abort = count > DG_CO_MAPPED_MAX ? DG_CO_PDO_LENGTH : DG_CO_OK;
-    uint32_t bits = 0;
 
+    tpdo->mapped_count = 0;
+    tpdo->length = 0;
+    tpdo->event_bytes = 0;
     for (uint8_t i = 0; abort == DG_CO_OK && i < count; i++) {
         uint32_t entry = self->value[CO_TPDO(n, CO_PDO_ENTRIES) + i];
-        tpdo->mapped[i] = find_mapped(self, entry, &abort);
-        bits += entry & 0xFFu;
+        const struct dg_co_object *object = entry != 0 ? find_mapped(self, entry, &abort) : NULL;
+        if (object != NULL && abort == DG_CO_OK) {
+            append(tpdo, object);
+        }
     }
-    if (abort == DG_CO_OK && bits > 64) {
-        abort = DG_CO_PDO_LENGTH;
-    }
-    tpdo->mapped_count = (uint8_t)count;
-    tpdo->length = (uint8_t)(bits / 8u);
-    return abort;
+    return abort == DG_CO_OK && tpdo->length > 8 ? DG_CO_PDO_LENGTH : abort;
 }
 
 /*
  * The five steps: 1 TPDO not valid (1800h:1 bit 31), 2 sub 0 = 0, 3 entries, 4 sub 0 = n, 5 valid.
- * An entry of 0 is an unused one.
  */
 static enum dg_co_abort check_mapping(struct dg_co_node *self, uint8_t n, uint8_t sub,
                                       uint32_t wanted)
@@ -115,8 +126,8 @@ static enum dg_co_abort check_cob_id(struct dg_co_node *self, uint8_t n, uint32_
         return DG_CO_RANGE;
     }
     uint32_t count = co_pdo_parameter(self, n, CO_PDO_MAPPED);
-    bool complete = count != 0 && !is_reserved(co_pdo_parameter(self, n, CO_PDO_TYPE)) &&
-                    resolve(self, n, count) == DG_CO_OK;
+    bool complete = resolve(self, n, count) == DG_CO_OK && tpdo->length != 0 &&
+                    !is_reserved(co_pdo_parameter(self, n, CO_PDO_TYPE));
     return complete ? DG_CO_OK : DG_CO_RANGE;
 }
 

@@ -3,7 +3,7 @@
  * TPDOs and SYNC (CiA 301; manual chapters 3, 11, 12).
  *
  *   type      sampled   sent
- *   0         SYNC      at the SYNC after an event
+ *   0         SYNC      at the SYNC after an event, and after entering Operational
  *   1..240    SYNC      at every nth SYNC
  *   252       SYNC      on request (RTR)
  *   253       RTR       on request
@@ -127,7 +127,7 @@ static dg_ns serve(struct dg_co_node *self, uint8_t n, bool *sampled)
     return tpdo->event_at;
 }
 
-static dg_ns serve_all(struct dg_co_node *self, bool sampled)
+static void serve_all(struct dg_co_node *self, bool sampled)
 {
     dg_ns next = DG_NEVER;
 
@@ -137,12 +137,25 @@ static dg_ns serve_all(struct dg_co_node *self, bool sampled)
         }
     }
     self->pdo_at = next;
-    return next;
 }
 
 dg_ns dg_co_pdo_step(struct dg_co_node *self)
 {
-    return self->pdo_at > self->now ? self->pdo_at : serve_all(self, false);
+    if (self->pdo_at <= self->now) {
+        serve_all(self, false);
+    }
+    return self->pdo_at;
+}
+
+/* Only objects with DG_CO_EVENT count. */
+static bool has_changed(const struct dg_co_tpdo *tpdo, const uint8_t *data)
+{
+    bool changed = !tpdo->sampled;
+
+    for (uint8_t i = 0; i < tpdo->length; i++) {
+        changed = changed || ((tpdo->event_bytes >> i & 1u) != 0 && data[i] != tpdo->last[i]);
+    }
+    return changed;
 }
 
 void dg_co_pdo_event(struct dg_co_node *self)
@@ -155,21 +168,22 @@ void dg_co_pdo_event(struct dg_co_node *self)
     for (uint8_t n = 0; n < DG_CO_TPDOS; n++) {
         struct dg_co_tpdo *tpdo = &self->tpdo[n];
         uint8_t data[sizeof tpdo->last];
-        if (tpdo->valid && co_pdo_takes_events(tpdo->type) && !tpdo->pending) {
+        if (tpdo->valid && tpdo->event_bytes != 0 && co_pdo_takes_events(tpdo->type) &&
+            !tpdo->pending) {
             build(self, tpdo, data);
-            tpdo->pending = !tpdo->sampled || memcmp(data, tpdo->last, tpdo->length) != 0;
+            tpdo->pending = has_changed(tpdo, data);
         }
     }
-    (void)serve_all(self, sampled);
+    serve_all(self, sampled);
 }
 
 void dg_co_pdo_state(struct dg_co_node *self, bool operational)
 {
     for (uint8_t n = 0; n < DG_CO_TPDOS; n++) {
         dg_co_pdo_restart(self, n);
-        self->tpdo[n].pending = operational && self->tpdo[n].type >= CO_PDO_EVENT;
+        self->tpdo[n].pending = operational && co_pdo_takes_events(self->tpdo[n].type);
     }
-    (void)serve_all(self, false);
+    serve_all(self, false);
 }
 
 /* ------------------------------------------------------------ SYNC and RTR */

@@ -128,7 +128,7 @@ static dg_ns look_ns(const struct dg_co_node *node)
     return parameter(node, DG_CIA406_USF) && turns < LOOK_MS ? DG_MS(turns) : DG_MS(LOOK_MS);
 }
 
-/* Supervision now and then; in event mode every millisecond whether something has changed. */
+/* Supervision now and then; in event mode every millisecond whether a position has changed. */
 static dg_ns step(struct dg_co_node *node)
 {
     struct dg_cia406 *self = encoder_of(node);
@@ -156,6 +156,7 @@ enum {
     S = DG_CO_SAVE,
     V = DG_CO_SLOT,
     C = DG_CO_CONST,
+    E = DG_CO_EVENT,
     APP = REGION_PROFILE,
 };
 

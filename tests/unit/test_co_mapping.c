@@ -127,8 +127,7 @@ static void what_mapping_refuses(void **state)
         {0x1A00, 0, 1, 9, 0x06040042},     /* no such entry */
         {0x1A00, 0, 1, 255, 0x06040042},
         {0x1A00, 3, 4, 0, 0},
-        {0x1A00, 0, 1, 3, 0x06020000}, /* an unused one */
-        {0x1A00, 0, 1, 2, 0},
+        {0x1A00, 0, 1, 3, 0}, /* an unused one */
         {0x1A00, 2, 4, 0x60040020, 0x06010000},
         {0x1A00, 0, 1, 1, 0},
         {0x1800, 1, 4, 0x1BF, 0},
@@ -137,6 +136,28 @@ static void what_mapping_refuses(void **state)
     (void)state;
     pdo_disable(0);
     attempt_all(attempts, sizeof attempts / sizeof attempts[0]);
+}
+
+static void unused_entries_leave_no_gap(void **state)
+{
+    static const uint8_t data[] = {0x04, 0xFE, 0x04, 0x03};
+
+    (void)state;
+    pdo_disable(0);
+    pdo_put_ok(0x1A00, 0, 0, 1);
+    pdo_put_ok(0x1A00, 1, 0, 4);
+    pdo_put_ok(0x1A00, 0, 1, 1); /* nothing but unused ones: no PDO */
+    assert_int_equal(pdo_put(0x1800, 1, TPDO1, 4), 0x06090030);
+    pdo_put_ok(0x1A00, 0, 0, 1);
+    pdo_put_ok(0x1A00, 2, 0x20010008, 4);
+    pdo_put_ok(0x1A00, 4, 0x20040108, 4);
+    pdo_put_ok(0x1A00, 8, 0x20020010, 4);
+    pdo_put_ok(0x1A00, 0, 8, 1);
+    pdo_enable(0);
+    assert_int_equal(pdo_get(0x1A00, 0), 8);
+    assert_int_equal(pdo_get(0x1A00, 3), 0);
+    pdo_nmt(START);
+    pdo_expect(0, TPDO1, data, sizeof data);
 }
 
 static void restricted_can_ids_are_refused(void **state)
@@ -265,8 +286,7 @@ static void foreign_parameters_leave_the_tpdo_off(void **state)
     static const struct {
         uint8_t offset; /* in the region: COB-ID 0, type 4, entries' count 10 */
         uint8_t byte;
-    } damages[] = {{0, 0x00}, {2, 0x01}, {3, 0x30}, {4, 241},
-                   {10, 0},   {10, 9},   {10, 2},   {13, 0x05}};
+    } damages[] = {{0, 0x00}, {2, 0x01}, {3, 0x30}, {4, 241}, {10, 0}, {10, 9}, {13, 0x05}};
     uint8_t good[43];
     uint8_t bad[43];
     struct dg_store store;
@@ -304,6 +324,7 @@ int main(void)
         cmocka_unit_test_setup(eight_bytes_can_be_mapped_one_by_one, pdo_set_up),
         cmocka_unit_test_setup(what_a_valid_tpdo_refuses, pdo_set_up),
         cmocka_unit_test_setup(what_mapping_refuses, pdo_set_up),
+        cmocka_unit_test_setup(unused_entries_leave_no_gap, pdo_set_up),
         cmocka_unit_test_setup(restricted_can_ids_are_refused, pdo_set_up),
         cmocka_unit_test_setup(can_ids_the_node_uses_itself_are_refused, pdo_set_up),
         cmocka_unit_test_setup(an_invalid_tpdo_takes_another_inhibit_time, pdo_set_up),

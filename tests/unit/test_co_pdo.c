@@ -130,8 +130,10 @@ static void type_0_waits_for_an_event_and_a_sync(void **state)
 {
     (void)state;
     pdo_only_tpdo2(0);
+    pdo_sync(); /* entering Operational was one */
     pdo_sync();
-    assert_int_equal(pdo_rig.count, 0);
+    assert_int_equal(pdo_rig.count, 1);
+    pdo_forget();
     pdo_change(1);
     pdo_change(2);
     pdo_run_ms(50);
@@ -199,8 +201,7 @@ static void an_event_outlives_a_missed_window(void **state)
     (void)state;
     pdo_put_ok(0x1007, 0, 500, 4);
     pdo_only_tpdo2(0);
-    pdo_change(1);
-    late_sync(501);
+    late_sync(501); /* that of entering Operational */
     assert_int_equal(pdo_rig.count, 0);
     pdo_sync();
     assert_int_equal(pdo_rig.count, 1);
@@ -386,6 +387,41 @@ static void the_event_timer_restarts_from_a_write(void **state)
     assert_int_equal(pdo_rig.count, 2);
 }
 
+static void reading_parameters_leaves_the_timers_alone(void **state)
+{
+    dg_ns entered;
+
+    (void)state;
+    pdo_only_tpdo1(10, 0);
+    entered = pdo_rig.now;
+    pdo_run_ms(7);
+    assert_int_equal(pdo_get(0x1800, 5), 10);
+    assert_int_equal(pdo_get(0x1800, 2), 255);
+    assert_int_equal(pdo_get(0x1800, 1), TPDO1);
+    pdo_run_ms(5);
+    assert_int_equal(pdo_rig.count, 1);
+    pdo_expect_at_ms(0, entered, 10);
+    pdo_enable(1);
+    pdo_only_tpdo2(3);
+    pdo_sync();
+    pdo_sync();
+    assert_int_equal(pdo_get(0x1801, 2), 3); /* nor the phase */
+    pdo_sync();
+    assert_int_equal(pdo_rig.count, 1);
+}
+
+static void an_event_whose_sample_ends_operational_sends_nothing(void **state)
+{
+    (void)state;
+    pdo_put_ok(0x1029, 2, 0, 1);
+    pdo_only_tpdo1(10, 0);
+    pdo_rig.fault = true;
+    pdo_run_ms(100);
+    assert_int_equal(pdo_rig.count, 1);
+    assert_int_equal(pdo_rig.sent[0].frame.id, EMCY);
+    assert_int_equal(pdo_rig.node.state, DG_CO_PRE_OPERATIONAL);
+}
+
 static void another_object_can_write_the_event_timer(void **state)
 {
     dg_ns written;
@@ -437,6 +473,34 @@ static void the_event_timer_is_for_types_254_and_255(void **state)
     assert_int_equal(pdo_rig.count, 0);
     pdo_run_ms(1);
     assert_int_equal(pdo_rig.count, 1);
+}
+
+/* The speed is read at 1, 2, ... here, the position stays: objects without DG_CO_EVENT, 2004h:1 and
+ * 6030h:1, neither send nor keep from sending. */
+static void only_objects_that_are_events_send(void **state)
+{
+    static const uint8_t first[] = {0x85, 0xFF, 0x04, 0xFE};
+    static const uint8_t second[] = {0x85, 0xFF, 0x05, 0xFE};
+
+    (void)state;
+    pdo_disable(0);
+    pdo_put_ok(0x1A00, 0, 0, 1);
+    pdo_put_ok(0x1A00, 1, 0x60300110, 4);
+    pdo_put_ok(0x1A00, 2, 0x20010008, 4);
+    pdo_put_ok(0x1A00, 3, 0x20040108, 4);
+    pdo_put_ok(0x1A00, 0, 3, 1);
+    pdo_enable(0);
+    pdo_nmt(START);
+    pdo_expect(0, TPDO1, first, sizeof first);
+    pdo_forget();
+    pdo_rig.node.tpdo[0].last[0] ^= 1; /* as if another speed had been sent */
+    pdo_rig.node.tpdo[0].last[3] ^= 1;
+    pdo_rig.node.tpdo[2].last[0] ^= 1;
+    pdo_change(0x01020304);
+    assert_int_equal(pdo_rig.count, 0);
+    pdo_change(0x01020305);
+    assert_int_equal(pdo_rig.count, 1);
+    pdo_expect(0, TPDO1, second, sizeof second);
 }
 
 static void only_a_change_of_a_mapped_value_is_sent(void **state)
@@ -623,6 +687,9 @@ int main(void)
         cmocka_unit_test_setup(a_transmission_restarts_the_event_timer, pdo_set_up),
         cmocka_unit_test_setup(the_event_timer_is_for_types_254_and_255, pdo_set_up),
         cmocka_unit_test_setup(only_a_change_of_a_mapped_value_is_sent, pdo_set_up),
+        cmocka_unit_test_setup(only_objects_that_are_events_send, pdo_set_up),
+        cmocka_unit_test_setup(reading_parameters_leaves_the_timers_alone, pdo_set_up),
+        cmocka_unit_test_setup(an_event_whose_sample_ends_operational_sends_nothing, pdo_set_up),
         cmocka_unit_test_setup(an_event_within_the_inhibit_time_is_deferred, pdo_set_up),
         cmocka_unit_test_setup(the_host_is_told_when_a_deferred_event_is_due, pdo_set_up),
         cmocka_unit_test_setup(the_inhibit_time_bounds_the_event_timer, pdo_set_up),

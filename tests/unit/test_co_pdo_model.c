@@ -187,7 +187,7 @@ static void do_nmt(void)
     model.operational = command == START;
     for (uint8_t n = 0; n < 2 && (entered || !model.operational); n++) {
         model_phase(n);
-        model.tpdo[n].event = entered && model.tpdo[n].type >= 254;
+        model.tpdo[n].event = entered && (model.tpdo[n].type == 0 || model.tpdo[n].type >= 254);
     }
 }
 

@@ -16,7 +16,9 @@
 
 #define COUNT(a) (sizeof(a) / sizeof((a)[0]))
 #define SAVE 0x65766173u /* "save" */
-#define FLAGS (DG_CO_RW | DG_CO_MAP | DG_CO_ID | DG_CO_SAVE | DG_CO_SLOT | DG_CO_CONST | DG_CO_GAP)
+#define FLAGS                                                                                      \
+    (DG_CO_RW | DG_CO_MAP | DG_CO_ID | DG_CO_SAVE | DG_CO_SLOT | DG_CO_CONST | DG_CO_GAP |         \
+     DG_CO_EVENT)
 
 static struct co_rig rig;
 static const struct dg_co_device *const device = &dg_cia406_multiturn;
@@ -171,6 +173,7 @@ static void flags_are_consistent(void **state)
         assert_true((flags & DG_CO_SAVE) == 0 || (flags & DG_CO_RW) == DG_CO_RW ||
                     ((flags & DG_CO_R) != 0 && object->hook != NULL));
         assert_true((flags & DG_CO_SAVE) == 0 || (flags & DG_CO_SLOT) != 0);
+        assert_true((flags & DG_CO_EVENT) == 0 || (flags & DG_CO_MAP) != 0);
         assert_true((flags & DG_CO_GAP) == 0 || (flags & DG_CO_SAVE) != 0);
         assert_true((flags & DG_CO_MAP) == 0 || (flags & DG_CO_R) != 0);
         assert_true((flags & DG_CO_MAP) == 0 || dg_co_size(object) != 0);

@@ -27,6 +27,7 @@ enum {
     V = DG_CO_SLOT,
     C = DG_CO_CONST,
     G = DG_CO_GAP,
+    E = DG_CO_EVENT,
 };
 
 #define DG_CO_PARENT(index, kind, name) {index, 0x100, #kind, 0, 0, name},
