@@ -37,7 +37,7 @@ enum dg_cia406_parameters {
     DG_CIA406_UNITS_PER_S = 0x2000, /**< 6030h in units/s instead of rpm */
     DG_CIA406_OPERATIONAL = 0x4000, /**< boots into Operational */
     DG_CIA406_EVENT_MODE = 0x8000,  /**< TPDOs of types 0, 254, 255 on every change of a position */
-    DG_CIA406_SUPPORTED = 0xF005,   /**< the bits above */
+    DG_CIA406_WRITABLE = 0xF00F,    /**< the bits above, and 1 and 3, which have no effect */
 };
 
 /** What drives the two LEDs, later ones win (chapter 29). */

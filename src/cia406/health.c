@@ -14,6 +14,7 @@
 #define BATTERY_LOW_10MV 240u
 #define BATTERY_NONE_10MV 10u
 #define BATTERY_NONE 0x3FFu
+#define BATTERY_MAX_10MV 500u
 #define LED_MAX_UA 30000u
 #define RPM_WARN_SINGLETURN 4000
 #define RPM_WARN_MULTITURN 12000
@@ -33,7 +34,7 @@ static uint16_t battery_10mv(const struct dg_co_node *node)
 {
     uint32_t value = node->setup.world->battery_mv / 10u;
 
-    return (uint16_t)(value > 0x3FE ? 0x3FE : value);
+    return (uint16_t)(value > BATTERY_MAX_10MV ? BATTERY_MAX_10MV : value);
 }
 
 static bool too_hot_or_cold(const struct dg_co_node *node)
@@ -43,11 +44,15 @@ static bool too_hot_or_cold(const struct dg_co_node *node)
     return code > node->value[SLOT_TEMPERATURE_HIGH] || code < node->value[SLOT_TEMPERATURE_LOW];
 }
 
+/* Once told it lasts until the speed is 1 % below the limit: one EMCY per event (C34). */
 static bool too_fast(const struct dg_co_node *node)
 {
     int64_t limit = encoder_of(node)->model->turns > 1 ? RPM_WARN_MULTITURN : RPM_WARN_SINGLETURN;
     int64_t rpm = dg_cia406_rpm(node);
 
+    if ((node->active_causes >> CAUSE_SPEED & 1u) != 0) {
+        limit -= limit / 100;
+    }
     return rpm > limit || rpm < -limit;
 }
 

@@ -211,7 +211,7 @@ static enum dg_co_abort allowed(const struct dg_co_node *node, const uint32_t *w
     uint64_t turns = encoder_of(node)->model->turns;
     bool usf = (parameters & DG_CIA406_USF) != 0;
 
-    if ((parameters & ~(uint32_t)DG_CIA406_SUPPORTED) != 0) {
+    if ((parameters & ~(uint32_t)DG_CIA406_WRITABLE) != 0) {
         return DG_CO_RANGE;
     }
     if (usf && (parameters & DG_CIA406_SCALING) == 0) {

@@ -14,6 +14,12 @@ static int64_t saturate(int64_t value, int64_t limit)
     return value > limit ? limit : value < -limit ? -limit : value;
 }
 
+/* To nearest, so that a constant speed reads constant (C34); `divisor` > 0. */
+static int64_t divide(int64_t figure, int64_t divisor)
+{
+    return (figure < 0 ? figure - divisor / 2 : figure + divisor / 2) / divisor;
+}
+
 /* Counts the shaft has moved in the window that ended `windows` windows ago; limited where every
  * unit saturates anyway, so that what is computed from them fits. */
 static int64_t moved(const struct dg_co_node *node, uint32_t windows)
@@ -28,7 +34,8 @@ static int64_t moved(const struct dg_co_node *node, uint32_t windows)
 
 int64_t dg_cia406_rpm(const struct dg_co_node *node)
 {
-    return moved(node, 0) * 60000 / ((int64_t)DG_CIA406_STEPS * node->value[SLOT_SPEED_WINDOW_MS]);
+    return divide(moved(node, 0) * 60000,
+                  (int64_t)DG_CIA406_STEPS * node->value[SLOT_SPEED_WINDOW_MS]);
 }
 
 enum dg_co_abort dg_cia406_hook_speed(struct dg_co_node *node, const struct dg_co_object *object,
@@ -42,8 +49,8 @@ enum dg_co_abort dg_cia406_hook_speed(struct dg_co_node *node, const struct dg_c
     if (parameter(node, DG_CIA406_UNITS_PER_S)) {
         int64_t divisor =
             (int64_t)node->value[SLOT_SPEED_WINDOW_MS] * node->value[SLOT_SPEED_DIVISOR];
-        speed = saturate(moved(node, 0) * 1000 * node->value[SLOT_SPEED_MULTIPLIER] / divisor,
-                         INT16_MAX);
+        speed = divide(moved(node, 0) * 1000 * node->value[SLOT_SPEED_MULTIPLIER], divisor);
+        speed = saturate(speed, INT16_MAX);
     } else {
         speed = saturate(dg_cia406_rpm(node), multiturn ? RPM_MAX_MULTITURN : RPM_MAX_SINGLETURN);
     }
@@ -64,9 +71,9 @@ enum dg_co_abort dg_cia406_hook_acceleration(struct dg_co_node *node,
     (void)object;
     (void)op;
     if (parameter(node, DG_CIA406_UNITS_PER_S)) {
-        acceleration = change * 1000000 / (window_ms * window_ms);
+        acceleration = divide(change * 1000000, window_ms * window_ms);
     } else {
-        acceleration = change * 60 * 1000000 / (DG_CIA406_STEPS * window_ms * window_ms);
+        acceleration = divide(change * 60 * 1000000, DG_CIA406_STEPS * window_ms * window_ms);
     }
     *value = (uint32_t)saturate(acceleration, INT16_MAX);
     return DG_CO_OK;

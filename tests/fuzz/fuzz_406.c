@@ -194,7 +194,7 @@ static void check(struct bench *bench)
         }
     }
     parameters = value_of(bench, 0x6000, 0);
-    must((parameters & ~(uint32_t)DG_CIA406_SUPPORTED) == 0);
+    must((parameters & ~(uint32_t)DG_CIA406_WRITABLE) == 0);
     must((parameters & DG_CIA406_USF) == 0 ||
          ((parameters & SCALING) != 0 &&
           4 * range(bench) < (uint64_t)bench->model.turns * value_of(bench, 0x6001, 0)));

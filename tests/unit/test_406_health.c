@@ -13,6 +13,7 @@
 #include <cmocka.h>
 
 #include "co_rig.h"
+#include "profile.h"
 
 #define EMCY 0x0BF
 #define TPDO1 0x1BF
@@ -226,6 +227,31 @@ static void limits_belong_to_what_is_allowed(void **state)
     assert_int_equal(co_rig_get(&rig, 0x6505, 0), 0);
 }
 
+/* From above 12000 rpm until 11880: one EMCY, and bits that agree with it. */
+static void too_fast_has_a_hysteresis(void **state)
+{
+    static const int32_t still_too_fast[] = {12001000, 12000000, 11881000, 12000000, -11900000};
+    (void)state;
+    co_rig_forget(&rig);
+    for (size_t i = 0; i < sizeof still_too_fast / sizeof still_too_fast[0]; i++) {
+        turn_at(still_too_fast[i]);
+        co_rig_run(&rig, DG_S(1));
+        co_rig_expect_count(&rig, 1);
+        assert_int_equal(rig.node.active_causes, 1u << CAUSE_SPEED);
+    }
+    assert_int_equal(co_rig_get(&rig, 0x6505, 0), 1);
+    assert_int_equal(co_rig_get(&rig, 0x2120, 1), 0x80);
+    co_rig_forget(&rig);
+    turn_at(-11880000);
+    co_rig_run(&rig, DG_S(1));
+    co_rig_expect_count(&rig, 1);
+    co_rig_expect(&rig, 0, EMCY, "00 00 00 00 00 00 00 00");
+    assert_int_equal(co_rig_get(&rig, 0x6505, 0), 0);
+    turn_at(12000000);
+    co_rig_run(&rig, DG_S(1));
+    assert_int_equal(co_rig_get(&rig, 0x6505, 0), 0);
+}
+
 static void a_singleturn_has_no_battery_and_another_speed_limit(void **state)
 {
     (void)state;
@@ -324,9 +350,14 @@ static void temperature_limits(void **state)
         assert_int_equal(co_rig_write(&rig, 0x2120, sub, 0x1F, 1), DG_CO_RANGE);
         assert_int_equal(co_rig_write(&rig, 0x2120, sub, 0xAD, 1), DG_CO_RANGE);
         assert_int_equal(co_rig_get(&rig, 0x2120, sub), before);
-        co_rig_put(&rig, 0x2120, sub, 0xAC, 1);
-        co_rig_put(&rig, 0x2120, sub, 0x20, 1);
     }
+    co_rig_put(&rig, 0x2120, 3, 0xAC, 1);
+    co_rig_put(&rig, 0x2120, 2, 0xAC, 1);
+    assert_int_equal(co_rig_write(&rig, 0x2120, 3, 0xAB, 1), 0x06090036);
+    co_rig_put(&rig, 0x2120, 2, 0x20, 1);
+    co_rig_put(&rig, 0x2120, 3, 0x20, 1);
+    assert_int_equal(co_rig_write(&rig, 0x2120, 2, 0x21, 1), 0x06090036);
+    co_rig_put(&rig, 0x2120, 3, 0xA2, 1);
     assert_int_equal(co_rig_write(&rig, 0x2120, 4, 0x50, 1), DG_CO_READ_ONLY);
     assert_int_equal(co_rig_write(&rig, 0x2120, 1, 0, 1), DG_CO_READ_ONLY);
     co_rig_put(&rig, 0x2120, 2, 0x50, 1); /* 16 degC */
@@ -364,8 +395,8 @@ static void battery_voltage(void **state)
         uint32_t mv;
         uint32_t value;
     } values[] = {
-        {3610, 361}, {3619, 361}, {2400, 240}, {2399, 239},         {5000, 500},
-        {100, 10},   {99, 0x3FF}, {0, 0x3FF},  {UINT32_MAX, 0x3FE},
+        {3610, 361}, {3619, 361}, {2400, 240}, {2399, 239}, {5000, 500},       {5010, 500},
+        {9999, 500}, {100, 10},   {99, 0x3FF}, {0, 0x3FF},  {UINT32_MAX, 500},
     };
     (void)state;
     for (size_t i = 0; i < sizeof values / sizeof values[0]; i++) {
@@ -477,6 +508,7 @@ int main(void)
         cmocka_unit_test_setup(causes_overlap, setup),
         cmocka_unit_test_setup(supported_bits, setup),
         cmocka_unit_test_setup(limits_belong_to_what_is_allowed, setup),
+        cmocka_unit_test_setup(too_fast_has_a_hysteresis, setup),
         cmocka_unit_test_setup(a_singleturn_has_no_battery_and_another_speed_limit, setup),
         cmocka_unit_test_setup(the_reaction_is_that_of_the_class, setup),
         cmocka_unit_test_setup(a_reaction_ends_the_tpdo_that_shows_its_cause, setup),

@@ -11,6 +11,7 @@
 #include <cmocka.h>
 
 #include "co_rig.h"
+#include "profile.h"
 
 #define TPDO1 0x1BF
 #define TPDO2 0x2BF
@@ -70,15 +71,15 @@ static void working_areas_at_every_boundary(void **state)
         {{10, 20}, {19, 29}, 20, 0x03},
         {{10, 20}, {19, 29}, 30, 0x1B},
         {{5, 5}, {5, 5}, 5, 0x00},
-        {{9, 0}, {3, 0}, 5, 0x1F}, /* below the one limit and above the other */
         {{0x0FFFFFFF, 0}, {0x0FFFFFFF, 0x0FFFFFFE}, 0x0FFFFFFF, 0x18},
         {{0, 0}, {0x0FFFFFFF, 0x0FFFFFFF}, 0x0FFFFFFF, 0x00},
     };
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         for (uint8_t n = 0; n < 2; n++) {
-            co_rig_put(&rig, 0x6401, (uint8_t)(n + 1u), rows[i].low[n], 4);
+            co_rig_put(&rig, 0x6401, (uint8_t)(n + 1u), 0, 4);
             co_rig_put(&rig, 0x6402, (uint8_t)(n + 1u), rows[i].high[n], 4);
+            co_rig_put(&rig, 0x6401, (uint8_t)(n + 1u), rows[i].low[n], 4);
         }
         turn_to(rows[i].position);
         assert_int_equal(co_rig_get(&rig, 0x6400, 1), rows[i].bits);
@@ -95,6 +96,17 @@ static void working_area_limits_lie_in_the_range(void **state)
         assert_int_equal(co_rig_get(&rig, 0x6402, sub), 0x0FFFFFFF);
     }
     assert_int_equal(co_rig_write(&rig, 0x6400, 1, 0, 1), DG_CO_READ_ONLY);
+    for (uint8_t sub = 1; sub <= 2; sub++) {
+        co_rig_put(&rig, 0x6402, sub, 500, 4);
+        assert_int_equal(co_rig_write(&rig, 0x6401, sub, 501, 4), 0x06090036);
+        co_rig_put(&rig, 0x6401, sub, 500, 4);
+        assert_int_equal(co_rig_write(&rig, 0x6402, sub, 499, 4), 0x06090036);
+        assert_int_equal(co_rig_get(&rig, 0x6402, sub), 500);
+    }
+    rig.node.value[SLOT_LOW] = 600; /* as older memories may have them */
+    co_rig_put(&rig, 0x6401, 1, 600, 4);
+    co_rig_put(&rig, 0x6402, 1, 500, 4);
+    assert_int_equal(co_rig_write(&rig, 0x6402, 1, 599, 4), 0x06090036);
     assert_int_equal(co_rig_write(&rig, 0x6401, 3, 0, 4), DG_CO_NO_SUB);
 }
 

@@ -230,8 +230,8 @@ static void what_is_refused_leaves_the_old_value(void **state)
         uint32_t value;
         uint32_t abort;
     } rows[] = {
-        {0x6000, 2, 0x0002, DG_CO_RANGE},
-        {0x6000, 2, 0x0008, DG_CO_RANGE},
+        {0x6000, 2, 0x0010, DG_CO_RANGE},
+        {0x6000, 2, 0x0012, DG_CO_RANGE},
         {0x6000, 2, 0x0800, DG_CO_RANGE},
         {0x6000, 2, 0x1000, DG_CO_INCOMPATIBLE},
         {0x6000, 2, 0x1001, DG_CO_INCOMPATIBLE},
