@@ -336,9 +336,10 @@ struct dg_co_node {
     uint8_t emcy[DG_CO_HISTORY][8];
     dg_ns emcy_until;
 
-    dg_ns rx_at;      /**< moment the latest frame came in; before `now` when delivered late */
-    dg_ns pdo_at;     /**< next deadline of the TPDOs; 0: to be found anew */
-    uint32_t time_ms; /**< latest TIME: ms after midnight, days since 1984-01-01 */
+    dg_ns rx_at;       /**< moment the latest frame came in; before `now` when delivered late */
+    dg_ns pdo_at;      /**< next deadline of the TPDOs; 0: to be found anew */
+    uint32_t clock_us; /**< 1013h is this plus `now` in us */
+    uint32_t time_ms;  /**< latest TIME: ms after midnight, days since 1984-01-01 */
     uint16_t time_days;
 
     struct dg_co_sdo sdo;

@@ -93,6 +93,7 @@ static void initialise(struct dg_co_node *self, bool application)
             dg_co_use_bit_rate(self);
         }
     }
+    self->clock_us = 0u - (uint32_t)(self->now / DG_US(1));
     bool loaded = dg_co_load(self, 0x1000, application ? 0xFFFF : 0x1FFF);
     self->filter_version++;
     dg_co_emcy_start(self);

@@ -202,6 +202,21 @@ bool dg_co_in_use(const struct dg_co_node *self, uint32_t can_id)
     return used;
 }
 
+/* 1013h counts microseconds from Initialisation, or from what is written; TIME leaves it alone. */
+enum dg_co_abort dg_co_hook_clock(struct dg_co_node *self, const struct dg_co_object *object,
+                                  enum dg_co_op op, uint32_t *value)
+{
+    uint32_t now_us = (uint32_t)(self->now / DG_US(1));
+
+    (void)object;
+    if (op == DG_CO_READ) {
+        *value = self->clock_us + now_us;
+    } else {
+        self->clock_us = *value - now_us;
+    }
+    return DG_CO_OK;
+}
+
 /* 1005h and 1012h: a CAN-ID of CiA 301's free ranges, 11 bit; no SYNC or TIME is produced. A
  * `fresh` one must not be in use. */
 static enum dg_co_abort consumed_id(const struct dg_co_node *self, uint32_t id, bool fresh)

@@ -228,6 +228,29 @@ static void an_invalid_tpdo_takes_another_inhibit_time(void **state)
     assert_int_equal(pdo_get(0x1800, 3), 65535);
 }
 
+static void reading_parameters_leaves_the_timers_alone(void **state)
+{
+    dg_ns entered;
+
+    (void)state;
+    pdo_only_tpdo1(10, 0);
+    entered = pdo_rig.now;
+    pdo_run_ms(7);
+    assert_int_equal(pdo_get(0x1800, 5), 10);
+    assert_int_equal(pdo_get(0x1800, 2), 255);
+    assert_int_equal(pdo_get(0x1800, 1), TPDO1);
+    pdo_run_ms(5);
+    assert_int_equal(pdo_rig.count, 1);
+    pdo_expect_at_ms(0, entered, 10);
+    pdo_enable(1);
+    pdo_only_tpdo2(3);
+    pdo_sync();
+    pdo_sync();
+    assert_int_equal(pdo_get(0x1801, 2), 3); /* nor the phase */
+    pdo_sync();
+    assert_int_equal(pdo_rig.count, 1);
+}
+
 static void a_new_can_id_is_listened_to(void **state)
 {
     uint16_t ids[DG_CO_FILTERS_MAX];
@@ -328,6 +351,7 @@ int main(void)
         cmocka_unit_test_setup(restricted_can_ids_are_refused, pdo_set_up),
         cmocka_unit_test_setup(can_ids_the_node_uses_itself_are_refused, pdo_set_up),
         cmocka_unit_test_setup(an_invalid_tpdo_takes_another_inhibit_time, pdo_set_up),
+        cmocka_unit_test_setup(reading_parameters_leaves_the_timers_alone, pdo_set_up),
         cmocka_unit_test_setup(a_new_can_id_is_listened_to, pdo_set_up),
         cmocka_unit_test_setup(saved_parameters_work_after_power_off, pdo_set_up),
         cmocka_unit_test_setup(foreign_parameters_leave_the_tpdo_off, pdo_set_up),

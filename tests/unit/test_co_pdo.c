@@ -387,29 +387,6 @@ static void the_event_timer_restarts_from_a_write(void **state)
     assert_int_equal(pdo_rig.count, 2);
 }
 
-static void reading_parameters_leaves_the_timers_alone(void **state)
-{
-    dg_ns entered;
-
-    (void)state;
-    pdo_only_tpdo1(10, 0);
-    entered = pdo_rig.now;
-    pdo_run_ms(7);
-    assert_int_equal(pdo_get(0x1800, 5), 10);
-    assert_int_equal(pdo_get(0x1800, 2), 255);
-    assert_int_equal(pdo_get(0x1800, 1), TPDO1);
-    pdo_run_ms(5);
-    assert_int_equal(pdo_rig.count, 1);
-    pdo_expect_at_ms(0, entered, 10);
-    pdo_enable(1);
-    pdo_only_tpdo2(3);
-    pdo_sync();
-    pdo_sync();
-    assert_int_equal(pdo_get(0x1801, 2), 3); /* nor the phase */
-    pdo_sync();
-    assert_int_equal(pdo_rig.count, 1);
-}
-
 static void an_event_whose_sample_ends_operational_sends_nothing(void **state)
 {
     (void)state;
@@ -688,7 +665,6 @@ int main(void)
         cmocka_unit_test_setup(the_event_timer_is_for_types_254_and_255, pdo_set_up),
         cmocka_unit_test_setup(only_a_change_of_a_mapped_value_is_sent, pdo_set_up),
         cmocka_unit_test_setup(only_objects_that_are_events_send, pdo_set_up),
-        cmocka_unit_test_setup(reading_parameters_leaves_the_timers_alone, pdo_set_up),
         cmocka_unit_test_setup(an_event_whose_sample_ends_operational_sends_nothing, pdo_set_up),
         cmocka_unit_test_setup(an_event_within_the_inhibit_time_is_deferred, pdo_set_up),
         cmocka_unit_test_setup(the_host_is_told_when_a_deferred_event_is_due, pdo_set_up),

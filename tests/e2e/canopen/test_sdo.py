@@ -86,5 +86,5 @@ def test_a_new_request_ends_the_old_one(rig):
 
 def test_many_requests(rig):
     for number in range(300):
-        rig.write(0x1013, 0, number, 4)
-        assert rig.read(0x1013) == number
+        rig.write(0x2140, 1, number, 4)
+        assert rig.read(0x2140, 1) == number
