@@ -100,17 +100,18 @@ enum dg_co_type {
 
 /** Properties of a row. */
 enum dg_co_flags {
-    DG_CO_R = 1,      /**< may be read */
-    DG_CO_W = 2,      /**< may be written */
-    DG_CO_RW = 3,     /**< both */
-    DG_CO_MAP = 4,    /**< may be mapped into a TPDO */
-    DG_CO_ID = 8,     /**< the node-ID is added to the default */
-    DG_CO_SAVE = 16,  /**< 1010h keeps it */
-    DG_CO_SLOT = 32,  /**< has a value in dg_co_node.value; without it the default or the hook */
-    DG_CO_CONST = 64, /**< never changes; an EDS says const */
-    DG_CO_GAP = 128,  /**< in its region a byte in front of it stays free: layouts never shrink */
-    DG_CO_EVENT =
-        256, /**< dg_co_pdo_event() sends the TPDOs it is mapped into when it has changed */
+    DG_CO_R = 1,        /**< may be read */
+    DG_CO_W = 2,        /**< may be written */
+    DG_CO_RW = 3,       /**< both */
+    DG_CO_MAP = 4,      /**< may be mapped into a TPDO */
+    DG_CO_ID = 8,       /**< the node-ID is added to the default */
+    DG_CO_SAVE = 16,    /**< 1010h keeps it */
+    DG_CO_SLOT = 32,    /**< has a value in dg_co_node.value; without it the default or the hook */
+    DG_CO_CONST = 64,   /**< never changes; an EDS says const */
+    DG_CO_GAP = 128,    /**< in its region a byte in front of it stays free: layouts never shrink */
+    DG_CO_EVENT = 256,  /**< dg_co_pdo_event() sends TPDOs that map it when it has changed */
+    DG_CO_ACTION = 512, /**< not to be written back: ObjFlags=1 in an EDS */
+    DG_CO_LIVE = 1024,  /**< what is read is no setting: no default in an EDS */
 };
 
 /** What a hook is called for. */

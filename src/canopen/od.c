@@ -14,6 +14,8 @@ enum {
     V = DG_CO_SLOT,
     C = DG_CO_CONST,
     G = DG_CO_GAP,
+    X = DG_CO_ACTION,
+    L = DG_CO_LIVE,
     COM = DG_CO_REGION_COMMUNICATION,
     PDO1 = DG_CO_REGION_TPDO1,
 };
@@ -179,15 +181,6 @@ enum dg_co_abort dg_co_hook_identity(struct dg_co_node *self, const struct dg_co
 
     (void)op;
     *value = identity[object->sub - 1u];
-    return DG_CO_OK;
-}
-
-enum dg_co_abort dg_co_hook_node_id(struct dg_co_node *self, const struct dg_co_object *object,
-                                    enum dg_co_op op, uint32_t *value)
-{
-    (void)object;
-    (void)op;
-    *value = self->id;
     return DG_CO_OK;
 }
 

@@ -170,7 +170,10 @@ enum {
     S = DG_CO_SAVE,
     V = DG_CO_SLOT,
     C = DG_CO_CONST,
+    I = DG_CO_ID,
     E = DG_CO_EVENT,
+    X = DG_CO_ACTION,
+    L = DG_CO_LIVE,
     APP = REGION_PROFILE,
 };
 

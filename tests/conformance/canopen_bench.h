@@ -7,6 +7,7 @@
 #define TESTS_CONFORMANCE_CANOPEN_BENCH_H
 
 #include "conformance.h"
+#include "drehgeber/devices.h"
 #include "drehgeber/store.h"
 #include "ram_nvm.h"
 
@@ -16,5 +17,7 @@ bool canopen_damage(struct ram_nvm *nvm, const struct dg_store_layout *layout, c
 /** stored REGION OFFSET BYTES: what an earlier release has left there, with its sum */
 bool canopen_stored(struct ram_nvm *nvm, const struct dg_store_layout *layout, char **words,
                     size_t n, struct cf_report *report);
+/** eds SECTION KEY VALUE|none: a line of the model's EDS file */
+bool canopen_eds(const struct dg_device *device, char **words, size_t n, struct cf_report *report);
 
 #endif

@@ -23,6 +23,7 @@ struct bench {
     int64_t from; /* the shaft: angle at `since`, and its speed */
     dg_ns since;
     int64_t rpm, ramp; /* the latter in rpm/s */
+    const struct dg_device *device;
     struct dg_cia406_model model;
     struct dg_world world;
     struct ram_nvm nvm;
@@ -419,6 +420,7 @@ static bool step_given(void *ctx, char **words, size_t n, struct cf_report *repo
     if (device == NULL || device->stack != DG_STACK_CANOPEN) {
         return cf_fail(report, "given: no such model");
     }
+    b->device = device;
     b->model = *device->cia406;
     for (size_t i = 2; i < n; i++) {
         if (strncmp(words[i], "serial=", 7) == 0) {
@@ -632,6 +634,14 @@ static bool step_memory(void *ctx, char **words, size_t n, struct cf_report *rep
                               : canopen_stored(&b->nvm, layout, words, n, report);
 }
 
+/* eds SECTION KEY VALUE|none: a line of the EDS file */
+static bool step_eds(void *ctx, char **words, size_t n, struct cf_report *report)
+{
+    const struct bench *b = ctx;
+
+    return canopen_eds(b->device, words, n, report);
+}
+
 /* node ID: whom `read` and `write` talk to from now on */
 static bool step_node(void *ctx, char **words, size_t n, struct cf_report *report)
 {
@@ -659,7 +669,7 @@ static const struct cf_step steps[] = {
     {"power", step_power, false}, {"eeprom", step_eeprom, false}, {"damage", step_memory, false},
     {"node",  step_node,  false}, {"rate",  step_rate,   true},  {"late",  step_late,   false},
     {"ramp",  step_rpm,  false}, {"world", step_world,  false}, {"led",    step_led,    true},
-    {"leds",  step_leds,  true},  {"stored", step_memory, false},
+    {"leds",  step_leds,  true},  {"stored", step_memory, false}, {"eds", step_eds, true},
 };
 /* clang-format on */
 

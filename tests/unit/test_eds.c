@@ -99,6 +99,7 @@ static const struct {
     {"1000", "AccessType", "const"},
     {"1000", "DefaultValue", "0x20196"},
     {"1000", "PDOMapping", "0"},
+    {"1000", "ObjFlags", NULL},
     {"1001", "AccessType", "ro"},
     {"1001", "PDOMapping", "1"},
     {"1001", "DefaultValue", NULL},
@@ -109,7 +110,19 @@ static const struct {
     {"1003sub8", "AccessType", "ro"},
     {"1008", "DataType", "0x0009"},
     {"1008", "LowLimit", NULL},
+    {"1003sub0", "ObjFlags", "0x1"},
+    {"1003sub1", "ObjFlags", NULL},
+    {"100B", "DefaultValue", "$NODEID+0x0"},
+    {"1010", "ObjFlags", "0x1"},
+    {"1010sub0", "ObjFlags", NULL},
+    {"1010sub1", "ObjFlags", "0x1"},
+    {"1010sub1", "DefaultValue", "0x1"},
+    {"1011sub1", "ObjFlags", "0x1"},
+    {"1013", "AccessType", "rwr"},
+    {"1013", "PDOMapping", "1"},
+    {"1013", "DefaultValue", NULL},
     {"1014", "AccessType", "ro"},
+    {"1014", "DefaultValue", "$NODEID+0x80"},
     {"1018", "ObjectType", "0x9"},
     {"1018sub1", "DefaultValue", "0x13"},
     {"1018sub4", "DefaultValue", NULL},
@@ -128,9 +141,24 @@ static const struct {
     {"1800sub6", "ParameterName", NULL},
     {"1801sub2", "DefaultValue", "0x1"},
     {"1A00sub1", "DefaultValue", "0x60040020"},
+    {"1A00", "ObjFlags", NULL},
+    {"1A00sub1", "PDOMapping", "0"},
+    {"2101", "DefaultValue", "$NODEID+0x0"},
     {"2101", "LowLimit", "0x1"},
     {"2101", "HighLimit", "0x7F"},
     {"6001", "PDOMapping", "0"},
+    {"2105", "ObjectType", "0x7"},
+    {"2105", "SubNumber", NULL},
+    {"2105", "AccessType", "rw"},
+    {"2105", "ObjFlags", "0x1"},
+    {"2105", "DefaultValue", NULL},
+    {"300A", "AccessType", "wo"},
+    {"300A", "DefaultValue", NULL},
+    {"300B", "ObjFlags", "0x1"},
+    {"300B", "DefaultValue", NULL},
+    {"6000", "PDOMapping", "0"},
+    {"6003", "ObjFlags", "0x1"},
+    {"6003", "DefaultValue", "0x0"},
     {"6004", "AccessType", "ro"},
     {"6004", "PDOMapping", "1"},
     {"6004", "DefaultValue", NULL},
@@ -230,6 +258,29 @@ static void lines_are_clean(void **state)
     free(file.text);
 }
 
+/* FileVersion.FileRevision begin the release's version; both dates are its day. */
+static void version_and_dates_are_the_releases(void **state)
+{
+    const struct file file = print("f3668");
+    char version[TEXT_MAX];
+    char day[TEXT_MAX];
+    unsigned month;
+    unsigned date;
+    unsigned year;
+    (void)state;
+    (void)snprintf(version, sizeof version, "%lu.%lu.", number(&file, "FileInfo", "FileVersion"),
+                   number(&file, "FileInfo", "FileRevision"));
+    assert_memory_equal(dg_version(), version, strlen(version));
+    (void)snprintf(day, sizeof day, "%s", get(&file, "FileInfo", "CreationDate"));
+    assert_value(&file, "FileInfo", "ModificationDate", day);
+    assert_int_equal(strlen(day), strlen("MM-DD-YYYY"));
+    assert_int_equal(sscanf(day, "%2u-%2u-%4u", &month, &date, &year), 3);
+    assert_in_range(month, 1, 12);
+    assert_in_range(date, 1, 31);
+    assert_in_range(year, 2026, 9999);
+    free(file.text);
+}
+
 static void the_same_every_time(void **state)
 {
     const struct file one = print("f3668");
@@ -250,6 +301,7 @@ int main(void)
         cmocka_unit_test(lists_and_sections_agree),
         cmocka_unit_test(sub_numbers_count_the_sub_indexes),
         cmocka_unit_test(lines_are_clean),
+        cmocka_unit_test(version_and_dates_are_the_releases),
         cmocka_unit_test(the_same_every_time),
     };
     return cmocka_run_group_tests_name("eds", tests, NULL, NULL);

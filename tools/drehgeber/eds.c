@@ -6,6 +6,7 @@
 #include "eds.h"
 
 #include <inttypes.h>
+#include <stdlib.h>
 
 #include "../../src/canopen/co.h"
 #include "drehgeber/drehgeber.h"
@@ -110,10 +111,9 @@ static void print_value(const struct eds *self, const char *key, const struct dg
 {
     if (object->type <= DG_CO_I32) {
         (void)fprintf(self->to, "%s=%" PRId32 "\n", key, (int32_t)value);
-        return;
+    } else {
+        (void)fprintf(self->to, "%s=0x%" PRIX32 "\n", key, value);
     }
-    (void)fprintf(self->to, "%s=%s0x%" PRIX32 "\n", key,
-                  (object->flags & DG_CO_ID) != 0 ? "$NODEID+" : "", value);
 }
 
 /* What the device, not the row, knows: 1000h and 1018h. NULL: it is the row's. */
@@ -142,11 +142,14 @@ static const uint32_t *identity_of(const struct eds *self, const struct dg_co_ob
 static void print_default(const struct eds *self, const struct dg_co_object *object)
 {
     const uint32_t *identity = identity_of(self, object);
-    const bool fixed = object->hook == NULL || (object->flags & (DG_CO_W | DG_CO_CONST)) != 0;
+    const bool fixed = (object->flags & DG_CO_LIVE) == 0 &&
+                       (object->hook == NULL || (object->flags & (DG_CO_W | DG_CO_CONST)) != 0);
     if (object->type == DG_CO_STRING) {
         (void)fprintf(self->to, "DefaultValue=%s\n", self->device->strings[object->initial]);
     } else if (identity != NULL) {
         print_value(self, "DefaultValue", object, *identity);
+    } else if ((object->flags & DG_CO_ID) != 0) {
+        (void)fprintf(self->to, "DefaultValue=$NODEID+0x%" PRIX32 "\n", object->initial);
     } else if (fixed) {
         print_value(self, "DefaultValue", object, object->initial);
     }
@@ -165,16 +168,34 @@ static void print_limits(const struct eds *self, const struct dg_co_object *obje
     }
 }
 
-static void print_row(const struct eds *self, const struct dg_co_object *object)
+static const char *access_of(const struct dg_co_object *object)
 {
     static const char *const access[] = {"", "ro", "wo", "rw"}; /* by DG_CO_R, DG_CO_W */
-    const bool constant = (object->flags & DG_CO_CONST) != 0;
+    if ((object->flags & DG_CO_CONST) != 0) {
+        return "const";
+    }
+    /* Of what can be written, too, an EDS has to say that TPDOs take it. */
+    const unsigned all = DG_CO_RW | DG_CO_MAP;
+    return (object->flags & all) == all ? "rwr" : access[object->flags & DG_CO_RW];
+}
+
+/* Bit 0: a tool that downloads a configuration leaves it out (CiA 306). */
+static void print_flags(const struct eds *self, bool action)
+{
+    if (action) {
+        (void)fputs("ObjFlags=0x1\n", self->to);
+    }
+}
+
+static void print_row(const struct eds *self, const struct dg_co_object *object)
+{
     (void)fprintf(self->to, "ParameterName=%s\nObjectType=0x%X\nDataType=0x%04X\nAccessType=%s\n",
-                  name_of(object), (unsigned)VAR, object->type,
-                  constant ? "const" : access[object->flags & DG_CO_RW]);
+                  name_of(object), (unsigned)VAR, object->type, access_of(object));
     print_default(self, object);
     print_limits(self, object);
-    (void)fprintf(self->to, "PDOMapping=%d\n\n", (object->flags & DG_CO_MAP) != 0);
+    (void)fprintf(self->to, "PDOMapping=%d\n", (object->flags & DG_CO_MAP) != 0);
+    print_flags(self, (object->flags & DG_CO_ACTION) != 0);
+    (void)fputs("\n", self->to);
 }
 
 /* A section for a variable; for an array or record one more for each of its rows. */
@@ -188,8 +209,14 @@ static void print_object(const struct eds *self, unsigned first)
         print_row(self, object);
         return;
     }
-    (void)fprintf(self->to, "ParameterName=%s\nObjectType=0x%X\nSubNumber=%u\n\n", parent->text,
+    bool action = false;
+    for (unsigned i = first; i < first + subs; i++) {
+        action = action || (row(self, i)->flags & DG_CO_ACTION) != 0;
+    }
+    (void)fprintf(self->to, "ParameterName=%s\nObjectType=0x%X\nSubNumber=%u\n", parent->text,
                   (unsigned)parent->kind, subs);
+    print_flags(self, action);
+    (void)fputs("\n", self->to);
     for (unsigned i = first; i < first + subs; i++) {
         (void)fprintf(self->to, "[%04Xsub%X]\n", object->index, row(self, i)->sub);
         print_row(self, row(self, i));
@@ -232,17 +259,21 @@ static void print_list(const struct eds *self, const char *section, bool (*belon
 
 /* --- the file --- */
 
-/* Fixed dates: a file is a function of the version that printed it. */
+/* Version and dates are the release's: a file is a function of the version that printed it. */
 static void print_file_info(const struct eds *self, const struct dg_device *model)
 {
+    char *end = NULL;
+    const unsigned long version = strtoul(dg_version(), &end, 10);
+    const unsigned long revision = strtoul(end + 1, NULL, 10);
     (void)fprintf(self->to,
-                  "[FileInfo]\nFileName=%s.eds\nFileVersion=1\nFileRevision=0\nEDSVersion=4.0\n"
-                  "Description=%s, %s, as drehgeber %s emulates it\n"
-                  "CreationTime=12:00AM\nCreationDate=01-01-2026\nCreatedBy=drehgeber %s\n"
-                  "ModificationTime=12:00AM\nModificationDate=01-01-2026\n"
+                  "[FileInfo]\nFileName=%s.eds\nFileVersion=%lu\nFileRevision=%lu\n"
+                  "EDSVersion=4.0\nDescription=%s, %s, as drehgeber %s emulates it\n"
+                  "CreationTime=12:00AM\nCreationDate=" DREHGEBER_RELEASED "\n"
+                  "CreatedBy=drehgeber %s\n"
+                  "ModificationTime=12:00AM\nModificationDate=" DREHGEBER_RELEASED "\n"
                   "ModifiedBy=drehgeber %s\n\n",
-                  model->name, self->device->name, model->resolution, dg_version(), dg_version(),
-                  dg_version());
+                  model->name, version, revision, self->device->name, model->resolution,
+                  dg_version(), dg_version(), dg_version());
 }
 
 /* 100 kBd, which the encoder has, too, has no key. */

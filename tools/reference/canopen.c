@@ -28,6 +28,8 @@ enum {
     C = DG_CO_CONST,
     G = DG_CO_GAP,
     E = DG_CO_EVENT,
+    X = DG_CO_ACTION,
+    L = DG_CO_LIVE,
 };
 
 #define DG_CO_PARENT(index, kind, name) {index, 0x100, #kind, 0, 0, name},
@@ -56,10 +58,18 @@ static void print_row(const struct row *row)
         printf("| %04Xh | | %s | | | | | %s |\n", row->index, row->type, row->name);
         return;
     }
-    printf("| %04Xh | %u | %s | %s | %s | %s | %s%lXh | %s |\n", row->index, row->sub, row->type,
+    char initial[32] = "";
+
+    if ((row->access & I) != 0 && row->initial == 0) {
+        (void)snprintf(initial, sizeof initial, "node-ID");
+    } else if ((row->access & L) == 0) {
+        (void)snprintf(initial, sizeof initial, "%s%lXh",
+                       (row->access & I) != 0 ? "node-ID + " : "", row->initial);
+    }
+    printf("| %04Xh | %u | %s | %s | %s | %s | %s | %s |\n", row->index, row->sub, row->type,
            (row->access & C) != 0 ? "const" : accesses[row->access & DG_CO_RW],
-           (row->access & M) != 0 ? "yes" : "", (row->access & S) != 0 ? "yes" : "",
-           (row->access & I) != 0 ? "node-ID + " : "", row->initial, row->name);
+           (row->access & M) != 0 ? "yes" : "", (row->access & S) != 0 ? "yes" : "", initial,
+           row->name);
 }
 
 int main(int argc, char **argv)

@@ -114,7 +114,7 @@ class Rig:
     """One `drehgeber run`, and a client on its bus."""
 
     def __init__(self, link: str, eds: Path, *arguments, bit_rate=BIT_RATE, node_id=NODE_ID,
-                 quiet=True, client=True):
+                 quiet=True, client=True, model=MODEL):
         self.eds = eds
         self.link = link
         self.network = None
@@ -122,8 +122,8 @@ class Rig:
         if client and not on_slcan():
             self.connect(bit_rate)
         wire = [f"--slcan={link}"] if on_slcan() else ["--can", WIRE]
-        self.encoder = Encoder([MODEL, *wire, *(["--quiet"] if quiet else []), *arguments])
-        ready = re.fullmatch(r"ready f3668 (slcan|can):(\S+?)(?:/(\d+))?", self.encoder.ready_line)
+        self.encoder = Encoder([model, *wire, *(["--quiet"] if quiet else []), *arguments])
+        ready = re.fullmatch(rf"ready {model} (slcan|can):(\S+?)(?:/(\d+))?", self.encoder.ready_line)
         assert ready, self.encoder.ready_line
         assert ready[2].startswith("/dev/pts/" if on_slcan() else WIRE)
         self.said_node_id = int(ready[3]) if ready[3] else None
