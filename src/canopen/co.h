@@ -85,7 +85,7 @@ bool dg_co_in_range(const struct dg_co_object *object, uint32_t value);
 /** Read any row but a string, whatever its access. */
 enum dg_co_abort dg_co_read(struct dg_co_node *self, const struct dg_co_object *object,
                             uint32_t *value);
-/** Write a row: access, range, hook, slot, hook again. */
+/** Write a row with DG_CO_W: range, hook, slot, hook again. */
 enum dg_co_abort dg_co_write(struct dg_co_node *self, const struct dg_co_object *object,
                              uint32_t value);
 /** Default of a row for this node (the node-ID added where the row says so). */

@@ -13,25 +13,14 @@ enum {
     IN_STOPPED = 4,
 };
 
-static uint8_t state_bit(const struct dg_co_node *self)
-{
-    switch (self->state) {
-    case DG_CO_PRE_OPERATIONAL:
-        return IN_PRE_OPERATIONAL;
-    case DG_CO_OPERATIONAL:
-        return IN_OPERATIONAL;
-    case DG_CO_STOPPED:
-        return IN_STOPPED;
-    case DG_CO_BOOT:
-    case DG_CO_OFF:
-        return 0;
-    }
-    return 0;
-}
-
 static bool in(const struct dg_co_node *self, uint8_t states)
 {
-    return (state_bit(self) & states) != 0;
+    uint8_t bit = self->state == DG_CO_PRE_OPERATIONAL ? IN_PRE_OPERATIONAL
+                  : self->state == DG_CO_OPERATIONAL   ? IN_OPERATIONAL
+                  : self->state == DG_CO_STOPPED       ? IN_STOPPED
+                                                       : 0;
+
+    return (bit & states) != 0;
 }
 
 void dg_co_send(struct dg_co_node *self, uint16_t id, const uint8_t *data, uint8_t dlc)

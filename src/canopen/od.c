@@ -112,9 +112,6 @@ enum dg_co_abort dg_co_write(struct dg_co_node *self, const struct dg_co_object 
 {
     enum dg_co_abort abort = DG_CO_OK;
 
-    if ((object->flags & DG_CO_W) == 0) {
-        return DG_CO_READ_ONLY;
-    }
     if (!dg_co_in_range(object, value)) {
         return DG_CO_RANGE;
     }

@@ -266,6 +266,24 @@ static void what_is_refused_leaves_the_old_value(void **state)
     }
 }
 
+static void models_that_cannot_be_are_refused(void **state)
+{
+    static const struct dg_cia406_model wrong[] = {
+        {.turns = 0, .device = &dg_cia406_multiturn},
+        {.turns = 3, .device = &dg_cia406_multiturn},
+        {.turns = 4095, .device = &dg_cia406_multiturn},
+        {.turns = 131072, .device = &dg_cia406_multiturn_32},
+        {.turns = 4096, .device = NULL},
+    };
+    static const struct dg_cia406_model good = {.turns = 65536, .device = &dg_cia406_multiturn_32};
+    struct dg_cia406 encoder;
+    (void)state;
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        assert_int_equal(dg_cia406_init(&encoder, &wrong[i]), DG_ERR_ARGUMENT);
+    }
+    assert_int_equal(dg_cia406_init(&encoder, &good), DG_OK);
+}
+
 /* The preset is measured against the range in force: TMR while scaling is on, else the physical. */
 static void the_preset_lies_in_the_range_in_force(void **state)
 {
@@ -414,6 +432,7 @@ int main(void)
         cmocka_unit_test_setup(counts_are_floored_angles, setup),
         cmocka_unit_test_setup(both_ends_of_the_range, setup),
         cmocka_unit_test_setup(the_full_32_bit_range, setup),
+        cmocka_unit_test(models_that_cannot_be_are_refused),
         cmocka_unit_test_setup(what_is_refused_leaves_the_old_value, setup),
         cmocka_unit_test_setup(the_preset_lies_in_the_range_in_force, setup),
         cmocka_unit_test_setup(the_offset_has_the_sign_of_preset_minus_position, setup),

@@ -83,6 +83,49 @@ static void selective_switch_wants_the_whole_identity_in_order(void **state)
     ask("5E 00 00 00 00 00 00 00", "5E 3F 00 00 00 00 00 00");
 }
 
+#define COUNT(a) (sizeof(a) / sizeof((a)[0]))
+
+/* Waiting state, nothing selected or identified by half (CiA 305). */
+static void a_reset_begins_anew(void **state)
+{
+    static const uint8_t resets[] = {0x81, 0x82};
+    static const char *const selection[] = {
+        "40 13 00 00 00 00 00 00",
+        "41 01 20 68 56 00 00 00",
+        "42 6C 00 00 00 00 00 00",
+        "43 D2 02 96 49 00 00 00",
+    };
+    static const char *const identification[] = {
+        "46 13 00 00 00 00 00 00", "47 01 20 68 56 00 00 00", "48 00 00 00 00 00 00 00",
+        "49 FF FF FF FF 00 00 00", "4A 00 00 00 00 00 00 00", "4B FF FF FF FF 00 00 00",
+    };
+    (void)state;
+    for (size_t i = 0; i < COUNT(resets); i++) {
+        ask(CONFIGURE, NULL);
+        co_rig_nmt(&rig, resets[i]);
+        ask("5E 00 00 00 00 00 00 00", NULL);
+        for (size_t cut = 1; cut < COUNT(selection); cut++) {
+            for (size_t part = 0; part < COUNT(selection); part++) {
+                if (part == cut) {
+                    co_rig_nmt(&rig, resets[i]);
+                }
+                ask(selection[part], NULL);
+            }
+        }
+        for (size_t cut = 1; cut < COUNT(identification); cut++) {
+            for (size_t part = 0; part < COUNT(identification); part++) {
+                if (part == cut) {
+                    co_rig_nmt(&rig, resets[i]);
+                }
+                ask(identification[part], NULL);
+            }
+        }
+    }
+    for (size_t part = 0; part < COUNT(identification); part++) { /* and it works */
+        ask(identification[part], part == 5 ? "4F 00 00 00 00 00 00 00" : NULL);
+    }
+}
+
 static void identify_compares_ranges(void **state)
 {
     static const struct {
@@ -246,6 +289,7 @@ int main(void)
         cmocka_unit_test_setup(inquiries_answer_in_configuration_only, setup),
         cmocka_unit_test_setup(nothing_works_in_operational_or_with_a_short_frame, setup),
         cmocka_unit_test_setup(selective_switch_wants_the_whole_identity_in_order, setup),
+        cmocka_unit_test_setup(a_reset_begins_anew, setup),
         cmocka_unit_test_setup(identify_compares_ranges, setup),
         cmocka_unit_test_setup(a_new_node_id_is_in_force_after_waiting_again, setup),
         cmocka_unit_test_setup(stored_settings_survive_power_off, setup),

@@ -341,6 +341,37 @@ static void time_stamps_are_for_those_that_consume_them(void **state)
     assert_int_equal(seats[3].node.time_days, 0x1234);
 }
 
+static void a_time_stamp_has_six_bytes(void **state)
+{
+    (void)state;
+    write_ok(3, 0x1012, 0, 0x80000100, 4);
+    receive(0x100, 6, 0x123400000002);
+    for (uint8_t dlc = 0; dlc <= 8; dlc++) {
+        if (dlc != 6) {
+            receive(0x100, dlc, 0x567800000003);
+        }
+    }
+    assert_int_equal(seats[3].node.time_ms, 2);
+    assert_int_equal(seats[3].node.time_days, 0x1234);
+    assert_int_equal(seats[3].node.counters.malformed, 8);
+}
+
+/* What a host sets its timer to: the earliest of all nodes, old and new. */
+static void receiving_tells_the_next_deadline(void **state)
+{
+    static const struct dg_can_frame segmented = {
+        .id = 0x605, .dlc = 8, .data = {0x40, 0x08, 0x10}};
+    static const struct dg_can_frame heartbeat = {
+        .id = 0x67F, .dlc = 8, .data = {0x2B, 0x17, 0x10, 0, 250}};
+    static const struct dg_can_frame nobody = {.id = 0x7FF};
+    (void)state;
+    assert_int_equal(dg_co_net_rx(&net, now, &nobody), DG_NEVER);
+    assert_int_equal(dg_co_net_rx(&net, now, &segmented), now + DG_S(1));
+    assert_int_equal(dg_co_net_rx(&net, now + DG_MS(5), &nobody), now + DG_S(1));
+    assert_int_equal(dg_co_net_rx(&net, now + DG_MS(5), &heartbeat), now + DG_MS(255));
+    assert_int_equal(dg_co_net_rx(&net, now + DG_MS(6), &nobody), now + DG_MS(255));
+}
+
 static void a_tpdo_is_requested_where_it_has_gone(void **state)
 {
     (void)state;
@@ -460,6 +491,8 @@ int main(void)
         cmocka_unit_test_setup(the_bus_is_everybodys, setup),
         cmocka_unit_test_setup(another_sync_is_followed, setup),
         cmocka_unit_test_setup(time_stamps_are_for_those_that_consume_them, setup),
+        cmocka_unit_test_setup(a_time_stamp_has_six_bytes, setup),
+        cmocka_unit_test_setup(receiving_tells_the_next_deadline, setup),
         cmocka_unit_test_setup(a_tpdo_is_requested_where_it_has_gone, setup),
         cmocka_unit_test_setup(heartbeats_reach_their_consumers, setup),
         cmocka_unit_test_setup(a_new_node_id_is_followed, setup),

@@ -205,6 +205,9 @@ static void consumer_entries_are_checked(void **state)
     write_ok(0x1016, 1, 0, 4);
     write_ok(0x1016, 1, 0x00080064, 4);
     write_ok(0x1016, 2, 0x00070064, 4);
+    write_ok(0x1016, 1, 0, 4);
+    assert_int_equal(co_rig_write(&rig, 0x1016, 1, 0x000700C8, 4), 0x06040043); /* 2 then 1 */
+    write_ok(0x1016, 1, 0x00090064, 4);
 }
 
 static void the_inhibit_time_keeps_emergencies_apart_and_loses_none(void **state)
