@@ -229,6 +229,10 @@ static void earlier_releases_defaults_follow_lss(void **state)
     (void)state;
     store_cob_ids(absolute);
     co_rig_rx(&rig, LSS, "04 01 00 00 00 00 00 00");
+    co_rig_rx(&rig, LSS, "11 0A 00 00 00 00 00 00");
+    co_rig_rx(&rig, LSS, "04 00 00 00 00 00 00 00");
+    expect_cob_ids(0x18A, 0x28A, 0x333, 0x48A);
+    co_rig_rx(&rig, LSS, "04 01 00 00 00 00 00 00");
     co_rig_rx(&rig, LSS, "11 09 00 00 00 00 00 00");
     co_rig_rx(&rig, LSS, "17 00 00 00 00 00 00 00");
     co_rig_rx(&rig, LSS, "04 00 00 00 00 00 00 00");

@@ -478,6 +478,10 @@ static void only_objects_that_are_events_send(void **state)
     pdo_change(0x01020305);
     assert_int_equal(pdo_rig.count, 1);
     pdo_expect(0, TPDO1, second, sizeof second);
+    pdo_disable(2);
+    pdo_enable(2);
+    pdo_change(0x01020305); /* nor does a first value */
+    assert_int_equal(pdo_rig.count, 1);
 }
 
 static void only_a_change_of_a_mapped_value_is_sent(void **state)
