@@ -167,7 +167,7 @@ static inline bool dg_co_lss_silent(const struct dg_co_node *self)
 
 /* Hooks, by file. */
 dg_co_hook dg_co_hook_device, dg_co_hook_sync_id, dg_co_hook_time_id;
-dg_co_hook dg_co_hook_identity, dg_co_hook_clock;        /* od.c */
+dg_co_hook dg_co_hook_identity, dg_co_hook_clock;                            /* od.c */
 dg_co_hook dg_co_hook_error_register, dg_co_hook_status, dg_co_hook_history; /* emcy.c */
 dg_co_hook dg_co_hook_consumer, dg_co_hook_heartbeat;                        /* nmt.c */
 dg_co_hook dg_co_hook_store, dg_co_hook_restore;                             /* storage.c */

@@ -97,6 +97,20 @@ static void history_does_not_survive_power_off(void **state)
     assert_int_equal(count, 0);
 }
 
+/* A node that is on and gets its power anew with another memory in it. */
+static void switched_on_again_onto_a_foreign_memory_it_goes_off(void **state)
+{
+    (void)state;
+    assert_int_not_equal(rig.node.state, DG_CO_OFF);
+    memset(rig.nvm.bytes, 0x5A, rig.nvm.size);
+    assert_int_equal(dg_co_power_on(&rig.node, rig.now), DG_ERR_FOREIGN);
+    assert_int_equal(rig.node.state, DG_CO_OFF);
+    co_rig_forget(&rig);
+    co_rig_rx(&rig, 0, "81 00");
+    co_rig_run(&rig, DG_S(2));
+    co_rig_expect_count(&rig, 0);
+}
+
 /* ------------------------------------------------------------ side by side, again */
 
 /* Something of everything: transfers, states, events, time, a save. Deterministic. */
@@ -365,6 +379,7 @@ static void without_a_node_id_the_bus_is_not_disturbed(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup(switched_on_again_onto_a_foreign_memory_it_goes_off, setup),
         cmocka_unit_test_setup(a_setup_that_lacks_something_is_refused, setup),
         cmocka_unit_test_setup(bit_rates_need_not_be_listened_to, setup),
         cmocka_unit_test_setup(without_power_nothing_happens, setup),

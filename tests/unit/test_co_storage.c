@@ -341,20 +341,6 @@ static void a_blank_or_foreign_memory_is_not_touched(void **state)
     }
 }
 
-/* A node that is on and gets its power anew with another memory in it. */
-static void switched_on_again_onto_a_foreign_memory_it_goes_off(void **state)
-{
-    (void)state;
-    assert_int_not_equal(rig.node.state, DG_CO_OFF);
-    memset(rig.nvm.bytes, 0x5A, rig.nvm.size);
-    assert_int_equal(dg_co_power_on(&rig.node, rig.now), DG_ERR_FOREIGN);
-    assert_int_equal(rig.node.state, DG_CO_OFF);
-    co_rig_forget(&rig);
-    co_rig_rx(&rig, 0, "81 00");
-    co_rig_run(&rig, DG_S(2));
-    co_rig_expect_count(&rig, 0);
-}
-
 /* ------------------------------------------------------------ what the memory says, as a whole */
 
 /* Everything that depends on the memory, as power-on leaves it. */
@@ -698,7 +684,6 @@ int main(void)
         cmocka_unit_test(parameters_that_cannot_be_read_are_the_defaults_and_an_emergency),
         cmocka_unit_test_setup(a_part_that_cannot_be_read_is_an_emergency, setup),
         cmocka_unit_test_setup(a_blank_or_foreign_memory_is_not_touched, setup),
-        cmocka_unit_test_setup(switched_on_again_onto_a_foreign_memory_it_goes_off, setup),
         cmocka_unit_test(a_damaged_region_is_the_default_and_the_others_stay),
         cmocka_unit_test(damage_while_powered_is_noticed_by_either_reset),
         cmocka_unit_test(every_bit_that_rots_is_noticed_or_does_not_matter),
