@@ -119,7 +119,7 @@ struct write {
 
 /* clang-format off */
 static const struct write bus_parameters[] = {
-    {0x2100, 0, 1, 6}, {0x2101, 0, 1, 33}, {0x2102, 0, 1, 0}, {0x2105, 1, 4, SAVE},
+    {0x2100, 0, 1, 6}, {0x2101, 0, 1, 33}, {0x2102, 0, 1, 0}, {0x2105, 0, 4, SAVE},
     {0x300A, 0, 4, 0x004B7562}, {0x300B, 0, 4, 0x11223344},
 };
 

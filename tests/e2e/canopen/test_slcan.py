@@ -124,7 +124,7 @@ def busy(start, nvm):
     def begin(*settings):
         rig = start("--nvm", nvm)
         rig.write(0x2100, 0, 0, 1)
-        rig.sdo.download(0x2105, 1, SAVE)
+        rig.sdo.download(0x2105, 0, SAVE)
         rig.kill()
         port = free_port()
         rig = start("--nvm", nvm, "--control", f"tcp:127.0.0.1:{port}",
