@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * conformance NAME CLAUSES ROWS
+ * conformance NAME CLAUSES ROWS [PAGE]
  *
- * Every row is a test; clauses and rows that do not fit each other fail too. NAME says what runs
+ * Every row is a test; clauses and rows that do not fit each other fail too, and so do clauses that
+ * the device page should list and does not. NAME says what runs
  * the rows. `selftest` is the runner's own test and turns it round: every row must fail with its
  * title in the reason, and every kind of finding must occur.
  */
@@ -36,7 +37,7 @@ static int prove(void)
     static struct CMUnitTest tests[CF_ROWS_MAX];
     struct cf_audit audit = cf_audit(&suite, device, stderr);
     unsigned findings = audit.duplicate + audit.unknown + audit.uncovered + audit.expectless +
-                        audit.clauseless + audit.same_titled;
+                        audit.clauseless + audit.same_titled + audit.unlisted;
     int failed;
 
     for (size_t i = 0; i < suite.row_count; i++) {
@@ -56,6 +57,7 @@ static int prove(void)
 static int expect_fail(void)
 {
     struct cf_audit audit = cf_audit(&suite, device, stdout);
+    bool lists = false;
     int wrong = 0;
 
     for (size_t i = 0; i < suite.row_count; i++) {
@@ -69,8 +71,12 @@ static int expect_fail(void)
             wrong++;
         }
     }
-    if (audit.duplicate == 0 || audit.unknown == 0 || audit.uncovered == 0 ||
-        audit.expectless == 0 || audit.clauseless == 0 || audit.same_titled == 0) {
+    for (size_t i = 0; i < suite.clause_count; i++) {
+        lists = lists || suite.clauses[i].listed != NULL;
+    }
+    if ((lists && audit.unlisted == 0) || audit.duplicate == 0 || audit.unknown == 0 ||
+        audit.uncovered == 0 || audit.expectless == 0 || audit.clauseless == 0 ||
+        audit.same_titled == 0) {
         (void)fprintf(stderr, "%s: the audit misses a kind of finding\n", suite.rows_name);
         wrong++;
     }
@@ -99,16 +105,16 @@ int main(int argc, char **argv)
     /* clang-format on */
     int result = 2;
 
-    for (size_t i = 0; argc == 4 && i < sizeof suites / sizeof suites[0]; i++) {
+    for (size_t i = 0; (argc == 4 || argc == 5) && i < sizeof suites / sizeof suites[0]; i++) {
         if (strcmp(argv[1], suites[i].name) == 0) {
             device = suites[i].device();
-            result = cf_load(&suite, argv[2], argv[3]) ? suites[i].run() : 1;
+            result = cf_load(&suite, argv[2], argv[3], argv[4]) ? suites[i].run() : 1;
             cf_unload(&suite);
         }
     }
     if (result == 2) {
         (void)fprintf(
-            stderr, "usage: conformance %s CLAUSES ROWS\n",
+            stderr, "usage: conformance %s CLAUSES ROWS [PAGE]\n",
             "hiperface|selftest|biss|canopen|canopen-selftest|cia406|interbus|interbus-selftest");
     }
     return result;

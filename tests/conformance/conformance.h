@@ -9,8 +9,11 @@
  *                                        repeat 4
  *                                        step
  *                                        end
- * `#` starts a comment line. What a step means is the device's business (struct cf_device); this
- * part knows only rows, clauses, `repeat` and which clause is covered by which row.
+ * `#` starts a comment line. A clause that cannot hold, since the manual contradicts itself or
+ * leaves no choice but to deviate, keeps its words and names the row of the device page that says
+ * so: 5.1.2.15-2 | text | listed 28          the page has to have a row `| 28 | ...`; no row cites
+ * it What a step means is the device's business (struct cf_device); this part knows only rows,
+ * clauses, `repeat` and which clause is covered by which row.
  */
 #ifndef TESTS_CONFORMANCE_CONFORMANCE_H
 #define TESTS_CONFORMANCE_CONFORMANCE_H
@@ -49,6 +52,7 @@ struct cf_device {
 
 struct cf_clause {
     char *id;
+    char *listed; /**< row of the device page that says why it does not hold; NULL: it holds */
     int line;
     bool covered;
 };
@@ -71,6 +75,7 @@ struct cf_suite {
     const char *clauses_name;
     const char *rows_name;
     char *texts[2]; /**< content of the two files; everything else points into them */
+    char *page;     /**< content of the device page, or NULL */
     struct cf_clause clauses[CF_CLAUSES_MAX];
     size_t clause_count;
     struct cf_row rows[CF_ROWS_MAX];
@@ -87,6 +92,7 @@ struct cf_audit {
     unsigned expectless;  /**< rows that cannot fail */
     unsigned clauseless;  /**< rows that cite nothing */
     unsigned same_titled; /**< rows with the title of another row */
+    unsigned unlisted;    /**< listed clauses that the page does not have, or that a row cites */
 };
 
 /** Print into `report` and return false. */
@@ -95,8 +101,9 @@ bool cf_fail(struct cf_report *report, const char *format, ...);
 /** Split `text` at blanks, in place. @return number of words, at most `max` */
 size_t cf_split(char *text, char **words, size_t max);
 
-/** Read both files. @return false after saying on stderr what is wrong with them */
-bool cf_load(struct cf_suite *suite, const char *clauses_name, const char *rows_name);
+/** Read the files; `page_name` may be NULL. @return false after saying on stderr what is wrong */
+bool cf_load(struct cf_suite *suite, const char *clauses_name, const char *rows_name,
+             const char *page_name);
 void cf_unload(struct cf_suite *suite);
 
 /** Check that clauses and rows fit each other; says every finding on `to`. */

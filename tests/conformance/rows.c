@@ -73,6 +73,9 @@ static char *trim(char *text)
     return text;
 }
 
+/* Before the key of a row of the device page. */
+#define LISTED "listed "
+
 static bool parse_clause(struct cf_suite *suite, char *text, int line)
 {
     char *bar = strchr(text, '|');
@@ -81,10 +84,20 @@ static bool parse_clause(struct cf_suite *suite, char *text, int line)
         return complain(suite->clauses_name, line, "not `ID | text`, or too many clauses");
     }
     *bar = '\0';
+    char *listed = strchr(bar + 1, '|');
+    if (listed != NULL) {
+        *listed = '\0';
+        listed = trim(listed + 1);
+        if (strncmp(listed, LISTED, strlen(LISTED)) != 0 || listed[strlen(LISTED)] == '\0') {
+            return complain(suite->clauses_name, line, "not `ID | text | listed KEY`");
+        }
+        listed += strlen(LISTED);
+    }
     if (*trim(text) == '\0' || *trim(bar + 1) == '\0') {
         return complain(suite->clauses_name, line, "ID or text is missing");
     }
-    suite->clauses[suite->clause_count++] = (struct cf_clause){.id = trim(text), .line = line};
+    suite->clauses[suite->clause_count++] =
+        (struct cf_clause){.id = trim(text), .listed = listed, .line = line};
     return true;
 }
 
@@ -141,14 +154,17 @@ static bool parse(struct cf_suite *suite, char *text,
     return good;
 }
 
-bool cf_load(struct cf_suite *suite, const char *clauses_name, const char *rows_name)
+bool cf_load(struct cf_suite *suite, const char *clauses_name, const char *rows_name,
+             const char *page_name)
 {
     memset(suite, 0, sizeof *suite);
     suite->clauses_name = clauses_name;
     suite->rows_name = rows_name;
     suite->texts[0] = read_file(clauses_name);
     suite->texts[1] = read_file(rows_name);
-    return parse(suite, suite->texts[0], parse_clause) &&
+    suite->page = page_name == NULL ? NULL : read_file(page_name);
+    return (page_name == NULL || suite->page != NULL) &&
+           parse(suite, suite->texts[0], parse_clause) &&
            parse(suite, suite->texts[1], parse_row_line);
 }
 
@@ -156,6 +172,7 @@ void cf_unload(struct cf_suite *suite)
 {
     free(suite->texts[0]);
     free(suite->texts[1]);
+    free(suite->page);
 }
 
 /* --- audit --------------------------------------------------------------------------------- */
@@ -233,6 +250,32 @@ static void audit_row(struct cf_suite *suite, size_t index, const struct cf_devi
     }
 }
 
+/* Whether the device page has a row `| key |`. */
+static bool page_has(const struct cf_suite *suite, const char *key)
+{
+    const size_t n = strlen(key);
+
+    for (const char *at = suite->page; at != NULL && (at = strstr(at, "\n| ")) != NULL; at++) {
+        if (strncmp(at + 3, key, n) == 0 && strncmp(at + 3 + n, " |", 2) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static void audit_listed(const struct cf_suite *suite, const struct cf_clause *clause,
+                         struct cf_audit *audit, FILE *to)
+{
+    if (!page_has(suite, clause->listed)) {
+        audit->unlisted += finding(to, suite->clauses_name, clause->line,
+                                   "the device page has no such row", clause->listed);
+    }
+    if (clause->covered) {
+        audit->unlisted += finding(to, suite->clauses_name, clause->line,
+                                   "does not hold, and a row cites it", clause->id);
+    }
+}
+
 struct cf_audit cf_audit(struct cf_suite *suite, const struct cf_device *device, FILE *to)
 {
     struct cf_audit audit = {0};
@@ -246,6 +289,8 @@ struct cf_audit cf_audit(struct cf_suite *suite, const struct cf_device *device,
         if (find_clause(suite, clause->id) != clause) {
             audit.duplicate +=
                 finding(to, suite->clauses_name, clause->line, "ID stands twice", clause->id);
+        } else if (clause->listed != NULL) {
+            audit_listed(suite, clause, &audit, to);
         } else if (!clause->covered) {
             audit.uncovered +=
                 finding(to, suite->clauses_name, clause->line, "no row proves", clause->id);
@@ -272,12 +317,14 @@ static size_t chapter_length(const char *id)
 void cf_summary(const struct cf_suite *suite, FILE *to)
 {
     size_t covered = 0;
+    size_t all_listed = 0;
 
     for (size_t i = 0; i < suite->clause_count; i++) {
         const char *id = suite->clauses[i].id;
         size_t n = chapter_length(id);
         size_t total = 0;
         size_t proved = 0;
+        size_t listed = 0;
         bool first = true;
 
         for (size_t k = 0; k < suite->clause_count; k++) {
@@ -287,15 +334,19 @@ void cf_summary(const struct cf_suite *suite, FILE *to)
                 first = first && k >= i;
                 total++;
                 proved += suite->clauses[k].covered ? 1u : 0u;
+                listed += suite->clauses[k].listed != NULL ? 1u : 0u;
             }
         }
         if (first) {
-            (void)fprintf(to, "%-8.*s %4zu of %zu\n", (int)n, id, proved, total);
+            (void)fprintf(to, "%-8.*s %4zu of %zu%s\n", (int)n, id, proved, total - listed,
+                          listed > 0 ? ", others listed in the device page" : "");
         }
         covered += suite->clauses[i].covered ? 1u : 0u;
+        all_listed += suite->clauses[i].listed != NULL ? 1u : 0u;
     }
-    (void)fprintf(to, "%-8s %4zu of %zu clauses, %zu rows\n", "all", covered, suite->clause_count,
-                  suite->row_count);
+    (void)fprintf(to,
+                  "%-8s %4zu of %zu clauses, %zu rows; %zu clauses do not hold, and are listed\n",
+                  "all", covered, suite->clause_count - all_listed, suite->row_count, all_listed);
 }
 
 /* --- running ------------------------------------------------------------------------------- */
