@@ -64,6 +64,31 @@ static void put_errors(const struct dg_hf *device, struct dg_scpi *to)
     }
 }
 
+/* The process channel at the moment of `position`; without power it has no level. */
+static void put_sincos(const struct dg_hf *device, dg_ns now, bool on, struct dg_scpi *to)
+{
+    struct dg_hf_sincos lines = {0};
+
+    dg_hf_sincos(device, now, &lines);
+    const struct {
+        const char *key;
+        int32_t uv;
+    } rows[] = {
+        {"sin_plus_uv", lines.sin_plus_uv},
+        {"sin_minus_uv", lines.sin_minus_uv},
+        {"cos_plus_uv", lines.cos_plus_uv},
+        {"cos_minus_uv", lines.cos_minus_uv},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        dg_control_state_begin(to, rows[i].key);
+        if (on) {
+            dg_scpi_append_number(to, rows[i].uv, 0);
+        } else {
+            dg_scpi_append(to, "-");
+        }
+    }
+}
+
 static void state(const struct dg_encoder *self, dg_ns now, struct dg_scpi *to)
 {
     const struct dg_hf *device = device_of(self);
@@ -86,6 +111,7 @@ static void state(const struct dg_encoder *self, dg_ns now, struct dg_scpi *to)
     dg_control_state_number(to, "baud", uart.baud);
     dg_control_state_word(to, "parity", parity);
     dg_control_state_hex(to, "locks", device->locks, 2);
+    put_sincos(device, now, on, to);
 }
 
 const struct dg_encoder_kind dg_kind_hiperface = {

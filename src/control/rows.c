@@ -37,7 +37,7 @@ enum {
 
 /* clang-format off */
 const struct dg_fault_row dg_fault_rows[] = {
-    /* S36 RS485. Monitors look whenever a reply is made; 'no.' counts the choices of its page. */
+    /* S36 RS485. 'no.' counts the choices of its page. */
     {"led_current_high",    RS485, SENSE(led_current_ua),          40000, LED_WORN,     "1Dh on the error stack; 42h, 43h, 6Ah answer 1Dh; 44h channel 49h tells 40 mA", "5.1.3"},
     {"led_current_low",     RS485, SENSE(led_current_ua),              0, LED_DARK,     "44h channel 49h tells 0 mA, below the type label's minimum; no code", "5.1.2.3; no. 26"},
     {"temperature_high",    RS485, SENSE(temperature_mdegc),      125000, HOT,          "1Eh on the error stack; 44h channel 48h tells 125 degC", "5.1.3"},

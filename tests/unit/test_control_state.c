@@ -119,6 +119,24 @@ static void test_rs485(void **state)
     expect("deaf=0");
 }
 
+/* A quarter of a turn is 512 whole periods: sine 0, cosine at its peak (4.1.3). */
+static void test_rs485_process_channel(void **state)
+{
+    (void)state;
+    control_rig_expect(&rig, "SHAF:POS 90", "");
+    expect("sin_plus_uv=2500000");
+    expect("sin_minus_uv=2500000");
+    expect("cos_plus_uv=2750000");
+    expect("cos_minus_uv=2250000");
+    control_rig_expect(&rig, "WORL:AMPL:COS 500;:WORL:OFFS:SIN 100", "");
+    expect("sin_plus_uv=2525000");
+    expect("sin_minus_uv=2475000");
+    expect("cos_plus_uv=2625000");
+    expect("cos_minus_uv=2375000");
+    control_rig_expect(&rig, "POW OFF", "");
+    expect("cos_plus_uv=-");
+}
+
 static void test_rs485_errors_newest_first(void **state)
 {
     (void)state;
@@ -442,6 +460,7 @@ int main(void)
         cmocka_unit_test_setup(test_all_have_the_same_beginning, setup),
         cmocka_unit_test_setup(test_counters_of_the_port, setup),
         cmocka_unit_test_setup(test_rs485, setup),
+        cmocka_unit_test_setup(test_rs485_process_channel, setup),
         cmocka_unit_test_setup(test_rs485_errors_newest_first, setup),
         cmocka_unit_test_setup(test_rs485_after_a_reset, setup),
         cmocka_unit_test_setup(test_biss, setup),
