@@ -69,6 +69,11 @@ static void test_catalogue(void **state)
     assert_non_null(strstr(catalogue, "\"wire_drop\",WIRE,\""));
     assert_non_null(strstr(catalogue, "\"eeprom_offset\",MEMORY,\""));
     assert_non_null(strstr(catalogue, "\"5.1.3\""));
+    assert_non_null(strstr(catalogue, "\"multiturn_sync\""));
+    rig.hf.device.setup.model = dg_device_find("s3674-rs485")->hiperface;
+    catalogue = control_rig_say(&rig, "FAUL:CAT?");
+    assert_non_null(strstr(catalogue, "\"singleturn_lost\""));
+    assert_null(strstr(catalogue, "\"multiturn_"));
 }
 
 /* Without a multiturn track it cannot have the faults of one. */
@@ -203,7 +208,8 @@ static void test_regions(void **state)
     (void)state;
     expect("NVM:CAT?",
            "\"resolution\",\"calibration\",\"offset\",\"sync\",\"uart\",\"memory\","
-           "\"codes\",\"fields\",\"type\",\"counter\",\"label\",\"field-sums\",\"user\"");
+           "\"codes\",\"fields\",\"type\",\"counter\",\"label\",\"field-sums\",\"user\","
+           "\"steps\",\"implemented\"");
     expect("INST:SEL k2;:NVM:CAT?", "\"\"");
     refuse("NVM:CORR steps", "-241", "k2: it has no EEPROM");
     refuse("NVM:ERAS", "-241", "k2: it has no EEPROM");

@@ -57,7 +57,8 @@ static int set_up(void **state)
     (void)state;
     if (hf_rig_init(&rig, dg_device_find("s3684-rs485")->hiperface) != DG_OK ||
         hf_rig_power_on(&rig) != DG_OK || hf_rig_ask(&rig, "43 00 12 34 55 55") != 0 ||
-        hf_rig_ask(&rig, "4D 00 CA 55") != 0 || hf_rig_ask(&rig, "47") != 0) {
+        hf_rig_ask(&rig, "4D 00 CA 55") != 0 || hf_rig_ask(&rig, "47") != 0 ||
+        hf_rig_ask(&rig, "55 47 55") != 0 || hf_rig_ask(&rig, "4F 01 55 77") != 0) {
         return -1;
     }
     lived_in = rig;
@@ -184,9 +185,13 @@ static void a_dead_bus_is_answered_and_heals(void **state)
     assert_true(same(&seen, &before));
 }
 
-/* 05h in the stack; position 02h, all that uses the EEPROM 05h, until the next start. */
+/* 05h in the stack; position 02h, all that uses the EEPROM 05h, until the next start; and nothing
+ * of what is stored is in force, not even when the memory has come back meanwhile. */
 static void assert_started_without_memory(void)
 {
+    assert_int_equal(rig.device.address, DG_HF_ADDRESS_DEFAULT);
+    assert_int_equal(rig.device.codes[1], DG_HF_CODE_DEFAULT);
+    assert_int_equal(rig.device.offset, 0);
     assert_int_equal(hf_rig_ask(&rig, "50"), 0);
     assert_int_equal(rig.reply[2], DG_HF_I2C);
     assert_int_equal(hf_rig_ask(&rig, "50"), 0);
