@@ -43,6 +43,10 @@ extern "C" {
 #define DG_HF_CODE_DEFAULT 0x55u
 /** Depth of the error stack (5.1.2.13). */
 #define DG_HF_STACK_DEPTH 4u
+/** Most steps a turn a model may have: periods * steps. */
+#define DG_HF_STEPS_PER_TURN_MAX 0x1000000u
+/** Most implemented memory that 52h tells, in blocks of 16 bytes (5.1.2.14). */
+#define DG_HF_IMPLEMENTED_MAX 0x80u
 /** Longest initialisation time a model may have. */
 #define DG_HF_INIT_MAX DG_S(600)
 
@@ -75,7 +79,7 @@ enum dg_hf_status {
 
 /** EEPROM regions of the device; the row of dg_hf_layout.regions with the same index. */
 enum dg_hf_region {
-    DG_HF_REGION_RESOLUTION,  /**< "resolution": periods, steps, turns; 01h */
+    DG_HF_REGION_RESOLUTION,  /**< "resolution": periods, steps (0: see "steps"), turns; 01h */
     DG_HF_REGION_CALIBRATION, /**< "calibration": sensor calibration; 01h */
     DG_HF_REGION_OFFSET,      /**< "offset": position offset; 02h */
     DG_HF_REGION_SYNC,        /**< "sync": sensor synchronisation; 02h */
@@ -88,6 +92,8 @@ enum dg_hf_region {
     DG_HF_REGION_LABEL,       /**< "label": extended type label; 12h */
     DG_HF_REGION_FIELD_SUMS,  /**< "field-sums": a CRC-16 per data field */
     DG_HF_REGION_USER,        /**< "user": content of the data fields */
+    DG_HF_REGION_STEPS,       /**< "steps": steps a period beyond 255; 01h */
+    DG_HF_REGION_IMPLEMENTED, /**< "implemented": memory size told by 52h, 0: as "memory"; 03h */
     DG_HF_REGION_COUNT
 };
 
@@ -100,14 +106,17 @@ extern const struct dg_store_layout dg_hf_layout;
  * what is damaged there is taken from here. Only the two times are always taken from here.
  */
 struct dg_hf_model {
-    uint16_t periods_per_turn;   /**< 1..65535 sine periods a turn */
-    uint8_t steps_per_period;    /**< 1..255; 32 in all slaves (5.1.2.1) */
+    uint16_t periods_per_turn; /**< 1..65535 sine periods a turn */
+    /** Steps of 42h in a period, 1..2^24 / periods; 32 in all slaves (5.1.2.1). What 42h counts is
+     * a figure of its own (5.1.2: 20 bits singleturn): the type label has no field for it. */
+    uint32_t steps_per_period;
     uint32_t turns;              /**< 1: singleturn; turns * periods * steps must not exceed 2^32 */
     uint8_t type_code;           /**< 52h byte 1 */
     uint8_t option_code;         /**< 52h byte 3 */
     uint8_t memory_blocks;       /**< user memory in blocks of 16 bytes, 1..112 (70h) */
+    uint8_t implemented_blocks;  /**< 52h byte 2: memory_blocks..128 (80h); 0: as memory_blocks */
     char serial[10];             /**< 56h: 9 characters */
-    char version[21];            /**< 56h: up to 20 characters, padded with 00h */
+    char version[21];            /**< 56h: up to 19 characters; the 20th is always told as 00h */
     char date[9];                /**< 56h: 8 characters */
     char designation[19];        /**< label 0Ah: up to 18 characters, padded with 00h */
     uint8_t temperature_channel; /**< 44h channels, also told in the label at 1Eh */
@@ -190,17 +199,19 @@ struct dg_hf {
     uint8_t uart_next;   /**< setting in force after the window or 53h */
     uint8_t uart_stored; /**< setting in the EEPROM */
     bool frame_damaged;  /**< a character of this frame was damaged */
+    uint8_t sum;         /**< XOR over this frame, whoever it is for */
     uint16_t length;     /**< characters of this frame, also beyond the buffer */
     uint8_t frame[DG_HF_FRAME_MAX];
 
     /* working copy of the EEPROM, read at power-on */
     uint16_t periods;
-    uint8_t steps;
+    uint32_t steps;
     uint32_t turns;
     uint32_t offset; /**< counts added to the raw position, 0..range-1 */
     uint8_t address;
     uint8_t codes[4];
-    uint8_t blocks; /**< user memory */
+    uint8_t blocks;      /**< user memory */
+    uint8_t implemented; /**< memory as 52h tells it */
     int16_t temperature_min_degc;
     int16_t temperature_max_degc;
     uint16_t led_max_ma;
@@ -210,7 +221,7 @@ struct dg_hf {
     /* status */
     uint8_t stack[DG_HF_STACK_DEPTH]; /**< error stack, oldest first */
     uint8_t stack_count;
-    uint8_t locks;    /**< start-up locks in force */
+    uint8_t locks;    /**< what may not be done until the next start; bits as STATe? tells them */
     uint8_t monitors; /**< monitored quantities that are out of range and have been reported */
 };
 
@@ -265,8 +276,13 @@ void dg_hf_power_off(struct dg_hf *self);
 dg_ns dg_hf_rx(struct dg_hf *self, dg_ns now, uint8_t byte, uint8_t flags);
 
 /**
- * Do what is due at `now`: end of frame, reply, end of the start-up window. May be called early
- * (nothing happens) or late (a reply is sent, and its position latched, at `now`).
+ * Do what is due at `now`: end of frame, reply, end of the start-up window; and look at the
+ * monitored quantities (5.1.3 'Others'). May be called early (nothing is due) or late (a reply is
+ * sent, and its position latched, at `now`).
+ *
+ * A host calls it, besides at the deadlines, whenever it has changed the world: a temperature that
+ * is out of its limits between two requests is on the error stack then. One that lets a quantity
+ * follow a course calls it every 10 ms while it does, or when a limit is crossed.
  * @return when to call again; DG_NEVER when only a character can change anything
  */
 dg_ns dg_hf_step(struct dg_hf *self, dg_ns now);
@@ -284,8 +300,8 @@ int dg_hf_uart_decode(uint8_t setting, struct dg_hf_uart *out);
 uint32_t dg_hf_position(const struct dg_hf *self, dg_ns now);
 
 /**
- * The process channel at `now` (4.1.3), phase-locked to the shaft: one period per 32 steps of the
- * raw position, sin 0 and cos at its peak where the raw position's 5 LSB turn to 0. Pure.
+ * The process channel at `now` (4.1.3), phase-locked to the shaft: one period per `steps` steps of
+ * the raw position, sin 0 and cos at its peak where a new period of the raw position begins. Pure.
  */
 void dg_hf_sincos(const struct dg_hf *self, dg_ns now, struct dg_hf_sincos *out);
 

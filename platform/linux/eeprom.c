@@ -24,8 +24,10 @@ static const struct {
     const char *what;
 } factory[] = {
     {DG_HF_REGION_RESOLUTION, "periods, steps or turns"},
+    {DG_HF_REGION_STEPS, "steps"},
     {DG_HF_REGION_TYPE, "type code, option or serial number"},
     {DG_HF_REGION_MEMORY, "user memory size"},
+    {DG_HF_REGION_IMPLEMENTED, "implemented memory"},
     {DG_HF_REGION_LABEL, "type label"},
 };
 #define FACTORY_COUNT (sizeof factory / sizeof factory[0])

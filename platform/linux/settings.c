@@ -45,12 +45,13 @@ static const struct setting settings[] = {
     {"reaction_us",             "us",       MODEL(reaction),               NS,   0, 1000,     0,     250000, NULL, "from a request's timeout to the reply; cut to the command's maximum"},
     {"init_ms",                 "ms",       MODEL(init),                   NS,   0, 1000000,  0,     600000, NULL, "initialisation time after power-on and reset"},
     {"periods",                 "",         MODEL(periods_per_turn),       U16,  0, 1,        1,      65535, NULL, "sine periods a turn (factory)"},
-    {"steps",                   "",         MODEL(steps_per_period),       U8,   0, 1,        1,        255, NULL, "steps a period (factory)"},
+    {"steps",                   "",         MODEL(steps_per_period),       U32,  0, 1,        1,   16777216, NULL, "steps of 42h in a period; periods x steps: at most 16777216 (factory)"},
     {"turns",                   "",         MODEL(turns),                  U32,  0, 1,        1, UINT32_MAX, NULL, "turns; 1: singleturn (factory)"},
     {"memory",                  "blocks",   MODEL(memory_blocks),          U8,   0, 1,        1,        112, NULL, "user memory in blocks of 16 bytes (factory)"},
+    {"implemented",             "blocks",   MODEL(implemented_blocks),     U8,   0, 1,        0,        128, NULL, "memory size that 52h tells, memory..128; 0: as memory (factory)"},
     {"type",                    "",         MODEL(type_code),              U8,   0, 1,        0,        255, NULL, "type code, e.g. 27h (factory)"},
     {"option",                  "",         MODEL(option_code),            U8,   0, 1,        0,        255, NULL, "option code (factory)"},
-    {"version",                 "",         MODEL(version),                TEXT, 0, 1,        0,         20, NULL, "firmware version (factory)"},
+    {"version",                 "",         MODEL(version),                TEXT, 0, 1,        0,         19, NULL, "firmware version (factory)"},
     {"date",                    "",         MODEL(date),                   TEXT, 0, 1,        8,          8, NULL, "date of the firmware (factory)"},
     {"designation",             "",         MODEL(designation),            TEXT, 0, 1,        0,         18, NULL, "designation in the type label (factory)"},
     {"temperature_min",         "degC",     MODEL(temperature_min_degc),   I16,  0, 1,     -273,       1000, NULL, "limit in the type label (factory)"},
@@ -325,6 +326,14 @@ int lx_settings_check(const struct lx_settings *self, struct lx_error *error)
     const struct dg_hf_model *model = &self->model;
     const uint64_t steps = (uint64_t)model->periods_per_turn * model->steps_per_period;
     const uint64_t counts = steps * model->turns;
+    if (steps > DG_HF_STEPS_PER_TURN_MAX) {
+        return lx_fail(error, "--set: periods x steps is %llu; at most %lu is right",
+                       (unsigned long long)steps, (unsigned long)DG_HF_STEPS_PER_TURN_MAX);
+    }
+    if (model->implemented_blocks != 0 && model->implemented_blocks < model->memory_blocks) {
+        return lx_fail(error, "--set implemented=%u: %u..128 is right, or 0: as memory",
+                       model->implemented_blocks, model->memory_blocks);
+    }
     /* 42h answers with 32 bits of position. */
     if (counts > (uint64_t)1 << 32) {
         return lx_fail(error, "--set: turns x periods x steps is %llu; at most 4294967296 is right",

@@ -16,11 +16,14 @@
 
 /* The flags' short names in commands.def. */
 enum {
+    C = HF_CODE0,
     P = HF_LOCK_POSITION,
     D = HF_LOCK_FIELDS,
+    U = HF_LOCK_UART,
+    K = HF_LOCK_CODES,
+    W = HF_LOCK_WRITE,
     E = HF_LOCK_EEPROM,
     S = HF_LOCK_CHECKSUM,
-    C = HF_CODE0,
 };
 
 #define DG_HF_COMMAND(code, name, min, max, reply, reaction_ms, flags, handler, errors)            \
@@ -60,10 +63,10 @@ enum dg_hf_status dg_hf_check(const struct dg_hf *self, const struct hf_command 
     if (self->length > DG_HF_FRAME_MAX) {
         return DG_HF_LENGTH;
     }
-    if (dg_xor8(0, self->frame, self->length) != 0) {
+    if (self->sum != 0) {
         return DG_HF_CHECKSUM;
     }
-    if (self->length < 3) {
+    if (self->length < HF_FRAME_LEAST) {
         return DG_HF_LENGTH;
     }
     *row = dg_hf_command(self->frame[1]);
@@ -85,7 +88,7 @@ static enum dg_hf_status permitted(const struct dg_hf *self, const struct hf_com
         uint8_t status;
     } locks[] = {
         {HF_LOCK_POSITION, DG_HF_ANGLE_OFFSET},
-        {HF_LOCK_FIELDS, DG_HF_PARTITION},
+        {HF_LOCK_PARTITION, DG_HF_PARTITION},
         {HF_LOCK_EEPROM, DG_HF_I2C},
         {HF_LOCK_CHECKSUM, DG_HF_CHECKSUM_INTERNAL},
     };

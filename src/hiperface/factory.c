@@ -8,6 +8,9 @@
 #include "drehgeber/crc.h"
 #include "hf.h"
 
+/* Steps that do not fit their byte in region 'resolution' stand in region 'steps'. What fits stays
+ * in its byte: images from before that region existed mean what they say. */
+#define STEPS_ELSEWHERE 0u
 #define SERIAL_SIZE 9u
 #define VERSION_SIZE 20u
 #define DATE_SIZE 8u
@@ -21,8 +24,23 @@ static void default_resolution(const void *ctx, uint8_t *out)
     const struct dg_hf_model *model = ctx;
 
     dg_store_be16(&out[0], model->periods_per_turn);
-    out[2] = model->steps_per_period;
+    out[2] =
+        (uint8_t)(model->steps_per_period > UINT8_MAX ? STEPS_ELSEWHERE : model->steps_per_period);
     dg_store_be32(&out[3], model->turns);
+}
+
+static void default_steps(const void *ctx, uint8_t *out)
+{
+    const struct dg_hf_model *model = ctx;
+
+    dg_store_be32(out, model->steps_per_period);
+}
+
+static void default_implemented(const void *ctx, uint8_t *out)
+{
+    const struct dg_hf_model *model = ctx;
+
+    out[0] = model->implemented_blocks;
 }
 
 static void default_uart(const void *ctx, uint8_t *out)
@@ -140,6 +158,8 @@ static const struct dg_store_region regions[DG_HF_REGION_COUNT] = {
     [DG_HF_REGION_LABEL]       = {"label",         64, DG_STORE_CHECKED, DG_HF_FIELD_NUMBER, default_label},
     [DG_HF_REGION_FIELD_SUMS]  = {"field-sums",   224, DG_STORE_RAW,     0,                  NULL},
     [DG_HF_REGION_USER]        = {"user",        1792, DG_STORE_RAW,     0,                  NULL},
+    [DG_HF_REGION_STEPS]       = {"steps",          4, DG_STORE_CHECKED, DG_HF_COMPENSATION, default_steps},
+    [DG_HF_REGION_IMPLEMENTED] = {"implemented",    1, DG_STORE_CHECKED, DG_HF_PARTITION,    default_implemented},
 };
 /* clang-format on */
 
@@ -160,7 +180,13 @@ static bool resolution_fits(uint32_t periods, uint32_t steps, uint32_t turns)
 {
     uint64_t per_turn = (uint64_t)periods * steps;
 
-    return per_turn != 0 && turns != 0 && turns <= ((uint64_t)1 << 32) / per_turn;
+    return per_turn != 0 && per_turn <= DG_HF_STEPS_PER_TURN_MAX && turns != 0 &&
+           turns <= ((uint64_t)1 << 32) / per_turn;
+}
+
+static bool implemented_fits(uint8_t implemented, uint8_t blocks)
+{
+    return implemented == 0 || (implemented >= blocks && implemented <= DG_HF_IMPLEMENTED_MAX);
 }
 
 int dg_hf_model_check(const struct dg_hf_model *model)
@@ -169,7 +195,8 @@ int dg_hf_model_check(const struct dg_hf_model *model)
         return DG_ERR_ARGUMENT;
     }
     if (model->init > DG_HF_INIT_MAX || model->memory_blocks == 0 ||
-        model->memory_blocks > HF_FIELDS_MAX) {
+        model->memory_blocks > HF_FIELDS_MAX ||
+        !implemented_fits(model->implemented_blocks, model->memory_blocks)) {
         return DG_ERR_ARGUMENT;
     }
     return DG_OK;
@@ -202,7 +229,43 @@ static void load_from_model(struct dg_hf *self)
     self->offset = 0;
     self->address = DG_HF_ADDRESS_DEFAULT;
     self->uart_stored = DG_HF_UART_DEFAULT;
+    self->implemented =
+        model->implemented_blocks != 0 ? model->implemented_blocks : model->memory_blocks;
     memset(self->codes, DG_HF_CODE_DEFAULT, sizeof self->codes);
+}
+
+static void load_resolution(struct dg_hf *self)
+{
+    uint8_t bytes[7];
+    uint8_t beyond[4] = {0};
+
+    if (!load(self, DG_HF_REGION_RESOLUTION, bytes)) {
+        return;
+    }
+    uint32_t periods = dg_load_be16(&bytes[0]);
+    uint32_t steps = bytes[2];
+    uint32_t turns = dg_load_be32(&bytes[3]);
+    if (steps == STEPS_ELSEWHERE && load(self, DG_HF_REGION_STEPS, beyond)) {
+        steps = dg_load_be32(beyond);
+    }
+    if (resolution_fits(periods, steps, turns)) {
+        self->periods = (uint16_t)periods;
+        self->steps = steps;
+        self->turns = turns;
+    }
+}
+
+static void load_memory_size(struct dg_hf *self)
+{
+    uint8_t blocks;
+
+    /* More blocks than there are would be fields beyond their table. */
+    if (load(self, DG_HF_REGION_MEMORY, &blocks) && blocks <= HF_FIELDS_MAX) {
+        self->blocks = blocks;
+    }
+    if (load(self, DG_HF_REGION_IMPLEMENTED, &blocks) && implemented_fits(blocks, self->blocks)) {
+        self->implemented = blocks != 0 ? blocks : self->blocks;
+    }
 }
 
 static void load_limits(struct dg_hf *self, const uint8_t *label)
@@ -231,12 +294,8 @@ void dg_hf_load(struct dg_hf *self, bool mounted)
     if (!mounted) {
         return;
     }
-    if (load(self, DG_HF_REGION_RESOLUTION, bytes) &&
-        resolution_fits(dg_load_be16(&bytes[0]), bytes[2], dg_load_be32(&bytes[3]))) {
-        self->periods = dg_load_be16(&bytes[0]);
-        self->steps = bytes[2];
-        self->turns = dg_load_be32(&bytes[3]);
-    }
+    load_resolution(self);
+    load_memory_size(self);
     if (load(self, DG_HF_REGION_OFFSET, bytes)) {
         uint64_t range = (uint64_t)self->periods * self->steps * self->turns;
         self->offset = (uint32_t)(dg_load_be32(bytes) % range);
@@ -244,10 +303,6 @@ void dg_hf_load(struct dg_hf *self, bool mounted)
     if (load(self, DG_HF_REGION_UART, bytes)) {
         self->uart_stored = bytes[0];
         self->address = bytes[1];
-    }
-    /* More blocks than there are would be fields beyond their table. */
-    if (load(self, DG_HF_REGION_MEMORY, bytes) && bytes[0] <= HF_FIELDS_MAX) {
-        self->blocks = bytes[0];
     }
     (void)load(self, DG_HF_REGION_CODES, self->codes);
 }

@@ -59,7 +59,7 @@ static enum dg_hf_status load_fields(struct dg_hf *self, struct fields *fields)
         return DG_HF_I2C;
     }
     if (fields->count > HF_FIELDS_MAX || blocks_used(fields, fields->count) > self->blocks) {
-        return DG_HF_PARTITION;
+        return dg_hf_corrupt(self);
     }
     return DG_HF_NO_ERROR;
 }
@@ -107,7 +107,7 @@ static enum dg_hf_status load_content(struct dg_hf *self, const struct field *fi
         return DG_HF_I2C;
     }
     return dg_crc16(SUM_SEED, to, field->size) == dg_load_be16(sum) ? DG_HF_NO_ERROR
-                                                                    : DG_HF_PARTITION;
+                                                                    : dg_hf_corrupt(self);
 }
 
 /* Add the sum of `content` to the open commit. */

@@ -18,21 +18,27 @@
 #define HF_FIELDS_MAX 112u
 #define HF_BLOCK 16u
 
+/** Shortest frame: address, command, check sum. */
+#define HF_FRAME_LEAST 3u
+
 /** A command that carries data beyond this does not exist. */
 #define HF_DATA_MAX (DG_HF_FRAME_MAX - 3u)
 
-/** Start-up locks (5.1.3), lowest bit answered first. */
+/** Locks until the next start (5.1.3), and what a locked command answers. */
 enum hf_lock {
-    HF_LOCK_POSITION = 1, /**< 02h */
-    HF_LOCK_FIELDS = 2,   /**< 03h */
-    HF_LOCK_EEPROM = 4,   /**< 05h */
-    HF_LOCK_CHECKSUM = 8, /**< 06h */
+    HF_LOCK_POSITION = 0x01, /**< 02h */
+    HF_LOCK_FIELDS = 0x02,   /**< 03h: memory size or table of the data fields damaged */
+    HF_LOCK_EEPROM = 0x04,   /**< 05h */
+    HF_LOCK_CHECKSUM = 0x08, /**< 06h */
+    HF_LOCK_WRITE = 0x10,    /**< 03h: a damaged data field was found in operation */
+    HF_LOCK_UART = 0x20,     /**< 03h: UART settings damaged */
+    HF_LOCK_CODES = 0x40,    /**< 03h: access codes damaged */
+    HF_LOCK_PARTITION = HF_LOCK_FIELDS | HF_LOCK_WRITE | HF_LOCK_UART | HF_LOCK_CODES,
 };
 
-/** What a command is bound to; the low bits are its locks. */
+/** What a command is bound to besides locks. */
 enum hf_flags {
-    HF_LOCKS = 15,
-    HF_CODE0 = 16,
+    HF_CODE0 = 0x80, /**< its last byte is Code 0 */
 };
 
 /** A request whose frame is in order, and the reply under construction. */
@@ -69,6 +75,8 @@ void dg_hf_answer(struct dg_hf *self, dg_ns now);
 
 /** status.c */
 void dg_hf_push(struct dg_hf *self, enum dg_hf_status status);
+/** A damaged data field in operation: saved with 06h, writing is locked (R24). Always 03h. */
+enum dg_hf_status dg_hf_corrupt(struct dg_hf *self);
 void dg_hf_start_up_checks(struct dg_hf *self);
 void dg_hf_monitor(struct dg_hf *self);
 /** The wire's view of a result of the store. */

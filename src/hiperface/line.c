@@ -4,8 +4,8 @@
  * R13-R16).
  *
  *   IDLE --own address--> COLLECT --silence--> REPLY --reaction time--> IDLE
- *     \----anything else--> SKIP --silence--> IDLE      53h: COLLECT --silence--> DEAF --init-->
- * IDLE
+ *     \----anything else--> SKIP --silence--> IDLE
+ *                          53h: COLLECT --silence--> DEAF --init--> IDLE
  */
 #include "hf.h"
 
@@ -127,6 +127,18 @@ static void reset(struct dg_hf *self, dg_ns moment)
     become(self, DG_HF_DEAF, dg_after(moment, self->setup.model->init));
 }
 
+/* The line was silent for the timeout. In the start-up window an intact frame is communication,
+ * whoever it was for and whatever was in it: the setting in force stays (R27). */
+static void notice(struct dg_hf *self)
+{
+    bool intact = !self->frame_damaged && self->length >= HF_FRAME_LEAST && self->sum == 0;
+
+    if (intact && self->window_end != DG_NEVER) {
+        self->window_end = DG_NEVER;
+        self->uart_next = self->uart;
+    }
+}
+
 /* The line was silent for the timeout, at `moment`: the frame in the buffer is complete. */
 static void end_of_frame(struct dg_hf *self, dg_ns moment)
 {
@@ -135,10 +147,7 @@ static void end_of_frame(struct dg_hf *self, dg_ns moment)
     dg_ns reaction = self->setup.model->reaction;
 
     self->counters.frames++;
-    if (status == DG_HF_NO_ERROR && self->window_end != DG_NEVER) {
-        self->window_end = DG_NEVER;
-        self->uart_next = self->uart;
-    }
+    notice(self);
     if (status == DG_HF_NO_ERROR && row->handler == NULL) {
         reset(self, moment);
         return;
@@ -155,16 +164,21 @@ static void after_reply(struct dg_hf *self, dg_ns now)
     dg_ns silent = dg_after(self->last_rx, timeout_ns(self, false));
 
     if (silent > now) {
+        self->frame_damaged = true;
         become(self, DG_HF_SKIP, silent);
     } else {
         become(self, DG_HF_IDLE, DG_NEVER);
     }
 }
 
-/* The start-up window does not close in the middle of a frame for this device. */
+/* The start-up window does not close in the middle of a frame for this device, nor of one for
+ * another as long as it may be one. */
 static dg_ns window_deadline(const struct dg_hf *self)
 {
-    return self->line == DG_HF_IDLE || self->line == DG_HF_SKIP ? self->window_end : DG_NEVER;
+    bool noise = self->frame_damaged || self->length > DG_HF_FRAME_MAX;
+
+    return self->line == DG_HF_IDLE || (self->line == DG_HF_SKIP && noise) ? self->window_end
+                                                                           : DG_NEVER;
 }
 
 static dg_ns next_deadline(const struct dg_hf *self)
@@ -190,6 +204,9 @@ static void act(struct dg_hf *self, dg_ns now)
         after_reply(self, now);
         break;
     case DG_HF_SKIP:
+        notice(self);
+        become(self, DG_HF_IDLE, DG_NEVER);
+        break;
     case DG_HF_DEAF:
         become(self, DG_HF_IDLE, DG_NEVER);
         break;
@@ -204,6 +221,9 @@ dg_ns dg_hf_step(struct dg_hf *self, dg_ns now)
     while (next_deadline(self) <= now && next_deadline(self) != DG_NEVER) {
         act(self, now);
     }
+    if (self->line != DG_HF_OFF && self->line != DG_HF_DEAF) {
+        dg_hf_monitor(self);
+    }
     return next_deadline(self);
 }
 
@@ -212,15 +232,16 @@ static void first_character(struct dg_hf *self, uint8_t byte, bool damaged)
 {
     bool mine = byte == self->address || byte == DG_HF_ADDRESS_BROADCAST;
 
+    self->frame[0] = byte;
+    self->sum = byte;
+    self->length = 1;
+    self->frame_damaged = damaged;
     if (damaged || !mine) {
         self->counters.others++;
         self->line = DG_HF_SKIP;
-        return;
+    } else {
+        self->line = DG_HF_COLLECT;
     }
-    self->frame[0] = byte;
-    self->length = 1;
-    self->frame_damaged = false;
-    self->line = DG_HF_COLLECT;
 }
 
 static void next_character(struct dg_hf *self, uint8_t byte, bool damaged)
@@ -231,6 +252,7 @@ static void next_character(struct dg_hf *self, uint8_t byte, bool damaged)
     if (self->length <= DG_HF_FRAME_MAX) {
         self->length++; /* one beyond the buffer says "too long", however long (R14) */
     }
+    self->sum ^= byte;
     self->frame_damaged |= damaged;
 }
 
@@ -261,11 +283,10 @@ dg_ns dg_hf_rx(struct dg_hf *self, dg_ns now, uint8_t byte, uint8_t flags)
         first_character(self, byte, damaged);
         break;
     case DG_HF_COLLECT:
+    case DG_HF_SKIP:
         if (!start_bit) {
             next_character(self, byte, damaged);
         }
-        break;
-    case DG_HF_SKIP:
         break;
     }
     self->last_rx = now;

@@ -11,7 +11,7 @@
 
 static uint32_t counts_per_turn(const struct dg_hf *self)
 {
-    return (uint32_t)self->periods * self->steps;
+    return self->periods * self->steps;
 }
 
 static uint64_t range(const struct dg_hf *self)
@@ -19,7 +19,7 @@ static uint64_t range(const struct dg_hf *self)
     return (uint64_t)counts_per_turn(self) * self->turns;
 }
 
-/* Position without the offset: the 5 LSB are the phase of the sine. */
+/* Position without the offset: modulo the steps of a period it is the phase of the sine. */
 static uint32_t raw_position(const struct dg_hf *self, dg_ns now)
 {
     dg_angle angle = dg_world_angle(self->setup.world, now);

@@ -39,54 +39,53 @@ enum dg_hf_status dg_hf_io(int result)
     return result == DG_OK ? DG_HF_NO_ERROR : DG_HF_I2C;
 }
 
-/* Every damaged region: its own code, then 06h; and what it locks. */
+/* Every damaged region: its own code, then 06h; and what it locks besides what 06h does. Of the
+ * regions with 03h each locks the commands that are about it (R25). */
 void dg_hf_start_up_checks(struct dg_hf *self)
 {
-    static const struct {
-        uint8_t code;
-        uint8_t lock;
-    } locks[] = {
-        {DG_HF_COMPENSATION, HF_LOCK_POSITION}, {DG_HF_ANGLE_OFFSET, HF_LOCK_POSITION},
-        {DG_HF_PARTITION, HF_LOCK_FIELDS},      {DG_HF_I2C, HF_LOCK_EEPROM},
-        {DG_HF_COUNTER, HF_LOCK_CHECKSUM},      {DG_HF_FIELD_NUMBER, HF_LOCK_POSITION},
+    static const uint8_t locks[DG_HF_REGION_COUNT] = {
+        [DG_HF_REGION_RESOLUTION] = HF_LOCK_POSITION, [DG_HF_REGION_CALIBRATION] = HF_LOCK_POSITION,
+        [DG_HF_REGION_OFFSET] = HF_LOCK_POSITION,     [DG_HF_REGION_SYNC] = HF_LOCK_POSITION,
+        [DG_HF_REGION_UART] = HF_LOCK_UART,           [DG_HF_REGION_MEMORY] = HF_LOCK_FIELDS,
+        [DG_HF_REGION_CODES] = HF_LOCK_CODES,         [DG_HF_REGION_FIELDS] = HF_LOCK_FIELDS,
+        [DG_HF_REGION_TYPE] = HF_LOCK_EEPROM,         [DG_HF_REGION_LABEL] = HF_LOCK_POSITION,
+        [DG_HF_REGION_STEPS] = HF_LOCK_POSITION,      [DG_HF_REGION_IMPLEMENTED] = HF_LOCK_FIELDS,
     };
 
     for (uint8_t region = 0; region < DG_HF_REGION_COUNT; region++) {
-        if (!dg_store_damaged(&self->store, region)) {
-            continue;
-        }
-        uint8_t code = dg_hf_layout.regions[region].startup_code;
-        dg_hf_push(self, (enum dg_hf_status)code);
-        dg_hf_push(self, DG_HF_CHECKSUM_INTERNAL);
-        self->locks |= HF_LOCK_CHECKSUM;
-        for (uint8_t i = 0; i < sizeof locks / sizeof locks[0]; i++) {
-            if (locks[i].code == code) {
-                self->locks |= locks[i].lock;
-            }
+        if (dg_store_damaged(&self->store, region)) {
+            dg_hf_push(self, (enum dg_hf_status)dg_hf_layout.regions[region].startup_code);
+            dg_hf_push(self, DG_HF_CHECKSUM_INTERNAL);
+            self->locks |= (uint8_t)(HF_LOCK_CHECKSUM | locks[region]);
         }
     }
 }
 
-/* Group 'Others': entered when a quantity leaves its limits, once until it has been back. */
+enum dg_hf_status dg_hf_corrupt(struct dg_hf *self)
+{
+    dg_hf_push(self, DG_HF_PARTITION);
+    dg_hf_push(self, DG_HF_CHECKSUM_INTERNAL);
+    self->locks |= HF_LOCK_WRITE;
+    return DG_HF_PARTITION;
+}
+
+/* A monitored quantity: entered when it leaves its limits, once until it has been back. */
+static void watch(struct dg_hf *self, uint8_t bit, bool out, enum dg_hf_status status)
+{
+    if (out && (self->monitors & bit) == 0) {
+        dg_hf_push(self, status);
+    }
+    self->monitors = (uint8_t)(out ? self->monitors | bit : self->monitors & ~bit);
+}
+
+/* Group 'Others'. */
 void dg_hf_monitor(struct dg_hf *self)
 {
     const struct dg_world *world = self->setup.world;
     int32_t min_mdegc = self->temperature_min_degc * 1000;
     int32_t max_mdegc = self->temperature_max_degc * 1000;
-    const struct {
-        bool out;
-        uint8_t status;
-    } monitors[] = {
-        {world->led_current_ua > self->led_max_ma * 1000u, DG_HF_LED_CURRENT},
-        {world->temperature_mdegc < min_mdegc || world->temperature_mdegc > max_mdegc,
-         DG_HF_TEMPERATURE},
-    };
 
-    for (uint8_t i = 0; i < sizeof monitors / sizeof monitors[0]; i++) {
-        uint8_t bit = (uint8_t)(1u << i);
-        if (monitors[i].out && (self->monitors & bit) == 0) {
-            dg_hf_push(self, (enum dg_hf_status)monitors[i].status);
-        }
-        self->monitors = (uint8_t)(monitors[i].out ? self->monitors | bit : self->monitors & ~bit);
-    }
+    watch(self, 1u, world->led_current_ua > self->led_max_ma * 1000u, DG_HF_LED_CURRENT);
+    watch(self, 2u, world->temperature_mdegc < min_mdegc || world->temperature_mdegc > max_mdegc,
+          DG_HF_TEMPERATURE);
 }

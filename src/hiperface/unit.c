@@ -10,6 +10,7 @@
 #define OPTION_CODE 1u
 #define SERIAL_TEXT 2u
 #define SERIAL_TEXT_SIZE 37u
+#define VERSION_LAST 28u /* the version is followed by 00h (5.1.2.17) */
 
 static uint16_t temperature_degc(const struct dg_hf *self, dg_ns now)
 {
@@ -137,7 +138,7 @@ enum dg_hf_status dg_hf_read_type_label(struct dg_hf *self, struct hf_request *r
 
     dg_write_u8(&rq->reply, self->uart_stored);
     dg_write_u8(&rq->reply, type[TYPE_CODE]);
-    dg_write_u8(&rq->reply, self->blocks);
+    dg_write_u8(&rq->reply, self->implemented);
     dg_write_u8(&rq->reply, type[OPTION_CODE]);
     return dg_hf_io(result);
 }
@@ -147,6 +148,7 @@ enum dg_hf_status dg_hf_read_serial(struct dg_hf *self, struct hf_request *rq)
     uint8_t text[SERIAL_TEXT_SIZE] = {0};
     int result = dg_store_read(&self->store, DG_HF_REGION_TYPE, SERIAL_TEXT, text, sizeof text);
 
+    text[VERSION_LAST] = 0;
     dg_write_bytes(&rq->reply, text, sizeof text);
     return dg_hf_io(result);
 }

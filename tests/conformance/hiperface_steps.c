@@ -60,13 +60,14 @@ static const struct figure model_figures[] = {
     {"memory",      offsetof(struct dg_hf_model, memory_blocks), U8, 0},
     {"reaction_ms", offsetof(struct dg_hf_model, reaction),      MS, 0},
     {"init_ms",     offsetof(struct dg_hf_model, init),          MS, 0},
-    MODEL(periods_per_turn, U16),     MODEL(steps_per_period, U8),      MODEL(turns, U32),
+    MODEL(periods_per_turn, U16),     MODEL(steps_per_period, U32),     MODEL(turns, U32),
     MODEL(type_code, U8),             MODEL(option_code, U8),           MODEL(serial, TEXT),
     MODEL(version, TEXT),             MODEL(date, TEXT),                MODEL(designation, TEXT),
     MODEL(temperature_channel, U8),   MODEL(led_channel, U8),           MODEL(vector_channel, U8),
     MODEL(temperature_min_degc, I16), MODEL(temperature_max_degc, I16), MODEL(led_min_ma, U16),
     MODEL(led_max_ma, U16),           MODEL(vector_min, U16),           MODEL(vector_max, U16),
     MODEL(speed_max_rpm, U16),        MODEL(acceleration_max_krad_s2, U16),
+    MODEL(implemented_blocks, U8),
     {NULL, 0, U8, 0},
 };
 static const struct figure world_figures[] = {
@@ -390,10 +391,12 @@ static bool step_power(void *ctx, char **words, size_t n, struct cf_report *repo
 static bool set_angle(struct bench *b, const char *word)
 {
     int64_t per_turn = (int64_t)b->model.periods_per_turn * b->model.steps_per_period;
-    int64_t scaled = strtoll(word, NULL, 0) * DG_TURN;
+    int64_t count = strtoll(word, NULL, 0);
 
     /* The first angle of that count: rounded towards plus infinity. */
-    b->from = scaled > 0 ? (scaled + per_turn - 1) / per_turn : scaled / per_turn;
+    int64_t scaled = count % per_turn * DG_TURN;
+    b->from = count / per_turn * DG_TURN +
+              (scaled > 0 ? (scaled + per_turn - 1) / per_turn : scaled / per_turn);
     b->since = b->now;
     b->rpm = 0;
     return per_turn > 0;
@@ -465,6 +468,9 @@ static bool step_world(void *ctx, char **words, size_t n, struct cf_report *repo
         if (!set_figure(world_figures, &b->world, words[i])) {
             return cf_fail(report, "world: no such quantity: %s", words[i]);
         }
+    }
+    if (b->ready) {
+        b->deadline = dg_hf_step(&b->hf, b->now);
     }
     return true;
 }

@@ -310,8 +310,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
     const uint8_t how = take(&input);
     if ((how & 1u) != 0) {
         bench.model.periods_per_turn = (uint16_t)take32(&input);
-        bench.model.steps_per_period = take(&input);
+        bench.model.steps_per_period = (how & 4u) != 0 ? take32(&input) : take(&input);
         bench.model.turns = take32(&input);
+        bench.model.implemented_blocks = (how & 8u) != 0 ? take(&input) : 0;
     }
     if (hf_rig_init(&bench.rig, &bench.model) != DG_OK) {
         return 0;

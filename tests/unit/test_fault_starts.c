@@ -143,7 +143,7 @@ static const struct memory {
     uint32_t (*start_up)(const struct dg_fault_entry *entry);
     size_t regions;
 } memories[] = {
-    {fault_rig_start_hf, start_up_hf, 11},
+    {fault_rig_start_hf, start_up_hf, 13},
     {fault_rig_start_biss, start_up_biss, DG_BISS_REGION_COUNT},
     {start_co_usf, start_up_co, 11},
     {fault_rig_start_k3, start_up_ib, DG_IB_REGION_COUNT},

@@ -14,15 +14,17 @@
 #include "drehgeber/devices.h"
 #include "hf_rig.h"
 
-#define CHECKED 11u
+#define CHECKED 13u
 #define SUM_SIZE 2u
 
-/* Which start-up errors lock a command; the answer is the first one in this order (R8). */
-enum { P = 1, D = 2, E = 4, S = 8 };
+/* What locks a command; the answer is the first one in this order (R8). 03h has four causes: damage
+ * of the table of data fields or the memory size (D), the UART settings (U), the access codes (K)
+ * (R25), and a damaged data field that was found in operation (W, R24). */
+enum { P = 1, D = 2, U = 4, K = 8, W = 16, E = 32, S = 64 };
 static const struct {
     uint8_t lock;
     uint8_t status;
-} locks[] = {{P, 0x02}, {D, 0x03}, {E, 0x05}, {S, 0x06}};
+} locks[] = {{P, 0x02}, {D | U | K | W, 0x03}, {E, 0x05}, {S, 0x06}};
 
 /* The checked regions in the order they are checked: start-up error and lock (5.1.3). */
 static const struct {
@@ -30,35 +32,39 @@ static const struct {
     uint8_t code;
     uint8_t lock;
 } regions[CHECKED] = {
-    {"resolution", 0x01, P}, {"calibration", 0x01, P}, {"offset", 0x02, P}, {"sync", 0x02, P},
-    {"uart", 0x03, D},       {"memory", 0x03, D},      {"codes", 0x03, D},  {"fields", 0x03, D},
-    {"type", 0x05, E},       {"counter", 0x08, 0},     {"label", 0x12, P},
+    {"resolution", 0x01, P},  {"calibration", 0x01, P}, {"offset", 0x02, P}, {"sync", 0x02, P},
+    {"uart", 0x03, U},        {"memory", 0x03, D},      {"codes", 0x03, K},  {"fields", 0x03, D},
+    {"type", 0x05, E},        {"counter", 0x08, 0},     {"label", 0x12, P},  {"steps", 0x01, P},
+    {"implemented", 0x03, D},
 };
+#define LABEL 10u
+#define UART 4u
 
 /* A request of every command and what locks it: the error conditions of its table in 5.1.2; 57h by
- * 5.1.3.6, 46h 47h 49h also by 5.1.3.15. The label as a data field has its own row: 5.1.3.14. */
+ * 5.1.3.6, 46h 47h 49h also by 5.1.3.15, 03h by R24 and R25. The label as a data field has its own
+ * row: 5.1.3.14. */
 static const struct {
     const char *request;
     uint8_t locks;
 } commands[] = {
     {"42", P},
-    {"43 00 01 02 03 55", P | E | S},
-    {"6A 00 01 02 03 55", P | E | S},
+    {"43 00 01 02 03 55", P | W | E | S},
+    {"6A 00 01 02 03 55", P | W | E | S},
     {"44 48", 0},
     {"46", E | S},
-    {"47", E | S},
-    {"49 55", E | S},
+    {"47", W | E | S},
+    {"49 55", W | E | S},
     {"4A 00 00 20 55", D | E},
-    {"4B 00 00 02 55 AB CD", D | E | S},
+    {"4B 00 00 02 55 AB CD", D | W | E | S},
     {"4C 01", D | E},
-    {"4D 02 C8 55", D | E | S},
-    {"4E", E | S},
-    {"4F 01 55 66", E | S},
+    {"4D 02 C8 55", D | W | E | S},
+    {"4E", D | E | S},
+    {"4F 01 55 66", K | W | E | S},
     {"50", 0},
     {"52", E},
-    {"55 40 55", E | S},
+    {"55 40 55", U | W | E | S},
     {"56", E},
-    {"57 E4 55", E | S},
+    {"57 E4 55", U | W | E | S},
 };
 #define COMMANDS (sizeof commands / sizeof commands[0])
 
@@ -162,9 +168,9 @@ static void assert_damage(uint32_t set)
     }
     assert_int_equal(hf_rig_power_on(&rig), DG_OK);
     /* Damaged UART settings or address: the delivery state answers. */
-    assert_int_equal(rig.device.address, (set >> 4 & 1u) != 0 ? 0x40 : 0x42);
+    assert_int_equal(rig.device.address, (set >> UART & 1u) != 0 ? 0x40 : 0x42);
     assert_queue(&queue);
-    assert_label((set >> 10 & 1u) != 0, locked);
+    assert_label((set >> LABEL & 1u) != 0, locked);
     assert_locked(locked);
     assert_queue(&(struct queue){0});
 }
@@ -242,20 +248,35 @@ static int owner_of(uint32_t at, uint32_t first, uint32_t second)
     return at < first ? 0 : at < second ? 1 : -1;
 }
 
-/* Damaged content: 03h on access to that field, and nothing else (R8, 5.1.3.4). */
-static void assert_content_damaged(int field)
+/* Damaged content shows on access to that field only (R8); from then on writing is locked until the
+ * next start (R24, 5.1.3.4). `reads`: found by 4Ah or by 4Bh. */
+static void assert_content_damaged(int field, bool reads)
 {
+    static const struct queue found = {.n = 2, .codes = {0x03, 0x06}};
+    const uint8_t locked = field >= 0 ? W : 0;
+
     assert_int_equal(hf_rig_power_on(&rig), DG_OK);
     assert_replies("50", "42 50 00");
-    assert_int_equal(hf_rig_ask(&rig, "4A 00 00 01 55"), field == 0 ? 0x03 : 0);
-    assert_int_equal(hf_rig_ask(&rig, "4A 01 7F 01 55"), field == 1 ? 0x03 : 0);
-    assert_int_equal(hf_rig_ask(&rig, "4B 00 1F 01 55 01"), field == 0 ? 0x03 : 0);
-    assert_int_equal(hf_rig_ask(&rig, "4B 01 00 01 55 01"), field == 1 ? 0x03 : 0);
+    if (reads) {
+        assert_int_equal(hf_rig_ask(&rig, "4A 00 00 01 55"), field == 0 ? 0x03 : 0);
+        assert_int_equal(hf_rig_ask(&rig, "4A 01 7F 01 55"), field == 1 ? 0x03 : 0);
+    } else {
+        assert_int_equal(hf_rig_ask(&rig, "4B 01 00 01 55 01"), field == 1 ? 0x03 : 0);
+        assert_int_equal(hf_rig_ask(&rig, "4B 00 1F 01 55 01"), field >= 0 ? 0x03 : 0);
+    }
+    assert_queue(field >= 0 ? &found : &(struct queue){0});
+    for (size_t i = 0; field >= 0 && i < COMMANDS; i++) {
+        const int expected = answer(commands[i].locks, locked);
+        if (expected != 0) {
+            assert_int_equal(hf_rig_ask(&rig, commands[i].request), expected);
+        }
+    }
     assert_replies("4C 00", "42 4C 00 C9");
     assert_replies("4C 01", "42 4C 01 CF");
     assert_replies("42", "42 42 00 12 34 55");
     assert_replies("50", "42 50 00");
-    /* The last field can be erased and created anew, and is as new. */
+    /* After the next start the last field can be erased and created anew, and is as new. */
+    assert_int_equal(hf_rig_power_on(&rig), DG_OK);
     assert_int_equal(hf_rig_ask(&rig, "4D 01 4F 55"), 0);
     assert_int_equal(hf_rig_ask(&rig, "4D 01 CF 55"), 0);
     assert_replies("4A 01 00 02 55", "42 4A 01 00 02 FF FF");
@@ -270,16 +291,16 @@ static void every_bit_of_the_data_fields(void **state)
     for (unsigned bit = 0; bit < 8; bit++) {
         for (uint32_t at = 0; at < size_of("field-sums"); at++) {
             flip(sums + at, bit);
-            assert_content_damaged(owner_of(at, 2, 4));
+            assert_content_damaged(owner_of(at, 2, 4), at % 2u == 0);
         }
         for (uint32_t at = 0; at < size_of("user"); at++) {
             flip(user + at, bit);
-            assert_content_damaged(owner_of(at, 32, 160));
+            assert_content_damaged(owner_of(at, 32, 160), at % 2u == 0);
         }
     }
 }
 
-/* All 2^11 combinations: one bit in each region, somewhere else every time. */
+/* All 2^13 combinations: one bit in each region, somewhere else every time. */
 static void every_set_of_damaged_regions(void **state)
 {
     (void)state;
@@ -350,8 +371,9 @@ static void all_regions_are_known(void **state)
         checked += dg_hf_layout.regions[i].check == DG_STORE_CHECKED;
     }
     assert_int_equal(checked, CHECKED);
-    for (uint32_t i = 0; i < CHECKED; i++) {
-        assert_int_equal(dg_store_find(&dg_hf_layout, regions[i].name), i);
+    for (uint32_t i = 1; i < CHECKED; i++) {
+        assert_true(dg_store_find(&dg_hf_layout, regions[i - 1].name) <
+                    dg_store_find(&dg_hf_layout, regions[i].name));
     }
 }
 

@@ -404,10 +404,10 @@ static void assert_model(const struct dg_hf_model *model, int expected)
 
 static void a_model_out_of_range_is_refused(void **state)
 {
-    struct dg_hf_model models[10];
+    struct dg_hf_model models[15];
 
     (void)state;
-    for (size_t i = 0; i < 10; i++) {
+    for (size_t i = 0; i < 15; i++) {
         models[i] = *multiturn();
     }
     models[0].periods_per_turn = 0;
@@ -420,8 +420,15 @@ static void a_model_out_of_range_is_refused(void **state)
     models[7].memory_blocks = 1;
     models[8].memory_blocks = 112;
     models[9].turns = 65536;
-    for (size_t i = 0; i < 10; i++) {
-        assert_model(&models[i], i < 7 ? DG_ERR_ARGUMENT : DG_OK);
+    models[10].turns = 256;
+    models[10].steps_per_period = 8192; /* 2^24 steps a turn */
+    models[11].implemented_blocks = 112;
+    models[12].implemented_blocks = 128;
+    models[13].turns = 1;
+    models[13].steps_per_period = 8193;
+    models[14].implemented_blocks = 111;
+    for (size_t i = 0; i < 15; i++) {
+        assert_model(&models[i], i < 7 || i > 12 ? DG_ERR_ARGUMENT : DG_OK);
     }
 }
 

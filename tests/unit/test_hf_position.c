@@ -24,13 +24,15 @@
 /* periods, steps, turns */
 static const struct {
     uint16_t periods;
-    uint8_t steps;
+    uint32_t steps;
     uint32_t turns;
-} geometries[] = {{2048, 32, 1},     {2048, 32, 4096}, {2048, 32, 65536}, /* 2^32 */
-                  {512, 128, 65536},                                      /* 2^32 */
-                  {65535, 1, 65537},                                      /* 2^32 - 1 */
-                  {65535, 255, 257}, {1, 1, 1},        {1, 255, 1},       {1000, 31, 3},
-                  {3, 5, 7},         {1, 4, 1u << 30}, {5, 1, 858993459} /* 2^32 - 1 */};
+} geometries[] = {{2048, 32, 1},     {2048, 32, 4096},  {2048, 32, 65536}, /* 2^32 */
+                  {512, 128, 65536},                                       /* 2^32 */
+                  {65535, 1, 65537},                                       /* 2^32 - 1 */
+                  {65535, 255, 257}, {1, 1, 1},         {1, 255, 1},       {1000, 31, 3},
+                  {3, 5, 7},         {1, 4, 1u << 30},  {5, 1, 858993459}, /* 2^32 - 1 */
+                  {2048, 512, 1},    {2048, 512, 4096}, {2048, 256, 3},    {1, 1u << 24, 256},
+                  {100, 167772, 2}};
 #define GEOMETRIES (sizeof geometries / sizeof geometries[0])
 
 static struct dg_hf_model model;
@@ -49,7 +51,7 @@ static dg_angle any_angle(void)
     return (dg_angle)(noise() % 8192u) * DG_TURN + (dg_angle)noise() - 4096 * DG_TURN;
 }
 
-static void begin(uint16_t periods, uint8_t steps, uint32_t turns)
+static void begin(uint16_t periods, uint32_t steps, uint32_t turns)
 {
     model = *dg_device_find("s3684-rs485")->hiperface;
     model.periods_per_turn = periods;
@@ -193,7 +195,8 @@ static void synchronization_rounds_to_whole_periods(void **state)
         begin(geometries[i].periods, geometries[i].steps, geometries[i].turns);
         const dg_angle angle = any_angle();
         /* Every phase, from the range's end across zero: ties, and rounding up to the range. */
-        for (uint64_t k = 0; k < 2u * model.steps_per_period; k++) {
+        const uint64_t stride = model.steps_per_period > 1000u ? 509u : 1u;
+        for (uint64_t k = 0; k < 2u * (uint64_t)model.steps_per_period; k += stride) {
             const uint64_t wanted = range() - model.steps_per_period % range() + k;
             assert_synchronized(angle, (raw(angle) + wanted) % range());
         }
@@ -207,11 +210,16 @@ static void synchronization_rounds_to_whole_periods(void **state)
 static void ties_go_up(void **state)
 {
     static const struct {
-        uint8_t steps;
+        uint32_t steps;
         uint32_t wanted;
         uint32_t used;
-    } rows[] = {{32, 15, 0}, {32, 16, 32}, {32, 17, 32}, {31, 15, 0},   {31, 16, 31},
-                {1, 7, 7},   {2, 1, 2},    {2, 2, 2},    {255, 127, 0}, {255, 128, 255}};
+    } rows[] = {{32, 15, 0},        {32, 16, 32},
+                {32, 17, 32},       {31, 15, 0},
+                {31, 16, 31},       {1, 7, 7},
+                {2, 1, 2},          {2, 2, 2},
+                {255, 127, 0},      {255, 128, 255},
+                {256, 127, 0},      {256, 128, 256},
+                {167772, 83885, 0}, {167772, 83886, 167772}};
 
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {

@@ -94,12 +94,12 @@ static void commands_fit_the_buffers(void **state)
         assert_true(row->request_max <= HF_DATA_MAX);
         assert_true(row->reply_max <= HF_DATA_MAX);
         assert_true((row->handler == NULL) == (row->code == RESET));
-        assert_int_equal(row->flags & ~(HF_LOCKS | HF_CODE0), 0);
         /* Code 0 is looked for in the last byte, so there has to be one, always at one place. */
         assert_true((row->flags & HF_CODE0) == 0 || row->request_min > 0);
         assert_true((row->flags & HF_CODE0) == 0 || row->request_min == row->request_max);
-        /* What is locked with 06h is so because it uses the EEPROM. */
-        assert_true((row->flags & HF_LOCK_CHECKSUM) == 0 || (row->flags & HF_LOCK_EEPROM) != 0);
+        /* What is locked with 03h or 06h is so because it uses the EEPROM. */
+        assert_true((row->flags & (HF_LOCK_CHECKSUM | HF_LOCK_PARTITION)) == 0 ||
+                    (row->flags & HF_LOCK_EEPROM) != 0);
     }
 }
 
@@ -122,7 +122,7 @@ static void names_and_error_conditions_agree_with_the_flags(void **state)
         assert_int_equal(can_answer(i, "02"), (flags & HF_LOCK_POSITION) != 0);
         assert_int_equal(can_answer(i, "05"), (flags & HF_LOCK_EEPROM) != 0);
         assert_int_equal(can_answer(i, "06"), (flags & HF_LOCK_CHECKSUM) != 0);
-        assert_true(can_answer(i, "03") || (flags & HF_LOCK_FIELDS) == 0);
+        assert_int_equal(can_answer(i, "03"), (flags & HF_LOCK_PARTITION) != 0);
         assert_true(can_answer(i, "0F") || (flags & HF_CODE0) == 0);
         uint8_t codes[16];
         const size_t n = hf_rig_hex(words[i].errors, codes, sizeof codes);

@@ -78,6 +78,7 @@ static void strip(struct dg_hf *device)
     memset(&device->counters, 0, sizeof device->counters);
     memset(device->frame, 0, sizeof device->frame);
     device->length = 0;
+    device->sum = 0;
     device->frame_damaged = false;
     device->deadline = 0;
     device->last_rx = 0;

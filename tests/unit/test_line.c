@@ -132,6 +132,7 @@ static void settings_reach_their_place(void **state)
     assert_int_equal(set(&settings, "steps=16", ""), 0);
     assert_int_equal(set(&settings, "turns=65536", ""), 0);
     assert_int_equal(set(&settings, "memory=22", ""), 0);
+    assert_int_equal(set(&settings, "implemented=23", ""), 0);
     assert_int_equal(set(&settings, "type=FFh", ""), 0);
     assert_int_equal(set(&settings, "version=v2", ""), 0);
     assert_int_equal(set(&settings, "temperature_min=-25", ""), 0);
@@ -146,6 +147,7 @@ static void settings_reach_their_place(void **state)
     assert_int_equal(settings.model.steps_per_period, 16);
     assert_int_equal(settings.model.turns, 65536);
     assert_int_equal(settings.model.memory_blocks, 22);
+    assert_int_equal(settings.model.implemented_blocks, 23);
     assert_int_equal(settings.model.type_code, 0xFF);
     assert_string_equal(settings.model.version, "v2");
     assert_int_equal(settings.model.temperature_min_degc, -25);
@@ -175,7 +177,9 @@ static void settings_out_of_range_are_refused(void **state)
         {"temperature=1000.001", "-273..1000 degC"},
         {"temperature=1.0001", "3 decimals"},
         {"date=1207201", "8 to 8 characters"},
-        {"version=123456789012345678901", "0 to 20 characters"},
+        {"version=12345678901234567890", "0 to 19 characters"},
+        {"steps=16777217", "1..16777216"},
+        {"implemented=129", "0..128 blocks"},
     };
     struct lx_settings settings;
     (void)state;
@@ -213,6 +217,18 @@ static void figures_have_to_fit_each_other(void **state)
     assert_int_equal(lx_settings_check(&settings, &error), 0); /* 2^32 */
     assert_int_equal(set(&settings, "turns=65537", ""), 0);
     assert_int_equal(lx_settings_check(&settings, &error), -1);
+    assert_int_equal(set(&settings, "turns=1", ""), 0);
+    assert_int_equal(set(&settings, "steps=8192", ""), 0);
+    assert_int_equal(lx_settings_check(&settings, &error), 0); /* 2^24 a turn */
+    assert_int_equal(set(&settings, "steps=8193", ""), 0);
+    assert_int_equal(lx_settings_check(&settings, &error), -1);
+    assert_non_null(strstr(error.text, "at most 16777216"));
+    assert_int_equal(set(&settings, "steps=512", ""), 0);
+    assert_int_equal(set(&settings, "implemented=111", ""), 0);
+    assert_int_equal(lx_settings_check(&settings, &error), -1);
+    assert_non_null(strstr(error.text, "112..128"));
+    assert_int_equal(set(&settings, "implemented=112", ""), 0);
+    assert_int_equal(lx_settings_check(&settings, &error), 0);
 }
 
 int main(void)

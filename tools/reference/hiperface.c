@@ -7,12 +7,9 @@
 
 #include "hf.h"
 
-#define DOC_P 1
-#define DOC_D 2
-#define DOC_E 4
-#define DOC_S 8
-#define DOC_C 16
-enum { P = DOC_P, D = DOC_D, E = DOC_E, S = DOC_S, C = DOC_C };
+#define DOC_C 1
+/* Of the flags only Code 0 has a column; the locks show in the error conditions. */
+enum { C = DOC_C, P = 0, D = 0, U = 0, K = 0, W = 0, E = 0, S = 0 };
 
 struct row {
     unsigned code;

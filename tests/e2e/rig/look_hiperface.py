@@ -187,6 +187,16 @@ def fields_locked(master: Master):
     assert master.read_position() == POSITION_90DEG
 
 
+def line_locked(master: Master):
+    assert code_of(master.assign_address, 0x41) == code_of(master.configure_uart, 0xE5) == 0x03
+    assert code_of(master.modify_access_code, 0, 0x55, 0x66) == 0x06
+
+
+def codes_locked(master: Master):
+    assert code_of(master.modify_access_code, 0, 0x55, 0x66) == 0x03
+    assert code_of(master.assign_address, 0x41) == 0x06
+
+
 def eeprom_locked(master: Master):
     assert code_of(master.identity) == code_of(master.type_label) == 0x05
 
@@ -224,11 +234,13 @@ HIPERFACE = {
     "eeprom_calibration": start_error(0x01, position_locked),
     "eeprom_offset": start_error(0x02, position_locked),
     "eeprom_sync": start_error(0x02, position_locked),
-    "eeprom_uart": start_error(0x03, fields_locked),
+    "eeprom_uart": start_error(0x03, line_locked),
     "eeprom_memory": start_error(0x03, fields_locked),
-    "eeprom_codes": start_error(0x03, fields_locked),
+    "eeprom_codes": start_error(0x03, codes_locked),
     "eeprom_fields": start_error(0x03, fields_locked),
     "eeprom_type": start_error(0x05, eeprom_locked),
     "eeprom_counter": start_error(0x08, counter_locked),
     "eeprom_label": start_error(0x12, label_locked),
+    "eeprom_steps": start_error(0x01, position_locked),
+    "eeprom_implemented": start_error(0x03, fields_locked),
 }
