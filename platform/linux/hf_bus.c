@@ -49,6 +49,16 @@ static bool nobody_asks(const struct lx_hf_bus *self)
     return true;
 }
 
+static bool nobody_hurries(const struct lx_hf_bus *self)
+{
+    for (size_t i = 0; i < self->count; i++) {
+        if (!self->drop[i].settings.pace) {
+            return false;
+        }
+    }
+    return true;
+}
+
 static int open_line(struct lx_hf_bus *self, struct lx_error *error)
 {
     const struct lx_bus_setup *bus = &self->bus.setup;
@@ -69,7 +79,11 @@ static int open_line(struct lx_hf_bus *self, struct lx_error *error)
         return lx_fail(error, "no timer: %s", strerror(-result));
     }
     self->port = self->open(&setup, error);
-    return self->port == NULL ? -1 : 0;
+    if (self->port == NULL) {
+        return -1;
+    }
+    self->paced = !self->port->timed && nobody_hurries(self);
+    return 0;
 }
 
 static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
@@ -127,7 +141,7 @@ static void counters(const struct lx_bus *bus, const struct lx_station *station,
     const struct lx_count rows[] = {
         {"wire_up", self->port->fd >= 0},  {"wire_late", bus->late},
         {"wire_collided", self->collided}, {"wire_lost", self->port->counters.lost},
-        {"wire_baud", drop->uart.baud},
+        {"wire_baud", drop->uart.baud},    {"wire_overrun", self->overrun},
     };
     lx_bus_count(to, rows, sizeof rows / sizeof rows[0]);
 }

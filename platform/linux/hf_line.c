@@ -276,6 +276,8 @@ static void send_on(struct lx_hf_drop *self, dg_ns at)
     }
 }
 
+static void arrive(struct lx_hf_bus *self, const struct lx_coming *coming);
+
 /* All that has gone over the line by `now`, in the order of time. */
 static void pump(struct lx_hf_bus *self, dg_ns now)
 {
@@ -286,18 +288,25 @@ static void pump(struct lx_hf_bus *self, dg_ns now)
                 first = &self->drop[i];
             }
         }
-        const dg_ns at = next_of(first);
+        const dg_ns coming = lx_intake_next(&self->intake);
+        const dg_ns at = dg_earliest(coming, next_of(first));
         if (at > now || at == DG_NEVER) {
             return;
         }
-        send_on(first, at);
+        if (coming <= at) {
+            const struct lx_coming character = lx_intake_take(&self->intake);
+            arrive(self, &character);
+        } else {
+            send_on(first, at);
+        }
     }
 }
 
 void lx_hf_settle(struct lx_hf_bus *self)
 {
-    dg_ns next = DG_NEVER;
     pump(self, lx_now());
+    /* The last character is early enough: each one tells when it ended. */
+    dg_ns next = lx_intake_last(&self->intake);
     for (size_t i = 0; i < self->count; i++) {
         next = dg_earliest(next, dg_earliest(self->drop[i].deadline, next_of(&self->drop[i])));
     }
@@ -361,28 +370,70 @@ static bool anybody_sends(const struct lx_hf_bus *self, dg_ns now)
 }
 
 /* A character of the master, as one encoder hears it. One that sends does not hear. */
-static void listen(struct lx_hf_drop *self, dg_ns now, struct lx_character heard)
+static void listen(struct lx_hf_drop *self, const struct lx_coming *coming)
 {
-    const struct lx_serial *port = self->all->port;
-    if (!lx_hf_powered(self) || sends(self, now) || deafened(self, now, heard.byte)) {
+    struct lx_character heard = coming->character;
+    if (!lx_hf_powered(self) || sends(self, coming->end) ||
+        deafened(self, coming->end, heard.byte)) {
         return;
     }
-    if (!fits(self, port->baud, port->parity)) {
+    if (!fits(self, coming->baud, coming->parity)) {
         heard.flags = DG_HF_RX_DAMAGED;
     }
-    hear(self, now, &heard);
+    hear(self, coming->end, &heard);
+}
+
+/* What the master sends at, as far as it is known; else what the port is set to. */
+static struct dg_hf_uart uart_of(const struct lx_hf_bus *self, uint32_t baud)
+{
+    struct dg_hf_uart uart = self->port->uart;
+    if (baud != LX_BAUD_ANY && baud != 0) {
+        uart.baud = baud;
+    }
+    return uart;
+}
+
+/* A character of the master is over. */
+static void arrive(struct lx_hf_bus *self, const struct lx_coming *coming)
+{
+    struct lx_coming heard = *coming;
+    if (self->paced && lx_tap_on(&self->bus.tap)) {
+        const struct dg_hf_uart uart = uart_of(self, coming->baud);
+        tell(self, coming->end, false, &uart, &coming->character);
+    }
+    if (anybody_sends(self, coming->end)) {
+        self->collided++;
+        heard.character.flags = DG_HF_RX_DAMAGED;
+    }
+    for (size_t i = 0; i < self->count; i++) {
+        listen(&self->drop[i], &heard);
+    }
+    self->heard = coming->end;
+}
+
+/* A character begins on a line that was idle: whose frame goes on must not take it for over. */
+static void begin(struct lx_hf_bus *self, dg_ns now)
+{
+    const struct lx_character start = {.flags = DG_HF_RX_START};
+    for (size_t i = 0; i < self->count; i++) {
+        struct lx_hf_drop *drop = &self->drop[i];
+        if (lx_hf_powered(drop) && !sends(drop, now) && !drop->deaf) {
+            hear(drop, now, &start);
+        }
+    }
+}
+
+static dg_ns duration_of(const struct dg_hf_uart *uart)
+{
+    return dg_bit_times_ns(uart->parity == 'N' ? 10u : 11u, uart->baud);
 }
 
 /* A master on a pty hands over a request at once: to the tap it is as if the last character had
    ended now, and the others before it, as far as that is after what was told before. */
 static void tell_received(struct lx_hf_bus *self, dg_ns now, const struct lx_character *character)
 {
-    struct dg_hf_uart uart = self->port->uart;
-    if (self->port->baud != LX_BAUD_ANY && self->port->baud != 0) {
-        uart.baud = self->port->baud;
-    }
-    const uint32_t bits = uart.parity == 'N' ? 10u : 11u;
-    const dg_ns each = dg_bit_times_ns(bits, uart.baud);
+    const struct dg_hf_uart uart = uart_of(self, self->port->baud);
+    const dg_ns each = duration_of(&uart);
     const dg_ns spread_at = dg_elapsed(now, each * self->port->more);
     const dg_ns earliest = self->told + each;
     dg_ns at = spread_at > earliest ? spread_at : earliest;
@@ -390,22 +441,31 @@ static void tell_received(struct lx_hf_bus *self, dg_ns now, const struct lx_cha
     tell(self, at > self->told ? at : self->told, false, &uart, character);
 }
 
+/* A character that a pty hands over begins now, or behind those that are on the line. */
+static void take_in(struct lx_hf_bus *self, dg_ns now, const struct lx_coming *coming)
+{
+    const struct dg_hf_uart uart = uart_of(self, coming->baud);
+    if (self->intake.end < now && self->intake.count == 0) {
+        begin(self, now);
+    }
+    if (!lx_intake_put(&self->intake, now, duration_of(&uart), coming)) {
+        self->overrun++;
+    }
+}
+
 void lx_hf_on_character(void *ctx, dg_ns now, const struct lx_character *character)
 {
     struct lx_hf_bus *self = ctx;
-    struct lx_character heard = *character;
+    const struct lx_coming coming = {now, *character, self->port->baud, self->port->parity};
     pump(self, now);
     check_speed(self);
-    if (lx_tap_on(&self->bus.tap)) {
-        tell_received(self, now, character);
+    if (self->paced) {
+        take_in(self, now, &coming);
+    } else {
+        if (lx_tap_on(&self->bus.tap)) {
+            tell_received(self, now, character);
+        }
+        arrive(self, &coming);
     }
-    if (anybody_sends(self, now)) {
-        self->collided++;
-        heard.flags = DG_HF_RX_DAMAGED;
-    }
-    for (size_t i = 0; i < self->count; i++) {
-        listen(&self->drop[i], now, heard);
-    }
-    self->heard = now;
     lx_hf_settle(self);
 }

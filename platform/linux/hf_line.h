@@ -40,9 +40,12 @@ struct lx_hf_bus {
     lx_serial_open *open;
     struct lx_serial *port;
     struct lx_timer timer;
-    dg_ns heard;       /**< end of the master's last character; 0: a reply has come since */
-    dg_ns told;        /**< end of the last one that the tap was told of */
-    bool mismatch;     /**< the master talks at another speed, and the user has been told */
+    bool paced;              /**< requests take the time they take on a line */
+    struct lx_intake intake; /**< ... and these characters are on it */
+    uint64_t overrun;        /**< characters lost since too many were on it */
+    dg_ns heard;             /**< end of the master's last character; 0: a reply has come since */
+    dg_ns told;              /**< end of the last one that the tap was told of */
+    bool mismatch;           /**< the master talks at another speed, and the user has been told */
     uint64_t collided; /**< characters of the master that came in while a reply was on the line */
     size_t count;
     struct lx_hf_drop drop[];

@@ -84,6 +84,37 @@ void lx_line_stop(struct lx_line *self)
     self->sent = 0;
 }
 
+bool lx_intake_put(struct lx_intake *self, dg_ns now, dg_ns each, const struct lx_coming *coming)
+{
+    if (self->count == LX_INTAKE_MAX) {
+        return false;
+    }
+    struct lx_coming *place = &self->coming[(self->first + self->count) % LX_INTAKE_MAX];
+    self->end = dg_after(now > self->end ? now : self->end, each);
+    self->count++;
+    *place = *coming;
+    place->end = self->end;
+    return true;
+}
+
+dg_ns lx_intake_next(const struct lx_intake *self)
+{
+    return self->count > 0 ? self->coming[self->first].end : DG_NEVER;
+}
+
+dg_ns lx_intake_last(const struct lx_intake *self)
+{
+    return self->count > 0 ? self->end : DG_NEVER;
+}
+
+struct lx_coming lx_intake_take(struct lx_intake *self)
+{
+    const struct lx_coming first = self->coming[self->first];
+    self->first = (self->first + 1) % LX_INTAKE_MAX;
+    self->count--;
+    return first;
+}
+
 bool lx_parmrk_feed(struct lx_parmrk *self, uint8_t byte, struct lx_character *out)
 {
     const uint8_t seen = self->seen;

@@ -58,6 +58,43 @@ struct lx_character {
     uint8_t flags; /**< enum dg_hf_rx_flags */
 };
 
+/** Characters of a master that are still on their way: two of the longest frames. */
+#define LX_INTAKE_MAX ((size_t)2 * DG_HF_FRAME_MAX)
+
+/** A character on its way in. */
+struct lx_coming {
+    dg_ns end; /**< of its stop bit */
+    struct lx_character character;
+    uint32_t baud; /**< it is sent at; LX_BAUD_ANY */
+    char parity;   /**< likewise; 0: the port cannot tell */
+};
+
+/**
+ * What a master hands over at once, spread over the time it takes on a line: a character begins
+ * when it is handed over, or at the end of the one before. All zero is an idle line.
+ */
+struct lx_intake {
+    struct lx_coming coming[LX_INTAKE_MAX];
+    size_t first;
+    size_t count;
+    dg_ns end; /**< of the last one that was put in */
+};
+
+/**
+ * A character was handed over at `now` and takes `each`; `end` is filled in.
+ * @return false: there are LX_INTAKE_MAX on their way already, it is lost
+ */
+bool lx_intake_put(struct lx_intake *self, dg_ns now, dg_ns each, const struct lx_coming *coming);
+
+/** End of the character that is over first, DG_NEVER when none is on its way. */
+dg_ns lx_intake_next(const struct lx_intake *self);
+
+/** End of the last one, DG_NEVER when none is on its way. */
+dg_ns lx_intake_last(const struct lx_intake *self);
+
+/** Take the first one; there has to be one. */
+struct lx_coming lx_intake_take(struct lx_intake *self);
+
 /** Decoder of what a tty gives with INPCK|PARMRK: FF 00 c is a damaged c, FF FF an intact FF. */
 struct lx_parmrk {
     uint8_t seen; /**< bytes of an escape seen so far, 0..2 */

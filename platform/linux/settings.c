@@ -40,7 +40,7 @@ static const char *const own_any[] = {"own", "any"};
 /* clang-format off */
 static const struct setting settings[] = {
     /* key                      unit        field                          kind pl factor   min         max  words help */
-    {"pace",                    "",         HERE(pace),                    WORD, 0, 1,        0,          1, no_yes,  "replies at the speed of the line; 0: at once"},
+    {"pace",                    "",         HERE(pace),                    WORD, 0, 1,        0,          1, no_yes,  "requests and replies at the speed of the line; 0: at once"},
     {"line",                    "",         HERE(any_line),                WORD, 0, 1,        0,          1, own_any, "data rate the master must use: the encoder's own, or any"},
     {"reaction_us",             "us",       MODEL(reaction),               NS,   0, 1000,     0,     250000, NULL, "from a request's timeout to the reply; cut to the command's maximum"},
     {"init_ms",                 "ms",       MODEL(init),                   NS,   0, 1000000,  0,     600000, NULL, "initialisation time after power-on and reset"},

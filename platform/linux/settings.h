@@ -18,7 +18,7 @@
 struct lx_settings {
     struct dg_hf_model model; /**< factory figures */
     struct dg_world world;    /**< what the encoder senses */
-    bool pace;                /**< replies go out at the line's speed */
+    bool pace;                /**< requests and replies take the time they take on a line */
     bool any_line;            /**< whatever the line is set to is right */
     bool serial_given;        /**< the serial number was asked for, not left to the model */
     bool rs485;               /**< an RS485 encoder; another one only has a world */

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The wire: settings, pace, masters that misbehave, terminals that vanish."""
+import math
 import os
 import random
 import select
@@ -9,7 +10,7 @@ import time
 import pytest
 import serial
 
-from hiperface_master import CHARACTER_BITS, Master, UartSetting, frame
+from hiperface_master import CHARACTER_BITS, FieldStatus, Master, UartSetting, frame
 from rig import MULTITURN, PATIENCE_S, assert_one_line, assert_silent, run_refused
 
 READ_POSITION = frame(0x40, 0x42)
@@ -154,6 +155,66 @@ def test_reply_takes_its_time(start):
 def test_reply_without_pace(start):
     master = start("--set", "pace=0").master()
     assert min(reply_times(master)[0] for _ in range(10)) < IDENTITY_S
+
+
+def round_trip(master: Master, request: bytes, reply_bytes: int) -> float:
+    """Seconds from writing a request to the end of its reply."""
+    master.wait_for_line()
+    begun = time.monotonic()
+    master.send(request)
+    assert len(master.receive(reply_bytes, 2)) == reply_bytes
+    return time.monotonic() - begun
+
+
+def shortest_of(count: int, master: Master, request: bytes, reply_bytes: int, enough: float):
+    """The shortest round trip of `count`, or one that is shorter than `enough`."""
+    least = math.inf
+    while count > 0 and least >= enough:
+        least = min(least, round_trip(master, request, reply_bytes))
+        count -= 1
+    return least
+
+
+def test_a_transaction_takes_its_time(start):
+    """3 characters, a timeout of 44 bits, 1 ms, 7 characters: 17.0 ms at 9600 Bd."""
+    master = start().master()
+    shortest = shortest_of(100, master, READ_POSITION, 7, 0.025)
+    assert (10 * CHARACTER_BITS + 44) / 9600 + 0.001 <= shortest < 0.025
+
+
+def test_a_long_request_takes_its_time(start):
+    master = start().master()
+    master.create_field(0, FieldStatus(128, code_enabled=False))
+    request = frame(0x40, 0x4B, bytes([0, 0, 128, 0x55]) + bytes(128))
+    shortest = shortest_of(10, master, request, 6, 0.3)
+    assert ((135 + 6) * CHARACTER_BITS + 44) / 9600 + 0.001 <= shortest < 0.3
+
+
+def test_a_transaction_without_parity_is_shorter(start):
+    """10 bits a character; the timeout is what it is."""
+    master = start().master()
+    setting = UartSetting(9600, "N", 44, False).encode()
+    master.configure_uart(setting)
+    master.reset()
+    limit = (10 * CHARACTER_BITS + 44) / 9600 + 0.001
+    shortest = shortest_of(200, master, READ_POSITION, 7, limit)
+    assert 10 * 10 + 44 <= (shortest - 0.001) * 9600 < 10 * CHARACTER_BITS + 44
+
+
+def test_a_transaction_at_once(start):
+    master = start("--set", "pace=0").master()
+    assert shortest_of(100, master, READ_POSITION, 7, 0.012) < 0.012
+
+
+def test_more_than_the_line_can_carry(start):
+    """What comes in faster than 9600 Bd is lost, and over soon."""
+    encoder = start()
+    master = encoder.master()
+    for _ in range(20):
+        master.port.write(bytes(4000))
+    time.sleep(0.6)
+    drain(master)
+    assert master.read_position() == 0
 
 
 def test_deaf_after_reset(start):

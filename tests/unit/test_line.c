@@ -64,6 +64,52 @@ static void a_uart_takes_all_and_stays_busy(void **state)
     assert_false(lx_line_busy(&line, DG_MS(55)));
 }
 
+/* A request that is handed over at once takes its time on the line all the same. */
+static void requests_take_the_time_of_their_characters(void **state)
+{
+    static struct lx_intake intake;
+    const struct lx_coming coming = {.character = {.byte = 0x40}, .baud = 9600};
+    (void)state;
+    assert_true(lx_intake_next(&intake) == DG_NEVER && lx_intake_last(&intake) == DG_NEVER);
+    for (int i = 0; i < 3; i++) {
+        assert_true(lx_intake_put(&intake, 1000, 1146, &coming));
+    }
+    assert_true(lx_intake_next(&intake) == 1000 + 1146);
+    assert_true(lx_intake_last(&intake) == 1000 + 3 * 1146);
+    assert_true(lx_intake_take(&intake).end == 1000 + 1146);
+    assert_true(lx_intake_take(&intake).end == 1000 + 2 * 1146);
+    /* On a busy line a character waits for its turn, on an idle one it begins at once. */
+    assert_true(lx_intake_put(&intake, 4000, 1146, &coming));
+    assert_true(lx_intake_take(&intake).end == 1000 + 3 * 1146);
+    const struct lx_coming fourth = lx_intake_take(&intake);
+    assert_true(fourth.end == 1000 + 4 * 1146);
+    assert_int_equal(fourth.character.byte, 0x40);
+    assert_int_equal(fourth.baud, 9600);
+    assert_true(lx_intake_next(&intake) == DG_NEVER);
+    assert_true(lx_intake_put(&intake, 9000, 1146, &coming));
+    assert_true(lx_intake_next(&intake) == 9000 + 1146);
+}
+
+static void a_flood_is_cut_off(void **state)
+{
+    static struct lx_intake intake;
+    (void)state;
+    for (unsigned i = 0; i < LX_INTAKE_MAX; i++) {
+        const struct lx_coming coming = {.character = {.byte = (uint8_t)i}};
+        assert_true(lx_intake_put(&intake, 0, 10, &coming));
+    }
+    const struct lx_coming more = {.character = {.byte = 0xEE}};
+    assert_false(lx_intake_put(&intake, 0, 10, &more));
+    assert_true(lx_intake_last(&intake) == 10u * LX_INTAKE_MAX);
+    for (unsigned i = 0; i < LX_INTAKE_MAX; i++) {
+        const struct lx_coming coming = lx_intake_take(&intake);
+        assert_int_equal(coming.character.byte, (uint8_t)i);
+        assert_true(coming.end == 10u * (i + 1u));
+    }
+    assert_true(lx_intake_put(&intake, 0, 10, &more));
+    assert_int_equal(lx_intake_take(&intake).character.byte, 0xEE);
+}
+
 /* What the tty gives, and the characters in it; D marks damaged ones. */
 static void parity_marks(void **state)
 {
@@ -237,6 +283,8 @@ int main(void)
         cmocka_unit_test(characters_keep_an_absolute_schedule),
         cmocka_unit_test(without_parity_a_character_is_shorter),
         cmocka_unit_test(a_uart_takes_all_and_stays_busy),
+        cmocka_unit_test(requests_take_the_time_of_their_characters),
+        cmocka_unit_test(a_flood_is_cut_off),
         cmocka_unit_test(parity_marks),
         cmocka_unit_test(every_data_rate_is_known),
         cmocka_unit_test(settings_reach_their_place),
