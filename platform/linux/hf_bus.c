@@ -221,6 +221,7 @@ static int place(struct lx_hf_bus *self, size_t index, struct lx_error *error)
     lx_settings_world(&drop->settings, &station->world);
     station->control.device = &drop->device;
     station->own = drop;
+    self->names[index] = station->control.name;
     return 0;
 }
 
@@ -235,6 +236,8 @@ static struct lx_bus *make(const struct lx_bus_setup *setup, lx_serial_open *ope
     self->bus = (struct lx_bus){.ops = &ops, .setup = *setup};
     self->open = open;
     self->count = setup->count;
+    self->bus.tap.encoders = self->names;
+    self->bus.tap.encoder_count = self->count;
     for (size_t i = 0; i < self->count; i++) {
         if (place(self, i, error) != 0) {
             free(self);

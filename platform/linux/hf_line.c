@@ -304,9 +304,13 @@ static void pump(struct lx_hf_bus *self, dg_ns now)
 
 void lx_hf_settle(struct lx_hf_bus *self)
 {
-    pump(self, lx_now());
-    /* The last character is early enough: each one tells when it ended. */
-    dg_ns next = lx_intake_last(&self->intake);
+    const dg_ns now = lx_now();
+    pump(self, now);
+    /* The last character is early enough, as each one tells when it ended; not for those who look
+       at the line as it goes. */
+    const bool watched = lx_tap_on(&self->bus.tap);
+    dg_ns next = watched ? lx_intake_next(&self->intake) : lx_intake_last(&self->intake);
+    next = dg_earliest(next, lx_hf_sample(self, now));
     for (size_t i = 0; i < self->count; i++) {
         next = dg_earliest(next, dg_earliest(self->drop[i].deadline, next_of(&self->drop[i])));
     }

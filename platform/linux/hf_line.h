@@ -17,6 +17,9 @@
 typedef struct lx_serial *lx_serial_open(const struct lx_serial_setup *setup,
                                          struct lx_error *error);
 
+/** Encoders on a line. */
+#define LX_HF_DROPS_MAX 32u
+
 /** An encoder with its transmitter. */
 struct lx_hf_drop {
     struct lx_station *station;
@@ -32,6 +35,9 @@ struct lx_hf_drop {
     bool merged;            /**< its present character is lost in another one */
     int flipped;            /**< character that a bit was flipped in (fault), -1: none */
     bool deaf;              /**< inside a request that does not reach it (fault) */
+    bool drawn;             /**< the tap knows sine and cosine: */
+    struct dg_hf_sincos lines;
+    dg_ns point; /**< they are sampled next */
 };
 
 /** The line with 1..32 of them. */
@@ -47,6 +53,8 @@ struct lx_hf_bus {
     dg_ns told;              /**< end of the last one that the tap was told of */
     bool mismatch;           /**< the master talks at another speed, and the user has been told */
     uint64_t collided; /**< characters of the master that came in while a reply was on the line */
+    bool sampling;     /**< somebody asked for sine and cosine when it was looked last */
+    const char *names[LX_HF_DROPS_MAX];
     size_t count;
     struct lx_hf_drop drop[];
 };
@@ -62,6 +70,9 @@ void lx_hf_follow(struct lx_hf_drop *self, dg_ns deadline);
 
 /** After everything else: what is on the line goes on, and the timer is set. */
 void lx_hf_settle(struct lx_hf_bus *self);
+
+/** Tell the tap of sine and cosine up to `now`, if anybody asks. @return when to call again */
+dg_ns lx_hf_sample(struct lx_hf_bus *self, dg_ns now);
 
 /** The timer; `ctx` is the bus. */
 void lx_hf_on_time(void *ctx, dg_ns now);

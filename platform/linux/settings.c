@@ -42,6 +42,7 @@ static const struct setting settings[] = {
     /* key                      unit        field                          kind pl factor   min         max  words help */
     {"pace",                    "",         HERE(pace),                    WORD, 0, 1,        0,          1, no_yes,  "requests and replies at the speed of the line; 0: at once"},
     {"line",                    "",         HERE(any_line),                WORD, 0, 1,        0,          1, own_any, "data rate the master must use: the encoder's own, or any"},
+    {"sincos_us",               "us",       HERE(sincos),                  NS,   0, 1000,     0,    1000000, NULL, "sine and cosine in a VCD trace: time between samples; 0: none"},
     {"reaction_us",             "us",       MODEL(reaction),               NS,   0, 1000,     0,     250000, NULL, "from a request's timeout to the reply; cut to the command's maximum"},
     {"init_ms",                 "ms",       MODEL(init),                   NS,   0, 1000000,  0,     600000, NULL, "initialisation time after power-on and reset"},
     {"periods",                 "",         MODEL(periods_per_turn),       U16,  0, 1,        1,      65535, NULL, "sine periods a turn (factory)"},
@@ -235,7 +236,7 @@ static int set_text(const struct setting *row, uint8_t *to, const char *value,
 
 void lx_settings_init(struct lx_settings *self, const struct dg_hf_model *model)
 {
-    *self = (struct lx_settings){.rs485 = model != NULL, .pace = true};
+    *self = (struct lx_settings){.rs485 = model != NULL, .pace = true, .sincos = DG_MS(1)};
     if (model != NULL) {
         self->model = *model;
     }

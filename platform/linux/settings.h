@@ -20,6 +20,7 @@ struct lx_settings {
     struct dg_world world;    /**< what the encoder senses */
     bool pace;                /**< requests and replies take the time they take on a line */
     bool any_line;            /**< whatever the line is set to is right */
+    dg_ns sincos;             /**< sine and cosine in a trace: time between samples; 0: none */
     bool serial_given;        /**< the serial number was asked for, not left to the model */
     bool rs485;               /**< an RS485 encoder; another one only has a world */
     uint8_t address;          /**< RS485: of a new EEPROM; 0: as delivered */

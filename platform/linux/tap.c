@@ -1,12 +1,23 @@
 /* SPDX-License-Identifier: MIT */
 #include "tap.h"
 
+bool lx_tap_asked(const struct lx_tap *self)
+{
+    const struct lx_tap_listener *listener = self->first;
+    while (listener != NULL && !listener->sincos) {
+        listener = listener->next;
+    }
+    return listener != NULL;
+}
+
 /* A listener may leave while it is told. */
 void lx_tap_tell(const struct lx_tap *self, const struct lx_tap_event *event)
 {
     for (struct lx_tap_listener *listener = self->first; listener != NULL;) {
         struct lx_tap_listener *next = listener->next;
-        listener->event(listener->ctx, event);
+        if (event->kind != LX_TAP_SINCOS || listener->sincos) {
+            listener->event(listener->ctx, event);
+        }
         listener = next;
     }
 }

@@ -9,9 +9,11 @@
 #define DREHGEBER_LINUX_TAP_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #include "drehgeber/canopen.h"
+#include "drehgeber/hiperface.h"
 #include "drehgeber/time.h"
 
 /** What happened on a wire. */
@@ -21,6 +23,7 @@ enum lx_tap_kind {
     LX_TAP_LEVELS,    /**< BiSS: MA and SLO from this moment on */
     LX_TAP_WORDS,     /**< INTERBUS: a data cycle */
     LX_TAP_NOTE,      /**< something in words: what a BiSS frame meant, an ID cycle, power off */
+    LX_TAP_SINCOS,    /**< RS485: sine and cosine of an encoder, for those who ask for it only */
 };
 
 /** An event. Pointers are valid during the call. */
@@ -47,6 +50,10 @@ struct lx_tap_event {
             bool valid;     /**< the cycle was completed */
         } words;
         const char *note;
+        struct {
+            size_t encoder; /**< index in lx_tap.encoders */
+            struct dg_hf_sincos lines;
+        } sincos;
     };
 };
 
@@ -54,12 +61,15 @@ struct lx_tap_event {
 struct lx_tap_listener {
     void (*event)(void *ctx, const struct lx_tap_event *event);
     void *ctx;
+    bool sincos;                  /**< asks for LX_TAP_SINCOS */
     struct lx_tap_listener *next; /**< the tap's */
 };
 
 /** A tap. All zero has no listener. */
 struct lx_tap {
     struct lx_tap_listener *first;
+    const char *const *encoders; /**< names of those whose sine and cosine can be asked for */
+    size_t encoder_count;
 };
 
 /** Whether anybody listens; buses may save themselves the trouble when not. */
@@ -67,6 +77,9 @@ static inline bool lx_tap_on(const struct lx_tap *self)
 {
     return self->first != NULL;
 }
+
+/** Whether anybody asks for sine and cosine. */
+bool lx_tap_asked(const struct lx_tap *self);
 
 /** Tell all listeners. */
 void lx_tap_tell(const struct lx_tap *self, const struct lx_tap_event *event);

@@ -149,7 +149,8 @@ struct lx_trace *lx_trace_open(const char *path, enum dg_device_stack stack, con
     }
     self->format = format;
     self->tap = tap;
-    self->listener = (struct lx_tap_listener){.event = on_event, .ctx = self};
+    self->listener = (struct lx_tap_listener){
+        .event = on_event, .ctx = self, .sincos = stack == DG_STACK_HIPERFACE};
     self->opened = now;
     self->flushed = now;
     self->day_ns = time_of_day_ns() - now;

@@ -57,12 +57,20 @@ struct lx_vcd {
     } texts[LX_VCD_TEXTS];
 };
 
-/** The head; signals are `names` with the letters `ids`, all high at time 0. */
+/** Lines of an encoder with sine and cosine. */
+#define LX_VCD_SINCOS 4u
+
+/** The head; signals are `names` with the letters `ids`, all high at time 0, and sine and cosine of
+ * the tap's encoders, in volts. */
 void lx_vcd_begin(struct lx_vcd *self, const struct lx_trace *trace, const char *scope,
                   const char *const *names, const char *ids);
 
 /** A level from `at` on, and before it the texts up to then. */
 void lx_vcd_level(struct lx_vcd *self, dg_ns at, char id, bool level);
+
+/** Sine and cosine of an encoder from `at` on, in microvolts, and before it the texts up to then.
+ */
+void lx_vcd_sincos(struct lx_vcd *self, dg_ns at, size_t encoder, const int32_t uv[LX_VCD_SINCOS]);
 
 /** A text from `at` on. */
 void lx_vcd_text(struct lx_vcd *self, dg_ns at, const char *text);

@@ -7,6 +7,8 @@
  *
  * Characters are known by their end. Those that a pty hands over in a bunch have the same end; they
  * are drawn one after the other, the last of them ending then, as they would have come in.
+ *
+ * Sine and cosine come in while a frame is collected that begins before them: they wait for it.
  */
 #include "decode.h"
 #include "drehgeber/bits.h"
@@ -22,6 +24,9 @@
 #define BEHIND_MAX DG_S(1)
 /* A damaged character without parity: its stop bit is low for three quarters. */
 #define QUARTERS 4u
+/* Samples that wait: the longest frame at 600 Bd, one encoder, one every 150 us. More are left out.
+ */
+#define SAMPLES_MAX 16384u
 
 struct character {
     dg_ns end; /* since the trace began */
@@ -31,6 +36,13 @@ struct character {
     bool damaged;
 };
 
+/* Sine and cosine of an encoder that wait for their turn. */
+struct sample {
+    dg_ns at;
+    size_t encoder;
+    int32_t uv[LX_VCD_SINCOS];
+};
+
 struct uart {
     struct lx_vcd vcd;
     struct lx_decoder decoder;
@@ -38,6 +50,9 @@ struct uart {
     dg_ns free; /* end of the character drawn last */
     size_t count;
     struct character frame[FRAME_MAX];
+    size_t first_sample;
+    size_t sample_count;
+    struct sample samples[SAMPLES_MAX];
 };
 
 static dg_ns duration(const struct character *character)
@@ -45,9 +60,22 @@ static dg_ns duration(const struct character *character)
     return dg_bit_times_ns(lx_character_bits(character->parity), character->baud);
 }
 
+/* All samples and texts up to `at`. */
+static void advance(struct uart *self, dg_ns at)
+{
+    while (self->sample_count > 0 && self->samples[self->first_sample].at <= at) {
+        const struct sample *sample = &self->samples[self->first_sample];
+        lx_vcd_sincos(&self->vcd, sample->at, sample->encoder, sample->uv);
+        self->first_sample = (self->first_sample + 1u) % SAMPLES_MAX;
+        self->sample_count--;
+    }
+    lx_vcd_advance(&self->vcd, at);
+}
+
 static void draw_level(struct uart *self, dg_ns at, bool level)
 {
     if (level != self->level) {
+        advance(self, at);
         lx_vcd_level(&self->vcd, at, LINE_ID, level);
         self->level = level;
     }
@@ -116,7 +144,7 @@ static void draw_frame(struct uart *self, const char *text)
         }
     }
     lx_vcd_text(&self->vcd, self->free, "");
-    lx_vcd_advance(&self->vcd, self->free);
+    advance(self, self->free);
     self->count = 0;
 }
 
@@ -154,18 +182,35 @@ static void on_character(struct uart *self, const struct lx_tap_event *event, dg
     };
 }
 
+static void on_sample(struct uart *self, const struct lx_tap_event *event, dg_ns at)
+{
+    const struct dg_hf_sincos *lines = &event->sincos.lines;
+    if (self->sample_count < SAMPLES_MAX) {
+        const size_t place = (self->first_sample + self->sample_count) % SAMPLES_MAX;
+        self->samples[place] = (struct sample){
+            .at = at,
+            .encoder = event->sincos.encoder,
+            .uv = {lines->sin_plus_uv, lines->sin_minus_uv, lines->cos_plus_uv,
+                   lines->cos_minus_uv},
+        };
+        self->sample_count++;
+    }
+}
+
 static void uart_event(struct lx_trace *self, const struct lx_tap_event *event)
 {
     struct uart *uart = self->own;
     const dg_ns at = dg_elapsed(event->at, self->opened);
     (void)lx_decoder_step(&uart->decoder, event->at);
     if (uart->count == 0) {
-        lx_vcd_advance(&uart->vcd, dg_elapsed(at, CHARACTER_MAX));
+        advance(uart, dg_elapsed(at, CHARACTER_MAX));
     }
     if (event->kind == LX_TAP_CHARACTER) {
         on_character(uart, event, at);
     } else if (event->kind == LX_TAP_NOTE) {
         lx_vcd_text(&uart->vcd, at, event->note);
+    } else if (event->kind == LX_TAP_SINCOS) {
+        on_sample(uart, event, at);
     }
 }
 
@@ -173,6 +218,7 @@ static void uart_end(struct lx_trace *self)
 {
     struct uart *uart = self->own;
     (void)lx_decoder_step(&uart->decoder, DG_NEVER);
+    advance(uart, DG_NEVER);
     lx_vcd_end(&uart->vcd);
 }
 

@@ -12,6 +12,8 @@
 #include "trace_format.h"
 
 #define TEXT_ID 't'
+#define SINCOS_IDS "SsCc"
+#define UV_PER_V 1000000
 /* Readers that take samples see a level only when time goes on after it. */
 #define LAST_LEVEL_NS DG_US(1)
 /* Levels of BiSS that are held back: some frames, and not for long. */
@@ -36,6 +38,18 @@ static void put_text(const struct lx_vcd *self, const char *text)
     (void)fprintf(self->file, " %c\n", TEXT_ID);
 }
 
+/* Identifiers of two characters and more; those of the wire have one. */
+static void declare_sincos(struct lx_vcd *self, size_t encoder, const char *name)
+{
+    static const char *const lines[LX_VCD_SINCOS] = {"sin_plus", "sin_minus", "cos_plus",
+                                                     "cos_minus"};
+    (void)fprintf(self->file, "$scope module %s $end\n", name);
+    for (size_t i = 0; i < LX_VCD_SINCOS; i++) {
+        (void)fprintf(self->file, "$var real 64 %c%zu %s $end\n", SINCOS_IDS[i], encoder, lines[i]);
+    }
+    (void)fputs("$upscope $end\n", self->file);
+}
+
 void lx_vcd_begin(struct lx_vcd *self, const struct lx_trace *trace, const char *scope,
                   const char *const *names, const char *ids)
 {
@@ -46,10 +60,11 @@ void lx_vcd_begin(struct lx_vcd *self, const struct lx_trace *trace, const char 
     for (size_t i = 0; ids[i] != '\0'; i++) {
         (void)fprintf(self->file, "$var wire 1 %c %s $end\n", ids[i], names[i]);
     }
-    (void)fprintf(self->file,
-                  "$var string 1 %c text $end\n$upscope $end\n$enddefinitions $end\n"
-                  "#0\n$dumpvars\n",
-                  TEXT_ID);
+    (void)fprintf(self->file, "$var string 1 %c text $end\n", TEXT_ID);
+    for (size_t i = 0; i < trace->tap->encoder_count; i++) {
+        declare_sincos(self, i, trace->tap->encoders[i]);
+    }
+    (void)fputs("$upscope $end\n$enddefinitions $end\n#0\n$dumpvars\n", self->file);
     for (size_t i = 0; ids[i] != '\0'; i++) {
         (void)fprintf(self->file, "1%c\n", ids[i]);
     }
@@ -73,6 +88,16 @@ void lx_vcd_level(struct lx_vcd *self, dg_ns at, char id, bool level)
     lx_vcd_advance(self, at);
     put_time(self, at);
     (void)fprintf(self->file, "%d%c\n", level, id);
+}
+
+void lx_vcd_sincos(struct lx_vcd *self, dg_ns at, size_t encoder, const int32_t uv[LX_VCD_SINCOS])
+{
+    lx_vcd_advance(self, at);
+    put_time(self, at);
+    for (size_t i = 0; i < LX_VCD_SINCOS; i++) { /* no voltage here is below 0 */
+        (void)fprintf(self->file, "r%d.%06d %c%zu\n", uv[i] / UV_PER_V, uv[i] % UV_PER_V,
+                      SINCOS_IDS[i], encoder);
+    }
 }
 
 void lx_vcd_text(struct lx_vcd *self, dg_ns at, const char *text)

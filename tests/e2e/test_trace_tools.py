@@ -2,6 +2,8 @@
 """Trace files as the tools of the field read them: GTKWave, sigrok, Wireshark, can-utils."""
 import csv
 import functools
+import itertools
+import math
 import operator
 import os
 import random
@@ -10,6 +12,8 @@ import subprocess
 import time
 
 import pytest
+
+from rig import Client
 
 MAKE_TRACES = os.environ["MAKE_TRACES"]
 PROGRAM = os.environ["DREHGEBER"]
@@ -102,6 +106,76 @@ def test_rs485_in_gtkwave(tmp_path):
         "encoder_a1:_power_off",
     ]
     assert "$scope module rs485 $end" in dump and " line $end" in dump
+
+
+def signals_of(dump):
+    """Changes of every signal of a VCD file: {name: [(ns, value)]}."""
+    names = dict(re.findall(r"^\$var \w+ \d+ (\S+) (\S+) \$end$", dump, re.M))
+    changes = {name: [] for name in names.values()}
+    at = 0
+    for line in dump.partition("$enddefinitions $end\n")[2].split("\n"):
+        if line.startswith("#"):
+            at = int(line[1:])
+        elif line.startswith("r"):
+            value, name = line[1:].split()
+            changes[names[name]].append((at, float(value)))
+        elif line and line[0] in "01":
+            changes[names[line[1:]]].append((at, int(line[0])))
+    return changes
+
+
+def phases(signals):
+    """Of the sine, in periods: (ns, 0..1), from the voltages between the lines."""
+    for samples in zip(*(signals[f"{name}_{line}"] for name in ("sin", "cos")
+                         for line in ("plus", "minus"))):
+        assert len({at for at, _volts in samples}) == 1
+        plus, minus, cos_plus, cos_minus = (volts for _at, volts in samples)
+        yield samples[0][0], math.atan2(plus - minus, cos_plus - cos_minus) / math.tau % 1
+
+
+def test_rs485_sine_and_cosine_agree_with_42h(start, tmp_path):
+    """At 6 rpm a period takes 4.9 ms; the position is latched at the reply's first edge."""
+    path = tmp_path / "line.vcd"
+    encoder = start("--shaft", "6RPM", "--set", "sincos_us=50", "--trace", path)
+    master = encoder.master()
+    asked = 20
+    positions = [master.read_position() for _ in range(asked)]
+    assert encoder.end() == 0
+    found, errors = sigrok_uart(str(path), 9600, "E")
+    assert (len(found), errors) == (10 * asked, [])
+    _texts, dump = texts_of(str(path))
+    signals = signals_of(dump)
+    # A transaction is 10 characters; the reply begins with the fourth.
+    edges, free = [], 0
+    for at, level in signals["line"]:
+        if level == 0 and at >= free:
+            edges.append(at)
+            free = at + 10.5 * BIT_NS / 9600
+    assert len(edges) == 10 * asked
+    samples = list(phases(signals))
+    spacing = {later - earlier for (earlier, _), (later, _) in itertools.pairwise(samples[1:])}
+    assert min(spacing) == 50_000
+    for latched, position in zip(edges[3::10], positions):
+        _at, phase = min(samples, key=lambda sample: abs(sample[0] - latched))
+        step = position % 32 / 32
+        # 25 us are 0.005 periods, a step is 0.031.
+        assert (phase - step + 0.01) % 1 < 0.055, (latched, position, phase)
+
+
+def test_rs485_sine_and_cosine_at_rest_are_told_once(start, tmp_path):
+    path = tmp_path / "line.vcd"
+    encoder = start("--control", "tcp:127.0.0.1:0", "--shaft", "0.25REV")
+    with Client(int(encoder.out.wait().rsplit(":", 1)[1])) as client:
+        client.do(f'TRAC:STAR "{path}"')
+        time.sleep(0.3)
+        client.do("WORL:AMPL:COS 500")
+        time.sleep(0.1)
+        client.do("POW OFF")
+        time.sleep(0.1)
+        client.do("TRAC:STOP")
+    signals = signals_of(path.read_text())
+    assert [volts for _at, volts in signals["cos_plus"]] == [2.75, 2.625, 0]
+    assert [volts for _at, volts in signals["sin_minus"]] == [2.5, 2.5, 0]
 
 
 def biss_events():

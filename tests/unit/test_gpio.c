@@ -415,7 +415,7 @@ static void count_levels(void *ctx, const struct lx_tap_event *seen)
 static void test_edges_are_told_to_the_tap(void **state)
 {
     unsigned count = 0;
-    struct lx_tap_listener listener = {count_levels, &count, NULL};
+    struct lx_tap_listener listener = {.event = count_levels, .ctx = &count};
 
     (void)state;
     begin(DG_S(1));

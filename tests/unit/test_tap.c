@@ -32,6 +32,12 @@ static void on_event(void *ctx, const struct lx_tap_event *event)
     }
 }
 
+static void count_sincos(void *ctx, const struct lx_tap_event *event)
+{
+    unsigned *count = ctx;
+    *count += event->kind == LX_TAP_SINCOS;
+}
+
 static const struct lx_tap_event heard = {.kind = LX_TAP_NOTE, .note = "heard"};
 
 static void listen(struct lx_tap *tap, struct ear *ear)
@@ -42,7 +48,7 @@ static void listen(struct lx_tap *tap, struct ear *ear)
 
 static void in_the_order_they_came(void **state)
 {
-    struct lx_tap tap = {NULL};
+    struct lx_tap tap = {.first = NULL};
     struct log log = {"", 0};
     struct ear ears[] = {{.log = &log, .name = 'a'}, {.log = &log, .name = 'b'}};
     (void)state;
@@ -63,7 +69,7 @@ static void in_the_order_they_came(void **state)
 
 static void leaving_while_told(void **state)
 {
-    struct lx_tap tap = {NULL};
+    struct lx_tap tap = {.first = NULL};
     struct log log = {"", 0};
     struct ear ears[] = {{.log = &log, .name = 'a', .leaves = &tap},
                          {.log = &log, .name = 'b'},
@@ -77,9 +83,30 @@ static void leaving_while_told(void **state)
     assert_string_equal(log.names, "abcb");
 }
 
+/* Sine and cosine cost time: only who asks is told. */
+static void sine_and_cosine_for_those_who_ask(void **state)
+{
+    const struct lx_tap_event event = {.kind = LX_TAP_SINCOS, .note = NULL};
+    struct lx_tap tap = {.first = NULL};
+    unsigned told = 0;
+    struct lx_tap_listener deaf = {.event = on_event, .ctx = NULL};
+    struct lx_tap_listener keen = {.event = count_sincos, .ctx = &told, .sincos = true};
+    (void)state;
+    lx_tap_add(&tap, &deaf);
+    assert_false(lx_tap_asked(&tap));
+    lx_tap_tell(&tap, &event);
+    lx_tap_add(&tap, &keen);
+    assert_true(lx_tap_asked(&tap));
+    lx_tap_tell(&tap, &event);
+    assert_int_equal(told, 1);
+    lx_tap_remove(&tap, &keen);
+    assert_false(lx_tap_asked(&tap));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(sine_and_cosine_for_those_who_ask),
         cmocka_unit_test(in_the_order_they_came),
         cmocka_unit_test(leaving_while_told),
     };

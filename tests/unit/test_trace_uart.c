@@ -31,6 +31,8 @@ struct dump {
         char text[LX_DECODE_MAX];
     } texts[TEXTS_MAX];
     dg_ns end;
+    size_t real_count;
+    dg_ns real_end;
 };
 
 /* A character as it was found. */
@@ -99,6 +101,15 @@ static void take_line(struct dump *self, const char *line)
         }
         self->texts[self->text_count].at = self->end;
         (void)strcpy(self->texts[self->text_count++].text, text);
+    } else if (line[0] == 'r') {
+        char id[8];
+        unsigned volts = 0;
+        unsigned uv = 0;
+        assert_int_equal(sscanf(line, "r%u.%6u %7s", &volts, &uv, id), 3);
+        assert_int_equal(volts * 1000000u + uv, 2500000u + self->real_count);
+        assert_true(id[0] != '\0' && strchr("SsCc", id[0]) != NULL && strcmp(id + 1, "1") == 0);
+        self->real_count++;
+        self->real_end = self->end;
     } else if (line[1] == 'l') {
         assert_true(self->count < CHANGES_MAX && (line[0] == '0' || line[0] == '1'));
         self->changes[self->count].at = self->end;
@@ -254,6 +265,58 @@ static void all_bytes_at_all_settings(void **state)
     }
 }
 
+/* Each voltage 1 uV above the one before. */
+static void tell_sample(struct bench *self, dg_ns at, int32_t *uv)
+{
+    struct lx_tap_event event = {.at = at, .kind = LX_TAP_SINCOS};
+    event.sincos.encoder = 1;
+    event.sincos.lines = (struct dg_hf_sincos){uv[0], uv[0] + 1, uv[0] + 2, uv[0] + 3};
+    uv[0] += 4;
+    lx_tap_tell(&self->tap, &event);
+}
+
+/* A sample every 700 us, told before and while the characters around it are: all stand at their
+ * time and the line is as without. */
+static void sine_and_cosine_do_not_disturb_the_line(void **state)
+{
+    static const char *const names[] = {"a", "b"};
+    static const uint32_t bauds[] = {600, 9600, 38400};
+    struct bench *bench = *state;
+    bench->tap.encoders = names;
+    bench->tap.encoder_count = 2;
+    for (size_t i = 0; i < sizeof bauds / sizeof bauds[0]; i++) {
+        const dg_ns each = dg_bit_times_ns(11, bauds[i]);
+        dg_ns sample = DG_S(1) + DG_US(700);
+        dg_ns at = DG_S(1);
+        int32_t uv = 2500000;
+        size_t samples = 0;
+        begin(bench, DG_S(1));
+        for (size_t n = 0; n < 300; n++) {
+            at += each + (n % 20 == 0 ? dg_bit_times_ns(60, bauds[i]) : 0);
+            for (; sample < at; sample += DG_US(700)) {
+                tell_sample(bench, sample, &uv);
+                samples++;
+            }
+            const struct lx_tap_event event = {
+                .at = at,
+                .kind = LX_TAP_CHARACTER,
+                .ours = n / 20 % 2 != 0,
+                .character = {.baud = bauds[i], .parity = 'E', .byte = (uint8_t)(n * 7u)},
+            };
+            lx_tap_tell(&bench->tap, &event);
+        }
+        finish(bench);
+        assert_int_equal(bench->dump.real_count, 4 * samples);
+        assert_true(bench->dump.real_end == sample - DG_US(700) - DG_S(1));
+        receive_all(bench, bauds[i], 'E');
+        assert_int_equal(bench->count, 300);
+        for (size_t n = 0; n < 300; n++) {
+            assert_int_equal(bench->found[n].byte, (uint8_t)(n * 7u));
+            assert_true(bench->found[n].parity_ok && bench->found[n].stop_ok);
+        }
+    }
+}
+
 static void texts_stand_where_frames_begin(void **state)
 {
     static const uint8_t request[] = {0x40, 0x42, 0x02};
@@ -362,6 +425,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(all_bytes_at_all_settings, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(sine_and_cosine_do_not_disturb_the_line, set_up, tear_down),
         cmocka_unit_test_setup_teardown(texts_stand_where_frames_begin, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_bunch_is_spread, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_bunch_without_the_time_for_it_comes_late, set_up,
