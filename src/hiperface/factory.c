@@ -212,10 +212,8 @@ int dg_hf_format(const struct dg_hf_model *model, struct dg_nvm nvm)
 /* Read a region that is in order; `to` keeps its content otherwise. */
 static bool load(struct dg_hf *self, enum dg_hf_region region, uint8_t *to)
 {
-    uint16_t size = dg_hf_layout.regions[region].size;
-
     return !dg_store_damaged(&self->store, (uint8_t)region) &&
-           dg_store_read(&self->store, (uint8_t)region, 0, to, size) == DG_OK;
+           dg_hf_get(self, region, to) == DG_HF_NO_ERROR;
 }
 
 static void load_from_model(struct dg_hf *self)

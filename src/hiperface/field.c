@@ -55,7 +55,7 @@ static uint16_t blocks_used(const struct fields *fields, uint8_t n)
 /* A table that passes its sum but cannot be true was not written by this device. */
 static enum dg_hf_status load_fields(struct dg_hf *self, struct fields *fields)
 {
-    if (dg_store_read(&self->store, DG_HF_REGION_FIELDS, 0, fields, sizeof *fields) != DG_OK) {
+    if (dg_hf_get(self, DG_HF_REGION_FIELDS, fields) != DG_HF_NO_ERROR) {
         return DG_HF_I2C;
     }
     if (fields->count > HF_FIELDS_MAX || blocks_used(fields, fields->count) > self->blocks) {
@@ -147,8 +147,7 @@ enum dg_hf_status dg_hf_read_data(struct dg_hf *self, struct hf_request *rq)
         return status;
     }
     if (field.number == HF_LABEL) {
-        status =
-            dg_hf_io(dg_store_read(&self->store, DG_HF_REGION_LABEL, 0, content, HF_LABEL_SIZE));
+        status = dg_hf_get(self, DG_HF_REGION_LABEL, content);
     } else {
         status = load_content(self, &field, content);
     }

@@ -81,6 +81,10 @@ void dg_hf_start_up_checks(struct dg_hf *self);
 void dg_hf_monitor(struct dg_hf *self);
 /** The wire's view of a result of the store. */
 enum dg_hf_status dg_hf_io(int result);
+/** Read a whole region, whether it is in order or not. */
+enum dg_hf_status dg_hf_get(struct dg_hf *self, enum dg_hf_region region, void *to);
+/** Write a whole region, durably. */
+enum dg_hf_status dg_hf_put(struct dg_hf *self, enum dg_hf_region region, const void *from);
 
 /** factory.c */
 int dg_hf_model_check(const struct dg_hf_model *model);

@@ -53,31 +53,38 @@ static bool too_fast(const struct dg_hf *self, dg_ns now)
     return mrpm > limit || mrpm < -limit;
 }
 
+/* Bit n: position fault 1Dh + n (5.1.2.1). 1Eh is a warning. */
+static uint8_t causes(const struct dg_hf *self, bool fast)
+{
+    const struct dg_world *world = self->setup.world;
+    unsigned present = world->led_current_ua > self->led_max_ma * 1000u;
+
+    present |= (unsigned)fast << (DG_HF_SPEED - DG_HF_LED_CURRENT);
+    present |= (unsigned)!world->singleturn_ok << (DG_HF_SINGLETURN - DG_HF_LED_CURRENT);
+    if (self->turns > 1) {
+        present |= (unsigned)!world->multiturn_amplitude_ok
+                   << (DG_HF_MULTITURN_AMPLITUDE - DG_HF_LED_CURRENT);
+        present |= (unsigned)!world->multiturn_sync_ok
+                   << (DG_HF_MULTITURN_SYNC - DG_HF_LED_CURRENT);
+        present |= (unsigned)!world->multiturn_vector_ok
+                   << (DG_HF_MULTITURN_VECTOR - DG_HF_LED_CURRENT);
+    }
+    return (uint8_t)present;
+}
+
 /* The first fault is the answer, the others wait in the error stack (5.1.3 'Position'). */
 static enum dg_hf_status faults(struct dg_hf *self, bool fast)
 {
-    const struct dg_world *world = self->setup.world;
-    bool multiturn = self->turns > 1;
-    const struct {
-        bool present;
-        uint8_t status;
-    } causes[] = {
-        {world->led_current_ua > self->led_max_ma * 1000u, DG_HF_LED_CURRENT},
-        {fast, DG_HF_SPEED},
-        {!world->singleturn_ok, DG_HF_SINGLETURN},
-        {multiturn && !world->multiturn_amplitude_ok, DG_HF_MULTITURN_AMPLITUDE},
-        {multiturn && !world->multiturn_sync_ok, DG_HF_MULTITURN_SYNC},
-        {multiturn && !world->multiturn_vector_ok, DG_HF_MULTITURN_VECTOR},
-    };
     enum dg_hf_status first = DG_HF_NO_ERROR;
+    uint8_t status = DG_HF_LED_CURRENT;
 
-    for (uint8_t i = 0; i < sizeof causes / sizeof causes[0]; i++) {
-        enum dg_hf_status status = (enum dg_hf_status)causes[i].status;
-        if (causes[i].present && first == DG_HF_NO_ERROR) {
-            first = status;
-        } else if (causes[i].present) {
-            dg_hf_push(self, status);
+    for (uint8_t present = causes(self, fast); present != 0; present >>= 1) {
+        if ((present & 1u) != 0 && first == DG_HF_NO_ERROR) {
+            first = (enum dg_hf_status)status;
+        } else if ((present & 1u) != 0) {
+            dg_hf_push(self, (enum dg_hf_status)status);
         }
+        status++;
     }
     return first;
 }
@@ -95,8 +102,7 @@ static enum dg_hf_status store_offset(struct dg_hf *self, uint32_t offset)
     uint8_t bytes[4];
 
     dg_store_be32(bytes, offset);
-    enum dg_hf_status status =
-        dg_hf_io(dg_store_put(&self->store, DG_HF_REGION_OFFSET, 0, bytes, sizeof bytes));
+    enum dg_hf_status status = dg_hf_put(self, DG_HF_REGION_OFFSET, bytes);
     if (status == DG_HF_NO_ERROR) {
         self->offset = offset;
     }

@@ -39,6 +39,20 @@ enum dg_hf_status dg_hf_io(int result)
     return result == DG_OK ? DG_HF_NO_ERROR : DG_HF_I2C;
 }
 
+enum dg_hf_status dg_hf_get(struct dg_hf *self, enum dg_hf_region region, void *to)
+{
+    uint16_t size = dg_hf_layout.regions[region].size;
+
+    return dg_hf_io(dg_store_read(&self->store, (uint8_t)region, 0, to, size));
+}
+
+enum dg_hf_status dg_hf_put(struct dg_hf *self, enum dg_hf_region region, const void *from)
+{
+    uint16_t size = dg_hf_layout.regions[region].size;
+
+    return dg_hf_io(dg_store_put(&self->store, (uint8_t)region, 0, from, size));
+}
+
 /* Every damaged region: its own code, then 06h; and what it locks besides what 06h does. Of the
  * regions with 03h each locks the commands that are about it (R25). */
 void dg_hf_start_up_checks(struct dg_hf *self)

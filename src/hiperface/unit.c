@@ -10,6 +10,7 @@
 #define OPTION_CODE 1u
 #define SERIAL_TEXT 2u
 #define SERIAL_TEXT_SIZE 37u
+#define TYPE_SIZE (SERIAL_TEXT + SERIAL_TEXT_SIZE)
 #define VERSION_LAST 28u /* the version is followed by 00h (5.1.2.17) */
 
 static uint16_t temperature_degc(const struct dg_hf *self, dg_ns now)
@@ -63,10 +64,10 @@ enum dg_hf_status dg_hf_read_analog(struct dg_hf *self, struct hf_request *rq)
 static enum dg_hf_status load_counter(struct dg_hf *self, uint32_t *out)
 {
     uint8_t bytes[3] = {0};
-    int result = dg_store_read(&self->store, DG_HF_REGION_COUNTER, 0, bytes, sizeof bytes);
+    enum dg_hf_status status = dg_hf_get(self, DG_HF_REGION_COUNTER, bytes);
 
     *out = dg_load_be24(bytes);
-    return dg_hf_io(result);
+    return status;
 }
 
 static enum dg_hf_status store_counter(struct dg_hf *self, uint32_t value)
@@ -74,7 +75,7 @@ static enum dg_hf_status store_counter(struct dg_hf *self, uint32_t value)
     uint8_t bytes[3];
 
     dg_store_be24(bytes, value);
-    return dg_hf_io(dg_store_put(&self->store, DG_HF_REGION_COUNTER, 0, bytes, sizeof bytes));
+    return dg_hf_put(self, DG_HF_REGION_COUNTER, bytes);
 }
 
 enum dg_hf_status dg_hf_read_counter(struct dg_hf *self, struct hf_request *rq)
@@ -122,8 +123,7 @@ enum dg_hf_status dg_hf_modify_key(struct dg_hf *self, struct hf_request *rq)
     for (uint8_t i = 0; i < sizeof codes; i++) {
         codes[i] = i == number ? rq->data[2] : self->codes[i];
     }
-    enum dg_hf_status status =
-        dg_hf_io(dg_store_put(&self->store, DG_HF_REGION_CODES, 0, codes, sizeof codes));
+    enum dg_hf_status status = dg_hf_put(self, DG_HF_REGION_CODES, codes);
     if (status == DG_HF_NO_ERROR) {
         self->codes[number] = rq->data[2];
     }
@@ -133,32 +133,31 @@ enum dg_hf_status dg_hf_modify_key(struct dg_hf *self, struct hf_request *rq)
 
 enum dg_hf_status dg_hf_read_type_label(struct dg_hf *self, struct hf_request *rq)
 {
-    uint8_t type[2] = {0};
-    int result = dg_store_read(&self->store, DG_HF_REGION_TYPE, TYPE_CODE, type, sizeof type);
+    uint8_t type[TYPE_SIZE] = {0};
+    enum dg_hf_status status = dg_hf_get(self, DG_HF_REGION_TYPE, type);
 
     dg_write_u8(&rq->reply, self->uart_stored);
     dg_write_u8(&rq->reply, type[TYPE_CODE]);
     dg_write_u8(&rq->reply, self->implemented);
     dg_write_u8(&rq->reply, type[OPTION_CODE]);
-    return dg_hf_io(result);
+    return status;
 }
 
 enum dg_hf_status dg_hf_read_serial(struct dg_hf *self, struct hf_request *rq)
 {
-    uint8_t text[SERIAL_TEXT_SIZE] = {0};
-    int result = dg_store_read(&self->store, DG_HF_REGION_TYPE, SERIAL_TEXT, text, sizeof text);
+    uint8_t type[TYPE_SIZE] = {0};
+    enum dg_hf_status status = dg_hf_get(self, DG_HF_REGION_TYPE, type);
 
-    text[VERSION_LAST] = 0;
-    dg_write_bytes(&rq->reply, text, sizeof text);
-    return dg_hf_io(result);
+    type[SERIAL_TEXT + VERSION_LAST] = 0;
+    dg_write_bytes(&rq->reply, &type[SERIAL_TEXT], SERIAL_TEXT_SIZE);
+    return status;
 }
 
 /* UART setting and address share a region. */
 static enum dg_hf_status store_line(struct dg_hf *self, uint8_t uart, uint8_t address)
 {
     const uint8_t bytes[] = {uart, address};
-    enum dg_hf_status status =
-        dg_hf_io(dg_store_put(&self->store, DG_HF_REGION_UART, 0, bytes, sizeof bytes));
+    enum dg_hf_status status = dg_hf_put(self, DG_HF_REGION_UART, bytes);
 
     if (status == DG_HF_NO_ERROR) {
         self->uart_stored = uart;
