@@ -25,7 +25,7 @@
 #define CF_CLAUSES_MAX 800u
 #define CF_ROWS_MAX 800u
 #define CF_LINES_MAX 8000u
-#define CF_CITED_MAX 64u
+#define CF_CITED_MAX 8u
 #define CF_WORDS_MAX 300u
 
 /** Why a row failed. */
