@@ -203,7 +203,7 @@ static bool begin_frame(struct lx_biss_wire *self)
 {
     for (uint8_t i = 0; i < self->count; i++) {
         struct lx_biss_slave *slave = &self->slave[i];
-        lx_biss_link_begin(&slave->link, slave->faults, slave->data_bits, 2u * self->half_ns);
+        lx_biss_link_begin(&slave->link, slave->faults, slave->data_bits, (dg_ns)2 * self->half_ns);
     }
     const dg_ns begin = await_ack(self);
     for (unsigned i = 0; i < START_CLOCKS_MAX && !clock_bit(self); i++) {

@@ -112,7 +112,7 @@ static unsigned replay(const struct lx_gpio_rate *rate, dg_ns (*reaction)(struct
     const uint32_t hz = lx_gpio_rate_hz(rate);
     unsigned late = 0;
     assert_true(hz > 0);
-    const dg_ns half = DG_S(1) / (2u * hz);
+    const dg_ns half = hz == 0 ? 0 : DG_S(1) / ((dg_ns)2 * hz);
     dg_ns at = DG_S(1);
     for (unsigned i = 0; i < FRAMES_REPLAYED; i++) {
         late += frame(&host, NULL, rate->edges_per_frame, at, half) >= half;

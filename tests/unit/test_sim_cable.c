@@ -125,7 +125,7 @@ static void a_cable_delays_slo(void **state)
     const dg_ns start = slo_gets(&rig, true, e2 + 400u);
     assert_int_equal((start - e2) % 100u, 0);
     /* All clocks and no more: the master knew of the start bit early enough. */
-    const dg_ns last = e2 + (start - e2 - 400u) + 100u * (CLOCKS - 3u);
+    const dg_ns last = e2 + (start - e2 - 400u) + (dg_ns)100 * (CLOCKS - 3u);
     assert_int_equal(rising(&rig, (unsigned)((last - e2) / 100u) + 2u), last);
     assert_int_equal(slo_gets(&rig, true, last + 500u), last + 13000u + 400u);
     assert_int_equal(rig.heard.level[rig.heard.count - 1u].at, last + 13000u + 400u);
