@@ -277,6 +277,11 @@ void lx_modbus_stir(struct lx_modbus *self, bool watched, dg_ns now)
     rest(self);
 }
 
+void lx_modbus_unwatch(struct lx_modbus *self)
+{
+    lx_ring_time_unwatch(&self->time);
+}
+
 bool lx_modbus_address_fits(const char *where)
 {
     struct lx_host_port endpoint;

@@ -78,6 +78,9 @@ void lx_modbus_look(struct lx_modbus *self, dg_ns now);
 /** Something was done to it at `now`, and it is watched or not from then on. */
 void lx_modbus_stir(struct lx_modbus *self, bool watched, dg_ns now);
 
+/** While drive() runs: the ring is not watched from the next cycle on. */
+void lx_modbus_unwatch(struct lx_modbus *self);
+
 /** Close all connections; also after a failed open. */
 void lx_modbus_close(struct lx_modbus *self);
 

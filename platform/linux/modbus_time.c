@@ -62,6 +62,11 @@ void lx_ring_time_watch(struct lx_ring_time *self, bool watched, dg_ns now)
     self->watched = watched;
 }
 
+void lx_ring_time_unwatch(struct lx_ring_time *self)
+{
+    self->watched = false;
+}
+
 dg_ns lx_ring_time_next(const struct lx_ring_time *self)
 {
     const dg_ns until = quiet(self);

@@ -42,6 +42,9 @@ void lx_ring_time_stir(struct lx_ring_time *self);
 /** From `now` on it is watched, or not any more. */
 void lx_ring_time_watch(struct lx_ring_time *self, bool watched, dg_ns now);
 
+/** While a cycle is run: behind it nobody watches any more. */
+void lx_ring_time_unwatch(struct lx_ring_time *self);
+
 /** When lx_ring_time_due() has to be called; DG_NEVER: nothing is to come. */
 dg_ns lx_ring_time_next(const struct lx_ring_time *self);
 

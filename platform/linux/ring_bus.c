@@ -50,6 +50,15 @@ static struct dg_faults *faults_at(const struct ring_bus *self, size_t place)
 
 /* --- faults --- */
 
+static bool is_bent(const struct ring_bus *self)
+{
+    bool bent = false;
+    for (size_t i = 0; i < self->bus.setup.count; i++) {
+        bent = bent || faults_at(self, i)->wire != 0;
+    }
+    return bent;
+}
+
 /* Whether a data cycle comes next that a transmission error could end. */
 static bool data_is_next(const struct lx_ring *ring)
 {
@@ -156,6 +165,18 @@ static void tell_words(const struct ring_bus *self, dg_ns now, bool took_place)
     tell(self, &event, now);
 }
 
+/* A fault may have happened as often as it was to, which nobody hears of. */
+static void straighten(struct ring_bus *self)
+{
+    if (!self->bent || is_bent(self)) {
+        return;
+    }
+    self->bent = false;
+    if (!lx_tap_on(&self->bus.tap)) {
+        lx_modbus_unwatch(&self->coupler);
+    }
+}
+
 static void drive(void *ctx, dg_ns now)
 {
     struct ring_bus *self = ctx;
@@ -171,6 +192,7 @@ static void drive(void *ctx, dg_ns now)
         tell_state(self, now);
         tell_words(self, now, takes_place);
     }
+    straighten(self);
 }
 
 /* --- the operations --- */
@@ -231,10 +253,7 @@ static void changed(struct lx_bus *bus, struct lx_station *station, dg_ns now)
     const bool before = self->bent;
     (void)station;
     look(bus, now); /* what is over was not bent by what comes now */
-    self->bent = false;
-    for (size_t i = 0; i < bus->setup.count; i++) {
-        self->bent = self->bent || faults_at(self, i)->wire != 0;
-    }
+    self->bent = is_bent(self);
     if (self->bent && !before) {
         memcpy(self->whole_in, self->ring.in, sizeof self->whole_in);
     }

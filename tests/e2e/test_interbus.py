@@ -14,7 +14,7 @@ import time
 import pytest
 from pymodbus.client import ModbusTcpClient
 
-from rig import PATIENCE_S, free_port, run, run_refused
+from rig import PATIENCE_S, Client, free_port, run, run_refused
 
 K3 = "ocd-ib-k3"
 INPUT, OUTPUT, STATUS, LENGTHS, SLAVES = 0x0000, 0x0800, 0x100C, 0x1010, 0x2000
@@ -630,6 +630,23 @@ def test_a_ring_that_nobody_needs_sleeps(coupler, plc):
     assert wakes(encoder) - before < 20
     seconds = time.monotonic() - begin
     assert join(client.read(SLAVES + 2, 2)) - join(cycles) == pytest.approx(1000 * seconds, abs=100)
+
+
+def test_it_sleeps_again_when_a_fault_has_happened_often_enough(coupler, plc):
+    encoder = coupler("--shaft", "90DEG", "--control", "tcp:127.0.0.1:0")
+    client = plc(encoder)
+    in_operation(client)
+    with Client(int(encoder.out.wait().rsplit(":", 1)[1])) as control:
+        for fault, crc_errors in (("wire_damage", 3), ("wire_drop", 0), ("wire_tear", 0)):
+            first = join(client.read(SLAVES + 4, 2))
+            control.do(f"FAUL:SET {fault},COUN 3")
+            time.sleep(0.3)
+            assert control.ask(f"FAUL:ACT?;:FAUL:HAPP? {fault}") == '"";3'
+            assert join(client.read(SLAVES + 4, 2)) - first == crc_errors
+            before = wakes(encoder)
+            time.sleep(1)
+            assert wakes(encoder) - before < 20, fault
+    assert client.position() == 0x400
 
 
 def test_what_a_client_leaves_behind_is_done(coupler, plc, nvm):

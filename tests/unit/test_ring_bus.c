@@ -643,11 +643,27 @@ static void a_ring_sleeps_until_it_is_needed(void **state)
     self->bus->ops->changed(self->bus, NULL, lx_now());
     settle(self);
     assert_int_equal(wakes_in(self, 100), 0);
-    bend(self, 2, DG_WIRE_DAMAGE, 1);
+    bend(self, 2, DG_WIRE_DAMAGE, 0);
     assert_true(wakes_in(self, 100) > 20);
     mend(self, 2, DG_WIRE_DAMAGE);
     settle(self);
     assert_int_equal(wakes_in(self, 100), 0);
+}
+
+/* Nobody mends it, and nobody says that it is over. */
+static void a_ring_sleeps_again_when_its_fault_is_used_up(void **state)
+{
+    static const enum dg_wire_fault each[] = {DG_WIRE_DROP, DG_WIRE_DAMAGE, DG_WIRE_TEAR};
+    struct bench *self = *state;
+    plan_ring(self, mixed, 3);
+    open_ring(self);
+    wait_for_status(self, 1);
+    for (size_t i = 0; i < sizeof each / sizeof each[0]; i++) {
+        bend(self, 2, each[i], 2);
+        wait_for_cycles(self, 10);
+        settle(self);
+        assert_int_equal(wakes_in(self, 100), 0);
+    }
 }
 
 static void late_are_missed_cycles(void **state)
@@ -680,6 +696,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(transmission_errors, set_up, tear_down),
         cmocka_unit_test_setup_teardown(torn_words, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_ring_sleeps_until_it_is_needed, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_ring_sleeps_again_when_its_fault_is_used_up, set_up,
+                                        tear_down),
         cmocka_unit_test_setup_teardown(late_are_missed_cycles, set_up, tear_down),
     };
     return cmocka_run_group_tests_name("INTERBUS encoders in a ring", tests, NULL, NULL);
