@@ -48,6 +48,10 @@ void lx_biss_settings_init(struct lx_biss_settings *self, const struct dg_biss_m
 {
     self->model = *model;
     lx_settings_init(&self->common, NULL);
+    self->common.wire_keys = "clock_hz line_delay_ns";
+    for (size_t i = 0; i < KEY_COUNT; i++) {
+        lx_settings_name(&self->common, keys[i].name);
+    }
 }
 
 /* What would be right. */

@@ -84,6 +84,10 @@ static int take_settings(struct lx_can_node *self, struct lx_error *error)
     const struct lx_plan_settings *list = &self->station->plan->settings;
     struct lx_settings settings;
     lx_settings_init(&settings, NULL);
+    settings.wire_keys = "pace";
+    if (self->model.turns != 1) {
+        lx_settings_name(&settings, "mt_bits");
+    }
     for (size_t i = 0; i < list->count; i++) {
         const struct lx_plan_setting *setting = &list->list[i];
         if (strcmp(setting->key, "mt_bits") != 0) {

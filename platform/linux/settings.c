@@ -96,24 +96,26 @@ static const struct setting *find(const struct lx_settings *self, const char *ke
     return NULL;
 }
 
+static void append(struct lx_error *to, const char *word)
+{
+    const size_t used = strlen(to->text);
+    (void)snprintf(to->text + used, sizeof to->text - used, " %s", word);
+}
+
 /* All keys fit one line; whoever mistyped one finds it there. */
 static int unknown_key(const struct lx_settings *self, const char *key, size_t n,
                        struct lx_error *error)
 {
     struct lx_error keys = {""};
-    size_t used = 0;
+    (void)lx_fail(&keys, "%s", self->own_keys);
     for (size_t i = 0; i < SETTING_COUNT; i++) {
-        if (!applies(self, &settings[i])) {
-            continue;
-        }
-        const int length =
-            snprintf(keys.text + used, sizeof keys.text - used, " %s", settings[i].key);
-        used += length > 0 ? (size_t)length : 0u;
-        if (used >= sizeof keys.text) {
-            break;
+        if (applies(self, &settings[i])) {
+            append(&keys, settings[i].key);
         }
     }
-    return lx_fail(error, "--set %.*s: no such key; valid:%s", (int)n, key, keys.text);
+    const bool wire = self->wire_keys != NULL;
+    return lx_fail(error, "--set %.*s: no such key; valid:%s%s%s", (int)n, key, keys.text,
+                   wire ? "; of the wire: " : "", wire ? self->wire_keys : "");
 }
 
 /* The value has been checked against the row's range, so it fits the type. */
@@ -241,6 +243,12 @@ void lx_settings_init(struct lx_settings *self, const struct dg_hf_model *model)
         self->model = *model;
     }
     dg_world_init(&self->world);
+}
+
+void lx_settings_name(struct lx_settings *self, const char *key)
+{
+    const size_t used = strlen(self->own_keys);
+    (void)snprintf(self->own_keys + used, sizeof self->own_keys - used, " %s", key);
 }
 
 int lx_settings_set(struct lx_settings *self, const char *assignment, struct lx_error *error)

@@ -14,6 +14,9 @@
 #include "plan.h"
 #include "say.h"
 
+/** Room for the names of a stack's own keys. */
+#define LX_OWN_KEYS_MAX 192u
+
 /** What the table's rows point into. Once all are set, lx_settings_world() hands on the world. */
 struct lx_settings {
     struct dg_hf_model model; /**< factory figures */
@@ -24,10 +27,16 @@ struct lx_settings {
     bool serial_given;        /**< the serial number was asked for, not left to the model */
     bool rs485;               /**< an RS485 encoder; another one only has a world */
     uint8_t address;          /**< RS485: of a new EEPROM; 0: as delivered */
+    const char *wire_keys; /**< keys of the wire, with blanks between them, or NULL; only named */
+    char own_keys[LX_OWN_KEYS_MAX]; /**< keys beside this table's, see lx_settings_name() */
 };
 
 /** The figures of `model` in a healthy world; NULL: not an RS485 encoder. */
 void lx_settings_init(struct lx_settings *self, const struct dg_hf_model *model);
+
+/** Let whoever mistypes a key read that the encoder also has `key`, which its stack takes itself.
+ */
+void lx_settings_name(struct lx_settings *self, const char *key);
 
 /** Apply "key=value". @return 0, or -1 with one line that names what would be right */
 int lx_settings_set(struct lx_settings *self, const char *assignment, struct lx_error *error);

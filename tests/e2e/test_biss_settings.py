@@ -77,6 +77,21 @@ def test_refused_settings(assignment, right, tmp_path):
     assert right in run_refused(2, "run", S3674, "--sim", "--set", assignment)
 
 
+def test_a_mistyped_key_names_all_there_are():
+    """Those of the encoder, not only those of its world, and those of the wire."""
+    line = run_refused(2, "run", S3674, "--sim", "--set", "busy=3")
+    said = line.split("valid: ")[1]
+    for key in ("mt", "busy_us", "stop_bit", "init_ms", "temperature", "watchdog_fired"):
+        assert key in said.split("; of the wire: ")[0].split()
+    assert said.split("; of the wire: ")[1].split() == ["clock_hz", "line_delay_ns"]
+
+
+@pytest.mark.parametrize("model, own", [("f3658", False), ("f3668", True)])
+def test_a_mistyped_key_of_a_canopen_encoder(model, own):
+    said = run_refused(2, "run", model, "--slcan", "--set", "pase=1").split("valid: ")[1]
+    assert ("mt_bits" in said.split()) == own and said.split("; of the wire: ")[1].split() == ["pace"]
+
+
 def test_busy_and_its_jitter_together(tmp_path):
     """In any order, since each alone is in its range."""
     both = ["busy_us=30", "busy_jitter_us=11"]
