@@ -88,6 +88,27 @@ def test_without_store_the_node_id_is_lost(start, nvm):
     assert start("--nvm", nvm).read(0x100B) == 63
 
 
+def test_saved_defaults_follow_fastscan(start, nvm):
+    """The usual order at commissioning: save, take the node-ID away, find it, give it another."""
+    rig = start("--nvm", nvm, *SERIAL)
+    rig.write(0x1801, 1, 0x800002BF, 4)
+    rig.write(0x1801, 1, 0x222, 4)
+    rig.sdo.download(0x1010, 1, b"save")
+    lss = configuration(rig)
+    lss.configure_node_id(0xFF)
+    lss.store_configuration()
+    wait(rig)
+    lss.RESPONSE_TIMEOUT = 0.1
+    assert lss.fast_scan() == (True, list(IDENTITY))
+    lss.RESPONSE_TIMEOUT = 2.0
+    lss.configure_node_id(12)
+    lss.store_configuration()
+    rig.kill()
+    rig = start("--nvm", nvm, *SERIAL, node_id=12)
+    assert [rig.read(index, 1) for index in range(0x1800, 0x1804)] == [0x18C, 0x222, 0x38C, 0x48C]
+    assert rig.read(0x1014) == 0x8C
+
+
 def test_not_in_operational(rig):
     rig.start()
     lss = configuration(rig)
