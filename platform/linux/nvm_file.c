@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Two promises: what a sync acknowledged is on the disk, and a file is either complete or not
- * there. The lock is the kernel's, so it ends with the process however that ends.
+ * Two promises: what a sync acknowledged is on the disk, under the name the next start looks for,
+ * and a file is either complete or not there. The lock is the kernel's, so it ends with the process
+ * however that ends.
  */
 #define _GNU_SOURCE
 #include "nvm_file.h"
@@ -61,17 +62,16 @@ static int read_all(int fd, uint8_t *to, size_t n, off_t at)
 
 /* One line when it starts to fail, one when it works again. A sync ends the trouble, not a write:
    only then the bytes are known to be there. */
-static int report(struct lx_nvm_file *self, int reason, bool synced)
+static int report(struct lx_nvm_file *self, const char *trouble, bool synced)
 {
-    if (reason != 0 && !self->failing) {
+    if (trouble != NULL && !self->failing) {
         self->failing = true;
-        lx_complain("%s: %s; the encoder answers 05h until it works again", self->path,
-                    strerror(reason));
-    } else if (reason == 0 && synced && self->failing) {
+        lx_complain("%s: %s; the encoder answers 05h until it works again", self->path, trouble);
+    } else if (trouble == NULL && synced && self->failing) {
         self->failing = false;
         lx_complain("%s: works again", self->path);
     }
-    return reason == 0 ? DG_OK : DG_ERR_IO;
+    return trouble == NULL ? DG_OK : DG_ERR_IO;
 }
 
 static bool inside(const struct lx_nvm_file *self, uint32_t address, size_t n)
@@ -81,11 +81,48 @@ static bool inside(const struct lx_nvm_file *self, uint32_t address, size_t n)
 
 static int read_file(void *ctx, uint32_t address, void *to, size_t n)
 {
-    struct lx_nvm_file *self = ctx;
+    const struct lx_nvm_file *self = ctx;
     if (!inside(self, address, n)) {
         return DG_ERR_IO;
     }
-    return report(self, read_all(self->fd, to, n, (off_t)address), false);
+    memcpy(to, self->bytes + address, n);
+    return DG_OK;
+}
+
+/* What has been done to the name of the file, in words: the next start would not find what is
+   written now. NULL: nothing, or it cannot be seen. */
+static const char *lost(const struct lx_nvm_file *self, const struct stat *own)
+{
+    struct stat named;
+    if (stat(self->path, &named) == 0) {
+        const bool same = named.st_ino == own->st_ino && named.st_dev == own->st_dev;
+        return same ? NULL : "replaced while in use (a restart takes the other one)";
+    }
+    if (own->st_nlink == 0) {
+        return "deleted while in use (a restart makes a new one)";
+    }
+    return errno == ENOENT || errno == ENOTDIR ? "moved while in use (move it back)" : NULL;
+}
+
+/* Nobody else may write a file that is locked, but whoever does not ask can cut it off. */
+static void look_at_length(struct lx_nvm_file *self, const struct stat *own)
+{
+    if (own->st_size < (off_t)self->length && !self->suspect) {
+        self->suspect = true;
+        lx_complain("%s: cut off to %lld bytes while in use; it is written again whole", self->path,
+                    (long long)own->st_size);
+    }
+}
+
+/* Whether it is still there and whole. @return NULL, or what is wrong, in words */
+static const char *look(struct lx_nvm_file *self)
+{
+    struct stat own;
+    if (fstat(self->fd, &own) != 0) {
+        return strerror(errno);
+    }
+    look_at_length(self, &own);
+    return lost(self, &own);
 }
 
 /* A write beyond the end of a cut-off file would leave zeros before it. */
@@ -100,27 +137,54 @@ static int fill_gap(struct lx_nvm_file *self, uint32_t address)
     return reason;
 }
 
+/* What fails halfway is made good by the next sync. 0 or an errno. */
+static int put(struct lx_nvm_file *self, uint32_t address, const void *from, size_t n)
+{
+    int reason = fill_gap(self, address);
+    if (reason == 0) {
+        reason = write_all(self->fd, from, n, (off_t)address);
+    }
+    if (reason != 0) {
+        self->suspect = true;
+        return reason;
+    }
+    memcpy(self->bytes + address, from, n);
+    const uint32_t end = address + (uint32_t)n;
+    self->length = self->length < end ? end : self->length;
+    return 0;
+}
+
 static int write_file(void *ctx, uint32_t address, const void *from, size_t n)
 {
     struct lx_nvm_file *self = ctx;
     if (!inside(self, address, n)) {
         return DG_ERR_IO;
     }
-    int reason = fill_gap(self, address);
-    if (reason == 0) {
-        reason = write_all(self->fd, from, n, (off_t)address);
+    const char *trouble = look(self);
+    const int reason = trouble != NULL ? 0 : put(self, address, from, n);
+    return report(self, reason != 0 ? strerror(reason) : trouble, false);
+}
+
+/* 0 or an errno. */
+static int flush(struct lx_nvm_file *self)
+{
+    int reason = 0;
+    if (self->suspect) {
+        reason = write_all(self->fd, self->bytes, self->length, 0);
     }
-    const uint32_t end = address + (uint32_t)n;
-    if (reason == 0 && self->length < end) {
-        self->length = end;
+    if (reason == 0 && fdatasync(self->fd) != 0) {
+        reason = errno;
     }
-    return report(self, reason, false);
+    self->suspect = self->suspect && reason != 0;
+    return reason;
 }
 
 static int sync_file(void *ctx)
 {
     struct lx_nvm_file *self = ctx;
-    return report(self, fdatasync(self->fd) == 0 ? 0 : errno, true);
+    const char *trouble = look(self);
+    const int reason = trouble != NULL ? 0 : flush(self);
+    return report(self, reason != 0 ? strerror(reason) : trouble, true);
 }
 
 static const struct dg_nvm_ops file_ops = {
@@ -181,6 +245,13 @@ static int check_kind(struct lx_nvm_file *self, struct lx_error *error)
     return 0;
 }
 
+/* Once the file is ours. */
+static int take(struct lx_nvm_file *self, struct lx_error *error)
+{
+    const int reason = read_all(self->fd, self->bytes, self->size, 0);
+    return reason == 0 ? 0 : lx_fail(error, "%s: cannot read: %s", self->path, strerror(reason));
+}
+
 static int open_existing(struct lx_nvm_file *self, struct lx_error *error)
 {
     /* Neither a FIFO nor a terminal may hold up or take over the process before it is refused. */
@@ -188,7 +259,7 @@ static int open_existing(struct lx_nvm_file *self, struct lx_error *error)
     if (self->fd < 0) {
         return lx_fail(error, "%s: cannot open: %s", self->path, strerror(errno));
     }
-    return check_kind(self, error) != 0 ? -1 : lock(self, error);
+    return check_kind(self, error) != 0 || lock(self, error) != 0 ? -1 : take(self, error);
 }
 
 /* The folder of `path`, and a name for mkostemp() in it. */
@@ -254,6 +325,14 @@ static int create(struct lx_nvm_file *self, const struct lx_nvm_image *image)
     return reason == 0 ? sync_folder(near.folder) : reason;
 }
 
+static void close_descriptor(struct lx_nvm_file *self)
+{
+    if (self->fd >= 0) {
+        (void)close(self->fd);
+    }
+    self->fd = -1;
+}
+
 static int open_or_create(struct lx_nvm_file *self, const struct lx_nvm_image *image,
                           struct lx_error *error)
 {
@@ -262,7 +341,7 @@ static int open_or_create(struct lx_nvm_file *self, const struct lx_nvm_image *i
     }
     const int reason = create(self, image);
     if (reason == EEXIST) { /* somebody else was faster, or it is a dangling link */
-        lx_nvm_file_close(self);
+        close_descriptor(self);
         return open_existing(self, error);
     }
     if (reason != 0) {
@@ -270,6 +349,7 @@ static int open_or_create(struct lx_nvm_file *self, const struct lx_nvm_image *i
     }
     self->created = true;
     self->length = image->size;
+    memcpy(self->bytes, image->bytes, image->size);
     return 0;
 }
 
@@ -277,7 +357,9 @@ int lx_nvm_file_open(struct lx_nvm_file *self, const char *path, const struct lx
                      struct lx_error *error)
 {
     *self = (struct lx_nvm_file){.path = path, .fd = -1, .size = image->size};
-    const int result = open_or_create(self, image, error);
+    self->bytes = malloc(image->size);
+    const int result = self->bytes == NULL ? lx_fail(error, "%s: no memory", path)
+                                           : open_or_create(self, image, error);
     if (result != 0) {
         lx_nvm_file_close(self);
     }
@@ -319,6 +401,8 @@ int lx_nvm_file_replace(struct lx_nvm_file *self, const uint8_t *bytes, struct l
     (void)close(self->fd);
     self->fd = fd;
     self->length = self->size;
+    self->suspect = false;
+    memcpy(self->bytes, bytes, self->size);
     return 0;
 }
 
@@ -338,10 +422,9 @@ void lx_nvm_file_tell(const struct lx_nvm_file *self, uint32_t image, const stru
 
 void lx_nvm_file_close(struct lx_nvm_file *self)
 {
-    if (self->fd >= 0) {
-        (void)close(self->fd);
-    }
-    self->fd = -1;
+    close_descriptor(self);
+    free(self->bytes);
+    self->bytes = NULL;
 }
 
 struct dg_nvm lx_nvm_file_port(struct lx_nvm_file *self)

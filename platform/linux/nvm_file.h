@@ -12,14 +12,21 @@
 #include "drehgeber/hal.h"
 #include "say.h"
 
-/** An open file. The path is borrowed. */
+/**
+ * An open file. The path is borrowed. Read once, when it is opened: from then on the file is this
+ * process's, and what others do to it meanwhile changes nothing of what the device reads. A sync
+ * finds it deleted, moved or replaced by another: then writes are refused until it is back. Cut
+ * off, it is written again whole.
+ */
 struct lx_nvm_file {
     const char *path;
     int fd;          /**< holds the advisory lock; -1: not open */
+    uint8_t *bytes;  /**< owned: what it holds, `size` bytes */
     uint32_t size;   /**< bytes of the memory */
     uint32_t length; /**< bytes the file has; what is missing up to `size` reads FFh */
     bool created;    /**< it did not exist before */
     bool failing;    /**< the last write or sync failed, and the user has been told */
+    bool suspect;    /**< the medium may hold something else than `bytes` */
 };
 
 /** What a new file holds. */

@@ -270,3 +270,43 @@ def test_disk_full_while_running(start, nvm):
     encoder.errors.so_far()  # it may say that the disk is back
     encoder.end(signal.SIGKILL)
     assert start("--nvm", nvm).master().read_data(0, 0, 6) == b"after!"
+
+
+def lose(nvm, tmp_path, how):
+    """What can happen to a file while an encoder uses it."""
+    if how == "deleted":
+        nvm.unlink()
+    else:
+        (tmp_path / "other").write_bytes(nvm.read_bytes())
+        os.replace(tmp_path / "other", nvm)
+
+
+@pytest.mark.parametrize("how", ["deleted", "replaced"])
+def test_a_file_lost_while_running_takes_no_writes(start, nvm, tmp_path, how):
+    encoder = start("--nvm", nvm)
+    master = encoder.master()
+    master.create_field(0, FieldStatus(16))
+    master.save_data(0, 0, b"before")
+    lose(nvm, tmp_path, how)
+    for _ in range(3):
+        with pytest.raises(EncoderError) as refused:
+            master.save_data(0, 0, b"during")
+        assert refused.value.code == 0x05
+    assert_one_line(encoder, str(nvm), how, "05h")
+    assert master.read_data(0, 0, 6) == b"before"
+    assert master.read_position() == 0
+    encoder.end()
+    if how == "replaced":  # and the other file is as it was
+        assert start("--nvm", nvm).master().read_data(0, 0, 6) == b"before"
+
+
+def test_a_file_cut_off_while_running_is_made_whole(start, nvm):
+    encoder = start("--nvm", nvm)
+    master = encoder.master()
+    master.create_field(0, FieldStatus(16))
+    master.save_data(0, 0, b"before")
+    os.truncate(nvm, 0)
+    master.save_data(0, 6, b"after")
+    assert_one_line(encoder, str(nvm), "cut off to 0 bytes")
+    encoder.end(signal.SIGKILL)
+    assert start("--nvm", nvm).master().read_data(0, 0, 11) == b"beforeafter"

@@ -336,6 +336,126 @@ static void a_full_disk_is_an_error_that_ends(void **state)
     lx_eeprom_close(&eeprom);
 }
 
+/* --- while it is in use --- */
+
+static void set_aside(const struct place *place, char *aside, size_t size)
+{
+    (void)snprintf(aside, size, "%s/aside", place->folder);
+    assert_int_equal(rename(place->path, aside), 0);
+}
+
+/* Nothing is written, and what is read is what was there before. */
+static void nothing_is_stored(struct lx_eeprom *eeprom)
+{
+    const uint32_t at = eeprom->file.size - 4;
+    uint8_t before[4];
+    uint8_t after[4];
+    assert_int_equal(eeprom->nvm.ops->read(eeprom->nvm.ctx, at, before, 4), DG_OK);
+    assert_int_equal(eeprom->nvm.ops->write(eeprom->nvm.ctx, at, "gone", 4), DG_ERR_IO);
+    assert_int_equal(eeprom->nvm.ops->sync(eeprom->nvm.ctx), DG_ERR_IO);
+    assert_int_equal(eeprom->nvm.ops->read(eeprom->nvm.ctx, at, after, 4), DG_OK);
+    assert_memory_equal(before, after, 4);
+    assert_true(eeprom->file.failing);
+}
+
+static void a_deleted_file_takes_nothing(void **state)
+{
+    struct place *place = *state;
+    struct lx_eeprom eeprom;
+    struct lx_error error;
+    assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), 0);
+    assert_int_equal(unlink(place->path), 0);
+    nothing_is_stored(&eeprom);
+    lx_eeprom_close(&eeprom);
+}
+
+/* As an editor does it, or a version control system; also with the same bytes. */
+static void a_replaced_file_takes_nothing(void **state)
+{
+    struct place *place = *state;
+    struct lx_eeprom eeprom;
+    struct lx_error error;
+    char aside[64];
+    make_image(place);
+    set_aside(place, aside, sizeof aside);
+    make_image(place);
+    assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), 0);
+    assert_int_equal(rename(aside, place->path), 0);
+    nothing_is_stored(&eeprom);
+    lx_eeprom_close(&eeprom);
+    make_image(place); /* the other one is free, and an image as before */
+}
+
+static void a_moved_file_takes_writes_when_it_is_back(void **state)
+{
+    struct place *place = *state;
+    struct lx_eeprom eeprom;
+    struct lx_error error;
+    char aside[64];
+    assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), 0);
+    set_aside(place, aside, sizeof aside);
+    nothing_is_stored(&eeprom);
+    assert_int_equal(rename(aside, place->path), 0);
+    assert_int_equal(eeprom.nvm.ops->write(eeprom.nvm.ctx, 100, "a", 1), DG_OK);
+    assert_int_equal(eeprom.nvm.ops->sync(eeprom.nvm.ctx), DG_OK);
+    assert_false(eeprom.file.failing);
+    lx_eeprom_close(&eeprom);
+}
+
+/* Between a write and its sync it is found by the sync. */
+static void a_file_deleted_before_the_sync_is_found_by_it(void **state)
+{
+    struct place *place = *state;
+    struct lx_eeprom eeprom;
+    struct lx_error error;
+    assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), 0);
+    assert_int_equal(eeprom.nvm.ops->write(eeprom.nvm.ctx, 100, "a", 1), DG_OK);
+    assert_int_equal(unlink(place->path), 0);
+    assert_int_equal(eeprom.nvm.ops->sync(eeprom.nvm.ctx), DG_ERR_IO);
+    lx_eeprom_close(&eeprom);
+}
+
+static void a_link_to_the_file_is_no_other_file(void **state)
+{
+    struct place *place = *state;
+    struct lx_eeprom eeprom;
+    struct lx_error error;
+    char aside[64];
+    make_image(place);
+    set_aside(place, aside, sizeof aside);
+    assert_int_equal(symlink("aside", place->path), 0);
+    assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), 0);
+    assert_int_equal(eeprom.nvm.ops->write(eeprom.nvm.ctx, 100, "a", 1), DG_OK);
+    assert_int_equal(eeprom.nvm.ops->sync(eeprom.nvm.ctx), DG_OK);
+    lx_eeprom_close(&eeprom);
+    assert_int_equal(unlink(aside), 0);
+}
+
+/* What is read does not change, and the next sync brings all of it back. */
+static void a_file_cut_off_in_use_is_written_again_whole(void **state)
+{
+    struct place *place = *state;
+    static uint8_t bytes[2][8192];
+    struct lx_eeprom eeprom;
+    struct lx_error error;
+    for (off_t length = 0; length <= 100; length += 100) {
+        assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), 0);
+        const uint32_t size = eeprom.file.size;
+        assert_int_equal(eeprom.nvm.ops->read(eeprom.nvm.ctx, 0, bytes[0], size), DG_OK);
+        assert_int_equal(truncate(place->path, length), 0);
+        assert_int_equal(eeprom.nvm.ops->read(eeprom.nvm.ctx, 0, bytes[1], size), DG_OK);
+        assert_memory_equal(bytes[0], bytes[1], size);
+        assert_int_equal(eeprom.nvm.ops->write(eeprom.nvm.ctx, size - 1, "z", 1), DG_OK);
+        assert_int_equal(eeprom.nvm.ops->sync(eeprom.nvm.ctx), DG_OK);
+        lx_eeprom_close(&eeprom);
+        bytes[0][size - 1] = 'z';
+        const int fd = open(place->path, O_RDONLY);
+        assert_int_equal(read(fd, bytes[1], sizeof bytes[1]), size);
+        (void)close(fd);
+        assert_memory_equal(bytes[0], bytes[1], size);
+    }
+}
+
 #define IN_A_PLACE(test) cmocka_unit_test_setup_teardown(test, set_up, tear_down)
 
 int main(void)
@@ -353,6 +473,12 @@ int main(void)
         IN_A_PLACE(a_cut_off_image_reads_erased),
         IN_A_PLACE(an_image_of_an_earlier_release_is_taken_and_grows),
         IN_A_PLACE(a_full_disk_is_an_error_that_ends),
+        IN_A_PLACE(a_deleted_file_takes_nothing),
+        IN_A_PLACE(a_replaced_file_takes_nothing),
+        IN_A_PLACE(a_moved_file_takes_writes_when_it_is_back),
+        IN_A_PLACE(a_file_deleted_before_the_sync_is_found_by_it),
+        IN_A_PLACE(a_link_to_the_file_is_no_other_file),
+        IN_A_PLACE(a_file_cut_off_in_use_is_written_again_whole),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
