@@ -280,7 +280,8 @@ static bool neighbour_of(struct neighbour *out, const char *path)
            (size_t)name < sizeof out->name;
 }
 
-/* The new name is durable when its folder is. */
+/* The new name is durable when its folder is; a file system that cannot sync folders says EINVAL,
+   and does what it does. */
 static int sync_folder(const char *folder)
 {
     const int fd = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -289,7 +290,7 @@ static int sync_folder(const char *folder)
     }
     const int reason = fsync(fd) == 0 ? 0 : errno;
     (void)close(fd);
-    return reason;
+    return reason == EINVAL ? 0 : reason;
 }
 
 /* A durable file with all of its content under a name of its own, mode 0600. Locked before it gets
@@ -307,8 +308,27 @@ static int prepare(struct neighbour *near, const uint8_t *bytes, size_t n, int *
     return reason == 0 && fsync(*fd) != 0 ? errno : reason;
 }
 
-/* A complete image under another name first, then link(): whoever sees the file sees all of it,
-   and of two processes that create it one wins. 0 or an errno. */
+/* Give a file its name if nobody has it, in one step that needs no hard links. Network and user
+   space file systems that cannot do that may be able to link. 0 or an errno; EOPNOTSUPP: neither.
+ */
+static int name_it(const char *from, const char *to)
+{
+    if (renameat2(AT_FDCWD, from, AT_FDCWD, to, RENAME_NOREPLACE) == 0) {
+        return 0;
+    }
+    if (errno != EINVAL && errno != ENOSYS && errno != EOPNOTSUPP) {
+        return errno;
+    }
+    if (link(from, to) != 0) {
+        const bool none = errno == EPERM || errno == ENOSYS || errno == EINVAL;
+        return none ? EOPNOTSUPP : errno;
+    }
+    (void)unlink(from);
+    return 0;
+}
+
+/* A complete image under another name first: whoever sees the file sees all of it, and of two
+   processes that create it one wins. 0 or an errno. */
 static int create(struct lx_nvm_file *self, const struct lx_nvm_image *image)
 {
     struct neighbour near = {.folder = ""};
@@ -316,13 +336,24 @@ static int create(struct lx_nvm_file *self, const struct lx_nvm_image *image)
         return ENAMETOOLONG;
     }
     int reason = prepare(&near, image->bytes, image->size, &self->fd);
-    if (reason == 0 && link(near.name, self->path) != 0) {
-        reason = errno;
+    if (reason == 0) {
+        reason = name_it(near.name, self->path);
     }
-    if (self->fd >= 0) {
+    if (reason != 0 && self->fd >= 0) {
         (void)unlink(near.name);
     }
     return reason == 0 ? sync_folder(near.folder) : reason;
+}
+
+static int refuse_creation(const struct lx_nvm_file *self, int reason, struct lx_error *error)
+{
+    if (reason != EOPNOTSUPP) {
+        return lx_fail(error, "%s: cannot create: %s", self->path, strerror(reason));
+    }
+    return lx_fail(error,
+                   "%s: cannot create: this file system has neither hard links nor a rename that "
+                   "spares what is there; make the file on another one and copy it here",
+                   self->path);
 }
 
 static void close_descriptor(struct lx_nvm_file *self)
@@ -345,7 +376,7 @@ static int open_or_create(struct lx_nvm_file *self, const struct lx_nvm_image *i
         return open_existing(self, error);
     }
     if (reason != 0) {
-        return lx_fail(error, "%s: cannot create: %s", self->path, strerror(reason));
+        return refuse_creation(self, reason, error);
     }
     self->created = true;
     self->length = image->size;

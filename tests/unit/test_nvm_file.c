@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #define _GNU_SOURCE
+#include <errno.h>
 #include <fcntl.h>
 #include <setjmp.h>
 #include <signal.h>
@@ -11,6 +12,7 @@
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -20,6 +22,28 @@
 #include "eeprom.h"
 
 static const struct lx_say quiet = {.quiet = true};
+
+/* --- a file system that lacks something: these come before libc's own --- */
+
+static int no_rename; /* errno of renameat2(); 0: it works */
+static int no_link;
+static void (*before_naming)(void); /* somebody else is faster */
+
+int renameat2(int from_folder, const char *from, int to_folder, const char *to, unsigned flags)
+{
+    if (before_naming != NULL) {
+        before_naming();
+    }
+    errno = no_rename;
+    return no_rename != 0 ? -1
+                          : (int)syscall(SYS_renameat2, from_folder, from, to_folder, to, flags);
+}
+
+int link(const char *from, const char *to)
+{
+    errno = no_link;
+    return no_link != 0 ? -1 : (int)syscall(SYS_linkat, AT_FDCWD, from, AT_FDCWD, to, 0);
+}
 
 /* A folder of its own and a file name in it for each test. */
 struct place {
@@ -44,6 +68,8 @@ static int set_up(void **state)
 static int tear_down(void **state)
 {
     struct place *self = *state;
+    no_rename = no_link = 0;
+    before_naming = NULL;
     (void)unlink(self->path);
     const int result = rmdir(self->folder);
     free(self);
@@ -102,6 +128,75 @@ static void a_new_file_is_complete_and_private(void **state)
     assert_int_equal(info.st_mode & 07777, 0600);
     assert_int_equal(info.st_nlink, 1);
     assert_int_equal(info.st_size, dg_store_size(&dg_hf_layout));
+}
+
+static void a_file_is_made_with_either_way_to_name_it(void **state)
+{
+    static const int ways[][2] = {{0, EPERM}, {EINVAL, 0}, {ENOSYS, 0}};
+    struct place *place = *state;
+    struct stat info;
+    for (size_t i = 0; i < sizeof ways / sizeof ways[0]; i++) {
+        no_rename = ways[i][0];
+        no_link = ways[i][1];
+        make_image(place);
+        assert_int_equal(stat(place->path, &info), 0);
+        assert_int_equal(info.st_mode & 07777, 0600);
+        assert_int_equal(info.st_nlink, 1);
+        assert_int_equal(info.st_size, dg_store_size(&dg_hf_layout));
+        assert_int_equal(unlink(place->path), 0);
+    }
+}
+
+/* rmdir() in tear_down() finds what is left behind. */
+static void without_any_way_to_name_it_no_file_is_made(void **state)
+{
+    static const int ways[][2] = {{EINVAL, EPERM}, {ENOSYS, EOPNOTSUPP}, {EINVAL, ENOSYS}};
+    struct place *place = *state;
+    struct lx_eeprom eeprom;
+    struct lx_error error = {""};
+    for (size_t i = 0; i < sizeof ways / sizeof ways[0]; i++) {
+        no_rename = ways[i][0];
+        no_link = ways[i][1];
+        assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error),
+                         -1);
+        lx_eeprom_close(&eeprom);
+        assert_non_null(strstr(error.text, place->path));
+        assert_non_null(strstr(error.text, "neither hard links nor a rename"));
+        assert_int_equal(access(place->path, F_OK), -1);
+    }
+    no_rename = EROFS;
+    assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), -1);
+    lx_eeprom_close(&eeprom);
+    assert_non_null(strstr(error.text, strerror(EROFS)));
+}
+
+static struct place *contended;
+
+static void somebody_is_faster(void)
+{
+    write_bytes(contended->path, (const uint8_t *)"theirs", 6);
+}
+
+static void of_two_that_make_a_file_one_wins(void **state)
+{
+    struct place *place = *state;
+    char bytes[8] = "";
+    contended = place;
+    before_naming = somebody_is_faster;
+    for (int linked = 0; linked < 2; linked++) {
+        struct lx_eeprom eeprom;
+        struct lx_error error = {""};
+        no_rename = linked != 0 ? EINVAL : 0;
+        assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error),
+                         -1);
+        lx_eeprom_close(&eeprom);
+        assert_non_null(strstr(error.text, "something else"));
+        const int fd = open(place->path, O_RDONLY);
+        assert_int_equal(read(fd, bytes, sizeof bytes), 6);
+        (void)close(fd);
+        assert_memory_equal(bytes, "theirs", 6);
+        assert_int_equal(unlink(place->path), 0);
+    }
 }
 
 static void what_is_written_is_there_the_next_time(void **state)
@@ -462,6 +557,9 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         IN_A_PLACE(a_new_file_is_complete_and_private),
+        IN_A_PLACE(a_file_is_made_with_either_way_to_name_it),
+        IN_A_PLACE(without_any_way_to_name_it_no_file_is_made),
+        IN_A_PLACE(of_two_that_make_a_file_one_wins),
         IN_A_PLACE(what_is_written_is_there_the_next_time),
         IN_A_PLACE(memory_forgets),
         IN_A_PLACE(a_second_process_is_told_who_has_it),
