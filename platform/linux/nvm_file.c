@@ -165,7 +165,8 @@ static int write_file(void *ctx, uint32_t address, const void *from, size_t n)
     return report(self, reason != 0 ? strerror(reason) : trouble, false);
 }
 
-/* 0 or an errno. */
+/* After a sync that failed Linux calls pages clean that never reached the medium, and the next sync
+   succeeds without them: then only what is written again is known to be there. 0 or an errno. */
 static int flush(struct lx_nvm_file *self)
 {
     int reason = 0;
@@ -175,7 +176,7 @@ static int flush(struct lx_nvm_file *self)
     if (reason == 0 && fdatasync(self->fd) != 0) {
         reason = errno;
     }
-    self->suspect = self->suspect && reason != 0;
+    self->suspect = reason != 0;
     return reason;
 }
 

@@ -45,6 +45,18 @@ int link(const char *from, const char *to)
     return no_link != 0 ? -1 : (int)syscall(SYS_linkat, AT_FDCWD, from, AT_FDCWD, to, 0);
 }
 
+static int fail_sync;  /* the one of the calls from now on that fails with EIO; 0: none */
+static int syncs_fail; /* and so many behind it */
+
+int fdatasync(int fd)
+{
+    const bool fails = fail_sync == 1 || (fail_sync == 0 && syncs_fail > 0);
+    syncs_fail -= fail_sync == 0 && syncs_fail > 0 ? 1 : 0;
+    fail_sync -= fail_sync > 0 ? 1 : 0;
+    errno = EIO;
+    return fails ? -1 : (int)syscall(SYS_fdatasync, fd);
+}
+
 /* A folder of its own and a file name in it for each test. */
 struct place {
     char folder[32];
@@ -68,7 +80,7 @@ static int set_up(void **state)
 static int tear_down(void **state)
 {
     struct place *self = *state;
-    no_rename = no_link = 0;
+    no_rename = no_link = syncs_fail = fail_sync = 0;
     before_naming = NULL;
     (void)unlink(self->path);
     const int result = rmdir(self->folder);
@@ -117,6 +129,21 @@ static void write_bytes(const char *path, const uint8_t *bytes, size_t n)
     assert_true(fd >= 0);
     assert_int_equal(write(fd, bytes, n), (ssize_t)n);
     (void)close(fd);
+}
+
+static void write_over(const char *path, const uint8_t *bytes, size_t n)
+{
+    const int fd = open(path, O_WRONLY);
+    assert_int_equal(pwrite(fd, bytes, n, 0), (ssize_t)n);
+    (void)close(fd);
+}
+
+static ssize_t read_bytes(const char *path, uint8_t *bytes, size_t n)
+{
+    const int fd = open(path, O_RDONLY);
+    const ssize_t got = read(fd, bytes, n);
+    (void)close(fd);
+    return got;
 }
 
 static void a_new_file_is_complete_and_private(void **state)
@@ -431,6 +458,68 @@ static void a_full_disk_is_an_error_that_ends(void **state)
     lx_eeprom_close(&eeprom);
 }
 
+/* The kernel takes pages for clean whose write has failed, and may forget them: here all of them
+   are lost, those of earlier syncs as well. */
+static void after_a_failed_sync_all_is_written_again(void **state)
+{
+    struct place *place = *state;
+    static uint8_t bytes[2][8192];
+    struct lx_eeprom eeprom;
+    struct lx_error error;
+    assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), 0);
+    const uint32_t size = eeprom.file.size;
+    for (int failures = 1; failures <= 3; failures++) {
+        assert_int_equal(eeprom.nvm.ops->write(eeprom.nvm.ctx, 100, "a", 1), DG_OK);
+        syncs_fail = failures;
+        for (int i = 0; i < failures; i++) {
+            assert_int_equal(eeprom.nvm.ops->sync(eeprom.nvm.ctx), DG_ERR_IO);
+            assert_true(eeprom.file.failing);
+        }
+        memset(bytes[0], 0, size);
+        write_over(place->path, bytes[0], size);
+        assert_int_equal(eeprom.nvm.ops->sync(eeprom.nvm.ctx), DG_OK);
+        assert_false(eeprom.file.failing);
+        assert_int_equal(eeprom.nvm.ops->read(eeprom.nvm.ctx, 0, bytes[0], size), DG_OK);
+        assert_int_equal(bytes[0][100], 'a');
+        assert_int_equal(read_bytes(place->path, bytes[1], sizeof bytes[1]), size);
+        assert_memory_equal(bytes[0], bytes[1], size);
+    }
+    /* and no sync after that writes more than there is to write */
+    memset(bytes[0], 0, size);
+    write_over(place->path, bytes[0], size);
+    assert_int_equal(eeprom.nvm.ops->sync(eeprom.nvm.ctx), DG_OK);
+    assert_int_equal(read_bytes(place->path, bytes[1], sizeof bytes[1]), size);
+    assert_memory_equal(bytes[0], bytes[1], size);
+    lx_eeprom_close(&eeprom);
+}
+
+/* The value that the failed sync refused, and the one before it: through the store, as a device
+   does it. What a device reads afterwards is what the next start finds. */
+static void after_a_failed_sync_the_store_goes_on(void **state)
+{
+    struct place *place = *state;
+    static uint8_t bytes[8192];
+    uint8_t user[2] = {0};
+    for (int failing = 1; failing <= 2; failing++) { /* of the two syncs of a commit */
+        struct lx_eeprom eeprom;
+        struct lx_error error;
+        struct dg_store store;
+        assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), 0);
+        assert_int_equal(dg_store_mount(&store, &dg_hf_layout, eeprom.nvm), DG_OK);
+        fail_sync = failing;
+        assert_int_equal(dg_store_put(&store, DG_HF_REGION_USER, 0, "a", 1), DG_ERR_IO);
+        memset(bytes, 0, eeprom.file.size);
+        write_over(place->path, bytes, eeprom.file.size);
+        assert_int_equal(dg_store_put(&store, DG_HF_REGION_USER, 1, "b", 1), DG_OK);
+        lx_eeprom_close(&eeprom);
+        assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), 0);
+        assert_int_equal(dg_store_mount(&store, &dg_hf_layout, eeprom.nvm), DG_OK);
+        assert_int_equal(dg_store_read(&store, DG_HF_REGION_USER, 0, user, 2), DG_OK);
+        assert_memory_equal(user, "ab", 2);
+        lx_eeprom_close(&eeprom);
+    }
+}
+
 /* --- while it is in use --- */
 
 static void set_aside(const struct place *place, char *aside, size_t size)
@@ -571,6 +660,8 @@ int main(void)
         IN_A_PLACE(a_cut_off_image_reads_erased),
         IN_A_PLACE(an_image_of_an_earlier_release_is_taken_and_grows),
         IN_A_PLACE(a_full_disk_is_an_error_that_ends),
+        IN_A_PLACE(after_a_failed_sync_all_is_written_again),
+        IN_A_PLACE(after_a_failed_sync_the_store_goes_on),
         IN_A_PLACE(a_deleted_file_takes_nothing),
         IN_A_PLACE(a_replaced_file_takes_nothing),
         IN_A_PLACE(a_moved_file_takes_writes_when_it_is_back),
