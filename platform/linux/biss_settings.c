@@ -193,7 +193,8 @@ int lx_biss_eeprom_open(struct lx_biss_eeprom *self, const char *path, struct lx
     if (path == NULL) {
         return 0;
     }
-    const struct lx_nvm_image image = {self->memory.bytes, self->memory.size};
+    const struct lx_nvm_image image = {self->memory.bytes, self->memory.size,
+                                       "the encoder answers P = 1"};
     if (lx_nvm_file_open(&self->file, path, &image, error) != 0) {
         return -1;
     }

@@ -200,7 +200,8 @@ static int check_file(struct lx_can_node *self, struct lx_error *error)
 static int open_eeprom(struct lx_can_node *self, struct lx_error *error)
 {
     const char *path = self->station->plan->nvm;
-    const struct lx_nvm_image image = {self->memory.bytes, self->memory.size};
+    const struct lx_nvm_image image = {self->memory.bytes, self->memory.size,
+                                       "the encoder answers abort 06060000h"};
     self->station->control.nvm = lx_nvm_memory_port(&self->memory);
     if (path == NULL) {
         return 0;

@@ -213,7 +213,8 @@ int lx_eeprom_open(struct lx_eeprom *self, const char *path, const struct lx_set
     if (path == NULL) {
         return 0;
     }
-    const struct lx_nvm_image delivery = {self->memory.bytes, self->memory.size};
+    const struct lx_nvm_image delivery = {self->memory.bytes, self->memory.size,
+                                          "the encoder answers 05h"};
     if (lx_nvm_file_open(&self->file, path, &delivery, error) != 0) {
         return -1;
     }

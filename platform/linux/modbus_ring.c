@@ -123,7 +123,8 @@ static size_t spread(struct lx_ring_store *self)
 /* What is in the file goes to `memory`, which is for looking at only from here on. */
 static int open_file(struct lx_ring_store *self, const struct lx_say *say, struct lx_error *error)
 {
-    const struct lx_nvm_image delivery = {self->memory.bytes, self->memory.size};
+    const struct lx_nvm_image delivery = {self->memory.bytes, self->memory.size,
+                                          "the encoder answers 86000000h"};
     if (self->path == NULL) {
         return 0;
     }

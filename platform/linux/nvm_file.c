@@ -66,7 +66,7 @@ static int report(struct lx_nvm_file *self, const char *trouble, bool synced)
 {
     if (trouble != NULL && !self->failing) {
         self->failing = true;
-        lx_complain("%s: %s; the encoder answers 05h until it works again", self->path, trouble);
+        lx_complain("%s: %s; %s until it works again", self->path, trouble, self->answer);
     } else if (trouble == NULL && synced && self->failing) {
         self->failing = false;
         lx_complain("%s: works again", self->path);
@@ -388,7 +388,8 @@ static int open_or_create(struct lx_nvm_file *self, const struct lx_nvm_image *i
 int lx_nvm_file_open(struct lx_nvm_file *self, const char *path, const struct lx_nvm_image *image,
                      struct lx_error *error)
 {
-    *self = (struct lx_nvm_file){.path = path, .fd = -1, .size = image->size};
+    *self =
+        (struct lx_nvm_file){.path = path, .answer = image->answer, .fd = -1, .size = image->size};
     self->bytes = malloc(image->size);
     const int result = self->bytes == NULL ? lx_fail(error, "%s: no memory", path)
                                            : open_or_create(self, image, error);

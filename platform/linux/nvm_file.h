@@ -20,19 +20,23 @@
  */
 struct lx_nvm_file {
     const char *path;
-    int fd;          /**< holds the advisory lock; -1: not open */
-    uint8_t *bytes;  /**< owned: what it holds, `size` bytes */
-    uint32_t size;   /**< bytes of the memory */
-    uint32_t length; /**< bytes the file has; what is missing up to `size` reads FFh */
-    bool created;    /**< it did not exist before */
-    bool failing;    /**< the last write or sync failed, and the user has been told */
-    bool suspect;    /**< the medium may hold something else than `bytes` */
+    const char *answer; /**< as in lx_nvm_image */
+    int fd;             /**< holds the advisory lock; -1: not open */
+    uint8_t *bytes;     /**< owned: what it holds, `size` bytes */
+    uint32_t size;      /**< bytes of the memory */
+    uint32_t length;    /**< bytes the file has; what is missing up to `size` reads FFh */
+    bool created;       /**< it did not exist before */
+    bool failing;       /**< the last write or sync failed, and the user has been told */
+    bool suspect;       /**< the medium may hold something else than `bytes` */
 };
 
-/** What a new file holds. */
+/** What a new file holds, and whose it is. */
 struct lx_nvm_image {
     const uint8_t *bytes;
     uint32_t size;
+    /** What the device does with what it cannot store, for the user who is told that the file
+     * fails: "the encoder answers 05h". Borrowed, as the path. */
+    const char *answer;
 };
 
 /**

@@ -8,6 +8,7 @@ import stat
 import subprocess
 
 import pytest
+import serial
 
 from hiperface_master import EncoderError, FieldStatus
 from rig import MULTITURN, PATIENCE_S, PROGRAM, SINGLETURN, assert_one_line, run_refused
@@ -310,3 +311,14 @@ def test_a_file_cut_off_while_running_is_made_whole(start, nvm):
     assert_one_line(encoder, str(nvm), "cut off to 0 bytes")
     encoder.end(signal.SIGKILL)
     assert start("--nvm", nvm).master().read_data(0, 0, 11) == b"beforeafter"
+
+
+def test_a_node_without_its_file_says_what_it_answers(start, nvm):
+    encoder = start("--nvm", nvm, model="f3668", wire=["--slcan"])
+    nvm.unlink()
+    with serial.Serial(encoder.path.rpartition("/")[0], timeout=PATIENCE_S) as adapter:
+        adapter.write(b"S5\rO\rt63F82310100173617665\r")  # 1010h:1, "save"
+        while not (answer := adapter.read_until(b"\r")).startswith(b"t5BF") and answer:
+            pass
+    assert answer == b"t5BF88010100100000606\r"
+    assert_one_line(encoder, str(nvm), "deleted", "abort 06060000h")

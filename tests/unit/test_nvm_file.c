@@ -18,6 +18,7 @@
 
 #include <cmocka.h>
 
+#include "biss_settings.h"
 #include "drehgeber/devices.h"
 #include "eeprom.h"
 
@@ -640,6 +641,22 @@ static void a_file_cut_off_in_use_is_written_again_whole(void **state)
     }
 }
 
+/* Whoever is told that the file fails is told what this kind of encoder answers. */
+static void each_kind_says_what_it_answers_without_its_memory(void **state)
+{
+    struct place *place = *state;
+    struct lx_eeprom rs485;
+    struct lx_biss_eeprom biss;
+    struct lx_error error;
+    assert_int_equal(lx_eeprom_open(&rs485, place->path, &place->settings, &quiet, &error), 0);
+    assert_string_equal(rs485.file.answer, "the encoder answers 05h");
+    lx_eeprom_close(&rs485);
+    assert_int_equal(unlink(place->path), 0);
+    assert_int_equal(lx_biss_eeprom_open(&biss, place->path, &error), 0);
+    assert_string_equal(biss.file.answer, "the encoder answers P = 1");
+    lx_biss_eeprom_close(&biss);
+}
+
 #define IN_A_PLACE(test) cmocka_unit_test_setup_teardown(test, set_up, tear_down)
 
 int main(void)
@@ -662,6 +679,7 @@ int main(void)
         IN_A_PLACE(a_full_disk_is_an_error_that_ends),
         IN_A_PLACE(after_a_failed_sync_all_is_written_again),
         IN_A_PLACE(after_a_failed_sync_the_store_goes_on),
+        IN_A_PLACE(each_kind_says_what_it_answers_without_its_memory),
         IN_A_PLACE(a_deleted_file_takes_nothing),
         IN_A_PLACE(a_replaced_file_takes_nothing),
         IN_A_PLACE(a_moved_file_takes_writes_when_it_is_back),

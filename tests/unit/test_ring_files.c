@@ -163,7 +163,7 @@ static void links_are_followed_and_the_file_stays_locked(void **state)
 {
     struct bench *self = *state;
     static const uint8_t byte = 0;
-    const struct lx_nvm_image image = {&byte, BYTES_MAX};
+    const struct lx_nvm_image image = {&byte, BYTES_MAX, ""};
     struct lx_nvm_file other;
     struct lx_error error;
     struct stat info;
@@ -181,6 +181,16 @@ static void links_are_followed_and_the_file_stays_locked(void **state)
     lx_nvm_file_close(&other);
 }
 
+/* Whoever is told that the file fails is told what this kind of encoder answers. */
+static void a_ring_says_what_it_answers_without_its_memory(void **state)
+{
+    struct bench *self = *state;
+    (void)make_file(self, DG_IB_REGION_COUNT);
+    assert_int_equal(open_ring(self), 0);
+    assert_string_equal(self->ring.stores[0].file.answer, "the encoder answers 86000000h");
+    lx_ring_close(&self->ring);
+}
+
 /* Where no file can be made the old one stays. */
 static void a_file_that_cannot_be_replaced_stays(void **state)
 {
@@ -188,7 +198,7 @@ static void a_file_that_cannot_be_replaced_stays(void **state)
     static uint8_t after[BYTES_MAX];
     const size_t n = make_file(self, DG_IB_REGION_TIME);
     struct lx_nvm_file file;
-    const struct lx_nvm_image image = {self->bytes, BYTES_MAX};
+    const struct lx_nvm_image image = {self->bytes, BYTES_MAX, ""};
     assert_int_equal(lx_nvm_file_open(&file, self->path, &image, &self->error), 0);
     assert_int_equal(rename(self->path, self->link), 0);
     assert_int_equal(lx_nvm_file_replace(&file, self->bytes, &self->error), -1);
@@ -208,6 +218,7 @@ int main(void)
         IN_A_PLACE(images_are_moved_apart),
         IN_A_PLACE(a_ring_that_is_refused_changes_nothing),
         IN_A_PLACE(links_are_followed_and_the_file_stays_locked),
+        IN_A_PLACE(a_ring_says_what_it_answers_without_its_memory),
         IN_A_PLACE(a_file_that_cannot_be_replaced_stays),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
