@@ -81,7 +81,8 @@ struct lx_bus {
     const struct lx_bus_ops *ops;
     struct lx_bus_setup setup;
     struct lx_tap tap;
-    uint64_t late; /**< deadlines missed: what is late is each kind's to say */
+    uint64_t late;   /**< deadlines missed: what is late is each kind's to say */
+    uint64_t stalls; /**< times the whole process was held up while the wire was there */
 };
 
 /** Understand the plan: figures, settings, addresses. @return NULL with one line in `error` */

@@ -285,7 +285,7 @@ static void counters(const struct lx_bus *bus, const struct lx_station *station,
     const uint64_t bits = lx_can_load_due(&self->load, now) ? lx_can_bits(self->can) : 0;
     const uint32_t load = lx_can_load_permille(&self->load, now, bits, bit_rate(self));
     const struct lx_count rows[] = {
-        {"wire_up", self->can->ops->up(self->can)},       {"wire_late", bus->late},
+        {"wire_up", self->can->ops->up(self->can)},       {"wire_late", bus->late + bus->stalls},
         {"wire_stalls", self->can->counters.stalls},      {"wire_lost", self->can->counters.lost},
         {"wire_kbaud", self->node[station->place].kbaud}, {"wire_load_permille", load},
     };

@@ -139,7 +139,7 @@ static void counters(const struct lx_bus *bus, const struct lx_station *station,
     const struct lx_hf_bus *self = (const struct lx_hf_bus *)bus;
     const struct lx_hf_drop *drop = station->own;
     const struct lx_count rows[] = {
-        {"wire_up", self->port->fd >= 0},  {"wire_late", bus->late},
+        {"wire_up", self->port->fd >= 0},  {"wire_late", bus->late + bus->stalls},
         {"wire_collided", self->collided}, {"wire_lost", self->port->counters.lost},
         {"wire_baud", drop->uart.baud},    {"wire_overrun", self->overrun},
     };

@@ -16,6 +16,10 @@
 
 /* Rigs of one name that have a default control address, at the same time. */
 #define SAME_NAME_MAX 64u
+/* A process that is held up so long says so, */
+#define STALL_TOLD DG_MS(100)
+/* and again when it was not for so long. */
+#define STALL_EPISODE DG_S(1)
 
 /* --- shafts --- */
 
@@ -152,6 +156,41 @@ static enum lx_rig_result make(struct lx_rig *self, struct lx_error *error)
     return LX_RIG_OK;
 }
 
+/* --- stalls --- */
+
+static void tell_stall(const struct lx_rig *self, dg_ns by)
+{
+    if (by == DG_NEVER) {
+        lx_note(self->setup.say, "stopped and continued: what came meanwhile is answered late");
+    } else {
+        lx_note(self->setup.say, "held up for %llu ms: what came meanwhile is answered late",
+                (unsigned long long)(by / DG_MS(1)));
+    }
+}
+
+/* Each one is counted; of long ones that follow each other the first one is told. */
+static void on_stall(void *ctx, dg_ns by)
+{
+    struct lx_rig *self = ctx;
+    const dg_ns now = lx_now();
+    for (size_t i = 0; i < self->setup.plan->wire_count; i++) {
+        self->wires[i].bus->stalls++;
+    }
+    if (by < STALL_TOLD) {
+        return;
+    }
+    if (self->stalled == 0 || dg_elapsed(now, self->stalled) > STALL_EPISODE) {
+        tell_stall(self, by);
+    }
+    self->stalled = now;
+}
+
+static int look_after_loop(struct lx_rig *self, struct lx_error *error)
+{
+    const int result = lx_stall_open(&self->stall, self->setup.event, on_stall, self);
+    return result < 0 ? lx_fail(error, "no signal: %s", strerror(-result)) : 0;
+}
+
 /* --- power --- */
 
 /* Whoever watches a wire sees its first frame, the boot-up of a node, too. */
@@ -241,7 +280,7 @@ static int power(struct lx_rig *self, struct lx_error *error)
             return -1;
         }
     }
-    return serve_all(self, error);
+    return serve_all(self, error) != 0 ? -1 : look_after_loop(self, error);
 }
 
 /* --- all of it --- */
@@ -386,6 +425,7 @@ int lx_rig_close(struct lx_rig *self, struct lx_error *error)
         self->servers[i] = NULL;
     }
     lx_timer_close(&self->faults);
+    lx_stall_close(&self->stall);
     int result = close_wires(self, error);
     result = worst(result, close_shafts(self, &latest), error, &latest);
     free(self->control.encoders);

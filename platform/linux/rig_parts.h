@@ -11,6 +11,7 @@
 #include "rig.h"
 #include "server.h"
 #include "shaft.h"
+#include "stall.h"
 #include "timer.h"
 #include "trace.h"
 
@@ -55,6 +56,8 @@ struct lx_rig {
     struct lx_rig_wire *wires;
     struct lx_station *stations;
     struct lx_timer faults; /**< their durations */
+    struct lx_stall stall;
+    dg_ns stalled; /**< when the last long one ended; 0: there was none */
     struct lx_server *servers[LX_PLAN_CONTROLS_MAX];
     char address[LX_BUS_ADDRESS_MAX + 16u]; /**< of the encoder asked for last */
 };

@@ -267,7 +267,7 @@ static void counters(const struct lx_bus *bus, const struct lx_station *station,
     const struct dg_ib_ring_counters *ring = &self->ring.ring.counters;
     const struct lx_count rows[] = {
         {"wire_up", self->coupler.listener >= 0},
-        {"wire_late", bus->late},
+        {"wire_late", bus->late + bus->stalls},
         {"wire_cycles", ring->cycles},
         {"wire_ids", ring->ids},
         {"wire_crc_errors", ring->crc_errors},

@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: MIT
+"""A process that is held up knows it, and an idle one is not woken for that."""
+import os
+import re
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import pytest
+
+from rig import Client, assert_one_line, free_port
+
+LONG_S = 0.5
+SLOW_SYNC = """
+#define _GNU_SOURCE
+#include <sys/syscall.h>
+#include <time.h>
+#include <unistd.h>
+int fdatasync(int fd)
+{
+    const struct timespec slow = {.tv_nsec = 400000000};
+    (void)nanosleep(&slow, NULL);
+    return (int)syscall(SYS_fdatasync, fd);
+}
+"""
+KINDS = {"rs485": ("s3684-rs485", "--pty"), "can": ("f3668", "--slcan"),
+         "ring": ("ocd-ib-k3", "--modbus=127.0.0.1:{port}")}
+
+
+@pytest.fixture
+def served(start):
+    """Start an encoder with a client of its control plane."""
+    clients = []
+
+    def begin(*arguments, **options):
+        port = free_port()
+        encoder = start("--control", f"tcp:127.0.0.1:{port}", *arguments, **options)
+        assert encoder.out.wait().startswith("control ")
+        clients.append(Client(port))
+        return encoder, clients[-1]
+
+    yield begin
+    for client in clients:
+        client.close()
+
+
+def late(client) -> int:
+    return int(re.search(r"\bwire_late=(\d+)", client.ask("STAT?"))[1])
+
+
+def stop(encoder, seconds):
+    time.sleep(0.1)  # it waits again
+    os.kill(encoder.pid, signal.SIGSTOP)
+    time.sleep(seconds)
+    os.kill(encoder.pid, signal.SIGCONT)
+
+
+def wakeups(encoder) -> int:
+    status = Path(f"/proc/{encoder.pid}/status").read_text()
+    return sum(int(line.split()[1]) for line in status.splitlines() if "ctxt_switches" in line)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_stop_is_counted_and_told(served, kind):
+    model, wire = KINDS[kind]
+    encoder, client = served(model=model, wire=[wire.format(port=free_port())])
+    before = late(client)
+    stop(encoder, LONG_S)
+    assert late(client) >= before + 1
+    assert_one_line(encoder, "stopped and continued")
+
+
+def test_stops_one_behind_the_other_are_one_line(served):
+    encoder, client = served()
+    before = late(client)
+    for _ in range(5):
+        stop(encoder, 0.1)
+        time.sleep(0.1)
+    assert late(client) >= before + 5
+    assert_one_line(encoder, "stopped and continued")
+    time.sleep(1.2)
+    stop(encoder, 0.1)
+    assert late(client) >= before + 6
+    assert_one_line(encoder, "stopped and continued")
+
+
+def test_a_request_that_waits_for_a_call_is_counted_and_told(served, tmp_path, nvm):
+    (tmp_path / "slow.c").write_text(SLOW_SYNC)
+    subprocess.run(["cc", "-shared", "-fPIC", "-o", tmp_path / "slow.so", tmp_path / "slow.c"], check=True)
+    environment = os.environ | {"LD_PRELOAD": str(tmp_path / "slow.so"), "ASAN_OPTIONS": "verify_asan_link_order=0"}
+    encoder, client = served("--nvm", nvm, env=environment)
+    master = encoder.master(grace_s=5.0)
+    before = late(client)
+    master.send(bytes.fromhex("40 47 07"))  # increment counter
+    time.sleep(0.15)
+    client.send("*IDN?")
+    assert master.receive(2, 5.0)
+    client.answers.readline()
+    assert late(client) >= before + 1
+    line = assert_one_line(encoder, "held up for")
+    assert 200 <= int(line.split("held up for ")[1].split()[0]) < 5000
+
+
+def test_an_idle_process_sleeps_and_is_never_late(served):
+    encoder, client = served()
+    assert late(client) == 0
+    time.sleep(0.5)  # the connection is dealt with
+    before = wakeups(encoder)
+    time.sleep(2.0)
+    assert wakeups(encoder) == before
+    assert late(client) == 0
+    assert encoder.errors.so_far() == []
