@@ -4,6 +4,7 @@
 
 #include <errno.h>
 #include <netdb.h>
+#include <netinet/in.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/socket.h>
@@ -140,11 +141,41 @@ static int open_tcp(const struct lx_host_port *tcp, int flags, int type,
     return fd;
 }
 
+/* 127.0.0.0/8 and ::1. */
+static bool is_loopback(const struct sockaddr *address)
+{
+    if (address->sa_family == AF_INET6) {
+        const struct in6_addr *six =
+            &((const struct sockaddr_in6 *)(const void *)address)->sin6_addr;
+        return IN6_IS_ADDR_LOOPBACK(six);
+    }
+    const struct sockaddr_in *four = (const struct sockaddr_in *)(const void *)address;
+    return address->sa_family == AF_UNIX ||
+           ntohl(four->sin_addr.s_addr) >> IN_CLASSA_NSHIFT == IN_LOOPBACKNET;
+}
+
+bool lx_endpoint_is_loopback(int fd)
+{
+    struct sockaddr_storage bound;
+    socklen_t size = sizeof bound;
+    return getsockname(fd, (struct sockaddr *)&bound, &size) == 0 &&
+           is_loopback((const struct sockaddr *)&bound);
+}
+
 static int bind_and_listen(int fd, const struct sockaddr *address, socklen_t size)
 {
     const int on = 1;
     (void)setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
     return bind(fd, address, size) != 0 ? -1 : listen(fd, BACKLOG);
+}
+
+static int bind_loopback(int fd, const struct sockaddr *address, socklen_t size)
+{
+    if (!is_loopback(address)) {
+        errno = EPERM;
+        return -1;
+    }
+    return bind_and_listen(fd, address, size);
 }
 
 void lx_host_port_real(struct lx_host_port *self, int fd)
@@ -157,7 +188,17 @@ void lx_host_port_real(struct lx_host_port *self, int fd)
     }
 }
 
-int lx_endpoint_listen(const char *where, char *address, size_t size, struct lx_error *error)
+static int refuse(const char *where, int reason, struct lx_error *error)
+{
+    return reason == EPERM ? lx_fail(error,
+                                     "%s: beyond loopback, where anybody could steer; %s,open is "
+                                     "right if that is meant",
+                                     where, where)
+                           : lx_fail(error, "%s: cannot listen there: %s", where, strerror(reason));
+}
+
+int lx_endpoint_listen(const char *where, enum lx_endpoint_reach reach, char *address, size_t size,
+                       struct lx_error *error)
 {
     struct lx_host_port tcp;
     const char *path = behind(where, UNIX_PREFIX);
@@ -169,10 +210,10 @@ int lx_endpoint_listen(const char *where, char *address, size_t size, struct lx_
         return listen_unix(path, error);
     }
     (void)lx_host_port_split(behind(where, TCP_PREFIX), &tcp);
-    const int fd =
-        open_tcp(&tcp, AI_PASSIVE, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, bind_and_listen);
+    const int fd = open_tcp(&tcp, AI_PASSIVE, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK,
+                            reach == LX_ENDPOINT_ANY ? bind_and_listen : bind_loopback);
     if (fd < 0) {
-        return lx_fail(error, "%s: cannot listen there: %s", where, strerror(errno));
+        return refuse(where, errno, error);
     }
     lx_host_port_real(&tcp, fd);
     const int host = (int)(strrchr(where, ':') - where);

@@ -28,13 +28,23 @@ void lx_host_port_real(struct lx_host_port *self, int fd);
 /** Whether `where` is unix:PATH or tcp:HOST:PORT. @return 0, or -1 with one line in `error` */
 int lx_endpoint_check(const char *where, struct lx_error *error);
 
+/** Who may reach a TCP port. */
+enum lx_endpoint_reach {
+    LX_ENDPOINT_LOOPBACK, /**< addresses of this machine's loopback only; others are refused */
+    LX_ENDPOINT_ANY
+};
+
+/** Whether a socket is bound to an address that only this machine reaches (unix: yes). */
+bool lx_endpoint_is_loopback(int fd);
+
 /**
  * A socket that listens at `where`, without blocking; unix: mode 0600. A socket that nobody listens
  * at any more is replaced, anything else is not.
  * @param address where it really is, with the port that the kernel has chosen for port 0
  * @return the descriptor, or -1 with one line in `error`
  */
-int lx_endpoint_listen(const char *where, char *address, size_t size, struct lx_error *error);
+int lx_endpoint_listen(const char *where, enum lx_endpoint_reach reach, char *address, size_t size,
+                       struct lx_error *error);
 
 /** A connection that cannot be accepted for want of descriptors stays where it is: let it not keep
  * the loop busy. @return 0 or a negative errno */

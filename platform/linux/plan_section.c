@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "endpoint.h"
+#include "access.h"
 
 /* --- words --- */
 
@@ -124,30 +124,42 @@ bool lx_plan_name_fits(const char *name)
 
 /* --- [rig] --- */
 
+/* A path of a socket or a token is the rig file's neighbour. */
+static int write_control(const struct lx_plan *plan, const struct lx_access *access, char **to,
+                         struct lx_error *error)
+{
+    static const char socket[] = "unix:";
+    const size_t n = access->tcp ? 0 : strlen(socket);
+    const bool token = access->token_file[0] != '\0';
+    char *where = NULL;
+    char *file = NULL;
+    int result = access->tcp ? 0 : lx_plan_take_path(plan, access->where + n, &where, error);
+    if (result == 0 && token) {
+        result = lx_plan_take_path(plan, access->token_file, &file, error);
+    }
+    if (result == 0 &&
+        asprintf(to, "%.*s%s%s%s%s", (int)n, socket, access->tcp ? access->where : where,
+                 access->open ? ",open" : "", token ? ",token=" : "", token ? file : "") < 0) {
+        *to = NULL;
+        result = lx_fail(error, "no memory for %s", access->where);
+    }
+    free(where);
+    free(file);
+    return result;
+}
+
 static int take_control(struct lx_plan *plan, const struct lx_plan_setting *row,
                         struct lx_error *error)
 {
-    static const char socket[] = "unix:";
-    const size_t n = strlen(socket);
+    struct lx_access access;
     if (plan->control_count == LX_PLAN_CONTROLS_MAX) {
         return lx_plan_fail(plan, row->line, error, "control: one more than %u; fewer are right",
                             LX_PLAN_CONTROLS_MAX);
     }
-    if (lx_endpoint_check(row->value, error) != 0) {
+    if (lx_access_parse(row->value, &access, error) != 0) {
         return lx_plan_fail(plan, row->line, error, "control: %s", error->text);
     }
-    char **to = &plan->controls[plan->control_count++];
-    if (strncmp(row->value, socket, n) != 0) {
-        return lx_plan_take_text(row, to, error);
-    }
-    char *path = NULL;
-    int result = lx_plan_take_path(plan, row->value + n, &path, error);
-    if (result == 0 && asprintf(to, "%s%s", socket, path) < 0) {
-        *to = NULL;
-        result = lx_fail(error, "no memory for %s", path);
-    }
-    free(path);
-    return result;
+    return write_control(plan, &access, &plan->controls[plan->control_count++], error);
 }
 
 static int take_rig(struct lx_plan *plan, const struct lx_plan_section *self,

@@ -12,6 +12,8 @@
 #include "server.h"
 
 #include <errno.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -20,6 +22,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "access.h"
 #include "endpoint.h"
 #include "timer.h"
 
@@ -29,6 +32,10 @@
 /* ... and with those of the line it was at: the catalogue of a large rig fifty times over. */
 #define OUTPUT_MAX ((size_t)2 * 1024 * 1024)
 #define FOLDER_MODE 0700
+/* A TCP client whose machine is gone is noticed after a minute of silence and three questions. */
+#define KEEP_IDLE_S 60
+#define KEEP_INTERVAL_S 10
+#define KEEP_QUESTIONS 3
 
 /* A connection. */
 struct client {
@@ -36,6 +43,8 @@ struct client {
     int fd; /* -1: free */
     sd_event_source *io;
     struct dg_control control;
+    struct lx_guard guard;
+    dg_ns heard; /* when it said something last, real time */
     char input[INPUT_MAX];
     size_t input_length;
     char *output; /* owned */
@@ -52,8 +61,11 @@ struct lx_server {
     struct lx_timer timer;
     bool woken; /* what a client waits for may have come sooner */
     struct client clients[LX_SERVER_CLIENTS_MAX];
-    dev_t device; /* of the socket file, to remove no other one */
+    struct lx_access access;
+    char token[LX_ACCESS_TOKEN_MAX + 1u]; /* "": none is asked for */
+    dev_t device;                         /* of the socket file, to remove no other one */
     ino_t inode;
+    char where[LX_ACCESS_WHERE_MAX]; /* as bound */
     char address[LX_SERVER_ADDRESS_MAX];
 };
 
@@ -116,23 +128,48 @@ static void drop(struct client *client)
     client->fd = -1;
 }
 
-/* Up to the end of its first line. */
-static size_t line_length(const char *text, size_t n)
+/* Up to the end of its first line; 0: the end has not come yet. A line that fills the buffer is
+   taken in pieces, and what a client leaves unfinished when it goes is nothing. */
+static size_t line_length(const struct client *client, size_t taken)
 {
-    const char *end = memchr(text, '\n', n);
-    return end == NULL ? n : (size_t)(end - text) + 1u;
+    const char *text = client->input + taken;
+    const size_t n = client->input_length - taken;
+    for (size_t i = 0; i < n; i++) {
+        if (text[i] == '\n' || text[i] == '\r') {
+            return i + 1u;
+        }
+    }
+    return client->ended || n == sizeof client->input ? n : 0u;
+}
+
+/* @return how much of the line is done with */
+static size_t take_line(struct client *client, dg_ns now, const char *line, size_t n)
+{
+    static const char no_token[] = "-203,\"Command protected;SYSTem:TOKen \"\"...\"\" first\"\n";
+    switch (lx_guard_line(&client->guard, line, n)) {
+    case LX_GUARD_PASS:
+        return dg_control_rx(&client->control, now, line, n);
+    case LX_GUARD_SKIP:
+        return n;
+    case LX_GUARD_TELL:
+        (void)send(client->fd, no_token, sizeof no_token - 1, MSG_DONTWAIT | MSG_NOSIGNAL);
+        break;
+    case LX_GUARD_CLOSE:
+        break;
+    }
+    client->broken = true;
+    return n;
 }
 
 /* What the client has sent, as far as its session takes it, and it takes the answers. */
 static void feed(struct client *client, dg_ns now)
 {
     size_t taken = 0;
-    size_t n = 1;
-    while (n > 0 && taken < client->input_length && client->output_length < OUTPUT_FULL) {
-        const char *line = client->input + taken;
-        n = dg_control_rx(&client->control, now, line,
-                          line_length(line, client->input_length - taken));
-        taken += n;
+    size_t n = line_length(client, 0);
+    while (n > 0 && !client->broken && !client->control.session.executing &&
+           client->output_length < OUTPUT_FULL) {
+        taken += take_line(client, now, client->input + taken, n);
+        n = line_length(client, taken);
     }
     client->input_length -= taken;
     memmove(client->input, client->input + taken, client->input_length);
@@ -204,6 +241,7 @@ static int on_event(sd_event_source *source, int fd, uint32_t events, void *ctx)
         const size_t room = sizeof client->input - client->input_length;
         const ssize_t n = recv(fd, client->input + client->input_length, room, MSG_DONTWAIT);
         client->ended = n == 0;
+        client->heard = lx_now();
         client->broken = n < 0 && errno != EAGAIN && errno != EINTR;
         client->input_length += n > 0 ? (size_t)n : 0u;
     } else if ((events & (EPOLLHUP | EPOLLERR)) != 0) {
@@ -213,19 +251,36 @@ static int on_event(sd_event_source *source, int fd, uint32_t events, void *ctx)
     return 0;
 }
 
+/* A free place, or that of the client which has been silent for the longest time. */
 static struct client *place(struct lx_server *self)
 {
+    struct client *silent = &self->clients[0];
     for (size_t i = 0; i < LX_SERVER_CLIENTS_MAX; i++) {
-        if (self->clients[i].fd < 0) {
-            return &self->clients[i];
+        struct client *client = &self->clients[i];
+        if (client->fd < 0) {
+            return client;
         }
+        silent = client->heard < silent->heard ? client : silent;
     }
-    return NULL;
+    drop(silent);
+    return silent;
+}
+
+static void keep_alive(int socket)
+{
+    const int rows[][3] = {
+        {SOL_SOCKET, SO_KEEPALIVE, 1},
+        {IPPROTO_TCP, TCP_KEEPIDLE, KEEP_IDLE_S},
+        {IPPROTO_TCP, TCP_KEEPINTVL, KEEP_INTERVAL_S},
+        {IPPROTO_TCP, TCP_KEEPCNT, KEEP_QUESTIONS},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        (void)setsockopt(socket, rows[i][0], rows[i][1], &rows[i][2], sizeof rows[i][2]);
+    }
 }
 
 static int on_connection(sd_event_source *source, int fd, uint32_t events, void *ctx)
 {
-    static const char full[] = "-200,\"Execution error;too many clients\"\n";
     struct lx_server *self = ctx;
     (void)source;
     (void)events;
@@ -234,12 +289,12 @@ static int on_connection(sd_event_source *source, int fd, uint32_t events, void 
         return 0; /* it has gone again, or there is no descriptor for it */
     }
     struct client *client = place(self);
-    if (client == NULL) {
-        (void)send(socket, full, sizeof full - 1, MSG_DONTWAIT | MSG_NOSIGNAL);
-        (void)close(socket);
-        return 0;
+    *client = (struct client){.server = self, .fd = socket, .heard = lx_now()};
+    client->guard = (struct lx_guard){.tcp = self->access.tcp,
+                                      .token = self->token[0] == '\0' ? NULL : self->token};
+    if (self->access.tcp) {
+        keep_alive(socket);
     }
-    *client = (struct client){.server = self, .fd = socket};
     dg_control_init(&client->control, self->setup.rig, keep, client);
     if (sd_event_add_io(self->setup.event, &client->io, socket, EPOLLIN, on_event, client) < 0) {
         drop(client);
@@ -253,8 +308,8 @@ static int on_connection(sd_event_source *source, int fd, uint32_t events, void 
 static void remember_file(struct lx_server *self)
 {
     struct stat info;
-    const char *path = strchr(self->address, ':') + 1;
-    if (strncmp(self->address, "unix:", 5) == 0 && stat(path, &info) == 0) {
+    const char *path = strchr(self->where, ':') + 1;
+    if (strncmp(self->where, "unix:", 5) == 0 && stat(path, &info) == 0) {
         self->device = info.st_dev;
         self->inode = info.st_ino;
     }
@@ -263,20 +318,44 @@ static void remember_file(struct lx_server *self)
 static void remove_file(const struct lx_server *self)
 {
     struct stat info;
-    const char *path = strchr(self->address, ':') + 1;
+    const char *path = strchr(self->where, ':') + 1;
     if (self->inode != 0 && lstat(path, &info) == 0 && info.st_ino == self->inode &&
         info.st_dev == self->device) {
         (void)unlink(path);
     }
 }
 
-static int start(struct lx_server *self, const char *where, struct lx_error *error)
+/* Where to listen and who may come in. The address that is told leads a client there as it is. */
+static int listen_there(struct lx_server *self, const char *where, struct lx_error *error)
 {
-    self->listener = lx_endpoint_listen(where, self->address, sizeof self->address, error);
+    if (lx_access_parse(where, &self->access, error) != 0) {
+        return -1;
+    }
+    const char *file = self->access.token_file;
+    if (file[0] != '\0' && lx_access_token(file, self->token, error) != 0) {
+        return -1;
+    }
+    const enum lx_endpoint_reach reach = self->access.open ? LX_ENDPOINT_ANY : LX_ENDPOINT_LOOPBACK;
+    self->listener =
+        lx_endpoint_listen(self->access.where, reach, self->where, sizeof self->where, error);
     if (self->listener < 0) {
         return -1;
     }
     remember_file(self);
+    (void)snprintf(self->address, sizeof self->address, "%s%s%s", self->where,
+                   file[0] == '\0' ? "" : ",token=", file);
+    if (self->access.open && !lx_endpoint_is_loopback(self->listener)) {
+        lx_complain("%s: open to the network%s; whoever reaches it steers this rig", self->where,
+                    file[0] == '\0' ? ", without a token" : "");
+    }
+    return 0;
+}
+
+static int start(struct lx_server *self, const char *where, struct lx_error *error)
+{
+    if (listen_there(self, where, error) != 0) {
+        return -1;
+    }
     int result = lx_timer_open(&self->timer, self->setup.event, on_time, self);
     if (result >= 0) {
         result = sd_event_add_io(self->setup.event, &self->io, self->listener, EPOLLIN,

@@ -2,8 +2,9 @@
 /**
  * @file
  * The control plane on sockets: unix:PATH (mode 0600) and tcp:HOST:PORT. Each connection is a
- * session of its own. A slow or dead client never delays anybody: when it does not take its answers
- * the rest of its commands waits. One whose line has more answers than can wait is cut off.
+ * session of its own; access.h says who may have one. A slow or dead client never delays anybody:
+ * when it does not take its answers the rest of its commands waits. One whose line has more answers
+ * than can wait is cut off.
  */
 #ifndef DREHGEBER_LINUX_SERVER_H
 #define DREHGEBER_LINUX_SERVER_H
@@ -11,15 +12,16 @@
 #include <stdbool.h>
 #include <systemd/sd-event.h>
 
+#include "access.h"
 #include "bus.h"
 #include "drehgeber/control.h"
 #include "say.h"
 
-/** Clients at once; one more is sent away with an error line. */
+/** Clients at once; one more takes the place of the one that has been silent for longest. */
 #define LX_SERVER_CLIENTS_MAX 32u
 
-/** Longest address: "unix:" and a path, "tcp:" HOST:PORT. */
-#define LX_SERVER_ADDRESS_MAX 300u
+/** Longest address as it is told, with the name of the token's file. */
+#define LX_SERVER_ADDRESS_MAX (LX_ACCESS_WHERE_MAX + PATH_MAX + 8u)
 
 /** What a server is made of. Everything pointed to must outlive it. */
 struct lx_server_setup {
@@ -37,7 +39,7 @@ struct lx_server_setup {
 struct lx_server;
 
 /**
- * Listen at `where`: unix:PATH or tcp:HOST:PORT (port 0: any). A socket left behind by a dead
+ * Listen at `where`, see lx_access_parse() (port 0: any). A socket left behind by a dead
  * process is replaced, one of a living process is not.
  * @return NULL with one line in `error`
  */
@@ -47,7 +49,7 @@ struct lx_server *lx_server_open(const char *where, const struct lx_server_setup
 /** A shaft or the clock has changed: what clients wait for may come sooner; NULL is fine. */
 void lx_server_wake(struct lx_server *self);
 
-/** Where it listens, with the real port. */
+/** Where it listens, with the real port, and the token's file: what a client takes. */
 const char *lx_server_address(const struct lx_server *self);
 
 /** Close all connections, remove the socket; NULL is fine. */

@@ -17,6 +17,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "access.h"
 #include "endpoint.h"
 #include "run.h"
 #include "server.h"
@@ -61,8 +62,9 @@ int ctl_find(const char *wanted, char *to, size_t size, struct lx_error *error)
     struct found found = {.count = 0};
     struct dirent **list = NULL;
     if (wanted != NULL) {
+        struct lx_access access;
         (void)snprintf(to, size, "%s", wanted);
-        return lx_endpoint_check(wanted, error);
+        return lx_access_parse(wanted, &access, error);
     }
     if (lx_server_folder(folder, sizeof folder) != 0) {
         return lx_fail(error, "XDG_RUNTIME_DIR is too long; --control ADDR is right");
@@ -223,15 +225,17 @@ static int conclude(struct talk *self, const char *where)
 int ctl_command(const char *wanted, char *const *words, size_t count)
 {
     char where[LX_SERVER_ADDRESS_MAX];
+    char greeting[LX_ACCESS_GREETING_MAX];
     struct lx_error error;
     struct talk self = {.from_stdin = count == 0};
     if (ctl_find(wanted, where, sizeof where, &error) != 0) {
         return run_complain(&error, wanted == NULL ? EXIT_OTHER : EXIT_USAGE);
     }
-    self.fd = lx_endpoint_connect(where, &error);
+    self.fd = lx_access_connect(where, greeting, &error);
     if (self.fd < 0) {
         return run_complain(&error, EXIT_OTHER);
     }
+    self.failed = !say(&self, greeting);
     for (size_t i = 0; i < count && !self.failed; i++) {
         self.failed = !say(&self, words[i]) || !say(&self, i + 1 < count ? "\n" : ERRORS);
     }

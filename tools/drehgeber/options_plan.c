@@ -10,8 +10,8 @@
 #include <string.h>
 #include <strings.h>
 
+#include "access.h"
 #include "bus.h"
-#include "endpoint.h"
 #include "number.h"
 #include "options.h"
 
@@ -255,12 +255,13 @@ static int plan_nodes(const struct options *options, struct lx_plan *plan,
 static int take_controls(const struct options *options, struct lx_plan *plan,
                          struct lx_error *error)
 {
+    struct lx_access access;
     for (size_t i = 0; i < options->control_count; i++) {
         if (plan->control_count == LX_PLAN_CONTROLS_MAX) {
             return lx_fail(error, "--control %s: one more than %u; fewer are right",
                            options->controls[i], LX_PLAN_CONTROLS_MAX);
         }
-        if (lx_endpoint_check(options->controls[i], error) != 0) {
+        if (lx_access_parse(options->controls[i], &access, error) != 0) {
             return lx_plan_fail(plan, 0, error, "--control %s", error->text);
         }
         plan->controls[plan->control_count] = strdup(options->controls[i]);

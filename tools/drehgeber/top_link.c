@@ -9,8 +9,6 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-#include "endpoint.h"
-
 #define UNIX_PREFIX "unix:"
 
 /* The kernel knows where the first connection led to, so that no name has to be looked up again. A
@@ -23,18 +21,31 @@ static int remember_peer(struct top_link *self, const char *where)
         return getpeername(self->fd, (struct sockaddr *)&self->peer, &self->peer_size);
     }
     file->sun_family = AF_UNIX; /* it fits, as it has led there */
-    (void)strncpy(file->sun_path, where + strlen(UNIX_PREFIX), sizeof file->sun_path - 1u);
+    const size_t n = strnlen(where + strlen(UNIX_PREFIX), sizeof file->sun_path - 1u);
+    memcpy(file->sun_path, where + strlen(UNIX_PREFIX), n);
+    file->sun_path[n] = '\0';
     self->peer_size = sizeof *file;
     return 0;
 }
 
+static void greet(struct top_link *self)
+{
+    self->output_length = strlen(self->greeting);
+    memcpy(self->output, self->greeting, self->output_length);
+}
+
 int top_link_open(struct top_link *self, const char *where, struct lx_error *error)
 {
-    self->fd = lx_endpoint_connect(where, error);
+    struct lx_access access;
+    if (lx_access_parse(where, &access, error) != 0) {
+        return -1;
+    }
+    self->fd = lx_access_connect(where, self->greeting, error);
     if (self->fd < 0) {
         return -1;
     }
-    if (remember_peer(self, where) != 0 || fcntl(self->fd, F_SETFL, O_NONBLOCK) != 0) {
+    greet(self);
+    if (remember_peer(self, access.where) != 0 || fcntl(self->fd, F_SETFL, O_NONBLOCK) != 0) {
         (void)lx_fail(error, "%s: the connection broke: %s", where, strerror(errno));
         top_link_close(self);
         return -1;
@@ -55,6 +66,7 @@ int top_link_again(struct top_link *self)
         top_link_close(self);
         return -reason;
     }
+    greet(self);
     return 0;
 }
 

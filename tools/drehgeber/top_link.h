@@ -9,6 +9,7 @@
 #include <stdint.h>
 #include <sys/socket.h>
 
+#include "access.h"
 #include "say.h"
 
 #define TOP_OUTPUT_MAX (64u * 1024u)
@@ -17,8 +18,9 @@
 struct top_link {
     struct sockaddr_storage peer; /* where it went the first time */
     socklen_t peer_size;
-    int fd;       /* -1: no connection */
-    size_t taken; /* of the input: lines that were handed out */
+    char greeting[LX_ACCESS_GREETING_MAX]; /* every connection begins with it */
+    int fd;                                /* -1: no connection */
+    size_t taken;                          /* of the input: lines that were handed out */
     size_t input_length;
     size_t output_length;
     char input[TOP_INPUT_MAX];

@@ -359,7 +359,7 @@ static void draw_header(const struct top_view *view)
         (void)snprintf(time, sizeof time, "%.*s s", (int)strcspn(view->time, ".") + 2, view->time);
     }
     (void)mvhline(0, 0, (chtype)' ' | A_REVERSE, COLS);
-    (void)snprintf(text, sizeof text, "drehgeber top  %s  %s", view->rig, view->where);
+    (void)snprintf(text, sizeof text, "drehgeber top  %s  %.200s", view->rig, view->where);
     const int right = COLS - (int)strlen(time) - 1;
     put_with(A_REVERSE, 0, 1, right - 3, text);
     put_with(A_REVERSE, 0, right, COLS - right, time);

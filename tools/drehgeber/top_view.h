@@ -11,6 +11,7 @@
 
 #include "drehgeber/fault.h"
 #include "drehgeber/time.h"
+#include "server.h"
 
 #define TOP_NONE SIZE_MAX /* no place in a list */
 #define TOP_FRAMES 16u
@@ -50,11 +51,11 @@ struct top_fault {
 };
 
 struct top_view {
-    char where[300];   /* address */
-    char rig[64];      /* name */
-    char time[32];     /* of the rig's clock in seconds */
-    char trouble[128]; /* why nothing of this is new; "": all is well */
-    char message[160]; /* the last refusal; "" */
+    char where[LX_SERVER_ADDRESS_MAX]; /* address */
+    char rig[64];                      /* name */
+    char time[32];                     /* of the rig's clock in seconds */
+    char trouble[128];                 /* why nothing of this is new; "": all is well */
+    char message[160];                 /* the last refusal; "" */
 
     struct top_shaft *shafts; /* owned by the client */
     size_t shaft_count;

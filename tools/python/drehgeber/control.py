@@ -26,9 +26,11 @@ def split(answer):
 
 
 class Control:
-    """A session at unix:PATH or tcp:HOST:PORT. Threads may share one: a line is one exchange."""
+    """A session at unix:PATH or tcp:HOST:PORT, with ,token=FILE behind it where one is asked for.
+    Threads may share one: a line is one exchange."""
 
     def __init__(self, address, timeout=10.0):
+        address, _, token = address.partition(",token=")
         kind, _, where = address.partition(":")
         if kind == "unix":
             self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
@@ -39,6 +41,10 @@ class Control:
             self._socket = socket.create_connection((host.strip("[]"), int(port)), timeout)
         else:
             raise ValueError(f"{address}: unix:PATH or tcp:HOST:PORT is right")
+        if token:
+            with open(token, encoding="ascii") as file:
+                secret = file.read().strip()
+            self._socket.sendall(f'SYST:TOK "{secret}"\n'.encode("ascii"))
         self._lines = self._socket.makefile("r", encoding="ascii", newline="\n")
         self._lock = threading.Lock()
 
