@@ -45,10 +45,11 @@ enum dg_scpi_error {
     DG_SCPI_ILLEGAL = -224,  /**< illegal parameter value */
     DG_SCPI_HARDWARE = -240,
     DG_SCPI_MISSING_HARDWARE = -241,
-    DG_SCPI_STORAGE = -250, /**< mass storage error */
-    DG_SCPI_FILE_NAME = -256,
-    DG_SCPI_QUEUE = -350,   /**< queue overflow */
-    DG_SCPI_OVERRUN = -363, /**< input buffer overrun */
+    DG_SCPI_STORAGE = -250,    /**< mass storage error */
+    DG_SCPI_FILE_NAME = -256,  /**< no such file */
+    DG_SCPI_FILE_ERROR = -257, /**< a name that must not be written */
+    DG_SCPI_QUEUE = -350,      /**< queue overflow */
+    DG_SCPI_OVERRUN = -363,    /**< input buffer overrun */
 };
 
 /** Bits of the standard event status register (*ESR?). */

@@ -9,9 +9,14 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <linux/openat2.h>
 #include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #define FILE_MODE 0666
@@ -40,51 +45,251 @@ pid_t lx_file_holder(int fd)
     return lock.l_pid > 0 ? lock.l_pid : (pid_t)lock.l_len;
 }
 
-/* Emptied when nobody else has it, not before. A file system that cannot lock is no reason to do
-   without a trace. */
-static int empty(int fd, const char *path, struct lx_error *error)
+/* --- the folder of clients --- */
+
+int lx_folder_open(struct lx_folder *self, const char *path, struct lx_error *error)
 {
-    struct stat info;
-    if (fstat(fd, &info) != 0 || !S_ISREG(info.st_mode)) {
+    *self = (struct lx_folder){.fd = open(path, O_PATH | O_DIRECTORY | O_CLOEXEC),
+                               .path = strdup(path),
+                               .real = realpath(path, NULL)};
+    if (self->fd >= 0 && self->path != NULL && self->real != NULL) {
         return 0;
     }
-    if (lx_file_hold(fd) == EAGAIN) {
-        return lx_fail(error, "%s: in use already; another file is right", path);
-    }
-    return ftruncate(fd, 0) == 0 ? 0
-                                 : lx_fail(error, "%s: cannot write: %s", path, strerror(errno));
+    const int reason = errno;
+    lx_folder_close(self);
+    return lx_fail(error, "%s: no folder for files: %s", path, strerror(reason));
 }
 
-static FILE *stream(int fd, const char *path, const char *mode, struct lx_error *error)
+void lx_folder_close(struct lx_folder *self)
 {
-    FILE *file = fdopen(fd, mode);
-    if (file == NULL) {
-        (void)lx_fail(error, "%s: cannot open: %s", path, strerror(errno));
-        (void)close(fd);
+    if (self->fd >= 0) {
+        (void)close(self->fd);
     }
-    return file;
+    free(self->path);
+    free(self->real);
+    *self = LX_FOLDER_NONE;
 }
 
-FILE *lx_file_create(const char *path, struct lx_error *error)
+/* What of an absolute name lies behind the folder's; NULL: it lies elsewhere. */
+static const char *behind(const char *path, const char *folder)
 {
-    const int fd = open(path, O_WRONLY | O_CREAT | O_CLOEXEC | O_NONBLOCK | O_NOCTTY, FILE_MODE);
-    if (fd < 0) {
-        (void)lx_fail(error, "%s: cannot open: %s", path, strerror(errno));
-        return NULL;
-    }
-    if (empty(fd, path, error) != 0) {
-        (void)close(fd);
-        return NULL;
-    }
-    return stream(fd, path, "w", error);
+    const size_t n = strlen(folder);
+    const bool inside = n > 0 && strncmp(path, folder, n) == 0 && path[n] == '/';
+    return inside ? path + n + strspn(path + n, "/") : NULL;
 }
 
-FILE *lx_file_read(const char *path, struct lx_error *error)
+/* The kernel sees to it that the name stays below the folder, whatever links there are, and
+   whoever changes them meanwhile. glibc has no function for it. */
+static int open_below(const struct lx_folder *folder, const char *path, uint64_t flags)
+{
+    const struct open_how how = {
+        .flags = flags | O_CLOEXEC | O_NONBLOCK | O_NOCTTY,
+        .mode = (flags & O_CREAT) != 0 ? FILE_MODE : 0,
+        .resolve = RESOLVE_BENEATH | RESOLVE_NO_SYMLINKS | RESOLVE_NO_MAGICLINKS,
+    };
+    const char *name = path[0] == '/' ? NULL : path;
+    if (folder->fd >= 0 && name == NULL) {
+        name = behind(path, folder->real);
+        name = name == NULL ? behind(path, folder->path) : name;
+    }
+    if (folder->fd < 0 || name == NULL || name[0] == '\0') {
+        errno = EXDEV;
+        return -1;
+    }
+    return (int)syscall(SYS_openat2, folder->fd, name, &how, sizeof how);
+}
+
+/* Short, as an answer of the control plane has 95 characters for it. */
+static int refuse_below(const struct lx_folder *folder, const char *path, int reason,
+                        struct lx_error *error)
+{
+    if (folder->fd < 0) {
+        return lx_fail(error, "no files for clients of TCP; --files DIR is right");
+    }
+    if (reason == EXDEV || reason == ELOOP) {
+        return lx_fail(error, "%.36s: not in the folder for files; a name below it is right", path);
+    }
+    return lx_fail(error, "%.48s: %s", path, strerror(reason));
+}
+
+/* A file that was there: this program's own of this kind, or an empty one? */
+static bool replaceable(int fd, const char *mark)
+{
+    char head[LX_FILE_MARK_WITHIN];
+    struct stat info;
+    if (fstat(fd, &info) != 0 || !S_ISREG(info.st_mode) || info.st_nlink != 1) {
+        return false;
+    }
+    const ssize_t n = pread(fd, head, sizeof head, 0);
+    return info.st_size == 0 ||
+           (n > 0 && mark != NULL && memmem(head, (size_t)n, mark, strlen(mark)) != NULL);
+}
+
+/* --- files that are written --- */
+
+struct lx_file {
+    int fd;
+    bool created; /* by this process */
+    bool held;
+    char *bytes; /* what waits; owned */
+    size_t length;
+    char path[]; /* to remove what was created for nothing */
+};
+
+/* 0 or an errno. */
+static int open_below_to_write(struct lx_file *self, const struct lx_file_wanted *wanted)
+{
+    self->fd = open_below(wanted->folder, wanted->path, O_WRONLY | O_CREAT | O_EXCL);
+    self->created = self->fd >= 0;
+    if (self->created || errno != EEXIST) {
+        return self->created ? 0 : errno;
+    }
+    self->fd = open_below(wanted->folder, wanted->path, O_RDWR);
+    if (self->fd < 0) {
+        return errno;
+    }
+    return replaceable(self->fd, wanted->mark) ? 0 : EEXIST;
+}
+
+static int open_to_write(struct lx_file *self, const char *path)
+{
+    const int flags = O_WRONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY;
+    self->fd = open(path, flags | O_CREAT | O_EXCL, FILE_MODE);
+    self->created = self->fd >= 0;
+    if (!self->created && errno == EEXIST) {
+        self->fd = open(path, flags | O_CREAT, FILE_MODE); /* a link to nothing is followed */
+    }
+    return self->fd >= 0 ? 0 : errno;
+}
+
+/* A file system that cannot lock is no reason to do without a trace. */
+static int keep_off(int fd, const char *path, struct lx_error *error)
 {
     struct stat info;
-    const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+    if (fstat(fd, &info) != 0 || !S_ISREG(info.st_mode) || lx_file_hold(fd) != EAGAIN) {
+        return 0;
+    }
+    return lx_fail(error, "%s: in use already; another file is right", path);
+}
+
+static int open_wanted(struct lx_file *self, const struct lx_file_wanted *wanted,
+                       struct lx_error *error)
+{
+    const char *path = wanted->path;
+    const int reason =
+        wanted->folder == NULL ? open_to_write(self, path) : open_below_to_write(self, wanted);
+    if (reason == 0) {
+        return keep_off(self->fd, path, error);
+    }
+    if (wanted->folder == NULL) {
+        return lx_fail(error, "%s: cannot open: %s", path, strerror(reason));
+    }
+    return reason != EEXIST
+               ? refuse_below(wanted->folder, path, reason, error)
+               : lx_fail(error, "%.36s: there already, not to be replaced; a new name is right",
+                         path);
+}
+
+static int close_file(void *cookie)
+{
+    struct lx_file *self = cookie;
+    if (self->held && self->created) {
+        (void)unlink(self->path);
+    }
+    const int result = self->fd >= 0 ? close(self->fd) : 0;
+    free(self->bytes);
+    free(self);
+    return result;
+}
+
+/* As fopencookie() has it: 0 is an error. */
+static ssize_t write_file(void *cookie, const char *bytes, size_t n)
+{
+    struct lx_file *self = cookie;
+    if (!self->held) {
+        const ssize_t done = write(self->fd, bytes, n);
+        return done > 0 ? done : 0;
+    }
+    char *more = realloc(self->bytes, self->length + n);
+    if (more == NULL) {
+        return 0;
+    }
+    memcpy(more + self->length, bytes, n);
+    self->bytes = more;
+    self->length += n;
+    return (ssize_t)n;
+}
+
+static struct lx_file *make(const struct lx_file_wanted *wanted, struct lx_error *error)
+{
+    const size_t size = strlen(wanted->path) + 1;
+    struct lx_file *self = calloc(1, sizeof *self + size);
+    if (self == NULL) {
+        (void)lx_fail(error, "%s: no memory", wanted->path);
+        return NULL;
+    }
+    memcpy(self->path, wanted->path, size);
+    self->fd = -1;
+    self->held = true;
+    if (open_wanted(self, wanted, error) != 0) {
+        (void)close_file(self);
+        return NULL;
+    }
+    return self;
+}
+
+FILE *lx_file_create(const struct lx_file_wanted *wanted, struct lx_file **held,
+                     struct lx_error *error)
+{
+    const cookie_io_functions_t operations = {.write = write_file, .close = close_file};
+    struct lx_file *self = make(wanted, error);
+    if (self == NULL) {
+        return NULL;
+    }
+    const int reason = held == NULL ? lx_file_release(self) : 0;
+    FILE *stream = reason == 0 ? fopencookie(self, "w", operations) : NULL;
+    if (stream == NULL) {
+        (void)lx_fail(error, "%s: cannot write: %s", wanted->path,
+                      strerror(reason != 0 ? reason : errno));
+        (void)close_file(self);
+        return NULL;
+    }
+    if (held != NULL) {
+        *held = self;
+    }
+    return stream;
+}
+
+int lx_file_release(struct lx_file *self)
+{
+    struct stat info;
+    if (fstat(self->fd, &info) == 0 && S_ISREG(info.st_mode) && ftruncate(self->fd, 0) != 0) {
+        return errno;
+    }
+    self->held = false;
+    for (size_t done = 0; done < self->length;) {
+        const ssize_t n = write(self->fd, self->bytes + done, self->length - done);
+        if (n < 0 && errno != EINTR) {
+            return errno;
+        }
+        done += n > 0 ? (size_t)n : 0u;
+    }
+    free(self->bytes);
+    self->bytes = NULL;
+    self->length = 0;
+    return 0;
+}
+
+/* --- files that are read --- */
+
+FILE *lx_file_read(const struct lx_folder *folder, const char *path, struct lx_error *error)
+{
+    struct stat info;
+    const int fd = folder != NULL ? open_below(folder, path, O_RDONLY)
+                                  : open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
     if (fd < 0) {
-        (void)lx_fail(error, "%s: cannot open: %s", path, strerror(errno));
+        (void)(folder != NULL ? refuse_below(folder, path, errno, error)
+                              : lx_fail(error, "%s: cannot open: %s", path, strerror(errno)));
         return NULL;
     }
     if (fstat(fd, &info) != 0 || !S_ISREG(info.st_mode)) {
@@ -92,5 +297,10 @@ FILE *lx_file_read(const char *path, struct lx_error *error)
         (void)close(fd);
         return NULL;
     }
-    return stream(fd, path, "r", error);
+    FILE *file = fdopen(fd, "r");
+    if (file == NULL) {
+        (void)lx_fail(error, "%s: cannot open: %s", path, strerror(errno));
+        (void)close(fd);
+    }
+    return file;
 }

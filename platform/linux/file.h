@@ -20,15 +20,55 @@ int lx_file_hold(int fd);
 /** The process that keeps this open file from being held; 0: none, or it is not known. */
 pid_t lx_file_holder(int fd);
 
+/** The folder that the files of a client of the control plane lie in: none that it names may be
+ * anywhere else. */
+struct lx_folder {
+    int fd;     /**< -1: clients name no files */
+    char *path; /**< as given, and without links; both owned */
+    char *real;
+};
+
+/** No folder. */
+#define LX_FOLDER_NONE ((struct lx_folder){.fd = -1})
+
+/** Open a folder for the files of clients. @return 0, or -1 with one line in `error` */
+int lx_folder_open(struct lx_folder *self, const char *path, struct lx_error *error);
+
+/** Give it back; LX_FOLDER_NONE afterwards. */
+void lx_folder_close(struct lx_folder *self);
+
+/** A file that is to be written. */
+struct lx_file_wanted {
+    /** NULL: the user has named it, and whatever it was is replaced. A client's is in the folder,
+     * a regular file that is new, empty or one of this program and this kind; no link leads to it.
+     */
+    const struct lx_folder *folder;
+    const char *path;
+    /** What stands within the first LX_FILE_MARK_WITHIN bytes of each file of this kind that this
+     * program writes; NULL: nothing, so that a client replaces none. */
+    const char *mark;
+};
+#define LX_FILE_MARK_WITHIN 128u
+
+/** A file whose first bytes wait. */
+struct lx_file;
+
 /**
- * Make a file for a trace or a recording, or empty the one that is there. Neither this nor a write
+ * A stream to the file, which is made, or emptied; others are kept off. Neither this nor a write
  * ever waits, as on a pipe that nobody reads.
+ * @param held NULL: emptied at once. Else nothing that is on the disk changes before
+ *        lx_file_release(*held); a stream that is closed before that leaves all as it was
  * @return NULL with one line in `error`
  */
-FILE *lx_file_create(const char *path, struct lx_error *error);
+FILE *lx_file_create(const struct lx_file_wanted *wanted, struct lx_file **held,
+                     struct lx_error *error);
 
-/** Open a regular file for reading: of anything else nobody knows when it ends. @return NULL with
- * one line in `error` */
-FILE *lx_file_read(const char *path, struct lx_error *error);
+/** Empty the file and write what has waited; later bytes go there at once. Flush the stream first.
+ * @return 0 or an errno */
+int lx_file_release(struct lx_file *self);
+
+/** Open a regular file for reading: of anything else nobody knows when it ends. `folder` as above.
+ * @return NULL with one line in `error` */
+FILE *lx_file_read(const struct lx_folder *folder, const char *path, struct lx_error *error);
 
 #endif

@@ -163,6 +163,7 @@ void lx_plan_free(struct lx_plan *self)
     free_encoders(self);
     free_wires(self);
     free_shafts(self);
+    free(self->files);
     for (size_t i = 0; i < self->control_count; i++) {
         free(self->controls[i]);
     }

@@ -80,6 +80,7 @@ struct lx_plan {
     char *name; /**< of the rig: the file's without its ending, or of the model */
     char *controls[LX_PLAN_CONTROLS_MAX]; /**< unix:PATH or tcp:HOST:PORT; none: the default */
     size_t control_count;
+    char *files; /**< the folder for files that clients name; NULL: see --files */
     struct lx_plan_shaft *shafts;
     size_t shaft_count;
     struct lx_plan_wire *wires;

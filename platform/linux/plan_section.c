@@ -176,6 +176,10 @@ static int take_rig(struct lx_plan *plan, const struct lx_plan_section *self,
                             "name: the rig is called %s already; one name is right", plan->name);
     }
     int result = name == NULL ? 0 : lx_plan_take_text(name, &plan->name, error);
+    const struct lx_plan_setting *files = lx_plan_word(self, "files");
+    if (result == 0 && files != NULL && plan->files == NULL) {
+        result = lx_plan_take_path(plan, files->value, &plan->files, error);
+    }
     for (size_t i = 0; result == 0 && i < self->words.count; i++) {
         if (strcmp(self->words.list[i].key, "control") == 0) {
             result = take_control(plan, &self->words.list[i], error);
@@ -186,7 +190,7 @@ static int take_rig(struct lx_plan *plan, const struct lx_plan_section *self,
 
 /* --- the kinds --- */
 
-static const char *const rig_keys[] = {"name", "control", NULL};
+static const char *const rig_keys[] = {"name", "control", "files", NULL};
 static const char *const shaft_keys[] = {"motion", "driver", "ratio", NULL};
 static const char *const bus_keys[] = {"wire", "address", "trace", NULL};
 static const char *const encoder_keys[] = {"model", "shaft",   "bus", "wire",   "trace",

@@ -85,7 +85,7 @@ static int check_motion(const struct lx_plan *plan, const struct lx_plan_setting
     if (lx_shaft_is_file(row->value)) {
         return 0;
     }
-    if (lx_shaft_parse(&motion, row->value, error) != 0) {
+    if (lx_shaft_parse(&motion, row->value, NULL, error) != 0) {
         const size_t option = strlen("--shaft ");
         return lx_plan_fail(plan, row->line, error, "motion: %s", error->text + option);
     }

@@ -13,8 +13,10 @@
 #include <string.h>
 
 #include "file.h"
+#include "shaft.h"
 #include "timer.h"
 
+#define HEADER "time_s,angle_deg"
 #define INTERVAL_MIN DG_US(100)
 #define INTERVAL_MAX DG_S(3600)
 /* Real time; the clock may be stopped, stepped or sped up at any time, and says nothing. */
@@ -145,11 +147,13 @@ static int open_parts(struct lx_record *self, struct lx_error *error)
     if (result < 0) {
         return lx_fail(error, "%s: no timer for a recording: %s", self->path, strerror(-result));
     }
-    self->file = lx_file_create(self->path, error);
+    const struct lx_file_wanted wanted = {
+        .folder = self->setup.folder, .path = self->path, .mark = HEADER};
+    self->file = lx_file_create(&wanted, NULL, error);
     if (self->file == NULL) {
         return -1;
     }
-    return fputs("time_s,angle_deg\n", self->file) >= 0
+    return fputs(HEADER "\n", self->file) >= 0
                ? 0
                : lx_fail(error, "%s: cannot write: %s", self->path, strerror(errno));
 }
@@ -161,6 +165,10 @@ struct lx_record *lx_record_open(const struct lx_record_setup *setup, dg_ns now,
         (void)lx_fail(error,
                       "%s: a recording has a line every 100 us to 1 h, not every %" PRIu64 " ns",
                       setup->path, setup->interval);
+        return NULL;
+    }
+    if (!lx_shaft_is_file(setup->path)) {
+        (void)lx_fail(error, "%.48s: the name of a recording ends in .csv", setup->path);
         return NULL;
     }
     struct lx_record *self = make(setup, now);

@@ -10,6 +10,7 @@
 
 #include "bus.h"
 #include "drehgeber/shaft.h"
+#include "file.h"
 #include "say.h"
 
 /** A recording. */
@@ -17,11 +18,12 @@ struct lx_record;
 
 /** What is recorded, and where. Shaft, event loop and clock must outlive the recording. */
 struct lx_record_setup {
-    const char *path;
+    const char *path; /**< ends in .csv */
     const struct dg_shaft *shaft;
     sd_event *event;
     const struct lx_clock *clock;
     dg_ns interval; /**< 100 us .. 1 h */
+    const struct lx_folder *folder; /**< of the client that asks; NULL: anywhere */
 };
 
 /**

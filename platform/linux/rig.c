@@ -39,7 +39,7 @@ static enum lx_rig_result make_shaft(struct lx_rig *self, size_t index, struct l
         return LX_RIG_PLAN;
     }
     const int result =
-        row->motion == NULL ? 0 : lx_rig_play(shaft, self->begin, true, row->motion, error);
+        row->motion == NULL ? 0 : lx_rig_play(shaft, self->begin, true, row->motion, NULL, error);
     if (result == 0) {
         return LX_RIG_OK;
     }
@@ -212,6 +212,14 @@ static int power_wire(struct lx_rig_wire *self, struct lx_error *error)
 
 /* --- control plane --- */
 
+/* The files of whoever is served from here on lie in the folder that --files names; without it in
+   the working directory, and a client over TCP names none. */
+static void enter(void *ctx, bool tcp)
+{
+    struct lx_rig *self = ctx;
+    self->folder = tcp && self->setup.plan->files == NULL ? &self->no_files : &self->files;
+}
+
 static struct lx_server *serve(struct lx_rig *self, const char *where, struct lx_error *error)
 {
     const struct lx_server_setup setup = {
@@ -220,6 +228,7 @@ static struct lx_server *serve(struct lx_rig *self, const char *where, struct lx
         .rig = &self->control,
         .clock = &self->clock,
         .look = lx_rig_look,
+        .enter = enter,
         .settle = lx_rig_settle,
         .ctx = self,
     };
@@ -269,8 +278,23 @@ static void on_faults(void *ctx, dg_ns now)
     lx_rig_settle(self, lx_clock_now(&self->clock));
 }
 
+/* A start that is refused leaves traces of earlier ones as they are. */
+static int release_traces(struct lx_rig *self, struct lx_error *error)
+{
+    int result = 0;
+    for (size_t i = 0; result == 0 && i < self->setup.plan->wire_count; i++) {
+        result = lx_trace_release(self->wires[i].trace, error);
+    }
+    self->stands = result == 0;
+    return result;
+}
+
 static int power(struct lx_rig *self, struct lx_error *error)
 {
+    const char *files = self->setup.plan->files;
+    if (lx_folder_open(&self->files, files == NULL ? "." : files, error) != 0 && files != NULL) {
+        return -1;
+    }
     const int result = lx_timer_open(&self->faults, self->setup.event, on_faults, self);
     if (result < 0) {
         return lx_fail(error, "no timer: %s", strerror(-result));
@@ -280,7 +304,10 @@ static int power(struct lx_rig *self, struct lx_error *error)
             return -1;
         }
     }
-    return serve_all(self, error) != 0 ? -1 : look_after_loop(self, error);
+    if (serve_all(self, error) != 0 || look_after_loop(self, error) != 0) {
+        return -1;
+    }
+    return release_traces(self, error);
 }
 
 /* --- all of it --- */
@@ -297,6 +324,8 @@ int lx_rig_open(struct lx_rig **self, const struct lx_rig_setup *setup, dg_ns no
     }
     rig->setup = *setup;
     rig->begin = now;
+    rig->files = LX_FOLDER_NONE;
+    rig->no_files = LX_FOLDER_NONE;
     rig->clock = (struct lx_clock){.real = now, .virtual_ = now, .permille = 1000};
     if (!make_room(rig)) {
         (void)lx_fail(error, "no memory for a rig");
@@ -428,6 +457,7 @@ int lx_rig_close(struct lx_rig *self, struct lx_error *error)
     lx_stall_close(&self->stall);
     int result = close_wires(self, error);
     result = worst(result, close_shafts(self, &latest), error, &latest);
+    lx_folder_close(&self->files);
     free(self->control.encoders);
     free(self->control.shafts);
     free(self->stations);

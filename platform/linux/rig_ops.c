@@ -120,12 +120,12 @@ static struct lx_shaft *place(struct lx_rig_shaft *self)
 }
 
 int lx_rig_play(struct lx_rig_shaft *self, dg_ns now, bool first, const char *text,
-                struct lx_error *error)
+                const struct lx_folder *folder, struct lx_error *error)
 {
     struct lx_shaft *motion = place(self);
     char *copy = strdup(text);
     const int result = copy == NULL ? lx_fail(error, "no memory for %s", text)
-                                    : lx_shaft_parse(motion, text, error);
+                                    : lx_shaft_parse(motion, text, folder, error);
     if (result != 0) {
         free(copy);
         return result;
@@ -149,11 +149,10 @@ static int profile(struct dg_rig *control, struct dg_rig_shaft *shaft, dg_ns now
                    char *detail)
 {
     struct lx_error error;
-    (void)control;
     if (shaft->shaft.driver != NULL) {
         return refuse(DG_SCPI_CONFLICT, detail, "geared; its driver turns it");
     }
-    const int result = lx_rig_play(shaft->host, now, false, text, &error);
+    const int result = lx_rig_play(shaft->host, now, false, text, rig_of(control)->folder, &error);
     if (result == 0) {
         return 0;
     }
@@ -190,13 +189,14 @@ static int record(struct dg_rig *control, struct dg_rig_shaft *shaft, dg_ns now,
     }
     const struct lx_record_setup setup = {
         .path = path,
+        .folder = self->folder,
         .shaft = &shaft->shaft,
         .event = self->setup.event,
         .clock = &self->clock,
         .interval = interval,
     };
     part->record = lx_record_open(&setup, now, &error);
-    return part->record != NULL ? 0 : refuse(DG_SCPI_FILE_NAME, detail, error.text);
+    return part->record != NULL ? 0 : refuse(DG_SCPI_FILE_ERROR, detail, error.text);
 }
 
 /* --- wires --- */
@@ -206,8 +206,15 @@ int lx_rig_trace(struct lx_rig_wire *self, const char *path, struct lx_error *er
     const struct lx_wire *kind = self->plan->kind;
     /* Whoever replays a trace of CAN wants the interface in it. */
     const bool interface = kind->stack == DG_STACK_CANOPEN && !kind->where_is_path;
-    self->trace = lx_trace_open(path, kind->stack, interface ? self->plan->where : self->plan->name,
-                                &self->bus->tap, lx_clock_now(&self->rig->clock), error);
+    const struct lx_trace_setup setup = {
+        .path = path,
+        .folder = self->rig->folder,
+        .stack = kind->stack,
+        .wire = interface ? self->plan->where : self->plan->name,
+        .tap = &self->bus->tap,
+        .held = !self->rig->stands,
+    };
+    self->trace = lx_trace_open(&setup, lx_clock_now(&self->rig->clock), error);
     return self->trace == NULL ? -1 : 0;
 }
 
@@ -233,7 +240,7 @@ static int trace(struct dg_rig *control, struct dg_encoder *encoder, const char 
         return refuse(DG_SCPI_CONFLICT, detail, "traced already; TRACe:STOP first");
     }
     if (lx_rig_trace(self, path, &error) != 0) {
-        return refuse(DG_SCPI_FILE_NAME, detail, error.text);
+        return refuse(DG_SCPI_FILE_ERROR, detail, error.text);
     }
     listened(self);
     return 0;

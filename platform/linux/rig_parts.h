@@ -58,6 +58,10 @@ struct lx_rig {
     struct lx_timer faults; /**< their durations */
     struct lx_stall stall;
     dg_ns stalled; /**< when the last long one ended; 0: there was none */
+    struct lx_folder files; /**< of clients */
+    struct lx_folder no_files;
+    const struct lx_folder *folder; /**< of the client that is served; NULL: none is */
+    bool stands;                    /**< nothing can be refused any more: traces are written */
     struct lx_server *servers[LX_PLAN_CONTROLS_MAX];
     char address[LX_BUS_ADDRESS_MAX + 16u]; /**< of the encoder asked for last */
 };
@@ -68,10 +72,11 @@ extern const struct dg_rig_ops lx_rig_ops;
 /** The address of an encoder, "KIND:ADDRESS", in self->address. */
 const char *lx_rig_address(struct lx_rig *self, const struct lx_station *station);
 
-/** Play `text` from `now` on. `first`: before, the shaft has always been where that begins.
+/** Play `text` from `now` on; `folder`: of who names a file in it. `first`: before, the shaft has
+ * always been where that begins.
  * @return 0; enum lx_shaft_failure with one line in `error` */
 int lx_rig_play(struct lx_rig_shaft *self, dg_ns now, bool first, const char *text,
-                struct lx_error *error);
+                const struct lx_folder *folder, struct lx_error *error);
 
 /** Trace a wire to `path`. @return 0, or -1 with one line in `error` */
 int lx_rig_trace(struct lx_rig_wire *self, const char *path, struct lx_error *error);

@@ -197,6 +197,7 @@ static dg_ns serve(struct client *client)
     const struct lx_clock *clock = client->server->setup.clock;
     size_t before = 0;
     dg_ns next = DG_NEVER;
+    client->server->setup.enter(client->server->setup.ctx, client->server->access.tcp);
     do {
         const dg_ns now = lx_clock_now(clock); /* the client before may have let time pass */
         before = client->input_length;

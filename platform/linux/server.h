@@ -31,6 +31,8 @@ struct lx_server_setup {
     const struct lx_clock *clock;
     /** Before commands of a client are done at `now` (the rig's time). */
     void (*look)(void *ctx, dg_ns now);
+    /** A client is served from here on: one over TCP, or one over a socket file. */
+    void (*enter)(void *ctx, bool tcp);
     /** After commands of a client were done at `now` (the rig's time): deadlines may have moved. */
     void (*settle)(void *ctx, dg_ns now);
     void *ctx;

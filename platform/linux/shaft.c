@@ -177,9 +177,10 @@ static int parse_ramp(struct dg_motion *motion, const char *rest, struct lx_erro
     return 0;
 }
 
-static int parse_file(struct lx_shaft *self, const char *name, struct lx_error *error)
+static int parse_file(struct lx_shaft *self, const char *name, const struct lx_folder *folder,
+                      struct lx_error *error)
 {
-    FILE *file = lx_file_read(name, error);
+    FILE *file = lx_file_read(folder, name, error);
     if (file == NULL) {
         return -1;
     }
@@ -243,11 +244,12 @@ bool lx_shaft_is_file(const char *text)
     return ends_with(text, ".csv");
 }
 
-int lx_shaft_parse(struct lx_shaft *self, const char *text, struct lx_error *error)
+int lx_shaft_parse(struct lx_shaft *self, const char *text, const struct lx_folder *folder,
+                   struct lx_error *error)
 {
     *self = (struct lx_shaft){.motion = {.kind = DG_MOTION_STANDSTILL}};
     if (lx_shaft_is_file(text)) {
-        return parse_file(self, text, error) == 0 ? 0 : LX_SHAFT_FILE;
+        return parse_file(self, text, folder, error) == 0 ? 0 : LX_SHAFT_FILE;
     }
     struct lx_error reason = {""};
     if (parse_words(&self->motion, text, &reason) != 0) {

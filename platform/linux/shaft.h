@@ -16,6 +16,7 @@
 #include <stdint.h>
 
 #include "drehgeber/motion.h"
+#include "file.h"
 #include "say.h"
 
 /** The forms, in one line, for help and errors. */
@@ -37,7 +38,8 @@ enum lx_shaft_failure {
  * Parse `text`; a file name is read.
  * @return 0, or enum lx_shaft_failure with one line in `error` and nothing to free
  */
-int lx_shaft_parse(struct lx_shaft *self, const char *text, struct lx_error *error);
+int lx_shaft_parse(struct lx_shaft *self, const char *text, const struct lx_folder *folder,
+                   struct lx_error *error);
 
 /** Whether `text` is the name of a file, which lx_shaft_parse() would read. */
 bool lx_shaft_is_file(const char *text);

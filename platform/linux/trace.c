@@ -116,14 +116,17 @@ static void discard(struct lx_trace *self)
     free(self);
 }
 
-static int begin(struct lx_trace *self, const char *path, struct lx_error *error)
+static int begin(struct lx_trace *self, const struct lx_trace_setup *setup, struct lx_error *error)
 {
+    const char *path = setup->path;
+    const struct lx_file_wanted wanted = {
+        .folder = setup->folder, .path = path, .mark = self->format->mark};
     self->own = calloc(1, self->format->size);
     self->path = strdup(path);
     if (self->own == NULL || self->path == NULL) {
         return lx_fail(error, "%s: no memory for a trace", path);
     }
-    self->file = lx_file_create(path, error);
+    self->file = lx_file_create(&wanted, setup->held ? &self->held : NULL, error);
     if (self->file == NULL) {
         return -1;
     }
@@ -135,10 +138,10 @@ static int begin(struct lx_trace *self, const char *path, struct lx_error *error
                : lx_fail(error, "cannot write the trace '%s': %s", path, strerror(self->reason));
 }
 
-struct lx_trace *lx_trace_open(const char *path, enum dg_device_stack stack, const char *wire,
-                               struct lx_tap *tap, dg_ns now, struct lx_error *error)
+struct lx_trace *lx_trace_open(const struct lx_trace_setup *setup, dg_ns now,
+                               struct lx_error *error)
 {
-    const struct lx_trace_format *format = find(path, stack, error);
+    const struct lx_trace_format *format = find(setup->path, setup->stack, error);
     if (format == NULL) {
         return NULL;
     }
@@ -148,19 +151,32 @@ struct lx_trace *lx_trace_open(const char *path, enum dg_device_stack stack, con
         return NULL;
     }
     self->format = format;
-    self->tap = tap;
+    self->tap = setup->tap;
     self->listener = (struct lx_tap_listener){
-        .event = on_event, .ctx = self, .sincos = stack == DG_STACK_HIPERFACE};
+        .event = on_event, .ctx = self, .sincos = setup->stack == DG_STACK_HIPERFACE};
     self->opened = now;
     self->flushed = now;
     self->day_ns = time_of_day_ns() - now;
-    set_wire(self, wire);
-    if (begin(self, path, error) != 0) {
+    set_wire(self, setup->wire);
+    if (begin(self, setup, error) != 0) {
         discard(self);
         return NULL;
     }
-    lx_tap_add(tap, &self->listener);
+    lx_tap_add(self->tap, &self->listener);
     return self;
+}
+
+int lx_trace_release(struct lx_trace *self, struct lx_error *error)
+{
+    if (self == NULL || self->held == NULL) {
+        return 0;
+    }
+    flush(self);
+    const int reason = lx_file_release(self->held);
+    self->held = NULL;
+    return reason == 0
+               ? 0
+               : lx_fail(error, "cannot write the trace '%s': %s", self->path, strerror(reason));
 }
 
 int lx_trace_close(struct lx_trace *self, struct lx_error *error)

@@ -15,6 +15,7 @@
 #include <stddef.h>
 
 #include "drehgeber/devices.h"
+#include "file.h"
 #include "say.h"
 #include "tap.h"
 
@@ -54,14 +55,28 @@ dg_ns lx_decoder_step(struct lx_decoder *self, dg_ns now);
 /** A trace file. */
 struct lx_trace;
 
+/** What a trace is made of. The tap must outlive it. */
+struct lx_trace_setup {
+    const char *path;               /**< its ending says how */
+    const struct lx_folder *folder; /**< of the client that asks; NULL: the user does */
+    enum dg_device_stack stack;
+    const char *wire; /**< the interface or name that the file shall mention */
+    struct lx_tap *tap;
+    bool held; /**< nothing on the disk changes before lx_trace_release() */
+};
+
 /**
- * Write what `tap` tells to `path`, whose ending says how. `wire` is the interface or name that the
- * file shall mention. Time in the file: of the day for .log and .pcapng, else since the beginning.
+ * Write what the tap tells. Time in the file: of the day for .log and .pcapng, else since the
+ * beginning.
  * @return NULL with one line in `error`: an ending that is none for this stack (with those that
  * are), or why it cannot be written
  */
-struct lx_trace *lx_trace_open(const char *path, enum dg_device_stack stack, const char *wire,
-                               struct lx_tap *tap, dg_ns now, struct lx_error *error);
+struct lx_trace *lx_trace_open(const struct lx_trace_setup *setup, dg_ns now,
+                               struct lx_error *error);
+
+/** What was held back is written, in place of what was in the file; NULL and not held are fine.
+ * @return 0, or -1 with one line in `error` */
+int lx_trace_release(struct lx_trace *self, struct lx_error *error);
 
 /** End it; NULL is fine. @return 0, or -1 with one line in `error`: what was written is not whole
  */

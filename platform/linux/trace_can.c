@@ -18,10 +18,12 @@
 #define ENHANCED_PACKET 6u
 #define BYTE_ORDER 0x1A2B3C4Du
 #define LINKTYPE_CAN_SOCKETCAN 227u
+#define OPTION_USER_APPLICATION 4u
 #define OPTION_IF_NAME 2u
 #define OPTION_IF_TSRESOL 9u
 #define OPTION_EPB_FLAGS 2u
 #define RESOLUTION_NS 9u
+#define APPLICATION "drehgeber"
 #define INBOUND 1u
 #define OUTBOUND 2u
 
@@ -76,7 +78,7 @@ static void log_event(struct lx_trace *self, const struct lx_tap_event *event)
 }
 
 const struct lx_trace_format lx_trace_log = {
-    ".log", DG_STACK_CANOPEN, 1, log_begin, log_event, nothing_to_end,
+    ".log", NULL, DG_STACK_CANOPEN, 1, log_begin, log_event, nothing_to_end,
 };
 
 /* ---------------------------------------------------------------- pcapng */
@@ -137,6 +139,8 @@ static void pcapng_begin(struct lx_trace *self)
     put16(&section, 0);
     put32(&section, UINT32_MAX); /* length of the section: unknown */
     put32(&section, UINT32_MAX);
+    put_option(&section, OPTION_USER_APPLICATION, APPLICATION, sizeof APPLICATION - 1u);
+    put32(&section, 0); /* end of options */
     write_block(self, &section);
 
     struct block interface = block_of(INTERFACE);
@@ -178,8 +182,8 @@ static void pcapng_event(struct lx_trace *self, const struct lx_tap_event *event
 }
 
 const struct lx_trace_format lx_trace_pcapng = {
-    ".pcapng", DG_STACK_CANOPEN, 1, pcapng_begin, pcapng_event, nothing_to_end,
+    ".pcapng", APPLICATION, DG_STACK_CANOPEN, 1, pcapng_begin, pcapng_event, nothing_to_end,
 };
 const struct lx_trace_format lx_trace_pcap = {
-    ".pcap", DG_STACK_CANOPEN, 1, pcapng_begin, pcapng_event, nothing_to_end,
+    ".pcap", APPLICATION, DG_STACK_CANOPEN, 1, pcapng_begin, pcapng_event, nothing_to_end,
 };

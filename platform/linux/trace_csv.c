@@ -90,5 +90,5 @@ static void csv_event(struct lx_trace *self, const struct lx_tap_event *event)
 }
 
 const struct lx_trace_format lx_trace_csv = {
-    ".csv", DG_STACK_INTERBUS, sizeof(struct csv), csv_begin, csv_event, csv_end,
+    ".csv", "time_s,in_0", DG_STACK_INTERBUS, sizeof(struct csv), csv_begin, csv_event, csv_end,
 };

@@ -16,6 +16,7 @@
 /** How a kind of file is written. Errors of `file` are seen by the caller, after each call. */
 struct lx_trace_format {
     const char *ending;
+    const char *mark; /**< see struct lx_file_wanted */
     enum dg_device_stack stack;
     size_t size; /**< of the format's own state */
     void (*begin)(struct lx_trace *self);
@@ -27,6 +28,7 @@ struct lx_trace_format {
 struct lx_trace {
     const struct lx_trace_format *format;
     FILE *file;
+    struct lx_file *held; /**< NULL: no more */
     char *path;
     struct lx_tap *tap;
     struct lx_tap_listener listener;
@@ -38,6 +40,9 @@ struct lx_trace {
     int reason; /**< errno of what went wrong */
     void *own;  /**< the format's */
 };
+
+/** How a VCD file begins. */
+#define LX_VCD_MARK "$comment drehgeber:"
 
 /** The formats. */
 extern const struct lx_trace_format lx_trace_uart, lx_trace_biss, lx_trace_log, lx_trace_pcapng,

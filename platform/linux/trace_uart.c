@@ -223,5 +223,5 @@ static void uart_end(struct lx_trace *self)
 }
 
 const struct lx_trace_format lx_trace_uart = {
-    ".vcd", DG_STACK_HIPERFACE, sizeof(struct uart), uart_begin, uart_event, uart_end,
+    ".vcd", LX_VCD_MARK, DG_STACK_HIPERFACE, sizeof(struct uart), uart_begin, uart_event, uart_end,
 };

@@ -54,8 +54,7 @@ void lx_vcd_begin(struct lx_vcd *self, const struct lx_trace *trace, const char 
                   const char *const *names, const char *ids)
 {
     self->file = trace->file;
-    (void)fprintf(self->file,
-                  "$comment drehgeber: %s $end\n$timescale 1 ns $end\n$scope module %s $end\n",
+    (void)fprintf(self->file, LX_VCD_MARK " %s $end\n$timescale 1 ns $end\n$scope module %s $end\n",
                   trace->wire, scope);
     for (size_t i = 0; ids[i] != '\0'; i++) {
         (void)fprintf(self->file, "$var wire 1 %c %s $end\n", ids[i], names[i]);
@@ -221,5 +220,5 @@ static void biss_end(struct lx_trace *self)
 }
 
 const struct lx_trace_format lx_trace_biss = {
-    ".vcd", DG_STACK_BISS, sizeof(struct biss), biss_begin, biss_event, biss_end,
+    ".vcd", LX_VCD_MARK, DG_STACK_BISS, sizeof(struct biss), biss_begin, biss_event, biss_end,
 };

@@ -34,6 +34,7 @@ static const struct {
     {DG_SCPI_MISSING_HARDWARE, "Hardware missing"},
     {DG_SCPI_STORAGE, "Mass storage error"},
     {DG_SCPI_FILE_NAME, "File name not found"},
+    {DG_SCPI_FILE_ERROR, "File name error"},
     {-300, "Device-specific error"},
     {DG_SCPI_QUEUE, "Queue overflow"},
     {DG_SCPI_OVERRUN, "Input buffer overrun"},

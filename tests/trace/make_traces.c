@@ -129,8 +129,9 @@ int main(int argc, char *argv[])
         (void)fputs("usage: make_traces rs485|biss|can|interbus WIRE FILE\n", stderr);
         return 2;
     }
-    struct lx_trace *trace =
-        lx_trace_open(argv[3], (enum dg_device_stack)stack, argv[2], &tap, 0, &error);
+    const struct lx_trace_setup setup = {
+        .path = argv[3], .stack = (enum dg_device_stack)stack, .wire = argv[2], .tap = &tap};
+    struct lx_trace *trace = lx_trace_open(&setup, 0, &error);
     while (trace != NULL && fgets(line, sizeof line, stdin) != NULL) {
         feed(&tap, line);
     }

@@ -58,7 +58,7 @@ static int tear_down(void **state)
 static struct lx_record *opened_as(struct place *place, const char *path, dg_ns interval)
 {
     const struct lx_record_setup setup = {path, &place->shaft, place->event, &place->clock,
-                                          interval};
+                                          interval, NULL};
     struct lx_error error = {""};
     struct lx_record *record = lx_record_open(&setup, START, &error);
     assert_string_equal(error.text, "");
@@ -279,7 +279,7 @@ static void what_cannot_be_recorded(void **state)
 {
     struct place *place = *state;
     struct lx_record_setup setup = {place->path, &place->shaft, place->event, &place->clock,
-                                    DG_US(100) - 1};
+                                    DG_US(100) - 1, NULL};
     struct lx_error error = {""};
     assert_null(lx_record_open(&setup, START, &error));
     assert_non_null(strstr(error.text, "every 100 us to 1 h, not every 99999 ns"));

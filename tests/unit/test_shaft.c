@@ -85,7 +85,7 @@ static struct dg_motion parsed(const char *text)
 {
     struct lx_shaft shaft;
     struct lx_error error;
-    assert_int_equal(lx_shaft_parse(&shaft, text, &error), 0);
+    assert_int_equal(lx_shaft_parse(&shaft, text, NULL, &error), 0);
     assert_null(shaft.points);
     return shaft.motion;
 }
@@ -190,7 +190,7 @@ static void refusals(void **state)
     for (size_t i = 0; i < LENGTH(rows); i++) {
         struct lx_shaft shaft;
         struct lx_error error = {""};
-        assert_int_equal(lx_shaft_parse(&shaft, rows[i].text, &error), LX_SHAFT_WORDS);
+        assert_int_equal(lx_shaft_parse(&shaft, rows[i].text, NULL, &error), LX_SHAFT_WORDS);
         assert_non_null(strstr(error.text, rows[i].says));
         assert_null(strchr(error.text, '\n'));
     }
@@ -201,7 +201,7 @@ static void a_missing_file(void **state)
     struct lx_shaft shaft;
     struct lx_error error = {""};
     (void)state;
-    assert_int_equal(lx_shaft_parse(&shaft, "no/such/file.CSV", &error), LX_SHAFT_FILE);
+    assert_int_equal(lx_shaft_parse(&shaft, "no/such/file.CSV", NULL, &error), LX_SHAFT_FILE);
     assert_non_null(strstr(error.text, "no/such/file.CSV"));
 }
 

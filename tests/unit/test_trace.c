@@ -58,7 +58,9 @@ static struct lx_trace *open_trace(struct place *self, const char *name, enum dg
                                    dg_ns now)
 {
     (void)snprintf(self->path, sizeof self->path, "%s/%s", self->folder, name);
-    return lx_trace_open(self->path, stack, "/dev/vcan0", &self->tap, now, &self->error);
+    const struct lx_trace_setup setup = {
+        .path = self->path, .stack = stack, .wire = "/dev/vcan0", .tap = &self->tap};
+    return lx_trace_open(&setup, now, &self->error);
 }
 
 static void read_file(struct place *self)

@@ -83,7 +83,9 @@ static uint8_t random_byte(struct bench *self)
 static void begin(struct bench *self, dg_ns now)
 {
     struct lx_error error;
-    self->trace = lx_trace_open(self->path, DG_STACK_HIPERFACE, "pty", &self->tap, now, &error);
+    const struct lx_trace_setup setup = {
+        .path = self->path, .stack = DG_STACK_HIPERFACE, .wire = "pty", .tap = &self->tap};
+    self->trace = lx_trace_open(&setup, now, &error);
     assert_non_null(self->trace);
 }
 

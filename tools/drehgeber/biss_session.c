@@ -55,8 +55,13 @@ static int power_on(struct biss_session *self, const struct options *options, dg
 static int open_trace(struct biss_session *self, const struct options *options, dg_ns ready,
                       struct lx_error *error)
 {
-    self->trace =
-        lx_trace_open(options->trace, DG_STACK_BISS, options->model, &self->tap, ready, error);
+    const struct lx_trace_setup trace = {
+        .path = options->trace,
+        .stack = DG_STACK_BISS,
+        .wire = options->model,
+        .tap = &self->tap,
+    };
+    self->trace = lx_trace_open(&trace, ready, error);
     lx_sim_master_pause(&self->master, dg_after(ready, TRACE_AHEAD));
     return self->trace == NULL ? EXIT_OTHER : 0;
 }
@@ -70,7 +75,7 @@ int biss_session_open(struct biss_session *self, const struct options *options, 
     if (understand(self, options, error) != 0) {
         return EXIT_USAGE;
     }
-    const int parsed = lx_shaft_parse(&self->shaft, shaft, error);
+    const int parsed = lx_shaft_parse(&self->shaft, shaft, NULL, error);
     if (parsed != 0) {
         return parsed == LX_SHAFT_WORDS ? EXIT_USAGE : EXIT_OTHER;
     }

@@ -20,6 +20,7 @@ enum key {
     KEY_SIM,
     KEY_GPIO,
     KEY_TRACE,
+    KEY_FILES,
     KEY_MODBUS,
     KEY_RING,
     KEY_NVM,
@@ -75,6 +76,7 @@ static const struct argp_option table[] = {
     {.name = "shaft",   .key = KEY_SHAFT,   .arg = "MOTION",    .doc = "what the shaft does, see below (default: 0)"},
     {.name = "set",     .key = KEY_SET,     .arg = "KEY=VALUE", .doc = "see below; may be given again"},
     {.name = "control", .key = KEY_CONTROL, .arg = "ADDRESS",   .doc = "SCPI at unix:PATH or tcp:HOST:PORT (loopback; ,open: beyond it, too), ,token=FILE behind it: for who knows the token; may be given again (default: unix:$XDG_RUNTIME_DIR/drehgeber/NAME.sock)"},
+    {.name = "files",   .key = KEY_FILES,   .arg = "DIR",       .doc = "traces, recordings and motions that SCPI names lie below DIR (default: here for unix:, nowhere for tcp:)"},
     {.name = "trace",   .key = KEY_TRACE,   .arg = "FILE",      .doc = "what goes over the wire: .vcd (RS485, BiSS), .log or .pcapng (CAN), .csv (INTERBUS)"},
     {.name = "verbose", .key = KEY_VERBOSE,                     .doc = "what goes over the wire in words, on stderr"},
     {.name = "quiet",   .key = KEY_QUIET,                       .doc = "no notes on stderr, only complaints"},
@@ -144,6 +146,7 @@ static const struct {
     {KEY_RING, offsetof(struct options, ring)},     {KEY_NVM, offsetof(struct options, nvm)},
     {KEY_SERIAL, offsetof(struct options, serial)}, {KEY_NODE, offsetof(struct options, node)},
     {KEY_SHAFT, offsetof(struct options, shaft)},   {KEY_TRACE, offsetof(struct options, trace)},
+    {KEY_FILES, offsetof(struct options, files)},
 };
 #define TEXT_COUNT (sizeof texts / sizeof texts[0])
 
@@ -227,7 +230,7 @@ static int explain_culprit(struct options *self)
             &self->error,
             "unknown option %s; valid: --pty[=LINK] --tty DEV --sim --gpio CHIP:MA,SLO --can IFNAME "
             "--slcan[=LINK] --modbus HOST:PORT --ring MODELS --nvm FILE --serial N --node N[..M] "
-            "--shaft MOTION --set KEY=VALUE --control ADDRESS --trace FILE --verbose --quiet "
+            "--shaft MOTION --set KEY=VALUE --control ADDRESS --files DIR --trace FILE --verbose --quiet "
             "--help --version",
             self->culprit);
     }

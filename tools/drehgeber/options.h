@@ -38,6 +38,7 @@ struct options {
     const char *node;
     const char *shaft;
     const char *trace;
+    const char *files;
     char **words; /* owned; what `biss MODEL` is to do, as many as argc at most */
     size_t word_count;
     const char **sets; /* owned; as many as argc at most */

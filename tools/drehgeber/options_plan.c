@@ -353,6 +353,11 @@ int options_plan(const struct options *self, struct lx_plan *plan, struct lx_err
     if (result == 0) {
         result = take_controls(self, plan, error);
     }
+    if (result == 0 && self->files != NULL) {
+        free(plan->files);
+        plan->files = strdup(self->files);
+        result = plan->files == NULL ? no_memory(error) : 0;
+    }
     if (result != 0) {
         lx_plan_free(plan);
     }

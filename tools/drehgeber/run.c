@@ -90,22 +90,31 @@ static int begin_printing(struct running *self, dg_ns now, struct lx_error *erro
 
 /* --- the loop --- */
 
+/* What ends a program that was started by hand, by a script or by a service manager: a closed
+   terminal is the commonest of all. */
+static const int ending[] = {SIGTERM, SIGINT, SIGHUP, SIGQUIT};
+#define ENDING_COUNT (sizeof ending / sizeof ending[0])
+
 /* Blocked from here on and read by the loop: no way out that leaves a link behind. A closed stdout
    or a file size limit is an errno then, not the end. */
 static int take_signals(sd_event *event)
 {
     sigset_t stop;
     (void)sigemptyset(&stop);
-    (void)sigaddset(&stop, SIGTERM);
-    (void)sigaddset(&stop, SIGINT);
+    for (size_t i = 0; i < ENDING_COUNT; i++) {
+        (void)sigaddset(&stop, ending[i]);
+    }
     const struct sigaction ignore = {.sa_handler = SIG_IGN};
     if (sigprocmask(SIG_BLOCK, &stop, NULL) != 0 || sigaction(SIGPIPE, &ignore, NULL) != 0 ||
         sigaction(SIGXFSZ, &ignore, NULL) != 0) {
         return -errno;
     }
     /* Without a handler of its own a signal ends the loop with 0. */
-    const int result = sd_event_add_signal(event, NULL, SIGTERM, NULL, NULL);
-    return result < 0 ? result : sd_event_add_signal(event, NULL, SIGINT, NULL, NULL);
+    int result = 0;
+    for (size_t i = 0; result >= 0 && i < ENDING_COUNT; i++) {
+        result = sd_event_add_signal(event, NULL, ending[i], NULL, NULL);
+    }
+    return result;
 }
 
 /* A large rig has a file for each encoder; nothing here minds descriptors beyond 1023. */
