@@ -34,7 +34,7 @@ def rig(tmp_path):
     def begin(text, *arguments, **options):
         file = tmp_path / "rig.ini"
         file.write_text(text)
-        one = Encoder([file, *arguments], **options)
+        one = Encoder([file, "--files", tmp_path, *arguments], **options)
         running.append(one)
         lines = [one.ready_line]
         while lines[-1] != "ready rig":
@@ -57,7 +57,7 @@ def rig(tmp_path):
 
 # --- files --------------------------------------------------------------------------------------
 
-@pytest.mark.parametrize("command, code", [('SHAF:REC:STAR "{}"', -256), ('SHAF:PROF "{}"', -256)])
+@pytest.mark.parametrize("command, code", [('SHAF:REC:STAR "{}"', -257), ('SHAF:PROF "{}"', -256)])
 def test_a_pipe_holds_up_nobody(rig, tmp_path, command, code):
     pipe = tmp_path / "pipe.csv"
     os.mkfifo(pipe)
@@ -68,15 +68,14 @@ def test_a_pipe_holds_up_nobody(rig, tmp_path, command, code):
     assert bench.end() == 0
 
 
-def test_a_recording_into_a_pipe_that_nobody_empties(rig, tmp_path):
-    pipe = tmp_path / "pipe.csv"
-    os.mkfifo(pipe)
-    reader = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
-    client = rig(SIMULATED).client()
-    assert client.error(f'TIME:SCAL 0;:SHAF:REC:STAR "{pipe}"') == 0
+def test_a_recording_on_a_full_disk(rig, tmp_path):
+    bench = rig(SIMULATED)
+    client = bench.client()
+    assert client.error(f'TIME:SCAL 0;:SHAF:REC:STAR "{tmp_path}/r.csv"') == 0
+    bench.limit_file_size(1000)
     assert client.error("TIME:STEP 10S") == 0
     assert client.error("SHAF:REC:STOP") == -250
-    os.close(reader)
+    assert (tmp_path / "r.csv").stat().st_size == 1000
 
 
 def test_one_file_is_of_one_recording(rig, tmp_path):
@@ -84,9 +83,9 @@ def test_one_file_is_of_one_recording(rig, tmp_path):
                          "[encoder b]\nmodel = f3668\nwire = slcan\nshaft = n\nnvm = b.csv\n")
     client = rig(text).client()
     assert client.error(f'SHAF:REC:STAR "{tmp_path}/r.csv"') == 0
-    assert client.error(f'INST:SEL b;:SHAF:REC:STAR "{tmp_path}/./r.csv"') == -256
+    assert client.error(f'INST:SEL b;:SHAF:REC:STAR "{tmp_path}/./r.csv"') == -257
     image = (tmp_path / "b.csv").read_bytes()
-    assert client.error(f'SHAF:REC:STAR "{tmp_path}/b.csv"') == -256
+    assert client.error(f'SHAF:REC:STAR "{tmp_path}/b.csv"') == -257
     assert (tmp_path / "b.csv").read_bytes() == image
     assert client.error("INST:SEL a;:SHAF:REC:STOP") == 0
 
@@ -107,7 +106,7 @@ def test_the_lock_of_an_eeprom_lasts(rig, tmp_path):
     """Also after this process had the file open a second time, for a recording that it refused."""
     image = tmp_path / "a.csv"
     bench = rig(CONTROLLED + f"[encoder a]\nmodel = f3668\nwire = slcan\nnvm = {image}\n")
-    assert bench.client().error(f'SHAF:REC:STAR "{image}"') == -256
+    assert bench.client().error(f'SHAF:REC:STAR "{image}"') == -257
     said = run_refused(1, "run", "f3668", "--slcan", "--nvm", image)
     assert f"in use by process {bench.pid};" in said
 

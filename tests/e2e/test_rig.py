@@ -102,7 +102,7 @@ def rig(tmp_path):
     def begin(text, *arguments, **options) -> Rig:
         file = tmp_path / f"rig{len(running)}.ini"
         file.write_text(text)
-        running.append(Rig(file, *arguments, **options))
+        running.append(Rig(file, "--files", tmp_path, *arguments, **options))
         return running[-1]
 
     yield begin
@@ -308,7 +308,7 @@ def test_profiles(rig, tmp_path):
 def test_traces_and_recordings(rig, tmp_path):
     trace, motion = tmp_path / "one.vcd", tmp_path / "motion.csv"
     with control_of(rig(SIMULATED)) as control:
-        control.refused(f'TRAC:STAR "{tmp_path}/none/x.vcd"', -256)
+        control.refused(f'TRAC:STAR "{tmp_path}/none/x.vcd"', -257)
         control.do(f'TRAC:STAR "{trace}"')
         control.refused(f'TRAC:STAR "{trace}"', -221)
         control.do(f'SHAF:REC:STAR "{motion}", 10 MS')

@@ -11,6 +11,7 @@ import socket
 import struct
 import subprocess
 import sys
+import tempfile
 import time
 from pathlib import Path
 
@@ -143,7 +144,7 @@ class Bench:
         file = folder / "bench.ini"
         file.write_text(text)
         self.process = subprocess.Popen(
-            [PROGRAM, "run", str(file), *map(str, arguments)], stdin=subprocess.DEVNULL,
+            [PROGRAM, "run", str(file), "--files", tempfile.gettempdir(), *map(str, arguments)], stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=folder, **options)
         self.out = Lines(self.process.stdout)
         self.said = Lines(self.process.stderr)
