@@ -50,7 +50,7 @@ static int fake_read(struct lx_gpio_lines *base, struct lx_gpio_edge *edges, siz
     uint64_t unused = 0;
     const size_t count = fake.queued < n ? fake.queued : n;
 
-    (void)read(base->fd, &unused, sizeof unused);
+    assert_int_equal(read(base->fd, &unused, sizeof unused), (int)sizeof unused);
     memcpy(edges, fake.queue, count * sizeof edges[0]);
     fake.queued = 0;
     return fake.ma < 0 ? fake.ma : (int)count;
