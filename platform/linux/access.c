@@ -74,7 +74,7 @@ static int check_token(const char *path, char *token, size_t n, struct lx_error 
 {
     bool good = true;
     n -= n > 0 && token[n - 1] == '\n' ? 1u : 0u;
-    token[n] = '\0';
+    token[n] = '\0'; /* one in the text is no printable character */
     for (size_t i = 0; i < n; i++) {
         good = good && isgraph((unsigned char)token[i]) != 0 && token[i] != '"' && token[i] != '\'';
     }
@@ -205,20 +205,32 @@ static bool same_token(const char *right, const char *text, size_t n)
     return difference == 0;
 }
 
-/* What stands in the quotes of SYSTem:TOKen "..."; NULL: another line. */
-static const char *token_of(const char *line, size_t n, size_t *length)
+/* The header SYSTem:TOKen and a blank; 0: another line. */
+static size_t token_header(const char *line, size_t n)
 {
     static const char *const forms[] = {"SYSTEM:TOKEN ", "SYST:TOK ", "SYST:TOKEN ", "SYSTEM:TOK "};
-    size_t at = n > 0 && line[0] == ':' ? 1u : 0u;
+    const size_t at = n > 0 && line[0] == ':' ? 1u : 0u;
     for (size_t i = 0; i < sizeof forms / sizeof forms[0]; i++) {
         const size_t form = strlen(forms[i]);
-        if (n - at > form + 1u && strncasecmp(line + at, forms[i], form) == 0 &&
-            line[at + form] == '"' && line[n - 1] == '"') {
-            *length = n - at - form - 2u;
-            return line + at + form + 1u;
+        if (n - at >= form && strncasecmp(line + at, forms[i], form) == 0) {
+            return at + form;
         }
     }
-    return NULL;
+    return 0;
+}
+
+/* What stands in the quotes of SYSTem:TOKen "..." or '...'; NULL: another line. */
+static const char *token_of(const char *line, size_t n, size_t *length)
+{
+    const size_t header = token_header(line, n);
+    const char *text = line + header + skip_blanks(line + header, n - header);
+    const size_t left = (size_t)(line + n - text);
+    if (header == 0 || left < 2u || (text[0] != '"' && text[0] != '\'') ||
+        text[left - 1u] != text[0]) {
+        return NULL;
+    }
+    *length = left - 2u;
+    return text + 1;
 }
 
 static enum lx_guard_verdict look(struct lx_guard *self, const char *line, size_t n)
@@ -246,12 +258,15 @@ enum lx_guard_verdict lx_guard_line(struct lx_guard *self, const char *line, siz
     const size_t end = without_end(line, n);
     const bool inside = self->inside;
     self->inside = end == n;
-    if ((!self->tcp && self->token == NULL) || inside || blanks >= end) {
+    if ((!self->tcp && self->token == NULL) || inside) {
         return LX_GUARD_PASS;
     }
-    /* A first line without an end in sight is no command. */
+    /* A first line without an end in sight is no command, also when it begins with blanks. */
     if (end == n && !self->begun) {
         return LX_GUARD_CLOSE;
+    }
+    if (blanks >= end) {
+        return LX_GUARD_PASS;
     }
     return look(self, line + blanks, end - blanks);
 }
