@@ -113,16 +113,16 @@ static int refuse_below(const struct lx_folder *folder, const char *path, int re
 }
 
 /* A file that was there: this program's own of this kind, or an empty one? */
-static bool replaceable(int fd, const char *mark)
+static bool replaceable(int fd, const struct lx_file_mark *mark)
 {
-    char head[LX_FILE_MARK_WITHIN];
+    char found[LX_FILE_MARK_MAX];
     struct stat info;
     if (fstat(fd, &info) != 0 || !S_ISREG(info.st_mode) || info.st_nlink != 1) {
-        return false;
+        return false; /* by another name it may be somebody else's */
     }
-    const ssize_t n = pread(fd, head, sizeof head, 0);
     return info.st_size == 0 ||
-           (n > 0 && mark != NULL && memmem(head, (size_t)n, mark, strlen(mark)) != NULL);
+           (mark != NULL && pread(fd, found, mark->n, (off_t)mark->at) == (ssize_t)mark->n &&
+            memcmp(found, mark->bytes, mark->n) == 0);
 }
 
 /* --- files that are written --- */

@@ -37,6 +37,14 @@ int lx_folder_open(struct lx_folder *self, const char *path, struct lx_error *er
 /** Give it back; LX_FOLDER_NONE afterwards. */
 void lx_folder_close(struct lx_folder *self);
 
+/** What stands in each file of a kind that this program writes, and in no other one. */
+struct lx_file_mark {
+    size_t at; /**< bytes from the beginning */
+    size_t n;  /**< 1..LX_FILE_MARK_MAX */
+    const char *bytes;
+};
+#define LX_FILE_MARK_MAX 32u
+
 /** A file that is to be written. */
 struct lx_file_wanted {
     /** NULL: the user has named it, and whatever it was is replaced. A client's is in the folder,
@@ -44,11 +52,8 @@ struct lx_file_wanted {
      */
     const struct lx_folder *folder;
     const char *path;
-    /** What stands within the first LX_FILE_MARK_WITHIN bytes of each file of this kind that this
-     * program writes; NULL: nothing, so that a client replaces none. */
-    const char *mark;
+    const struct lx_file_mark *mark; /**< NULL: none, so that a client replaces no such file */
 };
-#define LX_FILE_MARK_WITHIN 128u
 
 /** A file whose first bytes wait. */
 struct lx_file;

@@ -16,7 +16,7 @@
 #include "shaft.h"
 #include "timer.h"
 
-#define HEADER "time_s,angle_deg"
+#define HEADER "time_s,angle_deg\n"
 #define INTERVAL_MIN DG_US(100)
 #define INTERVAL_MAX DG_S(3600)
 /* Real time; the clock may be stopped, stepped or sped up at any time, and says nothing. */
@@ -147,13 +147,14 @@ static int open_parts(struct lx_record *self, struct lx_error *error)
     if (result < 0) {
         return lx_fail(error, "%s: no timer for a recording: %s", self->path, strerror(-result));
     }
+    static const struct lx_file_mark mark = {0, sizeof HEADER - 1u, HEADER};
     const struct lx_file_wanted wanted = {
-        .folder = self->setup.folder, .path = self->path, .mark = HEADER};
+        .folder = self->setup.folder, .path = self->path, .mark = &mark};
     self->file = lx_file_create(&wanted, NULL, error);
     if (self->file == NULL) {
         return -1;
     }
-    return fputs(HEADER "\n", self->file) >= 0
+    return fputs(HEADER, self->file) >= 0
                ? 0
                : lx_fail(error, "%s: cannot write: %s", self->path, strerror(errno));
 }

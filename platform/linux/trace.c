@@ -120,7 +120,10 @@ static int begin(struct lx_trace *self, const struct lx_trace_setup *setup, stru
 {
     const char *path = setup->path;
     const struct lx_file_wanted wanted = {
-        .folder = setup->folder, .path = path, .mark = self->format->mark};
+        .folder = setup->folder,
+        .path = path,
+        .mark = self->format->mark.n == 0 ? NULL : &self->format->mark,
+    };
     self->own = calloc(1, self->format->size);
     self->path = strdup(path);
     if (self->own == NULL || self->path == NULL) {

@@ -24,6 +24,13 @@
 #define OPTION_EPB_FLAGS 2u
 #define RESOLUTION_NS 9u
 #define APPLICATION "drehgeber"
+/* The option of the section header that names it, behind type, length, byte order, version and the
+   section's length. */
+#define MARK_BYTES "\x04\x00\x09\x00" APPLICATION
+#define PCAPNG_MARK                                                                                \
+    {                                                                                              \
+        24, sizeof MARK_BYTES - 1u, MARK_BYTES                                                     \
+    }
 #define INBOUND 1u
 #define OUTBOUND 2u
 
@@ -78,7 +85,7 @@ static void log_event(struct lx_trace *self, const struct lx_tap_event *event)
 }
 
 const struct lx_trace_format lx_trace_log = {
-    ".log", NULL, DG_STACK_CANOPEN, 1, log_begin, log_event, nothing_to_end,
+    ".log", {0, 0, NULL}, DG_STACK_CANOPEN, 1, log_begin, log_event, nothing_to_end,
 };
 
 /* ---------------------------------------------------------------- pcapng */
@@ -182,8 +189,8 @@ static void pcapng_event(struct lx_trace *self, const struct lx_tap_event *event
 }
 
 const struct lx_trace_format lx_trace_pcapng = {
-    ".pcapng", APPLICATION, DG_STACK_CANOPEN, 1, pcapng_begin, pcapng_event, nothing_to_end,
+    ".pcapng", PCAPNG_MARK, DG_STACK_CANOPEN, 1, pcapng_begin, pcapng_event, nothing_to_end,
 };
 const struct lx_trace_format lx_trace_pcap = {
-    ".pcap", APPLICATION, DG_STACK_CANOPEN, 1, pcapng_begin, pcapng_event, nothing_to_end,
+    ".pcap", PCAPNG_MARK, DG_STACK_CANOPEN, 1, pcapng_begin, pcapng_event, nothing_to_end,
 };

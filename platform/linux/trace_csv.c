@@ -10,6 +10,8 @@
 #define NS_PER_S 1000000000u
 /* All that a ring can have, either way. */
 #define WORDS_MAX 512u
+/* A ring has one word at least. */
+#define BEGIN "time_s,in_0,"
 
 /* The row written last. */
 struct csv {
@@ -90,5 +92,11 @@ static void csv_event(struct lx_trace *self, const struct lx_tap_event *event)
 }
 
 const struct lx_trace_format lx_trace_csv = {
-    ".csv", "time_s,in_0", DG_STACK_INTERBUS, sizeof(struct csv), csv_begin, csv_event, csv_end,
+    ".csv",
+    {0, sizeof BEGIN - 1u, BEGIN},
+    DG_STACK_INTERBUS,
+    sizeof(struct csv),
+    csv_begin,
+    csv_event,
+    csv_end,
 };

@@ -16,7 +16,7 @@
 /** How a kind of file is written. Errors of `file` are seen by the caller, after each call. */
 struct lx_trace_format {
     const char *ending;
-    const char *mark; /**< see struct lx_file_wanted */
+    struct lx_file_mark mark; /**< n 0: none */
     enum dg_device_stack stack;
     size_t size; /**< of the format's own state */
     void (*begin)(struct lx_trace *self);
@@ -42,7 +42,11 @@ struct lx_trace {
 };
 
 /** How a VCD file begins. */
-#define LX_VCD_MARK "$comment drehgeber:"
+#define LX_VCD_BEGIN "$comment drehgeber:"
+#define LX_VCD_MARK                                                                                \
+    {                                                                                              \
+        0, sizeof LX_VCD_BEGIN - 1u, LX_VCD_BEGIN                                                  \
+    }
 
 /** The formats. */
 extern const struct lx_trace_format lx_trace_uart, lx_trace_biss, lx_trace_log, lx_trace_pcapng,

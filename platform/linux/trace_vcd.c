@@ -54,7 +54,8 @@ void lx_vcd_begin(struct lx_vcd *self, const struct lx_trace *trace, const char 
                   const char *const *names, const char *ids)
 {
     self->file = trace->file;
-    (void)fprintf(self->file, LX_VCD_MARK " %s $end\n$timescale 1 ns $end\n$scope module %s $end\n",
+    (void)fprintf(self->file,
+                  LX_VCD_BEGIN " %s $end\n$timescale 1 ns $end\n$scope module %s $end\n",
                   trace->wire, scope);
     for (size_t i = 0; ids[i] != '\0'; i++) {
         (void)fprintf(self->file, "$var wire 1 %c %s $end\n", ids[i], names[i]);
