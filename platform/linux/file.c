@@ -57,7 +57,7 @@ int lx_folder_open(struct lx_folder *self, const char *path, struct lx_error *er
     }
     const int reason = errno;
     lx_folder_close(self);
-    return lx_fail(error, "%s: no folder for files: %s", path, strerror(reason));
+    return lx_fail(error, "%s: not a folder for files: %s", path, strerror(reason));
 }
 
 void lx_folder_close(struct lx_folder *self)
@@ -70,11 +70,15 @@ void lx_folder_close(struct lx_folder *self)
     *self = LX_FOLDER_NONE;
 }
 
-/* What of an absolute name lies behind the folder's; NULL: it lies elsewhere. */
+/* What of an absolute name lies behind the folder's, which may end in slashes or be the root; NULL:
+   it lies elsewhere. */
 static const char *behind(const char *path, const char *folder)
 {
-    const size_t n = strlen(folder);
-    const bool inside = n > 0 && strncmp(path, folder, n) == 0 && path[n] == '/';
+    size_t n = strlen(folder);
+    while (n > 0 && folder[n - 1] == '/') {
+        n--;
+    }
+    const bool inside = folder[0] == '/' && strncmp(path, folder, n) == 0 && path[n] == '/';
     return inside ? path + n + strspn(path + n, "/") : NULL;
 }
 
@@ -129,20 +133,19 @@ static bool replaceable(int fd, const struct lx_file_mark *mark)
 
 struct lx_file {
     int fd;
-    bool created; /* by this process */
     bool held;
-    char *bytes; /* what waits; owned */
+    bool for_nothing; /* made by this process at `path`: removed unless something is written */
+    char *bytes;      /* what waits; owned */
     size_t length;
-    char path[]; /* to remove what was created for nothing */
+    char path[];
 };
 
 /* 0 or an errno. */
 static int open_below_to_write(struct lx_file *self, const struct lx_file_wanted *wanted)
 {
     self->fd = open_below(wanted->folder, wanted->path, O_WRONLY | O_CREAT | O_EXCL);
-    self->created = self->fd >= 0;
-    if (self->created || errno != EEXIST) {
-        return self->created ? 0 : errno;
+    if (self->fd >= 0 || errno != EEXIST) {
+        return self->fd >= 0 ? 0 : errno;
     }
     self->fd = open_below(wanted->folder, wanted->path, O_RDWR);
     if (self->fd < 0) {
@@ -155,8 +158,8 @@ static int open_to_write(struct lx_file *self, const char *path)
 {
     const int flags = O_WRONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY;
     self->fd = open(path, flags | O_CREAT | O_EXCL, FILE_MODE);
-    self->created = self->fd >= 0;
-    if (!self->created && errno == EEXIST) {
+    self->for_nothing = self->fd >= 0;
+    if (self->fd < 0 && errno == EEXIST) {
         self->fd = open(path, flags | O_CREAT, FILE_MODE); /* a link to nothing is followed */
     }
     return self->fd >= 0 ? 0 : errno;
@@ -193,7 +196,7 @@ static int open_wanted(struct lx_file *self, const struct lx_file_wanted *wanted
 static int close_file(void *cookie)
 {
     struct lx_file *self = cookie;
-    if (self->held && self->created) {
+    if (self->held && self->for_nothing) {
         (void)unlink(self->path);
     }
     const int result = self->fd >= 0 ? close(self->fd) : 0;
@@ -202,13 +205,26 @@ static int close_file(void *cookie)
     return result;
 }
 
-/* As fopencookie() has it: 0 is an error. */
+/* @return how much is written; less than `n`: errno says why */
+static size_t write_all(int fd, const char *bytes, size_t n)
+{
+    size_t done = 0;
+    while (done < n) {
+        const ssize_t now = write(fd, bytes + done, n - done);
+        if (now == 0 || (now < 0 && errno != EINTR)) {
+            break;
+        }
+        done += now > 0 ? (size_t)now : 0u;
+    }
+    return done;
+}
+
+/* As fopencookie() has it: less than `n` is an error. */
 static ssize_t write_file(void *cookie, const char *bytes, size_t n)
 {
     struct lx_file *self = cookie;
     if (!self->held) {
-        const ssize_t done = write(self->fd, bytes, n);
-        return done > 0 ? done : 0;
+        return (ssize_t)write_all(self->fd, bytes, n);
     }
     char *more = realloc(self->bytes, self->length + n);
     if (more == NULL) {
@@ -266,14 +282,10 @@ int lx_file_release(struct lx_file *self)
     if (fstat(self->fd, &info) == 0 && S_ISREG(info.st_mode) && ftruncate(self->fd, 0) != 0) {
         return errno;
     }
-    self->held = false;
-    for (size_t done = 0; done < self->length;) {
-        const ssize_t n = write(self->fd, self->bytes + done, self->length - done);
-        if (n < 0 && errno != EINTR) {
-            return errno;
-        }
-        done += n > 0 ? (size_t)n : 0u;
+    if (write_all(self->fd, self->bytes, self->length) != self->length) {
+        return errno;
     }
+    self->held = false;
     free(self->bytes);
     self->bytes = NULL;
     self->length = 0;

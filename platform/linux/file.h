@@ -69,7 +69,7 @@ FILE *lx_file_create(const struct lx_file_wanted *wanted, struct lx_file **held,
                      struct lx_error *error);
 
 /** Empty the file and write what has waited; later bytes go there at once. Flush the stream first.
- * @return 0 or an errno */
+ * @return 0 or an errno: to be closed then, a file that was made for it is removed again */
 int lx_file_release(struct lx_file *self);
 
 /** Open a regular file for reading: of anything else nobody knows when it ends. `folder` as above.
