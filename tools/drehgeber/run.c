@@ -92,8 +92,18 @@ static int begin_printing(struct running *self, dg_ns now, struct lx_error *erro
 
 /* What ends a program that was started by hand, by a script or by a service manager: a closed
    terminal is the commonest of all. */
-static const int ending[] = {SIGTERM, SIGINT, SIGHUP, SIGQUIT};
+static const struct {
+    int number;
+    bool unless_ignored; /* as nohup starts it, and a shell what goes to the background */
+} ending[] = {{SIGTERM, false}, {SIGINT, false}, {SIGHUP, true}, {SIGQUIT, true}};
 #define ENDING_COUNT (sizeof ending / sizeof ending[0])
+
+static bool ends(size_t index)
+{
+    struct sigaction before;
+    return !ending[index].unless_ignored ||
+           (sigaction(ending[index].number, NULL, &before) == 0 && before.sa_handler != SIG_IGN);
+}
 
 /* Blocked from here on and read by the loop: no way out that leaves a link behind. A closed stdout
    or a file size limit is an errno then, not the end. */
@@ -102,7 +112,9 @@ static int take_signals(sd_event *event)
     sigset_t stop;
     (void)sigemptyset(&stop);
     for (size_t i = 0; i < ENDING_COUNT; i++) {
-        (void)sigaddset(&stop, ending[i]);
+        if (ends(i)) {
+            (void)sigaddset(&stop, ending[i].number);
+        }
     }
     const struct sigaction ignore = {.sa_handler = SIG_IGN};
     if (sigprocmask(SIG_BLOCK, &stop, NULL) != 0 || sigaction(SIGPIPE, &ignore, NULL) != 0 ||
@@ -112,7 +124,7 @@ static int take_signals(sd_event *event)
     /* Without a handler of its own a signal ends the loop with 0. */
     int result = 0;
     for (size_t i = 0; result >= 0 && i < ENDING_COUNT; i++) {
-        result = sd_event_add_signal(event, NULL, ending[i], NULL, NULL);
+        result = ends(i) ? sd_event_add_signal(event, NULL, ending[i].number, NULL, NULL) : 0;
     }
     return result;
 }
