@@ -252,19 +252,35 @@ static int on_event(sd_event_source *source, int fd, uint32_t events, void *ctx)
     return 0;
 }
 
+/* Who goes last: first those who have not named the token, then those that wait for nothing. */
+static unsigned standing(const struct client *client)
+{
+    const struct dg_scpi *session = &client->control.session;
+    const bool known = client->guard.token == NULL || client->guard.named;
+    const bool waits = session->waiting || session->opc || session->executing;
+    return known ? 1u + (unsigned)waits : 0u;
+}
+
+static bool goes_before(const struct client *a, const struct client *b)
+{
+    const unsigned standing_a = standing(a);
+    const unsigned standing_b = standing(b);
+    return standing_a != standing_b ? standing_a < standing_b : a->heard < b->heard;
+}
+
 /* A free place, or that of the client which has been silent for the longest time. */
 static struct client *place(struct lx_server *self)
 {
-    struct client *silent = &self->clients[0];
+    struct client *last = &self->clients[0];
     for (size_t i = 0; i < LX_SERVER_CLIENTS_MAX; i++) {
         struct client *client = &self->clients[i];
         if (client->fd < 0) {
             return client;
         }
-        silent = client->heard < silent->heard ? client : silent;
+        last = goes_before(client, last) ? client : last;
     }
-    drop(silent);
-    return silent;
+    drop(last);
+    return last;
 }
 
 static void keep_alive(int socket)

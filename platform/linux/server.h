@@ -17,7 +17,8 @@
 #include "drehgeber/control.h"
 #include "say.h"
 
-/** Clients at once; one more takes the place of the one that has been silent for longest. */
+/** Clients at once; one more takes the place of the one that has been silent for longest: of those
+ * who have not named the token, if there are any, else of those who wait for no answer. */
 #define LX_SERVER_CLIENTS_MAX 32u
 
 /** Longest address as it is told, with the name of the token's file. */
