@@ -15,6 +15,7 @@
 #include <string.h>
 
 #include "bus.h"
+#include "endpoint.h"
 #include "modbus.h"
 #include "settings.h"
 
@@ -210,7 +211,16 @@ static int open_coupler(struct ring_bus *self, struct lx_error *error)
         .ctx = self,
     };
     self->coupled = true;
-    return lx_modbus_open(&self->coupler, &coupler, error);
+    if (lx_modbus_open(&self->coupler, &coupler, error) != 0) {
+        return -1;
+    }
+    if (!lx_endpoint_is_loopback(self->coupler.listener)) {
+        lx_note(self->bus.setup.say,
+                "modbus:%s: beyond loopback; whoever reaches it writes to this ring, as with the "
+                "real coupler",
+                self->coupler.address);
+    }
+    return 0;
 }
 
 static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
