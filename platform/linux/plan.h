@@ -81,6 +81,8 @@ struct lx_plan {
     char *controls[LX_PLAN_CONTROLS_MAX]; /**< unix:PATH or tcp:HOST:PORT; none: the default */
     size_t control_count;
     char *files; /**< the folder for files that clients name; NULL: see --files */
+    lx_line_number control_lines[LX_PLAN_CONTROLS_MAX]; /**< of the keys; 0: the command line */
+    lx_line_number files_line;
     struct lx_plan_shaft *shafts;
     size_t shaft_count;
     struct lx_plan_wire *wires;

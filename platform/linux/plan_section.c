@@ -159,6 +159,7 @@ static int take_control(struct lx_plan *plan, const struct lx_plan_setting *row,
     if (lx_access_parse(row->value, &access, error) != 0) {
         return lx_plan_fail(plan, row->line, error, "control: %s", error->text);
     }
+    plan->control_lines[plan->control_count] = row->line;
     return write_control(plan, &access, &plan->controls[plan->control_count++], error);
 }
 
@@ -178,6 +179,7 @@ static int take_rig(struct lx_plan *plan, const struct lx_plan_section *self,
     int result = name == NULL ? 0 : lx_plan_take_text(name, &plan->name, error);
     const struct lx_plan_setting *files = lx_plan_word(self, "files");
     if (result == 0 && files != NULL && plan->files == NULL) {
+        plan->files_line = files->line;
         result = lx_plan_take_path(plan, files->value, &plan->files, error);
     }
     for (size_t i = 0; result == 0 && i < self->words.count; i++) {

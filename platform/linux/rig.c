@@ -262,7 +262,9 @@ static int serve_all(struct lx_rig *self, struct lx_error *error)
     for (size_t i = 0; i < plan->control_count; i++) {
         self->servers[i] = serve(self, plan->controls[i], error);
         if (self->servers[i] == NULL) {
-            return -1;
+            const lx_line_number line = plan->control_lines[i];
+            return lx_plan_fail(plan, line, error, "%s %s",
+                                line == 0 ? "--control" : "control:", error->text);
         }
     }
     if (plan->control_count == 0) {
@@ -289,10 +291,28 @@ static int release_traces(struct lx_rig *self, struct lx_error *error)
     return result;
 }
 
+/* The working directory may be gone; then clients name no files. */
+static int open_files(struct lx_rig *self, struct lx_error *error)
+{
+    const struct lx_plan *plan = self->setup.plan;
+    const char *folder = plan->files == NULL ? "." : plan->files;
+    if (lx_folder_open(&self->files, folder, error) == 0 || plan->files == NULL) {
+        return 0;
+    }
+    return lx_plan_fail(plan, plan->files_line, error, "%s %s",
+                        plan->files_line == 0 ? "--files" : "files:", error->text);
+}
+
+static void warn(const struct lx_rig *self)
+{
+    for (size_t i = 0; i < LX_PLAN_CONTROLS_MAX; i++) {
+        lx_server_warn(self->servers[i]);
+    }
+}
+
 static int power(struct lx_rig *self, struct lx_error *error)
 {
-    const char *files = self->setup.plan->files;
-    if (lx_folder_open(&self->files, files == NULL ? "." : files, error) != 0 && files != NULL) {
+    if (open_files(self, error) != 0) {
         return -1;
     }
     const int result = lx_timer_open(&self->faults, self->setup.event, on_faults, self);
@@ -304,10 +324,12 @@ static int power(struct lx_rig *self, struct lx_error *error)
             return -1;
         }
     }
-    if (serve_all(self, error) != 0 || look_after_loop(self, error) != 0) {
+    if (serve_all(self, error) != 0 || look_after_loop(self, error) != 0 ||
+        release_traces(self, error) != 0) {
         return -1;
     }
-    return release_traces(self, error);
+    warn(self);
+    return 0;
 }
 
 /* --- all of it --- */

@@ -361,10 +361,6 @@ static int listen_there(struct lx_server *self, const char *where, struct lx_err
     remember_file(self);
     (void)snprintf(self->address, sizeof self->address, "%s%s%s", self->where,
                    file[0] == '\0' ? "" : ",token=", file);
-    if (self->access.open && !lx_endpoint_is_loopback(self->listener)) {
-        lx_complain("%s: open to the network%s; whoever reaches it steers this rig", self->where,
-                    file[0] == '\0' ? ", without a token" : "");
-    }
     return 0;
 }
 
@@ -393,6 +389,7 @@ struct lx_server *lx_server_open(const char *where, const struct lx_server_setup
         return NULL;
     }
     self->setup = *setup;
+    self->listener = -1;
     for (size_t i = 0; i < LX_SERVER_CLIENTS_MAX; i++) {
         self->clients[i].fd = -1;
     }
@@ -414,6 +411,15 @@ void lx_server_wake(struct lx_server *self)
     if (waits) {
         self->woken = true;
         lx_timer_at(&self->timer, lx_now());
+    }
+}
+
+void lx_server_warn(const struct lx_server *self)
+{
+    if (self != NULL && !lx_endpoint_is_loopback(self->listener)) {
+        lx_complain("%s: beyond loopback; %s steers this rig", self->where,
+                    self->token[0] == '\0' ? "whoever reaches it"
+                                           : "whoever knows the token, which goes as plain text,");
     }
 }
 

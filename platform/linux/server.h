@@ -52,6 +52,9 @@ struct lx_server *lx_server_open(const char *where, const struct lx_server_setup
 /** A shaft or the clock has changed: what clients wait for may come sooner; NULL is fine. */
 void lx_server_wake(struct lx_server *self);
 
+/** A line on stderr when others than this machine reach it; NULL is fine. */
+void lx_server_warn(const struct lx_server *self);
+
 /** Where it listens, with the real port, and the token's file: what a client takes. */
 const char *lx_server_address(const struct lx_server *self);
 

@@ -355,6 +355,7 @@ int options_plan(const struct options *self, struct lx_plan *plan, struct lx_err
     }
     if (result == 0 && self->files != NULL) {
         free(plan->files);
+        plan->files_line = 0;
         plan->files = strdup(self->files);
         result = plan->files == NULL ? no_memory(error) : 0;
     }
