@@ -132,11 +132,30 @@ class Encoder:
         return unasked
 
 
+def start_rig(file, *arguments, **options) -> Encoder:
+    """A rig file until it is ready; .controls are its control addresses."""
+    rig = Encoder([file, *arguments], **options)
+    rig.lines = [rig.ready_line]
+    while rig.lines[-1] != "ready rig":
+        rig.lines.append(rig.out.wait())
+    rig.controls = [line.split(" ", 1)[1] for line in rig.lines if line.startswith("control ")]
+    return rig
+
+
 class Client:
     """A client of the control plane; every wait has an end."""
 
-    def __init__(self, port: int):
-        self.line = socket.create_connection(("127.0.0.1", port), PATIENCE_S)
+    def __init__(self, address):
+        """At a TCP port of this machine, or at unix:PATH or tcp:HOST:PORT."""
+        kind, _, where = str(address).partition(":")
+        if kind == "unix":
+            self.line = socket.socket(socket.AF_UNIX)
+            self.line.connect(where)  # with a timeout it would not wait for its turn
+            self.line.settimeout(PATIENCE_S)
+        else:
+            host, _, port = where.rpartition(":") if where else ("127.0.0.1", "", kind)
+            self.line = socket.create_connection((host.strip("[]"), int(port)), PATIENCE_S)
+            self.line.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self.answers = self.line.makefile("r")
 
     def __enter__(self):
