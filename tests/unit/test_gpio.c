@@ -50,7 +50,8 @@ static int fake_read(struct lx_gpio_lines *base, struct lx_gpio_edge *edges, siz
     uint64_t unused = 0;
     const size_t count = fake.queued < n ? fake.queued : n;
 
-    assert_int_equal(read(base->fd, &unused, sizeof unused), (int)sizeof unused);
+    /* Edges are also asked for when nothing has woken anybody. */
+    assert_true(read(base->fd, &unused, sizeof unused) == sizeof unused || errno == EAGAIN);
     memcpy(edges, fake.queue, count * sizeof edges[0]);
     fake.queued = 0;
     return fake.ma < 0 ? fake.ma : (int)count;
