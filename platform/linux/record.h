@@ -22,7 +22,7 @@ struct lx_record_setup {
     const struct dg_shaft *shaft;
     sd_event *event;
     const struct lx_clock *clock;
-    dg_ns interval; /**< 100 us .. 1 h */
+    dg_ns interval;                 /**< 100 us .. 1 h */
     const struct lx_folder *folder; /**< of the client that asks; NULL: anywhere */
 };
 
