@@ -151,12 +151,13 @@ static bool is_loopback(const struct sockaddr *address)
     }
     const struct sockaddr_in *four = (const struct sockaddr_in *)(const void *)address;
     return address->sa_family == AF_UNIX ||
-           ntohl(four->sin_addr.s_addr) >> IN_CLASSA_NSHIFT == IN_LOOPBACKNET;
+           (address->sa_family == AF_INET &&
+            ntohl(four->sin_addr.s_addr) >> IN_CLASSA_NSHIFT == IN_LOOPBACKNET);
 }
 
 bool lx_endpoint_is_loopback(int fd)
 {
-    struct sockaddr_storage bound;
+    struct sockaddr_storage bound = {.ss_family = AF_UNSPEC};
     socklen_t size = sizeof bound;
     return getsockname(fd, (struct sockaddr *)&bound, &size) == 0 &&
            is_loopback((const struct sockaddr *)&bound);
