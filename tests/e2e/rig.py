@@ -137,7 +137,11 @@ def start_rig(file, *arguments, **options) -> Encoder:
     rig = Encoder([file, *arguments], **options)
     rig.lines = [rig.ready_line]
     while rig.lines[-1] != "ready rig":
-        rig.lines.append(rig.out.wait())
+        try:
+            rig.lines.append(rig.out.wait())
+        except AssertionError:
+            rig.clean_up()
+            raise
     rig.controls = [line.split(" ", 1)[1] for line in rig.lines if line.startswith("control ")]
     return rig
 

@@ -34,6 +34,7 @@ def rig(tmp_path):
         file = tmp_path / "rig.ini"
         file.write_text("[rig]\n" + "".join(f"control = {a}\n" for a in addresses) + ENCODER)
         one = start_rig(file, "--files", tmp_path, **options)
+        running.append(one)
         one.controls = [address.partition(",token=")[0] for address in one.controls]
         one.port = int(one.controls[0].rpartition(":")[2]) if "tcp:" in one.controls[0] else None
 
@@ -42,7 +43,6 @@ def rig(tmp_path):
             return clients[-1]
 
         one.client = client
-        running.append(one)
         return one
 
     yield begin
@@ -136,8 +136,8 @@ def target(tmp_path_factory):
     one = start_rig(folder / "rig.ini", "--files", folder)
     one.port, one.folder = int(one.controls[0].rpartition(":")[2]), folder
     yield one
-    assert one.end() == 0
-    assert one.clean_up() == []
+    status = one.end()
+    assert (status, one.clean_up()) == (0, [])
 
 
 @pytest.mark.parametrize("ends", ["\n", "\r\n", "\r"], ids=["LF", "CRLF", "CR"])

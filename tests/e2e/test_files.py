@@ -483,9 +483,12 @@ def test_names_from_the_root(tmp_path, form):
     rig.write_text(f"[rig]\ncontrol = unix:s\nfiles = {form.format(tmp_path)}\n"
                    "[encoder a]\nmodel = s3684-biss\nwire = sim\n")
     bench = start_rig(rig)
-    with Client(f"unix:{tmp_path}/s") as client:
-        client.do(f'SHAF:REC:STAR "{tmp_path}/x.csv"')
-    assert bench.end() == 0 and bench.clean_up() == []
+    try:
+        with Client(f"unix:{tmp_path}/s") as client:
+            client.do(f'SHAF:REC:STAR "{tmp_path}/x.csv"')
+        assert bench.end() == 0
+    finally:
+        assert bench.clean_up() == []
     assert (tmp_path / "x.csv").stat().st_size > 0
 
 
