@@ -176,7 +176,7 @@ static int refuse_sim_keys(const struct lx_bus_setup *setup, struct lx_error *er
 static int understand(struct gpio_bus *self, struct lx_error *error)
 {
     const struct lx_bus_setup *setup = &self->bus.setup;
-    struct lx_error reason;
+    struct lx_error reason = {""};
     if (lx_gpio_address_parse(&self->address, setup->wire->where, &reason) != 0) {
         return lx_plan_fail(setup->plan, setup->wire->line, error, "%s", reason.text);
     }

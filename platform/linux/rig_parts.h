@@ -57,7 +57,7 @@ struct lx_rig {
     struct lx_station *stations;
     struct lx_timer faults; /**< their durations */
     struct lx_stall stall;
-    dg_ns stalled; /**< when the last long one ended; 0: there was none */
+    dg_ns stalled;          /**< when the last long one ended; 0: there was none */
     struct lx_folder files; /**< of clients */
     struct lx_folder no_files;
     const struct lx_folder *folder; /**< of the client that is served; NULL: none is */

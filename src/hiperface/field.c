@@ -190,13 +190,13 @@ enum dg_hf_status dg_hf_field_status(struct dg_hf *self, struct hf_request *rq)
     return status;
 }
 
-/* Put `fields` in force; with `content`, together with the sum of `field`. */
+/* Put `fields` in force; with `field`, together with the sum of its `content`. */
 static enum dg_hf_status commit_fields(struct dg_hf *self, const struct fields *fields,
                                        const struct field *field, const uint8_t *content)
 {
     dg_store_begin(&self->store);
     (void)dg_store_stage(&self->store, DG_HF_REGION_FIELDS, 0, fields, sizeof *fields);
-    if (content != NULL) {
+    if (field != NULL) {
         (void)stage_sum(self, field, content);
     }
     return dg_hf_io(dg_store_commit(&self->store));

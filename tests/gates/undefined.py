@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The core needs nothing but mem* and the compiler's integer helpers; so it has no float either.
+Hardened builds check mem* and the stack on top.
 
 usage: undefined.py NM LIBRARY...
 """
@@ -16,6 +17,7 @@ ALLOWED = re.compile(
     r"|__gnu_thumb1_case_\w+"
     r"|__(u?(div|mod|divmod)|mul|ashl|ashr|lshr|clz|ctz|popcount|u?cmp|ffs|bswap)[sd]i[234]?"
     r"|_GLOBAL_OFFSET_TABLE_"
+    r"|__stack_chk_fail|__mem(cpy|set|move)_chk"  # of hardened host builds
 )
 
 

@@ -249,6 +249,16 @@ static void wait_for_status(struct bench *self, uint16_t status)
     wait_for(self, STATUS, status);
 }
 
+/* One of each profile, and cycles run. */
+static struct bench *running(void **state)
+{
+    struct bench *self = *state;
+    plan_ring(self, mixed, 3);
+    open_ring(self);
+    wait_for_status(self, 1);
+    return self;
+}
+
 /* As the rig does before it reads or changes anything. */
 static void look(struct bench *self)
 {
@@ -503,10 +513,7 @@ static void no_file_for_those_without_a_memory(void **state)
 
 static void power_off_interrupts_the_ring(void **state)
 {
-    struct bench *self = *state;
-    plan_ring(self, mixed, 3);
-    open_ring(self);
-    wait_for_status(self, 1);
+    struct bench *self = running(state);
     listen_to(self);
     wait_for_cycles(self, 2);
     look(self);
@@ -547,10 +554,7 @@ static void breaks(void **state)
 
 static void dropped_cycles(void **state)
 {
-    struct bench *self = *state;
-    plan_ring(self, mixed, 3);
-    open_ring(self);
-    wait_for_status(self, 1);
+    struct bench *self = running(state);
     listen_to(self);
     bend(self, 1, DG_WIRE_DROP, 0);
     const uint32_t cycles = device(self, 0)->counters.cycles;
@@ -569,10 +573,7 @@ static void dropped_cycles(void **state)
 
 static void transmission_errors(void **state)
 {
-    struct bench *self = *state;
-    plan_ring(self, mixed, 3);
-    open_ring(self);
-    wait_for_status(self, 1);
+    struct bench *self = running(state);
     listen_to(self);
     bend(self, 1, DG_WIRE_DAMAGE, 2);
     wait_for_cycles(self, 20);
@@ -586,10 +587,7 @@ static void transmission_errors(void **state)
 static void torn_words(void **state)
 {
     uint16_t in[5];
-    struct bench *self = *state;
-    plan_ring(self, mixed, 3);
-    open_ring(self);
-    wait_for_status(self, 1);
+    struct bench *self = running(state);
     look(self);
     self->angle[0] = 0x123 * STEP;
     self->angle[1] = 0x12345 * STEP;
@@ -619,10 +617,7 @@ static void torn_words(void **state)
 /* Cycles are counted all the same; who listens hears each of them. */
 static void a_ring_sleeps_until_it_is_needed(void **state)
 {
-    struct bench *self = *state;
-    plan_ring(self, mixed, 3);
-    open_ring(self);
-    wait_for_status(self, 1);
+    struct bench *self = running(state);
     wait_for_cycles(self, 10);
     settle(self);
     for (int i = 0; i < 3; i++) {
@@ -654,10 +649,7 @@ static void a_ring_sleeps_until_it_is_needed(void **state)
 static void a_ring_sleeps_again_when_its_fault_is_used_up(void **state)
 {
     static const enum dg_wire_fault each[] = {DG_WIRE_DROP, DG_WIRE_DAMAGE, DG_WIRE_TEAR};
-    struct bench *self = *state;
-    plan_ring(self, mixed, 3);
-    open_ring(self);
-    wait_for_status(self, 1);
+    struct bench *self = running(state);
     for (size_t i = 0; i < sizeof each / sizeof each[0]; i++) {
         bend(self, 2, each[i], 2);
         wait_for_cycles(self, 10);
