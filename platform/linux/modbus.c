@@ -24,6 +24,9 @@
 #define HEADER 7u
 #define LENGTH_AT 4u
 #define BACKLOG 16
+/* What a client that is sent away may still send, and for how long. */
+#define FAREWELL_BYTES 65536u
+#define FAREWELL DG_S(2)
 #define FUNCTION_MASK 0x7Fu
 
 /* A request after its header. */
@@ -171,6 +174,46 @@ static void drop(struct lx_modbus_client *client)
     }
     client->fd = -1;
     client->length = 0;
+    client->leaving = false;
+}
+
+/* Wait for the first client that has had time enough to leave. */
+static void await_leavers(struct lx_modbus *self)
+{
+    dg_ns first = DG_NEVER;
+    for (size_t i = 0; i < LX_MODBUS_CLIENTS; i++) {
+        const struct lx_modbus_client *client = &self->clients[i];
+        first = client->leaving && client->end < first ? client->end : first;
+    }
+    lx_timer_at(&self->farewell, first);
+}
+
+static void on_farewell(void *ctx, dg_ns now)
+{
+    struct lx_modbus *self = ctx;
+    for (size_t i = 0; i < LX_MODBUS_CLIENTS; i++) {
+        if (self->clients[i].leaving && self->clients[i].end <= now) {
+            drop(&self->clients[i]);
+        }
+    }
+    await_leavers(self);
+}
+
+/* Closing a connection with bytes that nobody has read resets it, and answers on their way are
+ * lost. So: the end of the stream behind the last answer, and what still comes is read until the
+ * client has understood. Whoever needs a place takes this one first. */
+static void send_away(struct lx_modbus_client *client)
+{
+    if (shutdown(client->fd, SHUT_WR) != 0) {
+        drop(client);
+        return;
+    }
+    client->leaving = true;
+    client->heard = 0;
+    client->length = 0;
+    client->unheard = 0;
+    client->end = dg_after(lx_now(), FAREWELL);
+    await_leavers(client->owner);
 }
 
 /* Bytes of the request at the beginning of the buffer, header included; 0: no Modbus. */
@@ -185,26 +228,40 @@ static size_t request_length(const struct lx_modbus_client *client)
     return length + HEADER - 1u;
 }
 
-/* Answer the requests that are complete. @return false: the connection is of no use any more */
-static bool take_requests(struct lx_modbus_client *client)
+enum outcome { STAYS, SENT_AWAY, GONE };
+
+/* Answer the requests that are complete. */
+static enum outcome take_requests(struct lx_modbus_client *client)
 {
     struct lx_modbus *self = client->owner;
     while (client->length >= HEADER) {
         const size_t length = request_length(client);
         if (length == 0) {
             self->counters.garbage++;
-            return false;
+            return SENT_AWAY;
         }
         if (client->length < length) {
-            return true;
+            break;
         }
         if (!answer(self, client, length)) {
-            return false;
+            return GONE;
         }
         client->length -= length;
         memmove(client->bytes, client->bytes + length, client->length);
     }
-    return true;
+    return STAYS;
+}
+
+static void hear(struct lx_modbus_client *client, size_t n)
+{
+    client->heard = lx_now();
+    client->length += n;
+    const enum outcome outcome = take_requests(client);
+    if (outcome == SENT_AWAY) {
+        send_away(client);
+    } else if (outcome == GONE) {
+        drop(client);
+    }
 }
 
 static int on_bytes(sd_event_source *source, int fd, uint32_t events, void *ctx)
@@ -217,9 +274,12 @@ static int on_bytes(sd_event_source *source, int fd, uint32_t events, void *ctx)
     if (n < 0 && (errno == EAGAIN || errno == EINTR)) {
         return 0;
     }
-    client->heard = lx_now();
-    client->length += n > 0 ? (size_t)n : 0u;
-    if (n <= 0 || !take_requests(client)) {
+    if (n > 0 && !client->leaving) {
+        hear(client, (size_t)n);
+        return 0;
+    }
+    client->unheard += n > 0 ? (size_t)n : 0u;
+    if (n <= 0 || client->unheard > FAREWELL_BYTES) {
         drop(client);
     }
     return 0;
@@ -323,6 +383,9 @@ static int watch(struct lx_modbus *self, sd_event *event)
         result = lx_timer_open(&self->timer, event, on_time, self);
     }
     if (result >= 0) {
+        result = lx_timer_open(&self->farewell, event, on_farewell, self);
+    }
+    if (result >= 0) {
         lx_timer_at(&self->timer, lx_now());
     }
     return result;
@@ -355,6 +418,7 @@ void lx_modbus_close(struct lx_modbus *self)
         drop(&self->clients[i]);
     }
     lx_timer_close(&self->timer);
+    lx_timer_close(&self->farewell);
     self->io = sd_event_source_disable_unref(self->io);
     if (self->listener >= 0) {
         (void)close(self->listener);

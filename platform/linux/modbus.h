@@ -28,7 +28,10 @@ struct lx_modbus_client {
     struct lx_modbus *owner;
     int fd; /**< -1: free */
     sd_event_source *io;
-    dg_ns heard; /**< last time bytes came in */
+    dg_ns heard;    /**< last time bytes came in; 0: it is leaving */
+    bool leaving;   /**< it has all its answers; what it still sends is read and forgotten */
+    dg_ns end;      /**< of leaving, at the latest */
+    size_t unheard; /**< bytes that were forgotten */
     size_t length;
     uint8_t bytes[LX_MODBUS_ADU_MAX]; /**< of a request that is not complete yet */
 };
@@ -57,6 +60,7 @@ struct lx_modbus {
     struct lx_modbus_setup setup;
     struct lx_map map;
     struct lx_timer timer;
+    struct lx_timer farewell; /**< clients that leave are closed */
     struct lx_ring_time time;
     modbus_t *protocol;
     int listener;

@@ -596,6 +596,53 @@ def test_garbage_is_survived(coupler, plc):
     assert plc(encoder).read(OUTPUT, 2) == [0, 0]
 
 
+def read_to_end(line: socket.socket) -> bytes:
+    """Whatever comes until the other side has no more to say; a reset is an error."""
+    got = b""
+    while piece := line.recv(4096):
+        got += piece
+    return got
+
+
+def test_garbage_behind_requests_costs_no_answer(coupler, plc):
+    encoder = coupler("--shaft", "90DEG")
+    in_operation(plc(encoder))
+    numbers = range(44)
+    requests = b"".join(number.to_bytes(2, "big") + bytes.fromhex("0000 0006 01 04 0000 0002")
+                        for number in numbers)
+    answers = b"".join(number.to_bytes(2, "big") + bytes.fromhex("0000 0007 01 04 04 0000 0400")
+                       for number in numbers)
+    for _ in range(20):
+        with socket.create_connection(("127.0.0.1", port_of(encoder)), PATIENCE_S) as line:
+            line.sendall(requests + b"\xff" * 3000)
+            assert read_to_end(line) == answers
+            line.sendall(requests)  # nobody listens any more
+            assert line.recv(300) == b""
+
+
+def is_closed(line: socket.socket) -> bool:
+    """Whether the other side does not take any more either."""
+    with contextlib.suppress(ConnectionError):
+        for _ in range(3):
+            line.sendall(b"\xff")
+            time.sleep(0.05)
+        return False
+    return True
+
+
+@pytest.mark.parametrize("more, soon", [(0, False), (1 << 20, True)])
+def test_who_sends_garbage_has_a_while_to_leave(coupler, more, soon):
+    encoder = coupler()
+    with socket.create_connection(("127.0.0.1", port_of(encoder)), PATIENCE_S) as line:
+        line.sendall(b"\xff" * 7)
+        assert read_to_end(line) == b""
+        with contextlib.suppress(ConnectionError):
+            line.sendall(bytes(more))
+        assert is_closed(line) == soon
+        time.sleep(2)
+        assert is_closed(line)
+
+
 def test_a_silent_client_stops_nobody(coupler, plc):
     encoder = coupler("--shaft", "90DEG")
     with socket.create_connection(("127.0.0.1", port_of(encoder)), PATIENCE_S) as line:

@@ -208,22 +208,9 @@ static void forget(struct client *self)
     self->fd = -1;
 }
 
-/* Behind requests whose answers are lost when the connection ends with bytes that nobody reads. */
-static bool garbage_follows(const struct client *self)
-{
-    struct client rest = *self;
-
-    while (!is_garbage(&rest) && whole(&rest) != 0) {
-        const size_t length = whole(&rest);
-        rest.asked_length -= length;
-        memmove(rest.asked, rest.asked + length, rest.asked_length);
-    }
-    return is_garbage(&rest);
-}
-
 static void cut_off(struct client *self)
 {
-    must(bench.crowded || garbage_follows(self));
+    must(bench.crowded || is_garbage(self));
     forget(self);
 }
 
