@@ -106,8 +106,7 @@ int lx_plan_fail(const struct lx_plan *self, lx_line_number line, struct lx_erro
     (void)vsnprintf(text.text, sizeof text.text, format, arguments);
     va_end(arguments);
     if (self->file == NULL || line == 0 || is_placed(self, text.text)) {
-        *error = text;
-        return -1;
+        return lx_fail(error, "%s", text.text);
     }
     /* What is cut off is the end of the list of what would be right. */
     const int room_left = (int)sizeof error->text / 2;

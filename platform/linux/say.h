@@ -23,7 +23,8 @@ struct lx_say {
     bool quiet; /**< only complaints, no notes */
 };
 
-/** Fill `error`, printf style. Always returns -1, for `return lx_fail(...)`. */
+/** Fill `error`, printf style; control characters become '?'. Always returns -1, for `return
+ * lx_fail(...)`. */
 int lx_fail(struct lx_error *error, const char *format, ...);
 
 /** A line about something the user may want to know; silent when quiet. */

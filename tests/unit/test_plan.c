@@ -203,6 +203,8 @@ static const struct {
      "1: model: stands before the first section; [rig], [shaft NAME], [bus NAME] and [encoder NAME] are right"},
     {"\n[foo]\n",
      "2: [foo]: no such section; [rig], [shaft NAME], [bus NAME] and [encoder NAME] are right"},
+    {"[a\033[31m\177b]\n", /* what would paint the terminal */
+     "1: [a?[31m?b]: no such section; [rig], [shaft NAME], [bus NAME] and [encoder NAME] are right"},
     {"[]\n",
      "1: []: no such section; [rig], [shaft NAME], [bus NAME] and [encoder NAME] are right"},
     {"[encoder]\n", NO_NAME("encoder")},
