@@ -12,6 +12,7 @@
 #include <string.h>
 
 #include "drehgeber/bits.h"
+#include "drehgeber/crc.h"
 #include "drehgeber/devices.h"
 #include "ram_nvm.h"
 
@@ -374,6 +375,170 @@ static void op_lss(struct bench *bench, struct input *input)
     receive(bench, &frame);
 }
 
+/* ------------------------------------------------------------ whole dialogues */
+
+static void sdo(struct bench *bench, const uint8_t *data)
+{
+    struct dg_can_frame frame = {.id = (uint16_t)(0x600u + (bench->node.id & 0x7Fu)), .dlc = 8};
+
+    memcpy(frame.data, data, sizeof frame.data);
+    receive(bench, &frame);
+}
+
+/* The first frame of a transfer; the caller fills in what follows the object. */
+static void name_object(uint8_t *data, uint8_t command, struct input *input)
+{
+    const uint8_t which = take(input) % COUNT(objects);
+
+    memset(data, 0, 8);
+    data[0] = command;
+    dg_store_le16(&data[1], objects[which].index);
+    data[3] = objects[which].sub;
+}
+
+/* A block upload as a client does it, which loses segments now and then. */
+static void op_block_upload(struct bench *bench, struct input *input)
+{
+    const uint8_t how = take(input);
+    const struct dg_co_sdo *server = &bench->node.sdo;
+    uint8_t data[8];
+
+    name_object(data, (uint8_t)(0xA0u | (how & 4u)), input);
+    data[4] = take(input) % 130u;
+    data[5] = (how & 1u) != 0 ? take(input) : 0;
+    sdo(bench, data);
+    if (server->state == DG_CO_SDO_BLOCK_UPLOAD_START) {
+        sdo(bench, (const uint8_t[8]){0xA3});
+    }
+    for (unsigned i = 0; i < 8 && server->state == DG_CO_SDO_BLOCK_UPLOAD; i++) {
+        const uint8_t lost = (how & 2u) != 0 ? take(input) : 0;
+        sdo(bench, (const uint8_t[8]){0xA2, (uint8_t)(server->seqno - lost % 3u),
+                                      (how & 8u) != 0 ? take(input) : 127});
+    }
+    if (server->state == DG_CO_SDO_BLOCK_UPLOAD_END && (how & 0xF0u) != 0xF0u) {
+        sdo(bench, (const uint8_t[8]){0xA1});
+    }
+}
+
+/* A block download, with a wrong order, length or sum now and then. */
+static void op_block_download(struct bench *bench, struct input *input)
+{
+    const uint8_t how = take(input);
+    const struct dg_co_sdo *server = &bench->node.sdo;
+    const uint8_t segments = (how & 0xF0u) == 0xF0u ? take(input) % 8u : 1;
+    uint8_t data[8];
+    uint16_t crc = 0;
+
+    name_object(data, (uint8_t)(0xC0u | (how & 6u)), input);
+    const uint8_t length = take(input) % 8u;
+    dg_store_le32(&data[4], length);
+    sdo(bench, data);
+    for (uint8_t i = 1; i <= segments && server->state == DG_CO_SDO_BLOCK_DOWNLOAD; i++) {
+        data[0] = (uint8_t)((i + ((how & 8u) != 0 ? take(input) % 3u : 0u)) |
+                            (i == segments ? 0x80u : 0u));
+        dg_store_le32(&data[1], take32(input));
+        crc = dg_crc16(0, &data[1], length);
+        sdo(bench, data);
+    }
+    if (server->state == DG_CO_SDO_BLOCK_DOWNLOAD_END) {
+        data[0] = (uint8_t)(0xC1u | ((7u - length) & 7u) << 2);
+        dg_store_le16(&data[1], (uint16_t)(crc ^ ((how & 1u) != 0 ? take(input) : 0u)));
+        sdo(bench, data);
+    }
+}
+
+static void lss(struct bench *bench, uint8_t service, uint32_t value, uint32_t more)
+{
+    struct dg_can_frame frame = {.id = LSS_RX, .dlc = 8, .data = {service}};
+
+    dg_store_le32(&frame.data[1], value);
+    frame.data[5] = (uint8_t)more;
+    frame.data[6] = (uint8_t)(more >> 8);
+    frame.data[7] = (uint8_t)(more >> 16);
+    receive(bench, &frame);
+}
+
+static uint32_t identity(const struct bench *bench, unsigned part)
+{
+    const struct dg_co_device *device = bench->node.setup.device;
+    const uint32_t parts[] = {device->vendor_id, device->product_code, device->revision,
+                              bench->node.serial};
+
+    return parts[part];
+}
+
+/* Vendor, product, revision, serial number; one of them wrong when the input says so. */
+static void op_lss_select(struct bench *bench, struct input *input)
+{
+    const uint8_t how = take(input);
+
+    for (unsigned part = 0; part < 4; part++) {
+        lss(bench, (uint8_t)(0x40u + part), identity(bench, part) + (how == part ? 1u : 0u), 0);
+    }
+}
+
+/* Limits around revision and serial number. */
+static void op_lss_identify(struct bench *bench, struct input *input)
+{
+    static const uint8_t parts[] = {0, 1, 2, 2, 3, 3};
+    static const uint8_t below[] = {0, 0, 1, 0, 1, 0};
+    const uint8_t how = take(input);
+
+    for (unsigned i = 0; i < COUNT(parts); i++) {
+        const uint32_t wide = how == i ? 0xFFFFFFF0u : how & 7u;
+        const uint32_t mine = identity(bench, parts[i]);
+        lss(bench, (uint8_t)(0x46u + i),
+            i < 2           ? mine
+            : below[i] != 0 ? mine - wide
+                            : mine + wide,
+            0);
+    }
+}
+
+/* What can be done in the configuration state; then it is left, or not. */
+static void op_lss_configure(struct bench *bench, struct input *input)
+{
+    const uint8_t how = take(input);
+
+    if ((how & 1u) != 0) {
+        lss(bench, 0x04, 1, 0);
+    }
+    for (uint8_t n = how >> 5; n > 0; n--) {
+        static const uint8_t services[] = {0x11, 0x13, 0x15, 0x17, 0x5A, 0x5B, 0x5C, 0x5D, 0x5E};
+        const uint8_t service = services[take(input) % COUNT(services)];
+        const uint32_t value = take(input);
+        /* The table of bit rates is 0, then the rate; a pause is short. */
+        lss(bench, service, service == 0x13 ? value % 10u << 8 : value, 0);
+    }
+    if ((how & 2u) != 0) {
+        lss(bench, 0x04, 0, 0);
+    }
+}
+
+/* One bit after the other of one part after the other, as a master without any idea does it. */
+static void op_lss_fastscan(struct bench *bench, struct input *input)
+{
+    const uint8_t how = take(input);
+
+    if ((how & 1u) != 0) { /* it has no node-ID */
+        lss(bench, 0x04, 1, 0);
+        lss(bench, 0x11, DG_CO_UNCONFIGURED, 0);
+        lss(bench, 0x04, 0, 0);
+        step(bench);
+    }
+    lss(bench, 0x4C, 0, 0);
+    lss(bench, 0x51, 0, 0x80);
+    for (uint32_t part = 0; part < 4; part++) {
+        const uint32_t mine = identity(bench, part) ^ (how >> 4 == part + 1u ? take32(input) : 0u);
+        for (uint32_t bit = 32; bit-- > 0;) {
+            lss(bench, 0x51, mine & 0xFFFFFFFFu << bit, bit | part << 8 | part << 16);
+        }
+        lss(bench, 0x51, mine, part << 8 | (part + 1u) % 4u << 16);
+    }
+}
+
+/* ------------------------------------------------------------ the world */
+
 /* Time passes in one jump, or deadline by deadline. */
 static void op_time(struct bench *bench, struct input *input)
 {
@@ -474,9 +639,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
 {
     /* Some stand twice: they are what a bus is made of. */
     static void (*const operations[])(struct bench *, struct input *) = {
-        op_any_frame, op_known_frame, op_known_frame, op_nmt,       op_write, op_write,
-        op_sdo,       op_sdo,         op_lss,         op_time,      op_time,  op_late_step,
-        op_bus,       op_shaft,       op_acknowledge, op_power_cut, op_rot,   op_power,
+        op_any_frame,  op_known_frame,  op_known_frame,   op_nmt,          op_write,
+        op_write,      op_sdo,          op_sdo,           op_lss,          op_time,
+        op_time,       op_late_step,    op_bus,           op_shaft,        op_acknowledge,
+        op_power_cut,  op_rot,          op_power,         op_block_upload, op_block_download,
+        op_lss_select, op_lss_identify, op_lss_configure, op_lss_fastscan,
     };
     static struct bench bench;
     struct input input = {.at = bytes, .end = bytes + n};
