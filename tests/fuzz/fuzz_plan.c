@@ -1,0 +1,91 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Fuzz target: a rig file. The input is the file. A plan that is made refers to nothing that is not
+ * there; one that is refused is empty again, and one printable line says why.
+ */
+#define _GNU_SOURCE
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include "bus.h"
+#include "fuzz_input.h"
+#include "plan_section.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n);
+
+/* A file that is in memory only. */
+static const char *write_file(const uint8_t *bytes, size_t n)
+{
+    static char path[32];
+    static int file = -1;
+
+    if (file < 0) {
+        file = memfd_create("rig.ini", MFD_CLOEXEC);
+        fuzz_must(file >= 0);
+        (void)snprintf(path, sizeof path, "/proc/self/fd/%d", file);
+    }
+    fuzz_must(ftruncate(file, 0) == 0);
+    fuzz_must(pwrite(file, bytes, n, 0) == (ssize_t)n);
+    return path;
+}
+
+static bool printable(const char *text)
+{
+    for (; *text != '\0'; text++) {
+        if ((uint8_t)*text < ' ' || *text == 0x7F) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static void check_settings(const struct lx_plan_settings *settings)
+{
+    for (size_t i = 0; i < settings->count; i++) {
+        fuzz_must(settings->list[i].key != NULL && settings->list[i].value != NULL);
+        fuzz_must(settings->list[i].line > 0);
+    }
+}
+
+static void check_plan(const struct lx_plan *plan)
+{
+    fuzz_must(plan->name != NULL && plan->control_count <= LX_PLAN_CONTROLS_MAX);
+    fuzz_must(plan->shaft_count <= LX_PLAN_SHAFTS_MAX && plan->wire_count <= LX_PLAN_WIRES_MAX);
+    fuzz_must(plan->encoder_count >= 1 && plan->encoder_count <= LX_PLAN_ENCODERS_MAX);
+    for (size_t i = 0; i < plan->shaft_count; i++) {
+        const struct lx_plan_shaft *shaft = &plan->shafts[i];
+        fuzz_must(lx_plan_name_fits(shaft->name) && shaft->driver < (int)i);
+        fuzz_must(shaft->driver < 0 || (shaft->ratio[0] != 0 && shaft->ratio[1] != 0));
+    }
+    for (size_t i = 0; i < plan->wire_count; i++) {
+        fuzz_must(lx_plan_name_fits(plan->wires[i].name) && plan->wires[i].kind != NULL);
+        check_settings(&plan->wires[i].settings);
+    }
+    for (size_t i = 0; i < plan->encoder_count; i++) {
+        const struct lx_plan_encoder *encoder = &plan->encoders[i];
+        fuzz_must(lx_plan_name_fits(encoder->name) && encoder->model != NULL);
+        fuzz_must(encoder->shaft < plan->shaft_count && encoder->wire < plan->wire_count);
+        check_settings(&encoder->settings);
+    }
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
+{
+    static const struct lx_plan empty;
+    const char *file = write_file(bytes, n);
+    struct lx_error error = {""};
+    struct lx_plan plan;
+
+    if (lx_plan_read(&plan, file, &error) == 0) {
+        check_plan(&plan);
+        lx_plan_free(&plan);
+    } else {
+        fuzz_must(strncmp(error.text, file, strlen(file)) == 0 && printable(error.text));
+    }
+    fuzz_must(memcmp(&plan, &empty, sizeof plan) == 0);
+    return 0;
+}
