@@ -8,7 +8,7 @@
  * set after before_wait(): an encoder that is slow with its own memory keeps nobody waiting.
  *
  * A stop is told by the signal that ends it. All that is known of its length is that it was within
- * the wait.
+ * the wait, or the one before: what had come when it began may be served first.
  */
 #define _GNU_SOURCE
 #include "stall.h"
@@ -43,9 +43,11 @@ static int before_wait(sd_event_source *source, void *ctx)
     if (began == self->woke) {
         return 0; /* no round: a stop has interrupted the wait, which goes on */
     }
-    if (took > LX_STALL_AFTER && something_is_ready(self)) {
+    self->told = took > LX_STALL_AFTER && something_is_ready(self);
+    if (self->told) {
         self->held_up(self->ctx, took);
     }
+    self->waited = dg_elapsed(began, self->waits);
     self->woke = began;
     self->waits = lx_now();
     return 0;
@@ -56,7 +58,9 @@ static int on_continued(sd_event_source *source, const struct signalfd_siginfo *
     struct lx_stall *self = ctx;
     (void)source;
     (void)info;
-    if (dg_elapsed(woke(self), self->waits) > LX_STALL_AFTER) {
+    const bool long_enough =
+        dg_elapsed(woke(self), self->waits) > LX_STALL_AFTER || self->waited > LX_STALL_AFTER;
+    if (long_enough && !self->told) {
         self->held_up(self->ctx, DG_NEVER);
     }
     return 0;

@@ -8,6 +8,7 @@
 #ifndef DREHGEBER_LINUX_STALL_H
 #define DREHGEBER_LINUX_STALL_H
 
+#include <stdbool.h>
 #include <systemd/sd-event.h>
 
 #include "drehgeber/time.h"
@@ -22,8 +23,10 @@ struct lx_stall {
     /** `by`: so long; DG_NEVER: stopped, and nobody knows how long. Never below LX_STALL_AFTER. */
     void (*held_up)(void *ctx, dg_ns by);
     void *ctx;
-    dg_ns woke;  /**< when the round before began */
-    dg_ns waits; /**< since when the loop waits */
+    dg_ns woke;   /**< when the round before began */
+    dg_ns waits;  /**< since when the loop waits */
+    dg_ns waited; /**< how long it had waited for the round before */
+    bool told;    /**< of the round before */
 };
 
 /** Begin; SIGCONT is taken by the loop from now on. @return 0 or a negative errno */
