@@ -48,8 +48,8 @@ static const char *const hiperface_setup[] = {
     "4D 00 D9 21",                               /* field 0: 32 bytes, code 1 */
     "4D 01 C7 55",                               /* field 1: 128 bytes, no code */
     "4D 02 F8 43",                               /* field 2: 16 bytes, code 3 */
-    "4B 00 00 20 21 00 01 02 03 04 05 06 07 08 09 0A 0B 0C 0D 0E 0F"
-                   "10 11 12 13 14 15 16 17 18 19 1A 1B 1C 1D 1E 1F",
+    ("4B 00 00 20 21 00 01 02 03 04 05 06 07 08 09 0A 0B 0C 0D 0E 0F"
+                    "10 11 12 13 14 15 16 17 18 19 1A 1B 1C 1D 1E 1F"),
     "4B 02 0B 05 43 68 65 6C 6C 6F",
     "57 65 55",                                  /* 19200 Bd, bus */
     "43 0A BC DE F0 55",                         /* position */

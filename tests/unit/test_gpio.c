@@ -119,7 +119,7 @@ static int setup(void **state)
 {
     (void)state;
     faults = (struct dg_faults){0};
-    tap = (struct lx_tap){NULL};
+    tap = (struct lx_tap){.first = NULL};
     gone = 0;
     fake = (struct fake){.base = {&fake_ops, eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)}, .ma = 1};
     return fake.base.fd < 0 || sd_event_new(&event) < 0;
