@@ -164,7 +164,7 @@ def test_rs485_sine_and_cosine_agree_with_42h(start, tmp_path):
 
 def test_rs485_sine_and_cosine_at_rest_are_told_once(start, tmp_path):
     path = tmp_path / "line.vcd"
-    encoder = start("--control", "tcp:127.0.0.1:0", "--shaft", "0.25REV")
+    encoder = start("--control", "tcp:127.0.0.1:0", "--files", tmp_path, "--shaft", "0.25REV")
     with Client(int(encoder.out.wait().rsplit(":", 1)[1])) as client:
         client.do(f'TRAC:STAR "{path}"')
         time.sleep(0.3)

@@ -73,7 +73,7 @@ static void take_words(const uint8_t *bytes, size_t n)
     if (lx_shaft_is_file(text)) {
         return; /* of this machine */
     }
-    const int result = lx_shaft_parse(&shaft, text, &error);
+    const int result = lx_shaft_parse(&shaft, text, NULL, &error);
     fuzz_must(result == 0 || result == LX_SHAFT_WORDS);
     fuzz_must((result == 0) == (error.text[0] == '\0') && shaft.points == NULL);
     if (result == 0) {
