@@ -447,8 +447,19 @@ void lx_server_close(struct lx_server *self)
 
 /* --- default addresses --- */
 
+/* That of a systemd service; of several (RuntimeDirectory=A B) the first one. */
+static int service_folder(const char *folders, char *to, size_t size)
+{
+    const int n = snprintf(to, size, "%.*s", (int)strcspn(folders, ":"), folders);
+    return n > 0 && (size_t)n < size ? 0 : -1;
+}
+
 int lx_server_folder(char *to, size_t size)
 {
+    const char *service = getenv("RUNTIME_DIRECTORY");
+    if (service != NULL && service[0] == '/') {
+        return service_folder(service, to, size);
+    }
     const char *run = getenv("XDG_RUNTIME_DIR");
     const char *tmp = getenv("TMPDIR");
     const bool known = run != NULL && run[0] == '/';
@@ -463,7 +474,9 @@ int lx_server_default(const char *name, char *to, size_t size, struct lx_error *
     char folder[LX_SERVER_ADDRESS_MAX];
     struct stat info;
     if (lx_server_folder(folder, sizeof folder) != 0) {
-        return lx_fail(error, "XDG_RUNTIME_DIR is too long; --control unix:PATH is right");
+        return lx_fail(
+            error,
+            "RUNTIME_DIRECTORY or XDG_RUNTIME_DIR is too long; --control unix:PATH is right");
     }
     if (mkdir(folder, FOLDER_MODE) != 0 && errno != EEXIST) {
         return lx_fail(error, "%s: cannot make the folder: %s; --control unix:PATH is right",

@@ -67,7 +67,8 @@ int ctl_find(const char *wanted, char *to, size_t size, struct lx_error *error)
         return lx_access_parse(wanted, &access, error);
     }
     if (lx_server_folder(folder, sizeof folder) != 0) {
-        return lx_fail(error, "XDG_RUNTIME_DIR is too long; --control ADDR is right");
+        return lx_fail(error,
+                       "RUNTIME_DIRECTORY or XDG_RUNTIME_DIR is too long; --control ADDR is right");
     }
     const int count = scandir(folder, &list, is_socket, alphasort);
     for (int i = 0; i < count; i++) {

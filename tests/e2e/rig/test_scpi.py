@@ -680,6 +680,26 @@ def test_default_address(start, tmp_path):
     assert not path.exists()
 
 
+@pytest.mark.parametrize("others", ["", ":/nowhere"], ids=["one", "several"])
+def test_default_address_in_a_service(start, tmp_path, others):
+    """RuntimeDirectory= of a systemd unit; its own folder, the first one, before the user's."""
+    own = tmp_path / "own"
+    environment = os.environ | {"RUNTIME_DIRECTORY": f"{own}{others}", "XDG_RUNTIME_DIR": str(tmp_path / "user")}
+    bench = start("[rig]\nname = stand\n[encoder a]\nmodel = s3674-biss\nwire = sim\n", env=environment)
+    assert mode(own / "stand.sock") == 0o600 and not (tmp_path / "user").exists()
+    ended = subprocess.run([PROGRAM, "ctl", "INST:SEL?"], env=environment, capture_output=True, text=True,
+                           timeout=PATIENCE_S)
+    assert (ended.returncode, ended.stdout, ended.stderr) == (0, '"a"\n', "")
+    assert bench.end() == 0
+    assert list(own.iterdir()) == []
+
+
+def test_a_folder_of_a_service_without_a_path_is_none(start, tmp_path):
+    environment = os.environ | {"RUNTIME_DIRECTORY": "", "XDG_RUNTIME_DIR": str(tmp_path)}
+    start("[rig]\nname = stand\n[encoder a]\nmodel = s3674-biss\nwire = sim\n", env=environment)
+    assert (tmp_path / "drehgeber" / "stand.sock").is_socket()
+
+
 def test_a_dead_socket_is_replaced_and_a_living_one_is_not(start, tmp_path):
     path = tmp_path / "x.sock"
     text = "[encoder a]\nmodel = s3674-biss\nwire = sim\n"
