@@ -62,10 +62,10 @@ const char *lx_server_address(const struct lx_server *self);
 void lx_server_close(struct lx_server *self);
 
 /**
- * The default address for `name`: unix:$RUNTIME_DIRECTORY/NAME.sock in a systemd service that has one
- * (the first, if there are several), else unix:$XDG_RUNTIME_DIR/drehgeber/NAME.sock, without either
- * unix:$TMPDIR/drehgeber-UID/NAME.sock (/tmp without that one, too); the folder is made, mode 0700,
- * and must be the user's own.
+ * The default address for `name`: unix:$RUNTIME_DIRECTORY/NAME.sock in a systemd service that has
+ * one (the first, if there are several), else unix:$XDG_RUNTIME_DIR/drehgeber/NAME.sock, without
+ * either unix:$TMPDIR/drehgeber-UID/NAME.sock (/tmp without that one, too); the folder is made,
+ * mode 0700, and must be the user's own.
  * @return 0, or -1 with one line in `error`
  */
 int lx_server_default(const char *name, char *to, size_t size, struct lx_error *error);
