@@ -107,7 +107,8 @@ static bool make_change(struct model_change *change, uint32_t nth)
         add(change, region, journal - 6);
     } else {
         add(change, region, half);
-        add(change, nth < 2u * count ? (uint8_t)((region + 1) % count) : region, half);
+        const unsigned other = nth < 2u * count ? (region + 1u) % count : region;
+        add(change, (uint8_t)other, half);
     }
     return nth <= 3u * count;
 }
