@@ -187,9 +187,9 @@ void dg_control_override(struct dg_faults *self, const struct dg_fault_target *t
     }
 }
 
-static void bend(struct dg_faults *self, const struct dg_fault_target *target, size_t index)
+static void bend(struct dg_faults *self, const struct dg_fault_target *target, size_t index,
+                 const struct dg_fault_row *row)
 {
-    const struct dg_fault_row *row = dg_control_row(target, index);
     const size_t before = rival(self, target, row->offset);
 
     /* What the quantity was before the first of them is what it will be after the last. */
@@ -202,10 +202,9 @@ static void bend(struct dg_faults *self, const struct dg_fault_target *target, s
     dg_control_set_quantity(target->world, row->offset, row->size, row->value);
 }
 
-static void unbend(struct dg_faults *self, const struct dg_fault_target *target, size_t index)
+static void unbend(struct dg_faults *self, const struct dg_fault_target *target, size_t index,
+                   const struct dg_fault_row *row)
 {
-    const struct dg_fault_row *row = dg_control_row(target, index);
-
     if (dg_control_quantity(target->world, row->offset, row->size) == row->value) {
         dg_control_set_quantity(target->world, row->offset, row->size, self->fault[index].healthy);
     }
@@ -243,7 +242,7 @@ static int begin(struct dg_faults *self, const struct dg_fault_target *target, s
 {
     switch (entry->kind) {
     case DG_FAULT_WORLD:
-        bend(self, target, index);
+        bend(self, target, index, entry->row);
         break;
     case DG_FAULT_MEMORY:
         return corrupt(self, target, index, entry->region);
@@ -288,7 +287,7 @@ int dg_fault_clear(struct dg_faults *self, const struct dg_fault_target *target,
     }
     switch (entry.kind) {
     case DG_FAULT_WORLD:
-        unbend(self, target, index);
+        unbend(self, target, index, entry.row);
         break;
     case DG_FAULT_MEMORY:
         if (dg_control_mend(target, entry.region, fault->healthy) != DG_OK) {

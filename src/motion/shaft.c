@@ -317,12 +317,12 @@ static void append_move(struct dg_shaft_course *self, const struct dg_shaft_phas
 {
     uint64_t speed = dg_exact_magnitude(start->prpm);
     struct dg_wide stop = stop_way(speed, goal->accel);
-    struct dg_wide room = dg_wide_subtract(way_to(start, goal->target),
-                                           start->prpm < 0 ? dg_wide_negate(stop) : stop);
-    bool backwards = dg_wide_is_negative(room);
+    struct dg_wide way = dg_wide_subtract(way_to(start, goal->target),
+                                          start->prpm < 0 ? dg_wide_negate(stop) : stop);
+    bool backwards = dg_wide_is_negative(way);
+    struct dg_wide room = backwards ? dg_wide_negate(way) : way;
     uint64_t excess;
 
-    room = backwards ? dg_wide_negate(room) : room;
     if (backwards != (start->prpm < 0)) {
         speed = 0; /* it stops, and goes on from there */
     }

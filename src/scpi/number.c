@@ -235,13 +235,26 @@ static bool read_based(struct dg_scpi *self, unsigned base, struct value *out)
     return dg_scpi_close(self, DG_SCPI_DATA_TYPE);
 }
 
-/* Without a name the first of the unit. */
+/* The first of a unit is the one that goes without saying; each unit has one. */
+static const struct suffix *usual_suffix(enum dg_scpi_unit unit)
+{
+    size_t i = 0;
+
+    while (i + 1u < SUFFIX_COUNT && suffixes[i].unit != (uint8_t)unit) {
+        i++;
+    }
+    return &suffixes[i];
+}
+
+/* Without a name the usual one. */
 static const struct suffix *find_suffix(enum dg_scpi_unit unit, const char *name, size_t n)
 {
+    if (n == 0) {
+        return usual_suffix(unit);
+    }
     for (size_t i = 0; i < SUFFIX_COUNT; i++) {
-        if (suffixes[i].unit == (uint8_t)unit &&
-            (n == 0 ||
-             (dg_scpi_length(suffixes[i].name) == n && dg_scpi_same(suffixes[i].name, name, n)))) {
+        if (suffixes[i].unit == (uint8_t)unit && dg_scpi_length(suffixes[i].name) == n &&
+            dg_scpi_same(suffixes[i].name, name, n)) {
             return &suffixes[i];
         }
     }
@@ -305,7 +318,7 @@ static void add_limit(struct scpi_detail *detail, const struct dg_scpi_range *ra
 
 static void raise_range(struct dg_scpi *self, const struct dg_scpi_range *range)
 {
-    const char *const name = find_suffix(range->unit, NULL, 0)->name;
+    const char *const name = usual_suffix(range->unit)->name;
     struct scpi_detail detail = {.length = 0};
 
     add_limit(&detail, range, range->min);
