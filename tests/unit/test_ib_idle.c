@@ -171,7 +171,9 @@ static dg_ns some_time(void)
 static void check_device(const struct dg_ib *is, const struct dg_ib *wanted)
 {
     assert_memory_equal(&is->counters, &wanted->counters, sizeof wanted->counters);
-    assert_memory_equal(&is->program, &wanted->program, sizeof wanted->program);
+    /* Behind the last field there is padding, which a copy need not take along. */
+    assert_memory_equal(&is->program, &wanted->program,
+                        offsetof(struct dg_ib_program, off_given) + 1u);
     SAME(powered), SAME(reconfigure), SAME(crc_error), SAME(outgoing_off), SAME(invalid);
     SAME(ready_at), SAME(last_id), SAME(last_data), SAME(time_10min), SAME(time_mark);
     SAME(out), SAME(pending), SAME(wait), SAME(frozen), SAME(answer), SAME(item);
