@@ -29,6 +29,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "drehgeber/api.h"
 #include "drehgeber/hal.h"
 #include "drehgeber/store.h"
 #include "drehgeber/time.h"
@@ -119,7 +120,7 @@ enum dg_biss_region {
 };
 
 /** The device's EEPROM table; each region is checked. */
-extern const struct dg_store_layout dg_biss_layout;
+DG_API extern const struct dg_store_layout dg_biss_layout;
 
 /** What a model is. Every figure is configuration; src/devices has the models of the manual. */
 struct dg_biss_model {
@@ -258,13 +259,13 @@ struct dg_biss_chain {
  * Burn the delivery state into a memory: offsets 0, masks as delivered, user banks FFh.
  * @return 0 or DG_ERR_IO
  */
-int dg_biss_format(struct dg_nvm nvm);
+DG_API int dg_biss_format(struct dg_nvm nvm);
 
 /**
  * Make a device, without power. The memory is not touched.
  * @return 0 or DG_ERR_ARGUMENT (a pointer is missing, a figure is out of range)
  */
-int dg_biss_init(struct dg_biss *self, const struct dg_biss_setup *setup);
+DG_API int dg_biss_init(struct dg_biss *self, const struct dg_biss_setup *setup);
 
 /**
  * Switch the power on at `now`, MA high; the device is ready after model->init. Also from the
@@ -274,39 +275,39 @@ int dg_biss_init(struct dg_biss *self, const struct dg_biss_setup *setup);
  * @return 0, also with damaged regions or a silent EEPROM (DG_BISS_CONFIGURATION, bank 0 as
  *         delivered). DG_ERR_BLANK or DG_ERR_FOREIGN: not this device's memory; it stays off.
  */
-int dg_biss_power_on(struct dg_biss *self, dg_ns now);
+DG_API int dg_biss_power_on(struct dg_biss *self, dg_ns now);
 
 /** Switch the power off. SLO is high; what was not stored is lost. */
-void dg_biss_power_off(struct dg_biss *self);
+DG_API void dg_biss_power_off(struct dg_biss *self);
 
 /**
  * MA is at `level` from `now` on; the same level again is no edge. Point to point: SLI is low.
  * A timeout that ended at or before `now` comes first.
  * @return the level of SLO
  */
-bool dg_biss_ma(struct dg_biss *self, dg_ns now, bool level);
+DG_API bool dg_biss_ma(struct dg_biss *self, dg_ns now, bool level);
 
 /** The same with a neighbour: `sli` is the level of SLI before this edge. */
-bool dg_biss_link(struct dg_biss *self, dg_ns now, bool level, bool sli);
+DG_API bool dg_biss_link(struct dg_biss *self, dg_ns now, bool level, bool sli);
 
 /**
  * Do what is due at `now`: the end of the timeout. May be called early (nothing happens) or late
  * (the access happens as of the deadline).
  * @return when to call again; DG_NEVER when only an edge can change anything
  */
-dg_ns dg_biss_step(struct dg_biss *self, dg_ns now);
+DG_API dg_ns dg_biss_step(struct dg_biss *self, dg_ns now);
 
 /** Level of SLO. A slave that is not the last one passes `sli` on while it is idle. */
-bool dg_biss_slo(const struct dg_biss *self, bool sli);
+DG_API bool dg_biss_slo(const struct dg_biss *self, bool sli);
 
 /** dg_biss_ma() for a chain. @return the level of the master's SL, the first slave's SLO */
-bool dg_biss_chain_ma(struct dg_biss_chain *self, dg_ns now, bool level);
+DG_API bool dg_biss_chain_ma(struct dg_biss_chain *self, dg_ns now, bool level);
 
 /** dg_biss_step() for a chain. */
-dg_ns dg_biss_chain_step(struct dg_biss_chain *self, dg_ns now);
+DG_API dg_ns dg_biss_chain_step(struct dg_biss_chain *self, dg_ns now);
 
 /** The master's SL. */
-bool dg_biss_chain_slo(const struct dg_biss_chain *self);
+DG_API bool dg_biss_chain_slo(const struct dg_biss_chain *self);
 
 /**
  * A whole frame at once, point to point, for hosts whose hardware does the shifting: latch at
@@ -315,29 +316,29 @@ bool dg_biss_chain_slo(const struct dg_biss_chain *self);
  * @param bits CDS, MT, ST, nERR, nWARN, LC, ~CRC6, right-aligned
  * @return number of bits, 1..63; 0 without power
  */
-uint8_t dg_biss_frame(struct dg_biss *self, dg_ns e1, uint64_t *bits);
+DG_API uint8_t dg_biss_frame(struct dg_biss *self, dg_ns e1, uint64_t *bits);
 
 /** The timeout of that frame ended at `now`; the master sent `cdm` (MA low: 1). */
-void dg_biss_frame_end(struct dg_biss *self, dg_ns now, bool cdm);
+DG_API void dg_biss_frame_end(struct dg_biss *self, dg_ns now, bool cdm);
 
 /**
  * Position at `now`, MT:ST right-aligned, as a frame has it: counts of the angle, minus OFFS,
  * negated with DIR, modulo its width. OFFS_ST is left-aligned in 26 bits, what is below the
  * resolution is dropped; a borrow goes into MT. Regardless of errors and initialisation.
  */
-uint64_t dg_biss_position(const struct dg_biss *self, dg_ns now);
+DG_API uint64_t dg_biss_position(const struct dg_biss *self, dg_ns now);
 
 /** The error register 69h as it reads at `now`. */
-uint8_t dg_biss_errors(const struct dg_biss *self, dg_ns now);
+DG_API uint8_t dg_biss_errors(const struct dg_biss *self, dg_ns now);
 
 /** nERR (bit 1) and nWARN (bit 0) as a frame latched at `now` has them. */
-uint8_t dg_biss_flags(const struct dg_biss *self, dg_ns now);
+DG_API uint8_t dg_biss_flags(const struct dg_biss *self, dg_ns now);
 
 /** CRC6 (43h) over the last `n` bits of `bits`, as sent: inverted. @param n 0..64 */
-uint8_t dg_biss_crc6(uint64_t bits, uint8_t n);
+DG_API uint8_t dg_biss_crc6(uint64_t bits, uint8_t n);
 
 /** CRC4 (13h) over the last `n` bits of `bits`, as sent: inverted. @param n 0..64 */
-uint8_t dg_biss_crc4(uint64_t bits, uint8_t n);
+DG_API uint8_t dg_biss_crc4(uint64_t bits, uint8_t n);
 
 #ifdef __cplusplus
 }

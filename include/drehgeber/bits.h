@@ -11,17 +11,19 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "drehgeber/api.h"
+
 #ifdef __cplusplus
 extern "C" {
 #endif
 
 /** Loads and stores; `p` needs no alignment. be = most significant byte first. */
-uint16_t dg_load_be16(const uint8_t *p);
-uint32_t dg_load_be24(const uint8_t *p);
-uint32_t dg_load_be32(const uint8_t *p);
-void dg_store_be16(uint8_t *p, uint16_t value);
-void dg_store_be24(uint8_t *p, uint32_t value);
-void dg_store_be32(uint8_t *p, uint32_t value);
+DG_API uint16_t dg_load_be16(const uint8_t *p);
+DG_API uint32_t dg_load_be24(const uint8_t *p);
+DG_API uint32_t dg_load_be32(const uint8_t *p);
+DG_API void dg_store_be16(uint8_t *p, uint16_t value);
+DG_API void dg_store_be24(uint8_t *p, uint32_t value);
+DG_API void dg_store_be32(uint8_t *p, uint32_t value);
 
 /** le = least significant byte first. In the header, so that frames are built without a call. */
 static inline uint16_t dg_load_le16(const uint8_t *p)
@@ -66,18 +68,18 @@ struct dg_writer {
 };
 
 /** A cursor over `n` bytes, and what it reads next, most significant byte first. */
-struct dg_reader dg_reader(const uint8_t *bytes, size_t n);
-uint8_t dg_read_u8(struct dg_reader *r);
-uint16_t dg_read_be16(struct dg_reader *r);
-uint32_t dg_read_be32(struct dg_reader *r);
+DG_API struct dg_reader dg_reader(const uint8_t *bytes, size_t n);
+DG_API uint8_t dg_read_u8(struct dg_reader *r);
+DG_API uint16_t dg_read_be16(struct dg_reader *r);
+DG_API uint32_t dg_read_be32(struct dg_reader *r);
 
 /** A cursor over `capacity` free bytes, and what it appends, most significant byte first. */
-struct dg_writer dg_writer(uint8_t *bytes, size_t capacity);
-void dg_write_u8(struct dg_writer *w, uint8_t value);
-void dg_write_be16(struct dg_writer *w, uint16_t value);
-void dg_write_be24(struct dg_writer *w, uint32_t value);
-void dg_write_be32(struct dg_writer *w, uint32_t value);
-void dg_write_bytes(struct dg_writer *w, const uint8_t *bytes, size_t n);
+DG_API struct dg_writer dg_writer(uint8_t *bytes, size_t capacity);
+DG_API void dg_write_u8(struct dg_writer *w, uint8_t value);
+DG_API void dg_write_be16(struct dg_writer *w, uint16_t value);
+DG_API void dg_write_be24(struct dg_writer *w, uint32_t value);
+DG_API void dg_write_be32(struct dg_writer *w, uint32_t value);
+DG_API void dg_write_bytes(struct dg_writer *w, const uint8_t *bytes, size_t n);
 
 #ifdef __cplusplus
 }

@@ -16,6 +16,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "drehgeber/api.h"
 #include "drehgeber/hal.h"
 #include "drehgeber/store.h"
 #include "drehgeber/time.h"
@@ -363,28 +364,28 @@ struct dg_co_node {
     [DG_CO_REGION_SERIAL] = {"serial", 4, DG_STORE_CHECKED, 0, dg_co_default_serial}
 /** Journal bytes that saving the stack's own regions takes. */
 #define DG_CO_JOURNAL_SIZE (6u + 1u + 6u + 35u + 4u * (6u + 43u))
-void dg_co_default_bus(const void *ctx, uint8_t *out);
-void dg_co_default_saved(const void *ctx, uint8_t *out);
-void dg_co_default_serial(const void *ctx, uint8_t *out);
+DG_API void dg_co_default_bus(const void *ctx, uint8_t *out);
+DG_API void dg_co_default_saved(const void *ctx, uint8_t *out);
+DG_API void dg_co_default_serial(const void *ctx, uint8_t *out);
 
 /** Burn the delivery state: defaults, node-ID 3Fh, 250 kBd, `serial`. @return as dg_store_format */
-int dg_co_format(const struct dg_co_device *device, struct dg_nvm nvm, uint32_t serial);
+DG_API int dg_co_format(const struct dg_co_device *device, struct dg_nvm nvm, uint32_t serial);
 
 /** Make a node, without power. @return 0 or DG_ERR_ARGUMENT */
-int dg_co_init(struct dg_co_node *self, const struct dg_co_setup *setup);
+DG_API int dg_co_init(struct dg_co_node *self, const struct dg_co_setup *setup);
 
 /**
  * Power on: mount the store, load values, boot-up frame, pre-operational (or operational).
  * @return 0; DG_ERR_BLANK, DG_ERR_FOREIGN: not this device's memory, the node stays off
  */
-int dg_co_power_on(struct dg_co_node *self, dg_ns now);
-void dg_co_power_off(struct dg_co_node *self);
+DG_API int dg_co_power_on(struct dg_co_node *self, dg_ns now);
+DG_API void dg_co_power_off(struct dg_co_node *self);
 
 /** A frame came in. @return the next deadline, as dg_co_step() */
-dg_ns dg_co_rx(struct dg_co_node *self, dg_ns now, const struct dg_can_frame *frame);
+DG_API dg_ns dg_co_rx(struct dg_co_node *self, dg_ns now, const struct dg_can_frame *frame);
 
 /** Do what is due. @return when to call again, or DG_NEVER */
-dg_ns dg_co_step(struct dg_co_node *self, dg_ns now);
+DG_API dg_ns dg_co_step(struct dg_co_node *self, dg_ns now);
 
 /** What the CAN controller reports besides frames. */
 enum dg_co_bus_event {
@@ -403,7 +404,7 @@ enum dg_co_bus_event {
  * acknowledges tells nothing before. The other events mean nothing without power.
  * @return the next deadline, as dg_co_step()
  */
-dg_ns dg_co_bus(struct dg_co_node *self, dg_ns now, enum dg_co_bus_event event);
+DG_API dg_ns dg_co_bus(struct dg_co_node *self, dg_ns now, enum dg_co_bus_event event);
 
 /** Most CAN-IDs a node listens to. */
 #define DG_CO_FILTERS_MAX 16u
@@ -412,7 +413,7 @@ dg_ns dg_co_bus(struct dg_co_node *self, dg_ns now, enum dg_co_bus_event event);
  * filter_version has changed.
  * @return how many of `ids` are set
  */
-uint8_t dg_co_filters(const struct dg_co_node *self, uint16_t ids[DG_CO_FILTERS_MAX]);
+DG_API uint8_t dg_co_filters(const struct dg_co_node *self, uint16_t ids[DG_CO_FILTERS_MAX]);
 
 /* ---------------------------------------------------------------- for device profiles */
 
@@ -422,18 +423,18 @@ uint8_t dg_co_filters(const struct dg_co_node *self, uint16_t ids[DG_CO_FILTERS_
  * @param cause enum dg_co_stack_cause, or DG_CO_CAUSES + index in device->causes
  * @param manufacturer the five manufacturer bytes
  */
-void dg_co_raise(struct dg_co_node *self, uint8_t cause, const uint8_t manufacturer[5]);
+DG_API void dg_co_raise(struct dg_co_node *self, uint8_t cause, const uint8_t manufacturer[5]);
 /** A cause is over; EMCY 0000h with the last one. Nothing happens when it does not last. */
-void dg_co_clear(struct dg_co_node *self, uint8_t cause);
+DG_API void dg_co_clear(struct dg_co_node *self, uint8_t cause);
 /** The profile's event for TPDOs of type 0, 254 and 255: objects with DG_CO_EVENT may have changed.
  */
-void dg_co_pdo_event(struct dg_co_node *self);
+DG_API void dg_co_pdo_event(struct dg_co_node *self);
 /** The event timer of TPDO `tpdo` (0..3) was written through another object. */
-void dg_co_pdo_rearm(struct dg_co_node *self, uint8_t tpdo);
+DG_API void dg_co_pdo_rearm(struct dg_co_node *self, uint8_t tpdo);
 /** Slot of the event timer of TPDO1 (1800h:5), for 6200h. */
-extern const uint8_t dg_co_slot_event_timer;
+DG_API extern const uint8_t dg_co_slot_event_timer;
 /** Hook of 2105h. */
-dg_co_hook dg_co_hook_save_bus;
+DG_API dg_co_hook dg_co_hook_save_bus;
 
 /* ---------------------------------------------------------------- many nodes on one bus */
 
@@ -451,15 +452,15 @@ struct dg_co_net {
     uint8_t count;
     uint8_t listeners[0x800][(DG_CO_NET_NODES + 7u) / 8u]; /**< bit n: node n, by CAN-ID */
 };
-void dg_co_net_init(struct dg_co_net *self);
+DG_API void dg_co_net_init(struct dg_co_net *self);
 /** Add a node. @return 0 or DG_ERR_SPACE */
-int dg_co_net_add(struct dg_co_net *self, struct dg_co_node *node);
+DG_API int dg_co_net_add(struct dg_co_net *self, struct dg_co_node *node);
 /** As dg_co_rx(), dg_co_step() and dg_co_bus() for all nodes concerned. */
-dg_ns dg_co_net_rx(struct dg_co_net *self, dg_ns now, const struct dg_can_frame *frame);
-dg_ns dg_co_net_step(struct dg_co_net *self, dg_ns now);
-dg_ns dg_co_net_bus(struct dg_co_net *self, dg_ns now, enum dg_co_bus_event event);
+DG_API dg_ns dg_co_net_rx(struct dg_co_net *self, dg_ns now, const struct dg_can_frame *frame);
+DG_API dg_ns dg_co_net_step(struct dg_co_net *self, dg_ns now);
+DG_API dg_ns dg_co_net_bus(struct dg_co_net *self, dg_ns now, enum dg_co_bus_event event);
 /** Whether any node listens to `id`. */
-bool dg_co_net_listens(const struct dg_co_net *self, uint16_t id);
+DG_API bool dg_co_net_listens(const struct dg_co_net *self, uint16_t id);
 
 #ifdef __cplusplus
 }

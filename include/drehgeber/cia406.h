@@ -13,6 +13,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "drehgeber/api.h"
 #include "drehgeber/canopen.h"
 
 #ifdef __cplusplus
@@ -81,15 +82,15 @@ struct dg_cia406 {
 };
 
 /** The singleturn device, the multiturn device with 4096 and the one with 65536 turns. */
-extern const struct dg_co_device dg_cia406_singleturn;
-extern const struct dg_co_device dg_cia406_multiturn;
-extern const struct dg_co_device dg_cia406_multiturn_32;
+DG_API extern const struct dg_co_device dg_cia406_singleturn;
+DG_API extern const struct dg_co_device dg_cia406_multiturn;
+DG_API extern const struct dg_co_device dg_cia406_multiturn_32;
 
 /** Make an encoder. @return 0 or DG_ERR_ARGUMENT */
-int dg_cia406_init(struct dg_cia406 *self, const struct dg_cia406_model *model);
+DG_API int dg_cia406_init(struct dg_cia406 *self, const struct dg_cia406_model *model);
 
 /** What the LEDs show at node->now. `node` is a node of this profile. */
-struct dg_cia406_leds dg_cia406_leds(const struct dg_co_node *node);
+DG_API struct dg_cia406_leds dg_cia406_leds(const struct dg_co_node *node);
 
 #ifdef __cplusplus
 }

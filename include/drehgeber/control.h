@@ -48,6 +48,7 @@
 #ifndef DREHGEBER_CONTROL_H
 #define DREHGEBER_CONTROL_H
 
+#include "drehgeber/api.h"
 #include "drehgeber/fault.h"
 #include "drehgeber/scpi.h"
 #include "drehgeber/shaft.h"
@@ -80,11 +81,11 @@ struct dg_encoder_kind {
 };
 
 /** The kinds. An image that links only one of them carries only its stack. */
-extern const struct dg_encoder_kind dg_kind_hiperface, dg_kind_biss, dg_kind_canopen,
+DG_API extern const struct dg_encoder_kind dg_kind_hiperface, dg_kind_biss, dg_kind_canopen,
     dg_kind_interbus;
 
 /** The kind of a stack, for hosts that have them all. */
-const struct dg_encoder_kind *dg_encoder_kind_of(enum dg_device_stack stack);
+DG_API const struct dg_encoder_kind *dg_encoder_kind_of(enum dg_device_stack stack);
 
 /** A shaft with a name. */
 struct dg_rig_shaft {
@@ -161,8 +162,8 @@ struct dg_rig {
 };
 
 /** The commands; rows for dg_scpi_setup.commands, whose ctx is a struct dg_control. */
-extern const struct dg_scpi_command dg_control_commands[];
-extern const size_t dg_control_command_count;
+DG_API extern const struct dg_scpi_command dg_control_commands[];
+DG_API extern const size_t dg_control_command_count;
 
 /** A client of a rig. Not to be moved. */
 struct dg_control {
@@ -174,22 +175,22 @@ struct dg_control {
 };
 
 /** A new client. `write` as dg_scpi_ops.write. */
-void dg_control_init(struct dg_control *self, struct dg_rig *rig,
-                     void (*write)(void *ctx, const char *bytes, size_t n), void *ctx);
+DG_API void dg_control_init(struct dg_control *self, struct dg_rig *rig,
+                            void (*write)(void *ctx, const char *bytes, size_t n), void *ctx);
 
 /** As dg_scpi_rx() and dg_scpi_step(). */
-size_t dg_control_rx(struct dg_control *self, dg_ns now, const char *bytes, size_t n);
-dg_ns dg_control_step(struct dg_control *self, dg_ns now);
+DG_API size_t dg_control_rx(struct dg_control *self, dg_ns now, const char *bytes, size_t n);
+DG_API dg_ns dg_control_step(struct dg_control *self, dg_ns now);
 
 /** End faults whose time is over, of all encoders. @return when to call again; DG_NEVER */
-dg_ns dg_rig_step(struct dg_rig *self, dg_ns now);
+DG_API dg_ns dg_rig_step(struct dg_rig *self, dg_ns now);
 
 /** What faults of this encoder work on. */
-struct dg_fault_target dg_encoder_target(const struct dg_encoder *self);
+DG_API struct dg_fault_target dg_encoder_target(const struct dg_encoder *self);
 
 /** POWer: off, then on when `on`; deadlines are the host's (ops->changed). @return 0 or dg_result
  */
-int dg_encoder_power(struct dg_encoder *self, dg_ns now, bool on);
+DG_API int dg_encoder_power(struct dg_encoder *self, dg_ns now, bool on);
 
 #ifdef __cplusplus
 }

@@ -8,6 +8,7 @@
 
 #include <stddef.h>
 
+#include "drehgeber/api.h"
 #include "drehgeber/biss.h"
 #include "drehgeber/cia406.h"
 #include "drehgeber/hiperface.h"
@@ -38,11 +39,11 @@ struct dg_device {
 };
 
 /** All models, in the order they are listed. */
-extern const struct dg_device dg_devices[];
-extern const size_t dg_device_count;
+DG_API extern const struct dg_device dg_devices[];
+DG_API extern const size_t dg_device_count;
 
 /** The model called `name`, or NULL. */
-const struct dg_device *dg_device_find(const char *name);
+DG_API const struct dg_device *dg_device_find(const char *name);
 
 #ifdef __cplusplus
 }

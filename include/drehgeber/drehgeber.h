@@ -8,6 +8,7 @@
 #define DREHGEBER_DREHGEBER_H
 
 #include "drehgeber/angle.h"
+#include "drehgeber/api.h"
 #include "drehgeber/biss.h"
 #include "drehgeber/bits.h"
 #include "drehgeber/canopen.h"
@@ -31,7 +32,7 @@ extern "C" {
 #endif
 
 /** "major.minor.patch" of the library. */
-const char *dg_version(void);
+DG_API const char *dg_version(void);
 
 #ifdef __cplusplus
 }

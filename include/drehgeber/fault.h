@@ -12,6 +12,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "drehgeber/api.h"
 #include "drehgeber/devices.h"
 #include "drehgeber/store.h"
 #include "drehgeber/world.h"
@@ -58,8 +59,8 @@ struct dg_fault_row {
 };
 
 /** The rows. The same name may stand in several rows for different stacks. */
-extern const struct dg_fault_row dg_fault_rows[];
-extern const size_t dg_fault_row_count;
+DG_API extern const struct dg_fault_row dg_fault_rows[];
+DG_API extern const size_t dg_fault_row_count;
 
 /** Most entries of an encoder's catalogue: its rows first, then its checked regions. */
 #define DG_FAULTS_MAX 64u
@@ -112,10 +113,11 @@ struct dg_fault_target {
 };
 
 /** Entry `index` of the catalogue of an encoder. @return false behind the last one */
-bool dg_fault_entry(const struct dg_fault_target *target, size_t index, struct dg_fault_entry *out);
+DG_API bool dg_fault_entry(const struct dg_fault_target *target, size_t index,
+                           struct dg_fault_entry *out);
 
 /** Index of the entry called `name` (not case sensitive), or DG_ERR_ARGUMENT. */
-int dg_fault_find(const struct dg_fault_target *target, const char *name);
+DG_API int dg_fault_find(const struct dg_fault_target *target, const char *name);
 
 /**
  * Let entry `index` happen from `now` on; again while active: with the new limits. What bent the
@@ -123,30 +125,31 @@ int dg_fault_find(const struct dg_fault_target *target, const char *name);
  * @return 0; DG_ERR_ARGUMENT: no such entry, or count or probability for what does not happen to
  *         single frames; DG_ERR_IO: the memory did not answer
  */
-int dg_fault_set(struct dg_faults *self, const struct dg_fault_target *target, size_t index,
-                 dg_ns now, const struct dg_fault_limits *limits);
+DG_API int dg_fault_set(struct dg_faults *self, const struct dg_fault_target *target, size_t index,
+                        dg_ns now, const struct dg_fault_limits *limits);
 
 /** Make good: the quantity is as before unless it was changed since, the flipped bit is flipped
  * back unless the region was written since. Nothing happens when it is not active.
  * @return 0 or DG_ERR_ARGUMENT; DG_ERR_IO: it is still active */
-int dg_fault_clear(struct dg_faults *self, const struct dg_fault_target *target, size_t index);
+DG_API int dg_fault_clear(struct dg_faults *self, const struct dg_fault_target *target,
+                          size_t index);
 
 /** Clear what is over; what the memory does not let go stays until cleared. @return when to call
  * again; DG_NEVER */
-dg_ns dg_fault_step(struct dg_faults *self, const struct dg_fault_target *target, dg_ns now);
+DG_API dg_ns dg_fault_step(struct dg_faults *self, const struct dg_fault_target *target, dg_ns now);
 
 /** Whether wire fault `fault` is active: for states (break, bus-off, passive). */
-bool dg_fault_wire_active(const struct dg_faults *self, enum dg_wire_fault fault);
+DG_API bool dg_fault_wire_active(const struct dg_faults *self, enum dg_wire_fault fault);
 
 /** Let wire fault `fault` happen to a frame if it is active and chance has it; counts down.
  * @return whether it happens */
-bool dg_fault_wire_takes(struct dg_faults *self, enum dg_wire_fault fault);
+DG_API bool dg_fault_wire_takes(struct dg_faults *self, enum dg_wire_fault fault);
 
 /** A bit of `n` (at least 1) to flip, by chance. */
-uint32_t dg_fault_pick(struct dg_faults *self, uint32_t n);
+DG_API uint32_t dg_fault_pick(struct dg_faults *self, uint32_t n);
 
 /** dg_fault_row.value of wire fault `fault` for `stack`: the delay. */
-int64_t dg_fault_wire_value(enum dg_device_stack stack, enum dg_wire_fault fault);
+DG_API int64_t dg_fault_wire_value(enum dg_device_stack stack, enum dg_wire_fault fault);
 
 #ifdef __cplusplus
 }

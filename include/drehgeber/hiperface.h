@@ -22,6 +22,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "drehgeber/api.h"
 #include "drehgeber/hal.h"
 #include "drehgeber/store.h"
 #include "drehgeber/time.h"
@@ -98,7 +99,7 @@ enum dg_hf_region {
 };
 
 /** The device's EEPROM table. */
-extern const struct dg_store_layout dg_hf_layout;
+DG_API extern const struct dg_store_layout dg_hf_layout;
 
 /**
  * What a model is. Every figure is configuration; src/devices has the models of the manual.
@@ -244,13 +245,13 @@ struct dg_hf_sincos {
  * Burn the delivery state of `model` into a memory.
  * @return 0; DG_ERR_ARGUMENT when a figure of the model is out of range; DG_ERR_IO
  */
-int dg_hf_format(const struct dg_hf_model *model, struct dg_nvm nvm);
+DG_API int dg_hf_format(const struct dg_hf_model *model, struct dg_nvm nvm);
 
 /**
  * Make a device, without power. The memory is not touched.
  * @return 0 or DG_ERR_ARGUMENT (a pointer is missing, a figure is out of range)
  */
-int dg_hf_init(struct dg_hf *self, const struct dg_hf_setup *setup);
+DG_API int dg_hf_init(struct dg_hf *self, const struct dg_hf_setup *setup);
 
 /**
  * Switch the power on: mount the EEPROM, run the start-up checks (5.1.3), open the start-up
@@ -258,10 +259,10 @@ int dg_hf_init(struct dg_hf *self, const struct dg_hf_setup *setup);
  * @return 0, also with damaged regions or a silent EEPROM: the device then answers with its
  *         start-up errors. DG_ERR_BLANK or DG_ERR_FOREIGN: not this device's memory; it stays off.
  */
-int dg_hf_power_on(struct dg_hf *self, dg_ns now);
+DG_API int dg_hf_power_on(struct dg_hf *self, dg_ns now);
 
 /** Switch the power off. What was not acknowledged is lost. */
-void dg_hf_power_off(struct dg_hf *self);
+DG_API void dg_hf_power_off(struct dg_hf *self);
 
 /**
  * A character came in.
@@ -273,7 +274,7 @@ void dg_hf_power_off(struct dg_hf *self);
  * @param flags enum dg_hf_rx_flags
  * @return the next deadline, as dg_hf_step()
  */
-dg_ns dg_hf_rx(struct dg_hf *self, dg_ns now, uint8_t byte, uint8_t flags);
+DG_API dg_ns dg_hf_rx(struct dg_hf *self, dg_ns now, uint8_t byte, uint8_t flags);
 
 /**
  * Do what is due at `now`: end of frame, reply, end of the start-up window; and look at the
@@ -285,25 +286,25 @@ dg_ns dg_hf_rx(struct dg_hf *self, dg_ns now, uint8_t byte, uint8_t flags);
  * follow a course calls it every 10 ms while it does, or when a limit is crossed.
  * @return when to call again; DG_NEVER when only a character can change anything
  */
-dg_ns dg_hf_step(struct dg_hf *self, dg_ns now);
+DG_API dg_ns dg_hf_step(struct dg_hf *self, dg_ns now);
 
 /** The UART setting in force; changes in dg_hf_power_on() and dg_hf_step() only. */
-struct dg_hf_uart dg_hf_uart(const struct dg_hf *self);
+DG_API struct dg_hf_uart dg_hf_uart(const struct dg_hf *self);
 
 /**
  * Decode a setting byte (5.1.1.2.4).
  * @return 0 or DG_ERR_ARGUMENT (reserved parity 01b, reserved data rate 111b)
  */
-int dg_hf_uart_decode(uint8_t setting, struct dg_hf_uart *out);
+DG_API int dg_hf_uart_decode(uint8_t setting, struct dg_hf_uart *out);
 
 /** Position as 42h would latch it at `now`, in steps, regardless of errors. */
-uint32_t dg_hf_position(const struct dg_hf *self, dg_ns now);
+DG_API uint32_t dg_hf_position(const struct dg_hf *self, dg_ns now);
 
 /**
  * The process channel at `now` (4.1.3), phase-locked to the shaft: one period per `steps` steps of
  * the raw position, sin 0 and cos at its peak where a new period of the raw position begins. Pure.
  */
-void dg_hf_sincos(const struct dg_hf *self, dg_ns now, struct dg_hf_sincos *out);
+DG_API void dg_hf_sincos(const struct dg_hf *self, dg_ns now, struct dg_hf_sincos *out);
 
 #ifdef __cplusplus
 }

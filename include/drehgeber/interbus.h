@@ -23,6 +23,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "drehgeber/api.h"
 #include "drehgeber/hal.h"
 #include "drehgeber/store.h"
 #include "drehgeber/time.h"
@@ -93,7 +94,7 @@ enum dg_ib_region {
 };
 
 /** The EEPROM table of a K3. K1 and K2 have no memory. */
-extern const struct dg_store_layout dg_ib_layout;
+DG_API extern const struct dg_store_layout dg_ib_layout;
 
 /** What a model is. Every figure is configuration; src/devices has the models of the manual. */
 struct dg_ib_model {
@@ -202,13 +203,13 @@ struct dg_ib {
  * Burn the delivery state of a K3 into a memory. K1 and K2 have none: nothing is done.
  * @return 0; DG_ERR_ARGUMENT when a figure of the model is out of range; DG_ERR_IO
  */
-int dg_ib_format(const struct dg_ib_model *model, struct dg_nvm nvm);
+DG_API int dg_ib_format(const struct dg_ib_model *model, struct dg_nvm nvm);
 
 /**
  * Make a device, without power. The memory is not touched.
  * @return 0 or DG_ERR_ARGUMENT (a pointer is missing, a figure is out of range)
  */
-int dg_ib_init(struct dg_ib *self, const struct dg_ib_setup *setup);
+DG_API int dg_ib_init(struct dg_ib *self, const struct dg_ib_setup *setup);
 
 /**
  * Switch the power on: mount the EEPROM, begin the self-test. Also from the powered state.
@@ -218,10 +219,10 @@ int dg_ib_init(struct dg_ib *self, const struct dg_ib_setup *setup);
  *         accepted or every lost parameter was sent again. DG_ERR_BLANK or DG_ERR_FOREIGN: not this
  *         device's memory; it stays off.
  */
-int dg_ib_power_on(struct dg_ib *self, dg_ns now);
+DG_API int dg_ib_power_on(struct dg_ib *self, dg_ns now);
 
 /** Switch the power off. What was not answered, and what waited for the release, is lost. */
-void dg_ib_power_off(struct dg_ib *self);
+DG_API void dg_ib_power_off(struct dg_ib *self);
 
 /**
  * One data cycle with valid data. `out` of a K1 or K2 is not looked at. A K1's IN is bits 15..0.
@@ -264,25 +265,25 @@ void dg_ib_power_off(struct dg_ib *self);
  * nearest), or the cam word; bit 31 says that there is no valid position.
  * @param in left as it is without power
  */
-void dg_ib_cycle(struct dg_ib *self, dg_ns now, uint32_t out, uint32_t *in);
+DG_API void dg_ib_cycle(struct dg_ib *self, dg_ns now, uint32_t out, uint32_t *in);
 
 /** Position as a cycle would latch it at `now`, scaled, regardless of errors and mode. */
-uint32_t dg_ib_position(const struct dg_ib *self, dg_ns now);
+DG_API uint32_t dg_ib_position(const struct dg_ib *self, dg_ns now);
 
 /** Steps of the whole range R: positions are 0..R-1. */
-uint32_t dg_ib_range(const struct dg_ib *self);
+DG_API uint32_t dg_ib_range(const struct dg_ib *self);
 
 /**
  * The device's part of an ID cycle: bit 15 reconfiguration request, 14 CRC error since the last ID
  * cycle, 13 module error, 12..8 length code, 7..0 class. Reported messages are cleared.
  */
-uint16_t dg_ib_id(struct dg_ib *self, dg_ns now);
+DG_API uint16_t dg_ib_id(struct dg_ib *self, dg_ns now);
 
 /** The ID word without messages, from the model alone. */
-uint16_t dg_ib_id_word(const struct dg_ib_model *model);
+DG_API uint16_t dg_ib_id_word(const struct dg_ib_model *model);
 
 /** Data words of a device in either image: 1 for a K1, 2 for K2 and K3. */
-uint8_t dg_ib_words(const struct dg_ib_model *model);
+DG_API uint8_t dg_ib_words(const struct dg_ib_model *model);
 
 /** LEDs (3.3); several of them, so bits. DG_IB_LED_BA says lit at this moment. */
 enum dg_ib_led {
@@ -294,7 +295,7 @@ enum dg_ib_led {
 };
 
 /** The LEDs at `now`: enum dg_ib_led, combined. Without power 0. */
-uint8_t dg_ib_leds(const struct dg_ib *self, dg_ns now);
+DG_API uint8_t dg_ib_leds(const struct dg_ib *self, dg_ns now);
 
 /** What became of a data cycle. Other than OK: no OUT was taken, `in` holds its last value. */
 enum dg_ib_ring_result {
@@ -333,7 +334,7 @@ struct dg_ib_ring {
 };
 
 /** Make a ring of `count` initialised devices. @return 0 or DG_ERR_ARGUMENT */
-int dg_ib_ring_init(struct dg_ib_ring *self, struct dg_ib *devices, size_t count);
+DG_API int dg_ib_ring_init(struct dg_ib_ring *self, struct dg_ib *devices, size_t count);
 
 /**
  * An ID cycle: the ID words of all devices that can be reached, in ring order, message bits
@@ -341,15 +342,15 @@ int dg_ib_ring_init(struct dg_ib_ring *self, struct dg_ib *devices, size_t count
  * @param ids room for self->count words; those beyond the result are left as they are
  * @return devices reached; less than self->count when the ring is interrupted
  */
-uint16_t dg_ib_ring_id(struct dg_ib_ring *self, dg_ns now, uint16_t *ids);
+DG_API uint16_t dg_ib_ring_id(struct dg_ib_ring *self, dg_ns now, uint16_t *ids);
 
 /**
  * A data cycle. Both images have the same layout: the devices in ring order, one word for a K1, two
  * for a K2 and a K3, the high word first; OUT words of K1 and K2 are not looked at.
  * @param out,in self->words words
  */
-enum dg_ib_ring_result dg_ib_ring_cycle(struct dg_ib_ring *self, dg_ns now, const uint16_t *out,
-                                        uint16_t *in);
+DG_API enum dg_ib_ring_result dg_ib_ring_cycle(struct dg_ib_ring *self, dg_ns now,
+                                               const uint16_t *out, uint16_t *in);
 
 /**
  * Until when data cycles need not be run, for hosts that sleep: those before the returned time,
@@ -359,22 +360,23 @@ enum dg_ib_ring_result dg_ib_ring_cycle(struct dg_ib_ring *self, dg_ns now, cons
  * then.
  * @return `now`: the next cycle has to be run; DG_NEVER
  */
-dg_ns dg_ib_ring_quiet(const struct dg_ib_ring *self, enum dg_ib_ring_result last, dg_ns now);
+DG_API dg_ns dg_ib_ring_quiet(const struct dg_ib_ring *self, enum dg_ib_ring_result last,
+                              dg_ns now);
 
 /** Count `cycles` data cycles that are not run; they would have given `last`, OK or INTERRUPTED. */
-void dg_ib_ring_skip(struct dg_ib_ring *self, enum dg_ib_ring_result last, uint32_t cycles);
+DG_API void dg_ib_ring_skip(struct dg_ib_ring *self, enum dg_ib_ring_result last, uint32_t cycles);
 
 /** Count `cycles` ID cycles that are not run, between two alike that are. */
-void dg_ib_ring_skip_ids(struct dg_ib_ring *self, uint32_t cycles);
+DG_API void dg_ib_ring_skip_ids(struct dg_ib_ring *self, uint32_t cycles);
 
 /** Index of the first device that reports a module error (I19), or -1. */
-int dg_ib_ring_module_error(const struct dg_ib_ring *self);
+DG_API int dg_ib_ring_module_error(const struct dg_ib_ring *self);
 
 /** Bit times of a data cycle of n bytes and m devices: 13 * (6 + n) + 4 * m. */
-uint32_t dg_ib_bit_times(uint32_t bytes, uint32_t devices);
+DG_API uint32_t dg_ib_bit_times(uint32_t bytes, uint32_t devices);
 
 /** Cycle time of a ring: its bit times at `baud` (500000 or 2000000) plus the master's time. */
-dg_ns dg_ib_ring_cycle_time(const struct dg_ib_ring *self, uint32_t baud, dg_ns software);
+DG_API dg_ns dg_ib_ring_cycle_time(const struct dg_ib_ring *self, uint32_t baud, dg_ns software);
 
 #ifdef __cplusplus
 }

@@ -15,6 +15,7 @@
 #include <stdint.h>
 
 #include "drehgeber/angle.h"
+#include "drehgeber/api.h"
 #include "drehgeber/time.h"
 
 #ifdef __cplusplus
@@ -66,7 +67,7 @@ struct dg_motion {
  *  - replay: 1 point or more, `at` strictly increasing
  * @return DG_OK, or DG_ERR_ARGUMENT with `self` unchanged
  */
-int dg_motion_set(struct dg_motion *self, const struct dg_motion *wanted);
+DG_API int dg_motion_set(struct dg_motion *self, const struct dg_motion *wanted);
 
 /**
  * Where the shaft is at `now`. `ctx` is a struct dg_motion; the signature is dg_world.angle's.
@@ -74,7 +75,7 @@ int dg_motion_set(struct dg_motion *self, const struct dg_motion *wanted);
  * plus 2^-20 ns of travel; a sine to 2^-29 of its amplitude plus 2^-32 turn; a replay floors its
  * interpolation. A motion that leaves the range of dg_angle wraps modulo 2^64.
  */
-dg_angle dg_motion_angle(void *ctx, dg_ns now);
+DG_API dg_angle dg_motion_angle(void *ctx, dg_ns now);
 
 #ifdef __cplusplus
 }

@@ -15,6 +15,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "drehgeber/api.h"
 #include "drehgeber/time.h"
 
 #ifdef __cplusplus
@@ -153,7 +154,7 @@ struct dg_scpi {
 };
 
 /** A fresh session: ESR has the power-on bit, the queue is empty. */
-void dg_scpi_init(struct dg_scpi *self, const struct dg_scpi_setup *setup);
+DG_API void dg_scpi_init(struct dg_scpi *self, const struct dg_scpi_setup *setup);
 
 /**
  * Bytes came in: lines end with LF, CR LF, or CR. Commands are done at once. Ask dg_scpi_step()
@@ -161,12 +162,12 @@ void dg_scpi_init(struct dg_scpi *self, const struct dg_scpi_setup *setup);
  * @return how many were taken: fewer than `n` while the session waits; offer the rest after
  * dg_scpi_step(). 0 when called by a handler of this session
  */
-size_t dg_scpi_rx(struct dg_scpi *self, dg_ns now, const char *bytes, size_t n);
+DG_API size_t dg_scpi_rx(struct dg_scpi *self, dg_ns now, const char *bytes, size_t n);
 
 /** Go on when what a session waits for has settled. To be called also when that may have come
  * sooner than it was said to (a move was stopped); nothing happens when called by a handler of this
  * session. @return when to call again; DG_NEVER */
-dg_ns dg_scpi_step(struct dg_scpi *self, dg_ns now);
+DG_API dg_ns dg_scpi_step(struct dg_scpi *self, dg_ns now);
 
 /* ---------------------------------------------------------------- for handlers */
 
@@ -198,40 +199,41 @@ struct dg_scpi_range {
  * @return false: an error was raised (-109 none there, -102 more behind it, -104, -131, -222 with
  * the range), by this or before by the same command; `value` is as before. Likewise the others
  */
-bool dg_scpi_number(struct dg_scpi *self, const struct dg_scpi_range *range, int64_t *value);
+DG_API bool dg_scpi_number(struct dg_scpi *self, const struct dg_scpi_range *range, int64_t *value);
 
 /** Take ON, OFF, 1 or 0. @return false: an error was raised */
-bool dg_scpi_flag(struct dg_scpi *self, bool *value);
+DG_API bool dg_scpi_flag(struct dg_scpi *self, bool *value);
 
 /** Take one of `count` words, given as in headers ("COUNt"). What follows in the same parameter,
  * behind a blank, is left for the next call. @return false: an error was raised (-224) */
-bool dg_scpi_word(struct dg_scpi *self, const char *const *words, size_t count, size_t *index);
+DG_API bool dg_scpi_word(struct dg_scpi *self, const char *const *words, size_t count,
+                         size_t *index);
 
 /** Take a string in either quotes, or bare characters up to a blank, ',' or ';'. @param to always
  * terminated @return false: an error was raised (-109, -151; -222 when longer than size - 1) */
-bool dg_scpi_text(struct dg_scpi *self, char *to, size_t size);
+DG_API bool dg_scpi_text(struct dg_scpi *self, char *to, size_t size);
 
 /** Whether another parameter is there; none after an error. */
-bool dg_scpi_more(struct dg_scpi *self);
+DG_API bool dg_scpi_more(struct dg_scpi *self);
 
 /** Queue an error and set its bit in ESR; the rest of the line is not done, and nothing more is
  * put. `code` 0: nothing. `detail` may be NULL; it is cut to DG_SCPI_DETAIL_MAX. */
-void dg_scpi_raise(struct dg_scpi *self, int code, const char *detail);
+DG_API void dg_scpi_raise(struct dg_scpi *self, int code, const char *detail);
 
 /** Begin the next part of an answer: separators between parts and between answers come by
  * themselves. `places` decimals, 0..18: 1234 with 3 is 1.234. */
-void dg_scpi_put_number(struct dg_scpi *self, int64_t value, unsigned places);
-void dg_scpi_put_unsigned(struct dg_scpi *self, uint64_t value);
+DG_API void dg_scpi_put_number(struct dg_scpi *self, int64_t value, unsigned places);
+DG_API void dg_scpi_put_unsigned(struct dg_scpi *self, uint64_t value);
 /** As is. */
-void dg_scpi_put_word(struct dg_scpi *self, const char *text);
+DG_API void dg_scpi_put_word(struct dg_scpi *self, const char *text);
 /** In double quotes, those inside doubled. */
-void dg_scpi_put_string(struct dg_scpi *self, const char *text);
+DG_API void dg_scpi_put_string(struct dg_scpi *self, const char *text);
 /** A part made of pieces: begin it, then append as is, any number of times. */
-void dg_scpi_begin(struct dg_scpi *self);
-void dg_scpi_append(struct dg_scpi *self, const char *text);
-void dg_scpi_append_number(struct dg_scpi *self, int64_t value, unsigned places);
+DG_API void dg_scpi_begin(struct dg_scpi *self);
+DG_API void dg_scpi_append(struct dg_scpi *self, const char *text);
+DG_API void dg_scpi_append_number(struct dg_scpi *self, int64_t value, unsigned places);
 /** `digits` digits, 1..16, upper case, no prefix. */
-void dg_scpi_append_hex(struct dg_scpi *self, uint64_t value, unsigned digits);
+DG_API void dg_scpi_append_hex(struct dg_scpi *self, uint64_t value, unsigned digits);
 
 #ifdef __cplusplus
 }

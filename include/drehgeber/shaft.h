@@ -12,6 +12,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "drehgeber/api.h"
 #include "drehgeber/motion.h"
 
 #ifdef __cplusplus
@@ -59,7 +60,7 @@ struct dg_shaft {
 };
 
 /** At rest at angle 0, no acceleration limit, no gear. */
-void dg_shaft_init(struct dg_shaft *self);
+DG_API void dg_shaft_init(struct dg_shaft *self);
 
 /**
  * Couple to `driver`, which must outlive this shaft and be declared before it: angle = floor(driver
@@ -68,19 +69,19 @@ void dg_shaft_init(struct dg_shaft *self);
  * @return 0 or DG_ERR_ARGUMENT: no driver, denominator < 1, more than DG_SHAFT_GEARS_MAX gears in a
  * row, or a loop
  */
-int dg_shaft_couple(struct dg_shaft *self, const struct dg_shaft *driver, int32_t numerator,
-                    int32_t denominator);
+DG_API int dg_shaft_couple(struct dg_shaft *self, const struct dg_shaft *driver, int32_t numerator,
+                           int32_t denominator);
 
 /** Acceleration of the commands to come, 0..DG_SHAFT_ACCELERATION_MAX; 0: at once.
  * @return 0 or DG_ERR_ARGUMENT, also for a geared shaft */
-int dg_shaft_set_acceleration(struct dg_shaft *self, int64_t mrpm_per_s);
+DG_API int dg_shaft_set_acceleration(struct dg_shaft *self, int64_t mrpm_per_s);
 
 /** Be at `angle` at `now`, at rest (a geared shaft goes on turning). @return 0 */
-int dg_shaft_set_position(struct dg_shaft *self, dg_ns now, dg_angle angle);
+DG_API int dg_shaft_set_position(struct dg_shaft *self, dg_ns now, dg_angle angle);
 
 /** Turn at `mrpm`, reached from the present speed with the acceleration; 0 stops.
  * @return 0; DG_ERR_ARGUMENT beyond +-DG_MOTION_SPEED_MAX_MRPM, or for a geared shaft */
-int dg_shaft_set_velocity(struct dg_shaft *self, dg_ns now, int32_t mrpm);
+DG_API int dg_shaft_set_velocity(struct dg_shaft *self, dg_ns now, int32_t mrpm);
 
 /**
  * Go to `target` and stay there: from the present angle and speed, with the acceleration, at most
@@ -89,23 +90,23 @@ int dg_shaft_set_velocity(struct dg_shaft *self, dg_ns now, int32_t mrpm);
  * moment to the last. It ends exactly at `target`, at a whole nanosecond.
  * @return 0; DG_ERR_ARGUMENT: mrpm not in 1..DG_MOTION_SPEED_MAX_MRPM, or a geared shaft
  */
-int dg_shaft_move(struct dg_shaft *self, dg_ns now, dg_angle target, int32_t mrpm);
+DG_API int dg_shaft_move(struct dg_shaft *self, dg_ns now, dg_angle target, int32_t mrpm);
 
 /** Do what `motion` says from `now` on (its `start` is set to now). @return as dg_motion_set(), or
  * DG_ERR_ARGUMENT for a geared shaft */
-int dg_shaft_play(struct dg_shaft *self, dg_ns now, const struct dg_motion *motion);
+DG_API int dg_shaft_play(struct dg_shaft *self, dg_ns now, const struct dg_motion *motion);
 
 /** When the last move, stop or speed change is (or was) over; DG_NEVER while a motion is played.
  * Geared: the driver's. */
-dg_ns dg_shaft_settled(const struct dg_shaft *self);
+DG_API dg_ns dg_shaft_settled(const struct dg_shaft *self);
 
 /** Where it is. `ctx` is a struct dg_shaft; the signature is dg_world.angle's. */
-dg_angle dg_shaft_angle(void *ctx, dg_ns now);
+DG_API dg_angle dg_shaft_angle(void *ctx, dg_ns now);
 
 /** Its speed at `now` in 0.001 rpm: of the phase, truncated; of a played motion at constant speed
  * the motion's, of another one the mean of the millisecond before (of its first one in that one),
  * to the nearest. Geared: the driver's times the ratio, truncated, saturated. */
-int32_t dg_shaft_mrpm(const struct dg_shaft *self, dg_ns now);
+DG_API int32_t dg_shaft_mrpm(const struct dg_shaft *self, dg_ns now);
 
 #ifdef __cplusplus
 }

@@ -28,6 +28,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "drehgeber/api.h"
 #include "drehgeber/hal.h"
 
 #ifdef __cplusplus
@@ -78,13 +79,13 @@ struct dg_store {
 };
 
 /** Bytes of memory the layout needs. */
-uint32_t dg_store_size(const struct dg_store_layout *layout);
+DG_API uint32_t dg_store_size(const struct dg_store_layout *layout);
 
 /** Address of region `region` in the memory (for fault injection and tools). */
-uint32_t dg_store_address(const struct dg_store_layout *layout, uint8_t region);
+DG_API uint32_t dg_store_address(const struct dg_store_layout *layout, uint8_t region);
 
 /** Index of the region called `name`, or DG_ERR_ARGUMENT. */
-int dg_store_find(const struct dg_store_layout *layout, const char *name);
+DG_API int dg_store_find(const struct dg_store_layout *layout, const char *name);
 
 /**
  * Write the delivery state: every region's defaults, then the headers last, so that a power cut
@@ -92,7 +93,8 @@ int dg_store_find(const struct dg_store_layout *layout, const char *name);
  * @return 0; DG_ERR_IO; DG_ERR_ARGUMENT when a region with defaults, or a checked one, is longer
  * than DG_STORE_CHECKED_MAX (the memory is erased by then)
  */
-int dg_store_format(const struct dg_store_layout *layout, struct dg_nvm nvm, const void *ctx);
+DG_API int dg_store_format(const struct dg_store_layout *layout, struct dg_nvm nvm,
+                           const void *ctx);
 
 /**
  * Take over the memory: repair the header, complete or drop the journal, check every region
@@ -102,7 +104,8 @@ int dg_store_format(const struct dg_store_layout *layout, struct dg_nvm nvm, con
  *         DG_ERR_FOREIGN when neither header is one of this layout, or of fewer of its regions;
  *         DG_ERR_IO
  */
-int dg_store_mount(struct dg_store *self, const struct dg_store_layout *layout, struct dg_nvm nvm);
+DG_API int dg_store_mount(struct dg_store *self, const struct dg_store_layout *layout,
+                          struct dg_nvm nvm);
 
 /**
  * Give a memory that was mounted with DG_ERR_OLDER the regions it lacks, with their defaults; `ctx`
@@ -110,19 +113,20 @@ int dg_store_mount(struct dg_store *self, const struct dg_store_layout *layout, 
  * @return 0: mounted; DG_ERR_IO: mount again before anything else; DG_ERR_ARGUMENT as
  *         dg_store_format()
  */
-int dg_store_grow(struct dg_store *self, const void *ctx);
+DG_API int dg_store_grow(struct dg_store *self, const void *ctx);
 
 /** Whether `region` failed its check. */
-bool dg_store_damaged(const struct dg_store *self, uint8_t region);
+DG_API bool dg_store_damaged(const struct dg_store *self, uint8_t region);
 
 /**
  * Read part of a region.
  * @return 0; DG_ERR_ARGUMENT when offset + n leaves the region; DG_ERR_IO
  */
-int dg_store_read(struct dg_store *self, uint8_t region, uint16_t offset, void *to, uint16_t n);
+DG_API int dg_store_read(struct dg_store *self, uint8_t region, uint16_t offset, void *to,
+                         uint16_t n);
 
 /** Forget what was staged. */
-void dg_store_begin(struct dg_store *self);
+DG_API void dg_store_begin(struct dg_store *self);
 
 /**
  * Add a change to the open commit. A checked region is staged whole (offset 0, n = its size).
@@ -130,18 +134,18 @@ void dg_store_begin(struct dg_store *self);
  * @return 0; DG_ERR_ARGUMENT; DG_ERR_SPACE when the journal is full; DG_ERR_IO. After a failure
  *         commit refuses with the same until the next begin.
  */
-int dg_store_stage(struct dg_store *self, uint8_t region, uint16_t offset, const void *from,
-                   uint16_t n);
+DG_API int dg_store_stage(struct dg_store *self, uint8_t region, uint16_t offset, const void *from,
+                          uint16_t n);
 
 /**
  * Make everything staged since begin durable, all or nothing.
  * @return 0: it is durable. DG_ERR_IO: it may or may not be; the next call settles it.
  */
-int dg_store_commit(struct dg_store *self);
+DG_API int dg_store_commit(struct dg_store *self);
 
 /** begin, stage, commit of one change. */
-int dg_store_put(struct dg_store *self, uint8_t region, uint16_t offset, const void *from,
-                 uint16_t n);
+DG_API int dg_store_put(struct dg_store *self, uint8_t region, uint16_t offset, const void *from,
+                        uint16_t n);
 
 #ifdef __cplusplus
 }

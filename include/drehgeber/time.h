@@ -13,6 +13,8 @@
 
 #include <stdint.h>
 
+#include "drehgeber/api.h"
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -51,7 +53,7 @@ static inline dg_ns dg_earliest(dg_ns a, dg_ns b)
  * @param bits 0..65535
  * @param baud 1..10000000; 0 gives DG_NEVER
  */
-dg_ns dg_bit_times_ns(uint32_t bits, uint32_t baud);
+DG_API dg_ns dg_bit_times_ns(uint32_t bits, uint32_t baud);
 
 #ifdef __cplusplus
 }

@@ -14,6 +14,7 @@
 #include <stdint.h>
 
 #include "drehgeber/angle.h"
+#include "drehgeber/api.h"
 #include "drehgeber/time.h"
 
 #ifdef __cplusplus
@@ -46,13 +47,13 @@ struct dg_world {
 };
 
 /** Healthy defaults, the shaft at rest at angle 0. */
-void dg_world_init(struct dg_world *self);
+DG_API void dg_world_init(struct dg_world *self);
 
 /** The span over which dg_world_speed_mrpm() looks back. */
 #define DG_WORLD_SPEED_SPAN DG_MS(1)
 
 /** The shaft's angle at `now`. */
-dg_angle dg_world_angle(const struct dg_world *self, dg_ns now);
+DG_API dg_angle dg_world_angle(const struct dg_world *self, dg_ns now);
 
 /**
  * Mean speed over the millisecond before `now` (over the first millisecond when `now` is earlier
@@ -60,7 +61,7 @@ dg_angle dg_world_angle(const struct dg_world *self, dg_ns now);
  * Modulo the range of dg_angle, so it is right where an angle wraps. An angle that is itself
  * floored to 2^-32 turn can make the result 1 too small or too large (dg_motion_angle does).
  */
-int32_t dg_world_speed_mrpm(const struct dg_world *self, dg_ns now);
+DG_API int32_t dg_world_speed_mrpm(const struct dg_world *self, dg_ns now);
 
 #ifdef __cplusplus
 }

@@ -1,30 +1,58 @@
 # SPDX-License-Identifier: MIT
-"""Every symbol a library exports starts with dg_.
+"""The shared library exports what the public headers declare with DG_API: all of it, nothing else. What
+else has external linkage in the folders' libraries is theirs: it starts with the folder's own prefix and
+never with dg_, which is the interface's.
 
-usage: exported.py LIBRARY...
+usage: exported.py TREE SHARED ARCHIVE...
 """
 
+import re
 import subprocess
 import sys
 
-from sources import finish
+from sources import blank, files, finish, read
+
+# folder: what its internal names start with
+PREFIX = {"hiperface": "hf_", "canopen": "co_", "interbus": "ib_"}
+DECLARED = re.compile(r"^DG_API\b([^;{]*);", re.M)
+NAME = re.compile(r"\b(\w+)(?=\s*(?:\(|\[|,|$))")
+# Where the parameters of a function begin, nothing is declared any more.
+PARAMETERS = re.compile(r"\(.*", re.S)
+
+
+def declared(tree):
+    """Names that headers declare with DG_API, and where."""
+    names = {}
+    for path in files(tree, "include", suffixes=(".h",)):
+        for match in DECLARED.finditer(blank(read(tree, path))):
+            for name in NAME.findall(PARAMETERS.sub("(", match.group(1))):
+                names[name] = path
+    return names
+
+
+def defined(library, *options):
+    """Symbols with external linkage that `library` defines."""
+    command = ["nm", *options, "--extern-only", "--defined-only", "--format=posix", library]
+    lines = subprocess.check_output(command, text=True).splitlines()
+    return {line.split()[0] for line in lines if line and not line.endswith(":")}
+
+
+def foreign(archive, public):
+    """Complaints about internal symbols of a folder's library."""
+    folder = re.search(r"libdg_(\w+)\.a$", archive).group(1)
+    prefix = PREFIX.get(folder, f"{folder}_")
+    internal = defined(archive) - set(public)
+    return [f"{folder}: {name} is not {prefix}..." for name in sorted(internal) if not name.startswith(prefix)]
 
 
 def main():
-    complaints, checked = [], 0
-    for library in sys.argv[1:]:
-        dynamic = ["-D"] if ".so" in library else []
-        command = ["nm", *dynamic, "--extern-only", "--defined-only", "--format=posix", library]
-        names = [
-            line.split()[0]
-            for line in subprocess.check_output(command, text=True).splitlines()
-            if line and not line.endswith(":")
-        ]
-        if not names:
-            complaints.append(f"{library} exports nothing")
-        checked += len(names)
-        complaints += [f"{library} exports {name}" for name in names if not name.startswith("dg_")]
-    finish(checked, complaints)
+    tree, shared, *archives = sys.argv[1:]
+    public, exported = declared(tree), defined(shared, "-D")
+    complaints = [f"{public[name]}: {name} is not exported" for name in sorted(set(public) - exported)]
+    complaints += [f"{shared} exports {name}, which no header declares" for name in sorted(exported - set(public))]
+    for archive in archives:
+        complaints += foreign(archive, public)
+    finish(len(public) + len(exported), complaints)
 
 
 main()
