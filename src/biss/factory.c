@@ -67,12 +67,12 @@ int dg_biss_init(struct dg_biss *self, const struct dg_biss_setup *setup)
     return DG_OK;
 }
 
-bool dg_biss_eeprom(const struct dg_biss *self)
+bool biss_eeprom(const struct dg_biss *self)
 {
     return self->mounted && self->setup.world->eeprom_acknowledges;
 }
 
-int dg_biss_mount(struct dg_biss *self)
+int biss_mount(struct dg_biss *self)
 {
     int result = dg_store_mount(&self->store, &dg_biss_layout, self->setup.nvm);
 
@@ -88,7 +88,7 @@ static int load(struct dg_biss *self)
     int result = DG_ERR_IO;
 
     if (self->setup.world->eeprom_acknowledges) {
-        result = dg_biss_mount(self);
+        result = biss_mount(self);
     }
     self->mounted = result == DG_OK;
     if (!self->mounted) {
@@ -102,7 +102,7 @@ static int load(struct dg_biss *self)
     return result;
 }
 
-int dg_biss_restart(struct dg_biss *self, dg_ns now)
+int biss_restart(struct dg_biss *self, dg_ns now)
 {
     const uint8_t incomplete = DG_BISS_CONFIGURATION | DG_BISS_ABSOLUTE;
 
@@ -128,7 +128,7 @@ int dg_biss_restart(struct dg_biss *self, dg_ns now)
 int dg_biss_power_on(struct dg_biss *self, dg_ns now)
 {
     dg_biss_power_off(self);
-    const int result = dg_biss_restart(self, now);
+    const int result = biss_restart(self, now);
     if (result == DG_ERR_BLANK || result == DG_ERR_FOREIGN) {
         dg_biss_power_off(self);
         return result;

@@ -40,7 +40,7 @@ static bool blksize_valid(uint8_t blksize)
     return blksize > 0 && blksize <= BLKSIZE_MAX;
 }
 
-enum dg_co_abort dg_co_block_upload(struct dg_co_node *self, const uint8_t *data)
+enum dg_co_abort co_block_upload(struct dg_co_node *self, const uint8_t *data)
 {
     struct dg_co_sdo *sdo = &self->sdo;
     uint8_t threshold = data[5];
@@ -48,19 +48,19 @@ enum dg_co_abort dg_co_block_upload(struct dg_co_node *self, const uint8_t *data
     if (!blksize_valid(data[4])) {
         return DG_CO_BLOCK_SIZE;
     }
-    enum dg_co_abort abort = dg_co_sdo_fetch(self);
+    enum dg_co_abort abort = co_sdo_fetch(self);
     if (abort != DG_CO_OK) {
         return abort;
     }
     /* The client wants short data without the block protocol. */
     if (threshold != 0 && sdo->length <= threshold) {
-        dg_co_sdo_upload(self);
+        co_sdo_upload(self);
         return DG_CO_OK;
     }
     sdo->blksize = data[4];
     sdo->crc = (data[0] & CRC) != 0;
-    dg_co_sdo_become(self, DG_CO_SDO_BLOCK_UPLOAD_START);
-    dg_co_sdo_confirm(self, 0xC0u | SIZE | CRC, sdo->length);
+    co_sdo_become(self, DG_CO_SDO_BLOCK_UPLOAD_START);
+    co_sdo_confirm(self, 0xC0u | SIZE | CRC, sdo->length);
     return DG_CO_OK;
 }
 
@@ -75,21 +75,21 @@ static void send_block(struct dg_co_node *self)
     do {
         last = sdo->length - at <= (int)SDO_SEGMENT;
         sdo->seqno++;
-        dg_co_sdo_send(self, (uint8_t)(sdo->seqno | (last ? SDO_LAST : 0u)), &sdo->buffer[at],
-                       SDO_SEGMENT);
+        co_sdo_send(self, (uint8_t)(sdo->seqno | (last ? SDO_LAST : 0u)), &sdo->buffer[at],
+                    SDO_SEGMENT);
         at = (uint8_t)(at + SDO_SEGMENT);
     } while (!last && sdo->seqno < sdo->blksize);
-    dg_co_sdo_become(self, DG_CO_SDO_BLOCK_UPLOAD);
+    co_sdo_become(self, DG_CO_SDO_BLOCK_UPLOAD);
 }
 
-enum dg_co_abort dg_co_block_upload_start(struct dg_co_node *self, const uint8_t *data)
+enum dg_co_abort co_block_upload_start(struct dg_co_node *self, const uint8_t *data)
 {
     (void)data;
     send_block(self);
     return DG_CO_OK;
 }
 
-enum dg_co_abort dg_co_block_upload_acknowledge(struct dg_co_node *self, const uint8_t *data)
+enum dg_co_abort co_block_upload_acknowledge(struct dg_co_node *self, const uint8_t *data)
 {
     struct dg_co_sdo *sdo = &self->sdo;
     uint8_t ackseq = data[1];
@@ -111,37 +111,36 @@ enum dg_co_abort dg_co_block_upload_acknowledge(struct dg_co_node *self, const u
     if (sdo->crc) {
         dg_store_le16(crc, dg_crc16(0, sdo->buffer, sdo->length));
     }
-    dg_co_sdo_become(self, DG_CO_SDO_BLOCK_UPLOAD_END);
-    dg_co_sdo_send(self, (uint8_t)(0xC1u | (uint32_t)(sdo->done - sdo->length) << 2), crc,
-                   sizeof crc);
+    co_sdo_become(self, DG_CO_SDO_BLOCK_UPLOAD_END);
+    co_sdo_send(self, (uint8_t)(0xC1u | (uint32_t)(sdo->done - sdo->length) << 2), crc, sizeof crc);
     return DG_CO_OK;
 }
 
-enum dg_co_abort dg_co_block_upload_end(struct dg_co_node *self, const uint8_t *data)
+enum dg_co_abort co_block_upload_end(struct dg_co_node *self, const uint8_t *data)
 {
     (void)data;
-    dg_co_sdo_become(self, DG_CO_SDO_IDLE);
+    co_sdo_become(self, DG_CO_SDO_IDLE);
     return DG_CO_OK;
 }
 
 /* ---- download */
 
-enum dg_co_abort dg_co_block_download(struct dg_co_node *self, const uint8_t *data)
+enum dg_co_abort co_block_download(struct dg_co_node *self, const uint8_t *data)
 {
     struct dg_co_sdo *sdo = &self->sdo;
-    enum dg_co_abort abort = dg_co_sdo_open(self, (data[0] & SIZE) != 0, dg_load_le32(&data[4]));
+    enum dg_co_abort abort = co_sdo_open(self, (data[0] & SIZE) != 0, dg_load_le32(&data[4]));
 
     if (abort != DG_CO_OK) {
         return abort;
     }
     sdo->crc = (data[0] & CRC) != 0;
     sdo->seqno = 0;
-    dg_co_sdo_become(self, DG_CO_SDO_BLOCK_DOWNLOAD);
-    dg_co_sdo_confirm(self, 0xA0u | CRC, DOWNLOAD_BLKSIZE);
+    co_sdo_become(self, DG_CO_SDO_BLOCK_DOWNLOAD);
+    co_sdo_confirm(self, 0xA0u | CRC, DOWNLOAD_BLKSIZE);
     return DG_CO_OK;
 }
 
-enum dg_co_abort dg_co_block_download_segment(struct dg_co_node *self, const uint8_t *data)
+enum dg_co_abort co_block_download_segment(struct dg_co_node *self, const uint8_t *data)
 {
     struct dg_co_sdo *sdo = &self->sdo;
     uint8_t seqno = data[0] & 0x7Fu;
@@ -152,7 +151,7 @@ enum dg_co_abort dg_co_block_download_segment(struct dg_co_node *self, const uin
     if (seqno == 0 || seqno > DOWNLOAD_BLKSIZE) {
         return DG_CO_SEQUENCE;
     }
-    dg_co_sdo_become(self, complete ? DG_CO_SDO_BLOCK_DOWNLOAD_END : DG_CO_SDO_BLOCK_DOWNLOAD);
+    co_sdo_become(self, complete ? DG_CO_SDO_BLOCK_DOWNLOAD_END : DG_CO_SDO_BLOCK_DOWNLOAD);
     if (in_order) {
         memcpy(&sdo->buffer[sdo->length], &data[1], SDO_SEGMENT);
         sdo->length = (uint8_t)(sdo->length + SDO_SEGMENT);
@@ -164,28 +163,28 @@ enum dg_co_abort dg_co_block_download_segment(struct dg_co_node *self, const uin
     /* The block is over; the client listens only now. A whole segment with more to come is more
      * than any object takes. */
     if (!complete && sdo->length > 0) {
-        return dg_co_sdo_length(self, sdo->length);
+        return co_sdo_length(self, sdo->length);
     }
-    dg_co_sdo_send(self, 0xA2, (const uint8_t[]){sdo->seqno, DOWNLOAD_BLKSIZE}, 2);
+    co_sdo_send(self, 0xA2, (const uint8_t[]){sdo->seqno, DOWNLOAD_BLKSIZE}, 2);
     return DG_CO_OK;
 }
 
-enum dg_co_abort dg_co_block_download_end(struct dg_co_node *self, const uint8_t *data)
+enum dg_co_abort co_block_download_end(struct dg_co_node *self, const uint8_t *data)
 {
     struct dg_co_sdo *sdo = &self->sdo;
     uint8_t unused = data[0] >> 2 & 7u;
 
     sdo->length = (uint8_t)(sdo->length - unused);
-    enum dg_co_abort abort = dg_co_sdo_length(self, sdo->length);
+    enum dg_co_abort abort = co_sdo_length(self, sdo->length);
     if (abort == DG_CO_OK && sdo->crc &&
         dg_crc16(0, sdo->buffer, sdo->length) != dg_load_le16(&data[1])) {
         abort = DG_CO_CRC;
     }
     if (abort == DG_CO_OK) {
-        abort = dg_co_sdo_write(self);
+        abort = co_sdo_write(self);
     }
     if (abort == DG_CO_OK) {
-        dg_co_sdo_send(self, 0xA1, data, 0);
+        co_sdo_send(self, 0xA1, data, 0);
     }
     return abort;
 }

@@ -56,7 +56,7 @@ _Static_assert(CO_TPDO(DG_CO_TPDOS, 0) <= DG_CO_SLOT_APPLICATION, "room for the 
 #define CO_COB_CAN_ID 0x7FFu
 
 /** CAN-ID of TPDO `n` in the predefined connection set. */
-static inline uint32_t dg_co_predefined(uint8_t n, uint8_t node_id)
+static inline uint32_t co_predefined(uint8_t n, uint8_t node_id)
 {
     return 0x180u + 0x100u * n + node_id;
 }
@@ -64,13 +64,13 @@ static inline uint32_t dg_co_predefined(uint8_t n, uint8_t node_id)
 /* od.c: the dictionary */
 
 /** The stack's rows, 1000h-1FFFh, sorted. */
-extern const struct dg_co_object dg_co_objects[];
-extern const uint16_t dg_co_object_count;
+extern const struct dg_co_object co_objects[];
+extern const uint16_t co_object_count;
 /** Find a row; `*abort` says whether index or sub is missing when NULL is returned. */
-const struct dg_co_object *dg_co_find(const struct dg_co_node *self, uint16_t index, uint8_t sub,
-                                      enum dg_co_abort *abort);
+const struct dg_co_object *co_find(const struct dg_co_node *self, uint16_t index, uint8_t sub,
+                                   enum dg_co_abort *abort);
 /** Bytes of a row's type; 0 for strings. */
-static inline uint8_t dg_co_size(const struct dg_co_object *object)
+static inline uint8_t co_size(const struct dg_co_object *object)
 {
     static const uint8_t sizes[] = {
         [DG_CO_I8] = 1,  [DG_CO_I16] = 2, [DG_CO_I32] = 4,    [DG_CO_U8] = 1,
@@ -79,48 +79,47 @@ static inline uint8_t dg_co_size(const struct dg_co_object *object)
     return sizes[object->type];
 }
 /** A value as it stands on the wire or in the memory, sign-extended where the type is signed. */
-uint32_t dg_co_extend(const struct dg_co_object *object, uint32_t value);
+uint32_t co_extend(const struct dg_co_object *object, uint32_t value);
 /** Whether a value is inside min..max. */
-bool dg_co_in_range(const struct dg_co_object *object, uint32_t value);
+bool co_in_range(const struct dg_co_object *object, uint32_t value);
 /** Read any row but a string, whatever its access. */
-enum dg_co_abort dg_co_read(struct dg_co_node *self, const struct dg_co_object *object,
-                            uint32_t *value);
+enum dg_co_abort co_read(struct dg_co_node *self, const struct dg_co_object *object,
+                         uint32_t *value);
 /** Write a row with DG_CO_W: range, hook, slot, hook again. */
-enum dg_co_abort dg_co_write(struct dg_co_node *self, const struct dg_co_object *object,
-                             uint32_t value);
+enum dg_co_abort co_write(struct dg_co_node *self, const struct dg_co_object *object,
+                          uint32_t value);
 /** Default of a row for this node (the node-ID added where the row says so). */
-uint32_t dg_co_initial(const struct dg_co_node *self, const struct dg_co_object *object);
+uint32_t co_initial(const struct dg_co_node *self, const struct dg_co_object *object);
 /** Call `visit` for every row of the node: the stack's, then the device's. */
-void dg_co_each(struct dg_co_node *self,
-                void (*visit)(struct dg_co_node *self, const struct dg_co_object *object,
-                              void *ctx),
-                void *ctx);
+void co_each(struct dg_co_node *self,
+             void (*visit)(struct dg_co_node *self, const struct dg_co_object *object, void *ctx),
+             void *ctx);
 /** Whether a CAN-ID may not be given to a configurable COB-ID. */
-bool dg_co_restricted(uint32_t can_id);
+bool co_restricted(uint32_t can_id);
 /** Whether the node itself has a use for a CAN-ID: SYNC, EMCY, TIME if consumed, valid TPDOs. The
  * others it uses are restricted. */
-bool dg_co_in_use(const struct dg_co_node *self, uint32_t can_id);
+bool co_in_use(const struct dg_co_node *self, uint32_t can_id);
 
 /* storage.c: 1010h, 1011h, 2105h */
 
 /** Mount the store and read what is not a value: bus parameters, serial number. */
-int dg_co_mount(struct dg_co_node *self);
+int co_mount(struct dg_co_node *self);
 /** Check the memory again, as every Initialisation does; bus parameters in force stay. */
-void dg_co_remount(struct dg_co_node *self);
+void co_remount(struct dg_co_node *self);
 /** Values of the rows from `first` to `last` index: defaults, then what 1010h has saved. False when
  * some of that cannot be read; those are the defaults. */
-bool dg_co_load(struct dg_co_node *self, uint16_t first, uint16_t last);
+bool co_load(struct dg_co_node *self, uint16_t first, uint16_t last);
 /** Keep bit rate (index of 2100h) and node-ID for the next start. */
-enum dg_co_abort dg_co_save_bus(struct dg_co_node *self, uint8_t bit_rate, uint8_t node_id);
-/** 5100h when stored parameters are damaged, or not `loaded` (see dg_co_load()). */
-void dg_co_report_memory(struct dg_co_node *self, bool loaded);
+enum dg_co_abort co_save_bus(struct dg_co_node *self, uint8_t bit_rate, uint8_t node_id);
+/** 5100h when stored parameters are damaged, or not `loaded` (see co_load()). */
+void co_report_memory(struct dg_co_node *self, bool loaded);
 
 /* node.c */
-void dg_co_send(struct dg_co_node *self, uint16_t id, const uint8_t *data, uint8_t dlc);
+void co_send(struct dg_co_node *self, uint16_t id, const uint8_t *data, uint8_t dlc);
 /** The configured bit rate comes into force. */
-void dg_co_use_bit_rate(struct dg_co_node *self);
+void co_use_bit_rate(struct dg_co_node *self);
 /** Enter Initialisation; `application` also resets 2000h-9FFFh (NMT 81h, LSS). */
-void dg_co_reset(struct dg_co_node *self, bool application);
+void co_reset(struct dg_co_node *self, bool application);
 
 /*
  * Services. *_start() sets the state after a reset (values are loaded). *_step() does what is due
@@ -128,49 +127,49 @@ void dg_co_reset(struct dg_co_node *self, bool application);
  */
 
 /* nmt.c: state machine, guarding, heartbeat */
-void dg_co_nmt_start(struct dg_co_node *self);
-void dg_co_nmt_rx(struct dg_co_node *self, const struct dg_can_frame *frame);
-void dg_co_enter(struct dg_co_node *self, enum dg_co_state state);
-void dg_co_guard_rx(struct dg_co_node *self);
-void dg_co_heartbeat_rx(struct dg_co_node *self, const struct dg_can_frame *frame);
-dg_ns dg_co_nmt_step(struct dg_co_node *self);
+void co_nmt_start(struct dg_co_node *self);
+void co_nmt_rx(struct dg_co_node *self, const struct dg_can_frame *frame);
+void co_enter(struct dg_co_node *self, enum dg_co_state state);
+void co_guard_rx(struct dg_co_node *self);
+void co_heartbeat_rx(struct dg_co_node *self, const struct dg_can_frame *frame);
+dg_ns co_nmt_step(struct dg_co_node *self);
 
 /* emcy.c */
-void dg_co_emcy_start(struct dg_co_node *self);
-dg_ns dg_co_emcy_step(struct dg_co_node *self);
+void co_emcy_start(struct dg_co_node *self);
+dg_ns co_emcy_step(struct dg_co_node *self);
 /** What 1029h says for a class of errors. */
-void dg_co_react(struct dg_co_node *self, enum dg_co_error_class class_of);
+void co_react(struct dg_co_node *self, enum dg_co_error_class class_of);
 
 /* sdo.c, block.c */
-void dg_co_sdo_start(struct dg_co_node *self);
-void dg_co_sdo_rx(struct dg_co_node *self, const struct dg_can_frame *frame);
-dg_ns dg_co_sdo_step(struct dg_co_node *self);
+void co_sdo_start(struct dg_co_node *self);
+void co_sdo_rx(struct dg_co_node *self, const struct dg_can_frame *frame);
+dg_ns co_sdo_step(struct dg_co_node *self);
 
 /* pdo.c */
-void dg_co_pdo_start(struct dg_co_node *self);
+void co_pdo_start(struct dg_co_node *self);
 /** The NMT state has become operational, or is not any more. */
-void dg_co_pdo_state(struct dg_co_node *self, bool operational);
-void dg_co_sync_rx(struct dg_co_node *self, const struct dg_can_frame *frame);
+void co_pdo_state(struct dg_co_node *self, bool operational);
+void co_sync_rx(struct dg_co_node *self, const struct dg_can_frame *frame);
 /** A remote frame: is it for one of this node's TPDOs? */
-void dg_co_pdo_rtr(struct dg_co_node *self, uint16_t id);
-dg_ns dg_co_pdo_step(struct dg_co_node *self);
+void co_pdo_rtr(struct dg_co_node *self, uint16_t id);
+dg_ns co_pdo_step(struct dg_co_node *self);
 
 /* lss.c */
-void dg_co_lss_start(struct dg_co_node *self);
-void dg_co_lss_rx(struct dg_co_node *self, const struct dg_can_frame *frame);
-dg_ns dg_co_lss_step(struct dg_co_node *self);
+void co_lss_start(struct dg_co_node *self);
+void co_lss_rx(struct dg_co_node *self, const struct dg_can_frame *frame);
+dg_ns co_lss_step(struct dg_co_node *self);
 /** Whether the bus is silent because of a bit rate switch. */
-static inline bool dg_co_lss_silent(const struct dg_co_node *self)
+static inline bool co_lss_silent(const struct dg_co_node *self)
 {
     return self->now < self->lss.silent_until;
 }
 
 /* Hooks, by file. */
-dg_co_hook dg_co_hook_device, dg_co_hook_sync_id, dg_co_hook_time_id;
-dg_co_hook dg_co_hook_identity, dg_co_hook_clock;                            /* od.c */
-dg_co_hook dg_co_hook_error_register, dg_co_hook_status, dg_co_hook_history; /* emcy.c */
-dg_co_hook dg_co_hook_consumer, dg_co_hook_heartbeat;                        /* nmt.c */
-dg_co_hook dg_co_hook_store, dg_co_hook_restore;                             /* storage.c */
-dg_co_hook dg_co_hook_tpdo, dg_co_hook_mapping;                              /* pdo.c */
+dg_co_hook co_hook_device, co_hook_sync_id, co_hook_time_id;
+dg_co_hook co_hook_identity, co_hook_clock;                         /* od.c */
+dg_co_hook co_hook_error_register, co_hook_status, co_hook_history; /* emcy.c */
+dg_co_hook co_hook_consumer, co_hook_heartbeat;                     /* nmt.c */
+dg_co_hook co_hook_store, co_hook_restore;                          /* storage.c */
+dg_co_hook co_hook_tpdo, co_hook_mapping;                           /* pdo.c */
 
 #endif

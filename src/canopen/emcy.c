@@ -40,16 +40,16 @@ static uint8_t error_register(const struct dg_co_node *self)
     return bits;
 }
 
-void dg_co_react(struct dg_co_node *self, enum dg_co_error_class class_of)
+void co_react(struct dg_co_node *self, enum dg_co_error_class class_of)
 {
     if (class_of == DG_CO_CLASS_NONE || self->state == DG_CO_BOOT) {
         return; /* Initialisation is left after boot-up, without a node-ID never */
     }
     uint32_t behaviour = self->value[CO_BEHAVIOUR_1 + (unsigned)class_of - 1u];
     if (behaviour == 0 && self->state == DG_CO_OPERATIONAL) {
-        dg_co_enter(self, DG_CO_PRE_OPERATIONAL);
+        co_enter(self, DG_CO_PRE_OPERATIONAL);
     } else if (behaviour == 2) {
-        dg_co_enter(self, DG_CO_STOPPED);
+        co_enter(self, DG_CO_STOPPED);
     }
 }
 
@@ -86,8 +86,8 @@ void dg_co_raise(struct dg_co_node *self, uint8_t cause, const uint8_t manufactu
     self->active_causes |= bit;
     remember(self, row->code, manufacturer);
     queue(self, row->code, manufacturer);
-    (void)dg_co_emcy_step(self); /* before a reaction can leave the state that allows it */
-    dg_co_react(self, (enum dg_co_error_class)row->class_of);
+    (void)co_emcy_step(self); /* before a reaction can leave the state that allows it */
+    co_react(self, (enum dg_co_error_class)row->class_of);
 }
 
 void dg_co_clear(struct dg_co_node *self, uint8_t cause)
@@ -104,7 +104,7 @@ void dg_co_clear(struct dg_co_node *self, uint8_t cause)
     }
 }
 
-void dg_co_emcy_start(struct dg_co_node *self)
+void co_emcy_start(struct dg_co_node *self)
 {
     self->active_causes = 0;
     self->history_count = 0; /* chapter 28: power-on values (C37) */
@@ -112,12 +112,12 @@ void dg_co_emcy_start(struct dg_co_node *self)
     self->emcy_until = 0;
 }
 
-dg_ns dg_co_emcy_step(struct dg_co_node *self)
+dg_ns co_emcy_step(struct dg_co_node *self)
 {
     bool allowed = self->state == DG_CO_PRE_OPERATIONAL || self->state == DG_CO_OPERATIONAL;
 
     while (self->emcy_count > 0 && allowed && self->emcy_until <= self->now) {
-        dg_co_send(self, (uint16_t)(CO_ID_EMCY + self->id), self->emcy[0], 8);
+        co_send(self, (uint16_t)(CO_ID_EMCY + self->id), self->emcy[0], 8);
         self->emcy_count--;
         memmove(self->emcy[0], self->emcy[1], sizeof self->emcy - sizeof self->emcy[0]);
         self->emcy_until = dg_after(self->now, DG_US(100u * self->value[CO_EMCY_INHIBIT_100US]));
@@ -125,9 +125,8 @@ dg_ns dg_co_emcy_step(struct dg_co_node *self)
     return self->emcy_count > 0 && allowed ? self->emcy_until : DG_NEVER;
 }
 
-enum dg_co_abort dg_co_hook_error_register(struct dg_co_node *self,
-                                           const struct dg_co_object *object, enum dg_co_op op,
-                                           uint32_t *value)
+enum dg_co_abort co_hook_error_register(struct dg_co_node *self, const struct dg_co_object *object,
+                                        enum dg_co_op op, uint32_t *value)
 {
     (void)object;
     (void)op;
@@ -136,8 +135,8 @@ enum dg_co_abort dg_co_hook_error_register(struct dg_co_node *self,
 }
 
 /* 1002h: a bit for every cause that lasts. */
-enum dg_co_abort dg_co_hook_status(struct dg_co_node *self, const struct dg_co_object *object,
-                                   enum dg_co_op op, uint32_t *value)
+enum dg_co_abort co_hook_status(struct dg_co_node *self, const struct dg_co_object *object,
+                                enum dg_co_op op, uint32_t *value)
 {
     (void)object;
     (void)op;
@@ -145,8 +144,8 @@ enum dg_co_abort dg_co_hook_status(struct dg_co_node *self, const struct dg_co_o
     return DG_CO_OK;
 }
 
-enum dg_co_abort dg_co_hook_history(struct dg_co_node *self, const struct dg_co_object *object,
-                                    enum dg_co_op op, uint32_t *value)
+enum dg_co_abort co_hook_history(struct dg_co_node *self, const struct dg_co_object *object,
+                                 enum dg_co_op op, uint32_t *value)
 {
     if (op == DG_CO_WRITE) {
         if (*value != 0) {

@@ -33,7 +33,7 @@ static void answer(struct dg_co_node *self, uint8_t cs, uint32_t value)
     uint8_t data[8] = {cs};
 
     dg_store_le32(&data[1], value);
-    dg_co_send(self, CO_ID_LSS_TX, data, sizeof data);
+    co_send(self, CO_ID_LSS_TX, data, sizeof data);
 }
 
 /* Vendor, product, revision, serial number. */
@@ -59,7 +59,7 @@ static void switch_global(struct dg_co_node *self, const uint8_t *data)
     }
     self->lss.configuration = data[1] == 1;
     if (!self->lss.configuration && changed) {
-        dg_co_reset(self, true); /* unlike CiA 305, chapter 9 */
+        co_reset(self, true); /* unlike CiA 305, chapter 9 */
     }
 }
 
@@ -112,7 +112,7 @@ static void activate_bit_timing(struct dg_co_node *self, const uint8_t *data)
 
 static void store(struct dg_co_node *self, const uint8_t *data)
 {
-    enum dg_co_abort abort = dg_co_save_bus(self, self->lss.bit_rate, self->lss.node_id);
+    enum dg_co_abort abort = co_save_bus(self, self->lss.bit_rate, self->lss.node_id);
 
     answer(self, data[0], abort == DG_CO_OK ? RESULT_OK : RESULT_MEDIA);
 }
@@ -204,7 +204,7 @@ static const struct {
 };
 /* clang-format on */
 
-void dg_co_lss_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
+void co_lss_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
 {
     uint8_t state = self->lss.configuration ? CONFIGURATION : WAITING;
     uint8_t cs = frame->data[0];
@@ -223,7 +223,7 @@ void dg_co_lss_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
     }
 }
 
-void dg_co_lss_start(struct dg_co_node *self)
+void co_lss_start(struct dg_co_node *self)
 {
     self->lss.configuration = false;
     self->lss.changed = false;
@@ -233,11 +233,11 @@ void dg_co_lss_start(struct dg_co_node *self)
     self->lss.switch_at = DG_NEVER;
 }
 
-dg_ns dg_co_lss_step(struct dg_co_node *self)
+dg_ns co_lss_step(struct dg_co_node *self)
 {
     if (self->lss.switch_at <= self->now) {
         self->lss.switch_at = DG_NEVER;
-        dg_co_use_bit_rate(self);
+        co_use_bit_rate(self);
     }
     return self->lss.switch_at;
 }

@@ -19,14 +19,14 @@ static const struct dg_co_object *find_mapped(const struct dg_co_node *self, uin
                                               enum dg_co_abort *abort)
 {
     const struct dg_co_object *object =
-        dg_co_find(self, (uint16_t)(entry >> 16), (uint8_t)(entry >> 8), abort);
+        co_find(self, (uint16_t)(entry >> 16), (uint8_t)(entry >> 8), abort);
 
     if (object == NULL) {
         return NULL;
     }
     if ((object->flags & DG_CO_MAP) == 0 || (object->flags & DG_CO_R) == 0) {
         *abort = DG_CO_NOT_MAPPABLE;
-    } else if ((entry & 0xFFu) != 8u * dg_co_size(object)) {
+    } else if ((entry & 0xFFu) != 8u * co_size(object)) {
         *abort = DG_CO_INCOMPATIBLE;
     }
     return object;
@@ -35,7 +35,7 @@ static const struct dg_co_object *find_mapped(const struct dg_co_node *self, uin
 /* One more object. */
 static void append(struct dg_co_tpdo *tpdo, const struct dg_co_object *object)
 {
-    uint8_t size = dg_co_size(object);
+    uint8_t size = co_size(object);
 
     if ((object->flags & DG_CO_EVENT) != 0) {
         tpdo->event_bytes |= (uint8_t)(((1u << size) - 1u) << tpdo->length);
@@ -87,8 +87,8 @@ static enum dg_co_abort check_mapping(struct dg_co_node *self, uint8_t n, uint8_
     return abort;
 }
 
-enum dg_co_abort dg_co_hook_mapping(struct dg_co_node *self, const struct dg_co_object *object,
-                                    enum dg_co_op op, uint32_t *value)
+enum dg_co_abort co_hook_mapping(struct dg_co_node *self, const struct dg_co_object *object,
+                                 enum dg_co_op op, uint32_t *value)
 {
     uint8_t n = (uint8_t)object->index; /* 1A00h + n */
 
@@ -113,7 +113,7 @@ static enum dg_co_abort check_cob_id(struct dg_co_node *self, uint8_t n, uint32_
     if ((wanted & ~(CO_COB_INVALID | CO_COB_BIT30 | CO_COB_CAN_ID)) != 0) {
         return DG_CO_RANGE;
     }
-    if ((valid || id != 0) && dg_co_restricted(id)) {
+    if ((valid || id != 0) && co_restricted(id)) {
         return DG_CO_RANGE;
     }
     if (!valid) {
@@ -122,7 +122,7 @@ static enum dg_co_abort check_cob_id(struct dg_co_node *self, uint8_t n, uint32_
     if (tpdo->valid) {
         return id == tpdo->can_id ? DG_CO_OK : DG_CO_RANGE;
     }
-    if (dg_co_in_use(self, id)) {
+    if (co_in_use(self, id)) {
         return DG_CO_RANGE;
     }
     uint32_t count = co_pdo_parameter(self, n, CO_PDO_MAPPED);
@@ -158,7 +158,7 @@ static void adopt_cob_id(struct dg_co_node *self, uint8_t n)
     tpdo->rtr_allowed = (cob_id & CO_COB_BIT30) == 0;
     if (tpdo->valid != was_valid) {
         tpdo->inhibit_until = 0;
-        dg_co_pdo_restart(self, n);
+        co_pdo_restart(self, n);
     }
 }
 
@@ -169,7 +169,7 @@ static void adopt_type(struct dg_co_node *self, uint8_t n)
 
     tpdo->type = (uint8_t)co_pdo_parameter(self, n, CO_PDO_TYPE);
     bool waits = tpdo->pending && co_pdo_takes_events(tpdo->type);
-    dg_co_pdo_restart(self, n);
+    co_pdo_restart(self, n);
     tpdo->pending = waits;
 }
 
@@ -184,8 +184,8 @@ static const struct {
     [SUB_EVENT_TIMER] = {NULL, dg_co_pdo_rearm},
 };
 
-enum dg_co_abort dg_co_hook_tpdo(struct dg_co_node *self, const struct dg_co_object *object,
-                                 enum dg_co_op op, uint32_t *value)
+enum dg_co_abort co_hook_tpdo(struct dg_co_node *self, const struct dg_co_object *object,
+                              enum dg_co_op op, uint32_t *value)
 {
     uint8_t n = (uint8_t)object->index; /* 1800h + n */
 
@@ -214,12 +214,12 @@ static bool is_moved(const struct dg_co_node *self, uint8_t n)
 {
     uint32_t cob_id = co_pdo_parameter(self, n, CO_PDO_COB_ID);
 
-    return (cob_id & CO_COB_CAN_ID) != dg_co_predefined(n, self->id);
+    return (cob_id & CO_COB_CAN_ID) != co_predefined(n, self->id);
 }
 
 /* Those on their predefined CAN-ID come first: with another node-ID that may be where a moved one
  * is, which then is not valid (C33). */
-void dg_co_pdo_start(struct dg_co_node *self)
+void co_pdo_start(struct dg_co_node *self)
 {
     for (uint8_t n = 0; n < DG_CO_TPDOS; n++) {
         self->tpdo[n] = (struct dg_co_tpdo){.event_at = DG_NEVER};

@@ -19,12 +19,12 @@ static void heartbeat(struct dg_co_node *self)
 
     self->heartbeat_at = DG_NEVER;
     if (heartbeat_period(self) != 0) {
-        dg_co_send(self, (uint16_t)(CO_ID_GUARD + self->id), state, sizeof state);
+        co_send(self, (uint16_t)(CO_ID_GUARD + self->id), state, sizeof state);
         self->heartbeat_at = dg_after(self->now, heartbeat_period(self));
     }
 }
 
-void dg_co_enter(struct dg_co_node *self, enum dg_co_state state)
+void co_enter(struct dg_co_node *self, enum dg_co_state state)
 {
     if (self->state == state) {
         return;
@@ -33,7 +33,7 @@ void dg_co_enter(struct dg_co_node *self, enum dg_co_state state)
     bool booted = self->state == DG_CO_BOOT;
     self->state = state;
     if (state == DG_CO_STOPPED) {
-        dg_co_sdo_start(self); /* a transfer does not survive */
+        co_sdo_start(self); /* a transfer does not survive */
     }
     if (!booted) {
         heartbeat(self);
@@ -41,36 +41,36 @@ void dg_co_enter(struct dg_co_node *self, enum dg_co_state state)
         self->heartbeat_at = dg_after(self->now, heartbeat_period(self));
     }
     if (was_operational || state == DG_CO_OPERATIONAL) {
-        dg_co_pdo_state(self, state == DG_CO_OPERATIONAL);
+        co_pdo_state(self, state == DG_CO_OPERATIONAL);
     }
 }
 
 static void to_operational(struct dg_co_node *self)
 {
-    dg_co_enter(self, DG_CO_OPERATIONAL);
+    co_enter(self, DG_CO_OPERATIONAL);
 }
 
 static void to_stopped(struct dg_co_node *self)
 {
-    dg_co_enter(self, DG_CO_STOPPED);
+    co_enter(self, DG_CO_STOPPED);
 }
 
 static void to_pre_operational(struct dg_co_node *self)
 {
-    dg_co_enter(self, DG_CO_PRE_OPERATIONAL);
+    co_enter(self, DG_CO_PRE_OPERATIONAL);
 }
 
 static void reset_node(struct dg_co_node *self)
 {
-    dg_co_reset(self, true);
+    co_reset(self, true);
 }
 
 static void reset_communication(struct dg_co_node *self)
 {
-    dg_co_reset(self, false);
+    co_reset(self, false);
 }
 
-void dg_co_nmt_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
+void co_nmt_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
 {
     static const struct {
         uint8_t command;
@@ -95,7 +95,7 @@ void dg_co_nmt_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
     }
 }
 
-void dg_co_nmt_start(struct dg_co_node *self)
+void co_nmt_start(struct dg_co_node *self)
 {
     self->heartbeat_at = DG_NEVER;
     self->guard_toggle = false;
@@ -106,7 +106,7 @@ void dg_co_nmt_start(struct dg_co_node *self)
 }
 
 /* Life time runs from the first request of the master on (C13). */
-void dg_co_guard_rx(struct dg_co_node *self)
+void co_guard_rx(struct dg_co_node *self)
 {
     dg_ns life = DG_MS(self->value[CO_GUARD_TIME_MS]) * self->value[CO_LIFE_FACTOR];
 
@@ -116,7 +116,7 @@ void dg_co_guard_rx(struct dg_co_node *self)
     const uint8_t answer[1] = {
         (uint8_t)((unsigned)self->state | (self->guard_toggle ? 0x80u : 0u))};
     self->guard_toggle = !self->guard_toggle;
-    dg_co_send(self, (uint16_t)(CO_ID_GUARD + self->id), answer, sizeof answer);
+    co_send(self, (uint16_t)(CO_ID_GUARD + self->id), answer, sizeof answer);
     self->guard_at = life == 0 ? DG_NEVER : dg_after(self->now, life);
     dg_co_clear(self, DG_CO_CAUSE_LIFE);
 }
@@ -142,7 +142,7 @@ static bool is_heartbeat(const struct dg_can_frame *frame)
 }
 
 /* Monitoring begins with the first heartbeat of the node (C12). */
-void dg_co_heartbeat_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
+void co_heartbeat_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
 {
     if (!is_heartbeat(frame)) {
         return;
@@ -156,7 +156,7 @@ void dg_co_heartbeat_rx(struct dg_co_node *self, const struct dg_can_frame *fram
     }
 }
 
-dg_ns dg_co_nmt_step(struct dg_co_node *self)
+dg_ns co_nmt_step(struct dg_co_node *self)
 {
     if (self->heartbeat_at <= self->now) {
         dg_ns due = self->heartbeat_at;
@@ -181,8 +181,8 @@ dg_ns dg_co_nmt_step(struct dg_co_node *self)
     return next;
 }
 
-enum dg_co_abort dg_co_hook_heartbeat(struct dg_co_node *self, const struct dg_co_object *object,
-                                      enum dg_co_op op, uint32_t *value)
+enum dg_co_abort co_hook_heartbeat(struct dg_co_node *self, const struct dg_co_object *object,
+                                   enum dg_co_op op, uint32_t *value)
 {
     (void)object;
     (void)value;
@@ -195,8 +195,8 @@ enum dg_co_abort dg_co_hook_heartbeat(struct dg_co_node *self, const struct dg_c
 
 /* An active entry is not changed without having been cleared (chapter 16); written again as it is,
  * it waits for a heartbeat anew. */
-enum dg_co_abort dg_co_hook_consumer(struct dg_co_node *self, const struct dg_co_object *object,
-                                     enum dg_co_op op, uint32_t *value)
+enum dg_co_abort co_hook_consumer(struct dg_co_node *self, const struct dg_co_object *object,
+                                  enum dg_co_op op, uint32_t *value)
 {
     uint8_t mine = (uint8_t)(object->sub - 1u);
     uint32_t present = self->value[CO_CONSUMER_1 + mine];

@@ -23,11 +23,11 @@ static bool in(const struct dg_co_node *self, uint8_t states)
     return (bit & states) != 0;
 }
 
-void dg_co_send(struct dg_co_node *self, uint16_t id, const uint8_t *data, uint8_t dlc)
+void co_send(struct dg_co_node *self, uint16_t id, const uint8_t *data, uint8_t dlc)
 {
     struct dg_can_frame frame = {.id = id, .dlc = dlc};
 
-    if (dg_co_lss_silent(self)) {
+    if (co_lss_silent(self)) {
         return;
     }
     if (dlc == 8) { /* in halves, as they were written: a wider load would wait for both */
@@ -41,7 +41,7 @@ void dg_co_send(struct dg_co_node *self, uint16_t id, const uint8_t *data, uint8
 }
 
 /* The configured bit rate comes into force. */
-void dg_co_use_bit_rate(struct dg_co_node *self)
+void co_use_bit_rate(struct dg_co_node *self)
 {
     static const uint16_t kbaud[] = {10, 20, 50, 100, 125, 250, 500, 0, 1000};
 
@@ -79,17 +79,17 @@ static void initialise(struct dg_co_node *self, bool application)
     if (application) {
         self->id = self->lss.node_id;
         if (self->bit_rate != self->lss.bit_rate) {
-            dg_co_use_bit_rate(self);
+            co_use_bit_rate(self);
         }
     }
     self->clock_us = 0u - (uint32_t)(self->now / DG_US(1));
-    bool loaded = dg_co_load(self, 0x1000, application ? 0xFFFF : 0x1FFF);
+    bool loaded = co_load(self, 0x1000, application ? 0xFFFF : 0x1FFF);
     self->filter_version++;
-    dg_co_emcy_start(self);
-    dg_co_sdo_start(self);
-    dg_co_nmt_start(self);
-    dg_co_pdo_start(self);
-    dg_co_lss_start(self);
+    co_emcy_start(self);
+    co_sdo_start(self);
+    co_nmt_start(self);
+    co_pdo_start(self);
+    co_lss_start(self);
     if (device->reset != NULL) {
         operational = device->reset(self, application);
     }
@@ -97,14 +97,14 @@ static void initialise(struct dg_co_node *self, bool application)
         return; /* only LSS can give it a node-ID (CiA 305) */
     }
     static const uint8_t boot_up[1] = {DG_CO_BOOT};
-    dg_co_send(self, (uint16_t)(CO_ID_GUARD + self->id), boot_up, sizeof boot_up);
-    dg_co_enter(self, operational ? DG_CO_OPERATIONAL : DG_CO_PRE_OPERATIONAL);
-    dg_co_report_memory(self, loaded); /* an EMCY comes after boot-up */
+    co_send(self, (uint16_t)(CO_ID_GUARD + self->id), boot_up, sizeof boot_up);
+    co_enter(self, operational ? DG_CO_OPERATIONAL : DG_CO_PRE_OPERATIONAL);
+    co_report_memory(self, loaded); /* an EMCY comes after boot-up */
 }
 
-void dg_co_reset(struct dg_co_node *self, bool application)
+void co_reset(struct dg_co_node *self, bool application)
 {
-    dg_co_remount(self);
+    co_remount(self);
     initialise(self, application);
 }
 
@@ -112,14 +112,14 @@ int dg_co_power_on(struct dg_co_node *self, dg_ns now)
 {
     dg_co_power_off(self);
     self->now = now;
-    int result = dg_co_mount(self);
+    int result = co_mount(self);
     if (result == DG_ERR_BLANK || result == DG_ERR_FOREIGN) {
         return result;
     }
     self->bus_off = false;
     self->lss.silent_until = 0;
     self->bus_found = false;
-    dg_co_use_bit_rate(self);
+    co_use_bit_rate(self);
     initialise(self, true);
     return DG_OK;
 }
@@ -149,9 +149,9 @@ static bool is_time(const struct dg_co_node *self, uint16_t id)
 static void remote_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
 {
     if (frame->id == CO_ID_GUARD + self->id) {
-        dg_co_guard_rx(self);
+        co_guard_rx(self);
     } else if (in(self, IN_OPERATIONAL)) {
-        dg_co_pdo_rtr(self, frame->id);
+        co_pdo_rtr(self, frame->id);
     }
 }
 
@@ -164,16 +164,16 @@ static void service_rx(struct dg_co_node *self, const struct dg_can_frame *frame
         remote_rx(self, frame);
     } else if (frame->id == self->value[CO_SYNC_COB_ID]) {
         if (in(self, on)) {
-            dg_co_sync_rx(self, frame);
+            co_sync_rx(self, frame);
         }
     } else if (frame->id == CO_ID_NMT) {
-        dg_co_nmt_rx(self, frame);
+        co_nmt_rx(self, frame);
     } else if (frame->id == CO_ID_SDO_RX + self->id) {
         if (in(self, on)) {
-            dg_co_sdo_rx(self, frame);
+            co_sdo_rx(self, frame);
         }
     } else if ((frame->id & 0x780u) == CO_ID_GUARD) {
-        dg_co_heartbeat_rx(self, frame);
+        co_heartbeat_rx(self, frame);
     } else if (is_time(self, frame->id) && in(self, on)) {
         time_rx(self, frame);
     }
@@ -186,11 +186,11 @@ static dg_ns step_services(struct dg_co_node *self)
      */
     dg_ns next = self->setup.device->step != NULL ? self->setup.device->step(self) : DG_NEVER;
 
-    next = dg_earliest(next, dg_co_nmt_step(self));
-    next = dg_earliest(next, dg_co_pdo_step(self));
-    next = dg_earliest(next, dg_co_sdo_step(self));
-    next = dg_earliest(next, dg_co_lss_step(self));
-    next = dg_earliest(next, dg_co_emcy_step(self));
+    next = dg_earliest(next, co_nmt_step(self));
+    next = dg_earliest(next, co_pdo_step(self));
+    next = dg_earliest(next, co_sdo_step(self));
+    next = dg_earliest(next, co_lss_step(self));
+    next = dg_earliest(next, co_emcy_step(self));
     return next;
 }
 
@@ -223,13 +223,13 @@ dg_ns dg_co_rx(struct dg_co_node *self, dg_ns now, const struct dg_can_frame *fr
     if (self->deadline <= self->now) {
         (void)settle(self);
     }
-    if (dg_co_lss_silent(self)) {
+    if (co_lss_silent(self)) {
         return self->deadline;
     }
     self->counters.rx++;
     if (frame->id == CO_ID_LSS_RX && !frame->rtr) {
         if (in(self, IN_PRE_OPERATIONAL | IN_STOPPED) || self->id == DG_CO_UNCONFIGURED) {
-            dg_co_lss_rx(self, frame);
+            co_lss_rx(self, frame);
         }
     } else if (self->id != DG_CO_UNCONFIGURED) {
         service_rx(self, frame);
@@ -258,7 +258,7 @@ dg_ns dg_co_bus(struct dg_co_node *self, dg_ns now, enum dg_co_bus_event event)
         break;
     case DG_CO_BUS_OFF:
         self->bus_off = true;
-        dg_co_react(self, DG_CO_CLASS_COMMUNICATION);
+        co_react(self, DG_CO_CLASS_COMMUNICATION);
         break;
     case DG_CO_BUS_ACTIVE:
         if (self->bus_off) { /* nobody could have heard it before */

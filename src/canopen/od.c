@@ -24,13 +24,13 @@ enum {
 #define DG_CO_OBJECT(index, sub, type, access, slot, region, initial, min, max, hook, name)        \
     {index, sub, DG_CO_##type, access, slot, region, initial, min, max, hook},
 
-const struct dg_co_object dg_co_objects[] = {
+const struct dg_co_object co_objects[] = {
 #include "objects.def"
 };
 #undef DG_CO_PARENT
 #undef DG_CO_OBJECT
 const uint8_t dg_co_slot_event_timer = CO_TPDO(0, CO_PDO_EVENT_MS);
-const uint16_t dg_co_object_count = sizeof dg_co_objects / sizeof dg_co_objects[0];
+const uint16_t co_object_count = sizeof co_objects / sizeof co_objects[0];
 
 static uint32_t key(uint16_t index, uint8_t sub)
 {
@@ -56,13 +56,13 @@ static const struct dg_co_object *lower_bound(const struct dg_co_object *rows, u
 
 /* The stack's rows end where the device's begin. A neighbour of the same index means that only the
  * sub-index is missing. */
-const struct dg_co_object *dg_co_find(const struct dg_co_node *self, uint16_t index, uint8_t sub,
-                                      enum dg_co_abort *abort)
+const struct dg_co_object *co_find(const struct dg_co_node *self, uint16_t index, uint8_t sub,
+                                   enum dg_co_abort *abort)
 {
     const struct dg_co_device *device = self->setup.device;
     bool own = index < 0x2000;
-    const struct dg_co_object *rows = own ? dg_co_objects : device->objects;
-    const struct dg_co_object *end = rows + (own ? dg_co_object_count : device->object_count);
+    const struct dg_co_object *rows = own ? co_objects : device->objects;
+    const struct dg_co_object *end = rows + (own ? co_object_count : device->object_count);
     const struct dg_co_object *found = lower_bound(rows, (uint16_t)(end - rows), key(index, sub));
 
     if (found < end && found->index == index && found->sub == sub) {
@@ -79,27 +79,27 @@ static bool is_signed(const struct dg_co_object *object)
     return object->type <= DG_CO_I32;
 }
 
-uint32_t dg_co_extend(const struct dg_co_object *object, uint32_t value)
+uint32_t co_extend(const struct dg_co_object *object, uint32_t value)
 {
-    uint32_t sign = 1u << (8u * dg_co_size(object) - 1u);
+    uint32_t sign = 1u << (8u * co_size(object) - 1u);
 
     return is_signed(object) ? (value ^ sign) - sign : value;
 }
 
-uint32_t dg_co_initial(const struct dg_co_node *self, const struct dg_co_object *object)
+uint32_t co_initial(const struct dg_co_node *self, const struct dg_co_object *object)
 {
     return object->initial + ((object->flags & DG_CO_ID) != 0 ? self->id : 0u);
 }
 
-enum dg_co_abort dg_co_read(struct dg_co_node *self, const struct dg_co_object *object,
-                            uint32_t *value)
+enum dg_co_abort co_read(struct dg_co_node *self, const struct dg_co_object *object,
+                         uint32_t *value)
 {
     *value =
-        (object->flags & DG_CO_SLOT) != 0 ? self->value[object->slot] : dg_co_initial(self, object);
+        (object->flags & DG_CO_SLOT) != 0 ? self->value[object->slot] : co_initial(self, object);
     return object->hook == NULL ? DG_CO_OK : object->hook(self, object, DG_CO_READ, value);
 }
 
-bool dg_co_in_range(const struct dg_co_object *object, uint32_t value)
+bool co_in_range(const struct dg_co_object *object, uint32_t value)
 {
     if (is_signed(object)) {
         return (int32_t)value >= (int32_t)object->min && (int32_t)value <= (int32_t)object->max;
@@ -107,12 +107,12 @@ bool dg_co_in_range(const struct dg_co_object *object, uint32_t value)
     return value >= object->min && value <= object->max;
 }
 
-enum dg_co_abort dg_co_write(struct dg_co_node *self, const struct dg_co_object *object,
-                             uint32_t value)
+enum dg_co_abort co_write(struct dg_co_node *self, const struct dg_co_object *object,
+                          uint32_t value)
 {
     enum dg_co_abort abort = DG_CO_OK;
 
-    if (!dg_co_in_range(object, value)) {
+    if (!co_in_range(object, value)) {
         return DG_CO_RANGE;
     }
     if (object->hook != NULL) {
@@ -129,20 +129,19 @@ enum dg_co_abort dg_co_write(struct dg_co_node *self, const struct dg_co_object 
     return DG_CO_OK;
 }
 
-void dg_co_each(struct dg_co_node *self,
-                void (*visit)(struct dg_co_node *self, const struct dg_co_object *object,
-                              void *ctx),
-                void *ctx)
+void co_each(struct dg_co_node *self,
+             void (*visit)(struct dg_co_node *self, const struct dg_co_object *object, void *ctx),
+             void *ctx)
 {
-    for (uint16_t i = 0; i < dg_co_object_count; i++) {
-        visit(self, &dg_co_objects[i], ctx);
+    for (uint16_t i = 0; i < co_object_count; i++) {
+        visit(self, &co_objects[i], ctx);
     }
     for (uint16_t i = 0; i < self->setup.device->object_count; i++) {
         visit(self, &self->setup.device->objects[i], ctx);
     }
 }
 
-bool dg_co_restricted(uint32_t can_id)
+bool co_restricted(uint32_t can_id)
 {
     static const struct {
         uint16_t first;
@@ -160,8 +159,8 @@ bool dg_co_restricted(uint32_t can_id)
     return can_id > CO_COB_CAN_ID;
 }
 
-enum dg_co_abort dg_co_hook_device(struct dg_co_node *self, const struct dg_co_object *object,
-                                   enum dg_co_op op, uint32_t *value)
+enum dg_co_abort co_hook_device(struct dg_co_node *self, const struct dg_co_object *object,
+                                enum dg_co_op op, uint32_t *value)
 {
     (void)object;
     (void)op;
@@ -169,8 +168,8 @@ enum dg_co_abort dg_co_hook_device(struct dg_co_node *self, const struct dg_co_o
     return DG_CO_OK;
 }
 
-enum dg_co_abort dg_co_hook_identity(struct dg_co_node *self, const struct dg_co_object *object,
-                                     enum dg_co_op op, uint32_t *value)
+enum dg_co_abort co_hook_identity(struct dg_co_node *self, const struct dg_co_object *object,
+                                  enum dg_co_op op, uint32_t *value)
 {
     const struct dg_co_device *device = self->setup.device;
     const uint32_t identity[] = {device->vendor_id, device->product_code, device->revision,
@@ -181,7 +180,7 @@ enum dg_co_abort dg_co_hook_identity(struct dg_co_node *self, const struct dg_co
     return DG_CO_OK;
 }
 
-bool dg_co_in_use(const struct dg_co_node *self, uint32_t can_id)
+bool co_in_use(const struct dg_co_node *self, uint32_t can_id)
 {
     bool used = can_id == CO_ID_EMCY + self->id || can_id == self->value[CO_SYNC_COB_ID] ||
                 (can_id | CO_COB_INVALID) == self->value[CO_TIME_COB_ID];
@@ -193,8 +192,8 @@ bool dg_co_in_use(const struct dg_co_node *self, uint32_t can_id)
 }
 
 /* 1013h counts microseconds from Initialisation, or from what is written; TIME leaves it alone. */
-enum dg_co_abort dg_co_hook_clock(struct dg_co_node *self, const struct dg_co_object *object,
-                                  enum dg_co_op op, uint32_t *value)
+enum dg_co_abort co_hook_clock(struct dg_co_node *self, const struct dg_co_object *object,
+                               enum dg_co_op op, uint32_t *value)
 {
     uint32_t now_us = (uint32_t)(self->now / DG_US(1));
 
@@ -211,11 +210,11 @@ enum dg_co_abort dg_co_hook_clock(struct dg_co_node *self, const struct dg_co_ob
  * `fresh` one must not be in use. */
 static enum dg_co_abort consumed_id(const struct dg_co_node *self, uint32_t id, bool fresh)
 {
-    return dg_co_restricted(id) || (fresh && dg_co_in_use(self, id)) ? DG_CO_RANGE : DG_CO_OK;
+    return co_restricted(id) || (fresh && co_in_use(self, id)) ? DG_CO_RANGE : DG_CO_OK;
 }
 
-enum dg_co_abort dg_co_hook_sync_id(struct dg_co_node *self, const struct dg_co_object *object,
-                                    enum dg_co_op op, uint32_t *value)
+enum dg_co_abort co_hook_sync_id(struct dg_co_node *self, const struct dg_co_object *object,
+                                 enum dg_co_op op, uint32_t *value)
 {
     bool fresh = *value != self->value[object->slot];
 
@@ -223,8 +222,8 @@ enum dg_co_abort dg_co_hook_sync_id(struct dg_co_node *self, const struct dg_co_
 }
 
 /* Bit 31: the node consumes TIME. Without it the CAN-ID is not used. */
-enum dg_co_abort dg_co_hook_time_id(struct dg_co_node *self, const struct dg_co_object *object,
-                                    enum dg_co_op op, uint32_t *value)
+enum dg_co_abort co_hook_time_id(struct dg_co_node *self, const struct dg_co_object *object,
+                                 enum dg_co_op op, uint32_t *value)
 {
     uint32_t id = *value & ~CO_COB_INVALID;
     bool fresh = id != *value && *value != self->value[object->slot];

@@ -29,15 +29,15 @@ static void build(struct dg_co_node *self, const struct dg_co_tpdo *tpdo, uint8_
 {
     for (uint8_t i = 0; i < tpdo->mapped_count; i++) {
         uint32_t value;
-        (void)dg_co_read(self, tpdo->mapped[i], &value);
+        (void)co_read(self, tpdo->mapped[i], &value);
         dg_store_le32(data, value);
-        data += dg_co_size(tpdo->mapped[i]);
+        data += co_size(tpdo->mapped[i]);
     }
 }
 
 static void send_last(struct dg_co_node *self, const struct dg_co_tpdo *tpdo)
 {
-    dg_co_send(self, tpdo->can_id, tpdo->last, tpdo->length);
+    co_send(self, tpdo->can_id, tpdo->last, tpdo->length);
 }
 
 static void transmit(struct dg_co_node *self, struct dg_co_tpdo *tpdo)
@@ -81,7 +81,7 @@ void dg_co_pdo_rearm(struct dg_co_node *self, uint8_t tpdo)
 }
 
 /* Forget events, samples and the phase of SYNC. */
-void dg_co_pdo_restart(struct dg_co_node *self, uint8_t n)
+void co_pdo_restart(struct dg_co_node *self, uint8_t n)
 {
     struct dg_co_tpdo *tpdo = &self->tpdo[n];
 
@@ -139,7 +139,7 @@ static void serve_all(struct dg_co_node *self, bool sampled)
     self->pdo_at = next;
 }
 
-dg_ns dg_co_pdo_step(struct dg_co_node *self)
+dg_ns co_pdo_step(struct dg_co_node *self)
 {
     if (self->pdo_at <= self->now) {
         serve_all(self, false);
@@ -177,10 +177,10 @@ void dg_co_pdo_event(struct dg_co_node *self)
     serve_all(self, sampled);
 }
 
-void dg_co_pdo_state(struct dg_co_node *self, bool operational)
+void co_pdo_state(struct dg_co_node *self, bool operational)
 {
     for (uint8_t n = 0; n < DG_CO_TPDOS; n++) {
-        dg_co_pdo_restart(self, n);
+        co_pdo_restart(self, n);
         self->tpdo[n].pending = operational && co_pdo_takes_events(self->tpdo[n].type);
     }
     serve_all(self, false);
@@ -243,7 +243,7 @@ static bool is_late(const struct dg_co_node *self)
     return window != 0 && dg_elapsed(self->now, self->rx_at) > window;
 }
 
-void dg_co_sync_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
+void co_sync_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
 {
     bool sampled = false;
 
@@ -273,7 +273,7 @@ static void answer(struct dg_co_node *self, uint8_t n)
     }
 }
 
-void dg_co_pdo_rtr(struct dg_co_node *self, uint16_t id)
+void co_pdo_rtr(struct dg_co_node *self, uint16_t id)
 {
     for (uint8_t n = 0; n < DG_CO_TPDOS; n++) {
         const struct dg_co_tpdo *tpdo = &self->tpdo[n];

@@ -28,6 +28,6 @@ static inline bool co_pdo_takes_events(uint8_t type)
 }
 
 /** Forget events, samples and the phase of SYNC of TPDO `n`; its event timer runs from now. */
-void dg_co_pdo_restart(struct dg_co_node *self, uint8_t n);
+void co_pdo_restart(struct dg_co_node *self, uint8_t n);
 
 #endif

@@ -52,21 +52,21 @@ static const struct {
     {0xFF, SDO_ABORT, ANY, ignore},
     {0xE0, 0x20, ANY, download_initiate},
     {0xE0, 0x40, ANY, upload_initiate},
-    {0xE3, 0xA0, ANY, dg_co_block_upload},
-    {0xE1, 0xC0, ANY, dg_co_block_download},
+    {0xE3, 0xA0, ANY, co_block_upload},
+    {0xE1, 0xC0, ANY, co_block_download},
     {0xE0, 0x00, IN(DG_CO_SDO_DOWNLOAD),           download_segment},
     {0xE0, 0x60, IN(DG_CO_SDO_UPLOAD),             upload_segment},
-    {0xE3, 0xA3, IN(DG_CO_SDO_BLOCK_UPLOAD_START), dg_co_block_upload_start},
-    {0xE3, 0xA2, IN(DG_CO_SDO_BLOCK_UPLOAD),       dg_co_block_upload_acknowledge},
-    {0xE3, 0xA1, IN(DG_CO_SDO_BLOCK_UPLOAD_END),   dg_co_block_upload_end},
-    {0xE1, 0xC1, IN(DG_CO_SDO_BLOCK_DOWNLOAD_END), dg_co_block_download_end},
+    {0xE3, 0xA3, IN(DG_CO_SDO_BLOCK_UPLOAD_START), co_block_upload_start},
+    {0xE3, 0xA2, IN(DG_CO_SDO_BLOCK_UPLOAD),       co_block_upload_acknowledge},
+    {0xE3, 0xA1, IN(DG_CO_SDO_BLOCK_UPLOAD_END),   co_block_upload_end},
+    {0xE1, 0xC1, IN(DG_CO_SDO_BLOCK_DOWNLOAD_END), co_block_download_end},
     {0xF8, 0x80, IN(DG_CO_SDO_BLOCK_DOWNLOAD_END), ignore}, /* last segment, received twice */
-    {0x00, 0x00, IN(DG_CO_SDO_BLOCK_DOWNLOAD),     dg_co_block_download_segment},
+    {0x00, 0x00, IN(DG_CO_SDO_BLOCK_DOWNLOAD),     co_block_download_segment},
     /* clang-format on */
 };
 #define COMMANDS (sizeof commands / sizeof commands[0])
 
-void dg_co_sdo_become(struct dg_co_node *self, enum dg_co_sdo_state state)
+void co_sdo_become(struct dg_co_node *self, enum dg_co_sdo_state state)
 {
     self->sdo.state = state;
     self->sdo.deadline =
@@ -75,10 +75,10 @@ void dg_co_sdo_become(struct dg_co_node *self, enum dg_co_sdo_state state)
 
 static void send_frame(struct dg_co_node *self, const uint8_t *frame)
 {
-    dg_co_send(self, (uint16_t)(CO_ID_SDO_TX + self->id), frame, 8);
+    co_send(self, (uint16_t)(CO_ID_SDO_TX + self->id), frame, 8);
 }
 
-void dg_co_sdo_send(struct dg_co_node *self, uint8_t command, const uint8_t *bytes, uint8_t n)
+void co_sdo_send(struct dg_co_node *self, uint8_t command, const uint8_t *bytes, uint8_t n)
 {
     uint8_t frame[8] = {command};
 
@@ -90,7 +90,7 @@ void dg_co_sdo_send(struct dg_co_node *self, uint8_t command, const uint8_t *byt
     }
 }
 
-void dg_co_sdo_confirm(struct dg_co_node *self, uint8_t command, uint32_t value)
+void co_sdo_confirm(struct dg_co_node *self, uint8_t command, uint32_t value)
 {
     uint8_t frame[8];
 
@@ -106,13 +106,13 @@ void dg_co_sdo_confirm(struct dg_co_node *self, uint8_t command, uint32_t value)
 
 static void abort_transfer(struct dg_co_node *self, enum dg_co_abort code)
 {
-    dg_co_sdo_become(self, DG_CO_SDO_IDLE);
-    dg_co_sdo_confirm(self, SDO_ABORT, code);
+    co_sdo_become(self, DG_CO_SDO_IDLE);
+    co_sdo_confirm(self, SDO_ABORT, code);
 }
 
 static void send_delayed(struct dg_co_node *self)
 {
-    dg_co_sdo_become(self, DG_CO_SDO_IDLE);
+    co_sdo_become(self, DG_CO_SDO_IDLE);
     send_frame(self, self->sdo.answer);
 }
 
@@ -133,12 +133,12 @@ static void fetch_text(struct dg_co_sdo *sdo, const char *text)
     }
 }
 
-enum dg_co_abort dg_co_sdo_fetch(struct dg_co_node *self)
+enum dg_co_abort co_sdo_fetch(struct dg_co_node *self)
 {
     struct dg_co_sdo *sdo = &self->sdo;
     const struct dg_co_device *device = self->setup.device;
     enum dg_co_abort abort = DG_CO_OK;
-    const struct dg_co_object *object = dg_co_find(self, sdo->index, sdo->sub, &abort);
+    const struct dg_co_object *object = co_find(self, sdo->index, sdo->sub, &abort);
     uint32_t value;
 
     if (object == NULL) {
@@ -158,37 +158,36 @@ enum dg_co_abort dg_co_sdo_fetch(struct dg_co_node *self)
     if (object->index >= 0x2000 && device->sample != NULL) {
         device->sample(self);
     }
-    abort = dg_co_read(self, object, &value);
+    abort = co_read(self, object, &value);
     if (abort == DG_CO_OK) {
-        sdo->length = dg_co_size(object);
+        sdo->length = co_size(object);
         dg_store_le32(&sdo->buffer[0], value & 0xFFFFFFFFu >> (32u - 8u * sdo->length));
         dg_store_le32(&sdo->buffer[4], 0);
     }
     return abort;
 }
 
-void dg_co_sdo_upload(struct dg_co_node *self)
+void co_sdo_upload(struct dg_co_node *self)
 {
     struct dg_co_sdo *sdo = &self->sdo;
 
     /* An expedited answer cannot say that there are no bytes. */
     if (sdo->length > 0 && sdo->length <= 4) {
-        dg_co_sdo_confirm(self, (uint8_t)(0x43u | (4u - sdo->length) << 2),
-                          dg_load_le32(sdo->buffer));
+        co_sdo_confirm(self, (uint8_t)(0x43u | (4u - sdo->length) << 2), dg_load_le32(sdo->buffer));
         return;
     }
     sdo->toggle = 0;
-    dg_co_sdo_become(self, DG_CO_SDO_UPLOAD);
-    dg_co_sdo_confirm(self, 0x41, sdo->length);
+    co_sdo_become(self, DG_CO_SDO_UPLOAD);
+    co_sdo_confirm(self, 0x41, sdo->length);
 }
 
 static enum dg_co_abort upload_initiate(struct dg_co_node *self, const uint8_t *data)
 {
-    enum dg_co_abort abort = dg_co_sdo_fetch(self);
+    enum dg_co_abort abort = co_sdo_fetch(self);
 
     (void)data;
     if (abort == DG_CO_OK) {
-        dg_co_sdo_upload(self);
+        co_sdo_upload(self);
     }
     return abort;
 }
@@ -203,19 +202,19 @@ static enum dg_co_abort upload_segment(struct dg_co_node *self, const uint8_t *d
     if ((data[0] & TOGGLE) != sdo->toggle) {
         return DG_CO_TOGGLE;
     }
-    dg_co_sdo_send(self, (uint8_t)(sdo->toggle | (SDO_SEGMENT - n) << 1 | (last ? NO_MORE : 0u)),
-                   &sdo->buffer[sdo->done], SDO_SEGMENT);
+    co_sdo_send(self, (uint8_t)(sdo->toggle | (SDO_SEGMENT - n) << 1 | (last ? NO_MORE : 0u)),
+                &sdo->buffer[sdo->done], SDO_SEGMENT);
     sdo->toggle ^= TOGGLE;
     sdo->done = (uint8_t)(sdo->done + n);
-    dg_co_sdo_become(self, last ? DG_CO_SDO_IDLE : DG_CO_SDO_UPLOAD);
+    co_sdo_become(self, last ? DG_CO_SDO_IDLE : DG_CO_SDO_UPLOAD);
     return DG_CO_OK;
 }
 
 /* ---- download */
 
-enum dg_co_abort dg_co_sdo_length(const struct dg_co_node *self, uint32_t length)
+enum dg_co_abort co_sdo_length(const struct dg_co_node *self, uint32_t length)
 {
-    uint32_t size = dg_co_size(self->sdo.object);
+    uint32_t size = co_size(self->sdo.object);
 
     if (length == size) {
         return DG_CO_OK;
@@ -227,12 +226,12 @@ enum dg_co_abort dg_co_sdo_length(const struct dg_co_node *self, uint32_t length
     return length > size ? DG_CO_TOO_LONG : DG_CO_TOO_SHORT;
 }
 
-enum dg_co_abort dg_co_sdo_open(struct dg_co_node *self, bool sized, uint32_t size)
+enum dg_co_abort co_sdo_open(struct dg_co_node *self, bool sized, uint32_t size)
 {
     struct dg_co_sdo *sdo = &self->sdo;
     enum dg_co_abort abort = DG_CO_OK;
 
-    sdo->object = dg_co_find(self, sdo->index, sdo->sub, &abort);
+    sdo->object = co_find(self, sdo->index, sdo->sub, &abort);
     if (sdo->object == NULL) {
         return abort;
     }
@@ -240,39 +239,39 @@ enum dg_co_abort dg_co_sdo_open(struct dg_co_node *self, bool sized, uint32_t si
         return DG_CO_READ_ONLY;
     }
     sdo->sized = false;
-    abort = sized ? dg_co_sdo_length(self, size) : DG_CO_OK;
+    abort = sized ? co_sdo_length(self, size) : DG_CO_OK;
     sdo->sized = sized;
     sdo->toggle = 0;
     sdo->length = 0;
     return abort;
 }
 
-enum dg_co_abort dg_co_sdo_write(struct dg_co_node *self)
+enum dg_co_abort co_sdo_write(struct dg_co_node *self)
 {
     const struct dg_co_object *object = self->sdo.object;
     uint8_t bytes[4] = {0};
 
-    memcpy(bytes, self->sdo.buffer, dg_co_size(object));
+    memcpy(bytes, self->sdo.buffer, co_size(object));
     /* Before the hooks: one of them may make it DELAYED. */
-    dg_co_sdo_become(self, DG_CO_SDO_IDLE);
-    return dg_co_write(self, object, dg_co_extend(object, dg_load_le32(bytes)));
+    co_sdo_become(self, DG_CO_SDO_IDLE);
+    return co_write(self, object, co_extend(object, dg_load_le32(bytes)));
 }
 
 static enum dg_co_abort download_initiate(struct dg_co_node *self, const uint8_t *data)
 {
     bool expedited = (data[0] & EXPEDITED) != 0;
     uint32_t size = expedited ? 4u - (data[0] >> 2 & 3u) : dg_load_le32(&data[4]);
-    enum dg_co_abort abort = dg_co_sdo_open(self, (data[0] & SIZED) != 0, size);
+    enum dg_co_abort abort = co_sdo_open(self, (data[0] & SIZED) != 0, size);
 
     if (abort == DG_CO_OK && expedited) {
         /* 22h does not say how many bytes count: as many as the object has, as is common. */
         memcpy(self->sdo.buffer, &data[4], 4);
-        abort = dg_co_sdo_write(self);
+        abort = co_sdo_write(self);
     } else if (abort == DG_CO_OK) {
-        dg_co_sdo_become(self, DG_CO_SDO_DOWNLOAD);
+        co_sdo_become(self, DG_CO_SDO_DOWNLOAD);
     }
     if (abort == DG_CO_OK) {
-        dg_co_sdo_confirm(self, 0x60, 0);
+        co_sdo_confirm(self, 0x60, 0);
     }
     return abort;
 }
@@ -288,8 +287,8 @@ static enum dg_co_abort download_segment(struct dg_co_node *self, const uint8_t 
     if ((data[0] & TOGGLE) != sdo->toggle) {
         return DG_CO_TOGGLE;
     }
-    if (last || length > dg_co_size(sdo->object)) {
-        abort = dg_co_sdo_length(self, length);
+    if (last || length > co_size(sdo->object)) {
+        abort = co_sdo_length(self, length);
     }
     if (abort != DG_CO_OK) {
         return abort;
@@ -298,12 +297,12 @@ static enum dg_co_abort download_segment(struct dg_co_node *self, const uint8_t 
     sdo->length = (uint8_t)length;
     sdo->toggle ^= TOGGLE;
     if (last) {
-        abort = dg_co_sdo_write(self);
+        abort = co_sdo_write(self);
     } else {
-        dg_co_sdo_become(self, DG_CO_SDO_DOWNLOAD);
+        co_sdo_become(self, DG_CO_SDO_DOWNLOAD);
     }
     if (abort == DG_CO_OK) {
-        dg_co_sdo_send(self, (uint8_t)(0x20u | (data[0] & TOGGLE)), data, 0);
+        co_sdo_send(self, (uint8_t)(0x20u | (data[0] & TOGGLE)), data, 0);
     }
     return abort;
 }
@@ -321,12 +320,12 @@ static size_t find_command(enum dg_co_sdo_state state, uint8_t command)
     return i;
 }
 
-void dg_co_sdo_start(struct dg_co_node *self)
+void co_sdo_start(struct dg_co_node *self)
 {
-    dg_co_sdo_become(self, DG_CO_SDO_IDLE);
+    co_sdo_become(self, DG_CO_SDO_IDLE);
 }
 
-void dg_co_sdo_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
+void co_sdo_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
 {
     struct dg_co_sdo *sdo = &self->sdo;
     const uint8_t *data = frame->data;
@@ -341,7 +340,7 @@ void dg_co_sdo_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
     }
     size_t command = find_command(sdo->state, data[0]);
     if (command < COMMANDS && commands[command].states == ANY) {
-        dg_co_sdo_become(self, DG_CO_SDO_IDLE);
+        co_sdo_become(self, DG_CO_SDO_IDLE);
     }
     /* An abort carries the multiplexor of the transfer; without one, that of the request. */
     if (sdo->state == DG_CO_SDO_IDLE) {
@@ -356,7 +355,7 @@ void dg_co_sdo_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
     }
 }
 
-dg_ns dg_co_sdo_step(struct dg_co_node *self)
+dg_ns co_sdo_step(struct dg_co_node *self)
 {
     struct dg_co_sdo *sdo = &self->sdo;
 

@@ -24,25 +24,25 @@ typedef enum dg_co_abort sdo_handler(struct dg_co_node *self, const uint8_t *dat
 /* sdo.c */
 
 /** Wait in `state`, for a request or the timeout; DG_CO_SDO_IDLE waits for nothing. */
-void dg_co_sdo_become(struct dg_co_node *self, enum dg_co_sdo_state state);
+void co_sdo_become(struct dg_co_node *self, enum dg_co_sdo_state state);
 /** Answer: byte 0, `n` bytes of at most 7, zeros. Held back when a hook has asked for it. */
-void dg_co_sdo_send(struct dg_co_node *self, uint8_t command, const uint8_t *bytes, uint8_t n);
+void co_sdo_send(struct dg_co_node *self, uint8_t command, const uint8_t *bytes, uint8_t n);
 /** Answer: byte 0, the multiplexor, 32 bits. */
-void dg_co_sdo_confirm(struct dg_co_node *self, uint8_t command, uint32_t value);
+void co_sdo_confirm(struct dg_co_node *self, uint8_t command, uint32_t value);
 /** Read the object into the buffer. */
-enum dg_co_abort dg_co_sdo_fetch(struct dg_co_node *self);
+enum dg_co_abort co_sdo_fetch(struct dg_co_node *self);
 /** Answer an upload request with what is in the buffer, expedited if it fits. */
-void dg_co_sdo_upload(struct dg_co_node *self);
+void co_sdo_upload(struct dg_co_node *self);
 /** Begin a download: the object must exist, be writable and, if `sized`, have `size` bytes. */
-enum dg_co_abort dg_co_sdo_open(struct dg_co_node *self, bool sized, uint32_t size);
+enum dg_co_abort co_sdo_open(struct dg_co_node *self, bool sized, uint32_t size);
 /** What is wrong with a download of `length` bytes. */
-enum dg_co_abort dg_co_sdo_length(const struct dg_co_node *self, uint32_t length);
+enum dg_co_abort co_sdo_length(const struct dg_co_node *self, uint32_t length);
 /** Write the buffer to the object. The transfer is over, unless a hook delays the answer. */
-enum dg_co_abort dg_co_sdo_write(struct dg_co_node *self);
+enum dg_co_abort co_sdo_write(struct dg_co_node *self);
 
 /* block.c: requests of block transfers */
-sdo_handler dg_co_block_upload, dg_co_block_upload_start, dg_co_block_upload_acknowledge;
-sdo_handler dg_co_block_upload_end;
-sdo_handler dg_co_block_download, dg_co_block_download_segment, dg_co_block_download_end;
+sdo_handler co_block_upload, co_block_upload_start, co_block_upload_acknowledge;
+sdo_handler co_block_upload_end;
+sdo_handler co_block_download, co_block_download_segment, co_block_download_end;
 
 #endif

@@ -111,7 +111,7 @@ static int mount(struct dg_co_node *self, uint8_t *bus)
     return result;
 }
 
-int dg_co_mount(struct dg_co_node *self)
+int co_mount(struct dg_co_node *self)
 {
     uint8_t bus[3];
     uint8_t serial[4] = {0};
@@ -125,7 +125,7 @@ int dg_co_mount(struct dg_co_node *self)
     return result;
 }
 
-void dg_co_remount(struct dg_co_node *self)
+void co_remount(struct dg_co_node *self)
 {
     uint8_t bus[3];
 
@@ -180,7 +180,7 @@ static void mark_region(struct dg_co_node *self, uint8_t n, uint8_t node_id)
         return;
     }
     uint32_t stored = dg_load_le32(bytes);
-    uint32_t marked = mark(stored, dg_co_predefined(n, node_id));
+    uint32_t marked = mark(stored, co_predefined(n, node_id));
     if (marked != stored && (stored & RESERVED) == 0) {
         dg_store_le32(bytes, marked);
         (void)dg_store_stage(&self->store, region, 0, bytes, size);
@@ -194,13 +194,13 @@ static uint32_t unpacked(const struct dg_co_node *self, const struct dg_co_objec
 {
     uint32_t value = 0;
 
-    for (uint8_t i = 0; i < dg_co_size(object); i++) {
+    for (uint8_t i = 0; i < co_size(object); i++) {
         value |= (uint32_t)pack->bytes[pack->at + i] << (8u * i);
     }
     if ((object->flags & DG_CO_ID) != 0) {
-        return resolve_mark(value, object->initial + pack->node_id, dg_co_initial(self, object));
+        return resolve_mark(value, object->initial + pack->node_id, co_initial(self, object));
     }
-    return dg_co_extend(object, value);
+    return co_extend(object, value);
 }
 
 static void unpack_row(struct dg_co_node *self, const struct dg_co_object *object, void *ctx)
@@ -215,13 +215,13 @@ static void unpack_row(struct dg_co_node *self, const struct dg_co_object *objec
     }
     if (object->index >= pack->first && object->index <= pack->last) {
         uint32_t value = unpacked(self, object, pack);
-        if (dg_co_in_range(object, value)) {
+        if (co_in_range(object, value)) {
             self->value[object->slot] = value;
         } else {
             pack->valid = false;
         }
     }
-    pack->at = (uint8_t)(pack->at + dg_co_size(object));
+    pack->at = (uint8_t)(pack->at + co_size(object));
 }
 
 static void pack_row(struct dg_co_node *self, const struct dg_co_object *object, void *ctx)
@@ -236,9 +236,9 @@ static void pack_row(struct dg_co_node *self, const struct dg_co_object *object,
     }
     uint32_t value = self->value[object->slot];
     if ((object->flags & DG_CO_ID) != 0) {
-        value = mark(value, dg_co_initial(self, object));
+        value = mark(value, co_initial(self, object));
     }
-    for (uint8_t i = 0; i < dg_co_size(object); i++) {
+    for (uint8_t i = 0; i < co_size(object); i++) {
         pack->bytes[pack->at++] = (uint8_t)(value >> (8u * i));
     }
 }
@@ -249,7 +249,7 @@ static void initial_row(struct dg_co_node *self, const struct dg_co_object *obje
 
     if ((object->flags & DG_CO_SLOT) != 0 && object->index >= range->first &&
         object->index <= range->last) {
-        self->value[object->slot] = dg_co_initial(self, object);
+        self->value[object->slot] = co_initial(self, object);
     }
 }
 
@@ -261,14 +261,14 @@ static bool is_parameters(uint8_t region)
            region != DG_CO_REGION_SERIAL;
 }
 
-bool dg_co_load(struct dg_co_node *self, uint16_t first, uint16_t last)
+bool co_load(struct dg_co_node *self, uint16_t first, uint16_t last)
 {
     struct pack pack = {.first = first, .last = last, .valid = true};
     uint32_t termination = last < 0x2000 ? self->value[DG_CO_SLOT_TERMINATION] : self->termination;
     uint8_t saved = 0;
     bool loaded = load(self, DG_CO_REGION_SAVED, &saved);
 
-    dg_co_each(self, initial_row, &pack);
+    co_each(self, initial_row, &pack);
     self->value[DG_CO_SLOT_BIT_RATE] = self->bit_rate;
     self->value[DG_CO_SLOT_NODE_ID] = self->id;
     self->value[DG_CO_SLOT_TERMINATION] = termination;
@@ -283,7 +283,7 @@ bool dg_co_load(struct dg_co_node *self, uint16_t first, uint16_t last)
             continue;
         }
         if (load(self, i, pack.bytes)) {
-            dg_co_each(self, unpack_row, &pack);
+            co_each(self, unpack_row, &pack);
         } else {
             loaded = false;
         }
@@ -291,7 +291,7 @@ bool dg_co_load(struct dg_co_node *self, uint16_t first, uint16_t last)
     return loaded && pack.valid;
 }
 
-void dg_co_report_memory(struct dg_co_node *self, bool loaded)
+void co_report_memory(struct dg_co_node *self, bool loaded)
 {
     static const uint8_t none[5];
 
@@ -307,7 +307,7 @@ static enum dg_co_abort committed(struct dg_co_node *self)
     return dg_store_commit(&self->store) == DG_OK ? DG_CO_OK : DG_CO_HARDWARE;
 }
 
-enum dg_co_abort dg_co_save_bus(struct dg_co_node *self, uint8_t bit_rate, uint8_t node_id)
+enum dg_co_abort co_save_bus(struct dg_co_node *self, uint8_t bit_rate, uint8_t node_id)
 {
     const uint8_t bus[3] = {bit_rate, node_id, self->termination};
 
@@ -343,7 +343,7 @@ static enum dg_co_abort save_parameters(struct dg_co_node *self)
         }
         pack.region = i;
         pack.at = 0;
-        dg_co_each(self, pack_row, &pack);
+        co_each(self, pack_row, &pack);
         if (pack.at > 0) {
             (void)dg_store_stage(&self->store, i, 0, pack.bytes, pack.at);
         }
@@ -366,8 +366,8 @@ static enum dg_co_abort signature(struct dg_co_node *self, enum dg_co_op op, uin
     return accessible(self) ? DG_CO_OK : DG_CO_HARDWARE;
 }
 
-enum dg_co_abort dg_co_hook_store(struct dg_co_node *self, const struct dg_co_object *object,
-                                  enum dg_co_op op, uint32_t *value)
+enum dg_co_abort co_hook_store(struct dg_co_node *self, const struct dg_co_object *object,
+                               enum dg_co_op op, uint32_t *value)
 {
     enum dg_co_abort abort = signature(self, op, value, SAVE);
 
@@ -382,8 +382,8 @@ enum dg_co_abort dg_co_hook_store(struct dg_co_node *self, const struct dg_co_ob
     return abort;
 }
 
-enum dg_co_abort dg_co_hook_restore(struct dg_co_node *self, const struct dg_co_object *object,
-                                    enum dg_co_op op, uint32_t *value)
+enum dg_co_abort co_hook_restore(struct dg_co_node *self, const struct dg_co_object *object,
+                                 enum dg_co_op op, uint32_t *value)
 {
     static const uint8_t saved[1] = {0};
     enum dg_co_abort abort = signature(self, op, value, LOAD);
@@ -410,7 +410,7 @@ enum dg_co_abort dg_co_hook_save_bus(struct dg_co_node *self, const struct dg_co
     }
     uint8_t before = self->termination;
     self->termination = (uint8_t)self->value[DG_CO_SLOT_TERMINATION];
-    abort = dg_co_save_bus(self, bit_rate, node_id);
+    abort = co_save_bus(self, bit_rate, node_id);
     if (abort == DG_CO_OK) {
         self->lss.bit_rate = bit_rate; /* in force after the next reset node (C8) */
         self->lss.node_id = node_id;

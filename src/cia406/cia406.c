@@ -126,10 +126,10 @@ static bool reset(struct dg_co_node *node, bool application)
     if (application) {
         self->serial_open = false;
         self->flash_until = 0;
-        dg_cia406_restore_zero(node);
-        dg_cia406_health_start(node);
+        cia406_restore_zero(node);
+        cia406_health_start(node);
     }
-    dg_cia406_sample(node);
+    cia406_sample(node);
     return parameter(node, DG_CIA406_OPERATIONAL);
 }
 
@@ -149,8 +149,8 @@ static dg_ns step(struct dg_co_node *node)
 
     if (self->look_at <= node->now) {
         self->look_at = dg_after(node->now, look_ns(node));
-        dg_cia406_watch_zero(node);
-        dg_cia406_health_look(node);
+        cia406_watch_zero(node);
+        cia406_health_look(node);
     }
     if (!parameter(node, DG_CIA406_EVENT_MODE) || node->state != DG_CO_OPERATIONAL) {
         return self->look_at;
@@ -262,7 +262,7 @@ static const char *const strings[] = {"F36x8 CANopen encoder", "1.00", "1.08"};
 #define F36X8(rows)                                                                                \
     .objects = (rows), .object_count = sizeof(rows) / sizeof(rows)[0], .causes = causes,           \
     .cause_count = CAUSE_END - DG_CO_CAUSES, .strings = strings, .vendor_id = 0x13,                \
-    .product_code = 0x56682001, .revision = 108, .reset = reset, .sample = dg_cia406_sample,       \
+    .product_code = 0x56682001, .revision = 108, .reset = reset, .sample = cia406_sample,          \
     .step = step
 
 const struct dg_co_device dg_cia406_singleturn = {

@@ -48,7 +48,7 @@ static bool too_hot_or_cold(const struct dg_co_node *node)
 static bool too_fast(const struct dg_co_node *node)
 {
     int64_t limit = encoder_of(node)->model->turns > 1 ? RPM_WARN_MULTITURN : RPM_WARN_SINGLETURN;
-    int64_t rpm = dg_cia406_rpm(node);
+    int64_t rpm = cia406_rpm(node);
 
     if ((node->active_causes >> CAUSE_SPEED & 1u) != 0) {
         limit -= limit / 100;
@@ -185,7 +185,7 @@ static void count_time(struct dg_co_node *node)
     }
 }
 
-void dg_cia406_health_start(struct dg_co_node *node)
+void cia406_health_start(struct dg_co_node *node)
 {
     struct dg_cia406 *self = encoder_of(node);
     uint8_t bytes[4] = {0};
@@ -198,7 +198,7 @@ void dg_cia406_health_start(struct dg_co_node *node)
     self->look_at = node->now;
 }
 
-void dg_cia406_health_look(struct dg_co_node *node)
+void cia406_health_look(struct dg_co_node *node)
 {
     struct dg_cia406 *self = encoder_of(node);
 
@@ -224,8 +224,8 @@ void dg_cia406_health_look(struct dg_co_node *node)
 
 /* A bit stands as long as its cause. The EMCY is the supervision's: its reaction (1029h) must not
  * happen while a TPDO is being built. */
-enum dg_co_abort dg_cia406_hook_health(struct dg_co_node *node, const struct dg_co_object *object,
-                                       enum dg_co_op op, uint32_t *value)
+enum dg_co_abort cia406_hook_health(struct dg_co_node *node, const struct dg_co_object *object,
+                                    enum dg_co_op op, uint32_t *value)
 {
     (void)op;
     *value = 0;
@@ -237,8 +237,8 @@ enum dg_co_abort dg_cia406_hook_health(struct dg_co_node *node, const struct dg_
     return DG_CO_OK;
 }
 
-enum dg_co_abort dg_cia406_hook_sensor(struct dg_co_node *node, const struct dg_co_object *object,
-                                       enum dg_co_op op, uint32_t *value)
+enum dg_co_abort cia406_hook_sensor(struct dg_co_node *node, const struct dg_co_object *object,
+                                    enum dg_co_op op, uint32_t *value)
 {
     bool error = too_hot_or_cold(node) || too_fast(node);
 
@@ -247,8 +247,8 @@ enum dg_co_abort dg_cia406_hook_sensor(struct dg_co_node *node, const struct dg_
     return DG_CO_OK;
 }
 
-enum dg_co_abort dg_cia406_hook_battery(struct dg_co_node *node, const struct dg_co_object *object,
-                                        enum dg_co_op op, uint32_t *value)
+enum dg_co_abort cia406_hook_battery(struct dg_co_node *node, const struct dg_co_object *object,
+                                     enum dg_co_op op, uint32_t *value)
 {
     bool none = !has_battery(node) || battery_missing(node);
 
@@ -258,8 +258,8 @@ enum dg_co_abort dg_cia406_hook_battery(struct dg_co_node *node, const struct dg
     return DG_CO_OK;
 }
 
-enum dg_co_abort dg_cia406_hook_time(struct dg_co_node *node, const struct dg_co_object *object,
-                                     enum dg_co_op op, uint32_t *value)
+enum dg_co_abort cia406_hook_time(struct dg_co_node *node, const struct dg_co_object *object,
+                                  enum dg_co_op op, uint32_t *value)
 {
     (void)object;
     (void)op;

@@ -46,7 +46,7 @@ static uint64_t tmr(const struct dg_co_node *node)
                                               : physical_range(node);
 }
 
-int64_t dg_cia406_counts(const struct dg_co_node *node, dg_ns at)
+int64_t cia406_counts(const struct dg_co_node *node, dg_ns at)
 {
     return dg_angle_counts(dg_world_angle(node->setup.world, at), DG_CIA406_STEPS);
 }
@@ -54,7 +54,7 @@ int64_t dg_cia406_counts(const struct dg_co_node *node, dg_ns at)
 static void sample_raw(struct dg_co_node *node)
 {
     encoder_of(node)->raw =
-        (uint32_t)((uint64_t)dg_cia406_counts(node, node->now) & (physical_range(node) - 1u));
+        (uint32_t)((uint64_t)cia406_counts(node, node->now) & (physical_range(node) - 1u));
 }
 
 /* Scaled, before preset and USF. */
@@ -113,7 +113,7 @@ static uint8_t areas(const struct dg_co_node *node, uint32_t at)
     return bits;
 }
 
-void dg_cia406_sample(struct dg_co_node *node)
+void cia406_sample(struct dg_co_node *node)
 {
     struct dg_cia406 *self = encoder_of(node);
 
@@ -163,7 +163,7 @@ static bool move_zero(struct dg_co_node *node, uint64_t y)
     return false;
 }
 
-void dg_cia406_watch_zero(struct dg_co_node *node)
+void cia406_watch_zero(struct dg_co_node *node)
 {
     struct dg_cia406 *self = encoder_of(node);
 
@@ -186,7 +186,7 @@ void dg_cia406_watch_zero(struct dg_co_node *node)
     dg_co_clear(node, CAUSE_USF_MOVED);
 }
 
-void dg_cia406_restore_zero(struct dg_co_node *node)
+void cia406_restore_zero(struct dg_co_node *node)
 {
     struct dg_cia406 *self = encoder_of(node);
     uint8_t bytes[USF_SIZE] = {0};
@@ -237,15 +237,15 @@ static void forget_zero(struct dg_co_node *node)
 }
 
 /* 6000h, 6001h, 6002h: the position carries on from the value it shows, as far as that fits. */
-enum dg_co_abort dg_cia406_hook_scaling(struct dg_co_node *node, const struct dg_co_object *object,
-                                        enum dg_co_op op, uint32_t *value)
+enum dg_co_abort cia406_hook_scaling(struct dg_co_node *node, const struct dg_co_object *object,
+                                     enum dg_co_op op, uint32_t *value)
 {
     uint32_t wanted[3] = {node->value[SLOT_PARAMETERS], node->value[SLOT_MUR],
                           node->value[SLOT_TMR]};
 
     if (op == DG_CO_WRITE) {
         wanted[object->slot - SLOT_PARAMETERS] = *value;
-        dg_cia406_sample(node);
+        cia406_sample(node);
         return allowed(node, wanted);
     }
     if (op == DG_CO_WRITTEN) {
@@ -261,8 +261,8 @@ enum dg_co_abort dg_cia406_hook_scaling(struct dg_co_node *node, const struct dg
 }
 
 /* 6003h: the position becomes the preset at once. */
-enum dg_co_abort dg_cia406_hook_preset(struct dg_co_node *node, const struct dg_co_object *object,
-                                       enum dg_co_op op, uint32_t *value)
+enum dg_co_abort cia406_hook_preset(struct dg_co_node *node, const struct dg_co_object *object,
+                                    enum dg_co_op op, uint32_t *value)
 {
     struct dg_cia406 *self = encoder_of(node);
 
@@ -289,8 +289,8 @@ enum dg_co_abort dg_cia406_hook_preset(struct dg_co_node *node, const struct dg_
     return DG_CO_OK;
 }
 
-enum dg_co_abort dg_cia406_hook_position(struct dg_co_node *node, const struct dg_co_object *object,
-                                         enum dg_co_op op, uint32_t *value)
+enum dg_co_abort cia406_hook_position(struct dg_co_node *node, const struct dg_co_object *object,
+                                      enum dg_co_op op, uint32_t *value)
 {
     (void)object;
     (void)op;
@@ -299,8 +299,8 @@ enum dg_co_abort dg_cia406_hook_position(struct dg_co_node *node, const struct d
 }
 
 /* 6509h: preset minus scaled position, with its sign. */
-enum dg_co_abort dg_cia406_hook_offset(struct dg_co_node *node, const struct dg_co_object *object,
-                                       enum dg_co_op op, uint32_t *value)
+enum dg_co_abort cia406_hook_offset(struct dg_co_node *node, const struct dg_co_object *object,
+                                    enum dg_co_op op, uint32_t *value)
 {
     uint64_t range = tmr(node);
     uint64_t preset = node->value[SLOT_PRESET];
@@ -314,8 +314,8 @@ enum dg_co_abort dg_cia406_hook_offset(struct dg_co_node *node, const struct dg_
 }
 
 /* 2160h raw, 2161h inverted, 2162h CRC over the bytes of 2160h as they stand on the wire (C24). */
-enum dg_co_abort dg_cia406_hook_raw(struct dg_co_node *node, const struct dg_co_object *object,
-                                    enum dg_co_op op, uint32_t *value)
+enum dg_co_abort cia406_hook_raw(struct dg_co_node *node, const struct dg_co_object *object,
+                                 enum dg_co_op op, uint32_t *value)
 {
     uint8_t bytes[4];
 
@@ -330,8 +330,8 @@ enum dg_co_abort dg_cia406_hook_raw(struct dg_co_node *node, const struct dg_co_
     return DG_CO_OK;
 }
 
-enum dg_co_abort dg_cia406_hook_areas(struct dg_co_node *node, const struct dg_co_object *object,
-                                      enum dg_co_op op, uint32_t *value)
+enum dg_co_abort cia406_hook_areas(struct dg_co_node *node, const struct dg_co_object *object,
+                                   enum dg_co_op op, uint32_t *value)
 {
     (void)object;
     (void)op;

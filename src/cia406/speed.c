@@ -26,20 +26,20 @@ static int64_t moved(const struct dg_co_node *node, uint32_t windows)
 {
     dg_ns window = DG_MS(node->value[SLOT_SPEED_WINDOW_MS]);
     dg_ns end = dg_elapsed(node->now, window * windows);
-    int64_t counts = dg_cia406_counts(node, end) - dg_cia406_counts(node, dg_elapsed(end, window));
+    int64_t counts = cia406_counts(node, end) - cia406_counts(node, dg_elapsed(end, window));
 
     counts = saturate(counts, MOVED_MAX);
     return parameter(node, DG_CIA406_CCW) ? -counts : counts;
 }
 
-int64_t dg_cia406_rpm(const struct dg_co_node *node)
+int64_t cia406_rpm(const struct dg_co_node *node)
 {
     return divide(moved(node, 0) * 60000,
                   (int64_t)DG_CIA406_STEPS * node->value[SLOT_SPEED_WINDOW_MS]);
 }
 
-enum dg_co_abort dg_cia406_hook_speed(struct dg_co_node *node, const struct dg_co_object *object,
-                                      enum dg_co_op op, uint32_t *value)
+enum dg_co_abort cia406_hook_speed(struct dg_co_node *node, const struct dg_co_object *object,
+                                   enum dg_co_op op, uint32_t *value)
 {
     bool multiturn = encoder_of(node)->model->turns > 1;
     int64_t speed;
@@ -52,7 +52,7 @@ enum dg_co_abort dg_cia406_hook_speed(struct dg_co_node *node, const struct dg_c
         speed = divide(moved(node, 0) * 1000 * node->value[SLOT_SPEED_MULTIPLIER], divisor);
         speed = saturate(speed, INT16_MAX);
     } else {
-        speed = saturate(dg_cia406_rpm(node), multiturn ? RPM_MAX_MULTITURN : RPM_MAX_SINGLETURN);
+        speed = saturate(cia406_rpm(node), multiturn ? RPM_MAX_MULTITURN : RPM_MAX_SINGLETURN);
     }
     *value = (uint32_t)speed;
     return DG_CO_OK;
@@ -60,9 +60,9 @@ enum dg_co_abort dg_cia406_hook_speed(struct dg_co_node *node, const struct dg_c
 
 /* Change of the speed over a window, per second; in the unit of the speed, without 6031h:3 and 4.
  */
-enum dg_co_abort dg_cia406_hook_acceleration(struct dg_co_node *node,
-                                             const struct dg_co_object *object, enum dg_co_op op,
-                                             uint32_t *value)
+enum dg_co_abort cia406_hook_acceleration(struct dg_co_node *node,
+                                          const struct dg_co_object *object, enum dg_co_op op,
+                                          uint32_t *value)
 {
     int64_t window_ms = node->value[SLOT_SPEED_WINDOW_MS];
     int64_t change = moved(node, 0) - moved(node, 1);

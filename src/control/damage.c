@@ -57,15 +57,15 @@ static uint8_t mask_of(uint32_t bit)
     return (uint8_t)(1u << bit % 8u);
 }
 
-int dg_control_flip(const struct dg_fault_target *target, uint8_t region, uint32_t bit)
+int control_flip(const struct dg_fault_target *target, uint8_t region, uint32_t bit)
 {
     uint8_t value = 0;
 
     return flip(target, address_of(target, region, bit), mask_of(bit), &value);
 }
 
-int dg_control_damage(const struct dg_fault_target *target, uint8_t region, uint32_t bit,
-                      int64_t *note)
+int control_damage(const struct dg_fault_target *target, uint8_t region, uint32_t bit,
+                   int64_t *note)
 {
     const uint32_t address = address_of(target, region, bit);
     uint16_t sum = 0;
@@ -81,7 +81,7 @@ int dg_control_damage(const struct dg_fault_target *target, uint8_t region, uint
     return DG_OK;
 }
 
-int dg_control_mend(const struct dg_fault_target *target, uint8_t region, int64_t note)
+int control_mend(const struct dg_fault_target *target, uint8_t region, int64_t note)
 {
     const uint64_t what = (uint64_t)note;
     const uint32_t address = (uint32_t)(what >> NOTE_ADDRESS);
@@ -121,18 +121,18 @@ static size_t effect_of(enum dg_device_stack stack, const char *region)
     size_t i = 0;
 
     while (effects[i].stack != stack ||
-           (effects[i].region != NULL && !dg_control_same(effects[i].region, region))) {
+           (effects[i].region != NULL && !control_same(effects[i].region, region))) {
         i++;
     }
     return i;
 }
 
-const char *dg_control_damage_effect(enum dg_device_stack stack, const char *region)
+const char *control_damage_effect(enum dg_device_stack stack, const char *region)
 {
     return effects[effect_of(stack, region)].effect;
 }
 
-const char *dg_control_damage_chapter(enum dg_device_stack stack, const char *region)
+const char *control_damage_chapter(enum dg_device_stack stack, const char *region)
 {
     return effects[effect_of(stack, region)].chapter;
 }

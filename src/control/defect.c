@@ -14,10 +14,10 @@ static const struct dg_fault_limits unlimited = {.probability_ppm = CONTROL_PPM,
 
 static struct dg_fault_target target_of(const struct dg_scpi *self)
 {
-    return dg_encoder_target(dg_control_encoder(self));
+    return dg_encoder_target(control_encoder(self));
 }
 
-void dg_control_catalogue(struct dg_scpi *self, uint32_t argument)
+void control_catalogue(struct dg_scpi *self, uint32_t argument)
 {
     static const char *const kinds[] = {
         [DG_FAULT_WORLD] = "WORLD",
@@ -44,16 +44,16 @@ static int take_fault(struct dg_scpi *self)
     char name[CONTROL_NAME_MAX];
     char detail[CONTROL_DETAIL_SIZE];
 
-    if (!dg_control_name(self, name)) {
+    if (!control_name(self, name)) {
         return -1;
     }
     const int index = dg_fault_find(&target, name);
     if (index >= 0) {
         return index;
     }
-    struct control_text to = dg_control_text(detail, sizeof detail);
-    dg_control_append(&to, name);
-    dg_control_append(&to, ": no such fault; FAUL:CAT? has their names");
+    struct control_text to = control_text_in(detail, sizeof detail);
+    control_append(&to, name);
+    control_append(&to, ": no such fault; FAUL:CAT? has their names");
     dg_scpi_raise(self, DG_SCPI_ILLEGAL, detail);
     return -1;
 }
@@ -85,15 +85,15 @@ static bool take_limit(struct dg_scpi *self, struct dg_fault_limits *limits)
 static void done(struct dg_scpi *self, int result)
 {
     if (result == DG_ERR_IO) {
-        dg_control_refuse(self, DG_SCPI_STORAGE, "the memory did not answer");
+        control_refuse(self, DG_SCPI_STORAGE, "the memory did not answer");
     } else if (result != DG_OK) {
         dg_scpi_raise(self, DG_SCPI_CONFLICT,
                       "COUNt and PROBability are for what happens to single frames");
     }
-    dg_control_changed(self);
+    control_changed(self);
 }
 
-void dg_control_fault(struct dg_scpi *self, uint32_t argument)
+void control_fault(struct dg_scpi *self, uint32_t argument)
 {
     struct dg_fault_limits limits = unlimited;
     const struct dg_fault_target target = target_of(self);
@@ -108,14 +108,14 @@ void dg_control_fault(struct dg_scpi *self, uint32_t argument)
             return;
         }
     }
-    done(self, dg_fault_set(&dg_control_encoder(self)->faults, &target, (size_t)index, self->now,
-                            &limits));
+    done(self,
+         dg_fault_set(&control_encoder(self)->faults, &target, (size_t)index, self->now, &limits));
 }
 
 static int clear_all(struct dg_scpi *self)
 {
     const struct dg_fault_target target = target_of(self);
-    struct dg_faults *faults = &dg_control_encoder(self)->faults;
+    struct dg_faults *faults = &control_encoder(self)->faults;
     int result = DG_OK;
 
     for (size_t i = 0; i < DG_FAULTS_MAX; i++) {
@@ -126,30 +126,30 @@ static int clear_all(struct dg_scpi *self)
     return result;
 }
 
-void dg_control_clear_all(struct dg_scpi *self)
+void control_clear_all(struct dg_scpi *self)
 {
     done(self, clear_all(self));
 }
 
-void dg_control_clear(struct dg_scpi *self, uint32_t argument)
+void control_clear(struct dg_scpi *self, uint32_t argument)
 {
     const struct dg_fault_target target = target_of(self);
 
     (void)argument;
     if (!dg_scpi_more(self)) {
-        dg_control_clear_all(self);
+        control_clear_all(self);
         return;
     }
     const int index = take_fault(self);
     if (index >= 0) {
-        done(self, dg_fault_clear(&dg_control_encoder(self)->faults, &target, (size_t)index));
+        done(self, dg_fault_clear(&control_encoder(self)->faults, &target, (size_t)index));
     }
 }
 
-void dg_control_active(struct dg_scpi *self, uint32_t argument)
+void control_active(struct dg_scpi *self, uint32_t argument)
 {
     const struct dg_fault_target target = target_of(self);
-    const struct dg_faults *faults = &dg_control_encoder(self)->faults;
+    const struct dg_faults *faults = &control_encoder(self)->faults;
     struct dg_fault_entry entry;
     size_t count = 0;
 
@@ -160,20 +160,20 @@ void dg_control_active(struct dg_scpi *self, uint32_t argument)
             count++;
         }
     }
-    dg_control_put_none(self, count);
+    control_put_none(self, count);
 }
 
-void dg_control_happened(struct dg_scpi *self, uint32_t argument)
+void control_happened(struct dg_scpi *self, uint32_t argument)
 {
     const int index = take_fault(self);
 
     (void)argument;
     if (index >= 0) {
-        dg_scpi_put_unsigned(self, dg_control_encoder(self)->faults.fault[index].happened);
+        dg_scpi_put_unsigned(self, control_encoder(self)->faults.fault[index].happened);
     }
 }
 
-void dg_control_regions(struct dg_scpi *self, uint32_t argument)
+void control_regions(struct dg_scpi *self, uint32_t argument)
 {
     const struct dg_fault_target target = target_of(self);
     uint8_t count = 0;
@@ -182,7 +182,7 @@ void dg_control_regions(struct dg_scpi *self, uint32_t argument)
     for (; target.layout != NULL && count < target.layout->region_count; count++) {
         dg_scpi_put_string(self, target.layout->regions[count].name);
     }
-    dg_control_put_none(self, count);
+    control_put_none(self, count);
 }
 
 /* Take the name of a region. @return false: an error was raised */
@@ -191,17 +191,17 @@ static bool take_region(struct dg_scpi *self, const struct dg_store_layout *layo
     char name[CONTROL_NAME_MAX];
     char detail[CONTROL_DETAIL_SIZE];
 
-    if (!dg_control_name(self, name)) {
+    if (!control_name(self, name)) {
         return false;
     }
     for (*region = 0; *region < layout->region_count; (*region)++) {
-        if (dg_control_same(layout->regions[*region].name, name)) {
+        if (control_same(layout->regions[*region].name, name)) {
             return true;
         }
     }
-    struct control_text to = dg_control_text(detail, sizeof detail);
-    dg_control_append(&to, name);
-    dg_control_append(&to, ": no such region; NVM:CAT? has their names");
+    struct control_text to = control_text_in(detail, sizeof detail);
+    control_append(&to, name);
+    control_append(&to, ": no such region; NVM:CAT? has their names");
     dg_scpi_raise(self, DG_SCPI_ILLEGAL, detail);
     return false;
 }
@@ -209,7 +209,7 @@ static bool take_region(struct dg_scpi *self, const struct dg_store_layout *layo
 static bool has_memory(struct dg_scpi *self, const struct dg_fault_target *target)
 {
     if (target->layout == NULL) {
-        dg_control_refuse(self, DG_SCPI_MISSING_HARDWARE, "it has no EEPROM");
+        control_refuse(self, DG_SCPI_MISSING_HARDWARE, "it has no EEPROM");
     }
     return target->layout != NULL;
 }
@@ -231,17 +231,17 @@ static int entry_of(const struct dg_fault_target *target, uint8_t region)
 static int corrupt(struct dg_scpi *self, uint8_t region)
 {
     const struct dg_fault_target target = target_of(self);
-    struct dg_faults *faults = &dg_control_encoder(self)->faults;
+    struct dg_faults *faults = &control_encoder(self)->faults;
     const int index = entry_of(&target, region);
 
     if (index < 0) {
         const uint32_t bits = 8u * target.layout->regions[region].size;
-        return dg_control_flip(&target, region, dg_fault_pick(faults, bits));
+        return control_flip(&target, region, dg_fault_pick(faults, bits));
     }
     return dg_fault_set(faults, &target, (size_t)index, self->now, &unlimited);
 }
 
-void dg_control_corrupt(struct dg_scpi *self, uint32_t argument)
+void control_corrupt(struct dg_scpi *self, uint32_t argument)
 {
     const struct dg_fault_target target = target_of(self);
     uint8_t region;
@@ -264,17 +264,17 @@ static void forget_damage(struct dg_faults *faults, const struct dg_fault_target
     }
 }
 
-void dg_control_erase(struct dg_scpi *self, uint32_t argument)
+void control_erase(struct dg_scpi *self, uint32_t argument)
 {
     const struct dg_fault_target target = target_of(self);
-    struct dg_encoder *encoder = dg_control_encoder(self);
+    struct dg_encoder *encoder = control_encoder(self);
 
     (void)argument;
     if (!has_memory(self, &target)) {
         return;
     }
     if (encoder->kind->powered(encoder)) {
-        dg_control_refuse(self, DG_SCPI_CONFLICT, "its power is on");
+        control_refuse(self, DG_SCPI_CONFLICT, "its power is on");
         return;
     }
     const bool formatted = encoder->kind->format(encoder) == DG_OK;

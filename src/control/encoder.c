@@ -4,9 +4,9 @@
  */
 #include "inside.h"
 
-void dg_control_encoders(struct dg_scpi *self, uint32_t argument)
+void control_encoders(struct dg_scpi *self, uint32_t argument)
 {
-    const struct dg_rig *rig = dg_control_rig(self);
+    const struct dg_rig *rig = control_rig_of(self);
 
     (void)argument;
     for (size_t i = 0; i < rig->encoder_count; i++) {
@@ -14,46 +14,46 @@ void dg_control_encoders(struct dg_scpi *self, uint32_t argument)
     }
 }
 
-void dg_control_select(struct dg_scpi *self, uint32_t argument)
+void control_select(struct dg_scpi *self, uint32_t argument)
 {
-    const struct dg_rig *rig = dg_control_rig(self);
+    const struct dg_rig *rig = control_rig_of(self);
     char name[CONTROL_NAME_MAX];
     char detail[CONTROL_DETAIL_SIZE];
 
     (void)argument;
-    if (!dg_control_name(self, name)) {
+    if (!control_name(self, name)) {
         return;
     }
     for (size_t i = 0; i < rig->encoder_count; i++) {
-        if (dg_control_same(rig->encoders[i]->name, name)) {
+        if (control_same(rig->encoders[i]->name, name)) {
             self->selected = (uint32_t)i;
             return;
         }
     }
-    struct control_text to = dg_control_text(detail, sizeof detail);
-    dg_control_append(&to, name);
-    dg_control_append(&to, ": no such encoder; INST:CAT? has their names");
+    struct control_text to = control_text_in(detail, sizeof detail);
+    control_append(&to, name);
+    control_append(&to, ": no such encoder; INST:CAT? has their names");
     dg_scpi_raise(self, DG_SCPI_ILLEGAL, detail);
 }
 
-void dg_control_selected(struct dg_scpi *self, uint32_t argument)
+void control_selected(struct dg_scpi *self, uint32_t argument)
 {
     (void)argument;
-    dg_scpi_put_string(self, dg_control_encoder(self)->name);
+    dg_scpi_put_string(self, control_encoder(self)->name);
 }
 
-void dg_control_model(struct dg_scpi *self, uint32_t argument)
+void control_model(struct dg_scpi *self, uint32_t argument)
 {
     (void)argument;
-    dg_scpi_put_string(self, dg_control_encoder(self)->model->name);
+    dg_scpi_put_string(self, control_encoder(self)->model->name);
 }
 
-void dg_control_wire(struct dg_scpi *self, uint32_t argument)
+void control_wire(struct dg_scpi *self, uint32_t argument)
 {
-    struct dg_rig *rig = dg_control_rig(self);
+    struct dg_rig *rig = control_rig_of(self);
 
     (void)argument;
-    dg_scpi_put_string(self, rig->ops->wire(rig, dg_control_encoder(self)));
+    dg_scpi_put_string(self, rig->ops->wire(rig, control_encoder(self)));
 }
 
 /* Why an encoder stays off. */
@@ -65,19 +65,19 @@ static const char *reason(int result)
 
 static void switch_power(struct dg_scpi *self, bool on)
 {
-    const int result = dg_encoder_power(dg_control_encoder(self), self->now, on);
+    const int result = dg_encoder_power(control_encoder(self), self->now, on);
 
     if (result != DG_OK) {
-        dg_control_refuse(self, DG_SCPI_HARDWARE, reason(result));
+        control_refuse(self, DG_SCPI_HARDWARE, reason(result));
     }
-    dg_control_changed(self);
+    control_changed(self);
 }
 
-void dg_control_power(struct dg_scpi *self, uint32_t argument)
+void control_power(struct dg_scpi *self, uint32_t argument)
 {
     static const char *const words[] = {"OFF", "ON", "CYCLe", "0", "1"};
     enum { OFF, ON, CYCLE, ZERO };
-    const struct dg_encoder *encoder = dg_control_encoder(self);
+    const struct dg_encoder *encoder = control_encoder(self);
     size_t word;
 
     (void)argument;
@@ -94,18 +94,18 @@ void dg_control_power(struct dg_scpi *self, uint32_t argument)
     }
 }
 
-void dg_control_powered(struct dg_scpi *self, uint32_t argument)
+void control_powered(struct dg_scpi *self, uint32_t argument)
 {
-    const struct dg_encoder *encoder = dg_control_encoder(self);
+    const struct dg_encoder *encoder = control_encoder(self);
 
     (void)argument;
     dg_scpi_put_unsigned(self, encoder->kind->powered(encoder) ? 1 : 0);
 }
 
-void dg_control_state(struct dg_scpi *self, uint32_t argument)
+void control_state(struct dg_scpi *self, uint32_t argument)
 {
-    struct dg_rig *rig = dg_control_rig(self);
-    const struct dg_encoder *encoder = dg_control_encoder(self);
+    struct dg_rig *rig = control_rig_of(self);
+    const struct dg_encoder *encoder = control_encoder(self);
 
     (void)argument;
     encoder->kind->state(encoder, self->now, self);
@@ -115,17 +115,17 @@ void dg_control_state(struct dg_scpi *self, uint32_t argument)
 }
 
 /* Every encoder in turn, as if it had been selected; shafts go on as they are. */
-void dg_control_reset(struct dg_scpi *self)
+void control_reset(struct dg_scpi *self)
 {
-    const struct dg_rig *rig = dg_control_rig(self);
+    const struct dg_rig *rig = control_rig_of(self);
     const uint32_t selected = self->selected;
 
     for (self->selected = 0; self->selected < rig->encoder_count; self->selected++) {
-        const struct dg_encoder *encoder = dg_control_encoder(self);
-        dg_control_clear_all(self);
-        dg_control_heal(self);
+        const struct dg_encoder *encoder = control_encoder(self);
+        control_clear_all(self);
+        control_heal(self);
         if (encoder->kind->powered(encoder)) {
-            dg_control_changed(self);
+            control_changed(self);
         } else {
             switch_power(self, true);
         }

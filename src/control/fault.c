@@ -36,7 +36,7 @@ static bool concerns(const struct dg_fault_target *target, const struct dg_fault
     return target->layout != NULL || row->offset != offsetof(struct dg_world, eeprom_acknowledges);
 }
 
-const struct dg_fault_row *dg_control_row(const struct dg_fault_target *target, size_t index)
+const struct dg_fault_row *control_row(const struct dg_fault_target *target, size_t index)
 {
     for (size_t i = 0; i < dg_fault_row_count; i++) {
         if (concerns(target, &dg_fault_rows[i]) && index-- == 0) {
@@ -50,7 +50,7 @@ static size_t rows_of(const struct dg_fault_target *target)
 {
     size_t n = 0;
 
-    while (dg_control_row(target, n) != NULL) {
+    while (control_row(target, n) != NULL) {
         n++;
     }
     return n;
@@ -82,13 +82,13 @@ static bool region_entry(const struct dg_fault_target *target, size_t n, struct 
         .kind = DG_FAULT_MEMORY,
         .region = region,
         .cause = "a bit of the EEPROM has changed by itself",
-        .effect = dg_control_damage_effect(target->stack, row->name),
-        .chapter = dg_control_damage_chapter(target->stack, row->name),
+        .effect = control_damage_effect(target->stack, row->name),
+        .chapter = control_damage_chapter(target->stack, row->name),
         .code = row->startup_code,
     };
-    struct control_text name = dg_control_text(out->name, sizeof out->name);
-    dg_control_append(&name, "eeprom_");
-    dg_control_append(&name, row->name);
+    struct control_text name = control_text_in(out->name, sizeof out->name);
+    control_append(&name, "eeprom_");
+    control_append(&name, row->name);
     for (char *c = out->name; *c != '\0'; c++) {
         if (*c == '-') {
             *c = '_';
@@ -99,7 +99,7 @@ static bool region_entry(const struct dg_fault_target *target, size_t n, struct 
 
 bool dg_fault_entry(const struct dg_fault_target *target, size_t index, struct dg_fault_entry *out)
 {
-    const struct dg_fault_row *row = dg_control_row(target, index);
+    const struct dg_fault_row *row = control_row(target, index);
 
     if (row == NULL) {
         const size_t rows = rows_of(target);
@@ -112,8 +112,8 @@ bool dg_fault_entry(const struct dg_fault_target *target, size_t index, struct d
         .effect = row->effect,
         .chapter = row->chapter,
     };
-    struct control_text name = dg_control_text(out->name, sizeof out->name);
-    dg_control_append(&name, row->name);
+    struct control_text name = control_text_in(out->name, sizeof out->name);
+    control_append(&name, row->name);
     return true;
 }
 
@@ -122,7 +122,7 @@ int dg_fault_find(const struct dg_fault_target *target, const char *name)
     struct dg_fault_entry entry;
 
     for (size_t i = 0; dg_fault_entry(target, i, &entry); i++) {
-        if (dg_control_same(entry.name, name)) {
+        if (control_same(entry.name, name)) {
             return (int)i;
         }
     }
@@ -132,7 +132,7 @@ int dg_fault_find(const struct dg_fault_target *target, const char *name)
 _Static_assert(sizeof(bool) == 1, "a state of the world is a byte");
 
 /* All of them fit the signed type of their size: the unsigned ones have limits far below. */
-int64_t dg_control_quantity(const struct dg_world *world, size_t offset, uint8_t size)
+int64_t control_quantity_get(const struct dg_world *world, size_t offset, uint8_t size)
 {
     const unsigned char *at = (const unsigned char *)world + offset;
     int32_t wide;
@@ -149,7 +149,7 @@ int64_t dg_control_quantity(const struct dg_world *world, size_t offset, uint8_t
     return *at;
 }
 
-void dg_control_set_quantity(struct dg_world *world, size_t offset, uint8_t size, int64_t value)
+void control_quantity_set(struct dg_world *world, size_t offset, uint8_t size, int64_t value)
 {
     unsigned char *at = (unsigned char *)world + offset;
     const int32_t wide = (int32_t)value;
@@ -169,7 +169,7 @@ static size_t rival(const struct dg_faults *self, const struct dg_fault_target *
                     size_t offset)
 {
     for (size_t i = 0; i < DG_FAULTS_MAX; i++) {
-        const struct dg_fault_row *row = self->fault[i].active ? dg_control_row(target, i) : NULL;
+        const struct dg_fault_row *row = self->fault[i].active ? control_row(target, i) : NULL;
         if (row != NULL && row->kind == DG_FAULT_WORLD && row->offset == offset) {
             return i;
         }
@@ -177,8 +177,7 @@ static size_t rival(const struct dg_faults *self, const struct dg_fault_target *
     return DG_FAULTS_MAX;
 }
 
-void dg_control_override(struct dg_faults *self, const struct dg_fault_target *target,
-                         size_t offset)
+void control_override(struct dg_faults *self, const struct dg_fault_target *target, size_t offset)
 {
     const size_t i = rival(self, target, offset);
 
@@ -194,19 +193,19 @@ static void bend(struct dg_faults *self, const struct dg_fault_target *target, s
 
     /* What the quantity was before the first of them is what it will be after the last. */
     if (before == DG_FAULTS_MAX) {
-        self->fault[index].healthy = dg_control_quantity(target->world, row->offset, row->size);
+        self->fault[index].healthy = control_quantity_get(target->world, row->offset, row->size);
     } else {
         self->fault[index].healthy = self->fault[before].healthy;
         self->fault[before].active = false;
     }
-    dg_control_set_quantity(target->world, row->offset, row->size, row->value);
+    control_quantity_set(target->world, row->offset, row->size, row->value);
 }
 
 static void unbend(struct dg_faults *self, const struct dg_fault_target *target, size_t index,
                    const struct dg_fault_row *row)
 {
-    if (dg_control_quantity(target->world, row->offset, row->size) == row->value) {
-        dg_control_set_quantity(target->world, row->offset, row->size, self->fault[index].healthy);
+    if (control_quantity_get(target->world, row->offset, row->size) == row->value) {
+        control_quantity_set(target->world, row->offset, row->size, self->fault[index].healthy);
     }
 }
 
@@ -232,8 +231,8 @@ static int corrupt(struct dg_faults *self, const struct dg_fault_target *target,
     /* A bit that is flipped already would only be flipped back. */
     const int result = dg_fault_clear(self, target, index);
 
-    return result == DG_OK ? dg_control_damage(target, region, dg_fault_pick(self, bits),
-                                               &self->fault[index].healthy)
+    return result == DG_OK ? control_damage(target, region, dg_fault_pick(self, bits),
+                                            &self->fault[index].healthy)
                            : result;
 }
 
@@ -290,7 +289,7 @@ int dg_fault_clear(struct dg_faults *self, const struct dg_fault_target *target,
         unbend(self, target, index, entry.row);
         break;
     case DG_FAULT_MEMORY:
-        if (dg_control_mend(target, entry.region, fault->healthy) != DG_OK) {
+        if (control_mend(target, entry.region, fault->healthy) != DG_OK) {
             return DG_ERR_IO;
         }
         break;
@@ -302,7 +301,7 @@ int dg_fault_clear(struct dg_faults *self, const struct dg_fault_target *target,
     return DG_OK;
 }
 
-bool dg_control_due(const struct dg_faults *self, dg_ns now)
+bool control_due(const struct dg_faults *self, dg_ns now)
 {
     for (size_t i = 0; i < DG_FAULTS_MAX; i++) {
         if (self->fault[i].active && self->fault[i].until <= now) {
@@ -362,7 +361,7 @@ int64_t dg_fault_wire_value(enum dg_device_stack stack, enum dg_wire_fault fault
     const struct dg_fault_target target = {.stack = stack};
     const struct dg_fault_row *row;
 
-    for (size_t i = 0; (row = dg_control_row(&target, i)) != NULL; i++) {
+    for (size_t i = 0; (row = control_row(&target, i)) != NULL; i++) {
         if (row->kind == DG_FAULT_WIRE && row->wire == fault) {
             return row->value;
         }

@@ -28,78 +28,76 @@ struct control_text {
     size_t length;
 };
 /** An empty one. */
-struct control_text dg_control_text(char *to, size_t size);
-void dg_control_append(struct control_text *self, const char *text);
+struct control_text control_text_in(char *to, size_t size);
+void control_append(struct control_text *self, const char *text);
 /** Whether two names are the same; case does not count, and '-' is '_'. */
-bool dg_control_same(const char *a, const char *b);
+bool control_same(const char *a, const char *b);
 
 /* session.c */
-struct dg_rig *dg_control_rig(const struct dg_scpi *self);
+struct dg_rig *control_rig_of(const struct dg_scpi *self);
 /** The selected one. */
-struct dg_encoder *dg_control_encoder(const struct dg_scpi *self);
+struct dg_encoder *control_encoder(const struct dg_scpi *self);
 /** Something about the selected encoder has changed. */
-void dg_control_changed(struct dg_scpi *self);
+void control_changed(struct dg_scpi *self);
 /** Raise `code`: "NAME: text" with the selected encoder's name. */
-void dg_control_refuse(struct dg_scpi *self, int code, const char *text);
+void control_refuse(struct dg_scpi *self, int code, const char *text);
 /** Take a name. @return false: an error was raised */
-bool dg_control_name(struct dg_scpi *self, char to[CONTROL_NAME_MAX]);
+bool control_name(struct dg_scpi *self, char to[CONTROL_NAME_MAX]);
 /** An answer that is a list of `count` names needs one when there are none: "". */
-void dg_control_put_none(struct dg_scpi *self, size_t count);
+void control_put_none(struct dg_scpi *self, size_t count);
 
 /* fault.c */
 /** Row `index` of a stack's catalogue, or NULL: a region or nothing. */
-const struct dg_fault_row *dg_control_row(const struct dg_fault_target *target, size_t index);
+const struct dg_fault_row *control_row(const struct dg_fault_target *target, size_t index);
 /** The quantity at `offset` of the world was set: whatever bent it is over. */
-void dg_control_override(struct dg_faults *self, const struct dg_fault_target *target,
-                         size_t offset);
+void control_override(struct dg_faults *self, const struct dg_fault_target *target, size_t offset);
 /** A quantity of `size` bytes. */
-int64_t dg_control_quantity(const struct dg_world *world, size_t offset, uint8_t size);
-void dg_control_set_quantity(struct dg_world *world, size_t offset, uint8_t size, int64_t value);
+int64_t control_quantity_get(const struct dg_world *world, size_t offset, uint8_t size);
+void control_quantity_set(struct dg_world *world, size_t offset, uint8_t size, int64_t value);
 /** Whether something ends at `now`. */
-bool dg_control_due(const struct dg_faults *self, dg_ns now);
+bool control_due(const struct dg_faults *self, dg_ns now);
 
 /* damage.c */
 /** A bit of region `region`, which is flipped. @return 0 or DG_ERR_IO */
-int dg_control_flip(const struct dg_fault_target *target, uint8_t region, uint32_t bit);
+int control_flip(const struct dg_fault_target *target, uint8_t region, uint32_t bit);
 /** The same, with a note for undoing it. */
-int dg_control_damage(const struct dg_fault_target *target, uint8_t region, uint32_t bit,
-                      int64_t *note);
+int control_damage(const struct dg_fault_target *target, uint8_t region, uint32_t bit,
+                   int64_t *note);
 /** Flip it back, unless the region was written since. */
-int dg_control_mend(const struct dg_fault_target *target, uint8_t region, int64_t note);
+int control_mend(const struct dg_fault_target *target, uint8_t region, int64_t note);
 /** What damage of a region does. */
-const char *dg_control_damage_effect(enum dg_device_stack stack, const char *region);
-const char *dg_control_damage_chapter(enum dg_device_stack stack, const char *region);
+const char *control_damage_effect(enum dg_device_stack stack, const char *region);
+const char *control_damage_chapter(enum dg_device_stack stack, const char *region);
 
 /* state.c: parts of STATe?. */
-void dg_control_state_begin(struct dg_scpi *to, const char *key);
-void dg_control_state_word(struct dg_scpi *to, const char *key, const char *word);
-void dg_control_state_number(struct dg_scpi *to, const char *key, uint64_t value);
-void dg_control_state_hex(struct dg_scpi *to, const char *key, uint64_t value, unsigned digits);
+void control_state_begin(struct dg_scpi *to, const char *key);
+void control_state_word(struct dg_scpi *to, const char *key, const char *word);
+void control_state_number(struct dg_scpi *to, const char *key, uint64_t value);
+void control_state_hex(struct dg_scpi *to, const char *key, uint64_t value, unsigned digits);
 /** Another item of a list of hexadecimal numbers. */
-void dg_control_state_item(struct dg_scpi *to, bool *first, uint64_t value, unsigned digits);
+void control_state_item(struct dg_scpi *to, bool *first, uint64_t value, unsigned digits);
 /** power, mode, and position. */
-void dg_control_state_common(struct dg_scpi *to, bool powered, const char *mode, uint64_t position);
+void control_state_common(struct dg_scpi *to, bool powered, const char *mode, uint64_t position);
 
 /* Commands, by file. */
-control_handler dg_control_encoders, dg_control_select, dg_control_selected; /* encoder.c */
-control_handler dg_control_model, dg_control_wire, dg_control_power, dg_control_powered;
-control_handler dg_control_state;
-control_handler dg_control_shafts, dg_control_shaft_name; /* shaft.c */
-control_handler dg_control_set_position, dg_control_position;
-control_handler dg_control_set_velocity, dg_control_velocity;
-control_handler dg_control_set_acceleration, dg_control_acceleration;
-control_handler dg_control_stop, dg_control_move, dg_control_moving;
-control_handler dg_control_set_profile, dg_control_profile;
-control_handler dg_control_record, dg_control_record_stop;
-control_handler dg_control_set_world, dg_control_world, dg_control_healthy; /* world.c */
-control_handler dg_control_catalogue, dg_control_fault, dg_control_clear;   /* defect.c */
-control_handler dg_control_active, dg_control_happened;
-control_handler dg_control_regions, dg_control_corrupt, dg_control_erase;
-control_handler dg_control_time, dg_control_origin, dg_control_set_scale,
-    dg_control_scale; /* wire.c */
-control_handler dg_control_step_time;
-control_handler dg_control_trace, dg_control_trace_stop, dg_control_last;
-control_handler dg_control_frame, dg_control_read, dg_control_write;
+control_handler control_encoders, control_select, control_selected; /* encoder.c */
+control_handler control_model, control_wire, control_power, control_powered;
+control_handler control_state;
+control_handler control_shafts, control_shaft_name; /* shaft.c */
+control_handler control_set_position, control_position;
+control_handler control_set_velocity, control_velocity;
+control_handler control_set_acceleration, control_acceleration;
+control_handler control_stop, control_move, control_moving;
+control_handler control_set_profile, control_profile;
+control_handler control_record, control_record_stop;
+control_handler control_set_world, control_world, control_healthy; /* world.c */
+control_handler control_catalogue, control_fault, control_clear;   /* defect.c */
+control_handler control_active, control_happened;
+control_handler control_regions, control_corrupt, control_erase;
+control_handler control_time, control_origin, control_set_scale, control_scale; /* wire.c */
+control_handler control_step_time;
+control_handler control_trace, control_trace_stop, control_last;
+control_handler control_frame, control_read, control_write;
 
 /** Rows of the world, as arguments of its commands. */
 enum control_quantity {
@@ -121,10 +119,10 @@ enum control_quantity {
 };
 
 /** For all commands that heal: every fault is cleared, every quantity healthy. */
-void dg_control_clear_all(struct dg_scpi *self);
-void dg_control_heal(struct dg_scpi *self);
+void control_clear_all(struct dg_scpi *self);
+void control_heal(struct dg_scpi *self);
 /** *RST and *OPC. */
-void dg_control_reset(struct dg_scpi *self);
-dg_ns dg_control_settled(struct dg_scpi *self);
+void control_reset(struct dg_scpi *self);
+dg_ns control_settled(struct dg_scpi *self);
 
 #endif

@@ -61,10 +61,10 @@ static void put_errors(uint8_t errors, struct dg_scpi *to)
 {
     bool first = true;
 
-    dg_control_state_begin(to, "errors");
+    control_state_begin(to, "errors");
     for (unsigned bit = 1; bit <= UINT8_MAX; bit <<= 1) {
         if ((errors & bit) != 0) {
-            dg_control_state_item(to, &first, bit, 2);
+            control_state_item(to, &first, bit, 2);
         }
     }
     if (first) {
@@ -81,19 +81,19 @@ static void state(const struct dg_encoder *self, dg_ns now, struct dg_scpi *to)
     const uint8_t flags = on ? dg_biss_flags(device, now) : 0;
 
     /* While it initialises a frame has position 0. */
-    dg_control_state_common(to, on, mode(device, ready), ready ? dg_biss_position(device, now) : 0);
-    dg_control_state_word(to, "leds", "-");
+    control_state_common(to, on, mode(device, ready), ready ? dg_biss_position(device, now) : 0);
+    control_state_word(to, "leds", "-");
     put_errors(on ? dg_biss_errors(device, now) : 0, to);
-    dg_control_state_number(to, "frames", counters->frames);
-    dg_control_state_number(to, "reads", counters->reads);
-    dg_control_state_number(to, "writes", counters->writes);
-    dg_control_state_number(to, "refused", counters->refused);
-    dg_control_state_number(to, "damaged", counters->damaged);
-    dg_control_state_number(to, "commands", counters->commands);
-    dg_control_state_number(to, "nerr", flags >> 1);
-    dg_control_state_number(to, "nwarn", flags & 1u);
-    dg_control_state_number(to, "life", device->life);
-    dg_control_state_number(to, "bank", device->bank);
+    control_state_number(to, "frames", counters->frames);
+    control_state_number(to, "reads", counters->reads);
+    control_state_number(to, "writes", counters->writes);
+    control_state_number(to, "refused", counters->refused);
+    control_state_number(to, "damaged", counters->damaged);
+    control_state_number(to, "commands", counters->commands);
+    control_state_number(to, "nerr", flags >> 1);
+    control_state_number(to, "nwarn", flags & 1u);
+    control_state_number(to, "life", device->life);
+    control_state_number(to, "bank", device->bank);
 }
 
 const struct dg_encoder_kind dg_kind_biss = {

@@ -70,7 +70,7 @@ static void put_leds(const struct dg_co_node *at, struct dg_scpi *to)
     };
     const struct dg_cia406_leds leds = dg_cia406_leds(at);
 
-    dg_control_state_begin(to, "leds");
+    control_state_begin(to, "leds");
     dg_scpi_append(to, "bus:");
     dg_scpi_append(to, names[leds.bus_pattern]);
     dg_scpi_append(to, "/err:");
@@ -82,9 +82,9 @@ static void put_errors(const struct dg_co_node *device, struct dg_scpi *to)
 {
     bool first = true;
 
-    dg_control_state_begin(to, "errors");
+    control_state_begin(to, "errors");
     for (uint8_t i = 0; i < device->history_count; i++) {
-        dg_control_state_item(to, &first, device->history[i] & CODE_MASK, 4);
+        control_state_item(to, &first, device->history[i] & CODE_MASK, 4);
     }
     if (first) {
         dg_scpi_append(to, "-");
@@ -104,16 +104,16 @@ static void state(const struct dg_encoder *self, dg_ns now, struct dg_scpi *to)
     if (powered(self)) {
         at.setup.device->sample(&at);
     }
-    dg_control_state_common(to, powered(self), mode(device), encoder.position);
+    control_state_common(to, powered(self), mode(device), encoder.position);
     put_leds(&at, to);
     put_errors(device, to);
-    dg_control_state_number(to, "frames", counters->rx);
-    dg_control_state_number(to, "sent", counters->tx);
-    dg_control_state_number(to, "malformed", counters->malformed);
-    dg_control_state_number(to, "late_sync", counters->late_sync);
-    dg_control_state_number(to, "node", device->id);
-    dg_control_state_number(to, "bus_off", device->bus_off);
-    dg_control_state_hex(to, "causes", device->active_causes, 8);
+    control_state_number(to, "frames", counters->rx);
+    control_state_number(to, "sent", counters->tx);
+    control_state_number(to, "malformed", counters->malformed);
+    control_state_number(to, "late_sync", counters->late_sync);
+    control_state_number(to, "node", device->id);
+    control_state_number(to, "bus_off", device->bus_off);
+    control_state_hex(to, "causes", device->active_causes, 8);
 }
 
 const struct dg_encoder_kind dg_kind_canopen = {

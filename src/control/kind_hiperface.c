@@ -55,9 +55,9 @@ static void put_errors(const struct dg_hf *device, struct dg_scpi *to)
 {
     bool first = true;
 
-    dg_control_state_begin(to, "errors");
+    control_state_begin(to, "errors");
     for (uint8_t i = device->stack_count; i > 0; i--) {
-        dg_control_state_item(to, &first, device->stack[i - 1u], 2);
+        control_state_item(to, &first, device->stack[i - 1u], 2);
     }
     if (first) {
         dg_scpi_append(to, "-");
@@ -80,7 +80,7 @@ static void put_sincos(const struct dg_hf *device, dg_ns now, bool on, struct dg
         {"cos_minus_uv", lines.cos_minus_uv},
     };
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
-        dg_control_state_begin(to, rows[i].key);
+        control_state_begin(to, rows[i].key);
         if (on) {
             dg_scpi_append_number(to, rows[i].uv, 0);
         } else {
@@ -97,20 +97,20 @@ static void state(const struct dg_encoder *self, dg_ns now, struct dg_scpi *to)
     const struct dg_hf_uart uart = dg_hf_uart(device);
     const char parity[2] = {uart.parity};
 
-    dg_control_state_common(to, on, mode(device), on ? dg_hf_position(device, now) : 0);
-    dg_control_state_word(to, "leds", "-");
+    control_state_common(to, on, mode(device), on ? dg_hf_position(device, now) : 0);
+    control_state_word(to, "leds", "-");
     put_errors(device, to);
-    dg_control_state_number(to, "frames", counters->frames);
-    dg_control_state_number(to, "replies", counters->replies);
-    dg_control_state_number(to, "error_replies", counters->errors);
-    dg_control_state_number(to, "others", counters->others);
-    dg_control_state_number(to, "damaged", counters->damaged);
-    dg_control_state_number(to, "interrupted", counters->interrupted);
-    dg_control_state_number(to, "deaf", counters->deaf);
-    dg_control_state_hex(to, "address", device->address, 2);
-    dg_control_state_number(to, "baud", uart.baud);
-    dg_control_state_word(to, "parity", parity);
-    dg_control_state_hex(to, "locks", device->locks, 2);
+    control_state_number(to, "frames", counters->frames);
+    control_state_number(to, "replies", counters->replies);
+    control_state_number(to, "error_replies", counters->errors);
+    control_state_number(to, "others", counters->others);
+    control_state_number(to, "damaged", counters->damaged);
+    control_state_number(to, "interrupted", counters->interrupted);
+    control_state_number(to, "deaf", counters->deaf);
+    control_state_hex(to, "address", device->address, 2);
+    control_state_number(to, "baud", uart.baud);
+    control_state_word(to, "parity", parity);
+    control_state_hex(to, "locks", device->locks, 2);
     put_sincos(device, now, on, to);
 }
 

@@ -86,7 +86,7 @@ static void put_leds(uint8_t leds, struct dg_scpi *to)
         {"/RD:", DG_IB_LED_RD},
     };
 
-    dg_control_state_begin(to, "leds");
+    control_state_begin(to, "leds");
     for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) {
         const bool blinks = all[i].bit == DG_IB_LED_BA && (leds & DG_IB_LED_BA_BLINKS) != 0;
         dg_scpi_append(to, all[i].name);
@@ -97,11 +97,11 @@ static void put_leds(uint8_t leds, struct dg_scpi *to)
 static void put_errors(const struct dg_ib *device, struct dg_scpi *to)
 {
     if (is_k3(device) && device->last_error != 0) {
-        dg_control_state_hex(to, "errors", device->last_error, 8);
+        control_state_hex(to, "errors", device->last_error, 8);
     } else if (!is_k3(device) && device->invalid) {
-        dg_control_state_hex(to, "errors", MODULE_ERROR, 4);
+        control_state_hex(to, "errors", MODULE_ERROR, 4);
     } else {
-        dg_control_state_word(to, "errors", "-");
+        control_state_word(to, "errors", "-");
     }
 }
 
@@ -111,18 +111,18 @@ static void state(const struct dg_encoder *self, dg_ns now, struct dg_scpi *to)
     const struct dg_ib_counters *counters = &device->counters;
     const bool on = device->powered;
 
-    dg_control_state_common(to, on, mode(device, now), on ? dg_ib_position(device, now) : 0);
+    control_state_common(to, on, mode(device, now), on ? dg_ib_position(device, now) : 0);
     put_leds(dg_ib_leds(device, now), to);
     put_errors(device, to);
-    dg_control_state_number(to, "frames", counters->cycles);
-    dg_control_state_number(to, "commands", counters->commands);
-    dg_control_state_number(to, "refused", counters->refused);
-    dg_control_state_number(to, "dropped", counters->dropped);
-    dg_control_state_number(to, "presets_unset", counters->presets_unset);
-    dg_control_state_number(to, "releases_stale", counters->releases_stale);
-    dg_control_state_number(to, "crc_errors", counters->crc_errors);
-    dg_control_state_number(to, "valid", on && !device->invalid);
-    dg_control_state_hex(to, "last_command", device->last_command, 8);
+    control_state_number(to, "frames", counters->cycles);
+    control_state_number(to, "commands", counters->commands);
+    control_state_number(to, "refused", counters->refused);
+    control_state_number(to, "dropped", counters->dropped);
+    control_state_number(to, "presets_unset", counters->presets_unset);
+    control_state_number(to, "releases_stale", counters->releases_stale);
+    control_state_number(to, "crc_errors", counters->crc_errors);
+    control_state_number(to, "valid", on && !device->invalid);
+    control_state_hex(to, "last_command", device->last_command, 8);
 }
 
 const struct dg_encoder_kind dg_kind_interbus = {

@@ -28,7 +28,7 @@ dg_ns dg_rig_step(struct dg_rig *self, dg_ns now)
     for (size_t i = 0; i < self->encoder_count; i++) {
         struct dg_encoder *encoder = self->encoders[i];
         const struct dg_fault_target target = dg_encoder_target(encoder);
-        const bool due = dg_control_due(&encoder->faults, now);
+        const bool due = control_due(&encoder->faults, now);
         next = dg_earliest(next, dg_fault_step(&encoder->faults, &target, now));
         if (due) {
             self->ops->changed(self, encoder, now);

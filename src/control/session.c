@@ -4,42 +4,42 @@
  */
 #include "inside.h"
 
-struct dg_rig *dg_control_rig(const struct dg_scpi *self)
+struct dg_rig *control_rig_of(const struct dg_scpi *self)
 {
     const struct dg_control *control = self->setup.ctx;
 
     return control->rig;
 }
 
-struct dg_encoder *dg_control_encoder(const struct dg_scpi *self)
+struct dg_encoder *control_encoder(const struct dg_scpi *self)
 {
-    return dg_control_rig(self)->encoders[self->selected];
+    return control_rig_of(self)->encoders[self->selected];
 }
 
-void dg_control_changed(struct dg_scpi *self)
+void control_changed(struct dg_scpi *self)
 {
-    struct dg_rig *rig = dg_control_rig(self);
+    struct dg_rig *rig = control_rig_of(self);
 
-    rig->ops->changed(rig, dg_control_encoder(self), self->now);
+    rig->ops->changed(rig, control_encoder(self), self->now);
 }
 
-void dg_control_refuse(struct dg_scpi *self, int code, const char *text)
+void control_refuse(struct dg_scpi *self, int code, const char *text)
 {
     char detail[CONTROL_DETAIL_SIZE];
-    struct control_text to = dg_control_text(detail, sizeof detail);
+    struct control_text to = control_text_in(detail, sizeof detail);
 
-    dg_control_append(&to, dg_control_encoder(self)->name);
-    dg_control_append(&to, ": ");
-    dg_control_append(&to, text);
+    control_append(&to, control_encoder(self)->name);
+    control_append(&to, ": ");
+    control_append(&to, text);
     dg_scpi_raise(self, code, detail);
 }
 
-bool dg_control_name(struct dg_scpi *self, char to[CONTROL_NAME_MAX])
+bool control_name(struct dg_scpi *self, char to[CONTROL_NAME_MAX])
 {
     return dg_scpi_text(self, to, CONTROL_NAME_MAX);
 }
 
-void dg_control_put_none(struct dg_scpi *self, size_t count)
+void control_put_none(struct dg_scpi *self, size_t count)
 {
     if (count == 0) {
         dg_scpi_put_string(self, "");
@@ -64,8 +64,8 @@ void dg_control_init(struct dg_control *self, struct dg_rig *rig,
 {
     static const struct dg_scpi_ops ops = {
         .write = forward,
-        .reset = dg_control_reset,
-        .settled = dg_control_settled,
+        .reset = control_reset,
+        .settled = control_settled,
     };
     const struct dg_scpi_setup setup = {
         .commands = dg_control_commands,
@@ -74,11 +74,11 @@ void dg_control_init(struct dg_control *self, struct dg_rig *rig,
         .ctx = self,
         .idn = self->idn,
     };
-    struct control_text idn = dg_control_text(self->idn, sizeof self->idn);
+    struct control_text idn = control_text_in(self->idn, sizeof self->idn);
 
-    dg_control_append(&idn, "drehgeber,");
-    dg_control_append(&idn, model_of(rig));
-    dg_control_append(&idn, ",0," DG_VERSION);
+    control_append(&idn, "drehgeber,");
+    control_append(&idn, model_of(rig));
+    control_append(&idn, ",0," DG_VERSION);
     self->rig = rig;
     self->write = write;
     self->ctx = ctx;

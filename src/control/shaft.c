@@ -26,13 +26,13 @@ static const struct dg_scpi_range intervals = {DG_SCPI_TIME, 0, (int64_t)RECORD_
 
 static struct dg_rig_shaft *shaft_of(const struct dg_scpi *self)
 {
-    return dg_control_encoder(self)->shaft;
+    return control_encoder(self)->shaft;
 }
 
 /* What a command to the shaft gave. */
 static void turned(struct dg_scpi *self, int result)
 {
-    struct dg_rig *rig = dg_control_rig(self);
+    struct dg_rig *rig = control_rig_of(self);
 
     if (result == DG_OK) {
         rig->ops->changed(rig, NULL, self->now);
@@ -41,9 +41,9 @@ static void turned(struct dg_scpi *self, int result)
     }
 }
 
-void dg_control_shafts(struct dg_scpi *self, uint32_t argument)
+void control_shafts(struct dg_scpi *self, uint32_t argument)
 {
-    const struct dg_rig *rig = dg_control_rig(self);
+    const struct dg_rig *rig = control_rig_of(self);
 
     (void)argument;
     for (size_t i = 0; i < rig->shaft_count; i++) {
@@ -51,13 +51,13 @@ void dg_control_shafts(struct dg_scpi *self, uint32_t argument)
     }
 }
 
-void dg_control_shaft_name(struct dg_scpi *self, uint32_t argument)
+void control_shaft_name(struct dg_scpi *self, uint32_t argument)
 {
     (void)argument;
     dg_scpi_put_string(self, shaft_of(self)->name);
 }
 
-void dg_control_set_position(struct dg_scpi *self, uint32_t argument)
+void control_set_position(struct dg_scpi *self, uint32_t argument)
 {
     int64_t angle;
 
@@ -67,7 +67,7 @@ void dg_control_set_position(struct dg_scpi *self, uint32_t argument)
     }
 }
 
-void dg_control_position(struct dg_scpi *self, uint32_t argument)
+void control_position(struct dg_scpi *self, uint32_t argument)
 {
     const dg_angle angle = dg_shaft_angle(&shaft_of(self)->shaft, self->now);
 
@@ -79,7 +79,7 @@ void dg_control_position(struct dg_scpi *self, uint32_t argument)
     dg_scpi_put_number(self, counts, MICRODEGREE_PLACES);
 }
 
-void dg_control_set_velocity(struct dg_scpi *self, uint32_t argument)
+void control_set_velocity(struct dg_scpi *self, uint32_t argument)
 {
     int64_t mrpm;
 
@@ -89,13 +89,13 @@ void dg_control_set_velocity(struct dg_scpi *self, uint32_t argument)
     }
 }
 
-void dg_control_velocity(struct dg_scpi *self, uint32_t argument)
+void control_velocity(struct dg_scpi *self, uint32_t argument)
 {
     (void)argument;
     dg_scpi_put_number(self, dg_shaft_mrpm(&shaft_of(self)->shaft, self->now), MILLI_PLACES);
 }
 
-void dg_control_set_acceleration(struct dg_scpi *self, uint32_t argument)
+void control_set_acceleration(struct dg_scpi *self, uint32_t argument)
 {
     int64_t mrpm_per_s;
 
@@ -105,19 +105,19 @@ void dg_control_set_acceleration(struct dg_scpi *self, uint32_t argument)
     }
 }
 
-void dg_control_acceleration(struct dg_scpi *self, uint32_t argument)
+void control_acceleration(struct dg_scpi *self, uint32_t argument)
 {
     (void)argument;
     dg_scpi_put_number(self, shaft_of(self)->shaft.mrpm_per_s, MILLI_PLACES);
 }
 
-void dg_control_stop(struct dg_scpi *self, uint32_t argument)
+void control_stop(struct dg_scpi *self, uint32_t argument)
 {
     (void)argument;
     turned(self, dg_shaft_set_velocity(&shaft_of(self)->shaft, self->now, 0));
 }
 
-void dg_control_move(struct dg_scpi *self, uint32_t argument)
+void control_move(struct dg_scpi *self, uint32_t argument)
 {
     int64_t mrpm = MOVE_MRPM_DEFAULT;
     int64_t angle;
@@ -130,16 +130,16 @@ void dg_control_move(struct dg_scpi *self, uint32_t argument)
     turned(self, dg_shaft_move(&shaft_of(self)->shaft, self->now, angle, (int32_t)mrpm));
 }
 
-void dg_control_moving(struct dg_scpi *self, uint32_t argument)
+void control_moving(struct dg_scpi *self, uint32_t argument)
 {
     (void)argument;
     dg_scpi_put_unsigned(self, dg_shaft_settled(&shaft_of(self)->shaft) > self->now ? 1 : 0);
 }
 
 /* What is played never settles, and nobody waits for it. */
-dg_ns dg_control_settled(struct dg_scpi *self)
+dg_ns control_settled(struct dg_scpi *self)
 {
-    const struct dg_rig *rig = dg_control_rig(self);
+    const struct dg_rig *rig = control_rig_of(self);
     dg_ns latest = 0;
 
     for (size_t i = 0; i < rig->shaft_count; i++) {
@@ -151,9 +151,9 @@ dg_ns dg_control_settled(struct dg_scpi *self)
     return latest;
 }
 
-void dg_control_set_profile(struct dg_scpi *self, uint32_t argument)
+void control_set_profile(struct dg_scpi *self, uint32_t argument)
 {
-    struct dg_rig *rig = dg_control_rig(self);
+    struct dg_rig *rig = control_rig_of(self);
     char text[DG_SCPI_LINE_MAX + 1u];
     char detail[CONTROL_DETAIL_SIZE] = "";
 
@@ -172,9 +172,9 @@ void dg_control_set_profile(struct dg_scpi *self, uint32_t argument)
     }
 }
 
-void dg_control_profile(struct dg_scpi *self, uint32_t argument)
+void control_profile(struct dg_scpi *self, uint32_t argument)
 {
-    struct dg_rig *rig = dg_control_rig(self);
+    struct dg_rig *rig = control_rig_of(self);
 
     (void)argument;
     if (rig->ops->profile_text == NULL) {
@@ -186,7 +186,7 @@ void dg_control_profile(struct dg_scpi *self, uint32_t argument)
 
 static void record(struct dg_scpi *self, const char *path, dg_ns interval)
 {
-    struct dg_rig *rig = dg_control_rig(self);
+    struct dg_rig *rig = control_rig_of(self);
     char detail[CONTROL_DETAIL_SIZE] = "";
 
     if (rig->ops->record == NULL) {
@@ -197,7 +197,7 @@ static void record(struct dg_scpi *self, const char *path, dg_ns interval)
     dg_scpi_raise(self, code, detail);
 }
 
-void dg_control_record(struct dg_scpi *self, uint32_t argument)
+void control_record(struct dg_scpi *self, uint32_t argument)
 {
     char path[DG_SCPI_LINE_MAX + 1u];
     int64_t interval = (int64_t)RECORD_DEFAULT;
@@ -210,7 +210,7 @@ void dg_control_record(struct dg_scpi *self, uint32_t argument)
     record(self, path, (dg_ns)interval);
 }
 
-void dg_control_record_stop(struct dg_scpi *self, uint32_t argument)
+void control_record_stop(struct dg_scpi *self, uint32_t argument)
 {
     (void)argument;
     record(self, NULL, RECORD_DEFAULT);

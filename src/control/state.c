@@ -4,43 +4,43 @@
  */
 #include "inside.h"
 
-void dg_control_state_begin(struct dg_scpi *to, const char *key)
+void control_state_begin(struct dg_scpi *to, const char *key)
 {
     dg_scpi_begin(to);
     dg_scpi_append(to, key);
     dg_scpi_append(to, "=");
 }
 
-void dg_control_state_word(struct dg_scpi *to, const char *key, const char *word)
+void control_state_word(struct dg_scpi *to, const char *key, const char *word)
 {
-    dg_control_state_begin(to, key);
+    control_state_begin(to, key);
     dg_scpi_append(to, word);
 }
 
-void dg_control_state_number(struct dg_scpi *to, const char *key, uint64_t value)
+void control_state_number(struct dg_scpi *to, const char *key, uint64_t value)
 {
-    dg_control_state_begin(to, key);
+    control_state_begin(to, key);
     dg_scpi_append_number(to, (int64_t)value, 0);
 }
 
-void dg_control_state_hex(struct dg_scpi *to, const char *key, uint64_t value, unsigned digits)
+void control_state_hex(struct dg_scpi *to, const char *key, uint64_t value, unsigned digits)
 {
-    dg_control_state_begin(to, key);
+    control_state_begin(to, key);
     dg_scpi_append_hex(to, value, digits);
 }
 
-void dg_control_state_common(struct dg_scpi *to, bool powered, const char *mode, uint64_t position)
+void control_state_common(struct dg_scpi *to, bool powered, const char *mode, uint64_t position)
 {
-    dg_control_state_number(to, "power", powered ? 1 : 0);
-    dg_control_state_word(to, "mode", mode);
+    control_state_number(to, "power", powered ? 1 : 0);
+    control_state_word(to, "mode", mode);
     if (powered) {
-        dg_control_state_number(to, "position", position);
+        control_state_number(to, "position", position);
     } else {
-        dg_control_state_word(to, "position", "-");
+        control_state_word(to, "position", "-");
     }
 }
 
-void dg_control_state_item(struct dg_scpi *to, bool *first, uint64_t value, unsigned digits)
+void control_state_item(struct dg_scpi *to, bool *first, uint64_t value, unsigned digits)
 {
     if (!*first) {
         dg_scpi_append(to, "/");

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 #include "inside.h"
 
-struct control_text dg_control_text(char *to, size_t size)
+struct control_text control_text_in(char *to, size_t size)
 {
     to[0] = '\0';
     return (struct control_text){.to = to, .size = size};
 }
 
-void dg_control_append(struct control_text *self, const char *text)
+void control_append(struct control_text *self, const char *text)
 {
     for (; *text != '\0' && self->length + 1u < self->size; text++) {
         self->to[self->length++] = *text;
@@ -26,7 +26,7 @@ static char folded(char c)
     return c;
 }
 
-bool dg_control_same(const char *a, const char *b)
+bool control_same(const char *a, const char *b)
 {
     while (*a != '\0' && folded(*a) == folded(*b)) {
         a++;

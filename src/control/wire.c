@@ -24,7 +24,7 @@ static const struct dg_scpi_range bytes_range = {DG_SCPI_PLAIN, 0, 0, UINT8_MAX}
 
 static const struct dg_rig_ops *ops_of(const struct dg_scpi *self)
 {
-    return dg_control_rig(self)->ops;
+    return control_rig_of(self)->ops;
 }
 
 /* What the host cannot do. @return `there` */
@@ -36,20 +36,20 @@ static bool offered(struct dg_scpi *self, bool there)
     return there;
 }
 
-void dg_control_time(struct dg_scpi *self, uint32_t argument)
+void control_time(struct dg_scpi *self, uint32_t argument)
 {
     (void)argument;
-    dg_scpi_put_number(self, (int64_t)dg_elapsed(self->now, dg_control_rig(self)->origin),
+    dg_scpi_put_number(self, (int64_t)dg_elapsed(self->now, control_rig_of(self)->origin),
                        SECOND_PLACES);
 }
 
-void dg_control_origin(struct dg_scpi *self, uint32_t argument)
+void control_origin(struct dg_scpi *self, uint32_t argument)
 {
     (void)argument;
-    dg_scpi_put_number(self, (int64_t)dg_control_rig(self)->origin, SECOND_PLACES);
+    dg_scpi_put_number(self, (int64_t)control_rig_of(self)->origin, SECOND_PLACES);
 }
 
-void dg_control_set_scale(struct dg_scpi *self, uint32_t argument)
+void control_set_scale(struct dg_scpi *self, uint32_t argument)
 {
     char detail[CONTROL_DETAIL_SIZE] = "";
     int64_t permille;
@@ -59,26 +59,26 @@ void dg_control_set_scale(struct dg_scpi *self, uint32_t argument)
         !offered(self, ops_of(self)->set_scale != NULL)) {
         return;
     }
-    const int code = ops_of(self)->set_scale(dg_control_rig(self), (uint32_t)permille, detail);
+    const int code = ops_of(self)->set_scale(control_rig_of(self), (uint32_t)permille, detail);
     dg_scpi_raise(self, code, detail);
 }
 
-void dg_control_scale(struct dg_scpi *self, uint32_t argument)
+void control_scale(struct dg_scpi *self, uint32_t argument)
 {
     (void)argument;
     if (offered(self, ops_of(self)->scale != NULL)) {
-        dg_scpi_put_number(self, ops_of(self)->scale(dg_control_rig(self)), SCALE_PLACES);
+        dg_scpi_put_number(self, ops_of(self)->scale(control_rig_of(self)), SCALE_PLACES);
     }
 }
 
-void dg_control_step_time(struct dg_scpi *self, uint32_t argument)
+void control_step_time(struct dg_scpi *self, uint32_t argument)
 {
     char detail[CONTROL_DETAIL_SIZE] = "";
     int64_t span;
 
     (void)argument;
     if (dg_scpi_number(self, &spans, &span) && offered(self, ops_of(self)->step != NULL)) {
-        const int code = ops_of(self)->step(dg_control_rig(self), (dg_ns)span, detail);
+        const int code = ops_of(self)->step(control_rig_of(self), (dg_ns)span, detail);
         dg_scpi_raise(self, code, detail);
         /* The rest of the line is done then. */
         self->now = code == DG_SCPI_NO_ERROR ? dg_after(self->now, (dg_ns)span) : self->now;
@@ -87,16 +87,16 @@ void dg_control_step_time(struct dg_scpi *self, uint32_t argument)
 
 static void trace(struct dg_scpi *self, const char *path)
 {
-    struct dg_rig *rig = dg_control_rig(self);
+    struct dg_rig *rig = control_rig_of(self);
     char detail[CONTROL_DETAIL_SIZE] = "";
 
     if (offered(self, rig->ops->trace != NULL)) {
-        const int code = rig->ops->trace(rig, dg_control_encoder(self), path, detail);
+        const int code = rig->ops->trace(rig, control_encoder(self), path, detail);
         dg_scpi_raise(self, code, detail);
     }
 }
 
-void dg_control_trace(struct dg_scpi *self, uint32_t argument)
+void control_trace(struct dg_scpi *self, uint32_t argument)
 {
     char path[DG_SCPI_LINE_MAX + 1u];
 
@@ -106,15 +106,15 @@ void dg_control_trace(struct dg_scpi *self, uint32_t argument)
     }
 }
 
-void dg_control_trace_stop(struct dg_scpi *self, uint32_t argument)
+void control_trace_stop(struct dg_scpi *self, uint32_t argument)
 {
     (void)argument;
     trace(self, NULL);
 }
 
-void dg_control_last(struct dg_scpi *self, uint32_t argument)
+void control_last(struct dg_scpi *self, uint32_t argument)
 {
-    struct dg_rig *rig = dg_control_rig(self);
+    struct dg_rig *rig = control_rig_of(self);
     char text[LINE_SIZE];
     int64_t wanted = 1;
     size_t count = 0;
@@ -125,19 +125,19 @@ void dg_control_last(struct dg_scpi *self, uint32_t argument)
         return;
     }
     for (unsigned back = (unsigned)wanted; back > 0; back--) {
-        if (rig->ops->last(rig, dg_control_encoder(self), back - 1u, text, sizeof text)) {
+        if (rig->ops->last(rig, control_encoder(self), back - 1u, text, sizeof text)) {
             dg_scpi_put_string(self, text);
             count++;
         }
     }
-    dg_control_put_none(self, count);
+    control_put_none(self, count);
 }
 
 /* Whether the selected encoder is one with BiSS on a wire that the host clocks. */
 static bool has_biss(struct dg_scpi *self, bool there)
 {
-    if (dg_control_encoder(self)->kind->stack != DG_STACK_BISS) {
-        dg_control_refuse(self, DG_SCPI_MISSING_HARDWARE, "it is no BiSS encoder");
+    if (control_encoder(self)->kind->stack != DG_STACK_BISS) {
+        control_refuse(self, DG_SCPI_MISSING_HARDWARE, "it is no BiSS encoder");
         return false;
     }
     return offered(self, there);
@@ -165,9 +165,9 @@ static void put_frame(struct dg_scpi *self, const struct dg_biss_model *model, u
     dg_scpi_put_unsigned(self, field(bits, 0, CRC_BITS) == crc ? 1 : 0);
 }
 
-void dg_control_frame(struct dg_scpi *self, uint32_t argument)
+void control_frame(struct dg_scpi *self, uint32_t argument)
 {
-    struct dg_encoder *encoder = dg_control_encoder(self);
+    struct dg_encoder *encoder = control_encoder(self);
     char detail[CONTROL_DETAIL_SIZE] = "";
     uint64_t bits = 0;
     uint8_t count = 0;
@@ -176,18 +176,18 @@ void dg_control_frame(struct dg_scpi *self, uint32_t argument)
     if (!has_biss(self, ops_of(self)->biss_frame != NULL)) {
         return;
     }
-    const int code = ops_of(self)->biss_frame(dg_control_rig(self), encoder, &bits, &count, detail);
+    const int code = ops_of(self)->biss_frame(control_rig_of(self), encoder, &bits, &count, detail);
     if (code != DG_SCPI_NO_ERROR) {
         dg_scpi_raise(self, code, detail);
     } else if (count <= 1) {
-        dg_control_refuse(self, DG_SCPI_HARDWARE, "no data in the frame");
+        control_refuse(self, DG_SCPI_HARDWARE, "no data in the frame");
     } else {
         const struct dg_biss *device = encoder->device;
         put_frame(self, device->setup.model, bits);
     }
 }
 
-void dg_control_read(struct dg_scpi *self, uint32_t argument)
+void control_read(struct dg_scpi *self, uint32_t argument)
 {
     char detail[CONTROL_DETAIL_SIZE] = "";
     uint8_t bytes[DG_BISS_BANK_SIZE] = {0};
@@ -200,7 +200,7 @@ void dg_control_read(struct dg_scpi *self, uint32_t argument)
         !has_biss(self, ops_of(self)->biss_read != NULL)) {
         return;
     }
-    const int code = ops_of(self)->biss_read(dg_control_rig(self), dg_control_encoder(self),
+    const int code = ops_of(self)->biss_read(control_rig_of(self), control_encoder(self),
                                              (uint8_t)address, bytes, (size_t)n, detail);
     dg_scpi_raise(self, code, detail);
     for (int64_t i = 0; code == DG_SCPI_NO_ERROR && i < n; i++) {
@@ -208,7 +208,7 @@ void dg_control_read(struct dg_scpi *self, uint32_t argument)
     }
 }
 
-void dg_control_write(struct dg_scpi *self, uint32_t argument)
+void control_write(struct dg_scpi *self, uint32_t argument)
 {
     char detail[CONTROL_DETAIL_SIZE] = "";
     uint8_t bytes[DG_BISS_BANK_SIZE];
@@ -231,7 +231,7 @@ void dg_control_write(struct dg_scpi *self, uint32_t argument)
         return;
     }
     if (has_biss(self, ops_of(self)->biss_write != NULL)) {
-        const int code = ops_of(self)->biss_write(dg_control_rig(self), dg_control_encoder(self),
+        const int code = ops_of(self)->biss_write(control_rig_of(self), control_encoder(self),
                                                   (uint8_t)address, bytes, n, detail);
         dg_scpi_raise(self, code, detail);
     }

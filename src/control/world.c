@@ -47,11 +47,11 @@ static void put(struct dg_encoder *encoder, const struct quantity *row, int64_t 
 {
     const struct dg_fault_target target = dg_encoder_target(encoder);
 
-    dg_control_override(&encoder->faults, &target, row->offset);
-    dg_control_set_quantity(encoder->world, row->offset, row->size, value);
+    control_override(&encoder->faults, &target, row->offset);
+    control_quantity_set(encoder->world, row->offset, row->size, value);
 }
 
-void dg_control_set_world(struct dg_scpi *self, uint32_t argument)
+void control_set_world(struct dg_scpi *self, uint32_t argument)
 {
     const struct quantity *row = &quantities[argument];
     int64_t value = 0;
@@ -60,34 +60,34 @@ void dg_control_set_world(struct dg_scpi *self, uint32_t argument)
     if (is_state(row) ? !dg_scpi_flag(self, &flag) : !dg_scpi_number(self, &row->range, &value)) {
         return;
     }
-    put(dg_control_encoder(self), row, is_state(row) ? flag : value);
-    dg_control_changed(self);
+    put(control_encoder(self), row, is_state(row) ? flag : value);
+    control_changed(self);
 }
 
-void dg_control_world(struct dg_scpi *self, uint32_t argument)
+void control_world(struct dg_scpi *self, uint32_t argument)
 {
     const struct quantity *row = &quantities[argument];
-    const struct dg_encoder *encoder = dg_control_encoder(self);
+    const struct dg_encoder *encoder = control_encoder(self);
 
-    dg_scpi_put_number(self, dg_control_quantity(encoder->world, row->offset, row->size),
+    dg_scpi_put_number(self, control_quantity_get(encoder->world, row->offset, row->size),
                        row->places);
 }
 
-void dg_control_heal(struct dg_scpi *self)
+void control_heal(struct dg_scpi *self)
 {
-    struct dg_encoder *encoder = dg_control_encoder(self);
+    struct dg_encoder *encoder = control_encoder(self);
     struct dg_world healthy;
 
     dg_world_init(&healthy);
     for (size_t i = 0; i < CONTROL_QUANTITY_COUNT; i++) {
         const struct quantity *row = &quantities[i];
-        put(encoder, row, dg_control_quantity(&healthy, row->offset, row->size));
+        put(encoder, row, control_quantity_get(&healthy, row->offset, row->size));
     }
 }
 
-void dg_control_healthy(struct dg_scpi *self, uint32_t argument)
+void control_healthy(struct dg_scpi *self, uint32_t argument)
 {
     (void)argument;
-    dg_control_heal(self);
-    dg_control_changed(self);
+    control_heal(self);
+    control_changed(self);
 }

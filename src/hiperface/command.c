@@ -2,7 +2,7 @@
 /*
  * From a frame to its reply: the command table and the order of checks (R8).
  *
- *   checksum 0Ah, command 0Bh, length 0Ch      dg_hf_check()
+ *   checksum 0Ah, command 0Bh, length 0Ch      hf_check()
  *   start-up locks 02h 03h 05h 06h, EEPROM 05h, Code 0 0Fh      permitted()
  *   field number, its access code, arguments, write protection      the handlers
  */
@@ -29,17 +29,17 @@ enum {
 #define DG_HF_COMMAND(code, name, min, max, reply, reaction_ms, flags, handler, errors)            \
     {code, min, max, reply, reaction_ms, flags, handler},
 
-const struct hf_command dg_hf_commands[] = {
+const struct hf_command hf_commands[] = {
 #include "commands.def"
 };
 #undef DG_HF_COMMAND
-const uint8_t dg_hf_command_count = sizeof dg_hf_commands / sizeof dg_hf_commands[0];
+const uint8_t hf_command_count = sizeof hf_commands / sizeof hf_commands[0];
 
-const struct hf_command *dg_hf_command(uint8_t code)
+const struct hf_command *hf_command_find(uint8_t code)
 {
-    for (uint8_t i = 0; i < dg_hf_command_count; i++) {
-        if (dg_hf_commands[i].code == code) {
-            return &dg_hf_commands[i];
+    for (uint8_t i = 0; i < hf_command_count; i++) {
+        if (hf_commands[i].code == code) {
+            return &hf_commands[i];
         }
     }
     return NULL;
@@ -54,7 +54,7 @@ static bool length_fits(const struct hf_command *row, const uint8_t *data, uint1
     return row->code != SAVE_DATA || n == SAVE_DATA_HEAD + data[2];
 }
 
-enum dg_hf_status dg_hf_check(const struct dg_hf *self, const struct hf_command **row)
+enum dg_hf_status hf_check(const struct dg_hf *self, const struct hf_command **row)
 {
     *row = NULL;
     if (self->frame_damaged) {
@@ -69,7 +69,7 @@ enum dg_hf_status dg_hf_check(const struct dg_hf *self, const struct hf_command 
     if (self->length < HF_FRAME_LEAST) {
         return DG_HF_LENGTH;
     }
-    *row = dg_hf_command(self->frame[1]);
+    *row = hf_command_find(self->frame[1]);
     if (*row == NULL) {
         return DG_HF_COMMAND;
     }
@@ -106,7 +106,7 @@ static enum dg_hf_status permitted(const struct dg_hf *self, const struct hf_com
     return DG_HF_NO_ERROR;
 }
 
-void dg_hf_answer(struct dg_hf *self, dg_ns now)
+void hf_answer(struct dg_hf *self, dg_ns now)
 {
     uint8_t reply[DG_HF_FRAME_MAX];
     const struct hf_command *row;
@@ -116,8 +116,8 @@ void dg_hf_answer(struct dg_hf *self, dg_ns now)
         .reply = dg_writer(&reply[2], HF_DATA_MAX),
     };
 
-    dg_hf_monitor(self);
-    enum dg_hf_status status = dg_hf_check(self, &row);
+    hf_monitor(self);
+    enum dg_hf_status status = hf_check(self, &row);
     if (status == DG_HF_NO_ERROR) {
         rq.length = (uint16_t)(self->length - 3u);
         status = permitted(self, row, &rq);

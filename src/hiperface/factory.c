@@ -189,7 +189,7 @@ static bool implemented_fits(uint8_t implemented, uint8_t blocks)
     return implemented == 0 || (implemented >= blocks && implemented <= DG_HF_IMPLEMENTED_MAX);
 }
 
-int dg_hf_model_check(const struct dg_hf_model *model)
+int hf_model_check(const struct dg_hf_model *model)
 {
     if (!resolution_fits(model->periods_per_turn, model->steps_per_period, model->turns)) {
         return DG_ERR_ARGUMENT;
@@ -204,7 +204,7 @@ int dg_hf_model_check(const struct dg_hf_model *model)
 
 int dg_hf_format(const struct dg_hf_model *model, struct dg_nvm nvm)
 {
-    int result = dg_hf_model_check(model);
+    int result = hf_model_check(model);
 
     return result == DG_OK ? dg_store_format(&dg_hf_layout, nvm, model) : result;
 }
@@ -213,7 +213,7 @@ int dg_hf_format(const struct dg_hf_model *model, struct dg_nvm nvm)
 static bool load(struct dg_hf *self, enum dg_hf_region region, uint8_t *to)
 {
     return !dg_store_damaged(&self->store, (uint8_t)region) &&
-           dg_hf_get(self, region, to) == DG_HF_NO_ERROR;
+           hf_get(self, region, to) == DG_HF_NO_ERROR;
 }
 
 static void load_from_model(struct dg_hf *self)
@@ -279,7 +279,7 @@ static void load_limits(struct dg_hf *self, const uint8_t *label)
     self->speed_max_rpm = dg_load_be16(&parameter[18]);
 }
 
-void dg_hf_load(struct dg_hf *self, bool mounted)
+void hf_load(struct dg_hf *self, bool mounted)
 {
     uint8_t bytes[HF_LABEL_SIZE];
 

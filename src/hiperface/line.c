@@ -68,16 +68,16 @@ static int start(struct dg_hf *self)
     if (result == DG_ERR_OLDER) {
         result = dg_store_grow(&self->store, self->setup.model);
     }
-    dg_hf_load(self, result == DG_OK);
+    hf_load(self, result == DG_OK);
     if (result == DG_OK && self->store.failures > 0) {
         result = DG_ERR_IO; /* mounted, then silent: no mixture of memory and model */
-        dg_hf_load(self, false);
+        hf_load(self, false);
     }
     if (result == DG_OK) {
-        dg_hf_start_up_checks(self);
+        hf_start_up_checks(self);
     } else {
         self->locks = HF_LOCK_POSITION | HF_LOCK_EEPROM;
-        dg_hf_push(self, DG_HF_I2C);
+        hf_push(self, DG_HF_I2C);
     }
     return result;
 }
@@ -88,7 +88,7 @@ int dg_hf_init(struct dg_hf *self, const struct dg_hf_setup *setup)
         setup->nvm.ops == NULL || setup->ops == NULL || setup->ops->tx == NULL) {
         return DG_ERR_ARGUMENT;
     }
-    if (dg_hf_model_check(setup->model) != DG_OK) {
+    if (hf_model_check(setup->model) != DG_OK) {
         return DG_ERR_ARGUMENT;
     }
     *self = (struct dg_hf){.setup = *setup, .deadline = DG_NEVER, .window_end = DG_NEVER};
@@ -143,7 +143,7 @@ static void notice(struct dg_hf *self)
 static void end_of_frame(struct dg_hf *self, dg_ns moment)
 {
     const struct hf_command *row;
-    enum dg_hf_status status = dg_hf_check(self, &row);
+    enum dg_hf_status status = hf_check(self, &row);
     dg_ns reaction = self->setup.model->reaction;
 
     self->counters.frames++;
@@ -200,7 +200,7 @@ static void act(struct dg_hf *self, dg_ns now)
         end_of_frame(self, moment);
         break;
     case DG_HF_REPLY:
-        dg_hf_answer(self, now);
+        hf_answer(self, now);
         after_reply(self, now);
         break;
     case DG_HF_SKIP:
@@ -222,7 +222,7 @@ dg_ns dg_hf_step(struct dg_hf *self, dg_ns now)
         act(self, now);
     }
     if (self->line != DG_HF_OFF && self->line != DG_HF_DEAF) {
-        dg_hf_monitor(self);
+        hf_monitor(self);
     }
     return next_deadline(self);
 }

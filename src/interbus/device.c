@@ -42,7 +42,7 @@ int dg_ib_init(struct dg_ib *self, const struct dg_ib_setup *setup)
     if (setup->model == NULL || setup->world == NULL || !memory_is_there(setup)) {
         return DG_ERR_ARGUMENT;
     }
-    if (dg_ib_model_check(setup->model) != DG_OK) {
+    if (ib_model_check(setup->model) != DG_OK) {
         return DG_ERR_ARGUMENT;
     }
     *self = (struct dg_ib){.setup = *setup, .mode = DG_IB_POSITION_K2};
@@ -78,7 +78,7 @@ int dg_ib_power_on(struct dg_ib *self, dg_ns now)
 
     forget(self, now);
     if (self->setup.model->profile == DG_IB_K3) {
-        result = self->setup.world->eeprom_acknowledges ? dg_ib_mount(self) : DG_ERR_IO;
+        result = self->setup.world->eeprom_acknowledges ? ib_mount(self) : DG_ERR_IO;
         if (result == DG_ERR_IO) { /* a silent memory: everything is lost, until the next start */
             self->store.layout = NULL;
             result = DG_OK;
@@ -86,7 +86,7 @@ int dg_ib_power_on(struct dg_ib *self, dg_ns now)
         if (result != DG_OK) {
             return result;
         }
-        dg_ib_load(self);
+        ib_load(self);
     }
     self->powered = true;
     return result;
@@ -104,7 +104,7 @@ static void count_time(struct dg_ib *self, dg_ns now)
     if (passed >= IB_TIME_UNIT) {
         self->time_10min += (uint32_t)(passed / IB_TIME_UNIT);
         self->time_mark += passed - passed % IB_TIME_UNIT;
-        (void)dg_ib_put_u32(self, DG_IB_REGION_TIME, self->time_10min);
+        (void)ib_put_u32(self, DG_IB_REGION_TIME, self->time_10min);
     }
 }
 
@@ -116,9 +116,9 @@ static void hold_preset(struct dg_ib *self, dg_ns now)
     }
     self->frozen = self->out == IB_FRABA_PRESET;
     if (self->frozen) {
-        self->offset = dg_ib_preset_offset(self, now);
-    } else if (!dg_ib_put_preset(self, self->preset, self->offset, self->preset_flag)) {
-        dg_ib_refuse(self, DG_IB_LOST);
+        self->offset = ib_preset_offset(self, now);
+    } else if (!ib_put_preset(self, self->preset, self->offset, self->preset_flag)) {
+        ib_refuse(self, DG_IB_LOST);
     }
 }
 
@@ -131,9 +131,9 @@ static uint32_t operation(const struct dg_ib *self, dg_ns now)
         return DG_IB_LOST;
     }
     if (self->mode > DG_IB_CAM) {
-        word = dg_ib_cam_word(self, now);
+        word = ib_cam_word(self, now);
     } else {
-        word = self->mode == DG_IB_SPEED ? dg_ib_speed(self, now) : dg_ib_position(self, now);
+        word = self->mode == DG_IB_SPEED ? ib_speed(self, now) : dg_ib_position(self, now);
     }
     return word | (self->invalid ? DG_IB_NOT_VALID : 0u);
 }
@@ -144,11 +144,11 @@ static uint32_t cycle_k3(struct dg_ib *self, dg_ns now, uint32_t out)
     if (now < self->ready_at) {
         return DG_IB_READ_OUT; /* I18: self-test */
     }
-    dg_ib_execute(self, now);
+    ib_execute(self, now);
     hold_preset(self, now);
-    dg_ib_sample(self, out);
+    ib_sample(self, out);
     if (self->item != 0) {
-        return dg_ib_item(self);
+        return ib_item(self);
     }
     return self->answer != 0 ? self->answer : operation(self, now);
 }
@@ -160,7 +160,7 @@ void dg_ib_cycle(struct dg_ib *self, dg_ns now, uint32_t out, uint32_t *in)
     }
     self->counters.cycles++;
     self->last_data = now;
-    self->invalid = dg_ib_invalid(self, now);
+    self->invalid = ib_invalid(self, now);
     if (self->setup.model->profile == DG_IB_K3) {
         *in = cycle_k3(self, now, out);
     } else {
@@ -178,7 +178,7 @@ uint16_t dg_ib_id(struct dg_ib *self, dg_ns now)
     unsigned word = dg_ib_id_word(self->setup.model);
 
     self->last_id = now;
-    self->invalid = dg_ib_invalid(self, now);
+    self->invalid = ib_invalid(self, now);
     word |= self->reconfigure ? MESSAGE_RECONFIGURE : 0u;
     word |= self->crc_error ? MESSAGE_CRC : 0u;
     word |= module_error(self) ? MESSAGE_MODULE : 0u;

@@ -18,13 +18,13 @@ static uint32_t effective(const struct dg_ib_model *model, uint32_t steps)
     return steps + (model->steps_minus_one ? 1u : 0u);
 }
 
-bool dg_ib_fits(const struct dg_ib_model *model, uint32_t steps, uint32_t revolutions)
+bool ib_fits(const struct dg_ib_model *model, uint32_t steps, uint32_t revolutions)
 {
     return steps > 0 && revolutions > 0 && revolutions <= model->turns &&
            effective(model, steps) <= revolutions * model->steps;
 }
 
-uint32_t dg_ib_range_of(const struct dg_ib_model *model, uint32_t steps, uint32_t revolutions)
+uint32_t ib_range_of(const struct dg_ib_model *model, uint32_t steps, uint32_t revolutions)
 {
     return (uint32_t)((uint64_t)effective(model, steps) * model->turns / revolutions);
 }
@@ -36,7 +36,7 @@ uint32_t dg_ib_range(const struct dg_ib *self)
     if (model->profile != DG_IB_K3) {
         return (uint32_t)model->steps * model->turns;
     }
-    return dg_ib_range_of(model, self->steps, self->revolutions);
+    return ib_range_of(model, self->steps, self->revolutions);
 }
 
 static uint32_t scaled(const struct dg_ib *self, dg_ns now)
@@ -63,7 +63,7 @@ uint32_t dg_ib_position(const struct dg_ib *self, dg_ns now)
     return (scaled(self, now) + self->offset + self->shift) % dg_ib_range(self);
 }
 
-uint32_t dg_ib_preset_offset(const struct dg_ib *self, dg_ns now)
+uint32_t ib_preset_offset(const struct dg_ib *self, dg_ns now)
 {
     uint32_t range = dg_ib_range(self);
     uint32_t without = (scaled(self, now) + self->shift) % range;
@@ -71,7 +71,7 @@ uint32_t dg_ib_preset_offset(const struct dg_ib *self, dg_ns now)
     return (self->preset % range + range - without) % range;
 }
 
-bool dg_ib_invalid(const struct dg_ib *self, dg_ns now)
+bool ib_invalid(const struct dg_ib *self, dg_ns now)
 {
     const struct dg_world *world = self->setup.world;
     const struct dg_ib_model *model = self->setup.model;
@@ -83,7 +83,7 @@ bool dg_ib_invalid(const struct dg_ib *self, dg_ns now)
            (model->turns > 1 && !multiturn_ok);
 }
 
-uint32_t dg_ib_speed(const struct dg_ib *self, dg_ns now)
+uint32_t ib_speed(const struct dg_ib *self, dg_ns now)
 {
     int64_t mrpm = dg_world_speed_mrpm(self->setup.world, now);
 

@@ -4,17 +4,17 @@
 #define HALF_BITS 32
 #define WORD_BITS 64
 
-uint64_t dg_exact_magnitude(int64_t value)
+uint64_t motion_exact_magnitude(int64_t value)
 {
     return value < 0 ? 0 - (uint64_t)value : (uint64_t)value;
 }
 
-dg_angle dg_exact_moved(dg_angle from, bool backwards, uint64_t distance)
+dg_angle motion_exact_moved(dg_angle from, bool backwards, uint64_t distance)
 {
     return (dg_angle)(backwards ? (uint64_t)from - distance : (uint64_t)from + distance);
 }
 
-uint64_t dg_exact_muldiv(uint64_t a, uint64_t b, uint64_t c, bool backwards)
+uint64_t motion_exact_muldiv(uint64_t a, uint64_t b, uint64_t c, bool backwards)
 {
     uint64_t quotient = dg_muldiv(a, b, c);
     bool inexact = a * b - quotient * c != 0; /* the remainder is below c: its low half says all */
@@ -23,57 +23,57 @@ uint64_t dg_exact_muldiv(uint64_t a, uint64_t b, uint64_t c, bool backwards)
 }
 
 /** Schoolbook multiplication in halves. */
-struct dg_wide dg_wide_product(uint64_t a, uint64_t b)
+struct motion_wide motion_wide_product(uint64_t a, uint64_t b)
 {
     uint64_t a_low = a & UINT32_MAX;
     uint64_t b_low = b & UINT32_MAX;
     uint64_t cross = (a >> HALF_BITS) * b_low + (a_low * b_low >> HALF_BITS);
     uint64_t other_cross = a_low * (b >> HALF_BITS) + (cross & UINT32_MAX);
 
-    return (struct dg_wide){
+    return (struct motion_wide){
         .high =
             (a >> HALF_BITS) * (b >> HALF_BITS) + (cross >> HALF_BITS) + (other_cross >> HALF_BITS),
         .low = a * b,
     };
 }
 
-struct dg_wide dg_wide_add(struct dg_wide a, struct dg_wide b)
+struct motion_wide motion_wide_add(struct motion_wide a, struct motion_wide b)
 {
     uint64_t low = a.low + b.low;
 
-    return (struct dg_wide){.high = a.high + b.high + (low < a.low ? 1u : 0u), .low = low};
+    return (struct motion_wide){.high = a.high + b.high + (low < a.low ? 1u : 0u), .low = low};
 }
 
-struct dg_wide dg_wide_subtract(struct dg_wide a, struct dg_wide b)
+struct motion_wide motion_wide_subtract(struct motion_wide a, struct motion_wide b)
 {
-    return (struct dg_wide){.high = a.high - b.high - (a.low < b.low ? 1u : 0u),
-                            .low = a.low - b.low};
+    return (struct motion_wide){.high = a.high - b.high - (a.low < b.low ? 1u : 0u),
+                                .low = a.low - b.low};
 }
 
-struct dg_wide dg_wide_negate(struct dg_wide a)
+struct motion_wide motion_wide_negate(struct motion_wide a)
 {
-    return dg_wide_subtract((struct dg_wide){0, 0}, a);
+    return motion_wide_subtract((struct motion_wide){0, 0}, a);
 }
 
-bool dg_wide_is_negative(struct dg_wide a)
+bool motion_wide_is_negative(struct motion_wide a)
 {
     return a.high >> (WORD_BITS - 1) != 0;
 }
 
-bool dg_wide_less(struct dg_wide a, struct dg_wide b)
+bool motion_wide_less(struct motion_wide a, struct motion_wide b)
 {
     return a.high < b.high || (a.high == b.high && a.low < b.low);
 }
 
-struct dg_wide dg_wide_times(struct dg_wide a, uint64_t b)
+struct motion_wide motion_wide_times(struct motion_wide a, uint64_t b)
 {
-    struct dg_wide product = dg_wide_product(a.low, b);
+    struct motion_wide product = motion_wide_product(a.low, b);
 
     product.high += a.high * b;
     return product;
 }
 
-struct dg_wide dg_wide_divide(struct dg_wide a, uint64_t b)
+struct motion_wide motion_wide_divide(struct motion_wide a, uint64_t b)
 {
     uint64_t rest = a.high % b;
     uint64_t shift = a.low; /* bits of the dividend leave at the top, the quotient's enter */
@@ -86,18 +86,18 @@ struct dg_wide dg_wide_divide(struct dg_wide a, uint64_t b)
             shift |= 1;
         }
     }
-    return (struct dg_wide){.high = a.high / b, .low = shift};
+    return (struct motion_wide){.high = a.high / b, .low = shift};
 }
 
 /** The root bit by bit, from the top. */
-uint64_t dg_wide_sqrt(struct dg_wide a)
+uint64_t motion_wide_sqrt(struct motion_wide a)
 {
     uint64_t root = 0;
 
     for (uint64_t bit = (uint64_t)1 << (WORD_BITS - 1); bit != 0; bit >>= 1) {
         uint64_t larger = root | bit;
 
-        if (!dg_wide_less(a, dg_wide_product(larger, larger))) {
+        if (!motion_wide_less(a, motion_wide_product(larger, larger))) {
             root = larger;
         }
     }

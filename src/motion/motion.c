@@ -27,13 +27,13 @@ struct travel_time {
 static dg_angle at_full_speed(const struct dg_motion *self, struct travel_time time)
 {
     bool backwards = self->mrpm < 0;
-    uint64_t mrpm = dg_exact_magnitude(self->mrpm);
+    uint64_t mrpm = motion_exact_magnitude(self->mrpm);
     uint64_t whole = time.whole / TRAVEL_NS * mrpm * TRAVEL_UNITS_PER_MRPM;
     uint64_t rest = (time.whole % TRAVEL_NS << FRACTION_BITS) + time.fraction;
-    uint64_t part = dg_exact_muldiv(
+    uint64_t part = motion_exact_muldiv(
         rest, mrpm, ((uint64_t)TRAVEL_NS << FRACTION_BITS) / TRAVEL_UNITS_PER_MRPM, backwards);
 
-    return dg_exact_moved(self->from, backwards, whole + part);
+    return motion_exact_moved(self->from, backwards, whole + part);
 }
 
 /** What `time` from or to standstill is worth at full speed: time^2 / (2 accel), in 2^-20 ns. */
@@ -84,10 +84,10 @@ static dg_angle sine_at(const struct dg_motion *self, dg_ns t)
     uint64_t half_units = dg_muldiv(t % self->period, (uint64_t)1 << 33, self->period);
     int64_t sine = dg_sin_q30((uint32_t)((half_units + 1) >> 1));
     bool backwards = (sine < 0) != (self->amplitude < 0);
-    uint64_t amplitude = dg_exact_magnitude(self->amplitude);
+    uint64_t amplitude = motion_exact_magnitude(self->amplitude);
 
-    return dg_exact_moved(self->from, backwards,
-                          dg_muldiv(amplitude, (uint64_t)(sine < 0 ? -sine : sine), SINE_ONE));
+    return motion_exact_moved(self->from, backwards,
+                              dg_muldiv(amplitude, (uint64_t)(sine < 0 ? -sine : sine), SINE_ONE));
 }
 
 /** How many of the points are at or before `t`. */
@@ -125,8 +125,8 @@ static dg_angle replay_at(const struct dg_motion *self, dg_ns t)
     uint64_t line = backwards ? (uint64_t)a->angle - (uint64_t)b->angle
                               : (uint64_t)b->angle - (uint64_t)a->angle;
 
-    return dg_exact_moved(a->angle, backwards,
-                          dg_exact_muldiv(line, t - a->at, b->at - a->at, backwards));
+    return motion_exact_moved(a->angle, backwards,
+                              motion_exact_muldiv(line, t - a->at, b->at - a->at, backwards));
 }
 
 dg_angle dg_motion_angle(void *ctx, dg_ns now)

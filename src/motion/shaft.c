@@ -44,7 +44,7 @@ static int64_t directed(bool backwards, uint64_t value)
 static void travel(struct dg_shaft_phase *self, dg_ns t, int64_t sum)
 {
     bool backwards = sum < 0;
-    uint64_t speed = dg_exact_magnitude(sum);
+    uint64_t speed = motion_exact_magnitude(sum);
     /* t * PARTS_PER_HALF = whole * DG_SHAFT_PARTS + rest; the product of rest and speed divided by
      * DG_SHAFT_PARTS is below speed and so fits 64 bits. */
     uint64_t scaled = t % DG_SHAFT_PARTS * PARTS_PER_HALF;
@@ -62,7 +62,7 @@ static void travel(struct dg_shaft_phase *self, dg_ns t, int64_t sum)
         units++;
         self->part -= DG_SHAFT_PARTS;
     }
-    self->from = dg_exact_moved(self->from, backwards, whole * speed + units);
+    self->from = motion_exact_moved(self->from, backwards, whole * speed + units);
 }
 
 /** The same phase, told from `t` after its beginning on. */
@@ -192,7 +192,7 @@ static dg_ns change_time(uint64_t change, uint64_t accel, uint64_t *excess)
  */
 static int64_t excess_way(uint64_t excess, uint64_t accel)
 {
-    return (int64_t)dg_exact_muldiv(excess, excess, accel, true);
+    return (int64_t)motion_exact_muldiv(excess, excess, accel, true);
 }
 
 /** Append a change of speed. @return where it ends, without acceleration */
@@ -205,7 +205,7 @@ static struct dg_shaft_phase append_change(struct dg_shaft_course *self, struct 
     if (prpm == from.prpm) {
         return from;
     }
-    dg_ns time = change_time(dg_exact_magnitude(prpm - from.prpm), accel, &excess);
+    dg_ns time = change_time(motion_exact_magnitude(prpm - from.prpm), accel, &excess);
 
     from.mrpm_per_s = directed(down, accel);
     append(self, &from);
@@ -224,7 +224,7 @@ static void append_brake(struct dg_shaft_course *self, struct dg_shaft_phase bra
 {
     bool backwards = brake.prpm < 0;
     uint64_t excess;
-    dg_ns time = change_time(dg_exact_magnitude(brake.prpm), goal->accel, &excess);
+    dg_ns time = change_time(motion_exact_magnitude(brake.prpm), goal->accel, &excess);
 
     /* Told from its end: so far before the target that it stops there. */
     brake.from = goal->target;
@@ -239,30 +239,31 @@ static void append_brake(struct dg_shaft_course *self, struct dg_shaft_phase bra
 }
 
 /** From a phase's beginning to `target` in halves, with sign. */
-static struct dg_wide way_to(const struct dg_shaft_phase *self, dg_angle target)
+static struct motion_wide way_to(const struct dg_shaft_phase *self, dg_angle target)
 {
     bool backwards = target <= self->from; /* `part` is on top of `from` */
     uint64_t units = backwards ? (uint64_t)self->from - (uint64_t)target
                                : (uint64_t)target - (uint64_t)self->from;
-    struct dg_wide parts = dg_wide_product(units, DG_SHAFT_PARTS);
-    struct dg_wide part = {0, self->part};
-    struct dg_wide way = dg_wide_divide(
-        backwards ? dg_wide_add(parts, part) : dg_wide_subtract(parts, part), PARTS_PER_HALF);
+    struct motion_wide parts = motion_wide_product(units, DG_SHAFT_PARTS);
+    struct motion_wide part = {0, self->part};
+    struct motion_wide way = motion_wide_divide(backwards ? motion_wide_add(parts, part)
+                                                          : motion_wide_subtract(parts, part),
+                                                PARTS_PER_HALF);
 
-    return backwards ? dg_wide_negate(way) : way;
+    return backwards ? motion_wide_negate(way) : way;
 }
 
 /** What a shaft at `speed` travels until it stands, in halves: speed^2 / accel. */
-static struct dg_wide stop_way(uint64_t speed, uint64_t accel)
+static struct motion_wide stop_way(uint64_t speed, uint64_t accel)
 {
-    return dg_wide_divide(dg_wide_product(speed, speed), accel);
+    return motion_wide_divide(motion_wide_product(speed, speed), accel);
 }
 
 /** How long `way` halves take at half of `double_speed`, rounded up. */
-static dg_ns time_for(struct dg_wide way, uint64_t double_speed)
+static dg_ns time_for(struct motion_wide way, uint64_t double_speed)
 {
-    struct dg_wide time =
-        dg_wide_divide(dg_wide_add(way, (struct dg_wide){0, double_speed - 1u}), double_speed);
+    struct motion_wide time = motion_wide_divide(
+        motion_wide_add(way, (struct motion_wide){0, double_speed - 1u}), double_speed);
 
     return time.high == 0 ? time.low : DG_NEVER;
 }
@@ -271,30 +272,31 @@ static dg_ns time_for(struct dg_wide way, uint64_t double_speed)
  * What a shaft at `speed` travels further when it goes on to `top` before it brakes, in halves: so
  * much on the way up, and as much more on the way down.
  */
-static struct dg_wide way_over(uint64_t top, uint64_t speed, uint64_t accel)
+static struct motion_wide way_over(uint64_t top, uint64_t speed, uint64_t accel)
 {
-    return dg_wide_divide(dg_wide_product(2u * (top - speed), top + speed), accel);
+    return motion_wide_divide(motion_wide_product(2u * (top - speed), top + speed), accel);
 }
 
 /** The speed a move gets to from `speed`, which would stop it `room` before the target. */
-static uint64_t top_speed(struct dg_wide room, uint64_t speed, const struct goal *goal)
+static uint64_t top_speed(struct motion_wide room, uint64_t speed, const struct goal *goal)
 {
-    if (speed >= goal->limit || dg_wide_less(way_over(goal->limit, speed, goal->accel), room)) {
+    if (speed >= goal->limit || motion_wide_less(way_over(goal->limit, speed, goal->accel), room)) {
         return goal->limit;
     }
     /* way_over() solved for top; room * accel <= 2 * SPEED_MAX^2, 121 bits */
-    return dg_wide_sqrt(dg_wide_add(dg_wide_divide(dg_wide_times(room, goal->accel), 2),
-                                    dg_wide_product(speed, speed)));
+    return motion_wide_sqrt(
+        motion_wide_add(motion_wide_divide(motion_wide_times(room, goal->accel), 2),
+                        motion_wide_product(speed, speed)));
 }
 
 /** Append the part of a move behind its change to top speed, `way` before braking: hold, brake. */
 static void append_approach(struct dg_shaft_course *self, const struct dg_shaft_phase *hold,
-                            struct dg_wide way, const struct goal *goal)
+                            struct motion_wide way, const struct goal *goal)
 {
     bool backwards = hold->prpm < 0;
-    uint64_t top = dg_exact_magnitude(hold->prpm);
+    uint64_t top = motion_exact_magnitude(hold->prpm);
     /* Braking may have begun in the last nanosecond of the change. */
-    dg_ns time = dg_wide_is_negative(way) ? 0 : time_for(way, 2u * top);
+    dg_ns time = motion_wide_is_negative(way) ? 0 : time_for(way, 2u * top);
     /* It begins within the nanosecond before: some of the speed is gone by then. */
     uint64_t late = time * 2u * top - way.low;
     uint64_t gone = dg_muldiv(goal->accel, late, 2u * top);
@@ -315,12 +317,12 @@ static void append_approach(struct dg_shaft_course *self, const struct dg_shaft_
 static void append_move(struct dg_shaft_course *self, const struct dg_shaft_phase *start,
                         const struct goal *goal)
 {
-    uint64_t speed = dg_exact_magnitude(start->prpm);
-    struct dg_wide stop = stop_way(speed, goal->accel);
-    struct dg_wide way = dg_wide_subtract(way_to(start, goal->target),
-                                          start->prpm < 0 ? dg_wide_negate(stop) : stop);
-    bool backwards = dg_wide_is_negative(way);
-    struct dg_wide room = backwards ? dg_wide_negate(way) : way;
+    uint64_t speed = motion_exact_magnitude(start->prpm);
+    struct motion_wide stop = stop_way(speed, goal->accel);
+    struct motion_wide way = motion_wide_subtract(
+        way_to(start, goal->target), start->prpm < 0 ? motion_wide_negate(stop) : stop);
+    bool backwards = motion_wide_is_negative(way);
+    struct motion_wide room = backwards ? motion_wide_negate(way) : way;
     uint64_t excess;
 
     if (backwards != (start->prpm < 0)) {
@@ -334,11 +336,12 @@ static void append_move(struct dg_shaft_course *self, const struct dg_shaft_phas
         return;
     }
     if (speed < top) {
-        room = dg_wide_subtract(room, way_over(top, speed, goal->accel));
+        room = motion_wide_subtract(room, way_over(top, speed, goal->accel));
     }
     /* At top speed from the moment at which it is reached to the nanosecond at which it is held. */
-    (void)change_time(dg_exact_magnitude(hold.prpm - start->prpm), goal->accel, &excess);
-    room = dg_wide_subtract(room, (struct dg_wide){0, dg_muldiv(2u * top, excess, goal->accel)});
+    (void)change_time(motion_exact_magnitude(hold.prpm - start->prpm), goal->accel, &excess);
+    room = motion_wide_subtract(room,
+                                (struct motion_wide){0, dg_muldiv(2u * top, excess, goal->accel)});
     append_approach(self, &hold, room, goal);
 }
 
@@ -347,9 +350,9 @@ static void append_move_at_once(struct dg_shaft_course *self, const struct dg_sh
                                 const struct goal *goal)
 {
     struct dg_shaft_phase hold = *start;
-    struct dg_wide way = way_to(start, goal->target);
-    bool backwards = dg_wide_is_negative(way);
-    dg_ns time = time_for(backwards ? dg_wide_negate(way) : way, 2u * goal->limit);
+    struct motion_wide way = way_to(start, goal->target);
+    bool backwards = motion_wide_is_negative(way);
+    dg_ns time = time_for(backwards ? motion_wide_negate(way) : way, 2u * goal->limit);
 
     hold.prpm = directed(backwards, goal->limit);
     if (time > 0) {
@@ -365,20 +368,20 @@ static dg_angle geared_angle(const struct dg_shaft *self, dg_ns now)
 {
     dg_angle angle = angle_at(self->driver, now);
     bool backwards = (angle < 0) != (self->numerator < 0);
-    uint64_t driver = dg_exact_magnitude(angle);
-    uint64_t numerator = dg_exact_magnitude(self->numerator);
+    uint64_t driver = motion_exact_magnitude(angle);
+    uint64_t numerator = motion_exact_magnitude(self->numerator);
     uint64_t denominator = (uint64_t)self->denominator;
 
-    return dg_exact_moved(0, backwards,
-                          driver / denominator * numerator + dg_exact_muldiv(driver % denominator,
-                                                                             numerator, denominator,
-                                                                             backwards));
+    return motion_exact_moved(
+        0, backwards,
+        driver / denominator * numerator +
+            motion_exact_muldiv(driver % denominator, numerator, denominator, backwards));
 }
 
 static dg_angle angle_at(const struct dg_shaft *self, dg_ns now)
 {
     if (self->driver != NULL) {
-        return dg_exact_moved(geared_angle(self, now), false, (uint64_t)self->offset);
+        return motion_exact_moved(geared_angle(self, now), false, (uint64_t)self->offset);
     }
     const struct dg_shaft_course *course = course_of(self, now);
 
@@ -431,7 +434,7 @@ int dg_shaft_set_acceleration(struct dg_shaft *self, int64_t mrpm_per_s)
 int dg_shaft_set_position(struct dg_shaft *self, dg_ns now, dg_angle angle)
 {
     if (self->driver != NULL) {
-        self->offset = dg_exact_moved(angle, true, (uint64_t)geared_angle(self, now));
+        self->offset = motion_exact_moved(angle, true, (uint64_t)geared_angle(self, now));
         return DG_OK;
     }
     const struct dg_shaft_phase start = begin(self, now);

@@ -37,7 +37,7 @@ static void clear(struct dg_scpi *self, uint32_t argument)
     (void)argument;
     self->esr = 0;
     self->opc = false;
-    dg_scpi_clear_errors(self);
+    scpi_clear_errors(self);
 }
 
 static void reset(struct dg_scpi *self, uint32_t argument)
@@ -68,7 +68,7 @@ static void get_events(struct dg_scpi *self, uint32_t argument)
 static void get_status_byte(struct dg_scpi *self, uint32_t argument)
 {
     (void)argument;
-    dg_scpi_put_number(self, dg_scpi_status_byte(self), 0);
+    dg_scpi_put_number(self, scpi_status_byte(self), 0);
 }
 
 static void get_self_test(struct dg_scpi *self, uint32_t argument)
@@ -101,14 +101,14 @@ static void wait_and_answer(struct dg_scpi *self, uint32_t argument)
 static void get_error(struct dg_scpi *self, uint32_t argument)
 {
     (void)argument;
-    dg_scpi_put_error(self);
+    scpi_put_error(self);
 }
 
 static void get_all_errors(struct dg_scpi *self, uint32_t argument)
 {
     (void)argument;
     do {
-        dg_scpi_put_error(self);
+        scpi_put_error(self);
     } while (self->error_count > 0 && !self->failed);
 }
 
@@ -128,11 +128,11 @@ static void put_usage(struct dg_scpi *self, const struct dg_scpi_command *row, b
 {
     const char *pieces[SCPI_USAGE];
 
-    dg_scpi_usage(row, query, pieces);
+    scpi_usage(row, query, pieces);
     dg_scpi_begin(self);
     dg_scpi_append(self, "\"");
     for (size_t i = 0; i < SCPI_USAGE; i++) {
-        dg_scpi_append_quoted(self, pieces[i]);
+        scpi_append_quoted(self, pieces[i]);
     }
     dg_scpi_append(self, "\"");
 }
@@ -152,12 +152,12 @@ static void put_rows(struct dg_scpi *self, const struct dg_scpi_command *rows, s
 static void get_help(struct dg_scpi *self, uint32_t argument)
 {
     (void)argument;
-    put_rows(self, dg_scpi_own, dg_scpi_own_count);
+    put_rows(self, scpi_own, scpi_own_count);
     put_rows(self, self->setup.commands, self->setup.command_count);
 }
 
 /* clang-format off */
-const struct dg_scpi_command dg_scpi_own[] = {
+const struct dg_scpi_command scpi_own[] = {
     {"*CLS", clear,    NULL,            0,        "",      "clear the event register and the error queue"},
     {"*ESE", set_mask, get_mask,        EVENTS,   "MASK",  "events that set bit 5 of the status byte"},
     {"*ESR", NULL,     get_events,      0,        "",      "event register; reading clears it"},
@@ -175,4 +175,4 @@ const struct dg_scpi_command dg_scpi_own[] = {
     {"SYSTem:VERSion",         NULL, get_version,     0, "", "version of SCPI"},
 };
 /* clang-format on */
-const size_t dg_scpi_own_count = sizeof dg_scpi_own / sizeof dg_scpi_own[0];
+const size_t scpi_own_count = sizeof scpi_own / sizeof scpi_own[0];

@@ -16,7 +16,7 @@ struct node {
 };
 
 /* Bounded, so that no compiler takes the loop for strlen() and calls that. */
-size_t dg_scpi_length(const char *text)
+size_t scpi_length(const char *text)
 {
     size_t n = 0;
 
@@ -26,7 +26,7 @@ size_t dg_scpi_length(const char *text)
     return n;
 }
 
-bool dg_scpi_is_digit(char c)
+bool scpi_is_digit(char c)
 {
     return c >= '0' && c <= '9';
 }
@@ -36,7 +36,7 @@ static bool is_small(char c)
     return c >= 'a' && c <= 'z';
 }
 
-char dg_scpi_upper(char c)
+char scpi_upper(char c)
 {
     if (is_small(c)) {
         return (char)(c - 'a' + 'A');
@@ -44,24 +44,24 @@ char dg_scpi_upper(char c)
     return c;
 }
 
-bool dg_scpi_same(const char *a, const char *b, size_t n)
+bool scpi_same(const char *a, const char *b, size_t n)
 {
     for (size_t i = 0; i < n; i++) {
-        if (dg_scpi_upper(a[i]) != dg_scpi_upper(b[i])) {
+        if (scpi_upper(a[i]) != scpi_upper(b[i])) {
             return false;
         }
     }
     return true;
 }
 
-bool dg_scpi_is_form(const char *name, size_t name_length, const char *text, size_t n)
+bool scpi_is_form(const char *name, size_t name_length, const char *text, size_t n)
 {
     size_t brief = 0;
 
     while (brief < name_length && !is_small(name[brief])) {
         brief++;
     }
-    return (n == brief || n == name_length) && dg_scpi_same(name, text, n);
+    return (n == brief || n == name_length) && scpi_same(name, text, n);
 }
 
 static bool is_between(char c)
@@ -84,7 +84,7 @@ static const char *next_node(const char *pattern, struct node *out)
     return pattern;
 }
 
-bool dg_scpi_matches(const char *pattern, const char *header, size_t n)
+bool scpi_matches(const char *pattern, const char *header, size_t n)
 {
     const char *const end = header + n;
     struct node node;
@@ -95,7 +95,7 @@ bool dg_scpi_matches(const char *pattern, const char *header, size_t n)
         while (stop < end && *stop != ':') {
             stop++;
         }
-        if (open && dg_scpi_is_form(node.name, node.n, header, (size_t)(stop - header))) {
+        if (open && scpi_is_form(node.name, node.n, header, (size_t)(stop - header))) {
             open = stop < end;
             header = open ? stop + 1 : stop;
         } else if (!node.optional) {
@@ -110,17 +110,17 @@ static const struct dg_scpi_command *find_in(const struct dg_scpi_command *rows,
 {
     for (size_t i = 0; i < count; i++) {
         if ((query ? rows[i].query : rows[i].set) != NULL &&
-            dg_scpi_matches(rows[i].header, header, n)) {
+            scpi_matches(rows[i].header, header, n)) {
             return &rows[i];
         }
     }
     return NULL;
 }
 
-const struct dg_scpi_command *dg_scpi_find(const struct dg_scpi *self, const char *header, size_t n,
-                                           bool query)
+const struct dg_scpi_command *scpi_find(const struct dg_scpi *self, const char *header, size_t n,
+                                        bool query)
 {
-    const struct dg_scpi_command *own = find_in(dg_scpi_own, dg_scpi_own_count, header, n, query);
+    const struct dg_scpi_command *own = find_in(scpi_own, scpi_own_count, header, n, query);
 
     if (own != NULL) {
         return own;

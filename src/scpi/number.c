@@ -88,7 +88,7 @@ static bool read_mantissa(struct dg_scpi *self, struct decimal *out)
     out->begin = at;
     out->count = 0;
     out->point = 0;
-    for (; dg_scpi_is_digit(*at) || (*at == '.' && !point); at++) {
+    for (; scpi_is_digit(*at) || (*at == '.' && !point); at++) {
         point = point || *at == '.';
         out->count += *at != '.' ? 1 : 0;
         out->point += point ? 0 : 1;
@@ -107,17 +107,17 @@ static void read_exponent(struct dg_scpi *self, struct decimal *out)
     const uint16_t before = self->at;
     int32_t exponent = 0;
 
-    dg_scpi_skip_blanks(self);
-    const bool marked = dg_scpi_upper(self->line[self->at]) == 'E';
+    scpi_skip_blanks(self);
+    const bool marked = scpi_upper(self->line[self->at]) == 'E';
     self->at = (uint16_t)(self->at + (marked ? 1u : 0u));
-    dg_scpi_skip_blanks(self);
+    scpi_skip_blanks(self);
     const bool negative = self->line[self->at] == '-';
     self->at = (uint16_t)(self->at + (is_sign(self->line[self->at]) ? 1u : 0u));
-    if (!marked || !dg_scpi_is_digit(self->line[self->at])) {
+    if (!marked || !scpi_is_digit(self->line[self->at])) {
         self->at = before;
         return;
     }
-    for (; dg_scpi_is_digit(self->line[self->at]); self->at++) {
+    for (; scpi_is_digit(self->line[self->at]); self->at++) {
         exponent = exponent * (int32_t)DECIMAL + (self->line[self->at] - '0');
         exponent = exponent < EXPONENT_MAX ? exponent : EXPONENT_MAX;
     }
@@ -192,8 +192,8 @@ static struct value evaluate(const struct decimal *number, const struct suffix *
 
 static int digit_in(char c, unsigned base)
 {
-    const char upper = dg_scpi_upper(c);
-    int digit = dg_scpi_is_digit(c) ? c - '0' : -1;
+    const char upper = scpi_upper(c);
+    int digit = scpi_is_digit(c) ? c - '0' : -1;
 
     if (upper >= 'A' && upper <= 'F') {
         digit = upper - 'A' + (int)DECIMAL;
@@ -210,7 +210,7 @@ static unsigned base_of(const char *text)
     } rows[] = {{"#H", 16}, {"#Q", 8}, {"#B", 2}, {"0X", 16}};
 
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
-        if (dg_scpi_same(rows[i].prefix, text, sizeof rows[i].prefix - 1u)) {
+        if (scpi_same(rows[i].prefix, text, sizeof rows[i].prefix - 1u)) {
             return rows[i].base;
         }
     }
@@ -224,7 +224,7 @@ static bool read_based(struct dg_scpi *self, unsigned base, struct value *out)
 
     *out = (struct value){.magnitude = 0};
     if (digit_in(*at, base) < 0) {
-        dg_scpi_refuse(self, DG_SCPI_DATA_TYPE);
+        scpi_refuse(self, DG_SCPI_DATA_TYPE);
         return false;
     }
     for (; digit_in(*at, base) >= 0; at++) {
@@ -232,7 +232,7 @@ static bool read_based(struct dg_scpi *self, unsigned base, struct value *out)
         out->magnitude = out->magnitude * base + (uint64_t)digit_in(*at, base);
     }
     self->at = (uint16_t)(at - self->line);
-    return dg_scpi_close(self, DG_SCPI_DATA_TYPE);
+    return scpi_close(self, DG_SCPI_DATA_TYPE);
 }
 
 /* The first of a unit is the one that goes without saying; each unit has one. */
@@ -253,8 +253,8 @@ static const struct suffix *find_suffix(enum dg_scpi_unit unit, const char *name
         return usual_suffix(unit);
     }
     for (size_t i = 0; i < SUFFIX_COUNT; i++) {
-        if (suffixes[i].unit == (uint8_t)unit && dg_scpi_length(suffixes[i].name) == n &&
-            dg_scpi_same(suffixes[i].name, name, n)) {
+        if (suffixes[i].unit == (uint8_t)unit && scpi_length(suffixes[i].name) == n &&
+            scpi_same(suffixes[i].name, name, n)) {
             return &suffixes[i];
         }
     }
@@ -264,12 +264,12 @@ static const struct suffix *find_suffix(enum dg_scpi_unit unit, const char *name
 /* @return false: an error was raised */
 static bool read_suffix(struct dg_scpi *self, const struct dg_scpi_range *range, struct suffix *out)
 {
-    dg_scpi_skip_blanks(self);
-    const size_t n = dg_scpi_token(self);
+    scpi_skip_blanks(self);
+    const size_t n = scpi_token(self);
     const struct suffix *found = find_suffix(range->unit, &self->line[self->at], n);
 
     if (found == NULL) {
-        dg_scpi_refuse(self, DG_SCPI_SUFFIX);
+        scpi_refuse(self, DG_SCPI_SUFFIX);
         return false;
     }
     *out = *found;
@@ -277,7 +277,7 @@ static bool read_suffix(struct dg_scpi *self, const struct dg_scpi_range *range,
         out->factor = powers[range->places];
     }
     self->at = (uint16_t)(self->at + n);
-    return dg_scpi_close(self, DG_SCPI_SUFFIX);
+    return scpi_close(self, DG_SCPI_SUFFIX);
 }
 
 /* @return false: an error was raised */
@@ -287,7 +287,7 @@ static bool read_decimal(struct dg_scpi *self, const struct dg_scpi_range *range
     struct suffix suffix;
 
     if (!read_mantissa(self, &number)) {
-        dg_scpi_refuse(self, DG_SCPI_DATA_TYPE);
+        scpi_refuse(self, DG_SCPI_DATA_TYPE);
         return false;
     }
     read_exponent(self, &number);
@@ -303,7 +303,7 @@ static void add_limit(struct scpi_detail *detail, const struct dg_scpi_range *ra
 {
     const bool plain = range->unit == DG_SCPI_PLAIN;
     unsigned places = plain ? range->places : unit_places[range->unit];
-    uint64_t magnitude = dg_scpi_magnitude(limit);
+    uint64_t magnitude = scpi_magnitude(limit);
     char text[SCPI_DIGITS_MAX];
 
     if (range->unit == DG_SCPI_ANGLE) { /* to the nearest */
@@ -313,7 +313,7 @@ static void add_limit(struct scpi_detail *detail, const struct dg_scpi_range *ra
         magnitude /= DECIMAL;
         places--;
     }
-    dg_scpi_detail_add(detail, text, dg_scpi_format(text, magnitude, limit < 0, places));
+    scpi_detail_add(detail, text, scpi_format(text, magnitude, limit < 0, places));
 }
 
 static void raise_range(struct dg_scpi *self, const struct dg_scpi_range *range)
@@ -322,11 +322,11 @@ static void raise_range(struct dg_scpi *self, const struct dg_scpi_range *range)
     struct scpi_detail detail = {.length = 0};
 
     add_limit(&detail, range, range->min);
-    dg_scpi_detail_add(&detail, "..", 2);
+    scpi_detail_add(&detail, "..", 2);
     add_limit(&detail, range, range->max);
     if (name[0] != '\0') {
-        dg_scpi_detail_add(&detail, " ", 1);
-        dg_scpi_detail_add(&detail, name, dg_scpi_length(name));
+        scpi_detail_add(&detail, " ", 1);
+        scpi_detail_add(&detail, name, scpi_length(name));
     }
     dg_scpi_raise(self, DG_SCPI_RANGE, detail.text);
 }
@@ -349,11 +349,11 @@ static bool read_limit(struct dg_scpi *self, const struct dg_scpi_range *range, 
     static const char minimum[] = "MINimum";
     static const char maximum[] = "MAXimum";
     const char *const text = &self->line[self->at];
-    const size_t n = dg_scpi_token(self);
+    const size_t n = scpi_token(self);
 
-    if (dg_scpi_is_form(minimum, sizeof minimum - 1u, text, n)) {
+    if (scpi_is_form(minimum, sizeof minimum - 1u, text, n)) {
         *value = range->min;
-    } else if (dg_scpi_is_form(maximum, sizeof maximum - 1u, text, n)) {
+    } else if (scpi_is_form(maximum, sizeof maximum - 1u, text, n)) {
         *value = range->max;
     } else {
         return false;
@@ -367,11 +367,11 @@ bool dg_scpi_number(struct dg_scpi *self, const struct dg_scpi_range *range, int
     int64_t result = 0;
     struct value read = {.magnitude = 0};
 
-    if (!dg_scpi_next(self)) {
+    if (!scpi_next(self)) {
         return false;
     }
     if (read_limit(self, range, &result)) {
-        if (!dg_scpi_close(self, DG_SCPI_SYNTAX)) {
+        if (!scpi_close(self, DG_SCPI_SYNTAX)) {
             return false;
         }
         *value = result;

@@ -18,24 +18,24 @@ static bool is_quote(char c)
     return c == '"' || c == '\'';
 }
 
-bool dg_scpi_is_end(char c)
+bool scpi_is_end(char c)
 {
     return c == '\0' || c == ';';
 }
 
-void dg_scpi_skip_blanks(struct dg_scpi *self)
+void scpi_skip_blanks(struct dg_scpi *self)
 {
     while (is_blank(self->line[self->at])) {
         self->at++;
     }
 }
 
-size_t dg_scpi_token(const struct dg_scpi *self)
+size_t scpi_token(const struct dg_scpi *self)
 {
     const char *const begin = &self->line[self->at];
     const char *at = begin;
 
-    while (!dg_scpi_is_end(*at) && *at != ',' && !is_blank(*at)) {
+    while (!scpi_is_end(*at) && *at != ',' && !is_blank(*at)) {
         at++;
     }
     return (size_t)(at - begin);
@@ -43,49 +43,49 @@ size_t dg_scpi_token(const struct dg_scpi *self)
 
 bool dg_scpi_more(struct dg_scpi *self)
 {
-    dg_scpi_skip_blanks(self);
-    return !self->failed && !dg_scpi_is_end(self->line[self->at]);
+    scpi_skip_blanks(self);
+    return !self->failed && !scpi_is_end(self->line[self->at]);
 }
 
-bool dg_scpi_next(struct dg_scpi *self)
+bool scpi_next(struct dg_scpi *self)
 {
     if (self->failed) {
         return false;
     }
-    dg_scpi_skip_blanks(self);
+    scpi_skip_blanks(self);
     if (!self->first && self->line[self->at] == ',') {
         self->at++;
-        dg_scpi_skip_blanks(self);
+        scpi_skip_blanks(self);
     }
     self->first = false;
-    if (dg_scpi_token(self) == 0) {
-        dg_scpi_raise_usage(self, DG_SCPI_MISSING);
+    if (scpi_token(self) == 0) {
+        scpi_raise_usage(self, DG_SCPI_MISSING);
         return false;
     }
     return true;
 }
 
-void dg_scpi_refuse(struct dg_scpi *self, int code)
+void scpi_refuse(struct dg_scpi *self, int code)
 {
     struct scpi_detail detail = {.length = 0};
 
-    dg_scpi_detail_add(&detail, &self->line[self->at], dg_scpi_token(self));
+    scpi_detail_add(&detail, &self->line[self->at], scpi_token(self));
     dg_scpi_raise(self, code, detail.text);
 }
 
-bool dg_scpi_close(struct dg_scpi *self, int code)
+bool scpi_close(struct dg_scpi *self, int code)
 {
     const bool apart = is_blank(self->line[self->at]);
 
-    dg_scpi_skip_blanks(self);
-    if (dg_scpi_token(self) == 0) {
+    scpi_skip_blanks(self);
+    if (scpi_token(self) == 0) {
         return true;
     }
-    dg_scpi_refuse(self, apart ? DG_SCPI_SYNTAX : code);
+    scpi_refuse(self, apart ? DG_SCPI_SYNTAX : code);
     return false;
 }
 
-unsigned dg_scpi_count(const char *text)
+unsigned scpi_count(const char *text)
 {
     unsigned count = 1;
     char quote = '\0'; /* that ends the string at hand */
@@ -93,7 +93,7 @@ unsigned dg_scpi_count(const char *text)
     while (is_blank(*text)) {
         text++;
     }
-    if (dg_scpi_is_end(*text)) {
+    if (scpi_is_end(*text)) {
         return 0;
     }
     for (; *text != '\0' && (quote != '\0' || *text != ';'); text++) {
@@ -110,18 +110,18 @@ unsigned dg_scpi_count(const char *text)
 
 bool dg_scpi_word(struct dg_scpi *self, const char *const *words, size_t count, size_t *index)
 {
-    if (!dg_scpi_next(self)) {
+    if (!scpi_next(self)) {
         return false;
     }
-    const size_t n = dg_scpi_token(self);
+    const size_t n = scpi_token(self);
     for (size_t i = 0; i < count; i++) {
-        if (dg_scpi_is_form(words[i], dg_scpi_length(words[i]), &self->line[self->at], n)) {
+        if (scpi_is_form(words[i], scpi_length(words[i]), &self->line[self->at], n)) {
             *index = i;
             self->at = (uint16_t)(self->at + n);
             return true;
         }
     }
-    dg_scpi_refuse(self, DG_SCPI_ILLEGAL);
+    scpi_refuse(self, DG_SCPI_ILLEGAL);
     return false;
 }
 
@@ -130,7 +130,7 @@ bool dg_scpi_flag(struct dg_scpi *self, bool *value)
     static const char *const flags[FLAGS] = {"OFF", "ON", "0", "1"};
     size_t index;
 
-    if (!dg_scpi_word(self, flags, FLAGS, &index) || !dg_scpi_close(self, DG_SCPI_SYNTAX)) {
+    if (!dg_scpi_word(self, flags, FLAGS, &index) || !scpi_close(self, DG_SCPI_SYNTAX)) {
         return false;
     }
     *value = (index & 1u) != 0;
@@ -174,7 +174,7 @@ static size_t read_string(struct dg_scpi *self, char *to, size_t size)
 
 static size_t read_bare(struct dg_scpi *self, char *to, size_t size)
 {
-    const size_t n = dg_scpi_token(self);
+    const size_t n = scpi_token(self);
     const size_t fits = n < size ? n : size - 1u;
 
     memcpy(to, &self->line[self->at], fits);
@@ -190,21 +190,21 @@ static void raise_too_long(struct dg_scpi *self, size_t most)
     struct scpi_detail detail = {.length = 0};
     char digits[SCPI_DIGITS_MAX];
 
-    dg_scpi_detail_add(&detail, before, sizeof before - 1u);
-    dg_scpi_detail_add(&detail, digits, dg_scpi_format(digits, most, false, 0));
-    dg_scpi_detail_add(&detail, after, sizeof after - 1u);
+    scpi_detail_add(&detail, before, sizeof before - 1u);
+    scpi_detail_add(&detail, digits, scpi_format(digits, most, false, 0));
+    scpi_detail_add(&detail, after, sizeof after - 1u);
     dg_scpi_raise(self, DG_SCPI_RANGE, detail.text);
 }
 
 bool dg_scpi_text(struct dg_scpi *self, char *to, size_t size)
 {
     to[0] = '\0';
-    if (!dg_scpi_next(self)) {
+    if (!scpi_next(self)) {
         return false;
     }
     const bool quoted = is_quote(self->line[self->at]);
     const size_t n = quoted ? read_string(self, to, size) : read_bare(self, to, size);
-    if (self->failed || !dg_scpi_close(self, DG_SCPI_STRING)) {
+    if (self->failed || !scpi_close(self, DG_SCPI_STRING)) {
         return false;
     }
     if (n >= size) {

@@ -44,7 +44,7 @@ static size_t read_header(struct dg_scpi *self, const char **header)
         self->path = 0;
     }
     const uint16_t begin = self->at;
-    while (!dg_scpi_is_end(self->line[self->at]) && self->line[self->at] != ' ' &&
+    while (!scpi_is_end(self->line[self->at]) && self->line[self->at] != ' ' &&
            self->line[self->at] != '\t') {
         self->at++;
     }
@@ -77,10 +77,10 @@ static bool find_command(struct dg_scpi *self)
 
     self->query = n > 0 && header[n - 1u] == '?';
     const size_t bare = n - (self->query ? 1u : 0u);
-    self->command = dg_scpi_find(self, header, bare, self->query);
+    self->command = scpi_find(self, header, bare, self->query);
     if (self->command == NULL) {
         struct scpi_detail detail = {.length = 0};
-        dg_scpi_detail_add(&detail, header, n);
+        scpi_detail_add(&detail, header, n);
         dg_scpi_raise(self, DG_SCPI_UNDEFINED, detail.text);
         return false;
     }
@@ -93,12 +93,12 @@ static bool has_too_many(const struct dg_scpi *self)
 {
     static const char any[] = "...";
     const char *parameters = self->command->parameters;
-    const size_t n = dg_scpi_length(parameters);
+    const size_t n = scpi_length(parameters);
 
     if (self->query || (n >= 3 && memcmp(&parameters[n - 3u], any, 3) == 0)) {
         return false;
     }
-    return dg_scpi_count(&self->line[self->at]) > dg_scpi_count(parameters);
+    return scpi_count(&self->line[self->at]) > scpi_count(parameters);
 }
 
 static void call(struct dg_scpi *self)
@@ -106,12 +106,12 @@ static void call(struct dg_scpi *self)
     const struct dg_scpi_command *command = self->command;
 
     if (has_too_many(self)) {
-        dg_scpi_raise_usage(self, DG_SCPI_SUPERFLUOUS);
+        scpi_raise_usage(self, DG_SCPI_SUPERFLUOUS);
         return;
     }
     (self->query ? command->query : command->set)(self, command->argument);
     if (dg_scpi_more(self)) {
-        dg_scpi_raise_usage(self, DG_SCPI_SUPERFLUOUS);
+        scpi_raise_usage(self, DG_SCPI_SUPERFLUOUS);
     } else if (self->query && !self->put && !self->waiting) {
         dg_scpi_begin(self); /* a client that has asked waits for a line */
     }
@@ -128,7 +128,7 @@ static void end_line(struct dg_scpi *self)
 /* The next command of the line; empty ones are none. */
 static void execute(struct dg_scpi *self)
 {
-    dg_scpi_skip_blanks(self);
+    scpi_skip_blanks(self);
     if (self->line[self->at] == '\0') {
         end_line(self);
         return;

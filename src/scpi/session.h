@@ -9,37 +9,37 @@
 #include "drehgeber/scpi.h"
 
 /** common.c: the engine's own commands, looked up before the host's. */
-extern const struct dg_scpi_command dg_scpi_own[];
-extern const size_t dg_scpi_own_count;
+extern const struct dg_scpi_command scpi_own[];
+extern const size_t scpi_own_count;
 
 /** header.c: characters and headers. */
-size_t dg_scpi_length(const char *text);
-bool dg_scpi_is_digit(char c);
-char dg_scpi_upper(char c);
+size_t scpi_length(const char *text);
+bool scpi_is_digit(char c);
+char scpi_upper(char c);
 /** Whether two times `n` characters are the same but for their case. */
-bool dg_scpi_same(const char *a, const char *b, size_t n);
+bool scpi_same(const char *a, const char *b, size_t n);
 /** Whether the `n` characters at `text` are the long or the short form of the `name_length`
  * characters at `name`. */
-bool dg_scpi_is_form(const char *name, size_t name_length, const char *text, size_t n);
+bool scpi_is_form(const char *name, size_t name_length, const char *text, size_t n);
 /** Whether the `n` characters at `header` call `pattern`, see dg_scpi_command.header. */
-bool dg_scpi_matches(const char *pattern, const char *header, size_t n);
+bool scpi_matches(const char *pattern, const char *header, size_t n);
 /** The row that `header` (without '?') calls, or NULL. */
-const struct dg_scpi_command *dg_scpi_find(const struct dg_scpi *self, const char *header, size_t n,
-                                           bool query);
+const struct dg_scpi_command *scpi_find(const struct dg_scpi *self, const char *header, size_t n,
+                                        bool query);
 
 /** parameter.c: from the place in the line on. */
-bool dg_scpi_is_end(char c);
-void dg_scpi_skip_blanks(struct dg_scpi *self);
+bool scpi_is_end(char c);
+void scpi_skip_blanks(struct dg_scpi *self);
 /** Length of what stands at the place, up to a blank, ',' or the end of the command. */
-size_t dg_scpi_token(const struct dg_scpi *self);
+size_t scpi_token(const struct dg_scpi *self);
 /** Go to the next parameter. @return false: -109 was raised, or an error before */
-bool dg_scpi_next(struct dg_scpi *self);
+bool scpi_next(struct dg_scpi *self);
 /** A parameter was read. @return false: there is more of it, an error was raised */
-bool dg_scpi_close(struct dg_scpi *self, int code);
+bool scpi_close(struct dg_scpi *self, int code);
 /** Raise `code` with what stands at the place. */
-void dg_scpi_refuse(struct dg_scpi *self, int code);
+void scpi_refuse(struct dg_scpi *self, int code);
 /** How many parameters there are at `text`, up to the end of a command. */
-unsigned dg_scpi_count(const char *text);
+unsigned scpi_count(const char *text);
 
 /** A short text that is being put together; what does not fit is cut. */
 struct scpi_detail {
@@ -54,26 +54,25 @@ struct scpi_detail {
 #define SCPI_USAGE 4u
 
 /** status.c: errors. */
-void dg_scpi_detail_add(struct scpi_detail *self, const char *text, size_t n);
+void scpi_detail_add(struct scpi_detail *self, const char *text, size_t n);
 /** The pieces of a command's or query's line in the help. */
-void dg_scpi_usage(const struct dg_scpi_command *command, bool query,
-                   const char *pieces[SCPI_USAGE]);
+void scpi_usage(const struct dg_scpi_command *command, bool query, const char *pieces[SCPI_USAGE]);
 /** Raise `code` with the command at hand as the help has it. */
-void dg_scpi_raise_usage(struct dg_scpi *self, int code);
+void scpi_raise_usage(struct dg_scpi *self, int code);
 /** Standard text of an error number, and of its class for others. */
-const char *dg_scpi_error_text(int code);
-uint8_t dg_scpi_status_byte(const struct dg_scpi *self);
-void dg_scpi_clear_errors(struct dg_scpi *self);
+const char *scpi_error_text(int code);
+uint8_t scpi_status_byte(const struct dg_scpi *self);
+void scpi_clear_errors(struct dg_scpi *self);
 /** Put the oldest error, or `0,"No error"`, and drop it. */
-void dg_scpi_put_error(struct dg_scpi *self);
+void scpi_put_error(struct dg_scpi *self);
 
 /** answer.c: what is written behind dg_scpi_begin(). */
-void dg_scpi_write(struct dg_scpi *self, const char *text, size_t n);
+void scpi_write(struct dg_scpi *self, const char *text, size_t n);
 /** With quotes in it doubled; no quotes around it. */
-void dg_scpi_append_quoted(struct dg_scpi *self, const char *text);
+void scpi_append_quoted(struct dg_scpi *self, const char *text);
 /** A number as text, not terminated, `places` 0..18. @return its length */
-size_t dg_scpi_format(char to[SCPI_DIGITS_MAX], uint64_t magnitude, bool negative, unsigned places);
+size_t scpi_format(char to[SCPI_DIGITS_MAX], uint64_t magnitude, bool negative, unsigned places);
 /** Absolute value. */
-uint64_t dg_scpi_magnitude(int64_t value);
+uint64_t scpi_magnitude(int64_t value);
 
 #endif

@@ -42,7 +42,7 @@ static const struct {
 };
 #define TEXT_COUNT (sizeof texts / sizeof texts[0])
 
-void dg_scpi_detail_add(struct scpi_detail *self, const char *text, size_t n)
+void scpi_detail_add(struct scpi_detail *self, const char *text, size_t n)
 {
     const size_t room = DG_SCPI_DETAIL_MAX - self->length;
     const size_t fits = n < room ? n : room;
@@ -70,7 +70,7 @@ static unsigned class_of(int code)
     return class > 0 && class < CLASSES ? (unsigned)class : DEVICE_SPECIFIC;
 }
 
-const char *dg_scpi_error_text(int code)
+const char *scpi_error_text(int code)
 {
     const char *const text = find_text(code);
 
@@ -110,7 +110,7 @@ static void queue(struct dg_scpi *self, int code, const char *detail, size_t n)
 void dg_scpi_raise(struct dg_scpi *self, int code, const char *detail)
 {
     const char *const text = detail != NULL ? detail : "";
-    const size_t n = dg_scpi_length(text);
+    const size_t n = scpi_length(text);
 
     if (code != DG_SCPI_NO_ERROR) {
         self->failed = true;
@@ -118,8 +118,7 @@ void dg_scpi_raise(struct dg_scpi *self, int code, const char *detail)
     }
 }
 
-void dg_scpi_usage(const struct dg_scpi_command *command, bool query,
-                   const char *pieces[SCPI_USAGE])
+void scpi_usage(const struct dg_scpi_command *command, bool query, const char *pieces[SCPI_USAGE])
 {
     const bool described = !query || command->set == NULL;
     const char *const parameters = described ? command->parameters : "";
@@ -130,19 +129,19 @@ void dg_scpi_usage(const struct dg_scpi_command *command, bool query,
     pieces[3] = parameters;
 }
 
-void dg_scpi_raise_usage(struct dg_scpi *self, int code)
+void scpi_raise_usage(struct dg_scpi *self, int code)
 {
     struct scpi_detail detail = {.length = 0};
     const char *pieces[SCPI_USAGE];
 
-    dg_scpi_usage(self->command, self->query, pieces);
+    scpi_usage(self->command, self->query, pieces);
     for (size_t i = 0; i < SCPI_USAGE; i++) {
-        dg_scpi_detail_add(&detail, pieces[i], dg_scpi_length(pieces[i]));
+        scpi_detail_add(&detail, pieces[i], scpi_length(pieces[i]));
     }
     dg_scpi_raise(self, code, detail.text);
 }
 
-uint8_t dg_scpi_status_byte(const struct dg_scpi *self)
+uint8_t scpi_status_byte(const struct dg_scpi *self)
 {
     unsigned byte = self->error_count > 0 ? DG_SCPI_STB_ERRORS : 0u;
 
@@ -151,13 +150,13 @@ uint8_t dg_scpi_status_byte(const struct dg_scpi *self)
     return (uint8_t)byte;
 }
 
-void dg_scpi_clear_errors(struct dg_scpi *self)
+void scpi_clear_errors(struct dg_scpi *self)
 {
     self->error_first = 0;
     self->error_count = 0;
 }
 
-void dg_scpi_put_error(struct dg_scpi *self)
+void scpi_put_error(struct dg_scpi *self)
 {
     static const struct dg_scpi_queued none = {.code = DG_SCPI_NO_ERROR};
     const struct dg_scpi_queued *error = self->error_count > 0 ? place(self, 0) : &none;
@@ -165,10 +164,10 @@ void dg_scpi_put_error(struct dg_scpi *self)
     dg_scpi_put_number(self, error->code, 0);
     dg_scpi_begin(self);
     dg_scpi_append(self, "\"");
-    dg_scpi_append(self, dg_scpi_error_text(error->code));
+    dg_scpi_append(self, scpi_error_text(error->code));
     if (error->detail[0] != '\0') {
         dg_scpi_append(self, ";");
-        dg_scpi_append_quoted(self, error->detail);
+        scpi_append_quoted(self, error->detail);
     }
     dg_scpi_append(self, "\"");
     if (self->error_count > 0 && !self->failed) {

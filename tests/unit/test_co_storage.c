@@ -48,13 +48,13 @@ static int setup(void **state)
 
 static uint16_t rows(void)
 {
-    return (uint16_t)(dg_co_object_count + device->object_count);
+    return (uint16_t)(co_object_count + device->object_count);
 }
 
 /* Both halves of the dictionary as one table. */
 static const struct dg_co_object *row_at(uint16_t i)
 {
-    return i < dg_co_object_count ? &dg_co_objects[i] : &device->objects[i - dg_co_object_count];
+    return i < co_object_count ? &co_objects[i] : &device->objects[i - co_object_count];
 }
 
 /* Regions that the stack looks after; the profile's own follow. */

@@ -32,13 +32,13 @@ static int setup(void **state)
 
 static size_t rows(void)
 {
-    return (size_t)dg_co_object_count + device->object_count;
+    return (size_t)co_object_count + device->object_count;
 }
 
 /* Both halves as one table. */
 static const struct dg_co_object *row(size_t i)
 {
-    return i < dg_co_object_count ? &dg_co_objects[i] : &device->objects[i - dg_co_object_count];
+    return i < co_object_count ? &co_objects[i] : &device->objects[i - co_object_count];
 }
 
 static uint32_t key(const struct dg_co_object *object)
@@ -62,10 +62,10 @@ static bool inside(const struct dg_co_object *object, uint32_t value)
 /* What is left of a value in the bytes of the type. */
 static uint32_t cut(const struct dg_co_object *object, uint32_t value)
 {
-    const uint8_t bits = (uint8_t)(8u * dg_co_size(object));
+    const uint8_t bits = (uint8_t)(8u * co_size(object));
     const uint32_t kept = bits == 32 ? value : value & ((1u << bits) - 1u);
 
-    return dg_co_extend(object, kept);
+    return co_extend(object, kept);
 }
 
 /* ------------------------------------------------------------ dictionary */
@@ -73,9 +73,9 @@ static uint32_t cut(const struct dg_co_object *object, uint32_t value)
 static void rows_are_sorted_and_unique(void **state)
 {
     (void)state;
-    assert_true(dg_co_object_count > 100 && device->object_count > 10);
+    assert_true(co_object_count > 100 && device->object_count > 10);
     for (size_t i = 0; i < rows(); i++) {
-        assert_int_equal(row(i)->index < 0x2000, i < dg_co_object_count);
+        assert_int_equal(row(i)->index < 0x2000, i < co_object_count);
         if (i > 0) {
             assert_true(key(row(i - 1)) < key(row(i)));
         }
@@ -94,7 +94,7 @@ static void rows_are_found_and_nothing_else(void **state)
             enum dg_co_abort abort = DG_CO_OK;
             const bool there = next < rows() && key(row(next)) == (index << 8 | sub);
             const struct dg_co_object *found =
-                dg_co_find(&rig.node, (uint16_t)index, (uint8_t)sub, &abort);
+                co_find(&rig.node, (uint16_t)index, (uint8_t)sub, &abort);
             assert_ptr_equal(found, there ? row(next) : NULL);
             assert_int_equal(abort, there ? DG_CO_OK : known ? DG_CO_NO_SUB : DG_CO_NO_OBJECT);
             next += there;
@@ -177,7 +177,7 @@ static void flags_are_consistent(void **state)
         assert_true((flags & DG_CO_EVENT) == 0 || (flags & DG_CO_MAP) != 0);
         assert_true((flags & DG_CO_GAP) == 0 || (flags & DG_CO_SAVE) != 0);
         assert_true((flags & DG_CO_MAP) == 0 || (flags & DG_CO_R) != 0);
-        assert_true((flags & DG_CO_MAP) == 0 || dg_co_size(object) != 0);
+        assert_true((flags & DG_CO_MAP) == 0 || co_size(object) != 0);
         assert_true((flags & DG_CO_CONST) == 0 || (flags & (DG_CO_W | DG_CO_SLOT)) == 0);
         assert_true((flags & DG_CO_SAVE) != 0 || object->region == 0);
         /* What can be written is kept somewhere, or somebody looks at it. */
@@ -204,8 +204,7 @@ static void regions_hold_exactly_their_rows(void **state)
         if ((row(i)->flags & DG_CO_SAVE) != 0) {
             assert_true(is_parameters(row(i)->region));
             assert_true(row(i)->region < device->layout->region_count);
-            size[row(i)->region] +=
-                dg_co_size(row(i)) + ((row(i)->flags & DG_CO_GAP) != 0 ? 1u : 0u);
+            size[row(i)->region] += co_size(row(i)) + ((row(i)->flags & DG_CO_GAP) != 0 ? 1u : 0u);
         }
     }
     for (uint8_t region = 0; region < device->layout->region_count; region++) {
@@ -252,7 +251,7 @@ static uint32_t change(const struct dg_co_object *object)
     for (size_t i = 0; i < COUNT(candidates); i++) {
         const uint32_t wanted = cut(object, candidates[i]);
         if (wanted != before &&
-            co_rig_write(&rig, object->index, object->sub, wanted, dg_co_size(object)) == 0) {
+            co_rig_write(&rig, object->index, object->sub, wanted, co_size(object)) == 0) {
             return wanted;
         }
     }
@@ -367,7 +366,7 @@ static void restricted_and_used_can_ids_are_refused(void **state)
     assert_int_equal(co_rig_write(&rig, 0x1005, 0, 0x80, 4), 0);
     for (uint32_t bit = 0x800; bit != 0; bit <<= 1) { /* 29 bit CAN-IDs, reserved bits */
         assert_int_equal(co_rig_write(&rig, 0x1005, 0, bit | 0x80, 4), DG_CO_RANGE);
-        assert_true(dg_co_restricted(bit | 0x80));
+        assert_true(co_restricted(bit | 0x80));
     }
 }
 

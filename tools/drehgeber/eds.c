@@ -59,13 +59,12 @@ struct eds {
 
 static unsigned row_count(const struct eds *self)
 {
-    return (unsigned)dg_co_object_count + self->device->object_count;
+    return (unsigned)co_object_count + self->device->object_count;
 }
 
 static const struct dg_co_object *row(const struct eds *self, unsigned i)
 {
-    return i < dg_co_object_count ? &dg_co_objects[i]
-                                  : &self->device->objects[i - dg_co_object_count];
+    return i < co_object_count ? &co_objects[i] : &self->device->objects[i - co_object_count];
 }
 
 static bool is_first(const struct eds *self, unsigned i)
