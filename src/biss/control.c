@@ -4,7 +4,7 @@
  * frame k ends, and what it asks for is in CDS(k + 1), which goes out before CDM(k + 1) comes in.
  * One function for each state takes the CDM bit; the numbers are those of the frames.
  */
-#include "slave.h"
+#include "biss_private.h"
 
 #define IDL_BITS 9u
 #define ADDRESSING_BITS 11u

@@ -5,8 +5,8 @@
  */
 #include <string.h>
 
+#include "biss_private.h"
 #include "drehgeber/bits.h"
-#include "slave.h"
 
 #define CHECKSUM 0x3Fu
 #define TBUSY_S_UNIT_NS 250u

@@ -4,7 +4,7 @@
  */
 #include <string.h>
 
-#include "slave.h"
+#include "biss_private.h"
 
 static void default_config(const void *ctx, uint8_t *out)
 {

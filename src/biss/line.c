@@ -12,7 +12,7 @@
  * In a chain the start bit comes in on SLI instead, and what comes in behind the neighbour's CDS is
  * shifted through behind the own data.
  */
-#include "slave.h"
+#include "biss_private.h"
 
 static void rest(struct dg_biss_line *line, enum dg_biss_line_state state)
 {

@@ -2,8 +2,8 @@
 /*
  * The registers (5.2.1.3, 5.2.2, 5.2.3): one row for each kind, found by bank and address.
  */
+#include "biss_private.h"
 #include "drehgeber/bits.h"
-#include "slave.h"
 
 #define BANK_EDS 3u
 #define PROFILE_ID 0x62u

@@ -3,7 +3,7 @@
  * What the encoder senses: position (5.2.2.1, 5.2.2.2), error register (5.2.3), and the frame's
  * data made of them (5.2.1.2).
  */
-#include "slave.h"
+#include "biss_private.h"
 
 #define OFFSET_ST_BITS 26u
 #define STATE_BITS 2u

@@ -2,7 +2,7 @@
 /*
  * The F36x8 devices: their dictionaries, causes, EEPROM, and what happens at reset and in time.
  */
-#include "profile.h"
+#include "cia406_private.h"
 
 #include <string.h>
 

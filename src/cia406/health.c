@@ -3,7 +3,7 @@
  * Supervision: warnings, alarms, temperature, battery, operating time (chapters 14, 15, 26; C15,
  * C16, C22, C23). Causes are found in the world; each has its EMCY and its bits.
  */
-#include "profile.h"
+#include "cia406_private.h"
 
 #include "drehgeber/bits.h"
 

@@ -2,7 +2,7 @@
 /*
  * The two LEDs (chapter 29, C29, C38): which states light them how, as a table.
  */
-#include "profile.h"
+#include "cia406_private.h"
 
 static bool stopped(const struct dg_co_node *node)
 {

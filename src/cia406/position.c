@@ -14,7 +14,7 @@
  * nothing that can be seen, however often it happens. The old zero and the new one describe the
  * same line: it does not matter which of them a power cut leaves in the memory.
  */
-#include "profile.h"
+#include "cia406_private.h"
 
 #include "drehgeber/bits.h"
 #include "drehgeber/crc.h"

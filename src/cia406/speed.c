@@ -3,7 +3,7 @@
  * Speed and acceleration (chapters 13, 26; C17-C19): from unscaled positions at the ends of the
  * integration window, evaluated when they are asked for.
  */
-#include "profile.h"
+#include "cia406_private.h"
 
 #define RPM_MAX_SINGLETURN 4000
 #define RPM_MAX_MULTITURN 15000

@@ -2,7 +2,7 @@
 /*
  * The commands: one row each, in the order of the page.
  */
-#include "inside.h"
+#include "control_private.h"
 
 #define QUANTITY(header, which, parameters, help)                                                  \
     {                                                                                              \

@@ -5,8 +5,8 @@
  * A note of what was done: bits 15..0 the region's sum, 23..16 the byte's value since, 31..24 the
  * bit, 63..32 its address.
  */
+#include "control_private.h"
 #include "drehgeber/bits.h"
-#include "inside.h"
 
 #define NOTE_VALUE 16u
 #define NOTE_MASK 24u

@@ -2,7 +2,7 @@
 /*
  * FAULt and NVM: what is wrong with the selected encoder, and its EEPROM.
  */
-#include "inside.h"
+#include "control_private.h"
 
 static const struct dg_scpi_range counts = {DG_SCPI_PLAIN, 0, 1, UINT32_MAX};
 static const struct dg_scpi_range probabilities = {DG_SCPI_PLAIN, CONTROL_PPM_PLACES, 0,

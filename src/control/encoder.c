@@ -2,7 +2,7 @@
 /*
  * INSTrument, POWer, STATe?, and *RST.
  */
-#include "inside.h"
+#include "control_private.h"
 
 void control_encoders(struct dg_scpi *self, uint32_t argument)
 {

@@ -8,7 +8,7 @@
 #include <stddef.h>
 #include <string.h>
 
-#include "inside.h"
+#include "control_private.h"
 
 /* A generator of full period; its upper bits are the good ones (Numerical Recipes, ranqd1). */
 #define RANDOM_FACTOR 1664525u

@@ -2,7 +2,7 @@
 /*
  * The S36 BiSS as an instrument.
  */
-#include "inside.h"
+#include "control_private.h"
 
 static struct dg_biss *device_of(const struct dg_encoder *self)
 {

@@ -2,7 +2,7 @@
 /*
  * The F36x8 as an instrument.
  */
-#include "inside.h"
+#include "control_private.h"
 
 #define CODE_MASK 0xFFFFu
 

@@ -2,7 +2,7 @@
 /*
  * The S36 RS485 as an instrument.
  */
-#include "inside.h"
+#include "control_private.h"
 
 static struct dg_hf *device_of(const struct dg_encoder *self)
 {

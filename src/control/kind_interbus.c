@@ -2,7 +2,7 @@
 /*
  * The OCD INTERBUS as an instrument.
  */
-#include "inside.h"
+#include "control_private.h"
 
 /* The message bit of K1's and K2's only error (I19). */
 #define MODULE_ERROR 0x2000u

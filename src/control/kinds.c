@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "inside.h"
+#include "control_private.h"
 
 const struct dg_encoder_kind *dg_encoder_kind_of(enum dg_device_stack stack)
 {

@@ -2,7 +2,7 @@
 /*
  * What hosts and commands do with encoders alike: power, faults, deadlines.
  */
-#include "inside.h"
+#include "control_private.h"
 
 struct dg_fault_target dg_encoder_target(const struct dg_encoder *self)
 {

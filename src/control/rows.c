@@ -4,7 +4,7 @@
  * and what it does then. A value is beyond the limits of the models as delivered; where a limit is
  * configuration (the S36's type label, 2120h) it may have to be chosen by WORLd instead.
  */
-#include "inside.h"
+#include "control_private.h"
 
 enum {
     RS485 = 1 << DG_STACK_HIPERFACE,

@@ -2,7 +2,7 @@
 /*
  * A client: its session, and what the handlers of its commands share.
  */
-#include "inside.h"
+#include "control_private.h"
 
 struct dg_rig *control_rig_of(const struct dg_scpi *self)
 {

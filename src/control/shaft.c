@@ -2,7 +2,7 @@
 /*
  * SHAFt: the shaft that the selected encoder sits on.
  */
-#include "inside.h"
+#include "control_private.h"
 
 /* Counts of dg_angle_counts() in a turn: degrees with 6 decimals. */
 #define MICRODEGREES 360000000u

@@ -2,7 +2,7 @@
 /*
  * STATe?: key=value parts. Values have neither ',' nor ';', lists have '/', nothing is '-'.
  */
-#include "inside.h"
+#include "control_private.h"
 
 void control_state_begin(struct dg_scpi *to, const char *key)
 {

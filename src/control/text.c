@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "inside.h"
+#include "control_private.h"
 
 struct control_text control_text_in(char *to, size_t size)
 {

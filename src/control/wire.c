@@ -2,7 +2,7 @@
 /*
  * TIME, TRACe and BISS: what the host and its wires can do, as far as they can.
  */
-#include "inside.h"
+#include "control_private.h"
 
 #define SECOND_PLACES 9u
 #define SCALE_PLACES 3u

@@ -2,7 +2,7 @@
 /*
  * WORLd: what the selected encoder senses.
  */
-#include "inside.h"
+#include "control_private.h"
 
 #define MILLI_PLACES 3u
 

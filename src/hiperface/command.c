@@ -7,7 +7,7 @@
  *   field number, its access code, arguments, write protection      the handlers
  */
 #include "drehgeber/crc.h"
-#include "hf.h"
+#include "hiperface_private.h"
 
 #define ERROR_RESPONSE 0x50u
 #define WARNING_BIT 0x80u

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "drehgeber/crc.h"
-#include "hf.h"
+#include "hiperface_private.h"
 
 /* Steps that do not fit their byte in region 'resolution' stand in region 'steps'. What fits stays
  * in its byte: images from before that region existed mean what they say. */

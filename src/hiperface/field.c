@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "drehgeber/crc.h"
-#include "hf.h"
+#include "hiperface_private.h"
 
 #define STATUS_EXISTS 0x80u
 #define STATUS_WRITE_ENABLED 0x40u

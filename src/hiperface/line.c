@@ -7,7 +7,7 @@
  *     \----anything else--> SKIP --silence--> IDLE
  *                          53h: COLLECT --silence--> DEAF --init--> IDLE
  */
-#include "hf.h"
+#include "hiperface_private.h"
 
 #define CHARACTER_BITS 11u
 #define BAUD_MASK 0x07u

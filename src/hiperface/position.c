@@ -3,7 +3,7 @@
  * Position and process channel: 42h, 43h, 6Ah (5.1.2.1, 5.1.2.2, 5.1.2.19) and the sine and cosine
  * signals (4.1.3).
  */
-#include "hf.h"
+#include "hiperface_private.h"
 
 /* The figure of 4.1.3: each line 2.5 V +- 0.25 V, +-0.5 V between the lines of a signal. */
 #define SINCOS_PEAK_UV 500000

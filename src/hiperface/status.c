@@ -4,7 +4,7 @@
  */
 #include <string.h>
 
-#include "hf.h"
+#include "hiperface_private.h"
 
 /* A code that is waiting already is not entered again; the oldest gives way (5.1.2.13, R9). */
 void hf_push(struct dg_hf *self, enum dg_hf_status status)

@@ -3,7 +3,7 @@
  * The commands around the device itself: analog values, counter, access codes, type label, address,
  * serial number, UART setting.
  */
-#include "hf.h"
+#include "hiperface_private.h"
 
 #define COUNTER_MAX 0xFFFFFFu
 #define TYPE_CODE 0u

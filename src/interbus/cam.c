@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The cam mode (manual 5.4.4, 9.5): programs, edges, masks, and the word they make. */
-#include "ib.h"
+#include "interbus_private.h"
 
 #define CAM_FIELD(word) ((word) >> 25 & 0xFu)
 #define OFF_EDGE 0x20000000u

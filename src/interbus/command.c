@@ -5,7 +5,7 @@
  *   answer       what the last command left: C..., E..., A... or an error; 0 in operation
  *   item         the read-out in force, shown in place of it; when it ends, `answer` shows again
  */
-#include "ib.h"
+#include "interbus_private.h"
 
 enum {
     P = IB_IN_POSITION,

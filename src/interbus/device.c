@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* A device on the bus: power, the data cycle, the ID cycle, LEDs. */
 #include "drehgeber/angle.h"
-#include "ib.h"
+#include "interbus_private.h"
 
 #define MESSAGE_RECONFIGURE 0x8000u
 #define MESSAGE_CRC 0x4000u

@@ -11,7 +11,7 @@
  * Latching is a function of time (60000000h, too: the offset of the last cycle counts), so of all
  * cycles before such a moment only the last one has to be run.
  */
-#include "ib.h"
+#include "interbus_private.h"
 
 static dg_ns device_quiet(const struct dg_ib *self, dg_ns now)
 {

@@ -5,7 +5,7 @@
  */
 #include <string.h>
 
-#include "ib.h"
+#include "interbus_private.h"
 
 #define SELF_TEST_MAX DG_S(1)
 #define STEPS_MAX 8192u

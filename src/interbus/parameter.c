@@ -12,7 +12,7 @@
  *                   the pair and what was sent with it fit --> stored at once, operation
  *                   else --> all of it dropped, 82000000h
  */
-#include "ib.h"
+#include "interbus_private.h"
 
 #define STEPS_BIT IB_REGION_BIT(DG_IB_REGION_STEPS)
 #define REVOLUTIONS_BIT IB_REGION_BIT(DG_IB_REGION_REVOLUTIONS)

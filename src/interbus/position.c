@@ -7,7 +7,7 @@
  *   position    (scaled + offset + shift) modulo R
  */
 #include "drehgeber/angle.h"
-#include "ib.h"
+#include "interbus_private.h"
 
 /* Fastest change of the LSB with a valid code word (6.1): 800 kHz, in steps a turn * 0.001 rpm. */
 #define FASTEST ((int64_t)800000 * 60000)

@@ -3,7 +3,7 @@
  * The read-out mode (manual 5.4.3, 9.2): while an item is in force, IN is A0000000h and its value,
  * read anew in every cycle.
  */
-#include "ib.h"
+#include "interbus_private.h"
 
 /* Item 202100xDh has the register's number in bits 7..4. */
 #define OPC_ITEM 0x0Du

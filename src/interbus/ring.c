@@ -3,7 +3,7 @@
  * A master's ring: one shift register through all devices, each with a window by its position.
  * Only what becomes of a cycle is modelled: loop-back, check sequence, breaks, dead cycles.
  */
-#include "ib.h"
+#include "interbus_private.h"
 
 int dg_ib_ring_init(struct dg_ib_ring *self, struct dg_ib *devices, size_t count)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "exact.h"
+#include "motion_private.h"
 
 #define HALF_BITS 32
 #define WORD_BITS 64

@@ -2,7 +2,7 @@
 #include "drehgeber/motion.h"
 
 #include "drehgeber/hal.h"
-#include "exact.h"
+#include "motion_private.h"
 
 /*
  * A shaft at m * 0.001 rpm travels m * 2^32 / 6e13 units of 2^-32 turn in a nanosecond, which

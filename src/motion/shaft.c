@@ -19,7 +19,7 @@
 
 #include "drehgeber/hal.h"
 #include "drehgeber/world.h"
-#include "exact.h"
+#include "motion_private.h"
 
 #define PRPM_PER_MRPM 1000000000
 #define SPEED_MAX ((int64_t)DG_MOTION_SPEED_MAX_MRPM * PRPM_PER_MRPM)

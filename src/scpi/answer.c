@@ -2,7 +2,7 @@
 /*
  * Answers: parts with ',' between them, answers of one line with ';' between them (IEEE 488.2 8).
  */
-#include "session.h"
+#include "scpi_private.h"
 
 #define DECIMAL 10u
 #define NIBBLE_BITS 4u

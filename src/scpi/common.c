@@ -2,7 +2,7 @@
 /*
  * Commands that every session has: common ones (IEEE 488.2 10) and SYSTem (SCPI-99 volume 2, 21).
  */
-#include "session.h"
+#include "scpi_private.h"
 
 #define SCPI_VERSION 19990 /* 1999.0 */
 #define REGISTER_MAX 255

@@ -3,7 +3,7 @@
  * Headers and words in long and short form (SCPI-99 volume 1, 6.2.1): the short form is what stands
  * in front of the first small letter.
  */
-#include "session.h"
+#include "scpi_private.h"
 
 /* Of a text that a host hands over. */
 #define TEXT_MAX UINT16_MAX

@@ -4,7 +4,7 @@
  * are multiplied with the unit. A number is `whole` and a fraction; the fraction is multiplied
  * digit by digit from the right, where floor((d * f + floor(x)) / 10) = floor((d * f + x) / 10).
  */
-#include "session.h"
+#include "scpi_private.h"
 
 #include "drehgeber/angle.h"
 

@@ -2,7 +2,7 @@
 /*
  * Parameters but for numbers: words, flags and strings (IEEE 488.2 7.7).
  */
-#include "session.h"
+#include "scpi_private.h"
 
 #include <string.h>
 

@@ -8,7 +8,7 @@
  * The header path stands at the beginning of the line: it is made of headers that were read there,
  * so it is never longer than what they took, and a relative header is moved down to its end.
  */
-#include "session.h"
+#include "scpi_private.h"
 
 #include <string.h>
 

@@ -2,7 +2,7 @@
 /*
  * Errors and status registers (IEEE 488.2 11, SCPI-99 volume 2, 19.7 and 21).
  */
-#include "session.h"
+#include "scpi_private.h"
 
 #include <string.h>
 

@@ -12,8 +12,8 @@
 
 #include <cmocka.h>
 
+#include "cia406_private.h"
 #include "co_rig.h"
-#include "profile.h"
 
 #define EMCY 0x0BF
 #define TPDO1 0x1BF

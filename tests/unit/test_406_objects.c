@@ -10,8 +10,8 @@
 
 #include <cmocka.h>
 
+#include "cia406_private.h"
 #include "co_rig.h"
-#include "profile.h"
 
 #define TPDO1 0x1BF
 #define TPDO2 0x2BF

@@ -11,9 +11,9 @@
 
 #include <cmocka.h>
 
+#include "biss_private.h"
 #include "biss_rig.h"
 #include "drehgeber/devices.h"
-#include "slave.h"
 
 static struct biss_rig rig;
 

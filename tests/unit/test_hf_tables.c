@@ -12,8 +12,8 @@
 #include <cmocka.h>
 
 #include "drehgeber/devices.h"
-#include "hf.h"
 #include "hf_rig.h"
+#include "hiperface_private.h"
 
 #define COUNT(a) (sizeof(a) / sizeof((a)[0]))
 #define RESET 0x53u

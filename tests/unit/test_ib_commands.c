@@ -12,8 +12,8 @@
 #include <cmocka.h>
 
 #include "drehgeber/devices.h"
-#include "ib.h"
 #include "ib_rig.h"
+#include "interbus_private.h"
 
 enum mode { POSITION, SPEED, CAM, MODES };
 

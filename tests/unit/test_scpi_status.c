@@ -12,8 +12,8 @@
 
 #include <cmocka.h>
 
+#include "scpi_private.h"
 #include "scpi_rig.h"
-#include "session.h"
 
 #define LENGTH(a) (sizeof(a) / sizeof(a)[0])
 

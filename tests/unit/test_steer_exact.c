@@ -6,7 +6,7 @@
 
 #include <cmocka.h>
 
-#include "exact.h"
+#include "motion_private.h"
 
 #define COUNT(a) (sizeof(a) / sizeof((a)[0]))
 #define ROUNDS 100000

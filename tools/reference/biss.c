@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "slave.h"
+#include "biss_private.h"
 
 /* What is where; a row of the device without one here is an error. */
 static const struct {

@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "../../src/cia406/profile.h"
+#include "../../src/cia406/cia406_private.h"
 #include "co.h"
 
 struct row {

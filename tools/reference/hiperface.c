@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "hf.h"
+#include "hiperface_private.h"
 
 #define DOC_C 1
 /* Of the flags only Code 0 has a column; the locks show in the error conditions. */

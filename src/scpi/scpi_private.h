@@ -3,8 +3,8 @@
  * @file
  * Inside of the SCPI engine: what its files share.
  */
-#ifndef DREHGEBER_SRC_SESSION_H
-#define DREHGEBER_SRC_SESSION_H
+#ifndef DREHGEBER_SCPI_PRIVATE_H
+#define DREHGEBER_SCPI_PRIVATE_H
 
 #include "drehgeber/scpi.h"
 

@@ -3,8 +3,8 @@
  * @file
  * Inside of the S36 RS485 device: what its files share.
  */
-#ifndef DREHGEBER_SRC_HF_H
-#define DREHGEBER_SRC_HF_H
+#ifndef DREHGEBER_HIPERFACE_PRIVATE_H
+#define DREHGEBER_HIPERFACE_PRIVATE_H
 
 #include "drehgeber/bits.h"
 #include "drehgeber/hiperface.h"

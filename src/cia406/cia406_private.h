@@ -3,8 +3,8 @@
  * @file
  * Inside of the encoder profile: what its files share.
  */
-#ifndef DREHGEBER_SRC_PROFILE_H
-#define DREHGEBER_SRC_PROFILE_H
+#ifndef DREHGEBER_CIA406_PRIVATE_H
+#define DREHGEBER_CIA406_PRIVATE_H
 
 #include "drehgeber/cia406.h"
 

@@ -3,8 +3,8 @@
  * @file
  * Inside of the INTERBUS encoders: what their files share.
  */
-#ifndef DREHGEBER_SRC_IB_H
-#define DREHGEBER_SRC_IB_H
+#ifndef DREHGEBER_INTERBUS_PRIVATE_H
+#define DREHGEBER_INTERBUS_PRIVATE_H
 
 #include "drehgeber/bits.h"
 #include "drehgeber/interbus.h"

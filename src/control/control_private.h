@@ -3,8 +3,8 @@
  * @file
  * Inside of the control plane: what its files share.
  */
-#ifndef DREHGEBER_SRC_CONTROL_INSIDE_H
-#define DREHGEBER_SRC_CONTROL_INSIDE_H
+#ifndef DREHGEBER_CONTROL_PRIVATE_H
+#define DREHGEBER_CONTROL_PRIVATE_H
 
 #include "drehgeber/control.h"
 

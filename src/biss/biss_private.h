@@ -3,8 +3,8 @@
  * @file
  * Inside of the S36 BiSS slave: what its files share.
  */
-#ifndef DREHGEBER_SRC_BISS_SLAVE_H
-#define DREHGEBER_SRC_BISS_SLAVE_H
+#ifndef DREHGEBER_BISS_PRIVATE_H
+#define DREHGEBER_BISS_PRIVATE_H
 
 #include "drehgeber/biss.h"
 

@@ -3,8 +3,8 @@
  * @file
  * Exact arithmetic that motions and shafts share. C11 has no type of 128 bits.
  */
-#ifndef DREHGEBER_MOTION_EXACT_H
-#define DREHGEBER_MOTION_EXACT_H
+#ifndef DREHGEBER_MOTION_PRIVATE_H
+#define DREHGEBER_MOTION_PRIVATE_H
 
 #include <stdbool.h>
 #include <stdint.h>
