@@ -43,10 +43,14 @@ void control_changed(struct dg_scpi *self);
 void control_refuse(struct dg_scpi *self, int code, const char *text);
 /** Take a name. @return false: an error was raised */
 bool control_name(struct dg_scpi *self, char to[CONTROL_NAME_MAX]);
+/** What the host can do. */
+const struct dg_rig_ops *control_ops_of(const struct dg_scpi *self);
+/** What the host cannot do raises an error. @return `there` */
+bool control_offered(struct dg_scpi *self, bool there);
 /** An answer that is a list of `count` names needs one when there are none: "". */
 void control_put_none(struct dg_scpi *self, size_t count);
 
-/* fault.c */
+/* fault_engine.c */
 /** Row `index` of a stack's catalogue, or NULL: a region or nothing. */
 const struct dg_fault_row *control_row(const struct dg_fault_target *target, size_t index);
 /** The quantity at `offset` of the world was set: whatever bent it is over. */
@@ -57,7 +61,7 @@ void control_quantity_set(struct dg_world *world, size_t offset, uint8_t size, i
 /** Whether something ends at `now`. */
 bool control_due(const struct dg_faults *self, dg_ns now);
 
-/* damage.c */
+/* eeprom_flip.c */
 /** A bit of region `region`, which is flipped. @return 0 or DG_ERR_IO */
 int control_flip(const struct dg_fault_target *target, uint8_t region, uint32_t bit);
 /** The same, with a note for undoing it. */
@@ -80,24 +84,25 @@ void control_state_item(struct dg_scpi *to, bool *first, uint64_t value, unsigne
 void control_state_common(struct dg_scpi *to, bool powered, const char *mode, uint64_t position);
 
 /* Commands, by file. */
-control_handler control_encoders, control_select, control_selected; /* encoder.c */
+control_handler control_encoders, control_select, control_selected; /* commands_encoder.c */
 control_handler control_model, control_wire, control_power, control_powered;
 control_handler control_state;
-control_handler control_shafts, control_shaft_name; /* shaft.c */
+control_handler control_shafts, control_shaft_name; /* commands_shaft.c */
 control_handler control_set_position, control_position;
 control_handler control_set_velocity, control_velocity;
 control_handler control_set_acceleration, control_acceleration;
 control_handler control_stop, control_move, control_moving;
 control_handler control_set_profile, control_profile;
 control_handler control_record, control_record_stop;
-control_handler control_set_world, control_world, control_healthy; /* world.c */
-control_handler control_catalogue, control_fault, control_clear;   /* defect.c */
+control_handler control_set_world, control_world, control_healthy; /* commands_world.c */
+control_handler control_catalogue, control_fault, control_clear;   /* commands_fault.c */
 control_handler control_active, control_happened;
 control_handler control_regions, control_corrupt, control_erase;
-control_handler control_time, control_origin, control_set_scale, control_scale; /* wire.c */
+control_handler control_time, control_origin, control_set_scale,
+    control_scale; /* commands_time.c */
 control_handler control_step_time;
-control_handler control_trace, control_trace_stop, control_last;
-control_handler control_frame, control_read, control_write;
+control_handler control_trace, control_trace_stop, control_last; /* commands_trace.c */
+control_handler control_frame, control_read, control_write;      /* commands_biss.c */
 
 /** Rows of the world, as arguments of its commands. */
 enum control_quantity {

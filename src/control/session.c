@@ -46,6 +46,19 @@ void control_put_none(struct dg_scpi *self, size_t count)
     }
 }
 
+const struct dg_rig_ops *control_ops_of(const struct dg_scpi *self)
+{
+    return control_rig_of(self)->ops;
+}
+
+bool control_offered(struct dg_scpi *self, bool there)
+{
+    if (!there) {
+        dg_scpi_raise(self, DG_SCPI_MISSING_HARDWARE, NULL);
+    }
+    return there;
+}
+
 static void forward(void *ctx, const char *bytes, size_t n)
 {
     const struct dg_control *self = ctx;

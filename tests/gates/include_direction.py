@@ -26,6 +26,7 @@ ALLOWED = {
 # public header: the folder that implements it
 OWNER = {
     "angle.h":     "core",
+    "api.h":       "core",
     "bits.h":      "core",
     "crc.h":       "core",
     "hal.h":       "core",

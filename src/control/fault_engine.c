@@ -2,7 +2,7 @@
 /*
  * Faults at work: what is active, what it bends, when it is over.
  *
- *   index   0 .. rows of the stack - 1   a row of rows.c
+ *   index   0 .. rows of the stack - 1   a row of fault_catalogue.c
  *           .. + checked regions - 1     a region of the encoder's EEPROM
  */
 #include <stddef.h>

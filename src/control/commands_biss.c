@@ -1,0 +1,118 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * BISS: frames and registers through a wire that the host clocks.
+ */
+#include "control_private.h"
+
+#define CRC_BITS 6u
+#define LIFE_BITS 6u
+#define STATE_BITS 2u
+
+static const struct dg_scpi_range addresses = {DG_SCPI_PLAIN, 0, 0, 0x7F};
+static const struct dg_scpi_range sizes = {DG_SCPI_PLAIN, 0, 1, DG_BISS_BANK_SIZE};
+static const struct dg_scpi_range bytes_range = {DG_SCPI_PLAIN, 0, 0, UINT8_MAX};
+
+/* Whether the selected encoder is one with BiSS on a wire that the host clocks. */
+static bool has_biss(struct dg_scpi *self, bool there)
+{
+    if (control_encoder(self)->kind->stack != DG_STACK_BISS) {
+        control_refuse(self, DG_SCPI_MISSING_HARDWARE, "it is no BiSS encoder");
+        return false;
+    }
+    return control_offered(self, there);
+}
+
+static uint64_t field(uint64_t bits, uint8_t low, uint8_t count)
+{
+    return bits >> low & (((uint64_t)1 << count) - 1u);
+}
+
+/* Behind CDS: MT:ST, nERR, nWARN, LC if there is one, CRC. */
+static void put_frame(struct dg_scpi *self, const struct dg_biss_model *model, uint64_t bits)
+{
+    const uint8_t life_bits = model->life_counter ? LIFE_BITS : 0;
+    const uint8_t position_bits = (uint8_t)(model->multiturn_bits + model->singleturn_bits);
+    const uint8_t warn = (uint8_t)(CRC_BITS + life_bits);
+    const uint8_t low = (uint8_t)(warn + STATE_BITS);
+    const uint8_t checked = (uint8_t)(position_bits + STATE_BITS + life_bits);
+    const uint8_t crc = dg_biss_crc6(bits >> CRC_BITS, checked);
+
+    dg_scpi_put_unsigned(self, field(bits, low, position_bits));
+    dg_scpi_put_unsigned(self, field(bits, (uint8_t)(warn + 1u), 1));
+    dg_scpi_put_unsigned(self, field(bits, warn, 1));
+    dg_scpi_put_unsigned(self, field(bits, CRC_BITS, life_bits));
+    dg_scpi_put_unsigned(self, field(bits, 0, CRC_BITS) == crc ? 1 : 0);
+}
+
+void control_frame(struct dg_scpi *self, uint32_t argument)
+{
+    struct dg_encoder *encoder = control_encoder(self);
+    char detail[CONTROL_DETAIL_SIZE] = "";
+    uint64_t bits = 0;
+    uint8_t count = 0;
+
+    (void)argument;
+    if (!has_biss(self, control_ops_of(self)->biss_frame != NULL)) {
+        return;
+    }
+    const int code =
+        control_ops_of(self)->biss_frame(control_rig_of(self), encoder, &bits, &count, detail);
+    if (code != DG_SCPI_NO_ERROR) {
+        dg_scpi_raise(self, code, detail);
+    } else if (count <= 1) {
+        control_refuse(self, DG_SCPI_HARDWARE, "no data in the frame");
+    } else {
+        const struct dg_biss *device = encoder->device;
+        put_frame(self, device->setup.model, bits);
+    }
+}
+
+void control_read(struct dg_scpi *self, uint32_t argument)
+{
+    char detail[CONTROL_DETAIL_SIZE] = "";
+    uint8_t bytes[DG_BISS_BANK_SIZE] = {0};
+    int64_t address;
+    int64_t n = 1;
+
+    (void)argument;
+    if (!dg_scpi_number(self, &addresses, &address) ||
+        (dg_scpi_more(self) && !dg_scpi_number(self, &sizes, &n)) ||
+        !has_biss(self, control_ops_of(self)->biss_read != NULL)) {
+        return;
+    }
+    const int code = control_ops_of(self)->biss_read(control_rig_of(self), control_encoder(self),
+                                                     (uint8_t)address, bytes, (size_t)n, detail);
+    dg_scpi_raise(self, code, detail);
+    for (int64_t i = 0; code == DG_SCPI_NO_ERROR && i < n; i++) {
+        dg_scpi_put_unsigned(self, bytes[i]);
+    }
+}
+
+void control_write(struct dg_scpi *self, uint32_t argument)
+{
+    char detail[CONTROL_DETAIL_SIZE] = "";
+    uint8_t bytes[DG_BISS_BANK_SIZE];
+    int64_t address;
+    int64_t byte;
+    size_t n = 0;
+
+    (void)argument;
+    if (!dg_scpi_number(self, &addresses, &address)) {
+        return;
+    }
+    do {
+        if (!dg_scpi_number(self, &bytes_range, &byte)) {
+            return;
+        }
+        bytes[n++] = (uint8_t)byte;
+    } while (n < sizeof bytes && dg_scpi_more(self));
+    if (dg_scpi_more(self)) {
+        dg_scpi_raise(self, DG_SCPI_SUPERFLUOUS, "at most 64 bytes");
+        return;
+    }
+    if (has_biss(self, control_ops_of(self)->biss_write != NULL)) {
+        const int code = control_ops_of(self)->biss_write(
+            control_rig_of(self), control_encoder(self), (uint8_t)address, bytes, n, detail);
+        dg_scpi_raise(self, code, detail);
+    }
+}

@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * TRACe: what goes over the wires, for those who look.
+ */
+#include "control_private.h"
+
+#define LINES_MAX 100
+#define LINE_SIZE 256u
+
+static const struct dg_scpi_range lines = {DG_SCPI_PLAIN, 0, 1, LINES_MAX};
+
+static void trace(struct dg_scpi *self, const char *path)
+{
+    struct dg_rig *rig = control_rig_of(self);
+    char detail[CONTROL_DETAIL_SIZE] = "";
+
+    if (control_offered(self, rig->ops->trace != NULL)) {
+        const int code = rig->ops->trace(rig, control_encoder(self), path, detail);
+        dg_scpi_raise(self, code, detail);
+    }
+}
+
+void control_trace(struct dg_scpi *self, uint32_t argument)
+{
+    char path[DG_SCPI_LINE_MAX + 1u];
+
+    (void)argument;
+    if (dg_scpi_text(self, path, sizeof path)) {
+        trace(self, path);
+    }
+}
+
+void control_trace_stop(struct dg_scpi *self, uint32_t argument)
+{
+    (void)argument;
+    trace(self, NULL);
+}
+
+void control_last(struct dg_scpi *self, uint32_t argument)
+{
+    struct dg_rig *rig = control_rig_of(self);
+    char text[LINE_SIZE];
+    int64_t wanted = 1;
+    size_t count = 0;
+
+    (void)argument;
+    if ((dg_scpi_more(self) && !dg_scpi_number(self, &lines, &wanted)) ||
+        !control_offered(self, rig->ops->last != NULL)) {
+        return;
+    }
+    for (unsigned back = (unsigned)wanted; back > 0; back--) {
+        if (rig->ops->last(rig, control_encoder(self), back - 1u, text, sizeof text)) {
+            dg_scpi_put_string(self, text);
+            count++;
+        }
+    }
+    control_put_none(self, count);
+}
