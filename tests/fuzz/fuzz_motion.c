@@ -14,7 +14,7 @@
 #include "csv.h"
 #include "drehgeber/hal.h"
 #include "fuzz_input.h"
-#include "shaft.h"
+#include "motion_words.h"
 
 #define WORDS_MAX 256u
 #define CSV 1u

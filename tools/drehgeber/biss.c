@@ -8,7 +8,7 @@
 #include "biss_eds.h"
 #include "biss_session.h"
 #include "drehgeber/devices.h"
-#include "number.h"
+#include "figure.h"
 #include "run.h"
 
 #define RIGHT "read, registers [BANK:]ADDR N, eds, write [BANK:]ADDR BYTES or command N"

@@ -4,8 +4,8 @@
 #define DREHGEBER_TOOL_BISS_SESSION_H
 
 #include "biss_settings.h"
+#include "motion_words.h"
 #include "options.h"
-#include "shaft.h"
 #include "sim_master.h"
 #include "trace.h"
 

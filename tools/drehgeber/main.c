@@ -12,10 +12,10 @@
 #include "eds.h"
 #include "modbus_map.h"
 #include "modbus_settings.h"
+#include "motion_words.h"
 #include "options.h"
 #include "run.h"
 #include "settings.h"
-#include "shaft.h"
 #include "sim_settings.h"
 #include "top.h"
 

@@ -12,7 +12,7 @@
 
 #include "access.h"
 #include "bus.h"
-#include "number.h"
+#include "figure.h"
 #include "options.h"
 
 #define NODE_ID_MAX 127u

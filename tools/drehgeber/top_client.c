@@ -18,7 +18,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "number.h"
+#include "figure.h"
 #include "timer.h"
 #include "top_answer.h"
 #include "top_link.h"

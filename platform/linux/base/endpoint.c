@@ -12,7 +12,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-#include "number.h"
+#include "figure.h"
 
 /* Connections are accepted up to so often in a time. */
 #define CALM_US 100000u

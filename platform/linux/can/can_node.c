@@ -6,7 +6,7 @@
 
 #include "can_bus.h"
 #include "drehgeber/bits.h"
-#include "number.h"
+#include "figure.h"
 #include "settings.h"
 
 /* As delivered (manual, chapter 8). */

@@ -4,7 +4,7 @@
 #include <stddef.h>
 #include <string.h>
 
-#include "number.h"
+#include "figure.h"
 
 /* How a value lies in memory; times are in ns there, words are the two values of a flag. */
 enum kind { BITS, FLAG, WORDS, US, MS };

@@ -10,8 +10,8 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include "figure.h"
 #include "gpio_lines.h"
-#include "number.h"
 
 #define FOLDER "/dev/"
 #define CHIP "gpiochip"

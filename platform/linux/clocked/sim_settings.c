@@ -4,7 +4,7 @@
 #include <stddef.h>
 #include <string.h>
 
-#include "number.h"
+#include "figure.h"
 #include "settings.h"
 
 struct key {

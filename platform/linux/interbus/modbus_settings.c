@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "drehgeber/devices.h"
-#include "number.h"
+#include "figure.h"
 
 struct setting {
     const char *key;

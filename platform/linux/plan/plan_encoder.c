@@ -8,7 +8,7 @@
 #include <strings.h>
 
 #include "bus.h"
-#include "number.h"
+#include "figure.h"
 
 /* The shaft of encoders in a file without one. */
 #define DEFAULT_SHAFT "main"

@@ -7,8 +7,8 @@
 #include <strings.h>
 
 #include "drehgeber/shaft.h"
-#include "number.h"
-#include "shaft.h"
+#include "figure.h"
+#include "motion_words.h"
 
 int lx_plan_find_shaft(const struct lx_plan *plan, const char *name)
 {

@@ -9,7 +9,7 @@
 #include <stddef.h>
 #include <string.h>
 
-#include "number.h"
+#include "figure.h"
 
 /* How a value lies in memory. */
 enum kind { U8, U16, U32, I16, I32, NS, WORD, TEXT };

@@ -13,7 +13,7 @@
 #include <string.h>
 
 #include "file.h"
-#include "shaft.h"
+#include "motion_words.h"
 #include "timer.h"
 
 #define HEADER "time_s,angle_deg\n"

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * What a rig is made of, for the files that make it: rig.c opens and closes, rig_ops.c serves the
- * control plane, rig_watch.c listens to the wires.
+ * What a rig is made of, for the files that make it: rig_open.c opens and closes, rig_ops.c serves
+ * the control plane, rig_watch.c listens to the wires.
  */
 #ifndef DREHGEBER_LINUX_RIG_PARTS_H
 #define DREHGEBER_LINUX_RIG_PARTS_H
 
+#include "motion_words.h"
 #include "record.h"
 #include "rig.h"
 #include "server.h"
-#include "shaft.h"
 #include "stall.h"
 #include "timer.h"
 #include "trace.h"

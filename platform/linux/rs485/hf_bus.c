@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "figure.h"
 #include "hf_line.h"
-#include "number.h"
 
 static struct lx_hf_bus *hf_of(struct lx_bus *bus)
 {

@@ -12,8 +12,8 @@
 #include <stdint.h>
 #include <systemd/sd-event.h>
 
+#include "characters.h"
 #include "drehgeber/hiperface.h"
-#include "line.h"
 #include "say.h"
 #include "timer.h"
 

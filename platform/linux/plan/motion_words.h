@@ -8,8 +8,8 @@
  * Units are not case sensitive: DEG REV (angle), RPM (speed), S MS (time). Angles are rounded up to
  * 2^-32 turn, so that an angle written down for a step is in that step.
  */
-#ifndef DREHGEBER_LINUX_SHAFT_H
-#define DREHGEBER_LINUX_SHAFT_H
+#ifndef DREHGEBER_LINUX_MOTION_WORDS_H
+#define DREHGEBER_LINUX_MOTION_WORDS_H
 
 #include <stdbool.h>
 #include <stddef.h>

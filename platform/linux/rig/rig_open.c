@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "number.h"
+#include "figure.h"
 #include "rig_parts.h"
 
 /* Rigs of one name that have a default control address, at the same time. */

@@ -7,8 +7,8 @@
 
 #include <cmocka.h>
 
-#include "number.h"
-#include "shaft.h"
+#include "figure.h"
+#include "motion_words.h"
 
 #define LENGTH(array) (sizeof(array) / sizeof((array)[0]))
 

@@ -7,7 +7,7 @@
 
 #include <cmocka.h>
 
-#include "line.h"
+#include "characters.h"
 #include "serial.h"
 #include "settings.h"
 

@@ -4,7 +4,7 @@
  * what the user wrote is what the shaft does, on every machine and in every locale.
  */
 #define _GNU_SOURCE
-#include "shaft.h"
+#include "motion_words.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,8 +13,8 @@
 
 #include "csv.h"
 #include "drehgeber/hal.h"
+#include "figure.h"
 #include "file.h"
-#include "number.h"
 
 const char lx_shaft_forms[] =
     "0, 90DEG, 2.5REV, 60RPM, sine:90DEG,2S, ramp:3000RPM,1S[,HOLD] or FILE.csv";

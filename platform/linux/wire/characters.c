@@ -5,7 +5,7 @@
  *   start   end_of(0)   end_of(1)   end_of(2)
  *     |40---------|43---------|03---------|        late once is late once
  */
-#include "line.h"
+#include "characters.h"
 
 #include <string.h>
 

@@ -3,7 +3,7 @@
  * No strtod(): it rounds and follows the locale. No strtoll(): it skips blanks, takes signs where
  * none belong and stops at the first character it does not like.
  */
-#include "number.h"
+#include "figure.h"
 
 #include <string.h>
 

@@ -3,8 +3,8 @@
  * @file
  * Numbers from text, exactly and independent of the locale.
  */
-#ifndef DREHGEBER_LINUX_NUMBER_H
-#define DREHGEBER_LINUX_NUMBER_H
+#ifndef DREHGEBER_LINUX_FIGURE_H
+#define DREHGEBER_LINUX_FIGURE_H
 
 #include <stdbool.h>
 #include <stddef.h>

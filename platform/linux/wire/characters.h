@@ -3,8 +3,8 @@
  * @file
  * The time and the marks of characters on an asynchronous line. No I/O.
  */
-#ifndef DREHGEBER_LINUX_LINE_H
-#define DREHGEBER_LINUX_LINE_H
+#ifndef DREHGEBER_LINUX_CHARACTERS_H
+#define DREHGEBER_LINUX_CHARACTERS_H
 
 #include <stdbool.h>
 #include <stddef.h>
