@@ -9,9 +9,9 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "bus.h"
 #include "plan.h"
 #include "say.h"
+#include "wire.h"
 
 /* What the command line asks for. Strings belong to argv. */
 enum command {

@@ -11,9 +11,9 @@
 #include <strings.h>
 
 #include "access.h"
-#include "bus.h"
 #include "figure.h"
 #include "options.h"
+#include "wire.h"
 
 #define NODE_ID_MAX 127u
 

@@ -3,7 +3,8 @@
  *   now   = virtual_ + (lx_now() - real) * permille / 1000      rounded down
  *   real' = real + (at - virtual_) * 1000 / permille            rounded up: never early
  */
-#include "bus.h"
+#include "clock.h"
+
 #include "timer.h"
 
 #define ONE 1000u

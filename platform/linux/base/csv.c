@@ -13,7 +13,6 @@
 #include <string.h>
 
 #include "figure.h"
-#include "motion_words.h"
 
 /* Both columns keep 9 decimals: 1 ns of time; an angle far below its own unit of 8e-8 degree. */
 #define PLACES 9u

@@ -10,6 +10,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "drehgeber/angle.h"
+
 /** A decimal as it was written. */
 struct lx_decimal {
     int64_t value; /**< in units of 10^-places */
@@ -27,5 +29,8 @@ bool lx_unsigned_parse(const char *text, uint64_t *out);
 
 /** 10^places, places 0..18. */
 int64_t lx_power_of_ten(unsigned places);
+
+/** `value` / 10^places degrees as an angle, rounded up; |degrees| at most 6 * 10^9. */
+dg_angle lx_angle_of_degrees(int64_t value, unsigned places);
 
 #endif

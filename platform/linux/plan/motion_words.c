@@ -56,24 +56,6 @@ struct quantity {
     int64_t value;
 };
 
-/* num * 2^32 / den rounded up, for num >= 0. The 64-bit remainder of the wrapped product is exact
-   because it is below `den`. */
-static int64_t scale_up(uint64_t num, uint64_t den)
-{
-    const uint64_t quotient = dg_muldiv(num, (uint64_t)DG_TURN, den);
-    const uint64_t rest = (num << 32) - quotient * den;
-    return (int64_t)(quotient + (rest != 0 ? 1u : 0u));
-}
-
-dg_angle lx_angle_of_degrees(int64_t value, unsigned places)
-{
-    const uint64_t den = 360u * (uint64_t)lx_power_of_ten(places);
-    if (value >= 0) {
-        return scale_up((uint64_t)value, den);
-    }
-    return -(int64_t)dg_muldiv((uint64_t)-value, (uint64_t)DG_TURN, den);
-}
-
 static const struct unit *find_unit(const char *text, size_t n)
 {
     for (size_t i = 0; i < UNIT_COUNT; i++) {

@@ -47,7 +47,4 @@ bool lx_shaft_is_file(const char *text);
 /** Give back the points. */
 void lx_shaft_free(struct lx_shaft *self);
 
-/** `value` / 10^places degrees as an angle, rounded up; |degrees| at most 6 * 10^9. */
-dg_angle lx_angle_of_degrees(int64_t value, unsigned places);
-
 #endif

@@ -8,7 +8,7 @@
 #include <string.h>
 #include <strings.h>
 
-#include "bus.h"
+#include "wire.h"
 
 int lx_plan_find_wire(const struct lx_plan *plan, const char *name)
 {

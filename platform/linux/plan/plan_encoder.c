@@ -7,8 +7,8 @@
 #include <string.h>
 #include <strings.h>
 
-#include "bus.h"
 #include "figure.h"
+#include "wire.h"
 
 /* The shaft of encoders in a file without one. */
 #define DEFAULT_SHAFT "main"

@@ -11,7 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bus.h"
 #include "plan_section.h"
 
 #define BLANKS " \t\r\n\v\f"

@@ -1,9 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* One row for each kind of wire, and what they share. */
-#include <inttypes.h>
-#include <stdio.h>
-#include <string.h>
-
+/* One row for each kind of wire. */
 #include "bus.h"
 #include "drehgeber/interbus.h"
 #include "sim_settings.h"
@@ -25,32 +21,3 @@ const struct lx_wire lx_wires[] = {
 /* clang-format on */
 
 const size_t lx_wire_count = sizeof lx_wires / sizeof lx_wires[0];
-
-const struct lx_wire *lx_wire_find(const char *name, size_t n)
-{
-    for (size_t i = 0; i < lx_wire_count; i++) {
-        if (strlen(lx_wires[i].name) == n && memcmp(lx_wires[i].name, name, n) == 0) {
-            return &lx_wires[i];
-        }
-    }
-    return NULL;
-}
-
-bool lx_wire_has(const struct lx_wire *self, const char *key)
-{
-    for (size_t i = 0; self->keys != NULL && self->keys[i] != NULL; i++) {
-        if (strcmp(self->keys[i], key) == 0) {
-            return true;
-        }
-    }
-    return false;
-}
-
-void lx_bus_count(struct dg_scpi *to, const struct lx_count *rows, size_t n)
-{
-    for (size_t i = 0; i < n; i++) {
-        char text[64];
-        (void)snprintf(text, sizeof text, "%s=%" PRIu64, rows[i].name, rows[i].value);
-        dg_scpi_put_word(to, text);
-    }
-}

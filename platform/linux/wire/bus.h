@@ -9,18 +9,12 @@
 
 #include <systemd/sd-event.h>
 
+#include "clock.h"
 #include "drehgeber/control.h"
 #include "plan.h"
 #include "say.h"
 #include "tap.h"
-
-/** The rig's clock: monotonic time, but where all wires are simulated it may be slowed down,
- * stopped, and stepped. */
-struct lx_clock {
-    dg_ns real;        /**< lx_now() when the rate was set last */
-    dg_ns virtual_;    /**< the rig's time then */
-    uint32_t permille; /**< 1000: as real time goes */
-};
+#include "wire.h"
 
 struct lx_bus;
 
@@ -85,34 +79,6 @@ struct lx_bus {
     uint64_t stalls; /**< times the whole process was held up while the wire was there */
 };
 
-/** Understand the plan: figures, settings, addresses. @return NULL with one line in `error` */
-typedef struct lx_bus *lx_bus_make(const struct lx_bus_setup *setup, struct lx_error *error);
-
-/** A kind of wire. */
-struct lx_wire {
-    const char *name;    /**< as in "ready MODEL WIRE:ADDRESS" and --WIRE */
-    size_t stations_max; /**< encoders that fit on one */
-    lx_bus_make *make;
-    const char *where; /**< what its address looks like, for messages, e.g. "CHIP:MA,SLO"; NULL: it
-                            has none */
-    const char *usual; /**< address when none is given; NULL: the bus finds one */
-    const char *const *keys; /**< settings of the wire itself, NULL behind the last; NULL: none */
-    enum dg_device_stack stack;
-    bool simulated; /**< runs by the rig's clock, which may be slowed down */
-    bool where_needed;
-    bool where_is_path; /**< a file name: in a rig file relative to its folder */
-};
-
-/** All kinds. */
-extern const struct lx_wire lx_wires[];
-extern const size_t lx_wire_count;
-
-/** The kind called `name` (n characters), or NULL. */
-const struct lx_wire *lx_wire_find(const char *name, size_t n);
-
-/** Whether `key` is a setting of the wire itself, not of the encoders on it. */
-bool lx_wire_has(const struct lx_wire *self, const char *key);
-
 /** The makers. */
 lx_bus_make lx_hf_bus_make_pty, lx_hf_bus_make_tty, lx_can_bus_make_socket, lx_can_bus_make_slcan,
     lx_ring_bus_make, lx_sim_bus_make, lx_gpio_bus_make;
@@ -125,10 +91,5 @@ struct lx_count {
 
 /** Append n counters, for lx_bus_ops.counters. */
 void lx_bus_count(struct dg_scpi *to, const struct lx_count *rows, size_t n);
-
-/** The rig's time now. */
-dg_ns lx_clock_now(const struct lx_clock *self);
-/** Real time at which the rig's time is `at`; DG_NEVER when it stands still. */
-dg_ns lx_clock_real(const struct lx_clock *self, dg_ns at);
 
 #endif

@@ -6,7 +6,7 @@
 
 #include <cmocka.h>
 
-#include "bus.h"
+#include "clock.h"
 #include "timer.h"
 
 #define LENGTH(array) (sizeof(array) / sizeof((array)[0]))

@@ -12,8 +12,8 @@
 
 #include <cmocka.h>
 
-#include "bus.h"
 #include "plan.h"
+#include "wire.h"
 
 #define FILE_NAME "rig.ini"
 #define LENGTH(array) (sizeof(array) / sizeof((array)[0]))
