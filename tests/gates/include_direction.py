@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: MIT
 """Who may include whom. A folder of src/ uses its own headers, the public headers of the folders
-in its row, and the freestanding C headers plus string.h; a public header likewise.
+in its row, and the freestanding C headers plus string.h; a public header likewise. A room of
+platform/ and a folder of tools/ use their own headers, those of the rooms in their row, and the
+public headers of the folders in it; of system headers whichever they like.
 
 usage: include_direction.py TREE
 """
 
 import re
 import sys
+from os.path import normpath
 
 from sources import blank, files, finish, read
 
@@ -22,6 +25,26 @@ ALLOWED = {
     "devices":   {"core", "hiperface", "biss", "cia406", "interbus"},
     "scpi":      {"core"},
     "control":   {"core", "motion", "scpi", "hiperface", "biss", "canopen", "cia406", "interbus", "devices"},
+}
+# room of platform/, folder of tools/: the same, and the rooms whose headers it may include:
+# base < nvm, trace, plan < wires < rig < tools. Private headers of src/ stand there as src/FOLDER.
+PROTOCOLS = {"hiperface", "biss", "canopen", "cia406", "interbus"}
+BELOW = {"core", "control", "devices", "linux/base", "linux/nvm", "linux/trace", "linux/plan", "linux/wire"}
+WIRES = {"linux/rs485", "linux/can", "linux/clocked", "linux/interbus"}
+ROOMS = {
+    "linux/base":      {"core", "motion"},
+    "linux/nvm":       {"core", "linux/base"},
+    "linux/trace":     {"core", "devices", "linux/base"} | PROTOCOLS,
+    "linux/plan":      {"core", "motion", "devices", "hiperface", "linux/base"},
+    "linux/wire":      {"core", "control", "hiperface", "linux/base", "linux/trace", "linux/plan"},
+    "linux/rs485":     {"hiperface"} | BELOW,
+    "linux/can":       {"canopen", "cia406"} | BELOW,
+    "linux/clocked":   {"biss"} | BELOW,
+    "linux/interbus":  {"interbus"} | BELOW,
+    "linux/rig":       {"motion"} | PROTOCOLS | BELOW | WIRES,
+    "tools/drehgeber": {"motion", "linux/rig", "src/canopen", "src/cia406"} | PROTOCOLS | BELOW | WIRES,
+    "tools/reference": {"core", "control"} | PROTOCOLS | {f"src/{folder}" for folder in PROTOCOLS},
+    "tools/examples":  set(ALLOWED),
 }
 # public header: the folder that implements it
 OWNER = {
@@ -45,6 +68,7 @@ OWNER = {
     "fault.h":     "control",
     "control.h":   "control",
 }
+ROWS = ALLOWED | ROOMS
 # The header for users that includes all others; the core only implements its dg_version().
 UMBRELLA = "drehgeber.h"
 MAY_INCLUDE_UMBRELLA = "src/core/version.c"
@@ -52,40 +76,78 @@ SYSTEM = {"limits.h", "stdbool.h", "stddef.h", "stdint.h", "string.h"}
 INCLUDE = re.compile(r'^\s*#\s*include\b(?:\s*(?:<([^>\n]+)>|"([^"\n]+)"))?', re.M)
 
 
-def complaint(path, folder, own, system, local):
-    """Why `path` of `folder` must not include this header, or None."""
+
+def place_of(path):
+    """Its row: a folder of src/ or tools/, a room of platform/."""
+    parts = path.split("/")[:-1]
+    if parts[0] == "include":
+        return OWNER.get(path.rsplit("/", 1)[1])
+    return "/".join(parts if parts[0] == "tools" else parts[1:])
+
+
+def public(path, place, header):
+    """Why `path` must not include this public header, or None."""
+    if header == UMBRELLA:
+        return None if path == MAY_INCLUDE_UMBRELLA or place in ROOMS else f"drehgeber/{header} is for users"
+    owner = OWNER.get(header)
+    if owner is None:
+        return f"drehgeber/{header} has no owner in this gate's table"
+    return None if owner in ROWS[place] | {place} else f"{place} must not use {owner}"
+
+
+def private(path, place, header, at):
+    """Why `path` must not include a header that is no public one, or None."""
+    folder = path.rsplit("/", 1)[0]
+    if f"{folder}/{header}" in at.get(header, ()):
+        return None
+    if place in ALLOWED:
+        return f'"{header}" is not a file of this folder'
+    found = at.get(header.rsplit("/", 1)[1] if "/" in header else header, ())
+    if "/" in header:
+        found = [other for other in found if other == normpath(f"{folder}/{header}")]
+    owners = {f"src/{place_of(other)}" if other.startswith("src/") else place_of(other) for other in found}
+    if not owners:
+        return f'"{header}" is nowhere'
+    return None if owners <= ROWS[place] else f"{place} must not use {', '.join(sorted(owners))}"
+
+
+def complaint(path, place, at, system, local):
+    """Why `path` must not include this header, or None."""
     if not system and not local:
         return "includes what a macro says, which nobody can follow"
     if system:
-        return None if system in SYSTEM else f"<{system}> is not for the core"
+        return None if system in SYSTEM or place in ROOMS else f"<{system}> is not for the core"
     if local.startswith("drehgeber/"):
-        header = local[len("drehgeber/"):]
-        if header == UMBRELLA:
-            return None if path == MAY_INCLUDE_UMBRELLA else f"{local} is for users"
-        owner = OWNER.get(header)
-        if owner is None:
-            return f"{local} has no owner in this gate's table"
-        return None if owner in ALLOWED[folder] | {folder} else f"{folder} must not use {owner}"
-    return None if local in own else f'"{local}" is not a file of this folder'
+        return public(path, place, local[len("drehgeber/"):])
+    return private(path, place, local, at)
+
+
+def ambiguous(at):
+    """Rooms share one include path here and there: a header's name says which one it is."""
+    for name, paths in sorted(at.items()):
+        rooms = [path for path in paths if not path.startswith("src/")]
+        if len(rooms) > 1 and name.endswith(".h"):
+            yield f"{name} is the name of several: {' '.join(rooms)}"
 
 
 def main():
     tree = sys.argv[1]
-    sources = files(tree, "src", suffixes=(".c", ".h", ".def"))
+    sources = files(tree, "src", "platform", "tools", suffixes=(".c", ".h", ".def"))
     publics = files(tree, "include/drehgeber", suffixes=(".h",))
-    complaints = []
+    at = {}
+    for path in sources:
+        at.setdefault(path.rsplit("/", 1)[1], []).append(path)
+    complaints = list(ambiguous(at))
     for path in sources + publics:
-        place, name = path.rsplit("/", 1)
-        if name == UMBRELLA:
+        if path.rsplit("/", 1)[1] == UMBRELLA:
             continue
-        folder = OWNER.get(name) if path in publics else path.split("/")[1]
-        if folder not in ALLOWED:
+        place = place_of(path)
+        if place not in ROWS:
             complaints.append(f"{path}: not in this gate's tables")
             continue
-        own = {other.rsplit("/", 1)[1] for other in sources if other.startswith(place + "/")}
         # Comments may name headers; strings are what is looked for.
         for match in INCLUDE.finditer(blank(read(tree, path), strings=False)):
-            why = complaint(path, folder, own, match.group(1), match.group(2))
+            why = complaint(path, place, at, match.group(1), match.group(2))
             if why:
                 complaints.append(f"{path}: {why}")
     finish(len(sources) + len(publics), complaints)
