@@ -8,7 +8,7 @@
 #include <inttypes.h>
 #include <stdlib.h>
 
-#include "../../src/canopen/co.h"
+#include "../../src/canopen/canopen_private.h"
 #include "drehgeber/drehgeber.h"
 
 /* ObjectType of CiA 306. */
@@ -31,7 +31,7 @@ struct name {
     {(uint16_t)(index), sub, VAR, name},
 
 static const struct name names[] = {
-#include "../../src/canopen/objects.def"
+#include "../../src/canopen/co_objects.def"
 #include "../../src/cia406/objects.def"
 };
 #define NAME_COUNT (sizeof names / sizeof names[0])

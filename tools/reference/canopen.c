@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "../../src/cia406/cia406_private.h"
-#include "co.h"
+#include "canopen_private.h"
 
 struct row {
     unsigned index, sub;
@@ -43,7 +43,7 @@ enum {
 #define LAST 0x0FFFFFFFu
 
 static const struct row communication[] = {
-#include "../../src/canopen/objects.def"
+#include "../../src/canopen/co_objects.def"
 };
 
 static const struct row encoder[] = {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The SDO server (manual, chapter 5; CiA 301): requests find their handler, expedited and
- * segmented transfers. Block transfers are in block.c.
+ * segmented transfers. Block transfers are in co_block.c.
  *
  *              40h long                21h
  *   UPLOAD <------------- IDLE ---------------> DOWNLOAD     60h.. / 00h.. until the last segment
@@ -17,7 +17,7 @@
  */
 #include <string.h>
 
-#include "sdo.h"
+#include "co_sdo.h"
 
 /** CiA 301 leaves the server's timeout open. */
 #define TIMEOUT_MS 1000u
@@ -40,7 +40,7 @@ static sdo_handler upload_initiate, upload_segment, download_initiate, download_
  * state is as unknown as E0h. Rows for ANY state end what was running.
  *
  * In a block download byte 0 is a sequence number. It cannot be mistaken for a new request, since
- * the blocks this server asks for are short (block.c); so the last row takes all that is left.
+ * the blocks this server asks for are short (co_block.c); so the last row takes all that is left.
  */
 static const struct {
     uint8_t mask;

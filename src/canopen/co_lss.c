@@ -6,7 +6,7 @@
  */
 #include <string.h>
 
-#include "co.h"
+#include "canopen_private.h"
 
 enum {
     WAITING = 1,

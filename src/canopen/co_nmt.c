@@ -3,7 +3,7 @@
  * NMT state machine, heartbeat producer and consumers, node and life guarding (CiA 301; manual
  * chapters 16, 17, 27, 28).
  */
-#include "co.h"
+#include "canopen_private.h"
 
 static const uint8_t no_details[5];
 

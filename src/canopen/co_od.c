@@ -2,9 +2,9 @@
 /*
  * The object dictionary: rows, access, ranges, hooks.
  */
-#include "co.h"
+#include "canopen_private.h"
 
-/* The short names of objects.def. */
+/* The short names of co_objects.def. */
 enum {
     R = DG_CO_R,
     W = DG_CO_W,
@@ -25,7 +25,7 @@ enum {
     {index, sub, DG_CO_##type, access, slot, region, initial, min, max, hook},
 
 const struct dg_co_object co_objects[] = {
-#include "objects.def"
+#include "co_objects.def"
 };
 #undef DG_CO_PARENT
 #undef DG_CO_OBJECT

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * What pdo.c (TPDOs at work) and mapping.c (their parameters, 1800h and 1A00h) share.
+ * What co_pdo.c (TPDOs at work) and co_mapping.c (their parameters, 1800h and 1A00h) share.
  */
 #ifndef DREHGEBER_SRC_CO_PDO_H
 #define DREHGEBER_SRC_CO_PDO_H
 
-#include "co.h"
+#include "canopen_private.h"
 
 /** Transmission types, and the ends of their ranges. */
 enum co_pdo_type {

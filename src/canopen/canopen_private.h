@@ -61,7 +61,7 @@ static inline uint32_t co_predefined(uint8_t n, uint8_t node_id)
     return 0x180u + 0x100u * n + node_id;
 }
 
-/* od.c: the dictionary */
+/* co_od.c: the dictionary */
 
 /** The stack's rows, 1000h-1FFFh, sorted. */
 extern const struct dg_co_object co_objects[];
@@ -100,7 +100,7 @@ bool co_restricted(uint32_t can_id);
  * others it uses are restricted. */
 bool co_in_use(const struct dg_co_node *self, uint32_t can_id);
 
-/* storage.c: 1010h, 1011h, 2105h */
+/* co_storage.c: 1010h, 1011h, 2105h */
 
 /** Mount the store and read what is not a value: bus parameters, serial number. */
 int co_mount(struct dg_co_node *self);
@@ -114,7 +114,7 @@ enum dg_co_abort co_save_bus(struct dg_co_node *self, uint8_t bit_rate, uint8_t 
 /** 5100h when stored parameters are damaged, or not `loaded` (see co_load()). */
 void co_report_memory(struct dg_co_node *self, bool loaded);
 
-/* node.c */
+/* co_node.c */
 void co_send(struct dg_co_node *self, uint16_t id, const uint8_t *data, uint8_t dlc);
 /** The configured bit rate comes into force. */
 void co_use_bit_rate(struct dg_co_node *self);
@@ -126,7 +126,7 @@ void co_reset(struct dg_co_node *self, bool application);
  * at self->now and returns the next moment it wants to be called.
  */
 
-/* nmt.c: state machine, guarding, heartbeat */
+/* co_nmt.c: state machine, guarding, heartbeat */
 void co_nmt_start(struct dg_co_node *self);
 void co_nmt_rx(struct dg_co_node *self, const struct dg_can_frame *frame);
 void co_enter(struct dg_co_node *self, enum dg_co_state state);
@@ -134,18 +134,18 @@ void co_guard_rx(struct dg_co_node *self);
 void co_heartbeat_rx(struct dg_co_node *self, const struct dg_can_frame *frame);
 dg_ns co_nmt_step(struct dg_co_node *self);
 
-/* emcy.c */
+/* co_emcy.c */
 void co_emcy_start(struct dg_co_node *self);
 dg_ns co_emcy_step(struct dg_co_node *self);
 /** What 1029h says for a class of errors. */
 void co_react(struct dg_co_node *self, enum dg_co_error_class class_of);
 
-/* sdo.c, block.c */
+/* co_sdo.c, co_block.c */
 void co_sdo_start(struct dg_co_node *self);
 void co_sdo_rx(struct dg_co_node *self, const struct dg_can_frame *frame);
 dg_ns co_sdo_step(struct dg_co_node *self);
 
-/* pdo.c */
+/* co_pdo.c */
 void co_pdo_start(struct dg_co_node *self);
 /** The NMT state has become operational, or is not any more. */
 void co_pdo_state(struct dg_co_node *self, bool operational);
@@ -154,7 +154,7 @@ void co_sync_rx(struct dg_co_node *self, const struct dg_can_frame *frame);
 void co_pdo_rtr(struct dg_co_node *self, uint16_t id);
 dg_ns co_pdo_step(struct dg_co_node *self);
 
-/* lss.c */
+/* co_lss.c */
 void co_lss_start(struct dg_co_node *self);
 void co_lss_rx(struct dg_co_node *self, const struct dg_can_frame *frame);
 dg_ns co_lss_step(struct dg_co_node *self);
@@ -166,10 +166,10 @@ static inline bool co_lss_silent(const struct dg_co_node *self)
 
 /* Hooks, by file. */
 dg_co_hook co_hook_device, co_hook_sync_id, co_hook_time_id;
-dg_co_hook co_hook_identity, co_hook_clock;                         /* od.c */
-dg_co_hook co_hook_error_register, co_hook_status, co_hook_history; /* emcy.c */
-dg_co_hook co_hook_consumer, co_hook_heartbeat;                     /* nmt.c */
-dg_co_hook co_hook_store, co_hook_restore;                          /* storage.c */
-dg_co_hook co_hook_tpdo, co_hook_mapping;                           /* pdo.c */
+dg_co_hook co_hook_identity, co_hook_clock;                         /* co_od.c */
+dg_co_hook co_hook_error_register, co_hook_status, co_hook_history; /* co_emcy.c */
+dg_co_hook co_hook_consumer, co_hook_heartbeat;                     /* co_nmt.c */
+dg_co_hook co_hook_store, co_hook_restore;                          /* co_storage.c */
+dg_co_hook co_hook_tpdo, co_hook_mapping;                           /* co_pdo.c */
 
 #endif

@@ -5,7 +5,7 @@
  */
 #include <string.h>
 
-#include "co.h"
+#include "canopen_private.h"
 
 #define GENERIC 0x01u
 #define COMMUNICATION 0x11u

@@ -8,7 +8,7 @@
  */
 #include <string.h>
 
-#include "co.h"
+#include "canopen_private.h"
 
 #define SAVE 0x65766173u
 #define LOAD 0x64616F6Cu

@@ -13,8 +13,8 @@
  */
 #include <string.h>
 
+#include "co_sdo.h"
 #include "drehgeber/crc.h"
-#include "sdo.h"
 
 #define BLKSIZE_MAX 127u
 /**

@@ -4,7 +4,7 @@
  */
 #include <string.h>
 
-#include "co.h"
+#include "canopen_private.h"
 
 /* NMT states a service works in (CiA 301; spec for LSS: CiA 305). */
 enum {

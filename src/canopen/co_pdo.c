@@ -15,7 +15,7 @@
  */
 #include <string.h>
 
-#include "pdo.h"
+#include "co_pdo.h"
 
 static bool is_synchronous(uint8_t type)
 {

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * What the two halves of the SDO server share: sdo.c (expedited, segmented, the dispatcher) and
- * block.c (block transfer).
+ * What the two halves of the SDO server share: co_sdo.c (expedited, segmented, the dispatcher) and
+ * co_block.c (block transfer).
  */
 #ifndef DREHGEBER_SRC_SDO_H
 #define DREHGEBER_SRC_SDO_H
 
-#include "co.h"
+#include "canopen_private.h"
 
 /** Bytes of data in a segment. */
 #define SDO_SEGMENT 7u
@@ -21,7 +21,7 @@ enum sdo_command {
 /** A request's handler; `data` are the 8 bytes. What it returns other than DG_CO_OK is sent. */
 typedef enum dg_co_abort sdo_handler(struct dg_co_node *self, const uint8_t *data);
 
-/* sdo.c */
+/* co_sdo.c */
 
 /** Wait in `state`, for a request or the timeout; DG_CO_SDO_IDLE waits for nothing. */
 void co_sdo_become(struct dg_co_node *self, enum dg_co_sdo_state state);
@@ -40,7 +40,7 @@ enum dg_co_abort co_sdo_length(const struct dg_co_node *self, uint32_t length);
 /** Write the buffer to the object. The transfer is over, unless a hook delays the answer. */
 enum dg_co_abort co_sdo_write(struct dg_co_node *self);
 
-/* block.c: requests of block transfers */
+/* co_block.c: requests of block transfers */
 sdo_handler co_block_upload, co_block_upload_start, co_block_upload_acknowledge;
 sdo_handler co_block_upload_end;
 sdo_handler co_block_download, co_block_download_segment, co_block_download_end;
