@@ -13,7 +13,7 @@
  */
 #include <string.h>
 
-#include "co_sdo.h"
+#include "co_block.h"
 #include "drehgeber/crc.h"
 
 #define BLKSIZE_MAX 127u

@@ -5,7 +5,8 @@
  */
 #include <string.h>
 
-#include "canopen_private.h"
+#include "co_emcy.h"
+#include "co_nmt.h"
 
 #define GENERIC 0x01u
 #define COMMUNICATION 0x11u

@@ -6,7 +6,8 @@
  */
 #include <string.h>
 
-#include "canopen_private.h"
+#include "co_lss.h"
+#include "co_storage.h"
 
 enum {
     WAITING = 1,

@@ -2,6 +2,7 @@
 /*
  * Parameters of the TPDOs: 1800h and 1A00h (CiA 301; manual chapters 11, 12).
  */
+#include "co_od.h"
 #include "co_pdo.h"
 
 /* Sub-indices of 1800h. */

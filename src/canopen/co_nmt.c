@@ -3,7 +3,9 @@
  * NMT state machine, heartbeat producer and consumers, node and life guarding (CiA 301; manual
  * chapters 16, 17, 27, 28).
  */
-#include "canopen_private.h"
+#include "co_nmt.h"
+#include "co_pdo.h"
+#include "co_sdo.h"
 
 static const uint8_t no_details[5];
 

@@ -4,7 +4,13 @@
  */
 #include <string.h>
 
-#include "canopen_private.h"
+#include "co_emcy.h"
+#include "co_lss.h"
+#include "co_nmt.h"
+#include "co_od.h"
+#include "co_pdo.h"
+#include "co_sdo.h"
+#include "co_storage.h"
 
 /* NMT states a service works in (CiA 301; spec for LSS: CiA 305). */
 enum {

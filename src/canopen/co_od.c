@@ -2,7 +2,12 @@
 /*
  * The object dictionary: rows, access, ranges, hooks.
  */
-#include "canopen_private.h"
+#include "co_od.h"
+
+#include "co_emcy.h"
+#include "co_nmt.h"
+#include "co_pdo.h"
+#include "co_storage.h"
 
 /* The short names of co_objects.def. */
 enum {

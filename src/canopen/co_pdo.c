@@ -15,6 +15,7 @@
  */
 #include <string.h>
 
+#include "co_od.h"
 #include "co_pdo.h"
 
 static bool is_synchronous(uint8_t type)

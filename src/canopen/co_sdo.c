@@ -17,6 +17,8 @@
  */
 #include <string.h>
 
+#include "co_block.h"
+#include "co_od.h"
 #include "co_sdo.h"
 
 /** CiA 301 leaves the server's timeout open. */

@@ -8,7 +8,9 @@
  */
 #include <string.h>
 
-#include "canopen_private.h"
+#include "co_od.h"
+#include "co_pdo.h"
+#include "co_storage.h"
 
 #define SAVE 0x65766173u
 #define LOAD 0x64616F6Cu

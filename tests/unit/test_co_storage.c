@@ -12,7 +12,7 @@
 
 #include <cmocka.h>
 
-#include "canopen_private.h"
+#include "co_od.h"
 #include "co_rig.h"
 
 #define COUNT(a) (sizeof(a) / sizeof((a)[0]))

@@ -8,7 +8,7 @@
 #include <inttypes.h>
 #include <stdlib.h>
 
-#include "../../src/canopen/canopen_private.h"
+#include "../../src/canopen/co_od.h"
 #include "drehgeber/drehgeber.h"
 
 /* ObjectType of CiA 306. */

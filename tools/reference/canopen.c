@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "../../src/cia406/cia406_private.h"
-#include "canopen_private.h"
+#include "co_od.h"
 
 struct row {
     unsigned index, sub;

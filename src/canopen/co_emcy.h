@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * Emergencies: causes, error register, history, the reaction to them.
+ */
+#ifndef DREHGEBER_CO_EMCY_H
+#define DREHGEBER_CO_EMCY_H
+
+#include "canopen_private.h"
+
+void co_emcy_start(struct dg_co_node *self);
+dg_ns co_emcy_step(struct dg_co_node *self);
+/** What 1029h says for a class of errors. */
+void co_react(struct dg_co_node *self, enum dg_co_error_class class_of);
+
+/** Hooks of 1001h, 1002h and 1003h. */
+dg_co_hook co_hook_error_register, co_hook_status, co_hook_history;
+
+#endif
