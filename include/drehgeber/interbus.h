@@ -163,6 +163,7 @@ struct dg_ib {
 
     /* bus */
     bool powered;
+    bool mounted;      /**< the EEPROM could be read at the start */
     bool reconfigure;  /**< message bits of the next ID cycle */
     bool crc_error;    /**< likewise */
     bool outgoing_off; /**< outgoing bus switched off (LED RD) */

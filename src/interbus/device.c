@@ -74,22 +74,17 @@ static void forget(struct dg_ib *self, dg_ns now)
 
 int dg_ib_power_on(struct dg_ib *self, dg_ns now)
 {
-    int result = DG_OK;
-
     forget(self, now);
     if (self->setup.model->profile == DG_IB_K3) {
-        result = self->setup.world->eeprom_acknowledges ? ib_mount(self) : DG_ERR_IO;
-        if (result == DG_ERR_IO) { /* a silent memory: everything is lost, until the next start */
-            self->store.layout = NULL;
-            result = DG_OK;
-        }
-        if (result != DG_OK) {
+        const int result = self->setup.world->eeprom_acknowledges ? ib_mount(self) : DG_ERR_IO;
+        self->mounted = result == DG_OK;
+        if (result != DG_OK && result != DG_ERR_IO) {
             return result;
         }
-        ib_load(self);
+        ib_load(self); /* of a silent memory everything is lost, until the next start */
     }
     self->powered = true;
-    return result;
+    return DG_OK;
 }
 
 void dg_ib_power_off(struct dg_ib *self)

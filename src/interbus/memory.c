@@ -137,7 +137,7 @@ static void load(struct dg_ib *self, uint8_t region, uint8_t *to)
 {
     const struct dg_store_region *row = &regions[region];
 
-    if (self->store.layout == NULL || dg_store_damaged(&self->store, region) ||
+    if (!self->mounted || dg_store_damaged(&self->store, region) ||
         dg_store_read(&self->store, region, 0, to, row->size) != DG_OK) {
         row->defaults(self->setup.model, to);
         self->lost |= IB_REGION_BIT(region);
@@ -229,7 +229,7 @@ void ib_load_program(struct dg_ib *self, uint8_t number, struct dg_ib_program *o
 
 static bool writable(const struct dg_ib *self)
 {
-    return self->store.layout != NULL && self->setup.world->eeprom_acknowledges;
+    return self->mounted && self->setup.world->eeprom_acknowledges;
 }
 
 bool ib_put(struct dg_ib *self, uint8_t region, const uint8_t *bytes)
