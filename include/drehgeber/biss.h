@@ -31,6 +31,7 @@
 
 #include "drehgeber/api.h"
 #include "drehgeber/hal.h"
+#include "drehgeber/stack.h"
 #include "drehgeber/store.h"
 #include "drehgeber/time.h"
 #include "drehgeber/world.h"
@@ -339,6 +340,13 @@ DG_API uint8_t dg_biss_crc6(uint64_t bits, uint8_t n);
 
 /** CRC4 (13h) over the last `n` bits of `bits`, as sent: inverted. @param n 0..64 */
 DG_API uint8_t dg_biss_crc4(uint64_t bits, uint8_t n);
+
+/** The protocol: models are struct dg_biss_model, devices struct dg_biss; setup.port is not looked
+ * at. */
+DG_API extern const struct dg_stack dg_biss_stack;
+
+/** The figures of a model of this stack; NULL when it is of another one. */
+DG_API const struct dg_biss_model *dg_biss_model_of(const struct dg_device *device);
 
 #ifdef __cplusplus
 }

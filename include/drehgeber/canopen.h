@@ -374,6 +374,10 @@ DG_API int dg_co_format(const struct dg_co_device *device, struct dg_nvm nvm, ui
 /** Make a node, without power. @return 0 or DG_ERR_ARGUMENT */
 DG_API int dg_co_init(struct dg_co_node *self, const struct dg_co_setup *setup);
 
+/** As dg_stack.attach: `self` holds the bytes of a node of the same device; these are its pointers
+ * now, none with NULL. */
+DG_API void dg_co_attach(struct dg_co_node *self, const struct dg_co_setup *setup);
+
 /**
  * Power on: mount the store, load values, boot-up frame, pre-operational (or operational).
  * @return 0; DG_ERR_BLANK, DG_ERR_FOREIGN: not this device's memory, the node stays off

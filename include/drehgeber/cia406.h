@@ -15,6 +15,7 @@
 
 #include "drehgeber/api.h"
 #include "drehgeber/canopen.h"
+#include "drehgeber/stack.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -81,6 +82,15 @@ struct dg_cia406 {
     bool serial_open;    /**< 300Bh may be written once */
 };
 
+/**
+ * A node with the encoder behind it: a device of dg_cia406_stack. The node points to the encoder,
+ * so that a copy is to be attached (dg_stack.attach).
+ */
+struct dg_cia406_device {
+    struct dg_co_node node;
+    struct dg_cia406 encoder;
+};
+
 /** The singleturn device, the multiturn device with 4096 and the one with 65536 turns. */
 DG_API extern const struct dg_co_device dg_cia406_singleturn;
 DG_API extern const struct dg_co_device dg_cia406_multiturn;
@@ -91,6 +101,17 @@ DG_API int dg_cia406_init(struct dg_cia406 *self, const struct dg_cia406_model *
 
 /** What the LEDs show at node->now. `node` is a node of this profile. */
 DG_API struct dg_cia406_leds dg_cia406_leds(const struct dg_co_node *node);
+
+/** 6004h as a sample at `now` would have it. `node` is a node of this profile; it takes no sample.
+ */
+DG_API uint32_t dg_cia406_position(const struct dg_co_node *node, dg_ns now);
+
+/** The protocol: models are struct dg_cia406_model, devices struct dg_cia406_device; setup.port is
+ * a struct dg_co_ops. */
+DG_API extern const struct dg_stack dg_cia406_stack;
+
+/** The figures of a model of this stack; NULL when it is of another one. */
+DG_API const struct dg_cia406_model *dg_cia406_model_of(const struct dg_device *device);
 
 #ifdef __cplusplus
 }

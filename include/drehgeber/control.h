@@ -61,7 +61,7 @@ struct dg_encoder;
 
 /** What one kind of encoder does in its own way; one table for each stack. */
 struct dg_encoder_kind {
-    enum dg_device_stack stack;
+    const struct dg_stack *stack;
     /** Its EEPROM, NULL without one. */
     const struct dg_store_layout *(*layout)(const struct dg_encoder *self);
     /** Whether it does not look at the multiturn sensor. */
@@ -84,8 +84,8 @@ struct dg_encoder_kind {
 DG_API extern const struct dg_encoder_kind dg_kind_hiperface, dg_kind_biss, dg_kind_canopen,
     dg_kind_interbus;
 
-/** The kind of a stack, for hosts that have them all. */
-DG_API const struct dg_encoder_kind *dg_encoder_kind_of(enum dg_device_stack stack);
+/** The kind of a stack, for hosts that have them all; NULL: there is none. */
+DG_API const struct dg_encoder_kind *dg_encoder_kind_of(const struct dg_stack *stack);
 
 /** A shaft with a name. */
 struct dg_rig_shaft {

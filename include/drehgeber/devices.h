@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * The models: which stack, which figures, which identity. One row each.
+ * The models: which stack, which figures, which identity. Each family of models is an object file
+ * of its own, so that a program which names one device links the stack of that one only; dg_devices
+ * and dg_device_find() link them all.
  */
 #ifndef DREHGEBER_DEVICES_H
 #define DREHGEBER_DEVICES_H
@@ -9,37 +11,23 @@
 #include <stddef.h>
 
 #include "drehgeber/api.h"
-#include "drehgeber/biss.h"
-#include "drehgeber/cia406.h"
-#include "drehgeber/hiperface.h"
-#include "drehgeber/interbus.h"
+#include "drehgeber/stack.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-/** Which stack a model runs, and so which of its pointers in struct dg_device is set. */
-enum dg_device_stack {
-    DG_STACK_HIPERFACE,
-    DG_STACK_BISS,
-    DG_STACK_CANOPEN,
-    DG_STACK_INTERBUS,
-};
-
-/** A model as it can be ordered. */
-struct dg_device {
-    const char *name;       /**< as on the command line, e.g. "s3684-rs485" */
-    const char *wire;       /**< what it speaks, e.g. "RS485 + SinCos (HIPERFACE-compatible)" */
-    const char *resolution; /**< in words, e.g. "2048 periods x 32 steps, 4096 turns" */
-    enum dg_device_stack stack;
-    const struct dg_hf_model *hiperface;  /**< for DG_STACK_HIPERFACE */
-    const struct dg_biss_model *biss;     /**< for DG_STACK_BISS */
-    const struct dg_cia406_model *cia406; /**< for DG_STACK_CANOPEN */
-    const struct dg_ib_model *interbus;   /**< for DG_STACK_INTERBUS */
-};
+/** RS485 + SinCos: singleturn, multiturn. */
+DG_API extern const struct dg_device dg_s3674_rs485, dg_s3684_rs485;
+/** BiSS-C: singleturn, multiturn. */
+DG_API extern const struct dg_device dg_s3674_biss, dg_s3684_biss;
+/** CANopen: singleturn, multiturn. */
+DG_API extern const struct dg_device dg_f3658, dg_f3668;
+/** INTERBUS, by ENCOM profile. */
+DG_API extern const struct dg_device dg_ocd_ib_k1, dg_ocd_ib_k2, dg_ocd_ib_k3;
 
 /** All models, in the order they are listed. */
-DG_API extern const struct dg_device dg_devices[];
+DG_API extern const struct dg_device *const dg_devices[];
 DG_API extern const size_t dg_device_count;
 
 /** The model called `name`, or NULL. */

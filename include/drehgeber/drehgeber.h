@@ -23,6 +23,7 @@
 #include "drehgeber/motion.h"
 #include "drehgeber/scpi.h"
 #include "drehgeber/shaft.h"
+#include "drehgeber/stack.h"
 #include "drehgeber/store.h"
 #include "drehgeber/time.h"
 #include "drehgeber/world.h"

@@ -13,7 +13,7 @@
 #include <stdint.h>
 
 #include "drehgeber/api.h"
-#include "drehgeber/devices.h"
+#include "drehgeber/stack.h"
 #include "drehgeber/store.h"
 #include "drehgeber/world.h"
 
@@ -46,8 +46,8 @@ enum dg_fault_kind {
 /** An entry of the catalogue. Memory faults have no row: there is one for each checked region of
  * the encoder's layout, called "eeprom_" and the region's name with '_' for '-'. */
 struct dg_fault_row {
-    const char *name; /**< letters, digits, '_'; e.g. "led_current_high" */
-    uint8_t stacks;   /**< bit n: encoders of enum dg_device_stack n have it */
+    const char *name;             /**< letters, digits, '_'; e.g. "led_current_high" */
+    const struct dg_stack *stack; /**< whose encoders have it */
     enum dg_fault_kind kind;
     uint8_t wire;        /**< enum dg_wire_fault */
     uint8_t size;        /**< of the quantity in bytes: 1 (bool), 2 or 4 */
@@ -58,7 +58,7 @@ struct dg_fault_row {
     const char *chapter; /**< of the manual, or a decision (R8, C6, I4, biss k=18) */
 };
 
-/** The rows. The same name may stand in several rows for different stacks. */
+/** The rows. The same name may stand in rows of several stacks. */
 DG_API extern const struct dg_fault_row dg_fault_rows[];
 DG_API extern const size_t dg_fault_row_count;
 
@@ -105,7 +105,7 @@ struct dg_fault_entry {
 
 /** What faults work on. */
 struct dg_fault_target {
-    enum dg_device_stack stack;
+    const struct dg_stack *stack;
     struct dg_world *world;
     const struct dg_store_layout *layout; /**< NULL: no EEPROM */
     struct dg_nvm nvm;
@@ -149,7 +149,7 @@ DG_API bool dg_fault_wire_takes(struct dg_faults *self, enum dg_wire_fault fault
 DG_API uint32_t dg_fault_pick(struct dg_faults *self, uint32_t n);
 
 /** dg_fault_row.value of wire fault `fault` for `stack`: the delay. */
-DG_API int64_t dg_fault_wire_value(enum dg_device_stack stack, enum dg_wire_fault fault);
+DG_API int64_t dg_fault_wire_value(const struct dg_stack *stack, enum dg_wire_fault fault);
 
 #ifdef __cplusplus
 }

@@ -24,6 +24,7 @@
 
 #include "drehgeber/api.h"
 #include "drehgeber/hal.h"
+#include "drehgeber/stack.h"
 #include "drehgeber/store.h"
 #include "drehgeber/time.h"
 #include "drehgeber/world.h"
@@ -305,6 +306,13 @@ DG_API uint32_t dg_hf_position(const struct dg_hf *self, dg_ns now);
  * the raw position, sin 0 and cos at its peak where a new period of the raw position begins. Pure.
  */
 DG_API void dg_hf_sincos(const struct dg_hf *self, dg_ns now, struct dg_hf_sincos *out);
+
+/** The protocol: models are struct dg_hf_model, devices struct dg_hf; setup.port is a struct
+ * dg_hf_ops. */
+DG_API extern const struct dg_stack dg_hf_stack;
+
+/** The figures of a model of this stack; NULL when it is of another one. */
+DG_API const struct dg_hf_model *dg_hf_model_of(const struct dg_device *device);
 
 #ifdef __cplusplus
 }

@@ -25,6 +25,7 @@
 
 #include "drehgeber/api.h"
 #include "drehgeber/hal.h"
+#include "drehgeber/stack.h"
 #include "drehgeber/store.h"
 #include "drehgeber/time.h"
 #include "drehgeber/world.h"
@@ -378,6 +379,13 @@ DG_API uint32_t dg_ib_bit_times(uint32_t bytes, uint32_t devices);
 
 /** Cycle time of a ring: its bit times at `baud` (500000 or 2000000) plus the master's time. */
 DG_API dg_ns dg_ib_ring_cycle_time(const struct dg_ib_ring *self, uint32_t baud, dg_ns software);
+
+/** The protocol: models are struct dg_ib_model, devices struct dg_ib; setup.port is not looked at.
+ */
+DG_API extern const struct dg_stack dg_ib_stack;
+
+/** The figures of a model of this stack; NULL when it is of another one. */
+DG_API const struct dg_ib_model *dg_ib_model_of(const struct dg_device *device);
 
 #ifdef __cplusplus
 }

@@ -123,6 +123,18 @@ void cia406_sample(struct dg_co_node *node)
     self->areas = areas(node, self->position);
 }
 
+uint32_t dg_cia406_position(const struct dg_co_node *node, dg_ns now)
+{
+    /* A sample belongs to the bus: this one is a copy's. */
+    struct dg_cia406 encoder = *encoder_of(node);
+    struct dg_co_node at = *node;
+
+    at.now = now;
+    at.setup.application = &encoder;
+    cia406_sample(&at);
+    return encoder.position;
+}
+
 /* The mark of a good record: which way the position ascends is part of the line it describes. */
 static uint8_t usf_mark(const struct dg_co_node *node)
 {

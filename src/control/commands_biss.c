@@ -3,6 +3,7 @@
  * BISS: frames and registers through a wire that the host clocks.
  */
 #include "control_private.h"
+#include "drehgeber/biss.h"
 
 #define CRC_BITS 6u
 #define LIFE_BITS 6u
@@ -15,7 +16,7 @@ static const struct dg_scpi_range bytes_range = {DG_SCPI_PLAIN, 0, 0, UINT8_MAX}
 /* Whether the selected encoder is one with BiSS on a wire that the host clocks. */
 static bool has_biss(struct dg_scpi *self, bool there)
 {
-    if (control_encoder(self)->kind->stack != DG_STACK_BISS) {
+    if (control_encoder(self)->kind->stack != &dg_biss_stack) {
         control_refuse(self, DG_SCPI_MISSING_HARDWARE, "it is no BiSS encoder");
         return false;
     }

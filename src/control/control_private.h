@@ -70,8 +70,8 @@ int control_damage(const struct dg_fault_target *target, uint8_t region, uint32_
 /** Flip it back, unless the region was written since. */
 int control_mend(const struct dg_fault_target *target, uint8_t region, int64_t note);
 /** What damage of a region does. */
-const char *control_damage_effect(enum dg_device_stack stack, const char *region);
-const char *control_damage_chapter(enum dg_device_stack stack, const char *region);
+const char *control_damage_effect(const struct dg_stack *stack, const char *region);
+const char *control_damage_chapter(const struct dg_stack *stack, const char *region);
 
 /* state.c: parts of STATe?. */
 void control_state_begin(struct dg_scpi *to, const char *key);

@@ -6,7 +6,11 @@
  * bit, 63..32 its address.
  */
 #include "control_private.h"
+#include "drehgeber/biss.h"
 #include "drehgeber/bits.h"
+#include "drehgeber/cia406.h"
+#include "drehgeber/hiperface.h"
+#include "drehgeber/interbus.h"
 
 #define NOTE_VALUE 16u
 #define NOTE_MASK 24u
@@ -101,22 +105,22 @@ int control_mend(const struct dg_fault_target *target, uint8_t region, int64_t n
 /* clang-format off */
 /* The last row of a stack is for all other regions. */
 static const struct {
-    enum dg_device_stack stack;
+    const struct dg_stack *stack;
     const char *region; /* NULL: any other */
     const char *effect;
     const char *chapter;
 } effects[] = {
-    {DG_STACK_HIPERFACE, NULL,   "from the next start on: the region's code, then 06h on the error stack; commands bound to it answer 02h, 03h, 05h or 06h", "5.1.3"},
-    {DG_STACK_BISS,      NULL,   "from the next start or command 04 on: 69h bit 4, nERR low; a damaged 'config' has its defaults", "5.2.3"},
-    {DG_STACK_CANOPEN,   "usf",  "from the next start on, with the universal scaling function: EMCY 6200h until a preset is set", "25"},
-    {DG_STACK_CANOPEN,   "time", "from the next start on: EMCY 5100h; 6508h begins anew", "15; F36x8 no. 9"},
-    {DG_STACK_CANOPEN,   NULL,   "from the next start on: EMCY 5100h, 1001h bit 0, defaults in force", "15; CANopen no. 4"},
-    {DG_STACK_INTERBUS,  "time", "from the next start on: the operating time begins anew; no error", "I17"},
-    {DG_STACK_INTERBUS,  NULL,   "from the next start on: IN 86000000h until it is sent again or 0E000000h is accepted", "9.4; I17"},
+    {&dg_hf_stack, NULL,   "from the next start on: the region's code, then 06h on the error stack; commands bound to it answer 02h, 03h, 05h or 06h", "5.1.3"},
+    {&dg_biss_stack,      NULL,   "from the next start or command 04 on: 69h bit 4, nERR low; a damaged 'config' has its defaults", "5.2.3"},
+    {&dg_cia406_stack,   "usf",  "from the next start on, with the universal scaling function: EMCY 6200h until a preset is set", "25"},
+    {&dg_cia406_stack,   "time", "from the next start on: EMCY 5100h; 6508h begins anew", "15; F36x8 no. 9"},
+    {&dg_cia406_stack,   NULL,   "from the next start on: EMCY 5100h, 1001h bit 0, defaults in force", "15; CANopen no. 4"},
+    {&dg_ib_stack,  "time", "from the next start on: the operating time begins anew; no error", "I17"},
+    {&dg_ib_stack,  NULL,   "from the next start on: IN 86000000h until it is sent again or 0E000000h is accepted", "9.4; I17"},
 };
 /* clang-format on */
 
-static size_t effect_of(enum dg_device_stack stack, const char *region)
+static size_t effect_of(const struct dg_stack *stack, const char *region)
 {
     size_t i = 0;
 
@@ -127,12 +131,12 @@ static size_t effect_of(enum dg_device_stack stack, const char *region)
     return i;
 }
 
-const char *control_damage_effect(enum dg_device_stack stack, const char *region)
+const char *control_damage_effect(const struct dg_stack *stack, const char *region)
 {
     return effects[effect_of(stack, region)].effect;
 }
 
-const char *control_damage_chapter(enum dg_device_stack stack, const char *region)
+const char *control_damage_chapter(const struct dg_stack *stack, const char *region)
 {
     return effects[effect_of(stack, region)].chapter;
 }

@@ -5,13 +5,15 @@
  * configuration (the S36's type label, 2120h) it may have to be chosen by WORLd instead.
  */
 #include "control_private.h"
+#include "drehgeber/biss.h"
+#include "drehgeber/cia406.h"
+#include "drehgeber/hiperface.h"
+#include "drehgeber/interbus.h"
 
-enum {
-    RS485 = 1 << DG_STACK_HIPERFACE,
-    BISS = 1 << DG_STACK_BISS,
-    CAN = 1 << DG_STACK_CANOPEN,
-    IBUS = 1 << DG_STACK_INTERBUS,
-};
+#define RS485 &dg_hf_stack
+#define BISS &dg_biss_stack
+#define CAN &dg_cia406_stack
+#define IBUS &dg_ib_stack
 
 /* A quantity of the world: kind, wire, size, offset. */
 #define SENSE(member)                                                                              \

@@ -25,8 +25,8 @@ static const size_t multiturn[] = {
 /* Whether this encoder can notice it. */
 static bool concerns(const struct dg_fault_target *target, const struct dg_fault_row *row)
 {
-    if ((row->stacks >> target->stack & 1u) == 0 || row->kind != DG_FAULT_WORLD) {
-        return (row->stacks >> target->stack & 1u) != 0;
+    if (row->stack != target->stack || row->kind != DG_FAULT_WORLD) {
+        return row->stack == target->stack;
     }
     for (size_t i = 0; target->singleturn && i < sizeof multiturn / sizeof multiturn[0]; i++) {
         if (row->offset == multiturn[i]) {
@@ -356,7 +356,7 @@ uint32_t dg_fault_pick(struct dg_faults *self, uint32_t n)
     return (uint32_t)((uint64_t)self->random * n >> 32);
 }
 
-int64_t dg_fault_wire_value(enum dg_device_stack stack, enum dg_wire_fault fault)
+int64_t dg_fault_wire_value(const struct dg_stack *stack, enum dg_wire_fault fault)
 {
     const struct dg_fault_target target = {.stack = stack};
     const struct dg_fault_row *row;

@@ -3,6 +3,7 @@
  * The S36 BiSS as an instrument.
  */
 #include "control_private.h"
+#include "drehgeber/biss.h"
 
 static struct dg_biss *device_of(const struct dg_encoder *self)
 {
@@ -97,7 +98,7 @@ static void state(const struct dg_encoder *self, dg_ns now, struct dg_scpi *to)
 }
 
 const struct dg_encoder_kind dg_kind_biss = {
-    .stack = DG_STACK_BISS,
+    .stack = &dg_biss_stack,
     .layout = layout,
     .singleturn = singleturn,
     .format = format,

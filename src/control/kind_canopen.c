@@ -3,6 +3,7 @@
  * The F36x8 as an instrument.
  */
 #include "control_private.h"
+#include "drehgeber/cia406.h"
 
 #define CODE_MASK 0xFFFFu
 
@@ -117,7 +118,7 @@ static void state(const struct dg_encoder *self, dg_ns now, struct dg_scpi *to)
 }
 
 const struct dg_encoder_kind dg_kind_canopen = {
-    .stack = DG_STACK_CANOPEN,
+    .stack = &dg_cia406_stack,
     .layout = layout,
     .singleturn = singleturn,
     .format = format,

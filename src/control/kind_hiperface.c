@@ -3,6 +3,7 @@
  * The S36 RS485 as an instrument.
  */
 #include "control_private.h"
+#include "drehgeber/hiperface.h"
 
 static struct dg_hf *device_of(const struct dg_encoder *self)
 {
@@ -115,7 +116,7 @@ static void state(const struct dg_encoder *self, dg_ns now, struct dg_scpi *to)
 }
 
 const struct dg_encoder_kind dg_kind_hiperface = {
-    .stack = DG_STACK_HIPERFACE,
+    .stack = &dg_hf_stack,
     .layout = layout,
     .singleturn = singleturn,
     .format = format,

@@ -3,6 +3,7 @@
  * The OCD INTERBUS as an instrument.
  */
 #include "control_private.h"
+#include "drehgeber/interbus.h"
 
 /* The message bit of K1's and K2's only error (I19). */
 #define MODULE_ERROR 0x2000u
@@ -126,7 +127,7 @@ static void state(const struct dg_encoder *self, dg_ns now, struct dg_scpi *to)
 }
 
 const struct dg_encoder_kind dg_kind_interbus = {
-    .stack = DG_STACK_INTERBUS,
+    .stack = &dg_ib_stack,
     .layout = layout,
     .singleturn = singleturn,
     .format = format,

@@ -1,14 +1,19 @@
 /* SPDX-License-Identifier: MIT */
 #include "control_private.h"
 
-const struct dg_encoder_kind *dg_encoder_kind_of(enum dg_device_stack stack)
+const struct dg_encoder_kind *dg_encoder_kind_of(const struct dg_stack *stack)
 {
     static const struct dg_encoder_kind *const kinds[] = {
-        [DG_STACK_HIPERFACE] = &dg_kind_hiperface,
-        [DG_STACK_BISS] = &dg_kind_biss,
-        [DG_STACK_CANOPEN] = &dg_kind_canopen,
-        [DG_STACK_INTERBUS] = &dg_kind_interbus,
+        &dg_kind_hiperface,
+        &dg_kind_biss,
+        &dg_kind_canopen,
+        &dg_kind_interbus,
     };
 
-    return kinds[stack];
+    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
+        if (kinds[i]->stack == stack) {
+            return kinds[i];
+        }
+    }
+    return NULL;
 }

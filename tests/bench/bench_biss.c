@@ -80,7 +80,7 @@ static double frames_per_s(void (*frame)(void))
 int main(int argc, char **argv)
 {
     const bool counted = argc == 3 && strcmp(argv[1], "--callgrind") == 0;
-    struct dg_biss_model model = *dg_device_find("s3684-biss")->biss;
+    struct dg_biss_model model = *dg_biss_model_of(dg_device_find("s3684-biss"));
 
     if (argc != 1 && !counted) {
         (void)fprintf(stderr, "usage: bench_biss [--callgrind N]\n");

@@ -14,6 +14,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "drehgeber/cia406.h"
 #include "drehgeber/devices.h"
 #include "ram_nvm.h"
 
@@ -63,7 +64,7 @@ static void receive(const struct dg_can_frame *frame)
 static bool start(void)
 {
     static const struct dg_can_frame operational = {.dlc = 2, .data = {0x01, NODE_ID}};
-    const struct dg_cia406_model *model = dg_device_find("f3668")->cia406;
+    const struct dg_cia406_model *model = dg_cia406_model_of(dg_device_find("f3668"));
     const struct dg_co_setup setup = {.device = model->device,
                                       .world = &bench.world,
                                       .nvm = ram_nvm_port(&bench.nvm),

@@ -100,7 +100,7 @@ int main(int argc, char **argv)
         (void)fprintf(stderr, "usage: bench_hf [--callgrind N]\n");
         return 2;
     }
-    if (hf_rig_init(&rig, dg_device_find("s3684-rs485")->hiperface) != DG_OK ||
+    if (hf_rig_init(&rig, dg_hf_model_of(dg_device_find("s3684-rs485"))) != DG_OK ||
         hf_rig_power_on(&rig) != DG_OK || hf_rig_ask(&rig, "4D 00 CF 55") != 0) {
         return 1;
     }

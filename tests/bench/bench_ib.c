@@ -69,7 +69,7 @@ int main(void)
 {
     static const uint16_t counts[] = {1, 16, 512};
 
-    must(ib_rig_init(&rig, dg_device_find("ocd-ib-k3")->interbus) == DG_OK);
+    must(ib_rig_init(&rig, dg_ib_model_of(dg_device_find("ocd-ib-k3"))) == DG_OK);
     rig.angle_per_ms = DG_TURN / 20; /* 3000 rpm */
     (void)printf("K3        cycles/s  us at 2MBd  x real time\n");
     for (size_t i = 0; i < sizeof counts / sizeof counts[0]; i++) {

@@ -173,10 +173,10 @@ static bool add_slave(struct biss_bench *b, char **words, size_t n, struct cf_re
     struct dg_biss_setup setup = {&slave->model, &b->world, {NULL, NULL}};
     struct biss_channel *channel = &b->master.channels[b->chain.count];
 
-    if (device == NULL || device->stack != DG_STACK_BISS || b->chain.count == BISS_SLAVES_MAX) {
+    if (device == NULL || device->stack != &dg_biss_stack || b->chain.count == BISS_SLAVES_MAX) {
         return cf_fail(report, "no such model, or too many slaves");
     }
-    slave->model = *device->biss;
+    slave->model = *dg_biss_model_of(device);
     for (size_t i = 2; i < n; i++) {
         if (strcmp(words[i], "window") != 0 &&
             !set_figure(model_figures, &slave->model, words[i])) {

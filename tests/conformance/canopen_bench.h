@@ -7,6 +7,7 @@
 #define TESTS_CONFORMANCE_CANOPEN_BENCH_H
 
 #include "conformance.h"
+#include "drehgeber/cia406.h"
 #include "drehgeber/devices.h"
 #include "drehgeber/store.h"
 #include "ram_nvm.h"

@@ -417,11 +417,11 @@ static bool step_given(void *ctx, char **words, size_t n, struct cf_report *repo
     uint32_t serial = 1234567890;
     bool keep = false;
 
-    if (device == NULL || device->stack != DG_STACK_CANOPEN) {
+    if (device == NULL || device->stack != &dg_cia406_stack) {
         return cf_fail(report, "given: no such model");
     }
     b->device = device;
-    b->model = *device->cia406;
+    b->model = *dg_cia406_model_of(device);
     for (size_t i = 2; i < n; i++) {
         if (strncmp(words[i], "serial=", 7) == 0) {
             serial = (uint32_t)strtoul(words[i] + 7, NULL, 10);

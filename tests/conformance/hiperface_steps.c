@@ -9,6 +9,7 @@
 
 #include "conformance.h"
 #include "drehgeber/devices.h"
+#include "drehgeber/hiperface.h"
 #include "ram_nvm.h"
 
 #define REPLIES_MAX 4u
@@ -430,10 +431,10 @@ static bool step_given(void *ctx, char **words, size_t n, struct cf_report *repo
     const char *raw = "0";
     bool in_window = false;
 
-    if (device == NULL || device->stack != DG_STACK_HIPERFACE) {
+    if (device == NULL || device->stack != &dg_hf_stack) {
         return cf_fail(report, "given: no such model");
     }
-    b->model = *device->hiperface;
+    b->model = *dg_hf_model_of(device);
     for (size_t i = 2; i < n; i++) {
         if (strcmp(words[i], "window") == 0) {
             in_window = true;

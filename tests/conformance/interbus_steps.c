@@ -9,6 +9,7 @@
 
 #include "conformance.h"
 #include "drehgeber/devices.h"
+#include "drehgeber/interbus.h"
 #include "ram_nvm.h"
 
 #define DEVICES_MAX 4u
@@ -513,10 +514,10 @@ static bool add_device(struct bench *b, char **words, size_t n, struct cf_report
     struct slave *slave = &b->slaves[b->count];
     struct dg_ib_setup setup = {&slave->model, &b->world, {NULL, NULL}};
 
-    if (device == NULL || device->stack != DG_STACK_INTERBUS || b->count == DEVICES_MAX) {
+    if (device == NULL || device->stack != &dg_ib_stack || b->count == DEVICES_MAX) {
         return cf_fail(report, "no such model, or too many");
     }
-    slave->model = *device->interbus;
+    slave->model = *dg_ib_model_of(device);
     for (size_t i = 2; i < n; i++) {
         if (strncmp(words[i], "raw=", 4) != 0 && strcmp(words[i], "test") != 0 &&
             !set_figure(model_figures, &slave->model, words[i])) {

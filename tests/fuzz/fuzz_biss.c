@@ -234,7 +234,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
     };
     struct input input = {.at = bytes, .end = bytes + n};
     struct dg_biss_model model =
-        *dg_device_find((take(&input) & 1u) != 0 ? "s3674-biss" : "s3684-biss")->biss;
+        *dg_biss_model_of(dg_device_find((take(&input) & 1u) != 0 ? "s3674-biss" : "s3684-biss"));
 
     const uint8_t kind = take(&input);
     model.stop_bit_early = (kind & 1u) != 0;

@@ -649,7 +649,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
     struct input input = {.at = bytes, .end = bytes + n};
 
     memset(&bench, 0, sizeof bench);
-    must(start(&bench, dg_device_find((take(&input) & 1u) != 0 ? "f3658" : "f3668")->cia406));
+    must(start(&bench,
+               dg_cia406_model_of(dg_device_find((take(&input) & 1u) != 0 ? "f3658" : "f3668"))));
     while (input.at < input.end) {
         pass(&bench, DG_US(100));
         operations[take(&input) % COUNT(operations)](&bench, &input);

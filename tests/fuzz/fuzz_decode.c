@@ -12,7 +12,6 @@
 #include "drehgeber/bits.h"
 #include "trace.h"
 
-#define STACKS 4u
 #define WORDS 600u /* more than the decoder keeps */
 
 /* What is left of the input. */
@@ -131,7 +130,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
     struct lx_decoder decoder;
     dg_ns now = 0;
 
-    lx_decoder_init(&decoder, (enum dg_device_stack)(take(&input) % STACKS), on_line, NULL);
+    lx_decoder_init(&decoder, dg_devices[take(&input) % dg_device_count]->stack, on_line, NULL);
     while (input.at < input.end) {
         const uint8_t how = take(&input);
         struct lx_tap_event event = {.ours = (how & 1u) != 0};

@@ -306,7 +306,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
 
     memset(&bench, 0, sizeof bench);
     const char *const model = (take(&input) & 1u) != 0 ? "s3684-rs485" : "s3674-rs485";
-    bench.model = *dg_device_find(model)->hiperface;
+    bench.model = *dg_hf_model_of(dg_device_find(model));
     const uint8_t how = take(&input);
     if ((how & 1u) != 0) {
         bench.model.periods_per_turn = (uint16_t)take32(&input);

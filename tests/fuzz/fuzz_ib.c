@@ -219,7 +219,7 @@ static void set_up(struct bench *bench, struct input *input)
 
     memset(bench, 0, sizeof *bench);
     for (size_t i = 0; i < DEVICES; i++) {
-        struct dg_ib_model model = *dg_device_find(names[i])->interbus;
+        struct dg_ib_model model = *dg_ib_model_of(dg_device_find(names[i]));
         if (i == K3) {
             const uint8_t how = take(input);
             model.steps_minus_one = (how & 1u) != 0;

@@ -146,7 +146,7 @@ static void use_hiperface(const struct dg_device *model, struct fuzz_input *inpu
     uint8_t command[COMMAND_MAX];
     unsigned count = 0;
 
-    fuzz_must(hf_rig_init(&rig, model->hiperface) == DG_OK);
+    fuzz_must(hf_rig_init(&rig, dg_hf_model_of(model)) == DG_OK);
     change_image(&(struct image){&dg_hf_layout, &rig.nvm}, input);
     if (!started(hf_rig_power_on(&rig))) {
         return;
@@ -166,7 +166,7 @@ static void use_biss(const struct dg_device *model, struct fuzz_input *input)
     static struct biss_rig rig;
     unsigned count = 0;
 
-    fuzz_must(biss_rig_init(&rig, model->biss, 1) == DG_OK);
+    fuzz_must(biss_rig_init(&rig, dg_biss_model_of(model), 1) == DG_OK);
     change_image(&(struct image){&dg_biss_layout, &rig.nvm[0]}, input);
     if (!started(biss_rig_power_on(&rig))) {
         return;
@@ -191,7 +191,7 @@ static void use_interbus(const struct dg_device *model, struct fuzz_input *input
     static struct ib_rig rig;
     unsigned count = 0;
 
-    fuzz_must(ib_rig_init(&rig, model->interbus) == DG_OK);
+    fuzz_must(ib_rig_init(&rig, dg_ib_model_of(model)) == DG_OK);
     change_image(&(struct image){&dg_ib_layout, &rig.nvm}, input);
     if (!started(ib_rig_power_on(&rig))) {
         return;
@@ -273,7 +273,7 @@ static void use_node(struct fuzz_input *input)
 static void use_canopen(const struct dg_device *model, struct fuzz_input *input)
 {
     static const struct dg_co_ops ops = {.send = on_frame, .bit_rate = on_bit_rate};
-    const struct dg_co_device *device = model->cia406->device;
+    const struct dg_co_device *device = dg_cia406_model_of(model)->device;
 
     memset(&node, 0, sizeof node);
     dg_world_init(&node.world);
@@ -285,7 +285,7 @@ static void use_canopen(const struct dg_device *model, struct fuzz_input *input)
                                       .application = &node.encoder};
     fuzz_must(dg_co_format(device, setup.nvm, 1234567890u) == DG_OK);
     change_image(&(struct image){device->layout, &node.nvm}, input);
-    fuzz_must(dg_cia406_init(&node.encoder, model->cia406) == DG_OK);
+    fuzz_must(dg_cia406_init(&node.encoder, dg_cia406_model_of(model)) == DG_OK);
     fuzz_must(dg_co_init(&node.node, &setup) == DG_OK);
     if (started(dg_co_power_on(&node.node, 0))) {
         use_node(input);
@@ -294,15 +294,23 @@ static void use_canopen(const struct dg_device *model, struct fuzz_input *input)
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
 {
-    static void (*const uses[])(const struct dg_device *, struct fuzz_input *) = {
-        [DG_STACK_HIPERFACE] = use_hiperface,
-        [DG_STACK_BISS] = use_biss,
-        [DG_STACK_CANOPEN] = use_canopen,
-        [DG_STACK_INTERBUS] = use_interbus,
+    static const struct {
+        const struct dg_stack *stack;
+        void (*use)(const struct dg_device *model, struct fuzz_input *input);
+    } uses[] = {
+        {&dg_hf_stack, use_hiperface},
+        {&dg_biss_stack, use_biss},
+        {&dg_cia406_stack, use_canopen},
+        {&dg_ib_stack, use_interbus},
     };
     struct fuzz_input input = {.at = bytes, .end = bytes + n};
-    const struct dg_device *model = &dg_devices[fuzz_take(&input) % dg_device_count];
+    const struct dg_device *model = dg_devices[fuzz_take(&input) % dg_device_count];
 
-    uses[model->stack](model, &input);
-    return 0;
+    for (size_t i = 0; i < sizeof uses / sizeof uses[0]; i++) {
+        if (uses[i].stack == model->stack) {
+            uses[i].use(model, &input);
+            return 0;
+        }
+    }
+    abort(); /* a stack that this program does not know */
 }

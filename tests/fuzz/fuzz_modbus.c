@@ -479,7 +479,7 @@ static void set_up(struct input *input)
     }
     for (size_t i = 0; i < DEVICES; i++) {
         dg_world_init(&bench.worlds[i]);
-        members[i] = (struct lx_ring_member){.model = *dg_device_find(names[i])->interbus,
+        members[i] = (struct lx_ring_member){.model = *dg_ib_model_of(dg_device_find(names[i])),
                                              .world = &bench.worlds[i]};
     }
     bench.now = lx_now();

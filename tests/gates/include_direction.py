@@ -35,7 +35,7 @@ ROOMS = {
     "linux/base":      {"core", "motion"},
     "linux/nvm":       {"core", "linux/base"},
     "linux/trace":     {"core", "devices", "linux/base"} | PROTOCOLS,
-    "linux/plan":      {"core", "motion", "devices", "hiperface", "linux/base"},
+    "linux/plan":      {"core", "motion", "devices", "hiperface", "cia406", "linux/base"},
     "linux/wire":      {"core", "control", "hiperface", "linux/base", "linux/trace", "linux/plan"},
     "linux/rs485":     {"hiperface"} | BELOW,
     "linux/can":       {"canopen", "cia406"} | BELOW,
@@ -43,7 +43,7 @@ ROOMS = {
     "linux/interbus":  {"interbus"} | BELOW,
     "linux/rig":       {"motion"} | PROTOCOLS | BELOW | WIRES,
     "tools/drehgeber": {"motion", "linux/rig", "src/canopen", "src/cia406"} | PROTOCOLS | BELOW | WIRES,
-    "tools/reference": {"core", "control"} | PROTOCOLS | {f"src/{folder}" for folder in PROTOCOLS},
+    "tools/reference": {"core", "control", "devices"} | PROTOCOLS | {f"src/{folder}" for folder in PROTOCOLS},
     "tools/examples":  set(ALLOWED),
 }
 # public header: the folder that implements it
@@ -53,6 +53,7 @@ OWNER = {
     "bits.h":      "core",
     "crc.h":       "core",
     "hal.h":       "core",
+    "stack.h":     "core",
     "store.h":     "core",
     "time.h":      "core",
     "world.h":     "core",

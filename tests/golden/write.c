@@ -63,7 +63,7 @@ static void write_hiperface(const char *folder)
     static struct hf_rig rig;
     static struct dg_hf_model model;
     uint8_t save[5 + 128] = {0x4B, 1, 0, 128, 0x55};
-    model = *dg_device_find("s3684-rs485")->hiperface;
+    model = *dg_hf_model_of(dg_device_find("s3684-rs485"));
     (void)strcpy(model.serial, "987654321");
     assert_int_equal(hf_rig_init(&rig, &model), DG_OK);
     assert_int_equal(hf_rig_power_on(&rig), DG_OK);
@@ -95,7 +95,7 @@ static void write_biss(const char *folder)
     for (size_t i = 0; i < sizeof bank; i++) {
         bank[i] = (uint8_t)(3 * i + 1);
     }
-    assert_int_equal(biss_rig_init(&rig, dg_device_find("s3684-biss")->biss, 1), DG_OK);
+    assert_int_equal(biss_rig_init(&rig, dg_biss_model_of(dg_device_find("s3684-biss")), 1), DG_OK);
     assert_int_equal(biss_rig_power_on(&rig), DG_OK);
     assert_int_equal(biss_rig_write(&rig, 0, 0x1B, config, sizeof config), 9);
     assert_int_equal(biss_rig_put(&rig, 0x60, 0x01), 1);
@@ -174,14 +174,14 @@ static void put_all(const struct write *rows, size_t count)
 static void write_canopen(const char *folder)
 {
     static const struct dg_cia406_model wide = {.turns = 65536, .device = &dg_cia406_multiturn_32};
-    co_rig_start_model(&can, dg_device_find("f3668")->cia406);
+    co_rig_start_model(&can, dg_cia406_model_of(dg_device_find("f3668")));
     co_rig_run(&can, DG_S(800)); /* two tenths of an hour */
     PUT_ALL(bus_parameters);
     co_rig_nmt(&can, 0x81);
     PUT_ALL(parameters);
     dg_co_power_off(&can.node);
     write_image(folder, "f3668", &can.nvm);
-    co_rig_start_model(&can, dg_device_find("f3658")->cia406);
+    co_rig_start_model(&can, dg_cia406_model_of(dg_device_find("f3658")));
     PUT_ALL(few);
     dg_co_power_off(&can.node);
     write_image(folder, "f3658", &can.nvm);
@@ -209,7 +209,7 @@ static const uint32_t interbus_setup[] = {
 static void write_interbus(const char *folder)
 {
     static struct ib_rig rig;
-    assert_int_equal(ib_rig_init(&rig, dg_device_find("ocd-ib-k3")->interbus), DG_OK);
+    assert_int_equal(ib_rig_init(&rig, dg_ib_model_of(dg_device_find("ocd-ib-k3"))), DG_OK);
     ib_rig_turn_to(&rig, 0);
     assert_int_equal(ib_rig_power_on(&rig), DG_OK);
     for (size_t i = 0; i < sizeof interbus_setup / sizeof interbus_setup[0]; i++) {

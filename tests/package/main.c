@@ -40,7 +40,7 @@ int main(void)
     dg_ns now = DG_S(1);
 
     dg_world_init(&world);
-    struct dg_hf_setup setup = {device->hiperface, &world, {&nvm, NULL}, &ops, NULL};
+    struct dg_hf_setup setup = {dg_hf_model_of(device), &world, {&nvm, NULL}, &ops, NULL};
     if (dg_hf_format(setup.model, setup.nvm) || dg_hf_init(&encoder, &setup) ||
         dg_hf_power_on(&encoder, 0)) {
         return 1;

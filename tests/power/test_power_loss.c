@@ -12,7 +12,11 @@
 
 #include <cmocka.h>
 
+#include "drehgeber/biss.h"
+#include "drehgeber/cia406.h"
 #include "drehgeber/devices.h"
+#include "drehgeber/hiperface.h"
+#include "drehgeber/interbus.h"
 #include "model.h"
 
 #define LIMIT_USUAL 1000u
@@ -369,13 +373,13 @@ static int list_devices(void **state)
 {
     (void)state;
     devices[0] = (struct device){"small", &small_layout, NULL, 1};
-    devices[1] =
-        (struct device){"HIPERFACE", &dg_hf_layout, dg_device_find("s3684-rs485")->hiperface, 4};
+    devices[1] = (struct device){"HIPERFACE", &dg_hf_layout,
+                                 dg_hf_model_of(dg_device_find("s3684-rs485")), 4};
     devices[2] = (struct device){"BiSS", &dg_biss_layout, NULL, 12};
-    devices[3] =
-        (struct device){"CANopen", dg_device_find("f3668")->cia406->device->layout, &serial, 2};
+    devices[3] = (struct device){
+        "CANopen", dg_cia406_model_of(dg_device_find("f3668"))->device->layout, &serial, 2};
     devices[4] =
-        (struct device){"INTERBUS", &dg_ib_layout, dg_device_find("ocd-ib-k3")->interbus, 7};
+        (struct device){"INTERBUS", &dg_ib_layout, dg_ib_model_of(dg_device_find("ocd-ib-k3")), 7};
     return 0;
 }
 

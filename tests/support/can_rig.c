@@ -212,13 +212,13 @@ void can_rig_changed(struct can_rig *self, size_t i)
 
 void can_rig_bend(struct can_rig *self, size_t i, enum dg_wire_fault fault, uint32_t count)
 {
-    station_bend(&self->station[i], DG_STACK_CANOPEN, fault, count);
+    station_bend(&self->station[i], &dg_cia406_stack, fault, count);
     can_rig_changed(self, i);
 }
 
 void can_rig_mend(struct can_rig *self, size_t i, enum dg_wire_fault fault)
 {
-    station_mend(&self->station[i], DG_STACK_CANOPEN, fault);
+    station_mend(&self->station[i], &dg_cia406_stack, fault);
     can_rig_changed(self, i);
 }
 

@@ -1,5 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "control_rig.h"
+#include "drehgeber/biss.h"
+#include "drehgeber/devices.h"
+#include "drehgeber/hiperface.h"
+#include "drehgeber/interbus.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -160,11 +164,12 @@ static void take(void *ctx, const char *bytes, size_t n)
 
 static void start_devices(struct control_rig *self)
 {
-    assert_int_equal(hf_rig_init(&self->hf, dg_device_find("s3684-rs485")->hiperface), DG_OK);
-    assert_int_equal(biss_rig_init(&self->biss, dg_device_find("s3684-biss")->biss, 1), DG_OK);
+    assert_int_equal(hf_rig_init(&self->hf, dg_hf_model_of(dg_device_find("s3684-rs485"))), DG_OK);
+    assert_int_equal(biss_rig_init(&self->biss, dg_biss_model_of(dg_device_find("s3684-biss")), 1),
+                     DG_OK);
     co_rig_start(&self->co);
-    assert_int_equal(ib_rig_init(&self->k3, dg_device_find("ocd-ib-k3")->interbus), DG_OK);
-    assert_int_equal(ib_rig_init(&self->k2, dg_device_find("ocd-ib-k2")->interbus), DG_OK);
+    assert_int_equal(ib_rig_init(&self->k3, dg_ib_model_of(dg_device_find("ocd-ib-k3"))), DG_OK);
+    assert_int_equal(ib_rig_init(&self->k2, dg_ib_model_of(dg_device_find("ocd-ib-k2"))), DG_OK);
 }
 
 static void start_shafts(struct control_rig *self)

@@ -7,14 +7,19 @@
 
 #include <cmocka.h>
 
+#include "drehgeber/biss.h"
 #include "drehgeber/bits.h"
+#include "drehgeber/cia406.h"
+#include "drehgeber/devices.h"
+#include "drehgeber/hiperface.h"
+#include "drehgeber/interbus.h"
 
 #define EMCY 0x0BFu
 
 struct fault_rig fault_rig;
 const struct dg_fault_limits fault_rig_forever = {.probability_ppm = 1000000, .duration = DG_NEVER};
 
-static void aim(enum dg_device_stack stack, struct dg_world *world,
+static void aim(const struct dg_stack *stack, struct dg_world *world,
                 const struct dg_store_layout *layout, struct dg_nvm nvm)
 {
     memset(&fault_rig.faults, 0, sizeof fault_rig.faults);
@@ -24,16 +29,18 @@ static void aim(enum dg_device_stack stack, struct dg_world *world,
 
 void fault_rig_start_hf(void)
 {
-    assert_int_equal(hf_rig_init(&fault_rig.hf, dg_device_find("s3684-rs485")->hiperface), DG_OK);
+    assert_int_equal(hf_rig_init(&fault_rig.hf, dg_hf_model_of(dg_device_find("s3684-rs485"))),
+                     DG_OK);
     assert_int_equal(hf_rig_power_on(&fault_rig.hf), DG_OK);
-    aim(DG_STACK_HIPERFACE, &fault_rig.hf.world, &dg_hf_layout, ram_nvm_port(&fault_rig.hf.nvm));
+    aim(&dg_hf_stack, &fault_rig.hf.world, &dg_hf_layout, ram_nvm_port(&fault_rig.hf.nvm));
 }
 
 void fault_rig_start_biss(void)
 {
-    assert_int_equal(biss_rig_init(&fault_rig.biss, dg_device_find("s3684-biss")->biss, 1), DG_OK);
+    assert_int_equal(
+        biss_rig_init(&fault_rig.biss, dg_biss_model_of(dg_device_find("s3684-biss")), 1), DG_OK);
     assert_int_equal(biss_rig_power_on(&fault_rig.biss), DG_OK);
-    aim(DG_STACK_BISS, &fault_rig.biss.world, &dg_biss_layout,
+    aim(&dg_biss_stack, &fault_rig.biss.world, &dg_biss_layout,
         ram_nvm_port(&fault_rig.biss.nvm[0]));
 }
 
@@ -42,16 +49,16 @@ void fault_rig_start_co(void)
     co_rig_start(&fault_rig.co);
     co_rig_run(&fault_rig.co, FAULT_RIG_LOOK);
     co_rig_forget(&fault_rig.co);
-    aim(DG_STACK_CANOPEN, &fault_rig.co.world, dg_cia406_multiturn.layout,
+    aim(&dg_cia406_stack, &fault_rig.co.world, dg_cia406_multiturn.layout,
         ram_nvm_port(&fault_rig.co.nvm));
 }
 
 static void start_ib_model(const char *model)
 {
-    assert_int_equal(ib_rig_init(&fault_rig.ib, dg_device_find(model)->interbus), DG_OK);
+    assert_int_equal(ib_rig_init(&fault_rig.ib, dg_ib_model_of(dg_device_find(model))), DG_OK);
     assert_int_equal(ib_rig_power_on(&fault_rig.ib), DG_OK);
     (void)ib_rig_cycle(&fault_rig.ib, 0);
-    aim(DG_STACK_INTERBUS, &fault_rig.ib.world, &dg_ib_layout, ram_nvm_port(&fault_rig.ib.nvm));
+    aim(&dg_ib_stack, &fault_rig.ib.world, &dg_ib_layout, ram_nvm_port(&fault_rig.ib.nvm));
 }
 
 void fault_rig_start_k3(void)

@@ -120,7 +120,7 @@ static void open_master(struct line_rig *self)
 /* A plan of `count` encoders, the first one at 40h, the next at 41h ... */
 void line_rig_plan(struct line_rig *self, size_t count, const char *where)
 {
-    static const struct lx_wire kind = {.name = "pty", .stack = DG_STACK_HIPERFACE};
+    static const struct lx_wire kind = {.name = "pty", .stack = &dg_hf_stack};
     *self = (struct line_rig){.say = {.quiet = true}, .master = -1, .clock = {.permille = 1000}};
     assert_int_equal(lx_plan_add_wire(&self->plan, "line", &kind, where), 0);
     for (size_t i = 0; i < count; i++) {
@@ -211,7 +211,7 @@ void line_rig_inject(struct line_rig *self, size_t index, const char *name, uint
 {
     struct lx_station *station = self->stations[index];
     const struct dg_fault_target target = {
-        .stack = DG_STACK_HIPERFACE,
+        .stack = &dg_hf_stack,
         .world = &station->world,
         .layout = &dg_hf_layout,
         .nvm = station->control.nvm,

@@ -40,7 +40,7 @@ static void on_event(void *ctx, const struct lx_tap_event *event)
 
 void sim_rig_plan(struct sim_rig *self, size_t count)
 {
-    static const struct lx_wire kind = {.name = "sim", .stack = DG_STACK_BISS};
+    static const struct lx_wire kind = {.name = "sim", .stack = &dg_biss_stack};
     *self = (struct sim_rig){.say = {.quiet = true}, .clock = {.virtual_ = SIM_RIG_POWER_ON}};
     assert_int_equal(lx_plan_add_wire(&self->plan, "wire", &kind, NULL), 0);
     for (size_t i = 0; i < count; i++) {
@@ -133,7 +133,7 @@ void sim_rig_inject(struct sim_rig *self, size_t place, const char *name, uint32
 {
     struct lx_station *station = self->stations[place];
     const struct dg_fault_target target = {
-        .stack = DG_STACK_BISS,
+        .stack = &dg_biss_stack,
         .world = &station->world,
         .layout = &dg_biss_layout,
         .nvm = station->control.nvm,

@@ -20,8 +20,8 @@ static size_t entry_of(const struct dg_fault_target *target, enum dg_wire_fault 
     return 0;
 }
 
-void station_bend(struct lx_station *station, enum dg_device_stack stack, enum dg_wire_fault fault,
-                  uint32_t count)
+void station_bend(struct lx_station *station, const struct dg_stack *stack,
+                  enum dg_wire_fault fault, uint32_t count)
 {
     const struct dg_fault_target target = {.stack = stack, .world = &station->world};
     const struct dg_fault_limits limits = {count, 1000000, DG_NEVER};
@@ -30,7 +30,8 @@ void station_bend(struct lx_station *station, enum dg_device_stack stack, enum d
                      DG_OK);
 }
 
-void station_mend(struct lx_station *station, enum dg_device_stack stack, enum dg_wire_fault fault)
+void station_mend(struct lx_station *station, const struct dg_stack *stack,
+                  enum dg_wire_fault fault)
 {
     const struct dg_fault_target target = {.stack = stack, .world = &station->world};
     assert_int_equal(dg_fault_clear(&station->control.faults, &target, entry_of(&target, fault)),

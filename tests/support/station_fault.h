@@ -6,10 +6,11 @@
 #include "bus.h"
 
 /** Let `fault` happen to `count` frames, 0: until mended. The bus is not told. */
-void station_bend(struct lx_station *station, enum dg_device_stack stack, enum dg_wire_fault fault,
-                  uint32_t count);
+void station_bend(struct lx_station *station, const struct dg_stack *stack,
+                  enum dg_wire_fault fault, uint32_t count);
 
 /** Make it good. The bus is not told. */
-void station_mend(struct lx_station *station, enum dg_device_stack stack, enum dg_wire_fault fault);
+void station_mend(struct lx_station *station, const struct dg_stack *stack,
+                  enum dg_wire_fault fault);
 
 #endif

@@ -12,6 +12,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "drehgeber/biss.h"
+#include "drehgeber/cia406.h"
+#include "drehgeber/hiperface.h"
+#include "drehgeber/interbus.h"
 #include "trace.h"
 
 #define WORDS_MAX 512u
@@ -22,11 +26,14 @@ struct room {
     uint16_t out[WORDS_MAX];
 };
 
-static const char *const stacks[] = {
-    [DG_STACK_HIPERFACE] = "rs485",
-    [DG_STACK_BISS] = "biss",
-    [DG_STACK_CANOPEN] = "can",
-    [DG_STACK_INTERBUS] = "interbus",
+static const struct {
+    const char *name;
+    const struct dg_stack *stack;
+} stacks[] = {
+    {"rs485", &dg_hf_stack},
+    {"biss", &dg_biss_stack},
+    {"can", &dg_cia406_stack},
+    {"interbus", &dg_ib_stack},
 };
 
 /* The next number of the line; there must be one. */
@@ -122,7 +129,7 @@ int main(int argc, char *argv[])
     char line[8192];
     size_t stack = 0;
     while (argc == 4 && stack < sizeof stacks / sizeof stacks[0] &&
-           strcmp(stacks[stack], argv[1]) != 0) {
+           strcmp(stacks[stack].name, argv[1]) != 0) {
         stack++;
     }
     if (argc != 4 || stack == sizeof stacks / sizeof stacks[0]) {
@@ -130,7 +137,7 @@ int main(int argc, char *argv[])
         return 2;
     }
     const struct lx_trace_setup setup = {
-        .path = argv[3], .stack = (enum dg_device_stack)stack, .wire = argv[2], .tap = &tap};
+        .path = argv[3], .stack = stacks[stack].stack, .wire = argv[2], .tap = &tap};
     struct lx_trace *trace = lx_trace_open(&setup, 0, &error);
     while (trace != NULL && fgets(line, sizeof line, stdin) != NULL) {
         feed(&tap, line);

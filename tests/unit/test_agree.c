@@ -43,14 +43,16 @@ static void start(struct fixture *self)
 
     memset(self, 0, sizeof *self);
     dg_shaft_init(&self->shaft);
-    assert_int_equal(hf_rig_init(&self->hf, dg_device_find("s3684-rs485")->hiperface), DG_OK);
-    assert_int_equal(biss_rig_init(&self->biss, dg_device_find("s3684-biss")->biss, 1), DG_OK);
+    assert_int_equal(hf_rig_init(&self->hf, dg_hf_model_of(dg_device_find("s3684-rs485"))), DG_OK);
+    assert_int_equal(biss_rig_init(&self->biss, dg_biss_model_of(dg_device_find("s3684-biss")), 1),
+                     DG_OK);
     co_rig_start(&self->co);
     sit_on(&self->hf.world, &self->shaft);
     sit_on(&self->biss.world, &self->shaft);
     sit_on(&self->co.world, &self->shaft);
     for (unsigned i = 0; i < 3; i++) {
-        assert_int_equal(ib_rig_init(&self->ib[i], dg_device_find(rings[i])->interbus), DG_OK);
+        assert_int_equal(ib_rig_init(&self->ib[i], dg_ib_model_of(dg_device_find(rings[i]))),
+                         DG_OK);
         sit_on(&self->ib[i].world, &self->shaft);
         assert_int_equal(ib_rig_power_on(&self->ib[i]), DG_OK);
     }

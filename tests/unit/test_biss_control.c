@@ -22,7 +22,7 @@ static struct biss_rig rig;
 static int setup(void **state)
 {
     (void)state;
-    return biss_rig_init(&rig, dg_device_find("s3674-biss")->biss, 1) != DG_OK ||
+    return biss_rig_init(&rig, dg_biss_model_of(dg_device_find("s3674-biss")), 1) != DG_OK ||
            biss_rig_power_on(&rig) != DG_OK;
 }
 
@@ -54,7 +54,7 @@ static void test_read_frame(void **state)
 /* The example's frame reads 78h = 4Bh: a device whose first byte of the id is 4Bh. */
 static int setup_4b(void **state)
 {
-    struct dg_biss_model model = *dg_device_find("s3674-biss")->biss;
+    struct dg_biss_model model = *dg_biss_model_of(dg_device_find("s3674-biss"));
 
     (void)state;
     model.device_id[0] = 0x4B;
@@ -436,7 +436,7 @@ static void test_reduced_frames(void **state)
 
 static void init_chain(uint8_t count)
 {
-    struct dg_biss_model model = *dg_device_find("s3674-biss")->biss;
+    struct dg_biss_model model = *dg_biss_model_of(dg_device_find("s3674-biss"));
 
     model.busy = 0;
     assert_int_equal(biss_rig_init(&rig, &model, count), DG_OK);

@@ -20,7 +20,7 @@ static struct biss_rig rig;
 static int setup(void **state)
 {
     (void)state;
-    return biss_rig_init(&rig, dg_device_find("s3674-biss")->biss, 1) != DG_OK ||
+    return biss_rig_init(&rig, dg_biss_model_of(dg_device_find("s3674-biss")), 1) != DG_OK ||
            biss_rig_power_on(&rig) != DG_OK;
 }
 
@@ -144,7 +144,7 @@ static void test_life_counter(void **state)
 
 static void test_without_life_counter(void **state)
 {
-    struct dg_biss_model model = *dg_device_find("s3684-biss")->biss;
+    struct dg_biss_model model = *dg_biss_model_of(dg_device_find("s3684-biss"));
 
     (void)state;
     model.life_counter = false;
@@ -163,7 +163,7 @@ static void test_widths(void **state)
     (void)state;
     for (uint8_t mt = 0; mt <= 24; mt++) {
         for (uint8_t st = 12; st <= 24; st++) {
-            struct dg_biss_model model = *dg_device_find("s3674-biss")->biss;
+            struct dg_biss_model model = *dg_biss_model_of(dg_device_find("s3674-biss"));
             model.multiturn_bits = mt;
             model.singleturn_bits = st;
             assert_int_equal(biss_rig_init(&rig, &model, 1), DG_OK);
@@ -214,7 +214,7 @@ static void test_chosen_timeout(void **state)
 
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
-        struct dg_biss_model model = *dg_device_find("s3674-biss")->biss;
+        struct dg_biss_model model = *dg_biss_model_of(dg_device_find("s3674-biss"));
         struct dg_biss *slave = &rig.slave[0];
         assert_int_equal(biss_rig_init(&rig, &model, 1), DG_OK);
         assert_int_equal(biss_rig_power_on(&rig), DG_OK);
@@ -234,7 +234,7 @@ static void test_busy(void **state)
     (void)state;
     for (dg_ns busy = 0; busy <= 40000; busy += 2500) {
         for (size_t i = 0; i < 4; i++) {
-            struct dg_biss_model model = *dg_device_find("s3674-biss")->biss;
+            struct dg_biss_model model = *dg_biss_model_of(dg_device_find("s3674-biss"));
             model.busy = busy;
             assert_int_equal(biss_rig_init(&rig, &model, 1), DG_OK);
             assert_int_equal(biss_rig_power_on(&rig), DG_OK);
@@ -389,7 +389,7 @@ static void test_stuck_low(void **state)
 /* 40 us of silence inside Ack: the frame is over, SLO is high, the next one is in order. */
 static void test_silence_in_ack(void **state)
 {
-    struct dg_biss_model model = *dg_device_find("s3674-biss")->biss;
+    struct dg_biss_model model = *dg_biss_model_of(dg_device_find("s3674-biss"));
 
     (void)state;
     model.busy = 40000;
@@ -489,7 +489,7 @@ static void test_words_equal_edges(void **state)
     (void)state;
     for (unsigned round = 0; round < 40; round++) {
         struct dg_biss_model model =
-            *dg_device_find(round % 2u != 0 ? "s3674-biss" : "s3684-biss")->biss;
+            *dg_biss_model_of(dg_device_find(round % 2u != 0 ? "s3674-biss" : "s3684-biss"));
         model.busy = round * 1000u;
         model.busy_jitter = (40u - round) * 1000u;
         model.life_counter = round % 3u != 0;

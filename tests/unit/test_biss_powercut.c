@@ -20,7 +20,7 @@ static unsigned cuts; /* that happened */
 
 static int setup(void **state)
 {
-    struct dg_biss_model model = *dg_device_find("s3674-biss")->biss;
+    struct dg_biss_model model = *dg_biss_model_of(dg_device_find("s3674-biss"));
 
     (void)state;
     model.eeprom_read = 0;

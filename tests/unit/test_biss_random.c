@@ -36,7 +36,7 @@ static uint32_t dice(uint32_t sides)
 
 static void reset(uint32_t seed)
 {
-    struct dg_biss_model figures = *dg_device_find("s3684-biss")->biss;
+    struct dg_biss_model figures = *dg_biss_model_of(dg_device_find("s3684-biss"));
 
     noise = seed;
     memset(&model, 0, sizeof model);
@@ -223,7 +223,7 @@ static void test_garbage_on_ma(void **state)
 
     (void)state;
     for (uint32_t round = 0; round < 400; round++) {
-        struct dg_biss_model figures = *dg_device_find("s3674-biss")->biss;
+        struct dg_biss_model figures = *dg_biss_model_of(dg_device_find("s3674-biss"));
         const uint8_t count = counts[round % 4u];
 
         noise = round * 7919u + 1u;

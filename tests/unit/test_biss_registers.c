@@ -19,7 +19,7 @@ static struct biss_rig rig;
 
 static int start(const char *model)
 {
-    return biss_rig_init(&rig, dg_device_find(model)->biss, 1) != DG_OK ||
+    return biss_rig_init(&rig, dg_biss_model_of(dg_device_find(model)), 1) != DG_OK ||
            biss_rig_power_on(&rig) != DG_OK;
 }
 

@@ -13,6 +13,8 @@
 #include <cmocka.h>
 
 #include "control_rig.h"
+#include "drehgeber/devices.h"
+#include "drehgeber/hiperface.h"
 
 static struct control_rig rig;
 
@@ -70,7 +72,7 @@ static void test_catalogue(void **state)
     assert_non_null(strstr(catalogue, "\"eeprom_offset\",MEMORY,\""));
     assert_non_null(strstr(catalogue, "\"5.1.3\""));
     assert_non_null(strstr(catalogue, "\"multiturn_sync\""));
-    rig.hf.device.setup.model = dg_device_find("s3674-rs485")->hiperface;
+    rig.hf.device.setup.model = dg_hf_model_of(dg_device_find("s3674-rs485"));
     catalogue = control_rig_say(&rig, "FAUL:CAT?");
     assert_non_null(strstr(catalogue, "\"singleturn_lost\""));
     assert_null(strstr(catalogue, "\"multiturn_"));
@@ -93,7 +95,7 @@ static void test_a_singleturn_offers_no_multiturn_faults(void **state)
         for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
             assert_int_equal(strstr(catalogue, kinds[i]) == NULL, turns == 1);
         }
-        rig.hf.device.setup.model = dg_device_find("s3684-rs485")->hiperface;
+        rig.hf.device.setup.model = dg_hf_model_of(dg_device_find("s3684-rs485"));
     }
 }
 

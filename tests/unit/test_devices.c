@@ -36,9 +36,9 @@ static void models_are_listed_in_order(void **state)
     (void)state;
     assert_int_equal(dg_device_count, ROWS(rows));
     for (size_t i = 0; i < ROWS(rows); i++) {
-        assert_string_equal(dg_devices[i].name, rows[i][0]);
-        assert_string_equal(dg_devices[i].resolution, rows[i][1]);
-        assert_ptr_equal(dg_device_find(rows[i][0]), &dg_devices[i]);
+        assert_string_equal(dg_devices[i]->name, rows[i][0]);
+        assert_string_equal(dg_devices[i]->resolution, rows[i][1]);
+        assert_ptr_equal(dg_device_find(rows[i][0]), dg_devices[i]);
     }
     assert_null(dg_device_find("s3674"));
 }
@@ -77,7 +77,7 @@ static void check_s36(void)
 
 static void start_hiperface(const char *name)
 {
-    assert_int_equal(hf_rig_init(&drive, dg_device_find(name)->hiperface), DG_OK);
+    assert_int_equal(hf_rig_init(&drive, dg_hf_model_of(dg_device_find(name))), DG_OK);
     assert_int_equal(hf_rig_power_on(&drive), DG_OK);
     drive.angle = -1; /* the last step there is */
 }
@@ -136,7 +136,7 @@ static struct biss_rig servo;
 
 static void start_biss(const char *name)
 {
-    struct dg_biss_model model = *dg_device_find(name)->biss;
+    struct dg_biss_model model = *dg_biss_model_of(dg_device_find(name));
     model.busy = 0;
     assert_int_equal(biss_rig_init(&servo, &model, 1), DG_OK);
     servo.words = true;
@@ -231,7 +231,7 @@ static struct co_rig can;
 static void check_canopen(const char *name, uint32_t last_position, uint32_t turns)
 {
     static const dg_angle last = -1;
-    co_rig_start_model(&can, dg_device_find(name)->cia406);
+    co_rig_start_model(&can, dg_cia406_model_of(dg_device_find(name)));
     assert_int_equal(can.node.id, 0x3F);
     assert_int_equal(can.kbaud, 250);
     can.motion.from = last;
@@ -263,7 +263,7 @@ static struct ib_rig plc;
 
 static void start_interbus(const char *name, uint16_t id)
 {
-    assert_int_equal(ib_rig_init(&plc, dg_device_find(name)->interbus), DG_OK);
+    assert_int_equal(ib_rig_init(&plc, dg_ib_model_of(dg_device_find(name))), DG_OK);
     assert_int_equal(dg_ib_id_word(&plc.model), id);
     plc.angle = -1;
     assert_int_equal(dg_ib_power_on(&plc.device, 0), DG_OK);

@@ -10,7 +10,11 @@
 
 #include <cmocka.h>
 
+#include "drehgeber/biss.h"
+#include "drehgeber/cia406.h"
 #include "drehgeber/control.h"
+#include "drehgeber/devices.h"
+#include "drehgeber/hiperface.h"
 #include "hf_rig.h"
 
 #define NAME_CHARACTERS "abcdefghijklmnopqrstuvwxyz0123456789_"
@@ -25,10 +29,12 @@ static struct dg_fault_target target;
 static int setup(void **state)
 {
     (void)state;
-    assert_int_equal(hf_rig_init(&rig, dg_device_find("s3684-rs485")->hiperface), DG_OK);
+    assert_int_equal(hf_rig_init(&rig, dg_hf_model_of(dg_device_find("s3684-rs485"))), DG_OK);
     memset(&faults, 0, sizeof faults);
-    target = (struct dg_fault_target){
-        .world = &rig.world, .layout = &dg_hf_layout, .nvm = hf_rig_setup(&rig, NULL).nvm};
+    target = (struct dg_fault_target){.stack = &dg_hf_stack,
+                                      .world = &rig.world,
+                                      .layout = &dg_hf_layout,
+                                      .nvm = hf_rig_setup(&rig, NULL).nvm};
     return 0;
 }
 
@@ -62,14 +68,6 @@ static bool active(const char *name)
 
 /* ------------------------------------------------------------ the catalogue */
 
-static const struct dg_store_layout *layout_of(enum dg_device_stack stack)
-{
-    const struct dg_store_layout *const layouts[] = {&dg_hf_layout, &dg_biss_layout,
-                                                     dg_cia406_multiturn.layout, &dg_ib_layout};
-
-    return layouts[stack];
-}
-
 static void expect_line(const char *text)
 {
     assert_non_null(text);
@@ -77,10 +75,11 @@ static void expect_line(const char *text)
     assert_null(strpbrk(text, "\n\""));
 }
 
-static size_t expect_catalogue(enum dg_device_stack stack)
+static void expect_catalogue(const struct dg_device *device)
 {
-    const struct dg_fault_target all = {
-        .stack = stack, .world = &rig.world, .layout = layout_of(stack)};
+    const struct dg_fault_target all = {.stack = device->stack,
+                                        .world = &rig.world,
+                                        .layout = device->stack->layout(device->model)};
     struct dg_fault_entry entry;
     size_t count = 0;
 
@@ -94,14 +93,13 @@ static size_t expect_catalogue(enum dg_device_stack stack)
     }
     assert_true(count > 0 && count <= DG_FAULTS_MAX);
     assert_false(dg_fault_entry(&all, DG_FAULTS_MAX, &entry));
-    return count;
 }
 
 static void test_catalogues(void **state)
 {
     (void)state;
-    for (unsigned stack = DG_STACK_HIPERFACE; stack <= DG_STACK_INTERBUS; stack++) {
-        (void)expect_catalogue((enum dg_device_stack)stack);
+    for (size_t i = 0; i < dg_device_count; i++) {
+        expect_catalogue(dg_devices[i]);
     }
 }
 
@@ -114,7 +112,7 @@ static void test_rows(void **state)
     dg_world_init(&world);
     for (size_t i = 0; i < dg_fault_row_count; i++) {
         const struct dg_fault_row *row = &dg_fault_rows[i];
-        assert_true(row->stacks != 0 && row->stacks < 1u << (DG_STACK_INTERBUS + 1));
+        assert_non_null(row->stack);
         if (row->kind == DG_FAULT_WORLD) {
             const uint8_t *at = (const uint8_t *)&world + row->offset;
             assert_true(row->size == 1 || row->size == 2 || row->size == 4);
@@ -198,11 +196,11 @@ static void test_limits_that_cannot_be(void **state)
         assert_int_equal(active(rows[i].name), rows[i].result == DG_OK);
         assert_int_equal(clear(rows[i].name), DG_OK);
     }
-    target = (struct dg_fault_target){.stack = DG_STACK_CANOPEN, .world = &rig.world};
+    target = (struct dg_fault_target){.stack = &dg_cia406_stack, .world = &rig.world};
     assert_int_equal(set("bus_off", &rows[0].limits), DG_ERR_ARGUMENT);
     assert_int_equal(set("error_passive", &rows[1].limits), DG_ERR_ARGUMENT);
     assert_int_equal(set("overrun", &rows[0].limits), DG_OK);
-    target.stack = DG_STACK_BISS;
+    target.stack = &dg_biss_stack;
     assert_int_equal(set("wire_break", &rows[0].limits), DG_ERR_ARGUMENT);
 }
 
@@ -446,14 +444,14 @@ static void test_nothing_happens_by_itself(void **state)
     }
 }
 
-/* Every one on its own, in every stack that has it. */
+/* Every one on its own, in every encoder that has it. */
 static void test_each_wire_fault_is_its_own(void **state)
 {
     (void)state;
-    for (unsigned stack = DG_STACK_HIPERFACE; stack <= DG_STACK_INTERBUS; stack++) {
+    for (size_t d = 0; d < dg_device_count; d++) {
+        const struct dg_stack *stack = dg_devices[d]->stack;
         struct dg_fault_entry entry;
-        target =
-            (struct dg_fault_target){.stack = (enum dg_device_stack)stack, .world = &rig.world};
+        target = (struct dg_fault_target){.stack = stack, .world = &rig.world};
         for (size_t i = 0; dg_fault_entry(&target, i, &entry); i++) {
             if (entry.kind != DG_FAULT_WIRE) {
                 continue;
@@ -462,15 +460,14 @@ static void test_each_wire_fault_is_its_own(void **state)
             assert_int_equal(faults.wire, 1u << entry.row->wire);
             assert_true(dg_fault_wire_takes(&faults, (enum dg_wire_fault)entry.row->wire));
             assert_int_equal(faults.fault[i].happened, 1);
-            assert_int_equal(dg_fault_wire_value((enum dg_device_stack)stack,
-                                                 (enum dg_wire_fault)entry.row->wire),
+            assert_int_equal(dg_fault_wire_value(stack, (enum dg_wire_fault)entry.row->wire),
                              entry.row->value);
             assert_int_equal(dg_fault_clear(&faults, &target, i), DG_OK);
             assert_int_equal(faults.wire, 0);
         }
     }
-    assert_int_equal(dg_fault_wire_value(DG_STACK_BISS, DG_WIRE_DELAY), 100000);
-    assert_int_equal(dg_fault_wire_value(DG_STACK_BISS, DG_WIRE_BUS_OFF), 0);
+    assert_int_equal(dg_fault_wire_value(&dg_biss_stack, DG_WIRE_DELAY), 100000);
+    assert_int_equal(dg_fault_wire_value(&dg_biss_stack, DG_WIRE_BUS_OFF), 0);
 }
 
 static void test_count(void **state)

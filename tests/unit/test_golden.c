@@ -170,7 +170,7 @@ static void replies(const char *command, const char *data)
 
 static void start_hiperface(void)
 {
-    assert_int_equal(hf_rig_init(&drive, dg_device_find("s3684-rs485")->hiperface), DG_OK);
+    assert_int_equal(hf_rig_init(&drive, dg_hf_model_of(dg_device_find("s3684-rs485"))), DG_OK);
     (void)load("0.1.0/s3684-rs485", &drive.nvm);
     assert_int_equal(hf_rig_power_on(&drive), DG_OK);
 }
@@ -238,7 +238,8 @@ static void biss_has_its_registers_and_banks(void **state)
     static const uint8_t position[7] = {0x00, 0x98, 0x15, 0x8D, 0x23, 0x01, 0x00};
     uint8_t found[64];
     (void)state;
-    assert_int_equal(biss_rig_init(&servo, dg_device_find("s3684-biss")->biss, 1), DG_OK);
+    assert_int_equal(biss_rig_init(&servo, dg_biss_model_of(dg_device_find("s3684-biss")), 1),
+                     DG_OK);
     (void)load("0.1.0/s3684-biss", &servo.nvm[0]);
     assert_int_equal(biss_rig_power_on(&servo), DG_OK);
     assert_int_equal(biss_rig_read(&servo, 0, 0x1B, found, 9), 9);
@@ -322,7 +323,7 @@ static void canopen_has_its_parameters(void **state)
 {
     (void)state;
     /* 10.5 turns clockwise while it was off: the zero of USF stays where it was */
-    start_canopen(dg_device_find("f3668")->cia406, "0.1.0/f3668", 21 * (DG_TURN / 2));
+    start_canopen(dg_cia406_model_of(dg_device_find("f3668")), "0.1.0/f3668", 21 * (DG_TURN / 2));
     assert_int_equal(can.node.id, 33);
     assert_int_equal(can.kbaud, 500);
     co_rig_expect(&can, 0, 0x721, "00");
@@ -335,7 +336,7 @@ static void canopen_has_them_in_every_model(void **state)
 {
     static const struct dg_cia406_model wide = {.turns = 65536, .device = &dg_cia406_multiturn_32};
     (void)state;
-    start_canopen(dg_device_find("f3658")->cia406, "0.1.0/f3658", DG_TURN / 8);
+    start_canopen(dg_cia406_model_of(dg_device_find("f3658")), "0.1.0/f3658", DG_TURN / 8);
     read_all(few, ROWS(few));
     start_canopen(&wide, "0.1.0/f3668-16", DG_TURN / 8);
     read_all(few, ROWS(few));
@@ -369,7 +370,7 @@ static const struct exchange exchanges[] = {
 static void interbus_has_its_parameters_and_cams(void **state)
 {
     (void)state;
-    assert_int_equal(ib_rig_init(&plc, dg_device_find("ocd-ib-k3")->interbus), DG_OK);
+    assert_int_equal(ib_rig_init(&plc, dg_ib_model_of(dg_device_find("ocd-ib-k3"))), DG_OK);
     (void)load("0.1.0/ocd-ib-k3", &plc.nvm);
     ib_rig_turn_to(&plc, 0);
     assert_int_equal(ib_rig_power_on(&plc), DG_OK);

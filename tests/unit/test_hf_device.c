@@ -27,7 +27,7 @@ static const uint8_t read_position[] = {0x40, 0x42, 0x02};
 
 static const struct dg_hf_model *multiturn(void)
 {
-    return dg_device_find("s3684-rs485")->hiperface;
+    return dg_hf_model_of(dg_device_find("s3684-rs485"));
 }
 
 static int set_up(void **state)

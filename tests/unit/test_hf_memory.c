@@ -55,7 +55,7 @@ static struct sight seen;
 static int set_up(void **state)
 {
     (void)state;
-    if (hf_rig_init(&rig, dg_device_find("s3684-rs485")->hiperface) != DG_OK ||
+    if (hf_rig_init(&rig, dg_hf_model_of(dg_device_find("s3684-rs485"))) != DG_OK ||
         hf_rig_power_on(&rig) != DG_OK || hf_rig_ask(&rig, "43 00 12 34 55 55") != 0 ||
         hf_rig_ask(&rig, "4D 00 CA 55") != 0 || hf_rig_ask(&rig, "47") != 0 ||
         hf_rig_ask(&rig, "55 47 55") != 0 || hf_rig_ask(&rig, "4F 01 55 77") != 0) {

@@ -53,7 +53,7 @@ static dg_angle any_angle(void)
 
 static void begin(uint16_t periods, uint32_t steps, uint32_t turns)
 {
-    model = *dg_device_find("s3684-rs485")->hiperface;
+    model = *dg_hf_model_of(dg_device_find("s3684-rs485"));
     model.periods_per_turn = periods;
     model.steps_per_period = steps;
     model.turns = turns;

@@ -238,7 +238,7 @@ static int live(void **state)
         {"4B 01 00 10 66", 16},   {"55 42 55", 0},    {"4B 03 0A 20 88", 32}};
 
     (void)state;
-    if (hf_rig_init(&rig, dg_device_find("s3684-rs485")->hiperface) != DG_OK ||
+    if (hf_rig_init(&rig, dg_hf_model_of(dg_device_find("s3684-rs485"))) != DG_OK ||
         hf_rig_power_on(&rig) != DG_OK) {
         return -1;
     }

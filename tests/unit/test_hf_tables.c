@@ -49,7 +49,7 @@ static struct hf_rig rig;
 static int set_up(void **state)
 {
     (void)state;
-    return hf_rig_init(&rig, dg_device_find("s3684-rs485")->hiperface) != DG_OK ||
+    return hf_rig_init(&rig, dg_hf_model_of(dg_device_find("s3684-rs485"))) != DG_OK ||
            hf_rig_power_on(&rig) != DG_OK;
 }
 
@@ -181,11 +181,11 @@ static void defaults_fill_their_regions(void **state)
         memset(low, 0x00, sizeof low);
         memset(high, 0xFF, sizeof high);
         for (size_t d = 0; d < dg_device_count; d++) {
-            if (dg_devices[d].stack != DG_STACK_HIPERFACE) {
+            if (dg_devices[d]->stack != &dg_hf_stack) {
                 continue;
             }
-            region->defaults(dg_devices[d].hiperface, low);
-            region->defaults(dg_devices[d].hiperface, high);
+            region->defaults(dg_hf_model_of(dg_devices[d]), low);
+            region->defaults(dg_hf_model_of(dg_devices[d]), high);
             assert_memory_equal(low, high, region->size);
             for (size_t k = region->size; k < sizeof low; k++) {
                 assert_true(low[k] == 0x00 && high[k] == 0xFF);
@@ -245,11 +245,11 @@ static void models_are_unique_and_run(void **state)
     (void)state;
     assert_true(dg_device_count > 0);
     for (size_t i = 0; i < dg_device_count; i++) {
-        assert_ptr_equal(dg_device_find(dg_devices[i].name), &dg_devices[i]);
-        if (dg_devices[i].stack != DG_STACK_HIPERFACE) {
+        assert_ptr_equal(dg_device_find(dg_devices[i]->name), dg_devices[i]);
+        if (dg_devices[i]->stack != &dg_hf_stack) {
             continue;
         }
-        assert_int_equal(hf_rig_init(&rig, dg_devices[i].hiperface), DG_OK);
+        assert_int_equal(hf_rig_init(&rig, dg_hf_model_of(dg_devices[i])), DG_OK);
         assert_int_equal(hf_rig_power_on(&rig), DG_OK);
         assert_int_equal(hf_rig_ask(&rig, "42"), 0);
         assert_int_equal(hf_rig_ask(&rig, "50"), 0);

@@ -314,7 +314,7 @@ static void save_data_announces_its_length(void **state)
 static int prepare(void **state)
 {
     (void)state;
-    if (hf_rig_init(&rig, dg_device_find("s3684-rs485")->hiperface) != DG_OK ||
+    if (hf_rig_init(&rig, dg_hf_model_of(dg_device_find("s3684-rs485"))) != DG_OK ||
         hf_rig_power_on(&rig) != DG_OK) {
         return -1;
     }

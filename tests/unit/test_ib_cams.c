@@ -16,7 +16,7 @@ static struct ib_rig rig;
 static int set_up(void **state)
 {
     (void)state;
-    if (ib_rig_init(&rig, dg_device_find("ocd-ib-k3")->interbus) != DG_OK ||
+    if (ib_rig_init(&rig, dg_ib_model_of(dg_device_find("ocd-ib-k3"))) != DG_OK ||
         ib_rig_power_on(&rig) != DG_OK || ib_rig_send(&rig, 0x20800001) != 0xE0800001) {
         return -1;
     }
@@ -40,7 +40,7 @@ static uint32_t cams_at(int64_t counts)
 /* 16 steps in all: every pair of edges at every position. */
 static void every_pair_of_edges(void **state)
 {
-    struct dg_ib_model model = *dg_device_find("ocd-ib-k3")->interbus;
+    struct dg_ib_model model = *dg_ib_model_of(dg_device_find("ocd-ib-k3"));
 
     (void)state;
     model.steps = 16;

@@ -24,7 +24,7 @@ static struct ib_rig rig;
 static int set_up(void **state)
 {
     (void)state;
-    if (ib_rig_init(&rig, dg_device_find("ocd-ib-k3")->interbus) != DG_OK) {
+    if (ib_rig_init(&rig, dg_ib_model_of(dg_device_find("ocd-ib-k3"))) != DG_OK) {
         return -1;
     }
     ib_rig_turn_to(&rig, 1000);
@@ -263,7 +263,7 @@ static void items_are_read_in_every_cycle(void **state)
 
 static void the_model_shows_in_the_items(void **state)
 {
-    struct dg_ib_model model = *dg_device_find("ocd-ib-k3")->interbus;
+    struct dg_ib_model model = *dg_ib_model_of(dg_device_find("ocd-ib-k3"));
 
     (void)state;
     model.steps_minus_one = true;
@@ -316,7 +316,7 @@ static void rows_of_the_table_do_not_overlap(void **state)
 
 static void models_are_checked(void **state)
 {
-    const struct dg_ib_model good = *dg_device_find("ocd-ib-k3")->interbus;
+    const struct dg_ib_model good = *dg_ib_model_of(dg_device_find("ocd-ib-k3"));
     struct dg_ib_model bad[12];
 
     (void)state;

@@ -19,7 +19,7 @@ static struct ib_rig rig;
 static int set_up(void **state)
 {
     (void)state;
-    if (ib_rig_init(&rig, dg_device_find("ocd-ib-k3")->interbus) != DG_OK) {
+    if (ib_rig_init(&rig, dg_ib_model_of(dg_device_find("ocd-ib-k3"))) != DG_OK) {
         return -1;
     }
     ib_rig_turn_to(&rig, 1000);
@@ -90,7 +90,7 @@ static void chapter_5_4_4(void **state)
 /* A command has to stand for param_cycles; whatever param_cycles is. */
 static void answers_take_param_cycles(void **state)
 {
-    struct dg_ib_model model = *dg_device_find("ocd-ib-k3")->interbus;
+    struct dg_ib_model model = *dg_ib_model_of(dg_device_find("ocd-ib-k3"));
 
     (void)state;
     for (uint8_t cycles = 1; cycles != 0; cycles++) {

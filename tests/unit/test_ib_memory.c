@@ -38,7 +38,7 @@ static int set_up(void **state)
     };
 
     (void)state;
-    if (ib_rig_init(&rig, dg_device_find("ocd-ib-k3")->interbus) != DG_OK ||
+    if (ib_rig_init(&rig, dg_ib_model_of(dg_device_find("ocd-ib-k3"))) != DG_OK ||
         ib_rig_power_on(&rig) != DG_OK) {
         return -1;
     }

@@ -80,7 +80,7 @@ static uint32_t expected_position(uint32_t raw, uint32_t steps, uint32_t revolut
 
 static void start(uint16_t steps, uint16_t turns, bool minus_one)
 {
-    struct dg_ib_model model = *dg_device_find("ocd-ib-k3")->interbus;
+    struct dg_ib_model model = *dg_ib_model_of(dg_device_find("ocd-ib-k3"));
 
     model.steps = steps;
     model.turns = turns;
@@ -306,7 +306,7 @@ static void no_valid_position(void **state)
 static void k1_and_k2(void **state)
 {
     (void)state;
-    assert_int_equal(ib_rig_init(&rig, dg_device_find("ocd-ib-k1")->interbus), DG_OK);
+    assert_int_equal(ib_rig_init(&rig, dg_ib_model_of(dg_device_find("ocd-ib-k1"))), DG_OK);
     assert_int_equal(dg_ib_power_on(&rig.device, rig.now), DG_OK);
     assert_int_equal(ib_rig_cycle(&rig, 0), 0);
     assert_true(rig.device.invalid);
@@ -320,7 +320,7 @@ static void k1_and_k2(void **state)
     assert_true(rig.device.invalid);
     assert_int_equal(rig.nvm.writes, 0);
 
-    assert_int_equal(ib_rig_init(&rig, dg_device_find("ocd-ib-k2")->interbus), DG_OK);
+    assert_int_equal(ib_rig_init(&rig, dg_ib_model_of(dg_device_find("ocd-ib-k2"))), DG_OK);
     assert_int_equal(ib_rig_power_on(&rig), DG_OK);
     ib_rig_turn_to(&rig, -2);
     assert_int_equal(ib_rig_send(&rig, 0x06000004), 0xFFFFFE);

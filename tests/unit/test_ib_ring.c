@@ -31,7 +31,7 @@ static int set_up(void **state)
     memset(in, 0, sizeof in);
     now = DG_S(1);
     for (uint32_t i = 0; i < DEVICES; i++) {
-        if (ib_rig_init(&rigs[i], dg_device_find(names[i])->interbus) != DG_OK) {
+        if (ib_rig_init(&rigs[i], dg_ib_model_of(dg_device_find(names[i]))) != DG_OK) {
             return -1;
         }
         ib_rig_turn_to(&rigs[i], 0x100 * (i + 1));
@@ -74,7 +74,7 @@ static void images(void **state)
 static void id_words(void **state)
 {
     static const uint16_t expected[DEVICES] = {0x0136, 0x0237, 0x0236, 0x0237};
-    struct dg_ib_model loop = *dg_device_find("ocd-ib-k3")->interbus;
+    struct dg_ib_model loop = *dg_ib_model_of(dg_device_find("ocd-ib-k3"));
 
     (void)state;
     assert_int_equal(dg_ib_ring_id(&ring, now, ids), DEVICES);

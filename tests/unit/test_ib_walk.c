@@ -338,7 +338,7 @@ static uint32_t random_word(void)
 
 static void walk(uint32_t seed)
 {
-    assert_int_equal(ib_rig_init(&rig, dg_device_find("ocd-ib-k3")->interbus), DG_OK);
+    assert_int_equal(ib_rig_init(&rig, dg_ib_model_of(dg_device_find("ocd-ib-k3"))), DG_OK);
     assert_int_equal(ib_rig_power_on(&rig), DG_OK);
     memset(&model, 0, sizeof model);
     model.s = STEPS;

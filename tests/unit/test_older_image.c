@@ -13,6 +13,8 @@
 
 #include "drehgeber/cia406.h"
 #include "drehgeber/devices.h"
+#include "drehgeber/hiperface.h"
+#include "drehgeber/interbus.h"
 #include "ram_nvm.h"
 
 static struct ram_nvm ram;
@@ -41,77 +43,45 @@ static void can_send_nothing(void *ctx, const struct dg_can_frame *frame)
 
 /* --- one of each --- */
 
-static int start_hiperface(const struct dg_device *device, struct dg_nvm nvm)
+/* The ports of those stacks that have one. */
+static const void *port_of(const struct dg_stack *stack)
 {
-    static const struct dg_hf_ops ops = {.tx = send_nothing};
-    static struct dg_hf self;
-    const struct dg_hf_setup setup = {device->hiperface, &world, nvm, &ops, NULL};
-    const int result = dg_hf_init(&self, &setup) == DG_OK ? dg_hf_power_on(&self, 0) : -100;
-    return result == DG_OK && self.stack_count > 0 ? -100 : result; /* an error at start-up */
-}
-
-static int start_biss(const struct dg_device *device, struct dg_nvm nvm)
-{
-    static struct dg_biss self;
-    const struct dg_biss_setup setup = {device->biss, &world, nvm};
-    return dg_biss_init(&self, &setup) == DG_OK ? dg_biss_power_on(&self, 0) : -100;
-}
-
-static int start_canopen(const struct dg_device *device, struct dg_nvm nvm)
-{
-    static const struct dg_co_ops ops = {.send = can_send_nothing};
-    static struct dg_co_node self;
-    static struct dg_cia406 encoder;
-    const struct dg_co_setup setup = {.device = device->cia406->device,
-                                      .world = &world,
-                                      .nvm = nvm,
-                                      .ops = &ops,
-                                      .application = &encoder};
-    return dg_cia406_init(&encoder, device->cia406) == DG_OK && dg_co_init(&self, &setup) == DG_OK
-               ? dg_co_power_on(&self, 0)
-               : -100;
-}
-
-static int start_interbus(const struct dg_device *device, struct dg_nvm nvm)
-{
-    static struct dg_ib self;
-    const struct dg_ib_setup setup = {device->interbus, &world, nvm};
-    return dg_ib_init(&self, &setup) == DG_OK ? dg_ib_power_on(&self, 0) : -100;
+    static const struct dg_hf_ops hf = {.tx = send_nothing};
+    static const struct dg_co_ops co = {.send = can_send_nothing};
+    if (stack == &dg_hf_stack) {
+        return &hf;
+    }
+    return stack == &dg_cia406_stack ? &co : NULL;
 }
 
 static const struct dg_store_layout *layout_of(const struct dg_device *device)
 {
-    const struct dg_store_layout *const layouts[] = {
-        [DG_STACK_HIPERFACE] = &dg_hf_layout,
-        [DG_STACK_BISS] = &dg_biss_layout,
-        [DG_STACK_CANOPEN] =
-            device->stack == DG_STACK_CANOPEN ? device->cia406->device->layout : NULL,
-        [DG_STACK_INTERBUS] = &dg_ib_layout,
-    };
-    return layouts[device->stack];
+    return device->stack->layout(device->model);
 }
 
 /* What the defaults of the device's regions are made from. */
 static const void *ctx_of(const struct dg_device *device, const uint32_t *serial)
 {
-    const void *const ctx[] = {
-        [DG_STACK_HIPERFACE] = device->hiperface,
-        [DG_STACK_BISS] = NULL,
-        [DG_STACK_CANOPEN] = serial,
-        [DG_STACK_INTERBUS] = device->interbus,
-    };
-    return ctx[device->stack];
+    return device->stack == &dg_cia406_stack ? serial : device->model;
 }
 
 static int start(const struct dg_device *device)
 {
-    static int (*const starts[])(const struct dg_device *, struct dg_nvm) = {
-        [DG_STACK_HIPERFACE] = start_hiperface,
-        [DG_STACK_BISS] = start_biss,
-        [DG_STACK_CANOPEN] = start_canopen,
-        [DG_STACK_INTERBUS] = start_interbus,
-    };
-    return starts[device->stack](device, ram_nvm_port(&ram));
+    static union {
+        max_align_t align;
+        unsigned char bytes[sizeof(struct dg_cia406_device) + sizeof(struct dg_ib)];
+    } self;
+    const struct dg_stack *stack = device->stack;
+    const struct dg_stack_setup setup = {
+        .model = device->model, .world = &world, .nvm = ram_nvm_port(&ram), .port = port_of(stack)};
+    assert_true(stack->device_size <= sizeof self);
+    if (stack->init(&self, &setup) != DG_OK) {
+        return -100;
+    }
+    const int result = stack->power_on(&self, 0);
+    const struct dg_hf *hf = (const struct dg_hf *)(const void *)&self;
+    /* An error at start-up. */
+    return result == DG_OK && stack == &dg_hf_stack && hf->stack_count > 0 ? -100 : result;
 }
 
 /* An encoder of each kind with a memory. */
@@ -142,7 +112,7 @@ static void every_device_starts_on_an_image_of_an_earlier_release(void **state)
         const struct dg_device *device = dg_device_find(names[i]);
         const uint8_t count = layout_of(device)->region_count;
         /* An image without a serial number cannot have kept it. */
-        const uint8_t least = device->stack == DG_STACK_CANOPEN ? DG_CO_REGION_SERIAL + 1 : 1;
+        const uint8_t least = device->stack == &dg_cia406_stack ? DG_CO_REGION_SERIAL + 1 : 1;
         make(device, count, &today);
         for (uint8_t older = least; older <= count; older++) {
             check(device, older);

@@ -246,7 +246,7 @@ static bool is_biss(const struct options *options)
 {
     const struct dg_device *device = options->model == NULL ? NULL : dg_device_find(options->model);
 
-    if (device != NULL && device->stack == DG_STACK_BISS) {
+    if (device != NULL && device->stack == &dg_biss_stack) {
         return true;
     }
     lx_complain("biss needs a BiSS model; valid: s3674-biss s3684-biss");

@@ -18,7 +18,7 @@ static int take_set(struct biss_session *self, const char *assignment, struct lx
 static int understand(struct biss_session *self, const struct options *options,
                       struct lx_error *error)
 {
-    lx_biss_settings_init(&self->settings, dg_device_find(options->model)->biss);
+    lx_biss_settings_init(&self->settings, dg_biss_model_of(dg_device_find(options->model)));
     lx_sim_settings_init(&self->timing);
     for (size_t i = 0; i < options->set_count; i++) {
         if (take_set(self, options->sets[i], error) != 0) {
@@ -57,7 +57,7 @@ static int open_trace(struct biss_session *self, const struct options *options, 
 {
     const struct lx_trace_setup trace = {
         .path = options->trace,
-        .stack = DG_STACK_BISS,
+        .stack = &dg_biss_stack,
         .wire = options->model,
         .tap = &self->tap,
     };

@@ -305,7 +305,7 @@ static void print_dummy_usage(const struct eds *self)
 
 void eds_print(const struct dg_device *device, FILE *to)
 {
-    const struct eds self = {.device = device->cia406->device, .to = to};
+    const struct eds self = {.device = dg_cia406_model_of(device)->device, .to = to};
     print_file_info(&self, device);
     print_device_info(&self);
     print_dummy_usage(&self);

@@ -22,8 +22,8 @@
 static void list_models(const char *indent)
 {
     for (size_t i = 0; i < dg_device_count; i++) {
-        (void)printf("%s%-12s %s, %s\n", indent, dg_devices[i].name, dg_devices[i].wire,
-                     dg_devices[i].resolution);
+        (void)printf("%s%-12s %s, %s\n", indent, dg_devices[i]->name, dg_devices[i]->wire,
+                     dg_devices[i]->resolution);
     }
 }
 
@@ -32,7 +32,7 @@ static void help(void)
 {
     static char name[] = "drehgeber";
     struct lx_settings defaults;
-    lx_settings_init(&defaults, dg_devices[0].hiperface);
+    lx_settings_init(&defaults, dg_hf_model_of(dg_devices[0]));
     (void)fputs(
         "drehgeber - be an absolute encoder, byte for byte\n"
         "\n"
@@ -92,7 +92,7 @@ static int flushed(void)
 static int eds(const struct options *options)
 {
     const struct dg_device *device = options->model == NULL ? NULL : dg_device_find(options->model);
-    if (device == NULL || device->stack != DG_STACK_CANOPEN) {
+    if (device == NULL || device->stack != &dg_cia406_stack) {
         lx_complain("eds needs a CANopen model; valid: f3658 f3668");
         return EXIT_USAGE;
     }
@@ -119,7 +119,7 @@ static int map(const struct options *options)
     const struct dg_ib_model *models[DG_IB_RING_MAX];
     struct lx_plan plan;
     struct lx_error error;
-    if (options->ring == NULL && (device == NULL || device->stack != DG_STACK_INTERBUS)) {
+    if (options->ring == NULL && (device == NULL || device->stack != &dg_ib_stack)) {
         lx_complain("map needs an INTERBUS model; right is 'drehgeber map ocd-ib-k3' or 'map "
                     "--ring MODEL,MODEL'");
         return EXIT_USAGE;
@@ -128,7 +128,7 @@ static int map(const struct options *options)
         return run_complain(&error, EXIT_USAGE);
     }
     for (size_t i = 0; i < plan.encoder_count; i++) {
-        models[i] = plan.encoders[i].model->interbus;
+        models[i] = dg_ib_model_of(plan.encoders[i].model);
     }
     lx_map_print(models, plan.encoder_count, stdout);
     lx_plan_free(&plan);

@@ -7,6 +7,10 @@
 #include <string.h>
 
 #include "can.h"
+#include "drehgeber/biss.h"
+#include "drehgeber/cia406.h"
+#include "drehgeber/hiperface.h"
+#include "drehgeber/interbus.h"
 
 enum key {
     KEY_HELP = 'h',
@@ -44,19 +48,26 @@ static const struct {
     "'drehgeber eds MODEL', 'drehgeber biss MODEL ACTION', 'drehgeber map MODEL', "                \
     "'drehgeber ctl COMMAND' or 'drehgeber top [ADDRESS]'"
 
-/* By enum dg_device_stack. */
-static const char *const wires_of[] = {
-    [DG_STACK_HIPERFACE] = "--pty[=LINK] or --tty DEV",
-    [DG_STACK_BISS] = "--sim or --gpio CHIP:MA,SLO",
-    [DG_STACK_INTERBUS] = "--modbus HOST:PORT",
-    [DG_STACK_CANOPEN] = "--can IFNAME or --slcan[=LINK]",
+static const struct {
+    const struct dg_stack *stack;
+    const char *all;
+    const char *usual;
+} wires_of[] = {
+    {&dg_hf_stack, "--pty[=LINK] or --tty DEV", "pty"},
+    {&dg_biss_stack, "--sim or --gpio CHIP:MA,SLO", "sim"},
+    {&dg_ib_stack, "--modbus HOST:PORT", "modbus"},
+    {&dg_cia406_stack, "--can IFNAME or --slcan[=LINK]", "slcan"},
 };
-static const char *const usual_wires[] = {
-    [DG_STACK_HIPERFACE] = "pty",
-    [DG_STACK_BISS] = "sim",
-    [DG_STACK_INTERBUS] = "modbus",
-    [DG_STACK_CANOPEN] = "slcan",
-};
+
+/* The row of a stack. */
+static size_t row_of_stack(const struct dg_stack *stack)
+{
+    size_t i = 0;
+    while (i < sizeof wires_of / sizeof wires_of[0] - 1 && wires_of[i].stack != stack) {
+        i++;
+    }
+    return i;
+}
 
 /* clang-format off */
 static const struct argp_option table[] = {
@@ -276,22 +287,24 @@ int options_parse(struct options *self, int argc, char **argv)
 }
 
 /* A kernel that has CAN also has an interface that the user wants it on; there is no guessing. */
-const struct lx_wire *options_wire(const struct options *self, enum dg_device_stack stack,
+const struct lx_wire *options_wire(const struct options *self, const struct dg_stack *stack,
                                    struct lx_error *error)
 {
+    const char *all = wires_of[row_of_stack(stack)].all;
+    const char *usual = wires_of[row_of_stack(stack)].usual;
     if (self->wire != NULL && self->wire->stack == stack) {
         return self->wire;
     }
     if (self->wire != NULL) {
         (void)lx_fail(error, "--%s is no wire of %s; right is %s", self->wire->name, self->model,
-                      wires_of[stack]);
+                      all);
         return NULL;
     }
-    if (stack == DG_STACK_CANOPEN && lx_can_in_kernel()) {
-        (void)lx_fail(error, "%s needs a wire; right is %s", self->model, wires_of[stack]);
+    if (stack == &dg_cia406_stack && lx_can_in_kernel()) {
+        (void)lx_fail(error, "%s needs a wire; right is %s", self->model, all);
         return NULL;
     }
-    return lx_wire_find(usual_wires[stack], strlen(usual_wires[stack]));
+    return lx_wire_find(usual, strlen(usual));
 }
 
 void options_free(struct options *self)

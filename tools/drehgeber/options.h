@@ -57,7 +57,7 @@ extern const struct argp options_argp;
 
 /* The wire for an encoder with this stack: the one that was given, or the default. NULL with one
    line in `error` when that is none for it. */
-const struct lx_wire *options_wire(const struct options *self, enum dg_device_stack stack,
+const struct lx_wire *options_wire(const struct options *self, const struct dg_stack *stack,
                                    struct lx_error *error);
 
 /* What `run` is to be: of a model, a ring, or a rig file. 0, or -1 with one line in `error` and

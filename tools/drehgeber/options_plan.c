@@ -11,6 +11,9 @@
 #include <strings.h>
 
 #include "access.h"
+#include "drehgeber/cia406.h"
+#include "drehgeber/devices.h"
+#include "drehgeber/interbus.h"
 #include "figure.h"
 #include "options.h"
 #include "wire.h"
@@ -36,7 +39,7 @@ static int unknown_model(const struct options *options, struct lx_error *error)
     size_t used = 0;
     for (size_t i = 0; i < dg_device_count && used < sizeof names.text; i++) {
         const int n =
-            snprintf(names.text + used, sizeof names.text - used, " %s", dg_devices[i].name);
+            snprintf(names.text + used, sizeof names.text - used, " %s", dg_devices[i]->name);
         used += n > 0 ? (size_t)n : 0u;
     }
     if (options->model == NULL) {
@@ -53,7 +56,7 @@ static const struct dg_device *ring_model(const char *name, size_t n, struct lx_
         memcpy(text, name, n);
     }
     const struct dg_device *device = dg_device_find(text);
-    if (device != NULL && device->stack == DG_STACK_INTERBUS) {
+    if (device != NULL && device->stack == &dg_ib_stack) {
         return device;
     }
     (void)lx_fail(error,
@@ -297,7 +300,7 @@ static int plan_model(const struct options *options, struct lx_plan *plan, struc
     if (device == NULL || begin(options, plan, device, error) != 0) {
         return -1;
     }
-    if (device->stack == DG_STACK_CANOPEN) {
+    if (device->stack == &dg_cia406_stack) {
         return plan_nodes(options, plan, device, error);
     }
     if (options->node != NULL) {

@@ -11,6 +11,7 @@
 #include <systemd/sd-daemon.h>
 #include <systemd/sd-event.h>
 
+#include "drehgeber/biss.h"
 #include "plan.h"
 #include "rig.h"
 #include "timer.h"

@@ -82,10 +82,10 @@ static const struct dg_co_ops can_ops = {can_send, NULL};
 /* Deliver the four, plug them onto the shaft, and switch them on. @return 0 when all went well */
 static int power_up(struct drive *self)
 {
-    const struct dg_hf_model *rs485 = dg_device_find("s3684-rs485")->hiperface;
-    const struct dg_biss_model *biss = dg_device_find("s3684-biss")->biss;
-    const struct dg_cia406_model *can = dg_device_find("f3668")->cia406;
-    const struct dg_ib_model *interbus = dg_device_find("ocd-ib-k3")->interbus;
+    const struct dg_hf_model *rs485 = dg_hf_model_of(dg_device_find("s3684-rs485"));
+    const struct dg_biss_model *biss = dg_biss_model_of(dg_device_find("s3684-biss"));
+    const struct dg_cia406_model *can = dg_cia406_model_of(dg_device_find("f3668"));
+    const struct dg_ib_model *interbus = dg_ib_model_of(dg_device_find("ocd-ib-k3"));
     struct dg_nvm nvm[4];
 
     for (size_t i = 0; i < 4; i++) {

@@ -5,7 +5,11 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "drehgeber/biss.h"
+#include "drehgeber/cia406.h"
 #include "drehgeber/control.h"
+#include "drehgeber/hiperface.h"
+#include "drehgeber/interbus.h"
 
 static void print_commands(void)
 {
@@ -42,7 +46,7 @@ static const char *kind_of(enum dg_fault_kind kind)
     return names[kind];
 }
 
-static void print_faults(enum dg_device_stack stack, const struct dg_store_layout *layout)
+static void print_faults(const struct dg_stack *stack, const struct dg_store_layout *layout)
 {
     const struct dg_fault_target target = {.stack = stack, .layout = layout};
     struct dg_fault_entry entry;
@@ -59,13 +63,13 @@ int main(int argc, char **argv)
 {
     const struct {
         const char *name;
-        enum dg_device_stack stack;
+        const struct dg_stack *stack;
         const struct dg_store_layout *layout;
     } stacks[] = {
-        {"hiperface", DG_STACK_HIPERFACE, &dg_hf_layout},
-        {"biss", DG_STACK_BISS, &dg_biss_layout},
-        {"canopen", DG_STACK_CANOPEN, dg_cia406_multiturn.layout},
-        {"interbus", DG_STACK_INTERBUS, &dg_ib_layout},
+        {"hiperface", &dg_hf_stack, &dg_hf_layout},
+        {"biss", &dg_biss_stack, &dg_biss_layout},
+        {"canopen", &dg_cia406_stack, dg_cia406_multiturn.layout},
+        {"interbus", &dg_ib_stack, &dg_ib_layout},
     };
 
     if (argc == 2 && strcmp(argv[1], "commands") == 0) {

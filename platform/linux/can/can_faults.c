@@ -87,7 +87,7 @@ static void send_in_time(struct lx_can_node *from, const struct dg_can_frame *fr
     }
     if (delayed) {
         waiting.at =
-            dg_after(waiting.at, (dg_ns)dg_fault_wire_value(DG_STACK_CANOPEN, DG_WIRE_DELAY));
+            dg_after(waiting.at, (dg_ns)dg_fault_wire_value(&dg_cia406_stack, DG_WIRE_DELAY));
     }
     if (from->held > 0 && waiting.at < from->last_held) {
         waiting.at = from->last_held;

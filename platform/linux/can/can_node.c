@@ -110,7 +110,7 @@ int lx_can_node_make(struct lx_can_bus *bus, size_t place, struct lx_error *erro
     *self = (struct lx_can_node){
         .bus = bus,
         .station = station,
-        .model = *plan->model->cia406,
+        .model = *dg_cia406_model_of(plan->model),
         .file = {.fd = -1},
         .index = LX_CAN_DEAF,
     };

@@ -20,7 +20,7 @@ uint8_t lx_biss_data_bits(const struct dg_biss_model *model)
 
 static uint8_t delay_of(dg_ns clock)
 {
-    const dg_ns delay = (dg_ns)dg_fault_wire_value(DG_STACK_BISS, DG_WIRE_DELAY);
+    const dg_ns delay = (dg_ns)dg_fault_wire_value(&dg_biss_stack, DG_WIRE_DELAY);
     const dg_ns clocks = delay / clock;
     if (clocks > LX_BISS_DELAY_MAX) {
         return LX_BISS_DELAY_MAX;

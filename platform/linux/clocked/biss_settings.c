@@ -161,7 +161,7 @@ int lx_biss_settings_serial(struct lx_biss_settings *self, const char *digits,
 int lx_biss_settings_plan(struct lx_biss_settings *self, const struct lx_plan *plan,
                           const struct lx_plan_encoder *encoder, struct lx_error *error)
 {
-    lx_biss_settings_init(self, encoder->model->biss);
+    lx_biss_settings_init(self, dg_biss_model_of(encoder->model));
     for (size_t i = 0; i < encoder->settings.count; i++) {
         if (take(self, plan, &encoder->settings.list[i], error) != 0) {
             return -1;

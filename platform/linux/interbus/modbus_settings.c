@@ -80,7 +80,7 @@ static void put(struct lx_ring_settings *self, const struct setting *row, int32_
 void lx_ring_settings_init(struct lx_ring_settings *self)
 {
     memset(self, 0, sizeof *self);
-    lx_settings_init(&self->common, dg_devices[0].hiperface);
+    lx_settings_init(&self->common, dg_hf_model_of(dg_devices[0]));
     for (size_t i = 0; i < SETTING_COUNT; i++) {
         put(self, &settings[i], settings[i].initial);
     }

@@ -356,7 +356,7 @@ static int understand(struct ring_bus *self, size_t place, struct lx_error *erro
         return lx_settings_refuse(plan, encoder->serial_line, error);
     }
     const uint32_t index = encoder->serial == NULL ? (uint32_t)place : 0u;
-    member->model = lx_ring_settings_model(&settings, encoder->model->interbus, index);
+    member->model = lx_ring_settings_model(&settings, dg_ib_model_of(encoder->model), index);
     member->world = &station->world;
     member->nvm = encoder->nvm;
     lx_settings_world(&settings.common, &station->world);

@@ -7,6 +7,9 @@
 #include <string.h>
 #include <strings.h>
 
+#include "drehgeber/cia406.h"
+#include "drehgeber/devices.h"
+#include "drehgeber/hiperface.h"
 #include "figure.h"
 #include "wire.h"
 
@@ -15,17 +18,26 @@
 
 /* How the encoders of one stack are told apart on a bus; by their places where there is no key. */
 static const struct place {
+    const struct dg_stack *stack;
     const char *key;
     const char *what;
     uint8_t min;
     uint8_t max;
     uint8_t delivered;
 } places[] = {
-    [DG_STACK_HIPERFACE] = {"address", "an RS485 address; 0x40..0x5F", 0x40, 0x5F, 0x40},
-    [DG_STACK_BISS] = {NULL, NULL, 0, 0, 0},
-    [DG_STACK_CANOPEN] = {"node", "a node-ID; 1..127", 1, 127, 63},
-    [DG_STACK_INTERBUS] = {NULL, NULL, 0, 0, 0},
+    {&dg_hf_stack, "address", "an RS485 address; 0x40..0x5F", 0x40, 0x5F, 0x40},
+    {&dg_cia406_stack, "node", "a node-ID; 1..127", 1, 127, 63},
+    {NULL, NULL, NULL, 0, 0, 0}, /* all others */
 };
+
+static const struct place *place_of(const struct dg_device *model)
+{
+    const struct place *row = places;
+    while (row->stack != NULL && row->stack != model->stack) {
+        row++;
+    }
+    return row;
+}
 
 static const struct lx_plan_encoder *find_encoder(const struct lx_plan *plan, const char *name)
 {
@@ -45,7 +57,7 @@ take_model(const struct lx_plan *plan, const struct lx_plan_section *self, struc
     struct lx_error names = {""};
     for (size_t i = 0; i < dg_device_count; i++) {
         const size_t used = strlen(names.text);
-        (void)snprintf(names.text + used, sizeof names.text - used, " %s", dg_devices[i].name);
+        (void)snprintf(names.text + used, sizeof names.text - used, " %s", dg_devices[i]->name);
     }
     if (row == NULL) {
         (void)lx_plan_fail(plan, self->line, error,
@@ -176,7 +188,7 @@ static int take_wire_of(struct lx_plan *plan, const struct lx_plan_section *self
 /* The number by which the bus tells `encoder` from others. It was checked. */
 static uint64_t number_of(const struct lx_plan_encoder *encoder)
 {
-    uint64_t number = places[encoder->model->stack].delivered;
+    uint64_t number = place_of(encoder->model)->delivered;
     if (encoder->address != NULL) {
         (void)lx_unsigned_parse(encoder->address, &number);
     }
@@ -186,7 +198,7 @@ static uint64_t number_of(const struct lx_plan_encoder *encoder)
 static int check_number(const struct lx_plan *plan, const struct lx_plan_encoder *self,
                         struct lx_error *error)
 {
-    const struct place *place = &places[self->model->stack];
+    const struct place *place = place_of(self->model);
     const lx_line_number line = self->address == NULL ? self->line : self->address_line;
     for (size_t i = 0; place->key != NULL && i < plan->encoder_count; i++) {
         const struct lx_plan_encoder *other = &plan->encoders[i];
@@ -203,7 +215,7 @@ static int check_number(const struct lx_plan *plan, const struct lx_plan_encoder
 static int refuse_number(const struct lx_plan *plan, const struct lx_plan_setting *row,
                          const struct dg_device *model, struct lx_error *error)
 {
-    const char *key = places[model->stack].key;
+    const char *key = place_of(model)->key;
     return lx_plan_fail(plan, row->line, error, "%s: %s has none; %s%s is right", row->key,
                         model->name, key == NULL ? "its place among the encoders of its wire" : key,
                         key == NULL ? "" : " = N");
@@ -214,7 +226,7 @@ static int take_number(struct lx_plan *plan, const struct lx_plan_section *self,
                        struct lx_plan_encoder *encoder, struct lx_error *error)
 {
     static const char *const keys[] = {"node", "address"};
-    const struct place *place = &places[encoder->model->stack];
+    const struct place *place = place_of(encoder->model);
     for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++) {
         const struct lx_plan_setting *row = lx_plan_word(self, keys[i]);
         uint64_t number = 0;

@@ -27,7 +27,7 @@ struct lx_wire {
                             has none */
     const char *usual; /**< address when none is given; NULL: the bus finds one */
     const char *const *keys; /**< settings of the wire itself, NULL behind the last; NULL: none */
-    enum dg_device_stack stack;
+    const struct dg_stack *stack;
     bool simulated; /**< runs by the rig's clock, which may be slowed down */
     bool where_needed;
     bool where_is_path; /**< a file name: in a rig file relative to its folder */

@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "drehgeber/interbus.h"
 #include "figure.h"
 #include "rig_parts.h"
 
@@ -411,7 +412,7 @@ static bool announce_encoders(struct lx_rig *self)
 int lx_rig_announce(struct lx_rig *self, struct lx_error *error)
 {
     const struct lx_plan *plan = self->setup.plan;
-    const bool ring = plan->file == NULL && plan->wires[0].kind->stack == DG_STACK_INTERBUS;
+    const bool ring = plan->file == NULL && plan->wires[0].kind->stack == &dg_ib_stack;
     bool written = ring ? announce_ring(self) : announce_encoders(self);
     for (size_t i = 0; i < plan->control_count; i++) {
         written = written && printf("control %s\n", lx_server_address(self->servers[i])) >= 0;

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "drehgeber/cia406.h"
 #include "rig_parts.h"
 
 /* --- helpers --- */
@@ -205,7 +206,7 @@ int lx_rig_trace(struct lx_rig_wire *self, const char *path, struct lx_error *er
 {
     const struct lx_wire *kind = self->plan->kind;
     /* Whoever replays a trace of CAN wants the interface in it. */
-    const bool interface = kind->stack == DG_STACK_CANOPEN && !kind->where_is_path;
+    const bool interface = kind->stack == &dg_cia406_stack && !kind->where_is_path;
     const struct lx_trace_setup setup = {
         .path = path,
         .folder = self->rig->folder,

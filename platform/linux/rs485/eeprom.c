@@ -119,9 +119,9 @@ static const char *difference(struct image *file, const struct dg_hf_model *mode
 static const char *owner_of(struct image *file)
 {
     for (size_t i = 0; i < dg_device_count; i++) {
-        if (dg_devices[i].stack == DG_STACK_HIPERFACE &&
-            difference(file, dg_devices[i].hiperface, false) == NULL) {
-            return dg_devices[i].name;
+        if (dg_devices[i]->stack == &dg_hf_stack &&
+            difference(file, dg_hf_model_of(dg_devices[i]), false) == NULL) {
+            return dg_devices[i]->name;
         }
     }
     return "an encoder with other factory figures";

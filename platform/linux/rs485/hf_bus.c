@@ -188,7 +188,7 @@ static int understand_address(struct lx_settings *settings, const struct lx_plan
 static int understand(struct lx_settings *settings, const struct lx_plan *plan,
                       const struct lx_plan_encoder *encoder, struct lx_error *error)
 {
-    lx_settings_init(settings, encoder->model->hiperface);
+    lx_settings_init(settings, dg_hf_model_of(encoder->model));
     for (size_t i = 0; i < encoder->settings.count; i++) {
         if (lx_settings_take(settings, plan, &encoder->settings.list[i], error) != 0) {
             return -1;

@@ -136,7 +136,7 @@ static void send_damaged(struct lx_hf_drop *self, dg_ns now, const uint8_t *byte
         return;
     }
     if (dg_fault_wire_takes(faults, DG_WIRE_DELAY)) {
-        now += (dg_ns)dg_fault_wire_value(DG_STACK_HIPERFACE, DG_WIRE_DELAY);
+        now += (dg_ns)dg_fault_wire_value(&dg_hf_stack, DG_WIRE_DELAY);
     }
     memcpy(copy, bytes, n);
     if (dg_fault_wire_takes(faults, DG_WIRE_DAMAGE)) {

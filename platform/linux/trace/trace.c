@@ -10,6 +10,10 @@
 #include <string.h>
 #include <time.h>
 
+#include "drehgeber/biss.h"
+#include "drehgeber/cia406.h"
+#include "drehgeber/hiperface.h"
+#include "drehgeber/interbus.h"
 #include "file.h"
 #include "trace_format.h"
 
@@ -20,12 +24,24 @@ static const struct lx_trace_format *const formats[] = {
 };
 #define FORMAT_COUNT (sizeof formats / sizeof formats[0])
 
-static const char *const wires[] = {
-    [DG_STACK_HIPERFACE] = "RS485",
-    [DG_STACK_BISS] = "BiSS",
-    [DG_STACK_CANOPEN] = "CAN",
-    [DG_STACK_INTERBUS] = "INTERBUS",
+static const struct {
+    const struct dg_stack *stack;
+    const char *wire;
+} wires[] = {
+    {&dg_hf_stack, "RS485"},
+    {&dg_biss_stack, "BiSS"},
+    {&dg_cia406_stack, "CAN"},
+    {&dg_ib_stack, "INTERBUS"},
 };
+
+static const char *wire_of(const struct dg_stack *stack)
+{
+    size_t i = 0;
+    while (i < sizeof wires / sizeof wires[0] - 1 && wires[i].stack != stack) {
+        i++;
+    }
+    return wires[i].wire;
+}
 
 static bool ends_in(const char *path, const char *ending)
 {
@@ -34,7 +50,7 @@ static bool ends_in(const char *path, const char *ending)
     return n > end && strcmp(path + n - end, ending) == 0 && path[n - end - 1] != '/';
 }
 
-static const struct lx_trace_format *find(const char *path, enum dg_device_stack stack,
+static const struct lx_trace_format *find(const char *path, const struct dg_stack *stack,
                                           struct lx_error *error)
 {
     char endings[64] = "";
@@ -50,7 +66,7 @@ static const struct lx_trace_format *find(const char *path, enum dg_device_stack
         (void)strncat(endings, formats[i]->ending, sizeof endings - strlen(endings) - 1);
     }
     (void)lx_fail(error, "cannot trace %s to '%s': the name of such a file ends in %s",
-                  wires[stack], path, endings);
+                  wire_of(stack), path, endings);
     return NULL;
 }
 
@@ -156,7 +172,7 @@ struct lx_trace *lx_trace_open(const struct lx_trace_setup *setup, dg_ns now,
     self->format = format;
     self->tap = setup->tap;
     self->listener = (struct lx_tap_listener){
-        .event = on_event, .ctx = self, .sincos = setup->stack == DG_STACK_HIPERFACE};
+        .event = on_event, .ctx = self, .sincos = setup->stack == &dg_hf_stack};
     self->opened = now;
     self->flushed = now;
     self->day_ns = time_of_day_ns() - now;

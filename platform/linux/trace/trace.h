@@ -28,7 +28,7 @@
  * direction, or with silence; lx_decoder_step() is asked for by time.
  */
 struct lx_decoder {
-    enum dg_device_stack stack;
+    const struct dg_stack *stack;
     void (*line)(void *ctx, dg_ns at, bool ours, const char *text); /**< `at`: its first bit */
     void *ctx;
     dg_ns begin; /**< of the frame that is being collected */
@@ -44,7 +44,7 @@ struct lx_decoder {
 };
 
 /** Nothing collected. */
-void lx_decoder_init(struct lx_decoder *self, enum dg_device_stack stack,
+void lx_decoder_init(struct lx_decoder *self, const struct dg_stack *stack,
                      void (*line)(void *ctx, dg_ns at, bool ours, const char *text), void *ctx);
 /** An event; may give a line. */
 void lx_decoder_event(struct lx_decoder *self, const struct lx_tap_event *event);
@@ -59,7 +59,7 @@ struct lx_trace;
 struct lx_trace_setup {
     const char *path;               /**< its ending says how */
     const struct lx_folder *folder; /**< of the client that asks; NULL: the user does */
-    enum dg_device_stack stack;
+    const struct dg_stack *stack;
     const char *wire; /**< the interface or name that the file shall mention */
     struct lx_tap *tap;
     bool held; /**< nothing on the disk changes before lx_trace_release() */

@@ -5,6 +5,7 @@
 #include <inttypes.h>
 #include <string.h>
 
+#include "drehgeber/interbus.h"
 #include "trace_format.h"
 
 #define NS_PER_S 1000000000u
@@ -92,11 +93,6 @@ static void csv_event(struct lx_trace *self, const struct lx_tap_event *event)
 }
 
 const struct lx_trace_format lx_trace_csv = {
-    ".csv",
-    {0, sizeof BEGIN - 1u, BEGIN},
-    DG_STACK_INTERBUS,
-    sizeof(struct csv),
-    csv_begin,
-    csv_event,
+    ".csv",  {0, sizeof BEGIN - 1u, BEGIN}, &dg_ib_stack, sizeof(struct csv), csv_begin, csv_event,
     csv_end,
 };

@@ -9,6 +9,7 @@
 #include <inttypes.h>
 #include <string.h>
 
+#include "drehgeber/biss.h"
 #include "trace_format.h"
 
 #define TEXT_ID 't'
@@ -221,5 +222,5 @@ static void biss_end(struct lx_trace *self)
 }
 
 const struct lx_trace_format lx_trace_biss = {
-    ".vcd", LX_VCD_MARK, DG_STACK_BISS, sizeof(struct biss), biss_begin, biss_event, biss_end,
+    ".vcd", LX_VCD_MARK, &dg_biss_stack, sizeof(struct biss), biss_begin, biss_event, biss_end,
 };

@@ -192,7 +192,8 @@ static void a_file_of_an_earlier_release_grows(void **state)
     static char other[] = "7";
     struct can_rig *self = *state;
     can_rig_plan(self, 1);
-    const struct dg_store_layout *layout = self->encoder[0].model->cia406->device->layout;
+    const struct dg_store_layout *layout =
+        dg_cia406_model_of(self->encoder[0].model)->device->layout;
     (void)snprintf(self->nvm[0], sizeof self->nvm[0], "%s/0.nvm", self->folder);
     self->encoder[0].nvm = self->nvm[0];
     self->encoder[0].serial = other;

@@ -168,7 +168,7 @@ static void settings_reach_their_place(void **state)
 {
     struct lx_settings settings;
     (void)state;
-    lx_settings_init(&settings, dg_devices[0].hiperface);
+    lx_settings_init(&settings, dg_hf_model_of(dg_devices[0]));
     assert_true(settings.pace && !settings.any_line && !settings.serial_given);
     assert_int_equal(set(&settings, "pace=0", ""), 0);
     assert_int_equal(set(&settings, "line=any", ""), 0);
@@ -229,11 +229,11 @@ static void settings_out_of_range_are_refused(void **state)
     };
     struct lx_settings settings;
     (void)state;
-    lx_settings_init(&settings, dg_devices[0].hiperface);
+    lx_settings_init(&settings, dg_hf_model_of(dg_devices[0]));
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         assert_int_equal(set(&settings, rows[i].assignment, rows[i].says), -1);
     }
-    assert_memory_equal(&settings.model, dg_devices[0].hiperface, sizeof settings.model);
+    assert_memory_equal(&settings.model, dg_hf_model_of(dg_devices[0]), sizeof settings.model);
 }
 
 static void serial_numbers_get_zeros_in_front(void **state)
@@ -241,7 +241,7 @@ static void serial_numbers_get_zeros_in_front(void **state)
     struct lx_settings settings;
     struct lx_error error;
     (void)state;
-    lx_settings_init(&settings, dg_devices[0].hiperface);
+    lx_settings_init(&settings, dg_hf_model_of(dg_devices[0]));
     assert_int_equal(lx_settings_serial(&settings, "4711", &error), 0);
     assert_string_equal(settings.model.serial, "000004711");
     assert_true(settings.serial_given);
@@ -258,7 +258,7 @@ static void figures_have_to_fit_each_other(void **state)
     struct lx_settings settings;
     struct lx_error error;
     (void)state;
-    lx_settings_init(&settings, dg_devices[0].hiperface);
+    lx_settings_init(&settings, dg_hf_model_of(dg_devices[0]));
     assert_int_equal(set(&settings, "turns=65536", ""), 0);
     assert_int_equal(lx_settings_check(&settings, &error), 0); /* 2^32 */
     assert_int_equal(set(&settings, "turns=65537", ""), 0);

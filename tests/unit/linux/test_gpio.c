@@ -109,7 +109,7 @@ static void begin_as(const struct dg_biss_model *model)
 /* A device whose frames end after `timeout`, 0: after its own. */
 static void begin(dg_ns timeout)
 {
-    struct dg_biss_model model = *dg_device_find("s3674-biss")->biss;
+    struct dg_biss_model model = *dg_biss_model_of(dg_device_find("s3674-biss"));
 
     model.timeout = timeout;
     begin_as(&model);
@@ -258,7 +258,7 @@ static void test_frames_of_the_model(void **state)
     assert_int_equal(gpio.rate.edges_per_frame, 39);
     lx_gpio_close(&gpio);
     fake.base.fd = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
-    begin_as(dg_device_find("s3684-biss")->biss);
+    begin_as(dg_biss_model_of(dg_device_find("s3684-biss")));
     assert_int_equal(gpio.rate.edges_per_frame, 51);
 }
 
@@ -349,7 +349,7 @@ static void test_chip_that_goes_is_told_once(void **state)
 
 static void set_fault(const char *name, uint32_t count)
 {
-    const struct dg_fault_target target = {.stack = DG_STACK_BISS, .world = &rig.world};
+    const struct dg_fault_target target = {.stack = &dg_biss_stack, .world = &rig.world};
     const struct dg_fault_limits limits = {count, 1000000, DG_NEVER};
     const int index = dg_fault_find(&target, name);
 
@@ -375,7 +375,7 @@ static uint32_t levels(dg_ns at, unsigned n)
 static void test_faults_sit_behind_the_driver(void **state)
 {
     enum { CLOCKS = 32 };
-    struct dg_biss_model model = *dg_device_find("s3674-biss")->biss;
+    struct dg_biss_model model = *dg_biss_model_of(dg_device_find("s3674-biss"));
     uint32_t changes = 0;
 
     (void)state;

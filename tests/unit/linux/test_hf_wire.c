@@ -88,7 +88,7 @@ static void a_delayed_reply_comes_late(void **state)
 {
     struct line_rig rig;
     (void)state;
-    const dg_ns delay = (dg_ns)dg_fault_wire_value(DG_STACK_HIPERFACE, DG_WIRE_DELAY);
+    const dg_ns delay = (dg_ns)dg_fault_wire_value(&dg_hf_stack, DG_WIRE_DELAY);
     line_rig_plan(&rig, 1, NULL);
     line_rig_open_pty(&rig);
     line_rig_inject(&rig, 0, "wire_delay", 1);

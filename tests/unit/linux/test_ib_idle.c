@@ -91,9 +91,9 @@ static void open_side(struct side *self, const struct dg_ib_model *const *models
 
 static void open_both(uint32_t seed)
 {
-    const struct dg_ib_model *const models[DEVICES] = {dg_device_find("ocd-ib-k1")->interbus,
-                                                       dg_device_find("ocd-ib-k3")->interbus,
-                                                       dg_device_find("ocd-ib-k2")->interbus};
+    const struct dg_ib_model *const models[DEVICES] = {dg_ib_model_of(dg_device_find("ocd-ib-k1")),
+                                                       dg_ib_model_of(dg_device_find("ocd-ib-k3")),
+                                                       dg_ib_model_of(dg_device_find("ocd-ib-k2"))};
     static const dg_ns periods[] = {DG_US(250), DG_US(333), DG_MS(1), DG_MS(7), DG_MS(50)};
     noise = seed;
     now = START;

@@ -43,9 +43,9 @@ static int open_ring(const char *nvm, size_t count)
 static int set_up(void **state)
 {
     (void)state;
-    models[0] = dg_device_find("ocd-ib-k1")->interbus;
-    models[1] = dg_device_find("ocd-ib-k3")->interbus;
-    models[2] = dg_device_find("ocd-ib-k2")->interbus;
+    models[0] = dg_ib_model_of(dg_device_find("ocd-ib-k1"));
+    models[1] = dg_ib_model_of(dg_device_find("ocd-ib-k3"));
+    models[2] = dg_ib_model_of(dg_device_find("ocd-ib-k2"));
     lx_ring_settings_init(&settings);
     settings.self_test_ms = 0;
     memset(&error, 0, sizeof error);

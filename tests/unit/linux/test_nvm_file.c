@@ -72,7 +72,7 @@ static int set_up(void **state)
     (void)strcpy(self->folder, "/tmp/test_nvm_file.XXXXXX");
     assert_non_null(mkdtemp(self->folder));
     (void)snprintf(self->path, sizeof self->path, "%s/nvm", self->folder);
-    lx_settings_init(&self->settings, dg_device_find("s3684-rs485")->hiperface);
+    lx_settings_init(&self->settings, dg_hf_model_of(dg_device_find("s3684-rs485")));
     *state = self;
     return 0;
 }
@@ -324,16 +324,16 @@ static void other_factory_figures_are_refused(void **state)
     struct place *place = *state;
     struct lx_error error;
     make_image(place);
-    lx_settings_init(&place->settings, dg_device_find("s3674-rs485")->hiperface);
+    lx_settings_init(&place->settings, dg_hf_model_of(dg_device_find("s3674-rs485")));
     refused(place, "belongs to s3684-rs485");
     static const char *const others[] = {"periods=1024", "memory=22", "type=28h",
                                          "designation=other", "temperature_max=60"};
     for (size_t i = 0; i < sizeof others / sizeof others[0]; i++) {
-        lx_settings_init(&place->settings, dg_device_find("s3684-rs485")->hiperface);
+        lx_settings_init(&place->settings, dg_hf_model_of(dg_device_find("s3684-rs485")));
         assert_int_equal(lx_settings_set(&place->settings, others[i], &error), 0);
         refused(place, "differs");
     }
-    lx_settings_init(&place->settings, dg_device_find("s3684-rs485")->hiperface);
+    lx_settings_init(&place->settings, dg_hf_model_of(dg_device_find("s3684-rs485")));
     assert_int_equal(lx_settings_serial(&place->settings, "1", &error), 0);
     refused(place, "serial number differs");
 }
@@ -346,7 +346,7 @@ static void a_units_own_identity_is_kept(void **state)
     struct lx_eeprom eeprom;
     assert_int_equal(lx_settings_serial(&place->settings, "777", &error), 0);
     make_image(place);
-    lx_settings_init(&place->settings, dg_device_find("s3684-rs485")->hiperface);
+    lx_settings_init(&place->settings, dg_hf_model_of(dg_device_find("s3684-rs485")));
     assert_int_equal(lx_settings_set(&place->settings, "version=v9.9.9-new", &error), 0);
     assert_int_equal(lx_settings_set(&place->settings, "date=01012030", &error), 0);
     assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), 0);
@@ -416,10 +416,10 @@ static void an_image_of_an_earlier_release_is_taken_and_grows(void **state)
     make_older_image(place);
     const off_t length = length_of(place->path);
     assert_true(length < (off_t)dg_store_size(&dg_hf_layout));
-    lx_settings_init(&place->settings, dg_device_find("s3674-rs485")->hiperface);
+    lx_settings_init(&place->settings, dg_hf_model_of(dg_device_find("s3674-rs485")));
     refused(place, "belongs to s3684-rs485");
     assert_int_equal(length_of(place->path), length);
-    lx_settings_init(&place->settings, dg_device_find("s3684-rs485")->hiperface);
+    lx_settings_init(&place->settings, dg_hf_model_of(dg_device_find("s3684-rs485")));
     assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), 0);
     assert_int_equal(length_of(place->path), length);
     assert_int_equal(dg_store_mount(&store, &dg_hf_layout, eeprom.nvm), DG_ERR_OLDER);

@@ -289,14 +289,14 @@ static void changed(struct bench *self, size_t i)
 static void bend(struct bench *self, size_t i, enum dg_wire_fault fault, uint32_t count)
 {
     look(self);
-    station_bend(&self->station[i], DG_STACK_INTERBUS, fault, count);
+    station_bend(&self->station[i], &dg_ib_stack, fault, count);
     changed(self, i);
 }
 
 static void mend(struct bench *self, size_t i, enum dg_wire_fault fault)
 {
     look(self);
-    station_mend(&self->station[i], DG_STACK_INTERBUS, fault);
+    station_mend(&self->station[i], &dg_ib_stack, fault);
     changed(self, i);
 }
 
@@ -433,9 +433,9 @@ static void each_is_its_own(void **state)
     assert_int_equal(device(self, 1)->setup.model->serial, 4711);
     assert_int_equal(device(self, 1)->setup.model->param_cycles, 7);
     assert_int_equal(device(self, 2)->setup.model->param_cycles,
-                     dg_device_find("ocd-ib-k2")->interbus->param_cycles);
+                     dg_ib_model_of(dg_device_find("ocd-ib-k2"))->param_cycles);
     assert_int_equal(device(self, 2)->setup.model->serial,
-                     dg_device_find("ocd-ib-k2")->interbus->serial + 2);
+                     dg_ib_model_of(dg_device_find("ocd-ib-k2"))->serial + 2);
     assert_null(self->station[0].control.nvm.ops);
     assert_non_null(self->station[1].control.nvm.ops);
 }

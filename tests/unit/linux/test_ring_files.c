@@ -54,8 +54,8 @@ static int set_up(void **state)
     dg_world_init(&self->world);
     self->world.angle = still;
     for (size_t i = 0; i < 3; i++) {
-        self->members[i] =
-            (struct lx_ring_member){*dg_device_find(names[i])->interbus, &self->world, self->path};
+        self->members[i] = (struct lx_ring_member){*dg_ib_model_of(dg_device_find(names[i])),
+                                                   &self->world, self->path};
     }
     *state = self;
     return 0;

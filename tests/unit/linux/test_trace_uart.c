@@ -84,7 +84,7 @@ static void begin(struct bench *self, dg_ns now)
 {
     struct lx_error error;
     const struct lx_trace_setup setup = {
-        .path = self->path, .stack = DG_STACK_HIPERFACE, .wire = "pty", .tap = &self->tap};
+        .path = self->path, .stack = &dg_hf_stack, .wire = "pty", .tap = &self->tap};
     self->trace = lx_trace_open(&setup, now, &error);
     assert_non_null(self->trace);
 }

@@ -1,0 +1,104 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * The seam between a protocol and everything else. A folder of src/ with a protocol exports one
+ * const struct dg_stack; whoever only makes encoders, switches them on and lets time pass needs
+ * nothing but this, and no table anywhere is indexed by protocols.
+ *
+ *   struct dg_stack_setup setup = {device->model, &world, nvm, SERIAL, &port, ctx};
+ *   void *self = memory of stack->device_size bytes, aligned for max_align_t
+ *   stack->format(&setup), once in the life of the EEPROM
+ *   stack->init(self, &setup), stack->power_on(self, now), stack->step(self, now) ...
+ *
+ * What goes over the wire is each protocol's own business: a port knows the struct behind `self`
+ * (struct dg_hf, dg_biss, dg_cia406_device, dg_ib) and calls its functions.
+ */
+#ifndef DREHGEBER_STACK_H
+#define DREHGEBER_STACK_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "drehgeber/api.h"
+#include "drehgeber/hal.h"
+#include "drehgeber/store.h"
+#include "drehgeber/time.h"
+#include "drehgeber/world.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** What a device of any stack is made of. Everything pointed to must outlive the device. */
+struct dg_stack_setup {
+    const void *model; /**< the stack's own kind: struct dg_hf_model, dg_biss_model, ... */
+    const struct dg_world *world;
+    struct dg_nvm nvm; /**< ops NULL: none; only for models without an EEPROM, see `layout` */
+    uint32_t serial;   /**< `format` burns it in where the model does not say */
+    const void *port;  /**< the wire's operations: struct dg_hf_ops, dg_co_ops; NULL where the stack
+                            has none (dg_biss, dg_ib) */
+    void *ctx;         /**< handed to them */
+};
+
+/**
+ * A protocol. Operations take `self`, the device's memory; they do not block but for the memory's
+ * operations, and none is NULL.
+ *
+ * A device is plain data: it may be copied, compared, moved and kept. Its only pointers are those
+ * of its setup and ones that `attach` can make anew.
+ */
+struct dg_stack {
+    const char *name;   /**< lower case, unique: "hiperface", "biss", "canopen", "interbus" */
+    size_t device_size; /**< bytes of a device, aligned for max_align_t */
+
+    /** The EEPROM of `model`, or NULL: it has none. */
+    const struct dg_store_layout *(*layout)(const void *model);
+    /** Whether `model` looks at the multiturn sensor and its battery. */
+    bool (*senses_multiturn)(const void *model);
+
+    /** Burn the delivery state into setup->nvm; world and port are not looked at. Nothing is done
+     * for a model without an EEPROM. @return 0; DG_ERR_ARGUMENT: a figure of the model is out of
+     * range; DG_ERR_IO */
+    int (*format)(const struct dg_stack_setup *setup);
+    /** Make a device, without power. The memory is not touched. @return 0; DG_ERR_ARGUMENT: a
+     * pointer is missing, a figure is out of range */
+    int (*init)(void *self, const struct dg_stack_setup *setup);
+    /**
+     * `self` holds the bytes of a device of the same model, made by the same build, maybe in
+     * another process: these are its pointers now. NULL as setup: take all pointers out, so that
+     * the bytes can be kept; nothing else may be called before the next attach().
+     */
+    void (*attach)(void *self, const struct dg_stack_setup *setup);
+
+    /** Power. Also from the powered state: a power cycle. @return 0, also with damaged regions or a
+     * silent EEPROM; DG_ERR_BLANK or DG_ERR_FOREIGN: not this device's memory, it stays off */
+    int (*power_on)(void *self, dg_ns now);
+    /** What was not stored is lost. */
+    void (*power_off)(void *self);
+    bool (*powered)(const void *self);
+    /** Do what is due at `now`. May be called early or late. @return when to call again; DG_NEVER:
+     * only the wire can change anything */
+    dg_ns (*step)(void *self, dg_ns now);
+
+    /** The model that it was made of. */
+    const void *(*model)(const void *self);
+    /** The position as the wire would tell it at `now`; 0 when it would tell none. Changes
+     * nothing. */
+    uint64_t (*position)(const void *self, dg_ns now);
+};
+
+/** An encoder as it can be ordered. */
+struct dg_device {
+    const char *name;       /**< as on the command line, e.g. "s3684-rs485" */
+    const char *wire;       /**< what it speaks, e.g. "RS485 + SinCos (HIPERFACE-compatible)" */
+    const char *resolution; /**< in words, e.g. "2048 periods x 32 steps, 4096 turns" */
+    const struct dg_stack *stack;
+    const void *model; /**< of the stack's own kind; typed by dg_hf_model_of() and its like */
+};
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

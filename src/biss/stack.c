@@ -1,0 +1,104 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The S36 BiSS behind the seam of all protocols.
+ */
+#include "drehgeber/biss.h"
+
+_Static_assert(_Alignof(struct dg_biss) <= _Alignof(max_align_t), "as stack.h promises");
+
+static struct dg_biss_setup own(const struct dg_stack_setup *setup)
+{
+    return (struct dg_biss_setup){.model = setup->model, .world = setup->world, .nvm = setup->nvm};
+}
+
+static const struct dg_store_layout *layout(const void *model)
+{
+    (void)model;
+    return &dg_biss_layout;
+}
+
+static bool senses_multiturn(const void *model)
+{
+    /* It monitors the sensor whatever its frame has room for. */
+    (void)model;
+    return true;
+}
+
+static int format(const struct dg_stack_setup *setup)
+{
+    return dg_biss_format(setup->nvm);
+}
+
+static int init(void *self, const struct dg_stack_setup *setup)
+{
+    const struct dg_biss_setup mine = own(setup);
+
+    return dg_biss_init(self, &mine);
+}
+
+static void attach(void *self, const struct dg_stack_setup *setup)
+{
+    struct dg_biss *device = self;
+
+    device->setup = setup != NULL ? own(setup) : (struct dg_biss_setup){0};
+    device->store.layout = setup != NULL ? &dg_biss_layout : NULL;
+    device->store.nvm = device->setup.nvm;
+}
+
+static int power_on(void *self, dg_ns now)
+{
+    return dg_biss_power_on(self, now);
+}
+
+static void power_off(void *self)
+{
+    dg_biss_power_off(self);
+}
+
+static bool powered(const void *self)
+{
+    const struct dg_biss *device = self;
+
+    return device->line.state != DG_BISS_OFF;
+}
+
+static dg_ns step(void *self, dg_ns now)
+{
+    return dg_biss_step(self, now);
+}
+
+static const void *model(const void *self)
+{
+    const struct dg_biss *device = self;
+
+    return device->setup.model;
+}
+
+static uint64_t position(const void *self, dg_ns now)
+{
+    const struct dg_biss *device = self;
+
+    /* While it initialises a frame has position 0. */
+    return powered(self) && now >= device->ready_at ? dg_biss_position(device, now) : 0;
+}
+
+const struct dg_stack dg_biss_stack = {
+    .name = "biss",
+    .device_size = sizeof(struct dg_biss),
+    .layout = layout,
+    .senses_multiturn = senses_multiturn,
+    .format = format,
+    .init = init,
+    .attach = attach,
+    .power_on = power_on,
+    .power_off = power_off,
+    .powered = powered,
+    .step = step,
+    .model = model,
+    .position = position,
+};
+
+const struct dg_biss_model *dg_biss_model_of(const struct dg_device *device)
+{
+    return device != NULL && device->stack == &dg_biss_stack ? device->model : NULL;
+}

@@ -1,0 +1,129 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The F36x8 behind the seam of all protocols.
+ */
+#include "drehgeber/cia406.h"
+
+_Static_assert(_Alignof(struct dg_cia406_device) <= _Alignof(max_align_t), "as stack.h promises");
+
+static struct dg_co_setup own(struct dg_cia406_device *self, const struct dg_stack_setup *setup)
+{
+    const struct dg_cia406_model *model = setup->model;
+
+    return (struct dg_co_setup){.device = model->device,
+                                .world = setup->world,
+                                .nvm = setup->nvm,
+                                .ops = setup->port,
+                                .ctx = setup->ctx,
+                                .application = &self->encoder};
+}
+
+static const struct dg_store_layout *layout(const void *model)
+{
+    const struct dg_cia406_model *figures = model;
+
+    return figures->device->layout;
+}
+
+static bool senses_multiturn(const void *model)
+{
+    const struct dg_cia406_model *figures = model;
+
+    return figures->turns > 1;
+}
+
+static int format(const struct dg_stack_setup *setup)
+{
+    const struct dg_cia406_model *model = setup->model;
+
+    return dg_co_format(model->device, setup->nvm, setup->serial);
+}
+
+static int init(void *self, const struct dg_stack_setup *setup)
+{
+    struct dg_cia406_device *device = self;
+    const int result =
+        setup->model != NULL ? dg_cia406_init(&device->encoder, setup->model) : DG_ERR_ARGUMENT;
+
+    if (result != DG_OK) {
+        return result;
+    }
+    const struct dg_co_setup mine = own(device, setup);
+    return dg_co_init(&device->node, &mine);
+}
+
+static void attach(void *self, const struct dg_stack_setup *setup)
+{
+    struct dg_cia406_device *device = self;
+
+    device->encoder.model = setup != NULL ? setup->model : NULL;
+    if (setup != NULL) {
+        const struct dg_co_setup mine = own(device, setup);
+        dg_co_attach(&device->node, &mine);
+    } else {
+        dg_co_attach(&device->node, NULL);
+    }
+}
+
+static int power_on(void *self, dg_ns now)
+{
+    struct dg_cia406_device *device = self;
+
+    return dg_co_power_on(&device->node, now);
+}
+
+static void power_off(void *self)
+{
+    struct dg_cia406_device *device = self;
+
+    dg_co_power_off(&device->node);
+}
+
+static bool powered(const void *self)
+{
+    const struct dg_cia406_device *device = self;
+
+    return device->node.state != DG_CO_OFF;
+}
+
+static dg_ns step(void *self, dg_ns now)
+{
+    struct dg_cia406_device *device = self;
+
+    return dg_co_step(&device->node, now);
+}
+
+static const void *model(const void *self)
+{
+    const struct dg_cia406_device *device = self;
+
+    return device->encoder.model;
+}
+
+static uint64_t position(const void *self, dg_ns now)
+{
+    const struct dg_cia406_device *device = self;
+
+    return powered(self) ? dg_cia406_position(&device->node, now) : 0;
+}
+
+const struct dg_stack dg_cia406_stack = {
+    .name = "canopen",
+    .device_size = sizeof(struct dg_cia406_device),
+    .layout = layout,
+    .senses_multiturn = senses_multiturn,
+    .format = format,
+    .init = init,
+    .attach = attach,
+    .power_on = power_on,
+    .power_off = power_off,
+    .powered = powered,
+    .step = step,
+    .model = model,
+    .position = position,
+};
+
+const struct dg_cia406_model *dg_cia406_model_of(const struct dg_device *device)
+{
+    return device != NULL && device->stack == &dg_cia406_stack ? device->model : NULL;
+}

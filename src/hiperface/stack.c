@@ -1,0 +1,105 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The S36 RS485 behind the seam of all protocols.
+ */
+#include "drehgeber/hiperface.h"
+
+_Static_assert(_Alignof(struct dg_hf) <= _Alignof(max_align_t), "as stack.h promises");
+
+static struct dg_hf_setup own(const struct dg_stack_setup *setup)
+{
+    return (struct dg_hf_setup){.model = setup->model,
+                                .world = setup->world,
+                                .nvm = setup->nvm,
+                                .ops = setup->port,
+                                .ctx = setup->ctx};
+}
+
+static const struct dg_store_layout *layout(const void *model)
+{
+    (void)model;
+    return &dg_hf_layout;
+}
+
+static bool senses_multiturn(const void *model)
+{
+    const struct dg_hf_model *figures = model;
+
+    return figures->turns > 1;
+}
+
+static int format(const struct dg_stack_setup *setup)
+{
+    return dg_hf_format(setup->model, setup->nvm);
+}
+
+static int init(void *self, const struct dg_stack_setup *setup)
+{
+    const struct dg_hf_setup mine = own(setup);
+
+    return dg_hf_init(self, &mine);
+}
+
+static void attach(void *self, const struct dg_stack_setup *setup)
+{
+    struct dg_hf *device = self;
+
+    device->setup = setup != NULL ? own(setup) : (struct dg_hf_setup){0};
+    device->store.layout = setup != NULL ? &dg_hf_layout : NULL;
+    device->store.nvm = device->setup.nvm;
+}
+
+static int power_on(void *self, dg_ns now)
+{
+    return dg_hf_power_on(self, now);
+}
+
+static void power_off(void *self)
+{
+    dg_hf_power_off(self);
+}
+
+static bool powered(const void *self)
+{
+    const struct dg_hf *device = self;
+
+    return device->line != DG_HF_OFF;
+}
+
+static dg_ns step(void *self, dg_ns now)
+{
+    return dg_hf_step(self, now);
+}
+
+static const void *model(const void *self)
+{
+    const struct dg_hf *device = self;
+
+    return device->setup.model;
+}
+
+static uint64_t position(const void *self, dg_ns now)
+{
+    return powered(self) ? dg_hf_position(self, now) : 0;
+}
+
+const struct dg_stack dg_hf_stack = {
+    .name = "hiperface",
+    .device_size = sizeof(struct dg_hf),
+    .layout = layout,
+    .senses_multiturn = senses_multiturn,
+    .format = format,
+    .init = init,
+    .attach = attach,
+    .power_on = power_on,
+    .power_off = power_off,
+    .powered = powered,
+    .step = step,
+    .model = model,
+    .position = position,
+};
+
+const struct dg_hf_model *dg_hf_model_of(const struct dg_device *device)
+{
+    return device != NULL && device->stack == &dg_hf_stack ? device->model : NULL;
+}

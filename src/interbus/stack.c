@@ -1,0 +1,105 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The OCD INTERBUS behind the seam of all protocols.
+ */
+#include "drehgeber/interbus.h"
+
+_Static_assert(_Alignof(struct dg_ib) <= _Alignof(max_align_t), "as stack.h promises");
+
+static struct dg_ib_setup own(const struct dg_stack_setup *setup)
+{
+    return (struct dg_ib_setup){.model = setup->model, .world = setup->world, .nvm = setup->nvm};
+}
+
+static const struct dg_store_layout *layout(const void *model)
+{
+    const struct dg_ib_model *figures = model;
+
+    return figures->profile == DG_IB_K3 ? &dg_ib_layout : NULL;
+}
+
+static bool senses_multiturn(const void *model)
+{
+    const struct dg_ib_model *figures = model;
+
+    return figures->turns > 1;
+}
+
+static int format(const struct dg_stack_setup *setup)
+{
+    return dg_ib_format(setup->model, setup->nvm);
+}
+
+static int init(void *self, const struct dg_stack_setup *setup)
+{
+    const struct dg_ib_setup mine = own(setup);
+
+    return dg_ib_init(self, &mine);
+}
+
+static void attach(void *self, const struct dg_stack_setup *setup)
+{
+    struct dg_ib *device = self;
+
+    device->setup = setup != NULL ? own(setup) : (struct dg_ib_setup){0};
+    device->store.layout = setup != NULL && device->mounted ? &dg_ib_layout : NULL;
+    device->store.nvm = device->setup.nvm;
+}
+
+static int power_on(void *self, dg_ns now)
+{
+    return dg_ib_power_on(self, now);
+}
+
+static void power_off(void *self)
+{
+    dg_ib_power_off(self);
+}
+
+static bool powered(const void *self)
+{
+    const struct dg_ib *device = self;
+
+    return device->powered;
+}
+
+static dg_ns step(void *self, dg_ns now)
+{
+    /* It does everything in the cycles of its ring. */
+    (void)self;
+    (void)now;
+    return DG_NEVER;
+}
+
+static const void *model(const void *self)
+{
+    const struct dg_ib *device = self;
+
+    return device->setup.model;
+}
+
+static uint64_t position(const void *self, dg_ns now)
+{
+    return powered(self) ? dg_ib_position(self, now) : 0;
+}
+
+const struct dg_stack dg_ib_stack = {
+    .name = "interbus",
+    .device_size = sizeof(struct dg_ib),
+    .layout = layout,
+    .senses_multiturn = senses_multiturn,
+    .format = format,
+    .init = init,
+    .attach = attach,
+    .power_on = power_on,
+    .power_off = power_off,
+    .powered = powered,
+    .step = step,
+    .model = model,
+    .position = position,
+};
+
+const struct dg_ib_model *dg_ib_model_of(const struct dg_device *device)
+{
+    return device != NULL && device->stack == &dg_ib_stack ? device->model : NULL;
+}
