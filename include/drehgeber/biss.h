@@ -57,6 +57,12 @@ extern "C" {
 #define DG_BISS_BANK_USER_FIRST 7u
 #define DG_BISS_BANK_USER_LAST 31u
 
+/** Parts of a frame behind the position (5.2.1.2): nERR and nWARN, the life counter where the model
+ * has one, and the inverted CRC6. */
+#define DG_BISS_FLAG_BITS 2u
+#define DG_BISS_LIFE_BITS 6u
+#define DG_BISS_CRC_BITS 6u
+
 /** Limits behind the error register. */
 #define DG_BISS_LED_MAX_UA 30000u
 #define DG_BISS_AMPLITUDE_MIN_PERMILLE 600u
@@ -318,6 +324,25 @@ DG_API bool dg_biss_chain_slo(const struct dg_biss_chain *self);
  * @return number of bits, 1..63; 0 without power
  */
 DG_API uint8_t dg_biss_frame(struct dg_biss *self, dg_ns e1, uint64_t *bits);
+
+/** What is in a frame behind CDS. */
+struct dg_biss_data {
+    uint64_t position;   /**< MT:ST, right-aligned */
+    uint32_t multiturn;  /**< MT */
+    uint32_t singleturn; /**< ST */
+    uint8_t life;        /**< LC; 0 without one */
+    bool n_err;          /**< level: false is an error */
+    bool n_warn;         /**< level: false is a warning */
+    bool crc_ok;         /**< the CRC fits */
+};
+
+/** Bits of a frame behind CDS: MT, ST, nERR, nWARN, LC if there is one, ~CRC6. 20..62 */
+DG_API uint8_t dg_biss_frame_bits(const struct dg_biss_model *model);
+
+/** Take apart what a slave of this model sent behind CDS. `bits` is right-aligned, what is in front
+ * of these dg_biss_frame_bits() bits is ignored. For masters: a wrong CRC is told, not refused. */
+DG_API void dg_biss_frame_decode(const struct dg_biss_model *model, uint64_t bits,
+                                 struct dg_biss_data *out);
 
 /** The timeout of that frame ended at `now`; the master sent `cdm` (MA low: 1). */
 DG_API void dg_biss_frame_end(struct dg_biss *self, dg_ns now, bool cdm);

@@ -57,8 +57,13 @@ const struct biss_register *biss_permitted(const struct dg_biss *self, dg_ns now
 /** eds.c: byte `offset` of a bank. */
 uint8_t biss_eds_common(const struct dg_biss_model *model, uint8_t offset);
 uint8_t biss_eds_profile(const struct dg_biss_model *model, uint8_t offset);
-/** MT, ST, nERR and nWARN in bits. */
+
+/** frame.c: MT, ST, nERR and nWARN in bits; LC in bits, 0 without one. */
 uint8_t biss_position_bits(const struct dg_biss_model *model);
+uint8_t biss_life_bits(const struct dg_biss_model *model);
+/** What was latched last, with the `flags` of dg_biss_flags(), into `bits`: all behind CDS.
+ * @return how many */
+uint8_t biss_frame_encode(const struct dg_biss *self, uint8_t flags, uint64_t *bits);
 
 /** factory.c */
 /** Mount the EEPROM, grown when it is of an earlier release. @return as dg_store_mount() */

@@ -48,11 +48,6 @@ static const uint8_t profile[] = {
     [0x1F] = 0x21,                       /* CPOLY */
 };
 
-uint8_t biss_position_bits(const struct dg_biss_model *model)
-{
-    return (uint8_t)(model->multiturn_bits + model->singleturn_bits + 2u);
-}
-
 static uint8_t finish(uint8_t *bank, uint8_t offset)
 {
     uint8_t sum = 0;
@@ -72,7 +67,7 @@ uint8_t biss_eds_common(const struct dg_biss_model *model, uint8_t offset)
 
     memcpy(bank, common, sizeof common);
     bank[0x0C] = busy > TBUSY_S_MIN ? (uint8_t)busy : TBUSY_S_MIN;
-    bank[0x15] = (uint8_t)(biss_position_bits(model) + (model->life_counter ? 6u : 0u));
+    bank[0x15] = (uint8_t)(biss_position_bits(model) + biss_life_bits(model));
     return finish(bank, offset);
 }
 

@@ -1,14 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What the encoder senses: position (5.2.2.1, 5.2.2.2), error register (5.2.3), and the frame's
- * data made of them (5.2.1.2).
+ * What the encoder senses: position (5.2.2.1, 5.2.2.2) and error register (5.2.3), and when: at the
+ * latch (5.2.1.2).
  */
 #include "biss_private.h"
 
 #define OFFSET_ST_BITS 26u
-#define STATE_BITS 2u
-#define LIFE_BITS 6u
-#define CRC_BITS 6u
 #define LIFE_MAX 63u
 
 static uint64_t mask(uint8_t bits)
@@ -108,9 +105,6 @@ static void count_life(struct dg_biss *self)
 
 uint8_t biss_latch(struct dg_biss *self, dg_ns now, uint64_t *bits)
 {
-    const struct dg_biss_model *model = self->setup.model;
-    uint8_t n = biss_position_bits(model);
-
     count_life(self);
     self->counters.frames++;
     self->position = biss_initialising(self, now) ? 0 : dg_biss_position(self, now);
@@ -118,11 +112,5 @@ uint8_t biss_latch(struct dg_biss *self, dg_ns now, uint64_t *bits)
         *bits = 0;
         return 0;
     }
-    uint64_t data = self->position << STATE_BITS | dg_biss_flags(self, now);
-    if (model->life_counter) {
-        data = data << LIFE_BITS | self->life;
-        n = (uint8_t)(n + LIFE_BITS);
-    }
-    *bits = data << CRC_BITS | dg_biss_crc6(data, n);
-    return (uint8_t)(n + CRC_BITS);
+    return biss_frame_encode(self, dg_biss_flags(self, now), bits);
 }

@@ -5,10 +5,6 @@
 #include "control_private.h"
 #include "drehgeber/biss.h"
 
-#define CRC_BITS 6u
-#define LIFE_BITS 6u
-#define STATE_BITS 2u
-
 static const struct dg_scpi_range addresses = {DG_SCPI_PLAIN, 0, 0, 0x7F};
 static const struct dg_scpi_range sizes = {DG_SCPI_PLAIN, 0, 1, DG_BISS_BANK_SIZE};
 static const struct dg_scpi_range bytes_range = {DG_SCPI_PLAIN, 0, 0, UINT8_MAX};
@@ -23,26 +19,16 @@ static bool has_biss(struct dg_scpi *self, bool there)
     return control_offered(self, there);
 }
 
-static uint64_t field(uint64_t bits, uint8_t low, uint8_t count)
-{
-    return bits >> low & (((uint64_t)1 << count) - 1u);
-}
-
-/* Behind CDS: MT:ST, nERR, nWARN, LC if there is one, CRC. */
 static void put_frame(struct dg_scpi *self, const struct dg_biss_model *model, uint64_t bits)
 {
-    const uint8_t life_bits = model->life_counter ? LIFE_BITS : 0;
-    const uint8_t position_bits = (uint8_t)(model->multiturn_bits + model->singleturn_bits);
-    const uint8_t warn = (uint8_t)(CRC_BITS + life_bits);
-    const uint8_t low = (uint8_t)(warn + STATE_BITS);
-    const uint8_t checked = (uint8_t)(position_bits + STATE_BITS + life_bits);
-    const uint8_t crc = dg_biss_crc6(bits >> CRC_BITS, checked);
+    struct dg_biss_data data;
 
-    dg_scpi_put_unsigned(self, field(bits, low, position_bits));
-    dg_scpi_put_unsigned(self, field(bits, (uint8_t)(warn + 1u), 1));
-    dg_scpi_put_unsigned(self, field(bits, warn, 1));
-    dg_scpi_put_unsigned(self, field(bits, CRC_BITS, life_bits));
-    dg_scpi_put_unsigned(self, field(bits, 0, CRC_BITS) == crc ? 1 : 0);
+    dg_biss_frame_decode(model, bits, &data);
+    dg_scpi_put_unsigned(self, data.position);
+    dg_scpi_put_unsigned(self, data.n_err);
+    dg_scpi_put_unsigned(self, data.n_warn);
+    dg_scpi_put_unsigned(self, data.life);
+    dg_scpi_put_unsigned(self, data.crc_ok);
 }
 
 void control_frame(struct dg_scpi *self, uint32_t argument)

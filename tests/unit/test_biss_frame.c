@@ -178,6 +178,62 @@ static void test_widths(void **state)
     }
 }
 
+/* Bits of the frame by a table of the manual's, one field behind the other. */
+static uint64_t frame_of(const struct dg_biss_model *model, const struct dg_biss_data *data)
+{
+    uint64_t bits = (uint64_t)data->multiturn << model->singleturn_bits | data->singleturn;
+    unsigned n = (unsigned)(model->multiturn_bits + model->singleturn_bits + 2u);
+
+    bits = bits << 2 | (data->n_err ? 2u : 0u) | (data->n_warn ? 1u : 0u);
+    if (model->life_counter) {
+        bits = bits << 6 | data->life;
+        n += 6u;
+    }
+    return bits << 6 | biss_rig_crc6(bits, n);
+}
+
+/* What comes in front, CDS and whatever a master has shifted in before it, is not looked at. */
+static void test_frames_are_taken_apart(void **state)
+{
+    static const struct {
+        uint8_t mt;
+        uint8_t st;
+        bool lc;
+        uint8_t bits;
+    } rows[] = {{0, 12, false, 20}, {0, 21, true, 35},   {12, 21, true, 47},
+                {24, 24, true, 62}, {24, 12, false, 44}, {1, 24, true, 39}};
+
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        struct dg_biss_model model = {.multiturn_bits = rows[i].mt,
+                                      .singleturn_bits = rows[i].st,
+                                      .life_counter = rows[i].lc};
+        const uint64_t front = UINT64_MAX << rows[i].bits;
+        assert_int_equal(dg_biss_frame_bits(&model), rows[i].bits);
+        for (uint32_t n = 0; n < 256; n++) {
+            const struct dg_biss_data sent = {
+                .multiturn = n * 0x9E3779B1u & ((1u << rows[i].mt) - 1u),
+                .singleturn = n * 0x85EBCA77u & ((1u << rows[i].st) - 1u),
+                .life = rows[i].lc ? n & 63u : 0,
+                .n_err = (n & 1u) != 0,
+                .n_warn = (n & 2u) != 0,
+            };
+            struct dg_biss_data got;
+            const uint64_t bits = frame_of(&model, &sent);
+            dg_biss_frame_decode(&model, bits | front, &got);
+            assert_int_equal(got.multiturn, sent.multiturn);
+            assert_int_equal(got.singleturn, sent.singleturn);
+            assert_true(got.position == ((uint64_t)sent.multiturn << rows[i].st | sent.singleturn));
+            assert_int_equal(got.life, sent.life);
+            assert_int_equal(got.n_err, sent.n_err);
+            assert_int_equal(got.n_warn, sent.n_warn);
+            assert_true(got.crc_ok);
+            dg_biss_frame_decode(&model, bits ^ (uint64_t)1 << n % rows[i].bits, &got);
+            assert_false(got.crc_ok);
+        }
+    }
+}
+
 static void test_refused_figures(void **state)
 {
     static const struct dg_biss_model good = {
@@ -523,6 +579,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup(test_crc6_vectors, setup),
+        cmocka_unit_test_setup(test_frames_are_taken_apart, setup),
         cmocka_unit_test_setup(test_crc_any_length, setup),
         cmocka_unit_test_setup(test_address_words, setup),
         cmocka_unit_test_setup(test_every_edge, setup),

@@ -135,15 +135,14 @@ static int do_read(struct biss_session *self, struct words *words, struct lx_err
     if (!self->master.wire.answered) {
         return complain_access(error, "position", 0, LX_BISS_SILENT);
     }
-    const struct lx_biss_position p = lx_biss_wire_position(&self->master.wire, 0);
-    const uint64_t st = p.position & (((uint64_t)1 << model->singleturn_bits) - 1u);
-    const double degrees = 360.0 * (double)st / (double)(1u << model->singleturn_bits);
+    const struct dg_biss_data data = lx_biss_wire_data(&self->master.wire, 0);
+    const double turns = (double)data.singleturn / (double)(1u << model->singleturn_bits);
 
     (void)words;
-    (void)printf("MT %" PRIu64 "  ST %" PRIu64 "  %.6f deg  nERR %d  nWARN %d  LC %u  CRC %s\n",
-                 p.position >> model->singleturn_bits, st, degrees, p.n_err, p.n_warn, p.life,
-                 p.crc_ok ? "valid" : "WRONG");
-    return p.crc_ok ? 0 : complain_access(error, "position", 0, LX_BISS_DAMAGED);
+    (void)printf("MT %" PRIu32 "  ST %" PRIu32 "  %.6f deg  nERR %d  nWARN %d  LC %u  CRC %s\n",
+                 data.multiturn, data.singleturn, 360.0 * turns, data.n_err, data.n_warn, data.life,
+                 data.crc_ok ? "valid" : "WRONG");
+    return data.crc_ok ? 0 : complain_access(error, "position", 0, LX_BISS_DAMAGED);
 }
 
 static int do_registers(struct biss_session *self, struct words *words, struct lx_error *error)

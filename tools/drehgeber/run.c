@@ -37,23 +37,14 @@ int run_complain(const struct lx_error *error, int status)
 
 /* --- positions of a simulated wire --- */
 
-/* A frame ends with ST, nERR, nWARN, LC where it has one, and CRC; before ST there is MT. */
 static void print_frame(const struct dg_biss_model *model, uint64_t bits)
 {
-    const unsigned st_bits = model->singleturn_bits;
-    const unsigned position_bits = st_bits + model->multiturn_bits;
-    const unsigned life_bits = model->life_counter ? 6u : 0u;
-    const uint8_t crc = bits & 0x3Fu;
-    const uint64_t data = bits >> 6;
-    const unsigned life = (unsigned)(data & ((1u << life_bits) - 1u));
-    const uint64_t flags = data >> life_bits;
-    const uint64_t position = flags >> 2 & (((uint64_t)1 << position_bits) - 1u);
-    const uint64_t st = position & (((uint64_t)1 << st_bits) - 1u);
-    const bool valid = dg_biss_crc6(data, (uint8_t)(position_bits + 2u + life_bits)) == crc;
-    (void)printf("MT %" PRIu64 "  ST %" PRIu64 "  %.6f deg  nERR %u  nWARN %u  LC %u  CRC %s\n",
-                 position >> st_bits, st, 360.0 * (double)st / (double)((uint64_t)1 << st_bits),
-                 (unsigned)(flags >> 1 & 1u), (unsigned)(flags & 1u), life,
-                 valid ? "valid" : "WRONG");
+    struct dg_biss_data data;
+    dg_biss_frame_decode(model, bits, &data);
+    const double turns = (double)data.singleturn / (double)(1u << model->singleturn_bits);
+    (void)printf("MT %" PRIu32 "  ST %" PRIu32 "  %.6f deg  nERR %d  nWARN %d  LC %u  CRC %s\n",
+                 data.multiturn, data.singleturn, 360.0 * turns, data.n_err, data.n_warn, data.life,
+                 data.crc_ok ? "valid" : "WRONG");
     (void)fflush(stdout);
 }
 

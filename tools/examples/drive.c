@@ -129,13 +129,14 @@ static void read_rs485(struct drive *self, dg_ns now, unsigned ms)
 /* One frame: CDS, 12 bit turns, 21 bit angle, nERR, nWARN, life counter, CRC. */
 static void read_biss(struct drive *self, dg_ns now)
 {
+    struct dg_biss_data data;
     uint64_t bits = 0;
     const uint8_t n = dg_biss_frame(&self->biss, now, &bits);
 
     dg_biss_frame_end(&self->biss, now + DG_US(60), false);
-    const bool good =
-        n == 48 && dg_biss_crc6(bits >> 6, 41) == (bits & 0x3F) && (bits >> 12 & 3) == 3;
-    const uint64_t counts = bits >> 14 & (((uint64_t)1 << BISS_BITS) - 1);
+    dg_biss_frame_decode(self->biss.setup.model, bits, &data);
+    const bool good = n == 48 && data.crc_ok && data.n_err && data.n_warn;
+    const uint64_t counts = data.position;
     /* Modulo the range, with sign: 2^21 counts in 1 ms are 60 000 000 * 0.001 rpm. */
     int64_t way = (int64_t)((counts - self->biss_counts) & (((uint64_t)1 << BISS_BITS) - 1));
     way -= way >> (BISS_BITS - 1) << BISS_BITS;

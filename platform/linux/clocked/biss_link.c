@@ -3,20 +3,11 @@
 
 #include <stddef.h>
 
-#define CRC_BITS 6u
-#define LIFE_BITS 6u
-#define FLAG_BITS 2u
 /* The clock of the Ack. */
 #define ACK_CLOCK 2u
 /* Bits behind the start bit: CDS is 1, then comes the data. */
 #define DATA_FIRST 2u
 #define HELD (LX_BISS_DELAY_MAX + 1u)
-
-uint8_t lx_biss_data_bits(const struct dg_biss_model *model)
-{
-    return (uint8_t)(model->multiturn_bits + model->singleturn_bits + FLAG_BITS +
-                     (model->life_counter ? LIFE_BITS : 0u) + CRC_BITS);
-}
 
 static uint8_t delay_of(dg_ns clock)
 {

@@ -28,9 +28,6 @@ struct lx_biss_link {
     bool held[LX_BISS_DELAY_MAX + 1u]; /**< by clock, modulo its size */
 };
 
-/** Bits of a frame of `model` behind CDS: position, nERR, nWARN, LC, CRC. */
-uint8_t lx_biss_data_bits(const struct dg_biss_model *model);
-
 /**
  * A frame begins, before its e1: which faults happen to it.
  * @param faults NULL: none

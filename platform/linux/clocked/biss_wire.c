@@ -22,8 +22,6 @@
 #define BUSY_MAX_NS 20000000u
 /* A real master pauses a little longer than the encoder's timeout. */
 #define PAUSE_NS 15000u
-#define CRC_BITS 6u
-#define LIFE_BITS 6u
 
 /* --- levels --- */
 
@@ -92,7 +90,7 @@ void lx_biss_wire_add(struct lx_biss_wire *self, struct dg_biss *device, struct 
     self->slave[self->count++] = (struct lx_biss_slave){
         .device = device,
         .faults = faults,
-        .data_bits = lx_biss_data_bits(device->setup.model),
+        .data_bits = dg_biss_frame_bits(device->setup.model),
     };
     self->slo = look(self, sli);
     lx_biss_cable_init(&self->cable, self->cable.delay, self->slo);
@@ -247,19 +245,12 @@ void lx_biss_wire_frame(struct lx_biss_wire *self)
     (void)frame(self, false);
 }
 
-struct lx_biss_position lx_biss_wire_position(const struct lx_biss_wire *self, uint8_t slave)
+struct dg_biss_data lx_biss_wire_data(const struct lx_biss_wire *self, uint8_t slave)
 {
     const struct lx_biss_slave *own = &self->slave[slave];
-    const bool has_life = own->device->setup.model->life_counter;
-    const uint64_t data = own->bits >> CRC_BITS;
-    const uint64_t state = has_life ? data >> LIFE_BITS : data;
-    return (struct lx_biss_position){
-        .position = state >> 2,
-        .life = has_life ? (uint8_t)(data & 0x3Fu) : 0,
-        .n_err = (state & 2u) != 0,
-        .n_warn = (state & 1u) != 0,
-        .crc_ok = dg_biss_crc6(data, (uint8_t)(own->data_bits - CRC_BITS)) == (own->bits & 0x3Fu),
-    };
+    struct dg_biss_data data;
+    dg_biss_frame_decode(own->device->setup.model, own->bits, &data);
+    return data;
 }
 
 /* --- registers --- */

@@ -39,7 +39,7 @@ enum lx_biss_failure {
 struct lx_biss_slave {
     struct dg_biss *device;
     struct dg_faults *faults; /**< NULL: none */
-    uint8_t data_bits;        /**< position, nERR, nWARN, LC, CRC */
+    uint8_t data_bits;        /**< behind CDS */
     uint64_t bits;            /**< of the last frame, right-aligned */
     struct lx_biss_link link;
 };
@@ -67,15 +67,6 @@ struct lx_biss_wire {
     void *ctx;
 };
 
-/** A position as it came over the wire. */
-struct lx_biss_position {
-    uint64_t position; /**< MT:ST */
-    uint8_t life;
-    bool n_err;
-    bool n_warn;
-    bool crc_ok;
-};
-
 /** A wire without encoders at `now`. */
 void lx_biss_wire_init(struct lx_biss_wire *self, const struct lx_biss_timing *timing, dg_ns now);
 
@@ -90,7 +81,7 @@ void lx_biss_wire_pause(struct lx_biss_wire *self, dg_ns now);
 void lx_biss_wire_frame(struct lx_biss_wire *self);
 
 /** What encoder `slave` sent in the last frame. */
-struct lx_biss_position lx_biss_wire_position(const struct lx_biss_wire *self, uint8_t slave);
+struct dg_biss_data lx_biss_wire_data(const struct lx_biss_wire *self, uint8_t slave);
 
 /** Read, or write, `n` registers of encoder `slave` in one control frame.
  * @return how many, or enum lx_biss_failure */

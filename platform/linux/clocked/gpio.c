@@ -86,7 +86,7 @@ static void take_edge(struct lx_gpio *self, const struct lx_gpio_edge *edge)
         return;
     }
     if (device->counters.frames != frames) {
-        lx_biss_link_begin(&self->link, self->setup.faults, lx_biss_data_bits(device->setup.model),
+        lx_biss_link_begin(&self->link, self->setup.faults, dg_biss_frame_bits(device->setup.model),
                            DG_MS(1));
     }
     lx_biss_link_advance(&self->link, dg_biss_slo(device, false));
@@ -299,7 +299,7 @@ static int listen(struct lx_gpio *self)
 int lx_gpio_open(struct lx_gpio *self, const struct lx_gpio_setup *setup, struct lx_error *error)
 {
     *self = (struct lx_gpio){.setup = *setup, .slo = dg_biss_slo(setup->device, false)};
-    lx_gpio_rate_init(&self->rate, EDGES_AHEAD + lx_biss_data_bits(setup->device->setup.model));
+    lx_gpio_rate_init(&self->rate, EDGES_AHEAD + dg_biss_frame_bits(setup->device->setup.model));
     const int result = listen(self);
     if (result < 0) {
         return lx_fail(error, "no event loop for %s: %s", setup->name, strerror(-result));

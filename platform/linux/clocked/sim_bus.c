@@ -59,7 +59,7 @@ static void read_frame(struct sim_bus *self, dg_ns at)
     lx_sim_master_frame(&self->master);
     self->frames++;
     for (uint8_t i = 0; i < wire->count; i++) {
-        self->wrong += wire->answered && !lx_biss_wire_position(wire, i).crc_ok;
+        self->wrong += wire->answered && !lx_biss_wire_data(wire, i).crc_ok;
     }
 }
 

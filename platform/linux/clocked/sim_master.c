@@ -42,18 +42,17 @@ static void note_position(const struct lx_sim_master *self, uint8_t slave)
 {
     char text[NOTE_MAX];
     const size_t size = sizeof text;
-    const struct lx_biss_position p = lx_biss_wire_position(&self->wire, slave);
-    const uint8_t st_bits = self->wire.slave[slave].device->setup.model->singleturn_bits;
+    const struct dg_biss_data data = lx_biss_wire_data(&self->wire, slave);
     int n = begin_note(self, slave, text, size);
     if (!self->wire.answered) {
         (void)snprintf(text + n, size - (size_t)n, "no answer");
         tell_note(self, text);
         return;
     }
-    n += snprintf(text + n, size - (size_t)n,
-                  "position %" PRIu64 ":%" PRIu64 " nERR %d nWARN %d LC %u CRC %s",
-                  p.position >> st_bits, p.position & (((uint64_t)1 << st_bits) - 1u), p.n_err,
-                  p.n_warn, p.life, p.crc_ok ? "ok" : "wrong");
+    n +=
+        snprintf(text + n, size - (size_t)n,
+                 "position %" PRIu32 ":%" PRIu32 " nERR %d nWARN %d LC %u CRC %s", data.multiturn,
+                 data.singleturn, data.n_err, data.n_warn, data.life, data.crc_ok ? "ok" : "wrong");
     if (self->wire.start > START_MAX) {
         n += snprintf(text + n, size - (size_t)n, ", start bit after %" PRIu64 " us",
                       self->wire.start / DG_US(1));
