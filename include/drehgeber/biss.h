@@ -260,6 +260,12 @@ struct dg_biss {
 struct dg_biss_chain {
     struct dg_biss *slave[DG_BISS_CHAIN_MAX];
     uint8_t count; /**< 1..DG_BISS_CHAIN_MAX */
+    /** The line between slave `index` and its neighbour, for index 0 the master: what gets there
+     * while SLO is at `slo`. Called with `clocked` once for each rising edge of MA, when SLO has
+     * followed it; otherwise somebody looks, as often as he likes, and the answer changes nothing.
+     * Must not block, nor call this module for the chain. NULL: what is sent gets there. */
+    bool (*link)(void *ctx, uint8_t index, bool slo, bool clocked);
+    void *ctx; /**< of link */
 };
 
 /**

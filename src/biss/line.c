@@ -136,29 +136,53 @@ bool dg_biss_slo(const struct dg_biss *self, bool sli)
     return idle && !line->is_last ? sli : line->slo;
 }
 
+/* What each one shows its neighbour, from the last to the first.
+   @return what gets to the master; `sli` has what gets to the slaves */
+static bool chain_levels(const struct dg_biss_chain *self, bool clocked, bool *sli)
+{
+    bool level = false;
+
+    for (uint8_t i = self->count; i-- > 0;) {
+        sli[i] = level;
+        level = dg_biss_slo(self->slave[i], level);
+        level = self->link == NULL ? level : self->link(self->ctx, i, level, clocked);
+    }
+    return level;
+}
+
 bool dg_biss_chain_slo(const struct dg_biss_chain *self)
 {
-    bool sli = false;
+    bool sli[DG_BISS_CHAIN_MAX];
 
-    for (uint8_t i = self->count; i > 0; i--) {
-        sli = dg_biss_slo(self->slave[i - 1u], sli);
+    return chain_levels(self, false, sli);
+}
+
+/* MA is high: timeouts that ended before come first. @return whether it was low for any slave;
+   after a power-on some may think of it as high that is low */
+static bool chain_rises(const struct dg_biss_chain *self, dg_ns now)
+{
+    bool low = false;
+
+    for (uint8_t i = 0; i < self->count; i++) {
+        (void)dg_biss_step(self->slave[i], now);
+        low = low || !self->slave[i]->line.ma;
     }
-    return sli;
+    return low;
 }
 
 bool dg_biss_chain_ma(struct dg_biss_chain *self, dg_ns now, bool level)
 {
-    bool sli[DG_BISS_CHAIN_MAX + 1u] = {false};
+    bool sli[DG_BISS_CHAIN_MAX] = {false};
+    const bool rises = level && chain_rises(self, now);
 
     /* All slaves see the same edge: what counts is their neighbours' level before it. */
-    (void)dg_biss_chain_step(self, now);
-    for (uint8_t i = self->count; i > 0; i--) {
-        sli[i - 1u] = dg_biss_slo(self->slave[i - 1u], sli[i]);
+    if (rises) {
+        (void)chain_levels(self, false, sli);
     }
     for (uint8_t i = 0; i < self->count; i++) {
-        (void)dg_biss_link(self->slave[i], now, level, sli[i + 1u]);
+        (void)dg_biss_link(self->slave[i], now, level, sli[i]);
     }
-    return dg_biss_chain_slo(self);
+    return chain_levels(self, rises, sli);
 }
 
 dg_ns dg_biss_chain_step(struct dg_biss_chain *self, dg_ns now)

@@ -109,21 +109,14 @@ dg_angle biss_bench_angle(void *ctx, dg_ns now)
     return b->from + travel / per_turn * DG_TURN + travel % per_turn * DG_TURN / per_turn;
 }
 
-static dg_ns step_devices(struct biss_bench *b, dg_ns now)
-{
-    return b->chain.count == 1 ? dg_biss_step(&b->slaves[0].device, now)
-                               : dg_biss_chain_step(&b->chain, now);
-}
-
 static bool line_sl(void *ctx, dg_ns now)
 {
     struct biss_bench *b = ctx;
 
     if (b->deadline <= now) {
-        b->deadline = step_devices(b, b->deadline);
+        b->deadline = dg_biss_chain_step(&b->chain, b->deadline);
     }
-    return b->chain.count == 1 ? dg_biss_slo(&b->slaves[0].device, false)
-                               : dg_biss_chain_slo(&b->chain);
+    return dg_biss_chain_slo(&b->chain);
 }
 
 static bool line_ma(void *ctx, dg_ns now, bool level)
@@ -132,9 +125,8 @@ static bool line_ma(void *ctx, dg_ns now, bool level)
     bool sl;
 
     (void)line_sl(b, now);
-    sl = b->chain.count == 1 ? dg_biss_ma(&b->slaves[0].device, now, level)
-                             : dg_biss_chain_ma(&b->chain, now, level);
-    b->deadline = step_devices(b, now);
+    sl = dg_biss_chain_ma(&b->chain, now, level);
+    b->deadline = dg_biss_chain_step(&b->chain, now);
     return sl;
 }
 
@@ -158,7 +150,7 @@ static bool power_on(struct biss_bench *b, bool init_over, struct cf_report *rep
         }
         init = b->slaves[i].model.init > init ? b->slaves[i].model.init : init;
     }
-    b->deadline = step_devices(b, b->master.now);
+    b->deadline = dg_biss_chain_step(&b->chain, b->master.now);
     b->master.fresh = true;
     /* The break of 40 us that 5.2.1.1 asks for. */
     biss_bench_wait(b, DG_US(40) + (init_over ? init : 0));

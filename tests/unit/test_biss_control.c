@@ -523,6 +523,90 @@ static void test_chain_timeout(void **state)
     assert_true(dg_biss_chain_slo(&chain));
 }
 
+/* A line between slaves that is cut, or counts what is asked of it. */
+struct line {
+    unsigned clocked[DG_BISS_CHAIN_MAX];
+    unsigned looked;
+    uint8_t last; /* slave of the latest rising edge: they come from the end */
+    uint8_t cut;  /* reads high behind this slave */
+};
+
+static bool through(void *ctx, uint8_t index, bool slo, bool clocked)
+{
+    struct line *line = ctx;
+
+    if (clocked) {
+        assert_int_equal(index, line->last == 0 ? 2 : line->last - 1);
+        line->last = index;
+        line->clocked[index]++;
+    } else {
+        line->looked++;
+    }
+    return slo || index == line->cut;
+}
+
+/* A slave whose neighbour cannot be heard takes its high SLI for a neighbour, and for its
+   start bit; the others do not notice. */
+static void test_chain_link(void **state)
+{
+    struct line line = {.cut = DG_BISS_CHAIN_MAX};
+    struct dg_biss_chain chain = {
+        .count = 3,
+        .slave = {&rig.slave[0], &rig.slave[1], &rig.slave[2]},
+        .link = through,
+        .ctx = &line,
+    };
+
+    (void)state;
+    init_chain(3);
+    for (unsigned clock = 1; clock <= 5; clock++) {
+        (void)dg_biss_chain_ma(&chain, rig.now += 500, false);
+        const bool sl = dg_biss_chain_ma(&chain, rig.now += 500, true);
+        assert_int_equal(sl, clock == 1 || clock == 5);
+        (void)dg_biss_chain_ma(&chain, rig.now += 100, true); /* no edge */
+        for (uint8_t i = 0; i < 3; i++) {
+            assert_int_equal(line.clocked[i], clock);
+        }
+    }
+    assert_true(rig.slave[2].line.is_last && !rig.slave[1].line.is_last);
+    (void)dg_biss_chain_step(&chain, rig.now += 14000);
+
+    const unsigned looked = line.looked;
+    assert_true(dg_biss_chain_slo(&chain));
+    assert_int_equal(line.looked, looked + 3);
+    line.cut = 2;
+    for (unsigned clock = 1; clock <= 3; clock++) {
+        (void)dg_biss_chain_ma(&chain, rig.now += 500, false);
+        (void)dg_biss_chain_ma(&chain, rig.now += 500, true);
+    }
+    assert_true(dg_biss_slo(&rig.slave[2], false));
+    assert_int_equal(rig.slave[1].line.state, DG_BISS_CDS);
+    assert_int_equal(rig.slave[0].line.state, DG_BISS_WAIT);
+    assert_false(dg_biss_chain_slo(&chain));
+}
+
+/* A slave that got its power while MA was low takes the first rising edge for none; its neighbours
+   do not mind. */
+static void test_chain_power_while_low(void **state)
+{
+    struct line line = {.cut = DG_BISS_CHAIN_MAX};
+    struct dg_biss_chain chain = {
+        .count = 3,
+        .slave = {&rig.slave[0], &rig.slave[1], &rig.slave[2]},
+        .link = through,
+        .ctx = &line,
+    };
+
+    (void)state;
+    init_chain(3);
+    (void)dg_biss_chain_ma(&chain, rig.now += 500, false);
+    assert_int_equal(dg_biss_power_on(&rig.slave[0], rig.now), DG_OK);
+    (void)dg_biss_chain_ma(&chain, rig.now += 500, true);
+    assert_int_equal(rig.slave[0].line.state, DG_BISS_IDLE);
+    assert_int_equal(rig.slave[1].line.state, DG_BISS_ACK);
+    assert_int_equal(line.clocked[1], 1);
+}
+
 /* Commands for some of several slaves; a slave without communication makes room for the others. */
 static void test_chain_commands(void **state)
 {
@@ -605,6 +689,8 @@ int main(void)
         cmocka_unit_test_setup(test_chain, setup),
         cmocka_unit_test_setup(test_chain_data, setup),
         cmocka_unit_test_setup(test_chain_timeout, setup),
+        cmocka_unit_test_setup(test_chain_link, setup),
+        cmocka_unit_test_setup(test_chain_power_while_low, setup),
         cmocka_unit_test_setup(test_chain_commands, setup),
         cmocka_unit_test_setup(test_ninth_slave, setup),
     };

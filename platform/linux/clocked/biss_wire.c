@@ -25,6 +25,16 @@
 
 /* --- levels --- */
 
+/* The chain's line: each slave's SLO as its faults let it through. */
+static bool through_fault(void *ctx, uint8_t index, bool slo, bool clocked)
+{
+    struct lx_biss_link *link = &((struct lx_biss_wire *)ctx)->slave[index].link;
+    if (clocked) {
+        lx_biss_link_advance(link, slo);
+    }
+    return lx_biss_link_level(link, slo);
+}
+
 void lx_biss_wire_init(struct lx_biss_wire *self, const struct lx_biss_timing *timing, dg_ns now)
 {
     const uint32_t edges = 2u * timing->clock_hz; /* in a second */
@@ -32,6 +42,7 @@ void lx_biss_wire_init(struct lx_biss_wire *self, const struct lx_biss_timing *t
         .half_ns = (uint32_t)(DG_S(1) / edges),
         .rest = (uint32_t)(DG_S(1) % edges),
         .edges_per_s = edges,
+        .chain = {.ctx = self},
         .now = now,
         .ma = true,
         .slo = true,
@@ -71,81 +82,50 @@ static void arrive(struct lx_biss_wire *self, dg_ns until)
     }
 }
 
-/* What each one shows its neighbour, from the last to the first; the last one's SLI is low.
-   @return what goes into the cable */
-static bool look(const struct lx_biss_wire *self, bool sli[DG_BISS_CHAIN_MAX])
+/* Healthy lines are not asked. */
+static void settle_links(struct lx_biss_wire *self)
 {
-    bool level = false;
-    for (uint8_t i = self->count; i > 0; i--) {
-        const struct lx_biss_slave *slave = &self->slave[i - 1u];
-        sli[i - 1u] = level;
-        level = lx_biss_link_level(&slave->link, dg_biss_slo(slave->device, level));
+    bool active = false;
+    for (uint8_t i = 0; i < self->chain.count; i++) {
+        active = active || self->slave[i].link.active;
     }
-    return level;
+    self->chain.link = active ? through_fault : NULL;
+}
+
+/* @return what goes into the cable */
+static bool look(const struct lx_biss_wire *self)
+{
+    return dg_biss_chain_slo(&self->chain);
 }
 
 void lx_biss_wire_add(struct lx_biss_wire *self, struct dg_biss *device, struct dg_faults *faults)
 {
-    bool sli[DG_BISS_CHAIN_MAX];
-    self->slave[self->count++] = (struct lx_biss_slave){
-        .device = device,
+    self->chain.slave[self->chain.count] = device;
+    self->slave[self->chain.count++] = (struct lx_biss_slave){
         .faults = faults,
         .data_bits = dg_biss_frame_bits(device->setup.model),
     };
-    self->slo = look(self, sli);
+    self->slo = look(self);
     lx_biss_cable_init(&self->cable, self->cable.delay, self->slo);
-}
-
-static dg_ns step(struct lx_biss_wire *self, dg_ns now)
-{
-    dg_ns next = DG_NEVER;
-    for (uint8_t i = 0; i < self->count; i++) {
-        next = dg_earliest(next, dg_biss_step(self->slave[i].device, now));
-    }
-    return next;
 }
 
 static void end_faults(struct lx_biss_wire *self)
 {
-    for (uint8_t i = 0; i < self->count; i++) {
+    for (uint8_t i = 0; i < self->chain.count; i++) {
         lx_biss_link_end(&self->slave[i].link, self->slave[i].faults);
     }
+    settle_links(self);
 }
 
 /* Timeouts that end at the encoders' end up to `now`, each at its moment. */
 static void run_encoders(struct lx_biss_wire *self, dg_ns now)
 {
-    bool sli[DG_BISS_CHAIN_MAX];
-    dg_ns due = step(self, 0);
+    dg_ns due = dg_biss_chain_step(&self->chain, 0);
     while (due <= now && due != DG_NEVER) {
-        const dg_ns next = step(self, due);
+        const dg_ns next = dg_biss_chain_step(&self->chain, due);
         end_faults(self);
-        lx_biss_cable_put(&self->cable, due, look(self, sli));
+        lx_biss_cable_put(&self->cable, due, look(self));
         due = next;
-    }
-}
-
-/* All see the same edge, at `now`: what counts is their neighbours' level before it. SLO changes on
-   rising edges only. */
-static void clock_encoders(struct lx_biss_wire *self, dg_ns now, bool level)
-{
-    bool sli[DG_BISS_CHAIN_MAX] = {false};
-    run_encoders(self, now);
-    if (level) {
-        (void)look(self, sli);
-    }
-    for (uint8_t i = 0; i < self->count; i++) {
-        (void)dg_biss_link(self->slave[i].device, now, level, sli[i]);
-    }
-    bool seen = false;
-    for (uint8_t i = self->count; level && i > 0; i--) {
-        struct lx_biss_slave *slave = &self->slave[i - 1u];
-        const bool raw = dg_biss_slo(slave->device, seen);
-        lx_biss_link_advance(&slave->link, raw);
-        seen = lx_biss_link_level(&slave->link, raw);
-    }
-    if (level) {
-        lx_biss_cable_put(&self->cable, now, seen);
     }
 }
 
@@ -154,7 +134,9 @@ static void edge(struct lx_biss_wire *self, bool level)
     const dg_ns now = next_edge(self);
     arrive(self, now - 1u);
     self->now = now;
-    clock_encoders(self, now + self->cable.delay, level);
+    const dg_ns there = now + self->cable.delay;
+    run_encoders(self, there);
+    lx_biss_cable_put(&self->cable, there, dg_biss_chain_ma(&self->chain, there, level));
     /* Without delay the answer comes at once: one event for both. */
     struct lx_biss_change change = {.level = self->slo};
     while (lx_biss_cable_take(&self->cable, now, &change)) {
@@ -164,11 +146,10 @@ static void edge(struct lx_biss_wire *self, bool level)
 
 void lx_biss_wire_pause(struct lx_biss_wire *self, dg_ns now)
 {
-    bool sli[DG_BISS_CHAIN_MAX];
     now = now > self->now ? now : self->now;
     run_encoders(self, now);
     end_faults(self);
-    lx_biss_cable_put(&self->cable, now, look(self, sli));
+    lx_biss_cable_put(&self->cable, now, look(self));
     arrive(self, now);
     self->now = now;
 }
@@ -199,17 +180,18 @@ static dg_ns await_ack(struct lx_biss_wire *self)
 /* Up to the last bit of the last CRC; the CDM bit is not yet decided. @return CDS */
 static bool begin_frame(struct lx_biss_wire *self)
 {
-    for (uint8_t i = 0; i < self->count; i++) {
+    for (uint8_t i = 0; i < self->chain.count; i++) {
         struct lx_biss_slave *slave = &self->slave[i];
         lx_biss_link_begin(&slave->link, slave->faults, slave->data_bits, (dg_ns)2 * self->half_ns);
     }
+    settle_links(self);
     const dg_ns begin = await_ack(self);
     for (unsigned i = 0; i < START_CLOCKS_MAX && !clock_bit(self); i++) {
     }
     self->start = self->now - begin;
     const dg_ns known = self->now + self->delay + self->half_ns;
     self->cds = clock_bit(self);
-    for (uint8_t i = 0; i < self->count; i++) {
+    for (uint8_t i = 0; i < self->chain.count; i++) {
         self->slave[i].bits = 0;
         for (uint8_t bit = 0; bit < self->slave[i].data_bits; bit++) {
             self->slave[i].bits = self->slave[i].bits << 1 | clock_bit(self);
@@ -247,9 +229,8 @@ void lx_biss_wire_frame(struct lx_biss_wire *self)
 
 struct dg_biss_data lx_biss_wire_data(const struct lx_biss_wire *self, uint8_t slave)
 {
-    const struct lx_biss_slave *own = &self->slave[slave];
     struct dg_biss_data data;
-    dg_biss_frame_decode(own->device->setup.model, own->bits, &data);
+    dg_biss_frame_decode(self->chain.slave[slave]->setup.model, self->slave[slave].bits, &data);
     return data;
 }
 
@@ -269,7 +250,7 @@ static unsigned send(struct lx_biss_wire *self, unsigned bits, unsigned n)
    gets ID 0. */
 static int address_register(struct lx_biss_wire *self, uint8_t slave, uint8_t address, bool write)
 {
-    const unsigned id = self->count - 1u - slave;
+    const unsigned id = self->chain.count - 1u - slave;
     const unsigned bits = 1u << 10 | id << 7 | address; /* CTS first */
     const unsigned wanted = write ? 1u : 2u;
 
@@ -338,7 +319,7 @@ static int access_registers(struct lx_biss_wire *self, uint8_t slave, uint8_t ad
     const uint32_t silent = self->silent;
     int result = address_register(self, slave, address, write);
     if (result == 0) {
-        const bool early = self->slave[slave].device->setup.model->stop_bit_early;
+        const bool early = self->chain.slave[slave]->setup.model->stop_bit_early;
         result = exchange_all(self, bytes, n, write, early);
     }
     return self->silent == silent ? result : LX_BISS_SILENT;

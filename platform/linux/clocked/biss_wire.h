@@ -35,19 +35,18 @@ enum lx_biss_failure {
     LX_BISS_DAMAGED = -4,  /**< a check sum is wrong */
 };
 
-/** An encoder on the wire. */
+/** What belongs to an encoder on the wire. */
 struct lx_biss_slave {
-    struct dg_biss *device;
     struct dg_faults *faults; /**< NULL: none */
     uint8_t data_bits;        /**< behind CDS */
     uint64_t bits;            /**< of the last frame, right-aligned */
     struct lx_biss_link link;
 };
 
-/** The wire. */
+/** The wire. Not to be moved. */
 struct lx_biss_wire {
-    struct lx_biss_slave slave[DG_BISS_CHAIN_MAX]; /**< the first is nearest to the master */
-    uint8_t count;
+    struct dg_biss_chain chain;
+    struct lx_biss_slave slave[DG_BISS_CHAIN_MAX];
     struct lx_biss_cable cable;
     uint32_t edges_per_s; /**< of MA */
     uint32_t half_ns;     /**< half a period, and */

@@ -58,7 +58,7 @@ static void read_frame(struct sim_bus *self, dg_ns at)
     lx_sim_master_pause(&self->master, at);
     lx_sim_master_frame(&self->master);
     self->frames++;
-    for (uint8_t i = 0; i < wire->count; i++) {
+    for (uint8_t i = 0; i < wire->chain.count; i++) {
         self->wrong += wire->answered && !lx_biss_wire_data(wire, i).crc_ok;
     }
 }

@@ -28,7 +28,7 @@ static void look_for_listeners(struct lx_sim_master *self)
 /* Which encoder, where there are several. */
 static int begin_note(const struct lx_sim_master *self, uint8_t slave, char *text, size_t size)
 {
-    return self->wire.count == 1 ? 0 : snprintf(text, size, "%.32s: ", self->name[slave]);
+    return self->wire.chain.count == 1 ? 0 : snprintf(text, size, "%.32s: ", self->name[slave]);
 }
 
 static void tell_note(const struct lx_sim_master *self, const char *text)
@@ -102,7 +102,7 @@ void lx_sim_master_init(struct lx_sim_master *self, const struct lx_tap *tap,
 void lx_sim_master_add(struct lx_sim_master *self, struct dg_biss *device, struct dg_faults *faults,
                        const char *name)
 {
-    self->name[self->wire.count] = name;
+    self->name[self->wire.chain.count] = name;
     lx_biss_wire_add(&self->wire, device, faults);
 }
 
@@ -116,7 +116,7 @@ void lx_sim_master_frame(struct lx_sim_master *self)
 {
     look_for_listeners(self);
     lx_biss_wire_frame(&self->wire);
-    for (uint8_t i = 0; lx_tap_on(self->tap) && i < self->wire.count; i++) {
+    for (uint8_t i = 0; lx_tap_on(self->tap) && i < self->wire.chain.count; i++) {
         note_position(self, i);
     }
 }
