@@ -36,7 +36,7 @@ ROOMS = {
     "linux/nvm":       {"core", "linux/base"},
     "linux/trace":     {"core", "devices", "linux/base"} | PROTOCOLS,
     "linux/plan":      {"core", "motion", "devices", "hiperface", "cia406", "linux/base"},
-    "linux/wire":      {"core", "control", "hiperface", "linux/base", "linux/trace", "linux/plan"},
+    "linux/wire":      {"core", "control", "linux/base", "linux/trace", "linux/plan"},
     "linux/rs485":     {"hiperface"} | BELOW,
     "linux/can":       {"canopen", "cia406"} | BELOW,
     "linux/clocked":   {"biss"} | BELOW,

@@ -2,8 +2,8 @@
 /*
  * An SLCAN adapter on a pseudo-terminal, with the encoders on its CAN bus:
  *
- *   pty -- on_character --> input --> slcan.c --frame--> encoders
- *                                        \--reply--> output --> pty <-- write_frame
+ *   pty -- on_character --> slcan.c --frame--> encoders
+ *                              \--reply--> output --> pty <-- write_frame
  *
  * A master that does not read stalls the bus. When no master has the port open, what is sent is
  * lost, as behind a serial port that nobody has open; the adapter's channel stays as it is. A pty
@@ -25,8 +25,6 @@
 #include "serial.h"
 #include "slcan.h"
 
-/* What a read of the pty gives at most, see serial.c. */
-#define INPUT_MAX 4096u
 /* A line that the pty has taken a part of; a reply is shorter. */
 #define OUTPUT_MAX LX_SLCAN_TEXT_MAX
 /* A pty has no speed; this is what masters set. */
@@ -42,10 +40,7 @@ struct slcan_pty {
     int masters;       /* descriptors of others on the port */
     uint16_t expected; /* the encoders' bit rate, in kBd */
     bool mismatch;     /* the channel has another one, and the user has been told */
-    uint8_t input[INPUT_MAX];
-    size_t input_first;
-    size_t input_count;
-    char output[OUTPUT_MAX];
+    uint8_t output[OUTPUT_MAX];
     size_t output_count;
 };
 
@@ -56,23 +51,20 @@ static struct slcan_pty *pty_of(struct lx_can *can)
 
 /* --- out --- */
 
+static bool anybody_reads(const struct slcan_pty *self)
+{
+    return self->masters > 0 && lx_serial_up(self->serial);
+}
+
 /* Send what there is. @return whether all of it is gone */
 static bool flush(struct lx_can *can)
 {
     struct slcan_pty *self = pty_of(can);
-    while (self->output_count > 0 && self->masters > 0 && self->serial->fd >= 0) {
-        const ssize_t done = write(self->serial->fd, self->output, self->output_count);
-        if (done < 0 && errno == EINTR) {
-            continue;
-        }
-        if (done <= 0) {
-            return false;
-        }
-        self->output_count -= (size_t)done;
-        memmove(self->output, self->output + done, self->output_count);
-    }
-    self->output_count = 0;
-    return true;
+    const size_t n = self->output_count;
+    const size_t done = anybody_reads(self) ? lx_serial_send(self->serial, self->output, n) : n;
+    self->output_count -= done;
+    memmove(self->output, self->output + done, self->output_count);
+    return self->output_count == 0;
 }
 
 /* Send now, the rest later: the bus is stalled until it is gone, and meanwhile nothing is put. */
@@ -92,7 +84,7 @@ static bool write_frame(struct lx_can *can, const struct dg_can_frame *frame)
     if (!flush(can)) {
         return false;
     }
-    if (self->codec.state == LX_SLCAN_CLOSED || self->masters <= 0 || self->serial->fd < 0) {
+    if (self->codec.state == LX_SLCAN_CLOSED || !anybody_reads(self)) {
         can->counters.lost++;
         return true;
     }
@@ -152,41 +144,20 @@ static void take_line(struct slcan_pty *self, dg_ns now, const struct lx_slcan_e
     }
 }
 
-/* Line by line, up to the first one whose answer does not fit the pty. */
-static void take_input(struct slcan_pty *self, dg_ns now)
-{
-    struct lx_slcan_event event;
-    while (self->input_count > 0 && !self->can.stalled) {
-        const enum lx_slcan_state before = self->codec.state;
-        const uint8_t byte = self->input[self->input_first++];
-        self->input_count--;
-        if (lx_slcan_feed(&self->codec, byte, &event)) {
-            take_line(self, now, &event, before);
-        }
-    }
-    if (self->input_count == 0) {
-        self->input_first = 0;
-    }
-}
-
-/* While the bus is stalled nothing is read, so what comes is the rest of one read at most. */
+/* Line by line: one whose answer does not fit the pty stalls the bus, and that pauses the port. */
 static void on_character(void *ctx, dg_ns now, const struct lx_character *character)
 {
     struct slcan_pty *self = ctx;
-    self->input[self->input_first + self->input_count++] = character->byte;
-    take_input(self, now);
+    struct lx_slcan_event event;
+    const enum lx_slcan_state before = self->codec.state;
+    if (lx_slcan_feed(&self->codec, character->byte, &event)) {
+        take_line(self, now, &event, before);
+    }
 }
 
 static void pause_reading(struct lx_can *can, bool paused)
 {
-    struct slcan_pty *self = pty_of(can);
-    if (!paused) {
-        take_input(self, lx_now());
-    }
-    const bool off = paused || can->stalled;
-    if (self->serial->io != NULL) {
-        (void)sd_event_source_set_enabled(self->serial->io, off ? SD_EVENT_OFF : SD_EVENT_ON);
-    }
+    lx_serial_pause(pty_of(can)->serial, paused);
 }
 
 /* --- who has the port open --- */
@@ -263,8 +234,6 @@ static void back(void *ctx)
     self->codec = (struct lx_slcan){.state = LX_SLCAN_CLOSED};
     self->mismatch = false;
     self->masters = 0;
-    self->input_first = 0;
-    self->input_count = 0;
     const int result = use_address(self);
     if (result < 0) {
         lx_complain("%s: cannot watch the pty: %s", self->can.address, strerror(-result));
@@ -277,7 +246,7 @@ static void back(void *ctx)
 
 static bool up(const struct lx_can *can)
 {
-    return ((const struct slcan_pty *)can)->serial->fd >= 0;
+    return lx_serial_up(((const struct slcan_pty *)can)->serial);
 }
 
 static void close_slcan(struct lx_can *can)
@@ -309,13 +278,12 @@ static int rename_option(struct lx_error *error)
 
 static int start(struct slcan_pty *self, struct lx_error *error)
 {
-    const struct dg_hf_uart uart = {.baud = BAUD, .parity = 'N'};
     const struct lx_serial_setup line = {
         .event = self->can.setup.event,
         .say = self->can.setup.say,
         .where = self->can.setup.where,
-        .uart = uart,
-        .stored = uart,
+        .uart = {.baud = BAUD, .parity = 'N'},
+        .found_baud = BAUD,
         .any_line = true,
         .rx = on_character,
         .back = back,

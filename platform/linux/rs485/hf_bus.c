@@ -35,7 +35,8 @@ static int switch_on(struct lx_hf_drop *self, dg_ns now, struct lx_error *error)
         return lx_fail(error, "the encoder does not start: not its EEPROM");
     }
     self->uart = dg_hf_uart(&self->device);
-    lx_line_set(&self->line, &self->uart);
+    const struct lx_uart uart = lx_hf_uart(&self->uart);
+    lx_line_set(&self->line, &uart);
     return 0;
 }
 
@@ -62,18 +63,19 @@ static bool nobody_hurries(const struct lx_hf_bus *self)
 static int open_line(struct lx_hf_bus *self, struct lx_error *error)
 {
     const struct lx_bus_setup *bus = &self->bus.setup;
-    struct lx_serial_setup setup = {
+    /* A stored setting that cannot be decoded leaves the one in force. */
+    struct dg_hf_uart stored = self->drop->uart;
+    (void)dg_hf_uart_decode(self->drop->device.uart_stored, &stored);
+    const struct lx_serial_setup setup = {
         .event = bus->event,
         .say = bus->say,
         .where = bus->wire->where,
-        .uart = self->drop->uart,
-        .stored = self->drop->uart,
+        .uart = lx_hf_uart(&self->drop->uart),
+        .found_baud = stored.baud,
         .any_line = nobody_asks(self),
         .rx = lx_hf_on_character,
         .ctx = self,
     };
-    /* A stored setting that cannot be decoded leaves the one in force. */
-    (void)dg_hf_uart_decode(self->drop->device.uart_stored, &setup.stored);
     const int result = lx_timer_open(&self->timer, bus->event, lx_hf_on_time, self);
     if (result < 0) {
         return lx_fail(error, "no timer: %s", strerror(-result));
@@ -139,9 +141,9 @@ static void counters(const struct lx_bus *bus, const struct lx_station *station,
     const struct lx_hf_bus *self = (const struct lx_hf_bus *)bus;
     const struct lx_hf_drop *drop = station->own;
     const struct lx_count rows[] = {
-        {"wire_up", self->port->fd >= 0},  {"wire_late", bus->late + bus->stalls},
-        {"wire_collided", self->collided}, {"wire_lost", self->port->counters.lost},
-        {"wire_baud", drop->uart.baud},    {"wire_overrun", self->overrun},
+        {"wire_up", lx_serial_up(self->port)}, {"wire_late", bus->late + bus->stalls},
+        {"wire_collided", self->collided},     {"wire_lost", self->port->counters.lost},
+        {"wire_baud", drop->uart.baud},        {"wire_overrun", self->overrun},
     };
     lx_bus_count(to, rows, sizeof rows / sizeof rows[0]);
 }

@@ -24,6 +24,8 @@
 
 #define BITS_PER_CHARACTER 8u
 
+_Static_assert(DG_HF_FRAME_MAX <= LX_REPLY_MAX, "a reply fits the line");
+
 /* How a reply gets out. */
 enum pace {
     PACE_TIMER, /* a character at a time, each at the end of its stop bit */
@@ -63,14 +65,14 @@ static bool fits(const struct lx_hf_drop *self, uint32_t baud, char parity)
            (baud == self->uart.baud && (parity == 0 || parity == self->uart.parity));
 }
 
-static void tell(struct lx_hf_bus *self, dg_ns at, bool ours, const struct dg_hf_uart *uart,
+static void tell(struct lx_hf_bus *self, dg_ns at, bool ours, const struct lx_uart *uart,
                  const struct lx_character *character)
 {
     const struct lx_tap_event event = {
         .at = at,
         .kind = LX_TAP_CHARACTER,
         .ours = ours,
-        .character = {uart->baud, uart->parity, character->byte, character->flags != DG_HF_RX_OK},
+        .character = {uart->baud, uart->parity, character->byte, character->damaged},
     };
     self->told = at;
     lx_tap_tell(&self->bus.tap, &event);
@@ -85,9 +87,10 @@ void lx_hf_follow(struct lx_hf_drop *self, dg_ns deadline)
         return;
     }
     self->uart = uart;
-    lx_line_set(&self->line, &uart);
+    const struct lx_uart line = lx_hf_uart(&uart);
+    lx_line_set(&self->line, &line);
     if (self == all->drop) { /* a UART has one setting: the first encoder's */
-        lx_serial_set(all->port, &uart);
+        lx_serial_set(all->port, &line);
     }
 }
 
@@ -106,8 +109,9 @@ static void step(struct lx_hf_drop *self, dg_ns now)
 
 static void hear(struct lx_hf_drop *self, dg_ns at, const struct lx_character *character)
 {
+    const uint8_t flags = character->damaged ? DG_HF_RX_DAMAGED : DG_HF_RX_OK;
     count_late(self, at);
-    lx_hf_follow(self, dg_hf_rx(&self->device, at, character->byte, character->flags));
+    lx_hf_follow(self, dg_hf_rx(&self->device, at, character->byte, flags));
 }
 
 /* --- faults --- */
@@ -177,7 +181,7 @@ static void merge(struct lx_hf_drop *from, dg_ns at, struct lx_character *charac
         uint8_t byte = 0;
         if (other != from && lx_line_on(&other->line, at, &byte)) {
             character->byte &= byte;
-            character->flags = DG_HF_RX_DAMAGED;
+            character->damaged = true;
             other->merged = other->merged || swallow;
         }
     }
@@ -189,7 +193,8 @@ static void spread(struct lx_hf_drop *from, dg_ns at, struct lx_character *chara
     struct lx_hf_bus *self = from->all;
     self->heard = 0;
     if (lx_tap_on(&self->bus.tap)) {
-        tell(self, at, true, &from->uart, character);
+        const struct lx_uart uart = lx_hf_uart(&from->uart);
+        tell(self, at, true, &uart, character);
     }
     for (size_t i = 0; i < self->count; i++) {
         struct lx_hf_drop *to = &self->drop[i];
@@ -198,7 +203,7 @@ static void spread(struct lx_hf_drop *from, dg_ns at, struct lx_character *chara
         }
         struct lx_character heard = *character;
         if (!fits(to, from->uart.baud, from->uart.parity)) {
-            heard.flags = DG_HF_RX_DAMAGED;
+            heard.damaged = true;
         }
         hear(to, at, &heard);
     }
@@ -207,13 +212,13 @@ static void spread(struct lx_hf_drop *from, dg_ns at, struct lx_character *chara
 /* A character of a reply: into the port unless it is there already, and to everybody else. */
 static void emit(struct lx_hf_drop *self, dg_ns at, uint8_t byte, size_t index)
 {
-    struct lx_character character = {byte, DG_HF_RX_OK};
+    struct lx_character character = {.byte = byte};
     if (self->merged) {
         self->merged = false;
         return;
     }
     if (self->flipped == (int)index) {
-        character.flags = DG_HF_RX_DAMAGED;
+        character.damaged = true;
     }
     merge(self, at, &character, true);
     if (pace_of(self) != PACE_UART) {
@@ -382,15 +387,15 @@ static void listen(struct lx_hf_drop *self, const struct lx_coming *coming)
         return;
     }
     if (!fits(self, coming->baud, coming->parity)) {
-        heard.flags = DG_HF_RX_DAMAGED;
+        heard.damaged = true;
     }
     hear(self, coming->end, &heard);
 }
 
 /* What the master sends at, as far as it is known; else what the port is set to. */
-static struct dg_hf_uart uart_of(const struct lx_hf_bus *self, uint32_t baud)
+static struct lx_uart uart_of(const struct lx_hf_bus *self, uint32_t baud)
 {
-    struct dg_hf_uart uart = self->port->uart;
+    struct lx_uart uart = self->port->uart;
     if (baud != LX_BAUD_ANY && baud != 0) {
         uart.baud = baud;
     }
@@ -402,12 +407,12 @@ static void arrive(struct lx_hf_bus *self, const struct lx_coming *coming)
 {
     struct lx_coming heard = *coming;
     if (self->paced && lx_tap_on(&self->bus.tap)) {
-        const struct dg_hf_uart uart = uart_of(self, coming->baud);
+        const struct lx_uart uart = uart_of(self, coming->baud);
         tell(self, coming->end, false, &uart, &coming->character);
     }
     if (anybody_sends(self, coming->end)) {
         self->collided++;
-        heard.character.flags = DG_HF_RX_DAMAGED;
+        heard.character.damaged = true;
     }
     for (size_t i = 0; i < self->count; i++) {
         listen(&self->drop[i], &heard);
@@ -418,25 +423,25 @@ static void arrive(struct lx_hf_bus *self, const struct lx_coming *coming)
 /* A character begins on a line that was idle: whose frame goes on must not take it for over. */
 static void begin(struct lx_hf_bus *self, dg_ns now)
 {
-    const struct lx_character start = {.flags = DG_HF_RX_START};
     for (size_t i = 0; i < self->count; i++) {
         struct lx_hf_drop *drop = &self->drop[i];
         if (lx_hf_powered(drop) && !sends(drop, now) && !drop->deaf) {
-            hear(drop, now, &start);
+            count_late(drop, now);
+            lx_hf_follow(drop, dg_hf_rx(&drop->device, now, 0, DG_HF_RX_START));
         }
     }
 }
 
-static dg_ns duration_of(const struct dg_hf_uart *uart)
+static dg_ns duration_of(const struct lx_uart *uart)
 {
-    return dg_bit_times_ns(uart->parity == 'N' ? 10u : 11u, uart->baud);
+    return dg_bit_times_ns(lx_character_bits(uart->parity), uart->baud);
 }
 
 /* A master on a pty hands over a request at once: to the tap it is as if the last character had
    ended now, and the others before it, as far as that is after what was told before. */
 static void tell_received(struct lx_hf_bus *self, dg_ns now, const struct lx_character *character)
 {
-    const struct dg_hf_uart uart = uart_of(self, self->port->baud);
+    const struct lx_uart uart = uart_of(self, self->port->baud);
     const dg_ns each = duration_of(&uart);
     const dg_ns spread_at = dg_elapsed(now, each * self->port->more);
     const dg_ns earliest = self->told + each;
@@ -448,7 +453,7 @@ static void tell_received(struct lx_hf_bus *self, dg_ns now, const struct lx_cha
 /* A character that a pty hands over begins now, or behind those that are on the line. */
 static void take_in(struct lx_hf_bus *self, dg_ns now, const struct lx_coming *coming)
 {
-    const struct dg_hf_uart uart = uart_of(self, coming->baud);
+    const struct lx_uart uart = uart_of(self, coming->baud);
     if (self->intake.end < now && self->intake.count == 0) {
         begin(self, now);
     }

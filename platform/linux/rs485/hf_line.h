@@ -59,6 +59,12 @@ struct lx_hf_bus {
     struct lx_hf_drop drop[];
 };
 
+/** The setting of a line as its port knows it. */
+static inline struct lx_uart lx_hf_uart(const struct dg_hf_uart *uart)
+{
+    return (struct lx_uart){uart->baud, uart->parity};
+}
+
 /** Of the device: operations with the struct lx_hf_drop as ctx. */
 extern const struct dg_hf_ops lx_hf_device_ops;
 

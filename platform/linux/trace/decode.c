@@ -11,6 +11,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "uart.h"
+
 /* Silence that ends a frame: the longest timeout of a request, 5.1.1.1. */
 #define SILENCE_BITS 44u
 #define CHARACTER_BITS 11u

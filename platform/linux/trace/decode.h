@@ -20,12 +20,6 @@ void lx_text_add(struct lx_text *self, const char *format, ...);
 /** Append bytes, as in " 0A FF", but not too many; `before` stands before the first. */
 void lx_text_bytes(struct lx_text *self, const char *before, const uint8_t *bytes, size_t n);
 
-/** Bits of an RS485 character: start, 8 data, parity if there is one, stop. */
-static inline uint32_t lx_character_bits(char parity)
-{
-    return parity == 'N' ? 10 : 11;
-}
-
 /** The RS485 frame that was collected (manual of the S36, chapter 5.1). */
 void lx_decode_hf(const struct lx_decoder *self, struct lx_text *text);
 

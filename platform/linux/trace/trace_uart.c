@@ -13,6 +13,7 @@
 #include "decode.h"
 #include "drehgeber/bits.h"
 #include "trace_format.h"
+#include "uart.h"
 
 #define LINE_ID 'l'
 #define DATA_BITS 8u

@@ -26,11 +26,10 @@ void lx_line_start(struct lx_line *self, dg_ns now, const uint8_t *bytes, size_t
     self->start = now;
 }
 
-void lx_line_set(struct lx_line *self, const struct dg_hf_uart *uart)
+void lx_line_set(struct lx_line *self, const struct lx_uart *uart)
 {
     self->baud = uart->baud;
-    /* Start bit, 8 data bits, parity if there is one, stop bit. */
-    self->bits = uart->parity == 'N' ? 10 : 11;
+    self->bits = lx_character_bits(uart->parity);
 }
 
 size_t lx_line_take(struct lx_line *self, dg_ns now, const uint8_t **bytes)
@@ -129,6 +128,6 @@ bool lx_parmrk_feed(struct lx_parmrk *self, uint8_t byte, struct lx_character *o
     /* After one FF, everything but 00 stands for itself; the kernel only sends FF there. */
     self->seen = 0;
     out->byte = byte;
-    out->flags = seen == 2 ? DG_HF_RX_DAMAGED : DG_HF_RX_OK;
+    out->damaged = seen == 2;
     return true;
 }

@@ -10,26 +10,30 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "drehgeber/hiperface.h"
+#include "drehgeber/time.h"
+#include "uart.h"
+
+/** Longest reply. */
+#define LX_REPLY_MAX 135u
 
 /**
  * A reply on its way out. Character n is at the receiver at the end of its stop bit, counted from
  * the start of the reply, so that late wake-ups do not add up.
  */
 struct lx_line {
-    uint8_t bytes[DG_HF_FRAME_MAX];
+    uint8_t bytes[LX_REPLY_MAX];
     size_t length;
     size_t sent;   /**< characters handed over so far */
     dg_ns start;   /**< falling edge of the first start bit */
     uint32_t baud; /**< data rate */
-    uint32_t bits; /**< of a character: 11, or 10 without parity */
+    uint32_t bits; /**< of a character */
 };
 
-/** Begin to send `n` bytes, at most DG_HF_FRAME_MAX; what was still on its way is cut off. */
+/** Begin to send `n` bytes, at most LX_REPLY_MAX; what was still on its way is cut off. */
 void lx_line_start(struct lx_line *self, dg_ns now, const uint8_t *bytes, size_t n);
 
 /** The UART setting from now on. */
-void lx_line_set(struct lx_line *self, const struct dg_hf_uart *uart);
+void lx_line_set(struct lx_line *self, const struct lx_uart *uart);
 
 /** Take the characters that have arrived by `now`. @return how many, from *bytes on */
 size_t lx_line_take(struct lx_line *self, dg_ns now, const uint8_t **bytes);
@@ -55,11 +59,11 @@ void lx_line_stop(struct lx_line *self);
 /** A received character. */
 struct lx_character {
     uint8_t byte;
-    uint8_t flags; /**< enum dg_hf_rx_flags */
+    bool damaged; /**< parity or framing error, or sent with another setting */
 };
 
 /** Characters of a master that are still on their way: two of the longest frames. */
-#define LX_INTAKE_MAX ((size_t)2 * DG_HF_FRAME_MAX)
+#define LX_INTAKE_MAX ((size_t)2 * LX_REPLY_MAX)
 
 /** A character on its way in. */
 struct lx_coming {

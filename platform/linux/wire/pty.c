@@ -55,23 +55,18 @@ static void keep_changeable(void *ctx, dg_ns now)
 
 /* Packet mode: a read begins with 0 and goes on with data, or it tells that something was set. The
    kernel strips the parity of a pty, so the speed is all there is to know. */
-static void received(struct lx_serial *serial, dg_ns now, const uint8_t *bytes, size_t n)
+static size_t received(struct lx_serial *serial, dg_ns now, const uint8_t *bytes, size_t n)
 {
-    struct lx_character character = {.flags = DG_HF_RX_OK};
     struct termios line;
     if (bytes[0] != TIOCPKT_DATA) {
         lx_timer_at(&pty_of(serial)->settled, dg_after(now, SETTLING));
-        return;
+        return n;
     }
     serial->baud = LX_BAUD_ANY;
     if (!serial->setup.any_line && tcgetattr(pty_of(serial)->slave, &line) == 0) {
         serial->baud = lx_baud_of_speed(cfgetospeed(&line));
     }
-    for (size_t i = 1; i < n; i++) {
-        character.byte = bytes[i];
-        serial->more = n - i - 1;
-        serial->setup.rx(serial->setup.ctx, now, &character);
-    }
+    return 1;
 }
 
 /* Remove the link, unless somebody else has put theirs there by now. */
@@ -187,7 +182,7 @@ static int prepare_slave(struct pty *self)
     line.c_lflag |= (tcflag_t)EXTPROC;
     line.c_cflag |= (tcflag_t)CREAD;
     line.c_cflag &= (tcflag_t)~CLOCAL; /* see keep_changeable() */
-    const speed_t speed = (speed_t)lx_speed_of_baud(self->serial.setup.stored.baud);
+    const speed_t speed = (speed_t)lx_speed_of_baud(self->serial.setup.found_baud);
     if (cfsetispeed(&line, speed) != 0 || cfsetospeed(&line, speed) != 0) {
         return -1;
     }

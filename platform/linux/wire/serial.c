@@ -13,10 +13,6 @@
 #include <termios.h>
 #include <unistd.h>
 
-/* Bytes read at once; a flood is taken in pieces of this, between which deadlines get their turn.
- */
-#define CHUNK 4096u
-
 /* How often a port that has gone is looked for. */
 #define REOPEN DG_S(1)
 
@@ -52,21 +48,31 @@ unsigned long lx_speed_of_baud(uint32_t baud)
     return 0;
 }
 
-/* A full buffer, or no port at all, loses characters as a wire does. */
-void lx_serial_put(struct lx_serial *self, const uint8_t *bytes, size_t n)
+bool lx_serial_up(const struct lx_serial *self)
 {
-    while (n > 0) {
-        const ssize_t done = self->fd < 0 ? -1 : write(self->fd, bytes, n);
-        if (done < 0 && self->fd >= 0 && errno == EINTR) {
+    return self->fd >= 0;
+}
+
+size_t lx_serial_send(struct lx_serial *self, const uint8_t *bytes, size_t n)
+{
+    size_t sent = 0;
+    while (sent < n && lx_serial_up(self)) {
+        const ssize_t done = write(self->fd, bytes + sent, n - sent);
+        if (done < 0 && errno == EINTR) {
             continue;
         }
         if (done <= 0) {
-            self->counters.lost += n;
-            return;
+            break;
         }
-        bytes += done;
-        n -= (size_t)done;
+        sent += (size_t)done;
     }
+    return sent;
+}
+
+/* A full buffer, or no port at all, loses characters as a wire does. */
+void lx_serial_put(struct lx_serial *self, const uint8_t *bytes, size_t n)
+{
+    self->counters.lost += n - lx_serial_send(self, bytes, n);
 }
 
 static void shut(struct lx_serial *self)
@@ -106,16 +112,39 @@ static void gone(struct lx_serial *self, int reason)
     }
 }
 
+/* Until somebody pauses in the middle: then the rest waits. */
+static void hand_over(struct lx_serial *self, dg_ns now)
+{
+    while (self->count > 0 && !self->paused) {
+        struct lx_character character = {.byte = self->chunk[self->first++]};
+        self->more = --self->count;
+        if (self->ops->decode == NULL || self->ops->decode(self, character.byte, &character)) {
+            self->setup.rx(self->setup.ctx, now, &character);
+        }
+    }
+}
+
+void lx_serial_pause(struct lx_serial *self, bool paused)
+{
+    self->paused = paused;
+    hand_over(self, lx_now());
+    if (self->io != NULL) {
+        (void)sd_event_source_set_enabled(self->io, self->paused ? SD_EVENT_OFF : SD_EVENT_ON);
+    }
+}
+
 static int on_readable(sd_event_source *source, int fd, uint32_t events, void *ctx)
 {
     struct lx_serial *self = ctx;
-    uint8_t bytes[CHUNK];
     (void)source;
     /* One chunk for each turn of the loop; the rest is still readable in the next one. */
-    const ssize_t n = read(fd, bytes, sizeof bytes);
+    const ssize_t n = read(fd, self->chunk, sizeof self->chunk);
     const int reason = n < 0 ? errno : 0;
     if (n > 0) {
-        self->ops->received(self, lx_now(), bytes, (size_t)n);
+        const dg_ns now = lx_now();
+        self->first = self->ops->received(self, now, self->chunk, (size_t)n);
+        self->count = (size_t)n - self->first;
+        hand_over(self, now);
         return 0;
     }
     const bool nothing_yet = n < 0 && (reason == EAGAIN || reason == EINTR);
@@ -148,6 +177,7 @@ int lx_serial_watch(struct lx_serial *self)
 void lx_serial_unwatch(struct lx_serial *self)
 {
     self->io = sd_event_source_disable_unref(self->io);
+    self->count = 0;
     if (self->fd >= 0) {
         (void)close(self->fd);
     }
@@ -167,7 +197,7 @@ void lx_serial_close(struct lx_serial *self)
     free(self);
 }
 
-void lx_serial_set(struct lx_serial *self, const struct dg_hf_uart *uart)
+void lx_serial_set(struct lx_serial *self, const struct lx_uart *uart)
 {
     self->uart = *uart;
     if (self->ops->apply != NULL) {

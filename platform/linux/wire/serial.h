@@ -13,12 +13,15 @@
 #include <systemd/sd-event.h>
 
 #include "characters.h"
-#include "drehgeber/hiperface.h"
 #include "say.h"
 #include "timer.h"
 
 /** Longest address of a port: a path. */
 #define LX_ADDRESS_MAX 4096u
+
+/** Bytes read at once; a flood is taken in pieces of this, between which deadlines get their turn.
+ */
+#define LX_SERIAL_CHUNK 4096u
 
 /** lx_serial.baud where nobody can tell, or nobody asks: right for everybody. */
 #define LX_BAUD_ANY UINT32_MAX
@@ -33,8 +36,11 @@ struct lx_serial_ops {
     int (*open)(struct lx_serial *self, struct lx_error *error);
     /** The line's UART setting has changed to self->uart. NULL: nobody to tell. */
     void (*apply)(struct lx_serial *self);
-    /** Decode `n` bytes that read() gave at `now` and hand them to setup.rx(). */
-    void (*received)(struct lx_serial *self, dg_ns now, const uint8_t *bytes, size_t n);
+    /** read() gave `n` bytes at `now`: fill in self->baud and self->parity.
+     * @return how many of them stand before the characters */
+    size_t (*received)(struct lx_serial *self, dg_ns now, const uint8_t *bytes, size_t n);
+    /** @return whether `byte` completes a character, which is in `out` then. NULL: each is one. */
+    bool (*decode)(struct lx_serial *self, uint8_t byte, struct lx_character *out);
     /** Whether what appears under this address again is the same port. NULL: it is. */
     bool (*lasting)(const struct lx_serial *self);
     /** Undo open(), but for self->fd. NULL: nothing. */
@@ -47,10 +53,10 @@ struct lx_serial_ops {
 struct lx_serial_setup {
     sd_event *event;
     const struct lx_say *say;
-    const char *where;        /**< device or link; NULL: a link is not wanted */
-    struct dg_hf_uart uart;   /**< setting in force */
-    struct dg_hf_uart stored; /**< setting in force when the start-up window is over */
-    bool any_line;            /**< nobody asks for the data rate of a pty's master */
+    const char *where;   /**< device or link; NULL: a link is not wanted */
+    struct lx_uart uart; /**< setting in force */
+    uint32_t found_baud; /**< what a pty is set to, for a master that does not set it */
+    bool any_line;       /**< nobody asks for the data rate of a pty's master */
     /** A character came in at `now`. */
     void (*rx)(void *ctx, dg_ns now, const struct lx_character *character);
     /** It was gone and is back; a pty has another address. NULL: nobody to tell. */
@@ -67,10 +73,14 @@ struct lx_serial_counters {
 struct lx_serial {
     const struct lx_serial_ops *ops;
     struct lx_serial_setup setup;
-    struct dg_hf_uart uart; /**< the line's setting */
-    bool timed;             /**< a UART does the timing: characters are put at once */
-    int fd;                 /**< -1 while the port is gone */
+    struct lx_uart uart; /**< the line's setting */
+    bool timed;          /**< a UART does the timing: characters are put at once */
+    int fd;              /**< -1 while the port is gone */
     sd_event_source *io;
+    bool paused;
+    uint8_t chunk[LX_SERIAL_CHUNK]; /**< read, and not yet handed to setup.rx(): */
+    size_t first;
+    size_t count;
     struct lx_timer reopen;
     struct lx_serial_counters counters;
     char address[LX_ADDRESS_MAX]; /**< what a master opens */
@@ -78,7 +88,7 @@ struct lx_serial {
     /* of the character that is being handed to setup.rx() */
     uint32_t baud; /**< it was sent at; LX_BAUD_ANY; 0: none of the standard ones */
     char parity;   /**< likewise, 0: the port cannot tell */
-    size_t more;   /**< characters that came in with it and follow */
+    size_t more;   /**< characters that came in with it and follow; with escapes an estimate */
 };
 
 /** Make a pty. @return NULL with one line in `error` */
@@ -91,7 +101,16 @@ struct lx_serial *lx_tty_open(const struct lx_serial_setup *setup, struct lx_err
 void lx_serial_close(struct lx_serial *self);
 
 /** The UART setting is `uart` now. */
-void lx_serial_set(struct lx_serial *self, const struct dg_hf_uart *uart);
+void lx_serial_set(struct lx_serial *self, const struct lx_uart *uart);
+
+/** Whether the port is there; one that has gone is looked for. */
+bool lx_serial_up(const struct lx_serial *self);
+
+/** Hand over no characters, also none of those that have been read, or go on. */
+void lx_serial_pause(struct lx_serial *self, bool paused);
+
+/** Send as much as there is room for now. @return how many bytes */
+size_t lx_serial_send(struct lx_serial *self, const uint8_t *bytes, size_t n);
 
 /** Send. Does not block; what nobody takes is lost and counted. */
 void lx_serial_put(struct lx_serial *self, const uint8_t *bytes, size_t n);

@@ -33,23 +33,24 @@ static struct tty *tty_of(struct lx_serial *serial)
     return (struct tty *)serial;
 }
 
-static void received(struct lx_serial *serial, dg_ns now, const uint8_t *bytes, size_t n)
+static size_t received(struct lx_serial *serial, dg_ns now, const uint8_t *bytes, size_t n)
 {
-    struct tty *self = tty_of(serial);
-    struct lx_character character;
+    (void)now;
+    (void)bytes;
+    (void)n;
     serial->baud = serial->uart.baud;
     serial->parity = serial->uart.parity;
-    for (size_t i = 0; i < n; i++) {
-        serial->more = n - i - 1; /* escapes count as three: an estimate */
-        if (lx_parmrk_feed(&self->parmrk, bytes[i], &character)) {
-            serial->setup.rx(serial->setup.ctx, now, &character);
-        }
-    }
+    return 0;
+}
+
+static bool decode(struct lx_serial *serial, uint8_t byte, struct lx_character *out)
+{
+    return lx_parmrk_feed(&tty_of(serial)->parmrk, byte, out);
 }
 
 /* Raw, with damaged characters marked. VMIN 1: a read that finds nothing says EAGAIN, so that 0
    always is a hang-up. */
-static void make_raw(struct termios *line, const struct dg_hf_uart *uart)
+static void make_raw(struct termios *line, const struct lx_uart *uart)
 {
     cfmakeraw(line);
     line->c_iflag &= (tcflag_t) ~(IGNPAR | IGNBRK | BRKINT | IXON | IXOFF);
@@ -67,7 +68,7 @@ static void make_raw(struct termios *line, const struct dg_hf_uart *uart)
 }
 
 /* tcsetattr() succeeds when it could do any part, so the speed is read back. */
-static int configure(int fd, const struct dg_hf_uart *uart)
+static int configure(int fd, const struct lx_uart *uart)
 {
     struct termios line;
     const speed_t speed = (speed_t)lx_speed_of_baud(uart->baud);
@@ -165,6 +166,7 @@ static const struct lx_serial_ops tty_ops = {
     .open = open_tty,
     .apply = apply,
     .received = received,
+    .decode = decode,
     .lasting = lasting,
 };
 
