@@ -204,6 +204,8 @@ struct dg_hf {
     uint8_t sum;         /**< XOR over this frame, whoever it is for */
     uint16_t length;     /**< characters of this frame, also beyond the buffer */
     uint8_t frame[DG_HF_FRAME_MAX];
+    uint8_t verdict; /**< when it is complete: enum dg_hf_status of its protocol checks */
+    uint8_t command; /**< likewise: its row in the table of commands, the number of rows: none */
 
     /* working copy of the EEPROM, read at power-on */
     uint16_t periods;

@@ -35,14 +35,14 @@ const struct hf_command hf_commands[] = {
 #undef DG_HF_COMMAND
 const uint8_t hf_command_count = sizeof hf_commands / sizeof hf_commands[0];
 
-const struct hf_command *hf_command_find(uint8_t code)
+uint8_t hf_command_find(uint8_t code)
 {
-    for (uint8_t i = 0; i < hf_command_count; i++) {
-        if (hf_commands[i].code == code) {
-            return &hf_commands[i];
-        }
+    uint8_t row = 0;
+
+    while (row < hf_command_count && hf_commands[row].code != code) {
+        row++;
     }
-    return NULL;
+    return row;
 }
 
 /* 4Bh announces its number of bytes; it has to agree with the frame's (5.1.2.8). */
@@ -54,9 +54,9 @@ static bool length_fits(const struct hf_command *row, const uint8_t *data, uint1
     return row->code != SAVE_DATA || n == SAVE_DATA_HEAD + data[2];
 }
 
-enum dg_hf_status hf_check(const struct dg_hf *self, const struct hf_command **row)
+/* `row` stays what it is unless the frame is one. */
+static enum dg_hf_status judge(const struct dg_hf *self, uint8_t *row)
 {
-    *row = NULL;
     if (self->frame_damaged) {
         return DG_HF_CHECKSUM;
     }
@@ -70,13 +70,19 @@ enum dg_hf_status hf_check(const struct dg_hf *self, const struct hf_command **r
         return DG_HF_LENGTH;
     }
     *row = hf_command_find(self->frame[1]);
-    if (*row == NULL) {
+    if (*row == hf_command_count) {
         return DG_HF_COMMAND;
     }
-    if (!length_fits(*row, &self->frame[2], (uint16_t)(self->length - 3u))) {
+    if (!length_fits(&hf_commands[*row], &self->frame[2], (uint16_t)(self->length - 3u))) {
         return DG_HF_LENGTH;
     }
     return DG_HF_NO_ERROR;
+}
+
+void hf_check(struct dg_hf *self)
+{
+    self->command = hf_command_count;
+    self->verdict = (uint8_t)judge(self, &self->command);
 }
 
 /* What stands between a well-formed request and its handler. */
@@ -109,7 +115,6 @@ static enum dg_hf_status permitted(const struct dg_hf *self, const struct hf_com
 void hf_answer(struct dg_hf *self, dg_ns now)
 {
     uint8_t reply[DG_HF_FRAME_MAX];
-    const struct hf_command *row;
     struct hf_request rq = {
         .now = now,
         .data = &self->frame[2],
@@ -117,13 +122,13 @@ void hf_answer(struct dg_hf *self, dg_ns now)
     };
 
     hf_monitor(self);
-    enum dg_hf_status status = hf_check(self, &row);
+    enum dg_hf_status status = (enum dg_hf_status)self->verdict;
     if (status == DG_HF_NO_ERROR) {
         rq.length = (uint16_t)(self->length - 3u);
-        status = permitted(self, row, &rq);
+        status = permitted(self, &hf_commands[self->command], &rq);
     }
     if (status == DG_HF_NO_ERROR) {
-        status = row->handler(self, &rq);
+        status = hf_commands[self->command].handler(self, &rq);
     }
     reply[1] = self->frame[1];
     if (status != DG_HF_NO_ERROR) {

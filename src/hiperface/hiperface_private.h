@@ -66,11 +66,11 @@ struct hf_command {
 /** command.c: the table, and everything between a frame and its handler (R8). */
 extern const struct hf_command hf_commands[];
 extern const uint8_t hf_command_count;
-/** Row of a code, or NULL. */
-const struct hf_command *hf_command_find(uint8_t code);
-/** The protocol group's verdict on the frame in `self`; `row` is NULL when no command is known. */
-enum dg_hf_status hf_check(const struct dg_hf *self, const struct hf_command **row);
-/** Check and execute the frame in `self`, and send the reply. */
+/** Row of a code, or hf_command_count. */
+uint8_t hf_command_find(uint8_t code);
+/** The protocol group's verdict on the frame in `self`, which is complete now. */
+void hf_check(struct dg_hf *self);
+/** Execute the frame in `self`, which was checked, and send the reply. */
 void hf_answer(struct dg_hf *self, dg_ns now);
 
 /** status.c */

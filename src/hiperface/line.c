@@ -142,13 +142,14 @@ static void notice(struct dg_hf *self)
 /* The line was silent for the timeout, at `moment`: the frame in the buffer is complete. */
 static void end_of_frame(struct dg_hf *self, dg_ns moment)
 {
-    const struct hf_command *row;
-    enum dg_hf_status status = hf_check(self, &row);
     dg_ns reaction = self->setup.model->reaction;
 
+    hf_check(self);
+    const struct hf_command *row =
+        self->command < hf_command_count ? &hf_commands[self->command] : NULL;
     self->counters.frames++;
     notice(self);
-    if (status == DG_HF_NO_ERROR && row->handler == NULL) {
+    if (self->verdict == DG_HF_NO_ERROR && row->handler == NULL) {
         reset(self, moment);
         return;
     }

@@ -76,7 +76,8 @@ static void commands_are_sorted_and_found(void **state)
         assert_true(hf_commands[i - 1].code < hf_commands[i].code);
     }
     for (unsigned code = 0; code <= 0xFF; code++) {
-        const struct hf_command *row = hf_command_find((uint8_t)code);
+        const uint8_t at = hf_command_find((uint8_t)code);
+        const struct hf_command *row = at < hf_command_count ? &hf_commands[at] : NULL;
         found += row != NULL;
         assert_true(row == NULL || row->code == code);
     }

@@ -79,6 +79,8 @@ static void strip(struct dg_hf *device)
     memset(device->frame, 0, sizeof device->frame);
     device->length = 0;
     device->sum = 0;
+    device->verdict = 0;
+    device->command = 0;
     device->frame_damaged = false;
     device->deadline = 0;
     device->last_rx = 0;
