@@ -9,10 +9,10 @@
 #include <cmocka.h>
 
 #include "drehgeber/angle.h"
+#include "effort.h"
 #include "motion_model.h"
 
 #define COUNT(a) (sizeof(a) / sizeof((a)[0]))
-#define RANDOM_ROUNDS 200000
 
 /* The unbounded integers everything is checked against. */
 __extension__ typedef unsigned __int128 uwide;
@@ -74,6 +74,7 @@ static void check_counts(dg_angle angle, uint32_t resolution)
 
 static void counts_are_the_exact_floor(void **state)
 {
+    const uint32_t rounds = effort(40000, 200000);
     uint64_t seed = 1;
 
     (void)state;
@@ -82,7 +83,7 @@ static void counts_are_the_exact_floor(void **state)
             check_counts(EDGES[a], RESOLUTIONS[r]);
         }
     }
-    for (int i = 0; i < RANDOM_ROUNDS; i++) {
+    for (uint32_t i = 0; i < rounds; i++) {
         check_counts(random_signed(&seed), random_resolution(&seed));
     }
 }
@@ -119,6 +120,7 @@ static bool angle_fits(int64_t counts, uint32_t resolution)
 
 static void angle_of_counts_is_the_exact_ceiling(void **state)
 {
+    const uint32_t rounds = effort(40000, 200000);
     uint64_t seed = 2;
     int checked = 0;
 
@@ -136,7 +138,7 @@ static void angle_of_counts_is_the_exact_ceiling(void **state)
         }
     }
     assert_true(checked > 500);
-    for (int i = 0; i < RANDOM_ROUNDS; i++) {
+    for (uint32_t i = 0; i < rounds; i++) {
         uint32_t resolution = random_resolution(&seed);
         /* Of half the type's range: the count's first angle fits the type, too. */
         int64_t counts = dg_angle_counts(random_signed(&seed) / 2, resolution);
@@ -149,6 +151,7 @@ static void mod_is_never_negative(void **state)
 {
     static const uint64_t ranges[] = {
         1, 2, 3, 16, 65536, 268435456, 1000000007, ((uint64_t)1 << 62) - 1, (uint64_t)1 << 62};
+    const uint32_t rounds = effort(40000, 200000);
     uint64_t seed = 3;
 
     (void)state;
@@ -160,7 +163,7 @@ static void mod_is_never_negative(void **state)
                         EDGES[a] - floor_div(EDGES[a], range) * range);
         }
     }
-    for (int i = 0; i < RANDOM_ROUNDS; i++) {
+    for (uint32_t i = 0; i < rounds; i++) {
         int64_t value = random_signed(&seed);
         wide range = (wide)(random_length(&seed) >> 2) + 1;
 
@@ -189,6 +192,7 @@ static void muldiv_keeps_the_whole_product(void **state)
                                      (uint64_t)INT64_MAX + 1,
                                      UINT64_MAX - 1,
                                      UINT64_MAX};
+    const uint32_t rounds = effort(40000, 200000);
     uint64_t seed = 4;
 
     (void)state;
@@ -199,7 +203,7 @@ static void muldiv_keeps_the_whole_product(void **state)
             }
         }
     }
-    for (int i = 0; i < RANDOM_ROUNDS; i++) {
+    for (uint32_t i = 0; i < rounds; i++) {
         uint64_t a = random_length(&seed);
         uint64_t b = random_length(&seed);
         uint64_t c = random_length(&seed);
@@ -230,11 +234,12 @@ static long double sine_error(uint32_t phase)
 
 static void sine_is_within_its_error(void **state)
 {
+    const uint32_t step = effort(14305, 2861);
     long double worst = 0;
 
     (void)state;
-    /* An odd stride: 1.5 million phases over the whole period, and every one near 0. */
-    for (uint64_t phase = 0; phase < (uint64_t)1 << 32; phase += 2861) {
+    /* An odd step: up to 1.5 million phases over the whole period, and every one near 0. */
+    for (uint64_t phase = 0; phase < (uint64_t)1 << 32; phase += step) {
         worst = fmaxl(worst, fabsl(sine_error((uint32_t)phase)));
     }
     for (uint32_t phase = 0; phase < 100000; phase++) {
@@ -255,10 +260,11 @@ static void sine_is_exact_at_the_quarters(void **state)
 
 static void sine_is_symmetric_and_bounded(void **state)
 {
+    const uint32_t rounds = effort(40000, 200000);
     uint64_t seed = 5;
 
     (void)state;
-    for (int i = 0; i < RANDOM_ROUNDS; i++) {
+    for (uint32_t i = 0; i < rounds; i++) {
         uint32_t phase = (uint32_t)random_bits(&seed);
         int32_t sine = dg_sin_q30(phase);
 
@@ -275,10 +281,11 @@ static void sine_is_symmetric_and_bounded(void **state)
 
 static void cosine_is_a_quarter_ahead(void **state)
 {
+    const uint32_t rounds = effort(40000, 200000);
     uint64_t seed = 6;
 
     (void)state;
-    for (int i = 0; i < RANDOM_ROUNDS; i++) {
+    for (uint32_t i = 0; i < rounds; i++) {
         uint32_t phase = (uint32_t)random_bits(&seed);
         int64_t sine = dg_sin_q30(phase);
         int64_t cosine = dg_sin_q30(phase + 0x40000000);
@@ -299,13 +306,14 @@ static void check_isqrt(uint64_t value)
 
 static void isqrt_is_the_exact_floor(void **state)
 {
+    const uint32_t rounds = effort(40000, 200000);
     uint64_t seed = 7;
 
     (void)state;
     for (uint64_t value = 0; value < 70000; value++) {
         check_isqrt(value);
     }
-    for (int i = 0; i < RANDOM_ROUNDS; i++) {
+    for (uint32_t i = 0; i < rounds; i++) {
         uint64_t root = (uint32_t)random_length(&seed);
 
         check_isqrt(random_length(&seed));

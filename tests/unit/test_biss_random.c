@@ -13,6 +13,7 @@
 
 #include "biss_rig.h"
 #include "drehgeber/devices.h"
+#include "effort.h"
 
 #define OPERATIONS 400u
 
@@ -191,8 +192,9 @@ static void test_traffic(void **state)
     static void (*const operations[])(void) = {op_read,  op_read, op_write,   op_write,
                                                op_abort, op_cut,  op_command, op_angle};
 
+    const uint32_t seeds = effort(2, 6);
     (void)state;
-    for (uint32_t seed = 1; seed <= 6; seed++) {
+    for (uint32_t seed = 1; seed <= seeds; seed++) {
         reset(seed);
         for (uint32_t i = 0; i < OPERATIONS; i++) {
             operations[dice(sizeof operations / sizeof operations[0])]();
@@ -221,8 +223,9 @@ static void test_garbage_on_ma(void **state)
 {
     static const uint8_t counts[] = {1, 1, 2, 3};
 
+    const uint32_t rounds = effort(80, 400);
     (void)state;
-    for (uint32_t round = 0; round < 400; round++) {
+    for (uint32_t round = 0; round < rounds; round++) {
         struct dg_biss_model figures = *dg_biss_model_of(dg_device_find("s3674-biss"));
         const uint8_t count = counts[round % 4u];
 

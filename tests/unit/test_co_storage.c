@@ -14,6 +14,7 @@
 
 #include "co_od.h"
 #include "co_rig.h"
+#include "effort.h"
 
 #define COUNT(a) (sizeof(a) / sizeof((a)[0]))
 #define SDO_RX 0x63F
@@ -471,7 +472,7 @@ static void every_bit_that_rots_is_noticed_or_does_not_matter(void **state)
     live_in();
     look(&whole);
     lived_in = rig;
-    for (uint32_t bit = 0; bit < 8u * rig.nvm.size; bit++) {
+    for (uint32_t bit = 0; bit < 8u * rig.nvm.size; bit += effort(5, 1)) {
         struct sight expected = whole;
         const int region = region_at(bit / 8u);
         rig = lived_in;
@@ -616,7 +617,6 @@ static void assert_old_or_new(bool acknowledged)
     struct sight seen;
     struct sight again;
     bool failed = true;
-
     powerless = rig;
     (void)start_again(-1, RAM_NVM_ORDERED, 0);
     look(&seen);
@@ -644,7 +644,7 @@ static void power_may_fail(void **state)
     assert_false(same(&before, &after));
     for (uint32_t cut = 0; cut <= writes; cut++) {
         for (unsigned tear = 0; tear < RAM_NVM_TEAR_COUNT; tear++) {
-            for (size_t i = 0; i < COUNT(tears); i++) {
+            for (size_t i = 0; i < COUNT(tears); i += effort(2, 1)) {
                 rig = lived_in;
                 ram_nvm_cut(&rig.nvm, cut, (enum ram_nvm_tear)tear, tears[i]);
                 const bool acknowledged = store->act();

@@ -12,6 +12,7 @@
 #include "drehgeber/hal.h"
 #include "drehgeber/motion.h"
 #include "drehgeber/world.h"
+#include "effort.h"
 #include "motion_model.h"
 
 #define COUNT(a) (sizeof(a) / sizeof((a)[0]))
@@ -80,6 +81,7 @@ static void speed_is_the_exact_floor(void **state)
     static const int32_t speeds[] = {
         0, 1, -1, 59999, -12345678, DG_MOTION_SPEED_MAX_MRPM, -DG_MOTION_SPEED_MAX_MRPM};
     static const dg_angle froms[] = {0, -1, INT64_MIN, INT64_MAX};
+    const uint32_t rounds = effort(40000, 200000);
     uint64_t seed = 1;
 
     (void)state;
@@ -92,7 +94,7 @@ static void speed_is_the_exact_floor(void **state)
         assert_true(dg_motion_angle(&m, t) ==
                     wrapped(m.from + floor_div((wide)m.mrpm * t * 262144, MRPM_DIVISOR)));
     }
-    for (int i = 0; i < 200000; i++) {
+    for (uint32_t i = 0; i < rounds; i++) {
         dg_ns t = random_up_to(&seed, UINT64_MAX - 1);
         struct dg_motion m = {.kind = DG_MOTION_SPEED,
                               .from = (dg_angle)random_bits(&seed),
@@ -188,10 +190,11 @@ static void check_ramp(const struct dg_motion *wanted, dg_ns t)
 
 static void ramp_is_exact(void **state)
 {
+    const uint32_t rounds = effort(40000, 200000);
     uint64_t seed = 2;
 
     (void)state;
-    for (int i = 0; i < 200000; i++) {
+    for (uint32_t i = 0; i < rounds; i++) {
         struct dg_motion m = {.kind = DG_MOTION_RAMP,
                               .from = (dg_angle)random_bits(&seed) / 4,
                               .mrpm = random_mrpm(&seed),
@@ -317,10 +320,11 @@ static void sine_by_hand(void **state)
 static void sine_is_within_its_error(void **state)
 {
     const long double two_pi = 6.28318530717958647692528676655900577L;
+    const uint32_t rounds = effort(40000, 300000);
     uint64_t seed = 4;
 
     (void)state;
-    for (int i = 0; i < 300000; i++) {
+    for (uint32_t i = 0; i < rounds; i++) {
         struct dg_motion m =
             accepted((struct dg_motion){.kind = DG_MOTION_SINE,
                                         .amplitude = (dg_angle)random_up_to(&seed, AMPLITUDE_MAX),

@@ -11,6 +11,7 @@
 
 #include "drehgeber/hal.h"
 #include "drehgeber/shaft.h"
+#include "effort.h"
 #include "motion_model.h"
 
 #define COUNT(a) (sizeof(a) / sizeof((a)[0]))
@@ -137,10 +138,11 @@ static void check_against_model(const struct move *move, uint64_t *seed)
 
 static void moves_follow_the_model(void **state)
 {
+    const uint32_t rounds = effort(4000, 20000);
     uint64_t seed = 1;
 
     (void)state;
-    for (int i = 0; i < 20000; i++) {
+    for (uint32_t i = 0; i < rounds; i++) {
         struct move move = random_move(&seed, (uint64_t)1 << 44);
 
         move.accel = (int64_t)random_up_to(&seed, DG_SHAFT_ACCELERATION_MAX / 1000) * 1000;
@@ -251,11 +253,12 @@ static void moves_keep_their_promises(void **state)
 {
     static const uint64_t ways[] = {4, 1000, (uint64_t)1 << 20, (uint64_t)1 << 32,
                                     (uint64_t)1 << 44};
+    const uint32_t rounds = effort(4000, 20000);
     uint64_t seed = 2;
 
     (void)state;
-    for (int i = 0; i < 20000; i++) {
-        const struct move move = random_move(&seed, ways[(size_t)i % COUNT(ways)]);
+    for (uint32_t i = 0; i < rounds; i++) {
+        const struct move move = random_move(&seed, ways[i % COUNT(ways)]);
 
         check_properties(&move, &seed);
     }
@@ -454,10 +457,11 @@ static void less_than_a_unit_to_go(void **state)
 /* At once: never faster than wanted, never beyond the target, there within a nanosecond. */
 static void at_once_lands_in_time(void **state)
 {
+    const uint32_t rounds = effort(4000, 20000);
     uint64_t seed = 4;
 
     (void)state;
-    for (int i = 0; i < 20000; i++) {
+    for (uint32_t i = 0; i < rounds; i++) {
         struct move move = random_move(&seed, (uint64_t)1 << 60);
 
         move.accel = 0;
@@ -486,12 +490,13 @@ static void at_once_lands_in_time(void **state)
 static void commands_are_continuous(void **state)
 {
     struct dg_shaft shaft;
+    const uint32_t rounds = effort(4000, 20000);
     uint64_t seed = 5;
     dg_ns now = 0;
 
     (void)state;
     dg_shaft_init(&shaft);
-    for (int i = 0; i < 20000; i++) {
+    for (uint32_t i = 0; i < rounds; i++) {
         const int64_t accel = (int64_t)random_up_to(&seed, DG_SHAFT_ACCELERATION_MAX);
         const struct dg_shaft as_before = shaft;
         struct dg_shaft was = as_before;

@@ -15,6 +15,7 @@
 #include <cmocka.h>
 
 #include "drehgeber/devices.h"
+#include "effort.h"
 #include "modbus_time.h"
 
 #define START DG_S(1)
@@ -342,8 +343,9 @@ static void fates(uint32_t seed)
 
 static void lazy_and_eager_agree(void **state)
 {
+    const uint32_t seeds = effort(24, 120);
     (void)state;
-    for (uint32_t seed = 0; seed < 120; seed++) {
+    for (uint32_t seed = 0; seed < seeds; seed++) {
         fates(seed);
     }
 }
