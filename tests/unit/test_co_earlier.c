@@ -50,35 +50,36 @@ static void store_cob_ids(const uint32_t absolute[DG_CO_TPDOS])
     power_cycle();
 }
 
-/* As releases stored them that had 1019h (here 10) and 1800h:6 (3): both objects have gone, the
- * others stand where they stood. */
+/* What releases stored that had 1019h (here 10) and 1800h:6 (3). */
+static const uint8_t saved[1] = {1};
+static const uint8_t communication[35] = {
+    0xB0, 0,    0, 0,    /* 1005h */
+    0x10, 0x27, 0, 0,    /* 1006h */
+    0xE8, 0x03, 0, 0,    /* 1007h */
+    0x64, 0,             /* 100Ch */
+    3,                   /* 100Dh */
+    0,    1,    0, 0x80, /* 1012h */
+    0x0A, 0,             /* 1015h */
+    0x64, 0,    7, 0,    /* 1016h:1 */
+    0xC8, 0,    8, 0,    /* 1016h:2 */
+    0xF4, 1,             /* 1017h */
+    10,                  /* 1019h */
+    1,    2,    0,       /* 1029h */
+};
+static const uint8_t tpdo2[43] = {
+    0x22, 2,    0,    0x40, /* COB-ID */
+    7,                      /* type */
+    5,    0,                /* inhibit time */
+    0x21, 0,                /* event timer */
+    3,                      /* SYNC start value */
+    2,                      /* entries */
+    0x20, 0,    0x04, 0x60, /* 6004h */
+    0x10, 0x01, 0x30, 0x60, /* 6030h:1 */
+};
+
+/* Both objects have gone, the others stand where they stood. */
 static void memories_with_rows_that_have_gone_still_fit(void **state)
 {
-    static const uint8_t saved[1] = {1};
-    static const uint8_t communication[35] = {
-        0xB0, 0,    0, 0,    /* 1005h */
-        0x10, 0x27, 0, 0,    /* 1006h */
-        0xE8, 0x03, 0, 0,    /* 1007h */
-        0x64, 0,             /* 100Ch */
-        3,                   /* 100Dh */
-        0,    1,    0, 0x80, /* 1012h */
-        0x0A, 0,             /* 1015h */
-        0x64, 0,    7, 0,    /* 1016h:1 */
-        0xC8, 0,    8, 0,    /* 1016h:2 */
-        0xF4, 1,             /* 1017h */
-        10,                  /* 1019h */
-        1,    2,    0,       /* 1029h */
-    };
-    static const uint8_t tpdo2[43] = {
-        0x22, 2,    0,    0x40, /* COB-ID */
-        7,                      /* type */
-        5,    0,                /* inhibit time */
-        0x21, 0,                /* event timer */
-        3,                      /* SYNC start value */
-        2,                      /* entries */
-        0x20, 0,    0x04, 0x60, /* 6004h */
-        0x10, 0x01, 0x30, 0x60, /* 6030h:1 */
-    };
     static const struct {
         uint16_t index;
         uint8_t sub;

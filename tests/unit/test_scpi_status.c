@@ -41,54 +41,55 @@ static void power_on(void **state)
 }
 
 /* SCPI-99 21.8: classes of errors, and the standard's texts. */
+static const struct {
+    int code;
+    unsigned bit;
+    const char *text;
+} errors[] = {
+    {-100, 32, "Command error"},
+    {-101, 32, "Invalid character"},
+    {-102, 32, "Syntax error"},
+    {-104, 32, "Data type error"},
+    {-108, 32, "Parameter not allowed"},
+    {-109, 32, "Missing parameter"},
+    {-113, 32, "Undefined header"},
+    {-131, 32, "Invalid suffix"},
+    {-151, 32, "Invalid string data"},
+    {-199, 32, "Command error"},
+    {-200, 16, "Execution error"},
+    {-221, 16, "Settings conflict"},
+    {-222, 16, "Data out of range"},
+    {-224, 16, "Illegal parameter value"},
+    {-240, 16, "Hardware error"},
+    {-241, 16, "Hardware missing"},
+    {-250, 16, "Mass storage error"},
+    {-256, 16, "File name not found"},
+    {-299, 16, "Execution error"},
+    {-300, 8, "Device-specific error"},
+    {-350, 8, "Queue overflow"},
+    {-363, 8, "Input buffer overrun"},
+    {-400, 4, "Query error"},
+    {-499, 4, "Query error"},
+    {-500, 8, "Device-specific error"},
+    {-32768, 8, "Device-specific error"},
+    {-99, 8, "Device-specific error"},
+    {1, 8, "Device-specific error"},
+    {32767, 8, "Device-specific error"},
+};
+
 static void each_error_has_its_bit_and_text(void **state)
 {
-    static const struct {
-        int code;
-        unsigned bit;
-        const char *text;
-    } rows[] = {
-        {-100, 32, "Command error"},
-        {-101, 32, "Invalid character"},
-        {-102, 32, "Syntax error"},
-        {-104, 32, "Data type error"},
-        {-108, 32, "Parameter not allowed"},
-        {-109, 32, "Missing parameter"},
-        {-113, 32, "Undefined header"},
-        {-131, 32, "Invalid suffix"},
-        {-151, 32, "Invalid string data"},
-        {-199, 32, "Command error"},
-        {-200, 16, "Execution error"},
-        {-221, 16, "Settings conflict"},
-        {-222, 16, "Data out of range"},
-        {-224, 16, "Illegal parameter value"},
-        {-240, 16, "Hardware error"},
-        {-241, 16, "Hardware missing"},
-        {-250, 16, "Mass storage error"},
-        {-256, 16, "File name not found"},
-        {-299, 16, "Execution error"},
-        {-300, 8, "Device-specific error"},
-        {-350, 8, "Queue overflow"},
-        {-363, 8, "Input buffer overrun"},
-        {-400, 4, "Query error"},
-        {-499, 4, "Query error"},
-        {-500, 8, "Device-specific error"},
-        {-32768, 8, "Device-specific error"},
-        {-99, 8, "Device-specific error"},
-        {1, 8, "Device-specific error"},
-        {32767, 8, "Device-specific error"},
-    };
     char detail[DG_SCPI_DETAIL_MAX + 1u];
     (void)state;
 
     memset(detail, 'x', DG_SCPI_DETAIL_MAX);
     detail[DG_SCPI_DETAIL_MAX] = '\0';
-    for (size_t i = 0; i < LENGTH(rows); i++) {
+    for (size_t i = 0; i < LENGTH(errors); i++) {
         char line[64];
         char answer[256];
-        (void)snprintf(line, sizeof line, "*CLS;RAIS %d\n*ESR?;:SYST:ERR?\n", rows[i].code);
-        (void)snprintf(answer, sizeof answer, "%u;%d,\"%s;%s\"\n", rows[i].bit, rows[i].code,
-                       rows[i].text, detail);
+        (void)snprintf(line, sizeof line, "*CLS;RAIS %d\n*ESR?;:SYST:ERR?\n", errors[i].code);
+        (void)snprintf(answer, sizeof answer, "%u;%d,\"%s;%s\"\n", errors[i].bit, errors[i].code,
+                       errors[i].text, detail);
         ask(line, answer);
     }
 }

@@ -27,35 +27,36 @@ static void list_models(const char *indent)
     }
 }
 
+static const char introduction[] =
+    "drehgeber - be an absolute encoder, byte for byte\n"
+    "\n"
+    "  drehgeber run s3684-rs485 --pty=enc --shaft 60RPM --nvm enc.nvm\n"
+    "\n"
+    "makes ./enc a serial port (9600 Bd, 8E1) behind which a multiturn encoder turns\n"
+    "at 60 rpm; it prints one line, 'ready s3684-rs485 pty:/dev/pts/4', and runs until\n"
+    "Ctrl-C or SIGTERM. Ask it for its position with the bytes 40 42 02.\n"
+    "\n"
+    "  drehgeber list                          the models\n"
+    "  drehgeber run MODEL [WIRE] [OPTIONS]    be that encoder\n"
+    "  drehgeber run RIG.ini [--control ...]   be all encoders of a rig file\n"
+    "  drehgeber eds MODEL                     the EDS file of a CANopen encoder\n"
+    "  drehgeber biss MODEL ACTION [OPTIONS]   ask a BiSS encoder over a simulated wire;\n"
+    "                                          ACTION, one or more: read,\n"
+    "                                          registers [BANK:]ADDR N, eds,\n"
+    "                                          write [BANK:]ADDR BYTES, command N\n"
+    "  drehgeber map MODEL                     the Modbus registers of an INTERBUS encoder\n"
+    "  drehgeber ctl [--control ADDR] COMMAND  SCPI to what is running; SYST:HELP? says which\n"
+    "  drehgeber top [ADDRESS]                 what is running, in a terminal; ? says the keys\n"
+    "\n"
+    " Models:\n";
+
 /* An example first, then the reference; every table in it is the one the program works with. */
 static void help(void)
 {
     static char name[] = "drehgeber";
     struct lx_settings defaults;
     lx_settings_init(&defaults, dg_hf_model_of(dg_devices[0]));
-    (void)fputs(
-        "drehgeber - be an absolute encoder, byte for byte\n"
-        "\n"
-        "  drehgeber run s3684-rs485 --pty=enc --shaft 60RPM --nvm enc.nvm\n"
-        "\n"
-        "makes ./enc a serial port (9600 Bd, 8E1) behind which a multiturn encoder turns\n"
-        "at 60 rpm; it prints one line, 'ready s3684-rs485 pty:/dev/pts/4', and runs until\n"
-        "Ctrl-C or SIGTERM. Ask it for its position with the bytes 40 42 02.\n"
-        "\n"
-        "  drehgeber list                          the models\n"
-        "  drehgeber run MODEL [WIRE] [OPTIONS]    be that encoder\n"
-        "  drehgeber run RIG.ini [--control ...]   be all encoders of a rig file\n"
-        "  drehgeber eds MODEL                     the EDS file of a CANopen encoder\n"
-        "  drehgeber biss MODEL ACTION [OPTIONS]   ask a BiSS encoder over a simulated wire;\n"
-        "                                          ACTION, one or more: read,\n"
-        "                                          registers [BANK:]ADDR N, eds,\n"
-        "                                          write [BANK:]ADDR BYTES, command N\n"
-        "  drehgeber map MODEL                     the Modbus registers of an INTERBUS encoder\n"
-        "  drehgeber ctl [--control ADDR] COMMAND  SCPI to what is running; SYST:HELP? says which\n"
-        "  drehgeber top [ADDRESS]                 what is running, in a terminal; ? says the keys\n"
-        "\n"
-        " Models:\n",
-        stdout);
+    (void)fputs(introduction, stdout);
     list_models("  ");
     (void)fputs("\n", stdout);
     argp_help(&options_argp, stdout, ARGP_HELP_LONG, name);

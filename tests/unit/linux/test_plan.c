@@ -57,64 +57,72 @@ static void assert_all_zero(const struct lx_plan *plan)
     assert_memory_equal(plan, &zero, sizeof zero);
 }
 
-static void everything(void **state)
+/* Every section and key. */
+static const char everything[] = "; a comment\n"
+                                 "[rig]\n"
+                                 "name = bench\n"
+                                 "control = tcp:127.0.0.1:5025\n"
+                                 "control = unix:sock\n"
+                                 "[shaft main]\n"
+                                 "motion = 60RPM\n"
+                                 "[shaft pitch] ; geared\n"
+                                 "driver = MAIN\n"
+                                 "ratio = 1:-10\n"
+                                 "[bus ring]\n"
+                                 "wire = modbus\n"
+                                 "trace = ring.csv\n"
+                                 "cycle = 2000\n"
+                                 "[encoder a1]\n"
+                                 "model = ocd-ib-k3\n"
+                                 "bus = Ring\n"
+                                 "shaft = pitch\n"
+                                 "nvm = a1.nvm\n"
+                                 "serial = 123\n"
+                                 "temperature = 85\n"
+                                 "[encoder a2]\n"
+                                 "model = ocd-ib-k1\n"
+                                 "bus = ring\n"
+                                 "[encoder rs]\n"
+                                 "model = s3684-rs485\n"
+                                 "wire = pty:/tmp/enc1\n"
+                                 "trace = /tmp/rs.vcd\n"
+                                 "address = 0x41\n";
+
+static void check_rig_and_shafts(const struct lx_plan *plan)
 {
-    struct lx_plan plan;
-    (void)state;
-    read_good(&plan, "; a comment\n"
-                     "[rig]\n"
-                     "name = bench\n"
-                     "control = tcp:127.0.0.1:5025\n"
-                     "control = unix:sock\n"
-                     "[shaft main]\n"
-                     "motion = 60RPM\n"
-                     "[shaft pitch] ; geared\n"
-                     "driver = MAIN\n"
-                     "ratio = 1:-10\n"
-                     "[bus ring]\n"
-                     "wire = modbus\n"
-                     "trace = ring.csv\n"
-                     "cycle = 2000\n"
-                     "[encoder a1]\n"
-                     "model = ocd-ib-k3\n"
-                     "bus = Ring\n"
-                     "shaft = pitch\n"
-                     "nvm = a1.nvm\n"
-                     "serial = 123\n"
-                     "temperature = 85\n"
-                     "[encoder a2]\n"
-                     "model = ocd-ib-k1\n"
-                     "bus = ring\n"
-                     "[encoder rs]\n"
-                     "model = s3684-rs485\n"
-                     "wire = pty:/tmp/enc1\n"
-                     "trace = /tmp/rs.vcd\n"
-                     "address = 0x41\n");
-    assert_string_equal(plan.name, "bench");
-    assert_string_equal(plan.file, FILE_NAME);
-    assert_int_equal(plan.control_count, 2);
-    assert_string_equal(plan.controls[0], "tcp:127.0.0.1:5025");
-    assert_string_equal(plan.controls[1], "unix:sock");
-    assert_int_equal(plan.shaft_count, 2);
-    assert_string_equal(plan.shafts[0].motion, "60RPM");
-    assert_int_equal(plan.shafts[0].driver, -1);
-    assert_int_equal(plan.shafts[1].driver, 0);
-    assert_int_equal(plan.shafts[1].ratio[0], -1);
-    assert_int_equal(plan.shafts[1].ratio[1], 10);
-    assert_int_equal(plan.wire_count, 2);
-    assert_string_equal(plan.wires[0].name, "ring");
-    assert_string_equal(plan.wires[0].where, "127.0.0.1:5020");
-    assert_string_equal(plan.wires[0].trace, "ring.csv");
-    assert_int_equal(plan.wires[0].settings.count, 1);
-    assert_string_equal(plan.wires[0].settings.list[0].key, "cycle");
-    assert_string_equal(plan.wires[0].settings.list[0].value, "2000");
-    assert_int_equal(plan.wires[0].settings.list[0].line, 14);
-    assert_string_equal(plan.wires[1].name, "rs");
-    assert_string_equal(plan.wires[1].kind->name, "pty");
-    assert_string_equal(plan.wires[1].where, "/tmp/enc1");
-    assert_string_equal(plan.wires[1].trace, "/tmp/rs.vcd");
-    assert_int_equal(plan.encoder_count, 3);
-    const struct lx_plan_encoder *a1 = &plan.encoders[0];
+    assert_string_equal(plan->name, "bench");
+    assert_string_equal(plan->file, FILE_NAME);
+    assert_int_equal(plan->control_count, 2);
+    assert_string_equal(plan->controls[0], "tcp:127.0.0.1:5025");
+    assert_string_equal(plan->controls[1], "unix:sock");
+    assert_int_equal(plan->shaft_count, 2);
+    assert_string_equal(plan->shafts[0].motion, "60RPM");
+    assert_int_equal(plan->shafts[0].driver, -1);
+    assert_int_equal(plan->shafts[1].driver, 0);
+    assert_int_equal(plan->shafts[1].ratio[0], -1);
+    assert_int_equal(plan->shafts[1].ratio[1], 10);
+}
+
+static void check_wires(const struct lx_plan *plan)
+{
+    assert_int_equal(plan->wire_count, 2);
+    assert_string_equal(plan->wires[0].name, "ring");
+    assert_string_equal(plan->wires[0].where, "127.0.0.1:5020");
+    assert_string_equal(plan->wires[0].trace, "ring.csv");
+    assert_int_equal(plan->wires[0].settings.count, 1);
+    assert_string_equal(plan->wires[0].settings.list[0].key, "cycle");
+    assert_string_equal(plan->wires[0].settings.list[0].value, "2000");
+    assert_int_equal(plan->wires[0].settings.list[0].line, 14);
+    assert_string_equal(plan->wires[1].name, "rs");
+    assert_string_equal(plan->wires[1].kind->name, "pty");
+    assert_string_equal(plan->wires[1].where, "/tmp/enc1");
+    assert_string_equal(plan->wires[1].trace, "/tmp/rs.vcd");
+}
+
+static void check_encoders(const struct lx_plan *plan)
+{
+    const struct lx_plan_encoder *a1 = &plan->encoders[0];
+    assert_int_equal(plan->encoder_count, 3);
     assert_string_equal(a1->model->name, "ocd-ib-k3");
     assert_int_equal(a1->shaft, 1);
     assert_int_equal(a1->wire, 0);
@@ -127,9 +135,19 @@ static void everything(void **state)
     assert_int_equal(a1->settings.count, 1);
     assert_string_equal(a1->settings.list[0].key, "temperature");
     assert_string_equal(a1->settings.list[0].value, "85");
-    assert_int_equal(plan.encoders[1].shaft, 0); /* the first one */
-    assert_string_equal(plan.encoders[2].address, "0x41");
-    assert_int_equal(plan.encoders[2].address_line, 29);
+    assert_int_equal(plan->encoders[1].shaft, 0); /* the first one */
+    assert_string_equal(plan->encoders[2].address, "0x41");
+    assert_int_equal(plan->encoders[2].address_line, 29);
+}
+
+static void everything_is_read(void **state)
+{
+    struct lx_plan plan;
+    (void)state;
+    read_good(&plan, everything);
+    check_rig_and_shafts(&plan);
+    check_wires(&plan);
+    check_encoders(&plan);
     lx_plan_free(&plan);
     assert_all_zero(&plan);
 }
@@ -459,7 +477,7 @@ static void wires(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(everything),
+        cmocka_unit_test(everything_is_read),
         cmocka_unit_test(other_tools),
         cmocka_unit_test(files_lie_beside_the_rig_file),
         cmocka_unit_test(what_is_wrong_and_where),
