@@ -13,16 +13,12 @@
 
 #include "drehgeber/bits.h"
 #include "drehgeber/cia406.h"
+#include "fuzz_input.h"
 #include "ram_nvm.h"
 
 #define SCALING DG_CIA406_SCALING
 #define SDO_RX 0x600u
 #define SDO_TX 0x580u
-
-struct input {
-    const uint8_t *at;
-    const uint8_t *end;
-};
 
 struct bench {
     struct ram_nvm nvm;
@@ -38,30 +34,6 @@ struct bench {
     dg_angle before; /* instead of `angle`, until the shaft jumps at `jump_at` */
     dg_ns jump_at;
 };
-
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n);
-
-static void must(bool holds)
-{
-    if (!holds) {
-        abort();
-    }
-}
-
-static uint8_t take(struct input *input)
-{
-    return input->at < input->end ? *input->at++ : 0;
-}
-
-static uint32_t take32(struct input *input)
-{
-    uint8_t bytes[4];
-
-    for (size_t i = 0; i < sizeof bytes; i++) {
-        bytes[i] = take(input);
-    }
-    return dg_load_le32(bytes);
-}
 
 /* ------------------------------------------------------------ the node and its surroundings */
 
@@ -80,9 +52,9 @@ static void send(void *ctx, const struct dg_can_frame *frame)
     struct bench *bench = ctx;
     const struct dg_co_node *node = &bench->node;
 
-    must(frame->dlc <= 8 && frame->id <= 0x7FF && !frame->rtr);
-    must(node->state != DG_CO_OFF);
-    must(frame->id <= 0x180 || frame->id >= 0x580 || node->state == DG_CO_OPERATIONAL);
+    fuzz_must(frame->dlc <= 8 && frame->id <= 0x7FF && !frame->rtr);
+    fuzz_must(node->state != DG_CO_OFF);
+    fuzz_must(frame->id <= 0x180 || frame->id >= 0x580 || node->state == DG_CO_OPERATIONAL);
     if (frame->id == SDO_TX + node->id) {
         bench->answer = *frame;
         bench->answered = true;
@@ -101,17 +73,18 @@ static void power_on(struct bench *bench)
         .application = &bench->encoder,
     };
 
-    must(dg_cia406_init(&bench->encoder, &bench->model) == DG_OK);
-    must(dg_co_init(&bench->node, &setup) == DG_OK);
+    fuzz_must(dg_cia406_init(&bench->encoder, &bench->model) == DG_OK);
+    fuzz_must(dg_co_init(&bench->node, &setup) == DG_OK);
     int result = dg_co_power_on(&bench->node, bench->now);
-    must((result == DG_ERR_BLANK || result == DG_ERR_FOREIGN) == (bench->node.state == DG_CO_OFF));
+    fuzz_must((result == DG_ERR_BLANK || result == DG_ERR_FOREIGN) ==
+              (bench->node.state == DG_CO_OFF));
 }
 
 static bool rx(struct bench *bench, const struct dg_can_frame *frame)
 {
     bench->answered = false;
     dg_ns deadline = dg_co_rx(&bench->node, bench->now, frame);
-    must(deadline > bench->now);
+    fuzz_must(deadline > bench->now);
     return bench->answered;
 }
 
@@ -167,8 +140,8 @@ static void check_position(const struct bench *bench)
     uint32_t position = bench->encoder.position;
     uint8_t areas = 0;
 
-    must(position < range(bench));
-    must(bench->encoder.raw < (uint64_t)bench->model.turns * DG_CIA406_STEPS);
+    fuzz_must(position < range(bench));
+    fuzz_must(bench->encoder.raw < (uint64_t)bench->model.turns * DG_CIA406_STEPS);
     for (uint8_t i = 0; i < 2; i++) {
         bool above = position > value_of(bench, 0x6402, (uint8_t)(i + 1u));
         bool below = position < value_of(bench, 0x6401, (uint8_t)(i + 1u));
@@ -176,7 +149,7 @@ static void check_position(const struct bench *bench)
         areas |= (uint8_t)((above ? 2u : 0u) << (3u * i));
         areas |= (uint8_t)((below ? 4u : 0u) << (3u * i));
     }
-    must(bench->encoder.areas == areas);
+    fuzz_must(bench->encoder.areas == areas);
 }
 
 static void check(struct bench *bench)
@@ -190,16 +163,16 @@ static void check(struct bench *bench)
     for (uint16_t i = 0; i < device->object_count; i++) {
         const struct dg_co_object *object = &device->objects[i];
         if ((object->flags & DG_CO_SLOT) != 0 && object->index > 0x2102) {
-            must(in_range(object, bench->node.value[object->slot]));
+            fuzz_must(in_range(object, bench->node.value[object->slot]));
         }
     }
     parameters = value_of(bench, 0x6000, 0);
-    must((parameters & ~(uint32_t)DG_CIA406_WRITABLE) == 0);
-    must((parameters & DG_CIA406_USF) == 0 ||
-         ((parameters & SCALING) != 0 &&
-          4 * range(bench) < (uint64_t)bench->model.turns * value_of(bench, 0x6001, 0)));
+    fuzz_must((parameters & ~(uint32_t)DG_CIA406_WRITABLE) == 0);
+    fuzz_must((parameters & DG_CIA406_USF) == 0 ||
+              ((parameters & SCALING) != 0 &&
+               4 * range(bench) < (uint64_t)bench->model.turns * value_of(bench, 0x6001, 0)));
     if (ask(bench, 0x40, row(bench, 0x6004, 0), 0)) {
-        must(dg_load_le32(&bench->answer.data[4]) == bench->encoder.position);
+        fuzz_must(dg_load_le32(&bench->answer.data[4]) == bench->encoder.position);
         check_position(bench);
     }
     (void)dg_cia406_leds(&bench->node);
@@ -211,14 +184,14 @@ static void step(struct bench *bench)
 {
     dg_ns deadline = dg_co_step(&bench->node, bench->now);
 
-    must(deadline > bench->now);
+    fuzz_must(deadline > bench->now);
 }
 
 /* Values that stand at an edge are as likely as any. */
-static uint32_t some_value(struct input *input, const struct dg_co_object *object)
+static uint32_t some_value(struct fuzz_input *input, const struct dg_co_object *object)
 {
-    uint32_t random = take32(input);
-    uint8_t how = take(input);
+    uint32_t random = fuzz_take32(input);
+    uint8_t how = fuzz_take(input);
     const uint32_t edges[] = {
         object->min, object->max, object->initial, object->min - 1u, object->max + 1u, 0x65766173u,
         0x64616F6Cu, 0x1004u,     3600u,           36000u,
@@ -227,15 +200,16 @@ static uint32_t some_value(struct input *input, const struct dg_co_object *objec
     return how % 2 == 0 ? random : edges[how / 2u % (sizeof edges / sizeof edges[0])];
 }
 
-static void op_write(struct bench *bench, struct input *input)
+static void op_write(struct bench *bench, struct fuzz_input *input)
 {
     static const uint8_t sizes[] = {
         [DG_CO_I8] = 1,  [DG_CO_I16] = 2, [DG_CO_I32] = 4,    [DG_CO_U8] = 1,
         [DG_CO_U16] = 2, [DG_CO_U32] = 4, [DG_CO_STRING] = 4,
     };
     const struct dg_co_device *device = bench->model.device;
-    const struct dg_co_object *object = &device->objects[take(input) % device->object_count];
-    uint8_t size = take(input) % 16 != 0 ? sizes[object->type] : (uint8_t)(1 + take(input) % 4);
+    const struct dg_co_object *object = &device->objects[fuzz_take(input) % device->object_count];
+    uint8_t size =
+        fuzz_take(input) % 16 != 0 ? sizes[object->type] : (uint8_t)(1 + fuzz_take(input) % 4);
     uint32_t value = some_value(input, object);
     bool kept = (object->flags & DG_CO_SLOT) != 0 && bench->node.state != DG_CO_OFF;
     uint32_t before = kept ? bench->node.value[object->slot] : 0;
@@ -246,21 +220,21 @@ static void op_write(struct bench *bench, struct input *input)
     }
     uint32_t after = bench->node.value[object->slot];
     if (accepted) {
-        must((object->flags & DG_CO_W) != 0 && size == sizes[object->type]);
-        must(after == (size == 4 ? value : value & ((1u << 8 * size) - 1u)));
+        fuzz_must((object->flags & DG_CO_W) != 0 && size == sizes[object->type]);
+        fuzz_must(after == (size == 4 ? value : value & ((1u << 8 * size) - 1u)));
     } else {
-        must(after == before);
+        fuzz_must(after == before);
     }
 }
 
-static void op_read(struct bench *bench, struct input *input)
+static void op_read(struct bench *bench, struct fuzz_input *input)
 {
     const struct dg_co_device *device = bench->model.device;
 
-    (void)ask(bench, 0x40, &device->objects[take(input) % device->object_count], 0);
+    (void)ask(bench, 0x40, &device->objects[fuzz_take(input) % device->object_count], 0);
 }
 
-static void op_communication(struct bench *bench, struct input *input)
+static void op_communication(struct bench *bench, struct fuzz_input *input)
 {
     static const struct dg_co_object objects[] = {
         {.index = 0x1010, .sub = 1}, {.index = 0x1011, .sub = 1}, {.index = 0x1029, .sub = 1},
@@ -272,71 +246,72 @@ static void op_communication(struct bench *bench, struct input *input)
     static const uint32_t values[] = {0x65766173, 0x64616F6C, 0,          1,
                                       2,          255,        0x800001BF, 0x000001BF,
                                       0x65050010, 0x60040020, 0x64000108, 0x60300110};
-    uint8_t which = take(input) % sizeof sizes;
-    uint32_t value = values[take(input) % (sizeof values / sizeof values[0])];
+    uint8_t which = fuzz_take(input) % sizeof sizes;
+    uint32_t value = values[fuzz_take(input) % (sizeof values / sizeof values[0])];
 
     (void)ask(bench, (uint8_t)(0x23u | (4u - sizes[which]) << 2), &objects[which], value);
 }
 
-static void op_frame(struct bench *bench, struct input *input)
+static void op_frame(struct bench *bench, struct fuzz_input *input)
 {
     static const uint16_t ids[] = {0x000, 0x000, 0x080, 0x63F, 0x7E5, 0x1BF, 0x4BF, 0x73F, 0x701};
-    uint8_t how = take(input);
+    uint8_t how = fuzz_take(input);
     struct dg_can_frame frame = {
         .id = ids[how % (sizeof ids / sizeof ids[0])],
         .rtr = how / 16u % 8u == 0,
-        .dlc = take(input) % 9,
+        .dlc = fuzz_take(input) % 9,
     };
 
     for (uint8_t i = 0; i < frame.dlc; i++) {
-        frame.data[i] = take(input);
+        frame.data[i] = fuzz_take(input);
     }
     (void)rx(bench, &frame);
 }
 
-static void op_nmt(struct bench *bench, struct input *input)
+static void op_nmt(struct bench *bench, struct fuzz_input *input)
 {
     static const uint8_t commands[] = {0x01, 0x01, 0x02, 0x80, 0x81, 0x82};
-    const struct dg_can_frame frame = {.dlc = 2, .data = {commands[take(input) % sizeof commands]}};
+    const struct dg_can_frame frame = {.dlc = 2,
+                                       .data = {commands[fuzz_take(input) % sizeof commands]}};
 
     (void)rx(bench, &frame);
 }
 
-static void op_time(struct bench *bench, struct input *input)
+static void op_time(struct bench *bench, struct fuzz_input *input)
 {
-    uint8_t how = take(input);
+    uint8_t how = fuzz_take(input);
 
-    bench->now = dg_after(bench->now, (uint64_t)take(input) << (how % 48u));
+    bench->now = dg_after(bench->now, (uint64_t)fuzz_take(input) << (how % 48u));
     bench->now = bench->now < DG_NEVER / 2 ? bench->now : DG_NEVER / 2;
     step(bench);
 }
 
 /* A port that comes exactly at the deadlines. */
-static void op_run(struct bench *bench, struct input *input)
+static void op_run(struct bench *bench, struct fuzz_input *input)
 {
-    for (uint8_t i = take(input) % 32u; i > 0; i--) {
+    for (uint8_t i = fuzz_take(input) % 32u; i > 0; i--) {
         dg_ns deadline = dg_co_step(&bench->node, bench->now);
-        must(deadline > bench->now);
+        fuzz_must(deadline > bench->now);
         bench->now = deadline < DG_NEVER / 2 ? deadline : bench->now;
     }
     step(bench);
 }
 
-static void op_shaft(struct bench *bench, struct input *input)
+static void op_shaft(struct bench *bench, struct fuzz_input *input)
 {
     bench->before = bench->angle;
-    bench->jump_at = take(input) % 2 != 0 ? bench->now : 0;
-    bench->angle = (dg_angle)((uint64_t)take32(input) << 32 | take32(input));
-    bench->angle_per_us = (int64_t)(int32_t)take32(input) * 16;
+    bench->jump_at = fuzz_take(input) % 2 != 0 ? bench->now : 0;
+    bench->angle = (dg_angle)((uint64_t)fuzz_take32(input) << 32 | fuzz_take32(input));
+    bench->angle_per_us = (int64_t)(int32_t)fuzz_take32(input) * 16;
 }
 
-static void op_world(struct bench *bench, struct input *input)
+static void op_world(struct bench *bench, struct fuzz_input *input)
 {
-    uint8_t bits = take(input);
+    uint8_t bits = fuzz_take(input);
 
-    bench->world.temperature_mdegc = bits == 0 ? INT32_MIN : (int32_t)take32(input);
-    bench->world.battery_mv = take32(input) >> bits % 32u;
-    bench->world.led_current_ua = take32(input) >> bits % 32u;
+    bench->world.temperature_mdegc = bits == 0 ? INT32_MIN : (int32_t)fuzz_take32(input);
+    bench->world.battery_mv = fuzz_take32(input) >> bits % 32u;
+    bench->world.led_current_ua = fuzz_take32(input) >> bits % 32u;
     bench->world.singleturn_ok = (bits & 1u) != 0;
     bench->world.multiturn_amplitude_ok = (bits & 2u) != 0;
     bench->world.multiturn_sync_ok = (bits & 4u) != 0;
@@ -346,31 +321,31 @@ static void op_world(struct bench *bench, struct input *input)
 }
 
 /* Sums are verified at power-on (store.h), so the memory rots while the power is off. */
-static void op_rot(struct bench *bench, struct input *input)
+static void op_rot(struct bench *bench, struct fuzz_input *input)
 {
-    uint32_t where = take32(input);
+    uint32_t where = fuzz_take32(input);
 
     ram_nvm_restore(&bench->nvm);
     bench->nvm.bytes[(where >> 3) % bench->nvm.size] ^= (uint8_t)(1u << (where & 7u));
     power_on(bench);
 }
 
-static void op_fail(struct bench *bench, struct input *input)
+static void op_fail(struct bench *bench, struct fuzz_input *input)
 {
-    bench->nvm.no_acknowledge = take(input) % 2 != 0;
+    bench->nvm.no_acknowledge = fuzz_take(input) % 2 != 0;
 }
 
-static void op_power_cut(struct bench *bench, struct input *input)
+static void op_power_cut(struct bench *bench, struct fuzz_input *input)
 {
-    uint8_t how = take(input);
+    uint8_t how = fuzz_take(input);
 
     ram_nvm_cut(&bench->nvm, how & 15u, (enum ram_nvm_tear)((how >> 4) % RAM_NVM_TEAR_COUNT),
-                take(input));
+                fuzz_take(input));
 }
 
-static void op_power(struct bench *bench, struct input *input)
+static void op_power(struct bench *bench, struct fuzz_input *input)
 {
-    uint8_t how = take(input);
+    uint8_t how = fuzz_take(input);
 
     ram_nvm_restore(&bench->nvm);
     if (how % 8 == 0) {
@@ -382,7 +357,7 @@ static void op_power(struct bench *bench, struct input *input)
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
 {
-    static void (*const operations[])(struct bench *, struct input *) = {
+    static void (*const operations[])(struct bench *, struct fuzz_input *) = {
         op_write, op_write, op_write, op_write, op_read, op_communication, op_frame,     op_nmt,
         op_time,  op_run,   op_shaft, op_world, op_rot,  op_fail,          op_power_cut, op_power,
     };
@@ -392,18 +367,18 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
         {.turns = 65536, .device = &dg_cia406_multiturn_32, .password = 1},
     };
     static struct bench bench;
-    struct input input = {.at = bytes, .end = bytes + n};
+    struct fuzz_input input = {.at = bytes, .end = bytes + n};
 
     memset(&bench, 0, sizeof bench);
-    bench.model = models[take(&input) % (sizeof models / sizeof models[0])];
+    bench.model = models[fuzz_take(&input) % (sizeof models / sizeof models[0])];
     dg_world_init(&bench.world);
     bench.world.angle = angle;
     bench.world.angle_ctx = &bench;
     ram_nvm_init(&bench.nvm, dg_store_size(bench.model.device->layout));
-    must(dg_co_format(bench.model.device, ram_nvm_port(&bench.nvm), 1) == DG_OK);
+    fuzz_must(dg_co_format(bench.model.device, ram_nvm_port(&bench.nvm), 1) == DG_OK);
     power_on(&bench);
     while (input.at < input.end) {
-        operations[take(&input) % (sizeof operations / sizeof operations[0])](&bench, &input);
+        operations[fuzz_take(&input) % (sizeof operations / sizeof operations[0])](&bench, &input);
         check(&bench);
     }
     return 0;

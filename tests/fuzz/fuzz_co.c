@@ -8,24 +8,18 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "drehgeber/bits.h"
 #include "drehgeber/crc.h"
 #include "drehgeber/devices.h"
+#include "fuzz_input.h"
 #include "ram_nvm.h"
 
 #define COUNT(a) (sizeof(a) / sizeof((a)[0]))
 #define LSS_RX 0x7E5u
 #define LSS_TX 0x7E4u
 #define SEGMENTS_MAX 6u /* of a block upload: DG_CO_STRING_MAX bytes */
-
-/* What is left of the input. */
-struct input {
-    const uint8_t *at;
-    const uint8_t *end;
-};
 
 /* The node under test and what the observer knows about the bus. */
 struct bench {
@@ -41,30 +35,6 @@ struct bench {
     unsigned answers;         /* that the SDO server may still give */
     struct dg_can_frame last; /* frame sent */
 };
-
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n);
-
-static void must(bool holds)
-{
-    if (!holds) {
-        abort();
-    }
-}
-
-static uint8_t take(struct input *input)
-{
-    return input->at < input->end ? *input->at++ : 0;
-}
-
-static uint32_t take32(struct input *input)
-{
-    uint8_t bytes[4];
-
-    for (size_t i = 0; i < sizeof bytes; i++) {
-        bytes[i] = take(input);
-    }
-    return dg_load_le32(bytes);
-}
 
 static dg_angle angle(void *ctx, dg_ns now)
 {
@@ -90,7 +60,7 @@ static void count_answer(struct bench *bench, const uint8_t *data)
     const bool timeout = data[0] == 0x80 && dg_load_le32(&data[4]) == DG_CO_TIMEOUT;
 
     if (!segment && !timeout) {
-        must(bench->answers > 0);
+        fuzz_must(bench->answers > 0);
         bench->answers--;
     }
 }
@@ -134,9 +104,9 @@ static void send(void *ctx, const struct dg_can_frame *frame)
     struct bench *bench = ctx;
     const struct dg_co_node *node = bench->sender;
 
-    must(frame->id <= 0x7FF && !frame->rtr && frame->dlc <= 8);
-    must(node->state != DG_CO_OFF && node->now >= node->lss.silent_until);
-    must(may_send(bench, frame));
+    fuzz_must(frame->id <= 0x7FF && !frame->rtr && frame->dlc <= 8);
+    fuzz_must(node->state != DG_CO_OFF && node->now >= node->lss.silent_until);
+    fuzz_must(may_send(bench, frame));
     bench->sent++;
     bench->last = *frame;
 }
@@ -144,7 +114,7 @@ static void send(void *ctx, const struct dg_can_frame *frame)
 static void bit_rate(void *ctx, uint16_t kbaud)
 {
     (void)ctx;
-    must(kbaud >= 10 && kbaud <= 1000);
+    fuzz_must(kbaud >= 10 && kbaud <= 1000);
 }
 
 static const struct dg_co_ops ops = {.send = send, .bit_rate = bit_rate};
@@ -174,7 +144,7 @@ static uint32_t probe(struct bench *bench, struct dg_co_node *copy, uint16_t ind
     frame.data[3] = sub;
     bench->answers = 2; /* one may be late */
     (void)dg_co_rx(copy, copy->now, &frame);
-    must(bench->last.id == 0x580u + copy->id && (bench->last.data[0] & 0xF3u) == 0x43u);
+    fuzz_must(bench->last.id == 0x580u + copy->id && (bench->last.data[0] & 0xF3u) == 0x43u);
     return dg_load_le32(&bench->last.data[4]);
 }
 
@@ -190,9 +160,9 @@ static void check_objects(struct bench *bench)
     bench->sender = &copy;
     for (size_t i = 0; i < COUNT(limits); i++) {
         const uint32_t value = probe(bench, &copy, limits[i].index, limits[i].sub);
-        must(value >= limits[i].min && value <= limits[i].max);
+        fuzz_must(value >= limits[i].min && value <= limits[i].max);
     }
-    must(probe(bench, &copy, 0x6004, 0) < (uint64_t)encoder.model->turns * DG_CIA406_STEPS);
+    fuzz_must(probe(bench, &copy, 0x6004, 0) < (uint64_t)encoder.model->turns * DG_CIA406_STEPS);
     bench->sender = &bench->node;
     bench->answers = answers;
     bench->encoder = encoder;
@@ -203,13 +173,13 @@ static void check(struct bench *bench, dg_ns deadline)
     const struct dg_co_node *node = &bench->node;
     uint16_t ids[DG_CO_FILTERS_MAX];
 
-    must(deadline > node->now);
-    must(node->emcy_count <= DG_CO_HISTORY && node->history_count <= DG_CO_HISTORY);
-    must((node->id >= 1 && node->id <= 127) || node->id == DG_CO_UNCONFIGURED);
-    must(dg_co_filters(node, ids) <= DG_CO_FILTERS_MAX);
+    fuzz_must(deadline > node->now);
+    fuzz_must(node->emcy_count <= DG_CO_HISTORY && node->history_count <= DG_CO_HISTORY);
+    fuzz_must((node->id >= 1 && node->id <= 127) || node->id == DG_CO_UNCONFIGURED);
+    fuzz_must(dg_co_filters(node, ids) <= DG_CO_FILTERS_MAX);
     for (uint8_t i = 0; i < DG_CO_TPDOS; i++) {
-        must(!node->tpdo[i].valid ||
-             (node->tpdo[i].length <= 8 && node->tpdo[i].mapped_count <= DG_CO_MAPPED_MAX));
+        fuzz_must(!node->tpdo[i].valid ||
+                  (node->tpdo[i].length <= 8 && node->tpdo[i].mapped_count <= DG_CO_MAPPED_MAX));
     }
     bench->answers = node->sdo.state == DG_CO_SDO_DELAYED ? 1 : 0;
 }
@@ -232,7 +202,7 @@ static void step(struct bench *bench)
     const bool off = bench->node.state == DG_CO_OFF;
     const dg_ns deadline = dg_co_step(&bench->node, bench->now);
 
-    must(!off || deadline == DG_NEVER);
+    fuzz_must(!off || deadline == DG_NEVER);
     check(bench, deadline);
 }
 
@@ -244,7 +214,7 @@ static void receive(struct bench *bench, const struct dg_can_frame *frame)
     const bool heard = listens(bench, frame->id);
     bench->answers += !frame->rtr && frame->id == 0x600u + bench->node.id ? 1 : 0;
     const dg_ns deadline = dg_co_rx(&bench->node, bench->now, frame);
-    must(heard || bench->sent == before);
+    fuzz_must(heard || bench->sent == before);
     check(bench, deadline);
 }
 
@@ -253,18 +223,18 @@ static void pass(struct bench *bench, uint64_t ns)
     bench->now = dg_after(bench->now, ns);
 }
 
-static void fill(struct dg_can_frame *frame, struct input *input, size_t from)
+static void fill(struct dg_can_frame *frame, struct fuzz_input *input, size_t from)
 {
     for (size_t i = from; i < sizeof frame->data; i++) {
-        frame->data[i] = take(input);
+        frame->data[i] = fuzz_take(input);
     }
 }
 
 /* ------------------------------------------------------------ operations */
 
-static void op_any_frame(struct bench *bench, struct input *input)
+static void op_any_frame(struct bench *bench, struct fuzz_input *input)
 {
-    const uint32_t how = take32(input);
+    const uint32_t how = fuzz_take32(input);
     struct dg_can_frame frame = {.id = (uint16_t)(how & 0x7FFu),
                                  .rtr = (how >> 11 & 1u) != 0,
                                  .dlc = (uint8_t)((how >> 12) % 9u)};
@@ -274,7 +244,7 @@ static void op_any_frame(struct bench *bench, struct input *input)
 }
 
 /* CAN-IDs that mean something to this node. */
-static void op_known_frame(struct bench *bench, struct input *input)
+static void op_known_frame(struct bench *bench, struct fuzz_input *input)
 {
     static const struct {
         uint16_t base;
@@ -287,21 +257,22 @@ static void op_known_frame(struct bench *bench, struct input *input)
         {0x380, true, true, 0},   {0x480, true, true, 0},   {0x700, true, true, 0},
         {0x705, false, false, 1}, {0x706, false, false, 1},
     };
-    const uint8_t which = take(input) % COUNT(known);
+    const uint8_t which = fuzz_take(input) % COUNT(known);
     struct dg_can_frame frame = {
         .id = known[which].base, .rtr = known[which].rtr, .dlc = known[which].dlc};
 
     frame.id = (uint16_t)(frame.id + (known[which].own ? bench->node.id & 0x7Fu : 0u));
     for (uint8_t i = 0; i < frame.dlc; i++) {
-        frame.data[i] = take(input);
+        frame.data[i] = fuzz_take(input);
     }
     receive(bench, &frame);
 }
 
-static void op_nmt(struct bench *bench, struct input *input)
+static void op_nmt(struct bench *bench, struct fuzz_input *input)
 {
     static const uint8_t commands[] = {0x01, 0x02, 0x80, 0x81, 0x82};
-    const struct dg_can_frame frame = {.dlc = 2, .data = {commands[take(input) % COUNT(commands)]}};
+    const struct dg_can_frame frame = {.dlc = 2,
+                                       .data = {commands[fuzz_take(input) % COUNT(commands)]}};
 
     receive(bench, &frame);
 }
@@ -320,33 +291,33 @@ static const struct {
     {0x6004, 0, 4}, {0x1000, 0, 4}, {0x1803, 3, 2}, {0x1014, 0, 4},
 };
 
-static void op_write(struct bench *bench, struct input *input)
+static void op_write(struct bench *bench, struct fuzz_input *input)
 {
     static const uint32_t values[] = {
         0,          1,          2,          8,          0x80,       0x90,       0x65766173,
         0x64616F6C, 0x60040020, 0x21620010, 0x10010008, 0x60300110, 0x80000181, 0x00000222,
         0x000500FF, 0x000600FF, 0x80000100, 100,        240,        255,        0x400001BF,
     };
-    const uint8_t which = take(input) % COUNT(objects);
-    const uint8_t how = take(input);
+    const uint8_t which = fuzz_take(input) % COUNT(objects);
+    const uint8_t how = fuzz_take(input);
     const uint8_t size = objects[which].size == 0 ? 1 : objects[which].size;
     struct dg_can_frame frame = {.id = (uint16_t)(0x600u + (bench->node.id & 0x7Fu)), .dlc = 8};
 
     frame.data[0] = (uint8_t)(0x23u | (4u - size) << 2);
     dg_store_le16(&frame.data[1], objects[which].index);
     frame.data[3] = objects[which].sub;
-    dg_store_le32(&frame.data[4], how < COUNT(values) ? values[how] : take32(input));
+    dg_store_le32(&frame.data[4], how < COUNT(values) ? values[how] : fuzz_take32(input));
     receive(bench, &frame);
 }
 
 /* Any request of the SDO server, for a known object or with free data. */
-static void op_sdo(struct bench *bench, struct input *input)
+static void op_sdo(struct bench *bench, struct fuzz_input *input)
 {
     static const uint8_t commands[] = {0x40, 0x60, 0x70, 0x80, 0xA0, 0xA4, 0xA3, 0xA2, 0xA1,
                                        0xC0, 0xC2, 0xC6, 0xC1, 0x20, 0x21, 0x22, 0x00, 0x10,
                                        0x07, 0x0D, 0x1D, 0x01, 0x81, 0x82, 0xC5, 0xCD};
-    const uint8_t command = take(input);
-    const uint8_t which = take(input);
+    const uint8_t command = fuzz_take(input);
+    const uint8_t which = fuzz_take(input);
     struct dg_can_frame frame = {.id = (uint16_t)(0x600u + (bench->node.id & 0x7Fu)), .dlc = 8};
     size_t from = 1;
 
@@ -360,12 +331,12 @@ static void op_sdo(struct bench *bench, struct input *input)
     receive(bench, &frame);
 }
 
-static void op_lss(struct bench *bench, struct input *input)
+static void op_lss(struct bench *bench, struct fuzz_input *input)
 {
     static const uint8_t services[] = {0x04, 0x04, 0x11, 0x13, 0x15, 0x17, 0x40, 0x41, 0x42, 0x43,
                                        0x46, 0x47, 0x48, 0x49, 0x4A, 0x4B, 0x4C, 0x51, 0x5A, 0x5E};
     struct dg_can_frame frame = {.id = LSS_RX, .dlc = 8};
-    const uint8_t service = take(input);
+    const uint8_t service = fuzz_take(input);
 
     frame.data[0] = service < COUNT(services) ? services[service] : service;
     fill(&frame, input, 1);
@@ -386,9 +357,9 @@ static void sdo(struct bench *bench, const uint8_t *data)
 }
 
 /* The first frame of a transfer; the caller fills in what follows the object. */
-static void name_object(uint8_t *data, uint8_t command, struct input *input)
+static void name_object(uint8_t *data, uint8_t command, struct fuzz_input *input)
 {
-    const uint8_t which = take(input) % COUNT(objects);
+    const uint8_t which = fuzz_take(input) % COUNT(objects);
 
     memset(data, 0, 8);
     data[0] = command;
@@ -397,23 +368,23 @@ static void name_object(uint8_t *data, uint8_t command, struct input *input)
 }
 
 /* A block upload as a client does it, which loses segments now and then. */
-static void op_block_upload(struct bench *bench, struct input *input)
+static void op_block_upload(struct bench *bench, struct fuzz_input *input)
 {
-    const uint8_t how = take(input);
+    const uint8_t how = fuzz_take(input);
     const struct dg_co_sdo *server = &bench->node.sdo;
     uint8_t data[8];
 
     name_object(data, (uint8_t)(0xA0u | (how & 4u)), input);
-    data[4] = take(input) % 130u;
-    data[5] = (how & 1u) != 0 ? take(input) : 0;
+    data[4] = fuzz_take(input) % 130u;
+    data[5] = (how & 1u) != 0 ? fuzz_take(input) : 0;
     sdo(bench, data);
     if (server->state == DG_CO_SDO_BLOCK_UPLOAD_START) {
         sdo(bench, (const uint8_t[8]){0xA3});
     }
     for (unsigned i = 0; i < 8 && server->state == DG_CO_SDO_BLOCK_UPLOAD; i++) {
-        const uint8_t lost = (how & 2u) != 0 ? take(input) : 0;
+        const uint8_t lost = (how & 2u) != 0 ? fuzz_take(input) : 0;
         sdo(bench, (const uint8_t[8]){0xA2, (uint8_t)(server->seqno - lost % 3u),
-                                      (how & 8u) != 0 ? take(input) : 127});
+                                      (how & 8u) != 0 ? fuzz_take(input) : 127});
     }
     if (server->state == DG_CO_SDO_BLOCK_UPLOAD_END && (how & 0xF0u) != 0xF0u) {
         sdo(bench, (const uint8_t[8]){0xA1});
@@ -421,28 +392,28 @@ static void op_block_upload(struct bench *bench, struct input *input)
 }
 
 /* A block download, with a wrong order, length or sum now and then. */
-static void op_block_download(struct bench *bench, struct input *input)
+static void op_block_download(struct bench *bench, struct fuzz_input *input)
 {
-    const uint8_t how = take(input);
+    const uint8_t how = fuzz_take(input);
     const struct dg_co_sdo *server = &bench->node.sdo;
-    const uint8_t segments = (how & 0xF0u) == 0xF0u ? take(input) % 8u : 1;
+    const uint8_t segments = (how & 0xF0u) == 0xF0u ? fuzz_take(input) % 8u : 1;
     uint8_t data[8];
     uint16_t crc = 0;
 
     name_object(data, (uint8_t)(0xC0u | (how & 6u)), input);
-    const uint8_t length = take(input) % 8u;
+    const uint8_t length = fuzz_take(input) % 8u;
     dg_store_le32(&data[4], length);
     sdo(bench, data);
     for (uint8_t i = 1; i <= segments && server->state == DG_CO_SDO_BLOCK_DOWNLOAD; i++) {
-        data[0] = (uint8_t)((i + ((how & 8u) != 0 ? take(input) % 3u : 0u)) |
+        data[0] = (uint8_t)((i + ((how & 8u) != 0 ? fuzz_take(input) % 3u : 0u)) |
                             (i == segments ? 0x80u : 0u));
-        dg_store_le32(&data[1], take32(input));
+        dg_store_le32(&data[1], fuzz_take32(input));
         crc = dg_crc16(0, &data[1], length);
         sdo(bench, data);
     }
     if (server->state == DG_CO_SDO_BLOCK_DOWNLOAD_END) {
         data[0] = (uint8_t)(0xC1u | ((7u - length) & 7u) << 2);
-        dg_store_le16(&data[1], (uint16_t)(crc ^ ((how & 1u) != 0 ? take(input) : 0u)));
+        dg_store_le16(&data[1], (uint16_t)(crc ^ ((how & 1u) != 0 ? fuzz_take(input) : 0u)));
         sdo(bench, data);
     }
 }
@@ -468,9 +439,9 @@ static uint32_t identity(const struct bench *bench, unsigned part)
 }
 
 /* Vendor, product, revision, serial number; one of them wrong when the input says so. */
-static void op_lss_select(struct bench *bench, struct input *input)
+static void op_lss_select(struct bench *bench, struct fuzz_input *input)
 {
-    const uint8_t how = take(input);
+    const uint8_t how = fuzz_take(input);
 
     for (unsigned part = 0; part < 4; part++) {
         lss(bench, (uint8_t)(0x40u + part), identity(bench, part) + (how == part ? 1u : 0u), 0);
@@ -478,11 +449,11 @@ static void op_lss_select(struct bench *bench, struct input *input)
 }
 
 /* Limits around revision and serial number. */
-static void op_lss_identify(struct bench *bench, struct input *input)
+static void op_lss_identify(struct bench *bench, struct fuzz_input *input)
 {
     static const uint8_t parts[] = {0, 1, 2, 2, 3, 3};
     static const uint8_t below[] = {0, 0, 1, 0, 1, 0};
-    const uint8_t how = take(input);
+    const uint8_t how = fuzz_take(input);
 
     for (unsigned i = 0; i < COUNT(parts); i++) {
         const uint32_t wide = how == i ? 0xFFFFFFF0u : how & 7u;
@@ -496,17 +467,17 @@ static void op_lss_identify(struct bench *bench, struct input *input)
 }
 
 /* What can be done in the configuration state; then it is left, or not. */
-static void op_lss_configure(struct bench *bench, struct input *input)
+static void op_lss_configure(struct bench *bench, struct fuzz_input *input)
 {
-    const uint8_t how = take(input);
+    const uint8_t how = fuzz_take(input);
 
     if ((how & 1u) != 0) {
         lss(bench, 0x04, 1, 0);
     }
     for (uint8_t n = how >> 5; n > 0; n--) {
         static const uint8_t services[] = {0x11, 0x13, 0x15, 0x17, 0x5A, 0x5B, 0x5C, 0x5D, 0x5E};
-        const uint8_t service = services[take(input) % COUNT(services)];
-        const uint32_t value = take(input);
+        const uint8_t service = services[fuzz_take(input) % COUNT(services)];
+        const uint32_t value = fuzz_take(input);
         /* The table of bit rates is 0, then the rate; a pause is short. */
         lss(bench, service, service == 0x13 ? value % 10u << 8 : value, 0);
     }
@@ -516,9 +487,9 @@ static void op_lss_configure(struct bench *bench, struct input *input)
 }
 
 /* One bit after the other of one part after the other, as a master without any idea does it. */
-static void op_lss_fastscan(struct bench *bench, struct input *input)
+static void op_lss_fastscan(struct bench *bench, struct fuzz_input *input)
 {
-    const uint8_t how = take(input);
+    const uint8_t how = fuzz_take(input);
 
     if ((how & 1u) != 0) { /* it has no node-ID */
         lss(bench, 0x04, 1, 0);
@@ -529,7 +500,8 @@ static void op_lss_fastscan(struct bench *bench, struct input *input)
     lss(bench, 0x4C, 0, 0);
     lss(bench, 0x51, 0, 0x80);
     for (uint32_t part = 0; part < 4; part++) {
-        const uint32_t mine = identity(bench, part) ^ (how >> 4 == part + 1u ? take32(input) : 0u);
+        const uint32_t mine =
+            identity(bench, part) ^ (how >> 4 == part + 1u ? fuzz_take32(input) : 0u);
         for (uint32_t bit = 32; bit-- > 0;) {
             lss(bench, 0x51, mine & 0xFFFFFFFFu << bit, bit | part << 8 | part << 16);
         }
@@ -540,10 +512,10 @@ static void op_lss_fastscan(struct bench *bench, struct input *input)
 /* ------------------------------------------------------------ the world */
 
 /* Time passes in one jump, or deadline by deadline. */
-static void op_time(struct bench *bench, struct input *input)
+static void op_time(struct bench *bench, struct fuzz_input *input)
 {
-    const uint8_t how = take(input);
-    const dg_ns end = dg_after(bench->now, (uint64_t)take(input) << (how & 47u));
+    const uint8_t how = fuzz_take(input);
+    const dg_ns end = dg_after(bench->now, (uint64_t)fuzz_take(input) << (how & 47u));
 
     for (int i = 0; i < 16 && (how & 128u) != 0 && bench->node.deadline < end; i++) {
         bench->now = bench->node.deadline > bench->now ? bench->node.deadline : bench->now;
@@ -555,52 +527,53 @@ static void op_time(struct bench *bench, struct input *input)
     }
 }
 
-static void op_late_step(struct bench *bench, struct input *input)
+static void op_late_step(struct bench *bench, struct fuzz_input *input)
 {
     const dg_ns now = bench->now;
 
-    bench->now = dg_elapsed(now, (uint64_t)take(input) << 20);
+    bench->now = dg_elapsed(now, (uint64_t)fuzz_take(input) << 20);
     step(bench);
     bench->now = now;
 }
 
-static void op_bus(struct bench *bench, struct input *input)
+static void op_bus(struct bench *bench, struct fuzz_input *input)
 {
-    check(bench, dg_co_bus(&bench->node, bench->now, (enum dg_co_bus_event)(take(input) % 6u)));
+    check(bench,
+          dg_co_bus(&bench->node, bench->now, (enum dg_co_bus_event)(fuzz_take(input) % 6u)));
 }
 
-static void op_shaft(struct bench *bench, struct input *input)
+static void op_shaft(struct bench *bench, struct fuzz_input *input)
 {
-    bench->angle = (dg_angle)((uint64_t)take32(input) << 32 | take32(input));
-    bench->angle_per_ms = (int64_t)(int32_t)take32(input) * 256;
+    bench->angle = (dg_angle)((uint64_t)fuzz_take32(input) << 32 | fuzz_take32(input));
+    bench->angle_per_ms = (int64_t)(int32_t)fuzz_take32(input) * 256;
 }
 
-static void op_acknowledge(struct bench *bench, struct input *input)
+static void op_acknowledge(struct bench *bench, struct fuzz_input *input)
 {
-    const uint8_t bits = take(input);
+    const uint8_t bits = fuzz_take(input);
 
     bench->world.eeprom_acknowledges = (bits & 1u) != 0;
     bench->nvm.no_acknowledge = (bits & 6u) == 6u;
 }
 
-static void op_rot(struct bench *bench, struct input *input)
+static void op_rot(struct bench *bench, struct fuzz_input *input)
 {
-    const uint32_t where = take32(input);
+    const uint32_t where = fuzz_take32(input);
 
     bench->nvm.bytes[(where >> 3) % bench->nvm.size] ^= (uint8_t)(1u << (where & 7u));
 }
 
-static void op_power_cut(struct bench *bench, struct input *input)
+static void op_power_cut(struct bench *bench, struct fuzz_input *input)
 {
-    const uint8_t how = take(input);
+    const uint8_t how = fuzz_take(input);
 
     ram_nvm_cut(&bench->nvm, how & 63u, (enum ram_nvm_tear)((how >> 6) % RAM_NVM_TEAR_COUNT),
-                take(input));
+                fuzz_take(input));
 }
 
-static void op_power(struct bench *bench, struct input *input)
+static void op_power(struct bench *bench, struct fuzz_input *input)
 {
-    const uint8_t how = take(input);
+    const uint8_t how = fuzz_take(input);
 
     if ((how & 1u) != 0) {
         ram_nvm_restore(&bench->nvm);
@@ -611,8 +584,8 @@ static void op_power(struct bench *bench, struct input *input)
         return;
     }
     const int result = dg_co_power_on(&bench->node, bench->now);
-    must(result == DG_OK || result == DG_ERR_BLANK || result == DG_ERR_FOREIGN);
-    must((result != DG_OK) == (bench->node.state == DG_CO_OFF));
+    fuzz_must(result == DG_OK || result == DG_ERR_BLANK || result == DG_ERR_FOREIGN);
+    fuzz_must((result != DG_OK) == (bench->node.state == DG_CO_OFF));
     step(bench);
 }
 
@@ -638,7 +611,7 @@ static bool start(struct bench *bench, const struct dg_cia406_model *model)
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
 {
     /* Some stand twice: they are what a bus is made of. */
-    static void (*const operations[])(struct bench *, struct input *) = {
+    static void (*const operations[])(struct bench *, struct fuzz_input *) = {
         op_any_frame,  op_known_frame,  op_known_frame,   op_nmt,          op_write,
         op_write,      op_sdo,          op_sdo,           op_lss,          op_time,
         op_time,       op_late_step,    op_bus,           op_shaft,        op_acknowledge,
@@ -646,14 +619,14 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
         op_lss_select, op_lss_identify, op_lss_configure, op_lss_fastscan,
     };
     static struct bench bench;
-    struct input input = {.at = bytes, .end = bytes + n};
+    struct fuzz_input input = {.at = bytes, .end = bytes + n};
 
     memset(&bench, 0, sizeof bench);
-    must(start(&bench,
-               dg_cia406_model_of(dg_device_find((take(&input) & 1u) != 0 ? "f3658" : "f3668"))));
+    fuzz_must(start(&bench, dg_cia406_model_of(dg_device_find(
+                                (fuzz_take(&input) & 1u) != 0 ? "f3658" : "f3668"))));
     while (input.at < input.end) {
         pass(&bench, DG_US(100));
-        operations[take(&input) % COUNT(operations)](&bench, &input);
+        operations[fuzz_take(&input) % COUNT(operations)](&bench, &input);
         check_objects(&bench);
     }
     return 0;

@@ -29,8 +29,6 @@ struct bench {
     struct dg_rig_ops unable; /* without what is optional */
 };
 
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n);
-
 /* ------------------------------------------------------------ the host */
 
 static void listen(void *ctx, const char *bytes, size_t n)

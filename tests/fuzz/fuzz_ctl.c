@@ -27,7 +27,6 @@ static const uint8_t *answers;
 static size_t answers_length;
 static int peer;
 
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n);
 int __wrap_lx_endpoint_connect(const char *where, struct lx_error *error);
 void __wrap_lx_complain(const char *format, ...);
 

@@ -8,18 +8,12 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "drehgeber/bits.h"
 #include "drehgeber/devices.h"
+#include "fuzz_input.h"
 #include "hf_rig.h"
-
-/* What is left of the input. */
-struct input {
-    const uint8_t *at;
-    const uint8_t *end;
-};
 
 /* The device under test and what the observer knows about the line. */
 struct bench {
@@ -28,30 +22,6 @@ struct bench {
     bool pending;     /* a frame for this device has begun and is not answered */
     unsigned replies; /* seen so far */
 };
-
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n);
-
-static void must(bool holds)
-{
-    if (!holds) {
-        abort();
-    }
-}
-
-static uint8_t take(struct input *input)
-{
-    return input->at < input->end ? *input->at++ : 0;
-}
-
-static uint32_t take32(struct input *input)
-{
-    uint8_t bytes[4];
-
-    for (size_t i = 0; i < sizeof bytes; i++) {
-        bytes[i] = take(input);
-    }
-    return dg_load_le32(bytes);
-}
 
 static uint64_t range(const struct dg_hf *device)
 {
@@ -66,16 +36,16 @@ static void check_reply(struct bench *bench)
     const size_t n = bench->rig.reply_length;
     const uint8_t command = reply[1] & 0x7Fu;
 
-    must(bench->pending);
+    fuzz_must(bench->pending);
     bench->pending = false;
-    must(n >= 3 && n <= DG_HF_FRAME_MAX);
-    must(hf_rig_xor(reply, n) == 0);
-    must(reply[0] == device->address);
-    must(command == 0x50 || command == device->frame[1]);
-    must(command != 0x50 || n == 4);
-    must(((reply[1] & 0x80u) != 0) == (device->stack_count > 0));
-    must(command != 0x4A || (n == 6u + reply[4] && reply[3] + reply[4] <= 128));
-    must(command != 0x42 || (n == 7 && dg_load_be32(&reply[2]) < range(device)));
+    fuzz_must(n >= 3 && n <= DG_HF_FRAME_MAX);
+    fuzz_must(hf_rig_xor(reply, n) == 0);
+    fuzz_must(reply[0] == device->address);
+    fuzz_must(command == 0x50 || command == device->frame[1]);
+    fuzz_must(command != 0x50 || n == 4);
+    fuzz_must(((reply[1] & 0x80u) != 0) == (device->stack_count > 0));
+    fuzz_must(command != 0x4A || (n == 6u + reply[4] && reply[3] + reply[4] <= 128));
+    fuzz_must(command != 0x42 || (n == 7 && dg_load_be32(&reply[2]) < range(device)));
 }
 
 /* After every call into the device. */
@@ -84,16 +54,16 @@ static void check(struct bench *bench)
     const struct dg_hf *device = &bench->rig.device;
     struct dg_hf_sincos sincos;
 
-    must(bench->rig.replies - bench->replies <= 1);
+    fuzz_must(bench->rig.replies - bench->replies <= 1);
     if (bench->rig.replies != bench->replies) {
         check_reply(bench);
     }
     bench->replies = bench->rig.replies;
-    must(device->stack_count <= DG_HF_STACK_DEPTH);
-    must(device->length <= DG_HF_FRAME_MAX + 1u);
-    must(dg_hf_position(device, bench->rig.now) < range(device));
+    fuzz_must(device->stack_count <= DG_HF_STACK_DEPTH);
+    fuzz_must(device->length <= DG_HF_FRAME_MAX + 1u);
+    fuzz_must(dg_hf_position(device, bench->rig.now) < range(device));
     dg_hf_sincos(device, bench->rig.now, &sincos);
-    must(sincos.sin_plus_uv + sincos.sin_minus_uv == 5000000);
+    fuzz_must(sincos.sin_plus_uv + sincos.sin_minus_uv == 5000000);
 }
 
 static void pass(struct bench *bench, uint64_t ns)
@@ -105,14 +75,14 @@ static void step(struct bench *bench)
 {
     const dg_ns deadline = dg_hf_step(&bench->rig.device, bench->rig.now);
 
-    must(deadline > bench->rig.now || deadline == DG_NEVER);
+    fuzz_must(deadline > bench->rig.now || deadline == DG_NEVER);
     check(bench);
 }
 
 /* A frame that ends without a reply is a reset (5.1.2.15). */
 static void close_unanswered(struct bench *bench)
 {
-    must(!bench->pending || bench->rig.device.frame[1] == 0x53);
+    fuzz_must(!bench->pending || bench->rig.device.frame[1] == 0x53);
     bench->pending = false;
 }
 
@@ -124,8 +94,8 @@ static void character(struct bench *bench, uint8_t byte, uint8_t flags)
     check(bench);
     if (device->line == DG_HF_COLLECT && device->length == 1 && (flags & DG_HF_RX_START) == 0) {
         close_unanswered(bench);
-        must(flags == DG_HF_RX_OK);
-        must(byte == device->address || byte == DG_HF_ADDRESS_BROADCAST);
+        fuzz_must(flags == DG_HF_RX_OK);
+        fuzz_must(byte == device->address || byte == DG_HF_ADDRESS_BROADCAST);
         bench->pending = true;
     } else if (device->line != DG_HF_COLLECT && device->line != DG_HF_REPLY) {
         close_unanswered(bench);
@@ -156,28 +126,28 @@ static void request(struct bench *bench, const uint8_t *command, size_t n)
 
 /* Operations; each takes what it needs from the input. */
 
-static void op_character(struct bench *bench, struct input *input)
+static void op_character(struct bench *bench, struct fuzz_input *input)
 {
-    const uint8_t how = take(input);
+    const uint8_t how = fuzz_take(input);
 
     pass(bench, (uint64_t)(how >> 2) << 18);
-    character(bench, take(input), how & 3u);
+    character(bench, fuzz_take(input), how & 3u);
 }
 
 /* A request in order but for its data. */
-static void op_request(struct bench *bench, struct input *input)
+static void op_request(struct bench *bench, struct fuzz_input *input)
 {
     uint8_t command[DG_HF_FRAME_MAX];
-    const size_t n = 1u + take(input) % (sizeof command - 1u);
+    const size_t n = 1u + fuzz_take(input) % (sizeof command - 1u);
 
     for (size_t i = 0; i < n; i++) {
-        command[i] = take(input);
+        command[i] = fuzz_take(input);
     }
     request(bench, command, n);
 }
 
 /* A valid request, one of its bytes perhaps replaced. */
-static void op_known_request(struct bench *bench, struct input *input)
+static void op_known_request(struct bench *bench, struct fuzz_input *input)
 {
     static const char *const known[] = {
         "42",
@@ -207,48 +177,48 @@ static void op_known_request(struct bench *bench, struct input *input)
         "43 00 00 00 00 55",
     };
     uint8_t command[32];
-    const size_t n =
-        hf_rig_hex(known[take(input) % (sizeof known / sizeof known[0])], command, sizeof command);
-    const size_t at = take(input) % (2u * n);
+    const size_t n = hf_rig_hex(known[fuzz_take(input) % (sizeof known / sizeof known[0])], command,
+                                sizeof command);
+    const size_t at = fuzz_take(input) % (2u * n);
 
     if (at < n) {
-        command[at] = take(input);
+        command[at] = fuzz_take(input);
     }
     request(bench, command, n);
 }
 
-static void op_time(struct bench *bench, struct input *input)
+static void op_time(struct bench *bench, struct fuzz_input *input)
 {
-    const uint8_t how = take(input);
+    const uint8_t how = fuzz_take(input);
 
-    pass(bench, (uint64_t)take(input) << (how & 63u));
+    pass(bench, (uint64_t)fuzz_take(input) << (how & 63u));
     if ((how & 64u) != 0) {
         step(bench);
     }
 }
 
-static void op_shaft(struct bench *bench, struct input *input)
+static void op_shaft(struct bench *bench, struct fuzz_input *input)
 {
-    bench->rig.angle = (dg_angle)((uint64_t)take32(input) << 32 | take32(input));
-    bench->rig.angle_per_ms = (int64_t)(int32_t)take32(input) * 256;
+    bench->rig.angle = (dg_angle)((uint64_t)fuzz_take32(input) << 32 | fuzz_take32(input));
+    bench->rig.angle_per_ms = (int64_t)(int32_t)fuzz_take32(input) * 256;
     check(bench);
 }
 
-static void op_quantities(struct bench *bench, struct input *input)
+static void op_quantities(struct bench *bench, struct fuzz_input *input)
 {
     struct dg_world *world = &bench->rig.world;
 
-    world->temperature_mdegc = (int32_t)take32(input);
-    world->led_current_ua = take32(input);
-    world->sin_amplitude_permille = (uint16_t)(take32(input) % 2001u);
-    world->cos_amplitude_permille = (uint16_t)(take32(input) % 2001u);
-    world->sin_offset_permille = (int16_t)(take32(input) % 2001u - 1000u);
-    world->cos_offset_permille = (int16_t)(take32(input) % 2001u - 1000u);
+    world->temperature_mdegc = (int32_t)fuzz_take32(input);
+    world->led_current_ua = fuzz_take32(input);
+    world->sin_amplitude_permille = (uint16_t)(fuzz_take32(input) % 2001u);
+    world->cos_amplitude_permille = (uint16_t)(fuzz_take32(input) % 2001u);
+    world->sin_offset_permille = (int16_t)(fuzz_take32(input) % 2001u - 1000u);
+    world->cos_offset_permille = (int16_t)(fuzz_take32(input) % 2001u - 1000u);
 }
 
-static void op_sensors(struct bench *bench, struct input *input)
+static void op_sensors(struct bench *bench, struct fuzz_input *input)
 {
-    const uint8_t bits = take(input);
+    const uint8_t bits = fuzz_take(input);
 
     bench->rig.world.singleturn_ok = (bits & 1u) != 0;
     bench->rig.world.multiturn_amplitude_ok = (bits & 2u) != 0;
@@ -257,38 +227,38 @@ static void op_sensors(struct bench *bench, struct input *input)
     bench->rig.world.eeprom_acknowledges = (bits & 16u) != 0;
 }
 
-static void op_rot(struct bench *bench, struct input *input)
+static void op_rot(struct bench *bench, struct fuzz_input *input)
 {
-    const uint32_t where = take32(input);
+    const uint32_t where = fuzz_take32(input);
 
     bench->rig.nvm.bytes[(where >> 3) % bench->rig.nvm.size] ^= (uint8_t)(1u << (where & 7u));
 }
 
-static void op_io_failure(struct bench *bench, struct input *input)
+static void op_io_failure(struct bench *bench, struct fuzz_input *input)
 {
-    bench->rig.fail_from = bench->rig.accesses + take(input) % 64u;
-    bench->rig.fail_count = take(input) % 8u;
+    bench->rig.fail_from = bench->rig.accesses + fuzz_take(input) % 64u;
+    bench->rig.fail_count = fuzz_take(input) % 8u;
 }
 
-static void op_power_cut(struct bench *bench, struct input *input)
+static void op_power_cut(struct bench *bench, struct fuzz_input *input)
 {
-    const uint8_t how = take(input);
+    const uint8_t how = fuzz_take(input);
 
     ram_nvm_cut(&bench->rig.nvm, how & 31u, (enum ram_nvm_tear)((how >> 5) % RAM_NVM_TEAR_COUNT),
-                take(input));
+                fuzz_take(input));
 }
 
-static void op_power(struct bench *bench, struct input *input)
+static void op_power(struct bench *bench, struct fuzz_input *input)
 {
-    const uint8_t how = take(input);
+    const uint8_t how = fuzz_take(input);
 
     if ((how & 1u) != 0) {
         ram_nvm_restore(&bench->rig.nvm);
     }
     bench->pending = false;
     const int result = dg_hf_power_on(&bench->rig.device, bench->rig.now);
-    must(result == DG_OK || result == DG_ERR_BLANK || result == DG_ERR_FOREIGN);
-    must((result != DG_OK) == (bench->rig.device.line == DG_HF_OFF));
+    fuzz_must(result == DG_OK || result == DG_ERR_BLANK || result == DG_ERR_FOREIGN);
+    fuzz_must((result != DG_OK) == (bench->rig.device.line == DG_HF_OFF));
     if ((how & 6u) == 6u) {
         dg_hf_power_off(&bench->rig.device);
     }
@@ -297,33 +267,33 @@ static void op_power(struct bench *bench, struct input *input)
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
 {
-    static void (*const operations[])(struct bench *, struct input *) = {
+    static void (*const operations[])(struct bench *, struct fuzz_input *) = {
         op_character, op_request,    op_known_request, op_time,      op_shaft, op_quantities,
         op_sensors,   op_io_failure, op_rot,           op_power_cut, op_power,
     };
     static struct bench bench;
-    struct input input = {.at = bytes, .end = bytes + n};
+    struct fuzz_input input = {.at = bytes, .end = bytes + n};
 
     memset(&bench, 0, sizeof bench);
-    const char *const model = (take(&input) & 1u) != 0 ? "s3684-rs485" : "s3674-rs485";
+    const char *const model = (fuzz_take(&input) & 1u) != 0 ? "s3684-rs485" : "s3674-rs485";
     bench.model = *dg_hf_model_of(dg_device_find(model));
-    const uint8_t how = take(&input);
+    const uint8_t how = fuzz_take(&input);
     if ((how & 1u) != 0) {
-        bench.model.periods_per_turn = (uint16_t)take32(&input);
-        bench.model.steps_per_period = (how & 4u) != 0 ? take32(&input) : take(&input);
-        bench.model.turns = take32(&input);
-        bench.model.implemented_blocks = (how & 8u) != 0 ? take(&input) : 0;
+        bench.model.periods_per_turn = (uint16_t)fuzz_take32(&input);
+        bench.model.steps_per_period = (how & 4u) != 0 ? fuzz_take32(&input) : fuzz_take(&input);
+        bench.model.turns = fuzz_take32(&input);
+        bench.model.implemented_blocks = (how & 8u) != 0 ? fuzz_take(&input) : 0;
     }
     if (hf_rig_init(&bench.rig, &bench.model) != DG_OK) {
         return 0;
     }
-    must(dg_hf_power_on(&bench.rig.device, 0) == DG_OK);
+    fuzz_must(dg_hf_power_on(&bench.rig.device, 0) == DG_OK);
     if ((how & 2u) != 0) {
-        must(hf_rig_ask(&bench.rig, "4D 00 C9 55") == 0); /* a data field to begin with */
+        fuzz_must(hf_rig_ask(&bench.rig, "4D 00 C9 55") == 0); /* a data field to begin with */
         bench.replies = bench.rig.replies;
     }
     while (input.at < input.end) {
-        operations[take(&input) % (sizeof operations / sizeof operations[0])](&bench, &input);
+        operations[fuzz_take(&input) % (sizeof operations / sizeof operations[0])](&bench, &input);
     }
     return 0;
 }

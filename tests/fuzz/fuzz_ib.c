@@ -7,22 +7,15 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-#include <stdlib.h>
 #include <string.h>
 
-#include "drehgeber/bits.h"
 #include "drehgeber/devices.h"
+#include "fuzz_input.h"
 #include "ib_rig.h"
 
 #define DEVICES 3u
 #define K3 2u
 #define WORDS 5u
-
-/* What is left of the input. */
-struct input {
-    const uint8_t *at;
-    const uint8_t *end;
-};
 
 struct bench {
     struct ib_rig rigs[DEVICES]; /* worlds and memories; the devices are in the ring */
@@ -34,30 +27,6 @@ struct bench {
     dg_ns now;
 };
 
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n);
-
-static void must(bool holds)
-{
-    if (!holds) {
-        abort();
-    }
-}
-
-static uint8_t take(struct input *input)
-{
-    return input->at < input->end ? *input->at++ : 0;
-}
-
-static uint32_t take32(struct input *input)
-{
-    uint8_t bytes[4];
-
-    for (size_t i = 0; i < sizeof bytes; i++) {
-        bytes[i] = take(input);
-    }
-    return dg_load_le32(bytes);
-}
-
 /* 9.3, 9.4, 9.6: what a K3 may show. */
 static void check_k3(const struct dg_ib *device, uint32_t in)
 {
@@ -67,16 +36,16 @@ static void check_k3(const struct dg_ib *device, uint32_t in)
         return; /* answers and read-outs */
     }
     if (in >> 25 == DG_IB_UNKNOWN_ITEM >> 25) {
-        must(device->item != 0 || device->answer != 0);
+        fuzz_must(device->item != 0 || device->answer != 0);
         return;
     }
     if (in == DG_IB_ILLEGAL_DATA || in == DG_IB_UNKNOWN_CODE || in == DG_IB_LOST ||
         in == DG_IB_CAM_POSITION) {
         return;
     }
-    must((in & ~DG_IB_NOT_VALID) >> 25 == 0);
-    must(in >> 31 == device->invalid);
-    must(cams || device->mode == DG_IB_SPEED || (in & DG_IB_DATA_MASK) < dg_ib_range(device));
+    fuzz_must((in & ~DG_IB_NOT_VALID) >> 25 == 0);
+    fuzz_must(in >> 31 == device->invalid);
+    fuzz_must(cams || device->mode == DG_IB_SPEED || (in & DG_IB_DATA_MASK) < dg_ib_range(device));
 }
 
 static void check(const struct bench *bench)
@@ -84,14 +53,15 @@ static void check(const struct bench *bench)
     const struct dg_ib *device = &bench->devices[K3];
 
     for (size_t i = 0; i < DEVICES; i++) {
-        must(dg_ib_position(&bench->devices[i], bench->now) < dg_ib_range(&bench->devices[i]));
-        must((dg_ib_leds(&bench->devices[i], bench->now) & ~0x1Fu) == 0);
+        fuzz_must(dg_ib_position(&bench->devices[i], bench->now) < dg_ib_range(&bench->devices[i]));
+        fuzz_must((dg_ib_leds(&bench->devices[i], bench->now) & ~0x1Fu) == 0);
     }
-    must(device->mode >= DG_IB_POSITION && device->mode <= DG_IB_CAM + DG_IB_PROGRAMS);
-    must(device->shift_iw <= 25);
-    must(device->steps > 0 && device->revolutions > 0);
-    must((uint64_t)device->steps <= (uint64_t)device->revolutions * device->setup.model->steps);
-    must(dg_ib_range(device) <= DG_IB_DATA_MASK + 1u);
+    fuzz_must(device->mode >= DG_IB_POSITION && device->mode <= DG_IB_CAM + DG_IB_PROGRAMS);
+    fuzz_must(device->shift_iw <= 25);
+    fuzz_must(device->steps > 0 && device->revolutions > 0);
+    fuzz_must((uint64_t)device->steps <=
+              (uint64_t)device->revolutions * device->setup.model->steps);
+    fuzz_must(dg_ib_range(device) <= DG_IB_DATA_MASK + 1u);
 }
 
 static void cycle(struct bench *bench)
@@ -102,13 +72,13 @@ static void cycle(struct bench *bench)
     const enum dg_ib_ring_result result =
         dg_ib_ring_cycle(&bench->ring, bench->now, bench->out, bench->in);
     if (result == DG_IB_RING_OK) {
-        must(bench->in[0] < 4096 && bench->in[1] < 256);
+        fuzz_must(bench->in[0] < 4096 && bench->in[1] < 256);
         check_k3(&bench->devices[K3], (uint32_t)bench->in[3] << 16 | bench->in[4]);
     } else {
-        must(bench->in[0] == before);
+        fuzz_must(bench->in[0] == before);
     }
     if (result == DG_IB_RING_IDENTIFY || result == DG_IB_RING_INTERRUPTED) {
-        must(dg_ib_ring_id(&bench->ring, bench->now, bench->ids) <= DEVICES);
+        fuzz_must(dg_ib_ring_id(&bench->ring, bench->now, bench->ids) <= DEVICES);
     }
     check(bench);
 }
@@ -124,15 +94,15 @@ static void send(struct bench *bench, uint32_t word, unsigned cycles)
     }
 }
 
-static void op_word(struct bench *bench, struct input *input)
+static void op_word(struct bench *bench, struct fuzz_input *input)
 {
-    const uint32_t word = take32(input);
+    const uint32_t word = fuzz_take32(input);
 
-    send(bench, word, take(input) % 6u);
+    send(bench, word, fuzz_take(input) % 6u);
 }
 
 /* A command that exists, data from the input. */
-static void op_command(struct bench *bench, struct input *input)
+static void op_command(struct bench *bench, struct fuzz_input *input)
 {
     static const uint32_t known[][2] = {
         {0x00000000, 0},          {0x80000000, 0},          {0x40000000, 0},
@@ -142,33 +112,33 @@ static void op_command(struct bench *bench, struct input *input)
         {0x20210000, 0xFF},       {0x20100000, 0x1F},       {0x20200000, 0x3F},
         {0x40000000, 0x0FFFFFFF}, {0x60000000, 0x0FFFFFFF},
     };
-    const uint32_t *const row = known[take(input) % (sizeof known / sizeof known[0])];
+    const uint32_t *const row = known[fuzz_take(input) % (sizeof known / sizeof known[0])];
 
-    send(bench, row[0] | (take32(input) & row[1]), 5);
+    send(bench, row[0] | (fuzz_take32(input) & row[1]), 5);
 }
 
-static void op_torn(struct bench *bench, struct input *input)
+static void op_torn(struct bench *bench, struct fuzz_input *input)
 {
-    bench->out[3] = (uint16_t)take32(input);
+    bench->out[3] = (uint16_t)fuzz_take32(input);
     cycle(bench);
 }
 
-static void op_time(struct bench *bench, struct input *input)
+static void op_time(struct bench *bench, struct fuzz_input *input)
 {
-    const uint8_t shift = take(input) & 63u;
+    const uint8_t shift = fuzz_take(input) & 63u;
 
-    bench->now = dg_after(bench->now, (uint64_t)take(input) << shift);
+    bench->now = dg_after(bench->now, (uint64_t)fuzz_take(input) << shift);
     cycle(bench);
 }
 
-static void op_world(struct bench *bench, struct input *input)
+static void op_world(struct bench *bench, struct fuzz_input *input)
 {
-    struct ib_rig *rig = &bench->rigs[take(input) % DEVICES];
-    const uint8_t bits = take(input);
+    struct ib_rig *rig = &bench->rigs[fuzz_take(input) % DEVICES];
+    const uint8_t bits = fuzz_take(input);
 
-    rig->angle = (dg_angle)((uint64_t)take32(input) << 32 | take32(input));
-    rig->angle_per_ms = (int64_t)(int32_t)take32(input) * 256;
-    rig->world.temperature_mdegc = (int32_t)take32(input);
+    rig->angle = (dg_angle)((uint64_t)fuzz_take32(input) << 32 | fuzz_take32(input));
+    rig->angle_per_ms = (int64_t)(int32_t)fuzz_take32(input) * 256;
+    rig->world.temperature_mdegc = (int32_t)fuzz_take32(input);
     rig->world.singleturn_ok = (bits & 1u) != 0;
     rig->world.multiturn_sync_ok = (bits & 2u) != 0;
     rig->world.eeprom_acknowledges = (bits & 4u) == 0;
@@ -176,44 +146,44 @@ static void op_world(struct bench *bench, struct input *input)
     cycle(bench);
 }
 
-static void op_ring(struct bench *bench, struct input *input)
+static void op_ring(struct bench *bench, struct fuzz_input *input)
 {
-    const uint8_t how = take(input);
+    const uint8_t how = fuzz_take(input);
 
     bench->ring.broken_at = (how & 8u) != 0 ? how % 8u : DG_IB_RING_WHOLE;
     bench->ring.corrupt_at = (how & 16u) != 0 ? how % 8u : DG_IB_RING_WHOLE;
     cycle(bench);
 }
 
-static void op_rot(struct bench *bench, struct input *input)
+static void op_rot(struct bench *bench, struct fuzz_input *input)
 {
     struct ram_nvm *nvm = &bench->rigs[K3].nvm;
-    const uint32_t where = take32(input);
+    const uint32_t where = fuzz_take32(input);
 
     nvm->bytes[(where >> 3) % nvm->size] ^= (uint8_t)(1u << (where & 7u));
 }
 
-static void op_power(struct bench *bench, struct input *input)
+static void op_power(struct bench *bench, struct fuzz_input *input)
 {
-    const uint8_t how = take(input);
+    const uint8_t how = fuzz_take(input);
     struct dg_ib *device = &bench->devices[how % DEVICES];
     struct ram_nvm *nvm = &bench->rigs[how % DEVICES].nvm;
 
     if ((how & 64u) != 0) {
-        ram_nvm_cut(nvm, how & 31u, (enum ram_nvm_tear)(take(input) % RAM_NVM_TEAR_COUNT),
-                    take(input));
+        ram_nvm_cut(nvm, how & 31u, (enum ram_nvm_tear)(fuzz_take(input) % RAM_NVM_TEAR_COUNT),
+                    fuzz_take(input));
         return;
     }
     ram_nvm_restore(nvm);
     if (dg_ib_power_on(device, bench->now) != DG_OK) {
-        must(!device->powered);
-        must(dg_ib_format(device->setup.model, device->setup.nvm) == DG_OK);
-        must(dg_ib_power_on(device, bench->now) == DG_OK);
+        fuzz_must(!device->powered);
+        fuzz_must(dg_ib_format(device->setup.model, device->setup.nvm) == DG_OK);
+        fuzz_must(dg_ib_power_on(device, bench->now) == DG_OK);
     }
     cycle(bench);
 }
 
-static void set_up(struct bench *bench, struct input *input)
+static void set_up(struct bench *bench, struct fuzz_input *input)
 {
     static const char *const names[DEVICES] = {"ocd-ib-k1", "ocd-ib-k2", "ocd-ib-k3"};
 
@@ -221,31 +191,31 @@ static void set_up(struct bench *bench, struct input *input)
     for (size_t i = 0; i < DEVICES; i++) {
         struct dg_ib_model model = *dg_ib_model_of(dg_device_find(names[i]));
         if (i == K3) {
-            const uint8_t how = take(input);
+            const uint8_t how = fuzz_take(input);
             model.steps_minus_one = (how & 1u) != 0;
             model.turns = (how & 2u) != 0 ? 1 : 4096;
             model.param_cycles = (uint8_t)(1u + (how >> 6));
         }
-        must(ib_rig_init(&bench->rigs[i], &model) == DG_OK);
+        fuzz_must(ib_rig_init(&bench->rigs[i], &model) == DG_OK);
         bench->devices[i] = bench->rigs[i].device;
-        must(dg_ib_power_on(&bench->devices[i], 0) == DG_OK);
+        fuzz_must(dg_ib_power_on(&bench->devices[i], 0) == DG_OK);
     }
-    must(dg_ib_ring_init(&bench->ring, bench->devices, DEVICES) == DG_OK);
+    fuzz_must(dg_ib_ring_init(&bench->ring, bench->devices, DEVICES) == DG_OK);
     bench->now = DG_MS(100);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
 {
-    static void (*const operations[])(struct bench *, struct input *) = {
+    static void (*const operations[])(struct bench *, struct fuzz_input *) = {
         op_word, op_command, op_command, op_command, op_torn,
         op_time, op_world,   op_ring,    op_rot,     op_power,
     };
     static struct bench bench;
-    struct input input = {.at = bytes, .end = bytes + n};
+    struct fuzz_input input = {.at = bytes, .end = bytes + n};
 
     set_up(&bench, &input);
     while (input.at < input.end) {
-        operations[take(&input) % (sizeof operations / sizeof operations[0])](&bench, &input);
+        operations[fuzz_take(&input) % (sizeof operations / sizeof operations[0])](&bench, &input);
     }
     return 0;
 }

@@ -31,18 +31,6 @@ struct image {
     struct ram_nvm *nvm;
 };
 
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n);
-
-static uint32_t take32(struct fuzz_input *input)
-{
-    uint8_t bytes[4];
-
-    for (size_t i = 0; i < sizeof bytes; i++) {
-        bytes[i] = fuzz_take(input);
-    }
-    return dg_load_le32(bytes);
-}
-
 static void take_bytes(struct fuzz_input *input, uint8_t *to, size_t n)
 {
     for (size_t i = 0; i < n; i++) {
@@ -109,7 +97,7 @@ static void put_header(struct image *image, struct fuzz_input *input)
 
 static void flip_bit(struct image *image, struct fuzz_input *input)
 {
-    const uint32_t where = take32(input);
+    const uint32_t where = fuzz_take32(input);
 
     image->nvm->bytes[(where >> 3) % image->nvm->size] ^= (uint8_t)(1u << (where & 7u));
 }
@@ -197,7 +185,7 @@ static void use_interbus(const struct dg_device *model, struct fuzz_input *input
         return;
     }
     while (goes_on(input, &count)) {
-        const uint32_t out = take32(input);
+        const uint32_t out = fuzz_take32(input);
         (void)ib_rig_send(&rig, out);
         if ((out & 1u) != 0) {
             (void)ib_rig_release(&rig);

@@ -16,13 +16,13 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include "drehgeber/bits.h"
 #include "drehgeber/devices.h"
+#include "fuzz_input.h"
 #include "modbus.h"
 
 #define DEVICES 3u
@@ -38,12 +38,6 @@
 #define REFUSED 9u  /* ... and an exception */
 #define UNTOUCHED 0xA5u
 #define PATIENCE DG_S(5)
-
-/* What is left of the input. */
-struct input {
-    const uint8_t *at;
-    const uint8_t *end;
-};
 
 struct client {
     int fd; /* -1: none */
@@ -71,25 +65,11 @@ static const struct lx_range inside[] = {
 };
 #define INSIDE (sizeof inside / sizeof inside[0])
 
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n);
-
-static void must(bool holds)
+static uint16_t take16(struct fuzz_input *input)
 {
-    if (!holds) {
-        abort();
-    }
-}
+    const uint8_t high = fuzz_take(input);
 
-static uint8_t take(struct input *input)
-{
-    return input->at < input->end ? *input->at++ : 0;
-}
-
-static uint16_t take16(struct input *input)
-{
-    const uint8_t high = take(input);
-
-    return (uint16_t)(high << 8 | take(input));
+    return (uint16_t)(high << 8 | fuzz_take(input));
 }
 
 /* --- what a request deserves --- */
@@ -181,7 +161,7 @@ static void turn(void)
     do {
         result = sd_event_run(bench.event, 0);
     } while (result > 0);
-    must(result == 0);
+    fuzz_must(result == 0);
 }
 
 static bool is_garbage(const struct client *self)
@@ -210,7 +190,7 @@ static void forget(struct client *self)
 
 static void cut_off(struct client *self)
 {
-    must(bench.crowded || is_garbage(self));
+    fuzz_must(bench.crowded || is_garbage(self));
     forget(self);
 }
 
@@ -218,18 +198,18 @@ static bool check_answer(struct client *self)
 {
     const size_t asked = whole(self);
 
-    must(!is_garbage(self) && asked != 0);
+    fuzz_must(!is_garbage(self) && asked != 0);
     const size_t length = deserved(self->asked, asked);
     const size_t told =
         self->got_length < BEFORE_LENGTH ? length - BEFORE_LENGTH : dg_load_be16(self->got + 4);
-    must(told + BEFORE_LENGTH == length && length <= LX_MODBUS_ADU_MAX);
+    fuzz_must(told + BEFORE_LENGTH == length && length <= LX_MODBUS_ADU_MAX);
     if (self->got_length < length) {
         return false;
     }
     /* Transaction, protocol and unit are the request's; a write is read back. */
-    must(memcmp(self->got, self->asked, 4) == 0 && self->got[6] == self->asked[6]);
-    must(self->got[7] == (length == REFUSED ? self->asked[7] | 0x80u : self->asked[7]));
-    must(length != WRITTEN || memcmp(self->got + 8, self->asked + 8, 4) == 0);
+    fuzz_must(memcmp(self->got, self->asked, 4) == 0 && self->got[6] == self->asked[6]);
+    fuzz_must(self->got[7] == (length == REFUSED ? self->asked[7] | 0x80u : self->asked[7]));
+    fuzz_must(length != WRITTEN || memcmp(self->got + 8, self->asked + 8, 4) == 0);
     self->asked_length -= asked;
     memmove(self->asked, self->asked + asked, self->asked_length);
     self->got_length -= length;
@@ -262,7 +242,7 @@ static void settle(struct client *self)
 
     hear(self);
     while (self->fd >= 0 && (is_garbage(self) || whole(self) != 0)) {
-        must(lx_now() < end);
+        fuzz_must(lx_now() < end);
         turn();
         hear(self);
     }
@@ -273,7 +253,7 @@ static void hurry(int fd)
 {
     const int yes = 1;
 
-    must(setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes) == 0);
+    fuzz_must(setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes) == 0);
 }
 
 static void join(struct client *self)
@@ -285,12 +265,12 @@ static void join(struct client *self)
         return;
     }
     *self = (struct client){.fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)};
-    must(self->fd >= 0);
-    must(setsockopt(self->fd, SOL_SOCKET, SO_LINGER, &reset, sizeof reset) == 0);
+    fuzz_must(self->fd >= 0);
+    fuzz_must(setsockopt(self->fd, SOL_SOCKET, SO_LINGER, &reset, sizeof reset) == 0);
     hurry(self->fd);
     /* The fuzzer's own timer interrupts. */
     while (connect(self->fd, (const struct sockaddr *)&bench.port, sizeof bench.port) != 0) {
-        must(errno == EINTR);
+        fuzz_must(errno == EINTR);
     }
     turn(); /* fewer wait for a place than may wait */
 }
@@ -305,7 +285,7 @@ static void say(struct client *self, const uint8_t *bytes, size_t n)
     self->asked_length += n;
     if (send(self->fd, bytes, n, MSG_NOSIGNAL) != (ssize_t)n) {
         hear(self);
-        must(self->fd < 0);
+        fuzz_must(self->fd < 0);
     }
 }
 
@@ -320,8 +300,8 @@ static void cycle(dg_ns time)
     bench.now = dg_after(bench.now > clock ? bench.now : clock, time);
     lx_map_tick(&bench.coupler.map, bench.now);
     lx_ring_cycle(&bench.ring, bench.now);
-    must((uint64_t)counters->cycles + counters->ids > before);
-    must(!bench.ring.stopped || bench.coupler.map.watchdog.fired);
+    fuzz_must((uint64_t)counters->cycles + counters->ids > before);
+    fuzz_must(!bench.ring.stopped || bench.coupler.map.watchdog.fired);
 }
 
 /* The coupler's own first cycle; its next one is an hour away. */
@@ -333,16 +313,16 @@ static void drive(void *ctx, dg_ns now)
 
 /* --- operations; each takes what it needs from the input --- */
 
-static struct client *client_of(struct input *input)
+static struct client *client_of(struct fuzz_input *input)
 {
-    return &bench.clients[take(input) % CLIENTS];
+    return &bench.clients[fuzz_take(input) % CLIENTS];
 }
 
-static void op_bytes(struct input *input)
+static void op_bytes(struct fuzz_input *input)
 {
     struct client *client = client_of(input);
     const size_t left = (size_t)(input->end - input->at);
-    const size_t wanted = take(input) % 64u + 1u;
+    const size_t wanted = fuzz_take(input) % 64u + 1u;
     const size_t n = wanted < left ? wanted : left > 0 ? left - 1u : 0;
 
     if (n > 0) {
@@ -352,20 +332,20 @@ static void op_bytes(struct input *input)
 }
 
 /* A range that exists, more or less. */
-static void put_range(uint8_t *to, struct input *input)
+static void put_range(uint8_t *to, struct fuzz_input *input)
 {
-    dg_store_be16(to, (uint16_t)(inside[take(input) % INSIDE].first + take(input) % 6u));
-    dg_store_be16(to + 2, take(input) % 8u);
+    dg_store_be16(to, (uint16_t)(inside[fuzz_take(input) % INSIDE].first + fuzz_take(input) % 6u));
+    dg_store_be16(to + 2, fuzz_take(input) % 8u);
 }
 
 /* @return bytes of it: one of the functions that exist, as right as the input makes it */
-static size_t put_pdu(uint8_t *to, struct input *input)
+static size_t put_pdu(uint8_t *to, struct fuzz_input *input)
 {
     static const struct {
         uint8_t code;
         uint8_t lists; /* where its byte count is, 0: none */
     } functions[] = {{3, 0}, {4, 0}, {6, 0}, {16, 5}, {23, 9}};
-    const size_t i = take(input) % (sizeof functions / sizeof functions[0]);
+    const size_t i = fuzz_take(input) % (sizeof functions / sizeof functions[0]);
     const size_t at = functions[i].lists;
 
     to[0] = functions[i].code;
@@ -376,22 +356,22 @@ static size_t put_pdu(uint8_t *to, struct input *input)
     put_range(to + at - 4, input);
     to[at] = (uint8_t)(2u * to[at - 1]);
     for (size_t n = 0; n < to[at]; n++) {
-        to[at + 1u + n] = n % 2 == 0 ? 0 : take(input);
+        to[at + 1u + n] = n % 2 == 0 ? 0 : fuzz_take(input);
     }
     return at + 1u + to[at];
 }
 
 /* A request in two pieces or one. */
-static void op_request(struct input *input)
+static void op_request(struct fuzz_input *input)
 {
     struct client *client = client_of(input);
     uint8_t bytes[LX_MODBUS_ADU_MAX] = {0};
-    const uint8_t how = take(input);
+    const uint8_t how = fuzz_take(input);
 
     dg_store_be16(bytes, take16(input));
     bytes[BEFORE_LENGTH] = how;
     const size_t length = HEADER + put_pdu(bytes + HEADER, input);
-    const size_t split = take(input) % length;
+    const size_t split = fuzz_take(input) % length;
     /* Now and then it says that it is longer than it is. */
     dg_store_be16(bytes + 4, (uint16_t)(length - BEFORE_LENGTH + (how > 0xE0 ? how & 7u : 0u)));
     say(client, bytes, split);
@@ -402,13 +382,13 @@ static void op_request(struct input *input)
 }
 
 /* A watchdog that fires soon, and any fallback. */
-static void op_watchdog(struct input *input)
+static void op_watchdog(struct fuzz_input *input)
 {
     uint8_t request[] = {0,    1,    0, 0, 0, 15, 1, MODBUS_FC_WRITE_MULTIPLE_REGISTERS,
                          0x11, 0x20, 0, 4, 8, 0,  0, 0,
                          0,    0,    0, 0, 0};
     struct client *client = client_of(input);
-    const uint8_t how = take(input);
+    const uint8_t how = fuzz_take(input);
 
     request[14] = how >> 4;
     request[18] = how >> 2 & 1u;
@@ -416,19 +396,19 @@ static void op_watchdog(struct input *input)
     say(client, request, sizeof request);
 }
 
-static void op_turn(struct input *input)
+static void op_turn(struct fuzz_input *input)
 {
     settle(client_of(input));
 }
 
-static void op_cycle(struct input *input)
+static void op_cycle(struct fuzz_input *input)
 {
-    const uint8_t how = take(input);
+    const uint8_t how = fuzz_take(input);
 
     cycle(DG_US(1) << (how & 31u));
 }
 
-static void op_leave(struct input *input)
+static void op_leave(struct fuzz_input *input)
 {
     forget(client_of(input));
 }
@@ -440,17 +420,17 @@ static void open_coupler(void)
     socklen_t length = sizeof bench.port;
     struct lx_error error;
 
-    must(sd_event_new(&bench.event) >= 0);
+    fuzz_must(sd_event_new(&bench.event) >= 0);
     const struct lx_modbus_setup setup = {.event = bench.event,
                                           .where = "127.0.0.1:0",
                                           .ring = &bench.ring,
                                           .cycle = DG_S(3600),
                                           .drive = drive};
-    must(lx_modbus_open(&bench.coupler, &setup, &error) == 0);
-    must(getsockname(bench.coupler.listener, (struct sockaddr *)&bench.port, &length) == 0);
+    fuzz_must(lx_modbus_open(&bench.coupler, &setup, &error) == 0);
+    fuzz_must(getsockname(bench.coupler.listener, (struct sockaddr *)&bench.port, &length) == 0);
     hurry(bench.coupler.listener); /* its connections inherit it */
     /* Thousands of connections a second are what is wanted here. */
-    must(sd_event_source_set_ratelimit(bench.coupler.io, 0, 0) >= 0);
+    fuzz_must(sd_event_source_set_ratelimit(bench.coupler.io, 0, 0) >= 0);
     for (size_t i = 0; i < SOCKETS; i++) {
         bench.clients[i].fd = -1;
     }
@@ -466,7 +446,7 @@ static void set_places(bool crowded)
     }
 }
 
-static void set_up(struct input *input)
+static void set_up(struct fuzz_input *input)
 {
     static const char *const names[DEVICES] = {"ocd-ib-k1", "ocd-ib-k2", "ocd-ib-k3"};
     static const struct lx_say quiet = {.quiet = true};
@@ -483,9 +463,9 @@ static void set_up(struct input *input)
                                              .world = &bench.worlds[i]};
     }
     bench.now = lx_now();
-    must(lx_ring_open(&bench.ring, &setup, bench.now, &error) == 0);
+    fuzz_must(lx_ring_open(&bench.ring, &setup, bench.now, &error) == 0);
     lx_map_init(&bench.coupler.map, &bench.ring);
-    const uint8_t how = take(input);
+    const uint8_t how = fuzz_take(input);
     bench.coupler.map.tear = (how & 1u) != 0;
     set_places((how & 2u) != 0);
     memset(bench.coupler.registers, UNTOUCHED, sizeof bench.coupler.registers);
@@ -507,13 +487,15 @@ static void check_outside(void)
 
     for (size_t i = 0; i <= INSIDE; i++) {
         const size_t end = i < INSIDE ? inside[i].first : LX_MAP_END;
-        must(is_all(registers + at, (end - at) * sizeof *registers, UNTOUCHED));
+        fuzz_must(is_all(registers + at, (end - at) * sizeof *registers, UNTOUCHED));
         at = i < INSIDE ? end + inside[i].count : at;
     }
-    must(is_all(bench.ring.in + WORDS, sizeof bench.ring.in - WORDS * sizeof *bench.ring.in, 0));
-    must(is_all(bench.ring.out + WORDS, sizeof bench.ring.out - WORDS * sizeof *bench.ring.out, 0));
-    must(bench.coupler.map.watchdog.type <= 1);
-    must(bench.coupler.map.watchdog.fallback < LX_FALLBACK_COUNT);
+    fuzz_must(
+        is_all(bench.ring.in + WORDS, sizeof bench.ring.in - WORDS * sizeof *bench.ring.in, 0));
+    fuzz_must(
+        is_all(bench.ring.out + WORDS, sizeof bench.ring.out - WORDS * sizeof *bench.ring.out, 0));
+    fuzz_must(bench.coupler.map.watchdog.type <= 1);
+    fuzz_must(bench.coupler.map.watchdog.fallback < LX_FALLBACK_COUNT);
 }
 
 /* A client that switches the watchdog off and writes OUT starts whatever had stopped. */
@@ -527,10 +509,10 @@ static void check_service(void)
     say(client, watchdog_off, sizeof watchdog_off);
     say(client, write_out, sizeof write_out);
     settle(client);
-    must(client->fd >= 0 && client->asked_length == 0);
+    fuzz_must(client->fd >= 0 && client->asked_length == 0);
     cycle(DG_S(1));
     cycle(DG_MS(1));
-    must(bench.ring.result == DG_IB_RING_OK && bench.ring.reached == DEVICES);
+    fuzz_must(bench.ring.result == DG_IB_RING_OK && bench.ring.reached == DEVICES);
 }
 
 static bool occupied(void)
@@ -554,7 +536,7 @@ static void tear_down(void)
     }
     turn();
     while (occupied()) {
-        must(lx_now() < end);
+        fuzz_must(lx_now() < end);
         turn();
     }
     set_places(false);
@@ -563,15 +545,15 @@ static void tear_down(void)
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
 {
-    static void (*const operations[])(struct input *) = {
+    static void (*const operations[])(struct fuzz_input *) = {
         op_bytes, op_bytes, op_request, op_request, op_request,
         op_turn,  op_cycle, op_cycle,   op_leave,   op_watchdog,
     };
-    struct input input = {.at = bytes, .end = bytes + n};
+    struct fuzz_input input = {.at = bytes, .end = bytes + n};
 
     set_up(&input);
     while (input.at < input.end) {
-        operations[take(&input) % (sizeof operations / sizeof operations[0])](&input);
+        operations[fuzz_take(&input) % (sizeof operations / sizeof operations[0])](&input);
     }
     for (size_t i = 0; i < SOCKETS; i++) {
         settle(&bench.clients[i]);

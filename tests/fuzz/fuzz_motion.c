@@ -19,8 +19,6 @@
 #define WORDS_MAX 256u
 #define CSV 1u
 
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n);
-
 /* Now and then, also at both ends of time. */
 static void turn(struct dg_motion *motion)
 {

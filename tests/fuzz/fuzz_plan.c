@@ -15,8 +15,6 @@
 #include "plan_section.h"
 #include "wire.h"
 
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n);
-
 /* A file that is in memory only. */
 static const char *write_file(const uint8_t *bytes, size_t n)
 {

@@ -8,18 +8,12 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-#include <stdlib.h>
 #include <string.h>
 
+#include "fuzz_input.h"
 #include "scpi_rig.h"
 
 #define PIECES (sizeof pieces / sizeof pieces[0])
-
-/* What is left of the input. */
-struct input {
-    const uint8_t *at;
-    const uint8_t *end;
-};
 
 struct bench {
     struct scpi_rig rigs[2]; /* at once, and byte by byte */
@@ -91,20 +85,6 @@ static const char *const pieces[] = {
     "RPM/S",
 };
 
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n);
-
-static void must(bool holds)
-{
-    if (!holds) {
-        abort();
-    }
-}
-
-static uint8_t take(struct input *input)
-{
-    return input->at < input->end ? *input->at++ : 0;
-}
-
 static size_t lines_in(const char *bytes, size_t n)
 {
     size_t lines = 0;
@@ -117,20 +97,20 @@ static size_t lines_in(const char *bytes, size_t n)
 
 static void check_state(const struct dg_scpi *session)
 {
-    must(session->length <= DG_SCPI_LINE_MAX);
-    must(session->at <= DG_SCPI_LINE_MAX);
-    must(session->path <= session->at);
-    must(session->error_count <= DG_SCPI_ERRORS_MAX);
-    must(session->error_first < DG_SCPI_ERRORS_MAX);
-    must(!session->waiting || session->executing);
-    must(!session->answer_due || session->waiting);
-    must(session->executing == session->waiting);
-    must(session->command == NULL);
+    fuzz_must(session->length <= DG_SCPI_LINE_MAX);
+    fuzz_must(session->at <= DG_SCPI_LINE_MAX);
+    fuzz_must(session->path <= session->at);
+    fuzz_must(session->error_count <= DG_SCPI_ERRORS_MAX);
+    fuzz_must(session->error_first < DG_SCPI_ERRORS_MAX);
+    fuzz_must(!session->waiting || session->executing);
+    fuzz_must(!session->answer_due || session->waiting);
+    fuzz_must(session->executing == session->waiting);
+    fuzz_must(session->command == NULL);
     for (size_t i = 0; i < session->error_count; i++) {
         const struct dg_scpi_queued *error =
             &session->errors[(session->error_first + i) % DG_SCPI_ERRORS_MAX];
-        must(error->code != 0);
-        must(memchr(error->detail, '\0', sizeof error->detail) != NULL);
+        fuzz_must(error->code != 0);
+        fuzz_must(memchr(error->detail, '\0', sizeof error->detail) != NULL);
     }
 }
 
@@ -140,12 +120,12 @@ static void check_output(const struct scpi_rig *rig, size_t lines)
     size_t answers = 0;
 
     for (size_t i = 0; i < rig->length; i++) {
-        must(rig->out[i] == '\n' || (rig->out[i] >= ' ' && rig->out[i] <= '~') ||
-             rig->out[i] == '\t');
+        fuzz_must(rig->out[i] == '\n' || (rig->out[i] >= ' ' && rig->out[i] <= '~') ||
+                  rig->out[i] == '\t');
         answers += rig->out[i] == '\n' ? 1u : 0u;
     }
-    must(answers <= lines);
-    must(rig->length == 0 || rig->session.waiting || rig->out[rig->length - 1u] == '\n');
+    fuzz_must(answers <= lines);
+    fuzz_must(rig->length == 0 || rig->session.waiting || rig->out[rig->length - 1u] == '\n');
 }
 
 static void check(const struct bench *bench)
@@ -155,12 +135,13 @@ static void check(const struct bench *bench)
 
     check_state(&a->session);
     check_state(&b->session);
-    must(a->lost || b->lost || (a->length == b->length && memcmp(a->out, b->out, a->length) == 0));
-    must(memcmp(a->values, b->values, sizeof a->values) == 0);
-    must(a->session.esr == b->session.esr && a->session.ese == b->session.ese);
-    must(a->session.error_count == b->session.error_count);
-    must(a->session.waiting == b->session.waiting && a->session.opc == b->session.opc);
-    must(a->stops == b->stops && a->resets == b->resets);
+    fuzz_must(a->lost || b->lost ||
+              (a->length == b->length && memcmp(a->out, b->out, a->length) == 0));
+    fuzz_must(memcmp(a->values, b->values, sizeof a->values) == 0);
+    fuzz_must(a->session.esr == b->session.esr && a->session.ese == b->session.ese);
+    fuzz_must(a->session.error_count == b->session.error_count);
+    fuzz_must(a->session.waiting == b->session.waiting && a->session.opc == b->session.opc);
+    fuzz_must(a->stops == b->stops && a->resets == b->resets);
 }
 
 static void forget_output(struct scpi_rig *rig)
@@ -183,9 +164,9 @@ static void send(struct bench *bench, const char *bytes, size_t n)
     const size_t taken = dg_scpi_rx(&whole->session, bench->now, bytes, n);
     (void)dg_scpi_rx(&single->session, bench->now, NULL, 0);
     for (size_t i = 0; i < taken; i++) {
-        must(dg_scpi_rx(&single->session, bench->now, &bytes[i], 1) == 1);
+        fuzz_must(dg_scpi_rx(&single->session, bench->now, &bytes[i], 1) == 1);
     }
-    must(taken == n || whole->session.waiting);
+    fuzz_must(taken == n || whole->session.waiting);
     if (!whole->lost && !single->lost) {
         check_output(whole, lines);
     }
@@ -193,43 +174,43 @@ static void send(struct bench *bench, const char *bytes, size_t n)
 
 /* Operations; each takes what it needs from the input. */
 
-static void op_piece(struct bench *bench, struct input *input)
+static void op_piece(struct bench *bench, struct fuzz_input *input)
 {
-    const char *const piece = pieces[take(input) % PIECES];
+    const char *const piece = pieces[fuzz_take(input) % PIECES];
 
     send(bench, piece, strlen(piece));
 }
 
-static void op_bytes(struct bench *bench, struct input *input)
+static void op_bytes(struct bench *bench, struct fuzz_input *input)
 {
-    size_t n = take(input);
+    size_t n = fuzz_take(input);
 
     n = n < (size_t)(input->end - input->at) ? n : (size_t)(input->end - input->at);
     send(bench, (const char *)input->at, n);
     input->at += n;
 }
 
-static void op_flood(struct bench *bench, struct input *input)
+static void op_flood(struct bench *bench, struct fuzz_input *input)
 {
     char bytes[DG_SCPI_LINE_MAX];
 
-    memset(bytes, take(input), sizeof bytes);
-    send(bench, bytes, take(input) * 2u);
+    memset(bytes, fuzz_take(input), sizeof bytes);
+    send(bench, bytes, fuzz_take(input) * 2u);
 }
 
-static void op_time(struct bench *bench, struct input *input)
+static void op_time(struct bench *bench, struct fuzz_input *input)
 {
-    bench->now = dg_after(bench->now, (dg_ns)take(input) << (take(input) % 40u));
+    bench->now = dg_after(bench->now, (dg_ns)fuzz_take(input) << (fuzz_take(input) % 40u));
     forget_output(&bench->rigs[0]);
     forget_output(&bench->rigs[1]);
     const dg_ns a = dg_scpi_step(&bench->rigs[0].session, bench->now);
     const dg_ns b = dg_scpi_step(&bench->rigs[1].session, bench->now);
-    must(a == b && a > bench->now);
+    fuzz_must(a == b && a > bench->now);
 }
 
-static void op_busy(struct bench *bench, struct input *input)
+static void op_busy(struct bench *bench, struct fuzz_input *input)
 {
-    const dg_ns until = dg_after(bench->now, (dg_ns)take(input) << (take(input) % 40u));
+    const dg_ns until = dg_after(bench->now, (dg_ns)fuzz_take(input) << (fuzz_take(input) % 40u));
 
     bench->rigs[0].settles = until;
     bench->rigs[1].settles = until;
@@ -237,17 +218,17 @@ static void op_busy(struct bench *bench, struct input *input)
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
 {
-    static void (*const operations[])(struct bench *, struct input *) = {
+    static void (*const operations[])(struct bench *, struct fuzz_input *) = {
         op_piece, op_piece, op_piece, op_piece, op_bytes, op_bytes, op_flood, op_time, op_busy,
     };
     static struct bench bench;
-    struct input input = {.at = bytes, .end = bytes + n};
+    struct fuzz_input input = {.at = bytes, .end = bytes + n};
 
     memset(&bench, 0, sizeof bench);
     scpi_rig_init(&bench.rigs[0]);
     scpi_rig_init(&bench.rigs[1]);
     while (input.at < input.end) {
-        operations[take(&input) % (sizeof operations / sizeof operations[0])](&bench, &input);
+        operations[fuzz_take(&input) % (sizeof operations / sizeof operations[0])](&bench, &input);
         check(&bench);
     }
     return 0;

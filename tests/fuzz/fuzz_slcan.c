@@ -14,8 +14,6 @@
 
 #define STAMP 4u
 
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n);
-
 static bool is_known(const char *reply)
 {
     static const char *const replies[] = {"\r", "\a", "z\r", "Z\r", "F00\r", "V1010\r", "NDG01\r"};

@@ -31,8 +31,6 @@ static struct bench {
     struct sockaddr_un address;
 } bench;
 
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n);
-
 static bool printable(const char *text, size_t size)
 {
     const char *end = memchr(text, '\0', size);
