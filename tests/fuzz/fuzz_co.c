@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "drehgeber/bits.h"
+#include "drehgeber/cia406.h"
 #include "drehgeber/crc.h"
 #include "drehgeber/devices.h"
 #include "fuzz_input.h"
