@@ -21,6 +21,7 @@
 #include "drehgeber/hiperface.h"
 #include "drehgeber/interbus.h"
 #include "drehgeber/motion.h"
+#include "drehgeber/quantity.h"
 #include "drehgeber/scpi.h"
 #include "drehgeber/shaft.h"
 #include "drehgeber/stack.h"

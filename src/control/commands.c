@@ -3,11 +3,22 @@
  * The commands: one row each, in the order of the page.
  */
 #include "control_private.h"
+#include "drehgeber/quantity.h"
 
-#define QUANTITY(header, which, parameters, help)                                                  \
-    {                                                                                              \
-        "WORLd:" header, control_set_world, control_world, CONTROL_##which, parameters, help       \
-    }
+/* Parameter and help of a quantity, by the unit it is counted in. */
+#define PARAMETER_MDEGC "TEMPERATURE"
+#define PARAMETER_UA "CURRENT"
+#define PARAMETER_MV "VOLTAGE"
+#define PARAMETER_PERMILLE "PERMILLE"
+#define PARAMETER_STATE "ON|OFF"
+#define SUFFIXES_MDEGC "; DEGC"
+#define SUFFIXES_UA "; UA or MA"
+#define SUFFIXES_MV "; MV or V"
+#define SUFFIXES_PERMILLE ""
+#define SUFFIXES_STATE ""
+#define QUANTITY(id, member, name, header, unit, healthy, min, max, multiturn, help)               \
+    {"WORLd:" header,  control_set_world, control_world,                                           \
+     DG_QUANTITY_##id, PARAMETER_##unit,  help SUFFIXES_##unit},
 
 /* clang-format off */
 const struct dg_scpi_command dg_control_commands[] = {
@@ -29,20 +40,7 @@ const struct dg_scpi_command dg_control_commands[] = {
     {"SHAFt:RECord:STARt",    control_record,              NULL,                    0, "\"FILE.csv\"[,INTERVAL]", "record the angle every INTERVAL, 1 MS without it"},
     {"SHAFt:RECord:STOP",     control_record_stop,         NULL,                    0, "", "end the recording"},
 
-    QUANTITY("TEMPerature",         TEMPERATURE,         "TEMPERATURE", "in the housing; DEGC"),
-    QUANTITY("LED:CURRent",         LED_CURRENT,         "CURRENT",     "of the scanner's LED; UA or MA"),
-    QUANTITY("SUPPly",              SUPPLY,              "VOLTAGE",     "supply; MV or V"),
-    QUANTITY("BATTery",             BATTERY,             "VOLTAGE",     "battery of the multiturn counter; MV or V"),
-    QUANTITY("AMPLitude:SIN",       SIN_AMPLITUDE,       "PERMILLE",    "of the nominal amplitude"),
-    QUANTITY("AMPLitude:COS",       COS_AMPLITUDE,       "PERMILLE",    "of the nominal amplitude"),
-    QUANTITY("OFFSet:SIN",          SIN_OFFSET,          "PERMILLE",    "of the nominal amplitude"),
-    QUANTITY("OFFSet:COS",          COS_OFFSET,          "PERMILLE",    "of the nominal amplitude"),
-    QUANTITY("SINGleturn",          SINGLETURN,          "ON|OFF",      "the singleturn track can be read"),
-    QUANTITY("MULTiturn:AMPLitude", MULTITURN_AMPLITUDE, "ON|OFF",      "the multiturn sensor's amplitude is sufficient"),
-    QUANTITY("MULTiturn:SYNC",      MULTITURN_SYNC,      "ON|OFF",      "multiturn and singleturn agree"),
-    QUANTITY("MULTiturn:VECTor",    MULTITURN_VECTOR,    "ON|OFF",      "the multiturn sensor's vector length is in range"),
-    QUANTITY("EEPRom",              EEPROM,              "ON|OFF",      "the EEPROM acknowledges"),
-    QUANTITY("WATChdog",            WATCHDOG,            "ON|OFF",      "the watchdog has reset the processor"),
+    DG_QUANTITIES(QUANTITY)
     {"WORLd:DEFault",         control_healthy,             NULL,                    0, "", "everything of the encoder's world is healthy"},
 
     {"FAULt:CATalog",         NULL,                        control_catalogue,       0, "", "name, kind, cause, effect, chapter of everything that can happen to the encoder"},

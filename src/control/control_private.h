@@ -55,9 +55,6 @@ void control_put_none(struct dg_scpi *self, size_t count);
 const struct dg_fault_row *control_row(const struct dg_fault_target *target, size_t index);
 /** The quantity at `offset` of the world was set: whatever bent it is over. */
 void control_override(struct dg_faults *self, const struct dg_fault_target *target, size_t offset);
-/** A quantity of `size` bytes. */
-int64_t control_quantity_get(const struct dg_world *world, size_t offset, uint8_t size);
-void control_quantity_set(struct dg_world *world, size_t offset, uint8_t size, int64_t value);
 /** Whether something ends at `now`. */
 bool control_due(const struct dg_faults *self, dg_ns now);
 
@@ -103,25 +100,6 @@ control_handler control_time, control_origin, control_set_scale,
 control_handler control_step_time;
 control_handler control_trace, control_trace_stop, control_last; /* commands_trace.c */
 control_handler control_frame, control_read, control_write;      /* commands_biss.c */
-
-/** Rows of the world, as arguments of its commands. */
-enum control_quantity {
-    CONTROL_TEMPERATURE,
-    CONTROL_LED_CURRENT,
-    CONTROL_SUPPLY,
-    CONTROL_BATTERY,
-    CONTROL_SIN_AMPLITUDE,
-    CONTROL_COS_AMPLITUDE,
-    CONTROL_SIN_OFFSET,
-    CONTROL_COS_OFFSET,
-    CONTROL_SINGLETURN,
-    CONTROL_MULTITURN_AMPLITUDE,
-    CONTROL_MULTITURN_SYNC,
-    CONTROL_MULTITURN_VECTOR,
-    CONTROL_EEPROM,
-    CONTROL_WATCHDOG,
-    CONTROL_QUANTITY_COUNT
-};
 
 /** For all commands that heal: every fault is cleared, every quantity healthy. */
 void control_clear_all(struct dg_scpi *self);

@@ -5,22 +5,13 @@
  *   index   0 .. rows of the stack - 1   a row of fault_catalogue.c
  *           .. + checked regions - 1     a region of the encoder's EEPROM
  */
-#include <stddef.h>
-#include <string.h>
-
 #include "control_private.h"
+#include "drehgeber/quantity.h"
+#include <stddef.h>
 
 /* A generator of full period; its upper bits are the good ones (Numerical Recipes, ranqd1). */
 #define RANDOM_FACTOR 1664525u
 #define RANDOM_STEP 1013904223u
-
-/* What only the multiturn part of an encoder looks at. */
-static const size_t multiturn[] = {
-    offsetof(struct dg_world, battery_mv),
-    offsetof(struct dg_world, multiturn_amplitude_ok),
-    offsetof(struct dg_world, multiturn_sync_ok),
-    offsetof(struct dg_world, multiturn_vector_ok),
-};
 
 /* Whether this encoder can notice it. */
 static bool concerns(const struct dg_fault_target *target, const struct dg_fault_row *row)
@@ -28,10 +19,8 @@ static bool concerns(const struct dg_fault_target *target, const struct dg_fault
     if (row->stack != target->stack || row->kind != DG_FAULT_WORLD) {
         return row->stack == target->stack;
     }
-    for (size_t i = 0; target->singleturn && i < sizeof multiturn / sizeof multiturn[0]; i++) {
-        if (row->offset == multiturn[i]) {
-            return false;
-        }
+    if (target->singleturn && dg_quantity_at(row->offset)->multiturn) {
+        return false;
     }
     return target->layout != NULL || row->offset != offsetof(struct dg_world, eeprom_acknowledges);
 }
@@ -129,41 +118,6 @@ int dg_fault_find(const struct dg_fault_target *target, const char *name)
     return DG_ERR_ARGUMENT;
 }
 
-_Static_assert(sizeof(bool) == 1, "a state of the world is a byte");
-
-/* All of them fit the signed type of their size: the unsigned ones have limits far below. */
-int64_t control_quantity_get(const struct dg_world *world, size_t offset, uint8_t size)
-{
-    const unsigned char *at = (const unsigned char *)world + offset;
-    int32_t wide;
-    int16_t narrow;
-
-    if (size == sizeof wide) {
-        memcpy(&wide, at, sizeof wide);
-        return wide;
-    }
-    if (size == sizeof narrow) {
-        memcpy(&narrow, at, sizeof narrow);
-        return narrow;
-    }
-    return *at;
-}
-
-void control_quantity_set(struct dg_world *world, size_t offset, uint8_t size, int64_t value)
-{
-    unsigned char *at = (unsigned char *)world + offset;
-    const int32_t wide = (int32_t)value;
-    const int16_t narrow = (int16_t)value;
-
-    if (size == sizeof wide) {
-        memcpy(at, &wide, sizeof wide);
-    } else if (size == sizeof narrow) {
-        memcpy(at, &narrow, sizeof narrow);
-    } else {
-        *at = value != 0 ? 1 : 0;
-    }
-}
-
 /* Another active fault on the same quantity, or DG_FAULTS_MAX. */
 static size_t rival(const struct dg_faults *self, const struct dg_fault_target *target,
                     size_t offset)
@@ -193,19 +147,19 @@ static void bend(struct dg_faults *self, const struct dg_fault_target *target, s
 
     /* What the quantity was before the first of them is what it will be after the last. */
     if (before == DG_FAULTS_MAX) {
-        self->fault[index].healthy = control_quantity_get(target->world, row->offset, row->size);
+        self->fault[index].healthy = dg_quantity_get(dg_quantity_at(row->offset), target->world);
     } else {
         self->fault[index].healthy = self->fault[before].healthy;
         self->fault[before].active = false;
     }
-    control_quantity_set(target->world, row->offset, row->size, row->value);
+    dg_quantity_set(dg_quantity_at(row->offset), target->world, row->value);
 }
 
 static void unbend(struct dg_faults *self, const struct dg_fault_target *target, size_t index,
                    const struct dg_fault_row *row)
 {
-    if (control_quantity_get(target->world, row->offset, row->size) == row->value) {
-        control_quantity_set(target->world, row->offset, row->size, self->fault[index].healthy);
+    if (dg_quantity_get(dg_quantity_at(row->offset), target->world) == row->value) {
+        dg_quantity_set(dg_quantity_at(row->offset), target->world, self->fault[index].healthy);
     }
 }
 

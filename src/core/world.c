@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "drehgeber/world.h"
 
+#include "drehgeber/quantity.h"
+
 /** 1 turn in DG_WORLD_SPEED_SPAN, in 0.001 rpm. */
 #define MRPM_PER_TURN (DG_S(60) / DG_WORLD_SPEED_SPAN * 1000u)
 
@@ -11,23 +13,11 @@ static dg_angle at_rest(void *ctx, dg_ns now)
     return 0;
 }
 
+#define HEALTHY(id, member, name, header, unit, healthy, ...) .member = healthy,
+
 void dg_world_init(struct dg_world *self)
 {
-    *self = (struct dg_world){
-        .angle = at_rest,
-        .temperature_mdegc = 37000,
-        .led_current_ua = 12000,
-        .supply_mv = 5000,
-        .battery_mv = 3610,
-        .sin_amplitude_permille = 1000,
-        .cos_amplitude_permille = 1000,
-        .singleturn_ok = true,
-        .multiturn_amplitude_ok = true,
-        .multiturn_sync_ok = true,
-        .multiturn_vector_ok = true,
-        .eeprom_acknowledges = true,
-        .watchdog_fired = false,
-    };
+    *self = (struct dg_world){.angle = at_rest, DG_QUANTITIES(HEALTHY)};
 }
 
 dg_angle dg_world_angle(const struct dg_world *self, dg_ns now)

@@ -57,6 +57,7 @@ OWNER = {
     "store.h":     "core",
     "time.h":      "core",
     "world.h":     "core",
+    "quantity.h":  "core",
     "motion.h":    "motion",
     "hiperface.h": "hiperface",
     "biss.h":      "biss",
