@@ -125,11 +125,11 @@ def complaint(path, place, at, system, local):
 
 
 def ambiguous(at):
-    """Rooms share one include path here and there: a header's name says which one it is."""
+    """A file of a room has a name of its own, so that a name says which one is meant."""
     for name, paths in sorted(at.items()):
-        rooms = [path for path in paths if not path.startswith("src/")]
-        if len(rooms) > 1 and name.endswith(".h"):
-            yield f"{name} is the name of several: {' '.join(rooms)}"
+        named = [path for path in paths if not path.startswith("tools/")]
+        if len(named) > 1 and any(path.startswith("platform/") for path in named):
+            yield f"{name} is the name of several: {' '.join(named)}"
 
 
 def main():
