@@ -185,11 +185,40 @@ class Client:
         return int(self.ask("SYST:ERR?").split(",")[0])
 
     def do(self, text: str):
-        """A command that has to be taken."""
-        assert self.ask(text + ";:SYST:ERR?").startswith("0,"), text
+        """A line that has to be taken; the question is a line of its own, as a failure ends a line."""
+        self.send(text)
+        told = self.ask("SYST:ERR?")
+        assert told.startswith("0,"), (text, told)
 
     def refused(self, text: str, code: int):
         assert self.error(text) == code, text
+
+
+class Rigs:
+    """Rigs that a test starts, and their clients, which go before them."""
+
+    def __init__(self, folder: Path, client=Client):
+        self.folder, self.client = folder, client
+        self.running, self.clients = [], []
+
+    def begin(self, text: str, *arguments, **options) -> Encoder:
+        """Its files are in the folder; .client(N) connects to its control address N."""
+        file = self.folder / "rig.ini"
+        file.write_text(text)
+        one = start_rig(file, "--files", self.folder, *arguments, **options)
+        self.running.append(one)
+        one.client = lambda number=0: self._connect(one.controls[number])
+        return one
+
+    def _connect(self, address: str):
+        self.clients.append(self.client(address))
+        return self.clients[-1]
+
+    def end(self) -> list:
+        """What they said on stderr that no test asked for."""
+        for one in self.clients:
+            one.close()
+        return [line for one in self.running for line in one.clean_up()]
 
 
 def assert_silent(master: Master, command=Master.read_position):

@@ -8,7 +8,7 @@ import pytest
 import serial
 
 from hiperface_master import Master
-from rig import PATIENCE_S, Client, Encoder, run_refused
+from rig import PATIENCE_S, Client, Encoder, Rigs, run_refused
 
 CONTROLLED = "[rig]\ncontrol = tcp:127.0.0.1:0\n"
 SIMULATED = CONTROLLED + "[encoder a]\nmodel = s3684-biss\nwire = sim\n"
@@ -29,30 +29,9 @@ class Impatient(Client):
 @pytest.fixture
 def rig(tmp_path):
     """Start a rig: rig(TEXT); its clients are closed and it ends when it is told to."""
-    running, clients = [], []
-
-    def begin(text, *arguments, **options):
-        file = tmp_path / "rig.ini"
-        file.write_text(text)
-        one = Encoder([file, "--files", tmp_path, *arguments], **options)
-        running.append(one)
-        lines = [one.ready_line]
-        while lines[-1] != "ready rig":
-            lines.append(one.out.wait())
-        one.ports = [int(line.rpartition(":")[2]) for line in lines if line.startswith("control ")]
-
-        def client(number: int = 0) -> Impatient:
-            clients.append(Impatient(one.ports[number]))
-            return clients[-1]
-
-        one.client = client
-        return one
-
-    yield begin
-    for one in clients:
-        one.close()
-    for one in running:
-        one.clean_up()
+    rigs = Rigs(tmp_path, Impatient)
+    yield rigs.begin
+    rigs.end()
 
 
 # --- files --------------------------------------------------------------------------------------

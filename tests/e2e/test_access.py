@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from rig import PATIENCE_S, PROGRAM, REPOSITORY, Client, run, run_refused, start_rig
+from rig import PATIENCE_S, PROGRAM, REPOSITORY, Client, Rigs, run, run_refused, start_rig
 
 sys.path.insert(0, str(REPOSITORY / "tools/python"))
 import drehgeber  # noqa: E402
@@ -28,28 +28,17 @@ BODY = f"{SPEED}\n{FILE}\n"
 @pytest.fixture
 def rig(tmp_path):
     """Start a rig: rig("tcp:127.0.0.1:0", ...); its files are in tmp_path. Nothing unasked is said."""
-    running, clients = [], []
+    rigs = Rigs(tmp_path)
 
     def begin(*addresses, **options):
-        file = tmp_path / "rig.ini"
-        file.write_text("[rig]\n" + "".join(f"control = {a}\n" for a in addresses) + ENCODER)
-        one = start_rig(file, "--files", tmp_path, **options)
-        running.append(one)
+        keys = "".join(f"control = {a}\n" for a in addresses)
+        one = rigs.begin(f"[rig]\n{keys}{ENCODER}", **options)
         one.controls = [address.partition(",token=")[0] for address in one.controls]
         one.port = int(one.controls[0].rpartition(":")[2]) if "tcp:" in one.controls[0] else None
-
-        def client(number: int = 0) -> Client:
-            clients.append(Client(one.controls[number]))
-            return clients[-1]
-
-        one.client = client
         return one
 
     yield begin
-    for one in clients:
-        one.close()
-    unasked = [line for one in running for line in one.clean_up()]
-    assert unasked == []
+    assert rigs.end() == []
 
 
 def swallowed(line: socket.socket) -> bytes:

@@ -112,7 +112,28 @@ def everything(*folders: Path) -> dict:
 
 # --- where it may lie -----------------------------------------------------------------------------
 
-# Each makes something in the place and answers the name a client tries; {} is the right ending.
+# Names that are refused whatever lies there.
+NAMES = {
+    "absolute_and_new": "{outside}/new.{ending}",
+    "upwards": "../x.{ending}",
+    "upwards_from_below": "{place}/../../outside/x.{ending}",
+    "upwards_from_the_folder": "{folder}/../outside/x.{ending}",
+    "device": "/dev/null",
+    "process_file": "/proc/self/cwd/x.{ending}",
+    "wrong_ending": "{place}/x.txt",
+    "no_ending": "{place}/{ending}",
+    "ending_of_another_kind": "{place}/x.nvm",
+    "ending_and_more": "{place}/x.{ending}.txt",
+    "missing_folder": "{place}/none/x.{ending}",
+    "file_as_a_folder": "image.csv/x.{ending}",
+    "too_long": "{place}/" + "x" * 256 + ".{ending}",
+    "nothing": "",
+    "the_folder_itself": ".",
+    "slash_behind": "{place}/x.{ending}/",
+}
+
+
+# Each makes something in the place; the name a client tries is x.ENDING there, or what is answered.
 
 def absolute(bench, place, ending):
     (bench.outside / "precious").write_bytes(FOREIGN)
@@ -124,42 +145,23 @@ def absolute_with_the_ending(bench, place, ending):
     return bench.outside / f"absolute.{ending}"
 
 
-def absolute_and_new(bench, place, ending):
-    return bench.outside / f"new.{ending}"
-
-
 def neighbour_with_the_same_beginning(bench, place, ending):
     (bench.here / "folder2").mkdir(exist_ok=True)
     return bench.here / f"folder2/x.{ending}"
 
 
-def upwards(bench, place, ending):
-    return f"../x.{ending}"
-
-
-def upwards_from_below(bench, place, ending):
-    return f"{place.name}/../../outside/x.{ending}"
-
-
-def upwards_from_the_folder(bench, place, ending):
-    return f"{bench.folder}/../outside/x.{ending}"
-
-
 def symbolic_link(bench, place, ending):
     (bench.outside / f"linked.{ending}").write_bytes(FOREIGN)
     (place / f"x.{ending}").symlink_to(bench.outside / f"linked.{ending}")
-    return f"{place.name}/x.{ending}"
 
 
 def symbolic_link_to_nothing(bench, place, ending):
     (place / f"x.{ending}").symlink_to(bench.outside / f"nothing.{ending}")
-    return f"{place.name}/x.{ending}"
 
 
 def symbolic_link_inside(bench, place, ending):
     (place / f"y.{ending}").touch()
     (place / f"x.{ending}").symlink_to(f"y.{ending}")
-    return f"{place.name}/x.{ending}"
 
 
 def folder_behind_a_link(bench, place, ending):
@@ -170,129 +172,76 @@ def folder_behind_a_link(bench, place, ending):
 def hard_link(bench, place, ending):
     (bench.outside / f"hard.{ending}").write_bytes(FOREIGN)
     (place / f"x.{ending}").hardlink_to(bench.outside / f"hard.{ending}")
-    return f"{place.name}/x.{ending}"
 
 
 def pipe(bench, place, ending):
     os.mkfifo(place / f"x.{ending}")
-    return f"{place.name}/x.{ending}"
 
 
 def folder(bench, place, ending):
     (place / f"x.{ending}").mkdir()
-    return f"{place.name}/x.{ending}"
 
 
 def unix_socket(bench, place, ending):
     with socket.socket(socket.AF_UNIX) as one:
         one.bind(str(place / "x"))
     (place / "x").rename(place / f"x.{ending}")
-    return f"{place.name}/x.{ending}"
-
-
-def device(bench, place, ending):
-    return "/dev/null"
-
-
-def process_file(bench, place, ending):
-    return f"/proc/self/cwd/x.{ending}"
-
-
-def eeprom_in_use(bench, place, ending):
-    return "image.vcd" if ending == "vcd" else "image.csv"
 
 
 def eeprom_of_yesterday(bench, place, ending):
     (place / f"x.{ending}").write_bytes((bench.folder / "image.csv").read_bytes())
-    return f"{place.name}/x.{ending}"
 
 
 def foreign(bench, place, ending):
     (place / f"x.{ending}").write_bytes(FOREIGN)
-    return f"{place.name}/x.{ending}"
 
 
 def foreign_of_one_byte(bench, place, ending):
     (place / f"x.{ending}").write_bytes(b"t")
-    return f"{place.name}/x.{ending}"
 
 
 def foreign_that_names_us(bench, place, ending):
     text = f"#!/bin/sh\n# $comment drehgeber: time_s,angle_deg time_s,in_0 {ending}\n"
     (place / f"x.{ending}").write_text(text)
-    return f"{place.name}/x.{ending}"
 
 
 def foreign_with_more_columns(bench, place, ending):
     (place / f"x.{ending}").write_text("time_s,angle_deg,torque_nm\n0,0,0\n")
-    return f"{place.name}/x.{ending}"
 
 
 def hard_link_to_their_own(bench, place, ending):
     kind = next(kind for kind in KINDS if kind[3] == ending and kind[0] != "cycles")
     assert bench.begin(kind, place / f"y.{ending}") == 0
     (place / f"x.{ending}").hardlink_to(place / f"y.{ending}")
-    return f"{place.name}/x.{ending}"
 
 
 def foreign_with_zeros(bench, place, ending):
     (place / f"x.{ending}").write_bytes(bytes(5000))
-    return f"{place.name}/x.{ending}"
 
 
-def wrong_ending(bench, place, ending):
-    return f"{place.name}/x.txt"
+def eeprom_in_use(bench, place, ending):
+    return "image.vcd" if ending == "vcd" else "image.csv"
 
 
-def no_ending(bench, place, ending):
-    return f"{place.name}/{ending}"
+MADE = (
+    absolute, absolute_with_the_ending, neighbour_with_the_same_beginning, symbolic_link,
+    symbolic_link_to_nothing, symbolic_link_inside, folder_behind_a_link, hard_link, pipe, folder,
+    unix_socket, eeprom_of_yesterday, foreign, foreign_of_one_byte, foreign_that_names_us,
+    foreign_with_more_columns, hard_link_to_their_own, foreign_with_zeros, eeprom_in_use,
+)
+REFUSED = {make.__name__: make for make in MADE} | NAMES
 
 
-def ending_of_another_kind(bench, place, ending):
-    return f"{place.name}/x.nvm"
+def tried(bench, what: str, ending: str) -> str:
+    """The name that a client tries, once what it leads to is there."""
+    place, make = bench.place(), REFUSED[what]
+    name = make if isinstance(make, str) else make(bench, place, ending) or "{place}/x.{ending}"
+    return str(name).format(place=place.name, folder=bench.folder, outside=bench.outside, ending=ending)
 
 
-def ending_and_more(bench, place, ending):
-    return f"{place.name}/x.{ending}.txt"
-
-
-def missing_folder(bench, place, ending):
-    return f"{place.name}/none/x.{ending}"
-
-
-def file_as_a_folder(bench, place, ending):
-    return f"image.csv/x.{ending}"
-
-
-def too_long(bench, place, ending):
-    return f"{place.name}/{'x' * 256}.{ending}"
-
-
-def nothing(bench, place, ending):
-    return ""
-
-
-def the_folder_itself(bench, place, ending):
-    return "."
-
-
-def slash_behind(bench, place, ending):
-    return f"{place.name}/x.{ending}/"
-
-
-REFUSED = [
-    absolute, absolute_with_the_ending, absolute_and_new, neighbour_with_the_same_beginning, upwards,
-    upwards_from_below, upwards_from_the_folder, symbolic_link, symbolic_link_to_nothing,
-    symbolic_link_inside, folder_behind_a_link, hard_link, pipe, folder, unix_socket, device,
-    process_file, eeprom_in_use, eeprom_of_yesterday, foreign, foreign_of_one_byte,
-    foreign_with_zeros, foreign_that_names_us, foreign_with_more_columns, hard_link_to_their_own, wrong_ending, no_ending, ending_of_another_kind, ending_and_more,
-    missing_folder, file_as_a_folder, too_long, nothing, the_folder_itself, slash_behind,
-]
-
-
-@pytest.mark.parametrize("make", REFUSED, ids=[make.__name__ for make in REFUSED])
-def test_what_is_not_theirs_stays_as_it_is(bench, kind, make):
-    name = make(bench, bench.place(), kind[3])
+@pytest.mark.parametrize("what", REFUSED)
+def test_what_is_not_theirs_stays_as_it_is(bench, kind, what):
+    name = tried(bench, what, kind[3])
     before = everything(bench.here)
     assert bench.begin(kind, name) in BUSY, name
     assert everything(bench.here) == before
@@ -389,8 +338,8 @@ def test_a_link_that_comes_while_it_is_opened(bench, what):
 def test_nothing_is_left_open(bench):
     descriptors = Path(f"/proc/{bench.rig.pid}/fd")
     place = bench.place()
-    names = [make(bench, place, "csv") for make in (absolute, upwards, pipe, wrong_ending,
-                                                    missing_folder, eeprom_in_use)]
+    names = [tried(bench, what, "csv") for what in ("absolute", "upwards", "pipe", "wrong_ending",
+                                                    "missing_folder", "eeprom_in_use")]
     before = len(list(descriptors.iterdir()))
     for name in names * 5 + [f"{place.name}/new.csv"] * 5:
         bench.begin(KINDS[0], name)
@@ -418,16 +367,16 @@ def test_a_motion_is_read_from_the_folder(bench):
     assert angle(bench) == 90
 
 
-@pytest.mark.parametrize("make", [absolute, absolute_with_the_ending, upwards, symbolic_link,
-                                  symbolic_link_inside, folder_behind_a_link, pipe, folder,
-                                  unix_socket, process_file, missing_folder, too_long])
-def test_a_motion_from_elsewhere_is_not_read(bench, make):
-    name = make(bench, bench.place(), "csv")
+@pytest.mark.parametrize("what", ["absolute", "absolute_with_the_ending", "upwards", "symbolic_link",
+                                  "symbolic_link_inside", "folder_behind_a_link", "pipe", "folder",
+                                  "unix_socket", "process_file", "missing_folder", "too_long"])
+def test_a_motion_from_elsewhere_is_not_read(bench, what):
+    name = tried(bench, what, "csv")
     for path in (bench.outside, bench.folder):  # whatever it leads to would be a motion
         for file in path.rglob("*"):
             if file.is_file() and file.name != "image.csv" and file.name != "image.vcd":
                 file.write_text(MOTION)
-    if make is upwards:
+    if what == "upwards":
         (bench.here / "x.csv").write_text(MOTION)
     bench.client.do("SHAF:POS 10")
     assert bench.client.error(f'SHAF:PROF "{name}"') in (-224, -256)

@@ -250,6 +250,16 @@ def test_steered_from_outside(rig, tmp_path):
         control.refused('SHAF:PROF "60RPM"', -221)  # geared
 
 
+def test_a_failure_ends_a_line_and_no_wait(rig):
+    """Of the client that these tests use: what is left of the line would have answered."""
+    with control_of(rig(SIMULATED)) as control:
+        begin = time.monotonic()
+        with pytest.raises(AssertionError, match="-113"):
+            control.do("NONSENSE;SHAF:POS 0")
+        assert time.monotonic() - begin < PATIENCE_S / 2
+        control.do("SHAF:POS 0")  # nothing is left of it
+
+
 SIMULATED = """
 [rig]
 control = tcp:127.0.0.1:0
