@@ -6,81 +6,27 @@
 #include <string.h>
 
 #include "drehgeber/devices.h"
+#include "figures.h"
 
 /* --- figures by name ----------------------------------------------------------------------- */
 
-enum kind { U8, I16, U16, U32, I32, BOOL, US };
-
-struct figure {
-    const char *name;
-    size_t offset;
-    enum kind kind;
-};
-
 /* clang-format off */
-#define MODEL(field, kind) {#field, offsetof(struct dg_biss_model, field), kind}
-#define WORLD(field, kind) {#field, offsetof(struct dg_world, field), kind}
-static const struct figure model_figures[] = {
-    {"mt",       offsetof(struct dg_biss_model, multiturn_bits),  U8},
-    {"st",       offsetof(struct dg_biss_model, singleturn_bits), U8},
-    {"lc",       offsetof(struct dg_biss_model, life_counter),    BOOL},
-    {"revision", offsetof(struct dg_biss_model, device_id) + 5,   U8},
-    {"series",   offsetof(struct dg_biss_model, device_id),       U8},
-    {"busy_us",  offsetof(struct dg_biss_model, busy),            US},
-    {"jitter_us", offsetof(struct dg_biss_model, busy_jitter),    US},
-    {"early",    offsetof(struct dg_biss_model, stop_bit_early),  BOOL},
-    {"read_us",  offsetof(struct dg_biss_model, eeprom_read),     US},
-    {"write_us", offsetof(struct dg_biss_model, eeprom_write),    US},
-    {"init_us",  offsetof(struct dg_biss_model, init),            US},
-    MODEL(autostore, BOOL), MODEL(sl_low_at_start, BOOL), MODEL(serial, U32), {NULL, 0, U8},
-};
-static const struct figure world_figures[] = {
-    WORLD(temperature_mdegc, I32),      WORLD(led_current_ua, U32),
-    WORLD(sin_amplitude_permille, U16), WORLD(cos_amplitude_permille, U16),
-    WORLD(sin_offset_permille, I16),    WORLD(cos_offset_permille, I16),
-    WORLD(singleturn_ok, BOOL),         WORLD(multiturn_amplitude_ok, BOOL),
-    WORLD(multiturn_sync_ok, BOOL),     WORLD(multiturn_vector_ok, BOOL),
-    WORLD(eeprom_acknowledges, BOOL),   WORLD(watchdog_fired, BOOL),
-    {NULL, 0, U8},
+#define MODEL(field, kind) CF_FIGURE(#field, dg_biss_model, field, kind)
+static const struct cf_figure model_figures[] = {
+    CF_FIGURE("mt",       dg_biss_model, multiturn_bits,  U8),
+    CF_FIGURE("st",       dg_biss_model, singleturn_bits, U8),
+    CF_FIGURE("lc",       dg_biss_model, life_counter,    BOOL),
+    CF_FIGURE("revision", dg_biss_model, device_id[5],    U8),
+    CF_FIGURE("series",   dg_biss_model, device_id,       U8),
+    CF_FIGURE("busy_us",  dg_biss_model, busy,            US),
+    CF_FIGURE("jitter_us", dg_biss_model, busy_jitter,   US),
+    CF_FIGURE("early",    dg_biss_model, stop_bit_early,  BOOL),
+    CF_FIGURE("read_us",  dg_biss_model, eeprom_read,     US),
+    CF_FIGURE("write_us", dg_biss_model, eeprom_write,    US),
+    CF_FIGURE("init_us",  dg_biss_model, init,            US),
+    MODEL(autostore, BOOL), MODEL(sl_low_at_start, BOOL), MODEL(serial, U32), {NULL, 0, 0, CF_U8},
 };
 /* clang-format on */
-
-static void set_number(uint8_t *to, enum kind kind, long long value)
-{
-    const int16_t i16 = (int16_t)value;
-    const uint16_t u16 = (uint16_t)value;
-    const int32_t i32 = (int32_t)value;
-    const uint32_t u32 = (uint32_t)value;
-    const uint8_t u8 = (uint8_t)value;
-    const bool yes = value != 0;
-    const dg_ns us = DG_US(value);
-    const struct {
-        const void *from;
-        size_t n;
-    } forms[] = {
-        [U8] = {&u8, sizeof u8},    [I16] = {&i16, sizeof i16}, [U16] = {&u16, sizeof u16},
-        [U32] = {&u32, sizeof u32}, [I32] = {&i32, sizeof i32}, [BOOL] = {&yes, sizeof yes},
-        [US] = {&us, sizeof us},
-    };
-
-    memcpy(to, forms[kind].from, forms[kind].n);
-}
-
-/* word: `name=value` */
-static bool set_figure(const struct figure *figures, void *object, const char *word)
-{
-    size_t n = strcspn(word, "=");
-
-    while (figures->name != NULL &&
-           (strlen(figures->name) != n || strncmp(figures->name, word, n) != 0)) {
-        figures++;
-    }
-    if (figures->name == NULL || word[n] != '=') {
-        return false;
-    }
-    set_number((uint8_t *)object + figures->offset, figures->kind, strtoll(word + n + 1, NULL, 0));
-    return true;
-}
 
 /* "5ms", "300us", "100ns"; 0 when it is none of them */
 dg_ns biss_bench_span(const char *word)
@@ -171,7 +117,7 @@ static bool add_slave(struct biss_bench *b, char **words, size_t n, struct cf_re
     slave->model = *dg_biss_model_of(device);
     for (size_t i = 2; i < n; i++) {
         if (strcmp(words[i], "window") != 0 &&
-            !set_figure(model_figures, &slave->model, words[i])) {
+            !cf_set_figure(model_figures, &slave->model, words[i])) {
             return cf_fail(report, "no such figure: %s", words[i]);
         }
     }
@@ -244,7 +190,7 @@ bool biss_bench_world(void *ctx, char **words, size_t n, struct cf_report *repor
 {
     struct biss_bench *b = ctx;
     for (size_t i = 1; i < n; i++) {
-        if (!set_figure(world_figures, &b->world, words[i])) {
+        if (!cf_set_figure(cf_world_figures, &b->world, words[i])) {
             return cf_fail(report, "world: no such quantity: %s", words[i]);
         }
     }

@@ -10,6 +10,7 @@
 #include "conformance.h"
 #include "drehgeber/devices.h"
 #include "drehgeber/hiperface.h"
+#include "figures.h"
 #include "ram_nvm.h"
 
 #define REPLIES_MAX 4u
@@ -45,22 +46,12 @@ static struct bench bench;
 
 /* --- figures by name ----------------------------------------------------------------------- */
 
-enum kind { U8, I16, U16, U32, I32, BOOL, MS, TEXT };
-
-struct figure {
-    const char *name;
-    size_t offset;
-    enum kind kind;
-    size_t size; /* of a text */
-};
-
 /* clang-format off */
-#define MODEL(field, kind) {#field, offsetof(struct dg_hf_model, field), kind, sizeof ((struct dg_hf_model *)0)->field}
-#define WORLD(field, kind) {#field, offsetof(struct dg_world, field), kind, 0}
-static const struct figure model_figures[] = {
-    {"memory",      offsetof(struct dg_hf_model, memory_blocks), U8, 0},
-    {"reaction_ms", offsetof(struct dg_hf_model, reaction),      MS, 0},
-    {"init_ms",     offsetof(struct dg_hf_model, init),          MS, 0},
+#define MODEL(field, kind) CF_FIGURE(#field, dg_hf_model, field, kind)
+static const struct cf_figure model_figures[] = {
+    CF_FIGURE("memory",      dg_hf_model, memory_blocks, U8),
+    CF_FIGURE("reaction_ms", dg_hf_model, reaction,      MS),
+    CF_FIGURE("init_ms",     dg_hf_model, init,          MS),
     MODEL(periods_per_turn, U16),     MODEL(steps_per_period, U32),     MODEL(turns, U32),
     MODEL(type_code, U8),             MODEL(option_code, U8),           MODEL(serial, TEXT),
     MODEL(version, TEXT),             MODEL(date, TEXT),                MODEL(designation, TEXT),
@@ -69,61 +60,9 @@ static const struct figure model_figures[] = {
     MODEL(led_max_ma, U16),           MODEL(vector_min, U16),           MODEL(vector_max, U16),
     MODEL(speed_max_rpm, U16),        MODEL(acceleration_max_krad_s2, U16),
     MODEL(implemented_blocks, U8),
-    {NULL, 0, U8, 0},
-};
-static const struct figure world_figures[] = {
-    WORLD(temperature_mdegc, I32),      WORLD(led_current_ua, U32),
-    WORLD(sin_amplitude_permille, U16), WORLD(cos_amplitude_permille, U16),
-    WORLD(sin_offset_permille, I16),    WORLD(cos_offset_permille, I16),
-    WORLD(singleturn_ok, BOOL),         WORLD(multiturn_amplitude_ok, BOOL),
-    WORLD(multiturn_sync_ok, BOOL),     WORLD(multiturn_vector_ok, BOOL),
-    WORLD(eeprom_acknowledges, BOOL),
-    {NULL, 0, U8, 0},
+    {NULL, 0, 0, CF_U8},
 };
 /* clang-format on */
-
-static void set_number(uint8_t *to, enum kind kind, long long value)
-{
-    const int16_t i16 = (int16_t)value;
-    const uint16_t u16 = (uint16_t)value;
-    const int32_t i32 = (int32_t)value;
-    const uint32_t u32 = (uint32_t)value;
-    const uint8_t u8 = (uint8_t)value;
-    const bool yes = value != 0;
-    const dg_ns ms = DG_MS(value);
-    const struct {
-        const void *from;
-        size_t n;
-    } forms[] = {
-        [U8] = {&u8, sizeof u8},    [I16] = {&i16, sizeof i16}, [U16] = {&u16, sizeof u16},
-        [U32] = {&u32, sizeof u32}, [I32] = {&i32, sizeof i32}, [BOOL] = {&yes, sizeof yes},
-        [MS] = {&ms, sizeof ms},
-    };
-
-    memcpy(to, forms[kind].from, forms[kind].n);
-}
-
-/* word: `name=value` */
-static bool set_figure(const struct figure *figures, void *object, const char *word)
-{
-    size_t n = strcspn(word, "=");
-
-    for (; figures->name != NULL && word[n] == '='; figures++) {
-        uint8_t *to = (uint8_t *)object + figures->offset;
-
-        if (strlen(figures->name) != n || strncmp(figures->name, word, n) != 0) {
-            continue;
-        }
-        if (figures->kind == TEXT) {
-            memset(to, 0, figures->size);
-            (void)snprintf((char *)to, figures->size, "%s", word + n + 1);
-        } else {
-            set_number(to, figures->kind, strtoll(word + n + 1, NULL, 0));
-        }
-        return true;
-    }
-    return false;
-}
 
 /* --- time, shaft, wire --------------------------------------------------------------------- */
 
@@ -440,7 +379,7 @@ static bool step_given(void *ctx, char **words, size_t n, struct cf_report *repo
             in_window = true;
         } else if (strncmp(words[i], "raw=", 4) == 0) {
             raw = words[i] + 4;
-        } else if (!set_figure(model_figures, &b->model, words[i])) {
+        } else if (!cf_set_figure(model_figures, &b->model, words[i])) {
             return cf_fail(report, "given: no such figure: %s", words[i]);
         }
     }
@@ -466,7 +405,7 @@ static bool step_world(void *ctx, char **words, size_t n, struct cf_report *repo
 {
     struct bench *b = ctx;
     for (size_t i = 1; i < n; i++) {
-        if (!set_figure(world_figures, &b->world, words[i])) {
+        if (!cf_set_figure(cf_world_figures, &b->world, words[i])) {
             return cf_fail(report, "world: no such quantity: %s", words[i]);
         }
     }

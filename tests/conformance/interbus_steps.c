@@ -10,6 +10,7 @@
 #include "conformance.h"
 #include "drehgeber/devices.h"
 #include "drehgeber/interbus.h"
+#include "figures.h"
 #include "ram_nvm.h"
 
 #define DEVICES_MAX 4u
@@ -44,80 +45,32 @@ static struct bench bench;
 
 /* --- figures by name ----------------------------------------------------------------------- */
 
-enum kind { U8, U16, U32, I32, BOOL, MS };
-
-struct figure {
-    const char *name;
-    size_t offset;
-    enum kind kind;
-};
-
 /* clang-format off */
-#define MODEL(field, kind) {#field, offsetof(struct dg_ib_model, field), kind}
-#define WORLD(field, kind) {#field, offsetof(struct dg_world, field), kind}
-#define COUNTER(field) {#field, offsetof(struct dg_ib_counters, field), U32}
-#define RING(field) {#field, offsetof(struct dg_ib_ring_counters, field), U32}
-static const struct figure model_figures[] = {
+#define MODEL(field, kind) CF_FIGURE(#field, dg_ib_model, field, kind)
+#define COUNTER(field) CF_FIGURE(#field, dg_ib_counters, field, U32)
+#define RING(field) CF_FIGURE(#field, dg_ib_ring_counters, field, U32)
+static const struct cf_figure model_figures[] = {
     MODEL(steps, U16),  MODEL(turns, U16),   MODEL(steps_minus_one, BOOL), MODEL(temperature_sensor, BOOL),
     MODEL(serial, U32), MODEL(version, U32), MODEL(param_cycles, U8),      MODEL(loop, BOOL),
-    {"self_test_ms", offsetof(struct dg_ib_model, self_test), MS},
-    {NULL, 0, U8},
+    CF_FIGURE("self_test_ms", dg_ib_model, self_test, MS),
+    {NULL, 0, 0, CF_U8},
 };
-static const struct figure world_figures[] = {
-    WORLD(temperature_mdegc, I32), WORLD(singleturn_ok, BOOL),       WORLD(multiturn_amplitude_ok, BOOL),
-    WORLD(multiturn_sync_ok, BOOL), WORLD(multiturn_vector_ok, BOOL), WORLD(eeprom_acknowledges, BOOL),
-    {NULL, 0, U8},
-};
-static const struct figure counters[] = {
+static const struct cf_figure counters[] = {
     COUNTER(commands), COUNTER(refused), COUNTER(dropped), COUNTER(presets_unset), COUNTER(releases_stale),
     COUNTER(crc_errors),
-    {NULL, 0, U8},
+    {NULL, 0, 0, CF_U8},
 };
-static const struct figure ring_counters[] = {
+static const struct cf_figure ring_counters[] = {
     RING(cycles), RING(ids), RING(crc_errors), RING(dead), RING(interrupted),
-    {NULL, 0, U8},
+    {NULL, 0, 0, CF_U8},
 };
 /* clang-format on */
 
-static const struct figure *find_figure(const struct figure *figures, const char *name, size_t n)
+static bool check_counter(const struct cf_figure *figures, const void *object, char **words,
+                          size_t n, struct cf_report *report)
 {
-    while (figures->name != NULL &&
-           (strlen(figures->name) != n || strncmp(figures->name, name, n) != 0)) {
-        figures++;
-    }
-    return figures->name != NULL ? figures : NULL;
-}
-
-/* word: `name=value` */
-static bool set_figure(const struct figure *figures, void *object, const char *word)
-{
-    size_t n = strcspn(word, "=");
-    const struct figure *figure = word[n] == '=' ? find_figure(figures, word, n) : NULL;
-    long long value = figure != NULL ? strtoll(word + n + 1, NULL, 0) : 0;
-    const uint8_t u8 = (uint8_t)value;
-    const uint16_t u16 = (uint16_t)value;
-    const uint32_t u32 = (uint32_t)value;
-    const int32_t i32 = (int32_t)value;
-    const bool yes = value != 0;
-    const dg_ns ms = DG_MS(value);
-    const struct {
-        const void *from;
-        size_t n;
-    } forms[] = {
-        [U8] = {&u8, sizeof u8},    [U16] = {&u16, sizeof u16},  [U32] = {&u32, sizeof u32},
-        [I32] = {&i32, sizeof i32}, [BOOL] = {&yes, sizeof yes}, [MS] = {&ms, sizeof ms},
-    };
-
-    if (figure != NULL) {
-        memcpy((uint8_t *)object + figure->offset, forms[figure->kind].from, forms[figure->kind].n);
-    }
-    return figure != NULL;
-}
-
-static bool check_counter(const struct figure *figures, const void *object, char **words, size_t n,
-                          struct cf_report *report)
-{
-    const struct figure *figure = n == 3 ? find_figure(figures, words[1], strlen(words[1])) : NULL;
+    const struct cf_figure *figure =
+        n == 3 ? cf_find_figure(figures, words[1], strlen(words[1])) : NULL;
     uint32_t got;
 
     if (figure == NULL) {
@@ -520,7 +473,7 @@ static bool add_device(struct bench *b, char **words, size_t n, struct cf_report
     slave->model = *dg_ib_model_of(device);
     for (size_t i = 2; i < n; i++) {
         if (strncmp(words[i], "raw=", 4) != 0 && strcmp(words[i], "test") != 0 &&
-            !set_figure(model_figures, &slave->model, words[i])) {
+            !cf_set_figure(model_figures, &slave->model, words[i])) {
             return cf_fail(report, "no such figure: %s", words[i]);
         }
     }
@@ -608,7 +561,7 @@ static bool step_world(void *ctx, char **words, size_t n, struct cf_report *repo
 {
     struct bench *b = ctx;
     for (size_t i = 1; i < n; i++) {
-        if (!set_figure(world_figures, &b->world, words[i])) {
+        if (!cf_set_figure(cf_world_figures, &b->world, words[i])) {
             return cf_fail(report, "no such quantity: %s", words[i]);
         }
     }
