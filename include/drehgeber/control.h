@@ -5,45 +5,9 @@
  * An encoder is an instrument; a session selects one (the first one to begin with), and SHAFt acts
  * on the shaft that it sits on.
  *
- *   INSTrument:CATalog?                          names
- *   INSTrument:SELect NAME | ?
- *   INSTrument:MODel?                            e.g. "s3684-rs485"
- *   INSTrument:WIRE?                             e.g. "pty:/dev/pts/4"
- *   SHAFt:CATalog?                               names
- *   SHAFt:NAME?                                  of the selected encoder's
- *   SHAFt:POSition ANGLE | ?                     jump there and rest; degrees, 6 decimals
- *   SHAFt:VELocity SPEED | ?                     rpm, 3 decimals
- *   SHAFt:ACCeleration RPM/S | ?                 of what is to come; 0: at once
- *   SHAFt:STOP
- *   SHAFt:MOVE ANGLE[,SPEED]                     go there (default 60 RPM); overlapped, *OPC? waits
- *   SHAFt:MOVing?                                1 while it takes time
- *   SHAFt:PROFile "MOTION" | ?                   as --shaft takes it, also a .csv file
- *   SHAFt:RECord:STARt "FILE.csv"[,INTERVAL]     default 1 MS
- *   SHAFt:RECord:STOP
- *   WORLd:TEMPerature, WORLd:LED:CURRent, WORLd:SUPPly, WORLd:BATTery, WORLd:AMPLitude:SIN, :COS,
- *   WORLd:OFFSet:SIN, :COS, WORLd:SINGleturn, WORLd:MULTiturn:AMPLitude, :SYNC, :VECTor,
- *   WORLd:EEPRom, WORLd:WATChdog                 VALUE | ?; numbers with units, states ON or OFF
- *   WORLd:DEFault                                all healthy
- *   FAULt:CATalog?                               name,kind,cause,effect,chapter for each
- *   FAULt:SET NAME[,COUNt n][,PROBability p][,DURation TIME]
- *   FAULt:CLEar [NAME]                           all without a name
- *   FAULt:ACTive?                                names
- *   FAULt:HAPPened? NAME                         frames it happened to
- *   NVM:CATalog?                                 regions
- *   NVM:CORRupt REGION                           flip a bit; seen from the next power-on on
- *   NVM:ERASe                                    delivery state; the power has to be off
- *   POWer OFF|ON|CYCLe | ?
- *   STATe?                                       key=value,...; see dg_encoder_kind.state
- *   TIME?                                        seconds since the rig began, 9 decimals
- *   TIME:ORIGin?                                when that was, in seconds of the host's clock
- *   TIME:SCALe FACTOR | ?                        simulated wires only, else -221; 0 stops
- *   TIME:STEP TIME                               while it is stopped
- *   TRACe:STARt "FILE"                           of the selected encoder's wire
- *   TRACe:STOP
- *   TRACe:LAST? [N]                              decoded frames, newest last, strings
- *   BISS:FRAMe?                                  position,nERR,nWARN,life,CRC ok (simulated wire)
- *   BISS:REGister? ADDRESS[,N]                   bytes; -240 when the encoder refuses
- *   BISS:REGister ADDRESS,BYTE[,BYTE]...
+ * The commands are rows (struct dg_scpi_command) that say their parameters and what they do. They
+ * are listed in src/control/README.md, which is written from these rows, and by SYSTem:HELP? of
+ * whatever is running.
  */
 #ifndef DREHGEBER_CONTROL_H
 #define DREHGEBER_CONTROL_H
