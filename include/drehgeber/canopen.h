@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * A CANopen slave: CiA 301 V4.2 communication and CiA 305 layer setting services. The device
- * profile (src/cia406) fills the rest of the dictionary. Source: manual F36x8 CANopen, chapters
- * 2-19 and 27-29; what it leaves to the standards or open is decided in src/canopen/README.md.
+ * A CANopen slave: CiA 301 V4.2 communication and CiA 305 layer setting services. What a device is
+ * (its profile's objects, defaults, bit rates, identity) stands in a struct dg_co_device;
+ * src/cia406 has some. What the standards leave open is decided in src/canopen/README.md.
  *
  * Frames and time go in, frames come out. SYNC, RTR and SDO requests are answered inside
  * dg_co_rx(); what waits for time happens in dg_co_step(). All state lives in the caller's struct
@@ -113,6 +113,8 @@ enum dg_co_flags {
     DG_CO_EVENT = 256,  /**< dg_co_pdo_event() sends TPDOs that map it when it has changed */
     DG_CO_ACTION = 512, /**< not to be written back: ObjFlags=1 in an EDS */
     DG_CO_LIVE = 1024,  /**< what is read is no setting: no default in an EDS */
+    DG_CO_FIGURE = 2048, /**< a row of dg_co_device.figures, if there is one, has its default and
+                              maximum */
 };
 
 /** What a hook is called for. */
@@ -143,6 +145,16 @@ struct dg_co_object {
     dg_co_hook *hook; /**< or NULL */
 };
 
+/** Default and maximum of a row with DG_CO_FIGURE, where the device or the model says them. Those
+ * of the stack's rows are all that can be written and saved, but for COB-IDs: TPDOs as delivered.
+ */
+struct dg_co_figure {
+    uint16_t index;
+    uint8_t sub;
+    uint32_t initial;
+    uint32_t max;
+};
+
 /** Classes of 1029h. */
 enum dg_co_error_class {
     DG_CO_CLASS_NONE, /**< no reaction */
@@ -171,7 +183,7 @@ enum dg_co_stack_cause {
     DG_CO_CAUSES
 };
 
-/** Slots of the bus parameters, whose rows belong to the device (2100h-2102h), and the first slot
+/** Slots of the bus parameters, for which a device has rows of its own or none, and the first slot
  * a device profile may use for itself. */
 #define DG_CO_SLOT_BIT_RATE 80u
 #define DG_CO_SLOT_NODE_ID 81u
@@ -180,7 +192,7 @@ enum dg_co_stack_cause {
 
 /** Regions of the store that the stack itself uses, in this order at the start of every layout. */
 enum dg_co_region {
-    DG_CO_REGION_BUS,           /**< "bus": 2100h bit rate, 2101h node-ID, 2102h termination */
+    DG_CO_REGION_BUS,           /**< "bus": number of the bit rate, node-ID, termination */
     DG_CO_REGION_SAVED,         /**< "saved": 1 when 1010h has been used since 1011h */
     DG_CO_REGION_COMMUNICATION, /**< "communication": 1005h-1029h */
     DG_CO_REGION_TPDO1,         /**< "tpdo1": 1800h and 1A00h; three more follow */
@@ -196,6 +208,11 @@ struct dg_co_device {
     const char *name;                   /**< product name, for the EDS */
     const struct dg_co_object *objects; /**< rows from 2000h on, sorted */
     uint16_t object_count;
+    const struct dg_co_figure *figures; /**< of the stack's and of the device's rows */
+    uint8_t figure_count;
+    const uint16_t *kbaud; /**< bit rates by the number that stands for them; 0: none */
+    uint8_t kbaud_count;
+    uint16_t save_ms;                 /**< "save" is answered so long after the request */
     const struct dg_co_cause *causes; /**< from DG_CO_CAUSES on */
     uint8_t cause_count;
     const char *const *strings; /**< 1008h, 1009h, 100Ah, at most DG_CO_STRING_MAX long */
@@ -302,7 +319,7 @@ struct dg_co_lss {
     uint8_t identify;   /**< identify parts matched so far */
     uint8_t fastscan;   /**< part of the identity the scan is at */
     uint8_t node_id;    /**< pending */
-    uint8_t bit_rate;   /**< pending, index of 2100h */
+    uint8_t bit_rate;   /**< pending, number in dg_co_device.kbaud */
     dg_ns silent_until; /**< activate bit timing: nothing is sent before */
     dg_ns switch_at;    /**< activate bit timing: the new rate is in force from then */
 };
@@ -316,8 +333,8 @@ struct dg_co_node {
     dg_ns deadline; /**< of all services */
     enum dg_co_state state;
     uint8_t id;          /**< node-ID in force, DG_CO_UNCONFIGURED without one */
-    uint8_t bit_rate;    /**< in force, index of 2100h */
-    uint8_t termination; /**< 2102h as stored */
+    uint8_t bit_rate;    /**< in force, number in dg_co_device.kbaud */
+    uint8_t termination; /**< as stored */
     bool mounted;
     uint8_t filter_version; /**< changes whenever dg_co_filters() may have changed */
     uint32_t serial;        /**< 1018h:4 */
@@ -352,9 +369,11 @@ struct dg_co_node {
 /**
  * Rows of a layout for the regions that the stack uses (enum dg_co_region); a device appends its
  * own from DG_CO_REGION_APPLICATION on. Their defaults take a const uint32_t *serial as ctx.
+ * `default_bus` fills three bytes: number of the bit rate, node-ID (DG_CO_UNCONFIGURED: none yet),
+ * termination 0 or 1. They also serve when the memory cannot be read.
  */
-#define DG_CO_STORE_REGIONS                                                                        \
-    [DG_CO_REGION_BUS] = {"bus", 3, DG_STORE_CHECKED, 0, dg_co_default_bus},                       \
+#define DG_CO_STORE_REGIONS(default_bus)                                                           \
+    [DG_CO_REGION_BUS] = {"bus", 3, DG_STORE_CHECKED, 0, (default_bus)},                           \
     [DG_CO_REGION_SAVED] = {"saved", 1, DG_STORE_CHECKED, 0, dg_co_default_saved},                 \
     [DG_CO_REGION_COMMUNICATION] = {"communication", 35, DG_STORE_CHECKED, 0, NULL},               \
     [DG_CO_REGION_TPDO1] = {"tpdo1", 43, DG_STORE_CHECKED, 0, NULL},                               \
@@ -364,11 +383,10 @@ struct dg_co_node {
     [DG_CO_REGION_SERIAL] = {"serial", 4, DG_STORE_CHECKED, 0, dg_co_default_serial}
 /** Journal bytes that saving the stack's own regions takes. */
 #define DG_CO_JOURNAL_SIZE (6u + 1u + 6u + 35u + 4u * (6u + 43u))
-DG_API void dg_co_default_bus(const void *ctx, uint8_t *out);
 DG_API void dg_co_default_saved(const void *ctx, uint8_t *out);
 DG_API void dg_co_default_serial(const void *ctx, uint8_t *out);
 
-/** Burn the delivery state: defaults, node-ID 3Fh, 250 kBd, `serial`. @return as dg_store_format */
+/** Burn the delivery state: the device's defaults, `serial`. @return as dg_store_format */
 DG_API int dg_co_format(const struct dg_co_device *device, struct dg_nvm nvm, uint32_t serial);
 
 /** Make a node, without power. @return 0 or DG_ERR_ARGUMENT */
@@ -435,9 +453,9 @@ DG_API void dg_co_clear(struct dg_co_node *self, uint8_t cause);
 DG_API void dg_co_pdo_event(struct dg_co_node *self);
 /** The event timer of TPDO `tpdo` (0..3) was written through another object. */
 DG_API void dg_co_pdo_rearm(struct dg_co_node *self, uint8_t tpdo);
-/** Slot of the event timer of TPDO1 (1800h:5), for 6200h. */
+/** Slot of the event timer of TPDO1 (1800h:5), for profiles that show it as an object of theirs. */
 DG_API extern const uint8_t dg_co_slot_event_timer;
-/** Hook of 2105h. */
+/** Hook of a device's object that saves the bus parameters when "save" is written to it. */
 DG_API dg_co_hook dg_co_hook_save_bus;
 
 /* ---------------------------------------------------------------- many nodes on one bus */

@@ -49,6 +49,8 @@ enum co_slot {
 
 /** Send a frame now, unless the bus has to be silent. */
 void co_send(struct dg_co_node *self, uint16_t id, const uint8_t *data, uint8_t dlc);
+/** A bit rate by its number; 0: the device has no such number. */
+uint16_t co_kbaud(const struct dg_co_device *device, uint8_t number);
 /** The configured bit rate comes into force. */
 void co_use_bit_rate(struct dg_co_node *self);
 /** Enter Initialisation; `application` also resets 2000h-9FFFh (NMT 81h, LSS). */

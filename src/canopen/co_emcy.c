@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Emergencies: causes, error register 1001h, history 1003h, EMCY frames with inhibit time, and the
- * reaction of 1029h (CiA 301; manual chapters 14, 15, 26; C11, C14-C16).
+ * reaction of 1029h (CiA 301; C11, C14).
  */
 #include <string.h>
 
@@ -11,7 +11,7 @@
 #define GENERIC 0x01u
 #define COMMUNICATION 0x11u
 
-/* The stack's causes (chapter 15; 8140h and 8240h from CiA 301). */
+/* The stack's causes. */
 static const struct dg_co_cause causes[DG_CO_CAUSES] = {
     [DG_CO_CAUSE_OVERRUN] = {0x8110, COMMUNICATION, DG_CO_CLASS_NONE},
     [DG_CO_CAUSE_PASSIVE] = {0x8120, COMMUNICATION, DG_CO_CLASS_NONE},
@@ -108,7 +108,7 @@ void dg_co_clear(struct dg_co_node *self, uint8_t cause)
 void co_emcy_start(struct dg_co_node *self)
 {
     self->active_causes = 0;
-    self->history_count = 0; /* chapter 28: power-on values (C37) */
+    self->history_count = 0; /* power-on values (C37) */
     self->emcy_count = 0;
     self->emcy_until = 0;
 }

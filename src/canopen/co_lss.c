@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Layer setting services (CiA 305; manual chapters 6 and 9; C8-C10). Node-ID and bit rate that are
+ * Layer setting services (CiA 305; C8-C10). Node-ID and bit rate that are
  * configured here come into force at the next reset node, which leaving the configuration state
  * performs, and survive power-off only after "store".
  */
@@ -60,7 +60,7 @@ static void switch_global(struct dg_co_node *self, const uint8_t *data)
     }
     self->lss.configuration = data[1] == 1;
     if (!self->lss.configuration && changed) {
-        co_reset(self, true); /* unlike CiA 305, chapter 9 */
+        co_reset(self, true); /* unlike CiA 305 (C10) */
     }
 }
 
@@ -89,14 +89,30 @@ static void configure_node_id(struct dg_co_node *self, const uint8_t *data)
     answer(self, data[0], valid ? RESULT_OK : RESULT_REFUSED);
 }
 
-/* CiA 305's table 0 has other indices than 2100h (C9). */
+/* The device's number for a bit rate of CiA 305's table 0; NO_RATE: it has none, or none is meant.
+ */
+static uint8_t number_of(const struct dg_co_device *device, uint8_t index)
+{
+    static const uint16_t kbaud[] = {1000, 800, 500, 250, 125, 0, 50, 20, 10};
+    uint16_t wanted = index < sizeof kbaud / sizeof kbaud[0] ? kbaud[index] : 0;
+    uint8_t number = 0;
+
+    while (wanted != 0 && number < device->kbaud_count) {
+        if (device->kbaud[number] == wanted) {
+            return number;
+        }
+        number++;
+    }
+    return NO_RATE;
+}
+
 static void configure_bit_timing(struct dg_co_node *self, const uint8_t *data)
 {
-    static const uint8_t rates[] = {8, NO_RATE, 6, 5, 4, NO_RATE, 2, 1, 0};
-    bool valid = data[1] == 0 && data[2] < sizeof rates && rates[data[2]] != NO_RATE;
+    uint8_t number = data[1] == 0 ? number_of(self->setup.device, data[2]) : NO_RATE;
+    bool valid = number != NO_RATE;
 
     if (valid) {
-        self->lss.bit_rate = rates[data[2]];
+        self->lss.bit_rate = number;
         self->lss.changed = true;
     }
     answer(self, data[0], valid ? RESULT_OK : RESULT_REFUSED);

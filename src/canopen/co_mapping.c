@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Parameters of the TPDOs: 1800h and 1A00h (CiA 301; manual chapters 11, 12).
+ * Parameters of the TPDOs: 1800h and 1A00h (CiA 301).
  */
 #include "co_od.h"
 #include "co_pdo.h"

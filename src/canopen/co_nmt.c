@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * NMT state machine, heartbeat producer and consumers, node and life guarding (CiA 301; manual
- * chapters 16, 17, 27, 28).
+ * NMT state machine, heartbeat producer and consumers, node and life guarding (CiA 301).
  */
 #include "co_nmt.h"
 #include "co_pdo.h"
@@ -195,8 +194,8 @@ enum dg_co_abort co_hook_heartbeat(struct dg_co_node *self, const struct dg_co_o
     return DG_CO_OK;
 }
 
-/* An active entry is not changed without having been cleared (chapter 16); written again as it is,
- * it waits for a heartbeat anew. */
+/* An active entry is not changed without having been cleared (C12); written again as it is, it
+ * waits for a heartbeat anew. */
 enum dg_co_abort co_hook_consumer(struct dg_co_node *self, const struct dg_co_object *object,
                                   enum dg_co_op op, uint32_t *value)
 {

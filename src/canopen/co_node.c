@@ -46,14 +46,16 @@ void co_send(struct dg_co_node *self, uint16_t id, const uint8_t *data, uint8_t 
     self->setup.ops->send(self->setup.ctx, &frame);
 }
 
-/* The configured bit rate comes into force. */
+uint16_t co_kbaud(const struct dg_co_device *device, uint8_t number)
+{
+    return number < device->kbaud_count ? device->kbaud[number] : 0;
+}
+
 void co_use_bit_rate(struct dg_co_node *self)
 {
-    static const uint16_t kbaud[] = {10, 20, 50, 100, 125, 250, 500, 0, 1000};
-
     self->bit_rate = self->lss.bit_rate;
     if (self->setup.ops->bit_rate != NULL) {
-        self->setup.ops->bit_rate(self->setup.ctx, kbaud[self->bit_rate]);
+        self->setup.ops->bit_rate(self->setup.ctx, co_kbaud(self->setup.device, self->bit_rate));
     }
 }
 

@@ -21,6 +21,7 @@ enum {
     G = DG_CO_GAP,
     X = DG_CO_ACTION,
     L = DG_CO_LIVE,
+    F = DG_CO_FIGURE,
     COM = DG_CO_REGION_COMMUNICATION,
     PDO1 = DG_CO_REGION_TPDO1,
 };
@@ -91,9 +92,42 @@ uint32_t co_extend(const struct dg_co_object *object, uint32_t value)
     return is_signed(object) ? (value ^ sign) - sign : value;
 }
 
+/* NULL: the row says all by itself. */
+static const struct dg_co_figure *figure_of(const struct dg_co_device *device,
+                                            const struct dg_co_object *object)
+{
+    uint8_t count = (object->flags & DG_CO_FIGURE) != 0 ? device->figure_count : 0;
+
+    for (uint8_t i = 0; i < count; i++) {
+        const struct dg_co_figure *figure = &device->figures[i];
+        if (figure->index == object->index && figure->sub == object->sub) {
+            return figure;
+        }
+    }
+    return NULL;
+}
+
+uint32_t co_default(const struct dg_co_device *device, const struct dg_co_object *object)
+{
+    const struct dg_co_figure *figure = figure_of(device, object);
+
+    return figure != NULL ? figure->initial : object->initial;
+}
+
+uint32_t co_maximum(const struct dg_co_device *device, const struct dg_co_object *object)
+{
+    const struct dg_co_figure *figure = figure_of(device, object);
+
+    return figure != NULL ? figure->max : object->max;
+}
+
 uint32_t co_initial(const struct dg_co_node *self, const struct dg_co_object *object)
 {
-    return object->initial + ((object->flags & DG_CO_ID) != 0 ? self->id : 0u);
+    if ((object->flags & (DG_CO_ID | DG_CO_FIGURE)) == 0) {
+        return object->initial;
+    }
+    return co_default(self->setup.device, object) +
+           ((object->flags & DG_CO_ID) != 0 ? self->id : 0u);
 }
 
 enum dg_co_abort co_read(struct dg_co_node *self, const struct dg_co_object *object,
@@ -104,12 +138,15 @@ enum dg_co_abort co_read(struct dg_co_node *self, const struct dg_co_object *obj
     return object->hook == NULL ? DG_CO_OK : object->hook(self, object, DG_CO_READ, value);
 }
 
-bool co_in_range(const struct dg_co_object *object, uint32_t value)
+bool co_in_range(const struct dg_co_device *device, const struct dg_co_object *object,
+                 uint32_t value)
 {
+    uint32_t max = co_maximum(device, object);
+
     if (is_signed(object)) {
-        return (int32_t)value >= (int32_t)object->min && (int32_t)value <= (int32_t)object->max;
+        return (int32_t)value >= (int32_t)object->min && (int32_t)value <= (int32_t)max;
     }
-    return value >= object->min && value <= object->max;
+    return value >= object->min && value <= max;
 }
 
 enum dg_co_abort co_write(struct dg_co_node *self, const struct dg_co_object *object,
@@ -117,7 +154,7 @@ enum dg_co_abort co_write(struct dg_co_node *self, const struct dg_co_object *ob
 {
     enum dg_co_abort abort = DG_CO_OK;
 
-    if (!co_in_range(object, value)) {
+    if (!co_in_range(self->setup.device, object, value)) {
         return DG_CO_RANGE;
     }
     if (object->hook != NULL) {

@@ -25,8 +25,12 @@ static inline uint8_t co_size(const struct dg_co_object *object)
 }
 /** A value as it stands on the wire or in the memory, sign-extended where the type is signed. */
 uint32_t co_extend(const struct dg_co_object *object, uint32_t value);
+/** Default (without the node-ID) and maximum of a row: the device's, or its own. */
+uint32_t co_default(const struct dg_co_device *device, const struct dg_co_object *object);
+uint32_t co_maximum(const struct dg_co_device *device, const struct dg_co_object *object);
 /** Whether a value is inside min..max. */
-bool co_in_range(const struct dg_co_object *object, uint32_t value);
+bool co_in_range(const struct dg_co_device *device, const struct dg_co_object *object,
+                 uint32_t value);
 /** Read any row but a string, whatever its access. */
 enum dg_co_abort co_read(struct dg_co_node *self, const struct dg_co_object *object,
                          uint32_t *value);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * TPDOs and SYNC (CiA 301; manual chapters 3, 11, 12).
+ * TPDOs and SYNC (CiA 301).
  *
  *   type      sampled   sent
  *   0         SYNC      at the SYNC after an event, and after entering Operational

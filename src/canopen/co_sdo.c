@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The SDO server (manual, chapter 5; CiA 301): requests find their handler, expedited and
+ * The SDO server (CiA 301): requests find their handler, expedited and
  * segmented transfers. Block transfers are in co_block.c.
  *
  *              40h long                21h

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Parameters that survive power-off: 1010h, 1011h, 2105h and LSS (manual chapters 8, 12; C7, C8).
+ * Parameters that survive power-off: 1010h, 1011h, bus parameters and LSS (C7, C8).
  *
  * Region 'saved' tells whether the parameter regions hold anything; 1011h only clears it. A region
  * holds the values of its rows in the dictionary's order, least significant byte first. Where a row
@@ -14,9 +14,6 @@
 
 #define SAVE 0x65766173u
 #define LOAD 0x64616F6Cu
-#define SAVE_NS DG_MS(14)
-#define BIT_RATE_DEFAULT 5
-#define NODE_ID_DEFAULT 0x3F
 
 /* A stored COB-ID that follows the node-ID has bit 29, which none of this node's COB-IDs has, and
  * none of the reserved bits. */
@@ -33,14 +30,6 @@ struct pack {
     bool valid;      /* all values are inside their limits */
     uint8_t bytes[DG_STORE_CHECKED_MAX];
 };
-
-void dg_co_default_bus(const void *ctx, uint8_t *out)
-{
-    (void)ctx;
-    out[0] = BIT_RATE_DEFAULT;
-    out[1] = NODE_ID_DEFAULT;
-    out[2] = 1; /* terminated */
-}
 
 void dg_co_default_saved(const void *ctx, uint8_t *out)
 {
@@ -75,11 +64,17 @@ static bool load(struct dg_co_node *self, uint8_t region, uint8_t *to)
 }
 
 /* Bit rate, node-ID or none yet, termination. */
-static bool bus_valid(const uint8_t *bus)
+static bool bus_valid(const struct dg_co_node *self, const uint8_t *bus)
 {
     bool node_id = (bus[1] >= 1 && bus[1] <= 127) || bus[1] == DG_CO_UNCONFIGURED;
 
-    return bus[0] <= 8 && bus[0] != 7 && node_id && bus[2] <= 1;
+    return co_kbaud(self->setup.device, bus[0]) != 0 && node_id && bus[2] <= 1;
+}
+
+/* As delivered. */
+static void default_bus(const struct dg_co_node *self, uint8_t *bus)
+{
+    self->setup.device->layout->regions[DG_CO_REGION_BUS].defaults(&self->serial, bus);
 }
 
 /* An image of an earlier release keeps its serial number. */
@@ -101,14 +96,14 @@ static int mount(struct dg_co_node *self, uint8_t *bus)
 {
     int result = DG_ERR_IO;
 
-    dg_co_default_bus(NULL, bus);
+    default_bus(self, bus);
     if (self->setup.world->eeprom_acknowledges) {
         result = mount_store(self);
     }
     self->mounted = result == DG_OK;
-    if (load(self, DG_CO_REGION_BUS, bus) && !bus_valid(bus)) {
+    if (load(self, DG_CO_REGION_BUS, bus) && !bus_valid(self, bus)) {
         self->store.damaged |= 1u << DG_CO_REGION_BUS; /* as if its sum had failed */
-        dg_co_default_bus(NULL, bus);
+        default_bus(self, bus);
     }
     return result;
 }
@@ -139,7 +134,7 @@ static uint8_t stored_node_id(struct dg_co_node *self)
 {
     uint8_t bus[3];
 
-    dg_co_default_bus(NULL, bus);
+    default_bus(self, bus);
     (void)load(self, DG_CO_REGION_BUS, bus);
     return bus[1];
 }
@@ -217,7 +212,7 @@ static void unpack_row(struct dg_co_node *self, const struct dg_co_object *objec
     }
     if (object->index >= pack->first && object->index <= pack->last) {
         uint32_t value = unpacked(self, object, pack);
-        if (co_in_range(object, value)) {
+        if (co_in_range(self->setup.device, object, value)) {
             self->value[object->slot] = value;
         } else {
             pack->valid = false;
@@ -325,11 +320,11 @@ enum dg_co_abort co_save_bus(struct dg_co_node *self, uint8_t bit_rate, uint8_t 
     return committed(self);
 }
 
-/* "save" is answered when the memory has taken it, about 14 ms later (chapter 12). */
+/* "save" is answered when the device's memory would have taken it. */
 static void answer_later(struct dg_co_node *self)
 {
     self->sdo.state = DG_CO_SDO_DELAYED;
-    self->sdo.deadline = dg_after(self->now, SAVE_NS);
+    self->sdo.deadline = dg_after(self->now, DG_MS(self->setup.device->save_ms));
 }
 
 static enum dg_co_abort save_parameters(struct dg_co_node *self)
@@ -353,8 +348,8 @@ static enum dg_co_abort save_parameters(struct dg_co_node *self)
     return committed(self);
 }
 
-/* Common to 1010h:1, 1011h:1 and 2105h: reading says "on command" (1), writing wants a signature.
- */
+/* Common to 1010h:1, 1011h:1 and the bus parameters: reading says "on command" (1), writing wants a
+ * signature. */
 static enum dg_co_abort signature(struct dg_co_node *self, enum dg_co_op op, uint32_t *value,
                                   uint32_t wanted)
 {

@@ -15,7 +15,7 @@ void co_remount(struct dg_co_node *self);
 /** Values of the rows from `first` to `last` index: defaults, then what 1010h has saved. False when
  * some of that cannot be read; those are the defaults. */
 bool co_load(struct dg_co_node *self, uint16_t first, uint16_t last);
-/** Keep bit rate (index of 2100h) and node-ID for the next start. */
+/** Keep number of the bit rate and node-ID for the next start. */
 enum dg_co_abort co_save_bus(struct dg_co_node *self, uint8_t bit_rate, uint8_t node_id);
 /** 5100h when stored parameters are damaged, or not `loaded` (see co_load()). */
 void co_report_memory(struct dg_co_node *self, bool loaded);

@@ -174,6 +174,7 @@ enum {
     E = DG_CO_EVENT,
     X = DG_CO_ACTION,
     L = DG_CO_LIVE,
+    F = DG_CO_FIGURE,
     APP = REGION_PROFILE,
 };
 
@@ -181,38 +182,57 @@ enum {
 #define DG_CO_OBJECT(index, sub, type, access, slot, region, initial, min, max, hook, name)        \
     {index, sub, DG_CO_##type, access, slot, region, initial, min, max, hook},
 
-#define TURN_BITS 0
-#define TURNS 1
-#define RANGE 0x10000u
-#define LAST 0xFFFFu
-static const struct dg_co_object objects_singleturn[] = {
+static const struct dg_co_object objects[] = {
 #include "objects.def"
 };
-#undef TURN_BITS
-#undef TURNS
-#undef RANGE
-#undef LAST
 
-#define TURN_BITS 12
-#define TURNS 4096
-#define RANGE 0x10000000u
-#define LAST 0x0FFFFFFFu
-static const struct dg_co_object objects_multiturn[] = {
-#include "objects.def"
-};
-#undef TURN_BITS
-#undef TURNS
-#undef RANGE
-#undef LAST
-
+/* As delivered, and what else differs between the models: `range` is the physical range as 6002h
+ * says it, `last` the highest position. Chapters 3, 4 and 10 (C2). */
+/* clang-format off */
+#define FIGURES(turn_bits, turns, range, last)                                                     \
+    {                                                                                              \
+        {0x1029, 2, 1, 2},                                                                         \
+        {0x1029, 3, 1, 2},                                                                         \
+        {0x1801, 2, 1, 0xFF},                                                                      \
+        {0x1A00, 0, 1, 0xFF},                                                                      \
+        {0x1A00, 1, 0x60040020, 0xFFFFFFFFu},                                                      \
+        {0x1A01, 0, 1, 0xFF},                                                                      \
+        {0x1A01, 1, 0x60040020, 0xFFFFFFFFu},                                                      \
+        {0x1A02, 0, 1, 0xFF},                                                                      \
+        {0x1A02, 1, 0x60300110, 0xFFFFFFFFu},                                                      \
+        {0x1A03, 0, 2, 0xFF},                                                                      \
+        {0x1A03, 1, 0x21600020, 0xFFFFFFFFu},                                                      \
+        {0x1A03, 2, 0x21620010, 0xFFFFFFFFu},                                                      \
+        {0x2110, 2, (turn_bits), 0xFF},                                                            \
+        {0x6002, 0, (range), (range)},                                                             \
+        {0x6401, 1, 0, (last)},                                                                    \
+        {0x6401, 2, 0, (last)},                                                                    \
+        {0x6402, 1, (last), (last)},                                                               \
+        {0x6402, 2, (last), (last)},                                                               \
+        {0x6502, 0, (turns), 0xFFFF},                                                              \
+        {0x650A, 3, (last) & 0x7FFFFFFFu, 0x7FFFFFFF},                                             \
+    }
+#define FIGURE_COUNT 20u
+static const struct dg_co_figure figures_singleturn[FIGURE_COUNT] =
+    FIGURES(0, 1, 0x10000u, 0xFFFFu);
+static const struct dg_co_figure figures_multiturn[FIGURE_COUNT] =
+    FIGURES(12, 4096, 0x10000000u, 0x0FFFFFFFu);
 /* 2^32 does not fit 6002h, nor 65536 6502h: their highest values stand for them. */
-#define TURN_BITS 16
-#define TURNS 0xFFFF
-#define RANGE 0xFFFFFFFFu
-#define LAST 0xFFFFFFFFu
-static const struct dg_co_object objects_multiturn_32[] = {
-#include "objects.def"
-};
+static const struct dg_co_figure figures_multiturn_32[FIGURE_COUNT] =
+    FIGURES(16, 0xFFFF, 0xFFFFFFFFu, 0xFFFFFFFFu);
+/* clang-format on */
+
+/* By the number in 2100h (chapter 8); 7 is none. */
+static const uint16_t kbaud[] = {10, 20, 50, 100, 125, 250, 500, 0, 1000};
+
+/* Chapter 8: 250 kBd, node-ID 3Fh, terminated. */
+static void default_bus(const void *ctx, uint8_t *out)
+{
+    static const uint8_t bus[3] = {5, 0x3F, 1};
+
+    (void)ctx;
+    memcpy(out, bus, sizeof bus);
+}
 
 static void default_usf(const void *ctx, uint8_t *out)
 {
@@ -240,7 +260,7 @@ static const struct dg_co_cause causes[CAUSE_END - DG_CO_CAUSES] = {
 };
 
 static const struct dg_store_region regions[REGION_COUNT] = {
-    DG_CO_STORE_REGIONS,
+    DG_CO_STORE_REGIONS(default_bus),
     [REGION_PROFILE] = {"profile", 60, DG_STORE_CHECKED, 0, NULL},
     [REGION_USF]     = {"usf",     21, DG_STORE_CHECKED, 0, default_usf},
     [REGION_TIME]    = {"time",     4, DG_STORE_CHECKED, 0, default_time},
@@ -259,28 +279,31 @@ static const struct dg_store_layout layout_multiturn_32 = LAYOUT(0x434F3103u);
 
 static const char *const strings[] = {"F36x8 CANopen encoder", "1.00", "1.08"};
 
-#define F36X8(rows)                                                                                \
-    .objects = (rows), .object_count = sizeof(rows) / sizeof(rows)[0], .causes = causes,           \
+/* save_ms: chapter 12. */
+#define F36X8(model_figures)                                                                       \
+    .objects = objects, .object_count = sizeof objects / sizeof objects[0],                        \
+    .figures = (model_figures), .figure_count = FIGURE_COUNT, .kbaud = kbaud,                      \
+    .kbaud_count = sizeof kbaud / sizeof kbaud[0], .save_ms = 14, .causes = causes,                \
     .cause_count = CAUSE_END - DG_CO_CAUSES, .strings = strings, .vendor_id = 0x13,                \
     .product_code = 0x56682001, .revision = 108, .reset = reset, .sample = cia406_sample,          \
     .step = step
 
 const struct dg_co_device dg_cia406_singleturn = {
-    F36X8(objects_singleturn),
+    F36X8(figures_singleturn),
     .layout = &layout_singleturn,
     .name = "F3658",
     .device_type = 0x00010196,
 };
 
 const struct dg_co_device dg_cia406_multiturn = {
-    F36X8(objects_multiturn),
+    F36X8(figures_multiturn),
     .layout = &layout_multiturn,
     .name = "F3668",
     .device_type = 0x00020196,
 };
 
 const struct dg_co_device dg_cia406_multiturn_32 = {
-    F36X8(objects_multiturn_32),
+    F36X8(figures_multiturn_32),
     .layout = &layout_multiturn_32,
     .name = "F3668",
     .device_type = 0x00020196,

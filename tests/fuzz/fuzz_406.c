@@ -128,11 +128,26 @@ static uint64_t range(const struct bench *bench)
     return (value_of(bench, 0x6000, 0) & SCALING) == 0 || tmr == UINT32_MAX ? physical : tmr;
 }
 
-static bool in_range(const struct dg_co_object *object, uint32_t value)
+/* Default and maximum: the model's, or the row's own. */
+static struct dg_co_figure figure(const struct bench *bench, const struct dg_co_object *object)
 {
+    const struct dg_co_device *device = bench->model.device;
+
+    for (uint8_t i = 0; i < device->figure_count; i++) {
+        if (device->figures[i].index == object->index && device->figures[i].sub == object->sub) {
+            return device->figures[i];
+        }
+    }
+    return (struct dg_co_figure){object->index, object->sub, object->initial, object->max};
+}
+
+static bool in_range(const struct bench *bench, const struct dg_co_object *object, uint32_t value)
+{
+    const uint32_t max = figure(bench, object).max;
+
     return object->type <= DG_CO_I32
-               ? (int32_t)value >= (int32_t)object->min && (int32_t)value <= (int32_t)object->max
-               : value >= object->min && value <= object->max;
+               ? (int32_t)value >= (int32_t)object->min && (int32_t)value <= (int32_t)max
+               : value >= object->min && value <= max;
 }
 
 static void check_position(const struct bench *bench)
@@ -163,7 +178,7 @@ static void check(struct bench *bench)
     for (uint16_t i = 0; i < device->object_count; i++) {
         const struct dg_co_object *object = &device->objects[i];
         if ((object->flags & DG_CO_SLOT) != 0 && object->index > 0x2102) {
-            fuzz_must(in_range(object, bench->node.value[object->slot]));
+            fuzz_must(in_range(bench, object, bench->node.value[object->slot]));
         }
     }
     parameters = value_of(bench, 0x6000, 0);
@@ -188,13 +203,15 @@ static void step(struct bench *bench)
 }
 
 /* Values that stand at an edge are as likely as any. */
-static uint32_t some_value(struct fuzz_input *input, const struct dg_co_object *object)
+static uint32_t some_value(const struct bench *bench, struct fuzz_input *input,
+                           const struct dg_co_object *object)
 {
+    const struct dg_co_figure own = figure(bench, object);
     uint32_t random = fuzz_take32(input);
     uint8_t how = fuzz_take(input);
     const uint32_t edges[] = {
-        object->min, object->max, object->initial, object->min - 1u, object->max + 1u, 0x65766173u,
-        0x64616F6Cu, 0x1004u,     3600u,           36000u,
+        object->min, own.max, own.initial, object->min - 1u, own.max + 1u, 0x65766173u,
+        0x64616F6Cu, 0x1004u, 3600u,       36000u,
     };
 
     return how % 2 == 0 ? random : edges[how / 2u % (sizeof edges / sizeof edges[0])];
@@ -210,7 +227,7 @@ static void op_write(struct bench *bench, struct fuzz_input *input)
     const struct dg_co_object *object = &device->objects[fuzz_take(input) % device->object_count];
     uint8_t size =
         fuzz_take(input) % 16 != 0 ? sizes[object->type] : (uint8_t)(1 + fuzz_take(input) % 4);
-    uint32_t value = some_value(input, object);
+    uint32_t value = some_value(bench, input, object);
     bool kept = (object->flags & DG_CO_SLOT) != 0 && bench->node.state != DG_CO_OFF;
     uint32_t before = kept ? bench->node.value[object->slot] : 0;
 

@@ -56,7 +56,26 @@ static const struct dg_co_object objects[] = {
 };
 /* clang-format on */
 
-static const struct dg_store_region regions[] = {DG_CO_STORE_REGIONS};
+/* clang-format off */
+static const struct dg_co_figure figures[] = {
+    {0x1801, 2, 1, 0xFF},
+    {0x1A00, 0, 1, 0xFF}, {0x1A00, 1, 0x60040020, 0xFFFFFFFF},
+    {0x1A01, 0, 1, 0xFF}, {0x1A01, 1, 0x60040020, 0xFFFFFFFF},
+    {0x1A02, 0, 1, 0xFF}, {0x1A02, 1, 0x60300110, 0xFFFFFFFF},
+    {0x1A03, 0, 2, 0xFF}, {0x1A03, 1, 0x21600020, 0xFFFFFFFF}, {0x1A03, 2, 0x21620010, 0xFFFFFFFF},
+};
+/* clang-format on */
+static const uint16_t kbaud[] = {250};
+
+static void default_bus(const void *ctx, uint8_t *out)
+{
+    static const uint8_t bus[3] = {0, 0x3F, 0};
+
+    (void)ctx;
+    memcpy(out, bus, sizeof bus);
+}
+
+static const struct dg_store_region regions[] = {DG_CO_STORE_REGIONS(default_bus)};
 const struct dg_store_layout pdo_rig_layout = {
     .id = 0x7E57,
     .journal_size = DG_CO_JOURNAL_SIZE,
@@ -90,6 +109,10 @@ const struct dg_co_device pdo_rig_device = {
     .name = "test",
     .objects = objects,
     .object_count = sizeof objects / sizeof objects[0],
+    .figures = figures,
+    .figure_count = sizeof figures / sizeof figures[0],
+    .kbaud = kbaud,
+    .kbaud_count = sizeof kbaud / sizeof kbaud[0],
     .causes = causes,
     .cause_count = 1,
     .strings = strings,
@@ -103,6 +126,10 @@ const struct dg_co_device pdo_rig_smaller_device = {
     .name = "test",
     .objects = &objects[8],
     .object_count = sizeof objects / sizeof objects[0] - 8,
+    .figures = figures,
+    .figure_count = sizeof figures / sizeof figures[0],
+    .kbaud = kbaud,
+    .kbaud_count = sizeof kbaud / sizeof kbaud[0],
     .causes = causes,
     .cause_count = 1,
     .strings = strings,

@@ -88,7 +88,17 @@ static const char *const strings[] = {"",
                                       "0123456789ABCDEFGHIJKLMNOPQRSTUV",
                                       "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghij"};
 
-static const struct dg_store_region regions[] = {DG_CO_STORE_REGIONS};
+static const uint16_t kbaud[] = {250};
+
+static void default_bus(const void *ctx, uint8_t *out)
+{
+    static const uint8_t bus[3] = {0, NODE_ID, 0};
+
+    (void)ctx;
+    memcpy(out, bus, sizeof bus);
+}
+
+static const struct dg_store_region regions[] = {DG_CO_STORE_REGIONS(default_bus)};
 static const struct dg_store_layout layout = {
     .id = 0x53444F31u,
     .journal_size = DG_CO_JOURNAL_SIZE,
@@ -100,6 +110,9 @@ static const struct dg_co_device device = {
     .name = "SDO rig",
     .objects = objects,
     .object_count = COUNT(objects),
+    .kbaud = kbaud,
+    .kbaud_count = COUNT(kbaud),
+    .save_ms = 14,
     .strings = strings,
     .device_type = 0x00020196,
     .vendor_id = 0x13,

@@ -401,7 +401,7 @@ static void damage(struct sight *before, int damaged)
         if ((row->flags & DG_CO_SAVE) != 0 &&
             (row->region == damaged || damaged == DG_CO_REGION_SAVED)) {
             before->value[row->slot] =
-                row->initial + ((row->flags & DG_CO_ID) != 0 ? before->id : 0);
+                co_default(device, row) + ((row->flags & DG_CO_ID) != 0 ? before->id : 0);
         }
     }
 }
@@ -511,7 +511,7 @@ static void values_out_of_range_do_not_come_into_force(void **state)
                 const struct dg_co_object *row = row_at(i);
                 /* 6509h, the only signed one, may be anything. */
                 if ((row->flags & DG_CO_SAVE) != 0 && row->index != 0x6509) {
-                    assert_in_range(rig.node.value[row->slot], row->min, row->max);
+                    assert_in_range(rig.node.value[row->slot], row->min, co_maximum(device, row));
                 }
             }
         }

@@ -18,7 +18,7 @@
 #define SAVE 0x65766173u /* "save" */
 #define FLAGS                                                                                      \
     (DG_CO_RW | DG_CO_MAP | DG_CO_ID | DG_CO_SAVE | DG_CO_SLOT | DG_CO_CONST | DG_CO_GAP |         \
-     DG_CO_EVENT | DG_CO_ACTION | DG_CO_LIVE)
+     DG_CO_EVENT | DG_CO_ACTION | DG_CO_LIVE | DG_CO_FIGURE)
 
 static struct co_rig rig;
 static const struct dg_co_device *const device = &dg_cia406_multiturn;
@@ -53,10 +53,12 @@ static bool is_signed(const struct dg_co_object *object)
 
 static bool inside(const struct dg_co_object *object, uint32_t value)
 {
+    const uint32_t max = co_maximum(device, object);
+
     if (is_signed(object)) {
-        return (int32_t)object->min <= (int32_t)value && (int32_t)value <= (int32_t)object->max;
+        return (int32_t)object->min <= (int32_t)value && (int32_t)value <= (int32_t)max;
     }
-    return object->min <= value && value <= object->max;
+    return object->min <= value && value <= max;
 }
 
 /* What is left of a value in the bytes of the type. */
@@ -118,7 +120,7 @@ static void arrays_and_records_have_a_sub_0(void **state)
         assert_int_equal(row(first)->sub, 0);
         assert_int_equal(row(first)->type, DG_CO_U8);
         if ((row(first)->flags & DG_CO_CONST) != 0) {
-            assert_int_equal(row(first)->initial, row(i)->sub);
+            assert_int_equal(co_default(device, row(first)), row(i)->sub);
         }
     }
 }
@@ -134,12 +136,40 @@ static void defaults_and_limits_fit_their_type(void **state)
         }
         assert_int_equal(cut(object, object->min), object->min);
         assert_int_equal(cut(object, object->max), object->max);
-        assert_true((object->flags & DG_CO_ID) != 0 || inside(object, object->initial));
+        assert_int_equal(cut(object, co_maximum(device, object)), co_maximum(device, object));
+        assert_true((object->flags & DG_CO_ID) != 0 || inside(object, co_default(device, object)));
         if ((object->flags & DG_CO_ID) != 0) {
             assert_in_range(object->initial & 0x7Fu, 0, 0); /* the node-ID has its place */
             assert_true(inside(object, object->initial + 1) &&
                         inside(object, object->initial + 127));
         }
+    }
+}
+
+/* Figures of all models are those of rows that have some; each such row of the device has its. */
+static void figures_belong_to_rows(void **state)
+{
+    static const struct dg_co_device *const devices[] = {
+        &dg_cia406_singleturn, &dg_cia406_multiturn, &dg_cia406_multiturn_32};
+    (void)state;
+
+    for (size_t d = 0; d < COUNT(devices); d++) {
+        uint8_t next = 0;
+        for (size_t i = 0; i < rows(); i++) {
+            const bool may = (row(i)->flags & DG_CO_FIGURE) != 0;
+            const bool there = next < devices[d]->figure_count &&
+                               devices[d]->figures[next].index == row(i)->index &&
+                               devices[d]->figures[next].sub == row(i)->sub;
+            assert_true(may || !there);
+            assert_true(!may || there || row(i)->index < 0x2000);
+            next += there;
+        }
+        assert_int_equal(next, devices[d]->figure_count); /* sorted, none twice */
+    }
+    for (uint16_t i = 0; i < co_object_count; i++) { /* a second device needs no edit here */
+        const uint16_t flags = co_objects[i].flags;
+        const bool free = (flags & DG_CO_SAVE) != 0 && (flags & DG_CO_ID) == 0;
+        assert_int_equal((flags & DG_CO_FIGURE) != 0, free);
     }
 }
 
@@ -377,6 +407,7 @@ int main(void)
         cmocka_unit_test_setup(rows_are_found_and_nothing_else, setup),
         cmocka_unit_test(arrays_and_records_have_a_sub_0),
         cmocka_unit_test(defaults_and_limits_fit_their_type),
+        cmocka_unit_test(figures_belong_to_rows),
         cmocka_unit_test(slots_belong_to_one_row),
         cmocka_unit_test(flags_are_consistent),
         cmocka_unit_test(regions_hold_exactly_their_rows),

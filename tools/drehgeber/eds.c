@@ -150,7 +150,7 @@ static void print_default(const struct eds *self, const struct dg_co_object *obj
     } else if ((object->flags & DG_CO_ID) != 0) {
         (void)fprintf(self->to, "DefaultValue=$NODEID+0x%" PRIX32 "\n", object->initial);
     } else if (fixed) {
-        print_value(self, "DefaultValue", object, object->initial);
+        print_value(self, "DefaultValue", object, co_default(self->device, object));
     }
 }
 
@@ -162,8 +162,9 @@ static void print_limits(const struct eds *self, const struct dg_co_object *obje
     if (object->min != ranges[object->type].min) {
         print_value(self, "LowLimit", object, object->min);
     }
-    if (object->max != ranges[object->type].max) {
-        print_value(self, "HighLimit", object, object->max);
+    const uint32_t max = co_maximum(self->device, object);
+    if (max != ranges[object->type].max) {
+        print_value(self, "HighLimit", object, max);
     }
 }
 

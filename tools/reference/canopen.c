@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Prints the object tables of src/canopen/README.md and src/cia406/README.md from the rows of the
- * dictionary itself.
+ * dictionary itself. Defaults of the encoder's table are those of the f3668; `delivered` are those
+ * that it has in the stack's table.
  */
 #include <stdio.h>
 #include <string.h>
@@ -30,17 +31,12 @@ enum {
     E = DG_CO_EVENT,
     X = DG_CO_ACTION,
     L = DG_CO_LIVE,
+    F = DG_CO_FIGURE,
 };
 
 #define DG_CO_PARENT(index, kind, name) {index, 0x100, #kind, 0, 0, name},
 #define DG_CO_OBJECT(index, sub, type, access, slot, region, initial, min, max, hook, name)        \
     {index, sub, #type, access, initial, name},
-
-/* Figures of the f3668. */
-#define TURN_BITS 12
-#define TURNS 4096
-#define RANGE 0x10000000u
-#define LAST 0x0FFFFFFFu
 
 static const struct row communication[] = {
 #include "../../src/canopen/co_objects.def"
@@ -50,7 +46,37 @@ static const struct row encoder[] = {
 #include "../../src/cia406/objects.def"
 };
 
-static void print_row(const struct row *row)
+#define COMMUNICATION (sizeof communication / sizeof communication[0])
+#define ENCODER (sizeof encoder / sizeof encoder[0])
+
+/* The model's; NULL: the row's own. */
+static const struct dg_co_figure *figure_of(const struct row *row)
+{
+    const struct dg_co_device *model = &dg_cia406_multiturn;
+
+    for (uint8_t i = 0; i < model->figure_count; i++) {
+        if (model->figures[i].index == row->index && model->figures[i].sub == row->sub) {
+            return &model->figures[i];
+        }
+    }
+    return NULL;
+}
+
+static void print_delivered(void)
+{
+    puts("| index | sub | default | name |");
+    puts("|---|---|---|---|");
+    for (size_t i = 0; i < COMMUNICATION; i++) {
+        const struct row *row = &communication[i];
+        const struct dg_co_figure *figure = figure_of(row);
+        if (figure != NULL) {
+            printf("| %04Xh | %u | %lXh | %s |\n", row->index, row->sub,
+                   (unsigned long)figure->initial, row->name);
+        }
+    }
+}
+
+static void print_row(const struct row *row, unsigned long value)
 {
     static const char *const accesses[] = {"", "ro", "wo", "rw"};
 
@@ -60,11 +86,11 @@ static void print_row(const struct row *row)
     }
     char initial[32] = "";
 
-    if ((row->access & I) != 0 && row->initial == 0) {
+    if ((row->access & I) != 0 && value == 0) {
         (void)snprintf(initial, sizeof initial, "node-ID");
     } else if ((row->access & L) == 0) {
         (void)snprintf(initial, sizeof initial, "%s%lXh",
-                       (row->access & I) != 0 ? "node-ID + " : "", row->initial);
+                       (row->access & I) != 0 ? "node-ID + " : "", value);
     }
     printf("| %04Xh | %u | %s | %s | %s | %s | %s | %s |\n", row->index, row->sub, row->type,
            (row->access & C) != 0 ? "const" : accesses[row->access & DG_CO_RW],
@@ -72,22 +98,29 @@ static void print_row(const struct row *row)
            row->name);
 }
 
-int main(int argc, char **argv)
+static void print_objects(const struct row *rows, size_t count)
 {
-    const char *what = argc == 2 ? argv[1] : "";
-    const bool is_encoder = strcmp(what, "encoder") == 0;
-    const struct row *rows = is_encoder ? encoder : communication;
-    const size_t count = is_encoder ? sizeof encoder / sizeof encoder[0]
-                                    : sizeof communication / sizeof communication[0];
-
-    if (!is_encoder && strcmp(what, "communication") != 0) {
-        (void)fprintf(stderr, "usage: reference-canopen communication|encoder\n");
-        return 2;
-    }
     puts("| index | sub | type | access | mappable | saved | default | name |");
     puts("|---|---|---|---|---|---|---|---|");
     for (size_t i = 0; i < count; i++) {
-        print_row(&rows[i]);
+        const struct dg_co_figure *figure = rows == encoder ? figure_of(&rows[i]) : NULL;
+        print_row(&rows[i], figure != NULL ? figure->initial : rows[i].initial);
+    }
+}
+
+int main(int argc, char **argv)
+{
+    const char *what = argc == 2 ? argv[1] : "";
+
+    if (strcmp(what, "communication") == 0) {
+        print_objects(communication, COMMUNICATION);
+    } else if (strcmp(what, "encoder") == 0) {
+        print_objects(encoder, ENCODER);
+    } else if (strcmp(what, "delivered") == 0) {
+        print_delivered();
+    } else {
+        (void)fprintf(stderr, "usage: reference-canopen communication|encoder|delivered\n");
+        return 2;
     }
     return 0;
 }
