@@ -15,6 +15,7 @@
 
 #include "drehgeber/api.h"
 #include "drehgeber/canopen.h"
+#include "drehgeber/eds.h"
 #include "drehgeber/stack.h"
 
 #ifdef __cplusplus
@@ -98,6 +99,10 @@ DG_API extern const struct dg_co_device dg_cia406_multiturn_32;
 
 /** Make an encoder. @return 0 or DG_ERR_ARGUMENT */
 DG_API int dg_cia406_init(struct dg_cia406 *self, const struct dg_cia406_model *model);
+
+/** What the EDS file of one of these devices says beside its dictionary, for dg_co_eds(); NULL:
+ * none of them. */
+DG_API const struct dg_co_sheet *dg_cia406_sheet(const struct dg_co_device *device);
 
 /** What the LEDs show at node->now. `node` is a node of this profile. */
 DG_API struct dg_cia406_leds dg_cia406_leds(const struct dg_co_node *node);

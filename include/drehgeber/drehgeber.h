@@ -16,6 +16,7 @@
 #include "drehgeber/control.h"
 #include "drehgeber/crc.h"
 #include "drehgeber/devices.h"
+#include "drehgeber/eds.h"
 #include "drehgeber/fault.h"
 #include "drehgeber/hal.h"
 #include "drehgeber/hiperface.h"

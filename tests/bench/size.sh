@@ -19,6 +19,12 @@ for library in build/size/libdg_*.a; do
     # shellcheck disable=SC2046 # three columns
     row "$(basename "$library" .a)" $(total "$library")
 done
+# What an image has only when it calls it: text, data and bss of these objects.
+for object in canopen/co_eds cia406/sheet; do
+    # shellcheck disable=SC2046
+    row "  of that, $(basename "$object")" $(arm-none-eabi-size "build/size/libdg_$(dirname "$object").a" |
+        awk -v name="$(basename "$object").c.obj" '$6 == name { print $1, $2, $3 }')
+done
 # shellcheck disable=SC2046
 row "device and store" $(total build/size/libdg_hiperface.a build/size/libdg_core.a)
 for device in dg_hf dg_biss dg_ib; do

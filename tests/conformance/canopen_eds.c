@@ -5,8 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "eds.h"
-
 /* The value of a key, up to the end of its line; NULL when section or key are not there. */
 static const char *find(char *text, const char *section, const char *key)
 {
@@ -33,6 +31,11 @@ static const char *find(char *text, const char *section, const char *key)
     return found;
 }
 
+static void write_text(void *to, const char *text, size_t n)
+{
+    (void)fwrite(text, 1, n, to);
+}
+
 bool canopen_eds(const struct dg_device *device, char **words, size_t n, struct cf_report *report)
 {
     char *text = NULL;
@@ -42,7 +45,7 @@ bool canopen_eds(const struct dg_device *device, char **words, size_t n, struct 
     if (to == NULL) {
         return cf_fail(report, "eds SECTION KEY VALUE|none");
     }
-    eds_print(device, to);
+    dg_co_eds(dg_cia406_sheet(dg_cia406_model_of(device)->device), write_text, to);
     (void)fclose(to);
     const char *got = find(text, words[1], words[2]);
     const char *shown = got != NULL ? got : "none";

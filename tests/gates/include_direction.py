@@ -42,7 +42,7 @@ ROOMS = {
     "linux/clocked":   {"biss"} | BELOW,
     "linux/interbus":  {"interbus"} | BELOW,
     "linux/rig":       {"motion"} | PROTOCOLS | BELOW | WIRES,
-    "tools/drehgeber": {"motion", "linux/rig", "src/canopen", "src/cia406"} | PROTOCOLS | BELOW | WIRES,
+    "tools/drehgeber": {"motion", "linux/rig"} | PROTOCOLS | BELOW | WIRES,
     "tools/reference": {"core", "control", "devices"} | PROTOCOLS | {f"src/{folder}" for folder in PROTOCOLS},
     "tools/examples":  set(ALLOWED),
 }
@@ -62,6 +62,7 @@ OWNER = {
     "hiperface.h": "hiperface",
     "biss.h":      "biss",
     "canopen.h":   "canopen",
+    "eds.h":       "canopen",
     "cia406.h":    "cia406",
     "interbus.h":  "interbus",
     "devices.h":   "devices",

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * A device that has nothing in common with the encoders: eight digital inputs (CiA 401), with a
- * node-ID, bit rates, TPDOs and defaults of its own. Only the stack's public header is needed.
+ * node-ID, bit rates, TPDOs and defaults of its own. Only the stack's public headers are needed.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -12,7 +12,7 @@
 #include <cmocka.h>
 
 #include "drehgeber/bits.h"
-#include "drehgeber/canopen.h"
+#include "drehgeber/eds.h"
 #include "ram_nvm.h"
 
 #define COUNT(a) (sizeof(a) / sizeof((a)[0]))
@@ -41,6 +41,7 @@ static const struct dg_co_object objects[] = {
     {0x6000, 0, DG_CO_U8, DG_CO_R | DG_CO_CONST, 0, 0, 1, 0, 0xFF, NULL},
     {0x6000, 1, DG_CO_U8, DG_CO_R | DG_CO_MAP | DG_CO_EVENT, 0, 0, 0, 0, 0xFF, read_inputs},
     {0x6005, 0, DG_CO_U8, DG_CO_RW | DG_CO_SLOT | DG_CO_SAVE | DG_CO_FIGURE, DG_CO_SLOT_APPLICATION, DG_CO_REGION_APPLICATION, 0, 0, 1, NULL},
+    {0x6006, 0, DG_CO_I16, DG_CO_RW | DG_CO_SLOT, DG_CO_SLOT_APPLICATION + 1, 0, 0xFFFFFFFBu, 0xFFFFFF9Cu, 100, NULL},
 };
 static const struct dg_co_figure figures[] = {
     {0x1017, 0, 1000, 5000},
@@ -258,6 +259,55 @@ static void saving_takes_as_long_as_it_says(void **state)
     assert_int_equal(get(0x6005, 0), 0);
 }
 
+/* ------------------------------------------------------------ its EDS file */
+
+static struct {
+    char bytes[65536];
+    size_t n;
+} text;
+
+static void append(void *ctx, const char *bytes, size_t n)
+{
+    assert_ptr_equal(ctx, &text);
+    assert_true(n < sizeof text.bytes - text.n);
+    memcpy(text.bytes + text.n, bytes, n);
+    text.n += n;
+    text.bytes[text.n] = '\0';
+}
+
+static void its_eds_file_is_written_from_its_rows(void **state)
+{
+    static const struct dg_co_name names[] = {
+        {0x6000, 0, DG_CO_ARRAY, "Inputs"},
+        {0x6000, 0, DG_CO_VAR, "Number of inputs"},
+        {0x6000, 1, DG_CO_VAR, "Inputs 1 to 8"},
+    };
+    static const struct dg_co_sheet sheet = {&device,  "di8", "8 inputs",
+                                             "Nobody", names, COUNT(names)};
+    static const char *const wanted[] = {
+        "FileName=di8.eds\n",
+        "Description=DI8, 8 inputs, as drehgeber ",
+        "VendorName=Nobody\n",
+        "BaudRate_50=1\nBaudRate_125=0\nBaudRate_250=0\nBaudRate_500=0\nBaudRate_800=0\n"
+        "BaudRate_1000=1\n",
+        "[ManufacturerObjects]\nSupportedObjects=1\n1=0x2000\n",
+        "ParameterName=Producer heartbeat time\nObjectType=0x7\nDataType=0x0006\nAccessType=rw\n"
+        "DefaultValue=0x3E8\nHighLimit=0x1388\n",
+        "[6000]\nParameterName=Inputs\nObjectType=0x8\nSubNumber=2\n\n[6000sub0]\n"
+        "ParameterName=Number of inputs\n",
+        "[6000sub1]\nParameterName=Inputs 1 to 8\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\n"
+        "PDOMapping=1\n",
+        "[6006]\nParameterName=Unnamed\nObjectType=0x7\nDataType=0x0003\nAccessType=rw\n"
+        "DefaultValue=-5\nLowLimit=-100\nHighLimit=100\nPDOMapping=0\n\n",
+    };
+    (void)state;
+    text.n = 0;
+    dg_co_eds(&sheet, append, &text);
+    for (size_t i = 0; i < COUNT(wanted); i++) {
+        assert_non_null(strstr(text.bytes, wanted[i]));
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -267,6 +317,7 @@ int main(void)
         cmocka_unit_test_setup(lss_sets_the_bit_rates_it_has, setup),
         cmocka_unit_test_setup(damaged_bus_parameters_become_the_delivered_ones, setup),
         cmocka_unit_test_setup(saving_takes_as_long_as_it_says, setup),
+        cmocka_unit_test(its_eds_file_is_written_from_its_rows),
     };
     return cmocka_run_group_tests_name("co_device", tests, NULL, NULL);
 }

@@ -12,7 +12,6 @@
 #include <cmocka.h>
 
 #include "drehgeber/drehgeber.h"
-#include "eds.h"
 
 #define TEXT_MAX 64u
 
@@ -21,12 +20,18 @@ struct file {
     size_t size;
 };
 
+static void write_text(void *to, const char *text, size_t n)
+{
+    assert_int_equal(fwrite(text, 1, n, to), n);
+}
+
 static struct file print(const char *model)
 {
+    const struct dg_cia406_model *const encoder = dg_cia406_model_of(dg_device_find(model));
     struct file file = {NULL, 0};
     FILE *to = open_memstream(&file.text, &file.size);
     assert_non_null(to);
-    eds_print(dg_device_find(model), to);
+    dg_co_eds(dg_cia406_sheet(encoder->device), write_text, to);
     assert_int_equal(fclose(to), 0);
     return file;
 }
@@ -186,6 +191,25 @@ static void models_differ_where_they_should(void **state)
     free(file.text);
 }
 
+/* What a sheet says of a model twice is what the list of models says. */
+static void sheets_are_those_of_their_models(void **state)
+{
+    unsigned count = 0;
+    (void)state;
+    for (size_t i = 0; i < dg_device_count; i++) {
+        const struct dg_device *const device = dg_devices[i];
+        if (device->stack == &dg_cia406_stack) {
+            const struct dg_co_sheet *sheet = dg_cia406_sheet(dg_cia406_model_of(device)->device);
+            assert_string_equal(sheet->model, device->name);
+            assert_string_equal(sheet->resolution, device->resolution);
+            count++;
+        }
+    }
+    assert_int_equal(count, 2);
+    assert_ptr_equal(dg_cia406_sheet(&dg_cia406_multiturn_32)->device, &dg_cia406_multiturn_32);
+    assert_null(dg_cia406_sheet(NULL));
+}
+
 /* Every listed object has its section, and every section of an object is listed, once. */
 static void lists_and_sections_agree(void **state)
 {
@@ -298,6 +322,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(known_values),
         cmocka_unit_test(models_differ_where_they_should),
+        cmocka_unit_test(sheets_are_those_of_their_models),
         cmocka_unit_test(lists_and_sections_agree),
         cmocka_unit_test(sub_numbers_count_the_sub_indexes),
         cmocka_unit_test(lines_are_clean),

@@ -9,7 +9,6 @@
 #include "biss_settings.h"
 #include "ctl.h"
 #include "drehgeber/drehgeber.h"
-#include "eds.h"
 #include "modbus_map.h"
 #include "modbus_settings.h"
 #include "motion_words.h"
@@ -90,6 +89,11 @@ static int flushed(void)
     return EXIT_OTHER;
 }
 
+static void write_text(void *to, const char *text, size_t n)
+{
+    (void)fwrite(text, 1, n, to); /* the stream keeps its errors for flushed() */
+}
+
 static int eds(const struct options *options)
 {
     const struct dg_device *device = options->model == NULL ? NULL : dg_device_find(options->model);
@@ -97,7 +101,7 @@ static int eds(const struct options *options)
         lx_complain("eds needs a CANopen model; valid: f3658 f3668");
         return EXIT_USAGE;
     }
-    eds_print(device, stdout);
+    dg_co_eds(dg_cia406_sheet(dg_cia406_model_of(device)->device), write_text, stdout);
     return flushed();
 }
 

@@ -1,0 +1,403 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * An EDS file from the dictionary itself: access, defaults and limits from the rows that the node
+ * works with, names from the lists those rows are made of. The stack's names are here, the device's
+ * in its sheet.
+ */
+#include "drehgeber/eds.h"
+
+#include "co_od.h"
+
+#define PIECE_MAX 64u
+
+#define DG_CO_PARENT(index, kind, name) {(uint16_t)(index), 0, DG_CO_##kind, name},
+#define DG_CO_OBJECT(index, sub, type, access, slot, region, initial, min, max, hook, name)        \
+    {(uint16_t)(index), sub, DG_CO_VAR, name},
+
+static const struct dg_co_name names[] = {
+#include "co_objects.def"
+};
+#define NAME_COUNT (sizeof names / sizeof names[0])
+
+/* How far a type reaches; signed limits are sign-extended. */
+static const struct {
+    uint32_t min;
+    uint32_t max;
+} ranges[] = {
+    [DG_CO_I8] = {0xFFFFFF80u, 0x7F},
+    [DG_CO_I16] = {0xFFFF8000u, 0x7FFF},
+    [DG_CO_I32] = {0x80000000u, 0x7FFFFFFF},
+    [DG_CO_U8] = {0, 0xFF},
+    [DG_CO_U16] = {0, 0xFFFF},
+    [DG_CO_U32] = {0, 0xFFFFFFFFu},
+    [DG_CO_STRING] = {0, 0},
+};
+
+struct eds {
+    const struct dg_co_sheet *sheet;
+    const struct dg_co_device *device;
+    void (*write)(void *ctx, const char *text, size_t n);
+    void *ctx;
+};
+
+/* --- text --- */
+
+/* In pieces; compilers make a call of strlen() of a loop without a bound. */
+static void put(const struct eds *self, const char *text)
+{
+    while (*text != '\0') {
+        size_t n = 1;
+        while (n < PIECE_MAX && text[n] != '\0') {
+            n++;
+        }
+        self->write(self->ctx, text, n);
+        text += n;
+    }
+}
+
+/* At least so many digits, at most 10. */
+static void put_number(const struct eds *self, uint32_t value, uint32_t base, uint8_t digits)
+{
+    char text[10];
+    char *const end = text + sizeof text;
+    char *at = end;
+    while (value != 0 || end - at < digits) {
+        *--at = "0123456789ABCDEF"[value % base];
+        value /= base;
+    }
+    self->write(self->ctx, at, (size_t)(end - at));
+}
+
+static void put_hex(const struct eds *self, const char *before, uint32_t value, uint8_t digits)
+{
+    put(self, before);
+    put_number(self, value, 16, digits);
+}
+
+static void line(const struct eds *self, const char *key, const char *value)
+{
+    put(self, key);
+    put(self, value);
+    put(self, "\n");
+}
+
+static void line_decimal(const struct eds *self, const char *key, uint32_t value)
+{
+    put(self, key);
+    put_number(self, value, 10, 1);
+    put(self, "\n");
+}
+
+static void line_hex(const struct eds *self, const char *key, uint32_t value, uint8_t digits)
+{
+    put_hex(self, key, value, digits);
+    put(self, "\n");
+}
+
+/* --- the rows --- */
+
+static unsigned row_count(const struct eds *self)
+{
+    return (unsigned)co_object_count + self->device->object_count;
+}
+
+static const struct dg_co_object *row(const struct eds *self, unsigned i)
+{
+    return i < co_object_count ? &co_objects[i] : &self->device->objects[i - co_object_count];
+}
+
+static bool is_first(const struct eds *self, unsigned i)
+{
+    return i == 0 || row(self, i - 1)->index != row(self, i)->index;
+}
+
+static unsigned subs_of(const struct eds *self, unsigned first)
+{
+    unsigned i = first;
+    while (i < row_count(self) && row(self, i)->index == row(self, first)->index) {
+        i++;
+    }
+    return i - first;
+}
+
+static bool is_named(const struct dg_co_name *name, const struct dg_co_object *object, bool parent)
+{
+    return name->index == object->index &&
+           (parent ? name->kind != DG_CO_VAR : name->kind == DG_CO_VAR && name->sub == object->sub);
+}
+
+/* The name of a row, or of the array or record it belongs to; NULL: there is none. */
+static const struct dg_co_name *find_name(const struct eds *self, const struct dg_co_object *object,
+                                          bool parent)
+{
+    const bool own = object->index < 0x2000;
+    const struct dg_co_name *const list = own ? names : self->sheet->names;
+    const size_t count = own ? NAME_COUNT : self->sheet->name_count;
+    for (size_t i = 0; i < count; i++) {
+        if (is_named(&list[i], object, parent)) {
+            return &list[i];
+        }
+    }
+    return NULL;
+}
+
+/* --- one object --- */
+
+static void put_value(const struct eds *self, const char *key, const struct dg_co_object *object,
+                      uint32_t value)
+{
+    const bool is_signed = object->type <= DG_CO_I32;
+    const bool negative = is_signed && (value & 0x80000000u) != 0;
+    put(self, key);
+    put(self, negative ? "-" : is_signed ? "" : "0x");
+    put_number(self, negative ? 0u - value : value, is_signed ? 10 : 16, 1);
+    put(self, "\n");
+}
+
+/* What the device, not the row, knows: 1000h and 1018h. NULL: it is the row's. */
+static const uint32_t *identity_of(const struct eds *self, const struct dg_co_object *object)
+{
+    const struct dg_co_device *device = self->device;
+    const struct {
+        uint16_t index;
+        uint8_t sub;
+        const uint32_t *value;
+    } rows[] = {
+        {0x1000, 0, &device->device_type},
+        {0x1018, 1, &device->vendor_id},
+        {0x1018, 2, &device->product_code},
+        {0x1018, 3, &device->revision},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        if (rows[i].index == object->index && rows[i].sub == object->sub) {
+            return rows[i].value;
+        }
+    }
+    return NULL;
+}
+
+/* What is measured, counted or burnt into the single device has no default. */
+static void put_default(const struct eds *self, const struct dg_co_object *object)
+{
+    const uint32_t *identity = identity_of(self, object);
+    const bool fixed = (object->flags & DG_CO_LIVE) == 0 &&
+                       (object->hook == NULL || (object->flags & (DG_CO_W | DG_CO_CONST)) != 0);
+    if (object->type == DG_CO_STRING) {
+        line(self, "DefaultValue=", self->device->strings[object->initial]);
+    } else if (identity != NULL) {
+        put_value(self, "DefaultValue=", object, *identity);
+    } else if ((object->flags & DG_CO_ID) != 0) {
+        line_hex(self, "DefaultValue=$NODEID+0x", object->initial, 1);
+    } else if (fixed) {
+        put_value(self, "DefaultValue=", object, co_default(self->device, object));
+    }
+}
+
+static void put_limits(const struct eds *self, const struct dg_co_object *object)
+{
+    const uint32_t max = co_maximum(self->device, object);
+    if ((object->flags & DG_CO_W) == 0) {
+        return;
+    }
+    if (object->min != ranges[object->type].min) {
+        put_value(self, "LowLimit=", object, object->min);
+    }
+    if (max != ranges[object->type].max) {
+        put_value(self, "HighLimit=", object, max);
+    }
+}
+
+static const char *access_of(const struct dg_co_object *object)
+{
+    static const char *const access[] = {"", "ro", "wo", "rw"}; /* by DG_CO_R, DG_CO_W */
+    if ((object->flags & DG_CO_CONST) != 0) {
+        return "const";
+    }
+    /* Of what can be written, too, an EDS has to say that TPDOs take it. */
+    const unsigned all = DG_CO_RW | DG_CO_MAP;
+    return (object->flags & all) == all ? "rwr" : access[object->flags & DG_CO_RW];
+}
+
+/* The end of an object's section. Bit 0: a tool that downloads a configuration leaves it out (CiA
+ * 306). */
+static void put_flags(const struct eds *self, bool action)
+{
+    put(self, action ? "ObjFlags=0x1\n\n" : "\n");
+}
+
+static void put_row(const struct eds *self, const struct dg_co_object *object)
+{
+    const struct dg_co_name *name = find_name(self, object, false);
+    line(self, "ParameterName=", name != NULL ? name->text : "Unnamed");
+    line_hex(self, "ObjectType=0x", DG_CO_VAR, 1);
+    line_hex(self, "DataType=0x", object->type, 4);
+    line(self, "AccessType=", access_of(object));
+    put_default(self, object);
+    put_limits(self, object);
+    line(self, "PDOMapping=", (object->flags & DG_CO_MAP) != 0 ? "1" : "0");
+    put_flags(self, (object->flags & DG_CO_ACTION) != 0);
+}
+
+static void put_subs(const struct eds *self, unsigned first, unsigned subs)
+{
+    for (unsigned i = first; i < first + subs; i++) {
+        put_hex(self, "[", row(self, i)->index, 4);
+        put_hex(self, "sub", row(self, i)->sub, 1);
+        put(self, "]\n");
+        put_row(self, row(self, i));
+    }
+}
+
+/* A section for a variable; for an array or record one more for each of its rows. */
+static void put_object(const struct eds *self, unsigned first)
+{
+    const struct dg_co_object *object = row(self, first);
+    const struct dg_co_name *parent = find_name(self, object, true);
+    const unsigned subs = subs_of(self, first);
+    put_hex(self, "[", object->index, 4);
+    put(self, "]\n");
+    if (parent == NULL) {
+        put_row(self, object);
+        return;
+    }
+    bool action = false;
+    for (unsigned i = first; i < first + subs; i++) {
+        action = action || (row(self, i)->flags & DG_CO_ACTION) != 0;
+    }
+    line(self, "ParameterName=", parent->text);
+    line_hex(self, "ObjectType=0x", parent->kind, 1);
+    line_decimal(self, "SubNumber=", subs);
+    put_flags(self, action);
+    put_subs(self, first, subs);
+}
+
+/* --- all objects --- */
+
+static bool is_mandatory(uint16_t index)
+{
+    return index == 0x1000 || index == 0x1001 || index == 0x1018;
+}
+
+static bool is_manufacturer(uint16_t index)
+{
+    return index >= 0x2000 && index < 0x6000;
+}
+
+static bool is_optional(uint16_t index)
+{
+    return !is_mandatory(index) && !is_manufacturer(index);
+}
+
+/* The list of a group's objects. */
+static void put_list(const struct eds *self, const char *section, bool (*belongs)(uint16_t index))
+{
+    uint32_t count = 0;
+    for (unsigned i = 0; i < row_count(self); i++) {
+        count += is_first(self, i) && belongs(row(self, i)->index) ? 1u : 0u;
+    }
+    put(self, section);
+    line_decimal(self, "SupportedObjects=", count);
+    count = 0;
+    for (unsigned i = 0; i < row_count(self); i++) {
+        if (is_first(self, i) && belongs(row(self, i)->index)) {
+            put_number(self, ++count, 10, 1);
+            line_hex(self, "=0x", row(self, i)->index, 4);
+        }
+    }
+    put(self, "\n");
+}
+
+/* --- the file --- */
+
+/* A part of "major.minor.patch"; returns what is behind the point. */
+static const char *put_part(const struct eds *self, const char *key, const char *version)
+{
+    size_t n = 0;
+    while (version[n] >= '0' && version[n] <= '9') {
+        n++;
+    }
+    put(self, key);
+    self->write(self->ctx, version, n);
+    put(self, "\n");
+    return version + n + 1;
+}
+
+/* Version and dates are the release's: a file is a function of the version that printed it. */
+static void put_file_info(const struct eds *self)
+{
+    const struct dg_co_sheet *sheet = self->sheet;
+    put(self, "[FileInfo]\nFileName=");
+    line(self, sheet->model, ".eds");
+    (void)put_part(self, "FileRevision=", put_part(self, "FileVersion=", DG_VERSION));
+    put(self, "EDSVersion=4.0\nDescription=");
+    put(self, self->device->name);
+    put(self, ", ");
+    line(self, sheet->resolution, ", as drehgeber " DG_VERSION " emulates it");
+    put(self, "CreationTime=12:00AM\nCreationDate=" DG_RELEASED "\n"
+              "CreatedBy=drehgeber " DG_VERSION "\n"
+              "ModificationTime=12:00AM\nModificationDate=" DG_RELEASED "\n"
+              "ModifiedBy=drehgeber " DG_VERSION "\n\n");
+}
+
+static bool has_rate(const struct dg_co_device *device, uint16_t kbaud)
+{
+    bool has = false;
+    for (uint8_t i = 0; i < device->kbaud_count; i++) {
+        has = has || device->kbaud[i] == kbaud;
+    }
+    return has;
+}
+
+/* CiA 306 has no key for other rates. */
+static void put_rates(const struct eds *self)
+{
+    static const uint16_t kbaud[] = {10, 20, 50, 125, 250, 500, 800, 1000};
+    for (size_t i = 0; i < sizeof kbaud / sizeof kbaud[0]; i++) {
+        put(self, "BaudRate_");
+        put_number(self, kbaud[i], 10, 1);
+        line(self, "=", has_rate(self->device, kbaud[i]) ? "1" : "0");
+    }
+}
+
+static void put_device_info(const struct eds *self)
+{
+    const struct dg_co_device *device = self->device;
+    line(self, "[DeviceInfo]\nVendorName=", self->sheet->vendor);
+    line_hex(self, "VendorNumber=0x", device->vendor_id, 1);
+    line(self, "ProductName=", device->name);
+    line_hex(self, "ProductNumber=0x", device->product_code, 1);
+    line_hex(self, "RevisionNumber=0x", device->revision, 1);
+    line(self, "OrderCode=", device->name);
+    put_rates(self);
+    put(self, "SimpleBootUpMaster=0\nSimpleBootUpSlave=1\nGranularity=8\n"
+              "DynamicChannelsSupported=0\nGroupMessaging=0\nNrOfRXPDO=0\n");
+    line_decimal(self, "NrOfTXPDO=", DG_CO_TPDOS);
+    put(self, "LSS_Supported=1\n\n");
+}
+
+static void put_dummy_usage(const struct eds *self)
+{
+    put(self, "[DummyUsage]\n");
+    for (uint8_t type = 1; type <= 7; type++) {
+        put_hex(self, "Dummy", type, 4);
+        put(self, "=0\n");
+    }
+    put(self, "\n[Comments]\nLines=0\n\n");
+}
+
+void dg_co_eds(const struct dg_co_sheet *sheet,
+               void (*write)(void *ctx, const char *text, size_t n), void *ctx)
+{
+    const struct eds self = {sheet, sheet->device, write, ctx};
+    put_file_info(&self);
+    put_device_info(&self);
+    put_dummy_usage(&self);
+    put_list(&self, "[MandatoryObjects]\n", is_mandatory);
+    put_list(&self, "[OptionalObjects]\n", is_optional);
+    put_list(&self, "[ManufacturerObjects]\n", is_manufacturer);
+    for (unsigned i = 0; i < row_count(&self); i++) {
+        if (is_first(&self, i)) {
+            put_object(&self, i);
+        }
+    }
+}

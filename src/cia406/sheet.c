@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What the EDS files of the F36x8 say beside their dictionary: names, mostly. No device points
+ * here, so that firmware which prints no EDS does not carry it.
+ */
+#include "drehgeber/cia406.h"
+
+#define DG_CO_PARENT(index, kind, name) {(uint16_t)(index), 0, DG_CO_##kind, name},
+#define DG_CO_OBJECT(index, sub, type, access, slot, region, initial, min, max, hook, name)        \
+    {(uint16_t)(index), sub, DG_CO_VAR, name},
+
+static const struct dg_co_name names[] = {
+#include "objects.def"
+};
+
+#define F36X8 .vendor = "Kuebler", .names = names, .name_count = sizeof names / sizeof names[0]
+
+static const struct dg_co_sheet sheets[] = {
+    {
+        F36X8,
+        .device = &dg_cia406_singleturn,
+        .model = "f3658",
+        .resolution = "65536 steps, singleturn",
+    },
+    {
+        F36X8,
+        .device = &dg_cia406_multiturn,
+        .model = "f3668",
+        .resolution = "65536 steps, 4096 turns",
+    },
+    {
+        F36X8,
+        .device = &dg_cia406_multiturn_32,
+        .model = "f3668",
+        .resolution = "65536 steps, 65536 turns",
+    },
+};
+
+const struct dg_co_sheet *dg_cia406_sheet(const struct dg_co_device *device)
+{
+    for (size_t i = 0; i < sizeof sheets / sizeof sheets[0]; i++) {
+        if (sheets[i].device == device) {
+            return &sheets[i];
+        }
+    }
+    return NULL;
+}
