@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
 #include "say.h"
 
 #include <poll.h>
@@ -23,16 +24,19 @@ static bool has_room(void)
 static void print_line(const char *before, const char *format, va_list arguments)
 {
     char text[LX_LINE_MAX];
+    (void)vsnprintf(text, sizeof text, format, arguments);
+    flockfile(stderr); /* the thread that writes EEPROM files has lines, too */
     if (!has_room()) {
         left_out++;
+        funlockfile(stderr);
         return;
     }
     if (left_out > 0) {
         (void)fprintf(stderr, "drehgeber: %lu lines left out: nobody has read them\n", left_out);
         left_out = 0;
     }
-    (void)vsnprintf(text, sizeof text, format, arguments);
     (void)fprintf(stderr, "%s%s\n", before, text);
+    funlockfile(stderr);
 }
 
 static const char own[] = "drehgeber: ";

@@ -32,11 +32,7 @@ static void send_frame(void *ctx, const struct dg_can_frame *frame)
     if (!node->hears) {
         return;
     }
-    if (node->bent) {
-        lx_can_emit_bent(node, frame);
-    } else {
-        lx_can_emit(node, frame);
-    }
+    lx_can_answer(node, frame);
 }
 
 static bool hears(const struct lx_can_node *node)
@@ -210,6 +206,13 @@ static void on_bus(void *ctx, dg_ns now, enum dg_co_bus_event event)
     }
 }
 
+static void on_settled(void *ctx, dg_ns now)
+{
+    struct lx_can_node *node = ctx;
+    lx_can_answer_settled(node);
+    settle(node->bus, now);
+}
+
 static void release(void *ctx, dg_ns now)
 {
     lx_can_release(ctx, now);
@@ -248,7 +251,7 @@ static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
         return -1;
     }
     for (size_t i = 0; i < bus->setup.count; i++) {
-        if (lx_can_node_open(&self->node[i], &node_ops, now, error) != 0) {
+        if (lx_can_node_open(&self->node[i], &node_ops, on_settled, now, error) != 0) {
             return -1;
         }
     }

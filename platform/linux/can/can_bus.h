@@ -13,6 +13,7 @@
 #include "drehgeber/cia406.h"
 #include "nvm_file.h"
 #include "nvm_memory.h"
+#include "nvm_writer.h"
 
 /** A deadline that is served later than this counts as late. A stalled bus serves none, and the
  * time before the loop begins counts for nothing: neither is late. */
@@ -21,6 +22,23 @@
 #define LX_CAN_DEAF UINT8_MAX
 
 struct lx_can_bus;
+struct lx_can_node;
+
+/** A frame of a node that waits: for its turn with the other nodes, for its time, or for the disk.
+ */
+struct lx_can_waiting {
+    struct lx_can_node *from;
+    dg_ns at;
+    uint64_t ticket; /**< of what it acknowledges */
+    struct dg_can_frame frame;
+};
+
+/** Waiting frames, oldest first. */
+struct lx_can_list {
+    struct lx_can_waiting *frames; /**< owned */
+    size_t count;
+    size_t capacity;
+};
 
 /** An encoder. */
 struct lx_can_node {
@@ -31,27 +49,15 @@ struct lx_can_node {
     struct dg_cia406_model model; /**< with what the plan sets */
     struct lx_nvm_memory memory;
     struct lx_nvm_file file;
-    uint8_t id;      /**< node-ID in the delivery state */
-    uint16_t kbaud;  /**< bit rate in force */
-    bool hears;      /**< the wire has this rate, too */
-    uint8_t index;   /**< in the bus's net; LX_CAN_DEAF: not there */
-    bool bent;       /**< wire faults may be active, or frames are held back */
-    unsigned held;   /**< frames held back */
-    dg_ns last_held; /**< when the last one of them goes out */
-};
-
-/** A frame of a node that waits: for its turn with the other nodes, or for its time. */
-struct lx_can_waiting {
-    struct lx_can_node *from;
-    dg_ns at;
-    struct dg_can_frame frame;
-};
-
-/** Waiting frames, oldest first. */
-struct lx_can_list {
-    struct lx_can_waiting *frames; /**< owned */
-    size_t count;
-    size_t capacity;
+    struct lx_nvm_queue queue;  /**< in front of it */
+    struct lx_can_list answers; /**< to what is not on the disk yet */
+    uint8_t id;                 /**< node-ID in the delivery state */
+    uint16_t kbaud;             /**< bit rate in force */
+    bool hears;                 /**< the wire has this rate, too */
+    uint8_t index;              /**< in the bus's net; LX_CAN_DEAF: not there */
+    bool bent;                  /**< wire faults may be active, or frames are held back */
+    unsigned held;              /**< frames held back */
+    dg_ns last_held;            /**< when the last one of them goes out */
 };
 
 /** A bus. */
@@ -86,12 +92,28 @@ struct lx_bus *lx_can_bus_make(const struct lx_bus_setup *setup, lx_can_open *op
 /** Understand the plan of the station at `place`. @return 0, or -1 with one line in `error` */
 int lx_can_node_make(struct lx_can_bus *bus, size_t place, struct lx_error *error);
 
-/** Load its EEPROM, switch it on. @return 0, or -1 with one line in `error`, then close */
-int lx_can_node_open(struct lx_can_node *self, const struct dg_co_ops *ops, dg_ns now,
-                     struct lx_error *error);
+/** Load its EEPROM, switch it on. `settled`: as in lx_nvm_queue_setup, with the node as ctx.
+ * @return 0, or -1 with one line in `error`, then close */
+int lx_can_node_open(struct lx_can_node *self, const struct dg_co_ops *ops,
+                     void (*settled)(void *ctx, dg_ns now), dg_ns now, struct lx_error *error);
 
 /** Switch it off, close its EEPROM; also after a failed open. */
 void lx_can_node_close(struct lx_can_node *self);
+
+/* --- answers that wait for the disk, can_answer.c --- */
+
+/** Put a frame of a node on the wire, bent or not; an answer behind what the node writes to its
+ * EEPROM file, when that is there. */
+void lx_can_answer(struct lx_can_node *from, const struct dg_can_frame *frame);
+
+/** Something of it is there, or lost: then what acknowledges it is, too. */
+void lx_can_answer_settled(struct lx_can_node *from);
+
+/** Without power nothing waits. */
+void lx_can_answer_none(struct lx_can_node *from);
+
+/** Append a frame. @return false without memory; then it is lost */
+bool lx_can_list_append(struct lx_can_list *self, const struct lx_can_waiting *frame);
 
 /* --- faults of the wire, can_faults.c --- */
 

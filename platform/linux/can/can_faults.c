@@ -11,30 +11,11 @@
  */
 #include "can_bus.h"
 
-#include <stdlib.h>
 #include <string.h>
-
-#define LIST_FIRST 16u
 
 static struct dg_faults *faults_of(const struct lx_can_node *node)
 {
     return &node->station->control.faults;
-}
-
-/* @return false without memory; then the frame is lost */
-static bool append(struct lx_can_list *self, const struct lx_can_waiting *frame)
-{
-    if (self->count == self->capacity) {
-        const size_t capacity = self->capacity == 0 ? LIST_FIRST : 2 * self->capacity;
-        struct lx_can_waiting *frames = realloc(self->frames, capacity * sizeof *frames);
-        if (frames == NULL) {
-            return false;
-        }
-        self->frames = frames;
-        self->capacity = capacity;
-    }
-    self->frames[self->count++] = *frame;
-    return true;
 }
 
 /* --- from a node --- */
@@ -71,7 +52,7 @@ void lx_can_emit(struct lx_can_node *from, const struct dg_can_frame *frame)
     lx_can_send(self->can, frame);
     if (others_listen(from, frame->id)) {
         const struct lx_can_waiting waiting = {.from = from, .frame = *frame};
-        (void)append(&self->heard, &waiting);
+        (void)lx_can_list_append(&self->heard, &waiting);
     }
 }
 
@@ -92,7 +73,7 @@ static void send_in_time(struct lx_can_node *from, const struct dg_can_frame *fr
     if (from->held > 0 && waiting.at < from->last_held) {
         waiting.at = from->last_held;
     }
-    if (!append(&self->held, &waiting)) {
+    if (!lx_can_list_append(&self->held, &waiting)) {
         return;
     }
     from->held++;
@@ -254,5 +235,8 @@ void lx_can_bend(struct lx_can_node *self, dg_ns now)
     const struct dg_faults *faults = faults_of(self);
     self->bent = faults->wire != 0 || self->held > 0;
     self->bus->bent = self->bus->bent || self->bent;
+    if (self->device.state == DG_CO_OFF) {
+        lx_can_answer_none(self);
+    }
     lx_can_follow(self, now);
 }

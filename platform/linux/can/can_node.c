@@ -197,7 +197,7 @@ static int check_file(struct lx_can_node *self, struct lx_error *error)
 }
 
 /* In memory, or in its file; an EEPROM that does not answer belongs to nobody. */
-static int open_eeprom(struct lx_can_node *self, struct lx_error *error)
+static int open_file(struct lx_can_node *self, struct lx_error *error)
 {
     const char *path = self->station->plan->nvm;
     const struct lx_nvm_image image = {self->memory.bytes, self->memory.size,
@@ -223,6 +223,23 @@ static void tell_node_id(const struct lx_can_node *self)
     }
 }
 
+static int open_eeprom(struct lx_can_node *self, void (*settled)(void *ctx, dg_ns now),
+                       struct lx_error *error)
+{
+    struct dg_nvm *nvm = &self->station->control.nvm;
+    if (open_file(self, error) != 0) {
+        return -1;
+    }
+    const struct lx_nvm_queue_setup queue = {
+        .writer = self->station->plan->nvm == NULL ? NULL : self->bus->bus.setup.writer,
+        .below = *nvm,
+        .size = self->memory.size,
+        .settled = settled,
+        .ctx = self,
+    };
+    return lx_nvm_queue_open(&self->queue, &queue, nvm, error);
+}
+
 static int power_on(struct lx_can_node *self, const struct dg_co_ops *ops, dg_ns now,
                     struct lx_error *error)
 {
@@ -241,8 +258,8 @@ static int power_on(struct lx_can_node *self, const struct dg_co_ops *ops, dg_ns
     return 0;
 }
 
-int lx_can_node_open(struct lx_can_node *self, const struct dg_co_ops *ops, dg_ns now,
-                     struct lx_error *error)
+int lx_can_node_open(struct lx_can_node *self, const struct dg_co_ops *ops,
+                     void (*settled)(void *ctx, dg_ns now), dg_ns now, struct lx_error *error)
 {
     const struct lx_bus_setup *setup = &self->bus->bus.setup;
     const struct lx_plan_encoder *plan = self->station->plan;
@@ -250,7 +267,7 @@ int lx_can_node_open(struct lx_can_node *self, const struct dg_co_ops *ops, dg_n
         (void)lx_fail(error, "these factory figures make no encoder, or there is no memory");
         return lx_settings_refuse(setup->plan, plan->line, error);
     }
-    if (open_eeprom(self, error) != 0 || power_on(self, ops, now, error) != 0) {
+    if (open_eeprom(self, settled, error) != 0 || power_on(self, ops, now, error) != 0) {
         return lx_settings_refuse(setup->plan, plan->nvm_line, error);
     }
     tell_node_id(self);
@@ -260,6 +277,8 @@ int lx_can_node_open(struct lx_can_node *self, const struct dg_co_ops *ops, dg_n
 void lx_can_node_close(struct lx_can_node *self)
 {
     dg_co_power_off(&self->device);
+    lx_nvm_queue_close(&self->queue);
+    free(self->answers.frames);
     lx_nvm_file_close(&self->file);
     lx_nvm_memory_free(&self->memory);
 }

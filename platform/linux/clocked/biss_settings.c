@@ -202,8 +202,20 @@ int lx_biss_eeprom_open(struct lx_biss_eeprom *self, const char *path, struct lx
     return 0;
 }
 
+int lx_biss_eeprom_defer(struct lx_biss_eeprom *self, struct lx_nvm_writer *writer,
+                         struct lx_error *error)
+{
+    const struct lx_nvm_queue_setup queue = {
+        .writer = self->file.fd < 0 ? NULL : writer,
+        .below = self->nvm,
+        .size = self->memory.size,
+    };
+    return lx_nvm_queue_open(&self->queue, &queue, &self->nvm, error);
+}
+
 void lx_biss_eeprom_close(struct lx_biss_eeprom *self)
 {
+    lx_nvm_queue_close(&self->queue);
     lx_nvm_file_close(&self->file);
     lx_nvm_memory_free(&self->memory);
 }

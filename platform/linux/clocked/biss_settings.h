@@ -11,6 +11,7 @@
 #include "drehgeber/biss.h"
 #include "nvm_file.h"
 #include "nvm_memory.h"
+#include "nvm_writer.h"
 #include "plan.h"
 #include "settings.h"
 
@@ -46,12 +47,18 @@ void lx_biss_settings_help(FILE *to);
 struct lx_biss_eeprom {
     struct lx_nvm_memory memory; /**< the delivery state; the EEPROM itself without a file */
     struct lx_nvm_file file;     /**< fd -1: not open */
+    struct lx_nvm_queue queue;   /**< in front of it, when there is a writer */
     struct dg_nvm nvm;           /**< for the device */
 };
 
 /** Open it; `path` NULL: in memory. A new file gets the delivery state.
  * @return 0, or -1 with one line in `error` */
 int lx_biss_eeprom_open(struct lx_biss_eeprom *self, const char *path, struct lx_error *error);
+
+/** Let the writer (NULL: nobody) write the file from here on. @return 0, or -1 with one line in
+ * `error` */
+int lx_biss_eeprom_defer(struct lx_biss_eeprom *self, struct lx_nvm_writer *writer,
+                         struct lx_error *error);
 
 /** Close the file, free the memory; also after a failed open. */
 void lx_biss_eeprom_close(struct lx_biss_eeprom *self);

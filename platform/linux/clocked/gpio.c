@@ -71,6 +71,21 @@ static void judge(struct lx_gpio *self, dg_ns next)
     self->due = false;
 }
 
+/* P of a write comes with the frame behind it. What is not on the disk yet is not acknowledged:
+   there is no start bit then; behind what was lost there is none, once. */
+static void hold_back(struct lx_gpio *self)
+{
+    struct lx_nvm_queue *memory = self->setup.memory;
+    if (memory == NULL) {
+        return;
+    }
+    const enum lx_nvm_state state = lx_nvm_queue_state(memory, memory->issued);
+    if (state == LX_NVM_PENDING || (state == LX_NVM_LOST && self->lost != memory->issued)) {
+        self->link = (struct lx_biss_link){.active = true, .high = true};
+    }
+    self->lost = state == LX_NVM_LOST ? memory->issued : self->lost;
+}
+
 static void take_edge(struct lx_gpio *self, const struct lx_gpio_edge *edge)
 {
     struct dg_biss *device = self->setup.device;
@@ -88,6 +103,7 @@ static void take_edge(struct lx_gpio *self, const struct lx_gpio_edge *edge)
     if (device->counters.frames != frames) {
         lx_biss_link_begin(&self->link, self->setup.faults, dg_biss_frame_bits(device->setup.model),
                            DG_MS(1));
+        hold_back(self);
     }
     lx_biss_link_advance(&self->link, dg_biss_slo(device, false));
     if (self->waiting == 0) {

@@ -14,6 +14,7 @@
 #include "drehgeber/biss.h"
 #include "gpio_lines.h"
 #include "gpio_rate.h"
+#include "nvm_writer.h"
 #include "tap.h"
 #include "timer.h"
 
@@ -26,6 +27,7 @@ struct lx_gpio_setup {
     struct lx_gpio_lines *lines; /**< SLO is as the device has it */
     struct dg_faults *faults;    /**< of the wire; NULL: none */
     const struct lx_tap *tap;
+    struct lx_nvm_queue *memory; /**< of the device; NULL: written at once */
     /** The chip has gone, and the user has been told; close, but not in this call. */
     void (*gone)(void *ctx);
     void *ctx;
@@ -51,6 +53,7 @@ struct lx_gpio {
     dg_ns answered;               /**< when SLO was set after a rising edge last */
     dg_ns trouble;                /**< when edges were late or lost last; 0: never */
     struct lx_biss_link link;     /**< what faults make of SLO */
+    uint64_t lost;                /**< ticket of the write that was lost last */
     uint32_t waiting;             /**< rising edges without an answer */
     bool due;                     /**< the next edge tells whether the latest answer is late */
     bool slo;                     /**< as it is */

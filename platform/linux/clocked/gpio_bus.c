@@ -53,6 +53,7 @@ static int take_lines(struct gpio_bus *self, struct lx_error *error)
         .lines = lx_gpio_lines_open(&self->address, dg_biss_slo(&self->device, false), error),
         .faults = &self->bus.setup.stations[0]->control.faults,
         .tap = &self->bus.tap,
+        .memory = &self->eeprom.queue,
         .gone = on_gone,
         .ctx = self,
     };
@@ -81,7 +82,8 @@ static int switch_on(struct gpio_bus *self, dg_ns now, struct lx_error *error)
 {
     struct lx_station *station = self->bus.setup.stations[0];
     const char *nvm = station->plan->nvm;
-    if (lx_biss_eeprom_open(&self->eeprom, nvm, error) != 0) {
+    if (lx_biss_eeprom_open(&self->eeprom, nvm, error) != 0 ||
+        lx_biss_eeprom_defer(&self->eeprom, self->bus.setup.writer, error) != 0) {
         return -1;
     }
     station->control.nvm = self->eeprom.nvm;

@@ -151,17 +151,18 @@ static int biss_write(struct lx_bus *bus, struct lx_station *station, uint8_t ad
 
 /* --- the operations --- */
 
-static int switch_on(struct slave *slave, const struct lx_plan *plan, dg_ns now,
+static int switch_on(struct slave *slave, const struct lx_bus_setup *setup, dg_ns now,
                      struct lx_error *error)
 {
     const char *nvm = slave->station->plan->nvm;
-    if (lx_biss_eeprom_open(&slave->eeprom, nvm, error) != 0) {
-        return lx_plan_fail(plan, slave->station->plan->nvm_line, error, "%s", error->text);
+    if (lx_biss_eeprom_open(&slave->eeprom, nvm, error) != 0 ||
+        lx_biss_eeprom_defer(&slave->eeprom, setup->writer, error) != 0) {
+        return lx_plan_fail(setup->plan, slave->station->plan->nvm_line, error, "%s", error->text);
     }
     slave->station->control.nvm = slave->eeprom.nvm;
-    const struct dg_biss_setup setup = {&slave->settings.model, &slave->station->world,
-                                        slave->eeprom.nvm};
-    return lx_biss_switch_on(&slave->device, &setup, now, nvm, error);
+    const struct dg_biss_setup device = {&slave->settings.model, &slave->station->world,
+                                         slave->eeprom.nvm};
+    return lx_biss_switch_on(&slave->device, &device, now, nvm, error);
 }
 
 static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
@@ -171,7 +172,7 @@ static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
     lx_sim_master_init(&self->master, &bus->tap, &self->timing, now);
     for (size_t i = 0; i < self->count; i++) {
         struct slave *slave = &self->slave[i];
-        if (switch_on(slave, bus->setup.plan, now, error) != 0) {
+        if (switch_on(slave, &bus->setup, now, error) != 0) {
             return -1;
         }
         lx_sim_master_add(&self->master, &slave->device, &slave->station->control.faults,

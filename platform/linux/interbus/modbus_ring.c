@@ -22,8 +22,12 @@ static int slice_write(void *ctx, uint32_t address, const void *from, size_t n)
 
 static int slice_sync(void *ctx)
 {
-    const struct lx_ring_slice *self = ctx;
-    return self->whole.ops->sync == NULL ? DG_OK : self->whole.ops->sync(self->whole.ctx);
+    struct lx_ring_slice *self = ctx;
+    const int result =
+        self->whole.ops->sync == NULL ? DG_OK : self->whole.ops->sync(self->whole.ctx);
+    self->ticket = self->store->queue.issued;
+    self->open = true;
+    return result;
 }
 
 static const struct dg_nvm_ops slice_ops = {
@@ -179,9 +183,30 @@ static int check_files(struct lx_ring *self, size_t count, struct lx_error *erro
             return -1;
         }
     }
-    for (size_t i = 0; i < count; i++) {
+    return 0;
+}
+
+/* The devices work on the files from here on. */
+static int open_queues(struct lx_ring *self, const struct lx_ring_setup *setup,
+                       struct lx_error *error)
+{
+    for (size_t i = 0; i < self->store_count; i++) {
+        struct lx_ring_store *store = &self->stores[i];
+        const struct lx_nvm_queue_setup queue = {
+            .writer = setup->writer,
+            .below = lx_nvm_file_port(&store->file),
+            .size = store->memory.size,
+            .settled = setup->settled,
+            .ctx = setup->ctx,
+        };
+        if (store->path != NULL &&
+            lx_nvm_queue_open(&store->queue, &queue, &store->nvm, error) != 0) {
+            return -1;
+        }
+    }
+    for (size_t i = 0; i < setup->count; i++) {
         if (self->slices[i].store->path != NULL) {
-            self->slices[i].whole = lx_nvm_file_port(&self->slices[i].store->file);
+            self->slices[i].whole = self->slices[i].store->nvm;
         }
     }
     return 0;
@@ -215,7 +240,7 @@ int lx_ring_open(struct lx_ring *self, const struct lx_ring_setup *setup, dg_ns 
     memset(self, 0, sizeof *self);
     if (share_out(self, setup, error) != 0 || deliver(self, setup->count, error) != 0 ||
         open_files(self, setup->say, error) != 0 || check_files(self, setup->count, error) != 0 ||
-        switch_on(self, setup, now, error) != 0) {
+        open_queues(self, setup, error) != 0 || switch_on(self, setup, now, error) != 0) {
         return -1;
     }
     return 0;
@@ -224,6 +249,7 @@ int lx_ring_open(struct lx_ring *self, const struct lx_ring_setup *setup, dg_ns 
 void lx_ring_close(struct lx_ring *self)
 {
     for (size_t i = 0; i < self->store_count; i++) {
+        lx_nvm_queue_close(&self->stores[i].queue);
         lx_nvm_file_close(&self->stores[i].file);
         lx_nvm_memory_free(&self->stores[i].memory);
     }
@@ -234,6 +260,40 @@ void lx_ring_close(struct lx_ring *self)
     memset(self, 0, sizeof *self);
 }
 
+/* A command's answer is latched one cycle behind what it stores at the earliest, so that what was
+   shown before is still in `in` when this begins. What a device stores by itself holds up nothing.
+   What is lost is not answered: the old words stay until there is another command. */
+static void hold_back(struct lx_ring_slice *self, uint16_t *in, const uint16_t *out)
+{
+    static const uint16_t nothing[LX_RING_OWN_WORDS_MAX];
+    const enum lx_nvm_state state = lx_nvm_queue_state(&self->store->queue, self->ticket);
+    const bool same = memcmp(self->command, out, sizeof self->command) == 0;
+    if (state == LX_NVM_THROUGH || (state == LX_NVM_LOST && !(self->holds && same))) {
+        self->open = false;
+        self->holds = false;
+        return;
+    }
+    if (!self->holds && memcmp(out, nothing, sizeof nothing) != 0) {
+        self->holds = true;
+        memcpy(self->shown, in, sizeof self->shown);
+        memcpy(self->command, out, sizeof self->command);
+    }
+    if (self->holds) {
+        memcpy(in, self->shown, sizeof self->shown);
+    }
+}
+
+static void hold_back_all(struct lx_ring *self)
+{
+    size_t at = 0;
+    for (size_t i = 0; i < self->ring.count; i++) {
+        if (self->slices[i].open) {
+            hold_back(&self->slices[i], &self->in[at], &self->out[at]);
+        }
+        at += dg_ib_words(&self->models[i]);
+    }
+}
+
 void lx_ring_cycle(struct lx_ring *self, dg_ns now)
 {
     if (self->stopped) {
@@ -241,6 +301,7 @@ void lx_ring_cycle(struct lx_ring *self, dg_ns now)
         return;
     }
     self->result = dg_ib_ring_cycle(&self->ring, now, self->out, self->in);
+    hold_back_all(self);
     if (self->result == DG_IB_RING_INTERRUPTED || self->result == DG_IB_RING_IDENTIFY) {
         self->reached = dg_ib_ring_id(&self->ring, now, self->ids);
     }

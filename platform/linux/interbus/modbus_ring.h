@@ -11,6 +11,7 @@
 #include "modbus_settings.h"
 #include "nvm_file.h"
 #include "nvm_memory.h"
+#include "nvm_writer.h"
 
 /** Words of either image at most: two for each device. */
 #define LX_RING_WORDS_MAX (2u * DG_IB_RING_MAX)
@@ -29,6 +30,10 @@ struct lx_ring_setup {
     const struct lx_ring_member *members;
     size_t count; /**< 1..DG_IB_RING_MAX */
     const struct lx_say *say;
+    struct lx_nvm_writer *writer; /**< of the files; NULL: they are written where they stand */
+    /** As in lx_nvm_queue_setup: IN words may be held back no longer, from the next cycle on. */
+    void (*settled)(void *ctx, dg_ns now);
+    void *ctx;
 };
 
 /** A memory of one device or several. */
@@ -36,14 +41,25 @@ struct lx_ring_store {
     const char *path;            /**< NULL: no file */
     struct lx_nvm_memory memory; /**< delivery state; the memory itself without a file */
     struct lx_nvm_file file;
+    struct lx_nvm_queue queue; /**< in front of it */
+    struct dg_nvm nvm;         /**< for the devices */
     bool older; /**< the file is of an earlier release: its images are to be moved apart */
 };
 
-/** The part of a memory that belongs to one device. */
+/** Words of one device. */
+#define LX_RING_OWN_WORDS_MAX 2u
+
+/** The part of a memory that belongs to one device. Its answer to a command waits until what it
+ * acknowledges is on the disk: meanwhile the master sees the IN words from before. */
 struct lx_ring_slice {
     struct lx_ring_store *store;
     struct dg_nvm whole;
     uint32_t base;
+    uint64_t ticket; /**< of its last sync */
+    bool open;       /**< that one was not known to be through */
+    bool holds;      /**< the master sees: */
+    uint16_t shown[LX_RING_OWN_WORDS_MAX];
+    uint16_t command[LX_RING_OWN_WORDS_MAX]; /**< the OUT words that it answers */
 };
 
 /** A ring. Not to be moved. */

@@ -198,6 +198,13 @@ static void drive(void *ctx, dg_ns now)
 
 /* --- the operations --- */
 
+/* IN words that were held back come with the next cycle. */
+static void on_settled(void *ctx, dg_ns now)
+{
+    struct ring_bus *self = ctx;
+    lx_modbus_stir(&self->coupler, self->bent || lx_tap_on(&self->bus.tap), now);
+}
+
 static int open_coupler(struct ring_bus *self, struct lx_error *error)
 {
     const struct lx_plan_wire *wire = self->bus.setup.wire;
@@ -228,7 +235,13 @@ static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
     struct ring_bus *self = ring_of(bus);
     const struct lx_bus_setup *setup = &bus->setup;
     const struct lx_ring_setup ring = {
-        .members = self->members, .count = setup->count, .say = setup->say};
+        .members = self->members,
+        .count = setup->count,
+        .say = setup->say,
+        .writer = setup->writer,
+        .settled = on_settled,
+        .ctx = self,
+    };
     if (lx_ring_open(&self->ring, &ring, now, error) != 0 || open_coupler(self, error) != 0) {
         return lx_settings_refuse(setup->plan, setup->wire->line, error);
     }

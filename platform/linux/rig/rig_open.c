@@ -114,6 +114,7 @@ static int make_wire(struct lx_rig *self, size_t index, struct lx_error *error)
         .stations = wire->stations,
         .count = wire->count,
         .clock = &self->clock,
+        .writer = self->writer,
     };
     wire->bus = wire->plan->kind->make(&setup, error);
     for (size_t i = 0; wire->bus != NULL && i < wire->count; i++) {
@@ -192,6 +193,17 @@ static int look_after_loop(struct lx_rig *self, struct lx_error *error)
     return result < 0 ? lx_fail(error, "no signal: %s", strerror(-result)) : 0;
 }
 
+/* --- EEPROM files --- */
+
+/* Clients may wait for what was written. */
+static void on_written(void *ctx)
+{
+    const struct lx_rig *self = ctx;
+    for (size_t i = 0; i < LX_PLAN_CONTROLS_MAX; i++) {
+        lx_server_wake(self->servers[i]);
+    }
+}
+
 /* --- power --- */
 
 /* Whoever watches a wire sees its first frame, the boot-up of a node, too. */
@@ -228,6 +240,7 @@ static struct lx_server *serve(struct lx_rig *self, const char *where, struct lx
         .say = self->setup.say,
         .rig = &self->control,
         .clock = &self->clock,
+        .writer = self->writer,
         .look = lx_rig_look,
         .enter = enter,
         .settle = lx_rig_settle,
@@ -350,7 +363,8 @@ int lx_rig_open(struct lx_rig **self, const struct lx_rig_setup *setup, dg_ns no
     rig->files = LX_FOLDER_NONE;
     rig->no_files = LX_FOLDER_NONE;
     rig->clock = (struct lx_clock){.real = now, .virtual_ = now, .permille = 1000};
-    if (!make_room(rig)) {
+    rig->writer = lx_nvm_writer_new(setup->event, on_written, rig);
+    if (!make_room(rig) || rig->writer == NULL) {
         (void)lx_fail(error, "no memory for a rig");
     } else {
         result = make(rig, error);
@@ -480,6 +494,7 @@ int lx_rig_close(struct lx_rig *self, struct lx_error *error)
     lx_stall_close(&self->stall);
     int result = close_wires(self, error);
     result = worst(result, close_shafts(self, &latest), error, &latest);
+    lx_nvm_writer_free(self->writer);
     lx_folder_close(&self->files);
     free(self->control.encoders);
     free(self->control.shafts);

@@ -54,6 +54,7 @@ struct lx_rig {
     dg_ns begin; /**< its time when it was opened */
     struct lx_rig_shaft *shafts;
     struct lx_rig_wire *wires;
+    struct lx_nvm_writer *writer; /**< of EEPROM files */
     struct lx_station *stations;
     struct lx_timer faults; /**< their durations */
     struct lx_stall stall;

@@ -6,7 +6,8 @@
  *   timer  -- on_time ---> dg_control_step(), then what waited in `input`
  *
  * A session that waits (*WAI, *OPC?) takes no bytes; they stay in `input`, and the client is not
- * read from until there is room again.
+ * read from until there is room again. So it is behind a line that has written to an EEPROM file,
+ * until that is on the disk, and its answers stay in `output`.
  */
 #define _GNU_SOURCE
 #include "server.h"
@@ -50,8 +51,10 @@ struct client {
     char *output; /* owned */
     size_t output_length;
     size_t output_size;
-    bool ended;  /* no more bytes will come */
-    bool broken; /* to be closed */
+    uint64_t written_after; /* waits for the writer: for tickets behind this one, */
+    uint64_t written;       /* ... up to this one; 0: does not */
+    bool ended;             /* no more bytes will come */
+    bool broken;            /* to be closed */
 };
 
 struct lx_server {
@@ -100,7 +103,7 @@ static void keep(void *ctx, const char *bytes, size_t n)
 
 static void send_output(struct client *client)
 {
-    while (client->output_length > 0 && !client->broken) {
+    while (client->output_length > 0 && !client->broken && client->written == 0) {
         const ssize_t n =
             send(client->fd, client->output, client->output_length, MSG_DONTWAIT | MSG_NOSIGNAL);
         if (n < 0 && errno == EINTR) {
@@ -113,6 +116,38 @@ static void send_output(struct client *client)
         client->output_length -= (size_t)n;
         memmove(client->output, client->output + n, client->output_length);
     }
+}
+
+/* --- what is written --- */
+
+/* What is lost is told as an error; an answer of the same line may say something else, and the end
+   of the connection says that. */
+static void await_writer(struct client *client)
+{
+    const enum lx_nvm_state state =
+        lx_nvm_writer_state(client->server->setup.writer, client->written_after, client->written);
+    if (client->written == 0 || state == LX_NVM_PENDING) {
+        return;
+    }
+    client->written = 0;
+    if (state == LX_NVM_LOST) {
+        client->broken = client->output_length > 0;
+        dg_scpi_raise(&client->control.session, DG_SCPI_STORAGE, "EEPROM file");
+    }
+}
+
+/* The client has done something. `before`: the last ticket before that. */
+static void look_what_is_written(struct client *client, uint64_t before)
+{
+    const uint64_t last = lx_nvm_writer_ticket(client->server->setup.writer);
+    if (last == before) {
+        return;
+    }
+    if (client->written == 0) {
+        client->written_after = before;
+    }
+    client->written = last;
+    await_writer(client);
 }
 
 /* --- clients --- */
@@ -143,7 +178,7 @@ static size_t line_length(const struct client *client, size_t taken)
 }
 
 /* @return how much of the line is done with */
-static size_t take_line(struct client *client, dg_ns now, const char *line, size_t n)
+static size_t take_guarded(struct client *client, dg_ns now, const char *line, size_t n)
 {
     static const char no_token[] = "-203,\"Command protected;SYSTem:TOKen \"\"...\"\" first\"\n";
     switch (lx_guard_line(&client->guard, line, n)) {
@@ -161,12 +196,29 @@ static size_t take_line(struct client *client, dg_ns now, const char *line, size
     return n;
 }
 
+static size_t take_line(struct client *client, dg_ns now, const char *line, size_t n)
+{
+    const uint64_t before = lx_nvm_writer_ticket(client->server->setup.writer);
+    const size_t taken = take_guarded(client, now, line, n);
+    look_what_is_written(client, before);
+    return taken;
+}
+
+/* What the session has waited for may be over. @return when to call again */
+static dg_ns go_on(struct client *client, dg_ns now)
+{
+    const uint64_t before = lx_nvm_writer_ticket(client->server->setup.writer);
+    const dg_ns next = dg_control_step(&client->control, now);
+    look_what_is_written(client, before);
+    return next;
+}
+
 /* What the client has sent, as far as its session takes it, and it takes the answers. */
 static void feed(struct client *client, dg_ns now)
 {
     size_t taken = 0;
     size_t n = line_length(client, 0);
-    while (n > 0 && !client->broken && !client->control.session.executing &&
+    while (n > 0 && !client->broken && !client->control.session.executing && client->written == 0 &&
            client->output_length < OUTPUT_FULL) {
         taken += take_line(client, now, client->input + taken, n);
         n = line_length(client, taken);
@@ -179,12 +231,12 @@ static void feed(struct client *client, dg_ns now)
 static void watch(struct client *client)
 {
     const bool done = client->ended && client->input_length == 0 && client->output_length == 0 &&
-                      !client->control.session.waiting;
+                      !client->control.session.waiting && client->written == 0;
     if (client->broken || done) {
         drop(client);
         return;
     }
-    uint32_t events = client->output_length > 0 ? EPOLLOUT : 0u;
+    uint32_t events = client->output_length > 0 && client->written == 0 ? EPOLLOUT : 0u;
     if (!client->ended && client->input_length < sizeof client->input) {
         events |= EPOLLIN;
     }
@@ -202,10 +254,11 @@ static dg_ns serve(struct client *client)
         const dg_ns now = lx_clock_now(clock); /* the client before may have let time pass */
         before = client->input_length;
         client->server->setup.look(client->server->setup.ctx, now);
+        await_writer(client);
         send_output(client);
-        (void)dg_control_step(&client->control, now);
+        (void)go_on(client, now);
         feed(client, now);
-        next = dg_control_step(&client->control, now);
+        next = go_on(client, now);
         send_output(client);
     } while (!client->broken && client->input_length > 0 && client->input_length < before);
     return next;
@@ -257,7 +310,8 @@ static unsigned standing(const struct client *client)
 {
     const struct dg_scpi *session = &client->control.session;
     const bool known = client->guard.token == NULL || client->guard.named;
-    const bool waits = session->waiting || session->opc || session->executing;
+    const bool waits =
+        session->waiting || session->opc || session->executing || client->written != 0;
     return known ? 1u + (unsigned)waits : 0u;
 }
 
@@ -405,8 +459,10 @@ void lx_server_wake(struct lx_server *self)
 {
     bool waits = false;
     for (size_t i = 0; self != NULL && i < LX_SERVER_CLIENTS_MAX; i++) {
-        const struct dg_scpi *session = &self->clients[i].control.session;
-        waits = waits || (self->clients[i].fd >= 0 && (session->waiting || session->opc));
+        const struct client *client = &self->clients[i];
+        const struct dg_scpi *session = &client->control.session;
+        waits = waits ||
+                (client->fd >= 0 && (session->waiting || session->opc || client->written != 0));
     }
     if (waits) {
         self->woken = true;

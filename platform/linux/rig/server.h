@@ -15,6 +15,7 @@
 #include "access.h"
 #include "bus.h"
 #include "drehgeber/control.h"
+#include "nvm_writer.h"
 #include "say.h"
 
 /** Clients at once; one more takes the place of the one that has been silent for longest: of those
@@ -30,6 +31,9 @@ struct lx_server_setup {
     const struct lx_say *say;
     struct dg_rig *rig;
     const struct lx_clock *clock;
+    /** Of the EEPROM files: what a client has written is not acknowledged before it is there; NULL:
+     * there are none. */
+    struct lx_nvm_writer *writer;
     /** Before commands of a client are done at `now` (the rig's time). */
     void (*look)(void *ctx, dg_ns now);
     /** A client is served from here on: one over TCP, or one over a socket file. */
@@ -49,7 +53,8 @@ struct lx_server;
 struct lx_server *lx_server_open(const char *where, const struct lx_server_setup *setup,
                                  struct lx_error *error);
 
-/** A shaft or the clock has changed: what clients wait for may come sooner; NULL is fine. */
+/** A shaft or the clock has changed, or something was written to an EEPROM file: what clients wait
+ * for may come sooner; NULL is fine. */
 void lx_server_wake(struct lx_server *self);
 
 /** A line on stderr when others than this machine reach it; NULL is fine. */

@@ -14,13 +14,29 @@ static struct lx_hf_bus *hf_of(struct lx_bus *bus)
 
 /* --- the operations --- */
 
+static int open_eeprom(struct lx_hf_drop *self, struct lx_error *error)
+{
+    const struct lx_bus_setup *bus = &self->all->bus.setup;
+    const struct lx_plan_encoder *plan = self->station->plan;
+    struct lx_eeprom *eeprom = &self->eeprom;
+    if (lx_eeprom_open(eeprom, plan->nvm, &self->settings, bus->say, error) != 0) {
+        return lx_plan_fail(bus->plan, plan->nvm_line, error, "%s", error->text);
+    }
+    const struct lx_nvm_queue_setup queue = {
+        .writer = plan->nvm == NULL ? NULL : bus->writer,
+        .below = eeprom->nvm,
+        .size = eeprom->memory.size,
+        .settled = lx_hf_on_settled,
+        .ctx = self,
+    };
+    return lx_nvm_queue_open(&self->queue, &queue, &eeprom->nvm, error);
+}
+
 static int switch_on(struct lx_hf_drop *self, dg_ns now, struct lx_error *error)
 {
     struct lx_station *station = self->station;
-    const struct lx_bus_setup *bus = &self->all->bus.setup;
-    const struct lx_plan_encoder *plan = station->plan;
-    if (lx_eeprom_open(&self->eeprom, plan->nvm, &self->settings, bus->say, error) != 0) {
-        return lx_plan_fail(bus->plan, plan->nvm_line, error, "%s", error->text);
+    if (open_eeprom(self, error) != 0) {
+        return -1;
     }
     station->control.nvm = self->eeprom.nvm;
     const struct dg_hf_setup device = {
@@ -119,6 +135,7 @@ static void changed_one(struct lx_hf_drop *self, dg_ns now)
 {
     if (!lx_hf_powered(self)) {
         lx_line_stop(&self->line);
+        self->held.length = 0;
         self->again = false;
         self->deaf = false;
     }
@@ -153,6 +170,7 @@ static void close_bus(struct lx_bus *bus)
     struct lx_hf_bus *self = hf_of(bus);
     for (size_t i = 0; i < self->count; i++) {
         dg_hf_power_off(&self->drop[i].device);
+        lx_nvm_queue_close(&self->drop[i].queue);
         lx_eeprom_close(&self->drop[i].eeprom);
     }
     lx_serial_close(self->port);

@@ -58,6 +58,12 @@ static bool sends(const struct lx_hf_drop *self, dg_ns now)
     return pace_of(self) != PACE_NONE && lx_line_busy(&self->line, now);
 }
 
+/* Busy with a reply, also with one that is held back. */
+static bool hears_nothing(const struct lx_hf_drop *self, dg_ns now)
+{
+    return self->held.length > 0 || sends(self, now);
+}
+
 /* Whether a character with this setting arrives as what it is; a parity of 0 fits. */
 static bool fits(const struct lx_hf_drop *self, uint32_t baud, char parity)
 {
@@ -154,11 +160,8 @@ static void send_damaged(struct lx_hf_drop *self, dg_ns now, const uint8_t *byte
 
 /* --- out --- */
 
-/* Called inside dg_hf_step(), which may run late: the reply starts when it really does. What the
-   others hear of it waits until this call is over. */
-static void send_reply(void *ctx, const uint8_t *bytes, size_t n)
+static void start_reply(struct lx_hf_drop *self, const uint8_t *bytes, size_t n)
 {
-    struct lx_hf_drop *self = ctx;
     self->begun = false;
     self->again = false;
     self->merged = false;
@@ -168,6 +171,35 @@ static void send_reply(void *ctx, const uint8_t *bytes, size_t n)
         return;
     }
     lx_line_start(&self->line, lx_now(), bytes, n);
+}
+
+/* Called inside dg_hf_step(), which may run late: the reply starts when it really does. What the
+   others hear of it waits until this call is over. */
+static void send_reply(void *ctx, const uint8_t *bytes, size_t n)
+{
+    struct lx_hf_drop *self = ctx;
+    if (!lx_nvm_queue_pending(&self->queue)) {
+        start_reply(self, bytes, n);
+        return;
+    }
+    memcpy(self->held.bytes, bytes, n);
+    self->held.length = n;
+}
+
+/* What is lost is not acknowledged. */
+void lx_hf_on_settled(void *ctx, dg_ns now)
+{
+    struct lx_hf_drop *self = ctx;
+    const size_t n = self->held.length;
+    (void)now;
+    if (n == 0 || lx_nvm_queue_pending(&self->queue)) {
+        return;
+    }
+    self->held.length = 0;
+    if (lx_nvm_queue_state(&self->queue, self->queue.issued) == LX_NVM_THROUGH) {
+        start_reply(self, self->held.bytes, n);
+        lx_hf_settle(self->all);
+    }
 }
 
 const struct dg_hf_ops lx_hf_device_ops = {.tx = send_reply};
@@ -198,7 +230,7 @@ static void spread(struct lx_hf_drop *from, dg_ns at, struct lx_character *chara
     }
     for (size_t i = 0; i < self->count; i++) {
         struct lx_hf_drop *to = &self->drop[i];
-        if (to == from || sends(to, at)) {
+        if (to == from || hears_nothing(to, at)) {
             continue;
         }
         struct lx_character heard = *character;
@@ -382,7 +414,7 @@ static bool anybody_sends(const struct lx_hf_bus *self, dg_ns now)
 static void listen(struct lx_hf_drop *self, const struct lx_coming *coming)
 {
     struct lx_character heard = coming->character;
-    if (!lx_hf_powered(self) || sends(self, coming->end) ||
+    if (!lx_hf_powered(self) || hears_nothing(self, coming->end) ||
         deafened(self, coming->end, heard.byte)) {
         return;
     }
@@ -425,7 +457,7 @@ static void begin(struct lx_hf_bus *self, dg_ns now)
 {
     for (size_t i = 0; i < self->count; i++) {
         struct lx_hf_drop *drop = &self->drop[i];
-        if (lx_hf_powered(drop) && !sends(drop, now) && !drop->deaf) {
+        if (lx_hf_powered(drop) && !hears_nothing(drop, now) && !drop->deaf) {
             count_late(drop, now);
             lx_hf_follow(drop, dg_hf_rx(&drop->device, now, 0, DG_HF_RX_START));
         }

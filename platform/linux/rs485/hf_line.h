@@ -9,6 +9,7 @@
 #include "bus.h"
 #include "drehgeber/hiperface.h"
 #include "eeprom.h"
+#include "nvm_writer.h"
 #include "serial.h"
 #include "settings.h"
 #include "timer.h"
@@ -26,6 +27,11 @@ struct lx_hf_drop {
     struct lx_hf_bus *all;
     struct lx_settings settings;
     struct lx_eeprom eeprom;
+    struct lx_nvm_queue queue; /**< in front of its file */
+    struct {
+        uint8_t bytes[DG_HF_FRAME_MAX];
+        size_t length; /**< 0: none */
+    } held;            /**< a reply that waits until what it acknowledges is on the disk */
     struct dg_hf device;
     struct dg_hf_uart uart; /**< what its line has been told */
     dg_ns deadline;         /**< of the device */
@@ -67,6 +73,9 @@ static inline struct lx_uart lx_hf_uart(const struct dg_hf_uart *uart)
 
 /** Of the device: operations with the struct lx_hf_drop as ctx. */
 extern const struct dg_hf_ops lx_hf_device_ops;
+
+/** What its file was sent is there, or lost; `ctx` is the struct lx_hf_drop. */
+void lx_hf_on_settled(void *ctx, dg_ns now);
 
 /** Whether it has power. */
 bool lx_hf_powered(const struct lx_hf_drop *self);

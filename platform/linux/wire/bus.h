@@ -17,6 +17,7 @@
 #include "wire.h"
 
 struct lx_bus;
+struct lx_nvm_writer;
 
 /** An encoder on a bus. The rig owns it; the bus fills control.device, control.nvm. */
 struct lx_station {
@@ -37,6 +38,7 @@ struct lx_bus_setup {
     struct lx_station **stations;
     size_t count; /**< at least 1 */
     const struct lx_clock *clock;
+    struct lx_nvm_writer *writer; /**< of EEPROM files; NULL: they are written where they stand */
 };
 
 /** Longest address for a ready line. */

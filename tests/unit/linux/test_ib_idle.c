@@ -85,7 +85,7 @@ static void open_side(struct side *self, const struct dg_ib_model *const *models
     for (size_t i = 0; i < DEVICES; i++) {
         members[i] = (struct lx_ring_member){.model = *models[i], .world = &self->world};
     }
-    const struct lx_ring_setup setup = {members, DEVICES, &quiet};
+    const struct lx_ring_setup setup = {.members = members, .count = DEVICES, .say = &quiet};
     assert_int_equal(lx_ring_open(&self->ring, &setup, START, &error), 0);
     lx_map_init(&self->map, &self->ring);
 }

@@ -28,7 +28,7 @@ static char path[] = "/tmp/test_ib_map.XXXXXX";
 static int open_ring(const char *nvm, size_t count)
 {
     struct lx_ring_member members[3];
-    const struct lx_ring_setup setup = {members, count, &quiet};
+    const struct lx_ring_setup setup = {.members = members, .count = count, .say = &quiet};
 
     for (uint32_t i = 0; i < count; i++) {
         members[i] = (struct lx_ring_member){

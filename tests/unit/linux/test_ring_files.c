@@ -74,7 +74,7 @@ static int tear_down(void **state)
 
 static int open_ring(struct bench *self)
 {
-    const struct lx_ring_setup setup = {self->members, 3, &quiet};
+    const struct lx_ring_setup setup = {.members = self->members, .count = 3, .say = &quiet};
     return lx_ring_open(&self->ring, &setup, 0, &self->error);
 }
 

@@ -1,0 +1,543 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ *   device -- write, sync --> bytes
+ *                        \--> jobs -- line --> thread -- write, sync --> file
+ *   loop <-- eventfd -- news, done --------------/
+ *
+ * The thread takes a queue's jobs up to the first sync, then it is the next queue's turn. A part
+ * that fails stays at the front and stops its queue. Two things can be the case then:
+ *
+ * - Nobody has been told yes for what failed, as the disk said no within a moment. Then the sync
+ *   says no, too, the queue is emptied, and the device reads what the file has become: all is as if
+ *   it had worked on the file itself.
+ * - The device went on, and may have written more since. It cannot be told any more: its next
+ *   writes are refused, and each of them makes the thread try again from the part that failed on,
+ *   in the old order, so that power may fail in between. Only when it is through with all of it the
+ *   device may write again.
+ *
+ * The lock is held for moments only, never while the disk works. What is not shared belongs to the
+ * loop; the memory below belongs to the thread while its queue is lined up.
+ */
+#define _GNU_SOURCE
+#include "nvm_writer.h"
+
+#include <errno.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/epoll.h>
+#include <sys/eventfd.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "timer.h"
+
+/* It writes, syncs, and prints a line. */
+#define STACK_BYTES ((size_t)256 * 1024)
+
+struct lx_nvm_job {
+    struct lx_nvm_job *next;
+    uint64_t ticket; /* of a sync; 0: a write */
+    uint32_t address;
+    uint32_t size;
+    uint8_t bytes[];
+};
+
+struct lx_nvm_writer {
+    sd_event *event;
+    void (*settled)(void *ctx);
+    void *ctx;
+    struct lx_nvm_queue *queues;
+    uint64_t issued;
+    bool runs;
+    pthread_t thread;
+    int wake; /* eventfd */
+    sd_event_source *io;
+    pthread_mutex_t lock;
+    pthread_cond_t work;
+    pthread_cond_t progress;
+    /* what the thread looks at, too */
+    struct lx_nvm_queue *first; /* in line */
+    struct lx_nvm_queue *last;
+    bool ends;
+};
+
+/* --- jobs --- */
+
+static void append(struct lx_nvm_jobs *self, struct lx_nvm_job *first, struct lx_nvm_job *last)
+{
+    if (self->first == NULL) {
+        self->first = first;
+    } else {
+        self->last->next = first;
+    }
+    self->last = last;
+    last->next = NULL;
+}
+
+static void take_up_to(struct lx_nvm_jobs *self, const struct lx_nvm_job *last)
+{
+    self->first = last->next;
+    if (self->first == NULL) {
+        self->last = NULL;
+    }
+}
+
+static void free_all(struct lx_nvm_jobs *self)
+{
+    while (self->first != NULL) {
+        struct lx_nvm_job *job = self->first;
+        self->first = job->next;
+        free(job);
+    }
+    self->last = NULL;
+}
+
+static struct lx_nvm_job *make_job(uint64_t ticket, uint32_t address, const void *from, size_t n)
+{
+    struct lx_nvm_job *job = malloc(sizeof *job + n);
+    if (job != NULL) {
+        *job = (struct lx_nvm_job){.ticket = ticket, .address = address, .size = (uint32_t)n};
+        if (n > 0) {
+            memcpy(job->bytes, from, n);
+        }
+    }
+    return job;
+}
+
+/* --- the thread --- */
+
+static void line_up(struct lx_nvm_queue *queue)
+{
+    struct lx_nvm_writer *self = queue->setup.writer;
+    if (queue->lined_up) {
+        return;
+    }
+    queue->lined_up = true;
+    queue->behind = NULL;
+    if (self->first == NULL) {
+        self->first = queue;
+    } else {
+        self->last->behind = queue;
+    }
+    self->last = queue;
+    (void)pthread_cond_signal(&self->work);
+}
+
+/* @return NULL: it ends */
+static struct lx_nvm_queue *next_in_line(struct lx_nvm_writer *self)
+{
+    while (self->first == NULL && !self->ends) {
+        (void)pthread_cond_wait(&self->work, &self->lock);
+    }
+    struct lx_nvm_queue *queue = self->first;
+    if (queue != NULL) {
+        self->first = queue->behind;
+    }
+    return queue;
+}
+
+/* The part that is done in one go: up to the first sync. */
+static struct lx_nvm_job *end_of_part(const struct lx_nvm_queue *queue)
+{
+    struct lx_nvm_job *job = queue->jobs.first;
+    while (job->ticket == 0 && job->next != NULL) {
+        job = job->next;
+    }
+    return job;
+}
+
+/* Without the lock. The loop may hang more behind the last job meanwhile, so its `next` is not
+   looked at. */
+static int carry_out(const struct dg_nvm *nvm, const struct lx_nvm_job *first,
+                     const struct lx_nvm_job *last)
+{
+    for (const struct lx_nvm_job *job = first;; job = job->next) {
+        const int result = job->ticket != 0
+                               ? nvm->ops->sync(nvm->ctx)
+                               : nvm->ops->write(nvm->ctx, job->address, job->bytes, job->size);
+        if (result != DG_OK || job == last) {
+            return result;
+        }
+    }
+}
+
+static void succeed(struct lx_nvm_queue *queue, struct lx_nvm_job *last)
+{
+    struct lx_nvm_job *first = queue->jobs.first;
+    queue->done = last->ticket != 0 ? last->ticket : queue->done;
+    take_up_to(&queue->jobs, last);
+    append(&queue->spent, first, last);
+    queue->lined_up = false;
+    if (queue->jobs.first != NULL) {
+        line_up(queue);
+    } else {
+        queue->stalled = false;
+    }
+}
+
+static void tell_loop(const struct lx_nvm_writer *self, struct lx_nvm_queue *queue)
+{
+    const uint64_t one = 1;
+    queue->news = true;
+    const ssize_t written = write(self->wake, &one, sizeof one);
+    (void)written; /* it cannot overflow, and else it is readable already */
+}
+
+static void serve(struct lx_nvm_writer *self, struct lx_nvm_queue *queue)
+{
+    struct lx_nvm_job *first = queue->jobs.first;
+    struct lx_nvm_job *last = end_of_part(queue);
+    const bool synced = last->ticket != 0;
+    (void)pthread_mutex_unlock(&self->lock);
+    const int result = carry_out(&queue->setup.below, first, last);
+    (void)pthread_mutex_lock(&self->lock);
+    if (result == DG_OK) {
+        succeed(queue, last);
+    } else {
+        queue->stalled = true;
+        queue->lined_up = false;
+    }
+    if (synced || queue->stalled) {
+        tell_loop(self, queue);
+    }
+    (void)pthread_cond_broadcast(&self->progress);
+}
+
+static void *run(void *ctx)
+{
+    struct lx_nvm_writer *self = ctx;
+    struct lx_nvm_queue *queue = NULL;
+    (void)pthread_mutex_lock(&self->lock);
+    while ((queue = next_in_line(self)) != NULL) {
+        serve(self, queue);
+    }
+    (void)pthread_mutex_unlock(&self->lock);
+    return NULL;
+}
+
+/* --- the device's side --- */
+
+static bool inside(const struct lx_nvm_queue *self, uint32_t address, size_t n)
+{
+    return address <= self->setup.size && n <= self->setup.size - address;
+}
+
+static int read_copy(void *ctx, uint32_t address, void *to, size_t n)
+{
+    const struct lx_nvm_queue *self = ctx;
+    if (!inside(self, address, n)) {
+        return DG_ERR_IO;
+    }
+    memcpy(to, self->bytes + address, n);
+    return DG_OK;
+}
+
+/* With the lock: what a queue that has stalled does about it, see above. @return DG_ERR_IO */
+static int refuse(struct lx_nvm_queue *self)
+{
+    const struct dg_nvm *below = &self->setup.below;
+    if (self->lined_up) {
+        return DG_ERR_IO; /* it is being tried again */
+    }
+    if (self->issued != self->done) {
+        line_up(self);
+        return DG_ERR_IO;
+    }
+    append(&self->spent, self->jobs.first, self->jobs.last);
+    self->jobs = (struct lx_nvm_jobs){NULL, NULL};
+    self->stalled = false;
+    (void)below->ops->read(below->ctx, 0, self->bytes, self->setup.size);
+    return DG_ERR_IO;
+}
+
+static int write_later(void *ctx, uint32_t address, const void *from, size_t n)
+{
+    struct lx_nvm_queue *self = ctx;
+    struct lx_nvm_writer *writer = self->setup.writer;
+    struct lx_nvm_job *job = inside(self, address, n) ? make_job(0, address, from, n) : NULL;
+    int result = DG_ERR_IO;
+    if (job == NULL) {
+        return result;
+    }
+    (void)pthread_mutex_lock(&writer->lock);
+    if (self->stalled) {
+        append(&self->spent, job, job);
+        result = refuse(self);
+    } else {
+        append(&self->jobs, job, job);
+        line_up(self);
+        memcpy(self->bytes + address, from, n);
+        result = DG_OK;
+    }
+    (void)pthread_mutex_unlock(&writer->lock);
+    return result;
+}
+
+/* With the lock: until the sync is decided, or the moment is over. */
+static void wait_a_moment(struct lx_nvm_queue *self)
+{
+    struct lx_nvm_writer *writer = self->setup.writer;
+    const dg_ns end = dg_after(lx_now(), LX_NVM_MOMENT);
+    const struct timespec until = {.tv_sec = (time_t)(end / DG_S(1)),
+                                   .tv_nsec = (long)(end % DG_S(1))};
+    int result = 0;
+    while (self->done != self->issued && !self->stalled && result == 0) {
+        result = pthread_cond_timedwait(&writer->progress, &writer->lock, &until);
+    }
+}
+
+/* With the lock. Behind others that are under way the moment has been taken already. */
+static int issue(struct lx_nvm_queue *self, struct lx_nvm_job *job)
+{
+    const bool alone = self->issued == self->done;
+    self->issued = job->ticket;
+    append(&self->jobs, job, job);
+    line_up(self);
+    if (alone) {
+        wait_a_moment(self);
+    }
+    if (alone && self->stalled) {
+        self->issued = self->done; /* nobody has been told yes */
+        return refuse(self);
+    }
+    self->waits += alone && self->done != self->issued ? 1u : 0u;
+    return DG_OK;
+}
+
+static int sync_later(void *ctx)
+{
+    struct lx_nvm_queue *self = ctx;
+    struct lx_nvm_writer *writer = self->setup.writer;
+    struct lx_nvm_job *job = make_job(writer->issued + 1u, 0, NULL, 0);
+    if (job == NULL) {
+        return DG_ERR_IO;
+    }
+    writer->issued++;
+    (void)pthread_mutex_lock(&writer->lock);
+    int result = DG_ERR_IO;
+    if (self->stalled) {
+        append(&self->spent, job, job);
+        result = refuse(self);
+    } else {
+        result = issue(self, job);
+    }
+    (void)pthread_mutex_unlock(&writer->lock);
+    return result;
+}
+
+static const struct dg_nvm_ops queue_ops = {
+    .read = read_copy, .write = write_later, .sync = sync_later};
+
+/* --- the loop's side --- */
+
+/* @return whether there is anything new of this queue */
+static bool take_news(struct lx_nvm_queue *self)
+{
+    struct lx_nvm_writer *writer = self->setup.writer;
+    (void)pthread_mutex_lock(&writer->lock);
+    const bool news = self->news;
+    struct lx_nvm_jobs spent = self->spent;
+    self->news = false;
+    self->spent = (struct lx_nvm_jobs){NULL, NULL};
+    (void)pthread_mutex_unlock(&writer->lock);
+    free_all(&spent);
+    return news;
+}
+
+static int on_wake(sd_event_source *source, int fd, uint32_t events, void *ctx)
+{
+    struct lx_nvm_writer *self = ctx;
+    uint64_t count = 0;
+    const ssize_t taken = read(fd, &count, sizeof count);
+    (void)taken;
+    (void)source;
+    (void)events;
+    for (struct lx_nvm_queue *queue = self->queues; queue != NULL; queue = queue->next) {
+        if (take_news(queue) && queue->setup.settled != NULL) {
+            queue->setup.settled(queue->setup.ctx, lx_now());
+        }
+    }
+    if (self->settled != NULL) {
+        self->settled(self->ctx);
+    }
+    return 0;
+}
+
+/* Signals are the loop's. @return 0 or an errno */
+static int start_thread(struct lx_nvm_writer *self)
+{
+    pthread_attr_t attributes;
+    sigset_t all;
+    sigset_t before;
+    int reason = pthread_attr_init(&attributes);
+    if (reason != 0) {
+        return reason;
+    }
+    (void)sigfillset(&all);
+    (void)pthread_sigmask(SIG_SETMASK, &all, &before);
+    reason = pthread_attr_setstacksize(&attributes, STACK_BYTES);
+    if (reason == 0) {
+        reason = pthread_create(&self->thread, &attributes, run, self);
+    }
+    (void)pthread_sigmask(SIG_SETMASK, &before, NULL);
+    (void)pthread_attr_destroy(&attributes);
+    self->runs = reason == 0;
+    return reason;
+}
+
+/* @return 0 or an errno */
+static int start(struct lx_nvm_writer *self)
+{
+    if (self->runs) {
+        return 0;
+    }
+    self->wake = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+    if (self->wake < 0) {
+        return errno;
+    }
+    int result = self->event == NULL
+                     ? 0
+                     : sd_event_add_io(self->event, &self->io, self->wake, EPOLLIN, on_wake, self);
+    if (result >= 0 && self->io != NULL) {
+        result = sd_event_source_set_priority(self->io, SD_EVENT_PRIORITY_IMPORTANT);
+    }
+    return result < 0 ? -result : start_thread(self);
+}
+
+struct lx_nvm_writer *lx_nvm_writer_new(sd_event *event, void (*settled)(void *ctx), void *ctx)
+{
+    struct lx_nvm_writer *self = calloc(1, sizeof *self);
+    pthread_condattr_t clock;
+    if (self == NULL) {
+        return NULL;
+    }
+    self->event = event;
+    self->settled = settled;
+    self->ctx = ctx;
+    self->wake = -1;
+    (void)pthread_condattr_init(&clock);
+    (void)pthread_condattr_setclock(&clock, CLOCK_MONOTONIC);
+    (void)pthread_mutex_init(&self->lock, NULL);
+    (void)pthread_cond_init(&self->work, NULL);
+    (void)pthread_cond_init(&self->progress, &clock);
+    (void)pthread_condattr_destroy(&clock);
+    return self;
+}
+
+void lx_nvm_writer_free(struct lx_nvm_writer *self)
+{
+    if (self == NULL) {
+        return;
+    }
+    if (self->runs) {
+        (void)pthread_mutex_lock(&self->lock);
+        self->ends = true;
+        (void)pthread_cond_signal(&self->work);
+        (void)pthread_mutex_unlock(&self->lock);
+        (void)pthread_join(self->thread, NULL);
+    }
+    self->io = sd_event_source_disable_unref(self->io);
+    if (self->wake >= 0) {
+        (void)close(self->wake);
+    }
+    (void)pthread_cond_destroy(&self->progress);
+    (void)pthread_cond_destroy(&self->work);
+    (void)pthread_mutex_destroy(&self->lock);
+    free(self);
+}
+
+uint64_t lx_nvm_writer_ticket(const struct lx_nvm_writer *self)
+{
+    return self == NULL ? 0 : self->issued;
+}
+
+/* Of a queue that has gone on behind `ticket` its later syncs are waited for, too. */
+enum lx_nvm_state lx_nvm_writer_state(struct lx_nvm_writer *self, uint64_t after, uint64_t ticket)
+{
+    enum lx_nvm_state worst = LX_NVM_THROUGH;
+    for (struct lx_nvm_queue *queue = self == NULL ? NULL : self->queues; queue != NULL;
+         queue = queue->next) {
+        if (queue->issued > after) {
+            const uint64_t own = queue->issued < ticket ? queue->issued : ticket;
+            const enum lx_nvm_state state = lx_nvm_queue_state(queue, own);
+            worst = state > worst ? state : worst;
+        }
+    }
+    return worst;
+}
+
+int lx_nvm_queue_open(struct lx_nvm_queue *self, const struct lx_nvm_queue_setup *setup,
+                      struct dg_nvm *nvm, struct lx_error *error)
+{
+    *self = (struct lx_nvm_queue){.setup = *setup};
+    *nvm = setup->below;
+    if (setup->writer == NULL) {
+        return 0;
+    }
+    const int reason = start(setup->writer);
+    if (reason != 0) {
+        self->setup.writer = NULL;
+        return lx_fail(error, "no thread for EEPROM files: %s", strerror(reason));
+    }
+    self->bytes = malloc(setup->size);
+    if (self->bytes == NULL ||
+        setup->below.ops->read(setup->below.ctx, 0, self->bytes, setup->size) != DG_OK) {
+        free(self->bytes);
+        *self = (struct lx_nvm_queue){.bytes = NULL};
+        return lx_fail(error, "no memory for an EEPROM");
+    }
+    self->next = setup->writer->queues;
+    setup->writer->queues = self;
+    *nvm = (struct dg_nvm){&queue_ops, self};
+    return 0;
+}
+
+static void drain(struct lx_nvm_queue *self)
+{
+    struct lx_nvm_writer *writer = self->setup.writer;
+    (void)pthread_mutex_lock(&writer->lock);
+    if (self->jobs.first != NULL) {
+        line_up(self);
+    }
+    while (self->lined_up) {
+        (void)pthread_cond_wait(&writer->progress, &writer->lock);
+    }
+    (void)pthread_mutex_unlock(&writer->lock);
+}
+
+void lx_nvm_queue_close(struct lx_nvm_queue *self)
+{
+    struct lx_nvm_queue **at = NULL;
+    if (self->bytes == NULL) {
+        return;
+    }
+    drain(self);
+    for (at = &self->setup.writer->queues; *at != self; at = &(*at)->next) {
+    }
+    *at = self->next;
+    free_all(&self->jobs);
+    free_all(&self->spent);
+    free(self->bytes);
+    *self = (struct lx_nvm_queue){.bytes = NULL};
+}
+
+enum lx_nvm_state lx_nvm_queue_state(struct lx_nvm_queue *self, uint64_t ticket)
+{
+    enum lx_nvm_state state = LX_NVM_THROUGH;
+    if (self->bytes == NULL) {
+        return state;
+    }
+    (void)pthread_mutex_lock(&self->setup.writer->lock);
+    if (self->done < ticket) {
+        state = self->stalled ? LX_NVM_LOST : LX_NVM_PENDING;
+    }
+    (void)pthread_mutex_unlock(&self->setup.writer->lock);
+    return state;
+}
+
+bool lx_nvm_queue_pending(struct lx_nvm_queue *self)
+{
+    return lx_nvm_queue_state(self, self->issued) == LX_NVM_PENDING;
+}
