@@ -260,10 +260,11 @@ void lx_ring_close(struct lx_ring *self)
     memset(self, 0, sizeof *self);
 }
 
-/* A command's answer is latched one cycle behind what it stores at the earliest, so that what was
-   shown before is still in `in` when this begins. What a device stores by itself holds up nothing.
-   What is lost is not answered: the old words stay until there is another command. */
-static void hold_back(struct lx_ring_slice *self, uint16_t *in, const uint16_t *out)
+/* A device stores, and answers, within one cycle: what the master sees instead is from the one
+   before. What a device stores by itself, without a command, holds up nothing. What is lost is not
+   answered: the old words stay until there is another command. */
+static void hold_back(struct lx_ring_slice *self, uint16_t *in, const uint16_t *before,
+                      const uint16_t *out)
 {
     static const uint16_t nothing[LX_RING_OWN_WORDS_MAX];
     const enum lx_nvm_state state = lx_nvm_queue_state(&self->store->queue, self->ticket);
@@ -275,7 +276,7 @@ static void hold_back(struct lx_ring_slice *self, uint16_t *in, const uint16_t *
     }
     if (!self->holds && memcmp(out, nothing, sizeof nothing) != 0) {
         self->holds = true;
-        memcpy(self->shown, in, sizeof self->shown);
+        memcpy(self->shown, before, sizeof self->shown);
         memcpy(self->command, out, sizeof self->command);
     }
     if (self->holds) {
@@ -288,7 +289,7 @@ static void hold_back_all(struct lx_ring *self)
     size_t at = 0;
     for (size_t i = 0; i < self->ring.count; i++) {
         if (self->slices[i].open) {
-            hold_back(&self->slices[i], &self->in[at], &self->out[at]);
+            hold_back(&self->slices[i], &self->in[at], &self->before[at], &self->out[at]);
         }
         at += dg_ib_words(&self->models[i]);
     }
@@ -300,6 +301,7 @@ void lx_ring_cycle(struct lx_ring *self, dg_ns now)
         self->reached = dg_ib_ring_id(&self->ring, now, self->ids);
         return;
     }
+    memcpy(self->before, self->in, self->ring.words * sizeof self->in[0]);
     self->result = dg_ib_ring_cycle(&self->ring, now, self->out, self->in);
     hold_back_all(self);
     if (self->result == DG_IB_RING_INTERRUPTED || self->result == DG_IB_RING_IDENTIFY) {

@@ -76,6 +76,7 @@ struct lx_ring {
     uint16_t ids[DG_IB_RING_MAX];
     uint16_t in[LX_RING_WORDS_MAX];
     uint16_t out[LX_RING_WORDS_MAX];
+    uint16_t before[LX_RING_WORDS_MAX]; /**< IN of the cycle before */
 };
 
 /** Switch everything on at `now`. @return 0, or -1 with one line in `error`, then close */
