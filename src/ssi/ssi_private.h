@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * What the files of this folder share.
+ */
+#ifndef SSI_PRIVATE_H
+#define SSI_PRIVATE_H
+
+#include "drehgeber/ssi.h"
+
+/** sense.c: store the position at `now`, and the word made of it. */
+void ssi_latch(struct dg_ssi *self, dg_ns now);
+
+/** frame.c: the word of a position, right-aligned. */
+uint64_t ssi_word(const struct dg_ssi_model *model, uint32_t position, bool error);
+
+/** Turns and position in the turn, in bits. */
+static inline uint8_t ssi_position_bits(const struct dg_ssi_model *model)
+{
+    return (uint8_t)(model->multiturn_bits + model->singleturn_bits);
+}
+
+#endif
