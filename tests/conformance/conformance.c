@@ -17,6 +17,7 @@
 #include <cmocka.h>
 
 #include "conformance.h"
+#include "ssi_steps.h"
 
 static struct cf_suite suite;
 static const struct cf_device *device;
@@ -96,6 +97,8 @@ int main(int argc, char **argv)
         {"biss", cf_biss, prove},
         {"biss-selftest", cf_biss, expect_fail},
         {"selftest", cf_hiperface, expect_fail},
+        {"ssi", cf_ssi, prove},
+        {"ssi-selftest", cf_ssi, expect_fail},
         {"canopen", cf_canopen, prove},
         {"canopen-selftest", cf_canopen, expect_fail},
         {"interbus", cf_interbus, prove},
@@ -115,7 +118,7 @@ int main(int argc, char **argv)
     if (result == 2) {
         (void)fprintf(
             stderr, "usage: conformance %s CLAUSES ROWS [PAGE]\n",
-            "hiperface|selftest|biss|canopen|canopen-selftest|cia406|interbus|interbus-selftest");
+            "hiperface|selftest|biss|ssi|ssi-selftest|canopen|canopen-selftest|cia406|interbus|interbus-selftest");
     }
     return result;
 }
