@@ -21,6 +21,8 @@ extern "C" {
 DG_API extern const struct dg_device dg_s3674_rs485, dg_s3684_rs485;
 /** BiSS-C: singleturn, multiturn. */
 DG_API extern const struct dg_device dg_s3674_biss, dg_s3684_biss;
+/** SSI: singleturn, multiturn; multiturn in binary with error bit and parity. */
+DG_API extern const struct dg_device dg_ssi_13, dg_ssi_25, dg_ssi_28;
 /** CANopen: singleturn, multiturn. */
 DG_API extern const struct dg_device dg_f3658, dg_f3668;
 /** INTERBUS, by ENCOM profile. */

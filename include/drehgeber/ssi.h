@@ -31,6 +31,7 @@
 
 #include "drehgeber/api.h"
 #include "drehgeber/hal.h"
+#include "drehgeber/stack.h"
 #include "drehgeber/time.h"
 #include "drehgeber/world.h"
 
@@ -218,6 +219,13 @@ DG_API int dg_ssi_frame_decode(const struct dg_ssi_model *model, uint64_t bits,
 /** Gray code of a number, and back. Neighbours differ in one bit. */
 DG_API uint32_t dg_ssi_gray(uint32_t binary);
 DG_API uint32_t dg_ssi_binary(uint32_t gray);
+
+/** The protocol: models are struct dg_ssi_model, devices struct dg_ssi; they have no EEPROM, and
+ * setup.nvm, setup.serial and setup.port are not looked at. */
+DG_API extern const struct dg_stack dg_ssi_stack;
+
+/** The figures of a model of this stack; NULL when it is of another one. */
+DG_API const struct dg_ssi_model *dg_ssi_model_of(const struct dg_device *device);
 
 #ifdef __cplusplus
 }

@@ -16,7 +16,7 @@ static bool in(uint32_t value, uint32_t low, uint32_t high)
     return value >= low && value <= high;
 }
 
-static bool model_ok(const struct dg_ssi_model *model)
+bool ssi_model_ok(const struct dg_ssi_model *model)
 {
     const uint32_t bits = (uint32_t)model->multiturn_bits + model->singleturn_bits;
 
@@ -30,7 +30,7 @@ static bool model_ok(const struct dg_ssi_model *model)
 int dg_ssi_init(struct dg_ssi *self, const struct dg_ssi_setup *setup)
 {
     if (setup->model == NULL || setup->world == NULL || setup->world->angle == NULL ||
-        !model_ok(setup->model)) {
+        !ssi_model_ok(setup->model)) {
         return DG_ERR_ARGUMENT;
     }
     *self = (struct dg_ssi){.setup = *setup, .clock = true, .deadline = DG_NEVER};

@@ -8,6 +8,9 @@
 
 #include "drehgeber/ssi.h"
 
+/** line.c: every figure of the model is in range. */
+bool ssi_model_ok(const struct dg_ssi_model *model);
+
 /** sense.c: store the position at `now`, and the word made of it. */
 void ssi_latch(struct dg_ssi *self, dg_ns now);
 

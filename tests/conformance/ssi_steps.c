@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "conformance.h"
+#include "drehgeber/devices.h"
 #include "ssi_rig.h"
 
 #define BITS_MAX 400u
@@ -151,31 +152,16 @@ static bool set_figure(struct dg_ssi_model *model, const char *word)
 /* MODEL figure=value... [window] @return false when there is no such model or figure */
 static bool find_model(struct dg_ssi_model *model, char **words, size_t n, struct cf_report *report)
 {
-    static const struct {
-        const char *name;
-        struct dg_ssi_model model;
-    } models[] = {
-        {"ssi-13", {.singleturn_bits = 13, .monoflop = DG_US(20), .init = DG_MS(100)}},
-        {"ssi-25",
-         {.multiturn_bits = 12, .singleturn_bits = 13, .monoflop = DG_US(20), .init = DG_MS(100)}},
-        {"ssi-28",
-         {.multiturn_bits = 12,
-          .singleturn_bits = 16,
-          .code = DG_SSI_BINARY,
-          .error_bit = DG_SSI_ERROR_HIGH,
-          .parity = DG_SSI_PARITY_EVEN,
-          .monoflop = DG_US(20),
-          .init = DG_MS(100)}},
-    };
+    static const struct dg_device *const devices[] = {&dg_ssi_13, &dg_ssi_25, &dg_ssi_28};
     size_t at = 0;
 
-    while (at < 3 && (n < 2 || strcmp(models[at].name, words[1]) != 0)) {
+    while (at < 3 && (n < 2 || strcmp(devices[at]->name, words[1]) != 0)) {
         at++;
     }
     if (at == 3) {
         return cf_fail(report, "no such model");
     }
-    *model = models[at].model;
+    *model = *dg_ssi_model_of(devices[at]);
     for (size_t i = 2; i < n; i++) {
         if (strcmp(words[i], "window") != 0 && !set_figure(model, words[i])) {
             return cf_fail(report, "no such figure: %s", words[i]);
@@ -400,8 +386,8 @@ static bool step_word(void *ctx, char **words, size_t n, struct cf_report *repor
     struct bench *b = ctx;
     const bool counted = n > 2 && words[1][0] == 'x';
     unsigned long times = counted ? strtoul(words[1] + 1, NULL, 10) : 1;
-    char want[BITS_MAX + 1];
-    char got[BITS_MAX + 1];
+    char want[BITS_MAX + 2];
+    char got[BITS_MAX + 2];
 
     join(want, words, counted ? 2 : 1, n);
     strcat(want, "0");

@@ -23,7 +23,7 @@ ALLOWED = {
     "canopen":   {"core"},
     "cia406":    {"core", "canopen"},
     "interbus":  {"core"},
-    "devices":   {"core", "hiperface", "biss", "cia406", "interbus"},
+    "devices":   {"core", "hiperface", "biss", "ssi", "cia406", "interbus"},
     "scpi":      {"core"},
     "control":   {"core", "motion", "scpi", "hiperface", "biss", "canopen", "cia406", "interbus", "devices"},
 }
