@@ -25,6 +25,7 @@
 #include "drehgeber/quantity.h"
 #include "drehgeber/scpi.h"
 #include "drehgeber/shaft.h"
+#include "drehgeber/slcan.h"
 #include "drehgeber/ssi.h"
 #include "drehgeber/stack.h"
 #include "drehgeber/store.h"

@@ -19,10 +19,10 @@ for library in build/size/libdg_*.a; do
     # shellcheck disable=SC2046 # three columns
     row "$(basename "$library" .a)" $(total "$library")
 done
-# What an image has only when it calls it: text, data and bss of these objects.
-for object in canopen/co_eds cia406/sheet; do
+# Of these libraries, what an image has only when it calls it.
+for object in canopen/co_eds canopen/slcan cia406/sheet; do
     # shellcheck disable=SC2046
-    row "  of that, $(basename "$object")" $(arm-none-eabi-size "build/size/libdg_$(dirname "$object").a" |
+    row "if called: $(basename "$object")" $(arm-none-eabi-size "build/size/libdg_$(dirname "$object").a" |
         awk -v name="$(basename "$object").c.obj" '$6 == name { print $1, $2, $3 }')
 done
 # shellcheck disable=SC2046

@@ -65,6 +65,7 @@ OWNER = {
     "ssi.h":       "ssi",
     "canopen.h":   "canopen",
     "eds.h":       "canopen",
+    "slcan.h":     "canopen",
     "cia406.h":    "cia406",
     "interbus.h":  "interbus",
     "devices.h":   "devices",

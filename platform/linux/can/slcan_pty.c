@@ -22,18 +22,18 @@
 
 #include "can.h"
 #include "can_load.h"
+#include "drehgeber/slcan.h"
 #include "serial.h"
-#include "slcan.h"
 
-/* A line that the pty has taken a part of; a reply is shorter. */
-#define OUTPUT_MAX LX_SLCAN_TEXT_MAX
+/* A line that the pty has taken a part of, with a zero behind it; a reply is shorter. */
+#define OUTPUT_MAX (DG_SLCAN_TEXT_MAX + 1u)
 /* A pty has no speed; this is what masters set. */
 #define BAUD 115200u
 
 struct slcan_pty {
     struct lx_can can;
     struct lx_serial *serial;
-    struct lx_slcan codec;
+    struct dg_slcan codec;
     int slave; /* held open: to drop what a master has not read */
     int openings;
     sd_event_source *openings_io;
@@ -68,10 +68,8 @@ static bool flush(struct lx_can *can)
 }
 
 /* Send now, the rest later: the bus is stalled until it is gone, and meanwhile nothing is put. */
-static void put(struct slcan_pty *self, const char *text, size_t n)
+static void send_output(struct slcan_pty *self)
 {
-    memcpy(self->output + self->output_count, text, n);
-    self->output_count += n;
     if (!flush(&self->can)) {
         lx_can_stall(&self->can);
     }
@@ -80,15 +78,16 @@ static void put(struct slcan_pty *self, const char *text, size_t n)
 static bool write_frame(struct lx_can *can, const struct dg_can_frame *frame)
 {
     struct slcan_pty *self = pty_of(can);
-    char text[LX_SLCAN_TEXT_MAX + 1];
     if (!flush(can)) {
         return false;
     }
-    if (self->codec.state == LX_SLCAN_CLOSED || !anybody_reads(self)) {
+    if (self->codec.state == DG_SLCAN_CLOSED || !anybody_reads(self)) {
         can->counters.lost++;
         return true;
     }
-    put(self, text, lx_slcan_print(&self->codec, frame, lx_now() / DG_MS(1), text));
+    self->output_count =
+        dg_slcan_print(&self->codec, frame, lx_now() / DG_MS(1), (char *)self->output);
+    send_output(self);
     return true;
 }
 
@@ -96,8 +95,8 @@ static bool write_frame(struct lx_can *can, const struct dg_can_frame *frame)
 
 static bool hears(const struct lx_can *can, uint16_t kbaud)
 {
-    const struct lx_slcan *codec = &((const struct slcan_pty *)can)->codec;
-    return codec->state != LX_SLCAN_CLOSED && (codec->kbaud == 0 || codec->kbaud == kbaud);
+    const struct dg_slcan *codec = &((const struct slcan_pty *)can)->codec;
+    return codec->state != DG_SLCAN_CLOSED && (codec->kbaud == 0 || codec->kbaud == kbaud);
 }
 
 static uint32_t bit_rate(const struct lx_can *can)
@@ -108,7 +107,7 @@ static uint32_t bit_rate(const struct lx_can *can)
 /* Once per episode, which rate would be right. */
 static void check_rate(struct slcan_pty *self)
 {
-    if (self->codec.state == LX_SLCAN_CLOSED) {
+    if (self->codec.state == DG_SLCAN_CLOSED) {
         return;
     }
     const bool differs = !hears(&self->can, self->expected);
@@ -128,11 +127,13 @@ static void expect(struct lx_can *can, uint16_t kbaud)
 
 /* --- in --- */
 
-static void take_line(struct slcan_pty *self, dg_ns now, const struct lx_slcan_event *event,
-                      enum lx_slcan_state before)
+static void take_line(struct slcan_pty *self, dg_ns now, const struct dg_slcan_event *event,
+                      enum dg_slcan_state before)
 {
     const struct lx_can_setup *setup = &self->can.setup;
-    put(self, event->reply, strlen(event->reply));
+    self->output_count = strlen(event->reply);
+    memcpy(self->output, event->reply, self->output_count);
+    send_output(self);
     if (event->has_frame) {
         setup->rx(setup->ctx, now, &event->frame);
         setup->settle(setup->ctx, now);
@@ -148,9 +149,9 @@ static void take_line(struct slcan_pty *self, dg_ns now, const struct lx_slcan_e
 static void on_character(void *ctx, dg_ns now, const struct lx_character *character)
 {
     struct slcan_pty *self = ctx;
-    struct lx_slcan_event event;
-    const enum lx_slcan_state before = self->codec.state;
-    if (lx_slcan_feed(&self->codec, character->byte, &event)) {
+    struct dg_slcan_event event;
+    const enum dg_slcan_state before = self->codec.state;
+    if (dg_slcan_feed(&self->codec, character->byte, &event)) {
         take_line(self, now, &event, before);
     }
 }
@@ -165,7 +166,7 @@ static void pause_reading(struct lx_can *can, bool paused)
 /* Nobody any more: what they have not read is not for the next one. */
 static void forget(struct slcan_pty *self)
 {
-    lx_slcan_resync(&self->codec);
+    dg_slcan_resync(&self->codec);
     lx_can_discard(&self->can);
     self->output_count = 0;
     (void)tcflush(self->slave, TCIFLUSH);
@@ -231,7 +232,7 @@ static void back(void *ctx)
     struct slcan_pty *self = ctx;
     forget(self);
     unwatch_openings(self);
-    self->codec = (struct lx_slcan){.state = LX_SLCAN_CLOSED};
+    self->codec = (struct dg_slcan){.state = DG_SLCAN_CLOSED};
     self->mismatch = false;
     self->masters = 0;
     const int result = use_address(self);

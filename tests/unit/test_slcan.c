@@ -8,16 +8,16 @@
 
 #include <cmocka.h>
 
-#include "slcan.h"
+#include "drehgeber/slcan.h"
 
 /* Feed a text; the replies, one after the other. The last frame is left in `frame`. */
-static const char *talk(struct lx_slcan *slcan, const char *text, struct dg_can_frame *frame)
+static const char *talk(struct dg_slcan *slcan, const char *text, struct dg_can_frame *frame)
 {
     static char replies[256];
-    struct lx_slcan_event event;
+    struct dg_slcan_event event;
     replies[0] = '\0';
     for (; *text != '\0'; text++) {
-        if (!lx_slcan_feed(slcan, (uint8_t)*text, &event)) {
+        if (!dg_slcan_feed(slcan, (uint8_t)*text, &event)) {
             continue;
         }
         (void)strncat(replies, event.reply, sizeof replies - strlen(replies) - 1);
@@ -30,66 +30,66 @@ static const char *talk(struct lx_slcan *slcan, const char *text, struct dg_can_
 
 /* One line each, for a channel in state `before`. */
 static const struct {
-    enum lx_slcan_state before;
+    enum dg_slcan_state before;
     const char *line;
     const char *reply;
-    enum lx_slcan_state after;
+    enum dg_slcan_state after;
 } lines[] = {
-    {LX_SLCAN_CLOSED, "S6\r", "\r", LX_SLCAN_CLOSED},
-    {LX_SLCAN_OPEN, "S6\r", "\a", LX_SLCAN_OPEN},
-    {LX_SLCAN_CLOSED, "S9\r", "\a", LX_SLCAN_CLOSED},
-    {LX_SLCAN_CLOSED, "S/\r", "\a", LX_SLCAN_CLOSED},
-    {LX_SLCAN_CLOSED, "S\r", "\a", LX_SLCAN_CLOSED},
-    {LX_SLCAN_CLOSED, "S66\r", "\a", LX_SLCAN_CLOSED},
-    {LX_SLCAN_CLOSED, "s031C\r", "\a", LX_SLCAN_CLOSED},
-    {LX_SLCAN_CLOSED, "O\r", "\r", LX_SLCAN_OPEN},
-    {LX_SLCAN_OPEN, "O\r", "\a", LX_SLCAN_OPEN},
-    {LX_SLCAN_CLOSED, "O1\r", "\a", LX_SLCAN_CLOSED},
-    {LX_SLCAN_CLOSED, "L\r", "\r", LX_SLCAN_LISTENING},
-    {LX_SLCAN_OPEN, "L\r", "\a", LX_SLCAN_OPEN},
-    {LX_SLCAN_OPEN, "C\r", "\r", LX_SLCAN_CLOSED},
-    {LX_SLCAN_LISTENING, "C\r", "\r", LX_SLCAN_CLOSED},
-    {LX_SLCAN_CLOSED, "C\r", "\a", LX_SLCAN_CLOSED},
-    {LX_SLCAN_CLOSED, "F\r", "\a", LX_SLCAN_CLOSED},
-    {LX_SLCAN_OPEN, "F\r", "F00\r", LX_SLCAN_OPEN},
-    {LX_SLCAN_LISTENING, "F\r", "F00\r", LX_SLCAN_LISTENING},
-    {LX_SLCAN_CLOSED, "V\r", "V1010\r", LX_SLCAN_CLOSED},
-    {LX_SLCAN_OPEN, "V\r", "V1010\r", LX_SLCAN_OPEN},
-    {LX_SLCAN_OPEN, "V1\r", "\a", LX_SLCAN_OPEN},
-    {LX_SLCAN_CLOSED, "N\r", "NDG01\r", LX_SLCAN_CLOSED},
-    {LX_SLCAN_CLOSED, "Z0\r", "\r", LX_SLCAN_CLOSED},
-    {LX_SLCAN_CLOSED, "Z1\r", "\r", LX_SLCAN_CLOSED},
-    {LX_SLCAN_CLOSED, "Z2\r", "\a", LX_SLCAN_CLOSED},
-    {LX_SLCAN_OPEN, "Z1\r", "\a", LX_SLCAN_OPEN},
-    {LX_SLCAN_OPEN, "t10021133\r", "z\r", LX_SLCAN_OPEN},
-    {LX_SLCAN_CLOSED, "t10021133\r", "\a", LX_SLCAN_CLOSED},
-    {LX_SLCAN_LISTENING, "t10021133\r", "\a", LX_SLCAN_LISTENING},
-    {LX_SLCAN_OPEN, "t1002113\r", "\a", LX_SLCAN_OPEN},   /* data too short */
-    {LX_SLCAN_OPEN, "t100211333\r", "\a", LX_SLCAN_OPEN}, /* data too long */
-    {LX_SLCAN_OPEN, "t8000\r", "\a", LX_SLCAN_OPEN},      /* CAN-ID beyond 7FFh */
-    {LX_SLCAN_OPEN, "t1G00\r", "\a", LX_SLCAN_OPEN},
-    {LX_SLCAN_OPEN, "t10\r", "\a", LX_SLCAN_OPEN},
-    {LX_SLCAN_OPEN, "t1009112233445566778899\r", "\a", LX_SLCAN_OPEN},
-    {LX_SLCAN_OPEN, "t100A\r", "\a", LX_SLCAN_OPEN},
-    {LX_SLCAN_OPEN, "r1008\r", "z\r", LX_SLCAN_OPEN},
-    {LX_SLCAN_OPEN, "r100211\r", "\a", LX_SLCAN_OPEN}, /* a remote frame has no data */
-    {LX_SLCAN_OPEN, "T0000010021133\r", "Z\r", LX_SLCAN_OPEN},
-    {LX_SLCAN_OPEN, "T1FFFFFFF0\r", "Z\r", LX_SLCAN_OPEN},
-    {LX_SLCAN_OPEN, "T200000000\r", "\a", LX_SLCAN_OPEN},
-    {LX_SLCAN_OPEN, "R000001003\r", "Z\r", LX_SLCAN_OPEN},
-    {LX_SLCAN_CLOSED, "T000001000\r", "\a", LX_SLCAN_CLOSED},
-    {LX_SLCAN_OPEN, "x\r", "\a", LX_SLCAN_OPEN},
-    {LX_SLCAN_OPEN, "\n\r", "\a", LX_SLCAN_OPEN},
-    {LX_SLCAN_OPEN, " F\r", "\a", LX_SLCAN_OPEN},
-    {LX_SLCAN_CLOSED, "\r", "\r", LX_SLCAN_CLOSED},
-    {LX_SLCAN_OPEN, "\r\r\r", "\r\r\r", LX_SLCAN_OPEN},
+    {DG_SLCAN_CLOSED, "S6\r", "\r", DG_SLCAN_CLOSED},
+    {DG_SLCAN_OPEN, "S6\r", "\a", DG_SLCAN_OPEN},
+    {DG_SLCAN_CLOSED, "S9\r", "\a", DG_SLCAN_CLOSED},
+    {DG_SLCAN_CLOSED, "S/\r", "\a", DG_SLCAN_CLOSED},
+    {DG_SLCAN_CLOSED, "S\r", "\a", DG_SLCAN_CLOSED},
+    {DG_SLCAN_CLOSED, "S66\r", "\a", DG_SLCAN_CLOSED},
+    {DG_SLCAN_CLOSED, "s031C\r", "\a", DG_SLCAN_CLOSED},
+    {DG_SLCAN_CLOSED, "O\r", "\r", DG_SLCAN_OPEN},
+    {DG_SLCAN_OPEN, "O\r", "\a", DG_SLCAN_OPEN},
+    {DG_SLCAN_CLOSED, "O1\r", "\a", DG_SLCAN_CLOSED},
+    {DG_SLCAN_CLOSED, "L\r", "\r", DG_SLCAN_LISTENING},
+    {DG_SLCAN_OPEN, "L\r", "\a", DG_SLCAN_OPEN},
+    {DG_SLCAN_OPEN, "C\r", "\r", DG_SLCAN_CLOSED},
+    {DG_SLCAN_LISTENING, "C\r", "\r", DG_SLCAN_CLOSED},
+    {DG_SLCAN_CLOSED, "C\r", "\a", DG_SLCAN_CLOSED},
+    {DG_SLCAN_CLOSED, "F\r", "\a", DG_SLCAN_CLOSED},
+    {DG_SLCAN_OPEN, "F\r", "F00\r", DG_SLCAN_OPEN},
+    {DG_SLCAN_LISTENING, "F\r", "F00\r", DG_SLCAN_LISTENING},
+    {DG_SLCAN_CLOSED, "V\r", "V1010\r", DG_SLCAN_CLOSED},
+    {DG_SLCAN_OPEN, "V\r", "V1010\r", DG_SLCAN_OPEN},
+    {DG_SLCAN_OPEN, "V1\r", "\a", DG_SLCAN_OPEN},
+    {DG_SLCAN_CLOSED, "N\r", "NDG01\r", DG_SLCAN_CLOSED},
+    {DG_SLCAN_CLOSED, "Z0\r", "\r", DG_SLCAN_CLOSED},
+    {DG_SLCAN_CLOSED, "Z1\r", "\r", DG_SLCAN_CLOSED},
+    {DG_SLCAN_CLOSED, "Z2\r", "\a", DG_SLCAN_CLOSED},
+    {DG_SLCAN_OPEN, "Z1\r", "\a", DG_SLCAN_OPEN},
+    {DG_SLCAN_OPEN, "t10021133\r", "z\r", DG_SLCAN_OPEN},
+    {DG_SLCAN_CLOSED, "t10021133\r", "\a", DG_SLCAN_CLOSED},
+    {DG_SLCAN_LISTENING, "t10021133\r", "\a", DG_SLCAN_LISTENING},
+    {DG_SLCAN_OPEN, "t1002113\r", "\a", DG_SLCAN_OPEN},   /* data too short */
+    {DG_SLCAN_OPEN, "t100211333\r", "\a", DG_SLCAN_OPEN}, /* data too long */
+    {DG_SLCAN_OPEN, "t8000\r", "\a", DG_SLCAN_OPEN},      /* CAN-ID beyond 7FFh */
+    {DG_SLCAN_OPEN, "t1G00\r", "\a", DG_SLCAN_OPEN},
+    {DG_SLCAN_OPEN, "t10\r", "\a", DG_SLCAN_OPEN},
+    {DG_SLCAN_OPEN, "t1009112233445566778899\r", "\a", DG_SLCAN_OPEN},
+    {DG_SLCAN_OPEN, "t100A\r", "\a", DG_SLCAN_OPEN},
+    {DG_SLCAN_OPEN, "r1008\r", "z\r", DG_SLCAN_OPEN},
+    {DG_SLCAN_OPEN, "r100211\r", "\a", DG_SLCAN_OPEN}, /* a remote frame has no data */
+    {DG_SLCAN_OPEN, "T0000010021133\r", "Z\r", DG_SLCAN_OPEN},
+    {DG_SLCAN_OPEN, "T1FFFFFFF0\r", "Z\r", DG_SLCAN_OPEN},
+    {DG_SLCAN_OPEN, "T200000000\r", "\a", DG_SLCAN_OPEN},
+    {DG_SLCAN_OPEN, "R000001003\r", "Z\r", DG_SLCAN_OPEN},
+    {DG_SLCAN_CLOSED, "T000001000\r", "\a", DG_SLCAN_CLOSED},
+    {DG_SLCAN_OPEN, "x\r", "\a", DG_SLCAN_OPEN},
+    {DG_SLCAN_OPEN, "\n\r", "\a", DG_SLCAN_OPEN},
+    {DG_SLCAN_OPEN, " F\r", "\a", DG_SLCAN_OPEN},
+    {DG_SLCAN_CLOSED, "\r", "\r", DG_SLCAN_CLOSED},
+    {DG_SLCAN_OPEN, "\r\r\r", "\r\r\r", DG_SLCAN_OPEN},
 };
 
 static void every_line_has_its_answer(void **state)
 {
     (void)state;
     for (size_t i = 0; i < sizeof lines / sizeof lines[0]; i++) {
-        struct lx_slcan slcan = {.state = lines[i].before};
+        struct dg_slcan slcan = {.state = lines[i].before};
         assert_string_equal(talk(&slcan, lines[i].line, NULL), lines[i].reply);
         assert_int_equal(slcan.state, lines[i].after);
     }
@@ -98,7 +98,7 @@ static void every_line_has_its_answer(void **state)
 static void all_bit_rates(void **state)
 {
     static const uint16_t kbaud[] = {10, 20, 50, 100, 125, 250, 500, 800, 1000};
-    struct lx_slcan slcan = {.length = 0};
+    struct dg_slcan slcan = {.length = 0};
     (void)state;
     assert_int_equal(slcan.kbaud, 0);
     for (size_t i = 0; i < sizeof kbaud / sizeof kbaud[0]; i++) {
@@ -113,7 +113,7 @@ static void all_bit_rates(void **state)
 static void frames_of_the_master(void **state)
 {
     static const uint8_t data[8] = {0x11, 0x22, 0xAB, 0xCD, 0xEF, 0, 0x77, 0x88};
-    struct lx_slcan slcan = {.state = LX_SLCAN_OPEN};
+    struct dg_slcan slcan = {.state = DG_SLCAN_OPEN};
     struct dg_can_frame frame = {.id = 0};
     (void)state;
     assert_string_equal(talk(&slcan, "t7FF81122abCDef007788\r", &frame), "z\r");
@@ -138,7 +138,7 @@ static void frames_that_do_not_reach_the_encoder(void **state)
         "T00000185411223344\r", "R000001854\r", "t1852112\r", "t185\r", "t8852 1122\r", "S6\r"};
     (void)state;
     for (size_t i = 0; i < sizeof without / sizeof without[0]; i++) {
-        struct lx_slcan slcan = {.state = LX_SLCAN_OPEN};
+        struct dg_slcan slcan = {.state = DG_SLCAN_OPEN};
         struct dg_can_frame frame = {.id = 0xFFFF};
         (void)talk(&slcan, without[i], &frame);
         assert_int_equal(frame.id, 0xFFFF);
@@ -147,7 +147,7 @@ static void frames_that_do_not_reach_the_encoder(void **state)
 
 static void lines_split_and_merged(void **state)
 {
-    struct lx_slcan slcan = {.length = 0};
+    struct dg_slcan slcan = {.length = 0};
     struct dg_can_frame frame = {.id = 0};
     (void)state;
     assert_string_equal(talk(&slcan, "C\rS5\rO\rt00020105\rF\r", &frame), "\a\r\rz\rF00\r");
@@ -158,17 +158,17 @@ static void lines_split_and_merged(void **state)
     assert_int_equal(frame.id, 0x080);
     assert_int_equal(frame.data[1], 0xBB);
     assert_string_equal(talk(&slcan, "\r", &frame), "\r");
-    assert_int_equal(slcan.state, LX_SLCAN_CLOSED);
+    assert_int_equal(slcan.state, DG_SLCAN_CLOSED);
 }
 
 /* 30 characters are a line; more are one mistake, whatever they begin with. */
 static void overlong_lines(void **state)
 {
-    struct lx_slcan slcan = {.state = LX_SLCAN_OPEN};
+    struct dg_slcan slcan = {.state = DG_SLCAN_OPEN};
     struct dg_can_frame frame = {.id = 0xFFFF};
-    char text[LX_SLCAN_LINE_MAX + 3];
+    char text[DG_SLCAN_LINE_MAX + 3];
     (void)state;
-    for (size_t n = LX_SLCAN_LINE_MAX; n <= LX_SLCAN_LINE_MAX + 1u; n++) {
+    for (size_t n = DG_SLCAN_LINE_MAX; n <= DG_SLCAN_LINE_MAX + 1u; n++) {
         memset(text, '0', n);
         memcpy(text, "r1000", 5);
         memcpy(text + n, "\r", 2);
@@ -184,30 +184,44 @@ static void overlong_lines(void **state)
 
 static void a_new_master_starts_with_a_new_line(void **state)
 {
-    struct lx_slcan slcan = {.state = LX_SLCAN_OPEN};
+    struct dg_slcan slcan = {.state = DG_SLCAN_OPEN};
     (void)state;
     (void)talk(&slcan, "t1002", NULL);
-    lx_slcan_resync(&slcan);
+    dg_slcan_resync(&slcan);
     assert_string_equal(talk(&slcan, "C\r", NULL), "\r");
     (void)talk(&slcan, "0123456789012345678901234567890", NULL);
-    lx_slcan_resync(&slcan);
+    dg_slcan_resync(&slcan);
     assert_string_equal(talk(&slcan, "O\r", NULL), "\r");
 }
 
 static void every_byte_is_survived(void **state)
 {
-    struct lx_slcan slcan = {.state = LX_SLCAN_OPEN};
-    struct lx_slcan_event event;
+    struct dg_slcan slcan = {.state = DG_SLCAN_OPEN};
+    struct dg_slcan_event event;
     (void)state;
     for (unsigned first = 0; first < 256; first++) {
         for (unsigned second = 0; second < 256; second++) {
             if (first == '\r' || second == '\r' || first == 'C') {
                 continue;
             }
-            assert_false(lx_slcan_feed(&slcan, (uint8_t)first, &event));
-            assert_false(lx_slcan_feed(&slcan, (uint8_t)second, &event));
-            assert_true(lx_slcan_feed(&slcan, '\r', &event));
+            assert_false(dg_slcan_feed(&slcan, (uint8_t)first, &event));
+            assert_false(dg_slcan_feed(&slcan, (uint8_t)second, &event));
+            assert_true(dg_slcan_feed(&slcan, '\r', &event));
             assert_string_equal(event.reply, "\a"); /* no line of two characters is right here */
+        }
+    }
+}
+
+static void digits_are_hexadecimal_of_either_case(void **state)
+{
+    static const char digits[] = "0123456789ABCDEFabcdef";
+    struct dg_slcan slcan = {.state = DG_SLCAN_OPEN};
+    (void)state;
+    for (unsigned c = 1; c < 256; c++) {
+        const char line[] = {'t', '0', '0', (char)c, '0', '\r', '\0'};
+        const bool valid = strchr(digits, (int)c) != NULL;
+        if (c != '\r') {
+            assert_string_equal(talk(&slcan, line, NULL), valid ? "z\r" : "\a");
         }
     }
 }
@@ -226,16 +240,16 @@ static void frames_of_the_encoder(void **state)
          "t7FF8FEDCBA987654321004D2\r"},
         {{0x185, true, 4, {1, 2, 3, 4}}, "r1854\r", "r185404D2\r"},
     };
-    struct lx_slcan slcan = {.state = LX_SLCAN_OPEN};
-    char text[LX_SLCAN_TEXT_MAX + 1];
+    struct dg_slcan slcan = {.state = DG_SLCAN_OPEN};
+    char text[DG_SLCAN_TEXT_MAX + 1];
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         slcan.stamps = false;
-        assert_int_equal(lx_slcan_print(&slcan, &rows[i].frame, 61234, text),
+        assert_int_equal(dg_slcan_print(&slcan, &rows[i].frame, 61234, text),
                          strlen(rows[i].plain));
         assert_string_equal(text, rows[i].plain);
         slcan.stamps = true;
-        assert_int_equal(lx_slcan_print(&slcan, &rows[i].frame, 61234, text),
+        assert_int_equal(dg_slcan_print(&slcan, &rows[i].frame, 61234, text),
                          strlen(rows[i].stamped));
         assert_string_equal(text, rows[i].stamped);
     }
@@ -245,16 +259,16 @@ static void frames_of_the_encoder(void **state)
 static void stamps_wrap_after_a_minute(void **state)
 {
     const struct dg_can_frame frame = {.id = 0x123, .dlc = 8};
-    struct lx_slcan slcan = {.length = 0};
-    char text[LX_SLCAN_TEXT_MAX + 1];
+    struct dg_slcan slcan = {.length = 0};
+    char text[DG_SLCAN_TEXT_MAX + 1];
     (void)state;
     assert_string_equal(talk(&slcan, "Z1\rO\r", NULL), "\r\r");
-    assert_int_equal(lx_slcan_print(&slcan, &frame, 59999, text), LX_SLCAN_TEXT_MAX);
+    assert_int_equal(dg_slcan_print(&slcan, &frame, 59999, text), DG_SLCAN_TEXT_MAX);
     assert_string_equal(text + 21, "EA5F\r");
-    assert_int_equal(lx_slcan_print(&slcan, &frame, 60000, text), LX_SLCAN_TEXT_MAX);
+    assert_int_equal(dg_slcan_print(&slcan, &frame, 60000, text), DG_SLCAN_TEXT_MAX);
     assert_string_equal(text + 21, "0000\r");
     assert_string_equal(talk(&slcan, "C\rZ0\r", NULL), "\r\r");
-    assert_int_equal(lx_slcan_print(&slcan, &frame, 60000, text), LX_SLCAN_TEXT_MAX - 4);
+    assert_int_equal(dg_slcan_print(&slcan, &frame, 60000, text), DG_SLCAN_TEXT_MAX - 4);
 }
 
 int main(void)
@@ -268,6 +282,7 @@ int main(void)
         cmocka_unit_test(overlong_lines),
         cmocka_unit_test(a_new_master_starts_with_a_new_line),
         cmocka_unit_test(every_byte_is_survived),
+        cmocka_unit_test(digits_are_hexadecimal_of_either_case),
         cmocka_unit_test(frames_of_the_encoder),
         cmocka_unit_test(stamps_wrap_after_a_minute),
     };

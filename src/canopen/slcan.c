@@ -3,10 +3,7 @@
  * One row for each command: in which states of the channel it is allowed, and what it does. All
  * that is not in the table, too long, too short or not allowed is answered with BEL.
  */
-#include "slcan.h"
-
-#include <stdio.h>
-#include <string.h>
+#include "drehgeber/slcan.h"
 
 #define OK "\r"
 #define BEL "\a"
@@ -19,23 +16,32 @@
 
 /* States a command is allowed in. */
 enum {
-    CLOSED = 1 << LX_SLCAN_CLOSED,
-    OPEN = 1 << LX_SLCAN_OPEN,
-    LISTENING = 1 << LX_SLCAN_LISTENING,
+    CLOSED = 1 << DG_SLCAN_CLOSED,
+    OPEN = 1 << DG_SLCAN_OPEN,
+    LISTENING = 1 << DG_SLCAN_LISTENING,
     ANY = CLOSED | OPEN | LISTENING,
 };
+
+/* The value of a hexadecimal digit of either case; 16: it is none. */
+static uint32_t digit(char c)
+{
+    const char lower = (char)(c | 0x20);
+    if (c >= '0' && c <= '9') {
+        return (uint32_t)(c - '0');
+    }
+    return lower >= 'a' && lower <= 'f' ? (uint32_t)(lower - 'a') + 10u : 16u;
+}
 
 /* The value of `n` hexadecimal digits; false when there are not as many. */
 static bool take_hex(const char **at, const char *end, uint8_t n, uint32_t *value)
 {
-    static const char digits[] = "0123456789ABCDEF0123456789abcdef";
     *value = 0;
     for (; n > 0; n--) {
-        const char *digit = *at == end ? NULL : memchr(digits, **at, sizeof digits - 1);
-        if (digit == NULL) {
+        const uint32_t next = *at == end ? 16u : digit(**at);
+        if (next > 0xFu) {
             return false;
         }
-        *value = *value << 4 | ((uint32_t)(digit - digits) & 0xFu);
+        *value = *value << 4 | next;
         (*at)++;
     }
     return true;
@@ -59,7 +65,7 @@ static bool take_data(const char *at, const char *end, struct dg_can_frame *fram
 }
 
 /* t r: a frame for the encoder. T R: an extended frame, which is on the bus but means nothing. */
-static const char *send(struct lx_slcan *self, struct lx_slcan_event *event)
+static const char *send(struct dg_slcan *self, struct dg_slcan_event *event)
 {
     const char *at = self->line + 1;
     const char *end = self->line + self->length;
@@ -76,7 +82,7 @@ static const char *send(struct lx_slcan *self, struct lx_slcan_event *event)
     return extended ? "Z" OK : "z" OK;
 }
 
-static const char *set_rate(struct lx_slcan *self, struct lx_slcan_event *event)
+static const char *set_rate(struct dg_slcan *self, struct dg_slcan_event *event)
 {
     static const uint16_t kbaud[] = {10, 20, 50, 100, 125, 250, 500, 800, 1000};
     const unsigned rate = (unsigned)(self->line[1] - '0');
@@ -88,7 +94,7 @@ static const char *set_rate(struct lx_slcan *self, struct lx_slcan_event *event)
     return OK;
 }
 
-static const char *set_stamps(struct lx_slcan *self, struct lx_slcan_event *event)
+static const char *set_stamps(struct dg_slcan *self, struct dg_slcan_event *event)
 {
     (void)event;
     if (self->length != 2 || (self->line[1] != '0' && self->line[1] != '1')) {
@@ -98,20 +104,20 @@ static const char *set_stamps(struct lx_slcan *self, struct lx_slcan_event *even
     return OK;
 }
 
-static const char *set_channel(struct lx_slcan *self, struct lx_slcan_event *event)
+static const char *set_channel(struct dg_slcan *self, struct dg_slcan_event *event)
 {
     (void)event;
     if (self->length != 1) {
         return NULL;
     }
-    self->state = self->line[0] == 'O'   ? LX_SLCAN_OPEN
-                  : self->line[0] == 'L' ? LX_SLCAN_LISTENING
-                                         : LX_SLCAN_CLOSED;
+    self->state = self->line[0] == 'O'   ? DG_SLCAN_OPEN
+                  : self->line[0] == 'L' ? DG_SLCAN_LISTENING
+                                         : DG_SLCAN_CLOSED;
     return OK;
 }
 
 /* No error of an adapter happens here; its versions and number are made up. */
-static const char *inquire(struct lx_slcan *self, struct lx_slcan_event *event)
+static const char *inquire(struct dg_slcan *self, struct dg_slcan_event *event)
 {
     (void)event;
     if (self->length != 1) {
@@ -124,7 +130,7 @@ static const char *inquire(struct lx_slcan *self, struct lx_slcan_event *event)
 static const struct {
     char letter;
     uint8_t states;
-    const char *(*act)(struct lx_slcan *self, struct lx_slcan_event *event); /* NULL: refused */
+    const char *(*act)(struct dg_slcan *self, struct dg_slcan_event *event); /* NULL: refused */
 } commands[] = {
     {'S', CLOSED,           set_rate},
     {'Z', CLOSED,           set_stamps},
@@ -142,7 +148,7 @@ static const struct {
 /* clang-format on */
 #define COMMAND_COUNT (sizeof commands / sizeof commands[0])
 
-static const char *act(struct lx_slcan *self, struct lx_slcan_event *event)
+static const char *act(struct dg_slcan *self, struct dg_slcan_event *event)
 {
     for (size_t i = 0; i < COMMAND_COUNT; i++) {
         if (commands[i].letter == self->line[0] && (commands[i].states >> self->state & 1u) != 0) {
@@ -153,7 +159,7 @@ static const char *act(struct lx_slcan *self, struct lx_slcan_event *event)
 }
 
 /* An empty line is how a master makes sure that its next one is read from the start. */
-static const char *answer(struct lx_slcan *self, struct lx_slcan_event *event)
+static const char *answer(struct dg_slcan *self, struct dg_slcan_event *event)
 {
     if (self->overlong) {
         return BEL;
@@ -165,7 +171,7 @@ static const char *answer(struct lx_slcan *self, struct lx_slcan_event *event)
     return reply == NULL ? BEL : reply;
 }
 
-bool lx_slcan_feed(struct lx_slcan *self, uint8_t byte, struct lx_slcan_event *event)
+bool dg_slcan_feed(struct dg_slcan *self, uint8_t byte, struct dg_slcan_event *event)
 {
     if (byte != '\r') {
         self->overlong = self->overlong || self->length == sizeof self->line;
@@ -174,33 +180,42 @@ bool lx_slcan_feed(struct lx_slcan *self, uint8_t byte, struct lx_slcan_event *e
         }
         return false;
     }
-    *event = (struct lx_slcan_event){.has_frame = false};
+    *event = (struct dg_slcan_event){.has_frame = false};
     event->reply = answer(self, event);
-    lx_slcan_resync(self);
+    dg_slcan_resync(self);
     return true;
 }
 
-void lx_slcan_resync(struct lx_slcan *self)
+void dg_slcan_resync(struct dg_slcan *self)
 {
     self->length = 0;
     self->overlong = false;
 }
 
-size_t lx_slcan_print(const struct lx_slcan *self, const struct dg_can_frame *frame, uint64_t ms,
+/* The last `n` hexadecimal digits of a value; returns where the next ones go. */
+static char *put_hex(char *to, uint32_t value, uint8_t n)
+{
+    for (uint8_t i = n; i > 0; i--) {
+        to[i - 1u] = "0123456789ABCDEF"[value & 0xFu];
+        value >>= 4;
+    }
+    return to + n;
+}
+
+size_t dg_slcan_print(const struct dg_slcan *self, const struct dg_can_frame *frame, uint64_t ms,
                       char *text)
 {
-    static const char digits[] = "0123456789ABCDEF";
-    const size_t room = LX_SLCAN_TEXT_MAX + 1u;
-    int n = snprintf(text, room, "%c%03X%u", frame->rtr ? 'r' : 't', frame->id & CAN_ID_MAX,
-                     frame->dlc & 0xFu);
+    char *at = text;
+    *at++ = frame->rtr ? 'r' : 't';
+    at = put_hex(at, frame->id & CAN_ID_MAX, 3);
+    at = put_hex(at, frame->dlc, 1);
     for (uint8_t i = 0; !frame->rtr && i < frame->dlc && i < sizeof frame->data; i++) {
-        text[n++] = digits[frame->data[i] >> 4];
-        text[n++] = digits[frame->data[i] & 0xFu];
+        at = put_hex(at, frame->data[i], 2);
     }
     if (self->stamps) {
-        n += snprintf(text + n, room - (size_t)n, "%04X", (unsigned)(ms % STAMP_RANGE_MS));
+        at = put_hex(at, (uint32_t)(ms % STAMP_RANGE_MS), 4);
     }
-    text[n++] = '\r';
-    text[n] = '\0';
-    return (size_t)n;
+    *at++ = '\r';
+    *at = '\0';
+    return (size_t)(at - text);
 }
