@@ -40,6 +40,16 @@ struct lx_can_list {
     size_t capacity;
 };
 
+/** Faults of the wire around a node: a layer between it and the bus. */
+struct lx_can_layer {
+    /** Put a frame on the wire, or what becomes of it. */
+    void (*send)(struct lx_can_node *from, const struct dg_can_frame *frame);
+    /** Whether a frame that comes in at `now` reaches the node. */
+    bool (*reaches)(struct lx_can_node *node, dg_ns now);
+    /** State of the node's controller, where that of the bus is `own`. */
+    enum dg_co_bus_event (*state)(const struct lx_can_node *node, enum dg_co_bus_event own);
+};
+
 /** An encoder. */
 struct lx_can_node {
     struct lx_can_bus *bus;
@@ -49,15 +59,15 @@ struct lx_can_node {
     struct dg_cia406_model model; /**< with what the plan sets */
     struct lx_nvm_memory memory;
     struct lx_nvm_file file;
-    struct lx_nvm_queue queue;  /**< in front of it */
-    struct lx_can_list answers; /**< to what is not on the disk yet */
-    uint8_t id;                 /**< node-ID in the delivery state */
-    uint16_t kbaud;             /**< bit rate in force */
-    bool hears;                 /**< the wire has this rate, too */
-    uint8_t index;              /**< in the bus's net; LX_CAN_DEAF: not there */
-    bool bent;                  /**< wire faults may be active, or frames are held back */
-    unsigned held;              /**< frames held back */
-    dg_ns last_held;            /**< when the last one of them goes out */
+    struct lx_nvm_queue queue;       /**< in front of it */
+    struct lx_can_list answers;      /**< to what is not on the disk yet */
+    uint8_t id;                      /**< node-ID in the delivery state */
+    uint16_t kbaud;                  /**< bit rate in force */
+    bool hears;                      /**< the wire has this rate, too */
+    uint8_t index;                   /**< in the bus's net; LX_CAN_DEAF: not there */
+    const struct lx_can_layer *bent; /**< wire faults, or frames held back; NULL: neither */
+    unsigned held;                   /**< frames held back */
+    dg_ns last_held;                 /**< when the last one of them goes out */
 };
 
 /** A bus. */
@@ -112,10 +122,7 @@ void lx_can_answer_settled(struct lx_can_node *from);
 /** Without power nothing waits. */
 void lx_can_answer_none(struct lx_can_node *from);
 
-/** Append a frame. @return false without memory; then it is lost */
-bool lx_can_list_append(struct lx_can_list *self, const struct lx_can_waiting *frame);
-
-/* --- faults of the wire, can_faults.c --- */
+/* --- nodes and wire, can_wire.c --- */
 
 /** Tell the tap of a frame, in the order of time: one that waited while another was answered is
  * told after the answer. */
@@ -124,8 +131,11 @@ void lx_can_tell(struct lx_can_bus *self, dg_ns at, bool ours, const struct dg_c
 /** Put a frame of a node on the wire: the tap, the wire itself, other nodes that listen. */
 void lx_can_emit(struct lx_can_node *from, const struct dg_can_frame *frame);
 
-/** The same for a node that is bent. */
-void lx_can_emit_bent(struct lx_can_node *from, const struct dg_can_frame *frame);
+/** The same, through the node's layer of faults if it has one. */
+void lx_can_put(struct lx_can_node *from, const struct dg_can_frame *frame);
+
+/** Append a frame. @return false without memory; then it is lost */
+bool lx_can_list_append(struct lx_can_list *self, const struct lx_can_waiting *frame);
 
 /** Offer a frame to the nodes that listen to it, but for `from` (NULL: it came over the wire). */
 void lx_can_offer(struct lx_can_bus *self, dg_ns now, const struct dg_can_frame *frame,
@@ -134,11 +144,8 @@ void lx_can_offer(struct lx_can_bus *self, dg_ns now, const struct dg_can_frame 
 /** What the nodes have sent each other. */
 void lx_can_hear(struct lx_can_bus *self, dg_ns now);
 
-/** Send held frames whose time has come. */
-void lx_can_release(struct lx_can_bus *self, dg_ns now);
-
-/** Faults or power of a node may have changed: its controller's state, and whether it is bent. */
-void lx_can_bend(struct lx_can_node *self, dg_ns now);
+/** What the core has answered to a call that did not go through the net. */
+void lx_can_note_deadline(struct lx_can_node *node, dg_ns deadline);
 
 /** Tell the nodes whether there is a bus for them: a wire, at their bit rate, with somebody on it.
  * @return whether one did not know */
@@ -146,5 +153,13 @@ bool lx_can_tell_presence(struct lx_can_bus *self, dg_ns now);
 
 /** Let the node's controller be in the bus's state, or in the worse one that a fault makes. */
 void lx_can_follow(struct lx_can_node *self, dg_ns now);
+
+/* --- faults of the wire, can_faults.c --- */
+
+/** Faults or power of a node may have changed: whether it is bent, and its controller's state. */
+void lx_can_bend(struct lx_can_node *self, dg_ns now);
+
+/** Send held frames whose time has come. */
+void lx_can_release(struct lx_can_bus *self, dg_ns now);
 
 #endif
