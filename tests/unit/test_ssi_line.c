@@ -68,6 +68,7 @@ static void test_deadlines(void **state)
     assert_int_equal(rig.device.state, DG_SSI_SHIFT);
     assert_true(dg_ssi_step(&rig.device, fell + 1500 + DG_US(20)) == DG_NEVER);
     assert_int_equal(rig.device.state, DG_SSI_IDLE);
+    assert_true(rig.device.deadline == DG_NEVER);
     assert_true(dg_ssi_data(&rig.device));
 }
 
@@ -116,6 +117,42 @@ static void test_no_edge(void **state)
     assert_true(dg_ssi_clock(&rig.device, rig.now + 200, true));
     assert_true(dg_ssi_clock(&rig.device, rig.now + 300, true));
     assert_int_equal(rig.device.left, 12);
+}
+
+/* Time that goes backwards is no time: tm runs from the latest moment known. */
+static void test_time_goes_on(void **state)
+{
+    const dg_ns now = rig.now;
+
+    (void)state;
+    (void)dg_ssi_clock(&rig.device, now, false);
+    (void)dg_ssi_clock(&rig.device, now + DG_US(5), true);
+    (void)dg_ssi_clock(&rig.device, now - DG_US(1), false);
+    assert_int_equal(rig.device.deadline, now + DG_US(25));
+    assert_int_equal(rig.device.counters.fast, 0);
+    rig.model.init = 0;
+    dg_ssi_power_on(&rig.device, now + DG_S(1));
+    (void)dg_ssi_clock(&rig.device, now, true);
+    (void)dg_ssi_clock(&rig.device, now, false);
+    assert_int_equal(rig.device.deadline, now + DG_S(1) + DG_US(20));
+}
+
+/* A clock that begins with time itself has no falling edge before its first one. */
+static void test_time_begins(void **state)
+{
+    struct dg_ssi_model model = ssi_13;
+    struct dg_ssi device;
+
+    (void)state;
+    model.init = 0;
+    assert_int_equal(dg_ssi_init(&device, &(struct dg_ssi_setup){&model, &rig.world}), DG_OK);
+    dg_ssi_power_on(&device, 0);
+    assert_true(dg_ssi_clock(&device, 1, false));
+    assert_int_equal(device.counters.fast, 0);
+    assert_false(dg_ssi_clock(&device, 200, true));
+    (void)dg_ssi_clock(&device, 500, false);
+    assert_int_equal(device.counters.fast, 1);
+    assert_int_equal(device.counters.frames, 1);
 }
 
 static void test_copies(void **state)
@@ -295,6 +332,8 @@ int main(void)
         cmocka_unit_test_setup(test_start_deadline, setup),
         cmocka_unit_test_setup(test_late_host, setup),
         cmocka_unit_test_setup(test_no_edge, setup),
+        cmocka_unit_test_setup(test_time_goes_on, setup),
+        cmocka_unit_test_setup(test_time_begins, setup),
         cmocka_unit_test_setup(test_copies, setup),
         cmocka_unit_test_setup(test_two_encoders, setup),
         cmocka_unit_test_setup(test_whole_words, setup),
