@@ -29,7 +29,7 @@ ALLOWED = {
 }
 # room of platform/, folder of tools/: the same, and the rooms whose headers it may include:
 # base < nvm, trace, plan < wires < rig < tools. Private headers of src/ stand there as src/FOLDER.
-PROTOCOLS = {"hiperface", "biss", "canopen", "cia406", "interbus"}
+PROTOCOLS = {"hiperface", "biss", "ssi", "canopen", "cia406", "interbus"}
 BELOW = {"core", "control", "devices", "linux/base", "linux/nvm", "linux/trace", "linux/plan", "linux/wire"}
 WIRES = {"linux/rs485", "linux/can", "linux/clocked", "linux/interbus"}
 ROOMS = {
