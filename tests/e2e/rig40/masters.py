@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: MIT
+"""The masters of a rig, one process for each wire, and what they say; what a process costs."""
+import os
+import re
+import subprocess
+import threading
+from pathlib import Path
+from typing import NamedTuple
+
+MASTERS = os.environ.get("RIG_MASTERS", "")
+AFTERMATH_S = 0.05  # what was held up by a stall is done by then
+PATIENCE_S = 20.0  # for what should happen at once on a busy, emulated machine
+
+# Steps in a turn, turns.
+FIGURES = {
+    "f3658": (65536, 1),
+    "f3668": (65536, 4096),
+    "s3674-rs485": (65536, 1),
+    "s3684-rs485": (65536, 4096),
+    "s3684-biss": (2097152, 4096),
+    "ocd-ib-k1": (4096, 1),
+    "ocd-ib-k2": (4096, 4096),
+    "ocd-ib-k3": (4096, 4096),
+}
+# The wire of a ready line: the master's wire, and the least it has to ask in a second.
+WIRES = {"can": ("can", 100), "pty": ("rs485", 10), "modbus": ("ring", 50), "sim": ("biss", 10),
+         "clock": ("clock", 10)}
+
+
+class Stall(NamedTuple):
+    """The machine stood still."""
+    begin: float
+    end: float
+
+
+class Heard:
+    """What all masters say, in order."""
+
+    def __init__(self):
+        self.lines = []
+        self.stalls = []
+        self._more = threading.Condition()
+
+    def add(self, line: str):
+        with self._more:
+            self.lines.append(line)
+            self._more.notify_all()
+
+    def wait_for(self, wanted: list, begin: int = 0):
+        """Until all of this has been said since `begin`."""
+        with self._more:
+            if not self._more.wait_for(lambda: set(wanted) <= set(self.lines[begin:]), PATIENCE_S):
+                raise AssertionError(f"{wanted} expected, heard {self.lines[begin:]}")
+
+
+class Master:
+    """The master of a wire, in a process of its own."""
+
+    def __init__(self, wire: str, where: str, control: str, devices: list, heard: Heard):
+        self.wire = wire
+        self.where = where
+        self.heard = heard
+        self.figures = {}
+        self.process = subprocess.Popen([MASTERS, WIRES[wire][0], where, control, *devices],
+                                        stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, text=True)
+        self.reader = threading.Thread(target=self._read)
+        self.reader.start()
+
+    def _read(self):
+        for line in self.process.stdout:
+            words = line.split()
+            if words[0] == "figures":
+                self.figures = {key: int(value) for key, value in
+                                (word.split("=") for word in words[2:])}
+            elif words[0] == "clock":
+                at, late = (int(word) / 1e9 for word in words[1:])
+                self.heard.stalls.append(Stall(at, at + late + AFTERMATH_S))
+            else:
+                self.heard.add(line.strip())
+
+    def end(self) -> int:
+        self.process.terminate()
+        status = self.process.wait(PATIENCE_S)
+        self.reader.join(PATIENCE_S)
+        self.process.stdout.close()
+        return status
+
+
+def devices_of(encoders: list) -> list:
+    """The masters' words for the encoders of a wire, in the order of the file."""
+    words = []
+    register = 0
+    for index, encoder in enumerate(encoders):
+        steps, turns = FIGURES[encoder.model]
+        address = {"can": encoder.place, "pty": 0x40 + index, "modbus": register, "sim": 0}
+        register += 1 if turns == 1 else 2
+        words.append(f"{encoder.name},{address[encoder.wire]},{steps},{turns}")
+    return words
+
+
+def start_masters(rig, heard: Heard) -> list:
+    wires = {}
+    for encoder in rig.encoders.values():
+        where = encoder.address.rpartition(":")[2] or "-"
+        wires.setdefault((encoder.wire, where), []).append(encoder)
+    return [Master("clock", "-", rig.socket, [], heard),
+            *(Master(wire, where, rig.socket, devices_of(encoders), heard)
+              for (wire, where), encoders in wires.items())]
+
+
+def ticks(pid: int) -> int:
+    """User and system time so far."""
+    fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    return int(fields[11]) + int(fields[12])
+
+
+def memory_kib(pid: int, what: str) -> int:
+    status = Path(f"/proc/{pid}/status").read_text()
+    return int(re.search(rf"^{what}:\s+(\d+) kB", status, re.M)[1])
+
+
+def percent(before: int, after: int, seconds: float) -> float:
+    return 100 * (after - before) / os.sysconf("SC_CLK_TCK") / seconds
