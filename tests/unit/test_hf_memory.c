@@ -152,6 +152,50 @@ static void every_access_of_every_command_may_fail(void **state)
     }
 }
 
+/* @return how many accesses `request` takes */
+static uint32_t accesses_of(const char *request)
+{
+    rig = lived_in;
+    assert_int_equal(hf_rig_ask(&rig, request), 0);
+    return rig.accesses - lived_in.accesses;
+}
+
+static void refuse_at(const char *request, uint32_t nth)
+{
+    rig = lived_in;
+    rig.fail_from = rig.accesses + nth;
+    rig.fail_count = 1;
+    assert_int_equal(hf_rig_ask(&rig, request), DG_HF_I2C);
+    heal();
+}
+
+/* The journal was whole already when the memory failed: what is read comes with the memory, what a
+   start reads with the start. */
+static void what_was_refused_may_come_with_the_memory(void **state)
+{
+    static const char save[] = "4B 00 00 05 55 01 02 03 04 05";
+    static const char move[] = "55 4A 55";
+    uint32_t came = 0;
+    (void)state;
+    const uint32_t saving = accesses_of(save);
+    for (uint32_t nth = 0; nth < saving; nth++) {
+        refuse_at(save, nth);
+        assert_int_equal(hf_rig_ask(&rig, "4A 00 00 05 55"), 0);
+        came += memcmp(&rig.reply[5], "\1\2\3\4\5", 5) == 0;
+    }
+    assert_in_range(came, 1, saving - 1);
+    came = 0;
+    const uint32_t moving = accesses_of(move);
+    for (uint32_t nth = 0; nth < moving; nth++) {
+        refuse_at(move, nth);
+        assert_int_equal(hf_rig_ask(&rig, "46"), 0);
+        assert_int_equal(rig.device.address, lived_in.device.address);
+        assert_int_equal(hf_rig_power_on(&rig), DG_OK);
+        came += rig.device.address == 0x4A;
+    }
+    assert_in_range(came, 1, moving - 1);
+}
+
 /* What answers without the EEPROM does not touch it. */
 static void the_others_need_no_access(void **state)
 {
@@ -302,6 +346,7 @@ int main(void)
 {
     static const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup(every_access_of_every_command_may_fail, set_up),
+        cmocka_unit_test_setup(what_was_refused_may_come_with_the_memory, set_up),
         cmocka_unit_test_setup(the_others_need_no_access, set_up),
         cmocka_unit_test_setup(a_dead_bus_is_answered_and_heals, set_up),
         cmocka_unit_test_setup(a_bus_that_is_dead_at_power_on, set_up),
