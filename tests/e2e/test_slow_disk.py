@@ -3,6 +3,7 @@
 waits for his own commit, and nobody else does."""
 import contextlib
 import os
+import re
 import struct
 import subprocess
 import threading
@@ -140,6 +141,9 @@ def test_others_do_not_wait(tmp_path, disk, capsys, kind):
         others = Others(tmp_path)
         stack.callback(others.close)
         compare(session, others, capsys, kind)
+        waits = re.search(r"\bnvm_waits=(\d+)", others.control.ask("INST:SEL storing;:STAT?"))
+        assert int(waits[1]) >= 2
+        assert "nvm_waits" not in others.control.ask("INST:SEL line;:STAT?")
         assert rig.end() == 0
         assert rig.errors.so_far() == []
 

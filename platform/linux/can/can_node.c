@@ -237,6 +237,7 @@ static int open_eeprom(struct lx_can_node *self, void (*settled)(void *ctx, dg_n
         .settled = settled,
         .ctx = self,
     };
+    self->station->queue = queue.writer == NULL ? NULL : &self->queue;
     return lx_nvm_queue_open(&self->queue, &queue, nvm, error);
 }
 

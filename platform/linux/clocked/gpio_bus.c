@@ -87,6 +87,7 @@ static int switch_on(struct gpio_bus *self, dg_ns now, struct lx_error *error)
         return -1;
     }
     station->control.nvm = self->eeprom.nvm;
+    station->queue = nvm == NULL ? NULL : &self->eeprom.queue;
     const struct dg_biss_setup setup = {&self->settings.model, &station->world, self->eeprom.nvm};
     return lx_biss_switch_on(&self->device, &setup, dg_elapsed(now, self->settings.model.init), nvm,
                              error);

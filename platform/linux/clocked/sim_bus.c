@@ -160,6 +160,7 @@ static int switch_on(struct slave *slave, const struct lx_bus_setup *setup, dg_n
         return lx_plan_fail(setup->plan, slave->station->plan->nvm_line, error, "%s", error->text);
     }
     slave->station->control.nvm = slave->eeprom.nvm;
+    slave->station->queue = nvm == NULL ? NULL : &slave->eeprom.queue;
     const struct dg_biss_setup device = {&slave->settings.model, &slave->station->world,
                                          slave->eeprom.nvm};
     return lx_biss_switch_on(&slave->device, &device, now, nvm, error);

@@ -38,6 +38,12 @@ struct dg_nvm lx_ring_nvm(const struct lx_ring *self, size_t index)
     return (struct dg_nvm){&slice_ops, &self->slices[index]};
 }
 
+const struct lx_nvm_queue *lx_ring_queue(const struct lx_ring *self, size_t index)
+{
+    const struct lx_ring_store *store = self->slices[index].store;
+    return store->path == NULL ? NULL : &store->queue;
+}
+
 /* The memory with this file, a new one if there is none yet; NULL: the one without a file. */
 static struct lx_ring_store *store_of(struct lx_ring *self, const char *path)
 {

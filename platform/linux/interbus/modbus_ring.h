@@ -89,6 +89,9 @@ void lx_ring_close(struct lx_ring *self);
 /** The EEPROM of device `index`. */
 struct dg_nvm lx_ring_nvm(const struct lx_ring *self, size_t index);
 
+/** What stands in front of its file; NULL: it has none. Devices that share a file share it. */
+const struct lx_nvm_queue *lx_ring_queue(const struct lx_ring *self, size_t index);
+
 /** A data cycle with the images, or an ID cycle where one is called for. */
 void lx_ring_cycle(struct lx_ring *self, dg_ns now);
 

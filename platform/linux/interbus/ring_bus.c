@@ -252,6 +252,7 @@ static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
         encoder->device = &self->ring.devices[i];
         if (self->ring.models[i].profile == DG_IB_K3) {
             encoder->nvm = lx_ring_nvm(&self->ring, i);
+            setup->stations[i]->queue = lx_ring_queue(&self->ring, i);
         }
     }
     return 0;

@@ -99,6 +99,10 @@ static void counters(struct dg_rig *control, const struct dg_encoder *encoder, s
     if (station->bus->ops->counters != NULL) {
         station->bus->ops->counters(station->bus, station, to);
     }
+    if (station->queue != NULL) {
+        const struct lx_count row = {"nvm_waits", station->queue->waits};
+        lx_bus_count(to, &row, 1);
+    }
 }
 
 /* --- shafts --- */

@@ -29,6 +29,7 @@ static int open_eeprom(struct lx_hf_drop *self, struct lx_error *error)
         .settled = lx_hf_on_settled,
         .ctx = self,
     };
+    self->station->queue = queue.writer == NULL ? NULL : &self->queue;
     return lx_nvm_queue_open(&self->queue, &queue, &eeprom->nvm, error);
 }
 

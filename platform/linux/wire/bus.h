@@ -17,6 +17,7 @@
 #include "wire.h"
 
 struct lx_bus;
+struct lx_nvm_queue;
 struct lx_nvm_writer;
 
 /** An encoder on a bus. The rig owns it; the bus fills control.device, control.nvm. */
@@ -25,8 +26,9 @@ struct lx_station {
     struct dg_world world;     /**< what control.world points to; healthy before make() */
     const struct lx_plan_encoder *plan;
     struct lx_bus *bus;
-    size_t place; /**< on the bus, 0 is the first */
-    void *own;    /**< the bus's own */
+    size_t place;                     /**< on the bus, 0 is the first */
+    void *own;                        /**< the bus's own */
+    const struct lx_nvm_queue *queue; /**< in front of its EEPROM file; NULL: it has none */
 };
 
 /** What a bus is made of. Everything pointed to must outlive it. */
