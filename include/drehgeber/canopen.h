@@ -389,6 +389,14 @@ DG_API void dg_co_default_serial(const void *ctx, uint8_t *out);
 /** Burn the delivery state: the device's defaults, `serial`. @return as dg_store_format */
 DG_API int dg_co_format(const struct dg_co_device *device, struct dg_nvm nvm, uint32_t serial);
 
+/** Mount a memory as a node does when it starts: one of an earlier release grows, and keeps its
+ * serial number. @return as dg_store_mount(), dg_store_grow() */
+DG_API int dg_co_mount(struct dg_store *self, const struct dg_co_device *device, struct dg_nvm nvm);
+
+/** Give a memory in its delivery state another node-ID. @return 0; DG_ERR_ARGUMENT: not 1..127; as
+ * dg_store_put() */
+DG_API int dg_co_burn_node_id(const struct dg_co_device *device, struct dg_nvm nvm, uint32_t id);
+
 /** Make a node, without power. @return 0 or DG_ERR_ARGUMENT */
 DG_API int dg_co_init(struct dg_co_node *self, const struct dg_co_setup *setup);
 

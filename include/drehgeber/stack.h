@@ -36,6 +36,8 @@ struct dg_stack_setup {
     const struct dg_world *world;
     struct dg_nvm nvm; /**< ops NULL: none; only for models without an EEPROM, see `layout` */
     uint32_t serial;   /**< `format` burns it in where the model does not say */
+    uint32_t address;  /**< likewise, on a wire that has some: an RS485 address, a node-ID; 0: as
+                            delivered */
     const void *port;  /**< the wire's operations: struct dg_hf_ops, dg_co_ops; NULL where the stack
                             has none (dg_biss, dg_ib) */
     void *ctx;         /**< handed to them */
@@ -43,7 +45,7 @@ struct dg_stack_setup {
 
 /**
  * A protocol. Operations take `self`, the device's memory; they do not block but for the memory's
- * operations, and none is NULL.
+ * operations, and none is NULL but `differs`.
  *
  * A device is plain data: it may be copied, compared, moved and kept. Its only pointers are those
  * of its setup and ones that `attach` can make anew.
@@ -58,9 +60,16 @@ struct dg_stack {
     bool (*senses_multiturn)(const void *model);
 
     /** Burn the delivery state into setup->nvm; world and port are not looked at. Nothing is done
-     * for a model without an EEPROM. @return 0; DG_ERR_ARGUMENT: a figure of the model is out of
-     * range; DG_ERR_IO */
+     * for a model without an EEPROM. @return 0; DG_ERR_ARGUMENT: a figure of the model, or the
+     * address, is out of range; DG_ERR_IO */
     int (*format)(const struct dg_stack_setup *setup);
+    /** Mount the memory of a model that has one, as power_on() does: what an earlier release has
+     * written grows. @return as dg_store_mount(), dg_store_grow() */
+    int (*mount)(const struct dg_stack_setup *setup, struct dg_store *store);
+    /** What a mounted memory has from the factory that is not this device's, in words; NULL:
+     * nothing. The serial number counts with `serial` only; what is damaged is the device's to
+     * report. NULL as operation: a memory does not say whose it is. */
+    const char *(*differs)(const struct dg_stack_setup *setup, struct dg_store *store, bool serial);
     /** Make a device, without power. The memory is not touched. @return 0; DG_ERR_ARGUMENT: a
      * pointer is missing, a figure is out of range */
     int (*init)(void *self, const struct dg_stack_setup *setup);

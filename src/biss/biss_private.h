@@ -67,7 +67,7 @@ uint8_t biss_frame_encode(const struct dg_biss *self, uint8_t flags, uint64_t *b
 
 /** factory.c */
 /** Mount the EEPROM, grown when it is of an earlier release. @return as dg_store_mount() */
-int biss_mount(struct dg_biss *self);
+int biss_mount(struct dg_store *self, struct dg_nvm nvm);
 /** Everything but line, counters and setup begins anew at `now`. @return dg_store_mount()'s */
 int biss_restart(struct dg_biss *self, dg_ns now);
 /** The EEPROM can be used. */

@@ -72,14 +72,11 @@ bool biss_eeprom(const struct dg_biss *self)
     return self->mounted && self->setup.world->eeprom_acknowledges;
 }
 
-int biss_mount(struct dg_biss *self)
+int biss_mount(struct dg_store *self, struct dg_nvm nvm)
 {
-    int result = dg_store_mount(&self->store, &dg_biss_layout, self->setup.nvm);
+    int result = dg_store_mount(self, &dg_biss_layout, nvm);
 
-    if (result == DG_ERR_OLDER) {
-        result = dg_store_grow(&self->store, NULL);
-    }
-    return result;
+    return result == DG_ERR_OLDER ? dg_store_grow(self, NULL) : result;
 }
 
 /* @return dg_store_mount()'s */
@@ -88,7 +85,7 @@ static int load(struct dg_biss *self)
     int result = DG_ERR_IO;
 
     if (self->setup.world->eeprom_acknowledges) {
-        result = biss_mount(self);
+        result = biss_mount(&self->store, self->setup.nvm);
     }
     self->mounted = result == DG_OK;
     if (!self->mounted) {

@@ -2,7 +2,7 @@
 /*
  * The S36 BiSS behind the seam of all protocols.
  */
-#include "drehgeber/biss.h"
+#include "biss_private.h"
 
 _Static_assert(_Alignof(struct dg_biss) <= _Alignof(max_align_t), "as stack.h promises");
 
@@ -27,6 +27,11 @@ static bool senses_multiturn(const void *model)
 static int format(const struct dg_stack_setup *setup)
 {
     return dg_biss_format(setup->nvm);
+}
+
+static int mount(const struct dg_stack_setup *setup, struct dg_store *store)
+{
+    return biss_mount(store, setup->nvm);
 }
 
 static int init(void *self, const struct dg_stack_setup *setup)
@@ -88,6 +93,7 @@ const struct dg_stack dg_biss_stack = {
     .layout = layout,
     .senses_multiturn = senses_multiturn,
     .format = format,
+    .mount = mount,
     .init = init,
     .attach = attach,
     .power_on = power_on,

@@ -77,18 +77,33 @@ static void default_bus(const struct dg_co_node *self, uint8_t *bus)
     self->setup.device->layout->regions[DG_CO_REGION_BUS].defaults(&self->serial, bus);
 }
 
-/* An image of an earlier release keeps its serial number. */
-static int mount_store(struct dg_co_node *self)
+int dg_co_mount(struct dg_store *self, const struct dg_co_device *device, struct dg_nvm nvm)
 {
     uint8_t bytes[4] = {0};
-    int result = dg_store_mount(&self->store, self->setup.device->layout, self->setup.nvm);
+    int result = dg_store_mount(self, device->layout, nvm);
 
     if (result == DG_ERR_OLDER) {
-        (void)dg_store_read(&self->store, DG_CO_REGION_SERIAL, 0, bytes, sizeof bytes);
+        (void)dg_store_read(self, DG_CO_REGION_SERIAL, 0, bytes, sizeof bytes);
         const uint32_t serial = dg_load_le32(bytes);
-        result = dg_store_grow(&self->store, &serial);
+        result = dg_store_grow(self, &serial);
     }
     return result;
+}
+
+int dg_co_burn_node_id(const struct dg_co_device *device, struct dg_nvm nvm, uint32_t id)
+{
+    struct dg_store store;
+    uint8_t bus[3];
+
+    if (id < 1 || id > 127) {
+        return DG_ERR_ARGUMENT;
+    }
+    int result = dg_co_mount(&store, device, nvm);
+    if (result == DG_OK) {
+        result = dg_store_read(&store, DG_CO_REGION_BUS, 0, bus, sizeof bus);
+    }
+    bus[1] = (uint8_t)id;
+    return result == DG_OK ? dg_store_put(&store, DG_CO_REGION_BUS, 0, bus, sizeof bus) : result;
 }
 
 /* `bus` are the bus parameters, or their defaults. */
@@ -98,7 +113,7 @@ static int mount(struct dg_co_node *self, uint8_t *bus)
 
     default_bus(self, bus);
     if (self->setup.world->eeprom_acknowledges) {
-        result = mount_store(self);
+        result = dg_co_mount(&self->store, self->setup.device, self->setup.nvm);
     }
     self->mounted = result == DG_OK;
     if (load(self, DG_CO_REGION_BUS, bus) && !bus_valid(self, bus)) {

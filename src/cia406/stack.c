@@ -2,6 +2,7 @@
 /*
  * The F36x8 behind the seam of all protocols.
  */
+#include "drehgeber/bits.h"
 #include "drehgeber/cia406.h"
 
 _Static_assert(_Alignof(struct dg_cia406_device) <= _Alignof(max_align_t), "as stack.h promises");
@@ -36,7 +37,29 @@ static int format(const struct dg_stack_setup *setup)
 {
     const struct dg_cia406_model *model = setup->model;
 
-    return dg_co_format(model->device, setup->nvm, setup->serial);
+    int result = setup->address <= 127 ? dg_co_format(model->device, setup->nvm, setup->serial)
+                                       : DG_ERR_ARGUMENT;
+
+    return result == DG_OK && setup->address != 0
+               ? dg_co_burn_node_id(model->device, setup->nvm, setup->address)
+               : result;
+}
+
+static int mount(const struct dg_stack_setup *setup, struct dg_store *store)
+{
+    const struct dg_cia406_model *model = setup->model;
+
+    return dg_co_mount(store, model->device, setup->nvm);
+}
+
+static const char *differs(const struct dg_stack_setup *setup, struct dg_store *store, bool serial)
+{
+    uint8_t bytes[4];
+    const bool readable =
+        serial && !dg_store_damaged(store, DG_CO_REGION_SERIAL) &&
+        dg_store_read(store, DG_CO_REGION_SERIAL, 0, bytes, sizeof bytes) == DG_OK;
+
+    return readable && dg_load_le32(bytes) != setup->serial ? "serial number" : NULL;
 }
 
 static int init(void *self, const struct dg_stack_setup *setup)
@@ -113,6 +136,8 @@ const struct dg_stack dg_cia406_stack = {
     .layout = layout,
     .senses_multiturn = senses_multiturn,
     .format = format,
+    .mount = mount,
+    .differs = differs,
     .init = init,
     .attach = attach,
     .power_on = power_on,

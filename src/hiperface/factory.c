@@ -14,6 +14,9 @@
 #define SERIAL_SIZE 9u
 #define VERSION_SIZE 20u
 #define DATE_SIZE 8u
+/* Of region 'type': codes, then these. */
+#define TYPE_SERIAL 2u
+#define TYPE_SIZE (TYPE_SERIAL + SERIAL_SIZE + VERSION_SIZE + DATE_SIZE)
 #define DESIGNATION_SIZE 18u
 /* All parameters of the label are given; no second selector follows (5.1.1.2.2). */
 #define LABEL_SELECTOR 0x07FFu
@@ -102,7 +105,7 @@ static void write_text(struct dg_writer *w, const char *text, size_t size)
 static void default_type(const void *ctx, uint8_t *out)
 {
     const struct dg_hf_model *model = ctx;
-    struct dg_writer w = dg_writer(out, 2u + SERIAL_SIZE + VERSION_SIZE + DATE_SIZE);
+    struct dg_writer w = dg_writer(out, TYPE_SIZE);
 
     dg_write_u8(&w, model->type_code);
     dg_write_u8(&w, model->option_code);
@@ -163,6 +166,7 @@ static const struct dg_store_region regions[DG_HF_REGION_COUNT] = {
 };
 /* clang-format on */
 
+_Static_assert(39 == TYPE_SIZE, "type: codes, serial number, version, date");
 _Static_assert(113 == 1 + HF_FIELDS_MAX, "fields: count and a status byte each");
 _Static_assert(224 == 2 * HF_FIELDS_MAX, "field-sums: a CRC-16 each");
 _Static_assert(1792 == HF_BLOCK * HF_FIELDS_MAX, "user: 70h blocks");
@@ -207,6 +211,57 @@ int dg_hf_format(const struct dg_hf_model *model, struct dg_nvm nvm)
     int result = hf_model_check(model);
 
     return result == DG_OK ? dg_store_format(&dg_hf_layout, nvm, model) : result;
+}
+
+int hf_mount(struct dg_store *self, const struct dg_hf_model *model, struct dg_nvm nvm)
+{
+    int result = dg_store_mount(self, &dg_hf_layout, nvm);
+
+    return result == DG_ERR_OLDER ? dg_store_grow(self, model) : result;
+}
+
+/* What one unit has and another of its kind has not: firmware version and date, and the serial
+ * number unless it counts. */
+static void overlook_unit(uint8_t *type, const uint8_t *other, bool serial)
+{
+    const size_t begin = TYPE_SERIAL + (serial ? SERIAL_SIZE : 0u);
+
+    memcpy(&type[begin], &other[begin], TYPE_SIZE - begin);
+}
+
+/* Regions that nobody can write over the wire. */
+const char *hf_differs(const struct dg_hf_model *model, struct dg_store *store, bool serial)
+{
+    static const struct {
+        uint8_t region;
+        const char *what;
+    } burnt[] = {
+        {DG_HF_REGION_RESOLUTION, "periods, steps or turns"},
+        {DG_HF_REGION_STEPS, "steps"},
+        {DG_HF_REGION_TYPE, "type code, option or serial number"},
+        {DG_HF_REGION_MEMORY, "user memory size"},
+        {DG_HF_REGION_IMPLEMENTED, "implemented memory"},
+        {DG_HF_REGION_LABEL, "type label"},
+    };
+    uint8_t mine[DG_STORE_CHECKED_MAX];
+    uint8_t bytes[DG_STORE_CHECKED_MAX];
+
+    for (uint8_t i = 0; i < sizeof burnt / sizeof burnt[0]; i++) {
+        const uint8_t region = burnt[i].region;
+        const uint16_t size = regions[region].size;
+        if (dg_store_damaged(store, region) ||
+            dg_store_read(store, region, 0, bytes, size) != DG_OK) {
+            continue;
+        }
+        regions[region].defaults(model, mine);
+        if (region == DG_HF_REGION_TYPE) {
+            overlook_unit(mine, bytes, serial);
+        }
+        if (memcmp(mine, bytes, size) != 0) {
+            return burnt[i].what;
+        }
+    }
+    return NULL;
 }
 
 /* Read a region that is in order; `to` keeps its content otherwise. */

@@ -63,10 +63,7 @@ static int start(struct dg_hf *self)
     self->locks = 0;
     self->monitors = 0;
     if (self->setup.world->eeprom_acknowledges) {
-        result = dg_store_mount(&self->store, &dg_hf_layout, self->setup.nvm);
-    }
-    if (result == DG_ERR_OLDER) {
-        result = dg_store_grow(&self->store, self->setup.model);
+        result = hf_mount(&self->store, self->setup.model, self->setup.nvm);
     }
     hf_load(self, result == DG_OK);
     if (result == DG_OK && self->store.failures > 0) {

@@ -2,7 +2,7 @@
 /*
  * The S36 RS485 behind the seam of all protocols.
  */
-#include "drehgeber/hiperface.h"
+#include "hiperface_private.h"
 
 _Static_assert(_Alignof(struct dg_hf) <= _Alignof(max_align_t), "as stack.h promises");
 
@@ -28,9 +28,32 @@ static bool senses_multiturn(const void *model)
     return figures->turns > 1;
 }
 
+static int mount(const struct dg_stack_setup *setup, struct dg_store *store)
+{
+    return hf_mount(store, setup->model, setup->nvm);
+}
+
 static int format(const struct dg_stack_setup *setup)
 {
-    return dg_hf_format(setup->model, setup->nvm);
+    const uint8_t uart[] = {DG_HF_UART_DEFAULT, (uint8_t)setup->address};
+    struct dg_store store;
+
+    if (setup->address == 0) {
+        return dg_hf_format(setup->model, setup->nvm);
+    }
+    if (setup->address < DG_HF_ADDRESS_DEFAULT || setup->address > DG_HF_ADDRESS_LAST) {
+        return DG_ERR_ARGUMENT;
+    }
+    int result = dg_hf_format(setup->model, setup->nvm);
+    if (result == DG_OK) {
+        result = mount(setup, &store);
+    }
+    return result == DG_OK ? dg_store_put(&store, DG_HF_REGION_UART, 0, uart, sizeof uart) : result;
+}
+
+static const char *differs(const struct dg_stack_setup *setup, struct dg_store *store, bool serial)
+{
+    return hf_differs(setup->model, store, serial);
 }
 
 static int init(void *self, const struct dg_stack_setup *setup)
@@ -89,6 +112,8 @@ const struct dg_stack dg_hf_stack = {
     .layout = layout,
     .senses_multiturn = senses_multiturn,
     .format = format,
+    .mount = mount,
+    .differs = differs,
     .init = init,
     .attach = attach,
     .power_on = power_on,

@@ -76,7 +76,9 @@ int dg_ib_power_on(struct dg_ib *self, dg_ns now)
 {
     forget(self, now);
     if (self->setup.model->profile == DG_IB_K3) {
-        const int result = self->setup.world->eeprom_acknowledges ? ib_mount(self) : DG_ERR_IO;
+        const int result = self->setup.world->eeprom_acknowledges
+                               ? ib_mount(&self->store, self->setup.model, self->setup.nvm)
+                               : DG_ERR_IO;
         self->mounted = result == DG_OK;
         if (result != DG_OK && result != DG_ERR_IO) {
             return result;

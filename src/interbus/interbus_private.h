@@ -84,7 +84,7 @@ uint32_t ib_item(const struct dg_ib *self);
 /** memory.c */
 int ib_model_check(const struct dg_ib_model *model);
 /** Mount the EEPROM, grown when it is of an earlier release. @return as dg_store_mount() */
-int ib_mount(struct dg_ib *self);
+int ib_mount(struct dg_store *self, const struct dg_ib_model *model, struct dg_nvm nvm);
 /** Working copy from every region that is in order; the others are lost and have their defaults. */
 void ib_load(struct dg_ib *self);
 /** Read cam program 1..8; a lost one is empty. */

@@ -125,11 +125,11 @@ int dg_ib_format(const struct dg_ib_model *model, struct dg_nvm nvm)
                : result;
 }
 
-int ib_mount(struct dg_ib *self)
+int ib_mount(struct dg_store *self, const struct dg_ib_model *model, struct dg_nvm nvm)
 {
-    int result = dg_store_mount(&self->store, &dg_ib_layout, self->setup.nvm);
+    int result = dg_store_mount(self, &dg_ib_layout, nvm);
 
-    return result == DG_ERR_OLDER ? dg_store_grow(&self->store, self->setup.model) : result;
+    return result == DG_ERR_OLDER ? dg_store_grow(self, model) : result;
 }
 
 /* A region as it is stored; lost, its delivery state. */

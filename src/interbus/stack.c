@@ -2,7 +2,7 @@
 /*
  * The OCD INTERBUS behind the seam of all protocols.
  */
-#include "drehgeber/interbus.h"
+#include "interbus_private.h"
 
 _Static_assert(_Alignof(struct dg_ib) <= _Alignof(max_align_t), "as stack.h promises");
 
@@ -28,6 +28,11 @@ static bool senses_multiturn(const void *model)
 static int format(const struct dg_stack_setup *setup)
 {
     return dg_ib_format(setup->model, setup->nvm);
+}
+
+static int mount(const struct dg_stack_setup *setup, struct dg_store *store)
+{
+    return ib_mount(store, setup->model, setup->nvm);
 }
 
 static int init(void *self, const struct dg_stack_setup *setup)
@@ -89,6 +94,7 @@ const struct dg_stack dg_ib_stack = {
     .layout = layout,
     .senses_multiturn = senses_multiturn,
     .format = format,
+    .mount = mount,
     .init = init,
     .attach = attach,
     .power_on = power_on,

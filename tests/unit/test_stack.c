@@ -125,7 +125,8 @@ static void check_object(const struct dg_device *device)
     assert_true(stack->name[0] >= 'a' && stack->name[0] <= 'z');
     assert_true(stack->device_size > 0);
     assert_true(stack->layout != NULL && stack->senses_multiturn != NULL);
-    assert_true(stack->format != NULL && stack->init != NULL && stack->attach != NULL);
+    assert_true(stack->format != NULL && stack->mount != NULL);
+    assert_true(stack->init != NULL && stack->attach != NULL);
     assert_true(stack->power_on != NULL && stack->power_off != NULL && stack->powered != NULL);
     assert_true(stack->step != NULL && stack->model != NULL && stack->position != NULL);
     for (size_t i = 0; i < dg_device_count; i++) {
@@ -275,6 +276,131 @@ static void the_serial_number_of_a_node_is_burnt_in(void **state)
     assert_int_equal(device->node.serial, SERIAL);
 }
 
+static bool line_address_is(const void *self, uint32_t address)
+{
+    return ((const struct dg_hf *)self)->address == address;
+}
+
+static bool node_id_is(const void *self, uint32_t address)
+{
+    return ((const struct dg_cia406_device *)self)->node.id == address;
+}
+
+static void the_address_is_burnt_in(void **state)
+{
+    const struct {
+        const struct dg_device *device;
+        uint32_t first;
+        uint32_t last;
+        bool (*has)(const void *self, uint32_t address);
+    } rows[] = {{&dg_s3684_rs485, 0x40, 0x5F, line_address_is}, {&dg_f3668, 1, 127, node_id_is}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        const struct dg_stack *stack = rows[i].device->stack;
+        for (uint32_t address = rows[i].first; address <= rows[i].last; address++) {
+            furnish(&here, rows[i].device);
+            here.setup.address = address;
+            assert_int_equal(stack->format(&here.setup), DG_OK);
+            assert_int_equal(stack->init(&here.device, &here.setup), DG_OK);
+            assert_int_equal(stack->power_on(&here.device, 0), DG_OK);
+            assert_true(rows[i].has(&here.device, address));
+        }
+        here.setup.address = rows[i].last + 1u;
+        assert_int_equal(stack->format(&here.setup), DG_ERR_ARGUMENT);
+        here.setup.address = 256u + rows[i].first;
+        assert_int_equal(stack->format(&here.setup), DG_ERR_ARGUMENT);
+    }
+}
+
+/* ------------------------------------------------------------ memories */
+
+static void check_mount(const struct dg_device *device)
+{
+    const struct dg_stack *stack = device->stack;
+    struct dg_store store;
+
+    if (stack->layout(device->model) == NULL) {
+        return;
+    }
+    furnish(&here, device);
+    assert_int_equal(stack->mount(&here.setup, &store), DG_ERR_BLANK);
+    assert_int_equal(stack->format(&here.setup), DG_OK);
+    assert_int_equal(stack->mount(&here.setup, &store), DG_OK);
+    assert_int_equal(store.region_count, stack->layout(device->model)->region_count);
+    assert_true(stack->differs == NULL || stack->differs(&here.setup, &store, true) == NULL);
+}
+
+static void what_is_formatted_is_mounted_and_its_own(void **state)
+{
+    (void)state;
+    each(check_mount);
+}
+
+/* What `made` has burnt in, in the eyes of `seen`. */
+static const char *difference(const struct dg_device *made, const void *seen, bool serial)
+{
+    struct dg_store store;
+
+    furnish(&here, made);
+    assert_int_equal(made->stack->format(&here.setup), DG_OK);
+    here.setup.model = seen;
+    assert_int_equal(made->stack->mount(&here.setup, &store), DG_OK);
+    return made->stack->differs(&here.setup, &store, serial);
+}
+
+static void a_memory_of_other_figures_is_told(void **state)
+{
+    struct dg_hf_model model = *dg_hf_model_of(&dg_s3684_rs485);
+
+    (void)state;
+    assert_string_equal(difference(&dg_s3684_rs485, dg_s3674_rs485.model, false),
+                        "periods, steps or turns");
+    model.type_code ^= 1u;
+    assert_string_equal(difference(&dg_s3684_rs485, &model, false),
+                        "type code, option or serial number");
+    model = *dg_hf_model_of(&dg_s3684_rs485);
+    model.memory_blocks--;
+    assert_string_equal(difference(&dg_s3684_rs485, &model, false), "user memory size");
+    model = *dg_hf_model_of(&dg_s3684_rs485);
+    model.speed_max_rpm++;
+    assert_string_equal(difference(&dg_s3684_rs485, &model, false), "type label");
+}
+
+static void another_unit_has_another_serial_number(void **state)
+{
+    struct dg_hf_model model = *dg_hf_model_of(&dg_s3684_rs485);
+    struct dg_store store;
+
+    (void)state;
+    model.version[0] = '!';
+    model.date[0] = '!';
+    assert_null(difference(&dg_s3684_rs485, &model, true));
+    model.serial[8] = '!';
+    assert_null(difference(&dg_s3684_rs485, &model, false));
+    assert_non_null(difference(&dg_s3684_rs485, &model, true));
+
+    furnish(&here, &dg_f3668);
+    assert_int_equal(dg_cia406_stack.format(&here.setup), DG_OK);
+    assert_int_equal(dg_cia406_stack.mount(&here.setup, &store), DG_OK);
+    here.setup.serial++;
+    assert_null(dg_cia406_stack.differs(&here.setup, &store, false));
+    assert_string_equal(dg_cia406_stack.differs(&here.setup, &store, true), "serial number");
+}
+
+/* What is damaged is for the device to report. */
+static void damage_makes_no_stranger(void **state)
+{
+    struct dg_store store;
+
+    (void)state;
+    furnish(&here, &dg_s3684_rs485);
+    assert_int_equal(dg_hf_stack.format(&here.setup), DG_OK);
+    here.nvm.bytes[dg_store_address(&dg_hf_layout, DG_HF_REGION_TYPE)] ^= 1u;
+    assert_int_equal(dg_hf_stack.mount(&here.setup, &store), DG_OK);
+    assert_true(dg_store_damaged(&store, DG_HF_REGION_TYPE));
+    assert_null(dg_hf_stack.differs(&here.setup, &store, true));
+}
+
 /* ------------------------------------------------------------ carried elsewhere */
 
 static void carry(const struct dg_device *device)
@@ -386,6 +512,11 @@ int main(void)
         cmocka_unit_test(what_is_missing_is_refused),
         cmocka_unit_test(the_position_is_the_wires),
         cmocka_unit_test(the_serial_number_of_a_node_is_burnt_in),
+        cmocka_unit_test(the_address_is_burnt_in),
+        cmocka_unit_test(what_is_formatted_is_mounted_and_its_own),
+        cmocka_unit_test(a_memory_of_other_figures_is_told),
+        cmocka_unit_test(another_unit_has_another_serial_number),
+        cmocka_unit_test(damage_makes_no_stranger),
         cmocka_unit_test(detached_devices_have_no_pointers),
         cmocka_unit_test(a_carried_device_goes_on),
         cmocka_unit_test(a_node_is_carried_in_the_middle_of_things),
