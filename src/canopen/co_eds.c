@@ -56,14 +56,14 @@ static void put(const struct eds *self, const char *text)
 }
 
 /* At least so many digits, at most 10. */
-static void put_number(const struct eds *self, uint32_t value, uint32_t base, uint8_t digits)
+static void put_number(const struct eds *self, uint32_t value, bool decimal, uint8_t digits)
 {
+    const uint32_t base = decimal ? 10 : 16;
     char text[10];
     char *const end = text + sizeof text;
     char *at = end;
-    while (value != 0 || end - at < digits) {
-        *--at = "0123456789ABCDEF"[value % base];
-        value /= base;
+    for (uint32_t left = value; left > 0 || end - at < digits; left /= base) {
+        *--at = "0123456789ABCDEF"[left % base];
     }
     self->write(self->ctx, at, (size_t)(end - at));
 }
@@ -71,7 +71,7 @@ static void put_number(const struct eds *self, uint32_t value, uint32_t base, ui
 static void put_hex(const struct eds *self, const char *before, uint32_t value, uint8_t digits)
 {
     put(self, before);
-    put_number(self, value, 16, digits);
+    put_number(self, value, false, digits);
 }
 
 static void line(const struct eds *self, const char *key, const char *value)
@@ -84,7 +84,7 @@ static void line(const struct eds *self, const char *key, const char *value)
 static void line_decimal(const struct eds *self, const char *key, uint32_t value)
 {
     put(self, key);
-    put_number(self, value, 10, 1);
+    put_number(self, value, true, 1);
     put(self, "\n");
 }
 
@@ -150,7 +150,7 @@ static void put_value(const struct eds *self, const char *key, const struct dg_c
     const bool negative = is_signed && (value & 0x80000000u) != 0;
     put(self, key);
     put(self, negative ? "-" : is_signed ? "" : "0x");
-    put_number(self, negative ? 0u - value : value, is_signed ? 10 : 16, 1);
+    put_number(self, negative ? 0u - value : value, is_signed, 1);
     put(self, "\n");
 }
 
@@ -300,7 +300,7 @@ static void put_list(const struct eds *self, const char *section, bool (*belongs
     count = 0;
     for (unsigned i = 0; i < row_count(self); i++) {
         if (is_first(self, i) && belongs(row(self, i)->index)) {
-            put_number(self, ++count, 10, 1);
+            put_number(self, ++count, true, 1);
             line_hex(self, "=0x", row(self, i)->index, 4);
         }
     }
@@ -354,7 +354,7 @@ static void put_rates(const struct eds *self)
     static const uint16_t kbaud[] = {10, 20, 50, 125, 250, 500, 800, 1000};
     for (size_t i = 0; i < sizeof kbaud / sizeof kbaud[0]; i++) {
         put(self, "BaudRate_");
-        put_number(self, kbaud[i], 10, 1);
+        put_number(self, kbaud[i], true, 1);
         line(self, "=", has_rate(self->device, kbaud[i]) ? "1" : "0");
     }
 }
