@@ -28,11 +28,11 @@
 /* The chain's line: each slave's SLO as its faults let it through. */
 static bool through_fault(void *ctx, uint8_t index, bool slo, bool clocked)
 {
-    struct lx_biss_link *link = &((struct lx_biss_wire *)ctx)->slave[index].link;
+    struct lx_line_fault *link = &((struct lx_biss_wire *)ctx)->slave[index].link;
     if (clocked) {
-        lx_biss_link_advance(link, slo);
+        lx_line_fault_advance(link, slo);
     }
-    return lx_biss_link_level(link, slo);
+    return lx_line_fault_level(link, slo);
 }
 
 void lx_biss_wire_init(struct lx_biss_wire *self, const struct lx_biss_timing *timing, dg_ns now)
@@ -47,7 +47,7 @@ void lx_biss_wire_init(struct lx_biss_wire *self, const struct lx_biss_timing *t
         .ma = true,
         .slo = true,
     };
-    lx_biss_cable_init(&self->cable, timing->line_delay_ns, true);
+    lx_cable_init(&self->cable, timing->line_delay_ns, true);
 }
 
 /* The next edge's time. Whole nanoseconds, and yet the clock is right on average. */
@@ -76,8 +76,8 @@ static void record(struct lx_biss_wire *self, dg_ns at, bool ma, bool slo)
 /* What gets to the master up to `until`. */
 static void arrive(struct lx_biss_wire *self, dg_ns until)
 {
-    struct lx_biss_change change;
-    while (self->cable.count > 0 && lx_biss_cable_take(&self->cable, until, &change)) {
+    struct lx_cable_change change;
+    while (self->cable.count > 0 && lx_cable_take(&self->cable, until, &change)) {
         record(self, change.at, self->ma, change.level);
     }
 }
@@ -106,13 +106,13 @@ void lx_biss_wire_add(struct lx_biss_wire *self, struct dg_biss *device, struct 
         .data_bits = dg_biss_frame_bits(device->setup.model),
     };
     self->slo = look(self);
-    lx_biss_cable_init(&self->cable, self->cable.delay, self->slo);
+    lx_cable_init(&self->cable, self->cable.delay, self->slo);
 }
 
 static void end_faults(struct lx_biss_wire *self)
 {
     for (uint8_t i = 0; i < self->chain.count; i++) {
-        lx_biss_link_end(&self->slave[i].link, self->slave[i].faults);
+        lx_line_fault_end(&self->slave[i].link, self->slave[i].faults);
     }
     settle_links(self);
 }
@@ -124,7 +124,7 @@ static void run_encoders(struct lx_biss_wire *self, dg_ns now)
     while (due <= now && due != DG_NEVER) {
         const dg_ns next = dg_biss_chain_step(&self->chain, due);
         end_faults(self);
-        lx_biss_cable_put(&self->cable, due, look(self));
+        lx_cable_put(&self->cable, due, look(self));
         due = next;
     }
 }
@@ -136,10 +136,10 @@ static void edge(struct lx_biss_wire *self, bool level)
     self->now = now;
     const dg_ns there = now + self->cable.delay;
     run_encoders(self, there);
-    lx_biss_cable_put(&self->cable, there, dg_biss_chain_ma(&self->chain, there, level));
+    lx_cable_put(&self->cable, there, dg_biss_chain_ma(&self->chain, there, level));
     /* Without delay the answer comes at once: one event for both. */
-    struct lx_biss_change change = {.level = self->slo};
-    while (lx_biss_cable_take(&self->cable, now, &change)) {
+    struct lx_cable_change change = {.level = self->slo};
+    while (lx_cable_take(&self->cable, now, &change)) {
     }
     record(self, now, level, change.level);
 }
@@ -149,7 +149,7 @@ void lx_biss_wire_pause(struct lx_biss_wire *self, dg_ns now)
     now = now > self->now ? now : self->now;
     run_encoders(self, now);
     end_faults(self);
-    lx_biss_cable_put(&self->cable, now, look(self));
+    lx_cable_put(&self->cable, now, look(self));
     arrive(self, now);
     self->now = now;
 }
@@ -161,7 +161,7 @@ static bool clock_bit(struct lx_biss_wire *self)
 {
     edge(self, false);
     edge(self, true);
-    return lx_biss_cable_level(&self->cable, self->now + self->delay + self->half_ns);
+    return lx_cable_level(&self->cable, self->now + self->delay + self->half_ns);
 }
 
 /* e1 and e2. @return the time of e1 */
@@ -182,7 +182,8 @@ static bool begin_frame(struct lx_biss_wire *self)
 {
     for (uint8_t i = 0; i < self->chain.count; i++) {
         struct lx_biss_slave *slave = &self->slave[i];
-        lx_biss_link_begin(&slave->link, slave->faults, slave->data_bits, (dg_ns)2 * self->half_ns);
+        lx_line_fault_begin(&slave->link, slave->faults, slave->data_bits,
+                            (dg_ns)2 * self->half_ns);
     }
     settle_links(self);
     const dg_ns begin = await_ack(self);

@@ -12,8 +12,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "biss_cable.h"
-#include "biss_link.h"
+#include "cable.h"
+#include "line_fault.h"
 
 /** The master's clock: as usual, and the slowest and fastest one that the encoder is made for.
  * Below 38.5 kHz half a period would be longer than its timeout, which ended every frame. */
@@ -24,7 +24,7 @@
 /** Times of the master and its cable. */
 struct lx_biss_timing {
     uint32_t clock_hz;      /**< LX_BISS_CLOCK_MIN_HZ..LX_BISS_CLOCK_MAX_HZ */
-    uint32_t line_delay_ns; /**< each way; 0..LX_BISS_LINE_DELAY_MAX_NS */
+    uint32_t line_delay_ns; /**< each way; 0..LX_CABLE_DELAY_MAX_NS */
 };
 
 /** What an access can end in; what is not negative counts registers. */
@@ -40,14 +40,14 @@ struct lx_biss_slave {
     struct dg_faults *faults; /**< NULL: none */
     uint8_t data_bits;        /**< behind CDS */
     uint64_t bits;            /**< of the last frame, right-aligned */
-    struct lx_biss_link link;
+    struct lx_line_fault link;
 };
 
 /** The wire. Not to be moved. */
 struct lx_biss_wire {
     struct dg_biss_chain chain;
     struct lx_biss_slave slave[DG_BISS_CHAIN_MAX];
-    struct lx_biss_cable cable;
+    struct lx_cable cable;
     uint32_t edges_per_s; /**< of MA */
     uint32_t half_ns;     /**< half a period, and */
     uint32_t rest;        /**< what it is longer, in 1 ns / edges_per_s */

@@ -46,7 +46,7 @@ static void gone(struct lx_gpio *self, int reason)
 /* SLO as the master sees it. */
 static bool seen(const struct lx_gpio *self)
 {
-    return lx_biss_link_level(&self->link, dg_biss_slo(self->setup.device, false));
+    return lx_line_fault_level(&self->link, dg_biss_slo(self->setup.device, false));
 }
 
 static void tell(const struct lx_gpio *self, dg_ns at)
@@ -81,7 +81,7 @@ static void hold_back(struct lx_gpio *self)
     }
     const enum lx_nvm_state state = lx_nvm_queue_state(memory, memory->issued);
     if (state == LX_NVM_PENDING || (state == LX_NVM_LOST && self->lost != memory->issued)) {
-        self->link = (struct lx_biss_link){.active = true, .high = true};
+        self->link = (struct lx_line_fault){.active = true, .high = true};
     }
     self->lost = state == LX_NVM_LOST ? memory->issued : self->lost;
 }
@@ -101,11 +101,11 @@ static void take_edge(struct lx_gpio *self, const struct lx_gpio_edge *edge)
         return;
     }
     if (device->counters.frames != frames) {
-        lx_biss_link_begin(&self->link, self->setup.faults, dg_biss_frame_bits(device->setup.model),
-                           DG_MS(1));
+        lx_line_fault_begin(&self->link, self->setup.faults,
+                            dg_biss_frame_bits(device->setup.model), DG_MS(1));
         hold_back(self);
     }
-    lx_biss_link_advance(&self->link, dg_biss_slo(device, false));
+    lx_line_fault_advance(&self->link, dg_biss_slo(device, false));
     if (self->waiting == 0) {
         self->asked = edge->at;
     }
@@ -211,7 +211,7 @@ static void on_timeout(void *ctx, dg_ns now)
     }
     if (device->line.deadline <= now && settle(self, now)) {
         (void)dg_biss_step(device, now);
-        lx_biss_link_end(&self->link, self->setup.faults);
+        lx_line_fault_end(&self->link, self->setup.faults);
         tell(self, now);
     }
     answer(self);
@@ -335,7 +335,7 @@ int lx_gpio_open(struct lx_gpio *self, const struct lx_gpio_setup *setup, struct
 void lx_gpio_changed(struct lx_gpio *self)
 {
     if (self->setup.lines != NULL && self->setup.device->line.deadline == DG_NEVER) {
-        lx_biss_link_end(&self->link, self->setup.faults);
+        lx_line_fault_end(&self->link, self->setup.faults);
         answer(self);
     }
 }

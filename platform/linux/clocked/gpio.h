@@ -10,10 +10,10 @@
 
 #include <systemd/sd-event.h>
 
-#include "biss_link.h"
 #include "drehgeber/biss.h"
 #include "gpio_lines.h"
 #include "gpio_rate.h"
+#include "line_fault.h"
 #include "nvm_writer.h"
 #include "tap.h"
 #include "timer.h"
@@ -52,7 +52,7 @@ struct lx_gpio {
     dg_ns asked;                  /**< the first rising edge without an answer */
     dg_ns answered;               /**< when SLO was set after a rising edge last */
     dg_ns trouble;                /**< when edges were late or lost last; 0: never */
-    struct lx_biss_link link;     /**< what faults make of SLO */
+    struct lx_line_fault link;    /**< what faults make of SLO */
     uint64_t lost;                /**< ticket of the write that was lost last */
     uint32_t waiting;             /**< rising edges without an answer */
     bool due;                     /**< the next edge tells whether the latest answer is late */

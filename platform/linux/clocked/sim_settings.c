@@ -21,7 +21,7 @@ struct key {
 /* clang-format off */
 static const struct key keys[] = {
     {"clock_hz",      TIMING(clock_hz),      LX_BISS_CLOCK_MIN_HZ, LX_BISS_CLOCK_MAX_HZ,      LX_BISS_CLOCK_HZ, "simulated wire: clock of the master, in Hz"},
-    {"line_delay_ns", TIMING(line_delay_ns), 0,                    LX_BISS_LINE_DELAY_MAX_NS, 0,                "simulated wire: delay of the cable each way, in ns; 5 ns are a metre"},
+    {"line_delay_ns", TIMING(line_delay_ns), 0,                    LX_CABLE_DELAY_MAX_NS, 0,                "simulated wire: delay of the cable each way, in ns; 5 ns are a metre"},
 };
 /* clang-format on */
 #define KEY_COUNT (sizeof keys / sizeof keys[0])

@@ -179,7 +179,7 @@ static void power_behind_a_cable(void **state)
     (void)state;
     open_timed(&rig, 1, "clock_hz=10000000 line_delay_ns=5000");
     struct dg_biss *device = rig.station[0].control.device;
-    for (unsigned i = 0; i < 2u * LX_BISS_CABLE_CHANGES; i++) {
+    for (unsigned i = 0; i < 2u * LX_CABLE_CHANGES; i++) {
         sim_rig_inject(&rig, 0, "wire_break", 0);
         sim_rig_step_to(&rig, SIM_RIG_READY);
         dg_biss_power_off(device);
@@ -195,28 +195,28 @@ static void power_behind_a_cable(void **state)
 
 static void a_cable_keeps_the_order(void **state)
 {
-    struct lx_biss_cable cable;
-    struct lx_biss_change change;
+    struct lx_cable cable;
+    struct lx_cable_change change;
     (void)state;
-    lx_biss_cable_init(&cable, 100, true);
-    lx_biss_cable_put(&cable, 1000, true); /* no change */
-    assert_false(lx_biss_cable_take(&cable, DG_NEVER, &change));
-    lx_biss_cable_put(&cable, 1000, false);
-    lx_biss_cable_put(&cable, 990, true); /* the past */
+    lx_cable_init(&cable, 100, true);
+    lx_cable_put(&cable, 1000, true); /* no change */
+    assert_false(lx_cable_take(&cable, DG_NEVER, &change));
+    lx_cable_put(&cable, 1000, false);
+    lx_cable_put(&cable, 990, true); /* the past */
     assert_int_equal(cable.fell, 1100);
-    assert_true(lx_biss_cable_level(&cable, 1099));
-    assert_true(lx_biss_cable_level(&cable, 1100));
-    lx_biss_cable_put(&cable, 1500, false);
-    assert_false(lx_biss_cable_level(&cable, 1600));
-    assert_false(lx_biss_cable_take(&cable, 1099, &change));
-    assert_true(lx_biss_cable_take(&cable, 1100, &change));
+    assert_true(lx_cable_level(&cable, 1099));
+    assert_true(lx_cable_level(&cable, 1100));
+    lx_cable_put(&cable, 1500, false);
+    assert_false(lx_cable_level(&cable, 1600));
+    assert_false(lx_cable_take(&cable, 1099, &change));
+    assert_true(lx_cable_take(&cable, 1100, &change));
     assert_false(change.level);
-    assert_true(lx_biss_cable_take(&cable, 1100, &change));
+    assert_true(lx_cable_take(&cable, 1100, &change));
     assert_true(change.level && cable.level && change.at == 1100);
-    for (unsigned i = 0; i < 2u * LX_BISS_CABLE_CHANGES + 1u; i++) {
-        lx_biss_cable_put(&cable, 2000 + i, i % 2u == 0);
+    for (unsigned i = 0; i < 2u * LX_CABLE_CHANGES + 1u; i++) {
+        lx_cable_put(&cable, 2000 + i, i % 2u == 0);
     }
-    while (lx_biss_cable_take(&cable, DG_NEVER, &change)) {
+    while (lx_cable_take(&cable, DG_NEVER, &change)) {
     }
     assert_true(cable.level); /* as it was put last */
 }

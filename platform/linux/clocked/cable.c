@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: MIT */
-#include "biss_cable.h"
+#include "cable.h"
 
-void lx_biss_cable_init(struct lx_biss_cable *self, dg_ns delay, bool level)
+void lx_cable_init(struct lx_cable *self, dg_ns delay, bool level)
 {
-    *self = (struct lx_biss_cable){.delay = delay, .sent = level, .level = level};
+    *self = (struct lx_cable){.delay = delay, .sent = level, .level = level};
 }
 
-static struct lx_biss_change *nth(struct lx_biss_cable *self, size_t n)
+static struct lx_cable_change *nth(struct lx_cable *self, size_t n)
 {
-    return &self->coming[(self->first + n) % LX_BISS_CABLE_CHANGES];
+    return &self->coming[(self->first + n) % LX_CABLE_CHANGES];
 }
 
-void lx_biss_cable_put(struct lx_biss_cable *self, dg_ns now, bool level)
+void lx_cable_put(struct lx_cable *self, dg_ns now, bool level)
 {
     dg_ns at = dg_after(now, self->delay);
 
@@ -26,31 +26,30 @@ void lx_biss_cable_put(struct lx_biss_cable *self, dg_ns now, bool level)
     }
     self->fell = level ? self->fell : at;
     /* Only power that is switched in no time fills it: of that the last level counts. */
-    if (self->count == LX_BISS_CABLE_CHANGES) {
+    if (self->count == LX_CABLE_CHANGES) {
         self->count--;
     }
-    *nth(self, self->count++) = (struct lx_biss_change){at, level};
+    *nth(self, self->count++) = (struct lx_cable_change){at, level};
 }
 
-bool lx_biss_cable_take(struct lx_biss_cable *self, dg_ns until, struct lx_biss_change *change)
+bool lx_cable_take(struct lx_cable *self, dg_ns until, struct lx_cable_change *change)
 {
     if (self->count == 0 || self->coming[self->first].at > until) {
         return false;
     }
     *change = self->coming[self->first];
     self->level = change->level;
-    self->first = (self->first + 1u) % LX_BISS_CABLE_CHANGES;
+    self->first = (self->first + 1u) % LX_CABLE_CHANGES;
     self->count--;
     return true;
 }
 
-bool lx_biss_cable_level(const struct lx_biss_cable *self, dg_ns at)
+bool lx_cable_level(const struct lx_cable *self, dg_ns at)
 {
     bool level = self->level;
 
     for (size_t i = 0; i < self->count; i++) {
-        const struct lx_biss_change *change =
-            &self->coming[(self->first + i) % LX_BISS_CABLE_CHANGES];
+        const struct lx_cable_change *change = &self->coming[(self->first + i) % LX_CABLE_CHANGES];
         if (change->at > at) {
             break;
         }
