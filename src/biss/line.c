@@ -101,7 +101,15 @@ static void rising(struct dg_biss *self, dg_ns now, bool sli)
     }
 }
 
-bool dg_biss_link(struct dg_biss *self, dg_ns now, bool level, bool sli)
+static bool slo_of(const struct dg_biss *self, bool sli)
+{
+    const struct dg_biss_line *line = &self->line;
+    const bool idle = line->state == DG_BISS_IDLE || line->state == DG_BISS_RETURN;
+
+    return idle && !line->is_last ? sli : line->slo;
+}
+
+static bool take_edge(struct dg_biss *self, dg_ns now, bool level, bool sli)
 {
     struct dg_biss_line *line = &self->line;
 
@@ -111,7 +119,7 @@ bool dg_biss_link(struct dg_biss *self, dg_ns now, bool level, bool sli)
         (void)dg_biss_step(self, now);
     }
     if (level == line->ma) {
-        return dg_biss_slo(self, sli);
+        return slo_of(self, sli);
     }
     line->ma = level;
     if (level) {
@@ -120,20 +128,22 @@ bool dg_biss_link(struct dg_biss *self, dg_ns now, bool level, bool sli)
     if (line->state != DG_BISS_OFF && (line->state != DG_BISS_IDLE || !level)) {
         line->deadline = dg_after(now, timeout_ns(self));
     }
-    return dg_biss_slo(self, sli);
+    return slo_of(self, sli);
+}
+
+bool dg_biss_link(struct dg_biss *self, dg_ns now, bool level, bool sli)
+{
+    return take_edge(self, now, level, sli);
 }
 
 bool dg_biss_ma(struct dg_biss *self, dg_ns now, bool level)
 {
-    return dg_biss_link(self, now, level, false);
+    return take_edge(self, now, level, false);
 }
 
 bool dg_biss_slo(const struct dg_biss *self, bool sli)
 {
-    const struct dg_biss_line *line = &self->line;
-    const bool idle = line->state == DG_BISS_IDLE || line->state == DG_BISS_RETURN;
-
-    return idle && !line->is_last ? sli : line->slo;
+    return slo_of(self, sli);
 }
 
 /* What each one shows its neighbour, from the last to the first.
@@ -144,7 +154,7 @@ static bool chain_levels(const struct dg_biss_chain *self, bool clocked, bool *s
 
     for (uint8_t i = self->count; i-- > 0;) {
         sli[i] = level;
-        level = dg_biss_slo(self->slave[i], level);
+        level = slo_of(self->slave[i], level);
         level = self->link == NULL ? level : self->link(self->ctx, i, level, clocked);
     }
     return level;
@@ -180,7 +190,7 @@ bool dg_biss_chain_ma(struct dg_biss_chain *self, dg_ns now, bool level)
         (void)chain_levels(self, false, sli);
     }
     for (uint8_t i = 0; i < self->count; i++) {
-        (void)dg_biss_link(self->slave[i], now, level, sli[i]);
+        (void)take_edge(self->slave[i], now, level, sli[i]);
     }
     return chain_levels(self, rises, sli);
 }

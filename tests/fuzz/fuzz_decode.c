@@ -86,8 +86,8 @@ static void op_note(struct lx_tap_event *event, struct fuzz_input *input)
 static void op_levels(struct lx_tap_event *event, struct fuzz_input *input)
 {
     event->kind = LX_TAP_LEVELS;
-    event->levels.ma = fuzz_take(input) != 0;
-    event->levels.slo = event->levels.ma;
+    event->levels.clock = fuzz_take(input) != 0;
+    event->levels.data = event->levels.clock;
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)

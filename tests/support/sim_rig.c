@@ -24,12 +24,12 @@ static void on_event(void *ctx, const struct lx_tap_event *event)
     self->disordered = self->disordered || event->at < self->last;
     self->last = event->at;
     if (event->kind == LX_TAP_LEVELS) {
-        self->edges += event->levels.ma != self->ma;
-        self->ma = event->levels.ma;
+        self->edges += event->levels.clock != self->ma;
+        self->ma = event->levels.clock;
         if (self->count < SIM_RIG_LEVELS_MAX) {
             self->level[self->count].at = event->at;
-            self->level[self->count].ma = event->levels.ma;
-            self->level[self->count++].slo = event->levels.slo;
+            self->level[self->count].ma = event->levels.clock;
+            self->level[self->count++].slo = event->levels.data;
         }
         return;
     }

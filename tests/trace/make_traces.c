@@ -75,8 +75,8 @@ static void take_levels(struct lx_tap_event *event, struct room *room)
 {
     (void)room;
     event->kind = LX_TAP_LEVELS;
-    event->levels.ma = number(10) != 0;
-    event->levels.slo = number(10) != 0;
+    event->levels.clock = number(10) != 0;
+    event->levels.data = number(10) != 0;
 }
 
 static void take_words(struct lx_tap_event *event, struct room *room)

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 #include "biss.h"
 
-#include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "biss_eds.h"
+#include "biss_master.h"
 #include "biss_session.h"
 #include "drehgeber/devices.h"
 #include "figure.h"
@@ -78,7 +78,7 @@ static int complain_access(struct lx_error *error, const char *what, unsigned ad
 static int select_bank(struct biss_session *self, uint8_t bank, struct lx_error *error)
 {
     size_t done = 0;
-    const int result = lx_sim_master_write(&self->master, 0, BANK_SELECT, &bank, 1, &done);
+    const int result = lx_biss_master_write(&self->master, 0, BANK_SELECT, &bank, 1, &done);
 
     return result < 0 ? complain_access(error, "bank select", BANK_SELECT, result) : 0;
 }
@@ -114,7 +114,7 @@ static int read_all(struct biss_session *self, uint8_t address, uint8_t *bytes, 
                     struct lx_error *error)
 {
     size_t done = 0;
-    const int result = lx_sim_master_read(&self->master, 0, address, bytes, n, &done);
+    const int result = lx_biss_master_read(&self->master, 0, address, bytes, n, &done);
 
     return result < 0 ? complain_access(error, "read", address + (unsigned)done, result) : 0;
 }
@@ -123,26 +123,24 @@ static int write_all(struct biss_session *self, uint8_t address, const uint8_t *
                      struct lx_error *error)
 {
     size_t done = 0;
-    const int result = lx_sim_master_write(&self->master, 0, address, bytes, n, &done);
+    const int result = lx_biss_master_write(&self->master, 0, address, bytes, n, &done);
 
     return result < 0 ? complain_access(error, "write", address + (unsigned)done, result) : 0;
 }
 
 static int do_read(struct biss_session *self, struct words *words, struct lx_error *error)
 {
-    const struct dg_biss_model *model = &self->settings.model;
+    const struct lx_clocked *line = &self->line.base;
+    char text[LX_SIM_NOTE_MAX];
+    (void)words;
     lx_sim_master_frame(&self->master);
-    if (!self->master.wire.answered) {
+    const enum lx_clocked_verdict verdict = line->ops->judge(line, 0);
+    if (verdict == LX_CLOCKED_SILENT) {
         return complain_access(error, "position", 0, LX_BISS_SILENT);
     }
-    const struct dg_biss_data data = lx_biss_wire_data(&self->master.wire, 0);
-    const double turns = (double)data.singleturn / (double)(1u << model->singleturn_bits);
-
-    (void)words;
-    (void)printf("MT %" PRIu32 "  ST %" PRIu32 "  %.6f deg  nERR %d  nWARN %d  LC %u  CRC %s\n",
-                 data.multiturn, data.singleturn, 360.0 * turns, data.n_err, data.n_warn, data.life,
-                 data.crc_ok ? "valid" : "WRONG");
-    return data.crc_ok ? 0 : complain_access(error, "position", 0, LX_BISS_DAMAGED);
+    line->ops->print(line, 0, text, sizeof text);
+    (void)printf("%s\n", text);
+    return verdict == LX_CLOCKED_GOOD ? 0 : complain_access(error, "position", 0, LX_BISS_DAMAGED);
 }
 
 static int do_registers(struct biss_session *self, struct words *words, struct lx_error *error)
@@ -210,7 +208,7 @@ static int do_command(struct biss_session *self, struct words *words, struct lx_
     }
     const uint8_t command = (uint8_t)number;
     size_t done = 0;
-    const int result = lx_sim_master_write(&self->master, 0, COMMAND_REGISTER, &command, 1, &done);
+    const int result = lx_biss_master_write(&self->master, 0, COMMAND_REGISTER, &command, 1, &done);
     if (result < 0) {
         return complain_access(error, "command", command, result);
     }

@@ -83,8 +83,9 @@ int biss_session_open(struct biss_session *self, const struct options *options, 
         return EXIT_OTHER;
     }
     const dg_ns ready = dg_after(now, self->settings.model.init);
-    lx_sim_master_init(&self->master, &self->tap, &self->timing, now);
-    lx_sim_master_add(&self->master, &self->device, NULL, options->model);
+    lx_biss_line_init(&self->line);
+    lx_biss_line_add(&self->line, &self->device, NULL, options->model);
+    lx_sim_master_init(&self->master, &self->tap, &self->line.base, &self->timing, now);
     lx_sim_master_pause(&self->master, ready);
     return options->trace == NULL ? 0 : open_trace(self, options, ready, error);
 }

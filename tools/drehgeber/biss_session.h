@@ -3,6 +3,7 @@
 #ifndef DREHGEBER_TOOL_BISS_SESSION_H
 #define DREHGEBER_TOOL_BISS_SESSION_H
 
+#include "biss_clocked.h"
 #include "biss_settings.h"
 #include "motion_words.h"
 #include "options.h"
@@ -12,10 +13,11 @@
 /* Not to be moved while open. */
 struct biss_session {
     struct lx_biss_settings settings; /* the world in it */
-    struct lx_biss_timing timing;     /* of the master and its cable */
+    struct lx_clocked_timing timing;  /* of the master and its cable */
     struct lx_shaft shaft;
     struct lx_biss_eeprom eeprom;
     struct dg_biss device;
+    struct lx_biss_line line;
     struct lx_tap tap;
     struct lx_sim_master master;
     struct lx_trace *trace; /* NULL: none */

@@ -3,7 +3,6 @@
 #include "run.h"
 
 #include <errno.h>
-#include <inttypes.h>
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
@@ -11,13 +10,14 @@
 #include <systemd/sd-daemon.h>
 #include <systemd/sd-event.h>
 
-#include "drehgeber/biss.h"
 #include "plan.h"
 #include "rig.h"
 #include "timer.h"
 
 /* How often the master of a simulated wire says what it reads. */
 #define PRINT_EVERY DG_S(1)
+/* Longest line that it says. */
+#define LINE_MAX_CHARS 160u
 
 /* Everything that runs. */
 struct running {
@@ -25,7 +25,7 @@ struct running {
     struct lx_plan plan;
     struct lx_rig *rig;
     sd_event *event;
-    struct lx_timer print; /* one BiSS encoder on a simulated wire */
+    struct lx_timer print; /* one encoder on a simulated wire */
     dg_ns next;            /* position that is printed */
 };
 
@@ -37,28 +37,13 @@ int run_complain(const struct lx_error *error, int status)
 
 /* --- positions of a simulated wire --- */
 
-static void print_frame(const struct dg_biss_model *model, uint64_t bits)
-{
-    struct dg_biss_data data;
-    dg_biss_frame_decode(model, bits, &data);
-    const double turns = (double)data.singleturn / (double)(1u << model->singleturn_bits);
-    (void)printf("MT %" PRIu32 "  ST %" PRIu32 "  %.6f deg  nERR %d  nWARN %d  LC %u  CRC %s\n",
-                 data.multiturn, data.singleturn, 360.0 * turns, data.n_err, data.n_warn, data.life,
-                 data.crc_ok ? "valid" : "WRONG");
-    (void)fflush(stdout);
-}
-
 static void on_print(void *ctx, dg_ns now)
 {
     struct running *self = ctx;
-    struct dg_rig *rig = lx_rig_control(self->rig);
-    struct dg_encoder *encoder = rig->encoders[0];
-    const struct dg_biss *device = encoder->device;
-    char detail[DG_SCPI_DETAIL_MAX + 1u];
-    uint64_t bits = 0;
-    uint8_t count = 0;
-    if (rig->ops->biss_frame(rig, encoder, &bits, &count, detail) == 0) {
-        print_frame(device->setup.model, bits);
+    char text[LINE_MAX_CHARS];
+    if (lx_rig_read(self->rig, 0, text, sizeof text)) {
+        (void)printf("%s\n", text);
+        (void)fflush(stdout);
     }
     while (self->next <= now) {
         self->next = dg_after(self->next, PRINT_EVERY);
@@ -67,15 +52,13 @@ static void on_print(void *ctx, dg_ns now)
 }
 
 /* From the end of the initialisation on. */
-static int begin_printing(struct running *self, dg_ns now, struct lx_error *error)
+static int begin_printing(struct running *self, struct lx_error *error)
 {
-    const struct lx_wire *kind = self->plan.wires[0].kind;
-    if (self->plan.file != NULL || self->options->say.quiet || !kind->simulated) {
+    self->next = lx_rig_readable(self->rig, 0);
+    if (self->plan.file != NULL || self->options->say.quiet || self->next == DG_NEVER) {
         return 0;
     }
-    const struct dg_biss *device = lx_rig_control(self->rig)->encoders[0]->device;
     const int result = lx_timer_open(&self->print, self->event, on_print, self);
-    self->next = dg_after(now, device->setup.model->init);
     lx_timer_at(&self->print, self->next);
     return result < 0 ? lx_fail(error, "no timer: %s", strerror(-result)) : 0;
 }
@@ -154,7 +137,7 @@ static int switch_on(struct running *self, struct lx_error *error)
     if (result != LX_RIG_OK) {
         return result == LX_RIG_PLAN ? EXIT_USAGE : EXIT_OTHER;
     }
-    if (lx_rig_announce(self->rig, error) != 0 || begin_printing(self, now, error) != 0) {
+    if (lx_rig_announce(self->rig, error) != 0 || begin_printing(self, error) != 0) {
         return EXIT_OTHER;
     }
     (void)sd_notify(0, "READY=1");

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- *   MA edges -- on_edges --> dg_biss_ma() ---\
- *                                             > answer(): SLO, deadline
- *   timer ---- on_timeout -> dg_biss_step() -/
+ *   clock edges -- on_edges --> edge() --\
+ *                                        > answer(): data, deadline
+ *   timer ------- on_timeout -> step() --/
  *
  * Nothing is printed between an edge and its answer, nor inside a frame that goes well: a line on
  * stderr costs more than an edge.
@@ -18,13 +18,13 @@
 /* Edges taken at once, and how often in a row before others have their turn. */
 #define BATCH 64u
 #define BATCHES_MAX 32u
-/* How long an edge may be on its way to the queue when MA already has its level. */
+/* How long an edge may be on its way to the queue when the line already has its level. */
 #define SETTLE DG_MS(1)
 #define WATCH DG_S(1)
+/* Of a clock that user space can follow. */
+#define PERIOD DG_MS(1)
 /* Trouble after a longer time without is told anew. */
 #define EPISODE DG_S(10)
-/* Rising edges of a frame in front of its data: e1, e2, start bit, CDS. */
-#define EDGES_AHEAD 4u
 /* Room for what a rate is good for. */
 #define GOOD_FOR_MAX 96u
 
@@ -43,25 +43,26 @@ static void gone(struct lx_gpio *self, int reason)
     self->setup.gone(self->setup.ctx);
 }
 
-/* SLO as the master sees it. */
-static bool seen(const struct lx_gpio *self)
+static dg_ns deadline_of(const struct lx_gpio *self)
 {
-    return lx_line_fault_level(&self->link, dg_biss_slo(self->setup.device, false));
+    return self->setup.line->ops->step(self->setup.line, 0);
 }
 
 static void tell(const struct lx_gpio *self, dg_ns at)
 {
+    const struct lx_clocked *line = self->setup.line;
     if (lx_tap_on(self->setup.tap)) {
         const struct lx_tap_event event = {
             .at = at,
             .kind = LX_TAP_LEVELS,
-            .levels = {self->setup.device->line.ma, seen(self)},
+            .levels = {line->ops->clocked(line), line->ops->level(line)},
         };
         lx_tap_tell(self->setup.tap, &event);
     }
 }
 
-/* Answers have half a period: the master may look at SLO at the edge behind a rising one already.
+/* Answers have half a period: the master may look at the line at the edge behind a rising one
+ * already.
  */
 static void judge(struct lx_gpio *self, dg_ns next)
 {
@@ -71,41 +72,19 @@ static void judge(struct lx_gpio *self, dg_ns next)
     self->due = false;
 }
 
-/* P of a write comes with the frame behind it. What is not on the disk yet is not acknowledged:
-   there is no start bit then; behind what was lost there is none, once. */
-static void hold_back(struct lx_gpio *self)
-{
-    struct lx_nvm_queue *memory = self->setup.memory;
-    if (memory == NULL) {
-        return;
-    }
-    const enum lx_nvm_state state = lx_nvm_queue_state(memory, memory->issued);
-    if (state == LX_NVM_PENDING || (state == LX_NVM_LOST && self->lost != memory->issued)) {
-        self->link = (struct lx_line_fault){.active = true, .high = true};
-    }
-    self->lost = state == LX_NVM_LOST ? memory->issued : self->lost;
-}
-
 static void take_edge(struct lx_gpio *self, const struct lx_gpio_edge *edge)
 {
-    struct dg_biss *device = self->setup.device;
+    struct lx_clocked *line = self->setup.line;
 
     self->doubtful = false;
     self->counters.edges++;
-    self->counters.lost += edge->gap || edge->level == device->line.ma;
+    self->counters.lost += edge->gap || edge->level == line->ops->clocked(line);
     judge(self, edge->at);
-    const uint32_t frames = device->counters.frames;
-    (void)dg_biss_ma(device, edge->at, edge->level);
+    (void)line->ops->edge(line, edge->at, edge->level);
     tell(self, edge->at);
     if (!edge->level) {
         return;
     }
-    if (device->counters.frames != frames) {
-        lx_line_fault_begin(&self->link, self->setup.faults,
-                            dg_biss_frame_bits(device->setup.model), DG_MS(1));
-        hold_back(self);
-    }
-    lx_line_fault_advance(&self->link, dg_biss_slo(device, false));
     if (self->waiting == 0) {
         self->asked = edge->at;
     }
@@ -113,21 +92,21 @@ static void take_edge(struct lx_gpio *self, const struct lx_gpio_edge *edge)
     self->due = true;
 }
 
-/* SLO as the device has it. It is written after every rising edge, whether it changes or not, so
-   that all answers take the same time. */
+/* The data line as the encoder has it. It is written after every rising edge, whether it changes or
+   not, so that all answers take the same time. */
 static void answer(struct lx_gpio *self)
 {
     struct lx_gpio_lines *lines = self->setup.lines;
-    const struct dg_biss *device = self->setup.device;
-    const bool level = seen(self);
+    const struct lx_clocked *line = self->setup.line;
+    const bool level = line->ops->level(line);
 
-    if (self->waiting > 0 || level != self->slo) {
-        const int result = lines->ops->set_slo(lines, level);
+    if (self->waiting > 0 || level != self->data) {
+        const int result = lines->ops->set_data(lines, level);
         if (result < 0) {
             gone(self, result);
             return;
         }
-        self->slo = level;
+        self->data = level;
     }
     if (self->waiting > 0) {
         self->answered = lx_now();
@@ -135,8 +114,9 @@ static void answer(struct lx_gpio *self)
         self->waiting = 0;
     }
     /* A timer that fires early asks again: cheaper than moving it with every edge. */
-    if (!self->doubtful && self->timeout.at > device->line.deadline) {
-        lx_timer_at(&self->timeout, device->line.deadline);
+    const dg_ns deadline = deadline_of(self);
+    if (!self->doubtful && self->timeout.at > deadline) {
+        lx_timer_at(&self->timeout, deadline);
     }
 }
 
@@ -170,19 +150,19 @@ static int on_edges(sd_event_source *source, int fd, uint32_t events, void *ctx)
     return 0;
 }
 
-/* Whether MA has the level of its last edge, so that the timeout may end. When not, an edge is on
-   its way or has been lost: it is waited for once, and made up for then. */
+/* Whether the clock has the level of its last edge, so that the timeout may end. When not, an edge
+   is on its way or has been lost: it is waited for once, and made up for then. */
 static bool settle(struct lx_gpio *self, dg_ns now)
 {
     struct lx_gpio_lines *lines = self->setup.lines;
-    struct dg_biss *device = self->setup.device;
-    const int level = lines->ops->get_ma(lines);
+    struct lx_clocked *line = self->setup.line;
+    const int level = lines->ops->get_clock(lines);
 
     if (level < 0) {
         gone(self, level);
         return false;
     }
-    if ((level != 0) == device->line.ma) {
+    if ((level != 0) == line->ops->clocked(line)) {
         self->doubtful = false;
         return true;
     }
@@ -193,8 +173,8 @@ static bool settle(struct lx_gpio *self, dg_ns now)
     }
     self->doubtful = false;
     self->counters.lost++;
-    /* Before the end of the timeout, which reads CDM off MA. */
-    (void)dg_biss_ma(device, device->line.deadline - 1u, level != 0);
+    /* Before the end of the timeout, at which the level may mean something. */
+    (void)line->ops->edge(line, deadline_of(self) - 1u, level != 0);
     return true;
 }
 
@@ -202,16 +182,15 @@ static bool settle(struct lx_gpio *self, dg_ns now)
 static void on_timeout(void *ctx, dg_ns now)
 {
     struct lx_gpio *self = ctx;
-    struct dg_biss *device = self->setup.device;
+    struct lx_clocked *line = self->setup.line;
     const int result = take_edges(self, BATCHES_MAX);
 
     if (result < 0) {
         gone(self, result);
         return;
     }
-    if (device->line.deadline <= now && settle(self, now)) {
-        (void)dg_biss_step(device, now);
-        lx_line_fault_end(&self->link, self->setup.faults);
+    if (deadline_of(self) <= now && settle(self, now)) {
+        (void)line->ops->step(line, now);
         tell(self, now);
     }
     answer(self);
@@ -234,18 +213,19 @@ static const char *good_for(const struct lx_gpio_rate *rate, char text[GOOD_FOR_
 static void complain(const struct lx_gpio *self, uint64_t late, uint64_t lost)
 {
     const char *name = self->setup.name;
+    const struct lx_clocked_ops *ops = self->setup.line->ops;
     const uint32_t rate = lx_gpio_rate_hz(&self->rate);
     char text[GOOD_FOR_MAX];
 
     if (late > 0) {
-        lx_complain("%s: the master's clock is too fast, %" PRIu64 " times SLO was set later than "
+        lx_complain("%s: the master's clock is too fast, %" PRIu64 " times %s was set later than "
                     "half a period behind its edge; up to %" PRIu32 " Hz is right for %s",
-                    name, late, rate, good_for(&self->rate, text));
+                    name, late, ops->data, rate, good_for(&self->rate, text));
     }
     if (lost > 0) {
-        lx_complain("%s: edges of MA were lost, frames are damaged; a clean clock up to %" PRIu32
+        lx_complain("%s: edges of %s were lost, frames are damaged; a clean clock up to %" PRIu32
                     " Hz is right for %s",
-                    name, rate, good_for(&self->rate, text));
+                    name, ops->clock, rate, good_for(&self->rate, text));
     }
 }
 
@@ -267,7 +247,7 @@ static void report_trouble(struct lx_gpio *self, dg_ns now)
 
 static void report_rate(struct lx_gpio *self)
 {
-    const bool in_frame = self->setup.device->line.deadline != DG_NEVER;
+    const bool in_frame = deadline_of(self) != DG_NEVER;
     const uint64_t frames = lx_gpio_rate_frames(&self->rate);
     char text[GOOD_FOR_MAX];
 
@@ -278,17 +258,18 @@ static void report_rate(struct lx_gpio *self)
         self->rate_told++;
     }
     lx_note(self->setup.say,
-            "%s: SLO follows within %" PRIu32 " us of the kernel's time of an edge: a clock up to "
+            "%s: %s follows within %" PRIu32 " us of the kernel's time of an edge: a clock up to "
             "%" PRIu32 " Hz is right for %s; the time before the kernel's is unknown",
-            self->setup.name, lx_gpio_rate_reaction_ns(&self->rate) / 1000u,
-            lx_gpio_rate_hz(&self->rate), good_for(&self->rate, text));
+            self->setup.name, self->setup.line->ops->data,
+            lx_gpio_rate_reaction_ns(&self->rate) / 1000u, lx_gpio_rate_hz(&self->rate),
+            good_for(&self->rate, text));
 }
 
 /* Kernels before 6.7 wake nobody when a chip goes. */
 static void on_watch(void *ctx, dg_ns now)
 {
     struct lx_gpio *self = ctx;
-    const int level = self->setup.lines->ops->get_ma(self->setup.lines);
+    const int level = self->setup.lines->ops->get_clock(self->setup.lines);
 
     if (level < 0) {
         gone(self, level);
@@ -314,18 +295,21 @@ static int listen(struct lx_gpio *self)
 
 int lx_gpio_open(struct lx_gpio *self, const struct lx_gpio_setup *setup, struct lx_error *error)
 {
-    *self = (struct lx_gpio){.setup = *setup, .slo = dg_biss_slo(setup->device, false)};
-    lx_gpio_rate_init(&self->rate, EDGES_AHEAD + dg_biss_frame_bits(setup->device->setup.model));
+    struct lx_clocked *line = setup->line;
+    *self = (struct lx_gpio){.setup = *setup, .data = line->ops->level(line)};
+    line->period = PERIOD;
+    lx_gpio_rate_init(&self->rate, line->ops->rises(line));
     const int result = listen(self);
     if (result < 0) {
         return lx_fail(error, "no event loop for %s: %s", setup->name, strerror(-result));
     }
     const dg_ns now = lx_now();
-    const int level = setup->lines->ops->get_ma(setup->lines);
+    const int level = setup->lines->ops->get_clock(setup->lines);
     if (level < 0) {
-        return lx_fail(error, "%s: cannot read MA: %s", setup->name, strerror(-level));
+        return lx_fail(error, "%s: cannot read %s: %s", setup->name, line->ops->clock,
+                       strerror(-level));
     }
-    (void)dg_biss_ma(setup->device, now, level != 0);
+    (void)line->ops->edge(line, now, level != 0);
     answer(self);
     lx_timer_at(&self->watch, dg_after(now, WATCH));
     return 0;
@@ -334,8 +318,8 @@ int lx_gpio_open(struct lx_gpio *self, const struct lx_gpio_setup *setup, struct
 /* In a frame, its end is soon enough. */
 void lx_gpio_changed(struct lx_gpio *self)
 {
-    if (self->setup.lines != NULL && self->setup.device->line.deadline == DG_NEVER) {
-        lx_line_fault_end(&self->link, self->setup.faults);
+    if (self->setup.lines != NULL && deadline_of(self) == DG_NEVER) {
+        self->setup.line->ops->settle(self->setup.line);
         answer(self);
     }
 }

@@ -1,20 +1,18 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * A BiSS encoder on two GPIO lines, on the event loop. Each edge of MA goes to the device with the
- * kernel's time of it, so that a late host delays SLO and nothing else. Edges that queued are
- * caught up with at once: of the levels of SLO only the last is still worth setting.
+ * An encoder on two GPIO lines, on the event loop. Each edge of the clock goes to it with the
+ * kernel's time of it, so that a late host delays data and nothing else. Edges that queued are
+ * caught up with at once: of the levels of the data line only the last is still worth setting.
  */
 #ifndef DREHGEBER_LINUX_GPIO_H
 #define DREHGEBER_LINUX_GPIO_H
 
 #include <systemd/sd-event.h>
 
-#include "drehgeber/biss.h"
+#include "clocked.h"
 #include "gpio_lines.h"
 #include "gpio_rate.h"
-#include "line_fault.h"
-#include "nvm_writer.h"
 #include "tap.h"
 #include "timer.h"
 
@@ -22,12 +20,10 @@
 struct lx_gpio_setup {
     sd_event *event;
     const struct lx_say *say;
-    struct dg_biss *device;      /**< has its power */
+    struct lx_clocked *line;     /**< its encoder has its power */
     const char *name;            /**< of the lines, for messages */
-    struct lx_gpio_lines *lines; /**< SLO is as the device has it */
-    struct dg_faults *faults;    /**< of the wire; NULL: none */
+    struct lx_gpio_lines *lines; /**< data is as the encoder has it */
     const struct lx_tap *tap;
-    struct lx_nvm_queue *memory; /**< of the device; NULL: written at once */
     /** The chip has gone, and the user has been told; close, but not in this call. */
     void (*gone)(void *ctx);
     void *ctx;
@@ -35,7 +31,7 @@ struct lx_gpio_setup {
 
 /** They only count up. */
 struct lx_gpio_counters {
-    uint64_t edges; /**< of MA */
+    uint64_t edges; /**< of the clock */
     uint64_t late;  /**< answers to rising edges that came behind the next edge, half a period on */
     uint64_t lost;  /**< places where edges are missing */
 };
@@ -44,20 +40,18 @@ struct lx_gpio_counters {
 struct lx_gpio {
     struct lx_gpio_setup setup;
     sd_event_source *io;
-    struct lx_timer timeout; /**< the device's deadline, or earlier */
+    struct lx_timer timeout; /**< the line's deadline, or earlier */
     struct lx_timer watch;   /**< looks after the chip, and reports */
     struct lx_gpio_rate rate;
     struct lx_gpio_counters counters;
     struct lx_gpio_counters seen; /**< the counters at the last look */
     dg_ns asked;                  /**< the first rising edge without an answer */
-    dg_ns answered;               /**< when SLO was set after a rising edge last */
+    dg_ns answered;               /**< when data was set after a rising edge last */
     dg_ns trouble;                /**< when edges were late or lost last; 0: never */
-    struct lx_line_fault link;    /**< what faults make of SLO */
-    uint64_t lost;                /**< ticket of the write that was lost last */
     uint32_t waiting;             /**< rising edges without an answer */
     bool due;                     /**< the next edge tells whether the latest answer is late */
-    bool slo;                     /**< as it is */
-    bool doubtful;                /**< MA was not as its edges say at the last look */
+    bool data;                    /**< as it is */
+    bool doubtful;                /**< the clock was not as its edges say at the last look */
     uint8_t rate_told;            /**< how often */
     bool has_gone;
 };

@@ -39,13 +39,13 @@ int lx_gpio_address_parse(struct lx_gpio_address *self, const char *text, struct
     const char *colon = strrchr(text, ':');
     const char *comma = colon == NULL ? NULL : strchr(colon, ',');
 
-    *self = (struct lx_gpio_address){.ma = 0};
+    *self = (struct lx_gpio_address){.clock = 0};
     if (comma == NULL || colon == text || strlen(text) >= sizeof self->text ||
-        !parse_offset(colon + 1, (size_t)(comma - colon - 1), &self->ma) ||
-        !parse_offset(comma + 1, strlen(comma + 1), &self->slo)) {
+        !parse_offset(colon + 1, (size_t)(comma - colon - 1), &self->clock) ||
+        !parse_offset(comma + 1, strlen(comma + 1), &self->data)) {
         return lx_fail(error, "--gpio %s: " RIGHT, text);
     }
-    if (self->ma == self->slo) {
+    if (self->clock == self->data) {
         return lx_fail(error, "--gpio %s: MA and SLO are the same line; " RIGHT, text);
     }
     const int length = (int)(colon - text);
@@ -116,13 +116,13 @@ int lx_gpio_no_line(const struct lx_gpio_address *self, unsigned offset, int rea
                        self->text, offset);
     }
     return lx_fail(error, "--gpio %s: cannot use line %u: %s%s", self->text, offset,
-                   strerror(reason), offset == self->ma ? "; MA needs edge detection" : "");
+                   strerror(reason), offset == self->clock ? "; MA needs edge detection" : "");
 }
 
 int lx_gpio_check_offsets(const struct lx_gpio_address *self, unsigned count,
                           struct lx_error *error)
 {
-    if (self->ma < count && self->slo < count) {
+    if (self->clock < count && self->data < count) {
         return 0;
     }
     return lx_fail(error, "--gpio %s: %s has %u lines; offsets below that are right", self->text,

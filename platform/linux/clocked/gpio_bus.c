@@ -1,28 +1,23 @@
 /* SPDX-License-Identifier: MIT */
-/* A BiSS encoder on GPIO lines as a wire of a rig. Only one: chains need a line for each SLI. */
+/* An encoder on GPIO lines as a wire of a rig. Only one: chains need a line for each neighbour. */
 #define _GNU_SOURCE
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
 
-#include "biss_settings.h"
 #include "bus.h"
 #include "gpio.h"
 #include "sim_settings.h"
 #include "timer.h"
 
-/* Ends a frame on GPIO lines; see src/biss/README.md, 'GPIO'. */
-#define TIMEOUT DG_MS(20)
 /* How often a chip that has gone is looked for. */
 #define RETRY DG_S(1)
 
 struct gpio_bus {
     struct lx_bus bus;
     struct lx_gpio_address address;
-    struct lx_biss_settings settings;
-    struct lx_biss_eeprom eeprom;
-    struct dg_biss device;
+    struct lx_clocked *line;
     struct lx_gpio gpio;
     struct lx_timer retry;
     bool up;
@@ -48,12 +43,10 @@ static int take_lines(struct gpio_bus *self, struct lx_error *error)
     const struct lx_gpio_setup setup = {
         .event = self->bus.setup.event,
         .say = self->bus.setup.say,
-        .device = &self->device,
+        .line = self->line,
         .name = self->address.text,
-        .lines = lx_gpio_lines_open(&self->address, dg_biss_slo(&self->device, false), error),
-        .faults = &self->bus.setup.stations[0]->control.faults,
+        .lines = lx_gpio_lines_open(&self->address, self->line->ops->level(self->line), error),
         .tap = &self->bus.tap,
-        .memory = &self->eeprom.queue,
         .gone = on_gone,
         .ctx = self,
     };
@@ -77,22 +70,6 @@ static void on_retry(void *ctx, dg_ns now)
 
 /* --- the operations --- */
 
-/* The encoder got its power early enough to answer when it is announced. */
-static int switch_on(struct gpio_bus *self, dg_ns now, struct lx_error *error)
-{
-    struct lx_station *station = self->bus.setup.stations[0];
-    const char *nvm = station->plan->nvm;
-    if (lx_biss_eeprom_open(&self->eeprom, nvm, error) != 0 ||
-        lx_biss_eeprom_defer(&self->eeprom, self->bus.setup.writer, error) != 0) {
-        return -1;
-    }
-    station->control.nvm = self->eeprom.nvm;
-    station->queue = nvm == NULL ? NULL : &self->eeprom.queue;
-    const struct dg_biss_setup setup = {&self->settings.model, &station->world, self->eeprom.nvm};
-    return lx_biss_switch_on(&self->device, &setup, dg_elapsed(now, self->settings.model.init), nvm,
-                             error);
-}
-
 static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
 {
     struct gpio_bus *self = gpio_of(bus);
@@ -100,7 +77,10 @@ static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
     if (result < 0) {
         return lx_fail(error, "no timer: %s", strerror(-result));
     }
-    if (switch_on(self, now, error) != 0 || take_lines(self, error) != 0) {
+    /* The encoder got its power early enough to answer when it is announced. */
+    const dg_ns early = dg_elapsed(now, self->line->init);
+    if (lx_clocked_open(self->line, &bus->setup, 0, early, error) != 0 ||
+        take_lines(self, error) != 0) {
         return -1;
     }
     lx_note(bus->setup.say, "%s: libgpiod %s", self->address.text, lx_gpio_library());
@@ -145,8 +125,7 @@ static void close_bus(struct lx_bus *bus)
 {
     struct gpio_bus *self = gpio_of(bus);
     lx_gpio_close(&self->gpio);
-    dg_biss_power_off(&self->device);
-    lx_biss_eeprom_close(&self->eeprom);
+    lx_clocked_close(self->line);
     lx_timer_close(&self->retry);
     free(self);
 }
@@ -183,32 +162,24 @@ static int understand(struct gpio_bus *self, struct lx_error *error)
     if (lx_gpio_address_parse(&self->address, setup->wire->where, &reason) != 0) {
         return lx_plan_fail(setup->plan, setup->wire->line, error, "%s", reason.text);
     }
-    if (refuse_sim_keys(setup, error) != 0 ||
-        lx_biss_settings_plan(&self->settings, setup->plan, setup->stations[0]->plan, error) != 0) {
+    if (refuse_sim_keys(setup, error) != 0) {
         return -1;
     }
-    if (self->settings.model.timeout == 0) {
-        self->settings.model.timeout = TIMEOUT;
-    }
-    return 0;
+    self->line = lx_clocked_make(setup, LX_CLOCKED_THERE, error);
+    return self->line == NULL ? -1 : 0;
 }
 
 struct lx_bus *lx_gpio_bus_make(const struct lx_bus_setup *setup, struct lx_error *error)
 {
-    struct lx_station *station = setup->stations[0];
     struct gpio_bus *self = calloc(1, sizeof *self);
     if (self == NULL) {
         (void)lx_fail(error, "no memory for an encoder");
         return NULL;
     }
     self->bus = (struct lx_bus){.ops = &ops, .setup = *setup};
-    self->eeprom.file.fd = -1;
     if (understand(self, error) != 0) {
         free(self);
         return NULL;
     }
-    lx_settings_world(&self->settings.common, &station->world);
-    station->control.device = &self->device;
-    station->control.serial = self->settings.model.serial;
     return &self->bus;
 }

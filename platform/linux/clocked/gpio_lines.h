@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * MA and SLO on a GPIO chip: edges in, levels out. libgpiod has two incompatible interfaces, so
+ * Clock and data on a GPIO chip: edges in, levels out. libgpiod has two incompatible interfaces, so
  * there are two implementations, of which a program has one: gpio_lines_v1.c for libgpiod 1.x,
  * gpio_lines_v2.c for 2.x.
  */
@@ -14,7 +14,7 @@
 #include "drehgeber/time.h"
 #include "say.h"
 
-/** Longest CHIP:MA,SLO, and longest path of a chip. */
+/** Longest CHIP:CLOCK,DATA, and longest path of a chip. */
 #define LX_GPIO_ADDRESS_MAX 256u
 #define LX_GPIO_PATH_MAX (LX_GPIO_ADDRESS_MAX + 8u)
 /** Largest offset of a line that is taken. */
@@ -26,15 +26,15 @@
 struct lx_gpio_address {
     char text[LX_GPIO_ADDRESS_MAX]; /**< as it was written */
     char path[LX_GPIO_PATH_MAX];    /**< of the chip */
-    unsigned ma;                    /**< offsets */
-    unsigned slo;
+    unsigned clock;                 /**< offsets */
+    unsigned data;
 };
 
-/** Understand CHIP:MA,SLO; CHIP is a name in /dev, a path, or a label, which a chip keeps when it
- * comes back with another number. @return 0, or -1 with `error` */
+/** Understand CHIP:CLOCK,DATA; CHIP is a name in /dev, a path, or a label, which a chip keeps when
+ * it comes back with another number. @return 0, or -1 with `error` */
 int lx_gpio_address_parse(struct lx_gpio_address *self, const char *text, struct lx_error *error);
 
-/** An edge of MA. */
+/** An edge of the clock. */
 struct lx_gpio_edge {
     dg_ns at;   /**< when the kernel saw it, in lx_now()'s clock */
     bool level; /**< after it */
@@ -47,10 +47,10 @@ struct lx_gpio_lines;
 struct lx_gpio_lines_ops {
     /** Take up to `n` edges out of the queue. @return how many, or a negative errno */
     int (*read)(struct lx_gpio_lines *self, struct lx_gpio_edge *edges, size_t n);
-    /** @return the level of MA now, or a negative errno */
-    int (*get_ma)(struct lx_gpio_lines *self);
-    /** Set SLO. @return 0 or a negative errno */
-    int (*set_slo)(struct lx_gpio_lines *self, bool level);
+    /** @return the level of the clock now, or a negative errno */
+    int (*get_clock)(struct lx_gpio_lines *self);
+    /** Set data. @return 0 or a negative errno */
+    int (*set_data)(struct lx_gpio_lines *self, bool level);
     /** Give back lines and memory. */
     void (*close)(struct lx_gpio_lines *self);
 };
@@ -61,9 +61,9 @@ struct lx_gpio_lines {
     int fd; /**< readable while edges are queued */
 };
 
-/** Take the lines: MA with both edges, SLO as an output that begins with level `slo`. @return NULL
- * with one line in `error` */
-struct lx_gpio_lines *lx_gpio_lines_open(const struct lx_gpio_address *address, bool slo,
+/** Take the lines: the clock with both edges, data as an output that begins with level `data`.
+ * @return NULL with one line in `error` */
+struct lx_gpio_lines *lx_gpio_lines_open(const struct lx_gpio_address *address, bool data,
                                          struct lx_error *error);
 
 /** Version of the library behind them. */

@@ -14,8 +14,8 @@
 struct lines {
     struct lx_gpio_lines base;
     struct gpiod_chip *chip;
-    struct gpiod_line *ma;
-    struct gpiod_line *slo;
+    struct gpiod_line *clock;
+    struct gpiod_line *data;
 };
 
 static struct lines *lines_of(struct lx_gpio_lines *base)
@@ -41,15 +41,15 @@ static int read_edges(struct lx_gpio_lines *base, struct lx_gpio_edge *edges, si
     return count;
 }
 
-static int get_ma(struct lx_gpio_lines *base)
+static int get_clock(struct lx_gpio_lines *base)
 {
-    const int level = gpiod_line_get_value(lines_of(base)->ma);
+    const int level = gpiod_line_get_value(lines_of(base)->clock);
     return level < 0 ? -errno : level;
 }
 
-static int set_slo(struct lx_gpio_lines *base, bool level)
+static int set_data(struct lx_gpio_lines *base, bool level)
 {
-    return gpiod_line_set_value(lines_of(base)->slo, level) < 0 ? -errno : 0;
+    return gpiod_line_set_value(lines_of(base)->data, level) < 0 ? -errno : 0;
 }
 
 static void close_lines(struct lx_gpio_lines *base)
@@ -63,12 +63,12 @@ static void close_lines(struct lx_gpio_lines *base)
 
 static const struct lx_gpio_lines_ops ops = {
     .read = read_edges,
-    .get_ma = get_ma,
-    .set_slo = set_slo,
+    .get_clock = get_clock,
+    .set_data = set_data,
     .close = close_lines,
 };
 
-static int request(struct lines *self, const struct lx_gpio_address *address, bool slo,
+static int request(struct lines *self, const struct lx_gpio_address *address, bool data,
                    struct lx_error *error)
 {
     char path[LX_GPIO_PATH_MAX];
@@ -80,22 +80,23 @@ static int request(struct lines *self, const struct lx_gpio_address *address, bo
     if (lx_gpio_check_offsets(address, gpiod_chip_num_lines(self->chip), error) != 0) {
         return -1;
     }
-    self->slo = gpiod_chip_get_line(self->chip, address->slo);
-    if (self->slo == NULL || gpiod_line_request_output(self->slo, LX_GPIO_CONSUMER, slo) != 0) {
-        return lx_gpio_no_line(address, address->slo, errno, error);
+    self->data = gpiod_chip_get_line(self->chip, address->data);
+    if (self->data == NULL || gpiod_line_request_output(self->data, LX_GPIO_CONSUMER, data) != 0) {
+        return lx_gpio_no_line(address, address->data, errno, error);
     }
-    self->ma = gpiod_chip_get_line(self->chip, address->ma);
-    if (self->ma == NULL || gpiod_line_request_both_edges_events(self->ma, LX_GPIO_CONSUMER) != 0) {
-        return lx_gpio_no_line(address, address->ma, errno, error);
+    self->clock = gpiod_chip_get_line(self->chip, address->clock);
+    if (self->clock == NULL ||
+        gpiod_line_request_both_edges_events(self->clock, LX_GPIO_CONSUMER) != 0) {
+        return lx_gpio_no_line(address, address->clock, errno, error);
     }
-    self->base.fd = gpiod_line_event_get_fd(self->ma);
+    self->base.fd = gpiod_line_event_get_fd(self->clock);
     if (self->base.fd < 0 || fcntl(self->base.fd, F_SETFL, O_NONBLOCK) != 0) {
-        return lx_gpio_no_line(address, address->ma, errno, error);
+        return lx_gpio_no_line(address, address->clock, errno, error);
     }
     return 0;
 }
 
-struct lx_gpio_lines *lx_gpio_lines_open(const struct lx_gpio_address *address, bool slo,
+struct lx_gpio_lines *lx_gpio_lines_open(const struct lx_gpio_address *address, bool data,
                                          struct lx_error *error)
 {
     struct lines *self = calloc(1, sizeof *self);
@@ -104,7 +105,7 @@ struct lx_gpio_lines *lx_gpio_lines_open(const struct lx_gpio_address *address, 
         return NULL;
     }
     self->base.ops = &ops;
-    if (request(self, address, slo, error) != 0) {
+    if (request(self, address, data, error) != 0) {
         close_lines(&self->base);
         return NULL;
     }

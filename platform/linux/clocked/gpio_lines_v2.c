@@ -15,11 +15,11 @@
 struct lines {
     struct lx_gpio_lines base;
     struct gpiod_chip *chip;
-    struct gpiod_line_request *ma;
-    struct gpiod_line_request *slo;
+    struct gpiod_line_request *clock;
+    struct gpiod_line_request *data;
     struct gpiod_edge_event_buffer *events;
-    unsigned ma_offset;
-    unsigned slo_offset;
+    unsigned clock_offset;
+    unsigned data_offset;
     unsigned long number; /* of the latest edge */
 };
 
@@ -32,7 +32,7 @@ static int read_edges(struct lx_gpio_lines *base, struct lx_gpio_edge *edges, si
 {
     struct lines *self = lines_of(base);
     const int count =
-        gpiod_line_request_read_edge_events(self->ma, self->events, n < BATCH ? n : BATCH);
+        gpiod_line_request_read_edge_events(self->clock, self->events, n < BATCH ? n : BATCH);
     if (count < 0) {
         return errno == EAGAIN ? 0 : -errno;
     }
@@ -50,28 +50,29 @@ static int read_edges(struct lx_gpio_lines *base, struct lx_gpio_edge *edges, si
     return count;
 }
 
-static int get_ma(struct lx_gpio_lines *base)
+static int get_clock(struct lx_gpio_lines *base)
 {
     struct lines *self = lines_of(base);
-    const enum gpiod_line_value level = gpiod_line_request_get_value(self->ma, self->ma_offset);
+    const enum gpiod_line_value level =
+        gpiod_line_request_get_value(self->clock, self->clock_offset);
     return level == GPIOD_LINE_VALUE_ERROR ? -errno : level == GPIOD_LINE_VALUE_ACTIVE;
 }
 
-static int set_slo(struct lx_gpio_lines *base, bool level)
+static int set_data(struct lx_gpio_lines *base, bool level)
 {
     struct lines *self = lines_of(base);
     const enum gpiod_line_value value = level ? GPIOD_LINE_VALUE_ACTIVE : GPIOD_LINE_VALUE_INACTIVE;
-    return gpiod_line_request_set_value(self->slo, self->slo_offset, value) < 0 ? -errno : 0;
+    return gpiod_line_request_set_value(self->data, self->data_offset, value) < 0 ? -errno : 0;
 }
 
 static void close_lines(struct lx_gpio_lines *base)
 {
     struct lines *self = lines_of(base);
-    if (self->ma != NULL) {
-        gpiod_line_request_release(self->ma);
+    if (self->clock != NULL) {
+        gpiod_line_request_release(self->clock);
     }
-    if (self->slo != NULL) {
-        gpiod_line_request_release(self->slo);
+    if (self->data != NULL) {
+        gpiod_line_request_release(self->data);
     }
     if (self->chip != NULL) {
         gpiod_chip_close(self->chip);
@@ -82,8 +83,8 @@ static void close_lines(struct lx_gpio_lines *base)
 
 static const struct lx_gpio_lines_ops ops = {
     .read = read_edges,
-    .get_ma = get_ma,
-    .set_slo = set_slo,
+    .get_clock = get_clock,
+    .set_data = set_data,
     .close = close_lines,
 };
 
@@ -107,7 +108,7 @@ static struct gpiod_line_request *request_line(struct gpiod_chip *chip, unsigned
     return line;
 }
 
-static struct gpiod_line_request *request_slo(const struct lines *self, bool level)
+static struct gpiod_line_request *request_data(const struct lines *self, bool level)
 {
     struct gpiod_line_settings *settings = gpiod_line_settings_new();
     if (settings == NULL) {
@@ -116,13 +117,13 @@ static struct gpiod_line_request *request_slo(const struct lines *self, bool lev
     (void)gpiod_line_settings_set_direction(settings, GPIOD_LINE_DIRECTION_OUTPUT);
     (void)gpiod_line_settings_set_output_value(settings, level ? GPIOD_LINE_VALUE_ACTIVE
                                                                : GPIOD_LINE_VALUE_INACTIVE);
-    struct gpiod_line_request *line = request_line(self->chip, self->slo_offset, settings);
+    struct gpiod_line_request *line = request_line(self->chip, self->data_offset, settings);
     gpiod_line_settings_free(settings);
     return line;
 }
 
 /* Edges have the monotonic clock unless another one is asked for. */
-static struct gpiod_line_request *request_ma(const struct lines *self)
+static struct gpiod_line_request *request_clock(const struct lines *self)
 {
     struct gpiod_line_settings *settings = gpiod_line_settings_new();
     if (settings == NULL) {
@@ -130,7 +131,7 @@ static struct gpiod_line_request *request_ma(const struct lines *self)
     }
     (void)gpiod_line_settings_set_direction(settings, GPIOD_LINE_DIRECTION_INPUT);
     (void)gpiod_line_settings_set_edge_detection(settings, GPIOD_LINE_EDGE_BOTH);
-    struct gpiod_line_request *line = request_line(self->chip, self->ma_offset, settings);
+    struct gpiod_line_request *line = request_line(self->chip, self->clock_offset, settings);
     gpiod_line_settings_free(settings);
     return line;
 }
@@ -147,7 +148,7 @@ static int check_chip(const struct lines *self, const struct lx_gpio_address *ad
     return lx_gpio_check_offsets(address, (unsigned)count, error);
 }
 
-static int request(struct lines *self, const struct lx_gpio_address *address, bool slo,
+static int request(struct lines *self, const struct lx_gpio_address *address, bool data,
                    struct lx_error *error)
 {
     char path[LX_GPIO_PATH_MAX];
@@ -159,22 +160,22 @@ static int request(struct lines *self, const struct lx_gpio_address *address, bo
     if (check_chip(self, address, error) != 0) {
         return -1;
     }
-    self->slo = request_slo(self, slo);
-    if (self->slo == NULL) {
-        return lx_gpio_no_line(address, address->slo, errno, error);
+    self->data = request_data(self, data);
+    if (self->data == NULL) {
+        return lx_gpio_no_line(address, address->data, errno, error);
     }
-    self->ma = request_ma(self);
+    self->clock = request_clock(self);
     self->events = gpiod_edge_event_buffer_new(BATCH);
-    if (self->ma == NULL || self->events == NULL) {
-        return lx_gpio_no_line(address, address->ma, errno, error);
+    if (self->clock == NULL || self->events == NULL) {
+        return lx_gpio_no_line(address, address->clock, errno, error);
     }
-    self->base.fd = gpiod_line_request_get_fd(self->ma);
+    self->base.fd = gpiod_line_request_get_fd(self->clock);
     return fcntl(self->base.fd, F_SETFL, O_NONBLOCK) == 0
                ? 0
-               : lx_gpio_no_line(address, address->ma, errno, error);
+               : lx_gpio_no_line(address, address->clock, errno, error);
 }
 
-struct lx_gpio_lines *lx_gpio_lines_open(const struct lx_gpio_address *address, bool slo,
+struct lx_gpio_lines *lx_gpio_lines_open(const struct lx_gpio_address *address, bool data,
                                          struct lx_error *error)
 {
     struct lines *self = calloc(1, sizeof *self);
@@ -183,9 +184,9 @@ struct lx_gpio_lines *lx_gpio_lines_open(const struct lx_gpio_address *address, 
         return NULL;
     }
     self->base.ops = &ops;
-    self->ma_offset = address->ma;
-    self->slo_offset = address->slo;
-    if (request(self, address, slo, error) != 0) {
+    self->clock_offset = address->clock;
+    self->data_offset = address->data;
+    if (request(self, address, data, error) != 0) {
         close_lines(&self->base);
         return NULL;
     }

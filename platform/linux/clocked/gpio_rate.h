@@ -3,8 +3,8 @@
  * @file
  * How fast a clock the host can follow, by all its answers so far. No I/O.
  *
- * An answer is in time when SLO is set within half a period of its rising edge, so that a master
- * may look at SLO at either edge; a frame when all its answers are. A frame of n edges is late with
+ * An answer is in time when data is set within half a period of its rising edge, so that a master
+ * may look at it at either edge; a frame when all its answers are. A frame of n edges is late with
  * a probability of at most n times that of an edge, however late edges come together, and an edge
  * finds the host busy as often at one clock as at another: so the edges of any clock tell the
  * frames of another one. The reaction is counted from the kernel's time of the edge. What was
@@ -29,7 +29,7 @@
 
 /** All answers so far. */
 struct lx_gpio_rate {
-    uint32_t edges_per_frame; /**< rising ones of MA */
+    uint32_t edges_per_frame; /**< rising ones of the clock */
     uint32_t worst_ns;        /**< the longest reaction */
     uint64_t edges;
     uint64_t step[LX_GPIO_RATE_STEPS]; /**< edges by their reaction */

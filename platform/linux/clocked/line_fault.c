@@ -3,46 +3,58 @@
 
 #include <stddef.h>
 
-/* The clock of the Ack. */
-#define ACK_CLOCK 2u
-/* Bits behind the start bit: CDS is 1, then comes the data. */
-#define DATA_FIRST 2u
 #define HELD (LX_LINE_FAULT_DELAY_MAX + 1u)
 
-static uint8_t delay_of(dg_ns clock)
+static uint8_t delay_clocks(dg_ns delay, dg_ns period)
 {
-    const dg_ns delay = (dg_ns)dg_fault_wire_value(&dg_biss_stack, DG_WIRE_DELAY);
-    const dg_ns clocks = delay / clock;
+    const dg_ns clocks = delay / period;
     if (clocks > LX_LINE_FAULT_DELAY_MAX) {
         return LX_LINE_FAULT_DELAY_MAX;
     }
     return clocks == 0 ? 1u : (uint8_t)clocks;
 }
 
-void lx_line_fault_begin(struct lx_line_fault *self, struct dg_faults *faults, uint8_t data_bits,
-                         dg_ns clock)
+static void forget(struct lx_line_fault *self)
 {
+    *self = (struct lx_line_fault){.frame = self->frame, .faults = self->faults};
+}
+
+void lx_line_fault_begin(struct lx_line_fault *self, dg_ns period)
+{
+    struct dg_faults *faults = self->faults;
     self->active = faults != NULL && faults->wire != 0;
     if (!self->active) {
         return;
     }
-    struct lx_line_fault link = {.active = true};
-    link.high = dg_fault_wire_active(faults, DG_WIRE_BREAK);
-    link.high = dg_fault_wire_takes(faults, DG_WIRE_DROP) || link.high;
+    forget(self);
+    self->active = true;
+    self->started = !self->frame.waits;
+    self->held[0] = !self->frame.waits;
+    self->cut = dg_fault_wire_active(faults, DG_WIRE_BREAK);
+    self->cut = dg_fault_wire_takes(faults, DG_WIRE_DROP) || self->cut;
     if (dg_fault_wire_takes(faults, DG_WIRE_DELAY)) {
-        link.delay = delay_of(clock);
+        self->delay = delay_clocks(self->frame.delay, period);
     }
     if (dg_fault_wire_takes(faults, DG_WIRE_DAMAGE)) {
-        link.flip = (uint8_t)(DATA_FIRST + dg_fault_pick(faults, data_bits));
+        const uint32_t first = self->frame.ahead + 1u;
+        self->flip = (uint8_t)(first + dg_fault_pick(faults, self->frame.bits));
     }
-    *self = link;
 }
 
-void lx_line_fault_end(struct lx_line_fault *self, const struct dg_faults *faults)
+void lx_line_fault_kill(struct lx_line_fault *self)
 {
-    const bool cut = faults != NULL && dg_fault_wire_active(faults, DG_WIRE_BREAK);
+    forget(self);
+    self->active = true;
+    self->cut = true;
+}
+
+void lx_line_fault_end(struct lx_line_fault *self)
+{
+    const bool cut = self->faults != NULL && dg_fault_wire_active(self->faults, DG_WIRE_BREAK);
     if (cut || self->active) {
-        *self = (struct lx_line_fault){.active = cut, .high = cut};
+        forget(self);
+        self->active = cut;
+        self->cut = cut;
     }
 }
 
@@ -53,14 +65,18 @@ static bool flips(const struct lx_line_fault *self)
 
 bool lx_line_fault_level(const struct lx_line_fault *self, bool raw)
 {
-    if (!self->active || self->high) {
-        return raw || self->active;
+    if (!self->active) {
+        return raw;
     }
-    if (self->delay == 0 || self->clocks < ACK_CLOCK) {
+    if (self->cut) {
+        return self->frame.open;
+    }
+    if (self->delay == 0 || self->clocks < self->frame.lead) {
         return raw != flips(self);
     }
     const unsigned clock = self->clocks - self->delay;
-    return self->clocks >= ACK_CLOCK + self->delay && self->held[clock % HELD];
+    return self->clocks < self->frame.lead + self->delay ? !self->frame.waits
+                                                         : self->held[clock % HELD];
 }
 
 void lx_line_fault_advance(struct lx_line_fault *self, bool raw)
@@ -72,7 +88,7 @@ void lx_line_fault_advance(struct lx_line_fault *self, bool raw)
     if (self->started) {
         self->bit++;
     } else {
-        self->started = self->clocks > ACK_CLOCK && raw;
+        self->started = self->clocks > self->frame.lead && raw;
     }
     self->held[self->clocks % HELD] = raw != flips(self);
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * BiSS encoders on a simulated wire, with a master in this process that reads positions by the
+ * Encoders on a simulated clocked wire, with a master in this process that reads positions by the
  * rig's clock. A frame takes its time on the wire, which may run ahead of the clock by it; then the
  * next one waits:
  *
@@ -13,9 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "biss_settings.h"
-#include "bus.h"
-#include "sim_master.h"
+#include "sim_bus.h"
 #include "sim_settings.h"
 #include "timer.h"
 
@@ -25,24 +23,16 @@
  */
 #define READS_MAX 1000u
 
-/* An encoder. */
-struct slave {
-    struct lx_station *station;
-    struct lx_biss_settings settings;
-    struct lx_biss_eeprom eeprom;
-    struct dg_biss device;
-};
-
 struct sim_bus {
     struct lx_bus bus;
-    struct lx_biss_timing timing;
+    struct lx_bus_ops ops; /* with what the protocol offers */
+    struct lx_clocked_timing timing;
+    struct lx_clocked *line;
     struct lx_sim_master master;
     struct lx_timer timer;
     dg_ns due;       /* the next frame, by the rig's clock */
     uint64_t frames; /* read */
-    uint64_t wrong;  /* positions with a wrong CRC */
-    size_t count;
-    struct slave slave[];
+    uint64_t wrong;  /* positions with a wrong check sum */
 };
 
 static struct sim_bus *sim_of(struct lx_bus *bus)
@@ -54,12 +44,12 @@ static struct sim_bus *sim_of(struct lx_bus *bus)
 
 static void read_frame(struct sim_bus *self, dg_ns at)
 {
-    const struct lx_biss_wire *wire = &self->master.wire;
+    const struct lx_clocked *line = self->line;
     lx_sim_master_pause(&self->master, at);
     lx_sim_master_frame(&self->master);
     self->frames++;
-    for (uint8_t i = 0; i < wire->chain.count; i++) {
-        self->wrong += wire->answered && !lx_biss_wire_data(wire, i).crc_ok;
+    for (size_t i = 0; i < line->count; i++) {
+        self->wrong += line->ops->judge(line, i) == LX_CLOCKED_WRONG;
     }
 }
 
@@ -92,99 +82,55 @@ static void on_time(void *ctx, dg_ns now)
 
 /* --- what the control plane asks for --- */
 
-static struct sim_bus *at_present(struct lx_bus *bus)
+struct lx_sim_master *lx_sim_bus_begin(struct lx_bus *bus)
 {
     struct sim_bus *self = sim_of(bus);
     lx_sim_master_pause(&self->master, lx_clock_now(bus->setup.clock));
-    return self;
+    return &self->master;
 }
 
-static int biss_frame(struct lx_bus *bus, struct lx_station *station, uint64_t *bits,
-                      uint8_t *count, char *detail)
+void lx_sim_bus_read(struct lx_bus *bus)
 {
-    struct sim_bus *self = at_present(bus);
-    const struct lx_biss_wire *wire = &self->master.wire;
-    const struct lx_biss_slave *slave = &wire->slave[station->place];
-    read_frame(self, wire->now);
+    struct sim_bus *self = sim_of(bus);
+    read_frame(self, self->master.wire.now);
+}
+
+void lx_sim_bus_end(struct lx_bus *bus)
+{
+    struct sim_bus *self = sim_of(bus);
     lx_timer_at(&self->timer, lx_clock_real(bus->setup.clock, next_read(self)));
-    if (!wire->answered) {
-        (void)snprintf(detail, DG_SCPI_DETAIL_MAX + 1u, "%s", lx_biss_failure_text(LX_BISS_SILENT));
-        return DG_SCPI_HARDWARE;
+}
+
+static bool read_one(struct lx_bus *bus, struct lx_station *station, char *text, size_t size)
+{
+    const struct lx_clocked *line = lx_sim_bus_begin(bus)->wire.line;
+    lx_sim_bus_read(bus);
+    lx_sim_bus_end(bus);
+    if (line->ops->judge(line, station->place) == LX_CLOCKED_SILENT) {
+        return false;
     }
-    *bits = (uint64_t)wire->cds << slave->data_bits | slave->bits;
-    *count = (uint8_t)(slave->data_bits + 1u);
-    return DG_SCPI_NO_ERROR;
-}
-
-/* The end of an access: `result` is what that to `address` ended in. */
-static int finish(struct sim_bus *self, const struct lx_station *station, uint8_t address,
-                  int result, char *detail)
-{
-    lx_timer_at(&self->timer, lx_clock_real(self->bus.setup.clock, next_read(self)));
-    if (result >= 0) {
-        return DG_SCPI_NO_ERROR;
-    }
-    lx_sim_master_explain(&self->master, (uint8_t)station->place, address, result, detail,
-                          DG_SCPI_DETAIL_MAX + 1u);
-    return DG_SCPI_HARDWARE;
-}
-
-static int biss_read(struct lx_bus *bus, struct lx_station *station, uint8_t address,
-                     uint8_t *bytes, size_t n, char *detail)
-{
-    struct sim_bus *self = at_present(bus);
-    size_t done = 0;
-    const int result =
-        lx_sim_master_read(&self->master, (uint8_t)station->place, address, bytes, n, &done);
-    return finish(self, station, (uint8_t)(address + done), result, detail);
-}
-
-static int biss_write(struct lx_bus *bus, struct lx_station *station, uint8_t address,
-                      const uint8_t *bytes, size_t n, char *detail)
-{
-    struct sim_bus *self = at_present(bus);
-    size_t done = 0;
-    const int result =
-        lx_sim_master_write(&self->master, (uint8_t)station->place, address, bytes, n, &done);
-    return finish(self, station, (uint8_t)(address + done), result, detail);
+    line->ops->print(line, station->place, text, size);
+    return true;
 }
 
 /* --- the operations --- */
 
-static int switch_on(struct slave *slave, const struct lx_bus_setup *setup, dg_ns now,
-                     struct lx_error *error)
-{
-    const char *nvm = slave->station->plan->nvm;
-    if (lx_biss_eeprom_open(&slave->eeprom, nvm, error) != 0 ||
-        lx_biss_eeprom_defer(&slave->eeprom, setup->writer, error) != 0) {
-        return lx_plan_fail(setup->plan, slave->station->plan->nvm_line, error, "%s", error->text);
-    }
-    slave->station->control.nvm = slave->eeprom.nvm;
-    slave->station->queue = nvm == NULL ? NULL : &slave->eeprom.queue;
-    const struct dg_biss_setup device = {&slave->settings.model, &slave->station->world,
-                                         slave->eeprom.nvm};
-    return lx_biss_switch_on(&slave->device, &device, now, nvm, error);
-}
-
 static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
 {
     struct sim_bus *self = sim_of(bus);
-    dg_ns init = 0;
-    lx_sim_master_init(&self->master, &bus->tap, &self->timing, now);
-    for (size_t i = 0; i < self->count; i++) {
-        struct slave *slave = &self->slave[i];
-        if (switch_on(slave, &bus->setup, now, error) != 0) {
+    const struct lx_bus_setup *setup = &bus->setup;
+    self->due = dg_after(now, self->line->init);
+    for (size_t i = 0; i < setup->count; i++) {
+        if (lx_clocked_open(self->line, setup, i, now, error) != 0) {
             return -1;
         }
-        lx_sim_master_add(&self->master, &slave->device, &slave->station->control.faults,
-                          slave->station->control.name);
-        init = slave->settings.model.init > init ? slave->settings.model.init : init;
+        setup->stations[i]->ready = self->due;
     }
-    const int result = lx_timer_open(&self->timer, bus->setup.event, on_time, self);
+    lx_sim_master_init(&self->master, &bus->tap, self->line, &self->timing, now);
+    const int result = lx_timer_open(&self->timer, setup->event, on_time, self);
     if (result < 0) {
         return lx_fail(error, "no timer: %s", strerror(-result));
     }
-    self->due = dg_after(now, init);
     catch_up(self);
     return 0;
 }
@@ -223,10 +169,7 @@ static void counters(const struct lx_bus *bus, const struct lx_station *station,
 static void close_bus(struct lx_bus *bus)
 {
     struct sim_bus *self = sim_of(bus);
-    for (size_t i = 0; i < self->count; i++) {
-        dg_biss_power_off(&self->slave[i].device);
-        lx_biss_eeprom_close(&self->slave[i].eeprom);
-    }
+    lx_clocked_close(self->line);
     lx_timer_close(&self->timer);
     free(self);
 }
@@ -236,52 +179,28 @@ static const struct lx_bus_ops ops = {
     .address = address,
     .changed = changed,
     .counters = counters,
-    .biss_frame = biss_frame,
-    .biss_read = biss_read,
-    .biss_write = biss_write,
+    .read = read_one,
     .close = close_bus,
 };
 
 /* --- from the plan --- */
 
-static int place(struct sim_bus *self, size_t index, struct lx_error *error)
-{
-    struct lx_station *station = self->bus.setup.stations[index];
-    struct slave *slave = &self->slave[index];
-    slave->station = station;
-    slave->eeprom.file.fd = -1;
-    if (lx_biss_settings_plan(&slave->settings, self->bus.setup.plan, station->plan, error) != 0) {
-        return -1;
-    }
-    if (slave->settings.model.timeout != 0) {
-        return lx_plan_fail(
-            self->bus.setup.plan, station->plan->line, error,
-            "timeout_us: only with --gpio; the simulated wire has the encoder's own "
-            "timeout");
-    }
-    lx_settings_world(&slave->settings.common, &station->world);
-    station->control.device = &slave->device;
-    station->control.serial = slave->settings.model.serial;
-    station->own = slave;
-    return 0;
-}
-
 struct lx_bus *lx_sim_bus_make(const struct lx_bus_setup *setup, struct lx_error *error)
 {
-    struct sim_bus *self = calloc(1, sizeof *self + setup->count * sizeof self->slave[0]);
+    struct sim_bus *self = calloc(1, sizeof *self);
     if (self == NULL) {
-        (void)lx_fail(error, "no memory for %zu encoders", setup->count);
+        (void)lx_fail(error, "no memory for a wire");
         return NULL;
     }
-    self->bus = (struct lx_bus){.ops = &ops, .setup = *setup};
-    self->count = setup->count;
-    int result = lx_sim_settings_plan(&self->timing, setup->plan, setup->wire, error);
-    for (size_t i = 0; i < self->count && result == 0; i++) {
-        result = place(self, i, error);
+    self->bus = (struct lx_bus){.ops = &self->ops, .setup = *setup};
+    self->ops = ops;
+    if (lx_sim_settings_plan(&self->timing, setup->plan, setup->wire, error) == 0) {
+        self->line = lx_clocked_make(setup, LX_CLOCKED_HERE, error);
     }
-    if (result != 0) {
+    if (self->line == NULL) {
         free(self);
         return NULL;
     }
+    lx_clocked_offer(self->line, &self->ops);
     return &self->bus;
 }

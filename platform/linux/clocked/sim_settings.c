@@ -16,11 +16,11 @@ struct key {
     const char *help;
 };
 
-#define TIMING(field) offsetof(struct lx_biss_timing, field)
+#define TIMING(field) offsetof(struct lx_clocked_timing, field)
 
 /* clang-format off */
 static const struct key keys[] = {
-    {"clock_hz",      TIMING(clock_hz),      LX_BISS_CLOCK_MIN_HZ, LX_BISS_CLOCK_MAX_HZ,      LX_BISS_CLOCK_HZ, "simulated wire: clock of the master, in Hz"},
+    {"clock_hz",      TIMING(clock_hz),      LX_CLOCK_MIN_HZ, LX_CLOCK_MAX_HZ,      LX_CLOCK_HZ, "simulated wire: clock of the master, in Hz"},
     {"line_delay_ns", TIMING(line_delay_ns), 0,                    LX_CABLE_DELAY_MAX_NS, 0,                "simulated wire: delay of the cable each way, in ns; 5 ns are a metre"},
 };
 /* clang-format on */
@@ -41,12 +41,12 @@ static const struct key *find(const char *assignment)
     return NULL;
 }
 
-static void store(struct lx_biss_timing *self, const struct key *key, uint32_t value)
+static void store(struct lx_clocked_timing *self, const struct key *key, uint32_t value)
 {
     memcpy((uint8_t *)self + key->offset, &value, sizeof value);
 }
 
-void lx_sim_settings_init(struct lx_biss_timing *self)
+void lx_sim_settings_init(struct lx_clocked_timing *self)
 {
     for (size_t i = 0; i < KEY_COUNT; i++) {
         store(self, &keys[i], keys[i].initial);
@@ -58,7 +58,8 @@ bool lx_sim_settings_has(const char *assignment)
     return find(assignment) != NULL;
 }
 
-int lx_sim_settings_set(struct lx_biss_timing *self, const char *assignment, struct lx_error *error)
+int lx_sim_settings_set(struct lx_clocked_timing *self, const char *assignment,
+                        struct lx_error *error)
 {
     const struct key *key = find(assignment);
     const char *equals = strchr(assignment, '=');
@@ -75,7 +76,7 @@ int lx_sim_settings_set(struct lx_biss_timing *self, const char *assignment, str
     return 0;
 }
 
-int lx_sim_settings_plan(struct lx_biss_timing *self, const struct lx_plan *plan,
+int lx_sim_settings_plan(struct lx_clocked_timing *self, const struct lx_plan *plan,
                          const struct lx_plan_wire *wire, struct lx_error *error)
 {
     lx_sim_settings_init(self);

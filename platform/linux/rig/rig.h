@@ -41,6 +41,13 @@ int lx_rig_open(struct lx_rig **self, const struct lx_rig_setup *setup, dg_ns no
 /** Its encoders and shafts as instruments, for whoever does more than serve it. */
 struct dg_rig *lx_rig_control(struct lx_rig *self);
 
+/** What the master of its wire reads of encoder `index` now, in one line, where that master is in
+ * this program. @return false: it does not answer */
+bool lx_rig_read(struct lx_rig *self, size_t index, char *text, size_t size);
+
+/** From when on that has something to say; DG_NEVER: it never has, the master is somewhere else. */
+dg_ns lx_rig_readable(const struct lx_rig *self, size_t index);
+
 /** Print the ready lines: one for each encoder (without its name for a rig from the command line,
  * and one for a whole ring then), "control ADDRESS" for each address that was asked for, and for a
  * rig file "ready rig".

@@ -386,6 +386,18 @@ struct dg_rig *lx_rig_control(struct lx_rig *self)
     return &self->control;
 }
 
+bool lx_rig_read(struct lx_rig *self, size_t index, char *text, size_t size)
+{
+    struct lx_station *station = &self->stations[index];
+    return station->bus->ops->read(station->bus, station, text, size);
+}
+
+dg_ns lx_rig_readable(const struct lx_rig *self, size_t index)
+{
+    const struct lx_station *station = &self->stations[index];
+    return station->bus->ops->read == NULL ? DG_NEVER : station->ready;
+}
+
 const char *lx_rig_address(struct lx_rig *self, const struct lx_station *station)
 {
     const int n =

@@ -20,7 +20,7 @@
 enum lx_tap_kind {
     LX_TAP_CHARACTER, /**< RS485: a character, at the end of its stop bit */
     LX_TAP_FRAME,     /**< CAN */
-    LX_TAP_LEVELS,    /**< BiSS: MA and SLO from this moment on */
+    LX_TAP_LEVELS,    /**< a clocked line: clock and data from this moment on */
     LX_TAP_WORDS,     /**< INTERBUS: a data cycle */
     LX_TAP_NOTE,      /**< something in words: what a BiSS frame meant, an ID cycle, power off */
     LX_TAP_SINCOS,    /**< RS485: sine and cosine of an encoder, for those who ask for it only */
@@ -40,8 +40,8 @@ struct lx_tap_event {
         } character;
         struct dg_can_frame frame;
         struct {
-            bool ma;
-            bool slo;
+            bool clock;
+            bool data;
         } levels;
         struct {
             const uint16_t *in;

@@ -90,4 +90,31 @@ void lx_vcd_advance(struct lx_vcd *self, dg_ns at);
 /** All texts are written, and the end of the last level. */
 void lx_vcd_end(struct lx_vcd *self);
 
+/** Levels of a clocked line that are held back: some frames. */
+#define LX_TRACE_HELD 1024u
+
+/** A level that is held back. */
+struct lx_trace_held {
+    dg_ns at;
+    char id;
+    bool level;
+};
+
+/** A clocked line in a VCD file: a protocol's format has this for its own. */
+struct lx_trace_clocked {
+    struct lx_vcd vcd;
+    bool clock;
+    bool data;
+    bool begun; /**< there was an event */
+    size_t first;
+    size_t count;
+    struct lx_trace_held held[LX_TRACE_HELD];
+};
+
+/** As in struct lx_trace_format; `scope` is what is traced, `lines` has the names of clock and
+ * data. */
+void lx_trace_clocked_begin(struct lx_trace *self, const char *scope, const char *const lines[2]);
+void lx_trace_clocked_event(struct lx_trace *self, const struct lx_tap_event *event);
+void lx_trace_clocked_end(struct lx_trace *self);
+
 #endif

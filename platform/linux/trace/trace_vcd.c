@@ -2,14 +2,11 @@
 /*
  * Value change dump (IEEE 1364): levels, and a text. Strings are GTKWave's extension; sigrok skips
  * them (src/input/vcd.c of libsigrok: no white space, and a backslash would begin an escape).
- *
- * BiSS levels are held back for a moment, so that the note on a frame, which comes when it is over,
- * can stand where it began. A time in a file never goes back: what comes late is written late.
+ * A time in a file never goes back: what comes late is written late.
  */
 #include <inttypes.h>
 #include <string.h>
 
-#include "drehgeber/biss.h"
 #include "trace_format.h"
 
 #define TEXT_ID 't'
@@ -17,9 +14,6 @@
 #define UV_PER_V 1000000
 /* Readers that take samples see a level only when time goes on after it. */
 #define LAST_LEVEL_NS DG_US(1)
-/* Levels of BiSS that are held back: some frames, and not for long. */
-#define HELD 1024u
-#define HELD_MAX DG_MS(100)
 
 static void put_time(struct lx_vcd *self, dg_ns at)
 {
@@ -120,107 +114,3 @@ void lx_vcd_end(struct lx_vcd *self)
     lx_vcd_advance(self, DG_NEVER);
     put_time(self, dg_after(self->at, LAST_LEVEL_NS));
 }
-
-/* ---------------------------------------------------------------- BiSS */
-
-/* A level that is held back. */
-struct held {
-    dg_ns at;
-    char id;
-    bool level;
-};
-
-struct biss {
-    struct lx_vcd vcd;
-    bool ma;
-    bool slo;
-    bool begun; /* there was an event */
-    size_t first;
-    size_t count;
-    struct held held[HELD];
-};
-
-static void biss_begin(struct lx_trace *self)
-{
-    static const char *const names[] = {"MA", "SLO"};
-    struct biss *biss = self->own;
-    biss->ma = true;
-    biss->slo = true;
-    lx_vcd_begin(&biss->vcd, self, "biss", names, "ms");
-}
-
-/* All levels and texts up to `at`. */
-static void release(struct biss *self, dg_ns at)
-{
-    while (self->count > 0 && self->held[self->first].at <= at) {
-        const struct held *oldest = &self->held[self->first];
-        lx_vcd_level(&self->vcd, oldest->at, oldest->id, oldest->level);
-        self->first = (self->first + 1u) % HELD;
-        self->count--;
-    }
-    lx_vcd_advance(&self->vcd, at);
-}
-
-static void hold(struct biss *self, dg_ns at, char id, bool level)
-{
-    if (self->count == HELD) {
-        release(self, self->held[self->first].at);
-    }
-    self->held[(self->first + self->count) % HELD] = (struct held){at, id, level};
-    self->count++;
-}
-
-static void on_note(struct biss *self, dg_ns at, const char *note)
-{
-    if (self->vcd.count == LX_VCD_TEXTS) {
-        release(self, self->vcd.texts[0].at);
-    }
-    lx_vcd_text(&self->vcd, at, note);
-}
-
-/* SLO is low from power-on to the first clock. Nobody tells of it before the first edge of MA,
-   which is a falling one and leaves SLO as it was. */
-static void begin_at(struct biss *self, bool slo)
-{
-    if (!self->begun && slo != self->slo && self->vcd.at == 0) {
-        self->slo = slo;
-        lx_vcd_level(&self->vcd, 0, 's', slo);
-    }
-    self->begun = true;
-}
-
-static void on_levels(struct biss *self, dg_ns at, bool ma, bool slo)
-{
-    begin_at(self, slo);
-    if (ma != self->ma) {
-        hold(self, at, 'm', ma);
-    }
-    if (slo != self->slo) {
-        hold(self, at, 's', slo);
-    }
-    self->ma = ma;
-    self->slo = slo;
-}
-
-static void biss_event(struct lx_trace *self, const struct lx_tap_event *event)
-{
-    struct biss *biss = self->own;
-    const dg_ns at = dg_elapsed(event->at, self->opened);
-    release(biss, dg_elapsed(at, HELD_MAX));
-    if (event->kind == LX_TAP_NOTE) {
-        on_note(biss, at, event->note);
-    } else if (event->kind == LX_TAP_LEVELS) {
-        on_levels(biss, at, event->levels.ma, event->levels.slo);
-    }
-}
-
-static void biss_end(struct lx_trace *self)
-{
-    struct biss *biss = self->own;
-    release(biss, DG_NEVER);
-    lx_vcd_end(&biss->vcd);
-}
-
-const struct lx_trace_format lx_trace_biss = {
-    ".vcd", LX_VCD_MARK, &dg_biss_stack, sizeof(struct biss), biss_begin, biss_event, biss_end,
-};

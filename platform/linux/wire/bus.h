@@ -29,6 +29,7 @@ struct lx_station {
     size_t place;                     /**< on the bus, 0 is the first */
     void *own;                        /**< the bus's own */
     const struct lx_nvm_queue *queue; /**< in front of its EEPROM file; NULL: it has none */
+    dg_ns ready; /**< from when on lx_bus_ops.read() has something to say; set by open() */
 };
 
 /** What a bus is made of. Everything pointed to must outlive it. */
@@ -70,6 +71,9 @@ struct lx_bus_ops {
                      uint8_t *bytes, size_t n, char *detail);
     int (*biss_write)(struct lx_bus *self, struct lx_station *station, uint8_t address,
                       const uint8_t *bytes, size_t n, char *detail);
+    /** The wire's master is in here: what it reads of an encoder now, in one line; optional.
+     * @return false: no answer */
+    bool (*read)(struct lx_bus *self, struct lx_station *station, char *text, size_t size);
     /** Switch everything off, close the wire, free `self`. */
     void (*close)(struct lx_bus *self);
 };

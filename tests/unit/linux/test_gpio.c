@@ -16,6 +16,7 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
+#include "biss_clocked.h"
 #include "biss_rig.h"
 #include "drehgeber/devices.h"
 #include "gpio.h"
@@ -38,6 +39,7 @@ struct fake {
 
 static struct fake fake;
 static struct biss_rig rig;
+static struct lx_biss_line line;
 static struct lx_gpio gpio;
 static struct lx_tap tap;
 static struct dg_faults faults;
@@ -57,13 +59,13 @@ static int fake_read(struct lx_gpio_lines *base, struct lx_gpio_edge *edges, siz
     return fake.ma < 0 ? fake.ma : (int)count;
 }
 
-static int fake_get_ma(struct lx_gpio_lines *base)
+static int fake_get_clock(struct lx_gpio_lines *base)
 {
     (void)base;
     return fake.ma;
 }
 
-static int fake_set_slo(struct lx_gpio_lines *base, bool level)
+static int fake_set_data(struct lx_gpio_lines *base, bool level)
 {
     (void)base;
     fake.slo = level;
@@ -78,8 +80,8 @@ static void fake_close(struct lx_gpio_lines *base)
 
 static const struct lx_gpio_lines_ops fake_ops = {
     .read = fake_read,
-    .get_ma = fake_get_ma,
-    .set_slo = fake_set_slo,
+    .get_clock = fake_get_clock,
+    .set_data = fake_set_data,
     .close = fake_close,
 };
 
@@ -93,16 +95,17 @@ static void begin_as(const struct dg_biss_model *model)
 {
     const struct lx_gpio_setup setup = {.event = event,
                                         .say = &say,
-                                        .device = &rig.slave[0],
+                                        .line = &line.base,
                                         .name = "fake:4,5",
                                         .lines = &fake.base,
-                                        .faults = &faults,
                                         .tap = &tap,
                                         .gone = on_gone};
     struct lx_error error;
 
     assert_int_equal(biss_rig_init(&rig, model, 1), DG_OK);
     assert_int_equal(biss_rig_power_on(&rig), DG_OK);
+    lx_biss_line_init(&line);
+    lx_biss_line_add(&line, &rig.slave[0], &faults, "a");
     assert_int_equal(lx_gpio_open(&gpio, &setup, &error), 0);
 }
 
@@ -267,7 +270,7 @@ static void test_slo_begins_as_the_device_has_it(void **state)
 {
     (void)state;
     begin(DG_S(1));
-    assert_false(gpio.slo);
+    assert_false(gpio.data);
     assert_int_equal(fake.written, 0);
     queue(LATER, false);
     run();
@@ -405,6 +408,39 @@ static void test_faults_sit_behind_the_driver(void **state)
     assert_int_equal(rig.slave[0].counters.frames, 5);
 }
 
+/* No start bit, no P of the write: until the disk has it, and once when it will not. */
+static void test_what_is_not_stored_is_not_acknowledged(void **state)
+{
+    enum { CLOCKS = 32 };
+    struct dg_biss_model model = *dg_biss_model_of(dg_device_find("s3674-biss"));
+    uint8_t byte = 0;
+    struct lx_nvm_queue queue = {
+        .setup = {.writer = lx_nvm_writer_new(event, NULL, NULL)}, .bytes = &byte, .issued = 1};
+    dg_ns at = LATER;
+
+    (void)state;
+    model.timeout = DG_S(1);
+    model.life_counter = false;
+    begin_as(&model);
+    assert_non_null(queue.setup.writer);
+    const uint32_t good = levels(at, CLOCKS);
+    (void)dg_biss_step(&rig.slave[0], at += DG_S(2));
+    lx_biss_line_hold(&line, &queue);
+    for (unsigned i = 0; i < 2; i++) {
+        assert_int_equal(levels(at += DG_S(1), CLOCKS), UINT32_MAX);
+        (void)dg_biss_step(&rig.slave[0], at += DG_S(2));
+    }
+    queue.done = 1;
+    assert_int_equal(levels(at += DG_S(1), CLOCKS), good);
+    (void)dg_biss_step(&rig.slave[0], at += DG_S(2));
+    queue.issued = 2;
+    queue.stalled = true;
+    assert_int_equal(levels(at += DG_S(1), CLOCKS), UINT32_MAX);
+    (void)dg_biss_step(&rig.slave[0], at += DG_S(2));
+    assert_int_equal(levels(at += DG_S(1), CLOCKS), good);
+    lx_nvm_writer_free(queue.setup.writer);
+}
+
 static void count_levels(void *ctx, const struct lx_tap_event *seen)
 {
     unsigned *count = ctx;
@@ -440,8 +476,8 @@ static void test_addresses(void **state)
     assert_int_equal(lx_gpio_address_parse(&address, "gpiochip0:4,17", &error), 0);
     assert_string_equal(address.path, "/dev/gpiochip0");
     assert_string_equal(address.text, "gpiochip0:4,17");
-    assert_int_equal(address.ma, 4);
-    assert_int_equal(address.slo, 17);
+    assert_int_equal(address.clock, 4);
+    assert_int_equal(address.data, 17);
     assert_int_equal(lx_gpio_address_parse(&address, "/dev/by:id/chip:0,1", &error), 0);
     assert_string_equal(address.path, "/dev/by:id/chip");
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
@@ -465,6 +501,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_edge_on_its_way_is_waited_for, setup, teardown),
         cmocka_unit_test_setup_teardown(test_chip_that_goes_is_told_once, setup, teardown),
         cmocka_unit_test_setup_teardown(test_faults_sit_behind_the_driver, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_what_is_not_stored_is_not_acknowledged, setup,
+                                        teardown),
         cmocka_unit_test_setup_teardown(test_edges_are_told_to_the_tap, setup, teardown),
         cmocka_unit_test(test_addresses),
     };

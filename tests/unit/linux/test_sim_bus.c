@@ -208,6 +208,23 @@ static void a_dropped_frame_has_no_ack(void **state)
     sim_rig_close(&rig);
 }
 
+/* It sends no frame that could be dropped: the fault waits for one. */
+static void without_power_no_fault_is_used_up(void **state)
+{
+    struct sim_rig rig;
+    (void)state;
+    open_one(&rig);
+    struct dg_biss *device = rig.station[0].control.device;
+    sim_rig_inject(&rig, 0, "wire_drop", 1);
+    dg_biss_power_off(device);
+    sim_rig_step_to(&rig, SIM_RIG_READY + DG_MS(250));
+    assert_int_equal(dg_biss_power_on(device, SIM_RIG_READY + DG_MS(250)), DG_OK);
+    assert_int_equal(sim_rig_frame(&rig, 0), DG_SCPI_HARDWARE);
+    assert_int_equal(sim_rig_frame(&rig, 0), 0);
+    assert_true(sim_rig_crc_ok(&rig));
+    sim_rig_close(&rig);
+}
+
 static void a_damaged_frame_has_a_wrong_crc(void **state)
 {
     struct sim_rig rig;
@@ -349,6 +366,7 @@ int main(void)
         cmocka_unit_test(without_power_there_is_no_answer),
         cmocka_unit_test(a_chain_of_eight),
         cmocka_unit_test(a_dropped_frame_has_no_ack),
+        cmocka_unit_test(without_power_no_fault_is_used_up),
         cmocka_unit_test(a_damaged_frame_has_a_wrong_crc),
         cmocka_unit_test(a_delayed_frame_has_a_late_start_bit),
         cmocka_unit_test(a_cut_wire_reads_high),

@@ -100,7 +100,7 @@ static void tell_frame(struct place *self, dg_ns at, bool ours, struct dg_can_fr
 static void tell_levels(struct place *self, dg_ns at, bool ma, bool slo)
 {
     const struct lx_tap_event event = {
-        .at = at, .kind = LX_TAP_LEVELS, .levels = {.ma = ma, .slo = slo}};
+        .at = at, .kind = LX_TAP_LEVELS, .levels = {.clock = ma, .data = slo}};
     lx_tap_tell(&self->tap, &event);
 }
 

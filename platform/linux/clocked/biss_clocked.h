@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * BiSS encoders on a clocked line (clocked.h): a daisy chain, whose faults sit between neighbours.
+ * The clock is MA, data is SLO, the master's SL.
+ */
+#ifndef DREHGEBER_LINUX_BISS_CLOCKED_H
+#define DREHGEBER_LINUX_BISS_CLOCKED_H
+
+#include "clocked_wire.h"
+#include "drehgeber/biss.h"
+#include "nvm_writer.h"
+
+/** A line. Not to be moved. */
+struct lx_biss_line {
+    struct lx_clocked base;
+    struct dg_biss_chain chain;
+    struct lx_line_fault fault[DG_BISS_CHAIN_MAX]; /**< behind each slave's driver */
+    struct {
+        struct lx_nvm_queue *queue; /**< NULL: written at once */
+        uint64_t lost;              /**< ticket of the write that was lost last */
+    } memory[DG_BISS_CHAIN_MAX];
+    /** The frame that the master of a simulated wire has read last. */
+    struct {
+        uint64_t bits[DG_BISS_CHAIN_MAX]; /**< behind CDS, right-aligned */
+        bool cds;
+        bool answered; /**< there was an Ack */
+        dg_ns start;   /**< from e1 to the start bit, without the delay of the cable */
+    } frame;
+};
+
+/** A line without encoders. */
+void lx_biss_line_init(struct lx_biss_line *self);
+
+/** Put `device`, which has its model and its power, behind the others; at most DG_BISS_CHAIN_MAX.
+ * @param faults NULL: none
+ * @param name borrowed */
+void lx_biss_line_add(struct lx_biss_line *self, struct dg_biss *device, struct dg_faults *faults,
+                      const char *name);
+
+/** The encoder put there last does not acknowledge what is not yet through this queue. */
+void lx_biss_line_hold(struct lx_biss_line *self, struct lx_nvm_queue *queue);
+
+/** That of `wire`. */
+struct lx_biss_line *lx_biss_line_of(const struct lx_clocked_wire *wire);
+
+/** Clock a frame up to the last bit of the last CRC; its CDM bit is not yet decided. @return CDS */
+bool lx_biss_frame_begin(struct lx_clocked_wire *wire);
+
+/** End it with this CDM bit, and wait for the timeout. */
+void lx_biss_frame_end(struct lx_clocked_wire *wire, bool cdm);
+
+#endif

@@ -1,0 +1,83 @@
+/* SPDX-License-Identifier: MIT */
+/* The protocols on clocked lines, and lines of a plan. */
+#include "clocked.h"
+
+#include <stdlib.h>
+
+static const struct lx_clocked_protocol *const protocols[] = {&lx_clocked_biss};
+#define PROTOCOL_COUNT (sizeof protocols / sizeof protocols[0])
+
+static const struct lx_clocked_protocol *protocol_of(const struct lx_station *station)
+{
+    const struct lx_clocked_protocol *found = NULL;
+    for (size_t i = 0; i < PROTOCOL_COUNT; i++) {
+        found = protocols[i]->stack == station->plan->model->stack ? protocols[i] : found;
+    }
+    return found;
+}
+
+/* All have to speak the protocol of the first one. @return it, or NULL with `error` */
+static const struct lx_clocked_protocol *choose(const struct lx_bus_setup *setup,
+                                                struct lx_error *error)
+{
+    const struct lx_clocked_protocol *first = protocol_of(setup->stations[0]);
+    for (size_t i = 0; i < setup->count; i++) {
+        const struct lx_plan_encoder *encoder = setup->stations[i]->plan;
+        if (first == NULL || protocol_of(setup->stations[i]) != first) {
+            (void)lx_plan_fail(setup->plan, encoder->line, error, "%s cannot be on this wire",
+                               encoder->model->name);
+            return NULL;
+        }
+        if (i == first->encoders_max) {
+            (void)lx_plan_fail(setup->plan, encoder->line, error,
+                               "this wire is full: at most %zu encoders is right",
+                               first->encoders_max);
+            return NULL;
+        }
+    }
+    return first;
+}
+
+struct lx_clocked *lx_clocked_make(const struct lx_bus_setup *setup, enum lx_clocked_master master,
+                                   struct lx_error *error)
+{
+    const struct lx_clocked_protocol *protocol = choose(setup, error);
+    if (protocol == NULL) {
+        return NULL;
+    }
+    struct lx_clocked *self = calloc(1, protocol->size);
+    if (self == NULL) {
+        (void)lx_fail(error, "no memory for %zu encoders", setup->count);
+        return NULL;
+    }
+    protocol->init(self);
+    self->protocol = protocol;
+    for (size_t i = 0; i < setup->count; i++) {
+        if (protocol->place(self, setup, i, master, error) != 0) {
+            free(self);
+            return NULL;
+        }
+    }
+    return self;
+}
+
+int lx_clocked_open(struct lx_clocked *self, const struct lx_bus_setup *setup, size_t index,
+                    dg_ns now, struct lx_error *error)
+{
+    return self->protocol->open(self, setup, index, now, error);
+}
+
+void lx_clocked_close(struct lx_clocked *self)
+{
+    if (self != NULL) {
+        self->protocol->close(self);
+        free(self);
+    }
+}
+
+void lx_clocked_offer(const struct lx_clocked *self, struct lx_bus_ops *ops)
+{
+    if (self->protocol->offer != NULL) {
+        self->protocol->offer(ops);
+    }
+}

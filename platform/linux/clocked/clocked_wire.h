@@ -1,0 +1,63 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * The simulated wire of a clocked line: every edge of the master's clock, in virtual time. The
+ * wire's time is the master's and runs on by as much as it clocks. A cable delays both lines.
+ */
+#ifndef DREHGEBER_LINUX_CLOCKED_WIRE_H
+#define DREHGEBER_LINUX_CLOCKED_WIRE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "cable.h"
+#include "clocked.h"
+
+/** The master's clock: as usual, and the slowest and fastest one. At slower ones encoders take half
+ * a period for the end of a frame (BiSS: below 38.5 kHz). */
+#define LX_CLOCK_HZ 1000000u
+#define LX_CLOCK_MIN_HZ 50000u
+#define LX_CLOCK_MAX_HZ 10000000u
+
+/** Times of the master and its cable. */
+struct lx_clocked_timing {
+    uint32_t clock_hz;      /**< LX_CLOCK_MIN_HZ..LX_CLOCK_MAX_HZ */
+    uint32_t line_delay_ns; /**< each way; 0..LX_CABLE_DELAY_MAX_NS */
+};
+
+/** The wire. */
+struct lx_clocked_wire {
+    struct lx_clocked *line;
+    struct lx_cable cable;
+    uint32_t edges_per_s; /**< of the clock */
+    uint32_t half_ns;     /**< half a period, and */
+    uint32_t rest;        /**< what it is longer, in 1 ns / edges_per_s */
+    uint32_t owed;        /**< of such rests so far */
+    dg_ns now;            /**< at the master's end; likewise the next two */
+    bool clock;
+    bool data;
+    dg_ns delay; /**< there and back, as a master knows it that measures it: it takes its samples
+                      later by that; else 0 */
+    uint32_t silent; /**< frames without an answer; counted up */
+    /** The levels at the master's end from `at` on, whenever one has changed; NULL: nobody wants
+     * to know. */
+    void (*levels)(void *ctx, dg_ns at, bool clock, bool data);
+    void *ctx;
+};
+
+/** A wire at `now`, its clock high. The encoders have their power. */
+void lx_clocked_wire_init(struct lx_clocked_wire *self, struct lx_clocked *line,
+                          const struct lx_clocked_timing *timing, dg_ns now);
+
+/** Half a period on, the master puts the clock to `level`. */
+void lx_clocked_wire_edge(struct lx_clocked_wire *self, bool level);
+
+/** A falling and a rising edge. @return the bit of this clock: as the master samples it, half a
+ * period behind the rising edge and `delay` */
+bool lx_clocked_wire_bit(struct lx_clocked_wire *self);
+
+/** Nothing happens until `now`; a moment that is over already is the present one. Faults of the
+ * line may have come or gone. */
+void lx_clocked_wire_pause(struct lx_clocked_wire *self, dg_ns now);
+
+#endif

@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * A simulated wire of a rig, for what a protocol offers besides (lx_clocked_protocol.offer).
+ */
+#ifndef DREHGEBER_LINUX_SIM_BUS_H
+#define DREHGEBER_LINUX_SIM_BUS_H
+
+#include "bus.h"
+#include "sim_master.h"
+
+/** Its master, at the present moment; nothing else may happen on the wire up to lx_sim_bus_end().
+ */
+struct lx_sim_master *lx_sim_bus_begin(struct lx_bus *bus);
+
+/** Let the master read a frame out of turn. In between. */
+void lx_sim_bus_read(struct lx_bus *bus);
+
+/** The master goes on reading by itself. */
+void lx_sim_bus_end(struct lx_bus *bus);
+
+#endif
