@@ -218,6 +218,7 @@ void ib_load_program(struct dg_ib *self, uint8_t number, struct dg_ib_program *o
     uint8_t bytes[IB_CAMS_SIZE];
 
     load(self, (uint8_t)(DG_IB_REGION_CAMS + number - 1u), bytes);
+    memset(out, 0, sizeof *out); /* also its padding: devices in one state are the same bytes */
     out->mask = bytes[0];
     out->on_given = bytes[1];
     out->off_given = bytes[2];

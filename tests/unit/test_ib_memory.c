@@ -13,6 +13,7 @@
 
 #include "drehgeber/devices.h"
 #include "ib_rig.h"
+#include "interbus_private.h"
 
 #define IMAGE_MAX 1024u
 
@@ -398,6 +399,19 @@ static void is_stored_whole_or_not_at_all(void **state)
     }
 }
 
+/* Padding, too, or a device is not the same bytes twice. */
+static void a_program_is_all_its_bytes(void **state)
+{
+    struct dg_ib_program programs[2];
+    (void)state;
+
+    memset(&programs[0], 0x55, sizeof programs[0]);
+    memset(&programs[1], 0xAA, sizeof programs[1]);
+    ib_load_program(&rig.device, 3, &programs[0]);
+    ib_load_program(&rig.device, 3, &programs[1]);
+    assert_memory_equal(&programs[0], &programs[1], sizeof programs[0]);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -413,6 +427,7 @@ int main(void)
         cmocka_unit_test_setup(a_memory_that_is_silent_at_power_on, set_up),
         cmocka_unit_test_setup(a_preset_that_cannot_be_kept, set_up),
         cmocka_unit_test_setup(foreign_memories, set_up),
+        cmocka_unit_test_setup(a_program_is_all_its_bytes, set_up),
     };
     struct CMUnitTest sweep[COMMANDS];
     char names[COMMANDS][9];
