@@ -372,6 +372,19 @@ DG_API uint8_t dg_biss_crc6(uint64_t bits, uint8_t n);
 /** CRC4 (13h) over the last `n` bits of `bits`, as sent: inverted. @param n 0..64 */
 DG_API uint8_t dg_biss_crc4(uint64_t bits, uint8_t n);
 
+/**
+ * What SCPI's BISS: asks of a port whose wire it clocks itself; dg_encoder.port of such an encoder
+ * is one. Each gives 0 or an enum dg_scpi_error; `detail` has room for DG_SCPI_DETAIL_MAX
+ * characters and a zero. None may be NULL.
+ */
+struct dg_biss_port_ops {
+    /** Clock one frame now: what follows the start bit, as dg_biss_frame() gives it. */
+    int (*frame)(void *ctx, uint64_t *bits, uint8_t *count, char *detail);
+    /** Read or write `n` registers from `address` on. */
+    int (*read)(void *ctx, uint8_t address, uint8_t *bytes, size_t n, char *detail);
+    int (*write)(void *ctx, uint8_t address, const uint8_t *bytes, size_t n, char *detail);
+};
+
 /** The protocol: models are struct dg_biss_model, devices struct dg_biss; setup.port is not looked
  * at. */
 DG_API extern const struct dg_stack dg_biss_stack;

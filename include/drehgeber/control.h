@@ -14,6 +14,7 @@
 
 #include "drehgeber/api.h"
 #include "drehgeber/fault.h"
+#include "drehgeber/instrument.h"
 #include "drehgeber/scpi.h"
 #include "drehgeber/shaft.h"
 
@@ -22,34 +23,6 @@ extern "C" {
 #endif
 
 struct dg_encoder;
-
-/** What one kind of encoder does in its own way; one table for each stack. */
-struct dg_encoder_kind {
-    const struct dg_stack *stack;
-    /** Its EEPROM, NULL without one. */
-    const struct dg_store_layout *(*layout)(const struct dg_encoder *self);
-    /** Whether it does not look at the multiturn sensor. */
-    bool (*singleturn)(const struct dg_encoder *self);
-    /** The delivery state into self->nvm. @return 0 or an enum dg_result */
-    int (*format)(const struct dg_encoder *self);
-    int (*power_on)(struct dg_encoder *self, dg_ns now);
-    void (*power_off)(struct dg_encoder *self);
-    bool (*powered)(const struct dg_encoder *self);
-    /**
-     * Append key=value parts (dg_scpi_put_*), values without ',' and ';', lists with '/'. All have
-     * power (0, 1), mode, position (as the bus would see it at `now`), leds (NAME:on, off or a
-     * pattern, with '/' between them; '-' without LEDs), errors (codes in hex, newest first, '-'
-     * without) and frames; then counters and what is its own. Without power position is '-'.
-     */
-    void (*state)(const struct dg_encoder *self, dg_ns now, struct dg_scpi *to);
-};
-
-/** The kinds. An image that links only one of them carries only its stack. */
-DG_API extern const struct dg_encoder_kind dg_kind_hiperface, dg_kind_biss, dg_kind_canopen,
-    dg_kind_interbus;
-
-/** The kind of a stack, for hosts that have them all; NULL: there is none. */
-DG_API const struct dg_encoder_kind *dg_encoder_kind_of(const struct dg_stack *stack);
 
 /** A shaft with a name. */
 struct dg_rig_shaft {
@@ -62,14 +35,17 @@ struct dg_rig_shaft {
 struct dg_encoder {
     const char *name; /**< unique in the rig: letters, digits, '_', '-'; not case sensitive */
     const struct dg_device *model;
-    const struct dg_encoder_kind *kind;
-    void *device;           /**< struct dg_hf, dg_biss, dg_co_node or dg_ib */
-    struct dg_world *world; /**< its own; angle from `shaft` */
+    const struct dg_instrument *instrument; /**< of model->stack */
+    void *device;                           /**< as model->stack makes it */
+    struct dg_world *world;                 /**< its own; angle from `shaft` */
     struct dg_rig_shaft *shaft;
     struct dg_nvm nvm; /**< ops NULL: none */
     uint32_t serial;   /**< burnt in by `format`, where the model does not say */
     struct dg_faults faults;
-    void *host; /**< the host's own */
+    const void *port; /**< what commands of the instrument's own ask of the port, e.g. a struct
+                           dg_biss_port_ops; NULL: it has nothing for them */
+    void *port_ctx;   /**< handed to it */
+    void *host;       /**< the host's own */
 };
 
 struct dg_rig;
@@ -82,8 +58,8 @@ struct dg_rig_ops {
     void (*changed)(struct dg_rig *self, struct dg_encoder *encoder, dg_ns now);
     /** Address of the encoder's wire, as in the ready line, e.g. "can:vcan0/5". Not optional. */
     const char *(*wire)(struct dg_rig *self, const struct dg_encoder *encoder);
-    /** STATe?: append what the port counts for this encoder (dg_scpi_put_*), as the kind does:
-     * wire_late (deadlines missed), wire_up (0, 1), and what is the wire's own. */
+    /** STATe?: append what the port counts for this encoder (dg_scpi_put_*), as the instrument
+     * does: wire_late (deadlines missed), wire_up (0, 1), and what is the wire's own. */
     void (*counters)(struct dg_rig *self, const struct dg_encoder *encoder, struct dg_scpi *to);
     /** SHAFt:PROFile: play what `text` says. */
     int (*profile)(struct dg_rig *self, struct dg_rig_shaft *shaft, dg_ns now, const char *text,
@@ -104,14 +80,6 @@ struct dg_rig_ops {
     uint32_t (*scale)(struct dg_rig *self);
     /** Let `span` pass. @return as above */
     int (*step)(struct dg_rig *self, dg_ns span, char *detail);
-    /** One frame on a simulated BiSS wire, at the rig's present time. */
-    int (*biss_frame)(struct dg_rig *self, struct dg_encoder *encoder, uint64_t *bits,
-                      uint8_t *count, char *detail);
-    /** Read or write `n` registers there. */
-    int (*biss_read)(struct dg_rig *self, struct dg_encoder *encoder, uint8_t address,
-                     uint8_t *bytes, size_t n, char *detail);
-    int (*biss_write)(struct dg_rig *self, struct dg_encoder *encoder, uint8_t address,
-                      const uint8_t *bytes, size_t n, char *detail);
 };
 
 /** A rig: what all sessions work on. Caller-owned; arrays and names are borrowed. */
@@ -120,14 +88,15 @@ struct dg_rig {
     size_t encoder_count; /**< at least 1 */
     struct dg_rig_shaft **shafts;
     size_t shaft_count;
+    const struct dg_instrument *const *instruments; /**< whose own commands its sessions have */
+    size_t instrument_count;
     dg_ns origin; /**< TIME? counts from here: when the rig began */
     const struct dg_rig_ops *ops;
     void *host; /**< the host's own */
 };
 
-/** The commands; rows for dg_scpi_setup.commands, whose ctx is a struct dg_control. */
-DG_API extern const struct dg_scpi_command dg_control_commands[];
-DG_API extern const size_t dg_control_command_count;
+/** The commands that all rigs have; those of its instruments come behind them. */
+DG_API extern const struct dg_scpi_commands dg_control_commands;
 
 /** A client of a rig. Not to be moved. */
 struct dg_control {
@@ -155,6 +124,12 @@ DG_API struct dg_fault_target dg_encoder_target(const struct dg_encoder *self);
 /** POWer: off, then on when `on`; deadlines are the host's (ops->changed). @return 0 or dg_result
  */
 DG_API int dg_encoder_power(struct dg_encoder *self, dg_ns now, bool on);
+
+/** Whether it is on. */
+DG_API bool dg_encoder_powered(const struct dg_encoder *self);
+
+/** The delivery state into its EEPROM. @return 0 or an enum dg_result */
+DG_API int dg_encoder_format(const struct dg_encoder *self);
 
 #ifdef __cplusplus
 }

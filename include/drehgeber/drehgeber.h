@@ -20,6 +20,8 @@
 #include "drehgeber/fault.h"
 #include "drehgeber/hal.h"
 #include "drehgeber/hiperface.h"
+#include "drehgeber/instrument.h"
+#include "drehgeber/instruments.h"
 #include "drehgeber/interbus.h"
 #include "drehgeber/motion.h"
 #include "drehgeber/quantity.h"

@@ -13,13 +13,14 @@
 #include <stdint.h>
 
 #include "drehgeber/api.h"
-#include "drehgeber/stack.h"
 #include "drehgeber/store.h"
 #include "drehgeber/world.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+struct dg_instrument;
 
 /** What a port does to a frame or to its wire. */
 enum dg_wire_fault {
@@ -46,8 +47,7 @@ enum dg_fault_kind {
 /** An entry of the catalogue. Memory faults have no row: there is one for each checked region of
  * the encoder's layout, called "eeprom_" and the region's name with '_' for '-'. */
 struct dg_fault_row {
-    const char *name;             /**< letters, digits, '_'; e.g. "led_current_high" */
-    const struct dg_stack *stack; /**< whose encoders have it */
+    const char *name; /**< letters, digits, '_'; e.g. "led_current_high" */
     enum dg_fault_kind kind;
     uint8_t wire;        /**< enum dg_wire_fault */
     uint8_t size;        /**< of the quantity in bytes: 1 (bool), 2 or 4 */
@@ -57,10 +57,6 @@ struct dg_fault_row {
     const char *effect;  /**< what the device will do, with its codes, one line */
     const char *chapter; /**< of the manual, or a decision (R8, C6, I4, biss k=18) */
 };
-
-/** The rows. The same name may stand in rows of several stacks. */
-DG_API extern const struct dg_fault_row dg_fault_rows[];
-DG_API extern const size_t dg_fault_row_count;
 
 /** Most entries of an encoder's catalogue: its rows first, then its checked regions. */
 #define DG_FAULTS_MAX 64u
@@ -72,13 +68,25 @@ struct dg_fault_limits {
     dg_ns duration;           /**< then it is over; DG_NEVER: until cleared */
 };
 
+/** A bit of the memory that is flipped. */
+struct dg_fault_flip {
+    uint32_t address; /**< of its byte */
+    uint16_t sum;     /**< of the region when it was flipped */
+    uint8_t mask;     /**< the bit */
+    uint8_t value;    /**< of the byte since */
+};
+
 /** One active fault. */
 struct dg_fault {
     bool active;
     uint32_t left; /**< frames; 0: no limit */
     uint32_t probability_ppm;
-    dg_ns until;       /**< DG_NEVER: until cleared */
-    int64_t healthy;   /**< WORLD: value before; MEMORY: what is needed to undo it */
+    dg_ns until; /**< DG_NEVER: until cleared */
+    /** What is needed to undo it. */
+    union {
+        int64_t healthy;           /**< WORLD: value before */
+        struct dg_fault_flip flip; /**< MEMORY */
+    };
     uint32_t happened; /**< WIRE: frames it happened to */
 };
 
@@ -105,7 +113,7 @@ struct dg_fault_entry {
 
 /** What faults work on. */
 struct dg_fault_target {
-    const struct dg_stack *stack;
+    const struct dg_instrument *instrument; /**< whose catalogue counts */
     struct dg_world *world;
     const struct dg_store_layout *layout; /**< NULL: no EEPROM */
     struct dg_nvm nvm;
@@ -148,8 +156,9 @@ DG_API bool dg_fault_wire_takes(struct dg_faults *self, enum dg_wire_fault fault
 /** A bit of `n` (at least 1) to flip, by chance. */
 DG_API uint32_t dg_fault_pick(struct dg_faults *self, uint32_t n);
 
-/** dg_fault_row.value of wire fault `fault` for `stack`: the delay. */
-DG_API int64_t dg_fault_wire_value(const struct dg_stack *stack, enum dg_wire_fault fault);
+/** dg_fault_row.value of wire fault `fault` of an instrument: the delay. */
+DG_API int64_t dg_fault_wire_value(const struct dg_instrument *instrument,
+                                   enum dg_wire_fault fault);
 
 #ifdef __cplusplus
 }

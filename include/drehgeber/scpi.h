@@ -93,8 +93,17 @@ struct dg_scpi_command {
     const char *help; /**< one line */
 };
 
+/** A list of commands. */
+struct dg_scpi_commands {
+    const struct dg_scpi_command *rows;
+    size_t count; /**< 0: none */
+};
+
 /** What a session needs of its host. */
 struct dg_scpi_ops {
+    /** List `index` of the host's commands, NULL behind the last. They are looked through, and
+     * told by SYSTem:HELP?, in this order, behind the engine's own. */
+    const struct dg_scpi_commands *(*commands)(const struct dg_scpi *self, size_t index);
     /** Take `n` bytes of an answer. Must not block; what a slow client does not take is the
      * host's to keep or to drop together with the client. */
     void (*write)(void *ctx, const char *bytes, size_t n);
@@ -107,8 +116,6 @@ struct dg_scpi_ops {
 
 /** What a session is made of. Everything pointed to must outlive it. */
 struct dg_scpi_setup {
-    const struct dg_scpi_command *commands;
-    size_t command_count;
     const struct dg_scpi_ops *ops;
     void *ctx;       /**< the host's: of ops->write, and for handlers as self->setup.ctx */
     const char *idn; /**< answer of *IDN?: maker, model, serial number, version */

@@ -21,7 +21,7 @@
      DG_QUANTITY_##id, PARAMETER_##unit,  help SUFFIXES_##unit},
 
 /* clang-format off */
-const struct dg_scpi_command dg_control_commands[] = {
+static const struct dg_scpi_command rows[] = {
     /* header, command, query, argument, parameters (of the query where there is no command), help */
     {"INSTrument:CATalog",    NULL,                        control_encoders,        0, "", "names of all encoders"},
     {"INSTrument:SELect",     control_select,              control_selected,        0, "NAME", "the encoder that this session works on; the first one to begin with"},
@@ -64,11 +64,7 @@ const struct dg_scpi_command dg_control_commands[] = {
     {"TRACe:STARt",           control_trace,               NULL,                    0, "\"FILE\"", "what goes over the encoder's wire"},
     {"TRACe:STOP",            control_trace_stop,          NULL,                    0, "", "end the trace"},
     {"TRACe:LAST",            NULL,                        control_last,            0, "[N]", "the last N frames in words, the newest last; one without N"},
-
-    {"BISS:FRAMe",            NULL,                        control_frame,           0, "", "clock a frame of a simulated wire: position, nERR, nWARN, life counter, CRC right"},
-    {"BISS:REGister",         control_write,               NULL,                    0, "ADDRESS,BYTE[,BYTE]...", "write registers over a simulated wire"},
-    {"BISS:REGister",         NULL,                        control_read,            0, "ADDRESS[,N]", "read N registers, one without N"},
 };
 /* clang-format on */
 
-const size_t dg_control_command_count = sizeof dg_control_commands / sizeof dg_control_commands[0];
+const struct dg_scpi_commands dg_control_commands = {rows, sizeof rows / sizeof rows[0]};

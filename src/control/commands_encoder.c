@@ -39,13 +39,13 @@ void control_select(struct dg_scpi *self, uint32_t argument)
 void control_selected(struct dg_scpi *self, uint32_t argument)
 {
     (void)argument;
-    dg_scpi_put_string(self, control_encoder(self)->name);
+    dg_scpi_put_string(self, dg_control_selected(self)->name);
 }
 
 void control_model(struct dg_scpi *self, uint32_t argument)
 {
     (void)argument;
-    dg_scpi_put_string(self, control_encoder(self)->model->name);
+    dg_scpi_put_string(self, dg_control_selected(self)->model->name);
 }
 
 void control_wire(struct dg_scpi *self, uint32_t argument)
@@ -53,7 +53,7 @@ void control_wire(struct dg_scpi *self, uint32_t argument)
     struct dg_rig *rig = control_rig_of(self);
 
     (void)argument;
-    dg_scpi_put_string(self, rig->ops->wire(rig, control_encoder(self)));
+    dg_scpi_put_string(self, rig->ops->wire(rig, dg_control_selected(self)));
 }
 
 /* Why an encoder stays off. */
@@ -65,10 +65,10 @@ static const char *reason(int result)
 
 static void switch_power(struct dg_scpi *self, bool on)
 {
-    const int result = dg_encoder_power(control_encoder(self), self->now, on);
+    const int result = dg_encoder_power(dg_control_selected(self), self->now, on);
 
     if (result != DG_OK) {
-        control_refuse(self, DG_SCPI_HARDWARE, reason(result));
+        dg_control_refuse(self, DG_SCPI_HARDWARE, reason(result));
     }
     control_changed(self);
 }
@@ -77,7 +77,7 @@ void control_power(struct dg_scpi *self, uint32_t argument)
 {
     static const char *const words[] = {"OFF", "ON", "CYCLe", "0", "1"};
     enum { OFF, ON, CYCLE, ZERO };
-    const struct dg_encoder *encoder = control_encoder(self);
+    const struct dg_encoder *encoder = dg_control_selected(self);
     size_t word;
 
     (void)argument;
@@ -89,26 +89,40 @@ void control_power(struct dg_scpi *self, uint32_t argument)
         return;
     }
     const bool on = word != OFF && word != ZERO;
-    if (word == CYCLE || on != encoder->kind->powered(encoder)) {
+    if (word == CYCLE || on != dg_encoder_powered(encoder)) {
         switch_power(self, on);
     }
 }
 
 void control_powered(struct dg_scpi *self, uint32_t argument)
 {
-    const struct dg_encoder *encoder = control_encoder(self);
+    const struct dg_encoder *encoder = dg_control_selected(self);
 
     (void)argument;
-    dg_scpi_put_unsigned(self, encoder->kind->powered(encoder) ? 1 : 0);
+    dg_scpi_put_unsigned(self, dg_encoder_powered(encoder) ? 1 : 0);
+}
+
+static void put_common(const struct dg_encoder *encoder, struct dg_scpi *to)
+{
+    const bool powered = dg_encoder_powered(encoder);
+
+    dg_state_number(to, "power", powered ? 1 : 0);
+    dg_state_word(to, "mode", encoder->instrument->mode(encoder->device, to->now));
+    if (powered) {
+        dg_state_number(to, "position", encoder->model->stack->position(encoder->device, to->now));
+    } else {
+        dg_state_word(to, "position", "-");
+    }
 }
 
 void control_state(struct dg_scpi *self, uint32_t argument)
 {
     struct dg_rig *rig = control_rig_of(self);
-    const struct dg_encoder *encoder = control_encoder(self);
+    const struct dg_encoder *encoder = dg_control_selected(self);
 
     (void)argument;
-    encoder->kind->state(encoder, self->now, self);
+    put_common(encoder, self);
+    encoder->instrument->state(encoder->device, self->now, self);
     if (rig->ops->counters != NULL) {
         rig->ops->counters(rig, encoder, self);
     }
@@ -121,10 +135,10 @@ void control_reset(struct dg_scpi *self)
     const uint32_t selected = self->selected;
 
     for (self->selected = 0; self->selected < rig->encoder_count; self->selected++) {
-        const struct dg_encoder *encoder = control_encoder(self);
+        const struct dg_encoder *encoder = dg_control_selected(self);
         control_clear_all(self);
         control_heal(self);
-        if (encoder->kind->powered(encoder)) {
+        if (dg_encoder_powered(encoder)) {
             control_changed(self);
         } else {
             switch_power(self, true);

@@ -14,7 +14,7 @@ static const struct dg_fault_limits unlimited = {.probability_ppm = CONTROL_PPM,
 
 static struct dg_fault_target target_of(const struct dg_scpi *self)
 {
-    return dg_encoder_target(control_encoder(self));
+    return dg_encoder_target(dg_control_selected(self));
 }
 
 void control_catalogue(struct dg_scpi *self, uint32_t argument)
@@ -85,7 +85,7 @@ static bool take_limit(struct dg_scpi *self, struct dg_fault_limits *limits)
 static void done(struct dg_scpi *self, int result)
 {
     if (result == DG_ERR_IO) {
-        control_refuse(self, DG_SCPI_STORAGE, "the memory did not answer");
+        dg_control_refuse(self, DG_SCPI_STORAGE, "the memory did not answer");
     } else if (result != DG_OK) {
         dg_scpi_raise(self, DG_SCPI_CONFLICT,
                       "COUNt and PROBability are for what happens to single frames");
@@ -108,14 +108,14 @@ void control_fault(struct dg_scpi *self, uint32_t argument)
             return;
         }
     }
-    done(self,
-         dg_fault_set(&control_encoder(self)->faults, &target, (size_t)index, self->now, &limits));
+    done(self, dg_fault_set(&dg_control_selected(self)->faults, &target, (size_t)index, self->now,
+                            &limits));
 }
 
 static int clear_all(struct dg_scpi *self)
 {
     const struct dg_fault_target target = target_of(self);
-    struct dg_faults *faults = &control_encoder(self)->faults;
+    struct dg_faults *faults = &dg_control_selected(self)->faults;
     int result = DG_OK;
 
     for (size_t i = 0; i < DG_FAULTS_MAX; i++) {
@@ -142,14 +142,14 @@ void control_clear(struct dg_scpi *self, uint32_t argument)
     }
     const int index = take_fault(self);
     if (index >= 0) {
-        done(self, dg_fault_clear(&control_encoder(self)->faults, &target, (size_t)index));
+        done(self, dg_fault_clear(&dg_control_selected(self)->faults, &target, (size_t)index));
     }
 }
 
 void control_active(struct dg_scpi *self, uint32_t argument)
 {
     const struct dg_fault_target target = target_of(self);
-    const struct dg_faults *faults = &control_encoder(self)->faults;
+    const struct dg_faults *faults = &dg_control_selected(self)->faults;
     struct dg_fault_entry entry;
     size_t count = 0;
 
@@ -169,7 +169,7 @@ void control_happened(struct dg_scpi *self, uint32_t argument)
 
     (void)argument;
     if (index >= 0) {
-        dg_scpi_put_unsigned(self, control_encoder(self)->faults.fault[index].happened);
+        dg_scpi_put_unsigned(self, dg_control_selected(self)->faults.fault[index].happened);
     }
 }
 
@@ -209,7 +209,7 @@ static bool take_region(struct dg_scpi *self, const struct dg_store_layout *layo
 static bool has_memory(struct dg_scpi *self, const struct dg_fault_target *target)
 {
     if (target->layout == NULL) {
-        control_refuse(self, DG_SCPI_MISSING_HARDWARE, "it has no EEPROM");
+        dg_control_refuse(self, DG_SCPI_MISSING_HARDWARE, "it has no EEPROM");
     }
     return target->layout != NULL;
 }
@@ -231,7 +231,7 @@ static int entry_of(const struct dg_fault_target *target, uint8_t region)
 static int corrupt(struct dg_scpi *self, uint8_t region)
 {
     const struct dg_fault_target target = target_of(self);
-    struct dg_faults *faults = &control_encoder(self)->faults;
+    struct dg_faults *faults = &dg_control_selected(self)->faults;
     const int index = entry_of(&target, region);
 
     if (index < 0) {
@@ -267,17 +267,17 @@ static void forget_damage(struct dg_faults *faults, const struct dg_fault_target
 void control_erase(struct dg_scpi *self, uint32_t argument)
 {
     const struct dg_fault_target target = target_of(self);
-    struct dg_encoder *encoder = control_encoder(self);
+    struct dg_encoder *encoder = dg_control_selected(self);
 
     (void)argument;
     if (!has_memory(self, &target)) {
         return;
     }
-    if (encoder->kind->powered(encoder)) {
-        control_refuse(self, DG_SCPI_CONFLICT, "its power is on");
+    if (dg_encoder_powered(encoder)) {
+        dg_control_refuse(self, DG_SCPI_CONFLICT, "its power is on");
         return;
     }
-    const bool formatted = encoder->kind->format(encoder) == DG_OK;
+    const bool formatted = dg_encoder_format(encoder) == DG_OK;
     if (formatted) {
         forget_damage(&encoder->faults, &target);
     }

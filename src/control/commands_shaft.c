@@ -26,7 +26,7 @@ static const struct dg_scpi_range intervals = {DG_SCPI_TIME, 0, (int64_t)RECORD_
 
 static struct dg_rig_shaft *shaft_of(const struct dg_scpi *self)
 {
-    return control_encoder(self)->shaft;
+    return dg_control_selected(self)->shaft;
 }
 
 /* What a command to the shaft gave. */

@@ -15,7 +15,7 @@ static void trace(struct dg_scpi *self, const char *path)
     char detail[CONTROL_DETAIL_SIZE] = "";
 
     if (control_offered(self, rig->ops->trace != NULL)) {
-        const int code = rig->ops->trace(rig, control_encoder(self), path, detail);
+        const int code = rig->ops->trace(rig, dg_control_selected(self), path, detail);
         dg_scpi_raise(self, code, detail);
     }
 }
@@ -49,7 +49,7 @@ void control_last(struct dg_scpi *self, uint32_t argument)
         return;
     }
     for (unsigned back = (unsigned)wanted; back > 0; back--) {
-        if (rig->ops->last(rig, control_encoder(self), back - 1u, text, sizeof text)) {
+        if (rig->ops->last(rig, dg_control_selected(self), back - 1u, text, sizeof text)) {
             dg_scpi_put_string(self, text);
             count++;
         }

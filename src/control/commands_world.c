@@ -40,21 +40,21 @@ void control_set_world(struct dg_scpi *self, uint32_t argument)
     if (state ? !dg_scpi_flag(self, &flag) : !dg_scpi_number(self, &range, &value)) {
         return;
     }
-    put(control_encoder(self), row, state ? flag : value);
+    put(dg_control_selected(self), row, state ? flag : value);
     control_changed(self);
 }
 
 void control_world(struct dg_scpi *self, uint32_t argument)
 {
     const struct dg_quantity *row = &dg_quantities[argument];
-    const struct dg_encoder *encoder = control_encoder(self);
+    const struct dg_encoder *encoder = dg_control_selected(self);
 
     dg_scpi_put_number(self, dg_quantity_get(row, encoder->world), units[row->unit].places);
 }
 
 void control_heal(struct dg_scpi *self)
 {
-    struct dg_encoder *encoder = control_encoder(self);
+    struct dg_encoder *encoder = dg_control_selected(self);
     struct dg_world healthy;
 
     dg_world_init(&healthy);

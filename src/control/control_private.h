@@ -35,12 +35,8 @@ bool control_same(const char *a, const char *b);
 
 /* session.c */
 struct dg_rig *control_rig_of(const struct dg_scpi *self);
-/** The selected one. */
-struct dg_encoder *control_encoder(const struct dg_scpi *self);
 /** Something about the selected encoder has changed. */
 void control_changed(struct dg_scpi *self);
-/** Raise `code`: "NAME: text" with the selected encoder's name. */
-void control_refuse(struct dg_scpi *self, int code, const char *text);
 /** Take a name. @return false: an error was raised */
 bool control_name(struct dg_scpi *self, char to[CONTROL_NAME_MAX]);
 /** What the host can do. */
@@ -61,24 +57,15 @@ bool control_due(const struct dg_faults *self, dg_ns now);
 /* eeprom_flip.c */
 /** A bit of region `region`, which is flipped. @return 0 or DG_ERR_IO */
 int control_flip(const struct dg_fault_target *target, uint8_t region, uint32_t bit);
-/** The same, with a note for undoing it. */
+/** The same of a checked region; `done` is what control_mend() needs. */
 int control_damage(const struct dg_fault_target *target, uint8_t region, uint32_t bit,
-                   int64_t *note);
+                   struct dg_fault_flip *done);
 /** Flip it back, unless the region was written since. */
-int control_mend(const struct dg_fault_target *target, uint8_t region, int64_t note);
+int control_mend(const struct dg_fault_target *target, uint8_t region,
+                 const struct dg_fault_flip *done);
 /** What damage of a region does. */
-const char *control_damage_effect(const struct dg_stack *stack, const char *region);
-const char *control_damage_chapter(const struct dg_stack *stack, const char *region);
-
-/* state.c: parts of STATe?. */
-void control_state_begin(struct dg_scpi *to, const char *key);
-void control_state_word(struct dg_scpi *to, const char *key, const char *word);
-void control_state_number(struct dg_scpi *to, const char *key, uint64_t value);
-void control_state_hex(struct dg_scpi *to, const char *key, uint64_t value, unsigned digits);
-/** Another item of a list of hexadecimal numbers. */
-void control_state_item(struct dg_scpi *to, bool *first, uint64_t value, unsigned digits);
-/** power, mode, and position. */
-void control_state_common(struct dg_scpi *to, bool powered, const char *mode, uint64_t position);
+const struct dg_damage_row *control_damage_of(const struct dg_instrument *instrument,
+                                              const char *region);
 
 /* Commands, by file. */
 control_handler control_encoders, control_select, control_selected; /* commands_encoder.c */
@@ -99,7 +86,6 @@ control_handler control_time, control_origin, control_set_scale,
     control_scale; /* commands_time.c */
 control_handler control_step_time;
 control_handler control_trace, control_trace_stop, control_last; /* commands_trace.c */
-control_handler control_frame, control_read, control_write;      /* commands_biss.c */
 
 /** For all commands that heal: every fault is cleared, every quantity healthy. */
 void control_clear_all(struct dg_scpi *self);

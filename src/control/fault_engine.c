@@ -2,7 +2,7 @@
 /*
  * Faults at work: what is active, what it bends, when it is over.
  *
- *   index   0 .. rows of the stack - 1   a row of fault_catalogue.c
+ *   index   0 .. rows that concern it - 1  a row of the instrument
  *           .. + checked regions - 1     a region of the encoder's EEPROM
  */
 #include "control_private.h"
@@ -16,8 +16,8 @@
 /* Whether this encoder can notice it. */
 static bool concerns(const struct dg_fault_target *target, const struct dg_fault_row *row)
 {
-    if (row->stack != target->stack || row->kind != DG_FAULT_WORLD) {
-        return row->stack == target->stack;
+    if (row->kind != DG_FAULT_WORLD) {
+        return true;
     }
     if (target->singleturn && dg_quantity_at(row->offset)->multiturn) {
         return false;
@@ -27,9 +27,11 @@ static bool concerns(const struct dg_fault_target *target, const struct dg_fault
 
 const struct dg_fault_row *control_row(const struct dg_fault_target *target, size_t index)
 {
-    for (size_t i = 0; i < dg_fault_row_count; i++) {
-        if (concerns(target, &dg_fault_rows[i]) && index-- == 0) {
-            return &dg_fault_rows[i];
+    const struct dg_instrument *instrument = target->instrument;
+
+    for (size_t i = 0; i < instrument->fault_count; i++) {
+        if (concerns(target, &instrument->faults[i]) && index-- == 0) {
+            return &instrument->faults[i];
         }
     }
     return NULL;
@@ -67,12 +69,13 @@ static bool region_entry(const struct dg_fault_target *target, size_t n, struct 
         return false;
     }
     const struct dg_store_region *row = &target->layout->regions[region];
+    const struct dg_damage_row *damage = control_damage_of(target->instrument, row->name);
     *out = (struct dg_fault_entry){
         .kind = DG_FAULT_MEMORY,
         .region = region,
         .cause = "a bit of the EEPROM has changed by itself",
-        .effect = control_damage_effect(target->stack, row->name),
-        .chapter = control_damage_chapter(target->stack, row->name),
+        .effect = damage->effect,
+        .chapter = damage->chapter,
         .code = row->startup_code,
     };
     struct control_text name = control_text_in(out->name, sizeof out->name);
@@ -185,9 +188,9 @@ static int corrupt(struct dg_faults *self, const struct dg_fault_target *target,
     /* A bit that is flipped already would only be flipped back. */
     const int result = dg_fault_clear(self, target, index);
 
-    return result == DG_OK ? control_damage(target, region, dg_fault_pick(self, bits),
-                                            &self->fault[index].healthy)
-                           : result;
+    return result == DG_OK
+               ? control_damage(target, region, dg_fault_pick(self, bits), &self->fault[index].flip)
+               : result;
 }
 
 static int begin(struct dg_faults *self, const struct dg_fault_target *target, size_t index,
@@ -243,7 +246,7 @@ int dg_fault_clear(struct dg_faults *self, const struct dg_fault_target *target,
         unbend(self, target, index, entry.row);
         break;
     case DG_FAULT_MEMORY:
-        if (control_mend(target, entry.region, fault->healthy) != DG_OK) {
+        if (control_mend(target, entry.region, &fault->flip) != DG_OK) {
             return DG_ERR_IO;
         }
         break;
@@ -310,9 +313,9 @@ uint32_t dg_fault_pick(struct dg_faults *self, uint32_t n)
     return (uint32_t)((uint64_t)self->random * n >> 32);
 }
 
-int64_t dg_fault_wire_value(const struct dg_stack *stack, enum dg_wire_fault fault)
+int64_t dg_fault_wire_value(const struct dg_instrument *instrument, enum dg_wire_fault fault)
 {
-    const struct dg_fault_target target = {.stack = stack};
+    const struct dg_fault_target target = {.instrument = instrument};
     const struct dg_fault_row *row;
 
     for (size_t i = 0; (row = control_row(&target, i)) != NULL; i++) {

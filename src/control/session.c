@@ -11,7 +11,7 @@ struct dg_rig *control_rig_of(const struct dg_scpi *self)
     return control->rig;
 }
 
-struct dg_encoder *control_encoder(const struct dg_scpi *self)
+struct dg_encoder *dg_control_selected(const struct dg_scpi *self)
 {
     return control_rig_of(self)->encoders[self->selected];
 }
@@ -20,15 +20,15 @@ void control_changed(struct dg_scpi *self)
 {
     struct dg_rig *rig = control_rig_of(self);
 
-    rig->ops->changed(rig, control_encoder(self), self->now);
+    rig->ops->changed(rig, dg_control_selected(self), self->now);
 }
 
-void control_refuse(struct dg_scpi *self, int code, const char *text)
+void dg_control_refuse(struct dg_scpi *self, int code, const char *text)
 {
     char detail[CONTROL_DETAIL_SIZE];
     struct control_text to = control_text_in(detail, sizeof detail);
 
-    control_append(&to, control_encoder(self)->name);
+    control_append(&to, dg_control_selected(self)->name);
     control_append(&to, ": ");
     control_append(&to, text);
     dg_scpi_raise(self, code, detail);
@@ -59,6 +59,16 @@ bool control_offered(struct dg_scpi *self, bool there)
     return there;
 }
 
+static const struct dg_scpi_commands *commands(const struct dg_scpi *self, size_t index)
+{
+    const struct dg_rig *rig = control_rig_of(self);
+
+    if (index == 0) {
+        return &dg_control_commands;
+    }
+    return index <= rig->instrument_count ? &rig->instruments[index - 1u]->commands : NULL;
+}
+
 static void forward(void *ctx, const char *bytes, size_t n)
 {
     const struct dg_control *self = ctx;
@@ -76,13 +86,12 @@ void dg_control_init(struct dg_control *self, struct dg_rig *rig,
                      void (*write)(void *ctx, const char *bytes, size_t n), void *ctx)
 {
     static const struct dg_scpi_ops ops = {
+        .commands = commands,
         .write = forward,
         .reset = control_reset,
         .settled = control_settled,
     };
     const struct dg_scpi_setup setup = {
-        .commands = dg_control_commands,
-        .command_count = dg_control_command_count,
         .ops = &ops,
         .ctx = self,
         .idn = self->idn,

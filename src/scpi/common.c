@@ -137,27 +137,31 @@ static void put_usage(struct dg_scpi *self, const struct dg_scpi_command *row, b
     dg_scpi_append(self, "\"");
 }
 
-static void put_rows(struct dg_scpi *self, const struct dg_scpi_command *rows, size_t count)
+static void put_rows(struct dg_scpi *self, const struct dg_scpi_commands *list)
 {
-    for (size_t i = 0; i < count; i++) {
-        if (rows[i].set != NULL) {
-            put_usage(self, &rows[i], false);
+    for (size_t i = 0; i < list->count; i++) {
+        const struct dg_scpi_command *row = &list->rows[i];
+        if (row->set != NULL) {
+            put_usage(self, row, false);
         }
-        if (rows[i].query != NULL) {
-            put_usage(self, &rows[i], true);
+        if (row->query != NULL) {
+            put_usage(self, row, true);
         }
     }
 }
 
 static void get_help(struct dg_scpi *self, uint32_t argument)
 {
+    const struct dg_scpi_commands *list;
+
     (void)argument;
-    put_rows(self, scpi_own, scpi_own_count);
-    put_rows(self, self->setup.commands, self->setup.command_count);
+    for (size_t i = 0; (list = scpi_commands(self, i)) != NULL; i++) {
+        put_rows(self, list);
+    }
 }
 
 /* clang-format off */
-const struct dg_scpi_command scpi_own[] = {
+static const struct dg_scpi_command rows[] = {
     {"*CLS", clear,    NULL,            0,        "",      "clear the event register and the error queue"},
     {"*ESE", set_mask, get_mask,        EVENTS,   "MASK",  "events that set bit 5 of the status byte"},
     {"*ESR", NULL,     get_events,      0,        "",      "event register; reading clears it"},
@@ -175,4 +179,4 @@ const struct dg_scpi_command scpi_own[] = {
     {"SYSTem:VERSion",         NULL, get_version,     0, "", "version of SCPI"},
 };
 /* clang-format on */
-const size_t scpi_own_count = sizeof scpi_own / sizeof scpi_own[0];
+const struct dg_scpi_commands scpi_own = {rows, sizeof rows / sizeof rows[0]};

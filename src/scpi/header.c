@@ -105,13 +105,18 @@ bool scpi_matches(const char *pattern, const char *header, size_t n)
     return !open;
 }
 
-static const struct dg_scpi_command *find_in(const struct dg_scpi_command *rows, size_t count,
+const struct dg_scpi_commands *scpi_commands(const struct dg_scpi *self, size_t index)
+{
+    return index == 0 ? &scpi_own : self->setup.ops->commands(self, index - 1u);
+}
+
+static const struct dg_scpi_command *find_in(const struct dg_scpi_commands *list,
                                              const char *header, size_t n, bool query)
 {
-    for (size_t i = 0; i < count; i++) {
-        if ((query ? rows[i].query : rows[i].set) != NULL &&
-            scpi_matches(rows[i].header, header, n)) {
-            return &rows[i];
+    for (size_t i = 0; i < list->count; i++) {
+        const struct dg_scpi_command *row = &list->rows[i];
+        if ((query ? row->query : row->set) != NULL && scpi_matches(row->header, header, n)) {
+            return row;
         }
     }
     return NULL;
@@ -120,10 +125,11 @@ static const struct dg_scpi_command *find_in(const struct dg_scpi_command *rows,
 const struct dg_scpi_command *scpi_find(const struct dg_scpi *self, const char *header, size_t n,
                                         bool query)
 {
-    const struct dg_scpi_command *own = find_in(scpi_own, scpi_own_count, header, n, query);
+    const struct dg_scpi_command *found = NULL;
+    const struct dg_scpi_commands *list;
 
-    if (own != NULL) {
-        return own;
+    for (size_t i = 0; found == NULL && (list = scpi_commands(self, i)) != NULL; i++) {
+        found = find_in(list, header, n, query);
     }
-    return find_in(self->setup.commands, self->setup.command_count, header, n, query);
+    return found;
 }

@@ -9,8 +9,7 @@
 #include "drehgeber/scpi.h"
 
 /** common.c: the engine's own commands, looked up before the host's. */
-extern const struct dg_scpi_command scpi_own[];
-extern const size_t scpi_own_count;
+extern const struct dg_scpi_commands scpi_own;
 
 /** header.c: characters and headers. */
 size_t scpi_length(const char *text);
@@ -23,6 +22,8 @@ bool scpi_same(const char *a, const char *b, size_t n);
 bool scpi_is_form(const char *name, size_t name_length, const char *text, size_t n);
 /** Whether the `n` characters at `header` call `pattern`, see dg_scpi_command.header. */
 bool scpi_matches(const char *pattern, const char *header, size_t n);
+/** List `index` of all commands, the engine's own first; NULL behind the last. */
+const struct dg_scpi_commands *scpi_commands(const struct dg_scpi *self, size_t index);
 /** The row that `header` (without '?') calls, or NULL. */
 const struct dg_scpi_command *scpi_find(const struct dg_scpi *self, const char *header, size_t n,
                                         bool query);

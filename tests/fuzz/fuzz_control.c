@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "control_rig.h"
+#include "drehgeber/instruments.h"
 #include "fuzz_input.h"
 
 #define COUNT(a) (sizeof(a) / sizeof((a)[0]))
@@ -27,6 +28,7 @@ struct bench {
     char last[CLIENTS]; /* character of its answers */
     struct dg_rig_ops able;
     struct dg_rig_ops unable; /* without what is optional */
+    const void *biss_port;
 };
 
 /* ------------------------------------------------------------ the host */
@@ -90,6 +92,7 @@ static void set_up(struct bench *bench)
     control_rig_start(rig);
     rig->ops.step = step;
     bench->able = rig->ops;
+    bench->biss_port = rig->encoder[CONTROL_RIG_BISS].port;
     bench->unable = (struct dg_rig_ops){.changed = rig->ops.changed, .wire = rig->ops.wire};
     connect(bench);
 }
@@ -133,7 +136,7 @@ static bool healthy(const struct dg_world *world)
 
 static void check_encoder(const struct dg_encoder *encoder)
 {
-    fuzz_must(encoder->kind->powered(encoder));
+    fuzz_must(dg_encoder_powered(encoder));
     fuzz_must(healthy(encoder->world));
     fuzz_must(encoder->faults.wire == 0);
     for (size_t i = 0; i < DG_FAULTS_MAX; i++) {
@@ -266,6 +269,16 @@ static int put_parameter(const struct bench *bench, size_t client, struct fuzz_i
     return snprintf(to, size, "%s", pick_value(input));
 }
 
+/* Of all commands: of every rig, and of those with BiSS. */
+static const char *pick_header(size_t index)
+{
+    const struct dg_scpi_commands *all = &dg_control_commands;
+    const struct dg_scpi_commands *own = &dg_biss_instrument.commands;
+
+    index %= all->count + own->count;
+    return index < all->count ? all->rows[index].header : own->rows[index - all->count].header;
+}
+
 /* A command that exists, with what may be a parameter of it. */
 static void op_command(struct bench *bench, struct fuzz_input *input)
 {
@@ -273,7 +286,7 @@ static void op_command(struct bench *bench, struct fuzz_input *input)
     const uint8_t how = fuzz_take(input);
     const size_t client = how & 1u;
     const bool query = (how & 4u) != 0;
-    const char *header = dg_control_commands[fuzz_take(input) % dg_control_command_count].header;
+    const char *header = pick_header(fuzz_take(input));
     char line[256];
     size_t n = put_header(line, header, (how & 2u) != 0);
 
@@ -328,6 +341,7 @@ static void op_host(struct bench *bench, struct fuzz_input *input)
 
     rig->result = results[how % COUNT(results)];
     rig->ops = how >= 0xC0 ? bench->unable : bench->able;
+    rig->encoder[CONTROL_RIG_BISS].port = how >= 0xC0 ? NULL : bench->biss_port;
     rig->lines = fuzz_take(input);
     rig->frame = rig->frame << 8 | fuzz_take(input);
     rig->frame_bits = fuzz_take(input);
@@ -370,6 +384,7 @@ static void restore(struct bench *bench)
 
     rig->result = DG_SCPI_NO_ERROR;
     rig->ops = bench->able;
+    rig->encoder[CONTROL_RIG_BISS].port = bench->biss_port;
     set_memory(rig, 0);
     connect(bench); /* anew: what a line that waits still has to say is not said any more */
     say(bench, "*RST;:SHAF:ACC 0;POS 0");

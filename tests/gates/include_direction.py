@@ -25,12 +25,21 @@ ALLOWED = {
     "interbus":  {"core"},
     "devices":   {"core", "hiperface", "biss", "ssi", "cia406", "interbus"},
     "scpi":      {"core"},
-    "control":   {"core", "motion", "scpi", "hiperface", "biss", "canopen", "cia406", "interbus", "devices"},
+    "control":   {"core", "motion", "scpi"},
+}
+# A protocol's instrument.c is the control plane's view of it: no other file of its folder knows that there is one.
+INSTRUMENT = {"core", "scpi", "control", "instruments"}
+ALLOWED |= {
+    "instruments":          {"core", "control"},
+    "hiperface/instrument": {"hiperface"} | INSTRUMENT,
+    "biss/instrument":      {"biss"} | INSTRUMENT,
+    "cia406/instrument":    {"canopen", "cia406"} | INSTRUMENT,
+    "interbus/instrument":  {"interbus"} | INSTRUMENT,
 }
 # room of platform/, folder of tools/: the same, and the rooms whose headers it may include:
 # base < nvm, trace, plan < wires < rig < tools. Private headers of src/ stand there as src/FOLDER.
 PROTOCOLS = {"hiperface", "biss", "ssi", "canopen", "cia406", "interbus"}
-BELOW = {"core", "control", "devices", "linux/base", "linux/nvm", "linux/trace", "linux/plan", "linux/wire"}
+BELOW = {"core", "control", "devices", "instruments", "linux/base", "linux/nvm", "linux/trace", "linux/plan", "linux/wire"}
 WIRES = {"linux/rs485", "linux/can", "linux/clocked", "linux/interbus"}
 ROOMS = {
     "linux/base":      {"core", "motion"},
@@ -44,7 +53,7 @@ ROOMS = {
     "linux/interbus":  {"interbus"} | BELOW,
     "linux/rig":       {"motion"} | PROTOCOLS | BELOW | WIRES,
     "tools/drehgeber": {"motion", "linux/rig"} | PROTOCOLS | BELOW | WIRES,
-    "tools/reference": {"core", "control", "devices"} | PROTOCOLS | {f"src/{folder}" for folder in PROTOCOLS},
+    "tools/reference": {"core", "control", "devices", "instruments"} | PROTOCOLS | {f"src/{folder}" for folder in PROTOCOLS},
     "tools/examples":  set(ALLOWED),
 }
 # public header: the folder that implements it
@@ -72,6 +81,8 @@ OWNER = {
     "shaft.h":     "motion",
     "scpi.h":      "scpi",
     "fault.h":     "control",
+    "instrument.h": "control",
+    "instruments.h": "instruments",
     "control.h":   "control",
 }
 ROWS = ALLOWED | ROOMS
@@ -88,6 +99,8 @@ def place_of(path):
     parts = path.split("/")[:-1]
     if parts[0] == "include":
         return OWNER.get(path.rsplit("/", 1)[1])
+    if path.startswith("src/") and path.endswith("/instrument.c"):
+        return path[len("src/"):-len(".c")]
     return "/".join(parts if parts[0] == "tools" else parts[1:])
 
 
@@ -104,6 +117,8 @@ def public(path, place, header):
 def private(path, place, header, at):
     """Why `path` must not include a header that is no public one, or None."""
     folder = path.rsplit("/", 1)[0]
+    if place.endswith("/instrument"):
+        return f"{place} sees the public headers only"
     if f"{folder}/{header}" in at.get(header, ()):
         return None
     if place in ALLOWED:

@@ -17,8 +17,13 @@ struct co_rig {
     struct ram_nvm nvm;
     struct dg_motion motion;
     struct dg_world world;
-    struct dg_cia406 encoder;
-    struct dg_co_node node;
+    union {
+        struct dg_cia406_device device;
+        struct { /* its parts */
+            struct dg_co_node node;
+            struct dg_cia406 encoder;
+        };
+    };
     dg_ns now;
     uint16_t kbaud;                           /**< last bit rate the node reported */
     uint32_t count;                           /**< frames sent since co_rig_forget() */

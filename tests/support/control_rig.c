@@ -3,6 +3,7 @@
 #include "drehgeber/biss.h"
 #include "drehgeber/devices.h"
 #include "drehgeber/hiperface.h"
+#include "drehgeber/instruments.h"
 #include "drehgeber/interbus.h"
 
 #include <setjmp.h>
@@ -105,35 +106,40 @@ static int step(struct dg_rig *rig, dg_ns span, char *detail)
     return asked(rig_of(rig), "step", NULL, NULL, detail);
 }
 
-static int biss_frame(struct dg_rig *rig, struct dg_encoder *encoder, uint64_t *bits,
-                      uint8_t *count, char *detail)
+static int biss_frame(void *ctx, uint64_t *bits, uint8_t *count, char *detail)
 {
-    *bits = rig_of(rig)->frame;
-    *count = rig_of(rig)->frame_bits;
-    return asked(rig_of(rig), "frame", encoder, NULL, detail);
+    struct control_rig *self = ctx;
+
+    *bits = self->frame;
+    *count = self->frame_bits;
+    return asked(self, "frame", &self->encoder[CONTROL_RIG_BISS], NULL, detail);
 }
 
-static int biss_read(struct dg_rig *rig, struct dg_encoder *encoder, uint8_t address,
-                     uint8_t *bytes, size_t n, char *detail)
+static int biss_read(void *ctx, uint8_t address, uint8_t *bytes, size_t n, char *detail)
 {
-    struct control_rig *self = rig_of(rig);
+    struct control_rig *self = ctx;
 
     self->number[0] = address;
     self->number[1] = (int64_t)n;
     memcpy(bytes, self->bytes, n);
-    return asked(self, "read", encoder, NULL, detail);
+    return asked(self, "read", &self->encoder[CONTROL_RIG_BISS], NULL, detail);
 }
 
-static int biss_write(struct dg_rig *rig, struct dg_encoder *encoder, uint8_t address,
-                      const uint8_t *bytes, size_t n, char *detail)
+static int biss_write(void *ctx, uint8_t address, const uint8_t *bytes, size_t n, char *detail)
 {
-    struct control_rig *self = rig_of(rig);
+    struct control_rig *self = ctx;
 
     self->number[0] = address;
     self->number[1] = (int64_t)n;
     memcpy(self->bytes, bytes, n);
-    return asked(self, "write", encoder, NULL, detail);
+    return asked(self, "write", &self->encoder[CONTROL_RIG_BISS], NULL, detail);
 }
+
+static const struct dg_biss_port_ops biss_port = {
+    .frame = biss_frame,
+    .read = biss_read,
+    .write = biss_write,
+};
 
 static const struct dg_rig_ops all = {
     .changed = changed,
@@ -147,9 +153,6 @@ static const struct dg_rig_ops all = {
     .set_scale = set_scale,
     .scale = scale,
     .step = step,
-    .biss_frame = biss_frame,
-    .biss_read = biss_read,
-    .biss_write = biss_write,
 };
 
 static void take(void *ctx, const char *bytes, size_t n)
@@ -198,7 +201,7 @@ static void start_encoders(struct control_rig *self)
         {"hf", "s3684-rs485", &self->hf.device, &self->hf.world, self->hf.device.setup.nvm},
         {"biss-1", "s3684-biss", &self->biss.slave[0], &self->biss.world,
          ram_nvm_port(&self->biss.nvm[0])},
-        {"can", "f3668", &self->co.node, &self->co.world, ram_nvm_port(&self->co.nvm)},
+        {"can", "f3668", &self->co.device, &self->co.world, ram_nvm_port(&self->co.nvm)},
         {"k3", "ocd-ib-k3", &self->k3.device, &self->k3.world, ram_nvm_port(&self->k3.nvm)},
         {"k2", "ocd-ib-k2", &self->k2.device, &self->k2.world, {NULL, NULL}},
     };
@@ -209,7 +212,7 @@ static void start_encoders(struct control_rig *self)
         *encoder = (struct dg_encoder){
             .name = rows[i].name,
             .model = model,
-            .kind = dg_encoder_kind_of(model->stack),
+            .instrument = dg_instrument_of(model->stack),
             .device = rows[i].device,
             .world = rows[i].world,
             .shaft = &self->shaft[i == CONTROL_RIG_K2],
@@ -217,6 +220,10 @@ static void start_encoders(struct control_rig *self)
             .serial = 1234567890u,
             .host = wires[i],
         };
+        if (i == CONTROL_RIG_BISS) {
+            encoder->port = &biss_port;
+            encoder->port_ctx = self;
+        }
         encoder->world->angle = dg_shaft_angle;
         encoder->world->angle_ctx = &encoder->shaft->shaft;
         self->encoders[i] = encoder;
@@ -237,6 +244,8 @@ void control_rig_start(struct control_rig *self)
         .encoder_count = CONTROL_RIG_ENCODERS,
         .shafts = self->shafts,
         .shaft_count = COUNT(self->shafts),
+        .instruments = dg_instruments,
+        .instrument_count = dg_instrument_count,
         .ops = &self->ops,
         .host = self,
     };

@@ -12,6 +12,7 @@
 #include "drehgeber/cia406.h"
 #include "drehgeber/devices.h"
 #include "drehgeber/hiperface.h"
+#include "drehgeber/instruments.h"
 #include "drehgeber/interbus.h"
 
 #define EMCY 0x0BFu
@@ -23,8 +24,8 @@ static void aim(const struct dg_stack *stack, struct dg_world *world,
                 const struct dg_store_layout *layout, struct dg_nvm nvm)
 {
     memset(&fault_rig.faults, 0, sizeof fault_rig.faults);
-    fault_rig.target =
-        (struct dg_fault_target){.stack = stack, .world = world, .layout = layout, .nvm = nvm};
+    fault_rig.target = (struct dg_fault_target){
+        .instrument = dg_instrument_of(stack), .world = world, .layout = layout, .nvm = nvm};
 }
 
 void fault_rig_start_hf(void)

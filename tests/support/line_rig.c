@@ -13,6 +13,7 @@
 
 #include <cmocka.h>
 
+#include "drehgeber/instruments.h"
 #include "hf_rig.h"
 #include "timer.h"
 
@@ -211,7 +212,7 @@ void line_rig_inject(struct line_rig *self, size_t index, const char *name, uint
 {
     struct lx_station *station = self->stations[index];
     const struct dg_fault_target target = {
-        .stack = &dg_hf_stack,
+        .instrument = &dg_hf_instrument,
         .world = &station->world,
         .layout = &dg_hf_layout,
         .nvm = station->control.nvm,

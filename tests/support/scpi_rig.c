@@ -199,12 +199,24 @@ const struct dg_scpi_command scpi_rig_commands[] = {
 /* clang-format on */
 const size_t scpi_rig_command_count = LENGTH(scpi_rig_commands);
 
+/* In two lists: the engine takes any number of them. */
+static const struct dg_scpi_commands *commands(const struct dg_scpi *session, size_t index)
+{
+    enum { FIRST = 10 };
+    static const struct dg_scpi_commands lists[] = {
+        {scpi_rig_commands, FIRST},
+        {scpi_rig_commands + FIRST, LENGTH(scpi_rig_commands) - FIRST},
+    };
+
+    (void)session;
+    return index < LENGTH(lists) ? &lists[index] : NULL;
+}
+
 void scpi_rig_init(struct scpi_rig *self)
 {
-    static const struct dg_scpi_ops ops = {.write = write_out, .reset = reset, .settled = settled};
+    static const struct dg_scpi_ops ops = {
+        .commands = commands, .write = write_out, .reset = reset, .settled = settled};
     const struct dg_scpi_setup setup = {
-        .commands = scpi_rig_commands,
-        .command_count = scpi_rig_command_count,
         .ops = &ops,
         .ctx = self,
         .idn = "drehgeber,rig,0,1.2.3",

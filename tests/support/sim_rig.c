@@ -8,6 +8,7 @@
 
 #include <cmocka.h>
 
+#include "drehgeber/instruments.h"
 #include "timer.h"
 
 #define MODEL "s3684-biss"
@@ -89,6 +90,9 @@ void sim_rig_open(struct sim_rig *self)
     sim_rig_stations(self);
     self->bus = lx_sim_bus_make(&self->setup, &error);
     assert_non_null(self->bus);
+    for (size_t i = 0; i < self->plan.encoder_count; i++) {
+        self->station[i].bus = self->bus;
+    }
     assert_int_equal(self->bus->ops->open(self->bus, SIM_RIG_POWER_ON, &error), 0);
     self->heard.listener = (struct lx_tap_listener){.event = on_event, .ctx = &self->heard};
     self->heard.ma = true;
@@ -107,8 +111,10 @@ void sim_rig_close(struct sim_rig *self)
 
 int sim_rig_frame(struct sim_rig *self, size_t place)
 {
-    return self->bus->ops->biss_frame(self->bus, self->stations[place], &self->bits, &self->count,
-                                      self->detail);
+    const struct dg_encoder *encoder = &self->stations[place]->control;
+    const struct dg_biss_port_ops *port = encoder->port;
+
+    return port->frame(encoder->port_ctx, &self->bits, &self->count, self->detail);
 }
 
 /* MT:ST of the last frame. */
@@ -125,15 +131,26 @@ bool sim_rig_crc_ok(const struct sim_rig *self)
 
 int sim_rig_read(struct sim_rig *self, size_t place, uint8_t address, uint8_t *bytes, size_t n)
 {
-    return self->bus->ops->biss_read(self->bus, self->stations[place], address, bytes, n,
-                                     self->detail);
+    const struct dg_encoder *encoder = &self->stations[place]->control;
+    const struct dg_biss_port_ops *port = encoder->port;
+
+    return port->read(encoder->port_ctx, address, bytes, n, self->detail);
+}
+
+int sim_rig_write(struct sim_rig *self, size_t place, uint8_t address, const uint8_t *bytes,
+                  size_t n)
+{
+    const struct dg_encoder *encoder = &self->stations[place]->control;
+    const struct dg_biss_port_ops *port = encoder->port;
+
+    return port->write(encoder->port_ctx, address, bytes, n, self->detail);
 }
 
 void sim_rig_inject(struct sim_rig *self, size_t place, const char *name, uint32_t count)
 {
     struct lx_station *station = self->stations[place];
     const struct dg_fault_target target = {
-        .stack = &dg_biss_stack,
+        .instrument = &dg_biss_instrument,
         .world = &station->world,
         .layout = &dg_biss_layout,
         .nvm = station->control.nvm,

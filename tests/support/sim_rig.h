@@ -77,6 +77,8 @@ bool sim_rig_crc_ok(const struct sim_rig *self);
 
 /** BISS:READ?. @return a DG_SCPI code */
 int sim_rig_read(struct sim_rig *self, size_t place, uint8_t address, uint8_t *bytes, size_t n);
+int sim_rig_write(struct sim_rig *self, size_t place, uint8_t address, const uint8_t *bytes,
+                  size_t n);
 
 /** Set a fault; `count` 0: it stays. */
 void sim_rig_inject(struct sim_rig *self, size_t place, const char *name, uint32_t count);

@@ -6,6 +6,7 @@
 
 #include <cmocka.h>
 
+#include "drehgeber/instruments.h"
 #include "timer.h"
 
 static size_t entry_of(const struct dg_fault_target *target, enum dg_wire_fault fault)
@@ -23,7 +24,8 @@ static size_t entry_of(const struct dg_fault_target *target, enum dg_wire_fault 
 void station_bend(struct lx_station *station, const struct dg_stack *stack,
                   enum dg_wire_fault fault, uint32_t count)
 {
-    const struct dg_fault_target target = {.stack = stack, .world = &station->world};
+    const struct dg_fault_target target = {.instrument = dg_instrument_of(stack),
+                                           .world = &station->world};
     const struct dg_fault_limits limits = {count, 1000000, DG_NEVER};
     assert_int_equal(dg_fault_set(&station->control.faults, &target, entry_of(&target, fault),
                                   lx_now(), &limits),
@@ -33,7 +35,8 @@ void station_bend(struct lx_station *station, const struct dg_stack *stack,
 void station_mend(struct lx_station *station, const struct dg_stack *stack,
                   enum dg_wire_fault fault)
 {
-    const struct dg_fault_target target = {.stack = stack, .world = &station->world};
+    const struct dg_fault_target target = {.instrument = dg_instrument_of(stack),
+                                           .world = &station->world};
     assert_int_equal(dg_fault_clear(&station->control.faults, &target, entry_of(&target, fault)),
                      DG_OK);
 }

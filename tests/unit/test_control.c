@@ -13,6 +13,7 @@
 #include <cmocka.h>
 
 #include "control_rig.h"
+#include "drehgeber/instruments.h"
 
 #define QUARTER (DG_TURN / 4)
 
@@ -45,18 +46,43 @@ static void select_encoder(const char *name)
 
 /* ------------------------------------------------------------ the table, the session */
 
-static void test_table(void **state)
+static void expect_rows(const struct dg_scpi_commands *list)
 {
-    (void)state;
-    for (size_t i = 0; i < dg_control_command_count; i++) {
-        const struct dg_scpi_command *row = &dg_control_commands[i];
+    for (size_t i = 0; i < list->count; i++) {
+        const struct dg_scpi_command *row = &list->rows[i];
         assert_true(row->set != NULL || row->query != NULL);
         assert_non_null(row->parameters);
         assert_true(strlen(row->help) > 0 && strlen(row->help) <= DG_SCPI_LINE_MAX);
         assert_null(strpbrk(row->help, "\n"));
         assert_true(strlen(row->header) > 0 && row->header[strlen(row->header) - 1u] != '?');
     }
+}
+
+static void test_table(void **state)
+{
+    (void)state;
+    expect_rows(&dg_control_commands);
+    for (size_t i = 0; i < dg_instrument_count; i++) {
+        expect_rows(&dg_instruments[i]->commands);
+    }
     assert_non_null(strstr(control_rig_say(&rig, "SYST:HELP?"), "FAULt:SET NAME"));
+}
+
+/* An instrument's own commands are there when the rig has that instrument, whatever is selected. */
+static void test_commands_of_instruments(void **state)
+{
+    (void)state;
+    select_encoder("hf");
+    assert_non_null(strstr(control_rig_say(&rig, "SYST:HELP?"), "\"BISS:FRAMe?\""));
+    rig.rig.instruments = NULL;
+    rig.rig.instrument_count = 0;
+    assert_null(strstr(control_rig_say(&rig, "SYST:HELP?"), "BISS"));
+    assert_non_null(strstr(control_rig_say(&rig, "SYST:HELP?"), "TRACe:LAST? [N]"));
+    select_encoder("biss-1");
+    refuse("BISS:FRAM?", "-113", NULL);
+    rig.rig.instruments = &dg_instruments[1];
+    rig.rig.instrument_count = 1;
+    refuse("BISS:FRAM?", "-240", "no data");
 }
 
 static void test_identity(void **state)
@@ -369,11 +395,11 @@ static void test_power(void **state)
         select_encoder(encoder->name);
         expect("POW?", "1");
         expect("POW OFF", "");
-        assert_false(encoder->kind->powered(encoder));
+        assert_false(dg_encoder_powered(encoder));
         assert_ptr_equal(rig.changed, encoder);
         expect("POW?", "0");
         expect("POWer ON;POW?", "1");
-        assert_true(encoder->kind->powered(encoder));
+        assert_true(dg_encoder_powered(encoder));
         expect("POW 0;POW?;POW 1;POW?", "0;1");
     }
     refuse("POW", "-109", NULL);
@@ -511,8 +537,8 @@ static void test_frame_without_data(void **state)
     refuse("BISS:FRAM?", "-240", "biss-1: no data");
     rig.result = DG_SCPI_HARDWARE;
     refuse("BISS:FRAM?", "-240", "as frame says");
-    rig.ops.biss_frame = NULL;
-    refuse("BISS:FRAM?", "-241", NULL);
+    rig.encoder[CONTROL_RIG_BISS].port = NULL;
+    refuse("BISS:FRAM?", "-241", "no simulated BiSS wire");
     select_encoder("hf");
     refuse("BISS:FRAM?", "-241", "hf: it is no BiSS encoder");
 }
@@ -534,8 +560,8 @@ static void test_read_registers(void **state)
     refuse("BISS:REG?", "-109", NULL);
     rig.result = DG_SCPI_HARDWARE;
     refuse("BISS:REG? 1", "-240", "as read says");
-    rig.ops.biss_read = NULL;
-    refuse("BISS:REG? 1", "-241", NULL);
+    rig.encoder[CONTROL_RIG_BISS].port = NULL;
+    refuse("BISS:REG? 1", "-241", "no simulated BiSS wire");
     select_encoder("can");
     refuse("BISS:REG? 1", "-241", "can: it is no BiSS encoder");
 }
@@ -564,8 +590,8 @@ static void test_write_registers(void **state)
     assert_null(rig.call);
     rig.result = DG_SCPI_HARDWARE;
     refuse("BISS:REG 27,0", "-240", "as write says");
-    rig.ops.biss_write = NULL;
-    refuse("BISS:REG 27,0", "-241", NULL);
+    rig.encoder[CONTROL_RIG_BISS].port = NULL;
+    refuse("BISS:REG 27,0", "-241", "no simulated BiSS wire");
     select_encoder("k3");
     refuse("BISS:REG 27,0", "-241", NULL);
 }
@@ -574,6 +600,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup(test_table, setup),
+        cmocka_unit_test_setup(test_commands_of_instruments, setup),
         cmocka_unit_test_setup(test_identity, setup),
         cmocka_unit_test_setup(test_encoders, setup),
         cmocka_unit_test_setup(test_two_clients, setup),

@@ -439,23 +439,31 @@ static void test_k2(void **state)
     expect("valid=0");
 }
 
-/* ------------------------------------------------------------ kinds */
+/* ------------------------------------------------------------ encoders */
 
-static void test_kinds(void **state)
+static void test_targets(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < dg_device_count; i++) {
-        assert_ptr_equal(dg_encoder_kind_of(dg_devices[i]->stack)->stack, dg_devices[i]->stack);
-    }
     for (size_t i = 0; i < CONTROL_RIG_ENCODERS; i++) {
         const struct dg_fault_target target = dg_encoder_target(&rig.encoder[i]);
-        assert_ptr_equal(target.stack, rig.encoder[i].kind->stack);
+        assert_ptr_equal(target.instrument->stack, rig.encoder[i].model->stack);
         assert_true((target.layout == NULL) == (i == CONTROL_RIG_K2));
+        assert_false(target.singleturn);
     }
     rig.encoder[CONTROL_RIG_HF].nvm.ops = NULL;
     assert_null(dg_encoder_target(&rig.encoder[CONTROL_RIG_HF]).layout);
-    assert_null(rig.encoder[CONTROL_RIG_K2].kind->layout(&rig.encoder[CONTROL_RIG_K2]));
-    assert_int_equal(rig.encoder[CONTROL_RIG_K2].kind->format(&rig.encoder[CONTROL_RIG_K2]), DG_OK);
+    assert_int_equal(dg_encoder_format(&rig.encoder[CONTROL_RIG_K2]), DG_OK);
+}
+
+/* The figures of the device count, whatever the catalogue says of its model. */
+static void test_target_of_other_figures(void **state)
+{
+    struct dg_hf_model model = *rig.hf.device.setup.model;
+
+    (void)state;
+    model.turns = 1;
+    rig.hf.device.setup.model = &model;
+    assert_true(dg_encoder_target(&rig.encoder[CONTROL_RIG_HF]).singleturn);
 }
 
 int main(void)
@@ -480,7 +488,8 @@ int main(void)
         cmocka_unit_test_setup(test_k3_lost, setup),
         cmocka_unit_test_setup(test_k3_leds, setup),
         cmocka_unit_test_setup(test_k2, setup),
-        cmocka_unit_test_setup(test_kinds, setup),
+        cmocka_unit_test_setup(test_targets, setup),
+        cmocka_unit_test_setup(test_target_of_other_figures, setup),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -15,6 +15,7 @@
 #include "drehgeber/control.h"
 #include "drehgeber/devices.h"
 #include "drehgeber/hiperface.h"
+#include "drehgeber/instruments.h"
 #include "hf_rig.h"
 
 #define NAME_CHARACTERS "abcdefghijklmnopqrstuvwxyz0123456789_"
@@ -31,7 +32,7 @@ static int setup(void **state)
     (void)state;
     assert_int_equal(hf_rig_init(&rig, dg_hf_model_of(dg_device_find("s3684-rs485"))), DG_OK);
     memset(&faults, 0, sizeof faults);
-    target = (struct dg_fault_target){.stack = &dg_hf_stack,
+    target = (struct dg_fault_target){.instrument = &dg_hf_instrument,
                                       .world = &rig.world,
                                       .layout = &dg_hf_layout,
                                       .nvm = hf_rig_setup(&rig, NULL).nvm};
@@ -77,7 +78,7 @@ static void expect_line(const char *text)
 
 static void expect_catalogue(const struct dg_device *device)
 {
-    const struct dg_fault_target all = {.stack = device->stack,
+    const struct dg_fault_target all = {.instrument = dg_instrument_of(device->stack),
                                         .world = &rig.world,
                                         .layout = device->stack->layout(device->model)};
     struct dg_fault_entry entry;
@@ -103,16 +104,32 @@ static void test_catalogues(void **state)
     }
 }
 
+/* Every stack is an instrument; those of models with an EEPROM say what its damage does. */
+static void test_instruments(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < dg_device_count; i++) {
+        const struct dg_instrument *instrument = dg_instrument_of(dg_devices[i]->stack);
+        assert_non_null(instrument);
+        assert_ptr_equal(instrument->stack, dg_devices[i]->stack);
+        assert_true(instrument->mode != NULL && instrument->state != NULL);
+        assert_true(instrument->damage != NULL ||
+                    dg_devices[i]->stack->layout(dg_devices[i]->model) == NULL);
+    }
+    for (size_t i = 0; i < dg_instrument_count; i++) {
+        assert_ptr_equal(dg_instrument_of(dg_instruments[i]->stack), dg_instruments[i]);
+    }
+    assert_null(dg_instrument_of(NULL));
+}
+
 /* A row has what its kind needs, and a value that is not the healthy one. */
-static void test_rows(void **state)
+static void expect_rows(const struct dg_instrument *instrument)
 {
     struct dg_world world;
 
-    (void)state;
     dg_world_init(&world);
-    for (size_t i = 0; i < dg_fault_row_count; i++) {
-        const struct dg_fault_row *row = &dg_fault_rows[i];
-        assert_non_null(row->stack);
+    for (size_t i = 0; i < instrument->fault_count; i++) {
+        const struct dg_fault_row *row = &instrument->faults[i];
         if (row->kind == DG_FAULT_WORLD) {
             const uint8_t *at = (const uint8_t *)&world + row->offset;
             assert_true(row->size == 1 || row->size == 2 || row->size == 4);
@@ -123,6 +140,14 @@ static void test_rows(void **state)
             assert_true(row->wire < DG_WIRE_FAULT_COUNT);
             assert_true((row->value > 0) == (row->wire == DG_WIRE_DELAY));
         }
+    }
+}
+
+static void test_rows(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < dg_instrument_count; i++) {
+        expect_rows(dg_instruments[i]);
     }
 }
 
@@ -196,11 +221,11 @@ static void test_limits_that_cannot_be(void **state)
         assert_int_equal(active(rows[i].name), rows[i].result == DG_OK);
         assert_int_equal(clear(rows[i].name), DG_OK);
     }
-    target = (struct dg_fault_target){.stack = &dg_cia406_stack, .world = &rig.world};
+    target = (struct dg_fault_target){.instrument = &dg_cia406_instrument, .world = &rig.world};
     assert_int_equal(set("bus_off", &rows[0].limits), DG_ERR_ARGUMENT);
     assert_int_equal(set("error_passive", &rows[1].limits), DG_ERR_ARGUMENT);
     assert_int_equal(set("overrun", &rows[0].limits), DG_OK);
-    target.stack = &dg_biss_stack;
+    target.instrument = &dg_biss_instrument;
     assert_int_equal(set("wire_break", &rows[0].limits), DG_ERR_ARGUMENT);
 }
 
@@ -451,7 +476,8 @@ static void test_each_wire_fault_is_its_own(void **state)
     for (size_t d = 0; d < dg_device_count; d++) {
         const struct dg_stack *stack = dg_devices[d]->stack;
         struct dg_fault_entry entry;
-        target = (struct dg_fault_target){.stack = stack, .world = &rig.world};
+        target =
+            (struct dg_fault_target){.instrument = dg_instrument_of(stack), .world = &rig.world};
         for (size_t i = 0; dg_fault_entry(&target, i, &entry); i++) {
             if (entry.kind != DG_FAULT_WIRE) {
                 continue;
@@ -460,14 +486,15 @@ static void test_each_wire_fault_is_its_own(void **state)
             assert_int_equal(faults.wire, 1u << entry.row->wire);
             assert_true(dg_fault_wire_takes(&faults, (enum dg_wire_fault)entry.row->wire));
             assert_int_equal(faults.fault[i].happened, 1);
-            assert_int_equal(dg_fault_wire_value(stack, (enum dg_wire_fault)entry.row->wire),
-                             entry.row->value);
+            assert_int_equal(
+                dg_fault_wire_value(target.instrument, (enum dg_wire_fault)entry.row->wire),
+                entry.row->value);
             assert_int_equal(dg_fault_clear(&faults, &target, i), DG_OK);
             assert_int_equal(faults.wire, 0);
         }
     }
-    assert_int_equal(dg_fault_wire_value(&dg_biss_stack, DG_WIRE_DELAY), 100000);
-    assert_int_equal(dg_fault_wire_value(&dg_biss_stack, DG_WIRE_BUS_OFF), 0);
+    assert_int_equal(dg_fault_wire_value(&dg_biss_instrument, DG_WIRE_DELAY), 100000);
+    assert_int_equal(dg_fault_wire_value(&dg_biss_instrument, DG_WIRE_BUS_OFF), 0);
 }
 
 static void test_count(void **state)
@@ -528,6 +555,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup(test_catalogues, setup),
+        cmocka_unit_test_setup(test_instruments, setup),
         cmocka_unit_test_setup(test_rows, setup),
         cmocka_unit_test_setup(test_names_are_found, setup),
         cmocka_unit_test_setup(test_without_memory_there_is_no_region, setup),

@@ -322,9 +322,9 @@ static void help_lists_all(void **state)
         expected += scpi_rig_commands[i].set != NULL ? 1u : 0u;
         expected += scpi_rig_commands[i].query != NULL ? 1u : 0u;
     }
-    for (size_t i = 0; i < scpi_own_count; i++) {
-        expected += scpi_own[i].set != NULL ? 1u : 0u;
-        expected += scpi_own[i].query != NULL ? 1u : 0u;
+    for (size_t i = 0; i < scpi_own.count; i++) {
+        expected += scpi_own.rows[i].set != NULL ? 1u : 0u;
+        expected += scpi_own.rows[i].query != NULL ? 1u : 0u;
     }
     scpi_rig_init(&rig);
     scpi_rig_send(&rig, "SYST:HELP:HEAD?\n");
@@ -350,15 +350,15 @@ static void tables_are_sound(void **state)
 {
     (void)state;
     scpi_rig_init(&rig);
-    for (size_t i = 0; i < scpi_own_count; i++) {
-        const struct dg_scpi_command *row = &scpi_own[i];
+    for (size_t i = 0; i < scpi_own.count; i++) {
+        const struct dg_scpi_command *row = &scpi_own.rows[i];
         assert_true(row->set != NULL || row->query != NULL);
         assert_true(strlen(row->help) > 0);
-        for (size_t j = 0; j < scpi_own_count; j++) {
-            assert_true(i == j || strcmp(row->header, scpi_own[j].header) != 0);
+        for (size_t j = 0; j < scpi_own.count; j++) {
+            assert_true(i == j || strcmp(row->header, scpi_own.rows[j].header) != 0);
         }
     }
-    assert_ptr_equal(scpi_find(&rig.session, "*cls", 4, false), &scpi_own[0]);
+    assert_ptr_equal(scpi_find(&rig.session, "*cls", 4, false), &scpi_own.rows[0]);
     assert_null(scpi_find(&rig.session, "*cls", 4, true));
 }
 

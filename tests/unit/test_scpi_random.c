@@ -126,7 +126,7 @@ static void random_forms_are_found(void **state)
 {
     (void)state;
     scpi_rig_init(&rig);
-    rows_are_found(scpi_own, scpi_own_count);
+    rows_are_found(scpi_own.rows, scpi_own.count);
     rows_are_found(scpi_rig_commands, scpi_rig_command_count);
 }
 

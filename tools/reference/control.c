@@ -1,22 +1,18 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Prints the generated part of src/control/README.md from the command table and the catalogue.
+ * Prints the generated part of src/control/README.md from the command tables and the catalogues.
  */
 #include <stdio.h>
 #include <string.h>
 
-#include "drehgeber/biss.h"
-#include "drehgeber/cia406.h"
 #include "drehgeber/control.h"
-#include "drehgeber/hiperface.h"
-#include "drehgeber/interbus.h"
+#include "drehgeber/devices.h"
+#include "drehgeber/instruments.h"
 
-static void print_commands(void)
+static void print_list(const struct dg_scpi_commands *list)
 {
-    puts("| command | parameters | query | what |");
-    puts("|---|---|---|---|");
-    for (size_t i = 0; i < dg_control_command_count; i++) {
-        const struct dg_scpi_command *row = &dg_control_commands[i];
+    for (size_t i = 0; i < list->count; i++) {
+        const struct dg_scpi_command *row = &list->rows[i];
         const char *quote = row->parameters[0] != '\0' ? "`" : "";
         char parameters[80] = "";
         /* A bar would end the column. */
@@ -35,6 +31,16 @@ static void print_commands(void)
     }
 }
 
+static void print_commands(void)
+{
+    puts("| command | parameters | query | what |");
+    puts("|---|---|---|---|");
+    print_list(&dg_control_commands);
+    for (size_t i = 0; i < dg_instrument_count; i++) {
+        print_list(&dg_instruments[i]->commands);
+    }
+}
+
 static const char *kind_of(enum dg_fault_kind kind)
 {
     static const char *const names[] = {
@@ -46,9 +52,10 @@ static const char *kind_of(enum dg_fault_kind kind)
     return names[kind];
 }
 
-static void print_faults(const struct dg_stack *stack, const struct dg_store_layout *layout)
+static void print_faults(const struct dg_device *device)
 {
-    const struct dg_fault_target target = {.stack = stack, .layout = layout};
+    const struct dg_fault_target target = {.instrument = dg_instrument_of(device->stack),
+                                           .layout = device->stack->layout(device->model)};
     struct dg_fault_entry entry;
 
     puts("| name | kind | cause | what the device does | source |");
@@ -59,28 +66,30 @@ static void print_faults(const struct dg_stack *stack, const struct dg_store_lay
     }
 }
 
+/* The last one of a stack has everything that can fail. */
+static const struct dg_device *last_of(const char *stack)
+{
+    const struct dg_device *found = NULL;
+
+    for (size_t i = 0; i < dg_device_count; i++) {
+        if (strcmp(dg_devices[i]->stack->name, stack) == 0) {
+            found = dg_devices[i];
+        }
+    }
+    return found;
+}
+
 int main(int argc, char **argv)
 {
-    const struct {
-        const char *name;
-        const struct dg_stack *stack;
-        const struct dg_store_layout *layout;
-    } stacks[] = {
-        {"hiperface", &dg_hf_stack, &dg_hf_layout},
-        {"biss", &dg_biss_stack, &dg_biss_layout},
-        {"canopen", &dg_cia406_stack, dg_cia406_multiturn.layout},
-        {"interbus", &dg_ib_stack, &dg_ib_layout},
-    };
+    const struct dg_device *device = argc == 2 ? last_of(argv[1]) : NULL;
 
     if (argc == 2 && strcmp(argv[1], "commands") == 0) {
         print_commands();
         return 0;
     }
-    for (size_t i = 0; argc == 2 && i < sizeof stacks / sizeof stacks[0]; i++) {
-        if (strcmp(argv[1], stacks[i].name) == 0) {
-            print_faults(stacks[i].stack, stacks[i].layout);
-            return 0;
-        }
+    if (device != NULL) {
+        print_faults(device);
+        return 0;
     }
     (void)fprintf(stderr, "usage: reference-control commands|hiperface|biss|canopen|interbus\n");
     return 2;

@@ -17,7 +17,7 @@
 
 static bool is_answer(const struct lx_can_node *from, const struct dg_can_frame *frame)
 {
-    return frame->id == ID_SDO + from->device.id || frame->id == ID_LSS;
+    return frame->id == ID_SDO + from->device.node.id || frame->id == ID_LSS;
 }
 
 void lx_can_answer(struct lx_can_node *from, const struct dg_can_frame *frame)

@@ -96,7 +96,7 @@ static void tune(struct lx_can_bus *self)
     for (size_t i = 0; i < count; i++) {
         struct lx_can_node *node = &self->node[i];
         node->index = LX_CAN_DEAF;
-        if (node->hears && dg_co_net_add(&self->net, &node->device) == DG_OK) {
+        if (node->hears && dg_co_net_add(&self->net, &node->device.node) == DG_OK) {
             node->index = (uint8_t)(self->net.count - 1u);
         }
     }
@@ -108,7 +108,7 @@ static dg_ns step(struct lx_can_bus *self, dg_ns now)
     dg_ns next = dg_co_net_step(&self->net, now);
     for (size_t i = 0; i < self->bus.setup.count; i++) {
         if (!self->node[i].hears) {
-            next = dg_earliest(next, dg_co_step(&self->node[i].device, now));
+            next = dg_earliest(next, dg_co_step(&self->node[i].device.node, now));
         }
     }
     return next;
@@ -266,7 +266,7 @@ static void address(const struct lx_bus *bus, const struct lx_station *station, 
 {
     const struct lx_can_bus *self = (const struct lx_can_bus *)bus;
     const struct lx_can_node *node = &self->node[station->place];
-    (void)snprintf(to, size, "%s/%u", self->can->address, node->device.id);
+    (void)snprintf(to, size, "%s/%u", self->can->address, node->device.node.id);
 }
 
 static void changed(struct lx_bus *bus, struct lx_station *station, dg_ns now)

@@ -54,8 +54,7 @@ struct lx_can_layer {
 struct lx_can_node {
     struct lx_can_bus *bus;
     struct lx_station *station;
-    struct dg_co_node device;
-    struct dg_cia406 encoder;
+    struct dg_cia406_device device;
     struct dg_cia406_model model; /**< with what the plan sets */
     struct lx_nvm_memory memory;
     struct lx_nvm_file file;

@@ -8,6 +8,7 @@
  *   offer -- bus-off? deaf? overrun? --> node
  */
 #include "can_bus.h"
+#include "drehgeber/instruments.h"
 
 static struct dg_faults *faults_of(const struct lx_can_node *node)
 {
@@ -28,7 +29,7 @@ static void send_in_time(struct lx_can_node *from, const struct dg_can_frame *fr
     }
     if (delayed) {
         waiting.at =
-            dg_after(waiting.at, (dg_ns)dg_fault_wire_value(&dg_cia406_stack, DG_WIRE_DELAY));
+            dg_after(waiting.at, (dg_ns)dg_fault_wire_value(&dg_cia406_instrument, DG_WIRE_DELAY));
     }
     if (from->held > 0 && waiting.at < from->last_held) {
         waiting.at = from->last_held;
@@ -86,7 +87,7 @@ static bool overruns(struct lx_can_node *node, dg_ns now)
 {
     const bool lost = dg_fault_wire_takes(faults_of(node), DG_WIRE_OVERRUN);
     if (lost) {
-        lx_can_note_deadline(node, dg_co_bus(&node->device, now, DG_CO_BUS_OVERRUN));
+        lx_can_note_deadline(node, dg_co_bus(&node->device.node, now, DG_CO_BUS_OVERRUN));
     }
     return lost;
 }
@@ -121,7 +122,7 @@ void lx_can_bend(struct lx_can_node *self, dg_ns now)
     const bool bent = faults_of(self)->wire != 0 || self->held > 0;
     self->bent = bent ? &layer : NULL;
     self->bus->bent = self->bus->bent || bent;
-    if (self->device.state == DG_CO_OFF) {
+    if (self->device.node.state == DG_CO_OFF) {
         lx_can_answer_none(self);
     }
     lx_can_follow(self, now);

@@ -217,9 +217,9 @@ static int open_file(struct lx_can_node *self, struct lx_error *error)
 /* A file may know a node-ID that was set over the bus. */
 static void tell_node_id(const struct lx_can_node *self)
 {
-    if (self->device.mounted && self->device.id != self->id) {
+    if (self->device.node.mounted && self->device.node.id != self->id) {
         lx_note(self->bus->bus.setup.say, "%s: its node-ID is %u, not %u", self->station->plan->nvm,
-                self->device.id, self->id);
+                self->device.node.id, self->id);
     }
 }
 
@@ -250,10 +250,10 @@ static int power_on(struct lx_can_node *self, const struct dg_co_ops *ops, dg_ns
         .nvm = self->station->control.nvm,
         .ops = ops,
         .ctx = self,
-        .application = &self->encoder,
+        .application = &self->device.encoder,
     };
-    if (dg_co_init(&self->device, &device) != DG_OK ||
-        dg_co_power_on(&self->device, now) != DG_OK) {
+    if (dg_co_init(&self->device.node, &device) != DG_OK ||
+        dg_co_power_on(&self->device.node, now) != DG_OK) {
         return refuse_image(self, error);
     }
     return 0;
@@ -264,7 +264,7 @@ int lx_can_node_open(struct lx_can_node *self, const struct dg_co_ops *ops,
 {
     const struct lx_bus_setup *setup = &self->bus->bus.setup;
     const struct lx_plan_encoder *plan = self->station->plan;
-    if (dg_cia406_init(&self->encoder, &self->model) != DG_OK || deliver(self) != DG_OK) {
+    if (dg_cia406_init(&self->device.encoder, &self->model) != DG_OK || deliver(self) != DG_OK) {
         (void)lx_fail(error, "these factory figures make no encoder, or there is no memory");
         return lx_settings_refuse(setup->plan, plan->line, error);
     }
@@ -277,7 +277,7 @@ int lx_can_node_open(struct lx_can_node *self, const struct dg_co_ops *ops,
 
 void lx_can_node_close(struct lx_can_node *self)
 {
-    dg_co_power_off(&self->device);
+    dg_co_power_off(&self->device.node);
     lx_nvm_queue_close(&self->queue);
     free(self->answers.frames);
     lx_nvm_file_close(&self->file);

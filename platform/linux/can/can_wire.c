@@ -94,7 +94,7 @@ void lx_can_offer(struct lx_can_bus *self, dg_ns now, const struct dg_can_frame 
         struct lx_can_node *node = self->net.node[i]->setup.ctx;
         const bool listens = ((unsigned)self->net.listeners[frame->id][i / 8u] >> i % 8u & 1u) != 0;
         if (listens && node != from && (node->bent == NULL || node->bent->reaches(node, now))) {
-            lx_can_note_deadline(node, dg_co_rx(&node->device, now, frame));
+            lx_can_note_deadline(node, dg_co_rx(&node->device.node, now, frame));
         }
     }
 }
@@ -138,13 +138,13 @@ bool lx_can_tell_presence(struct lx_can_bus *self, dg_ns now)
     bool told = false;
     for (size_t i = 0; i < self->bus.setup.count; i++) {
         struct lx_can_node *node = &self->node[i];
-        const struct dg_co_node *device = &node->device;
+        const struct dg_co_node *device = &node->device.node;
         const bool there = has_bus(node);
         const bool sure = there && self->can->company == LX_CAN_SOMEBODY;
         if (there == device->bus_absent ||
             (sure && !device->bus_found && device->state != DG_CO_OFF)) {
             const enum dg_co_bus_event event = there ? DG_CO_BUS_PRESENT : DG_CO_BUS_ABSENT;
-            lx_can_note_deadline(node, dg_co_bus(&node->device, now, event));
+            lx_can_note_deadline(node, dg_co_bus(&node->device.node, now, event));
             told = true;
         }
     }
@@ -155,12 +155,12 @@ void lx_can_follow(struct lx_can_node *self, dg_ns now)
 {
     const enum dg_co_bus_event own = self->bus->state;
     const enum dg_co_bus_event wanted = self->bent == NULL ? own : self->bent->state(self, own);
-    if (self->device.state == DG_CO_OFF || wanted == state_of(&self->device)) {
+    if (self->device.node.state == DG_CO_OFF || wanted == state_of(&self->device.node)) {
         return;
     }
     /* The way from bus-off to passive leads over active. */
-    if (self->device.bus_off && wanted == DG_CO_BUS_PASSIVE) {
-        (void)dg_co_bus(&self->device, now, DG_CO_BUS_ACTIVE);
+    if (self->device.node.bus_off && wanted == DG_CO_BUS_PASSIVE) {
+        (void)dg_co_bus(&self->device.node, now, DG_CO_BUS_ACTIVE);
     }
-    lx_can_note_deadline(self, dg_co_bus(&self->device, now, wanted));
+    lx_can_note_deadline(self, dg_co_bus(&self->device.node, now, wanted));
 }

@@ -19,6 +19,7 @@
 
 #include "biss_master.h"
 #include "biss_settings.h"
+#include "drehgeber/instruments.h"
 #include "trace_format.h"
 
 #define CLOCK_NAME "MA"
@@ -277,7 +278,7 @@ void lx_biss_line_add(struct lx_biss_line *self, struct dg_biss *device, struct 
                 .ahead = AHEAD,
                 .bits = dg_biss_frame_bits(device->setup.model),
                 .open = true,
-                .delay = (dg_ns)dg_fault_wire_value(&dg_biss_stack, DG_WIRE_DELAY),
+                .delay = (dg_ns)dg_fault_wire_value(&dg_biss_instrument, DG_WIRE_DELAY),
             },
         .faults = faults,
     };

@@ -207,9 +207,10 @@ int lx_biss_master_write(struct lx_sim_master *self, uint8_t slave, uint8_t addr
 
 /* --- what the control plane asks for --- */
 
-static int bus_frame(struct lx_bus *bus, struct lx_station *station, uint64_t *bits, uint8_t *count,
-                     char *detail)
+static int read_frame(void *ctx, uint64_t *bits, uint8_t *count, char *detail)
 {
+    struct lx_station *station = ctx;
+    struct lx_bus *bus = station->bus;
     const struct lx_biss_line *line = lx_biss_line_of(&lx_sim_bus_begin(bus)->wire);
     const struct dg_biss *device = line->chain.slave[station->place];
     const uint8_t data_bits = dg_biss_frame_bits(device->setup.model);
@@ -237,9 +238,10 @@ static int finish(struct lx_bus *bus, const struct lx_sim_master *master,
     return DG_SCPI_HARDWARE;
 }
 
-static int bus_read(struct lx_bus *bus, struct lx_station *station, uint8_t address, uint8_t *bytes,
-                    size_t n, char *detail)
+static int read_registers(void *ctx, uint8_t address, uint8_t *bytes, size_t n, char *detail)
 {
+    struct lx_station *station = ctx;
+    struct lx_bus *bus = station->bus;
     struct lx_sim_master *master = lx_sim_bus_begin(bus);
     size_t done = 0;
     const int result =
@@ -247,9 +249,10 @@ static int bus_read(struct lx_bus *bus, struct lx_station *station, uint8_t addr
     return finish(bus, master, station, (uint8_t)(address + done), result, detail);
 }
 
-static int bus_write(struct lx_bus *bus, struct lx_station *station, uint8_t address,
-                     const uint8_t *bytes, size_t n, char *detail)
+static int write_registers(void *ctx, uint8_t address, const uint8_t *bytes, size_t n, char *detail)
 {
+    struct lx_station *station = ctx;
+    struct lx_bus *bus = station->bus;
     struct lx_sim_master *master = lx_sim_bus_begin(bus);
     size_t done = 0;
     const int result =
@@ -257,9 +260,14 @@ static int bus_write(struct lx_bus *bus, struct lx_station *station, uint8_t add
     return finish(bus, master, station, (uint8_t)(address + done), result, detail);
 }
 
-void lx_biss_master_offer(struct lx_bus_ops *ops)
+static const struct dg_biss_port_ops port = {
+    .frame = read_frame,
+    .read = read_registers,
+    .write = write_registers,
+};
+
+void lx_biss_master_offer(struct lx_station *station)
 {
-    ops->biss_frame = bus_frame;
-    ops->biss_read = bus_read;
-    ops->biss_write = bus_write;
+    station->control.port = &port;
+    station->control.port_ctx = station;
 }

@@ -38,6 +38,6 @@ void lx_biss_master_explain(const struct lx_sim_master *self, uint8_t slave, uin
 const char *lx_biss_failure_text(int failure);
 
 /** BISS:... of a simulated wire, as lx_clocked_protocol.offer(). */
-void lx_biss_master_offer(struct lx_bus_ops *ops);
+void lx_biss_master_offer(struct lx_station *station);
 
 #endif

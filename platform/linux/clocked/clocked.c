@@ -75,9 +75,9 @@ void lx_clocked_close(struct lx_clocked *self)
     }
 }
 
-void lx_clocked_offer(const struct lx_clocked *self, struct lx_bus_ops *ops)
+void lx_clocked_offer(const struct lx_clocked *self, const struct lx_bus_setup *setup)
 {
-    if (self->protocol->offer != NULL) {
-        self->protocol->offer(ops);
+    for (size_t i = 0; i < setup->count && self->protocol->offer != NULL; i++) {
+        self->protocol->offer(setup->stations[i]);
     }
 }

@@ -102,8 +102,8 @@ struct lx_clocked_protocol {
                 struct lx_error *error);
     /** Switch them all off and close their EEPROMs, opened or not. */
     void (*close)(struct lx_clocked *self);
-    /** What a simulated wire offers besides; NULL: nothing. */
-    void (*offer)(struct lx_bus_ops *ops);
+    /** What the commands of its own find behind `station` on a simulated wire; NULL: nothing. */
+    void (*offer)(struct lx_station *station);
 };
 
 /** A line with what a bus is made of, which all has to speak one protocol.
@@ -118,8 +118,8 @@ int lx_clocked_open(struct lx_clocked *self, const struct lx_bus_setup *setup, s
 /** Switch everything off, free `self`; NULL is fine. */
 void lx_clocked_close(struct lx_clocked *self);
 
-/** What it offers besides. */
-void lx_clocked_offer(const struct lx_clocked *self, struct lx_bus_ops *ops);
+/** What a simulated wire has for the protocol's own commands, behind each station of `setup`. */
+void lx_clocked_offer(const struct lx_clocked *self, const struct lx_bus_setup *setup);
 
 /** The protocols. */
 extern const struct lx_clocked_protocol lx_clocked_biss;

@@ -25,7 +25,6 @@
 
 struct sim_bus {
     struct lx_bus bus;
-    struct lx_bus_ops ops; /* with what the protocol offers */
     struct lx_clocked_timing timing;
     struct lx_clocked *line;
     struct lx_sim_master master;
@@ -192,8 +191,7 @@ struct lx_bus *lx_sim_bus_make(const struct lx_bus_setup *setup, struct lx_error
         (void)lx_fail(error, "no memory for a wire");
         return NULL;
     }
-    self->bus = (struct lx_bus){.ops = &self->ops, .setup = *setup};
-    self->ops = ops;
+    self->bus = (struct lx_bus){.ops = &ops, .setup = *setup};
     if (lx_sim_settings_plan(&self->timing, setup->plan, setup->wire, error) == 0) {
         self->line = lx_clocked_make(setup, LX_CLOCKED_HERE, error);
     }
@@ -201,6 +199,6 @@ struct lx_bus *lx_sim_bus_make(const struct lx_bus_setup *setup, struct lx_error
         free(self);
         return NULL;
     }
-    lx_clocked_offer(self->line, &self->ops);
+    lx_clocked_offer(self->line, setup);
     return &self->bus;
 }

@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "drehgeber/instruments.h"
 #include "drehgeber/interbus.h"
 #include "figure.h"
 #include "rig_parts.h"
@@ -72,7 +73,7 @@ static void make_station(struct lx_rig *self, size_t index)
     station->control = (struct dg_encoder){
         .name = row->name,
         .model = row->model,
-        .kind = dg_encoder_kind_of(row->model->stack),
+        .instrument = dg_instrument_of(row->model->stack),
         .world = &station->world,
         .shaft = shaft,
         .faults = {.random = (uint32_t)index},
@@ -136,6 +137,8 @@ static bool make_room(struct lx_rig *self)
     control->encoder_count = plan->encoder_count;
     control->ops = &lx_rig_ops;
     control->host = self;
+    control->instruments = dg_instruments;
+    control->instrument_count = dg_instrument_count;
     control->origin = self->begin;
     return self->shafts != NULL && self->wires != NULL && self->stations != NULL &&
            control->shafts != NULL && control->encoders != NULL;

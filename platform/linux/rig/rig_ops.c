@@ -271,33 +271,6 @@ static bool last(struct dg_rig *control, const struct dg_encoder *encoder, unsig
     return true;
 }
 
-static int biss_frame(struct dg_rig *control, struct dg_encoder *encoder, uint64_t *bits,
-                      uint8_t *count, char *detail)
-{
-    struct lx_bus *bus = wire_of(control, encoder)->bus;
-    return bus->ops->biss_frame == NULL
-               ? refuse(DG_SCPI_MISSING_HARDWARE, detail, "no simulated BiSS wire")
-               : bus->ops->biss_frame(bus, station_of(encoder), bits, count, detail);
-}
-
-static int biss_read(struct dg_rig *control, struct dg_encoder *encoder, uint8_t address,
-                     uint8_t *bytes, size_t n, char *detail)
-{
-    struct lx_bus *bus = wire_of(control, encoder)->bus;
-    return bus->ops->biss_read == NULL
-               ? refuse(DG_SCPI_MISSING_HARDWARE, detail, "no simulated BiSS wire")
-               : bus->ops->biss_read(bus, station_of(encoder), address, bytes, n, detail);
-}
-
-static int biss_write(struct dg_rig *control, struct dg_encoder *encoder, uint8_t address,
-                      const uint8_t *bytes, size_t n, char *detail)
-{
-    struct lx_bus *bus = wire_of(control, encoder)->bus;
-    return bus->ops->biss_write == NULL
-               ? refuse(DG_SCPI_MISSING_HARDWARE, detail, "no simulated BiSS wire")
-               : bus->ops->biss_write(bus, station_of(encoder), address, bytes, n, detail);
-}
-
 /* --- time --- */
 
 static bool simulated(const struct lx_rig *self)
@@ -359,7 +332,4 @@ const struct dg_rig_ops lx_rig_ops = {
     .set_scale = set_scale,
     .scale = scale,
     .step = step,
-    .biss_frame = biss_frame,
-    .biss_read = biss_read,
-    .biss_write = biss_write,
 };

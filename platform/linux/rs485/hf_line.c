@@ -14,6 +14,7 @@
  * is over later is lost in it.
  */
 #include "hf_line.h"
+#include "drehgeber/instruments.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -146,7 +147,7 @@ static void send_damaged(struct lx_hf_drop *self, dg_ns now, const uint8_t *byte
         return;
     }
     if (dg_fault_wire_takes(faults, DG_WIRE_DELAY)) {
-        now += (dg_ns)dg_fault_wire_value(&dg_hf_stack, DG_WIRE_DELAY);
+        now += (dg_ns)dg_fault_wire_value(&dg_hf_instrument, DG_WIRE_DELAY);
     }
     memcpy(copy, bytes, n);
     if (dg_fault_wire_takes(faults, DG_WIRE_DAMAGE)) {

@@ -64,13 +64,6 @@ struct lx_bus_ops {
     /** STATe?: wire_late, wire_up and counters of its own. */
     void (*counters)(const struct lx_bus *self, const struct lx_station *station,
                      struct dg_scpi *to);
-    /** BISS:..., as in dg_rig_ops; optional. */
-    int (*biss_frame)(struct lx_bus *self, struct lx_station *station, uint64_t *bits,
-                      uint8_t *count, char *detail);
-    int (*biss_read)(struct lx_bus *self, struct lx_station *station, uint8_t address,
-                     uint8_t *bytes, size_t n, char *detail);
-    int (*biss_write)(struct lx_bus *self, struct lx_station *station, uint8_t address,
-                      const uint8_t *bytes, size_t n, char *detail);
     /** The wire's master is in here: what it reads of an encoder now, in one line; optional.
      * @return false: no answer */
     bool (*read)(struct lx_bus *self, struct lx_station *station, char *text, size_t size);

@@ -10,6 +10,7 @@
 
 #include "can_rig.h"
 #include "drehgeber/bits.h"
+#include "drehgeber/instruments.h"
 
 #define HEARTBEAT 0x700u
 #define EMCY 0x80u
@@ -70,7 +71,7 @@ static void damage_and_duplicate(void **state)
 static void delay(void **state)
 {
     struct can_rig *self = *state;
-    const dg_ns span = (dg_ns)dg_fault_wire_value(&dg_cia406_stack, DG_WIRE_DELAY);
+    const dg_ns span = (dg_ns)dg_fault_wire_value(&dg_cia406_instrument, DG_WIRE_DELAY);
     assert_true(span >= DELAY_MIN && span < CAN_RIG_PATIENCE);
     can_rig_plan(self, 2);
     can_rig_open_slcan(self, 2);

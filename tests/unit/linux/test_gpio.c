@@ -19,6 +19,7 @@
 #include "biss_clocked.h"
 #include "biss_rig.h"
 #include "drehgeber/devices.h"
+#include "drehgeber/instruments.h"
 #include "gpio.h"
 
 #define QUEUE_MAX 64u
@@ -352,7 +353,7 @@ static void test_chip_that_goes_is_told_once(void **state)
 
 static void set_fault(const char *name, uint32_t count)
 {
-    const struct dg_fault_target target = {.stack = &dg_biss_stack, .world = &rig.world};
+    const struct dg_fault_target target = {.instrument = &dg_biss_instrument, .world = &rig.world};
     const struct dg_fault_limits limits = {count, 1000000, DG_NEVER};
     const int index = dg_fault_find(&target, name);
 

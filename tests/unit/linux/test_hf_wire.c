@@ -15,6 +15,7 @@
 
 #include <cmocka.h>
 
+#include "drehgeber/instruments.h"
 #include "hf_line.h"
 #include "hf_rig.h"
 #include "line_rig.h"
@@ -88,7 +89,7 @@ static void a_delayed_reply_comes_late(void **state)
 {
     struct line_rig rig;
     (void)state;
-    const dg_ns delay = (dg_ns)dg_fault_wire_value(&dg_hf_stack, DG_WIRE_DELAY);
+    const dg_ns delay = (dg_ns)dg_fault_wire_value(&dg_hf_instrument, DG_WIRE_DELAY);
     line_rig_plan(&rig, 1, NULL);
     line_rig_open_pty(&rig);
     line_rig_inject(&rig, 0, "wire_delay", 1);

@@ -91,8 +91,7 @@ static void time_never_runs_backwards(void **state)
     (void)state;
     open_one(&rig);
     const struct dg_biss *device = rig.station[0].control.device;
-    assert_int_equal(rig.bus->ops->biss_write(rig.bus, rig.stations[0], 0x40, &bank, 1, rig.detail),
-                     0);
+    assert_int_equal(sim_rig_write(&rig, 0, 0x40, &bank, 1), 0);
     for (int i = 0; i < 3; i++) {
         assert_int_equal(sim_rig_read(&rig, 0, 0x00, bytes, sizeof bytes), 0);
     }
@@ -132,17 +131,15 @@ static void registers_can_be_read_and_written(void **state)
     uint8_t bytes[8];
     (void)state;
     open_one(&rig);
-    const struct lx_bus_ops *ops = rig.bus->ops;
     assert_int_equal(sim_rig_read(&rig, 0, 0x78, bytes, 8), 0);
     assert_memory_equal(bytes, id, 2);
     assert_memory_equal(bytes + 6, id + 6, 2); /* between them are figures of the model */
     assert_non_null(strstr(rig.heard.note, "register 78h = 04 00 "));
-    assert_int_equal(ops->biss_write(rig.bus, rig.stations[0], 0x40, &bank, 1, rig.detail), 0);
-    assert_int_equal(ops->biss_write(rig.bus, rig.stations[0], 3, data, 2, rig.detail), 0);
+    assert_int_equal(sim_rig_write(&rig, 0, 0x40, &bank, 1), 0);
+    assert_int_equal(sim_rig_write(&rig, 0, 3, data, 2), 0);
     assert_int_equal(sim_rig_read(&rig, 0, 3, bytes, 2), 0);
     assert_memory_equal(bytes, data, 2);
-    assert_int_equal(ops->biss_write(rig.bus, rig.stations[0], 0x78, data, 1, rig.detail),
-                     DG_SCPI_HARDWARE);
+    assert_int_equal(sim_rig_write(&rig, 0, 0x78, data, 1), DG_SCPI_HARDWARE);
     assert_non_null(strstr(rig.detail, "register 78h: refused"));
     sim_rig_close(&rig);
 }

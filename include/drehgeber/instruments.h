@@ -1,0 +1,33 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * The protocols of this library as instruments. Each is an object file of its own, so that a
+ * program which names one of them carries that one; dg_instruments and dg_instrument_of() link them
+ * all, and with them all stacks.
+ */
+#ifndef DREHGEBER_INSTRUMENTS_H
+#define DREHGEBER_INSTRUMENTS_H
+
+#include "drehgeber/api.h"
+#include "drehgeber/instrument.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** One for each stack. */
+DG_API extern const struct dg_instrument dg_hf_instrument, dg_biss_instrument, dg_cia406_instrument,
+    dg_ib_instrument;
+
+/** All of them, in the order in which their commands are told. */
+DG_API extern const struct dg_instrument *const dg_instruments[];
+DG_API extern const size_t dg_instrument_count;
+
+/** The instrument of a stack, or NULL: it has none. */
+DG_API const struct dg_instrument *dg_instrument_of(const struct dg_stack *stack);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * All instruments; each is described in its protocol's folder.
+ */
+#include "drehgeber/instruments.h"
+
+const struct dg_instrument *const dg_instruments[] = {
+    &dg_hf_instrument,
+    &dg_biss_instrument,
+    &dg_cia406_instrument,
+    &dg_ib_instrument,
+};
+
+const size_t dg_instrument_count = sizeof dg_instruments / sizeof dg_instruments[0];
+
+const struct dg_instrument *dg_instrument_of(const struct dg_stack *stack)
+{
+    for (size_t i = 0; i < dg_instrument_count; i++) {
+        if (dg_instruments[i]->stack == stack) {
+            return dg_instruments[i];
+        }
+    }
+    return NULL;
+}
