@@ -80,12 +80,12 @@ struct dg_scpi_command {
      * and has what is asked for is taken: command and query may stand in a row each. */
     const char *header;
     /** The command: pulls its parameters. NULL: there is only the query. */
-    void (*set)(struct dg_scpi *self, uint32_t argument);
+    void (*set)(struct dg_scpi *self);
     /** The query, behind '?': pulls its parameters, then puts its answer; -108 and no answer when
      * it has left a parameter. Without parts the answer is empty. NULL: there is only the command.
      */
-    void (*query)(struct dg_scpi *self, uint32_t argument);
-    uint32_t argument; /**< handed to both, so that one function serves several rows */
+    void (*query)(struct dg_scpi *self);
+    uint32_t argument; /**< as self->command->argument: one function may serve several rows */
     /** Of the command (of the query where there is no command), for help, e.g. "ANGLE" or
      * "NAME[,COUNt n]"; "" without. It has as many commas as the longest command, or ends with
      * "...": with more the command is not begun, but gives -108. */

@@ -89,7 +89,7 @@ static void put_frame(struct dg_scpi *session, const struct dg_biss_model *model
     dg_scpi_put_unsigned(session, data.crc_ok);
 }
 
-static void frame(struct dg_scpi *session, uint32_t argument)
+static void frame(struct dg_scpi *session)
 {
     const struct dg_encoder *encoder = dg_control_selected(session);
     const struct dg_biss_port_ops *port = port_of(session);
@@ -97,7 +97,6 @@ static void frame(struct dg_scpi *session, uint32_t argument)
     uint64_t bits = 0;
     uint8_t count = 0;
 
-    (void)argument;
     if (port == NULL) {
         return;
     }
@@ -112,14 +111,13 @@ static void frame(struct dg_scpi *session, uint32_t argument)
     }
 }
 
-static void read(struct dg_scpi *session, uint32_t argument)
+static void read(struct dg_scpi *session)
 {
     char detail[DG_SCPI_DETAIL_MAX + 1u] = "";
     uint8_t bytes[DG_BISS_BANK_SIZE] = {0};
     int64_t address;
     int64_t n = 1;
 
-    (void)argument;
     if (!dg_scpi_number(session, &addresses, &address) ||
         (dg_scpi_more(session) && !dg_scpi_number(session, &sizes, &n))) {
         return;
@@ -136,7 +134,7 @@ static void read(struct dg_scpi *session, uint32_t argument)
     }
 }
 
-static void write(struct dg_scpi *session, uint32_t argument)
+static void write(struct dg_scpi *session)
 {
     char detail[DG_SCPI_DETAIL_MAX + 1u] = "";
     uint8_t bytes[DG_BISS_BANK_SIZE];
@@ -144,7 +142,6 @@ static void write(struct dg_scpi *session, uint32_t argument)
     int64_t byte;
     size_t n = 0;
 
-    (void)argument;
     if (!dg_scpi_number(session, &addresses, &address)) {
         return;
     }

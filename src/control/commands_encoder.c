@@ -4,23 +4,21 @@
  */
 #include "control_private.h"
 
-void control_encoders(struct dg_scpi *self, uint32_t argument)
+void control_encoders(struct dg_scpi *self)
 {
     const struct dg_rig *rig = control_rig_of(self);
 
-    (void)argument;
     for (size_t i = 0; i < rig->encoder_count; i++) {
         dg_scpi_put_string(self, rig->encoders[i]->name);
     }
 }
 
-void control_select(struct dg_scpi *self, uint32_t argument)
+void control_select(struct dg_scpi *self)
 {
     const struct dg_rig *rig = control_rig_of(self);
     char name[CONTROL_NAME_MAX];
     char detail[CONTROL_DETAIL_SIZE];
 
-    (void)argument;
     if (!control_name(self, name)) {
         return;
     }
@@ -36,23 +34,20 @@ void control_select(struct dg_scpi *self, uint32_t argument)
     dg_scpi_raise(self, DG_SCPI_ILLEGAL, detail);
 }
 
-void control_selected(struct dg_scpi *self, uint32_t argument)
+void control_selected(struct dg_scpi *self)
 {
-    (void)argument;
     dg_scpi_put_string(self, dg_control_selected(self)->name);
 }
 
-void control_model(struct dg_scpi *self, uint32_t argument)
+void control_model(struct dg_scpi *self)
 {
-    (void)argument;
     dg_scpi_put_string(self, dg_control_selected(self)->model->name);
 }
 
-void control_wire(struct dg_scpi *self, uint32_t argument)
+void control_wire(struct dg_scpi *self)
 {
     struct dg_rig *rig = control_rig_of(self);
 
-    (void)argument;
     dg_scpi_put_string(self, rig->ops->wire(rig, dg_control_selected(self)));
 }
 
@@ -73,14 +68,13 @@ static void switch_power(struct dg_scpi *self, bool on)
     control_changed(self);
 }
 
-void control_power(struct dg_scpi *self, uint32_t argument)
+void control_power(struct dg_scpi *self)
 {
     static const char *const words[] = {"OFF", "ON", "CYCLe", "0", "1"};
     enum { OFF, ON, CYCLE, ZERO };
     const struct dg_encoder *encoder = dg_control_selected(self);
     size_t word;
 
-    (void)argument;
     if (!dg_scpi_word(self, words, sizeof words / sizeof words[0], &word)) {
         return;
     }
@@ -94,11 +88,10 @@ void control_power(struct dg_scpi *self, uint32_t argument)
     }
 }
 
-void control_powered(struct dg_scpi *self, uint32_t argument)
+void control_powered(struct dg_scpi *self)
 {
     const struct dg_encoder *encoder = dg_control_selected(self);
 
-    (void)argument;
     dg_scpi_put_unsigned(self, dg_encoder_powered(encoder) ? 1 : 0);
 }
 
@@ -115,12 +108,11 @@ static void put_common(const struct dg_encoder *encoder, struct dg_scpi *to)
     }
 }
 
-void control_state(struct dg_scpi *self, uint32_t argument)
+void control_state(struct dg_scpi *self)
 {
     struct dg_rig *rig = control_rig_of(self);
     const struct dg_encoder *encoder = dg_control_selected(self);
 
-    (void)argument;
     put_common(encoder, self);
     encoder->instrument->state(encoder->device, self->now, self);
     if (rig->ops->counters != NULL) {

@@ -17,7 +17,7 @@ static struct dg_fault_target target_of(const struct dg_scpi *self)
     return dg_encoder_target(dg_control_selected(self));
 }
 
-void control_catalogue(struct dg_scpi *self, uint32_t argument)
+void control_catalogue(struct dg_scpi *self)
 {
     static const char *const kinds[] = {
         [DG_FAULT_WORLD] = "WORLD",
@@ -27,7 +27,6 @@ void control_catalogue(struct dg_scpi *self, uint32_t argument)
     const struct dg_fault_target target = target_of(self);
     struct dg_fault_entry entry;
 
-    (void)argument;
     for (size_t i = 0; dg_fault_entry(&target, i, &entry); i++) {
         dg_scpi_put_string(self, entry.name);
         dg_scpi_put_word(self, kinds[entry.kind]);
@@ -93,13 +92,12 @@ static void done(struct dg_scpi *self, int result)
     control_changed(self);
 }
 
-void control_fault(struct dg_scpi *self, uint32_t argument)
+void control_fault(struct dg_scpi *self)
 {
     struct dg_fault_limits limits = unlimited;
     const struct dg_fault_target target = target_of(self);
     const int index = take_fault(self);
 
-    (void)argument;
     if (index < 0) {
         return;
     }
@@ -131,11 +129,10 @@ void control_clear_all(struct dg_scpi *self)
     done(self, clear_all(self));
 }
 
-void control_clear(struct dg_scpi *self, uint32_t argument)
+void control_clear(struct dg_scpi *self)
 {
     const struct dg_fault_target target = target_of(self);
 
-    (void)argument;
     if (!dg_scpi_more(self)) {
         control_clear_all(self);
         return;
@@ -146,14 +143,13 @@ void control_clear(struct dg_scpi *self, uint32_t argument)
     }
 }
 
-void control_active(struct dg_scpi *self, uint32_t argument)
+void control_active(struct dg_scpi *self)
 {
     const struct dg_fault_target target = target_of(self);
     const struct dg_faults *faults = &dg_control_selected(self)->faults;
     struct dg_fault_entry entry;
     size_t count = 0;
 
-    (void)argument;
     for (size_t i = 0; dg_fault_entry(&target, i, &entry); i++) {
         if (faults->fault[i].active) {
             dg_scpi_put_string(self, entry.name);
@@ -163,22 +159,20 @@ void control_active(struct dg_scpi *self, uint32_t argument)
     control_put_none(self, count);
 }
 
-void control_happened(struct dg_scpi *self, uint32_t argument)
+void control_happened(struct dg_scpi *self)
 {
     const int index = take_fault(self);
 
-    (void)argument;
     if (index >= 0) {
         dg_scpi_put_unsigned(self, dg_control_selected(self)->faults.fault[index].happened);
     }
 }
 
-void control_regions(struct dg_scpi *self, uint32_t argument)
+void control_regions(struct dg_scpi *self)
 {
     const struct dg_fault_target target = target_of(self);
     uint8_t count = 0;
 
-    (void)argument;
     for (; target.layout != NULL && count < target.layout->region_count; count++) {
         dg_scpi_put_string(self, target.layout->regions[count].name);
     }
@@ -241,12 +235,11 @@ static int corrupt(struct dg_scpi *self, uint8_t region)
     return dg_fault_set(faults, &target, (size_t)index, self->now, &unlimited);
 }
 
-void control_corrupt(struct dg_scpi *self, uint32_t argument)
+void control_corrupt(struct dg_scpi *self)
 {
     const struct dg_fault_target target = target_of(self);
     uint8_t region;
 
-    (void)argument;
     if (has_memory(self, &target) && take_region(self, target.layout, &region)) {
         done(self, corrupt(self, region));
     }
@@ -264,12 +257,11 @@ static void forget_damage(struct dg_faults *faults, const struct dg_fault_target
     }
 }
 
-void control_erase(struct dg_scpi *self, uint32_t argument)
+void control_erase(struct dg_scpi *self)
 {
     const struct dg_fault_target target = target_of(self);
     struct dg_encoder *encoder = dg_control_selected(self);
 
-    (void)argument;
     if (!has_memory(self, &target)) {
         return;
     }

@@ -41,37 +41,33 @@ static void turned(struct dg_scpi *self, int result)
     }
 }
 
-void control_shafts(struct dg_scpi *self, uint32_t argument)
+void control_shafts(struct dg_scpi *self)
 {
     const struct dg_rig *rig = control_rig_of(self);
 
-    (void)argument;
     for (size_t i = 0; i < rig->shaft_count; i++) {
         dg_scpi_put_string(self, rig->shafts[i]->name);
     }
 }
 
-void control_shaft_name(struct dg_scpi *self, uint32_t argument)
+void control_shaft_name(struct dg_scpi *self)
 {
-    (void)argument;
     dg_scpi_put_string(self, shaft_of(self)->name);
 }
 
-void control_set_position(struct dg_scpi *self, uint32_t argument)
+void control_set_position(struct dg_scpi *self)
 {
     int64_t angle;
 
-    (void)argument;
     if (dg_scpi_number(self, &angles, &angle)) {
         turned(self, dg_shaft_set_position(&shaft_of(self)->shaft, self->now, angle));
     }
 }
 
-void control_position(struct dg_scpi *self, uint32_t argument)
+void control_position(struct dg_scpi *self)
 {
     const dg_angle angle = dg_shaft_angle(&shaft_of(self)->shaft, self->now);
 
-    (void)argument;
     /* To the nearest: an angle behind a gear is rounded down to what is next to it. */
     const int64_t halves = dg_angle_counts(angle, 2u * MICRODEGREES) + 1;
     const int64_t counts = halves >= 0 ? halves / 2 : -((1 - halves) / 2);
@@ -79,50 +75,44 @@ void control_position(struct dg_scpi *self, uint32_t argument)
     dg_scpi_put_number(self, counts, MICRODEGREE_PLACES);
 }
 
-void control_set_velocity(struct dg_scpi *self, uint32_t argument)
+void control_set_velocity(struct dg_scpi *self)
 {
     int64_t mrpm;
 
-    (void)argument;
     if (dg_scpi_number(self, &speeds, &mrpm)) {
         turned(self, dg_shaft_set_velocity(&shaft_of(self)->shaft, self->now, (int32_t)mrpm));
     }
 }
 
-void control_velocity(struct dg_scpi *self, uint32_t argument)
+void control_velocity(struct dg_scpi *self)
 {
-    (void)argument;
     dg_scpi_put_number(self, dg_shaft_mrpm(&shaft_of(self)->shaft, self->now), MILLI_PLACES);
 }
 
-void control_set_acceleration(struct dg_scpi *self, uint32_t argument)
+void control_set_acceleration(struct dg_scpi *self)
 {
     int64_t mrpm_per_s;
 
-    (void)argument;
     if (dg_scpi_number(self, &accelerations, &mrpm_per_s)) {
         turned(self, dg_shaft_set_acceleration(&shaft_of(self)->shaft, mrpm_per_s));
     }
 }
 
-void control_acceleration(struct dg_scpi *self, uint32_t argument)
+void control_acceleration(struct dg_scpi *self)
 {
-    (void)argument;
     dg_scpi_put_number(self, shaft_of(self)->shaft.mrpm_per_s, MILLI_PLACES);
 }
 
-void control_stop(struct dg_scpi *self, uint32_t argument)
+void control_stop(struct dg_scpi *self)
 {
-    (void)argument;
     turned(self, dg_shaft_set_velocity(&shaft_of(self)->shaft, self->now, 0));
 }
 
-void control_move(struct dg_scpi *self, uint32_t argument)
+void control_move(struct dg_scpi *self)
 {
     int64_t mrpm = MOVE_MRPM_DEFAULT;
     int64_t angle;
 
-    (void)argument;
     if (!dg_scpi_number(self, &angles, &angle) ||
         (dg_scpi_more(self) && !dg_scpi_number(self, &ways, &mrpm))) {
         return;
@@ -130,9 +120,8 @@ void control_move(struct dg_scpi *self, uint32_t argument)
     turned(self, dg_shaft_move(&shaft_of(self)->shaft, self->now, angle, (int32_t)mrpm));
 }
 
-void control_moving(struct dg_scpi *self, uint32_t argument)
+void control_moving(struct dg_scpi *self)
 {
-    (void)argument;
     dg_scpi_put_unsigned(self, dg_shaft_settled(&shaft_of(self)->shaft) > self->now ? 1 : 0);
 }
 
@@ -151,13 +140,12 @@ dg_ns control_settled(struct dg_scpi *self)
     return latest;
 }
 
-void control_set_profile(struct dg_scpi *self, uint32_t argument)
+void control_set_profile(struct dg_scpi *self)
 {
     struct dg_rig *rig = control_rig_of(self);
     char text[DG_SCPI_LINE_MAX + 1u];
     char detail[CONTROL_DETAIL_SIZE] = "";
 
-    (void)argument;
     if (!dg_scpi_text(self, text, sizeof text)) {
         return;
     }
@@ -172,11 +160,10 @@ void control_set_profile(struct dg_scpi *self, uint32_t argument)
     }
 }
 
-void control_profile(struct dg_scpi *self, uint32_t argument)
+void control_profile(struct dg_scpi *self)
 {
     struct dg_rig *rig = control_rig_of(self);
 
-    (void)argument;
     if (rig->ops->profile_text == NULL) {
         dg_scpi_raise(self, DG_SCPI_MISSING_HARDWARE, NULL);
         return;
@@ -197,12 +184,11 @@ static void record(struct dg_scpi *self, const char *path, dg_ns interval)
     dg_scpi_raise(self, code, detail);
 }
 
-void control_record(struct dg_scpi *self, uint32_t argument)
+void control_record(struct dg_scpi *self)
 {
     char path[DG_SCPI_LINE_MAX + 1u];
     int64_t interval = (int64_t)RECORD_DEFAULT;
 
-    (void)argument;
     if (!dg_scpi_text(self, path, sizeof path) ||
         (dg_scpi_more(self) && !dg_scpi_number(self, &intervals, &interval))) {
         return;
@@ -210,8 +196,7 @@ void control_record(struct dg_scpi *self, uint32_t argument)
     record(self, path, (dg_ns)interval);
 }
 
-void control_record_stop(struct dg_scpi *self, uint32_t argument)
+void control_record_stop(struct dg_scpi *self)
 {
-    (void)argument;
     record(self, NULL, RECORD_DEFAULT);
 }

@@ -12,25 +12,22 @@
 static const struct dg_scpi_range scales = {DG_SCPI_PLAIN, SCALE_PLACES, 0, SCALE_MAX_PERMILLE};
 static const struct dg_scpi_range spans = {DG_SCPI_TIME, 0, 0, (int64_t)STEP_MAX};
 
-void control_time(struct dg_scpi *self, uint32_t argument)
+void control_time(struct dg_scpi *self)
 {
-    (void)argument;
     dg_scpi_put_number(self, (int64_t)dg_elapsed(self->now, control_rig_of(self)->origin),
                        SECOND_PLACES);
 }
 
-void control_origin(struct dg_scpi *self, uint32_t argument)
+void control_origin(struct dg_scpi *self)
 {
-    (void)argument;
     dg_scpi_put_number(self, (int64_t)control_rig_of(self)->origin, SECOND_PLACES);
 }
 
-void control_set_scale(struct dg_scpi *self, uint32_t argument)
+void control_set_scale(struct dg_scpi *self)
 {
     char detail[CONTROL_DETAIL_SIZE] = "";
     int64_t permille;
 
-    (void)argument;
     if (!dg_scpi_number(self, &scales, &permille) ||
         !control_offered(self, control_ops_of(self)->set_scale != NULL)) {
         return;
@@ -40,20 +37,18 @@ void control_set_scale(struct dg_scpi *self, uint32_t argument)
     dg_scpi_raise(self, code, detail);
 }
 
-void control_scale(struct dg_scpi *self, uint32_t argument)
+void control_scale(struct dg_scpi *self)
 {
-    (void)argument;
     if (control_offered(self, control_ops_of(self)->scale != NULL)) {
         dg_scpi_put_number(self, control_ops_of(self)->scale(control_rig_of(self)), SCALE_PLACES);
     }
 }
 
-void control_step_time(struct dg_scpi *self, uint32_t argument)
+void control_step_time(struct dg_scpi *self)
 {
     char detail[CONTROL_DETAIL_SIZE] = "";
     int64_t span;
 
-    (void)argument;
     if (dg_scpi_number(self, &spans, &span) &&
         control_offered(self, control_ops_of(self)->step != NULL)) {
         const int code = control_ops_of(self)->step(control_rig_of(self), (dg_ns)span, detail);

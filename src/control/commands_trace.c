@@ -11,45 +11,43 @@ static const struct dg_scpi_range lines = {DG_SCPI_PLAIN, 0, 1, LINES_MAX};
 
 static void trace(struct dg_scpi *self, const char *path)
 {
-    struct dg_rig *rig = control_rig_of(self);
+    const struct dg_rig_ops *ops = control_ops_of(self);
     char detail[CONTROL_DETAIL_SIZE] = "";
 
-    if (control_offered(self, rig->ops->trace != NULL)) {
-        const int code = rig->ops->trace(rig, dg_control_selected(self), path, detail);
+    if (control_offered(self, ops->trace != NULL)) {
+        const int code = ops->trace(control_rig_of(self), dg_control_selected(self), path, detail);
         dg_scpi_raise(self, code, detail);
     }
 }
 
-void control_trace(struct dg_scpi *self, uint32_t argument)
+void control_trace(struct dg_scpi *self)
 {
     char path[DG_SCPI_LINE_MAX + 1u];
 
-    (void)argument;
     if (dg_scpi_text(self, path, sizeof path)) {
         trace(self, path);
     }
 }
 
-void control_trace_stop(struct dg_scpi *self, uint32_t argument)
+void control_trace_stop(struct dg_scpi *self)
 {
-    (void)argument;
     trace(self, NULL);
 }
 
-void control_last(struct dg_scpi *self, uint32_t argument)
+void control_last(struct dg_scpi *self)
 {
-    struct dg_rig *rig = control_rig_of(self);
+    const struct dg_rig_ops *ops = control_ops_of(self);
     char text[LINE_SIZE];
     int64_t wanted = 1;
     size_t count = 0;
 
-    (void)argument;
     if ((dg_scpi_more(self) && !dg_scpi_number(self, &lines, &wanted)) ||
-        !control_offered(self, rig->ops->last != NULL)) {
+        !control_offered(self, ops->last != NULL)) {
         return;
     }
     for (unsigned back = (unsigned)wanted; back > 0; back--) {
-        if (rig->ops->last(rig, dg_control_selected(self), back - 1u, text, sizeof text)) {
+        if (ops->last(control_rig_of(self), dg_control_selected(self), back - 1u, text,
+                      sizeof text)) {
             dg_scpi_put_string(self, text);
             count++;
         }

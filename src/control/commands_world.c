@@ -25,9 +25,9 @@ static void put(struct dg_encoder *encoder, const struct dg_quantity *row, int64
     dg_quantity_set(row, encoder->world, value);
 }
 
-void control_set_world(struct dg_scpi *self, uint32_t argument)
+void control_set_world(struct dg_scpi *self)
 {
-    const struct dg_quantity *row = &dg_quantities[argument];
+    const struct dg_quantity *row = &dg_quantities[self->command->argument];
     const struct dg_scpi_range range = {
         .unit = (enum dg_scpi_unit)units[row->unit].scpi,
         .min = row->min,
@@ -44,9 +44,9 @@ void control_set_world(struct dg_scpi *self, uint32_t argument)
     control_changed(self);
 }
 
-void control_world(struct dg_scpi *self, uint32_t argument)
+void control_world(struct dg_scpi *self)
 {
-    const struct dg_quantity *row = &dg_quantities[argument];
+    const struct dg_quantity *row = &dg_quantities[self->command->argument];
     const struct dg_encoder *encoder = dg_control_selected(self);
 
     dg_scpi_put_number(self, dg_quantity_get(row, encoder->world), units[row->unit].places);
@@ -64,9 +64,8 @@ void control_heal(struct dg_scpi *self)
     }
 }
 
-void control_healthy(struct dg_scpi *self, uint32_t argument)
+void control_healthy(struct dg_scpi *self)
 {
-    (void)argument;
     control_heal(self);
     control_changed(self);
 }

@@ -17,7 +17,7 @@
 #define CONTROL_PPM_PLACES 6u
 
 /** A command or a query. */
-typedef void control_handler(struct dg_scpi *self, uint32_t argument);
+typedef void control_handler(struct dg_scpi *self);
 
 /* text.c */
 
@@ -42,7 +42,13 @@ bool control_name(struct dg_scpi *self, char to[CONTROL_NAME_MAX]);
 /** What the host can do. */
 const struct dg_rig_ops *control_ops_of(const struct dg_scpi *self);
 /** What the host cannot do raises an error. @return `there` */
-bool control_offered(struct dg_scpi *self, bool there);
+static inline bool control_offered(struct dg_scpi *self, bool there)
+{
+    if (!there) {
+        dg_scpi_raise(self, DG_SCPI_MISSING_HARDWARE, NULL);
+    }
+    return there;
+}
 /** An answer that is a list of `count` names needs one when there are none: "". */
 void control_put_none(struct dg_scpi *self, size_t count);
 

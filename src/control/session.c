@@ -51,14 +51,6 @@ const struct dg_rig_ops *control_ops_of(const struct dg_scpi *self)
     return control_rig_of(self)->ops;
 }
 
-bool control_offered(struct dg_scpi *self, bool there)
-{
-    if (!there) {
-        dg_scpi_raise(self, DG_SCPI_MISSING_HARDWARE, NULL);
-    }
-    return there;
-}
-
 static const struct dg_scpi_commands *commands(const struct dg_scpi *self, size_t index)
 {
     const struct dg_rig *rig = control_rig_of(self);

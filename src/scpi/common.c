@@ -10,117 +10,105 @@
 /* Registers with an argument of their own: one row's function serves both masks. */
 enum mask { EVENTS, REQUESTS };
 
-static uint8_t *mask_of(struct dg_scpi *self, uint32_t which)
+static uint8_t *mask_of(struct dg_scpi *self)
 {
-    return which == EVENTS ? &self->ese : &self->sre;
+    return self->command->argument == EVENTS ? &self->ese : &self->sre;
 }
 
-static void set_mask(struct dg_scpi *self, uint32_t which)
+static void set_mask(struct dg_scpi *self)
 {
     static const struct dg_scpi_range range = {.unit = DG_SCPI_PLAIN, .max = REGISTER_MAX};
     /* 11.3.2.3: no bit lets the service request request itself. */
-    const unsigned kept = which == EVENTS ? REGISTER_MAX : REGISTER_MAX - DG_SCPI_STB_SERVICE;
+    const bool events = self->command->argument == EVENTS;
+    const unsigned kept = events ? REGISTER_MAX : REGISTER_MAX - DG_SCPI_STB_SERVICE;
     int64_t value;
 
     if (dg_scpi_number(self, &range, &value)) {
-        *mask_of(self, which) = (uint8_t)((unsigned)value & kept);
+        *mask_of(self) = (uint8_t)((unsigned)value & kept);
     }
 }
 
-static void get_mask(struct dg_scpi *self, uint32_t which)
+static void get_mask(struct dg_scpi *self)
 {
-    dg_scpi_put_number(self, *mask_of(self, which), 0);
+    dg_scpi_put_number(self, *mask_of(self), 0);
 }
 
-static void clear(struct dg_scpi *self, uint32_t argument)
+static void clear(struct dg_scpi *self)
 {
-    (void)argument;
     self->esr = 0;
     self->opc = false;
     scpi_clear_errors(self);
 }
 
-static void reset(struct dg_scpi *self, uint32_t argument)
+static void reset(struct dg_scpi *self)
 {
-    (void)argument;
     self->opc = false;
     if (self->setup.ops->reset != NULL) {
         self->setup.ops->reset(self);
     }
 }
 
-static void get_idn(struct dg_scpi *self, uint32_t argument)
+static void get_idn(struct dg_scpi *self)
 {
-    (void)argument;
     dg_scpi_put_word(self, self->setup.idn);
 }
 
 /* Reading it clears it; not when there is no answer. */
-static void get_events(struct dg_scpi *self, uint32_t argument)
+static void get_events(struct dg_scpi *self)
 {
-    (void)argument;
     dg_scpi_put_number(self, self->esr, 0);
     if (!self->failed) {
         self->esr = 0;
     }
 }
 
-static void get_status_byte(struct dg_scpi *self, uint32_t argument)
+static void get_status_byte(struct dg_scpi *self)
 {
-    (void)argument;
     dg_scpi_put_number(self, scpi_status_byte(self), 0);
 }
 
-static void get_self_test(struct dg_scpi *self, uint32_t argument)
+static void get_self_test(struct dg_scpi *self)
 {
-    (void)argument;
     dg_scpi_put_number(self, 0, 0);
 }
 
-static void complete(struct dg_scpi *self, uint32_t argument)
+static void complete(struct dg_scpi *self)
 {
-    (void)argument;
     self->opc = true;
 }
 
-static void wait(struct dg_scpi *self, uint32_t argument)
+static void wait(struct dg_scpi *self)
 {
-    (void)argument;
     self->waiting = true;
 }
 
-static void wait_and_answer(struct dg_scpi *self, uint32_t argument)
+static void wait_and_answer(struct dg_scpi *self)
 {
-    (void)argument;
     if (!dg_scpi_more(self)) {
         self->waiting = true;
         self->answer_due = true;
     }
 }
 
-static void get_error(struct dg_scpi *self, uint32_t argument)
+static void get_error(struct dg_scpi *self)
 {
-    (void)argument;
     scpi_put_error(self);
 }
 
-static void get_all_errors(struct dg_scpi *self, uint32_t argument)
+static void get_all_errors(struct dg_scpi *self)
 {
-    (void)argument;
     do {
         scpi_put_error(self);
     } while (self->error_count > 0 && !self->failed);
 }
 
-static void get_error_count(struct dg_scpi *self, uint32_t argument)
+static void get_error_count(struct dg_scpi *self)
 {
-    (void)argument;
     dg_scpi_put_number(self, self->error_count, 0);
 }
 
-static void get_version(struct dg_scpi *self, uint32_t argument)
+static void get_version(struct dg_scpi *self)
 {
-    (void)argument;
     dg_scpi_put_number(self, SCPI_VERSION, 1);
 }
 
@@ -150,11 +138,10 @@ static void put_rows(struct dg_scpi *self, const struct dg_scpi_commands *list)
     }
 }
 
-static void get_help(struct dg_scpi *self, uint32_t argument)
+static void get_help(struct dg_scpi *self)
 {
     const struct dg_scpi_commands *list;
 
-    (void)argument;
     for (size_t i = 0; (list = scpi_commands(self, i)) != NULL; i++) {
         put_rows(self, list);
     }

@@ -109,7 +109,7 @@ static void call(struct dg_scpi *self)
         scpi_raise_usage(self, DG_SCPI_SUPERFLUOUS);
         return;
     }
-    (self->query ? command->query : command->set)(self, command->argument);
+    (self->query ? command->query : command->set)(self);
     if (dg_scpi_more(self)) {
         scpi_raise_usage(self, DG_SCPI_SUPERFLUOUS);
     } else if (self->query && !self->put && !self->waiting) {

@@ -50,82 +50,83 @@ static dg_ns settled(struct dg_scpi *session)
     return rig_of(session)->settles;
 }
 
-static void set_number(struct dg_scpi *session, uint32_t which)
+static void take_number(struct dg_scpi *session, uint32_t value)
 {
-    if (dg_scpi_number(session, &ranges[which], &rig_of(session)->values[which])) {
+    if (dg_scpi_number(session, &ranges[value], &rig_of(session)->values[value])) {
         rig_of(session)->taken++;
     }
 }
 
-static void get_number(struct dg_scpi *session, uint32_t which)
+static void set_number(struct dg_scpi *session)
 {
-    dg_scpi_put_number(session, rig_of(session)->values[which], ranges[which].places);
+    take_number(session, session->command->argument);
 }
 
-static void set_flag(struct dg_scpi *session, uint32_t which)
+static void get_number(struct dg_scpi *session)
+{
+    const uint32_t value = session->command->argument;
+
+    dg_scpi_put_number(session, rig_of(session)->values[value], ranges[value].places);
+}
+
+static void set_flag(struct dg_scpi *session)
 {
     bool value;
 
     if (dg_scpi_flag(session, &value)) {
-        rig_of(session)->values[which] = value;
+        rig_of(session)->values[session->command->argument] = value;
         rig_of(session)->taken++;
     }
 }
 
-static void set_text(struct dg_scpi *session, uint32_t argument)
+static void set_text(struct dg_scpi *session)
 {
-    (void)argument;
     if (dg_scpi_text(session, rig_of(session)->text, sizeof rig_of(session)->text)) {
         rig_of(session)->taken++;
     }
 }
 
-static void get_text(struct dg_scpi *session, uint32_t argument)
+static void get_text(struct dg_scpi *session)
 {
-    (void)argument;
     dg_scpi_put_string(session, rig_of(session)->text);
 }
 
 /* A handler whose change makes the host step the session that it serves, and offer it bytes. */
-static void stop(struct dg_scpi *session, uint32_t argument)
+static void stop(struct dg_scpi *session)
 {
-    (void)argument;
     rig_of(session)->stops++;
     (void)dg_scpi_step(session, session->now + 1);
     rig_of(session)->stops += (unsigned)dg_scpi_rx(session, session->now + 1, "SHAF:STOP\n", 10);
 }
 
 /* Optional pairs of a word and a number behind a name: answers what it has read. */
-static void set_fault(struct dg_scpi *session, uint32_t argument)
+static void set_fault(struct dg_scpi *session)
 {
     static const char *const words[] = {"COUNt", "PROBability", "DURation"};
     static const enum scpi_rig_value values[] = {SCPI_RIG_NUMBER, SCPI_RIG_THOUSANDTHS,
                                                  SCPI_RIG_SPAN};
     size_t index;
-    (void)argument;
 
-    set_text(session, 0);
+    set_text(session);
     while (dg_scpi_more(session)) {
         index = 0;
         (void)dg_scpi_word(session, words, LENGTH(words), &index);
-        set_number(session, values[index]); /* careless: after an error there is nothing to take */
+        take_number(session, values[index]); /* careless: after an error there is none */
     }
 }
 
 /* Any number of bytes. */
-static void set_bytes(struct dg_scpi *session, uint32_t argument)
+static void set_bytes(struct dg_scpi *session)
 {
-    (void)argument;
     do {
-        set_number(session, SCPI_RIG_BYTE);
+        take_number(session, SCPI_RIG_BYTE);
     } while (dg_scpi_more(session));
 }
 
 /* Answers its parameter in all forms that parts have. */
-static void get_parts(struct dg_scpi *session, uint32_t argument)
+static void get_parts(struct dg_scpi *session)
 {
     int64_t value = 0;
-    (void)argument;
 
     if (dg_scpi_more(session)) {
         (void)dg_scpi_number(session, &ranges[SCPI_RIG_NUMBER], &value);
@@ -140,16 +141,14 @@ static void get_parts(struct dg_scpi *session, uint32_t argument)
     dg_scpi_append_hex(session, (uint64_t)value, 16);
 }
 
-static void get_nothing(struct dg_scpi *session, uint32_t argument)
+static void get_nothing(struct dg_scpi *session)
 {
     (void)session;
-    (void)argument;
 }
 
 /* Two errors, and an answer that does not come. */
-static void raise_two(struct dg_scpi *session, uint32_t argument)
+static void raise_two(struct dg_scpi *session)
 {
-    (void)argument;
     dg_scpi_raise(session, DG_SCPI_NO_ERROR, "nothing");
     dg_scpi_raise(session, DG_SCPI_HARDWARE, "first");
     dg_scpi_raise(session, DG_SCPI_STORAGE, NULL);
@@ -157,12 +156,11 @@ static void raise_two(struct dg_scpi *session, uint32_t argument)
 }
 
 /* Any number as an error, with a text that is too long. */
-static void raise_any(struct dg_scpi *session, uint32_t argument)
+static void raise_any(struct dg_scpi *session)
 {
     static const struct dg_scpi_range codes = {DG_SCPI_PLAIN, 0, INT16_MIN, INT16_MAX};
     char text[2u * DG_SCPI_DETAIL_MAX];
     int64_t code;
-    (void)argument;
 
     if (dg_scpi_number(session, &codes, &code)) {
         memset(text, 'x', sizeof text - 1u);
