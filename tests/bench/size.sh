@@ -25,8 +25,11 @@ for object in canopen/co_eds canopen/slcan cia406/sheet; do
     row "if called: $(basename "$object")" $(arm-none-eabi-size "build/size/libdg_$(dirname "$object").a" |
         awk -v name="$(basename "$object").c.obj" '$6 == name { print $1, $2, $3 }')
 done
-# shellcheck disable=SC2046
-row "device and store" $(total build/size/libdg_hiperface.a build/size/libdg_core.a)
-for device in dg_hf dg_biss dg_ib; do
+# What a program links that names one model, without and with a control plane; C library not included.
+for image in build/size/tests/image-*; do
+    # shellcheck disable=SC2046 # three columns
+    row "$(basename "$image")" $(arm-none-eabi-size "$image" | awk 'NR == 2 { print $1, $2, $3 }')
+done
+for device in dg_hf dg_biss dg_cia406_device dg_ib; do
     echo "RAM of one device (sizeof(struct $device)): $(ram "$device")"
 done

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* What a device costs in RAM: `nm -S` of this object says it for a machine that cannot run us. */
 #include "drehgeber/biss.h"
+#include "drehgeber/cia406.h"
 #include "drehgeber/hiperface.h"
 #include "drehgeber/interbus.h"
 
@@ -10,4 +11,5 @@
 
 RAM(dg_hf);
 RAM(dg_biss);
+RAM(dg_cia406_device);
 RAM(dg_ib);
