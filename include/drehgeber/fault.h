@@ -41,7 +41,7 @@ enum dg_wire_fault {
 enum dg_fault_kind {
     DG_FAULT_WORLD,  /**< sets a quantity of dg_world to `value` */
     DG_FAULT_MEMORY, /**< flips a bit of an EEPROM region; seen from the next power-on on */
-    DG_FAULT_WIRE,   /**< enum dg_wire_fault */
+    DG_FAULT_WIRE,   /**< enum dg_wire_fault; the last one */
 };
 
 /** An entry of the catalogue. Memory faults have no row: there is one for each checked region of

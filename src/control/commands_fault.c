@@ -24,6 +24,7 @@ void control_catalogue(struct dg_scpi *self)
         [DG_FAULT_MEMORY] = "MEMORY",
         [DG_FAULT_WIRE] = "WIRE",
     };
+    _Static_assert(sizeof kinds / sizeof kinds[0] == DG_FAULT_WIRE + 1, "a word for each kind");
     const struct dg_fault_target target = target_of(self);
     struct dg_fault_entry entry;
 
