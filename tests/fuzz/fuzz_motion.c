@@ -38,7 +38,7 @@ static void check_points(const struct dg_motion_point *points, size_t count)
 
 static void take_csv(const uint8_t *bytes, size_t n)
 {
-    struct lx_error error = {""};
+    struct lx_error error = {.right = ""};
     struct lx_recording recording = {.points = NULL};
     struct dg_motion motion = {.kind = DG_MOTION_STANDSTILL};
     FILE *file = n > 0 ? fmemopen((void *)(uintptr_t)bytes, n, "r") : NULL;
@@ -54,7 +54,7 @@ static void take_csv(const uint8_t *bytes, size_t n)
         turn(&motion);
         free(recording.points);
     } else {
-        fuzz_must(strncmp(error.text, "some.csv", 8) == 0);
+        fuzz_must(strncmp(lx_error_line(&error).text, "some.csv", 8) == 0);
     }
     (void)fclose(file);
 }
@@ -62,7 +62,7 @@ static void take_csv(const uint8_t *bytes, size_t n)
 static void take_words(const uint8_t *bytes, size_t n)
 {
     char text[WORDS_MAX];
-    struct lx_error error = {""};
+    struct lx_error error = {.right = ""};
     struct lx_shaft shaft;
 
     n = n < sizeof text ? n : sizeof text - 1u;
@@ -73,7 +73,7 @@ static void take_words(const uint8_t *bytes, size_t n)
     }
     const int result = lx_shaft_parse(&shaft, text, NULL, &error);
     fuzz_must(result == 0 || result == LX_SHAFT_WORDS);
-    fuzz_must((result == 0) == (error.text[0] == '\0') && shaft.points == NULL);
+    fuzz_must((result == 0) == (lx_error_line(&error).text[0] == '\0') && shaft.points == NULL);
     if (result == 0) {
         const struct dg_motion wanted = shaft.motion;
         fuzz_must(dg_motion_set(&shaft.motion, &wanted) == DG_OK);

@@ -75,14 +75,15 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
 {
     static const struct lx_plan empty;
     const char *file = write_file(bytes, n);
-    struct lx_error error = {""};
+    struct lx_error error = {.right = ""};
     struct lx_plan plan;
 
     if (lx_plan_read(&plan, file, &error) == 0) {
         check_plan(&plan);
         lx_plan_free(&plan);
     } else {
-        fuzz_must(strncmp(error.text, file, strlen(file)) == 0 && printable(error.text));
+        fuzz_must(strncmp(lx_error_line(&error).text, file, strlen(file)) == 0 &&
+                  printable(lx_error_line(&error).text));
     }
     fuzz_must(memcmp(&plan, &empty, sizeof plan) == 0);
     return 0;

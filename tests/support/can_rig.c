@@ -150,11 +150,10 @@ void can_rig_plan(struct can_rig *self, size_t count)
         struct lx_plan_encoder *encoder = &self->encoder[i];
         struct lx_station *station = &self->station[i];
         (void)snprintf(self->name[i], sizeof self->name[i], "e%zu", i);
-        (void)snprintf(self->address[i], sizeof self->address[i], "%zu", i + 1);
         *encoder = (struct lx_plan_encoder){
             .name = self->name[i],
             .model = dg_device_find(i % 2 == 0 ? "f3668" : "f3658"),
-            .address = self->address[i],
+            .address = (int)i + 1,
         };
         *station = (struct lx_station){.plan = encoder, .place = i};
         dg_world_init(&station->world);
@@ -186,7 +185,7 @@ void can_rig_open_slcan(struct can_rig *self, size_t count)
     self->bus = lx_can_bus_make_slcan(&setup, &self->error);
     assert_non_null(self->bus);
     if (self->bus->ops->open(self->bus, lx_now(), &self->error) != 0) {
-        fail_msg("%s", self->error.text);
+        fail_msg("%s", lx_error_line(&self->error).text);
     }
 }
 

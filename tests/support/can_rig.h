@@ -35,7 +35,6 @@ struct can_rig {
     char link[64];
     char nvm[CAN_RIG_NODES_MAX][64]; /**< files that are removed at the end */
     char name[CAN_RIG_NODES_MAX][24];
-    char address[CAN_RIG_NODES_MAX][24];
     sd_event *event;
     struct lx_plan plan; /**< only its `file` counts */
     struct lx_plan_wire wire;

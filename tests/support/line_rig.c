@@ -15,6 +15,7 @@
 
 #include "drehgeber/instruments.h"
 #include "hf_rig.h"
+#include "hf_settings.h"
 #include "timer.h"
 
 #define MODEL "s3684-rs485"
@@ -121,17 +122,15 @@ static void open_master(struct line_rig *self)
 /* A plan of `count` encoders, the first one at 40h, the next at 41h ... */
 void line_rig_plan(struct line_rig *self, size_t count, const char *where)
 {
-    static const struct lx_wire kind = {.name = "pty", .stack = &dg_hf_stack};
+    static const struct lx_wire kind = {.name = "pty", .stacks = {&lx_hf_stack}};
     *self = (struct line_rig){.say = {.quiet = true}, .master = -1, .clock = {.permille = 1000}};
     assert_int_equal(lx_plan_add_wire(&self->plan, "line", &kind, where), 0);
     for (size_t i = 0; i < count; i++) {
         char name[24];
-        char address[24];
         (void)snprintf(name, sizeof name, "e%zu", i);
-        (void)snprintf(address, sizeof address, "0x%02zX", 0x40u + i);
         assert_int_equal(lx_plan_add_encoder(&self->plan, name, dg_device_find(MODEL), 0, 0),
                          (int)i);
-        self->plan.encoders[i].address = strdup(address);
+        self->plan.encoders[i].address = 0x40 + (int)i;
     }
 }
 
@@ -139,7 +138,7 @@ void line_rig_set(struct line_rig *self, size_t index, const char *assignment)
 {
     struct lx_error error;
     assert_int_equal(
-        lx_plan_add_setting(&self->plan.encoders[index].settings, assignment, 0, &error), 0);
+        lx_plan_add_assignment(&self->plan.encoders[index].settings, assignment, 0, &error), 0);
 }
 
 void line_rig_stations(struct line_rig *self)
@@ -171,12 +170,12 @@ void line_rig_stations(struct line_rig *self)
 /* On, with the start-up window (100 ms) over. */
 void line_rig_open(struct line_rig *self, lx_bus_make *make)
 {
-    struct lx_error error = {""};
+    struct lx_error error = {.right = ""};
     line_rig_stations(self);
     self->bus = make(&self->setup, &error);
     assert_non_null(self->bus);
     const int result = self->bus->ops->open(self->bus, lx_now(), &error);
-    assert_string_equal(error.text, "");
+    assert_string_equal(lx_error_line(&error).text, "");
     assert_int_equal(result, 0);
     self->heard.listener = (struct lx_tap_listener){.event = on_event, .ctx = &self->heard};
 }

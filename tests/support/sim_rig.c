@@ -8,6 +8,7 @@
 
 #include <cmocka.h>
 
+#include "biss_settings.h"
 #include "drehgeber/instruments.h"
 #include "timer.h"
 
@@ -41,7 +42,7 @@ static void on_event(void *ctx, const struct lx_tap_event *event)
 
 void sim_rig_plan(struct sim_rig *self, size_t count)
 {
-    static const struct lx_wire kind = {.name = "sim", .stack = &dg_biss_stack};
+    static const struct lx_wire kind = {.name = "sim", .stacks = {&lx_biss_stack}};
     *self = (struct sim_rig){.say = {.quiet = true}, .clock = {.virtual_ = SIM_RIG_POWER_ON}};
     assert_int_equal(lx_plan_add_wire(&self->plan, "wire", &kind, NULL), 0);
     for (size_t i = 0; i < count; i++) {
@@ -86,7 +87,7 @@ void sim_rig_step_to(struct sim_rig *self, dg_ns now)
 
 void sim_rig_open(struct sim_rig *self)
 {
-    struct lx_error error = {""};
+    struct lx_error error = {.right = ""};
     sim_rig_stations(self);
     self->bus = lx_sim_bus_make(&self->setup, &error);
     assert_non_null(self->bus);

@@ -143,7 +143,7 @@ int main(int argc, char *argv[])
         feed(&tap, line);
     }
     if (trace == NULL || lx_trace_close(trace, &error) != 0) {
-        (void)fprintf(stderr, "make_traces: %s\n", error.text);
+        (void)fprintf(stderr, "make_traces: %s\n", lx_error_line(&error).text);
         return 1;
     }
     return 0;

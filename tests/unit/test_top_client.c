@@ -57,22 +57,22 @@ static int listen_there(void)
 /* The leak checker looks at what these two have taken. */
 static void nobody_is_there(void **state)
 {
-    struct lx_error error = {""};
+    struct lx_error error = {.right = ""};
     sd_event *event = NULL;
     (void)state;
     assert_true(sd_event_new(&event) >= 0);
     assert_null(top_client_open(event, &view, ignore, NULL, &error));
-    assert_non_null(strstr(error.text, view.where));
+    assert_non_null(strstr(lx_error_line(&error).text, view.where));
     assert_null(sd_event_unref(event));
 }
 
 static void there_is_no_loop(void **state)
 {
-    struct lx_error error = {""};
+    struct lx_error error = {.right = ""};
     (void)state;
     const int fd = listen_there();
     assert_null(top_client_open(NULL, &view, ignore, NULL, &error));
-    assert_non_null(strstr(error.text, "no event loop: "));
+    assert_non_null(strstr(lx_error_line(&error).text, "no event loop: "));
     const int client = accept(fd, NULL, NULL);
     char byte;
     assert_int_equal(recv(client, &byte, 1, MSG_DONTWAIT), 0); /* it has hung up */
@@ -81,7 +81,7 @@ static void there_is_no_loop(void **state)
 
 static void one_that_begins_ends(void **state)
 {
-    struct lx_error error = {""};
+    struct lx_error error = {.right = ""};
     sd_event *event = NULL;
     (void)state;
     assert_true(sd_event_new(&event) >= 0);

@@ -104,7 +104,8 @@ static int take_address(struct biss_session *self, struct words *words, uint8_t 
         word = colon + 1;
     }
     if (word == NULL || !lx_unsigned_parse(word, &number) || number >= ADDRESSES) {
-        return usage(error, "no address of 0x00..0x7F: ", word == NULL ? "" : word);
+        return word == NULL ? usage(error, "no address", "")
+                            : usage(error, "no address of 0x00..0x7F: ", word);
     }
     *address = (uint8_t)number;
     return 0;
@@ -212,9 +213,8 @@ static int do_command(struct biss_session *self, struct words *words, struct lx_
     if (result < 0) {
         return complain_access(error, "command", command, result);
     }
-    lx_sim_master_pause(&self->master,
-                        self->master.wire.now +
-                            (command == DG_BISS_SOFT_RESET ? self->settings.model.init : 0));
+    lx_sim_master_pause(&self->master, self->master.wire.now +
+                                           (command == DG_BISS_SOFT_RESET ? self->model.init : 0));
     return 0;
 }
 
@@ -241,12 +241,14 @@ static int act(struct biss_session *self, struct words *words, struct lx_error *
 
 static bool is_biss(const struct options *options)
 {
+    struct lx_words right = {""};
     const struct dg_device *device = options->model == NULL ? NULL : dg_device_find(options->model);
 
     if (device != NULL && device->stack == &dg_biss_stack) {
         return true;
     }
-    lx_complain("biss needs a BiSS model; valid: s3674-biss s3684-biss");
+    lx_stack_models(&lx_biss_stack, &right);
+    lx_complain("biss needs a BiSS model; valid:%s", right.text);
     return false;
 }
 
@@ -280,7 +282,7 @@ int biss_command(const struct options *options)
     }
     const int closed = biss_session_close(&session, &close_error);
     if (status != 0 || closed != 0) {
-        lx_complain("%s", status != 0 ? error.text : close_error.text);
+        (void)complain(status != 0 ? &error : &close_error, 0);
     }
     return status != 0 ? status : closed;
 }

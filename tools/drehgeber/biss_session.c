@@ -8,46 +8,35 @@
 /* Shown of an idle wire in front of the first edge. */
 #define TRACE_AHEAD DG_US(1)
 
-static int take_set(struct biss_session *self, const char *assignment, struct lx_error *error)
-{
-    return lx_sim_settings_has(assignment)
-               ? lx_sim_settings_set(&self->timing, assignment, error)
-               : lx_biss_settings_set(&self->settings, assignment, error);
-}
-
 static int understand(struct biss_session *self, const struct options *options,
                       struct lx_error *error)
 {
-    lx_biss_settings_init(&self->settings, dg_biss_model_of(dg_device_find(options->model)));
-    lx_sim_settings_init(&self->timing);
-    for (size_t i = 0; i < options->set_count; i++) {
-        if (take_set(self, options->sets[i], error) != 0) {
-            return -1;
-        }
-    }
-    if (self->settings.model.timeout != 0) {
-        return lx_fail(error, "--set timeout_us: only with --gpio; the simulated wire has the "
-                              "encoder's own timeout");
-    }
-    if (lx_biss_settings_check(&self->settings, error) != 0) {
+    if (options_plan(options, &self->plan, error) != 0) {
         return -1;
     }
-    return options->serial == NULL
+    const struct lx_plan *plan = &self->plan;
+    const struct lx_plan_encoder *encoder = &plan->encoders[0];
+    const struct lx_plan_wire *wire = &plan->wires[0];
+    dg_world_init(&self->world);
+    self->timing = lx_sim_timing;
+    return lx_stack_settings(plan, wire, encoder, &self->model, &self->world, error) == 0 &&
+                   lx_biss_own_timeout(plan, encoder, &self->model, error) == 0 &&
+                   lx_wire_settings(&lx_sim_keys, plan, wire, &self->timing, error) == 0
                ? 0
-               : lx_biss_settings_serial(&self->settings, options->serial, error);
+               : -1;
 }
 
 static int power_on(struct biss_session *self, const struct options *options, dg_ns now,
                     struct lx_error *error)
 {
-    struct dg_world *world = &self->settings.common.world;
+    struct dg_world *world = &self->world;
     if (lx_biss_eeprom_open(&self->eeprom, options->nvm, error) != 0) {
-        return -1;
+        return lx_about(error, LX_ABOUT_KEY, "nvm", NULL);
     }
-    const struct dg_biss_setup setup = {&self->settings.model, world, self->eeprom.nvm};
+    const struct dg_biss_setup setup = {&self->model, world, self->eeprom.nvm};
     world->angle = dg_motion_angle;
     world->angle_ctx = &self->shaft.motion;
-    self->shaft.motion.start = dg_after(now, self->settings.model.init);
+    self->shaft.motion.start = dg_after(now, self->model.init);
     return lx_biss_switch_on(&self->device, &setup, now, options->nvm, error);
 }
 
@@ -63,7 +52,11 @@ static int open_trace(struct biss_session *self, const struct options *options, 
     };
     self->trace = lx_trace_open(&trace, ready, error);
     lx_sim_master_pause(&self->master, dg_after(ready, TRACE_AHEAD));
-    return self->trace == NULL ? EXIT_OTHER : 0;
+    if (self->trace == NULL) {
+        (void)lx_about(error, LX_ABOUT_KEY, "trace", NULL);
+        return EXIT_OTHER;
+    }
+    return 0;
 }
 
 int biss_session_open(struct biss_session *self, const struct options *options, dg_ns now,
@@ -77,12 +70,13 @@ int biss_session_open(struct biss_session *self, const struct options *options, 
     }
     const int parsed = lx_shaft_parse(&self->shaft, shaft, NULL, error);
     if (parsed != 0) {
+        (void)lx_about(error, LX_ABOUT_KEY, "motion", NULL);
         return parsed == LX_SHAFT_WORDS ? EXIT_USAGE : EXIT_OTHER;
     }
     if (power_on(self, options, now, error) != 0) {
         return EXIT_OTHER;
     }
-    const dg_ns ready = dg_after(now, self->settings.model.init);
+    const dg_ns ready = dg_after(now, self->model.init);
     lx_biss_line_init(&self->line);
     lx_biss_line_add(&self->line, &self->device, NULL, options->model);
     lx_sim_master_init(&self->master, &self->tap, &self->line.base, &self->timing, now);
@@ -96,5 +90,6 @@ int biss_session_close(struct biss_session *self, struct lx_error *error)
     const int result = lx_trace_close(self->trace, error);
     lx_biss_eeprom_close(&self->eeprom);
     lx_shaft_free(&self->shaft);
+    lx_plan_free(&self->plan);
     return result == 0 ? 0 : EXIT_OTHER;
 }

@@ -12,8 +12,10 @@
 
 /* Not to be moved while open. */
 struct biss_session {
-    struct lx_biss_settings settings; /* the world in it */
-    struct lx_clocked_timing timing;  /* of the master and its cable */
+    struct lx_plan plan;
+    struct dg_biss_model model;
+    struct dg_world world;
+    struct lx_clocked_timing timing; /* of the master and its cable */
     struct lx_shaft shaft;
     struct lx_biss_eeprom eeprom;
     struct dg_biss device;

@@ -29,7 +29,7 @@
 /* Sockets of the folder that somebody listens at. */
 struct found {
     char first[LX_SERVER_ADDRESS_MAX];
-    char names[sizeof((struct lx_error *)0)->text / 2];
+    char names[sizeof((struct lx_error *)0)->right / 2];
     size_t count;
 };
 
@@ -230,11 +230,11 @@ int ctl_command(const char *wanted, char *const *words, size_t count)
     struct lx_error error;
     struct talk self = {.from_stdin = count == 0};
     if (ctl_find(wanted, where, sizeof where, &error) != 0) {
-        return run_complain(&error, wanted == NULL ? EXIT_OTHER : EXIT_USAGE);
+        return complain(&error, wanted == NULL ? EXIT_OTHER : EXIT_USAGE);
     }
     self.fd = lx_access_connect(where, greeting, &error);
     if (self.fd < 0) {
-        return run_complain(&error, EXIT_OTHER);
+        return complain(&error, EXIT_OTHER);
     }
     self.failed = !say(&self, greeting);
     for (size_t i = 0; i < count && !self.failed; i++) {

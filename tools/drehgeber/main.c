@@ -6,79 +6,14 @@
 #include <unistd.h>
 
 #include "biss.h"
-#include "biss_settings.h"
+#include "can_bus.h"
 #include "ctl.h"
 #include "drehgeber/drehgeber.h"
+#include "help.h"
 #include "modbus_map.h"
-#include "modbus_settings.h"
-#include "motion_words.h"
 #include "options.h"
 #include "run.h"
-#include "settings.h"
-#include "sim_settings.h"
 #include "top.h"
-
-static void list_models(const char *indent)
-{
-    for (size_t i = 0; i < dg_device_count; i++) {
-        (void)printf("%s%-12s %s, %s\n", indent, dg_devices[i]->name, dg_devices[i]->wire,
-                     dg_devices[i]->resolution);
-    }
-}
-
-static const char introduction[] =
-    "drehgeber - be an absolute encoder, byte for byte\n"
-    "\n"
-    "  drehgeber run s3684-rs485 --pty=enc --shaft 60RPM --nvm enc.nvm\n"
-    "\n"
-    "makes ./enc a serial port (9600 Bd, 8E1) behind which a multiturn encoder turns\n"
-    "at 60 rpm; it prints one line, 'ready s3684-rs485 pty:/dev/pts/4', and runs until\n"
-    "Ctrl-C or SIGTERM. Ask it for its position with the bytes 40 42 02.\n"
-    "\n"
-    "  drehgeber list                          the models\n"
-    "  drehgeber run MODEL [WIRE] [OPTIONS]    be that encoder\n"
-    "  drehgeber run RIG.ini [--control ...]   be all encoders of a rig file\n"
-    "  drehgeber eds MODEL                     the EDS file of a CANopen encoder\n"
-    "  drehgeber biss MODEL ACTION [OPTIONS]   ask a BiSS encoder over a simulated wire;\n"
-    "                                          ACTION, one or more: read,\n"
-    "                                          registers [BANK:]ADDR N, eds,\n"
-    "                                          write [BANK:]ADDR BYTES, command N\n"
-    "  drehgeber map MODEL                     the Modbus registers of an INTERBUS encoder\n"
-    "  drehgeber ctl [--control ADDR] COMMAND  SCPI to what is running; SYST:HELP? says which\n"
-    "  drehgeber top [ADDRESS]                 what is running, in a terminal; ? says the keys\n"
-    "\n"
-    " Models:\n";
-
-/* An example first, then the reference; every table in it is the one the program works with. */
-static void help(void)
-{
-    static char name[] = "drehgeber";
-    struct lx_settings defaults;
-    lx_settings_init(&defaults, dg_hf_model_of(dg_devices[0]));
-    (void)fputs(introduction, stdout);
-    list_models("  ");
-    (void)fputs("\n", stdout);
-    argp_help(&options_argp, stdout, ARGP_HELP_LONG, name);
-    (void)printf("\n MOTION:\n"
-                 "  %s\n"
-                 "  Units: DEG REV (angle), RPM (speed), S MS (time). Positive is clockwise, time\n"
-                 "  0 is when the encoder is ready. A file has lines 'time_s,angle_deg'.\n"
-                 "\n KEY=VALUE (CANopen: those from temperature on, f3668 mt_bits=12|16, and\n"
-                 " pace=0|1 of the bus, default 0: frames take their time at its bit rate):\n",
-                 lx_shaft_forms);
-    lx_settings_help(&defaults, stdout);
-    (void)fputs("  (factory) is burnt into a new --nvm file; an existing one has to agree.\n"
-                "\n KEY=VALUE of BiSS encoders, beside those from temperature on:\n",
-                stdout);
-    lx_biss_settings_help(stdout);
-    lx_sim_settings_help(stdout);
-    (void)fputs("\n KEY=VALUE of INTERBUS encoders, beside what they sense of the above:\n",
-                stdout);
-    lx_ring_settings_help(stdout);
-    (void)fputs("\n Exit status: 0 after SIGTERM or SIGINT, 2 for a wrong command line, 1 for the "
-                "rest.\n",
-                stdout);
-}
 
 static int flushed(void)
 {
@@ -98,7 +33,9 @@ static int eds(const struct options *options)
 {
     const struct dg_device *device = options->model == NULL ? NULL : dg_device_find(options->model);
     if (device == NULL || device->stack != &dg_cia406_stack) {
-        lx_complain("eds needs a CANopen model; valid: f3658 f3668");
+        struct lx_words right = {""};
+        lx_stack_models(&lx_can_stack, &right);
+        lx_complain("eds needs a CANopen model; valid:%s", right.text);
         return EXIT_USAGE;
     }
     dg_co_eds(dg_cia406_sheet(dg_cia406_model_of(device)->device), write_text, stdout);
@@ -109,11 +46,10 @@ static int eds(const struct options *options)
 static bool wire_fits(const struct options *options, const struct dg_device *device)
 {
     struct lx_error error;
-    if (device == NULL || options->wire == NULL ||
-        options_wire(options, device->stack, &error) != NULL) {
+    if (device == NULL || options->wire == NULL || options_wire(options, device, &error) != NULL) {
         return true; /* an unknown model is refused where its name is needed */
     }
-    lx_complain("%s", error.text);
+    (void)complain(&error, EXIT_USAGE);
     return false;
 }
 
@@ -130,7 +66,7 @@ static int map(const struct options *options)
         return EXIT_USAGE;
     }
     if (options_plan(options, &plan, &error) != 0) {
-        return run_complain(&error, EXIT_USAGE);
+        return complain(&error, EXIT_USAGE);
     }
     for (size_t i = 0; i < plan.encoder_count; i++) {
         models[i] = dg_ib_model_of(plan.encoders[i].model);
@@ -159,10 +95,10 @@ static int act(const struct options *options)
     }
     switch (options->command) {
     case COMMAND_LIST:
-        list_models("");
+        help_models("");
         return flushed();
     case COMMAND_HELP:
-        help();
+        help_print(options);
         return flushed();
     case COMMAND_VERSION:
         (void)printf("drehgeber %s\n", dg_version());
@@ -205,7 +141,7 @@ int main(int argc, char **argv)
     struct options options;
     int status = EXIT_USAGE;
     if (options_parse(&options, argc, argv) != 0) {
-        lx_complain("%s", options.error.text);
+        (void)complain(&options.error, status);
     } else {
         status = act(&options);
     }

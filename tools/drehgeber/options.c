@@ -7,25 +7,14 @@
 #include <string.h>
 
 #include "can.h"
-#include "drehgeber/biss.h"
-#include "drehgeber/cia406.h"
-#include "drehgeber/hiperface.h"
-#include "drehgeber/interbus.h"
 
 enum key {
     KEY_HELP = 'h',
     KEY_VERSION = 'V',
     KEY_QUIET = 'q',
-    KEY_PTY = 256,
-    KEY_TTY,
-    KEY_CAN,
-    KEY_SLCAN,
-    KEY_NODE,
-    KEY_SIM,
-    KEY_GPIO,
+    KEY_NODE = 256,
     KEY_TRACE,
     KEY_FILES,
-    KEY_MODBUS,
     KEY_RING,
     KEY_NVM,
     KEY_SERIAL,
@@ -33,52 +22,28 @@ enum key {
     KEY_SHAFT,
     KEY_CONTROL,
     KEY_VERBOSE,
+    KEY_WIRE, /* and one more for each kind of wire */
 };
-
-static const struct {
-    const char *name;
-    enum command command;
-} commands[] = {
-    {"list", COMMAND_LIST}, {"run", COMMAND_RUN}, {"eds", COMMAND_EDS}, {"biss", COMMAND_BISS},
-    {"map", COMMAND_MAP},   {"ctl", COMMAND_CTL}, {"top", COMMAND_TOP},
-};
-#define COMMAND_COUNT (sizeof commands / sizeof commands[0])
-#define RIGHT                                                                                      \
-    "'drehgeber list', 'drehgeber run MODEL [WIRE] [OPTIONS]', 'drehgeber run RIG.ini', "          \
-    "'drehgeber eds MODEL', 'drehgeber biss MODEL ACTION', 'drehgeber map MODEL', "                \
-    "'drehgeber ctl COMMAND' or 'drehgeber top [ADDRESS]'"
-
-static const struct {
-    const struct dg_stack *stack;
-    const char *all;
-    const char *usual;
-} wires_of[] = {
-    {&dg_hf_stack, "--pty[=LINK] or --tty DEV", "pty"},
-    {&dg_biss_stack, "--sim or --gpio CHIP:MA,SLO", "sim"},
-    {&dg_ib_stack, "--modbus HOST:PORT", "modbus"},
-    {&dg_cia406_stack, "--can IFNAME or --slcan[=LINK]", "slcan"},
-};
-
-/* The row of a stack. */
-static size_t row_of_stack(const struct dg_stack *stack)
-{
-    size_t i = 0;
-    while (i < sizeof wires_of / sizeof wires_of[0] - 1 && wires_of[i].stack != stack) {
-        i++;
-    }
-    return i;
-}
 
 /* clang-format off */
-static const struct argp_option table[] = {
-    {.doc = "Wires (one of them):", .group = 1},
-    {.name = "pty",     .key = KEY_PTY,     .arg = "LINK",      .flags = OPTION_ARG_OPTIONAL, .doc = "RS485 on a pseudo-terminal, and a symbolic link to it while it runs (default)"},
-    {.name = "tty",     .key = KEY_TTY,     .arg = "DEV",       .doc = "RS485 on a serial port; data rate and parity are the encoder's own"},
-    {.name = "sim",     .key = KEY_SIM,     .doc = "BiSS on a simulated wire with a master that reads positions (default)"},
-    {.name = "gpio",    .key = KEY_GPIO,    .arg = "CHIP:MA,SLO", .doc = "BiSS on two lines of a GPIO chip: its name, path or label, and two offsets, e.g. gpiochip0:4,5"},
-    {.name = "can",     .key = KEY_CAN,     .arg = "IFNAME",    .doc = "CAN on a network interface (SocketCAN)"},
-    {.name = "slcan",   .key = KEY_SLCAN,   .arg = "LINK",      .flags = OPTION_ARG_OPTIONAL, .doc = "CAN behind an SLCAN adapter on a pseudo-terminal (default where the kernel has no CAN)"},
-    {.name = "modbus",  .key = KEY_MODBUS,  .arg = "HOST:PORT", .doc = "INTERBUS: the Modbus/TCP coupler in front of the ring (default: 127.0.0.1:5020)"},
+const struct command_row command_rows[] = {
+    /* name    command       usage                                  help                                            takes  wires */
+    {"list",   COMMAND_LIST, "list",                                "the models",                                   "",    false},
+    {"run",    COMMAND_RUN,  "run MODEL [WIRE] [OPTIONS]",          "be that encoder",                              NULL,  true},
+    {"run",    COMMAND_RUN,  "run RIG.ini [--control ...]",         "be all encoders of a rig file",                NULL,  true},
+    {"eds",    COMMAND_EDS,  "eds MODEL",                           "the EDS file of a CANopen encoder",            "",    false},
+    {"biss",   COMMAND_BISS, "biss MODEL ACTION [OPTIONS]",         "ask a BiSS encoder over a simulated wire;\n"
+                                                                    "ACTION, one or more: read,\n"
+                                                                    "registers [BANK:]ADDR N, eds,\n"
+                                                                    "write [BANK:]ADDR BYTES, command N",           " set nvm serial shaft trace ", false},
+    {"map",    COMMAND_MAP,  "map MODEL",                           "the Modbus registers of an INTERBUS encoder",  " ring ", false},
+    {"ctl",    COMMAND_CTL,  "ctl [--control ADDR] COMMAND",        "SCPI to what is running; SYST:HELP? says which", " control ", false},
+    {"top",    COMMAND_TOP,  "top [ADDRESS]",                       "what is running, in a terminal; ? says the keys", " control ", false},
+    {"help",   COMMAND_HELP, "help [COMMAND [MODEL]]",              "this text, or that of a command",              "",    false},
+};
+
+/* Behind the wires. */
+static const struct argp_option rows[] = {
     {.doc = "Options:", .group = 2},
     {.name = "ring",    .key = KEY_RING,    .arg = "MODELS",    .doc = "INTERBUS: all encoders of the ring, with commas between them"},
     {.name = "nvm",     .key = KEY_NVM,     .arg = "FILE",      .doc = "keep the EEPROM in FILE, made when it does not exist (default: forgotten at the end)"},
@@ -91,49 +56,159 @@ static const struct argp_option table[] = {
     {.name = "trace",   .key = KEY_TRACE,   .arg = "FILE",      .doc = "what goes over the wire: .vcd (RS485, BiSS), .log or .pcapng (CAN), .csv (INTERBUS)"},
     {.name = "verbose", .key = KEY_VERBOSE,                     .doc = "what goes over the wire in words, on stderr"},
     {.name = "quiet",   .key = KEY_QUIET,                       .doc = "no notes on stderr, only complaints"},
-    {.name = "help",    .key = KEY_HELP,                        .doc = "this text"},
+    {.name = "help",    .key = KEY_HELP,                        .doc = "this text; behind a command that of the command, and nothing is started"},
     {.name = "version", .key = KEY_VERSION,                     .doc = "the version"},
-    {0},
 };
 /* clang-format on */
+#define ROW_COUNT (sizeof rows / sizeof rows[0])
 
-static error_t fail(struct options *self, const char *what, const char *value, const char *right)
+const size_t command_row_count = sizeof command_rows / sizeof command_rows[0];
+
+const struct command_row *command_find(const char *name)
 {
-    (void)lx_fail(&self->error, "%s%s; %s", what, value, right);
-    return EINVAL;
+    for (size_t i = 0; i < command_row_count; i++) {
+        if (strcmp(command_rows[i].name, name) == 0) {
+            return &command_rows[i];
+        }
+    }
+    return NULL;
 }
 
-/* The name of the option with this key. */
-static const char *name_of(int key)
+/* --- the table of options --- */
+
+static bool takes(const struct command_row *row, const struct argp_option *option)
 {
-    const struct argp_option *row = table;
-    while (row->key != key) {
+    struct lx_words word = {""};
+    if (row == NULL || row->takes == NULL || option->key == KEY_HELP) {
+        return true;
+    }
+    lx_words_add(&word, " %s ", option->name == NULL ? "" : option->name);
+    return option->name == NULL ? row->takes[0] != '\0' : strstr(row->takes, word.text) != NULL;
+}
+
+static struct argp_option option_of(const struct lx_wire *wire, int key)
+{
+    return (struct argp_option){
+        .name = wire->name,
+        .key = key,
+        .arg = wire->where,
+        .flags = lx_wire_is_optional(wire) ? OPTION_ARG_OPTIONAL : 0,
+        .doc = wire->help,
+        .group = 1,
+    };
+}
+
+struct argp_option *options_table(const struct command_row *row)
+{
+    struct argp_option *table = calloc(lx_wire_count + ROW_COUNT + 2u, sizeof *table);
+    size_t n = 0;
+    if (table == NULL) {
+        return NULL;
+    }
+    if (row == NULL || row->wires) {
+        table[n++] = (struct argp_option){.doc = "Wires (one of them):", .group = 1};
+        for (size_t i = 0; i < lx_wire_count; i++) {
+            table[n++] = option_of(&lx_wires[i], KEY_WIRE + (int)i);
+        }
+    }
+    for (size_t i = 0; i < ROW_COUNT; i++) {
+        if (takes(row, &rows[i])) {
+            table[n++] = rows[i];
+        }
+    }
+    return table;
+}
+
+/* "--pty[=LINK]", "--tty DEV" */
+static void add_option(struct lx_words *to, const struct argp_option *row)
+{
+    const bool optional = (row->flags & OPTION_ARG_OPTIONAL) != 0;
+    lx_words_add(to, "--%s", row->name);
+    if (row->arg != NULL) {
+        lx_words_add(to, optional ? "[=%s]" : " %s", row->arg);
+    }
+}
+
+static bool is_end(const struct argp_option *row)
+{
+    return row->name == NULL && row->doc == NULL;
+}
+
+/* The row with this key. */
+static const struct argp_option *row_with(const struct options *self, int key)
+{
+    const struct argp_option *row = self->table;
+    while (row->name == NULL || row->key != key) {
         row++;
     }
-    return row->name;
+    return row;
 }
+
+/* --- what is given --- */
 
 static error_t take_wire(struct options *self, int key, const char *value)
 {
-    const char *name = name_of(key);
-    if (self->wire != NULL) {
-        return fail(self, "more than one wire: --", name,
-                    "give one of --pty, --tty, --sim, --gpio, --modbus, --can, --slcan");
+    const struct lx_wire *wire = &lx_wires[key - KEY_WIRE];
+    struct lx_words right = {"give one of "};
+    if (self->wire == NULL) {
+        self->wire = wire;
+        self->where = value;
+        return 0;
     }
-    self->wire = lx_wire_find(name, strlen(name));
-    self->where = value;
-    return 0;
+    for (size_t i = 0; i < lx_wire_count; i++) {
+        lx_words_add(&right, "%s--%s", i == 0 ? "" : ", ", lx_wires[i].name);
+    }
+    (void)lx_refuse(&self->error, right.text, "more than one wire: --%s", wire->name);
+    return EINVAL;
+}
+
+/* All commands, as they are right. */
+static struct lx_words right_commands(void)
+{
+    struct lx_words right = {"right is "};
+    for (size_t i = 0; i < command_row_count; i++) {
+        struct lx_words usage = {""};
+        lx_words_add(&usage, "'drehgeber %s'", command_rows[i].usage);
+        lx_words_item(&right, usage.text, i, command_row_count, " or ");
+    }
+    return right;
+}
+
+static int unknown_command(struct options *self, const char *value)
+{
+    struct lx_words right = right_commands();
+    if (dg_device_find(value) != NULL || strstr(value, ".ini") != NULL) {
+        (void)snprintf(right.text, sizeof right.text, "'drehgeber run %s' is right", value);
+    }
+    return lx_refuse(&self->error, right.text, "unknown command %s", value);
+}
+
+/* Most who give too much mean something that is written otherwise. */
+static int superfluous(struct options *self, const char *value)
+{
+    const bool link = self->wire != NULL && self->where == NULL && lx_wire_is_optional(self->wire);
+    struct lx_words right = {""};
+    if (link) {
+        lx_words_add(&right, "--%s=%s is right", self->wire->name, value);
+    } else if (self->command == COMMAND_RUN) {
+        lx_words_add(&right, "right is one model, or 'drehgeber run RIG.ini' with one encoder in "
+                             "each [encoder NAME]");
+    } else if (self->command == COMMAND_EDS) {
+        lx_words_add(&right, "'drehgeber eds %s > %s' is right", self->model, value);
+    } else {
+        lx_words_add(&right, "'drehgeber %s' is right", self->row->usage);
+    }
+    return lx_refuse(&self->error, right.text, "superfluous argument %s", value);
 }
 
 static error_t take_argument(struct options *self, unsigned index, char *value)
 {
-    for (size_t i = 0; index == 0 && i < COMMAND_COUNT; i++) {
-        if (strcmp(value, commands[i].name) == 0) {
-            self->command = commands[i].command;
-            return 0;
-        }
+    if (index == 0) {
+        self->row = command_find(value);
+        self->command = self->row == NULL ? COMMAND_NONE : self->row->command;
+        return self->row != NULL || unknown_command(self, value) == 0 ? 0 : EINVAL;
     }
-    if (index > 0 && self->command == COMMAND_CTL) {
+    if (self->command == COMMAND_CTL || (index > 1 && self->command == COMMAND_BISS)) {
         self->words[self->word_count++] = value;
         return 0;
     }
@@ -141,12 +216,8 @@ static error_t take_argument(struct options *self, unsigned index, char *value)
         self->model = value;
         return 0;
     }
-    if (index > 1 && self->command == COMMAND_BISS) {
-        self->words[self->word_count++] = value;
-        return 0;
-    }
-    return fail(self, index == 0 ? "unknown command " : "superfluous argument ", value,
-                "right is " RIGHT);
+    (void)superfluous(self, value);
+    return EINVAL;
 }
 
 /* Options whose value is kept as it is. */
@@ -161,18 +232,30 @@ static const struct {
 };
 #define TEXT_COUNT (sizeof texts / sizeof texts[0])
 
+/* An empty one is most likely an empty variable of a script. */
+static error_t take_text(struct options *self, int key, size_t offset, const char *value)
+{
+    struct lx_words right = {""};
+    memcpy((char *)self + offset, &value, sizeof value);
+    if (*value != '\0') {
+        return 0;
+    }
+    add_option(&right, row_with(self, key));
+    lx_words_add(&right, " is right");
+    (void)lx_refuse(&self->error, right.text, "--%s: empty", row_with(self, key)->name);
+    return EINVAL;
+}
+
 static error_t take_option(struct options *self, int key, const char *value)
 {
     for (size_t i = 0; i < TEXT_COUNT; i++) {
         if (texts[i].key == key) {
-            memcpy((char *)self + texts[i].offset, &value, sizeof value);
-            return 0;
+            return take_text(self, key, texts[i].offset, value);
         }
     }
     switch (key) {
     case KEY_SET:
-        self->sets[self->set_count++] = value;
-        return 0;
+        return lx_plan_add_assignment(&self->settings, value, 0, &self->error) == 0 ? 0 : EINVAL;
     case KEY_CONTROL:
         self->controls[self->control_count++] = value;
         return 0;
@@ -191,11 +274,9 @@ static error_t take(int key, char *value, struct argp_state *state)
 {
     struct options *self = state->input;
     switch (key) {
-    case KEY_HELP:
-    case KEY_VERSION: /* whatever else is there does not matter */
-        self->command = key == KEY_HELP ? COMMAND_HELP : COMMAND_VERSION;
-        state->next = state->argc;
-        return 0;
+    case KEY_HELP: /* among short options; see find_help() */
+    case KEY_VERSION:
+        return ARGP_ERR_UNKNOWN;
     case ARGP_KEY_ARG:
         return take_argument(self, state->arg_num, value);
     case ARGP_KEY_ERROR:
@@ -209,21 +290,21 @@ static error_t take(int key, char *value, struct argp_state *state)
     case ARGP_KEY_ARGS:
         return ARGP_ERR_UNKNOWN;
     default:
-        self->option = name_of(key);
+        self->option = row_with(self, key)->name;
         return take_option(self, key, value);
     }
 }
 
-const struct argp options_argp = {.options = table, .parser = take};
+/* --- what the parser refuses --- */
 
 /* The option table's row of "--name" or "--name=value". */
-static const struct argp_option *row_of(const char *argument)
+static const struct argp_option *row_of(const struct options *self, const char *argument)
 {
     if (strncmp(argument, "--", 2) != 0) {
         return NULL;
     }
     const size_t n = strcspn(argument + 2, "=");
-    for (const struct argp_option *row = table; row->name != NULL || row->doc != NULL; row++) {
+    for (const struct argp_option *row = self->table; !is_end(row); row++) {
         if (row->name != NULL && strlen(row->name) == n &&
             strncmp(argument + 2, row->name, n) == 0) {
             return row;
@@ -235,84 +316,132 @@ static const struct argp_option *row_of(const char *argument)
 /* getopt's own messages say what was wrong only, so this says it all. */
 static int explain_culprit(struct options *self)
 {
-    const struct argp_option *row = row_of(self->culprit);
+    const struct argp_option *row = row_of(self, self->culprit);
+    struct lx_words right = {""};
     if (row == NULL) {
-        return lx_fail(
-            &self->error,
-            "unknown option %s; valid: --pty[=LINK] --tty DEV --sim --gpio CHIP:MA,SLO --can IFNAME "
-            "--slcan[=LINK] --modbus HOST:PORT --ring MODELS --nvm FILE --serial N --node N[..M] "
-            "--shaft MOTION --set KEY=VALUE --control ADDRESS --files DIR --trace FILE --verbose --quiet "
-            "--help --version",
-            self->culprit);
+        lx_words_add(&right, "valid:");
+        for (row = self->table; !is_end(row); row++) {
+            lx_words_add(&right, row->name == NULL ? "" : " ");
+            if (row->name != NULL) {
+                add_option(&right, row);
+            }
+        }
+        return lx_refuse(&self->error, right.text, "unknown option %s", self->culprit);
     }
     if (row->arg == NULL) {
         return lx_fail(&self->error, "%s: --%s takes no value", self->culprit, row->name);
     }
-    return lx_fail(&self->error, "--%s without a value; right is --%s %s", row->name, row->name,
-                   row->arg);
+    lx_words_add(&right, "right is ");
+    add_option(&right, row);
+    return lx_refuse(&self->error, right.text, "--%s without a value", row->name);
 }
 
 static int check_command(struct options *self)
 {
+    struct lx_words right = right_commands();
     if (self->command == COMMAND_NONE) {
-        return lx_fail(&self->error,
-                       "no command; right is " RIGHT ", 'drehgeber --help' says more");
+        lx_words_add(&right, ", 'drehgeber --help' says more");
+        return lx_refuse(&self->error, right.text, "no command");
     }
-    if (self->command == COMMAND_LIST && self->option != NULL) {
-        return lx_fail(&self->error, "list takes no option --%s; right is 'drehgeber list'",
-                       self->option);
-    }
-    if (self->command == COMMAND_EDS && self->option != NULL) {
-        return lx_fail(&self->error, "eds takes no option --%s; right is 'drehgeber eds MODEL'",
-                       self->option);
+    if (self->option != NULL && (self->command == COMMAND_LIST || self->command == COMMAND_EDS)) {
+        (void)snprintf(right.text, sizeof right.text, "right is 'drehgeber %s'", self->row->usage);
+        return lx_refuse(&self->error, right.text, "%s takes no option --%s", self->row->name,
+                         self->option);
     }
     return 0;
+}
+
+/* --- the whole --- */
+
+/* Whoever asks for help gets it, whatever else is there, and nothing is started. */
+static enum command find_help(struct options *self, int argc, char **argv)
+{
+    enum command found = argc > 1 && strcmp(argv[1], "help") == 0 ? COMMAND_HELP : COMMAND_NONE;
+    for (int i = 1; i < argc && strcmp(argv[i], "--") != 0; i++) {
+        const char *word = argv[i];
+        const bool version = strcmp(word, "--version") == 0 || strcmp(word, "-V") == 0;
+        if (version || strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0) {
+            found = found != COMMAND_NONE ? found : version ? COMMAND_VERSION : COMMAND_HELP;
+        } else if (self->row == NULL || self->row->command == COMMAND_HELP) {
+            self->row = command_find(word);
+        } else if (self->model == NULL && word[0] != '-') {
+            self->model = word;
+        }
+    }
+    return found;
 }
 
 int options_parse(struct options *self, int argc, char **argv)
 {
     *self = (struct options){.command = COMMAND_NONE};
-    self->sets = calloc((size_t)argc + 1, sizeof *self->sets);
+    self->command = find_help(self, argc, argv);
+    if (self->command != COMMAND_NONE) {
+        return 0;
+    }
+    self->row = NULL;
+    self->model = NULL;
+    self->table = options_table(NULL);
     self->words = calloc((size_t)argc + 1, sizeof *self->words);
     self->controls = calloc((size_t)argc + 1, sizeof *self->controls);
-    if (self->sets == NULL || self->words == NULL || self->controls == NULL) {
+    if (self->table == NULL || self->words == NULL || self->controls == NULL) {
         return lx_fail(&self->error, "no memory");
     }
+    const struct argp argp = {.options = self->table, .parser = take};
     const unsigned flags = ARGP_NO_HELP | ARGP_NO_ERRS | ARGP_NO_EXIT;
-    const error_t result = argp_parse(&options_argp, argc, argv, flags, NULL, self);
-    if (result != 0 && self->error.text[0] != '\0') {
+    const error_t result = argp_parse(&argp, argc, argv, flags, NULL, self);
+    if (result != 0 && (self->error.what[0] != '\0' || self->error.right[0] != '\0')) {
         return -1;
     }
     return result != 0 ? explain_culprit(self) : check_command(self);
 }
 
+/* "--pty[=LINK] or --tty DEV" */
+static struct lx_words right_wires(const struct lx_stack *stack)
+{
+    struct lx_words right = {"right is"};
+    const char *between = " ";
+    for (size_t i = 0; i < lx_wire_count; i++) {
+        if (lx_wire_carries(&lx_wires[i], stack)) {
+            const struct argp_option row = option_of(&lx_wires[i], 0);
+            lx_words_add(&right, "%s", between);
+            add_option(&right, &row);
+            between = " or ";
+        }
+    }
+    return right;
+}
+
 /* A kernel that has CAN also has an interface that the user wants it on; there is no guessing. */
-const struct lx_wire *options_wire(const struct options *self, const struct dg_stack *stack,
+static bool must_be_said(const struct lx_stack *stack)
+{
+    const struct lx_wire *can = lx_wire_find("can", strlen("can"));
+    return lx_wire_carries(can, stack) && lx_can_in_kernel();
+}
+
+const struct lx_wire *options_wire(const struct options *self, const struct dg_device *device,
                                    struct lx_error *error)
 {
-    const char *all = wires_of[row_of_stack(stack)].all;
-    const char *usual = wires_of[row_of_stack(stack)].usual;
-    if (self->wire != NULL && self->wire->stack == stack) {
+    const struct lx_stack *stack = lx_stack_of(device);
+    if (self->wire != NULL && lx_wire_carries(self->wire, stack)) {
         return self->wire;
     }
     if (self->wire != NULL) {
-        (void)lx_fail(error, "--%s is no wire of %s; right is %s", self->wire->name, self->model,
-                      all);
+        (void)lx_refuse(error, right_wires(stack).text, "--%s is no wire of %s", self->wire->name,
+                        device->name);
         return NULL;
     }
-    if (stack == &dg_cia406_stack && lx_can_in_kernel()) {
-        (void)lx_fail(error, "%s needs a wire; right is %s", self->model, all);
+    if (must_be_said(stack)) {
+        (void)lx_refuse(error, right_wires(stack).text, "%s needs a wire", device->name);
         return NULL;
     }
-    return lx_wire_find(usual, strlen(usual));
+    return lx_wire_find(stack->wire, strlen(stack->wire));
 }
 
 void options_free(struct options *self)
 {
-    free(self->sets);
-    self->sets = NULL;
+    lx_plan_free_settings(&self->settings);
+    free(self->table);
     free(self->words);
-    self->words = NULL;
     free(self->controls);
-    self->controls = NULL;
+    *self = (struct options){.command = COMMAND_NONE};
 }

@@ -27,12 +27,29 @@ enum command {
     COMMAND_VERSION,
 };
 
+/* A command. */
+struct command_row {
+    const char *name;
+    enum command command;
+    const char *usage; /* behind "drehgeber " */
+    const char *help;  /* may have several lines */
+    const char *takes; /* its options, with blanks around each; NULL: all */
+    bool wires;        /* and those that name a wire */
+};
+
+extern const struct command_row command_rows[];
+extern const size_t command_row_count;
+
+/* The row called `name`, or NULL. */
+const struct command_row *command_find(const char *name);
+
 struct options {
     enum command command;
-    const char *model;          /* or the rig file */
-    const char *ring;           /* models with commas between them */
-    const struct lx_wire *wire; /* NULL: not said */
-    const char *where;          /* the wire's value; NULL: none */
+    const struct command_row *row; /* its row, for help the one that is asked about; may be NULL */
+    const char *model;             /* or the rig file */
+    const char *ring;              /* models with commas between them */
+    const struct lx_wire *wire;    /* NULL: not said */
+    const char *where;             /* the wire's value; NULL: none */
     const char *nvm;
     const char *serial;
     const char *node;
@@ -41,30 +58,30 @@ struct options {
     const char *files;
     char **words; /* owned; what `biss MODEL` is to do, as many as argc at most */
     size_t word_count;
-    const char **sets; /* owned; as many as argc at most */
-    size_t set_count;
-    const char **controls; /* owned; as many as argc at most */
+    struct lx_plan_settings settings; /* owned */
+    const char **controls;            /* owned; as many as argc at most */
     size_t control_count;
     bool verbose;
     struct lx_say say;
-    const char *option;  /* name of the last option given; NULL: none */
-    const char *culprit; /* what the parser stumbled over */
+    struct argp_option *table; /* owned: all options */
+    const char *option;        /* name of the last option given; NULL: none */
+    const char *culprit;       /* what the parser stumbled over */
     struct lx_error error;
 };
 
-/* For --help. */
-extern const struct argp options_argp;
+/* All options but those that `row` does not take; NULL: all. To be freed; NULL without memory. */
+struct argp_option *options_table(const struct command_row *row);
 
-/* The wire for an encoder with this stack: the one that was given, or the default. NULL with one
-   line in `error` when that is none for it. */
-const struct lx_wire *options_wire(const struct options *self, const struct dg_stack *stack,
+/* The wire for this encoder: the one that was given, or the default. NULL with `error` when that
+   is none for it. */
+const struct lx_wire *options_wire(const struct options *self, const struct dg_device *device,
                                    struct lx_error *error);
 
-/* What `run` is to be: of a model, a ring, or a rig file. 0, or -1 with one line in `error` and
-   nothing to free. */
+/* What `run` is to be: of a model, a ring, or a rig file. 0, or -1 with `error` and nothing to
+   free. */
 int options_plan(const struct options *self, struct lx_plan *plan, struct lx_error *error);
 
-/* Parse. 0, or -1 with one line in self->error. options_free() in any case. */
+/* Parse. 0, or -1 with self->error. options_free() in any case. */
 int options_parse(struct options *self, int argc, char **argv);
 
 void options_free(struct options *self);

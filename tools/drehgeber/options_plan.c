@@ -18,8 +18,6 @@
 #include "options.h"
 #include "wire.h"
 
-#define NODE_ID_MAX 127u
-
 /* Node-IDs asked for; 0: as delivered. */
 struct nodes {
     unsigned first;
@@ -35,17 +33,22 @@ static int no_memory(struct lx_error *error)
 
 static int unknown_model(const struct options *options, struct lx_error *error)
 {
-    struct lx_error names = {""};
-    size_t used = 0;
-    for (size_t i = 0; i < dg_device_count && used < sizeof names.text; i++) {
-        const int n =
-            snprintf(names.text + used, sizeof names.text - used, " %s", dg_devices[i]->name);
-        used += n > 0 ? (size_t)n : 0u;
+    struct lx_words right = {"valid:"};
+    lx_stack_models(NULL, &right);
+    lx_words_add(&right, ", or RIG.ini");
+    return options->model == NULL
+               ? lx_refuse(error, right.text, "run needs a model or a rig file")
+               : lx_refuse(error, right.text, "unknown model %s", options->model);
+}
+
+/* The one protocol that has rings. */
+static const struct lx_stack *ring_stack(void)
+{
+    size_t i = 0;
+    while (!lx_stacks[i]->is_ring) {
+        i++;
     }
-    if (options->model == NULL) {
-        return lx_fail(error, "run needs a model or a rig file; valid:%s, or RIG.ini", names.text);
-    }
-    return lx_fail(error, "unknown model %s; valid:%s, or RIG.ini", options->model, names.text);
+    return lx_stacks[i];
 }
 
 /* The model that the first `n` characters name, which belongs into a ring. */
@@ -56,13 +59,14 @@ static const struct dg_device *ring_model(const char *name, size_t n, struct lx_
         memcpy(text, name, n);
     }
     const struct dg_device *device = dg_device_find(text);
-    if (device != NULL && device->stack == &dg_ib_stack) {
+    if (device != NULL && lx_stack_of(device)->is_ring) {
         return device;
     }
-    (void)lx_fail(error,
-                  "%.*s: no INTERBUS model; valid: ocd-ib-k1 ocd-ib-k2 ocd-ib-k3, several after "
-                  "--ring with commas between them",
-                  (int)n, name);
+    struct lx_words right = {"valid:"};
+    lx_stack_models(ring_stack(), &right);
+    lx_words_add(&right, ", several with commas between them");
+    (void)lx_refuse(error, right.text, "'%.*s' is no %s model", (int)n, name, ring_stack()->title);
+    (void)lx_about(error, LX_ABOUT_KEY, "ring", name);
     return NULL;
 }
 
@@ -100,14 +104,14 @@ static int add_settings(const struct options *options, struct lx_plan *plan,
                         struct lx_plan_encoder *encoder, struct lx_error *error)
 {
     struct lx_plan_wire *wire = &plan->wires[0];
-    for (size_t i = 0; i < options->set_count; i++) {
-        char *key = strndup(options->sets[i], strcspn(options->sets[i], "="));
-        const bool of_wire = key != NULL && lx_wire_has(wire->kind, key);
-        const bool first = encoder == plan->encoders;
-        free(key);
-        if ((!of_wire || first) &&
-            lx_plan_add_setting(of_wire ? &wire->settings : &encoder->settings, options->sets[i], 0,
-                                error) != 0) {
+    for (size_t i = 0; i < options->settings.count; i++) {
+        const struct lx_plan_setting *row = &options->settings.list[i];
+        const bool of_wire = lx_wire_has(wire->kind, row->key);
+        if (of_wire && encoder != plan->encoders) {
+            continue;
+        }
+        if (lx_plan_add_setting(of_wire ? &wire->settings : &encoder->settings, row->key,
+                                row->value, 0, error) != 0) {
             return -1;
         }
     }
@@ -172,8 +176,8 @@ static int plan_ring(const struct options *options, struct lx_plan *plan, struct
             return -1;
         }
         if (plan->encoder_count == most) {
-            return lx_fail(error, "--ring: more than %lu devices; fewer are right",
-                           (unsigned long)most);
+            (void)lx_refuse(error, "fewer are right", "more than %lu devices", (unsigned long)most);
+            return lx_about(error, LX_ABOUT_KEY, "ring", "...");
         }
         struct lx_plan_encoder *encoder =
             add_encoder(options, plan, device, (int)plan->encoder_count, error);
@@ -200,8 +204,10 @@ static const char *take_node(const char *text, unsigned *node)
     return text + n;
 }
 
-static int take_nodes(const char *text, struct nodes *nodes, struct lx_error *error)
+static int take_nodes(const char *text, const struct lx_address *address, struct nodes *nodes,
+                      struct lx_error *error)
 {
+    struct lx_words right = lx_address_right(address);
     if (text == NULL) {
         return 0;
     }
@@ -210,9 +216,11 @@ static int take_nodes(const char *text, struct nodes *nodes, struct lx_error *er
     if (end != NULL && strncmp(end, "..", 2) == 0) {
         end = take_node(end + 2, &nodes->last);
     }
-    if (end == NULL || *end != '\0' || nodes->first < 1 || nodes->last < nodes->first ||
-        nodes->last > NODE_ID_MAX) {
-        return lx_fail(error, "--node %s: a node-ID, or first..last, in 1..127 is right", text);
+    if (end == NULL || *end != '\0' || nodes->first < address->min || nodes->last < nodes->first ||
+        nodes->last > address->max) {
+        lx_words_add(&right, ", or first..last, is right");
+        (void)lx_refuse(error, right.text, "%s", "");
+        return lx_about(error, LX_ABOUT_KEY, address->key, text);
     }
     return 0;
 }
@@ -228,9 +236,8 @@ static int add_node(const struct options *options, struct lx_plan *plan,
     if (encoder == NULL) {
         return -1;
     }
-    if (node != 0 && asprintf(&encoder->address, "%u", node) < 0) {
-        encoder->address = NULL;
-        return no_memory(error);
+    if (node != 0) {
+        encoder->address = (int)node;
     }
     if (alone || options->nvm == NULL) {
         return take_nvm(options->nvm, encoder, error);
@@ -246,7 +253,7 @@ static int plan_nodes(const struct options *options, struct lx_plan *plan,
                       const struct dg_device *device, struct lx_error *error)
 {
     struct nodes nodes = {0, 0};
-    int result = take_nodes(options->node, &nodes, error);
+    int result = take_nodes(options->node, &lx_stack_of(device)->address, &nodes, error);
     for (unsigned node = nodes.first; result == 0 && node <= nodes.last; node++) {
         result = add_node(options, plan, device, &nodes, node, error);
     }
@@ -261,11 +268,11 @@ static int take_controls(const struct options *options, struct lx_plan *plan,
     struct lx_access access;
     for (size_t i = 0; i < options->control_count; i++) {
         if (plan->control_count == LX_PLAN_CONTROLS_MAX) {
-            return lx_fail(error, "--control %s: one more than %u; fewer are right",
-                           options->controls[i], LX_PLAN_CONTROLS_MAX);
+            (void)lx_refuse(error, "fewer are right", "one more than %u", LX_PLAN_CONTROLS_MAX);
+            return lx_about(error, LX_ABOUT_KEY, "control", options->controls[i]);
         }
         if (lx_access_parse(options->controls[i], &access, error) != 0) {
-            return lx_plan_fail(plan, 0, error, "--control %s", error->text);
+            return lx_about(error, LX_ABOUT_KEY, "control", NULL);
         }
         plan->controls[plan->control_count] = strdup(options->controls[i]);
         if (plan->controls[plan->control_count++] == NULL) {
@@ -280,7 +287,7 @@ static int begin(const struct options *options, struct lx_plan *plan,
                  const struct dg_device *device, struct lx_error *error)
 {
     const char *name = options->ring != NULL ? "ring" : device->name;
-    const struct lx_wire *kind = options_wire(options, device->stack, error);
+    const struct lx_wire *kind = options_wire(options, device, error);
     if (kind == NULL) {
         return -1;
     }
@@ -294,17 +301,24 @@ static int begin(const struct options *options, struct lx_plan *plan,
     return options->trace != NULL && plan->wires[0].trace == NULL ? no_memory(error) : 0;
 }
 
+/* Whether --node tells its encoders apart. */
+static bool is_numbered(const struct lx_stack *stack)
+{
+    return stack->address.key != NULL && strcmp(stack->address.key, "node") == 0;
+}
+
 static int plan_model(const struct options *options, struct lx_plan *plan, struct lx_error *error)
 {
     const struct dg_device *device = the_model(options, error);
     if (device == NULL || begin(options, plan, device, error) != 0) {
         return -1;
     }
-    if (device->stack == &dg_cia406_stack) {
+    if (is_numbered(lx_stack_of(device))) {
         return plan_nodes(options, plan, device, error);
     }
     if (options->node != NULL) {
-        return lx_fail(error, "--node %s: only CANopen encoders have a node-ID", options->node);
+        (void)lx_refuse(error, "leave it out", "%s has no node-ID", device->name);
+        return lx_about(error, LX_ABOUT_KEY, "node", options->node);
     }
     return options->ring != NULL ? plan_ring(options, plan, error)
                                  : plan_one(options, plan, device, error);
@@ -317,9 +331,9 @@ static const char *not_with_rig(const struct options *options)
         const char *name;
         bool given;
     } rows[] = {
-        {"set", options->set_count > 0},     {"nvm", options->nvm != NULL},
-        {"serial", options->serial != NULL}, {"node", options->node != NULL},
-        {"shaft", options->shaft != NULL},   {"trace", options->trace != NULL},
+        {"set", options->settings.count > 0}, {"nvm", options->nvm != NULL},
+        {"serial", options->serial != NULL},  {"node", options->node != NULL},
+        {"shaft", options->shaft != NULL},    {"trace", options->trace != NULL},
         {"ring", options->ring != NULL},
     };
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
@@ -348,8 +362,9 @@ int options_plan(const struct options *self, struct lx_plan *plan, struct lx_err
     if (!is_rig_file(self->model)) {
         result = plan_model(self, plan, error);
     } else if (not_with_rig(self) != NULL) {
-        result = lx_fail(error, "--%s: not with a rig file; right is its place in %s",
-                         not_with_rig(self), self->model);
+        struct lx_words right = {""};
+        lx_words_add(&right, "right is its place in %s", self->model);
+        result = lx_refuse(error, right.text, "--%s: not with a rig file", not_with_rig(self));
     } else {
         result = lx_plan_read(plan, self->model, error);
     }

@@ -29,12 +29,6 @@ struct running {
     dg_ns next;            /* position that is printed */
 };
 
-int run_complain(const struct lx_error *error, int status)
-{
-    lx_complain("%s", error->text);
-    return status;
-}
-
 /* --- positions of a simulated wire --- */
 
 static void on_print(void *ctx, dg_ns now)
@@ -149,17 +143,17 @@ static int live(struct running *self)
     struct lx_error error;
     raise_file_limit();
     if (make_loop(&self->event, &error) != 0) {
-        return run_complain(&error, EXIT_OTHER);
+        return complain(&error, EXIT_OTHER);
     }
     const int status = switch_on(self, &error);
     if (status != EXIT_OK) {
-        return run_complain(&error, status);
+        return complain(&error, status);
     }
     const int result = sd_event_loop(self->event);
     (void)sd_notify(0, "STOPPING=1");
     if (result < 0) {
         (void)lx_fail(&error, "the event loop failed: %s", strerror(-result));
-        return run_complain(&error, EXIT_OTHER);
+        return complain(&error, EXIT_OTHER);
     }
     return result;
 }
@@ -169,12 +163,12 @@ int run_rig(const struct options *options)
     struct running self = {.options = options};
     struct lx_error error;
     if (options_plan(options, &self.plan, &error) != 0) {
-        return run_complain(&error, EXIT_USAGE);
+        return complain(&error, EXIT_USAGE);
     }
     int status = live(&self);
     lx_timer_close(&self.print);
     if (lx_rig_close(self.rig, &error) != 0 && status == EXIT_OK) {
-        status = run_complain(&error, EXIT_OTHER);
+        status = complain(&error, EXIT_OTHER);
     }
     self.event = sd_event_unref(self.event);
     lx_plan_free(&self.plan);

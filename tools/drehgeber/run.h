@@ -3,6 +3,7 @@
 #ifndef DREHGEBER_TOOL_RUN_H
 #define DREHGEBER_TOOL_RUN_H
 
+#include "complain.h"
 #include "options.h"
 
 /* How the program ends. */
@@ -15,8 +16,5 @@ enum {
 /* Be that encoder, that ring, or that rig until SIGINT or SIGTERM. Prints its own errors, returns
    how the program ends. */
 int run_rig(const struct options *options);
-
-/* Print an error and pass on `status`. */
-int run_complain(const struct lx_error *error, int status);
 
 #endif

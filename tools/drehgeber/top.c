@@ -432,5 +432,5 @@ int top_command(const char *wanted)
     lx_timer_close(&self->timer);
     self->event = sd_event_unref(self->event);
     free(self);
-    return status == EXIT_OK ? EXIT_OK : run_complain(&error, status);
+    return status == EXIT_OK ? EXIT_OK : complain(&error, status);
 }

@@ -7,8 +7,6 @@
 #include <stdio.h>
 #include <unistd.h>
 
-#define DELETE 0x7F
-
 /* Lines that were left out since the last one, of the one stderr that a process has. */
 static unsigned long left_out;
 
@@ -40,28 +38,6 @@ static void print_line(const char *before, const char *format, va_list arguments
 }
 
 static const char own[] = "drehgeber: ";
-
-/* What is quoted may be anything: it shall neither be two lines nor move a cursor. */
-static void keep_to_the_line(char *text)
-{
-    for (; *text != '\0'; text++) {
-        if ((unsigned char)*text < ' ' || *text == DELETE) {
-            *text = '?';
-        }
-    }
-}
-
-int lx_fail(struct lx_error *error, const char *format, ...)
-{
-    struct lx_error made = {""};
-    va_list arguments;
-    va_start(arguments, format);
-    (void)vsnprintf(made.text, sizeof made.text, format, arguments);
-    va_end(arguments);
-    keep_to_the_line(made.text);
-    *error = made;
-    return -1;
-}
 
 void lx_note(const struct lx_say *say, const char *format, ...)
 {

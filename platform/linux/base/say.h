@@ -1,31 +1,23 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * What a port tells its user: one line per event on stderr, and errors that are carried up to
- * whoever decides what they mean. A line that stderr does not take at once is left out; how many
- * is said with the next one.
+ * What a port tells its user: one line per event on stderr. A line that stderr does not take at
+ * once is left out; how many is said with the next one.
  */
 #ifndef DREHGEBER_LINUX_SAY_H
 #define DREHGEBER_LINUX_SAY_H
 
 #include <stdbool.h>
 
-/** Longest line, with its zero; the rest is cut off. */
-#define LX_LINE_MAX 600u
+#include "error.h"
 
-/** One line: what was wrong and what would be right. */
-struct lx_error {
-    char text[512];
-};
+/** Longest line, with its zero; the rest is cut off. */
+#define LX_LINE_MAX 1100u
 
 /** Who is told what. */
 struct lx_say {
     bool quiet; /**< only complaints, no notes */
 };
-
-/** Fill `error`, printf style; control characters become '?'. Always returns -1, for `return
- * lx_fail(...)`. */
-int lx_fail(struct lx_error *error, const char *format, ...);
 
 /** A line about something the user may want to know; silent when quiet. */
 void lx_note(const struct lx_say *say, const char *format, ...);

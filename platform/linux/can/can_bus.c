@@ -17,8 +17,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "settings.h"
-
 static struct lx_can_bus *can_bus_of(struct lx_bus *bus)
 {
     return (struct lx_can_bus *)bus;
@@ -241,7 +239,7 @@ static int open_wire(struct lx_can_bus *self, struct lx_error *error)
         return lx_fail(error, "no timer: %s", strerror(-result));
     }
     self->can = self->open(&can, error);
-    return self->can == NULL ? lx_settings_refuse(setup->plan, setup->wire->line, error) : 0;
+    return self->can == NULL ? -1 : 0;
 }
 
 static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
@@ -320,21 +318,14 @@ static const struct lx_bus_ops bus_ops = {
 
 /* --- making --- */
 
-/* The keys of the wire itself: one. */
-static int take_settings(struct lx_can_bus *self, struct lx_error *error)
-{
-    const struct lx_bus_setup *setup = &self->bus.setup;
-    const struct lx_plan_settings *list = &setup->wire->settings;
-    for (size_t i = 0; i < list->count; i++) {
-        const struct lx_plan_setting *setting = &list->list[i];
-        self->pace = strcmp(setting->value, "1") == 0;
-        if (!self->pace && strcmp(setting->value, "0") != 0) {
-            (void)lx_fail(error, "--set %s=%s: 0 or 1 is right", setting->key, setting->value);
-            return lx_settings_refuse(setup->plan, setting->line, error);
-        }
-    }
-    return 0;
-}
+/* clang-format off */
+static const struct lx_key keys[] = {
+    {"pace", "", 0, LX_KEY_FLAG, 0, 1, 0, 1, lx_no_yes, "1: each frame takes its time at the bit rate"},
+};
+/* clang-format on */
+
+const struct lx_keys lx_can_keys = {.rows = keys, .count = sizeof keys / sizeof keys[0]};
+const bool lx_can_pace = false;
 
 struct lx_bus *lx_can_bus_make(const struct lx_bus_setup *setup, lx_can_open *open,
                                struct lx_error *error)
@@ -352,7 +343,8 @@ struct lx_bus *lx_can_bus_make(const struct lx_bus_setup *setup, lx_can_open *op
     self->open = open;
     self->promised = DG_NEVER;
     self->node = node;
-    int result = take_settings(self, error);
+    self->pace = lx_can_pace;
+    int result = lx_wire_settings(&lx_can_keys, setup->plan, setup->wire, &self->pace, error);
     for (size_t i = 0; result == 0 && i < setup->count; i++) {
         result = lx_can_node_make(self, i, error);
     }

@@ -161,4 +161,11 @@ void lx_can_bend(struct lx_can_node *self, dg_ns now);
 /** Send held frames whose time has come. */
 void lx_can_release(struct lx_can_bus *self, dg_ns now);
 
+/** The protocol, as the port knows it. */
+extern const struct lx_stack lx_can_stack;
+
+/** The keys of the wire itself, of a bool: whether frames take their time. */
+extern const struct lx_keys lx_can_keys;
+extern const bool lx_can_pace;
+
 #endif

@@ -1,104 +1,83 @@
 /* SPDX-License-Identifier: MIT */
 /* An encoder of a CAN bus: what the plan says about it, its EEPROM, its power. */
 #define _GNU_SOURCE
+#include <stddef.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "can_bus.h"
 #include "drehgeber/bits.h"
-#include "figure.h"
-#include "settings.h"
-
-/* As delivered (manual, chapter 8). */
-#define NODE_ID_DEFAULT 63u
-#define NODE_ID_MAX 127u
-/* Of the first encoder; the next ones count up. */
-#define SERIAL_DEFAULT 1234567890u
-#define SERIAL_DIGITS 10u
 
 /* --- the plan --- */
 
-/* A whole decimal number of at most `max_digits` digits. */
-static bool take_number(const char *text, size_t max_digits, uint64_t *value)
+/* What can be set of an encoder. */
+struct settings {
+    uint32_t serial;
+    bool wide; /* f3668: 16 bits of turns, not 12 */
+};
+
+/* Of the first encoder; the next ones count up. */
+#define SERIAL_DEFAULT 1234567890u
+
+static const char *const turns_bits[2] = {"12", "16"};
+
+/* clang-format off */
+static const struct lx_key keys[] = {
+    {"mt_bits", "", offsetof(struct settings, wide), LX_KEY_FLAG, 0, 1, 0, 1, turns_bits, "bits of the turns"},
+};
+static const struct lx_key serial_key =
+    {"serial", "", offsetof(struct settings, serial), LX_KEY_U32, 0, 1, 0, UINT32_MAX, NULL, "serial number"};
+/* clang-format on */
+
+static void defaults(void *settings, const struct dg_device *device)
 {
-    struct lx_decimal number = {0};
-    const size_t n = strspn(text, "0123456789");
-    if (n == 0 || n > max_digits || text[n] != '\0' || !lx_decimal_parse(text, n, 0, &number)) {
-        return false;
-    }
-    *value = (uint64_t)number.value;
-    return true;
+    *(struct settings *)settings = (struct settings){
+        .serial = SERIAL_DEFAULT,
+        .wide = dg_cia406_model_of(device)->device == &dg_cia406_multiturn_32,
+    };
 }
 
-static int take_node_id(struct lx_can_node *self, struct lx_error *error)
+/* A singleturn encoder has no turns. */
+static uint32_t without(const struct dg_device *device)
 {
-    const char *text = self->station->plan->address;
-    uint64_t id = NODE_ID_DEFAULT;
-    if (text != NULL && (!take_number(text, 3, &id) || id < 1 || id > NODE_ID_MAX)) {
-        return lx_fail(error, "--node %s: a node-ID in 1..%u is right", text, NODE_ID_MAX);
-    }
-    self->id = (uint8_t)id;
-    return 0;
+    return dg_cia406_model_of(device)->turns == 1 ? 1u : 0u;
 }
 
-/* The plan's node-IDs; what EEPROMs say is not known yet. */
-static int check_unique(const struct lx_can_node *self, struct lx_error *error)
-{
-    const struct lx_can_node *all = self->bus->node;
-    for (const struct lx_can_node *other = all; other < self; other++) {
-        if (other->id == self->id) {
-            return lx_fail(error, "--node %u: %s has this node-ID; another one is right", self->id,
-                           other->station->plan->name);
-        }
-    }
-    return 0;
-}
+const struct lx_stack lx_can_stack = {
+    .core = &dg_cia406_stack,
+    .title = "CAN",
+    .wire = "slcan",
+    .address = {"node", "a node-ID", 1, 127, 63, false}, /* as delivered: manual, chapter 8 */
+    .keys = keys,
+    .key_count = sizeof keys / sizeof keys[0],
+    .serial = &serial_key,
+    .settings_size = sizeof(struct settings),
+    .defaults = defaults,
+    .without = without,
+};
 
-static int take_serial(struct lx_can_node *self, struct lx_error *error)
+/* An f3668 is the one with 12 or the one with 16 bits of turns. */
+static void set_turns(struct dg_cia406_model *model, bool wide)
 {
-    const char *text = self->station->plan->serial;
-    uint64_t serial = SERIAL_DEFAULT + (uint64_t)self->station->place;
-    if (text != NULL && (!take_number(text, SERIAL_DIGITS, &serial) || serial > UINT32_MAX)) {
-        return lx_fail(error, "--serial %s: a number up to %lu is right", text,
-                       (unsigned long)UINT32_MAX);
+    if (model->turns != 1) {
+        model->turns = wide ? 65536u : 4096u;
+        model->device = wide ? &dg_cia406_multiturn_32 : &dg_cia406_multiturn;
     }
-    self->station->control.serial = (uint32_t)serial;
-    return 0;
-}
-
-/* mt_bits=12 or 16 makes an f3668 the one with that many turns. */
-static int set_turns(struct dg_cia406_model *model, const char *value, struct lx_error *error)
-{
-    const bool wide = strcmp(value, "16") == 0;
-    if (model->turns == 1 || (!wide && strcmp(value, "12") != 0)) {
-        return lx_fail(error, "--set mt_bits=%s: 12 or 16 is right, with f3668", value);
-    }
-    model->turns = wide ? 65536u : 4096u;
-    model->device = wide ? &dg_cia406_multiturn_32 : &dg_cia406_multiturn;
-    return 0;
 }
 
 static int take_settings(struct lx_can_node *self, struct lx_error *error)
 {
-    const struct lx_plan *plan = self->bus->bus.setup.plan;
-    const struct lx_plan_settings *list = &self->station->plan->settings;
-    struct lx_settings settings;
-    lx_settings_init(&settings, NULL);
-    settings.wire_keys = "pace";
-    if (self->model.turns != 1) {
-        lx_settings_name(&settings, "mt_bits");
+    const struct lx_bus_setup *setup = &self->bus->bus.setup;
+    struct lx_station *station = self->station;
+    const struct lx_plan_encoder *plan = station->plan;
+    const int delivered = lx_can_stack.address.delivered;
+    struct settings settings;
+    if (lx_stack_settings(setup->plan, setup->wire, plan, &settings, &station->world, error) != 0) {
+        return -1;
     }
-    for (size_t i = 0; i < list->count; i++) {
-        const struct lx_plan_setting *setting = &list->list[i];
-        if (strcmp(setting->key, "mt_bits") != 0) {
-            if (lx_settings_take(&settings, plan, setting, error) != 0) {
-                return -1;
-            }
-        } else if (set_turns(&self->model, setting->value, error) != 0) {
-            return lx_settings_refuse(plan, setting->line, error);
-        }
-    }
-    lx_settings_world(&settings, &self->station->world);
+    const uint32_t place = plan->serial == NULL ? (uint32_t)station->place : 0;
+    station->control.serial = settings.serial + place;
+    self->id = (uint8_t)(plan->address == LX_PLAN_AS_DELIVERED ? delivered : plan->address);
+    set_turns(&self->model, settings.wide);
     return 0;
 }
 
@@ -115,12 +94,6 @@ int lx_can_node_make(struct lx_can_bus *bus, size_t place, struct lx_error *erro
         .index = LX_CAN_DEAF,
     };
     station->control.device = &self->device;
-    if (take_node_id(self, error) != 0 || check_unique(self, error) != 0) {
-        return lx_settings_refuse(bus->bus.setup.plan, plan->address_line, error);
-    }
-    if (take_serial(self, error) != 0) {
-        return lx_settings_refuse(bus->bus.setup.plan, plan->serial_line, error);
-    }
     return take_settings(self, error);
 }
 
@@ -266,10 +239,10 @@ int lx_can_node_open(struct lx_can_node *self, const struct dg_co_ops *ops,
     const struct lx_plan_encoder *plan = self->station->plan;
     if (dg_cia406_init(&self->device.encoder, &self->model) != DG_OK || deliver(self) != DG_OK) {
         (void)lx_fail(error, "these factory figures make no encoder, or there is no memory");
-        return lx_settings_refuse(setup->plan, plan->line, error);
+        return lx_stands(error, setup->plan->file, plan->line);
     }
     if (open_eeprom(self, settled, error) != 0 || power_on(self, ops, now, error) != 0) {
-        return lx_settings_refuse(setup->plan, plan->nvm_line, error);
+        return lx_plan_refuse_key(setup->plan, "nvm", plan->nvm_line, error);
     }
     tell_node_id(self);
     return 0;

@@ -459,21 +459,20 @@ bool lx_can_in_kernel(void)
 
 static int explain(int reason, const char *where, struct lx_error *error)
 {
+    struct lx_words right = {""};
     switch (reason) {
     case EAFNOSUPPORT:
     case EPROTONOSUPPORT:
-        return lx_fail(error, "--can %s: this kernel has no CAN; --slcan[=LINK] works without",
-                       where);
+        return lx_refuse(error, "slcan works without", "this kernel has no CAN");
     case ENODEV:
-        return lx_fail(error, "--can %s: no such interface; one that 'ip link' shows is right",
-                       where);
+        return lx_refuse(error, "one that 'ip link' shows is right", "no such interface");
     case EMEDIUMTYPE:
-        return lx_fail(error, "--can %s: not a CAN interface; one such as can0 is right", where);
+        return lx_refuse(error, "one such as can0 is right", "not a CAN interface");
     case ENETDOWN:
-        return lx_fail(error, "--can %s: the interface is down; 'ip link set %s up' is right",
-                       where, where);
+        lx_words_add(&right, "'ip link set %s up' is right", where);
+        return lx_refuse(error, right.text, "the interface is down");
     default:
-        return lx_fail(error, "--can %s: cannot use it: %s", where, strerror(reason));
+        return lx_fail(error, "cannot use it: %s", strerror(reason));
     }
 }
 
@@ -495,7 +494,7 @@ struct lx_can *lx_can_socket_open(const struct lx_can_setup *setup, struct lx_er
 {
     struct can_socket *self = calloc(1, sizeof *self);
     if (self == NULL) {
-        (void)lx_fail(error, "--can: no memory");
+        (void)lx_fail(error, "no memory for an interface");
         return NULL;
     }
     self->fd = -1;

@@ -268,15 +268,6 @@ static const struct lx_can_ops slcan_ops = {
     .close = close_slcan,
 };
 
-/* The pty's complaints begin with its own option. */
-static int rename_option(struct lx_error *error)
-{
-    static const char own[] = "--pty";
-    struct lx_error text = *error;
-    const bool named = strncmp(text.text, own, sizeof own - 1) == 0;
-    return named ? lx_fail(error, "--slcan%s", text.text + sizeof own - 1) : -1;
-}
-
 static int start(struct slcan_pty *self, struct lx_error *error)
 {
     const struct lx_serial_setup line = {
@@ -292,17 +283,17 @@ static int start(struct slcan_pty *self, struct lx_error *error)
     };
     self->serial = lx_pty_open(&line, error);
     if (self->serial == NULL) {
-        return rename_option(error);
+        return -1;
     }
     const int result = use_address(self);
-    return result < 0 ? lx_fail(error, "--slcan: cannot watch the pty: %s", strerror(-result)) : 0;
+    return result < 0 ? lx_fail(error, "cannot watch the pty: %s", strerror(-result)) : 0;
 }
 
 struct lx_can *lx_slcan_open(const struct lx_can_setup *setup, struct lx_error *error)
 {
     struct slcan_pty *self = calloc(1, sizeof *self);
     if (self == NULL) {
-        (void)lx_fail(error, "--slcan: no memory");
+        (void)lx_fail(error, "no memory for an adapter");
         return NULL;
     }
     self->slave = -1;

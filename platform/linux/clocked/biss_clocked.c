@@ -297,7 +297,7 @@ struct lx_biss_line *lx_biss_line_of(const struct lx_clocked_wire *wire)
 /* --- from a plan --- */
 
 struct encoder {
-    struct lx_biss_settings settings;
+    struct dg_biss_model model;
     struct lx_biss_eeprom eeprom;
     struct dg_biss device;
 };
@@ -314,20 +314,6 @@ static struct encoder *encoder_of(struct lx_clocked *base, size_t index)
     return &((struct planned *)base)->encoder[index];
 }
 
-/* A clock that user space can follow is slower than the encoder's own timeout allows. */
-static int choose_timeout(struct dg_biss_model *model, enum lx_clocked_master master,
-                          struct lx_error *error)
-{
-    if (master == LX_CLOCKED_HERE && model->timeout != 0) {
-        return lx_fail(error, "timeout_us: only with --gpio; the simulated wire has the encoder's "
-                              "own timeout");
-    }
-    if (master == LX_CLOCKED_THERE && model->timeout == 0) {
-        model->timeout = GPIO_TIMEOUT;
-    }
-    return 0;
-}
-
 static void init(struct lx_clocked *base)
 {
     lx_biss_line_init(line_of(base));
@@ -337,18 +323,23 @@ static int place(struct lx_clocked *base, const struct lx_bus_setup *setup, size
                  enum lx_clocked_master master, struct lx_error *error)
 {
     struct encoder *self = encoder_of(base, index);
-    struct dg_biss_model *model = &self->settings.model;
+    struct dg_biss_model *model = &self->model;
     struct lx_station *station = setup->stations[index];
     ((struct planned *)base)->count = index + 1u;
     ((struct planned *)base)->master = master;
     self->eeprom.file.fd = -1;
-    if (lx_biss_settings_plan(&self->settings, setup->plan, station->plan, error) != 0) {
+    if (lx_stack_settings(setup->plan, setup->wire, station->plan, model, &station->world, error) !=
+        0) {
         return -1;
     }
-    if (choose_timeout(model, master, error) != 0) {
-        return lx_plan_fail(setup->plan, station->plan->line, error, "%s", error->text);
+    if (master == LX_CLOCKED_HERE &&
+        lx_biss_own_timeout(setup->plan, station->plan, model, error) != 0) {
+        return -1;
     }
-    lx_settings_world(&self->settings.common, &station->world);
+    /* A clock that user space can follow is slower than the encoder's own timeout allows. */
+    if (master == LX_CLOCKED_THERE && model->timeout == 0) {
+        model->timeout = GPIO_TIMEOUT;
+    }
     station->control.device = &self->device;
     station->control.serial = model->serial;
     base->init = model->init > base->init ? model->init : base->init;
@@ -363,11 +354,11 @@ static int open_encoder(struct lx_clocked *base, const struct lx_bus_setup *setu
     const char *nvm = station->plan->nvm;
     if (lx_biss_eeprom_open(&self->eeprom, nvm, error) != 0 ||
         lx_biss_eeprom_defer(&self->eeprom, setup->writer, error) != 0) {
-        return lx_plan_fail(setup->plan, station->plan->nvm_line, error, "%s", error->text);
+        return lx_plan_refuse_key(setup->plan, "nvm", station->plan->nvm_line, error);
     }
     station->control.nvm = self->eeprom.nvm;
     station->queue = nvm == NULL ? NULL : &self->eeprom.queue;
-    const struct dg_biss_setup made = {&self->settings.model, &station->world, self->eeprom.nvm};
+    const struct dg_biss_setup made = {&self->model, &station->world, self->eeprom.nvm};
     if (lx_biss_switch_on(&self->device, &made, now, nvm, error) != 0) {
         return -1;
     }

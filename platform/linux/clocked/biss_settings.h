@@ -1,47 +1,24 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * --set KEY=VALUE of a BiSS encoder, and its EEPROM: in memory, or in a file.
+ * What can be set of a BiSS encoder, and its EEPROM: in memory, or in a file.
  */
 #ifndef DREHGEBER_LINUX_BISS_SETTINGS_H
 #define DREHGEBER_LINUX_BISS_SETTINGS_H
-
-#include <stdio.h>
 
 #include "drehgeber/biss.h"
 #include "nvm_file.h"
 #include "nvm_memory.h"
 #include "nvm_writer.h"
-#include "plan.h"
-#include "settings.h"
+#include "stacks.h"
 
-/** What the table's rows point into. */
-struct lx_biss_settings {
-    struct dg_biss_model model;
-    struct lx_settings common; /**< the world in it */
-};
+/** The protocol, as the port knows it; its settings are a struct dg_biss_model. */
+extern const struct lx_stack lx_biss_stack;
 
-/** The figures of `model` in a healthy world. */
-void lx_biss_settings_init(struct lx_biss_settings *self, const struct dg_biss_model *model);
-
-/** Apply "key=value". @return 0, or -1 with one line that names what would be right */
-int lx_biss_settings_set(struct lx_biss_settings *self, const char *assignment,
-                         struct lx_error *error);
-
-/** Whether the figures fit together, once all are set. @return as lx_biss_settings_set() */
-int lx_biss_settings_check(const struct lx_biss_settings *self, struct lx_error *error);
-
-/** The figures of an encoder of a plan. @return 0, or -1 with one line in `error` that names its
- * place */
-int lx_biss_settings_plan(struct lx_biss_settings *self, const struct lx_plan *plan,
-                          const struct lx_plan_encoder *encoder, struct lx_error *error);
-
-/** Set the serial number: up to 4294967295. @return as lx_biss_settings_set() */
-int lx_biss_settings_serial(struct lx_biss_settings *self, const char *digits,
-                            struct lx_error *error);
-
-/** The encoder's own keys with ranges and what they are; for --help. */
-void lx_biss_settings_help(FILE *to);
+/** On a simulated wire the master leaves an encoder the time it has of its own.
+ * @return 0, or -1 with `error`: one was set */
+int lx_biss_own_timeout(const struct lx_plan *plan, const struct lx_plan_encoder *encoder,
+                        const struct dg_biss_model *model, struct lx_error *error);
 
 /** Where the bytes of an EEPROM are. Not to be moved while `nvm` is in use. */
 struct lx_biss_eeprom {

@@ -24,14 +24,14 @@ static const struct lx_clocked_protocol *choose(const struct lx_bus_setup *setup
     for (size_t i = 0; i < setup->count; i++) {
         const struct lx_plan_encoder *encoder = setup->stations[i]->plan;
         if (first == NULL || protocol_of(setup->stations[i]) != first) {
-            (void)lx_plan_fail(setup->plan, encoder->line, error, "%s cannot be on this wire",
-                               encoder->model->name);
+            (void)lx_fail(error, "%s cannot be on this wire", encoder->model->name);
+            (void)lx_stands(error, setup->plan->file, encoder->line);
             return NULL;
         }
         if (i == first->encoders_max) {
-            (void)lx_plan_fail(setup->plan, encoder->line, error,
-                               "this wire is full: at most %zu encoders is right",
-                               first->encoders_max);
+            (void)lx_fail(error, "this wire is full: at most %zu encoders is right",
+                          first->encoders_max);
+            (void)lx_stands(error, setup->plan->file, encoder->line);
             return NULL;
         }
     }

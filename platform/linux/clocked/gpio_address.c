@@ -43,10 +43,10 @@ int lx_gpio_address_parse(struct lx_gpio_address *self, const char *text, struct
     if (comma == NULL || colon == text || strlen(text) >= sizeof self->text ||
         !parse_offset(colon + 1, (size_t)(comma - colon - 1), &self->clock) ||
         !parse_offset(comma + 1, strlen(comma + 1), &self->data)) {
-        return lx_fail(error, "--gpio %s: " RIGHT, text);
+        return lx_refuse(error, RIGHT, "%s", "");
     }
     if (self->clock == self->data) {
-        return lx_fail(error, "--gpio %s: MA and SLO are the same line; " RIGHT, text);
+        return lx_refuse(error, RIGHT, "MA and SLO are the same line");
     }
     const int length = (int)(colon - text);
     const char *folder = memchr(text, '/', (size_t)length) == NULL ? FOLDER : "";
@@ -88,23 +88,19 @@ int lx_gpio_no_chip(const struct lx_gpio_address *self, int reason, struct lx_er
 {
     switch (reason) {
     case ENOENT:
-        return lx_fail(
-            error,
-            "--gpio %s: there is no %s and no chip with that label; 'gpiodetect' lists the chips",
-            self->text, self->path);
+        return lx_refuse(error, "'gpiodetect' lists the chips",
+                         "there is no %s and no chip with that label", self->path);
     case EACCES:
     case EPERM:
-        return lx_fail(error,
-                       "--gpio %s: no permission for %s; a user who may read and write it "
-                       "is right, e.g. root or one of the group gpio",
-                       self->text, self->path);
+        return lx_refuse(error,
+                         "a user who may read and write it is right, e.g. root or one of the "
+                         "group gpio",
+                         "no permission for %s", self->path);
     case ENOTTY:
     case ENODEV:
-        return lx_fail(error, "--gpio %s: %s is no GPIO chip; 'gpiodetect' lists them", self->text,
-                       self->path);
+        return lx_refuse(error, "'gpiodetect' lists them", "%s is no GPIO chip", self->path);
     default:
-        return lx_fail(error, "--gpio %s: cannot use %s: %s", self->text, self->path,
-                       strerror(reason));
+        return lx_fail(error, "cannot use %s: %s", self->path, strerror(reason));
     }
 }
 
@@ -112,11 +108,10 @@ int lx_gpio_no_line(const struct lx_gpio_address *self, unsigned offset, int rea
                     struct lx_error *error)
 {
     if (reason == EBUSY) {
-        return lx_fail(error, "--gpio %s: line %u is in use; 'gpioinfo' shows free ones",
-                       self->text, offset);
+        return lx_refuse(error, "'gpioinfo' shows free ones", "line %u is in use", offset);
     }
-    return lx_fail(error, "--gpio %s: cannot use line %u: %s%s", self->text, offset,
-                   strerror(reason), offset == self->clock ? "; MA needs edge detection" : "");
+    return lx_refuse(error, offset == self->clock ? "MA needs edge detection" : NULL,
+                     "cannot use line %u: %s", offset, strerror(reason));
 }
 
 int lx_gpio_check_offsets(const struct lx_gpio_address *self, unsigned count,
@@ -125,6 +120,5 @@ int lx_gpio_check_offsets(const struct lx_gpio_address *self, unsigned count,
     if (self->clock < count && self->data < count) {
         return 0;
     }
-    return lx_fail(error, "--gpio %s: %s has %u lines; offsets below that are right", self->text,
-                   self->path, count);
+    return lx_refuse(error, "offsets below that are right", "%s has %u lines", self->path, count);
 }

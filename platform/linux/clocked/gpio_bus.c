@@ -8,7 +8,6 @@
 
 #include "bus.h"
 #include "gpio.h"
-#include "sim_settings.h"
 #include "timer.h"
 
 /* How often a chip that has gone is looked for. */
@@ -140,29 +139,10 @@ static const struct lx_bus_ops ops = {
 
 /* --- from the plan --- */
 
-/* The master's clock and the cable are real ones. */
-static int refuse_sim_keys(const struct lx_bus_setup *setup, struct lx_error *error)
-{
-    const struct lx_plan_settings *settings = &setup->stations[0]->plan->settings;
-    for (size_t i = 0; i < settings->count; i++) {
-        const struct lx_plan_setting *row = &settings->list[i];
-        if (lx_sim_settings_has(row->key)) {
-            return lx_plan_fail(setup->plan, row->line, error,
-                                "%s: only with --sim; on GPIO lines the master has its own clock",
-                                row->key);
-        }
-    }
-    return 0;
-}
-
 static int understand(struct gpio_bus *self, struct lx_error *error)
 {
     const struct lx_bus_setup *setup = &self->bus.setup;
-    struct lx_error reason = {""};
-    if (lx_gpio_address_parse(&self->address, setup->wire->where, &reason) != 0) {
-        return lx_plan_fail(setup->plan, setup->wire->line, error, "%s", reason.text);
-    }
-    if (refuse_sim_keys(setup, error) != 0) {
+    if (lx_gpio_address_parse(&self->address, setup->wire->where, error) != 0) {
         return -1;
     }
     self->line = lx_clocked_make(setup, LX_CLOCKED_THERE, error);

@@ -101,7 +101,7 @@ struct lx_gpio_lines *lx_gpio_lines_open(const struct lx_gpio_address *address, 
 {
     struct lines *self = calloc(1, sizeof *self);
     if (self == NULL) {
-        (void)lx_fail(error, "--gpio: no memory");
+        (void)lx_fail(error, "no memory for lines");
         return NULL;
     }
     self->base.ops = &ops;

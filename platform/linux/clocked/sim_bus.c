@@ -192,7 +192,8 @@ struct lx_bus *lx_sim_bus_make(const struct lx_bus_setup *setup, struct lx_error
         return NULL;
     }
     self->bus = (struct lx_bus){.ops = &ops, .setup = *setup};
-    if (lx_sim_settings_plan(&self->timing, setup->plan, setup->wire, error) == 0) {
+    self->timing = lx_sim_timing;
+    if (lx_wire_settings(&lx_sim_keys, setup->plan, setup->wire, &self->timing, error) == 0) {
         self->line = lx_clocked_make(setup, LX_CLOCKED_HERE, error);
     }
     if (self->line == NULL) {

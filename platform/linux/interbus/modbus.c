@@ -353,14 +353,14 @@ static int listen_at(struct lx_modbus *self, const struct lx_modbus_setup *setup
 {
     struct lx_host_port endpoint;
     if (!lx_host_port_split(setup->where, &endpoint)) {
-        return lx_fail(error, "--modbus %s: HOST:PORT is right", setup->where);
+        return lx_refuse(error, "HOST:PORT is right", "%s", "");
     }
     self->protocol = modbus_new_tcp_pi(endpoint.host, endpoint.port);
     if (self->protocol != NULL) {
         self->listener = modbus_tcp_pi_listen(self->protocol, BACKLOG);
     }
     if (self->listener < 0) {
-        return lx_fail(error, "--modbus %s: cannot listen there: %s", setup->where,
+        return lx_fail(error, "cannot listen there: %s",
                        errno == ECONNREFUSED ? "no such host" : strerror(errno));
     }
     lx_host_port_real(&endpoint, self->listener);

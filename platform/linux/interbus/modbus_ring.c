@@ -88,8 +88,8 @@ static int share_out(struct lx_ring *self, const struct lx_ring_setup *setup,
     for (size_t i = 0; i < self->store_count; i++) {
         struct lx_ring_store *store = &self->stores[i];
         if (store->memory.size == 0 && store->path != NULL) {
-            return lx_fail(error, "--nvm %s: K1 and K2 have no EEPROM; leave it out, or have a K3",
-                           store->path);
+            (void)lx_refuse(error, "leave it out, or have a K3", "K1 and K2 have no EEPROM");
+            return lx_about(error, LX_ABOUT_KEY, "nvm", store->path);
         }
         if (lx_nvm_memory_init(&store->memory, store->memory.size) != 0) {
             return lx_fail(error, "no memory for %lu devices", (unsigned long)setup->count);

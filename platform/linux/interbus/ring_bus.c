@@ -17,7 +17,7 @@
 #include "bus.h"
 #include "endpoint.h"
 #include "modbus.h"
-#include "settings.h"
+#include "modbus_settings.h"
 
 #define DEFAULT_ADDRESS "127.0.0.1:5020"
 #define NOTE_MAX 80u
@@ -32,7 +32,6 @@ struct ring_bus {
     struct lx_modbus coupler;
     bool coupled;                         /* the coupler was opened */
     bool bent;                            /* wire faults may be active at a station */
-    uint16_t break_at;                    /* as set; DG_IB_RING_WHOLE */
     uint16_t whole_in[LX_RING_WORDS_MAX]; /* while bent: IN of the latest cycle, not torn */
     /* what the tap was told last */
     enum dg_ib_ring_result told;
@@ -113,12 +112,12 @@ static void tear(struct ring_bus *self)
 /* The first place where the ring is cut, by a fault or as set. */
 static uint16_t first_break(const struct ring_bus *self)
 {
-    for (size_t i = 0; i < self->bus.setup.count && i < self->break_at; i++) {
+    for (size_t i = 0; i < self->bus.setup.count && i < self->settings.break_at; i++) {
         if (dg_fault_wire_active(faults_at(self, i), DG_WIRE_BREAK)) {
             return (uint16_t)i;
         }
     }
-    return self->break_at;
+    return self->settings.break_at;
 }
 
 /* --- the tap --- */
@@ -213,7 +212,7 @@ static int open_coupler(struct ring_bus *self, struct lx_error *error)
         .where = wire->where == NULL ? DEFAULT_ADDRESS : wire->where,
         .ring = &self->ring,
         .cycle = DG_US(self->settings.cycle_us),
-        .tear = self->settings.tear != 0,
+        .tear = self->settings.tear,
         .drive = drive,
         .ctx = self,
     };
@@ -230,6 +229,19 @@ static int open_coupler(struct ring_bus *self, struct lx_error *error)
     return 0;
 }
 
+/* A file that several may share stands where the first of them names it. */
+static int place_nvm(const struct lx_bus_setup *setup, struct lx_error *error)
+{
+    for (size_t i = 0; i < setup->count; i++) {
+        const struct lx_plan_encoder *plan = setup->stations[i]->plan;
+        if (plan->nvm != NULL &&
+            strncmp(plan->nvm, error->where.value, LX_ERROR_VALUE_MAX - 1u) == 0) {
+            return lx_stands(error, setup->plan->file, plan->nvm_line);
+        }
+    }
+    return -1;
+}
+
 static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
 {
     struct ring_bus *self = ring_of(bus);
@@ -242,10 +254,13 @@ static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
         .settled = on_settled,
         .ctx = self,
     };
-    if (lx_ring_open(&self->ring, &ring, now, error) != 0 || open_coupler(self, error) != 0) {
-        return lx_settings_refuse(setup->plan, setup->wire->line, error);
+    if (lx_ring_open(&self->ring, &ring, now, error) != 0) {
+        return place_nvm(setup, error);
     }
-    self->ring.ring.broken_at = self->break_at;
+    if (open_coupler(self, error) != 0) {
+        return -1;
+    }
+    self->ring.ring.broken_at = self->settings.break_at;
     lx_modbus_stir(&self->coupler, lx_tap_on(&bus->tap), now);
     for (size_t i = 0; i < setup->count; i++) {
         struct dg_encoder *encoder = &setup->stations[i]->control;
@@ -324,56 +339,33 @@ static const struct lx_bus_ops bus_ops = {
 
 /* --- from the plan --- */
 
-static int take_list(struct lx_ring_settings *settings, const struct lx_plan *plan,
-                     const struct lx_plan_settings *list, bool of_ring, struct lx_error *error)
-{
-    lx_ring_settings_init(settings);
-    for (size_t i = 0; i < list->count; i++) {
-        if (lx_ring_settings_take(settings, plan, &list->list[i], of_ring, error) != 0) {
-            return -1;
-        }
-    }
-    return 0;
-}
-
 static int understand_ring(struct ring_bus *self, struct lx_error *error)
 {
     const struct lx_bus_setup *setup = &self->bus.setup;
     const char *where = setup->wire->where;
-    self->break_at = DG_IB_RING_WHOLE;
     if (where != NULL && !lx_modbus_address_fits(where)) {
-        (void)lx_fail(error, "--modbus %s: HOST:PORT is right, e.g. %s", where, DEFAULT_ADDRESS);
-        return lx_settings_refuse(setup->plan, setup->wire->line, error);
+        return lx_refuse(error, "HOST:PORT is right, e.g. " DEFAULT_ADDRESS, "%s", "");
     }
-    if (take_list(&self->settings, setup->plan, &setup->wire->settings, true, error) != 0) {
-        return -1;
-    }
-    if (self->settings.break_at != LX_AS_MODEL) {
-        self->break_at = (uint16_t)self->settings.break_at;
-    }
-    return 0;
+    self->settings = lx_ring_defaults;
+    return lx_wire_settings(&lx_ring_keys, setup->plan, setup->wire, &self->settings, error);
 }
 
 /* A serial number that was asked for is this one's; the models' own count up. */
 static int understand(struct ring_bus *self, size_t place, struct lx_error *error)
 {
-    const struct lx_plan *plan = self->bus.setup.plan;
-    struct lx_station *station = self->bus.setup.stations[place];
+    const struct lx_bus_setup *setup = &self->bus.setup;
+    struct lx_station *station = setup->stations[place];
     const struct lx_plan_encoder *encoder = station->plan;
     struct lx_ring_member *member = &self->members[place];
-    struct lx_ring_settings settings;
-    if (take_list(&settings, plan, &encoder->settings, false, error) != 0) {
+    struct lx_ib_settings settings;
+    if (lx_stack_settings(setup->plan, setup->wire, encoder, &settings, &station->world, error) !=
+        0) {
         return -1;
     }
-    if (encoder->serial != NULL &&
-        lx_ring_settings_serial(&settings, encoder->serial, error) != 0) {
-        return lx_settings_refuse(plan, encoder->serial_line, error);
-    }
     const uint32_t index = encoder->serial == NULL ? (uint32_t)place : 0u;
-    member->model = lx_ring_settings_model(&settings, dg_ib_model_of(encoder->model), index);
+    member->model = lx_ib_settings_model(&settings, index);
     member->world = &station->world;
     member->nvm = encoder->nvm;
-    lx_settings_world(&settings.common, &station->world);
     station->control.serial = member->model.serial;
     return 0;
 }

@@ -16,8 +16,8 @@
 #include "figure.h"
 #include "file.h"
 
-const char lx_shaft_forms[] =
-    "0, 90DEG, 2.5REV, 60RPM, sine:90DEG,2S, ramp:3000RPM,1S[,HOLD] or FILE.csv";
+#define FORMS "0, 90DEG, 2.5REV, 60RPM, sine:90DEG,2S, ramp:3000RPM,1S[,HOLD] or FILE.csv"
+const char lx_shaft_forms[] = FORMS;
 
 /* What a unit measures. */
 enum dimension { ANGLE, SPEED, TIME };
@@ -99,6 +99,13 @@ static int parse_quantity(struct quantity *out, const char *text, size_t n, stru
     return 0;
 }
 
+/* Whether it is a number without a unit. */
+static bool is_bare(const char *text, size_t n)
+{
+    struct lx_decimal number;
+    return lx_decimal_parse(text, n, 0, &number);
+}
+
 /* The next of comma-separated quantities; `rest` moves behind it, to NULL after the last. */
 static int next_quantity(const char **rest, enum dimension wanted, int64_t *value,
                          struct lx_error *error)
@@ -109,6 +116,11 @@ static int next_quantity(const char **rest, enum dimension wanted, int64_t *valu
     const char *comma = strchr(*rest, ',');
     const size_t n = comma == NULL ? strlen(*rest) : (size_t)(comma - *rest);
     struct quantity quantity = {.value = 0};
+    if (is_bare(*rest, n)) {
+        struct lx_words right = {""};
+        lx_words_add(&right, "%s is right", examples[wanted]);
+        return lx_refuse(error, right.text, "'%.*s' has no unit", (int)n, *rest);
+    }
     if (parse_quantity(&quantity, *rest, n, error) != 0) {
         return -1;
     }
@@ -185,6 +197,11 @@ static int parse_simple(struct dg_motion *motion, const char *text, struct lx_er
     if (lx_decimal_parse(text, strlen(text), 0, &zero) && zero.value == 0 && !zero.cut) {
         return 0;
     }
+    if (is_bare(text, strlen(text))) {
+        struct lx_words right = {""};
+        lx_words_add(&right, "%sDEG or %sRPM, for one, is right", text, text);
+        return lx_refuse(error, right.text, "'%s' has no unit", text);
+    }
     struct quantity quantity = {.value = 0};
     if (parse_quantity(&quantity, text, strlen(text), error) != 0) {
         return -1;
@@ -226,6 +243,9 @@ bool lx_shaft_is_file(const char *text)
     return ends_with(text, ".csv");
 }
 
+/* The list of them, behind what is wrong. */
+static const char forms[] = "valid: " FORMS;
+
 int lx_shaft_parse(struct lx_shaft *self, const char *text, const struct lx_folder *folder,
                    struct lx_error *error)
 {
@@ -233,17 +253,21 @@ int lx_shaft_parse(struct lx_shaft *self, const char *text, const struct lx_fold
     if (lx_shaft_is_file(text)) {
         return parse_file(self, text, folder, error) == 0 ? 0 : LX_SHAFT_FILE;
     }
-    struct lx_error reason = {""};
-    if (parse_words(&self->motion, text, &reason) != 0) {
-        (void)lx_fail(error, "--shaft %s: %s; valid: %s", text, reason.text, lx_shaft_forms);
+    if (parse_words(&self->motion, text, error) != 0) {
+        if (error->right[0] == '\0') {
+            const struct lx_error reason = *error;
+            (void)lx_refuse(error, forms, "%s", reason.what);
+        }
+        (void)lx_about(error, LX_ABOUT_KEY, "motion", text);
         return LX_SHAFT_WORDS;
     }
     const struct dg_motion wanted = self->motion;
     if (dg_motion_set(&self->motion, &wanted) != DG_OK) {
-        (void)lx_fail(error,
-                      "--shaft %s: out of range; a ramp takes above 0 to 3600S, a sine has up to "
-                      "256REV and above 0 to 86400S",
-                      text);
+        (void)lx_refuse(error,
+                        "a ramp takes above 0 to 3600S, a sine has up to 256REV and above 0 to "
+                        "86400S",
+                        "out of range");
+        (void)lx_about(error, LX_ABOUT_KEY, "motion", text);
         return LX_SHAFT_WORDS;
     }
     return 0;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * A motion in words, as --shaft takes it:
+ * A motion in words:
  *
  *   0 | 90DEG | 2.5REV | 60RPM | sine:AMPLITUDE,PERIOD | ramp:SPEED,TIME[,HOLD] | FILE.csv
  *

@@ -2,10 +2,10 @@
 #define _GNU_SOURCE
 #include "plan.h"
 
-#include <stdarg.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "wire.h"
 
 /* Room for one more behind `count` rows: the capacity is the next power of two. @return where the
    rows are now, or NULL with the old ones in place */
@@ -64,56 +64,73 @@ int lx_plan_add_encoder(struct lx_plan *self, const char *name, const struct dg_
     }
     self->encoders = list;
     struct lx_plan_encoder *row = &list[self->encoder_count++];
-    *row = (struct lx_plan_encoder){.model = model, .shaft = shaft, .wire = wire};
+    *row = (struct lx_plan_encoder){
+        .model = model, .shaft = shaft, .wire = wire, .address = LX_PLAN_AS_DELIVERED};
     return copy(&row->name, name) ? (int)self->encoder_count - 1 : -1;
 }
 
-int lx_plan_add_setting(struct lx_plan_settings *self, const char *assignment, lx_line_number line,
-                        struct lx_error *error)
+int lx_plan_add_setting(struct lx_plan_settings *self, const char *key, const char *value,
+                        lx_line_number line, struct lx_error *error)
 {
-    const char *equals = strchr(assignment, '=');
-    if (equals == NULL) {
-        return lx_fail(error, "--set %s: KEY=VALUE is right", assignment);
-    }
     struct lx_plan_setting *list = room(self->list, self->count, sizeof *list);
     if (list == NULL) {
-        return lx_fail(error, "no memory for %s", assignment);
+        return lx_fail(error, "no memory for %s", key);
     }
     self->list = list;
     struct lx_plan_setting *row = &list[self->count++];
     *row = (struct lx_plan_setting){.line = line};
-    row->key = strndup(assignment, (size_t)(equals - assignment));
-    if (row->key == NULL || !copy(&row->value, equals + 1)) {
-        return lx_fail(error, "no memory for %s", assignment);
-    }
-    return 0;
+    return copy(&row->key, key) && copy(&row->value, value)
+               ? 0
+               : lx_fail(error, "no memory for %s", key);
 }
 
-/* Whoever was nearer to what is wrong has said where it stands. */
-static bool is_placed(const struct lx_plan *self, const char *text)
+int lx_plan_add_assignment(struct lx_plan_settings *self, const char *assignment,
+                           lx_line_number line, struct lx_error *error)
 {
-    const size_t n = strlen(self->file);
-    return strncmp(text, self->file, n) == 0 && text[n] == ':';
-}
-
-/* An argument may be the text of `error` itself. */
-int lx_plan_fail(const struct lx_plan *self, lx_line_number line, struct lx_error *error,
-                 const char *format, ...)
-{
-    struct lx_error text;
-    va_list arguments;
-    va_start(arguments, format);
-    (void)vsnprintf(text.text, sizeof text.text, format, arguments);
-    va_end(arguments);
-    if (self->file == NULL || line == 0 || is_placed(self, text.text)) {
-        return lx_fail(error, "%s", text.text);
+    const char *equals = strchr(assignment, '=');
+    if (equals == NULL || equals == assignment) {
+        (void)lx_refuse(error, "KEY=VALUE is right", "%s", "");
+        return lx_about(error, LX_ABOUT_SETTING, assignment, NULL);
     }
-    /* What is cut off is the end of the list of what would be right. */
-    const int room_left = (int)sizeof error->text / 2;
-    return lx_fail(error, "%.*s:%u: %s", room_left, self->file, line, text.text);
+    char *key = strndup(assignment, (size_t)(equals - assignment));
+    const int result = key == NULL ? lx_fail(error, "no memory for %s", assignment)
+                                   : lx_plan_add_setting(self, key, equals + 1, line, error);
+    free(key);
+    return result;
 }
 
-static void free_settings(struct lx_plan_settings *self)
+lx_line_number lx_plan_setting_line(const struct lx_plan_encoder *encoder, const char *key)
+{
+    for (size_t i = 0; i < encoder->settings.count; i++) {
+        if (strcmp(encoder->settings.list[i].key, key) == 0) {
+            return encoder->settings.list[i].line;
+        }
+    }
+    return encoder->line;
+}
+
+int lx_plan_refuse_setting(const struct lx_plan *self, const struct lx_plan_setting *setting,
+                           struct lx_error *error)
+{
+    (void)lx_about(error, LX_ABOUT_SETTING, setting->key, setting->value);
+    return lx_stands(error, self->file, setting->line);
+}
+
+int lx_plan_refuse_key(const struct lx_plan *self, const char *key, lx_line_number line,
+                       struct lx_error *error)
+{
+    (void)lx_about(error, LX_ABOUT_KEY, key, NULL);
+    return lx_stands(error, self->file, line);
+}
+
+int lx_plan_refuse_wire(const struct lx_plan *self, const struct lx_plan_wire *wire,
+                        struct lx_error *error)
+{
+    (void)lx_about(error, LX_ABOUT_WIRE, wire->kind->name, wire->where);
+    return lx_stands(error, self->file, wire->where_line != 0 ? wire->where_line : wire->line);
+}
+
+void lx_plan_free_settings(struct lx_plan_settings *self)
 {
     for (size_t i = 0; i < self->count; i++) {
         free(self->list[i].key);
@@ -139,7 +156,7 @@ static void free_wires(struct lx_plan *self)
         free(wire->name);
         free(wire->where);
         free(wire->trace);
-        free_settings(&wire->settings);
+        lx_plan_free_settings(&wire->settings);
     }
     free(self->wires);
 }
@@ -151,8 +168,7 @@ static void free_encoders(struct lx_plan *self)
         free(encoder->name);
         free(encoder->nvm);
         free(encoder->serial);
-        free(encoder->address);
-        free_settings(&encoder->settings);
+        lx_plan_free_settings(&encoder->settings);
     }
     free(self->encoders);
 }
@@ -167,6 +183,5 @@ void lx_plan_free(struct lx_plan *self)
         free(self->controls[i]);
     }
     free(self->name);
-    free(self->file);
     *self = (struct lx_plan){.file = NULL};
 }

@@ -11,7 +11,7 @@
 #include <stdint.h>
 
 #include "drehgeber/devices.h"
-#include "say.h"
+#include "error.h"
 
 /** Most shafts, wires and encoders of a rig; an INTERBUS ring alone may have 512. */
 #define LX_PLAN_SHAFTS_MAX 256u
@@ -23,7 +23,7 @@
 /** Where a word stands; 0: on the command line. */
 typedef unsigned lx_line_number;
 
-/** KEY=VALUE, as --set takes it. */
+/** A setting, or a word of a section. */
 struct lx_plan_setting {
     char *key;
     char *value;
@@ -36,13 +36,17 @@ struct lx_plan_settings {
     size_t count;
 };
 
+/** An address that nobody has given. */
+#define LX_PLAN_AS_DELIVERED (-1)
+
 /** A shaft. */
 struct lx_plan_shaft {
     char *name;
-    char *motion;     /**< as --shaft takes it; NULL: at rest at 0, or geared */
+    char *motion;     /**< in words, see motion_words.h; NULL: at rest at 0, or geared */
     int driver;       /**< index of the shaft that drives it, declared before; -1: none */
     int32_t ratio[2]; /**< turns of this shaft, for as many of the driver */
     lx_line_number line;
+    lx_line_number motion_line; /**< of the key */
 };
 
 /** A kind of wire; its rows are in wires.c. */
@@ -55,18 +59,20 @@ struct lx_plan_wire {
     char *where;                      /**< LINK, DEV, IFNAME, HOST:PORT, CHIP:MA,SLO; or NULL */
     char *trace;                      /**< file, or NULL */
     struct lx_plan_settings settings; /**< of the wire itself, e.g. cycle of a ring */
-    lx_line_number line;
+    lx_line_number line;              /**< of the section */
+    lx_line_number where_line;        /**< of the key with the address, or the kind */
+    lx_line_number trace_line;
 };
 
 /** An encoder. */
 struct lx_plan_encoder {
     char *name;
     const struct dg_device *model;
-    size_t shaft;  /**< index */
-    size_t wire;   /**< index */
-    char *nvm;     /**< file, or NULL */
-    char *serial;  /**< or NULL */
-    char *address; /**< node-ID (CANopen), address (RS485, 0x40..0x5F); NULL: as delivered */
+    size_t shaft; /**< index */
+    size_t wire;  /**< index */
+    char *nvm;    /**< file, or NULL */
+    char *serial; /**< or NULL */
+    int address;  /**< node-ID (CANopen), address (RS485); or LX_PLAN_AS_DELIVERED */
     struct lx_plan_settings settings;
     lx_line_number line;     /**< of the section */
     lx_line_number nvm_line; /**< of the keys */
@@ -76,11 +82,11 @@ struct lx_plan_encoder {
 
 /** A rig. All zero is an empty one. Strings are owned. */
 struct lx_plan {
-    char *file; /**< for messages; NULL: the command line */
-    char *name; /**< of the rig: the file's without its ending, or of the model */
+    const char *file; /**< for messages, borrowed; NULL: the command line */
+    char *name;       /**< of the rig: the file's without its ending, or of the model */
     char *controls[LX_PLAN_CONTROLS_MAX]; /**< unix:PATH or tcp:HOST:PORT; none: the default */
     size_t control_count;
-    char *files; /**< the folder for files that clients name; NULL: see --files */
+    char *files; /**< the folder for files that clients name; NULL: none */
     lx_line_number control_lines[LX_PLAN_CONTROLS_MAX]; /**< of the keys; 0: the command line */
     lx_line_number files_line;
     struct lx_plan_shaft *shafts;
@@ -94,8 +100,8 @@ struct lx_plan {
 /**
  * Read a rig file (INI). Everything that can be known without opening anything but the file is
  * checked: sections, keys, models, names, references, ratios, forms of motions and addresses.
- * Relative file names in it are relative to its folder.
- * @return 0, or -1 with one line "FILE:LINE: KEY: what is wrong; what would be right" in `error`
+ * Relative file names in it are relative to its folder. `file` must outlive the plan and `error`.
+ * @return 0, or -1 with `error`: file, line, key, what is wrong, what would be right
  */
 int lx_plan_read(struct lx_plan *self, const char *file, struct lx_error *error);
 
@@ -109,13 +115,28 @@ int lx_plan_add_wire(struct lx_plan *self, const char *name, const struct lx_wir
                      const char *where);
 int lx_plan_add_encoder(struct lx_plan *self, const char *name, const struct dg_device *model,
                         size_t shaft, size_t wire);
-/** Append "KEY=VALUE". @return 0, or -1 with one line in `error` */
-int lx_plan_add_setting(struct lx_plan_settings *self, const char *assignment, lx_line_number line,
-                        struct lx_error *error);
+/** Append a setting. @return 0, or -1 with `error` */
+int lx_plan_add_setting(struct lx_plan_settings *self, const char *key, const char *value,
+                        lx_line_number line, struct lx_error *error);
+/** Append "KEY=VALUE". @return 0, or -1 with `error` */
+int lx_plan_add_assignment(struct lx_plan_settings *self, const char *assignment,
+                           lx_line_number line, struct lx_error *error);
+/** Give the list back. */
+void lx_plan_free_settings(struct lx_plan_settings *self);
 
-/** Fill `error`, printf style, with "FILE:LINE: " in front where there is a line, and no such
- * thing yet. Always -1. */
-int lx_plan_fail(const struct lx_plan *self, lx_line_number line, struct lx_error *error,
-                 const char *format, ...);
+/** Where the encoder's setting `key` stands, the section without one. */
+lx_line_number lx_plan_setting_line(const struct lx_plan_encoder *encoder, const char *key);
+
+/** `error` is about this setting. Always -1. */
+int lx_plan_refuse_setting(const struct lx_plan *self, const struct lx_plan_setting *setting,
+                           struct lx_error *error);
+
+/** `error` is about the word `key` in `line`. Always -1. */
+int lx_plan_refuse_key(const struct lx_plan *self, const char *key, lx_line_number line,
+                       struct lx_error *error);
+
+/** `error` is about the address of `wire`. Always -1. */
+int lx_plan_refuse_wire(const struct lx_plan *self, const struct lx_plan_wire *wire,
+                        struct lx_error *error);
 
 #endif

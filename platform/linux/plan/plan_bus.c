@@ -3,7 +3,6 @@
 #define _GNU_SOURCE
 #include "plan_section.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -24,31 +23,40 @@ const struct lx_wire *lx_plan_take_kind(const struct lx_plan *plan,
                                         const struct lx_plan_setting *row, size_t n,
                                         struct lx_error *error)
 {
-    struct lx_error names = {""};
     const struct lx_wire *kind = lx_wire_find(row->value, n);
-    for (size_t i = 0; kind == NULL && i < lx_wire_count; i++) {
-        const size_t used = strlen(names.text);
-        const char *between = i + 1 == lx_wire_count ? " and " : ", ";
-        (void)snprintf(names.text + used, sizeof names.text - used, "%s%s", i == 0 ? "" : between,
-                       lx_wires[i].name);
+    struct lx_words names = {""};
+    for (size_t i = 0; i < lx_wire_count; i++) {
+        lx_words_item(&names, lx_wires[i].name, i, lx_wire_count, " and ");
     }
+    lx_words_add(&names, " are right");
     if (kind == NULL) {
-        (void)lx_plan_fail(plan, row->line, error, "wire: %.*s is no kind of wire; %s are right",
-                           (int)n, row->value, names.text);
+        (void)lx_plan_wrong_word(plan, row, error, names.text, "%.*s is no kind of wire", (int)n,
+                                 row->value);
     }
     return kind;
 }
 
-static int check_where(const struct lx_plan *plan, const struct lx_wire *kind,
+/* The word that is wrong, or should be there. */
+static int wrong_where(const struct lx_plan *plan, const struct lx_plan_section *self,
                        const struct lx_plan_where *where, struct lx_error *error)
 {
+    return lx_plan_refuse_key(plan, where->key,
+                              where->word == NULL ? self->line : where->word->line, error);
+}
+
+static int check_where(const struct lx_plan *plan, const struct lx_plan_section *self,
+                       const struct lx_wire *kind, const struct lx_plan_where *where,
+                       struct lx_error *error)
+{
+    struct lx_words right = {""};
     if (where->text != NULL && kind->where == NULL) {
-        return lx_plan_fail(plan, where->line, error, "%s: %s has no address; none is right",
-                            where->key, kind->name);
+        (void)lx_refuse(error, "none is right", "%s has no address", kind->name);
+        return wrong_where(plan, self, where, error);
     }
     if (where->text == NULL && kind->where_needed) {
-        return lx_plan_fail(plan, where->line, error, "%s: %s needs an address; %s is right",
-                            where->key, kind->name, kind->where);
+        lx_words_add(&right, "%s is right", kind->where);
+        (void)lx_refuse(error, right.text, "%s needs an address", kind->name);
+        return wrong_where(plan, self, where, error);
     }
     return 0;
 }
@@ -68,25 +76,31 @@ static bool same_place(const struct lx_plan_wire *a, const struct lx_plan_wire *
 }
 
 /* Whoever gives two encoders one place most likely wants them to share it. */
-static const char *right_instead(const struct lx_plan_wire *a, const struct lx_plan_wire *b,
-                                 const struct lx_plan_where *where)
+static struct lx_words right_instead(const struct lx_plan_wire *a, const struct lx_plan_wire *b,
+                                     const struct lx_plan_where *where)
 {
     const bool can_share = a->kind == b->kind && a->kind->stations_max > 1;
-    return can_share && strcmp(where->key, "wire") == 0
-               ? "another address, or a [bus NAME] with this one and bus = NAME in both encoders"
-               : "another address";
+    struct lx_words right = {"another address"};
+    if (can_share && strcmp(where->key, "wire") == 0) {
+        lx_words_add(&right,
+                     ", or [bus NAME] with wire = %s and address = %s, and bus = NAME in both "
+                     "encoders,",
+                     a->kind->name, a->where);
+    }
+    lx_words_add(&right, " is right");
+    return right;
 }
 
-static int check_place(const struct lx_plan *plan, int at, const struct lx_plan_where *where,
-                       struct lx_error *error)
+static int check_place(const struct lx_plan *plan, const struct lx_plan_section *self, int at,
+                       const struct lx_plan_where *where, struct lx_error *error)
 {
     const struct lx_plan_wire *wire = &plan->wires[at];
     for (int i = 0; i < at; i++) {
         const struct lx_plan_wire *other = &plan->wires[i];
         if (same_place(other, wire)) {
-            return lx_plan_fail(plan, where->line, error,
-                                "%s: %s is the wire in line %u already; %s is right", where->key,
-                                wire->where, other->line, right_instead(other, wire, where));
+            (void)lx_refuse(error, right_instead(other, wire, where).text,
+                            "%s is the wire in line %u already", wire->where, other->line);
+            return wrong_where(plan, self, where, error);
         }
     }
     return 0;
@@ -101,7 +115,7 @@ int lx_plan_take_wire(struct lx_plan *plan, const struct lx_plan_section *self,
     if (same >= 0) {
         return lx_plan_taken(plan, self, plan->wires[same].line, error);
     }
-    if (check_where(plan, kind, where, error) != 0 ||
+    if (check_where(plan, self, kind, where, error) != 0 ||
         (where->text != NULL && kind->where_is_path &&
          lx_plan_take_path(plan, where->text, &path, error) != 0)) {
         return -1;
@@ -113,7 +127,8 @@ int lx_plan_take_wire(struct lx_plan *plan, const struct lx_plan_section *self,
         return lx_plan_no_room(plan, self, error);
     }
     plan->wires[at].line = self->line;
-    return check_place(plan, at, where, error) == 0 ? at : -1;
+    plan->wires[at].where_line = where->word == NULL ? 0 : where->word->line;
+    return check_place(plan, self, at, where, error) == 0 ? at : -1;
 }
 
 int lx_plan_take_trace(struct lx_plan *plan, const struct lx_plan_setting *row, int wire,
@@ -123,29 +138,34 @@ int lx_plan_take_trace(struct lx_plan *plan, const struct lx_plan_setting *row, 
     if (row == NULL) {
         return 0;
     }
+    plan->wires[wire].trace_line = row->line;
     if (lx_plan_take_path(plan, row->value, to, error) != 0) {
         return -1;
     }
     for (int i = 0; i < wire; i++) {
         if (plan->wires[i].trace != NULL && strcmp(plan->wires[i].trace, *to) == 0) {
-            return lx_plan_fail(plan, row->line, error,
-                                "trace: %s is of the wire in line %u already; another file is "
-                                "right",
-                                row->value, plan->wires[i].line);
+            return lx_plan_wrong_word(plan, row, error, "another file is right",
+                                      "%s is of the wire in line %u already", row->value,
+                                      plan->wires[i].line);
         }
     }
     return 0;
 }
 
-/* ", a, b and c": the keys of a kind; "" without. */
-static struct lx_error keys_of(const struct lx_wire *kind)
+/* The keys of a bus of this kind. */
+static struct lx_words keys_of(const struct lx_plan_section *self, const struct lx_wire *kind)
 {
-    struct lx_error list = {""};
-    for (size_t i = 0; kind->keys != NULL && kind->keys[i] != NULL; i++) {
-        const size_t used = strlen(list.text);
-        const char *between = i > 0 && kind->keys[i + 1] == NULL ? " and " : ", ";
-        (void)snprintf(list.text + used, sizeof list.text - used, "%s%s", between, kind->keys[i]);
+    struct lx_words list = {""};
+    size_t own = 0;
+    while (self->kind->keys[own] != NULL) {
+        own++;
     }
+    const size_t count = own + (kind->keys == NULL ? 0 : kind->keys->count);
+    for (size_t i = 0; i < count; i++) {
+        lx_words_item(&list, i < own ? self->kind->keys[i] : kind->keys->rows[i - own].name, i,
+                      count, " and ");
+    }
+    lx_words_add(&list, " are right");
     return list;
 }
 
@@ -160,16 +180,30 @@ static int take_bus_settings(struct lx_plan *plan, const struct lx_plan_section 
             continue;
         }
         if (!lx_wire_has(kind, row->key)) {
-            const struct lx_error keys = keys_of(kind);
-            return lx_plan_fail(plan, row->line, error,
-                                "%s: no key of a %s bus; wire, address, trace%s are right",
-                                row->key, kind->name, keys.text);
+            return lx_plan_wrong_word(plan, row, error, keys_of(self, kind).text,
+                                      "no key of a %s bus", kind->name);
         }
-        if (lx_plan_copy_setting(&plan->wires[wire].settings, row, error) != 0) {
+        if (lx_plan_add_setting(&plan->wires[wire].settings, row->key, row->value, row->line,
+                                error) != 0) {
             return -1;
         }
     }
     return 0;
+}
+
+/* KIND:ADDRESS is right in [encoder]; here they are two keys. */
+static int check_kind(const struct lx_plan *plan, const struct lx_plan_setting *row,
+                      struct lx_error *error)
+{
+    const size_t n = strcspn(row->value, ":");
+    struct lx_words right = {""};
+    if (row->value[n] == '\0' || lx_wire_find(row->value, n) == NULL) {
+        return 0;
+    }
+    lx_words_add(&right, "wire = %.*s and address = %s in a line each are right", (int)n,
+                 row->value, row->value + n + 1);
+    return lx_plan_wrong_word(plan, row, error, right.text, "%s is a kind and an address",
+                              row->value);
 }
 
 int lx_plan_take_bus(struct lx_plan *plan, const struct lx_plan_section *self,
@@ -178,14 +212,17 @@ int lx_plan_take_bus(struct lx_plan *plan, const struct lx_plan_section *self,
     const struct lx_plan_setting *row = lx_plan_word(self, "wire");
     const struct lx_plan_setting *address = lx_plan_word(self, "address");
     if (row == NULL) {
-        return lx_plan_fail(plan, self->line, error,
-                            "[bus %s]: without a wire; wire = pty, for one, is right", self->name);
+        return lx_plan_wrong_section(plan, self, error, "wire = pty, for one, is right",
+                                     "without a wire");
+    }
+    if (check_kind(plan, row, error) != 0) {
+        return -1;
     }
     const struct lx_wire *kind = lx_plan_take_kind(plan, row, strlen(row->value), error);
     const struct lx_plan_where where = {
-        .key = "address",
         .text = address == NULL ? NULL : address->value,
-        .line = address == NULL ? self->line : address->line,
+        .key = "address",
+        .word = address,
     };
     const int wire = kind == NULL ? -1 : lx_plan_take_wire(plan, self, kind, &where, error);
     if (wire < 0 || lx_plan_take_trace(plan, lx_plan_word(self, "trace"), wire, error) != 0) {

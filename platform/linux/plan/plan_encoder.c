@@ -3,41 +3,13 @@
 #define _GNU_SOURCE
 #include "plan_section.h"
 
-#include <stdio.h>
 #include <string.h>
 #include <strings.h>
 
-#include "drehgeber/cia406.h"
-#include "drehgeber/devices.h"
-#include "drehgeber/hiperface.h"
-#include "figure.h"
 #include "wire.h"
 
 /* The shaft of encoders in a file without one. */
 #define DEFAULT_SHAFT "main"
-
-/* How the encoders of one stack are told apart on a bus; by their places where there is no key. */
-static const struct place {
-    const struct dg_stack *stack;
-    const char *key;
-    const char *what;
-    uint8_t min;
-    uint8_t max;
-    uint8_t delivered;
-} places[] = {
-    {&dg_hf_stack, "address", "an RS485 address; 0x40..0x5F", 0x40, 0x5F, 0x40},
-    {&dg_cia406_stack, "node", "a node-ID; 1..127", 1, 127, 63},
-    {NULL, NULL, NULL, 0, 0, 0}, /* all others */
-};
-
-static const struct place *place_of(const struct dg_device *model)
-{
-    const struct place *row = places;
-    while (row->stack != NULL && row->stack != model->stack) {
-        row++;
-    }
-    return row;
-}
 
 static const struct lx_plan_encoder *find_encoder(const struct lx_plan *plan, const char *name)
 {
@@ -49,23 +21,36 @@ static const struct lx_plan_encoder *find_encoder(const struct lx_plan *plan, co
     return NULL;
 }
 
+/* Whoever mistyped `model` has it in another line. @return the word, or NULL */
+static const struct lx_plan_setting *mistyped_model(const struct lx_plan_section *self)
+{
+    for (size_t i = 0; i < self->words.count; i++) {
+        const struct lx_plan_setting *row = &self->words.list[i];
+        if (!lx_plan_section_has(self->kind, row->key) && dg_device_find(row->value) != NULL) {
+            return row;
+        }
+    }
+    return NULL;
+}
+
 static const struct dg_device *
 take_model(const struct lx_plan *plan, const struct lx_plan_section *self, struct lx_error *error)
 {
     const struct lx_plan_setting *row = lx_plan_word(self, "model");
+    const struct lx_plan_setting *mistyped = mistyped_model(self);
     const struct dg_device *model = row == NULL ? NULL : dg_device_find(row->value);
-    struct lx_error names = {""};
-    for (size_t i = 0; i < dg_device_count; i++) {
-        const size_t used = strlen(names.text);
-        (void)snprintf(names.text + used, sizeof names.text - used, " %s", dg_devices[i]->name);
+    struct lx_words right = {""};
+    if (row == NULL && mistyped != NULL) {
+        lx_words_add(&right, "model = %s is right", mistyped->value);
+        (void)lx_plan_wrong_word(plan, mistyped, error, right.text, "no such key");
+        return NULL;
     }
+    lx_words_add(&right, "%s one of:", row == NULL ? "model = MODEL is right," : "right is");
+    lx_stack_models(NULL, &right);
     if (row == NULL) {
-        (void)lx_plan_fail(plan, self->line, error,
-                           "[encoder %s]: without a model; model = MODEL is right, one of:%s",
-                           self->name, names.text);
+        (void)lx_plan_wrong_section(plan, self, error, right.text, "without a model");
     } else if (model == NULL) {
-        (void)lx_plan_fail(plan, row->line, error, "model: %s is none; right is one of:%s",
-                           row->value, names.text);
+        (void)lx_plan_wrong_word(plan, row, error, right.text, "%s is none", row->value);
     }
     return model;
 }
@@ -81,11 +66,9 @@ static int take_shaft_of(struct lx_plan *plan, const struct lx_plan_section *sel
         return at < 0 ? lx_plan_no_room(plan, self, error) : at;
     }
     const int shaft = row == NULL ? 0 : lx_plan_find_shaft(plan, row->value);
-    return shaft >= 0
-               ? shaft
-               : lx_plan_fail(plan, row->line, error,
-                              "shaft: no shaft %s so far; the NAME of a [shaft] above is right",
-                              row->value);
+    return shaft >= 0 ? shaft
+                      : lx_plan_wrong_word(plan, row, error, "the NAME of a [shaft] above is right",
+                                           "no shaft %s so far", row->value);
 }
 
 /* A private wire has the line of its encoder, a bus one of its own. */
@@ -103,16 +86,23 @@ static int no_plug(const struct lx_plan *plan, const struct lx_plan_setting *row
                    const struct lx_wire *kind, const struct dg_device *model,
                    struct lx_error *error)
 {
-    struct lx_error names = {""};
-    for (size_t i = 0; i < lx_wire_count; i++) {
-        const size_t used = strlen(names.text);
-        if (lx_wires[i].stack == model->stack) {
-            (void)snprintf(names.text + used, sizeof names.text - used, "%s%s",
-                           used == 0 ? "" : " or ", lx_wires[i].name);
+    struct lx_words right = {""};
+    lx_stack_wires(lx_stack_of(model), &right);
+    lx_words_add(&right, " is right");
+    return lx_plan_wrong_word(plan, row, error, right.text, "%s is no wire of %s", kind->name,
+                              model->name);
+}
+
+/* Whether the others on the wire, if any, speak what `model` speaks. */
+static bool same_stack(const struct lx_plan *plan, int wire, const struct dg_device *model)
+{
+    for (size_t i = 0; i < plan->encoder_count; i++) {
+        if (plan->encoders[i].wire == (size_t)wire &&
+            plan->encoders[i].model->stack != model->stack) {
+            return false;
         }
     }
-    return lx_plan_fail(plan, row->line, error, "%s: %s is no wire of %s; %s is right", row->key,
-                        kind->name, model->name, names.text);
+    return true;
 }
 
 static int use_bus(const struct lx_plan *plan, const struct lx_plan_setting *row,
@@ -121,22 +111,20 @@ static int use_bus(const struct lx_plan *plan, const struct lx_plan_setting *row
     const int wire = lx_plan_find_wire(plan, row->value);
     size_t stations = 0;
     if (wire < 0 || !is_bus(plan, wire)) {
-        return lx_plan_fail(plan, row->line, error,
-                            "bus: no bus %s so far; the NAME of a [bus] above is right",
-                            row->value);
+        return lx_plan_wrong_word(plan, row, error, "the NAME of a [bus] above is right",
+                                  "no bus %s so far", row->value);
     }
     const struct lx_wire *kind = plan->wires[wire].kind;
     for (size_t i = 0; i < plan->encoder_count; i++) {
         stations += plan->encoders[i].wire == (size_t)wire ? 1u : 0u;
     }
-    if (kind->stack != model->stack) {
+    if (!lx_wire_carries(kind, lx_stack_of(model)) || !same_stack(plan, wire, model)) {
         return no_plug(plan, row, kind, model, error);
     }
-    return stations < kind->stations_max
-               ? wire
-               : lx_plan_fail(plan, row->line, error,
-                              "bus: %s has %lu encoders already; no more are right", row->value,
-                              (unsigned long)stations);
+    return stations < kind->stations_max ? wire
+                                         : lx_plan_wrong_word(plan, row, error, "no more are right",
+                                                              "%s has %lu encoders already",
+                                                              row->value, (unsigned long)stations);
 }
 
 /* KIND or KIND:ADDRESS. */
@@ -146,18 +134,30 @@ static int make_wire(struct lx_plan *plan, const struct lx_plan_section *self,
     const struct lx_plan_setting *row = lx_plan_word(self, "wire");
     const size_t n = strcspn(row->value, ":");
     const struct lx_plan_where where = {
-        .key = "wire",
         .text = row->value[n] == '\0' ? NULL : row->value + n + 1,
-        .line = row->line,
+        .key = "wire",
+        .word = row,
     };
     const struct lx_wire *kind = lx_plan_take_kind(plan, row, n, error);
     if (kind == NULL) {
         return -1;
     }
-    if (kind->stack != model->stack) {
+    if (!lx_wire_carries(kind, lx_stack_of(model))) {
         return no_plug(plan, row, kind, model, error);
     }
     return lx_plan_take_wire(plan, self, kind, &where, error);
+}
+
+/* None, or two of them. */
+static int wrong_wire(const struct lx_plan *plan, const struct lx_plan_section *self,
+                      const struct lx_plan_setting *bus, struct lx_error *error)
+{
+    static const char right[] =
+        "bus = NAME of a [bus] above, or wire = KIND or KIND:ADDRESS is right";
+    struct lx_words name = {""};
+    lx_words_add(&name, "[encoder %s]", self->name);
+    (void)lx_refuse(error, right, "%s", bus == NULL ? "without a wire" : "a bus and a wire");
+    return lx_plan_refuse_key(plan, name.text, bus == NULL ? self->line : bus->line, error);
 }
 
 static int take_wire_of(struct lx_plan *plan, const struct lx_plan_section *self,
@@ -167,16 +167,13 @@ static int take_wire_of(struct lx_plan *plan, const struct lx_plan_section *self
     const struct lx_plan_setting *wire = lx_plan_word(self, "wire");
     const struct lx_plan_setting *trace = lx_plan_word(self, "trace");
     if ((bus == NULL) == (wire == NULL)) {
-        return lx_plan_fail(plan, bus == NULL ? self->line : bus->line, error,
-                            "[encoder %s]: %s; bus = NAME of a [bus] above, or wire = KIND or "
-                            "KIND:ADDRESS is right",
-                            self->name, bus == NULL ? "without a wire" : "a bus and a wire");
+        return wrong_wire(plan, self, bus, error);
     }
     if (bus != NULL && trace != NULL) {
-        return lx_plan_fail(plan, trace->line, error,
-                            "trace: a bus has one for all its encoders; trace = FILE in [bus %s] "
-                            "is right",
-                            bus->value);
+        struct lx_words right = {""};
+        lx_words_add(&right, "trace = FILE in [bus %s] is right", bus->value);
+        return lx_plan_wrong_word(plan, trace, error, right.text,
+                                  "a bus has one for all its encoders");
     }
     if (bus != NULL) {
         return use_bus(plan, bus, model, error);
@@ -185,28 +182,37 @@ static int take_wire_of(struct lx_plan *plan, const struct lx_plan_section *self
     return at < 0 || lx_plan_take_trace(plan, trace, at, error) != 0 ? -1 : at;
 }
 
-/* The number by which the bus tells `encoder` from others. It was checked. */
-static uint64_t number_of(const struct lx_plan_encoder *encoder)
+/* --- what the bus tells encoders apart by --- */
+
+static int number_of(const struct lx_plan_encoder *encoder)
 {
-    uint64_t number = place_of(encoder->model)->delivered;
-    if (encoder->address != NULL) {
-        (void)lx_unsigned_parse(encoder->address, &number);
-    }
-    return number;
+    return encoder->address == LX_PLAN_AS_DELIVERED ? lx_stack_of(encoder->model)->address.delivered
+                                                    : encoder->address;
 }
 
-static int check_number(const struct lx_plan *plan, const struct lx_plan_encoder *self,
+static struct lx_words text_of(const struct lx_plan_encoder *encoder)
+{
+    const bool hex = lx_stack_of(encoder->model)->address.hex;
+    struct lx_words text = {""};
+    lx_words_add(&text, hex ? "0x%02X" : "%u", (unsigned)number_of(encoder));
+    return text;
+}
+
+/* `row` gives the number; NULL: it is as delivered. */
+static int check_number(const struct lx_plan *plan, const struct lx_plan_section *section,
+                        const struct lx_plan_encoder *self, const struct lx_plan_setting *row,
                         struct lx_error *error)
 {
-    const struct place *place = place_of(self->model);
-    const lx_line_number line = self->address == NULL ? self->line : self->address_line;
-    for (size_t i = 0; place->key != NULL && i < plan->encoder_count; i++) {
-        const struct lx_plan_encoder *other = &plan->encoders[i];
-        if (other != self && other->wire == self->wire && number_of(other) == number_of(self)) {
-            return lx_plan_fail(
-                plan, line, error, "%s: %s is %s of [encoder %s] already; another one is right",
-                place->key, self->address == NULL ? "as delivered it" : self->address, place->key,
-                other->name);
+    const char *key = lx_stack_of(self->model)->address.key;
+    for (const struct lx_plan_encoder *other = plan->encoders; key != NULL && other < self;
+         other++) {
+        if (other->wire == self->wire && number_of(other) == number_of(self)) {
+            struct lx_words right = {""};
+            lx_words_add(&right, "%s = N with another one is right", key);
+            (void)lx_refuse(error, right.text, "%s%s is %s of [encoder %s] already",
+                            row == NULL ? "as delivered " : "",
+                            row == NULL ? text_of(self).text : row->value, key, other->name);
+            return lx_plan_refuse_key(plan, key, row == NULL ? section->line : row->line, error);
         }
     }
     return 0;
@@ -215,10 +221,12 @@ static int check_number(const struct lx_plan *plan, const struct lx_plan_encoder
 static int refuse_number(const struct lx_plan *plan, const struct lx_plan_setting *row,
                          const struct dg_device *model, struct lx_error *error)
 {
-    const char *key = place_of(model)->key;
-    return lx_plan_fail(plan, row->line, error, "%s: %s has none; %s%s is right", row->key,
-                        model->name, key == NULL ? "its place among the encoders of its wire" : key,
-                        key == NULL ? "" : " = N");
+    const char *key = lx_stack_of(model)->address.key;
+    struct lx_words right = {""};
+    lx_words_add(&right, "%s%s is right",
+                 key == NULL ? "its place among the encoders of its wire" : key,
+                 key == NULL ? "" : " = N");
+    return lx_plan_wrong_word(plan, row, error, right.text, "%s has none", model->name);
 }
 
 /* `node` or `address`, whichever the stack has. */
@@ -226,26 +234,24 @@ static int take_number(struct lx_plan *plan, const struct lx_plan_section *self,
                        struct lx_plan_encoder *encoder, struct lx_error *error)
 {
     static const char *const keys[] = {"node", "address"};
-    const struct place *place = place_of(encoder->model);
+    const struct lx_stack *stack = lx_stack_of(encoder->model);
+    const struct lx_plan_setting *row = NULL;
     for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++) {
-        const struct lx_plan_setting *row = lx_plan_word(self, keys[i]);
-        uint64_t number = 0;
-        if (row == NULL) {
-            continue;
+        const struct lx_plan_setting *word = lx_plan_word(self, keys[i]);
+        if (word != NULL &&
+            (stack->address.key == NULL || strcmp(stack->address.key, word->key) != 0)) {
+            return refuse_number(plan, word, encoder->model, error);
         }
-        if (place->key == NULL || strcmp(place->key, row->key) != 0) {
-            return refuse_number(plan, row, encoder->model, error);
-        }
-        if (!lx_unsigned_parse(row->value, &number) || number < place->min || number > place->max) {
-            return lx_plan_fail(plan, row->line, error, "%s: %s is not %s is right", row->key,
-                                row->value, place->what);
-        }
+        row = word == NULL ? row : word;
+    }
+    if (row != NULL) {
         encoder->address_line = row->line;
-        if (lx_plan_take_text(row, &encoder->address, error) != 0) {
-            return -1;
+        encoder->address = lx_stack_address(stack, row->value, error);
+        if (encoder->address < 0) {
+            return lx_plan_refuse_key(plan, row->key, row->line, error);
         }
     }
-    return check_number(plan, encoder, error);
+    return check_number(plan, self, encoder, row, error);
 }
 
 static int take_nvm(struct lx_plan *plan, const struct lx_plan_setting *row,
@@ -261,9 +267,8 @@ static int take_nvm(struct lx_plan *plan, const struct lx_plan_setting *row,
     for (size_t i = 0; i < plan->encoder_count; i++) {
         const struct lx_plan_encoder *other = &plan->encoders[i];
         if (other != encoder && other->nvm != NULL && strcmp(other->nvm, encoder->nvm) == 0) {
-            return lx_plan_fail(plan, row->line, error,
-                                "nvm: %s is of [encoder %s] already; another file is right",
-                                row->value, other->name);
+            return lx_plan_wrong_word(plan, row, error, "another file is right",
+                                      "%s is of [encoder %s] already", row->value, other->name);
         }
     }
     return 0;
@@ -281,12 +286,13 @@ static int take_settings(struct lx_plan *plan, const struct lx_plan_section *sel
             continue;
         }
         if (of_wire && wire->line != encoder->line) {
-            return lx_plan_fail(plan, row->line, error,
-                                "%s: a bus has one for all its encoders; %s = %s in [bus %s] is "
-                                "right",
-                                row->key, row->key, row->value, wire->name);
+            struct lx_words right = {""};
+            lx_words_add(&right, "%s = %s in [bus %s] is right", row->key, row->value, wire->name);
+            return lx_plan_wrong_word(plan, row, error, right.text,
+                                      "a bus has one for all its encoders");
         }
-        if (lx_plan_copy_setting(of_wire ? &wire->settings : &encoder->settings, row, error) != 0) {
+        if (lx_plan_add_setting(of_wire ? &wire->settings : &encoder->settings, row->key,
+                                row->value, row->line, error) != 0) {
             return -1;
         }
     }

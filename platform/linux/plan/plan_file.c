@@ -33,12 +33,7 @@ struct reader {
 
 static void forget_section(struct reader *self)
 {
-    struct lx_plan_settings *words = &self->section.words;
-    for (size_t i = 0; i < words->count; i++) {
-        free(words->list[i].key);
-        free(words->list[i].value);
-    }
-    free(words->list);
+    lx_plan_free_settings(&self->section.words);
     self->section = (struct lx_plan_section){.kind = NULL};
 }
 
@@ -58,6 +53,14 @@ static const char *next_word(char *text, char **rest)
     return found == NULL ? "" : found;
 }
 
+/* The section's own brackets are what the error is about. */
+static int name_wrong(struct reader *self, const char *kind, const char *name, const char *more)
+{
+    struct lx_words section = {""};
+    lx_words_add(&section, "[%s%s%s%s]", kind, *name == '\0' ? "" : " ", name, more);
+    return lx_plan_refuse_key(self->plan, section.text, self->line, self->error);
+}
+
 /* What stands between the brackets: "KIND" or "KIND NAME". */
 static int name_section(struct reader *self, char *text)
 {
@@ -69,18 +72,21 @@ static int name_section(struct reader *self, char *text)
     section->line = self->line;
     section->kind = lx_plan_section_find(kind);
     if (section->kind == NULL) {
-        return lx_plan_fail(self->plan, self->line, self->error,
-                            "[%s]: no such section; " LX_PLAN_SECTIONS " are right", kind);
+        return lx_plan_wrong_line(self->plan, self->line, self->error,
+                                  LX_PLAN_SECTIONS " are right", "[%s]: no such section", kind);
     }
     if (!section->kind->named && *name != '\0') {
-        return lx_plan_fail(self->plan, self->line, self->error,
-                            "[%s %s]: has no name; [%s] is right", kind, name, kind);
+        struct lx_words right = {""};
+        lx_words_add(&right, "[%s] is right", kind);
+        return lx_plan_wrong_line(self->plan, self->line, self->error, right.text,
+                                  "[%s %s]: has no name", kind, name);
     }
     if (section->kind->named && (*more != '\0' || !lx_plan_name_fits(name))) {
-        return lx_plan_fail(
-            self->plan, self->line, self->error,
-            "[%s%s%s%s]: a name of 1 to %u letters, digits, _ and - is right, as in [%s a1]", kind,
-            *name == '\0' ? "" : " ", name, *more == '\0' ? "" : " ...", LX_PLAN_NAME_MAX, kind);
+        struct lx_words right = {""};
+        lx_words_add(&right, "a name of 1 to %u letters, digits, _ and - is right, as in [%s a1]",
+                     LX_PLAN_NAME_MAX, kind);
+        (void)lx_refuse(self->error, right.text, "%s", "");
+        return name_wrong(self, kind, name, *more == '\0' ? "" : " ...");
     }
     (void)snprintf(section->name, sizeof section->name, "%s", name);
     return 0;
@@ -95,9 +101,9 @@ static int begin_section(struct reader *self, char *text)
         return -1;
     }
     if (end == NULL || strchr(";#", *behind) == NULL) {
-        return lx_plan_fail(self->plan, self->line, self->error,
-                            "'%s' is no section; [KIND NAME] on a line of its own is right",
-                            self->quoted);
+        return lx_plan_wrong_line(self->plan, self->line, self->error,
+                                  "[KIND NAME] on a line of its own is right", "'%s' is no section",
+                                  self->quoted);
     }
     *end = '\0';
     return name_section(self, text + 1);
@@ -127,10 +133,9 @@ static int take_line(struct reader *self, char *text, int size)
 {
     self->line++;
     if (strchr(text, '\n') == NULL && feof(self->file) == 0) {
-        return lx_plan_fail(
-            self->plan, self->line, self->error,
-            "more than %d characters, or no text at all; a shorter line of text is right",
-            size - 2);
+        return lx_plan_wrong_line(self->plan, self->line, self->error,
+                                  "a shorter line of text is right",
+                                  "more than %d characters, or no text at all", size - 2);
     }
     trim(self, text);
     if (*text == '[') {
@@ -147,9 +152,8 @@ static char *next_line(char *to, int size, void *ctx)
 {
     struct reader *self = ctx;
     if (!self->failed && self->owed) {
-        (void)lx_plan_fail(self->plan, self->line, self->error,
-                           "'%s' is neither [SECTION] nor KEY = VALUE; one of them is right",
-                           self->quoted);
+        (void)lx_plan_wrong_line(self->plan, self->line, self->error, "one of them is right",
+                                 "'%s' is neither [SECTION] nor KEY = VALUE", self->quoted);
         self->failed = true;
     }
     if (self->failed || fgets(to, size, self->file) == NULL) {
@@ -174,24 +178,20 @@ static int take_word(struct reader *self, const char *key, const char *value)
 {
     const struct lx_plan_section_kind *kind = self->section.kind;
     const struct lx_plan_setting *before = find_word(self, key);
-    char *assignment = NULL;
+    const struct lx_plan_setting row = {.key = (char *)key, .line = self->line};
+    if (*key == '\0') {
+        return lx_plan_wrong_line(self->plan, self->line, self->error, "KEY = VALUE is right",
+                                  "no key in front of '= %s'", value);
+    }
     if (kind == NULL) {
-        return lx_plan_fail(self->plan, self->line, self->error,
-                            "%s: stands before the first section; " LX_PLAN_SECTIONS " are right",
-                            key);
+        return lx_plan_wrong_word(self->plan, &row, self->error, LX_PLAN_SECTIONS " are right",
+                                  "stands before the first section");
     }
     if (before != NULL && (kind->repeats == NULL || strcmp(kind->repeats, key) != 0)) {
-        return lx_plan_fail(self->plan, self->line, self->error,
-                            "%s: stands in line %u already; one of them is right", key,
-                            before->line);
+        return lx_plan_wrong_word(self->plan, &row, self->error, "one of them is right",
+                                  "stands in line %u already", before->line);
     }
-    if (asprintf(&assignment, "%s=%s", key, value) < 0) {
-        return lx_fail(self->error, "no memory for %s", key);
-    }
-    const int result =
-        lx_plan_add_setting(&self->section.words, assignment, self->line, self->error);
-    free(assignment);
-    return result;
+    return lx_plan_add_setting(&self->section.words, key, value, self->line, self->error);
 }
 
 /* inih's handler. @return 0: the line is wrong */
@@ -221,17 +221,17 @@ static int check_whole(const struct lx_plan *plan, struct lx_error *error)
 {
     for (size_t i = 0; i < plan->wire_count; i++) {
         if (encoder_on(plan, i) == NULL) {
-            return lx_plan_fail(plan, plan->wires[i].line, error,
-                                "[bus %s]: without encoders; bus = %s in an [encoder NAME] is "
-                                "right, or no such bus",
-                                plan->wires[i].name, plan->wires[i].name);
+            struct lx_words right = {""};
+            lx_words_add(&right, "bus = %s in an [encoder NAME] is right, or no such bus",
+                         plan->wires[i].name);
+            return lx_plan_wrong_line(plan, plan->wires[i].line, error, right.text,
+                                      "[bus %s]: without encoders", plan->wires[i].name);
         }
     }
-    return plan->encoder_count > 0 ? 0
-                                   : lx_fail(error,
-                                             "%s: without encoders; [encoder NAME] with model = "
-                                             "MODEL and wire = KIND is right",
-                                             plan->file);
+    return plan->encoder_count > 0
+               ? 0
+               : lx_refuse(error, "[encoder NAME] with model = MODEL and wire = KIND is right",
+                           "%s: without encoders", plan->file);
 }
 
 /* The file's name without its folder and its ending. */
@@ -271,8 +271,8 @@ static int read_file(struct lx_plan *plan, FILE *file, struct lx_error *error)
 
 int lx_plan_read(struct lx_plan *self, const char *file, struct lx_error *error)
 {
-    *self = (struct lx_plan){.file = strdup(file)};
-    FILE *stream = self->file == NULL ? NULL : fopen(file, "re");
+    *self = (struct lx_plan){.file = file};
+    FILE *stream = fopen(file, "re");
     int result = 0;
     if (stream == NULL) {
         result = lx_fail(error, "%s: cannot open: %s", file, strerror(errno));

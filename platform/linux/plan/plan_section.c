@@ -6,6 +6,7 @@
 #define _GNU_SOURCE
 #include "plan_section.h"
 
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -34,16 +35,18 @@ bool lx_plan_section_has(const struct lx_plan_section_kind *kind, const char *ke
     return false;
 }
 
-/* "a, b and c" */
-static struct lx_error keys_of(const struct lx_plan_section_kind *kind)
+/* "a, b and c are right" */
+static struct lx_words keys_of(const struct lx_plan_section_kind *kind)
 {
-    struct lx_error list = {""};
-    for (size_t i = 0; kind->keys[i] != NULL; i++) {
-        const size_t used = strlen(list.text);
-        const char *between = kind->keys[i + 1] == NULL ? " and " : ", ";
-        (void)snprintf(list.text + used, sizeof list.text - used, "%s%s", i == 0 ? "" : between,
-                       kind->keys[i]);
+    struct lx_words list = {""};
+    size_t count = 0;
+    while (kind->keys[count] != NULL) {
+        count++;
     }
+    for (size_t i = 0; i < count; i++) {
+        lx_words_item(&list, kind->keys[i], i, count, " and ");
+    }
+    lx_words_add(&list, " are right");
     return list;
 }
 
@@ -55,34 +58,66 @@ static int check_words(const struct lx_plan *plan, const struct lx_plan_section 
         const struct lx_plan_setting *row = &section->words.list[i];
         const bool known = lx_plan_section_has(kind, row->key);
         if (!known && !kind->open) {
-            const struct lx_error keys = keys_of(kind);
-            return lx_plan_fail(plan, row->line, error, "%s: no key of [%s]; %s are right",
-                                row->key, kind->name, keys.text);
+            return lx_plan_wrong_word(plan, row, error, keys_of(kind).text, "no key of [%s]",
+                                      kind->name);
         }
         if (known && row->value[0] == '\0') {
-            return lx_plan_fail(plan, row->line, error, "%s: empty; %s = VALUE is right", row->key,
-                                row->key);
+            struct lx_words right = {""};
+            lx_words_add(&right, "%s = VALUE is right", row->key);
+            return lx_plan_wrong_word(plan, row, error, right.text, "empty");
         }
     }
     return 0;
 }
 
+/* --- what is wrong --- */
+
+int lx_plan_wrong_word(const struct lx_plan *plan, const struct lx_plan_setting *row,
+                       struct lx_error *error, const char *right, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    (void)lx_refuse_v(error, right, format, arguments);
+    va_end(arguments);
+    return lx_plan_refuse_key(plan, row->key, row->line, error);
+}
+
+int lx_plan_wrong_section(const struct lx_plan *plan, const struct lx_plan_section *section,
+                          struct lx_error *error, const char *right, const char *format, ...)
+{
+    struct lx_words name = {""};
+    va_list arguments;
+    va_start(arguments, format);
+    (void)lx_refuse_v(error, right, format, arguments);
+    va_end(arguments);
+    lx_words_add(&name, "[%s %s]", section->kind->name, section->name);
+    return lx_plan_refuse_key(plan, name.text, section->line, error);
+}
+
+int lx_plan_wrong_line(const struct lx_plan *plan, lx_line_number line, struct lx_error *error,
+                       const char *right, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    (void)lx_refuse_v(error, right, format, arguments);
+    va_end(arguments);
+    return lx_stands(error, plan->file, line);
+}
+
 int lx_plan_no_room(const struct lx_plan *plan, const struct lx_plan_section *section,
                     struct lx_error *error)
 {
-    return lx_plan_fail(plan, section->line, error,
-                        "[%s %s]: no memory, or too many; %u shafts, %u buses and private wires, "
-                        "%u encoders at most are right",
-                        section->kind->name, section->name, LX_PLAN_SHAFTS_MAX, LX_PLAN_WIRES_MAX,
-                        LX_PLAN_ENCODERS_MAX);
+    struct lx_words right = {""};
+    lx_words_add(&right, "%u shafts, %u buses and private wires, %u encoders at most are right",
+                 LX_PLAN_SHAFTS_MAX, LX_PLAN_WIRES_MAX, LX_PLAN_ENCODERS_MAX);
+    return lx_plan_wrong_section(plan, section, error, right.text, "no memory, or too many");
 }
 
 int lx_plan_taken(const struct lx_plan *plan, const struct lx_plan_section *section,
                   lx_line_number by, struct lx_error *error)
 {
-    return lx_plan_fail(plan, section->line, error,
-                        "[%s %s]: line %u has the name already; another name is right",
-                        section->kind->name, section->name, by);
+    return lx_plan_wrong_section(plan, section, error, "another name is right",
+                                 "line %u has the name already", by);
 }
 
 int lx_plan_take_path(const struct lx_plan *plan, const char *path, char **to,
@@ -101,18 +136,6 @@ int lx_plan_take_text(const struct lx_plan_setting *row, char **to, struct lx_er
 {
     *to = strdup(row->value);
     return *to == NULL ? lx_fail(error, "no memory for %s", row->value) : 0;
-}
-
-int lx_plan_copy_setting(struct lx_plan_settings *to, const struct lx_plan_setting *row,
-                         struct lx_error *error)
-{
-    char *assignment = NULL;
-    if (asprintf(&assignment, "%s=%s", row->key, row->value) < 0) {
-        return lx_fail(error, "no memory for %s", row->key);
-    }
-    const int result = lx_plan_add_setting(to, assignment, row->line, error);
-    free(assignment);
-    return result;
 }
 
 bool lx_plan_name_fits(const char *name)
@@ -153,11 +176,11 @@ static int take_control(struct lx_plan *plan, const struct lx_plan_setting *row,
 {
     struct lx_access access;
     if (plan->control_count == LX_PLAN_CONTROLS_MAX) {
-        return lx_plan_fail(plan, row->line, error, "control: one more than %u; fewer are right",
-                            LX_PLAN_CONTROLS_MAX);
+        return lx_plan_wrong_word(plan, row, error, "fewer are right", "one more than %u",
+                                  LX_PLAN_CONTROLS_MAX);
     }
     if (lx_access_parse(row->value, &access, error) != 0) {
-        return lx_plan_fail(plan, row->line, error, "control: %s", error->text);
+        return lx_plan_refuse_key(plan, row->key, row->line, error);
     }
     plan->control_lines[plan->control_count] = row->line;
     return write_control(plan, &access, &plan->controls[plan->control_count++], error);
@@ -168,13 +191,13 @@ static int take_rig(struct lx_plan *plan, const struct lx_plan_section *self,
 {
     const struct lx_plan_setting *name = lx_plan_word(self, "name");
     if (name != NULL && !lx_plan_name_fits(name->value)) {
-        return lx_plan_fail(plan, name->line, error,
-                            "name: %s is none; 1 to %u letters, digits, _ and - are right",
-                            name->value, LX_PLAN_NAME_MAX);
+        struct lx_words right = {""};
+        lx_words_add(&right, "1 to %u letters, digits, _ and - are right", LX_PLAN_NAME_MAX);
+        return lx_plan_wrong_word(plan, name, error, right.text, "%s is none", name->value);
     }
     if (name != NULL && plan->name != NULL) {
-        return lx_plan_fail(plan, name->line, error,
-                            "name: the rig is called %s already; one name is right", plan->name);
+        return lx_plan_wrong_word(plan, name, error, "one name is right",
+                                  "the rig is called %s already", plan->name);
     }
     int result = name == NULL ? 0 : lx_plan_take_text(name, &plan->name, error);
     const struct lx_plan_setting *files = lx_plan_word(self, "files");

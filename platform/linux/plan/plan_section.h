@@ -72,9 +72,17 @@ int lx_plan_take_text(const struct lx_plan_setting *row, char **to, struct lx_er
 int lx_plan_take_path(const struct lx_plan *plan, const char *path, char **to,
                       struct lx_error *error);
 
-/** Append a setting as it stands in the section. @return 0 or -1 */
-int lx_plan_copy_setting(struct lx_plan_settings *to, const struct lx_plan_setting *row,
-                         struct lx_error *error);
+/** Errors about a word, about a section, about a line of a rig file, printf style; `right` is what
+ * would be right, NULL: the text says it. Always -1 */
+int lx_plan_wrong_word(const struct lx_plan *plan, const struct lx_plan_setting *row,
+                       struct lx_error *error, const char *right, const char *format, ...)
+    __attribute__((format(printf, 5, 6)));
+int lx_plan_wrong_section(const struct lx_plan *plan, const struct lx_plan_section *section,
+                          struct lx_error *error, const char *right, const char *format, ...)
+    __attribute__((format(printf, 5, 6)));
+int lx_plan_wrong_line(const struct lx_plan *plan, lx_line_number line, struct lx_error *error,
+                       const char *right, const char *format, ...)
+    __attribute__((format(printf, 5, 6)));
 
 /** Errors: the plan takes no more; line `by` has the name already. @return -1 */
 int lx_plan_no_room(const struct lx_plan *plan, const struct lx_plan_section *section,
@@ -88,9 +96,9 @@ int lx_plan_find_wire(const struct lx_plan *plan, const char *name);
 
 /** A wire's address as the user wrote it, and where. */
 struct lx_plan_where {
-    const char *key;
-    const char *text; /**< NULL: none */
-    lx_line_number line;
+    const char *text;                   /**< NULL: none */
+    const char *key;                    /**< that gives it, or would */
+    const struct lx_plan_setting *word; /**< that gives it; NULL: none */
 };
 
 /** The kind of wire that the first `n` characters of the value name. @return NULL with `error` */

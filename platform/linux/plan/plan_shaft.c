@@ -39,10 +39,9 @@ static int take_ratio(const struct lx_plan *plan, const struct lx_plan_setting *
     const size_t n = strcspn(row->value, ":");
     if (row->value[n] == '\0' || !take_turns(row->value, n, &ratio[0]) ||
         !take_turns(row->value + n + 1, strlen(row->value + n + 1), &ratio[1])) {
-        return lx_plan_fail(plan, row->line, error,
-                            "ratio: %s is no ratio; TURNS:TURNS with whole numbers other than 0 is "
-                            "right",
-                            row->value);
+        return lx_plan_wrong_word(plan, row, error,
+                                  "TURNS:TURNS with whole numbers other than 0 is right",
+                                  "%s is no ratio", row->value);
     }
     if (ratio[1] < 0) {
         ratio[0] = -ratio[0];
@@ -65,16 +64,14 @@ static int take_driver(const struct lx_plan *plan, const struct lx_plan_setting 
 {
     *driver = lx_plan_find_shaft(plan, row->value);
     if (*driver < 0) {
-        return lx_plan_fail(plan, row->line, error,
-                            "driver: no shaft %s so far; the NAME of a [shaft] above is right",
-                            row->value);
+        return lx_plan_wrong_word(plan, row, error, "the NAME of a [shaft] above is right",
+                                  "no shaft %s so far", row->value);
     }
     return gears_below(plan, *driver) < DG_SHAFT_GEARS_MAX
                ? 0
-               : lx_plan_fail(plan, row->line, error,
-                              "driver: %u gears are between %s and what drives it; a shaft with "
-                              "fewer is right",
-                              DG_SHAFT_GEARS_MAX, row->value);
+               : lx_plan_wrong_word(plan, row, error, "a shaft with fewer is right",
+                                    "%u gears are between %s and what drives it",
+                                    DG_SHAFT_GEARS_MAX, row->value);
 }
 
 /* Words are understood here; a file is only read when the rig is made. */
@@ -86,8 +83,7 @@ static int check_motion(const struct lx_plan *plan, const struct lx_plan_setting
         return 0;
     }
     if (lx_shaft_parse(&motion, row->value, NULL, error) != 0) {
-        const size_t option = strlen("--shaft ");
-        return lx_plan_fail(plan, row->line, error, "motion: %s", error->text + option);
+        return lx_plan_refuse_key(plan, row->key, row->line, error);
     }
     lx_shaft_free(&motion);
     return 0;
@@ -101,22 +97,20 @@ static int check_shaft(const struct lx_plan *plan, const struct lx_plan_section 
     const struct lx_plan_setting *ratio = lx_plan_word(self, "ratio");
     const int same = lx_plan_find_shaft(plan, self->name);
     if (plan->shaft_count > 0 && plan->shafts[0].line == 0) {
-        return lx_plan_fail(plan, self->line, error,
-                            "[shaft %s]: [encoder %s] above has done without a shaft; shafts "
-                            "before all encoders are right",
-                            self->name, plan->encoders[0].name);
+        return lx_plan_wrong_section(plan, self, error, "shafts before all encoders are right",
+                                     "[encoder %s] above has done without a shaft",
+                                     plan->encoders[0].name);
     }
     if (same >= 0) {
         return lx_plan_taken(plan, self, plan->shafts[same].line, error);
     }
     if (motion != NULL && driver != NULL) {
-        return lx_plan_fail(plan, motion->line, error,
-                            "motion: the driver in line %u turns this shaft; one of them is right",
-                            driver->line);
+        return lx_plan_wrong_word(plan, motion, error, "one of them is right",
+                                  "the driver in line %u turns this shaft", driver->line);
     }
     if (ratio != NULL && driver == NULL) {
-        return lx_plan_fail(plan, ratio->line, error,
-                            "ratio: without a driver; driver = NAME of a [shaft] above is right");
+        return lx_plan_wrong_word(plan, ratio, error, "driver = NAME of a [shaft] above is right",
+                                  "without a driver");
     }
     return motion == NULL ? 0 : check_motion(plan, motion, error);
 }
@@ -145,6 +139,7 @@ int lx_plan_take_shaft(struct lx_plan *plan, const struct lx_plan_section *self,
     if (motion == NULL) {
         return 0;
     }
+    shaft->motion_line = motion->line;
     return lx_shaft_is_file(motion->value)
                ? lx_plan_take_path(plan, motion->value, &shaft->motion, error)
                : lx_plan_take_text(motion, &shaft->motion, error);

@@ -13,12 +13,49 @@ const struct lx_wire *lx_wire_find(const char *name, size_t n)
     return NULL;
 }
 
-bool lx_wire_has(const struct lx_wire *self, const char *key)
+bool lx_wire_is_optional(const struct lx_wire *self)
 {
-    for (size_t i = 0; self->keys != NULL && self->keys[i] != NULL; i++) {
-        if (strcmp(self->keys[i], key) == 0) {
+    return self->where != NULL && !self->where_needed && self->usual == NULL;
+}
+
+bool lx_wire_carries(const struct lx_wire *self, const struct lx_stack *stack)
+{
+    for (size_t i = 0; i < LX_WIRE_STACKS_MAX && self->stacks[i] != NULL; i++) {
+        if (self->stacks[i] == stack) {
             return true;
         }
     }
     return false;
+}
+
+bool lx_wire_has(const struct lx_wire *self, const char *key)
+{
+    return self->keys != NULL && lx_keys_find(self->keys, 1, key, NULL) != NULL;
+}
+
+const struct lx_wire *lx_wire_with(const char *key)
+{
+    for (size_t i = 0; i < lx_wire_count; i++) {
+        if (lx_wire_has(&lx_wires[i], key)) {
+            return &lx_wires[i];
+        }
+    }
+    return NULL;
+}
+
+/* Which keys it has was asked when they were given to it. */
+int lx_wire_settings(const struct lx_keys *keys, const struct lx_plan *plan,
+                     const struct lx_plan_wire *wire, void *base, struct lx_error *error)
+{
+    for (size_t i = 0; i < wire->settings.count; i++) {
+        const struct lx_plan_setting *setting = &wire->settings.list[i];
+        const struct lx_key *key = lx_keys_find(keys, 1, setting->key, NULL);
+        if (key == NULL) {
+            (void)lx_refuse(error, "leave it out", "the wire has no such key");
+        }
+        if (key == NULL || lx_key_set(key, base, setting->value, error) != 0) {
+            return lx_plan_refuse_setting(plan, setting, error);
+        }
+    }
+    return 0;
 }

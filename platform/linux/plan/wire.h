@@ -9,28 +9,33 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "drehgeber/devices.h"
-#include "say.h"
+#include "stacks.h"
 
 struct lx_bus;
 struct lx_bus_setup;
 
-/** Understand the plan: figures, settings, addresses. @return NULL with one line in `error` */
+/** Understand the plan: figures, settings, addresses. @return NULL with `error` */
 typedef struct lx_bus *lx_bus_make(const struct lx_bus_setup *setup, struct lx_error *error);
+
+/** Most stacks that a kind of wire carries. */
+#define LX_WIRE_STACKS_MAX 4u
 
 /** A kind of wire. */
 struct lx_wire {
     const char *name;    /**< as in "ready MODEL WIRE:ADDRESS" and --WIRE */
-    size_t stations_max; /**< encoders that fit on one */
+    size_t stations_max; /**< encoders that fit on one; all of one stack */
     lx_bus_make *make;
+    const struct lx_stack *stacks[LX_WIRE_STACKS_MAX]; /**< it can carry; NULL behind the last */
     const char *where; /**< what its address looks like, for messages, e.g. "CHIP:MA,SLO"; NULL: it
                             has none */
     const char *usual; /**< address when none is given; NULL: the bus finds one */
-    const char *const *keys; /**< settings of the wire itself, NULL behind the last; NULL: none */
-    const struct dg_stack *stack;
-    bool simulated; /**< runs by the rig's clock, which may be slowed down */
+    const struct lx_keys *keys; /**< settings of the wire itself; NULL: none */
+    const void *defaults;       /**< what they set, as nobody has set it */
+    bool simulated;             /**< runs by the rig's clock, which may be slowed down */
     bool where_needed;
-    bool where_is_path; /**< a file name: in a rig file relative to its folder */
+    bool where_is_path;  /**< a file name: in a rig file relative to its folder */
+    bool where_in_trace; /**< its address is the name of the wire in a trace */
+    const char *help;    /**< what it is, in one line */
 };
 
 /** All kinds. */
@@ -40,7 +45,21 @@ extern const size_t lx_wire_count;
 /** The kind called `name` (n characters), or NULL. */
 const struct lx_wire *lx_wire_find(const char *name, size_t n);
 
+/** Whether the bus finds an address by itself. */
+bool lx_wire_is_optional(const struct lx_wire *self);
+
+/** Whether encoders of `stack` can be on it. */
+bool lx_wire_carries(const struct lx_wire *self, const struct lx_stack *stack);
+
 /** Whether `key` is a setting of the wire itself, not of the encoders on it. */
 bool lx_wire_has(const struct lx_wire *self, const char *key);
+
+/** A kind that has this setting, or NULL. */
+const struct lx_wire *lx_wire_with(const char *key);
+
+/** Understand the settings of the wire itself: those in `keys`, to `base`, which has the defaults.
+ * @return 0, or -1 with `error` */
+int lx_wire_settings(const struct lx_keys *keys, const struct lx_plan *plan,
+                     const struct lx_plan_wire *wire, void *base, struct lx_error *error);
 
 #endif

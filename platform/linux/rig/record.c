@@ -66,7 +66,7 @@ static void end_early(struct lx_record *self, const char *why)
                   (self->next - self->begin) % DG_S(1), why);
     self->failed = true;
     lx_timer_at(&self->timer, DG_NEVER);
-    lx_complain("%s", self->reason.text);
+    lx_complain("%s", self->reason.what);
 }
 
 static void write_line(struct lx_record *self)
@@ -204,7 +204,7 @@ int lx_record_close(struct lx_record *self, dg_ns now, struct lx_error *error)
         (void)lx_fail(&self->reason, "%s: cannot write: %s", self->path, strerror(errno));
     }
     self->file = NULL;
-    const int result = self->failed ? lx_fail(error, "%s", self->reason.text) : 0;
+    const int result = self->failed ? lx_fail(error, "%s", self->reason.what) : 0;
     free_record(self);
     return result;
 }

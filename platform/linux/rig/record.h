@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * A shaft's motion into a CSV file, which --shaft and SHAFt:PROFile replay.
+ * A shaft's motion into a CSV file, which motions and SHAFt:PROFile replay.
  */
 #ifndef DREHGEBER_LINUX_RECORD_H
 #define DREHGEBER_LINUX_RECORD_H

@@ -37,7 +37,8 @@ static enum lx_rig_result make_shaft(struct lx_rig *self, size_t index, struct l
     if (row->driver >= 0 &&
         dg_shaft_couple(&shaft->control.shaft, &self->shafts[row->driver].control.shaft,
                         row->ratio[0], row->ratio[1]) != DG_OK) {
-        (void)lx_plan_fail(plan, row->line, error, "[shaft %s]: the gear cannot be", row->name);
+        (void)lx_fail(error, "[shaft %s]: the gear cannot be", row->name);
+        (void)lx_stands(error, plan->file, row->line);
         return LX_RIG_PLAN;
     }
     const int result =
@@ -45,7 +46,7 @@ static enum lx_rig_result make_shaft(struct lx_rig *self, size_t index, struct l
     if (result == 0) {
         return LX_RIG_OK;
     }
-    (void)lx_plan_fail(plan, row->line, error, "%s", error->text);
+    (void)lx_plan_refuse_key(plan, "motion", row->motion_line, error);
     return result == LX_SHAFT_FILE ? LX_RIG_WORLD : LX_RIG_PLAN;
 }
 
@@ -117,7 +118,7 @@ static int make_wire(struct lx_rig *self, size_t index, struct lx_error *error)
         .clock = &self->clock,
         .writer = self->writer,
     };
-    wire->bus = wire->plan->kind->make(&setup, error);
+    wire->bus = lx_bus_new(&setup, error);
     for (size_t i = 0; wire->bus != NULL && i < wire->count; i++) {
         wire->stations[i]->bus = wire->bus;
     }
@@ -215,20 +216,19 @@ static int watch(struct lx_rig_wire *self, struct lx_error *error)
     if (self->rig->setup.verbose && lx_rig_listen(self, error) != 0) {
         return -1;
     }
-    return self->plan->trace == NULL ? 0 : lx_rig_trace(self, self->plan->trace, error);
+    return self->plan->trace == NULL || lx_rig_trace(self, self->plan->trace, error) == 0
+               ? 0
+               : lx_plan_refuse_key(self->rig->setup.plan, "trace", self->plan->trace_line, error);
 }
 
 static int power_wire(struct lx_rig_wire *self, struct lx_error *error)
 {
-    if (watch(self, error) == 0 && self->bus->ops->open(self->bus, self->rig->begin, error) == 0) {
-        return 0;
-    }
-    return lx_plan_fail(self->rig->setup.plan, self->plan->line, error, "%s", error->text);
+    return watch(self, error) == 0 ? lx_bus_open(self->bus, self->rig->begin, error) : -1;
 }
 
 /* --- control plane --- */
 
-/* The files of whoever is served from here on lie in the folder that --files names; without it in
+/* The files of whoever is served from here on lie in the folder that the plan names; without it in
    the working directory, and a client over TCP names none. */
 static void enter(void *ctx, bool tcp)
 {
@@ -269,7 +269,7 @@ static void serve_default(struct lx_rig *self)
         (void)snprintf(name, sizeof name, "%.40s-%u", self->setup.plan->name, i);
     }
     if (self->servers[0] == NULL) {
-        lx_note(self->setup.say, "no control plane: %s", error.text);
+        lx_note(self->setup.say, "no control plane: %s", lx_error_line(&error).text);
     }
 }
 
@@ -279,9 +279,7 @@ static int serve_all(struct lx_rig *self, struct lx_error *error)
     for (size_t i = 0; i < plan->control_count; i++) {
         self->servers[i] = serve(self, plan->controls[i], error);
         if (self->servers[i] == NULL) {
-            const lx_line_number line = plan->control_lines[i];
-            return lx_plan_fail(plan, line, error, "%s %s",
-                                line == 0 ? "--control" : "control:", error->text);
+            return lx_plan_refuse_key(plan, "control", plan->control_lines[i], error);
         }
     }
     if (plan->control_count == 0) {
@@ -316,8 +314,7 @@ static int open_files(struct lx_rig *self, struct lx_error *error)
     if (lx_folder_open(&self->files, folder, error) == 0 || plan->files == NULL) {
         return 0;
     }
-    return lx_plan_fail(plan, plan->files_line, error, "%s %s",
-                        plan->files_line == 0 ? "--files" : "files:", error->text);
+    return lx_plan_refuse_key(plan, "files", plan->files_line, error);
 }
 
 static void warn(const struct lx_rig *self)
@@ -438,10 +435,15 @@ static bool announce_encoders(struct lx_rig *self)
     return written;
 }
 
+const struct dg_stack *lx_rig_stack(const struct lx_rig_wire *self)
+{
+    return self->stations[0]->plan->model->stack;
+}
+
 int lx_rig_announce(struct lx_rig *self, struct lx_error *error)
 {
     const struct lx_plan *plan = self->setup.plan;
-    const bool ring = plan->file == NULL && plan->wires[0].kind->stack == &dg_ib_stack;
+    const bool ring = plan->file == NULL && lx_stack_of(plan->encoders[0].model)->is_ring;
     bool written = ring ? announce_ring(self) : announce_encoders(self);
     for (size_t i = 0; i < plan->control_count; i++) {
         written = written && printf("control %s\n", lx_server_address(self->servers[i])) >= 0;
@@ -465,7 +467,7 @@ static int worst(int before, int now, struct lx_error *error, const struct lx_er
 
 static int close_wires(struct lx_rig *self, struct lx_error *error)
 {
-    struct lx_error latest = {""};
+    struct lx_error latest;
     int result = 0;
     for (size_t i = 0; self->wires != NULL && i < self->setup.plan->wire_count; i++) {
         struct lx_rig_wire *wire = &self->wires[i];
@@ -482,7 +484,7 @@ static int close_wires(struct lx_rig *self, struct lx_error *error)
 static int close_shafts(struct lx_rig *self, struct lx_error *error)
 {
     const dg_ns now = lx_clock_now(&self->clock);
-    struct lx_error latest = {""};
+    struct lx_error latest;
     int result = 0;
     for (size_t i = 0; self->shafts != NULL && i < self->setup.plan->shaft_count; i++) {
         struct lx_rig_shaft *shaft = &self->shafts[i];
@@ -497,7 +499,7 @@ static int close_shafts(struct lx_rig *self, struct lx_error *error)
 
 int lx_rig_close(struct lx_rig *self, struct lx_error *error)
 {
-    struct lx_error latest = {""};
+    struct lx_error latest;
     if (self == NULL) {
         return 0;
     }

@@ -150,6 +150,16 @@ int lx_rig_play(struct lx_rig_shaft *self, dg_ns now, bool first, const char *te
     return 0;
 }
 
+/* What a client is told: its room is small, so what would be right goes when it does not fit. */
+static struct lx_words explain(const struct lx_error *error)
+{
+    struct lx_words reason = lx_error_reason(error);
+    if (strlen(reason.text) > DG_SCPI_DETAIL_MAX) {
+        (void)snprintf(reason.text, sizeof reason.text, "%s", error->what);
+    }
+    return reason;
+}
+
 static int profile(struct dg_rig *control, struct dg_rig_shaft *shaft, dg_ns now, const char *text,
                    char *detail)
 {
@@ -162,7 +172,7 @@ static int profile(struct dg_rig *control, struct dg_rig_shaft *shaft, dg_ns now
         return 0;
     }
     return refuse(result == LX_SHAFT_FILE ? DG_SCPI_FILE_NAME : DG_SCPI_ILLEGAL, detail,
-                  error.text);
+                  explain(&error).text);
 }
 
 static const char *profile_text(struct dg_rig *control, const struct dg_rig_shaft *shaft)
@@ -187,7 +197,7 @@ static int record(struct dg_rig *control, struct dg_rig_shaft *shaft, dg_ns now,
     if (path == NULL) {
         const int result = lx_record_close(part->record, now, &error);
         part->record = NULL;
-        return result == 0 ? 0 : refuse(DG_SCPI_STORAGE, detail, error.text);
+        return result == 0 ? 0 : refuse(DG_SCPI_STORAGE, detail, explain(&error).text);
     }
     if (part->record != NULL) {
         return refuse(DG_SCPI_CONFLICT, detail, "recorded already; SHAFt:RECord:STOP first");
@@ -201,7 +211,7 @@ static int record(struct dg_rig *control, struct dg_rig_shaft *shaft, dg_ns now,
         .interval = interval,
     };
     part->record = lx_record_open(&setup, now, &error);
-    return part->record != NULL ? 0 : refuse(DG_SCPI_FILE_ERROR, detail, error.text);
+    return part->record != NULL ? 0 : refuse(DG_SCPI_FILE_ERROR, detail, explain(&error).text);
 }
 
 /* --- wires --- */
@@ -209,13 +219,11 @@ static int record(struct dg_rig *control, struct dg_rig_shaft *shaft, dg_ns now,
 int lx_rig_trace(struct lx_rig_wire *self, const char *path, struct lx_error *error)
 {
     const struct lx_wire *kind = self->plan->kind;
-    /* Whoever replays a trace of CAN wants the interface in it. */
-    const bool interface = kind->stack == &dg_cia406_stack && !kind->where_is_path;
     const struct lx_trace_setup setup = {
         .path = path,
         .folder = self->rig->folder,
-        .stack = kind->stack,
-        .wire = interface ? self->plan->where : self->plan->name,
+        .stack = lx_rig_stack(self),
+        .wire = kind->where_in_trace ? self->plan->where : self->plan->name,
         .tap = &self->bus->tap,
         .held = !self->rig->stands,
     };
@@ -239,13 +247,13 @@ static int trace(struct dg_rig *control, struct dg_encoder *encoder, const char 
         const int result = lx_trace_close(self->trace, &error);
         self->trace = NULL;
         listened(self);
-        return result == 0 ? 0 : refuse(DG_SCPI_STORAGE, detail, error.text);
+        return result == 0 ? 0 : refuse(DG_SCPI_STORAGE, detail, explain(&error).text);
     }
     if (self->trace != NULL) {
         return refuse(DG_SCPI_CONFLICT, detail, "traced already; TRACe:STOP first");
     }
     if (lx_rig_trace(self, path, &error) != 0) {
-        return refuse(DG_SCPI_FILE_ERROR, detail, error.text);
+        return refuse(DG_SCPI_FILE_ERROR, detail, explain(&error).text);
     }
     listened(self);
     return 0;

@@ -46,6 +46,9 @@ struct lx_rig_wire {
     size_t line_count; /**< so far; the newest is in lines[(line_count - 1) % LX_RIG_LINES] */
 };
 
+/** What the encoders on a wire speak. */
+const struct dg_stack *lx_rig_stack(const struct lx_rig_wire *self);
+
 /** A rig. */
 struct lx_rig {
     struct lx_rig_setup setup;

@@ -1,25 +1,31 @@
 /* SPDX-License-Identifier: MIT */
-/* One row for each kind of wire. */
+/* One row for each kind of wire and for each protocol. */
+#include "biss_settings.h"
 #include "bus.h"
-#include "drehgeber/biss.h"
-#include "drehgeber/cia406.h"
-#include "drehgeber/hiperface.h"
+#include "can_bus.h"
 #include "drehgeber/interbus.h"
+#include "hf_settings.h"
+#include "modbus_settings.h"
 #include "sim_settings.h"
 
-static const char *const can_keys[] = {"pace", NULL};
-static const char *const ring_keys[] = {"cycle", "tear", "break_at", NULL};
+const struct lx_stack *const lx_stacks[] = {
+    &lx_hf_stack,
+    &lx_biss_stack,
+    &lx_can_stack,
+    &lx_ib_stack,
+};
+const size_t lx_stack_count = sizeof lx_stacks / sizeof lx_stacks[0];
 
 /* clang-format off */
 const struct lx_wire lx_wires[] = {
-    /* name     stations           make                    address      usual             keys       stack             simul. needed path */
-    {"pty",     32,                lx_hf_bus_make_pty,     "LINK",      NULL,             NULL,      &dg_hf_stack,     false, false, true},
-    {"tty",     32,                lx_hf_bus_make_tty,     "DEV",       NULL,             NULL,      &dg_hf_stack,     false, true,  true},
-    {"sim",     DG_BISS_CHAIN_MAX, lx_sim_bus_make,        NULL,        NULL,             lx_sim_keys, &dg_biss_stack,   true,  false, false},
-    {"gpio",    1,                 lx_gpio_bus_make,       "CHIP:MA,SLO", NULL,           NULL,      &dg_biss_stack,   false, true,  false},
-    {"can",     DG_CO_NET_NODES,   lx_can_bus_make_socket, "IFNAME",    NULL,             can_keys,  &dg_cia406_stack, false, true,  false},
-    {"slcan",   DG_CO_NET_NODES,   lx_can_bus_make_slcan,  "LINK",      NULL,             can_keys,  &dg_cia406_stack, false, false, true},
-    {"modbus",  DG_IB_RING_MAX,    lx_ring_bus_make,       "HOST:PORT", "127.0.0.1:5020", ring_keys, &dg_ib_stack,     false, false, false},
+    /* name     stations           make                    carries            address        usual             keys           defaults           simul. needed path   traced help */
+    {"pty",     32,                lx_hf_bus_make_pty,     {&lx_hf_stack},    "LINK",        NULL,             NULL,          NULL,              false, false, true,  false,  "RS485 on a pseudo-terminal, and a symbolic link to it while it runs"},
+    {"tty",     32,                lx_hf_bus_make_tty,     {&lx_hf_stack},    "DEV",         NULL,             NULL,          NULL,              false, true,  true,  false,  "RS485 on a serial port; data rate and parity are the encoder's own"},
+    {"sim",     DG_BISS_CHAIN_MAX, lx_sim_bus_make,        {&lx_biss_stack},  NULL,          NULL,             &lx_sim_keys,  &lx_sim_timing,    true,  false, false, false, "BiSS on a simulated wire with a master that reads positions"},
+    {"gpio",    1,                 lx_gpio_bus_make,       {&lx_biss_stack},  "CHIP:MA,SLO", NULL,             NULL,          NULL,              false, true,  false, false, "BiSS on two lines of a GPIO chip: its name, path or label, and two offsets, e.g. gpiochip0:4,5"},
+    {"can",     DG_CO_NET_NODES,   lx_can_bus_make_socket, {&lx_can_stack},   "IFNAME",      NULL,             &lx_can_keys,  &lx_can_pace,      false, true,  false, true,  "CAN on a network interface (SocketCAN)"},
+    {"slcan",   DG_CO_NET_NODES,   lx_can_bus_make_slcan,  {&lx_can_stack},   "LINK",        NULL,             &lx_can_keys,  &lx_can_pace,      false, false, true,  false,  "CAN behind an SLCAN adapter on a pseudo-terminal"},
+    {"modbus",  DG_IB_RING_MAX,    lx_ring_bus_make,       {&lx_ib_stack},    "HOST:PORT",   "127.0.0.1:5020", &lx_ring_keys, &lx_ring_defaults, false, false, false, false, "INTERBUS: the Modbus/TCP coupler in front of the ring"},
 };
 /* clang-format on */
 

@@ -149,20 +149,20 @@ static void tell_address(const struct lx_eeprom *self, struct image *file, uint8
 }
 
 static int check_figures(const struct lx_eeprom *self, struct image *file,
-                         const struct lx_settings *settings, struct lx_error *error)
+                         const struct lx_hf_settings *settings, struct lx_error *error)
 {
     const char *what = difference(file, &settings->model, settings->serial_given);
     if (what == NULL) {
         return 0;
     }
     return lx_fail(error,
-                   "%s: belongs to %s (%s differs); run that one with the same --set and --serial, "
-                   "or give the name of a new file",
+                   "%s: belongs to %s (%s differs); run that one with the same settings and serial "
+                   "number, or give the name of a new file",
                    self->file.path, owner_of(file), what);
 }
 
 static int check_image(struct lx_eeprom *self, struct image *file,
-                       const struct lx_settings *settings, struct lx_error *error)
+                       const struct lx_hf_settings *settings, struct lx_error *error)
 {
     const struct dg_nvm port = lx_nvm_file_port(&self->file);
     if (port.ops->read(port.ctx, 0, file->memory.bytes, file->memory.size) != DG_OK) {
@@ -179,7 +179,7 @@ static int check_image(struct lx_eeprom *self, struct image *file,
 }
 
 /* Looked at in a copy: mounting repairs, and a file that is refused must stay as it is. */
-static int check_file(struct lx_eeprom *self, const struct lx_settings *settings,
+static int check_file(struct lx_eeprom *self, const struct lx_hf_settings *settings,
                       const struct lx_say *say, struct lx_error *error)
 {
     struct image file = {0};
@@ -195,7 +195,7 @@ static int check_file(struct lx_eeprom *self, const struct lx_settings *settings
     return result;
 }
 
-int lx_eeprom_open(struct lx_eeprom *self, const char *path, const struct lx_settings *settings,
+int lx_eeprom_open(struct lx_eeprom *self, const char *path, const struct lx_hf_settings *settings,
                    const struct lx_say *say, struct lx_error *error)
 {
     *self = (struct lx_eeprom){.file = {.fd = -1}};

@@ -6,9 +6,9 @@
 #ifndef DREHGEBER_LINUX_EEPROM_H
 #define DREHGEBER_LINUX_EEPROM_H
 
+#include "hf_settings.h"
 #include "nvm_file.h"
 #include "nvm_memory.h"
-#include "settings.h"
 
 /** Where the bytes are. Not to be moved while `nvm` is in use. */
 struct lx_eeprom {
@@ -26,7 +26,7 @@ struct lx_eeprom {
  * device starts.
  * @return 0, or -1 with one line in `error`, an existing file untouched
  */
-int lx_eeprom_open(struct lx_eeprom *self, const char *path, const struct lx_settings *settings,
+int lx_eeprom_open(struct lx_eeprom *self, const char *path, const struct lx_hf_settings *settings,
                    const struct lx_say *say, struct lx_error *error);
 
 /** Close the file, free the memory; also after a failed open. */

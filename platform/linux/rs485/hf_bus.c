@@ -4,7 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "figure.h"
 #include "hf_line.h"
 
 static struct lx_hf_bus *hf_of(struct lx_bus *bus)
@@ -20,7 +19,7 @@ static int open_eeprom(struct lx_hf_drop *self, struct lx_error *error)
     const struct lx_plan_encoder *plan = self->station->plan;
     struct lx_eeprom *eeprom = &self->eeprom;
     if (lx_eeprom_open(eeprom, plan->nvm, &self->settings, bus->say, error) != 0) {
-        return lx_plan_fail(bus->plan, plan->nvm_line, error, "%s", error->text);
+        return lx_plan_refuse_key(bus->plan, "nvm", plan->nvm_line, error);
     }
     const struct lx_nvm_queue_setup queue = {
         .writer = plan->nvm == NULL ? NULL : bus->writer,
@@ -189,41 +188,6 @@ static const struct lx_bus_ops ops = {
 
 /* --- from the plan --- */
 
-static int understand_address(struct lx_settings *settings, const struct lx_plan *plan,
-                              const struct lx_plan_encoder *encoder, struct lx_error *error)
-{
-    uint64_t number = 0;
-    if (encoder->address == NULL) {
-        return 0;
-    }
-    if (!lx_unsigned_parse(encoder->address, &number) || number < DG_HF_ADDRESS_DEFAULT ||
-        number > DG_HF_ADDRESS_LAST) {
-        return lx_plan_fail(plan, encoder->address_line, error,
-                            "address %s: 0x%02X..0x%02X is right", encoder->address,
-                            DG_HF_ADDRESS_DEFAULT, DG_HF_ADDRESS_LAST);
-    }
-    settings->address = (uint8_t)number;
-    return 0;
-}
-
-static int understand(struct lx_settings *settings, const struct lx_plan *plan,
-                      const struct lx_plan_encoder *encoder, struct lx_error *error)
-{
-    lx_settings_init(settings, dg_hf_model_of(encoder->model));
-    for (size_t i = 0; i < encoder->settings.count; i++) {
-        if (lx_settings_take(settings, plan, &encoder->settings.list[i], error) != 0) {
-            return -1;
-        }
-    }
-    if (encoder->serial != NULL && lx_settings_serial(settings, encoder->serial, error) != 0) {
-        return lx_settings_refuse(plan, encoder->serial_line, error);
-    }
-    if (lx_settings_check(settings, error) != 0) {
-        return lx_settings_refuse(plan, encoder->line, error);
-    }
-    return understand_address(settings, plan, encoder, error);
-}
-
 static int place(struct lx_hf_bus *self, size_t index, struct lx_error *error)
 {
     struct lx_station *station = self->bus.setup.stations[index];
@@ -236,10 +200,13 @@ static int place(struct lx_hf_bus *self, size_t index, struct lx_error *error)
         .deadline = DG_NEVER,
         .flipped = -1,
     };
-    if (understand(&drop->settings, self->bus.setup.plan, station->plan, error) != 0) {
+    const struct lx_plan_encoder *plan = station->plan;
+    if (lx_stack_settings(self->bus.setup.plan, self->bus.setup.wire, plan, &drop->settings,
+                          &station->world, error) != 0) {
         return -1;
     }
-    lx_settings_world(&drop->settings, &station->world);
+    drop->settings.serial_given = plan->serial != NULL;
+    drop->settings.address = plan->address == LX_PLAN_AS_DELIVERED ? 0 : (uint8_t)plan->address;
     station->control.device = &drop->device;
     station->own = drop;
     self->names[index] = station->control.name;

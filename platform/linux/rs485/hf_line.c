@@ -378,7 +378,7 @@ static void tell_mismatch(struct lx_hf_bus *self, const struct lx_hf_drop *first
         (void)snprintf(speed, sizeof speed, "%lu Bd", (unsigned long)baud);
     }
     lx_note(self->bus.setup.say,
-            "the master talks at %s, the encoder expects %lu Bd 8%c1; --set line=any takes any "
+            "the master talks at %s, the encoder expects %lu Bd 8%c1; line=any takes any "
             "data rate",
             speed, (unsigned long)first->uart.baud, first->uart.parity);
 }

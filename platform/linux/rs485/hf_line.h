@@ -9,9 +9,9 @@
 #include "bus.h"
 #include "drehgeber/hiperface.h"
 #include "eeprom.h"
+#include "hf_settings.h"
 #include "nvm_writer.h"
 #include "serial.h"
-#include "settings.h"
 #include "timer.h"
 
 /** Opens one kind of port. */
@@ -25,7 +25,7 @@ typedef struct lx_serial *lx_serial_open(const struct lx_serial_setup *setup,
 struct lx_hf_drop {
     struct lx_station *station;
     struct lx_hf_bus *all;
-    struct lx_settings settings;
+    struct lx_hf_settings settings;
     struct lx_eeprom eeprom;
     struct lx_nvm_queue queue; /**< in front of its file */
     struct {

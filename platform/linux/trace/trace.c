@@ -65,8 +65,7 @@ static const struct lx_trace_format *find(const char *path, const struct dg_stac
                       sizeof endings - strlen(endings) - 1);
         (void)strncat(endings, formats[i]->ending, sizeof endings - strlen(endings) - 1);
     }
-    (void)lx_fail(error, "cannot trace %s to '%s': the name of such a file ends in %s",
-                  wire_of(stack), path, endings);
+    (void)lx_fail(error, "%s: the name of a trace of %s ends in %s", path, wire_of(stack), endings);
     return NULL;
 }
 

@@ -49,8 +49,9 @@ struct lx_bus_setup {
 
 /** What a kind of bus does. Optional ones may be NULL. */
 struct lx_bus_ops {
-    /** Open the wire, load the EEPROMs, switch everything on at `now`.
-     * @return 0, or -1 with one line in `error`; closed by close() in any case */
+    /** Open the wire, load the EEPROMs, switch everything on at `now`. An error is about the wire,
+     * unless it says something else.
+     * @return 0, or -1 with `error`; closed by close() in any case */
     int (*open)(struct lx_bus *self, dg_ns now, struct lx_error *error);
     /** What a ready line says behind "KIND:". */
     void (*address)(const struct lx_bus *self, const struct lx_station *station, char *to,
@@ -83,6 +84,13 @@ struct lx_bus {
 /** The makers. */
 lx_bus_make lx_hf_bus_make_pty, lx_hf_bus_make_tty, lx_can_bus_make_socket, lx_can_bus_make_slcan,
     lx_ring_bus_make, lx_sim_bus_make, lx_gpio_bus_make;
+
+/** Make the bus that the plan asks for. @return NULL with `error`, which says where in the plan */
+struct lx_bus *lx_bus_new(const struct lx_bus_setup *setup, struct lx_error *error);
+
+/** Open it. @return 0, or -1 with `error`, which says where in the plan; closed by ops->close() in
+ * any case */
+int lx_bus_open(struct lx_bus *self, dg_ns now, struct lx_error *error);
 
 /** A counter of STATe?. */
 struct lx_count {

@@ -137,16 +137,13 @@ static int clear_link(const char *link, const struct stat *info, struct lx_error
     const ssize_t n = S_ISLNK(info->st_mode) ? readlink(link, target, sizeof target - 1) : -1;
     const bool to_pty = n >= 0 && strncmp(target, PTS, strlen(PTS)) == 0;
     if (n < 0 || (!to_pty && access(link, F_OK) == 0)) {
-        return lx_fail(error,
-                       "--pty=%s: exists and is not a link to a pty; remove it or give another "
-                       "name",
-                       link);
+        return lx_refuse(error, "remove it or give another name",
+                         "exists and is not a link to a pty");
     }
     target[n] = '\0';
     const pid_t owner = to_pty ? owner_of(target, info) : 0;
     if (owner != 0) {
-        return lx_fail(error, "--pty=%s: in use by process %ld; give another name", link,
-                       (long)owner);
+        return lx_refuse(error, "give another name", "in use by process %ld", (long)owner);
     }
     (void)unlink(link);
     return 0;
@@ -160,7 +157,7 @@ static int make_link(struct pty *self, struct lx_error *error)
         return -1;
     }
     if (symlink(self->serial.address, link) != 0) {
-        return lx_fail(error, "--pty=%s: cannot make the link: %s", link, strerror(errno));
+        return lx_fail(error, "cannot make the link: %s", strerror(errno));
     }
     self->linked = true;
     if (lstat(link, &info) == 0) {
@@ -210,11 +207,11 @@ static int open_pty(struct lx_serial *serial, struct lx_error *error)
 {
     struct pty *self = pty_of(serial);
     if (open_pair(self) != 0) {
-        return lx_fail(error, "--pty: cannot make a pty: %s", strerror(errno));
+        return lx_fail(error, "cannot make a pty: %s", strerror(errno));
     }
     const int result = lx_serial_watch(serial);
     if (result < 0) {
-        return lx_fail(error, "--pty: cannot watch the pty: %s", strerror(-result));
+        return lx_fail(error, "cannot watch the pty: %s", strerror(-result));
     }
     return serial->setup.where == NULL ? 0 : make_link(self, error);
 }
@@ -232,7 +229,7 @@ struct lx_serial *lx_pty_open(const struct lx_serial_setup *setup, struct lx_err
 {
     struct pty *self = calloc(1, sizeof *self);
     if (self == NULL) {
-        (void)lx_fail(error, "--pty: no memory");
+        (void)lx_fail(error, "no memory for a pty");
         return NULL;
     }
     self->slave = -1;

@@ -135,15 +135,13 @@ static int open_device(struct tty *self)
 
 static int open_tty(struct lx_serial *serial, struct lx_error *error)
 {
-    const char *where = serial->setup.where;
     const int reason = open_device(tty_of(serial));
     if (reason == ENOTTY) {
-        return lx_fail(error, "--tty %s: not a serial port; one such as /dev/ttyUSB0 is right",
-                       where);
+        return lx_refuse(error, "one such as /dev/ttyUSB0 is right", "not a serial port");
     }
     if (reason != 0) {
-        return lx_fail(error, "--tty %s: cannot use it at %lu Bd 8%c1: %s", where,
-                       (unsigned long)serial->uart.baud, serial->uart.parity, strerror(reason));
+        return lx_fail(error, "cannot use it at %lu Bd 8%c1: %s", (unsigned long)serial->uart.baud,
+                       serial->uart.parity, strerror(reason));
     }
     return 0;
 }
@@ -174,13 +172,13 @@ struct lx_serial *lx_tty_open(const struct lx_serial_setup *setup, struct lx_err
 {
     struct tty *self = calloc(1, sizeof *self);
     if (self == NULL) {
-        (void)lx_fail(error, "--tty: no memory");
+        (void)lx_fail(error, "no memory for a port");
         return NULL;
     }
     struct lx_serial *serial = &self->serial;
     const int length = snprintf(serial->address, sizeof serial->address, "%s", setup->where);
     if (length < 0 || (size_t)length >= sizeof serial->address) {
-        (void)lx_fail(error, "--tty: the path is too long");
+        (void)lx_fail(error, "the path is too long");
         free(self);
         return NULL;
     }

@@ -67,11 +67,11 @@ static void test_addresses(void **state)
     (void)state;
     for (size_t i = 0; i < sizeof addresses / sizeof addresses[0]; i++) {
         struct lx_access access;
-        struct lx_error error = {""};
+        struct lx_error error = {.right = ""};
         const int result = lx_access_parse(addresses[i].text, &access, &error);
         if (addresses[i].where == NULL) {
             assert_int_equal(result, -1);
-            assert_string_not_equal(error.text, "");
+            assert_string_not_equal(lx_error_line(&error).text, "");
             continue;
         }
         assert_int_equal(result, 0);

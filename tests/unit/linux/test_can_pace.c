@@ -19,18 +19,12 @@
 
 static void set(struct can_rig *self, const char *assignment)
 {
-    assert_int_equal(lx_plan_add_setting(&self->wire.settings, assignment, 9, &self->error), 0);
+    assert_int_equal(lx_plan_add_assignment(&self->wire.settings, assignment, 9, &self->error), 0);
 }
 
 static void forget_settings(struct can_rig *self)
 {
-    struct lx_plan_settings *list = &self->wire.settings;
-    for (size_t i = 0; i < list->count; i++) {
-        free(list->list[i].key);
-        free(list->list[i].value);
-    }
-    free(list->list);
-    *list = (struct lx_plan_settings){.list = NULL};
+    lx_plan_free_settings(&self->wire.settings);
 }
 
 /* A bus of one encoder whose boot-up is through; NULL: nothing is set. */
@@ -96,14 +90,14 @@ static void plans_that_cannot_be(void **state)
 {
     struct can_rig *self = *state;
     can_rig_plan(self, 1);
-    self->plan.file = strdup("rig.ini");
+    self->plan.file = "rig.ini";
     set(self, "pace=2");
     const struct lx_bus_setup setup = can_rig_setup(self, 1);
     assert_null(lx_can_bus_make_slcan(&setup, &self->error));
-    assert_string_equal(self->error.text, "rig.ini:9: pace=2: 0 or 1 is right");
-    self->wire.settings.list[0].line = 0;
+    assert_string_equal(lx_error_line(&self->error).text, "rig.ini:9: pace=2: 0 or 1 is right");
+    self->plan.file = NULL; /* the command line */
     assert_null(lx_can_bus_make_slcan(&setup, &self->error));
-    assert_string_equal(self->error.text, "--set pace=2: 0 or 1 is right");
+    assert_string_equal(lx_error_line(&self->error).text, "pace=2: 0 or 1 is right");
 }
 
 /* The first at once, each other one when the one before is through; a pause is not made up for. */

@@ -8,10 +8,8 @@
 #include <cmocka.h>
 
 #include "characters.h"
+#include "drehgeber/hiperface.h"
 #include "serial.h"
-#include "settings.h"
-
-#include "drehgeber/devices.h"
 
 static const uint8_t reply[] = {0x40, 0x43, 0x03};
 
@@ -152,130 +150,6 @@ static void every_data_rate_is_known(void **state)
     assert_int_equal(lx_baud_of_speed(0xFFFF), 0);
 }
 
-static int set(struct lx_settings *settings, const char *assignment, const char *says)
-{
-    struct lx_error error = {""};
-    const int result = lx_settings_set(settings, assignment, &error);
-    if (result != 0) {
-        assert_non_null(strstr(error.text, says));
-        assert_null(strchr(error.text, '\n'));
-    }
-    return result;
-}
-
-static void settings_reach_their_place(void **state)
-{
-    struct lx_settings settings;
-    (void)state;
-    lx_settings_init(&settings, dg_hf_model_of(dg_devices[0]));
-    assert_true(settings.pace && !settings.any_line && !settings.serial_given);
-    assert_int_equal(set(&settings, "pace=0", ""), 0);
-    assert_int_equal(set(&settings, "line=any", ""), 0);
-    assert_int_equal(set(&settings, "reaction_us=2500", ""), 0);
-    assert_int_equal(set(&settings, "init_ms=20", ""), 0);
-    assert_int_equal(set(&settings, "periods=1024", ""), 0);
-    assert_int_equal(set(&settings, "steps=16", ""), 0);
-    assert_int_equal(set(&settings, "turns=65536", ""), 0);
-    assert_int_equal(set(&settings, "memory=22", ""), 0);
-    assert_int_equal(set(&settings, "implemented=23", ""), 0);
-    assert_int_equal(set(&settings, "type=FFh", ""), 0);
-    assert_int_equal(set(&settings, "version=v2", ""), 0);
-    assert_int_equal(set(&settings, "temperature_min=-25", ""), 0);
-    assert_int_equal(set(&settings, "temperature=-12.5", ""), 0);
-    assert_int_equal(set(&settings, "sin_offset_permille=-7", ""), 0);
-    assert_int_equal(set(&settings, "led_current_ua=31000", ""), 0);
-    assert_int_equal(set(&settings, "singleturn_ok=0", ""), 0);
-    assert_false(settings.pace);
-    assert_true(settings.any_line);
-    assert_true(settings.model.reaction == DG_US(2500) && settings.model.init == DG_MS(20));
-    assert_int_equal(settings.model.periods_per_turn, 1024);
-    assert_int_equal(settings.model.steps_per_period, 16);
-    assert_int_equal(settings.model.turns, 65536);
-    assert_int_equal(settings.model.memory_blocks, 22);
-    assert_int_equal(settings.model.implemented_blocks, 23);
-    assert_int_equal(settings.model.type_code, 0xFF);
-    assert_string_equal(settings.model.version, "v2");
-    assert_int_equal(settings.model.temperature_min_degc, -25);
-    assert_int_equal(settings.world.temperature_mdegc, -12500);
-    assert_int_equal(settings.world.sin_offset_permille, -7);
-    assert_int_equal(settings.world.led_current_ua, 31000);
-    assert_false(settings.world.singleturn_ok);
-}
-
-static void settings_out_of_range_are_refused(void **state)
-{
-    static const struct {
-        const char *assignment;
-        const char *says;
-    } rows[] = {
-        {"pace", "KEY=VALUE"},
-        {"speed=1", "battery_mv"},
-        {"=1", "valid:"},
-        {"pace=2", "0 or 1"},
-        {"line=mine", "own or any"},
-        {"periods=0", "1..65535"},
-        {"periods=65536", "1..65535"},
-        {"periods=1.5", "0 decimals"},
-        {"periods=", "1..65535"},
-        {"memory=113", "1..112 blocks"},
-        {"type=100h", "0..255"},
-        {"temperature=1000.001", "-273..1000 degC"},
-        {"temperature=1.0001", "3 decimals"},
-        {"date=1207201", "8 to 8 characters"},
-        {"version=12345678901234567890", "0 to 19 characters"},
-        {"steps=16777217", "1..16777216"},
-        {"implemented=129", "0..128 blocks"},
-    };
-    struct lx_settings settings;
-    (void)state;
-    lx_settings_init(&settings, dg_hf_model_of(dg_devices[0]));
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
-        assert_int_equal(set(&settings, rows[i].assignment, rows[i].says), -1);
-    }
-    assert_memory_equal(&settings.model, dg_hf_model_of(dg_devices[0]), sizeof settings.model);
-}
-
-static void serial_numbers_get_zeros_in_front(void **state)
-{
-    struct lx_settings settings;
-    struct lx_error error;
-    (void)state;
-    lx_settings_init(&settings, dg_hf_model_of(dg_devices[0]));
-    assert_int_equal(lx_settings_serial(&settings, "4711", &error), 0);
-    assert_string_equal(settings.model.serial, "000004711");
-    assert_true(settings.serial_given);
-    assert_int_equal(lx_settings_serial(&settings, "987654321", &error), 0);
-    assert_string_equal(settings.model.serial, "987654321");
-    assert_int_equal(lx_settings_serial(&settings, "", &error), -1);
-    assert_int_equal(lx_settings_serial(&settings, "1234567890", &error), -1);
-    assert_int_equal(lx_settings_serial(&settings, "12a", &error), -1);
-    assert_string_equal(settings.model.serial, "987654321");
-}
-
-static void figures_have_to_fit_each_other(void **state)
-{
-    struct lx_settings settings;
-    struct lx_error error;
-    (void)state;
-    lx_settings_init(&settings, dg_hf_model_of(dg_devices[0]));
-    assert_int_equal(set(&settings, "turns=65536", ""), 0);
-    assert_int_equal(lx_settings_check(&settings, &error), 0); /* 2^32 */
-    assert_int_equal(set(&settings, "turns=65537", ""), 0);
-    assert_int_equal(lx_settings_check(&settings, &error), -1);
-    assert_int_equal(set(&settings, "turns=1", ""), 0);
-    assert_int_equal(set(&settings, "steps=8192", ""), 0);
-    assert_int_equal(lx_settings_check(&settings, &error), 0); /* 2^24 a turn */
-    assert_int_equal(set(&settings, "steps=8193", ""), 0);
-    assert_int_equal(lx_settings_check(&settings, &error), -1);
-    assert_non_null(strstr(error.text, "at most 16777216"));
-    assert_int_equal(set(&settings, "steps=512", ""), 0);
-    assert_int_equal(set(&settings, "implemented=111", ""), 0);
-    assert_int_equal(lx_settings_check(&settings, &error), -1);
-    assert_non_null(strstr(error.text, "112..128"));
-    assert_int_equal(set(&settings, "implemented=112", ""), 0);
-    assert_int_equal(lx_settings_check(&settings, &error), 0);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -286,10 +160,6 @@ int main(void)
         cmocka_unit_test(a_flood_is_cut_off),
         cmocka_unit_test(parity_marks),
         cmocka_unit_test(every_data_rate_is_known),
-        cmocka_unit_test(settings_reach_their_place),
-        cmocka_unit_test(settings_out_of_range_are_refused),
-        cmocka_unit_test(serial_numbers_get_zeros_in_front),
-        cmocka_unit_test(figures_have_to_fit_each_other),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

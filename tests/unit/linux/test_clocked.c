@@ -303,16 +303,16 @@ static void a_delay_moves_the_word(void **state)
 static void one_line_has_one_protocol(void **state)
 {
     struct sim_rig rig;
-    struct lx_error error = {""};
+    struct lx_error error = {.right = ""};
     (void)state;
     sim_rig_plan(&rig, 3);
     rig.plan.encoders[2].model = dg_device_find("f3668");
     sim_rig_stations(&rig);
     assert_null(lx_clocked_make(&rig.setup, LX_CLOCKED_HERE, &error));
-    assert_string_equal(error.text, "f3668 cannot be on this wire");
+    assert_string_equal(lx_error_line(&error).text, "f3668 cannot be on this wire");
     rig.plan.encoders[0].model = dg_device_find("s3684-rs485");
     assert_null(lx_clocked_make(&rig.setup, LX_CLOCKED_HERE, &error));
-    assert_string_equal(error.text, "s3684-rs485 cannot be on this wire");
+    assert_string_equal(lx_error_line(&error).text, "s3684-rs485 cannot be on this wire");
     rig.event = sd_event_unref(rig.event);
     lx_plan_free(&rig.plan);
 }
@@ -321,7 +321,7 @@ static void a_line_has_no_more_encoders_than_its_protocol(void **state)
 {
     struct sim_rig rig;
     struct lx_station *stations[LX_CLOCKED_MAX + 1u];
-    struct lx_error error = {""};
+    struct lx_error error = {.right = ""};
     (void)state;
     sim_rig_plan(&rig, SIM_RIG_ENCODERS_MAX);
     sim_rig_stations(&rig);
@@ -331,7 +331,8 @@ static void a_line_has_no_more_encoders_than_its_protocol(void **state)
     rig.setup.stations = stations;
     rig.setup.count = lx_clocked_biss.encoders_max + 1u;
     assert_null(lx_clocked_make(&rig.setup, LX_CLOCKED_HERE, &error));
-    assert_string_equal(error.text, "this wire is full: at most 8 encoders is right");
+    assert_string_equal(lx_error_line(&error).text,
+                        "this wire is full: at most 8 encoders is right");
     rig.setup.count = lx_clocked_biss.encoders_max;
     lx_clocked_close(lx_clocked_make(&rig.setup, LX_CLOCKED_HERE, &error));
     rig.event = sd_event_unref(rig.event);

@@ -113,11 +113,12 @@ static void refusals(void **state)
     (void)state;
     for (size_t i = 0; i < LENGTH(rows); i++) {
         struct lx_recording recording;
-        struct lx_error error = {""};
+        struct lx_error error = {.right = ""};
         assert_int_equal(read_text(&recording, rows[i].text, &error), -1);
-        assert_ptr_equal(strstr(error.text, rows[i].where), error.text);
-        assert_non_null(strstr(error.text, rows[i].says));
-        assert_null(strchr(error.text, '\n'));
+        const struct lx_words line = lx_error_line(&error);
+        assert_ptr_equal(strstr(line.text, rows[i].where), line.text);
+        assert_non_null(strstr(line.text, rows[i].says));
+        assert_null(strchr(line.text, '\n'));
     }
 }
 

@@ -109,8 +109,7 @@ static void replies_at_the_same_time_collide(void **state)
     struct line_rig rig;
     (void)state;
     line_rig_plan(&rig, 3, NULL);
-    free(rig.plan.encoders[1].address);
-    rig.plan.encoders[1].address = strdup("0x40");
+    rig.plan.encoders[1].address = 0x40;
     line_rig_open_pty(&rig);
     lx_tap_add(&rig.bus->tap, &rig.heard.listener);
     rig.station[1].world.angle_ctx = &(dg_angle){(dg_angle)0x00FF << 32};
@@ -214,37 +213,29 @@ static void what_does_not_fit_is_refused(void **state)
 {
     static const struct {
         const char *setting;
-        const char *address;
         const char *serial;
         const char *says;
     } rows[] = {
-        {"pace=2", NULL, NULL, "rig.ini:7: pace=2: 0 or 1 is right"},
-        {"turns=70000", NULL, NULL, "rig.ini:5: turns x periods x steps"},
-        {NULL, "0x60", NULL, "rig.ini:8: address 0x60: 0x40..0x5F is right"},
-        {NULL, "none", NULL, "0x40..0x5F is right"},
-        {NULL, NULL, "12a", "rig.ini:9: serial 12a: 1 to 9 digits are right"},
+        {"pace=2", NULL, "rig.ini:7: pace=2: 0 or 1 is right"},
+        {"turns=70000", NULL, "rig.ini:5: turns x periods x steps"},
+        {NULL, "12a", "rig.ini:9: serial 12a: 1 to 9 digits are right"},
     };
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         struct line_rig rig;
-        struct lx_error error = {""};
+        struct lx_error error = {.right = ""};
         line_rig_plan(&rig, 1, NULL);
         struct lx_plan_encoder *encoder = rig.plan.encoders;
-        rig.plan.file = strdup("rig.ini");
+        rig.plan.file = "rig.ini";
         encoder->line = 5;
-        encoder->address_line = 8;
         encoder->serial_line = 9;
         if (rows[i].setting != NULL) {
-            (void)lx_plan_add_setting(&encoder->settings, rows[i].setting, 7, &error);
-        }
-        if (rows[i].address != NULL) {
-            free(encoder->address);
-            encoder->address = strdup(rows[i].address);
+            (void)lx_plan_add_assignment(&encoder->settings, rows[i].setting, 7, &error);
         }
         encoder->serial = rows[i].serial == NULL ? NULL : strdup(rows[i].serial);
         line_rig_stations(&rig);
         assert_null(lx_hf_bus_make_pty(&rig.setup, &error));
-        assert_non_null(strstr(error.text, rows[i].says));
+        assert_non_null(strstr(lx_error_line(&error).text, rows[i].says));
         rig.event = sd_event_unref(rig.event);
         lx_plan_free(&rig.plan);
     }

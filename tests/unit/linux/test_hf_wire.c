@@ -168,7 +168,7 @@ static void a_link_in_use_is_refused_in_the_same_process(void **state)
 {
     struct place place;
     struct line_rig rigs[3];
-    struct lx_error error = {""};
+    struct lx_error error = {.right = ""};
     char pid[16];
     (void)state;
     make_place(&place);
@@ -181,7 +181,7 @@ static void a_link_in_use_is_refused_in_the_same_process(void **state)
         rigs[i].bus = lx_hf_bus_make_pty(&rigs[i].setup, &error);
         assert_non_null(rigs[i].bus);
         assert_int_equal(rigs[i].bus->ops->open(rigs[i].bus, lx_now(), &error), -1);
-        assert_non_null(strstr(error.text, pid));
+        assert_non_null(strstr(lx_error_line(&error).text, pid));
         line_rig_close(&rigs[i]);
     }
     line_rig_answers(&rigs[0], 0x40);
@@ -221,8 +221,7 @@ static void a_uart_gets_whole_replies(void **state)
     struct line_rig rig;
     (void)state;
     line_rig_plan(&rig, 3, NULL);
-    free(rig.plan.encoders[1].address);
-    rig.plan.encoders[1].address = strdup("0x40");
+    rig.plan.encoders[1].address = 0x40;
     rig.shaft = (dg_angle)0x0F0F << 32;
     line_rig_open_pty(&rig);
     ((struct lx_hf_bus *)rig.bus)->port->timed = true;
@@ -252,8 +251,7 @@ static void a_file_keeps_its_address(void **state)
     for (int round = 0; round < 2; round++) {
         struct line_rig rig;
         line_rig_plan(&rig, 1, NULL);
-        free(rig.plan.encoders[0].address);
-        rig.plan.encoders[0].address = strdup(round == 0 ? "0x4A" : "0x4B");
+        rig.plan.encoders[0].address = round == 0 ? 0x4A : 0x4B;
         rig.plan.encoders[0].nvm = strdup(file);
         line_rig_open_pty(&rig);
         line_rig_answers(&rig, 0x4A);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The coupler: --set, memory of the ring, registers, whole words, watchdog. */
+/* The coupler: memory of the ring, registers, whole words, watchdog. */
 #define _GNU_SOURCE
 #include <setjmp.h>
 #include <stdarg.h>
@@ -17,7 +17,8 @@
 #define START DG_S(1)
 
 static const struct dg_ib_model *models[3]; /* K1, K3, K2: words 0, 1-2, 3-4 */
-static struct lx_ring_settings settings;
+static uint16_t steps;                      /* of all of them, less one; 0: as delivered */
+static struct dg_world world;
 static struct lx_ring ring;
 static struct lx_map map;
 static struct lx_error error;
@@ -32,10 +33,16 @@ static int open_ring(const char *nvm, size_t count)
 
     for (uint32_t i = 0; i < count; i++) {
         members[i] = (struct lx_ring_member){
-            .model = lx_ring_settings_model(&settings, models[i], i),
-            .world = &settings.common.world,
+            .model = *models[i],
+            .world = &world,
             .nvm = nvm,
         };
+        members[i].model.self_test = 0;
+        members[i].model.serial += i;
+        if (steps != 0) {
+            members[i].model.steps = steps;
+            members[i].model.steps_minus_one = true;
+        }
     }
     return lx_ring_open(&ring, &setup, START, &error);
 }
@@ -46,8 +53,8 @@ static int set_up(void **state)
     models[0] = dg_ib_model_of(dg_device_find("ocd-ib-k1"));
     models[1] = dg_ib_model_of(dg_device_find("ocd-ib-k3"));
     models[2] = dg_ib_model_of(dg_device_find("ocd-ib-k2"));
-    lx_ring_settings_init(&settings);
-    settings.self_test_ms = 0;
+    dg_world_init(&world);
+    steps = 0;
     memset(&error, 0, sizeof error);
     if (open_ring(NULL, 3) != 0) {
         return -1;
@@ -86,52 +93,6 @@ static void put_out(uint16_t high, uint16_t low)
     const uint16_t words[] = {high, low};
 
     assert_true(lx_map_write(&map, (struct lx_range){0x0801, 2}, words));
-}
-
-static void settings_of_the_ring(void **state)
-{
-    static const char *const bad[] = {
-        "cycle",     "cycle=",    "cycle=249",       "cycle=50001", "cycle=1ms",  "tear=2",
-        "periods=5", "nothing=1", "temperature=hot", "steps=0",     "turns=4097", "param_cycles=-1",
-    };
-    static const char *const good[] = {
-        "cycle=2000",
-        "steps=8192",
-        "turns=16",
-        "steps_minus_one=1",
-        "temperature_sensor=0",
-        "loop=1",
-        "param_cycles=7",
-        "self_test_ms=1000",
-        "version=0x1FFFFFF",
-        "temperature=-12.5",
-        "eeprom_acknowledges=0",
-    };
-
-    (void)state;
-    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
-        error.text[0] = '\0';
-        assert_int_equal(lx_ring_settings_set(&settings, bad[i], &error), -1);
-        assert_non_null(strstr(error.text, "--set"));
-    }
-    for (size_t i = 0; i < sizeof good / sizeof good[0]; i++) {
-        assert_int_equal(lx_ring_settings_set(&settings, good[i], &error), 0);
-    }
-    assert_int_equal(lx_ring_settings_serial(&settings, "33554432", &error), -1);
-    assert_int_equal(lx_ring_settings_serial(&settings, "x", &error), -1);
-    assert_int_equal(lx_ring_settings_serial(&settings, "33554431", &error), 0);
-    assert_int_equal(settings.cycle_us, 2000);
-    assert_int_equal(settings.common.world.temperature_mdegc, -12500);
-    assert_false(settings.common.world.eeprom_acknowledges);
-    const struct dg_ib_model k3 = lx_ring_settings_model(&settings, models[1], 1);
-    assert_int_equal(k3.steps, 8192);
-    assert_int_equal(k3.turns, 16);
-    assert_true(k3.steps_minus_one && !k3.temperature_sensor && k3.loop);
-    assert_int_equal(k3.param_cycles, 7);
-    assert_int_equal(k3.self_test, DG_S(1));
-    assert_int_equal(k3.version, 0x1FFFFFF);
-    assert_int_equal(k3.serial, 0); /* one after the last one of 25 bits */
-    assert_int_equal(lx_ring_settings_model(&settings, models[0], 0).turns, 1);
 }
 
 static void existing_registers(void **state)
@@ -191,7 +152,7 @@ static void images_and_states(void **state)
     }
     assert_int_equal(get(0x2011), 1 | 8 | 32);
     assert_int_equal(get(0x201A), 0x8400);
-    settings.common.world.singleturn_ok = false;
+    world.singleturn_ok = false;
     lx_ring_cycle(&ring, START);
     assert_int_equal(get(0x100C), 1 | 4);
     assert_int_equal(get(0x2001), 1 | 128);
@@ -283,17 +244,16 @@ static void the_ring_has_one_file(void **state)
 
     models[0] = models[1]; /* two K3 find one image */
     assert_int_equal(open_ring(path, 2), -1);
-    assert_non_null(strstr(error.text, path));
+    assert_non_null(strstr(lx_error_line(&error).text, path));
     lx_ring_close(&ring);
     models[0] = models[2]; /* none finds a use for it */
     assert_int_equal(open_ring(path, 1), -1);
-    assert_non_null(strstr(error.text, "--nvm"));
+    assert_non_null(strstr(lx_error_line(&error).text, "nvm /"));
     lx_ring_close(&ring);
     assert_int_equal(unlink(path), 0);
-    settings.steps = 1;
-    settings.steps_minus_one = 1;
+    steps = 1;
     assert_int_equal(open_ring(NULL, 1), -1);
-    assert_non_null(strstr(error.text, "factory"));
+    assert_non_null(strstr(lx_error_line(&error).text, "factory"));
 }
 
 static void addresses(void **state)
@@ -313,7 +273,6 @@ static void addresses(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(settings_of_the_ring, set_up, tear_down),
         cmocka_unit_test_setup_teardown(existing_registers, set_up, tear_down),
         cmocka_unit_test_setup_teardown(images_and_states, set_up, tear_down),
         cmocka_unit_test_setup_teardown(watchdog_zero_and_freeze, set_up, tear_down),

@@ -189,20 +189,20 @@ static void refusals(void **state)
     (void)state;
     for (size_t i = 0; i < LENGTH(rows); i++) {
         struct lx_shaft shaft;
-        struct lx_error error = {""};
+        struct lx_error error = {.right = ""};
         assert_int_equal(lx_shaft_parse(&shaft, rows[i].text, NULL, &error), LX_SHAFT_WORDS);
-        assert_non_null(strstr(error.text, rows[i].says));
-        assert_null(strchr(error.text, '\n'));
+        assert_non_null(strstr(lx_error_line(&error).text, rows[i].says));
+        assert_null(strchr(lx_error_line(&error).text, '\n'));
     }
 }
 
 static void a_missing_file(void **state)
 {
     struct lx_shaft shaft;
-    struct lx_error error = {""};
+    struct lx_error error = {.right = ""};
     (void)state;
     assert_int_equal(lx_shaft_parse(&shaft, "no/such/file.CSV", NULL, &error), LX_SHAFT_FILE);
-    assert_non_null(strstr(error.text, "no/such/file.CSV"));
+    assert_non_null(strstr(lx_error_line(&error).text, "no/such/file.CSV"));
 }
 
 int main(void)

@@ -21,6 +21,7 @@
 #include "biss_settings.h"
 #include "drehgeber/devices.h"
 #include "eeprom.h"
+#include "set_key.h"
 
 static const struct lx_say quiet = {.quiet = true};
 
@@ -62,8 +63,20 @@ int fdatasync(int fd)
 struct place {
     char folder[32];
     char path[64];
-    struct lx_settings settings;
+    struct lx_hf_settings settings;
 };
+
+static int set(struct lx_hf_settings *settings, const char *assignment, struct lx_error *error)
+{
+    return set_key(dg_device_find("s3684-rs485"), settings, NULL, assignment, error);
+}
+
+static void set_serial(struct lx_hf_settings *settings, const char *digits)
+{
+    struct lx_error error;
+    assert_int_equal(lx_key_set(lx_hf_stack.serial, settings, digits, &error), 0);
+    settings->serial_given = true;
+}
 
 static int set_up(void **state)
 {
@@ -72,7 +85,7 @@ static int set_up(void **state)
     (void)strcpy(self->folder, "/tmp/test_nvm_file.XXXXXX");
     assert_non_null(mkdtemp(self->folder));
     (void)snprintf(self->path, sizeof self->path, "%s/nvm", self->folder);
-    lx_settings_init(&self->settings, dg_hf_model_of(dg_device_find("s3684-rs485")));
+    lx_hf_stack.defaults(&self->settings, dg_device_find("s3684-rs485"));
     *state = self;
     return 0;
 }
@@ -110,14 +123,14 @@ static void refused(struct place *place, const char *says)
     uint8_t before[8192];
     uint8_t after[8192];
     struct lx_eeprom eeprom;
-    struct lx_error error = {""};
+    struct lx_error error = {.right = ""};
     int fd = open(place->path, O_RDONLY);
     const ssize_t n = read(fd, before, sizeof before);
     (void)close(fd);
     assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), -1);
     lx_eeprom_close(&eeprom);
-    assert_non_null(strstr(error.text, says));
-    assert_non_null(strstr(error.text, place->path));
+    assert_non_null(strstr(lx_error_line(&error).text, says));
+    assert_non_null(strstr(lx_error_line(&error).text, place->path));
     fd = open(place->path, O_RDONLY);
     assert_int_equal(read(fd, after, sizeof after), n);
     (void)close(fd);
@@ -181,21 +194,21 @@ static void without_any_way_to_name_it_no_file_is_made(void **state)
     static const int ways[][2] = {{EINVAL, EPERM}, {ENOSYS, EOPNOTSUPP}, {EINVAL, ENOSYS}};
     struct place *place = *state;
     struct lx_eeprom eeprom;
-    struct lx_error error = {""};
+    struct lx_error error = {.right = ""};
     for (size_t i = 0; i < sizeof ways / sizeof ways[0]; i++) {
         no_rename = ways[i][0];
         no_link = ways[i][1];
         assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error),
                          -1);
         lx_eeprom_close(&eeprom);
-        assert_non_null(strstr(error.text, place->path));
-        assert_non_null(strstr(error.text, "neither hard links nor a rename"));
+        assert_non_null(strstr(lx_error_line(&error).text, place->path));
+        assert_non_null(strstr(lx_error_line(&error).text, "neither hard links nor a rename"));
         assert_int_equal(access(place->path, F_OK), -1);
     }
     no_rename = EROFS;
     assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), -1);
     lx_eeprom_close(&eeprom);
-    assert_non_null(strstr(error.text, strerror(EROFS)));
+    assert_non_null(strstr(lx_error_line(&error).text, strerror(EROFS)));
 }
 
 static struct place *contended;
@@ -213,12 +226,12 @@ static void of_two_that_make_a_file_one_wins(void **state)
     before_naming = somebody_is_faster;
     for (int linked = 0; linked < 2; linked++) {
         struct lx_eeprom eeprom;
-        struct lx_error error = {""};
+        struct lx_error error = {.right = ""};
         no_rename = linked != 0 ? EINVAL : 0;
         assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error),
                          -1);
         lx_eeprom_close(&eeprom);
-        assert_non_null(strstr(error.text, "something else"));
+        assert_non_null(strstr(lx_error_line(&error).text, "something else"));
         const int fd = open(place->path, O_RDONLY);
         assert_int_equal(read(fd, bytes, sizeof bytes), 6);
         (void)close(fd);
@@ -267,7 +280,7 @@ static void a_second_process_is_told_who_has_it(void **state)
 {
     struct place *place = *state;
     struct lx_eeprom eeprom;
-    struct lx_error error = {""};
+    struct lx_error error = {.right = ""};
     char pid[32];
     (void)snprintf(pid, sizeof pid, "process %ld;", (long)getpid());
     assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), 0);
@@ -275,7 +288,7 @@ static void a_second_process_is_told_who_has_it(void **state)
     if (child == 0) {
         struct lx_eeprom second;
         const int result = lx_eeprom_open(&second, place->path, &place->settings, &quiet, &error);
-        _exit(result == -1 && strstr(error.text, pid) != NULL ? 0 : 1);
+        _exit(result == -1 && strstr(lx_error_line(&error).text, pid) != NULL ? 0 : 1);
     }
     int status = -1;
     assert_int_equal(waitpid(child, &status, 0), child);
@@ -308,15 +321,15 @@ static void folders_and_missing_folders_are_refused(void **state)
 {
     struct place *place = *state;
     struct lx_eeprom eeprom;
-    struct lx_error error = {""};
+    struct lx_error error = {.right = ""};
     assert_int_equal(lx_eeprom_open(&eeprom, place->folder, &place->settings, &quiet, &error), -1);
     lx_eeprom_close(&eeprom);
-    assert_non_null(strstr(error.text, place->folder));
-    assert_non_null(strstr(error.text, ": cannot open: Is a directory"));
+    assert_non_null(strstr(lx_error_line(&error).text, place->folder));
+    assert_non_null(strstr(lx_error_line(&error).text, ": cannot open: Is a directory"));
     assert_int_equal(
         lx_eeprom_open(&eeprom, "/no/such/folder/nvm", &place->settings, &quiet, &error), -1);
     lx_eeprom_close(&eeprom);
-    assert_non_null(strstr(error.text, "/no/such/folder/nvm"));
+    assert_non_null(strstr(lx_error_line(&error).text, "/no/such/folder/nvm"));
 }
 
 static void other_factory_figures_are_refused(void **state)
@@ -324,17 +337,17 @@ static void other_factory_figures_are_refused(void **state)
     struct place *place = *state;
     struct lx_error error;
     make_image(place);
-    lx_settings_init(&place->settings, dg_hf_model_of(dg_device_find("s3674-rs485")));
+    lx_hf_stack.defaults(&place->settings, dg_device_find("s3674-rs485"));
     refused(place, "belongs to s3684-rs485");
     static const char *const others[] = {"periods=1024", "memory=22", "type=28h",
                                          "designation=other", "temperature_max=60"};
     for (size_t i = 0; i < sizeof others / sizeof others[0]; i++) {
-        lx_settings_init(&place->settings, dg_hf_model_of(dg_device_find("s3684-rs485")));
-        assert_int_equal(lx_settings_set(&place->settings, others[i], &error), 0);
+        lx_hf_stack.defaults(&place->settings, dg_device_find("s3684-rs485"));
+        assert_int_equal(set(&place->settings, others[i], &error), 0);
         refused(place, "differs");
     }
-    lx_settings_init(&place->settings, dg_hf_model_of(dg_device_find("s3684-rs485")));
-    assert_int_equal(lx_settings_serial(&place->settings, "1", &error), 0);
+    lx_hf_stack.defaults(&place->settings, dg_device_find("s3684-rs485"));
+    set_serial(&place->settings, "1");
     refused(place, "serial number differs");
 }
 
@@ -344,11 +357,11 @@ static void a_units_own_identity_is_kept(void **state)
     struct place *place = *state;
     struct lx_error error;
     struct lx_eeprom eeprom;
-    assert_int_equal(lx_settings_serial(&place->settings, "777", &error), 0);
+    set_serial(&place->settings, "777");
     make_image(place);
-    lx_settings_init(&place->settings, dg_hf_model_of(dg_device_find("s3684-rs485")));
-    assert_int_equal(lx_settings_set(&place->settings, "version=v9.9.9-new", &error), 0);
-    assert_int_equal(lx_settings_set(&place->settings, "date=01012030", &error), 0);
+    lx_hf_stack.defaults(&place->settings, dg_device_find("s3684-rs485"));
+    assert_int_equal(set(&place->settings, "version=v9.9.9-new", &error), 0);
+    assert_int_equal(set(&place->settings, "date=01012030", &error), 0);
     assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), 0);
     lx_eeprom_close(&eeprom);
 }
@@ -416,10 +429,10 @@ static void an_image_of_an_earlier_release_is_taken_and_grows(void **state)
     make_older_image(place);
     const off_t length = length_of(place->path);
     assert_true(length < (off_t)dg_store_size(&dg_hf_layout));
-    lx_settings_init(&place->settings, dg_hf_model_of(dg_device_find("s3674-rs485")));
+    lx_hf_stack.defaults(&place->settings, dg_device_find("s3674-rs485"));
     refused(place, "belongs to s3684-rs485");
     assert_int_equal(length_of(place->path), length);
-    lx_settings_init(&place->settings, dg_hf_model_of(dg_device_find("s3684-rs485")));
+    lx_hf_stack.defaults(&place->settings, dg_device_find("s3684-rs485"));
     assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), 0);
     assert_int_equal(length_of(place->path), length);
     assert_int_equal(dg_store_mount(&store, &dg_hf_layout, eeprom.nvm), DG_ERR_OLDER);

@@ -59,9 +59,9 @@ static struct lx_record *opened_as(struct place *place, const char *path, dg_ns 
 {
     const struct lx_record_setup setup = {path,          &place->shaft, place->event,
                                           &place->clock, interval,      NULL};
-    struct lx_error error = {""};
+    struct lx_error error = {.right = ""};
     struct lx_record *record = lx_record_open(&setup, START, &error);
-    assert_string_equal(error.text, "");
+    assert_string_equal(lx_error_line(&error).text, "");
     assert_non_null(record);
     return record;
 }
@@ -73,14 +73,14 @@ static struct lx_record *opened(struct place *place, dg_ns interval)
 
 static void closed(struct lx_record *record, dg_ns now)
 {
-    struct lx_error error = {""};
+    struct lx_error error = {.right = ""};
     assert_int_equal(lx_record_close(record, now, &error), 0);
 }
 
 static struct lx_recording read_back(const struct place *place)
 {
     struct lx_recording recording;
-    struct lx_error error = {""};
+    struct lx_error error = {.right = ""};
     FILE *file = fopen(place->path, "re");
     assert_non_null(file);
     assert_int_equal(lx_csv_read(&recording, file, "shaft.csv", &error), 0);
@@ -246,7 +246,7 @@ static struct lx_record *opened_on_full_disk(struct place *place)
 static void a_full_disk_is_said_once(void **state)
 {
     struct place *place = *state;
-    struct lx_error error = {""};
+    struct lx_error error = {.right = ""};
     char said[1000];
     struct lx_record *record = opened_on_full_disk(place);
     write_and_listen(place, record, START + DG_S(2), said, sizeof said);
@@ -255,22 +255,23 @@ static void a_full_disk_is_said_once(void **state)
     assert_ptr_equal(strchr(said, '\n'), said + strlen(said) - 1);
     assert_int_equal(sd_event_run(place->event, 15000), 0); /* no wake-up brings it back */
     assert_int_equal(lx_record_close(record, START + DG_S(9), &error), -1);
-    assert_non_null(strstr(error.text, "No space left on device"));
+    assert_non_null(strstr(lx_error_line(&error).text, "No space left on device"));
 }
 
 /* Few lines: the disk is found full when they are written at the end. */
 static void a_full_disk_is_found_at_the_end(void **state)
 {
-    struct lx_error error = {""};
+    struct lx_error error = {.right = ""};
     struct lx_record *record = opened_on_full_disk(*state);
     assert_int_equal(lx_record_close(record, START, &error), -1);
-    assert_non_null(strstr(error.text, "/full.csv: cannot write: No space left on device"));
+    assert_non_null(
+        strstr(lx_error_line(&error).text, "/full.csv: cannot write: No space left on device"));
 }
 
 static void angles_that_cannot_be_read_back_end_it(void **state)
 {
     struct place *place = *state;
-    struct lx_error error = {""};
+    struct lx_error error = {.right = ""};
     char said[1000];
     char folder_path[80];
     struct lx_record *record;
@@ -291,15 +292,15 @@ static void what_cannot_be_recorded(void **state)
     struct place *place = *state;
     struct lx_record_setup setup = {place->path,   &place->shaft,  place->event,
                                     &place->clock, DG_US(100) - 1, NULL};
-    struct lx_error error = {""};
+    struct lx_error error = {.right = ""};
     assert_null(lx_record_open(&setup, START, &error));
-    assert_non_null(strstr(error.text, "every 100 us to 1 h, not every 99999 ns"));
+    assert_non_null(strstr(lx_error_line(&error).text, "every 100 us to 1 h, not every 99999 ns"));
     setup.interval = DG_S(3600) + 1;
     assert_null(lx_record_open(&setup, START, &error));
     setup.interval = DG_S(3600);
     setup.path = "/no/such/folder/shaft.csv";
     assert_null(lx_record_open(&setup, START, &error));
-    assert_string_equal(error.text,
+    assert_string_equal(lx_error_line(&error).text,
                         "/no/such/folder/shaft.csv: cannot open: No such file or directory");
     assert_int_equal(lx_record_close(NULL, START, &error), 0);
     lx_record_write(NULL, START);

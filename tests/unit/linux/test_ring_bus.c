@@ -68,7 +68,7 @@ static dg_angle angle_of(void *ctx, dg_ns now)
 static void set(struct lx_plan_settings *settings, const char *assignment)
 {
     struct lx_error error;
-    assert_int_equal(lx_plan_add_setting(settings, assignment, SETTINGS_LINE, &error), 0);
+    assert_int_equal(lx_plan_add_assignment(settings, assignment, SETTINGS_LINE, &error), 0);
 }
 
 static void forget(struct lx_plan_settings *settings)
@@ -137,7 +137,12 @@ static void plan_ring(struct bench *self, const char *const *models, size_t coun
     static char where[] = "127.0.0.1:0";
     forget_plan(self);
     self->count = count;
-    self->wire = (struct lx_plan_wire){.name = "ring", .where = where, .line = 4};
+    self->wire = (struct lx_plan_wire){
+        .name = "ring",
+        .kind = lx_wire_find("modbus", strlen("modbus")),
+        .where = where,
+        .line = 4,
+    };
     for (size_t i = 0; i < count; i++) {
         struct lx_plan_encoder *encoder = &self->encoder[i];
         struct lx_station *station = &self->station[i];
@@ -172,7 +177,7 @@ static struct lx_bus *make(struct bench *self)
         .count = self->count,
         .clock = &self->clock,
     };
-    return lx_ring_bus_make(&setup, &self->error);
+    return lx_bus_new(&setup, &self->error);
 }
 
 static void connect_client(struct bench *self)
@@ -194,7 +199,7 @@ static void open_ring(struct bench *self)
 {
     self->bus = make(self);
     if (self->bus == NULL || self->bus->ops->open(self->bus, lx_now(), &self->error) != 0) {
-        fail_msg("%s", self->error.text);
+        fail_msg("%s", lx_error_line(&self->error).text);
     }
     connect_client(self);
 }
@@ -356,21 +361,18 @@ static void plans_that_cannot_be(void **state)
         const char *text;
     } rows[] = {
         {"host", NULL, NULL, NULL,
-         "rig.ini:4: modbus host: HOST:PORT is right, e.g. 127.0.0.1:5020"},
+         "rig.ini:4: modbus:host: HOST:PORT is right, e.g. 127.0.0.1:5020"},
         {NULL, "x", NULL, NULL, "rig.ini:8: serial x: a number in 0..33554431 is right"},
-        {NULL, NULL, "cycle=1", NULL,
-         "rig.ini:9: cycle=1: a whole number in 250..50000 us is right"},
-        {NULL, NULL, "steps=1", NULL, "rig.ini:9: steps: a key of an encoder, not of the ring"},
-        {NULL, NULL, "param_cycles=5", NULL,
-         "rig.ini:9: param_cycles: a key of an encoder, not of the ring"},
-        {NULL, NULL, NULL, "cycle=1000",
-         "rig.ini:9: cycle: a key of the ring, not of one of its encoders"},
-        {NULL, NULL, NULL, "turns=0", "rig.ini:9: turns=0: a whole number in 1..4096 is right"},
+        {NULL, NULL, "cycle=1", NULL, "rig.ini:9: cycle=1: a number in 250..50000 us is right"},
+        {NULL, NULL, "steps=1", NULL, "rig.ini:9: steps=1: the wire has no such key; leave it out"},
+        {NULL, NULL, NULL, "clock_hz=1000000",
+         "rig.ini:9: clock_hz=1000000: only a sim wire has it; leave it out"},
+        {NULL, NULL, NULL, "turns=0", "rig.ini:9: turns=0: a number in 1..4096 is right"},
         {NULL, NULL, NULL, "eeprom_acknowledges=2",
          "rig.ini:9: eeprom_acknowledges=2: 0 or 1 is right"},
     };
     struct bench *self = *state;
-    self->plan.file = strdup("rig.ini");
+    self->plan.file = "rig.ini";
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         char where[16] = "";
         char serial[16] = "";
@@ -390,7 +392,7 @@ static void plans_that_cannot_be(void **state)
             set(&self->encoder[2].settings, rows[i].of_encoder);
         }
         assert_null(make(self));
-        assert_string_equal(self->error.text, rows[i].text);
+        assert_string_equal(lx_error_line(&self->error).text, rows[i].text);
     }
 }
 
@@ -403,7 +405,7 @@ static void figures_that_make_no_encoder(void **state)
     self->bus = make(self);
     assert_non_null(self->bus);
     assert_int_equal(self->bus->ops->open(self->bus, lx_now(), &self->error), -1);
-    assert_non_null(strstr(self->error.text, "device 1: these factory figures"));
+    assert_non_null(strstr(lx_error_line(&self->error).text, "device 1: these factory figures"));
 }
 
 static void each_is_its_own(void **state)
@@ -506,7 +508,7 @@ static void no_file_for_those_without_a_memory(void **state)
     self->bus = make(self);
     assert_non_null(self->bus);
     assert_int_equal(self->bus->ops->open(self->bus, lx_now(), &self->error), -1);
-    assert_non_null(strstr(self->error.text, "K1 and K2 have no EEPROM"));
+    assert_non_null(strstr(lx_error_line(&self->error).text, "K1 and K2 have no EEPROM"));
 }
 
 /* --- the bus --- */

@@ -152,7 +152,7 @@ static void a_ring_that_is_refused_changes_nothing(void **state)
     memset(self->bytes + n / 2, 'x', 24); /* the headers of the second image */
     write_file(self, n);
     assert_int_equal(open_ring(self), -1);
-    assert_non_null(strstr(self->error.text, "holds no image of device 2"));
+    assert_non_null(strstr(lx_error_line(&self->error).text, "holds no image of device 2"));
     lx_ring_close(&self->ring);
     assert_int_equal(read_file(self, after), n);
     assert_memory_equal(after, self->bytes, n);
@@ -174,7 +174,7 @@ static void links_are_followed_and_the_file_stays_locked(void **state)
     assert_int_equal(lstat(self->link, &info), 0);
     assert_true(S_ISLNK(info.st_mode));
     assert_int_equal(lx_nvm_file_open(&other, self->path, &image, &error), -1);
-    assert_non_null(strstr(error.text, "in use"));
+    assert_non_null(strstr(lx_error_line(&error).text, "in use"));
     lx_ring_close(&self->ring);
     assert_int_equal(lx_nvm_file_open(&other, self->path, &image, &error), 0);
     assert_int_equal(other.length, 2 * dg_store_size(&dg_ib_layout));
@@ -202,7 +202,7 @@ static void a_file_that_cannot_be_replaced_stays(void **state)
     assert_int_equal(lx_nvm_file_open(&file, self->path, &image, &self->error), 0);
     assert_int_equal(rename(self->path, self->link), 0);
     assert_int_equal(lx_nvm_file_replace(&file, self->bytes, &self->error), -1);
-    assert_non_null(strstr(self->error.text, "cannot grow"));
+    assert_non_null(strstr(lx_error_line(&self->error).text, "cannot grow"));
     assert_int_equal(rename(self->link, self->path), 0);
     assert_int_equal(file.length, n);
     lx_nvm_file_close(&file);

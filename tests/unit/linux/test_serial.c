@@ -44,7 +44,7 @@ static void hear(void *ctx, dg_ns now, const struct lx_character *character)
 
 static void open_port(struct owner *self)
 {
-    struct lx_error error = {""};
+    struct lx_error error = {.right = ""};
     assert_true(sd_event_new(&self->event) >= 0);
     const struct lx_serial_setup setup = {
         .event = self->event,

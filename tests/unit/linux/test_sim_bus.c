@@ -298,32 +298,28 @@ static void what_does_not_fit_is_refused(void **state)
 {
     static const struct {
         const char *setting;
-        const char *address;
         const char *serial;
         const char *says;
     } rows[] = {
-        {"mt=25", NULL, NULL, "rig.ini:7: mt=25: a number in 0..24 is right"},
-        {"pace=0", NULL, NULL, "rig.ini:7: pace: no such key"},
-        {NULL, "1", NULL, "rig.ini:8: address 1: a BiSS encoder has none"},
-        {NULL, NULL, "x", "rig.ini:9: serial x: 0..4294967295 is right"},
+        {"mt=25", NULL, "rig.ini:7: mt=25: a number in 0..24 is right"},
+        {"lines=0", NULL, "rig.ini:7: lines: no such key"},
+        {NULL, "x", "rig.ini:9: serial x: a number in 0..4294967295 is right"},
     };
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         struct sim_rig rig;
-        struct lx_error error = {""};
+        struct lx_error error = {.right = ""};
         sim_rig_plan(&rig, 1);
         struct lx_plan_encoder *encoder = rig.plan.encoders;
-        rig.plan.file = strdup("rig.ini");
-        encoder->address_line = 8;
+        rig.plan.file = "rig.ini";
         encoder->serial_line = 9;
         if (rows[i].setting != NULL) {
-            (void)lx_plan_add_setting(&encoder->settings, rows[i].setting, 7, &error);
+            (void)lx_plan_add_assignment(&encoder->settings, rows[i].setting, 7, &error);
         }
-        encoder->address = rows[i].address == NULL ? NULL : strdup(rows[i].address);
         encoder->serial = rows[i].serial == NULL ? NULL : strdup(rows[i].serial);
         sim_rig_stations(&rig);
         assert_null(lx_sim_bus_make(&rig.setup, &error));
-        assert_non_null(strstr(error.text, rows[i].says));
+        assert_non_null(strstr(lx_error_line(&error).text, rows[i].says));
         rig.event = sd_event_unref(rig.event);
         lx_plan_free(&rig.plan);
     }
@@ -336,10 +332,10 @@ static void settings_reach_the_station(void **state)
     (void)state;
     sim_rig_plan(&rig, 1);
     struct lx_plan_settings *settings = &rig.plan.encoders[0].settings;
-    assert_int_equal(lx_plan_add_setting(settings, "temperature=85", 0, &error), 0);
-    assert_int_equal(lx_plan_add_setting(settings, "st=20", 0, &error), 0);
-    assert_int_equal(lx_plan_add_setting(settings, "lc=0", 0, &error), 0);
-    assert_int_equal(lx_plan_add_setting(settings, "busy_us=30", 0, &error), 0);
+    assert_int_equal(lx_plan_add_assignment(settings, "temperature=85", 0, &error), 0);
+    assert_int_equal(lx_plan_add_assignment(settings, "st=20", 0, &error), 0);
+    assert_int_equal(lx_plan_add_assignment(settings, "lc=0", 0, &error), 0);
+    assert_int_equal(lx_plan_add_assignment(settings, "busy_us=30", 0, &error), 0);
     sim_rig_open(&rig);
     assert_int_equal(rig.station[0].world.temperature_mdegc, 85000);
     assert_ptr_equal(rig.station[0].world.angle_ctx, &rig.shaft[0]);

@@ -119,7 +119,7 @@ static void endings_are_checked(void **state)
         {&dg_cia406_stack, "a.pcapng", NULL},
         {&dg_cia406_stack, "a.pcap", NULL},
         {&dg_ib_stack, "a.csv", NULL},
-        {&dg_hf_stack, "a.log", "cannot trace RS485 to"},
+        {&dg_hf_stack, "a.log", "a trace of RS485 ends in .vcd"},
         {&dg_biss_stack, "a.csv", "ends in .vcd"},
         {&dg_cia406_stack, "a.vcd", "ends in .log, .pcapng, .pcap"},
         {&dg_ib_stack, "csv", "ends in .csv"},
@@ -131,7 +131,7 @@ static void endings_are_checked(void **state)
         struct lx_trace *trace = open_trace(place, names[i].name, names[i].stack, 0);
         assert_int_equal(trace != NULL, names[i].says == NULL);
         if (names[i].says != NULL) {
-            assert_non_null(strstr(place->error.text, names[i].says));
+            assert_non_null(strstr(lx_error_line(&place->error).text, names[i].says));
             assert_null(place->tap.first);
             continue;
         }
@@ -184,7 +184,7 @@ static void a_full_disk_ends_the_trace_not_the_wire(void **state)
                    "drehgeber: %s: No space left on device; the trace ends here\n", place->path);
     assert_string_equal(complaint, expected);
     assert_int_equal(lx_trace_close(trace, &place->error), -1);
-    assert_non_null(strstr(place->error.text, "No space left on device"));
+    assert_non_null(strstr(lx_error_line(&place->error).text, "No space left on device"));
     assert_null(place->tap.first);
 }
 
@@ -194,7 +194,7 @@ static void a_full_disk_is_seen_at_once_or_at_the_end(void **state)
     (void)snprintf(place->path, sizeof place->path, "%s/full.pcapng", place->folder);
     assert_int_equal(symlink("/dev/full", place->path), 0);
     assert_null(open_trace(place, "full.pcapng", &dg_cia406_stack, 0));
-    assert_non_null(strstr(place->error.text, "No space left on device"));
+    assert_non_null(strstr(lx_error_line(&place->error).text, "No space left on device"));
     (void)unlink(place->path);
 
     (void)snprintf(place->path, sizeof place->path, "%s/full.log", place->folder);
@@ -202,7 +202,8 @@ static void a_full_disk_is_seen_at_once_or_at_the_end(void **state)
     struct lx_trace *trace = open_trace(place, "full.log", &dg_cia406_stack, 0);
     tell_frame(place, DG_MS(10), true, (struct dg_can_frame){.id = 1});
     assert_int_equal(lx_trace_close(trace, &place->error), -1);
-    assert_non_null(strstr(place->error.text, "not whole: No space left on device"));
+    assert_non_null(
+        strstr(lx_error_line(&place->error).text, "not whole: No space left on device"));
 }
 
 /* What was written stays. */
@@ -232,7 +233,7 @@ static void a_pipe_without_a_reader_is_refused(void **state)
     (void)snprintf(place->path, sizeof place->path, "%s/fifo.log", place->folder);
     assert_int_equal(mkfifo(place->path, 0600), 0);
     assert_null(open_trace(place, "fifo.log", &dg_cia406_stack, 0));
-    assert_non_null(strstr(place->error.text, "fifo.log: cannot open: "));
+    assert_non_null(strstr(lx_error_line(&place->error).text, "fifo.log: cannot open: "));
 }
 
 static void written_every_second(void **state)

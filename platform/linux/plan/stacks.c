@@ -1,0 +1,137 @@
+/* SPDX-License-Identifier: MIT */
+#include "stacks.h"
+
+#include <string.h>
+
+#include "figure.h"
+#include "wire.h"
+
+const struct lx_stack *lx_stack_of(const struct dg_device *device)
+{
+    size_t i = 0;
+    while (lx_stacks[i]->core != device->stack) {
+        i++; /* each has a row; a test looks */
+    }
+    return lx_stacks[i];
+}
+
+void lx_stack_keys(const struct dg_device *device, void *settings, struct dg_world *world,
+                   struct lx_keys lists[LX_STACK_LISTS])
+{
+    const struct lx_stack *self = lx_stack_of(device);
+    lists[0] = (struct lx_keys){
+        .rows = self->keys,
+        .count = self->key_count,
+        .base = settings,
+        .without = self->without == NULL ? 0 : self->without(device),
+    };
+    lists[1] = (struct lx_keys){lx_world_keys, DG_QUANTITY_COUNT, world, self->blind};
+}
+
+/* --- settings --- */
+
+/* A key of another kind of wire, or of none: whoever mistyped one finds it in the list. */
+static int unknown_key(const struct lx_keys *lists, const struct lx_wire *kind, const char *name,
+                       struct lx_error *error)
+{
+    struct lx_words right = {"valid:"};
+    struct lx_words wires = {""};
+    const struct lx_wire *other = lx_wire_with(name);
+    if (other != NULL) {
+        return lx_refuse(error, "leave it out", "only a %s wire has it", other->name);
+    }
+    lx_keys_name(lists, LX_STACK_LISTS, &right);
+    if (kind != NULL && kind->keys != NULL) {
+        lx_keys_name(kind->keys, 1, &wires);
+    }
+    lx_words_add(&right, "%s%s", wires.text[0] == '\0' ? "" : "; of the wire:", wires.text);
+    (void)lx_refuse(error, right.text, "no such key");
+    return lx_about(error, LX_ABOUT_SETTING, name, NULL);
+}
+
+static int set_one(const struct lx_keys *lists, const struct lx_wire *kind,
+                   const struct lx_plan_setting *setting, struct lx_error *error)
+{
+    void *base = NULL;
+    const struct lx_key *key = lx_keys_find(lists, LX_STACK_LISTS, setting->key, &base);
+    return key == NULL ? unknown_key(lists, kind, setting->key, error)
+                       : lx_key_set(key, base, setting->value, error);
+}
+
+static int set_serial(const struct lx_plan *plan, const struct lx_plan_encoder *encoder,
+                      const struct lx_stack *self, void *settings, struct lx_error *error)
+{
+    if (encoder->serial == NULL ||
+        lx_key_set(self->serial, settings, encoder->serial, error) == 0) {
+        return 0;
+    }
+    (void)lx_about(error, LX_ABOUT_KEY, "serial", encoder->serial);
+    return lx_stands(error, plan->file, encoder->serial_line);
+}
+
+int lx_stack_settings(const struct lx_plan *plan, const struct lx_plan_wire *wire,
+                      const struct lx_plan_encoder *encoder, void *settings, struct dg_world *world,
+                      struct lx_error *error)
+{
+    const struct lx_stack *self = lx_stack_of(encoder->model);
+    const struct lx_plan_settings *list = &encoder->settings;
+    struct lx_keys lists[LX_STACK_LISTS];
+    lx_stack_keys(encoder->model, settings, world, lists);
+    self->defaults(settings, encoder->model);
+    for (size_t i = 0; i < list->count; i++) {
+        if (set_one(lists, wire->kind, &list->list[i], error) != 0) {
+            return lx_plan_refuse_setting(plan, &list->list[i], error);
+        }
+    }
+    if (set_serial(plan, encoder, self, settings, error) != 0) {
+        return -1;
+    }
+    if (self->check == NULL || self->check(settings, error) == 0) {
+        return 0;
+    }
+    (void)lx_about(error, LX_ABOUT_ITSELF, "", NULL);
+    return lx_stands(error, plan->file, encoder->line);
+}
+
+/* --- addresses --- */
+
+struct lx_words lx_address_right(const struct lx_address *self)
+{
+    struct lx_words right = {""};
+    lx_words_add(&right, self->hex ? "%s in 0x%02X..0x%02X" : "%s in %u..%u", self->what, self->min,
+                 self->max);
+    return right;
+}
+
+int lx_stack_address(const struct lx_stack *self, const char *text, struct lx_error *error)
+{
+    const struct lx_address *address = &self->address;
+    struct lx_words right = lx_address_right(address);
+    uint64_t number = 0;
+    if (lx_unsigned_parse(text, &number) && number >= address->min && number <= address->max) {
+        return (int)number;
+    }
+    lx_words_add(&right, " is right");
+    (void)lx_refuse(error, right.text, "%s", "");
+    return lx_about(error, LX_ABOUT_KEY, address->key, text);
+}
+
+void lx_stack_models(const struct lx_stack *self, struct lx_words *to)
+{
+    for (size_t i = 0; i < dg_device_count; i++) {
+        if (self == NULL || lx_stack_of(dg_devices[i]) == self) {
+            lx_words_add(to, " %s", dg_devices[i]->name);
+        }
+    }
+}
+
+void lx_stack_wires(const struct lx_stack *self, struct lx_words *to)
+{
+    const char *between = "";
+    for (size_t i = 0; i < lx_wire_count; i++) {
+        if (lx_wire_carries(&lx_wires[i], self)) {
+            lx_words_add(to, "%s%s", between, lx_wires[i].name);
+            between = " or ";
+        }
+    }
+}

@@ -1,0 +1,78 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * What a port knows of each protocol: one row says all that plans, messages, help and buses need.
+ */
+#ifndef DREHGEBER_LINUX_STACKS_H
+#define DREHGEBER_LINUX_STACKS_H
+
+#include "drehgeber/devices.h"
+#include "drehgeber/world.h"
+#include "key.h"
+#include "plan.h"
+
+/** How the encoders of a stack are told apart on a bus. */
+struct lx_address {
+    const char *key;  /**< of a rig file; NULL: by their places, there is no key */
+    const char *what; /**< "a node-ID" */
+    uint8_t min;
+    uint8_t max;
+    uint8_t delivered; /**< as long as nobody has set another one */
+    bool hex;          /**< written so */
+};
+
+/** A protocol of a port. */
+struct lx_stack {
+    const struct dg_stack *core;
+    const char *title; /**< of its wires, for messages, e.g. "RS485" */
+    const char *wire;  /**< the kind of wire when none is given */
+    struct lx_address address;
+    bool is_ring;              /**< encoders without a file are one thing with one address */
+    const struct lx_key *keys; /**< of its encoders; offsets count from their settings */
+    size_t key_count;
+    const struct lx_key *serial; /**< what --serial sets */
+    uint32_t blind;              /**< bit n: it does not sense enum dg_quantity_id n */
+    size_t settings_size;        /**< aligned for any type */
+    /** `settings` become those of `device` as delivered. */
+    void (*defaults)(void *settings, const struct dg_device *device);
+    /** Bit n: `device` has not row n of the keys. NULL: each has all. */
+    uint32_t (*without)(const struct dg_device *device);
+    /** All are set: do they fit each other? @return 0, or -1 with `error`. NULL: they always do */
+    int (*check)(const void *settings, struct lx_error *error);
+};
+
+/** All of them. */
+extern const struct lx_stack *const lx_stacks[];
+extern const size_t lx_stack_count;
+
+/** That of a device. */
+const struct lx_stack *lx_stack_of(const struct dg_device *device);
+
+/** The settings of an encoder and of its world, for lx_keys_find() and its like; NULL: only names
+ * and ranges are asked for. */
+#define LX_STACK_LISTS 2u
+void lx_stack_keys(const struct dg_device *device, void *settings, struct dg_world *world,
+                   struct lx_keys lists[LX_STACK_LISTS]);
+
+/**
+ * Understand what the plan says of an encoder on `wire`: its settings, those of its world, its
+ * serial number. `settings` and `world` need not be initialised but for the world's angle.
+ * @return 0, or -1 with `error`
+ */
+int lx_stack_settings(const struct lx_plan *plan, const struct lx_plan_wire *wire,
+                      const struct lx_plan_encoder *encoder, void *settings, struct dg_world *world,
+                      struct lx_error *error);
+
+/** An address of the stack's encoders. @return it, or -1 with `error` */
+int lx_stack_address(const struct lx_stack *self, const char *text, struct lx_error *error);
+
+/** "a node-ID in 1..127" */
+struct lx_words lx_address_right(const struct lx_address *self);
+
+/** Append all models of the stack (NULL: all there are), with a blank in front of each. */
+void lx_stack_models(const struct lx_stack *self, struct lx_words *to);
+
+/** Append "or"-separated kinds of wire for the stack. */
+void lx_stack_wires(const struct lx_stack *self, struct lx_words *to);
+
+#endif

@@ -1,0 +1,432 @@
+/* SPDX-License-Identifier: MIT */
+/* Settings: every row reaches its place and refuses what is out of range; errors on their way. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "hf_settings.h"
+#include "modbus_settings.h"
+#include "set_key.h"
+#include "wire.h"
+
+#define COUNT(array) (sizeof(array) / sizeof((array)[0]))
+#define ROOM 1024u
+
+/* An encoder's settings and world. */
+struct bench {
+    const struct dg_device *device;
+    _Alignas(max_align_t) uint8_t settings[ROOM];
+    struct dg_world world;
+};
+
+static struct bench bench_of(const char *model)
+{
+    struct bench self = {.device = dg_device_find(model)};
+    assert_non_null(self.device);
+    assert_true(lx_stack_of(self.device)->settings_size <= ROOM);
+    lx_stack_of(self.device)->defaults(self.settings, self.device);
+    dg_world_init(&self.world);
+    return self;
+}
+
+static void set(struct bench *self, const char *assignment)
+{
+    struct lx_error error;
+    if (set_key(self->device, self->settings, &self->world, assignment, &error) != 0) {
+        fail_msg("%s: %s", assignment, lx_error_line(&error).text);
+    }
+}
+
+static void refuse(struct bench *self, const char *assignment, const char *right)
+{
+    const struct bench before = *self;
+    struct lx_error error;
+    assert_int_equal(set_key(self->device, self->settings, &self->world, assignment, &error), -1);
+    assert_string_equal(lx_error_line(&error).text, right);
+    assert_memory_equal(&before, self, sizeof before);
+}
+
+/* --- the rows --- */
+
+static void check_row(const struct lx_key *key, size_t size)
+{
+    assert_true(key->name[0] != '\0' && key->help[0] != '\0' && key->unit != NULL);
+    assert_true(key->type < LX_KEY_TYPE_COUNT && key->min <= key->max && key->factor > 0);
+    assert_true(key->offset < size);
+    assert_true(key->type != LX_KEY_FLAG || (key->words != NULL && key->max == 1));
+}
+
+static void rows_are_whole(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < lx_stack_count; i++) {
+        const struct lx_stack *stack = lx_stacks[i];
+        for (size_t j = 0; j < stack->key_count; j++) {
+            check_row(&stack->keys[j], stack->settings_size);
+        }
+        check_row(stack->serial, stack->settings_size);
+        assert_non_null(lx_wire_find(stack->wire, strlen(stack->wire)));
+        assert_true(lx_wire_carries(lx_wire_find(stack->wire, strlen(stack->wire)), stack));
+    }
+    for (size_t i = 0; i < dg_device_count; i++) {
+        assert_int_equal(lx_stack_of(dg_devices[i])->core, dg_devices[i]->stack);
+    }
+}
+
+/* No encoder has a name twice, and none that its wires have, too. */
+static void names_are_unique(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < dg_device_count; i++) {
+        struct lx_keys lists[LX_STACK_LISTS];
+        const struct lx_stack *stack = lx_stack_of(dg_devices[i]);
+        lx_stack_keys(dg_devices[i], NULL, NULL, lists);
+        for (size_t j = 0; j < stack->key_count; j++) {
+            assert_null(lx_keys_find(&lists[1], 1, stack->keys[j].name, NULL));
+            for (size_t k = 0; k < j; k++) {
+                assert_string_not_equal(stack->keys[j].name, stack->keys[k].name);
+            }
+            for (size_t k = 0; k < lx_wire_count; k++) {
+                assert_false(lx_wire_carries(&lx_wires[k], stack) &&
+                             lx_wire_has(&lx_wires[k], stack->keys[j].name));
+            }
+        }
+    }
+}
+
+/* Limits are taken, what is beyond them is not. */
+static void check_limits(struct bench *self, const struct lx_key *key)
+{
+    char text[64];
+    struct lx_error error;
+    if (key->type == LX_KEY_TEXT || key->type == LX_KEY_DIGITS || key->type == LX_KEY_FLAG) {
+        return;
+    }
+    const int64_t values[] = {key->min, key->max, key->min - 1, key->max + 1};
+    const long long one = key->places == 3 ? 1000 : 1;
+    for (size_t i = 0; i < COUNT(values); i++) {
+        const long long value = (long long)values[i];
+        (void)snprintf(text, sizeof text, "%s=%s%lld.%03lld", key->name, value < 0 ? "-" : "",
+                       llabs(value) / one, one == 1 ? 0 : llabs(value) % one);
+        if (one == 1) {
+            *strrchr(text, '.') = '\0';
+        }
+        const int result = set_key(self->device, self->settings, &self->world, text, &error);
+        assert_int_equal(result, i < 2 ? 0 : -1);
+    }
+}
+
+static void limits_of_every_row(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < dg_device_count; i++) {
+        struct bench self = bench_of(dg_devices[i]->name);
+        struct lx_keys lists[LX_STACK_LISTS];
+        lx_stack_keys(self.device, self.settings, &self.world, lists);
+        for (size_t j = 0; j < LX_STACK_LISTS; j++) {
+            for (size_t k = 0; k < lists[j].count; k++) {
+                if ((lists[j].without >> k & 1u) == 0) {
+                    check_limits(&self, &lists[j].rows[k]);
+                }
+            }
+        }
+    }
+}
+
+/* --- each kind of value --- */
+
+static void values_reach_their_place(void **state)
+{
+    static const char *const assignments[] = {
+        "pace=0",
+        "line=any",
+        "reaction_us=2500",
+        "init_ms=20",
+        "periods=1024",
+        "steps=16",
+        "turns=65536",
+        "memory=22",
+        "implemented=23",
+        "type=FFh",
+        "version=v2",
+        "temperature_min=-25",
+        "temperature=-12.5",
+        "sin_offset_permille=-7",
+        "led_current_ua=31000",
+        "singleturn_ok=0",
+    };
+    struct bench self = bench_of("s3684-rs485");
+    const struct lx_hf_settings *settings = (const void *)self.settings;
+    (void)state;
+    assert_true(settings->pace && !settings->any_line && !settings->serial_given);
+    for (size_t i = 0; i < COUNT(assignments); i++) {
+        set(&self, assignments[i]);
+    }
+    assert_false(settings->pace);
+    assert_true(settings->any_line);
+    assert_true(settings->model.reaction == DG_US(2500) && settings->model.init == DG_MS(20));
+    assert_int_equal(settings->model.periods_per_turn, 1024);
+    assert_int_equal(settings->model.steps_per_period, 16);
+    assert_int_equal(settings->model.turns, 65536);
+    assert_int_equal(settings->model.memory_blocks, 22);
+    assert_int_equal(settings->model.implemented_blocks, 23);
+    assert_int_equal(settings->model.type_code, 0xFF);
+    assert_string_equal(settings->model.version, "v2");
+    assert_int_equal(settings->model.temperature_min_degc, -25);
+    assert_int_equal(self.world.temperature_mdegc, -12500);
+    assert_int_equal(self.world.sin_offset_permille, -7);
+    assert_int_equal(self.world.led_current_ua, 31000);
+    assert_false(self.world.singleturn_ok);
+}
+
+static void what_is_out_of_range_is_refused(void **state)
+{
+    static const char *const rows[][2] = {
+        {"pace=2", "0 or 1 is right"},
+        {"line=mine", "own or any is right"},
+        {"line=", "own or any is right"},
+        {"periods=0", "a number in 1..65535 is right"},
+        {"periods=65536", "a number in 1..65535 is right"},
+        {"periods=1.5", "a number in 1..65535 is right"},
+        {"periods=", "a number in 1..65535 is right"},
+        {"periods=1e3", "a number in 1..65535 is right"},
+        {"memory=113", "a number in 1..112 blocks is right"},
+        {"type=100h", "a number in 0..255 is right"},
+        {"temperature=1000.001", "a number in -273..1000 degC with at most 3 decimals is right"},
+        {"temperature=1.0001", "a number in -273..1000 degC with at most 3 decimals is right"},
+        {"date=1207201", "8 to 8 characters are right"},
+        {"version=12345678901234567890", "0 to 19 characters are right"},
+        {"steps=16777217", "a number in 1..16777216 is right"},
+        {"init_ms=-1", "a number in 0..600000 ms is right"},
+    };
+    struct bench self = bench_of("s3684-rs485");
+    (void)state;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        refuse(&self, rows[i][0], rows[i][1]);
+    }
+}
+
+static void serial_numbers_get_zeros_in_front(void **state)
+{
+    static const char *const bad[] = {"", "1234567890", "12a", "-1"};
+    struct bench self = bench_of("s3684-rs485");
+    const struct lx_hf_settings *settings = (const void *)self.settings;
+    const struct lx_key *serial = lx_hf_stack.serial;
+    struct lx_error error;
+    (void)state;
+    assert_int_equal(lx_key_set(serial, self.settings, "4711", &error), 0);
+    assert_string_equal(settings->model.serial, "000004711");
+    assert_int_equal(lx_key_set(serial, self.settings, "987654321", &error), 0);
+    assert_string_equal(settings->model.serial, "987654321");
+    for (size_t i = 0; i < COUNT(bad); i++) {
+        assert_int_equal(lx_key_set(serial, self.settings, bad[i], &error), -1);
+        assert_string_equal(lx_error_line(&error).text, "1 to 9 digits are right");
+    }
+    assert_string_equal(settings->model.serial, "987654321");
+}
+
+static void figures_have_to_fit_each_other(void **state)
+{
+    struct bench self = bench_of("s3684-rs485");
+    struct lx_error error;
+    (void)state;
+    set(&self, "turns=65536");
+    assert_int_equal(lx_hf_stack.check(self.settings, &error), 0); /* 2^32 */
+    set(&self, "turns=65537");
+    assert_int_equal(lx_hf_stack.check(self.settings, &error), -1);
+    set(&self, "turns=1");
+    set(&self, "steps=8192");
+    assert_int_equal(lx_hf_stack.check(self.settings, &error), 0); /* 2^24 a turn */
+    set(&self, "steps=8193");
+    assert_int_equal(lx_hf_stack.check(self.settings, &error), -1);
+    assert_non_null(strstr(lx_error_line(&error).text, "at most 16777216"));
+    set(&self, "steps=512");
+    set(&self, "implemented=111");
+    assert_int_equal(lx_hf_stack.check(self.settings, &error), -1);
+    assert_non_null(strstr(lx_error_line(&error).text, "112..128"));
+    set(&self, "implemented=112");
+    assert_int_equal(lx_hf_stack.check(self.settings, &error), 0);
+}
+
+static void settings_of_an_interbus_encoder(void **state)
+{
+    static const char *const assignments[] = {
+        "steps=8192",
+        "turns=16",
+        "steps_minus_one=1",
+        "temperature_sensor=0",
+        "loop=1",
+        "param_cycles=7",
+        "self_test_ms=1000",
+        "version=0x1FFFFFF",
+        "eeprom_acknowledges=0",
+    };
+    struct bench k3 = bench_of("ocd-ib-k3");
+    struct bench k1 = bench_of("ocd-ib-k1");
+    struct lx_error error;
+    (void)state;
+    for (size_t i = 0; i < COUNT(assignments); i++) {
+        set(&k3, assignments[i]);
+    }
+    set(&k1, "turns=16"); /* as one of a ring */
+    assert_int_equal(lx_key_set(lx_ib_stack.serial, k3.settings, "33554432", &error), -1);
+    assert_int_equal(lx_key_set(lx_ib_stack.serial, k3.settings, "33554431", &error), 0);
+    const struct dg_ib_model model = lx_ib_settings_model((const void *)k3.settings, 1);
+    assert_int_equal(model.steps, 8192);
+    assert_int_equal(model.turns, 16);
+    assert_true(model.steps_minus_one && !model.temperature_sensor && model.loop);
+    assert_int_equal(model.param_cycles, 7);
+    assert_int_equal(model.self_test, DG_S(1));
+    assert_int_equal(model.version, 0x1FFFFFF);
+    assert_int_equal(model.serial, 0); /* one after the last one of 25 bits */
+    assert_false(k3.world.eeprom_acknowledges);
+    assert_int_equal(lx_ib_settings_model((const void *)k1.settings, 0).turns, 1);
+}
+
+/* --- which keys there are --- */
+
+/* The keys that a mistyped one is answered with, of an encoder on `wire`. */
+static void assert_keys(const char *model, const char *wire, const char *right)
+{
+    const struct lx_plan plan = {.file = NULL};
+    const struct lx_plan_wire on = {.kind = lx_wire_find(wire, strlen(wire))};
+    struct lx_plan_encoder encoder = {.model = dg_device_find(model)};
+    struct bench self = bench_of(model);
+    struct lx_error error;
+    assert_int_equal(lx_plan_add_assignment(&encoder.settings, "nokey=1", 0, &error), 0);
+    assert_int_equal(lx_stack_settings(&plan, &on, &encoder, self.settings, &self.world, &error),
+                     -1);
+    assert_string_equal(error.where.key, "nokey");
+    assert_string_equal(error.right, right);
+    lx_plan_free_settings(&encoder.settings);
+}
+
+#define SENSES                                                                                     \
+    " temperature led_current_ua supply_mv battery_mv sin_amplitude_permille "                     \
+    "cos_amplitude_permille sin_offset_permille cos_offset_permille singleturn_ok "                \
+    "multiturn_amplitude_ok multiturn_sync_ok multiturn_vector_ok eeprom_acknowledges "            \
+    "watchdog_fired"
+
+static void a_mistyped_key_names_those_of_the_encoder(void **state)
+{
+    (void)state;
+    assert_keys("s3684-biss", "sim",
+                "valid: mt st lc autostore busy_us busy_jitter_us sl_low_at_start stop_bit "
+                "eeprom_read_us eeprom_write_us timeout_us init_ms" SENSES
+                "; of the wire: clock_hz line_delay_ns");
+    assert_keys("f3668", "slcan", "valid: mt_bits" SENSES "; of the wire: pace");
+    assert_keys("f3658", "can", "valid:" SENSES "; of the wire: pace");
+    assert_keys("s3674-rs485", "pty",
+                "valid: pace line sincos_us reaction_us init_ms periods steps turns memory "
+                "implemented type option version date designation temperature_min temperature_max "
+                "led_min_ma led_max_ma speed_max_rpm" SENSES);
+    assert_keys("ocd-ib-k3", "modbus",
+                "valid: steps turns steps_minus_one temperature_sensor loop param_cycles "
+                "self_test_ms version temperature singleturn_ok multiturn_amplitude_ok "
+                "multiturn_sync_ok multiturn_vector_ok eeprom_acknowledges; of the wire: cycle "
+                "tear break_at");
+}
+
+/* --- addresses --- */
+
+static void addresses(void **state)
+{
+    static const struct {
+        const char *model;
+        const char *text;
+        int number;
+        const char *right;
+    } rows[] = {
+        {"f3668", "1", 1, NULL},
+        {"f3668", "7Fh", 127, NULL},
+        {"f3668", "0", -1, "node 0: a node-ID in 1..127 is right"},
+        {"f3668", "128", -1, "node 128: a node-ID in 1..127 is right"},
+        {"f3668", "x", -1, "node x: a node-ID in 1..127 is right"},
+        {"s3674-rs485", "0x5F", 0x5F, NULL},
+        {"s3674-rs485", "0x60", -1, "address 0x60: an RS485 address in 0x40..0x5F is right"},
+        {"s3674-rs485", "none", -1, "address none: an RS485 address in 0x40..0x5F is right"},
+    };
+    (void)state;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        struct lx_error error = {.right = ""};
+        const struct lx_stack *stack = lx_stack_of(dg_device_find(rows[i].model));
+        assert_int_equal(lx_stack_address(stack, rows[i].text, &error), rows[i].number);
+        if (rows[i].number < 0) {
+            assert_string_equal(lx_error_line(&error).text, rows[i].right);
+        }
+    }
+}
+
+/* --- errors --- */
+
+static void whoever_is_nearest_says_where(void **state)
+{
+    struct lx_error error;
+    (void)state;
+    assert_int_equal(lx_refuse(&error, "2 is right", "%s is wrong", "1"), -1);
+    assert_string_equal(lx_error_line(&error).text, "1 is wrong; 2 is right");
+    assert_int_equal(lx_about(&error, LX_ABOUT_SETTING, "a", "1"), -1);
+    assert_int_equal(lx_about(&error, LX_ABOUT_WIRE, "pty", "x"), -1);
+    assert_string_equal(lx_error_line(&error).text, "a=1: 1 is wrong; 2 is right");
+    assert_int_equal(lx_stands(&error, NULL, 3), -1);
+    assert_int_equal(lx_stands(&error, "r.ini", 4), -1);
+    assert_int_equal(lx_stands(&error, "r.ini", 5), -1);
+    assert_string_equal(lx_error_line(&error).text, "r.ini:4: a=1: 1 is wrong; 2 is right");
+    assert_string_equal(lx_error_reason(&error).text, "1 is wrong; 2 is right");
+    (void)lx_fail(&error, "so: %s", error.what);
+    assert_string_equal(lx_error_line(&error).text, "so: 1 is wrong");
+    (void)lx_about(&error, LX_ABOUT_ITSELF, "", NULL);
+    (void)lx_about(&error, LX_ABOUT_KEY, "nvm", "x");
+    assert_string_equal(lx_error_line(&error).text, "so: 1 is wrong");
+}
+
+static void an_error_is_one_line_without_colours(void **state)
+{
+    struct lx_error error;
+    (void)state;
+    (void)lx_refuse(&error, "a\nb", "%s", "\033[31mred\r");
+    (void)lx_about(&error, LX_ABOUT_SETTING, "k\a", "\x7F\t");
+    assert_string_equal(lx_error_line(&error).text, "k?=??: ?[31mred?; a?b");
+}
+
+/* What is too long loses its end, and nothing else. */
+static void long_errors_are_cut(void **state)
+{
+    struct lx_error error;
+    char text[3000];
+    (void)state;
+    memset(text, 'x', sizeof text - 1);
+    text[sizeof text - 1] = '\0';
+    (void)lx_refuse(&error, "right", "%s", text);
+    (void)lx_about(&error, LX_ABOUT_SETTING, text, text);
+    (void)lx_stands(&error, text, 9);
+    const struct lx_words line = lx_error_line(&error);
+    assert_non_null(strstr(line.text, "x:9: x"));
+    assert_true(strlen(line.text) < sizeof line.text);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(rows_are_whole),
+        cmocka_unit_test(names_are_unique),
+        cmocka_unit_test(limits_of_every_row),
+        cmocka_unit_test(values_reach_their_place),
+        cmocka_unit_test(what_is_out_of_range_is_refused),
+        cmocka_unit_test(serial_numbers_get_zeros_in_front),
+        cmocka_unit_test(figures_have_to_fit_each_other),
+        cmocka_unit_test(settings_of_an_interbus_encoder),
+        cmocka_unit_test(a_mistyped_key_names_those_of_the_encoder),
+        cmocka_unit_test(addresses),
+        cmocka_unit_test(whoever_is_nearest_says_where),
+        cmocka_unit_test(an_error_is_one_line_without_colours),
+        cmocka_unit_test(long_errors_are_cut),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
