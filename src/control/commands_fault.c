@@ -267,7 +267,7 @@ void control_erase(struct dg_scpi *self)
         return;
     }
     if (dg_encoder_powered(encoder)) {
-        dg_control_refuse(self, DG_SCPI_CONFLICT, "its power is on");
+        dg_control_refuse(self, DG_SCPI_CONFLICT, "its power is on; POWer OFF first");
         return;
     }
     const bool formatted = dg_encoder_format(encoder) == DG_OK;

@@ -217,6 +217,8 @@ static unsigned base_of(const char *text)
     return 0;
 }
 
+static const char *const a_number[] = {"a number"};
+
 /* @return false: an error was raised */
 static bool read_based(struct dg_scpi *self, unsigned base, struct value *out)
 {
@@ -224,7 +226,7 @@ static bool read_based(struct dg_scpi *self, unsigned base, struct value *out)
 
     *out = (struct value){.magnitude = 0};
     if (digit_in(*at, base) < 0) {
-        scpi_refuse(self, DG_SCPI_DATA_TYPE);
+        scpi_refuse_word(self, DG_SCPI_DATA_TYPE, a_number, 1);
         return false;
     }
     for (; digit_in(*at, base) >= 0; at++) {
@@ -261,6 +263,20 @@ static const struct suffix *find_suffix(enum dg_scpi_unit unit, const char *name
     return NULL;
 }
 
+/* A number that takes none has no list of them. */
+static void refuse_suffix(struct dg_scpi *self, enum dg_scpi_unit unit)
+{
+    const char *names[SUFFIX_COUNT];
+    size_t count = 0;
+
+    for (size_t i = 0; i < SUFFIX_COUNT; i++) {
+        if (suffixes[i].unit == (uint8_t)unit) {
+            names[count++] = unit == DG_SCPI_PLAIN ? "a number alone" : suffixes[i].name;
+        }
+    }
+    scpi_refuse_word(self, DG_SCPI_SUFFIX, names, count);
+}
+
 /* @return false: an error was raised */
 static bool read_suffix(struct dg_scpi *self, const struct dg_scpi_range *range, struct suffix *out)
 {
@@ -269,7 +285,7 @@ static bool read_suffix(struct dg_scpi *self, const struct dg_scpi_range *range,
     const struct suffix *found = find_suffix(range->unit, &self->line[self->at], n);
 
     if (found == NULL) {
-        scpi_refuse(self, DG_SCPI_SUFFIX);
+        refuse_suffix(self, range->unit);
         return false;
     }
     *out = *found;
@@ -287,7 +303,7 @@ static bool read_decimal(struct dg_scpi *self, const struct dg_scpi_range *range
     struct suffix suffix;
 
     if (!read_mantissa(self, &number)) {
-        scpi_refuse(self, DG_SCPI_DATA_TYPE);
+        scpi_refuse_word(self, DG_SCPI_DATA_TYPE, a_number, 1);
         return false;
     }
     read_exponent(self, &number);

@@ -121,7 +121,7 @@ bool dg_scpi_word(struct dg_scpi *self, const char *const *words, size_t count, 
             return true;
         }
     }
-    scpi_refuse(self, DG_SCPI_ILLEGAL);
+    scpi_refuse_word(self, DG_SCPI_ILLEGAL, words, count);
     return false;
 }
 

@@ -28,6 +28,12 @@ const struct dg_scpi_commands *scpi_commands(const struct dg_scpi *self, size_t 
 const struct dg_scpi_command *scpi_find(const struct dg_scpi *self, const char *header, size_t n,
                                         bool query);
 
+/** near.c: raise an error with what would be right. */
+/** Nothing is called `header` (n characters, with '?' when it is a query). */
+void scpi_refuse_header(struct dg_scpi *self, const char *header, size_t n, bool query);
+/** What stands at the place is none of these words. */
+void scpi_refuse_word(struct dg_scpi *self, int code, const char *const *words, size_t count);
+
 /** parameter.c: from the place in the line on. */
 bool scpi_is_end(char c);
 void scpi_skip_blanks(struct dg_scpi *self);

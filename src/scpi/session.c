@@ -79,9 +79,7 @@ static bool find_command(struct dg_scpi *self)
     const size_t bare = n - (self->query ? 1u : 0u);
     self->command = scpi_find(self, header, bare, self->query);
     if (self->command == NULL) {
-        struct scpi_detail detail = {.length = 0};
-        scpi_detail_add(&detail, header, n);
-        dg_scpi_raise(self, DG_SCPI_UNDEFINED, detail.text);
+        scpi_refuse_header(self, header, n, self->query);
         return false;
     }
     set_path(self, header, bare);

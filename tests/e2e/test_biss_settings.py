@@ -67,7 +67,7 @@ def test_slo_at_the_start(tmp_path):
 @pytest.mark.parametrize("assignment, right", [
     ("st=11", "a number in 12..24"), ("st=25", "a number in 12..24"), ("mt=25", "a number in 0..24"),
     ("busy_us=41", "a number in 0..40"), ("busy_jitter_us=41", "a number in 0..40"),
-    ("busy_jitter_us=x", "a number in 0..40"), ("sl_low_at_start=2", "a number in 0..1"),
+    ("busy_jitter_us=x", "a number in 0..40"), ("sl_low_at_start=2", "0 or 1"),
     ("stop_bit=late", "own or early"), ("stop_bit=", "own or early"), ("stop_bit=1", "own or early"),
     ("stop_bit", ""),
 ])
@@ -97,7 +97,7 @@ def test_busy_and_its_jitter_together(tmp_path):
     both = ["busy_us=30", "busy_jitter_us=11"]
     for chosen in (both, both[::-1]):
         line = run_refused(2, "biss", S3674, "read", *settings(*chosen))
-        assert "busy_us 30 and busy_jitter_us 11: together at most 40 is right" in line
+        assert "busy_us 30 and busy_jitter_us 11; together at most 40 is right" in line
     biss(S3674, "read", *settings("busy_jitter_us=40", "busy_us=0"))
     rig = tmp_path / "rig.ini"
     rig.write_text(f"[encoder a]\nmodel = {S3674}\nwire = sim\nbusy_us = 30\nbusy_jitter_us = 11\n",

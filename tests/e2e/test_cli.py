@@ -39,6 +39,41 @@ USAGE_ERRORS = [
     (["run", MULTITURN, "--node", "5"], r"--node 5"),
     (["run", "f3668", "--slcan", "--node", "5..4"], r"1\.\.127"),
     (["run", "f3668", "--slcan", "--node", "1..128"], r"1\.\.127"),
+    (["run", MULTITURN, "--pty", "/tmp/x"], r"/tmp/x; --pty=/tmp/x is right$"),
+    (["run", "f3668", "--slcan", "/tmp/x"], r"/tmp/x; --slcan=/tmp/x is right$"),
+    (["run", MULTITURN, "f3668"], r"'drehgeber run RIG\.ini'"),
+    (["eds", "f3658", "out.eds"], r"'drehgeber eds f3658 > out\.eds' is right$"),
+    ([MULTITURN], rf"'drehgeber run {MULTITURN}' is right$"),
+    (["map", "ocd-ib-k3", "out"], r"'drehgeber map MODEL' is right$"),
+    (["run", MULTITURN, "--shaft", "90"], r"--shaft 90: '90' has no unit; 90DEG or 90RPM, for one, is right$"),
+    (["run", MULTITURN, "--shaft", "sine:90"], r"an angle such as 90DEG"),
+    (["run", MULTITURN, "--nvm", ""], r"--nvm: empty; --nvm FILE is right$"),
+    (["run", "ocd-ib-k3", "--ring", ""], r"--ring: empty; --ring MODELS is right$"),
+    (["run", "ocd-ib-k3", "--ring", "ocd-ib-k1,x"], r"--ring x: 'x' is no INTERBUS model; valid: ocd-ib-k1 ocd-ib-k2 ocd-ib-k3, "),
+    (["run", MULTITURN, "--set", "=1"], r"--set =1: KEY=VALUE is right$"),
+    (["run", "s3684-biss", "--gpio", "x:1,2", "--set", "clock_hz=1000000"], r"only a sim wire has it; leave it out$"),
+    (["biss", "s3684-biss", "registers"], r"no address; right is read, "),
+]
+
+# What is asked about, and words that its help has to have; nothing is started.
+HELP = [
+    (["--help"], ["drehgeber run MODEL", "--pty", "KEY=VALUE of BiSS encoders", "mt_bits"]),
+    (["help"], ["drehgeber run MODEL"]),
+    (["help", "run"], ["drehgeber run MODEL", "drehgeber run RIG.ini", "--modbus=HOST:PORT", "MOTION"]),
+    (["run", "--help"], ["drehgeber run MODEL", "drehgeber run RIG.ini", "--pty[=LINK]"]),
+    (["run", MULTITURN, "--help"], ["--pty[=LINK]", "pty is its usual wire", "reaction_us", "default 1000)", "turns", "4096)"]),
+    (["run", SINGLETURN, "-h"], ["turns", "default 1)"]),
+    (["run", "s3684-biss", "--nvm", "x", "--help"], ["stop_bit", "clock_hz", "default 1000000)"]),
+    (["run", "f3668", "--help"], ["mt_bits", "pace"]),
+    (["run", "rig.ini", "--help"], ["drehgeber run RIG.ini"]),
+    (["biss", "--help"], ["drehgeber biss MODEL ACTION", "registers [BANK:]ADDR N"]),
+    (["biss", "s3684-biss", "read", "--help"], ["drehgeber biss MODEL ACTION", "busy_us"]),
+    (["eds", "--help"], ["drehgeber eds MODEL"]),
+    (["eds", "f3668", "--help"], ["drehgeber eds MODEL"]),
+    (["map", "--help"], ["drehgeber map MODEL", "--ring"]),
+    (["ctl", "--help"], ["drehgeber ctl", "--control"]),
+    (["top", "--help"], ["drehgeber top"]),
+    (["list", "--help"], ["drehgeber list"]),
 ]
 
 BAD_CSV = [
@@ -65,8 +100,27 @@ def test_help():
         assert word in ended.stdout
 
 
-def test_version():
-    ended = run("--version")
+@pytest.mark.parametrize("arguments, words", HELP, ids=lambda value: " ".join(value))
+def test_help_of_a_command(arguments, words):
+    ended = run(*arguments)
+    assert (ended.returncode, ended.stderr) == (0, "")
+    for word in words:
+        assert word in ended.stdout, word
+    assert "ready" not in ended.stdout.splitlines()[0]
+
+
+def test_help_is_about_what_was_asked():
+    """Of another command, of another kind of encoder there is not a word."""
+    said = run("run", MULTITURN, "--help").stdout
+    assert "stop_bit" not in said and "mt_bits" not in said and "clock_hz" not in said
+    assert "--pty" not in run("ctl", "--help").stdout
+    assert "KEY=VALUE of" not in run("run", "--help").stdout
+
+
+@pytest.mark.parametrize("arguments", [["--version"], ["run", MULTITURN, "--version"], ["-V"]],
+                         ids=lambda value: " ".join(value))
+def test_version(arguments):
+    ended = run(*arguments)
     assert (ended.returncode, ended.stderr) == (0, "")
     assert re.fullmatch(r"drehgeber \d+\.\d+\.\d+\S*\n", ended.stdout)
 

@@ -408,7 +408,7 @@ def test_tcp_has_no_folder_unless_one_is_given(tmp_path):
         assert bench.begin(kind, bench.folder / f"new.{kind[3]}") in BUSY
     assert bench.client.error('SHAF:PROF "m.csv"') == -256
     bench.client.send('SHAF:REC:STAR "x.csv"')
-    assert "--files" in bench.client.ask("SYST:ERR?")
+    assert "files = DIR" in bench.client.ask("SYST:ERR?")
     bench.client.do('SHAF:PROF "60RPM"')
     assert everything(tmp_path) == before
     bench.close()

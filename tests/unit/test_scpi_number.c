@@ -37,8 +37,8 @@ struct row {
 };
 #define GOOD "0,\"No error\"\n"
 #define RANGE(text) "-222,\"Data out of range;" text "\"\n"
-#define TYPE(text) "-104,\"Data type error;" text "\"\n"
-#define SUFFIX(text) "-131,\"Invalid suffix;" text "\"\n"
+#define TYPE(text) "-104,\"Data type error;" text "; a number is right\"\n"
+#define SUFFIX(text, right) "-131,\"Invalid suffix;" text "; " right " is right\"\n"
 #define BEFORE 77 /* what a value is when a command is refused */
 
 static void check_all(enum scpi_rig_value which, const char *header, const struct row *rows,
@@ -87,14 +87,14 @@ static const struct row whole[] = {
     {"MINI", BEFORE, TYPE("MINI")}, {"MAX 1", BEFORE, "-102,\"Syntax error;1\"\n"}, {"abc", BEFORE, TYPE("abc")}, {"-", BEFORE, TYPE("-")},
     {".", BEFORE, TYPE(".")}, {"+.", BEFORE, TYPE("+.")}, {"--1", BEFORE, TYPE("--1")}, {"\"1\"", BEFORE, TYPE("\"\"1\"\"")},
     {"#H", BEFORE, TYPE("#H")}, {"#HG", BEFORE, TYPE("#HG")}, {"#Q8", BEFORE, TYPE("#Q8")}, {"#B2", BEFORE, TYPE("#B2")}, {"#X1", BEFORE, TYPE("#X1")},
-    {"#B12", BEFORE, TYPE("2")}, {"0x", BEFORE, TYPE("0x")}, {"#H1 2", BEFORE, "-102,\"Syntax error;2\"\n"},
-    {"1.2.3", BEFORE, SUFFIX(".3")}, {"1E", BEFORE, SUFFIX("E")}, {"1E+", BEFORE, SUFFIX("E+")}, {"1V", BEFORE, SUFFIX("V")}, {"1 2", BEFORE, SUFFIX("2")},
+    {"#B12", BEFORE, "-104,\"Data type error;2\"\n"}, {"0x", BEFORE, TYPE("0x")}, {"#H1 2", BEFORE, "-102,\"Syntax error;2\"\n"},
+    {"1.2.3", BEFORE, SUFFIX(".3", "a number alone")}, {"1E", BEFORE, SUFFIX("E", "a number alone")}, {"1E+", BEFORE, SUFFIX("E+", "a number alone")}, {"1V", BEFORE, SUFFIX("V", "a number alone")}, {"1 2", BEFORE, SUFFIX("2", "a number alone")},
 };
 static const struct row thousandths[] = {
     {"0.5", 500, GOOD}, {"-1.5", -1500, GOOD}, {"0.0019", 1, GOOD}, {"-0.0019", -1, GOOD}, {"5E-4", 0, GOOD}, {"1", 1000, GOOD}, {"MAX", 1000, GOOD},
     {"1.001", BEFORE, RANGE("-1.5..1")}, {"-1.501", BEFORE, RANGE("-1.5..1")}, {"1E9", BEFORE, RANGE("-1.5..1")},
     {"18446744073709551.615", BEFORE, RANGE("-1.5..1")}, {"18446744073709552", BEFORE, RANGE("-1.5..1")},
-    {"#H1", BEFORE, TYPE("#H1")}, {"0x1", BEFORE, SUFFIX("x1")},
+    {"#H1", BEFORE, TYPE("#H1")}, {"0x1", BEFORE, SUFFIX("x1", "a number alone")},
 };
 static const struct row angles[] = {
     {"90", 1073741824, GOOD}, {"90DEG", 1073741824, GOOD}, {"90 deg", 1073741824, GOOD}, {"-90", -1073741824, GOOD}, {"9E1DEG", 1073741824, GOOD},
@@ -106,29 +106,29 @@ static const struct row angles[] = {
     {"6000000000", 71582788266666667, GOOD}, {"-6000000000", -71582788266666666, GOOD}, {"6E9DEG", 71582788266666667, GOOD},
     {"16666666.666666666REV", 71582788266666664, GOOD},
     {"1E12", BEFORE, RANGE("-386547056640..386547056640 DEG")}, {"-1E30", BEFORE, RANGE("-386547056640..386547056640 DEG")},
-    {"90GRAD", BEFORE, SUFFIX("GRAD")}, {"90RPM", BEFORE, SUFFIX("RPM")}, {"90 DEG REV", BEFORE, "-102,\"Syntax error;REV\"\n"}, {"REV", BEFORE, TYPE("REV")},
+    {"90GRAD", BEFORE, SUFFIX("GRAD", "DEG or REV")}, {"90RPM", BEFORE, SUFFIX("RPM", "DEG or REV")}, {"90 DEG REV", BEFORE, "-102,\"Syntax error;REV\"\n"}, {"REV", BEFORE, TYPE("REV")},
 };
 static const struct row speeds[] = {
     {"60", 60000, GOOD}, {"60RPM", 60000, GOOD}, {"-0.001 rpm", -1, GOOD}, {"0.0009", 0, GOOD}, {"6000", 6000000, GOOD},
-    {"6000.001", BEFORE, RANGE("-6000..6000 RPM")}, {"60RPM/S", BEFORE, SUFFIX("RPM/S")},
+    {"6000.001", BEFORE, RANGE("-6000..6000 RPM")}, {"60RPM/S", BEFORE, SUFFIX("RPM/S", "RPM")},
 };
 static const struct row accelerations[] = {
-    {"60", 60000, GOOD}, {"60 RPM/S", 60000, GOOD}, {"-1", BEFORE, RANGE("0..1000000.5 RPM/S")}, {"60RPM", BEFORE, SUFFIX("RPM")},
+    {"60", 60000, GOOD}, {"60 RPM/S", 60000, GOOD}, {"-1", BEFORE, RANGE("0..1000000.5 RPM/S")}, {"60RPM", BEFORE, SUFFIX("RPM", "RPM/S")},
 };
 static const struct row spans[] = {
     {"5", 5000000, GOOD}, {"5MS", 5000000, GOOD}, {"5 s", 5000000000, GOOD}, {"5us", 5000, GOOD}, {"5NS", 5, GOOD}, {"0.5NS", 0, GOOD}, {"1E-3S", 1000000, GOOD},
     {"9223372036.854775807S", INT64_MAX, GOOD}, {"MAX", INT64_MAX, GOOD},
-    {"9223372036.854775808S", BEFORE, RANGE("0..9223372036854.775807 MS")}, {"-1", BEFORE, RANGE("0..9223372036854.775807 MS")}, {"1M", BEFORE, SUFFIX("M")},
+    {"9223372036.854775808S", BEFORE, RANGE("0..9223372036854.775807 MS")}, {"-1", BEFORE, RANGE("0..9223372036854.775807 MS")}, {"1M", BEFORE, SUFFIX("M", "MS, S, US or NS")},
     {"18446744073.9S", BEFORE, RANGE("0..9223372036854.775807 MS")},
 };
 static const struct row temperatures[] = {
-    {"85", 85000, GOOD}, {"-40.5DEGC", -40500, GOOD}, {"20 cel", 20000, GOOD}, {"201", BEFORE, RANGE("-100..200 DEGC")}, {"85DEG", BEFORE, SUFFIX("DEG")},
+    {"85", 85000, GOOD}, {"-40.5DEGC", -40500, GOOD}, {"20 cel", 20000, GOOD}, {"201", BEFORE, RANGE("-100..200 DEGC")}, {"85DEG", BEFORE, SUFFIX("DEG", "DEGC or CEL")},
 };
 static const struct row voltages[] = {
-    {"5000", 5000, GOOD}, {"5V", 5000, GOOD}, {"2.8 v", 2800, GOOD}, {"2800mV", 2800, GOOD}, {"31V", BEFORE, RANGE("0..30000 MV")}, {"5UV", BEFORE, SUFFIX("UV")},
+    {"5000", 5000, GOOD}, {"5V", 5000, GOOD}, {"2.8 v", 2800, GOOD}, {"2800mV", 2800, GOOD}, {"31V", BEFORE, RANGE("0..30000 MV")}, {"5UV", BEFORE, SUFFIX("UV", "MV or V")},
 };
 static const struct row currents[] = {
-    {"5000", 5000, GOOD}, {"5mA", 5000, GOOD}, {"5000 UA", 5000, GOOD}, {"0.0015MA", 1, GOOD}, {"101MA", BEFORE, RANGE("0..100000 UA")}, {"1A", BEFORE, SUFFIX("A")},
+    {"5000", 5000, GOOD}, {"5mA", 5000, GOOD}, {"5000 UA", 5000, GOOD}, {"0.0015MA", 1, GOOD}, {"101MA", BEFORE, RANGE("0..100000 UA")}, {"1A", BEFORE, SUFFIX("A", "UA or MA")},
 };
 /* clang-format on */
 

@@ -110,11 +110,12 @@ static void the_queue_overflows(void **state)
         ask("*ESR?\n", round == 0 ? "168\n" : "40\n");
         for (unsigned i = 1; i < DG_SCPI_ERRORS_MAX; i++) {
             char answer[64];
-            (void)snprintf(answer, sizeof answer, "-113,\"Undefined header;NO%u\"\n", i);
+            (void)snprintf(answer, sizeof answer,
+                           "-113,\"Undefined header;NO%u; SYSTem:HELP? has all\"\n", i);
             ask("SYST:ERR?\n", answer);
         }
         ask("SYST:ERR:COUN?;NEXT?;NEXT?;COUN?\n", "1;-350,\"Queue overflow\";0,\"No error\";0\n");
-        ask("NO\nSYST:ERR?\n", "-113,\"Undefined header;NO\"\n");
+        ask("NO\nSYST:ERR?\n", "-113,\"Undefined header;NO; SYSTem:HELP? has all\"\n");
     }
 }
 
@@ -123,7 +124,7 @@ static void all_errors_at_once(void **state)
     (void)state;
     ask("SYST:ERR:ALL?\n", "0,\"No error\"\n");
     ask("NO;*TST?\nSHAF:POS\nSYST:ERR:ALL?;COUN?\n",
-        "-113,\"Undefined header;NO\",-109,\"Missing parameter;SHAFt:POSition ANGLE\";0\n");
+        "-113,\"Undefined header;NO; SYSTem:HELP? has all\",-109,\"Missing parameter;SHAFt:POSition ANGLE\";0\n");
 }
 
 /* 11.2: bits of the status byte, each one's mask. */
@@ -143,7 +144,7 @@ static void status_byte(void **state)
         {"*ESE 16;*STB?\n", "68\n"},
         {"*ESE #H20;*ESE?;*STB?\n", "32;100\n"},
         {"*ESR?;*STB?\n", "32;68\n"},
-        {"SYST:ERR?;:*STB?\n", "-113,\"Undefined header;NO\";0\n"},
+        {"SYST:ERR?;:*STB?\n", "-113,\"Undefined header;NO; SYSTem:HELP? has all\";0\n"},
         {"*ESE 256\n*ESE -1\n*SRE 256\n*ESE?;*SRE?\n", "32;191\n"}, /* 10.10, 10.34: 0 to 255 */
         {"*ESR?;:SYST:ERR:ALL?\n", "16;-222,\"Data out of range;0..255\",-222,\"Data out of "
                                    "range;0..255\",-222,\"Data out of range;0..255\"\n"},

@@ -93,6 +93,7 @@ int ctl_find(const char *wanted, char *to, size_t size, struct lx_error *error)
 struct talk {
     int fd;
     bool from_stdin; /* there may be more to send */
+    bool spoken;     /* there was something to say */
     char *output;    /* owned */
     size_t output_length;
     char *input; /* owned; the lines that were not printed yet */
@@ -124,6 +125,7 @@ static void take_stdin(struct talk *self)
     char bytes[CHUNK];
     const ssize_t n = read(STDIN_FILENO, bytes, sizeof bytes);
     self->from_stdin = n > 0;
+    self->spoken = self->spoken || n > 0;
     if (n > 0) {
         self->failed = !append(&self->output, &self->output_length, bytes, (size_t)n);
     } else {
@@ -216,6 +218,10 @@ static int conclude(struct talk *self, const char *where)
         return EXIT_OTHER;
     }
     line[strcspn(line, "\n")] = '\0';
+    if (!self->spoken) {
+        lx_complain("no command, and none on stdin; 'drehgeber ctl SYST:HELP?' lists them");
+        return EXIT_USAGE;
+    }
     if (strncmp(line, NO_ERROR, strlen(NO_ERROR)) == 0) {
         return EXIT_OK;
     }
@@ -228,7 +234,7 @@ int ctl_command(const char *wanted, char *const *words, size_t count)
     char where[LX_SERVER_ADDRESS_MAX];
     char greeting[LX_ACCESS_GREETING_MAX];
     struct lx_error error;
-    struct talk self = {.from_stdin = count == 0};
+    struct talk self = {.from_stdin = count == 0, .spoken = count > 0};
     if (ctl_find(wanted, where, sizeof where, &error) != 0) {
         return complain(&error, wanted == NULL ? EXIT_OTHER : EXIT_USAGE);
     }

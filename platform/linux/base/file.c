@@ -108,7 +108,8 @@ static int refuse_below(const struct lx_folder *folder, const char *path, int re
                         struct lx_error *error)
 {
     if (folder->fd < 0) {
-        return lx_fail(error, "no files for clients of TCP; a folder for them (files) is right");
+        return lx_fail(
+            error, "no files for clients of TCP; files = DIR in [rig], or that option, is right");
     }
     if (reason == EXDEV || reason == ELOOP) {
         return lx_fail(error, "%.36s: not in the folder for files; a name below it is right", path);

@@ -296,7 +296,8 @@ static int set_scale(struct dg_rig *control, uint32_t permille, char *detail)
 {
     struct lx_rig *self = rig_of(control);
     if (!simulated(self)) {
-        return refuse(DG_SCPI_CONFLICT, detail, "a wire of this rig runs in real time");
+        return refuse(DG_SCPI_CONFLICT, detail,
+                      "a wire of this rig runs in real time; only sim wires need not");
     }
     const dg_ns now = lx_clock_now(&self->clock);
     self->clock = (struct lx_clock){.real = lx_now(), .virtual_ = now, .permille = permille};

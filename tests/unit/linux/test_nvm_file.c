@@ -59,17 +59,13 @@ int fdatasync(int fd)
     return fails ? -1 : (int)syscall(SYS_fdatasync, fd);
 }
 
-/* A folder of its own and a file name in it for each test. */
+#define MODEL "s3684-rs485"
+/* For each test. */
 struct place {
     char folder[32];
     char path[64];
     struct lx_hf_settings settings;
 };
-
-static int set(struct lx_hf_settings *settings, const char *assignment, struct lx_error *error)
-{
-    return set_key(dg_device_find("s3684-rs485"), settings, NULL, assignment, error);
-}
 
 static void set_serial(struct lx_hf_settings *settings, const char *digits)
 {
@@ -85,7 +81,7 @@ static int set_up(void **state)
     (void)strcpy(self->folder, "/tmp/test_nvm_file.XXXXXX");
     assert_non_null(mkdtemp(self->folder));
     (void)snprintf(self->path, sizeof self->path, "%s/nvm", self->folder);
-    lx_hf_stack.defaults(&self->settings, dg_device_find("s3684-rs485"));
+    lx_hf_stack.defaults(&self->settings, dg_device_find(MODEL));
     *state = self;
     return 0;
 }
@@ -338,15 +334,16 @@ static void other_factory_figures_are_refused(void **state)
     struct lx_error error;
     make_image(place);
     lx_hf_stack.defaults(&place->settings, dg_device_find("s3674-rs485"));
-    refused(place, "belongs to s3684-rs485");
+    refused(place, "belongs to " MODEL);
     static const char *const others[] = {"periods=1024", "memory=22", "type=28h",
                                          "designation=other", "temperature_max=60"};
     for (size_t i = 0; i < sizeof others / sizeof others[0]; i++) {
-        lx_hf_stack.defaults(&place->settings, dg_device_find("s3684-rs485"));
-        assert_int_equal(set(&place->settings, others[i], &error), 0);
+        lx_hf_stack.defaults(&place->settings, dg_device_find(MODEL));
+        assert_int_equal(set_key(dg_device_find(MODEL), &place->settings, NULL, others[i], &error),
+                         0);
         refused(place, "differs");
     }
-    lx_hf_stack.defaults(&place->settings, dg_device_find("s3684-rs485"));
+    lx_hf_stack.defaults(&place->settings, dg_device_find(MODEL));
     set_serial(&place->settings, "1");
     refused(place, "serial number differs");
 }
@@ -359,9 +356,11 @@ static void a_units_own_identity_is_kept(void **state)
     struct lx_eeprom eeprom;
     set_serial(&place->settings, "777");
     make_image(place);
-    lx_hf_stack.defaults(&place->settings, dg_device_find("s3684-rs485"));
-    assert_int_equal(set(&place->settings, "version=v9.9.9-new", &error), 0);
-    assert_int_equal(set(&place->settings, "date=01012030", &error), 0);
+    lx_hf_stack.defaults(&place->settings, dg_device_find(MODEL));
+    assert_int_equal(
+        set_key(dg_device_find(MODEL), &place->settings, NULL, "version=v9.9.9-new", &error), 0);
+    assert_int_equal(
+        set_key(dg_device_find(MODEL), &place->settings, NULL, "date=01012030", &error), 0);
     assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), 0);
     lx_eeprom_close(&eeprom);
 }
@@ -430,9 +429,9 @@ static void an_image_of_an_earlier_release_is_taken_and_grows(void **state)
     const off_t length = length_of(place->path);
     assert_true(length < (off_t)dg_store_size(&dg_hf_layout));
     lx_hf_stack.defaults(&place->settings, dg_device_find("s3674-rs485"));
-    refused(place, "belongs to s3684-rs485");
+    refused(place, "belongs to " MODEL);
     assert_int_equal(length_of(place->path), length);
-    lx_hf_stack.defaults(&place->settings, dg_device_find("s3684-rs485"));
+    lx_hf_stack.defaults(&place->settings, dg_device_find(MODEL));
     assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), 0);
     assert_int_equal(length_of(place->path), length);
     assert_int_equal(dg_store_mount(&store, &dg_hf_layout, eeprom.nvm), DG_ERR_OLDER);
