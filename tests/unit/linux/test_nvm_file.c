@@ -26,7 +26,6 @@
 static const struct lx_say quiet = {.quiet = true};
 
 /* --- a file system that lacks something: these come before libc's own --- */
-
 static int no_rename; /* errno of renameat2(); 0: it works */
 static int no_link;
 static void (*before_naming)(void); /* somebody else is faster */
@@ -60,7 +59,6 @@ int fdatasync(int fd)
 }
 
 #define MODEL "s3684-rs485"
-/* For each test. */
 struct place {
     char folder[32];
     char path[64];
@@ -69,8 +67,7 @@ struct place {
 
 static void set_serial(struct lx_hf_settings *settings, const char *digits)
 {
-    struct lx_error error;
-    assert_int_equal(lx_key_set(lx_hf_stack.serial, settings, digits, &error), 0);
+    assert_int_equal(lx_key_set(lx_hf_stack.serial, settings, digits, &(struct lx_error){0}), 0);
     settings->serial_given = true;
 }
 
