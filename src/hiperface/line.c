@@ -146,7 +146,7 @@ static void end_of_frame(struct dg_hf *self, dg_ns moment)
         self->command < hf_command_count ? &hf_commands[self->command] : NULL;
     self->counters.frames++;
     notice(self);
-    if (self->verdict == DG_HF_NO_ERROR && row->handler == NULL) {
+    if (self->verdict == DG_HF_NO_ERROR && row != NULL && row->handler == NULL) {
         reset(self, moment);
         return;
     }
