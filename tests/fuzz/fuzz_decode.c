@@ -99,8 +99,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
     struct lx_decoder decoder;
     dg_ns now = 0;
 
-    lx_decoder_init(&decoder, dg_devices[fuzz_take(&input) % dg_device_count]->stack, on_line,
-                    NULL);
+    lx_decoder_init(&decoder, on_line, NULL);
     while (input.at < input.end) {
         const uint8_t how = fuzz_take(&input);
         struct lx_tap_event event = {.ours = (how & 1u) != 0};

@@ -12,10 +12,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "drehgeber/biss.h"
-#include "drehgeber/cia406.h"
-#include "drehgeber/hiperface.h"
-#include "drehgeber/interbus.h"
+#include "biss_settings.h"
+#include "can_bus.h"
+#include "hf_settings.h"
+#include "modbus_settings.h"
 #include "trace.h"
 
 #define WORDS_MAX 512u
@@ -28,12 +28,12 @@ struct room {
 
 static const struct {
     const char *name;
-    const struct dg_stack *stack;
+    const struct lx_stack *stack;
 } stacks[] = {
-    {"rs485", &dg_hf_stack},
-    {"biss", &dg_biss_stack},
-    {"can", &dg_cia406_stack},
-    {"interbus", &dg_ib_stack},
+    {"rs485", &lx_hf_stack},
+    {"biss", &lx_biss_stack},
+    {"can", &lx_can_stack},
+    {"interbus", &lx_ib_stack},
 };
 
 /* The next number of the line; there must be one. */
@@ -137,7 +137,7 @@ int main(int argc, char *argv[])
         return 2;
     }
     const struct lx_trace_setup setup = {
-        .path = argv[3], .stack = stacks[stack].stack, .wire = argv[2], .tap = &tap};
+        .path = argv[3], .kind = stacks[stack].stack->trace, .wire = argv[2], .tap = &tap};
     struct lx_trace *trace = lx_trace_open(&setup, 0, &error);
     while (trace != NULL && fgets(line, sizeof line, stdin) != NULL) {
         feed(&tap, line);

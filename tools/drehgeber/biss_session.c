@@ -46,7 +46,7 @@ static int open_trace(struct biss_session *self, const struct options *options, 
 {
     const struct lx_trace_setup trace = {
         .path = options->trace,
-        .stack = &dg_biss_stack,
+        .kind = lx_biss_stack.trace,
         .wire = options->model,
         .tap = &self->tap,
     };

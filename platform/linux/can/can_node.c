@@ -6,6 +6,7 @@
 
 #include "can_bus.h"
 #include "drehgeber/bits.h"
+#include "trace_format.h"
 
 /* --- the plan --- */
 
@@ -42,9 +43,15 @@ static uint32_t without(const struct dg_device *device)
     return dg_cia406_model_of(device)->turns == 1 ? 1u : 0u;
 }
 
+static const char title[] = "CAN";
+static const struct lx_trace_format *const formats[] = {&lx_trace_log, &lx_trace_pcapng,
+                                                        &lx_trace_pcap, NULL};
+static const struct lx_trace_kind trace = {title, formats, false};
+
 const struct lx_stack lx_can_stack = {
     .core = &dg_cia406_stack,
-    .title = "CAN",
+    .title = title,
+    .trace = &trace,
     .wire = "slcan",
     .address = {"node", "a node-ID", 1, 127, 63, false}, /* as delivered: manual, chapter 8 */
     .keys = keys,

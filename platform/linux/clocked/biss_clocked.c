@@ -400,7 +400,6 @@ static void begin_trace(struct lx_trace *self)
 const struct lx_trace_format lx_trace_biss = {
     .ending = ".vcd",
     .mark = LX_VCD_MARK,
-    .stack = &dg_biss_stack,
     .size = sizeof(struct lx_trace_clocked),
     .begin = begin_trace,
     .event = lx_trace_clocked_event,

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "biss_settings.h"
+#include "trace_format.h"
 
 #include <stddef.h>
 #include <string.h>
@@ -46,9 +47,14 @@ static int check(const void *settings, struct lx_error *error)
                      (unsigned)(model->busy / 1000u), (unsigned)(model->busy_jitter / 1000u));
 }
 
+static const char title[] = "BiSS";
+static const struct lx_trace_format *const formats[] = {&lx_trace_biss, NULL};
+static const struct lx_trace_kind trace = {title, formats, false};
+
 const struct lx_stack lx_biss_stack = {
     .core = &dg_biss_stack,
-    .title = "BiSS",
+    .title = title,
+    .trace = &trace,
     .wire = "sim",
     .keys = keys,
     .key_count = sizeof keys / sizeof keys[0],

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "modbus_settings.h"
+#include "trace_format.h"
 
 #include <stddef.h>
 
@@ -48,9 +49,14 @@ static void defaults(void *settings, const struct dg_device *device)
 #define SENSED(id) (UINT32_C(1) << DG_QUANTITY_##id)
 #define ALL ((UINT32_C(1) << DG_QUANTITY_COUNT) - 1u)
 
+static const char title[] = "INTERBUS";
+static const struct lx_trace_format *const formats[] = {&lx_trace_csv, NULL};
+static const struct lx_trace_kind trace = {title, formats, false};
+
 const struct lx_stack lx_ib_stack = {
     .core = &dg_ib_stack,
-    .title = "INTERBUS",
+    .title = title,
+    .trace = &trace,
     .wire = "modbus",
     .is_ring = true,
     .keys = keys,

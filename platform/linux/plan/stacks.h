@@ -11,6 +11,8 @@
 #include "key.h"
 #include "plan.h"
 
+struct lx_trace_kind;
+
 /** How the encoders of a stack are told apart on a bus. */
 struct lx_address {
     const char *key;  /**< of a rig file; NULL: by their places, there is no key */
@@ -24,8 +26,9 @@ struct lx_address {
 /** A protocol of a port. */
 struct lx_stack {
     const struct dg_stack *core;
-    const char *title; /**< of its wires, for messages, e.g. "RS485" */
-    const char *wire;  /**< the kind of wire when none is given */
+    const char *title;                 /**< of its wires, for messages, e.g. "RS485" */
+    const struct lx_trace_kind *trace; /**< of its wires */
+    const char *wire;                  /**< the kind of wire when none is given */
     struct lx_address address;
     bool is_ring;              /**< encoders without a file are one thing with one address */
     const struct lx_key *keys; /**< of its encoders; offsets count from their settings */

@@ -435,9 +435,9 @@ static bool announce_encoders(struct lx_rig *self)
     return written;
 }
 
-const struct dg_stack *lx_rig_stack(const struct lx_rig_wire *self)
+const struct lx_stack *lx_rig_stack(const struct lx_rig_wire *self)
 {
-    return self->stations[0]->plan->model->stack;
+    return lx_stack_of(self->stations[0]->plan->model);
 }
 
 int lx_rig_announce(struct lx_rig *self, struct lx_error *error)

@@ -222,7 +222,7 @@ int lx_rig_trace(struct lx_rig_wire *self, const char *path, struct lx_error *er
     const struct lx_trace_setup setup = {
         .path = path,
         .folder = self->rig->folder,
-        .stack = lx_rig_stack(self),
+        .kind = lx_rig_stack(self)->trace,
         .wire = kind->where_in_trace ? self->plan->where : self->plan->name,
         .tap = &self->bus->tap,
         .held = !self->rig->stands,

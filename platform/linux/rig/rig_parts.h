@@ -47,7 +47,7 @@ struct lx_rig_wire {
 };
 
 /** What the encoders on a wire speak. */
-const struct dg_stack *lx_rig_stack(const struct lx_rig_wire *self);
+const struct lx_stack *lx_rig_stack(const struct lx_rig_wire *self);
 
 /** A rig. */
 struct lx_rig {

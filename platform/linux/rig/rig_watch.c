@@ -65,7 +65,7 @@ int lx_rig_listen(struct lx_rig_wire *self, struct lx_error *error)
         self->lines = NULL;
         return lx_fail(error, "no timer: %s", strerror(-result));
     }
-    lx_decoder_init(&self->decoder, lx_rig_stack(self), on_line, self);
+    lx_decoder_init(&self->decoder, on_line, self);
     self->listener = (struct lx_tap_listener){.event = on_event, .ctx = self};
     lx_tap_add(&self->bus->tap, &self->listener);
     self->listens = true;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "hf_settings.h"
+#include "trace_format.h"
 
 #include <stddef.h>
 
@@ -73,9 +74,14 @@ static int check(const void *settings, struct lx_error *error)
     return check_steps(model, error);
 }
 
+static const char title[] = "RS485";
+static const struct lx_trace_format *const formats[] = {&lx_trace_uart, NULL};
+static const struct lx_trace_kind trace = {title, formats, true};
+
 const struct lx_stack lx_hf_stack = {
     .core = &dg_hf_stack,
-    .title = "RS485",
+    .title = title,
+    .trace = &trace,
     .wire = "pty",
     .address = {"address", "an RS485 address", DG_HF_ADDRESS_DEFAULT, DG_HF_ADDRESS_LAST,
                 DG_HF_ADDRESS_DEFAULT, true},

@@ -48,11 +48,10 @@ void lx_text_bytes(struct lx_text *self, const char *before, const uint8_t *byte
     lx_text_add(self, "%s", n > BYTES_SHOWN ? " ..." : "");
 }
 
-void lx_decoder_init(struct lx_decoder *self, const struct dg_stack *stack,
+void lx_decoder_init(struct lx_decoder *self,
                      void (*line)(void *ctx, dg_ns at, bool ours, const char *text), void *ctx)
 {
     memset(self, 0, sizeof *self);
-    self->stack = stack;
     self->line = line;
     self->ctx = ctx;
 }

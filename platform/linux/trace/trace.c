@@ -10,38 +10,10 @@
 #include <string.h>
 #include <time.h>
 
-#include "drehgeber/biss.h"
-#include "drehgeber/cia406.h"
-#include "drehgeber/hiperface.h"
-#include "drehgeber/interbus.h"
 #include "file.h"
 #include "trace_format.h"
 
 #define FLUSH_NS DG_S(1)
-
-static const struct lx_trace_format *const formats[] = {
-    &lx_trace_uart, &lx_trace_biss, &lx_trace_log, &lx_trace_pcapng, &lx_trace_pcap, &lx_trace_csv,
-};
-#define FORMAT_COUNT (sizeof formats / sizeof formats[0])
-
-static const struct {
-    const struct dg_stack *stack;
-    const char *wire;
-} wires[] = {
-    {&dg_hf_stack, "RS485"},
-    {&dg_biss_stack, "BiSS"},
-    {&dg_cia406_stack, "CAN"},
-    {&dg_ib_stack, "INTERBUS"},
-};
-
-static const char *wire_of(const struct dg_stack *stack)
-{
-    size_t i = 0;
-    while (i < sizeof wires / sizeof wires[0] - 1 && wires[i].stack != stack) {
-        i++;
-    }
-    return wires[i].wire;
-}
 
 static bool ends_in(const char *path, const char *ending)
 {
@@ -50,22 +22,17 @@ static bool ends_in(const char *path, const char *ending)
     return n > end && strcmp(path + n - end, ending) == 0 && path[n - end - 1] != '/';
 }
 
-static const struct lx_trace_format *find(const char *path, const struct dg_stack *stack,
+static const struct lx_trace_format *find(const char *path, const struct lx_trace_kind *kind,
                                           struct lx_error *error)
 {
-    char endings[64] = "";
-    for (size_t i = 0; i < FORMAT_COUNT; i++) {
-        if (formats[i]->stack != stack) {
-            continue;
+    struct lx_words right = {""};
+    for (size_t i = 0; kind->formats[i] != NULL; i++) {
+        if (ends_in(path, kind->formats[i]->ending)) {
+            return kind->formats[i];
         }
-        if (ends_in(path, formats[i]->ending)) {
-            return formats[i];
-        }
-        (void)strncat(endings, endings[0] == '\0' ? "" : ", ",
-                      sizeof endings - strlen(endings) - 1);
-        (void)strncat(endings, formats[i]->ending, sizeof endings - strlen(endings) - 1);
+        lx_words_add(&right, "%s%s", i == 0 ? "" : ", ", kind->formats[i]->ending);
     }
-    (void)lx_fail(error, "%s: the name of a trace of %s ends in %s", path, wire_of(stack), endings);
+    (void)lx_fail(error, "%s: the name of a trace of %s ends in %s", path, kind->wire, right.text);
     return NULL;
 }
 
@@ -159,7 +126,7 @@ static int begin(struct lx_trace *self, const struct lx_trace_setup *setup, stru
 struct lx_trace *lx_trace_open(const struct lx_trace_setup *setup, dg_ns now,
                                struct lx_error *error)
 {
-    const struct lx_trace_format *format = find(setup->path, setup->stack, error);
+    const struct lx_trace_format *format = find(setup->path, setup->kind, error);
     if (format == NULL) {
         return NULL;
     }
@@ -170,8 +137,8 @@ struct lx_trace *lx_trace_open(const struct lx_trace_setup *setup, dg_ns now,
     }
     self->format = format;
     self->tap = setup->tap;
-    self->listener = (struct lx_tap_listener){
-        .event = on_event, .ctx = self, .sincos = setup->stack == &dg_hf_stack};
+    self->listener =
+        (struct lx_tap_listener){.event = on_event, .ctx = self, .sincos = setup->kind->sincos};
     self->opened = now;
     self->flushed = now;
     self->day_ns = time_of_day_ns() - now;

@@ -28,7 +28,6 @@
  * direction, or with silence; lx_decoder_step() is asked for by time.
  */
 struct lx_decoder {
-    const struct dg_stack *stack;
     void (*line)(void *ctx, dg_ns at, bool ours, const char *text); /**< `at`: its first bit */
     void *ctx;
     dg_ns begin; /**< of the frame that is being collected */
@@ -44,7 +43,7 @@ struct lx_decoder {
 };
 
 /** Nothing collected. */
-void lx_decoder_init(struct lx_decoder *self, const struct dg_stack *stack,
+void lx_decoder_init(struct lx_decoder *self,
                      void (*line)(void *ctx, dg_ns at, bool ours, const char *text), void *ctx);
 /** An event; may give a line. */
 void lx_decoder_event(struct lx_decoder *self, const struct lx_tap_event *event);
@@ -55,11 +54,20 @@ dg_ns lx_decoder_step(struct lx_decoder *self, dg_ns now);
 /** A trace file. */
 struct lx_trace;
 
+struct lx_trace_format;
+
+/** What can be traced of the wires of a protocol. */
+struct lx_trace_kind {
+    const char *wire;                             /**< for messages, e.g. "RS485" */
+    const struct lx_trace_format *const *formats; /**< NULL behind the last */
+    bool sincos;                                  /**< there are analog signals beside the wire */
+};
+
 /** What a trace is made of. The tap must outlive it. */
 struct lx_trace_setup {
     const char *path;               /**< its ending says how */
     const struct lx_folder *folder; /**< of the client that asks; NULL: the user does */
-    const struct dg_stack *stack;
+    const struct lx_trace_kind *kind;
     const char *wire; /**< the interface or name that the file shall mention */
     struct lx_tap *tap;
     bool held; /**< nothing on the disk changes before lx_trace_release() */
@@ -68,7 +76,7 @@ struct lx_trace_setup {
 /**
  * Write what the tap tells. Time in the file: of the day for .log and .pcapng, else since the
  * beginning.
- * @return NULL with one line in `error`: an ending that is none for this stack (with those that
+ * @return NULL with one line in `error`: an ending that is none for this kind (with those that
  * are), or why it cannot be written
  */
 struct lx_trace *lx_trace_open(const struct lx_trace_setup *setup, dg_ns now,

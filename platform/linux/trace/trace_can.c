@@ -86,7 +86,7 @@ static void log_event(struct lx_trace *self, const struct lx_tap_event *event)
 }
 
 const struct lx_trace_format lx_trace_log = {
-    ".log", {0, 0, NULL}, &dg_cia406_stack, 1, log_begin, log_event, nothing_to_end,
+    ".log", {0, 0, NULL}, 1, log_begin, log_event, nothing_to_end,
 };
 
 /* ---------------------------------------------------------------- pcapng */
@@ -190,8 +190,8 @@ static void pcapng_event(struct lx_trace *self, const struct lx_tap_event *event
 }
 
 const struct lx_trace_format lx_trace_pcapng = {
-    ".pcapng", PCAPNG_MARK, &dg_cia406_stack, 1, pcapng_begin, pcapng_event, nothing_to_end,
+    ".pcapng", PCAPNG_MARK, 1, pcapng_begin, pcapng_event, nothing_to_end,
 };
 const struct lx_trace_format lx_trace_pcap = {
-    ".pcap", PCAPNG_MARK, &dg_cia406_stack, 1, pcapng_begin, pcapng_event, nothing_to_end,
+    ".pcap", PCAPNG_MARK, 1, pcapng_begin, pcapng_event, nothing_to_end,
 };

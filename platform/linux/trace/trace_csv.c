@@ -93,6 +93,5 @@ static void csv_event(struct lx_trace *self, const struct lx_tap_event *event)
 }
 
 const struct lx_trace_format lx_trace_csv = {
-    ".csv",  {0, sizeof BEGIN - 1u, BEGIN}, &dg_ib_stack, sizeof(struct csv), csv_begin, csv_event,
-    csv_end,
+    ".csv", {0, sizeof BEGIN - 1u, BEGIN}, sizeof(struct csv), csv_begin, csv_event, csv_end,
 };

@@ -17,8 +17,7 @@
 struct lx_trace_format {
     const char *ending;
     struct lx_file_mark mark; /**< n 0: none */
-    const struct dg_stack *stack;
-    size_t size; /**< of the format's own state */
+    size_t size;              /**< of the format's own state */
     void (*begin)(struct lx_trace *self);
     void (*event)(struct lx_trace *self, const struct lx_tap_event *event);
     void (*end)(struct lx_trace *self); /**< what was held back */

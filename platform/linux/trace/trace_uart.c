@@ -161,7 +161,7 @@ static void uart_begin(struct lx_trace *self)
     static const char *const names[] = {"line"};
     struct uart *uart = self->own;
     uart->level = true;
-    lx_decoder_init(&uart->decoder, &dg_hf_stack, on_line, uart);
+    lx_decoder_init(&uart->decoder, on_line, uart);
     lx_vcd_begin(&uart->vcd, self, "rs485", names, "l");
 }
 
@@ -224,5 +224,5 @@ static void uart_end(struct lx_trace *self)
 }
 
 const struct lx_trace_format lx_trace_uart = {
-    ".vcd", LX_VCD_MARK, &dg_hf_stack, sizeof(struct uart), uart_begin, uart_event, uart_end,
+    ".vcd", LX_VCD_MARK, sizeof(struct uart), uart_begin, uart_event, uart_end,
 };

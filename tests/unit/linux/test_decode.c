@@ -125,7 +125,7 @@ static void frames_in_the_manuals_words(void **state)
     for (size_t i = 0; i < LENGTH(frames); i++) {
         struct lines lines = {.count = 0};
         struct lx_decoder decoder;
-        lx_decoder_init(&decoder, &dg_hf_stack, on_line, &lines);
+        lx_decoder_init(&decoder, on_line, &lines);
         const dg_ns end = say(&decoder, DG_MS(5), frames[i].ours, frames[i].hex);
         assert_int_equal(lines.count, 0);
         const dg_ns due = lx_decoder_step(&decoder, end);
@@ -144,7 +144,7 @@ static void a_frame_ends_with_the_other_direction_or_silence(void **state)
     struct lines lines = {.count = 0};
     struct lx_decoder decoder;
     (void)state;
-    lx_decoder_init(&decoder, &dg_hf_stack, on_line, &lines);
+    lx_decoder_init(&decoder, on_line, &lines);
     assert_true(lx_decoder_step(&decoder, DG_S(1)) == DG_NEVER);
     dg_ns end = say(&decoder, 0, false, "40 42 02");
     end = say(&decoder, end + 12 * bit, true, "40 42 00");
@@ -165,7 +165,7 @@ static void characters_in_a_bunch_are_a_frame(void **state)
     struct lines lines = {.count = 0};
     struct lx_decoder decoder;
     (void)state;
-    lx_decoder_init(&decoder, &dg_hf_stack, on_line, &lines);
+    lx_decoder_init(&decoder, on_line, &lines);
     for (size_t i = 0; i < sizeof bytes; i++) {
         const struct lx_tap_event event = character(DG_MS(1), false, bytes[i]);
         lx_decoder_event(&decoder, &event);
@@ -181,7 +181,7 @@ static void damage_and_length_are_told(void **state)
     struct lines lines = {.count = 0};
     struct lx_decoder decoder;
     (void)state;
-    lx_decoder_init(&decoder, &dg_hf_stack, on_line, &lines);
+    lx_decoder_init(&decoder, on_line, &lines);
     struct lx_tap_event event = character(DG_MS(3), false, 0x40);
     event.character.damaged = true;
     lx_decoder_event(&decoder, &event);
@@ -265,7 +265,7 @@ static void can_frames_in_the_words_of_canopen(void **state)
     for (size_t i = 0; i < LENGTH(can); i++) {
         struct lines lines = {.count = 0};
         struct lx_decoder decoder;
-        lx_decoder_init(&decoder, &dg_cia406_stack, on_line, &lines);
+        lx_decoder_init(&decoder, on_line, &lines);
         say_can(&decoder, can[i].id, can[i].hex);
         assert_int_equal(lines.count, 1);
         assert_string_equal(lines.text, can[i].text);
@@ -279,7 +279,7 @@ static void remote_frames(void **state)
     struct lines lines = {.count = 0};
     struct lx_decoder decoder;
     (void)state;
-    lx_decoder_init(&decoder, &dg_cia406_stack, on_line, &lines);
+    lx_decoder_init(&decoder, on_line, &lines);
     lx_decoder_event(&decoder, &event);
     assert_string_equal(lines.text, "heartbeat node 5 requested");
     event.frame.id = 0x7FF;
@@ -323,7 +323,7 @@ static void block_transfers(void **state)
     struct lines lines = {.count = 0};
     struct lx_decoder decoder;
     (void)state;
-    lx_decoder_init(&decoder, &dg_cia406_stack, on_line, &lines);
+    lx_decoder_init(&decoder, on_line, &lines);
     for (size_t i = 0; i < LENGTH(steps); i++) {
         say_can(&decoder, steps[i].id, steps[i].hex);
         assert_string_equal(lines.text, steps[i].text);
@@ -339,7 +339,7 @@ static void interbus_words_that_changed(void **state)
     struct lines lines = {.count = 0};
     struct lx_decoder decoder;
     (void)state;
-    lx_decoder_init(&decoder, &dg_ib_stack, on_line, &lines);
+    lx_decoder_init(&decoder, on_line, &lines);
     lx_decoder_event(&decoder, &event);
     assert_string_equal(lines.text, "IN[0] 0001 0002 0003 0004 OUT[0] 0000 0000 0000 0000");
     lx_decoder_event(&decoder, &event);
@@ -368,7 +368,7 @@ static void notes_as_they_are(void **state)
     struct lines lines = {.count = 0};
     struct lx_decoder decoder;
     (void)state;
-    lx_decoder_init(&decoder, &dg_biss_stack, on_line, &lines);
+    lx_decoder_init(&decoder, on_line, &lines);
     lx_decoder_event(&decoder, &event);
     assert_string_equal(lines.text, "power off");
     assert_true(lines.at == 9 && !lines.ours);

@@ -18,11 +18,11 @@
 
 #include <cmocka.h>
 
-#include "drehgeber/biss.h"
+#include "biss_settings.h"
+#include "can_bus.h"
 #include "drehgeber/bits.h"
-#include "drehgeber/cia406.h"
-#include "drehgeber/hiperface.h"
-#include "drehgeber/interbus.h"
+#include "hf_settings.h"
+#include "modbus_settings.h"
 #include "trace.h"
 
 #define LENGTH(array) (sizeof(array) / sizeof((array)[0]))
@@ -59,11 +59,11 @@ static int tear_down(void **state)
 }
 
 static struct lx_trace *open_trace(struct place *self, const char *name,
-                                   const struct dg_stack *stack, dg_ns now)
+                                   const struct lx_stack *stack, dg_ns now)
 {
     (void)snprintf(self->path, sizeof self->path, "%s/%s", self->folder, name);
     const struct lx_trace_setup setup = {
-        .path = self->path, .stack = stack, .wire = "/dev/vcan0", .tap = &self->tap};
+        .path = self->path, .kind = stack->trace, .wire = "/dev/vcan0", .tap = &self->tap};
     return lx_trace_open(&setup, now, &self->error);
 }
 
@@ -109,22 +109,22 @@ static void tell_levels(struct place *self, dg_ns at, bool ma, bool slo)
 static void endings_are_checked(void **state)
 {
     static const struct {
-        const struct dg_stack *stack;
+        const struct lx_stack *stack;
         const char *name;
         const char *says; /* NULL: opens */
     } names[] = {
-        {&dg_hf_stack, "a.vcd", NULL},
-        {&dg_biss_stack, "a.vcd", NULL},
-        {&dg_cia406_stack, "a.log", NULL},
-        {&dg_cia406_stack, "a.pcapng", NULL},
-        {&dg_cia406_stack, "a.pcap", NULL},
-        {&dg_ib_stack, "a.csv", NULL},
-        {&dg_hf_stack, "a.log", "a trace of RS485 ends in .vcd"},
-        {&dg_biss_stack, "a.csv", "ends in .vcd"},
-        {&dg_cia406_stack, "a.vcd", "ends in .log, .pcapng, .pcap"},
-        {&dg_ib_stack, "csv", "ends in .csv"},
-        {&dg_ib_stack, ".csv", "ends in .csv"},
-        {&dg_ib_stack, "no/such/folder.csv", "No such file or directory"},
+        {&lx_hf_stack, "a.vcd", NULL},
+        {&lx_biss_stack, "a.vcd", NULL},
+        {&lx_can_stack, "a.log", NULL},
+        {&lx_can_stack, "a.pcapng", NULL},
+        {&lx_can_stack, "a.pcap", NULL},
+        {&lx_ib_stack, "a.csv", NULL},
+        {&lx_hf_stack, "a.log", "a trace of RS485 ends in .vcd"},
+        {&lx_biss_stack, "a.csv", "ends in .vcd"},
+        {&lx_can_stack, "a.vcd", "ends in .log, .pcapng, .pcap"},
+        {&lx_ib_stack, "csv", "ends in .csv"},
+        {&lx_ib_stack, ".csv", "ends in .csv"},
+        {&lx_ib_stack, "no/such/folder.csv", "No such file or directory"},
     };
     struct place *place = *state;
     for (size_t i = 0; i < LENGTH(names); i++) {
@@ -170,7 +170,7 @@ static void a_full_disk_ends_the_trace_not_the_wire(void **state)
     int old = -1;
     (void)snprintf(place->path, sizeof place->path, "%s/full.log", place->folder);
     assert_int_equal(symlink("/dev/full", place->path), 0);
-    struct lx_trace *trace = open_trace(place, "full.log", &dg_cia406_stack, 0);
+    struct lx_trace *trace = open_trace(place, "full.log", &lx_can_stack, 0);
     assert_non_null(trace);
     tell_frame(place, DG_MS(10), true, (struct dg_can_frame){.id = 1});
     assert_true(lx_trace_good(trace)); /* not yet written */
@@ -193,13 +193,13 @@ static void a_full_disk_is_seen_at_once_or_at_the_end(void **state)
     struct place *place = *state;
     (void)snprintf(place->path, sizeof place->path, "%s/full.pcapng", place->folder);
     assert_int_equal(symlink("/dev/full", place->path), 0);
-    assert_null(open_trace(place, "full.pcapng", &dg_cia406_stack, 0));
+    assert_null(open_trace(place, "full.pcapng", &lx_can_stack, 0));
     assert_non_null(strstr(lx_error_line(&place->error).text, "No space left on device"));
     (void)unlink(place->path);
 
     (void)snprintf(place->path, sizeof place->path, "%s/full.log", place->folder);
     assert_int_equal(symlink("/dev/full", place->path), 0);
-    struct lx_trace *trace = open_trace(place, "full.log", &dg_cia406_stack, 0);
+    struct lx_trace *trace = open_trace(place, "full.log", &lx_can_stack, 0);
     tell_frame(place, DG_MS(10), true, (struct dg_can_frame){.id = 1});
     assert_int_equal(lx_trace_close(trace, &place->error), -1);
     assert_non_null(
@@ -211,7 +211,7 @@ static void a_limit_of_the_file_is_a_full_disk(void **state)
 {
     struct place *place = *state;
     struct rlimit old;
-    struct lx_trace *trace = open_trace(place, "a.log", &dg_cia406_stack, 0);
+    struct lx_trace *trace = open_trace(place, "a.log", &lx_can_stack, 0);
     assert_non_null(trace);
     assert_int_equal(getrlimit(RLIMIT_FSIZE, &old), 0);
     const struct rlimit small = {.rlim_cur = 100, .rlim_max = old.rlim_max};
@@ -232,14 +232,14 @@ static void a_pipe_without_a_reader_is_refused(void **state)
     struct place *place = *state;
     (void)snprintf(place->path, sizeof place->path, "%s/fifo.log", place->folder);
     assert_int_equal(mkfifo(place->path, 0600), 0);
-    assert_null(open_trace(place, "fifo.log", &dg_cia406_stack, 0));
+    assert_null(open_trace(place, "fifo.log", &lx_can_stack, 0));
     assert_non_null(strstr(lx_error_line(&place->error).text, "fifo.log: cannot open: "));
 }
 
 static void written_every_second(void **state)
 {
     struct place *place = *state;
-    struct lx_trace *trace = open_trace(place, "a.log", &dg_cia406_stack, DG_S(5));
+    struct lx_trace *trace = open_trace(place, "a.log", &lx_can_stack, DG_S(5));
     assert_non_null(trace);
     tell_frame(place, DG_S(5) + DG_MS(999), true, (struct dg_can_frame){.id = 1});
     read_file(place);
@@ -255,10 +255,10 @@ static void written_every_second(void **state)
 static void two_traces_of_a_tap(void **state)
 {
     struct place *place = *state;
-    struct lx_trace *log = open_trace(place, "a.log", &dg_cia406_stack, 0);
+    struct lx_trace *log = open_trace(place, "a.log", &lx_can_stack, 0);
     char path[64];
     (void)strcpy(path, place->path);
-    struct lx_trace *pcap = open_trace(place, "a.pcapng", &dg_cia406_stack, 0);
+    struct lx_trace *pcap = open_trace(place, "a.pcapng", &lx_can_stack, 0);
     assert_true(log != NULL && pcap != NULL);
     assert_int_equal(lx_trace_close(log, &place->error), 0);
     assert_int_equal(unlink(path), 0);
@@ -286,7 +286,7 @@ static void candump_lines(void **state)
     };
     struct place *place = *state;
     const double before = wall_clock();
-    struct lx_trace *trace = open_trace(place, "a.log", &dg_cia406_stack, DG_S(1000));
+    struct lx_trace *trace = open_trace(place, "a.log", &lx_can_stack, DG_S(1000));
     const double after = wall_clock();
     assert_non_null(trace);
     tell_note(place, DG_S(1000), "not a frame");
@@ -323,7 +323,7 @@ static void pcapng_blocks(void **state)
     const struct dg_can_frame data = {.id = 0x123, .dlc = 3, .data = {0xA, 0xB, 0xC, 0xD}};
     const struct dg_can_frame remote = {.id = 0x7FF, .rtr = true, .dlc = 4, .data = {9}};
     struct place *place = *state;
-    struct lx_trace *trace = open_trace(place, "a.pcapng", &dg_cia406_stack, 0);
+    struct lx_trace *trace = open_trace(place, "a.pcapng", &lx_can_stack, 0);
     assert_non_null(trace);
     tell_note(place, 0, "not a frame");
     tell_frame(place, DG_S(9), false, data);
@@ -382,7 +382,7 @@ static void rows_of_changes(void **state)
 {
     uint16_t words[6] = {1, 2, 0xA, 0xB, 7, 8};
     struct place *place = *state;
-    struct lx_trace *trace = open_trace(place, "a.csv", &dg_ib_stack, DG_S(1));
+    struct lx_trace *trace = open_trace(place, "a.csv", &lx_ib_stack, DG_S(1));
     assert_non_null(trace);
     tell_note(place, DG_S(1), "ID cycle");
     tell_words(place, DG_S(1), words, 0, true);
@@ -408,7 +408,7 @@ static void rows_of_changes(void **state)
 static void biss_levels(void **state)
 {
     struct place *place = *state;
-    struct lx_trace *trace = open_trace(place, "a.vcd", &dg_biss_stack, DG_US(100));
+    struct lx_trace *trace = open_trace(place, "a.vcd", &lx_biss_stack, DG_US(100));
     assert_non_null(trace);
     tell_levels(place, DG_US(100), true, true);
     tell_levels(place, DG_US(101), false, true);
@@ -433,7 +433,7 @@ static void biss_levels(void **state)
 static void biss_slo_before_the_first_clock(void **state)
 {
     struct place *place = *state;
-    struct lx_trace *trace = open_trace(place, "a.vcd", &dg_biss_stack, DG_US(100));
+    struct lx_trace *trace = open_trace(place, "a.vcd", &lx_biss_stack, DG_US(100));
     tell_levels(place, DG_US(101), false, false);
     tell_levels(place, DG_US(101) + 500, true, true);
     tell_levels(place, DG_US(102), false, true);
@@ -448,7 +448,7 @@ static void biss_slo_before_the_first_clock(void **state)
 static void biss_levels_in_a_crowd(void **state)
 {
     struct place *place = *state;
-    struct lx_trace *trace = open_trace(place, "a.vcd", &dg_biss_stack, 0);
+    struct lx_trace *trace = open_trace(place, "a.vcd", &lx_biss_stack, 0);
     unsigned edges = 0;
     unsigned notes = 0;
     uint64_t last = 0;

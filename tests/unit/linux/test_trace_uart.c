@@ -12,6 +12,7 @@
 
 #include <cmocka.h>
 
+#include "hf_settings.h"
 #include "trace.h"
 
 #define CHANGES_MAX 16384u
@@ -84,7 +85,7 @@ static void begin(struct bench *self, dg_ns now)
 {
     struct lx_error error;
     const struct lx_trace_setup setup = {
-        .path = self->path, .stack = &dg_hf_stack, .wire = "pty", .tap = &self->tap};
+        .path = self->path, .kind = lx_hf_stack.trace, .wire = "pty", .tap = &self->tap};
     self->trace = lx_trace_open(&setup, now, &error);
     assert_non_null(self->trace);
 }
