@@ -45,7 +45,7 @@ struct dg_stack_setup {
 
 /**
  * A protocol. Operations take `self`, the device's memory; they do not block but for the memory's
- * operations, and none is NULL but `differs`.
+ * operations, and none is NULL but `differs` and `serial`.
  *
  * A device is plain data: it may be copied, compared, moved and kept. Its only pointers are those
  * of its setup and ones that `attach` can make anew.
@@ -66,10 +66,11 @@ struct dg_stack {
     /** Mount the memory of a model that has one, as power_on() does: what an earlier release has
      * written grows. @return as dg_store_mount(), dg_store_grow() */
     int (*mount)(const struct dg_stack_setup *setup, struct dg_store *store);
-    /** What a mounted memory has from the factory that is not this device's, in words; NULL:
-     * nothing. The serial number counts with `serial` only; what is damaged is the device's to
-     * report. NULL as operation: a memory does not say whose it is. */
-    const char *(*differs)(const struct dg_stack_setup *setup, struct dg_store *store, bool serial);
+    /** What figures of the factory a mounted memory has that are not this model's, in words; NULL:
+     * none. What is damaged is the device's to report. NULL as operation: there are none in it. */
+    const char *(*differs)(const struct dg_stack_setup *setup, struct dg_store *store);
+    /** The serial number in a mounted memory; -1: damaged. NULL as operation: there is none. */
+    int64_t (*serial)(struct dg_store *store);
     /** Make a device, without power. The memory is not touched. @return 0; DG_ERR_ARGUMENT: a
      * pointer is missing, a figure is out of range */
     int (*init)(void *self, const struct dg_stack_setup *setup);

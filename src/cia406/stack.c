@@ -52,14 +52,14 @@ static int mount(const struct dg_stack_setup *setup, struct dg_store *store)
     return dg_co_mount(store, model->device, setup->nvm);
 }
 
-static const char *differs(const struct dg_stack_setup *setup, struct dg_store *store, bool serial)
+static int64_t serial(struct dg_store *store)
 {
     uint8_t bytes[4];
     const bool readable =
-        serial && !dg_store_damaged(store, DG_CO_REGION_SERIAL) &&
+        !dg_store_damaged(store, DG_CO_REGION_SERIAL) &&
         dg_store_read(store, DG_CO_REGION_SERIAL, 0, bytes, sizeof bytes) == DG_OK;
 
-    return readable && dg_load_le32(bytes) != setup->serial ? "serial number" : NULL;
+    return readable ? (int64_t)dg_load_le32(bytes) : -1;
 }
 
 static int init(void *self, const struct dg_stack_setup *setup)
@@ -137,7 +137,7 @@ const struct dg_stack dg_cia406_stack = {
     .senses_multiturn = senses_multiturn,
     .format = format,
     .mount = mount,
-    .differs = differs,
+    .serial = serial,
     .init = init,
     .attach = attach,
     .power_on = power_on,

@@ -220,17 +220,32 @@ int hf_mount(struct dg_store *self, const struct dg_hf_model *model, struct dg_n
     return result == DG_ERR_OLDER ? dg_store_grow(self, model) : result;
 }
 
-/* What one unit has and another of its kind has not: firmware version and date, and the serial
- * number unless it counts. */
-static void overlook_unit(uint8_t *type, const uint8_t *other, bool serial)
+static bool read_intact(struct dg_store *store, uint8_t region, uint8_t *to)
 {
-    const size_t begin = TYPE_SERIAL + (serial ? SERIAL_SIZE : 0u);
-
-    memcpy(&type[begin], &other[begin], TYPE_SIZE - begin);
+    return !dg_store_damaged(store, region) &&
+           dg_store_read(store, region, 0, to, regions[region].size) == DG_OK;
 }
 
-/* Regions that nobody can write over the wire. */
-const char *hf_differs(const struct dg_hf_model *model, struct dg_store *store, bool serial)
+int64_t hf_serial(struct dg_store *store)
+{
+    uint8_t type[TYPE_SIZE];
+    int64_t serial = 0;
+
+    if (!read_intact(store, DG_HF_REGION_TYPE, type)) {
+        return -1;
+    }
+    for (size_t i = TYPE_SERIAL; i < TYPE_SERIAL + SERIAL_SIZE; i++) {
+        if (type[i] < '0' || type[i] > '9') {
+            return -1;
+        }
+        serial = 10 * serial + (type[i] - '0');
+    }
+    return serial;
+}
+
+/* Regions that nobody can write over the wire. Serial number, firmware version and date are the
+ * unit's, not the model's. */
+const char *hf_differs(const struct dg_hf_model *model, struct dg_store *store)
 {
     static const struct {
         uint8_t region;
@@ -238,7 +253,7 @@ const char *hf_differs(const struct dg_hf_model *model, struct dg_store *store, 
     } burnt[] = {
         {DG_HF_REGION_RESOLUTION, "periods, steps or turns"},
         {DG_HF_REGION_STEPS, "steps"},
-        {DG_HF_REGION_TYPE, "type code, option or serial number"},
+        {DG_HF_REGION_TYPE, "type code or option"},
         {DG_HF_REGION_MEMORY, "user memory size"},
         {DG_HF_REGION_IMPLEMENTED, "implemented memory"},
         {DG_HF_REGION_LABEL, "type label"},
@@ -248,16 +263,9 @@ const char *hf_differs(const struct dg_hf_model *model, struct dg_store *store, 
 
     for (uint8_t i = 0; i < sizeof burnt / sizeof burnt[0]; i++) {
         const uint8_t region = burnt[i].region;
-        const uint16_t size = regions[region].size;
-        if (dg_store_damaged(store, region) ||
-            dg_store_read(store, region, 0, bytes, size) != DG_OK) {
-            continue;
-        }
+        const uint16_t size = region == DG_HF_REGION_TYPE ? TYPE_SERIAL : regions[region].size;
         regions[region].defaults(model, mine);
-        if (region == DG_HF_REGION_TYPE) {
-            overlook_unit(mine, bytes, serial);
-        }
-        if (memcmp(mine, bytes, size) != 0) {
+        if (read_intact(store, region, bytes) && memcmp(mine, bytes, size) != 0) {
             return burnt[i].what;
         }
     }

@@ -90,7 +90,9 @@ enum dg_hf_status hf_put(struct dg_hf *self, enum dg_hf_region region, const voi
 /** Mount the EEPROM, grown when it is of an earlier release. @return as dg_store_mount() */
 int hf_mount(struct dg_store *self, const struct dg_hf_model *model, struct dg_nvm nvm);
 /** As dg_stack.differs. */
-const char *hf_differs(const struct dg_hf_model *model, struct dg_store *store, bool serial);
+const char *hf_differs(const struct dg_hf_model *model, struct dg_store *store);
+/** As dg_stack.serial. */
+int64_t hf_serial(struct dg_store *store);
 int hf_model_check(const struct dg_hf_model *model);
 /** Working copy from the model, then from every region that is in order. */
 void hf_load(struct dg_hf *self, bool mounted);

@@ -51,9 +51,9 @@ static int format(const struct dg_stack_setup *setup)
     return result == DG_OK ? dg_store_put(&store, DG_HF_REGION_UART, 0, uart, sizeof uart) : result;
 }
 
-static const char *differs(const struct dg_stack_setup *setup, struct dg_store *store, bool serial)
+static const char *differs(const struct dg_stack_setup *setup, struct dg_store *store)
 {
-    return hf_differs(setup->model, store, serial);
+    return hf_differs(setup->model, store);
 }
 
 static int init(void *self, const struct dg_stack_setup *setup)
@@ -114,6 +114,7 @@ const struct dg_stack dg_hf_stack = {
     .format = format,
     .mount = mount,
     .differs = differs,
+    .serial = hf_serial,
     .init = init,
     .attach = attach,
     .power_on = power_on,

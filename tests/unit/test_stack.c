@@ -327,7 +327,7 @@ static void check_mount(const struct dg_device *device)
     assert_int_equal(stack->format(&here.setup), DG_OK);
     assert_int_equal(stack->mount(&here.setup, &store), DG_OK);
     assert_int_equal(store.region_count, stack->layout(device->model)->region_count);
-    assert_true(stack->differs == NULL || stack->differs(&here.setup, &store, true) == NULL);
+    assert_true(stack->differs == NULL || stack->differs(&here.setup, &store) == NULL);
 }
 
 static void what_is_formatted_is_mounted_and_its_own(void **state)
@@ -337,7 +337,7 @@ static void what_is_formatted_is_mounted_and_its_own(void **state)
 }
 
 /* What `made` has burnt in, in the eyes of `seen`. */
-static const char *difference(const struct dg_device *made, const void *seen, bool serial)
+static const char *difference(const struct dg_device *made, const void *seen)
 {
     struct dg_store store;
 
@@ -345,7 +345,7 @@ static const char *difference(const struct dg_device *made, const void *seen, bo
     assert_int_equal(made->stack->format(&here.setup), DG_OK);
     here.setup.model = seen;
     assert_int_equal(made->stack->mount(&here.setup, &store), DG_OK);
-    return made->stack->differs(&here.setup, &store, serial);
+    return made->stack->differs(&here.setup, &store);
 }
 
 static void a_memory_of_other_figures_is_told(void **state)
@@ -353,38 +353,40 @@ static void a_memory_of_other_figures_is_told(void **state)
     struct dg_hf_model model = *dg_hf_model_of(&dg_s3684_rs485);
 
     (void)state;
-    assert_string_equal(difference(&dg_s3684_rs485, dg_s3674_rs485.model, false),
+    assert_string_equal(difference(&dg_s3684_rs485, dg_s3674_rs485.model),
                         "periods, steps or turns");
     model.type_code ^= 1u;
-    assert_string_equal(difference(&dg_s3684_rs485, &model, false),
-                        "type code, option or serial number");
+    assert_string_equal(difference(&dg_s3684_rs485, &model), "type code or option");
     model = *dg_hf_model_of(&dg_s3684_rs485);
     model.memory_blocks--;
-    assert_string_equal(difference(&dg_s3684_rs485, &model, false), "user memory size");
+    assert_string_equal(difference(&dg_s3684_rs485, &model), "user memory size");
     model = *dg_hf_model_of(&dg_s3684_rs485);
     model.speed_max_rpm++;
-    assert_string_equal(difference(&dg_s3684_rs485, &model, false), "type label");
+    assert_string_equal(difference(&dg_s3684_rs485, &model), "type label");
 }
 
-static void another_unit_has_another_serial_number(void **state)
+static void a_unit_has_a_serial_number_and_a_firmware(void **state)
 {
     struct dg_hf_model model = *dg_hf_model_of(&dg_s3684_rs485);
     struct dg_store store;
 
     (void)state;
+    memcpy(model.serial, "012345678", 9);
     model.version[0] = '!';
     model.date[0] = '!';
-    assert_null(difference(&dg_s3684_rs485, &model, true));
-    model.serial[8] = '!';
-    assert_null(difference(&dg_s3684_rs485, &model, false));
-    assert_non_null(difference(&dg_s3684_rs485, &model, true));
+    assert_null(difference(&dg_s3684_rs485, &model));
+
+    furnish(&here, &dg_s3684_rs485);
+    here.setup.model = &model;
+    assert_int_equal(dg_hf_stack.format(&here.setup), DG_OK);
+    assert_int_equal(dg_hf_stack.mount(&here.setup, &store), DG_OK);
+    assert_int_equal(dg_hf_stack.serial(&store), 12345678);
 
     furnish(&here, &dg_f3668);
+    here.setup.serial = UINT32_MAX;
     assert_int_equal(dg_cia406_stack.format(&here.setup), DG_OK);
     assert_int_equal(dg_cia406_stack.mount(&here.setup, &store), DG_OK);
-    here.setup.serial++;
-    assert_null(dg_cia406_stack.differs(&here.setup, &store, false));
-    assert_string_equal(dg_cia406_stack.differs(&here.setup, &store, true), "serial number");
+    assert_true(dg_cia406_stack.serial(&store) == UINT32_MAX);
 }
 
 /* What is damaged is for the device to report. */
@@ -398,7 +400,15 @@ static void damage_makes_no_stranger(void **state)
     here.nvm.bytes[dg_store_address(&dg_hf_layout, DG_HF_REGION_TYPE)] ^= 1u;
     assert_int_equal(dg_hf_stack.mount(&here.setup, &store), DG_OK);
     assert_true(dg_store_damaged(&store, DG_HF_REGION_TYPE));
-    assert_null(dg_hf_stack.differs(&here.setup, &store, true));
+    assert_null(dg_hf_stack.differs(&here.setup, &store));
+    assert_int_equal(dg_hf_stack.serial(&store), -1);
+
+    furnish(&here, &dg_f3668);
+    const struct dg_store_layout *layout = dg_cia406_stack.layout(dg_f3668.model);
+    assert_int_equal(dg_cia406_stack.format(&here.setup), DG_OK);
+    here.nvm.bytes[dg_store_address(layout, DG_CO_REGION_SERIAL)] ^= 1u;
+    assert_int_equal(dg_cia406_stack.mount(&here.setup, &store), DG_OK);
+    assert_int_equal(dg_cia406_stack.serial(&store), -1);
 }
 
 /* ------------------------------------------------------------ carried elsewhere */
@@ -515,7 +525,7 @@ int main(void)
         cmocka_unit_test(the_address_is_burnt_in),
         cmocka_unit_test(what_is_formatted_is_mounted_and_its_own),
         cmocka_unit_test(a_memory_of_other_figures_is_told),
-        cmocka_unit_test(another_unit_has_another_serial_number),
+        cmocka_unit_test(a_unit_has_a_serial_number_and_a_firmware),
         cmocka_unit_test(damage_makes_no_stranger),
         cmocka_unit_test(detached_devices_have_no_pointers),
         cmocka_unit_test(a_carried_device_goes_on),
