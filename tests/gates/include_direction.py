@@ -43,7 +43,7 @@ BELOW = {"core", "control", "devices", "instruments", "linux/base", "linux/nvm",
 WIRES = {"linux/rs485", "linux/can", "linux/clocked", "linux/interbus"}
 ROOMS = {
     "linux/base":      {"core", "motion"},
-    "linux/nvm":       {"core", "linux/base"},
+    "linux/nvm":       {"core", "devices", "linux/base"},
     "linux/trace":     {"core", "devices", "linux/base"} | PROTOCOLS,
     "linux/plan":      {"core", "motion", "devices", "hiperface", "cia406", "linux/base"},
     "linux/wire":      {"core", "control", "linux/base", "linux/trace", "linux/plan"},

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "biss_session.h"
 
+#include <string.h>
+
 #include "drehgeber/devices.h"
 #include "run.h"
 #include "sim_settings.h"
@@ -30,14 +32,15 @@ static int power_on(struct biss_session *self, const struct options *options, dg
                     struct lx_error *error)
 {
     struct dg_world *world = &self->world;
-    if (lx_biss_eeprom_open(&self->eeprom, options->nvm, error) != 0) {
+    const struct lx_image_setup image = {options->nvm, .say = &options->say};
+    if (lx_biss_memory_open(&self->memory, &self->model, &image, error) != 0) {
         return lx_about(error, LX_ABOUT_KEY, "nvm", NULL);
     }
-    const struct dg_biss_setup setup = {&self->model, world, self->eeprom.nvm};
+    const struct dg_biss_setup setup = {&self->model, world, self->memory.part.device.nvm};
     world->angle = dg_motion_angle;
     world->angle_ctx = &self->shaft.motion;
     self->shaft.motion.start = dg_after(now, self->model.init);
-    return lx_biss_switch_on(&self->device, &setup, now, options->nvm, error);
+    return lx_biss_switch_on(&self->device, &setup, now, error);
 }
 
 /* The initialisation, in which nothing happens on the wire, is not in it. */
@@ -64,7 +67,7 @@ int biss_session_open(struct biss_session *self, const struct options *options, 
 {
     const char *shaft = options->shaft == NULL ? "0" : options->shaft;
 
-    *self = (struct biss_session){.eeprom = {.file = {.fd = -1}}};
+    memset(self, 0, sizeof *self);
     if (understand(self, options, error) != 0) {
         return EXIT_USAGE;
     }
@@ -88,7 +91,7 @@ int biss_session_close(struct biss_session *self, struct lx_error *error)
 {
     dg_biss_power_off(&self->device);
     const int result = lx_trace_close(self->trace, error);
-    lx_biss_eeprom_close(&self->eeprom);
+    lx_image_close(&self->memory.image);
     lx_shaft_free(&self->shaft);
     lx_plan_free(&self->plan);
     return result == 0 ? 0 : EXIT_OTHER;

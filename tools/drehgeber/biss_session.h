@@ -17,7 +17,7 @@ struct biss_session {
     struct dg_world world;
     struct lx_clocked_timing timing; /* of the master and its cable */
     struct lx_shaft shaft;
-    struct lx_biss_eeprom eeprom;
+    struct lx_biss_memory memory;
     struct dg_biss device;
     struct lx_biss_line line;
     struct lx_tap tap;

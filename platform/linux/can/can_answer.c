@@ -22,9 +22,9 @@ static bool is_answer(const struct lx_can_node *from, const struct dg_can_frame 
 
 void lx_can_answer(struct lx_can_node *from, const struct dg_can_frame *frame)
 {
-    const bool waits = from->answers.count > 0 || lx_nvm_queue_pending(&from->queue);
+    const bool waits = from->answers.count > 0 || lx_nvm_queue_pending(&from->image.queue);
     const struct lx_can_waiting answer = {
-        .from = from, .ticket = from->queue.issued, .frame = *frame};
+        .from = from, .ticket = from->image.queue.issued, .frame = *frame};
     if (!waits || !is_answer(from, frame)) {
         lx_can_put(from, frame);
     } else if (from->answers.count == ANSWERS_MAX || !lx_can_list_append(&from->answers, &answer)) {
@@ -38,7 +38,7 @@ void lx_can_answer_settled(struct lx_can_node *from)
     size_t done = 0;
     for (; done < list->count; done++) {
         const struct lx_can_waiting *answer = &list->frames[done];
-        const enum lx_nvm_state state = lx_nvm_queue_state(&from->queue, answer->ticket);
+        const enum lx_nvm_state state = lx_nvm_queue_state(&from->image.queue, answer->ticket);
         if (state == LX_NVM_PENDING) {
             break;
         }

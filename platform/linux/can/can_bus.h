@@ -11,9 +11,7 @@
 #include "can.h"
 #include "can_load.h"
 #include "drehgeber/cia406.h"
-#include "nvm_file.h"
-#include "nvm_memory.h"
-#include "nvm_writer.h"
+#include "image.h"
 
 /** A deadline that is served later than this counts as late. A stalled bus serves none, and the
  * time before the loop begins counts for nothing: neither is late. */
@@ -56,9 +54,8 @@ struct lx_can_node {
     struct lx_station *station;
     struct dg_cia406_device device;
     struct dg_cia406_model model; /**< with what the plan sets */
-    struct lx_nvm_memory memory;
-    struct lx_nvm_file file;
-    struct lx_nvm_queue queue;       /**< in front of it */
+    struct lx_image image;        /**< its EEPROM: */
+    struct lx_image_part memory;
     struct lx_can_list answers;      /**< to what is not on the disk yet */
     uint8_t id;                      /**< node-ID in the delivery state */
     uint16_t kbaud;                  /**< bit rate in force */
@@ -101,7 +98,7 @@ struct lx_bus *lx_can_bus_make(const struct lx_bus_setup *setup, lx_can_open *op
 /** Understand the plan of the station at `place`. @return 0, or -1 with one line in `error` */
 int lx_can_node_make(struct lx_can_bus *bus, size_t place, struct lx_error *error);
 
-/** Load its EEPROM, switch it on. `settled`: as in lx_nvm_queue_setup, with the node as ctx.
+/** Load its EEPROM, switch it on. `settled`: as in lx_image_setup, with the node as ctx.
  * @return 0, or -1 with one line in `error`, then close */
 int lx_can_node_open(struct lx_can_node *self, const struct dg_co_ops *ops,
                      void (*settled)(void *ctx, dg_ns now), dg_ns now, struct lx_error *error);

@@ -97,7 +97,6 @@ int lx_can_node_make(struct lx_can_bus *bus, size_t place, struct lx_error *erro
         .bus = bus,
         .station = station,
         .model = *dg_cia406_model_of(plan->model),
-        .file = {.fd = -1},
         .index = LX_CAN_DEAF,
     };
     station->control.device = &self->device;
@@ -106,92 +105,35 @@ int lx_can_node_make(struct lx_can_bus *bus, size_t place, struct lx_error *erro
 
 /* --- EEPROM and power --- */
 
-/* The delivery state with this node-ID. */
-static int deliver(struct lx_can_node *self)
+static int open_memory(struct lx_can_node *self, void (*settled)(void *ctx, dg_ns now),
+                       struct lx_error *error)
 {
-    const struct dg_co_device *device = self->model.device;
-    struct dg_store store;
-    uint8_t bus[3] = {0}; /* bit rate, node-ID, termination */
-    if (lx_nvm_memory_init(&self->memory, dg_store_size(device->layout)) != 0) {
-        return DG_ERR_SPACE;
-    }
-    const struct dg_nvm nvm = lx_nvm_memory_port(&self->memory);
-    int result = dg_co_format(device, nvm, self->station->control.serial);
-    if (result == DG_OK) {
-        result = dg_store_mount(&store, device->layout, nvm);
-    }
-    if (result == DG_OK) {
-        result = dg_store_read(&store, DG_CO_REGION_BUS, 0, bus, sizeof bus);
-    }
-    bus[1] = self->id;
-    return result == DG_OK ? dg_store_put(&store, DG_CO_REGION_BUS, 0, bus, sizeof bus) : result;
-}
-
-static int refuse_image(const struct lx_can_node *self, struct lx_error *error)
-{
-    const char *path = self->station->plan->nvm;
-    return lx_fail(error,
-                   "%s: no image of this kind of encoder; give a file made by drehgeber, or the "
-                   "name of a new one",
-                   path == NULL ? "EEPROM" : path);
-}
-
-/* The serial number that was asked for is the file's. One that is damaged is nobody's. */
-static int check_serial(const struct lx_can_node *self, struct dg_store *store,
-                        struct lx_error *error)
-{
+    const struct lx_bus_setup *bus = &self->bus->bus.setup;
     const struct lx_plan_encoder *plan = self->station->plan;
-    uint8_t bytes[4] = {0};
-    if (!dg_store_damaged(store, DG_CO_REGION_SERIAL)) {
-        (void)dg_store_read(store, DG_CO_REGION_SERIAL, 0, bytes, sizeof bytes);
-    }
-    const uint32_t serial = dg_load_le32(bytes);
-    if (plan->serial == NULL || serial == self->station->control.serial) {
-        return 0;
-    }
-    return lx_fail(error,
-                   "%s: belongs to serial number %lu; run that one, or give the name of a new file",
-                   plan->nvm, (unsigned long)serial);
-}
-
-/* Looked at in a copy: mounting repairs and grows, and a file that is refused must stay as it is.
-   The delivery state in memory has done its duty by now. */
-static int check_file(struct lx_can_node *self, struct lx_error *error)
-{
-    const struct dg_store_layout *layout = self->model.device->layout;
-    const struct dg_nvm file = lx_nvm_file_port(&self->file);
-    struct dg_store store;
-    if (file.ops->read(file.ctx, 0, self->memory.bytes, self->memory.size) != DG_OK) {
-        return lx_fail(error, "%s: cannot read", self->file.path);
-    }
-    const int mounted = dg_store_mount(&store, layout, lx_nvm_memory_port(&self->memory));
-    if (mounted != DG_OK && mounted != DG_ERR_OLDER) {
-        return refuse_image(self, error);
-    }
-    if (check_serial(self, &store, error) != 0) {
+    const struct lx_image_setup image = {
+        .path = plan->nvm,
+        .answer = "the encoder answers abort 06060000h",
+        .parts = &self->memory,
+        .count = 1,
+        .say = bus->say,
+        .writer = bus->writer,
+        .settled = settled,
+        .ctx = self,
+    };
+    self->memory = (struct lx_image_part){
+        .stack = &dg_cia406_stack,
+        .device = {.model = &self->model,
+                   .serial = self->station->control.serial,
+                   .address = self->id},
+        .serial_given = plan->serial != NULL,
+    };
+    if (lx_image_open(&self->image, &image, error) != 0) {
         return -1;
     }
-    lx_nvm_file_tell(&self->file, dg_store_address(layout, store.region_count),
-                     self->bus->bus.setup.say);
-    return 0;
-}
-
-/* In memory, or in its file; an EEPROM that does not answer belongs to nobody. */
-static int open_file(struct lx_can_node *self, struct lx_error *error)
-{
-    const char *path = self->station->plan->nvm;
-    const struct lx_nvm_image image = {self->memory.bytes, self->memory.size,
-                                       "the encoder answers abort 06060000h"};
-    self->station->control.nvm = lx_nvm_memory_port(&self->memory);
-    if (path == NULL) {
-        return 0;
-    }
-    if (lx_nvm_file_open(&self->file, path, &image, error) != 0) {
-        return -1;
-    }
-    self->station->control.nvm = lx_nvm_file_port(&self->file);
-    const bool answers = self->station->world.eeprom_acknowledges;
-    return self->file.created || !answers ? 0 : check_file(self, error);
+    const int result = lx_image_start(&self->image, error);
+    self->station->control.nvm = self->memory.device.nvm;
+    self->station->queue = lx_image_queue(&self->image);
+    return result;
 }
 
 /* A file may know a node-ID that was set over the bus. */
@@ -201,24 +143,6 @@ static void tell_node_id(const struct lx_can_node *self)
         lx_note(self->bus->bus.setup.say, "%s: its node-ID is %u, not %u", self->station->plan->nvm,
                 self->device.node.id, self->id);
     }
-}
-
-static int open_eeprom(struct lx_can_node *self, void (*settled)(void *ctx, dg_ns now),
-                       struct lx_error *error)
-{
-    struct dg_nvm *nvm = &self->station->control.nvm;
-    if (open_file(self, error) != 0) {
-        return -1;
-    }
-    const struct lx_nvm_queue_setup queue = {
-        .writer = self->station->plan->nvm == NULL ? NULL : self->bus->bus.setup.writer,
-        .below = *nvm,
-        .size = self->memory.size,
-        .settled = settled,
-        .ctx = self,
-    };
-    self->station->queue = queue.writer == NULL ? NULL : &self->queue;
-    return lx_nvm_queue_open(&self->queue, &queue, nvm, error);
 }
 
 static int power_on(struct lx_can_node *self, const struct dg_co_ops *ops, dg_ns now,
@@ -234,7 +158,7 @@ static int power_on(struct lx_can_node *self, const struct dg_co_ops *ops, dg_ns
     };
     if (dg_co_init(&self->device.node, &device) != DG_OK ||
         dg_co_power_on(&self->device.node, now) != DG_OK) {
-        return refuse_image(self, error);
+        return lx_fail(error, "the encoder does not start: not its EEPROM");
     }
     return 0;
 }
@@ -244,11 +168,11 @@ int lx_can_node_open(struct lx_can_node *self, const struct dg_co_ops *ops,
 {
     const struct lx_bus_setup *setup = &self->bus->bus.setup;
     const struct lx_plan_encoder *plan = self->station->plan;
-    if (dg_cia406_init(&self->device.encoder, &self->model) != DG_OK || deliver(self) != DG_OK) {
-        (void)lx_fail(error, "these factory figures make no encoder, or there is no memory");
+    if (dg_cia406_init(&self->device.encoder, &self->model) != DG_OK) {
+        (void)lx_fail(error, "these factory figures make no encoder");
         return lx_stands(error, setup->plan->file, plan->line);
     }
-    if (open_eeprom(self, settled, error) != 0 || power_on(self, ops, now, error) != 0) {
+    if (open_memory(self, settled, error) != 0 || power_on(self, ops, now, error) != 0) {
         return lx_plan_refuse_key(setup->plan, "nvm", plan->nvm_line, error);
     }
     tell_node_id(self);
@@ -258,8 +182,6 @@ int lx_can_node_open(struct lx_can_node *self, const struct dg_co_ops *ops,
 void lx_can_node_close(struct lx_can_node *self)
 {
     dg_co_power_off(&self->device.node);
-    lx_nvm_queue_close(&self->queue);
+    lx_image_close(&self->image);
     free(self->answers.frames);
-    lx_nvm_file_close(&self->file);
-    lx_nvm_memory_free(&self->memory);
 }

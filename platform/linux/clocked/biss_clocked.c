@@ -298,7 +298,7 @@ struct lx_biss_line *lx_biss_line_of(const struct lx_clocked_wire *wire)
 
 struct encoder {
     struct dg_biss_model model;
-    struct lx_biss_eeprom eeprom;
+    struct lx_biss_memory memory;
     struct dg_biss device;
 };
 
@@ -327,7 +327,6 @@ static int place(struct lx_clocked *base, const struct lx_bus_setup *setup, size
     struct lx_station *station = setup->stations[index];
     ((struct planned *)base)->count = index + 1u;
     ((struct planned *)base)->master = master;
-    self->eeprom.file.fd = -1;
     if (lx_stack_settings(setup->plan, setup->wire, station->plan, model, &station->world, error) !=
         0) {
         return -1;
@@ -351,20 +350,20 @@ static int open_encoder(struct lx_clocked *base, const struct lx_bus_setup *setu
 {
     struct encoder *self = encoder_of(base, index);
     struct lx_station *station = setup->stations[index];
-    const char *nvm = station->plan->nvm;
-    if (lx_biss_eeprom_open(&self->eeprom, nvm, error) != 0 ||
-        lx_biss_eeprom_defer(&self->eeprom, setup->writer, error) != 0) {
+    const struct lx_image_setup image = {station->plan->nvm, .say = setup->say,
+                                         .writer = setup->writer};
+    if (lx_biss_memory_open(&self->memory, &self->model, &image, error) != 0) {
         return lx_plan_refuse_key(setup->plan, "nvm", station->plan->nvm_line, error);
     }
-    station->control.nvm = self->eeprom.nvm;
-    station->queue = nvm == NULL ? NULL : &self->eeprom.queue;
-    const struct dg_biss_setup made = {&self->model, &station->world, self->eeprom.nvm};
-    if (lx_biss_switch_on(&self->device, &made, now, nvm, error) != 0) {
+    station->control.nvm = self->memory.part.device.nvm;
+    station->queue = lx_image_queue(&self->memory.image);
+    const struct dg_biss_setup made = {&self->model, &station->world, station->control.nvm};
+    if (lx_biss_switch_on(&self->device, &made, now, error) != 0) {
         return -1;
     }
     lx_biss_line_add(line_of(base), &self->device, &station->control.faults, station->control.name);
     if (((const struct planned *)base)->master == LX_CLOCKED_THERE) {
-        lx_biss_line_hold(line_of(base), &self->eeprom.queue);
+        lx_biss_line_hold(line_of(base), &self->memory.image.queue);
     }
     return 0;
 }
@@ -374,7 +373,7 @@ static void close_all(struct lx_clocked *base)
     for (size_t i = 0; i < ((struct planned *)base)->count; i++) {
         struct encoder *self = encoder_of(base, i);
         dg_biss_power_off(&self->device);
-        lx_biss_eeprom_close(&self->eeprom);
+        lx_image_close(&self->memory.image);
     }
 }
 

@@ -75,55 +75,26 @@ int lx_biss_own_timeout(const struct lx_plan *plan, const struct lx_plan_encoder
     return lx_stands(error, plan->file, lx_plan_setting_line(encoder, "timeout_us"));
 }
 
-int lx_biss_eeprom_open(struct lx_biss_eeprom *self, const char *path, struct lx_error *error)
+int lx_biss_memory_open(struct lx_biss_memory *self, const struct dg_biss_model *model,
+                        const struct lx_image_setup *image, struct lx_error *error)
 {
-    *self = (struct lx_biss_eeprom){.file = {.fd = -1}};
-    if (lx_nvm_memory_init(&self->memory, dg_store_size(&dg_biss_layout)) != 0) {
-        return lx_fail(error, "no memory for the EEPROM");
-    }
-    self->nvm = lx_nvm_memory_port(&self->memory);
-    if (dg_biss_format(self->nvm) != DG_OK) {
-        return lx_fail(error, "the EEPROM cannot be formatted");
-    }
-    if (path == NULL) {
-        return 0;
-    }
-    const struct lx_nvm_image image = {self->memory.bytes, self->memory.size,
-                                       "the encoder answers P = 1"};
-    if (lx_nvm_file_open(&self->file, path, &image, error) != 0) {
-        return -1;
-    }
-    self->nvm = lx_nvm_file_port(&self->file);
-    return 0;
-}
-
-int lx_biss_eeprom_defer(struct lx_biss_eeprom *self, struct lx_nvm_writer *writer,
-                         struct lx_error *error)
-{
-    const struct lx_nvm_queue_setup queue = {
-        .writer = self->file.fd < 0 ? NULL : writer,
-        .below = self->nvm,
-        .size = self->memory.size,
-    };
-    return lx_nvm_queue_open(&self->queue, &queue, &self->nvm, error);
-}
-
-void lx_biss_eeprom_close(struct lx_biss_eeprom *self)
-{
-    lx_nvm_queue_close(&self->queue);
-    lx_nvm_file_close(&self->file);
-    lx_nvm_memory_free(&self->memory);
+    struct lx_image_setup setup = *image;
+    self->part = (struct lx_image_part){.stack = &dg_biss_stack, .device = {.model = model}};
+    setup.answer = "the encoder answers P = 1";
+    setup.parts = &self->part;
+    setup.count = 1;
+    return lx_image_open(&self->image, &setup, error) != 0 ? -1
+                                                           : lx_image_start(&self->image, error);
 }
 
 int lx_biss_switch_on(struct dg_biss *device, const struct dg_biss_setup *setup, dg_ns now,
-                      const char *path, struct lx_error *error)
+                      struct lx_error *error)
 {
     if (dg_biss_init(device, setup) != DG_OK) {
         return lx_fail(error, "these factory figures make no encoder");
     }
     if (dg_biss_power_on(device, now) != DG_OK) {
-        return lx_refuse(error, "another name is right", "%s: not the EEPROM of a BiSS encoder",
-                         path == NULL ? "" : path);
+        return lx_fail(error, "the encoder does not start: not its EEPROM");
     }
     return 0;
 }

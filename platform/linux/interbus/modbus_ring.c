@@ -1,218 +1,124 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Each K3 has its image in a slice of a memory (a file), which several may share. A file that does
- * not fit is found before anything is written: mounting a foreign image changes nothing.
+ * Each K3 has its part of an image (a file), which several may share. A file that does not fit is
+ * found before anything is written to any.
  */
 #include "modbus_ring.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-static int slice_read(void *ctx, uint32_t address, void *to, size_t n)
-{
-    const struct lx_ring_slice *self = ctx;
-    return self->whole.ops->read(self->whole.ctx, self->base + address, to, n);
-}
-
-static int slice_write(void *ctx, uint32_t address, const void *from, size_t n)
-{
-    const struct lx_ring_slice *self = ctx;
-    return self->whole.ops->write(self->whole.ctx, self->base + address, from, n);
-}
-
-static int slice_sync(void *ctx)
-{
-    struct lx_ring_slice *self = ctx;
-    const int result =
-        self->whole.ops->sync == NULL ? DG_OK : self->whole.ops->sync(self->whole.ctx);
-    self->ticket = self->store->queue.issued;
-    self->open = true;
-    return result;
-}
-
-static const struct dg_nvm_ops slice_ops = {
-    .read = slice_read, .write = slice_write, .sync = slice_sync};
-
 struct dg_nvm lx_ring_nvm(const struct lx_ring *self, size_t index)
 {
-    return (struct dg_nvm){&slice_ops, &self->slices[index]};
+    return self->windows[index].part->device.nvm;
 }
 
 const struct lx_nvm_queue *lx_ring_queue(const struct lx_ring *self, size_t index)
 {
-    const struct lx_ring_store *store = self->slices[index].store;
-    return store->path == NULL ? NULL : &store->queue;
-}
-
-/* The memory with this file, a new one if there is none yet; NULL: the one without a file. */
-static struct lx_ring_store *store_of(struct lx_ring *self, const char *path)
-{
-    for (size_t i = 0; i < self->store_count; i++) {
-        const char *other = self->stores[i].path;
-        if (path == other || (path != NULL && other != NULL && strcmp(path, other) == 0)) {
-            return &self->stores[i];
-        }
-    }
-    struct lx_ring_store *store = &self->stores[self->store_count++];
-    *store = (struct lx_ring_store){.path = path, .file = {.fd = -1}};
-    return store;
+    return lx_image_queue(self->windows[index].part->image);
 }
 
 static int make_arrays(struct lx_ring *self, size_t count, struct lx_error *error)
 {
     self->devices = calloc(count, sizeof *self->devices);
     self->models = calloc(count, sizeof *self->models);
-    self->slices = calloc(count, sizeof *self->slices);
+    self->windows = calloc(count, sizeof *self->windows);
+    self->parts = calloc(count, sizeof *self->parts);
     self->stores = calloc(count, sizeof *self->stores);
-    if (self->devices == NULL || self->models == NULL || self->slices == NULL ||
-        self->stores == NULL) {
+    if (self->devices == NULL || self->models == NULL || self->windows == NULL ||
+        self->parts == NULL || self->stores == NULL) {
         return lx_fail(error, "no memory for %lu devices", (unsigned long)count);
     }
     return 0;
+}
+
+static bool same_path(const char *a, const char *b)
+{
+    return a == b || (a != NULL && b != NULL && strcmp(a, b) == 0);
+}
+
+/* The parts of the devices with this file, one of which is the first that has it; NULL: of those
+   without. */
+static void gather(struct lx_ring *self, const struct lx_ring_setup *setup, size_t first,
+                   struct lx_image_part *parts)
+{
+    struct lx_ring_store *store = &self->stores[self->store_count++];
+    *store = (struct lx_ring_store){.path = setup->members[first].nvm, .parts = parts};
+    for (size_t i = first; i < setup->count; i++) {
+        if (!same_path(setup->members[i].nvm, store->path)) {
+            continue;
+        }
+        self->windows[i].part = &parts[store->count++];
+        *self->windows[i].part = (struct lx_image_part){
+            .stack = &dg_ib_stack,
+            .device = {.model = &self->models[i]},
+            .place = i,
+            .right = "a K1 has at most 65536 steps, one with steps_minus_one at least 2",
+        };
+    }
 }
 
 /* Which part of which memory is whose. */
 static int share_out(struct lx_ring *self, const struct lx_ring_setup *setup,
                      struct lx_error *error)
 {
-    const uint32_t image = dg_store_size(&dg_ib_layout);
+    size_t used = 0;
     if (make_arrays(self, setup->count, error) != 0) {
         return -1;
     }
     for (size_t i = 0; i < setup->count; i++) {
-        struct lx_ring_store *store = store_of(self, setup->members[i].nvm);
         self->models[i] = setup->members[i].model;
-        self->slices[i] = (struct lx_ring_slice){.store = store, .base = store->memory.size};
-        store->memory.size += self->models[i].profile == DG_IB_K3 ? image : 0u;
     }
-    for (size_t i = 0; i < self->store_count; i++) {
-        struct lx_ring_store *store = &self->stores[i];
-        if (store->memory.size == 0 && store->path != NULL) {
-            (void)lx_refuse(error, "leave it out, or have a K3", "K1 and K2 have no EEPROM");
-            return lx_about(error, LX_ABOUT_KEY, "nvm", store->path);
-        }
-        if (lx_nvm_memory_init(&store->memory, store->memory.size) != 0) {
-            return lx_fail(error, "no memory for %lu devices", (unsigned long)setup->count);
+    for (size_t i = 0; i < setup->count; i++) {
+        if (self->windows[i].part == NULL) {
+            gather(self, setup, i, &self->parts[used]);
+            used += self->stores[self->store_count - 1].count;
         }
     }
     return 0;
 }
 
-/* The delivery state of all devices, in memory. */
-static int deliver(struct lx_ring *self, size_t count, struct lx_error *error)
+static bool has_memory(const struct lx_ring_store *self)
 {
-    for (size_t i = 0; i < count; i++) {
-        self->slices[i].whole = lx_nvm_memory_port(&self->slices[i].store->memory);
-        if (dg_ib_format(&self->models[i], lx_ring_nvm(self, i)) != DG_OK) {
-            return lx_fail(error,
-                           "device %lu: these factory figures make no encoder; a K1 has at "
-                           "most 65536 steps, one with steps_minus_one at least 2",
-                           (unsigned long)i);
-        }
+    bool any = false;
+    for (size_t i = 0; i < self->count; i++) {
+        any = any || dg_ib_stack.layout(self->parts[i].device.model) != NULL;
     }
-    return 0;
+    return any;
 }
 
-/* The images of an earlier release are shorter and stand closer together. @return their size */
-static size_t spread(struct lx_ring_store *self)
+static int open_store(struct lx_ring_store *self, const struct lx_ring_setup *setup,
+                      struct lx_error *error)
 {
-    const size_t image = dg_store_size(&dg_ib_layout);
-    uint8_t *bytes = self->memory.bytes;
-    struct dg_store store;
-    if (dg_store_mount(&store, &dg_ib_layout, lx_nvm_memory_port(&self->memory)) != DG_ERR_OLDER) {
-        return image;
+    const struct lx_image_setup image = {
+        .path = self->path,
+        .answer = "the encoder answers 86000000h",
+        .parts = self->parts,
+        .count = self->count,
+        .say = setup->say,
+        .writer = setup->writer,
+        .settled = setup->settled,
+        .ctx = setup->ctx,
+    };
+    if (self->path != NULL && !has_memory(self)) {
+        (void)lx_refuse(error, "leave it out, or have a K3", "K1 and K2 have no EEPROM");
+        return lx_about(error, LX_ABOUT_KEY, "nvm", self->path);
     }
-    const size_t older = dg_store_address(&dg_ib_layout, store.region_count);
-    for (size_t i = self->memory.size / image; i-- > 0;) {
-        memmove(bytes + i * image, bytes + i * older, older);
-        memset(bytes + i * image + older, 0xFF, image - older);
-    }
-    return older;
+    return lx_image_open(&self->image, &image, error);
 }
 
-/* What is in the file goes to `memory`, which is for looking at only from here on. */
-static int open_file(struct lx_ring_store *self, const struct lx_say *say, struct lx_error *error)
-{
-    const struct lx_nvm_image delivery = {self->memory.bytes, self->memory.size,
-                                          "the encoder answers 86000000h"};
-    if (self->path == NULL) {
-        return 0;
-    }
-    if (lx_nvm_file_open(&self->file, self->path, &delivery, error) != 0) {
-        return -1;
-    }
-    const struct dg_nvm file = lx_nvm_file_port(&self->file);
-    if (file.ops->read(file.ctx, 0, self->memory.bytes, self->memory.size) != DG_OK) {
-        return lx_fail(error, "%s: cannot read", self->path);
-    }
-    const size_t image = dg_store_size(&dg_ib_layout);
-    const size_t found = spread(self);
-    self->older = found < image;
-    lx_nvm_file_tell(&self->file, (uint32_t)(self->memory.size / image * found), say);
-    return 0;
-}
-
-static int open_files(struct lx_ring *self, const struct lx_say *say, struct lx_error *error)
-{
-    for (size_t i = 0; i < self->store_count; i++) {
-        if (open_file(&self->stores[i], say, error) != 0) {
-            return -1;
-        }
-    }
-    return 0;
-}
-
-/* As device `index` will mount it. */
-static int mount(struct lx_ring *self, size_t index)
-{
-    struct dg_store store;
-    const int result = dg_store_mount(&store, &dg_ib_layout, lx_ring_nvm(self, index));
-    return result == DG_ERR_OLDER ? dg_store_grow(&store, &self->models[index]) : result;
-}
-
-/* Every image is looked at before the first file changes, and before the first device may repair
-   its own. */
-static int check_files(struct lx_ring *self, size_t count, struct lx_error *error)
-{
-    for (size_t i = 0; i < count; i++) {
-        if (self->slices[i].store->path != NULL && self->models[i].profile == DG_IB_K3 &&
-            mount(self, i) != DG_OK) {
-            return lx_fail(error,
-                           "%s: holds no image of device %lu; give a file made by this ring, or "
-                           "the name of a new one",
-                           self->slices[i].store->path, (unsigned long)i);
-        }
-    }
-    for (size_t i = 0; i < self->store_count; i++) {
-        struct lx_ring_store *store = &self->stores[i];
-        if (store->older && lx_nvm_file_replace(&store->file, store->memory.bytes, error) != 0) {
-            return -1;
-        }
-    }
-    return 0;
-}
-
-/* The devices work on the files from here on. */
-static int open_queues(struct lx_ring *self, const struct lx_ring_setup *setup,
+/* Every file is looked at before the first one changes. */
+static int open_stores(struct lx_ring *self, const struct lx_ring_setup *setup,
                        struct lx_error *error)
 {
     for (size_t i = 0; i < self->store_count; i++) {
-        struct lx_ring_store *store = &self->stores[i];
-        const struct lx_nvm_queue_setup queue = {
-            .writer = setup->writer,
-            .below = lx_nvm_file_port(&store->file),
-            .size = store->memory.size,
-            .settled = setup->settled,
-            .ctx = setup->ctx,
-        };
-        if (store->path != NULL &&
-            lx_nvm_queue_open(&store->queue, &queue, &store->nvm, error) != 0) {
+        if (open_store(&self->stores[i], setup, error) != 0) {
             return -1;
         }
     }
-    for (size_t i = 0; i < setup->count; i++) {
-        if (self->slices[i].store->path != NULL) {
-            self->slices[i].whole = self->slices[i].store->nvm;
+    for (size_t i = 0; i < self->store_count; i++) {
+        if (lx_image_start(&self->stores[i].image, error) != 0) {
+            return -1;
         }
     }
     return 0;
@@ -244,23 +150,19 @@ int lx_ring_open(struct lx_ring *self, const struct lx_ring_setup *setup, dg_ns 
                  struct lx_error *error)
 {
     memset(self, 0, sizeof *self);
-    if (share_out(self, setup, error) != 0 || deliver(self, setup->count, error) != 0 ||
-        open_files(self, setup->say, error) != 0 || check_files(self, setup->count, error) != 0 ||
-        open_queues(self, setup, error) != 0 || switch_on(self, setup, now, error) != 0) {
-        return -1;
-    }
-    return 0;
+    return share_out(self, setup, error) != 0 || open_stores(self, setup, error) != 0
+               ? -1
+               : switch_on(self, setup, now, error);
 }
 
 void lx_ring_close(struct lx_ring *self)
 {
     for (size_t i = 0; i < self->store_count; i++) {
-        lx_nvm_queue_close(&self->stores[i].queue);
-        lx_nvm_file_close(&self->stores[i].file);
-        lx_nvm_memory_free(&self->stores[i].memory);
+        lx_image_close(&self->stores[i].image);
     }
     free(self->stores);
-    free(self->slices);
+    free(self->parts);
+    free(self->windows);
     free(self->models);
     free(self->devices);
     memset(self, 0, sizeof *self);
@@ -269,14 +171,15 @@ void lx_ring_close(struct lx_ring *self)
 /* A device stores, and answers, within one cycle: what the master sees instead is from the one
    before. What a device stores by itself, without a command, holds up nothing. What is lost is not
    answered: the old words stay until there is another command. */
-static void hold_back(struct lx_ring_slice *self, uint16_t *in, const uint16_t *before,
+static void hold_back(struct lx_ring_window *self, uint16_t *in, const uint16_t *before,
                       const uint16_t *out)
 {
     static const uint16_t nothing[LX_RING_OWN_WORDS_MAX];
-    const enum lx_nvm_state state = lx_nvm_queue_state(&self->store->queue, self->ticket);
+    const uint64_t ticket = self->part->ticket;
+    const enum lx_nvm_state state = lx_nvm_queue_state(&self->part->image->queue, ticket);
     const bool same = memcmp(self->command, out, sizeof self->command) == 0;
     if (state == LX_NVM_THROUGH || (state == LX_NVM_LOST && !(self->holds && same))) {
-        self->open = false;
+        self->settled = ticket;
         self->holds = false;
         return;
     }
@@ -294,8 +197,8 @@ static void hold_back_all(struct lx_ring *self)
 {
     size_t at = 0;
     for (size_t i = 0; i < self->ring.count; i++) {
-        if (self->slices[i].open) {
-            hold_back(&self->slices[i], &self->in[at], &self->before[at], &self->out[at]);
+        if (self->windows[i].part->ticket != self->windows[i].settled) {
+            hold_back(&self->windows[i], &self->in[at], &self->before[at], &self->out[at]);
         }
         at += dg_ib_words(&self->models[i]);
     }

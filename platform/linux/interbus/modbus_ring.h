@@ -8,10 +8,8 @@
 #define DREHGEBER_LINUX_MODBUS_RING_H
 
 #include "drehgeber/interbus.h"
+#include "image.h"
 #include "modbus_settings.h"
-#include "nvm_file.h"
-#include "nvm_memory.h"
-#include "nvm_writer.h"
 
 /** Words of either image at most: two for each device. */
 #define LX_RING_WORDS_MAX (2u * DG_IB_RING_MAX)
@@ -31,7 +29,7 @@ struct lx_ring_setup {
     size_t count; /**< 1..DG_IB_RING_MAX */
     const struct lx_say *say;
     struct lx_nvm_writer *writer; /**< of the files; NULL: they are written where they stand */
-    /** As in lx_nvm_queue_setup: IN words may be held back no longer, from the next cycle on. */
+    /** As in lx_image_setup: IN words may be held back no longer, from the next cycle on. */
     void (*settled)(void *ctx, dg_ns now);
     void *ctx;
 };
@@ -39,25 +37,20 @@ struct lx_ring_setup {
 /** A memory of one device or several. */
 struct lx_ring_store {
     const char *path;            /**< NULL: no file */
-    struct lx_nvm_memory memory; /**< delivery state; the memory itself without a file */
-    struct lx_nvm_file file;
-    struct lx_nvm_queue queue; /**< in front of it */
-    struct dg_nvm nvm;         /**< for the devices */
-    bool older; /**< the file is of an earlier release: its images are to be moved apart */
+    struct lx_image_part *parts; /**< of those devices, in ring order */
+    size_t count;
+    struct lx_image image;
 };
 
 /** Words of one device. */
 #define LX_RING_OWN_WORDS_MAX 2u
 
-/** The part of a memory that belongs to one device. Its answer to a command waits until what it
- * acknowledges is on the disk: meanwhile the master sees the IN words from before. */
-struct lx_ring_slice {
-    struct lx_ring_store *store;
-    struct dg_nvm whole;
-    uint32_t base;
-    uint64_t ticket; /**< of its last sync */
-    bool open;       /**< that one was not known to be through */
-    bool holds;      /**< the master sees: */
+/** What a device shows of its memory. Its answer to a command waits until what it acknowledges is
+ * on the disk: meanwhile the master sees the IN words from before. */
+struct lx_ring_window {
+    struct lx_image_part *part;
+    uint64_t settled; /**< ticket of the last sync of it that is known to be through, or lost */
+    bool holds;       /**< the master sees: */
     uint16_t shown[LX_RING_OWN_WORDS_MAX];
     uint16_t command[LX_RING_OWN_WORDS_MAX]; /**< the OUT words that it answers */
 };
@@ -66,7 +59,8 @@ struct lx_ring_slice {
 struct lx_ring {
     struct dg_ib *devices; /**< owned, as the arrays below; one for each device */
     struct dg_ib_model *models;
-    struct lx_ring_slice *slices;
+    struct lx_ring_window *windows;
+    struct lx_image_part *parts;  /**< in the order of the stores */
     struct lx_ring_store *stores; /**< as many as store_count */
     size_t store_count;
     struct dg_ib_ring ring;

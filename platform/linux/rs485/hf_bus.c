@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "figure.h"
 #include "hf_line.h"
 
 static struct lx_hf_bus *hf_of(struct lx_bus *bus)
@@ -13,36 +14,64 @@ static struct lx_hf_bus *hf_of(struct lx_bus *bus)
 
 /* --- the operations --- */
 
-static int open_eeprom(struct lx_hf_drop *self, struct lx_error *error)
+/* Nine digits. */
+static uint32_t serial_of(const struct dg_hf_model *model)
+{
+    uint64_t serial = 0;
+    return lx_unsigned_parse(model->serial, &serial) ? (uint32_t)serial : 0;
+}
+
+static int open_memory(struct lx_hf_drop *self, struct lx_error *error)
 {
     const struct lx_bus_setup *bus = &self->all->bus.setup;
     const struct lx_plan_encoder *plan = self->station->plan;
-    struct lx_eeprom *eeprom = &self->eeprom;
-    if (lx_eeprom_open(eeprom, plan->nvm, &self->settings, bus->say, error) != 0) {
-        return lx_plan_refuse_key(bus->plan, "nvm", plan->nvm_line, error);
-    }
-    const struct lx_nvm_queue_setup queue = {
-        .writer = plan->nvm == NULL ? NULL : bus->writer,
-        .below = eeprom->nvm,
-        .size = eeprom->memory.size,
+    const struct lx_image_setup image = {
+        .path = plan->nvm,
+        .answer = "the encoder answers 05h",
+        .parts = &self->memory,
+        .count = 1,
+        .say = bus->say,
+        .writer = bus->writer,
         .settled = lx_hf_on_settled,
         .ctx = self,
     };
-    self->station->queue = queue.writer == NULL ? NULL : &self->queue;
-    return lx_nvm_queue_open(&self->queue, &queue, &eeprom->nvm, error);
+    self->memory = (struct lx_image_part){
+        .stack = &dg_hf_stack,
+        .device = {.model = &self->settings.model,
+                   .serial = serial_of(&self->settings.model),
+                   .address = self->settings.address},
+        .serial_given = self->settings.serial_given,
+    };
+    if (lx_image_open(&self->image, &image, error) != 0 ||
+        lx_image_start(&self->image, error) != 0) {
+        return lx_plan_refuse_key(bus->plan, "nvm", plan->nvm_line, error);
+    }
+    self->station->control.nvm = self->memory.device.nvm;
+    self->station->queue = lx_image_queue(&self->image);
+    return 0;
+}
+
+/* What was set over the line stays. */
+static void tell_address(const struct lx_hf_drop *self)
+{
+    const uint8_t wanted = self->settings.address;
+    if (wanted != 0 && self->device.address != wanted &&
+        !dg_store_damaged(&self->device.store, DG_HF_REGION_UART)) {
+        lx_note(self->all->bus.setup.say, "%s: its address is 0x%02X, not 0x%02X",
+                self->station->plan->nvm, self->device.address, wanted);
+    }
 }
 
 static int switch_on(struct lx_hf_drop *self, dg_ns now, struct lx_error *error)
 {
     struct lx_station *station = self->station;
-    if (open_eeprom(self, error) != 0) {
+    if (open_memory(self, error) != 0) {
         return -1;
     }
-    station->control.nvm = self->eeprom.nvm;
     const struct dg_hf_setup device = {
         .model = &self->settings.model,
         .world = &station->world,
-        .nvm = self->eeprom.nvm,
+        .nvm = station->control.nvm,
         .ops = &lx_hf_device_ops,
         .ctx = self,
     };
@@ -50,6 +79,7 @@ static int switch_on(struct lx_hf_drop *self, dg_ns now, struct lx_error *error)
         dg_hf_power_on(&self->device, now) != DG_OK) {
         return lx_fail(error, "the encoder does not start: not its EEPROM");
     }
+    tell_address(self);
     self->uart = dg_hf_uart(&self->device);
     const struct lx_uart uart = lx_hf_uart(&self->uart);
     lx_line_set(&self->line, &uart);
@@ -170,8 +200,7 @@ static void close_bus(struct lx_bus *bus)
     struct lx_hf_bus *self = hf_of(bus);
     for (size_t i = 0; i < self->count; i++) {
         dg_hf_power_off(&self->drop[i].device);
-        lx_nvm_queue_close(&self->drop[i].queue);
-        lx_eeprom_close(&self->drop[i].eeprom);
+        lx_image_close(&self->drop[i].image);
     }
     lx_serial_close(self->port);
     lx_timer_close(&self->timer);
@@ -195,7 +224,6 @@ static int place(struct lx_hf_bus *self, size_t index, struct lx_error *error)
     *drop = (struct lx_hf_drop){
         .station = station,
         .all = self,
-        .eeprom = {.file = {.fd = -1}},
         .device = {.line = DG_HF_OFF, .deadline = DG_NEVER},
         .deadline = DG_NEVER,
         .flipped = -1,

@@ -179,7 +179,7 @@ static void start_reply(struct lx_hf_drop *self, const uint8_t *bytes, size_t n)
 static void send_reply(void *ctx, const uint8_t *bytes, size_t n)
 {
     struct lx_hf_drop *self = ctx;
-    if (!lx_nvm_queue_pending(&self->queue)) {
+    if (!lx_nvm_queue_pending(&self->image.queue)) {
         start_reply(self, bytes, n);
         return;
     }
@@ -193,11 +193,11 @@ void lx_hf_on_settled(void *ctx, dg_ns now)
     struct lx_hf_drop *self = ctx;
     const size_t n = self->held.length;
     (void)now;
-    if (n == 0 || lx_nvm_queue_pending(&self->queue)) {
+    if (n == 0 || lx_nvm_queue_pending(&self->image.queue)) {
         return;
     }
     self->held.length = 0;
-    if (lx_nvm_queue_state(&self->queue, self->queue.issued) == LX_NVM_THROUGH) {
+    if (lx_nvm_queue_state(&self->image.queue, self->image.queue.issued) == LX_NVM_THROUGH) {
         start_reply(self, self->held.bytes, n);
         lx_hf_settle(self->all);
     }

@@ -8,8 +8,8 @@
 
 #include "bus.h"
 #include "drehgeber/hiperface.h"
-#include "eeprom.h"
 #include "hf_settings.h"
+#include "image.h"
 #include "nvm_writer.h"
 #include "serial.h"
 #include "timer.h"
@@ -26,8 +26,8 @@ struct lx_hf_drop {
     struct lx_station *station;
     struct lx_hf_bus *all;
     struct lx_hf_settings settings;
-    struct lx_eeprom eeprom;
-    struct lx_nvm_queue queue; /**< in front of its file */
+    struct lx_image image; /**< its EEPROM: */
+    struct lx_image_part memory;
     struct {
         uint8_t bytes[DG_HF_FRAME_MAX];
         size_t length; /**< 0: none */

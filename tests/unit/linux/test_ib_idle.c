@@ -127,7 +127,7 @@ static void run_eager(void)
 
 static const struct lx_nvm_memory *memory_of(const struct side *self)
 {
-    return &self->ring.slices[K3].store->memory;
+    return &self->ring.windows[K3].part->image->memory;
 }
 
 /* What would be there after the processes have died. */

@@ -230,7 +230,7 @@ static void the_ring_has_one_file(void **state)
     assert_int_equal(unlink(path), 0); /* only the name is wanted */
     assert_int_equal(open_ring(path, 3), 0);
     assert_int_equal(ring.store_count, 1);
-    assert_int_equal(ring.stores[0].file.size, image);
+    assert_int_equal(ring.stores[0].image.file.size, image);
     lx_ring_cycle(&ring, START);
     ring.out[1] = 0x0A00;
     ring.out[2] = 0x0055;

@@ -18,14 +18,10 @@
 
 #include <cmocka.h>
 
-#include "biss_settings.h"
-#include "drehgeber/devices.h"
-#include "eeprom.h"
-#include "set_key.h"
-
-static const struct lx_say quiet = {.quiet = true};
+#include "eeprom_rig.h"
 
 /* --- a file system that lacks something: these come before libc's own --- */
+
 static int no_rename; /* errno of renameat2(); 0: it works */
 static int no_link;
 static void (*before_naming)(void); /* somebody else is faster */
@@ -58,84 +54,11 @@ int fdatasync(int fd)
     return fails ? -1 : (int)syscall(SYS_fdatasync, fd);
 }
 
-#define MODEL "s3684-rs485"
-struct place {
-    char folder[32];
-    char path[64];
-    struct lx_hf_settings settings;
-};
-
-static void set_serial(struct lx_hf_settings *settings, const char *digits)
-{
-    assert_int_equal(lx_key_set(lx_hf_stack.serial, settings, digits, &(struct lx_error){0}), 0);
-    settings->serial_given = true;
-}
-
-static int set_up(void **state)
-{
-    struct place *self = calloc(1, sizeof *self);
-    assert_non_null(self);
-    (void)strcpy(self->folder, "/tmp/test_nvm_file.XXXXXX");
-    assert_non_null(mkdtemp(self->folder));
-    (void)snprintf(self->path, sizeof self->path, "%s/nvm", self->folder);
-    lx_hf_stack.defaults(&self->settings, dg_device_find(MODEL));
-    *state = self;
-    return 0;
-}
-
-/* rmdir() fails when a test leaves anything but its file behind. */
 static int tear_down(void **state)
 {
-    struct place *self = *state;
     no_rename = no_link = syncs_fail = fail_sync = 0;
     before_naming = NULL;
-    (void)unlink(self->path);
-    const int result = rmdir(self->folder);
-    free(self);
-    return result;
-}
-
-static off_t length_of(const char *path)
-{
-    struct stat info;
-    assert_int_equal(stat(path, &info), 0);
-    return info.st_size;
-}
-
-static void make_image(struct place *place)
-{
-    struct lx_eeprom eeprom;
-    struct lx_error error;
-    assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), 0);
-    lx_eeprom_close(&eeprom);
-}
-
-/* Opening the file is refused with a line that says so, and leaves every byte as it was. */
-static void refused(struct place *place, const char *says)
-{
-    uint8_t before[8192];
-    uint8_t after[8192];
-    struct lx_eeprom eeprom;
-    struct lx_error error = {.right = ""};
-    int fd = open(place->path, O_RDONLY);
-    const ssize_t n = read(fd, before, sizeof before);
-    (void)close(fd);
-    assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), -1);
-    lx_eeprom_close(&eeprom);
-    assert_non_null(strstr(lx_error_line(&error).text, says));
-    assert_non_null(strstr(lx_error_line(&error).text, place->path));
-    fd = open(place->path, O_RDONLY);
-    assert_int_equal(read(fd, after, sizeof after), n);
-    (void)close(fd);
-    assert_memory_equal(before, after, (size_t)n);
-}
-
-static void write_bytes(const char *path, const uint8_t *bytes, size_t n)
-{
-    const int fd = open(path, O_WRONLY | O_CREAT | O_TRUNC, 0600);
-    assert_true(fd >= 0);
-    assert_int_equal(write(fd, bytes, n), (ssize_t)n);
-    (void)close(fd);
+    return eeprom_place_tear_down(state);
 }
 
 static void write_over(const char *path, const uint8_t *bytes, size_t n)
@@ -155,9 +78,9 @@ static ssize_t read_bytes(const char *path, uint8_t *bytes, size_t n)
 
 static void a_new_file_is_complete_and_private(void **state)
 {
-    struct place *place = *state;
+    struct eeprom_place *place = *state;
     struct stat info;
-    make_image(place);
+    eeprom_make(place);
     assert_int_equal(stat(place->path, &info), 0);
     assert_int_equal(info.st_mode & 07777, 0600);
     assert_int_equal(info.st_nlink, 1);
@@ -167,12 +90,12 @@ static void a_new_file_is_complete_and_private(void **state)
 static void a_file_is_made_with_either_way_to_name_it(void **state)
 {
     static const int ways[][2] = {{0, EPERM}, {EINVAL, 0}, {ENOSYS, 0}};
-    struct place *place = *state;
+    struct eeprom_place *place = *state;
     struct stat info;
     for (size_t i = 0; i < sizeof ways / sizeof ways[0]; i++) {
         no_rename = ways[i][0];
         no_link = ways[i][1];
-        make_image(place);
+        eeprom_make(place);
         assert_int_equal(stat(place->path, &info), 0);
         assert_int_equal(info.st_mode & 07777, 0600);
         assert_int_equal(info.st_nlink, 1);
@@ -185,45 +108,43 @@ static void a_file_is_made_with_either_way_to_name_it(void **state)
 static void without_any_way_to_name_it_no_file_is_made(void **state)
 {
     static const int ways[][2] = {{EINVAL, EPERM}, {ENOSYS, EOPNOTSUPP}, {EINVAL, ENOSYS}};
-    struct place *place = *state;
-    struct lx_eeprom eeprom;
+    struct eeprom_place *place = *state;
+    struct eeprom eeprom;
     struct lx_error error = {.right = ""};
     for (size_t i = 0; i < sizeof ways / sizeof ways[0]; i++) {
         no_rename = ways[i][0];
         no_link = ways[i][1];
-        assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error),
-                         -1);
-        lx_eeprom_close(&eeprom);
+        assert_int_equal(eeprom_open(&eeprom, place->path, place, &error), -1);
+        eeprom_close(&eeprom);
         assert_non_null(strstr(lx_error_line(&error).text, place->path));
         assert_non_null(strstr(lx_error_line(&error).text, "neither hard links nor a rename"));
         assert_int_equal(access(place->path, F_OK), -1);
     }
     no_rename = EROFS;
-    assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), -1);
-    lx_eeprom_close(&eeprom);
+    assert_int_equal(eeprom_open(&eeprom, place->path, place, &error), -1);
+    eeprom_close(&eeprom);
     assert_non_null(strstr(lx_error_line(&error).text, strerror(EROFS)));
 }
 
-static struct place *contended;
+static struct eeprom_place *contended;
 
 static void somebody_is_faster(void)
 {
-    write_bytes(contended->path, (const uint8_t *)"theirs", 6);
+    eeprom_write_bytes(contended->path, (const uint8_t *)"theirs", 6);
 }
 
 static void of_two_that_make_a_file_one_wins(void **state)
 {
-    struct place *place = *state;
+    struct eeprom_place *place = *state;
     char bytes[8] = "";
     contended = place;
     before_naming = somebody_is_faster;
     for (int linked = 0; linked < 2; linked++) {
-        struct lx_eeprom eeprom;
+        struct eeprom eeprom;
         struct lx_error error = {.right = ""};
         no_rename = linked != 0 ? EINVAL : 0;
-        assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error),
-                         -1);
-        lx_eeprom_close(&eeprom);
+        assert_int_equal(eeprom_open(&eeprom, place->path, place, &error), -1);
+        eeprom_close(&eeprom);
         assert_non_null(strstr(lx_error_line(&error).text, "something else"));
         const int fd = open(place->path, O_RDONLY);
         assert_int_equal(read(fd, bytes, sizeof bytes), 6);
@@ -235,261 +156,114 @@ static void of_two_that_make_a_file_one_wins(void **state)
 
 static void what_is_written_is_there_the_next_time(void **state)
 {
-    struct place *place = *state;
-    struct lx_eeprom eeprom;
+    struct eeprom_place *place = *state;
+    struct eeprom eeprom;
     struct lx_error error;
     uint8_t bytes[4] = {0};
-    assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), 0);
-    const uint32_t at = eeprom.file.size - 4;
-    assert_int_equal(eeprom.nvm.ops->write(eeprom.nvm.ctx, at, "abcd", 4), DG_OK);
-    assert_int_equal(eeprom.nvm.ops->sync(eeprom.nvm.ctx), DG_OK);
-    lx_eeprom_close(&eeprom);
-    assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), 0);
-    assert_false(eeprom.file.created);
-    assert_int_equal(eeprom.nvm.ops->read(eeprom.nvm.ctx, at, bytes, 4), DG_OK);
+    assert_int_equal(eeprom_open(&eeprom, place->path, place, &error), 0);
+    const uint32_t at = eeprom.image.file.size - 4;
+    assert_int_equal(eeprom.part.device.nvm.ops->write(eeprom.part.device.nvm.ctx, at, "abcd", 4),
+                     DG_OK);
+    assert_int_equal(eeprom.part.device.nvm.ops->sync(eeprom.part.device.nvm.ctx), DG_OK);
+    eeprom_close(&eeprom);
+    assert_int_equal(eeprom_open(&eeprom, place->path, place, &error), 0);
+    assert_false(eeprom.image.file.created);
+    assert_int_equal(eeprom.part.device.nvm.ops->read(eeprom.part.device.nvm.ctx, at, bytes, 4),
+                     DG_OK);
     assert_memory_equal(bytes, "abcd", 4);
-    assert_int_equal(eeprom.nvm.ops->read(eeprom.nvm.ctx, at, bytes, 5), DG_ERR_IO);
-    assert_int_equal(eeprom.nvm.ops->write(eeprom.nvm.ctx, at + 5, bytes, 1), DG_ERR_IO);
-    lx_eeprom_close(&eeprom);
-}
-
-static void memory_forgets(void **state)
-{
-    struct place *place = *state;
-    struct lx_eeprom eeprom;
-    struct lx_error error;
-    struct dg_store store;
-    assert_int_equal(lx_eeprom_open(&eeprom, NULL, &place->settings, &quiet, &error), 0);
-    assert_int_equal(dg_store_mount(&store, &dg_hf_layout, eeprom.nvm), DG_OK);
-    assert_int_equal(eeprom.nvm.ops->read(eeprom.nvm.ctx, eeprom.memory.size, &store, 1),
+    assert_int_equal(eeprom.part.device.nvm.ops->read(eeprom.part.device.nvm.ctx, at, bytes, 5),
                      DG_ERR_IO);
-    assert_int_equal(eeprom.nvm.ops->write(eeprom.nvm.ctx, eeprom.memory.size, &store, 1),
-                     DG_ERR_IO);
-    lx_eeprom_close(&eeprom);
+    assert_int_equal(
+        eeprom.part.device.nvm.ops->write(eeprom.part.device.nvm.ctx, at + 5, bytes, 1), DG_ERR_IO);
+    eeprom_close(&eeprom);
 }
 
 /* Locks belong to processes, so the second one is a process. */
 static void a_second_process_is_told_who_has_it(void **state)
 {
-    struct place *place = *state;
-    struct lx_eeprom eeprom;
+    struct eeprom_place *place = *state;
+    struct eeprom eeprom;
     struct lx_error error = {.right = ""};
     char pid[32];
     (void)snprintf(pid, sizeof pid, "process %ld;", (long)getpid());
-    assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), 0);
+    assert_int_equal(eeprom_open(&eeprom, place->path, place, &error), 0);
     const pid_t child = fork();
     if (child == 0) {
-        struct lx_eeprom second;
-        const int result = lx_eeprom_open(&second, place->path, &place->settings, &quiet, &error);
+        struct eeprom second;
+        const int result = eeprom_open(&second, place->path, place, &error);
         _exit(result == -1 && strstr(lx_error_line(&error).text, pid) != NULL ? 0 : 1);
     }
     int status = -1;
     assert_int_equal(waitpid(child, &status, 0), child);
     assert_int_equal(status, 0);
-    lx_eeprom_close(&eeprom);
-}
-
-static void files_that_are_no_image_are_refused(void **state)
-{
-    struct place *place = *state;
-    const uint32_t size = dg_store_size(&dg_hf_layout);
-    uint8_t *bytes = malloc(size + 1);
-    assert_non_null(bytes);
-    memset(bytes, 0xFF, size + 1);
-    write_bytes(place->path, bytes, 0);
-    refused(place, "0 bytes");
-    write_bytes(place->path, bytes, size + 1);
-    refused(place, "an image of this encoder has");
-    write_bytes(place->path, bytes, size);
-    refused(place, "blank");
-    memset(bytes, 'x', size);
-    write_bytes(place->path, bytes, size);
-    refused(place, "something else");
-    write_bytes(place->path, bytes, 10);
-    refused(place, "something else");
-    free(bytes);
+    eeprom_close(&eeprom);
 }
 
 static void folders_and_missing_folders_are_refused(void **state)
 {
-    struct place *place = *state;
-    struct lx_eeprom eeprom;
+    struct eeprom_place *place = *state;
+    struct eeprom eeprom;
     struct lx_error error = {.right = ""};
-    assert_int_equal(lx_eeprom_open(&eeprom, place->folder, &place->settings, &quiet, &error), -1);
-    lx_eeprom_close(&eeprom);
+    assert_int_equal(eeprom_open(&eeprom, place->folder, place, &error), -1);
+    eeprom_close(&eeprom);
     assert_non_null(strstr(lx_error_line(&error).text, place->folder));
     assert_non_null(strstr(lx_error_line(&error).text, ": cannot open: Is a directory"));
-    assert_int_equal(
-        lx_eeprom_open(&eeprom, "/no/such/folder/nvm", &place->settings, &quiet, &error), -1);
-    lx_eeprom_close(&eeprom);
+    assert_int_equal(eeprom_open(&eeprom, "/no/such/folder/nvm", place, &error), -1);
+    eeprom_close(&eeprom);
     assert_non_null(strstr(lx_error_line(&error).text, "/no/such/folder/nvm"));
-}
-
-static void other_factory_figures_are_refused(void **state)
-{
-    struct place *place = *state;
-    struct lx_error error;
-    make_image(place);
-    lx_hf_stack.defaults(&place->settings, dg_device_find("s3674-rs485"));
-    refused(place, "belongs to " MODEL);
-    static const char *const others[] = {"periods=1024", "memory=22", "type=28h",
-                                         "designation=other", "temperature_max=60"};
-    for (size_t i = 0; i < sizeof others / sizeof others[0]; i++) {
-        lx_hf_stack.defaults(&place->settings, dg_device_find(MODEL));
-        assert_int_equal(set_key(dg_device_find(MODEL), &place->settings, NULL, others[i], &error),
-                         0);
-        refused(place, "differs");
-    }
-    lx_hf_stack.defaults(&place->settings, dg_device_find(MODEL));
-    set_serial(&place->settings, "1");
-    refused(place, "serial number differs");
-}
-
-/* A later firmware, or no --serial: still the same unit. */
-static void a_units_own_identity_is_kept(void **state)
-{
-    struct place *place = *state;
-    struct lx_error error;
-    struct lx_eeprom eeprom;
-    set_serial(&place->settings, "777");
-    make_image(place);
-    lx_hf_stack.defaults(&place->settings, dg_device_find(MODEL));
-    assert_int_equal(
-        set_key(dg_device_find(MODEL), &place->settings, NULL, "version=v9.9.9-new", &error), 0);
-    assert_int_equal(
-        set_key(dg_device_find(MODEL), &place->settings, NULL, "date=01012030", &error), 0);
-    assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), 0);
-    lx_eeprom_close(&eeprom);
-}
-
-/* A damaged region is for the device to report, whatever it says. */
-static void a_damaged_image_is_taken(void **state)
-{
-    struct place *place = *state;
-    struct lx_eeprom eeprom;
-    struct lx_error error;
-    make_image(place);
-    const int fd = open(place->path, O_WRONLY);
-    const off_t at = (off_t)dg_store_address(&dg_hf_layout, DG_HF_REGION_RESOLUTION);
-    assert_int_equal(pwrite(fd, "?", 1, at), 1);
-    (void)close(fd);
-    assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), 0);
-    lx_eeprom_close(&eeprom);
-}
-
-static void a_cut_off_image_reads_erased(void **state)
-{
-    struct place *place = *state;
-    struct lx_eeprom eeprom;
-    struct lx_error error;
-    uint8_t bytes[8];
-    make_image(place);
-    const off_t length = length_of(place->path) - 100;
-    assert_int_equal(truncate(place->path, length), 0);
-    assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), 0);
-    assert_int_equal(length_of(place->path), length);
-    const uint32_t at = (uint32_t)length;
-    assert_int_equal(eeprom.nvm.ops->read(eeprom.nvm.ctx, at, bytes, 8), DG_OK);
-    assert_memory_equal(bytes, "\xFF\xFF\xFF\xFF\xFF\xFF\xFF\xFF", 8);
-    /* a write behind the end leaves no zeros in between */
-    assert_int_equal(eeprom.nvm.ops->write(eeprom.nvm.ctx, at + 4, "ab", 2), DG_OK);
-    assert_int_equal(eeprom.nvm.ops->read(eeprom.nvm.ctx, at, bytes, 8), DG_OK);
-    assert_memory_equal(bytes,
-                        "\xFF\xFF\xFF\xFF"
-                        "ab\xFF\xFF",
-                        8);
-    lx_eeprom_close(&eeprom);
-}
-
-/* As the last release would have written it, had its table ended before "user". */
-static void make_older_image(struct place *place)
-{
-    struct lx_eeprom eeprom;
-    struct lx_error error;
-    struct dg_store_layout older = dg_hf_layout;
-    older.region_count--;
-    assert_int_equal(lx_eeprom_open(&eeprom, NULL, &place->settings, &quiet, &error), 0);
-    assert_int_equal(dg_store_format(&older, eeprom.nvm, &place->settings.model), DG_OK);
-    write_bytes(place->path, eeprom.memory.bytes, dg_store_size(&older));
-    lx_eeprom_close(&eeprom);
-}
-
-/* Looking at it changes nothing; mounted as the device does, the file has all of today's length. */
-static void an_image_of_an_earlier_release_is_taken_and_grows(void **state)
-{
-    struct place *place = *state;
-    struct lx_eeprom eeprom;
-    struct lx_error error;
-    struct dg_store store;
-    uint8_t bytes[4] = {0};
-    make_older_image(place);
-    const off_t length = length_of(place->path);
-    assert_true(length < (off_t)dg_store_size(&dg_hf_layout));
-    lx_hf_stack.defaults(&place->settings, dg_device_find("s3674-rs485"));
-    refused(place, "belongs to " MODEL);
-    assert_int_equal(length_of(place->path), length);
-    lx_hf_stack.defaults(&place->settings, dg_device_find(MODEL));
-    assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), 0);
-    assert_int_equal(length_of(place->path), length);
-    assert_int_equal(dg_store_mount(&store, &dg_hf_layout, eeprom.nvm), DG_ERR_OLDER);
-    assert_int_equal(dg_store_grow(&store, &place->settings.model), DG_OK);
-    assert_int_equal(length_of(place->path), dg_store_size(&dg_hf_layout));
-    assert_int_equal(dg_store_put(&store, DG_HF_REGION_USER, 1788, "last", 4), DG_OK);
-    lx_eeprom_close(&eeprom);
-    assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), 0);
-    assert_int_equal(dg_store_mount(&store, &dg_hf_layout, eeprom.nvm), DG_OK);
-    assert_int_equal(dg_store_read(&store, DG_HF_REGION_USER, 1788, bytes, 4), DG_OK);
-    assert_memory_equal(bytes, "last", 4);
-    lx_eeprom_close(&eeprom);
 }
 
 /* A file size limit stands in for a full disk. */
 static void a_full_disk_is_an_error_that_ends(void **state)
 {
-    struct place *place = *state;
-    struct lx_eeprom eeprom;
+    struct eeprom_place *place = *state;
+    struct eeprom eeprom;
     struct lx_error error;
     struct rlimit limit;
-    assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), 0);
+    assert_int_equal(eeprom_open(&eeprom, place->path, place, &error), 0);
     assert_int_equal(getrlimit(RLIMIT_FSIZE, &limit), 0);
     const rlim_t usual = limit.rlim_cur;
     (void)signal(SIGXFSZ, SIG_IGN);
     limit.rlim_cur = 16;
     assert_int_equal(setrlimit(RLIMIT_FSIZE, &limit), 0);
-    const int full = eeprom.nvm.ops->write(eeprom.nvm.ctx, 100, "a", 1);
+    const int full = eeprom.part.device.nvm.ops->write(eeprom.part.device.nvm.ctx, 100, "a", 1);
     limit.rlim_cur = usual;
     assert_int_equal(setrlimit(RLIMIT_FSIZE, &limit), 0);
     assert_int_equal(full, DG_ERR_IO);
-    assert_true(eeprom.file.failing);
-    assert_int_equal(eeprom.nvm.ops->write(eeprom.nvm.ctx, 100, "a", 1), DG_OK);
-    assert_true(eeprom.file.failing); /* not before it is durable */
-    assert_int_equal(eeprom.nvm.ops->sync(eeprom.nvm.ctx), DG_OK);
-    assert_false(eeprom.file.failing);
-    lx_eeprom_close(&eeprom);
+    assert_true(eeprom.image.file.failing);
+    assert_int_equal(eeprom.part.device.nvm.ops->write(eeprom.part.device.nvm.ctx, 100, "a", 1),
+                     DG_OK);
+    assert_true(eeprom.image.file.failing); /* not before it is durable */
+    assert_int_equal(eeprom.part.device.nvm.ops->sync(eeprom.part.device.nvm.ctx), DG_OK);
+    assert_false(eeprom.image.file.failing);
+    eeprom_close(&eeprom);
 }
 
 /* The kernel takes pages for clean whose write has failed, and may forget them: here all of them
    are lost, those of earlier syncs as well. */
 static void after_a_failed_sync_all_is_written_again(void **state)
 {
-    struct place *place = *state;
+    struct eeprom_place *place = *state;
     static uint8_t bytes[2][8192];
-    struct lx_eeprom eeprom;
+    struct eeprom eeprom;
     struct lx_error error;
-    assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), 0);
-    const uint32_t size = eeprom.file.size;
+    assert_int_equal(eeprom_open(&eeprom, place->path, place, &error), 0);
+    const uint32_t size = eeprom.image.file.size;
     for (int failures = 1; failures <= 3; failures++) {
-        assert_int_equal(eeprom.nvm.ops->write(eeprom.nvm.ctx, 100, "a", 1), DG_OK);
+        assert_int_equal(eeprom.part.device.nvm.ops->write(eeprom.part.device.nvm.ctx, 100, "a", 1),
+                         DG_OK);
         syncs_fail = failures;
         for (int i = 0; i < failures; i++) {
-            assert_int_equal(eeprom.nvm.ops->sync(eeprom.nvm.ctx), DG_ERR_IO);
-            assert_true(eeprom.file.failing);
+            assert_int_equal(eeprom.part.device.nvm.ops->sync(eeprom.part.device.nvm.ctx),
+                             DG_ERR_IO);
+            assert_true(eeprom.image.file.failing);
         }
         memset(bytes[0], 0, size);
         write_over(place->path, bytes[0], size);
-        assert_int_equal(eeprom.nvm.ops->sync(eeprom.nvm.ctx), DG_OK);
-        assert_false(eeprom.file.failing);
-        assert_int_equal(eeprom.nvm.ops->read(eeprom.nvm.ctx, 0, bytes[0], size), DG_OK);
+        assert_int_equal(eeprom.part.device.nvm.ops->sync(eeprom.part.device.nvm.ctx), DG_OK);
+        assert_false(eeprom.image.file.failing);
+        assert_int_equal(
+            eeprom.part.device.nvm.ops->read(eeprom.part.device.nvm.ctx, 0, bytes[0], size), DG_OK);
         assert_int_equal(bytes[0][100], 'a');
         assert_int_equal(read_bytes(place->path, bytes[1], sizeof bytes[1]), size);
         assert_memory_equal(bytes[0], bytes[1], size);
@@ -497,151 +271,160 @@ static void after_a_failed_sync_all_is_written_again(void **state)
     /* and no sync after that writes more than there is to write */
     memset(bytes[0], 0, size);
     write_over(place->path, bytes[0], size);
-    assert_int_equal(eeprom.nvm.ops->sync(eeprom.nvm.ctx), DG_OK);
+    assert_int_equal(eeprom.part.device.nvm.ops->sync(eeprom.part.device.nvm.ctx), DG_OK);
     assert_int_equal(read_bytes(place->path, bytes[1], sizeof bytes[1]), size);
     assert_memory_equal(bytes[0], bytes[1], size);
-    lx_eeprom_close(&eeprom);
+    eeprom_close(&eeprom);
 }
 
 /* The value that the failed sync refused, and the one before it: through the store, as a device
    does it. What a device reads afterwards is what the next start finds. */
 static void after_a_failed_sync_the_store_goes_on(void **state)
 {
-    struct place *place = *state;
+    struct eeprom_place *place = *state;
     static uint8_t bytes[8192];
     uint8_t user[2] = {0};
     for (int failing = 1; failing <= 2; failing++) { /* of the two syncs of a commit */
-        struct lx_eeprom eeprom;
+        struct eeprom eeprom;
         struct lx_error error;
         struct dg_store store;
-        assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), 0);
-        assert_int_equal(dg_store_mount(&store, &dg_hf_layout, eeprom.nvm), DG_OK);
+        assert_int_equal(eeprom_open(&eeprom, place->path, place, &error), 0);
+        assert_int_equal(dg_store_mount(&store, &dg_hf_layout, eeprom.part.device.nvm), DG_OK);
         fail_sync = failing;
         assert_int_equal(dg_store_put(&store, DG_HF_REGION_USER, 0, "a", 1), DG_ERR_IO);
-        memset(bytes, 0, eeprom.file.size);
-        write_over(place->path, bytes, eeprom.file.size);
+        memset(bytes, 0, eeprom.image.file.size);
+        write_over(place->path, bytes, eeprom.image.file.size);
         assert_int_equal(dg_store_put(&store, DG_HF_REGION_USER, 1, "b", 1), DG_OK);
-        lx_eeprom_close(&eeprom);
-        assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), 0);
-        assert_int_equal(dg_store_mount(&store, &dg_hf_layout, eeprom.nvm), DG_OK);
+        eeprom_close(&eeprom);
+        assert_int_equal(eeprom_open(&eeprom, place->path, place, &error), 0);
+        assert_int_equal(dg_store_mount(&store, &dg_hf_layout, eeprom.part.device.nvm), DG_OK);
         assert_int_equal(dg_store_read(&store, DG_HF_REGION_USER, 0, user, 2), DG_OK);
         assert_memory_equal(user, "ab", 2);
-        lx_eeprom_close(&eeprom);
+        eeprom_close(&eeprom);
     }
 }
 
 /* --- while it is in use --- */
 
-static void set_aside(const struct place *place, char *aside, size_t size)
+static void set_aside(const struct eeprom_place *place, char *aside, size_t size)
 {
     (void)snprintf(aside, size, "%s/aside", place->folder);
     assert_int_equal(rename(place->path, aside), 0);
 }
 
 /* Nothing is written, and what is read is what was there before. */
-static void nothing_is_stored(struct lx_eeprom *eeprom)
+static void nothing_is_stored(struct eeprom *eeprom)
 {
-    const uint32_t at = eeprom->file.size - 4;
+    const uint32_t at = eeprom->image.file.size - 4;
     uint8_t before[4];
     uint8_t after[4];
-    assert_int_equal(eeprom->nvm.ops->read(eeprom->nvm.ctx, at, before, 4), DG_OK);
-    assert_int_equal(eeprom->nvm.ops->write(eeprom->nvm.ctx, at, "gone", 4), DG_ERR_IO);
-    assert_int_equal(eeprom->nvm.ops->sync(eeprom->nvm.ctx), DG_ERR_IO);
-    assert_int_equal(eeprom->nvm.ops->read(eeprom->nvm.ctx, at, after, 4), DG_OK);
+    assert_int_equal(eeprom->part.device.nvm.ops->read(eeprom->part.device.nvm.ctx, at, before, 4),
+                     DG_OK);
+    assert_int_equal(eeprom->part.device.nvm.ops->write(eeprom->part.device.nvm.ctx, at, "gone", 4),
+                     DG_ERR_IO);
+    assert_int_equal(eeprom->part.device.nvm.ops->sync(eeprom->part.device.nvm.ctx), DG_ERR_IO);
+    assert_int_equal(eeprom->part.device.nvm.ops->read(eeprom->part.device.nvm.ctx, at, after, 4),
+                     DG_OK);
     assert_memory_equal(before, after, 4);
-    assert_true(eeprom->file.failing);
+    assert_true(eeprom->image.file.failing);
 }
 
 static void a_deleted_file_takes_nothing(void **state)
 {
-    struct place *place = *state;
-    struct lx_eeprom eeprom;
+    struct eeprom_place *place = *state;
+    struct eeprom eeprom;
     struct lx_error error;
-    assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), 0);
+    assert_int_equal(eeprom_open(&eeprom, place->path, place, &error), 0);
     assert_int_equal(unlink(place->path), 0);
     nothing_is_stored(&eeprom);
-    lx_eeprom_close(&eeprom);
+    eeprom_close(&eeprom);
 }
 
 /* As an editor does it, or a version control system; also with the same bytes. */
 static void a_replaced_file_takes_nothing(void **state)
 {
-    struct place *place = *state;
-    struct lx_eeprom eeprom;
+    struct eeprom_place *place = *state;
+    struct eeprom eeprom;
     struct lx_error error;
     char aside[64];
-    make_image(place);
+    eeprom_make(place);
     set_aside(place, aside, sizeof aside);
-    make_image(place);
-    assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), 0);
+    eeprom_make(place);
+    assert_int_equal(eeprom_open(&eeprom, place->path, place, &error), 0);
     assert_int_equal(rename(aside, place->path), 0);
     nothing_is_stored(&eeprom);
-    lx_eeprom_close(&eeprom);
-    make_image(place); /* the other one is free, and an image as before */
+    eeprom_close(&eeprom);
+    eeprom_make(place); /* the other one is free, and an image as before */
 }
 
 static void a_moved_file_takes_writes_when_it_is_back(void **state)
 {
-    struct place *place = *state;
-    struct lx_eeprom eeprom;
+    struct eeprom_place *place = *state;
+    struct eeprom eeprom;
     struct lx_error error;
     char aside[64];
-    assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), 0);
+    assert_int_equal(eeprom_open(&eeprom, place->path, place, &error), 0);
     set_aside(place, aside, sizeof aside);
     nothing_is_stored(&eeprom);
     assert_int_equal(rename(aside, place->path), 0);
-    assert_int_equal(eeprom.nvm.ops->write(eeprom.nvm.ctx, 100, "a", 1), DG_OK);
-    assert_int_equal(eeprom.nvm.ops->sync(eeprom.nvm.ctx), DG_OK);
-    assert_false(eeprom.file.failing);
-    lx_eeprom_close(&eeprom);
+    assert_int_equal(eeprom.part.device.nvm.ops->write(eeprom.part.device.nvm.ctx, 100, "a", 1),
+                     DG_OK);
+    assert_int_equal(eeprom.part.device.nvm.ops->sync(eeprom.part.device.nvm.ctx), DG_OK);
+    assert_false(eeprom.image.file.failing);
+    eeprom_close(&eeprom);
 }
 
 /* Between a write and its sync it is found by the sync. */
 static void a_file_deleted_before_the_sync_is_found_by_it(void **state)
 {
-    struct place *place = *state;
-    struct lx_eeprom eeprom;
+    struct eeprom_place *place = *state;
+    struct eeprom eeprom;
     struct lx_error error;
-    assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), 0);
-    assert_int_equal(eeprom.nvm.ops->write(eeprom.nvm.ctx, 100, "a", 1), DG_OK);
+    assert_int_equal(eeprom_open(&eeprom, place->path, place, &error), 0);
+    assert_int_equal(eeprom.part.device.nvm.ops->write(eeprom.part.device.nvm.ctx, 100, "a", 1),
+                     DG_OK);
     assert_int_equal(unlink(place->path), 0);
-    assert_int_equal(eeprom.nvm.ops->sync(eeprom.nvm.ctx), DG_ERR_IO);
-    lx_eeprom_close(&eeprom);
+    assert_int_equal(eeprom.part.device.nvm.ops->sync(eeprom.part.device.nvm.ctx), DG_ERR_IO);
+    eeprom_close(&eeprom);
 }
 
 static void a_link_to_the_file_is_no_other_file(void **state)
 {
-    struct place *place = *state;
-    struct lx_eeprom eeprom;
+    struct eeprom_place *place = *state;
+    struct eeprom eeprom;
     struct lx_error error;
     char aside[64];
-    make_image(place);
+    eeprom_make(place);
     set_aside(place, aside, sizeof aside);
     assert_int_equal(symlink("aside", place->path), 0);
-    assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), 0);
-    assert_int_equal(eeprom.nvm.ops->write(eeprom.nvm.ctx, 100, "a", 1), DG_OK);
-    assert_int_equal(eeprom.nvm.ops->sync(eeprom.nvm.ctx), DG_OK);
-    lx_eeprom_close(&eeprom);
+    assert_int_equal(eeprom_open(&eeprom, place->path, place, &error), 0);
+    assert_int_equal(eeprom.part.device.nvm.ops->write(eeprom.part.device.nvm.ctx, 100, "a", 1),
+                     DG_OK);
+    assert_int_equal(eeprom.part.device.nvm.ops->sync(eeprom.part.device.nvm.ctx), DG_OK);
+    eeprom_close(&eeprom);
     assert_int_equal(unlink(aside), 0);
 }
 
 /* What is read does not change, and the next sync brings all of it back. */
 static void a_file_cut_off_in_use_is_written_again_whole(void **state)
 {
-    struct place *place = *state;
+    struct eeprom_place *place = *state;
     static uint8_t bytes[2][8192];
-    struct lx_eeprom eeprom;
+    struct eeprom eeprom;
     struct lx_error error;
     for (off_t length = 0; length <= 100; length += 100) {
-        assert_int_equal(lx_eeprom_open(&eeprom, place->path, &place->settings, &quiet, &error), 0);
-        const uint32_t size = eeprom.file.size;
-        assert_int_equal(eeprom.nvm.ops->read(eeprom.nvm.ctx, 0, bytes[0], size), DG_OK);
+        assert_int_equal(eeprom_open(&eeprom, place->path, place, &error), 0);
+        const uint32_t size = eeprom.image.file.size;
+        assert_int_equal(
+            eeprom.part.device.nvm.ops->read(eeprom.part.device.nvm.ctx, 0, bytes[0], size), DG_OK);
         assert_int_equal(truncate(place->path, length), 0);
-        assert_int_equal(eeprom.nvm.ops->read(eeprom.nvm.ctx, 0, bytes[1], size), DG_OK);
+        assert_int_equal(
+            eeprom.part.device.nvm.ops->read(eeprom.part.device.nvm.ctx, 0, bytes[1], size), DG_OK);
         assert_memory_equal(bytes[0], bytes[1], size);
-        assert_int_equal(eeprom.nvm.ops->write(eeprom.nvm.ctx, size - 1, "z", 1), DG_OK);
-        assert_int_equal(eeprom.nvm.ops->sync(eeprom.nvm.ctx), DG_OK);
-        lx_eeprom_close(&eeprom);
+        assert_int_equal(
+            eeprom.part.device.nvm.ops->write(eeprom.part.device.nvm.ctx, size - 1, "z", 1), DG_OK);
+        assert_int_equal(eeprom.part.device.nvm.ops->sync(eeprom.part.device.nvm.ctx), DG_OK);
+        eeprom_close(&eeprom);
         bytes[0][size - 1] = 'z';
         const int fd = open(place->path, O_RDONLY);
         assert_int_equal(read(fd, bytes[1], sizeof bytes[1]), size);
@@ -650,23 +433,7 @@ static void a_file_cut_off_in_use_is_written_again_whole(void **state)
     }
 }
 
-/* Whoever is told that the file fails is told what this kind of encoder answers. */
-static void each_kind_says_what_it_answers_without_its_memory(void **state)
-{
-    struct place *place = *state;
-    struct lx_eeprom rs485;
-    struct lx_biss_eeprom biss;
-    struct lx_error error;
-    assert_int_equal(lx_eeprom_open(&rs485, place->path, &place->settings, &quiet, &error), 0);
-    assert_string_equal(rs485.file.answer, "the encoder answers 05h");
-    lx_eeprom_close(&rs485);
-    assert_int_equal(unlink(place->path), 0);
-    assert_int_equal(lx_biss_eeprom_open(&biss, place->path, &error), 0);
-    assert_string_equal(biss.file.answer, "the encoder answers P = 1");
-    lx_biss_eeprom_close(&biss);
-}
-
-#define IN_A_PLACE(test) cmocka_unit_test_setup_teardown(test, set_up, tear_down)
+#define IN_A_PLACE(test) cmocka_unit_test_setup_teardown(test, eeprom_place_set_up, tear_down)
 
 int main(void)
 {
@@ -676,19 +443,11 @@ int main(void)
         IN_A_PLACE(without_any_way_to_name_it_no_file_is_made),
         IN_A_PLACE(of_two_that_make_a_file_one_wins),
         IN_A_PLACE(what_is_written_is_there_the_next_time),
-        IN_A_PLACE(memory_forgets),
         IN_A_PLACE(a_second_process_is_told_who_has_it),
-        IN_A_PLACE(files_that_are_no_image_are_refused),
         IN_A_PLACE(folders_and_missing_folders_are_refused),
-        IN_A_PLACE(other_factory_figures_are_refused),
-        IN_A_PLACE(a_units_own_identity_is_kept),
-        IN_A_PLACE(a_damaged_image_is_taken),
-        IN_A_PLACE(a_cut_off_image_reads_erased),
-        IN_A_PLACE(an_image_of_an_earlier_release_is_taken_and_grows),
         IN_A_PLACE(a_full_disk_is_an_error_that_ends),
         IN_A_PLACE(after_a_failed_sync_all_is_written_again),
         IN_A_PLACE(after_a_failed_sync_the_store_goes_on),
-        IN_A_PLACE(each_kind_says_what_it_answers_without_its_memory),
         IN_A_PLACE(a_deleted_file_takes_nothing),
         IN_A_PLACE(a_replaced_file_takes_nothing),
         IN_A_PLACE(a_moved_file_takes_writes_when_it_is_back),

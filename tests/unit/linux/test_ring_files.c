@@ -187,7 +187,7 @@ static void a_ring_says_what_it_answers_without_its_memory(void **state)
     struct bench *self = *state;
     (void)make_file(self, DG_IB_REGION_COUNT);
     assert_int_equal(open_ring(self), 0);
-    assert_string_equal(self->ring.stores[0].file.answer, "the encoder answers 86000000h");
+    assert_string_equal(self->ring.stores[0].image.file.answer, "the encoder answers 86000000h");
     lx_ring_close(&self->ring);
 }
 

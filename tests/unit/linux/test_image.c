@@ -1,0 +1,208 @@
+/* SPDX-License-Identifier: MIT */
+/* Whose an EEPROM file is, and what is taken all the same. */
+#define _GNU_SOURCE
+#include <fcntl.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "biss_settings.h"
+#include "drehgeber/devices.h"
+#include "eeprom_rig.h"
+
+static void memory_forgets(void **state)
+{
+    struct eeprom_place *place = *state;
+    struct eeprom eeprom;
+    struct lx_error error;
+    struct dg_store store;
+    assert_int_equal(eeprom_open(&eeprom, NULL, place, &error), 0);
+    assert_int_equal(dg_store_mount(&store, &dg_hf_layout, eeprom.part.device.nvm), DG_OK);
+    assert_int_equal(eeprom.part.device.nvm.ops->read(eeprom.part.device.nvm.ctx,
+                                                      eeprom.image.memory.size, &store, 1),
+                     DG_ERR_IO);
+    assert_int_equal(eeprom.part.device.nvm.ops->write(eeprom.part.device.nvm.ctx,
+                                                       eeprom.image.memory.size, &store, 1),
+                     DG_ERR_IO);
+    eeprom_close(&eeprom);
+}
+
+static void files_that_are_no_image_are_refused(void **state)
+{
+    struct eeprom_place *place = *state;
+    const uint32_t size = dg_store_size(&dg_hf_layout);
+    uint8_t *bytes = malloc(size + 1);
+    assert_non_null(bytes);
+    memset(bytes, 0xFF, size + 1);
+    eeprom_write_bytes(place->path, bytes, 0);
+    eeprom_refused(place, "0 bytes");
+    eeprom_write_bytes(place->path, bytes, size + 1);
+    eeprom_refused(place, "an image of this encoder has");
+    eeprom_write_bytes(place->path, bytes, size);
+    eeprom_refused(place, "blank");
+    memset(bytes, 'x', size);
+    eeprom_write_bytes(place->path, bytes, size);
+    eeprom_refused(place, "something else");
+    eeprom_write_bytes(place->path, bytes, 10);
+    eeprom_refused(place, "something else");
+    free(bytes);
+}
+
+static void other_factory_figures_are_refused(void **state)
+{
+    struct eeprom_place *place = *state;
+    const struct dg_hf_model own = place->model;
+    eeprom_make(place);
+    place->model = *dg_hf_model_of(&dg_s3674_rs485);
+    eeprom_refused(place, "belongs to s3684-rs485");
+    struct dg_hf_model others[] = {own, own, own, own, own};
+    others[0].periods_per_turn = 1024;
+    others[1].memory_blocks = 22;
+    others[2].type_code = 0x28;
+    (void)strcpy(others[3].designation, "other");
+    others[4].temperature_max_degc = 60;
+    for (size_t i = 0; i < sizeof others / sizeof others[0]; i++) {
+        place->model = others[i];
+        eeprom_refused(place, "differs");
+    }
+    place->model = own;
+    place->serial = 1;
+    place->serial_given = true;
+    eeprom_refused(place, "belongs to serial number 123456789");
+}
+
+/* A later firmware, or no --serial: still the same unit. */
+static void a_units_own_identity_is_kept(void **state)
+{
+    struct eeprom_place *place = *state;
+    struct lx_error error;
+    struct eeprom eeprom;
+    (void)strcpy(place->model.serial, "000000777");
+    eeprom_make(place);
+    place->model = *dg_hf_model_of(&dg_s3684_rs485);
+    (void)strcpy(place->model.version, "v9.9.9-new");
+    (void)strcpy(place->model.date, "01012030");
+    assert_int_equal(eeprom_open(&eeprom, place->path, place, &error), 0);
+    eeprom_close(&eeprom);
+}
+
+/* A damaged region is for the device to report, whatever it says. */
+static void a_damaged_image_is_taken(void **state)
+{
+    struct eeprom_place *place = *state;
+    struct eeprom eeprom;
+    struct lx_error error;
+    eeprom_make(place);
+    const int fd = open(place->path, O_WRONLY);
+    const off_t at = (off_t)dg_store_address(&dg_hf_layout, DG_HF_REGION_RESOLUTION);
+    assert_int_equal(pwrite(fd, "?", 1, at), 1);
+    (void)close(fd);
+    assert_int_equal(eeprom_open(&eeprom, place->path, place, &error), 0);
+    eeprom_close(&eeprom);
+}
+
+static void a_cut_off_image_reads_erased(void **state)
+{
+    struct eeprom_place *place = *state;
+    struct eeprom eeprom;
+    struct lx_error error;
+    uint8_t bytes[8];
+    eeprom_make(place);
+    const off_t length = eeprom_length_of(place->path) - 100;
+    assert_int_equal(truncate(place->path, length), 0);
+    assert_int_equal(eeprom_open(&eeprom, place->path, place, &error), 0);
+    assert_int_equal(eeprom_length_of(place->path), length);
+    const uint32_t at = (uint32_t)length;
+    assert_int_equal(eeprom.part.device.nvm.ops->read(eeprom.part.device.nvm.ctx, at, bytes, 8),
+                     DG_OK);
+    assert_memory_equal(bytes, "\xFF\xFF\xFF\xFF\xFF\xFF\xFF\xFF", 8);
+    /* a write behind the end leaves no zeros in between */
+    assert_int_equal(eeprom.part.device.nvm.ops->write(eeprom.part.device.nvm.ctx, at + 4, "ab", 2),
+                     DG_OK);
+    assert_int_equal(eeprom.part.device.nvm.ops->read(eeprom.part.device.nvm.ctx, at, bytes, 8),
+                     DG_OK);
+    assert_memory_equal(bytes,
+                        "\xFF\xFF\xFF\xFF"
+                        "ab\xFF\xFF",
+                        8);
+    eeprom_close(&eeprom);
+}
+
+/* As the last release would have written it, had its table ended before "user". */
+static void make_older_image(struct eeprom_place *place)
+{
+    struct eeprom eeprom;
+    struct lx_error error;
+    struct dg_store_layout older = dg_hf_layout;
+    older.region_count--;
+    assert_int_equal(eeprom_open(&eeprom, NULL, place, &error), 0);
+    assert_int_equal(dg_store_format(&older, eeprom.part.device.nvm, &place->model), DG_OK);
+    eeprom_write_bytes(place->path, eeprom.image.memory.bytes, dg_store_size(&older));
+    eeprom_close(&eeprom);
+}
+
+/* Looking at it changes nothing; mounted as the device does, the file has all of today's length. */
+static void an_image_of_an_earlier_release_is_taken_and_grows(void **state)
+{
+    struct eeprom_place *place = *state;
+    struct eeprom eeprom;
+    struct lx_error error;
+    struct dg_store store;
+    uint8_t bytes[4] = {0};
+    make_older_image(place);
+    const off_t length = eeprom_length_of(place->path);
+    assert_true(length < (off_t)dg_store_size(&dg_hf_layout));
+    place->model = *dg_hf_model_of(&dg_s3674_rs485);
+    eeprom_refused(place, "belongs to s3684-rs485");
+    assert_int_equal(eeprom_length_of(place->path), length);
+    place->model = *dg_hf_model_of(&dg_s3684_rs485);
+    assert_int_equal(eeprom_open(&eeprom, place->path, place, &error), 0);
+    assert_int_equal(eeprom_length_of(place->path), length);
+    assert_int_equal(dg_store_mount(&store, &dg_hf_layout, eeprom.part.device.nvm), DG_ERR_OLDER);
+    assert_int_equal(dg_store_grow(&store, &place->model), DG_OK);
+    assert_int_equal(eeprom_length_of(place->path), dg_store_size(&dg_hf_layout));
+    assert_int_equal(dg_store_put(&store, DG_HF_REGION_USER, 1788, "last", 4), DG_OK);
+    eeprom_close(&eeprom);
+    assert_int_equal(eeprom_open(&eeprom, place->path, place, &error), 0);
+    assert_int_equal(dg_store_mount(&store, &dg_hf_layout, eeprom.part.device.nvm), DG_OK);
+    assert_int_equal(dg_store_read(&store, DG_HF_REGION_USER, 1788, bytes, 4), DG_OK);
+    assert_memory_equal(bytes, "last", 4);
+    eeprom_close(&eeprom);
+}
+
+/* Whoever is told that the file fails is told what this kind of encoder answers. */
+static void a_kind_says_what_it_answers_without_its_memory(void **state)
+{
+    struct eeprom_place *place = *state;
+    struct lx_biss_memory memory;
+    struct lx_error error;
+    const struct lx_image_setup image = {place->path, .say = &eeprom_quiet};
+    const struct dg_biss_model *model = dg_biss_model_of(&dg_s3684_biss);
+    assert_int_equal(lx_biss_memory_open(&memory, model, &image, &error), 0);
+    assert_string_equal(memory.image.file.answer, "the encoder answers P = 1");
+    lx_image_close(&memory.image);
+}
+
+#define IN_A_PLACE(test)                                                                           \
+    cmocka_unit_test_setup_teardown(test, eeprom_place_set_up, eeprom_place_tear_down)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        IN_A_PLACE(memory_forgets),
+        IN_A_PLACE(files_that_are_no_image_are_refused),
+        IN_A_PLACE(other_factory_figures_are_refused),
+        IN_A_PLACE(a_units_own_identity_is_kept),
+        IN_A_PLACE(a_damaged_image_is_taken),
+        IN_A_PLACE(a_cut_off_image_reads_erased),
+        IN_A_PLACE(an_image_of_an_earlier_release_is_taken_and_grows),
+        IN_A_PLACE(a_kind_says_what_it_answers_without_its_memory),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
