@@ -128,11 +128,6 @@ static void tell_filters(struct lx_can_bus *self)
     self->can->ops->filter(self->can, tapped ? NULL : &self->net);
 }
 
-static bool is_late(const struct lx_can_bus *self, dg_ns now)
-{
-    return self->promised != DG_NEVER && now > dg_after(self->promised, LX_CAN_LATE);
-}
-
 /* Once per episode, that no real bus would carry this. */
 static void measure(struct lx_can_bus *self, dg_ns now)
 {
@@ -154,7 +149,7 @@ static void settle(void *ctx, dg_ns now)
     struct lx_can_bus *self = ctx;
     const bool stalled = self->can->stalled;
     dg_ns next = DG_NEVER;
-    self->bus.late += is_late(self, now) ? 1u : 0u;
+    lx_bus_serve(&self->bus, self->promised, now);
     if (!stalled) {
         lx_can_hear(self, now);
     }

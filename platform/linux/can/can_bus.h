@@ -13,9 +13,6 @@
 #include "drehgeber/cia406.h"
 #include "image.h"
 
-/** A deadline that is served later than this counts as late. A stalled bus serves none, and the
- * time before the loop begins counts for nothing: neither is late. */
-#define LX_CAN_LATE DG_MS(5)
 /** Place in the net of a node that does not hear the wire. */
 #define LX_CAN_DEAF UINT8_MAX
 
@@ -82,11 +79,12 @@ struct lx_can_bus {
     bool retuned;               /**< a node's bit rate has changed */
     bool bent;                  /**< some node is */
     enum dg_co_bus_event state; /**< of the controller: active, passive or off */
-    dg_ns promised;             /**< when the nodes want to be called next; DG_NEVER */
-    struct lx_can_list heard;   /**< sent by a node, and another one listens to it */
-    struct lx_can_list held;    /**< by the fault "delay" */
-    struct lx_timer release;    /**< of held frames */
-    struct lx_can_node *node;   /**< owned, as many as stations */
+    dg_ns promised; /**< when the nodes want to be called next; a stalled bus serves nobody:
+                       DG_NEVER */
+    struct lx_can_list heard; /**< sent by a node, and another one listens to it */
+    struct lx_can_list held;  /**< by the fault "delay" */
+    struct lx_timer release;  /**< of held frames */
+    struct lx_can_node *node; /**< owned, as many as stations */
 };
 
 /** A bus whose wire `open` opens. @return as lx_bus_make */

@@ -92,6 +92,14 @@ struct lx_bus *lx_bus_new(const struct lx_bus_setup *setup, struct lx_error *err
  * any case */
 int lx_bus_open(struct lx_bus *self, dg_ns now, struct lx_error *error);
 
+/** A deadline that is served later than this was missed: the shortest maximum response time that
+ * the manual of the RS485 encoders has for a command (5.1.2). */
+#define LX_BUS_LATE DG_MS(5)
+
+/** What was due at `deadline` is served at `now`; late, it is counted. DG_NEVER: nothing was due.
+ */
+void lx_bus_serve(struct lx_bus *self, dg_ns deadline, dg_ns now);
+
 /** A counter of STATe?. */
 struct lx_count {
     const char *name;

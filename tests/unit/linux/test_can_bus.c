@@ -271,9 +271,9 @@ static void late_is_more_than_5_ms(void **state)
     const struct lx_can_setup *setup = &can_rig_wire(self)->can.setup;
     setup->settle(setup->ctx, lx_now() + DG_S(1)); /* the loop had not begun */
     assert_int_equal(self->bus->late, 0);
-    setup->settle(setup->ctx, bus->promised + LX_CAN_LATE);
+    setup->settle(setup->ctx, bus->promised + LX_BUS_LATE);
     assert_int_equal(self->bus->late, 0);
-    setup->settle(setup->ctx, bus->promised + LX_CAN_LATE + 1);
+    setup->settle(setup->ctx, bus->promised + LX_BUS_LATE + 1);
     assert_int_equal(self->bus->late, 1);
 
     /* A stalled wire is not the bus's fault. */
