@@ -14,56 +14,15 @@
  * is over later is lost in it.
  */
 #include "hf_line.h"
-#include "drehgeber/instruments.h"
 
 #include <stdio.h>
-#include <string.h>
-
-/* A deadline served later than this is a missed one: the shortest maximum response time that a
-   command has (5.1.2). */
-#define LATE DG_MS(5)
-
-#define BITS_PER_CHARACTER 8u
-
-_Static_assert(DG_HF_FRAME_MAX <= LX_REPLY_MAX, "a reply fits the line");
-
-/* How a reply gets out. */
-enum pace {
-    PACE_TIMER, /* a character at a time, each at the end of its stop bit */
-    PACE_UART,  /* at once, a UART does the timing */
-    PACE_NONE,  /* at once, and it takes no time */
-};
 
 bool lx_hf_powered(const struct lx_hf_drop *self)
 {
     return self->device.line != DG_HF_OFF;
 }
 
-static struct dg_faults *faults_of(const struct lx_hf_drop *self)
-{
-    return &self->station->control.faults;
-}
-
 /* --- the line --- */
-
-static enum pace pace_of(const struct lx_hf_drop *self)
-{
-    if (self->all->port->timed) {
-        return PACE_UART;
-    }
-    return self->settings.pace ? PACE_TIMER : PACE_NONE;
-}
-
-static bool sends(const struct lx_hf_drop *self, dg_ns now)
-{
-    return pace_of(self) != PACE_NONE && lx_line_busy(&self->line, now);
-}
-
-/* Busy with a reply, also with one that is held back. */
-static bool hears_nothing(const struct lx_hf_drop *self, dg_ns now)
-{
-    return self->held.length > 0 || sends(self, now);
-}
 
 /* Whether a character with this setting arrives as what it is; a parity of 0 fits. */
 static bool fits(const struct lx_hf_drop *self, uint32_t baud, char parity)
@@ -101,33 +60,24 @@ void lx_hf_follow(struct lx_hf_drop *self, dg_ns deadline)
     }
 }
 
-static void count_late(struct lx_hf_drop *self, dg_ns now)
-{
-    if (now > dg_after(self->deadline, LATE)) {
-        self->all->bus.late++;
-    }
-}
-
 static void step(struct lx_hf_drop *self, dg_ns now)
 {
-    count_late(self, now);
+    lx_bus_serve(&self->all->bus, self->deadline, now);
     lx_hf_follow(self, dg_hf_step(&self->device, now));
 }
 
 static void hear(struct lx_hf_drop *self, dg_ns at, const struct lx_character *character)
 {
     const uint8_t flags = character->damaged ? DG_HF_RX_DAMAGED : DG_HF_RX_OK;
-    count_late(self, at);
+    lx_bus_serve(&self->all->bus, self->deadline, at);
     lx_hf_follow(self, dg_hf_rx(&self->device, at, character->byte, flags));
 }
-
-/* --- faults --- */
 
 /* Whether the master's character is kept from the encoder. Decided at the first one of a request
    for it; what is for others it would not take anyway. */
 static bool deafened(struct lx_hf_drop *self, dg_ns now, uint8_t byte)
 {
-    struct dg_faults *faults = faults_of(self);
+    struct dg_faults *faults = lx_hf_faults(self);
     if (faults->wire == 0 && !self->deaf) {
         return false;
     }
@@ -139,89 +89,7 @@ static bool deafened(struct lx_hf_drop *self, dg_ns now, uint8_t byte)
     return self->deaf;
 }
 
-static void send_damaged(struct lx_hf_drop *self, dg_ns now, const uint8_t *bytes, size_t n)
-{
-    struct dg_faults *faults = faults_of(self);
-    uint8_t copy[DG_HF_FRAME_MAX];
-    if (dg_fault_wire_takes(faults, DG_WIRE_DROP)) {
-        return;
-    }
-    if (dg_fault_wire_takes(faults, DG_WIRE_DELAY)) {
-        now += (dg_ns)dg_fault_wire_value(&dg_hf_instrument, DG_WIRE_DELAY);
-    }
-    memcpy(copy, bytes, n);
-    if (dg_fault_wire_takes(faults, DG_WIRE_DAMAGE)) {
-        const uint32_t bit = dg_fault_pick(faults, (uint32_t)n * BITS_PER_CHARACTER);
-        self->flipped = (int)(bit / BITS_PER_CHARACTER);
-        copy[self->flipped] ^= (uint8_t)(1u << bit % BITS_PER_CHARACTER);
-    }
-    self->again = dg_fault_wire_takes(faults, DG_WIRE_DUPLICATE);
-    lx_line_start(&self->line, now, copy, n);
-}
-
-/* --- out --- */
-
-static void start_reply(struct lx_hf_drop *self, const uint8_t *bytes, size_t n)
-{
-    self->begun = false;
-    self->again = false;
-    self->merged = false;
-    self->flipped = -1;
-    if (faults_of(self)->wire != 0) {
-        send_damaged(self, lx_now(), bytes, n);
-        return;
-    }
-    lx_line_start(&self->line, lx_now(), bytes, n);
-}
-
-/* Called inside dg_hf_step(), which may run late: the reply starts when it really does. What the
-   others hear of it waits until this call is over. */
-static void send_reply(void *ctx, const uint8_t *bytes, size_t n)
-{
-    struct lx_hf_drop *self = ctx;
-    if (!lx_nvm_queue_pending(&self->image.queue)) {
-        start_reply(self, bytes, n);
-        return;
-    }
-    memcpy(self->held.bytes, bytes, n);
-    self->held.length = n;
-}
-
-/* What is lost is not acknowledged. */
-void lx_hf_on_settled(void *ctx, dg_ns now)
-{
-    struct lx_hf_drop *self = ctx;
-    const size_t n = self->held.length;
-    (void)now;
-    if (n == 0 || lx_nvm_queue_pending(&self->image.queue)) {
-        return;
-    }
-    self->held.length = 0;
-    if (lx_nvm_queue_state(&self->image.queue, self->image.queue.issued) == LX_NVM_THROUGH) {
-        start_reply(self, self->held.bytes, n);
-        lx_hf_settle(self->all);
-    }
-}
-
-const struct dg_hf_ops lx_hf_device_ops = {.tx = send_reply};
-
-/* `character` of `from` with what others send at the same time. */
-static void merge(struct lx_hf_drop *from, dg_ns at, struct lx_character *character, bool swallow)
-{
-    struct lx_hf_bus *self = from->all;
-    for (size_t i = 0; i < self->count; i++) {
-        struct lx_hf_drop *other = &self->drop[i];
-        uint8_t byte = 0;
-        if (other != from && lx_line_on(&other->line, at, &byte)) {
-            character->byte &= byte;
-            character->damaged = true;
-            other->merged = other->merged || swallow;
-        }
-    }
-}
-
-/* A character of `from` is over. */
-static void spread(struct lx_hf_drop *from, dg_ns at, struct lx_character *character)
+void lx_hf_spread(struct lx_hf_drop *from, dg_ns at, const struct lx_character *character)
 {
     struct lx_hf_bus *self = from->all;
     self->heard = 0;
@@ -231,7 +99,7 @@ static void spread(struct lx_hf_drop *from, dg_ns at, struct lx_character *chara
     }
     for (size_t i = 0; i < self->count; i++) {
         struct lx_hf_drop *to = &self->drop[i];
-        if (to == from || hears_nothing(to, at)) {
+        if (to == from || lx_hf_is_busy(to, at)) {
             continue;
         }
         struct lx_character heard = *character;
@@ -239,78 +107,6 @@ static void spread(struct lx_hf_drop *from, dg_ns at, struct lx_character *chara
             heard.damaged = true;
         }
         hear(to, at, &heard);
-    }
-}
-
-/* A character of a reply: into the port unless it is there already, and to everybody else. */
-static void emit(struct lx_hf_drop *self, dg_ns at, uint8_t byte, size_t index)
-{
-    struct lx_character character = {.byte = byte};
-    if (self->merged) {
-        self->merged = false;
-        return;
-    }
-    if (self->flipped == (int)index) {
-        character.damaged = true;
-    }
-    merge(self, at, &character, true);
-    if (pace_of(self) != PACE_UART) {
-        lx_serial_put(self->all->port, &character.byte, 1);
-    }
-    spread(self, at, &character);
-}
-
-/* The whole reply into a UART. What is sent at the same time is there already: the later reply
-   follows it, damaged. */
-static void fill_uart(struct lx_hf_drop *self)
-{
-    uint8_t bytes[DG_HF_FRAME_MAX];
-    for (size_t i = 0; i < self->line.length; i++) {
-        struct lx_character character = {.byte = self->line.bytes[i]};
-        merge(self, self->line.start, &character, false);
-        bytes[i] = character.byte;
-    }
-    lx_serial_put(self->all->port, bytes, self->line.length);
-}
-
-static void begin_at_once(struct lx_hf_drop *self)
-{
-    const dg_ns at = self->line.start;
-    const uint8_t *bytes = NULL;
-    self->begun = true;
-    if (pace_of(self) == PACE_UART) {
-        fill_uart(self);
-        return;
-    }
-    const size_t n = lx_line_take_all(&self->line, &bytes);
-    for (size_t i = 0; i < n; i++) {
-        emit(self, at, bytes[i], i);
-    }
-}
-
-/* When something happens to the reply next. */
-static dg_ns next_of(const struct lx_hf_drop *self)
-{
-    const bool waits = !self->begun && self->line.sent < self->line.length;
-    return waits && pace_of(self) != PACE_TIMER ? self->line.start : lx_line_next(&self->line);
-}
-
-/* What is due with a reply at `at`. */
-static void send_on(struct lx_hf_drop *self, dg_ns at)
-{
-    if (!self->begun && pace_of(self) != PACE_TIMER) {
-        begin_at_once(self);
-    } else {
-        const uint8_t *byte = NULL;
-        const size_t index = self->line.sent;
-        if (lx_line_take(&self->line, at, &byte) > 0) {
-            emit(self, at, *byte, index);
-        }
-    }
-    if (self->again && self->line.sent == self->line.length) {
-        self->again = false;
-        self->begun = false;
-        lx_line_repeat(&self->line);
     }
 }
 
@@ -322,12 +118,12 @@ static void pump(struct lx_hf_bus *self, dg_ns now)
     for (;;) {
         struct lx_hf_drop *first = self->drop;
         for (size_t i = 1; i < self->count; i++) {
-            if (next_of(&self->drop[i]) < next_of(first)) {
+            if (lx_hf_reply_next(&self->drop[i]) < lx_hf_reply_next(first)) {
                 first = &self->drop[i];
             }
         }
         const dg_ns coming = lx_intake_next(&self->intake);
-        const dg_ns at = dg_earliest(coming, next_of(first));
+        const dg_ns at = dg_earliest(coming, lx_hf_reply_next(first));
         if (at > now || at == DG_NEVER) {
             return;
         }
@@ -335,7 +131,7 @@ static void pump(struct lx_hf_bus *self, dg_ns now)
             const struct lx_coming character = lx_intake_take(&self->intake);
             arrive(self, &character);
         } else {
-            send_on(first, at);
+            lx_hf_reply_go_on(first, at);
         }
     }
 }
@@ -350,7 +146,8 @@ void lx_hf_settle(struct lx_hf_bus *self)
     dg_ns next = watched ? lx_intake_next(&self->intake) : lx_intake_last(&self->intake);
     next = dg_earliest(next, lx_hf_sample(self, now));
     for (size_t i = 0; i < self->count; i++) {
-        next = dg_earliest(next, dg_earliest(self->drop[i].deadline, next_of(&self->drop[i])));
+        next = dg_earliest(next,
+                           dg_earliest(self->drop[i].deadline, lx_hf_reply_next(&self->drop[i])));
     }
     lx_timer_at(&self->timer, next);
 }
@@ -404,7 +201,7 @@ static void check_speed(struct lx_hf_bus *self)
 static bool anybody_sends(const struct lx_hf_bus *self, dg_ns now)
 {
     for (size_t i = 0; i < self->count; i++) {
-        if (sends(&self->drop[i], now)) {
+        if (lx_hf_sends(&self->drop[i], now)) {
             return true;
         }
     }
@@ -415,7 +212,7 @@ static bool anybody_sends(const struct lx_hf_bus *self, dg_ns now)
 static void listen(struct lx_hf_drop *self, const struct lx_coming *coming)
 {
     struct lx_character heard = coming->character;
-    if (!lx_hf_powered(self) || hears_nothing(self, coming->end) ||
+    if (!lx_hf_powered(self) || lx_hf_is_busy(self, coming->end) ||
         deafened(self, coming->end, heard.byte)) {
         return;
     }
@@ -458,8 +255,8 @@ static void begin(struct lx_hf_bus *self, dg_ns now)
 {
     for (size_t i = 0; i < self->count; i++) {
         struct lx_hf_drop *drop = &self->drop[i];
-        if (lx_hf_powered(drop) && !hears_nothing(drop, now) && !drop->deaf) {
-            count_late(drop, now);
+        if (lx_hf_powered(drop) && !lx_hf_is_busy(drop, now) && !drop->deaf) {
+            lx_bus_serve(&self->bus, drop->deadline, now);
             lx_hf_follow(drop, dg_hf_rx(&drop->device, now, 0, DG_HF_RX_START));
         }
     }

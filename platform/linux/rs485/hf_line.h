@@ -71,14 +71,39 @@ static inline struct lx_uart lx_hf_uart(const struct dg_hf_uart *uart)
     return (struct lx_uart){uart->baud, uart->parity};
 }
 
+/** Whether it has power. */
+bool lx_hf_powered(const struct lx_hf_drop *self);
+
+/** The faults it has. */
+static inline struct dg_faults *lx_hf_faults(const struct lx_hf_drop *self)
+{
+    return &self->station->control.faults;
+}
+
+/* --- replies, hf_reply.c --- */
+
 /** Of the device: operations with the struct lx_hf_drop as ctx. */
 extern const struct dg_hf_ops lx_hf_device_ops;
 
 /** What its file was sent is there, or lost; `ctx` is the struct lx_hf_drop. */
 void lx_hf_on_settled(void *ctx, dg_ns now);
 
-/** Whether it has power. */
-bool lx_hf_powered(const struct lx_hf_drop *self);
+/** Whether a reply of it is on the line at `now`. */
+bool lx_hf_sends(const struct lx_hf_drop *self, dg_ns now);
+
+/** Whether it is busy with a reply, also with one that is held back: then it hears nothing. */
+bool lx_hf_is_busy(const struct lx_hf_drop *self, dg_ns now);
+
+/** When something happens to its reply next; DG_NEVER. */
+dg_ns lx_hf_reply_next(const struct lx_hf_drop *self);
+
+/** What is due with it at `at`. */
+void lx_hf_reply_go_on(struct lx_hf_drop *self, dg_ns at);
+
+/* --- the line, hf_line.c --- */
+
+/** A character of `from` is over: everybody else has heard it. */
+void lx_hf_spread(struct lx_hf_drop *from, dg_ns at, const struct lx_character *character);
 
 /** After every call into the device: its next deadline, and the setting it may have changed. */
 void lx_hf_follow(struct lx_hf_drop *self, dg_ns deadline);
