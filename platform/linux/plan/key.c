@@ -65,6 +65,7 @@ static void store(const struct lx_key *key, uint8_t *to, int64_t value)
         [LX_KEY_I32] = {&u32, sizeof u32},
         [LX_KEY_NS] = {&u64, sizeof u64},
         [LX_KEY_FLAG] = {&flag, sizeof flag},
+        [LX_KEY_WORD] = {&u8, sizeof u8},
     };
     memcpy(to, rows[key->type].from, rows[key->type].size);
 }
@@ -89,6 +90,7 @@ static int64_t load(const struct lx_key *key, const uint8_t *from)
         return (int64_t)(u64 / key->factor);
     case LX_KEY_U8:
     case LX_KEY_FLAG:
+    case LX_KEY_WORD:
     case LX_KEY_TEXT:
     case LX_KEY_DIGITS:
     case LX_KEY_TYPE_COUNT:
@@ -102,7 +104,12 @@ static bool is_text(const struct lx_key *key)
     return key->type == LX_KEY_TEXT || key->type == LX_KEY_DIGITS;
 }
 
-/* "0..250000 us", "8 characters", "own or early" */
+static bool is_word(const struct lx_key *key)
+{
+    return key->type == LX_KEY_FLAG || key->type == LX_KEY_WORD;
+}
+
+/* "0..250000 us", "8 characters", "own or early", "none, even or odd" */
 static struct lx_words range_of(const struct lx_key *key)
 {
     static const char *const kinds[] = {"characters", "digits"};
@@ -110,8 +117,10 @@ static struct lx_words range_of(const struct lx_key *key)
     const long long min = (long long)key->min / one;
     const long long max = (long long)key->max / one;
     struct lx_words range = {""};
-    if (key->type == LX_KEY_FLAG) {
-        lx_words_add(&range, "%s or %s", key->words[0], key->words[1]);
+    if (is_word(key)) {
+        for (size_t i = 0; i <= (size_t)max; i++) {
+            lx_words_item(&range, key->words[i], i, (size_t)max + 1u, " or ");
+        }
         return range;
     }
     lx_words_add(&range, is_text(key) ? "%lld to %lld" : "%lld..%lld", min, max);
@@ -146,11 +155,11 @@ static int set_number(const struct lx_key *key, uint8_t *to, const char *value,
     return lx_refuse(error, right.text, "%s", "");
 }
 
-static int set_flag(const struct lx_key *key, uint8_t *to, const char *value,
+static int set_word(const struct lx_key *key, uint8_t *to, const char *value,
                     struct lx_error *error)
 {
     struct lx_words right = range_of(key);
-    for (int i = 0; i < 2; i++) {
+    for (int64_t i = 0; i <= key->max; i++) {
         if (strcmp(value, key->words[i]) == 0) {
             store(key, to, i);
             return 0;
@@ -182,8 +191,8 @@ static int set_text(const struct lx_key *key, uint8_t *to, const char *value,
 int lx_key_set(const struct lx_key *key, void *base, const char *value, struct lx_error *error)
 {
     uint8_t *to = (uint8_t *)base + key->offset;
-    if (key->type == LX_KEY_FLAG) {
-        return set_flag(key, to, value, error);
+    if (is_word(key)) {
+        return set_word(key, to, value, error);
     }
     return is_text(key) ? set_text(key, to, value, error) : set_number(key, to, value, error);
 }
@@ -226,8 +235,8 @@ void lx_keys_name(const struct lx_keys *lists, size_t n, struct lx_words *to)
 static void print_default(const struct lx_key *key, const uint8_t *base, FILE *to)
 {
     const int64_t now = load(key, base + key->offset);
-    if (key->type == LX_KEY_FLAG) {
-        (void)fprintf(to, ", default %s", key->words[now != 0]);
+    if (is_word(key)) {
+        (void)fprintf(to, ", default %s", key->words[now]);
     } else if (!is_text(key)) {
         (void)fprintf(to, ", default %lld", (long long)(now / lx_power_of_ten(key->places)));
     }

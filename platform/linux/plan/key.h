@@ -25,6 +25,7 @@ enum lx_key_type {
     LX_KEY_I32,    /**< */
     LX_KEY_NS,     /**< dg_ns; the number is in units of `factor` */
     LX_KEY_FLAG,   /**< bool: the first or the second of `words` */
+    LX_KEY_WORD,   /**< uint8_t: which one of `words`, whose last one is number max */
     LX_KEY_TEXT,   /**< char[max + 1]: min to max characters; the rest of it is cleared */
     LX_KEY_DIGITS, /**< char[max + 1]: min to max digits, zeros in front */
     LX_KEY_TYPE_COUNT
@@ -40,7 +41,7 @@ struct lx_key {
     uint32_t factor;          /**< LX_KEY_NS: nanoseconds */
     int64_t min;              /**< smallest number, fewest characters */
     int64_t max;              /**< largest number, most characters */
-    const char *const *words; /**< LX_KEY_FLAG: false and true in its own words */
+    const char *const *words; /**< LX_KEY_FLAG, LX_KEY_WORD: 0 and 1 and so on in its own words */
     const char *help;
 };
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Settings: every row reaches its place and refuses what is out of range; errors on their way. */
+#define _GNU_SOURCE
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -60,6 +61,7 @@ static void check_row(const struct lx_key *key, size_t size)
     assert_true(key->type < LX_KEY_TYPE_COUNT && key->min <= key->max && key->factor > 0);
     assert_true(key->offset < size);
     assert_true(key->type != LX_KEY_FLAG || (key->words != NULL && key->max == 1));
+    assert_true(key->type != LX_KEY_WORD || (key->words != NULL && key->min == 0));
 }
 
 static void rows_are_whole(void **state)
@@ -105,7 +107,8 @@ static void check_limits(struct bench *self, const struct lx_key *key)
 {
     char text[64];
     struct lx_error error;
-    if (key->type == LX_KEY_TEXT || key->type == LX_KEY_DIGITS || key->type == LX_KEY_FLAG) {
+    if (key->type == LX_KEY_TEXT || key->type == LX_KEY_DIGITS || key->type == LX_KEY_FLAG ||
+        key->type == LX_KEY_WORD) {
         return;
     }
     const int64_t values[] = {key->min, key->max, key->min - 1, key->max + 1};
@@ -210,6 +213,34 @@ static void what_is_out_of_range_is_refused(void **state)
     for (size_t i = 0; i < COUNT(rows); i++) {
         refuse(&self, rows[i][0], rows[i][1]);
     }
+}
+
+static void one_of_several_words(void **state)
+{
+    static const char *const words[] = {"none", "even", "odd"};
+    static const struct lx_key key = {"parity", "", 1, LX_KEY_WORD, 0,
+                                      1,        0,  2, words,       "the last bit"};
+    uint8_t bytes[3] = {9, 9, 9};
+    const struct lx_keys keys = {&key, 1, bytes, 0};
+    struct lx_error error;
+    char *help = NULL;
+    size_t size = 0;
+    (void)state;
+    for (uint8_t i = 0; i < COUNT(words); i++) {
+        assert_int_equal(lx_key_set(&key, bytes, words[i], &error), 0);
+        assert_int_equal(bytes[1], i);
+    }
+    assert_int_equal(lx_key_set(&key, bytes, "mark", &error), -1);
+    assert_string_equal(lx_error_line(&error).text, "none, even or odd is right");
+    assert_int_equal(bytes[0], 9);
+    assert_int_equal(bytes[2], 9);
+    FILE *to = open_memstream(&help, &size);
+    assert_non_null(to);
+    lx_keys_help(&keys, to);
+    assert_int_equal(fclose(to), 0);
+    assert_string_equal(
+        help, "  parity                  the last bit (none, even or odd, default odd)\n");
+    free(help);
 }
 
 static void serial_numbers_get_zeros_in_front(void **state)
@@ -419,6 +450,7 @@ int main(void)
         cmocka_unit_test(limits_of_every_row),
         cmocka_unit_test(values_reach_their_place),
         cmocka_unit_test(what_is_out_of_range_is_refused),
+        cmocka_unit_test(one_of_several_words),
         cmocka_unit_test(serial_numbers_get_zeros_in_front),
         cmocka_unit_test(figures_have_to_fit_each_other),
         cmocka_unit_test(settings_of_an_interbus_encoder),
