@@ -22,23 +22,31 @@
 
 static void models_are_listed_in_order(void **state)
 {
-    static const char *const rows[][2] = {
-        {"s3674-rs485", "2048 periods x 32 steps, singleturn"},
-        {"s3684-rs485", "2048 periods x 32 steps, 4096 turns"},
-        {"s3674-biss", "21 bit, singleturn"},
-        {"s3684-biss", "21 bit, 4096 turns"},
-        {"f3658", "65536 steps, singleturn"},
-        {"f3668", "65536 steps, 4096 turns"},
-        {"ocd-ib-k1", "4096 steps, singleturn"},
-        {"ocd-ib-k2", "4096 steps, 4096 turns"},
-        {"ocd-ib-k3", "4096 steps, 4096 turns, parameters"},
+    static const struct {
+        const char *name;
+        const char *resolution;
+        bool senses_multiturn;
+        bool has_memory;
+    } rows[] = {
+        {"s3674-rs485", "2048 periods x 32 steps, singleturn", false, true},
+        {"s3684-rs485", "2048 periods x 32 steps, 4096 turns", true, true},
+        {"s3674-biss", "21 bit, singleturn", true, true},
+        {"s3684-biss", "21 bit, 4096 turns", true, true},
+        {"f3658", "65536 steps, singleturn", false, true},
+        {"f3668", "65536 steps, 4096 turns", true, true},
+        {"ocd-ib-k1", "4096 steps, singleturn", false, false},
+        {"ocd-ib-k2", "4096 steps, 4096 turns", true, false},
+        {"ocd-ib-k3", "4096 steps, 4096 turns, parameters", true, true},
     };
     (void)state;
     assert_int_equal(dg_device_count, ROWS(rows));
     for (size_t i = 0; i < ROWS(rows); i++) {
-        assert_string_equal(dg_devices[i]->name, rows[i][0]);
-        assert_string_equal(dg_devices[i]->resolution, rows[i][1]);
-        assert_ptr_equal(dg_device_find(rows[i][0]), dg_devices[i]);
+        const struct dg_device *device = dg_devices[i];
+        assert_string_equal(device->name, rows[i].name);
+        assert_string_equal(device->resolution, rows[i].resolution);
+        assert_int_equal(device->stack->senses_multiturn(device->model), rows[i].senses_multiturn);
+        assert_int_equal(device->stack->layout(device->model) != NULL, rows[i].has_memory);
+        assert_ptr_equal(dg_device_find(rows[i].name), device);
     }
     assert_null(dg_device_find("s3674"));
 }
