@@ -98,6 +98,13 @@ struct dg_stack {
     uint64_t (*position)(const void *self, dg_ns now);
 };
 
+/** For a protocol's own file, where every operation is a static function of the same name: all but
+ * those that only some protocols have. */
+#define DG_STACK_OPERATIONS                                                                        \
+    .layout = layout, .senses_multiturn = senses_multiturn, .format = format, .init = init,        \
+    .attach = attach, .power_on = power_on, .power_off = power_off, .powered = powered,            \
+    .step = step, .model = model, .position = position
+
 /** An encoder as it can be ordered. */
 struct dg_device {
     const char *name;       /**< as on the command line, e.g. "s3684-rs485" */

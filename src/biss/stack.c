@@ -90,18 +90,8 @@ static uint64_t position(const void *self, dg_ns now)
 const struct dg_stack dg_biss_stack = {
     .name = "biss",
     .device_size = sizeof(struct dg_biss),
-    .layout = layout,
-    .senses_multiturn = senses_multiturn,
-    .format = format,
     .mount = mount,
-    .init = init,
-    .attach = attach,
-    .power_on = power_on,
-    .power_off = power_off,
-    .powered = powered,
-    .step = step,
-    .model = model,
-    .position = position,
+    DG_STACK_OPERATIONS,
 };
 
 const struct dg_biss_model *dg_biss_model_of(const struct dg_device *device)

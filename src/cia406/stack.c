@@ -133,19 +133,9 @@ static uint64_t position(const void *self, dg_ns now)
 const struct dg_stack dg_cia406_stack = {
     .name = "canopen",
     .device_size = sizeof(struct dg_cia406_device),
-    .layout = layout,
-    .senses_multiturn = senses_multiturn,
-    .format = format,
     .mount = mount,
     .serial = serial,
-    .init = init,
-    .attach = attach,
-    .power_on = power_on,
-    .power_off = power_off,
-    .powered = powered,
-    .step = step,
-    .model = model,
-    .position = position,
+    DG_STACK_OPERATIONS,
 };
 
 const struct dg_cia406_model *dg_cia406_model_of(const struct dg_device *device)

@@ -109,20 +109,10 @@ static uint64_t position(const void *self, dg_ns now)
 const struct dg_stack dg_hf_stack = {
     .name = "hiperface",
     .device_size = sizeof(struct dg_hf),
-    .layout = layout,
-    .senses_multiturn = senses_multiturn,
-    .format = format,
     .mount = mount,
     .differs = differs,
     .serial = hf_serial,
-    .init = init,
-    .attach = attach,
-    .power_on = power_on,
-    .power_off = power_off,
-    .powered = powered,
-    .step = step,
-    .model = model,
-    .position = position,
+    DG_STACK_OPERATIONS,
 };
 
 const struct dg_hf_model *dg_hf_model_of(const struct dg_device *device)

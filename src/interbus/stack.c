@@ -91,18 +91,8 @@ static uint64_t position(const void *self, dg_ns now)
 const struct dg_stack dg_ib_stack = {
     .name = "interbus",
     .device_size = sizeof(struct dg_ib),
-    .layout = layout,
-    .senses_multiturn = senses_multiturn,
-    .format = format,
     .mount = mount,
-    .init = init,
-    .attach = attach,
-    .power_on = power_on,
-    .power_off = power_off,
-    .powered = powered,
-    .step = step,
-    .model = model,
-    .position = position,
+    DG_STACK_OPERATIONS,
 };
 
 const struct dg_ib_model *dg_ib_model_of(const struct dg_device *device)

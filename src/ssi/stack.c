@@ -84,17 +84,7 @@ static uint64_t position(const void *self, dg_ns now)
 const struct dg_stack dg_ssi_stack = {
     .name = "ssi",
     .device_size = sizeof(struct dg_ssi),
-    .layout = layout,
-    .senses_multiturn = senses_multiturn,
-    .format = format,
-    .init = init,
-    .attach = attach,
-    .power_on = power_on,
-    .power_off = power_off,
-    .powered = powered,
-    .step = step,
-    .model = model,
-    .position = position,
+    DG_STACK_OPERATIONS,
 };
 
 const struct dg_ssi_model *dg_ssi_model_of(const struct dg_device *device)
