@@ -29,7 +29,7 @@ each() {
 "$tree/tests/bench_hf"
 each bench_hf "42h (aim: 1500)"
 "$tree/tests/bench_co"
-each bench_co "upload and SYNC"
+tests/bench/instructions.sh
 "$tree/tests/bench_406"
 each bench_406 "6004h (aim: 150)"
 "$tree/tests/bench_biss"

@@ -33,3 +33,5 @@ done
 for device in dg_hf dg_biss dg_cia406_device dg_ib; do
     echo "RAM of one device (sizeof(struct $device)): $(ram "$device")"
 done
+# Whole images of a CANopen node, C library included.
+tests/bench/size/whole.sh -v

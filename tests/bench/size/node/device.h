@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * What the firmware is a node of: the F3668 (encoder.c), or its dictionary without the profile
+ * (plain.c).
+ */
+#ifndef BENCH_NODE_DEVICE_H
+#define BENCH_NODE_DEVICE_H
+
+#include "drehgeber/canopen.h"
+
+extern const struct dg_co_device *const device;
+/** Make what is behind the node. @return dg_co_setup.application */
+void *device_start(void);
+
+#endif

@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: MIT */
+/* The rows of the F3668, each a plain value of its own: what the stack and a dictionary cost. */
+#include "cia406_private.h"
+#include "device.h"
+
+enum {
+    R = DG_CO_R,
+    W = DG_CO_W,
+    M = DG_CO_MAP,
+    S = DG_CO_SAVE,
+    V = DG_CO_SLOT,
+    C = DG_CO_CONST,
+    I = DG_CO_ID,
+    E = DG_CO_EVENT,
+    X = DG_CO_ACTION,
+    L = DG_CO_LIVE,
+    F = 0,
+    APP = REGION_PROFILE,
+};
+
+#define DG_CO_PARENT(index, kind, name)
+#define DG_CO_OBJECT(index, sub, type, access, slot, region, initial, min, max, hook, name)        \
+    {index, sub, DG_CO_##type, access, slot, region, initial, min, max, NULL},
+
+static const struct dg_co_object objects[] = {
+#include "objects.def"
+};
+
+static void default_bus(const void *ctx, uint8_t *out)
+{
+    (void)ctx;
+    out[0] = 1;
+    out[1] = 1;
+    out[2] = 0;
+}
+
+static const uint16_t kbaud[] = {0, 250};
+static const char *const strings[] = {"F36x8 CANopen encoder", "1.00", "1.08"};
+static const struct dg_store_region regions[] = {
+    DG_CO_STORE_REGIONS(default_bus),
+    [REGION_PROFILE] = {"profile", 60, DG_STORE_CHECKED, 0, NULL},
+};
+static const struct dg_store_layout layout = {.id = 1,
+                                              .journal_size = DG_CO_JOURNAL_SIZE + 6u + 60u,
+                                              .region_count = sizeof regions / sizeof regions[0],
+                                              .regions = regions};
+static const struct dg_co_device plain = {.objects = objects,
+                                          .object_count = sizeof objects / sizeof objects[0],
+                                          .kbaud = kbaud,
+                                          .kbaud_count = sizeof kbaud / sizeof kbaud[0],
+                                          .strings = strings,
+                                          .layout = &layout};
+
+const struct dg_co_device *const device = &plain;
+
+void *device_start(void)
+{
+    return NULL;
+}
