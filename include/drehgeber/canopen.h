@@ -229,7 +229,8 @@ struct dg_co_device {
     /** Take a sample at node->now; once for all objects of a SYNC, a TPDO, an SDO read. May be
      * NULL. */
     void (*sample)(struct dg_co_node *node);
-    /** Periodic work; returns the next moment it is wanted. May be NULL. */
+    /** Periodic work; returns the next moment it is wanted, which neither sample() nor the reading
+     * of an object moves. May be NULL. */
     dg_ns (*step)(struct dg_co_node *node);
 };
 
@@ -331,6 +332,8 @@ struct dg_co_node {
     struct dg_co_counters counters;
     dg_ns now;      /**< moment of the call that is being served */
     dg_ns deadline; /**< of all services */
+    dg_ns others;   /**< of all but the SDO server */
+    bool moved;     /**< what is being served may have moved one of the others' deadlines */
     enum dg_co_state state;
     uint8_t id;          /**< node-ID in force, DG_CO_UNCONFIGURED without one */
     uint8_t bit_rate;    /**< in force, number in dg_co_device.kbaud */
@@ -356,6 +359,7 @@ struct dg_co_node {
     dg_ns emcy_until;
 
     dg_ns rx_at;       /**< moment the latest frame came in; before `now` when delivered late */
+    uint8_t sync_mask; /**< bit n: TPDO n is valid and synchronous */
     dg_ns pdo_at;      /**< next deadline of the TPDOs; 0: to be found anew */
     uint32_t clock_us; /**< 1013h is this plus `now` in us */
     uint32_t time_ms;  /**< latest TIME: ms after midnight, days since 1984-01-01 */

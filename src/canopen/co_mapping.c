@@ -222,6 +222,7 @@ static bool is_moved(const struct dg_co_node *self, uint8_t n)
  * is, which then is not valid (C33). */
 void co_pdo_start(struct dg_co_node *self)
 {
+    self->sync_mask = 0;
     for (uint8_t n = 0; n < DG_CO_TPDOS; n++) {
         self->tpdo[n] = (struct dg_co_tpdo){.event_at = DG_NEVER};
     }

@@ -83,6 +83,7 @@ static void initialise(struct dg_co_node *self, bool application)
     const struct dg_co_device *device = self->setup.device;
     bool operational = false;
 
+    self->moved = true;
     self->state = DG_CO_BOOT;
     if (application) {
         self->id = self->lss.node_id;
@@ -187,7 +188,8 @@ static void service_rx(struct dg_co_node *self, const struct dg_can_frame *frame
     }
 }
 
-/* Every service does what is due at self->now and says when it wants to be called again. */
+/* Every service does what is due at self->now and says when it wants to be called again. The SDO
+ * server's answer stands by itself, for settle_frame(). */
 static dg_ns step_services(struct dg_co_node *self)
 {
     /* The device first, emergencies last: what the former raises or changes leaves in this round.
@@ -196,10 +198,10 @@ static dg_ns step_services(struct dg_co_node *self)
 
     next = dg_earliest(next, co_nmt_step(self));
     next = dg_earliest(next, co_pdo_step(self));
-    next = dg_earliest(next, co_sdo_step(self));
+    dg_ns sdo = co_sdo_step(self);
     next = dg_earliest(next, co_lss_step(self));
-    next = dg_earliest(next, co_emcy_step(self));
-    return next;
+    self->others = dg_earliest(next, co_emcy_step(self));
+    return dg_earliest(self->others, sdo);
 }
 
 /* One service's work can make another's due at the same moment. */
@@ -209,6 +211,13 @@ static dg_ns settle(struct dg_co_node *self)
         self->deadline = step_services(self);
     } while (self->deadline <= self->now);
     return self->deadline;
+}
+
+/* Most frames move no deadline but the SDO server's. */
+static dg_ns settle_frame(struct dg_co_node *self)
+{
+    self->deadline = dg_earliest(self->others, self->sdo.deadline);
+    return self->moved || self->deadline <= self->now ? settle(self) : self->deadline;
 }
 
 dg_ns dg_co_step(struct dg_co_node *self, dg_ns now)
@@ -235,14 +244,16 @@ dg_ns dg_co_rx(struct dg_co_node *self, dg_ns now, const struct dg_can_frame *fr
         return self->deadline;
     }
     self->counters.rx++;
+    self->moved = false;
     if (frame->id == CO_ID_LSS_RX && !frame->rtr) {
         if (in(self, IN_PRE_OPERATIONAL | IN_STOPPED) || self->id == DG_CO_UNCONFIGURED) {
+            self->moved = true;
             co_lss_rx(self, frame);
         }
     } else if (self->id != DG_CO_UNCONFIGURED) {
         service_rx(self, frame);
     }
-    return settle(self);
+    return settle_frame(self);
 }
 
 dg_ns dg_co_bus(struct dg_co_node *self, dg_ns now, enum dg_co_bus_event event)

@@ -157,6 +157,7 @@ enum dg_co_abort co_write(struct dg_co_node *self, const struct dg_co_object *ob
     if (!co_in_range(self->setup.device, object, value)) {
         return DG_CO_RANGE;
     }
+    self->moved = true;
     if (object->hook != NULL) {
         abort = object->hook(self, object, DG_CO_WRITE, &value);
     }

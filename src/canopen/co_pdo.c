@@ -68,6 +68,7 @@ static void arm(struct dg_co_node *self, uint8_t n, dg_ns from)
     struct dg_co_tpdo *tpdo = &self->tpdo[n];
     dg_ns period = DG_MS(co_pdo_parameter(self, n, CO_PDO_EVENT_MS));
 
+    self->moved = true;
     self->pdo_at = 0;
     tpdo->event_at = DG_NEVER;
     if (period != 0) {
@@ -89,6 +90,10 @@ void co_pdo_restart(struct dg_co_node *self, uint8_t n)
     tpdo->pending = false;
     tpdo->sampled = false;
     tpdo->sync_count = 0;
+    self->sync_mask = (uint8_t)(self->sync_mask & ~(1u << n));
+    if (tpdo->valid && is_synchronous(tpdo->type)) {
+        self->sync_mask |= (uint8_t)(1u << n);
+    }
     arm(self, n, self->now);
 }
 
@@ -253,10 +258,10 @@ void co_sync_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
         return;
     }
     bool late = is_late(self);
-    for (uint8_t n = 0; n < DG_CO_TPDOS; n++) {
-        struct dg_co_tpdo *tpdo = &self->tpdo[n];
-        if (tpdo->valid && is_synchronous(tpdo->type)) {
-            synchronise(self, tpdo, late);
+    uint8_t mask = self->sync_mask;
+    for (uint8_t n = 0; mask != 0; n++, mask >>= 1) {
+        if ((mask & 1u) != 0) {
+            synchronise(self, &self->tpdo[n], late);
         }
     }
 }

@@ -216,6 +216,10 @@ static void receive(struct bench *bench, const struct dg_can_frame *frame)
     bench->answers += !frame->rtr && frame->id == 0x600u + bench->node.id ? 1 : 0;
     const dg_ns deadline = dg_co_rx(&bench->node, bench->now, frame);
     fuzz_must(heard || bench->sent == before);
+    /* A step at the same moment finds nothing to do, and the same deadline. */
+    const uint32_t sent = bench->sent;
+    struct dg_co_node copy = bench->node;
+    fuzz_must(dg_co_step(&copy, bench->now) == deadline && bench->sent == sent);
     check(bench, deadline);
 }
 
