@@ -20,6 +20,10 @@ FORBIDDEN = {
     "white space at the end of the line": re.compile(r"[ \t\r]$"),
     "a tab": re.compile(r"\t"),
 }
+# What is written so in one folder only: ports say what is wrong, the command line says it with its options.
+FORBIDDEN_IN = {
+    "platform/": {"an option of the command line": re.compile(r'"--[a-z]')},
+}
 
 
 def licensed(path):
@@ -39,13 +43,16 @@ def main():
         except UnicodeDecodeError:
             complaints.append(f"{path}: not UTF-8")
             continue
+        forbidden = dict(FORBIDDEN)
+        for folder, rules in FORBIDDEN_IN.items():
+            forbidden |= rules if path.startswith(folder) and path.endswith((".c", ".h")) else {}
         head = text.split("\n", 2)[:2]
         if licensed(path) and not any("SPDX-License-Identifier: MIT" in line for line in head):
             complaints.append(f"{path}:1: no licence in the first two lines")
         for number, line in enumerate(text.split("\n"), 1):
             complaints += [
                 f"{path}:{number}: {what}"
-                for what, pattern in FORBIDDEN.items()
+                for what, pattern in forbidden.items()
                 if pattern.search(line)
             ]
     finish(len(paths), complaints)
