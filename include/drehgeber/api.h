@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * What belongs to the interface of the library. The library is built with hidden visibility: a
- * function or table is exported when its header says DG_API, and nothing else is.
+ * What belongs to the interface of the library, and what all headers may use. The library is built
+ * with hidden visibility: a function or table is exported when its header says DG_API, and nothing
+ * else is.
  */
 #ifndef DREHGEBER_API_H
 #define DREHGEBER_API_H
@@ -13,5 +14,8 @@
 #else
 #define DG_API
 #endif
+
+/** Elements of an array. */
+#define DG_COUNT(array) (sizeof(array) / sizeof((array)[0]))
 
 #endif

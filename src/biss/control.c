@@ -298,7 +298,7 @@ void biss_cdm(struct dg_biss *self, dg_ns now, bool cdm)
     };
     struct dg_biss_control *control = &self->control;
 
-    _Static_assert(sizeof states / sizeof states[0] == DG_BISS_CONTROL_STATE_COUNT, "all states");
+    _Static_assert(DG_COUNT(states) == DG_BISS_CONTROL_STATE_COUNT, "all states");
     control->cds = false;
     states[control->state](self, now, cdm);
     if (cdm) {

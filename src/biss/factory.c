@@ -31,7 +31,7 @@ static const struct dg_store_region regions[] = {
 };
 /* clang-format on */
 
-_Static_assert(sizeof regions / sizeof regions[0] == DG_BISS_REGION_COUNT, "a region a bank");
+_Static_assert(DG_COUNT(regions) == DG_BISS_REGION_COUNT, "a region a bank");
 
 /* The longest commit is a bank. */
 const struct dg_store_layout dg_biss_layout = {

@@ -200,9 +200,9 @@ static const struct dg_scpi_command commands[] = {
 const struct dg_instrument dg_biss_instrument = {
     .stack = &dg_biss_stack,
     .faults = faults,
-    .fault_count = sizeof faults / sizeof faults[0],
+    .fault_count = DG_COUNT(faults),
     .damage = damage,
     .mode = mode,
     .state = state,
-    .commands = {commands, sizeof commands / sizeof commands[0]},
+    .commands = {commands, DG_COUNT(commands)},
 };

@@ -175,7 +175,7 @@ static int write_command(struct dg_biss *self, dg_ns now, uint8_t offset, uint8_
     };
 
     (void)offset;
-    if (value >= sizeof commands / sizeof commands[0] || commands[value] == NULL) {
+    if (value >= DG_COUNT(commands) || commands[value] == NULL) {
         return DG_OK;
     }
     return commands[value](self, now);
@@ -290,7 +290,7 @@ const struct biss_register biss_registers[] = {
 };
 /* clang-format on */
 
-const uint8_t biss_register_count = sizeof biss_registers / sizeof biss_registers[0];
+const uint8_t biss_register_count = DG_COUNT(biss_registers);
 
 const struct biss_register *biss_register_find(uint8_t bank, uint8_t address)
 {

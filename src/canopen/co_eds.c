@@ -17,7 +17,7 @@
 static const struct dg_co_name names[] = {
 #include "co_objects.def"
 };
-#define NAME_COUNT (sizeof names / sizeof names[0])
+#define NAME_COUNT DG_COUNT(names)
 
 /* How far a type reaches; signed limits are sign-extended. */
 static const struct {
@@ -168,7 +168,7 @@ static const uint32_t *identity_of(const struct eds *self, const struct dg_co_ob
         {0x1018, 2, &device->product_code},
         {0x1018, 3, &device->revision},
     };
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         if (rows[i].index == object->index && rows[i].sub == object->sub) {
             return rows[i].value;
         }
@@ -352,7 +352,7 @@ static bool has_rate(const struct dg_co_device *device, uint16_t kbaud)
 static void put_rates(const struct eds *self)
 {
     static const uint16_t kbaud[] = {10, 20, 50, 125, 250, 500, 800, 1000};
-    for (size_t i = 0; i < sizeof kbaud / sizeof kbaud[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(kbaud); i++) {
         put(self, "BaudRate_");
         put_number(self, kbaud[i], true, 1);
         line(self, "=", has_rate(self->device, kbaud[i]) ? "1" : "0");

@@ -94,7 +94,7 @@ static void configure_node_id(struct dg_co_node *self, const uint8_t *data)
 static uint8_t number_of(const struct dg_co_device *device, uint8_t index)
 {
     static const uint16_t kbaud[] = {1000, 800, 500, 250, 125, 0, 50, 20, 10};
-    uint16_t wanted = index < sizeof kbaud / sizeof kbaud[0] ? kbaud[index] : 0;
+    uint16_t wanted = index < DG_COUNT(kbaud) ? kbaud[index] : 0;
     uint8_t number = 0;
 
     while (wanted != 0 && number < device->kbaud_count) {
@@ -230,7 +230,7 @@ void co_lss_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
         self->counters.malformed++;
         return;
     }
-    for (uint8_t i = 0; i < sizeof services / sizeof services[0]; i++) {
+    for (uint8_t i = 0; i < DG_COUNT(services); i++) {
         if (cs >= services[i].first && cs <= services[i].last) {
             if ((services[i].states & state) != 0) {
                 services[i].handler(self, frame->data);

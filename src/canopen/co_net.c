@@ -23,7 +23,7 @@ static void refresh(struct dg_co_net *self, uint8_t i, dg_ns deadline)
         return;
     }
     self->filter_version[i] = node->filter_version;
-    for (uint16_t id = 0; id < sizeof self->listeners / sizeof self->listeners[0]; id++) {
+    for (uint16_t id = 0; id < DG_COUNT(self->listeners); id++) {
         self->listeners[id][i / 8u] &= (uint8_t)~bit;
     }
     for (uint8_t n = dg_co_filters(node, ids); n > 0; n--) {

@@ -89,7 +89,7 @@ void co_nmt_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
     if (frame->data[1] != 0 && frame->data[1] != self->id) {
         return;
     }
-    for (uint8_t i = 0; i < sizeof commands / sizeof commands[0]; i++) {
+    for (uint8_t i = 0; i < DG_COUNT(commands); i++) {
         if (commands[i].command == frame->data[0]) {
             commands[i].act(self);
             return;

@@ -36,7 +36,7 @@ const struct dg_co_object co_objects[] = {
 #undef DG_CO_PARENT
 #undef DG_CO_OBJECT
 const uint8_t dg_co_slot_event_timer = CO_TPDO(0, CO_PDO_EVENT_MS);
-const uint16_t co_object_count = sizeof co_objects / sizeof co_objects[0];
+const uint16_t co_object_count = DG_COUNT(co_objects);
 
 static uint32_t key(uint16_t index, uint8_t sub)
 {
@@ -194,7 +194,7 @@ bool co_restricted(uint32_t can_id)
         {0x601, 0x67F}, {0x6E0, 0x6FF}, {0x701, 0x7FF},
     };
 
-    for (uint8_t i = 0; i < sizeof ranges / sizeof ranges[0]; i++) {
+    for (uint8_t i = 0; i < DG_COUNT(ranges); i++) {
         if (can_id >= ranges[i].first && can_id <= ranges[i].last) {
             return true;
         }

@@ -66,7 +66,7 @@ static const struct {
     {0x00, 0x00, IN(DG_CO_SDO_BLOCK_DOWNLOAD),     co_block_download_segment},
     /* clang-format on */
 };
-#define COMMANDS (sizeof commands / sizeof commands[0])
+#define COMMANDS DG_COUNT(commands)
 
 void co_sdo_become(struct dg_co_node *self, enum dg_co_sdo_state state)
 {

@@ -87,7 +87,7 @@ static const char *set_rate(struct dg_slcan *self, struct dg_slcan_event *event)
     static const uint16_t kbaud[] = {10, 20, 50, 100, 125, 250, 500, 800, 1000};
     const unsigned rate = (unsigned)(self->line[1] - '0');
     (void)event;
-    if (self->length != 2 || rate >= sizeof kbaud / sizeof kbaud[0]) {
+    if (self->length != 2 || rate >= DG_COUNT(kbaud)) {
         return NULL;
     }
     self->kbaud = kbaud[rate];
@@ -146,7 +146,7 @@ static const struct {
     {'N', ANY,              inquire},
 };
 /* clang-format on */
-#define COMMAND_COUNT (sizeof commands / sizeof commands[0])
+#define COMMAND_COUNT DG_COUNT(commands)
 
 static const char *act(struct dg_slcan *self, struct dg_slcan_event *event)
 {

@@ -281,12 +281,11 @@ static const char *const strings[] = {"F36x8 CANopen encoder", "1.00", "1.08"};
 
 /* save_ms: chapter 12. */
 #define F36X8(model_figures)                                                                       \
-    .objects = objects, .object_count = sizeof objects / sizeof objects[0],                        \
-    .figures = (model_figures), .figure_count = FIGURE_COUNT, .kbaud = kbaud,                      \
-    .kbaud_count = sizeof kbaud / sizeof kbaud[0], .save_ms = 14, .causes = causes,                \
-    .cause_count = CAUSE_END - DG_CO_CAUSES, .strings = strings, .vendor_id = 0x13,                \
-    .product_code = 0x56682001, .revision = 108, .reset = reset, .sample = cia406_sample,          \
-    .step = step
+    .objects = objects, .object_count = DG_COUNT(objects), .figures = (model_figures),             \
+    .figure_count = FIGURE_COUNT, .kbaud = kbaud, .kbaud_count = DG_COUNT(kbaud), .save_ms = 14,   \
+    .causes = causes, .cause_count = CAUSE_END - DG_CO_CAUSES, .strings = strings,                 \
+    .vendor_id = 0x13, .product_code = 0x56682001, .revision = 108, .reset = reset,                \
+    .sample = cia406_sample, .step = step
 
 const struct dg_co_device dg_cia406_singleturn = {
     F36X8(figures_singleturn),

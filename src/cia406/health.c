@@ -203,7 +203,7 @@ void cia406_health_look(struct dg_co_node *node)
     struct dg_cia406 *self = encoder_of(node);
 
     count_time(node);
-    for (uint8_t i = 0; i < sizeof checks / sizeof checks[0]; i++) {
+    for (uint8_t i = 0; i < DG_COUNT(checks); i++) {
         uint8_t details[5] = {0};
         if (!checks[i].present(node)) {
             if (checks[i].cause != NO_CAUSE) {
@@ -229,7 +229,7 @@ enum dg_co_abort cia406_hook_health(struct dg_co_node *node, const struct dg_co_
 {
     (void)op;
     *value = 0;
-    for (uint8_t i = 0; i < sizeof checks / sizeof checks[0]; i++) {
+    for (uint8_t i = 0; i < DG_COUNT(checks); i++) {
         if (checks[i].present(node)) {
             *value |= object->index == 0x6503 ? checks[i].alarm : checks[i].warning;
         }

@@ -50,7 +50,7 @@ static void put_leds(struct dg_cia406_leds leds, struct dg_scpi *to)
         [DG_CIA406_LAMP_FAST] = "fast",   [DG_CIA406_LAMP_FAST_OTHER] = "fast-other",
         [DG_CIA406_LAMP_300] = "300ms",
     };
-    _Static_assert(sizeof names / sizeof names[0] == DG_CIA406_LAMP_300 + 1, "a name for each");
+    _Static_assert(DG_COUNT(names) == DG_CIA406_LAMP_300 + 1, "a name for each");
 
     dg_state_begin(to, "leds");
     dg_scpi_append(to, "bus:");
@@ -121,7 +121,7 @@ static const struct dg_damage_row damage[] = {
 const struct dg_instrument dg_cia406_instrument = {
     .stack = &dg_cia406_stack,
     .faults = faults,
-    .fault_count = sizeof faults / sizeof faults[0],
+    .fault_count = DG_COUNT(faults),
     .damage = damage,
     .mode = mode,
     .state = state,

@@ -115,7 +115,7 @@ struct dg_cia406_leds dg_cia406_leds(const struct dg_co_node *node)
     if (node->state == DG_CO_OFF) {
         return leds;
     }
-    for (uint8_t i = 0; i < sizeof patterns / sizeof patterns[0]; i++) {
+    for (uint8_t i = 0; i < DG_COUNT(patterns); i++) {
         if (!patterns[i].state(node)) {
             continue;
         }

@@ -13,7 +13,7 @@ static const struct dg_co_name names[] = {
 #include "objects.def"
 };
 
-#define F36X8 .vendor = "Kuebler", .names = names, .name_count = sizeof names / sizeof names[0]
+#define F36X8 .vendor = "Kuebler", .names = names, .name_count = DG_COUNT(names)
 
 static const struct dg_co_sheet sheets[] = {
     {
@@ -38,7 +38,7 @@ static const struct dg_co_sheet sheets[] = {
 
 const struct dg_co_sheet *dg_cia406_sheet(const struct dg_co_device *device)
 {
-    for (size_t i = 0; i < sizeof sheets / sizeof sheets[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(sheets); i++) {
         if (sheets[i].device == device) {
             return &sheets[i];
         }

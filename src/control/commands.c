@@ -67,4 +67,4 @@ static const struct dg_scpi_command rows[] = {
 };
 /* clang-format on */
 
-const struct dg_scpi_commands dg_control_commands = {rows, sizeof rows / sizeof rows[0]};
+const struct dg_scpi_commands dg_control_commands = {rows, DG_COUNT(rows)};

@@ -75,7 +75,7 @@ void control_power(struct dg_scpi *self)
     const struct dg_encoder *encoder = dg_control_selected(self);
     size_t word;
 
-    if (!dg_scpi_word(self, words, sizeof words / sizeof words[0], &word)) {
+    if (!dg_scpi_word(self, words, DG_COUNT(words), &word)) {
         return;
     }
     if (dg_scpi_more(self)) { /* before anything happens */

@@ -24,7 +24,7 @@ void control_catalogue(struct dg_scpi *self)
         [DG_FAULT_MEMORY] = "MEMORY",
         [DG_FAULT_WIRE] = "WIRE",
     };
-    _Static_assert(sizeof kinds / sizeof kinds[0] == DG_FAULT_WIRE + 1, "a word for each kind");
+    _Static_assert(DG_COUNT(kinds) == DG_FAULT_WIRE + 1, "a word for each kind");
     const struct dg_fault_target target = target_of(self);
     struct dg_fault_entry entry;
 
@@ -67,7 +67,7 @@ static bool take_limit(struct dg_scpi *self, struct dg_fault_limits *limits)
     size_t word;
     int64_t value;
 
-    if (!dg_scpi_word(self, words, sizeof words / sizeof words[0], &word) ||
+    if (!dg_scpi_word(self, words, DG_COUNT(words), &word) ||
         !dg_scpi_number(self, ranges[word], &value)) {
         return false;
     }

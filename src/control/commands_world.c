@@ -14,7 +14,7 @@ static const struct {
     [DG_UNIT_MV] = {DG_SCPI_VOLTAGE, 0},        [DG_UNIT_PERMILLE] = {DG_SCPI_PLAIN, 0},
     [DG_UNIT_STATE] = {DG_SCPI_PLAIN, 0},
 };
-_Static_assert(sizeof units / sizeof units[0] == DG_UNIT_COUNT, "a row for each unit");
+_Static_assert(DG_COUNT(units) == DG_UNIT_COUNT, "a row for each unit");
 
 /* From now on it is what was asked for, whatever bent it. */
 static void put(struct dg_encoder *encoder, const struct dg_quantity *row, int64_t value)

@@ -11,7 +11,7 @@ const struct dg_device *const dg_devices[] = {
     &dg_ocd_ib_k1,   &dg_ocd_ib_k2,   &dg_ocd_ib_k3,
 };
 
-const size_t dg_device_count = sizeof dg_devices / sizeof dg_devices[0];
+const size_t dg_device_count = DG_COUNT(dg_devices);
 
 /* The library has no strcmp to rely on. */
 static bool same(const char *a, const char *b)

@@ -33,7 +33,7 @@ const struct hf_command hf_commands[] = {
 #include "commands.def"
 };
 #undef DG_HF_COMMAND
-const uint8_t hf_command_count = sizeof hf_commands / sizeof hf_commands[0];
+const uint8_t hf_command_count = DG_COUNT(hf_commands);
 
 uint8_t hf_command_find(uint8_t code)
 {
@@ -98,7 +98,7 @@ static enum dg_hf_status permitted(const struct dg_hf *self, const struct hf_com
         {HF_LOCK_EEPROM, DG_HF_I2C},
         {HF_LOCK_CHECKSUM, DG_HF_CHECKSUM_INTERNAL},
     };
-    for (uint8_t i = 0; i < sizeof locks / sizeof locks[0]; i++) {
+    for (uint8_t i = 0; i < DG_COUNT(locks); i++) {
         if ((row->flags & self->locks & locks[i].lock) != 0) {
             return (enum dg_hf_status)locks[i].status;
         }

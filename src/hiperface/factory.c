@@ -139,7 +139,7 @@ static void default_label(const void *ctx, uint8_t *out)
     dg_write_be32(&w, model->turns);
     write_text(&w, model->designation, DESIGNATION_SIZE);
     dg_write_be16(&w, LABEL_SELECTOR);
-    for (size_t i = 0; i < sizeof parameters / sizeof parameters[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(parameters); i++) {
         dg_write_be16(&w, parameters[i]);
     }
     out[0] = dg_xor8(0, out, HF_LABEL_SIZE);
@@ -261,7 +261,7 @@ const char *hf_differs(const struct dg_hf_model *model, struct dg_store *store)
     uint8_t mine[DG_STORE_CHECKED_MAX];
     uint8_t bytes[DG_STORE_CHECKED_MAX];
 
-    for (uint8_t i = 0; i < sizeof burnt / sizeof burnt[0]; i++) {
+    for (uint8_t i = 0; i < DG_COUNT(burnt); i++) {
         const uint8_t region = burnt[i].region;
         const uint16_t size = region == DG_HF_REGION_TYPE ? TYPE_SERIAL : regions[region].size;
         regions[region].defaults(model, mine);

@@ -47,7 +47,7 @@ static void put_sincos(const struct dg_hf *device, dg_ns now, bool on, struct dg
         {"cos_plus_uv", lines.cos_plus_uv},
         {"cos_minus_uv", lines.cos_minus_uv},
     };
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         dg_state_begin(to, rows[i].key);
         if (on) {
             dg_scpi_append_number(to, rows[i].uv, 0);
@@ -113,7 +113,7 @@ static const struct dg_damage_row damage[] = {
 const struct dg_instrument dg_hf_instrument = {
     .stack = &dg_hf_stack,
     .faults = faults,
-    .fault_count = sizeof faults / sizeof faults[0],
+    .fault_count = DG_COUNT(faults),
     .damage = damage,
     .mode = mode,
     .state = state,

@@ -21,7 +21,7 @@ int dg_hf_uart_decode(uint8_t setting, struct dg_hf_uart *out)
     uint8_t baud = setting & BAUD_MASK;
     char parity = parities[(setting >> 4) & 3u];
 
-    if (baud >= sizeof bauds / sizeof bauds[0] || parity == 0) {
+    if (baud >= DG_COUNT(bauds) || parity == 0) {
         return DG_ERR_ARGUMENT;
     }
     out->baud = bauds[baud];

@@ -51,7 +51,7 @@ enum dg_hf_status hf_read_analog(struct dg_hf *self, struct hf_request *rq)
         vector_length,
     };
 
-    for (uint8_t i = 0; i < sizeof sources / sizeof sources[0]; i++) {
+    for (uint8_t i = 0; i < DG_COUNT(sources); i++) {
         if (self->channels[i] == rq->data[0]) {
             dg_write_u8(&rq->reply, rq->data[0]);
             dg_write_be16(&rq->reply, sources[i](self, rq->now));

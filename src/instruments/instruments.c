@@ -11,7 +11,7 @@ const struct dg_instrument *const dg_instruments[] = {
     &dg_ib_instrument,
 };
 
-const size_t dg_instrument_count = sizeof dg_instruments / sizeof dg_instruments[0];
+const size_t dg_instrument_count = DG_COUNT(dg_instruments);
 
 const struct dg_instrument *dg_instrument_of(const struct dg_stack *stack)
 {

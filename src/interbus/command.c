@@ -19,7 +19,7 @@ const struct ib_command ib_commands[] = {
 #include "commands.def"
 };
 #undef DG_IB_COMMAND
-const uint8_t ib_command_count = sizeof ib_commands / sizeof ib_commands[0];
+const uint8_t ib_command_count = DG_COUNT(ib_commands);
 
 const struct ib_command *ib_command_find(const struct dg_ib *self, uint32_t word)
 {

@@ -56,7 +56,7 @@ static void put_leds(uint8_t leds, struct dg_scpi *to)
     };
 
     dg_state_begin(to, "leds");
-    for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(all); i++) {
         const bool blinks = all[i].bit == DG_IB_LED_BA && (leds & DG_IB_LED_BA_BLINKS) != 0;
         dg_scpi_append(to, all[i].name);
         dg_scpi_append(to, blinks ? "blink" : (leds & all[i].bit) != 0 ? "on" : "off");
@@ -115,7 +115,7 @@ static const struct dg_damage_row damage[] = {
 const struct dg_instrument dg_ib_instrument = {
     .stack = &dg_ib_stack,
     .faults = faults,
-    .fault_count = sizeof faults / sizeof faults[0],
+    .fault_count = DG_COUNT(faults),
     .damage = damage,
     .mode = mode,
     .state = state,

@@ -78,7 +78,7 @@ static uint32_t (*const items[])(const struct dg_ib *self) = {
     [0x4] = preset,     [0x5] = shift,         [0x6] = preset_flag, [0x7] = version,
     [0x8] = time_10min, [0x9] = start_up_mode, [0xA] = flags,       [0xC] = temperature,
 };
-#define ITEMS (sizeof items / sizeof items[0])
+#define ITEMS DG_COUNT(items)
 #define TEMPERATURE 0xCu
 
 uint32_t ib_item(const struct dg_ib *self)

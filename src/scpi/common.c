@@ -166,4 +166,4 @@ static const struct dg_scpi_command rows[] = {
     {"SYSTem:VERSion",         NULL, get_version,     0, "", "version of SCPI"},
 };
 /* clang-format on */
-const struct dg_scpi_commands scpi_own = {rows, sizeof rows / sizeof rows[0]};
+const struct dg_scpi_commands scpi_own = {rows, DG_COUNT(rows)};

@@ -50,7 +50,7 @@ static const uint8_t unit_places[] = {
     [DG_SCPI_CURRENT] = 0,
 };
 /* clang-format on */
-#define SUFFIX_COUNT (sizeof suffixes / sizeof suffixes[0])
+#define SUFFIX_COUNT DG_COUNT(suffixes)
 
 static const uint32_t powers[PLACES_MAX + 1u] = {
     1, 10, 100, 1000, 10000, 100000, 1000000, 10000000, 100000000, 1000000000,
@@ -209,7 +209,7 @@ static unsigned base_of(const char *text)
         uint8_t base;
     } rows[] = {{"#H", 16}, {"#Q", 8}, {"#B", 2}, {"0X", 16}};
 
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         if (scpi_same(rows[i].prefix, text, sizeof rows[i].prefix - 1u)) {
             return rows[i].base;
         }

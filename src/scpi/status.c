@@ -40,7 +40,7 @@ static const struct {
     {DG_SCPI_OVERRUN, "Input buffer overrun"},
     {-400, "Query error"},
 };
-#define TEXT_COUNT (sizeof texts / sizeof texts[0])
+#define TEXT_COUNT DG_COUNT(texts)
 
 void scpi_detail_add(struct scpi_detail *self, const char *text, size_t n)
 {

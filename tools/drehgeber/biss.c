@@ -225,7 +225,7 @@ static const struct {
     {"read", do_read},   {"registers", do_registers}, {"eds", do_eds},
     {"write", do_write}, {"command", do_command},
 };
-#define ACTION_COUNT (sizeof actions / sizeof actions[0])
+#define ACTION_COUNT DG_COUNT(actions)
 
 static int act(struct biss_session *self, struct words *words, struct lx_error *error)
 {

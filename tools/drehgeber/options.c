@@ -60,9 +60,9 @@ static const struct argp_option rows[] = {
     {.name = "version", .key = KEY_VERSION,                     .doc = "the version"},
 };
 /* clang-format on */
-#define ROW_COUNT (sizeof rows / sizeof rows[0])
+#define ROW_COUNT DG_COUNT(rows)
 
-const size_t command_row_count = sizeof command_rows / sizeof command_rows[0];
+const size_t command_row_count = DG_COUNT(command_rows);
 
 const struct command_row *command_find(const char *name)
 {
@@ -230,7 +230,7 @@ static const struct {
     {KEY_SHAFT, offsetof(struct options, shaft)},   {KEY_TRACE, offsetof(struct options, trace)},
     {KEY_FILES, offsetof(struct options, files)},
 };
-#define TEXT_COUNT (sizeof texts / sizeof texts[0])
+#define TEXT_COUNT DG_COUNT(texts)
 
 /* An empty one is most likely an empty variable of a script. */
 static error_t take_text(struct options *self, int key, size_t offset, const char *value)

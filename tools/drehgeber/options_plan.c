@@ -336,7 +336,7 @@ static const char *not_with_rig(const struct options *options)
         {"shaft", options->shaft != NULL},    {"trace", options->trace != NULL},
         {"ring", options->ring != NULL},
     };
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         if (rows[i].given) {
             return rows[i].name;
         }

@@ -65,7 +65,7 @@ static const struct {
     int number;
     bool unless_ignored; /* as nohup starts it, and a shell what goes to the background */
 } ending[] = {{SIGTERM, false}, {SIGINT, false}, {SIGHUP, true}, {SIGQUIT, true}};
-#define ENDING_COUNT (sizeof ending / sizeof ending[0])
+#define ENDING_COUNT DG_COUNT(ending)
 
 static bool ends(size_t index)
 {

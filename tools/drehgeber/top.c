@@ -218,8 +218,6 @@ static const struct key fault_keys[] = {
 };
 /* clang-format on */
 
-#define COUNT(table) (sizeof(table) / sizeof(table)[0])
-
 /* @return whether it is one of them */
 static bool act_on(struct top *self, const struct key *table, size_t count, int key)
 {
@@ -236,13 +234,13 @@ static void press(struct top *self, int key)
 {
     switch (self->screen.popup) {
     case TOP_POPUP_NONE:
-        (void)act_on(self, keys, COUNT(keys), key);
+        (void)act_on(self, keys, DG_COUNT(keys), key);
         break;
     case TOP_POPUP_HELP:
         self->screen.popup = TOP_POPUP_NONE;
         break;
     case TOP_POPUP_FAULTS:
-        if (!act_on(self, fault_keys, COUNT(fault_keys), key)) {
+        if (!act_on(self, fault_keys, DG_COUNT(fault_keys), key)) {
             self->screen.popup = TOP_POPUP_NONE;
         }
         break;
@@ -308,11 +306,11 @@ static int add_sources(struct top *self)
     sigset_t blocked;
     (void)sigemptyset(&blocked);
     (void)sigaddset(&blocked, SIGWINCH);
-    for (size_t i = 0; i < COUNT(ends); i++) {
+    for (size_t i = 0; i < DG_COUNT(ends); i++) {
         (void)sigaddset(&blocked, ends[i]);
     }
     int result = sigprocmask(SIG_BLOCK, &blocked, NULL) == 0 ? 0 : -errno;
-    for (size_t i = 0; i < COUNT(ends) && result >= 0; i++) {
+    for (size_t i = 0; i < DG_COUNT(ends) && result >= 0; i++) {
         result = sd_event_add_signal(self->event, NULL, ends[i], NULL, NULL); /* ends it with 0 */
     }
     if (result >= 0) {

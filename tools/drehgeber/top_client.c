@@ -233,7 +233,7 @@ static const char *behind(const char *text, const char *key)
 
 static bool take_text(struct top_encoder *encoder, const char *part)
 {
-    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(texts); i++) {
         const char *value = behind(part, texts[i].key);
         if (value != NULL) {
             copy((char *)encoder + texts[i].offset, texts[i].size, value);

@@ -407,7 +407,7 @@ static void draw_help(void)
         "?                  this; any key closes it",
         "q                  leave",
     };
-    const int count = (int)(sizeof lines / sizeof lines[0]);
+    const int count = (int)DG_COUNT(lines);
     WINDOW *window = open_popup(count + 2, 60, " keys ");
     for (int i = 0; window != NULL && i < count; i++) {
         (void)mvwaddstr(window, i + 1, 2, lines[i]);

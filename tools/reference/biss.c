@@ -28,7 +28,7 @@ static const struct {
     {0x7C, 0, "device id: timeout in bits 2..0, in RAM"},
     {0x7D, 0, "device id, manufacturer id 4Bh 55h (7Eh-7Fh)"},
 };
-#define CONTENT_COUNT (sizeof contents / sizeof contents[0])
+#define CONTENT_COUNT DG_COUNT(contents)
 
 static const char *content_of(const struct biss_register *row)
 {

@@ -46,8 +46,8 @@ static const struct row encoder[] = {
 #include "../../src/cia406/objects.def"
 };
 
-#define COMMUNICATION (sizeof communication / sizeof communication[0])
-#define ENCODER (sizeof encoder / sizeof encoder[0])
+#define COMMUNICATION DG_COUNT(communication)
+#define ENCODER DG_COUNT(encoder)
 
 /* The model's; NULL: the row's own. */
 static const struct dg_co_figure *figure_of(const struct row *row)

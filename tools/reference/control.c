@@ -48,7 +48,7 @@ static const char *kind_of(enum dg_fault_kind kind)
         [DG_FAULT_MEMORY] = "memory",
         [DG_FAULT_WIRE] = "wire",
     };
-    _Static_assert(sizeof names / sizeof names[0] == DG_FAULT_WIRE + 1, "a word for each kind");
+    _Static_assert(DG_COUNT(names) == DG_FAULT_WIRE + 1, "a word for each kind");
 
     return names[kind];
 }

@@ -38,7 +38,7 @@ static void print_commands(void)
 {
     puts("| code | command | request | reply | reaction max | Code 0 | own errors |");
     puts("|---|---|---|---|---|---|---|");
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         const struct row *row = &rows[i];
         char request[16];
         char reaction[16];

@@ -35,7 +35,7 @@ static void print_commands(void)
 
     puts("| OUT | command | modes | answered after | answer | own errors |");
     puts("|---|---|---|---|---|---|");
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         const struct row *row = &rows[i];
         printf("| `%s` | %s | %s | %s | %s%s%s | %s |\n", row->pattern, row->name,
                modes[row->modes], row->at_once ? "1 cycle" : "t_param", row->at_once ? "" : "`",

@@ -10,6 +10,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "drehgeber/api.h"
 #include "endpoint.h"
 
 #define TCP_PREFIX "tcp:"
@@ -160,7 +161,7 @@ static bool is_foreign(const char *line, size_t n)
                                           "CONNECT ", "TRACE ", "PATCH ", "PRI ", "OPTIONS "};
     static const char version[] = " HTTP/";
     static const char handshake = 0x16;
-    for (size_t i = 0; i < sizeof methods / sizeof methods[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(methods); i++) {
         const size_t length = strlen(methods[i]);
         if (n >= length && strncasecmp(line, methods[i], length) == 0) {
             return true;
@@ -210,7 +211,7 @@ static size_t token_header(const char *line, size_t n)
 {
     static const char *const forms[] = {"SYSTEM:TOKEN ", "SYST:TOK ", "SYST:TOKEN ", "SYSTEM:TOK "};
     const size_t at = n > 0 && line[0] == ':' ? 1u : 0u;
-    for (size_t i = 0; i < sizeof forms / sizeof forms[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(forms); i++) {
         const size_t form = strlen(forms[i]);
         if (n - at >= form && strncasecmp(line + at, forms[i], form) == 0) {
             return at + form;

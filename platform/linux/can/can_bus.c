@@ -285,7 +285,7 @@ static void counters(const struct lx_bus *bus, const struct lx_station *station,
         {"wire_stalls", self->can->counters.stalls},      {"wire_lost", self->can->counters.lost},
         {"wire_kbaud", self->node[station->place].kbaud}, {"wire_load_permille", load},
     };
-    lx_bus_count(to, rows, sizeof rows / sizeof rows[0]);
+    lx_bus_count(to, rows, DG_COUNT(rows));
 }
 
 static void close_bus(struct lx_bus *bus)
@@ -319,7 +319,7 @@ static const struct lx_key keys[] = {
 };
 /* clang-format on */
 
-const struct lx_keys lx_can_keys = {.rows = keys, .count = sizeof keys / sizeof keys[0]};
+const struct lx_keys lx_can_keys = {.rows = keys, .count = DG_COUNT(keys)};
 const bool lx_can_pace = false;
 
 struct lx_bus *lx_can_bus_make(const struct lx_bus_setup *setup, lx_can_open *open,

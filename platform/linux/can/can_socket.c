@@ -225,7 +225,7 @@ static void take_error(struct can_socket *self, dg_ns now, const struct can_fram
         {CAN_ERR_CRTL, CAN_ERR_CRTL_RX_WARNING | CAN_ERR_CRTL_TX_WARNING | CAN_ERR_CRTL_ACTIVE,
          DG_CO_BUS_ACTIVE},
     };
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         if ((frame->can_id & rows[i].class_of) == 0 ||
             (rows[i].status != 0 && (frame->data[1] & rows[i].status) == 0)) {
             continue;

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 
 static const struct lx_clocked_protocol *const protocols[] = {&lx_clocked_biss};
-#define PROTOCOL_COUNT (sizeof protocols / sizeof protocols[0])
+#define PROTOCOL_COUNT DG_COUNT(protocols)
 
 static const struct lx_clocked_protocol *protocol_of(const struct lx_station *station)
 {

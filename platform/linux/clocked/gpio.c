@@ -30,7 +30,7 @@
 
 /* What is known of the rate is told after so many frames. */
 static const uint64_t tell_after[] = {5, 100, LX_GPIO_RATE_ENOUGH};
-#define TELL_COUNT (sizeof tell_after / sizeof tell_after[0])
+#define TELL_COUNT DG_COUNT(tell_after)
 
 static void gone(struct lx_gpio *self, int reason)
 {

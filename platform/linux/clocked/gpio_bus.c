@@ -117,7 +117,7 @@ static void counters(const struct lx_bus *bus, const struct lx_station *station,
         {"wire_hz", lx_gpio_rate_known(&self->gpio.rate) ? lx_gpio_rate_hz(&self->gpio.rate) : 0u},
     };
     (void)station;
-    lx_bus_count(to, rows, sizeof rows / sizeof rows[0]);
+    lx_bus_count(to, rows, DG_COUNT(rows));
 }
 
 static void close_bus(struct lx_bus *bus)

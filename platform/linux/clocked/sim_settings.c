@@ -12,6 +12,6 @@ static const struct lx_key keys[] = {
 };
 /* clang-format on */
 
-const struct lx_keys lx_sim_keys = {.rows = keys, .count = sizeof keys / sizeof keys[0]};
+const struct lx_keys lx_sim_keys = {.rows = keys, .count = DG_COUNT(keys)};
 
 const struct lx_clocked_timing lx_sim_timing = {.clock_hz = LX_CLOCK_HZ};

@@ -100,7 +100,7 @@ static const struct {
 /* 0 or the exception. */
 static unsigned parse(struct request *rq)
 {
-    for (size_t i = 0; i < sizeof functions / sizeof functions[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(functions); i++) {
         if (functions[i].code != rq->pdu[0]) {
             continue;
         }

@@ -235,7 +235,7 @@ static const struct {
     {10, "last error"},
 };
 /* clang-format on */
-#define ROWS (sizeof rows / sizeof rows[0])
+#define ROWS DG_COUNT(rows)
 
 static uint32_t count_of(const struct lx_map *self, const struct row *row)
 {
@@ -372,7 +372,7 @@ static void print_device(FILE *to, size_t number, const struct dg_ib_model *mode
     if (model->profile == DG_IB_K3) {
         print_row(to, OUTPUT_IMAGE + word, words, "rw", "OUT");
     }
-    const size_t count = sizeof device_rows / sizeof device_rows[0];
+    const size_t count = DG_COUNT(device_rows);
     for (size_t i = 0; i < count; i++) {
         const unsigned at = device_rows[i].at;
         const bool pair = (at >= 2 && at < 6) || at >= 8;

@@ -30,7 +30,7 @@ static const struct lx_key serial =
 
 const struct lx_keys lx_ring_keys = {
     .rows = ring_keys,
-    .count = sizeof ring_keys / sizeof ring_keys[0],
+    .count = DG_COUNT(ring_keys),
 };
 
 const struct lx_ring_settings lx_ring_defaults = {
@@ -60,7 +60,7 @@ const struct lx_stack lx_ib_stack = {
     .wire = "modbus",
     .is_ring = true,
     .keys = keys,
-    .key_count = sizeof keys / sizeof keys[0],
+    .key_count = DG_COUNT(keys),
     .serial = &serial,
     .blind = ALL & ~(SENSED(TEMPERATURE) | SENSED(SINGLETURN) | SENSED(MULTITURN_AMPLITUDE) |
                      SENSED(MULTITURN_SYNC) | SENSED(MULTITURN_VECTOR) | SENSED(EEPROM)),

@@ -19,7 +19,6 @@
 #include "modbus.h"
 #include "modbus_settings.h"
 
-#define DEFAULT_ADDRESS "127.0.0.1:5020"
 #define NOTE_MAX 80u
 #define HIGH_BYTE 0xFF00u
 #define LOW_BYTE 0x00FFu
@@ -209,7 +208,7 @@ static int open_coupler(struct ring_bus *self, struct lx_error *error)
     const struct lx_plan_wire *wire = self->bus.setup.wire;
     const struct lx_modbus_setup coupler = {
         .event = self->bus.setup.event,
-        .where = wire->where == NULL ? DEFAULT_ADDRESS : wire->where,
+        .where = wire->where,
         .ring = &self->ring,
         .cycle = DG_US(self->settings.cycle_us),
         .tear = self->settings.tear,
@@ -314,7 +313,7 @@ static void counters(const struct lx_bus *bus, const struct lx_station *station,
         {"wire_requests", self->coupler.counters.requests},
     };
     (void)station;
-    lx_bus_count(to, rows, sizeof rows / sizeof rows[0]);
+    lx_bus_count(to, rows, DG_COUNT(rows));
 }
 
 static void close_bus(struct lx_bus *bus)
@@ -343,8 +342,11 @@ static int understand_ring(struct ring_bus *self, struct lx_error *error)
 {
     const struct lx_bus_setup *setup = &self->bus.setup;
     const char *where = setup->wire->where;
-    if (where != NULL && !lx_modbus_address_fits(where)) {
-        return lx_refuse(error, "HOST:PORT is right, e.g. " DEFAULT_ADDRESS, "%s", "");
+    if (!lx_modbus_address_fits(where)) {
+        const struct lx_wire *kind = setup->wire->kind;
+        struct lx_words right = {""};
+        lx_words_add(&right, "%s is right, e.g. %s", kind->where, kind->usual);
+        return lx_refuse(error, right.text, "%s", "");
     }
     self->settings = lx_ring_defaults;
     return lx_wire_settings(&lx_ring_keys, setup->plan, setup->wire, &self->settings, error);

@@ -48,7 +48,7 @@ static const char *const examples[] = {
     [TIME]  = "a time such as 2S or 500MS",
 };
 /* clang-format on */
-#define UNIT_COUNT (sizeof units / sizeof units[0])
+#define UNIT_COUNT DG_COUNT(units)
 
 /* A number with its unit: 2^-32 turns, 0.001 rpm or nanoseconds. */
 struct quantity {

@@ -236,7 +236,7 @@ static int take_number(struct lx_plan *plan, const struct lx_plan_section *self,
     static const char *const keys[] = {"node", "address"};
     const struct lx_stack *stack = lx_stack_of(encoder->model);
     const struct lx_plan_setting *row = NULL;
-    for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(keys); i++) {
         const struct lx_plan_setting *word = lx_plan_word(self, keys[i]);
         if (word != NULL &&
             (stack->address.key == NULL || strcmp(stack->address.key, word->key) != 0)) {

@@ -230,7 +230,7 @@ static const struct lx_plan_section_kind kinds[] = {
     {"encoder",  true,  true,  NULL,      encoder_keys, lx_plan_take_encoder},
 };
 /* clang-format on */
-#define KIND_COUNT (sizeof kinds / sizeof kinds[0])
+#define KIND_COUNT DG_COUNT(kinds)
 
 const struct lx_plan_section_kind *lx_plan_section_find(const char *name)
 {

@@ -345,7 +345,7 @@ static void keep_alive(int socket)
         {IPPROTO_TCP, TCP_KEEPINTVL, KEEP_INTERVAL_S},
         {IPPROTO_TCP, TCP_KEEPCNT, KEEP_QUESTIONS},
     };
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         (void)setsockopt(socket, rows[i][0], rows[i][1], &rows[i][2], sizeof rows[i][2]);
     }
 }

@@ -14,7 +14,7 @@ const struct lx_stack *const lx_stacks[] = {
     &lx_can_stack,
     &lx_ib_stack,
 };
-const size_t lx_stack_count = sizeof lx_stacks / sizeof lx_stacks[0];
+const size_t lx_stack_count = DG_COUNT(lx_stacks);
 
 /* clang-format off */
 const struct lx_wire lx_wires[] = {
@@ -29,4 +29,4 @@ const struct lx_wire lx_wires[] = {
 };
 /* clang-format on */
 
-const size_t lx_wire_count = sizeof lx_wires / sizeof lx_wires[0];
+const size_t lx_wire_count = DG_COUNT(lx_wires);

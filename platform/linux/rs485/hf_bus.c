@@ -192,7 +192,7 @@ static void counters(const struct lx_bus *bus, const struct lx_station *station,
         {"wire_collided", self->collided},     {"wire_lost", self->port->counters.lost},
         {"wire_baud", drop->uart.baud},        {"wire_overrun", self->overrun},
     };
-    lx_bus_count(to, rows, sizeof rows / sizeof rows[0]);
+    lx_bus_count(to, rows, DG_COUNT(rows));
 }
 
 static void close_bus(struct lx_bus *bus)

@@ -86,7 +86,7 @@ const struct lx_stack lx_hf_stack = {
     .address = {"address", "an RS485 address", DG_HF_ADDRESS_DEFAULT, DG_HF_ADDRESS_LAST,
                 DG_HF_ADDRESS_DEFAULT, true},
     .keys = keys,
-    .key_count = sizeof keys / sizeof keys[0],
+    .key_count = DG_COUNT(keys),
     .serial = &serial,
     .settings_size = sizeof(struct lx_hf_settings),
     .defaults = defaults,

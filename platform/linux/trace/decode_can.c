@@ -83,7 +83,7 @@ static void add_nmt(const struct service_frame *self, struct lx_text *text)
 {
     const uint8_t *data = self->frame->data;
     lx_text_add(text, " ");
-    add_name(text, nmt_commands, sizeof nmt_commands / sizeof nmt_commands[0], data[0]);
+    add_name(text, nmt_commands, DG_COUNT(nmt_commands), data[0]);
     if (data[1] == 0) {
         lx_text_add(text, " all nodes");
     } else {
@@ -121,8 +121,7 @@ static void add_heartbeat(const struct service_frame *self, struct lx_text *text
 {
     const uint8_t state = self->frame->data[0];
     lx_text_add(text, " ");
-    add_name(text, nmt_states, sizeof nmt_states / sizeof nmt_states[0],
-             (uint8_t)(state & ~TOGGLE));
+    add_name(text, nmt_states, DG_COUNT(nmt_states), (uint8_t)(state & ~TOGGLE));
     lx_text_add(text, "%s", (state & TOGGLE) != 0 ? ", toggle" : "");
 }
 
@@ -138,7 +137,7 @@ static void add_sdo_request(const struct service_frame *self, struct lx_text *te
 
 static void add_lss(const struct dg_can_frame *frame, bool reply, struct lx_text *text)
 {
-    for (size_t i = 0; i < sizeof lss_commands / sizeof lss_commands[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(lss_commands); i++) {
         const struct lss *row = &lss_commands[i];
         if (row->code != frame->data[0]) {
             continue;
@@ -196,7 +195,7 @@ static const struct service {
 
 static const struct service *find(uint16_t id)
 {
-    for (size_t i = 0; i < sizeof services / sizeof services[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(services); i++) {
         const struct service *row = &services[i];
         if (row->nodes == 0 ? id == row->base : id > row->base && id <= row->base + row->nodes) {
             return row;

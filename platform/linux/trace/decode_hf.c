@@ -73,8 +73,8 @@ static const struct {
     {0x23, "multiturn vector length"},
 };
 /* clang-format on */
-#define COMMAND_COUNT (sizeof commands / sizeof commands[0])
-#define ERROR_COUNT (sizeof errors / sizeof errors[0])
+#define COMMAND_COUNT DG_COUNT(commands)
+#define ERROR_COUNT DG_COUNT(errors)
 
 /* What is left of the data. */
 struct data {

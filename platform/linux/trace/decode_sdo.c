@@ -107,7 +107,7 @@ static const struct {
 
 static const char *abort_text(uint32_t code)
 {
-    for (size_t i = 0; i < sizeof aborts / sizeof aborts[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(aborts); i++) {
         if (aborts[i].code == code) {
             return aborts[i].text;
         }
@@ -205,7 +205,7 @@ void lx_decode_sdo(struct lx_decoder *self, const struct dg_can_frame *frame, ui
         lx_text_bytes(text, ":", frame->data + 1, sizeof frame->data - 1);
         return;
     }
-    for (size_t i = 0; i < sizeof services / sizeof services[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(services); i++) {
         const struct service *row = &services[i];
         if (row->reply == reply && (first & row->mask) == row->value) {
             lx_text_add(text, "%s", row->name);

@@ -26,7 +26,7 @@ static const struct {
     {230400, B230400},
 };
 /* clang-format on */
-#define SPEED_COUNT (sizeof speeds / sizeof speeds[0])
+#define SPEED_COUNT DG_COUNT(speeds)
 
 uint32_t lx_baud_of_speed(unsigned long speed)
 {
