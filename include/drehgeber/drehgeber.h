@@ -31,6 +31,7 @@
 #include "drehgeber/ssi.h"
 #include "drehgeber/stack.h"
 #include "drehgeber/store.h"
+#include "drehgeber/text.h"
 #include "drehgeber/time.h"
 #include "drehgeber/world.h"
 

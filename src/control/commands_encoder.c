@@ -28,9 +28,9 @@ void control_select(struct dg_scpi *self)
             return;
         }
     }
-    struct control_text to = control_text_in(detail, sizeof detail);
-    control_append(&to, name);
-    control_append(&to, ": no such encoder; INST:CAT? has their names");
+    struct dg_text to = dg_text_in(detail, sizeof detail);
+    dg_text_add(&to, name);
+    dg_text_add(&to, ": no such encoder; INST:CAT? has their names");
     dg_scpi_raise(self, DG_SCPI_ILLEGAL, detail);
 }
 

@@ -51,9 +51,9 @@ static int take_fault(struct dg_scpi *self)
     if (index >= 0) {
         return index;
     }
-    struct control_text to = control_text_in(detail, sizeof detail);
-    control_append(&to, name);
-    control_append(&to, ": no such fault; FAUL:CAT? has their names");
+    struct dg_text to = dg_text_in(detail, sizeof detail);
+    dg_text_add(&to, name);
+    dg_text_add(&to, ": no such fault; FAUL:CAT? has their names");
     dg_scpi_raise(self, DG_SCPI_ILLEGAL, detail);
     return -1;
 }
@@ -194,9 +194,9 @@ static bool take_region(struct dg_scpi *self, const struct dg_store_layout *layo
             return true;
         }
     }
-    struct control_text to = control_text_in(detail, sizeof detail);
-    control_append(&to, name);
-    control_append(&to, ": no such region; NVM:CAT? has their names");
+    struct dg_text to = dg_text_in(detail, sizeof detail);
+    dg_text_add(&to, name);
+    dg_text_add(&to, ": no such region; NVM:CAT? has their names");
     dg_scpi_raise(self, DG_SCPI_ILLEGAL, detail);
     return false;
 }

@@ -7,6 +7,7 @@
 #define DREHGEBER_CONTROL_PRIVATE_H
 
 #include "drehgeber/control.h"
+#include "drehgeber/text.h"
 
 /** Longest name that is asked for, with its zero; those of faults and regions are shorter. */
 #define CONTROL_NAME_MAX 64u
@@ -21,16 +22,7 @@ typedef void control_handler(struct dg_scpi *self);
 
 /* text.c */
 
-/** A text that grows in a buffer; what does not fit is cut off. */
-struct control_text {
-    char *to; /**< always terminated */
-    size_t size;
-    size_t length;
-};
-/** An empty one. */
-struct control_text control_text_in(char *to, size_t size);
-void control_append(struct control_text *self, const char *text);
-/** Whether two names are the same; case does not count, and '-' is '_'. */
+/** Whether two names of faults or regions are the same; case does not count, and '-' is '_'. */
 bool control_same(const char *a, const char *b);
 
 /* session.c */

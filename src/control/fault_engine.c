@@ -78,9 +78,9 @@ static bool region_entry(const struct dg_fault_target *target, size_t n, struct 
         .chapter = damage->chapter,
         .code = row->startup_code,
     };
-    struct control_text name = control_text_in(out->name, sizeof out->name);
-    control_append(&name, "eeprom_");
-    control_append(&name, row->name);
+    struct dg_text name = dg_text_in(out->name, sizeof out->name);
+    dg_text_add(&name, "eeprom_");
+    dg_text_add(&name, row->name);
     for (char *c = out->name; *c != '\0'; c++) {
         if (*c == '-') {
             *c = '_';
@@ -104,8 +104,8 @@ bool dg_fault_entry(const struct dg_fault_target *target, size_t index, struct d
         .effect = row->effect,
         .chapter = row->chapter,
     };
-    struct control_text name = control_text_in(out->name, sizeof out->name);
-    control_append(&name, row->name);
+    struct dg_text name = dg_text_in(out->name, sizeof out->name);
+    dg_text_add(&name, row->name);
     return true;
 }
 

@@ -26,11 +26,11 @@ void control_changed(struct dg_scpi *self)
 void dg_control_refuse(struct dg_scpi *self, int code, const char *text)
 {
     char detail[CONTROL_DETAIL_SIZE];
-    struct control_text to = control_text_in(detail, sizeof detail);
+    struct dg_text to = dg_text_in(detail, sizeof detail);
 
-    control_append(&to, dg_control_selected(self)->name);
-    control_append(&to, ": ");
-    control_append(&to, text);
+    dg_text_add(&to, dg_control_selected(self)->name);
+    dg_text_add(&to, ": ");
+    dg_text_add(&to, text);
     dg_scpi_raise(self, code, detail);
 }
 
@@ -88,11 +88,11 @@ void dg_control_init(struct dg_control *self, struct dg_rig *rig,
         .ctx = self,
         .idn = self->idn,
     };
-    struct control_text idn = control_text_in(self->idn, sizeof self->idn);
+    struct dg_text idn = dg_text_in(self->idn, sizeof self->idn);
 
-    control_append(&idn, "drehgeber,");
-    control_append(&idn, model_of(rig));
-    control_append(&idn, ",0," DG_VERSION);
+    dg_text_add(&idn, "drehgeber,");
+    dg_text_add(&idn, model_of(rig));
+    dg_text_add(&idn, ",0," DG_VERSION);
     self->rig = rig;
     self->write = write;
     self->ctx = ctx;

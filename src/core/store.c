@@ -34,6 +34,7 @@
 
 #include "drehgeber/bits.h"
 #include "drehgeber/crc.h"
+#include "drehgeber/text.h"
 
 #define HEADER_SIZE 12u
 #define HEADERS_SIZE (2u * HEADER_SIZE)
@@ -404,12 +405,7 @@ uint32_t dg_store_address(const struct dg_store_layout *layout, uint8_t region)
 int dg_store_find(const struct dg_store_layout *layout, const char *name)
 {
     for (uint8_t region = 0; region < layout->region_count; region++) {
-        const char *known = layout->regions[region].name;
-        size_t i = 0;
-        while (known[i] == name[i] && name[i] != '\0') {
-            i++;
-        }
-        if (known[i] == name[i]) {
+        if (dg_text_same(layout->regions[region].name, name, SIZE_MAX, NULL)) {
             return region;
         }
     }

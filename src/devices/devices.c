@@ -4,6 +4,10 @@
  */
 #include "drehgeber/devices.h"
 
+#include <stdint.h>
+
+#include "drehgeber/text.h"
+
 const struct dg_device *const dg_devices[] = {
     &dg_s3674_rs485, &dg_s3684_rs485, /* RS485 + SinCos */
     &dg_s3674_biss,  &dg_s3684_biss,  /* BiSS */
@@ -13,20 +17,10 @@ const struct dg_device *const dg_devices[] = {
 
 const size_t dg_device_count = DG_COUNT(dg_devices);
 
-/* The library has no strcmp to rely on. */
-static bool same(const char *a, const char *b)
-{
-    while (*a != '\0' && *a == *b) {
-        a++;
-        b++;
-    }
-    return *a == *b;
-}
-
 const struct dg_device *dg_device_find(const char *name)
 {
     for (size_t i = 0; i < dg_device_count; i++) {
-        if (same(dg_devices[i]->name, name)) {
+        if (dg_text_same(dg_devices[i]->name, name, SIZE_MAX, NULL)) {
             return dg_devices[i];
         }
     }

@@ -36,24 +36,6 @@ static bool is_small(char c)
     return c >= 'a' && c <= 'z';
 }
 
-char scpi_upper(char c)
-{
-    if (is_small(c)) {
-        return (char)(c - 'a' + 'A');
-    }
-    return c;
-}
-
-bool scpi_same(const char *a, const char *b, size_t n)
-{
-    for (size_t i = 0; i < n; i++) {
-        if (scpi_upper(a[i]) != scpi_upper(b[i])) {
-            return false;
-        }
-    }
-    return true;
-}
-
 bool scpi_is_form(const char *name, size_t name_length, const char *text, size_t n)
 {
     size_t brief = 0;
@@ -61,7 +43,7 @@ bool scpi_is_form(const char *name, size_t name_length, const char *text, size_t
     while (brief < name_length && !is_small(name[brief])) {
         brief++;
     }
-    return (n == brief || n == name_length) && scpi_same(name, text, n);
+    return (n == brief || n == name_length) && dg_text_same(name, text, n, dg_text_upper);
 }
 
 static bool is_between(char c)

@@ -28,7 +28,7 @@ static bool is_near(const char *keyword, const char *text, size_t n)
     const size_t length = keyword_length(keyword);
 
     return scpi_is_form(keyword, length, text, n) ||
-           (n >= AGREED && length >= AGREED && scpi_same(keyword, text, AGREED));
+           (n >= AGREED && length >= AGREED && dg_text_same(keyword, text, AGREED, dg_text_upper));
 }
 
 static bool has_keyword(const char *pattern, const char *text, size_t n)
@@ -76,18 +76,13 @@ static const struct dg_scpi_command *nearest(const struct dg_scpi *self, const c
     return found;
 }
 
-static void add_text(struct scpi_detail *detail, const char *text)
-{
-    scpi_detail_add(detail, text, scpi_length(text));
-}
-
-static void add_usage(struct scpi_detail *detail, const struct dg_scpi_command *row, bool query)
+static void add_usage(struct dg_text *detail, const struct dg_scpi_command *row, bool query)
 {
     const char *pieces[SCPI_USAGE];
 
     scpi_usage(row, query, pieces);
     for (size_t i = 0; i < SCPI_USAGE; i++) {
-        add_text(detail, pieces[i]);
+        dg_text_add(detail, pieces[i]);
     }
 }
 
@@ -96,27 +91,29 @@ void scpi_refuse_header(struct dg_scpi *self, const char *header, size_t n, bool
     const size_t bare = n - (query ? 1u : 0u);
     const struct dg_scpi_command *other = scpi_find(self, header, bare, !query);
     const struct dg_scpi_command *near = other == NULL ? nearest(self, header, bare) : other;
-    struct scpi_detail detail = {.length = 0};
+    char room[SCPI_DETAIL_SIZE];
+    struct dg_text detail = dg_text_in(room, sizeof room);
 
-    scpi_detail_add(&detail, header, n);
+    dg_text_add_n(&detail, header, n);
     if (near == NULL) {
-        add_text(&detail, n == 0 ? "SYSTem:HELP? has all" : "; SYSTem:HELP? has all");
+        dg_text_add(&detail, n == 0 ? "SYSTem:HELP? has all" : "; SYSTem:HELP? has all");
     } else {
-        add_text(&detail, other != NULL ? "; right is " : "; near is ");
+        dg_text_add(&detail, other != NULL ? "; right is " : "; near is ");
         add_usage(&detail, near, near->set == NULL || (query && near->query != NULL && !other));
     }
-    dg_scpi_raise(self, DG_SCPI_UNDEFINED, detail.text);
+    dg_scpi_raise(self, DG_SCPI_UNDEFINED, detail.to);
 }
 
 void scpi_refuse_word(struct dg_scpi *self, int code, const char *const *words, size_t count)
 {
-    struct scpi_detail detail = {.length = 0};
+    char room[SCPI_DETAIL_SIZE];
+    struct dg_text detail = dg_text_in(room, sizeof room);
 
-    scpi_detail_add(&detail, &self->line[self->at], scpi_token(self));
+    dg_text_add_n(&detail, &self->line[self->at], scpi_token(self));
     for (size_t i = 0; i < count; i++) {
-        add_text(&detail, i == 0 ? "; " : i + 1u == count ? " or " : ", ");
-        add_text(&detail, words[i]);
+        dg_text_add(&detail, i == 0 ? "; " : i + 1u == count ? " or " : ", ");
+        dg_text_add(&detail, words[i]);
     }
-    add_text(&detail, " is right");
-    dg_scpi_raise(self, code, detail.text);
+    dg_text_add(&detail, " is right");
+    dg_scpi_raise(self, code, detail.to);
 }

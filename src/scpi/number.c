@@ -108,7 +108,7 @@ static void read_exponent(struct dg_scpi *self, struct decimal *out)
     int32_t exponent = 0;
 
     scpi_skip_blanks(self);
-    const bool marked = scpi_upper(self->line[self->at]) == 'E';
+    const bool marked = dg_text_upper(self->line[self->at]) == 'E';
     self->at = (uint16_t)(self->at + (marked ? 1u : 0u));
     scpi_skip_blanks(self);
     const bool negative = self->line[self->at] == '-';
@@ -192,7 +192,7 @@ static struct value evaluate(const struct decimal *number, const struct suffix *
 
 static int digit_in(char c, unsigned base)
 {
-    const char upper = scpi_upper(c);
+    const char upper = dg_text_upper(c);
     int digit = scpi_is_digit(c) ? c - '0' : -1;
 
     if (upper >= 'A' && upper <= 'F') {
@@ -210,7 +210,7 @@ static unsigned base_of(const char *text)
     } rows[] = {{"#H", 16}, {"#Q", 8}, {"#B", 2}, {"0X", 16}};
 
     for (size_t i = 0; i < DG_COUNT(rows); i++) {
-        if (scpi_same(rows[i].prefix, text, sizeof rows[i].prefix - 1u)) {
+        if (dg_text_same(rows[i].prefix, text, sizeof rows[i].prefix - 1u, dg_text_upper)) {
             return rows[i].base;
         }
     }
@@ -256,7 +256,7 @@ static const struct suffix *find_suffix(enum dg_scpi_unit unit, const char *name
     }
     for (size_t i = 0; i < SUFFIX_COUNT; i++) {
         if (suffixes[i].unit == (uint8_t)unit && scpi_length(suffixes[i].name) == n &&
-            scpi_same(suffixes[i].name, name, n)) {
+            dg_text_same(suffixes[i].name, name, n, dg_text_upper)) {
             return &suffixes[i];
         }
     }
@@ -315,7 +315,7 @@ static bool read_decimal(struct dg_scpi *self, const struct dg_scpi_range *range
 }
 
 /* A limit in the unit that goes without saying, without zeros at its end. */
-static void add_limit(struct scpi_detail *detail, const struct dg_scpi_range *range, int64_t limit)
+static void add_limit(struct dg_text *detail, const struct dg_scpi_range *range, int64_t limit)
 {
     const bool plain = range->unit == DG_SCPI_PLAIN;
     unsigned places = plain ? range->places : unit_places[range->unit];
@@ -329,22 +329,23 @@ static void add_limit(struct scpi_detail *detail, const struct dg_scpi_range *ra
         magnitude /= DECIMAL;
         places--;
     }
-    scpi_detail_add(detail, text, scpi_format(text, magnitude, limit < 0, places));
+    dg_text_add_n(detail, text, scpi_format(text, magnitude, limit < 0, places));
 }
 
 static void raise_range(struct dg_scpi *self, const struct dg_scpi_range *range)
 {
     const char *const name = usual_suffix(range->unit)->name;
-    struct scpi_detail detail = {.length = 0};
+    char room[SCPI_DETAIL_SIZE];
+    struct dg_text detail = dg_text_in(room, sizeof room);
 
     add_limit(&detail, range, range->min);
-    scpi_detail_add(&detail, "..", 2);
+    dg_text_add(&detail, "..");
     add_limit(&detail, range, range->max);
     if (name[0] != '\0') {
-        scpi_detail_add(&detail, " ", 1);
-        scpi_detail_add(&detail, name, scpi_length(name));
+        dg_text_add(&detail, " ");
+        dg_text_add(&detail, name);
     }
-    dg_scpi_raise(self, DG_SCPI_RANGE, detail.text);
+    dg_scpi_raise(self, DG_SCPI_RANGE, detail.to);
 }
 
 /* @return false: out of the range */

@@ -67,10 +67,11 @@ bool scpi_next(struct dg_scpi *self)
 
 void scpi_refuse(struct dg_scpi *self, int code)
 {
-    struct scpi_detail detail = {.length = 0};
+    char room[SCPI_DETAIL_SIZE];
+    struct dg_text detail = dg_text_in(room, sizeof room);
 
-    scpi_detail_add(&detail, &self->line[self->at], scpi_token(self));
-    dg_scpi_raise(self, code, detail.text);
+    dg_text_add_n(&detail, &self->line[self->at], scpi_token(self));
+    dg_scpi_raise(self, code, detail.to);
 }
 
 bool scpi_close(struct dg_scpi *self, int code)
@@ -187,13 +188,14 @@ static void raise_too_long(struct dg_scpi *self, size_t most)
 {
     static const char before[] = "at most ";
     static const char after[] = " characters";
-    struct scpi_detail detail = {.length = 0};
+    char room[SCPI_DETAIL_SIZE];
+    struct dg_text detail = dg_text_in(room, sizeof room);
     char digits[SCPI_DIGITS_MAX];
 
-    scpi_detail_add(&detail, before, sizeof before - 1u);
-    scpi_detail_add(&detail, digits, scpi_format(digits, most, false, 0));
-    scpi_detail_add(&detail, after, sizeof after - 1u);
-    dg_scpi_raise(self, DG_SCPI_RANGE, detail.text);
+    dg_text_add(&detail, before);
+    dg_text_add_n(&detail, digits, scpi_format(digits, most, false, 0));
+    dg_text_add(&detail, after);
+    dg_scpi_raise(self, DG_SCPI_RANGE, detail.to);
 }
 
 bool dg_scpi_text(struct dg_scpi *self, char *to, size_t size)

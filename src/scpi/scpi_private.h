@@ -7,6 +7,7 @@
 #define DREHGEBER_SCPI_PRIVATE_H
 
 #include "drehgeber/scpi.h"
+#include "drehgeber/text.h"
 
 /** common.c: the engine's own commands, looked up before the host's. */
 extern const struct dg_scpi_commands scpi_own;
@@ -14,9 +15,6 @@ extern const struct dg_scpi_commands scpi_own;
 /** header.c: characters and headers. */
 size_t scpi_length(const char *text);
 bool scpi_is_digit(char c);
-char scpi_upper(char c);
-/** Whether two times `n` characters are the same but for their case. */
-bool scpi_same(const char *a, const char *b, size_t n);
 /** Whether the `n` characters at `text` are the long or the short form of the `name_length`
  * characters at `name`. */
 bool scpi_is_form(const char *name, size_t name_length, const char *text, size_t n);
@@ -48,11 +46,8 @@ void scpi_refuse(struct dg_scpi *self, int code);
 /** How many parameters there are at `text`, up to the end of a command. */
 unsigned scpi_count(const char *text);
 
-/** A short text that is being put together; what does not fit is cut. */
-struct scpi_detail {
-    size_t length;
-    char text[DG_SCPI_DETAIL_MAX + 1u];
-};
+/** Room for the detail of an error. */
+#define SCPI_DETAIL_SIZE (DG_SCPI_DETAIL_MAX + 1u)
 
 /** Digits of a number at most: 20, sign, decimal point. */
 #define SCPI_DIGITS_MAX 22u
@@ -61,7 +56,6 @@ struct scpi_detail {
 #define SCPI_USAGE 4u
 
 /** status.c: errors. */
-void scpi_detail_add(struct scpi_detail *self, const char *text, size_t n);
 /** The pieces of a command's or query's line in the help. */
 void scpi_usage(const struct dg_scpi_command *command, bool query, const char *pieces[SCPI_USAGE]);
 /** Raise `code` with the command at hand as the help has it. */

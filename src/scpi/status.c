@@ -42,16 +42,6 @@ static const struct {
 };
 #define TEXT_COUNT DG_COUNT(texts)
 
-void scpi_detail_add(struct scpi_detail *self, const char *text, size_t n)
-{
-    const size_t room = DG_SCPI_DETAIL_MAX - self->length;
-    const size_t fits = n < room ? n : room;
-
-    memcpy(&self->text[self->length], text, fits);
-    self->length += fits;
-    self->text[self->length] = '\0';
-}
-
 static const char *find_text(int code)
 {
     for (size_t i = 0; i < TEXT_COUNT; i++) {
@@ -131,14 +121,15 @@ void scpi_usage(const struct dg_scpi_command *command, bool query, const char *p
 
 void scpi_raise_usage(struct dg_scpi *self, int code)
 {
-    struct scpi_detail detail = {.length = 0};
+    char room[SCPI_DETAIL_SIZE];
+    struct dg_text detail = dg_text_in(room, sizeof room);
     const char *pieces[SCPI_USAGE];
 
     scpi_usage(self->command, self->query, pieces);
     for (size_t i = 0; i < SCPI_USAGE; i++) {
-        scpi_detail_add(&detail, pieces[i], scpi_length(pieces[i]));
+        dg_text_add(&detail, pieces[i]);
     }
-    dg_scpi_raise(self, code, detail.text);
+    dg_scpi_raise(self, code, detail.to);
 }
 
 uint8_t scpi_status_byte(const struct dg_scpi *self)

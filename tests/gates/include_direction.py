@@ -65,6 +65,7 @@ OWNER = {
     "hal.h":       "core",
     "stack.h":     "core",
     "store.h":     "core",
+    "text.h":      "core",
     "time.h":      "core",
     "world.h":     "core",
     "quantity.h":  "core",

@@ -255,7 +255,7 @@ static void only_letters_have_two_forms(void **state)
     (void)state;
     for (int c = 0; c < 128; c++) {
         const bool small = strchr("abcdefghijklmnopqrstuvwxyz", c) != NULL && c != 0;
-        assert_int_equal(scpi_upper((char)c), small ? c - 32 : c);
+        assert_int_equal(dg_text_upper((char)c), small ? c - 32 : c);
     }
 }
 

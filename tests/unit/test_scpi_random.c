@@ -98,7 +98,7 @@ static size_t random_form(const char *header, char *to)
         } else if (*at == ']') {
             skipped = false;
         } else if (!skipped && !(brief && *at >= 'a' && *at <= 'z')) {
-            to[n++] = below(2) != 0 ? (char)(*at | ' ') : scpi_upper(*at);
+            to[n++] = below(2) != 0 ? (char)(*at | ' ') : dg_text_upper(*at);
         }
         brief = *at == ':' ? below(2) != 0 : brief;
     }

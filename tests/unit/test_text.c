@@ -1,0 +1,80 @@
+/* SPDX-License-Identifier: MIT */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "drehgeber/text.h"
+
+static void a_text_grows_up_to_its_end(void **state)
+{
+    char room[8] = "xxxxxxx";
+    struct dg_text text = dg_text_in(room, sizeof room);
+
+    (void)state;
+    assert_string_equal(room, "");
+    dg_text_add(&text, "abc");
+    dg_text_add(&text, "");
+    dg_text_add_n(&text, "defg", 2);
+    assert_string_equal(room, "abcde");
+    assert_int_equal(text.length, 5);
+    dg_text_add_n(&text, "f", 9);
+    assert_string_equal(room, "abcdef");
+    dg_text_add(&text, "gh");
+    assert_string_equal(room, "abcdefg");
+    dg_text_add(&text, "h");
+    assert_int_equal(text.length, 7);
+    assert_string_equal(room, "abcdefg");
+}
+
+static void a_text_without_room_stays_empty(void **state)
+{
+    char room[2] = "xx";
+    struct dg_text text = dg_text_in(room, 1);
+
+    (void)state;
+    dg_text_add(&text, "a");
+    assert_int_equal(text.length, 0);
+    assert_true(room[0] == '\0' && room[1] == 'x');
+}
+
+static char dashed(char c)
+{
+    return c == '_' ? '-' : c;
+}
+
+static void texts_are_the_same_to_their_ends(void **state)
+{
+    (void)state;
+    assert_true(dg_text_same("", "", SIZE_MAX, NULL));
+    assert_true(dg_text_same("ab", "ab", SIZE_MAX, NULL));
+    assert_false(dg_text_same("ab", "abc", SIZE_MAX, NULL));
+    assert_false(dg_text_same("abc", "ab", SIZE_MAX, NULL));
+    assert_false(dg_text_same("ab", "aB", SIZE_MAX, NULL));
+    assert_true(dg_text_same("ab", "abc", 2, NULL));
+    assert_false(dg_text_same("ab", "abc", 3, NULL));
+    assert_true(dg_text_same("x", "y", 0, NULL));
+}
+
+static void characters_may_count_as_others(void **state)
+{
+    (void)state;
+    assert_true(dg_text_same("aZ-1", "Az-1", SIZE_MAX, dg_text_upper));
+    assert_false(dg_text_same("a[", "a{", SIZE_MAX, dg_text_upper));
+    assert_false(dg_text_same("@", "`", SIZE_MAX, dg_text_upper));
+    assert_true(dg_text_same("a_b", "a-b", SIZE_MAX, dashed));
+    assert_false(dg_text_same("a_b", "A-b", SIZE_MAX, dashed));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_text_grows_up_to_its_end),
+        cmocka_unit_test(a_text_without_room_stays_empty),
+        cmocka_unit_test(texts_are_the_same_to_their_ends),
+        cmocka_unit_test(characters_may_count_as_others),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
