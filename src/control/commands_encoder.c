@@ -13,6 +13,23 @@ void control_encoders(struct dg_scpi *self)
     }
 }
 
+/* `a_b` without quotes is "a-b", unless there is an encoder of that name. */
+static size_t find_encoder(const struct dg_rig *rig, const char *name)
+{
+    size_t found = rig->encoder_count;
+
+    for (size_t i = 0; i < rig->encoder_count; i++) {
+        const char *other = rig->encoders[i]->name;
+        if (dg_text_same(other, name, SIZE_MAX, dg_text_upper)) {
+            return i;
+        }
+        if (found == rig->encoder_count && control_same(other, name)) {
+            found = i;
+        }
+    }
+    return found;
+}
+
 void control_select(struct dg_scpi *self)
 {
     const struct dg_rig *rig = control_rig_of(self);
@@ -22,11 +39,10 @@ void control_select(struct dg_scpi *self)
     if (!control_name(self, name)) {
         return;
     }
-    for (size_t i = 0; i < rig->encoder_count; i++) {
-        if (control_same(rig->encoders[i]->name, name)) {
-            self->selected = (uint32_t)i;
-            return;
-        }
+    const size_t found = find_encoder(rig, name);
+    if (found < rig->encoder_count) {
+        self->selected = (uint32_t)found;
+        return;
     }
     struct dg_text to = dg_text_in(detail, sizeof detail);
     dg_text_add(&to, name);

@@ -22,7 +22,7 @@ typedef void control_handler(struct dg_scpi *self);
 
 /* text.c */
 
-/** Whether two names of faults or regions are the same; case does not count, and '-' is '_'. */
+/** Whether two names are the same; case does not count, and '-' is '_'. */
 bool control_same(const char *a, const char *b);
 
 /* session.c */

@@ -112,6 +112,16 @@ static void test_encoders(void **state)
     expect("INST:SEL?", "\"biss-1\"");
 }
 
+/* A rig file takes a-1 and a_1 for two names. */
+static void test_names_alike(void **state)
+{
+    (void)state;
+    expect("INST:SEL Biss_1;SEL?", "\"biss-1\"");
+    rig.encoders[3]->name = "biss_1";
+    expect("INST:SEL BISS_1;SEL?", "\"biss_1\"");
+    expect("INST:SEL \"biss-1\";SEL?", "\"biss-1\"");
+}
+
 /* Each client has its own selection. */
 static void test_two_clients(void **state)
 {
@@ -603,6 +613,7 @@ int main(void)
         cmocka_unit_test_setup(test_commands_of_instruments, setup),
         cmocka_unit_test_setup(test_identity, setup),
         cmocka_unit_test_setup(test_encoders, setup),
+        cmocka_unit_test_setup(test_names_alike, setup),
         cmocka_unit_test_setup(test_two_clients, setup),
         cmocka_unit_test_setup(test_shaft_names, setup),
         cmocka_unit_test_setup(test_position, setup),
