@@ -31,6 +31,7 @@
 
 #include "drehgeber/api.h"
 #include "drehgeber/hal.h"
+#include "drehgeber/key.h"
 #include "drehgeber/stack.h"
 #include "drehgeber/store.h"
 #include "drehgeber/time.h"
@@ -388,6 +389,9 @@ struct dg_biss_port_ops {
 /** The protocol: models are struct dg_biss_model, devices struct dg_biss; setup.port is not looked
  * at. */
 DG_API extern const struct dg_stack dg_biss_stack;
+
+/** What can be set of a struct dg_biss_model, for hosts. */
+DG_API extern const struct dg_keys dg_biss_keys;
 
 /** The figures of a model of this stack; NULL when it is of another one. */
 DG_API const struct dg_biss_model *dg_biss_model_of(const struct dg_device *device);

@@ -24,6 +24,7 @@
 
 #include "drehgeber/api.h"
 #include "drehgeber/hal.h"
+#include "drehgeber/key.h"
 #include "drehgeber/stack.h"
 #include "drehgeber/store.h"
 #include "drehgeber/time.h"
@@ -312,6 +313,9 @@ DG_API void dg_hf_sincos(const struct dg_hf *self, dg_ns now, struct dg_hf_sinco
 /** The protocol: models are struct dg_hf_model, devices struct dg_hf; setup.port is a struct
  * dg_hf_ops. */
 DG_API extern const struct dg_stack dg_hf_stack;
+
+/** What can be set of a struct dg_hf_model, for hosts. */
+DG_API extern const struct dg_keys dg_hf_keys;
 
 /** The figures of a model of this stack; NULL when it is of another one. */
 DG_API const struct dg_hf_model *dg_hf_model_of(const struct dg_device *device);

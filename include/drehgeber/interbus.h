@@ -25,6 +25,7 @@
 
 #include "drehgeber/api.h"
 #include "drehgeber/hal.h"
+#include "drehgeber/key.h"
 #include "drehgeber/stack.h"
 #include "drehgeber/store.h"
 #include "drehgeber/time.h"
@@ -383,6 +384,9 @@ DG_API dg_ns dg_ib_ring_cycle_time(const struct dg_ib_ring *self, uint32_t baud,
 /** The protocol: models are struct dg_ib_model, devices struct dg_ib; setup.port is not looked at.
  */
 DG_API extern const struct dg_stack dg_ib_stack;
+
+/** What can be set of a struct dg_ib_model, for hosts. */
+DG_API extern const struct dg_keys dg_ib_keys;
 
 /** The figures of a model of this stack; NULL when it is of another one. */
 DG_API const struct dg_ib_model *dg_ib_model_of(const struct dg_device *device);

@@ -31,6 +31,7 @@
 
 #include "drehgeber/api.h"
 #include "drehgeber/hal.h"
+#include "drehgeber/key.h"
 #include "drehgeber/stack.h"
 #include "drehgeber/time.h"
 #include "drehgeber/world.h"
@@ -223,6 +224,9 @@ DG_API uint32_t dg_ssi_binary(uint32_t gray);
 /** The protocol: models are struct dg_ssi_model, devices struct dg_ssi; they have no EEPROM, and
  * setup.nvm, setup.serial and setup.port are not looked at. */
 DG_API extern const struct dg_stack dg_ssi_stack;
+
+/** What can be set of a struct dg_ssi_model, for hosts. */
+DG_API extern const struct dg_keys dg_ssi_keys;
 
 /** The figures of a model of this stack; NULL when it is of another one. */
 DG_API const struct dg_ssi_model *dg_ssi_model_of(const struct dg_device *device);

@@ -1,0 +1,282 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Rows point into structs by offset and are copied with memcpy(): the rows know sizes, not types.
+ */
+#include "drehgeber/key.h"
+
+#include <string.h>
+
+#include "drehgeber/hal.h"
+
+#define DECIMAL 10u
+#define HEX 16u
+/* Of a number, with sign and point. */
+#define CHARACTERS_MAX 24u
+
+const char *const dg_key_no_yes[2] = {"0", "1"};
+
+/* The library has no string functions to rely on. */
+static size_t length_of(const char *text)
+{
+    size_t n = 0;
+
+    while (text[n] != '\0') {
+        n++;
+    }
+    return n;
+}
+
+static bool same(const char *a, const char *b)
+{
+    const size_t n = length_of(a);
+
+    return n == length_of(b) && memcmp(a, b, n) == 0;
+}
+
+const struct dg_key *dg_keys_find(const struct dg_keys *self, const char *name)
+{
+    for (size_t i = 0; i < self->count; i++) {
+        if (same(self->rows[i].name, name)) {
+            return &self->rows[i];
+        }
+    }
+    return NULL;
+}
+
+static bool is_text(const struct dg_key *key)
+{
+    return key->type == DG_KEY_TEXT || key->type == DG_KEY_DIGITS;
+}
+
+/* ------------------------------------------------------------ values */
+
+/* The value has been checked against the row's range, so it fits the type. */
+static void store(const struct dg_key *key, uint8_t *to, int64_t value)
+{
+    const uint8_t u8 = (uint8_t)value;
+    const uint16_t u16 = (uint16_t)value;
+    const uint32_t u32 = (uint32_t)value;
+    const uint64_t u64 = (uint64_t)value * key->factor;
+    const bool flag = value != 0;
+    const struct {
+        const void *from;
+        size_t size;
+    } rows[DG_KEY_TYPE_COUNT] = {
+        [DG_KEY_U8] = {&u8, sizeof u8},
+        [DG_KEY_U16] = {&u16, sizeof u16},
+        [DG_KEY_U32] = {&u32, sizeof u32},
+        [DG_KEY_I16] = {&u16, sizeof u16}, /* the same bytes */
+        [DG_KEY_I32] = {&u32, sizeof u32},
+        [DG_KEY_NS] = {&u64, sizeof u64},
+        [DG_KEY_FLAG] = {&flag, sizeof flag},
+    };
+
+    memcpy(to, rows[key->type].from, rows[key->type].size);
+}
+
+static int64_t load_16(const uint8_t *from, bool negative)
+{
+    uint16_t u16;
+
+    memcpy(&u16, from, sizeof u16);
+    return negative ? (int16_t)u16 : (int64_t)u16;
+}
+
+static int64_t load_32(const uint8_t *from, bool negative)
+{
+    uint32_t u32;
+
+    memcpy(&u32, from, sizeof u32);
+    return negative ? (int32_t)u32 : (int64_t)u32;
+}
+
+/* What store() has put there. */
+static int64_t load(const struct dg_key *key, const uint8_t *from)
+{
+    uint64_t u64;
+
+    switch ((enum dg_key_type)key->type) {
+    case DG_KEY_U16:
+    case DG_KEY_I16:
+        return load_16(from, key->type == DG_KEY_I16);
+    case DG_KEY_U32:
+    case DG_KEY_I32:
+        return load_32(from, key->type == DG_KEY_I32);
+    case DG_KEY_NS:
+        memcpy(&u64, from, sizeof u64);
+        return (int64_t)(u64 / key->factor);
+    case DG_KEY_U8:
+    case DG_KEY_FLAG:
+    case DG_KEY_TEXT:
+    case DG_KEY_DIGITS:
+    case DG_KEY_TYPE_COUNT:
+        break;
+    }
+    return *from;
+}
+
+/* ------------------------------------------------------------ numbers */
+
+/* @return 0..15, or HEX */
+static unsigned digit_of(char c)
+{
+    if (c >= '0' && c <= '9') {
+        return (unsigned)(c - '0');
+    }
+    const char lower = (char)(c | 0x20);
+    return lower >= 'a' && lower <= 'f' ? (unsigned)(lower - 'a') + DECIMAL : HEX;
+}
+
+/* 27h and 0x27. */
+static bool parse_hex(const char *text, int64_t *value)
+{
+    const size_t n = length_of(text);
+    const bool prefixed = n > 2 && text[0] == '0' && (text[1] | 0x20) == 'x';
+    const bool suffixed = n > 1 && (text[n - 1] | 0x20) == 'h';
+    const size_t end = suffixed && !prefixed ? n - 1 : n;
+    uint64_t sum = 0;
+
+    for (size_t i = prefixed ? 2 : 0; i < end; i++) {
+        const unsigned digit = digit_of(text[i]);
+        if (digit == HEX || sum > UINT32_MAX / HEX) {
+            return false;
+        }
+        sum = sum * HEX + digit;
+    }
+    *value = (int64_t)sum;
+    return prefixed || suffixed;
+}
+
+/* [+-]digits[.digits] in units of 10^-places; further digits have to be 0. */
+static bool parse_decimal(const char *text, unsigned places, int64_t *value)
+{
+    const bool negative = *text == '-';
+    const int64_t limit = (INT64_MAX - (int64_t)DECIMAL) / (int64_t)DECIMAL;
+    unsigned behind = 0;
+    unsigned digits = 0;
+    bool point = false;
+    int64_t sum = 0;
+
+    for (text += negative || *text == '+' ? 1 : 0; *text != '\0'; text++) {
+        const unsigned digit = digit_of(*text);
+        if ((*text == '.' && point) || (*text != '.' && digit >= DECIMAL) || sum > limit) {
+            return false;
+        }
+        point = point || *text == '.';
+        digits += *text != '.' ? 1u : 0u;
+        if (*text != '.' && point && behind == places) {
+            if (digit != 0) {
+                return false;
+            }
+        } else if (*text != '.') {
+            sum = sum * (int64_t)DECIMAL + (int64_t)digit;
+            behind += point ? 1u : 0u;
+        }
+    }
+    for (; behind < places && sum <= limit; behind++) {
+        sum *= (int64_t)DECIMAL;
+    }
+    *value = negative ? -sum : sum;
+    return digits > 0 && behind == places;
+}
+
+static int set_number(const struct dg_key *key, uint8_t *to, const char *value)
+{
+    int64_t number = 0;
+    const bool valid = parse_decimal(value, key->places, &number) ||
+                       (key->places == 0 && parse_hex(value, &number));
+
+    if (!valid || number < key->min || number > key->max) {
+        return DG_ERR_ARGUMENT;
+    }
+    store(key, to, number);
+    return DG_OK;
+}
+
+static int set_flag(const struct dg_key *key, uint8_t *to, const char *value)
+{
+    for (int i = 0; i < 2; i++) {
+        if (same(value, key->words[i])) {
+            store(key, to, i);
+            return DG_OK;
+        }
+    }
+    return DG_ERR_ARGUMENT;
+}
+
+static bool all_digits(const char *text)
+{
+    while (digit_of(*text) < DECIMAL) {
+        text++;
+    }
+    return *text == '\0';
+}
+
+/* The rest of the field is cleared: it goes to the EEPROM as a whole. */
+static int set_text(const struct dg_key *key, uint8_t *to, const char *value)
+{
+    const size_t n = length_of(value);
+    const bool digits = key->type == DG_KEY_DIGITS;
+
+    if (n < (size_t)key->min || n > (size_t)key->max || (digits && !all_digits(value))) {
+        return DG_ERR_ARGUMENT;
+    }
+    const size_t ahead = digits ? (size_t)key->max - n : 0;
+    memset(to, 0, (size_t)key->max + 1);
+    memset(to, '0', ahead);
+    memcpy(to + ahead, value, n);
+    return DG_OK;
+}
+
+int dg_key_set(const struct dg_key *self, void *base, const char *value)
+{
+    uint8_t *to = (uint8_t *)base + self->offset;
+
+    if (self->type == DG_KEY_FLAG) {
+        return set_flag(self, to, value);
+    }
+    return is_text(self) ? set_text(self, to, value) : set_number(self, to, value);
+}
+
+/* ------------------------------------------------------------ text */
+
+/* From the right. @return the first character, the zero is behind the last one */
+static const char *format(char text[CHARACTERS_MAX], int64_t value, unsigned places)
+{
+    uint64_t rest = value < 0 ? 0u - (uint64_t)value : (uint64_t)value;
+    char *at = text + CHARACTERS_MAX - 1;
+    unsigned digits = 0;
+
+    *at = '\0';
+    do {
+        if (digits == places && places > 0) {
+            *--at = '.';
+        }
+        *--at = (char)('0' + rest % DECIMAL);
+        rest /= DECIMAL;
+        digits++;
+    } while (rest > 0 || digits <= places);
+    if (value < 0) {
+        *--at = '-';
+    }
+    return at;
+}
+
+int dg_key_get(const struct dg_key *self, const void *base, char *to, size_t size)
+{
+    const uint8_t *from = (const uint8_t *)base + self->offset;
+    char number[CHARACTERS_MAX];
+    const char *text = (const char *)from;
+
+    if (self->type == DG_KEY_FLAG) {
+        text = self->words[load(self, from) != 0];
+    } else if (!is_text(self)) {
+        text = format(number, load(self, from), self->places);
+    }
+    const size_t n = length_of(text);
+    if (n >= size) {
+        return DG_ERR_SPACE;
+    }
+    memcpy(to, text, n + 1);
+    return (int)n;
+}

@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What can be set of an encoder with SSI.
+ */
+#include "drehgeber/ssi.h"
+
+#define AT(field) offsetof(struct dg_ssi_model, field)
+
+/* clang-format off */
+static const struct dg_key rows[] = {
+    /* name         unit  offset               type        places factor min    max  words           help */
+    {"mt",          "",   AT(multiturn_bits),  DG_KEY_U8,   0, 1,        0,     24, NULL,          "multiturn bits"},
+    {"st",          "",   AT(singleturn_bits), DG_KEY_U8,   0, 1,        8,     31, NULL,          "singleturn bits; 10 to 32 with those of the turns"},
+    {"code",        "",   AT(code),            DG_KEY_U8,   0, 1,        0,      1, NULL,          "0: Gray, 1: binary"},
+    {"error_bit",   "",   AT(error_bit),       DG_KEY_U8,   0, 1,        0,      2, NULL,          "0: none, 1: high is an error, 2: low is one"},
+    {"parity",      "",   AT(parity),          DG_KEY_U8,   0, 1,        0,      2, NULL,          "0: none, 1: even, 2: odd"},
+    {"once",        "",   AT(once),            DG_KEY_FLAG, 0, 1,        0,      1, dg_key_no_yes, "the word is sent once and zeros follow"},
+    {"monoflop_us", "us", AT(monoflop),        DG_KEY_NS,   0, 1000,    10, 1000000, NULL,         "silence on the clock that ends a word"},
+    {"init_ms",     "ms", AT(init),            DG_KEY_NS,   0, 1000000,  0, 600000, NULL,          "after power-on: data is low"},
+};
+/* clang-format on */
+
+const struct dg_keys dg_ssi_keys = {rows, sizeof rows / sizeof rows[0]};
