@@ -1,0 +1,79 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * A protocol's side of dg_host: one const object in a file of its own in the protocol's folder,
+ * linked by whoever names it. Not for hosts, and without the promise that host.h makes.
+ */
+#ifndef DREHGEBER_HOST_WIRE_H
+#define DREHGEBER_HOST_WIRE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "drehgeber/api.h"
+#include "drehgeber/host.h"
+#include "drehgeber/key.h"
+#include "drehgeber/stack.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** What a wire sees of its handle, and keeps there. dg_stack_setup.ctx of the device. */
+struct dg_host_line {
+    void *device;   /**< as the stack makes it */
+    void *settings; /**< dg_host_wire.settings_size bytes */
+    dg_ns now;      /**< the moment that is being served */
+    dg_ns until;    /**< the wire's own: what the encoder sends is on the line until then */
+    uint32_t part;  /**< the wire's own: parts of the event at hand that were taken */
+    uint32_t rate;  /**< the wire's own */
+    bool level;     /**< the wire's own: of the encoder's line as told last */
+    bool muted;     /**< levels are not told */
+};
+
+/** The wire. Operations may be NULL where they say so. */
+struct dg_host_wire {
+    const struct dg_stack *stack;
+    struct dg_keys own;         /**< settings beside the model's: address, serial number */
+    const struct dg_keys *keys; /**< of the model; offsets count from the beginning of settings */
+    uint32_t blind;             /**< bit n: it does not sense enum dg_quantity_id n */
+    size_t settings_size;
+    /** Settings of this model, as delivered. They begin with a copy of the stack's own struct. */
+    void (*furnish)(void *settings, const struct dg_device *device);
+    /** Bit n: this model has not row n of `own`, bit 16 + n: of `keys`. NULL: each has all. */
+    uint32_t (*without)(const void *settings);
+    /** Put model, serial number, address and port of the settings into `setup`; make what pointers
+     * settings have. `setup` NULL: take the pointers out. */
+    void (*arrange)(void *settings, struct dg_stack_setup *setup);
+    /** Whether `event` is one of this wire. @return 0, DG_HOST_ERR_WIRE, DG_HOST_ERR_ARGUMENT. */
+    int (*check)(const struct dg_host_event *event);
+    /** When the next part of `event`, line->part, is due. NULL: event->at. */
+    dg_ns (*due)(const struct dg_host_line *line, const struct dg_host_event *event);
+    /** Take the next part at line->now. @return whether it was the last one */
+    bool (*take)(struct dg_host_line *line, const struct dg_host_event *event);
+    /** Clocked lines: level of the encoder's line, and the master's clock. NULL. */
+    bool (*level)(const struct dg_host_line *line);
+    bool (*clock)(struct dg_host_line *line, dg_ns now, bool level);
+    /** A frame by an own master from line->now on, which it moves on. NULL: has none. */
+    int (*frame)(struct dg_host_line *line, struct dg_host_frame *to);
+};
+
+/** The encoder has sent something. */
+DG_API void dg_host_emit(struct dg_host_line *line, const struct dg_host_event *event);
+
+/** The line of a handle of this wire that was switched on, at its moment or at `now` if that is
+ * later: time has gone on. @return NULL with `result`: another wire, or no power */
+DG_API struct dg_host_line *dg_host_line_at(struct dg_host *self, const struct dg_host_wire *wire,
+                                            dg_ns now, int *result);
+/** A master's work on the line ended at line->now. */
+DG_API void dg_host_line_done(struct dg_host *self);
+/** The device of a handle of this wire that has power. @return NULL with `result` */
+DG_API const void *dg_host_device(const struct dg_host *self, const struct dg_host_wire *wire,
+                                  int *result);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

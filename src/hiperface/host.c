@@ -1,0 +1,175 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * An encoder with RS485 behind a handle: characters come in one by one, each with the edge of its
+ * start bit and its end, and go out as runs without pauses.
+ *
+ *   event  |40|42|02|           part   0    1    2    3    4    5
+ *          at                   is   start end start end start end
+ */
+#include <string.h>
+
+#include "drehgeber/hiperface.h"
+#include "drehgeber/host_wire.h"
+
+/* Start bit, eight of data, maybe parity, stop bit. */
+#define BITS_WITHOUT_PARITY 10u
+#define RUN_MAX (sizeof((struct dg_host_event *)0)->data)
+
+struct settings {
+    struct dg_hf_model model;
+    uint32_t address; /* 0: as delivered */
+};
+
+static const struct dg_key own_rows[] = {
+    {"address", "", offsetof(struct settings, address), DG_KEY_U32, 0, 1, DG_HF_ADDRESS_DEFAULT,
+     DG_HF_ADDRESS_LAST, NULL, "RS485 address of a new EEPROM"},
+};
+
+static void furnish(void *settings, const struct dg_device *device)
+{
+    struct settings *self = settings;
+
+    self->model = *dg_hf_model_of(device);
+    self->address = DG_HF_ADDRESS_DEFAULT;
+}
+
+/* ------------------------------------------------------------ out */
+
+/* Of `count` characters; only the last one is rounded up. */
+static dg_ns characters_ns(const struct dg_hf *device, size_t count)
+{
+    const struct dg_hf_uart uart = dg_hf_uart(device);
+    const uint32_t bits = BITS_WITHOUT_PARITY + (uart.parity != 'N' ? 1u : 0u);
+
+    return dg_bit_times_ns(bits * (uint32_t)count, uart.baud);
+}
+
+static void send(void *ctx, const uint8_t *bytes, size_t n)
+{
+    struct dg_host_line *line = ctx;
+    struct dg_host_event event = {.kind = DG_HOST_BYTES,
+                                  .id = (uint32_t)characters_ns(line->device, 1)};
+
+    for (size_t done = 0; done < n; done += event.length) {
+        const size_t rest = n - done;
+        event.at = dg_after(line->now, done == 0 ? 0 : characters_ns(line->device, done));
+        event.length = (uint8_t)(rest < RUN_MAX ? rest : RUN_MAX);
+        memset(event.data, 0, sizeof event.data);
+        memcpy(event.data, bytes + done, event.length);
+        dg_host_emit(line, &event);
+    }
+    line->until = dg_after(line->now, characters_ns(line->device, n));
+}
+
+static const struct dg_hf_ops ops = {.tx = send};
+
+static void arrange(void *settings, struct dg_stack_setup *setup)
+{
+    struct settings *self = settings;
+
+    if (setup != NULL) {
+        setup->model = &self->model;
+        setup->address = self->address;
+        setup->port = &ops;
+    }
+}
+
+/* ------------------------------------------------------------ in */
+
+static int check(const struct dg_host_event *event)
+{
+    const bool start = (event->flags & DG_HOST_START) != 0;
+
+    if (event->kind != DG_HOST_BYTES) {
+        return DG_HOST_ERR_WIRE;
+    }
+    return event->length > RUN_MAX || (event->length == 0 && !start) ? DG_HOST_ERR_ARGUMENT
+                                                                     : DG_HOST_OK;
+}
+
+static bool only_start(const struct dg_host_event *event)
+{
+    return (event->flags & DG_HOST_START) != 0;
+}
+
+static dg_ns character_ns(const struct dg_host_line *line, const struct dg_host_event *event)
+{
+    return event->id != 0 ? event->id : characters_ns(line->device, 1);
+}
+
+/* The end of the first character is where the start bits of the others are counted from. */
+static dg_ns due(const struct dg_host_line *line, const struct dg_host_event *event)
+{
+    const dg_ns one = character_ns(line, event);
+
+    if ((event->flags & DG_HOST_ENDED) != 0) {
+        return dg_after(event->at, line->part * one);
+    }
+    return dg_after(event->at, (line->part + 1u) / 2u * one);
+}
+
+static void hear(struct dg_host_line *line, uint8_t byte, unsigned flags)
+{
+    /* Half duplex: while its own reply is on the line an encoder hears nothing. */
+    if (line->now >= line->until) {
+        (void)dg_hf_rx(line->device, line->now, byte, (uint8_t)flags);
+    }
+}
+
+static bool take(struct dg_host_line *line, const struct dg_host_event *event)
+{
+    const unsigned damaged = (event->flags & DG_HOST_DAMAGED) != 0 ? DG_HF_RX_DAMAGED : DG_HF_RX_OK;
+    const bool ended = (event->flags & DG_HOST_ENDED) != 0;
+    const uint32_t part = line->part++;
+    const uint32_t last = ended ? event->length : 2u * event->length;
+
+    if (only_start(event) || (!ended && part % 2u == 0)) {
+        hear(line, 0, DG_HF_RX_START);
+    } else {
+        hear(line, event->data[ended ? part : part / 2u], damaged);
+    }
+    return only_start(event) || line->part == last;
+}
+
+const struct dg_host_wire dg_hf_wire = {
+    .stack = &dg_hf_stack,
+    .own = {own_rows, sizeof own_rows / sizeof own_rows[0]},
+    .keys = &dg_hf_keys,
+    .settings_size = sizeof(struct settings),
+    .furnish = furnish,
+    .arrange = arrange,
+    .check = check,
+    .due = due,
+    .take = take,
+};
+
+/* ------------------------------------------------------------ looks */
+
+int dg_host_uart(const struct dg_host *self, struct dg_host_uart *to)
+{
+    int result;
+    const struct dg_hf *device = dg_host_device(self, &dg_hf_wire, &result);
+
+    if (device != NULL) {
+        const struct dg_hf_uart uart = dg_hf_uart(device);
+        *to = (struct dg_host_uart){
+            .baud = uart.baud, .parity = (uint8_t)uart.parity, .timeout_bits = uart.timeout_bits};
+    }
+    return result;
+}
+
+int dg_host_sincos(const struct dg_host *self, uint64_t at, int32_t to[4])
+{
+    int result;
+    const struct dg_hf *device = dg_host_device(self, &dg_hf_wire, &result);
+
+    if (device != NULL) {
+        struct dg_hf_sincos levels;
+        dg_hf_sincos(device, at, &levels);
+        to[0] = levels.sin_plus_uv;
+        to[1] = levels.sin_minus_uv;
+        to[2] = levels.cos_plus_uv;
+        to[3] = levels.cos_minus_uv;
+    }
+    return result;
+}

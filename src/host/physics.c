@@ -1,0 +1,79 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The shaft and the world. A shaft that the host moves step by step goes on between the steps with
+ * the rate it was given, so that what is latched there is no staircase; nothing is rounded twice.
+ */
+#include "host_private.h"
+
+#define SECOND INT64_C(1000000000)
+
+/* floor(rate * t / 1 s) modulo 2^64 for t of any sign: seconds and the rest of t, and of the rate.
+ */
+static uint64_t turned(int64_t rate, int64_t t)
+{
+    const int64_t s = t / SECOND - (t % SECOND < 0 ? 1 : 0);
+    const int64_t ns = t - s * SECOND;
+    const int64_t high = rate / SECOND - (rate % SECOND < 0 ? 1 : 0);
+    const int64_t low = rate - high * SECOND;
+
+    /* |high * ns| and low * ns are below 2^63. */
+    return (uint64_t)rate * (uint64_t)s + (uint64_t)(high * ns) + (uint64_t)(low * ns / SECOND);
+}
+
+static dg_angle angle_in(const struct host_course *course, dg_ns at)
+{
+    const uint64_t angle =
+        (uint64_t)course->angle + turned(course->rate, (int64_t)(at - course->at));
+
+    return (dg_angle)angle;
+}
+
+static dg_angle own_angle(const struct dg_host *self, dg_ns at)
+{
+    return angle_in(at < self->course.at ? &self->before : &self->course, at);
+}
+
+dg_angle host_angle(void *ctx, dg_ns now)
+{
+    const struct dg_host *self = ctx;
+
+    return self->shaft != NULL ? self->angle_of(self->shaft, now) : own_angle(self, now);
+}
+
+int64_t dg_host_angle(const struct dg_host *self, uint64_t at)
+{
+    return self->shaft != NULL ? self->angle_of(self->shaft, at) : own_angle(self, at);
+}
+
+void dg_host_shaft(struct dg_host *self, uint64_t now, int64_t angle, int64_t rate)
+{
+    host_run(self, now);
+    now = self->line.now;
+    if (self->course.at != now) {
+        self->before = self->course;
+    }
+    self->course = (struct host_course){now, angle, rate};
+    host_run(self, now);
+}
+
+void host_sit(struct dg_host *self, void *shaft, dg_angle (*angle_of)(void *shaft, dg_ns at))
+{
+    self->shaft = shaft;
+    self->angle_of = shaft != NULL ? angle_of : NULL;
+    host_run(self, self->line.now);
+}
+
+/* Of another handle. */
+static dg_angle of_other(void *shaft, dg_ns at)
+{
+    return own_angle(shaft, at);
+}
+
+int dg_host_share(struct dg_host *self, struct dg_host *other)
+{
+    if (other != NULL && other->shaft != NULL) {
+        return DG_HOST_ERR_ARGUMENT;
+    }
+    host_sit(self, other == self ? NULL : other, of_other);
+    return DG_HOST_OK;
+}

@@ -1,0 +1,176 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * States: the memory of a handle as it is, without its pointers, behind a header that says whose it
+ * is. What a pointer said is said by the handle that the state is restored into.
+ *
+ *   | header | struct dg_host | settings | device | EEPROM |
+ */
+#include "host_private.h"
+
+#include <string.h>
+
+#include "drehgeber/crc.h"
+
+#define MODEL_MAX 32u
+#define VERSION_MAX 24u
+
+static const char magic[8] = {'D', 'G', 'S', 'T', 'A', 'T', 'E', '\1'};
+static const char version[] = DG_VERSION;
+_Static_assert(sizeof version <= VERSION_MAX, "the version has room");
+
+/* The builds that understand each other: same layouts, same byte order. */
+struct header {
+    char magic[8];
+    char model[MODEL_MAX];
+    char version[VERSION_MAX];
+    uint32_t order;    /* of the bytes in a number */
+    uint32_t pointer;  /* bytes of one */
+    uint32_t handle;   /* bytes of each part ... */
+    uint32_t settings; /* ... */
+    uint32_t device;
+    uint32_t memory;
+    uint32_t own_memory; /* 1: the EEPROM is in here */
+    uint32_t sum;        /* of all behind the header */
+};
+#define ORDER UINT32_C(0x01020304)
+
+static struct header header_of(const struct dg_host *self)
+{
+    const struct host_parts parts = host_parts_of(self->device, self->wire);
+    struct header header = {
+        .order = ORDER,
+        .pointer = sizeof(void *),
+        .handle = sizeof(struct dg_host),
+        .settings = (uint32_t)parts.settings,
+        .device = (uint32_t)parts.device,
+        .memory = (uint32_t)parts.memory,
+        .own_memory = self->nvm.ops == NULL ? 1u : 0u,
+    };
+
+    memcpy(header.magic, magic, sizeof magic);
+    memcpy(header.version, version, sizeof version);
+    for (size_t i = 0; i < MODEL_MAX - 1u && self->device->name[i] != '\0'; i++) {
+        header.model[i] = self->device->name[i];
+    }
+    return header;
+}
+
+static size_t body_size(const struct dg_host *self)
+{
+    return dg_host_size(self->device, self->wire);
+}
+
+size_t dg_host_state_size(const struct dg_host *self)
+{
+    return sizeof(struct header) + body_size(self);
+}
+
+/* ------------------------------------------------------------ pointers */
+
+/* What the handle points to: its own parts, and what the host has handed over. */
+static void drop_pointers(struct dg_host *self)
+{
+    self->line.settings = NULL;
+    self->line.device = NULL;
+    self->device = NULL;
+    self->wire = NULL;
+    self->shaft = NULL;
+    self->angle_of = NULL;
+    self->heard = NULL;
+    self->heard_ctx = NULL;
+    self->nvm = (struct dg_nvm){0};
+    self->memory = NULL;
+    self->world.angle = NULL;
+    self->world.angle_ctx = NULL;
+}
+
+static void take_pointers(struct dg_host *self, const struct dg_host *from)
+{
+    self->line.settings = from->line.settings;
+    self->line.device = from->line.device;
+    self->device = from->device;
+    self->wire = from->wire;
+    self->shaft = from->shaft;
+    self->angle_of = from->angle_of;
+    self->heard = from->heard;
+    self->heard_ctx = from->heard_ctx;
+    self->nvm = from->nvm;
+    self->memory = from->memory;
+    self->world.angle = host_angle;
+    self->world.angle_ctx = self;
+}
+
+/* Between these two the parts have no pointers and nothing else may be done with them. */
+static void detach(struct dg_host *self)
+{
+    if (self->made) {
+        self->device->stack->attach(self->line.device, NULL);
+    }
+    self->wire->arrange(self->line.settings, NULL);
+}
+
+static void attach(struct dg_host *self)
+{
+    const struct dg_stack_setup setup = host_setup(self);
+
+    if (self->made) {
+        self->device->stack->attach(self->line.device, &setup);
+    }
+}
+
+/* ------------------------------------------------------------ saving */
+
+int dg_host_save(struct dg_host *self, void *to, size_t n)
+{
+    struct header header = header_of(self);
+    const struct dg_host kept = *self;
+    const size_t size = body_size(self);
+    uint8_t *body = (uint8_t *)to + sizeof header;
+
+    if (n < dg_host_state_size(self)) {
+        return DG_HOST_ERR_SPACE;
+    }
+    detach(self);
+    drop_pointers(self);
+    memcpy(body, self, size);
+    take_pointers(self, &kept);
+    attach(self);
+    header.sum = dg_crc32(0, body, size);
+    memcpy(to, &header, sizeof header);
+    return DG_HOST_OK;
+}
+
+/* Indices that the handle itself goes by, should the sum be right by chance. */
+static bool sane(const struct dg_host *state, const struct dg_host *self)
+{
+    return state->in.first < DG_HOST_QUEUE && state->in.count <= DG_HOST_QUEUE &&
+           state->out.first < DG_HOST_QUEUE && state->out.count <= DG_HOST_QUEUE &&
+           state->memory_size == self->memory_size;
+}
+
+int dg_host_restore(struct dg_host *self, const void *from, size_t n)
+{
+    const uint8_t *body = (const uint8_t *)from + sizeof(struct header);
+    const struct header mine = header_of(self);
+    const size_t size = body_size(self);
+    struct header header;
+    struct dg_host state;
+
+    if (n < dg_host_state_size(self)) {
+        return DG_HOST_ERR_SPACE;
+    }
+    memcpy(&header, from, sizeof header);
+    if (memcmp(&header, &mine, offsetof(struct header, sum)) != 0) {
+        return DG_HOST_ERR_OTHER;
+    }
+    memcpy(&state, body, sizeof state);
+    if (header.sum != dg_crc32(0, body, size) || !sane(&state, self)) {
+        return DG_HOST_ERR_DAMAGED;
+    }
+    take_pointers(&state, self);
+    memcpy(self, body, size);
+    *self = state;
+    self->world.angle_ctx = self;
+    attach(self);
+    return DG_HOST_OK;
+}

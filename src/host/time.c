@@ -1,0 +1,234 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Time and queues: what waits in the queue and what the device is waiting for happen in the order
+ * of their moments, whatever the pace of the host is.
+ *
+ *   host   step(t0)                         step(t1)
+ *   queue    |     rx   rx   rx                |        at the same moment: what comes in first
+ *   device   |                    deadline     |
+ *            -----> run, each at its own now -->
+ */
+#include "host_private.h"
+
+#include <string.h>
+
+#define PS_PER_NS 1000u
+
+/* ------------------------------------------------------------ queues */
+
+static struct dg_host_event *head_of(struct host_queue *queue)
+{
+    return queue->count != 0 ? &queue->event[queue->first] : NULL;
+}
+
+static void drop_head(struct host_queue *queue)
+{
+    queue->first = (queue->first + 1u) % DG_HOST_QUEUE;
+    queue->count--;
+}
+
+static void append(struct host_queue *queue, const struct dg_host_event *event)
+{
+    queue->event[(queue->first + queue->count) % DG_HOST_QUEUE] = *event;
+    queue->count++;
+}
+
+void dg_host_emit(struct dg_host_line *line, const struct dg_host_event *event)
+{
+    struct dg_host *self = (struct dg_host *)(void *)line;
+
+    if (self->heard != NULL) {
+        self->heard(self->heard_ctx, event);
+    } else if (self->out.count == DG_HOST_QUEUE) {
+        self->lost++;
+        self->untold = true;
+    } else if (self->untold) {
+        /* The gap is told where it is: nothing gets behind it before somebody knows. */
+        self->lost++;
+    } else {
+        append(&self->out, event);
+    }
+}
+
+int dg_host_receive(struct dg_host *self, struct dg_host_event *to)
+{
+    const struct dg_host_event *event = head_of(&self->out);
+
+    if (event == NULL) {
+        const bool untold = self->untold;
+        self->untold = false;
+        return untold ? DG_HOST_ERR_LOST : 0;
+    }
+    *to = *event;
+    drop_head(&self->out);
+    return 1;
+}
+
+uint32_t dg_host_lost(const struct dg_host *self)
+{
+    return self->lost;
+}
+
+void dg_host_listen(struct dg_host *self, void (*heard)(void *, const struct dg_host_event *),
+                    void *ctx)
+{
+    self->heard = heard;
+    self->heard_ctx = ctx;
+}
+
+int dg_host_send(struct dg_host *self, const struct dg_host_event *event)
+{
+    const int result = self->wire->check(event);
+
+    if (result != DG_HOST_OK) {
+        return result;
+    }
+    if (event->length > sizeof event->data) {
+        return DG_HOST_ERR_ARGUMENT;
+    }
+    if (!self->made) {
+        return DG_HOST_ERR_STATE;
+    }
+    if (self->in.count == DG_HOST_QUEUE) {
+        return DG_HOST_ERR_SPACE;
+    }
+    append(&self->in, event);
+    return DG_HOST_OK;
+}
+
+/* ------------------------------------------------------------ time */
+
+/* When the next part of what waits is to be taken. */
+static dg_ns due_in(const struct dg_host *self)
+{
+    const struct dg_host_event *event = &self->in.event[self->in.first];
+
+    if (self->in.count == 0) {
+        return DG_NEVER;
+    }
+    return self->wire->due != NULL ? self->wire->due(&self->line, event) : event->at;
+}
+
+void host_look(struct dg_host *self)
+{
+    struct dg_host_line *line = &self->line;
+
+    if (self->wire->level == NULL || !self->made || line->muted) {
+        return;
+    }
+    const bool level = self->wire->level(line);
+    if (level != line->level) {
+        const struct dg_host_event event = {
+            .at = line->now, .kind = DG_HOST_EDGE, .length = 1, .data = {level}};
+        line->level = level;
+        dg_host_emit(line, &event);
+    }
+}
+
+static void take_all(struct dg_host *self)
+{
+    while (self->in.count != 0 && due_in(self) <= self->line.now) {
+        if (self->wire->take(&self->line, head_of(&self->in))) {
+            self->line.part = 0;
+            drop_head(&self->in);
+        }
+        host_look(self);
+    }
+}
+
+/* What comes in comes before what is due at the same moment (hiperface.h). */
+static void serve(struct dg_host *self)
+{
+    take_all(self);
+    self->deadline = self->device->stack->step(self->line.device, self->line.now);
+    host_look(self);
+}
+
+void host_run(struct dg_host *self, dg_ns now)
+{
+    dg_ns next = dg_host_next(self);
+
+    while (self->made && next < now) {
+        /* A device that asks for the present again would stop time. */
+        self->line.now = next > self->line.now ? next : self->line.now;
+        serve(self);
+        const dg_ns later = dg_host_next(self);
+        next = later > self->line.now ? later : self->line.now + 1u;
+    }
+    self->line.now = now > self->line.now ? now : self->line.now;
+    if (self->made) {
+        serve(self);
+    }
+}
+
+uint64_t dg_host_next(const struct dg_host *self)
+{
+    const dg_ns in = self->made ? due_in(self) : DG_NEVER;
+
+    return dg_earliest(in, self->deadline);
+}
+
+uint64_t dg_host_step(struct dg_host *self, uint64_t now)
+{
+    host_run(self, now);
+    return dg_host_next(self);
+}
+
+uint64_t dg_host_step_ps(struct dg_host *self, uint64_t now)
+{
+    const uint64_t next = dg_host_step(self, now / PS_PER_NS);
+
+    return next > UINT64_MAX / PS_PER_NS ? DG_HOST_NEVER : next * PS_PER_NS;
+}
+
+/* ------------------------------------------------------------ lines */
+
+struct dg_host_line *dg_host_line_at(struct dg_host *self, const struct dg_host_wire *wire,
+                                     dg_ns now, int *result)
+{
+    if (self->wire != wire) {
+        *result = DG_HOST_ERR_WIRE;
+        return NULL;
+    }
+    host_run(self, now);
+    *result = dg_host_powered(self) ? DG_HOST_OK : DG_HOST_ERR_STATE;
+    return *result == DG_HOST_OK ? &self->line : NULL;
+}
+
+void dg_host_line_done(struct dg_host *self)
+{
+    serve(self);
+}
+
+int dg_host_clock(struct dg_host *self, uint64_t now, bool level)
+{
+    if (self->wire->clock == NULL) {
+        return DG_HOST_ERR_WIRE;
+    }
+    if (!self->made) {
+        return DG_HOST_ERR_STATE;
+    }
+    host_run(self, now);
+    (void)self->wire->clock(&self->line, self->line.now, level);
+    serve(self);
+    return self->wire->level(&self->line) ? 1 : 0;
+}
+
+int dg_host_clock_ps(struct dg_host *self, uint64_t now, bool level)
+{
+    return dg_host_clock(self, now / PS_PER_NS, level);
+}
+
+int dg_host_frame(struct dg_host *self, uint64_t now, struct dg_host_frame *to)
+{
+    int result = DG_HOST_ERR_WIRE;
+
+    if (self->wire->frame == NULL || dg_host_line_at(self, self->wire, now, &result) == NULL) {
+        return result;
+    }
+    memset(to, 0, sizeof *to);
+    result = self->wire->frame(&self->line, to);
+    serve(self);
+    to->end = self->line.now;
+    return result;
+}

@@ -1,0 +1,85 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * An encoder with SSI behind a handle: edges, and a master of its own.
+ */
+#include "drehgeber/host_wire.h"
+#include "drehgeber/ssi.h"
+
+#define PERIOD_NS DG_US(1)
+
+static void furnish(void *settings, const struct dg_device *device)
+{
+    *(struct dg_ssi_model *)settings = *dg_ssi_model_of(device);
+}
+
+static void arrange(void *settings, struct dg_stack_setup *setup)
+{
+    if (setup != NULL) {
+        setup->model = settings;
+    }
+}
+
+static int check(const struct dg_host_event *event)
+{
+    if (event->kind != DG_HOST_EDGE) {
+        return DG_HOST_ERR_WIRE;
+    }
+    return event->length == 1 && event->data[0] <= 1 ? DG_HOST_OK : DG_HOST_ERR_ARGUMENT;
+}
+
+static bool take(struct dg_host_line *line, const struct dg_host_event *event)
+{
+    (void)dg_ssi_clock(line->device, line->now, event->data[0] != 0);
+    return true;
+}
+
+static bool level(const struct dg_host_line *line)
+{
+    return dg_ssi_data(line->device);
+}
+
+static bool set_clock(struct dg_host_line *line, dg_ns now, bool high)
+{
+    return dg_ssi_clock(line->device, now, high);
+}
+
+/* Data of each rising edge is read just before the next falling one. */
+static int frame(struct dg_host_line *line, struct dg_host_frame *to)
+{
+    struct dg_ssi *device = line->device;
+    struct dg_ssi_frame decoded;
+
+    if (device->state != DG_SSI_IDLE || !device->clock) {
+        return DG_HOST_ERR_STATE;
+    }
+    to->at = line->now;
+    to->count = dg_ssi_word_bits(device->setup.model);
+    for (uint8_t i = 0; i < to->count; i++) {
+        (void)dg_ssi_clock(device, line->now, false);
+        to->bits = to->bits << 1 | dg_ssi_clock(device, line->now + PERIOD_NS / 2u, true);
+        line->now += PERIOD_NS;
+    }
+    /* The monoflop is over: the next falling edge stores anew. */
+    const dg_ns end = dg_ssi_step(device, line->now);
+    line->now = end != DG_NEVER && end > line->now ? end : line->now;
+    (void)dg_ssi_step(device, line->now);
+    to->good = dg_ssi_frame_decode(device->setup.model, to->bits, &decoded) == DG_OK;
+    to->position = decoded.position;
+    to->multiturn = decoded.multiturn;
+    to->singleturn = decoded.singleturn;
+    to->error = decoded.error;
+    return DG_HOST_OK;
+}
+
+const struct dg_host_wire dg_ssi_wire = {
+    .stack = &dg_ssi_stack,
+    .keys = &dg_ssi_keys,
+    .settings_size = sizeof(struct dg_ssi_model),
+    .furnish = furnish,
+    .arrange = arrange,
+    .check = check,
+    .take = take,
+    .level = level,
+    .clock = set_clock,
+    .frame = frame,
+};
