@@ -29,7 +29,6 @@ struct dg_host_line {
     uint32_t part;  /**< the wire's own: parts of the event at hand that were taken */
     uint32_t rate;  /**< the wire's own */
     bool level;     /**< the wire's own: of the encoder's line as told last */
-    bool muted;     /**< levels are not told */
 };
 
 /** The wire. Operations may be NULL where they say so. */
@@ -66,7 +65,8 @@ DG_API void dg_host_emit(struct dg_host_line *line, const struct dg_host_event *
  * later: time has gone on. @return NULL with `result`: another wire, or no power */
 DG_API struct dg_host_line *dg_host_line_at(struct dg_host *self, const struct dg_host_wire *wire,
                                             dg_ns now, int *result);
-/** A master's work on the line ended at line->now. */
+/** A master's work on the clocked line of this handle ended at line->now; its edges are not told.
+ */
 DG_API void dg_host_line_done(struct dg_host *self);
 /** The device of a handle of this wire that has power. @return NULL with `result` */
 DG_API const void *dg_host_device(const struct dg_host *self, const struct dg_host_wire *wire,

@@ -113,7 +113,7 @@ void host_look(struct dg_host *self)
 {
     struct dg_host_line *line = &self->line;
 
-    if (self->wire->level == NULL || !self->made || line->muted) {
+    if (self->wire->level == NULL || !self->made) {
         return;
     }
     const bool level = self->wire->level(line);
@@ -197,6 +197,7 @@ struct dg_host_line *dg_host_line_at(struct dg_host *self, const struct dg_host_
 
 void dg_host_line_done(struct dg_host *self)
 {
+    self->line.level = self->wire->level(&self->line);
     serve(self);
 }
 
@@ -228,7 +229,7 @@ int dg_host_frame(struct dg_host *self, uint64_t now, struct dg_host_frame *to)
     }
     memset(to, 0, sizeof *to);
     result = self->wire->frame(&self->line, to);
-    serve(self);
+    dg_host_line_done(self);
     to->end = self->line.now;
     return result;
 }
