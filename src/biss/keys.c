@@ -22,7 +22,7 @@ static const struct dg_key rows[] = {
     {"stop_bit",        "",   AT(stop_bit_early),   DG_KEY_FLAG, 0, 1,        0,          1, stop_bits,     "P = 1 refuses the register just transferred (own), or the next one (early)"},
     {"eeprom_read_us",  "us", AT(eeprom_read),      DG_KEY_NS,   0, 1000,     0,       1000, NULL,          "an access to a user bank"},
     {"eeprom_write_us", "us", AT(eeprom_write),     DG_KEY_NS,   0, 1000,     0,      19000, NULL,          "what the EEPROM needs after a write"},
-    {"timeout_us",      "us", AT(timeout),          DG_KEY_NS,   0, 1000,    13,    1000000, NULL,          "silence on MA that ends a frame, for slow lines"},
+    {"timeout_us",      "us", AT(timeout),          DG_KEY_NS,   0, 1000,     0,    1000000, NULL,          "silence on MA that ends a frame, at least 13 for slow lines; 0: its own"},
     {"init_ms",         "ms", AT(init),             DG_KEY_NS,   0, 1000000,  0,     600000, NULL,          "initialisation after power-on and reset"},
 };
 /* clang-format on */

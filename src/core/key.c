@@ -15,12 +15,16 @@
 
 const char *const dg_key_no_yes[2] = {"0", "1"};
 
-/* The library has no string functions to rely on. */
+/* Longer texts than any row takes. */
+#define TEXT_MAX 256u
+
+/* The library has no string functions to rely on, and a compiler makes one of a loop without a
+ * limit. */
 static size_t length_of(const char *text)
 {
     size_t n = 0;
 
-    while (text[n] != '\0') {
+    while (n < TEXT_MAX && text[n] != '\0') {
         n++;
     }
     return n;

@@ -1,14 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 /* What the images need of a host, for trees that link them to look at and not to run. */
+#include "drehgeber/host.h"
 #include "drehgeber/control.h"
 
 /* The largest device. */
 #define DEVICE_MAX 4096u
+#define HANDLE_MAX 16384u
 
 extern struct dg_world image_world;
 extern struct dg_nvm image_nvm;
 extern const void *image_port;
 extern unsigned char image_device[DEVICE_MAX];
+extern unsigned char image_handle[HANDLE_MAX];
 extern struct dg_encoder image_encoder;
 extern struct dg_rig_shaft image_shaft;
 extern struct dg_control image_control;
@@ -19,6 +22,7 @@ struct dg_world image_world;
 struct dg_nvm image_nvm;
 const void *image_port;
 unsigned char image_device[DEVICE_MAX];
+_Alignas(DG_HOST_ALIGN) unsigned char image_handle[HANDLE_MAX];
 struct dg_encoder image_encoder;
 struct dg_rig_shaft image_shaft;
 struct dg_control image_control;
