@@ -3,8 +3,11 @@
 a saved one goes on in another process byte for byte."""
 import ctypes
 import os
+import re
+import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -235,3 +238,16 @@ def test_settings_by_name():
     encoder.start()
     assert encoder.received()[0].id == 0x705
     assert encoder.call("set", b"node", b"6") == STATE
+
+
+def test_the_example_of_the_page_is_right(tmp_path):
+    tree = Path(__file__).resolve().parents[2]
+    page = (tree / "src/host/README.md").read_text()
+    (tmp_path / "example.c").write_text(re.search(r"^```c\n(.*?)^```$", page, re.M | re.S).group(1))
+    library = Path(LIBRARY)
+    subprocess.run([shutil.which("cc"), "-std=c11", "-Wall", "-Werror", f"-I{tree}/include", "-o", tmp_path / "example",
+                    tmp_path / "example.c", library, f"-Wl,-rpath,{library.parent}"], check=True)
+    printed = subprocess.run([tmp_path / "example"], capture_output=True, text=True, check=True).stdout
+    assert printed == "705 00\n585 02\n"
+    for line in printed.splitlines():
+        assert f"`{line}`" in page
