@@ -38,10 +38,11 @@
 extern "C" {
 #endif
 
-struct dg_device;    /* a model: devices.h */
-struct dg_shaft;     /* shaft.h */
-struct dg_nvm;       /* hal.h */
-struct dg_host_wire; /* a protocol's side of this: host_wire.h */
+struct dg_device;     /* a model: devices.h */
+struct dg_shaft;      /* shaft.h */
+struct dg_nvm;        /* hal.h */
+struct dg_host_wire;  /* a protocol's side of this: host_wire.h */
+struct dg_instrument; /* its side of the control plane: instruments.h */
 
 /** An encoder. Lives in the host's memory. */
 struct dg_host;
@@ -340,6 +341,52 @@ DG_API int dg_host_save(struct dg_host *self, void *to, size_t n);
  * short
  */
 DG_API int dg_host_restore(struct dg_host *self, const void *from, size_t n);
+
+/* ---------------------------------------------------------------- faults and SCPI */
+
+/** The control plane of one encoder, in memory of the host's as the handle is; links it. What it
+ * has done to world and EEPROM is in saved states, the panel itself is not. */
+struct dg_host_panel;
+
+/** Bytes of a panel. */
+DG_API size_t dg_host_panel_size(void);
+
+/**
+ * Put a panel before an encoder that was switched on, which has to outlive it; one at a time. The
+ * encoder sits on the panel's shaft then, which is at the same angle, at rest: SHAFt moves it.
+ * @return NULL: too small, not aligned, never on, or `instrument` is not that of its protocol
+ */
+DG_API struct dg_host_panel *dg_host_panel_init(void *memory, size_t size, struct dg_host *host,
+                                                const struct dg_instrument *instrument);
+/** The same with the instrument of its protocol; links all of them. @return NULL also: it has none
+ */
+DG_API struct dg_host_panel *dg_host_panel_make(void *memory, size_t size, struct dg_host *host);
+
+/** Something that can happen to the encoder. The texts last as long as the library. */
+struct dg_host_fault {
+    char name[32];
+    const char *cause;  /**< what has happened */
+    const char *effect; /**< what the device will do */
+    uint8_t active;     /**< 1: it lasts */
+    uint8_t reserved[7];
+};
+
+/** Entry `index` of its catalogue. @return 0; DG_HOST_ERR_NAME behind the last one */
+DG_API int dg_host_fault(const struct dg_host_panel *self, size_t index, struct dg_host_fault *to);
+
+/** Let a fault happen until it is made good. @return 0; DG_HOST_ERR_NAME; DG_HOST_ERR_IO;
+ * DG_HOST_ERR_WIRE: it is one of lines and rings that a queue of events has not */
+DG_API int dg_host_fault_set(struct dg_host_panel *self, uint64_t now, const char *name, bool on);
+
+/** A line of SCPI, without its end, and what is answered, with a zero behind it and no LF at the
+ * end. A command that waits answers in a later call: with "" when there is nothing else to say.
+ * @return characters of the answer; DG_HOST_ERR_SPACE: it was cut, or the line
+ * was not taken to its end */
+DG_API int dg_host_scpi(struct dg_host_panel *self, uint64_t now, const char *line, char *answer,
+                        size_t size);
+
+/** dg_host_step() of its encoder, with the end of faults that have a time. */
+DG_API uint64_t dg_host_panel_step(struct dg_host_panel *self, uint64_t now);
 
 #ifdef __cplusplus
 }

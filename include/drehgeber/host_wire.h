@@ -40,8 +40,8 @@ struct dg_host_wire {
     size_t settings_size;
     /** Settings of this model, as delivered. They begin with a copy of the stack's own struct. */
     void (*furnish)(void *settings, const struct dg_device *device);
-    /** Bit n: this model has not row n of `own`, bit 16 + n: of `keys`. NULL: each has all. */
-    uint32_t (*without)(const void *settings);
+    /** Bit n: this model has not row n of `own`, bit 32 + n: of `keys`. NULL: each has all. */
+    uint64_t (*without)(const void *settings);
     /** Put model, serial number, address and port of the settings into `setup`; make what pointers
      * settings have. `setup` NULL: take the pointers out. */
     void (*arrange)(void *settings, struct dg_stack_setup *setup);

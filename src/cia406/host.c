@@ -54,7 +54,7 @@ static void furnish(void *settings, const struct dg_device *device)
 }
 
 /* A singleturn encoder has no turns. */
-static uint32_t without(const void *settings)
+static uint64_t without(const void *settings)
 {
     const struct settings *self = settings;
 
@@ -66,6 +66,7 @@ static uint32_t without(const void *settings)
 static void send(void *ctx, const struct dg_can_frame *frame)
 {
     struct dg_host_line *line = ctx;
+    const struct dg_cia406_device *device = line->device;
     struct dg_host_event event = {
         .at = line->now,
         .id = frame->id,
@@ -75,7 +76,9 @@ static void send(void *ctx, const struct dg_can_frame *frame)
     };
 
     memcpy(event.data, frame->data, frame->rtr ? 0 : frame->dlc);
-    dg_host_emit(line, &event);
+    if (!device->node.bus_off) {
+        dg_host_emit(line, &event);
+    }
 }
 
 static const struct dg_co_ops ops = {.send = send};
@@ -132,7 +135,7 @@ static bool take(struct dg_host_line *line, const struct dg_host_event *event)
         .dlc = event->length,
     };
     memcpy(frame.data, event->data, sizeof frame.data);
-    if (dg_cia406_stack.powered(device)) {
+    if (dg_cia406_stack.powered(device) && !device->node.bus_off) {
         (void)dg_co_rx(&device->node, line->now, &frame);
     }
     return true;

@@ -35,6 +35,9 @@ struct dg_host {
     dg_angle (*angle_of)(void *shaft, dg_ns at);
     void (*heard)(void *ctx, const struct dg_host_event *event); /**< NULL: into `out` */
     void *heard_ctx;
+    /** Faults of the wire; NULL: none. @return how often an event arrives */
+    unsigned (*arrives)(void *ctx, struct dg_host_event *event, bool sent);
+    void *arrives_ctx;
     struct dg_nvm nvm; /**< the host's own; ops NULL: `memory` */
     uint8_t *memory;
     uint32_t memory_size;

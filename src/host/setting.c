@@ -6,7 +6,7 @@
 
 #include "drehgeber/quantity.h"
 
-#define MODEL_ROW 16u
+#define MODEL_ROW 32u
 enum { OWN, MODEL, WORLD, LISTS };
 
 static const struct dg_keys *list_of(const struct dg_host *self, unsigned list)
@@ -27,7 +27,7 @@ static bool has_quantity(const struct dg_host *self, size_t row)
 
 static bool has(const struct dg_host *self, unsigned list, size_t row)
 {
-    const uint32_t without =
+    const uint64_t without =
         self->wire->without != NULL ? self->wire->without(self->line.settings) : 0;
 
     if (list == WORLD) {

@@ -33,20 +33,27 @@ static void append(struct host_queue *queue, const struct dg_host_event *event)
     queue->count++;
 }
 
+static void deliver(struct dg_host *self, const struct dg_host_event *event)
+{
+    if (self->heard != NULL) {
+        self->heard(self->heard_ctx, event);
+    } else if (self->out.count == DG_HOST_QUEUE || self->untold) {
+        /* The gap is told where it is: nothing gets behind it before somebody knows. */
+        self->lost++;
+        self->untold = true;
+    } else {
+        append(&self->out, event);
+    }
+}
+
 void dg_host_emit(struct dg_host_line *line, const struct dg_host_event *event)
 {
     struct dg_host *self = (struct dg_host *)(void *)line;
+    struct dg_host_event copy = *event;
+    unsigned times = self->arrives != NULL ? self->arrives(self->arrives_ctx, &copy, false) : 1;
 
-    if (self->heard != NULL) {
-        self->heard(self->heard_ctx, event);
-    } else if (self->out.count == DG_HOST_QUEUE) {
-        self->lost++;
-        self->untold = true;
-    } else if (self->untold) {
-        /* The gap is told where it is: nothing gets behind it before somebody knows. */
-        self->lost++;
-    } else {
-        append(&self->out, event);
+    while (times-- > 0) {
+        deliver(self, &copy);
     }
 }
 
@@ -125,10 +132,22 @@ void host_look(struct dg_host *self)
     }
 }
 
+/* What a fault keeps from the encoder is not taken at all. */
+static bool take_head(struct dg_host *self)
+{
+    struct dg_host_event *event = head_of(&self->in);
+
+    if (self->line.part == 0 && self->arrives != NULL &&
+        self->arrives(self->arrives_ctx, event, true) == 0) {
+        return true;
+    }
+    return self->wire->take(&self->line, event);
+}
+
 static void take_all(struct dg_host *self)
 {
     while (self->in.count != 0 && due_in(self) <= self->line.now) {
-        if (self->wire->take(&self->line, head_of(&self->in))) {
+        if (take_head(self)) {
             self->line.part = 0;
             drop_head(&self->in);
         }

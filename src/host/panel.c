@@ -1,0 +1,296 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The control plane of one encoder: a rig of one instrument and one shaft, with one session. Faults
+ * of the wire happen to events on their way into and out of the queues.
+ */
+#include <string.h>
+
+#include "drehgeber/control.h"
+#include "host_private.h"
+
+struct dg_host_panel {
+    struct dg_host *host;
+    struct dg_encoder encoder;
+    struct dg_rig_shaft shaft;
+    struct dg_encoder *encoders[1];
+    struct dg_rig_shaft *shafts[1];
+    const struct dg_instrument *instruments[1];
+    struct dg_rig rig;
+    struct dg_control control;
+    char *answer; /* of the call at hand */
+    size_t size;
+    size_t used;
+    bool cut;
+    unsigned copies; /* what became of the reply at hand: it may be several events */
+};
+_Static_assert(_Alignof(struct dg_host_panel) <= DG_HOST_ALIGN, "what host.h asks for is enough");
+
+/* ------------------------------------------------------------ faults of the wire */
+
+/* Those that events can have; the others are of lines and rings. */
+#define IN_QUEUES                                                                                  \
+    (1u << DG_WIRE_DROP | 1u << DG_WIRE_DEAF | 1u << DG_WIRE_DELAY | 1u << DG_WIRE_DAMAGE |        \
+     1u << DG_WIRE_DUPLICATE)
+#define OF_CONTROLLERS (1u << DG_WIRE_BUS_OFF | 1u << DG_WIRE_PASSIVE | 1u << DG_WIRE_OVERRUN)
+
+static void damage(struct dg_faults *faults, struct dg_host_event *event)
+{
+    if (event->length > 0) {
+        const uint32_t bit = dg_fault_pick(faults, 8u * event->length);
+        event->data[bit / 8u] ^= (uint8_t)(1u << bit % 8u);
+    }
+}
+
+static unsigned sent_by_encoder(struct dg_host_panel *self, struct dg_host_event *event)
+{
+    struct dg_faults *faults = &self->encoder.faults;
+
+    /* A reply is one frame, of however many events: all but the first begin later. */
+    if (event->at <= self->host->line.now) {
+        self->copies = dg_fault_wire_takes(faults, DG_WIRE_DROP) ? 0 : 1;
+        self->copies += dg_fault_wire_takes(faults, DG_WIRE_DUPLICATE) ? 1u : 0u;
+        if (dg_fault_wire_takes(faults, DG_WIRE_DAMAGE)) {
+            damage(faults, event);
+        }
+    }
+    if (dg_fault_wire_takes(faults, DG_WIRE_DELAY)) {
+        const int64_t delay = dg_fault_wire_value(self->encoder.instrument, DG_WIRE_DELAY);
+        event->at = dg_after(event->at, (dg_ns)delay);
+    }
+    return self->copies;
+}
+
+static unsigned arrives(void *ctx, struct dg_host_event *event, bool sent)
+{
+    struct dg_host_panel *self = ctx;
+    struct dg_faults *faults = &self->encoder.faults;
+
+    if (faults->wire == 0) {
+        return 1;
+    }
+    if (sent) {
+        const bool heard = event->kind == DG_HOST_BUS || !dg_fault_wire_takes(faults, DG_WIRE_DEAF);
+        return heard ? 1 : 0;
+    }
+    return sent_by_encoder(self, event);
+}
+
+/* What the controller of a CAN node sees, now. */
+static int tell_controller(struct dg_host *host, unsigned fault, bool on)
+{
+    static const uint8_t states[DG_WIRE_FAULT_COUNT] = {[DG_WIRE_BUS_OFF] = DG_HOST_BUS_OFF,
+                                                        [DG_WIRE_PASSIVE] = DG_HOST_BUS_PASSIVE,
+                                                        [DG_WIRE_OVERRUN] = DG_HOST_BUS_OVERRUN};
+    const struct dg_host_event event = {.at = host->line.now,
+                                        .id = on ? states[fault] : (uint32_t)DG_HOST_BUS_ACTIVE,
+                                        .kind = DG_HOST_BUS};
+
+    if (!on && fault == DG_WIRE_OVERRUN) {
+        return DG_HOST_OK;
+    }
+    return dg_host_send(host, &event);
+}
+
+/* ------------------------------------------------------------ the rig */
+
+static void changed(struct dg_rig *rig, struct dg_encoder *encoder, dg_ns now)
+{
+    const struct dg_host_panel *self = rig->host;
+
+    (void)encoder;
+    host_run(self->host, now);
+    host_look(self->host);
+}
+
+static const char *wire(struct dg_rig *rig, const struct dg_encoder *encoder)
+{
+    (void)rig;
+    (void)encoder;
+    return "host";
+}
+
+static const struct dg_rig_ops ops = {.changed = changed, .wire = wire};
+
+static void collect(void *ctx, const char *bytes, size_t n)
+{
+    struct dg_host_panel *self = ctx;
+    const size_t room = self->size - self->used;
+    const size_t fits = n < room ? n : room;
+
+    memcpy(self->answer + self->used, bytes, fits);
+    self->used += fits;
+    self->cut = self->cut || fits < n;
+}
+
+size_t dg_host_panel_size(void)
+{
+    return host_round(sizeof(struct dg_host_panel));
+}
+
+static void build(struct dg_host_panel *self)
+{
+    struct dg_host *host = self->host;
+
+    self->encoder = (struct dg_encoder){
+        .name = host->device->name,
+        .model = host->device,
+        .instrument = self->instruments[0],
+        .device = host->line.device,
+        .world = &host->world,
+        .shaft = &self->shaft,
+        .nvm = host_setup(host).nvm,
+    };
+    self->shaft.name = "shaft";
+    self->encoders[0] = &self->encoder;
+    self->shafts[0] = &self->shaft;
+    self->rig = (struct dg_rig){
+        .encoders = self->encoders,
+        .encoder_count = 1,
+        .shafts = self->shafts,
+        .shaft_count = 1,
+        .instruments = self->instruments,
+        .instrument_count = 1,
+        .ops = &ops,
+        .host = self,
+    };
+    dg_control_init(&self->control, &self->rig, collect, self);
+}
+
+struct dg_host_panel *dg_host_panel_init(void *memory, size_t size, struct dg_host *host,
+                                         const struct dg_instrument *instrument)
+{
+    struct dg_host_panel *self = memory;
+
+    if (memory == NULL || size < dg_host_panel_size() || (uintptr_t)memory % DG_HOST_ALIGN != 0 ||
+        !host->made || instrument == NULL || instrument->stack != host->device->stack) {
+        return NULL;
+    }
+    memset(self, 0, sizeof *self);
+    self->host = host;
+    self->instruments[0] = instrument;
+    build(self);
+    const int64_t angle = dg_host_angle(host, host->line.now);
+    dg_shaft_init(&self->shaft.shaft);
+    (void)dg_shaft_set_position(&self->shaft.shaft, host->line.now, angle);
+    dg_host_shaft_of(host, &self->shaft.shaft);
+    host->arrives = arrives;
+    host->arrives_ctx = self;
+    return self;
+}
+
+/* ------------------------------------------------------------ faults */
+
+int dg_host_fault(const struct dg_host_panel *self, size_t index, struct dg_host_fault *to)
+{
+    const struct dg_fault_target target = dg_encoder_target(&self->encoder);
+    struct dg_fault_entry entry;
+
+    if (!dg_fault_entry(&target, index, &entry)) {
+        return DG_HOST_ERR_NAME;
+    }
+    *to = (struct dg_host_fault){.cause = entry.cause,
+                                 .effect = entry.effect,
+                                 .active = self->encoder.faults.fault[index].active};
+    _Static_assert(sizeof to->name == sizeof entry.name, "a name has the room it needs");
+    memcpy(to->name, entry.name, sizeof to->name);
+    return DG_HOST_OK;
+}
+
+static int set(struct dg_host_panel *self, const struct dg_fault_target *target, size_t index,
+               bool on)
+{
+    static const struct dg_fault_limits usual = {.probability_ppm = 1000000, .duration = DG_NEVER};
+    struct dg_faults *faults = &self->encoder.faults;
+
+    return on ? dg_fault_set(faults, target, index, self->host->line.now, &usual)
+              : dg_fault_clear(faults, target, index);
+}
+
+/* Whether events can have it: then it may be set. */
+static int possible(const struct dg_host_panel *self, const struct dg_fault_entry *entry)
+{
+    const struct dg_host_wire *host_wire = self->host->wire;
+    const unsigned queued = IN_QUEUES | OF_CONTROLLERS;
+
+    if (entry->kind != DG_FAULT_WIRE) {
+        return DG_HOST_OK;
+    }
+    return host_wire->clock == NULL && (queued >> entry->row->wire & 1u) != 0 ? DG_HOST_OK
+                                                                              : DG_HOST_ERR_WIRE;
+}
+
+int dg_host_fault_set(struct dg_host_panel *self, uint64_t now, const char *name, bool on)
+{
+    const struct dg_fault_target target = dg_encoder_target(&self->encoder);
+    const int index = dg_fault_find(&target, name);
+    struct dg_fault_entry entry;
+
+    if (index < 0 || !dg_fault_entry(&target, (size_t)index, &entry)) {
+        return DG_HOST_ERR_NAME;
+    }
+    host_run(self->host, now);
+    int result = possible(self, &entry);
+    if (result == DG_HOST_OK) {
+        result = set(self, &target, (size_t)index, on);
+    }
+    if (result == DG_HOST_OK && entry.kind == DG_FAULT_WIRE &&
+        (OF_CONTROLLERS >> entry.row->wire & 1u) != 0) {
+        result = tell_controller(self->host, entry.row->wire, on);
+    }
+    host_run(self->host, now);
+    return result;
+}
+
+/* ------------------------------------------------------------ SCPI */
+
+static size_t length_of(const char *line)
+{
+    size_t n = 0;
+
+    while (n < DG_SCPI_LINE_MAX && line[n] != '\0') {
+        n++;
+    }
+    return n;
+}
+
+static bool take_line(struct dg_host_panel *self, dg_ns now, const char *line)
+{
+    const size_t n = length_of(line);
+
+    if (n == 0) {
+        return true;
+    }
+    return dg_control_rx(&self->control, now, line, n) == n &&
+           dg_control_rx(&self->control, now, "\n", 1) == 1;
+}
+
+int dg_host_scpi(struct dg_host_panel *self, uint64_t now, const char *line, char *answer,
+                 size_t size)
+{
+    if (size == 0) {
+        return DG_HOST_ERR_SPACE;
+    }
+    (void)dg_host_panel_step(self, now);
+    now = self->host->line.now;
+    self->answer = answer;
+    self->size = size - 1u;
+    self->cut = false;
+    (void)dg_control_step(&self->control, now);
+    const bool taken = take_line(self, now, line);
+    (void)dg_control_step(&self->control, now);
+    (void)dg_host_panel_step(self, now);
+    size_t n = self->used;
+    self->size = 0; /* between two calls nobody listens */
+    self->used = 0;
+    n -= n > 0 && answer[n - 1u] == '\n' ? 1u : 0u;
+    answer[n] = '\0';
+    return self->cut || !taken ? DG_HOST_ERR_SPACE : (int)n;
+}
+
+uint64_t dg_host_panel_step(struct dg_host_panel *self, uint64_t now)
+{
+    host_run(self->host, now);
+    const dg_ns faults = dg_rig_step(&self->rig, self->host->line.now);
+
+    return dg_earliest(faults, dg_host_step(self->host, now));
+}
