@@ -126,7 +126,7 @@ struct dg_host_key {
 /** How a setting is written. */
 enum dg_host_key_type {
     DG_HOST_KEY_NUMBER = 0, /**< 12, 0.5, 0x27, 27h */
-    DG_HOST_KEY_WORD = 1,   /**< one of two words, as its help says; mostly 0 and 1 */
+    DG_HOST_KEY_WORD = 1,   /**< one of some words: 0 and 1, or as its help says */
     DG_HOST_KEY_TEXT = 2,   /**< characters */
 };
 

@@ -28,6 +28,7 @@ enum dg_key_type {
     DG_KEY_I32,    /**< int32_t */
     DG_KEY_NS,     /**< dg_ns; the number is in units of `factor` */
     DG_KEY_FLAG,   /**< bool: the first or the second of `words` */
+    DG_KEY_WORD,   /**< uint8_t: which one of `words`, whose last one is number max */
     DG_KEY_TEXT,   /**< char[max + 1]: min to max characters; the rest of it is cleared */
     DG_KEY_DIGITS, /**< char[max + 1]: min to max digits, zeros in front */
     DG_KEY_TYPE_COUNT
@@ -43,7 +44,7 @@ struct dg_key {
     uint32_t factor;          /**< DG_KEY_NS: nanoseconds */
     int64_t min;              /**< smallest number, fewest characters */
     int64_t max;              /**< largest number, most characters */
-    const char *const *words; /**< DG_KEY_FLAG: false and true in its own words */
+    const char *const *words; /**< DG_KEY_FLAG, DG_KEY_WORD: 0 and 1 and so on in its own words */
     const char *help;
 };
 

@@ -51,7 +51,7 @@ static const struct dg_key *find(const struct dg_host *self, const char *name, u
 
 static uint8_t type_of(const struct dg_key *key)
 {
-    if (key->type == DG_KEY_FLAG) {
+    if (key->type == DG_KEY_FLAG || key->type == DG_KEY_WORD) {
         return DG_HOST_KEY_WORD;
     }
     return key->type == DG_KEY_TEXT || key->type == DG_KEY_DIGITS ? DG_HOST_KEY_TEXT

@@ -52,6 +52,11 @@ static bool is_text(const struct dg_key *key)
     return key->type == DG_KEY_TEXT || key->type == DG_KEY_DIGITS;
 }
 
+static bool is_word(const struct dg_key *key)
+{
+    return key->type == DG_KEY_FLAG || key->type == DG_KEY_WORD;
+}
+
 /* ------------------------------------------------------------ values */
 
 /* The value has been checked against the row's range, so it fits the type. */
@@ -73,6 +78,7 @@ static void store(const struct dg_key *key, uint8_t *to, int64_t value)
         [DG_KEY_I32] = {&u32, sizeof u32},
         [DG_KEY_NS] = {&u64, sizeof u64},
         [DG_KEY_FLAG] = {&flag, sizeof flag},
+        [DG_KEY_WORD] = {&u8, sizeof u8},
     };
 
     memcpy(to, rows[key->type].from, rows[key->type].size);
@@ -111,6 +117,7 @@ static int64_t load(const struct dg_key *key, const uint8_t *from)
         return (int64_t)(u64 / key->factor);
     case DG_KEY_U8:
     case DG_KEY_FLAG:
+    case DG_KEY_WORD:
     case DG_KEY_TEXT:
     case DG_KEY_DIGITS:
     case DG_KEY_TYPE_COUNT:
@@ -151,37 +158,53 @@ static bool parse_hex(const char *text, int64_t *value)
     return prefixed || suffixed;
 }
 
-/* [+-]digits[.digits] in units of 10^-places; further digits have to be 0. */
+/* A decimal on its way: `behind` digits of it stood behind the point. */
+struct decimal {
+    int64_t sum;
+    unsigned digits;
+    unsigned behind;
+    bool point;
+};
+
+#define SUM_MAX ((INT64_MAX - (int64_t)DECIMAL) / (int64_t)DECIMAL)
+
+/* Digits beyond `places` have to be 0. @return false: no such number */
+static bool take_digit(struct decimal *self, unsigned digit, unsigned places)
+{
+    if (digit >= DECIMAL || self->sum > SUM_MAX) {
+        return false;
+    }
+    self->digits++;
+    if (self->point && self->behind == places) {
+        return digit == 0;
+    }
+    self->sum = self->sum * (int64_t)DECIMAL + (int64_t)digit;
+    self->behind += self->point ? 1u : 0u;
+    return true;
+}
+
+/* [+-]digits[.digits] in units of 10^-places */
 static bool parse_decimal(const char *text, unsigned places, int64_t *value)
 {
     const bool negative = *text == '-';
-    const int64_t limit = (INT64_MAX - (int64_t)DECIMAL) / (int64_t)DECIMAL;
-    unsigned behind = 0;
-    unsigned digits = 0;
-    bool point = false;
-    int64_t sum = 0;
+    struct decimal number = {.sum = 0};
+    bool good = true;
 
-    for (text += negative || *text == '+' ? 1 : 0; *text != '\0'; text++) {
-        const unsigned digit = digit_of(*text);
-        if ((*text == '.' && point) || (*text != '.' && digit >= DECIMAL) || sum > limit) {
-            return false;
-        }
-        point = point || *text == '.';
-        digits += *text != '.' ? 1u : 0u;
-        if (*text != '.' && point && behind == places) {
-            if (digit != 0) {
-                return false;
-            }
-        } else if (*text != '.') {
-            sum = sum * (int64_t)DECIMAL + (int64_t)digit;
-            behind += point ? 1u : 0u;
+    for (text += negative || *text == '+' ? 1 : 0; good && *text != '\0'; text++) {
+        if (*text == '.') {
+            good = !number.point;
+            number.point = true;
+        } else {
+            good = take_digit(&number, digit_of(*text), places);
         }
     }
-    for (; behind < places && sum <= limit; behind++) {
-        sum *= (int64_t)DECIMAL;
+    const bool any = number.digits > 0;
+    number.point = true;
+    while (good && number.behind < places) {
+        good = take_digit(&number, 0, places);
     }
-    *value = negative ? -sum : sum;
-    return digits > 0 && behind == places;
+    *value = negative ? -number.sum : number.sum;
+    return good && any;
 }
 
 static int set_number(const struct dg_key *key, uint8_t *to, const char *value)
@@ -197,9 +220,9 @@ static int set_number(const struct dg_key *key, uint8_t *to, const char *value)
     return DG_OK;
 }
 
-static int set_flag(const struct dg_key *key, uint8_t *to, const char *value)
+static int set_word(const struct dg_key *key, uint8_t *to, const char *value)
 {
-    for (int i = 0; i < 2; i++) {
+    for (int64_t i = 0; i <= key->max; i++) {
         if (same(value, key->words[i])) {
             store(key, to, i);
             return DG_OK;
@@ -236,8 +259,8 @@ int dg_key_set(const struct dg_key *self, void *base, const char *value)
 {
     uint8_t *to = (uint8_t *)base + self->offset;
 
-    if (self->type == DG_KEY_FLAG) {
-        return set_flag(self, to, value);
+    if (is_word(self)) {
+        return set_word(self, to, value);
     }
     return is_text(self) ? set_text(self, to, value) : set_number(self, to, value);
 }
@@ -272,8 +295,8 @@ int dg_key_get(const struct dg_key *self, const void *base, char *to, size_t siz
     char number[CHARACTERS_MAX];
     const char *text = (const char *)from;
 
-    if (self->type == DG_KEY_FLAG) {
-        text = self->words[load(self, from) != 0];
+    if (is_word(self)) {
+        text = self->words[load(self, from)];
     } else if (!is_text(self)) {
         text = format(number, load(self, from), self->places);
     }

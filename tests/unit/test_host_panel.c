@@ -1,0 +1,204 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * A handle's panel: faults by name, of the world, the EEPROM and the wire, and lines of SCPI.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "host_rig.h"
+
+/* ------------------------------------------------------------ faults and SCPI */
+
+static struct host_rig_place panel_place;
+
+static struct dg_host_panel *panel(struct dg_host *self)
+{
+    assert_true(dg_host_panel_size() <= sizeof panel_place);
+    return dg_host_panel_make(&panel_place, sizeof panel_place, self);
+}
+
+static void a_panel_needs_an_encoder_that_was_on(void **state)
+{
+    struct dg_host *self = host_rig_make(&host_rig_here, "f3668");
+
+    (void)state;
+    assert_null(panel(self));
+    assert_int_equal(dg_host_power(self, 0, true), DG_HOST_OK);
+    assert_null(dg_host_panel_make(&panel_place, dg_host_panel_size() - 1u, self));
+    assert_null(dg_host_panel_make(panel_place.bytes + 8, dg_host_panel_size(), self));
+    assert_null(dg_host_panel_make(NULL, dg_host_panel_size(), self));
+    assert_non_null(panel(self));
+    assert_null(panel(host_rig_start(&host_rig_here, "ssi-25"))); /* has no instrument */
+}
+
+/* Every fault of every model comes and goes, or is told to be none of queues. */
+static void faults_come_and_go_by_name(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i + 1 < HOST_RIG_MODELS; i++) {
+        struct dg_host *self = host_rig_start(&host_rig_here, host_rig_models[i].name);
+        struct dg_host_panel *board = panel(self);
+        struct dg_host_fault fault;
+        unsigned set = 0;
+        for (size_t n = 0; dg_host_fault(board, n, &fault) == DG_HOST_OK; n++) {
+            const int result = dg_host_fault_set(board, READY, fault.name, true);
+            assert_true(result == DG_HOST_OK ||
+                        (result == DG_HOST_ERR_WIRE && strncmp(fault.name, "wire_", 5) == 0));
+            assert_true(fault.active == 0 && fault.cause[0] != '\0' && fault.effect[0] != '\0');
+            assert_int_equal(dg_host_fault(board, n, &fault), DG_HOST_OK);
+            assert_int_equal(fault.active, result == DG_HOST_OK);
+            set += fault.active;
+            assert_int_equal(dg_host_fault_set(board, READY + MS, fault.name, false),
+                             result == DG_HOST_OK ? DG_HOST_OK : DG_HOST_ERR_WIRE);
+        }
+        assert_true(set >= 2);
+        assert_int_equal(dg_host_fault_set(board, READY, "no_such_fault", true), DG_HOST_ERR_NAME);
+    }
+}
+
+/* 42h while something is wrong with the wire. */
+static int ask_hiperface(struct dg_host *self, uint64_t at, struct dg_host_event *event)
+{
+    const struct dg_host_event request = {
+        .at = at, .kind = DG_HOST_BYTES, .length = 3, .data = {0x40, 0x42, 0x02}};
+    int n = 0;
+
+    host_rig_drain(self);
+    assert_int_equal(dg_host_send(self, &request), DG_HOST_OK);
+    (void)dg_host_step(self, at + 900 * MS);
+    while (dg_host_receive(self, event) == 1) {
+        n++;
+    }
+    return n;
+}
+
+static void faults_of_the_wire_happen_in_the_queues(void **state)
+{
+    struct dg_host *self = host_rig_start(&host_rig_here, "s3684-rs485");
+    struct dg_host_panel *board = panel(self);
+    static const struct {
+        const char *name;
+        int replies;
+        bool late;
+        bool damaged;
+    } faults[] = {
+        {"wire_drop", 0, false, false},      {"wire_deaf", 0, false, false},
+        {"wire_delay", 1, true, false},      {"wire_damage", 1, false, true},
+        {"wire_duplicate", 2, false, false},
+    };
+    struct dg_host_event healthy;
+    struct dg_host_event event;
+    uint64_t now = 2 * SECOND;
+
+    (void)state;
+    assert_int_equal(ask_hiperface(self, now, &healthy), 1);
+    healthy.at -= now;
+    for (size_t i = 0; i < sizeof faults / sizeof faults[0]; i++) {
+        now += SECOND;
+        assert_int_equal(dg_host_fault_set(board, now, faults[i].name, true), DG_HOST_OK);
+        assert_int_equal(ask_hiperface(self, now, &event), faults[i].replies);
+        if (faults[i].replies > 0) {
+            assert_int_equal(event.at - now - healthy.at, faults[i].late ? 300 * MS : 0);
+            assert_int_equal(memcmp(event.data, healthy.data, sizeof event.data) != 0,
+                             faults[i].damaged);
+        }
+        assert_int_equal(dg_host_fault_set(board, now, faults[i].name, false), DG_HOST_OK);
+    }
+    assert_int_equal(ask_hiperface(self, now + SECOND, &event), 1);
+}
+
+/* How often 1001h is answered. */
+static int ask_canopen(struct dg_host *self, uint64_t at)
+{
+    const struct dg_host_event read = {
+        .at = at, .kind = DG_HOST_CAN, .id = 0x63F, .length = 8, .data = {0x40, 0x01, 0x10}};
+    struct dg_host_event event;
+    int n = 0;
+
+    host_rig_drain(self);
+    assert_int_equal(dg_host_send(self, &read), DG_HOST_OK);
+    (void)dg_host_step(self, at + MS);
+    while (dg_host_receive(self, &event) == 1) {
+        n += event.id == 0x5BF ? 1 : 0;
+    }
+    return n;
+}
+
+static void a_controller_that_is_off_is_silent(void **state)
+{
+    struct dg_host *self = host_rig_start(&host_rig_here, "f3668");
+    struct dg_host_panel *board = panel(self);
+
+    (void)state;
+    assert_int_equal(dg_host_fault_set(board, READY, "bus_off", true), DG_HOST_OK);
+    assert_int_equal(ask_canopen(self, READY), 0);
+    assert_int_equal(dg_host_fault_set(board, READY + 2 * MS, "bus_off", false), DG_HOST_OK);
+    assert_int_equal(ask_canopen(self, READY + 3 * MS), 1);
+}
+
+static void a_line_of_scpi_is_answered(void **state)
+{
+    struct dg_host *self = host_rig_start(&host_rig_here, "s3684-biss");
+    struct dg_host_panel *board = panel(self);
+    struct dg_host_frame frame;
+    char answer[64];
+    int64_t value = 0;
+
+    (void)state;
+    assert_int_equal(dg_host_scpi(board, READY, "SHAF:POS?", answer, sizeof answer), 11);
+    assert_string_equal(answer, "1170.000000");
+    assert_int_equal(dg_host_scpi(board, READY, "WORL:TEMP 50;:SHAF:POS 90", answer, sizeof answer),
+                     0);
+    assert_int_equal(dg_host_world_get(self, "temperature", &value), DG_HOST_OK);
+    assert_int_equal(value, 50000);
+    assert_int_equal(dg_host_frame(self, READY, &frame), DG_HOST_OK);
+    assert_int_equal(frame.position, 1u << 19);
+    assert_int_equal(dg_host_scpi(board, frame.end, "*IDN?", answer, 8), DG_HOST_ERR_SPACE);
+    assert_string_equal(answer, "drehgeb");
+    assert_int_equal(dg_host_scpi(board, frame.end, "NONS", answer, sizeof answer), 0);
+    assert_true(dg_host_scpi(board, frame.end, "SYST:ERR?", answer, sizeof answer) > 0);
+    assert_memory_equal(answer, "-113", 4);
+    assert_int_equal(dg_host_scpi(board, frame.end, "POW OFF", answer, sizeof answer), 0);
+    assert_false(dg_host_powered(self));
+    assert_int_equal(dg_host_scpi(board, frame.end, "", answer, sizeof answer), 0);
+}
+
+static void a_fault_with_a_time_ends(void **state)
+{
+    struct dg_host *self = host_rig_start(&host_rig_here, "s3684-biss");
+    struct dg_host_panel *board = panel(self);
+    char answer[64];
+    int64_t value = 0;
+
+    (void)state;
+    assert_int_equal(
+        dg_host_scpi(board, READY, "FAUL:SET temperature_high;:SYST:ERR?", answer, sizeof answer),
+        12);
+    assert_string_equal(answer, "0,\"No error\"");
+    assert_int_equal(dg_host_world_get(self, "temperature", &value), DG_HOST_OK);
+    assert_true(value > 120000);
+    assert_true(dg_host_panel_step(board, READY + MS) > READY + MS);
+    assert_int_equal(dg_host_fault_set(board, READY, "temperature_high", false), DG_HOST_OK);
+    assert_int_equal(dg_host_world_get(self, "temperature", &value), DG_HOST_OK);
+    assert_int_equal(value, 37000);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_panel_needs_an_encoder_that_was_on),
+        cmocka_unit_test(faults_come_and_go_by_name),
+        cmocka_unit_test(faults_of_the_wire_happen_in_the_queues),
+        cmocka_unit_test(a_controller_that_is_off_is_silent),
+        cmocka_unit_test(a_line_of_scpi_is_answered),
+        cmocka_unit_test(a_fault_with_a_time_ends),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
