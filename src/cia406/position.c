@@ -51,10 +51,12 @@ int64_t cia406_counts(const struct dg_co_node *node, dg_ns at)
     return dg_angle_counts(dg_world_angle(node->setup.world, at), DG_CIA406_STEPS);
 }
 
+/* As cia406_counts(), modulo the range: a count is 2^16 of the 2^32 that a turn has. */
 static void sample_raw(struct dg_co_node *node)
 {
-    encoder_of(node)->raw =
-        (uint32_t)((uint64_t)cia406_counts(node, node->now) & (physical_range(node) - 1u));
+    uint64_t angle = (uint64_t)dg_world_angle(node->setup.world, node->now);
+
+    encoder_of(node)->raw = (uint32_t)(angle >> 16 & (physical_range(node) - 1u));
 }
 
 /* Scaled, before preset and USF. */
@@ -90,13 +92,18 @@ static uint64_t usf_y(const struct dg_co_node *node)
     return dg_mod(y, tmr(node) * DG_CIA406_STEPS);
 }
 
-/* In 1/65536 unit. */
+/* In 1/65536 unit. Unscaled the range is a power of two. */
 static uint64_t position_y(const struct dg_co_node *node)
 {
     if (parameter(node, DG_CIA406_USF)) {
         return usf_y(node);
     }
-    return (scaled(node) + node->value[SLOT_OFFSET]) % tmr(node) * DG_CIA406_STEPS;
+    if (parameter(node, DG_CIA406_SCALING)) {
+        return (scaled(node) + node->value[SLOT_OFFSET]) % tmr(node) * DG_CIA406_STEPS;
+    }
+    uint32_t raw = encoder_of(node)->raw;
+    uint32_t counts = (parameter(node, DG_CIA406_CCW) ? 0u - raw : raw) + node->value[SLOT_OFFSET];
+    return (counts & (physical_range(node) - 1u)) * DG_CIA406_STEPS;
 }
 
 /* Bits 0-2 of area 1, 3-5 of area 2: outside, above, below. */
@@ -120,7 +127,6 @@ void cia406_sample(struct dg_co_node *node)
     sample_raw(node);
     self->y = position_y(node);
     self->position = (uint32_t)(self->y / DG_CIA406_STEPS);
-    self->areas = areas(node, self->position);
 }
 
 uint32_t dg_cia406_position(const struct dg_co_node *node, dg_ns now)
@@ -347,6 +353,6 @@ enum dg_co_abort cia406_hook_areas(struct dg_co_node *node, const struct dg_co_o
 {
     (void)object;
     (void)op;
-    *value = encoder_of(node)->areas;
+    *value = areas(node, encoder_of(node)->position);
     return DG_CO_OK;
 }
