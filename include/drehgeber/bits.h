@@ -53,6 +53,19 @@ static inline void dg_store_le32(uint8_t *p, uint32_t value)
     p[3] = (uint8_t)(value >> 24);
 }
 
+/** The same with eight bytes: one store where two of four would be put together byte by byte. */
+static inline void dg_store_le64(uint8_t *p, uint64_t value)
+{
+    p[0] = (uint8_t)value;
+    p[1] = (uint8_t)(value >> 8);
+    p[2] = (uint8_t)(value >> 16);
+    p[3] = (uint8_t)(value >> 24);
+    p[4] = (uint8_t)(value >> 32);
+    p[5] = (uint8_t)(value >> 40);
+    p[6] = (uint8_t)(value >> 48);
+    p[7] = (uint8_t)(value >> 56);
+}
+
 /** Reads bytes from `at` up to `end`. Lives as long as the buffer. */
 struct dg_reader {
     const uint8_t *at;

@@ -48,6 +48,8 @@ enum co_slot {
 /* co_node.c */
 
 /** Send a frame now, unless the bus has to be silent. */
+void co_send_frame(struct dg_co_node *self, const struct dg_can_frame *frame);
+/** The same, with up to 8 bytes of data. */
 void co_send(struct dg_co_node *self, uint16_t id, const uint8_t *data, uint8_t dlc);
 /** A bit rate by its number; 0: the device has no such number. */
 uint16_t co_kbaud(const struct dg_co_device *device, uint8_t number);

@@ -75,8 +75,7 @@ static void send_block(struct dg_co_node *self)
     do {
         last = sdo->length - at <= (int)SDO_SEGMENT;
         sdo->seqno++;
-        co_sdo_send(self, (uint8_t)(sdo->seqno | (last ? SDO_LAST : 0u)), &sdo->buffer[at],
-                    SDO_SEGMENT);
+        co_sdo_send_segment(self, (uint8_t)(sdo->seqno | (last ? SDO_LAST : 0u)), &sdo->buffer[at]);
         at = (uint8_t)(at + SDO_SEGMENT);
     } while (!last && sdo->seqno < sdo->blksize);
     co_sdo_become(self, DG_CO_SDO_BLOCK_UPLOAD);

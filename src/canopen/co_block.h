@@ -27,6 +27,8 @@ typedef enum dg_co_abort sdo_handler(struct dg_co_node *self, const uint8_t *dat
 void co_sdo_become(struct dg_co_node *self, enum dg_co_sdo_state state);
 /** Answer: byte 0, `n` bytes of at most 7, zeros. Held back when a hook has asked for it. */
 void co_sdo_send(struct dg_co_node *self, uint8_t command, const uint8_t *bytes, uint8_t n);
+/** The same with seven bytes. */
+void co_sdo_send_segment(struct dg_co_node *self, uint8_t command, const uint8_t *bytes);
 /** Answer: byte 0, the multiplexor, 32 bits. */
 void co_sdo_confirm(struct dg_co_node *self, uint8_t command, uint32_t value);
 /** Read the object into the buffer. */

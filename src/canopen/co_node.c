@@ -29,21 +29,25 @@ static bool in(const struct dg_co_node *self, uint8_t states)
     return (bit & states) != 0;
 }
 
+void co_send_frame(struct dg_co_node *self, const struct dg_can_frame *frame)
+{
+    if (!co_lss_silent(self)) {
+        self->counters.tx++;
+        self->setup.ops->send(self->setup.ctx, frame);
+    }
+}
+
 void co_send(struct dg_co_node *self, uint16_t id, const uint8_t *data, uint8_t dlc)
 {
     struct dg_can_frame frame = {.id = id, .dlc = dlc};
 
-    if (co_lss_silent(self)) {
-        return;
-    }
     if (dlc == 8) { /* in halves, as they were written: a wider load would wait for both */
         memcpy(&frame.data[0], &data[0], 4);
         memcpy(&frame.data[4], &data[4], 4);
     } else {
         memcpy(frame.data, data, dlc);
     }
-    self->counters.tx++;
-    self->setup.ops->send(self->setup.ctx, &frame);
+    co_send_frame(self, &frame);
 }
 
 uint16_t co_kbaud(const struct dg_co_device *device, uint8_t number)

@@ -43,19 +43,17 @@ static uint32_t key(uint16_t index, uint8_t sub)
     return (uint32_t)index << 8 | sub;
 }
 
-/* The first of `count` sorted rows that is not before `wanted`. Halving without a way out for the
- * row that fits: cheaper than to look at each twice. */
-static const struct dg_co_object *lower_bound(const struct dg_co_object *rows, uint16_t count,
-                                              uint32_t wanted)
+/* The last of `count` sorted rows that is not behind `wanted`; the first when all are. Halving
+ * without a way out for the row that fits, and without a branch: cheaper than to look at each
+ * twice. */
+static const struct dg_co_object *last_not_behind(const struct dg_co_object *rows, uint32_t count,
+                                                  uint32_t wanted)
 {
-    while (count > 0) {
-        uint16_t half = (uint16_t)(count / 2u);
-        if (key(rows[half].index, rows[half].sub) < wanted) {
-            rows += half + 1;
-            count = (uint16_t)(count - half - 1u);
-        } else {
-            count = half;
-        }
+    while (count > 1) {
+        uint32_t half = count / 2u;
+        const struct dg_co_object *middle = rows + half;
+        rows = key(middle->index, middle->sub) <= wanted ? middle : rows;
+        count -= half;
     }
     return rows;
 }
@@ -69,13 +67,14 @@ const struct dg_co_object *co_find(const struct dg_co_node *self, uint16_t index
     bool own = index < 0x2000;
     const struct dg_co_object *rows = own ? co_objects : device->objects;
     const struct dg_co_object *end = rows + (own ? co_object_count : device->object_count);
-    const struct dg_co_object *found = lower_bound(rows, (uint16_t)(end - rows), key(index, sub));
+    const struct dg_co_object *found =
+        last_not_behind(rows, (uint32_t)(end - rows), key(index, sub));
 
     if (found < end && found->index == index && found->sub == sub) {
         return found;
     }
     bool known =
-        (found < end && found->index == index) || (found > rows && (found - 1)->index == index);
+        (found < end && found->index == index) || (found + 1 < end && (found + 1)->index == index);
     *abort = known ? DG_CO_NO_SUB : DG_CO_NO_OBJECT;
     return NULL;
 }

@@ -51,22 +51,24 @@ static const struct {
     sdo_handler *serve;
 } commands[] = {
     /* clang-format off */
-    {0xFF, SDO_ABORT, ANY, ignore},
+    {0xE0, 0x00, IN(DG_CO_SDO_DOWNLOAD),           download_segment},
     {0xE0, 0x20, ANY, download_initiate},
     {0xE0, 0x40, ANY, upload_initiate},
-    {0xE3, 0xA0, ANY, co_block_upload},
-    {0xE1, 0xC0, ANY, co_block_download},
-    {0xE0, 0x00, IN(DG_CO_SDO_DOWNLOAD),           download_segment},
     {0xE0, 0x60, IN(DG_CO_SDO_UPLOAD),             upload_segment},
+    {0xFF, SDO_ABORT, ANY, ignore},
+    {0xF8, 0x80, IN(DG_CO_SDO_BLOCK_DOWNLOAD_END), ignore}, /* last segment, received twice */
+    {0xE3, 0xA0, ANY, co_block_upload},
     {0xE3, 0xA3, IN(DG_CO_SDO_BLOCK_UPLOAD_START), co_block_upload_start},
     {0xE3, 0xA2, IN(DG_CO_SDO_BLOCK_UPLOAD),       co_block_upload_acknowledge},
     {0xE3, 0xA1, IN(DG_CO_SDO_BLOCK_UPLOAD_END),   co_block_upload_end},
+    {0xE1, 0xC0, ANY, co_block_download},
     {0xE1, 0xC1, IN(DG_CO_SDO_BLOCK_DOWNLOAD_END), co_block_download_end},
-    {0xF8, 0x80, IN(DG_CO_SDO_BLOCK_DOWNLOAD_END), ignore}, /* last segment, received twice */
     {0x00, 0x00, IN(DG_CO_SDO_BLOCK_DOWNLOAD),     co_block_download_segment},
     /* clang-format on */
 };
 #define COMMANDS DG_COUNT(commands)
+/* By the command specifier, bits 5-7: the first row that can fit. */
+static const uint8_t first_row[8] = {0, 1, 2, 3, 4, 6, 10, COMMANDS - 1};
 
 void co_sdo_become(struct dg_co_node *self, enum dg_co_sdo_state state)
 {
@@ -75,35 +77,43 @@ void co_sdo_become(struct dg_co_node *self, enum dg_co_sdo_state state)
         state == DG_CO_SDO_IDLE ? DG_NEVER : dg_after(self->now, DG_MS(TIMEOUT_MS));
 }
 
-static void send_frame(struct dg_co_node *self, const uint8_t *frame)
+/* An answer whose bytes are all set. Held back when a hook has asked for it. */
+static void send_answer(struct dg_co_node *self, struct dg_can_frame *frame)
 {
-    co_send(self, (uint16_t)(CO_ID_SDO_TX + self->id), frame, 8);
+    if (self->sdo.state == DG_CO_SDO_DELAYED) {
+        memcpy(self->sdo.answer, frame->data, sizeof self->sdo.answer);
+        return;
+    }
+    frame->id = (uint16_t)(CO_ID_SDO_TX + self->id);
+    frame->rtr = false;
+    frame->dlc = 8;
+    co_send_frame(self, frame);
 }
 
 void co_sdo_send(struct dg_co_node *self, uint8_t command, const uint8_t *bytes, uint8_t n)
 {
-    uint8_t frame[8] = {command};
+    struct dg_can_frame frame = {.data = {command}};
 
-    memcpy(&frame[1], bytes, n);
-    if (self->sdo.state == DG_CO_SDO_DELAYED) {
-        memcpy(self->sdo.answer, frame, sizeof frame);
-    } else {
-        send_frame(self, frame);
-    }
+    memcpy(&frame.data[1], bytes, n);
+    send_answer(self, &frame);
+}
+
+void co_sdo_send_segment(struct dg_co_node *self, uint8_t command, const uint8_t *bytes)
+{
+    struct dg_can_frame frame;
+
+    frame.data[0] = command;
+    memcpy(&frame.data[1], bytes, SDO_SEGMENT);
+    send_answer(self, &frame);
 }
 
 void co_sdo_confirm(struct dg_co_node *self, uint8_t command, uint32_t value)
 {
-    uint8_t frame[8];
+    struct dg_can_frame frame;
 
-    dg_store_le32(&frame[0],
-                  command | (uint32_t)self->sdo.index << 8 | (uint32_t)self->sdo.sub << 24);
-    dg_store_le32(&frame[4], value);
-    if (self->sdo.state == DG_CO_SDO_DELAYED) {
-        memcpy(self->sdo.answer, frame, sizeof frame);
-    } else {
-        send_frame(self, frame);
-    }
+    dg_store_le64(frame.data, command | (uint64_t)self->sdo.index << 8 |
+                                  (uint64_t)self->sdo.sub << 24 | (uint64_t)value << 32);
+    send_answer(self, &frame);
 }
 
 static void abort_transfer(struct dg_co_node *self, enum dg_co_abort code)
@@ -115,7 +125,7 @@ static void abort_transfer(struct dg_co_node *self, enum dg_co_abort code)
 static void send_delayed(struct dg_co_node *self)
 {
     co_sdo_become(self, DG_CO_SDO_IDLE);
-    send_frame(self, self->sdo.answer);
+    co_send(self, (uint16_t)(CO_ID_SDO_TX + self->id), self->sdo.answer, sizeof self->sdo.answer);
 }
 
 static enum dg_co_abort ignore(struct dg_co_node *self, const uint8_t *data)
@@ -163,8 +173,7 @@ enum dg_co_abort co_sdo_fetch(struct dg_co_node *self)
     abort = co_read(self, object, &value);
     if (abort == DG_CO_OK) {
         sdo->length = co_size(object);
-        dg_store_le32(&sdo->buffer[0], value & 0xFFFFFFFFu >> (32u - 8u * sdo->length));
-        dg_store_le32(&sdo->buffer[4], 0);
+        dg_store_le64(sdo->buffer, value & 0xFFFFFFFFu >> (32u - 8u * sdo->length));
     }
     return abort;
 }
@@ -204,8 +213,9 @@ static enum dg_co_abort upload_segment(struct dg_co_node *self, const uint8_t *d
     if ((data[0] & TOGGLE) != sdo->toggle) {
         return DG_CO_TOGGLE;
     }
-    co_sdo_send(self, (uint8_t)(sdo->toggle | (SDO_SEGMENT - n) << 1 | (last ? NO_MORE : 0u)),
-                &sdo->buffer[sdo->done], SDO_SEGMENT);
+    co_sdo_send_segment(self,
+                        (uint8_t)(sdo->toggle | (SDO_SEGMENT - n) << 1 | (last ? NO_MORE : 0u)),
+                        &sdo->buffer[sdo->done]);
     sdo->toggle ^= TOGGLE;
     sdo->done = (uint8_t)(sdo->done + n);
     co_sdo_become(self, last ? DG_CO_SDO_IDLE : DG_CO_SDO_UPLOAD);
@@ -313,7 +323,7 @@ static enum dg_co_abort download_segment(struct dg_co_node *self, const uint8_t 
 
 static size_t find_command(enum dg_co_sdo_state state, uint8_t command)
 {
-    size_t i = 0;
+    size_t i = first_row[command >> 5];
 
     while (i < COMMANDS && ((command & commands[i].mask) != commands[i].value ||
                             (commands[i].states & IN(state)) == 0)) {
