@@ -72,7 +72,7 @@ static void print_own(const struct lx_stack *stack, const struct dg_device *devi
 static void print_world(const struct lx_stack *stack)
 {
     struct dg_world world;
-    const struct lx_keys keys = {lx_world_keys, DG_QUANTITY_COUNT, &world,
+    const struct lx_keys keys = {dg_world_keys.rows, DG_QUANTITY_COUNT, &world,
                                  stack == NULL ? 0 : stack->blind};
     dg_world_init(&world);
     lx_keys_help(&keys, stdout);

@@ -314,8 +314,8 @@ static const struct lx_bus_ops bus_ops = {
 /* --- making --- */
 
 /* clang-format off */
-static const struct lx_key keys[] = {
-    {"pace", "", 0, LX_KEY_FLAG, 0, 1, 0, 1, lx_no_yes, "1: each frame takes its time at the bit rate"},
+static const struct dg_key keys[] = {
+    {"pace", "", 0, DG_KEY_FLAG, 0, 1, 0, 1, dg_key_no_yes, "1: each frame takes its time at the bit rate"},
 };
 /* clang-format on */
 

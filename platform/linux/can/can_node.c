@@ -22,11 +22,11 @@ struct settings {
 static const char *const turns_bits[2] = {"12", "16"};
 
 /* clang-format off */
-static const struct lx_key keys[] = {
-    {"mt_bits", "", offsetof(struct settings, wide), LX_KEY_FLAG, 0, 1, 0, 1, turns_bits, "bits of the turns"},
+static const struct dg_key keys[] = {
+    {"mt_bits", "", offsetof(struct settings, wide), DG_KEY_FLAG, 0, 1, 0, 1, turns_bits, "bits of the turns"},
 };
-static const struct lx_key serial_key =
-    {"serial", "", offsetof(struct settings, serial), LX_KEY_U32, 0, 1, 0, UINT32_MAX, NULL, "serial number"};
+static const struct dg_key serial_key =
+    {"serial", "", offsetof(struct settings, serial), DG_KEY_U32, 0, 1, 0, UINT32_MAX, NULL, "serial number"};
 /* clang-format on */
 
 static void defaults(void *settings, const struct dg_device *device)

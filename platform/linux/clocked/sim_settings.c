@@ -6,9 +6,9 @@
 #define AT(field) offsetof(struct lx_clocked_timing, field)
 
 /* clang-format off */
-static const struct lx_key keys[] = {
-    {"clock_hz",      "Hz", AT(clock_hz),      LX_KEY_U32, 0, 1, LX_CLOCK_MIN_HZ, LX_CLOCK_MAX_HZ,      NULL, "simulated wire: clock of the master"},
-    {"line_delay_ns", "ns", AT(line_delay_ns), LX_KEY_U32, 0, 1, 0,                    LX_CABLE_DELAY_MAX_NS, NULL, "simulated wire: delay of the cable each way; 5 ns are a metre"},
+static const struct dg_key keys[] = {
+    {"clock_hz",      "Hz", AT(clock_hz),      DG_KEY_U32, 0, 1, LX_CLOCK_MIN_HZ, LX_CLOCK_MAX_HZ,      NULL, "simulated wire: clock of the master"},
+    {"line_delay_ns", "ns", AT(line_delay_ns), DG_KEY_U32, 0, 1, 0,                    LX_CABLE_DELAY_MAX_NS, NULL, "simulated wire: delay of the cable each way; 5 ns are a metre"},
 };
 /* clang-format on */
 

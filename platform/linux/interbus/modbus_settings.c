@@ -8,24 +8,24 @@
 #define AT(field) offsetof(struct lx_ib_settings, field)
 
 /* clang-format off */
-static const struct lx_key ring_keys[] = {
+static const struct dg_key ring_keys[] = {
     /* name                 unit      offset                        type       places factor min   max                words      help */
-    {"cycle",              "us",     OF_RING(cycle_us),            LX_KEY_U32,  0, 1,       250, 50000,              NULL,      "from one data cycle of the ring to the next"},
-    {"tear",               "",       OF_RING(tear),                LX_KEY_FLAG, 0, 1,       0,   1,                  lx_no_yes, "1: half of an OUT word is taken from a request (fault)"},
-    {"break_at",           "",       OF_RING(break_at),            LX_KEY_U16,  0, 1,       0,   DG_IB_RING_MAX - 1, NULL,      "the bus is cut before this device, 0 is the first (fault)"},
+    {"cycle",              "us",     OF_RING(cycle_us),            DG_KEY_U32,  0, 1,       250, 50000,              NULL,      "from one data cycle of the ring to the next"},
+    {"tear",               "",       OF_RING(tear),                DG_KEY_FLAG, 0, 1,       0,   1,                  dg_key_no_yes, "1: half of an OUT word is taken from a request (fault)"},
+    {"break_at",           "",       OF_RING(break_at),            DG_KEY_U16,  0, 1,       0,   DG_IB_RING_MAX - 1, NULL,      "the bus is cut before this device, 0 is the first (fault)"},
 };
-static const struct lx_key keys[] = {
-    {"steps",              "",       AT(model.steps),              LX_KEY_U16,  0, 1,       1,   8192,               NULL,      "steps of the discs a turn (factory)"},
-    {"turns",              "",       AT(turns),                    LX_KEY_U16,  0, 1,       1,   4096,               NULL,      "turns of a K2 and K3; 1: singleturn (factory)"},
-    {"steps_minus_one",    "",       AT(model.steps_minus_one),    LX_KEY_FLAG, 0, 1,       0,   1,                  lx_no_yes, "a K3 has one step more than its parameter says (factory)"},
-    {"temperature_sensor", "",       AT(model.temperature_sensor), LX_KEY_FLAG, 0, 1,       0,   1,                  lx_no_yes, "a K3 has one (factory)"},
-    {"loop",               "",       AT(model.loop),               LX_KEY_FLAG, 0, 1,       0,   1,                  lx_no_yes, "INTERBUS Loop: ID B2h and B3h (factory)"},
-    {"param_cycles",       "cycles", AT(model.param_cycles),       LX_KEY_U8,   0, 1,       1,   255,                NULL,      "from a K3's command to its answer"},
-    {"self_test_ms",       "ms",     AT(model.self_test),          LX_KEY_NS,   0, 1000000, 0,   1000,               NULL,      "self-test after power-on"},
-    {"version",            "",       AT(model.version),            LX_KEY_U32,  0, 1,       0,   DG_IB_DATA_MASK,    NULL,      "software version of a K3 (factory)"},
+static const struct dg_key keys[] = {
+    {"steps",              "",       AT(model.steps),              DG_KEY_U16,  0, 1,       1,   8192,               NULL,      "steps of the discs a turn (factory)"},
+    {"turns",              "",       AT(turns),                    DG_KEY_U16,  0, 1,       1,   4096,               NULL,      "turns of a K2 and K3; 1: singleturn (factory)"},
+    {"steps_minus_one",    "",       AT(model.steps_minus_one),    DG_KEY_FLAG, 0, 1,       0,   1,                  dg_key_no_yes, "a K3 has one step more than its parameter says (factory)"},
+    {"temperature_sensor", "",       AT(model.temperature_sensor), DG_KEY_FLAG, 0, 1,       0,   1,                  dg_key_no_yes, "a K3 has one (factory)"},
+    {"loop",               "",       AT(model.loop),               DG_KEY_FLAG, 0, 1,       0,   1,                  dg_key_no_yes, "INTERBUS Loop: ID B2h and B3h (factory)"},
+    {"param_cycles",       "cycles", AT(model.param_cycles),       DG_KEY_U8,   0, 1,       1,   255,                NULL,      "from a K3's command to its answer"},
+    {"self_test_ms",       "ms",     AT(model.self_test),          DG_KEY_NS,   0, 1000000, 0,   1000,               NULL,      "self-test after power-on"},
+    {"version",            "",       AT(model.version),            DG_KEY_U32,  0, 1,       0,   DG_IB_DATA_MASK,    NULL,      "software version of a K3 (factory)"},
 };
-static const struct lx_key serial =
-    {"serial",             "",       AT(model.serial),             LX_KEY_U32,  0, 1,       0,   DG_IB_DATA_MASK,    NULL,      "serial number"};
+static const struct dg_key serial =
+    {"serial",             "",       AT(model.serial),             DG_KEY_U32,  0, 1,       0,   DG_IB_DATA_MASK,    NULL,      "serial number"};
 /* clang-format on */
 
 const struct lx_keys lx_ring_keys = {

@@ -25,7 +25,7 @@ void lx_stack_keys(const struct dg_device *device, void *settings, struct dg_wor
         .base = settings,
         .without = self->without == NULL ? 0 : self->without(device),
     };
-    lists[1] = (struct lx_keys){lx_world_keys, DG_QUANTITY_COUNT, world, self->blind};
+    lists[1] = (struct lx_keys){dg_world_keys.rows, DG_QUANTITY_COUNT, world, self->blind};
 }
 
 /* --- settings --- */
@@ -53,7 +53,7 @@ static int set_one(const struct lx_keys *lists, const struct lx_wire *kind,
                    const struct lx_plan_setting *setting, struct lx_error *error)
 {
     void *base = NULL;
-    const struct lx_key *key = lx_keys_find(lists, LX_STACK_LISTS, setting->key, &base);
+    const struct dg_key *key = lx_keys_find(lists, LX_STACK_LISTS, setting->key, &base);
     return key == NULL ? unknown_key(lists, kind, setting->key, error)
                        : lx_key_set(key, base, setting->value, error);
 }

@@ -31,9 +31,9 @@ struct lx_stack {
     const char *wire;                  /**< the kind of wire when none is given */
     struct lx_address address;
     bool is_ring;              /**< encoders without a file are one thing with one address */
-    const struct lx_key *keys; /**< of its encoders; offsets count from their settings */
+    const struct dg_key *keys; /**< of its encoders; offsets count from their settings */
     size_t key_count;
-    const struct lx_key *serial; /**< what --serial sets */
+    const struct dg_key *serial; /**< what --serial sets */
     uint32_t blind;              /**< bit n: it does not sense enum dg_quantity_id n */
     size_t settings_size;        /**< aligned for any type */
     /** `settings` become those of `device` as delivered. */

@@ -49,7 +49,7 @@ int lx_wire_settings(const struct lx_keys *keys, const struct lx_plan *plan,
 {
     for (size_t i = 0; i < wire->settings.count; i++) {
         const struct lx_plan_setting *setting = &wire->settings.list[i];
-        const struct lx_key *key = lx_keys_find(keys, 1, setting->key, NULL);
+        const struct dg_key *key = lx_keys_find(keys, 1, setting->key, NULL);
         if (key == NULL) {
             (void)lx_refuse(error, "leave it out", "the wire has no such key");
         }

@@ -55,13 +55,13 @@ static void refuse(struct bench *self, const char *assignment, const char *right
 
 /* --- the rows --- */
 
-static void check_row(const struct lx_key *key, size_t size)
+static void check_row(const struct dg_key *key, size_t size)
 {
     assert_true(key->name[0] != '\0' && key->help[0] != '\0' && key->unit != NULL);
-    assert_true(key->type < LX_KEY_TYPE_COUNT && key->min <= key->max && key->factor > 0);
+    assert_true(key->type < DG_KEY_TYPE_COUNT && key->min <= key->max && key->factor > 0);
     assert_true(key->offset < size);
-    assert_true(key->type != LX_KEY_FLAG || (key->words != NULL && key->max == 1));
-    assert_true(key->type != LX_KEY_WORD || (key->words != NULL && key->min == 0));
+    assert_true(key->type != DG_KEY_FLAG || (key->words != NULL && key->max == 1));
+    assert_true(key->type != DG_KEY_WORD || (key->words != NULL && key->min == 0));
 }
 
 static void rows_are_whole(void **state)
@@ -103,12 +103,12 @@ static void names_are_unique(void **state)
 }
 
 /* Limits are taken, what is beyond them is not. */
-static void check_limits(struct bench *self, const struct lx_key *key)
+static void check_limits(struct bench *self, const struct dg_key *key)
 {
     char text[64];
     struct lx_error error;
-    if (key->type == LX_KEY_TEXT || key->type == LX_KEY_DIGITS || key->type == LX_KEY_FLAG ||
-        key->type == LX_KEY_WORD) {
+    if (key->type == DG_KEY_TEXT || key->type == DG_KEY_DIGITS || key->type == DG_KEY_FLAG ||
+        key->type == DG_KEY_WORD) {
         return;
     }
     const int64_t values[] = {key->min, key->max, key->min - 1, key->max + 1};
@@ -218,7 +218,7 @@ static void what_is_out_of_range_is_refused(void **state)
 static void one_of_several_words(void **state)
 {
     static const char *const words[] = {"none", "even", "odd"};
-    static const struct lx_key key = {"parity", "", 1, LX_KEY_WORD, 0,
+    static const struct dg_key key = {"parity", "", 1, DG_KEY_WORD, 0,
                                       1,        0,  2, words,       "the last bit"};
     uint8_t bytes[3] = {9, 9, 9};
     const struct lx_keys keys = {&key, 1, bytes, 0};
@@ -248,7 +248,7 @@ static void serial_numbers_get_zeros_in_front(void **state)
     static const char *const bad[] = {"", "1234567890", "12a", "-1"};
     struct bench self = bench_of("s3684-rs485");
     const struct lx_hf_settings *settings = (const void *)self.settings;
-    const struct lx_key *serial = lx_hf_stack.serial;
+    const struct dg_key *serial = lx_hf_stack.serial;
     struct lx_error error;
     (void)state;
     assert_int_equal(lx_key_set(serial, self.settings, "4711", &error), 0);
