@@ -32,7 +32,7 @@ extern "C" {
 #define DG_CO_CONSUMERS 2u
 #define DG_CO_HISTORY 8u
 /** Values a dictionary can keep (rows with a slot). */
-#define DG_CO_VALUES_MAX 128u
+#define DG_CO_VALUES_MAX 88u
 /** Longest string in a dictionary. */
 #define DG_CO_STRING_MAX 32u
 /** Node-ID of a node that has none yet (CiA 305). */
@@ -185,10 +185,10 @@ enum dg_co_stack_cause {
 
 /** Slots of the bus parameters, for which a device has rows of its own or none, and the first slot
  * a device profile may use for itself. */
-#define DG_CO_SLOT_BIT_RATE 80u
-#define DG_CO_SLOT_NODE_ID 81u
-#define DG_CO_SLOT_TERMINATION 82u
-#define DG_CO_SLOT_APPLICATION 83u
+#define DG_CO_SLOT_BIT_RATE 65u
+#define DG_CO_SLOT_NODE_ID 66u
+#define DG_CO_SLOT_TERMINATION 67u
+#define DG_CO_SLOT_APPLICATION 68u
 
 /** Regions of the store that the stack itself uses, in this order at the start of every layout. */
 enum dg_co_region {
@@ -301,7 +301,7 @@ struct dg_co_tpdo {
     uint8_t last[8 + 3]; /**< data sent or sampled last; room for a whole 32-bit store at byte 7 */
     dg_ns event_at;      /**< event timer, or DG_NEVER */
     dg_ns inhibit_until;
-    const struct dg_co_object *mapped[DG_CO_MAPPED_MAX];
+    uint16_t mapped[DG_CO_MAPPED_MAX]; /**< numbers of rows: the stack's, then the device's */
 };
 
 /** Counters; nobody has to act on them. */

@@ -34,14 +34,15 @@ static const struct dg_co_object *find_mapped(const struct dg_co_node *self, uin
 }
 
 /* One more object. */
-static void append(struct dg_co_tpdo *tpdo, const struct dg_co_object *object)
+static void append(struct dg_co_node *self, struct dg_co_tpdo *tpdo,
+                   const struct dg_co_object *object)
 {
     uint8_t size = co_size(object);
 
     if ((object->flags & DG_CO_EVENT) != 0) {
         tpdo->event_bytes |= (uint8_t)(((1u << size) - 1u) << tpdo->length);
     }
-    tpdo->mapped[tpdo->mapped_count++] = object;
+    tpdo->mapped[tpdo->mapped_count++] = co_row_number(self, object);
     tpdo->length = (uint8_t)(tpdo->length + size);
 }
 
@@ -59,7 +60,7 @@ static enum dg_co_abort resolve(struct dg_co_node *self, uint8_t n, uint32_t cou
         uint32_t entry = self->value[CO_TPDO(n, CO_PDO_ENTRIES) + i];
         const struct dg_co_object *object = entry != 0 ? find_mapped(self, entry, &abort) : NULL;
         if (object != NULL && abort == DG_CO_OK) {
-            append(tpdo, object);
+            append(self, tpdo, object);
         }
     }
     return abort == DG_CO_OK && tpdo->length > 8 ? DG_CO_PDO_LENGTH : abort;

@@ -79,6 +79,13 @@ const struct dg_co_object *co_find(const struct dg_co_node *self, uint16_t index
     return NULL;
 }
 
+uint16_t co_row_number(const struct dg_co_node *self, const struct dg_co_object *object)
+{
+    return (uint16_t)(object->index < 0x2000
+                          ? object - co_objects
+                          : co_object_count + (object - self->setup.device->objects));
+}
+
 static bool is_signed(const struct dg_co_object *object)
 {
     return object->type <= DG_CO_I32;
@@ -175,11 +182,10 @@ void co_each(struct dg_co_node *self,
              void (*visit)(struct dg_co_node *self, const struct dg_co_object *object, void *ctx),
              void *ctx)
 {
-    for (uint16_t i = 0; i < co_object_count; i++) {
-        visit(self, &co_objects[i], ctx);
-    }
-    for (uint16_t i = 0; i < self->setup.device->object_count; i++) {
-        visit(self, &self->setup.device->objects[i], ctx);
+    const uint16_t count = (uint16_t)(co_object_count + self->setup.device->object_count);
+
+    for (uint16_t i = 0; i < count; i++) {
+        visit(self, co_row(self, i), ctx);
     }
 }
 

@@ -14,6 +14,14 @@ extern const uint16_t co_object_count;
 /** Find a row; `*abort` says whether index or sub is missing when NULL is returned. */
 const struct dg_co_object *co_find(const struct dg_co_node *self, uint16_t index, uint8_t sub,
                                    enum dg_co_abort *abort);
+/** A row by its number: the stack's come first, then the device's. */
+static inline const struct dg_co_object *co_row(const struct dg_co_node *self, uint16_t number)
+{
+    return number < co_object_count ? &co_objects[number]
+                                    : &self->setup.device->objects[number - co_object_count];
+}
+/** The number of a row. */
+uint16_t co_row_number(const struct dg_co_node *self, const struct dg_co_object *object);
 /** Bytes of a row's type; 0 for strings. */
 static inline uint8_t co_size(const struct dg_co_object *object)
 {

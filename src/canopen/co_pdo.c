@@ -29,10 +29,11 @@ static bool is_synchronous(uint8_t type)
 static void build(struct dg_co_node *self, const struct dg_co_tpdo *tpdo, uint8_t *data)
 {
     for (uint8_t i = 0; i < tpdo->mapped_count; i++) {
+        const struct dg_co_object *object = co_row(self, tpdo->mapped[i]);
         uint32_t value;
-        (void)co_read(self, tpdo->mapped[i], &value);
+        (void)co_read(self, object, &value);
         dg_store_le32(data, value);
-        data += co_size(tpdo->mapped[i]);
+        data += co_size(object);
     }
 }
 
@@ -237,7 +238,9 @@ static bool check_length(struct dg_co_node *self, const struct dg_can_frame *syn
         dg_co_raise(self, DG_CO_CAUSE_SYNC_LENGTH, no_details);
         return false;
     }
-    dg_co_clear(self, DG_CO_CAUSE_SYNC_LENGTH);
+    if (self->active_causes != 0) {
+        dg_co_clear(self, DG_CO_CAUSE_SYNC_LENGTH);
+    }
     return true;
 }
 
@@ -258,11 +261,12 @@ void co_sync_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
         return;
     }
     bool late = is_late(self);
-    uint8_t mask = self->sync_mask;
-    for (uint8_t n = 0; mask != 0; n++, mask >>= 1) {
+    struct dg_co_tpdo *tpdo = self->tpdo;
+    for (unsigned mask = self->sync_mask; mask != 0; mask >>= 1) {
         if ((mask & 1u) != 0) {
-            synchronise(self, &self->tpdo[n], late);
+            synchronise(self, tpdo, late);
         }
+        tpdo++;
     }
 }
 

@@ -19,7 +19,7 @@ enum co_tpdo_slot {
     CO_PDO_SLOTS = CO_PDO_ENTRIES + DG_CO_MAPPED_MAX,
 };
 #define CO_TPDO(n, parameter) (CO_TPDO_SLOTS + (n)*CO_PDO_SLOTS + (parameter))
-_Static_assert(CO_TPDO(DG_CO_TPDOS, 0) <= DG_CO_SLOT_APPLICATION, "room for the stack's slots");
+_Static_assert(CO_TPDO(DG_CO_TPDOS, 0) <= DG_CO_SLOT_BIT_RATE, "room for the stack's slots");
 
 /** Transmission types, and the ends of their ranges. */
 enum co_pdo_type {
