@@ -3,7 +3,10 @@
 
 static char folded(char c)
 {
-    return c == '-' ? '_' : dg_text_upper(c);
+    if (c == '-') {
+        return '_';
+    }
+    return dg_text_upper(c);
 }
 
 bool control_same(const char *a, const char *b)

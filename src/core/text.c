@@ -22,7 +22,10 @@ void dg_text_add_n(struct dg_text *self, const char *text, size_t n)
 
 char dg_text_upper(char c)
 {
-    return c >= 'a' && c <= 'z' ? (char)(c - 'a' + 'A') : c;
+    if (c >= 'a' && c <= 'z') {
+        return (char)(c - 'a' + 'A');
+    }
+    return c;
 }
 
 static char itself(char c)
