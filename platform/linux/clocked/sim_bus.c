@@ -174,12 +174,8 @@ static void close_bus(struct lx_bus *bus)
 }
 
 static const struct lx_bus_ops ops = {
-    .open = open_bus,
-    .address = address,
-    .changed = changed,
-    .counters = counters,
+    LX_BUS_OPERATIONS,
     .read = read_one,
-    .close = close_bus,
 };
 
 /* --- from the plan --- */

@@ -328,12 +328,8 @@ static void close_bus(struct lx_bus *bus)
 }
 
 static const struct lx_bus_ops bus_ops = {
-    .open = open_bus,
-    .address = address,
+    LX_BUS_OPERATIONS,
     .look = look,
-    .changed = changed,
-    .counters = counters,
-    .close = close_bus,
 };
 
 /* --- from the plan --- */

@@ -207,13 +207,7 @@ static void close_bus(struct lx_bus *bus)
     free(self);
 }
 
-static const struct lx_bus_ops ops = {
-    .open = open_bus,
-    .address = address,
-    .changed = changed,
-    .counters = counters,
-    .close = close_bus,
-};
+static const struct lx_bus_ops ops = {LX_BUS_OPERATIONS};
 
 /* --- from the plan --- */
 

@@ -72,6 +72,12 @@ struct lx_bus_ops {
     void (*close)(struct lx_bus *self);
 };
 
+/** For a kind's own file, where the operations are static functions of these names: all but the
+ * optional ones. */
+#define LX_BUS_OPERATIONS                                                                          \
+    .open = open_bus, .address = address, .changed = changed, .counters = counters,                \
+    .close = close_bus
+
 /** The part that all buses share; first member of each kind. */
 struct lx_bus {
     const struct lx_bus_ops *ops;
