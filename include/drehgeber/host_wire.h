@@ -38,18 +38,21 @@ struct dg_host_wire {
     const struct dg_keys *keys; /**< of the model; offsets count from the beginning of settings */
     uint32_t blind;             /**< bit n: it does not sense enum dg_quantity_id n */
     size_t settings_size;
-    /** Settings of this model, as delivered. They begin with a copy of the stack's own struct. */
+    /** Settings of this model, as delivered. They begin with a copy of the stack's own struct;
+     * NULL: that is all of them, and the stack's own struct has no pointers to make. */
     void (*furnish)(void *settings, const struct dg_device *device);
     /** Bit n: this model has not row n of `own`, bit 32 + n: of `keys`. NULL: each has all. */
     uint64_t (*without)(const void *settings);
-    /** Put model, serial number, address and port of the settings into `setup`; make what pointers
-     * settings have. `setup` NULL: take the pointers out. */
+    /** Put serial number, address and port of the settings into `setup`, which has the model they
+     * begin with; make what pointers settings have. `setup` NULL: take the pointers out. NULL with
+     * `furnish`. */
     void (*arrange)(void *settings, struct dg_stack_setup *setup);
-    /** Whether `event` is one of this wire. @return 0, DG_HOST_ERR_WIRE, DG_HOST_ERR_ARGUMENT. */
+    /** Whether `event` is one of this wire. @return 0, DG_HOST_ERR_WIRE, DG_HOST_ERR_ARGUMENT.
+     * NULL: edges are, which `clock` takes. */
     int (*check)(const struct dg_host_event *event);
     /** When the next part of `event`, line->part, is due. NULL: event->at. */
     dg_ns (*due)(const struct dg_host_line *line, const struct dg_host_event *event);
-    /** Take the next part at line->now. @return whether it was the last one */
+    /** Take the next part at line->now. @return whether it was the last one. NULL with `check`. */
     bool (*take)(struct dg_host_line *line, const struct dg_host_event *event);
     /** Clocked lines: level of the encoder's line, and the master's clock. NULL. */
     bool (*level)(const struct dg_host_line *line);

@@ -13,32 +13,6 @@
 /* What the slave may need before its start bit, and more. */
 #define START_CLOCKS_MAX 200u
 
-static void furnish(void *settings, const struct dg_device *device)
-{
-    *(struct dg_biss_model *)settings = *dg_biss_model_of(device);
-}
-
-static void arrange(void *settings, struct dg_stack_setup *setup)
-{
-    if (setup != NULL) {
-        setup->model = settings;
-    }
-}
-
-static int check(const struct dg_host_event *event)
-{
-    if (event->kind != DG_HOST_EDGE) {
-        return DG_HOST_ERR_WIRE;
-    }
-    return event->length == 1 && event->data[0] <= 1 ? DG_HOST_OK : DG_HOST_ERR_ARGUMENT;
-}
-
-static bool take(struct dg_host_line *line, const struct dg_host_event *event)
-{
-    (void)dg_biss_ma(line->device, line->now, event->data[0] != 0);
-    return true;
-}
-
 /* Point to point SLI is low. */
 static bool level(const struct dg_host_line *line)
 {
@@ -131,10 +105,6 @@ const struct dg_host_wire dg_biss_wire = {
     .stack = &dg_biss_stack,
     .keys = &dg_biss_keys,
     .settings_size = sizeof(struct dg_biss_model),
-    .furnish = furnish,
-    .arrange = arrange,
-    .check = check,
-    .take = take,
     .level = level,
     .clock = set_clock,
     .frame = frame,

@@ -102,7 +102,6 @@ static void arrange(void *settings, struct dg_stack_setup *setup)
         return;
     }
     self->model.device = device_of(self);
-    setup->model = &self->model;
     setup->serial = self->serial;
     setup->address = self->node;
     setup->port = &ops;

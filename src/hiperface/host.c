@@ -68,7 +68,6 @@ static void arrange(void *settings, struct dg_stack_setup *setup)
     struct settings *self = settings;
 
     if (setup != NULL) {
-        setup->model = &self->model;
         setup->address = self->address;
         setup->port = &ops;
     }

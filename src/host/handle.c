@@ -60,7 +60,11 @@ struct dg_host *dg_host_init(void *memory, size_t size, const struct dg_device *
     dg_world_init(&self->world);
     self->world.angle = host_angle;
     self->world.angle_ctx = self;
-    wire->furnish(self->line.settings, model);
+    if (wire->furnish != NULL) {
+        wire->furnish(self->line.settings, model);
+    } else {
+        memcpy(self->line.settings, model->model, wire->settings_size);
+    }
     return self;
 }
 
@@ -107,12 +111,15 @@ static const struct dg_nvm_ops own_memory = {.read = read_own, .write = write_ow
 
 struct dg_stack_setup host_setup(struct dg_host *self)
 {
-    struct dg_stack_setup setup = {.world = &self->world, .nvm = self->nvm, .ctx = &self->line};
+    struct dg_stack_setup setup = {
+        .model = self->line.settings, .world = &self->world, .nvm = self->nvm, .ctx = &self->line};
 
     if (self->nvm.ops == NULL && self->memory_size != 0) {
         setup.nvm = (struct dg_nvm){&own_memory, self};
     }
-    self->wire->arrange(self->line.settings, &setup);
+    if (self->wire->arrange != NULL) {
+        self->wire->arrange(self->line.settings, &setup);
+    }
     return setup;
 }
 

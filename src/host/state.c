@@ -110,7 +110,9 @@ static void detach(struct dg_host *self)
     if (self->made) {
         self->device->stack->attach(self->line.device, NULL);
     }
-    self->wire->arrange(self->line.settings, NULL);
+    if (self->wire->arrange != NULL) {
+        self->wire->arrange(self->line.settings, NULL);
+    }
 }
 
 static void attach(struct dg_host *self)

@@ -83,9 +83,17 @@ void dg_host_listen(struct dg_host *self, void (*heard)(void *, const struct dg_
     self->heard_ctx = ctx;
 }
 
+static int check_edge(const struct dg_host_event *event)
+{
+    if (event->kind != DG_HOST_EDGE) {
+        return DG_HOST_ERR_WIRE;
+    }
+    return event->length == 1 && event->data[0] <= 1 ? DG_HOST_OK : DG_HOST_ERR_ARGUMENT;
+}
+
 int dg_host_send(struct dg_host *self, const struct dg_host_event *event)
 {
-    const int result = self->wire->check(event);
+    const int result = self->wire->check != NULL ? self->wire->check(event) : check_edge(event);
 
     if (result != DG_HOST_OK) {
         return result;
@@ -141,7 +149,11 @@ static bool take_head(struct dg_host *self)
         self->arrives(self->arrives_ctx, event, true) == 0) {
         return true;
     }
-    return self->wire->take(&self->line, event);
+    if (self->wire->take != NULL) {
+        return self->wire->take(&self->line, event);
+    }
+    (void)self->wire->clock(&self->line, self->line.now, event->data[0] != 0);
+    return true;
 }
 
 static void take_all(struct dg_host *self)

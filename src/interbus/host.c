@@ -10,32 +10,12 @@
 /* of dg_ib_keys, as dg_host_wire.without has them */
 #define ROW_TURNS (UINT64_C(1) << 32)
 
-struct settings {
-    struct dg_ib_model model;
-};
-
-static void furnish(void *settings, const struct dg_device *device)
-{
-    struct settings *self = settings;
-
-    self->model = *dg_ib_model_of(device);
-}
-
 /* A K1 has no turns. */
 static uint64_t without(const void *settings)
 {
-    const struct settings *self = settings;
+    const struct dg_ib_model *model = settings;
 
-    return self->model.profile == DG_IB_K1 ? ROW_TURNS : 0;
-}
-
-static void arrange(void *settings, struct dg_stack_setup *setup)
-{
-    struct settings *self = settings;
-
-    if (setup != NULL) {
-        setup->model = &self->model;
-    }
+    return model->profile == DG_IB_K1 ? ROW_TURNS : 0;
 }
 
 static int check(const struct dg_host_event *event)
@@ -72,10 +52,8 @@ const struct dg_host_wire dg_ib_wire = {
     .keys = &dg_ib_keys,
     .blind = ALL & ~(SENSED(TEMPERATURE) | SENSED(SINGLETURN) | SENSED(MULTITURN_AMPLITUDE) |
                      SENSED(MULTITURN_SYNC) | SENSED(MULTITURN_VECTOR) | SENSED(EEPROM)),
-    .settings_size = sizeof(struct settings),
-    .furnish = furnish,
+    .settings_size = sizeof(struct dg_ib_model),
     .without = without,
-    .arrange = arrange,
     .check = check,
     .take = take,
 };

@@ -7,32 +7,6 @@
 
 #define PERIOD_NS DG_US(1)
 
-static void furnish(void *settings, const struct dg_device *device)
-{
-    *(struct dg_ssi_model *)settings = *dg_ssi_model_of(device);
-}
-
-static void arrange(void *settings, struct dg_stack_setup *setup)
-{
-    if (setup != NULL) {
-        setup->model = settings;
-    }
-}
-
-static int check(const struct dg_host_event *event)
-{
-    if (event->kind != DG_HOST_EDGE) {
-        return DG_HOST_ERR_WIRE;
-    }
-    return event->length == 1 && event->data[0] <= 1 ? DG_HOST_OK : DG_HOST_ERR_ARGUMENT;
-}
-
-static bool take(struct dg_host_line *line, const struct dg_host_event *event)
-{
-    (void)dg_ssi_clock(line->device, line->now, event->data[0] != 0);
-    return true;
-}
-
 static bool level(const struct dg_host_line *line)
 {
     return dg_ssi_data(line->device);
@@ -75,10 +49,6 @@ const struct dg_host_wire dg_ssi_wire = {
     .stack = &dg_ssi_stack,
     .keys = &dg_ssi_keys,
     .settings_size = sizeof(struct dg_ssi_model),
-    .furnish = furnish,
-    .arrange = arrange,
-    .check = check,
-    .take = take,
     .level = level,
     .clock = set_clock,
     .frame = frame,
