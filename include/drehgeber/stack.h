@@ -105,6 +105,35 @@ struct dg_stack {
     .attach = attach, .power_on = power_on, .power_off = power_off, .powered = powered,            \
     .step = step, .model = model, .position = position
 
+/** In the same file: `init`, `power_on`, `power_off` and `model` of a protocol whose functions
+ * begin with `name` and take a struct of that name. What it is made of is its member `setup`, which
+ * a static function own() makes of what is handed over. */
+#define DG_STACK_FORWARD(name)                                                                     \
+    static int init(void *self, const struct dg_stack_setup *setup)                                \
+    {                                                                                              \
+        const struct name##_setup mine = own(setup);                                               \
+                                                                                                   \
+        return name##_init(self, &mine);                                                           \
+    }                                                                                              \
+                                                                                                   \
+    static int power_on(void *self, dg_ns now)                                                     \
+    {                                                                                              \
+        return name##_power_on(self, now);                                                         \
+    }                                                                                              \
+                                                                                                   \
+    static void power_off(void *self)                                                              \
+    {                                                                                              \
+        name##_power_off(self);                                                                    \
+    }                                                                                              \
+                                                                                                   \
+    static const void *model(const void *self)                                                     \
+    {                                                                                              \
+        const struct name *device = self;                                                          \
+                                                                                                   \
+        return device->setup.model;                                                                \
+    }                                                                                              \
+    _Static_assert(_Alignof(struct name) <= _Alignof(max_align_t), "as device_size promises")
+
 /** An encoder as it can be ordered. */
 struct dg_device {
     const char *name;       /**< as on the command line, e.g. "s3684-rs485" */

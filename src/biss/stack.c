@@ -4,8 +4,6 @@
  */
 #include "biss_private.h"
 
-_Static_assert(_Alignof(struct dg_biss) <= _Alignof(max_align_t), "as stack.h promises");
-
 static struct dg_biss_setup own(const struct dg_stack_setup *setup)
 {
     return (struct dg_biss_setup){.model = setup->model, .world = setup->world, .nvm = setup->nvm};
@@ -34,12 +32,7 @@ static int mount(const struct dg_stack_setup *setup, struct dg_store *store)
     return biss_mount(store, setup->nvm);
 }
 
-static int init(void *self, const struct dg_stack_setup *setup)
-{
-    const struct dg_biss_setup mine = own(setup);
-
-    return dg_biss_init(self, &mine);
-}
+DG_STACK_FORWARD(dg_biss);
 
 static void attach(void *self, const struct dg_stack_setup *setup)
 {
@@ -48,16 +41,6 @@ static void attach(void *self, const struct dg_stack_setup *setup)
     device->setup = setup != NULL ? own(setup) : (struct dg_biss_setup){0};
     device->store.layout = setup != NULL ? &dg_biss_layout : NULL;
     device->store.nvm = device->setup.nvm;
-}
-
-static int power_on(void *self, dg_ns now)
-{
-    return dg_biss_power_on(self, now);
-}
-
-static void power_off(void *self)
-{
-    dg_biss_power_off(self);
 }
 
 static bool powered(const void *self)
@@ -70,13 +53,6 @@ static bool powered(const void *self)
 static dg_ns step(void *self, dg_ns now)
 {
     return dg_biss_step(self, now);
-}
-
-static const void *model(const void *self)
-{
-    const struct dg_biss *device = self;
-
-    return device->setup.model;
 }
 
 static uint64_t position(const void *self, dg_ns now)

@@ -4,8 +4,6 @@
  */
 #include "hiperface_private.h"
 
-_Static_assert(_Alignof(struct dg_hf) <= _Alignof(max_align_t), "as stack.h promises");
-
 static struct dg_hf_setup own(const struct dg_stack_setup *setup)
 {
     return (struct dg_hf_setup){.model = setup->model,
@@ -56,12 +54,7 @@ static const char *differs(const struct dg_stack_setup *setup, struct dg_store *
     return hf_differs(setup->model, store);
 }
 
-static int init(void *self, const struct dg_stack_setup *setup)
-{
-    const struct dg_hf_setup mine = own(setup);
-
-    return dg_hf_init(self, &mine);
-}
+DG_STACK_FORWARD(dg_hf);
 
 static void attach(void *self, const struct dg_stack_setup *setup)
 {
@@ -70,16 +63,6 @@ static void attach(void *self, const struct dg_stack_setup *setup)
     device->setup = setup != NULL ? own(setup) : (struct dg_hf_setup){0};
     device->store.layout = setup != NULL ? &dg_hf_layout : NULL;
     device->store.nvm = device->setup.nvm;
-}
-
-static int power_on(void *self, dg_ns now)
-{
-    return dg_hf_power_on(self, now);
-}
-
-static void power_off(void *self)
-{
-    dg_hf_power_off(self);
 }
 
 static bool powered(const void *self)
@@ -92,13 +75,6 @@ static bool powered(const void *self)
 static dg_ns step(void *self, dg_ns now)
 {
     return dg_hf_step(self, now);
-}
-
-static const void *model(const void *self)
-{
-    const struct dg_hf *device = self;
-
-    return device->setup.model;
 }
 
 static uint64_t position(const void *self, dg_ns now)

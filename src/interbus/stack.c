@@ -4,8 +4,6 @@
  */
 #include "interbus_private.h"
 
-_Static_assert(_Alignof(struct dg_ib) <= _Alignof(max_align_t), "as stack.h promises");
-
 static struct dg_ib_setup own(const struct dg_stack_setup *setup)
 {
     return (struct dg_ib_setup){.model = setup->model, .world = setup->world, .nvm = setup->nvm};
@@ -35,12 +33,7 @@ static int mount(const struct dg_stack_setup *setup, struct dg_store *store)
     return ib_mount(store, setup->model, setup->nvm);
 }
 
-static int init(void *self, const struct dg_stack_setup *setup)
-{
-    const struct dg_ib_setup mine = own(setup);
-
-    return dg_ib_init(self, &mine);
-}
+DG_STACK_FORWARD(dg_ib);
 
 static void attach(void *self, const struct dg_stack_setup *setup)
 {
@@ -49,16 +42,6 @@ static void attach(void *self, const struct dg_stack_setup *setup)
     device->setup = setup != NULL ? own(setup) : (struct dg_ib_setup){0};
     device->store.layout = setup != NULL && device->mounted ? &dg_ib_layout : NULL;
     device->store.nvm = device->setup.nvm;
-}
-
-static int power_on(void *self, dg_ns now)
-{
-    return dg_ib_power_on(self, now);
-}
-
-static void power_off(void *self)
-{
-    dg_ib_power_off(self);
 }
 
 static bool powered(const void *self)
@@ -74,13 +57,6 @@ static dg_ns step(void *self, dg_ns now)
     (void)self;
     (void)now;
     return DG_NEVER;
-}
-
-static const void *model(const void *self)
-{
-    const struct dg_ib *device = self;
-
-    return device->setup.model;
 }
 
 static uint64_t position(const void *self, dg_ns now)
