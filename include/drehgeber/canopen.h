@@ -131,6 +131,17 @@ enum dg_co_op {
 typedef enum dg_co_abort dg_co_hook(struct dg_co_node *node, const struct dg_co_object *object,
                                     enum dg_co_op op, uint32_t *value);
 
+/** The definition of a hook that only tells: `*value` is `what`, an expression of `node`. */
+#define DG_CO_TELL(hook, what)                                                                     \
+    enum dg_co_abort hook(struct dg_co_node *node, const struct dg_co_object *object,              \
+                          enum dg_co_op op, uint32_t *value)                                       \
+    {                                                                                              \
+        (void)object;                                                                              \
+        (void)op;                                                                                  \
+        *value = (what);                                                                           \
+        return DG_CO_OK;                                                                           \
+    }
+
 /** One row of a dictionary: an object's sub-index. Const; rows are sorted by index and sub. */
 struct dg_co_object {
     uint16_t index;

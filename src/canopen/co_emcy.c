@@ -128,24 +128,10 @@ dg_ns co_emcy_step(struct dg_co_node *self)
     return self->emcy_count > 0 && allowed ? self->emcy_until : DG_NEVER;
 }
 
-enum dg_co_abort co_hook_error_register(struct dg_co_node *self, const struct dg_co_object *object,
-                                        enum dg_co_op op, uint32_t *value)
-{
-    (void)object;
-    (void)op;
-    *value = error_register(self);
-    return DG_CO_OK;
-}
+DG_CO_TELL(co_hook_error_register, error_register(node))
 
 /* 1002h: a bit for every cause that lasts. */
-enum dg_co_abort co_hook_status(struct dg_co_node *self, const struct dg_co_object *object,
-                                enum dg_co_op op, uint32_t *value)
-{
-    (void)object;
-    (void)op;
-    *value = self->active_causes;
-    return DG_CO_OK;
-}
+DG_CO_TELL(co_hook_status, node->active_causes)
 
 enum dg_co_abort co_hook_history(struct dg_co_node *self, const struct dg_co_object *object,
                                  enum dg_co_op op, uint32_t *value)

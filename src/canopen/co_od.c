@@ -207,14 +207,7 @@ bool co_restricted(uint32_t can_id)
     return can_id > CO_COB_CAN_ID;
 }
 
-enum dg_co_abort co_hook_device(struct dg_co_node *self, const struct dg_co_object *object,
-                                enum dg_co_op op, uint32_t *value)
-{
-    (void)object;
-    (void)op;
-    *value = self->setup.device->device_type;
-    return DG_CO_OK;
-}
+DG_CO_TELL(co_hook_device, node->setup.device->device_type)
 
 enum dg_co_abort co_hook_identity(struct dg_co_node *self, const struct dg_co_object *object,
                                   enum dg_co_op op, uint32_t *value)

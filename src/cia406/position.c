@@ -307,14 +307,7 @@ enum dg_co_abort cia406_hook_preset(struct dg_co_node *node, const struct dg_co_
     return DG_CO_OK;
 }
 
-enum dg_co_abort cia406_hook_position(struct dg_co_node *node, const struct dg_co_object *object,
-                                      enum dg_co_op op, uint32_t *value)
-{
-    (void)object;
-    (void)op;
-    *value = encoder_of(node)->position;
-    return DG_CO_OK;
-}
+DG_CO_TELL(cia406_hook_position, encoder_of(node)->position)
 
 /* 6509h: preset minus scaled position, with its sign. */
 enum dg_co_abort cia406_hook_offset(struct dg_co_node *node, const struct dg_co_object *object,
@@ -348,11 +341,4 @@ enum dg_co_abort cia406_hook_raw(struct dg_co_node *node, const struct dg_co_obj
     return DG_CO_OK;
 }
 
-enum dg_co_abort cia406_hook_areas(struct dg_co_node *node, const struct dg_co_object *object,
-                                   enum dg_co_op op, uint32_t *value)
-{
-    (void)object;
-    (void)op;
-    *value = areas(node, encoder_of(node)->position);
-    return DG_CO_OK;
-}
+DG_CO_TELL(cia406_hook_areas, areas(node, encoder_of(node)->position))
