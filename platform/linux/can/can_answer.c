@@ -22,12 +22,16 @@ static bool is_answer(const struct lx_can_node *from, const struct dg_can_frame 
 
 void lx_can_answer(struct lx_can_node *from, const struct dg_can_frame *frame)
 {
-    const bool waits = from->answers.count > 0 || lx_nvm_queue_pending(&from->image.queue);
     const struct lx_can_waiting answer = {
         .from = from, .ticket = from->image.queue.issued, .frame = *frame};
-    if (!waits || !is_answer(from, frame)) {
+    enum lx_nvm_answer what = LX_NVM_SAY;
+    if (is_answer(from, frame)) {
+        what = from->answers.count > 0 ? LX_NVM_KEEP : lx_nvm_queue_answer(&from->image.queue);
+    }
+    if (what == LX_NVM_SAY) {
         lx_can_put(from, frame);
-    } else if (from->answers.count == ANSWERS_MAX || !lx_can_list_append(&from->answers, &answer)) {
+    } else if (what == LX_NVM_KEEP && (from->answers.count == ANSWERS_MAX ||
+                                       !lx_can_list_append(&from->answers, &answer))) {
         from->bus->can->counters.lost++;
     }
 }
@@ -49,6 +53,8 @@ void lx_can_answer_settled(struct lx_can_node *from)
     list->count -= done;
     if (done > 0 && list->count > 0) {
         memmove(list->frames, list->frames + done, list->count * sizeof *list->frames);
+    } else if (done > 0) {
+        (void)lx_nvm_queue_answer(&from->image.queue); /* it has been given, or dropped */
     }
 }
 

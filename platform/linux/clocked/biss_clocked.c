@@ -52,19 +52,13 @@ static const struct lx_biss_line *view_of(const struct lx_clocked *base)
 /* --- the line --- */
 
 /* P of a write comes with the frame behind it. What is not on the disk yet is not acknowledged:
-   there is no start bit then; behind what was lost there is none, once. */
+   there is no start bit then. */
 static void hold_back(struct lx_biss_line *self, uint8_t index)
 {
-    struct lx_nvm_queue *memory = self->memory[index].queue;
-    uint64_t *lost = &self->memory[index].lost;
-    if (memory == NULL) {
-        return;
-    }
-    const enum lx_nvm_state state = lx_nvm_queue_state(memory, memory->issued);
-    if (state == LX_NVM_PENDING || (state == LX_NVM_LOST && *lost != memory->issued)) {
+    struct lx_nvm_queue *memory = self->memory[index];
+    if (memory != NULL && lx_nvm_queue_answer(memory) != LX_NVM_SAY) {
         lx_line_fault_kill(&self->fault[index]);
     }
-    *lost = state == LX_NVM_LOST ? memory->issued : *lost;
 }
 
 /* The chain's line behind slave `index`. A frame begins for it with the edge that has put it into
@@ -88,7 +82,7 @@ static void look_for_faults(struct lx_biss_line *self)
 {
     bool due = false;
     for (uint8_t i = 0; i < self->chain.count; i++) {
-        due = due || lx_line_fault_due(&self->fault[i]) || self->memory[i].queue != NULL;
+        due = due || lx_line_fault_due(&self->fault[i]) || self->memory[i] != NULL;
     }
     self->chain.link = due ? bend : NULL;
 }
@@ -286,7 +280,7 @@ void lx_biss_line_add(struct lx_biss_line *self, struct dg_biss *device, struct 
 
 void lx_biss_line_hold(struct lx_biss_line *self, struct lx_nvm_queue *queue)
 {
-    self->memory[self->chain.count - 1u].queue = queue;
+    self->memory[self->chain.count - 1u] = queue;
 }
 
 struct lx_biss_line *lx_biss_line_of(const struct lx_clocked_wire *wire)

@@ -177,16 +177,19 @@ static void hold_back(struct lx_ring_window *self, uint16_t *in, const uint16_t 
     static const uint16_t nothing[LX_RING_OWN_WORDS_MAX];
     const uint64_t ticket = self->part->ticket;
     const enum lx_nvm_state state = lx_nvm_queue_state(&self->part->image->queue, ticket);
-    const bool same = memcmp(self->command, out, sizeof self->command) == 0;
-    if (state == LX_NVM_THROUGH || (state == LX_NVM_LOST && !(self->holds && same))) {
+    const bool commanded = memcmp(out, nothing, sizeof nothing) != 0;
+    if (state != LX_NVM_THROUGH && ticket != self->looked && commanded) {
+        if (!self->holds) {
+            memcpy(self->shown, before, sizeof self->shown);
+        }
+        self->holds = true;
+        memcpy(self->command, out, sizeof self->command);
+    }
+    self->looked = ticket;
+    const bool same = self->holds && memcmp(self->command, out, sizeof self->command) == 0;
+    if (state == LX_NVM_THROUGH || (state == LX_NVM_LOST && !same)) {
         self->settled = ticket;
         self->holds = false;
-        return;
-    }
-    if (!self->holds && memcmp(out, nothing, sizeof nothing) != 0) {
-        self->holds = true;
-        memcpy(self->shown, before, sizeof self->shown);
-        memcpy(self->command, out, sizeof self->command);
     }
     if (self->holds) {
         memcpy(in, self->shown, sizeof self->shown);

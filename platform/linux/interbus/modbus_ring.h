@@ -50,6 +50,7 @@ struct lx_ring_store {
 struct lx_ring_window {
     struct lx_image_part *part;
     uint64_t settled; /**< ticket of the last sync of it that is known to be through, or lost */
+    uint64_t looked;  /**< ... of the one that was there in the cycle before */
     bool holds;       /**< the master sees: */
     uint16_t shown[LX_RING_OWN_WORDS_MAX];
     uint16_t command[LX_RING_OWN_WORDS_MAX]; /**< the OUT words that it answers */

@@ -33,7 +33,9 @@ static int part_sync(void *ctx)
     struct lx_image_part *self = ctx;
     const struct dg_nvm *whole = &self->image->nvm;
     const int result = whole->ops->sync == NULL ? DG_OK : whole->ops->sync(whole->ctx);
-    self->ticket = self->image->queue.issued;
+    if (result == DG_OK) {
+        self->ticket = self->image->queue.issued;
+    }
     return result;
 }
 

@@ -31,7 +31,7 @@ struct lx_image_part {
     uint32_t base;
     uint32_t size;   /**< 0: the model has no EEPROM */
     uint32_t found;  /**< bytes that it has in the file: fewer in one of an earlier release */
-    uint64_t ticket; /**< of its last sync, see lx_nvm_queue_state() */
+    uint64_t ticket; /**< of its last sync that said yes, see lx_nvm_queue_state() */
 };
 
 /** What an image is made of. What is pointed to must outlive it. */

@@ -60,6 +60,8 @@ struct lx_nvm_writer {
     /* what the thread looks at, too */
     struct lx_nvm_queue *first; /* in line */
     struct lx_nvm_queue *last;
+    const struct lx_nvm_queue *served; /* its part is being carried out, since */
+    dg_ns began;
     bool ends;
 };
 
@@ -190,9 +192,13 @@ static void serve(struct lx_nvm_writer *self, struct lx_nvm_queue *queue)
     struct lx_nvm_job *first = queue->jobs.first;
     struct lx_nvm_job *last = end_of_part(queue);
     const bool synced = last->ticket != 0;
+    self->served = queue;
+    self->began = lx_now();
+    (void)pthread_cond_broadcast(&self->progress);
     (void)pthread_mutex_unlock(&self->lock);
     const int result = carry_out(&queue->setup.below, first, last);
     (void)pthread_mutex_lock(&self->lock);
+    self->served = NULL;
     if (result == DG_OK) {
         succeed(queue, last);
     } else {
@@ -275,16 +281,29 @@ static int write_later(void *ctx, uint32_t address, const void *from, size_t n)
     return result;
 }
 
+/* When the moment that began at `begin` is over. The disk may be busy with another file. */
+static dg_ns end_of_moment(const struct lx_nvm_queue *self, dg_ns begin)
+{
+    const struct lx_nvm_writer *writer = self->setup.writer;
+    const dg_ns most = dg_after(begin, LX_NVM_MOMENT_MAX);
+    if (writer->served == NULL) {
+        return most;
+    }
+    const dg_ns since = writer->served == self ? writer->began : begin;
+    return dg_earliest(most, dg_after(since, LX_NVM_MOMENT));
+}
+
 /* With the lock: until the sync is decided, or the moment is over. */
-static void wait_a_moment(struct lx_nvm_queue *self)
+static void wait_a_moment(const struct lx_nvm_queue *self)
 {
     struct lx_nvm_writer *writer = self->setup.writer;
-    const dg_ns end = dg_after(lx_now(), LX_NVM_MOMENT);
-    const struct timespec until = {.tv_sec = (time_t)(end / DG_S(1)),
-                                   .tv_nsec = (long)(end % DG_S(1))};
-    int result = 0;
-    while (self->done != self->issued && !self->stalled && result == 0) {
-        result = pthread_cond_timedwait(&writer->progress, &writer->lock, &until);
+    const dg_ns begin = lx_now();
+    dg_ns end = end_of_moment(self, begin);
+    while (self->done != self->issued && !self->stalled && lx_now() < end) {
+        const struct timespec until = {.tv_sec = (time_t)(end / DG_S(1)),
+                                       .tv_nsec = (long)(end % DG_S(1))};
+        (void)pthread_cond_timedwait(&writer->progress, &writer->lock, &until);
+        end = end_of_moment(self, begin);
     }
 }
 
@@ -540,4 +559,18 @@ enum lx_nvm_state lx_nvm_queue_state(struct lx_nvm_queue *self, uint64_t ticket)
 bool lx_nvm_queue_pending(struct lx_nvm_queue *self)
 {
     return lx_nvm_queue_state(self, self->issued) == LX_NVM_PENDING;
+}
+
+/* A loss that nothing was kept back for yet, as the answer to it comes later, ends with that. */
+enum lx_nvm_answer lx_nvm_queue_answer(struct lx_nvm_queue *self)
+{
+    if (self->known == self->issued) {
+        return LX_NVM_SAY;
+    }
+    const enum lx_nvm_state state = lx_nvm_queue_state(self, self->issued);
+    if (state == LX_NVM_PENDING) {
+        return LX_NVM_KEEP;
+    }
+    self->known = self->issued;
+    return state == LX_NVM_LOST ? LX_NVM_DROP : LX_NVM_SAY;
 }

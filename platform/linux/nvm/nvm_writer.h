@@ -18,8 +18,11 @@
 #include "drehgeber/time.h"
 #include "say.h"
 
-/** How long a sync waits in the loop before the device goes on without it. */
+/** How long a sync waits in the loop before the device goes on without it: time in which the disk
+ * works for it, */
 #define LX_NVM_MOMENT DG_MS(2)
+/** and with the time in which the thread waits for a processor, as the loop may have to as well. */
+#define LX_NVM_MOMENT_MAX DG_MS(50)
 
 /** The thread, and the queues it serves in turn. */
 struct lx_nvm_writer;
@@ -30,6 +33,13 @@ enum lx_nvm_state {
     LX_NVM_PENDING,
     LX_NVM_LOST, /**< it failed after it had said yes; it may get through later, when the file works
                   */
+};
+
+/** What becomes of an answer of a device. */
+enum lx_nvm_answer {
+    LX_NVM_SAY,
+    LX_NVM_KEEP, /**< it acknowledges what is under way */
+    LX_NVM_DROP, /**< it acknowledges what was lost; the next one may be said */
 };
 
 /** What the thread has to do for a queue: a write, or a sync; private. */
@@ -46,7 +56,7 @@ struct lx_nvm_queue_setup {
     struct lx_nvm_writer *writer; /**< NULL: no queue, the device works on the memory itself */
     struct dg_nvm below; /**< the thread's from open to close, but for its reads; may block */
     uint32_t size;       /**< bytes of it */
-    /** In the loop: a sync is through, or lost. Optional. */
+    /** In the loop: a sync is through, or lost. Optional; whoever keeps answers back needs it. */
     void (*settled)(void *ctx, dg_ns now);
     void *ctx;
 };
@@ -57,6 +67,7 @@ struct lx_nvm_queue {
     uint8_t *bytes;            /**< owned: what the device reads */
     struct lx_nvm_queue *next; /**< of the writer's */
     uint64_t issued;           /**< ticket of the last sync */
+    uint64_t known;            /**< ... of the last one that an answer was said or dropped for */
     uint32_t waits;            /**< syncs that took longer than a moment */
     /* what the thread looks at, too */
     struct lx_nvm_queue *behind; /**< in the line for the thread */
@@ -100,5 +111,9 @@ enum lx_nvm_state lx_nvm_queue_state(struct lx_nvm_queue *self, uint64_t ticket)
 
 /** Whether its last sync is under way. */
 bool lx_nvm_queue_pending(struct lx_nvm_queue *self);
+
+/** What to do with what the device answers now: it may acknowledge its last sync. What is kept is
+ * to be asked for again when settled() is called. */
+enum lx_nvm_answer lx_nvm_queue_answer(struct lx_nvm_queue *self);
 
 #endif

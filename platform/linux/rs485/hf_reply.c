@@ -80,12 +80,13 @@ static void start_reply(struct lx_hf_drop *self, const uint8_t *bytes, size_t n)
 static void send_reply(void *ctx, const uint8_t *bytes, size_t n)
 {
     struct lx_hf_drop *self = ctx;
-    if (!lx_nvm_queue_pending(&self->image.queue)) {
+    const enum lx_nvm_answer what = lx_nvm_queue_answer(&self->image.queue);
+    if (what == LX_NVM_SAY) {
         start_reply(self, bytes, n);
-        return;
+    } else if (what == LX_NVM_KEEP) {
+        memcpy(self->held.bytes, bytes, n);
+        self->held.length = n;
     }
-    memcpy(self->held.bytes, bytes, n);
-    self->held.length = n;
 }
 
 /* What is lost is not acknowledged. */
@@ -93,12 +94,13 @@ void lx_hf_on_settled(void *ctx, dg_ns now)
 {
     struct lx_hf_drop *self = ctx;
     const size_t n = self->held.length;
+    const enum lx_nvm_answer what = n == 0 ? LX_NVM_KEEP : lx_nvm_queue_answer(&self->image.queue);
     (void)now;
-    if (n == 0 || lx_nvm_queue_pending(&self->image.queue)) {
+    if (what == LX_NVM_KEEP) {
         return;
     }
     self->held.length = 0;
-    if (lx_nvm_queue_state(&self->image.queue, self->image.queue.issued) == LX_NVM_THROUGH) {
+    if (what == LX_NVM_SAY) {
         start_reply(self, self->held.bytes, n);
         lx_hf_settle(self->all);
     }

@@ -370,6 +370,30 @@ static void a_file_that_fails_keeps_no_other_one(void **state)
     logged("a!X|");
 }
 
+/* Kept while it is under way; behind a loss one answer is dropped, however late it comes. */
+static void an_answer_is_kept_and_one_behind_a_loss_is_dropped(void **state)
+{
+    struct bench *self = *state;
+    struct lx_nvm_queue *queue = &self->queue[0];
+    assert_int_equal(lx_nvm_queue_answer(queue), LX_NVM_SAY);
+    put_late(self, 0, 0, "a|");
+    assert_int_equal(lx_nvm_queue_answer(queue), LX_NVM_KEEP);
+    assert_int_equal(lx_nvm_queue_answer(queue), LX_NVM_KEEP);
+    disk.fails = 1;
+    set_stuck(false);
+    assert_int_equal(settle(self, 0), LX_NVM_LOST);
+    assert_int_equal(lx_nvm_queue_answer(queue), LX_NVM_DROP);
+    assert_int_equal(put(self, 0, 0, "b"), DG_ERR_IO);
+    assert_int_equal(lx_nvm_queue_answer(queue), LX_NVM_SAY); /* that it is refused */
+    while (put(self, 0, 0, "b") != DG_OK) {
+    }
+    put_late(self, 0, 1, "|");
+    assert_int_equal(lx_nvm_queue_answer(queue), LX_NVM_KEEP);
+    set_stuck(false);
+    assert_int_equal(settle(self, 0), LX_NVM_THROUGH);
+    assert_int_equal(lx_nvm_queue_answer(queue), LX_NVM_SAY);
+}
+
 /* Whoever knows only that something was written behind `after`. */
 static void the_writer_knows_of_all_files(void **state)
 {
@@ -496,6 +520,7 @@ int main(void)
         ON_A_BENCH(an_early_no_is_told_to_the_device),
         ON_A_BENCH(a_late_no_refuses_what_comes_until_all_is_through),
         ON_A_BENCH(a_file_that_fails_keeps_no_other_one),
+        ON_A_BENCH(an_answer_is_kept_and_one_behind_a_loss_is_dropped),
         ON_A_BENCH(the_writer_knows_of_all_files),
         ON_A_BENCH(closing_waits_for_the_disk),
         ON_A_BENCH(closing_tries_once_more),
