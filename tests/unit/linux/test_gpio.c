@@ -13,6 +13,7 @@
 #include <cmocka.h>
 
 #include <errno.h>
+#include <pthread.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
 
@@ -463,6 +464,97 @@ static void test_edges_are_told_to_the_tap(void **state)
     assert_int_equal(count, 8);
 }
 
+/* --- a memory that is slow --- */
+
+/* A sync takes as long as the test holds the lock. */
+static pthread_mutex_t disk = PTHREAD_MUTEX_INITIALIZER;
+static int disk_result;
+
+static int read_disk(void *ctx, uint32_t address, void *to, size_t n)
+{
+    (void)ctx;
+    (void)address;
+    memset(to, 0, n);
+    return DG_OK;
+}
+
+static int write_disk(void *ctx, uint32_t address, const void *from, size_t n)
+{
+    (void)ctx;
+    (void)address;
+    (void)from;
+    (void)n;
+    return DG_OK;
+}
+
+static int sync_disk(void *ctx)
+{
+    (void)ctx;
+    (void)pthread_mutex_lock(&disk);
+    const int result = disk_result;
+    (void)pthread_mutex_unlock(&disk);
+    return result;
+}
+
+/* A commit that is under way, and ends as `result`. */
+static void commit_slowly(const struct dg_nvm *nvm, int result)
+{
+    (void)pthread_mutex_lock(&disk);
+    assert_int_equal(nvm->ops->write(nvm->ctx, 0, "x", 1), DG_OK);
+    assert_int_equal(nvm->ops->sync(nvm->ctx), DG_OK);
+    disk_result = result;
+}
+
+static void end_commit(struct lx_nvm_queue *memory)
+{
+    (void)pthread_mutex_unlock(&disk);
+    while (lx_nvm_queue_pending(memory)) {
+        run();
+    }
+}
+
+/* @return whether there was an Ack: SLO low behind the second clock */
+static bool acknowledged(void)
+{
+    const uint64_t edges = gpio.counters.edges + 4u;
+    (void)queue_clocks(lx_now(), 2);
+    while (gpio.counters.edges < edges) {
+        run();
+    }
+    const bool low = !fake.slo;
+    for (unsigned i = 0; rig.slave[0].line.deadline != DG_NEVER && i < RUNS_MAX; i++) {
+        run();
+    }
+    return low;
+}
+
+/* P of a write comes with the frame behind it. */
+static void test_what_is_not_on_the_disk_is_not_acknowledged(void **state)
+{
+    static const struct dg_nvm_ops ops = {read_disk, write_disk, sync_disk};
+    struct lx_nvm_queue memory;
+    struct dg_nvm nvm;
+    struct lx_error error;
+    const struct lx_nvm_queue_setup queued = {
+        .writer = lx_nvm_writer_new(event, NULL, NULL), .below = {&ops, NULL}, .size = 1};
+    (void)state;
+    begin(DG_MS(20));
+    assert_int_equal(lx_nvm_queue_open(&memory, &queued, &nvm, &error), 0);
+    line.memory[0] = &memory;
+    assert_true(acknowledged());
+    commit_slowly(&nvm, DG_OK);
+    assert_false(acknowledged());
+    assert_false(acknowledged());
+    end_commit(&memory);
+    assert_true(acknowledged());
+    commit_slowly(&nvm, DG_ERR_IO);
+    end_commit(&memory);
+    assert_false(acknowledged()); /* the frame that would have had P */
+    assert_true(acknowledged());
+    lx_nvm_queue_close(&memory);
+    lx_nvm_writer_free(queued.writer);
+}
+
 static void test_addresses(void **state)
 {
     static const char *const wrong[] = {
@@ -505,6 +597,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_what_is_not_stored_is_not_acknowledged, setup,
                                         teardown),
         cmocka_unit_test_setup_teardown(test_edges_are_told_to_the_tap, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_what_is_not_on_the_disk_is_not_acknowledged, setup,
+                                        teardown),
         cmocka_unit_test(test_addresses),
     };
 
