@@ -16,8 +16,9 @@ static uint64_t turned(int64_t rate, int64_t t)
     const int64_t high = rate / SECOND - (rate % SECOND < 0 ? 1 : 0);
     const int64_t low = rate - high * SECOND;
 
-    /* |high * ns| and low * ns are below 2^63. */
-    return (uint64_t)rate * (uint64_t)s + (uint64_t)(high * ns) + (uint64_t)(low * ns / SECOND);
+    /* low * ns is below 2^63; the others wrap as angles do. */
+    return (uint64_t)rate * (uint64_t)s + (uint64_t)high * (uint64_t)ns +
+           (uint64_t)(low * ns / SECOND);
 }
 
 static dg_angle angle_in(const struct host_course *course, dg_ns at)
@@ -74,6 +75,7 @@ int dg_host_share(struct dg_host *self, struct dg_host *other)
     if (other != NULL && other->shaft != NULL) {
         return DG_HOST_ERR_ARGUMENT;
     }
-    host_sit(self, other == self ? NULL : other, of_other);
+    const bool alone = other == NULL || other == self;
+    host_sit(self, alone ? NULL : other, of_other);
     return DG_HOST_OK;
 }
