@@ -14,7 +14,7 @@ static uint64_t turned(int64_t rate, int64_t t)
     const int64_t s = t / SECOND - (t % SECOND < 0 ? 1 : 0);
     const int64_t ns = t - s * SECOND;
     const int64_t high = rate / SECOND - (rate % SECOND < 0 ? 1 : 0);
-    const int64_t low = rate - high * SECOND;
+    const int64_t low = rate % SECOND + (rate % SECOND < 0 ? SECOND : 0);
 
     /* low * ns is below 2^63; the others wrap as angles do. */
     return (uint64_t)rate * (uint64_t)s + (uint64_t)high * (uint64_t)ns +

@@ -8,7 +8,7 @@
 #define SENSED(id) (UINT32_C(1) << DG_QUANTITY_##id)
 #define ALL ((UINT32_C(1) << DG_QUANTITY_COUNT) - 1u)
 /* of dg_ib_keys, as dg_host_wire.without has them */
-#define ROW_TURNS (UINT64_C(1) << 32)
+#define ROW_TURNS (UINT64_C(1) << 33)
 
 /* A K1 has no turns. */
 static uint64_t without(const void *settings)

@@ -59,13 +59,15 @@ static void print_own(const struct lx_stack *stack, const struct dg_device *devi
 {
     void *settings = device == NULL ? NULL : calloc(1, stack->settings_size);
     struct lx_keys keys = {.rows = stack->keys, .count = stack->key_count};
+    struct lx_keys model_keys = lx_stack_model_keys(stack, settings);
     if (settings != NULL) {
         struct lx_keys lists[LX_STACK_LISTS];
         stack->defaults(settings, device);
         lx_stack_keys(device, settings, NULL, lists);
-        keys = lists[0];
+        keys = lists[LX_STACK_OWN];
     }
     lx_keys_help(&keys, stdout);
+    lx_keys_help(&model_keys, stdout);
     free(settings);
 }
 

@@ -5,31 +5,6 @@
 #include <stddef.h>
 #include <string.h>
 
-#define AT(field) offsetof(struct dg_biss_model, field)
-
-static const char *const stop_bits[2] = {"own", "early"};
-
-/* clang-format off */
-static const struct dg_key keys[] = {
-    /* name              unit    offset                       type         places factor min      max  words      help */
-    {"mt",              "",     AT(multiturn_bits),          DG_KEY_U8,    0, 1,         0,       24, NULL,      "multiturn bits"},
-    {"st",              "",     AT(singleturn_bits),         DG_KEY_U8,    0, 1,        12,       24, NULL,      "singleturn bits"},
-    {"lc",              "",     AT(life_counter),            DG_KEY_FLAG,  0, 1,         0,        1, dg_key_no_yes, "the frame has a life counter"},
-    {"autostore",       "",     AT(autostore),               DG_KEY_FLAG,  0, 1,         0,        1, dg_key_no_yes, "offsets and masks go to the EEPROM when they are written"},
-    {"busy_us",         "us",   AT(busy),                    DG_KEY_NS,    0, 1000,      0,       40, NULL,      "from the first clock edge to the start bit"},
-    {"busy_jitter_us",  "us",   AT(busy_jitter),             DG_KEY_NS,    0, 1000,      0,       40, NULL,      "up to as much more, another time in every frame"},
-    {"sl_low_at_start", "",     AT(sl_low_at_start),         DG_KEY_FLAG,  0, 1,         0,        1, dg_key_no_yes, "SLO is low from power-on to the first clock"},
-    {"stop_bit",        "",     AT(stop_bit_early),          DG_KEY_FLAG,  0, 1,         0,        1, stop_bits, "P = 1 refuses the register just transferred, or ahead of time the next one"},
-    {"eeprom_read_us",  "us",   AT(eeprom_read),             DG_KEY_NS,    0, 1000,      0,     1000, NULL,      "an access to a user bank"},
-    {"eeprom_write_us", "us",   AT(eeprom_write),            DG_KEY_NS,    0, 1000,      0,    19000, NULL,      "what the EEPROM needs after a write"},
-    {"timeout_us",      "us",   AT(timeout),                 DG_KEY_NS,    0, 1000,     13,  1000000, NULL,      "gpio: silence on MA that ends a frame; 20000 unless set"},
-    {"init_ms",         "ms",   AT(init),                    DG_KEY_NS,    0, 1000000,   0,   600000, NULL,      "initialisation after power-on and reset"},
-};
-
-static const struct dg_key serial =
-    {"serial",           "",     AT(serial),                  DG_KEY_U32,   0, 1,         0, UINT32_MAX, NULL,    "serial number"};
-/* clang-format on */
-
 static void defaults(void *settings, const struct dg_device *device)
 {
     *(struct dg_biss_model *)settings = *dg_biss_model_of(device);
@@ -56,9 +31,7 @@ const struct lx_stack lx_biss_stack = {
     .title = title,
     .trace = &trace,
     .wire = "sim",
-    .keys = keys,
-    .key_count = DG_COUNT(keys),
-    .serial = &serial,
+    .model = &dg_biss_keys,
     .settings_size = sizeof(struct dg_biss_model),
     .defaults = defaults,
     .check = check,

@@ -15,7 +15,6 @@
 /** The settings of one encoder. */
 struct lx_ib_settings {
     struct dg_ib_model model;
-    uint16_t turns; /**< not of a K1, which takes it and leaves it, as one of a ring */
 };
 
 /** The settings of a ring. */

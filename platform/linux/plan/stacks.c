@@ -15,17 +15,42 @@ const struct lx_stack *lx_stack_of(const struct dg_device *device)
     return lx_stacks[i];
 }
 
+const struct dg_key *lx_stack_serial(const struct lx_stack *self)
+{
+    return self->serial != NULL ? self->serial : dg_keys_find(self->model, "serial");
+}
+
+/* The serial number has an option of its own. */
+struct lx_keys lx_stack_model_keys(const struct lx_stack *self, void *settings)
+{
+    const struct dg_keys own = {self->keys, self->key_count};
+    struct lx_keys keys = {.base = settings};
+    if (self->model == NULL) {
+        return keys;
+    }
+    keys.rows = self->model->rows;
+    keys.count = self->model->count;
+    for (size_t i = 0; i < keys.count; i++) {
+        const bool elsewhere =
+            &keys.rows[i] == lx_stack_serial(self) || dg_keys_find(&own, keys.rows[i].name) != NULL;
+        keys.without |= elsewhere ? UINT32_C(1) << i : 0;
+    }
+    return keys;
+}
+
 void lx_stack_keys(const struct dg_device *device, void *settings, struct dg_world *world,
                    struct lx_keys lists[LX_STACK_LISTS])
 {
     const struct lx_stack *self = lx_stack_of(device);
-    lists[0] = (struct lx_keys){
+    lists[LX_STACK_OWN] = (struct lx_keys){
         .rows = self->keys,
         .count = self->key_count,
         .base = settings,
         .without = self->without == NULL ? 0 : self->without(device),
     };
-    lists[1] = (struct lx_keys){dg_world_keys.rows, DG_QUANTITY_COUNT, world, self->blind};
+    lists[LX_STACK_MODEL] = lx_stack_model_keys(self, settings);
+    lists[LX_STACK_WORLD] =
+        (struct lx_keys){dg_world_keys.rows, dg_world_keys.count, world, self->blind};
 }
 
 /* --- settings --- */
@@ -62,7 +87,7 @@ static int set_serial(const struct lx_plan *plan, const struct lx_plan_encoder *
                       const struct lx_stack *self, void *settings, struct lx_error *error)
 {
     if (encoder->serial == NULL ||
-        lx_key_set(self->serial, settings, encoder->serial, error) == 0) {
+        lx_key_set(lx_stack_serial(self), settings, encoder->serial, error) == 0) {
         return 0;
     }
     (void)lx_about(error, LX_ABOUT_KEY, "serial", encoder->serial);

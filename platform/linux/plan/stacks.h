@@ -33,7 +33,9 @@ struct lx_stack {
     bool is_ring;              /**< encoders without a file are one thing with one address */
     const struct dg_key *keys; /**< of its encoders; offsets count from their settings */
     size_t key_count;
-    const struct dg_key *serial; /**< what --serial sets */
+    const struct dg_keys *model; /**< those of the core's model, which the settings begin with, but
+                                      for those the stack has of its own; NULL: none */
+    const struct dg_key *serial; /**< what --serial sets; NULL: that of the model */
     uint32_t blind;              /**< bit n: it does not sense enum dg_quantity_id n */
     size_t settings_size;        /**< aligned for any type */
     /** `settings` become those of `device` as delivered. */
@@ -51,9 +53,15 @@ extern const size_t lx_stack_count;
 /** That of a device. */
 const struct lx_stack *lx_stack_of(const struct dg_device *device);
 
-/** The settings of an encoder and of its world, for lx_keys_find() and its like; NULL: only names
- * and ranges are asked for. */
-#define LX_STACK_LISTS 2u
+/** What --serial sets. */
+const struct dg_key *lx_stack_serial(const struct lx_stack *self);
+
+/** The settings of its models. */
+struct lx_keys lx_stack_model_keys(const struct lx_stack *self, void *settings);
+
+/** The settings of an encoder, of its model, and of its world, for lx_keys_find() and its like;
+ * NULL: only names and ranges are asked for. */
+enum { LX_STACK_OWN, LX_STACK_MODEL, LX_STACK_WORLD, LX_STACK_LISTS };
 void lx_stack_keys(const struct dg_device *device, void *settings, struct dg_world *world,
                    struct lx_keys lists[LX_STACK_LISTS]);
 

@@ -14,27 +14,8 @@ static const struct dg_key keys[] = {
     {"pace",            "",        AT(pace),                           DG_KEY_FLAG,   0, 1,            0,          1, dg_key_no_yes, "requests and replies at the speed of the line; 0: at once"},
     {"line",            "",        AT(any_line),                       DG_KEY_FLAG,   0, 1,            0,          1, own_any,  "data rate the master must use: the encoder's own, or any"},
     {"sincos_us",       "us",      AT(sincos),                         DG_KEY_NS,     0, 1000,         0,    1000000, NULL,     "sine and cosine in a VCD trace: time between samples; 0: none"},
-    {"reaction_us",     "us",      AT(model.reaction),                 DG_KEY_NS,     0, 1000,         0,     250000, NULL,     "from a request's timeout to the reply; cut to the command's maximum"},
-    {"init_ms",         "ms",      AT(model.init),                     DG_KEY_NS,     0, 1000000,      0,     600000, NULL,     "initialisation time after power-on and reset"},
-    {"periods",         "",        AT(model.periods_per_turn),         DG_KEY_U16,    0, 1,            1,      65535, NULL,     "sine periods a turn (factory)"},
-    {"steps",           "",        AT(model.steps_per_period),         DG_KEY_U32,    0, 1,            1,   16777216, NULL,     "steps of 42h in a period; periods x steps: at most 16777216 (factory)"},
-    {"turns",           "",        AT(model.turns),                    DG_KEY_U32,    0, 1,            1, UINT32_MAX, NULL,     "turns; 1: singleturn (factory)"},
-    {"memory",          "blocks",  AT(model.memory_blocks),            DG_KEY_U8,     0, 1,            1,        112, NULL,     "user memory in blocks of 16 bytes (factory)"},
-    {"implemented",     "blocks",  AT(model.implemented_blocks),       DG_KEY_U8,     0, 1,            0,        128, NULL,     "memory size that 52h tells, memory..128; 0: as memory (factory)"},
-    {"type",            "",        AT(model.type_code),                DG_KEY_U8,     0, 1,            0,        255, NULL,     "type code, e.g. 27h (factory)"},
-    {"option",          "",        AT(model.option_code),              DG_KEY_U8,     0, 1,            0,        255, NULL,     "option code (factory)"},
-    {"version",         "",        AT(model.version),                  DG_KEY_TEXT,   0, 1,            0,         19, NULL,     "firmware version (factory)"},
-    {"date",            "",        AT(model.date),                     DG_KEY_TEXT,   0, 1,            8,          8, NULL,     "date of the firmware (factory)"},
-    {"designation",     "",        AT(model.designation),              DG_KEY_TEXT,   0, 1,            0,         18, NULL,     "designation in the type label (factory)"},
-    {"temperature_min", "degC",    AT(model.temperature_min_degc),     DG_KEY_I16,    0, 1,         -273,       1000, NULL,     "limit in the type label (factory)"},
-    {"temperature_max", "degC",    AT(model.temperature_max_degc),     DG_KEY_I16,    0, 1,         -273,       1000, NULL,     "limit in the type label (factory)"},
-    {"led_min_ma",      "mA",      AT(model.led_min_ma),               DG_KEY_U16,    0, 1,            0,      65535, NULL,     "limit in the type label (factory)"},
-    {"led_max_ma",      "mA",      AT(model.led_max_ma),               DG_KEY_U16,    0, 1,            0,      65535, NULL,     "limit in the type label (factory)"},
-    {"speed_max_rpm",   "rpm",     AT(model.speed_max_rpm),            DG_KEY_U16,    0, 1,            1,      65535, NULL,     "fastest speed with a position (factory)"},
 };
 
-static const struct dg_key serial =
-    {"serial",         "",        AT(model.serial),                  DG_KEY_DIGITS,  0, 1,        1,          9, NULL,     "serial number"};
 /* clang-format on */
 
 static void defaults(void *settings, const struct dg_device *device)
@@ -87,7 +68,7 @@ const struct lx_stack lx_hf_stack = {
                 DG_HF_ADDRESS_DEFAULT, true},
     .keys = keys,
     .key_count = DG_COUNT(keys),
-    .serial = &serial,
+    .model = &dg_hf_keys,
     .settings_size = sizeof(struct lx_hf_settings),
     .defaults = defaults,
     .check = check,

@@ -72,12 +72,31 @@ static void rows_are_whole(void **state)
         for (size_t j = 0; j < stack->key_count; j++) {
             check_row(&stack->keys[j], stack->settings_size);
         }
-        check_row(stack->serial, stack->settings_size);
+        for (size_t j = 0; stack->model != NULL && j < stack->model->count; j++) {
+            check_row(&stack->model->rows[j], stack->settings_size);
+        }
+        check_row(lx_stack_serial(stack), stack->settings_size);
         assert_non_null(lx_wire_find(stack->wire, strlen(stack->wire)));
         assert_true(lx_wire_carries(lx_wire_find(stack->wire, strlen(stack->wire)), stack));
     }
     for (size_t i = 0; i < dg_device_count; i++) {
         assert_int_equal(lx_stack_of(dg_devices[i])->core, dg_devices[i]->stack);
+    }
+}
+
+static void check_unique(const struct lx_stack *stack, const struct lx_keys *lists,
+                         const struct dg_key *key)
+{
+    unsigned found = 0;
+    for (size_t i = 0; i < LX_STACK_LISTS; i++) {
+        for (size_t j = 0; j < lists[i].count; j++) {
+            const bool has = (lists[i].without >> j & 1u) == 0;
+            found += has && strcmp(lists[i].rows[j].name, key->name) == 0 ? 1u : 0u;
+        }
+    }
+    assert_int_equal(found, 1);
+    for (size_t i = 0; i < lx_wire_count; i++) {
+        assert_false(lx_wire_carries(&lx_wires[i], stack) && lx_wire_has(&lx_wires[i], key->name));
     }
 }
 
@@ -89,14 +108,11 @@ static void names_are_unique(void **state)
         struct lx_keys lists[LX_STACK_LISTS];
         const struct lx_stack *stack = lx_stack_of(dg_devices[i]);
         lx_stack_keys(dg_devices[i], NULL, NULL, lists);
-        for (size_t j = 0; j < stack->key_count; j++) {
-            assert_null(lx_keys_find(&lists[1], 1, stack->keys[j].name, NULL));
-            for (size_t k = 0; k < j; k++) {
-                assert_string_not_equal(stack->keys[j].name, stack->keys[k].name);
-            }
-            for (size_t k = 0; k < lx_wire_count; k++) {
-                assert_false(lx_wire_carries(&lx_wires[k], stack) &&
-                             lx_wire_has(&lx_wires[k], stack->keys[j].name));
+        for (size_t j = 0; j < LX_STACK_LISTS; j++) {
+            for (size_t k = 0; k < lists[j].count; k++) {
+                if ((lists[j].without >> k & 1u) == 0) {
+                    check_unique(stack, lists, &lists[j].rows[k]);
+                }
             }
         }
     }
@@ -248,7 +264,7 @@ static void serial_numbers_get_zeros_in_front(void **state)
     static const char *const bad[] = {"", "1234567890", "12a", "-1"};
     struct bench self = bench_of("s3684-rs485");
     const struct lx_hf_settings *settings = (const void *)self.settings;
-    const struct dg_key *serial = lx_hf_stack.serial;
+    const struct dg_key *serial = lx_stack_serial(&lx_hf_stack);
     struct lx_error error;
     (void)state;
     assert_int_equal(lx_key_set(serial, self.settings, "4711", &error), 0);
@@ -306,8 +322,9 @@ static void settings_of_an_interbus_encoder(void **state)
         set(&k3, assignments[i]);
     }
     set(&k1, "turns=16"); /* as one of a ring */
-    assert_int_equal(lx_key_set(lx_ib_stack.serial, k3.settings, "33554432", &error), -1);
-    assert_int_equal(lx_key_set(lx_ib_stack.serial, k3.settings, "33554431", &error), 0);
+    assert_int_equal(lx_key_set(lx_stack_serial(&lx_ib_stack), k3.settings, "33554432", &error),
+                     -1);
+    assert_int_equal(lx_key_set(lx_stack_serial(&lx_ib_stack), k3.settings, "33554431", &error), 0);
     const struct dg_ib_model model = lx_ib_settings_model((const void *)k3.settings, 1);
     assert_int_equal(model.steps, 8192);
     assert_int_equal(model.turns, 16);
