@@ -399,6 +399,26 @@ def test_no_file(tmp_path):
     assert "none.ini" in run_refused(2, "run", "none.ini", cwd=tmp_path)
 
 
+@pytest.mark.parametrize("model, wire", [("s3684-rs485", "pty"), ("s3684-biss", "sim"), ("f3668", "slcan"),
+                                         ("ocd-ib-k3", "modbus:127.0.0.1:0")])
+def test_a_foreign_eeprom_file_is_named_by_its_key(tmp_path, model, wire):
+    foreign = tmp_path / "foreign"
+    foreign.write_bytes(bytes(1278))  # as long as that of the ring
+    rig = tmp_path / "rig.ini"
+    rig.write_text(f"[encoder a]\nmodel = {model}\nwire = {wire}\nnvm = foreign\n")
+    assert re.search(r"^drehgeber: \S*rig\.ini:4: nvm: \S*foreign: ", run_refused(1, "run", rig))
+    kind, _, address = wire.partition(":")
+    option = f"--{kind}={address}" if address else f"--{kind}"
+    assert re.search(r"^drehgeber: --nvm \S*foreign: ", run_refused(1, "run", model, option, "--nvm", foreign))
+
+
+def test_figures_that_make_no_encoder_are_no_error_of_the_file(tmp_path):
+    said = run_refused(1, "run", "ocd-ib-k3", "--modbus", "127.0.0.1:0", "--nvm", tmp_path / "new",
+                       "--set", "steps=1", "--set", "steps_minus_one=1")
+    assert said.startswith("drehgeber: device 0: these factory figures make no encoder; ")
+    assert not (tmp_path / "new").exists()
+
+
 @pytest.mark.parametrize("option", [["--set", "pace=0"], ["--pty"], ["--shaft", "60RPM"],
                                     ["--nvm", "x"], ["--node", "5"], ["--trace", "x.vcd"]],
                          ids=lambda option: option[0])

@@ -107,18 +107,29 @@ static int open_store(struct lx_ring_store *self, const struct lx_ring_setup *se
     return lx_image_open(&self->image, &image, error);
 }
 
+/* Say whose file an error is about, if it is about one. */
+static int refuse_file(struct lx_ring *self, const struct lx_ring_store *store,
+                       struct lx_error *error)
+{
+    if (store->path == NULL || error->where.about == LX_ABOUT_ITSELF) {
+        return -1;
+    }
+    self->refused = store->path;
+    return lx_about(error, LX_ABOUT_KEY, "nvm", NULL);
+}
+
 /* Every file is looked at before the first one changes. */
 static int open_stores(struct lx_ring *self, const struct lx_ring_setup *setup,
                        struct lx_error *error)
 {
     for (size_t i = 0; i < self->store_count; i++) {
         if (open_store(&self->stores[i], setup, error) != 0) {
-            return -1;
+            return refuse_file(self, &self->stores[i], error);
         }
     }
     for (size_t i = 0; i < self->store_count; i++) {
         if (lx_image_start(&self->stores[i].image, error) != 0) {
-            return -1;
+            return refuse_file(self, &self->stores[i], error);
         }
     }
     return 0;

@@ -64,6 +64,7 @@ struct lx_ring {
     struct lx_image_part *parts;  /**< in the order of the stores */
     struct lx_ring_store *stores; /**< as many as store_count */
     size_t store_count;
+    const char *refused; /**< the file an error of lx_ring_open() is about; NULL: none */
     struct dg_ib_ring ring;
     bool stopped; /**< ID cycles only */
     enum dg_ib_ring_result result;

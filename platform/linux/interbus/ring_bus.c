@@ -229,12 +229,11 @@ static int open_coupler(struct ring_bus *self, struct lx_error *error)
 }
 
 /* A file that several may share stands where the first of them names it. */
-static int place_nvm(const struct lx_bus_setup *setup, struct lx_error *error)
+static int place_nvm(const struct lx_bus_setup *setup, const char *refused, struct lx_error *error)
 {
-    for (size_t i = 0; i < setup->count; i++) {
+    for (size_t i = 0; refused != NULL && i < setup->count; i++) {
         const struct lx_plan_encoder *plan = setup->stations[i]->plan;
-        if (plan->nvm != NULL &&
-            strncmp(plan->nvm, error->where.value, LX_ERROR_VALUE_MAX - 1u) == 0) {
+        if (plan->nvm != NULL && strcmp(plan->nvm, refused) == 0) {
             return lx_stands(error, setup->plan->file, plan->nvm_line);
         }
     }
@@ -254,7 +253,7 @@ static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
         .ctx = self,
     };
     if (lx_ring_open(&self->ring, &ring, now, error) != 0) {
-        return place_nvm(setup, error);
+        return place_nvm(setup, self->ring.refused, error);
     }
     if (open_coupler(self, error) != 0) {
         return -1;

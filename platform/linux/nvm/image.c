@@ -66,12 +66,14 @@ static uint32_t share_out(struct lx_image *self)
     return size;
 }
 
+/* It is not the file that is wrong. */
 static int no_encoder(const struct lx_image_part *self, struct lx_error *error)
 {
-    return self->right == NULL
+    (void)(self->right == NULL
                ? lx_fail(error, "these factory figures make no encoder")
                : lx_refuse(error, self->right, "device %lu: these factory figures make no encoder",
-                           (unsigned long)self->place);
+                           (unsigned long)self->place));
+    return lx_about(error, LX_ABOUT_ITSELF, "", NULL);
 }
 
 static int deliver(struct lx_image *self, struct lx_error *error)
