@@ -50,6 +50,8 @@ USAGE_ERRORS = [
     (["run", MULTITURN, "--nvm", ""], r"--nvm: empty; --nvm FILE is right$"),
     (["run", "ocd-ib-k3", "--ring", ""], r"--ring: empty; --ring MODELS is right$"),
     (["run", "ocd-ib-k3", "--ring", "ocd-ib-k1,x"], r"--ring x: 'x' is no INTERBUS model; valid: ocd-ib-k1 ocd-ib-k2 ocd-ib-k3, "),
+    (["run", MULTITURN, "--ring", "x"], rf"--ring x: '{MULTITURN}' is no INTERBUS model; valid: ocd-ib-k1 "),
+    (["run", MULTITURN, "--set", "date=x"], r"--set date=x: 8 characters are right$"),
     (["run", MULTITURN, "--set", "=1"], r"--set =1: KEY=VALUE is right$"),
     (["run", "s3684-biss", "--gpio", "x:1,2", "--set", "clock_hz=1000000"], r"only a sim wire has it; leave it out$"),
     (["biss", "s3684-biss", "registers"], r"no address; right is read, "),
@@ -59,6 +61,8 @@ USAGE_ERRORS = [
 HELP = [
     (["--help"], ["drehgeber run MODEL", "--pty", "KEY=VALUE of BiSS encoders", "mt_bits"]),
     (["help"], ["drehgeber run MODEL"]),
+    (["help", "run", MULTITURN], ["date of the firmware (factory) (8 characters)"]),
+    (["help", "run", "ocd-ib-k3"], ["0 is the first (fault) (0..511)"]),
     (["help", "run"], ["drehgeber run MODEL", "drehgeber run RIG.ini", "--modbus=HOST:PORT", "MOTION"]),
     (["run", "--help"], ["drehgeber run MODEL", "drehgeber run RIG.ini", "--pty[=LINK]"]),
     (["run", MULTITURN, "--help"], ["--pty[=LINK]", "pty is its usual wire", "reaction_us", "default 1000)", "turns", "4096)"]),

@@ -51,8 +51,9 @@ static const struct lx_stack *ring_stack(void)
     return lx_stacks[i];
 }
 
-/* The model that the first `n` characters name, which belongs into a ring. */
-static const struct dg_device *ring_model(const char *name, size_t n, struct lx_error *error)
+/* The model that the first `n` characters name, which belongs into a ring; `asked`: of --ring. */
+static const struct dg_device *ring_model(const char *name, size_t n, const char *asked,
+                                          struct lx_error *error)
 {
     char text[32] = "";
     if (n < sizeof text) {
@@ -66,7 +67,7 @@ static const struct dg_device *ring_model(const char *name, size_t n, struct lx_
     lx_stack_models(ring_stack(), &right);
     lx_words_add(&right, ", several with commas between them");
     (void)lx_refuse(error, right.text, "'%.*s' is no %s model", (int)n, name, ring_stack()->title);
-    (void)lx_about(error, LX_ABOUT_KEY, "ring", name);
+    (void)lx_about(error, LX_ABOUT_KEY, "ring", asked);
     return NULL;
 }
 
@@ -74,10 +75,10 @@ static const struct dg_device *the_model(const struct options *options, struct l
 {
     const struct dg_device *device = options->model == NULL ? NULL : dg_device_find(options->model);
     if (options->ring != NULL && options->model != NULL) {
-        return ring_model(options->model, strlen(options->model), error);
+        return ring_model(options->model, strlen(options->model), options->ring, error);
     }
     if (options->ring != NULL) {
-        return ring_model(options->ring, strcspn(options->ring, ","), error);
+        return ring_model(options->ring, strcspn(options->ring, ","), options->ring, error);
     }
     if (device == NULL) {
         (void)unknown_model(options, error);
@@ -171,7 +172,7 @@ static int plan_ring(const struct options *options, struct lx_plan *plan, struct
     const char *at = options->ring;
     for (bool more = true; more;) {
         const size_t n = strcspn(at, ",");
-        const struct dg_device *device = ring_model(at, n, error);
+        const struct dg_device *device = ring_model(at, n, at, error);
         if (device == NULL) {
             return -1;
         }

@@ -33,7 +33,11 @@ static struct lx_words range_of(const struct dg_key *key)
         }
         return range;
     }
-    lx_words_add(&range, is_text(key) ? "%lld to %lld" : "%lld..%lld", min, max);
+    if (is_text(key) && min == max) {
+        lx_words_add(&range, "%lld", min);
+    } else {
+        lx_words_add(&range, is_text(key) ? "%lld to %lld" : "%lld..%lld", min, max);
+    }
     const char *unit = is_text(key) ? kinds[key->type == DG_KEY_DIGITS] : key->unit;
     lx_words_add(&range, "%s%s", unit[0] == '\0' ? "" : " ", unit);
     return range;
@@ -90,11 +94,22 @@ void lx_keys_name(const struct lx_keys *lists, size_t n, struct lx_words *to)
     }
 }
 
+/* What could not be set stands for 'none'. */
+static bool has_default(const struct dg_key *key, const char *text)
+{
+    struct lx_decimal number;
+    if (is_word(key)) {
+        return true;
+    }
+    return lx_decimal_parse(text, strlen(text), key->places, &number) && number.value >= key->min &&
+           number.value <= key->max;
+}
+
 /* Of a text nothing is told: it is a factory figure. */
 static void print_default(const struct dg_key *key, const void *base, FILE *to)
 {
     char text[NUMBER_MAX];
-    if (!is_text(key) && dg_key_get(key, base, text, sizeof text) > 0) {
+    if (!is_text(key) && dg_key_get(key, base, text, sizeof text) > 0 && has_default(key, text)) {
         (void)fprintf(to, ", default %.*s", (int)strcspn(text, "."), text);
     }
 }

@@ -219,7 +219,7 @@ static void what_is_out_of_range_is_refused(void **state)
         {"type=100h", "a number in 0..255 is right"},
         {"temperature=1000.001", "a number in -273..1000 degC with at most 3 decimals is right"},
         {"temperature=1.0001", "a number in -273..1000 degC with at most 3 decimals is right"},
-        {"date=1207201", "8 to 8 characters are right"},
+        {"date=1207201", "8 characters are right"},
         {"version=12345678901234567890", "0 to 19 characters are right"},
         {"steps=16777217", "a number in 1..16777216 is right"},
         {"init_ms=-1", "a number in 0..600000 ms is right"},
