@@ -139,10 +139,12 @@ static enum dg_co_abort ignore(struct dg_co_node *self, const uint8_t *data)
 
 static void fetch_text(struct dg_co_sdo *sdo, const char *text)
 {
-    while (sdo->length < DG_CO_STRING_MAX && text[sdo->length] != '\0') {
-        sdo->buffer[sdo->length] = (uint8_t)text[sdo->length];
-        sdo->length++;
+    uint8_t *to = sdo->buffer;
+
+    while (to < &sdo->buffer[DG_CO_STRING_MAX] && *text != '\0') {
+        *to++ = (uint8_t)*text++;
     }
+    sdo->length = (uint8_t)(to - sdo->buffer);
 }
 
 enum dg_co_abort co_sdo_fetch(struct dg_co_node *self)
