@@ -47,7 +47,7 @@ static bool too_hot_or_cold(const struct dg_co_node *node)
 /* Once told it lasts until the speed is 1 % below the limit: one EMCY per event (C34). */
 static bool too_fast(const struct dg_co_node *node)
 {
-    int64_t limit = encoder_of(node)->model->turns > 1 ? RPM_WARN_MULTITURN : RPM_WARN_SINGLETURN;
+    int32_t limit = encoder_of(node)->model->turns > 1 ? RPM_WARN_MULTITURN : RPM_WARN_SINGLETURN;
     int64_t rpm = cia406_rpm(node);
 
     if ((node->active_causes >> CAUSE_SPEED & 1u) != 0) {

@@ -14,10 +14,14 @@ static int64_t saturate(int64_t value, int64_t limit)
     return value > limit ? limit : value < -limit ? -limit : value;
 }
 
-/* To nearest, so that a constant speed reads constant (C34); `divisor` > 0. */
+/* To nearest, so that a constant speed reads constant (C34); `divisor` > 0. Unsigned, as a signed
+ * division is a routine of its own where the machine has none. */
 static int64_t divide(int64_t figure, int64_t divisor)
 {
-    return (figure < 0 ? figure - divisor / 2 : figure + divisor / 2) / divisor;
+    uint64_t magnitude = figure < 0 ? 0u - (uint64_t)figure : (uint64_t)figure;
+    uint64_t quotient = (magnitude + (uint64_t)divisor / 2) / (uint64_t)divisor;
+
+    return figure < 0 ? -(int64_t)quotient : (int64_t)quotient;
 }
 
 /* Counts the shaft has moved in the window that ended `windows` windows ago; limited where every
