@@ -144,9 +144,9 @@ typedef enum dg_co_abort dg_co_hook(struct dg_co_node *node, const struct dg_co_
 
 /** One row of a dictionary: an object's sub-index. Const; rows are sorted by index and sub. */
 struct dg_co_object {
-    uint16_t index;
+    uint8_t type; /**< enum dg_co_type; these three as they are compared, in one word */
     uint8_t sub;
-    uint8_t type;     /**< enum dg_co_type */
+    uint16_t index;
     uint16_t flags;   /**< enum dg_co_flags */
     uint8_t slot;     /**< in dg_co_node.value, with DG_CO_SLOT */
     uint8_t region;   /**< store region that keeps it, with DG_CO_SAVE */

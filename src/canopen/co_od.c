@@ -28,7 +28,7 @@ enum {
 
 #define DG_CO_PARENT(index, kind, name)
 #define DG_CO_OBJECT(index, sub, type, access, slot, region, initial, min, max, hook, name)        \
-    {index, sub, DG_CO_##type, access, slot, region, initial, min, max, hook},
+    {DG_CO_##type, sub, index, access, slot, region, initial, min, max, hook},
 
 const struct dg_co_object co_objects[] = {
 #include "co_objects.def"
@@ -38,9 +38,11 @@ const struct dg_co_object co_objects[] = {
 const uint8_t dg_co_slot_event_timer = CO_TPDO(0, CO_PDO_EVENT_MS);
 const uint16_t co_object_count = DG_COUNT(co_objects);
 
-static uint32_t key(uint16_t index, uint8_t sub)
+/* Compared with the type below them: one load, where the machine has its least significant byte
+ * first. */
+static uint32_t key(uint16_t index, uint8_t sub, uint8_t type)
 {
-    return (uint32_t)index << 8 | sub;
+    return (uint32_t)index << 16 | (uint32_t)sub << 8 | type;
 }
 
 /* The last of `count` sorted rows that is not behind `wanted`; the first when all are. Halving
@@ -52,7 +54,7 @@ static const struct dg_co_object *last_not_behind(const struct dg_co_object *row
     while (count > 1) {
         uint32_t half = count / 2u;
         const struct dg_co_object *middle = rows + half;
-        rows = key(middle->index, middle->sub) <= wanted ? middle : rows;
+        rows = key(middle->index, middle->sub, middle->type) <= wanted ? middle : rows;
         count -= half;
     }
     return rows;
@@ -68,7 +70,7 @@ const struct dg_co_object *co_find(const struct dg_co_node *self, uint16_t index
     const struct dg_co_object *rows = own ? co_objects : device->objects;
     const struct dg_co_object *end = rows + (own ? co_object_count : device->object_count);
     const struct dg_co_object *found =
-        last_not_behind(rows, (uint32_t)(end - rows), key(index, sub));
+        last_not_behind(rows, (uint32_t)(end - rows), key(index, sub, 0xFF));
 
     if (found < end && found->index == index && found->sub == sub) {
         return found;

@@ -20,7 +20,7 @@ enum {
 
 #define DG_CO_PARENT(index, kind, name)
 #define DG_CO_OBJECT(index, sub, type, access, slot, region, initial, min, max, hook, name)        \
-    {index, sub, DG_CO_##type, access, slot, region, initial, min, max, NULL},
+    {DG_CO_##type, sub, index, access, slot, region, initial, min, max, NULL},
 
 static const struct dg_co_object objects[] = {
 #include "objects.def"
