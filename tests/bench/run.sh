@@ -1,7 +1,7 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
 # Prints how fast the encoders are in virtual time, and what the running command costs (live.sh), one figure
-# a line. Nothing is asserted.
+# a line. Nothing is asserted but what limits says.
 # usage: run.sh [TREE], a build tree; by default build/release, which is made if there is none
 set -eu
 cd "$(dirname "$0")/../.."
@@ -29,7 +29,7 @@ each() {
 "$tree/tests/bench_hf"
 each bench_hf "42h (aim: 1500)"
 "$tree/tests/bench_co"
-tests/bench/instructions.sh
+tests/bench/instructions.sh | tests/bench/limits.sh instructions.sh
 "$tree/tests/bench_406"
 each bench_406 "6004h (aim: 150)"
 "$tree/tests/bench_biss"

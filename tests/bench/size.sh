@@ -34,4 +34,4 @@ for device in dg_hf dg_biss dg_cia406_device dg_ib; do
     echo "RAM of one device (sizeof(struct $device)): $(ram "$device")"
 done
 # Whole images of a CANopen node, C library included.
-tests/bench/size/whole.sh -v
+tests/bench/size/whole.sh | tests/bench/limits.sh whole.sh
