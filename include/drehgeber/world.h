@@ -63,6 +63,16 @@ DG_API dg_angle dg_world_angle(const struct dg_world *self, dg_ns now);
  */
 DG_API int32_t dg_world_speed_mrpm(const struct dg_world *self, dg_ns now);
 
+/** What a monitor of the scanner's signals takes for good ones. */
+struct dg_signal_limits {
+    uint16_t amplitude_min_permille;
+    uint16_t amplitude_max_permille;
+    int16_t offset_max_permille; /**< to either side */
+};
+
+/** Whether sine and cosine are both within the limits. */
+DG_API bool dg_world_signals_ok(const struct dg_world *self, const struct dg_signal_limits *limits);
+
 #ifdef __cplusplus
 }
 #endif

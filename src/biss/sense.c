@@ -37,22 +37,11 @@ uint64_t dg_biss_position(const struct dg_biss *self, dg_ns now)
            mask((uint8_t)(model->multiturn_bits + model->singleturn_bits));
 }
 
-static bool amplitude_ok(uint16_t permille)
-{
-    return permille >= DG_BISS_AMPLITUDE_MIN_PERMILLE && permille <= DG_BISS_AMPLITUDE_MAX_PERMILLE;
-}
-
-static bool offset_ok(int16_t permille)
-{
-    return permille >= -DG_BISS_OFFSET_MAX_PERMILLE && permille <= DG_BISS_OFFSET_MAX_PERMILLE;
-}
-
-static bool signal_ok(const struct dg_world *world)
-{
-    return amplitude_ok(world->sin_amplitude_permille) &&
-           amplitude_ok(world->cos_amplitude_permille) && offset_ok(world->sin_offset_permille) &&
-           offset_ok(world->cos_offset_permille);
-}
+static const struct dg_signal_limits limits = {
+    .amplitude_min_permille = DG_BISS_AMPLITUDE_MIN_PERMILLE,
+    .amplitude_max_permille = DG_BISS_AMPLITUDE_MAX_PERMILLE,
+    .offset_max_permille = DG_BISS_OFFSET_MAX_PERMILLE,
+};
 
 static bool temperature_ok(const struct dg_biss *self)
 {
@@ -70,7 +59,7 @@ uint8_t dg_biss_errors(const struct dg_biss *self, dg_ns now)
     uint32_t errors = 0;
 
     errors |= world->led_current_ua <= DG_BISS_LED_MAX_UA ? 0u : DG_BISS_CONTROL;
-    errors |= signal_ok(world) ? 0u : DG_BISS_SIGNAL;
+    errors |= dg_world_signals_ok(world, &limits) ? 0u : DG_BISS_SIGNAL;
     errors |= temperature_ok(self) ? 0u : DG_BISS_TEMPERATURE;
     errors |= world->multiturn_sync_ok ? 0u : DG_BISS_SYNC;
     errors |= memory_ok ? 0u : DG_BISS_CONFIGURATION;

@@ -43,3 +43,21 @@ int32_t dg_world_speed_mrpm(const struct dg_world *self, dg_ns now)
 
     return travel <= INT64_MAX ? speed_mrpm(travel) : -speed_mrpm(0 - travel);
 }
+
+static bool amplitude_ok(uint16_t permille, const struct dg_signal_limits *limits)
+{
+    return permille >= limits->amplitude_min_permille && permille <= limits->amplitude_max_permille;
+}
+
+static bool offset_ok(int16_t permille, const struct dg_signal_limits *limits)
+{
+    return permille >= -limits->offset_max_permille && permille <= limits->offset_max_permille;
+}
+
+bool dg_world_signals_ok(const struct dg_world *self, const struct dg_signal_limits *limits)
+{
+    return amplitude_ok(self->sin_amplitude_permille, limits) &&
+           amplitude_ok(self->cos_amplitude_permille, limits) &&
+           offset_ok(self->sin_offset_permille, limits) &&
+           offset_ok(self->cos_offset_permille, limits);
+}

@@ -13,22 +13,11 @@ uint32_t dg_ssi_position(const struct dg_ssi *self, dg_ns now)
     return (uint32_t)((uint64_t)counts & (((uint64_t)1 << ssi_position_bits(model)) - 1u));
 }
 
-static bool amplitude_ok(uint16_t permille)
-{
-    return permille >= DG_SSI_AMPLITUDE_MIN_PERMILLE && permille <= DG_SSI_AMPLITUDE_MAX_PERMILLE;
-}
-
-static bool offset_ok(int16_t permille)
-{
-    return permille >= -DG_SSI_OFFSET_MAX_PERMILLE && permille <= DG_SSI_OFFSET_MAX_PERMILLE;
-}
-
-static bool signal_ok(const struct dg_world *world)
-{
-    return amplitude_ok(world->sin_amplitude_permille) &&
-           amplitude_ok(world->cos_amplitude_permille) && offset_ok(world->sin_offset_permille) &&
-           offset_ok(world->cos_offset_permille);
-}
+static const struct dg_signal_limits limits = {
+    .amplitude_min_permille = DG_SSI_AMPLITUDE_MIN_PERMILLE,
+    .amplitude_max_permille = DG_SSI_AMPLITUDE_MAX_PERMILLE,
+    .offset_max_permille = DG_SSI_OFFSET_MAX_PERMILLE,
+};
 
 static bool temperature_ok(int32_t mdegc)
 {
@@ -50,7 +39,7 @@ uint8_t dg_ssi_errors(const struct dg_ssi *self)
     uint32_t errors = 0;
 
     errors |= world->led_current_ua <= DG_SSI_LED_MAX_UA ? 0u : DG_SSI_LIGHT;
-    errors |= signal_ok(world) ? 0u : DG_SSI_SIGNAL;
+    errors |= dg_world_signals_ok(world, &limits) ? 0u : DG_SSI_SIGNAL;
     errors |= temperature_ok(world->temperature_mdegc) ? 0u : DG_SSI_TEMPERATURE;
     errors |= world->supply_mv >= DG_SSI_SUPPLY_MIN_MV ? 0u : DG_SSI_SUPPLY;
     errors |= world->singleturn_ok ? 0u : DG_SSI_SINGLETURN;
