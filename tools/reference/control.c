@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Prints the generated part of src/control/README.md from the command tables and the catalogues.
+ * Prints the generated parts of src/control/README.md, and what protocols add in their own pages,
+ * from the command tables and the catalogues.
  */
 #include <stdio.h>
 #include <string.h>
@@ -31,14 +32,11 @@ static void print_list(const struct dg_scpi_commands *list)
     }
 }
 
-static void print_commands(void)
+static void print_commands(const struct dg_scpi_commands *list)
 {
     puts("| command | parameters | query | what |");
     puts("|---|---|---|---|");
-    print_list(&dg_control_commands);
-    for (size_t i = 0; i < dg_instrument_count; i++) {
-        print_list(&dg_instruments[i]->commands);
-    }
+    print_list(list);
 }
 
 static const char *kind_of(enum dg_fault_kind kind)
@@ -67,31 +65,45 @@ static void print_faults(const struct dg_device *device)
     }
 }
 
-/* The last one of a stack has everything that can fail. */
-static const struct dg_device *last_of(const char *stack)
+/* Whether `word` is the name of `stack`, with `behind` behind it. */
+static bool names(const char *word, const struct dg_stack *stack, const char *behind)
+{
+    const size_t n = strlen(stack->name);
+
+    return strncmp(word, stack->name, n) == 0 && strcmp(word + n, behind) == 0;
+}
+
+/* STACK: its faults; the last one of a stack has everything that can fail. STACK-commands: its own
+ * commands. */
+static bool print_part(const char *word)
 {
     const struct dg_device *found = NULL;
 
     for (size_t i = 0; i < dg_device_count; i++) {
-        if (strcmp(dg_devices[i]->stack->name, stack) == 0) {
-            found = dg_devices[i];
+        found = names(word, dg_devices[i]->stack, "") ? dg_devices[i] : found;
+    }
+    if (found != NULL) {
+        print_faults(found);
+        return true;
+    }
+    for (size_t i = 0; i < dg_instrument_count; i++) {
+        if (names(word, dg_instruments[i]->stack, "-commands")) {
+            print_commands(&dg_instruments[i]->commands);
+            return true;
         }
     }
-    return found;
+    return false;
 }
 
 int main(int argc, char **argv)
 {
-    const struct dg_device *device = argc == 2 ? last_of(argv[1]) : NULL;
-
     if (argc == 2 && strcmp(argv[1], "commands") == 0) {
-        print_commands();
+        print_commands(&dg_control_commands);
         return 0;
     }
-    if (device != NULL) {
-        print_faults(device);
+    if (argc == 2 && print_part(argv[1])) {
         return 0;
     }
-    (void)fprintf(stderr, "usage: reference-control commands|hiperface|biss|canopen|interbus\n");
+    (void)fprintf(stderr, "usage: reference-control commands|STACK|STACK-commands\n");
     return 2;
 }
