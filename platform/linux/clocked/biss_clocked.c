@@ -372,7 +372,6 @@ static void close_all(struct lx_clocked *base)
 }
 
 const struct lx_clocked_protocol lx_clocked_biss = {
-    .stack = &dg_biss_stack,
     .encoders_max = DG_BISS_CHAIN_MAX,
     .size = sizeof(struct planned),
     .init = init,

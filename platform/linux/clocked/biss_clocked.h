@@ -26,6 +26,9 @@ struct lx_biss_line {
     } frame;
 };
 
+/** The protocol. */
+extern const struct lx_clocked_protocol lx_clocked_biss;
+
 /** A line without encoders. */
 void lx_biss_line_init(struct lx_biss_line *self);
 

@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 #include "biss_settings.h"
-#include "trace_format.h"
 
 #include <stddef.h>
 #include <string.h>
+
+#include "biss_clocked.h"
+#include "trace_format.h"
 
 static void defaults(void *settings, const struct dg_device *device)
 {
@@ -30,6 +32,7 @@ const struct lx_stack lx_biss_stack = {
     .core = &dg_biss_stack,
     .title = title,
     .trace = &trace,
+    .clocked = &lx_clocked_biss,
     .wire = "sim",
     .model = &dg_biss_keys,
     .settings_size = sizeof(struct dg_biss_model),

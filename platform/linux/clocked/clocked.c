@@ -1,19 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* The protocols on clocked lines, and lines of a plan. */
+/* Lines of a plan. */
 #include "clocked.h"
 
 #include <stdlib.h>
 
-static const struct lx_clocked_protocol *const protocols[] = {&lx_clocked_biss};
-#define PROTOCOL_COUNT DG_COUNT(protocols)
-
 static const struct lx_clocked_protocol *protocol_of(const struct lx_station *station)
 {
-    const struct lx_clocked_protocol *found = NULL;
-    for (size_t i = 0; i < PROTOCOL_COUNT; i++) {
-        found = protocols[i]->stack == station->plan->model->stack ? protocols[i] : found;
-    }
-    return found;
+    return lx_stack_of(station->plan->model)->clocked;
 }
 
 /* All have to speak the protocol of the first one. @return it, or NULL with `error` */

@@ -9,7 +9,7 @@
  *
  * GPIO lines, the simulated wire with its master, faults on the line and traces are written against
  * this seam and know no protocol. A protocol is a struct lx_clocked_protocol in a file of its own,
- * and a row in clocked.c.
+ * of which its struct lx_stack knows.
  */
 #ifndef DREHGEBER_LINUX_CLOCKED_H
 #define DREHGEBER_LINUX_CLOCKED_H
@@ -87,7 +87,6 @@ enum lx_clocked_master {
 
 /** A protocol as buses need it. */
 struct lx_clocked_protocol {
-    const struct dg_stack *stack;
     size_t encoders_max; /**< on one line, LX_CLOCKED_MAX at most */
     size_t size;         /**< of its line, encoders and all */
     /** Make a line without encoders of zeroed memory. */
@@ -120,8 +119,5 @@ void lx_clocked_close(struct lx_clocked *self);
 
 /** What a simulated wire has for the protocol's own commands, behind each station of `setup`. */
 void lx_clocked_offer(const struct lx_clocked *self, const struct lx_bus_setup *setup);
-
-/** The protocols. */
-extern const struct lx_clocked_protocol lx_clocked_biss;
 
 #endif

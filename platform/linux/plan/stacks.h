@@ -11,6 +11,7 @@
 #include "key.h"
 #include "plan.h"
 
+struct lx_clocked_protocol;
 struct lx_trace_kind;
 
 /** How the encoders of a stack are told apart on a bus. */
@@ -26,9 +27,10 @@ struct lx_address {
 /** A protocol of a port. */
 struct lx_stack {
     const struct dg_stack *core;
-    const char *title;                 /**< of its wires, for messages, e.g. "RS485" */
-    const struct lx_trace_kind *trace; /**< of its wires */
-    const char *wire;                  /**< the kind of wire when none is given */
+    const char *title;                         /**< of its wires, for messages, e.g. "RS485" */
+    const struct lx_trace_kind *trace;         /**< of its wires */
+    const struct lx_clocked_protocol *clocked; /**< on a clocked line; NULL: it is on none */
+    const char *wire;                          /**< the kind of wire when none is given */
     struct lx_address address;
     bool is_ring;              /**< encoders without a file are one thing with one address */
     const struct dg_key *keys; /**< of its encoders; offsets count from their settings */

@@ -16,6 +16,7 @@
 
 #include <cmocka.h>
 
+#include "biss_clocked.h"
 #include "sim_master.h"
 #include "sim_rig.h"
 
