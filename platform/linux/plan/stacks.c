@@ -86,8 +86,13 @@ static int set_one(const struct lx_keys *lists, const struct lx_wire *kind,
 static int set_serial(const struct lx_plan *plan, const struct lx_plan_encoder *encoder,
                       const struct lx_stack *self, void *settings, struct lx_error *error)
 {
-    if (encoder->serial == NULL ||
-        lx_key_set(lx_stack_serial(self), settings, encoder->serial, error) == 0) {
+    const struct dg_key *serial = lx_stack_serial(self);
+    if (encoder->serial == NULL) {
+        return 0;
+    }
+    if (serial == NULL) {
+        (void)lx_refuse(error, "leave it out", "%s has none", encoder->model->name);
+    } else if (lx_key_set(serial, settings, encoder->serial, error) == 0) {
         return 0;
     }
     (void)lx_about(error, LX_ABOUT_KEY, "serial", encoder->serial);

@@ -37,7 +37,7 @@ struct lx_stack {
     size_t key_count;
     const struct dg_keys *model; /**< those of the core's model, which the settings begin with, but
                                       for those the stack has of its own; NULL: none */
-    const struct dg_key *serial; /**< what --serial sets; NULL: that of the model */
+    const struct dg_key *serial; /**< what --serial sets; NULL: that of the model, if it has one */
     uint32_t blind;              /**< bit n: it does not sense enum dg_quantity_id n */
     size_t settings_size;        /**< aligned for any type */
     /** `settings` become those of `device` as delivered. */
