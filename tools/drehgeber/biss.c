@@ -6,10 +6,11 @@
 
 #include "biss_eds.h"
 #include "biss_master.h"
-#include "biss_session.h"
+#include "biss_settings.h"
 #include "drehgeber/devices.h"
 #include "figure.h"
 #include "run.h"
+#include "wire_session.h"
 
 #define RIGHT "read, registers [BANK:]ADDR N, eds, write [BANK:]ADDR BYTES or command N"
 #define BANK_SELECT 0x40u
@@ -17,25 +18,13 @@
 #define ADDRESSES 0x80u
 #define PER_LINE 16u
 
-/* The words that are left. */
-struct words {
-    char *const *at;
-    size_t count;
-};
+static int act(struct wire_session *self, struct words *words, struct lx_error *error);
+
+static const struct wire_command biss = {"biss", &lx_biss_stack, "a BiSS model", RIGHT, act};
 
 static int usage(struct lx_error *error, const char *what, const char *word)
 {
-    (void)lx_fail(error, "%s%s; right is " RIGHT, what, word);
-    return EXIT_USAGE;
-}
-
-static const char *take_word(struct words *words)
-{
-    if (words->count == 0) {
-        return NULL;
-    }
-    words->count--;
-    return *words->at++;
+    return wire_command_usage(&biss, what, word, error);
 }
 
 static bool take_number(struct words *words, uint64_t max, uint64_t *value)
@@ -75,7 +64,7 @@ static int complain_access(struct lx_error *error, const char *what, unsigned ad
     return EXIT_OTHER;
 }
 
-static int select_bank(struct biss_session *self, uint8_t bank, struct lx_error *error)
+static int select_bank(struct wire_session *self, uint8_t bank, struct lx_error *error)
 {
     size_t done = 0;
     const int result = lx_biss_master_write(&self->master, 0, BANK_SELECT, &bank, 1, &done);
@@ -84,7 +73,7 @@ static int select_bank(struct biss_session *self, uint8_t bank, struct lx_error 
 }
 
 /* [BANK:]ADDR */
-static int take_address(struct biss_session *self, struct words *words, uint8_t *address,
+static int take_address(struct wire_session *self, struct words *words, uint8_t *address,
                         struct lx_error *error)
 {
     char bank[8] = "";
@@ -111,7 +100,7 @@ static int take_address(struct biss_session *self, struct words *words, uint8_t 
     return 0;
 }
 
-static int read_all(struct biss_session *self, uint8_t address, uint8_t *bytes, size_t n,
+static int read_all(struct wire_session *self, uint8_t address, uint8_t *bytes, size_t n,
                     struct lx_error *error)
 {
     size_t done = 0;
@@ -120,7 +109,7 @@ static int read_all(struct biss_session *self, uint8_t address, uint8_t *bytes, 
     return result < 0 ? complain_access(error, "read", address + (unsigned)done, result) : 0;
 }
 
-static int write_all(struct biss_session *self, uint8_t address, const uint8_t *bytes, size_t n,
+static int write_all(struct wire_session *self, uint8_t address, const uint8_t *bytes, size_t n,
                      struct lx_error *error)
 {
     size_t done = 0;
@@ -129,22 +118,19 @@ static int write_all(struct biss_session *self, uint8_t address, const uint8_t *
     return result < 0 ? complain_access(error, "write", address + (unsigned)done, result) : 0;
 }
 
-static int do_read(struct biss_session *self, struct words *words, struct lx_error *error)
+static int do_read(struct wire_session *self, struct words *words, struct lx_error *error)
 {
-    const struct lx_clocked *line = &self->line.base;
-    char text[LX_SIM_NOTE_MAX];
+    static const int results[] = {
+        [LX_CLOCKED_WRONG] = LX_BISS_DAMAGED,
+        [LX_CLOCKED_SILENT] = LX_BISS_SILENT,
+    };
+    const enum lx_clocked_verdict verdict = wire_session_read(self);
+
     (void)words;
-    lx_sim_master_frame(&self->master);
-    const enum lx_clocked_verdict verdict = line->ops->judge(line, 0);
-    if (verdict == LX_CLOCKED_SILENT) {
-        return complain_access(error, "position", 0, LX_BISS_SILENT);
-    }
-    line->ops->print(line, 0, text, sizeof text);
-    (void)printf("%s\n", text);
-    return verdict == LX_CLOCKED_GOOD ? 0 : complain_access(error, "position", 0, LX_BISS_DAMAGED);
+    return verdict == LX_CLOCKED_GOOD ? 0 : complain_access(error, "position", 0, results[verdict]);
 }
 
-static int do_registers(struct biss_session *self, struct words *words, struct lx_error *error)
+static int do_registers(struct wire_session *self, struct words *words, struct lx_error *error)
 {
     uint8_t bytes[ADDRESSES] = {0};
     uint8_t address = 0;
@@ -165,7 +151,7 @@ static int do_registers(struct biss_session *self, struct words *words, struct l
     return result;
 }
 
-static int do_eds(struct biss_session *self, struct words *words, struct lx_error *error)
+static int do_eds(struct wire_session *self, struct words *words, struct lx_error *error)
 {
     uint8_t banks[2][DG_BISS_BANK_SIZE];
 
@@ -184,7 +170,7 @@ static int do_eds(struct biss_session *self, struct words *words, struct lx_erro
     return 0;
 }
 
-static int do_write(struct biss_session *self, struct words *words, struct lx_error *error)
+static int do_write(struct wire_session *self, struct words *words, struct lx_error *error)
 {
     uint8_t bytes[DG_BISS_BANK_SIZE];
     uint8_t address = 0;
@@ -200,7 +186,7 @@ static int do_write(struct biss_session *self, struct words *words, struct lx_er
     return write_all(self, address, bytes, n, error);
 }
 
-static int do_command(struct biss_session *self, struct words *words, struct lx_error *error)
+static int do_command(struct wire_session *self, struct words *words, struct lx_error *error)
 {
     uint64_t number = 0;
 
@@ -214,20 +200,20 @@ static int do_command(struct biss_session *self, struct words *words, struct lx_
         return complain_access(error, "command", command, result);
     }
     lx_sim_master_pause(&self->master, self->master.wire.now +
-                                           (command == DG_BISS_SOFT_RESET ? self->model.init : 0));
+                                           (command == DG_BISS_SOFT_RESET ? self->line->init : 0));
     return 0;
 }
 
 static const struct {
     const char *name;
-    int (*act)(struct biss_session *self, struct words *words, struct lx_error *error);
+    int (*act)(struct wire_session *self, struct words *words, struct lx_error *error);
 } actions[] = {
     {"read", do_read},   {"registers", do_registers}, {"eds", do_eds},
     {"write", do_write}, {"command", do_command},
 };
 #define ACTION_COUNT DG_COUNT(actions)
 
-static int act(struct biss_session *self, struct words *words, struct lx_error *error)
+static int act(struct wire_session *self, struct words *words, struct lx_error *error)
 {
     const char *word = take_word(words);
 
@@ -239,50 +225,7 @@ static int act(struct biss_session *self, struct words *words, struct lx_error *
     return usage(error, "unknown action ", word);
 }
 
-static bool is_biss(const struct options *options)
-{
-    struct lx_words right = {""};
-    const struct dg_device *device = options->model == NULL ? NULL : dg_device_find(options->model);
-
-    if (device != NULL && device->stack == &dg_biss_stack) {
-        return true;
-    }
-    lx_stack_models(&lx_biss_stack, &right);
-    lx_complain("biss needs a BiSS model; valid:%s", right.text);
-    return false;
-}
-
-/* Time is virtual: it begins with the power. */
 int biss_command(const struct options *options)
 {
-    struct biss_session session;
-    struct lx_error error;
-    struct lx_error close_error;
-    struct words words = {options->words, options->word_count};
-
-    if (!is_biss(options)) {
-        return EXIT_USAGE;
-    }
-    if (options->wire != NULL && !options->wire->simulated) {
-        lx_complain("biss %s has a simulated wire; right is 'drehgeber run %s --gpio %s'",
-                    options->model, options->model, options->where);
-        return EXIT_USAGE;
-    }
-    if (words.count == 0) {
-        lx_complain("biss %s does nothing; right is " RIGHT, options->model);
-        return EXIT_USAGE;
-    }
-    int status = biss_session_open(&session, options, 0, &error);
-    while (status == 0 && words.count > 0) {
-        status = act(&session, &words, &error);
-    }
-    if (status == 0 && (fflush(stdout) != 0 || ferror(stdout) != 0)) {
-        (void)lx_fail(&error, "cannot write to stdout");
-        status = EXIT_OTHER;
-    }
-    const int closed = biss_session_close(&session, &close_error);
-    if (status != 0 || closed != 0) {
-        (void)complain(status != 0 ? &error : &close_error, 0);
-    }
-    return status != 0 ? status : closed;
+    return wire_command_run(&biss, options);
 }

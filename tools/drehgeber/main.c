@@ -5,7 +5,6 @@
 #include <stdio.h>
 #include <unistd.h>
 
-#include "biss.h"
 #include "can_bus.h"
 #include "ctl.h"
 #include "drehgeber/drehgeber.h"
@@ -107,8 +106,8 @@ static int act(const struct options *options)
         return eds(options);
     case COMMAND_RUN:
         return run_rig(options);
-    case COMMAND_BISS:
-        return biss_command(options);
+    case COMMAND_ASK:
+        return options->row->ask(options);
     case COMMAND_MAP:
         return map(options);
     case COMMAND_CTL:

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "biss.h"
 #include "can.h"
 
 enum key {
@@ -27,19 +28,19 @@ enum key {
 
 /* clang-format off */
 const struct command_row command_rows[] = {
-    /* name    command       usage                                  help                                            takes  wires */
-    {"list",   COMMAND_LIST, "list",                                "the models",                                   "",    false},
-    {"run",    COMMAND_RUN,  "run MODEL [WIRE] [OPTIONS]",          "be that encoder",                              NULL,  true},
-    {"run",    COMMAND_RUN,  "run RIG.ini [--control ...]",         "be all encoders of a rig file",                NULL,  true},
-    {"eds",    COMMAND_EDS,  "eds MODEL",                           "the EDS file of a CANopen encoder",            "",    false},
-    {"biss",   COMMAND_BISS, "biss MODEL ACTION [OPTIONS]",         "ask a BiSS encoder over a simulated wire;\n"
+    /* name    command       usage                                  help                                            takes  wires  ask */
+    {"list",   COMMAND_LIST, "list",                                "the models",                                   "",    false, NULL},
+    {"run",    COMMAND_RUN,  "run MODEL [WIRE] [OPTIONS]",          "be that encoder",                              NULL,  true, NULL},
+    {"run",    COMMAND_RUN,  "run RIG.ini [--control ...]",         "be all encoders of a rig file",                NULL,  true, NULL},
+    {"eds",    COMMAND_EDS,  "eds MODEL",                           "the EDS file of a CANopen encoder",            "",    false, NULL},
+    {"biss",   COMMAND_ASK,  "biss MODEL ACTION [OPTIONS]",         "ask a BiSS encoder over a simulated wire;\n"
                                                                     "ACTION, one or more: read,\n"
                                                                     "registers [BANK:]ADDR N, eds,\n"
-                                                                    "write [BANK:]ADDR BYTES, command N",           " set nvm serial shaft trace ", false},
-    {"map",    COMMAND_MAP,  "map MODEL",                           "the Modbus registers of an INTERBUS encoder",  " ring ", false},
-    {"ctl",    COMMAND_CTL,  "ctl [--control ADDR] COMMAND",        "SCPI to what is running; SYST:HELP? says which", " control ", false},
-    {"top",    COMMAND_TOP,  "top [ADDRESS]",                       "what is running, in a terminal; ? says the keys", " control ", false},
-    {"help",   COMMAND_HELP, "help [COMMAND [MODEL]]",              "this text, or that of a command",              "",    false},
+                                                                    "write [BANK:]ADDR BYTES, command N",           " set nvm serial shaft trace ", false, biss_command},
+    {"map",    COMMAND_MAP,  "map MODEL",                           "the Modbus registers of an INTERBUS encoder",  " ring ", false, NULL},
+    {"ctl",    COMMAND_CTL,  "ctl [--control ADDR] COMMAND",        "SCPI to what is running; SYST:HELP? says which", " control ", false, NULL},
+    {"top",    COMMAND_TOP,  "top [ADDRESS]",                       "what is running, in a terminal; ? says the keys", " control ", false, NULL},
+    {"help",   COMMAND_HELP, "help [COMMAND [MODEL]]",              "this text, or that of a command",              "",    false, NULL},
 };
 
 /* Behind the wires. */
@@ -208,7 +209,7 @@ static error_t take_argument(struct options *self, unsigned index, char *value)
         self->command = self->row == NULL ? COMMAND_NONE : self->row->command;
         return self->row != NULL || unknown_command(self, value) == 0 ? 0 : EINVAL;
     }
-    if (self->command == COMMAND_CTL || (index > 1 && self->command == COMMAND_BISS)) {
+    if (self->command == COMMAND_CTL || (index > 1 && self->command == COMMAND_ASK)) {
         self->words[self->word_count++] = value;
         return 0;
     }

@@ -19,13 +19,15 @@ enum command {
     COMMAND_LIST,
     COMMAND_RUN,
     COMMAND_EDS,
-    COMMAND_BISS,
+    COMMAND_ASK, /* as the row's `ask` does it */
     COMMAND_MAP,
     COMMAND_CTL,
     COMMAND_TOP,
     COMMAND_HELP,
     COMMAND_VERSION,
 };
+
+struct options;
 
 /* A command. */
 struct command_row {
@@ -35,6 +37,9 @@ struct command_row {
     const char *help;  /* may have several lines */
     const char *takes; /* its options, with blanks around each; NULL: all */
     bool wires;        /* and those that name a wire */
+    /* COMMAND_ASK: do what options->words say over a simulated wire. Prints its own errors.
+       @return how the program ends */
+    int (*ask)(const struct options *options);
 };
 
 extern const struct command_row command_rows[];
@@ -56,7 +61,7 @@ struct options {
     const char *shaft;
     const char *trace;
     const char *files;
-    char **words; /* owned; what `biss MODEL` is to do, as many as argc at most */
+    char **words; /* owned; what `biss MODEL` and its like are to do, as many as argc at most */
     size_t word_count;
     struct lx_plan_settings settings; /* owned */
     const char **controls;            /* owned; as many as argc at most */

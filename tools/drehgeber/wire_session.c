@@ -1,0 +1,187 @@
+/* SPDX-License-Identifier: MIT */
+#include "wire_session.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "drehgeber/instruments.h"
+#include "run.h"
+#include "sim_settings.h"
+
+/* Shown of an idle wire in front of the first edge. */
+#define TRACE_AHEAD DG_US(1)
+
+const char *take_word(struct words *words)
+{
+    if (words->count == 0) {
+        return NULL;
+    }
+    words->count--;
+    return *words->at++;
+}
+
+/* --- open, close --- */
+
+/* The encoder as a rig has it, but for what only a rig needs. */
+static void furnish(struct wire_session *self, const struct options *options)
+{
+    const struct lx_plan_encoder *encoder = &self->plan.encoders[0];
+    struct lx_station *station = &self->station;
+    dg_world_init(&station->world);
+    station->world.angle = dg_motion_angle;
+    station->world.angle_ctx = &self->shaft.motion;
+    station->plan = encoder;
+    station->control = (struct dg_encoder){
+        .name = encoder->model->name,
+        .model = encoder->model,
+        .instrument = dg_instrument_of(encoder->model->stack),
+        .world = &station->world,
+    };
+    self->stations[0] = station;
+    self->bus = (struct lx_bus_setup){
+        .say = &options->say,
+        .plan = &self->plan,
+        .wire = &self->plan.wires[0],
+        .stations = self->stations,
+        .count = 1,
+    };
+}
+
+static int understand(struct wire_session *self, const struct options *options,
+                      struct lx_error *error)
+{
+    if (options_plan(options, &self->plan, error) != 0) {
+        return -1;
+    }
+    furnish(self, options);
+    self->line = lx_clocked_make(&self->bus, LX_CLOCKED_HERE, error);
+    self->timing = lx_sim_timing;
+    return self->line == NULL
+               ? -1
+               : lx_wire_settings(&lx_sim_keys, &self->plan, self->bus.wire, &self->timing, error);
+}
+
+/* The initialisation, in which nothing happens on the wire, is not in it. */
+static int open_trace(struct wire_session *self, const struct options *options, dg_ns ready,
+                      struct lx_error *error)
+{
+    const struct lx_trace_setup trace = {
+        .path = options->trace,
+        .kind = lx_stack_of(self->station.plan->model)->trace,
+        .wire = options->model,
+        .tap = &self->tap,
+    };
+    self->trace = lx_trace_open(&trace, ready, error);
+    lx_sim_master_pause(&self->master, dg_after(ready, TRACE_AHEAD));
+    if (self->trace == NULL) {
+        (void)lx_about(error, LX_ABOUT_KEY, "trace", NULL);
+        return EXIT_OTHER;
+    }
+    return 0;
+}
+
+/* The encoder gets its power at `now`; its initialisation is over afterwards, and the motion begins
+   with the end of it. To be closed in any case. */
+static int open_session(struct wire_session *self, const struct options *options, dg_ns now,
+                        struct lx_error *error)
+{
+    const char *shaft = options->shaft == NULL ? "0" : options->shaft;
+
+    memset(self, 0, sizeof *self);
+    if (understand(self, options, error) != 0) {
+        return EXIT_USAGE;
+    }
+    const int parsed = lx_shaft_parse(&self->shaft, shaft, NULL, error);
+    if (parsed != 0) {
+        (void)lx_about(error, LX_ABOUT_KEY, "motion", NULL);
+        return parsed == LX_SHAFT_WORDS ? EXIT_USAGE : EXIT_OTHER;
+    }
+    const dg_ns ready = dg_after(now, self->line->init);
+    self->shaft.motion.start = ready;
+    if (lx_clocked_open(self->line, &self->bus, 0, now, error) != 0) {
+        return EXIT_OTHER;
+    }
+    lx_sim_master_init(&self->master, &self->tap, self->line, &self->timing, now);
+    lx_sim_master_pause(&self->master, ready);
+    return options->trace == NULL ? 0 : open_trace(self, options, ready, error);
+}
+
+/* @return 0, or how the program ends, with `error`: the trace is not whole */
+static int close_session(struct wire_session *self, struct lx_error *error)
+{
+    const int result = lx_trace_close(self->trace, error);
+    lx_clocked_close(self->line);
+    lx_shaft_free(&self->shaft);
+    lx_plan_free(&self->plan);
+    return result == 0 ? 0 : EXIT_OTHER;
+}
+
+/* --- commands --- */
+
+enum lx_clocked_verdict wire_session_read(struct wire_session *self)
+{
+    const struct lx_clocked_ops *ops = self->line->ops;
+    char text[LX_SIM_NOTE_MAX];
+    lx_sim_master_frame(&self->master);
+    const enum lx_clocked_verdict verdict = ops->judge(self->line, 0);
+    if (verdict != LX_CLOCKED_SILENT) {
+        ops->print(self->line, 0, text, sizeof text);
+        (void)printf("%s\n", text);
+    }
+    return verdict;
+}
+
+int wire_command_usage(const struct wire_command *self, const char *what, const char *word,
+                       struct lx_error *error)
+{
+    (void)lx_fail(error, "%s%s; right is %s", what, word, self->right);
+    return EXIT_USAGE;
+}
+
+/* Everything but what the words say. */
+static bool is_right(const struct wire_command *self, const struct options *options)
+{
+    const struct dg_device *device = options->model == NULL ? NULL : dg_device_find(options->model);
+    struct lx_words models = {""};
+
+    if (device == NULL || lx_stack_of(device) != self->stack) {
+        lx_stack_models(self->stack, &models);
+        lx_complain("%s needs %s; valid:%s", self->name, self->needs, models.text);
+        return false;
+    }
+    if (options->wire != NULL && !options->wire->simulated) {
+        lx_complain("%s %s has a simulated wire; right is 'drehgeber run %s --%s %s'", self->name,
+                    options->model, options->model, options->wire->name, options->where);
+        return false;
+    }
+    if (options->word_count == 0) {
+        lx_complain("%s %s does nothing; right is %s", self->name, options->model, self->right);
+        return false;
+    }
+    return true;
+}
+
+int wire_command_run(const struct wire_command *self, const struct options *options)
+{
+    struct wire_session session;
+    struct lx_error error;
+    struct lx_error close_error;
+    struct words words = {options->words, options->word_count};
+
+    if (!is_right(self, options)) {
+        return EXIT_USAGE;
+    }
+    int status = open_session(&session, options, 0, &error);
+    while (status == 0 && words.count > 0) {
+        status = self->act(&session, &words, &error);
+    }
+    if (status == 0 && (fflush(stdout) != 0 || ferror(stdout) != 0)) {
+        (void)lx_fail(&error, "cannot write to stdout");
+        status = EXIT_OTHER;
+    }
+    const int closed = close_session(&session, &close_error);
+    if (status != 0 || closed != 0) {
+        (void)complain(status != 0 ? &error : &close_error, 0);
+    }
+    return status != 0 ? status : closed;
+}
