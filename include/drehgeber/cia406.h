@@ -16,6 +16,7 @@
 #include "drehgeber/api.h"
 #include "drehgeber/canopen.h"
 #include "drehgeber/eds.h"
+#include "drehgeber/key.h"
 #include "drehgeber/stack.h"
 
 #ifdef __cplusplus
@@ -24,6 +25,9 @@ extern "C" {
 
 /** Physical counts a turn (STA_U): 16 bit. */
 #define DG_CIA406_STEPS 65536u
+/** Node-ID as delivered (chapter 8), and the last one. */
+#define DG_CIA406_NODE_DEFAULT 63u
+#define DG_CIA406_NODE_MAX 127u
 
 /** What a model is; every figure is configuration. */
 struct dg_cia406_model {
@@ -113,6 +117,27 @@ DG_API uint32_t dg_cia406_position(const struct dg_co_node *node, dg_ns now);
 /** The protocol: models are struct dg_cia406_model, devices struct dg_cia406_device; setup.port is
  * a struct dg_co_ops. */
 DG_API extern const struct dg_stack dg_cia406_stack;
+
+/** What can be set of an encoder before it is made. */
+struct dg_cia406_settings {
+    struct dg_cia406_model model;
+    uint32_t serial; /**< of a new EEPROM; so is the next one */
+    uint32_t node;
+    bool wide; /**< 16 bits of turns, not 12; nothing for a singleturn */
+};
+
+/** The keys of a struct dg_cia406_settings, for hosts. */
+DG_API extern const struct dg_keys dg_cia406_keys;
+
+/** Bit n: encoders of `model` have not row n of dg_cia406_keys: a singleturn has no turns. */
+DG_API uint32_t dg_cia406_without(const struct dg_cia406_model *model);
+
+/** `self` becomes the settings of `model` as delivered. */
+DG_API void dg_cia406_settings_init(struct dg_cia406_settings *self,
+                                    const struct dg_cia406_model *model);
+
+/** All are set: self->model becomes that of an encoder with them. */
+DG_API void dg_cia406_settings_apply(struct dg_cia406_settings *self);
 
 /** The figures of a model of this stack; NULL when it is of another one. */
 DG_API const struct dg_cia406_model *dg_cia406_model_of(const struct dg_device *device);

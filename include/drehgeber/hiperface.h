@@ -314,7 +314,13 @@ DG_API void dg_hf_sincos(const struct dg_hf *self, dg_ns now, struct dg_hf_sinco
  * dg_hf_ops. */
 DG_API extern const struct dg_stack dg_hf_stack;
 
-/** What can be set of a struct dg_hf_model, for hosts. */
+/** What can be set of an encoder before it is made. */
+struct dg_hf_settings {
+    struct dg_hf_model model;
+    uint32_t address; /**< of a new EEPROM; 0: as delivered */
+};
+
+/** The keys of a struct dg_hf_settings, for hosts. */
 DG_API extern const struct dg_keys dg_hf_keys;
 
 /** The figures of a model of this stack; NULL when it is of another one. */

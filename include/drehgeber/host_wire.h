@@ -34,15 +34,14 @@ struct dg_host_line {
 /** The wire. Operations may be NULL where they say so. */
 struct dg_host_wire {
     const struct dg_stack *stack;
-    struct dg_keys own;         /**< settings beside the model's: address, serial number */
-    const struct dg_keys *keys; /**< of the model; offsets count from the beginning of settings */
+    const struct dg_keys *keys; /**< offsets count from the beginning of settings */
     uint32_t blind;             /**< bit n: it does not sense enum dg_quantity_id n */
     size_t settings_size;
     /** Settings of this model, as delivered. They begin with a copy of the stack's own struct;
      * NULL: that is all of them, and the stack's own struct has no pointers to make. */
     void (*furnish)(void *settings, const struct dg_device *device);
-    /** Bit n: this model has not row n of `own`, bit 32 + n: of `keys`. NULL: each has all. */
-    uint64_t (*without)(const void *settings);
+    /** Bit n: this model has not row n of `keys`. NULL: each has all. */
+    uint32_t (*without)(const void *settings);
     /** Put serial number, address and port of the settings into `setup`, which has the model they
      * begin with; make what pointers settings have. `setup` NULL: take the pointers out. NULL with
      * `furnish`. */

@@ -40,6 +40,9 @@ extern "C" {
 #define DG_IB_CAMS 8u
 /** Widest position: 25 bits (2.1.3). */
 #define DG_IB_DATA_MASK 0x01FFFFFFu
+/** Most steps of the discs a turn, and most turns. */
+#define DG_IB_STEPS_MAX 8192u
+#define DG_IB_TURNS_MAX 4096u
 /** Registers of the protocol chip in the read-out mode (5.4.3). */
 #define DG_IB_OPC_REGISTERS 16u
 /** Most devices in a ring. */

@@ -7,12 +7,8 @@
 #include "drehgeber/cia406.h"
 #include "drehgeber/host_wire.h"
 
-#define SERIAL_DEFAULT 1234567890u
-#define NODE_DEFAULT 63u /* as delivered: manual, chapter 8 */
-#define NODE_MAX 127u
 #define ID_MAX 0x7FFu
 #define DLC_MAX 8u
-#define TURNS_WIDE 65536u
 
 _Static_assert((int)DG_HOST_BUS_ACTIVE == (int)DG_CO_BUS_ACTIVE, "the numbers are the same");
 _Static_assert((int)DG_HOST_BUS_PASSIVE == (int)DG_CO_BUS_PASSIVE, "the numbers are the same");
@@ -21,44 +17,16 @@ _Static_assert((int)DG_HOST_BUS_OVERRUN == (int)DG_CO_BUS_OVERRUN, "the numbers 
 _Static_assert((int)DG_HOST_BUS_ABSENT == (int)DG_CO_BUS_ABSENT, "the numbers are the same");
 _Static_assert((int)DG_HOST_BUS_PRESENT == (int)DG_CO_BUS_PRESENT, "the numbers are the same");
 
-struct settings {
-    struct dg_cia406_model model;
-    uint32_t serial;
-    uint32_t node;
-    bool wide; /* 16 bits of turns, not 12 */
-};
-
-static const char *const turns_bits[2] = {"12", "16"};
-
-#define AT(field) offsetof(struct settings, field)
-
-/* clang-format off */
-static const struct dg_key own_rows[] = {
-    {"node",    "", AT(node),   DG_KEY_U32,  0, 1, 1,   NODE_MAX, NULL,       "node-ID of a new EEPROM"},
-    {"serial",  "", AT(serial), DG_KEY_U32,  0, 1, 0, UINT32_MAX, NULL,       "serial number of a new EEPROM"},
-    {"mt_bits", "", AT(wide),   DG_KEY_FLAG, 0, 1, 0,          1, turns_bits, "bits of the turns: 12 or 16"},
-};
-/* clang-format on */
-#define ROW_MT_BITS 2u
-
-static const struct dg_keys none = {NULL, 0};
-
 static void furnish(void *settings, const struct dg_device *device)
 {
-    struct settings *self = settings;
-
-    self->model = *dg_cia406_model_of(device);
-    self->serial = SERIAL_DEFAULT;
-    self->node = NODE_DEFAULT;
-    self->wide = self->model.turns == TURNS_WIDE;
+    dg_cia406_settings_init(settings, dg_cia406_model_of(device));
 }
 
-/* A singleturn encoder has no turns. */
-static uint64_t without(const void *settings)
+static uint32_t without(const void *settings)
 {
-    const struct settings *self = settings;
+    const struct dg_cia406_settings *self = settings;
 
-    return self->model.turns == 1 ? 1u << ROW_MT_BITS : 0;
+    return dg_cia406_without(&self->model);
 }
 
 /* ------------------------------------------------------------ out */
@@ -83,25 +51,15 @@ static void send(void *ctx, const struct dg_can_frame *frame)
 
 static const struct dg_co_ops ops = {.send = send};
 
-/* An f3668 is the one with 12 or the one with 16 bits of turns. */
-static const struct dg_co_device *device_of(struct settings *self)
-{
-    if (self->model.turns == 1) {
-        return &dg_cia406_singleturn;
-    }
-    self->model.turns = self->wide ? TURNS_WIDE : 4096u;
-    return self->wide ? &dg_cia406_multiturn_32 : &dg_cia406_multiturn;
-}
-
 static void arrange(void *settings, struct dg_stack_setup *setup)
 {
-    struct settings *self = settings;
+    struct dg_cia406_settings *self = settings;
 
     if (setup == NULL) {
         self->model.device = NULL;
         return;
     }
-    self->model.device = device_of(self);
+    dg_cia406_settings_apply(self);
     setup->serial = self->serial;
     setup->address = self->node;
     setup->port = &ops;
@@ -142,9 +100,8 @@ static bool take(struct dg_host_line *line, const struct dg_host_event *event)
 
 const struct dg_host_wire dg_cia406_wire = {
     .stack = &dg_cia406_stack,
-    .own = {own_rows, sizeof own_rows / sizeof own_rows[0]},
-    .keys = &none,
-    .settings_size = sizeof(struct settings),
+    .keys = &dg_cia406_keys,
+    .settings_size = sizeof(struct dg_cia406_settings),
     .furnish = furnish,
     .without = without,
     .arrange = arrange,

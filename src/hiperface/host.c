@@ -15,19 +15,9 @@
 #define BITS_WITHOUT_PARITY 10u
 #define RUN_MAX (sizeof((struct dg_host_event *)0)->data)
 
-struct settings {
-    struct dg_hf_model model;
-    uint32_t address; /* 0: as delivered */
-};
-
-static const struct dg_key own_rows[] = {
-    {"address", "", offsetof(struct settings, address), DG_KEY_U32, 0, 1, DG_HF_ADDRESS_DEFAULT,
-     DG_HF_ADDRESS_LAST, NULL, "RS485 address of a new EEPROM"},
-};
-
 static void furnish(void *settings, const struct dg_device *device)
 {
-    struct settings *self = settings;
+    struct dg_hf_settings *self = settings;
 
     self->model = *dg_hf_model_of(device);
     self->address = DG_HF_ADDRESS_DEFAULT;
@@ -65,7 +55,7 @@ static const struct dg_hf_ops ops = {.tx = send};
 
 static void arrange(void *settings, struct dg_stack_setup *setup)
 {
-    struct settings *self = settings;
+    struct dg_hf_settings *self = settings;
 
     if (setup != NULL) {
         setup->address = self->address;
@@ -132,9 +122,8 @@ static bool take(struct dg_host_line *line, const struct dg_host_event *event)
 
 const struct dg_host_wire dg_hf_wire = {
     .stack = &dg_hf_stack,
-    .own = {own_rows, sizeof own_rows / sizeof own_rows[0]},
     .keys = &dg_hf_keys,
-    .settings_size = sizeof(struct settings),
+    .settings_size = sizeof(struct dg_hf_settings),
     .furnish = furnish,
     .arrange = arrange,
     .check = check,

@@ -1,20 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Settings by name, of three lists: the wire's own, the model's, the world's.
+ * Settings by name, of two lists: the encoder's, the world's.
  */
 #include "host_private.h"
 
 #include "drehgeber/quantity.h"
 
-#define MODEL_ROW 32u
-enum { OWN, MODEL, WORLD, LISTS };
+enum { OWN, WORLD, LISTS };
 
 static const struct dg_keys *list_of(const struct dg_host *self, unsigned list)
 {
-    const struct dg_keys *const lists[LISTS] = {
-        [OWN] = &self->wire->own, [MODEL] = self->wire->keys, [WORLD] = &dg_world_keys};
-
-    return lists[list];
+    return list == WORLD ? &dg_world_keys : self->wire->keys;
 }
 
 static bool has_quantity(const struct dg_host *self, size_t row)
@@ -27,13 +23,13 @@ static bool has_quantity(const struct dg_host *self, size_t row)
 
 static bool has(const struct dg_host *self, unsigned list, size_t row)
 {
-    const uint64_t without =
+    const uint32_t without =
         self->wire->without != NULL ? self->wire->without(self->line.settings) : 0;
 
     if (list == WORLD) {
         return has_quantity(self, row);
     }
-    return (without >> (list == MODEL ? row + MODEL_ROW : row) & 1u) == 0;
+    return (without >> row & 1u) == 0;
 }
 
 /* @return the row, with its list, or NULL */

@@ -8,10 +8,10 @@
 #define SENSED(id) (UINT32_C(1) << DG_QUANTITY_##id)
 #define ALL ((UINT32_C(1) << DG_QUANTITY_COUNT) - 1u)
 /* of dg_ib_keys, as dg_host_wire.without has them */
-#define ROW_TURNS (UINT64_C(1) << 33)
+#define ROW_TURNS (UINT32_C(1) << 1)
 
 /* A K1 has no turns. */
-static uint64_t without(const void *settings)
+static uint32_t without(const void *settings)
 {
     const struct dg_ib_model *model = settings;
 

@@ -8,8 +8,6 @@
 #include "interbus_private.h"
 
 #define SELF_TEST_MAX DG_S(1)
-#define STEPS_MAX 8192u
-#define TURNS_MAX 4096u
 #define K1_COUNTS_MAX 65536u
 #define PRESET_SIZE 9u
 
@@ -105,8 +103,8 @@ int ib_model_check(const struct dg_ib_model *model)
     uint32_t least = model->steps_minus_one ? 2 : 1;
 
     if (model->profile >= DG_IB_PROFILE_COUNT || model->self_test > SELF_TEST_MAX ||
-        model->steps < least || model->steps > STEPS_MAX || model->turns < 1 ||
-        model->turns > TURNS_MAX || (model->profile == DG_IB_K1 && counts > K1_COUNTS_MAX)) {
+        model->steps < least || model->steps > DG_IB_STEPS_MAX || model->turns < 1 ||
+        model->turns > DG_IB_TURNS_MAX || (model->profile == DG_IB_K1 && counts > K1_COUNTS_MAX)) {
         return DG_ERR_ARGUMENT;
     }
     if (model->param_cycles < 1 || model->serial > DG_IB_DATA_MASK ||

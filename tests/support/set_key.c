@@ -17,7 +17,7 @@ int set_key(const struct dg_device *device, void *settings, struct dg_world *wor
     const size_t n = strcspn(assignment, "=");
     (void)snprintf(name, sizeof name, "%.*s", (int)n, assignment);
     assert_int_equal(assignment[n], '=');
-    lx_stack_keys(device, settings, world, lists);
+    lx_stack_keys(lx_stack_of(device), device, settings, world, lists);
     const struct dg_key *key = lx_keys_find(lists, LX_STACK_LISTS, name, &base);
     assert_non_null(key);
     return lx_key_set(key, base, assignment + n + 1, error);

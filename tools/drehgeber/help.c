@@ -58,24 +58,25 @@ static void print_motions(void)
 static void print_own(const struct lx_stack *stack, const struct dg_device *device)
 {
     void *settings = device == NULL ? NULL : calloc(1, stack->settings_size);
-    struct lx_keys keys = {.rows = stack->keys, .count = stack->key_count};
-    struct lx_keys model_keys = lx_stack_model_keys(stack, settings);
+    struct lx_keys lists[LX_STACK_LISTS];
     if (settings != NULL) {
-        struct lx_keys lists[LX_STACK_LISTS];
         stack->defaults(settings, device);
-        lx_stack_keys(device, settings, NULL, lists);
-        keys = lists[LX_STACK_OWN];
     }
-    lx_keys_help(&keys, stdout);
-    lx_keys_help(&model_keys, stdout);
+    lx_stack_keys(stack, device, settings, NULL, lists);
+    lx_keys_help(&lists[LX_STACK_OWN], stdout);
+    lx_keys_help(&lists[LX_STACK_CORE], stdout);
     free(settings);
 }
 
 static void print_world(const struct lx_stack *stack)
 {
     struct dg_world world;
-    const struct lx_keys keys = {dg_world_keys.rows, DG_QUANTITY_COUNT, &world,
-                                 stack == NULL ? 0 : stack->blind};
+    const struct lx_keys keys = {
+        .rows = dg_world_keys.rows,
+        .count = dg_world_keys.count,
+        .base = &world,
+        .without = stack == NULL ? 0 : stack->blind,
+    };
     dg_world_init(&world);
     lx_keys_help(&keys, stdout);
 }

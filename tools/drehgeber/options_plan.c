@@ -205,23 +205,24 @@ static const char *take_node(const char *text, unsigned *node)
     return text + n;
 }
 
-static int take_nodes(const char *text, const struct lx_address *address, struct nodes *nodes,
+static int take_nodes(const char *text, const struct lx_stack *stack, struct nodes *nodes,
                       struct lx_error *error)
 {
-    struct lx_words right = lx_address_right(address);
     if (text == NULL) {
         return 0;
     }
+    const struct dg_key *row = lx_stack_address_row(stack);
+    struct lx_words right = lx_stack_address_right(stack);
     const char *end = take_node(text, &nodes->first);
     nodes->last = nodes->first;
     if (end != NULL && strncmp(end, "..", 2) == 0) {
         end = take_node(end + 2, &nodes->last);
     }
-    if (end == NULL || *end != '\0' || nodes->first < address->min || nodes->last < nodes->first ||
-        nodes->last > address->max) {
+    if (end == NULL || *end != '\0' || nodes->first < row->min || nodes->last < nodes->first ||
+        nodes->last > row->max) {
         lx_words_add(&right, ", or first..last, is right");
         (void)lx_refuse(error, right.text, "%s", "");
-        return lx_about(error, LX_ABOUT_KEY, address->key, text);
+        return lx_about(error, LX_ABOUT_KEY, row->name, text);
     }
     return 0;
 }
@@ -254,7 +255,7 @@ static int plan_nodes(const struct options *options, struct lx_plan *plan,
                       const struct dg_device *device, struct lx_error *error)
 {
     struct nodes nodes = {0, 0};
-    int result = take_nodes(options->node, &lx_stack_of(device)->address, &nodes, error);
+    int result = take_nodes(options->node, lx_stack_of(device), &nodes, error);
     for (unsigned node = nodes.first; result == 0 && node <= nodes.last; node++) {
         result = add_node(options, plan, device, &nodes, node, error);
     }

@@ -10,37 +10,14 @@
 
 /* --- the plan --- */
 
-/* What can be set of an encoder. */
-struct settings {
-    uint32_t serial;
-    bool wide; /* f3668: 16 bits of turns, not 12 */
-};
-
-/* Of the first encoder; the next ones count up. */
-#define SERIAL_DEFAULT 1234567890u
-
-static const char *const turns_bits[2] = {"12", "16"};
-
-/* clang-format off */
-static const struct dg_key keys[] = {
-    {"mt_bits", "", offsetof(struct settings, wide), DG_KEY_FLAG, 0, 1, 0, 1, turns_bits, "bits of the turns"},
-};
-static const struct dg_key serial_key =
-    {"serial", "", offsetof(struct settings, serial), DG_KEY_U32, 0, 1, 0, UINT32_MAX, NULL, "serial number"};
-/* clang-format on */
-
 static void defaults(void *settings, const struct dg_device *device)
 {
-    *(struct settings *)settings = (struct settings){
-        .serial = SERIAL_DEFAULT,
-        .wide = dg_cia406_model_of(device)->device == &dg_cia406_multiturn_32,
-    };
+    dg_cia406_settings_init(settings, dg_cia406_model_of(device));
 }
 
-/* A singleturn encoder has no turns. */
 static uint32_t without(const struct dg_device *device)
 {
-    return dg_cia406_model_of(device)->turns == 1 ? 1u : 0u;
+    return dg_cia406_without(dg_cia406_model_of(device));
 }
 
 static const char title[] = "CAN";
@@ -53,23 +30,12 @@ const struct lx_stack lx_can_stack = {
     .title = title,
     .trace = &trace,
     .wire = "slcan",
-    .address = {"node", "a node-ID", 1, 127, 63, false}, /* as delivered: manual, chapter 8 */
-    .keys = keys,
-    .key_count = DG_COUNT(keys),
-    .serial = &serial_key,
-    .settings_size = sizeof(struct settings),
+    .address = {"node", "a node-ID", DG_CIA406_NODE_DEFAULT, false},
+    .keys = &dg_cia406_keys,
+    .settings_size = sizeof(struct dg_cia406_settings),
     .defaults = defaults,
     .without = without,
 };
-
-/* An f3668 is the one with 12 or the one with 16 bits of turns. */
-static void set_turns(struct dg_cia406_model *model, bool wide)
-{
-    if (model->turns != 1) {
-        model->turns = wide ? 65536u : 4096u;
-        model->device = wide ? &dg_cia406_multiturn_32 : &dg_cia406_multiturn;
-    }
-}
 
 static int take_settings(struct lx_can_node *self, struct lx_error *error)
 {
@@ -77,14 +43,15 @@ static int take_settings(struct lx_can_node *self, struct lx_error *error)
     struct lx_station *station = self->station;
     const struct lx_plan_encoder *plan = station->plan;
     const int delivered = lx_can_stack.address.delivered;
-    struct settings settings;
+    struct dg_cia406_settings settings;
     if (lx_stack_settings(setup->plan, setup->wire, plan, &settings, &station->world, error) != 0) {
         return -1;
     }
     const uint32_t place = plan->serial == NULL ? (uint32_t)station->place : 0;
     station->control.serial = settings.serial + place;
     self->id = (uint8_t)(plan->address == LX_PLAN_AS_DELIVERED ? delivered : plan->address);
-    set_turns(&self->model, settings.wide);
+    dg_cia406_settings_apply(&settings);
+    self->model = settings.model;
     return 0;
 }
 

@@ -7,6 +7,15 @@
 #include "biss_clocked.h"
 #include "trace_format.h"
 
+/* Threads of a host are slower than the encoder's own timeout is short. */
+#define TIMEOUT_MIN_US (DG_BISS_TIMEOUT_NS / DG_US(1))
+#define TIMEOUT_MAX_US (DG_BISS_TIMEOUT_MAX_NS / DG_US(1))
+
+/* clang-format off */
+static const struct dg_key timeout =
+    {"timeout_us", "us", offsetof(struct dg_biss_model, timeout), DG_KEY_NS, 0, 1000, TIMEOUT_MIN_US, TIMEOUT_MAX_US, NULL, "gpio: silence on MA that ends a frame; 20000 unless set"};
+/* clang-format on */
+
 static void defaults(void *settings, const struct dg_device *device)
 {
     *(struct dg_biss_model *)settings = *dg_biss_model_of(device);
@@ -34,7 +43,8 @@ const struct lx_stack lx_biss_stack = {
     .trace = &trace,
     .clocked = &lx_clocked_biss,
     .wire = "sim",
-    .model = &dg_biss_keys,
+    .keys = &dg_biss_keys,
+    .instead = &timeout,
     .settings_size = sizeof(struct dg_biss_model),
     .defaults = defaults,
     .check = check,

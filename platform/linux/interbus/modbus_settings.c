@@ -27,9 +27,7 @@ const struct lx_ring_settings lx_ring_defaults = {
 
 static void defaults(void *settings, const struct dg_device *device)
 {
-    *(struct lx_ib_settings *)settings = (struct lx_ib_settings){
-        .model = *dg_ib_model_of(device),
-    };
+    *(struct dg_ib_model *)settings = *dg_ib_model_of(device);
 }
 
 #define SENSED(id) (UINT32_C(1) << DG_QUANTITY_##id)
@@ -45,18 +43,19 @@ const struct lx_stack lx_ib_stack = {
     .trace = &trace,
     .wire = "modbus",
     .is_ring = true,
-    .model = &dg_ib_keys,
+    .keys = &dg_ib_keys,
     .blind = ALL & ~(SENSED(TEMPERATURE) | SENSED(SINGLETURN) | SENSED(MULTITURN_AMPLITUDE) |
                      SENSED(MULTITURN_SYNC) | SENSED(MULTITURN_VECTOR) | SENSED(EEPROM)),
-    .settings_size = sizeof(struct lx_ib_settings),
+    .settings_size = sizeof(struct dg_ib_model),
     .defaults = defaults,
 };
 
-struct dg_ib_model lx_ib_settings_model(const struct lx_ib_settings *self, uint32_t index)
+/* As one of a ring a K1 takes turns and leaves them. */
+struct dg_ib_model lx_ib_settings_model(const struct dg_ib_model *settings, uint32_t index)
 {
-    struct dg_ib_model model = self->model;
+    struct dg_ib_model model = *settings;
     if (model.profile == DG_IB_K1) {
-        model.turns = 1; /* it takes them and leaves them, as one of a ring */
+        model.turns = 1;
     }
     model.serial = (model.serial + index) & DG_IB_DATA_MASK;
     return model;

@@ -12,11 +12,6 @@
 #include "drehgeber/interbus.h"
 #include "stacks.h"
 
-/** The settings of one encoder. */
-struct lx_ib_settings {
-    struct dg_ib_model model;
-};
-
 /** The settings of a ring. */
 struct lx_ring_settings {
     uint32_t cycle_us;
@@ -25,7 +20,7 @@ struct lx_ring_settings {
                             DG_IB_RING_WHOLE */
 };
 
-/** The protocol, as the port knows it. */
+/** The protocol, as the port knows it; its settings are a struct dg_ib_model. */
 extern const struct lx_stack lx_ib_stack;
 
 /** The keys of the ring; offsets count from a struct lx_ring_settings. */
@@ -35,6 +30,6 @@ extern const struct lx_keys lx_ring_keys;
 extern const struct lx_ring_settings lx_ring_defaults;
 
 /** The model as it was set; its serial number counts up by `index`. */
-struct dg_ib_model lx_ib_settings_model(const struct lx_ib_settings *self, uint32_t index);
+struct dg_ib_model lx_ib_settings_model(const struct dg_ib_model *settings, uint32_t index);
 
 #endif

@@ -354,7 +354,7 @@ static int understand(struct ring_bus *self, size_t place, struct lx_error *erro
     struct lx_station *station = setup->stations[place];
     const struct lx_plan_encoder *encoder = station->plan;
     struct lx_ring_member *member = &self->members[place];
-    struct lx_ib_settings settings;
+    struct dg_ib_model settings;
     if (lx_stack_settings(setup->plan, setup->wire, encoder, &settings, &station->world, error) !=
         0) {
         return -1;

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+/* What messages and help say of the core's rows. */
 #include "key.h"
 
 #include <string.h>
@@ -6,7 +7,7 @@
 #include "drehgeber/hal.h"
 #include "figure.h"
 
-/* Digits, sign and point of a number. */
+/* Of a word or a number, with its zero. */
 #define NUMBER_MAX 32u
 
 static bool is_text(const struct dg_key *key)
@@ -43,16 +44,15 @@ static struct lx_words range_of(const struct dg_key *key)
     return range;
 }
 
-/* --- setting --- */
-
 int lx_key_set(const struct dg_key *key, void *base, const char *value, struct lx_error *error)
 {
+    const struct lx_words range = range_of(key);
+    const bool number = !is_text(key) && !is_word(key);
     struct lx_words right = {""};
     if (dg_key_set(key, base, value) == DG_OK) {
         return 0;
     }
-    const bool number = !is_text(key) && !is_word(key);
-    lx_words_add(&right, "%s%s", number ? "a number in " : "", range_of(key).text);
+    lx_words_add(&right, "%s%s", number ? "a number in " : "", range.text);
     if (number && key->places > 0) {
         lx_words_add(&right, " with at most %u decimals", key->places);
     }
@@ -62,22 +62,37 @@ int lx_key_set(const struct dg_key *key, void *base, const char *value, struct l
 
 /* --- lists --- */
 
-static bool has(const struct lx_keys *keys, size_t row)
+const struct dg_key *lx_keys_row(const struct lx_keys *self, size_t n)
 {
-    return (keys->without >> row & 1u) == 0;
+    if (n >= self->count || (self->without >> n & 1u) != 0) {
+        return NULL;
+    }
+    const struct dg_key *row = &self->rows[n];
+    return self->instead != NULL && strcmp(self->instead->name, row->name) == 0 ? self->instead
+                                                                                : row;
+}
+
+static const struct dg_key *find(const struct lx_keys *self, const char *name)
+{
+    for (size_t i = 0; i < self->count; i++) {
+        const struct dg_key *row = lx_keys_row(self, i);
+        if (row != NULL && strcmp(row->name, name) == 0) {
+            return row;
+        }
+    }
+    return NULL;
 }
 
 const struct dg_key *lx_keys_find(const struct lx_keys *lists, size_t n, const char *name,
                                   void **base)
 {
     for (size_t i = 0; i < n; i++) {
-        for (size_t j = 0; j < lists[i].count; j++) {
-            if (has(&lists[i], j) && strcmp(lists[i].rows[j].name, name) == 0) {
-                if (base != NULL) {
-                    *base = lists[i].base;
-                }
-                return &lists[i].rows[j];
-            }
+        const struct dg_key *row = find(&lists[i], name);
+        if (row != NULL && base != NULL) {
+            *base = lists[i].base;
+        }
+        if (row != NULL) {
+            return row;
         }
     }
     return NULL;
@@ -87,8 +102,9 @@ void lx_keys_name(const struct lx_keys *lists, size_t n, struct lx_words *to)
 {
     for (size_t i = 0; i < n; i++) {
         for (size_t j = 0; j < lists[i].count; j++) {
-            if (has(&lists[i], j)) {
-                lx_words_add(to, " %s", lists[i].rows[j].name);
+            const struct dg_key *row = lx_keys_row(&lists[i], j);
+            if (row != NULL) {
+                lx_words_add(to, " %s", row->name);
             }
         }
     }
@@ -117,8 +133,8 @@ static void print_default(const struct dg_key *key, const void *base, FILE *to)
 void lx_keys_help(const struct lx_keys *keys, FILE *to)
 {
     for (size_t i = 0; i < keys->count; i++) {
-        const struct dg_key *key = &keys->rows[i];
-        if (!has(keys, i)) {
+        const struct dg_key *key = lx_keys_row(keys, i);
+        if (key == NULL) {
             continue;
         }
         (void)fprintf(to, "  %-23s %s (%s", key->name, key->help, range_of(key).text);

@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Settings by the rows of key.h: --set, rig files, help and error messages all work from them, so a
- * new setting is a row and the member it points to. Here is what is said about them.
+ * Settings, as a port sees them: lists of the rows that the core has of encoders and their world,
+ * and that ports have of wires. --set, rig files, help and error messages all work from the rows.
  */
 #ifndef DREHGEBER_LINUX_KEY_H
 #define DREHGEBER_LINUX_KEY_H
 
-#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -20,10 +19,14 @@ struct lx_keys {
     const struct dg_key *rows;
     size_t count;
     void *base;
-    uint32_t without; /**< bit n: this one has not row n */
+    uint32_t without;             /**< bit n: this one has not row n */
+    const struct dg_key *instead; /**< stands for the row of its name; NULL: none does */
 };
 
-/** Apply `value` to what `key` says of `base`. @return 0, or -1 with `error` */
+/** Row n, or NULL: it is none, or this one has it not. */
+const struct dg_key *lx_keys_row(const struct lx_keys *self, size_t n);
+
+/** dg_key_set(), which says what would be right. @return 0, or -1 with `error` */
 int lx_key_set(const struct dg_key *key, void *base, const char *value, struct lx_error *error);
 
 /** The row called `name` in one of the `n` lists, or NULL. @param base what it sets; may be NULL */

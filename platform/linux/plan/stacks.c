@@ -15,42 +15,51 @@ const struct lx_stack *lx_stack_of(const struct dg_device *device)
     return lx_stacks[i];
 }
 
+static const char serial_key[] = "serial";
+
 const struct dg_key *lx_stack_serial(const struct lx_stack *self)
 {
-    return self->serial != NULL ? self->serial : dg_keys_find(self->model, "serial");
+    return dg_keys_find(self->keys, serial_key);
 }
 
-/* The serial number has an option of its own. */
-struct lx_keys lx_stack_model_keys(const struct lx_stack *self, void *settings)
+const struct dg_key *lx_stack_address_row(const struct lx_stack *self)
 {
-    const struct dg_keys own = {self->keys, self->key_count};
-    struct lx_keys keys = {.base = settings};
-    if (self->model == NULL) {
-        return keys;
-    }
-    keys.rows = self->model->rows;
-    keys.count = self->model->count;
-    for (size_t i = 0; i < keys.count; i++) {
-        const bool elsewhere =
-            &keys.rows[i] == lx_stack_serial(self) || dg_keys_find(&own, keys.rows[i].name) != NULL;
-        keys.without |= elsewhere ? UINT32_C(1) << i : 0;
-    }
-    return keys;
+    return self->address.key == NULL ? NULL : dg_keys_find(self->keys, self->address.key);
 }
 
-void lx_stack_keys(const struct dg_device *device, void *settings, struct dg_world *world,
-                   struct lx_keys lists[LX_STACK_LISTS])
+/* Bit n: row n of the core is not for --set. */
+static uint32_t apart(const struct lx_stack *self)
 {
-    const struct lx_stack *self = lx_stack_of(device);
+    const struct dg_key *const rows[] = {lx_stack_serial(self), lx_stack_address_row(self)};
+    uint32_t bits = 0;
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
+        bits |= rows[i] == NULL ? 0 : UINT32_C(1) << (rows[i] - self->keys->rows);
+    }
+    return bits;
+}
+
+void lx_stack_keys(const struct lx_stack *self, const struct dg_device *device, void *settings,
+                   struct dg_world *world, struct lx_keys lists[LX_STACK_LISTS])
+{
+    const bool all = device == NULL || self->without == NULL;
     lists[LX_STACK_OWN] = (struct lx_keys){
-        .rows = self->keys,
-        .count = self->key_count,
+        .rows = self->own.rows,
+        .count = self->own.count,
         .base = settings,
-        .without = self->without == NULL ? 0 : self->without(device),
     };
-    lists[LX_STACK_MODEL] = lx_stack_model_keys(self, settings);
-    lists[LX_STACK_WORLD] =
-        (struct lx_keys){dg_world_keys.rows, dg_world_keys.count, world, self->blind};
+    lists[LX_STACK_CORE] = (struct lx_keys){
+        .rows = self->keys->rows,
+        .count = self->keys->count,
+        .base = settings,
+        .without = apart(self) | (all ? 0 : self->without(device)),
+        .instead = self->instead,
+    };
+    lists[LX_STACK_WORLD] = (struct lx_keys){
+        .rows = dg_world_keys.rows,
+        .count = dg_world_keys.count,
+        .base = world,
+        .without = self->blind,
+    };
 }
 
 /* --- settings --- */
@@ -95,7 +104,7 @@ static int set_serial(const struct lx_plan *plan, const struct lx_plan_encoder *
     } else if (lx_key_set(serial, settings, encoder->serial, error) == 0) {
         return 0;
     }
-    (void)lx_about(error, LX_ABOUT_KEY, "serial", encoder->serial);
+    (void)lx_about(error, LX_ABOUT_KEY, serial_key, encoder->serial);
     return lx_stands(error, plan->file, encoder->serial_line);
 }
 
@@ -106,7 +115,7 @@ int lx_stack_settings(const struct lx_plan *plan, const struct lx_plan_wire *wir
     const struct lx_stack *self = lx_stack_of(encoder->model);
     const struct lx_plan_settings *list = &encoder->settings;
     struct lx_keys lists[LX_STACK_LISTS];
-    lx_stack_keys(encoder->model, settings, world, lists);
+    lx_stack_keys(self, encoder->model, settings, world, lists);
     self->defaults(settings, encoder->model);
     for (size_t i = 0; i < list->count; i++) {
         if (set_one(lists, wire->kind, &list->list[i], error) != 0) {
@@ -125,20 +134,24 @@ int lx_stack_settings(const struct lx_plan *plan, const struct lx_plan_wire *wir
 
 /* --- addresses --- */
 
-struct lx_words lx_address_right(const struct lx_address *self)
+struct lx_words lx_stack_address_right(const struct lx_stack *self)
 {
+    const struct lx_address *address = &self->address;
+    const struct dg_key *row = lx_stack_address_row(self);
     struct lx_words right = {""};
-    lx_words_add(&right, self->hex ? "%s in 0x%02X..0x%02X" : "%s in %u..%u", self->what, self->min,
-                 self->max);
+    lx_words_add(&right, address->hex ? "%s in 0x%02X..0x%02X" : "%s in %u..%u", address->what,
+                 (unsigned)row->min, (unsigned)row->max);
     return right;
 }
 
 int lx_stack_address(const struct lx_stack *self, const char *text, struct lx_error *error)
 {
     const struct lx_address *address = &self->address;
-    struct lx_words right = lx_address_right(address);
+    const struct dg_key *row = lx_stack_address_row(self);
+    struct lx_words right = lx_stack_address_right(self);
     uint64_t number = 0;
-    if (lx_unsigned_parse(text, &number) && number >= address->min && number <= address->max) {
+    if (lx_unsigned_parse(text, &number) && number >= (uint64_t)row->min &&
+        number <= (uint64_t)row->max) {
         return (int)number;
     }
     lx_words_add(&right, " is right");

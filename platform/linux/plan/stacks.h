@@ -16,10 +16,9 @@ struct lx_trace_kind;
 
 /** How the encoders of a stack are told apart on a bus. */
 struct lx_address {
-    const char *key;  /**< of a rig file; NULL: by their places, there is no key */
-    const char *what; /**< "a node-ID" */
-    uint8_t min;
-    uint8_t max;
+    const char
+        *key; /**< a row of the core, and of a rig file; NULL: by their places, there is no key */
+    const char *what;  /**< "a node-ID" */
     uint8_t delivered; /**< as long as nobody has set another one */
     bool hex;          /**< written so */
 };
@@ -32,17 +31,15 @@ struct lx_stack {
     const struct lx_clocked_protocol *clocked; /**< on a clocked line; NULL: it is on none */
     const char *wire;                          /**< the kind of wire when none is given */
     struct lx_address address;
-    bool is_ring;              /**< encoders without a file are one thing with one address */
-    const struct dg_key *keys; /**< of its encoders; offsets count from their settings */
-    size_t key_count;
-    const struct dg_keys *model; /**< those of the core's model, which the settings begin with, but
-                                      for those the stack has of its own; NULL: none */
-    const struct dg_key *serial; /**< what --serial sets; NULL: that of the model, if it has one */
-    uint32_t blind;              /**< bit n: it does not sense enum dg_quantity_id n */
-    size_t settings_size;        /**< aligned for any type */
+    bool is_ring;                 /**< encoders without a file are one thing with one address */
+    struct dg_keys own;           /**< the port's rows; offsets count from settings */
+    const struct dg_keys *keys;   /**< the core's, likewise: settings begin with the core's own */
+    const struct dg_key *instead; /**< the port's row in place of one of the core's; NULL */
+    uint32_t blind;               /**< bit n: it does not sense enum dg_quantity_id n */
+    size_t settings_size;         /**< aligned for any type */
     /** `settings` become those of `device` as delivered. */
     void (*defaults)(void *settings, const struct dg_device *device);
-    /** Bit n: `device` has not row n of the keys. NULL: each has all. */
+    /** Bit n: `device` has not row n of `keys`. NULL: each has all. */
     uint32_t (*without)(const struct dg_device *device);
     /** All are set: do they fit each other? @return 0, or -1 with `error`. NULL: they always do */
     int (*check)(const void *settings, struct lx_error *error);
@@ -55,17 +52,21 @@ extern const size_t lx_stack_count;
 /** That of a device. */
 const struct lx_stack *lx_stack_of(const struct dg_device *device);
 
+/** Lists of what --set sets. */
+enum lx_stack_list {
+    LX_STACK_OWN,  /**< the port's */
+    LX_STACK_CORE, /**< the encoder's, without what has an option of its own */
+    LX_STACK_WORLD,
+    LX_STACK_LISTS
+};
+
+/** The settings of an encoder and of its world, for lx_keys_find() and its like; NULL: only names
+ * and ranges are asked for. `device` NULL: of all encoders of the stack. */
+void lx_stack_keys(const struct lx_stack *self, const struct dg_device *device, void *settings,
+                   struct dg_world *world, struct lx_keys lists[LX_STACK_LISTS]);
+
 /** What --serial sets. */
 const struct dg_key *lx_stack_serial(const struct lx_stack *self);
-
-/** The settings of its models. */
-struct lx_keys lx_stack_model_keys(const struct lx_stack *self, void *settings);
-
-/** The settings of an encoder, of its model, and of its world, for lx_keys_find() and its like;
- * NULL: only names and ranges are asked for. */
-enum { LX_STACK_OWN, LX_STACK_MODEL, LX_STACK_WORLD, LX_STACK_LISTS };
-void lx_stack_keys(const struct dg_device *device, void *settings, struct dg_world *world,
-                   struct lx_keys lists[LX_STACK_LISTS]);
 
 /**
  * Understand what the plan says of an encoder on `wire`: its settings, those of its world, its
@@ -79,8 +80,11 @@ int lx_stack_settings(const struct lx_plan *plan, const struct lx_plan_wire *wir
 /** An address of the stack's encoders. @return it, or -1 with `error` */
 int lx_stack_address(const struct lx_stack *self, const char *text, struct lx_error *error);
 
+/** The row of its addresses; NULL: they have no key. */
+const struct dg_key *lx_stack_address_row(const struct lx_stack *self);
+
 /** "a node-ID in 1..127" */
-struct lx_words lx_address_right(const struct lx_address *self);
+struct lx_words lx_stack_address_right(const struct lx_stack *self);
 
 /** Append all models of the stack (NULL: all there are), with a blank in front of each. */
 void lx_stack_models(const struct lx_stack *self, struct lx_words *to);

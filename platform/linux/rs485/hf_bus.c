@@ -37,9 +37,9 @@ static int open_memory(struct lx_hf_drop *self, struct lx_error *error)
     };
     self->memory = (struct lx_image_part){
         .stack = &dg_hf_stack,
-        .device = {.model = &self->settings.model,
-                   .serial = serial_of(&self->settings.model),
-                   .address = self->settings.address},
+        .device = {.model = &self->settings.encoder.model,
+                   .serial = serial_of(&self->settings.encoder.model),
+                   .address = self->settings.encoder.address},
         .serial_given = self->settings.serial_given,
     };
     if (lx_image_open(&self->image, &image, error) != 0 ||
@@ -54,7 +54,7 @@ static int open_memory(struct lx_hf_drop *self, struct lx_error *error)
 /* What was set over the line stays. */
 static void tell_address(const struct lx_hf_drop *self)
 {
-    const uint8_t wanted = self->settings.address;
+    const uint32_t wanted = self->settings.encoder.address;
     if (wanted != 0 && self->device.address != wanted &&
         !dg_store_damaged(&self->device.store, DG_HF_REGION_UART)) {
         lx_note(self->all->bus.setup.say, "%s: its address is 0x%02X, not 0x%02X",
@@ -69,7 +69,7 @@ static int switch_on(struct lx_hf_drop *self, dg_ns now, struct lx_error *error)
         return -1;
     }
     const struct dg_hf_setup device = {
-        .model = &self->settings.model,
+        .model = &self->settings.encoder.model,
         .world = &station->world,
         .nvm = station->control.nvm,
         .ops = &lx_hf_device_ops,
@@ -228,7 +228,8 @@ static int place(struct lx_hf_bus *self, size_t index, struct lx_error *error)
         return -1;
     }
     drop->settings.serial_given = plan->serial != NULL;
-    drop->settings.address = plan->address == LX_PLAN_AS_DELIVERED ? 0 : (uint8_t)plan->address;
+    drop->settings.encoder.address =
+        plan->address == LX_PLAN_AS_DELIVERED ? 0 : (uint32_t)plan->address;
     station->control.device = &drop->device;
     station->own = drop;
     self->names[index] = station->control.name;

@@ -16,13 +16,11 @@ static const struct dg_key keys[] = {
     {"sincos_us",       "us",      AT(sincos),                         DG_KEY_NS,     0, 1000,         0,    1000000, NULL,     "sine and cosine in a VCD trace: time between samples; 0: none"},
 };
 
-/* clang-format on */
-
 static void defaults(void *settings, const struct dg_device *device)
 {
     struct lx_hf_settings *self = settings;
     *self = (struct lx_hf_settings){
-        .model = *dg_hf_model_of(device),
+        .encoder.model = *dg_hf_model_of(device),
         .pace = true,
         .sincos = DG_MS(1),
     };
@@ -46,7 +44,7 @@ static int check_steps(const struct dg_hf_model *model, struct lx_error *error)
 
 static int check(const void *settings, struct lx_error *error)
 {
-    const struct dg_hf_model *model = &((const struct lx_hf_settings *)settings)->model;
+    const struct dg_hf_model *model = &((const struct lx_hf_settings *)settings)->encoder.model;
     struct lx_words right = {""};
     if (model->implemented_blocks != 0 && model->implemented_blocks < model->memory_blocks) {
         lx_words_add(&right, "%u..128 is right, or 0: as memory", model->memory_blocks);
@@ -64,11 +62,9 @@ const struct lx_stack lx_hf_stack = {
     .title = title,
     .trace = &trace,
     .wire = "pty",
-    .address = {"address", "an RS485 address", DG_HF_ADDRESS_DEFAULT, DG_HF_ADDRESS_LAST,
-                DG_HF_ADDRESS_DEFAULT, true},
-    .keys = keys,
-    .key_count = DG_COUNT(keys),
-    .model = &dg_hf_keys,
+    .address = {"address", "an RS485 address", DG_HF_ADDRESS_DEFAULT, true},
+    .own = {keys, DG_COUNT(keys)},
+    .keys = &dg_hf_keys,
     .settings_size = sizeof(struct lx_hf_settings),
     .defaults = defaults,
     .check = check,

@@ -14,12 +14,11 @@
 
 /** The settings of one encoder. */
 struct lx_hf_settings {
-    struct dg_hf_model model; /**< factory figures */
-    bool pace;                /**< requests and replies take the time they take on a line */
-    bool any_line;            /**< whatever the line is set to is right */
-    dg_ns sincos;             /**< sine and cosine in a trace: time between samples; 0: none */
-    bool serial_given;        /**< the serial number was asked for, not left to the model */
-    uint8_t address;          /**< of a new EEPROM; 0: as delivered */
+    struct dg_hf_settings encoder; /**< factory figures and address */
+    bool pace;                     /**< requests and replies take the time they take on a line */
+    bool any_line;                 /**< whatever the line is set to is right */
+    dg_ns sincos;                  /**< sine and cosine in a trace: time between samples; 0: none */
+    bool serial_given;             /**< the serial number was asked for, not left to the model */
 };
 
 /** The protocol, as the port knows it. */

@@ -64,17 +64,41 @@ static void check_row(const struct dg_key *key, size_t size)
     assert_true(key->type != DG_KEY_WORD || (key->words != NULL && key->min == 0));
 }
 
+/* It says of the same member what the core's row says, and takes no more. */
+static void check_instead(const struct lx_stack *stack)
+{
+    if (stack->instead == NULL) {
+        return;
+    }
+    const struct dg_key *row = dg_keys_find(stack->keys, stack->instead->name);
+    assert_non_null(row);
+    check_row(stack->instead, stack->settings_size);
+    assert_true(row->offset == stack->instead->offset && row->type == stack->instead->type &&
+                row->factor == stack->instead->factor);
+    assert_true(row->min <= stack->instead->min && row->max >= stack->instead->max);
+}
+
+static void check_address(const struct lx_stack *stack)
+{
+    const struct dg_key *row = lx_stack_address_row(stack);
+    assert_true((row != NULL) == (stack->address.key != NULL));
+    assert_true(row == NULL ||
+                (stack->address.delivered >= row->min && stack->address.delivered <= row->max));
+}
+
 static void rows_are_whole(void **state)
 {
     (void)state;
     for (size_t i = 0; i < lx_stack_count; i++) {
         const struct lx_stack *stack = lx_stacks[i];
-        for (size_t j = 0; j < stack->key_count; j++) {
-            check_row(&stack->keys[j], stack->settings_size);
+        for (size_t j = 0; j < stack->own.count; j++) {
+            check_row(&stack->own.rows[j], stack->settings_size);
         }
-        for (size_t j = 0; stack->model != NULL && j < stack->model->count; j++) {
-            check_row(&stack->model->rows[j], stack->settings_size);
+        for (size_t j = 0; j < stack->keys->count; j++) {
+            check_row(&stack->keys->rows[j], stack->settings_size);
         }
+        check_instead(stack);
+        check_address(stack);
         if (lx_stack_serial(stack) != NULL) {
             check_row(lx_stack_serial(stack), stack->settings_size);
         }
@@ -86,20 +110,17 @@ static void rows_are_whole(void **state)
     }
 }
 
-static void check_unique(const struct lx_stack *stack, const struct lx_keys *lists,
-                         const struct dg_key *key)
+/* How many of the lists' rows are called so. */
+static size_t called(const struct lx_keys *lists, const char *name)
 {
-    unsigned found = 0;
+    size_t n = 0;
     for (size_t i = 0; i < LX_STACK_LISTS; i++) {
         for (size_t j = 0; j < lists[i].count; j++) {
-            const bool has = (lists[i].without >> j & 1u) == 0;
-            found += has && strcmp(lists[i].rows[j].name, key->name) == 0 ? 1u : 0u;
+            const struct dg_key *row = lx_keys_row(&lists[i], j);
+            n += row != NULL && strcmp(row->name, name) == 0 ? 1u : 0u;
         }
     }
-    assert_int_equal(found, 1);
-    for (size_t i = 0; i < lx_wire_count; i++) {
-        assert_false(lx_wire_carries(&lx_wires[i], stack) && lx_wire_has(&lx_wires[i], key->name));
-    }
+    return n;
 }
 
 /* No encoder has a name twice, and none that its wires have, too. */
@@ -109,12 +130,13 @@ static void names_are_unique(void **state)
     for (size_t i = 0; i < dg_device_count; i++) {
         struct lx_keys lists[LX_STACK_LISTS];
         const struct lx_stack *stack = lx_stack_of(dg_devices[i]);
-        lx_stack_keys(dg_devices[i], NULL, NULL, lists);
-        for (size_t j = 0; j < LX_STACK_LISTS; j++) {
-            for (size_t k = 0; k < lists[j].count; k++) {
-                if ((lists[j].without >> k & 1u) == 0) {
-                    check_unique(stack, lists, &lists[j].rows[k]);
-                }
+        lx_stack_keys(stack, dg_devices[i], NULL, NULL, lists);
+        for (size_t j = 0; j < LX_STACK_LISTS * DG_QUANTITY_COUNT * 2u; j++) {
+            const struct dg_key *row = lx_keys_row(&lists[j % LX_STACK_LISTS], j / LX_STACK_LISTS);
+            assert_true(row == NULL || called(lists, row->name) == 1);
+            for (size_t k = 0; row != NULL && k < lx_wire_count; k++) {
+                assert_false(lx_wire_carries(&lx_wires[k], stack) &&
+                             lx_wire_has(&lx_wires[k], row->name));
             }
         }
     }
@@ -149,11 +171,11 @@ static void limits_of_every_row(void **state)
     for (size_t i = 0; i < dg_device_count; i++) {
         struct bench self = bench_of(dg_devices[i]->name);
         struct lx_keys lists[LX_STACK_LISTS];
-        lx_stack_keys(self.device, self.settings, &self.world, lists);
+        lx_stack_keys(lx_stack_of(self.device), self.device, self.settings, &self.world, lists);
         for (size_t j = 0; j < LX_STACK_LISTS; j++) {
             for (size_t k = 0; k < lists[j].count; k++) {
-                if ((lists[j].without >> k & 1u) == 0) {
-                    check_limits(&self, &lists[j].rows[k]);
+                if (lx_keys_row(&lists[j], k) != NULL) {
+                    check_limits(&self, lx_keys_row(&lists[j], k));
                 }
             }
         }
@@ -191,15 +213,16 @@ static void values_reach_their_place(void **state)
     }
     assert_false(settings->pace);
     assert_true(settings->any_line);
-    assert_true(settings->model.reaction == DG_US(2500) && settings->model.init == DG_MS(20));
-    assert_int_equal(settings->model.periods_per_turn, 1024);
-    assert_int_equal(settings->model.steps_per_period, 16);
-    assert_int_equal(settings->model.turns, 65536);
-    assert_int_equal(settings->model.memory_blocks, 22);
-    assert_int_equal(settings->model.implemented_blocks, 23);
-    assert_int_equal(settings->model.type_code, 0xFF);
-    assert_string_equal(settings->model.version, "v2");
-    assert_int_equal(settings->model.temperature_min_degc, -25);
+    assert_true(settings->encoder.model.reaction == DG_US(2500) &&
+                settings->encoder.model.init == DG_MS(20));
+    assert_int_equal(settings->encoder.model.periods_per_turn, 1024);
+    assert_int_equal(settings->encoder.model.steps_per_period, 16);
+    assert_int_equal(settings->encoder.model.turns, 65536);
+    assert_int_equal(settings->encoder.model.memory_blocks, 22);
+    assert_int_equal(settings->encoder.model.implemented_blocks, 23);
+    assert_int_equal(settings->encoder.model.type_code, 0xFF);
+    assert_string_equal(settings->encoder.model.version, "v2");
+    assert_int_equal(settings->encoder.model.temperature_min_degc, -25);
     assert_int_equal(self.world.temperature_mdegc, -12500);
     assert_int_equal(self.world.sin_offset_permille, -7);
     assert_int_equal(self.world.led_current_ua, 31000);
@@ -239,7 +262,7 @@ static void one_of_several_words(void **state)
     static const struct dg_key key = {"parity", "", 1, DG_KEY_WORD, 0,
                                       1,        0,  2, words,       "the last bit"};
     uint8_t bytes[3] = {9, 9, 9};
-    const struct lx_keys keys = {&key, 1, bytes, 0};
+    const struct lx_keys keys = {.rows = &key, .count = 1, .base = bytes};
     struct lx_error error;
     char *help = NULL;
     size_t size = 0;
@@ -270,14 +293,14 @@ static void serial_numbers_get_zeros_in_front(void **state)
     struct lx_error error;
     (void)state;
     assert_int_equal(lx_key_set(serial, self.settings, "4711", &error), 0);
-    assert_string_equal(settings->model.serial, "000004711");
+    assert_string_equal(settings->encoder.model.serial, "000004711");
     assert_int_equal(lx_key_set(serial, self.settings, "987654321", &error), 0);
-    assert_string_equal(settings->model.serial, "987654321");
+    assert_string_equal(settings->encoder.model.serial, "987654321");
     for (size_t i = 0; i < COUNT(bad); i++) {
         assert_int_equal(lx_key_set(serial, self.settings, bad[i], &error), -1);
         assert_string_equal(lx_error_line(&error).text, "1 to 9 digits are right");
     }
-    assert_string_equal(settings->model.serial, "987654321");
+    assert_string_equal(settings->encoder.model.serial, "987654321");
 }
 
 static void figures_have_to_fit_each_other(void **state)
