@@ -355,26 +355,26 @@ struct dg_co_node {
     uint32_t value[DG_CO_VALUES_MAX];
 
     dg_ns heartbeat_at;
-    bool guard_toggle;
     dg_ns guard_at;                     /**< life time is over */
     dg_ns consumer_at[DG_CO_CONSUMERS]; /**< heartbeat overdue; DG_NEVER: none seen yet */
 
-    bool bus_off;                    /**< between bus-off and error active */
-    bool bus_absent;                 /**< there is no bus, see DG_CO_BUS_ABSENT */
-    bool bus_found;                  /**< there has been one since power-on: told, or heard */
+    bool bus_off;    /**< between bus-off and error active */
+    bool bus_absent; /**< there is no bus, see DG_CO_BUS_ABSENT */
+    bool bus_found;  /**< there has been one since power-on: told, or heard */
+    bool guard_toggle;
+    uint8_t sync_mask; /**< bit n: TPDO n is valid and synchronous */
+    uint8_t history_count;
+    uint8_t emcy_count;              /**< EMCYs that wait for the inhibit time 1015h */
+    uint16_t time_days;              /**< with `time_ms` */
     uint32_t active_causes;          /**< bit n: cause n lasts */
     uint32_t history[DG_CO_HISTORY]; /**< 1003h, newest first */
-    uint8_t history_count;
-    uint8_t emcy_count; /**< EMCYs that wait for the inhibit time 1015h */
     uint8_t emcy[DG_CO_HISTORY][8];
     dg_ns emcy_until;
 
     dg_ns rx_at;       /**< moment the latest frame came in; before `now` when delivered late */
-    uint8_t sync_mask; /**< bit n: TPDO n is valid and synchronous */
     dg_ns pdo_at;      /**< next deadline of the TPDOs; 0: to be found anew */
     uint32_t clock_us; /**< 1013h is this plus `now` in us */
     uint32_t time_ms;  /**< latest TIME: ms after midnight, days since 1984-01-01 */
-    uint16_t time_days;
 
     struct dg_co_sdo sdo;
     struct dg_co_tpdo tpdo[DG_CO_TPDOS];

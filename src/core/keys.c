@@ -273,7 +273,7 @@ int dg_key_set(const struct dg_key *self, void *base, const char *value)
 static const char *format(char text[CHARACTERS_MAX], int64_t value, unsigned places)
 {
     uint64_t rest = value < 0 ? 0u - (uint64_t)value : (uint64_t)value;
-    char *at = text + CHARACTERS_MAX - 1;
+    char *at = &text[CHARACTERS_MAX - 1u];
     unsigned digits = 0;
 
     *at = '\0';
