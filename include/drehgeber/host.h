@@ -126,13 +126,17 @@ struct dg_host_key {
 /** How a setting is written. */
 enum dg_host_key_type {
     DG_HOST_KEY_NUMBER = 0, /**< 12, 0.5, 0x27, 27h */
-    DG_HOST_KEY_WORD = 1,   /**< one of some words: 0 and 1, or as its help says */
+    DG_HOST_KEY_WORD = 1,   /**< one of some words, see dg_host_word() */
     DG_HOST_KEY_TEXT = 2,   /**< characters */
 };
 
 /** Setting `index` of this encoder: address, serial number and factory figures, then its world.
  * @return 0; DG_HOST_ERR_NAME behind the last one */
 DG_API int dg_host_key(const struct dg_host *self, size_t index, struct dg_host_key *to);
+
+/** Word `index` that this setting can be, e.g. "0" and "1", or "own" and "early". @return it, which
+ * lasts as long as the library; NULL behind the last one, and of a setting that is no word */
+DG_API const char *dg_host_word(const struct dg_host *self, const char *key, size_t index);
 
 /** Set one. @return 0; DG_HOST_ERR_NAME; DG_HOST_ERR_ARGUMENT: not such a value;
  * DG_HOST_ERR_STATE: it was on already */

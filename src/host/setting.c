@@ -76,6 +76,15 @@ int dg_host_key(const struct dg_host *self, size_t index, struct dg_host_key *to
     return DG_HOST_ERR_NAME;
 }
 
+const char *dg_host_word(const struct dg_host *self, const char *name, size_t index)
+{
+    unsigned list = 0;
+    const struct dg_key *key = find(self, name, &list);
+    const bool word = key != NULL && type_of(key) == DG_HOST_KEY_WORD;
+
+    return word && index <= (size_t)key->max ? key->words[index] : NULL;
+}
+
 int dg_host_set(struct dg_host *self, const char *name, const char *value)
 {
     unsigned list = 0;

@@ -34,6 +34,21 @@ static void memory_that_does_not_do_is_refused(void **state)
     assert_non_null(dg_host_make(&host_rig_here, n, "f3668"));
 }
 
+/* Each is taken, and told as it was taken. */
+static void check_words(struct dg_host *self, const struct dg_host_key *key)
+{
+    size_t n = 0;
+    char after[64];
+
+    for (; dg_host_word(self, key->name, n) != NULL; n++) {
+        const char *word = dg_host_word(self, key->name, n);
+        assert_int_equal(dg_host_set(self, key->name, word), DG_HOST_OK);
+        assert_true(dg_host_get(self, key->name, after, sizeof after) >= 0);
+        assert_string_equal(after, word);
+    }
+    assert_true(key->type == DG_HOST_KEY_WORD ? n >= 2 : n == 0);
+}
+
 /* A value that is allowed, as text. */
 static void check_key(struct dg_host *self, const struct dg_host_key *key)
 {
@@ -43,6 +58,7 @@ static void check_key(struct dg_host *self, const struct dg_host_key *key)
     assert_true(key->name[0] != '\0' && key->help[0] != '\0' && key->unit != NULL);
     assert_true(key->min <= key->max);
     assert_true(dg_host_get(self, key->name, before, sizeof before) >= 0);
+    check_words(self, key);
     assert_int_equal(dg_host_set(self, key->name, before), DG_HOST_OK);
     assert_true(dg_host_get(self, key->name, after, sizeof after) >= 0);
     assert_string_equal(before, after);
@@ -63,6 +79,7 @@ static void every_setting_is_told_and_taken_as_it_is_told(void **state)
         }
         assert_true(n > 8);
         assert_int_equal(dg_host_set(self, "no_such_key", "1"), DG_HOST_ERR_NAME);
+        assert_null(dg_host_word(self, "no_such_key", 0));
         assert_int_equal(dg_host_power(self, 0, true), DG_HOST_OK);
         for (n = 0; dg_host_key(self, n, &key) == DG_HOST_OK; n++) {
             char value[64];
