@@ -1,5 +1,4 @@
 /* SPDX-License-Identifier: MIT */
-/* What messages and help say of the core's rows. */
 #include "key.h"
 
 #include <string.h>
@@ -7,7 +6,7 @@
 #include "drehgeber/hal.h"
 #include "figure.h"
 
-/* Of a word or a number, with its zero. */
+/* Digits, sign and point of a number. */
 #define NUMBER_MAX 32u
 
 static bool is_text(const struct dg_key *key)
@@ -44,15 +43,16 @@ static struct lx_words range_of(const struct dg_key *key)
     return range;
 }
 
+/* --- setting --- */
+
 int lx_key_set(const struct dg_key *key, void *base, const char *value, struct lx_error *error)
 {
-    const struct lx_words range = range_of(key);
-    const bool number = !is_text(key) && !is_word(key);
     struct lx_words right = {""};
     if (dg_key_set(key, base, value) == DG_OK) {
         return 0;
     }
-    lx_words_add(&right, "%s%s", number ? "a number in " : "", range.text);
+    const bool number = !is_text(key) && !is_word(key);
+    lx_words_add(&right, "%s%s", number ? "a number in " : "", range_of(key).text);
     if (number && key->places > 0) {
         lx_words_add(&right, " with at most %u decimals", key->places);
     }
