@@ -17,7 +17,7 @@ extern "C" {
 
 /** One for each stack. */
 DG_API extern const struct dg_instrument dg_hf_instrument, dg_biss_instrument, dg_cia406_instrument,
-    dg_ib_instrument;
+    dg_ib_instrument, dg_ssi_instrument;
 
 /** All of them, in the order in which their commands are told. */
 DG_API extern const struct dg_instrument *const dg_instruments[];

@@ -228,6 +228,16 @@ DG_API extern const struct dg_stack dg_ssi_stack;
 /** What can be set of a struct dg_ssi_model, for hosts. */
 DG_API extern const struct dg_keys dg_ssi_keys;
 
+/**
+ * What SCPI's SSI: asks of a port whose wire it clocks itself; dg_encoder.port of such an encoder
+ * is one. It gives 0 or an enum dg_scpi_error; `detail` has room for DG_SCPI_DETAIL_MAX characters
+ * and a zero.
+ */
+struct dg_ssi_port_ops {
+    /** Clock one word now: its bits, right-aligned. */
+    int (*frame)(void *ctx, uint64_t *bits, char *detail);
+};
+
 /** The figures of a model of this stack; NULL when it is of another one. */
 DG_API const struct dg_ssi_model *dg_ssi_model_of(const struct dg_device *device);
 

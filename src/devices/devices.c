@@ -9,9 +9,10 @@
 #include "drehgeber/text.h"
 
 const struct dg_device *const dg_devices[] = {
-    &dg_s3674_rs485, &dg_s3684_rs485, /* RS485 + SinCos */
-    &dg_s3674_biss,  &dg_s3684_biss,  /* BiSS */
-    &dg_f3658,       &dg_f3668,       /* CANopen */
+    &dg_s3674_rs485, &dg_s3684_rs485,             /* RS485 + SinCos */
+    &dg_s3674_biss,  &dg_s3684_biss,              /* BiSS */
+    &dg_ssi_13,      &dg_ssi_25,      &dg_ssi_28, /* SSI */
+    &dg_f3658,       &dg_f3668,                   /* CANopen */
     &dg_ocd_ib_k1,   &dg_ocd_ib_k2,   &dg_ocd_ib_k3,
 };
 

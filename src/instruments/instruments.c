@@ -5,10 +5,8 @@
 #include "drehgeber/instruments.h"
 
 const struct dg_instrument *const dg_instruments[] = {
-    &dg_hf_instrument,
-    &dg_biss_instrument,
-    &dg_cia406_instrument,
-    &dg_ib_instrument,
+    &dg_hf_instrument, &dg_biss_instrument, &dg_cia406_instrument,
+    &dg_ib_instrument, &dg_ssi_instrument,
 };
 
 const size_t dg_instrument_count = DG_COUNT(dg_instruments);

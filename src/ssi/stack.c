@@ -36,6 +36,13 @@ static int init(void *self, const struct dg_stack_setup *setup)
     return dg_ssi_init(self, &mine);
 }
 
+static int mount(const struct dg_stack_setup *setup, struct dg_store *store)
+{
+    (void)setup;
+    (void)store;
+    return DG_ERR_ARGUMENT; /* no model has an EEPROM */
+}
+
 static void attach(void *self, const struct dg_stack_setup *setup)
 {
     struct dg_ssi *device = self;
@@ -84,6 +91,7 @@ static uint64_t position(const void *self, dg_ns now)
 const struct dg_stack dg_ssi_stack = {
     .name = "ssi",
     .device_size = sizeof(struct dg_ssi),
+    .mount = mount,
     DG_STACK_OPERATIONS,
 };
 

@@ -33,6 +33,7 @@ ALLOWED |= {
     "instruments":          {"core", "control"},
     "hiperface/instrument": {"hiperface"} | INSTRUMENT,
     "biss/instrument":      {"biss"} | INSTRUMENT,
+    "ssi/instrument":       {"ssi"} | INSTRUMENT,
     "cia406/instrument":    {"canopen", "cia406"} | INSTRUMENT,
     "interbus/instrument":  {"interbus"} | INSTRUMENT,
 }
@@ -59,7 +60,7 @@ ROOMS = {
     "linux/wire":      {"core", "control", "linux/base", "linux/trace", "linux/plan"},
     "linux/rs485":     {"hiperface"} | BELOW,
     "linux/can":       {"canopen", "cia406"} | BELOW,
-    "linux/clocked":   {"biss"} | BELOW,
+    "linux/clocked":   {"biss", "ssi"} | BELOW,
     "linux/interbus":  {"interbus"} | BELOW,
     "linux/rig":       {"motion"} | PROTOCOLS | BELOW | WIRES,
     "tools/drehgeber": {"motion", "linux/rig"} | PROTOCOLS | BELOW | WIRES,

@@ -22,14 +22,13 @@ const struct host_rig_model host_rig_models[HOST_RIG_MODELS] = {
     {"ocd-ib-k2", "interbus", 3 * 4096 + 1024, 4},
     {"ocd-ib-k3", "interbus", 3 * 4096 + 1024, 4},
     {"ssi-25", "ssi", 3u << 13 | 1u << 11, 25},
+    {"ssi-13", "ssi", 1u << 11, 13},
+    {"ssi-28", "ssi", 3u << 16 | 1u << 14, 12 + 16 + 1 + 1},
 };
 
 struct dg_host *host_rig_make(struct host_rig_place *place, const char *name)
 {
     memset(place, 0xA5, sizeof *place);
-    if (strcmp(name, "ssi-25") == 0) {
-        return dg_host_init(place, sizeof *place, &dg_ssi_25, &dg_ssi_wire);
-    }
     return dg_host_make(place, sizeof *place, name);
 }
 

@@ -28,14 +28,14 @@ struct host_rig_place {
 extern struct host_rig_place host_rig_here;
 extern struct host_rig_place host_rig_there;
 
-/** All models there are, and one with SSI. */
+/** All models there are. */
 struct host_rig_model {
     const char *name;
     const char *protocol;
     uint64_t position; /**< at 3.25 turns */
     uint8_t width;     /**< bits of a frame, or bytes of a cycle */
 };
-#define HOST_RIG_MODELS 10u
+#define HOST_RIG_MODELS 12u
 extern const struct host_rig_model host_rig_models[HOST_RIG_MODELS];
 
 /** A handle in a memory that was used before. */

@@ -34,14 +34,13 @@ static void a_panel_needs_an_encoder_that_was_on(void **state)
     assert_null(dg_host_panel_make(panel_place.bytes + 8, dg_host_panel_size(), self));
     assert_null(dg_host_panel_make(NULL, dg_host_panel_size(), self));
     assert_non_null(panel(self));
-    assert_null(panel(host_rig_start(&host_rig_here, "ssi-25"))); /* has no instrument */
 }
 
 /* Every fault of every model comes and goes, or is told to be none of queues. */
 static void faults_come_and_go_by_name(void **state)
 {
     (void)state;
-    for (size_t i = 0; i + 1 < HOST_RIG_MODELS; i++) {
+    for (size_t i = 0; i < HOST_RIG_MODELS; i++) {
         struct dg_host *self = host_rig_start(&host_rig_here, host_rig_models[i].name);
         struct dg_host_panel *board = panel(self);
         struct dg_host_fault fault;

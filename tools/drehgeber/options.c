@@ -8,6 +8,7 @@
 
 #include "biss.h"
 #include "can.h"
+#include "ssi.h"
 
 enum key {
     KEY_HELP = 'h',
@@ -37,6 +38,7 @@ const struct command_row command_rows[] = {
                                                                     "ACTION, one or more: read,\n"
                                                                     "registers [BANK:]ADDR N, eds,\n"
                                                                     "write [BANK:]ADDR BYTES, command N",           " set nvm serial shaft trace ", false, biss_command},
+    {"ssi",    COMMAND_ASK,  "ssi MODEL read [OPTIONS]",            "read an SSI encoder over a simulated wire",     " set shaft trace ", false, ssi_command},
     {"map",    COMMAND_MAP,  "map MODEL",                           "the Modbus registers of an INTERBUS encoder",  " ring ", false, NULL},
     {"ctl",    COMMAND_CTL,  "ctl [--control ADDR] COMMAND",        "SCPI to what is running; SYST:HELP? says which", " control ", false, NULL},
     {"top",    COMMAND_TOP,  "top [ADDRESS]",                       "what is running, in a terminal; ? says the keys", " control ", false, NULL},
@@ -54,7 +56,7 @@ static const struct argp_option rows[] = {
     {.name = "set",     .key = KEY_SET,     .arg = "KEY=VALUE", .doc = "see below; may be given again"},
     {.name = "control", .key = KEY_CONTROL, .arg = "ADDRESS",   .doc = "SCPI at unix:PATH or tcp:HOST:PORT (loopback; ,open: beyond it, too), ,token=FILE behind it: for who knows the token; may be given again (default: unix:$XDG_RUNTIME_DIR/drehgeber/NAME.sock; in a service unix:$RUNTIME_DIRECTORY/NAME.sock)"},
     {.name = "files",   .key = KEY_FILES,   .arg = "DIR",       .doc = "traces, recordings and motions that SCPI names lie below DIR (default: here for unix:, nowhere for tcp:)"},
-    {.name = "trace",   .key = KEY_TRACE,   .arg = "FILE",      .doc = "what goes over the wire: .vcd (RS485, BiSS), .log or .pcapng (CAN), .csv (INTERBUS)"},
+    {.name = "trace",   .key = KEY_TRACE,   .arg = "FILE",      .doc = "what goes over the wire: .vcd (RS485, BiSS, SSI), .log or .pcapng (CAN), .csv (INTERBUS)"},
     {.name = "verbose", .key = KEY_VERBOSE,                     .doc = "what goes over the wire in words, on stderr"},
     {.name = "quiet",   .key = KEY_QUIET,                       .doc = "no notes on stderr, only complaints"},
     {.name = "help",    .key = KEY_HELP,                        .doc = "this text; behind a command that of the command, and nothing is started"},

@@ -7,12 +7,10 @@
 #include "hf_settings.h"
 #include "modbus_settings.h"
 #include "sim_settings.h"
+#include "ssi_settings.h"
 
 const struct lx_stack *const lx_stacks[] = {
-    &lx_hf_stack,
-    &lx_biss_stack,
-    &lx_can_stack,
-    &lx_ib_stack,
+    &lx_hf_stack, &lx_biss_stack, &lx_ssi_stack, &lx_can_stack, &lx_ib_stack,
 };
 const size_t lx_stack_count = DG_COUNT(lx_stacks);
 
@@ -21,8 +19,8 @@ const struct lx_wire lx_wires[] = {
     /* name     stations           make                    carries            address        usual             keys           defaults           simul. needed path   traced help */
     {"pty",     32,                lx_hf_bus_make_pty,     {&lx_hf_stack},    "LINK",        NULL,             NULL,          NULL,              false, false, true,  false,  "RS485 on a pseudo-terminal, and a symbolic link to it while it runs"},
     {"tty",     32,                lx_hf_bus_make_tty,     {&lx_hf_stack},    "DEV",         NULL,             NULL,          NULL,              false, true,  true,  false,  "RS485 on a serial port; data rate and parity are the encoder's own"},
-    {"sim",     DG_BISS_CHAIN_MAX, lx_sim_bus_make,        {&lx_biss_stack},  NULL,          NULL,             &lx_sim_keys,  &lx_sim_timing,    true,  false, false, false, "BiSS on a simulated wire with a master that reads positions"},
-    {"gpio",    1,                 lx_gpio_bus_make,       {&lx_biss_stack},  "CHIP:MA,SLO", NULL,             NULL,          NULL,              false, true,  false, false, "BiSS on two lines of a GPIO chip: its name, path or label, and two offsets, e.g. gpiochip0:4,5"},
+    {"sim",     DG_BISS_CHAIN_MAX, lx_sim_bus_make,        {&lx_biss_stack, &lx_ssi_stack}, NULL,          NULL,             &lx_sim_keys,  &lx_sim_timing,    true,  false, false, false, "BiSS or SSI on a simulated wire with a master that reads positions"},
+    {"gpio",    1,                 lx_gpio_bus_make,       {&lx_biss_stack, &lx_ssi_stack}, "CHIP:MA,SLO", NULL,             NULL,          NULL,              false, true,  false, false, "BiSS or SSI on two lines of a GPIO chip: its name, path or label, and the offsets of clock and data, e.g. gpiochip0:4,5"},
     {"can",     DG_CO_NET_NODES,   lx_can_bus_make_socket, {&lx_can_stack},   "IFNAME",      NULL,             &lx_can_keys,  &lx_can_pace,      false, true,  false, true,  "CAN on a network interface (SocketCAN)"},
     {"slcan",   DG_CO_NET_NODES,   lx_can_bus_make_slcan,  {&lx_can_stack},   "LINK",        NULL,             &lx_can_keys,  &lx_can_pace,      false, false, true,  false,  "CAN behind an SLCAN adapter on a pseudo-terminal"},
     {"modbus",  DG_IB_RING_MAX,    lx_ring_bus_make,       {&lx_ib_stack},    "HOST:PORT",   "127.0.0.1:5020", &lx_ring_keys, &lx_ring_defaults, false, false, false, false, "INTERBUS: the Modbus/TCP coupler in front of the ring"},

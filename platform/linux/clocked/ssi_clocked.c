@@ -1,0 +1,328 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ *   clock  ¯¯|__|¯¯|__|¯¯ ... ¯|__|¯¯|__|¯¯¯¯¯
+ *   data   ¯¯¯¯¯|MSB  | ...    |LSB  |_________|¯¯
+ *   master    1?   bits             0?
+ *
+ * The master of a simulated wire takes data for a word that is still high behind the first falling
+ * edge, and low behind the last bit. SSI has nothing to measure the cable by: with a delay of half
+ * a period or more the bits that it takes are not those of their clocks, and so it is.
+ */
+#include "ssi_clocked.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "drehgeber/instruments.h"
+#include "sim_bus.h"
+#include "ssi_settings.h"
+#include "trace_format.h"
+
+#define CLOCK_NAME "CLOCK"
+#define DATA_NAME "DATA"
+/* A master waits a little longer than the monoflop time. */
+#define PAUSE_NS DG_US(5)
+/* Ends a word on GPIO lines; see src/ssi/README.md, 'GPIO'. */
+#define GPIO_MONOFLOP DG_MS(20)
+
+static struct lx_ssi_line *line_of(struct lx_clocked *base)
+{
+    return (struct lx_ssi_line *)base;
+}
+
+static const struct lx_ssi_line *view_of(const struct lx_clocked *base)
+{
+    return (const struct lx_ssi_line *)base;
+}
+
+/* --- the line --- */
+
+static void settle(struct lx_clocked *base)
+{
+    lx_line_fault_end(&line_of(base)->fault);
+}
+
+static dg_ns step(struct lx_clocked *base, dg_ns now)
+{
+    struct dg_ssi *device = line_of(base)->device;
+    const dg_ns due = dg_ssi_step(device, 0);
+    if (due > now) {
+        return due;
+    }
+    const dg_ns next = dg_ssi_step(device, now);
+    settle(base);
+    return next;
+}
+
+static bool edge(struct lx_clocked *base, dg_ns now, bool level)
+{
+    struct lx_ssi_line *self = line_of(base);
+    struct dg_ssi *device = self->device;
+    const bool rises = level && !device->clock;
+    (void)step(base, now);
+    if (!level && device->state == DG_SSI_IDLE) {
+        lx_line_fault_begin(&self->fault, base->period);
+    }
+    const bool data = dg_ssi_clock(device, now, level);
+    if (rises) {
+        lx_line_fault_advance(&self->fault, data);
+    }
+    return lx_line_fault_level(&self->fault, data);
+}
+
+static bool level(const struct lx_clocked *base)
+{
+    const struct lx_ssi_line *self = view_of(base);
+    return lx_line_fault_level(&self->fault, dg_ssi_data(self->device));
+}
+
+static bool clocked(const struct lx_clocked *base)
+{
+    return view_of(base)->device->clock;
+}
+
+/* Those of the word, and the one behind it. */
+static uint32_t rises(const struct lx_clocked *base)
+{
+    return dg_ssi_word_bits(view_of(base)->device->setup.model) + 1u;
+}
+
+/* --- words --- */
+
+/* What the master sees when the clock is about to move again. */
+static bool look(const struct lx_clocked_wire *wire)
+{
+    return lx_cable_level(&wire->cable, wire->now + wire->half_ns);
+}
+
+/* Each bit is taken with the falling edge behind it, by which the monoflop time of a clock that is
+   too slow is over. */
+static void read_frame(struct lx_clocked *base, struct lx_clocked_wire *wire)
+{
+    struct lx_ssi_line *self = line_of(base);
+    const struct dg_ssi_model *model = self->device->setup.model;
+    uint64_t bits = 0;
+    lx_clocked_wire_edge(wire, false);
+    const bool high = look(wire);
+    lx_clocked_wire_edge(wire, true);
+    for (uint8_t left = dg_ssi_word_bits(model); left > 0; left--) {
+        lx_clocked_wire_edge(wire, false);
+        bits = bits << 1 | wire->data;
+        lx_clocked_wire_edge(wire, true);
+    }
+    self->frame.bits = bits;
+    self->frame.answered = high && !look(wire);
+    wire->silent += !self->frame.answered;
+    lx_clocked_wire_pause(wire, wire->now + model->monoflop + 2u * wire->cable.delay + PAUSE_NS);
+}
+
+/* @return whether the parity is right */
+static bool take_apart(const struct lx_clocked *base, struct dg_ssi_frame *frame)
+{
+    const struct lx_ssi_line *self = view_of(base);
+    return dg_ssi_frame_decode(self->device->setup.model, self->frame.bits, frame) == DG_OK;
+}
+
+static enum lx_clocked_verdict judge(const struct lx_clocked *base, size_t encoder)
+{
+    struct dg_ssi_frame frame;
+    (void)encoder;
+    if (!view_of(base)->frame.answered) {
+        return LX_CLOCKED_SILENT;
+    }
+    return take_apart(base, &frame) ? LX_CLOCKED_GOOD : LX_CLOCKED_WRONG;
+}
+
+/* What the bits behind the position say, if there are any. */
+static void add_bits(const struct dg_ssi_model *model, const struct dg_ssi_frame *frame,
+                     const char *parity, struct lx_words *to)
+{
+    if (model->error_bit != DG_SSI_ERROR_NONE) {
+        lx_words_add(to, "  error %d", frame->error);
+    }
+    if (model->parity != DG_SSI_PARITY_NONE) {
+        lx_words_add(to, "  parity %s", parity);
+    }
+}
+
+static void note(const struct lx_clocked *base, const struct lx_clocked_wire *wire, size_t encoder,
+                 char *text, size_t size)
+{
+    struct dg_ssi_frame frame;
+    const bool right = take_apart(base, &frame);
+    struct lx_words rest = {""};
+    (void)wire;
+    (void)encoder;
+    add_bits(view_of(base)->device->setup.model, &frame, right ? "ok" : "wrong", &rest);
+    (void)snprintf(text, size, "position %" PRIu32 ":%" PRIu32 "%s", frame.multiturn,
+                   frame.singleturn, rest.text);
+}
+
+static void print(const struct lx_clocked *base, size_t encoder, char *text, size_t size)
+{
+    const struct dg_ssi_model *model = view_of(base)->device->setup.model;
+    struct dg_ssi_frame frame;
+    const bool right = take_apart(base, &frame);
+    const double turns = (double)frame.singleturn / (double)(1u << model->singleturn_bits);
+    struct lx_words rest = {""};
+    (void)encoder;
+    add_bits(model, &frame, right ? "valid" : "WRONG", &rest);
+    (void)snprintf(text, size, "MT %" PRIu32 "  ST %" PRIu32 "  %.6f deg%s", frame.multiturn,
+                   frame.singleturn, 360.0 * turns, rest.text);
+}
+
+static const struct lx_clocked_ops ops = {
+    .clock = CLOCK_NAME,
+    .data = DATA_NAME,
+    .edge = edge,
+    .step = step,
+    .level = level,
+    .clocked = clocked,
+    .settle = settle,
+    .rises = rises,
+    .read = read_frame,
+    .judge = judge,
+    .note = note,
+    .print = print,
+};
+
+void lx_ssi_line_init(struct lx_ssi_line *self)
+{
+    *self = (struct lx_ssi_line){.base.ops = &ops};
+}
+
+void lx_ssi_line_add(struct lx_ssi_line *self, struct dg_ssi *device, struct dg_faults *faults,
+                     const char *name)
+{
+    self->device = device;
+    self->base.name[0] = name;
+    self->base.count = 1;
+    self->fault = (struct lx_line_fault){
+        .frame =
+            {
+                .bits = dg_ssi_word_bits(device->setup.model),
+                .delay = (dg_ns)dg_fault_wire_value(&dg_ssi_instrument, DG_WIRE_DELAY),
+            },
+        .faults = faults,
+    };
+}
+
+/* --- SCPI --- */
+
+static int read_word(void *ctx, uint64_t *bits, char *detail)
+{
+    struct lx_station *station = ctx;
+    const struct lx_clocked *line = lx_sim_bus_begin(station->bus)->wire.line;
+    lx_sim_bus_read(station->bus);
+    lx_sim_bus_end(station->bus);
+    *bits = view_of(line)->frame.bits;
+    if (view_of(line)->frame.answered) {
+        return DG_SCPI_NO_ERROR;
+    }
+    (void)snprintf(detail, DG_SCPI_DETAIL_MAX + 1u, "no answer");
+    return DG_SCPI_HARDWARE;
+}
+
+static void offer(struct lx_station *station)
+{
+    static const struct dg_ssi_port_ops port = {.frame = read_word};
+    station->control.port = &port;
+    station->control.port_ctx = station;
+}
+
+/* --- from a plan --- */
+
+struct planned {
+    struct lx_ssi_line line;
+    struct dg_ssi_model model;
+    struct dg_ssi device;
+};
+
+static struct planned *planned_of(struct lx_clocked *base)
+{
+    return (struct planned *)base;
+}
+
+static void init(struct lx_clocked *base)
+{
+    lx_ssi_line_init(line_of(base));
+}
+
+static bool is_set(const struct lx_plan_settings *settings, const char *key)
+{
+    for (size_t i = 0; i < settings->count; i++) {
+        if (strcmp(settings->list[i].key, key) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static int place(struct lx_clocked *base, const struct lx_bus_setup *setup, size_t index,
+                 enum lx_clocked_master master, struct lx_error *error)
+{
+    struct dg_ssi_model *model = &planned_of(base)->model;
+    struct lx_station *station = setup->stations[index];
+    const struct lx_plan_encoder *plan = station->plan;
+    if (lx_stack_settings(setup->plan, setup->wire, plan, model, &station->world, error) != 0) {
+        return -1;
+    }
+    if (plan->nvm != NULL) {
+        (void)lx_refuse(error, "leave it out", "%s has no EEPROM", plan->model->name);
+        return lx_plan_refuse_key(setup->plan, "nvm", plan->nvm_line, error);
+    }
+    /* A clock that user space can follow is slower than the encoder's own time allows. */
+    if (master == LX_CLOCKED_THERE && !is_set(&plan->settings, "monoflop_us")) {
+        model->monoflop = GPIO_MONOFLOP;
+    }
+    station->control.device = &planned_of(base)->device;
+    base->init = model->init;
+    return 0;
+}
+
+static int open_encoder(struct lx_clocked *base, const struct lx_bus_setup *setup, size_t index,
+                        dg_ns now, struct lx_error *error)
+{
+    struct planned *self = planned_of(base);
+    struct lx_station *station = setup->stations[index];
+    const struct dg_ssi_setup made = {&self->model, &station->world};
+    if (dg_ssi_init(&self->device, &made) != DG_OK) {
+        return lx_fail(error, "these figures make no encoder");
+    }
+    dg_ssi_power_on(&self->device, now);
+    lx_ssi_line_add(&self->line, &self->device, &station->control.faults, station->control.name);
+    return 0;
+}
+
+static void close_all(struct lx_clocked *base)
+{
+    dg_ssi_power_off(&planned_of(base)->device);
+}
+
+const struct lx_clocked_protocol lx_clocked_ssi = {
+    .encoders_max = 1,
+    .size = sizeof(struct planned),
+    .init = init,
+    .place = place,
+    .open = open_encoder,
+    .close = close_all,
+    .offer = offer,
+};
+
+/* --- in traces --- */
+
+static void begin_trace(struct lx_trace *self)
+{
+    static const char *const lines[] = {CLOCK_NAME, DATA_NAME};
+    lx_trace_clocked_begin(self, "ssi", lines);
+}
+
+const struct lx_trace_format lx_trace_ssi = {
+    .ending = ".vcd",
+    .mark = LX_VCD_MARK,
+    .size = sizeof(struct lx_trace_clocked),
+    .begin = begin_trace,
+    .event = lx_trace_clocked_event,
+    .end = lx_trace_clocked_end,
+};

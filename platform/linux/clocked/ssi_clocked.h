@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * An encoder with SSI on a clocked line (clocked.h). Only one: the interface is point to point.
+ */
+#ifndef DREHGEBER_LINUX_SSI_CLOCKED_H
+#define DREHGEBER_LINUX_SSI_CLOCKED_H
+
+#include "clocked_wire.h"
+#include "drehgeber/ssi.h"
+
+/** The protocol. */
+extern const struct lx_clocked_protocol lx_clocked_ssi;
+
+/** A line. Not to be moved. */
+struct lx_ssi_line {
+    struct lx_clocked base;
+    struct dg_ssi *device; /**< NULL: nobody is there yet */
+    struct lx_line_fault fault;
+    /** The word that the master of a simulated wire has read last. */
+    struct {
+        uint64_t bits; /**< right-aligned */
+        bool answered; /**< data was high in front of it and low behind it */
+    } frame;
+};
+
+/** A line without an encoder. */
+void lx_ssi_line_init(struct lx_ssi_line *self);
+
+/** Put `device`, which has its model and its power, on it.
+ * @param faults NULL: none
+ * @param name borrowed */
+void lx_ssi_line_add(struct lx_ssi_line *self, struct dg_ssi *device, struct dg_faults *faults,
+                     const char *name);
+
+#endif

@@ -1,0 +1,310 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * An encoder with SSI on the simulated wire: what its master reads and says, faults, cable, clocks
+ * that are too slow; and how a plan makes the line.
+ */
+#define _GNU_SOURCE
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "drehgeber/devices.h"
+#include "sim_master.h"
+#include "sim_settings.h"
+#include "ssi_clocked.h"
+#include "ssi_rig.h"
+#include "ssi_settings.h"
+
+#define BEGIN DG_S(1)
+
+static struct ssi_rig rig; /* world, shaft, model, encoder; not its master */
+static struct lx_ssi_line line;
+static struct lx_tap tap;
+static struct lx_sim_master master;
+static struct dg_faults faults;
+
+static void begin_with(const struct dg_ssi_model *model, const struct lx_clocked_timing *timing)
+{
+    faults = (struct dg_faults){.random = 1};
+    assert_int_equal(ssi_rig_init(&rig, model), DG_OK);
+    dg_ssi_power_on(&rig.device, BEGIN);
+    lx_ssi_line_init(&line);
+    lx_ssi_line_add(&line, &rig.device, &faults, "a");
+    lx_sim_master_init(&master, &tap, &line.base, timing, BEGIN);
+    lx_sim_master_pause(&master, BEGIN + model->init);
+}
+
+static void begin(const struct dg_device *device)
+{
+    begin_with(dg_ssi_model_of(device), &lx_sim_timing);
+}
+
+/* The shaft at `count` of a turn and turns; the word that has to come. */
+static uint64_t turn_to(uint32_t count)
+{
+    rig.angle = (dg_angle)count * (DG_TURN >> rig.model.singleturn_bits);
+    return ssi_rig_word(&rig.model, count, false);
+}
+
+static enum lx_clocked_verdict read_word(void)
+{
+    lx_sim_master_frame(&master);
+    return line.base.ops->judge(&line.base, 0);
+}
+
+static void let_happen(enum dg_wire_fault fault, uint32_t count)
+{
+    faults.slot[fault] = (uint8_t)fault;
+    faults.wire |= 1u << fault;
+    faults.fault[fault] = (struct dg_fault){
+        .active = true, .left = count, .probability_ppm = 1000000, .until = DG_NEVER};
+}
+
+/* --- words --- */
+
+static void words_come_over_the_wire(void **state)
+{
+    static const struct dg_device *const devices[] = {&dg_ssi_13, &dg_ssi_25, &dg_ssi_28};
+    (void)state;
+    for (size_t i = 0; i < sizeof devices / sizeof devices[0]; i++) {
+        begin(devices[i]);
+        const unsigned unused = 34u - ssi_rig_bits(&rig.model);
+        for (uint32_t n = 1; n < 200; n++) {
+            const uint64_t word = turn_to(n * 0x9E3779B1u >> (i < 2 ? unused - 2u : 4u));
+            assert_int_equal(read_word(), LX_CLOCKED_GOOD);
+            assert_int_equal(line.frame.bits, word);
+        }
+        assert_int_equal(rig.device.counters.frames, 199); /* each its own: the pause is enough */
+        assert_int_equal(rig.device.counters.repeats, 0);
+        assert_int_equal(rig.device.counters.aborted, 0);
+        assert_int_equal(master.wire.silent, 0);
+        assert_int_equal(line.base.ops->rises(&line.base), ssi_rig_bits(&rig.model) + 1u);
+    }
+}
+
+static void expect_texts(const char *printed, const char *noted)
+{
+    char text[LX_SIM_NOTE_MAX];
+    line.base.ops->print(&line.base, 0, text, sizeof text);
+    assert_string_equal(text, printed);
+    line.base.ops->note(&line.base, &master.wire, 0, text, sizeof text);
+    assert_string_equal(text, noted);
+}
+
+static void what_is_said_of_a_word(void **state)
+{
+    struct dg_ssi_model model = *dg_ssi_model_of(&dg_ssi_28);
+    (void)state;
+    begin(&dg_ssi_13);
+    (void)turn_to(2048);
+    assert_int_equal(read_word(), LX_CLOCKED_GOOD);
+    expect_texts("MT 0  ST 2048  90.000000 deg", "position 0:2048");
+    begin(&dg_ssi_28);
+    (void)turn_to(3u << 16 | 1u << 15);
+    rig.world.watchdog_fired = true;
+    assert_int_equal(read_word(), LX_CLOCKED_GOOD);
+    expect_texts("MT 3  ST 32768  180.000000 deg  error 1  parity valid",
+                 "position 3:32768  error 1  parity ok");
+    line.frame.bits ^= 1u;
+    assert_int_equal(line.base.ops->judge(&line.base, 0), LX_CLOCKED_WRONG);
+    expect_texts("MT 3  ST 32768  180.000000 deg  error 1  parity WRONG",
+                 "position 3:32768  error 1  parity wrong");
+    model.parity = DG_SSI_PARITY_NONE;
+    begin_with(&model, &lx_sim_timing);
+    assert_int_equal(read_word(), LX_CLOCKED_GOOD);
+    expect_texts("MT 0  ST 0  0.000000 deg  error 0", "position 0:0  error 0");
+}
+
+static void without_power_nobody_answers(void **state)
+{
+    (void)state;
+    begin(&dg_ssi_13);
+    dg_ssi_power_off(&rig.device);
+    lx_sim_master_pause(&master, master.wire.now);
+    assert_int_equal(read_word(), LX_CLOCKED_SILENT);
+    assert_int_equal(master.wire.silent, 1);
+    dg_ssi_power_on(&rig.device, master.wire.now);
+    assert_int_equal(read_word(), LX_CLOCKED_SILENT); /* it is not ready yet */
+    lx_sim_master_pause(&master, master.wire.now + DG_S(1));
+    assert_int_equal(read_word(), LX_CLOCKED_GOOD);
+}
+
+/* --- the wire --- */
+
+static void clocks_from_one_word_in_a_monoflop_time_to_10_mhz(void **state)
+{
+    const struct dg_ssi_model *model = dg_ssi_model_of(&dg_ssi_25);
+    static const uint32_t rates[] = {51000, 100000, 2000000, LX_CLOCK_MAX_HZ};
+    (void)state;
+    for (size_t i = 0; i < sizeof rates / sizeof rates[0]; i++) {
+        begin_with(model, &(struct lx_clocked_timing){.clock_hz = rates[i]});
+        const uint64_t word = turn_to(0x1234567);
+        assert_int_equal(read_word(), LX_CLOCKED_GOOD);
+        assert_int_equal(line.frame.bits, word);
+        assert_int_equal(rig.device.counters.fast, i < 3 ? 0 : 25);
+    }
+    begin_with(model, &(struct lx_clocked_timing){.clock_hz = LX_CLOCK_MIN_HZ});
+    (void)turn_to(0);
+    assert_int_equal(read_word(), LX_CLOCKED_GOOD); /* which it cannot know */
+    assert_int_equal(line.frame.bits, (1u << 25) - 1u);
+}
+
+static void a_cable_is_not_made_up_for(void **state)
+{
+    const struct dg_ssi_model *model = dg_ssi_model_of(&dg_ssi_13);
+    struct lx_clocked_timing timing = {.clock_hz = LX_CLOCK_HZ, .line_delay_ns = 249};
+    (void)state;
+    begin_with(model, &timing);
+    const uint64_t word = turn_to(4779);
+    assert_int_equal(read_word(), LX_CLOCKED_GOOD);
+    assert_int_equal(line.frame.bits, word);
+    timing.line_delay_ns = 251;
+    begin_with(model, &timing);
+    (void)turn_to(4779);
+    (void)read_word();
+    assert_int_equal(line.frame.bits, 1u << 12 | word >> 1);
+}
+
+/* --- faults --- */
+
+static void a_dead_driver_reads_low(void **state)
+{
+    (void)state;
+    begin(&dg_ssi_13);
+    const uint64_t word = turn_to(4779);
+    let_happen(DG_WIRE_DROP, 1);
+    assert_int_equal(read_word(), LX_CLOCKED_SILENT);
+    assert_int_equal(read_word(), LX_CLOCKED_GOOD);
+    assert_int_equal(line.frame.bits, word);
+    let_happen(DG_WIRE_BREAK, 0);
+    lx_sim_master_pause(&master, 0);
+    assert_false(line.base.ops->level(&line.base));
+    assert_int_equal(read_word(), LX_CLOCKED_SILENT);
+    assert_int_equal(read_word(), LX_CLOCKED_SILENT);
+    faults = (struct dg_faults){0};
+    lx_sim_master_pause(&master, 0);
+    assert_true(line.base.ops->level(&line.base));
+    assert_int_equal(read_word(), LX_CLOCKED_GOOD);
+    assert_int_equal(master.wire.silent, 3);
+}
+
+/* Only a parity bit tells. */
+static void a_damage_flips_a_bit_of_the_word(void **state)
+{
+    static const struct dg_device *const devices[] = {&dg_ssi_13, &dg_ssi_28};
+    (void)state;
+    for (size_t i = 0; i < 2; i++) {
+        uint64_t flipped = 0;
+        begin(devices[i]);
+        const uint64_t word = turn_to(4779);
+        for (unsigned n = 0; n < 400; n++) {
+            let_happen(DG_WIRE_DAMAGE, 1);
+            assert_int_equal(read_word(), i == 0 ? LX_CLOCKED_GOOD : LX_CLOCKED_WRONG);
+            const uint64_t bit = line.frame.bits ^ word;
+            assert_true(bit != 0 && (bit & (bit - 1u)) == 0);
+            flipped |= bit;
+        }
+        assert_int_equal(flipped, ((uint64_t)1 << ssi_rig_bits(&rig.model)) - 1u);
+    }
+}
+
+static void a_delay_moves_the_word_by_a_clock(void **state)
+{
+    (void)state;
+    begin(&dg_ssi_28);
+    const uint64_t word = turn_to(0x1230001); /* no error, parity 1: no 0 behind it */
+    let_happen(DG_WIRE_DELAY, 1);
+    assert_int_equal(read_word(), LX_CLOCKED_SILENT);
+    assert_int_equal(line.frame.bits, 1u << 29 | word >> 1);
+    assert_int_equal(read_word(), LX_CLOCKED_GOOD);
+}
+
+/* --- from a plan --- */
+
+static struct lx_plan plan;
+static struct lx_station station;
+static struct lx_station *stations[1] = {&station};
+
+static struct lx_clocked *line_of_plan(enum lx_clocked_master who, const char *setting,
+                                       struct lx_error *error)
+{
+    const struct lx_bus_setup setup = {
+        .plan = &plan, .wire = plan.wires, .stations = stations, .count = 1};
+    struct lx_plan_encoder *encoder = &plan.encoders[0];
+    lx_plan_free_settings(&encoder->settings);
+    if (setting != NULL) {
+        assert_int_equal(lx_plan_add_assignment(&encoder->settings, setting, 0, error), 0);
+    }
+    dg_world_init(&station.world);
+    station.world.angle = rig.world.angle;
+    station.world.angle_ctx = &rig;
+    station.plan = encoder;
+    station.control = (struct dg_encoder){.name = "a", .world = &station.world};
+    return lx_clocked_make(&setup, who, error);
+}
+
+static dg_ns monoflop_of(enum lx_clocked_master who, const char *setting)
+{
+    struct lx_error error = {.right = ""};
+    struct lx_clocked *made = line_of_plan(who, setting, &error);
+    assert_non_null(made);
+    const struct lx_bus_setup setup = {
+        .plan = &plan, .wire = plan.wires, .stations = stations, .count = 1};
+    assert_int_equal(lx_clocked_open(made, &setup, 0, BEGIN, &error), 0);
+    const struct dg_ssi *device = station.control.device;
+    const dg_ns monoflop = device->setup.model->monoflop;
+    assert_int_equal(device->state, DG_SSI_START);
+    assert_int_equal(made->init, DG_MS(100));
+    lx_clocked_close(made);
+    return monoflop;
+}
+
+static void refuse(const char *setting, const char *right)
+{
+    struct lx_error error = {.right = ""};
+    assert_null(line_of_plan(LX_CLOCKED_HERE, setting, &error));
+    assert_string_equal(lx_error_line(&error).text, right);
+}
+
+static void a_plan_makes_the_line(void **state)
+{
+    static const struct lx_wire kind = {.name = "sim", .stacks = {&lx_ssi_stack}};
+    (void)state;
+    begin(&dg_ssi_25);
+    assert_int_equal(lx_plan_add_wire(&plan, "wire", &kind, NULL), 0);
+    assert_int_equal(lx_plan_add_encoder(&plan, "a", &dg_ssi_25, 0, 0), 0);
+    assert_int_equal(monoflop_of(LX_CLOCKED_HERE, NULL), DG_US(20));
+    assert_int_equal(monoflop_of(LX_CLOCKED_THERE, NULL), DG_MS(20));
+    assert_int_equal(monoflop_of(LX_CLOCKED_HERE, "monoflop_us=30"), DG_US(30));
+    assert_int_equal(monoflop_of(LX_CLOCKED_THERE, "monoflop_us=20"), DG_US(20));
+    refuse("monoflop_us=9", "monoflop_us=9: a number in 10..1000000 us is right");
+    refuse("st=32", "st=32: a number in 8..31 is right");
+    refuse("st=21", "mt 12 and st 21; together 10 to 32 bits are right");
+    refuse("parity=mark", "parity=mark: none, even or odd is right");
+    plan.encoders[0].nvm = strdup("x.nvm");
+    refuse(NULL, "nvm: ssi-25 has no EEPROM; leave it out");
+    plan.encoders[0].serial = strdup("5");
+    refuse(NULL, "serial 5: ssi-25 has none; leave it out");
+    lx_plan_free(&plan);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(words_come_over_the_wire),
+        cmocka_unit_test(what_is_said_of_a_word),
+        cmocka_unit_test(without_power_nobody_answers),
+        cmocka_unit_test(clocks_from_one_word_in_a_monoflop_time_to_10_mhz),
+        cmocka_unit_test(a_cable_is_not_made_up_for),
+        cmocka_unit_test(a_dead_driver_reads_low),
+        cmocka_unit_test(a_damage_flips_a_bit_of_the_word),
+        cmocka_unit_test(a_delay_moves_the_word_by_a_clock),
+        cmocka_unit_test(a_plan_makes_the_line),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

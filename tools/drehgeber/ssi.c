@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: MIT */
+#include "ssi.h"
+
+#include <string.h>
+
+#include "run.h"
+#include "ssi_settings.h"
+#include "wire_session.h"
+
+static int act(struct wire_session *self, struct words *words, struct lx_error *error);
+
+static const struct wire_command ssi = {"ssi", &lx_ssi_stack, "an SSI model", "read", act};
+
+static int act(struct wire_session *self, struct words *words, struct lx_error *error)
+{
+    static const char *const failures[] = {
+        [LX_CLOCKED_WRONG] = "the parity is wrong",
+        [LX_CLOCKED_SILENT] = "no answer",
+    };
+    const char *word = take_word(words);
+
+    if (strcmp(word, "read") != 0) {
+        return wire_command_usage(&ssi, "unknown action ", word, error);
+    }
+    const enum lx_clocked_verdict verdict = wire_session_read(self);
+    if (verdict == LX_CLOCKED_GOOD) {
+        return EXIT_OK;
+    }
+    (void)lx_fail(error, "position: %s", failures[verdict]);
+    return EXIT_OTHER;
+}
+
+int ssi_command(const struct options *options)
+{
+    return wire_command_run(&ssi, options);
+}
