@@ -29,20 +29,20 @@ enum key {
 
 /* clang-format off */
 const struct command_row command_rows[] = {
-    /* name    command       usage                                  help                                            takes  wires  ask */
-    {"list",   COMMAND_LIST, "list",                                "the models",                                   "",    false, NULL},
-    {"run",    COMMAND_RUN,  "run MODEL [WIRE] [OPTIONS]",          "be that encoder",                              NULL,  true, NULL},
-    {"run",    COMMAND_RUN,  "run RIG.ini [--control ...]",         "be all encoders of a rig file",                NULL,  true, NULL},
-    {"eds",    COMMAND_EDS,  "eds MODEL",                           "the EDS file of a CANopen encoder",            "",    false, NULL},
-    {"biss",   COMMAND_ASK,  "biss MODEL ACTION [OPTIONS]",         "ask a BiSS encoder over a simulated wire;\n"
-                                                                    "ACTION, one or more: read,\n"
-                                                                    "registers [BANK:]ADDR N, eds,\n"
-                                                                    "write [BANK:]ADDR BYTES, command N",           " set nvm serial shaft trace ", false, biss_command},
-    {"ssi",    COMMAND_ASK,  "ssi MODEL read [OPTIONS]",            "read an SSI encoder over a simulated wire",     " set shaft trace ", false, ssi_command},
-    {"map",    COMMAND_MAP,  "map MODEL",                           "the Modbus registers of an INTERBUS encoder",  " ring ", false, NULL},
-    {"ctl",    COMMAND_CTL,  "ctl [--control ADDR] COMMAND",        "SCPI to what is running; SYST:HELP? says which", " control ", false, NULL},
-    {"top",    COMMAND_TOP,  "top [ADDRESS]",                       "what is running, in a terminal; ? says the keys", " control ", false, NULL},
-    {"help",   COMMAND_HELP, "help [COMMAND [MODEL]]",              "this text, or that of a command",              "",    false, NULL},
+    /* name    command       wires  usage                                  help                                            takes  ask */
+    {"list",   COMMAND_LIST, false, "list",                                "the models",                                   "", NULL},
+    {"run",    COMMAND_RUN,  true,  "run MODEL [WIRE] [OPTIONS]",          "be that encoder",                              NULL, NULL},
+    {"run",    COMMAND_RUN,  true,  "run RIG.ini [--control ...]",         "be all encoders of a rig file",                NULL, NULL},
+    {"eds",    COMMAND_EDS,  false, "eds MODEL",                           "the EDS file of a CANopen encoder",            "", NULL},
+    {"biss",   COMMAND_ASK,  false, "biss MODEL ACTION [OPTIONS]",         "ask a BiSS encoder over a simulated wire;\n"
+                                                                           "ACTION, one or more: read,\n"
+                                                                           "registers [BANK:]ADDR N, eds,\n"
+                                                                           "write [BANK:]ADDR BYTES, command N",           " set nvm serial shaft trace ", biss_command},
+    {"ssi",    COMMAND_ASK,  false, "ssi MODEL read [OPTIONS]",            "read an SSI encoder over a simulated wire",     " set shaft trace ", ssi_command},
+    {"map",    COMMAND_MAP,  false, "map MODEL",                           "the Modbus registers of an INTERBUS encoder",  " ring ", NULL},
+    {"ctl",    COMMAND_CTL,  false, "ctl [--control ADDR] COMMAND",        "SCPI to what is running; SYST:HELP? says which", " control ", NULL},
+    {"top",    COMMAND_TOP,  false, "top [ADDRESS]",                       "what is running, in a terminal; ? says the keys", " control ", NULL},
+    {"help",   COMMAND_HELP, false, "help [COMMAND [MODEL]]",              "this text, or that of a command",              "", NULL},
 };
 
 /* Behind the wires. */

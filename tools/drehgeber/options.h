@@ -33,10 +33,10 @@ struct options;
 struct command_row {
     const char *name;
     enum command command;
+    bool wires;        /* it takes options that name a wire, besides `takes` */
     const char *usage; /* behind "drehgeber " */
     const char *help;  /* may have several lines */
     const char *takes; /* its options, with blanks around each; NULL: all */
-    bool wires;        /* and those that name a wire */
     /* COMMAND_ASK: do what options->words say over a simulated wire. Prints its own errors.
        @return how the program ends */
     int (*ask)(const struct options *options);
