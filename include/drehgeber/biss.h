@@ -41,6 +41,8 @@
 extern "C" {
 #endif
 
+struct dg_instrument;
+
 /** Silence on MA that ends a frame (5.2.1.2), and the short one chosen by 7Ch bits 2..0 (1..7). */
 #define DG_BISS_TIMEOUT_NS ((dg_ns)13000)
 #define DG_BISS_TIMEOUT_S_NS ((dg_ns)1300)
@@ -389,6 +391,10 @@ struct dg_biss_port_ops {
 /** The protocol: models are struct dg_biss_model, devices struct dg_biss; setup.port is not looked
  * at. */
 DG_API extern const struct dg_stack dg_biss_stack;
+/** Its models in src/devices: singleturn, multiturn. */
+DG_API extern const struct dg_device dg_s3674_biss, dg_s3684_biss;
+/** The protocol as an instrument, see instrument.h; an object file of its own. */
+DG_API extern const struct dg_instrument dg_biss_instrument;
 
 /** What can be set of a struct dg_biss_model, for hosts. */
 DG_API extern const struct dg_keys dg_biss_keys;

@@ -23,6 +23,8 @@
 extern "C" {
 #endif
 
+struct dg_instrument;
+
 /** Physical counts a turn (STA_U): 16 bit. */
 #define DG_CIA406_STEPS 65536u
 /** Node-ID as delivered (chapter 8), and the last one. */
@@ -117,6 +119,10 @@ DG_API uint32_t dg_cia406_position(const struct dg_co_node *node, dg_ns now);
 /** The protocol: models are struct dg_cia406_model, devices struct dg_cia406_device; setup.port is
  * a struct dg_co_ops. */
 DG_API extern const struct dg_stack dg_cia406_stack;
+/** Its models in src/devices: singleturn, multiturn. */
+DG_API extern const struct dg_device dg_f3658, dg_f3668;
+/** The protocol as an instrument, see instrument.h; an object file of its own. */
+DG_API extern const struct dg_instrument dg_cia406_instrument;
 
 /** What can be set of an encoder before it is made. */
 struct dg_cia406_settings {

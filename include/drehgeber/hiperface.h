@@ -34,6 +34,8 @@
 extern "C" {
 #endif
 
+struct dg_instrument;
+
 /** Longest frame in either direction: address, command, 132 data bytes, check sum (5.1.2.8). */
 #define DG_HF_FRAME_MAX 135u
 /** Address as delivered, the last one, and the broadcast address (5.1.1.2). */
@@ -313,6 +315,10 @@ DG_API void dg_hf_sincos(const struct dg_hf *self, dg_ns now, struct dg_hf_sinco
 /** The protocol: models are struct dg_hf_model, devices struct dg_hf; setup.port is a struct
  * dg_hf_ops. */
 DG_API extern const struct dg_stack dg_hf_stack;
+/** Its models in src/devices: singleturn, multiturn. */
+DG_API extern const struct dg_device dg_s3674_rs485, dg_s3684_rs485;
+/** The protocol as an instrument, see instrument.h; an object file of its own. */
+DG_API extern const struct dg_instrument dg_hf_instrument;
 
 /** What can be set of an encoder before it is made. */
 struct dg_hf_settings {

@@ -2,8 +2,8 @@
 /**
  * @file
  * The protocols of this library as instruments. Each is an object file of its own, so that a
- * program which names one of them carries that one; dg_instruments and dg_instrument_of() link them
- * all, and with them all stacks.
+ * program which names one of them (in the header of its protocol) carries that one; dg_instruments
+ * and dg_instrument_of() link them all, and with them all stacks.
  */
 #ifndef DREHGEBER_INSTRUMENTS_H
 #define DREHGEBER_INSTRUMENTS_H
@@ -14,10 +14,6 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-/** One for each stack. */
-DG_API extern const struct dg_instrument dg_hf_instrument, dg_biss_instrument, dg_cia406_instrument,
-    dg_ib_instrument, dg_ssi_instrument;
 
 /** All of them, in the order in which their commands are told. */
 DG_API extern const struct dg_instrument *const dg_instruments[];

@@ -35,6 +35,8 @@
 extern "C" {
 #endif
 
+struct dg_instrument;
+
 /** Cam programs, and cams of each (5.4.4). */
 #define DG_IB_PROGRAMS 8u
 #define DG_IB_CAMS 8u
@@ -387,6 +389,10 @@ DG_API dg_ns dg_ib_ring_cycle_time(const struct dg_ib_ring *self, uint32_t baud,
 /** The protocol: models are struct dg_ib_model, devices struct dg_ib; setup.port is not looked at.
  */
 DG_API extern const struct dg_stack dg_ib_stack;
+/** Its models in src/devices: by ENCOM profile. */
+DG_API extern const struct dg_device dg_ocd_ib_k1, dg_ocd_ib_k2, dg_ocd_ib_k3;
+/** The protocol as an instrument, see instrument.h; an object file of its own. */
+DG_API extern const struct dg_instrument dg_ib_instrument;
 
 /** What can be set of a struct dg_ib_model, for hosts. */
 DG_API extern const struct dg_keys dg_ib_keys;

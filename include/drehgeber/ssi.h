@@ -40,6 +40,8 @@
 extern "C" {
 #endif
 
+struct dg_instrument;
+
 /** Monoflop time: as most encoders have it, and what dg_ssi_init() takes. Encoders have 10 to 30
  * us; longer ones are for lines slower than SSI is. */
 #define DG_SSI_MONOFLOP_NS DG_US(20)
@@ -224,6 +226,11 @@ DG_API uint32_t dg_ssi_binary(uint32_t gray);
 /** The protocol: models are struct dg_ssi_model, devices struct dg_ssi; they have no EEPROM, and
  * setup.nvm, setup.serial and setup.port are not looked at. */
 DG_API extern const struct dg_stack dg_ssi_stack;
+/** Its models in src/devices: singleturn, multiturn; multiturn in binary with error bit and parity.
+ */
+DG_API extern const struct dg_device dg_ssi_13, dg_ssi_25, dg_ssi_28;
+/** The protocol as an instrument, see instrument.h; an object file of its own. */
+DG_API extern const struct dg_instrument dg_ssi_instrument;
 
 /** What can be set of a struct dg_ssi_model, for hosts. */
 DG_API extern const struct dg_keys dg_ssi_keys;

@@ -6,6 +6,11 @@
 
 #include <stdint.h>
 
+#include "drehgeber/biss.h"
+#include "drehgeber/cia406.h"
+#include "drehgeber/hiperface.h"
+#include "drehgeber/interbus.h"
+#include "drehgeber/ssi.h"
 #include "drehgeber/text.h"
 
 const struct dg_device *const dg_devices[] = {

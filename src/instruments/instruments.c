@@ -4,6 +4,12 @@
  */
 #include "drehgeber/instruments.h"
 
+#include "drehgeber/biss.h"
+#include "drehgeber/cia406.h"
+#include "drehgeber/hiperface.h"
+#include "drehgeber/interbus.h"
+#include "drehgeber/ssi.h"
+
 const struct dg_instrument *const dg_instruments[] = {
     &dg_hf_instrument, &dg_biss_instrument, &dg_cia406_instrument,
     &dg_ib_instrument, &dg_ssi_instrument,

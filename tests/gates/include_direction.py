@@ -30,7 +30,7 @@ ALLOWED = {
 # A protocol's instrument.c is the control plane's view of it: no other file of its folder knows that there is one.
 INSTRUMENT = {"core", "scpi", "control", "instruments"}
 ALLOWED |= {
-    "instruments":          {"core", "control"},
+    "instruments":          {"control"} | ALLOWED["devices"],
     "hiperface/instrument": {"hiperface"} | INSTRUMENT,
     "biss/instrument":      {"biss"} | INSTRUMENT,
     "ssi/instrument":       {"ssi"} | INSTRUMENT,

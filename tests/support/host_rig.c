@@ -11,7 +11,7 @@
 struct host_rig_place host_rig_here;
 struct host_rig_place host_rig_there;
 
-const struct host_rig_model host_rig_models[HOST_RIG_MODELS] = {
+const struct host_rig_model host_rig_models[] = {
     {"s3674-rs485", "hiperface", 16384, 0},
     {"s3684-rs485", "hiperface", 3 * 65536 + 16384, 0},
     {"s3674-biss", "biss", 1u << 19, 21 + 2 + 6 + 6},
@@ -25,6 +25,7 @@ const struct host_rig_model host_rig_models[HOST_RIG_MODELS] = {
     {"ssi-13", "ssi", 1u << 11, 13},
     {"ssi-28", "ssi", 3u << 16 | 1u << 14, 12 + 16 + 1 + 1},
 };
+const size_t host_rig_model_count = sizeof host_rig_models / sizeof host_rig_models[0];
 
 struct dg_host *host_rig_make(struct host_rig_place *place, const char *name)
 {

@@ -35,8 +35,8 @@ struct host_rig_model {
     uint64_t position; /**< at 3.25 turns */
     uint8_t width;     /**< bits of a frame, or bytes of a cycle */
 };
-#define HOST_RIG_MODELS 12u
-extern const struct host_rig_model host_rig_models[HOST_RIG_MODELS];
+extern const struct host_rig_model host_rig_models[];
+extern const size_t host_rig_model_count;
 
 /** A handle in a memory that was used before. */
 struct dg_host *host_rig_make(struct host_rig_place *place, const char *name);

@@ -239,15 +239,16 @@ static void every_model_is_driven_by_its_handle(void **state)
     size_t named = 0;
 
     (void)state;
-    for (size_t i = 0; i < HOST_RIG_MODELS; i++) {
+    for (size_t i = 0; i < host_rig_model_count; i++) {
         drive(&host_rig_models[i]);
     }
     while (dg_host_name(named) != NULL) {
         size_t i = 0;
-        while (i < HOST_RIG_MODELS && strcmp(host_rig_models[i].name, dg_host_name(named)) != 0) {
+        while (i < host_rig_model_count &&
+               strcmp(host_rig_models[i].name, dg_host_name(named)) != 0) {
             i++;
         }
-        assert_true(i < HOST_RIG_MODELS); /* a new model is to be driven, too */
+        assert_true(i < host_rig_model_count); /* a new model is to be driven, too */
         assert_true(dg_host_size_of(dg_host_name(named)) <= HOST_RIG_MEMORY_MAX);
         named++;
     }
@@ -371,7 +372,7 @@ static void continue_elsewhere(const char *name, uint8_t *state, size_t n)
 static void a_state_goes_on_in_another_process(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < HOST_RIG_MODELS; i++) {
+    for (size_t i = 0; i < host_rig_model_count; i++) {
         struct dg_host *self = in_the_middle(host_rig_models[i].name);
         const size_t n = saved(self, other_state);
         continue_elsewhere(host_rig_models[i].name, other_state, n);
@@ -385,7 +386,7 @@ static void a_state_goes_on_in_another_process(void **state)
 static void the_pace_of_the_host_does_not_matter(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < HOST_RIG_MODELS; i++) {
+    for (size_t i = 0; i < host_rig_model_count; i++) {
         struct dg_host *self = in_the_middle(host_rig_models[i].name);
         struct dg_host *fine = host_rig_make(&host_rig_there, host_rig_models[i].name);
         struct dg_host_event a;

@@ -70,7 +70,7 @@ static void check_key(struct dg_host *self, const struct dg_host_key *key)
 static void every_setting_is_told_and_taken_as_it_is_told(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < HOST_RIG_MODELS; i++) {
+    for (size_t i = 0; i < host_rig_model_count; i++) {
         struct dg_host *self = host_rig_make(&host_rig_here, host_rig_models[i].name);
         struct dg_host_key key;
         size_t n = 0;
@@ -318,7 +318,7 @@ static void a_listener_hears_at_once(void **state)
 static void events_of_other_wires_are_refused(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < HOST_RIG_MODELS; i++) {
+    for (size_t i = 0; i < host_rig_model_count; i++) {
         struct dg_host *self = host_rig_make(&host_rig_here, host_rig_models[i].name);
         struct dg_host_event event = {.at = 0, .length = 1};
         unsigned own = 0;

@@ -40,7 +40,7 @@ static void a_panel_needs_an_encoder_that_was_on(void **state)
 static void faults_come_and_go_by_name(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < HOST_RIG_MODELS; i++) {
+    for (size_t i = 0; i < host_rig_model_count; i++) {
         struct dg_host *self = host_rig_start(&host_rig_here, host_rig_models[i].name);
         struct dg_host_panel *board = panel(self);
         struct dg_host_fault fault;

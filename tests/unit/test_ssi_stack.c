@@ -10,6 +10,7 @@
 
 #include <cmocka.h>
 
+#include "drehgeber/biss.h"
 #include "drehgeber/devices.h"
 #include "ssi_rig.h"
 

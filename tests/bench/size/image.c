@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The least that has an encoder: DEVICE, named alone. What is linked with it is what it costs. */
-#include "drehgeber/devices.h"
+#include "drehgeber/drehgeber.h"
 
 /* So that nothing is known when it is compiled. */
 extern struct dg_world image_world;

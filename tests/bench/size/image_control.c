@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The same with a control plane on a UART: DEVICE on a shaft, INSTRUMENT, one session. */
 #include "drehgeber/control.h"
-#include "drehgeber/devices.h"
+#include "drehgeber/drehgeber.h"
 #include "drehgeber/instruments.h"
 
 extern struct dg_world image_world;
