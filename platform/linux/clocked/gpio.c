@@ -315,13 +315,16 @@ int lx_gpio_open(struct lx_gpio *self, const struct lx_gpio_setup *setup, struct
     return 0;
 }
 
-/* In a frame, its end is soon enough. */
+/* In a frame, its end is soon enough for faults. */
 void lx_gpio_changed(struct lx_gpio *self)
 {
-    if (self->setup.lines != NULL && deadline_of(self) == DG_NEVER) {
-        self->setup.line->ops->settle(self->setup.line);
-        answer(self);
+    if (self->setup.lines == NULL) {
+        return;
     }
+    if (deadline_of(self) == DG_NEVER) {
+        self->setup.line->ops->settle(self->setup.line);
+    }
+    answer(self);
 }
 
 void lx_gpio_close(struct lx_gpio *self)

@@ -62,7 +62,7 @@ struct lx_gpio {
  */
 int lx_gpio_open(struct lx_gpio *self, const struct lx_gpio_setup *setup, struct lx_error *error);
 
-/** Faults may have changed. */
+/** Faults may have changed, or the supply: data is at its level when this returns. */
 void lx_gpio_changed(struct lx_gpio *self);
 
 /** Give back the lines; also after a failed open, or when never opened. */

@@ -93,22 +93,27 @@ static void on_gone(void *ctx)
     gone++;
 }
 
-static void begin_as(const struct dg_biss_model *model)
+static void begin_on(struct lx_clocked *encoders)
 {
     const struct lx_gpio_setup setup = {.event = event,
                                         .say = &say,
-                                        .line = &line.base,
+                                        .line = encoders,
                                         .name = "fake:4,5",
                                         .lines = &fake.base,
                                         .tap = &tap,
                                         .gone = on_gone};
     struct lx_error error;
 
+    assert_int_equal(lx_gpio_open(&gpio, &setup, &error), 0);
+}
+
+static void begin_as(const struct dg_biss_model *model)
+{
     assert_int_equal(biss_rig_init(&rig, model, 1), DG_OK);
     assert_int_equal(biss_rig_power_on(&rig), DG_OK);
     lx_biss_line_init(&line);
     lx_biss_line_add(&line, &rig.slave[0], &faults, "a");
-    assert_int_equal(lx_gpio_open(&gpio, &setup, &error), 0);
+    begin_on(&line.base);
 }
 
 /* A device whose frames end after `timeout`, 0: after its own. */
@@ -337,6 +342,89 @@ static void test_edge_on_its_way_is_waited_for(void **state)
     assert_int_equal(gpio.counters.lost, 0);
     assert_int_equal(rig.slave[0].counters.frames, 2);
     assert_int_equal(rig.slave[0].control.zeros, 1);
+}
+
+/* --- an encoder that is switched on: its data rises without an edge of the clock --- */
+
+struct waking {
+    struct lx_clocked base;
+    dg_ns at; /* DG_NEVER: it stays as it is */
+    bool level;
+    bool settled;
+};
+
+static struct waking waking;
+
+static bool waking_edge(struct lx_clocked *base, dg_ns now, bool level)
+{
+    (void)base;
+    (void)now;
+    (void)level;
+    return waking.level;
+}
+
+static dg_ns waking_step(struct lx_clocked *base, dg_ns now)
+{
+    (void)base;
+    if (now >= waking.at) {
+        waking.level = true;
+        waking.at = DG_NEVER;
+    }
+    return waking.at;
+}
+
+static bool waking_level(const struct lx_clocked *base)
+{
+    (void)base;
+    return waking.level;
+}
+
+static bool waking_clocked(const struct lx_clocked *base)
+{
+    (void)base;
+    return true;
+}
+
+static void waking_settle(struct lx_clocked *base)
+{
+    (void)base;
+    waking.settled = true;
+}
+
+static uint32_t waking_rises(const struct lx_clocked *base)
+{
+    (void)base;
+    return 14;
+}
+
+static void test_data_follows_the_supply_without_a_clock(void **state)
+{
+    static const struct lx_clocked_ops ops = {.clock = "CLOCK",
+                                              .data = "DATA",
+                                              .edge = waking_edge,
+                                              .step = waking_step,
+                                              .level = waking_level,
+                                              .clocked = waking_clocked,
+                                              .settle = waking_settle,
+                                              .rises = waking_rises};
+    (void)state;
+    waking = (struct waking){.base.ops = &ops, .at = DG_NEVER, .level = true};
+    begin_on(&waking.base);
+    waking.level = false;
+    lx_gpio_changed(&gpio);
+    assert_int_equal(fake.written, 1);
+    assert_false(fake.slo);
+    assert_true(waking.settled);
+
+    waking.settled = false;
+    waking.at = dg_after(lx_now(), DG_MS(2));
+    lx_gpio_changed(&gpio);
+    assert_false(waking.settled); /* not before its end */
+    for (unsigned i = 0; !fake.slo && i < RUNS_MAX; i++) {
+        run();
+    }
+    assert_true(fake.slo);
+    assert_int_equal(fake.written, 2);
 }
 
 static void test_chip_that_goes_is_told_once(void **state)
@@ -592,6 +680,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_missing_edges_are_noticed, setup, teardown),
         cmocka_unit_test_setup_teardown(test_lost_last_edge_is_made_up_for, setup, teardown),
         cmocka_unit_test_setup_teardown(test_edge_on_its_way_is_waited_for, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_data_follows_the_supply_without_a_clock, setup,
+                                        teardown),
         cmocka_unit_test_setup_teardown(test_chip_that_goes_is_told_once, setup, teardown),
         cmocka_unit_test_setup_teardown(test_faults_sit_behind_the_driver, setup, teardown),
         cmocka_unit_test_setup_teardown(test_what_is_not_stored_is_not_acknowledged, setup,
