@@ -160,5 +160,5 @@ def test_other_wires(library):
     """What is for the simulated wire is refused, and the other way round."""
     wire = ["s3674-biss", "--gpio", "gpiochip0:4,5"]
     assert "run s3674-biss --gpio" in rig.run_refused(2, "biss", *wire, "read")
-    assert "--gpio" in rig.run_refused(2, "biss", "s3674-biss", "read", "--set", "timeout_us=100")
+    assert "only with gpio" in rig.run_refused(2, "biss", "s3674-biss", "read", "--set", "timeout_us=100")
     assert "wire" in rig.run_refused(2, "run", "f3668", "--gpio", "gpiochip0:4,5")
