@@ -98,9 +98,9 @@ static void an_ssi_encoder_says_how_it_is(void **state)
     ask(board, READY, "STAT?", "power=1,mode=idle");
     ask(board, READY, "STAT?", "leds=-,errors=-,frames=0,repeats=0");
     assert_int_equal(dg_host_frame(self, READY + MS, &frame), DG_HOST_OK);
-    ask(board, READY + 2 * MS, "STAT?", "frames=1");
+    ask(board, READY + 2 * MS, "STAT?", "frames=1,repeats=0,aborted=0,fast=0,word=000D0001");
     ask(board, READY + 2 * MS, "FAUL:SET led_current_high;:FAUL:SET watchdog_fired;:STAT?",
-        "errors=");
+        "errors=01/40");
     assert_int_equal(dg_host_scpi(board, READY + 2 * MS, "SSI:FRAM?", answer, sizeof answer), 0);
     ask(board, READY + 2 * MS, "SYST:ERR?", "-241");
     ask(board, READY + 2 * MS, "POW OFF;:STAT?", "power=0,mode=off");
