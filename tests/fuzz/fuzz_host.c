@@ -10,6 +10,7 @@
 
 #include "drehgeber/devices.h"
 #include "drehgeber/host.h"
+#include "drehgeber/ssi.h"
 #include "fuzz_input.h"
 
 #define MEMORY_MAX 32768u
