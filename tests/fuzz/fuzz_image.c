@@ -295,6 +295,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
     struct fuzz_input input = {.at = bytes, .end = bytes + n};
     const struct dg_device *model = dg_devices[fuzz_take(&input) % dg_device_count];
 
+    if (model->stack->layout(model->model) == NULL) {
+        return 0; /* no EEPROM */
+    }
     for (size_t i = 0; i < sizeof uses / sizeof uses[0]; i++) {
         if (uses[i].stack == model->stack) {
             uses[i].use(model, &input);
