@@ -42,6 +42,7 @@ class Tap(can.Listener):
 
     def __init__(self):
         self.frames = deque()
+        self.passed = deque(maxlen=12)  # the last ones that nobody waited for
         self.arrived = threading.Condition()
 
     def on_message_received(self, msg):
@@ -58,6 +59,7 @@ class Tap(can.Listener):
             frame = self.frames.popleft()
             if frame.arbitration_id == can_id and not frame.is_remote_frame:
                 return frame
+            self.passed.append(f"{frame.arbitration_id:03X}#{frame.data.hex()}")
         return None
 
     def wait(self, can_id: int, timeout_s: float = PATIENCE_S) -> can.Message:
@@ -70,7 +72,8 @@ class Tap(can.Listener):
                     return frame
                 left = deadline - time.monotonic()
                 if left <= 0 or not self.arrived.wait(left):
-                    raise AssertionError(f"no frame {can_id:03X} within {timeout_s} s")
+                    raise AssertionError(f"no frame {can_id:03X} within {timeout_s} s, the last "
+                                         f"others were {', '.join(self.passed) or 'none'}")
 
     def data(self, can_id: int, timeout_s: float = PATIENCE_S) -> bytes:
         return bytes(self.wait(can_id, timeout_s).data)
