@@ -74,7 +74,7 @@ def changes(trace: str, signal: str) -> list:
     now, found = 0, []
     for line in trace.splitlines():
         if line.startswith("#"):
-            now = int(line[1:])
+            now = int(line[1:]) * 10
         elif re.fullmatch(rf"[01]{signal}", line) and line[0] != (found[-1][1] if found else "1"):
             found.append((now, line[0]))
     return found
@@ -107,7 +107,7 @@ def test_trace_can_be_read_back(tmp_path):
     trace = tmp_path / "biss.vcd"
     biss(S3674, "read", "registers", "0x78", "2", "--shaft", "90DEG", "--trace", trace)
     text = trace.read_text()
-    assert "$timescale" in text and "$enddefinitions" in text
+    assert "$timescale 10 ns $end" in text and "$enddefinitions" in text
     assert f"sposition_0:{1 << 19}_" in text and "sregister_78h_=_04_00 " in text
     assert_positions(text, 1 << 19)
 

@@ -25,7 +25,7 @@ def changes(trace: str, signal: str) -> list:
     now, found = 0, []
     for line in trace.splitlines():
         if line.startswith("#"):
-            now = int(line[1:])
+            now = int(line[1:]) * 10
         elif re.fullmatch(rf"[01]{signal}", line):
             found.append((now, line[0]))
     return found
@@ -67,7 +67,7 @@ def sigrok(trace, bits: int) -> list:
     """What sigrok's SPI decoder makes of CLOCK and DATA: samples at falling edges, in words."""
     decoder = f"spi:clk=CLOCK:miso=DATA:cpol=1:cpha=0:wordsize={bits}"
     ended = subprocess.run(
-        ["sigrok-cli", "-i", str(trace), "-I", "vcd:downsample=10", "-P", decoder, "-A", "spi=miso-data"],
+        ["sigrok-cli", "-i", str(trace), "-I", "vcd", "-P", decoder, "-A", "spi=miso-data"],
         capture_output=True, text=True, timeout=60, check=True)
     return [int(line.split()[-1], 16) for line in ended.stdout.splitlines()]
 

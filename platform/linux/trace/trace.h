@@ -3,8 +3,8 @@
  * @file
  * What went over a wire, in files that other tools open, and in words.
  *
- *   .vcd      RS485: the line's level, bit for bit, a decoded text, sine and cosine in volts;
- *             BiSS: MA, SLO, text
+ *   .vcd      RS485: requests and replies, bit for bit in steps of 1 us, a decoded text, sine and
+ *             cosine in volts; BiSS and SSI: clock, data, text in steps of 10 ns
  *   .log      CAN: candump -L
  *   .pcapng   CAN: link type SocketCAN, for Wireshark (.pcap means the same)
  *   .csv      INTERBUS: time, IN and OUT words, whenever one has changed

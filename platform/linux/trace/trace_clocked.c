@@ -9,14 +9,17 @@
 #define DATA_ID 's'
 /* Not for long. */
 #define HELD_MAX DG_MS(100)
+/* The fastest clock, 10 MHz, has an edge every 50 ns. */
+#define STEP_NS 10u
 
 void lx_trace_clocked_begin(struct lx_trace *self, const char *scope, const char *const lines[2])
 {
     static const char ids[] = {CLOCK_ID, DATA_ID, '\0'};
+    const struct lx_vcd_head head = {scope, STEP_NS, ids, {lines[0], lines[1]}};
     struct lx_trace_clocked *clocked = self->own;
     clocked->clock = true;
     clocked->data = true;
-    lx_vcd_begin(&clocked->vcd, self, scope, lines, ids);
+    lx_vcd_begin(&clocked->vcd, self, &head);
 }
 
 /* All levels and texts up to `at`. */

@@ -54,9 +54,19 @@ extern const struct lx_trace_format lx_trace_uart, lx_trace_biss, lx_trace_log, 
 /** Texts of a VCD file that wait for their turn. */
 #define LX_VCD_TEXTS 16u
 
+/** What a VCD file has. Readers that take samples take one for each step, over hours of silence,
+ * too: a step is as long as the wire's edges allow. */
+struct lx_vcd_head {
+    const char *scope;
+    dg_ns step_ns;        /**< 1, 10 or 100 ns, us or ms */
+    const char *ids;      /**< of the signals, a letter each */
+    const char *names[2]; /**< theirs */
+};
+
 /** A VCD file: time never goes back, so that a text which begins earlier is to be put in first. */
 struct lx_vcd {
     FILE *file;
+    dg_ns step_ns;
     dg_ns at; /**< of what was written last */
     size_t count;
     struct {
@@ -68,10 +78,10 @@ struct lx_vcd {
 /** Lines of an encoder with sine and cosine. */
 #define LX_VCD_SINCOS 4u
 
-/** The head; signals are `names` with the letters `ids`, all high at time 0, and sine and cosine of
- * the tap's encoders, in volts. */
-void lx_vcd_begin(struct lx_vcd *self, const struct lx_trace *trace, const char *scope,
-                  const char *const *names, const char *ids);
+/** All signals are high at time 0; besides there are sine and cosine of the tap's encoders, in
+ * volts. */
+void lx_vcd_begin(struct lx_vcd *self, const struct lx_trace *trace,
+                  const struct lx_vcd_head *head);
 
 /** A level from `at` on, and before it the texts up to then. */
 void lx_vcd_level(struct lx_vcd *self, dg_ns at, char id, bool level);

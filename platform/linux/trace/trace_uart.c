@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * RS485 as the level of the line. A frame is drawn when it is over and its text is known:
+ * RS485 as the level of the line, that of requests and that of replies. A frame is drawn when it is
+ * over and its text is known:
  *
- *   text  |40h_42h_read_position                            |
- *   line  ~~|_0000001~|_0100001~|_0100000~|~~~~~             idle is high
+ *   text     |40h_42h_read_position         |  |40h_->_42h_position_12345 ...
+ *   request  |_0000001~|_0100001~|_0100000~|~~~~~~~~~~~~~~~~~~~~~~             idle is high
+ *   reply    ~~~~~~~~~~~~~~~~~~~~~~~~~~~~~~~~~~|_0000001~|_0100001~| ...
  *
  * Characters are known by their end. Those that a pty hands over in a bunch have the same end; they
  * are drawn one after the other, the last of them ending then, as they would have come in.
@@ -15,7 +17,8 @@
 #include "trace_format.h"
 #include "uart.h"
 
-#define LINE_ID 'l'
+/* The fastest line, 38400 Bd, has a bit every 26 us. */
+#define STEP_NS DG_US(1)
 #define DATA_BITS 8u
 #define FRAME_MAX (sizeof((struct lx_decoder *)0)->bytes)
 /* A character that is told now may have begun this much before: 11 bits at 600 Bd. Notes wait as
@@ -29,9 +32,18 @@
  */
 #define SAMPLES_MAX 16384u
 
+/* Who talks. */
+enum side {
+    SIDE_MASTER,
+    SIDE_ENCODER,
+    SIDE_COUNT,
+};
+static const char side_ids[SIDE_COUNT + 1] = {[SIDE_MASTER] = 'q', [SIDE_ENCODER] = 'a'};
+
 struct character {
     dg_ns end; /* since the trace began */
     uint32_t baud;
+    enum side side;
     char parity;
     uint8_t byte;
     bool damaged;
@@ -47,7 +59,7 @@ struct sample {
 struct uart {
     struct lx_vcd vcd;
     struct lx_decoder decoder;
-    bool level;
+    bool levels[SIDE_COUNT];
     dg_ns free; /* end of the character drawn last */
     size_t count;
     struct character frame[FRAME_MAX];
@@ -73,12 +85,12 @@ static void advance(struct uart *self, dg_ns at)
     lx_vcd_advance(&self->vcd, at);
 }
 
-static void draw_level(struct uart *self, dg_ns at, bool level)
+static void draw_level(struct uart *self, enum side side, dg_ns at, bool level)
 {
-    if (level != self->level) {
+    if (level != self->levels[side]) {
         advance(self, at);
-        lx_vcd_level(&self->vcd, at, LINE_ID, level);
-        self->level = level;
+        lx_vcd_level(&self->vcd, at, side_ids[side], level);
+        self->levels[side] = level;
     }
 }
 
@@ -95,20 +107,22 @@ static bool parity_of(uint8_t byte)
 static void draw(struct uart *self, const struct character *character, dg_ns start)
 {
     const uint32_t baud = character->baud;
-    draw_level(self, start, false);
+    const enum side side = character->side;
+    draw_level(self, side, start, false);
     for (unsigned i = 0; i < DATA_BITS; i++) {
-        draw_level(self, start + dg_bit_times_ns(1u + i, baud), (character->byte >> i & 1u) != 0);
+        draw_level(self, side, start + dg_bit_times_ns(1u + i, baud),
+                   (character->byte >> i & 1u) != 0);
     }
     dg_ns stop = start + dg_bit_times_ns(1u + DATA_BITS, baud);
     if (character->parity != 'N') {
         const bool odd = character->parity == 'O';
-        draw_level(self, stop, parity_of(character->byte) != (odd != character->damaged));
+        draw_level(self, side, stop, parity_of(character->byte) != (odd != character->damaged));
         stop = start + dg_bit_times_ns(2u + DATA_BITS, baud);
     } else if (character->damaged) {
-        draw_level(self, stop, false);
+        draw_level(self, side, stop, false);
         stop += dg_bit_times_ns(1, baud) / QUARTERS * (QUARTERS - 1u);
     }
-    draw_level(self, stop, true);
+    draw_level(self, side, stop, true);
 }
 
 /* Ends that are possible on a line, from the last one back. */
@@ -158,11 +172,13 @@ static void on_line(void *ctx, dg_ns at, bool ours, const char *text)
 
 static void uart_begin(struct lx_trace *self)
 {
-    static const char *const names[] = {"line"};
+    static const struct lx_vcd_head head = {"rs485", STEP_NS, side_ids, {"request", "reply"}};
     struct uart *uart = self->own;
-    uart->level = true;
+    for (size_t i = 0; i < SIDE_COUNT; i++) {
+        uart->levels[i] = true;
+    }
     lx_decoder_init(&uart->decoder, on_line, uart);
-    lx_vcd_begin(&uart->vcd, self, "rs485", names, "l");
+    lx_vcd_begin(&uart->vcd, self, &head);
 }
 
 static void on_character(struct uart *self, const struct lx_tap_event *event, dg_ns at)
@@ -177,6 +193,7 @@ static void on_character(struct uart *self, const struct lx_tap_event *event, dg
     self->frame[self->count++] = (struct character){
         .end = at,
         .baud = event->character.baud,
+        .side = event->ours ? SIDE_ENCODER : SIDE_MASTER,
         .parity = event->character.parity,
         .byte = event->character.byte,
         .damaged = event->character.damaged,

@@ -12,15 +12,15 @@
 #define TEXT_ID 't'
 #define SINCOS_IDS "SsCc"
 #define UV_PER_V 1000000
-/* Readers that take samples see a level only when time goes on after it. */
+/* Readers that take samples see a level only when time goes on after it; no step is longer. */
 #define LAST_LEVEL_NS DG_US(1)
 
 static void put_time(struct lx_vcd *self, dg_ns at)
 {
-    if (at > self->at) {
-        (void)fprintf(self->file, "#%" PRIu64 "\n", at);
-        self->at = at;
+    if (at / self->step_ns > self->at / self->step_ns) {
+        (void)fprintf(self->file, "#%" PRIu64 "\n", at / self->step_ns);
     }
+    self->at = at > self->at ? at : self->at;
 }
 
 static void put_text(const struct lx_vcd *self, const char *text)
@@ -45,15 +45,27 @@ static void declare_sincos(struct lx_vcd *self, size_t encoder, const char *name
     (void)fputs("$upscope $end\n", self->file);
 }
 
-void lx_vcd_begin(struct lx_vcd *self, const struct lx_trace *trace, const char *scope,
-                  const char *const *names, const char *ids)
+static void put_step(const struct lx_vcd *self)
 {
+    static const char *const units[] = {"ns", "us", "ms"};
+    dg_ns step = self->step_ns;
+    size_t unit = 0;
+    for (; step >= 1000u && unit + 1u < DG_COUNT(units); unit++) {
+        step /= 1000u;
+    }
+    (void)fprintf(self->file, "$timescale %" PRIu64 " %s $end\n", step, units[unit]);
+}
+
+void lx_vcd_begin(struct lx_vcd *self, const struct lx_trace *trace, const struct lx_vcd_head *head)
+{
+    const char *ids = head->ids;
     self->file = trace->file;
-    (void)fprintf(self->file,
-                  LX_VCD_BEGIN " %s $end\n$timescale 1 ns $end\n$scope module %s $end\n",
-                  trace->wire, scope);
+    self->step_ns = head->step_ns;
+    (void)fprintf(self->file, LX_VCD_BEGIN " %s $end\n", trace->wire);
+    put_step(self);
+    (void)fprintf(self->file, "$scope module %s $end\n", head->scope);
     for (size_t i = 0; ids[i] != '\0'; i++) {
-        (void)fprintf(self->file, "$var wire 1 %c %s $end\n", ids[i], names[i]);
+        (void)fprintf(self->file, "$var wire 1 %c %s $end\n", ids[i], head->names[i]);
     }
     (void)fprintf(self->file, "$var string 1 %c text $end\n", TEXT_ID);
     for (size_t i = 0; i < trace->tap->encoder_count; i++) {

@@ -419,12 +419,12 @@ static void biss_levels(void **state)
     read_file(place);
     close_trace(place, trace);
     assert_string_equal(place->text,
-                        "$comment drehgeber: vcan0 $end\n$timescale 1 ns $end\n"
+                        "$comment drehgeber: vcan0 $end\n$timescale 10 ns $end\n"
                         "$scope module biss $end\n$var wire 1 m MA $end\n$var wire 1 s SLO $end\n"
                         "$var string 1 t text $end\n$upscope $end\n$enddefinitions $end\n"
                         "#0\n$dumpvars\n1m\n1s\ns t\n$end\n"
-                        "#1000\nsposition_10_____ t\n0m\n#2000\n1m\n#3000\n0m\n0s\n"
-                        "#999900000\n1m\n1s\n#999901000\n");
+                        "#100\nsposition_10_____ t\n0m\n#200\n1m\n#300\n0m\n0s\n"
+                        "#99990000\n1m\n1s\n#99990100\n");
 }
 
 /* More levels and notes than can be held back, and late ones: all are there, time never goes back.
@@ -440,9 +440,8 @@ static void biss_slo_before_the_first_clock(void **state)
     tell_levels(place, DG_US(102) + 500, true, false);
     close_trace(place, trace);
     read_file(place);
-    assert_non_null(strstr(place->text,
-                           "1m\n1s\ns t\n$end\n0s\n#1000\n0m\n#1500\n1m\n1s\n#2000\n0m\n"
-                           "#2500\n1m\n0s\n"));
+    assert_non_null(strstr(place->text, "1m\n1s\ns t\n$end\n0s\n#100\n0m\n#150\n1m\n1s\n#200\n0m\n"
+                                        "#250\n1m\n0s\n"));
 }
 
 static void biss_levels_in_a_crowd(void **state)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The RS485 line in a VCD file, sampled as a UART would. */
+/* The RS485 line in a VCD file, requests and replies together, sampled as a UART would. */
 #define _GNU_SOURCE
 #include <setjmp.h>
 #include <stdarg.h>
@@ -18,6 +18,7 @@
 #define CHANGES_MAX 16384u
 #define TEXTS_MAX 128u
 #define BYTES_MAX 1024u
+#define STEP_NS 1000u /* of the file */
 
 /* What a file says. */
 struct dump {
@@ -25,7 +26,10 @@ struct dump {
     struct {
         dg_ns at;
         bool level;
+        bool ours;
     } changes[CHANGES_MAX];
+    bool request;
+    bool reply;
     size_t text_count;
     struct {
         dg_ns at;
@@ -39,6 +43,7 @@ struct dump {
 /* A character as it was found. */
 struct found {
     dg_ns start;
+    bool ours;
     uint8_t byte;
     bool parity_ok;
     bool stop_ok;
@@ -90,11 +95,29 @@ static void begin(struct bench *self, dg_ns now)
     assert_non_null(self->trace);
 }
 
+static dg_ns whole(dg_ns at)
+{
+    return at / STEP_NS * STEP_NS;
+}
+
+/* One of the two lines; they are never low at once, and the wire is what both are. */
+static void take_level(struct dump *self, char id, bool level)
+{
+    *(id == 'a' ? &self->reply : &self->request) = level;
+    assert_true(self->request || self->reply);
+    if (self->count == 0 || self->changes[self->count - 1].level != level) {
+        assert_true(self->count < CHANGES_MAX);
+        self->changes[self->count].at = self->end;
+        self->changes[self->count].ours = id == 'a';
+        self->changes[self->count++].level = level;
+    }
+}
+
 static void take_line(struct dump *self, const char *line)
 {
     char text[LX_DECODE_MAX] = "";
     if (line[0] == '#') {
-        const dg_ns at = strtoull(line + 1, NULL, 10);
+        const dg_ns at = strtoull(line + 1, NULL, 10) * STEP_NS;
         assert_true(at > self->end || at == 0); /* never back, never twice */
         self->end = at;
     } else if (line[0] == 's') {
@@ -113,10 +136,9 @@ static void take_line(struct dump *self, const char *line)
         assert_true(id[0] != '\0' && strchr("SsCc", id[0]) != NULL && strcmp(id + 1, "1") == 0);
         self->real_count++;
         self->real_end = self->end;
-    } else if (line[1] == 'l') {
-        assert_true(self->count < CHANGES_MAX && (line[0] == '0' || line[0] == '1'));
-        self->changes[self->count].at = self->end;
-        self->changes[self->count++].level = line[0] == '1';
+    } else if (line[1] == 'q' || line[1] == 'a') {
+        assert_true(line[0] == '0' || line[0] == '1');
+        take_level(self, line[1], line[0] == '1');
     }
 }
 
@@ -128,14 +150,19 @@ static void finish(struct bench *self)
     FILE *file = fopen(self->path, "r");
     assert_non_null(file);
     memset(&self->dump, 0, sizeof self->dump);
+    self->dump.request = true;
+    self->dump.reply = true;
     bool body = false;
+    bool step = false;
     while (fgets(line, sizeof line, file) != NULL) {
         if (body) {
             take_line(&self->dump, line);
         }
+        step |= strcmp(line, "$timescale 1 us $end\n") == 0;
         body |= strcmp(line, "$enddefinitions $end\n") == 0;
     }
     (void)fclose(file);
+    assert_true(step);
 }
 
 static bool level_at(const struct dump *self, dg_ns at)
@@ -153,22 +180,22 @@ static bool level_at(const struct dump *self, dg_ns at)
     return self->changes[low].level;
 }
 
-/* The falling edge at or after `from`; DG_NEVER without one. */
-static dg_ns falling_edge(const struct dump *self, dg_ns from)
+/* The falling edge at or after `from`; the number of changes without one. */
+static size_t falling_edge(const struct dump *self, dg_ns from)
 {
-    for (size_t i = 1; i < self->count; i++) {
-        if (self->changes[i].at >= from && !self->changes[i].level) {
-            return self->changes[i].at;
-        }
+    size_t i = 1;
+    while (i < self->count && (self->changes[i].at < from || self->changes[i].level)) {
+        i++;
     }
-    return DG_NEVER;
+    return i;
 }
 
-static struct found receive(const struct dump *dump, dg_ns start, uint32_t baud, char parity)
+static struct found receive(const struct dump *dump, size_t edge, uint32_t baud, char parity)
 {
     const dg_ns bit = 1000000000u / baud;
+    const dg_ns start = dump->changes[edge].at;
     dg_ns at = start + bit / 2;
-    struct found found = {.start = start, .parity_ok = true};
+    struct found found = {.start = start, .ours = dump->changes[edge].ours, .parity_ok = true};
     unsigned ones = 0;
     for (unsigned i = 0; i < 8; i++) {
         at += bit;
@@ -190,11 +217,11 @@ static void receive_all(struct bench *self, uint32_t baud, char parity)
     const dg_ns bit = 1000000000u / baud;
     dg_ns from = 0;
     self->count = 0;
-    for (dg_ns start = falling_edge(&self->dump, from); start != DG_NEVER;
-         start = falling_edge(&self->dump, from)) {
+    for (size_t edge = falling_edge(&self->dump, from); edge < self->dump.count;
+         edge = falling_edge(&self->dump, from)) {
         assert_true(self->count < BYTES_MAX);
-        self->found[self->count++] = receive(&self->dump, start, baud, parity);
-        from = start + (parity == 'N' ? 9 : 10) * bit + bit * 4 / 5;
+        self->found[self->count++] = receive(&self->dump, edge, baud, parity);
+        from = self->dump.changes[edge].at + (parity == 'N' ? 9 : 10) * bit + bit * 4 / 5;
     }
 }
 
@@ -219,7 +246,7 @@ static void text_is(const struct dump *self, size_t i, dg_ns at, const char *tex
 {
     assert_true(i < self->text_count);
     assert_string_equal(self->texts[i].text, text);
-    assert_true(self->texts[i].at == at);
+    assert_true(self->texts[i].at == whole(at));
 }
 
 /* Frames of random bytes, with damage, at every setting there is. */
@@ -261,8 +288,9 @@ static void all_bytes_at_all_settings(void **state)
             assert_int_equal(found->byte, sent[n].character.byte);
             assert_int_equal(found->parity_ok, parity == 'N' || !damaged);
             assert_int_equal(found->stop_ok, parity != 'N' || !damaged);
+            assert_int_equal(found->ours, sent[n].ours);
             /* Rounding to whole nanoseconds, added up over a frame. */
-            assert_true(found->start >= start && found->start < start + 50);
+            assert_true(found->start >= whole(start) && found->start < start + 50);
         }
         assert_true(level_at(&bench->dump, bench->dump.end));
     }
@@ -372,9 +400,9 @@ static void a_bunch_is_spread(void **state)
     assert_int_equal(bench->count, 4);
     for (uint8_t i = 0; i < 3; i++) {
         assert_int_equal(bench->found[i].byte, i);
-        assert_true(bench->found[i].start == DG_MS(10) - (3u - i) * character);
+        assert_true(bench->found[i].start == whole(DG_MS(10) - (3u - i) * character));
     }
-    assert_true(bench->found[3].start == DG_MS(17) - character);
+    assert_true(bench->found[3].start == whole(DG_MS(17) - character));
 }
 
 static void a_bunch_without_the_time_for_it_comes_late(void **state)
@@ -390,7 +418,7 @@ static void a_bunch_without_the_time_for_it_comes_late(void **state)
     assert_int_equal(bench->count, 3);
     for (uint8_t i = 0; i < 3; i++) {
         assert_int_equal(bench->found[i].byte, i);
-        assert_true(bench->found[i].start == i * character);
+        assert_true(bench->found[i].start == whole(i * character));
     }
 }
 
