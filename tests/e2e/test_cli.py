@@ -1,18 +1,30 @@
 # SPDX-License-Identifier: MIT
 """The command line: what it prints, what it refuses, and how."""
+import fcntl
+import json
 import os
+import pty
 import re
+import struct
+import subprocess
+import termios
 import time
 
 import pytest
 
-from rig import MULTITURN, SINGLETURN, STEPS_PER_TURN, run, run_refused
+from rig import MULTITURN, PROGRAM, SINGLETURN, STEPS_PER_TURN, Client, run, run_refused
 
 # Arguments, and what the one line has to name: what would be right.
 USAGE_ERRORS = [
     ([], r"run"),
     (["turn"], r"run"),
     (["list", "everything"], r"list"),
+    (["list", "--json", "--pty"], r"list takes no option --pty; right is 'drehgeber list \[--json\]'$"),
+    (["list", "--pty", "--json"], r"list takes no option --pty"),
+    (["faults"], rf"faults needs a model; valid: .*{MULTITURN} .*ssi-13 .*ocd-ib-k3$"),
+    (["faults", "s3685-rs485"], rf"faults needs a model; valid: .*{MULTITURN}"),
+    (["faults", MULTITURN, "now"], r"'drehgeber faults MODEL \[--json\]' is right$"),
+    (["run", MULTITURN, "--json"], r"run takes no option --json; right is 'drehgeber run MODEL"),
     (["run"], r"MODEL|list|" + MULTITURN),
     (["run", "s3685-rs485"], r"list|" + MULTITURN),
     (["run", MULTITURN, "--can", "vcan0"], r"--pty"),
@@ -77,7 +89,8 @@ HELP = [
     (["map", "--help"], ["drehgeber map MODEL", "--ring"]),
     (["ctl", "--help"], ["drehgeber ctl", "--control"]),
     (["top", "--help"], ["drehgeber top"]),
-    (["list", "--help"], ["drehgeber list"]),
+    (["list", "--help"], ["drehgeber list", "--json"]),
+    (["faults", "--help"], ["drehgeber faults MODEL", "--json"]),
 ]
 
 BAD_CSV = [
@@ -95,6 +108,60 @@ def test_list():
     for line in lines:
         if line.split()[0] in (MULTITURN, SINGLETURN):
             assert "RS485" in line and "2048" in line
+
+
+def models():
+    return [line.split()[0] for line in run("list").stdout.splitlines()]
+
+
+def test_list_for_programs():
+    said = json.loads(run("list", "--json").stdout)
+    assert [model["model"] for model in said] == models()
+    for model, line in zip(said, run("list").stdout.splitlines()):
+        assert line.split(maxsplit=1)[1] == f"{model['speaks']}, {model['resolution']}"
+        assert model["usual_wire"] in model["wires"]
+    wires = {model["model"]: model["wires"] for model in said}
+    assert (wires[MULTITURN], wires["f3668"]) == (["pty", "tty"], ["can", "slcan"])
+    assert (wires["ssi-13"], wires["ocd-ib-k1"]) == (["sim", "gpio"], ["modbus"])
+
+
+@pytest.mark.parametrize("model", models())
+def test_faults(model):
+    """The table has what the catalogue for programs has, in lines that fit a terminal."""
+    ended = run("faults", model)
+    assert (ended.returncode, ended.stderr) == (0, "")
+    lines = ended.stdout.splitlines()
+    assert model in lines[0] and max(len(line) for line in lines) <= 80
+    told = " ".join(ended.stdout.split())
+    faults = json.loads(run("faults", model, "--json").stdout)
+    assert len(faults) >= 5 and len({fault["name"] for fault in faults}) == len(faults)
+    for fault in faults:
+        assert fault["kind"] in ("WORLD", "MEMORY", "WIRE")
+        assert f"{fault['name']} {fault['cause']} -> {fault['effect']} ({fault['chapter']})" in told
+
+
+def test_faults_are_those_of_the_encoder(start):
+    encoder = start("--control", "tcp:127.0.0.1:0")
+    with Client(int(encoder.out.wait().rsplit(":", 1)[1])) as client:
+        catalogue = client.ask("FAUL:CAT?")
+    for fault in json.loads(run("faults", MULTITURN, "--json").stdout):
+        assert f'"{fault["name"]}",{fault["kind"]},"{fault["cause"]}","{fault["effect"]}"' in catalogue
+
+
+def test_faults_of_a_wide_terminal():
+    master, slave = pty.openpty()
+    fcntl.ioctl(slave, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 110, 0, 0))
+    with subprocess.Popen([PROGRAM, "faults", "ssi-13"], stdout=slave) as process:
+        os.close(slave)
+        said = b""
+        try:
+            while part := os.read(master, 4096):
+                said += part
+        except OSError:  # the other end is closed
+            pass
+        assert process.wait(10) == 0
+    os.close(master)
+    assert 80 < max(len(line) for line in said.decode().splitlines()) <= 110
 
 
 def test_help():

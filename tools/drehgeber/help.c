@@ -6,18 +6,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "list.h"
 #include "motion_words.h"
 
 /* Where the text of a command begins. */
 #define TEXT_AT 40
-
-void help_models(const char *indent)
-{
-    for (size_t i = 0; i < dg_device_count; i++) {
-        (void)printf("%s%-12s %s, %s\n", indent, dg_devices[i]->name, dg_devices[i]->wire,
-                     dg_devices[i]->resolution);
-    }
-}
 
 /* A line "  drehgeber ..." with the text behind it, which may go on in lines below. */
 static void print_command(const struct command_row *row)
@@ -156,7 +149,7 @@ static void print_everything(void)
         print_command(&command_rows[i]);
     }
     (void)fputs("\n Models:\n", stdout);
-    help_models("  ");
+    list_models("  ");
     (void)fputs("\n", stdout);
     print_options(NULL);
     print_motions();

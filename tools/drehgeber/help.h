@@ -5,9 +5,6 @@
 
 #include "options.h"
 
-/* The models, a line each. */
-void help_models(const char *indent);
-
 /* On stdout. */
 void help_print(const struct options *options);
 

@@ -9,6 +9,7 @@
 #include "ctl.h"
 #include "drehgeber/drehgeber.h"
 #include "help.h"
+#include "list.h"
 #include "modbus_map.h"
 #include "options.h"
 #include "run.h"
@@ -21,6 +22,11 @@ static int flushed(void)
     }
     lx_complain("cannot write to stdout");
     return EXIT_OTHER;
+}
+
+static int printed(int status)
+{
+    return status == EXIT_OK ? flushed() : status;
 }
 
 static void write_text(void *to, const char *text, size_t n)
@@ -94,8 +100,9 @@ static int act(const struct options *options)
     }
     switch (options->command) {
     case COMMAND_LIST:
-        help_models("");
-        return flushed();
+        return printed(list_command(options));
+    case COMMAND_FAULTS:
+        return printed(faults_command(options));
     case COMMAND_HELP:
         help_print(options);
         return flushed();

@@ -17,6 +17,7 @@ enum key {
     KEY_NODE = 256,
     KEY_TRACE,
     KEY_FILES,
+    KEY_JSON,
     KEY_RING,
     KEY_NVM,
     KEY_SERIAL,
@@ -30,7 +31,8 @@ enum key {
 /* clang-format off */
 const struct command_row command_rows[] = {
     /* name    command       wires  usage                                  help                                            takes  ask */
-    {"list",   COMMAND_LIST, false, "list",                                "the models",                                   "", NULL},
+    {"list",   COMMAND_LIST, false, "list [--json]",                       "the models",                                   " json ", NULL},
+    {"faults", COMMAND_FAULTS, false, "faults MODEL [--json]",             "what can happen to an encoder, and what it does then", " json ", NULL},
     {"run",    COMMAND_RUN,  true,  "run MODEL [WIRE] [OPTIONS]",          "be that encoder",                              NULL, NULL},
     {"run",    COMMAND_RUN,  true,  "run RIG.ini [--control ...]",         "be all encoders of a rig file",                NULL, NULL},
     {"eds",    COMMAND_EDS,  false, "eds MODEL",                           "the EDS file of a CANopen encoder",            "", NULL},
@@ -57,6 +59,7 @@ static const struct argp_option rows[] = {
     {.name = "control", .key = KEY_CONTROL, .arg = "ADDRESS",   .doc = "SCPI at unix:PATH or tcp:HOST:PORT (loopback; ,open: beyond it, too), ,token=FILE behind it: for who knows the token; may be given again (default: unix:$XDG_RUNTIME_DIR/drehgeber/NAME.sock; in a service unix:$RUNTIME_DIRECTORY/NAME.sock)"},
     {.name = "files",   .key = KEY_FILES,   .arg = "DIR",       .doc = "traces, recordings and motions that SCPI names lie below DIR (default: here for unix:, nowhere for tcp:)"},
     {.name = "trace",   .key = KEY_TRACE,   .arg = "FILE",      .doc = "what goes over the wire: .vcd (RS485, BiSS, SSI), .log or .pcapng (CAN), .csv (INTERBUS)"},
+    {.name = "json",    .key = KEY_JSON,                        .doc = "for programs: an array of objects"},
     {.name = "verbose", .key = KEY_VERBOSE,                     .doc = "what goes over the wire in words, on stderr"},
     {.name = "quiet",   .key = KEY_QUIET,                       .doc = "no notes on stderr, only complaints"},
     {.name = "help",    .key = KEY_HELP,                        .doc = "this text; behind a command that of the command, and nothing is started"},
@@ -82,8 +85,11 @@ const struct command_row *command_find(const char *name)
 static bool takes(const struct command_row *row, const struct argp_option *option)
 {
     struct lx_words word = {""};
-    if (row == NULL || row->takes == NULL || option->key == KEY_HELP) {
+    if (row == NULL || option->key == KEY_HELP) {
         return true;
+    }
+    if (row->takes == NULL) {
+        return option->key != KEY_JSON;
     }
     lx_words_add(&word, " %s ", option->name == NULL ? "" : option->name);
     return option->name == NULL ? row->takes[0] != '\0' : strstr(row->takes, word.text) != NULL;
@@ -262,6 +268,9 @@ static error_t take_option(struct options *self, int key, const char *value)
     case KEY_CONTROL:
         self->controls[self->control_count++] = value;
         return 0;
+    case KEY_JSON:
+        self->json = true;
+        return 0;
     case KEY_VERBOSE:
         self->verbose = true;
         return 0;
@@ -294,6 +303,7 @@ static error_t take(int key, char *value, struct argp_state *state)
         return ARGP_ERR_UNKNOWN;
     default:
         self->option = row_with(self, key)->name;
+        self->given |= UINT64_C(1) << (row_with(self, key) - self->table);
         return take_option(self, key, value);
     }
 }
@@ -339,6 +349,21 @@ static int explain_culprit(struct options *self)
     return lx_refuse(&self->error, right.text, "--%s without a value", row->name);
 }
 
+/* What was given and the command does not take, if that is to be said here; NULL. Commands that
+   look at wires say more about one that does not fit. */
+static const struct argp_option *not_taken(const struct options *self)
+{
+    const bool strict = self->command == COMMAND_LIST || self->command == COMMAND_FAULTS ||
+                        self->command == COMMAND_EDS;
+    for (const struct argp_option *row = self->table; !is_end(row); row++) {
+        const bool given = (self->given >> (row - self->table) & 1u) != 0;
+        if (given && (strict || row->key == KEY_JSON) && !takes(self->row, row)) {
+            return row;
+        }
+    }
+    return NULL;
+}
+
 static int check_command(struct options *self)
 {
     struct lx_words right = right_commands();
@@ -346,10 +371,11 @@ static int check_command(struct options *self)
         lx_words_add(&right, ", 'drehgeber --help' says more");
         return lx_refuse(&self->error, right.text, "no command");
     }
-    if (self->option != NULL && (self->command == COMMAND_LIST || self->command == COMMAND_EDS)) {
+    const struct argp_option *option = not_taken(self);
+    if (option != NULL) {
         (void)snprintf(right.text, sizeof right.text, "right is 'drehgeber %s'", self->row->usage);
         return lx_refuse(&self->error, right.text, "%s takes no option --%s", self->row->name,
-                         self->option);
+                         option->name);
     }
     return 0;
 }

@@ -8,6 +8,7 @@
 #include <argp.h>
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 #include "plan.h"
 #include "say.h"
@@ -17,6 +18,7 @@
 enum command {
     COMMAND_NONE,
     COMMAND_LIST,
+    COMMAND_FAULTS,
     COMMAND_RUN,
     COMMAND_EDS,
     COMMAND_ASK, /* as the row's `ask` does it */
@@ -36,7 +38,7 @@ struct command_row {
     bool wires;        /* it takes options that name a wire, besides `takes` */
     const char *usage; /* behind "drehgeber " */
     const char *help;  /* may have several lines */
-    const char *takes; /* its options, with blanks around each; NULL: all */
+    const char *takes; /* its options, with blanks around each; NULL: all but "json" */
     /* COMMAND_ASK: do what options->words say over a simulated wire. Prints its own errors.
        @return how the program ends */
     int (*ask)(const struct options *options);
@@ -66,10 +68,12 @@ struct options {
     struct lx_plan_settings settings; /* owned */
     const char **controls;            /* owned; as many as argc at most */
     size_t control_count;
+    bool json;
     bool verbose;
     struct lx_say say;
     struct argp_option *table; /* owned: all options */
     const char *option;        /* name of the last option given; NULL: none */
+    uint64_t given;            /* bit n: row n of `table` was */
     const char *culprit;       /* what the parser stumbled over */
     struct lx_error error;
 };

@@ -1,0 +1,193 @@
+/* SPDX-License-Identifier: MIT */
+#include "list.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include "drehgeber/drehgeber.h"
+#include "json.h"
+#include "run.h"
+
+/* Where the text behind a fault's name begins, and how wide a line may be: a page without a
+   terminal, else the terminal, but not so wide that nobody finds the next line. */
+#define TEXT_AT 26
+#define WIDTH 80
+#define WIDTH_MIN 60
+#define WIDTH_MAX 120
+
+/* --- models --- */
+
+void list_models(const char *indent)
+{
+    for (size_t i = 0; i < dg_device_count; i++) {
+        (void)printf("%s%-12s %s, %s\n", indent, dg_devices[i]->name, dg_devices[i]->wire,
+                     dg_devices[i]->resolution);
+    }
+}
+
+static void list_wires(const struct lx_stack *stack)
+{
+    const char *between = "";
+    (void)fputs("\"wires\": [", stdout);
+    for (size_t i = 0; i < lx_wire_count; i++) {
+        if (lx_wire_carries(&lx_wires[i], stack)) {
+            (void)fputs(between, stdout);
+            json_string(lx_wires[i].name);
+            between = ", ";
+        }
+    }
+    (void)fputs("]", stdout);
+}
+
+static void list_model(const struct dg_device *device)
+{
+    const struct lx_stack *stack = lx_stack_of(device);
+    const struct {
+        const char *name;
+        const char *text;
+    } members[] = {
+        {"model", device->name},
+        {"speaks", device->wire},
+        {"resolution", device->resolution},
+        {"stack", stack->core->name},
+        {"usual_wire", stack->wire},
+    };
+    (void)fputs("  {", stdout);
+    for (size_t i = 0; i < DG_COUNT(members); i++) {
+        json_member(members[i].name, members[i].text);
+        (void)fputs(", ", stdout);
+    }
+    list_wires(stack);
+    (void)fputs("}", stdout);
+}
+
+int list_command(const struct options *options)
+{
+    if (!options->json) {
+        list_models("");
+        return EXIT_OK;
+    }
+    for (size_t i = 0; i < dg_device_count; i++) {
+        (void)fputs(i == 0 ? "[\n" : ",\n", stdout);
+        list_model(dg_devices[i]);
+    }
+    (void)fputs("\n]\n", stdout);
+    return EXIT_OK;
+}
+
+/* --- faults --- */
+
+static const struct {
+    const char *word; /* as FAULt:CATalog? says */
+    const char *title;
+} kinds[] = {
+    [DG_FAULT_WORLD] = {"WORLD", "What it senses"},
+    [DG_FAULT_MEMORY] = {"MEMORY", "Its EEPROM, by region"},
+    [DG_FAULT_WIRE] = {"WIRE", "Its wire"},
+};
+_Static_assert(DG_COUNT(kinds) == DG_FAULT_WIRE + 1, "a row for each kind");
+
+static int line_width(void)
+{
+    struct winsize size;
+    if (ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0) {
+        return WIDTH;
+    }
+    return size.ws_col < WIDTH_MIN ? WIDTH_MIN : size.ws_col > WIDTH_MAX ? WIDTH_MAX : size.ws_col;
+}
+
+/* How much of `text` goes into a line of `width` columns: up to a blank, if there is one. */
+static int line_length(const char *text, int width)
+{
+    int length = (int)strlen(text);
+    if (length <= width) {
+        return length;
+    }
+    for (length = width; length > 0 && text[length] != ' '; length--) {
+    }
+    return length > 0 ? length : width;
+}
+
+/* Words in as many lines as they need; `column` is where the first one begins. */
+static void put_words(const char *text, int column, int width)
+{
+    while (*text != '\0') {
+        const int length = line_length(text, width - TEXT_AT);
+        (void)printf("%*s%.*s\n", TEXT_AT - column, "", length, text);
+        text += length + (text[length] == ' ' ? 1 : 0);
+        column = 0;
+    }
+}
+
+static void put_fault(const struct dg_fault_entry *entry, int width)
+{
+    char effect[512];
+    const int column = printf("%s", entry->name);
+    put_words(entry->cause, column < TEXT_AT ? column : TEXT_AT, width);
+    (void)snprintf(effect, sizeof effect, "-> %s (%s)", entry->effect, entry->chapter);
+    put_words(effect, 0, width);
+}
+
+static void put_table(const struct dg_device *device, const struct dg_fault_target *target)
+{
+    struct dg_fault_entry entry;
+    int kind = -1;
+    const int width = line_width();
+    (void)printf("What can happen to %s, what it does about it (and where that is said);\n"
+                 "with an encoder that runs: drehgeber ctl 'FAUL:SET NAME', 'FAUL:CLE NAME'.\n",
+                 device->name);
+    for (size_t i = 0; dg_fault_entry(target, i, &entry); i++) {
+        if ((int)entry.kind != kind) {
+            (void)printf("\n%s:\n", kinds[entry.kind].title);
+            kind = (int)entry.kind;
+        }
+        put_fault(&entry, width);
+    }
+}
+
+static void put_json(const struct dg_fault_target *target)
+{
+    struct dg_fault_entry entry;
+    for (size_t i = 0; dg_fault_entry(target, i, &entry); i++) {
+        const struct {
+            const char *name;
+            const char *text;
+        } members[] = {
+            {"name", entry.name},     {"kind", kinds[entry.kind].word}, {"cause", entry.cause},
+            {"effect", entry.effect}, {"chapter", entry.chapter},
+        };
+        (void)fputs(i == 0 ? "[\n  {" : ",\n  {", stdout);
+        for (size_t j = 0; j < DG_COUNT(members); j++) {
+            (void)fputs(j == 0 ? "" : ", ", stdout);
+            json_member(members[j].name, members[j].text);
+        }
+        (void)fputs("}", stdout);
+    }
+    (void)fputs("\n]\n", stdout);
+}
+
+int faults_command(const struct options *options)
+{
+    const struct dg_device *device = options->model == NULL ? NULL : dg_device_find(options->model);
+    if (device == NULL) {
+        struct lx_words right = {""};
+        for (size_t i = 0; i < dg_device_count; i++) {
+            lx_words_add(&right, " %s", dg_devices[i]->name);
+        }
+        lx_complain("faults needs a model; valid:%s", right.text);
+        return EXIT_USAGE;
+    }
+    const struct dg_fault_target target = {
+        .instrument = dg_instrument_of(device->stack),
+        .layout = device->stack->layout(device->model),
+        .singleturn = !device->stack->senses_multiturn(device->model),
+    };
+    if (options->json) {
+        put_json(&target);
+    } else {
+        put_table(device, &target);
+    }
+    return EXIT_OK;
+}
