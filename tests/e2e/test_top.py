@@ -244,10 +244,12 @@ def test_power(panel, four):
 
 def test_sizes(panel, four):
     top = panel(four.address, width=80, height=24)
-    screen = top.wait("^bi .* idle", "^co .*BUS:off ERR:blink")
-    assert screen.splitlines()[23].endswith("q") and "NAME" in screen
-    top.tmux("resize-window", "-x", "79", "-y", "24")
-    top.wait("window too small: 80x24 is right")
+    screen = top.wait("^bi .* idle", "^co .*slcan +BUS:off ERR:blink .*preoperational ")
+    assert screen.splitlines()[23].endswith("q") and "NAME" in screen and "~" not in row(screen, "hf")
+    top.tmux("resize-window", "-x", "39", "-y", "24")
+    top.wait("window too small: 40x10 is right")
+    top.tmux("resize-window", "-x", "40", "-y", "9")
+    top.wait("window too small: 40x10 is right")
     top.tmux("resize-window", "-x", "10", "-y", "3")
     top.wait("window to~")
     top.tmux("resize-window", "-x", "160", "-y", "60")
@@ -257,6 +259,56 @@ def test_sizes(panel, four):
     top.wait("turn its shaft by 1 degree")
     top.keys("x")
     top.wait_gone("turn its shaft by 1 degree")
+
+
+def test_forty_columns(panel, four):
+    """Ten lines: the shaft, the table, the selected encoder, the keys; and all of it works."""
+    co = four.encoders["co"]
+    top = panel(four.address, width=40, height=10)
+    screen = top.wait(r"^main +0 turns 0\.000 deg +0\.000 rpm$", "^NAME +MODE +POSITION +ERRORS$",
+                      "^co +preoperational +0 +-$", "^bi +idle ")
+    lines = screen.splitlines()
+    assert len(lines) == 10 and "1/4" in lines[7] and lines[9].endswith("q")
+    top.keys("Down", "+")  # the geared one
+    top.wait(r"Settings conflict;a geared shaft is \w*~$")  # where the keys were
+    top.keys("f")
+    top.wait("co: enter sets or clears", "led_current_high")
+    top.keys("Down", "Enter", "Escape")
+    eventually(lambda: co.ask("FAUL:ACT?"), '"temperature_high"')
+    top.wait("^co +preoperational +0 +4200$", r"^BUS:\w+ ERR:\w+ +temperature_high$")
+    top.keys("?")
+    screen = top.wait("^up down, j k +select an encoder; page", "^q +leave$")
+    assert len(screen.splitlines()) == 10
+    top.keys("x")
+    top.wait("^NAME")
+    top.tmux("resize-window", "-x", "60", "-y", "16")
+    top.wait("last frames on this wire", "^main|^pitch")
+
+
+def test_a_large_window_shows_more(panel, four):
+    """Of a shaft, of the state, and more frames."""
+    four.encoders["hf"].shaft.position = 360 + 90
+    top = panel(four.address, width=200, height=60)
+    top.wait("^bi .* idle")
+    top.keys("End")
+    top.wait(r"^NAME .* SHAFT +ANGLE +MORE ", r"^hf .* main +1:090\.000 +replies=0 ",
+             r"^co .* pitch +-1:315\.000 +sent=")
+    deadline = time.monotonic() + PATIENCE_S
+    while top.screen().count(" > position ") < 25:
+        assert time.monotonic() < deadline, top.screen()
+        time.sleep(0.1)
+    narrow = panel(four.address, width=100, height=30)
+    screen = narrow.wait("^bi .* idle")
+    assert "SHAFT" not in screen and "MORE" not in screen
+
+
+@pytest.mark.parametrize("setting, wanted", [("", True), ("NO_COLOR=", True), ("NO_COLOR=1", False)])
+def test_colours_are_as_wanted(panel, four, setting, wanted):
+    top = panel(None, f"env {setting} {PROGRAM} top {four.address}")
+    top.wait("^ib .*UL:on")
+    codes = re.findall(r"\x1b\[([\d;]*)m", top.tmux("capture-pane", "-p", "-e"))
+    assert any(re.search(r"(^|;)3[0-7](;|$)", code) for code in codes) == wanted
+    assert any("1" in code.split(";") for code in codes)  # bold, where it says something
 
 
 def test_forty_encoders(panel, tmp_path, monkeypatch):

@@ -362,12 +362,12 @@ static const struct {
     [TOPIC_ENCODER] = {TO "MOD?;WIRE?;:SHAF:NAME?", take_encoder},
     [TOPIC_STATE] = {TO ":STAT?;:FAUL:ACT?", take_state},
     [TOPIC_SHAFT] = {TO ":SHAF:POS?;VEL?", take_shaft},
-    [TOPIC_FRAMES] = {TO ":TRAC:LAST? 16", take_frames},
+    [TOPIC_FRAMES] = {TO ":TRAC:LAST? 32", take_frames},
     [TOPIC_FAULTS] = {TO ":FAUL:CAT?", take_faults},
     [TOPIC_END] = {FIRST ";:TIME?;:SYST:ERR:ALL?", take_end},
 };
 
-_Static_assert(TOP_FRAMES == 16, "TRACe:LAST? asks for as many");
+_Static_assert(TOP_FRAMES == 32, "TRACe:LAST? asks for as many");
 
 /* @return false: there is no room for it; it can be asked in another round */
 static bool ask(struct top_client *self, enum topic topic, size_t index)

@@ -66,6 +66,18 @@ static void draw(const struct top_shaft *shaft, int y, int x, bool selected)
     (void)mvprintw(y + 3, x + FIGURES, "%.3f rpm", (double)shaft->mrpm / 1000.0);
 }
 
+void top_dial_words(const struct top_shaft *shaft, char *to, size_t size)
+{
+    if (!shaft->known) {
+        (void)snprintf(to, size, "%s", shaft->name);
+        return;
+    }
+    const int64_t rest = (shaft->udeg % UDEG_PER_TURN + UDEG_PER_TURN) % UDEG_PER_TURN;
+    (void)snprintf(to, size, "%s  %" PRId64 " turns %d.%03d deg  %.3f rpm", shaft->name,
+                   (shaft->udeg - rest) / UDEG_PER_TURN, (int)(rest / UDEG_PER_DEG),
+                   (int)(rest % UDEG_PER_DEG / UDEG_PER_MDEG), (double)shaft->mrpm / 1000.0);
+}
+
 void top_dial_draw_all(const struct top_view *view, int y, int rows)
 {
     const size_t in_row = (size_t)(COLS / TOP_DIAL_WIDTH);

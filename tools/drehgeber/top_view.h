@@ -14,7 +14,7 @@
 #include "server.h"
 
 #define TOP_NONE SIZE_MAX /* no place in a list */
-#define TOP_FRAMES 16u
+#define TOP_FRAMES 32u
 
 struct top_shaft {
     char name[64];
