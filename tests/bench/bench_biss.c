@@ -1,106 +1,136 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * How fast the S36 with BiSS is in virtual time.
- *
- * bench_biss                  edges and frames per second, one figure a line
- * bench_biss --callgrind N    exactly N frames of 36 bits by edges and nothing measured: the
- *                             instructions of an edge are the difference of two runs, divided by
- *                             the difference of N and by the edges of a frame
+ * The S36 with BiSS at 10 MHz, called as a simulator would: an edge at a time, nothing in between.
+ * One slave, three in a chain, and a whole frame at once. A figure by edges is one edge of the
+ * wire.
  */
-#include <inttypes.h>
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <time.h>
-
+#include "bench.h"
 #include "biss_rig.h"
 #include "drehgeber/devices.h"
 
-#define SECONDS_EACH 1.0
-#define BATCH 1000u
-#define HALF_NS 50u /* 10 MHz */
-#define DATA_BITS 36u
-/* e1, e2, start, CDS, data: a falling and a rising edge each. */
-#define EDGES (2u * (4u + DATA_BITS))
+#define HALF_NS 50u
+#define SLAVES 3u
+#define DATA_BITS 36u /* MT, ST, nERR and nWARN, CRC6 */
+/* Rising edges: e1, e2, start, CDS, data; in a chain the start comes a clock later for each more.
+ */
+#define CLOCKS (4u + DATA_BITS)
+#define CHAIN_CLOCKS (CLOCKS + (SLAVES - 1u) * (1u + DATA_BITS))
 
-static struct biss_rig rig;
-static uint64_t sum; /* keeps the work from being left out */
+static struct biss_rig one, word, three;
+static struct dg_biss_chain chain;
+static bool line[CLOCKS], chain_line[CHAIN_CLOCKS]; /* SL at the rising edges */
+static uint64_t word_bits;
 
-static double now_s(void)
+/* A shaft at constant speed that costs nothing: the slaves are measured, not the motion. */
+static dg_angle angle(void *ctx, dg_ns at)
 {
-    struct timespec t;
-
-    (void)timespec_get(&t, TIME_UTC);
-    return (double)t.tv_sec + (double)t.tv_nsec * 1e-9;
+    (void)ctx;
+    return (dg_angle)at;
 }
 
-/* Called as a simulator would: an edge at a time, nothing in between. */
-static void frame_by_edges(void)
+static void by_edges(const void *what)
 {
-    struct dg_biss *slave = &rig.slave[0];
-    dg_ns now = rig.now;
+    struct dg_biss *slave = &one.slave[0];
+    dg_ns now = one.now;
 
-    for (unsigned i = 0; i < EDGES; i++) {
-        now += HALF_NS;
-        sum += dg_biss_ma(slave, now, i % 2u != 0);
+    (void)what;
+    for (unsigned i = 0; i < CLOCKS; i++) {
+        (void)dg_biss_ma(slave, now + HALF_NS, false);
+        now += 2u * HALF_NS;
+        line[i] = dg_biss_ma(slave, now, true);
     }
-    rig.now = now + DG_BISS_TIMEOUT_NS;
-    (void)dg_biss_step(slave, rig.now);
+    one.now = now + DG_BISS_TIMEOUT_NS;
+    (void)dg_biss_step(slave, one.now);
 }
 
-static void frame_at_once(void)
+static void chain_by_edges(const void *what)
 {
-    uint64_t bits = 0;
+    dg_ns now = three.now;
 
-    rig.now += 20000;
-    (void)dg_biss_frame(&rig.slave[0], rig.now, &bits);
-    sum += bits;
-    dg_biss_frame_end(&rig.slave[0], rig.now + DG_BISS_TIMEOUT_NS, false);
+    (void)what;
+    for (unsigned i = 0; i < CHAIN_CLOCKS; i++) {
+        (void)dg_biss_chain_ma(&chain, now + HALF_NS, false);
+        now += 2u * HALF_NS;
+        chain_line[i] = dg_biss_chain_ma(&chain, now, true);
+    }
+    three.now = now + DG_BISS_TIMEOUT_NS;
+    (void)dg_biss_chain_step(&chain, three.now);
 }
 
-static double frames_per_s(void (*frame)(void))
+static void at_once(const void *what)
 {
-    const double begin = now_s();
-    uint64_t frames = 0;
-    double elapsed;
+    (void)what;
+    word.now += DG_US(20);
+    (void)dg_biss_frame(&word.slave[0], word.now, &word_bits);
+    dg_biss_frame_end(&word.slave[0], word.now + DG_BISS_TIMEOUT_NS, false);
+}
 
-    do {
-        for (unsigned i = 0; i < BATCH; i++) {
-            frame();
-        }
-        frames += BATCH;
-        elapsed = now_s() - begin;
-    } while (elapsed < SECONDS_EACH);
-    return (double)frames / elapsed;
+static bool make(struct biss_rig *rig, uint8_t count)
+{
+    struct dg_biss_model model = *dg_biss_model_of(dg_device_find("s3684-biss"));
+
+    model.singleturn_bits = 16;
+    model.life_counter = false;
+    model.busy = 0; /* data is clocked, not waiting */
+    if (biss_rig_init(rig, &model, count) != DG_OK || biss_rig_power_on(rig) != DG_OK) {
+        return false;
+    }
+    rig->world.angle = angle;
+    (void)biss_rig_frame(rig, false); /* SLO is low until the first one */
+    return true;
+}
+
+static bool start(void)
+{
+    if (!make(&one, 1) || !make(&word, 1) || !make(&three, SLAVES)) {
+        return false;
+    }
+    chain.count = SLAVES;
+    for (unsigned i = 0; i < SLAVES; i++) {
+        chain.slave[i] = &three.slave[i];
+    }
+    return true;
+}
+
+static bool is_right(const bool *bits)
+{
+    struct dg_biss_data data;
+    uint64_t all = 0;
+
+    for (unsigned i = 0; i < DATA_BITS; i++) {
+        all = all << 1 | bits[i];
+    }
+    dg_biss_frame_decode(&one.model, all, &data);
+    return data.crc_ok && data.n_err && data.n_warn;
+}
+
+/* Frames so far; 0 when the last ones are not what a master understands. */
+static uint64_t answers(void)
+{
+    const uint64_t frames = one.slave[0].counters.frames + word.slave[0].counters.frames +
+                            three.slave[SLAVES - 1u].counters.frames;
+    bool right = one.slave[0].counters.frames == 1 || is_right(&line[CLOCKS - DATA_BITS]);
+
+    for (unsigned i = 1; i <= SLAVES && three.slave[0].counters.frames > 1; i++) {
+        right = right && is_right(&chain_line[CHAIN_CLOCKS - i * DATA_BITS]);
+    }
+    return right ? frames : 0;
 }
 
 int main(int argc, char **argv)
 {
-    const bool counted = argc == 3 && strcmp(argv[1], "--callgrind") == 0;
-    struct dg_biss_model model = *dg_biss_model_of(dg_device_find("s3684-biss"));
+    static const struct bench benches[] = {
+        {"biss.edge", by_edges, NULL, 1, 2u * CLOCKS},
+        {"biss.edge-of-chain-3", chain_by_edges, NULL, 1, 2u * CHAIN_CLOCKS},
+        {"biss.frame-at-once", at_once, NULL, 1, 1},
+    };
+    static const struct bench_bytes bytes[] = {{"ram.dg_biss", sizeof(struct dg_biss)}};
+    static const struct bench_set set = {.benches = benches,
+                                         .count = sizeof benches / sizeof benches[0],
+                                         .bytes = bytes,
+                                         .bytes_count = 1,
+                                         .start = start,
+                                         .answers = answers};
 
-    if (argc != 1 && !counted) {
-        (void)fprintf(stderr, "usage: bench_biss [--callgrind N]\n");
-        return 2;
-    }
-    model.singleturn_bits = 16; /* 12 + 16 + 2 and CRC */
-    model.life_counter = false;
-    if (biss_rig_init(&rig, &model, 1) != DG_OK || biss_rig_power_on(&rig) != DG_OK) {
-        return 1;
-    }
-    rig.angle_per_us = DG_TURN / 20000; /* 3000 rpm */
-    if (counted) {
-        for (unsigned long n = strtoul(argv[2], NULL, 10); n > 0; n--) {
-            frame_by_edges();
-        }
-        return sum == 0 && strcmp(argv[2], "0") != 0;
-    }
-    const double edges = frames_per_s(frame_by_edges) * EDGES;
-    (void)printf("%-40s %12.0f\n", "edges/s (aim: 100000000)", edges);
-    (void)printf("%-40s %12.1f\n", "times faster than 10 MHz (aim: 5)", edges / 20e6);
-    (void)printf("%-40s %12.0f\n", "frames/s at once", frames_per_s(frame_at_once));
-    return sum == 0;
+    return bench_main(argc, argv, &set);
 }

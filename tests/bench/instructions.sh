@@ -1,28 +1,29 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# Prints how many instructions the exchanges of a CANopen node (F3668) take on this kind of machine, without
-# a clock: gcc -O2 and nothing else, callgrind, collection toggled on around one exchange.
-# usage: instructions.sh [CC]
+# Prints how many instructions things take on this kind of machine, and bytes of RAM: `FIGURE NUMBER` a
+# line. No clock is looked at: callgrind collects in bench_counted() alone, and writes down what it has
+# whenever that returns. The C library's functions for memory are those that every x86-64 has.
+# usage: instructions.sh FOLDER, where the benches are
 set -eu
-cd "$(dirname "$0")/../.."
-cc=${1:-gcc}
-out=build/bench
-mkdir -p "$out"
-"$cc" -std=c11 -O2 -DNDEBUG -ffunction-sections -fdata-sections -Wl,--gc-sections '-DDG_VERSION=""' '-DDG_RELEASED=""' -Iinclude -Itests/support src/core/*.c \
-    src/canopen/*.c src/cia406/*.c tests/support/ram_nvm.c tests/bench/bench_co.c -o "$out/bench_co"
+benches=${1:?usage: instructions.sh FOLDER}
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+export GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX2,-AVX512F,-AVX512VL,-ERMS,-FSRM,-AVX_Fast_Unaligned_Load
 
-# $1 exchange, $2 what it is
+# count BENCH: each of its lines, `FIGURE PARTS`, beside what was collected for it
 count() {
-    local text
-    text=$(valgrind --tool=callgrind --callgrind-out-file=/dev/null --toggle-collect=bench_exchange \
-        "$out/bench_co" --exchange "$1" 2>&1) || { echo "$text" >&2; exit 1; }
-    printf '%-40s %8s\n' "$2" "$(awk '/Collected :/ { print $4 }' <<<"$text")"
+    local out=$scratch/${1##*/} text parts figure number n=0
+    text=$(valgrind --tool=callgrind "--callgrind-out-file=$out" --toggle-collect=bench_counted \
+        --dump-after=bench_counted "$1" --count 2>"$out.log") || { cat "$out.log" >&2; exit 1; }
+    while read -r figure parts number; do
+        if [ "$parts" != bytes ]; then
+            n=$((n + 1))
+            number=$(awk -v parts="$parts" '/^totals:/ { printf parts == 1 ? "%d" : "%.1f", $2 / parts }' "$out.$n")
+        fi
+        echo "$figure $number"
+    done <<<"$text"
 }
 
-count sync "SYNC to TPDO, instructions"
-count first "SDO upload of 1000h, instructions"
-count middle "SDO upload of 1A03h:8, instructions"
-count last "SDO upload of 650Eh, instructions"
-count segmented "segmented upload of 21, instructions"
-count block "block upload of 21, instructions"
-printf '%-40s %8s\n' "CANopen node, bytes of RAM" "$("$out/bench_co" --bytes)"
+for bench in "$benches"/bench_*; do
+    count "$bench"
+done

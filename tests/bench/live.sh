@@ -72,20 +72,20 @@ idle() {
 
 start f3668 --slcan
 slcan=$(place)
-"$tree/tests/bench_roundtrip" slcan "${slcan%/*}"
+"$tree/tests/bench/roundtrip" slcan "${slcan%/*}"
 stop
 if [ -e /sys/class/net/vcan0 ]; then
     start f3668 --can vcan0
-    "$tree/tests/bench_roundtrip" can vcan0
+    "$tree/tests/bench/roundtrip" can vcan0
     stop
 fi
 start s3684-rs485 --pty --set pace=0
-"$tree/tests/bench_roundtrip" pty "$(place)"
-"$tree/tests/bench_roundtrip" scpi "$folder/control"
+"$tree/tests/bench/roundtrip" pty "$(place)"
+"$tree/tests/bench/roundtrip" scpi "$folder/control"
 stop
 start ocd-ib-k3 --modbus 127.0.0.1:0
 port=$(place)
-"$tree/tests/bench_roundtrip" modbus "${port##*:}"
+"$tree/tests/bench/roundtrip" modbus "${port##*:}"
 idle "ocd-ib-k3 at rest"
 stop
 for nodes in 1 10 100; do

@@ -1,37 +1,49 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# Prints what the core costs on a Cortex-M4 with -Os, in bytes.
+# Prints what whole images of one encoder take, C library and libgcc included, start-up code, vectors and
+# stack not: sections in bytes, and the ten largest functions and tables of those without handle or control
+# plane.
+# usage: size.sh TREE              a cross tree, e.g. build/size
+#        size.sh --figures TREE    `FIGURE BYTES` a line: flash of all, RAM of those
 set -eu
-cd "$(dirname "$0")/../.."
-mkdir -p build/log
-[ -e build/size/build.ninja ] || cmake --preset size >build/log/size.configure
-cmake --build build/size >build/log/size.build
+figures=no
+if [ "${1-}" = --figures ]; then
+    figures=yes
+    shift
+fi
+tree=${1:?usage: size.sh [--figures] TREE}
+nm=$(sed -n 's/^CMAKE_NM:[A-Z]*=//p' "$tree/CMakeCache.txt")
+size=${nm%nm}size
 
-row() { printf '%-22s %8s %8s %8s\n' "$@"; }
-# text, data and bss of every object of the libraries, summed
-total() { arm-none-eabi-size -t "$@" | awk '$NF == "(TOTALS)" { print $1, $2, $3 }'; }
-ram=$(find build/size/tests -name 'ram.c*' -name '*.o*')
-# ram DEVICE: bytes of its struct
-ram() { echo $((16#$(arm-none-eabi-nm -S "$ram" | awk -v name="ram_$1" '$4 == name { print $2 }'))); }
+# sections IMAGE: text, rodata, data, bss
+sections() {
+    "$size" -A "$1" | awk '{ bytes[$1] = $2 } END { print bytes[".text"] + 0, bytes[".rodata"] + 0, bytes[".data"] + 0, bytes[".bss"] + 0 }'
+}
 
-row "Cortex-M4, -Os" text data bss
-for library in build/size/libdg_*.a; do
-    # shellcheck disable=SC2046 # three columns
-    row "$(basename "$library" .a)" $(total "$library")
+images=("$tree"/tests/bench/size/image-*)
+[ -e "${images[0]}" ] || { echo "size.sh: no images in $tree" >&2; exit 1; }
+[ "$figures" = yes ] || printf '%-24s %8s %8s %8s %8s\n' "$(basename "$tree")" text rodata data bss
+for image in "${images[@]}"; do
+    name=${image##*/image-}
+    read -r text rodata data bss <<<"$(sections "$image")"
+    if [ "$figures" = no ]; then
+        printf '%-24s %8s %8s %8s %8s\n' "$name" "$text" "$rodata" "$data" "$bss"
+        continue
+    fi
+    echo "$name.flash $((text + rodata + data))"
+    case $name in
+    *-handle | *-control) ;;
+    *) echo "$name.ram $((data + bss))" ;;
+    esac
 done
-# Of these libraries, what an image has only when it calls it.
-for object in canopen/co_eds canopen/slcan cia406/sheet; do
-    # shellcheck disable=SC2046
-    row "if called: $(basename "$object")" $(arm-none-eabi-size "build/size/libdg_$(dirname "$object").a" |
-        awk -v name="$(basename "$object").c.obj" '$6 == name { print $1, $2, $3 }')
+[ "$figures" = no ] || exit 0
+for image in "${images[@]}"; do
+    case $image in
+    *-handle | *-control) ;;
+    *)
+        echo "largest of ${image##*/image-}:"
+        "$nm" -t d -S --size-sort -r "$image" |
+            awk '$3 !~ /[bB]/ && n++ < 10 { printf "    %6d %s\n", $2, $4 }'
+        ;;
+    esac
 done
-# What a program links that names one model, without and with a control plane; C library not included.
-for image in build/size/tests/image-*; do
-    # shellcheck disable=SC2046 # three columns
-    row "$(basename "$image")" $(arm-none-eabi-size "$image" | awk 'NR == 2 { print $1, $2, $3 }')
-done
-for device in dg_hf dg_biss dg_cia406_device dg_ib; do
-    echo "RAM of one device (sizeof(struct $device)): $(ram "$device")"
-done
-# Whole images of a CANopen node, C library included.
-tests/bench/size/whole.sh | tests/bench/limits.sh whole.sh

@@ -8,3 +8,4 @@ set(CMAKE_TRY_COMPILE_TARGET_TYPE STATIC_LIBRARY)
 set(CMAKE_C_COMPILER arm-none-eabi-gcc)
 set(CMAKE_C_FLAGS_INIT "-mcpu=${DREHGEBER_CPU} -mthumb -ffreestanding -ffunction-sections -fdata-sections")
 set(DREHGEBER_BINUTILS arm-none-eabi-)
+set(DREHGEBER_LIBC --specs=nano.specs) # when linked; newlib without what a controller has no room for

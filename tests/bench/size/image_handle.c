@@ -2,12 +2,13 @@
 /* The least that has an encoder behind a handle: DEVICE and its WIRE, named alone. */
 #include "drehgeber/host.h"
 
+#include "board.h"
+
 extern const struct dg_device DEVICE;
-extern unsigned char image_handle[];
 
 int main(void)
 {
-    struct dg_host *self = dg_host_init(image_handle, dg_host_size(&DEVICE, &WIRE), &DEVICE, &WIRE);
+    struct dg_host *self = dg_host_init(board_handle, dg_host_size(&DEVICE, &WIRE), &DEVICE, &WIRE);
     struct dg_host_event event = {.kind = 0};
 
     if (self == NULL || dg_host_power(self, 0, true) != DG_HOST_OK) {

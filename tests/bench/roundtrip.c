@@ -3,7 +3,7 @@
  * How long a client waits for a running `drehgeber run`: from its request to the whole answer, one
  * at a time, over the real wire. The figures are the machine's, too.
  *
- * bench_roundtrip WIRE ADDRESS    WIRE slcan, pty (devices), can (interface), scpi (socket) or
+ * roundtrip WIRE ADDRESS    WIRE slcan, pty (devices), can (interface), scpi (socket) or
  *                                 modbus (port of 127.0.0.1)
  */
 #define _GNU_SOURCE
@@ -117,7 +117,7 @@ static const struct wire wires[] = {
 
 static void fail(const struct wire *wire, const char *why)
 {
-    (void)fprintf(stderr, "bench_roundtrip: %s: %s\n", wire->name, why);
+    (void)fprintf(stderr, "roundtrip: %s: %s\n", wire->name, why);
     exit(1);
 }
 
@@ -220,6 +220,6 @@ int main(int argc, char **argv)
             return 0;
         }
     }
-    (void)fprintf(stderr, "usage: bench_roundtrip slcan|can|pty|scpi|modbus ADDRESS\n");
+    (void)fprintf(stderr, "usage: roundtrip slcan|can|pty|scpi|modbus ADDRESS\n");
     return 2;
 }

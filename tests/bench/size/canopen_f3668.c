@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "device.h"
+#include "canopen_device.h"
 #include "drehgeber/cia406.h"
 
 static struct dg_cia406 encoder;

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * What the firmware is a node of: the F3668 (encoder.c), or its dictionary without the profile
- * (plain.c).
+ * What the firmware is a node of: the F3668 (canopen_f3668.c), or its dictionary without the
+ * profile (canopen_plain.c).
  */
-#ifndef BENCH_NODE_DEVICE_H
-#define BENCH_NODE_DEVICE_H
+#ifndef BENCH_SIZE_CANOPEN_DEVICE_H
+#define BENCH_SIZE_CANOPEN_DEVICE_H
 
 #include "drehgeber/canopen.h"
 

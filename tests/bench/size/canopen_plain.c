@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The rows of the F3668, each a plain value of its own: what the stack and a dictionary cost. */
+#include "canopen_device.h"
 #include "cia406_private.h"
-#include "device.h"
 
 enum {
     R = DG_CO_R,

@@ -1,19 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* A CANopen node as firmware has it: a mailbox, a memory, a clock, and the device between them. */
-#include "device.h"
-
-/* What a board brings along: nothing is known of it when this is compiled. */
-extern volatile dg_ns board_now;
-extern volatile struct dg_can_frame board_tx, board_rx;
-extern volatile bool board_received;
-extern struct dg_nvm board_nvm;
-extern struct dg_world board_world;
-
-volatile dg_ns board_now;
-volatile struct dg_can_frame board_tx, board_rx;
-volatile bool board_received;
-struct dg_nvm board_nvm;
-struct dg_world board_world;
+#include "board.h"
+#include "canopen_device.h"
 
 static struct dg_co_node node;
 
@@ -36,7 +24,7 @@ int main(void)
     if (dg_co_init(&node, &setup) != DG_OK) {
         return 1;
     }
-    while (dg_co_power_on(&node, 0) != DG_OK) {
+    while (dg_co_power_on(&node, board_now) != DG_OK) {
         (void)dg_co_format(device, board_nvm, 1);
     }
     for (;;) {

@@ -1,0 +1,114 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Compares figures with those of `limits`, beside this file: one that is more than 3 % beyond what was
+reached fails, one that has no row fails, a row whose figure was not measured fails.
+
+usage: limits.py [--limits FILE] [--keep FILE] GROUP COMMAND...
+       limits.py [--limits FILE] --update GROUP COMMAND...
+COMMAND prints `FIGURE NUMBER` a line, the figures of GROUP. --keep writes what is printed into a file,
+too. --update writes what was reached into the rows of GROUP instead: for whoever has made something
+better, or says in his commit why it has become worse.
+"""
+
+import argparse
+import subprocess
+import sys
+from pathlib import Path
+
+PERCENT = 3
+LAYOUT = "{:<14} {:<38} {:>9} {:>7}"
+
+
+def number(text):
+    return float(text) if "." in text else int(text)
+
+
+def rows_of(text):
+    """(group, figure): what was reached and the aim, both as text, in the order of the file."""
+    rows = {}
+    for line in text.splitlines():
+        if line and not line.startswith("#"):
+            group, figure, reached, aim = line.split()
+            if (group, figure) in rows:
+                sys.exit(f"limits.py: two rows for {group} {figure}")
+            rows[group, figure] = reached, aim
+    return rows
+
+
+def measure(command):
+    """FIGURE: number, as text."""
+    measured = {}
+    for line in subprocess.check_output(command, text=True).splitlines():
+        figure, reached = line.split()
+        measured[figure] = reached
+    if not measured:
+        sys.exit(f"limits.py: {command[0]} has measured nothing")
+    return measured
+
+
+def judge(measured, rows):
+    """A line for each figure, and what is wrong."""
+    lines, complaints = [("figure", "now", "limit", "aim", "")], []
+    for figure, now in measured.items():
+        reached, aim = rows.get(figure, (None, "-"))
+        if reached is None:
+            complaints.append(f"{figure} has no row in limits")
+            lines.append((figure, now, "-", aim, ""))
+            continue
+        limit = number(reached) * (100 + PERCENT) / 100
+        remark = "better than its row" if number(now) * (100 + PERCENT) / 100 < number(reached) else ""
+        if number(now) > limit:
+            remark = "BEYOND"
+            complaints.append(f"{figure}: {now} is beyond {limit:.1f}, {PERCENT} % above {reached}")
+        elif aim != "-" and number(now) > number(aim):
+            remark = remark or "aim not reached"
+        lines.append((figure, now, f"{limit:.1f}", aim, remark))
+    complaints += [f"{figure} was not measured" for figure in rows if figure not in measured]
+    return lines, complaints
+
+
+def table(lines):
+    return "".join("{:<38} {:>9} {:>9} {:>7}  {}".format(*line).rstrip() + "\n" for line in lines)
+
+
+def update(path, group, measured):
+    """Put what was measured into the file: rows stay where they are, new ones go behind their group's."""
+    text = path.read_text(encoding="utf-8")
+    rows = rows_of(text)
+    lines, left, end = [], dict(measured), 0
+    for line in text.splitlines():
+        mine = not line.startswith("#") and line.split()[:1] == [group]
+        if mine:
+            figure = line.split()[1]
+            if figure not in measured:
+                continue
+            line = LAYOUT.format(group, figure, left.pop(figure), rows[group, figure][1])
+        lines.append(line)
+        end = len(lines) if mine or not end else end
+    end = end if any(row[0] == group for row in rows) else len(lines)
+    lines[end:end] = [LAYOUT.format(group, figure, reached, "-") for figure, reached in left.items()]
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def main():
+    parser = argparse.ArgumentParser(usage=__doc__.split("usage: ")[1])
+    parser.add_argument("--limits", type=Path, default=Path(__file__).parent / "limits")
+    parser.add_argument("--keep", type=Path)
+    parser.add_argument("--update", action="store_true")
+    parser.add_argument("group")
+    parser.add_argument("command", nargs=argparse.REMAINDER)
+    wanted = parser.parse_args()
+    measured = measure(wanted.command)
+    if wanted.update:
+        update(wanted.limits, wanted.group, measured)
+        return
+    rows = rows_of(wanted.limits.read_text(encoding="utf-8"))
+    lines, complaints = judge(measured, {name: row for (group, name), row in rows.items() if group == wanted.group})
+    text = table(lines)
+    if wanted.keep:
+        wanted.keep.write_text(f"{wanted.group}\n{text}", encoding="utf-8")
+    print(text, *(f"{complaint}\n" for complaint in complaints), sep="", end="")
+    sys.exit(1 if complaints else 0)
+
+
+main()
