@@ -292,7 +292,7 @@ struct dg_host_frame {
 
 /** BiSS, SSI: be the master, with a clock of 1 MHz, and read a frame that is latched at `now`. Time
  * goes on to to->end; no edges are told. @return 0; DG_HOST_ERR_WIRE; DG_HOST_ERR_STATE: no power,
- * or in the middle of a frame; DG_HOST_ERR_SILENT */
+ * or in the middle of a frame */
 DG_API int dg_host_frame(struct dg_host *self, uint64_t now, struct dg_host_frame *to);
 
 /** BiSS: read or write `n` (1..64) registers from `address` on, with frames one behind the other

@@ -10,7 +10,7 @@
 #include "drehgeber/host_wire.h"
 
 #define PERIOD_NS DG_US(1)
-/* What the slave may need before its start bit, and more. */
+/* What the slave may need before its start bit, and more: where time ends it has none. */
 #define START_CLOCKS_MAX 200u
 
 /* Point to point SLI is low. */
@@ -29,8 +29,8 @@ static bool set_clock(struct dg_host_line *line, dg_ns now, bool high)
 /* @return SLO behind the rising edge */
 static bool clock_bit(struct dg_host_line *line)
 {
-    (void)dg_biss_ma(line->device, line->now + PERIOD_NS / 2u, false);
-    line->now += PERIOD_NS;
+    (void)dg_biss_ma(line->device, dg_after(line->now, PERIOD_NS / 2u), false);
+    line->now = dg_after(line->now, PERIOD_NS);
     return dg_biss_ma(line->device, line->now, true);
 }
 
@@ -59,15 +59,15 @@ static int begin(struct dg_host_line *line, uint64_t *bits)
 /* CDM is MA inverted while the slave's timeout runs. */
 static void end(struct dg_host_line *line, bool cdm)
 {
-    line->now += PERIOD_NS / 2u;
+    line->now = dg_after(line->now, PERIOD_NS / 2u);
     (void)dg_biss_ma(line->device, line->now, !cdm);
     const dg_ns deadline = dg_biss_step(line->device, line->now);
-    line->now = deadline != DG_NEVER && deadline > line->now ? deadline : line->now;
+    line->now = deadline != DG_NEVER ? deadline : line->now;
     (void)dg_biss_step(line->device, line->now);
-    line->now += PERIOD_NS / 2u;
+    line->now = dg_after(line->now, PERIOD_NS / 2u);
     (void)dg_biss_ma(line->device, line->now, true);
     (void)dg_biss_step(line->device, line->now);
-    line->now += PERIOD_NS / 2u;
+    line->now = dg_after(line->now, PERIOD_NS / 2u);
 }
 
 static bool idle(const struct dg_biss *device)
@@ -84,11 +84,8 @@ static int frame(struct dg_host_line *line, struct dg_host_frame *to)
         return DG_HOST_ERR_STATE;
     }
     to->at = line->now;
-    const int cds = begin(line, &to->bits);
+    (void)begin(line, &to->bits); /* an idle slave always has a start bit */
     end(line, false);
-    if (cds < 0) {
-        return cds;
-    }
     dg_biss_frame_decode(device->setup.model, to->bits, &data);
     to->count = dg_biss_frame_bits(device->setup.model);
     to->position = data.position;
@@ -164,21 +161,20 @@ static int address_register(struct access *access, uint8_t address)
  * so has the one that P comes back in the S of the next byte, or the end. */
 static bool await_start(struct access *access)
 {
-    const dg_ns since = access->line->now;
-    uint64_t bits;
+    const dg_ns latest = dg_after(access->line->now, DG_BISS_BUSY_R_MAX_NS);
+    dg_ns begun = access->line->now;
 
-    for (;;) {
+    /* A timeout may be as long as that: what was asked in time is looked for in the next frame. */
+    while (begun <= latest) {
+        uint64_t bits;
         const int cds = begin(access->line, &bits);
-        access->silent = access->silent || cds < 0;
         if (cds != 0) {
             return cds > 0;
         }
+        begun = access->line->now;
         end(access->line, true);
-        if (access->line->now - since > DG_BISS_BUSY_R_MAX_NS) {
-            access->silent = true;
-            return false;
-        }
     }
+    return false;
 }
 
 /* One byte is exchanged. @return P */

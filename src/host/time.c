@@ -128,7 +128,7 @@ void host_look(struct dg_host *self)
 {
     struct dg_host_line *line = &self->line;
 
-    if (self->wire->level == NULL || !self->made) {
+    if (self->wire->level == NULL) {
         return;
     }
     const bool level = self->wire->level(line);
@@ -184,7 +184,7 @@ void host_run(struct dg_host *self, dg_ns now)
         self->line.now = next > self->line.now ? next : self->line.now;
         serve(self);
         const dg_ns later = dg_host_next(self);
-        next = later > self->line.now ? later : self->line.now + 1u;
+        next = later > self->line.now ? later : dg_after(self->line.now, 1);
     }
     self->line.now = now > self->line.now ? now : self->line.now;
     if (self->made) {

@@ -30,12 +30,13 @@ static int frame(struct dg_host_line *line, struct dg_host_frame *to)
     to->count = dg_ssi_word_bits(device->setup.model);
     for (uint8_t i = 0; i < to->count; i++) {
         (void)dg_ssi_clock(device, line->now, false);
-        to->bits = to->bits << 1 | dg_ssi_clock(device, line->now + PERIOD_NS / 2u, true);
-        line->now += PERIOD_NS;
+        const dg_ns rising = dg_after(line->now, PERIOD_NS / 2u);
+        to->bits = to->bits << 1 | dg_ssi_clock(device, rising, true);
+        line->now = dg_after(line->now, PERIOD_NS);
     }
     /* The monoflop is over: the next falling edge stores anew. */
     const dg_ns end = dg_ssi_step(device, line->now);
-    line->now = end != DG_NEVER && end > line->now ? end : line->now;
+    line->now = end != DG_NEVER ? end : line->now;
     (void)dg_ssi_step(device, line->now);
     to->good = dg_ssi_frame_decode(device->setup.model, to->bits, &decoded) == DG_OK;
     to->position = decoded.position;

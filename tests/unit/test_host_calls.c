@@ -231,6 +231,8 @@ static void encoders_share_a_shaft(void **state)
     (void)state;
     assert_int_equal(dg_host_share(other, self), DG_HOST_OK);
     assert_int_equal(dg_host_share(self, other), DG_HOST_ERR_ARGUMENT);
+    assert_int_equal(dg_host_share(self, self), DG_HOST_OK); /* its own one, as before */
+    assert_int_equal(dg_host_angle(other, READY), dg_host_angle(self, READY));
     dg_host_shaft(self, READY, 7 * TURN, 3 * TURN);
     for (uint64_t t = READY; t < READY + SECOND; t += 77 * MS) {
         assert_int_equal(dg_host_position(self, t, &a), DG_HOST_OK);
@@ -259,7 +261,14 @@ static void the_world_is_bent_by_name(void **state)
     assert_int_equal(dg_host_world_set(self, READY, "singleturn_ok", 0), DG_HOST_OK);
     assert_int_equal(dg_host_frame(self, READY, &frame), DG_HOST_OK);
     assert_int_equal(frame.error, 1);
+    assert_int_equal(dg_host_world_set(self, READY, "temperature", -1000001), DG_HOST_ERR_ARGUMENT);
+    assert_int_equal(dg_host_world_get(self, "no_such", &value), DG_HOST_ERR_NAME);
+    assert_int_equal(dg_host_get(self, "no_such", text, sizeof text), DG_HOST_ERR_NAME);
     self = host_rig_make(&host_rig_here, "ocd-ib-k1");
+    /* What others have, a singleturn has not. */
+    assert_int_equal(dg_host_set(self, "turns", "1"), DG_HOST_ERR_NAME);
+    assert_int_equal(dg_host_get(self, "turns", text, sizeof text), DG_HOST_ERR_NAME);
+    assert_int_equal(dg_host_world_get(self, "multiturn_sync_ok", &value), DG_HOST_ERR_NAME);
     assert_int_equal(dg_host_world_set(self, READY, "supply_mv", 1), DG_HOST_ERR_NAME);
     assert_int_equal(dg_host_world_set(self, READY, "multiturn_sync_ok", 0), DG_HOST_ERR_NAME);
 }
@@ -381,6 +390,10 @@ static void a_frame_waits_for_the_end_of_another(void **state)
         (void)dg_host_clock(self, READY + 500, true);
         (void)dg_host_clock(self, READY + 1000, false);
         assert_int_equal(dg_host_frame(self, READY + 1500, &frame), DG_HOST_ERR_STATE);
+        /* The clock rests high: one that is low, however long, is the middle of something. */
+        assert_int_equal(dg_host_frame(self, READY + MS, &frame), DG_HOST_ERR_STATE);
+        (void)dg_host_clock(self, READY + MS, true);
+        assert_int_equal(dg_host_frame(self, READY + 2 * MS, &frame), DG_HOST_OK);
     }
 }
 
