@@ -11,6 +11,7 @@
 
 #include <cmocka.h>
 
+#include "drehgeber/biss.h"
 #include "host_rig.h"
 
 /* ------------------------------------------------------------ faults and SCPI */
@@ -33,6 +34,8 @@ static void a_panel_needs_an_encoder_that_was_on(void **state)
     assert_null(dg_host_panel_make(&panel_place, dg_host_panel_size() - 1u, self));
     assert_null(dg_host_panel_make(panel_place.bytes + 8, dg_host_panel_size(), self));
     assert_null(dg_host_panel_make(NULL, dg_host_panel_size(), self));
+    assert_null(dg_host_panel_init(&panel_place, sizeof panel_place, self, NULL));
+    assert_null(dg_host_panel_init(&panel_place, sizeof panel_place, self, &dg_biss_instrument));
     assert_non_null(panel(self));
 }
 
@@ -112,6 +115,48 @@ static void faults_of_the_wire_happen_in_the_queues(void **state)
     assert_int_equal(ask_hiperface(self, now + SECOND, &event), 1);
 }
 
+/* 56h is answered by three events, and is one reply to all faults: none of it, all of it twice, all
+ * of it late, one bit of it. */
+static void a_long_reply_has_a_fault_as_a_whole(void **state)
+{
+    struct dg_host *self = host_rig_start(&host_rig_here, "s3684-rs485");
+    struct dg_host_panel *board = panel(self);
+    static const struct {
+        const char *name;
+        unsigned events;
+        unsigned damaged;
+    } faults[] = {{"wire_drop", 0, 0}, {"wire_duplicate", 6, 0}, {"wire_damage", 3, 1}};
+    struct dg_host_event request = {
+        .at = READY, .kind = DG_HOST_BYTES, .length = 3, .data = {0x40, 0x56, 0x16}};
+    struct dg_host_event healthy[3];
+    struct dg_host_event event;
+
+    (void)state;
+    host_rig_drain(self);
+    assert_int_equal(dg_host_send(self, &request), DG_HOST_OK);
+    (void)dg_host_step(self, READY + 100 * MS);
+    for (int i = 0; i < 3; i++) {
+        assert_int_equal(dg_host_receive(self, &healthy[i]), 1);
+    }
+    for (size_t i = 0; i < sizeof faults / sizeof faults[0]; i++) {
+        unsigned events = 0;
+        unsigned damaged = 0;
+        request.at += SECOND;
+        assert_int_equal(dg_host_fault_set(board, request.at, faults[i].name, true), DG_HOST_OK);
+        assert_int_equal(dg_host_send(self, &request), DG_HOST_OK);
+        (void)dg_host_step(self, request.at + 100 * MS);
+        while (dg_host_receive(self, &event) == 1) {
+            const uint64_t since = event.at - request.at;
+            const unsigned run = since > 45 * MS ? 2 : since > 20 * MS ? 1 : 0;
+            damaged += memcmp(event.data, healthy[run].data, sizeof event.data) != 0 ? 1u : 0u;
+            events++;
+        }
+        assert_int_equal(events, faults[i].events);
+        assert_int_equal(damaged, faults[i].damaged);
+        assert_int_equal(dg_host_fault_set(board, request.at, faults[i].name, false), DG_HOST_OK);
+    }
+}
+
 /* How often 1001h is answered. */
 static int ask_canopen(struct dg_host *self, uint64_t at)
 {
@@ -168,6 +213,79 @@ static void a_line_of_scpi_is_answered(void **state)
     assert_int_equal(dg_host_scpi(board, frame.end, "", answer, sizeof answer), 0);
 }
 
+static void expect_error(struct dg_host_panel *board, const char *number)
+{
+    char answer[128];
+
+    assert_true(dg_host_scpi(board, READY, "SYST:ERR?", answer, sizeof answer) > 0);
+    assert_memory_equal(answer, number, strlen(number));
+}
+
+/* 512 characters are a line; of a longer one nothing is done. */
+static void a_line_that_is_too_long_is_not_begun(void **state)
+{
+    struct dg_host *self = host_rig_start(&host_rig_here, "s3684-biss");
+    struct dg_host_panel *board = panel(self);
+    static char line[700];
+    char answer[64];
+    int64_t value = 0;
+
+    (void)state;
+    memset(line, ' ', sizeof line - 1u);
+    memcpy(line, "WORL:TEMP 50", 12);
+    line[513] = '\0';
+    assert_int_equal(dg_host_scpi(board, READY, line, answer, sizeof answer), 0);
+    assert_int_equal(dg_host_world_get(self, "temperature", &value), DG_HOST_OK);
+    assert_int_equal(value, 37000);
+    expect_error(board, "-363");
+    line[513] = ' ';
+    assert_int_equal(dg_host_scpi(board, READY, line, answer, sizeof answer), 0);
+    expect_error(board, "-363");
+    line[512] = '\0';
+    assert_int_equal(dg_host_scpi(board, READY, line, answer, sizeof answer), 0);
+    expect_error(board, "0,");
+    assert_int_equal(dg_host_world_get(self, "temperature", &value), DG_HOST_OK);
+    assert_int_equal(value, 50000);
+}
+
+/* While a command waits no other line is begun; it answers in a later call. */
+static void a_command_that_waits_keeps_others_out(void **state)
+{
+    struct dg_host *self = host_rig_start(&host_rig_here, "s3684-biss");
+    struct dg_host_panel *board = panel(self);
+    char answer[64];
+
+    (void)state;
+    assert_int_equal(dg_host_scpi(board, READY, "SHAF:POS 0;MOVE 360;*OPC?", answer, sizeof answer),
+                     0);
+    assert_int_equal(dg_host_scpi(board, READY, "SHAF:POS 90", answer, sizeof answer),
+                     DG_HOST_ERR_SPACE);
+    assert_string_equal(answer, "");
+    assert_int_equal(dg_host_scpi(board, READY + 2 * SECOND, "", answer, sizeof answer), 1);
+    assert_string_equal(answer, "1");
+    assert_int_equal(dg_host_angle(self, READY + 2 * SECOND), TURN);
+    /* Two lines are not one: the second one has not begun, and its end was not taken. */
+    assert_int_equal(
+        dg_host_scpi(board, READY + 2 * SECOND, "SHAF:MOVE 720;*WAI\n", answer, sizeof answer),
+        DG_HOST_ERR_SPACE);
+}
+
+static void an_answer_needs_room_for_its_zero(void **state)
+{
+    struct dg_host *self = host_rig_start(&host_rig_here, "s3684-biss");
+    struct dg_host_panel *board = panel(self);
+    char answer[8] = "before";
+
+    (void)state;
+    assert_int_equal(dg_host_scpi(board, READY, "WORL:TEMP 50", answer, 0), DG_HOST_ERR_SPACE);
+    assert_string_equal(answer, "before");
+    assert_int_equal(dg_host_scpi(board, READY, "INST:WIRE?", answer, 1), DG_HOST_ERR_SPACE);
+    assert_string_equal(answer, "");
+    assert_int_equal(dg_host_scpi(board, READY, "INST:WIRE?", answer, 7), DG_HOST_ERR_SPACE);
+    assert_int_equal(dg_host_scpi(board, READY, "INST:WIRE?", answer, 8), 6);
+    assert_string_equal(answer, "\"host\"");
+}
+
 static void a_fault_with_a_time_ends(void **state)
 {
     struct dg_host *self = host_rig_start(&host_rig_here, "s3684-biss");
@@ -194,8 +312,12 @@ int main(void)
         cmocka_unit_test(a_panel_needs_an_encoder_that_was_on),
         cmocka_unit_test(faults_come_and_go_by_name),
         cmocka_unit_test(faults_of_the_wire_happen_in_the_queues),
+        cmocka_unit_test(a_long_reply_has_a_fault_as_a_whole),
         cmocka_unit_test(a_controller_that_is_off_is_silent),
         cmocka_unit_test(a_line_of_scpi_is_answered),
+        cmocka_unit_test(a_line_that_is_too_long_is_not_begun),
+        cmocka_unit_test(a_command_that_waits_keeps_others_out),
+        cmocka_unit_test(an_answer_needs_room_for_its_zero),
         cmocka_unit_test(a_fault_with_a_time_ends),
     };
 
