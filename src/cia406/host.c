@@ -31,6 +31,7 @@ static uint32_t without(const void *settings)
 
 /* ------------------------------------------------------------ out */
 
+/* A node asks for nothing: it sends no remote frames. */
 static void send(void *ctx, const struct dg_can_frame *frame)
 {
     struct dg_host_line *line = ctx;
@@ -38,12 +39,11 @@ static void send(void *ctx, const struct dg_can_frame *frame)
     struct dg_host_event event = {
         .at = line->now,
         .id = frame->id,
-        .flags = frame->rtr ? DG_HOST_REMOTE : 0,
         .kind = DG_HOST_CAN,
         .length = frame->dlc,
     };
 
-    memcpy(event.data, frame->data, frame->rtr ? 0 : frame->dlc);
+    memcpy(event.data, frame->data, frame->dlc);
     if (!device->node.bus_off) {
         dg_host_emit(line, &event);
     }

@@ -81,9 +81,7 @@ static void store(const struct dg_key *key, uint8_t *to, int64_t value)
         [DG_KEY_WORD] = {&u8, sizeof u8},
     };
 
-    if (rows[key->type].from != NULL) {
-        memcpy(to, rows[key->type].from, rows[key->type].size);
-    }
+    memcpy(to, rows[key->type].from, rows[key->type].size);
 }
 
 static int64_t load_16(const uint8_t *from, bool negative)

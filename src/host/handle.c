@@ -210,7 +210,7 @@ int dg_host_power(struct dg_host *self, uint64_t now, bool on)
         result = make(self);
         self->made = result == DG_OK;
     }
-    if (!self->made || result != DG_OK) {
+    if (!self->made) {
         return result;
     }
     self->line.until = 0;

@@ -1,0 +1,201 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Saved states: whose they are, what is in them and what is not, and what a damaged one does.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "drehgeber/crc.h"
+#include "host_private.h"
+#include "host_rig.h"
+#include "ram_nvm.h"
+
+static uint8_t blob[HOST_RIG_MEMORY_MAX];
+static uint8_t again[HOST_RIG_MEMORY_MAX];
+static struct ram_nvm ram;
+static struct host_rig_place panel_place;
+
+static size_t save(struct dg_host *self, uint8_t *to)
+{
+    assert_int_equal(dg_host_save(self, to, sizeof blob), DG_HOST_OK);
+    return dg_host_state_size(self);
+}
+
+/* Before the first power-on there are settings, and no device yet. */
+static void a_state_may_be_saved_before_the_first_power_on(void **state)
+{
+    struct dg_host *self = host_rig_make(&host_rig_here, "s3684-rs485");
+    struct dg_host *other = host_rig_make(&host_rig_there, "s3684-rs485");
+    char text[16];
+
+    (void)state;
+    assert_int_equal(dg_host_set(self, "address", "45h"), DG_HOST_OK);
+    const size_t n = save(self, blob);
+    assert_int_equal(dg_host_restore(other, blob, n), DG_HOST_OK);
+    assert_true(dg_host_get(other, "address", text, sizeof text) > 0);
+    assert_string_equal(text, "69");
+    assert_false(dg_host_powered(other));
+    assert_int_equal(dg_host_set(other, "address", "46h"), DG_HOST_OK);
+    assert_int_equal(dg_host_power(other, 0, true), DG_HOST_OK);
+    assert_int_equal(dg_host_power(self, 0, true), DG_HOST_OK);
+
+    /* One that is on becomes one that never was. */
+    assert_int_equal(dg_host_restore(self, blob, n), DG_HOST_OK);
+    assert_false(dg_host_powered(self));
+    assert_int_equal(dg_host_set(self, "address", "47h"), DG_HOST_OK);
+    assert_int_equal(dg_host_power(self, 0, true), DG_HOST_OK);
+}
+
+/* The longest name is cut: the sizes of the model's parts still stand for it. */
+static void a_state_keeps_no_more_than_the_beginning_of_a_long_name(void **state)
+{
+    struct dg_device device = dg_ssi_25;
+    struct dg_host *self;
+    struct dg_host *other;
+
+    (void)state;
+    device.name = "an-encoder-with-a-name-of-more-than-31-characters";
+    self = dg_host_init(&host_rig_here, sizeof host_rig_here, &device, &dg_ssi_wire);
+    other = dg_host_init(&host_rig_there, sizeof host_rig_there, &device, &dg_ssi_wire);
+    const size_t n = save(self, blob);
+    assert_int_equal(dg_host_restore(other, blob, n), DG_HOST_OK);
+    assert_string_equal(dg_host_model(other), device.name);
+    device.name = "an-encoder-with-another-name-of-more-than-31-characters";
+    assert_int_equal(dg_host_restore(other, blob, n), DG_HOST_ERR_OTHER);
+}
+
+/* With the sum of what somebody has made of it. */
+static void forge(const struct dg_host *self, size_t offset, uint32_t value, size_t n)
+{
+    const size_t head = dg_host_state_size(self) - dg_host_size(self->device, self->wire);
+
+    memcpy(again, blob, n);
+    memcpy(again + head + offset, &value, sizeof value);
+    value = dg_crc32(0, again + head, n - head);
+    memcpy(again + head - sizeof value, &value, sizeof value);
+}
+
+/* What the handle itself counts by is looked at even when the sum is right. */
+static void a_queue_that_cannot_be_is_damage(void **state)
+{
+    static const struct {
+        size_t offset;
+        uint32_t bad;
+        uint32_t good;
+    } rows[] = {
+        {offsetof(struct dg_host, in.first), DG_HOST_QUEUE, DG_HOST_QUEUE - 1u},
+        {offsetof(struct dg_host, in.count), DG_HOST_QUEUE + 1u, 0},
+        {offsetof(struct dg_host, out.first), UINT32_MAX, 0},
+        {offsetof(struct dg_host, out.count), DG_HOST_QUEUE + 1u, DG_HOST_QUEUE},
+    };
+    struct dg_host *self = host_rig_start(&host_rig_here, "f3668");
+    const size_t n = save(self, blob);
+
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        struct dg_host *other = host_rig_make(&host_rig_there, "f3668");
+        forge(self, rows[i].offset, rows[i].bad, n);
+        assert_int_equal(dg_host_restore(other, again, n), DG_HOST_ERR_DAMAGED);
+        assert_false(dg_host_powered(other));
+        forge(self, rows[i].offset, rows[i].good, n);
+        assert_int_equal(dg_host_restore(other, again, n), DG_HOST_OK);
+        assert_true(dg_host_powered(other));
+    }
+    forge(self, offsetof(struct dg_host, memory_size), 1u << 20, n);
+    assert_int_equal(dg_host_restore(self, again, n), DG_HOST_ERR_DAMAGED);
+}
+
+static struct dg_host *on_the_hosts_memory(struct host_rig_place *place, bool loaded)
+{
+    struct dg_host *self = host_rig_make(place, "s3684-biss");
+    const struct dg_nvm nvm = ram_nvm_port(&ram);
+
+    if (!loaded) {
+        ram_nvm_init(&ram, sizeof ram.bytes);
+    }
+    assert_int_equal(dg_host_memory_port(self, &nvm), DG_HOST_OK);
+    return self;
+}
+
+/* The host's EEPROM is not in it, so a handle without one cannot go on from it, nor the other way
+ * round; one with another EEPROM of the host's works on that. */
+static void the_memory_of_a_host_stays_outside(void **state)
+{
+    struct dg_host *self = on_the_hosts_memory(&host_rig_here, false);
+    struct dg_host *own = host_rig_start(&host_rig_there, "s3684-biss");
+    struct dg_host_frame frame;
+    uint64_t now = READY;
+    uint8_t byte = 0x5A;
+
+    (void)state;
+    const size_t n_own = save(own, blob);
+    assert_int_equal(dg_host_restore(self, blob, n_own), DG_HOST_ERR_OTHER);
+    assert_int_equal(dg_host_power(self, 0, true), DG_HOST_OK);
+    (void)dg_host_step(self, now);
+    assert_int_equal(dg_host_registers_write(self, &now, 0x23, &byte, 1), 1);
+    const size_t n = save(self, blob);
+    assert_int_equal(dg_host_restore(own, blob, n), DG_HOST_ERR_OTHER);
+
+    own = on_the_hosts_memory(&host_rig_there, true);
+    assert_int_equal(dg_host_restore(own, blob, n), DG_HOST_OK);
+    byte = 0;
+    assert_int_equal(dg_host_registers_read(own, &now, 0x23, &byte, 1), 1);
+    assert_int_equal(byte, 0x5A); /* in force, not stored */
+    const uint32_t writes = ram.writes;
+    byte = 1; /* command 01: store */
+    assert_int_equal(dg_host_registers_write(own, &now, 0x60, &byte, 1), 1);
+    assert_true(ram.writes > writes);
+    assert_int_equal(dg_host_frame(own, now, &frame), DG_HOST_OK);
+}
+
+/* The panel is not of the encoder: neither its shaft nor its faults are in the state, but what they
+ * have made of world and EEPROM is, and a panel that is there stays. */
+static void a_panel_stays_outside(void **state)
+{
+    struct dg_host *self = host_rig_start(&host_rig_here, "s3684-rs485");
+    struct dg_host_panel *board = dg_host_panel_make(&panel_place, sizeof panel_place, self);
+    struct dg_host *other = host_rig_make(&host_rig_there, "s3684-rs485");
+    char answer[64];
+    int64_t value = 0;
+
+    (void)state;
+    assert_int_equal(dg_host_fault_set(board, READY, "temperature_high", true), DG_HOST_OK);
+    assert_int_equal(dg_host_fault_set(board, READY, "wire_drop", true), DG_HOST_OK);
+    assert_int_equal(dg_host_scpi(board, READY, "SHAF:POS 90", answer, sizeof answer), 0);
+    const size_t n = save(self, blob);
+    assert_int_equal(dg_host_restore(other, blob, n), DG_HOST_OK);
+    assert_int_equal(dg_host_world_get(other, "temperature", &value), DG_HOST_OK);
+    assert_true(value > 100000);
+    /* Its own shaft, where the host had put it. */
+    assert_int_equal(dg_host_angle(other, READY), 3 * TURN + TURN / 4);
+    const struct dg_host_event request = {
+        .at = READY + MS, .kind = DG_HOST_BYTES, .length = 3, .data = {0x40, 0x50, 0x10}};
+    struct dg_host_event event;
+    host_rig_drain(other);
+    assert_int_equal(dg_host_send(other, &request), DG_HOST_OK);
+    (void)dg_host_step(other, READY + 100 * MS);
+    assert_int_equal(dg_host_receive(other, &event), 1); /* nothing drops it here */
+
+    assert_int_equal(dg_host_restore(self, blob, n), DG_HOST_OK);
+    assert_int_equal(dg_host_angle(self, READY), TURN / 4);
+    host_rig_drain(self);
+    assert_int_equal(dg_host_send(self, &request), DG_HOST_OK);
+    (void)dg_host_step(self, READY + 100 * MS);
+    assert_int_equal(dg_host_receive(self, &event), 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_state_may_be_saved_before_the_first_power_on),
+        cmocka_unit_test(a_state_keeps_no_more_than_the_beginning_of_a_long_name),
+        cmocka_unit_test(a_queue_that_cannot_be_is_damage),
+        cmocka_unit_test(the_memory_of_a_host_stays_outside),
+        cmocka_unit_test(a_panel_stays_outside),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
