@@ -322,6 +322,9 @@ DG_API int dg_host_bit_rate(const struct dg_host *self);
 /** The position as the wire would tell it at any moment; nothing changes. @return 0;
  * DG_HOST_ERR_STATE: no power */
 DG_API int dg_host_position(const struct dg_host *self, uint64_t at, uint64_t *counts);
+/** The same `n` times, every `interval` ns from `at` on. */
+DG_API int dg_host_positions(const struct dg_host *self, uint64_t at, uint64_t interval,
+                             uint64_t *counts, size_t n);
 
 /** RS485: the process channel at any moment: sin+, sin-, cos+, cos- in microvolts.
  * @return 0; DG_HOST_ERR_WIRE; DG_HOST_ERR_STATE: no power */
@@ -365,6 +368,10 @@ DG_API struct dg_host_panel *dg_host_panel_init(void *memory, size_t size, struc
 /** The same with the instrument of its protocol; links all of them. @return NULL also: it has none
  */
 DG_API struct dg_host_panel *dg_host_panel_make(void *memory, size_t size, struct dg_host *host);
+
+/** The shaft of the panel, which its encoder sits on: others may sit on it, too, by
+ * dg_host_shaft_of(), and it may be coupled to another one (dg_shaft_couple()). */
+DG_API struct dg_shaft *dg_host_panel_shaft(struct dg_host_panel *self);
 
 /** Something that can happen to the encoder. The texts last as long as the library. */
 struct dg_host_fault {

@@ -240,6 +240,17 @@ int dg_host_position(const struct dg_host *self, uint64_t at, uint64_t *counts)
     return DG_HOST_OK;
 }
 
+int dg_host_positions(const struct dg_host *self, uint64_t at, uint64_t interval, uint64_t *counts,
+                      size_t n)
+{
+    int result = dg_host_powered(self) ? DG_HOST_OK : DG_HOST_ERR_STATE;
+
+    for (size_t i = 0; i < n && result == DG_HOST_OK; i++) {
+        result = dg_host_position(self, at + i * interval, &counts[i]);
+    }
+    return result;
+}
+
 const void *dg_host_device(const struct dg_host *self, const struct dg_host_wire *wire, int *result)
 {
     if (self->wire != wire) {

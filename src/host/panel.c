@@ -176,6 +176,11 @@ struct dg_host_panel *dg_host_panel_init(void *memory, size_t size, struct dg_ho
     return self;
 }
 
+struct dg_shaft *dg_host_panel_shaft(struct dg_host_panel *self)
+{
+    return &self->shaft.shaft;
+}
+
 /* ------------------------------------------------------------ faults */
 
 int dg_host_fault(const struct dg_host_panel *self, size_t index, struct dg_host_fault *to)

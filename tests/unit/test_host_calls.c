@@ -397,6 +397,26 @@ static void a_frame_waits_for_the_end_of_another(void **state)
     }
 }
 
+static void positions_in_a_row_are_those_one_by_one(void **state)
+{
+    struct dg_host *self = host_rig_start(&host_rig_here, "s3684-biss");
+    uint64_t counts[5] = {0};
+    uint64_t one = 0;
+
+    (void)state;
+    dg_host_shaft(self, READY, 0, 100 * TURN);
+    assert_int_equal(dg_host_positions(self, READY, 250000, counts, 4), DG_HOST_OK);
+    for (uint64_t i = 0; i < 4; i++) {
+        assert_int_equal(dg_host_position(self, READY + i * 250000, &one), DG_HOST_OK);
+        assert_int_equal(counts[i], one);
+        assert_int_equal(one, i * (1u << 21) / 40u);
+    }
+    assert_int_equal(counts[4], 0);
+    assert_int_equal(dg_host_power(self, READY, false), DG_HOST_OK);
+    assert_int_equal(dg_host_positions(self, READY, 1, counts, 1), DG_HOST_ERR_STATE);
+    assert_int_equal(dg_host_positions(self, READY, 1, counts, 0), DG_HOST_ERR_STATE);
+}
+
 static void results_have_words(void **state)
 {
     (void)state;
@@ -424,6 +444,7 @@ int main(void)
         cmocka_unit_test(events_of_other_wires_are_refused),
         cmocka_unit_test(a_simulator_clocks_in_picoseconds),
         cmocka_unit_test(a_frame_waits_for_the_end_of_another),
+        cmocka_unit_test(positions_in_a_row_are_those_one_by_one),
         cmocka_unit_test(results_have_words),
     };
 

@@ -306,6 +306,23 @@ static void a_fault_with_a_time_ends(void **state)
     assert_int_equal(value, 37000);
 }
 
+/* Turned by SCPI, it turns the others as well. */
+static void others_sit_on_the_shaft_of_a_panel(void **state)
+{
+    struct dg_host *self = host_rig_start(&host_rig_here, "s3684-biss");
+    struct dg_host *other = host_rig_start(&host_rig_there, "f3668");
+    struct dg_host_panel *board = panel(self);
+    char answer[64];
+
+    (void)state;
+    assert_non_null(dg_host_panel_shaft(board));
+    dg_host_shaft_of(other, dg_host_panel_shaft(board));
+    assert_int_equal(dg_host_angle(other, READY), 13 * TURN / 4);
+    assert_int_equal(dg_host_scpi(board, READY, "SHAF:POS 90 DEG", answer, sizeof answer), 0);
+    assert_int_equal(dg_host_angle(other, READY), TURN / 4);
+    assert_int_equal(dg_host_angle(self, READY), TURN / 4);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -319,6 +336,7 @@ int main(void)
         cmocka_unit_test(a_command_that_waits_keeps_others_out),
         cmocka_unit_test(an_answer_needs_room_for_its_zero),
         cmocka_unit_test(a_fault_with_a_time_ends),
+        cmocka_unit_test(others_sit_on_the_shaft_of_a_panel),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
