@@ -108,6 +108,8 @@ DG_API int dg_cia406_init(struct dg_cia406 *self, const struct dg_cia406_model *
 /** What the EDS file of one of these devices says beside its dictionary, for dg_co_eds(); NULL:
  * none of them. */
 DG_API const struct dg_co_sheet *dg_cia406_sheet(const struct dg_co_device *device);
+/** The same of a model as it is delivered; NULL: it is none of these. */
+DG_API const struct dg_co_sheet *dg_cia406_sheet_of(const struct dg_device *model);
 
 /** What the LEDs show at node->now. `node` is a node of this profile. */
 DG_API struct dg_cia406_leds dg_cia406_leds(const struct dg_co_node *node);

@@ -45,3 +45,10 @@ const struct dg_co_sheet *dg_cia406_sheet(const struct dg_co_device *device)
     }
     return NULL;
 }
+
+const struct dg_co_sheet *dg_cia406_sheet_of(const struct dg_device *model)
+{
+    const struct dg_cia406_model *figures = dg_cia406_model_of(model);
+
+    return figures != NULL ? dg_cia406_sheet(figures->device) : NULL;
+}

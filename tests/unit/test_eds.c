@@ -208,6 +208,9 @@ static void sheets_are_those_of_their_models(void **state)
     assert_int_equal(count, 2);
     assert_ptr_equal(dg_cia406_sheet(&dg_cia406_multiturn_32)->device, &dg_cia406_multiturn_32);
     assert_null(dg_cia406_sheet(NULL));
+    assert_string_equal(dg_cia406_sheet_of(&dg_f3658)->model, "f3658");
+    assert_null(dg_cia406_sheet_of(&dg_ocd_ib_k3));
+    assert_null(dg_cia406_sheet_of(NULL));
 }
 
 /* Every listed object has its section, and every section of an object is listed, once. */

@@ -37,13 +37,14 @@ static void write_text(void *to, const char *text, size_t n)
 static int eds(const struct options *options)
 {
     const struct dg_device *device = options->model == NULL ? NULL : dg_device_find(options->model);
-    if (device == NULL || device->stack != &dg_cia406_stack) {
+    const struct dg_co_sheet *sheet = dg_cia406_sheet_of(device);
+    if (sheet == NULL) {
         struct lx_words right = {""};
         lx_stack_models(&lx_can_stack, &right);
         lx_complain("eds needs a CANopen model; valid:%s", right.text);
         return EXIT_USAGE;
     }
-    dg_co_eds(dg_cia406_sheet(dg_cia406_model_of(device)->device), write_text, stdout);
+    dg_co_eds(sheet, write_text, stdout);
     return flushed();
 }
 
