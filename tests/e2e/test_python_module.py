@@ -16,7 +16,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tools/python"))
 import drehgeber  # noqa: E402
 from drehgeber.control import split  # noqa: E402
 
-RIG_MODULE = sys.modules["drehgeber.rig"]  # `drehgeber.rig` itself is the function
+RIG_MODULE = sys.modules["drehgeber.running"]
 
 SIMULATED = "[encoder axis]\nmodel = s3684-biss\nwire = sim\n"
 RING = "[encoder lift]\nmodel = ocd-ib-k3\nwire = modbus:127.0.0.1:0\n"

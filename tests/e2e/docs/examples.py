@@ -117,7 +117,7 @@ class Reader:
         self.environment = {
             **os.environ,
             "PATH": f"{Path(sys.executable).parent}:{built}:{os.environ['PATH']}",
-            "PYTHONPATH": f"{self.root}:{self.root}/tools/python",
+            "PYTHONPATH": str(self.root),  # where pages save what later blocks import
             "PYTHONDONTWRITEBYTECODE": "1",
             "PYTEST_ADDOPTS": "-p no:cacheprovider",
             "TMPDIR": str(self.temporary),

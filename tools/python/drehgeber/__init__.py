@@ -1,8 +1,15 @@
 # SPDX-License-Identifier: MIT
-"""Virtual absolute encoders in Python programs and tests: start them, steer their shafts, break
-their physics, see what they think of it. Standard library only.
+"""Virtual absolute encoders in Python programs and tests.
+
+In this process, without a wire, in virtual time:
 
     import drehgeber
+
+    encoder = drehgeber.Encoder("s3684-rs485", shaft="60RPM")
+    encoder.clock.advance(1.5)
+    reply = encoder.request(bytes.fromhex("40 42 02"))
+
+On a wire, by the drehgeber command: start it, steer its shafts, break its physics:
 
     with drehgeber.run("s3684-rs485", "--shaft", "60RPM") as rig:
         encoder = rig.encoders["s3684-rs485"]
@@ -13,12 +20,56 @@ their physics, see what they think of it. Standard library only.
         print(encoder.state()["position"])
 
     with drehgeber.run("bench.ini") as rig: ...
-    with drehgeber.rig("[encoder a]\nmodel = f3668\nwire = slcan\n") as rig: ...
+    with drehgeber.rig("[encoder a]\\nmodel = f3668\\nwire = slcan\\n") as rig: ...
 
-With pytest, `pytest_plugins = ["drehgeber.fixture"]` gives the fixture `drehgeber_rig`.
+python-can knows can.Bus(interface="drehgeber", channel="f3668"), pyserial
+serial.serial_for_url("drehgeber://s3684-rs485"), pytest the fixture `drehgeber_rig`.
 """
 
-from .control import Control, ScpiError
-from .rig import Encoder, Rig, RigError, Shaft, program, rig, run
+from __future__ import annotations
 
-__all__ = ["Control", "Encoder", "Rig", "RigError", "ScpiError", "Shaft", "program", "rig", "run"]
+import contextlib
+import importlib.metadata
+
+try:
+    __version__ = importlib.metadata.version("drehgeber")
+except importlib.metadata.PackageNotFoundError:  # a folder of sources
+    __version__ = "0"
+
+from ._native import EncoderError, eds, models
+from .canbus import CanBus, CanFrame, CanPort
+from .clock import Clock
+from .control import Control, ScpiError
+from .encoder import Encoder, Setting, SinCos
+from .running import RigError, RunningEncoder, RunningRig, RunningShaft, program, rig, run
+from .shaft import Shaft
+
+with contextlib.suppress(ImportError):
+    import serial
+
+    if __name__ not in serial.protocol_handler_packages:
+        serial.protocol_handler_packages.append(__name__)
+
+__all__ = [
+    "CanBus",
+    "CanFrame",
+    "CanPort",
+    "Clock",
+    "Control",
+    "Encoder",
+    "EncoderError",
+    "RigError",
+    "RunningEncoder",
+    "RunningRig",
+    "RunningShaft",
+    "ScpiError",
+    "Setting",
+    "Shaft",
+    "SinCos",
+    "__version__",
+    "eds",
+    "models",
+    "program",
+    "rig",
+    "run",
+]

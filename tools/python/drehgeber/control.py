@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """A client of the control plane: SCPI over a socket."""
 
+from __future__ import annotations
+
 import csv
 import socket
 import threading
@@ -14,13 +16,13 @@ MARKED = "1999.0;1999.0;1999.0;"
 class ScpiError(Exception):
     """What the instrument has put into its error queue: `code` and `text` of the first entry."""
 
-    def __init__(self, code, text, command):
+    def __init__(self, code: int, text: str, command: str) -> None:
         super().__init__(f"{command!r}: {code}, {text}")
         self.code = code
         self.text = text
 
 
-def split(answer):
+def split(answer: str | None) -> list[str]:
     """The parts of an answer; strings without their quotes."""
     return next(csv.reader([answer])) if answer else []
 
@@ -29,7 +31,7 @@ class Control:
     """A session at unix:PATH or tcp:HOST:PORT, with ,token=FILE behind it where one is asked for.
     Threads may share one: a line is one exchange."""
 
-    def __init__(self, address, timeout=10.0):
+    def __init__(self, address: str, timeout: float = 10.0) -> None:
         address, _, token = address.partition(",token=")
         kind, _, where = address.partition(":")
         if kind == "unix":
@@ -48,17 +50,18 @@ class Control:
         self._lines = self._socket.makefile("r", encoding="ascii", newline="\n")
         self._lock = threading.Lock()
 
-    def close(self):
+    def close(self) -> None:
+        """End the session."""
         self._lines.close()
         self._socket.close()
 
-    def _read_line(self):
+    def _read_line(self) -> str:
         line = self._lines.readline()
         if not line.endswith("\n"):
             raise ConnectionError("the control connection was closed")
         return line.rstrip("\r\n")
 
-    def ask(self, line):
+    def ask(self, line: str) -> str | None:
         """Send a line; its answer as text, None when it has none. Raises ScpiError."""
         with self._lock:
             self._socket.sendall(f"{line}\n{MARK}\n".encode("ascii"))
@@ -70,6 +73,6 @@ class Control:
             raise ScpiError(int(code), text, line)
         return lines[0] if lines else None
 
-    def parts(self, line):
+    def parts(self, line: str) -> list[str]:
         """The parts of the answer to a query."""
         return split(self.ask(line))

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""Rigs as context managers: the process, its encoders, its shafts."""
+"""Rigs of the drehgeber command as context managers: the process, its encoders, its shafts."""
+
+from __future__ import annotations
 
 import contextlib
 import os
@@ -10,8 +12,13 @@ import subprocess
 import tempfile
 import threading
 import time
+from collections.abc import Iterator
+from pathlib import Path
+from types import TracebackType
+from typing import Literal
 
 from .control import Control
+from .instrument import Instrument
 
 READY_S = 30.0
 STOP_S = 10.0
@@ -23,151 +30,136 @@ class RigError(Exception):
     """The rig did not start, or has ended; the text is what it said."""
 
 
-def program():
+def program() -> str:
     """The drehgeber command: $DREHGEBER, else the one on PATH."""
     found = os.environ.get("DREHGEBER") or shutil.which("drehgeber")
     if not found:
-        raise RigError("no drehgeber command: put it on PATH, or its path into $DREHGEBER")
+        raise RigError(
+            "no drehgeber command: it comes with the package of the system or a build (cmake --install); "
+            "put it on PATH, or its path into $DREHGEBER. drehgeber.Encoder needs none"
+        )
     return found
 
 
-class Shaft:
+class RunningShaft:
     """A shaft: angles in degrees, speeds in rpm, positive clockwise. It is steered through an
     encoder that sits on it."""
 
-    def __init__(self, encoder):
+    def __init__(self, encoder: RunningEncoder) -> None:
         self._encoder = encoder
 
-    @property
-    def name(self):
-        return self._encoder.ask("SHAF:NAME?").strip('"')
+    def _told(self, query: str) -> str:
+        return self._encoder.ask(query) or ""
 
     @property
-    def position(self):
-        return float(self._encoder.ask("SHAF:POS?"))
+    def name(self) -> str:
+        """Its name in the rig."""
+        return self._told("SHAF:NAME?").strip('"')
+
+    @property
+    def position(self) -> float:
+        """Degrees."""
+        return float(self._told("SHAF:POS?"))
 
     @position.setter
-    def position(self, degrees):
+    def position(self, degrees: float) -> None:
         self._encoder.ask(f"SHAF:POS {degrees:.9f} DEG")
 
     @property
-    def velocity(self):
-        return float(self._encoder.ask("SHAF:VEL?"))
+    def velocity(self) -> float:
+        """rpm; setting it turns at that speed."""
+        return float(self._told("SHAF:VEL?"))
 
     @velocity.setter
-    def velocity(self, rpm):
+    def velocity(self, rpm: float) -> None:
         self._encoder.ask(f"SHAF:VEL {rpm:.3f} RPM")
 
     @property
-    def acceleration(self):
-        return float(self._encoder.ask("SHAF:ACC?"))
+    def acceleration(self) -> float:
+        """rpm per second of commands to come; 0: at once."""
+        return float(self._told("SHAF:ACC?"))
 
     @acceleration.setter
-    def acceleration(self, rpm_per_s):
+    def acceleration(self, rpm_per_s: float) -> None:
         self._encoder.ask(f"SHAF:ACC {rpm_per_s:.3f} RPM/S")
 
-    def move(self, degrees, rpm=60, wait=True):
+    def move(self, degrees: float, rpm: float = 60, wait: bool = True) -> None:
         """Go to an angle; `wait` until it is there."""
         self._encoder.ask(f"SHAF:MOVE {degrees:.9f} DEG,{rpm:.3f} RPM")
         if wait:
             self._encoder.ask("*OPC?")
 
-    def stop(self):
+    def stop(self) -> None:
+        """To a standstill, with the acceleration."""
         self._encoder.ask("SHAF:STOP")
 
-    def play(self, motion):
+    def play(self, motion: str) -> None:
         """What --shaft takes: "sine:90DEG,2S", "run.csv", ..."""
         self._encoder.ask(f'SHAF:PROF "{motion}"')
 
 
-class Encoder:
+class RunningEncoder(Instrument):
     """An encoder of a running rig."""
 
-    def __init__(self, rig, name, model, wire, address, place=None):
+    def __init__(
+        self,
+        rig: RunningRig | None,
+        name: str,
+        model: str,
+        wire: str,
+        address: str,
+        place: int | None = None,
+    ) -> None:
         self._rig = rig
         self.name = name
         self.model = model
         self.wire = wire  # "pty", "can", ...
         self.address = address  # what a master opens
         self.place = place  # node-ID on CAN, place in a ring; None: there is none, or it is not said
-        self.shaft = Shaft(self)
+        self.shaft = RunningShaft(self)
 
-    def ask(self, line):
+    def ask(self, line: str) -> str | None:
         """An SCPI line to this encoder."""
-        return self._rig.control.ask(f"INST:SEL {self.name};:{line.lstrip(':')}")
+        assert self._rig is not None
+        return self._rig.ask(f"INST:SEL {self.name};:{line.lstrip(':')}")
 
-    def state(self):
-        """STATe? as a dictionary of strings."""
-        parts = self._rig.control.parts(f"INST:SEL {self.name};:STAT?")
-        return dict(part.split("=", 1) for part in parts)
-
-    def world(self, quantity, value=None):
+    def world(self, quantity: str, value: str | float | None = None) -> str | None:
         """A quantity of WORLd (e.g. "TEMP", "LED:CURR"): set it, or ask for it."""
         if value is None:
             return self.ask(f"WORL:{quantity}?")
         return self.ask(f"WORL:{quantity} {value}")
 
-    def faults(self):
-        """The catalogue: dictionaries with name, kind, cause, effect and chapter."""
-        keys = ("name", "kind", "cause", "effect", "chapter")
-        parts = self._rig.control.parts(f"INST:SEL {self.name};:FAUL:CAT?")
-        return [dict(zip(keys, parts[i : i + 5])) for i in range(0, len(parts), 5)]
-
-    def set_fault(self, name, count=None, probability=None, duration_ms=None):
-        line = f"FAUL:SET {name}"
-        for word, value, unit in (
-            ("COUN", count, ""),
-            ("PROB", probability, ""),
-            ("DUR", duration_ms, " MS"),
-        ):
-            if value is not None:
-                line += f",{word} {value}{unit}"
-        self.ask(line)
-
-    def clear_fault(self, name=""):
-        """Clear one fault, or all."""
-        self.ask(f"FAUL:CLE {name}".rstrip())
-
-    @contextlib.contextmanager
-    def fault(self, name, **limits):
-        """A fault for as long as the block lasts."""
-        self.set_fault(name, **limits)
-        try:
-            yield self
-        finally:
-            self.clear_fault(name)
-
-    def power(self, state):
+    def power(self, state: bool | Literal["CYCLE"]) -> None:
         """True, False, or "CYCLE"."""
         word = state if isinstance(state, str) else ("ON" if state else "OFF")
         self.ask(f"POW {word}")
 
 
-def parse_ready(rig, line):
+def parse_ready(rig: RunningRig | None, line: str) -> RunningEncoder | None:
     """The encoder of a line "ready MODEL WIRE:ADDRESS [NAME]"; None for any other line."""
     words = line.split(" ")
     if words[0] != "ready" or len(words) not in (3, 4):
         return None
     wire, _, address = words[2].partition(":")
     if len(words) == 3:  # from the command line: the only one, or a whole ring
-        return Encoder(rig, words[1], words[1], wire, address)
+        return RunningEncoder(rig, words[1], words[1], wire, address)
     place = None
     if wire in PLACED:
         address, _, place = address.rpartition("/")
-    return Encoder(rig, words[3], words[1], wire, address, None if place is None else int(place))
+    return RunningEncoder(rig, words[3], words[1], wire, address, None if place is None else int(place))
 
 
-class Rig:
+class RunningRig:
     """A running drehgeber. Use run() or rig()."""
 
-    def __init__(self, arguments, folder=None):
+    def __init__(self, arguments: tuple[object, ...], folder: str | Path | None = None) -> None:
         self._scratch = pathlib.Path(tempfile.mkdtemp(prefix="drehgeber-"))
         self.socket = f"{self._scratch}/control.sock"  # the control plane, for other programs
         address = f"unix:{self.socket}"
-        self.control = None
-        self.encoders = {}
-        self.lines = []  # everything it printed
-        self._queue = queue.Queue()
+        self.control: Control | None = None
+        self.encoders: dict[str, RunningEncoder] = {}
+        self.lines: list[str] = []  # everything it printed
+        self._queue: queue.Queue[str | None] = queue.Queue()
         try:
             self._process = subprocess.Popen(
                 [program(), "run", *map(str, arguments), "--control", address],
@@ -190,13 +182,14 @@ class Rig:
                 self.close()
             raise
 
-    def _read(self):
+    def _read(self) -> None:
+        assert self._process.stdout is not None
         for line in self._process.stdout:
             self.lines.append(line.rstrip("\n"))
             self._queue.put(line.rstrip("\n"))
         self._queue.put(None)
 
-    def _wait_until_ready(self, address):
+    def _wait_until_ready(self, address: str) -> None:
         end = time.monotonic() + READY_S
         while True:
             try:
@@ -212,14 +205,17 @@ class Rig:
                 return
 
     @property
-    def pid(self):
+    def pid(self) -> int:
+        """Of the process."""
         return self._process.pid
 
-    def ask(self, line):
-        """An SCPI line."""
+    def ask(self, line: str) -> str | None:
+        """An SCPI line; its answer, None when it has none."""
+        if self.control is None:
+            raise RigError("it has ended")
         return self.control.ask(line)
 
-    def close(self):
+    def close(self) -> None:
         """End it. Raises RigError when it had ended by itself, or did not end well."""
         if self.control is not None:
             self.control.close()
@@ -233,16 +229,22 @@ class Rig:
             self._process.kill()
             status = self._process.wait()
         self._reader.join(STOP_S)
-        self._process.stdout.close()
+        if self._process.stdout is not None:
+            self._process.stdout.close()
         shutil.rmtree(self._scratch, ignore_errors=True)
         if early is not None or status != 0:
             said = "\n".join(self.lines)
             raise RigError(f"ended {'early ' if early is not None else ''}with {status}: {said}")
 
-    def __enter__(self):
+    def __enter__(self) -> RunningRig:
         return self
 
-    def __exit__(self, kind, value, trace):
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        value: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
         try:
             self.close()
         except RigError:
@@ -250,13 +252,13 @@ class Rig:
                 raise
 
 
-def run(*arguments, folder=None):
+def run(*arguments: object, folder: str | Path | None = None) -> RunningRig:
     """`drehgeber run ARGUMENTS...`, ready. A context manager."""
-    return Rig(arguments, folder)
+    return RunningRig(arguments, folder)
 
 
 @contextlib.contextmanager
-def rig(text):
+def rig(text: str) -> Iterator[RunningRig]:
     """A rig from the text of a rig file, in a folder of its own that goes with it."""
     with tempfile.TemporaryDirectory(prefix="drehgeber-") as folder:
         path = pathlib.Path(folder) / "rig.ini"

@@ -1,0 +1,206 @@
+# SPDX-License-Identifier: MIT
+"""A CAN bus in this process, by itself, by python-can and by canopen."""
+import threading
+import time
+
+import can
+import canopen
+import drehgeber
+import pytest
+from drehgeber import CanBus, Clock, Encoder, EncoderError
+
+UPLOAD = bytes.fromhex("40 04 60 00 00 00 00 00")  # 6004h, position
+START = (0, b"\x01\x00")
+SYNC = 0x80
+
+
+def heartbeat_every(ms):
+    """A download of 1017h. The first heartbeat comes at once."""
+    return bytes.fromhex("2b 17 10 00") + ms.to_bytes(4, "little")
+
+
+@pytest.fixture
+def eds(tmp_path):
+    path = tmp_path / "f3668.eds"
+    path.write_text(drehgeber.eds("f3668"))
+    return str(path)
+
+
+def test_an_eds_is_the_commands(eds):
+    assert "[6004]" in drehgeber.eds("f3668") and "f3658" in drehgeber.eds("f3658")
+    for model in ("s3684-biss", "s9"):
+        with pytest.raises(EncoderError, match=f"{model} is no CANopen model"):
+            drehgeber.eds(model)
+
+
+# ---------------------------------------------------------------- the bus
+
+
+def test_masters_hear_each_other_and_all_nodes():
+    clock = Clock()
+    bus = CanBus(clock=clock)
+    nodes = [Encoder("f3668", bus=bus, node=i, shaft=f"{i * 90}DEG") for i in (1, 2, 3)]
+    assert bus.nodes == tuple(nodes) and nodes[0].bus is bus
+    one, other = bus.port(), bus.port()
+    one.send(*START)
+    one.send(SYNC)
+    heard = []
+    while frame := other.recv():
+        heard.append(frame)
+    sync = [i for i, frame in enumerate(heard) if frame.id == SYNC]
+    assert len(sync) == 1
+    positions = {frame.id: frame.data[:4] for frame in heard[sync[0] :]}
+    for i in (1, 2, 3):
+        assert positions[0x280 + i] == (i << 14).to_bytes(4, "little")
+    assert one.recv() is not None
+    other.close()
+    one.send(SYNC)
+    assert other.recv() is None
+
+
+def test_nodes_hear_each_other():
+    """1016h: node 2 watches the heartbeat of node 1, and tells when it ends (8130h)."""
+    bus = CanBus()
+    nodes = [Encoder("f3668", bus=bus, node=i) for i in (1, 2)]
+    master = bus.port()
+    master.send(0x601, heartbeat_every(100))
+    master.send(0x602, bytes.fromhex("23 16 10 01 2c 01 01 00"))
+    assert [frame.data[0] for frame in iter(master.recv, None) if frame.id & 0x580 == 0x580] == [0x60, 0x60]
+    bus.clock.advance(1)
+    assert {frame.id for frame in iter(master.recv, None)} == {0x701}
+    nodes[0].power(False)
+    bus.clock.advance(1)
+    assert [frame.id for frame in iter(master.recv, None)] == [0x082]
+
+
+def test_frames_come_at_their_moments():
+    """A heartbeat of 100 ms in one long advance: none is lost, none is late."""
+    encoder = Encoder("f3668")
+    port = encoder.can
+    port.send(0x63F, heartbeat_every(100))
+    assert {frame.id for frame in iter(port.recv, None)} == {0x5BF, 0x73F}
+    encoder.clock.advance(100)
+    frames = list(iter(port.recv, None))
+    assert len(frames) == 1000 and {frame.id for frame in frames} == {0x73F}
+    assert [round(b.at - a.at, 9) for a, b in zip(frames, frames[1:])] == [0.1] * 999
+
+
+def test_remote_frames():
+    encoder = Encoder("f3668")
+    encoder.can.send(*START)
+    assert list(iter(encoder.can.recv, None))  # asynchronous PDOs tell where it is
+    encoder.can.send(0x73F, remote=True, dlc=1)  # node guarding
+    answer = encoder.can.recv()
+    assert answer is not None and (answer.id, answer.data, answer.remote) == (0x73F, b"\x05", False)
+
+
+@pytest.mark.parametrize("id, data", [(0x800, b""), (-1, b""), (1, bytes(9))])
+def test_frames_that_are_none(id, data):
+    with pytest.raises(EncoderError, match="is no frame"):
+        Encoder("f3668").can.send(id, data)
+
+
+def test_names_of_buses():
+    bus = CanBus("test-names")
+    assert CanBus.named("test-names") is bus
+    with pytest.raises(EncoderError, match="already"):
+        CanBus("test-names")
+    with pytest.raises(EncoderError, match="has no CAN"):
+        Encoder("s3684-biss", bus=bus)
+    with pytest.raises(EncoderError, match="no.*canopen|speaks biss"):
+        _ = Encoder("s3684-biss").bus
+
+
+# ---------------------------------------------------------------- python-can
+
+
+def test_python_can_joins_a_bus_by_name():
+    rig = CanBus("rig")
+    Encoder("f3668", bus=rig, node=7, shaft="90DEG")
+    with can.Bus(interface="drehgeber", channel="rig") as bus:
+        bus.send(can.Message(arbitration_id=0x607, data=UPLOAD, is_extended_id=False))
+        answer = bus.recv(0)
+        assert answer.arbitration_id == 0x587 and answer.data[4:] == (16384).to_bytes(4, "little")
+        assert answer.timestamp == 0 and not answer.is_extended_id
+        for refused in (
+            can.Message(arbitration_id=0x607, data=UPLOAD, is_extended_id=True),
+            can.Message(arbitration_id=0x607, data=UPLOAD, is_extended_id=False, is_fd=True),
+        ):
+            bus.send(refused)
+            assert bus.recv(0) is None
+
+
+def test_python_can_makes_an_encoder():
+    with can.Bus(interface="drehgeber", channel="f3668?node=5&shaft=60RPM") as bus:
+        bus.advance(1.5)
+        bus.set_filters([{"can_id": 0x585, "can_mask": 0x7FF}])
+        bus.send(can.Message(arbitration_id=0x605, data=UPLOAD, is_extended_id=False))
+        answer = bus.recv(0)
+        assert int.from_bytes(answer.data[4:], "little") == bus.encoder.position
+        assert int.from_bytes(answer.data[4:], "little") / 65536 == pytest.approx(1.5, abs=0.01)
+
+
+@pytest.mark.parametrize("channel", ["nobody", "s9?shaft=60RPM", ""])
+def test_python_can_has_no_such_channel(channel):
+    with pytest.raises(can.CanInitializationError, match="and no model, e.g. channel='f3668"):
+        can.Bus(interface="drehgeber", channel=channel)
+
+
+@pytest.mark.parametrize("channel", ["s3684-biss", "f3668?node=200", "f3668?shaft=fast", "f3668?nod=1"])
+def test_python_can_makes_no_such_encoder(channel):
+    with pytest.raises(EncoderError):
+        can.Bus(interface="drehgeber", channel=channel)
+
+
+def test_waiting_moves_no_virtual_time():
+    with can.Bus(interface="drehgeber", channel="f3668") as bus:
+        begin = time.monotonic()
+        assert bus.recv(0.05) is None
+        assert time.monotonic() - begin >= 0.05 and bus.bus.clock.now == 0
+        notifier = can.Notifier(bus, [can.BufferedReader()], timeout=0.01)
+        time.sleep(0.05)
+        notifier.stop()
+        assert bus.bus.clock.now == 0
+
+
+def test_who_waits_is_woken_by_whoever_moves_time():
+    with can.Bus(interface="drehgeber", channel="f3668") as bus:
+        bus.send(can.Message(arbitration_id=0x63F, data=heartbeat_every(1000), is_extended_id=False))
+        while bus.recv(0):
+            pass
+        thread = threading.Timer(0.02, bus.advance, [1.0])
+        thread.start()
+        heartbeat = bus.recv(10)
+        thread.join()
+        assert heartbeat.arbitration_id == 0x73F and heartbeat.timestamp == pytest.approx(1.0)
+
+
+def test_real_time_comes_by_itself():
+    with can.Bus(interface="drehgeber", channel="f3668", time="real") as bus:
+        bus.send(can.Message(arbitration_id=0x63F, data=heartbeat_every(20), is_extended_id=False))
+        while bus.recv(0):
+            pass
+        begin = time.monotonic()
+        stamps = [bus.recv(10).timestamp for _ in range(5)]
+        assert 0.08 <= time.monotonic() - begin < 5
+        assert [round(b - a, 6) for a, b in zip(stamps, stamps[1:])] == [0.02] * 4
+
+
+# ---------------------------------------------------------------- canopen
+
+
+@pytest.mark.parametrize("how", ["virtual", "real"])
+def test_canopen_talks_to_it(how, eds):
+    network = canopen.Network()
+    network.connect(interface="drehgeber", channel="f3668?shaft=90DEG", time=how)
+    try:
+        node = network.add_node(63, eds)
+        assert node.sdo["Position value"].raw == 16384
+        assert node.sdo[0x1008].raw.startswith("F36")
+        node.nmt.state = "OPERATIONAL"
+        with network.bus.encoder.fault("led_current_high"):
+            if how == "virtual":
+                network.bus.advance(0.1)
+            assert node.emcy.wait(0x5200, timeout=5) is not None
+    finally:
+        network.disconnect()

@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: MIT
+"""The package as it is installed: files, types, documentation, entry points."""
+import importlib.metadata
+import inspect
+import os
+import re
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import drehgeber
+import pytest
+
+TREE = Path(__file__).resolve().parents[2]
+DIST = Path(os.environ["DREHGEBER_DIST"])  # what tools/python/release has made
+CACHE = DIST.parent / "mypy"
+DEBIAN_12 = (2, 36)  # its glibc
+
+USER = """
+import drehgeber
+from drehgeber import Clock, Encoder, Shaft
+
+clock = Clock()
+shaft = Shaft(clock, "60RPM")
+motor: Encoder = Encoder("s3684-rs485", shaft=shaft)
+blade = Encoder("f3668", shaft=Shaft(driver=shaft, ratio=(1, 10)), node=5)
+clock.advance(1.5)
+reply: bytes = motor.request(b"\\x40\\x42\\x02")
+frame = blade.can.recv()
+position: int = frame.data[0] if frame is not None else blade.position
+blade.world.temperature = 85.0
+warm: float = blade.world.temperature
+lit: bool = blade.world.singleturn_ok
+sampled: int = sum(blade.positions(0.0, 0.00025, 4000))
+with drehgeber.run("s3684-rs485", "--shaft", "60RPM") as rig:
+    rig.encoders["s3684-rs485"].shaft.move(90)
+    state: dict[str, str] = rig.encoders["s3684-rs485"].state()
+"""
+FIXTURE_USER = """
+import drehgeber
+
+def test_half_a_second(drehgeber_clock):
+    encoder = drehgeber.Encoder("f3668", clock=drehgeber_clock, shaft="60RPM")
+    drehgeber_clock.advance(0.5)
+    assert encoder.shaft.position == 180
+
+def test_a_rig(drehgeber_rig):
+    encoder = drehgeber_rig("[encoder axis]\\nmodel = s3684-biss\\nwire = sim\\n").encoders["axis"]
+    encoder.shaft.position = 90
+    assert encoder.shaft.position == 90
+"""
+
+
+def run(*arguments, **options) -> subprocess.CompletedProcess:
+    """This Python, somewhere else."""
+    return subprocess.run([sys.executable, *map(str, arguments)], text=True, capture_output=True, timeout=120, **options)
+
+
+def mypy(*arguments, **options) -> str:
+    return run("-m", "mypy", "--strict", "--cache-dir", CACHE, *arguments, **options).stdout
+
+
+@pytest.fixture(scope="session")
+def wheel() -> Path:
+    (found,) = DIST.glob("*.whl")
+    return found
+
+
+def test_the_wheel_is_for_debian_12_and_any_python(wheel):
+    match = re.fullmatch(r"drehgeber-([\d.]+)-py3-none-manylinux_(\d+)_(\d+)_\w+\.whl", wheel.name)
+    assert match and (int(match[2]), int(match[3])) <= DEBIAN_12
+    shown = " ".join(run("-m", "auditwheel", "show", wheel).stdout.split())
+    assert f'is consistent with the following platform tag: "{wheel.stem.rpartition("-")[2]}"' in shown
+    assert "system-provided shared libraries: libc.so.6 with versions" in shown
+
+
+def test_what_is_in_the_wheel(wheel):
+    names = zipfile.ZipFile(wheel).namelist()
+    assert {"drehgeber/py.typed", "drehgeber/libdrehgeber.so", "drehgeber/_abi.py"} <= set(names)
+    assert any(name.endswith("licenses/LICENSE") for name in names)
+    assert all(name.startswith("drehgeber") for name in names)
+
+
+def test_the_version_is_the_projects():
+    text = (TREE / "tools/python/core/CMakeLists.txt").read_text()
+    assert f"project(drehgeber VERSION {drehgeber.__version__} " in text
+    assert importlib.metadata.version("drehgeber") == drehgeber.__version__
+
+
+def test_it_is_the_installed_one():
+    assert TREE not in Path(drehgeber.__file__).parents or "env" in Path(drehgeber.__file__).parts
+
+
+def test_types_of_the_package(tmp_path):
+    assert "Success" in mypy("-p", "drehgeber", cwd=tmp_path)
+
+
+def test_types_of_a_users_file(tmp_path):
+    user = tmp_path / "user.py"
+    user.write_text(USER)
+    assert mypy(user, cwd=tmp_path).startswith("Success")
+    user.write_text(USER + 'shaft.mvoe(90)\nblade.world.temperatur = 3\nmotor.request("text")\n')
+    said = mypy(user, cwd=tmp_path)
+    assert '"Shaft" has no attribute "mvoe"' in said and '"temperatur"' in said and '"str"; expected "bytes"' in said
+
+
+def public(thing, name=""):
+    """Names of what is public and its own, with what it is."""
+    yield name, thing
+    if inspect.isclass(thing):
+        for member, value in vars(thing).items():
+            if not member.startswith("_") and (callable(value) or isinstance(value, (property, staticmethod))):
+                yield f"{name}.{member}", value
+
+
+@pytest.mark.parametrize("name", [name for name in drehgeber.__all__ if name != "__version__"])
+def test_everything_public_is_documented(name):
+    for path, thing in public(getattr(drehgeber, name), name):
+        assert (thing.__doc__ or "").strip(), path
+    assert drehgeber.__doc__
+
+
+def test_fixtures_are_there_by_themselves(tmp_path):
+    (tmp_path / "test_user.py").write_text(FIXTURE_USER)
+    done = run("-m", "pytest", "-q", "-p", "no:cacheprovider", cwd=tmp_path)
+    assert "2 passed" in done.stdout, done.stdout
+
+
+def test_without_the_command_it_is_said_where_it_comes_from(tmp_path):
+    environment = {key: value for key, value in os.environ.items() if key != "DREHGEBER"}
+    done = run("-c", "import drehgeber; drehgeber.run('f3668')", cwd=tmp_path, env={**environment, "PATH": "/nonexistent"})
+    assert "RigError: " in done.stderr and "put it on PATH" in done.stderr and "cmake --install" in done.stderr
+
+
+def test_encoders_need_the_package(tmp_path):
+    """From the folder of sources, rigs of the command work, and encoders say what is missing."""
+    script = "import drehgeber; print(drehgeber.run); drehgeber.Encoder('f3668')"
+    done = run("-S", "-c", script, cwd=tmp_path, env={**os.environ, "PYTHONPATH": str(TREE / "tools/python")})
+    assert "<function run" in done.stdout
+    assert "EncoderError" in done.stderr and "pip install drehgeber" in done.stderr
+
+
+def test_another_library_by_its_path(tmp_path):
+    script = "import drehgeber; drehgeber.Encoder('f3668')"
+    done = run("-c", script, cwd=tmp_path, env={**os.environ, "DREHGEBER_LIBRARY": "/nonexistent/lib.so"})
+    assert "EncoderError" in done.stderr and "/nonexistent/lib.so" in done.stderr

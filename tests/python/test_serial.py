@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: MIT
+"""pyserial's URL of an encoder in this process."""
+import time
+
+import drehgeber  # noqa: F401 -- importing it makes the URL known
+import pytest
+import serial
+from drehgeber import EncoderError
+
+ASK = bytes.fromhex("40 42 02")
+URL = "drehgeber://s3684-rs485?shaft=90DEG"
+AT_90 = bytes.fromhex("40 42 00 00 40 00 42")
+
+
+def open_port(url=URL, **options):
+    return serial.serial_for_url(url, **{"baudrate": 9600, "parity": "E", "timeout": 0.5, **options})
+
+
+def test_it_answers_as_on_the_line():
+    with open_port() as port:
+        assert port.write(ASK) == 3
+        assert port.encoder.clock.now == pytest.approx(3 * 11 / 9600, abs=1e-6)
+        assert port.in_waiting == 0
+        assert port.read(7) == AT_90
+        assert port.encoder.clock.now == pytest.approx((3 + 4 + 7) * 11 / 9600 + 0.001, abs=3e-6)
+
+
+def test_a_reply_arrives_character_by_character():
+    with open_port() as port:
+        port.write(ASK)
+        assert port.read(1) == AT_90[:1]
+        assert port.in_waiting == 0
+        port.encoder.clock.advance(2.5 * 11 / 9600)
+        assert port.in_waiting == 2
+        assert port.read(port.in_waiting) == AT_90[1:3]
+        port.reset_input_buffer()
+        assert port.read(100) == AT_90[3:]
+
+
+def test_a_timeout_is_virtual():
+    with open_port(timeout=20) as port:
+        begin, now = time.monotonic(), port.encoder.clock.now
+        assert port.read(1) == b""
+        assert port.encoder.clock.now - now == 20 and time.monotonic() - begin < 10
+        port.timeout = 0
+        assert port.read(1) == b"" and port.encoder.clock.now - now == 20
+
+
+def test_without_a_timeout_it_waits_for_what_is_there():
+    with open_port(timeout=None) as port:
+        port.write(ASK)
+        assert port.read(7) == AT_90
+
+
+@pytest.mark.parametrize("options", [{"parity": "N"}, {"parity": "O"}, {"baudrate": 19200}])
+def test_another_setting_is_not_understood(options):
+    with open_port(**options) as port:
+        port.write(ASK)
+        assert port.read(7) == b""
+        port.parity, port.baudrate = "E", 9600
+        port.write(ASK)
+        assert port.read(7) == AT_90
+
+
+def test_real_time_takes_its_time():
+    with open_port(URL + "&time=real") as port:
+        begin = time.monotonic()
+        port.write(ASK)
+        assert port.read(7) == AT_90
+        assert 0.016 < time.monotonic() - begin < 5
+
+
+def test_a_port_is_opened_again():
+    port = open_port(do_not_open=True)
+    assert not port.is_open
+    port.open()
+    port.encoder.shaft.position = 180
+    port.close()
+    for act in (lambda: port.write(ASK), lambda: port.read(1), lambda: port.in_waiting):
+        with pytest.raises(serial.PortNotOpenError):
+            act()
+    port.open()
+    port.write(ASK)
+    assert port.read(7)[3:5] == b"\0\x80"
+    with pytest.raises(serial.SerialException, match="already"):
+        port.open()
+
+
+@pytest.mark.parametrize("url", ["drehgeber://", "drehgeber://s9", URL + "&time=slow"])
+def test_addresses_that_are_none(url):
+    with pytest.raises(serial.SerialException, match="time=virtual is right"):
+        open_port(url)
+
+
+@pytest.mark.parametrize("url", ["drehgeber://f3668", "drehgeber://s3684-rs485?adress=1"])
+def test_encoders_that_are_none(url):
+    with pytest.raises(EncoderError):
+        open_port(url)
+
+
+def test_long_requests():
+    """More than an event has room for; the encoder refuses it, and hears the next one."""
+    with open_port() as port:
+        port.write(bytes(40))
+        port.read(100)
+        port.write(ASK)
+        assert port.read(7) == AT_90

@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: MIT
+"""Encoders as text: MODEL?KEY=VALUE&..., in channels and URLs."""
+
+from __future__ import annotations
+
+from urllib.parse import parse_qsl
+
+from ._native import EncoderError, models
+from .clock import Clock
+from .encoder import Encoder
+
+
+def is_model(text: str) -> bool:
+    """Whether a model is named, whatever is behind it."""
+    return text.partition("?")[0] in models()
+
+
+def encoder_of(text: str, clock: Clock, protocol: str) -> Encoder:
+    """Make one: `shaft` is a motion, everything else a setting."""
+    model, _, query = text.partition("?")
+    settings = dict(parse_qsl(query, keep_blank_values=True))
+    encoder = Encoder(model, clock=clock, shaft=settings.pop("shaft", "0"), power=False)
+    if encoder.protocol != protocol:
+        raise EncoderError(f"{model} speaks {encoder.protocol}, not {protocol}", -10)
+    for key, value in settings.items():
+        encoder.set(key, value)
+    encoder._start()
+    return encoder

@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: MIT
+"""BiSS and SSI of an encoder in this process: frames, registers, edges."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+from ._native import checked
+from .clock import seconds_of
+
+if TYPE_CHECKING:
+    from .encoder import Encoder
+
+
+class Frame(NamedTuple):
+    """A frame as a master sees it."""
+
+    at: float  # the position is of this moment
+    end: float  # the encoder is ready for the next one
+    position: int  # multiturn and singleturn, binary
+    multiturn: int
+    singleturn: int
+    error: bool
+    warning: bool  # BiSS
+    good: bool  # check sum or parity are right
+    life: int  # BiSS: life counter
+    bits: int  # as they came, behind start bit and CDS (BiSS)
+    width: int  # how many those are
+
+
+class Clocked:
+    """The master of a clocked line. Time goes on as long as it clocks."""
+
+    def __init__(self, encoder: Encoder) -> None:
+        self._encoder = encoder
+        self._frame = encoder._ffi.new("struct dg_host_frame *")
+        self._now = encoder._ffi.new("uint64_t *")
+
+    def frame(self) -> Frame:
+        """Clock a frame with 1 MHz, latched now."""
+        encoder, got = self._encoder, self._frame
+        with encoder.clock.lock:
+            now = encoder.clock._sync()
+            checked(encoder._lib.dg_host_frame(encoder._host, now, got), f"a frame of {encoder.model}")
+            encoder.clock._wait_until(got.end)
+        return Frame(
+            seconds_of(got.at), seconds_of(got.end), got.position, got.multiturn, got.singleturn,
+            got.error == 1, got.warning == 1, got.good == 1, got.life, got.bits, got.count,
+        )  # fmt: skip
+
+    def clock(self, level: bool) -> bool:
+        """The master's clock is at `level` from now on; the level of the encoder's line."""
+        encoder = self._encoder
+        with encoder.clock.lock:
+            now = encoder.clock._sync()
+            return checked(encoder._lib.dg_host_clock(encoder._host, now, level), "the clock") == 1
+
+
+class Ssi(Clocked):
+    """SSI."""
+
+
+class Biss(Clocked):
+    """BiSS: frames, and registers through them."""
+
+    def _registers(self, way: str, address: int, data: object, count: int) -> int:
+        encoder = self._encoder
+        with encoder.clock.lock:
+            self._now[0] = encoder.clock._sync()
+            call = getattr(encoder._lib, f"dg_host_registers_{way}")
+            done = checked(
+                call(encoder._host, self._now, address, data, count),
+                f"{count} registers from {address:02X}h",
+            )
+            encoder.clock._wait_until(self._now[0])
+        return done
+
+    def register(self, address: int, count: int = 1) -> bytes:
+        """Read registers from `address` on; less than `count` where the encoder refuses one."""
+        to = self._encoder._ffi.new("uint8_t[]", count)
+        done = self._registers("read", address, to, count)
+        return bytes(self._encoder._ffi.buffer(to, done))
+
+    def write_register(self, address: int, data: bytes) -> int:
+        """Write registers from `address` on. How many it took."""
+        return self._registers("write", address, data, len(data))

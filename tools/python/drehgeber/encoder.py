@@ -1,0 +1,388 @@
+# SPDX-License-Identifier: MIT
+"""An encoder in this process, without wires, in virtual time."""
+
+from __future__ import annotations
+
+import contextlib
+from array import array
+from typing import Any, Literal, NamedTuple
+
+from . import _native
+from ._native import EncoderError, checked
+from .canbus import CanBus, CanPort
+from .clock import LEAD_NS, NEVER, SECOND_NS, Clock
+from .clocked import Biss, Ssi
+from .control import ScpiError, split
+from .instrument import Instrument
+from .ring import Ring
+from .rs485 import Rs485
+from .shaft import Shaft
+from .world import World
+
+ANSWER = 1 << 16
+TEXT = 256
+
+
+class Setting(NamedTuple):
+    """Something that can be set of an encoder."""
+
+    name: str
+    unit: str
+    help: str
+    always: bool  # else before the first power-on
+    words: tuple[str, ...]  # the values it can have; () when it is a number or a text
+
+
+class SinCos(NamedTuple):
+    """The process channel, in volts."""
+
+    sin_plus: float
+    sin_minus: float
+    cos_plus: float
+    cos_minus: float
+
+
+class Encoder(Instrument):
+    """An encoder: `Encoder("f3668", node=5, shaft="60RPM")`.
+
+    Settings are those of `--set`, as keywords. `shaft` is a Shaft, which others may share, or words for
+    one of its own; `bus` is a CanBus for a CANopen encoder, else it has one of its own; `clock` is
+    theirs, or one of its own. It has had power for a second when it is made, unless `power` is False.
+    `memory` is an image of its EEPROM."""
+
+    def __init__(
+        self,
+        model: str,
+        *,
+        clock: Clock | None = None,
+        shaft: Shaft | str = "0",
+        bus: CanBus | None = None,
+        power: bool = True,
+        memory: bytes | None = None,
+        **settings: str | float,
+    ) -> None:
+        self._ffi, self._lib = _native.load()
+        size = self._lib.dg_host_size_of(model.encode())
+        if size == 0:
+            raise EncoderError(f"no model {model!r}; there are {', '.join(_native.models())}")
+        self._keep, place = _native.aligned(size)
+        self._host: Any = self._lib.dg_host_make(place, size, model.encode())
+        self._panel: Any = None
+        self._deadline = NEVER
+        self._made = False
+        self.model = model
+        self.protocol: str = self._ffi.string(self._lib.dg_host_protocol(self._host)).decode()
+        self._join(clock, shaft, bus)
+        for key, value in settings.items():
+            self.set(key, value)
+        if memory is not None:
+            checked(self._lib.dg_host_memory_load(self._host, memory, len(memory)), "the image")
+        self.world = World(self)
+        if power:
+            self._start()
+
+    def _join(self, clock: Clock | None, shaft: Shaft | str, bus: CanBus | None) -> None:
+        """Its clock, its bus, its shaft."""
+        if bus is not None and self.protocol != "canopen":
+            raise EncoderError(f"{self.model} has no CAN")
+        given = shaft.clock if isinstance(shaft, Shaft) else None
+        clocks = [one for one in (clock, given, bus.clock if bus else None) if one is not None]
+        if any(one is not clocks[0] for one in clocks):
+            raise EncoderError("the encoder, its shaft and its bus go by the same clock")
+        self.clock = clocks[0] if clocks else Clock()
+        self._bus = CanBus(clock=self.clock) if bus is None and self.protocol == "canopen" else bus
+        self._shaft = shaft if isinstance(shaft, Shaft) else Shaft(self.clock, shaft)
+        self._lib.dg_host_shaft_of(self._host, self._shaft._c)
+        with self.clock.lock:
+            if self._bus is not None:
+                self._bus._nodes.append(self)
+            else:
+                self.clock._members.append(self)
+
+    def _start(self) -> None:
+        """Switch it on a second ago; what it said meanwhile nobody has heard."""
+        with self.clock.lock:
+            now = self.clock._sync()
+            checked(self._lib.dg_host_power(self._host, now - LEAD_NS, True), f"{self.model} on")
+            self._made = True
+            self._step(now)
+            event = self._ffi.new("struct dg_host_event *")
+            while self._lib.dg_host_receive(self._host, event) != 0:
+                pass
+
+    def close(self) -> None:
+        """Take it off its bus and clock."""
+        members: list[Any] = self.clock._members if self._bus is None else self._bus._nodes
+        with self.clock.lock, contextlib.suppress(ValueError):
+            members.remove(self)
+
+    def __repr__(self) -> str:
+        return f"<drehgeber.Encoder {self.model} at {self.clock.now} s>"
+
+    # ------------------------------------------------------------ time
+
+    def _step(self, now: int) -> None:
+        if self._panel is not None:
+            self._deadline = self._lib.dg_host_panel_step(self._panel, now)
+        else:
+            self._deadline = self._lib.dg_host_step(self._host, now)
+
+    _run = _step
+
+    def _next(self) -> int:
+        return self._deadline
+
+    def _changed(self) -> None:
+        """Something was done to it at the present: what it does about it happens."""
+        (self._bus or self)._run(self.clock._ns)
+
+    # ------------------------------------------------------------ settings, memory, power
+
+    def settings(self) -> list[Setting]:
+        """What can be set, the quantities of its world included."""
+        key = self._ffi.new("struct dg_host_key *")
+        found: list[Setting] = []
+        while self._lib.dg_host_key(self._host, len(found), key) == 0:
+            name, unit, help = (self._ffi.string(text).decode() for text in (key.name, key.unit, key.help))
+            found.append(Setting(name, unit, help, key.always == 1, self._words(name)))
+        return found
+
+    def _words(self, name: str) -> tuple[str, ...]:
+        words: list[str] = []
+        while (word := self._lib.dg_host_word(self._host, name.encode(), len(words))) != self._ffi.NULL:
+            words.append(self._ffi.string(word).decode())
+        return tuple(words)
+
+    def set(self, key: str, value: str | float) -> None:
+        """Set one, as text, or a number."""
+        text = str(int(value)) if isinstance(value, bool) else str(value)
+        with self.clock.lock:
+            result = self._lib.dg_host_set(self._host, key.encode(), text.encode())
+        checked(result, f"{self.model}: {key}={text}")
+
+    def get(self, key: str) -> str:
+        """What it is, as text."""
+        to = self._ffi.new("char[]", TEXT)
+        checked(self._lib.dg_host_get(self._host, key.encode(), to, TEXT), f"{self.model}: {key}")
+        return str(self._ffi.string(to).decode())
+
+    @property
+    def memory(self) -> bytes:
+        """An image of its EEPROM; b"" of one that has none. Assign one while it is off."""
+        to = bytearray(self._lib.dg_host_memory_size(self._host))
+        if to:
+            with self.clock.lock:
+                result = self._lib.dg_host_memory_copy(self._host, self._ffi.from_buffer(to), len(to))
+            checked(result, "the image")
+        return bytes(to)
+
+    @memory.setter
+    def memory(self, image: bytes) -> None:
+        checked(self._lib.dg_host_memory_load(self._host, image, len(image)), "the image")
+
+    @property
+    def powered(self) -> bool:
+        """Whether it is on."""
+        return bool(self._lib.dg_host_powered(self._host))
+
+    def power(self, state: bool | Literal["CYCLE"]) -> None:
+        """True, False, or "CYCLE": off and on again."""
+        with self.clock.lock:
+            now = self.clock._sync()
+            checked(self._lib.dg_host_power(self._host, now, state is not False), f"{self.model} on")
+            self._made = True
+            self._changed()
+
+    def save(self) -> bytes:
+        """Everything but faults and its place on a shaft, to go on from with restore()."""
+        to = bytearray(self._lib.dg_host_state_size(self._host))
+        with self.clock.lock:
+            result = self._lib.dg_host_save(self._host, self._ffi.from_buffer(to), len(to))
+        checked(result, "a state")
+        return bytes(to)
+
+    def restore(self, state: bytes) -> None:
+        """Go on from what an encoder of this model has saved, not later than now."""
+        with self.clock.lock:
+            checked(self._lib.dg_host_restore(self._host, state, len(state)), "the state")
+            self._made = True
+            self.clock._sync()
+            self._changed()
+
+    # ------------------------------------------------------------ physics
+
+    @property
+    def shaft(self) -> Shaft:
+        """What it sits on; assign another one, of the same clock."""
+        return self._shaft
+
+    @shaft.setter
+    def shaft(self, shaft: Shaft) -> None:
+        if shaft.clock is not self.clock:
+            raise EncoderError("the encoder and its shaft go by the same clock")
+        with self.clock.lock:
+            self.clock._sync()
+            self._shaft = shaft
+            if self._panel is not None:
+                self._couple()
+            else:
+                self._lib.dg_host_shaft_of(self._host, shaft._c)
+            self._changed()
+
+    def _sensed(self, name: str) -> int:
+        to = self._ffi.new("int64_t *")
+        checked(self._lib.dg_host_world_get(self._host, name.encode(), to), f"{self.model}: {name}")
+        return int(to[0])
+
+    def _sense(self, name: str, value: int) -> None:
+        with self.clock.lock:
+            now = self.clock._sync()
+            result = self._lib.dg_host_world_set(self._host, now, name.encode(), value)
+            checked(result, f"{self.model}: {name} = {value}")
+            self._changed()
+
+    # ------------------------------------------------------------ looks
+
+    @property
+    def position(self) -> int:
+        """As the wire would tell it now, in counts."""
+        return self.positions(None, 0, 1)[0]
+
+    def positions(self, t0: float | None, dt: float, n: int) -> array[int]:
+        """Positions as the wire would tell them at `t0` (None: now), t0 + dt, ...: `n` of them, without
+        a loop in Python. No time passes; the shaft goes on as it does now."""
+        counts = array("Q", bytes(8 * n))
+        with self.clock.lock:
+            now = self.clock._sync()
+            at = now if t0 is None else self.clock._ns_of(t0)
+            to = self._ffi.from_buffer("uint64_t[]", counts)
+            result = self._lib.dg_host_positions(self._host, at, round(dt * SECOND_NS), to, n)
+        checked(result, f"{self.model}: the position")
+        return counts
+
+    @property
+    def sincos(self) -> SinCos:
+        """RS485: the process channel now."""
+        to = self._ffi.new("int32_t[4]")
+        with self.clock.lock:
+            result = self._lib.dg_host_sincos(self._host, self.clock._sync(), to)
+        checked(result, f"{self.model}: sine and cosine")
+        return SinCos(*(level / 1e6 for level in to))
+
+    # ------------------------------------------------------------ wires
+
+    def _wire(self, protocol: str) -> None:
+        if self.protocol != protocol:
+            raise EncoderError(f"{self.model} speaks {self.protocol}, not {protocol}", -10)
+
+    def _master(self, kind: Any, protocol: str) -> Any:
+        """Made when it is asked for first."""
+        found = self.__dict__.get(f"_{protocol}_master")
+        if found is None:
+            self._wire(protocol)
+            found = self.__dict__[f"_{protocol}_master"] = kind(self)
+        return found
+
+    @property
+    def rs485(self) -> Rs485:
+        """The master of its line."""
+        master: Rs485 = self._master(Rs485, "hiperface")
+        return master
+
+    def request(self, data: bytes, timeout: float = 0.1) -> bytes:
+        """RS485: a frame there and what comes back, b"" after `timeout` of silence. Time goes on as on
+        the line."""
+        return self.rs485.request(data, timeout)
+
+    @property
+    def bus(self) -> CanBus:
+        """CANopen: the bus that it is on."""
+        self._wire("canopen")
+        assert self._bus is not None
+        return self._bus
+
+    @property
+    def can(self) -> CanPort:
+        """CANopen: a master on its bus."""
+        master: CanPort = self._master(lambda _: self.bus.port(), "canopen")
+        return master
+
+    @property
+    def biss(self) -> Biss:
+        """The master of its line."""
+        master: Biss = self._master(Biss, "biss")
+        return master
+
+    @property
+    def ssi(self) -> Ssi:
+        """The master of its line."""
+        master: Ssi = self._master(Ssi, "ssi")
+        return master
+
+    @property
+    def ring(self) -> Ring:
+        """INTERBUS: the master of a ring of this encoder alone."""
+        master: Ring = self._master(Ring, "interbus")
+        return master
+
+    # ------------------------------------------------------------ faults and SCPI
+
+    def _couple(self) -> None:
+        """Its panel's shaft follows the one that it sits on."""
+        own = self._lib.dg_host_panel_shaft(self._panel)
+        checked(self._lib.dg_shaft_couple(own, self._shaft._c, 1, 1), "the shaft of a panel")
+
+    def _with_panel(self) -> Any:
+        if self._panel is None:
+            size = self._lib.dg_host_panel_size()
+            self._panel_keep, place = _native.aligned(size)
+            self._answer = self._ffi.new("char[]", ANSWER)
+            panel = self._lib.dg_host_panel_make(place, size, self._host)
+            if panel == self._ffi.NULL:
+                raise EncoderError(f"{self.model}: faults and SCPI need an encoder that was on", -9)
+            self._panel = panel
+            self._couple()
+        return self._panel
+
+    def _scpi(self, line: str) -> str:
+        lib, now = self._lib, self.clock._ns
+        result = lib.dg_host_scpi(self._with_panel(), now, line.encode("ascii"), self._answer, ANSWER)
+        checked(result, line)
+        return str(self._ffi.string(self._answer).decode("ascii"))
+
+    def ask(self, line: str) -> str | None:
+        """An SCPI line; its answer, None when it has none. Raises ScpiError."""
+        with self.clock.lock:
+            self.clock._sync()
+            answer = self._scpi(line)
+            code, text, *_ = split(self._scpi("SYST:ERR:ALL?"))
+            self._changed()
+        if int(code) != 0:
+            raise ScpiError(int(code), text, line)
+        return answer or None
+
+    def set_fault(
+        self,
+        name: str,
+        count: int | None = None,
+        probability: float | None = None,
+        duration_ms: float | None = None,
+    ) -> None:
+        """Let a fault happen: until it is cleared, `count` times, or as long as it says. Faults of
+        lines and rings that there are none of here are refused."""
+        with self.clock.lock:
+            self._switch(name, True)
+            if (count, probability, duration_ms) != (None, None, None):
+                super().set_fault(name, count, probability, duration_ms)
+
+    def clear_fault(self, name: str = "") -> None:
+        """Clear one fault, or all."""
+        for one in [name] if name else self.active_faults():
+            self._switch(one, False)
+
+    def _switch(self, name: str, on: bool) -> None:
+        with self.clock.lock:
+            now = self.clock._sync()
+            result = self._lib.dg_host_fault_set(self._with_panel(), now, name.encode(), on)
+            checked(result, f"{self.model}: fault {name}")
+            self._changed()

@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: MIT
+"""Writes drehgeber/_abi.py: types and functions of the library's headers, as cffi calls them.
+
+usage: make_abi.py HEADERS OUTPUT
+"""
+import re
+import sys
+from pathlib import Path
+
+import cffi
+
+# Of other headers, so much is needed.
+OTHERS = """
+typedef uint64_t dg_ns;
+typedef int64_t dg_angle;
+struct dg_device;
+struct dg_co_sheet;
+const struct dg_device *dg_device_find(const char *name);
+const struct dg_co_sheet *dg_cia406_sheet_of(const struct dg_device *model);
+void dg_co_eds(const struct dg_co_sheet *, void (*)(void *, const char *, size_t), void *);
+"""
+HEADERS = ("host.h", "motion.h", "shaft.h")
+
+
+def declarations(text: str) -> str:
+    """A header without comments, directives and marks; numbers that arrays are as long as stay."""
+    text = re.sub(r"/\*.*?\*/", "", text, flags=re.S)
+    lengths = re.findall(r"^(#define \w+ \d+)u$", text, re.M)
+    text = re.sub(r"^#ifdef __cplusplus\n.*?^#endif$", "", text, flags=re.S | re.M)
+    text = re.sub(r"^[ \t]*#(\\\n|.)*$", "", text, flags=re.M)
+    text = re.sub(r"DG_API extern const struct [^;]*;", "", text)
+    return "\n".join([*lengths, text.replace("DG_API ", "")])
+
+
+def main() -> None:
+    headers, output = Path(sys.argv[1]), Path(sys.argv[2])
+    builder = cffi.FFI()
+    builder.cdef(OTHERS + "\n".join(declarations((headers / name).read_text()) for name in HEADERS))
+    builder.set_source("drehgeber._abi", None)
+    builder.emit_python_code(str(output))
+
+
+main()
