@@ -2,19 +2,20 @@
 #define _GNU_SOURCE
 #include "plan.h"
 
+#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "wire.h"
 
 /* Room for one more behind `count` rows: the capacity is the next power of two. @return where the
-   rows are now, or NULL with the old ones in place */
+   rows are now, or NULL with the old ones in place: without memory, or a number for one more */
 static void *room(void *list, size_t count, size_t size)
 {
     if (count > 0 && (count & (count - 1u)) != 0) {
         return list;
     }
-    return realloc(list, (count == 0 ? 1u : count * 2u) * size);
+    return count >= INT_MAX ? NULL : reallocarray(list, count == 0 ? 1u : count * 2u, size);
 }
 
 /* A copy; NULL stays NULL. @return false without memory */
@@ -24,41 +25,50 @@ static bool copy(char **to, const char *text)
     return text == NULL || *to != NULL;
 }
 
+/* What a row is called: a copy, which the names borrow. @return its index, or -1 without memory */
+static int call(struct lx_plan *self, char **to, enum lx_plan_list list, const char *text,
+                size_t count)
+{
+    const int index = (int)count - 1;
+    if (!copy(to, text)) {
+        return -1;
+    }
+    const struct lx_plan_name name = {.list = list, .text = *to};
+    return lx_plan_names_add(&self->names, &name, index) == 0 ? index : -1;
+}
+
 int lx_plan_add_shaft(struct lx_plan *self, const char *name, const char *motion)
 {
-    struct lx_plan_shaft *list = self->shaft_count < LX_PLAN_SHAFTS_MAX
-                                     ? room(self->shafts, self->shaft_count, sizeof *list)
-                                     : NULL;
+    struct lx_plan_shaft *list = room(self->shafts, self->shaft_count, sizeof *list);
     if (list == NULL) {
         return -1;
     }
     self->shafts = list;
     struct lx_plan_shaft *row = &list[self->shaft_count++];
     *row = (struct lx_plan_shaft){.driver = -1, .ratio = {1, 1}};
-    return copy(&row->name, name) && copy(&row->motion, motion) ? (int)self->shaft_count - 1 : -1;
+    return copy(&row->motion, motion)
+               ? call(self, &row->name, LX_PLAN_SHAFT, name, self->shaft_count)
+               : -1;
 }
 
 int lx_plan_add_wire(struct lx_plan *self, const char *name, const struct lx_wire *kind,
                      const char *where)
 {
-    struct lx_plan_wire *list = self->wire_count < LX_PLAN_WIRES_MAX
-                                    ? room(self->wires, self->wire_count, sizeof *list)
-                                    : NULL;
+    struct lx_plan_wire *list = room(self->wires, self->wire_count, sizeof *list);
     if (list == NULL) {
         return -1;
     }
     self->wires = list;
     struct lx_plan_wire *row = &list[self->wire_count++];
     *row = (struct lx_plan_wire){.kind = kind};
-    return copy(&row->name, name) && copy(&row->where, where) ? (int)self->wire_count - 1 : -1;
+    return copy(&row->where, where) ? call(self, &row->name, LX_PLAN_WIRE, name, self->wire_count)
+                                    : -1;
 }
 
 int lx_plan_add_encoder(struct lx_plan *self, const char *name, const struct dg_device *model,
                         size_t shaft, size_t wire)
 {
-    struct lx_plan_encoder *list = self->encoder_count < LX_PLAN_ENCODERS_MAX
-                                       ? room(self->encoders, self->encoder_count, sizeof *list)
-                                       : NULL;
+    struct lx_plan_encoder *list = room(self->encoders, self->encoder_count, sizeof *list);
     if (list == NULL) {
         return -1;
     }
@@ -66,7 +76,20 @@ int lx_plan_add_encoder(struct lx_plan *self, const char *name, const struct dg_
     struct lx_plan_encoder *row = &list[self->encoder_count++];
     *row = (struct lx_plan_encoder){
         .model = model, .shaft = shaft, .wire = wire, .address = LX_PLAN_AS_DELIVERED};
-    return copy(&row->name, name) ? (int)self->encoder_count - 1 : -1;
+    struct lx_plan_wire *on = &self->wires[wire];
+    on->first_encoder = on->encoder_count == 0 ? self->encoder_count - 1u : on->first_encoder;
+    on->encoder_count++;
+    const int index = call(self, &row->name, LX_PLAN_ENCODER, name, self->encoder_count);
+    const struct lx_plan_name alias = {.list = LX_PLAN_ALIAS, .text = row->name};
+    return index < 0 ? -1 : lx_plan_names_add(&self->names, &alias, index) == 0 ? index : -1;
+}
+
+int lx_plan_find_encoder(const struct lx_plan *self, const char *name)
+{
+    struct lx_plan_name wanted = {.list = LX_PLAN_ENCODER, .text = name};
+    const int index = lx_plan_names_find(&self->names, &wanted);
+    wanted.list = LX_PLAN_ALIAS;
+    return index < 0 ? lx_plan_names_find(&self->names, &wanted) : index;
 }
 
 int lx_plan_add_setting(struct lx_plan_settings *self, const char *key, const char *value,
@@ -175,6 +198,7 @@ static void free_encoders(struct lx_plan *self)
 
 void lx_plan_free(struct lx_plan *self)
 {
+    lx_plan_names_free(&self->names);
     free_encoders(self);
     free_wires(self);
     free_shafts(self);

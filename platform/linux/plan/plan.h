@@ -7,16 +7,14 @@
 #ifndef DREHGEBER_LINUX_PLAN_H
 #define DREHGEBER_LINUX_PLAN_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
 #include "drehgeber/devices.h"
 #include "error.h"
+#include "plan_names.h"
 
-/** Most shafts, wires and encoders of a rig; an INTERBUS ring alone may have 512. */
-#define LX_PLAN_SHAFTS_MAX 256u
-#define LX_PLAN_WIRES_MAX 256u
-#define LX_PLAN_ENCODERS_MAX 1024u
 /** Control addresses of a rig. */
 #define LX_PLAN_CONTROLS_MAX 4u
 
@@ -62,6 +60,9 @@ struct lx_plan_wire {
     lx_line_number line;              /**< of the section */
     lx_line_number where_line;        /**< of the key with the address, or the kind */
     lx_line_number trace_line;
+    bool is_private;      /**< of one encoder, in whose section it stands */
+    size_t encoder_count; /**< on it so far, of which */
+    size_t first_encoder; /**< is the first one */
 };
 
 /** An encoder. */
@@ -95,6 +96,7 @@ struct lx_plan {
     size_t wire_count;
     struct lx_plan_encoder *encoders; /**< those of a wire in the order of their places on it */
     size_t encoder_count;
+    struct lx_plan_names names; /**< of all of them */
 };
 
 /**
@@ -108,13 +110,16 @@ int lx_plan_read(struct lx_plan *self, const char *file, struct lx_error *error)
 /** Give everything back; all zero afterwards. */
 void lx_plan_free(struct lx_plan *self);
 
-/** Append; all strings are copied. @return the index, or -1 without memory (or beyond the limits)
- */
+/** Append; all strings are copied. @return the index, or -1 without memory */
 int lx_plan_add_shaft(struct lx_plan *self, const char *name, const char *motion);
 int lx_plan_add_wire(struct lx_plan *self, const char *name, const struct lx_wire *kind,
                      const char *where);
 int lx_plan_add_encoder(struct lx_plan *self, const char *name, const struct dg_device *model,
                         size_t shaft, size_t wire);
+/** Index of the encoder called `name`, case aside, else of the first one where '-' and '_' are the
+ * same; -1: there is none. */
+int lx_plan_find_encoder(const struct lx_plan *self, const char *name);
+
 /** Append a setting. @return 0, or -1 with `error` */
 int lx_plan_add_setting(struct lx_plan_settings *self, const char *key, const char *value,
                         lx_line_number line, struct lx_error *error);

@@ -5,18 +5,13 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 #include "wire.h"
 
 int lx_plan_find_wire(const struct lx_plan *plan, const char *name)
 {
-    for (size_t i = 0; i < plan->wire_count; i++) {
-        if (strcasecmp(plan->wires[i].name, name) == 0) {
-            return (int)i;
-        }
-    }
-    return -1;
+    return lx_plan_names_find(&plan->names,
+                              &(struct lx_plan_name){.list = LX_PLAN_WIRE, .text = name});
 }
 
 const struct lx_wire *lx_plan_take_kind(const struct lx_plan *plan,
@@ -61,18 +56,26 @@ static int check_where(const struct lx_plan *plan, const struct lx_plan_section 
     return 0;
 }
 
-/* Whether two addresses are the same place; a free port never is. */
-static bool same_place(const struct lx_plan_wire *a, const struct lx_plan_wire *b)
+/* Whether no other wire may have this address; a free port anybody may. */
+static bool is_taken_up(const struct lx_plan_wire *self)
 {
     static const char any[] = ":0";
-    const bool comparable =
-        a->kind == b->kind || (a->kind->where_is_path && b->kind->where_is_path);
-    if (!comparable || a->where == NULL || b->where == NULL || strcmp(a->where, b->where) != 0) {
+    if (self->where == NULL) {
         return false;
     }
-    const size_t n = strlen(a->where);
-    return a->kind->where_is_path || n < strlen(any) ||
-           strcmp(a->where + n - strlen(any), any) != 0;
+    const size_t n = strlen(self->where);
+    return self->kind->where_is_path || n < strlen(any) ||
+           strcmp(self->where + n - strlen(any), any) != 0;
+}
+
+/* Paths are one scope, whatever wire is there; other addresses are each kind's own. */
+static struct lx_plan_name place_of(const struct lx_plan_wire *self)
+{
+    return (struct lx_plan_name){
+        .list = LX_PLAN_PLACE,
+        .scope = self->kind->where_is_path ? 0 : (uintptr_t)self->kind,
+        .text = self->where,
+    };
 }
 
 /* Whoever gives two encoders one place most likely wants them to share it. */
@@ -91,19 +94,23 @@ static struct lx_words right_instead(const struct lx_plan_wire *a, const struct 
     return right;
 }
 
-static int check_place(const struct lx_plan *plan, const struct lx_plan_section *self, int at,
-                       const struct lx_plan_where *where, struct lx_error *error)
+static int take_place(struct lx_plan *plan, const struct lx_plan_section *self, int at,
+                      const struct lx_plan_where *where, struct lx_error *error)
 {
     const struct lx_plan_wire *wire = &plan->wires[at];
-    for (int i = 0; i < at; i++) {
-        const struct lx_plan_wire *other = &plan->wires[i];
-        if (same_place(other, wire)) {
-            (void)lx_refuse(error, right_instead(other, wire, where).text,
-                            "%s is the wire in line %u already", wire->where, other->line);
-            return wrong_where(plan, self, where, error);
-        }
+    if (!is_taken_up(wire)) {
+        return 0;
     }
-    return 0;
+    const struct lx_plan_name place = place_of(wire);
+    const int same = lx_plan_names_find(&plan->names, &place);
+    if (same >= 0) {
+        const struct lx_plan_wire *other = &plan->wires[same];
+        (void)lx_refuse(error, right_instead(other, wire, where).text,
+                        "%s is the wire in line %u already", wire->where, other->line);
+        return wrong_where(plan, self, where, error);
+    }
+    return lx_plan_names_add(&plan->names, &place, at) == 0 ? 0
+                                                            : lx_plan_no_room(plan, self, error);
 }
 
 int lx_plan_take_wire(struct lx_plan *plan, const struct lx_plan_section *self,
@@ -128,7 +135,7 @@ int lx_plan_take_wire(struct lx_plan *plan, const struct lx_plan_section *self,
     }
     plan->wires[at].line = self->line;
     plan->wires[at].where_line = where->word == NULL ? 0 : where->word->line;
-    return check_place(plan, self, at, where, error) == 0 ? at : -1;
+    return take_place(plan, self, at, where, error) == 0 ? at : -1;
 }
 
 int lx_plan_take_trace(struct lx_plan *plan, const struct lx_plan_setting *row, int wire,
@@ -142,14 +149,16 @@ int lx_plan_take_trace(struct lx_plan *plan, const struct lx_plan_setting *row, 
     if (lx_plan_take_path(plan, row->value, to, error) != 0) {
         return -1;
     }
-    for (int i = 0; i < wire; i++) {
-        if (plan->wires[i].trace != NULL && strcmp(plan->wires[i].trace, *to) == 0) {
-            return lx_plan_wrong_word(plan, row, error, "another file is right",
-                                      "%s is of the wire in line %u already", row->value,
-                                      plan->wires[i].line);
-        }
+    const struct lx_plan_name name = {.list = LX_PLAN_TRACE, .text = *to};
+    const int same = lx_plan_names_find(&plan->names, &name);
+    if (same >= 0) {
+        return lx_plan_wrong_word(plan, row, error, "another file is right",
+                                  "%s is of the wire in line %u already", row->value,
+                                  plan->wires[same].line);
     }
-    return 0;
+    return lx_plan_names_add(&plan->names, &name, wire) == 0
+               ? 0
+               : lx_fail(error, "no memory for %s", row->value);
 }
 
 /* The keys of a bus of this kind. */

@@ -3,22 +3,20 @@
 #define _GNU_SOURCE
 #include "plan_section.h"
 
+#include <limits.h>
 #include <string.h>
-#include <strings.h>
 
 #include "wire.h"
 
 /* The shaft of encoders in a file without one. */
 #define DEFAULT_SHAFT "main"
 
-static const struct lx_plan_encoder *find_encoder(const struct lx_plan *plan, const char *name)
+/* The encoder that has this name of a list; NULL: none. */
+static const struct lx_plan_encoder *holder(const struct lx_plan *plan,
+                                            const struct lx_plan_name *name)
 {
-    for (size_t i = 0; i < plan->encoder_count; i++) {
-        if (strcasecmp(plan->encoders[i].name, name) == 0) {
-            return &plan->encoders[i];
-        }
-    }
-    return NULL;
+    const int at = lx_plan_names_find(&plan->names, name);
+    return at < 0 ? NULL : &plan->encoders[at];
 }
 
 /* Whoever mistyped `model` has it in another line. @return the word, or NULL */
@@ -71,17 +69,6 @@ static int take_shaft_of(struct lx_plan *plan, const struct lx_plan_section *sel
                                            "no shaft %s so far", row->value);
 }
 
-/* A private wire has the line of its encoder, a bus one of its own. */
-static bool is_bus(const struct lx_plan *plan, int wire)
-{
-    for (size_t i = 0; i < plan->encoder_count; i++) {
-        if (plan->encoders[i].line == plan->wires[wire].line) {
-            return false;
-        }
-    }
-    return true;
-}
-
 static int no_plug(const struct lx_plan *plan, const struct lx_plan_setting *row,
                    const struct lx_wire *kind, const struct dg_device *model,
                    struct lx_error *error)
@@ -94,37 +81,30 @@ static int no_plug(const struct lx_plan *plan, const struct lx_plan_setting *row
 }
 
 /* Whether the others on the wire, if any, speak what `model` speaks. */
-static bool same_stack(const struct lx_plan *plan, int wire, const struct dg_device *model)
+static bool same_stack(const struct lx_plan *plan, const struct lx_plan_wire *wire,
+                       const struct dg_device *model)
 {
-    for (size_t i = 0; i < plan->encoder_count; i++) {
-        if (plan->encoders[i].wire == (size_t)wire &&
-            plan->encoders[i].model->stack != model->stack) {
-            return false;
-        }
-    }
-    return true;
+    return wire->encoder_count == 0 ||
+           plan->encoders[wire->first_encoder].model->stack == model->stack;
 }
 
 static int use_bus(const struct lx_plan *plan, const struct lx_plan_setting *row,
                    const struct dg_device *model, struct lx_error *error)
 {
-    const int wire = lx_plan_find_wire(plan, row->value);
-    size_t stations = 0;
-    if (wire < 0 || !is_bus(plan, wire)) {
+    const int at = lx_plan_find_wire(plan, row->value);
+    if (at < 0 || plan->wires[at].is_private) {
         return lx_plan_wrong_word(plan, row, error, "the NAME of a [bus] above is right",
                                   "no bus %s so far", row->value);
     }
-    const struct lx_wire *kind = plan->wires[wire].kind;
-    for (size_t i = 0; i < plan->encoder_count; i++) {
-        stations += plan->encoders[i].wire == (size_t)wire ? 1u : 0u;
-    }
+    const struct lx_plan_wire *wire = &plan->wires[at];
+    const struct lx_wire *kind = wire->kind;
     if (!lx_wire_carries(kind, lx_stack_of(model)) || !same_stack(plan, wire, model)) {
         return no_plug(plan, row, kind, model, error);
     }
-    return stations < kind->stations_max ? wire
-                                         : lx_plan_wrong_word(plan, row, error, "no more are right",
-                                                              "%s has %lu encoders already",
-                                                              row->value, (unsigned long)stations);
+    return wire->encoder_count < kind->stations_max
+               ? at
+               : lx_plan_wrong_word(plan, row, error, "no more are right",
+                                    "%s has %zu encoders already", row->value, wire->encoder_count);
 }
 
 /* KIND or KIND:ADDRESS. */
@@ -145,7 +125,11 @@ static int make_wire(struct lx_plan *plan, const struct lx_plan_section *self,
     if (!lx_wire_carries(kind, lx_stack_of(model))) {
         return no_plug(plan, row, kind, model, error);
     }
-    return lx_plan_take_wire(plan, self, kind, &where, error);
+    const int at = lx_plan_take_wire(plan, self, kind, &where, error);
+    if (at >= 0) {
+        plan->wires[at].is_private = true;
+    }
+    return at;
 }
 
 /* None, or two of them. */
@@ -198,24 +182,35 @@ static struct lx_words text_of(const struct lx_plan_encoder *encoder)
     return text;
 }
 
+/* A number for each wire and address. */
+static struct lx_plan_name number_name(const struct lx_plan_encoder *self)
+{
+    return (struct lx_plan_name){
+        .list = LX_PLAN_NUMBER,
+        .scope = self->wire << CHAR_BIT | (size_t)(number_of(self) & UCHAR_MAX),
+        .text = "",
+    };
+}
+
 /* `row` gives the number; NULL: it is as delivered. */
-static int check_number(const struct lx_plan *plan, const struct lx_plan_section *section,
+static int check_number(struct lx_plan *plan, const struct lx_plan_section *section,
                         const struct lx_plan_encoder *self, const struct lx_plan_setting *row,
                         struct lx_error *error)
 {
     const char *key = lx_stack_of(self->model)->address.key;
-    for (const struct lx_plan_encoder *other = plan->encoders; key != NULL && other < self;
-         other++) {
-        if (other->wire == self->wire && number_of(other) == number_of(self)) {
-            struct lx_words right = {""};
-            lx_words_add(&right, "%s = N with another one is right", key);
-            (void)lx_refuse(error, right.text, "%s%s is %s of [encoder %s] already",
-                            row == NULL ? "as delivered " : "",
-                            row == NULL ? text_of(self).text : row->value, key, other->name);
-            return lx_plan_refuse_key(plan, key, row == NULL ? section->line : row->line, error);
-        }
+    const struct lx_plan_name name = number_name(self);
+    const struct lx_plan_encoder *other = key == NULL ? NULL : holder(plan, &name);
+    if (other != NULL) {
+        struct lx_words right = {""};
+        lx_words_add(&right, "%s = N with another one is right", key);
+        (void)lx_refuse(error, right.text, "%s%s is %s of [encoder %s] already",
+                        row == NULL ? "as delivered " : "",
+                        row == NULL ? text_of(self).text : row->value, key, other->name);
+        return lx_plan_refuse_key(plan, key, row == NULL ? section->line : row->line, error);
     }
-    return 0;
+    return lx_plan_names_add(&plan->names, &name, (int)(self - plan->encoders)) == 0
+               ? 0
+               : lx_plan_no_room(plan, section, error);
 }
 
 static int refuse_number(const struct lx_plan *plan, const struct lx_plan_setting *row,
@@ -264,14 +259,15 @@ static int take_nvm(struct lx_plan *plan, const struct lx_plan_setting *row,
     if (lx_plan_take_path(plan, row->value, &encoder->nvm, error) != 0) {
         return -1;
     }
-    for (size_t i = 0; i < plan->encoder_count; i++) {
-        const struct lx_plan_encoder *other = &plan->encoders[i];
-        if (other != encoder && other->nvm != NULL && strcmp(other->nvm, encoder->nvm) == 0) {
-            return lx_plan_wrong_word(plan, row, error, "another file is right",
-                                      "%s is of [encoder %s] already", row->value, other->name);
-        }
+    const struct lx_plan_name name = {.list = LX_PLAN_MEMORY, .text = encoder->nvm};
+    const struct lx_plan_encoder *other = holder(plan, &name);
+    if (other != NULL) {
+        return lx_plan_wrong_word(plan, row, error, "another file is right",
+                                  "%s is of [encoder %s] already", row->value, other->name);
     }
-    return 0;
+    return lx_plan_names_add(&plan->names, &name, (int)(encoder - plan->encoders)) == 0
+               ? 0
+               : lx_fail(error, "no memory for %s", row->value);
 }
 
 /* On a private wire its own keys may be set here, too. */
@@ -302,7 +298,8 @@ static int take_settings(struct lx_plan *plan, const struct lx_plan_section *sel
 int lx_plan_take_encoder(struct lx_plan *plan, const struct lx_plan_section *self,
                          struct lx_error *error)
 {
-    const struct lx_plan_encoder *same = find_encoder(plan, self->name);
+    const struct lx_plan_encoder *same =
+        holder(plan, &(struct lx_plan_name){.list = LX_PLAN_ENCODER, .text = self->name});
     const struct lx_plan_setting *serial = lx_plan_word(self, "serial");
     if (same != NULL) {
         return lx_plan_taken(plan, self, same->line, error);

@@ -206,21 +206,11 @@ static int on_word(void *ctx, const char *section, const char *key, const char *
 
 /* --- the whole file --- */
 
-static const struct lx_plan_encoder *encoder_on(const struct lx_plan *plan, size_t wire)
-{
-    for (size_t i = 0; i < plan->encoder_count; i++) {
-        if (plan->encoders[i].wire == wire) {
-            return &plan->encoders[i];
-        }
-    }
-    return NULL;
-}
-
 /* What only the end of the file tells. */
 static int check_whole(const struct lx_plan *plan, struct lx_error *error)
 {
     for (size_t i = 0; i < plan->wire_count; i++) {
-        if (encoder_on(plan, i) == NULL) {
+        if (plan->wires[i].encoder_count == 0) {
             struct lx_words right = {""};
             lx_words_add(&right, "bus = %s in an [encoder NAME] is right, or no such bus",
                          plan->wires[i].name);

@@ -107,10 +107,9 @@ int lx_plan_wrong_line(const struct lx_plan *plan, lx_line_number line, struct l
 int lx_plan_no_room(const struct lx_plan *plan, const struct lx_plan_section *section,
                     struct lx_error *error)
 {
-    struct lx_words right = {""};
-    lx_words_add(&right, "%u shafts, %u buses and private wires, %u encoders at most are right",
-                 LX_PLAN_SHAFTS_MAX, LX_PLAN_WIRES_MAX, LX_PLAN_ENCODERS_MAX);
-    return lx_plan_wrong_section(plan, section, error, right.text, "no memory, or too many");
+    return lx_plan_wrong_section(plan, section, error,
+                                 "fewer shafts, buses and encoders, or more memory, is right",
+                                 "no memory for one more");
 }
 
 int lx_plan_taken(const struct lx_plan *plan, const struct lx_plan_section *section,

@@ -84,7 +84,7 @@ int lx_plan_wrong_line(const struct lx_plan *plan, lx_line_number line, struct l
                        const char *right, const char *format, ...)
     __attribute__((format(printf, 5, 6)));
 
-/** Errors: the plan takes no more; line `by` has the name already. @return -1 */
+/** Errors: there is no memory for more; line `by` has the name already. @return -1 */
 int lx_plan_no_room(const struct lx_plan *plan, const struct lx_plan_section *section,
                     struct lx_error *error);
 int lx_plan_taken(const struct lx_plan *plan, const struct lx_plan_section *section,

@@ -4,7 +4,6 @@
 #include "plan_section.h"
 
 #include <string.h>
-#include <strings.h>
 
 #include "drehgeber/shaft.h"
 #include "figure.h"
@@ -12,12 +11,8 @@
 
 int lx_plan_find_shaft(const struct lx_plan *plan, const char *name)
 {
-    for (size_t i = 0; i < plan->shaft_count; i++) {
-        if (strcasecmp(plan->shafts[i].name, name) == 0) {
-            return (int)i;
-        }
-    }
-    return -1;
+    return lx_plan_names_find(&plan->names,
+                              &(struct lx_plan_name){.list = LX_PLAN_SHAFT, .text = name});
 }
 
 /* One number of a ratio up to `end`. */

@@ -86,18 +86,23 @@ static void make_station(struct lx_rig *self, size_t index)
     self->control.encoders[index] = &station->control;
 }
 
-/* The encoders of a wire in the order of the plan. @return false without memory */
-static bool gather(struct lx_rig *self, struct lx_rig_wire *wire, size_t index)
+/* The encoders of each wire in the order of the plan. @return false without memory */
+static bool gather(struct lx_rig *self)
 {
     const struct lx_plan *plan = self->setup.plan;
-    wire->stations = calloc(plan->encoder_count, sizeof(struct lx_station *));
-    for (size_t i = 0; wire->stations != NULL && i < plan->encoder_count; i++) {
-        if (plan->encoders[i].wire == index) {
-            self->stations[i].place = wire->count;
-            wire->stations[wire->count++] = &self->stations[i];
+    for (size_t i = 0; i < plan->wire_count; i++) {
+        struct lx_rig_wire *wire = &self->wires[i];
+        wire->stations = calloc(plan->wires[i].encoder_count, sizeof(struct lx_station *));
+        if (wire->stations == NULL) {
+            return false;
         }
     }
-    return wire->stations != NULL;
+    for (size_t i = 0; i < plan->encoder_count; i++) {
+        struct lx_rig_wire *wire = &self->wires[plan->encoders[i].wire];
+        self->stations[i].place = wire->count;
+        wire->stations[wire->count++] = &self->stations[i];
+    }
+    return true;
 }
 
 static int make_wire(struct lx_rig *self, size_t index, struct lx_error *error)
@@ -105,9 +110,6 @@ static int make_wire(struct lx_rig *self, size_t index, struct lx_error *error)
     struct lx_rig_wire *wire = &self->wires[index];
     wire->rig = self;
     wire->plan = &self->setup.plan->wires[index];
-    if (!gather(self, wire, index)) {
-        return lx_fail(error, "no memory for the wires");
-    }
     const struct lx_bus_setup setup = {
         .event = self->setup.event,
         .say = self->setup.say,
@@ -153,6 +155,10 @@ static enum lx_rig_result make(struct lx_rig *self, struct lx_error *error)
     }
     for (size_t i = 0; i < self->setup.plan->encoder_count; i++) {
         make_station(self, i);
+    }
+    if (!gather(self)) {
+        (void)lx_fail(error, "no memory for the wires");
+        return LX_RIG_WORLD;
     }
     for (size_t i = 0; i < self->setup.plan->wire_count; i++) {
         if (make_wire(self, i, error) != 0) {

@@ -12,7 +12,7 @@
 
 #include <cmocka.h>
 
-#include "plan.h"
+#include "plan_section.h"
 #include "wire.h"
 
 #define FILE_NAME "rig.ini"
@@ -419,17 +419,55 @@ static void files_that_are_none(void **state)
     assert_refused("sub", NULL, 0, "sub: cannot read: Is a directory");
 }
 
-static void too_many(void **state)
+/* As many as there is memory for, each of them known by its name. */
+static void many(void **state)
 {
-    char text[32 * (LX_PLAN_SHAFTS_MAX + 1)] = "";
+    enum { COUNT = 3000 };
+    char *text = malloc(COUNT * 160u);
+    struct lx_plan plan;
+    struct lx_error error = {.right = ""};
     size_t n = 0;
     (void)state;
-    for (unsigned i = 0; i <= LX_PLAN_SHAFTS_MAX; i++) {
-        n += (size_t)snprintf(text + n, sizeof text - n, "[shaft s%u]\n", i);
+    assert_non_null(text);
+    for (unsigned i = 0; i < COUNT; i++) {
+        n += (size_t)snprintf(text + n, 160, "[shaft s%u]\n", i);
     }
-    assert_refused(FILE_NAME, text, n,
-                   FILE_NAME ":257: [shaft s256]: no memory, or too many; 256 shafts, 256 buses "
-                             "and private wires, 1024 encoders at most are right");
+    for (unsigned i = 0; i < COUNT; i++) {
+        n += (size_t)snprintf(text + n, 160,
+                              "[encoder e%u]\nmodel = s3684-rs485\nwire = pty:l%u\nnvm = n%u\n"
+                              "shaft = S%u\n",
+                              i, i, i, COUNT - 1u - i);
+    }
+    write_bytes(FILE_NAME, text, n);
+    free(text);
+    assert_int_equal(lx_plan_read(&plan, FILE_NAME, &error), 0);
+    assert_int_equal(plan.encoder_count, COUNT);
+    for (unsigned i = 0; i < COUNT; i++) {
+        char name[16];
+        (void)snprintf(name, sizeof name, "E%u", i);
+        assert_int_equal(plan.encoders[i].shaft, COUNT - 1u - i);
+        assert_int_equal(lx_plan_find_wire(&plan, name), i);
+    }
+    lx_plan_free(&plan);
+}
+
+/* The very name goes before one where '-' stands for '_'. */
+static void encoders_by_name(void **state)
+{
+    static const char *const names[] = {"a-b", "A_b", "c-d", "c_e"};
+    struct lx_plan plan = {.file = NULL};
+    (void)state;
+    assert_int_equal(lx_plan_add_wire(&plan, "w", lx_wire_find("can", 3), "vcan0"), 0);
+    for (int i = 0; i < 4; i++) {
+        assert_int_equal(lx_plan_add_encoder(&plan, names[i], dg_device_find("f3668"), 0, 0), i);
+    }
+    assert_int_equal(lx_plan_find_encoder(&plan, "A-B"), 0);
+    assert_int_equal(lx_plan_find_encoder(&plan, "a_b"), 1);
+    assert_int_equal(lx_plan_find_encoder(&plan, "C_D"), 2);
+    assert_int_equal(lx_plan_find_encoder(&plan, "c-e"), 3);
+    assert_int_equal(lx_plan_find_encoder(&plan, "c-"), -1);
+    assert_int_equal(lx_plan_find_encoder(&plan, "c-ee"), -1);
+    lx_plan_free(&plan);
 }
 
 /* From the command line there are no lines. */
@@ -482,7 +520,8 @@ int main(void)
         cmocka_unit_test(what_is_wrong_and_where),
         cmocka_unit_test(lines_that_are_none),
         cmocka_unit_test(files_that_are_none),
-        cmocka_unit_test(too_many),
+        cmocka_unit_test(many),
+        cmocka_unit_test(encoders_by_name),
         cmocka_unit_test(without_a_file),
         cmocka_unit_test(wires),
     };
