@@ -48,7 +48,7 @@ struct lx_nvm_writer {
     sd_event *event;
     void (*settled)(void *ctx);
     void *ctx;
-    struct lx_nvm_queue *queues;
+    struct lx_nvm_queue *open; /* queues with a sync that is not known to be through */
     uint64_t issued;
     bool runs;
     pthread_t thread;
@@ -60,6 +60,7 @@ struct lx_nvm_writer {
     /* what the thread looks at, too */
     struct lx_nvm_queue *first; /* in line */
     struct lx_nvm_queue *last;
+    struct lx_nvm_queue *news;         /* queues that have some, the latest first */
     const struct lx_nvm_queue *served; /* its part is being carried out, since */
     dg_ns began;
     bool ends;
@@ -179,10 +180,14 @@ static void succeed(struct lx_nvm_queue *queue, struct lx_nvm_job *last)
     }
 }
 
-static void tell_loop(const struct lx_nvm_writer *self, struct lx_nvm_queue *queue)
+static void tell_loop(struct lx_nvm_writer *self, struct lx_nvm_queue *queue)
 {
     const uint64_t one = 1;
-    queue->news = true;
+    if (!queue->news) {
+        queue->news = true;
+        queue->tells = self->news;
+        self->news = queue;
+    }
     const ssize_t written = write(self->wake, &one, sizeof one);
     (void)written; /* it cannot overflow, and else it is readable already */
 }
@@ -307,6 +312,33 @@ static void wait_a_moment(const struct lx_nvm_queue *self)
     }
 }
 
+/* Whoever waits for syncs asks these. */
+static void note_open(struct lx_nvm_queue *self)
+{
+    struct lx_nvm_writer *writer = self->setup.writer;
+    if (self->open != NULL) {
+        return;
+    }
+    self->later = writer->open;
+    if (self->later != NULL) {
+        self->later->open = &self->later;
+    }
+    self->open = &writer->open;
+    writer->open = self;
+}
+
+static void note_through(struct lx_nvm_queue *self)
+{
+    if (self->open == NULL) {
+        return;
+    }
+    *self->open = self->later;
+    if (self->later != NULL) {
+        self->later->open = self->open;
+    }
+    self->open = NULL;
+}
+
 /* With the lock. Behind others that are under way the moment has been taken already. */
 static int issue(struct lx_nvm_queue *self, struct lx_nvm_job *job)
 {
@@ -321,7 +353,10 @@ static int issue(struct lx_nvm_queue *self, struct lx_nvm_job *job)
         self->issued = self->done; /* nobody has been told yes */
         return refuse(self);
     }
-    self->waits += alone && self->done != self->issued ? 1u : 0u;
+    if (self->done != self->issued) {
+        note_open(self);
+        self->waits += alone ? 1u : 0u;
+    }
     return DG_OK;
 }
 
@@ -351,18 +386,24 @@ static const struct dg_nvm_ops queue_ops = {
 
 /* --- the loop's side --- */
 
-/* @return whether there is anything new of this queue */
-static bool take_news(struct lx_nvm_queue *self)
+/* @return a queue that has news, and has it no more; NULL: none has */
+static struct lx_nvm_queue *take_news(struct lx_nvm_writer *self)
 {
-    struct lx_nvm_writer *writer = self->setup.writer;
-    (void)pthread_mutex_lock(&writer->lock);
-    const bool news = self->news;
-    struct lx_nvm_jobs spent = self->spent;
-    self->news = false;
-    self->spent = (struct lx_nvm_jobs){NULL, NULL};
-    (void)pthread_mutex_unlock(&writer->lock);
+    struct lx_nvm_jobs spent = {NULL, NULL};
+    (void)pthread_mutex_lock(&self->lock);
+    struct lx_nvm_queue *queue = self->news;
+    if (queue != NULL) {
+        self->news = queue->tells;
+        queue->news = false;
+        spent = queue->spent;
+        queue->spent = (struct lx_nvm_jobs){NULL, NULL};
+        if (queue->done == queue->issued) {
+            note_through(queue);
+        }
+    }
+    (void)pthread_mutex_unlock(&self->lock);
     free_all(&spent);
-    return news;
+    return queue;
 }
 
 static int on_wake(sd_event_source *source, int fd, uint32_t events, void *ctx)
@@ -373,8 +414,8 @@ static int on_wake(sd_event_source *source, int fd, uint32_t events, void *ctx)
     (void)taken;
     (void)source;
     (void)events;
-    for (struct lx_nvm_queue *queue = self->queues; queue != NULL; queue = queue->next) {
-        if (take_news(queue) && queue->setup.settled != NULL) {
+    for (struct lx_nvm_queue *queue = take_news(self); queue != NULL; queue = take_news(self)) {
+        if (queue->setup.settled != NULL) {
             queue->setup.settled(queue->setup.ctx, lx_now());
         }
     }
@@ -476,8 +517,8 @@ uint64_t lx_nvm_writer_ticket(const struct lx_nvm_writer *self)
 enum lx_nvm_state lx_nvm_writer_state(struct lx_nvm_writer *self, uint64_t after, uint64_t ticket)
 {
     enum lx_nvm_state worst = LX_NVM_THROUGH;
-    for (struct lx_nvm_queue *queue = self == NULL ? NULL : self->queues; queue != NULL;
-         queue = queue->next) {
+    for (struct lx_nvm_queue *queue = self == NULL ? NULL : self->open; queue != NULL;
+         queue = queue->later) {
         if (queue->issued > after) {
             const uint64_t own = queue->issued < ticket ? queue->issued : ticket;
             const enum lx_nvm_state state = lx_nvm_queue_state(queue, own);
@@ -507,10 +548,20 @@ int lx_nvm_queue_open(struct lx_nvm_queue *self, const struct lx_nvm_queue_setup
         *self = (struct lx_nvm_queue){.bytes = NULL};
         return lx_fail(error, "no memory for an EEPROM");
     }
-    self->next = setup->writer->queues;
-    setup->writer->queues = self;
     *nvm = (struct dg_nvm){&queue_ops, self};
     return 0;
+}
+
+/* With the lock: nobody hears of it any more. */
+static void forget_news(const struct lx_nvm_queue *self)
+{
+    struct lx_nvm_queue **at = &self->setup.writer->news;
+    while (self->news && *at != self) {
+        at = &(*at)->tells;
+    }
+    if (self->news) {
+        *at = self->tells;
+    }
 }
 
 static void drain(struct lx_nvm_queue *self)
@@ -523,19 +574,17 @@ static void drain(struct lx_nvm_queue *self)
     while (self->lined_up) {
         (void)pthread_cond_wait(&writer->progress, &writer->lock);
     }
+    forget_news(self);
     (void)pthread_mutex_unlock(&writer->lock);
 }
 
 void lx_nvm_queue_close(struct lx_nvm_queue *self)
 {
-    struct lx_nvm_queue **at = NULL;
     if (self->bytes == NULL) {
         return;
     }
     drain(self);
-    for (at = &self->setup.writer->queues; *at != self; at = &(*at)->next) {
-    }
-    *at = self->next;
+    note_through(self);
     free_all(&self->jobs);
     free_all(&self->spent);
     free(self->bytes);

@@ -64,11 +64,12 @@ struct lx_nvm_queue_setup {
 /** A device's memory in front of its file. All zero: not open. Not to be moved while it is. */
 struct lx_nvm_queue {
     struct lx_nvm_queue_setup setup;
-    uint8_t *bytes;            /**< owned: what the device reads */
-    struct lx_nvm_queue *next; /**< of the writer's */
-    uint64_t issued;           /**< ticket of the last sync */
-    uint64_t known;            /**< ... of the last one that an answer was said or dropped for */
-    uint32_t waits;            /**< syncs that took longer than a moment */
+    uint8_t *bytes;             /**< owned: what the device reads */
+    struct lx_nvm_queue *later; /**< of those with a sync that is not known to be through, */
+    struct lx_nvm_queue **open; /**< ... and what points to this one; NULL: it is not among them */
+    uint64_t issued;            /**< ticket of the last sync */
+    uint64_t known;             /**< ... of the last one that an answer was said or dropped for */
+    uint32_t waits;             /**< syncs that took longer than a moment */
     /* what the thread looks at, too */
     struct lx_nvm_queue *behind; /**< in the line for the thread */
     struct lx_nvm_jobs jobs;     /**< to be done; those that failed are at the front */
@@ -76,7 +77,8 @@ struct lx_nvm_queue {
     uint64_t done;               /**< ticket of the last sync that is through */
     bool lined_up;               /**< in the line, or being served */
     bool stalled;                /**< the first job failed */
-    bool news;                   /**< for settled() */
+    struct lx_nvm_queue *tells;  /**< of those with news for settled(), the next one */
+    bool news;                   /**< it is among them */
 };
 
 /**
