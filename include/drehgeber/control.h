@@ -31,6 +31,16 @@ struct dg_rig_shaft {
     void *host; /**< the host's own */
 };
 
+/** An encoder's place among those of a rig that wait for the end of a fault; all zero: it does not.
+ * dg_rig_watch()'s and dg_rig_step()'s own. */
+struct dg_rig_wait {
+    dg_ns until;
+    struct dg_encoder *child;  /**< a pairing heap: the first child, who waits no shorter, */
+    struct dg_encoder *next;   /**< the next one of the same parent, */
+    struct dg_encoder *before; /**< and the one before it, or the parent */
+    bool waits;
+};
+
 /** An encoder as an instrument. The host fills it; names and pointers must outlive it. */
 struct dg_encoder {
     const char *name; /**< unique in the rig: letters, digits, '_', '-'; not case sensitive */
@@ -46,6 +56,7 @@ struct dg_encoder {
                            dg_biss_port_ops; NULL: it has nothing for them */
     void *port_ctx;   /**< handed to it */
     void *host;       /**< the host's own */
+    struct dg_rig_wait wait; /**< all zero to begin with */
 };
 
 struct dg_rig;
@@ -80,6 +91,16 @@ struct dg_rig_ops {
     uint32_t (*scale)(struct dg_rig *self);
     /** Let `span` pass. @return as above */
     int (*step)(struct dg_rig *self, dg_ns span, char *detail);
+    /** Before somebody reads what `encoder` and its wire have come to, or changes power, world or
+     * faults of it: let it be what it is at `now`. May be asked again. NULL: it always is. */
+    void (*look)(struct dg_rig *self, struct dg_encoder *encoder, dg_ns now);
+    /** `shaft` is about to turn otherwise from `now` on, and with it those that it drives; then it
+     * does. NULL: nobody minds before it does, and changed() hears of it then. */
+    void (*turns)(struct dg_rig *self, struct dg_rig_shaft *shaft, dg_ns now);
+    void (*turned)(struct dg_rig *self, struct dg_rig_shaft *shaft, dg_ns now);
+    /** The index of the encoder called `name`, case aside, else of the first one where '-' and '_'
+     * are the same; encoder_count: there is none. NULL: all are looked through. */
+    size_t (*find)(struct dg_rig *self, const char *name);
 };
 
 /** A rig: what all sessions work on. Caller-owned; arrays and names are borrowed. */
@@ -92,7 +113,8 @@ struct dg_rig {
     size_t instrument_count;
     dg_ns origin; /**< TIME? counts from here: when the rig began */
     const struct dg_rig_ops *ops;
-    void *host; /**< the host's own */
+    void *host;               /**< the host's own */
+    struct dg_encoder *waits; /**< the one whose wait ends first; NULL to begin with */
 };
 
 /** The commands that all rigs have; those of its instruments come behind them. */
@@ -114,6 +136,10 @@ DG_API void dg_control_init(struct dg_control *self, struct dg_rig *rig,
 /** As dg_scpi_rx() and dg_scpi_step(). */
 DG_API size_t dg_control_rx(struct dg_control *self, dg_ns now, const char *bytes, size_t n);
 DG_API dg_ns dg_control_step(struct dg_control *self, dg_ns now);
+
+/** Faults of `encoder` were set with a duration, other than by a command: dg_rig_step() looks after
+ * that. */
+DG_API void dg_rig_watch(struct dg_rig *self, struct dg_encoder *encoder);
 
 /** End faults whose time is over, of all encoders. @return when to call again; DG_NEVER */
 DG_API dg_ns dg_rig_step(struct dg_rig *self, dg_ns now);

@@ -14,10 +14,13 @@ void control_encoders(struct dg_scpi *self)
 }
 
 /* `a_b` without quotes is "a-b", unless there is an encoder of that name. */
-static size_t find_encoder(const struct dg_rig *rig, const char *name)
+static size_t find_encoder(struct dg_rig *rig, const char *name)
 {
     size_t found = rig->encoder_count;
 
+    if (rig->ops->find != NULL) {
+        return rig->ops->find(rig, name);
+    }
     for (size_t i = 0; i < rig->encoder_count; i++) {
         const char *other = rig->encoders[i]->name;
         if (dg_text_same(other, name, SIZE_MAX, dg_text_upper)) {
@@ -32,7 +35,7 @@ static size_t find_encoder(const struct dg_rig *rig, const char *name)
 
 void control_select(struct dg_scpi *self)
 {
-    const struct dg_rig *rig = control_rig_of(self);
+    struct dg_rig *rig = control_rig_of(self);
     char name[CONTROL_NAME_MAX];
     char detail[CONTROL_DETAIL_SIZE];
 

@@ -29,15 +29,29 @@ static struct dg_rig_shaft *shaft_of(const struct dg_scpi *self)
     return dg_control_selected(self)->shaft;
 }
 
+/* The shaft, which the command at hand turns otherwise. */
+static struct dg_rig_shaft *shaft_to_turn(const struct dg_scpi *self)
+{
+    struct dg_rig *rig = control_rig_of(self);
+    struct dg_rig_shaft *shaft = shaft_of(self);
+
+    if (rig->ops->turns != NULL) {
+        rig->ops->turns(rig, shaft, self->now);
+    }
+    return shaft;
+}
+
 /* What a command to the shaft gave. */
 static void turned(struct dg_scpi *self, int result)
 {
     struct dg_rig *rig = control_rig_of(self);
 
-    if (result == DG_OK) {
-        rig->ops->changed(rig, NULL, self->now);
-    } else {
+    if (result != DG_OK) {
         dg_scpi_raise(self, DG_SCPI_CONFLICT, "a geared shaft is turned by its driver");
+    } else if (rig->ops->turned != NULL) {
+        rig->ops->turned(rig, shaft_of(self), self->now);
+    } else {
+        rig->ops->changed(rig, NULL, self->now);
     }
 }
 
@@ -60,7 +74,7 @@ void control_set_position(struct dg_scpi *self)
     int64_t angle;
 
     if (dg_scpi_number(self, &angles, &angle)) {
-        turned(self, dg_shaft_set_position(&shaft_of(self)->shaft, self->now, angle));
+        turned(self, dg_shaft_set_position(&shaft_to_turn(self)->shaft, self->now, angle));
     }
 }
 
@@ -80,7 +94,7 @@ void control_set_velocity(struct dg_scpi *self)
     int64_t mrpm;
 
     if (dg_scpi_number(self, &speeds, &mrpm)) {
-        turned(self, dg_shaft_set_velocity(&shaft_of(self)->shaft, self->now, (int32_t)mrpm));
+        turned(self, dg_shaft_set_velocity(&shaft_to_turn(self)->shaft, self->now, (int32_t)mrpm));
     }
 }
 
@@ -94,7 +108,7 @@ void control_set_acceleration(struct dg_scpi *self)
     int64_t mrpm_per_s;
 
     if (dg_scpi_number(self, &accelerations, &mrpm_per_s)) {
-        turned(self, dg_shaft_set_acceleration(&shaft_of(self)->shaft, mrpm_per_s));
+        turned(self, dg_shaft_set_acceleration(&shaft_to_turn(self)->shaft, mrpm_per_s));
     }
 }
 
@@ -105,7 +119,7 @@ void control_acceleration(struct dg_scpi *self)
 
 void control_stop(struct dg_scpi *self)
 {
-    turned(self, dg_shaft_set_velocity(&shaft_of(self)->shaft, self->now, 0));
+    turned(self, dg_shaft_set_velocity(&shaft_to_turn(self)->shaft, self->now, 0));
 }
 
 void control_move(struct dg_scpi *self)
@@ -117,7 +131,7 @@ void control_move(struct dg_scpi *self)
         (dg_scpi_more(self) && !dg_scpi_number(self, &ways, &mrpm))) {
         return;
     }
-    turned(self, dg_shaft_move(&shaft_of(self)->shaft, self->now, angle, (int32_t)mrpm));
+    turned(self, dg_shaft_move(&shaft_to_turn(self)->shaft, self->now, angle, (int32_t)mrpm));
 }
 
 void control_moving(struct dg_scpi *self)
@@ -153,7 +167,7 @@ void control_set_profile(struct dg_scpi *self)
         dg_scpi_raise(self, DG_SCPI_MISSING_HARDWARE, NULL);
         return;
     }
-    const int code = rig->ops->profile(rig, shaft_of(self), self->now, text, detail);
+    const int code = rig->ops->profile(rig, shaft_to_turn(self), self->now, text, detail);
     dg_scpi_raise(self, code, detail);
     if (code == DG_SCPI_NO_ERROR) {
         turned(self, DG_OK);

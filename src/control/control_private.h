@@ -49,8 +49,8 @@ void control_put_none(struct dg_scpi *self, size_t count);
 const struct dg_fault_row *control_row(const struct dg_fault_target *target, size_t index);
 /** The quantity at `offset` of the world was set: whatever bent it is over. */
 void control_override(struct dg_faults *self, const struct dg_fault_target *target, size_t offset);
-/** Whether something ends at `now`. */
-bool control_due(const struct dg_faults *self, dg_ns now);
+/** When the first one ends; DG_NEVER. */
+dg_ns control_next_end(const struct dg_faults *self);
 
 /* eeprom_flip.c */
 /** A bit of region `region`, which is flipped. @return 0 or DG_ERR_IO */

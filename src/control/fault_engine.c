@@ -258,30 +258,27 @@ int dg_fault_clear(struct dg_faults *self, const struct dg_fault_target *target,
     return DG_OK;
 }
 
-bool control_due(const struct dg_faults *self, dg_ns now)
+dg_ns control_next_end(const struct dg_faults *self)
 {
+    dg_ns next = DG_NEVER;
+
     for (size_t i = 0; i < DG_FAULTS_MAX; i++) {
-        if (self->fault[i].active && self->fault[i].until <= now) {
-            return true;
+        if (self->fault[i].active) {
+            next = dg_earliest(next, self->fault[i].until);
         }
     }
-    return false;
+    return next;
 }
 
 dg_ns dg_fault_step(struct dg_faults *self, const struct dg_fault_target *target, dg_ns now)
 {
-    dg_ns next = DG_NEVER;
-
     for (size_t i = 0; i < DG_FAULTS_MAX; i++) {
         struct dg_fault *fault = &self->fault[i];
         if (fault->active && fault->until <= now && dg_fault_clear(self, target, i) != DG_OK) {
             fault->until = DG_NEVER;
         }
-        if (fault->active) {
-            next = dg_earliest(next, fault->until);
-        }
     }
-    return next;
+    return control_next_end(self);
 }
 
 bool dg_fault_wire_active(const struct dg_faults *self, enum dg_wire_fault fault)

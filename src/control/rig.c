@@ -41,18 +41,99 @@ int dg_encoder_format(const struct dg_encoder *self)
     return self->model->stack->format(&setup);
 }
 
+/* ------------------------------------------------------------ who waits for the end of a fault */
+
+/* Two heaps become one. */
+static struct dg_encoder *join(struct dg_encoder *a, struct dg_encoder *b)
+{
+    if (a == NULL || b == NULL) {
+        return a == NULL ? b : a;
+    }
+    struct dg_encoder *first = b->wait.until < a->wait.until ? b : a;
+    struct dg_encoder *child = first == a ? b : a;
+
+    child->wait.before = first;
+    child->wait.next = first->wait.child;
+    if (child->wait.next != NULL) {
+        child->wait.next->wait.before = child;
+    }
+    first->wait.child = child;
+    return first;
+}
+
+/* The first of a list, alone. */
+static struct dg_encoder *pop(struct dg_encoder **list)
+{
+    struct dg_encoder *first = *list;
+
+    if (first != NULL) {
+        *list = first->wait.next;
+        first->wait.next = NULL;
+        first->wait.before = NULL;
+    }
+    return first;
+}
+
+/* Children whose parent goes: two by two, then all of these from the last one on. */
+static struct dg_encoder *join_all(struct dg_encoder *list)
+{
+    struct dg_encoder *pairs = NULL;
+    struct dg_encoder *whole = NULL;
+
+    while (list != NULL) {
+        struct dg_encoder *one = pop(&list);
+        struct dg_encoder *pair = join(one, pop(&list));
+        pair->wait.next = pairs;
+        pairs = pair;
+    }
+    while (pairs != NULL) {
+        whole = join(whole, pop(&pairs));
+    }
+    return whole;
+}
+
+static void take_out(struct dg_rig *self, struct dg_encoder *encoder)
+{
+    struct dg_rig_wait *wait = &encoder->wait;
+    struct dg_encoder *children = join_all(wait->child);
+
+    if (self->waits == encoder) {
+        self->waits = children;
+    } else {
+        *(wait->before->wait.child == encoder ? &wait->before->wait.child
+                                              : &wait->before->wait.next) = wait->next;
+        if (wait->next != NULL) {
+            wait->next->wait.before = wait->before;
+        }
+        self->waits = join(self->waits, children);
+    }
+    *wait = (struct dg_rig_wait){.waits = false};
+}
+
+void dg_rig_watch(struct dg_rig *self, struct dg_encoder *encoder)
+{
+    const dg_ns until = control_next_end(&encoder->faults);
+
+    if (encoder->wait.waits) {
+        take_out(self, encoder);
+    }
+    if (until != DG_NEVER) {
+        encoder->wait = (struct dg_rig_wait){.until = until, .waits = true};
+        self->waits = join(self->waits, encoder);
+    }
+}
+
 dg_ns dg_rig_step(struct dg_rig *self, dg_ns now)
 {
-    dg_ns next = DG_NEVER;
-
-    for (size_t i = 0; i < self->encoder_count; i++) {
-        struct dg_encoder *encoder = self->encoders[i];
+    while (self->waits != NULL && self->waits->wait.until <= now) {
+        struct dg_encoder *encoder = self->waits;
         const struct dg_fault_target target = dg_encoder_target(encoder);
-        const bool due = control_due(&encoder->faults, now);
-        next = dg_earliest(next, dg_fault_step(&encoder->faults, &target, now));
-        if (due) {
-            self->ops->changed(self, encoder, now);
+        if (self->ops->look != NULL) {
+            self->ops->look(self, encoder, now);
         }
+        (void)dg_fault_step(&encoder->faults, &target, now);
+        dg_rig_watch(self, encoder);
+        self->ops->changed(self, encoder, now);
     }
-    return next;
+    return self->waits == NULL ? DG_NEVER : self->waits->wait.until;
 }

@@ -13,14 +13,22 @@ struct dg_rig *control_rig_of(const struct dg_scpi *self)
 
 struct dg_encoder *dg_control_selected(const struct dg_scpi *self)
 {
-    return control_rig_of(self)->encoders[self->selected];
+    struct dg_rig *rig = control_rig_of(self);
+    struct dg_encoder *encoder = rig->encoders[self->selected];
+
+    if (rig->ops->look != NULL) {
+        rig->ops->look(rig, encoder, self->now);
+    }
+    return encoder;
 }
 
 void control_changed(struct dg_scpi *self)
 {
     struct dg_rig *rig = control_rig_of(self);
+    struct dg_encoder *encoder = dg_control_selected(self);
 
-    rig->ops->changed(rig, dg_control_selected(self), self->now);
+    dg_rig_watch(rig, encoder);
+    rig->ops->changed(rig, encoder, self->now);
 }
 
 void dg_control_refuse(struct dg_scpi *self, int code, const char *text)

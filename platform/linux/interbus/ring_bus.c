@@ -329,6 +329,7 @@ static void close_bus(struct lx_bus *bus)
 static const struct lx_bus_ops bus_ops = {
     LX_BUS_OPERATIONS,
     .look = look,
+    .turns = look,
 };
 
 /* --- from the plan --- */

@@ -147,6 +147,39 @@ static bool make_room(struct lx_rig *self)
            control->shafts != NULL && control->encoders != NULL;
 }
 
+/* Once for each wire. @return false without memory */
+static bool add_minder(struct lx_rig_shaft *self, struct lx_rig_wire *wire)
+{
+    const size_t n = self->minder_count;
+    if (n > 0 && self->minders[n - 1u] == wire) {
+        return true;
+    }
+    if ((n & (n - 1u)) == 0) { /* full: the capacity is a power of two */
+        struct lx_rig_wire **list =
+            reallocarray(self->minders, n == 0 ? 1u : 2u * n, sizeof(struct lx_rig_wire *));
+        if (list == NULL) {
+            return false;
+        }
+        self->minders = list;
+    }
+    self->minders[self->minder_count++] = wire;
+    return true;
+}
+
+/* The shafts of its encoders, and those that drive them, know of a wire that minds. @return false
+   without memory */
+static bool mind_shafts(struct lx_rig *self, struct lx_rig_wire *wire)
+{
+    const struct lx_plan *plan = self->setup.plan;
+    bool done = true;
+    for (size_t i = 0; wire->bus->ops->turns != NULL && i < wire->count; i++) {
+        for (int at = (int)wire->stations[i]->plan->shaft; at >= 0; at = plan->shafts[at].driver) {
+            done = done && add_minder(&self->shafts[at], wire);
+        }
+    }
+    return done;
+}
+
 static enum lx_rig_result make(struct lx_rig *self, struct lx_error *error)
 {
     const enum lx_rig_result result = make_shafts(self, error);
@@ -163,6 +196,10 @@ static enum lx_rig_result make(struct lx_rig *self, struct lx_error *error)
     for (size_t i = 0; i < self->setup.plan->wire_count; i++) {
         if (make_wire(self, i, error) != 0) {
             return LX_RIG_PLAN;
+        }
+        if (!mind_shafts(self, &self->wires[i])) {
+            (void)lx_fail(error, "no memory for the wires");
+            return LX_RIG_WORLD;
         }
     }
     return LX_RIG_OK;
@@ -250,7 +287,6 @@ static struct lx_server *serve(struct lx_rig *self, const char *where, struct lx
         .rig = &self->control,
         .clock = &self->clock,
         .writer = self->writer,
-        .look = lx_rig_look,
         .enter = enter,
         .settle = lx_rig_settle,
         .ctx = self,
@@ -499,6 +535,7 @@ static int close_shafts(struct lx_rig *self, struct lx_error *error)
             lx_shaft_free(&shaft->motion[n]);
         }
         free(shaft->text);
+        free(shaft->minders);
     }
     return result;
 }

@@ -32,54 +32,57 @@ static int refuse(enum dg_scpi_error code, char *detail, const char *text)
     return code;
 }
 
-/* All wires, and clients that wait, look anew: a shaft or the clock has changed. What is recorded
-   is written as long as the shaft still knows where it was. */
-static void change_all(struct lx_rig *self, dg_ns now)
+static void tell_bus(const struct lx_rig_wire *self, dg_ns now)
 {
-    for (size_t i = 0; i < self->setup.plan->shaft_count; i++) {
-        lx_record_write(self->shafts[i].record, now);
+    if (self->bus->ops->changed != NULL) {
+        self->bus->ops->changed(self->bus, NULL, now);
     }
-    for (size_t i = 0; i < self->setup.plan->wire_count; i++) {
-        struct lx_bus *bus = self->wires[i].bus;
-        if (bus->ops->changed != NULL) {
-            bus->ops->changed(bus, NULL, now);
-        }
+}
+
+/* What is recorded is written as long as the shaft still knows where it was, and clients that wait
+   look anew. */
+static void note_change(struct lx_rig *self, dg_ns now)
+{
+    for (size_t i = 0; self->recorded > 0 && i < self->setup.plan->shaft_count; i++) {
+        lx_record_write(self->shafts[i].record, now);
     }
     for (size_t i = 0; i < LX_PLAN_CONTROLS_MAX; i++) {
         lx_server_wake(self->servers[i]);
     }
 }
 
-void lx_rig_look(void *ctx, dg_ns now)
+/* The clock has changed: for everybody. */
+static void change_all(struct lx_rig *self, dg_ns now)
 {
-    struct lx_rig *self = ctx;
     for (size_t i = 0; i < self->setup.plan->wire_count; i++) {
-        struct lx_bus *bus = self->wires[i].bus;
-        if (bus->ops->look != NULL) {
-            bus->ops->look(bus, now);
-        }
+        tell_bus(&self->wires[i], now);
     }
+    note_change(self, now);
 }
 
 void lx_rig_settle(void *ctx, dg_ns now)
 {
     struct lx_rig *self = ctx;
-    lx_rig_look(self, now);
     const dg_ns next = dg_rig_step(&self->control, now);
     lx_timer_at(&self->faults, lx_clock_real(&self->clock, next));
 }
 
 /* --- encoders --- */
 
+static void look(struct dg_rig *control, struct dg_encoder *encoder, dg_ns now)
+{
+    struct lx_bus *bus = station_of(encoder)->bus;
+    (void)control;
+    if (bus->ops->look != NULL) {
+        bus->ops->look(bus, now);
+    }
+}
+
 /* A fault may have come or gone: the timer comes round at once and finds its duration, which
    cannot be looked for here, as dg_rig_step() may be what calls. */
 static void changed(struct dg_rig *control, struct dg_encoder *encoder, dg_ns now)
 {
     struct lx_rig *self = rig_of(control);
-    if (encoder == NULL) {
-        change_all(self, now);
-        return;
-    }
     struct lx_station *station = station_of(encoder);
     if (station->bus->ops->changed != NULL) {
         station->bus->ops->changed(station->bus, station, now);
@@ -105,7 +108,32 @@ static void counters(struct dg_rig *control, const struct dg_encoder *encoder, s
     }
 }
 
+/* The plan has the names sorted. */
+static size_t find(struct dg_rig *control, const char *name)
+{
+    const int at = lx_plan_find_encoder(rig_of(control)->setup.plan, name);
+    return at < 0 ? control->encoder_count : (size_t)at;
+}
+
 /* --- shafts --- */
+
+static void turns(struct dg_rig *control, struct dg_rig_shaft *shaft, dg_ns now)
+{
+    const struct lx_rig_shaft *self = shaft->host;
+    (void)control;
+    for (size_t i = 0; i < self->minder_count; i++) {
+        self->minders[i]->bus->ops->turns(self->minders[i]->bus, now);
+    }
+}
+
+static void turned(struct dg_rig *control, struct dg_rig_shaft *shaft, dg_ns now)
+{
+    const struct lx_rig_shaft *self = shaft->host;
+    for (size_t i = 0; i < self->minder_count; i++) {
+        tell_bus(self->minders[i], now);
+    }
+    note_change(rig_of(control), now);
+}
 
 static bool borrows(const struct dg_shaft_course *course, const struct lx_shaft *motion)
 {
@@ -196,6 +224,7 @@ static int record(struct dg_rig *control, struct dg_rig_shaft *shaft, dg_ns now,
     struct lx_error error;
     if (path == NULL) {
         const int result = lx_record_close(part->record, now, &error);
+        self->recorded -= part->record != NULL ? 1u : 0u;
         part->record = NULL;
         return result == 0 ? 0 : refuse(DG_SCPI_STORAGE, detail, explain(&error).text);
     }
@@ -211,6 +240,7 @@ static int record(struct dg_rig *control, struct dg_rig_shaft *shaft, dg_ns now,
         .interval = interval,
     };
     part->record = lx_record_open(&setup, now, &error);
+    self->recorded += part->record != NULL ? 1u : 0u;
     return part->record != NULL ? 0 : refuse(DG_SCPI_FILE_ERROR, detail, explain(&error).text);
 }
 
@@ -234,9 +264,7 @@ int lx_rig_trace(struct lx_rig_wire *self, const char *path, struct lx_error *er
 /* Somebody begins to listen to a wire, or ends. */
 static void listened(const struct lx_rig_wire *self)
 {
-    if (self->bus->ops->changed != NULL) {
-        self->bus->ops->changed(self->bus, NULL, lx_clock_now(&self->rig->clock));
-    }
+    tell_bus(self, lx_clock_now(&self->rig->clock));
 }
 
 static int trace(struct dg_rig *control, struct dg_encoder *encoder, const char *path, char *detail)
@@ -341,4 +369,8 @@ const struct dg_rig_ops lx_rig_ops = {
     .set_scale = set_scale,
     .scale = scale,
     .step = step,
+    .look = look,
+    .turns = turns,
+    .turned = turned,
+    .find = find,
 };

@@ -22,9 +22,13 @@
 /** Motions whose points a shaft may borrow: the one in force, the one before, and the next. */
 #define LX_RIG_MOTIONS 3u
 
+struct lx_rig_wire;
+
 /** A shaft. */
 struct lx_rig_shaft {
-    struct dg_rig_shaft control; /**< first: the control plane's */
+    struct dg_rig_shaft control;  /**< first: the control plane's */
+    struct lx_rig_wire **minders; /**< owned: wires that mind how it turns, or what it drives */
+    size_t minder_count;
     struct lx_shaft motion[LX_RIG_MOTIONS];
     char *text; /**< of the motion played last; owned */
     struct lx_record *record;
@@ -66,6 +70,7 @@ struct lx_rig {
     struct lx_folder no_files;
     const struct lx_folder *folder; /**< of the client that is served; NULL: none is */
     bool stands;                    /**< nothing can be refused any more: traces are written */
+    size_t recorded;                /**< shafts that are */
     struct lx_server *servers[LX_PLAN_CONTROLS_MAX];
     char address[LX_BUS_ADDRESS_MAX + 16u]; /**< of the encoder asked for last */
 };
@@ -84,9 +89,6 @@ int lx_rig_play(struct lx_rig_shaft *self, dg_ns now, bool first, const char *te
 
 /** Trace a wire to `path`. @return 0, or -1 with one line in `error` */
 int lx_rig_trace(struct lx_rig_wire *self, const char *path, struct lx_error *error);
-
-/** All wires are what they have come to at `now`. */
-void lx_rig_look(void *ctx, dg_ns now);
 
 /** What is due in all of the rig at `now`, and what is next. */
 void lx_rig_settle(void *ctx, dg_ns now);

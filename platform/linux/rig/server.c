@@ -124,9 +124,12 @@ static void send_output(struct client *client)
    of the connection says that. */
 static void await_writer(struct client *client)
 {
+    if (client->written == 0) {
+        return;
+    }
     const enum lx_nvm_state state =
         lx_nvm_writer_state(client->server->setup.writer, client->written_after, client->written);
-    if (client->written == 0 || state == LX_NVM_PENDING) {
+    if (state == LX_NVM_PENDING) {
         return;
     }
     client->written = 0;
@@ -253,7 +256,6 @@ static dg_ns serve(struct client *client)
     do {
         const dg_ns now = lx_clock_now(clock); /* the client before may have let time pass */
         before = client->input_length;
-        client->server->setup.look(client->server->setup.ctx, now);
         await_writer(client);
         send_output(client);
         (void)go_on(client, now);

@@ -34,8 +34,6 @@ struct lx_server_setup {
     /** Of the EEPROM files: what a client has written is not acknowledged before it is there; NULL:
      * there are none. */
     struct lx_nvm_writer *writer;
-    /** Before commands of a client are done at `now` (the rig's time). */
-    void (*look)(void *ctx, dg_ns now);
     /** A client is served from here on: one over TCP, or one over a socket file. */
     void (*enter)(void *ctx, bool tcp);
     /** After commands of a client were done at `now` (the rig's time): deadlines may have moved. */

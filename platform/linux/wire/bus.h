@@ -57,10 +57,13 @@ struct lx_bus_ops {
     void (*address)(const struct lx_bus *self, const struct lx_station *station, char *to,
                     size_t size);
     /** Before somebody reads what the encoders and the wire have come to, or changes power, worlds,
-     * faults or shafts: be what they are at `now`. Optional: a bus that always is has none. */
+     * faults: be what they are at `now`. Optional: a bus that always is has none. */
     void (*look)(struct lx_bus *self, dg_ns now);
-    /** Power, world or faults of a station have changed (NULL: a shaft, or who listens): deadlines
-     * anew. */
+    /** A shaft of a station is about to turn otherwise at `now`: what was sensed of it so far is to
+     * be known. Then changed() with NULL comes. Optional: most do not mind how shafts turn. */
+    void (*turns)(struct lx_bus *self, dg_ns now);
+    /** Power, world or faults of a station have changed (NULL: the clock, who listens, or a shaft
+     * of a wire that minds): deadlines anew. */
     void (*changed)(struct lx_bus *self, struct lx_station *station, dg_ns now);
     /** STATe?: wire_late, wire_up and counters of its own. */
     void (*counters)(const struct lx_bus *self, const struct lx_station *station,
