@@ -334,6 +334,12 @@ DG_API bool dg_biss_chain_slo(const struct dg_biss_chain *self);
  */
 DG_API uint8_t dg_biss_frame(struct dg_biss *self, dg_ns e1, uint64_t *bits);
 
+/**
+ * `n` whole frames have gone by, with CDM 0, and nobody has looked: afterwards all is as if they
+ * had been clocked, but for the position that was latched last. Not inside of a frame.
+ */
+DG_API void dg_biss_skip(struct dg_biss *self, uint64_t n);
+
 /** What is in a frame behind CDS. */
 struct dg_biss_data {
     uint64_t position;   /**< MT:ST, right-aligned */

@@ -198,6 +198,10 @@ DG_API bool dg_ssi_data(const struct dg_ssi *self);
  */
 DG_API uint8_t dg_ssi_frame(struct dg_ssi *self, dg_ns now, uint64_t *bits);
 
+/** `n` words have gone by, and nobody has looked: each of them counted what `each` says. Not inside
+ * of a word; the one stored last stays. */
+DG_API void dg_ssi_skip(struct dg_ssi *self, const struct dg_ssi_counters *each, uint64_t n);
+
 /**
  * Position at `now`, multiturn and singleturn right-aligned, binary: counts of the angle modulo the
  * width. Regardless of errors and initialisation.

@@ -134,6 +134,14 @@ bool dg_ssi_data(const struct dg_ssi *self)
     return self->data;
 }
 
+void dg_ssi_skip(struct dg_ssi *self, const struct dg_ssi_counters *each, uint64_t n)
+{
+    self->counters.frames += each->frames * (uint32_t)n;
+    self->counters.repeats += each->repeats * (uint32_t)n;
+    self->counters.aborted += each->aborted * (uint32_t)n;
+    self->counters.fast += each->fast * (uint32_t)n;
+}
+
 uint8_t dg_ssi_frame(struct dg_ssi *self, dg_ns now, uint64_t *bits)
 {
     (void)dg_ssi_step(self, now);

@@ -193,6 +193,14 @@ static void read_frame(struct lx_clocked *base, struct lx_clocked_wire *wire)
     lx_biss_frame_end(wire, false);
 }
 
+static void skip(struct lx_clocked *base, uint64_t n)
+{
+    struct lx_biss_line *self = line_of(base);
+    for (uint8_t i = 0; i < self->chain.count; i++) {
+        dg_biss_skip(self->chain.slave[i], n);
+    }
+}
+
 static struct dg_biss_data data_of(const struct lx_clocked *base, size_t encoder)
 {
     const struct lx_biss_line *self = view_of(base);
@@ -247,6 +255,7 @@ static const struct lx_clocked_ops ops = {
     .settle = settle,
     .rises = rises,
     .read = read_frame,
+    .skip = skip,
     .judge = judge,
     .note = note,
     .print = print,

@@ -60,6 +60,9 @@ struct lx_clocked_ops {
     /** The master of a simulated wire reads a frame of all encoders; what it saw stays in `self`.
      * A frame without an answer is counted in `wire`. */
     void (*read)(struct lx_clocked *self, struct lx_clocked_wire *wire);
+    /** `n` frames like the one read last have gone by, and nobody has looked: as if they had been
+     * read. No fault of the line is active. */
+    void (*skip)(struct lx_clocked *self, uint64_t n);
     /** What it made of the frame read last. */
     enum lx_clocked_verdict (*judge)(const struct lx_clocked *self, size_t encoder);
     /** The frame read last in words, for traces. */

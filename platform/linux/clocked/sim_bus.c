@@ -8,6 +8,14 @@
  *   wire   |frame|  |frame|registers.......|frame|
  *
  * Whatever the clock does, each frame is read at its own moment: no deadline can be missed here.
+ *
+ * Frames that nobody can notice are counted and not clocked: when nobody listens, no fault bends
+ * the wire, and nothing has happened for a while, this does not even wake the process. Whoever
+ * looks then sees what he would have seen otherwise:
+ *
+ *   stir                      look                 look
+ *    v                          v                    v
+ *   --x----x----x----o----o----x----o----o----o----x--   x clocked, o counted
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -19,6 +27,8 @@
 
 /* How often the master reads. */
 #define READ_EVERY DG_MS(100)
+/* Frames that are clocked after something has happened, for what takes its time to show. */
+#define STIRRED (3u * READ_EVERY)
 /* Frames that are caught up with after a step or a pause of this process; older ones are left out.
  */
 #define READS_MAX 1000u
@@ -30,6 +40,9 @@ struct sim_bus {
     struct lx_sim_master master;
     struct lx_timer timer;
     dg_ns due;       /* the next frame, by the rig's clock */
+    dg_ns stirred;   /* frames before that are clocked, whoever looks */
+    uint32_t silent; /* of the latest frame: without an answer, */
+    uint64_t bad;    /* ... positions with a wrong check sum */
     uint64_t frames; /* read */
     uint64_t wrong;  /* positions with a wrong check sum */
 };
@@ -44,12 +57,43 @@ static struct sim_bus *sim_of(struct lx_bus *bus)
 static void read_frame(struct sim_bus *self, dg_ns at)
 {
     const struct lx_clocked *line = self->line;
+    const uint32_t silent = self->master.wire.silent;
     lx_sim_master_pause(&self->master, at);
     lx_sim_master_frame(&self->master);
     self->frames++;
+    self->bad = 0;
     for (size_t i = 0; i < line->count; i++) {
-        self->wrong += line->ops->judge(line, i) == LX_CLOCKED_WRONG;
+        self->bad += line->ops->judge(line, i) == LX_CLOCKED_WRONG;
     }
+    self->wrong += self->bad;
+    self->silent = self->master.wire.silent - silent;
+}
+
+/* Frames are counted that are like the latest one. */
+static void skip_frames(struct sim_bus *self, uint64_t n)
+{
+    struct lx_clocked *line = self->line;
+    line->ops->skip(line, n);
+    self->frames += n;
+    self->wrong += n * self->bad;
+    self->master.wire.silent += (uint32_t)n * self->silent;
+    self->due += n * READ_EVERY;
+}
+
+/* Somebody has done something: to the encoders, or by them. */
+static void stir(struct sim_bus *self, dg_ns now)
+{
+    self->stirred = dg_after(dg_after(now, self->line->init), STIRRED);
+}
+
+/* Whether somebody wants each frame, or it may come to something. */
+static bool is_watched(const struct sim_bus *self)
+{
+    bool watched = lx_tap_on(&self->bus.tap);
+    for (size_t i = 0; i < self->bus.setup.count; i++) {
+        watched = watched || self->bus.setup.stations[i]->control.faults.wire != 0;
+    }
+    return watched;
 }
 
 /* Not before the wire is free. */
@@ -58,19 +102,34 @@ static dg_ns next_read(const struct sim_bus *self)
     return self->due > self->master.wire.now ? self->due : self->master.wire.now;
 }
 
+/* Before a frame that is due: the ones that are not clocked. The last one of all is. */
+static void pass_over(struct sim_bus *self, dg_ns now)
+{
+    const dg_ns behind = dg_elapsed(now, self->due) / READ_EVERY;
+    if (is_watched(self)) {
+        self->due += behind > READS_MAX ? (behind - READS_MAX) * READ_EVERY : 0;
+    } else if (self->due >= self->stirred) {
+        skip_frames(self, behind);
+    }
+}
+
+/* Sleep until the next frame, or when nobody could notice it. */
+static void rest(struct sim_bus *self)
+{
+    const dg_ns next = next_read(self);
+    const bool wanted = is_watched(self) || next < self->stirred;
+    lx_timer_at(&self->timer, wanted ? lx_clock_real(self->bus.setup.clock, next) : DG_NEVER);
+}
+
 static void catch_up(struct sim_bus *self)
 {
-    const struct lx_clock *clock = self->bus.setup.clock;
-    const dg_ns now = lx_clock_now(clock);
-    const dg_ns behind = dg_elapsed(now, self->due) / READ_EVERY;
-    if (behind > READS_MAX) {
-        self->due += (behind - READS_MAX) * READ_EVERY;
-    }
+    const dg_ns now = lx_clock_now(self->bus.setup.clock);
     while (next_read(self) <= now) {
+        pass_over(self, now);
         read_frame(self, next_read(self));
         self->due += READ_EVERY;
     }
-    lx_timer_at(&self->timer, lx_clock_real(clock, next_read(self)));
+    rest(self);
 }
 
 static void on_time(void *ctx, dg_ns now)
@@ -84,6 +143,7 @@ static void on_time(void *ctx, dg_ns now)
 struct lx_sim_master *lx_sim_bus_begin(struct lx_bus *bus)
 {
     struct sim_bus *self = sim_of(bus);
+    catch_up(self);
     lx_sim_master_pause(&self->master, lx_clock_now(bus->setup.clock));
     return &self->master;
 }
@@ -97,7 +157,8 @@ void lx_sim_bus_read(struct lx_bus *bus)
 void lx_sim_bus_end(struct lx_bus *bus)
 {
     struct sim_bus *self = sim_of(bus);
-    lx_timer_at(&self->timer, lx_clock_real(bus->setup.clock, next_read(self)));
+    stir(self, lx_clock_now(bus->setup.clock));
+    rest(self);
 }
 
 static bool read_one(struct lx_bus *bus, struct lx_station *station, char *text, size_t size)
@@ -130,6 +191,7 @@ static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
     if (result < 0) {
         return lx_fail(error, "no timer: %s", strerror(-result));
     }
+    stir(self, self->due);
     catch_up(self);
     return 0;
 }
@@ -143,12 +205,20 @@ static void address(const struct lx_bus *bus, const struct lx_station *station, 
     (void)snprintf(to, size, "%s", "");
 }
 
-/* The clock may have been stepped, or run at another rate. */
-static void changed(struct lx_bus *bus, struct lx_station *station, dg_ns now)
+static void look(struct lx_bus *bus, dg_ns now)
 {
-    (void)station;
     (void)now;
     catch_up(sim_of(bus));
+}
+
+/* The clock may have been stepped, or run at another rate: that alone changes no frame. */
+static void changed(struct lx_bus *bus, struct lx_station *station, dg_ns now)
+{
+    struct sim_bus *self = sim_of(bus);
+    if (station != NULL) {
+        stir(self, now);
+    }
+    catch_up(self);
 }
 
 static void counters(const struct lx_bus *bus, const struct lx_station *station, struct dg_scpi *to)
@@ -175,6 +245,7 @@ static void close_bus(struct lx_bus *bus)
 
 static const struct lx_bus_ops ops = {
     LX_BUS_OPERATIONS,
+    .look = look,
     .read = read_one,
 };
 

@@ -103,6 +103,7 @@ static void read_frame(struct lx_clocked *base, struct lx_clocked_wire *wire)
     struct lx_ssi_line *self = line_of(base);
     const struct dg_ssi_model *model = self->device->setup.model;
     uint64_t bits = 0;
+    self->frame.before = self->device->counters;
     lx_clocked_wire_edge(wire, false);
     const bool high = look(wire);
     lx_clocked_wire_edge(wire, true);
@@ -115,6 +116,19 @@ static void read_frame(struct lx_clocked *base, struct lx_clocked_wire *wire)
     self->frame.answered = high && !look(wire);
     wire->silent += !self->frame.answered;
     lx_clocked_wire_pause(wire, wire->now + model->monoflop + 2u * wire->cable.delay + PAUSE_NS);
+}
+
+static void skip(struct lx_clocked *base, uint64_t n)
+{
+    const struct dg_ssi_counters *before = &view_of(base)->frame.before;
+    const struct dg_ssi_counters *after = &view_of(base)->device->counters;
+    const struct dg_ssi_counters each = {
+        .frames = after->frames - before->frames,
+        .repeats = after->repeats - before->repeats,
+        .aborted = after->aborted - before->aborted,
+        .fast = after->fast - before->fast,
+    };
+    dg_ssi_skip(line_of(base)->device, &each, n);
 }
 
 /* @return whether the parity is right */
@@ -182,6 +196,7 @@ static const struct lx_clocked_ops ops = {
     .settle = settle,
     .rises = rises,
     .read = read_frame,
+    .skip = skip,
     .judge = judge,
     .note = note,
     .print = print,

@@ -19,8 +19,9 @@ struct lx_ssi_line {
     struct lx_line_fault fault;
     /** The word that the master of a simulated wire has read last. */
     struct {
-        uint64_t bits; /**< right-aligned */
-        bool answered; /**< data was high in front of it and low behind it */
+        uint64_t bits;                 /**< right-aligned */
+        bool answered;                 /**< data was high in front of it and low behind it */
+        struct dg_ssi_counters before; /**< of the encoder */
     } frame;
 };
 

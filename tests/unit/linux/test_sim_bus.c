@@ -82,6 +82,67 @@ static void after_a_long_step_old_frames_are_left_out(void **state)
     sim_rig_close(&rig);
 }
 
+/* As many as if somebody had listened, and their end as well. */
+static void frames_that_nobody_sees_are_counted(void **state)
+{
+    const dg_ns end = SIM_RIG_READY + DG_MS(50) + DG_S(90);
+    uint64_t bits[2];
+    (void)state;
+    for (size_t i = 0; i < 2; i++) {
+        struct sim_rig rig;
+        open_one(&rig);
+        const struct dg_biss *device = rig.station[0].control.device;
+        if (i == 1) {
+            lx_tap_remove(&rig.bus->tap, &rig.heard.listener);
+        }
+        rig.shaft[0] = (dg_angle)3 << 31;
+        sim_rig_step_to(&rig, end);
+        assert_int_equal(device->counters.frames, 901);
+        assert_in_range(end - device->line.last, DG_MS(50), DG_MS(51)); /* it was clocked */
+        assert_int_equal(sim_rig_frame(&rig, 0), 0);
+        bits[i] = rig.bits;
+        sim_rig_close(&rig);
+    }
+    assert_int_equal(bits[0], bits[1]);
+}
+
+/* Nobody listens: the loop has nothing to do, and whoever looks finds what has gone by. */
+static void a_wire_that_nobody_looks_at_sleeps(void **state)
+{
+    struct sim_rig rig;
+    (void)state;
+    open_one(&rig);
+    const struct dg_biss *device = rig.station[0].control.device;
+    lx_tap_remove(&rig.bus->tap, &rig.heard.listener);
+    rig.clock = (struct lx_clock){lx_now(), SIM_RIG_READY, 100000}; /* a frame each millisecond */
+    rig.bus->ops->changed(rig.bus, rig.stations[0], SIM_RIG_READY);
+    while (sd_event_run(rig.event, 200000) > 0) {
+    }
+    const uint32_t before = device->counters.frames;
+    const dg_ns now = lx_clock_now(&rig.clock);
+    rig.bus->ops->look(rig.bus, now);
+    assert_true(device->counters.frames > before + 100u);
+    assert_true(device->counters.frames >= (now - SIM_RIG_READY) / DG_MS(100));
+    sim_rig_close(&rig);
+}
+
+/* A fault happens to each frame at its moment, seen or not. */
+static void a_fault_is_used_up_by_frames_that_nobody_sees(void **state)
+{
+    struct sim_rig rig;
+    (void)state;
+    open_one(&rig);
+    const struct dg_faults *faults = &rig.station[0].control.faults;
+    lx_tap_remove(&rig.bus->tap, &rig.heard.listener);
+    sim_rig_step_to(&rig, SIM_RIG_READY + DG_S(10));
+    sim_rig_inject(&rig, 0, "wire_damage", 3);
+    sim_rig_step_to(&rig, SIM_RIG_READY + DG_MS(10250));
+    assert_int_not_equal(faults->wire, 0);
+    sim_rig_step_to(&rig, SIM_RIG_READY + DG_MS(10350));
+    assert_int_equal(faults->wire, 0);
+    sim_rig_close(&rig);
+}
+
 /* A long access takes wire time; the frames that were due meanwhile wait for it. */
 static void time_never_runs_backwards(void **state)
 {
@@ -353,6 +414,9 @@ int main(void)
         cmocka_unit_test(a_clock_that_stands_still_reads_nothing),
         cmocka_unit_test(a_clock_that_runs_reads_by_itself),
         cmocka_unit_test(after_a_long_step_old_frames_are_left_out),
+        cmocka_unit_test(frames_that_nobody_sees_are_counted),
+        cmocka_unit_test(a_wire_that_nobody_looks_at_sleeps),
+        cmocka_unit_test(a_fault_is_used_up_by_frames_that_nobody_sees),
         cmocka_unit_test(time_never_runs_backwards),
         cmocka_unit_test(a_frame_on_request),
         cmocka_unit_test(registers_can_be_read_and_written),
