@@ -38,6 +38,9 @@ struct lx_can_ops {
     /** Send what write() took but could not send whole. @return false when something is left.
      * NULL: there is never anything left. */
     bool (*flush)(struct lx_can *self);
+    /** All that one moment has made the encoders send was given to write(): what that has put
+     * together is to go out. NULL: nothing is. */
+    void (*push)(struct lx_can *self);
     /** Stop reading, or go on. */
     void (*pause)(struct lx_can *self, bool paused);
     /** Who listens to what may have changed; `net` NULL: everything is wanted. As an operation

@@ -158,6 +158,9 @@ static void settle(void *ctx, dg_ns now)
         next = self->can->stalled ? DG_NEVER : step(self, now);
     } while (self->retuned || lx_can_tell_presence(self, now));
     tell_filters(self);
+    if (self->can->ops->push != NULL) {
+        self->can->ops->push(self->can);
+    }
     if (self->can->stalled) {
         next = DG_NEVER;
     } else if (self->heard.count > 0) {

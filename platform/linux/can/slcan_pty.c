@@ -3,7 +3,11 @@
  * An SLCAN adapter on a pseudo-terminal, with the encoders on its CAN bus:
  *
  *   pty -- on_character --> slcan.c --frame--> encoders
- *                              \--reply--> output --> pty <-- write_frame
+ *                              \--reply--> output --> pty
+ *                          write_frame -----/
+ *
+ * What a moment makes the encoders send, and what all the characters that came in at once do, goes
+ * out in one piece.
  *
  * A master that does not read stalls the bus. When no master has the port open, what is sent is
  * lost, as behind a serial port that nobody has open; the adapter's channel stays as it is. A pty
@@ -15,7 +19,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/epoll.h>
 #include <sys/inotify.h>
 #include <termios.h>
 #include <unistd.h>
@@ -25,8 +28,13 @@
 #include "drehgeber/slcan.h"
 #include "serial.h"
 
-/* A line that the pty has taken a part of, with a zero behind it; a reply is shorter. */
-#define OUTPUT_MAX (DG_SLCAN_TEXT_MAX + 1u)
+/* Frames that wait for the others of their moment; about as much as a pty takes at once. */
+#define FRAMES_MAX 4096u
+/* Behind them there is room for a frame and a reply, with a zero behind it: then the bus stalls. */
+#define OUTPUT_MAX (FRAMES_MAX + 2u * DG_SLCAN_TEXT_MAX + 1u)
+/* A frame of the encoders in a line of its own: they send no other ones. */
+#define FRAME 't'
+#define END_OF_LINE '\r'
 /* A pty has no speed; this is what masters set. */
 #define BAUD 115200u
 
@@ -35,9 +43,9 @@ struct slcan_pty {
     struct lx_serial *serial;
     struct dg_slcan codec;
     int slave; /* held open: to drop what a master has not read */
-    int openings;
-    sd_event_source *openings_io;
+    sd_event_source *openings;
     int masters;       /* descriptors of others on the port */
+    bool taking;       /* a character, of which more may come of than it has so far */
     uint16_t expected; /* the encoders' bit rate, in kBd */
     bool mismatch;     /* the channel has another one, and the user has been told */
     uint8_t output[OUTPUT_MAX];
@@ -56,14 +64,28 @@ static bool anybody_reads(const struct slcan_pty *self)
     return self->masters > 0 && lx_serial_up(self->serial);
 }
 
+/* Nobody takes it: whole frames are counted. */
+static void drop_output(struct slcan_pty *self)
+{
+    bool begins = true;
+    for (size_t i = 0; i < self->output_count; i++) {
+        self->can.counters.lost += begins && self->output[i] == FRAME;
+        begins = self->output[i] == END_OF_LINE;
+    }
+    self->output_count = 0;
+}
+
 /* Send what there is. @return whether all of it is gone */
 static bool flush(struct lx_can *can)
 {
     struct slcan_pty *self = pty_of(can);
-    const size_t n = self->output_count;
-    const size_t done = anybody_reads(self) ? lx_serial_send(self->serial, self->output, n) : n;
-    self->output_count -= done;
-    memmove(self->output, self->output + done, self->output_count);
+    if (!anybody_reads(self)) {
+        drop_output(self);
+    } else if (self->output_count > 0) {
+        const size_t done = lx_serial_send(self->serial, self->output, self->output_count);
+        self->output_count -= done;
+        memmove(self->output, self->output + done, self->output_count);
+    }
     return self->output_count == 0;
 }
 
@@ -75,19 +97,25 @@ static void send_output(struct slcan_pty *self)
     }
 }
 
+static void push(struct lx_can *can)
+{
+    if (!pty_of(can)->taking) {
+        send_output(pty_of(can));
+    }
+}
+
 static bool write_frame(struct lx_can *can, const struct dg_can_frame *frame)
 {
     struct slcan_pty *self = pty_of(can);
-    if (!flush(can)) {
+    if (self->output_count > FRAMES_MAX && !flush(can)) {
         return false;
     }
     if (self->codec.state == DG_SLCAN_CLOSED || !anybody_reads(self)) {
         can->counters.lost++;
         return true;
     }
-    self->output_count =
-        dg_slcan_print(&self->codec, frame, lx_now() / DG_MS(1), (char *)self->output);
-    send_output(self);
+    char *to = (char *)self->output + self->output_count;
+    self->output_count += dg_slcan_print(&self->codec, frame, lx_now() / DG_MS(1), to);
     return true;
 }
 
@@ -131,9 +159,12 @@ static void take_line(struct slcan_pty *self, dg_ns now, const struct dg_slcan_e
                       enum dg_slcan_state before)
 {
     const struct lx_can_setup *setup = &self->can.setup;
-    self->output_count = strlen(event->reply);
-    memcpy(self->output, event->reply, self->output_count);
-    send_output(self);
+    const size_t n = strlen(event->reply);
+    if (self->output_count > FRAMES_MAX) {
+        send_output(self);
+    }
+    memcpy(self->output + self->output_count, event->reply, n);
+    self->output_count += n;
     if (event->has_frame) {
         setup->rx(setup->ctx, now, &event->frame);
         setup->settle(setup->ctx, now);
@@ -151,8 +182,13 @@ static void on_character(void *ctx, dg_ns now, const struct lx_character *charac
     struct slcan_pty *self = ctx;
     struct dg_slcan_event event;
     const enum dg_slcan_state before = self->codec.state;
+    self->taking = true;
     if (dg_slcan_feed(&self->codec, character->byte, &event)) {
         take_line(self, now, &event, before);
+    }
+    self->taking = false;
+    if (self->serial->more == 0) {
+        send_output(self);
     }
 }
 
@@ -168,22 +204,18 @@ static void forget(struct slcan_pty *self)
 {
     dg_slcan_resync(&self->codec);
     lx_can_discard(&self->can);
-    self->output_count = 0;
+    drop_output(self);
     (void)tcflush(self->slave, TCIFLUSH);
 }
 
-static int on_opening(sd_event_source *source, int fd, uint32_t events, void *ctx)
+static int on_opening(sd_event_source *source, const struct inotify_event *event, void *ctx)
 {
     struct slcan_pty *self = ctx;
-    struct inotify_event event; /* of a file: no name behind it */
     (void)source;
-    (void)events;
-    while (read(fd, &event, sizeof event) == (ssize_t)sizeof event) {
-        if ((event.mask & (uint32_t)IN_OPEN) != 0) {
-            self->masters++;
-        } else if ((event.mask & (uint32_t)IN_CLOSE) != 0 && --self->masters == 0) {
-            forget(self);
-        }
+    if ((event->mask & (uint32_t)IN_OPEN) != 0) {
+        self->masters++;
+    } else if ((event->mask & (uint32_t)IN_CLOSE) != 0 && --self->masters == 0) {
+        forget(self);
     }
     return 0;
 }
@@ -192,31 +224,27 @@ static int watch_openings(struct slcan_pty *self)
 {
     const char *path = self->serial->address;
     self->slave = open(path, O_RDWR | O_NOCTTY | O_CLOEXEC);
-    self->openings = inotify_init1(IN_NONBLOCK | IN_CLOEXEC);
-    if (self->slave < 0 || self->openings < 0 ||
-        inotify_add_watch(self->openings, path, (uint32_t)IN_OPEN | (uint32_t)IN_CLOSE) < 0) {
+    if (self->slave < 0) {
         return -errno;
     }
-    const int result = sd_event_add_io(self->can.setup.event, &self->openings_io, self->openings,
-                                       EPOLLIN, on_opening, self);
+    /* The loop has one inotify instance for all of a rig, of the few that a user may have. */
+    const int result =
+        sd_event_add_inotify(self->can.setup.event, &self->openings, path,
+                             (uint32_t)IN_OPEN | (uint32_t)IN_CLOSE, on_opening, self);
     /* Before anything else: a master is there before what it writes. */
     return result < 0
                ? result
-               : sd_event_source_set_priority(self->openings_io, SD_EVENT_PRIORITY_IMPORTANT - 1);
+               : sd_event_source_set_priority(self->openings, SD_EVENT_PRIORITY_IMPORTANT - 1);
 }
 
 /* --- the port --- */
 
 static void unwatch_openings(struct slcan_pty *self)
 {
-    self->openings_io = sd_event_source_disable_unref(self->openings_io);
-    if (self->openings >= 0) {
-        (void)close(self->openings);
-    }
+    self->openings = sd_event_source_disable_unref(self->openings);
     if (self->slave >= 0) {
         (void)close(self->slave);
     }
-    self->openings = -1;
     self->slave = -1;
 }
 
@@ -260,6 +288,7 @@ static void close_slcan(struct lx_can *can)
 static const struct lx_can_ops slcan_ops = {
     .write = write_frame,
     .flush = flush,
+    .push = push,
     .pause = pause_reading,
     .expect = expect,
     .hears = hears,
@@ -297,7 +326,6 @@ struct lx_can *lx_slcan_open(const struct lx_can_setup *setup, struct lx_error *
         return NULL;
     }
     self->slave = -1;
-    self->openings = -1;
     self->can.kind = "slcan";
     if (lx_can_init(&self->can, &slcan_ops, setup, error) != 0 || start(self, error) != 0) {
         lx_can_close(&self->can);

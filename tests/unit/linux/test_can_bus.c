@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <cmocka.h>
@@ -447,6 +448,43 @@ static void a_lost_pty_comes_back(void **state)
 
 /* --- all of them --- */
 
+/* Instead of the C library's: those of frames are counted. */
+static struct {
+    int client; /* who does not count */
+    unsigned count;
+} writes;
+
+ssize_t write(int fd, const void *bytes, size_t n)
+{
+    writes.count += fd != writes.client && memchr(bytes, 't', n) != NULL;
+    return syscall(SYS_write, fd, bytes, n);
+}
+
+/* A reset makes all of them send at once, two of them in one piece make them send twice. */
+static void what_a_moment_makes_is_one_write(void **state)
+{
+    static const uint8_t reset[] = {0x82, 0};
+    static const char twice[] = "t00028200\rt00028200\r";
+    struct can_rig *self = *state;
+    can_rig_plan(self, CAN_RIG_NODES_MAX);
+    can_rig_open_slcan(self, CAN_RIG_NODES_MAX);
+    can_rig_connect(self);
+    writes.client = self->client;
+    writes.count = 0;
+    can_rig_send(self, 0, reset, sizeof reset);
+    for (uint16_t i = 1; i <= CAN_RIG_NODES_MAX; i++) {
+        assert_non_null(can_rig_next(self, 0x700 + i, CAN_RIG_PATIENCE));
+    }
+    assert_int_equal(writes.count, 1);
+    writes.count = 0;
+    assert_int_equal(write(self->client, twice, sizeof twice - 1u), sizeof twice - 1u);
+    for (uint16_t i = 1; i <= 2 * CAN_RIG_NODES_MAX; i++) {
+        const uint16_t id = (uint16_t)(0x701 + (i - 1) % CAN_RIG_NODES_MAX);
+        assert_non_null(can_rig_next(self, id, CAN_RIG_PATIENCE));
+    }
+    assert_int_equal(writes.count, 1);
+}
+
 static void hundred_and_twenty_seven(void **state)
 {
     struct can_rig *self = *state;
@@ -476,6 +514,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(nobody_acknowledges, can_rig_set_up, can_rig_tear_down),
         cmocka_unit_test_setup_teardown(found_without_power, can_rig_set_up, can_rig_tear_down),
         cmocka_unit_test_setup_teardown(a_lost_pty_comes_back, can_rig_set_up, can_rig_tear_down),
+        cmocka_unit_test_setup_teardown(what_a_moment_makes_is_one_write, can_rig_set_up,
+                                        can_rig_tear_down),
         cmocka_unit_test_setup_teardown(hundred_and_twenty_seven, can_rig_set_up,
                                         can_rig_tear_down),
     };
