@@ -7,6 +7,7 @@
 #include "bench.h"
 #include "biss_rig.h"
 #include "drehgeber/devices.h"
+#include "drehgeber/motion.h"
 
 #define HALF_NS 50u
 #define SLAVES 3u
@@ -16,7 +17,8 @@
 #define CLOCKS (4u + DATA_BITS)
 #define CHAIN_CLOCKS (CLOCKS + (SLAVES - 1u) * (1u + DATA_BITS))
 
-static struct biss_rig one, word, three;
+static struct biss_rig one, word, turning, three;
+static struct dg_motion motion;
 static struct dg_biss_chain chain;
 static bool line[CLOCKS], chain_line[CHAIN_CLOCKS]; /* SL at the rising edges */
 static uint64_t word_bits;
@@ -59,10 +61,12 @@ static void chain_by_edges(const void *what)
 
 static void at_once(const void *what)
 {
-    (void)what;
-    word.now += DG_US(20);
-    (void)dg_biss_frame(&word.slave[0], word.now, &word_bits);
-    dg_biss_frame_end(&word.slave[0], word.now + DG_BISS_TIMEOUT_NS, false);
+    struct biss_rig *const *of = what;
+    struct biss_rig *rig = *of;
+
+    rig->now += DG_US(20);
+    (void)dg_biss_frame(&rig->slave[0], rig->now, &word_bits);
+    dg_biss_frame_end(&rig->slave[0], rig->now + DG_BISS_TIMEOUT_NS, false);
 }
 
 static bool make(struct biss_rig *rig, uint8_t count)
@@ -82,9 +86,15 @@ static bool make(struct biss_rig *rig, uint8_t count)
 
 static bool start(void)
 {
-    if (!make(&one, 1) || !make(&word, 1) || !make(&three, SLAVES)) {
+    static const struct dg_motion wanted = {.kind = DG_MOTION_SPEED, .mrpm = 3000123};
+
+    if (!make(&one, 1) || !make(&word, 1) || !make(&turning, 1) || !make(&three, SLAVES) ||
+        dg_motion_set(&motion, &wanted) != DG_OK) {
         return false;
     }
+    turning.now += DG_S(1000); /* a while after the start */
+    turning.world.angle = dg_motion_angle;
+    turning.world.angle_ctx = &motion;
     chain.count = SLAVES;
     for (unsigned i = 0; i < SLAVES; i++) {
         chain.slave[i] = &three.slave[i];
@@ -108,6 +118,7 @@ static bool is_right(const bool *bits)
 static uint64_t answers(void)
 {
     const uint64_t frames = one.slave[0].counters.frames + word.slave[0].counters.frames +
+                            turning.slave[0].counters.frames +
                             three.slave[SLAVES - 1u].counters.frames;
     bool right = one.slave[0].counters.frames == 1 || is_right(&line[CLOCKS - DATA_BITS]);
 
@@ -119,10 +130,12 @@ static uint64_t answers(void)
 
 int main(int argc, char **argv)
 {
+    static struct biss_rig *const still = &word, *const moving = &turning;
     static const struct bench benches[] = {
         {"biss.edge", by_edges, NULL, 1, 2u * CLOCKS},
         {"biss.edge-of-chain-3", chain_by_edges, NULL, 1, 2u * CHAIN_CLOCKS},
-        {"biss.frame-at-once", at_once, NULL, 1, 1},
+        {"biss.frame-at-once", at_once, &still, 1, 1},
+        {"biss.frame-at-once-turning", at_once, &moving, 1, 1},
     };
     static const struct bench_bytes bytes[] = {{"ram.dg_biss", sizeof(struct dg_biss)}};
     static const struct bench_set set = {.benches = benches,

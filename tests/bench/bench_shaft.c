@@ -11,7 +11,7 @@
 
 static struct dg_motion speed, ramp, sine;
 static struct dg_shaft shaft;
-static dg_ns now;
+static dg_ns now = DG_S(1000); /* a while after the start */
 static uint64_t asked;
 static volatile dg_angle at;
 

@@ -3,9 +3,9 @@
 # Prints how many instructions things take on this kind of machine, and bytes of RAM: `FIGURE NUMBER` a
 # line. No clock is looked at: callgrind collects in bench_counted() alone, and writes down what it has
 # whenever that returns. The C library's functions for memory are those that every x86-64 has.
-# usage: instructions.sh FOLDER, where the benches are
+# usage: instructions.sh BENCH...
 set -eu
-benches=${1:?usage: instructions.sh FOLDER}
+: "${1:?usage: instructions.sh BENCH...}"
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 export GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX2,-AVX512F,-AVX512VL,-ERMS,-FSRM,-AVX_Fast_Unaligned_Load
@@ -24,6 +24,6 @@ count() {
     done <<<"$text"
 }
 
-for bench in "$benches"/bench_*; do
+for bench; do
     count "$bench"
 done

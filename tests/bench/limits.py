@@ -37,8 +37,11 @@ def rows_of(text):
 
 def measure(command):
     """FIGURE: number, as text."""
+    result = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=False)
+    if result.returncode != 0:
+        sys.exit(f"limits.py: {command[0]} has failed")
     measured = {}
-    for line in subprocess.check_output(command, text=True).splitlines():
+    for line in result.stdout.splitlines():
         figure, reached = line.split()
         measured[figure] = reached
     if not measured:
@@ -72,21 +75,20 @@ def table(lines):
 
 
 def update(path, group, measured):
-    """Put what was measured into the file: rows stay where they are, new ones go behind their group's."""
+    """Put what was measured into the file, where the rows of the group were, or behind all others."""
     text = path.read_text(encoding="utf-8")
     rows = rows_of(text)
-    lines, left, end = [], dict(measured), 0
+    lines, place = [], None
     for line in text.splitlines():
-        mine = not line.startswith("#") and line.split()[:1] == [group]
-        if mine:
-            figure = line.split()[1]
-            if figure not in measured:
-                continue
-            line = LAYOUT.format(group, figure, left.pop(figure), rows[group, figure][1])
-        lines.append(line)
-        end = len(lines) if mine or not end else end
-    end = end if any(row[0] == group for row in rows) else len(lines)
-    lines[end:end] = [LAYOUT.format(group, figure, reached, "-") for figure, reached in left.items()]
+        if line.split()[:1] == [group]:
+            place = len(lines) if place is None else place
+        else:
+            lines.append(line)
+    place = len(lines) if place is None else place
+    lines[place:place] = [
+        LAYOUT.format(group, figure, reached, rows.get((group, figure), (None, "-"))[1])
+        for figure, reached in measured.items()
+    ]
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
