@@ -17,6 +17,7 @@
 #include "drehgeber/angle.h"
 #include "drehgeber/api.h"
 #include "drehgeber/time.h"
+#include "drehgeber/wide.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -45,6 +46,19 @@ struct dg_motion_point {
     dg_angle angle; /**< absolute */
 };
 
+/**
+ * What dg_motion_angle() multiplies by where it would divide: made by dg_motion_set() of the
+ * figures that the motion has then, and made anew for every angle of a motion that has others, or
+ * none yet.
+ */
+struct dg_motion_ready {
+    struct dg_reciprocal by; /**< of ... */
+    dg_ns of;                /**< ... accel or period */
+    int32_t mrpm;
+    uint16_t rate[8]; /**< of `mrpm`: units of 2^-32 turn in 2^-20 ns, times 2^128, rounded up; the
+                           lowest 16 bits first */
+};
+
 /** A motion. Plain data; a replay's points are borrowed and must outlive it. */
 struct dg_motion {
     enum dg_motion_kind kind;
@@ -57,6 +71,7 @@ struct dg_motion {
     dg_ns period;       /**< sine */
     const struct dg_motion_point *points; /**< replay */
     size_t point_count;
+    struct dg_motion_ready ready;
 };
 
 /**
@@ -65,6 +80,7 @@ struct dg_motion {
  *  - ramp: accel 1 ns..DG_MOTION_RAMP_MAX; hold DG_NEVER never slows down
  *  - sine: amplitude +-2^40 (256 turns), period 1 ns..DG_MOTION_PERIOD_MAX
  *  - replay: 1 point or more, `at` strictly increasing
+ * `wanted->ready` is not looked at.
  * @return DG_OK, or DG_ERR_ARGUMENT with `self` unchanged
  */
 DG_API int dg_motion_set(struct dg_motion *self, const struct dg_motion *wanted);

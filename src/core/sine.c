@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "drehgeber/angle.h"
+#include "drehgeber/wide.h"
 
 /** A quarter of a period in phase units. */
 #define QUARTER ((uint32_t)1 << 30)
@@ -14,25 +15,34 @@
  * In units of 2^-32; C0 - C1 + C2 - C3 + C4 - C5 = 1, which makes the peak exact. With what is
  * rounded on the way, the result is off by less than 1.2 units of 2^-30 at every phase.
  */
-#define C0 6746518852u
+#define C0 UINT64_C(6746518852)
 #define C1 2774394651u
 #define C2 342277046u
 #define C3 20107380u
 #define C4 688099u
 #define C5 14670u
 
+/** a * b * 2^-32, to the nearest. */
+static uint32_t scaled(uint32_t a, uint32_t b)
+{
+    return (uint32_t)((dg_product(a, b) + HALF) >> 32);
+}
+
 /** Sine of the first quarter period, both ends included. */
 static int32_t first_quarter(uint32_t u)
 {
-    uint64_t z = (uint64_t)u * u >> 28; /* 2^-60 to 2^-32; the peak is 2^32 */
-    uint64_t sum = C5;
+    uint32_t sum = C5;
 
-    sum = C4 - ((sum * z + HALF) >> 32);
-    sum = C3 - ((sum * z + HALF) >> 32);
-    sum = C2 - ((sum * z + HALF) >> 32);
-    sum = C1 - ((sum * z + HALF) >> 32);
-    sum = C0 - ((sum * z + HALF) >> 32);
-    return (int32_t)((sum * u + HALF) >> 32);
+    if (u == QUARTER) {
+        return (int32_t)QUARTER; /* z below would be 2^32 */
+    }
+    const uint32_t z = (uint32_t)(dg_product(u, u) >> 28); /* 2^-60 to 2^-32 */
+    sum = C4 - scaled(sum, z);
+    sum = C3 - scaled(sum, z);
+    sum = C2 - scaled(sum, z);
+    sum = C1 - scaled(sum, z);
+    const uint64_t whole = C0 - (uint64_t)scaled(sum, z);
+    return (int32_t)(scaled((uint32_t)whole, u) + ((whole >> 32) != 0 ? u : 0u));
 }
 
 int32_t dg_sin_q30(uint32_t phase)

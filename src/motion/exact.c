@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "motion_private.h"
 
-#define HALF_BITS 32
+#define LIMB_BITS 16
 #define WORD_BITS 64
 
 uint64_t motion_exact_magnitude(int64_t value)
@@ -22,58 +22,55 @@ uint64_t motion_exact_muldiv(uint64_t a, uint64_t b, uint64_t c, bool backwards)
     return backwards && inexact ? quotient + 1 : quotient;
 }
 
-/** Schoolbook multiplication in halves. */
-struct motion_wide motion_wide_product(uint64_t a, uint64_t b)
+uint16_t motion_limbs_add(uint16_t *sum, uint16_t a, const uint16_t *b, unsigned limbs)
 {
-    uint64_t a_low = a & UINT32_MAX;
-    uint64_t b_low = b & UINT32_MAX;
-    uint64_t cross = (a >> HALF_BITS) * b_low + (a_low * b_low >> HALF_BITS);
-    uint64_t other_cross = a_low * (b >> HALF_BITS) + (cross & UINT32_MAX);
+    uint32_t carry = 0;
 
-    return (struct motion_wide){
-        .high =
-            (a >> HALF_BITS) * (b >> HALF_BITS) + (cross >> HALF_BITS) + (other_cross >> HALF_BITS),
-        .low = a * b,
-    };
+    for (unsigned i = 0; i < limbs; i++) {
+        carry += (uint32_t)a * b[i] + sum[i]; /* at most 2^32 - 1 */
+        sum[i] = (uint16_t)carry;
+        carry >>= LIMB_BITS;
+    }
+    return (uint16_t)carry;
 }
 
-struct motion_wide motion_wide_add(struct motion_wide a, struct motion_wide b)
+struct dg_wide motion_wide_add(struct dg_wide a, struct dg_wide b)
 {
     uint64_t low = a.low + b.low;
 
-    return (struct motion_wide){.high = a.high + b.high + (low < a.low ? 1u : 0u), .low = low};
+    return (struct dg_wide){.high = a.high + b.high + (low < a.low ? 1u : 0u), .low = low};
 }
 
-struct motion_wide motion_wide_subtract(struct motion_wide a, struct motion_wide b)
+struct dg_wide motion_wide_subtract(struct dg_wide a, struct dg_wide b)
 {
-    return (struct motion_wide){.high = a.high - b.high - (a.low < b.low ? 1u : 0u),
-                                .low = a.low - b.low};
+    return (struct dg_wide){.high = a.high - b.high - (a.low < b.low ? 1u : 0u),
+                            .low = a.low - b.low};
 }
 
-struct motion_wide motion_wide_negate(struct motion_wide a)
+struct dg_wide motion_wide_negate(struct dg_wide a)
 {
-    return motion_wide_subtract((struct motion_wide){0, 0}, a);
+    return motion_wide_subtract((struct dg_wide){0, 0}, a);
 }
 
-bool motion_wide_is_negative(struct motion_wide a)
+bool motion_wide_is_negative(struct dg_wide a)
 {
     return a.high >> (WORD_BITS - 1) != 0;
 }
 
-bool motion_wide_less(struct motion_wide a, struct motion_wide b)
+bool motion_wide_less(struct dg_wide a, struct dg_wide b)
 {
     return a.high < b.high || (a.high == b.high && a.low < b.low);
 }
 
-struct motion_wide motion_wide_times(struct motion_wide a, uint64_t b)
+struct dg_wide motion_wide_times(struct dg_wide a, uint64_t b)
 {
-    struct motion_wide product = motion_wide_product(a.low, b);
+    struct dg_wide product = dg_wide_product(a.low, b);
 
     product.high += a.high * b;
     return product;
 }
 
-struct motion_wide motion_wide_divide(struct motion_wide a, uint64_t b)
+struct dg_wide motion_wide_divide(struct dg_wide a, uint64_t b)
 {
     uint64_t rest = a.high % b;
     uint64_t shift = a.low; /* bits of the dividend leave at the top, the quotient's enter */
@@ -86,18 +83,18 @@ struct motion_wide motion_wide_divide(struct motion_wide a, uint64_t b)
             shift |= 1;
         }
     }
-    return (struct motion_wide){.high = a.high / b, .low = shift};
+    return (struct dg_wide){.high = a.high / b, .low = shift};
 }
 
 /** The root bit by bit, from the top. */
-uint64_t motion_wide_sqrt(struct motion_wide a)
+uint64_t motion_wide_sqrt(struct dg_wide a)
 {
     uint64_t root = 0;
 
     for (uint64_t bit = (uint64_t)1 << (WORD_BITS - 1); bit != 0; bit >>= 1) {
         uint64_t larger = root | bit;
 
-        if (!motion_wide_less(a, motion_wide_product(larger, larger))) {
+        if (!motion_wide_less(a, dg_wide_product(larger, larger))) {
             root = larger;
         }
     }

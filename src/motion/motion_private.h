@@ -9,13 +9,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "drehgeber/angle.h"
-
-/** 128 bits, modulo 2^128; where a sign is needed, two's complement. */
-struct motion_wide {
-    uint64_t high;
-    uint64_t low;
-};
+#include "drehgeber/motion.h"
+#include "drehgeber/wide.h"
 
 /** |value|, also of INT64_MIN. */
 uint64_t motion_exact_magnitude(int64_t value);
@@ -26,22 +21,29 @@ dg_angle motion_exact_moved(dg_angle from, bool backwards, uint64_t distance);
 /** a * b / c towards minus infinity once the direction is applied: backwards, it rounds up. */
 uint64_t motion_exact_muldiv(uint64_t a, uint64_t b, uint64_t c, bool backwards);
 
-struct motion_wide motion_wide_product(uint64_t a, uint64_t b);
-struct motion_wide motion_wide_add(struct motion_wide a, struct motion_wide b);
-struct motion_wide motion_wide_subtract(struct motion_wide a, struct motion_wide b);
-struct motion_wide motion_wide_negate(struct motion_wide a);
-bool motion_wide_is_negative(struct motion_wide a);
+/** A row of a long multiplication in limbs of 16 bits, the lowest one first, whose products and
+ * carries fit the 32 bits that the smallest processors multiply to: sum += a * b.
+ * @return the carry into the next limb */
+uint16_t motion_limbs_add(uint16_t *sum, uint16_t a, const uint16_t *b, unsigned limbs);
+
+/** dg_motion_angle() */
+dg_angle motion_angle(const struct dg_motion *self, dg_ns now);
+
+struct dg_wide motion_wide_add(struct dg_wide a, struct dg_wide b);
+struct dg_wide motion_wide_subtract(struct dg_wide a, struct dg_wide b);
+struct dg_wide motion_wide_negate(struct dg_wide a);
+bool motion_wide_is_negative(struct dg_wide a);
 
 /** a < b, both without sign. */
-bool motion_wide_less(struct motion_wide a, struct motion_wide b);
+bool motion_wide_less(struct dg_wide a, struct dg_wide b);
 
 /** a * b modulo 2^128, without sign. */
-struct motion_wide motion_wide_times(struct motion_wide a, uint64_t b);
+struct dg_wide motion_wide_times(struct dg_wide a, uint64_t b);
 
 /** floor(a / b), without sign. @param b 1..2^63 */
-struct motion_wide motion_wide_divide(struct motion_wide a, uint64_t b);
+struct dg_wide motion_wide_divide(struct dg_wide a, uint64_t b);
 
 /** floor(sqrt(a)), without sign. */
-uint64_t motion_wide_sqrt(struct motion_wide a);
+uint64_t motion_wide_sqrt(struct dg_wide a);
 
 #endif

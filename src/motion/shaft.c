@@ -40,6 +40,28 @@ static int64_t directed(bool backwards, uint64_t value)
     return backwards ? -(int64_t)value : (int64_t)value;
 }
 
+/** Of DG_SHAFT_PARTS. */
+#define PARTS_SHIFT 11
+static const struct dg_reciprocal by_parts = {
+    .divisor = DG_SHAFT_PARTS << PARTS_SHIFT,
+    .inverse = UINT64_C(0x42615600F94990EC),
+    .shift = PARTS_SHIFT,
+};
+
+/** floor(value / DG_SHAFT_PARTS), mostly 0: for 82 days of nanoseconds. */
+static uint64_t divided(uint64_t value, uint64_t *rest)
+{
+    if (value < DG_SHAFT_PARTS) {
+        *rest = value;
+        return 0;
+    }
+    const struct dg_wide shifted = {.high = value >> (64 - PARTS_SHIFT),
+                                    .low = value << PARTS_SHIFT};
+    const uint64_t quotient = dg_divide_by(shifted, &by_parts, rest);
+    *rest >>= PARTS_SHIFT;
+    return quotient;
+}
+
 /** Move a phase's beginning by t * sum halves, both ways exactly, modulo 2^64 units. */
 static void travel(struct dg_shaft_phase *self, dg_ns t, int64_t sum)
 {
@@ -47,11 +69,15 @@ static void travel(struct dg_shaft_phase *self, dg_ns t, int64_t sum)
     uint64_t speed = motion_exact_magnitude(sum);
     /* t * PARTS_PER_HALF = whole * DG_SHAFT_PARTS + rest; the product of rest and speed divided by
      * DG_SHAFT_PARTS is below speed and so fits 64 bits. */
-    uint64_t scaled = t % DG_SHAFT_PARTS * PARTS_PER_HALF;
-    uint64_t whole = t / DG_SHAFT_PARTS * PARTS_PER_HALF + scaled / DG_SHAFT_PARTS;
-    uint64_t rest = scaled % DG_SHAFT_PARTS;
-    uint64_t units = dg_muldiv(rest, speed, DG_SHAFT_PARTS);
-    uint64_t parts = rest * speed - units * DG_SHAFT_PARTS; /* its low half says all */
+    uint64_t left;
+    uint64_t rest;
+    uint64_t parts;
+    uint64_t whole = divided(t, &left) * PARTS_PER_HALF;
+
+    whole += divided(left * PARTS_PER_HALF, &rest);
+    uint64_t units = dg_divide_by(dg_wide_product(rest << PARTS_SHIFT, speed), &by_parts, &parts);
+
+    parts >>= PARTS_SHIFT;
 
     if (backwards && self->part < parts) {
         units++;
@@ -131,8 +157,7 @@ static int32_t played_mrpm(const struct dg_shaft_course *self, dg_ns now)
 /** Where and how fast the shaft is at `now` by its motion, without acceleration. */
 static struct dg_shaft_phase played_at(const struct dg_shaft_course *self, dg_ns now)
 {
-    struct dg_motion motion = self->motion;
-    struct dg_shaft_phase result = {.at = now, .from = dg_motion_angle(&motion, now)};
+    struct dg_shaft_phase result = {.at = now, .from = motion_angle(&self->motion, now)};
 
     result.prpm = (int64_t)played_mrpm(self, now) * PRPM_PER_MRPM;
     /* A replay may jump; what it is followed by does not. */
@@ -239,31 +264,31 @@ static void append_brake(struct dg_shaft_course *self, struct dg_shaft_phase bra
 }
 
 /** From a phase's beginning to `target` in halves, with sign. */
-static struct motion_wide way_to(const struct dg_shaft_phase *self, dg_angle target)
+static struct dg_wide way_to(const struct dg_shaft_phase *self, dg_angle target)
 {
     bool backwards = target <= self->from; /* `part` is on top of `from` */
     uint64_t units = backwards ? (uint64_t)self->from - (uint64_t)target
                                : (uint64_t)target - (uint64_t)self->from;
-    struct motion_wide parts = motion_wide_product(units, DG_SHAFT_PARTS);
-    struct motion_wide part = {0, self->part};
-    struct motion_wide way = motion_wide_divide(backwards ? motion_wide_add(parts, part)
-                                                          : motion_wide_subtract(parts, part),
-                                                PARTS_PER_HALF);
+    struct dg_wide parts = dg_wide_product(units, DG_SHAFT_PARTS);
+    struct dg_wide part = {0, self->part};
+    struct dg_wide way = motion_wide_divide(backwards ? motion_wide_add(parts, part)
+                                                      : motion_wide_subtract(parts, part),
+                                            PARTS_PER_HALF);
 
     return backwards ? motion_wide_negate(way) : way;
 }
 
 /** What a shaft at `speed` travels until it stands, in halves: speed^2 / accel. */
-static struct motion_wide stop_way(uint64_t speed, uint64_t accel)
+static struct dg_wide stop_way(uint64_t speed, uint64_t accel)
 {
-    return motion_wide_divide(motion_wide_product(speed, speed), accel);
+    return motion_wide_divide(dg_wide_product(speed, speed), accel);
 }
 
 /** How long `way` halves take at half of `double_speed`, rounded up. */
-static dg_ns time_for(struct motion_wide way, uint64_t double_speed)
+static dg_ns time_for(struct dg_wide way, uint64_t double_speed)
 {
-    struct motion_wide time = motion_wide_divide(
-        motion_wide_add(way, (struct motion_wide){0, double_speed - 1u}), double_speed);
+    struct dg_wide time = motion_wide_divide(
+        motion_wide_add(way, (struct dg_wide){0, double_speed - 1u}), double_speed);
 
     return time.high == 0 ? time.low : DG_NEVER;
 }
@@ -272,13 +297,13 @@ static dg_ns time_for(struct motion_wide way, uint64_t double_speed)
  * What a shaft at `speed` travels further when it goes on to `top` before it brakes, in halves: so
  * much on the way up, and as much more on the way down.
  */
-static struct motion_wide way_over(uint64_t top, uint64_t speed, uint64_t accel)
+static struct dg_wide way_over(uint64_t top, uint64_t speed, uint64_t accel)
 {
-    return motion_wide_divide(motion_wide_product(2u * (top - speed), top + speed), accel);
+    return motion_wide_divide(dg_wide_product(2u * (top - speed), top + speed), accel);
 }
 
 /** The speed a move gets to from `speed`, which would stop it `room` before the target. */
-static uint64_t top_speed(struct motion_wide room, uint64_t speed, const struct goal *goal)
+static uint64_t top_speed(struct dg_wide room, uint64_t speed, const struct goal *goal)
 {
     if (speed >= goal->limit || motion_wide_less(way_over(goal->limit, speed, goal->accel), room)) {
         return goal->limit;
@@ -286,12 +311,12 @@ static uint64_t top_speed(struct motion_wide room, uint64_t speed, const struct 
     /* way_over() solved for top; room * accel <= 2 * SPEED_MAX^2, 121 bits */
     return motion_wide_sqrt(
         motion_wide_add(motion_wide_divide(motion_wide_times(room, goal->accel), 2),
-                        motion_wide_product(speed, speed)));
+                        dg_wide_product(speed, speed)));
 }
 
 /** Append the part of a move behind its change to top speed, `way` before braking: hold, brake. */
 static void append_approach(struct dg_shaft_course *self, const struct dg_shaft_phase *hold,
-                            struct motion_wide way, const struct goal *goal)
+                            struct dg_wide way, const struct goal *goal)
 {
     bool backwards = hold->prpm < 0;
     uint64_t top = motion_exact_magnitude(hold->prpm);
@@ -318,11 +343,11 @@ static void append_move(struct dg_shaft_course *self, const struct dg_shaft_phas
                         const struct goal *goal)
 {
     uint64_t speed = motion_exact_magnitude(start->prpm);
-    struct motion_wide stop = stop_way(speed, goal->accel);
-    struct motion_wide way = motion_wide_subtract(
-        way_to(start, goal->target), start->prpm < 0 ? motion_wide_negate(stop) : stop);
+    struct dg_wide stop = stop_way(speed, goal->accel);
+    struct dg_wide way = motion_wide_subtract(way_to(start, goal->target),
+                                              start->prpm < 0 ? motion_wide_negate(stop) : stop);
     bool backwards = motion_wide_is_negative(way);
-    struct motion_wide room = backwards ? motion_wide_negate(way) : way;
+    struct dg_wide room = backwards ? motion_wide_negate(way) : way;
     uint64_t excess;
 
     if (backwards != (start->prpm < 0)) {
@@ -340,8 +365,8 @@ static void append_move(struct dg_shaft_course *self, const struct dg_shaft_phas
     }
     /* At top speed from the moment at which it is reached to the nanosecond at which it is held. */
     (void)change_time(motion_exact_magnitude(hold.prpm - start->prpm), goal->accel, &excess);
-    room = motion_wide_subtract(room,
-                                (struct motion_wide){0, dg_muldiv(2u * top, excess, goal->accel)});
+    room =
+        motion_wide_subtract(room, (struct dg_wide){0, dg_muldiv(2u * top, excess, goal->accel)});
     append_approach(self, &hold, room, goal);
 }
 
@@ -350,7 +375,7 @@ static void append_move_at_once(struct dg_shaft_course *self, const struct dg_sh
                                 const struct goal *goal)
 {
     struct dg_shaft_phase hold = *start;
-    struct motion_wide way = way_to(start, goal->target);
+    struct dg_wide way = way_to(start, goal->target);
     bool backwards = motion_wide_is_negative(way);
     dg_ns time = time_for(backwards ? motion_wide_negate(way) : way, 2u * goal->limit);
 
@@ -386,9 +411,7 @@ static dg_angle angle_at(const struct dg_shaft *self, dg_ns now)
     const struct dg_shaft_course *course = course_of(self, now);
 
     if (course->plays) {
-        struct dg_motion motion = course->motion;
-
-        return dg_motion_angle(&motion, now);
+        return motion_angle(&course->motion, now);
     }
     return phase_at(course, now).from;
 }

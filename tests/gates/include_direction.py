@@ -78,6 +78,7 @@ OWNER = {
     "store.h":     "core",
     "text.h":      "core",
     "time.h":      "core",
+    "wide.h":      "core",
     "world.h":     "core",
     "quantity.h":  "core",
     "motion.h":    "motion",

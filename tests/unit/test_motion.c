@@ -76,8 +76,15 @@ static void speed_is_exact_after_100_hours(void **state)
 
 static void speed_is_the_exact_floor(void **state)
 {
-    static const dg_ns edges[] = {
-        0, 1, MRPM_DIVISOR - 1, MRPM_DIVISOR, MRPM_DIVISOR + 1, HOURS_100, DG_NEVER - 1, DG_NEVER};
+    static const dg_ns edges[] = {0,
+                                  1,
+                                  MRPM_DIVISOR - 1,
+                                  MRPM_DIVISOR,
+                                  MRPM_DIVISOR + 1,
+                                  HOURS_100,
+                                  (dg_ns)1 << 60,
+                                  DG_NEVER - 1,
+                                  DG_NEVER};
     static const int32_t speeds[] = {
         0, 1, -1, 59999, -12345678, DG_MOTION_SPEED_MAX_MRPM, -DG_MOTION_SPEED_MAX_MRPM};
     static const dg_angle froms[] = {0, -1, INT64_MIN, INT64_MAX};

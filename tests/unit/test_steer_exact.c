@@ -24,14 +24,14 @@ static uint64_t random_bits(uint64_t *seed)
     return (z ^ (z >> 31)) >> shift;
 }
 
-static wide value_of(struct motion_wide a)
+static wide value_of(struct dg_wide a)
 {
     return (wide)a.high << 64 | a.low;
 }
 
-static struct motion_wide wide_of(wide a)
+static struct dg_wide wide_of(wide a)
 {
-    return (struct motion_wide){.high = (uint64_t)(a >> 64), .low = (uint64_t)a};
+    return (struct dg_wide){.high = (uint64_t)(a >> 64), .low = (uint64_t)a};
 }
 
 static void arithmetic_of_128_bits(void **state)
@@ -44,8 +44,8 @@ static void arithmetic_of_128_bits(void **state)
         wide b = (wide)random_bits(&seed) << 64 | random_bits(&seed);
         uint64_t c = random_bits(&seed);
         uint64_t d = random_bits(&seed) / 2 + 1;
-        struct motion_wide x = wide_of(a);
-        struct motion_wide y = wide_of(b);
+        struct dg_wide x = wide_of(a);
+        struct dg_wide y = wide_of(b);
 
         assert_true(value_of(motion_wide_add(x, y)) == a + b);
         assert_true(value_of(motion_wide_subtract(x, y)) == a - b);
@@ -54,7 +54,7 @@ static void arithmetic_of_128_bits(void **state)
         assert_int_equal(motion_wide_less(x, y), a < b);
         assert_false(motion_wide_less(x, x));
         assert_true(value_of(motion_wide_times(x, c)) == a * c);
-        assert_true(value_of(motion_wide_product(x.low, c)) == (wide)x.low * c);
+        assert_true(value_of(dg_wide_product(x.low, c)) == (wide)x.low * c);
         assert_true(value_of(motion_wide_divide(x, d)) == a / d);
     }
 }
