@@ -109,7 +109,28 @@ static bool slo_of(const struct dg_biss *self, bool sli)
     return idle && !line->is_last ? sli : line->slo;
 }
 
-static bool take_edge(struct dg_biss *self, dg_ns now, bool level, bool sli)
+/* An edge that shifts and nothing else: most are. */
+static inline bool shifts(const struct dg_biss_line *line, dg_ns now, bool level)
+{
+    return line->state == DG_BISS_DATA && line->ma != level && line->last <= now &&
+           now < line->deadline;
+}
+
+/* What take_any_edge() does with such an edge. */
+static inline void shift(struct dg_biss *self, dg_ns now, bool level, bool sli)
+{
+    struct dg_biss_line *line = &self->line;
+
+    line->last = now;
+    line->ma = level;
+    line->deadline = dg_after(now, timeout_ns(self));
+    if (level) {
+        line->shift = line->shift << 1 | sli;
+        line->slo = (line->shift >> line->length & 1u) != 0;
+    }
+}
+
+static bool take_any_edge(struct dg_biss *self, dg_ns now, bool level, bool sli)
 {
     struct dg_biss_line *line = &self->line;
 
@@ -129,6 +150,15 @@ static bool take_edge(struct dg_biss *self, dg_ns now, bool level, bool sli)
         line->deadline = dg_after(now, timeout_ns(self));
     }
     return slo_of(self, sli);
+}
+
+static inline bool take_edge(struct dg_biss *self, dg_ns now, bool level, bool sli)
+{
+    if (!shifts(&self->line, now, level)) {
+        return take_any_edge(self, now, level, sli);
+    }
+    shift(self, now, level, sli);
+    return self->line.slo;
 }
 
 bool dg_biss_link(struct dg_biss *self, dg_ns now, bool level, bool sli)
@@ -180,7 +210,7 @@ static bool chain_rises(const struct dg_biss_chain *self, dg_ns now)
     return low;
 }
 
-bool dg_biss_chain_ma(struct dg_biss_chain *self, dg_ns now, bool level)
+static bool chain_takes_any_edge(struct dg_biss_chain *self, dg_ns now, bool level)
 {
     bool sli[DG_BISS_CHAIN_MAX] = {false};
     const bool rises = level && chain_rises(self, now);
@@ -193,6 +223,29 @@ bool dg_biss_chain_ma(struct dg_biss_chain *self, dg_ns now, bool level)
         (void)take_edge(self->slave[i], now, level, sli[i]);
     }
     return chain_levels(self, rises, sli);
+}
+
+/* All shift, and what they show each other is what they send: as one register, from the first on,
+   so that each still sees its neighbour's level before the edge. */
+static bool chain_shifts(struct dg_biss_chain *self, dg_ns now, bool level)
+{
+    const uint8_t last = (uint8_t)(self->count - 1u);
+
+    for (uint8_t i = 0; i < last; i++) {
+        shift(self->slave[i], now, level, self->slave[i + 1u]->line.slo);
+    }
+    shift(self->slave[last], now, level, false);
+    return self->slave[0]->line.slo;
+}
+
+bool dg_biss_chain_ma(struct dg_biss_chain *self, dg_ns now, bool level)
+{
+    bool all = self->link == NULL && self->count > 0;
+
+    for (uint8_t i = 0; all && i < self->count; i++) {
+        all = shifts(&self->slave[i]->line, now, level);
+    }
+    return all ? chain_shifts(self, now, level) : chain_takes_any_edge(self, now, level);
 }
 
 dg_ns dg_biss_chain_step(struct dg_biss_chain *self, dg_ns now)
