@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 """A disk on which every fdatasync takes 0.4 s longer, and fails while it is told to: whoever writes
-waits for his own commit, and nobody else does."""
+waits for his own commit, and nobody else does. An end waits for it, too, and a kill leaves what there was."""
 import contextlib
 import os
 import re
@@ -31,7 +31,9 @@ int fdatasync(int fd)
 {
     const struct timespec slow = {.tv_nsec = 400000000};
     const char *fails = getenv("SYNC_FAILS");
-    (void)nanosleep(&slow, NULL);
+    do {
+        (void)nanosleep(&slow, NULL);
+    } while (access(getenv("SYNC_STICKS"), F_OK) == 0);
     errno = EIO;
     return access(fails, F_OK) == 0 ? -1 : (int)syscall(SYS_fdatasync, fd);
 }
@@ -63,6 +65,7 @@ def disk(tmp_path):
     (tmp_path / "slow.c").write_text(SLOW_SYNC)
     subprocess.run(["cc", "-shared", "-fPIC", "-o", tmp_path / "slow.so", tmp_path / "slow.c"], check=True)
     return os.environ | {"LD_PRELOAD": str(tmp_path / "slow.so"), "SYNC_FAILS": str(tmp_path / "fails"),
+                         "SYNC_STICKS": str(tmp_path / "sticks"),
                          "ASAN_OPTIONS": "verify_asan_link_order=0"}, tmp_path / "fails"
 
 
@@ -223,6 +226,27 @@ def test_an_orderly_end_waits_for_the_disk(start, nvm, tmp_path, disk, kind):
     writer.start()
     time.sleep(SLOW_S / 2)
     assert encoder.end() == 0
+    writer.join(PATIENCE_S)
+    session.close()
+    session = kind(start_one(start, kind, tmp_path, nvm, 1))
+    assert session.read() == 2
+    session.close()
+
+
+def test_an_end_that_waits_for_a_stuck_disk_says_so(start, nvm, tmp_path, disk):
+    kind = KINDS[0]
+    encoder = start_one(start, kind, tmp_path, nvm, 0, env=disk[0])
+    session = kind(encoder, answer_s=ANSWER_S)
+    session.write(1)
+    (tmp_path / "sticks").touch()
+    writer = threading.Thread(target=try_to_write, args=(session, 2))
+    writer.start()
+    time.sleep(SLOW_S / 2)
+    encoder.process.terminate()
+    assert_one_line(encoder, str(nvm), "the disk is slow; the end waits")
+    assert encoder.process.poll() is None
+    (tmp_path / "sticks").unlink()
+    assert encoder.process.wait(PATIENCE_S) == 0
     writer.join(PATIENCE_S)
     session.close()
     session = kind(start_one(start, kind, tmp_path, nvm, 1))

@@ -245,6 +245,7 @@ int lx_image_start(struct lx_image *self, struct lx_error *error)
         .writer = self->setup.writer,
         .below = lx_nvm_file_port(&self->file),
         .size = self->memory.size,
+        .path = self->setup.path,
         .settled = self->setup.settled,
         .ctx = self->setup.ctx,
     };

@@ -35,6 +35,8 @@
 
 /* It writes, syncs, and prints a line. */
 #define STACK_BYTES ((size_t)256 * 1024)
+/* What an end waits for the disk before it says so. */
+#define PATIENCE DG_S(1)
 
 struct lx_nvm_job {
     struct lx_nvm_job *next;
@@ -298,6 +300,12 @@ static dg_ns end_of_moment(const struct lx_nvm_queue *self, dg_ns begin)
     return dg_earliest(most, dg_after(since, LX_NVM_MOMENT));
 }
 
+static struct timespec to_timespec(dg_ns moment)
+{
+    return (struct timespec){.tv_sec = (time_t)(moment / DG_S(1)),
+                             .tv_nsec = (long)(moment % DG_S(1))};
+}
+
 /* With the lock: until the sync is decided, or the moment is over. */
 static void wait_a_moment(const struct lx_nvm_queue *self)
 {
@@ -305,8 +313,7 @@ static void wait_a_moment(const struct lx_nvm_queue *self)
     const dg_ns begin = lx_now();
     dg_ns end = end_of_moment(self, begin);
     while (self->done != self->issued && !self->stalled && lx_now() < end) {
-        const struct timespec until = {.tv_sec = (time_t)(end / DG_S(1)),
-                                       .tv_nsec = (long)(end % DG_S(1))};
+        const struct timespec until = to_timespec(end);
         (void)pthread_cond_timedwait(&writer->progress, &writer->lock, &until);
         end = end_of_moment(self, begin);
     }
@@ -564,6 +571,24 @@ static void forget_news(const struct lx_nvm_queue *self)
     }
 }
 
+/* With the lock. A disk that is stuck is waited for as long as it takes, but not in silence. */
+static void wait_for_end(const struct lx_nvm_queue *self)
+{
+    struct lx_nvm_writer *writer = self->setup.writer;
+    const struct timespec patience = to_timespec(dg_after(lx_now(), PATIENCE));
+    bool late = false;
+    while (self->lined_up && !late) {
+        late = pthread_cond_timedwait(&writer->progress, &writer->lock, &patience) == ETIMEDOUT;
+    }
+    if (self->lined_up) {
+        lx_complain("%s: the disk is slow; the end waits until what was written is durable",
+                    self->setup.path);
+    }
+    while (self->lined_up) {
+        (void)pthread_cond_wait(&writer->progress, &writer->lock);
+    }
+}
+
 static void drain(struct lx_nvm_queue *self)
 {
     struct lx_nvm_writer *writer = self->setup.writer;
@@ -571,9 +596,7 @@ static void drain(struct lx_nvm_queue *self)
     if (self->jobs.first != NULL) {
         line_up(self);
     }
-    while (self->lined_up) {
-        (void)pthread_cond_wait(&writer->progress, &writer->lock);
-    }
+    wait_for_end(self);
     forget_news(self);
     (void)pthread_mutex_unlock(&writer->lock);
 }

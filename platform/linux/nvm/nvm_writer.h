@@ -56,6 +56,7 @@ struct lx_nvm_queue_setup {
     struct lx_nvm_writer *writer; /**< NULL: no queue, the device works on the memory itself */
     struct dg_nvm below; /**< the thread's from open to close, but for its reads; may block */
     uint32_t size;       /**< bytes of it */
+    const char *path;    /**< of its file, for messages */
     /** In the loop: a sync is through, or lost. Optional; whoever keeps answers back needs it. */
     void (*settled)(void *ctx, dg_ns now);
     void *ctx;
@@ -105,7 +106,8 @@ enum lx_nvm_state lx_nvm_writer_state(struct lx_nvm_writer *self, uint64_t after
 int lx_nvm_queue_open(struct lx_nvm_queue *self, const struct lx_nvm_queue_setup *setup,
                       struct dg_nvm *nvm, struct lx_error *error);
 
-/** Wait until all is written; what failed is tried once more. Also when it is not open. */
+/** Wait until all is written, and say so when that takes longer than a second; what failed is tried
+ * once more. Also when it is not open. */
 void lx_nvm_queue_close(struct lx_nvm_queue *self);
 
 /** What has become of the sync with `ticket` and of all before it. Through, when it is not open. */
