@@ -26,6 +26,7 @@
 #include "drehgeber/api.h"
 #include "drehgeber/hal.h"
 #include "drehgeber/key.h"
+#include "drehgeber/quantity.h"
 #include "drehgeber/stack.h"
 #include "drehgeber/store.h"
 #include "drehgeber/time.h"
@@ -396,6 +397,14 @@ DG_API extern const struct dg_instrument dg_ib_instrument;
 
 /** What can be set of a struct dg_ib_model, for hosts. */
 DG_API extern const struct dg_keys dg_ib_keys;
+
+/** Bit n: it does not sense enum dg_quantity_id n; as in dg_host_wire. */
+#define DG_IB_BLIND                                                                                \
+    (((UINT32_C(1) << DG_QUANTITY_COUNT) - 1u) &                                                   \
+     ~(DG_IB_SENSED(TEMPERATURE) | DG_IB_SENSED(SINGLETURN) | DG_IB_SENSED(MULTITURN_AMPLITUDE) |  \
+       DG_IB_SENSED(MULTITURN_SYNC) | DG_IB_SENSED(MULTITURN_VECTOR) | DG_IB_SENSED(EEPROM)))
+/** A bit of what it senses. */
+#define DG_IB_SENSED(id) (UINT32_C(1) << DG_QUANTITY_##id)
 
 /** The figures of a model of this stack; NULL when it is of another one. */
 DG_API const struct dg_ib_model *dg_ib_model_of(const struct dg_device *device);

@@ -5,8 +5,6 @@
 #include "drehgeber/host_wire.h"
 #include "drehgeber/interbus.h"
 
-#define SENSED(id) (UINT32_C(1) << DG_QUANTITY_##id)
-#define ALL ((UINT32_C(1) << DG_QUANTITY_COUNT) - 1u)
 /* of dg_ib_keys, as dg_host_wire.without has them */
 #define ROW_TURNS (UINT32_C(1) << 1)
 
@@ -50,8 +48,7 @@ static bool take(struct dg_host_line *line, const struct dg_host_event *event)
 const struct dg_host_wire dg_ib_wire = {
     .stack = &dg_ib_stack,
     .keys = &dg_ib_keys,
-    .blind = ALL & ~(SENSED(TEMPERATURE) | SENSED(SINGLETURN) | SENSED(MULTITURN_AMPLITUDE) |
-                     SENSED(MULTITURN_SYNC) | SENSED(MULTITURN_VECTOR) | SENSED(EEPROM)),
+    .blind = DG_IB_BLIND,
     .settings_size = sizeof(struct dg_ib_model),
     .without = without,
     .check = check,

@@ -30,9 +30,6 @@ static void defaults(void *settings, const struct dg_device *device)
     *(struct dg_ib_model *)settings = *dg_ib_model_of(device);
 }
 
-#define SENSED(id) (UINT32_C(1) << DG_QUANTITY_##id)
-#define ALL ((UINT32_C(1) << DG_QUANTITY_COUNT) - 1u)
-
 static const char title[] = "INTERBUS";
 static const struct lx_trace_format *const formats[] = {&lx_trace_csv, NULL};
 static const struct lx_trace_kind trace = {title, formats, false};
@@ -44,8 +41,7 @@ const struct lx_stack lx_ib_stack = {
     .wire = "modbus",
     .is_ring = true,
     .keys = &dg_ib_keys,
-    .blind = ALL & ~(SENSED(TEMPERATURE) | SENSED(SINGLETURN) | SENSED(MULTITURN_AMPLITUDE) |
-                     SENSED(MULTITURN_SYNC) | SENSED(MULTITURN_VECTOR) | SENSED(EEPROM)),
+    .blind = DG_IB_BLIND,
     .settings_size = sizeof(struct dg_ib_model),
     .defaults = defaults,
 };
