@@ -46,7 +46,17 @@ def promises(tree):
     for name, inside in STRUCT.findall(text):
         lines.append(f"struct {name} {{{squeeze(inside)}}}")
     for name, inside in ENUM.findall(text):
-        lines += [f"enum {name}: {squeeze(value)}" for value in inside.split(",") if value.strip()]
+        lines += [f"enum {name}: {line}" for line in enumerators(inside)]
+    return lines
+
+
+def enumerators(inside):
+    """NAME = VALUE of each, also of those that only count on."""
+    last, lines = -1, []
+    for part in filter(None, map(squeeze, inside.split(","))):
+        name, _, value = part.partition(" = ")
+        last = int(value, 0) if value else last + 1
+        lines.append(f"{name} = {value or last}")
     return lines
 
 
