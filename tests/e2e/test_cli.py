@@ -71,7 +71,8 @@ USAGE_ERRORS = [
 
 # What is asked about, and words that its help has to have; nothing is started.
 HELP = [
-    (["--help"], ["drehgeber run MODEL", "--pty", "KEY=VALUE of BiSS encoders", "mt_bits"]),
+    (["--help"], ["drehgeber run MODEL", "--pty", "KEY=VALUE of BiSS encoders", "mt_bits",
+                  "(own or any, default own)", "(0..1000000 us, default 1000)"]),
     (["help"], ["drehgeber run MODEL"]),
     (["help", "run", MULTITURN], ["date of the firmware (factory) (8 characters)"]),
     (["help", "run", "ocd-ib-k3"], ["0 is the first (fault) (0..511)"]),

@@ -47,15 +47,28 @@ static void print_motions(void)
 
 /* --- settings --- */
 
-/* With `device` its own defaults are told. */
+static const struct dg_device *any_of(const struct lx_stack *stack)
+{
+    size_t i = 0;
+    while (dg_devices[i]->stack != stack->core) {
+        i++;
+    }
+    return dg_devices[i];
+}
+
+/* With `device` its own defaults are told; without one those that all have, which are the port's.
+ */
 static void print_own(const struct lx_stack *stack, const struct dg_device *device)
 {
-    void *settings = device == NULL ? NULL : calloc(1, stack->settings_size);
+    void *settings = calloc(1, stack->settings_size);
     struct lx_keys lists[LX_STACK_LISTS];
     if (settings != NULL) {
-        stack->defaults(settings, device);
+        stack->defaults(settings, device == NULL ? any_of(stack) : device);
     }
     lx_stack_keys(stack, device, settings, NULL, lists);
+    if (device == NULL) {
+        lists[LX_STACK_CORE].base = NULL;
+    }
     lx_keys_help(&lists[LX_STACK_OWN], stdout);
     lx_keys_help(&lists[LX_STACK_CORE], stdout);
     free(settings);
