@@ -70,9 +70,10 @@ static int unknown_key(const struct lx_keys *lists, const struct lx_wire *kind, 
 {
     struct lx_words right = {"valid:"};
     struct lx_words wires = {""};
-    const struct lx_wire *other = lx_wire_with(name);
-    if (other != NULL) {
-        return lx_refuse(error, "leave it out", "only a %s wire has it", other->name);
+    const size_t others = lx_wires_with(name, &wires);
+    if (others > 0) {
+        return lx_refuse(error, "leave it out", "only %s%s %s it", others == 1 ? "a " : "",
+                         wires.text, others == 1 ? "wire has" : "wires have");
     }
     lx_keys_name(lists, LX_STACK_LISTS, &right);
     if (kind != NULL && kind->keys != NULL) {

@@ -33,14 +33,30 @@ bool lx_wire_has(const struct lx_wire *self, const char *key)
     return self->keys != NULL && lx_keys_find(self->keys, 1, key, NULL) != NULL;
 }
 
-const struct lx_wire *lx_wire_with(const char *key)
+/* Keys of its own, or of the port for what it carries. */
+static bool offers(const struct lx_wire *self, const char *key)
 {
+    bool found = lx_wire_has(self, key);
+    for (size_t i = 0; i < LX_WIRE_STACKS_MAX && self->stacks[i] != NULL; i++) {
+        found = found || dg_keys_find(&self->stacks[i]->own, key) != NULL;
+    }
+    return found;
+}
+
+size_t lx_wires_with(const char *key, struct lx_words *names)
+{
+    size_t count = 0;
+    size_t own = 0;
     for (size_t i = 0; i < lx_wire_count; i++) {
-        if (lx_wire_has(&lx_wires[i], key)) {
-            return &lx_wires[i];
+        own += lx_wire_has(&lx_wires[i], key) ? 1u : 0u;
+        count += offers(&lx_wires[i], key) ? 1u : 0u;
+    }
+    for (size_t i = 0, n = 0; own > 0 && i < lx_wire_count; i++) {
+        if (offers(&lx_wires[i], key)) {
+            lx_words_item(names, lx_wires[i].name, n++, count, " and ");
         }
     }
-    return NULL;
+    return own > 0 ? count : 0;
 }
 
 /* Which keys it has was asked when they were given to it. */

@@ -26,8 +26,8 @@ struct lx_wire {
     size_t stations_max; /**< encoders that fit on one; all of one stack */
     lx_bus_make *make;
     const struct lx_stack *stacks[LX_WIRE_STACKS_MAX]; /**< it can carry; NULL behind the last */
-    const char *where; /**< what its address looks like, for messages, e.g. "CHIP:MA,SLO"; NULL: it
-                            has none */
+    const char *where; /**< what its address looks like, for messages, e.g. "CHIP:MA,SLO"; NULL:
+                          it has none */
     const char *usual; /**< address when none is given; NULL: the bus finds one */
     const struct lx_keys *keys; /**< settings of the wire itself; NULL: none */
     const void *defaults;       /**< what they set, as nobody has set it */
@@ -54,8 +54,9 @@ bool lx_wire_carries(const struct lx_wire *self, const struct lx_stack *stack);
 /** Whether `key` is a setting of the wire itself, not of the encoders on it. */
 bool lx_wire_has(const struct lx_wire *self, const char *key);
 
-/** A kind that has this setting, or NULL. */
-const struct lx_wire *lx_wire_with(const char *key);
+/** Append the names of all kinds with this setting, when it is one of a wire itself: of that, or of
+ * the port for what they carry. @return how many */
+size_t lx_wires_with(const char *key, struct lx_words *names);
 
 /** Understand the settings of the wire itself: those in `keys`, to `base`, which has the defaults.
  * @return 0, or -1 with `error` */
