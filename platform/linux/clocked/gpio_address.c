@@ -15,7 +15,7 @@
 
 #define FOLDER "/dev/"
 #define CHIP "gpiochip"
-#define RIGHT "CHIP:MA,SLO with two offsets is right, e.g. gpiochip0:4,5"
+#define RIGHT "CHIP:CLOCK,DATA with two offsets is right, e.g. gpiochip0:4,5"
 
 /* `n` characters of decimal digits. */
 static bool parse_offset(const char *text, size_t n, unsigned *offset)
@@ -46,7 +46,7 @@ int lx_gpio_address_parse(struct lx_gpio_address *self, const char *text, struct
         return lx_refuse(error, RIGHT, "%s", "");
     }
     if (self->clock == self->data) {
-        return lx_refuse(error, RIGHT, "MA and SLO are the same line");
+        return lx_refuse(error, RIGHT, "both are the same line");
     }
     const int length = (int)(colon - text);
     const char *folder = memchr(text, '/', (size_t)length) == NULL ? FOLDER : "";

@@ -54,7 +54,7 @@ struct lx_wire;
 struct lx_plan_wire {
     char *name; /**< of the [bus NAME] section, or of the encoder it belongs to */
     const struct lx_wire *kind;
-    char *where;                      /**< LINK, DEV, IFNAME, HOST:PORT, CHIP:MA,SLO; or NULL */
+    char *where;                      /**< LINK, DEV, IFNAME, HOST:PORT, CHIP:CLOCK,DATA; or NULL */
     char *trace;                      /**< file, or NULL */
     struct lx_plan_settings settings; /**< of the wire itself, e.g. cycle of a ring */
     lx_line_number line;              /**< of the section */

@@ -26,7 +26,7 @@ struct lx_wire {
     size_t stations_max; /**< encoders that fit on one; all of one stack */
     lx_bus_make *make;
     const struct lx_stack *stacks[LX_WIRE_STACKS_MAX]; /**< it can carry; NULL behind the last */
-    const char *where; /**< what its address looks like, for messages, e.g. "CHIP:MA,SLO"; NULL:
+    const char *where; /**< what its address looks like, for messages, e.g. "CHIP:CLOCK,DATA"; NULL:
                           it has none */
     const char *usual; /**< address when none is given; NULL: the bus finds one */
     const struct lx_keys *keys; /**< settings of the wire itself; NULL: none */

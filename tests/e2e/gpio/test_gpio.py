@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""BiSS over GPIO character devices: `--gpio CHIP:MA,SLO`, with libgpiod 1.x and 2.x."""
+"""BiSS over GPIO character devices: `--gpio CHIP:CLOCK,DATA`, with libgpiod 1.x and 2.x."""
 import re
 import subprocess
 import time
@@ -143,7 +143,7 @@ def refuse(where: str, status: int = 1, **options) -> str:
 @pytest.mark.parametrize("where", ["", "gpiochip0", "gpiochip0:4", "gpiochip0:4,4", "gpiochip0:4,",
                                    ":4,5", "gpiochip0:4,5,6", "gpiochip0:-4,5", "gpiochip0:4,65536"])
 def test_wrong_words(library, where):
-    assert "CHIP:MA,SLO" in refuse(where, 2)
+    assert "CHIP:CLOCK,DATA" in refuse(where, 2)
 
 
 def test_lines_that_cannot_be_had(chip, library, start):
