@@ -25,7 +25,7 @@ static struct dg_host *host;
 static uint64_t now;
 static size_t model_index;
 
-/* The last of them is in no list. */
+/* All by their names, and behind the list one as who links a single protocol makes it. */
 static struct dg_host *make(uint8_t *memory, size_t model)
 {
     return model < dg_device_count ? dg_host_make(memory, MEMORY_MAX, dg_devices[model]->name)

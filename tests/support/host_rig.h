@@ -11,7 +11,7 @@
 
 #include "drehgeber/host.h"
 
-/** Not in the list of all models. */
+/** One to be made of its struct. */
 extern const struct dg_device dg_ssi_25;
 
 /** Time and angle. READY: longer than any model initialises. */
