@@ -64,6 +64,7 @@ ROOMS = {
     "linux/interbus":  {"interbus"} | BELOW,
     "linux/rig":       {"motion"} | PROTOCOLS | BELOW | WIRES,
     "tools/drehgeber": {"motion", "linux/rig"} | PROTOCOLS | BELOW | WIRES,
+    "tools/manual":    {"core", "devices", "tools/drehgeber"} | PROTOCOLS | BELOW,
     "tools/reference": {"core", "control", "devices", "instruments"} | PROTOCOLS | {f"src/{folder}" for folder in PROTOCOLS},
     "tools/examples":  set(ALLOWED),
 }

@@ -9,6 +9,69 @@
 #include "list.h"
 #include "motion_words.h"
 
+const char help_intro[] =
+    "  drehgeber run s3684-rs485 --pty=enc --shaft 60RPM --nvm enc.nvm\n"
+    "\n"
+    "makes ./enc a serial port (9600 Bd, 8E1) behind which a multiturn encoder turns\n"
+    "at 60 rpm; it prints one line, 'ready s3684-rs485 pty:/dev/pts/4', and runs until\n"
+    "Ctrl-C or SIGTERM. Ask it for its position with the bytes 40 42 02.\n";
+
+const char help_motion[] =
+    "  Units: DEG REV (angle), RPM (speed), S MS (time). Positive is clockwise, time\n"
+    "  0 is when the encoder is ready. A file has lines 'time_s,angle_deg'.\n";
+
+const char help_exit[] = "0 after SIGTERM or SIGINT, 2 for a wrong command line, 1 for the rest.\n";
+
+static const struct {
+    const char *command;
+    const char *text;
+} abouts[] = {
+    {"list", "A line for each model: its name, what it speaks, its resolution.\n"},
+    {"faults", "Defects are causes: the encoder finds its own codes. Of an encoder that runs\n"
+               "FAULt:CATalog? says the same, and FAULt:SET lets one happen:\n"
+               "\n"
+               "  drehgeber ctl 'FAUL:SET led_current_high,DUR 5S'\n"},
+    {"run", "It is there when a line 'ready MODEL WIRE:ADDRESS' is on stdout, and until\n"
+            "SIGTERM, SIGINT, SIGHUP or SIGQUIT. A rig file has shafts, gears between them,\n"
+            "wires and encoders; 'ready rig' says that all of it is there. ctl and top steer\n"
+            "what runs.\n"
+            "\n"
+            "  drehgeber run s3684-rs485 --pty=enc --shaft 60RPM --nvm enc.nvm\n"
+            "  drehgeber run f3668 --can vcan0 --node 1..127 --shaft 60RPM\n"
+            "  drehgeber run bench.ini\n"},
+    {"eds", "An electronic data sheet as CiA 306 has it, made of the object dictionary itself.\n"
+            "\n"
+            "  drehgeber eds f3668 > f3668.eds\n"},
+    {"biss", "The encoder is switched on, and its answers are printed.\n"
+             "\n"
+             "  drehgeber biss s3684-biss read --shaft 90DEG --trace biss.vcd\n"
+             "  drehgeber biss s3684-biss registers 0x78 8\n"
+             "  drehgeber biss s3684-biss eds\n"},
+    {"ssi", "The encoder is switched on, and its word is read, once for each 'read'.\n"
+            "\n"
+            "  drehgeber ssi ssi-25 read --shaft 90DEG --trace ssi.vcd\n"},
+    {"map", "As the coupler in front of the ring has them; of a whole ring with --ring.\n"
+            "\n"
+            "  drehgeber map --ring ocd-ib-k3,ocd-ib-k1\n"},
+    {"ctl", "Commands are sent, answers printed; without a command they are read from stdin.\n"
+            "Without --control the one rig that runs is meant.\n"
+            "\n"
+            "  drehgeber ctl 'SHAF:ACC 600RPM/S; MOVE 90DEG,120RPM; *OPC?' 'SHAF:POS?'\n"},
+    {"top", "Shafts as dials, a line for each encoder, what is on its wire. A window has at\n"
+            "least 40 columns and 10 lines; a large one shows more. Without an address the\n"
+            "one rig that runs is meant. There are no colours when NO_COLOR is set.\n"},
+    {"help", "Behind a command, --help says the same and starts nothing.\n"},
+};
+
+const char *help_about(const char *command)
+{
+    size_t i = 0;
+    while (i + 1u < DG_COUNT(abouts) && strcmp(abouts[i].command, command) != 0) {
+        i++;
+    }
+    return abouts[i].text;
+}
+
 /* Where the text of a command begins. */
 #define TEXT_AT 40
 
@@ -36,15 +99,6 @@ static void print_options(const struct command_row *row)
     free(table);
 }
 
-static void print_motions(void)
-{
-    (void)printf("\n MOTION:\n"
-                 "  %s\n"
-                 "  Units: DEG REV (angle), RPM (speed), S MS (time). Positive is clockwise, time\n"
-                 "  0 is when the encoder is ready. A file has lines 'time_s,angle_deg'.\n",
-                 lx_shaft_forms);
-}
-
 /* --- settings --- */
 
 static const struct dg_device *any_of(const struct lx_stack *stack)
@@ -58,7 +112,7 @@ static const struct dg_device *any_of(const struct lx_stack *stack)
 
 /* With `device` its own defaults are told; without one those that all have, which are the port's.
  */
-static void print_own(const struct lx_stack *stack, const struct dg_device *device)
+static void print_own(const struct lx_stack *stack, const struct dg_device *device, FILE *to)
 {
     void *settings = calloc(1, stack->settings_size);
     struct lx_keys lists[LX_STACK_LISTS];
@@ -69,12 +123,12 @@ static void print_own(const struct lx_stack *stack, const struct dg_device *devi
     if (device == NULL) {
         lists[LX_STACK_CORE].base = NULL;
     }
-    lx_keys_help(&lists[LX_STACK_OWN], stdout);
-    lx_keys_help(&lists[LX_STACK_CORE], stdout);
+    lx_keys_help(&lists[LX_STACK_OWN], to);
+    lx_keys_help(&lists[LX_STACK_CORE], to);
     free(settings);
 }
 
-static void print_world(const struct lx_stack *stack)
+void help_senses(const struct lx_stack *stack, FILE *to)
 {
     struct dg_world world;
     const struct lx_keys keys = {
@@ -84,7 +138,7 @@ static void print_world(const struct lx_stack *stack)
         .without = stack == NULL ? 0 : stack->blind,
     };
     dg_world_init(&world);
-    lx_keys_help(&keys, stdout);
+    lx_keys_help(&keys, to);
 }
 
 /* Whether an earlier kind of wire has the same keys. */
@@ -106,32 +160,37 @@ static void *readable(const void *defaults)
     return base;
 }
 
-static void print_wire_keys(const struct lx_stack *stack)
+static void print_wire_keys(const struct lx_stack *stack, FILE *to)
 {
     for (size_t i = 0; i < lx_wire_count; i++) {
         const struct lx_wire *wire = &lx_wires[i];
         if (wire->keys != NULL && !told_before(i) && lx_wire_carries(wire, stack)) {
             struct lx_keys keys = *wire->keys;
             keys.base = readable(wire->defaults);
-            (void)printf(" of the %s wire itself:\n", stack->title);
-            lx_keys_help(&keys, stdout);
+            (void)fprintf(to, " of the %s wire itself:\n", stack->title);
+            lx_keys_help(&keys, to);
         }
     }
+}
+
+void help_keys(const struct lx_stack *stack, const struct dg_device *device, FILE *to)
+{
+    print_own(stack, device, to);
+    print_wire_keys(stack, to);
 }
 
 static void print_stack(const struct lx_stack *stack, const struct dg_device *device)
 {
     (void)printf("\n KEY=VALUE of %s%s:\n", device == NULL ? stack->title : device->name,
                  device == NULL ? " encoders" : "");
-    print_own(stack, device);
-    print_wire_keys(stack);
+    help_keys(stack, device, stdout);
 }
 
 static void print_senses(const struct lx_stack *stack)
 {
     (void)printf("\n KEY=VALUE of what %s:\n",
                  stack == NULL ? "encoders sense (INTERBUS: not all of it)" : "it senses");
-    print_world(stack);
+    help_senses(stack, stdout);
     (void)fputs("  (factory) is burnt into a new --nvm file; an existing one has to agree.\n",
                 stdout);
 }
@@ -148,16 +207,7 @@ static void print_settings(void)
 
 static void print_everything(void)
 {
-    (void)fputs(
-        "drehgeber - be an absolute encoder, byte for byte\n"
-        "\n"
-        "  drehgeber run s3684-rs485 --pty=enc --shaft 60RPM --nvm enc.nvm\n"
-        "\n"
-        "makes ./enc a serial port (9600 Bd, 8E1) behind which a multiturn encoder turns\n"
-        "at 60 rpm; it prints one line, 'ready s3684-rs485 pty:/dev/pts/4', and runs until\n"
-        "Ctrl-C or SIGTERM. Ask it for its position with the bytes 40 42 02.\n"
-        "\n",
-        stdout);
+    (void)printf("drehgeber - be an absolute encoder, byte for byte\n\n%s\n", help_intro);
     for (size_t i = 0; i < command_row_count; i++) {
         print_command(&command_rows[i]);
     }
@@ -165,11 +215,9 @@ static void print_everything(void)
     list_models("  ");
     (void)fputs("\n", stdout);
     print_options(NULL);
-    print_motions();
+    (void)printf("\n MOTION:\n  %s\n%s", lx_shaft_forms, help_motion);
     print_settings();
-    (void)fputs("\n Exit status: 0 after SIGTERM or SIGINT, 2 for a wrong command line, 1 for the "
-                "rest.\n",
-                stdout);
+    (void)printf("\n Exit status: %s", help_exit);
 }
 
 static bool uses(const struct command_row *row, const char *option)
@@ -184,6 +232,7 @@ static void print_one(const struct command_row *row, const struct dg_device *dev
             print_command(&command_rows[i]);
         }
     }
+    (void)printf("\n%s", help_about(row->name));
     if (device != NULL) {
         (void)printf("\n %s: %s, %s; %s is its usual wire\n", device->name, device->wire,
                      device->resolution, lx_stack_of(device)->wire);
@@ -191,7 +240,7 @@ static void print_one(const struct command_row *row, const struct dg_device *dev
     (void)fputs("\n", stdout);
     print_options(row);
     if (uses(row, " shaft ")) {
-        print_motions();
+        (void)printf("\n MOTION:\n  %s\n%s", lx_shaft_forms, help_motion);
     }
     if (uses(row, " set ") && device != NULL) {
         print_stack(lx_stack_of(device), device);

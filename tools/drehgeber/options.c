@@ -8,6 +8,7 @@
 
 #include "biss.h"
 #include "can.h"
+#include "drehgeber/drehgeber.h"
 #include "ssi.h"
 
 enum key {
@@ -30,21 +31,22 @@ enum key {
 
 /* clang-format off */
 const struct command_row command_rows[] = {
-    /* name    command       wires  usage                                  help                                            takes  ask */
-    {"list",   COMMAND_LIST, false, "list [--json]",                       "the models",                                   " json ", NULL},
-    {"faults", COMMAND_FAULTS, false, "faults MODEL [--json]",             "what can happen to an encoder, and what it does then", " json ", NULL},
-    {"run",    COMMAND_RUN,  true,  "run MODEL [WIRE] [OPTIONS]",          "be that encoder",                              NULL, NULL},
-    {"run",    COMMAND_RUN,  true,  "run RIG.ini [--control ...]",         "be all encoders of a rig file",                NULL, NULL},
-    {"eds",    COMMAND_EDS,  false, "eds MODEL",                           "the EDS file of a CANopen encoder",            "", NULL},
-    {"biss",   COMMAND_ASK,  false, "biss MODEL ACTION [OPTIONS]",         "ask a BiSS encoder over a simulated wire;\n"
-                                                                           "ACTION, one or more: read,\n"
-                                                                           "registers [BANK:]ADDR N, eds,\n"
-                                                                           "write [BANK:]ADDR BYTES, command N",           " set nvm serial shaft trace ", biss_command},
-    {"ssi",    COMMAND_ASK,  false, "ssi MODEL read [OPTIONS]",            "read an SSI encoder over a simulated wire",     " set shaft trace ", ssi_command},
-    {"map",    COMMAND_MAP,  false, "map MODEL",                           "the Modbus registers of an INTERBUS encoder",  " ring ", NULL},
-    {"ctl",    COMMAND_CTL,  false, "ctl [--control ADDR] COMMAND",        "SCPI to what is running; SYST:HELP? says which", " control ", NULL},
-    {"top",    COMMAND_TOP,  false, "top [ADDRESS]",                       "what is running, in a terminal; ? says the keys", " control ", NULL},
-    {"help",   COMMAND_HELP, false, "help [COMMAND [MODEL]]",              "this text, or that of a command",              "", NULL},
+    /* name    command         wires  usage                                  help                                            takes  ask  stack  words */
+    {"list",   COMMAND_LIST,   false, "list [--json]",                       "the models",                                   " json ", NULL, NULL, NULL},
+    {"faults", COMMAND_FAULTS, false, "faults MODEL [--json]",               "what can happen to an encoder, and what it\n"
+                                                                             "does about it",                                " json ", NULL, NULL, NULL},
+    {"run",    COMMAND_RUN,    true,  "run MODEL [WIRE] [OPTIONS]",          "be that encoder",                              NULL, NULL, NULL, NULL},
+    {"run",    COMMAND_RUN,    true,  "run RIG.ini [--control ...]",         "be all encoders of a rig file",                NULL, NULL, NULL, NULL},
+    {"eds",    COMMAND_EDS,    false, "eds MODEL",                           "the EDS file of a CANopen encoder",            "", NULL, &dg_cia406_stack, NULL},
+    {"biss",   COMMAND_ASK,    false, "biss MODEL ACTION [OPTIONS]",         "ask a BiSS encoder over a simulated wire;\n"
+                                                                             "ACTION, one or more: read,\n"
+                                                                             "registers [BANK:]ADDR N, eds,\n"
+                                                                             "write [BANK:]ADDR BYTES, command N",           " set nvm serial shaft trace ", biss_command, &dg_biss_stack, "read registers eds write command"},
+    {"ssi",    COMMAND_ASK,    false, "ssi MODEL read [OPTIONS]",            "read an SSI encoder over a simulated wire",    " set shaft trace ", ssi_command, &dg_ssi_stack, "read"},
+    {"map",    COMMAND_MAP,    false, "map MODEL",                           "the Modbus registers of an INTERBUS encoder",  " ring ", NULL, &dg_ib_stack, NULL},
+    {"ctl",    COMMAND_CTL,    false, "ctl [--control ADDR] COMMAND",        "SCPI to what is running; SYST:HELP? says which", " control ", NULL, NULL, NULL},
+    {"top",    COMMAND_TOP,    false, "top [ADDRESS]",                       "what is running, in a terminal; ? says the keys", " control ", NULL, NULL, NULL},
+    {"help",   COMMAND_HELP,   false, "help [COMMAND [MODEL]]",              "this text, or that of a command",              "", NULL, NULL, NULL},
 };
 
 /* Behind the wires. */

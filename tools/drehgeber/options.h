@@ -42,6 +42,8 @@ struct command_row {
     /* COMMAND_ASK: do what options->words say over a simulated wire. Prints its own errors.
        @return how the program ends */
     int (*ask)(const struct options *options);
+    const struct dg_stack *stack; /* a MODEL is one of it; NULL: any */
+    const char *words;            /* that may stand behind the MODEL, a blank between them; NULL */
 };
 
 extern const struct command_row command_rows[];

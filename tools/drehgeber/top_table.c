@@ -11,6 +11,7 @@
 #include "top_draw.h"
 
 #define UDEG_PER_DEG 1000000
+#define UDEG_PER_MDEG 1000
 #define UDEG_PER_TURN ((int64_t)360 * UDEG_PER_DEG)
 
 enum column {
@@ -74,8 +75,8 @@ static void angle_text(const struct top_shaft *shaft, char *to, size_t size)
         return;
     }
     const int64_t rest = (shaft->udeg % UDEG_PER_TURN + UDEG_PER_TURN) % UDEG_PER_TURN;
-    (void)snprintf(to, size, "%" PRId64 ":%07.3f", (shaft->udeg - rest) / UDEG_PER_TURN,
-                   (double)(rest / 1000) / 1000.0);
+    (void)snprintf(to, size, "%" PRId64 ":%03d.%03d", (shaft->udeg - rest) / UDEG_PER_TURN,
+                   (int)(rest / UDEG_PER_DEG), (int)(rest % UDEG_PER_DEG / UDEG_PER_MDEG));
 }
 
 static void cell_text(const struct top_view *view, const struct top_encoder *encoder,
