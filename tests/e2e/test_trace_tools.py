@@ -13,7 +13,7 @@ import time
 
 import pytest
 
-from rig import Client
+from rig import REPOSITORY, Client
 
 MAKE_TRACES = os.environ["MAKE_TRACES"]
 PROGRAM = os.environ["DREHGEBER"]
@@ -118,6 +118,28 @@ def test_two_seconds_of_rs485_in_sigrok_as_they_are(tmp_path):
         assert time.monotonic() - before < 5  # 20 s with steps of 1 ns
         wanted = b"".join(frame for who, frame in frames if who == ours)
         assert bytes(int(line.split()[1], 16) for line in lines) == wanted
+
+
+@pytest.mark.parametrize("name, command", [
+    ("rs485", None), ("biss", ["biss", "s3684-biss", "read"]),
+    ("ssi", ["ssi", "ssi-25", "read"]),
+])
+def test_gtkwave_setups_name_what_is_in_traces(tmp_path, start, name, command):
+    path = tmp_path / "trace.vcd"
+    if command is None:
+        assert start("--trace", path).end() == 0
+    else:
+        run(PROGRAM, *command, "--trace", str(path))
+    scopes, found = [], set()
+    for word, *rest in re.findall(r"^\$(scope|upscope|var)(?: \S+ (\S+))?(?: \S+ (\S+) \$end)?", path.read_text(), re.M):
+        if word == "scope":
+            scopes.append(rest[0])
+        elif word == "upscope":
+            scopes.pop()
+        else:
+            found.add(".".join([*scopes, rest[1]]))
+    setup = (REPOSITORY / f"tools/gtkwave/{name}.gtkw").read_text()
+    assert {line for line in setup.splitlines() if line[0] not in "[@"} == found
 
 
 def signals_of(dump):
