@@ -30,7 +30,7 @@ FORBIDDEN_IN = {
 
 def licensed(path):
     name = path.rsplit("/", 1)[-1]
-    return path.endswith(LICENSED) or ("." not in name and path not in UNMARKED)
+    return path.endswith(LICENSED) and not path.startswith("LICENSES/") or ("." not in name and path not in UNMARKED)
 
 
 def main():
