@@ -85,7 +85,6 @@ def main() -> int:
         return 1
     except KeyboardInterrupt:
         pass
-    print(f"connect your own program to {arguments.port}, 9600 8E1, address 40h")
     return 0
 
 
