@@ -64,7 +64,7 @@ _drehgeber_kind()
     case $1 in
         --pty) echo file ;;
         --tty) echo device ;;
-        --gpio) echo chip ;;
+        --gpio) echo nothing ;;
         --can) echo net ;;
         --slcan) echo file ;;
         --modbus) echo nothing ;;
