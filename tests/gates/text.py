@@ -13,7 +13,7 @@ from sources import files, finish, read
 
 LICENSED = (".c", ".h", ".def", ".py", ".txt", ".cmake", ".in", ".sh", ".ini")
 # They have no comments.
-UNMARKED = ("LICENSE", "debian/changelog", "debian/copyright", "debian/source/format")
+UNMARKED = ("LICENSE", "tools/python/LICENSE", "debian/changelog", "debian/copyright", "debian/source/format")
 INPUTS = "tests/fuzz/corpus/"
 # Brackets keep this file from complaining about itself.
 FORBIDDEN = {
