@@ -12,44 +12,13 @@ from pathlib import Path
 import drehgeber
 import pytest
 
-TREE = Path(__file__).resolve().parents[2]
+HERE = Path(__file__).resolve().parent
+TREE = HERE.parents[1]
 DIST = Path(os.environ["DREHGEBER_DIST"])  # what tools/python/release has made
 CACHE = DIST.parent / "mypy"
 DEBIAN_12 = (2, 36)  # its glibc
 
-USER = """
-import drehgeber
-from drehgeber import Clock, Encoder, Shaft
-
-clock = Clock()
-shaft = Shaft(clock, "60RPM")
-motor: Encoder = Encoder("s3684-rs485", shaft=shaft)
-blade = Encoder("f3668", shaft=Shaft(driver=shaft, ratio=(1, 10)), node=5)
-clock.advance(1.5)
-reply: bytes = motor.request(b"\\x40\\x42\\x02")
-frame = blade.can.recv()
-position: int = frame.data[0] if frame is not None else blade.position
-blade.world.temperature = 85.0
-warm: float = blade.world.temperature
-lit: bool = blade.world.singleturn_ok
-sampled: int = sum(blade.positions(0.0, 0.00025, 4000))
-with drehgeber.run("s3684-rs485", "--shaft", "60RPM") as rig:
-    rig.encoders["s3684-rs485"].shaft.move(90)
-    state: dict[str, str] = rig.encoders["s3684-rs485"].state()
-"""
-FIXTURE_USER = """
-import drehgeber
-
-def test_half_a_second(drehgeber_clock):
-    encoder = drehgeber.Encoder("f3668", clock=drehgeber_clock, shaft="60RPM")
-    drehgeber_clock.advance(0.5)
-    assert encoder.shaft.position == 180
-
-def test_a_rig(drehgeber_rig):
-    encoder = drehgeber_rig("[encoder axis]\\nmodel = s3684-biss\\nwire = sim\\n").encoders["axis"]
-    encoder.shaft.position = 90
-    assert encoder.shaft.position == 90
-"""
+USER = HERE / "user.py"
 
 
 def run(*arguments, **options) -> subprocess.CompletedProcess:
@@ -97,10 +66,10 @@ def test_types_of_the_package(tmp_path):
 
 
 def test_types_of_a_users_file(tmp_path):
+    assert mypy(USER, cwd=tmp_path).startswith("Success")
+    assert run(USER, cwd=tmp_path).returncode == 0
     user = tmp_path / "user.py"
-    user.write_text(USER)
-    assert mypy(user, cwd=tmp_path).startswith("Success")
-    user.write_text(USER + 'shaft.mvoe(90)\nblade.world.temperatur = 3\nmotor.request("text")\n')
+    user.write_text(USER.read_text() + 'shaft.mvoe(90)\nblade.world.temperatur = 3\nmotor.request("text")\n')
     said = mypy(user, cwd=tmp_path)
     assert '"Shaft" has no attribute "mvoe"' in said and '"temperatur"' in said and '"str"; expected "bytes"' in said
 
@@ -122,7 +91,7 @@ def test_everything_public_is_documented(name):
 
 
 def test_fixtures_are_there_by_themselves(tmp_path):
-    (tmp_path / "test_user.py").write_text(FIXTURE_USER)
+    (tmp_path / "test_user.py").write_text((HERE / "test_user.py").read_text())
     done = run("-m", "pytest", "-q", "-p", "no:cacheprovider", cwd=tmp_path)
     assert "2 passed" in done.stdout, done.stdout
 

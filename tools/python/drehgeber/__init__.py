@@ -41,6 +41,7 @@ from .canbus import CanBus, CanFrame, CanPort
 from .clock import Clock
 from .control import Control, ScpiError
 from .encoder import Encoder, Setting, SinCos
+from .rigfile import Rig
 from .running import RigError, RunningEncoder, RunningRig, RunningShaft, program, rig, run
 from .shaft import Shaft
 
@@ -58,6 +59,7 @@ __all__ = [
     "Control",
     "Encoder",
     "EncoderError",
+    "Rig",
     "RigError",
     "RunningEncoder",
     "RunningRig",

@@ -1,0 +1,125 @@
+# SPDX-License-Identifier: MIT
+"""Rig files in this process, in virtual time."""
+from pathlib import Path
+
+import drehgeber
+import pytest
+from drehgeber import Clock, EncoderError, Rig
+
+TREE = Path(__file__).resolve().parents[2]
+BENCH = """
+; the bench of README.md
+[rig]
+name = bench
+[shaft motor]
+motion = 60RPM
+[shaft wheel]
+driver = motor
+ratio = 1:-10
+[bus can]
+wire = slcan:/tmp/hub
+pace = 1
+[bus line]
+wire = pty
+[encoder Feedback]
+model = s3684-rs485   ; on a line
+bus = line
+address = 0x41
+temperature = 85
+nvm = feedback.nvm
+[encoder load]
+model = f3668
+bus = can
+node = 1
+[encoder other]
+model = f3668
+bus = can
+node = 2
+shaft = Wheel
+[encoder wheel]
+model = s3684-biss
+shaft = wheel
+wire = sim
+trace = wheel.vcd
+"""
+
+
+@pytest.fixture
+def bench(tmp_path):
+    (tmp_path / "bench.ini").write_text(BENCH)
+    return tmp_path / "bench.ini"
+
+
+def test_a_whole_rig_goes_by_one_clock(bench):
+    rig = Rig(bench)
+    assert (rig.name, list(rig.shafts), list(rig.buses)) == ("bench", ["motor", "wheel"], ["can"])
+    assert list(rig.encoders) == ["feedback", "load", "other", "wheel"]
+    rig.advance(2.5)
+    assert rig.clock.now == 2.5 and rig.shafts["wheel"].position == -90
+    assert rig.encoders["feedback"].position == rig.encoders["load"].position == 163840
+    assert rig.encoders["other"].position == (1 << 28) - 16384
+    assert rig.encoders["wheel"].biss.frame().singleturn == 3 << 19
+    assert rig.encoders["feedback"].world.temperature == 85
+    assert rig.encoders["feedback"].request(bytes.fromhex("41 42 03"))[:2] == b"\x41\x42"
+    master = rig.buses["can"].port()
+    for node in (1, 2):
+        master.send(0x600 + node, bytes.fromhex("40 04 60 00 00 00 00 00"))
+        answer = master.recv()
+        assert answer is not None and answer.id == 0x580 + node
+
+
+def test_an_eeprom_outlives_its_rig(bench):
+    with Rig(bench) as rig:
+        rig.encoders["feedback"].request(bytes.fromhex("41 55 00 40 54"))  # 55h: address 40h from now on
+        rig.advance(1)
+        image = rig.encoders["feedback"].memory
+    assert (bench.parent / "feedback.nvm").read_bytes() == image
+    with Rig(bench) as rig:
+        assert rig.encoders["feedback"].memory == image
+
+
+@pytest.mark.parametrize("name", ["pitch", "forty"])
+def test_the_examples_are_taken(name):
+    rig = Rig(TREE / f"tools/examples/{name}.ini", clock=Clock())
+    rig.advance(1)
+    text = (TREE / f"tools/examples/{name}.ini").read_text()
+    assert len(rig.encoders) == text.count("[encoder ")
+
+
+def test_without_shafts_all_share_one():
+    rig = Rig.of_text("[encoder a]\nmodel = f3668\n[encoder b]\nmodel = ssi-28\n")
+    rig.shafts["main"].position = 90
+    assert rig.encoders["a"].position == rig.encoders["b"].position == 16384
+    assert rig.encoders["a"].bus is not None
+
+
+def test_a_recording_beside_the_file(tmp_path):
+    (tmp_path / "run.csv").write_text("0,0\n1,90\n")
+    rig = Rig.of_text("[shaft s]\nmotion = run.csv\n[encoder a]\nmodel = f3668\n", tmp_path)
+    rig.advance(0.5)
+    assert rig.shafts["s"].position == pytest.approx(45, abs=1e-6)
+
+
+WRONG = {
+    "": "no encoder",
+    "[motor]\n": r"\[motor\]: .*\[encoder NAME\] is right",
+    "[shaft]\n": r"\[shaft\]: .* is right",
+    "[rig a]\n": r"\[rig a\]: .* is right",
+    "[encoder a]\n": r"\[encoder a\]: model = MODEL",
+    "[encoder a]\nmodel = s9\n": "no model 's9'",
+    "[encoder a]\nmodel = f3668\nnod = 5\n": r"\[encoder a\]: f3668: nod=5",
+    "[encoder a]\nmodel = f3668\nshaft = b\n": "no shaft b so far",
+    "[encoder a]\nmodel = f3668\nbus = b\n": "no bus b so far",
+    "[bus b]\nwire = slcan\n[encoder a]\nmodel = ssi-13\nbus = b\n": "has no CAN",
+    "[shaft a]\nmotion = fast\n": r"\[shaft a\]: motion 'fast'",
+    "[shaft a]\nspeed = 1\n": r"\[shaft a\]: speed: right is one of driver, motion, ratio",
+    "[shaft a]\n[shaft b]\ndriver = a\nratio = 1\n": "TURNS:TURNS",
+    "[shaft a]\n[shaft a]\n": "already exists",
+    "model = f3668\n": "no section",
+}
+
+
+@pytest.mark.parametrize("text", WRONG)
+def test_what_is_wrong_is_said_with_its_place(text):
+    with pytest.raises(EncoderError, match=WRONG[text]):
+        drehgeber.Rig.of_text(text)
