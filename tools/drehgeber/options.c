@@ -18,6 +18,7 @@ enum key {
     KEY_NODE = 256,
     KEY_TRACE,
     KEY_FILES,
+    KEY_TIME,
     KEY_JSON,
     KEY_RING,
     KEY_NVM,
@@ -61,6 +62,7 @@ static const struct argp_option rows[] = {
     {.name = "control", .key = KEY_CONTROL, .arg = "ADDRESS",   .doc = "SCPI at unix:PATH or tcp:HOST:PORT (loopback; ,open: beyond it, too), ,token=FILE behind it: for who knows the token; may be given again (default: unix:$XDG_RUNTIME_DIR/drehgeber/NAME.sock; in a service unix:$RUNTIME_DIRECTORY/NAME.sock)"},
     {.name = "files",   .key = KEY_FILES,   .arg = "DIR",       .doc = "traces, recordings and motions that SCPI names lie below DIR (default: here for unix:, nowhere for tcp:)"},
     {.name = "trace",   .key = KEY_TRACE,   .arg = "FILE",      .doc = "what goes over the wire: .vcd (RS485, BiSS, SSI), .log or .pcapng (CAN), .csv (INTERBUS)"},
+    {.name = "time",    .key = KEY_TIME,    .arg = "virtual:SPAN", .doc = "live for a span such as 2.5S, 10MIN or 1H of virtual time, as fast as the machine can, and end"},
     {.name = "json",    .key = KEY_JSON,                        .doc = "for programs: an array of objects"},
     {.name = "verbose", .key = KEY_VERBOSE,                     .doc = "what goes over the wire in words, on stderr"},
     {.name = "quiet",   .key = KEY_QUIET,                       .doc = "no notes on stderr, only complaints"},
@@ -239,7 +241,7 @@ static const struct {
     {KEY_RING, offsetof(struct options, ring)},     {KEY_NVM, offsetof(struct options, nvm)},
     {KEY_SERIAL, offsetof(struct options, serial)}, {KEY_NODE, offsetof(struct options, node)},
     {KEY_SHAFT, offsetof(struct options, shaft)},   {KEY_TRACE, offsetof(struct options, trace)},
-    {KEY_FILES, offsetof(struct options, files)},
+    {KEY_FILES, offsetof(struct options, files)},   {KEY_TIME, offsetof(struct options, time)},
 };
 #define TEXT_COUNT DG_COUNT(texts)
 

@@ -65,7 +65,8 @@ struct options {
     const char *shaft;
     const char *trace;
     const char *files;
-    char **words; /* owned; what `biss MODEL` and its like are to do, as many as argc at most */
+    const char *time; /* "virtual:SPAN" */
+    char **words;     /* owned; what `biss MODEL` and its like are to do, as many as argc at most */
     size_t word_count;
     struct lx_plan_settings settings; /* owned */
     const char **controls;            /* owned; as many as argc at most */

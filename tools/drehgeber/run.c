@@ -13,6 +13,7 @@
 #include "plan.h"
 #include "rig.h"
 #include "timer.h"
+#include "virtual_time.h"
 
 /* How often the master of a simulated wire says what it reads. */
 #define PRINT_EVERY DG_S(1)
@@ -27,6 +28,7 @@ struct running {
     sd_event *event;
     struct lx_timer print; /* one encoder on a simulated wire */
     dg_ns next;            /* position that is printed */
+    dg_ns span;            /* of virtual time; 0: real time */
 };
 
 /* --- positions of a simulated wire --- */
@@ -149,7 +151,8 @@ static int live(struct running *self)
     if (status != EXIT_OK) {
         return complain(&error, status);
     }
-    const int result = sd_event_loop(self->event);
+    const int result =
+        self->span == 0 ? sd_event_loop(self->event) : virtual_time_loop(self->event, self->span);
     (void)sd_notify(0, "STOPPING=1");
     if (result < 0) {
         (void)lx_fail(&error, "the event loop failed: %s", strerror(-result));
@@ -164,6 +167,13 @@ int run_rig(const struct options *options)
     struct lx_error error;
     if (options_plan(options, &self.plan, &error) != 0) {
         return complain(&error, EXIT_USAGE);
+    }
+    if (options->time != NULL) {
+        if (virtual_time_span(options->time, &self.plan, &self.span, &error) != 0) {
+            lx_plan_free(&self.plan);
+            return complain(&error, EXIT_USAGE);
+        }
+        lx_time_own();
     }
     int status = live(&self);
     lx_timer_close(&self.print);

@@ -38,7 +38,7 @@ static int before_wait(sd_event_source *source, void *ctx)
 {
     struct lx_stall *self = ctx;
     const dg_ns began = woke(self);
-    const dg_ns took = dg_elapsed(lx_now(), began);
+    const dg_ns took = dg_elapsed(lx_real_now(), began);
     (void)source;
     if (began == self->woke) {
         return 0; /* no round: a stop has interrupted the wait, which goes on */
@@ -49,7 +49,7 @@ static int before_wait(sd_event_source *source, void *ctx)
     }
     self->waited = dg_elapsed(began, self->waits);
     self->woke = began;
-    self->waits = lx_now();
+    self->waits = lx_real_now();
     return 0;
 }
 
@@ -80,7 +80,8 @@ static int take_signal(struct lx_stall *self)
 int lx_stall_open(struct lx_stall *self, sd_event *event, void (*held_up)(void *ctx, dg_ns by),
                   void *ctx)
 {
-    *self = (struct lx_stall){.event = event, .held_up = held_up, .ctx = ctx, .waits = lx_now()};
+    *self =
+        (struct lx_stall){.event = event, .held_up = held_up, .ctx = ctx, .waits = lx_real_now()};
     int result = take_signal(self);
     if (result >= 0) {
         result = sd_event_source_set_prepare(self->continued, before_wait);

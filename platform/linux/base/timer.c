@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* One timer source for each deadline; off, it costs nothing and wakes nobody. */
+/*
+ * One timer source for each deadline; off, it costs nothing and wakes nobody. In virtual time there
+ * are none: who waits is in a list, and time goes from one to the next as soon as all else is done.
+ */
 #define _GNU_SOURCE
 #include "timer.h"
 
@@ -7,12 +10,78 @@
 
 #define ACCURACY_US 1u
 
+/* Time is one for the process, as the machine's clock is: the only state here that is nobody's. */
+static struct {
+    bool own;
+    dg_ns now;
+    struct lx_timer *waiting; /* in the order they asked */
+} virtual_;
+
 dg_ns lx_now(void)
+{
+    return virtual_.own ? virtual_.now : lx_real_now();
+}
+
+dg_ns lx_real_now(void)
 {
     struct timespec now;
     (void)clock_gettime(CLOCK_MONOTONIC, &now);
     return DG_S(now.tv_sec) + (dg_ns)now.tv_nsec;
 }
+
+/* --- virtual time --- */
+
+void lx_time_own(void)
+{
+    virtual_.now = lx_real_now();
+    virtual_.own = true;
+}
+
+static void leave(struct lx_timer *self)
+{
+    struct lx_timer **link = &virtual_.waiting;
+    while (*link != NULL && *link != self) {
+        link = &(*link)->next;
+    }
+    if (*link != NULL) {
+        *link = self->next;
+    }
+    self->next = NULL;
+}
+
+static void join(struct lx_timer *self)
+{
+    struct lx_timer **link = &virtual_.waiting;
+    while (*link != NULL) {
+        link = &(*link)->next;
+    }
+    *link = self;
+}
+
+static struct lx_timer *first(void)
+{
+    struct lx_timer *found = virtual_.waiting;
+    for (struct lx_timer *timer = found; timer != NULL; timer = timer->next) {
+        found = timer->at < found->at ? timer : found;
+    }
+    return found;
+}
+
+bool lx_time_pass(dg_ns end)
+{
+    struct lx_timer *timer = first();
+    if (timer == NULL || timer->at > end) {
+        virtual_.now = end;
+        return false;
+    }
+    virtual_.now = timer->at > virtual_.now ? timer->at : virtual_.now;
+    leave(timer);
+    timer->at = DG_NEVER;
+    timer->due(timer->ctx, virtual_.now);
+    return true;
+}
+
+/* --- timers --- */
 
 static int on_time(sd_event_source *source, uint64_t usec, void *ctx)
 {
@@ -28,6 +97,9 @@ int lx_timer_open(struct lx_timer *self, sd_event *event, void (*due)(void *ctx,
                   void *ctx)
 {
     *self = (struct lx_timer){.due = due, .ctx = ctx, .at = DG_NEVER};
+    if (virtual_.own) {
+        return 0;
+    }
     int result =
         sd_event_add_time(event, &self->source, CLOCK_MONOTONIC, 0, ACCURACY_US, on_time, self);
     if (result >= 0) {
@@ -54,6 +126,13 @@ void lx_timer_at(struct lx_timer *self, dg_ns at)
         return;
     }
     self->at = at;
+    if (virtual_.own) {
+        leave(self);
+        if (at != DG_NEVER) {
+            join(self);
+        }
+        return;
+    }
     if (at == DG_NEVER) {
         (void)sd_event_source_set_enabled(self->source, SD_EVENT_OFF);
         return;
@@ -66,5 +145,6 @@ void lx_timer_at(struct lx_timer *self, dg_ns at)
 
 void lx_timer_close(struct lx_timer *self)
 {
+    leave(self);
     self->source = sd_event_source_disable_unref(self->source);
 }

@@ -11,8 +11,19 @@
 
 #include "drehgeber/time.h"
 
-/** The monotonic clock. */
+/** The monotonic clock; in virtual time it stands still but for lx_time_pass(). */
 dg_ns lx_now(void);
+
+/** The monotonic clock also then: for what really takes time, a disk, or a stop of this process. */
+dg_ns lx_real_now(void);
+
+/** Virtual time for the whole process, from now on; before any timer is opened. */
+void lx_time_own(void);
+
+/** Virtual time: let it go on to the first deadline that anybody waits for, and call who does, the
+ * one who asked first of those at the same moment. @return false: there is none up to `end`, and it
+ * is `end` */
+bool lx_time_pass(dg_ns end);
 
 /** One deadline. */
 struct lx_timer {
@@ -20,7 +31,8 @@ struct lx_timer {
     void (*due)(void *ctx, dg_ns now); /**< called once at the deadline, `now` never before it */
     void *ctx;
     dg_ns at;
-    bool overdue; /**< it was when it was set: then it waits for its turn */
+    struct lx_timer *next; /**< in virtual time: who waits, too */
+    bool overdue;          /**< it was when it was set: then it waits for its turn */
 };
 
 /** Make a timer that waits for nothing. @return 0 or a negative errno */

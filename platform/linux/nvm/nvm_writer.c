@@ -200,7 +200,7 @@ static void serve(struct lx_nvm_writer *self, struct lx_nvm_queue *queue)
     struct lx_nvm_job *last = end_of_part(queue);
     const bool synced = last->ticket != 0;
     self->served = queue;
-    self->began = lx_now();
+    self->began = lx_real_now();
     (void)pthread_cond_broadcast(&self->progress);
     (void)pthread_mutex_unlock(&self->lock);
     const int result = carry_out(&queue->setup.below, first, last);
@@ -310,9 +310,9 @@ static struct timespec to_timespec(dg_ns moment)
 static void wait_a_moment(const struct lx_nvm_queue *self)
 {
     struct lx_nvm_writer *writer = self->setup.writer;
-    const dg_ns begin = lx_now();
+    const dg_ns begin = lx_real_now();
     dg_ns end = end_of_moment(self, begin);
-    while (self->done != self->issued && !self->stalled && lx_now() < end) {
+    while (self->done != self->issued && !self->stalled && lx_real_now() < end) {
         const struct timespec until = to_timespec(end);
         (void)pthread_cond_timedwait(&writer->progress, &writer->lock, &until);
         end = end_of_moment(self, begin);
@@ -575,7 +575,7 @@ static void forget_news(const struct lx_nvm_queue *self)
 static void wait_for_end(const struct lx_nvm_queue *self)
 {
     struct lx_nvm_writer *writer = self->setup.writer;
-    const struct timespec patience = to_timespec(dg_after(lx_now(), PATIENCE));
+    const struct timespec patience = to_timespec(dg_after(lx_real_now(), PATIENCE));
     bool late = false;
     while (self->lined_up && !late) {
         late = pthread_cond_timedwait(&writer->progress, &writer->lock, &patience) == ETIMEDOUT;

@@ -1,0 +1,75 @@
+/* SPDX-License-Identifier: MIT */
+#include "virtual_time.h"
+
+#include <string.h>
+#include <strings.h>
+
+#include "drehgeber/hal.h"
+#include "figure.h"
+#include "timer.h"
+#include "wire.h"
+
+#define PREFIX "virtual:"
+#define RIGHT "virtual:10MIN, virtual:2.5S or virtual:1H, for one, is right; up to 8760H"
+#define PLACES 3u
+#define SPAN_MAX DG_S(8760 * 3600)
+
+static const struct {
+    const char *name;
+    dg_ns ns;
+} units[] = {
+    {"MS", DG_MS(1)}, {"S", DG_S(1)}, {"MIN", DG_S(60)}, {"H", DG_S(3600)}, /* MS before S */
+};
+
+static int parse(const char *text, dg_ns *span)
+{
+    const size_t n = strlen(text);
+    for (size_t i = 0; i < DG_COUNT(units); i++) {
+        const size_t length = strlen(units[i].name);
+        struct lx_decimal number;
+        if (n > length && strcasecmp(text + n - length, units[i].name) == 0) {
+            if (!lx_decimal_parse(text, n - length, PLACES, &number) || number.cut ||
+                number.value <= 0 || (dg_ns)number.value > SPAN_MAX / (units[i].ns / 1000u)) {
+                return -1;
+            }
+            *span = (dg_ns)number.value * (units[i].ns / 1000u);
+            return 0;
+        }
+    }
+    return -1;
+}
+
+int virtual_time_span(const char *text, const struct lx_plan *plan, dg_ns *span,
+                      struct lx_error *error)
+{
+    const size_t n = strlen(PREFIX);
+    if (strncasecmp(text, PREFIX, n) != 0 || parse(text + n, span) != 0) {
+        return lx_refuse(error, RIGHT, "--time=%s: no such time", text);
+    }
+    for (size_t i = 0; i < plan->wire_count; i++) {
+        /* One that has to be named is a device of the machine, and lives in its time. */
+        if (plan->wires[i].kind->where_needed) {
+            return lx_refuse(error, "pty, slcan, modbus and sim are right",
+                             "--time=%s: %s has real time", text, plan->wires[i].kind->name);
+        }
+    }
+    return 0;
+}
+
+int virtual_time_loop(sd_event *event, dg_ns span)
+{
+    const dg_ns end = dg_after(lx_now(), span);
+    bool more = true;
+    int result = 0;
+    while (more && result >= 0) {
+        do { /* who has said something is answered before time goes on */
+            result = sd_event_run(event, 0);
+        } while (result > 0 && sd_event_get_state(event) != SD_EVENT_FINISHED);
+        if (sd_event_get_state(event) == SD_EVENT_FINISHED) {
+            (void)sd_event_get_exit_code(event, &result);
+            return result;
+        }
+        more = result < 0 || lx_time_pass(end);
+    }
+    return result;
+}
