@@ -316,6 +316,70 @@ def test_the_world_is_bent():
         encoder.world.temperatur = 20
 
 
+def test_an_led_ages_over_ten_minutes():
+    encoder = Encoder("s3684-rs485")
+    encoder.world.play("led_current_ua", [(0, 12000), (600, 60000)])
+    seen = []
+    for minute in range(11):
+        encoder.clock.advance(minute * 60 - encoder.clock.now)
+        seen.append(encoder.world.led_current_ua)
+    assert seen == [12000 + 4800 * minute for minute in range(11)]
+    encoder.clock.advance(60)
+    assert encoder.world.led_current_ua == 60000 and encoder.clock._courses == []
+    assert encoder.request(ASK) == bytes.fromhex("40 d0 1d 8d")  # it has told so by itself
+
+
+def test_a_course_in_real_time():
+    clock = Clock(real=True)
+    encoder = Encoder("f3668", clock=clock)
+    encoder.world.play("temperature", [(0, 20), (0.05, 30)])
+    begin = clock.now
+    while clock.now < begin + 0.06:
+        assert 20 <= encoder.world.temperature <= 30
+    assert encoder.world.temperature == 30
+
+
+def test_what_is_sensed_on_the_way_counts():
+    """A short rise within one long advance is on the error stack behind it."""
+    encoder = Encoder("s3684-rs485")
+    encoder.world.play("temperature", [(10, 37), (10, 200), (11, 200), (11, 37)])
+    encoder.clock.advance(100)
+    assert encoder.world.temperature == 37
+    assert encoder.request(bytes.fromhex("40 50 10"))[2] != 0
+
+
+def test_courses_are_replaced_and_stopped(tmp_path):
+    encoder = Encoder("s3684-biss")
+    (tmp_path / "warm.csv").write_text("time_s,degc\n0,20\n10,30\n")
+    encoder.world.play("temperature", tmp_path / "warm.csv")
+    assert encoder.world.temperature == 20
+    encoder.clock.advance(5)
+    assert encoder.world.temperature == pytest.approx(25, abs=0.02)
+    encoder.world.play("temperature", [(1, 50)])
+    encoder.clock.advance(0.5)
+    assert encoder.world.temperature == pytest.approx(25, abs=0.02)
+    encoder.clock.advance(1)
+    assert encoder.world.temperature == 50
+    encoder.world.play("singleturn_ok", [(1, 0), (2, 0), (2, 1)])
+    encoder.clock.advance(1.5)
+    assert not encoder.world.singleturn_ok
+    encoder.world.stop("singleturn_ok")
+    encoder.world.stop("singleturn_ok")
+    encoder.clock.advance(5)
+    assert not encoder.world.singleturn_ok
+
+
+@pytest.mark.parametrize("points", [[], [(-1, 5)], [(2, 5), (1, 5)]])
+def test_points_that_are_no_course(points):
+    with pytest.raises(EncoderError, match="begin at 0 or later"):
+        Encoder("f3668").world.play("temperature", points)
+
+
+def test_courses_of_nothing():
+    with pytest.raises(EncoderError, match="temperatur'"):
+        Encoder("f3668").world.play("temperatur", [(0, 1)])
+
+
 def test_a_fault_lasts_as_long_as_its_block():
     encoder = Encoder("s3684-rs485")
     with encoder.fault("led_current_high") as same:

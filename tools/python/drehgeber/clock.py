@@ -5,7 +5,10 @@ from __future__ import annotations
 
 import threading
 import time
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
+
+if TYPE_CHECKING:
+    from .course import Course
 
 SECOND_NS = 1_000_000_000
 # The library's time at 0 of ours: encoders that are made with power have had it for that long.
@@ -34,6 +37,7 @@ class Clock:
         self._ns = LEAD_NS
         self._origin = time.monotonic_ns() - LEAD_NS
         self._members: list[Member] = []
+        self._courses: list[Course] = []
 
     @property
     def now(self) -> float:
@@ -57,6 +61,14 @@ class Clock:
         return self._ns
 
     def _go(self, until_ns: int) -> None:
+        while self._courses and (due := min(course._due for course in self._courses)) <= until_ns:
+            self._move(max(due, self._ns))
+            for course in [course for course in self._courses if course._due <= due]:
+                course._serve(self._ns)
+            self._courses = [course for course in self._courses if course._due != NEVER]
+        self._move(until_ns)
+
+    def _move(self, until_ns: int) -> None:
         for member in self._members:
             member._run(until_ns)
         self._ns = until_ns
@@ -67,7 +79,7 @@ class Clock:
             self._go(max(at_ns, self._ns))
             return
         while (now := self._sync()) < at_ns:
-            self._sleep((at_ns - now) / SECOND_NS, min((member._next() for member in self._members)))
+            self._sleep((at_ns - now) / SECOND_NS, min(member._next() for member in self._members))
 
     def _sleep(self, seconds: float | None, due_ns: int) -> None:
         """The lock is held. Let others go on for that long, or until somebody was sent something, or,

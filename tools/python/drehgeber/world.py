@@ -3,8 +3,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from pathlib import Path
 from typing import TYPE_CHECKING, Generic, TypeVar, overload
+
+from ._native import EncoderError
+from .course import Course
+from .shaft import read_points
 
 if TYPE_CHECKING:
     from .encoder import Encoder
@@ -40,7 +45,7 @@ class World:
     """What the encoder senses, by the names that settings have. Assign, and it is so; the encoder
     finds its own error codes."""
 
-    __slots__ = ("_encoder",)  # assigning to a name that is none of these is an error
+    __slots__ = ("_courses", "_encoder")  # assigning to a name that is none of these is an error
 
     temperature = Quantity(float, "degC in the housing", 1000)
     led_current_ua = Quantity(int, "of the optical scanner's LED")
@@ -59,3 +64,29 @@ class World:
 
     def __init__(self, encoder: Encoder) -> None:
         self._encoder = encoder
+        self._courses: dict[str, Course] = {}
+
+    def play(self, name: str, course: str | Path | Iterable[tuple[float, float]]) -> None:
+        """Let a quantity follow points (seconds from now on, value), straight between them, or a CSV file
+        of such lines: world.play("led_current_ua", [(0, 12000), (600, 4000)]). A step is two points at one
+        moment. Another course, or stop(), ends it; what is assigned meanwhile lasts until the next point
+        or hundredth of a second."""
+        points = read_points(Path(course)) if isinstance(course, (str, Path)) else course
+        quantity = getattr(type(self), name, None)
+        if not isinstance(quantity, Quantity):
+            raise EncoderError(f"no encoder senses {name!r}")
+        clock = self._encoder.clock
+        with clock.lock:
+            clock._sync()
+            made = Course(clock, points, lambda value: setattr(self, name, value))
+            self.stop(name)
+            self._courses[name] = made
+            clock._courses.append(made)
+            clock._go(clock._ns)
+
+    def stop(self, name: str) -> None:
+        """The quantity stays what it is."""
+        clock, course = self._encoder.clock, self._courses.pop(name, None)
+        with clock.lock:
+            if course in clock._courses:
+                clock._courses.remove(course)
