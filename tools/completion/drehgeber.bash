@@ -48,7 +48,7 @@ _drehgeber_options()
     case $1 in
         list) echo " --json --help" ;;
         faults) echo " --json --help" ;;
-        run) echo " --pty= --tty= --sim --gpio= --can= --slcan= --modbus= --ring= --nvm= --serial= --node= --shaft= --set= --control= --files= --trace= --verbose --quiet --help --version" ;;
+        run) echo " --pty= --tty= --sim --gpio= --can= --slcan= --modbus= --ring= --nvm= --serial= --node= --shaft= --set= --control= --files= --trace= --time= --verbose --quiet --help --version" ;;
         eds) echo " --help" ;;
         biss) echo " --nvm= --serial= --shaft= --set= --trace= --help" ;;
         ssi) echo " --shaft= --set= --trace= --help" ;;
@@ -77,6 +77,7 @@ _drehgeber_kind()
         --control) echo control ;;
         --files) echo folder ;;
         --trace) echo file ;;
+        --time) echo nothing ;;
     esac
 }
 
