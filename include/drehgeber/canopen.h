@@ -106,7 +106,8 @@ enum dg_co_flags {
     DG_CO_RW = 3,       /**< both */
     DG_CO_MAP = 4,      /**< may be mapped into a TPDO */
     DG_CO_ID = 8,       /**< the node-ID is added to the default */
-    DG_CO_SAVE = 16,    /**< 1010h keeps it */
+    DG_CO_SAVE = 16,    /**< 1010h keeps it: the stack's in regions of their own, the device's in
+                           DG_CO_REGION_APPLICATION */
     DG_CO_SLOT = 32,    /**< has a value in dg_co_node.value; without it the default or the hook */
     DG_CO_CONST = 64,   /**< never changes; an EDS says const */
     DG_CO_GAP = 128,    /**< in its region a byte in front of it stays free: layouts never shrink */
@@ -142,18 +143,48 @@ typedef enum dg_co_abort dg_co_hook(struct dg_co_node *node, const struct dg_co_
         return DG_CO_OK;                                                                           \
     }
 
-/** One row of a dictionary: an object's sub-index. Const; rows are sorted by index and sub. */
-struct dg_co_object {
-    uint8_t type; /**< enum dg_co_type; these three as they are compared, in one word */
-    uint8_t sub;
-    uint16_t index;
-    uint16_t flags;   /**< enum dg_co_flags */
-    uint8_t slot;     /**< in dg_co_node.value, with DG_CO_SLOT */
-    uint8_t region;   /**< store region that keeps it, with DG_CO_SAVE */
+/**
+ * One row of a dictionary: a sub-index of an object, or some in a row that are alike. Const, 12
+ * bytes, as flash is what a dictionary costs; made by DG_CO_ROW().
+ */
+struct dg_co_row {
+    uint32_t key;     /**< index, sub-index, number of the limits, how many more are alike */
+    uint16_t flags;   /**< enum dg_co_flags; enum dg_co_type above them */
+    uint8_t slot;     /**< in dg_co_node.value, with DG_CO_SLOT; of the first */
+    uint8_t hook;     /**< its number, or 0 */
     uint32_t initial; /**< default; signed ones sign-extended */
-    uint32_t min;     /**< compared as the type says */
+};
+/**
+ * A row: `more` (0..15) sub-indices behind are alike, with a slot each; `limits` (0..15) and `hook`
+ * are places in the tables of its dictionary, from 1 on. Without limits all that the type holds may
+ * be written.
+ */
+#define DG_CO_ROW(index, sub, more, type, flags, slot, initial, limits, hook)                      \
+    {                                                                                              \
+        (uint32_t)(index) << 16 | (uint32_t)(sub) << 8 | (uint32_t)(limits) << 4 | (more),         \
+            (uint16_t)((type) << 12 | (flags)), slot, hook, initial                                \
+    }
+
+/** What may be written; signed ones sign-extended, and compared as the type says. */
+struct dg_co_limits {
+    uint32_t min;
     uint32_t max;
-    dg_co_hook *hook; /**< or NULL */
+};
+
+/** Rows, and what the numbers in them stand for. */
+struct dg_co_dictionary {
+    const struct dg_co_row *rows; /**< sorted by index and sub-index, at least one */
+    uint16_t count;
+    const struct dg_co_limits *limits; /**< by number, from 1 on */
+    dg_co_hook *const *hooks;          /**< by number, from 1 on */
+};
+
+/** A sub-index as it was found: what a hook is called with. */
+struct dg_co_object {
+    const struct dg_co_row *row;
+    uint16_t index;
+    uint8_t sub;
+    uint8_t slot; /**< in dg_co_node.value, with DG_CO_SLOT */
 };
 
 /** Default and maximum of a row with DG_CO_FIGURE, where the device or the model says them. Those
@@ -217,8 +248,7 @@ enum dg_co_region {
 /** What a node is: const, shared by all nodes of the kind. */
 struct dg_co_device {
     const char *name;                   /**< product name, for the EDS */
-    const struct dg_co_object *objects; /**< rows from 2000h on, sorted */
-    uint16_t object_count;
+    struct dg_co_dictionary dictionary; /**< from 2000h on */
     const struct dg_co_figure *figures; /**< of the stack's and of the device's rows */
     uint8_t figure_count;
     const uint16_t *kbaud; /**< bit rates by the number that stands for them; 0: none */
@@ -282,18 +312,16 @@ enum dg_co_sdo_state {
 /** The SDO server of a node. */
 struct dg_co_sdo {
     enum dg_co_sdo_state state;
-    dg_ns deadline;                    /**< timeout, or when `answer` is due; DG_NEVER while idle */
-    const struct dg_co_object *object; /**< download: where it goes */
-    uint16_t index;
-    uint8_t sub;
-    uint8_t toggle;    /**< bit 4 of the next segment */
-    bool sized;        /**< the client announced the size */
-    bool crc;          /**< block transfer with CRC */
-    uint8_t blksize;   /**< segments of a block the client takes */
-    uint8_t seqno;     /**< block upload: segments sent; download: last segment in order */
-    uint8_t length;    /**< bytes in buffer */
-    uint8_t done;      /**< bytes sent and, in a block upload, confirmed */
-    uint8_t answer[8]; /**< delayed answer */
+    dg_ns deadline;             /**< timeout, or when `answer` is due; DG_NEVER while idle */
+    struct dg_co_object object; /**< what the transfer is about; found when it was begun */
+    uint8_t toggle;             /**< bit 4 of the next segment */
+    bool sized;                 /**< the client announced the size */
+    bool crc;                   /**< block transfer with CRC */
+    uint8_t blksize;            /**< segments of a block the client takes */
+    uint8_t seqno;              /**< block upload: segments sent; download: last segment in order */
+    uint8_t length;             /**< bytes in buffer */
+    uint8_t done;               /**< bytes sent and, in a block upload, confirmed */
+    uint8_t answer[8];          /**< delayed answer */
     uint8_t buffer[DG_CO_STRING_MAX + 8];
 };
 
@@ -312,7 +340,8 @@ struct dg_co_tpdo {
     uint8_t last[8 + 3]; /**< data sent or sampled last; room for a whole 32-bit store at byte 7 */
     dg_ns event_at;      /**< event timer, or DG_NEVER */
     dg_ns inhibit_until;
-    uint16_t mapped[DG_CO_MAPPED_MAX]; /**< numbers of rows: the stack's, then the device's */
+    /** Numbers of rows, the stack's, then the device's; which of those alike in bits 0-3. */
+    uint16_t mapped[DG_CO_MAPPED_MAX];
 };
 
 /** Counters; nobody has to act on them. */

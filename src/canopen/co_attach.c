@@ -6,11 +6,12 @@
 
 void dg_co_attach(struct dg_co_node *self, const struct dg_co_setup *setup)
 {
-    enum dg_co_abort abort;
-
     self->setup = setup != NULL ? *setup : (struct dg_co_setup){0};
     self->store.nvm = self->setup.nvm;
     self->store.layout = setup != NULL ? setup->device->layout : NULL;
     /* Of a download that is under way; otherwise nobody looks at it. */
-    self->sdo.object = setup != NULL ? co_find(self, self->sdo.index, self->sdo.sub, &abort) : NULL;
+    self->sdo.object.row = NULL;
+    if (setup != NULL) {
+        (void)co_find(setup->device, &self->sdo.object);
+    }
 }

@@ -11,27 +11,15 @@
 #define PIECE_MAX 64u
 
 #define DG_CO_PARENT(index, kind, name) {(uint16_t)(index), 0, DG_CO_##kind, name},
-#define DG_CO_OBJECT(index, sub, type, access, slot, region, initial, min, max, hook, name)        \
-    {(uint16_t)(index), sub, DG_CO_VAR, name},
+#define DG_CO_MORE(index, sub, name) {(uint16_t)(index), sub, DG_CO_VAR, name},
+#define DG_CO_OBJECT(index, sub, more, type, access, slot, initial, limits, hook, name)            \
+    DG_CO_MORE(index, sub, name)
+#define DG_CO_REPEATED(...) __VA_ARGS__
 
 static const struct dg_co_name names[] = {
 #include "co_objects.def"
 };
 #define NAME_COUNT DG_COUNT(names)
-
-/* How far a type reaches; signed limits are sign-extended. */
-static const struct {
-    uint32_t min;
-    uint32_t max;
-} ranges[] = {
-    [DG_CO_I8] = {0xFFFFFF80u, 0x7F},
-    [DG_CO_I16] = {0xFFFF8000u, 0x7FFF},
-    [DG_CO_I32] = {0x80000000u, 0x7FFFFFFF},
-    [DG_CO_U8] = {0, 0xFF},
-    [DG_CO_U16] = {0, 0xFFFF},
-    [DG_CO_U32] = {0, 0xFFFFFFFFu},
-    [DG_CO_STRING] = {0, 0},
-};
 
 struct eds {
     const struct dg_co_sheet *sheet;
@@ -96,28 +84,22 @@ static void line_hex(const struct eds *self, const char *key, uint32_t value, ui
 
 /* --- the rows --- */
 
-static unsigned row_count(const struct eds *self)
+/* To the next sub-index; false: that was the last one. */
+static bool next_sub(const struct eds *self, struct dg_co_object *object)
 {
-    return (unsigned)co_object_count + self->device->object_count;
+    const uint16_t index = object->index;
+    return co_next(self->device, object) && object->index == index;
 }
 
-static const struct dg_co_object *row(const struct eds *self, unsigned i)
+/* To the next object; false: that was the last one. */
+static bool next_index(const struct eds *self, struct dg_co_object *object)
 {
-    return i < co_object_count ? &co_objects[i] : &self->device->objects[i - co_object_count];
-}
-
-static bool is_first(const struct eds *self, unsigned i)
-{
-    return i == 0 || row(self, i - 1)->index != row(self, i)->index;
-}
-
-static unsigned subs_of(const struct eds *self, unsigned first)
-{
-    unsigned i = first;
-    while (i < row_count(self) && row(self, i)->index == row(self, first)->index) {
-        i++;
+    const uint16_t index = object->index;
+    bool there = true;
+    while (there && object->index == index) {
+        there = co_next(self->device, object);
     }
-    return i - first;
+    return there;
 }
 
 static bool is_named(const struct dg_co_name *name, const struct dg_co_object *object, bool parent)
@@ -146,7 +128,7 @@ static const struct dg_co_name *find_name(const struct eds *self, const struct d
 static void put_value(const struct eds *self, const char *key, const struct dg_co_object *object,
                       uint32_t value)
 {
-    const bool is_signed = object->type <= DG_CO_I32;
+    const bool is_signed = co_type(object) <= DG_CO_I32;
     const bool negative = is_signed && (value & 0x80000000u) != 0;
     put(self, key);
     put(self, negative ? "-" : is_signed ? "" : "0x");
@@ -180,14 +162,15 @@ static const uint32_t *identity_of(const struct eds *self, const struct dg_co_ob
 static void put_default(const struct eds *self, const struct dg_co_object *object)
 {
     const uint32_t *identity = identity_of(self, object);
-    const bool fixed = (object->flags & DG_CO_LIVE) == 0 &&
-                       (object->hook == NULL || (object->flags & (DG_CO_W | DG_CO_CONST)) != 0);
-    if (object->type == DG_CO_STRING) {
-        line(self, "DefaultValue=", self->device->strings[object->initial]);
+    const bool fixed =
+        !co_is(object, DG_CO_LIVE) &&
+        (object->row->hook == 0 || co_is(object, DG_CO_W) || co_is(object, DG_CO_CONST));
+    if (co_type(object) == DG_CO_STRING) {
+        line(self, "DefaultValue=", self->device->strings[object->row->initial]);
     } else if (identity != NULL) {
         put_value(self, "DefaultValue=", object, *identity);
-    } else if ((object->flags & DG_CO_ID) != 0) {
-        line_hex(self, "DefaultValue=$NODEID+0x", object->initial, 1);
+    } else if (co_is(object, DG_CO_ID)) {
+        line_hex(self, "DefaultValue=$NODEID+0x", co_default(self->device, object), 1);
     } else if (fixed) {
         put_value(self, "DefaultValue=", object, co_default(self->device, object));
     }
@@ -195,27 +178,27 @@ static void put_default(const struct eds *self, const struct dg_co_object *objec
 
 static void put_limits(const struct eds *self, const struct dg_co_object *object)
 {
-    const uint32_t max = co_maximum(self->device, object);
-    if ((object->flags & DG_CO_W) == 0) {
+    if (!co_is(object, DG_CO_W)) {
         return;
     }
-    if (object->min != ranges[object->type].min) {
-        put_value(self, "LowLimit=", object, object->min);
+    const struct dg_co_limits limits = co_limits(self->device, object);
+    const struct dg_co_limits of_type = co_type_limits(object);
+    if (limits.min != of_type.min) {
+        put_value(self, "LowLimit=", object, limits.min);
     }
-    if (max != ranges[object->type].max) {
-        put_value(self, "HighLimit=", object, max);
+    if (limits.max != of_type.max) {
+        put_value(self, "HighLimit=", object, limits.max);
     }
 }
 
 static const char *access_of(const struct dg_co_object *object)
 {
     static const char *const access[] = {"", "ro", "wo", "rw"}; /* by DG_CO_R, DG_CO_W */
-    if ((object->flags & DG_CO_CONST) != 0) {
+    if (co_is(object, DG_CO_CONST)) {
         return "const";
     }
     /* Of what can be written, too, an EDS has to say that TPDOs take it. */
-    const unsigned all = DG_CO_RW | DG_CO_MAP;
-    return (object->flags & all) == all ? "rwr" : access[object->flags & DG_CO_RW];
+    return co_is(object, DG_CO_RW | DG_CO_MAP) ? "rwr" : access[object->row->flags & DG_CO_RW];
 }
 
 /* The end of an object's section. Bit 0: a tool that downloads a configuration leaves it out (CiA
@@ -230,45 +213,46 @@ static void put_row(const struct eds *self, const struct dg_co_object *object)
     const struct dg_co_name *name = find_name(self, object, false);
     line(self, "ParameterName=", name != NULL ? name->text : "Unnamed");
     line_hex(self, "ObjectType=0x", DG_CO_VAR, 1);
-    line_hex(self, "DataType=0x", object->type, 4);
+    line_hex(self, "DataType=0x", co_type(object), 4);
     line(self, "AccessType=", access_of(object));
     put_default(self, object);
     put_limits(self, object);
-    line(self, "PDOMapping=", (object->flags & DG_CO_MAP) != 0 ? "1" : "0");
-    put_flags(self, (object->flags & DG_CO_ACTION) != 0);
+    line(self, "PDOMapping=", co_is(object, DG_CO_MAP) ? "1" : "0");
+    put_flags(self, co_is(object, DG_CO_ACTION));
 }
 
-static void put_subs(const struct eds *self, unsigned first, unsigned subs)
+static void put_subs(const struct eds *self, struct dg_co_object object)
 {
-    for (unsigned i = first; i < first + subs; i++) {
-        put_hex(self, "[", row(self, i)->index, 4);
-        put_hex(self, "sub", row(self, i)->sub, 1);
+    do {
+        put_hex(self, "[", object.index, 4);
+        put_hex(self, "sub", object.sub, 1);
         put(self, "]\n");
-        put_row(self, row(self, i));
-    }
+        put_row(self, &object);
+    } while (next_sub(self, &object));
 }
 
 /* A section for a variable; for an array or record one more for each of its rows. */
-static void put_object(const struct eds *self, unsigned first)
+static void put_object(const struct eds *self, const struct dg_co_object *first)
 {
-    const struct dg_co_object *object = row(self, first);
-    const struct dg_co_name *parent = find_name(self, object, true);
-    const unsigned subs = subs_of(self, first);
-    put_hex(self, "[", object->index, 4);
+    const struct dg_co_name *parent = find_name(self, first, true);
+    put_hex(self, "[", first->index, 4);
     put(self, "]\n");
     if (parent == NULL) {
-        put_row(self, object);
+        put_row(self, first);
         return;
     }
+    struct dg_co_object object = *first;
     bool action = false;
-    for (unsigned i = first; i < first + subs; i++) {
-        action = action || (row(self, i)->flags & DG_CO_ACTION) != 0;
-    }
+    uint32_t subs = 0;
+    do {
+        action = action || co_is(&object, DG_CO_ACTION);
+        subs++;
+    } while (next_sub(self, &object));
     line(self, "ParameterName=", parent->text);
     line_hex(self, "ObjectType=0x", parent->kind, 1);
     line_decimal(self, "SubNumber=", subs);
     put_flags(self, action);
-    put_subs(self, first, subs);
+    put_subs(self, *first);
 }
 
 /* --- all objects --- */
@@ -291,19 +275,21 @@ static bool is_optional(uint16_t index)
 /* The list of a group's objects. */
 static void put_list(const struct eds *self, const char *section, bool (*belongs)(uint16_t index))
 {
+    struct dg_co_object object = co_first();
     uint32_t count = 0;
-    for (unsigned i = 0; i < row_count(self); i++) {
-        count += is_first(self, i) && belongs(row(self, i)->index) ? 1u : 0u;
-    }
+    do {
+        count += belongs(object.index) ? 1u : 0u;
+    } while (next_index(self, &object));
     put(self, section);
     line_decimal(self, "SupportedObjects=", count);
+    object = co_first();
     count = 0;
-    for (unsigned i = 0; i < row_count(self); i++) {
-        if (is_first(self, i) && belongs(row(self, i)->index)) {
+    do {
+        if (belongs(object.index)) {
             put_number(self, ++count, true, 1);
-            line_hex(self, "=0x", row(self, i)->index, 4);
+            line_hex(self, "=0x", object.index, 4);
         }
-    }
+    } while (next_index(self, &object));
     put(self, "\n");
 }
 
@@ -395,9 +381,8 @@ void dg_co_eds(const struct dg_co_sheet *sheet,
     put_list(&self, "[MandatoryObjects]\n", is_mandatory);
     put_list(&self, "[OptionalObjects]\n", is_optional);
     put_list(&self, "[ManufacturerObjects]\n", is_manufacturer);
-    for (unsigned i = 0; i < row_count(&self); i++) {
-        if (is_first(&self, i)) {
-            put_object(&self, i);
-        }
-    }
+    struct dg_co_object object = co_first();
+    do {
+        put_object(&self, &object);
+    } while (next_index(&self, &object));
 }

@@ -15,22 +15,21 @@ enum sub_index {
 
 /* ------------------------------------------------------------ mapping */
 
-/* The row of an entry `index << 16 | sub << 8 | bits`; `*abort` is set when it cannot be mapped. */
-static const struct dg_co_object *find_mapped(const struct dg_co_node *self, uint32_t entry,
-                                              enum dg_co_abort *abort)
+/* What an entry `index << 16 | sub << 8 | bits` maps. */
+static enum dg_co_abort find_mapped(const struct dg_co_node *self, uint32_t entry,
+                                    struct dg_co_object *object)
 {
-    const struct dg_co_object *object =
-        co_find(self, (uint16_t)(entry >> 16), (uint8_t)(entry >> 8), abort);
+    object->index = (uint16_t)(entry >> 16);
+    object->sub = (uint8_t)(entry >> 8);
+    enum dg_co_abort abort = co_find(self->setup.device, object);
 
-    if (object == NULL) {
-        return NULL;
+    if (abort != DG_CO_OK) {
+        return abort;
     }
-    if ((object->flags & DG_CO_MAP) == 0 || (object->flags & DG_CO_R) == 0) {
-        *abort = DG_CO_NOT_MAPPABLE;
-    } else if ((entry & 0xFFu) != 8u * co_size(object)) {
-        *abort = DG_CO_INCOMPATIBLE;
+    if (!co_is(object, DG_CO_MAP | DG_CO_R)) {
+        return DG_CO_NOT_MAPPABLE;
     }
-    return object;
+    return (entry & 0xFFu) == 8u * co_size(object) ? DG_CO_OK : DG_CO_INCOMPATIBLE;
 }
 
 /* One more object. */
@@ -39,10 +38,10 @@ static void append(struct dg_co_node *self, struct dg_co_tpdo *tpdo,
 {
     uint8_t size = co_size(object);
 
-    if ((object->flags & DG_CO_EVENT) != 0) {
+    if (co_is(object, DG_CO_EVENT)) {
         tpdo->event_bytes |= (uint8_t)(((1u << size) - 1u) << tpdo->length);
     }
-    tpdo->mapped[tpdo->mapped_count++] = co_row_number(self, object);
+    tpdo->mapped[tpdo->mapped_count++] = co_number(self->setup.device, object);
     tpdo->length = (uint8_t)(tpdo->length + size);
 }
 
@@ -58,9 +57,13 @@ static enum dg_co_abort resolve(struct dg_co_node *self, uint8_t n, uint32_t cou
     tpdo->event_bytes = 0;
     for (uint8_t i = 0; abort == DG_CO_OK && i < count; i++) {
         uint32_t entry = self->value[CO_TPDO(n, CO_PDO_ENTRIES) + i];
-        const struct dg_co_object *object = entry != 0 ? find_mapped(self, entry, &abort) : NULL;
-        if (object != NULL && abort == DG_CO_OK) {
-            append(self, tpdo, object);
+        struct dg_co_object object;
+        if (entry == 0) {
+            continue;
+        }
+        abort = find_mapped(self, entry, &object);
+        if (abort == DG_CO_OK) {
+            append(self, tpdo, &object);
         }
     }
     return abort == DG_CO_OK && tpdo->length > 8 ? DG_CO_PDO_LENGTH : abort;
@@ -72,7 +75,7 @@ static enum dg_co_abort resolve(struct dg_co_node *self, uint8_t n, uint32_t cou
 static enum dg_co_abort check_mapping(struct dg_co_node *self, uint8_t n, uint8_t sub,
                                       uint32_t wanted)
 {
-    enum dg_co_abort abort = DG_CO_OK;
+    struct dg_co_object object;
 
     if (self->tpdo[n].valid) {
         return DG_CO_ACCESS;
@@ -83,10 +86,7 @@ static enum dg_co_abort check_mapping(struct dg_co_node *self, uint8_t n, uint8_
     if (co_pdo_parameter(self, n, CO_PDO_MAPPED) != 0) {
         return DG_CO_ACCESS;
     }
-    if (wanted != 0) {
-        (void)find_mapped(self, wanted, &abort);
-    }
-    return abort;
+    return wanted != 0 ? find_mapped(self, wanted, &object) : DG_CO_OK;
 }
 
 enum dg_co_abort co_hook_mapping(struct dg_co_node *self, const struct dg_co_object *object,

@@ -9,6 +9,34 @@
 #include "co_pdo.h"
 #include "co_storage.h"
 
+/* ------------------------------------------------------------ rows */
+
+/* Hooks by number, and the numbers. */
+#define HOOKS(HOOK)                                                                                \
+    HOOK(co_hook_device)                                                                           \
+    HOOK(co_hook_error_register)                                                                   \
+    HOOK(co_hook_status)                                                                           \
+    HOOK(co_hook_history)                                                                          \
+    HOOK(co_hook_sync_id)                                                                          \
+    HOOK(co_hook_store)                                                                            \
+    HOOK(co_hook_restore)                                                                          \
+    HOOK(co_hook_time_id)                                                                          \
+    HOOK(co_hook_clock)                                                                            \
+    HOOK(co_hook_consumer)                                                                         \
+    HOOK(co_hook_heartbeat)                                                                        \
+    HOOK(co_hook_identity)                                                                         \
+    HOOK(co_hook_tpdo)                                                                             \
+    HOOK(co_hook_mapping)
+#define POINTER(hook) hook,
+#define NUMBER(hook) NUMBER_##hook,
+
+static dg_co_hook *const hooks[] = {HOOKS(POINTER)};
+enum { NUMBER_NULL, HOOKS(NUMBER) };
+
+/* Limits by number. */
+enum { FULL, TO_2 };
+static const struct dg_co_limits limits[] = {[TO_2 - 1] = {0, 2}};
+
 /* The short names of co_objects.def. */
 enum {
     R = DG_CO_R,
@@ -22,89 +50,167 @@ enum {
     X = DG_CO_ACTION,
     L = DG_CO_LIVE,
     F = DG_CO_FIGURE,
-    COM = DG_CO_REGION_COMMUNICATION,
-    PDO1 = DG_CO_REGION_TPDO1,
 };
 
 #define DG_CO_PARENT(index, kind, name)
-#define DG_CO_OBJECT(index, sub, type, access, slot, region, initial, min, max, hook, name)        \
-    {DG_CO_##type, sub, index, access, slot, region, initial, min, max, hook},
+#define DG_CO_OBJECT(index, sub, more, type, access, slot, initial, limits, hook, name)            \
+    DG_CO_ROW(index, sub, more, DG_CO_##type, access, slot, initial, limits, NUMBER_##hook),
+#define DG_CO_MORE(index, sub, name)
+#define DG_CO_REPEATED(...)
 
-const struct dg_co_object co_objects[] = {
+static const struct dg_co_row rows[] = {
 #include "co_objects.def"
 };
-#undef DG_CO_PARENT
-#undef DG_CO_OBJECT
-const uint8_t dg_co_slot_event_timer = CO_TPDO(0, CO_PDO_EVENT_MS);
-const uint16_t co_object_count = DG_COUNT(co_objects);
 
-/* Compared with the type below them: one load, where the machine has its least significant byte
- * first. */
-static uint32_t key(uint16_t index, uint8_t sub, uint8_t type)
+const struct dg_co_dictionary co_dictionary = {rows, DG_COUNT(rows), limits, hooks};
+const uint8_t dg_co_slot_event_timer = CO_TPDO(0, CO_PDO_EVENT_MS);
+const uint8_t co_sizes[] = {
+    [DG_CO_I8] = 1,  [DG_CO_I16] = 2, [DG_CO_I32] = 4,    [DG_CO_U8] = 1,
+    [DG_CO_U16] = 2, [DG_CO_U32] = 4, [DG_CO_STRING] = 0,
+};
+
+static uint16_t index_of(const struct dg_co_row *row)
 {
-    return (uint32_t)index << 16 | (uint32_t)sub << 8 | type;
+    return (uint16_t)(row->key >> 16);
+}
+
+static uint8_t sub_of(const struct dg_co_row *row)
+{
+    return (uint8_t)(row->key >> 8);
+}
+
+static uint8_t more_of(const struct dg_co_row *row)
+{
+    return row->key & 0xFu;
+}
+
+/* 1800h-1803h, 1A00h-1A03h: the rows are those of the first one. */
+static uint16_t index_in_table(uint16_t index)
+{
+    return (index & 0xFDFCu) == 0x1800 ? index & 0xFFFCu : index;
+}
+
+/* Which of the sub-indices that are alike, of which TPDO. */
+static void place(struct dg_co_object *object, const struct dg_co_row *row, uint16_t index,
+                  uint8_t nth)
+{
+    object->row = row;
+    object->index = index;
+    object->sub = (uint8_t)(sub_of(row) + nth);
+    object->slot = (uint8_t)(row->slot + nth + CO_PDO_SLOTS * (index - index_of(row)));
 }
 
 /* The last of `count` sorted rows that is not behind `wanted`; the first when all are. Halving
  * without a way out for the row that fits, and without a branch: cheaper than to look at each
  * twice. */
-static const struct dg_co_object *last_not_behind(const struct dg_co_object *rows, uint32_t count,
-                                                  uint32_t wanted)
+static const struct dg_co_row *last_not_behind(const struct dg_co_row *row, uint32_t count,
+                                               uint32_t wanted)
 {
     while (count > 1) {
         uint32_t half = count / 2u;
-        const struct dg_co_object *middle = rows + half;
-        rows = key(middle->index, middle->sub, middle->type) <= wanted ? middle : rows;
+        row = row[half].key <= wanted ? row + half : row;
         count -= half;
     }
-    return rows;
+    return row;
 }
 
-/* The stack's rows end where the device's begin. A neighbour of the same index means that only the
- * sub-index is missing. */
-const struct dg_co_object *co_find(const struct dg_co_node *self, uint16_t index, uint8_t sub,
-                                   enum dg_co_abort *abort)
+/* A neighbour of the same index means that only the sub-index is missing. */
+enum dg_co_abort co_find(const struct dg_co_device *device, struct dg_co_object *object)
 {
-    const struct dg_co_device *device = self->setup.device;
-    bool own = index < 0x2000;
-    const struct dg_co_object *rows = own ? co_objects : device->objects;
-    const struct dg_co_object *end = rows + (own ? co_object_count : device->object_count);
-    const struct dg_co_object *found =
-        last_not_behind(rows, (uint32_t)(end - rows), key(index, sub, 0xFF));
+    const struct dg_co_dictionary *half = co_half(device, object->index);
+    const uint16_t index = index_in_table(object->index);
+    const uint32_t wanted = (uint32_t)index << 16 | (uint32_t)object->sub << 8 | 0xFFu;
+    const struct dg_co_row *row = last_not_behind(half->rows, half->count, wanted);
+    const unsigned nth = (unsigned)object->sub - sub_of(row);
 
-    if (found < end && found->index == index && found->sub == sub) {
-        return found;
+    if (index_of(row) == index && nth <= more_of(row)) {
+        place(object, row, object->index, (uint8_t)nth);
+        return DG_CO_OK;
     }
-    bool known =
-        (found < end && found->index == index) || (found + 1 < end && (found + 1)->index == index);
-    *abort = known ? DG_CO_NO_SUB : DG_CO_NO_OBJECT;
-    return NULL;
+    const bool known = index_of(row) == index ||
+                       (row + 1 < &half->rows[half->count] && index_of(row + 1) == index);
+    return known ? DG_CO_NO_SUB : DG_CO_NO_OBJECT;
 }
 
-uint16_t co_row_number(const struct dg_co_node *self, const struct dg_co_object *object)
+struct dg_co_object co_first(void)
 {
-    return (uint16_t)(object->index < 0x2000
-                          ? object - co_objects
-                          : co_object_count + (object - self->setup.device->objects));
+    struct dg_co_object first;
+
+    place(&first, co_dictionary.rows, index_of(co_dictionary.rows), 0);
+    return first;
 }
+
+/* Behind the last row of a TPDO its first one follows, for the next TPDO. */
+bool co_next(const struct dg_co_device *device, struct dg_co_object *object)
+{
+    const struct dg_co_row *row = object->row;
+    const struct dg_co_row *const end = &co_dictionary.rows[co_dictionary.count];
+    const uint8_t nth = (uint8_t)(object->sub - sub_of(row));
+    const uint16_t index = index_of(row);
+    const uint16_t behind = (uint16_t)(object->index + 1u);
+
+    if (nth < more_of(row)) {
+        place(object, row, object->index, (uint8_t)(nth + 1u));
+        return true;
+    }
+    row = row + 1 == end ? device->dictionary.rows : row + 1;
+    if (row == &device->dictionary.rows[device->dictionary.count]) {
+        return false;
+    }
+    if (index_of(row) == index) {
+        place(object, row, object->index, 0);
+    } else if (index_in_table(behind) == index) {
+        *object = (struct dg_co_object){.index = behind};
+        (void)co_find(device, object);
+    } else {
+        place(object, row, index_of(row), 0);
+    }
+    return true;
+}
+
+uint16_t co_number(const struct dg_co_device *device, const struct dg_co_object *object)
+{
+    const struct dg_co_dictionary *half = co_half(device, object->index);
+    const unsigned before = half == &co_dictionary ? 0u : co_dictionary.count;
+    const unsigned at = before + (unsigned)(object->row - half->rows);
+
+    return (uint16_t)(at << 4 | (unsigned)(object->sub - sub_of(object->row)));
+}
+
+uint8_t co_region(const struct dg_co_object *object)
+{
+    if (object->index >= 0x2000) {
+        return DG_CO_REGION_APPLICATION;
+    }
+    return object->index < 0x1800 ? DG_CO_REGION_COMMUNICATION
+                                  : (uint8_t)(DG_CO_REGION_TPDO1 + (object->index & 3u));
+}
+
+/* ------------------------------------------------------------ values */
 
 static bool is_signed(const struct dg_co_object *object)
 {
-    return object->type <= DG_CO_I32;
+    return co_type(object) <= DG_CO_I32;
+}
+
+/* All bits of a type set. */
+static uint32_t ones(const struct dg_co_object *object)
+{
+    return 0xFFFFFFFFu >> (32u - 8u * co_size(object));
 }
 
 uint32_t co_extend(const struct dg_co_object *object, uint32_t value)
 {
-    uint32_t sign = 1u << (8u * co_size(object) - 1u);
+    const uint32_t sign = is_signed(object) ? ones(object) / 2u + 1u : 0;
 
-    return is_signed(object) ? (value ^ sign) - sign : value;
+    return ((value & ones(object)) ^ sign) - sign;
 }
 
 /* NULL: the row says all by itself. */
 static const struct dg_co_figure *figure_of(const struct dg_co_device *device,
                                             const struct dg_co_object *object)
 {
-    uint8_t count = (object->flags & DG_CO_FIGURE) != 0 ? device->figure_count : 0;
+    uint8_t count = co_is(object, DG_CO_FIGURE) ? device->figure_count : 0;
 
     for (uint8_t i = 0; i < count; i++) {
         const struct dg_co_figure *figure = &device->figures[i];
@@ -115,81 +221,89 @@ static const struct dg_co_figure *figure_of(const struct dg_co_device *device,
     return NULL;
 }
 
+/* COB-IDs of TPDOs are 100h apart. */
 uint32_t co_default(const struct dg_co_device *device, const struct dg_co_object *object)
 {
     const struct dg_co_figure *figure = figure_of(device, object);
+    const uint32_t apart = co_is(object, DG_CO_ID) ? 0x100u : 0u;
 
-    return figure != NULL ? figure->initial : object->initial;
+    return figure != NULL ? figure->initial
+                          : object->row->initial + apart * (object->index - index_of(object->row));
 }
 
-uint32_t co_maximum(const struct dg_co_device *device, const struct dg_co_object *object)
+struct dg_co_limits co_type_limits(const struct dg_co_object *object)
+{
+    const uint32_t most = is_signed(object) ? ones(object) / 2u : ones(object);
+
+    return (struct dg_co_limits){is_signed(object) ? ~most : 0, most};
+}
+
+struct dg_co_limits co_limits(const struct dg_co_device *device, const struct dg_co_object *object)
 {
     const struct dg_co_figure *figure = figure_of(device, object);
+    const uint32_t number = object->row->key >> 4 & 0xFu;
+    struct dg_co_limits found =
+        number != 0 ? co_half(device, object->index)->limits[number - 1u] : co_type_limits(object);
 
-    return figure != NULL ? figure->max : object->max;
+    if (figure != NULL) {
+        found.max = figure->max;
+    }
+    return found;
 }
 
 uint32_t co_initial(const struct dg_co_node *self, const struct dg_co_object *object)
 {
-    if ((object->flags & (DG_CO_ID | DG_CO_FIGURE)) == 0) {
-        return object->initial;
+    if ((object->row->flags & (DG_CO_ID | DG_CO_FIGURE)) == 0) {
+        return object->row->initial;
     }
-    return co_default(self->setup.device, object) +
-           ((object->flags & DG_CO_ID) != 0 ? self->id : 0u);
+    return co_default(self->setup.device, object) + (co_is(object, DG_CO_ID) ? self->id : 0u);
 }
 
 enum dg_co_abort co_read(struct dg_co_node *self, const struct dg_co_object *object,
                          uint32_t *value)
 {
-    *value =
-        (object->flags & DG_CO_SLOT) != 0 ? self->value[object->slot] : co_initial(self, object);
-    return object->hook == NULL ? DG_CO_OK : object->hook(self, object, DG_CO_READ, value);
+    dg_co_hook *const hook = co_hook(self->setup.device, object);
+
+    *value = co_is(object, DG_CO_SLOT) ? self->value[object->slot] : co_initial(self, object);
+    return hook == NULL ? DG_CO_OK : hook(self, object, DG_CO_READ, value);
 }
 
 bool co_in_range(const struct dg_co_device *device, const struct dg_co_object *object,
                  uint32_t value)
 {
-    uint32_t max = co_maximum(device, object);
+    const struct dg_co_limits range = co_limits(device, object);
 
     if (is_signed(object)) {
-        return (int32_t)value >= (int32_t)object->min && (int32_t)value <= (int32_t)max;
+        return (int32_t)value >= (int32_t)range.min && (int32_t)value <= (int32_t)range.max;
     }
-    return value >= object->min && value <= max;
+    return value >= range.min && value <= range.max;
 }
 
 enum dg_co_abort co_write(struct dg_co_node *self, const struct dg_co_object *object,
                           uint32_t value)
 {
+    dg_co_hook *const hook = co_hook(self->setup.device, object);
     enum dg_co_abort abort = DG_CO_OK;
 
     if (!co_in_range(self->setup.device, object, value)) {
         return DG_CO_RANGE;
     }
     self->moved = true;
-    if (object->hook != NULL) {
-        abort = object->hook(self, object, DG_CO_WRITE, &value);
+    if (hook != NULL) {
+        abort = hook(self, object, DG_CO_WRITE, &value);
     }
-    if (abort != DG_CO_OK || (object->flags & DG_CO_SLOT) == 0) {
+    if (abort != DG_CO_OK || !co_is(object, DG_CO_SLOT)) {
         return abort;
     }
     self->value[object->slot] = value;
     self->filter_version++;
-    if (object->hook != NULL) {
-        (void)object->hook(self, object, DG_CO_WRITTEN, &value);
+    if (hook != NULL) {
+        (void)hook(self, object, DG_CO_WRITTEN, &value);
     }
     return DG_CO_OK;
 }
 
-void co_each(struct dg_co_node *self,
-             void (*visit)(struct dg_co_node *self, const struct dg_co_object *object, void *ctx),
-             void *ctx)
-{
-    const uint16_t count = (uint16_t)(co_object_count + self->setup.device->object_count);
-
-    for (uint16_t i = 0; i < count; i++) {
-        visit(self, co_row(self, i), ctx);
-    }
-}
+/* ------------------------------------------------------------ CAN-IDs, hooks */
 
 bool co_restricted(uint32_t can_id)
 {

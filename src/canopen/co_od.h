@@ -8,49 +8,77 @@
 
 #include "canopen_private.h"
 
-/** The stack's rows, 1000h-1FFFh, sorted. */
-extern const struct dg_co_object co_objects[];
-extern const uint16_t co_object_count;
-/** Find a row; `*abort` says whether index or sub is missing when NULL is returned. */
-const struct dg_co_object *co_find(const struct dg_co_node *self, uint16_t index, uint8_t sub,
-                                   enum dg_co_abort *abort);
-/** A row by its number: the stack's come first, then the device's. */
-static inline const struct dg_co_object *co_row(const struct dg_co_node *self, uint16_t number)
+/** The stack's rows, 1000h-1FFFh. TPDO2 to TPDO4 have those of TPDO1, with slots further on. */
+extern const struct dg_co_dictionary co_dictionary;
+/** The half of a device's dictionary that has an index. */
+static inline const struct dg_co_dictionary *co_half(const struct dg_co_device *device,
+                                                     uint16_t index)
 {
-    return number < co_object_count ? &co_objects[number]
-                                    : &self->setup.device->objects[number - co_object_count];
+    return index < 0x2000 ? &co_dictionary : &device->dictionary;
 }
-/** The number of a row. */
-uint16_t co_row_number(const struct dg_co_node *self, const struct dg_co_object *object);
-/** Bytes of a row's type; 0 for strings. */
+
+/** Find the row of object->index and object->sub. @return DG_CO_OK; whether the index or the sub
+ * is missing */
+enum dg_co_abort co_find(const struct dg_co_device *device, struct dg_co_object *object);
+/** The first object of a device's dictionary, and the one behind; false: there is none. */
+struct dg_co_object co_first(void);
+bool co_next(const struct dg_co_device *device, struct dg_co_object *object);
+/** An object by a number, and its number, see dg_co_tpdo.mapped; nothing of 1800h-1AFFh. */
+static inline struct dg_co_object co_numbered(const struct dg_co_device *device, uint16_t number)
+{
+    const unsigned at = number >> 4;
+    const uint8_t nth = number & 0xFu;
+    const struct dg_co_row *row = at < co_dictionary.count
+                                      ? &co_dictionary.rows[at]
+                                      : &device->dictionary.rows[at - co_dictionary.count];
+    return (struct dg_co_object){row, (uint16_t)(row->key >> 16), (uint8_t)((row->key >> 8) + nth),
+                                 (uint8_t)(row->slot + nth)};
+}
+uint16_t co_number(const struct dg_co_device *device, const struct dg_co_object *object);
+
+/** Whether all of some flags are set. */
+static inline bool co_is(const struct dg_co_object *object, uint16_t flags)
+{
+    return (object->row->flags & flags) == flags;
+}
+static inline enum dg_co_type co_type(const struct dg_co_object *object)
+{
+    return (enum dg_co_type)(object->row->flags >> 12);
+}
+/** Bytes of each type; 0 for strings. */
+extern const uint8_t co_sizes[];
 static inline uint8_t co_size(const struct dg_co_object *object)
 {
-    static const uint8_t sizes[] = {
-        [DG_CO_I8] = 1,  [DG_CO_I16] = 2, [DG_CO_I32] = 4,    [DG_CO_U8] = 1,
-        [DG_CO_U16] = 2, [DG_CO_U32] = 4, [DG_CO_STRING] = 0,
-    };
-    return sizes[object->type];
+    return co_sizes[co_type(object)];
 }
+/** Its hook, or NULL. */
+static inline dg_co_hook *co_hook(const struct dg_co_device *device,
+                                  const struct dg_co_object *object)
+{
+    const uint8_t number = object->row->hook;
+
+    return number != 0 ? co_half(device, object->index)->hooks[number - 1u] : NULL;
+}
+/** The store's region that keeps it, with DG_CO_SAVE. */
+uint8_t co_region(const struct dg_co_object *object);
 /** A value as it stands on the wire or in the memory, sign-extended where the type is signed. */
 uint32_t co_extend(const struct dg_co_object *object, uint32_t value);
-/** Default (without the node-ID) and maximum of a row: the device's, or its own. */
+/** What the type holds; default (without the node-ID) and limits: the device's, or the row's own.
+ */
 uint32_t co_default(const struct dg_co_device *device, const struct dg_co_object *object);
-uint32_t co_maximum(const struct dg_co_device *device, const struct dg_co_object *object);
-/** Whether a value is inside min..max. */
+struct dg_co_limits co_type_limits(const struct dg_co_object *object);
+struct dg_co_limits co_limits(const struct dg_co_device *device, const struct dg_co_object *object);
+/** Whether a value is inside the limits. */
 bool co_in_range(const struct dg_co_device *device, const struct dg_co_object *object,
                  uint32_t value);
-/** Read any row but a string, whatever its access. */
+/** Read an object that is no string, whatever its access. */
 enum dg_co_abort co_read(struct dg_co_node *self, const struct dg_co_object *object,
                          uint32_t *value);
-/** Write a row with DG_CO_W: range, hook, slot, hook again. */
+/** Write an object with DG_CO_W: range, hook, slot, hook again. */
 enum dg_co_abort co_write(struct dg_co_node *self, const struct dg_co_object *object,
                           uint32_t value);
-/** Default of a row for this node (the node-ID added where the row says so). */
+/** Default for this node (the node-ID added where the row says so). */
 uint32_t co_initial(const struct dg_co_node *self, const struct dg_co_object *object);
-/** Call `visit` for every row of the node: the stack's, then the device's. */
-void co_each(struct dg_co_node *self,
-             void (*visit)(struct dg_co_node *self, const struct dg_co_object *object, void *ctx),
-             void *ctx);
 /** Whether a CAN-ID may not be given to a configurable COB-ID. */
 bool co_restricted(uint32_t can_id);
 /** Whether the node itself has a use for a CAN-ID: SYNC, EMCY, TIME if consumed, valid TPDOs. The

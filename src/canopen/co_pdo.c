@@ -29,11 +29,11 @@ static bool is_synchronous(uint8_t type)
 static void build(struct dg_co_node *self, const struct dg_co_tpdo *tpdo, uint8_t *data)
 {
     for (uint8_t i = 0; i < tpdo->mapped_count; i++) {
-        const struct dg_co_object *object = co_row(self, tpdo->mapped[i]);
+        const struct dg_co_object object = co_numbered(self->setup.device, tpdo->mapped[i]);
         uint32_t value;
-        (void)co_read(self, object, &value);
+        (void)co_read(self, &object, &value);
         dg_store_le32(data, value);
-        data += co_size(object);
+        data += co_size(&object);
     }
 }
 

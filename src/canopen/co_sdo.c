@@ -111,8 +111,8 @@ void co_sdo_confirm(struct dg_co_node *self, uint8_t command, uint32_t value)
 {
     struct dg_can_frame frame;
 
-    dg_store_le64(frame.data, command | (uint64_t)self->sdo.index << 8 |
-                                  (uint64_t)self->sdo.sub << 24 | (uint64_t)value << 32);
+    dg_store_le64(frame.data, command | (uint64_t)self->sdo.object.index << 8 |
+                                  (uint64_t)self->sdo.object.sub << 24 | (uint64_t)value << 32);
     send_answer(self, &frame);
 }
 
@@ -151,22 +151,22 @@ enum dg_co_abort co_sdo_fetch(struct dg_co_node *self)
 {
     struct dg_co_sdo *sdo = &self->sdo;
     const struct dg_co_device *device = self->setup.device;
-    enum dg_co_abort abort = DG_CO_OK;
-    const struct dg_co_object *object = co_find(self, sdo->index, sdo->sub, &abort);
+    const struct dg_co_object *object = &sdo->object;
+    enum dg_co_abort abort = co_find(device, &sdo->object);
     uint32_t value;
 
-    if (object == NULL) {
+    if (abort != DG_CO_OK) {
         return abort;
     }
-    if ((object->flags & DG_CO_R) == 0) {
+    if (!co_is(object, DG_CO_R)) {
         return DG_CO_WRITE_ONLY;
     }
     sdo->done = 0;
     sdo->length = 0;
-    if (object->type == DG_CO_STRING) {
+    if (co_type(object) == DG_CO_STRING) {
         /* Zeros behind the data: whole segments are sent. */
         memset(sdo->buffer, 0, sizeof sdo->buffer);
-        fetch_text(sdo, device->strings[object->initial]);
+        fetch_text(sdo, device->strings[object->row->initial]);
         return DG_CO_OK;
     }
     if (object->index >= 0x2000 && device->sample != NULL) {
@@ -228,7 +228,7 @@ static enum dg_co_abort upload_segment(struct dg_co_node *self, const uint8_t *d
 
 enum dg_co_abort co_sdo_length(const struct dg_co_node *self, uint32_t length)
 {
-    uint32_t size = co_size(self->sdo.object);
+    uint32_t size = co_size(&self->sdo.object);
 
     if (length == size) {
         return DG_CO_OK;
@@ -243,13 +243,12 @@ enum dg_co_abort co_sdo_length(const struct dg_co_node *self, uint32_t length)
 enum dg_co_abort co_sdo_open(struct dg_co_node *self, bool sized, uint32_t size)
 {
     struct dg_co_sdo *sdo = &self->sdo;
-    enum dg_co_abort abort = DG_CO_OK;
+    enum dg_co_abort abort = co_find(self->setup.device, &sdo->object);
 
-    sdo->object = co_find(self, sdo->index, sdo->sub, &abort);
-    if (sdo->object == NULL) {
+    if (abort != DG_CO_OK) {
         return abort;
     }
-    if ((sdo->object->flags & DG_CO_W) == 0) {
+    if (!co_is(&sdo->object, DG_CO_W)) {
         return DG_CO_READ_ONLY;
     }
     sdo->sized = false;
@@ -262,13 +261,11 @@ enum dg_co_abort co_sdo_open(struct dg_co_node *self, bool sized, uint32_t size)
 
 enum dg_co_abort co_sdo_write(struct dg_co_node *self)
 {
-    const struct dg_co_object *object = self->sdo.object;
-    uint8_t bytes[4] = {0};
+    const struct dg_co_object *object = &self->sdo.object;
 
-    memcpy(bytes, self->sdo.buffer, co_size(object));
     /* Before the hooks: one of them may make it DELAYED. */
     co_sdo_become(self, DG_CO_SDO_IDLE);
-    return co_write(self, object, co_extend(object, dg_load_le32(bytes)));
+    return co_write(self, object, co_extend(object, dg_load_le32(self->sdo.buffer)));
 }
 
 static enum dg_co_abort download_initiate(struct dg_co_node *self, const uint8_t *data)
@@ -301,7 +298,7 @@ static enum dg_co_abort download_segment(struct dg_co_node *self, const uint8_t 
     if ((data[0] & TOGGLE) != sdo->toggle) {
         return DG_CO_TOGGLE;
     }
-    if (last || length > co_size(sdo->object)) {
+    if (last || length > co_size(&sdo->object)) {
         abort = co_sdo_length(self, length);
     }
     if (abort != DG_CO_OK) {
@@ -358,8 +355,8 @@ void co_sdo_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
     }
     /* An abort carries the multiplexor of the transfer; without one, that of the request. */
     if (sdo->state == DG_CO_SDO_IDLE) {
-        sdo->index = dg_load_le16(&data[1]);
-        sdo->sub = data[3];
+        sdo->object.index = dg_load_le16(&data[1]);
+        sdo->object.sub = data[3];
     }
     if (command < COMMANDS) {
         abort = commands[command].serve(self, data);

@@ -26,9 +26,9 @@ struct pack {
     uint8_t at;
     uint16_t first;
     uint16_t last;
-    uint8_t node_id; /* the memory's own */
-    bool valid;      /* all values are inside their limits */
-    uint8_t bytes[DG_STORE_CHECKED_MAX];
+    uint8_t node_id;                          /* the memory's own */
+    bool valid;                               /* all values are inside their limits */
+    uint8_t bytes[DG_STORE_CHECKED_MAX + 3u]; /* room for a whole 32 bits at the last one */
 };
 
 void dg_co_default_saved(const void *ctx, uint8_t *out)
@@ -201,68 +201,65 @@ static void mark_region(struct dg_co_node *self, uint8_t n, uint8_t node_id)
 
 /* ------------------------------------------------------------ rows */
 
-static uint32_t unpacked(const struct dg_co_node *self, const struct dg_co_object *object,
-                         const struct pack *pack)
+/* Visit what a region holds, in the dictionary's order. */
+static void each_kept(struct dg_co_node *self, struct pack *pack,
+                      void (*visit)(struct dg_co_node *self, const struct dg_co_object *object,
+                                    struct pack *pack))
 {
-    uint32_t value = 0;
+    struct dg_co_object object = co_first();
 
-    for (uint8_t i = 0; i < co_size(object); i++) {
-        value |= (uint32_t)pack->bytes[pack->at + i] << (8u * i);
-    }
-    if ((object->flags & DG_CO_ID) != 0) {
-        return resolve_mark(value, object->initial + pack->node_id, co_initial(self, object));
-    }
-    return co_extend(object, value);
-}
-
-static void unpack_row(struct dg_co_node *self, const struct dg_co_object *object, void *ctx)
-{
-    struct pack *pack = ctx;
-
-    if ((object->flags & DG_CO_SAVE) == 0 || object->region != pack->region) {
-        return;
-    }
-    if ((object->flags & DG_CO_GAP) != 0) {
-        pack->at++;
-    }
-    if (object->index >= pack->first && object->index <= pack->last) {
-        uint32_t value = unpacked(self, object, pack);
-        if (co_in_range(self->setup.device, object, value)) {
-            self->value[object->slot] = value;
-        } else {
-            pack->valid = false;
+    pack->at = 0;
+    do {
+        if (!co_is(&object, DG_CO_SAVE) || co_region(&object) != pack->region) {
+            continue;
         }
-    }
-    pack->at = (uint8_t)(pack->at + co_size(object));
+        if (co_is(&object, DG_CO_GAP)) {
+            pack->bytes[pack->at++] = 0;
+        }
+        visit(self, &object, pack);
+        pack->at = (uint8_t)(pack->at + co_size(&object));
+    } while (co_next(self->setup.device, &object));
 }
 
-static void pack_row(struct dg_co_node *self, const struct dg_co_object *object, void *ctx)
+static void unpack_row(struct dg_co_node *self, const struct dg_co_object *object,
+                       struct pack *pack)
 {
-    struct pack *pack = ctx;
+    uint32_t value = co_extend(object, dg_load_le32(&pack->bytes[pack->at]));
 
-    if ((object->flags & DG_CO_SAVE) == 0 || object->region != pack->region) {
+    if (object->index < pack->first || object->index > pack->last) {
         return;
     }
-    if ((object->flags & DG_CO_GAP) != 0) {
-        pack->bytes[pack->at++] = 0;
+    if (co_is(object, DG_CO_ID)) {
+        const uint32_t initial = co_default(self->setup.device, object);
+        value = resolve_mark(value, initial + pack->node_id, initial + self->id);
     }
+    if (co_in_range(self->setup.device, object, value)) {
+        self->value[object->slot] = value;
+    } else {
+        pack->valid = false;
+    }
+}
+
+/* What a store has too much is overwritten by the next. */
+static void pack_row(struct dg_co_node *self, const struct dg_co_object *object, struct pack *pack)
+{
     uint32_t value = self->value[object->slot];
-    if ((object->flags & DG_CO_ID) != 0) {
+
+    if (co_is(object, DG_CO_ID)) {
         value = mark(value, co_initial(self, object));
     }
-    for (uint8_t i = 0; i < co_size(object); i++) {
-        pack->bytes[pack->at++] = (uint8_t)(value >> (8u * i));
-    }
+    dg_store_le32(&pack->bytes[pack->at], value);
 }
 
-static void initial_row(struct dg_co_node *self, const struct dg_co_object *object, void *ctx)
+static void set_defaults(struct dg_co_node *self, uint16_t first, uint16_t last)
 {
-    const struct pack *range = ctx;
+    struct dg_co_object object = co_first();
 
-    if ((object->flags & DG_CO_SLOT) != 0 && object->index >= range->first &&
-        object->index <= range->last) {
-        self->value[object->slot] = co_initial(self, object);
-    }
+    do {
+        if (co_is(&object, DG_CO_SLOT) && object.index >= first && object.index <= last) {
+            self->value[object.slot] = co_initial(self, &object);
+        }
+    } while (co_next(self->setup.device, &object));
 }
 
 /* Regions that 1010h writes: not the bus parameters, the mark, the serial number, nor what a device
@@ -280,7 +277,7 @@ bool co_load(struct dg_co_node *self, uint16_t first, uint16_t last)
     uint8_t saved = 0;
     bool loaded = load(self, DG_CO_REGION_SAVED, &saved);
 
-    co_each(self, initial_row, &pack);
+    set_defaults(self, first, last);
     self->value[DG_CO_SLOT_BIT_RATE] = self->bit_rate;
     self->value[DG_CO_SLOT_NODE_ID] = self->id;
     self->value[DG_CO_SLOT_TERMINATION] = termination;
@@ -290,12 +287,11 @@ bool co_load(struct dg_co_node *self, uint16_t first, uint16_t last)
     pack.node_id = stored_node_id(self);
     for (uint8_t i = 0; i < self->setup.device->layout->region_count; i++) {
         pack.region = i;
-        pack.at = 0;
         if (!is_parameters(i)) {
             continue;
         }
         if (load(self, i, pack.bytes)) {
-            co_each(self, unpack_row, &pack);
+            each_kept(self, &pack, unpack_row);
         } else {
             loaded = false;
         }
@@ -354,8 +350,7 @@ static enum dg_co_abort save_parameters(struct dg_co_node *self)
             continue;
         }
         pack.region = i;
-        pack.at = 0;
-        co_each(self, pack_row, &pack);
+        each_kept(self, &pack, pack_row);
         if (pack.at > 0) {
             (void)dg_store_stage(&self->store, i, 0, pack.bytes, pack.at);
         }

@@ -162,6 +162,47 @@ static dg_ns step(struct dg_co_node *node)
     return dg_earliest(self->look_at, self->event_at);
 }
 
+/* Hooks by number, and the numbers. */
+#define HOOKS(HOOK)                                                                                \
+    HOOK(hook_bit_rate)                                                                            \
+    HOOK(dg_co_hook_save_bus)                                                                      \
+    HOOK(cia406_hook_sensor)                                                                       \
+    HOOK(hook_limit)                                                                               \
+    HOOK(cia406_hook_battery)                                                                      \
+    HOOK(cia406_hook_raw)                                                                          \
+    HOOK(hook_password)                                                                            \
+    HOOK(hook_serial)                                                                              \
+    HOOK(cia406_hook_scaling)                                                                      \
+    HOOK(cia406_hook_preset)                                                                       \
+    HOOK(cia406_hook_position)                                                                     \
+    HOOK(cia406_hook_speed)                                                                        \
+    HOOK(hook_window)                                                                              \
+    HOOK(cia406_hook_acceleration)                                                                 \
+    HOOK(hook_cyclic_timer)                                                                        \
+    HOOK(cia406_hook_areas)                                                                        \
+    HOOK(hook_status)                                                                              \
+    HOOK(cia406_hook_health)                                                                       \
+    HOOK(cia406_hook_time)                                                                         \
+    HOOK(cia406_hook_offset)
+#define POINTER(hook) hook,
+#define NUMBER(hook) NUMBER_##hook,
+
+static dg_co_hook *const hooks[] = {HOOKS(POINTER)};
+enum { NUMBER_NULL, HOOKS(NUMBER) };
+
+/* Limits by number, from 1 on: those that objects.def names. */
+enum { FULL, TO_1, TO_8, NODE_ID, CELSIUS, FROM_1, U16_FROM_1, TO_65536, TO_200 };
+static const struct dg_co_limits limits[] = {
+    [TO_1 - 1] = {0, 1},
+    [TO_8 - 1] = {0, 8},
+    [NODE_ID - 1] = {1, 127},
+    [CELSIUS - 1] = {0x20, 0xAC},
+    [FROM_1 - 1] = {1, UINT32_MAX},
+    [U16_FROM_1 - 1] = {1, UINT16_MAX},
+    [TO_65536 - 1] = {1, 65536},
+    [TO_200 - 1] = {1, 200},
+};
+
 /* The short names of objects.def. */
 enum {
     R = DG_CO_R,
@@ -175,14 +216,14 @@ enum {
     X = DG_CO_ACTION,
     L = DG_CO_LIVE,
     F = DG_CO_FIGURE,
-    APP = REGION_PROFILE,
 };
 
 #define DG_CO_PARENT(index, kind, name)
-#define DG_CO_OBJECT(index, sub, type, access, slot, region, initial, min, max, hook, name)        \
-    {DG_CO_##type, sub, index, access, slot, region, initial, min, max, hook},
+#define DG_CO_OBJECT(index, sub, more, type, access, slot, initial, limits, hook, name)            \
+    DG_CO_ROW(index, sub, more, DG_CO_##type, access, slot, initial, limits, NUMBER_##hook),
+#define DG_CO_MORE(index, sub, name)
 
-static const struct dg_co_object objects[] = {
+static const struct dg_co_row rows[] = {
 #include "objects.def"
 };
 
@@ -281,7 +322,7 @@ static const char *const strings[] = {"F36x8 CANopen encoder", "1.00", "1.08"};
 
 /* save_ms: chapter 12. */
 #define F36X8(model_figures)                                                                       \
-    .objects = objects, .object_count = DG_COUNT(objects), .figures = (model_figures),             \
+    .dictionary = {rows, DG_COUNT(rows), limits, hooks}, .figures = (model_figures),               \
     .figure_count = FIGURE_COUNT, .kbaud = kbaud, .kbaud_count = DG_COUNT(kbaud), .save_ms = 14,   \
     .causes = causes, .cause_count = CAUSE_END - DG_CO_CAUSES, .strings = strings,                 \
     .vendor_id = 0x13, .product_code = 0x56682001, .revision = 108, .reset = reset,                \

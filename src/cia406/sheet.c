@@ -6,8 +6,9 @@
 #include "drehgeber/cia406.h"
 
 #define DG_CO_PARENT(index, kind, name) {(uint16_t)(index), 0, DG_CO_##kind, name},
-#define DG_CO_OBJECT(index, sub, type, access, slot, region, initial, min, max, hook, name)        \
-    {(uint16_t)(index), sub, DG_CO_VAR, name},
+#define DG_CO_MORE(index, sub, name) {(uint16_t)(index), sub, DG_CO_VAR, name},
+#define DG_CO_OBJECT(index, sub, more, type, access, slot, initial, limits, hook, name)            \
+    DG_CO_MORE(index, sub, name)
 
 static const struct dg_co_name names[] = {
 #include "objects.def"

@@ -103,13 +103,33 @@ static bool ask(struct bench *bench, uint8_t command, const struct dg_co_object 
 
 /* ------------------------------------------------------------ invariants */
 
-static const struct dg_co_object *row(const struct bench *bench, uint16_t index, uint8_t sub)
-{
-    const struct dg_co_device *device = bench->model.device;
+/* The objects of a device, one for each sub-index. */
+static struct dg_co_object objects[128];
+static uint16_t object_count;
 
-    for (uint16_t i = 0; i < device->object_count; i++) {
-        if (device->objects[i].index == index && device->objects[i].sub == sub) {
-            return &device->objects[i];
+static void list_objects(const struct dg_co_dictionary *dictionary)
+{
+    object_count = 0;
+    for (uint16_t i = 0; i < dictionary->count; i++) {
+        const struct dg_co_row *row = &dictionary->rows[i];
+        for (uint8_t nth = 0; nth <= (row->key & 0xFu); nth++) {
+            objects[object_count++] =
+                (struct dg_co_object){row, (uint16_t)(row->key >> 16),
+                                      (uint8_t)((row->key >> 8) + nth), (uint8_t)(row->slot + nth)};
+        }
+    }
+}
+
+static enum dg_co_type type_of(const struct dg_co_object *object)
+{
+    return (enum dg_co_type)(object->row->flags >> 12);
+}
+
+static const struct dg_co_object *row(uint16_t index, uint8_t sub)
+{
+    for (uint16_t i = 0; i < object_count; i++) {
+        if (objects[i].index == index && objects[i].sub == sub) {
+            return &objects[i];
         }
     }
     abort();
@@ -117,7 +137,7 @@ static const struct dg_co_object *row(const struct bench *bench, uint16_t index,
 
 static uint32_t value_of(const struct bench *bench, uint16_t index, uint8_t sub)
 {
-    return bench->node.value[row(bench, index, sub)->slot];
+    return bench->node.value[row(index, sub)->slot];
 }
 
 static uint64_t range(const struct bench *bench)
@@ -128,32 +148,50 @@ static uint64_t range(const struct bench *bench)
     return (value_of(bench, 0x6000, 0) & SCALING) == 0 || tmr == UINT32_MAX ? physical : tmr;
 }
 
-/* Default and maximum: the model's, or the row's own. */
-static struct dg_co_figure figure(const struct bench *bench, const struct dg_co_object *object)
+/* Default and limits: the model's, or the row's own. */
+struct figure {
+    uint32_t initial, min, max;
+};
+
+static struct figure figure(const struct bench *bench, const struct dg_co_object *object)
 {
+    static const struct dg_co_limits of_types[] = {
+        [DG_CO_I8] = {0xFFFFFF80u, 0x7F},
+        [DG_CO_I16] = {0xFFFF8000u, 0x7FFF},
+        [DG_CO_I32] = {0x80000000u, 0x7FFFFFFF},
+        [DG_CO_U8] = {0, 0xFF},
+        [DG_CO_U16] = {0, 0xFFFF},
+        [DG_CO_U32] = {0, 0xFFFFFFFFu},
+        [DG_CO_STRING] = {0, 0},
+    };
     const struct dg_co_device *device = bench->model.device;
+    const uint32_t number = object->row->key >> 4 & 0xFu;
+    const struct dg_co_limits *limits =
+        number != 0 ? &device->dictionary.limits[number - 1u] : &of_types[type_of(object)];
+    struct figure own = {object->row->initial, limits->min, limits->max};
 
     for (uint8_t i = 0; i < device->figure_count; i++) {
         if (device->figures[i].index == object->index && device->figures[i].sub == object->sub) {
-            return device->figures[i];
+            own.initial = device->figures[i].initial;
+            own.max = device->figures[i].max;
         }
     }
-    return (struct dg_co_figure){object->index, object->sub, object->initial, object->max};
+    return own;
 }
 
 static bool in_range(const struct bench *bench, const struct dg_co_object *object, uint32_t value)
 {
-    const uint32_t max = figure(bench, object).max;
+    const struct figure own = figure(bench, object);
 
-    return object->type <= DG_CO_I32
-               ? (int32_t)value >= (int32_t)object->min && (int32_t)value <= (int32_t)max
-               : value >= object->min && value <= max;
+    return type_of(object) <= DG_CO_I32
+               ? (int32_t)value >= (int32_t)own.min && (int32_t)value <= (int32_t)own.max
+               : value >= own.min && value <= own.max;
 }
 
 /* The areas are found when they are read. */
 static void check_position(struct bench *bench)
 {
-    const bool told = ask(bench, 0x40, row(bench, 0x6400, 1), 0);
+    const bool told = ask(bench, 0x40, row(0x6400, 1), 0);
     uint32_t position = bench->encoder.position;
     uint8_t areas = 0;
 
@@ -171,15 +209,14 @@ static void check_position(struct bench *bench)
 
 static void check(struct bench *bench)
 {
-    const struct dg_co_device *device = bench->model.device;
     uint32_t parameters;
 
     if (bench->node.state == DG_CO_OFF) {
         return;
     }
-    for (uint16_t i = 0; i < device->object_count; i++) {
-        const struct dg_co_object *object = &device->objects[i];
-        if ((object->flags & DG_CO_SLOT) != 0 && object->index > 0x2102) {
+    for (uint16_t i = 0; i < object_count; i++) {
+        const struct dg_co_object *object = &objects[i];
+        if ((object->row->flags & DG_CO_SLOT) != 0 && object->index > 0x2102) {
             fuzz_must(in_range(bench, object, bench->node.value[object->slot]));
         }
     }
@@ -188,7 +225,7 @@ static void check(struct bench *bench)
     fuzz_must((parameters & DG_CIA406_USF) == 0 ||
               ((parameters & SCALING) != 0 &&
                4 * range(bench) < (uint64_t)bench->model.turns * value_of(bench, 0x6001, 0)));
-    if (ask(bench, 0x40, row(bench, 0x6004, 0), 0)) {
+    if (ask(bench, 0x40, row(0x6004, 0), 0)) {
         fuzz_must(dg_load_le32(&bench->answer.data[4]) == bench->encoder.position);
         check_position(bench);
     }
@@ -208,12 +245,12 @@ static void step(struct bench *bench)
 static uint32_t some_value(const struct bench *bench, struct fuzz_input *input,
                            const struct dg_co_object *object)
 {
-    const struct dg_co_figure own = figure(bench, object);
+    const struct figure own = figure(bench, object);
     uint32_t random = fuzz_take32(input);
     uint8_t how = fuzz_take(input);
     const uint32_t edges[] = {
-        object->min, own.max, own.initial, object->min - 1u, own.max + 1u, 0x65766173u,
-        0x64616F6Cu, 0x1004u, 3600u,       36000u,
+        own.min,     own.max,     own.initial, own.min - 1u, own.max + 1u,
+        0x65766173u, 0x64616F6Cu, 0x1004u,     3600u,        36000u,
     };
 
     return how % 2 == 0 ? random : edges[how / 2u % (sizeof edges / sizeof edges[0])];
@@ -225,12 +262,11 @@ static void op_write(struct bench *bench, struct fuzz_input *input)
         [DG_CO_I8] = 1,  [DG_CO_I16] = 2, [DG_CO_I32] = 4,    [DG_CO_U8] = 1,
         [DG_CO_U16] = 2, [DG_CO_U32] = 4, [DG_CO_STRING] = 4,
     };
-    const struct dg_co_device *device = bench->model.device;
-    const struct dg_co_object *object = &device->objects[fuzz_take(input) % device->object_count];
+    const struct dg_co_object *object = &objects[fuzz_take(input) % object_count];
     uint8_t size =
-        fuzz_take(input) % 16 != 0 ? sizes[object->type] : (uint8_t)(1 + fuzz_take(input) % 4);
+        fuzz_take(input) % 16 != 0 ? sizes[type_of(object)] : (uint8_t)(1 + fuzz_take(input) % 4);
     uint32_t value = some_value(bench, input, object);
-    bool kept = (object->flags & DG_CO_SLOT) != 0 && bench->node.state != DG_CO_OFF;
+    bool kept = (object->row->flags & DG_CO_SLOT) != 0 && bench->node.state != DG_CO_OFF;
     uint32_t before = kept ? bench->node.value[object->slot] : 0;
 
     bool accepted = ask(bench, (uint8_t)(0x23u | (4u - size) << 2), object, value);
@@ -239,7 +275,7 @@ static void op_write(struct bench *bench, struct fuzz_input *input)
     }
     uint32_t after = bench->node.value[object->slot];
     if (accepted) {
-        fuzz_must((object->flags & DG_CO_W) != 0 && size == sizes[object->type]);
+        fuzz_must((object->row->flags & DG_CO_W) != 0 && size == sizes[type_of(object)]);
         fuzz_must(after == (size == 4 ? value : value & ((1u << 8 * size) - 1u)));
     } else {
         fuzz_must(after == before);
@@ -248,14 +284,12 @@ static void op_write(struct bench *bench, struct fuzz_input *input)
 
 static void op_read(struct bench *bench, struct fuzz_input *input)
 {
-    const struct dg_co_device *device = bench->model.device;
-
-    (void)ask(bench, 0x40, &device->objects[fuzz_take(input) % device->object_count], 0);
+    (void)ask(bench, 0x40, &objects[fuzz_take(input) % object_count], 0);
 }
 
 static void op_communication(struct bench *bench, struct fuzz_input *input)
 {
-    static const struct dg_co_object objects[] = {
+    static const struct dg_co_object stack[] = {
         {.index = 0x1010, .sub = 1}, {.index = 0x1011, .sub = 1}, {.index = 0x1029, .sub = 1},
         {.index = 0x1029, .sub = 2}, {.index = 0x1029, .sub = 3}, {.index = 0x1800, .sub = 1},
         {.index = 0x1800, .sub = 2}, {.index = 0x1800, .sub = 3}, {.index = 0x1800, .sub = 5},
@@ -268,7 +302,7 @@ static void op_communication(struct bench *bench, struct fuzz_input *input)
     uint8_t which = fuzz_take(input) % sizeof sizes;
     uint32_t value = values[fuzz_take(input) % (sizeof values / sizeof values[0])];
 
-    (void)ask(bench, (uint8_t)(0x23u | (4u - sizes[which]) << 2), &objects[which], value);
+    (void)ask(bench, (uint8_t)(0x23u | (4u - sizes[which]) << 2), &stack[which], value);
 }
 
 static void op_frame(struct bench *bench, struct fuzz_input *input)
@@ -390,6 +424,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
 
     memset(&bench, 0, sizeof bench);
     bench.model = models[fuzz_take(&input) % (sizeof models / sizeof models[0])];
+    list_objects(&bench.model.device->dictionary);
     dg_world_init(&bench.world);
     bench.world.angle = angle;
     bench.world.angle_ctx = &bench;

@@ -39,22 +39,24 @@ static enum dg_co_abort cyclic_timer(struct dg_co_node *node, const struct dg_co
 }
 
 /* clang-format off */
-static const struct dg_co_object objects[] = {
-    {DG_CO_U8, 0, 0x2001,  DG_CO_R | DG_CO_MAP | DG_CO_EVENT, 0, 0, 0, 0, 0xFF, read_sample},
-    {DG_CO_U16, 0, 0x2002, DG_CO_R | DG_CO_MAP | DG_CO_EVENT, 0, 0, 0, 0, 0xFFFF, read_sample},
-    {DG_CO_U32, 0, 0x2003, DG_CO_R | DG_CO_MAP | DG_CO_EVENT, 0, 0, 0, 0, 0xFFFFFFFF, read_sample},
-    {DG_CO_I8, 1, 0x2004,  DG_CO_R | DG_CO_MAP, 0, 0, 0xFFFFFFFE, 0, 0, NULL},
-    {DG_CO_U32, 0, 0x2005, DG_CO_R, 0, 0, 0, 0, 0xFFFFFFFF, NULL},
-    {DG_CO_U32, 0, 0x2006, DG_CO_W | DG_CO_MAP, 0, 0, 0, 0, 0xFFFFFFFF, NULL},
-    {DG_CO_STRING, 0, 0x2007, DG_CO_R, 0, 0, 0, 0, 0, NULL},
-    {DG_CO_U32, 0, 0x2008, DG_CO_R | DG_CO_MAP, 0, 0, 0x44332211, 0, 0xFFFFFFFF, NULL},
-    {DG_CO_U32, 0, 0x2160, DG_CO_R | DG_CO_MAP, 0, 0, 0x017F3A15, 0, 0xFFFFFFFF, NULL},
-    {DG_CO_U16, 0, 0x2162, DG_CO_R | DG_CO_MAP, 0, 0, 0x2900, 0, 0xFFFF, NULL},
-    {DG_CO_U32, 0, 0x6004, DG_CO_R | DG_CO_MAP | DG_CO_EVENT, 0, 0, 0, 0, 0xFFFFFFFF, read_sample},
-    {DG_CO_I16, 1, 0x6030, DG_CO_R | DG_CO_MAP, 0, 0, 0xFFFFFF85, 0, 0xFFFF, NULL},
-    {DG_CO_U16, 0, 0x6200, DG_CO_R | DG_CO_W, 0, 0, 0, 0, 0xFFFF, cyclic_timer},
+static const struct dg_co_row rows[] = {
+    DG_CO_ROW(0x2001, 0, 0, DG_CO_U8, DG_CO_R | DG_CO_MAP | DG_CO_EVENT, 0, 0, 0, 1),
+    DG_CO_ROW(0x2002, 0, 0, DG_CO_U16, DG_CO_R | DG_CO_MAP | DG_CO_EVENT, 0, 0, 0, 1),
+    DG_CO_ROW(0x2003, 0, 0, DG_CO_U32, DG_CO_R | DG_CO_MAP | DG_CO_EVENT, 0, 0, 0, 1),
+    DG_CO_ROW(0x2004, 1, 0, DG_CO_I8, DG_CO_R | DG_CO_MAP, 0, 0xFFFFFFFE, 0, 0),
+    DG_CO_ROW(0x2005, 0, 0, DG_CO_U32, DG_CO_R, 0, 0, 0, 0),
+    DG_CO_ROW(0x2006, 0, 0, DG_CO_U32, DG_CO_W | DG_CO_MAP, 0, 0, 0, 0),
+    DG_CO_ROW(0x2007, 0, 0, DG_CO_STRING, DG_CO_R, 0, 0, 0, 0),
+    DG_CO_ROW(0x2008, 0, 0, DG_CO_U32, DG_CO_R | DG_CO_MAP, 0, 0x44332211, 0, 0),
+    DG_CO_ROW(0x2160, 0, 0, DG_CO_U32, DG_CO_R | DG_CO_MAP, 0, 0x017F3A15, 0, 0),
+    DG_CO_ROW(0x2162, 0, 0, DG_CO_U16, DG_CO_R | DG_CO_MAP, 0, 0x2900, 0, 0),
+    DG_CO_ROW(0x6004, 0, 0, DG_CO_U32, DG_CO_R | DG_CO_MAP | DG_CO_EVENT, 0, 0, 0, 1),
+    DG_CO_ROW(0x6030, 1, 0, DG_CO_I16, DG_CO_R | DG_CO_MAP, 0, 0xFFFFFF85, 0, 0),
+    DG_CO_ROW(0x6200, 0, 0, DG_CO_U16, DG_CO_R | DG_CO_W, 0, 0, 0, 2),
 };
 /* clang-format on */
+
+static dg_co_hook *const hooks[] = {read_sample, cyclic_timer};
 
 /* clang-format off */
 static const struct dg_co_figure figures[] = {
@@ -107,8 +109,7 @@ static dg_ns device_step(struct dg_co_node *node)
 
 const struct dg_co_device pdo_rig_device = {
     .name = "test",
-    .objects = objects,
-    .object_count = sizeof objects / sizeof objects[0],
+    .dictionary = {rows, sizeof rows / sizeof rows[0], NULL, hooks},
     .figures = figures,
     .figure_count = sizeof figures / sizeof figures[0],
     .kbaud = kbaud,
@@ -124,8 +125,7 @@ const struct dg_co_device pdo_rig_device = {
 /* The same memory in a device without 2001h-2008h. */
 const struct dg_co_device pdo_rig_smaller_device = {
     .name = "test",
-    .objects = &objects[8],
-    .object_count = sizeof objects / sizeof objects[0] - 8,
+    .dictionary = {&rows[8], sizeof rows / sizeof rows[0] - 8, NULL, hooks},
     .figures = figures,
     .figure_count = sizeof figures / sizeof figures[0],
     .kbaud = kbaud,

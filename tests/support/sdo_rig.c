@@ -52,31 +52,35 @@ static enum dg_co_abort refuse_read(struct dg_co_node *node, const struct dg_co_
 
 /* clang-format off */
 #define RWS (DG_CO_RW | DG_CO_SLOT)
-static const struct dg_co_object objects[] = {
-    /* type, sub, index, flags, slot, region, default, min, max, hook */
-    {DG_CO_U16, 0, 0x2000,    DG_CO_R,    0,           0, 0, 0,    0xFFFF, read_samples},
-    {DG_CO_I8, 0, 0x2001,     RWS,        SDO_RIG_I8,  0, 0, (uint32_t)-100,    100,    NULL},
-    {DG_CO_I16, 0, 0x2002,    RWS,        SDO_RIG_I16, 0, 0, (uint32_t)-1000,   1000,   NULL},
-    {DG_CO_I32, 0, 0x2003,    RWS,        SDO_RIG_I32, 0, 0, (uint32_t)-100000, 100000, NULL},
-    {DG_CO_U8, 0, 0x2004,     RWS,        SDO_RIG_U8,  0, 0, 0,    0xFF,   NULL},
-    {DG_CO_U16, 0, 0x2005,    RWS,        SDO_RIG_U16, 0, 0, 0,    0xFFFF, NULL},
-    {DG_CO_U32, 0, 0x2006,    RWS,        SDO_RIG_U32, 0, 0, 0,    FULL,   NULL},
-    {DG_CO_U8, 0, 0x2007,     DG_CO_R,    0,           0, 1, 0,    0xFF,   NULL},
-    {DG_CO_U32, 1, 0x2007,    RWS,        SDO_RIG_ARRAY, 0, 0, 0,  FULL,   NULL},
-    {DG_CO_U32, 0, 0x2008,    DG_CO_W | DG_CO_SLOT, SDO_RIG_WRITE_ONLY, 0, 0, 0, FULL, NULL},
-    {DG_CO_U32, 0, 0x200A,    DG_CO_RW,   0,           0, 0, 0,    FULL,   refuse_write},
-    {DG_CO_U8, 0, 0x200B,     DG_CO_R,    0,           0, 0, 0,    0xFF,   refuse_read},
-    {DG_CO_STRING, 0, 0x2010, DG_CO_R,    0,           0, 0, 0,    0,      NULL},
-    {DG_CO_STRING, 0, 0x2011, DG_CO_R,    0,           0, 1, 0,    0,      NULL},
-    {DG_CO_STRING, 0, 0x2012, DG_CO_R,    0,           0, 2, 0,    0,      NULL},
-    {DG_CO_STRING, 0, 0x2013, DG_CO_R,    0,           0, 3, 0,    0,      NULL},
-    {DG_CO_STRING, 0, 0x2014, DG_CO_R,    0,           0, 4, 0,    0,      NULL},
-    {DG_CO_STRING, 0, 0x2015, DG_CO_R,    0,           0, 5, 0,    0,      NULL},
-    {DG_CO_STRING, 0, 0x2016, DG_CO_R,    0,           0, 6, 0,    0,      NULL},
-    {DG_CO_STRING, 0, 0x2017, DG_CO_R,    0,           0, 7, 0,    0,      NULL},
-    {DG_CO_STRING, 0, 0x2018, DG_CO_R,    0,           0, 8, 0,    0,      NULL},
+static const struct dg_co_row rows[] = {
+    /* index, sub, more, type, flags, slot, default, limits, hook */
+    DG_CO_ROW(0x2000, 0, 0, DG_CO_U16, DG_CO_R, 0, 0, 0, 1),
+    DG_CO_ROW(0x2001, 0, 0, DG_CO_I8, RWS, SDO_RIG_I8, 0, 1, 0),
+    DG_CO_ROW(0x2002, 0, 0, DG_CO_I16, RWS, SDO_RIG_I16, 0, 2, 0),
+    DG_CO_ROW(0x2003, 0, 0, DG_CO_I32, RWS, SDO_RIG_I32, 0, 3, 0),
+    DG_CO_ROW(0x2004, 0, 0, DG_CO_U8, RWS, SDO_RIG_U8, 0, 0, 0),
+    DG_CO_ROW(0x2005, 0, 0, DG_CO_U16, RWS, SDO_RIG_U16, 0, 0, 0),
+    DG_CO_ROW(0x2006, 0, 0, DG_CO_U32, RWS, SDO_RIG_U32, 0, 0, 0),
+    DG_CO_ROW(0x2007, 0, 0, DG_CO_U8, DG_CO_R, 0, 1, 0, 0),
+    DG_CO_ROW(0x2007, 1, 0, DG_CO_U32, RWS, SDO_RIG_ARRAY, 0, 0, 0),
+    DG_CO_ROW(0x2008, 0, 0, DG_CO_U32, DG_CO_W | DG_CO_SLOT, SDO_RIG_WRITE_ONLY, 0, 0, 0),
+    DG_CO_ROW(0x200A, 0, 0, DG_CO_U32, DG_CO_RW, 0, 0, 0, 2),
+    DG_CO_ROW(0x200B, 0, 0, DG_CO_U8, DG_CO_R, 0, 0, 0, 3),
+    DG_CO_ROW(0x2010, 0, 0, DG_CO_STRING, DG_CO_R, 0, 0, 0, 0),
+    DG_CO_ROW(0x2011, 0, 0, DG_CO_STRING, DG_CO_R, 0, 1, 0, 0),
+    DG_CO_ROW(0x2012, 0, 0, DG_CO_STRING, DG_CO_R, 0, 2, 0, 0),
+    DG_CO_ROW(0x2013, 0, 0, DG_CO_STRING, DG_CO_R, 0, 3, 0, 0),
+    DG_CO_ROW(0x2014, 0, 0, DG_CO_STRING, DG_CO_R, 0, 4, 0, 0),
+    DG_CO_ROW(0x2015, 0, 0, DG_CO_STRING, DG_CO_R, 0, 5, 0, 0),
+    DG_CO_ROW(0x2016, 0, 0, DG_CO_STRING, DG_CO_R, 0, 6, 0, 0),
+    DG_CO_ROW(0x2017, 0, 0, DG_CO_STRING, DG_CO_R, 0, 7, 0, 0),
+    DG_CO_ROW(0x2018, 0, 0, DG_CO_STRING, DG_CO_R, 0, 8, 0, 0),
 };
 /* clang-format on */
+
+static dg_co_hook *const hooks[] = {read_samples, refuse_write, refuse_read};
+static const struct dg_co_limits limits[] = {
+    {(uint32_t)-100, 100}, {(uint32_t)-1000, 1000}, {(uint32_t)-100000, 100000}};
 
 static const char *const strings[] = {"",
                                       "1.08",
@@ -108,8 +112,7 @@ static const struct dg_store_layout layout = {
 
 static const struct dg_co_device device = {
     .name = "SDO rig",
-    .objects = objects,
-    .object_count = COUNT(objects),
+    .dictionary = {rows, COUNT(rows), limits, hooks},
     .kbaud = kbaud,
     .kbaud_count = COUNT(kbaud),
     .save_ms = 14,

@@ -36,13 +36,15 @@ static enum dg_co_abort read_inputs(struct dg_co_node *node, const struct dg_co_
 }
 
 /* clang-format off */
-static const struct dg_co_object objects[] = {
-    {DG_CO_U32, 0, 0x2000, DG_CO_RW, 0, 0, 1, 0, 0xFFFFFFFFu, dg_co_hook_save_bus},
-    {DG_CO_U8, 0, 0x6000, DG_CO_R | DG_CO_CONST, 0, 0, 1, 0, 0xFF, NULL},
-    {DG_CO_U8, 1, 0x6000, DG_CO_R | DG_CO_MAP | DG_CO_EVENT, 0, 0, 0, 0, 0xFF, read_inputs},
-    {DG_CO_U8, 0, 0x6005, DG_CO_RW | DG_CO_SLOT | DG_CO_SAVE | DG_CO_FIGURE, DG_CO_SLOT_APPLICATION, DG_CO_REGION_APPLICATION, 0, 0, 1, NULL},
-    {DG_CO_I16, 0, 0x6006, DG_CO_RW | DG_CO_SLOT, DG_CO_SLOT_APPLICATION + 1, 0, 0xFFFFFFFBu, 0xFFFFFF9Cu, 100, NULL},
+static const struct dg_co_row rows[] = {
+    DG_CO_ROW(0x2000, 0, 0, DG_CO_U32, DG_CO_RW, 0, 1, 0, 1),
+    DG_CO_ROW(0x6000, 0, 0, DG_CO_U8, DG_CO_R | DG_CO_CONST, 0, 1, 0, 0),
+    DG_CO_ROW(0x6000, 1, 0, DG_CO_U8, DG_CO_R | DG_CO_MAP | DG_CO_EVENT, 0, 0, 0, 2),
+    DG_CO_ROW(0x6005, 0, 0, DG_CO_U8, DG_CO_RW | DG_CO_SLOT | DG_CO_SAVE | DG_CO_FIGURE, DG_CO_SLOT_APPLICATION, 0, 1, 0),
+    DG_CO_ROW(0x6006, 0, 0, DG_CO_I16, DG_CO_RW | DG_CO_SLOT, DG_CO_SLOT_APPLICATION + 1, 0xFFFFFFFBu, 2, 0),
 };
+static dg_co_hook *const hooks[] = {dg_co_hook_save_bus, read_inputs};
+static const struct dg_co_limits limits[] = {{0, 1}, {0xFFFFFF9Cu, 100}};
 static const struct dg_co_figure figures[] = {
     {0x1017, 0, 1000, 5000},
     {0x1A00, 0, 1, 0xFF},
@@ -74,8 +76,7 @@ static const struct dg_store_layout layout = {
 static const char *const strings[] = {"8 inputs", "A", "1"};
 static const struct dg_co_device device = {
     .name = "DI8",
-    .objects = objects,
-    .object_count = COUNT(objects),
+    .dictionary = {rows, COUNT(rows), limits, hooks},
     .figures = figures,
     .figure_count = COUNT(figures),
     .kbaud = kbaud,

@@ -47,17 +47,6 @@ static int setup(void **state)
     return 0;
 }
 
-static uint16_t rows(void)
-{
-    return (uint16_t)(co_object_count + device->object_count);
-}
-
-/* Both halves of the dictionary as one table. */
-static const struct dg_co_object *row_at(uint16_t i)
-{
-    return i < co_object_count ? &co_objects[i] : &device->objects[i - co_object_count];
-}
-
 /* Regions that the stack looks after; the profile's own follow. */
 static const uint8_t stack_regions = DG_CO_REGION_APPLICATION + 1;
 
@@ -396,14 +385,14 @@ static void damage(struct sight *before, int damaged)
     } else if (damaged == DG_CO_REGION_SERIAL) {
         before->serial = 0;
     }
-    for (uint16_t i = 0; i < rows(); i++) {
-        const struct dg_co_object *row = row_at(i);
-        if ((row->flags & DG_CO_SAVE) != 0 &&
-            (row->region == damaged || damaged == DG_CO_REGION_SAVED)) {
-            before->value[row->slot] =
-                co_default(device, row) + ((row->flags & DG_CO_ID) != 0 ? before->id : 0);
+    struct dg_co_object row = co_first();
+    do {
+        if (co_is(&row, DG_CO_SAVE) &&
+            (co_region(&row) == damaged || damaged == DG_CO_REGION_SAVED)) {
+            before->value[row.slot] =
+                co_default(device, &row) + (co_is(&row, DG_CO_ID) ? before->id : 0);
         }
-    }
+    } while (co_next(device, &row));
 }
 
 static void a_damaged_region_is_the_default_and_the_others_stay(void **state)
@@ -507,13 +496,14 @@ static void values_out_of_range_do_not_come_into_force(void **state)
             assert_true(rig.node.id >= 1 && (rig.node.id <= 127 || rig.node.id == 0xFF));
             assert_true(rig.node.bit_rate <= 8 && rig.node.bit_rate != 7);
             assert_in_range(rig.node.value[DG_CO_SLOT_TERMINATION], 0, 1);
-            for (uint16_t i = 0; i < rows(); i++) {
-                const struct dg_co_object *row = row_at(i);
+            struct dg_co_object row = co_first();
+            do {
                 /* 6509h, the only signed one, may be anything. */
-                if ((row->flags & DG_CO_SAVE) != 0 && row->index != 0x6509) {
-                    assert_in_range(rig.node.value[row->slot], row->min, co_maximum(device, row));
+                if (co_is(&row, DG_CO_SAVE) && row.index != 0x6509) {
+                    const struct dg_co_limits limits = co_limits(device, &row);
+                    assert_in_range(rig.node.value[row.slot], limits.min, limits.max);
                 }
-            }
+            } while (co_next(device, &row));
         }
     }
 }

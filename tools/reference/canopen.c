@@ -12,13 +12,13 @@
 
 struct row {
     unsigned index, sub;
-    const char *type;
+    const char *type; /* NULL: as the row above, which it is alike */
     unsigned access;
     unsigned long initial;
     const char *name;
 };
 
-/* The short names of objects.def; slots and regions do not matter here. */
+/* The short names of objects.def; slots, limits and hooks do not matter here. */
 enum {
     R = DG_CO_R,
     W = DG_CO_W,
@@ -35,8 +35,10 @@ enum {
 };
 
 #define DG_CO_PARENT(index, kind, name) {index, 0x100, #kind, 0, 0, name},
-#define DG_CO_OBJECT(index, sub, type, access, slot, region, initial, min, max, hook, name)        \
+#define DG_CO_OBJECT(index, sub, more, type, access, slot, initial, limits, hook, name)            \
     {index, sub, #type, access, initial, name},
+#define DG_CO_MORE(index, sub, name) {index, sub, NULL, 0, 0, name},
+#define DG_CO_REPEATED(...) __VA_ARGS__
 
 static const struct row communication[] = {
 #include "../../src/canopen/co_objects.def"
@@ -100,11 +102,18 @@ static void print_row(const struct row *row, unsigned long value)
 
 static void print_objects(const struct row *rows, size_t count)
 {
+    struct row row = {0};
+
     puts("| index | sub | type | access | mappable | saved | default | name |");
     puts("|---|---|---|---|---|---|---|---|");
     for (size_t i = 0; i < count; i++) {
         const struct dg_co_figure *figure = rows == encoder ? figure_of(&rows[i]) : NULL;
-        print_row(&rows[i], figure != NULL ? figure->initial : rows[i].initial);
+        if (rows[i].type != NULL) {
+            row = rows[i];
+        }
+        row.sub = rows[i].sub;
+        row.name = rows[i].name;
+        print_row(&row, figure != NULL ? figure->initial : row.initial);
     }
 }
 

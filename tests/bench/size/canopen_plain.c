@@ -15,14 +15,18 @@ enum {
     X = DG_CO_ACTION,
     L = DG_CO_LIVE,
     F = 0,
-    APP = REGION_PROFILE,
 };
 
 #define DG_CO_PARENT(index, kind, name)
-#define DG_CO_OBJECT(index, sub, type, access, slot, region, initial, min, max, hook, name)        \
-    {DG_CO_##type, sub, index, access, slot, region, initial, min, max, NULL},
+#define DG_CO_OBJECT(index, sub, more, type, access, slot, initial, limits, hook, name)            \
+    DG_CO_ROW(index, sub, more, DG_CO_##type, access, slot, initial, limits, 0),
+#define DG_CO_MORE(index, sub, name)
 
-static const struct dg_co_object objects[] = {
+enum { FULL, TO_1, TO_8, NODE_ID, CELSIUS, FROM_1, U16_FROM_1, TO_65536, TO_200 };
+static const struct dg_co_limits limits[] = {
+    {0, 1}, {0, 8}, {1, 127}, {0x20, 0xAC}, {1, UINT32_MAX}, {1, UINT16_MAX}, {1, 65536}, {1, 200}};
+
+static const struct dg_co_row rows[] = {
 #include "objects.def"
 };
 
@@ -44,12 +48,12 @@ static const struct dg_store_layout layout = {.id = 1,
                                               .journal_size = DG_CO_JOURNAL_SIZE + 6u + 60u,
                                               .region_count = sizeof regions / sizeof regions[0],
                                               .regions = regions};
-static const struct dg_co_device plain = {.objects = objects,
-                                          .object_count = sizeof objects / sizeof objects[0],
-                                          .kbaud = kbaud,
-                                          .kbaud_count = sizeof kbaud / sizeof kbaud[0],
-                                          .strings = strings,
-                                          .layout = &layout};
+static const struct dg_co_device plain = {
+    .dictionary = {rows, sizeof rows / sizeof rows[0], limits, NULL},
+    .kbaud = kbaud,
+    .kbaud_count = sizeof kbaud / sizeof kbaud[0],
+    .strings = strings,
+    .layout = &layout};
 
 const struct dg_co_device *const device = &plain;
 
