@@ -75,7 +75,7 @@ struct dg_cia406 {
     uint32_t position;   /**< 6004h of the latest sample */
     uint32_t zero;       /**< USF: physical position of the internal zero */
     uint64_t zero_y;     /**< USF: position there in 1/65536 unit, modulo TMR * 65536 */
-    uint64_t y;          /**< 6004h of the latest sample in 1/65536 unit */
+    uint64_t y;          /**< position in 1/65536 unit while 6000h-6002h are written */
     bool usf_lost;       /**< the stored offset did not verify: a preset is due */
     bool zero_unsaved;   /**< USF: the internal zero could not be stored yet */
     dg_ns look_at;       /**< next supervision */

@@ -48,6 +48,9 @@ static inline dg_ns dg_earliest(dg_ns a, dg_ns b)
     return a < b ? a : b;
 }
 
+/** `span` / `divisor` (1..65535), in steps of 32 bits: no machine needs a routine for it. */
+DG_API dg_ns dg_divide_ns(dg_ns span, uint16_t divisor);
+
 /**
  * Length of `bits` bit times at `baud` bits per second, rounded up to a whole nanosecond.
  * @param bits 0..65535

@@ -95,7 +95,7 @@ static void initialise(struct dg_co_node *self, bool application)
             co_use_bit_rate(self);
         }
     }
-    self->clock_us = 0u - (uint32_t)(self->now / DG_US(1));
+    self->clock_us = 0u - (uint32_t)dg_divide_ns(self->now, 1000);
     bool loaded = co_load(self, 0x1000, application ? 0xFFFF : 0x1FFF);
     self->filter_version++;
     co_emcy_start(self);

@@ -352,7 +352,7 @@ bool co_in_use(const struct dg_co_node *self, uint32_t can_id)
 enum dg_co_abort co_hook_clock(struct dg_co_node *self, const struct dg_co_object *object,
                                enum dg_co_op op, uint32_t *value)
 {
-    uint32_t now_us = (uint32_t)(self->now / DG_US(1));
+    uint32_t now_us = (uint32_t)dg_divide_ns(self->now, 1000);
 
     (void)object;
     if (op == DG_CO_READ) {

@@ -85,8 +85,8 @@ void cia406_restore_zero(struct dg_co_node *node);
 void cia406_watch_zero(struct dg_co_node *node);
 
 /* speed.c */
-/** In rpm, by the integration window, with the sign of the code sequence; not limited. */
-int64_t cia406_rpm(const struct dg_co_node *node);
+/** In rpm, by the integration window, with the sign of the code sequence, at most INT16_MAX. */
+int32_t cia406_rpm(const struct dg_co_node *node);
 
 /* health.c */
 void cia406_health_start(struct dg_co_node *node);

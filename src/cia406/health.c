@@ -7,7 +7,7 @@
 
 #include "drehgeber/bits.h"
 
-#define TENTH_OF_AN_HOUR DG_S(360)
+#define TENTH_OF_AN_HOUR DG_S(360) /* 60 000 * 60 000 * 100 ns */
 
 #define ICLG_STATUS 0x80u
 #define ICLG_VERSION 0x2Eu
@@ -16,18 +16,17 @@
 #define BATTERY_NONE 0x3FFu
 #define BATTERY_MAX_10MV 500u
 #define LED_MAX_UA 30000u
-#define RPM_WARN_SINGLETURN 4000
-#define RPM_WARN_MULTITURN 12000
+#define RPM_WARN_SINGLETURN 4000u
+#define RPM_WARN_MULTITURN 12000u
 #define TIME_WARN_10H 1000000u /* 100 000 h */
 
 /* 2120h: 40h + degC. */
 static uint8_t temperature_code(const struct dg_co_node *node)
 {
     int32_t mdegc = node->setup.world->temperature_mdegc;
-    int32_t degc = mdegc / 1000 - (mdegc % 1000 < 0 ? 1 : 0);
-    int32_t code = degc < -0x40 ? 0 : degc > 0xFF - 0x40 ? 0xFF : degc + 0x40;
+    uint32_t code = mdegc < -0x40 * 1000 ? 0 : ((uint32_t)mdegc + 0x40u * 1000u) / 1000u;
 
-    return (uint8_t)code;
+    return (uint8_t)(code > 0xFF ? 0xFF : code);
 }
 
 static uint16_t battery_10mv(const struct dg_co_node *node)
@@ -47,13 +46,13 @@ static bool too_hot_or_cold(const struct dg_co_node *node)
 /* Once told it lasts until the speed is 1 % below the limit: one EMCY per event (C34). */
 static bool too_fast(const struct dg_co_node *node)
 {
-    int32_t limit = encoder_of(node)->model->turns > 1 ? RPM_WARN_MULTITURN : RPM_WARN_SINGLETURN;
-    int64_t rpm = cia406_rpm(node);
+    uint32_t limit = encoder_of(node)->model->turns > 1 ? RPM_WARN_MULTITURN : RPM_WARN_SINGLETURN;
+    int32_t rpm = cia406_rpm(node);
 
     if ((node->active_causes >> CAUSE_SPEED & 1u) != 0) {
-        limit -= limit / 100;
+        limit -= limit / 100u;
     }
-    return rpm > limit || rpm < -limit;
+    return (uint32_t)(rpm < 0 ? -rpm : rpm) > limit;
 }
 
 static bool has_battery(const struct dg_co_node *node)
@@ -170,12 +169,13 @@ static const struct {
 static void count_time(struct dg_co_node *node)
 {
     struct dg_cia406 *self = encoder_of(node);
-    dg_ns tenths = dg_elapsed(node->now, self->time_from) / TENTH_OF_AN_HOUR;
+    dg_ns elapsed = dg_elapsed(node->now, self->time_from);
     uint8_t bytes[4];
 
-    if (tenths == 0) {
+    if (elapsed < TENTH_OF_AN_HOUR) {
         return;
     }
+    dg_ns tenths = dg_divide_ns(dg_divide_ns(dg_divide_ns(elapsed, 60000), 60000), 100);
     self->time_from += tenths * TENTH_OF_AN_HOUR;
     self->time_10h += (uint32_t)tenths;
     dg_store_le32(bytes, self->time_10h);

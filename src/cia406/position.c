@@ -24,9 +24,28 @@
 #define USF_STORED_CCW 2u
 #define USF_SIZE 21u
 
-static uint64_t physical_range(const struct dg_co_node *node)
+/* A range of 2^32 is 0 in 32 bits; all that is modulo a range works for it, too. No 64 bits are
+ * divided: where the machine cannot, that is a routine of its own. */
+static uint32_t wrap(uint32_t value, uint32_t range)
 {
-    return (uint64_t)encoder_of(node)->model->turns * DG_CIA406_STEPS;
+    return range != 0 ? value % range : value;
+}
+
+/* `a` + `b` and `a` - `b` modulo `range`; both are inside it. */
+static uint32_t add(uint32_t a, uint32_t b, uint32_t range)
+{
+    return a >= range - b ? a - (range - b) : a + b;
+}
+
+static uint32_t subtract(uint32_t a, uint32_t b, uint32_t range)
+{
+    return a >= b ? a - b : a - b + range;
+}
+
+/* The highest raw position; the range is a power of two. */
+static uint32_t last_raw(const struct dg_co_node *node)
+{
+    return encoder_of(node)->model->turns * DG_CIA406_STEPS - 1u;
 }
 
 static uint32_t mur(const struct dg_co_node *node)
@@ -35,15 +54,15 @@ static uint32_t mur(const struct dg_co_node *node)
 }
 
 /* FFFFFFFFh stands for 2^32 where the physical range is that long. */
-static uint64_t as_range(const struct dg_co_node *node, uint32_t tmr)
+static uint32_t as_range(const struct dg_co_node *node, uint32_t tmr)
 {
-    return tmr == 0xFFFFFFFFu ? physical_range(node) : tmr;
+    return tmr == 0xFFFFFFFFu ? last_raw(node) + 1u : tmr;
 }
 
-static uint64_t tmr(const struct dg_co_node *node)
+static uint32_t tmr(const struct dg_co_node *node)
 {
     return parameter(node, DG_CIA406_SCALING) ? as_range(node, node->value[SLOT_TMR])
-                                              : physical_range(node);
+                                              : last_raw(node) + 1u;
 }
 
 int64_t cia406_counts(const struct dg_co_node *node, dg_ns at)
@@ -56,54 +75,79 @@ static void sample_raw(struct dg_co_node *node)
 {
     uint64_t angle = (uint64_t)dg_world_angle(node->setup.world, node->now);
 
-    encoder_of(node)->raw = (uint32_t)(angle >> 16 & (physical_range(node) - 1u));
+    encoder_of(node)->raw = (uint32_t)(angle >> 16) & last_raw(node);
+}
+
+/* Ascending as the code sequence says. */
+static uint32_t in_sequence(const struct dg_co_node *node)
+{
+    uint32_t raw = encoder_of(node)->raw;
+
+    return parameter(node, DG_CIA406_CCW) ? 0u - raw : raw;
 }
 
 /* Scaled, before preset and USF. */
-static uint64_t scaled(const struct dg_co_node *node)
+static uint32_t scaled(const struct dg_co_node *node)
 {
-    uint64_t raw = encoder_of(node)->raw;
+    uint64_t raw = in_sequence(node) & last_raw(node);
 
-    if (parameter(node, DG_CIA406_CCW)) {
-        raw = (physical_range(node) - raw) & (physical_range(node) - 1u);
-    }
-    return (raw * mur(node) / DG_CIA406_STEPS) % tmr(node);
+    return wrap((uint32_t)(raw * mur(node) / DG_CIA406_STEPS), tmr(node));
 }
 
-/* Counts from the internal zero, -range/2..range/2-1. */
-static int64_t from_zero(const struct dg_co_node *node)
+/* The short way from the internal zero, at most half the range. */
+struct way {
+    uint32_t counts;
+    bool back;
+};
+
+static struct way from_zero(const struct dg_co_node *node)
 {
     const struct dg_cia406 *self = encoder_of(node);
-    uint64_t half = physical_range(node) / 2;
-    uint64_t shifted = ((uint64_t)self->raw - self->zero + half) & (physical_range(node) - 1u);
+    uint32_t forward = (self->raw - self->zero) & last_raw(node);
+    bool back = forward > last_raw(node) / 2u;
 
-    return (int64_t)shifted - (int64_t)half;
-}
-
-static int64_t sequence(const struct dg_co_node *node)
-{
-    return parameter(node, DG_CIA406_CCW) ? -1 : 1;
+    return (struct way){back ? last_raw(node) + 1u - forward : forward, back};
 }
 
 static uint64_t usf_y(const struct dg_co_node *node)
 {
-    int64_t y = (int64_t)encoder_of(node)->zero_y + sequence(node) * from_zero(node) * mur(node);
+    uint64_t zero_y = encoder_of(node)->zero_y;
+    uint32_t range = tmr(node);
+    struct way way = from_zero(node);
+    uint64_t far = (uint64_t)way.counts * mur(node);
+    uint32_t whole = wrap((uint32_t)(far / DG_CIA406_STEPS), range);
+    uint32_t y = (uint32_t)(zero_y / DG_CIA406_STEPS);
+    uint32_t part;
 
-    return dg_mod(y, tmr(node) * DG_CIA406_STEPS);
+    if (way.back != parameter(node, DG_CIA406_CCW)) {
+        part = (uint32_t)(zero_y % DG_CIA406_STEPS) - (uint32_t)(far % DG_CIA406_STEPS);
+        y = subtract(y, whole, range);
+        y = part >= DG_CIA406_STEPS ? subtract(y, 1, range) : y;
+    } else {
+        part = (uint32_t)(zero_y % DG_CIA406_STEPS) + (uint32_t)(far % DG_CIA406_STEPS);
+        y = add(y, whole, range);
+        y = part >= DG_CIA406_STEPS ? add(y, 1, range) : y;
+    }
+    return (uint64_t)y * DG_CIA406_STEPS + part % DG_CIA406_STEPS;
 }
 
-/* In 1/65536 unit. Unscaled the range is a power of two. */
-static uint64_t position_y(const struct dg_co_node *node)
+/* Unscaled the range is a power of two. */
+static uint32_t position(const struct dg_co_node *node)
 {
     if (parameter(node, DG_CIA406_USF)) {
-        return usf_y(node);
+        return (uint32_t)(usf_y(node) / DG_CIA406_STEPS);
     }
     if (parameter(node, DG_CIA406_SCALING)) {
-        return (scaled(node) + node->value[SLOT_OFFSET]) % tmr(node) * DG_CIA406_STEPS;
+        return add(scaled(node), wrap(node->value[SLOT_OFFSET], tmr(node)), tmr(node));
     }
-    uint32_t raw = encoder_of(node)->raw;
-    uint32_t counts = (parameter(node, DG_CIA406_CCW) ? 0u - raw : raw) + node->value[SLOT_OFFSET];
-    return (counts & (physical_range(node) - 1u)) * DG_CIA406_STEPS;
+    return (in_sequence(node) + node->value[SLOT_OFFSET]) & last_raw(node);
+}
+
+/* In 1/65536 unit: only USF knows parts of units. */
+static uint64_t position_y(const struct dg_co_node *node)
+{
+    return parameter(node, DG_CIA406_USF) ? usf_y(node)
+                                          : (uint64_t)position(node) * DG_CIA406_STEPS;
 }
 
 /* Bits 0-2 of area 1, 3-5 of area 2: outside, above, below. */
@@ -122,11 +166,8 @@ static uint8_t areas(const struct dg_co_node *node, uint32_t at)
 
 void cia406_sample(struct dg_co_node *node)
 {
-    struct dg_cia406 *self = encoder_of(node);
-
     sample_raw(node);
-    self->y = position_y(node);
-    self->position = (uint32_t)(self->y / DG_CIA406_STEPS);
+    encoder_of(node)->position = position(node);
 }
 
 uint32_t dg_cia406_position(const struct dg_co_node *node, dg_ns now)
@@ -192,9 +233,9 @@ void cia406_watch_zero(struct dg_co_node *node)
         return;
     }
     sample_raw(node);
-    int64_t range = (int64_t)physical_range(node);
-    int64_t way = from_zero(node);
-    bool safe = way < range / 4 && way > -range / 8;
+    uint32_t quarter = last_raw(node) / 4u + 1u;
+    struct way way = from_zero(node);
+    bool safe = way.counts < (way.back ? quarter / 2u : quarter);
     if ((safe && !self->zero_unsaved) || !move_zero(node, usf_y(node))) {
         return;
     }
@@ -212,13 +253,14 @@ void cia406_restore_zero(struct dg_co_node *node)
                 !dg_store_damaged(&node->store, REGION_USF) &&
                 dg_store_read(&node->store, REGION_USF, 0, bytes, sizeof bytes) == DG_OK;
 
-    good = good && bytes[0] == usf_mark(node) &&
+    const uint64_t y = (uint64_t)dg_load_le32(&bytes[9]) << 32 | dg_load_le32(&bytes[5]);
+    good = good && bytes[0] == usf_mark(node) && y / DG_CIA406_STEPS <= tmr(node) - 1u &&
            dg_load_le32(&bytes[13]) == node->value[SLOT_MUR] &&
            dg_load_le32(&bytes[17]) == node->value[SLOT_TMR];
     self->usf_lost = parameter(node, DG_CIA406_USF) && !good;
     sample_raw(node);
     self->zero = good ? dg_load_le32(&bytes[1]) : self->raw;
-    self->zero_y = good ? (uint64_t)dg_load_le32(&bytes[9]) << 32 | dg_load_le32(&bytes[5]) : 0;
+    self->zero_y = good ? y : 0;
     self->zero_unsaved = false;
 }
 
@@ -227,6 +269,7 @@ static enum dg_co_abort allowed(const struct dg_co_node *node, const uint32_t *w
 {
     uint32_t parameters = wanted[0];
     uint64_t turns = encoder_of(node)->model->turns;
+    uint64_t range = (uint64_t)(as_range(node, wanted[2]) - 1u) + 1u;
     bool usf = (parameters & DG_CIA406_USF) != 0;
 
     if ((parameters & ~(uint32_t)DG_CIA406_WRITABLE) != 0) {
@@ -235,7 +278,7 @@ static enum dg_co_abort allowed(const struct dg_co_node *node, const uint32_t *w
     if (usf && (parameters & DG_CIA406_SCALING) == 0) {
         return DG_CO_INCOMPATIBLE;
     }
-    if (usf && 4 * as_range(node, wanted[2]) >= turns * wanted[1]) {
+    if (usf && 4 * range >= turns * wanted[1]) {
         return DG_CO_INCOMPATIBLE;
     }
     return DG_CO_OK;
@@ -263,13 +306,16 @@ enum dg_co_abort cia406_hook_scaling(struct dg_co_node *node, const struct dg_co
 
     if (op == DG_CO_WRITE) {
         wanted[object->slot - SLOT_PARAMETERS] = *value;
-        cia406_sample(node);
+        sample_raw(node);
+        encoder_of(node)->y = position_y(node);
         return allowed(node, wanted);
     }
     if (op == DG_CO_WRITTEN) {
-        node->value[SLOT_OFFSET] = (uint32_t)(node->value[SLOT_OFFSET] % tmr(node));
+        uint64_t y = encoder_of(node)->y;
+        node->value[SLOT_OFFSET] = wrap(node->value[SLOT_OFFSET], tmr(node));
         if (parameter(node, DG_CIA406_USF)) {
-            (void)move_zero(node, encoder_of(node)->y % (tmr(node) * DG_CIA406_STEPS));
+            uint64_t whole = wrap((uint32_t)(y / DG_CIA406_STEPS), tmr(node));
+            (void)move_zero(node, whole * DG_CIA406_STEPS + y % DG_CIA406_STEPS);
             encoder_of(node)->look_at = node->now; /* from now on at the pace of USF */
         } else {
             forget_zero(node);
@@ -288,7 +334,7 @@ enum dg_co_abort cia406_hook_preset(struct dg_co_node *node, const struct dg_co_
     if (op != DG_CO_WRITE) {
         return DG_CO_OK;
     }
-    if (*value >= tmr(node)) {
+    if (*value > tmr(node) - 1u) {
         return DG_CO_RANGE;
     }
     sample_raw(node);
@@ -303,7 +349,7 @@ enum dg_co_abort cia406_hook_preset(struct dg_co_node *node, const struct dg_co_
         }
         dg_co_clear(node, CAUSE_USF_LOST);
     }
-    node->value[SLOT_OFFSET] = (uint32_t)((*value + tmr(node) - scaled(node)) % tmr(node));
+    node->value[SLOT_OFFSET] = subtract(*value, scaled(node), tmr(node));
     return DG_CO_OK;
 }
 
@@ -313,13 +359,12 @@ DG_CO_TELL(cia406_hook_position, encoder_of(node)->position)
 enum dg_co_abort cia406_hook_offset(struct dg_co_node *node, const struct dg_co_object *object,
                                     enum dg_co_op op, uint32_t *value)
 {
-    uint64_t range = tmr(node);
-    uint64_t preset = node->value[SLOT_PRESET];
+    uint32_t range = tmr(node);
+    uint32_t preset = node->value[SLOT_PRESET];
 
     (void)object;
     if (op == DG_CO_READ) {
-        uint64_t was = (preset + range - *value % range) % range;
-        *value = (uint32_t)(preset - was);
+        *value = preset - subtract(wrap(preset, range), wrap(*value, range), range);
     }
     return DG_CO_OK;
 }

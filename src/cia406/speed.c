@@ -14,14 +14,20 @@ static int64_t saturate(int64_t value, int64_t limit)
     return value > limit ? limit : value < -limit ? -limit : value;
 }
 
-/* To nearest, so that a constant speed reads constant (C34); `divisor` > 0. Unsigned, as a signed
- * division is a routine of its own where the machine has none. */
-static int64_t divide(int64_t figure, int64_t divisor)
+/* To nearest, so that a constant speed reads constant (C34), and at most INT16_MAX, as all that is
+ * shown: fifteen bits by subtraction, as no 64 bits are divided where the machine cannot. */
+static int32_t divide(int64_t figure, uint64_t divisor)
 {
-    uint64_t magnitude = figure < 0 ? 0u - (uint64_t)figure : (uint64_t)figure;
-    uint64_t quotient = (magnitude + (uint64_t)divisor / 2) / (uint64_t)divisor;
+    uint64_t rest = (figure < 0 ? 0u - (uint64_t)figure : (uint64_t)figure) + divisor / 2u;
+    int32_t quotient = 0;
 
-    return figure < 0 ? -(int64_t)quotient : (int64_t)quotient;
+    for (int bit = 14; bit >= 0; bit--) {
+        if (rest >= divisor << bit) {
+            rest -= divisor << bit;
+            quotient |= 1 << bit;
+        }
+    }
+    return figure < 0 ? -quotient : quotient;
 }
 
 /* Counts the shaft has moved in the window that ended `windows` windows ago; limited where every
@@ -36,29 +42,27 @@ static int64_t moved(const struct dg_co_node *node, uint32_t windows)
     return parameter(node, DG_CIA406_CCW) ? -counts : counts;
 }
 
-int64_t cia406_rpm(const struct dg_co_node *node)
+int32_t cia406_rpm(const struct dg_co_node *node)
 {
     return divide(moved(node, 0) * 60000,
-                  (int64_t)DG_CIA406_STEPS * node->value[SLOT_SPEED_WINDOW_MS]);
+                  (uint64_t)DG_CIA406_STEPS * node->value[SLOT_SPEED_WINDOW_MS]);
 }
 
 enum dg_co_abort cia406_hook_speed(struct dg_co_node *node, const struct dg_co_object *object,
                                    enum dg_co_op op, uint32_t *value)
 {
     bool multiturn = encoder_of(node)->model->turns > 1;
-    int64_t speed;
 
     (void)object;
     (void)op;
     if (parameter(node, DG_CIA406_UNITS_PER_S)) {
-        int64_t divisor =
-            (int64_t)node->value[SLOT_SPEED_WINDOW_MS] * node->value[SLOT_SPEED_DIVISOR];
-        speed = divide(moved(node, 0) * 1000 * node->value[SLOT_SPEED_MULTIPLIER], divisor);
-        speed = saturate(speed, INT16_MAX);
+        uint32_t divisor = node->value[SLOT_SPEED_WINDOW_MS] * node->value[SLOT_SPEED_DIVISOR];
+        *value =
+            (uint32_t)divide(moved(node, 0) * 1000 * node->value[SLOT_SPEED_MULTIPLIER], divisor);
     } else {
-        speed = saturate(cia406_rpm(node), multiturn ? RPM_MAX_MULTITURN : RPM_MAX_SINGLETURN);
+        *value = (uint32_t)saturate(cia406_rpm(node),
+                                    multiturn ? RPM_MAX_MULTITURN : RPM_MAX_SINGLETURN);
     }
-    *value = (uint32_t)speed;
     return DG_CO_OK;
 }
 
@@ -68,17 +72,16 @@ enum dg_co_abort cia406_hook_acceleration(struct dg_co_node *node,
                                           const struct dg_co_object *object, enum dg_co_op op,
                                           uint32_t *value)
 {
-    int64_t window_ms = node->value[SLOT_SPEED_WINDOW_MS];
-    int64_t change = moved(node, 0) - moved(node, 1);
-    int64_t acceleration;
+    uint32_t window_ms = node->value[SLOT_SPEED_WINDOW_MS];
+    int64_t change = (moved(node, 0) - moved(node, 1)) * 1000000;
+    uint64_t divisor = window_ms * window_ms;
 
     (void)object;
     (void)op;
-    if (parameter(node, DG_CIA406_UNITS_PER_S)) {
-        acceleration = divide(change * 1000000, window_ms * window_ms);
-    } else {
-        acceleration = divide(change * 60 * 1000000, DG_CIA406_STEPS * window_ms * window_ms);
+    if (!parameter(node, DG_CIA406_UNITS_PER_S)) {
+        change *= 60;
+        divisor *= DG_CIA406_STEPS;
     }
-    *value = (uint32_t)saturate(acceleration, INT16_MAX);
+    *value = (uint32_t)divide(change, divisor);
     return DG_CO_OK;
 }
