@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "error.h"
 
+#include <errno.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -42,6 +43,14 @@ int lx_refuse_v(struct lx_error *error, const char *right, const char *format, v
     keep_to_the_line(made.right);
     *error = made;
     return -1;
+}
+
+const char *lx_more_of(int reason)
+{
+    if (reason == EMFILE) {
+        return "more open files are right: ulimit -Hn, of a service LimitNOFILE=";
+    }
+    return reason == ENFILE ? "a higher fs.file-max is right" : NULL;
 }
 
 int lx_fail(struct lx_error *error, const char *format, ...)

@@ -64,7 +64,10 @@ int lx_fail(struct lx_error *error, const char *format, ...) __attribute__((form
 int lx_refuse(struct lx_error *error, const char *right, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/** The same from a list of arguments. */
+/** What would be right after a call that gave this errno, where more of something is; else NULL. */
+const char *lx_more_of(int reason);
+
+/** lx_refuse() from a list of arguments. */
 int lx_refuse_v(struct lx_error *error, const char *right, const char *format, va_list arguments)
     __attribute__((format(printf, 3, 0)));
 

@@ -472,7 +472,7 @@ static int explain(int reason, const char *where, struct lx_error *error)
         lx_words_add(&right, "'ip link set %s up' is right", where);
         return lx_refuse(error, right.text, "the interface is down");
     default:
-        return lx_fail(error, "cannot use it: %s", strerror(reason));
+        return lx_refuse(error, lx_more_of(reason), "cannot use it: %s", strerror(reason));
     }
 }
 

@@ -315,7 +315,9 @@ static int start(struct slcan_pty *self, struct lx_error *error)
         return -1;
     }
     const int result = use_address(self);
-    return result < 0 ? lx_fail(error, "cannot watch the pty: %s", strerror(-result)) : 0;
+    return result < 0 ? lx_refuse(error, lx_more_of(-result), "cannot watch the pty: %s",
+                                  strerror(-result))
+                      : 0;
 }
 
 struct lx_can *lx_slcan_open(const struct lx_can_setup *setup, struct lx_error *error)

@@ -360,8 +360,8 @@ static int listen_at(struct lx_modbus *self, const struct lx_modbus_setup *setup
         self->listener = modbus_tcp_pi_listen(self->protocol, BACKLOG);
     }
     if (self->listener < 0) {
-        return lx_fail(error, "cannot listen there: %s",
-                       errno == ECONNREFUSED ? "no such host" : strerror(errno));
+        return lx_refuse(error, lx_more_of(errno), "cannot listen there: %s",
+                         errno == ECONNREFUSED ? "no such host" : strerror(errno));
     }
     lx_host_port_real(&endpoint, self->listener);
     /* Connections inherit it: an answer does not wait for the acknowledgement of the one before. */

@@ -258,7 +258,8 @@ static int open_existing(struct lx_nvm_file *self, struct lx_error *error)
     /* Neither a FIFO nor a terminal may hold up or take over the process before it is refused. */
     self->fd = open(self->path, O_RDWR | O_CLOEXEC | O_NOCTTY | O_NONBLOCK);
     if (self->fd < 0) {
-        return lx_fail(error, "%s: cannot open: %s", self->path, strerror(errno));
+        return lx_refuse(error, lx_more_of(errno), "%s: cannot open: %s", self->path,
+                         strerror(errno));
     }
     return check_kind(self, error) != 0 || lock(self, error) != 0 ? -1 : take(self, error);
 }
@@ -349,7 +350,8 @@ static int create(struct lx_nvm_file *self, const struct lx_nvm_image *image)
 static int refuse_creation(const struct lx_nvm_file *self, int reason, struct lx_error *error)
 {
     if (reason != EOPNOTSUPP) {
-        return lx_fail(error, "%s: cannot create: %s", self->path, strerror(reason));
+        return lx_refuse(error, lx_more_of(reason), "%s: cannot create: %s", self->path,
+                         strerror(reason));
     }
     return lx_fail(error,
                    "%s: cannot create: this file system has neither hard links nor a rename that "

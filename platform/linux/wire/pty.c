@@ -207,7 +207,9 @@ static int open_pty(struct lx_serial *serial, struct lx_error *error)
 {
     struct pty *self = pty_of(serial);
     if (open_pair(self) != 0) {
-        return lx_fail(error, "cannot make a pty: %s", strerror(errno));
+        const char *right =
+            errno == ENOSPC ? "a higher kernel.pty.max is right" : lx_more_of(errno);
+        return lx_refuse(error, right, "cannot make a pty: %s", strerror(errno));
     }
     const int result = lx_serial_watch(serial);
     if (result < 0) {
