@@ -61,6 +61,9 @@ struct dg_encoder {
 
 struct dg_rig;
 
+/** Of dg_rig_ops.profile(): not an error, and not through yet. */
+#define DG_RIG_READS 1
+
 /** What a rig needs of its host. Optional ones may be NULL: the commands answer -241. Each gives 0
  * or an enum dg_scpi_error; `detail` has room for DG_SCPI_DETAIL_MAX characters and a zero. */
 struct dg_rig_ops {
@@ -72,7 +75,8 @@ struct dg_rig_ops {
     /** STATe?: append what the port counts for this encoder (dg_scpi_put_*), as the instrument
      * does: wire_late (deadlines missed), wire_up (0, 1), and what is the wire's own. */
     void (*counters)(struct dg_rig *self, const struct dg_encoder *encoder, struct dg_scpi *to);
-    /** SHAFt:PROFile: play what `text` says. */
+    /** SHAFt:PROFile: play what `text` says. @return DG_RIG_READS, too: it is being read, and
+     * profile_more() goes on with it */
     int (*profile)(struct dg_rig *self, struct dg_rig_shaft *shaft, dg_ns now, const char *text,
                    char *detail);
     /** Text of the profile being played, or of the state: for SHAFt:PROFile?. */
@@ -101,6 +105,10 @@ struct dg_rig_ops {
     /** The index of the encoder called `name`, case aside, else of the first one where '-' and '_'
      * are the same; encoder_count: there is none. NULL: all are looked through. */
     size_t (*find)(struct dg_rig *self, const char *name);
+    /** Read on, and play it at the end; `gone`: give it up. @return as profile(). NULL: profile()
+     * is always through at once. */
+    int (*profile_more)(struct dg_rig *self, struct dg_rig_shaft *shaft, dg_ns now, bool gone,
+                        char *detail);
 };
 
 /** A rig: what all sessions work on. Caller-owned; arrays and names are borrowed. */

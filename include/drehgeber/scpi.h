@@ -137,8 +137,9 @@ struct dg_scpi {
     uint16_t length;
     bool overrun; /**< the line is too long: skipped up to its end */
 
-    const struct dg_scpi_command *command; /**< being called; NULL: none */
-    bool query;                            /**< ... its query */
+    const struct dg_scpi_command *command;         /**< being called; NULL: none */
+    bool (*poll)(struct dg_scpi *self, bool gone); /**< of dg_scpi_hold(); NULL: none */
+    bool query;                                    /**< ... its query */
 
     uint16_t at;     /**< parser: place in the line */
     uint16_t path;   /**< length of the header path that the next relative header continues; it
@@ -176,7 +177,16 @@ DG_API size_t dg_scpi_rx(struct dg_scpi *self, dg_ns now, const char *bytes, siz
  * session. @return when to call again; DG_NEVER */
 DG_API dg_ns dg_scpi_step(struct dg_scpi *self, dg_ns now);
 
+/** The client has gone: what a handler has begun and not ended is given up. */
+DG_API void dg_scpi_leave(struct dg_scpi *self);
+
 /* ---------------------------------------------------------------- for handlers */
+
+/** The command is not over when its handler returns: each dg_scpi_step() calls `poll`, which does a
+ * part of the work, raises errors and puts answers as the handler would, until it says true: it is
+ * over. dg_scpi_step() asks to be called again at once meanwhile. `gone`: dg_scpi_leave(); give it
+ * up. */
+DG_API void dg_scpi_hold(struct dg_scpi *self, bool (*poll)(struct dg_scpi *self, bool gone));
 
 /** Units of numbers: the suffixes they take, the first one without any suffix. Values are counted
  * in the base unit. No suffix is case sensitive; blanks may stand before it. */

@@ -154,6 +154,29 @@ dg_ns control_settled(struct dg_scpi *self)
     return latest;
 }
 
+/* What the host has said to a profile. @return whether it is through with it */
+static bool profiled(struct dg_scpi *self, int code, const char *detail)
+{
+    if (code == DG_RIG_READS) {
+        return false;
+    }
+    dg_scpi_raise(self, code, detail);
+    if (code == DG_SCPI_NO_ERROR) {
+        turned(self, DG_OK);
+    }
+    return true;
+}
+
+/* The session has the same encoder selected as long as the command lasts. */
+static bool read_on(struct dg_scpi *self, bool gone)
+{
+    struct dg_rig *rig = control_rig_of(self);
+    char detail[CONTROL_DETAIL_SIZE] = "";
+    const int code = rig->ops->profile_more(rig, shaft_to_turn(self), self->now, gone, detail);
+
+    return gone || profiled(self, code, detail);
+}
+
 void control_set_profile(struct dg_scpi *self)
 {
     struct dg_rig *rig = control_rig_of(self);
@@ -168,9 +191,8 @@ void control_set_profile(struct dg_scpi *self)
         return;
     }
     const int code = rig->ops->profile(rig, shaft_to_turn(self), self->now, text, detail);
-    dg_scpi_raise(self, code, detail);
-    if (code == DG_SCPI_NO_ERROR) {
-        turned(self, DG_OK);
+    if (!profiled(self, code, detail)) {
+        dg_scpi_hold(self, read_on);
     }
 }
 

@@ -4,6 +4,7 @@
  *
  *   collecting --end of line--> executing --end, error--> collecting
  *                               executing --*WAI, *OPC?--> waiting --settled--> executing
+ *                               executing --dg_scpi_hold()--> poll ... poll --over--> executing
  *
  * The header path stands at the beginning of the line: it is made of headers that were read there,
  * so it is never longer than what they took, and a relative header is moved down to its end.
@@ -167,15 +168,60 @@ static dg_ns settle(struct dg_scpi *self)
     return DG_NEVER;
 }
 
+void dg_scpi_hold(struct dg_scpi *self, bool (*poll)(struct dg_scpi *self, bool gone))
+{
+    self->poll = poll;
+}
+
+/* As if it were called: nobody steps this session meanwhile. */
+static bool poll(struct dg_scpi *self, bool gone)
+{
+    static const struct dg_scpi_command held = {.header = ""};
+
+    self->command = &held;
+    const bool over = self->poll(self, gone) || gone;
+    self->command = NULL;
+    if (over) {
+        self->poll = NULL;
+    }
+    return over;
+}
+
+void dg_scpi_leave(struct dg_scpi *self)
+{
+    if (self->poll != NULL) {
+        (void)poll(self, true);
+        self->executing = false;
+    }
+}
+
+/* A part of what a command goes on with. @return whether it does so still */
+static bool go_on(struct dg_scpi *self)
+{
+    if (self->poll == NULL) {
+        return false;
+    }
+    if (poll(self, false) && self->failed) {
+        end_line(self);
+    }
+    return self->poll != NULL;
+}
+
 dg_ns dg_scpi_step(struct dg_scpi *self, dg_ns now)
 {
     if (self->command != NULL) {
         return self->now; /* a handler's change made the host step everybody: after the command */
     }
     self->now = now > self->now ? now : self->now; /* earlier: no time has passed (time.h) */
+    if (go_on(self)) {
+        return self->now;
+    }
     dg_ns deadline = settle(self);
     while (self->executing && !self->waiting) {
         execute(self);
+        if (self->poll != NULL) {
+            return self->now;
+        }
         deadline = settle(self);
     }
     return deadline;

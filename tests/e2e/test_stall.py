@@ -111,3 +111,40 @@ def test_an_idle_process_sleeps_and_is_never_late(served):
     assert wakeups(encoder) == before
     assert late(client) == 0
     assert encoder.errors.so_far() == []
+
+
+def long_motion(folder, lines) -> Path:
+    file = folder / "long.csv"
+    file.write_text("".join(f"{n / 1000:.3f},{n % 360}\n" for n in range(lines)))
+    return file
+
+
+def test_a_long_motion_holds_up_nobody(start, tmp_path):
+    """Whoever asks while another client's file is read is answered before that is through."""
+    port = free_port()
+    file = long_motion(tmp_path, 300_000)
+    encoder = start("--files", str(tmp_path), "--control", f"tcp:127.0.0.1:{port}")
+    assert encoder.out.wait().startswith("control ")
+    reader, other = Client(port), Client(port)
+    os.kill(encoder.pid, signal.SIGSTOP)  # both are there when it goes on
+    reader.send(f"SHAF:PROF '{file}';PROF?")
+    other.send("SHAF:PROF?")
+    os.kill(encoder.pid, signal.SIGCONT)
+    assert other.answers.readline().strip() == '"rest"'  # not the file: it is not through
+    assert reader.answers.readline().strip() == f'"{file}"'
+    assert other.ask("SHAF:PROF?") == f'"{file}"'
+
+
+def test_a_long_motion_of_a_client_that_goes(start, tmp_path):
+    """It is read and played, as a short one is."""
+    port = free_port()
+    file = long_motion(tmp_path, 100_000)
+    encoder = start("--files", str(tmp_path), "--control", f"tcp:127.0.0.1:{port}")
+    assert encoder.out.wait().startswith("control ")
+    reader, other = Client(port), Client(port)
+    reader.send(f"SHAF:PROF '{file}'")
+    reader.close()
+    end = time.monotonic() + 30
+    while other.ask("SHAF:PROF?") != f'"{file}"':
+        assert time.monotonic() < end
+        time.sleep(0.05)

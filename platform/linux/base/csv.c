@@ -8,6 +8,7 @@
 #include "csv.h"
 
 #include <errno.h>
+#include <limits.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
@@ -128,36 +129,87 @@ static int take_line(struct reader *self, const char *text, size_t n, struct lx_
     return header ? 0 : take_point(self, line, error);
 }
 
-static int read_lines(struct reader *self, FILE *file, struct lx_error *error)
+struct lx_csv {
+    struct reader reader;
+    FILE *file;
+    char *text; /* of a line; owned, as is what is behind it */
+    size_t capacity;
+    char *name;
+};
+
+struct lx_csv *lx_csv_open(FILE *file, const char *name)
 {
-    char *text = NULL;
-    size_t capacity = 0;
-    int result = 0;
-    ssize_t n = getline(&text, &capacity, file);
-    while (n >= 0 && result == 0) {
-        self->line++;
-        result = take_line(self, text, (size_t)n, error);
-        n = getline(&text, &capacity, file);
+    struct lx_csv *self = calloc(1, sizeof *self);
+    char *copy = strdup(name);
+    if (self == NULL || copy == NULL) {
+        free(self);
+        free(copy);
+        return NULL;
     }
-    if (result == 0 && ferror(file) != 0) {
-        result = lx_fail(error, "%s: cannot read: %s", self->name, strerror(errno));
+    self->file = file;
+    self->name = copy;
+    self->reader.name = copy;
+    return self;
+}
+
+/* Behind the last line. */
+static int end(const struct lx_csv *self, struct lx_error *error)
+{
+    if (ferror(self->file) != 0) {
+        return lx_fail(error, "%s: cannot read: %s", self->name, strerror(errno));
     }
-    free(text);
-    return result;
+    return self->reader.found.count > 0
+               ? 0
+               : lx_fail(error, "%s:%lu: no points; a line is 'time_s,angle_deg'", self->name,
+                         self->reader.line + 1);
+}
+
+int lx_csv_read_on(struct lx_csv *self, unsigned lines, struct lx_error *error)
+{
+    for (unsigned i = 0; i < lines; i++) {
+        const ssize_t n = getline(&self->text, &self->capacity, self->file);
+        if (n < 0) {
+            return end(self, error);
+        }
+        self->reader.line++;
+        if (take_line(&self->reader, self->text, (size_t)n, error) != 0) {
+            return -1;
+        }
+    }
+    return 1;
+}
+
+struct lx_recording lx_csv_take(struct lx_csv *self)
+{
+    const struct lx_recording found = self->reader.found;
+    self->reader.found = (struct lx_recording){.points = NULL};
+    return found;
+}
+
+void lx_csv_close(struct lx_csv *self)
+{
+    if (self == NULL) {
+        return;
+    }
+    free(self->reader.found.points);
+    free(self->text);
+    free(self->name);
+    free(self);
 }
 
 int lx_csv_read(struct lx_recording *out, FILE *file, const char *name, struct lx_error *error)
 {
-    struct reader self = {.name = name};
-    int result = read_lines(&self, file, error);
-    if (result == 0 && self.found.count == 0) {
-        result =
-            lx_fail(error, "%s:%lu: no points; a line is 'time_s,angle_deg'", name, self.line + 1);
+    struct lx_csv *reader = lx_csv_open(file, name);
+    int result = 1;
+    if (reader == NULL) {
+        return lx_fail(error, "%s: no memory for its lines", name);
     }
-    if (result != 0) {
-        free(self.found.points);
-        return result;
+    while (result > 0) {
+        result = lx_csv_read_on(reader, UINT_MAX, error);
     }
-    *out = self.found;
-    return 0;
+    if (result == 0) {
+        *out = lx_csv_take(reader);
+    }
+    lx_csv_close(reader);
+    return result;
 }

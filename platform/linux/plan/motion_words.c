@@ -19,6 +19,9 @@
 #define FORMS "0, 90DEG, 2.5REV, 60RPM, sine:90DEG,2S, ramp:3000RPM,1S[,HOLD] or FILE.csv"
 const char lx_shaft_forms[] = FORMS;
 
+/* Lines of a file that are read in one go. */
+#define SLICE_LINES 512u
+
 /* What a unit measures. */
 enum dimension { ANGLE, SPEED, TIME };
 
@@ -171,22 +174,70 @@ static int parse_ramp(struct dg_motion *motion, const char *rest, struct lx_erro
     return 0;
 }
 
+struct lx_shaft_file {
+    FILE *file;
+    struct lx_csv *lines;
+};
+
+struct lx_shaft_file *lx_shaft_file_open(const char *text, const struct lx_folder *folder,
+                                         struct lx_error *error)
+{
+    struct lx_shaft_file *self = calloc(1, sizeof *self);
+    if (self == NULL) {
+        (void)lx_fail(error, "%s: no memory for its lines", text);
+        return NULL;
+    }
+    self->file = lx_file_read(folder, text, error);
+    if (self->file != NULL) {
+        self->lines = lx_csv_open(self->file, text);
+    }
+    if (self->file != NULL && self->lines == NULL) {
+        (void)lx_fail(error, "%s: no memory for its lines", text);
+    }
+    if (self->lines == NULL) {
+        lx_shaft_file_close(self);
+        return NULL;
+    }
+    return self;
+}
+
+int lx_shaft_file_read(struct lx_shaft_file *self, struct lx_shaft *to, struct lx_error *error)
+{
+    const int result = lx_csv_read_on(self->lines, SLICE_LINES, error);
+    if (result != 0) {
+        return result < 0 ? LX_SHAFT_FILE : result;
+    }
+    const struct lx_recording recording = lx_csv_take(self->lines);
+    *to = (struct lx_shaft){
+        .motion = {.kind = DG_MOTION_REPLAY,
+                   .points = recording.points,
+                   .point_count = recording.count},
+        .points = recording.points,
+    };
+    return 0;
+}
+
+void lx_shaft_file_close(struct lx_shaft_file *self)
+{
+    if (self == NULL) {
+        return;
+    }
+    lx_csv_close(self->lines);
+    if (self->file != NULL) {
+        (void)fclose(self->file);
+    }
+    free(self);
+}
+
 static int parse_file(struct lx_shaft *self, const char *name, const struct lx_folder *folder,
                       struct lx_error *error)
 {
-    FILE *file = lx_file_read(folder, name, error);
-    if (file == NULL) {
-        return -1;
+    struct lx_shaft_file *file = lx_shaft_file_open(name, folder, error);
+    int result = file == NULL ? -1 : 1;
+    while (result > 0) {
+        result = lx_shaft_file_read(file, self, error);
     }
-    struct lx_recording recording;
-    const int result = lx_csv_read(&recording, file, name, error);
-    (void)fclose(file);
-    if (result == 0) {
-        self->points = recording.points;
-        self->motion.kind = DG_MOTION_REPLAY;
-        self->motion.points = recording.points;
-        self->motion.point_count = recording.count;
-    }
+    lx_shaft_file_close(file);
     return result;
 }
 

@@ -41,6 +41,20 @@ enum lx_shaft_failure {
 int lx_shaft_parse(struct lx_shaft *self, const char *text, const struct lx_folder *folder,
                    struct lx_error *error);
 
+/** A motion file that is being read, a slice at a time. */
+struct lx_shaft_file;
+
+/** Begin to read the file that `text` names. @return NULL with one line in `error` */
+struct lx_shaft_file *lx_shaft_file_open(const char *text, const struct lx_folder *folder,
+                                         struct lx_error *error);
+
+/** Read a slice, which takes about 0.1 ms. @return 1: there is more; 0: `to` is the motion; or enum
+ * lx_shaft_failure with one line in `error` */
+int lx_shaft_file_read(struct lx_shaft_file *self, struct lx_shaft *to, struct lx_error *error);
+
+/** End; NULL is fine. */
+void lx_shaft_file_close(struct lx_shaft_file *self);
+
 /** Whether `text` is the name of a file, which lx_shaft_parse() would read. */
 bool lx_shaft_is_file(const char *text);
 

@@ -534,6 +534,7 @@ static int close_shafts(struct lx_rig *self, struct lx_error *error)
         for (size_t n = 0; n < LX_RIG_MOTIONS; n++) {
             lx_shaft_free(&shaft->motion[n]);
         }
+        lx_rig_read_none(shaft);
         free(shaft->text);
         free(shaft->minders);
     }

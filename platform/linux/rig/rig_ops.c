@@ -152,6 +152,26 @@ static struct lx_shaft *place(struct lx_rig_shaft *self)
     return at;
 }
 
+/* `motion` stands in its place, `text` is what it was made of: both are the shaft's from here on.
+ */
+static int play(struct lx_rig_shaft *self, dg_ns now, bool first, struct lx_shaft *motion,
+                char *text, struct lx_error *error)
+{
+    /* Encoders look back for their speed. */
+    if (first) {
+        (void)dg_shaft_set_position(&self->control.shaft, 0, dg_motion_angle(&motion->motion, 0));
+    }
+    if (dg_shaft_play(&self->control.shaft, now, &motion->motion) != DG_OK) {
+        lx_shaft_free(motion);
+        free(text);
+        (void)lx_fail(error, "%s is geared: its driver turns it", self->control.name);
+        return LX_SHAFT_WORDS;
+    }
+    free(self->text);
+    self->text = text;
+    return 0;
+}
+
 int lx_rig_play(struct lx_rig_shaft *self, dg_ns now, bool first, const char *text,
                 const struct lx_folder *folder, struct lx_error *error)
 {
@@ -163,19 +183,49 @@ int lx_rig_play(struct lx_rig_shaft *self, dg_ns now, bool first, const char *te
         free(copy);
         return result;
     }
-    /* Encoders look back for their speed. */
-    if (first) {
-        (void)dg_shaft_set_position(&self->control.shaft, 0, dg_motion_angle(&motion->motion, 0));
+    return play(self, now, first, motion, copy, error);
+}
+
+/* --- files of clients: a slice in each turn of the loop, so that the wires have theirs --- */
+
+void lx_rig_read_none(struct lx_rig_shaft *self)
+{
+    lx_shaft_file_close(self->reading);
+    free(self->reads);
+    self->reading = NULL;
+    self->reads = NULL;
+}
+
+/* @return as lx_shaft_file_read() */
+static int begin_reading(struct lx_rig_shaft *self, const char *text,
+                         const struct lx_folder *folder, struct lx_error *error)
+{
+    self->reads = strdup(text);
+    if (self->reads == NULL) {
+        return lx_fail(error, "no memory for %s", text);
     }
-    if (dg_shaft_play(&self->control.shaft, now, &motion->motion) != DG_OK) {
-        lx_shaft_free(motion);
-        free(copy);
-        (void)lx_fail(error, "%s is geared: its driver turns it", self->control.name);
-        return LX_SHAFT_WORDS;
+    self->reading = lx_shaft_file_open(text, folder, error);
+    if (self->reading == NULL) {
+        lx_rig_read_none(self);
+        return LX_SHAFT_FILE;
     }
-    free(self->text);
-    self->text = copy;
-    return 0;
+    return 1;
+}
+
+static int read_on(struct lx_rig_shaft *self, dg_ns now, struct lx_error *error)
+{
+    struct lx_shaft motion;
+    int result = lx_shaft_file_read(self->reading, &motion, error);
+    if (result == 0) {
+        struct lx_shaft *at = place(self);
+        *at = motion;
+        result = play(self, now, false, at, self->reads, error);
+        self->reads = NULL;
+    }
+    if (result <= 0) {
+        lx_rig_read_none(self);
+    }
+    return result;
 }
 
 /* What a client is told: its room is small, so what would be right goes when it does not fit. */
@@ -188,6 +238,15 @@ static struct lx_words explain(const struct lx_error *error)
     return reason;
 }
 
+static int profiled(int result, const struct lx_error *error, char *detail)
+{
+    if (result >= 0) {
+        return result == 0 ? 0 : DG_RIG_READS;
+    }
+    return refuse(result == LX_SHAFT_FILE ? DG_SCPI_FILE_NAME : DG_SCPI_ILLEGAL, detail,
+                  explain(error).text);
+}
+
 static int profile(struct dg_rig *control, struct dg_rig_shaft *shaft, dg_ns now, const char *text,
                    char *detail)
 {
@@ -195,12 +254,27 @@ static int profile(struct dg_rig *control, struct dg_rig_shaft *shaft, dg_ns now
     if (shaft->shaft.driver != NULL) {
         return refuse(DG_SCPI_CONFLICT, detail, "geared; its driver turns it");
     }
-    const int result = lx_rig_play(shaft->host, now, false, text, rig_of(control)->folder, &error);
-    if (result == 0) {
+    struct lx_rig_shaft *self = shaft->host;
+    if (self->reading != NULL) {
+        return refuse(DG_SCPI_CONFLICT, detail, "another client's file is being read for it");
+    }
+    const struct lx_folder *folder = rig_of(control)->folder;
+    const int result = lx_shaft_is_file(text) ? begin_reading(self, text, folder, &error)
+                                              : lx_rig_play(self, now, false, text, folder, &error);
+    return profiled(result, &error, detail);
+}
+
+static int profile_more(struct dg_rig *control, struct dg_rig_shaft *shaft, dg_ns now, bool gone,
+                        char *detail)
+{
+    struct lx_rig_shaft *self = shaft->host;
+    struct lx_error error;
+    (void)control;
+    if (gone) {
+        lx_rig_read_none(self);
         return 0;
     }
-    return refuse(result == LX_SHAFT_FILE ? DG_SCPI_FILE_NAME : DG_SCPI_ILLEGAL, detail,
-                  explain(&error).text);
+    return profiled(read_on(self, now, &error), &error, detail);
 }
 
 static const char *profile_text(struct dg_rig *control, const struct dg_rig_shaft *shaft)
@@ -373,4 +447,5 @@ const struct dg_rig_ops lx_rig_ops = {
     .turns = turns,
     .turned = turned,
     .find = find,
+    .profile_more = profile_more,
 };

@@ -30,7 +30,9 @@ struct lx_rig_shaft {
     struct lx_rig_wire **minders; /**< owned: wires that mind how it turns, or what it drives */
     size_t minder_count;
     struct lx_shaft motion[LX_RIG_MOTIONS];
-    char *text; /**< of the motion played last; owned */
+    char *text;                    /**< of the motion played last; owned */
+    struct lx_shaft_file *reading; /**< of a motion that is to be played; NULL: none */
+    char *reads;                   /**< its name; owned */
     struct lx_record *record;
 };
 
@@ -86,6 +88,9 @@ const char *lx_rig_address(struct lx_rig *self, const struct lx_station *station
  * @return 0; enum lx_shaft_failure with one line in `error` */
 int lx_rig_play(struct lx_rig_shaft *self, dg_ns now, bool first, const char *text,
                 const struct lx_folder *folder, struct lx_error *error);
+
+/** A motion file that is being read for the shaft is not, any more. */
+void lx_rig_read_none(struct lx_rig_shaft *self);
 
 /** Trace a wire to `path`. @return 0, or -1 with one line in `error` */
 int lx_rig_trace(struct lx_rig_wire *self, const char *path, struct lx_error *error);

@@ -157,6 +157,9 @@ static void look_what_is_written(struct client *client, uint64_t before)
 
 static void drop(struct client *client)
 {
+    if (client->fd >= 0) {
+        dg_scpi_leave(&client->control.session);
+    }
     client->io = sd_event_source_disable_unref(client->io);
     if (client->fd >= 0) {
         (void)close(client->fd);
@@ -234,7 +237,8 @@ static void feed(struct client *client, dg_ns now)
 static void watch(struct client *client)
 {
     const bool done = client->ended && client->input_length == 0 && client->output_length == 0 &&
-                      !client->control.session.waiting && client->written == 0;
+                      !client->control.session.waiting && !client->control.session.executing &&
+                      client->written == 0;
     if (client->broken || done) {
         drop(client);
         return;
@@ -276,6 +280,7 @@ static void settle(struct lx_server *self)
         struct client *client = &self->clients[i];
         if (client->fd >= 0) {
             next = dg_earliest(next, serve(client));
+            self->woken = self->woken || client->control.session.poll != NULL;
             watch(client);
         }
     }
@@ -300,8 +305,8 @@ static int on_event(sd_event_source *source, int fd, uint32_t events, void *ctx)
         client->heard = lx_now();
         client->broken = n < 0 && errno != EAGAIN && errno != EINTR;
         client->input_length += n > 0 ? (size_t)n : 0u;
-    } else if ((events & (EPOLLHUP | EPOLLERR)) != 0) {
-        client->broken = true;
+    } else if ((events & (EPOLLHUP | EPOLLERR)) != 0 && client->control.session.poll == NULL) {
+        client->broken = true; /* what it has begun is not over before */
     }
     settle(client->server);
     return 0;
