@@ -616,7 +616,7 @@ void top_client_close(struct top_client *self)
         return;
     }
     self->io = sd_event_source_disable_unref(self->io);
-    top_link_close(&self->link);
+    top_link_end(&self->link);
     free_lists(self->view);
     free(self);
 }

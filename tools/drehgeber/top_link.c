@@ -4,6 +4,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/epoll.h>
 #include <sys/un.h>
@@ -105,16 +106,35 @@ static int send_some(struct top_link *self)
     return 0;
 }
 
+/* Room for more. @return 0 or a negative errno */
+static int make_room(struct top_link *self)
+{
+    if (self->input_length < self->input_size) {
+        return 0;
+    }
+    const size_t size = self->input_size == 0 ? TOP_INPUT_FIRST : 2 * self->input_size;
+    char *input = size > TOP_INPUT_MAX ? NULL : realloc(self->input, size);
+    if (input == NULL) {
+        return -EMSGSIZE;
+    }
+    self->input = input;
+    self->input_size = size;
+    return 0;
+}
+
 static int receive_some(struct top_link *self)
 {
     self->input_length -= self->taken;
-    memmove(self->input, self->input + self->taken, self->input_length);
+    if (self->taken > 0) {
+        memmove(self->input, self->input + self->taken, self->input_length);
+    }
     self->taken = 0;
-    if (self->input_length == sizeof self->input) {
-        return -EMSGSIZE;
+    const int result = make_room(self);
+    if (result != 0) {
+        return result;
     }
     const ssize_t n = recv(self->fd, self->input + self->input_length,
-                           sizeof self->input - self->input_length, MSG_DONTWAIT);
+                           self->input_size - self->input_length, MSG_DONTWAIT);
     if (n < 0) {
         return later(errno) ? 0 : -errno;
     }
@@ -130,6 +150,9 @@ int top_link_serve(struct top_link *self)
 
 char *top_link_line(struct top_link *self)
 {
+    if (self->input_length == self->taken) {
+        return NULL;
+    }
     char *line = self->input + self->taken;
     char *end = memchr(line, '\n', self->input_length - self->taken);
     if (end == NULL) {
@@ -149,4 +172,12 @@ void top_link_close(struct top_link *self)
     self->taken = 0;
     self->input_length = 0;
     self->output_length = 0;
+}
+
+void top_link_end(struct top_link *self)
+{
+    top_link_close(self);
+    free(self->input);
+    self->input = NULL;
+    self->input_size = 0;
 }

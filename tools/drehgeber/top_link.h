@@ -13,7 +13,8 @@
 #include "say.h"
 
 #define TOP_OUTPUT_MAX (64u * 1024u)
-#define TOP_INPUT_MAX (256u * 1024u) /* the longest line: names of some thousand encoders */
+#define TOP_INPUT_FIRST (64u * 1024u)
+#define TOP_INPUT_MAX (256u * 1024u * 1024u) /* the longest line: the names of all encoders */
 
 struct top_link {
     struct sockaddr_storage peer; /* where it went the first time */
@@ -23,7 +24,8 @@ struct top_link {
     size_t taken;                          /* of the input: lines that were handed out */
     size_t input_length;
     size_t output_length;
-    char input[TOP_INPUT_MAX];
+    char *input; /* owned */
+    size_t input_size;
     char output[TOP_OUTPUT_MAX];
 };
 
@@ -47,5 +49,8 @@ char *top_link_line(struct top_link *self);
 
 /* Close it; what was on its way is forgotten. */
 void top_link_close(struct top_link *self);
+
+/* The same for good: lines that were handed out are gone, too. */
+void top_link_end(struct top_link *self);
 
 #endif

@@ -30,8 +30,9 @@
 #define INPUT_MAX 1024u
 /* Answers a client may leave lying before the rest of its commands waits. */
 #define OUTPUT_FULL ((size_t)64 * 1024)
-/* ... and with those of the line it was at: the catalogue of a large rig fifty times over. */
+/* ... and with those of the line it was at: so much, and the names of all encoders. */
 #define OUTPUT_MAX ((size_t)2 * 1024 * 1024)
+#define NAME_MAX_BYTES 40u
 #define FOLDER_MODE 0700
 /* A TCP client whose machine is gone is noticed after a minute of silence and three questions. */
 #define KEEP_IDLE_S 60
@@ -76,11 +77,12 @@ struct lx_server {
 
 static bool make_room(struct client *client, size_t n)
 {
+    const size_t names = NAME_MAX_BYTES * client->server->setup.rig->encoder_count;
     const size_t wanted = client->output_length + n;
     if (wanted <= client->output_size) {
         return true;
     }
-    char *output = wanted > OUTPUT_MAX ? NULL : realloc(client->output, 2 * wanted);
+    char *output = wanted > OUTPUT_MAX + names ? NULL : realloc(client->output, 2 * wanted);
     if (output == NULL) {
         return false;
     }
