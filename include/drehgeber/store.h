@@ -88,13 +88,17 @@ DG_API uint32_t dg_store_address(const struct dg_store_layout *layout, uint8_t r
 DG_API int dg_store_find(const struct dg_store_layout *layout, const char *name);
 
 /**
- * Write the delivery state: every region's defaults, then the headers last, so that a power cut
- * while formatting leaves DG_ERR_BLANK or DG_ERR_FOREIGN, never a half image.
+ * Write the delivery state: every region's defaults, then the headers last. A power cut leaves the
+ * image that was there, or the new one, or an unfinished one, which is DG_ERR_BLANK for
+ * dg_store_mount(); where there was none it may also leave DG_ERR_FOREIGN.
  * @return 0; DG_ERR_IO; DG_ERR_ARGUMENT when a region with defaults, or a checked one, is longer
  * than DG_STORE_CHECKED_MAX (the memory is erased by then)
  */
 DG_API int dg_store_format(const struct dg_store_layout *layout, struct dg_nvm nvm,
                            const void *ctx);
+
+/** Whether formatting it was begun and never ended, so that there is nothing in it to lose. */
+DG_API bool dg_store_unfinished(const struct dg_store_layout *layout, struct dg_nvm nvm);
 
 /**
  * Take over the memory: repair the header, complete or drop the journal, check every region

@@ -2,7 +2,7 @@
 /*
  * The medium; numbers are least significant byte first, except for the CRC-16:
  *
- *    0  header    "dge1" | layout id, 4 | size of the layout, 4
+ *    0  header    "dge1" | layout id, 4 | size of the layout, 4; FFFFFFFFh: being formatted
  *   12  copy of the header
  *   24  journal   length, 2 | its complement, 2 | CRC-32 over these four bytes and the changes, 4
  *   32  changes   region, 1 | 00h | offset, 2 | n, 2 | n bytes | next change ...
@@ -27,6 +27,11 @@
  *
  * A header torn in between is older, newer or none at all, and beside it stands a whole one: of two
  * the one that knows more regions is right, as those were durable before either was written.
+ *
+ * Formatting puts a mark in place of the headers, which says that there is no image under it:
+ *
+ *   mark | sync | copy of it | sync   | regions ...  | sync | header      | sync | copy | sync
+ *   old  | old  | old or unfinished   | unfinished   |      | or new      | new  | new
  */
 #include "drehgeber/store.h"
 
@@ -114,13 +119,27 @@ static bool stageable(const struct dg_store *self, uint8_t region, uint16_t offs
 
 /* Header. */
 
-/* The header of an image with the first `regions` regions. */
+/* The header of an image with the first `regions` regions; 0: the mark of one that is being
+   formatted. */
 static void make_header(const struct dg_store_layout *layout, uint8_t regions, uint8_t *header)
 {
     static const uint8_t magic[4] = {'d', 'g', 'e', '1'};
     memcpy(header, magic, sizeof magic);
     dg_store_le32(header + 4, layout->id);
-    dg_store_le32(header + 8, dg_store_address(layout, regions));
+    dg_store_le32(header + 8, regions == 0 ? UINT32_MAX : dg_store_address(layout, regions));
+}
+
+/* One after the other: of two, one is always whole. */
+static int write_headers(const struct dg_store_layout *layout, const struct dg_nvm *nvm,
+                         uint8_t regions)
+{
+    uint8_t header[HEADER_SIZE];
+    make_header(layout, regions, header);
+    if (nvm_write(nvm, 0, header, HEADER_SIZE) != DG_OK || nvm_sync(nvm) != DG_OK ||
+        nvm_write(nvm, HEADER_SIZE, header, HEADER_SIZE) != DG_OK) {
+        return DG_ERR_IO;
+    }
+    return nvm_sync(nvm);
 }
 
 /* How many regions the image under `header` has; 0: of another layout, or not intact. An image has
@@ -139,9 +158,20 @@ static uint8_t regions_under(const struct dg_store_layout *layout, const uint8_t
     return regions;
 }
 
-static int no_header(const uint8_t *headers)
+static bool has_mark(const struct dg_store_layout *layout, const uint8_t *headers)
+{
+    uint8_t mark[HEADER_SIZE];
+    make_header(layout, 0, mark);
+    return memcmp(headers, mark, HEADER_SIZE) == 0 ||
+           memcmp(headers + HEADER_SIZE, mark, HEADER_SIZE) == 0;
+}
+
+static int no_header(const struct dg_store_layout *layout, const uint8_t *headers)
 {
     uint32_t i = 0;
+    if (has_mark(layout, headers)) {
+        return DG_ERR_BLANK;
+    }
     while (i < HEADERS_SIZE && headers[i] == ERASED) {
         i++;
     }
@@ -158,7 +188,7 @@ static int check_header(struct dg_store *self)
     const uint8_t first = regions_under(self->layout, found);
     const uint8_t copy = regions_under(self->layout, found + HEADER_SIZE);
     if (first == 0 && copy == 0) {
-        return no_header(found);
+        return no_header(self->layout, found);
     }
     self->region_count = first > copy ? first : copy;
     if (first == copy) {
@@ -412,11 +442,10 @@ int dg_store_find(const struct dg_store_layout *layout, const char *name)
     return DG_ERR_ARGUMENT;
 }
 
-/* Headers go first and come last, a sync in between: no half image is ever under a header. */
+/* Marks go first and headers come last: no half image is ever under a header. */
 int dg_store_format(const struct dg_store_layout *layout, struct dg_nvm nvm, const void *ctx)
 {
-    uint8_t headers[HEADERS_SIZE];
-    if (nvm_erase(&nvm, 0, HEADERS_SIZE) != DG_OK || nvm_sync(&nvm) != DG_OK ||
+    if (write_headers(layout, &nvm, 0) != DG_OK ||
         nvm_erase(&nvm, JOURNAL, dg_store_address(layout, 0) - JOURNAL) != DG_OK) {
         return DG_ERR_IO;
     }
@@ -424,12 +453,15 @@ int dg_store_format(const struct dg_store_layout *layout, struct dg_nvm nvm, con
     if (result != DG_OK) {
         return result;
     }
-    make_header(layout, layout->region_count, headers);
-    memcpy(headers + HEADER_SIZE, headers, HEADER_SIZE);
-    if (nvm_sync(&nvm) != DG_OK || nvm_write(&nvm, 0, headers, sizeof headers) != DG_OK) {
-        return DG_ERR_IO;
-    }
-    return nvm_sync(&nvm);
+    return nvm_sync(&nvm) == DG_OK ? write_headers(layout, &nvm, layout->region_count) : DG_ERR_IO;
+}
+
+bool dg_store_unfinished(const struct dg_store_layout *layout, struct dg_nvm nvm)
+{
+    struct dg_store store;
+    uint8_t found[HEADERS_SIZE];
+    return dg_store_mount(&store, layout, nvm) == DG_ERR_BLANK &&
+           nvm_read(&nvm, 0, found, sizeof found) == DG_OK && has_mark(layout, found);
 }
 
 int dg_store_mount(struct dg_store *self, const struct dg_store_layout *layout, struct dg_nvm nvm)
@@ -453,15 +485,12 @@ int dg_store_mount(struct dg_store *self, const struct dg_store_layout *layout, 
 int dg_store_grow(struct dg_store *self, const void *ctx)
 {
     const struct dg_store_layout *layout = self->layout;
-    uint8_t header[HEADER_SIZE];
-    make_header(layout, layout->region_count, header);
     int result = format_regions(layout, &self->nvm, self->region_count, ctx);
-    if (result == DG_OK &&
-        (nvm_sync(&self->nvm) != DG_OK || nvm_write(&self->nvm, 0, header, HEADER_SIZE) != DG_OK ||
-         nvm_sync(&self->nvm) != DG_OK ||
-         nvm_write(&self->nvm, HEADER_SIZE, header, HEADER_SIZE) != DG_OK ||
-         nvm_sync(&self->nvm) != DG_OK)) {
-        result = DG_ERR_IO;
+    if (result == DG_OK) {
+        result = nvm_sync(&self->nvm);
+    }
+    if (result == DG_OK) {
+        result = write_headers(layout, &self->nvm, layout->region_count);
     }
     if (result == DG_OK) {
         self->region_count = layout->region_count;

@@ -258,7 +258,8 @@ static void see(void *ctx, const uint8_t *image)
     lossy_nvm_init(nvm, image, size);
     struct model_run run = {model, nvm, before->acceptable, before->depth + 1, NULL};
     const int result = model_take_over(&run, &store);
-    const bool refused = result == DG_ERR_BLANK || result == DG_ERR_FOREIGN;
+    const bool refused =
+        result == DG_ERR_BLANK && dg_store_unfinished(model->layout, lossy_nvm_port(nvm));
     if (refused ? (before->acceptable & MODEL_REFUSED) == 0 : result != DG_OK) {
         complain(&run, "mount", result);
     } else if (!refused && before->again != NULL && (hash >> 8) % model->again_every == 0) {
@@ -332,17 +333,19 @@ int model_read(struct model_run *run, struct dg_store *store)
     return result;
 }
 
-/* Before the first sync the old image may still be there, before the last one the new one. */
+#define FORMAT_SYNCS 5u
+
+/* Up to the second sync the old image may still be there, before the last but one the new one. */
 struct format_run {
     struct model_run *run;
-    uint64_t before[3];
+    uint64_t before[FORMAT_SYNCS];
 };
 
 static void look_while_formatting(void *ctx)
 {
     struct format_run *self = ctx;
     const uint32_t nth = self->run->nvm->syncs - 1; /* it counts the one under way */
-    self->run->acceptable = self->before[nth < 3 ? nth : 2];
+    self->run->acceptable = self->before[nth < FORMAT_SYNCS ? nth : FORMAT_SYNCS - 1u];
     model_look(self->run);
 }
 
@@ -352,8 +355,9 @@ int model_format(struct model_run *run)
     model->version[model->version_count].regions = model->layout->region_count;
     memcpy(model->version[model->version_count].bytes, model->delivered, sizeof model->delivered);
     const uint64_t delivered = keep_last(model);
-    struct format_run format = {
-        run, {run->acceptable | MODEL_REFUSED, MODEL_REFUSED, MODEL_REFUSED | delivered}};
+    struct format_run format = {run,
+                                {run->acceptable, run->acceptable | MODEL_REFUSED, MODEL_REFUSED,
+                                 MODEL_REFUSED | delivered, delivered}};
     enter(run, MODEL_FORMAT);
     run->nvm->before_sync = look_while_formatting;
     run->nvm->ctx = &format;

@@ -265,6 +265,9 @@ static void damage_stays_and_later_images_are_foreign(void **state)
     struct dg_store_layout other = layouts[REGIONS];
     other.id++;
     assert_int_equal(dg_store_mount(&store, &other, nvm), DG_ERR_FOREIGN);
+    memset(ram.bytes, 0xFF, 24); /* both headers: formatting was not begun */
+    assert_int_equal(mount(REGIONS), DG_ERR_BLANK);
+    assert_false(dg_store_unfinished(&layouts[REGIONS], nvm));
     assert_int_equal(ram.writes, writes);
 }
 
@@ -419,7 +422,8 @@ static void writes_torn_together_leave_either(void **state)
     }
 }
 
-/* Once the headers are durably gone an old image is a blank memory, whatever else is left of it. */
+/* Once both headers are durably marks an old image is a blank memory, whatever else is left of it.
+ */
 static void a_format_over_an_image_that_is_cut_leaves_it_blank(void **state)
 {
     uint32_t nth = 0;
@@ -431,7 +435,9 @@ static void a_format_over_an_image_that_is_cut_leaves_it_blank(void **state)
             break;
         }
         ram_nvm_restore(&ram);
-        assert_int_equal(mount(3), nth == 0 ? DG_OK : DG_ERR_BLANK);
+        const int result = mount(3);
+        assert_int_equal(dg_store_unfinished(&layouts[3], nvm), result == DG_ERR_BLANK);
+        assert_int_equal(result, nth < 2 ? DG_OK : DG_ERR_BLANK);
         nth++;
     }
     assert_true(nth > 5);
