@@ -252,3 +252,39 @@ def test_an_end_that_waits_for_a_stuck_disk_says_so(start, nvm, tmp_path, disk):
     session = kind(start_one(start, kind, tmp_path, nvm, 1))
     assert session.read() == 2
     session.close()
+
+
+def erased_until_killed(start, nvm, tmp_path, disk, after_s) -> tuple:
+    """What is in the EEPROM afterwards, and what the next start says."""
+    kind = next(kind for kind in KINDS if kind.__name__ == "Biss")
+    nvm = nvm.with_name(f"{after_s:.1f}.nvm")
+    encoder = start_one(start, kind, tmp_path, nvm, 0)
+    session = kind(encoder)
+    session.write(0x5A)
+    session.close()
+    assert encoder.end() == 0
+    encoder = start_one(start, kind, tmp_path, nvm, 1, env=disk[0])
+    client = Client(int(encoder.control.rpartition(":")[2]))
+    client.do("POW OFF")
+    client.send("NVM:ERAS")
+    time.sleep(after_s)
+    assert encoder.end(9) == -9
+    client.close()
+    encoder = start_one(start, kind, tmp_path, nvm, 2)
+    session = kind(encoder)
+    found = session.read()
+    session.close()
+    said = encoder.errors.so_far()
+    assert encoder.end() == 0
+    return found, said
+
+
+def test_a_kill_during_nvm_erase_leaves_the_old_or_the_delivered(start, nvm, tmp_path, disk):
+    """Its five syncs take two seconds. A user bank is FFh as delivered."""
+    ended = 0
+    for tenths in range(1, 24, 2):
+        found, said = erased_until_killed(start, nvm, tmp_path, disk, tenths / 10)
+        assert found in (0x5A, 0xFF)
+        assert said == [] or found == 0xFF and len(said) == 1 and "NVM:ERASe was interrupted" in said[0], said
+        ended += len(said)
+    assert ended > 0

@@ -176,11 +176,23 @@ static int check_serial(const struct lx_image_part *self, struct dg_store *store
                            (long long)serial);
 }
 
+/* What NVM:ERASe began is ended here, as if the file were new: there is nothing in it any more. */
+static int finish(struct lx_image_part *self, struct lx_error *error)
+{
+    struct lx_image *image = self->image;
+    lx_note(image->setup.say, "%s: NVM:ERASe was interrupted, and is ended now", image->setup.path);
+    image->finished = true;
+    return self->stack->format(&self->device) == DG_OK ? 0 : no_encoder(self, error);
+}
+
 /* As its encoder will mount it. */
-static int check_part(const struct lx_image_part *self, struct lx_error *error)
+static int check_part(struct lx_image_part *self, struct lx_error *error)
 {
     struct dg_store store;
     const int mounted = self->stack->mount(&self->device, &store);
+    if (mounted == DG_ERR_BLANK && dg_store_unfinished(layout_of(self), self->device.nvm)) {
+        return finish(self, error);
+    }
     if (mounted != DG_OK) {
         return refuse(self, mounted, error);
     }
@@ -196,7 +208,7 @@ static int look(struct lx_image *self, struct lx_error *error)
     const uint32_t found = find_parts(self);
     move_apart(self, found);
     for (size_t i = 0; i < self->setup.count; i++) {
-        const struct lx_image_part *part = &self->setup.parts[i];
+        struct lx_image_part *part = &self->setup.parts[i];
         if (part->size > 0 && check_part(part, error) != 0) {
             return -1;
         }
@@ -238,7 +250,8 @@ int lx_image_start(struct lx_image *self, struct lx_error *error)
     if (self->setup.path == NULL) {
         return 0;
     }
-    if (stands_closer(self) && lx_nvm_file_replace(&self->file, self->memory.bytes, error) != 0) {
+    if ((stands_closer(self) || self->finished) &&
+        lx_nvm_file_replace(&self->file, self->memory.bytes, error) != 0) {
         return -1;
     }
     const struct lx_nvm_queue_setup queue = {

@@ -56,13 +56,15 @@ struct lx_image {
     struct lx_nvm_file file;
     struct lx_nvm_queue queue; /**< in front of it */
     struct dg_nvm nvm;         /**< what the parts are parts of */
+    bool finished;             /**< a part was unfinished and is not any more: to be written */
 };
 
 /**
  * Make the delivery state, and open the file. A new one gets it. An existing one must hold images
  * of these kinds of encoders, with the same figures from the factory; a cut-off one is taken, for
- * the encoder reports what is damaged, and so is one of an earlier release. It is looked at in a
- * copy: one that is refused stays as it is.
+ * the encoder reports what is damaged, and so is one of an earlier release; a part that NVM:ERASe
+ * has begun to erase becomes as delivered. It is looked at in a copy: one that is refused stays as
+ * it is.
  * @return 0, or -1 with one line in `error`; then close
  */
 int lx_image_open(struct lx_image *self, const struct lx_image_setup *setup,
@@ -70,7 +72,7 @@ int lx_image_open(struct lx_image *self, const struct lx_image_setup *setup,
 
 /**
  * The encoders work on the file from here on. In one of an earlier release that several share their
- * images are moved apart first, all of it or nothing.
+ * images are moved apart first, and what was unfinished is written, all of it or nothing.
  * @return 0, or -1 with one line in `error`; then close
  */
 int lx_image_start(struct lx_image *self, struct lx_error *error);

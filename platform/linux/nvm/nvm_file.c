@@ -431,7 +431,7 @@ int lx_nvm_file_replace(struct lx_nvm_file *self, const uint8_t *bytes, struct l
         if (fd >= 0) {
             (void)close(fd);
         }
-        return lx_fail(error, "%s: cannot grow: %s", self->path, strerror(reason));
+        return lx_fail(error, "%s: cannot write it anew: %s", self->path, strerror(reason));
     }
     (void)close(self->fd);
     self->fd = fd;

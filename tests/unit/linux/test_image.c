@@ -176,6 +176,87 @@ static void an_image_of_an_earlier_release_is_taken_and_grows(void **state)
     eeprom_close(&eeprom);
 }
 
+/* A process that ends after some of its writes. */
+struct ending {
+    struct dg_nvm below;
+    uint32_t writes; /* that it still gets through */
+};
+
+static int ending_read(void *ctx, uint32_t address, void *to, size_t n)
+{
+    const struct ending *self = ctx;
+    return self->below.ops->read(self->below.ctx, address, to, n);
+}
+
+static int ending_write(void *ctx, uint32_t address, const void *from, size_t n)
+{
+    struct ending *self = ctx;
+    if (self->writes == 0) {
+        return DG_ERR_IO;
+    }
+    self->writes--;
+    return self->below.ops->write(self->below.ctx, address, from, n);
+}
+
+/* @return whether it came to its end */
+static bool erase(struct eeprom *eeprom, uint32_t writes)
+{
+    static const struct dg_nvm_ops ops = {.read = ending_read, .write = ending_write};
+    struct ending ending = {eeprom->part.device.nvm, writes};
+    struct dg_stack_setup setup = eeprom->part.device;
+    setup.nvm = (struct dg_nvm){&ops, &ending};
+    return eeprom->part.stack->format(&setup) == DG_OK;
+}
+
+static void read_file(const struct eeprom_place *place, uint8_t *bytes, uint32_t size)
+{
+    const int fd = open(place->path, O_RDONLY);
+    assert_int_equal(read(fd, bytes, size), (ssize_t)size);
+    (void)close(fd);
+}
+
+/* Wherever NVM:ERASe is interrupted the next start has the image from before, or the delivery
+   state; and what it found is what it leaves. */
+static void an_interrupted_erase_is_ended_or_undone(void **state)
+{
+    static uint8_t old[16384];
+    static uint8_t delivered[sizeof old];
+    static uint8_t found[sizeof old];
+    struct eeprom_place *place = *state;
+    const uint32_t size = dg_store_size(&dg_hf_layout);
+    const uint8_t uart[2] = {0x45, 0xE4};
+    struct eeprom eeprom;
+    struct lx_error error;
+    struct dg_store store;
+    unsigned ended = 0;
+    unsigned undone = 0;
+    bool done = false;
+    assert_true(size <= sizeof old);
+    eeprom_make(place);
+    read_file(place, delivered, size);
+    assert_int_equal(eeprom_open(&eeprom, place->path, place, &error), 0);
+    assert_int_equal(dg_store_mount(&store, &dg_hf_layout, eeprom.part.device.nvm), DG_OK);
+    assert_int_equal(dg_store_put(&store, DG_HF_REGION_UART, 0, uart, sizeof uart), DG_OK);
+    eeprom_close(&eeprom);
+    read_file(place, old, size);
+    for (uint32_t writes = 0; !done; writes++) {
+        eeprom_write_bytes(place->path, old, size);
+        assert_int_equal(eeprom_open(&eeprom, place->path, place, &error), 0);
+        done = erase(&eeprom, writes);
+        eeprom_close(&eeprom);
+        assert_int_equal(eeprom_open(&eeprom, place->path, place, &error), 0);
+        assert_int_equal(dg_store_mount(&store, &dg_hf_layout, eeprom.part.device.nvm), DG_OK);
+        eeprom_close(&eeprom);
+        read_file(place, found, size);
+        const bool as_old = memcmp(found, old, size) == 0;
+        assert_true(as_old || memcmp(found, delivered, size) == 0);
+        assert_false(as_old && done);
+        undone += as_old ? 1u : 0u;
+        ended += as_old || done ? 0u : 1u;
+    }
+    assert_true(undone == 2 && ended > 10); /* no mark, one of two */
+}
+
 /* Whoever is told that the file fails is told what this kind of encoder answers. */
 static void a_kind_says_what_it_answers_without_its_memory(void **state)
 {
@@ -202,6 +283,7 @@ int main(void)
         IN_A_PLACE(a_damaged_image_is_taken),
         IN_A_PLACE(a_cut_off_image_reads_erased),
         IN_A_PLACE(an_image_of_an_earlier_release_is_taken_and_grows),
+        IN_A_PLACE(an_interrupted_erase_is_ended_or_undone),
         IN_A_PLACE(a_kind_says_what_it_answers_without_its_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
