@@ -280,22 +280,24 @@ int dg_host_scpi(struct dg_host_panel *self, uint64_t now, const char *line, cha
     self->answer = answer;
     self->size = size - 1u;
     self->cut = false;
-    (void)dg_control_step(&self->control, now);
+    self->used = 0;
     const bool taken = take_line(self, now, line);
     (void)dg_control_step(&self->control, now);
-    (void)dg_host_panel_step(self, now);
     size_t n = self->used;
-    self->size = 0; /* between two calls nobody listens */
-    self->used = 0;
     n -= n > 0 && answer[n - 1u] == '\n' ? 1u : 0u;
     answer[n] = '\0';
     return self->cut || !taken ? DG_HOST_ERR_SPACE : (int)n;
 }
 
+/* Each fault ends at its own moment, in the order of what happens to the encoder. */
 uint64_t dg_host_panel_step(struct dg_host_panel *self, uint64_t now)
 {
-    host_run(self->host, now);
-    const dg_ns faults = dg_rig_step(&self->rig, self->host->line.now);
+    dg_ns faults = dg_rig_step(&self->rig, self->host->line.now);
 
-    return dg_earliest(faults, dg_host_step(self->host, now));
+    while (faults <= now && faults > self->host->line.now) {
+        host_run(self->host, faults);
+        faults = dg_rig_step(&self->rig, faults);
+    }
+    host_run(self->host, now);
+    return dg_earliest(faults, dg_host_next(self->host));
 }

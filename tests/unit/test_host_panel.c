@@ -21,6 +21,7 @@ static struct host_rig_place panel_place;
 static struct dg_host_panel *panel(struct dg_host *self)
 {
     assert_true(dg_host_panel_size() <= sizeof panel_place);
+    memset(&panel_place, 0xA5, sizeof panel_place);
     return dg_host_panel_make(&panel_place, sizeof panel_place, self);
 }
 
@@ -270,6 +271,65 @@ static void a_command_that_waits_keeps_others_out(void **state)
         DG_HOST_ERR_SPACE);
 }
 
+/* Half of the requests come while it lasts, and the steps are as long as they like to be. */
+static void a_fault_ends_in_the_middle_of_a_step(void **state)
+{
+    struct dg_host *self = host_rig_start(&host_rig_here, "f3668");
+    struct dg_host_panel *board = panel(self);
+    struct dg_host_event event = {
+        .kind = DG_HOST_CAN, .id = 0x63F, .length = 8, .data = {0x40, 0x01, 0x10}};
+    char answer[64];
+    unsigned n = 0;
+
+    (void)state;
+    host_rig_drain(self);
+    assert_int_equal(
+        dg_host_scpi(board, READY, "FAUL:SET wire_drop,DUR 100 MS", answer, sizeof answer), 0);
+    for (unsigned i = 0; i < 20; i++) {
+        event.at = READY + 5 * MS + i * 10 * MS;
+        assert_int_equal(dg_host_send(self, &event), DG_HOST_OK);
+    }
+    (void)dg_host_panel_step(board, READY + SECOND);
+    while (dg_host_receive(self, &event) == 1) {
+        assert_int_equal(event.at, READY + 105 * MS + n * 10 * MS);
+        n++;
+    }
+    assert_int_equal(n, 10);
+    expect_error(board, "0,");
+}
+
+/* Data of an encoder without power is low: nobody has to step for that. */
+static void what_a_command_does_is_told_at_once(void **state)
+{
+    struct dg_host *self = host_rig_start(&host_rig_here, "ssi-25");
+    struct dg_host_panel *board = panel(self);
+    struct dg_host_event event;
+    char answer[64];
+
+    (void)state;
+    host_rig_drain(self);
+    assert_int_equal(dg_host_scpi(board, READY + MS, "POW OFF", answer, sizeof answer), 0);
+    assert_int_equal(dg_host_receive(self, &event), 1);
+    assert_int_equal(event.kind, DG_HOST_EDGE);
+    assert_int_equal(event.data[0], 0);
+    assert_int_equal(event.at, READY + MS);
+}
+
+static void a_line_ends_with_its_zero(void **state)
+{
+    struct dg_host *self = host_rig_start(&host_rig_here, "s3684-biss");
+    struct dg_host_panel *board = panel(self);
+    char answer[64];
+
+    (void)state;
+    assert_int_equal(dg_host_scpi(board, READY, "\0NONSENSE", answer, sizeof answer), 0);
+    expect_error(board, "0,");
+    assert_int_equal(dg_host_scpi(board, READY, "?", answer, sizeof answer), 0);
+    expect_error(board, "-1");
+    assert_true(dg_host_scpi(board, READY, "SHAF:NAME?", answer, sizeof answer) > 0);
+    assert_string_equal(answer, "\"shaft\"");
+}
+
 static void an_answer_needs_room_for_its_zero(void **state)
 {
     struct dg_host *self = host_rig_start(&host_rig_here, "s3684-biss");
@@ -334,6 +394,9 @@ int main(void)
         cmocka_unit_test(a_line_of_scpi_is_answered),
         cmocka_unit_test(a_line_that_is_too_long_is_not_begun),
         cmocka_unit_test(a_command_that_waits_keeps_others_out),
+        cmocka_unit_test(a_fault_ends_in_the_middle_of_a_step),
+        cmocka_unit_test(what_a_command_does_is_told_at_once),
+        cmocka_unit_test(a_line_ends_with_its_zero),
         cmocka_unit_test(an_answer_needs_room_for_its_zero),
         cmocka_unit_test(a_fault_with_a_time_ends),
         cmocka_unit_test(others_sit_on_the_shaft_of_a_panel),
