@@ -280,6 +280,58 @@ static void a_node_that_is_off_takes_no_frames(void **state)
     assert_int_equal(answers(self, READY + SECOND, 0), 0);
 }
 
+/* ------------------------------------------------------------ edges */
+
+/* The word of an SSI encoder by edges in the queue, and its line by edges out of it, whatever the
+ * steps are: each at the moment of the clock's edge, and the rest at the end of the monoflop. */
+static void edges_are_told_when_the_line_moves(void **state)
+{
+    struct dg_host *self = host_rig_start(&host_rig_here, "ssi-13");
+    const unsigned word = 2048u ^ 1024u; /* 2048 in Gray code */
+    struct dg_host_event event = {.kind = DG_HOST_EDGE, .length = 1};
+    bool level = true;
+
+    (void)state;
+    host_rig_drain(self);
+    for (unsigned i = 0; i < 2u * 13u; i++) {
+        event.at = READY + (i + 1u) * 500u;
+        event.data[0] = i % 2u;
+        assert_int_equal(dg_host_send(self, &event), DG_HOST_OK);
+    }
+    (void)dg_host_step(self, READY + MS);
+    for (unsigned i = 0; i < 13; i++) {
+        const bool bit = (word >> (12u - i) & 1u) != 0;
+        if (bit != level) {
+            assert_int_equal(dg_host_receive(self, &event), 1);
+            assert_int_equal(event.kind, DG_HOST_EDGE);
+            assert_int_equal(event.at, READY + (2u * i + 2u) * 500u);
+            assert_int_equal(event.length, 1);
+            assert_int_equal(event.data[0], bit);
+            level = bit;
+        }
+    }
+    assert_int_equal(dg_host_receive(self, &event), 1);
+    assert_int_equal(event.at, READY + 25u * 500u + 20000u); /* behind the last falling edge */
+    assert_int_equal(event.data[0], 1);
+    assert_int_equal(dg_host_receive(self, &event), 0);
+}
+
+/* By calls it is the same: the edge is told beside the answer, and what is due is done. */
+static void an_edge_by_call_is_told_as_well(void **state)
+{
+    struct dg_host *self = host_rig_start(&host_rig_here, "ssi-13");
+    struct dg_host_event event;
+
+    (void)state;
+    host_rig_drain(self);
+    assert_int_equal(dg_host_clock(self, READY, false), 1);
+    assert_int_equal(dg_host_clock(self, READY + 500, true), 0);
+    assert_int_equal(dg_host_receive(self, &event), 1);
+    assert_int_equal(event.at, READY + 500);
+    assert_int_equal(event.data[0], 0);
+    assert_int_equal(dg_host_next(self), READY + 20000u);
+}
+
 /* ------------------------------------------------------------ queues */
 
 /* As long as nobody knows of the gap, nothing gets behind it, whatever room there is. */
@@ -337,6 +389,8 @@ int main(void)
         cmocka_unit_test(a_damaged_character_is_no_request),
         cmocka_unit_test(a_character_without_parity_is_shorter),
         cmocka_unit_test(a_node_that_is_off_takes_no_frames),
+        cmocka_unit_test(edges_are_told_when_the_line_moves),
+        cmocka_unit_test(an_edge_by_call_is_told_as_well),
         cmocka_unit_test(what_comes_behind_a_gap_is_lost_too),
         cmocka_unit_test(the_end_of_time_can_be_stepped_to),
     };

@@ -10,6 +10,7 @@
 #include <cmocka.h>
 
 #include "drehgeber/crc.h"
+#include "drehgeber/drehgeber.h"
 #include "host_private.h"
 #include "host_rig.h"
 #include "ram_nvm.h"
@@ -152,6 +153,65 @@ static void the_memory_of_a_host_stays_outside(void **state)
     assert_int_equal(dg_host_frame(own, now, &frame), DG_HOST_OK);
 }
 
+static void never(void *ctx, const struct dg_host_event *event)
+{
+    (void)event;
+    ++*(unsigned *)ctx;
+}
+
+/* The same encoder with a listener, a panel and a shaft of the host's, and without them. */
+static void what_a_host_has_attached_is_not_in_it(void **state)
+{
+    struct dg_host *self = host_rig_start(&host_rig_here, "f3668");
+    struct dg_host *other = host_rig_make(&host_rig_there, "f3668");
+    static struct dg_shaft shaft;
+    unsigned heard = 0;
+
+    (void)state;
+    const size_t n = save(self, blob);
+    assert_memory_equal(blob, "DGSTATE\1f3668\0", 14);
+    assert_string_equal((const char *)blob + 40, dg_version());
+    assert_int_equal(dg_host_restore(other, blob, n), DG_HOST_OK);
+    assert_non_null(dg_host_panel_make(&panel_place, sizeof panel_place, other));
+    dg_shaft_init(&shaft);
+    dg_host_shaft_of(other, &shaft);
+    dg_host_listen(other, never, &heard);
+    memset(again, 0xA5, sizeof again);
+    assert_int_equal(dg_host_save(other, again, n), DG_HOST_OK);
+    assert_memory_equal(blob, again, n);
+    assert_int_equal(again[n], 0xA5);
+
+    /* But it stays attached, also when it goes on from a state. */
+    const struct dg_host_event read = {
+        .at = READY, .kind = DG_HOST_CAN, .id = 0x63F, .length = 8, .data = {0x40, 0x01, 0x10}};
+    for (unsigned round = 1; round <= 2; round++) {
+        assert_int_equal(dg_host_send(other, &read), DG_HOST_OK);
+        (void)dg_host_step(other, READY);
+        assert_int_equal(heard, round);
+        assert_int_equal(dg_host_angle(other, READY), 0);
+        assert_int_equal(dg_host_restore(other, blob, n), DG_HOST_OK);
+    }
+    dg_host_shaft_of(other, NULL);
+    assert_int_equal(dg_host_angle(other, READY), 3 * TURN + TURN / 4);
+}
+
+/* What the encoder senses is what the host does from then on. */
+static void a_restored_encoder_is_on_its_own_shaft(void **state)
+{
+    struct dg_host *self = host_rig_start(&host_rig_here, "f3668");
+    struct dg_host *other = host_rig_make(&host_rig_there, "f3668");
+    uint64_t counts = 0;
+
+    (void)state;
+    assert_int_equal(dg_host_restore(other, blob, save(self, blob)), DG_HOST_OK);
+    dg_host_shaft(self, READY, 7 * TURN, 0);
+    dg_host_shaft(other, READY, 9 * TURN, 0);
+    assert_int_equal(dg_host_position(other, READY, &counts), DG_HOST_OK);
+    assert_int_equal(counts, 9u << 16);
+    assert_int_equal(dg_host_position(self, READY, &counts), DG_HOST_OK);
+    assert_int_equal(counts, 7u << 16);
+}
+
 /* The panel is not of the encoder: neither its shaft nor its faults are in the state, but what they
  * have made of world and EEPROM is, and a panel that is there stays. */
 static void a_panel_stays_outside(void **state)
@@ -195,6 +255,8 @@ int main(void)
         cmocka_unit_test(a_state_keeps_no_more_than_the_beginning_of_a_long_name),
         cmocka_unit_test(a_queue_that_cannot_be_is_damage),
         cmocka_unit_test(the_memory_of_a_host_stays_outside),
+        cmocka_unit_test(what_a_host_has_attached_is_not_in_it),
+        cmocka_unit_test(a_restored_encoder_is_on_its_own_shaft),
         cmocka_unit_test(a_panel_stays_outside),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
