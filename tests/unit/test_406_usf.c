@@ -442,6 +442,19 @@ static void a_damaged_zero_says_6200h_until_a_preset(void **state)
     assert_int_equal(co_rig_get(&rig, 0x6004, 0), 4100);
 }
 
+/* Until then it counts from where the shaft was at the start, wherever it had gone meanwhile. */
+static void a_lost_zero_is_where_the_encoder_starts(void **state)
+{
+    (void)state;
+    activate(3600, 36000, 500, 0);
+    damage_the_stored_zero();
+    power_cycle(3 * STEPS + 12345);
+    assert_int_equal(co_rig_get(&rig, 0x6004, 0), 0);
+    turn_to(line.c + STEPS);
+    co_rig_run(&rig, LOOK);
+    assert_int_equal(co_rig_get(&rig, 0x6004, 0), 3600);
+}
+
 /* Neither a correction nor another setting makes a lost zero a good one. */
 static void only_a_preset_finds_a_lost_zero_again(void **state)
 {
@@ -638,6 +651,7 @@ int main(int argc, char **argv)
         cmocka_unit_test_setup(power_cuts_while_the_zero_is_stored, setup),
         cmocka_unit_test_setup(power_cuts_during_a_preset, setup),
         cmocka_unit_test_setup(a_damaged_zero_says_6200h_until_a_preset, setup),
+        cmocka_unit_test_setup(a_lost_zero_is_where_the_encoder_starts, setup),
         cmocka_unit_test_setup(only_a_preset_finds_a_lost_zero_again, setup),
         cmocka_unit_test_setup(a_zero_of_other_settings_does_not_count, setup),
         cmocka_unit_test_setup(a_zero_of_the_other_code_sequence_does_not_count, setup),

@@ -108,12 +108,25 @@ static void an_ssi_encoder_says_how_it_is(void **state)
     assert_int_equal(dg_ssi_stack.mount(NULL, NULL), DG_ERR_ARGUMENT);
 }
 
+/* 25 bits are seven digits: 3.25 turns are 6800h, and 5C00h in Gray code. */
+static void its_word_has_the_digits_of_its_bits(void **state)
+{
+    struct dg_host *self = host_rig_start(&host_rig_here, "ssi-25");
+    struct dg_host_panel *board = dg_host_panel_make(&panel_place, sizeof panel_place, self);
+    struct dg_host_frame frame;
+
+    (void)state;
+    assert_int_equal(dg_host_frame(self, READY, &frame), DG_HOST_OK);
+    ask(board, frame.end, "STAT?", "word=0005C00");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_memory_of_a_host_is_the_hosts),
         cmocka_unit_test(nothing_answers_without_power),
         cmocka_unit_test(an_ssi_encoder_says_how_it_is),
+        cmocka_unit_test(its_word_has_the_digits_of_its_bits),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
