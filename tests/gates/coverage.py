@@ -15,7 +15,7 @@ from sources import finish
 
 # folder            lines  branches  lines of each file, all in percent
 FLOORS = {
-    "src/":            (99.5, 96.5, 92.0), # 98 and 95 before src/host, which owes tests of what it refuses
+    "src/":            (99.5, 98.0, 95.0),
     "platform/linux/": (74.0, 65.0, 0.0),
 }
 
