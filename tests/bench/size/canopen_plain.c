@@ -53,7 +53,8 @@ static const struct dg_co_device plain = {
     .kbaud = kbaud,
     .kbaud_count = sizeof kbaud / sizeof kbaud[0],
     .strings = strings,
-    .layout = &layout};
+    .layout = &layout,
+    .device_type = 0x00020196};
 
 const struct dg_co_device *const device = &plain;
 
