@@ -21,7 +21,7 @@ int bench_main(int argc, char **argv, const struct bench_set *set)
     }
     for (size_t i = 0; i < set->count; i++) {
         const struct bench *bench = &set->benches[i];
-        const uint64_t expected = set->answers() + (WARM_UP + 1u) * bench->answers;
+        const uint64_t expected = set->answers() + (uint64_t)bench->answers * (WARM_UP + 1u);
         for (unsigned n = 0; n < WARM_UP; n++) {
             bench->run(bench->what);
         }

@@ -69,7 +69,7 @@ static uint64_t batch_size(const struct bench_set *set, const struct bench *benc
 static int measure(const struct bench_set *set)
 {
     uint64_t runs[BENCHES_MAX];
-    double best[BENCHES_MAX];
+    double best[BENCHES_MAX] = {0};
 
     for (size_t i = 0; i < set->count; i++) {
         runs[i] = batch_size(set, &set->benches[i]);
@@ -98,7 +98,7 @@ static int count(const struct bench_set *set)
 {
     for (size_t i = 0; i < set->count; i++) {
         const struct bench *bench = &set->benches[i];
-        const uint64_t expected = set->answers() + (WARM_UP + 1u) * bench->answers;
+        const uint64_t expected = set->answers() + (uint64_t)bench->answers * (WARM_UP + 1u);
         if (batch(set, bench, WARM_UP) < 0) {
             return 1;
         }
