@@ -200,6 +200,7 @@ struct dg_hf {
     dg_ns deadline;      /**< of the line state, or DG_NEVER */
     dg_ns last_rx;       /**< end of the last character received */
     dg_ns window_end;    /**< end of the start-up window; DG_NEVER when it is over */
+    uint32_t silence_ns; /**< that ends a frame, by the setting in force */
     uint8_t uart;        /**< setting in force */
     uint8_t uart_next;   /**< setting in force after the window or 53h */
     uint8_t uart_stored; /**< setting in the EEPROM */

@@ -63,6 +63,10 @@ DG_API dg_angle dg_world_angle(const struct dg_world *self, dg_ns now);
  */
 DG_API int32_t dg_world_speed_mrpm(const struct dg_world *self, dg_ns now);
 
+/** dg_world_speed_mrpm(), and the `angle` at `now`: for who wants both, as each one costs a motion.
+ */
+DG_API int32_t dg_world_moving(const struct dg_world *self, dg_ns now, dg_angle *angle);
+
 /** What a monitor of the scanner's signals takes for good ones. */
 struct dg_signal_limits {
     uint16_t amplitude_min_permille;

@@ -34,14 +34,28 @@ static int32_t speed_mrpm(uint64_t travel)
     return mrpm < INT32_MAX ? (int32_t)mrpm : INT32_MAX;
 }
 
+int32_t dg_world_moving(const struct dg_world *self, dg_ns now, dg_angle *angle)
+{
+    dg_angle until = self->angle(self->angle_ctx, now);
+    dg_angle since;
+
+    *angle = until;
+    if (now > DG_WORLD_SPEED_SPAN) {
+        since = self->angle(self->angle_ctx, now - DG_WORLD_SPEED_SPAN);
+    } else {
+        until = self->angle(self->angle_ctx, DG_WORLD_SPEED_SPAN);
+        since = self->angle(self->angle_ctx, 0);
+    }
+    /* Modulo 2^64: the speed stays right where the angle's type wraps. */
+    const uint64_t travel = (uint64_t)until - (uint64_t)since;
+    return travel <= INT64_MAX ? speed_mrpm(travel) : -speed_mrpm(0 - travel);
+}
+
 int32_t dg_world_speed_mrpm(const struct dg_world *self, dg_ns now)
 {
-    dg_ns until = now > DG_WORLD_SPEED_SPAN ? now : DG_WORLD_SPEED_SPAN;
-    /* Modulo 2^64: the speed stays right where the angle's type wraps. */
-    uint64_t travel = (uint64_t)dg_world_angle(self, until) -
-                      (uint64_t)dg_world_angle(self, until - DG_WORLD_SPEED_SPAN);
+    dg_angle angle;
 
-    return travel <= INT64_MAX ? speed_mrpm(travel) : -speed_mrpm(0 - travel);
+    return dg_world_moving(self, now, &angle);
 }
 
 static bool amplitude_ok(uint16_t permille, const struct dg_signal_limits *limits)

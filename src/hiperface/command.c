@@ -98,8 +98,10 @@ static enum dg_hf_status permitted(const struct dg_hf *self, const struct hf_com
         {HF_LOCK_EEPROM, DG_HF_I2C},
         {HF_LOCK_CHECKSUM, DG_HF_CHECKSUM_INTERNAL},
     };
-    for (uint8_t i = 0; i < DG_COUNT(locks); i++) {
-        if ((row->flags & self->locks & locks[i].lock) != 0) {
+    const uint8_t locked = row->flags & self->locks;
+
+    for (uint8_t i = 0; locked != 0 && i < DG_COUNT(locks); i++) {
+        if ((locked & locks[i].lock) != 0) {
             return (enum dg_hf_status)locks[i].status;
         }
     }

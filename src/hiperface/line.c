@@ -39,13 +39,21 @@ struct dg_hf_uart dg_hf_uart(const struct dg_hf *self)
     return uart;
 }
 
-/* Silence after a character (or after a start bit, whose character is still to come) that ends a
- * frame. */
+static void use(struct dg_hf *self, uint8_t uart)
+{
+    self->uart = uart;
+    const struct dg_hf_uart plain = dg_hf_uart(self);
+    self->silence_ns = (uint32_t)dg_bit_times_ns(plain.timeout_bits, plain.baud);
+}
+
+/* Silence after a character that ends a frame; after a start bit its character is still to come. */
 static dg_ns timeout_ns(const struct dg_hf *self, bool start_bit)
 {
-    struct dg_hf_uart uart = dg_hf_uart(self);
-
-    return dg_bit_times_ns(uart.timeout_bits + (start_bit ? CHARACTER_BITS : 0u), uart.baud);
+    if (!start_bit) {
+        return self->silence_ns;
+    }
+    const struct dg_hf_uart uart = dg_hf_uart(self);
+    return dg_bit_times_ns(uart.timeout_bits + CHARACTER_BITS, uart.baud);
 }
 
 static void become(struct dg_hf *self, enum dg_hf_line_state line, dg_ns deadline)
@@ -99,7 +107,7 @@ int dg_hf_power_on(struct dg_hf *self, dg_ns now)
     if (result == DG_ERR_BLANK || result == DG_ERR_FOREIGN) {
         return result;
     }
-    self->uart = DG_HF_UART_DEFAULT;
+    use(self, DG_HF_UART_DEFAULT);
     self->uart_next = self->uart_stored;
     self->window_end = dg_after(now, self->setup.model->init);
     self->last_rx = now;
@@ -119,7 +127,7 @@ static void reset(struct dg_hf *self, dg_ns moment)
     uint8_t uart = self->uart_next;
 
     (void)start(self);
-    self->uart = uart;
+    use(self, uart);
     self->uart_next = uart;
     become(self, DG_HF_DEAF, dg_after(moment, self->setup.model->init));
 }
@@ -179,18 +187,19 @@ static dg_ns window_deadline(const struct dg_hf *self)
                                                                            : DG_NEVER;
 }
 
-static dg_ns next_deadline(const struct dg_hf *self)
+static inline dg_ns next_deadline(const struct dg_hf *self)
 {
-    return dg_earliest(self->deadline, window_deadline(self));
+    return self->window_end == DG_NEVER ? self->deadline
+                                        : dg_earliest(self->deadline, window_deadline(self));
 }
 
 static void act(struct dg_hf *self, dg_ns now)
 {
     dg_ns moment = self->deadline;
 
-    if (window_deadline(self) <= moment) {
+    if (self->window_end != DG_NEVER && window_deadline(self) <= moment) {
         self->window_end = DG_NEVER;
-        self->uart = self->uart_next;
+        use(self, self->uart_next);
         return;
     }
     switch (self->line) {
@@ -216,13 +225,16 @@ static void act(struct dg_hf *self, dg_ns now)
 
 dg_ns dg_hf_step(struct dg_hf *self, dg_ns now)
 {
-    while (next_deadline(self) <= now && next_deadline(self) != DG_NEVER) {
+    dg_ns next = next_deadline(self);
+
+    while (next <= now && next != DG_NEVER) {
         act(self, now);
+        next = next_deadline(self);
     }
     if (self->line != DG_HF_OFF && self->line != DG_HF_DEAF) {
         hf_monitor(self);
     }
-    return next_deadline(self);
+    return next;
 }
 
 /* The first character after a silence is an address (5.1.1.1). */
@@ -245,10 +257,9 @@ static void first_character(struct dg_hf *self, uint8_t byte, bool damaged)
 static void next_character(struct dg_hf *self, uint8_t byte, bool damaged)
 {
     if (self->length < DG_HF_FRAME_MAX) {
-        self->frame[self->length] = byte;
-    }
-    if (self->length <= DG_HF_FRAME_MAX) {
-        self->length++; /* one beyond the buffer says "too long", however long (R14) */
+        self->frame[self->length++] = byte;
+    } else {
+        self->length = DG_HF_FRAME_MAX + 1u; /* says "too long", however long (R14) */
     }
     self->sum ^= byte;
     self->frame_damaged |= damaged;

@@ -20,10 +20,8 @@ static uint64_t range(const struct dg_hf *self)
 }
 
 /* Position without the offset: modulo the steps of a period it is the phase of the sine. */
-static uint32_t raw_position(const struct dg_hf *self, dg_ns now)
+static uint32_t raw_position(const struct dg_hf *self, dg_angle angle)
 {
-    dg_angle angle = dg_world_angle(self->setup.world, now);
-
     return (uint32_t)dg_mod(dg_angle_counts(angle, counts_per_turn(self)), range(self));
 }
 
@@ -42,19 +40,11 @@ static uint32_t negate(const struct dg_hf *self, uint32_t a)
 
 uint32_t dg_hf_position(const struct dg_hf *self, dg_ns now)
 {
-    return add(self, raw_position(self, now), self->offset);
-}
-
-static bool too_fast(const struct dg_hf *self, dg_ns now)
-{
-    int64_t mrpm = dg_world_speed_mrpm(self->setup.world, now);
-    int64_t limit = (int64_t)self->speed_max_rpm * 1000;
-
-    return mrpm > limit || mrpm < -limit;
+    return add(self, raw_position(self, dg_world_angle(self->setup.world, now)), self->offset);
 }
 
 /* Bit n: position fault 1Dh + n (5.1.2.1). 1Eh is a warning. */
-static uint8_t causes(const struct dg_hf *self, bool fast)
+static unsigned causes(const struct dg_hf *self, bool fast)
 {
     const struct dg_world *world = self->setup.world;
     unsigned present = world->led_current_ua > self->led_max_ma * 1000u;
@@ -69,16 +59,17 @@ static uint8_t causes(const struct dg_hf *self, bool fast)
         present |= (unsigned)!world->multiturn_vector_ok
                    << (DG_HF_MULTITURN_VECTOR - DG_HF_LED_CURRENT);
     }
-    return (uint8_t)present;
+    return present;
 }
 
-/* The first fault is the answer, the others wait in the error stack (5.1.3 'Position'). */
-static enum dg_hf_status faults(struct dg_hf *self, bool fast)
+/* The first fault is the answer, the others wait in the error stack (5.1.3 'Position').
+   @param present as causes() has it */
+static enum dg_hf_status faults(struct dg_hf *self, unsigned present)
 {
     enum dg_hf_status first = DG_HF_NO_ERROR;
-    uint8_t status = DG_HF_LED_CURRENT;
+    unsigned status = DG_HF_LED_CURRENT;
 
-    for (uint8_t present = causes(self, fast); present != 0; present >>= 1) {
+    for (; present != 0; present >>= 1) {
         if ((present & 1u) != 0 && first == DG_HF_NO_ERROR) {
             first = (enum dg_hf_status)status;
         } else if ((present & 1u) != 0) {
@@ -91,9 +82,12 @@ static enum dg_hf_status faults(struct dg_hf *self, bool fast)
 
 enum dg_hf_status hf_read_position(struct dg_hf *self, struct hf_request *rq)
 {
-    enum dg_hf_status status = faults(self, too_fast(self, rq->now));
+    const int32_t limit = self->speed_max_rpm * 1000;
+    dg_angle angle;
+    const int32_t mrpm = dg_world_moving(self->setup.world, rq->now, &angle);
+    const enum dg_hf_status status = faults(self, causes(self, mrpm > limit || mrpm < -limit));
 
-    dg_write_be32(&rq->reply, dg_hf_position(self, rq->now));
+    dg_write_be32(&rq->reply, add(self, raw_position(self, angle), self->offset));
     return status;
 }
 
@@ -118,8 +112,9 @@ static enum dg_hf_status wanted_offset(struct dg_hf *self, const struct hf_reque
     if (preset >= range(self)) {
         return DG_HF_ARGUMENT;
     }
-    *offset = add(self, preset, negate(self, raw_position(self, rq->now)));
-    return faults(self, false);
+    *offset = add(self, preset,
+                  negate(self, raw_position(self, dg_world_angle(self->setup.world, rq->now))));
+    return faults(self, causes(self, false));
 }
 
 enum dg_hf_status hf_set_position(struct dg_hf *self, struct hf_request *rq)
@@ -141,7 +136,9 @@ enum dg_hf_status hf_set_synchronous(struct dg_hf *self, struct hf_request *rq)
     /* To whole periods, to the nearest, ties up (R18); the range is a whole number of periods. */
     uint64_t periods = ((uint64_t)offset + self->steps / 2u) / self->steps;
     offset = (uint32_t)(periods * self->steps % range(self));
-    dg_write_be32(&rq->reply, add(self, raw_position(self, rq->now), offset));
+    dg_write_be32(
+        &rq->reply,
+        add(self, raw_position(self, dg_world_angle(self->setup.world, rq->now)), offset));
     return store_offset(self, offset);
 }
 

@@ -96,10 +96,14 @@ static void watch(struct dg_hf *self, uint8_t bit, bool out, enum dg_hf_status s
 void hf_monitor(struct dg_hf *self)
 {
     const struct dg_world *world = self->setup.world;
-    int32_t min_mdegc = self->temperature_min_degc * 1000;
-    int32_t max_mdegc = self->temperature_max_degc * 1000;
+    const int32_t mdegc = world->temperature_mdegc;
+    const bool led = world->led_current_ua > self->led_max_ma * 1000u;
+    const bool temperature =
+        mdegc < self->temperature_min_degc * 1000 || mdegc > self->temperature_max_degc * 1000;
 
-    watch(self, 1u, world->led_current_ua > self->led_max_ma * 1000u, DG_HF_LED_CURRENT);
-    watch(self, 2u, world->temperature_mdegc < min_mdegc || world->temperature_mdegc > max_mdegc,
-          DG_HF_TEMPERATURE);
+    if (!led && !temperature && self->monitors == 0) {
+        return;
+    }
+    watch(self, 1u, led, DG_HF_LED_CURRENT);
+    watch(self, 2u, temperature, DG_HF_TEMPERATURE);
 }
