@@ -6,8 +6,8 @@
 int64_t dg_angle_counts(dg_angle angle, uint32_t counts_per_turn)
 {
     /* angle = turns * 2^32 + part with 0 <= part: only the part is rounded, and downwards. */
-    uint32_t part = (uint32_t)angle;
-    int64_t turns = (angle - (int64_t)part) / DG_TURN;
+    const uint32_t part = (uint32_t)angle;
+    const int64_t turns = (int32_t)(uint32_t)((uint64_t)angle >> 32);
 
     return turns * (int64_t)counts_per_turn + (int64_t)(dg_product(part, counts_per_turn) >> 32);
 }

@@ -16,10 +16,10 @@ static bool is_on(const struct dg_ib_program *program, uint8_t cam, uint32_t pos
     return on <= off ? on <= position && position < off : position >= on || position < off;
 }
 
-uint32_t ib_cam_word(const struct dg_ib *self, dg_ns now)
+uint32_t ib_cam_word(const struct dg_ib *self, dg_angle angle)
 {
     const struct dg_ib_program *program = &self->program;
-    uint32_t position = dg_ib_position(self, now);
+    uint32_t position = ib_position(self, angle);
     uint32_t given = program->mask & program->on_given & program->off_given;
     uint32_t cams = 0;
 

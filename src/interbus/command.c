@@ -51,9 +51,6 @@ void ib_sample(struct dg_ib *self, uint32_t out)
 {
     bool rising = (out & ~self->out & IB_RELEASE) != 0;
 
-    if (out == self->out) {
-        return;
-    }
     if (self->wait > 0) {
         self->counters.dropped++;
     }
@@ -84,7 +81,7 @@ static void conclude(struct dg_ib *self, uint32_t result)
 
 void ib_execute(struct dg_ib *self, dg_ns now)
 {
-    if (self->wait == 0 || --self->wait > 0) {
+    if (--self->wait > 0) {
         return;
     }
     const uint32_t word = self->pending;

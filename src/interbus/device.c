@@ -12,6 +12,9 @@
 /* Neither a command, nor does bit 31 rise after it. */
 #define NO_OUT 0xFFFFFFFFu
 
+/* Fastest change of the LSB with a valid code word (6.1): 800 kHz, in steps a turn * 0.001 rpm. */
+#define FASTEST ((int64_t)800000 * 60000)
+
 /* By profile: ID word, and words of a window (2.1, 2.2). */
 static const struct {
     uint16_t id;
@@ -105,6 +108,20 @@ static void count_time(struct dg_ib *self, dg_ns now)
     }
 }
 
+/* No valid position; a module error of K1 and K2 (I19). */
+static inline bool is_invalid(const struct dg_ib *self, dg_ns now, int32_t mrpm)
+{
+    const struct dg_world *world = self->setup.world;
+    const struct dg_ib_model *model = self->setup.model;
+    const int64_t lsb = (int64_t)mrpm * model->steps;
+
+    if (now < self->ready_at || lsb > FASTEST || lsb < -FASTEST || !world->singleturn_ok) {
+        return true;
+    }
+    return model->turns > 1 && !(world->multiturn_amplitude_ok && world->multiturn_sync_ok &&
+                                 world->multiturn_vector_ok);
+}
+
 /* I5: as long as 60000000h stands on the bus. What it led to is stored when it ends. */
 static void hold_preset(struct dg_ib *self, dg_ns now)
 {
@@ -120,7 +137,7 @@ static void hold_preset(struct dg_ib *self, dg_ns now)
 }
 
 /* What a K3 shows in operation. */
-static uint32_t operation(const struct dg_ib *self, dg_ns now)
+static uint32_t operation(const struct dg_ib *self, const struct ib_latch *latch)
 {
     uint32_t word;
 
@@ -128,26 +145,31 @@ static uint32_t operation(const struct dg_ib *self, dg_ns now)
         return DG_IB_LOST;
     }
     if (self->mode > DG_IB_CAM) {
-        word = ib_cam_word(self, now);
+        word = ib_cam_word(self, latch->angle);
     } else {
-        word = self->mode == DG_IB_SPEED ? ib_speed(self, now) : dg_ib_position(self, now);
+        word = self->mode == DG_IB_SPEED ? ib_speed(self, latch->mrpm)
+                                         : ib_position(self, latch->angle);
     }
     return word | (self->invalid ? DG_IB_NOT_VALID : 0u);
 }
 
-static uint32_t cycle_k3(struct dg_ib *self, dg_ns now, uint32_t out)
+static uint32_t cycle_k3(struct dg_ib *self, dg_ns now, uint32_t out, const struct ib_latch *latch)
 {
     count_time(self, now);
     if (now < self->ready_at) {
         return DG_IB_READ_OUT; /* I18: self-test */
     }
-    ib_execute(self, now);
+    if (self->wait > 0) {
+        ib_execute(self, now);
+    }
     hold_preset(self, now);
-    ib_sample(self, out);
+    if (out != self->out) {
+        ib_sample(self, out);
+    }
     if (self->item != 0) {
         return ib_item(self);
     }
-    return self->answer != 0 ? self->answer : operation(self, now);
+    return self->answer != 0 ? self->answer : operation(self, latch);
 }
 
 void dg_ib_cycle(struct dg_ib *self, dg_ns now, uint32_t out, uint32_t *in)
@@ -157,11 +179,13 @@ void dg_ib_cycle(struct dg_ib *self, dg_ns now, uint32_t out, uint32_t *in)
     }
     self->counters.cycles++;
     self->last_data = now;
-    self->invalid = ib_invalid(self, now);
+    struct ib_latch latch;
+    latch.mrpm = dg_world_moving(self->setup.world, now, &latch.angle);
+    self->invalid = is_invalid(self, now, latch.mrpm);
     if (self->setup.model->profile == DG_IB_K3) {
-        *in = cycle_k3(self, now, out);
+        *in = cycle_k3(self, now, out, &latch);
     } else {
-        *in = now < self->ready_at ? 0 : dg_ib_position(self, now);
+        *in = now < self->ready_at ? 0 : ib_position(self, latch.angle);
     }
 }
 
@@ -175,7 +199,7 @@ uint16_t dg_ib_id(struct dg_ib *self, dg_ns now)
     unsigned word = dg_ib_id_word(self->setup.model);
 
     self->last_id = now;
-    self->invalid = ib_invalid(self, now);
+    self->invalid = is_invalid(self, now, dg_world_speed_mrpm(self->setup.world, now));
     word |= self->reconfigure ? MESSAGE_RECONFIGURE : 0u;
     word |= self->crc_error ? MESSAGE_CRC : 0u;
     word |= module_error(self) ? MESSAGE_MODULE : 0u;

@@ -60,9 +60,9 @@ extern const struct ib_command ib_commands[];
 extern const uint8_t ib_command_count;
 /** Row of a word in the mode in force, or NULL. */
 const struct ib_command *ib_command_find(const struct dg_ib *self, uint32_t word);
-/** Look at OUT: a new command begins to wait. */
+/** OUT is another one: a new command begins to wait. */
 void ib_sample(struct dg_ib *self, uint32_t out);
-/** One cycle has passed: execute what is due. */
+/** One cycle has passed while a command waits: execute it if it is due. */
 void ib_execute(struct dg_ib *self, dg_ns now);
 /** The error `word` is shown from now on. */
 void ib_refuse(struct dg_ib *self, uint32_t word);
@@ -71,13 +71,19 @@ void ib_refuse(struct dg_ib *self, uint32_t word);
 bool ib_fits(const struct dg_ib_model *model, uint32_t steps, uint32_t revolutions);
 /** Steps of the whole range of a K3 with this gear factor, which has to fit. */
 uint32_t ib_range_of(const struct dg_ib_model *model, uint32_t steps, uint32_t revolutions);
-bool ib_invalid(const struct dg_ib *self, dg_ns now);
-uint32_t ib_speed(const struct dg_ib *self, dg_ns now);
+/** What the shaft does at the latch. */
+struct ib_latch {
+    dg_angle angle;
+    int32_t mrpm;
+};
+uint32_t ib_speed(const struct dg_ib *self, int32_t mrpm);
+/** dg_ib_position() at an angle. */
+uint32_t ib_position(const struct dg_ib *self, dg_angle angle);
 /** The offset that makes the position at `now` the preset. */
 uint32_t ib_preset_offset(const struct dg_ib *self, dg_ns now);
 
 /** cam.c: the word of the cam mode, without bit 31. */
-uint32_t ib_cam_word(const struct dg_ib *self, dg_ns now);
+uint32_t ib_cam_word(const struct dg_ib *self, dg_angle angle);
 /** readout.c: the value of the item in force, or the error. */
 uint32_t ib_item(const struct dg_ib *self);
 

@@ -25,19 +25,23 @@ int dg_ib_ring_init(struct dg_ib_ring *self, struct dg_ib *devices, size_t count
 /* Devices before the first break; one without power is a break. */
 static uint16_t reachable(const struct dg_ib_ring *self)
 {
-    uint16_t n = 0;
+    const uint16_t whole = self->broken_at < self->count ? self->broken_at : self->count;
+    const struct dg_ib *device = self->devices;
+    const struct dg_ib *end = device + whole;
 
-    while (n < self->count && n != self->broken_at && self->devices[n].powered) {
-        n++;
+    while (device < end && device->powered) {
+        device++;
     }
-    return n;
+    return (uint16_t)(device - self->devices);
 }
 
 /* A device that was switched on again takes part only after an ID cycle. */
 static bool all_identified(const struct dg_ib_ring *self)
 {
-    for (uint16_t i = 0; i < self->count; i++) {
-        if (self->devices[i].last_id == DG_NEVER) {
+    const struct dg_ib *end = self->devices + self->count;
+
+    for (const struct dg_ib *device = self->devices; device < end; device++) {
+        if (device->last_id == DG_NEVER) {
             return false;
         }
     }
@@ -77,25 +81,26 @@ static enum dg_ib_ring_result corrupted(struct dg_ib_ring *self)
     return DG_IB_RING_CRC;
 }
 
-static void exchange(struct dg_ib *device, dg_ns now, const uint16_t *out, uint16_t *in)
+static void exchange(const struct dg_ib_ring *self, dg_ns now, const uint16_t *out, uint16_t *in)
 {
-    uint32_t word = 0;
+    struct dg_ib *end = self->devices + self->count;
+    size_t at = 0;
 
-    if (dg_ib_words(device->setup.model) == 1) {
-        dg_ib_cycle(device, now, 0, &word);
-        in[0] = (uint16_t)word;
-    } else {
-        dg_ib_cycle(device, now, (uint32_t)out[0] << 16 | out[1], &word);
-        in[0] = (uint16_t)(word >> 16);
-        in[1] = (uint16_t)word;
+    for (struct dg_ib *device = self->devices; device < end; device++) {
+        const bool one = device->setup.model->profile == DG_IB_K1;
+        uint32_t word = 0;
+
+        dg_ib_cycle(device, now, one ? 0 : (uint32_t)out[at] << 16 | out[at + 1u], &word);
+        if (!one) {
+            in[at++] = (uint16_t)(word >> 16);
+        }
+        in[at++] = (uint16_t)word;
     }
 }
 
 enum dg_ib_ring_result dg_ib_ring_cycle(struct dg_ib_ring *self, dg_ns now, const uint16_t *out,
                                         uint16_t *in)
 {
-    size_t at = 0;
-
     self->counters.cycles++;
     if (reachable(self) < self->count) {
         return interrupted(self);
@@ -111,10 +116,7 @@ enum dg_ib_ring_result dg_ib_ring_cycle(struct dg_ib_ring *self, dg_ns now, cons
         self->counters.dead++;
         return DG_IB_RING_DEAD;
     }
-    for (uint16_t i = 0; i < self->count; i++) {
-        exchange(&self->devices[i], now, &out[at], &in[at]);
-        at += dg_ib_words(self->devices[i].setup.model);
-    }
+    exchange(self, now, out, in);
     return DG_IB_RING_OK;
 }
 
