@@ -20,11 +20,23 @@ const struct dg_co_sheet *dg_cia406_sheet_of(const struct dg_device *model);
 void dg_co_eds(const struct dg_co_sheet *, void (*)(void *, const char *, size_t), void *);
 """
 HEADERS = ("host.h", "motion.h", "shaft.h")
+INCLUDE = re.compile(r'^#include "drehgeber/(\w+\.h)"$', re.M)
+STRUCT = re.compile(r"^struct \w+ \{[^}]*\};", re.M)
+
+
+def read(path: Path) -> str:
+    """A header without its comments."""
+    return re.sub(r"/\*.*?\*/", "", path.read_text(encoding="utf-8"), flags=re.S)
+
+
+def members(folder: Path) -> list[str]:
+    """The structs of what the headers include: members of theirs may be some of them."""
+    included = {name for header in HEADERS for name in INCLUDE.findall(read(folder / header))}
+    return [row for name in sorted(included - set(HEADERS)) for row in STRUCT.findall(read(folder / name))]
 
 
 def declarations(text: str) -> str:
-    """A header without comments, directives and marks; numbers that arrays are as long as stay."""
-    text = re.sub(r"/\*.*?\*/", "", text, flags=re.S)
+    """A header without directives and marks; numbers that arrays are as long as stay."""
     lengths = re.findall(r"^(#define \w+ \d+)u$", text, re.M)
     text = re.sub(r"^#ifdef __cplusplus\n.*?^#endif$", "", text, flags=re.S | re.M)
     text = re.sub(r"^[ \t]*#(\\\n|.)*$", "", text, flags=re.M)
@@ -35,7 +47,8 @@ def declarations(text: str) -> str:
 def main() -> None:
     headers, output = Path(sys.argv[1]), Path(sys.argv[2])
     builder = cffi.FFI()
-    builder.cdef(OTHERS + "\n".join(declarations((headers / name).read_text()) for name in HEADERS))
+    rows = [OTHERS, *members(headers), *(declarations(read(headers / name)) for name in HEADERS)]
+    builder.cdef("\n".join(rows))
     builder.set_source("drehgeber._abi", None)
     builder.emit_python_code(str(output))
 
