@@ -2,7 +2,7 @@
 """pyserial's URL of an encoder in this process."""
 import time
 
-import drehgeber  # noqa: F401 -- importing it makes the URL known
+import drehgeber
 import pytest
 import serial
 from drehgeber import EncoderError
@@ -88,7 +88,7 @@ def test_a_port_is_opened_again():
 
 @pytest.mark.parametrize("url", ["drehgeber://", "drehgeber://s9", URL + "&time=slow"])
 def test_addresses_that_are_none(url):
-    with pytest.raises(serial.SerialException, match="time=virtual is right"):
+    with pytest.raises(serial.SerialException, match="time=virtual, or .* is right"):
         open_port(url)
 
 
@@ -96,6 +96,25 @@ def test_addresses_that_are_none(url):
 def test_encoders_that_are_none(url):
     with pytest.raises(EncoderError):
         open_port(url)
+
+
+def test_an_encoder_that_is_there_already():
+    clock = drehgeber.Clock()
+    shaft = drehgeber.Shaft(clock, "90DEG")
+    motor = drehgeber.Encoder("s3684-rs485", shaft=shaft, name="motor")
+    other = drehgeber.Encoder("f3668", shaft=shaft)
+    with open_port("drehgeber://motor") as port:
+        assert port.encoder is motor
+        port.write(ASK)
+        assert port.read(7) == AT_90
+        assert other.position == 16384 and clock.now > 0.016
+    for name in ("motor", "f3668"):
+        with pytest.raises(EncoderError, match=f"'{name}' already"):
+            drehgeber.Encoder("s3684-rs485", name=name)
+    held = drehgeber.Encoder("f3668", name="held")
+    with pytest.raises(EncoderError, match="speaks canopen"):
+        open_port("drehgeber://held")
+    assert held.name == "held"
 
 
 def test_long_requests():

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import contextlib
+import weakref
 from array import array
 from typing import Any, Literal, NamedTuple
 
@@ -19,6 +20,7 @@ from .rs485 import Rs485
 from .shaft import Shaft
 from .world import World
 
+_named: weakref.WeakValueDictionary[str, Encoder] = weakref.WeakValueDictionary()
 ANSWER = 1 << 16
 TEXT = 256
 
@@ -48,7 +50,8 @@ class Encoder(Instrument):
     Settings are those of `--set`, as keywords. `shaft` is a Shaft, which others may share, or words for
     one of its own; `bus` is a CanBus for a CANopen encoder, else it has one of its own; `clock` is
     theirs, or one of its own. It has had power for a second when it is made, unless `power` is False.
-    `memory` is an image of its EEPROM."""
+    `memory` is an image of its EEPROM. `name` is what pyserial knows it by, drehgeber://NAME, as long as
+    somebody holds it."""
 
     def __init__(
         self,
@@ -59,6 +62,7 @@ class Encoder(Instrument):
         bus: CanBus | None = None,
         power: bool = True,
         memory: bytes | None = None,
+        name: str | None = None,
         **settings: str | float,
     ) -> None:
         self._ffi, self._lib = _native.load()
@@ -71,8 +75,10 @@ class Encoder(Instrument):
         self._deadline = NEVER
         self._made = False
         self.model = model
+        self.name = name
         self.protocol: str = self._ffi.string(self._lib.dg_host_protocol(self._host)).decode()
         self._join(clock, shaft, bus)
+        self._register()
         for key, value in settings.items():
             self.set(key, value)
         if memory is not None:
@@ -98,6 +104,18 @@ class Encoder(Instrument):
                 self._bus._nodes.append(self)
             else:
                 self.clock._members.append(self)
+
+    def _register(self) -> None:
+        if self.name is None:
+            return
+        if self.name in _named or self.name in _native.models():
+            raise EncoderError(f"there is an encoder {self.name!r} already, or a model")
+        _named[self.name] = self
+
+    @staticmethod
+    def named(name: str) -> Encoder | None:
+        """The encoder of that name, if there is one."""
+        return _named.get(name)
 
     def _start(self) -> None:
         """Switch it on a second ago; what it said meanwhile nobody has heard."""

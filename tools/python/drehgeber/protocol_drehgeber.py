@@ -12,11 +12,11 @@ from .clock import SECOND_NS, Clock
 from .encoder import Encoder
 
 SCHEME = "drehgeber://"
-FORMS = f"{SCHEME}s3684-rs485?shaft=60RPM&time=virtual is right"
+FORMS = f"{SCHEME}s3684-rs485?shaft=60RPM&time=virtual, or {SCHEME}NAME of a drehgeber.Encoder, is right"
 
 
 class Serial(serial.SerialBase):
-    """The line of an RS485 encoder in this process: `encoder` is it. `time=real` goes by the machine's
+    """The line of an RS485 encoder in this process, made here or before: `encoder` is it. `time=real` goes by the machine's
     clock; virtual time, as usual, moves by what is written, in the timeout of read(), and by
     `encoder.clock.advance()`. Another data rate or parity than the encoder's is a damaged line."""
 
@@ -41,6 +41,9 @@ class Serial(serial.SerialBase):
     @staticmethod
     def _make(url: str) -> Encoder:
         text = url[len(SCHEME) :] if url.lower().startswith(SCHEME) else url
+        named = Encoder.named(text)
+        if named is not None:
+            return named
         model, _, query = text.partition("?")
         words = query.split("&") if query else []
         time = [word.partition("=")[2] for word in words if word.startswith("time=")]
