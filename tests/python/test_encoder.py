@@ -85,6 +85,22 @@ def test_an_exchange_takes_its_time_on_the_line():
     assert encoder.clock.now == pytest.approx((3 * 11 + 44 + 7 * 11) / 9600 + 0.001, abs=2e-6)
 
 
+def test_encoders_share_a_line():
+    line = drehgeber.Line()
+    near = Encoder("s3684-rs485", line=line, shaft="90DEG")
+    far = Encoder("s3674-rs485", line=line, address=0x41, shaft=Shaft(line.clock, "180DEG"))
+    assert line.encoders == (near, far) and near.rs485 is far.rs485 is line
+    assert line.uart == (9600, "E", 44)
+    assert hiperface(line.request(ASK)) == 16384
+    assert line.request(bytes.fromhex("41 42 03"))[2:6] == (32768).to_bytes(4, "big")
+    near.power(False)
+    assert line.request(ASK) == b"" and line.request(bytes.fromhex("41 42 03")) != b""
+    far.close()
+    assert line.encoders == (near,)
+    with pytest.raises(EncoderError, match="has no RS485"):
+        Encoder("f3668", line=line)
+
+
 def test_silence_takes_its_timeout():
     encoder = Encoder("s3684-rs485")
     assert encoder.request(b"\x41\x42\x03", timeout=0.25) == b""
@@ -450,7 +466,7 @@ def test_power():
     encoder.clock.advance(1)
     assert hiperface(encoder.request(ASK)) == 0
     encoder.power(False)
-    with pytest.raises(EncoderError, match="line"):
+    with pytest.raises(EncoderError, match="nobody on the line has power"):
         encoder.request(ASK)
     silent = Encoder("ocd-ib-k3")
     silent.power(False)

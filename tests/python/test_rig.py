@@ -61,6 +61,7 @@ def test_a_whole_rig_goes_by_one_clock(bench):
     assert rig.encoders["wheel"].biss.frame().singleturn == 3 << 19
     assert rig.encoders["feedback"].world.temperature == 85
     assert rig.encoders["feedback"].request(bytes.fromhex("41 42 03"))[:2] == b"\x41\x42"
+    assert rig.lines["line"].encoders == (rig.encoders["feedback"],)
     master = rig.buses["can"].port()
     for node in (1, 2):
         master.send(0x600 + node, bytes.fromhex("40 04 60 00 00 00 00 00"))

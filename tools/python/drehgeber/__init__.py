@@ -42,6 +42,7 @@ from .clock import Clock
 from .control import Control, ScpiError
 from .encoder import Encoder, Setting, SinCos
 from .rigfile import Rig
+from .rs485 import Line, Uart
 from .running import RigError, RunningEncoder, RunningRig, RunningShaft, program, rig, run
 from .shaft import Shaft
 
@@ -59,6 +60,7 @@ __all__ = [
     "Control",
     "Encoder",
     "EncoderError",
+    "Line",
     "Rig",
     "RigError",
     "RunningEncoder",
@@ -68,6 +70,7 @@ __all__ = [
     "Setting",
     "Shaft",
     "SinCos",
+    "Uart",
     "__version__",
     "eds",
     "models",

@@ -37,6 +37,7 @@ class Course:
 
     def _serve(self, now: int) -> None:
         """At its deadline. Where the value is the same at both points, nothing happens between them."""
+        self._put(self._value(now))
         behind = bisect.bisect_right(self._at, now)
         if behind == len(self._at):
             self._due = NEVER
@@ -44,4 +45,3 @@ class Course:
             self._due = self._at[behind]
         else:
             self._due = min(now + TICK_NS, self._at[behind])
-        self._put(self._value(now))  # last: in real time it looks at the clock again

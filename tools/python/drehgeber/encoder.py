@@ -16,7 +16,7 @@ from .clocked import Biss, Ssi
 from .control import ScpiError, split
 from .instrument import Instrument
 from .ring import Ring
-from .rs485 import Rs485
+from .rs485 import Line
 from .shaft import Shaft
 from .world import World
 
@@ -48,8 +48,8 @@ class Encoder(Instrument):
     """An encoder: `Encoder("f3668", node=5, shaft="60RPM")`.
 
     Settings are those of `--set`, as keywords. `shaft` is a Shaft, which others may share, or words for
-    one of its own; `bus` is a CanBus for a CANopen encoder, else it has one of its own; `clock` is
-    theirs, or one of its own. It has had power for a second when it is made, unless `power` is False.
+    one of its own; `bus` is a CanBus for a CANopen encoder, `line` a Line for one with RS485, else it has
+    one of its own; `clock` is theirs, or one of its own. It has had power for a second when it is made, unless `power` is False.
     `memory` is an image of its EEPROM. `name` is what pyserial knows it by, drehgeber://NAME, as long as
     somebody holds it."""
 
@@ -60,6 +60,7 @@ class Encoder(Instrument):
         clock: Clock | None = None,
         shaft: Shaft | str = "0",
         bus: CanBus | None = None,
+        line: Line | None = None,
         power: bool = True,
         memory: bytes | None = None,
         name: str | None = None,
@@ -77,7 +78,7 @@ class Encoder(Instrument):
         self.model = model
         self.name = name
         self.protocol: str = self._ffi.string(self._lib.dg_host_protocol(self._host)).decode()
-        self._join(clock, shaft, bus)
+        self._join(clock, shaft, bus, line)
         self._register()
         for key, value in settings.items():
             self.set(key, value)
@@ -87,15 +88,18 @@ class Encoder(Instrument):
         if power:
             self._start()
 
-    def _join(self, clock: Clock | None, shaft: Shaft | str, bus: CanBus | None) -> None:
-        """Its clock, its bus, its shaft."""
+    def _join(self, clock: Clock | None, shaft: Shaft | str, bus: CanBus | None, line: Line | None) -> None:
+        """Its clock, its bus or line, its shaft."""
         if bus is not None and self.protocol != "canopen":
             raise EncoderError(f"{self.model} has no CAN")
-        given = shaft.clock if isinstance(shaft, Shaft) else None
-        clocks = [one for one in (clock, given, bus.clock if bus else None) if one is not None]
+        if line is not None and self.protocol != "hiperface":
+            raise EncoderError(f"{self.model} has no RS485")
+        given = [one.clock for one in (shaft, bus, line) if one is not None and not isinstance(one, str)]
+        clocks = given if clock is None else [clock, *given]
         if any(one is not clocks[0] for one in clocks):
             raise EncoderError("the encoder, its shaft and its bus go by the same clock")
         self.clock = clocks[0] if clocks else Clock()
+        self._line = Line(self.clock) if line is None and self.protocol == "hiperface" else line
         self._bus = CanBus(clock=self.clock) if bus is None and self.protocol == "canopen" else bus
         self._shaft = shaft if isinstance(shaft, Shaft) else Shaft(self.clock, shaft)
         self._lib.dg_host_shaft_of(self._host, self._shaft._c)
@@ -104,6 +108,8 @@ class Encoder(Instrument):
                 self._bus._nodes.append(self)
             else:
                 self.clock._members.append(self)
+            if self._line is not None:
+                self._line._encoders.append(self)
 
     def _register(self) -> None:
         if self.name is None:
@@ -129,10 +135,14 @@ class Encoder(Instrument):
                 pass
 
     def close(self) -> None:
-        """Take it off its bus and clock."""
-        members: list[Any] = self.clock._members if self._bus is None else self._bus._nodes
-        with self.clock.lock, contextlib.suppress(ValueError):
-            members.remove(self)
+        """Take it off its bus or line, and off its clock."""
+        places: list[list[Any]] = [self.clock._members]
+        places += [self._bus._nodes] if self._bus is not None else []
+        places += [self._line._encoders] if self._line is not None else []
+        with self.clock.lock:
+            for members in places:
+                with contextlib.suppress(ValueError):
+                    members.remove(self)
 
     def __repr__(self) -> str:
         return f"<drehgeber.Encoder {self.model} at {self.clock.now} s>"
@@ -254,10 +264,15 @@ class Encoder(Instrument):
 
     def _sense(self, name: str, value: int) -> None:
         with self.clock.lock:
-            now = self.clock._sync()
-            result = self._lib.dg_host_world_set(self._host, now, name.encode(), value)
-            checked(result, f"{self.model}: {name} = {value}")
-            self._changed()
+            self.clock._sync()
+            self._sense_now(name, value)
+
+    def _sense_now(self, name: str, value: int) -> None:
+        """The lock is held, and it is the present, or a moment on the way there."""
+        now = self.clock._ns
+        result = self._lib.dg_host_world_set(self._host, now, name.encode(), value)
+        checked(result, f"{self.model}: {name} = {value}")
+        self._changed()
 
     # ------------------------------------------------------------ looks
 
@@ -302,10 +317,11 @@ class Encoder(Instrument):
         return found
 
     @property
-    def rs485(self) -> Rs485:
-        """The master of its line."""
-        master: Rs485 = self._master(Rs485, "hiperface")
-        return master
+    def rs485(self) -> Line:
+        """RS485: the line that it is on, and its master."""
+        self._wire("hiperface")
+        assert self._line is not None
+        return self._line
 
     def request(self, data: bytes, timeout: float = 0.1) -> bytes:
         """RS485: a frame there and what comes back, b"" after `timeout` of silence. Time goes on as on

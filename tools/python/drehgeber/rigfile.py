@@ -11,6 +11,7 @@ from ._native import EncoderError
 from .canbus import CanBus
 from .clock import Clock
 from .encoder import Encoder
+from .rs485 import Line
 from .shaft import Shaft
 
 # What is about wires that there are none of here, and what the encoder's own line has taken.
@@ -24,8 +25,8 @@ Section = configparser.SectionProxy
 class Rig:
     """A rig file as `drehgeber run` takes it, in virtual time: Rig("bench.ini").advance(1.5).
 
-    Its wires are not made. CANopen encoders of a [bus] share a CanBus; every other encoder has its master
-    for itself. `nvm` files are read, and written by close(). Use it as a context to have that done."""
+    Its wires are not made. CANopen encoders of a [bus] share a CanBus, those with RS485 a Line; every other
+    encoder has its master for itself. `nvm` files are read, and written by close(). Use it as a context to have that done."""
 
     def __init__(self, file: str | Path, *, clock: Clock | None = None) -> None:
         path = Path(file)
@@ -44,6 +45,7 @@ class Rig:
         self.name = Path(source).stem
         self.shafts: dict[str, Shaft] = {}
         self.buses: dict[str, CanBus] = {}
+        self.lines: dict[str, Line] = {}
         self.encoders: dict[str, Encoder] = {}
         self._files: dict[str, Path] = {}
         self._wires: set[str] = set()
@@ -102,10 +104,13 @@ class Rig:
         return self.shafts[name.lower()]
 
     def _bus(self, name: str, section: Section) -> None:
-        """One of CAN becomes a bus; the encoders of others have their masters for themselves."""
+        """Of CAN or RS485; the encoders of others have their masters for themselves."""
         self._wires.add(name)
-        if section.get("wire", "").partition(":")[0] in ("can", "slcan"):
+        kind = section.get("wire", "").partition(":")[0]
+        if kind in ("can", "slcan"):
             self.buses[name] = CanBus(clock=self.clock)
+        elif kind in ("pty", "tty"):
+            self.lines[name] = Line(self.clock)
 
     def _encoder(self, name: str, section: Section) -> None:
         model, bus = section.get("model"), section.get("bus")
@@ -120,6 +125,7 @@ class Rig:
             model,
             shaft=next(iter(self.shafts.values())) if shaft is None else self._shaft_named(shaft),
             bus=self.buses.get(bus.lower()) if bus is not None else None,
+            line=self.lines.get(bus.lower()) if bus is not None else None,
             power=False,
         )
         for key in section:

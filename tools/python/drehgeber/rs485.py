@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""RS485 of an encoder in this process: characters with their moments."""
+"""RS485 in this process: characters with their moments."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ import functools
 from collections import deque
 from typing import TYPE_CHECKING, NamedTuple
 
-from ._native import EncoderError, checked
-from .clock import SECOND_NS
+from ._native import EncoderError, checked, load
+from .clock import SECOND_NS, Clock
 
 if TYPE_CHECKING:
     from .encoder import Encoder
@@ -32,59 +32,76 @@ def character_ns(baud: int, parity: str) -> int:
     return -(-bits * SECOND_NS // baud)
 
 
-class Rs485:
-    """A master's side of the line."""
+class Line:
+    """An RS485 line and its master. Encoders with addresses of their own may share one:
+    `Encoder(..., line=line, address=0x41)`."""
 
-    def __init__(self, encoder: Encoder) -> None:
-        self._encoder = encoder
-        self._event = encoder._ffi.new("struct dg_host_event *")
-        self._data = encoder._ffi.buffer(self._event.data)
-        self._uart = encoder._ffi.new("struct dg_host_uart *")
+    def __init__(self, clock: Clock | None = None) -> None:
+        self._ffi, self._lib = load()
+        self.clock = clock or Clock()
+        self._encoders: list[Encoder] = []
+        self._event = self._ffi.new("struct dg_host_event *")
+        self._data = self._ffi.buffer(self._event.data)
+        self._uart = self._ffi.new("struct dg_host_uart *")
         self._arrived: deque[tuple[int, int]] = deque()  # end of the character, what it is
         self._free_ns = 0  # the master's own characters are on the line until then
 
     @property
+    def encoders(self) -> tuple[Encoder, ...]:
+        """Those on it."""
+        return tuple(self._encoders)
+
+    @property
     def uart(self) -> Uart:
-        """The encoder's."""
-        encoder, to = self._encoder, self._uart
-        checked(encoder._lib.dg_host_uart(encoder._host, to), "the line")
-        return Uart(to.baud, chr(to.parity), to.timeout_bits)
+        """Of the first encoder that is on."""
+        to = self._uart
+        for encoder in self._encoders:
+            if self._lib.dg_host_uart(encoder._host, to) == 0:
+                return Uart(to.baud, chr(to.parity), to.timeout_bits)
+        raise EncoderError("nobody on the line has power", self._lib.DG_HOST_ERR_STATE)
 
     def _send(self, data: bytes, baud: int | None = None, parity: str | None = None) -> int:
-        """From the present on, or behind what is being sent. With another setting than the
-        encoder's every character arrives damaged. @return the end of it"""
-        encoder, event = self._encoder, self._event
-        uart = self.uart
-        baud, parity = baud or uart.baud, parity or uart.parity
-        right = baud == uart.baud and parity == uart.parity
+        """From the present on, or behind what is being sent. Who has another setting gets every character
+        damaged. @return the end of it"""
+        at = max(self.clock._sync(), self._free_ns)
+        if baud is None or parity is None:
+            baud, parity, _ = self.uart
         one = character_ns(baud, parity)
-        at = max(encoder.clock._sync(), self._free_ns)
+        for encoder in self._encoders:
+            if self._lib.dg_host_uart(encoder._host, self._uart) == 0:
+                right = self._uart.baud == baud and chr(self._uart.parity) == parity
+                self._send_to(encoder, data, at, one, 0 if right else self._lib.DG_HOST_DAMAGED)
+        self._free_ns = at + one * len(data)
+        return self._free_ns
+
+    def _send_to(self, encoder: Encoder, data: bytes, at: int, one: int, flags: int) -> None:
+        event = self._event
         for done in range(0, len(data), RUN):
             run = data[done : done + RUN]
-            event.at, event.id, event.kind = at, one, encoder._lib.DG_HOST_BYTES
-            event.flags = 0 if right else encoder._lib.DG_HOST_DAMAGED
-            event.length = len(run)
+            event.at, event.id, event.flags = at + done * one, one, flags
+            event.kind, event.length = self._lib.DG_HOST_BYTES, len(run)
             self._data[:] = run.ljust(RUN, b"\0")
-            checked(encoder._lib.dg_host_send(encoder._host, event), "more than can be sent at once")
-            at += one * len(run)
-        encoder._deadline = min(encoder._deadline, encoder._lib.dg_host_next(encoder._host))
-        self._free_ns = at
-        return at
+            checked(self._lib.dg_host_send(encoder._host, event), "more than can be sent at once")
+        encoder._deadline = min(encoder._deadline, self._lib.dg_host_next(encoder._host))
 
     def _fetch(self) -> None:
-        """What the encoder has said so far."""
-        encoder, event = self._encoder, self._event
-        while encoder._lib.dg_host_receive(encoder._host, event) > 0:
-            if event.kind == encoder._lib.DG_HOST_BYTES:
-                for i, byte in enumerate(self._data[: event.length]):
-                    self._arrived.append((event.at + (i + 1) * event.id, byte))
+        """What the encoders have said so far; of several, in the order of time."""
+        event, before = self._event, len(self._arrived)
+        for encoder in self._encoders:
+            while self._lib.dg_host_receive(encoder._host, event) > 0:
+                if event.kind == self._lib.DG_HOST_BYTES:
+                    for i, byte in enumerate(self._data[: event.length]):
+                        self._arrived.append((event.at + (i + 1) * event.id, byte))
+        if len(self._arrived) > before and len(self._encoders) > 1:
+            self._arrived = deque(sorted(self._arrived, key=lambda row: row[0]))
 
     def _until_said(self, until_ns: int) -> bool:
-        """Time goes on deadline by deadline until the encoder says something. The lock is held."""
-        clock = self._encoder.clock
+        """Time goes on deadline by deadline until an encoder says something. The lock is held."""
+        clock = self.clock
         self._fetch()
         while not self._arrived and clock._sync() < until_ns:
-            clock._wait_until(min(max(self._encoder._next(), clock._ns + 1), until_ns))
+            due = min(encoder._deadline for encoder in self._encoders)
+            clock._wait_until(min(max(due, clock._ns + 1), until_ns))
             self._fetch()
         return bool(self._arrived)
 
@@ -98,18 +115,16 @@ class Rs485:
     def request(self, data: bytes, timeout: float = 0.1) -> bytes:
         """A frame there and what comes back, b"" after `timeout` of silence; time goes on to the
         end of it."""
-        encoder = self._encoder
         if not data:
             raise EncoderError("a request has one character or more")
-        with encoder.clock.lock:
-            encoder.clock._sync()
+        with self.clock.lock:
+            self.clock._sync()
             self._fetch()
             self._arrived.clear()
             end = self._send(data)
-            encoder.clock._wait_until(end)
+            self.clock._wait_until(end)
             if not self._until_said(end + round(timeout * SECOND_NS)):
                 return b""
-            last = max(at for at, _ in self._arrived)
-            encoder.clock._wait_until(last)
+            self.clock._wait_until(max(at for at, _ in self._arrived))
             self._fetch()
             return self._heard(1 << 63, len(self._arrived))

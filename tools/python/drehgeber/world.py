@@ -38,7 +38,10 @@ class Quantity(Generic[T]):
         return self._kind(world._encoder._sensed(self._name) / self._parts)
 
     def __set__(self, world: World, value: float) -> None:
-        world._encoder._sense(self._name, round(value * self._parts))
+        world._encoder._sense(self._name, self._counts(value))
+
+    def _counts(self, value: float) -> int:
+        return round(value * self._parts)
 
 
 class World:
@@ -78,7 +81,8 @@ class World:
         clock = self._encoder.clock
         with clock.lock:
             clock._sync()
-            made = Course(clock, points, lambda value: setattr(self, name, value))
+            put = self._encoder._sense_now
+            made = Course(clock, points, lambda value: put(name, quantity._counts(value)))
             self.stop(name)
             self._courses[name] = made
             clock._courses.append(made)
