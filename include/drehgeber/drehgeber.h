@@ -36,6 +36,7 @@
 #include "drehgeber/store.h"
 #include "drehgeber/text.h"
 #include "drehgeber/time.h"
+#include "drehgeber/version.h"
 #include "drehgeber/wide.h"
 #include "drehgeber/world.h"
 

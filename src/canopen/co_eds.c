@@ -7,6 +7,7 @@
 #include "drehgeber/eds.h"
 
 #include "co_od.h"
+#include "drehgeber/version.h"
 
 #define PIECE_MAX 64u
 

@@ -4,6 +4,8 @@
  */
 #include "control_private.h"
 
+#include "drehgeber/version.h"
+
 struct dg_rig *control_rig_of(const struct dg_scpi *self)
 {
     const struct dg_control *control = self->setup.ctx;

@@ -3,5 +3,5 @@
 
 const char *dg_version(void)
 {
-    return DG_VERSION; /* the build passes the project's version */
+    return DG_VERSION;
 }

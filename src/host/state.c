@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "drehgeber/crc.h"
+#include "drehgeber/version.h"
 
 #define MODEL_MAX 32u
 #define VERSION_MAX 24u

@@ -66,7 +66,7 @@ ROOMS = {
     "tools/drehgeber": {"motion", "linux/rig"} | PROTOCOLS | BELOW | WIRES,
     "tools/manual":    {"core", "devices", "tools/drehgeber"} | PROTOCOLS | BELOW,
     "tools/reference": {"core", "control", "devices", "instruments"} | PROTOCOLS | {f"src/{folder}" for folder in PROTOCOLS},
-    "tools/examples":  set(ALLOWED),
+    "tools/examples":  set(ALLOWED), # and what is below it: each the whole of a user's program
 }
 # public header: the folder that implements it
 OWNER = {
@@ -79,6 +79,7 @@ OWNER = {
     "store.h":     "core",
     "text.h":      "core",
     "time.h":      "core",
+    "version.h":   "core",
     "wide.h":      "core",
     "world.h":     "core",
     "quantity.h":  "core",
@@ -120,7 +121,7 @@ def place_of(path):
         return OWNER.get(path.rsplit("/", 1)[1])
     if path.startswith("src/") and path.endswith(SEEN_FROM_OUTSIDE):
         return path[len("src/"):-len(".c")]
-    return "/".join(parts if parts[0] == "tools" else parts[1:])
+    return "/".join(parts[:2] if parts[0] == "tools" else parts[1:])
 
 
 def public(path, place, header):

@@ -52,8 +52,8 @@ def test_what_is_in_the_wheel(wheel):
 
 
 def test_the_version_is_the_projects():
-    text = (TREE / "tools/python/core/CMakeLists.txt").read_text()
-    assert f"project(drehgeber VERSION {drehgeber.__version__} " in text
+    text = (TREE / "tools/python/core/include/drehgeber/version.h").read_text()
+    assert f'#define DG_VERSION "{drehgeber.__version__}"' in text
     assert importlib.metadata.version("drehgeber") == drehgeber.__version__
 
 
