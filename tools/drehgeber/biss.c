@@ -143,7 +143,7 @@ static int do_registers(struct wire_session *self, struct words *words, struct l
     if (!take_number(words, ADDRESSES - address, &n) || n == 0) {
         return usage(error, "registers needs a number of registers, up to 0x7F", "");
     }
-    result = read_all(self, address, bytes, n, error);
+    result = read_all(self, address, bytes, (size_t)n, error);
     for (size_t i = 0; result == 0 && i < n; i++) {
         const bool last = i + 1 == n || (i + 1) % PER_LINE == 0;
         (void)printf("%02X%c", bytes[i], last ? '\n' : ' ');

@@ -164,14 +164,14 @@ static long make_older_file(const char *path, const struct dg_store_layout *layo
     assert_int_equal(fwrite(memory.bytes, 1, memory.size, file), memory.size);
     assert_int_equal(fclose(file), 0);
     lx_nvm_memory_free(&memory);
-    return dg_store_size(&older);
+    return (long)dg_store_size(&older);
 }
 
 static long length_of(const char *path)
 {
     struct stat info;
     assert_int_equal(stat(path, &info), 0);
-    return info.st_size;
+    return (long)info.st_size;
 }
 
 /* Refused, it stays as it is; taken, it has today's length. */

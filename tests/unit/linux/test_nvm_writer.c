@@ -37,7 +37,7 @@ static struct disk {
 
 struct memory {
     uint8_t bytes[SIZE];
-    char offset; /* between the letters of the log and its own */
+    int offset; /* between the letters of the log and its own */
 };
 
 static int read_memory(void *ctx, uint32_t address, void *to, size_t n)
