@@ -104,7 +104,7 @@ enum dg_co_flags {
     DG_CO_R = 1,        /**< may be read */
     DG_CO_W = 2,        /**< may be written */
     DG_CO_RW = 3,       /**< both */
-    DG_CO_MAP = 4,      /**< may be mapped into a TPDO */
+    DG_CO_MAP = 4,      /**< may be mapped into a TPDO; the row stands for one sub-index */
     DG_CO_ID = 8,       /**< the node-ID is added to the default */
     DG_CO_SAVE = 16,    /**< 1010h keeps it: the stack's in regions of their own, the device's in
                            DG_CO_REGION_APPLICATION */
@@ -156,7 +156,7 @@ struct dg_co_row {
 };
 /**
  * A row: `more` (0..15) sub-indices behind are alike, with a slot each; `limits` (0..15) and `hook`
- * are places in the tables of its dictionary, from 1 on. Without limits all that the type holds may
+ * are places in the tables of its dictionary, or 0. Without limits all that the type holds may
  * be written.
  */
 #define DG_CO_ROW(index, sub, more, type, flags, slot, initial, limits, hook)                      \
@@ -175,16 +175,17 @@ struct dg_co_limits {
 struct dg_co_dictionary {
     const struct dg_co_row *rows; /**< sorted by index and sub-index, at least one */
     uint16_t count;
-    const struct dg_co_limits *limits; /**< by number, from 1 on */
-    dg_co_hook *const *hooks;          /**< by number, from 1 on */
+    const struct dg_co_limits *limits; /**< by number; 0 is none */
+    dg_co_hook *const *hooks;          /**< by number; the one of 0 is NULL */
 };
 
 /** A sub-index as it was found: what a hook is called with. */
 struct dg_co_object {
     const struct dg_co_row *row;
-    uint16_t index;
+    const struct dg_co_dictionary *dictionary; /**< of the row: the stack's or the device's */
+    uint8_t slot; /**< in dg_co_node.value, with DG_CO_SLOT; these three as a row's key has them */
     uint8_t sub;
-    uint8_t slot; /**< in dg_co_node.value, with DG_CO_SLOT */
+    uint16_t index;
 };
 
 /** Default and maximum of a row with DG_CO_FIGURE, where the device or the model says them. Those
@@ -340,7 +341,7 @@ struct dg_co_tpdo {
     uint8_t last[8 + 3]; /**< data sent or sampled last; room for a whole 32-bit store at byte 7 */
     dg_ns event_at;      /**< event timer, or DG_NEVER */
     dg_ns inhibit_until;
-    /** Numbers of rows, the stack's, then the device's; which of those alike in bits 0-3. */
+    /** Rows by their place; bit 15: in the device's dictionary. */
     uint16_t mapped[DG_CO_MAPPED_MAX];
 };
 
@@ -365,49 +366,52 @@ struct dg_co_lss {
     dg_ns switch_at;    /**< activate bit timing: the new rate is in force from then */
 };
 
-/** A node. Readable for tests and displays; only the stack writes it. */
+/**
+ * A node. Readable for tests and displays; only the stack writes it. What is used most stands
+ * first: there an instruction of a small machine reaches it.
+ */
 struct dg_co_node {
-    struct dg_co_setup setup;
-    struct dg_store store;
-    struct dg_co_counters counters;
-    dg_ns now;      /**< moment of the call that is being served */
-    dg_ns deadline; /**< of all services */
-    dg_ns others;   /**< of all but the SDO server */
-    bool moved;     /**< what is being served may have moved one of the others' deadlines */
     enum dg_co_state state;
-    uint8_t id;          /**< node-ID in force, DG_CO_UNCONFIGURED without one */
-    uint8_t bit_rate;    /**< in force, number in dg_co_device.kbaud */
-    uint8_t termination; /**< as stored */
+    uint8_t id; /**< node-ID in force, DG_CO_UNCONFIGURED without one */
+    bool moved; /**< what is being served may have moved one of the others' deadlines */
     bool mounted;
+    uint8_t sync_mask;  /**< bit n: TPDO n is valid and synchronous */
+    uint8_t emcy_count; /**< EMCYs that wait for the inhibit time 1015h */
+    uint8_t emcy_first;
+    uint8_t history_count;
+    uint8_t history_newest;
     uint8_t filter_version; /**< changes whenever dg_co_filters() may have changed */
-    uint32_t serial;        /**< 1018h:4 */
-    uint32_t value[DG_CO_VALUES_MAX];
-
-    dg_ns heartbeat_at;
-    dg_ns guard_at;                     /**< life time is over */
-    dg_ns consumer_at[DG_CO_CONSUMERS]; /**< heartbeat overdue; DG_NEVER: none seen yet */
-
+    uint8_t bit_rate;       /**< in force, number in dg_co_device.kbaud */
+    uint8_t termination;    /**< as stored */
+    bool guard_toggle;
     bool bus_off;    /**< between bus-off and error active */
     bool bus_absent; /**< there is no bus, see DG_CO_BUS_ABSENT */
     bool bus_found;  /**< there has been one since power-on: told, or heard */
-    bool guard_toggle;
-    uint8_t sync_mask; /**< bit n: TPDO n is valid and synchronous */
-    uint8_t history_count;
-    uint8_t emcy_count;              /**< EMCYs that wait for the inhibit time 1015h */
-    uint16_t time_days;              /**< with `time_ms` */
-    uint32_t active_causes;          /**< bit n: cause n lasts */
-    uint32_t history[DG_CO_HISTORY]; /**< 1003h, newest first */
-    uint8_t emcy[DG_CO_HISTORY][8];
-    dg_ns emcy_until;
+    struct dg_co_lss lss;
+    struct dg_co_setup setup;
 
-    dg_ns rx_at;       /**< moment the latest frame came in; before `now` when delivered late */
-    dg_ns pdo_at;      /**< next deadline of the TPDOs; 0: to be found anew */
-    uint32_t clock_us; /**< 1013h is this plus `now` in us */
-    uint32_t time_ms;  /**< latest TIME: ms after midnight, days since 1984-01-01 */
+    dg_ns now;      /**< moment of the call that is being served */
+    dg_ns deadline; /**< of all services */
+    dg_ns others;   /**< of all but the SDO server */
+    dg_ns pdo_at;   /**< next deadline of the TPDOs; 0: to be found anew */
+    dg_ns rx_at;    /**< moment the latest frame came in; before `now` when delivered late */
+    dg_ns heartbeat_at;
+    dg_ns guard_at;                     /**< life time is over */
+    dg_ns consumer_at[DG_CO_CONSUMERS]; /**< heartbeat overdue; DG_NEVER: none seen yet */
+    dg_ns emcy_until;
+    uint32_t active_causes; /**< bit n: cause n lasts */
+    uint32_t serial;        /**< 1018h:4 */
+    uint32_t clock_us;      /**< 1013h is this plus `now` in us */
+    uint32_t time_ms;       /**< latest TIME: ms after midnight, days since 1984-01-01 */
+    uint16_t time_days;     /**< with `time_ms` */
+    struct dg_co_counters counters;
 
     struct dg_co_sdo sdo;
+    uint32_t value[DG_CO_VALUES_MAX];
     struct dg_co_tpdo tpdo[DG_CO_TPDOS];
-    struct dg_co_lss lss;
+    struct dg_store store;
+    uint32_t history[DG_CO_HISTORY]; /**< 1003h: at history_newest, then backwards round */
+    uint8_t emcy[DG_CO_HISTORY][8];
 };
 
 /**

@@ -72,7 +72,6 @@ struct dg_cia406_leds {
 struct dg_cia406 {
     const struct dg_cia406_model *model;
     uint32_t raw;        /**< physical position of the latest sample, 0..turns * steps - 1 */
-    uint32_t position;   /**< 6004h of the latest sample */
     uint32_t zero;       /**< USF: physical position of the internal zero */
     uint64_t zero_y;     /**< USF: position there in 1/65536 unit, modulo TMR * 65536 */
     uint64_t y;          /**< position in 1/65536 unit while 6000h-6002h are written */

@@ -11,6 +11,7 @@ void dg_co_attach(struct dg_co_node *self, const struct dg_co_setup *setup)
     self->store.layout = setup != NULL ? setup->device->layout : NULL;
     /* Of a download that is under way; otherwise nobody looks at it. */
     self->sdo.object.row = NULL;
+    self->sdo.object.dictionary = NULL;
     if (setup != NULL) {
         (void)co_find(setup->device, &self->sdo.object);
     }

@@ -54,6 +54,12 @@ void co_react(struct dg_co_node *self, enum dg_co_error_class class_of)
     }
 }
 
+/* Both lists are rings. */
+static uint8_t in_ring(unsigned place)
+{
+    return (uint8_t)(place % DG_CO_HISTORY);
+}
+
 /* Waiting EMCYs are sent oldest first; when too many wait, the newest are lost from the wire, but
  * not from 1003h. */
 static void queue(struct dg_co_node *self, uint16_t code, const uint8_t *manufacturer)
@@ -61,7 +67,7 @@ static void queue(struct dg_co_node *self, uint16_t code, const uint8_t *manufac
     if (self->emcy_count == DG_CO_HISTORY) {
         return;
     }
-    uint8_t *frame = self->emcy[self->emcy_count++];
+    uint8_t *frame = self->emcy[in_ring(self->emcy_first + self->emcy_count++)];
     dg_store_le16(frame, code);
     frame[2] = error_register(self);
     memcpy(&frame[3], manufacturer, 5);
@@ -69,8 +75,8 @@ static void queue(struct dg_co_node *self, uint16_t code, const uint8_t *manufac
 
 static void remember(struct dg_co_node *self, uint16_t code, const uint8_t *manufacturer)
 {
-    memmove(&self->history[1], &self->history[0], sizeof self->history - sizeof self->history[0]);
-    self->history[0] = (uint32_t)dg_load_le16(manufacturer) << 16 | code;
+    self->history_newest = in_ring(self->history_newest + 1u);
+    self->history[self->history_newest] = (uint32_t)dg_load_le16(manufacturer) << 16 | code;
     if (self->history_count < DG_CO_HISTORY) {
         self->history_count++;
     }
@@ -120,10 +126,10 @@ dg_ns co_emcy_step(struct dg_co_node *self)
     bool allowed = self->state == DG_CO_PRE_OPERATIONAL || self->state == DG_CO_OPERATIONAL;
 
     while (self->emcy_count > 0 && allowed && self->emcy_until <= self->now) {
-        co_send(self, (uint16_t)(CO_ID_EMCY + self->id), self->emcy[0], 8);
+        co_send(self, (uint16_t)(CO_ID_EMCY + self->id), self->emcy[self->emcy_first], 8);
         self->emcy_count--;
-        memmove(self->emcy[0], self->emcy[1], sizeof self->emcy - sizeof self->emcy[0]);
-        self->emcy_until = dg_after(self->now, DG_US(100u * self->value[CO_EMCY_INHIBIT_100US]));
+        self->emcy_first = in_ring(self->emcy_first + 1u);
+        self->emcy_until = co_after(self->now, DG_US(100u * self->value[CO_EMCY_INHIBIT_100US]));
     }
     return self->emcy_count > 0 && allowed ? self->emcy_until : DG_NEVER;
 }
@@ -150,6 +156,6 @@ enum dg_co_abort co_hook_history(struct dg_co_node *self, const struct dg_co_obj
     if (object->sub > self->history_count) {
         return DG_CO_NO_DATA;
     }
-    *value = self->history[object->sub - 1u];
+    *value = self->history[in_ring(self->history_newest + 1u - object->sub)];
     return DG_CO_OK;
 }

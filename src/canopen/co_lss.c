@@ -123,8 +123,8 @@ static void activate_bit_timing(struct dg_co_node *self, const uint8_t *data)
 {
     dg_ns delay = DG_MS(dg_load_le16(&data[1]));
 
-    self->lss.switch_at = dg_after(self->now, delay);
-    self->lss.silent_until = dg_after(self->lss.switch_at, delay);
+    self->lss.switch_at = co_after(self->now, delay);
+    self->lss.silent_until = co_after(self->lss.switch_at, delay);
 }
 
 static void store(struct dg_co_node *self, const uint8_t *data)

@@ -33,15 +33,14 @@ static enum dg_co_abort find_mapped(const struct dg_co_node *self, uint32_t entr
 }
 
 /* One more object. */
-static void append(struct dg_co_node *self, struct dg_co_tpdo *tpdo,
-                   const struct dg_co_object *object)
+static void append(struct dg_co_tpdo *tpdo, const struct dg_co_object *object)
 {
     uint8_t size = co_size(object);
 
     if (co_is(object, DG_CO_EVENT)) {
         tpdo->event_bytes |= (uint8_t)(((1u << size) - 1u) << tpdo->length);
     }
-    tpdo->mapped[tpdo->mapped_count++] = co_number(self->setup.device, object);
+    tpdo->mapped[tpdo->mapped_count++] = co_number(object);
     tpdo->length = (uint8_t)(tpdo->length + size);
 }
 
@@ -63,7 +62,7 @@ static enum dg_co_abort resolve(struct dg_co_node *self, uint8_t n, uint32_t cou
         }
         abort = find_mapped(self, entry, &object);
         if (abort == DG_CO_OK) {
-            append(self, tpdo, &object);
+            append(tpdo, &object);
         }
     }
     return abort == DG_CO_OK && tpdo->length > 8 ? DG_CO_PDO_LENGTH : abort;

@@ -8,9 +8,9 @@
 
 static const uint8_t no_details[5];
 
-static dg_ns heartbeat_period(const struct dg_co_node *self)
+static uint32_t heartbeat_ms(const struct dg_co_node *self)
 {
-    return DG_MS(self->value[CO_HEARTBEAT_MS]);
+    return self->value[CO_HEARTBEAT_MS];
 }
 
 /* Now, and again after the period. */
@@ -18,11 +18,10 @@ static void heartbeat(struct dg_co_node *self)
 {
     const uint8_t state[1] = {(uint8_t)self->state};
 
-    self->heartbeat_at = DG_NEVER;
-    if (heartbeat_period(self) != 0) {
+    if (heartbeat_ms(self) != 0) {
         co_send(self, (uint16_t)(CO_ID_GUARD + self->id), state, sizeof state);
-        self->heartbeat_at = dg_after(self->now, heartbeat_period(self));
     }
+    self->heartbeat_at = co_after_ms(self->now, heartbeat_ms(self));
 }
 
 void co_enter(struct dg_co_node *self, enum dg_co_state state)
@@ -39,8 +38,8 @@ void co_enter(struct dg_co_node *self, enum dg_co_state state)
     }
     if (!booted) {
         heartbeat(self);
-    } else if (heartbeat_period(self) != 0) { /* the boot-up was the first one */
-        self->heartbeat_at = dg_after(self->now, heartbeat_period(self));
+    } else { /* the boot-up was the first one */
+        self->heartbeat_at = co_after_ms(self->now, heartbeat_ms(self));
     }
     if (was_operational || state == DG_CO_OPERATIONAL) {
         co_pdo_state(self, state == DG_CO_OPERATIONAL);
@@ -110,9 +109,9 @@ void co_nmt_start(struct dg_co_node *self)
 /* Life time runs from the first request of the master on (C13). */
 void co_guard_rx(struct dg_co_node *self)
 {
-    dg_ns life = DG_MS(self->value[CO_GUARD_TIME_MS]) * self->value[CO_LIFE_FACTOR];
+    uint32_t life_ms = self->value[CO_GUARD_TIME_MS] * self->value[CO_LIFE_FACTOR];
 
-    if (heartbeat_period(self) != 0) {
+    if (heartbeat_ms(self) != 0) {
         return;
     }
     const uint8_t answer[1] = {
@@ -120,7 +119,7 @@ void co_guard_rx(struct dg_co_node *self)
     self->guard_toggle = !self->guard_toggle;
     co_send(self, (uint16_t)(CO_ID_GUARD + self->id), answer, sizeof answer);
     self->moved = true;
-    self->guard_at = life == 0 ? DG_NEVER : dg_after(self->now, life);
+    self->guard_at = co_after_ms(self->now, life_ms);
     dg_co_clear(self, DG_CO_CAUSE_LIFE);
 }
 
@@ -154,7 +153,7 @@ void co_heartbeat_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
         uint32_t entry = self->value[CO_CONSUMER_1 + i];
         if (consumer_active(entry) && frame->id == CO_ID_GUARD + consumed_node(entry)) {
             self->moved = true;
-            self->consumer_at[i] = dg_after(self->now, DG_MS(entry & 0xFFFFu));
+            self->consumer_at[i] = co_after_ms(self->now, entry & 0xFFFFu);
             dg_co_clear(self, (uint8_t)(DG_CO_CAUSE_HEARTBEAT + i));
         }
     }
@@ -166,9 +165,8 @@ dg_ns co_nmt_step(struct dg_co_node *self)
         dg_ns due = self->heartbeat_at;
         heartbeat(self);
         /* Keep the phase unless whole periods were missed. */
-        if (dg_after(due, heartbeat_period(self)) > self->now) {
-            self->heartbeat_at = dg_after(due, heartbeat_period(self));
-        }
+        dg_ns next = co_after_ms(due, heartbeat_ms(self));
+        self->heartbeat_at = next > self->now ? next : self->heartbeat_at;
     }
     if (self->guard_at <= self->now) {
         self->guard_at = DG_NEVER;

@@ -12,21 +12,17 @@
 #include "co_sdo.h"
 #include "co_storage.h"
 
-/* NMT states a service works in (CiA 301; spec for LSS: CiA 305). */
-enum {
-    IN_PRE_OPERATIONAL = 1,
-    IN_OPERATIONAL = 2,
-    IN_STOPPED = 4,
-};
-
-static bool in(const struct dg_co_node *self, uint8_t states)
+/* The NMT states that most services work in (CiA 301). */
+static bool is_on(const struct dg_co_node *self)
 {
-    uint8_t bit = self->state == DG_CO_PRE_OPERATIONAL ? IN_PRE_OPERATIONAL
-                  : self->state == DG_CO_OPERATIONAL   ? IN_OPERATIONAL
-                  : self->state == DG_CO_STOPPED       ? IN_STOPPED
-                                                       : 0;
+    return self->state == DG_CO_OPERATIONAL || self->state == DG_CO_PRE_OPERATIONAL;
+}
 
-    return (bit & states) != 0;
+/* Those of LSS (CiA 305). */
+static bool is_configurable(const struct dg_co_node *self)
+{
+    return self->state == DG_CO_PRE_OPERATIONAL || self->state == DG_CO_STOPPED ||
+           self->id == DG_CO_UNCONFIGURED;
 }
 
 void co_send_frame(struct dg_co_node *self, const struct dg_can_frame *frame)
@@ -48,6 +44,16 @@ void co_send(struct dg_co_node *self, uint16_t id, const uint8_t *data, uint8_t 
         memcpy(frame.data, data, dlc);
     }
     co_send_frame(self, &frame);
+}
+
+dg_ns co_after(dg_ns from, dg_ns span)
+{
+    return dg_after(from, span);
+}
+
+dg_ns co_after_ms(dg_ns from, uint32_t ms)
+{
+    return ms != 0 ? co_after(from, DG_MS(ms)) : DG_NEVER;
 }
 
 uint16_t co_kbaud(const struct dg_co_device *device, uint8_t number)
@@ -163,7 +169,7 @@ static void remote_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
 {
     if (frame->id == CO_ID_GUARD + self->id) {
         co_guard_rx(self);
-    } else if (in(self, IN_OPERATIONAL)) {
+    } else if (self->state == DG_CO_OPERATIONAL) {
         co_pdo_rtr(self, frame->id);
     }
 }
@@ -171,29 +177,28 @@ static void remote_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
 /* What works only with a node-ID and in some of the NMT states. */
 static void service_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
 {
-    const uint8_t on = IN_PRE_OPERATIONAL | IN_OPERATIONAL;
-
     if (frame->rtr) {
         remote_rx(self, frame);
     } else if (frame->id == self->value[CO_SYNC_COB_ID]) {
-        if (in(self, on)) {
+        if (is_on(self)) {
             co_sync_rx(self, frame);
         }
     } else if (frame->id == CO_ID_NMT) {
         co_nmt_rx(self, frame);
     } else if (frame->id == CO_ID_SDO_RX + self->id) {
-        if (in(self, on)) {
+        if (is_on(self)) {
             co_sdo_rx(self, frame);
+            self->deadline = dg_earliest(self->others, self->sdo.deadline);
         }
     } else if ((frame->id & 0x780u) == CO_ID_GUARD) {
         co_heartbeat_rx(self, frame);
-    } else if (is_time(self, frame->id) && in(self, on)) {
+    } else if (is_time(self, frame->id) && is_on(self)) {
         time_rx(self, frame);
     }
 }
 
 /* Every service does what is due at self->now and says when it wants to be called again. The SDO
- * server's answer stands by itself, for settle_frame(). */
+ * server's answer stands by itself, for service_rx(). */
 static dg_ns step_services(struct dg_co_node *self)
 {
     /* The device first, emergencies last: what the former raises or changes leaves in this round.
@@ -215,13 +220,6 @@ static dg_ns settle(struct dg_co_node *self)
         self->deadline = step_services(self);
     } while (self->deadline <= self->now);
     return self->deadline;
-}
-
-/* Most frames move no deadline but the SDO server's. */
-static dg_ns settle_frame(struct dg_co_node *self)
-{
-    self->deadline = dg_earliest(self->others, self->sdo.deadline);
-    return self->moved || self->deadline <= self->now ? settle(self) : self->deadline;
 }
 
 dg_ns dg_co_step(struct dg_co_node *self, dg_ns now)
@@ -250,14 +248,15 @@ dg_ns dg_co_rx(struct dg_co_node *self, dg_ns now, const struct dg_can_frame *fr
     self->counters.rx++;
     self->moved = false;
     if (frame->id == CO_ID_LSS_RX && !frame->rtr) {
-        if (in(self, IN_PRE_OPERATIONAL | IN_STOPPED) || self->id == DG_CO_UNCONFIGURED) {
+        if (is_configurable(self)) {
             self->moved = true;
             co_lss_rx(self, frame);
         }
     } else if (self->id != DG_CO_UNCONFIGURED) {
         service_rx(self, frame);
     }
-    return settle_frame(self);
+    /* Most frames move no deadline but the SDO server's. */
+    return self->moved || self->deadline <= self->now ? settle(self) : self->deadline;
 }
 
 dg_ns dg_co_bus(struct dg_co_node *self, dg_ns now, enum dg_co_bus_event event)

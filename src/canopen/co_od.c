@@ -30,12 +30,12 @@
 #define POINTER(hook) hook,
 #define NUMBER(hook) NUMBER_##hook,
 
-static dg_co_hook *const hooks[] = {HOOKS(POINTER)};
+static dg_co_hook *const hooks[] = {NULL, HOOKS(POINTER)};
 enum { NUMBER_NULL, HOOKS(NUMBER) };
 
 /* Limits by number. */
 enum { FULL, TO_2 };
-static const struct dg_co_limits limits[] = {[TO_2 - 1] = {0, 2}};
+static const struct dg_co_limits limits[] = {[TO_2] = {0, 2}};
 
 /* The short names of co_objects.def. */
 enum {
@@ -84,30 +84,20 @@ static uint8_t more_of(const struct dg_co_row *row)
     return row->key & 0xFu;
 }
 
-/* 1800h-1803h, 1A00h-1A03h: the rows are those of the first one. */
-static uint16_t index_in_table(uint16_t index)
+/* 1800h-1803h and 1A00h-1A03h have the rows of the first: which one `index` is. */
+static uint32_t tpdo_of(uint32_t index)
 {
-    return (index & 0xFDFCu) == 0x1800 ? index & 0xFFFCu : index;
-}
-
-/* Which of the sub-indices that are alike, of which TPDO. */
-static void place(struct dg_co_object *object, const struct dg_co_row *row, uint16_t index,
-                  uint8_t nth)
-{
-    object->row = row;
-    object->index = index;
-    object->sub = (uint8_t)(sub_of(row) + nth);
-    object->slot = (uint8_t)(row->slot + nth + CO_PDO_SLOTS * (index - index_of(row)));
+    return (index & 0xFDFCu) == 0x1800 ? index & 3u : 0;
 }
 
 /* The last of `count` sorted rows that is not behind `wanted`; the first when all are. Halving
  * without a way out for the row that fits, and without a branch: cheaper than to look at each
  * twice. */
-static const struct dg_co_row *last_not_behind(const struct dg_co_row *row, uint32_t count,
+static const struct dg_co_row *last_not_behind(const struct dg_co_row *row, size_t count,
                                                uint32_t wanted)
 {
     while (count > 1) {
-        uint32_t half = count / 2u;
+        size_t half = count / 2u;
         row = row[half].key <= wanted ? row + half : row;
         count -= half;
     }
@@ -115,66 +105,76 @@ static const struct dg_co_row *last_not_behind(const struct dg_co_row *row, uint
 }
 
 /* A neighbour of the same index means that only the sub-index is missing. */
+static enum dg_co_abort missing(const struct dg_co_dictionary *half, const struct dg_co_row *row,
+                                uint32_t index)
+{
+    const bool behind = row + 1 < &half->rows[half->count] && index_of(row + 1) == index;
+
+    return index_of(row) == index || behind ? DG_CO_NO_SUB : DG_CO_NO_OBJECT;
+}
+
+/* Index and sub-index are compared at once, as they stand in an object: one load, where the machine
+ * has its least significant byte first. */
 enum dg_co_abort co_find(const struct dg_co_device *device, struct dg_co_object *object)
 {
-    const struct dg_co_dictionary *half = co_half(device, object->index);
-    const uint16_t index = index_in_table(object->index);
-    const uint32_t wanted = (uint32_t)index << 16 | (uint32_t)object->sub << 8 | 0xFFu;
+    const struct dg_co_dictionary *half =
+        object->index < 0x2000 ? &co_dictionary : &device->dictionary;
+    const uint32_t all =
+        (uint32_t)object->index << 16 | (uint32_t)object->sub << 8 | object->slot | 0xFFu;
+    const uint32_t tpdo = tpdo_of(all >> 16);
+    const uint32_t wanted = all - (tpdo << 16);
     const struct dg_co_row *row = last_not_behind(half->rows, half->count, wanted);
-    const unsigned nth = (unsigned)object->sub - sub_of(row);
+    const uint32_t nth = (wanted - (row->key | 0xFFu)) >> 8; /* large for any other index */
 
-    if (index_of(row) == index && nth <= more_of(row)) {
-        place(object, row, object->index, (uint8_t)nth);
-        return DG_CO_OK;
+    if (nth > more_of(row)) {
+        return missing(half, row, wanted >> 16);
     }
-    const bool known = index_of(row) == index ||
-                       (row + 1 < &half->rows[half->count] && index_of(row + 1) == index);
-    return known ? DG_CO_NO_SUB : DG_CO_NO_OBJECT;
+    object->row = row;
+    object->dictionary = half;
+    object->slot = (uint8_t)(row->slot + nth + CO_PDO_SLOTS * tpdo);
+    return DG_CO_OK;
 }
 
 struct dg_co_object co_first(void)
 {
-    struct dg_co_object first;
-
-    place(&first, co_dictionary.rows, index_of(co_dictionary.rows), 0);
-    return first;
+    return co_object(&co_dictionary, co_dictionary.rows);
 }
 
 /* Behind the last row of a TPDO its first one follows, for the next TPDO. */
 bool co_next(const struct dg_co_device *device, struct dg_co_object *object)
 {
+    const struct dg_co_dictionary *half = object->dictionary;
     const struct dg_co_row *row = object->row;
-    const struct dg_co_row *const end = &co_dictionary.rows[co_dictionary.count];
-    const uint8_t nth = (uint8_t)(object->sub - sub_of(row));
-    const uint16_t index = index_of(row);
-    const uint16_t behind = (uint16_t)(object->index + 1u);
+    const uint32_t index = index_of(row);
+    const uint32_t behind = object->index + 1u;
 
-    if (nth < more_of(row)) {
-        place(object, row, object->index, (uint8_t)(nth + 1u));
+    if (object->sub - sub_of(row) < more_of(row)) {
+        object->sub++;
+        object->slot++;
         return true;
     }
-    row = row + 1 == end ? device->dictionary.rows : row + 1;
-    if (row == &device->dictionary.rows[device->dictionary.count]) {
-        return false;
+    row++;
+    if (row == &half->rows[half->count]) {
+        if (half != &co_dictionary) {
+            return false;
+        }
+        half = &device->dictionary;
+        row = half->rows;
     }
-    if (index_of(row) == index) {
-        place(object, row, object->index, 0);
-    } else if (index_in_table(behind) == index) {
-        *object = (struct dg_co_object){.index = behind};
-        (void)co_find(device, object);
-    } else {
-        place(object, row, index_of(row), 0);
+    if (index_of(row) != index && behind - tpdo_of(behind) != index) {
+        *object = co_object(half, row);
+        return true;
     }
-    return true;
+    object->index = index_of(row) == index ? object->index : (uint16_t)behind;
+    object->sub = index_of(row) == index ? sub_of(row) : 0;
+    return co_find(device, object) == DG_CO_OK;
 }
 
-uint16_t co_number(const struct dg_co_device *device, const struct dg_co_object *object)
+uint16_t co_number(const struct dg_co_object *object)
 {
-    const struct dg_co_dictionary *half = co_half(device, object->index);
-    const unsigned before = half == &co_dictionary ? 0u : co_dictionary.count;
-    const unsigned at = before + (unsigned)(object->row - half->rows);
+    const ptrdiff_t place = object->row - object->dictionary->rows;
 
-    return (uint16_t)(at << 4 | (unsigned)(object->sub - sub_of(object->row)));
+    return (uint16_t)(place | (object->dictionary == &co_dictionary ? 0 : 0x8000));
 }
 
 uint8_t co_region(const struct dg_co_object *object)
@@ -243,7 +243,7 @@ struct dg_co_limits co_limits(const struct dg_co_device *device, const struct dg
     const struct dg_co_figure *figure = figure_of(device, object);
     const uint32_t number = object->row->key >> 4 & 0xFu;
     struct dg_co_limits found =
-        number != 0 ? co_half(device, object->index)->limits[number - 1u] : co_type_limits(object);
+        number != 0 ? object->dictionary->limits[number] : co_type_limits(object);
 
     if (figure != NULL) {
         found.max = figure->max;
@@ -262,7 +262,7 @@ uint32_t co_initial(const struct dg_co_node *self, const struct dg_co_object *ob
 enum dg_co_abort co_read(struct dg_co_node *self, const struct dg_co_object *object,
                          uint32_t *value)
 {
-    dg_co_hook *const hook = co_hook(self->setup.device, object);
+    dg_co_hook *const hook = co_hook(object);
 
     *value = co_is(object, DG_CO_SLOT) ? self->value[object->slot] : co_initial(self, object);
     return hook == NULL ? DG_CO_OK : hook(self, object, DG_CO_READ, value);
@@ -282,7 +282,7 @@ bool co_in_range(const struct dg_co_device *device, const struct dg_co_object *o
 enum dg_co_abort co_write(struct dg_co_node *self, const struct dg_co_object *object,
                           uint32_t value)
 {
-    dg_co_hook *const hook = co_hook(self->setup.device, object);
+    dg_co_hook *const hook = co_hook(object);
     enum dg_co_abort abort = DG_CO_OK;
 
     if (!co_in_range(self->setup.device, object, value)) {

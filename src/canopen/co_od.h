@@ -10,31 +10,28 @@
 
 /** The stack's rows, 1000h-1FFFh. TPDO2 to TPDO4 have those of TPDO1, with slots further on. */
 extern const struct dg_co_dictionary co_dictionary;
-/** The half of a device's dictionary that has an index. */
-static inline const struct dg_co_dictionary *co_half(const struct dg_co_device *device,
-                                                     uint16_t index)
-{
-    return index < 0x2000 ? &co_dictionary : &device->dictionary;
-}
-
 /** Find the row of object->index and object->sub. @return DG_CO_OK; whether the index or the sub
  * is missing */
 enum dg_co_abort co_find(const struct dg_co_device *device, struct dg_co_object *object);
 /** The first object of a device's dictionary, and the one behind; false: there is none. */
 struct dg_co_object co_first(void);
 bool co_next(const struct dg_co_device *device, struct dg_co_object *object);
-/** An object by a number, and its number, see dg_co_tpdo.mapped; nothing of 1800h-1AFFh. */
+/** What a row stands for, the first of it. */
+static inline struct dg_co_object co_object(const struct dg_co_dictionary *dictionary,
+                                            const struct dg_co_row *row)
+{
+    return (struct dg_co_object){row, dictionary, row->slot, (uint8_t)(row->key >> 8),
+                                 (uint16_t)(row->key >> 16)};
+}
+/** A mappable object by its number, see dg_co_tpdo.mapped, and the number of one. */
 static inline struct dg_co_object co_numbered(const struct dg_co_device *device, uint16_t number)
 {
-    const unsigned at = number >> 4;
-    const uint8_t nth = number & 0xFu;
-    const struct dg_co_row *row = at < co_dictionary.count
-                                      ? &co_dictionary.rows[at]
-                                      : &device->dictionary.rows[at - co_dictionary.count];
-    return (struct dg_co_object){row, (uint16_t)(row->key >> 16), (uint8_t)((row->key >> 8) + nth),
-                                 (uint8_t)(row->slot + nth)};
+    const struct dg_co_dictionary *dictionary =
+        (number & 0x8000u) != 0 ? &device->dictionary : &co_dictionary;
+
+    return co_object(dictionary, &dictionary->rows[number & 0x7FFFu]);
 }
-uint16_t co_number(const struct dg_co_device *device, const struct dg_co_object *object);
+uint16_t co_number(const struct dg_co_object *object);
 
 /** Whether all of some flags are set. */
 static inline bool co_is(const struct dg_co_object *object, uint16_t flags)
@@ -51,13 +48,15 @@ static inline uint8_t co_size(const struct dg_co_object *object)
 {
     return co_sizes[co_type(object)];
 }
-/** Its hook, or NULL. */
-static inline dg_co_hook *co_hook(const struct dg_co_device *device,
-                                  const struct dg_co_object *object)
+/** What is left of a value in the bytes of the type, which is no string. */
+static inline uint32_t co_cut(const struct dg_co_object *object, uint32_t value)
 {
-    const uint8_t number = object->row->hook;
-
-    return number != 0 ? co_half(device, object->index)->hooks[number - 1u] : NULL;
+    return value & 0xFFFFFFFFu >> (32u - 8u * co_size(object));
+}
+/** Its hook, or NULL. */
+static inline dg_co_hook *co_hook(const struct dg_co_object *object)
+{
+    return object->dictionary->hooks[object->row->hook];
 }
 /** The store's region that keeps it, with DG_CO_SAVE. */
 uint8_t co_region(const struct dg_co_object *object);

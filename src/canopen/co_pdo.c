@@ -25,21 +25,26 @@ static bool is_synchronous(uint8_t type)
 
 /* ------------------------------------------------------------ sending */
 
-/* Values little-endian, one behind the other; each store's surplus is overwritten by the next. */
+/* Values little-endian, one behind the other, then zeros; each store's surplus is overwritten by
+ * the next. */
 static void build(struct dg_co_node *self, const struct dg_co_tpdo *tpdo, uint8_t *data)
 {
+    memset(data, 0, sizeof tpdo->last);
     for (uint8_t i = 0; i < tpdo->mapped_count; i++) {
         const struct dg_co_object object = co_numbered(self->setup.device, tpdo->mapped[i]);
         uint32_t value;
         (void)co_read(self, &object, &value);
-        dg_store_le32(data, value);
+        dg_store_le32(data, co_cut(&object, value));
         data += co_size(&object);
     }
 }
 
 static void send_last(struct dg_co_node *self, const struct dg_co_tpdo *tpdo)
 {
-    co_send(self, tpdo->can_id, tpdo->last, tpdo->length);
+    struct dg_can_frame frame = {.id = tpdo->can_id, .dlc = tpdo->length};
+
+    memcpy(frame.data, tpdo->last, sizeof frame.data);
+    co_send_frame(self, &frame);
 }
 
 static void transmit(struct dg_co_node *self, struct dg_co_tpdo *tpdo)
@@ -67,15 +72,12 @@ static bool sample_once(struct dg_co_node *self, bool *sampled)
 static void arm(struct dg_co_node *self, uint8_t n, dg_ns from)
 {
     struct dg_co_tpdo *tpdo = &self->tpdo[n];
-    dg_ns period = DG_MS(co_pdo_parameter(self, n, CO_PDO_EVENT_MS));
+    uint32_t period_ms = co_pdo_parameter(self, n, CO_PDO_EVENT_MS);
+    dg_ns next = co_after_ms(from, period_ms);
 
     self->moved = true;
     self->pdo_at = 0;
-    tpdo->event_at = DG_NEVER;
-    if (period != 0) {
-        dg_ns next = dg_after(from, period);
-        tpdo->event_at = next > self->now ? next : dg_after(self->now, period);
-    }
+    tpdo->event_at = next > self->now ? next : co_after_ms(self->now, period_ms);
 }
 
 void dg_co_pdo_rearm(struct dg_co_node *self, uint8_t tpdo)
@@ -129,7 +131,7 @@ static dg_ns serve(struct dg_co_node *self, uint8_t n, bool *sampled)
     tpdo->pending = false;
     transmit(self, tpdo);
     tpdo->inhibit_until =
-        dg_after(self->now, DG_US(100u * co_pdo_parameter(self, n, CO_PDO_INHIBIT_100US)));
+        co_after(self->now, DG_US(100u * co_pdo_parameter(self, n, CO_PDO_INHIBIT_100US)));
     arm(self, n, from);
     return tpdo->event_at;
 }

@@ -34,15 +34,18 @@
 
 #define IN(state) (1u << (state))
 #define ANY 0xFFFFu
+#define ANY_OTHER 0x7FFFu /* ends nothing */
 
 static sdo_handler upload_initiate, upload_segment, download_initiate, download_segment, ignore;
+static sdo_handler refuse;
 
 /*
  * Requests by byte 0; the first row that fits serves. A request of IN(...) that comes in another
  * state is as unknown as E0h. Rows for ANY state end what was running.
  *
  * In a block download byte 0 is a sequence number. It cannot be mistaken for a new request, since
- * the blocks this server asks for are short (co_block.c); so the last row takes all that is left.
+ * the blocks this server asks for are short (co_block.c); so the last row but one takes all that is
+ * left, and in other states the last one.
  */
 static const struct {
     uint8_t mask;
@@ -64,17 +67,17 @@ static const struct {
     {0xE1, 0xC0, ANY, co_block_download},
     {0xE1, 0xC1, IN(DG_CO_SDO_BLOCK_DOWNLOAD_END), co_block_download_end},
     {0x00, 0x00, IN(DG_CO_SDO_BLOCK_DOWNLOAD),     co_block_download_segment},
+    {0x00, 0x00, ANY_OTHER,                        refuse},
     /* clang-format on */
 };
 #define COMMANDS DG_COUNT(commands)
 /* By the command specifier, bits 5-7: the first row that can fit. */
-static const uint8_t first_row[8] = {0, 1, 2, 3, 4, 6, 10, COMMANDS - 1};
+static const uint8_t first_row[8] = {0, 1, 2, 3, 4, 6, 10, COMMANDS - 2};
 
 void co_sdo_become(struct dg_co_node *self, enum dg_co_sdo_state state)
 {
     self->sdo.state = state;
-    self->sdo.deadline =
-        state == DG_CO_SDO_IDLE ? DG_NEVER : dg_after(self->now, DG_MS(TIMEOUT_MS));
+    self->sdo.deadline = state == DG_CO_SDO_IDLE ? DG_NEVER : co_after_ms(self->now, TIMEOUT_MS);
 }
 
 /* An answer whose bytes are all set. Held back when a hook has asked for it. */
@@ -135,6 +138,13 @@ static enum dg_co_abort ignore(struct dg_co_node *self, const uint8_t *data)
     return DG_CO_OK;
 }
 
+static enum dg_co_abort refuse(struct dg_co_node *self, const uint8_t *data)
+{
+    (void)self;
+    (void)data;
+    return DG_CO_SPECIFIER;
+}
+
 /* ---- upload */
 
 static void fetch_text(struct dg_co_sdo *sdo, const char *text)
@@ -175,7 +185,7 @@ enum dg_co_abort co_sdo_fetch(struct dg_co_node *self)
     abort = co_read(self, object, &value);
     if (abort == DG_CO_OK) {
         sdo->length = co_size(object);
-        dg_store_le64(sdo->buffer, value & 0xFFFFFFFFu >> (32u - 8u * sdo->length));
+        dg_store_le64(sdo->buffer, co_cut(object, value));
     }
     return abort;
 }
@@ -324,8 +334,8 @@ static size_t find_command(enum dg_co_sdo_state state, uint8_t command)
 {
     size_t i = first_row[command >> 5];
 
-    while (i < COMMANDS && ((command & commands[i].mask) != commands[i].value ||
-                            (commands[i].states & IN(state)) == 0)) {
+    while ((command & commands[i].mask) != commands[i].value ||
+           (commands[i].states & IN(state)) == 0) {
         i++;
     }
     return i;
@@ -340,7 +350,6 @@ void co_sdo_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
 {
     struct dg_co_sdo *sdo = &self->sdo;
     const uint8_t *data = frame->data;
-    enum dg_co_abort abort = DG_CO_SPECIFIER;
 
     if (frame->dlc != 8) {
         self->counters.malformed++;
@@ -350,17 +359,13 @@ void co_sdo_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
         send_delayed(self);
     }
     size_t command = find_command(sdo->state, data[0]);
-    if (command < COMMANDS && commands[command].states == ANY) {
-        co_sdo_become(self, DG_CO_SDO_IDLE);
-    }
     /* An abort carries the multiplexor of the transfer; without one, that of the request. */
-    if (sdo->state == DG_CO_SDO_IDLE) {
+    if (commands[command].states == ANY || sdo->state == DG_CO_SDO_IDLE) {
+        co_sdo_become(self, DG_CO_SDO_IDLE);
         sdo->object.index = dg_load_le16(&data[1]);
         sdo->object.sub = data[3];
     }
-    if (command < COMMANDS) {
-        abort = commands[command].serve(self, data);
-    }
+    enum dg_co_abort abort = commands[command].serve(self, data);
     if (abort != DG_CO_OK) {
         abort_transfer(self, abort);
     }

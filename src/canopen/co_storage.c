@@ -335,7 +335,7 @@ enum dg_co_abort co_save_bus(struct dg_co_node *self, uint8_t bit_rate, uint8_t 
 static void answer_later(struct dg_co_node *self)
 {
     self->sdo.state = DG_CO_SDO_DELAYED;
-    self->sdo.deadline = dg_after(self->now, DG_MS(self->setup.device->save_ms));
+    self->sdo.deadline = co_after(self->now, DG_MS(self->setup.device->save_ms));
 }
 
 static enum dg_co_abort save_parameters(struct dg_co_node *self)

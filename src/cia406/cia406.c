@@ -8,10 +8,15 @@
 
 #include "drehgeber/bits.h"
 
-#define EVENT_NS DG_MS(1)
+#define EVENT_MS 1u
 #define LOOK_MS 100u
-#define PASSWORD_DELAY DG_S(1)
+#define PASSWORD_DELAY_MS 1000u
 #define PASSWORD_DELAYS_MAX 8u
+
+dg_ns cia406_in_ms(const struct dg_co_node *node, uint32_t ms)
+{
+    return dg_after(node->now, DG_MS(ms));
+}
 
 /* 6200h is 1800h:5 seen through another object (C5). */
 static enum dg_co_abort hook_cyclic_timer(struct dg_co_node *node,
@@ -87,7 +92,7 @@ static enum dg_co_abort hook_password(struct dg_co_node *node, const struct dg_c
         self->wrong_count = 0;
         return DG_CO_OK;
     }
-    self->locked_until = dg_after(node->now, PASSWORD_DELAY << self->wrong_count);
+    self->locked_until = cia406_in_ms(node, PASSWORD_DELAY_MS << self->wrong_count);
     if (self->wrong_count < PASSWORD_DELAYS_MAX) {
         self->wrong_count++;
     }
@@ -135,11 +140,11 @@ static bool reset(struct dg_co_node *node, bool application)
 
 /* With USF the zero has to be looked after before the shaft can go a quarter of the range at 250
  * turns/s. */
-static dg_ns look_ns(const struct dg_co_node *node)
+static uint32_t look_ms(const struct dg_co_node *node)
 {
     uint32_t turns = encoder_of(node)->model->turns;
 
-    return parameter(node, DG_CIA406_USF) && turns < LOOK_MS ? DG_MS(turns) : DG_MS(LOOK_MS);
+    return parameter(node, DG_CIA406_USF) && turns < LOOK_MS ? turns : LOOK_MS;
 }
 
 /* Supervision now and then; in event mode every millisecond whether a position has changed. */
@@ -148,7 +153,7 @@ static dg_ns step(struct dg_co_node *node)
     struct dg_cia406 *self = encoder_of(node);
 
     if (self->look_at <= node->now) {
-        self->look_at = dg_after(node->now, look_ns(node));
+        self->look_at = cia406_in_ms(node, look_ms(node));
         cia406_watch_zero(node);
         cia406_health_look(node);
     }
@@ -156,7 +161,7 @@ static dg_ns step(struct dg_co_node *node)
         return self->look_at;
     }
     if (self->event_at <= node->now) {
-        self->event_at = dg_after(node->now, EVENT_NS);
+        self->event_at = cia406_in_ms(node, EVENT_MS);
         dg_co_pdo_event(node);
     }
     return dg_earliest(self->look_at, self->event_at);
@@ -174,7 +179,6 @@ static dg_ns step(struct dg_co_node *node)
     HOOK(hook_serial)                                                                              \
     HOOK(cia406_hook_scaling)                                                                      \
     HOOK(cia406_hook_preset)                                                                       \
-    HOOK(cia406_hook_position)                                                                     \
     HOOK(cia406_hook_speed)                                                                        \
     HOOK(hook_window)                                                                              \
     HOOK(cia406_hook_acceleration)                                                                 \
@@ -187,20 +191,20 @@ static dg_ns step(struct dg_co_node *node)
 #define POINTER(hook) hook,
 #define NUMBER(hook) NUMBER_##hook,
 
-static dg_co_hook *const hooks[] = {HOOKS(POINTER)};
+static dg_co_hook *const hooks[] = {NULL, HOOKS(POINTER)};
 enum { NUMBER_NULL, HOOKS(NUMBER) };
 
-/* Limits by number, from 1 on: those that objects.def names. */
+/* Limits by number: those that objects.def names. */
 enum { FULL, TO_1, TO_8, NODE_ID, CELSIUS, FROM_1, U16_FROM_1, TO_65536, TO_200 };
 static const struct dg_co_limits limits[] = {
-    [TO_1 - 1] = {0, 1},
-    [TO_8 - 1] = {0, 8},
-    [NODE_ID - 1] = {1, 127},
-    [CELSIUS - 1] = {0x20, 0xAC},
-    [FROM_1 - 1] = {1, UINT32_MAX},
-    [U16_FROM_1 - 1] = {1, UINT16_MAX},
-    [TO_65536 - 1] = {1, 65536},
-    [TO_200 - 1] = {1, 200},
+    [TO_1] = {0, 1},
+    [TO_8] = {0, 8},
+    [NODE_ID] = {1, 127},
+    [CELSIUS] = {0x20, 0xAC},
+    [FROM_1] = {1, UINT32_MAX},
+    [U16_FROM_1] = {1, UINT16_MAX},
+    [TO_65536] = {1, 65536},
+    [TO_200] = {1, 200},
 };
 
 /* The short names of objects.def. */

@@ -23,8 +23,9 @@ enum profile_slot {
     SLOT_HIGH = SLOT_LOW + 2,
     SLOT_TEMPERATURE_LOW = SLOT_HIGH + 2,
     SLOT_TEMPERATURE_HIGH,
-    SLOT_CUSTOMER, /* four */
-    SLOT_END = SLOT_CUSTOMER + 4,
+    SLOT_CUSTOMER,                     /* four */
+    SLOT_POSITION = SLOT_CUSTOMER + 4, /* of the latest sample */
+    SLOT_END,
 };
 _Static_assert(SLOT_END <= DG_CO_VALUES_MAX, "room for the profile's slots");
 
@@ -73,7 +74,10 @@ static inline bool parameter(const struct dg_co_node *node, uint32_t bit)
 }
 
 /** The error LED flashes that long after an event (chapter 29). */
-#define FLASH_NS DG_S(3)
+#define FLASH_MS 3000u
+
+/** `ms` from now on. */
+dg_ns cia406_in_ms(const struct dg_co_node *node, uint32_t ms);
 
 /* position.c */
 /** Physical counts of the shaft since angle 0, unbounded. */
@@ -93,7 +97,10 @@ void cia406_health_start(struct dg_co_node *node);
 void cia406_health_look(struct dg_co_node *node);
 
 /* Hooks, by file. */
-dg_co_hook cia406_hook_scaling, cia406_hook_preset, cia406_hook_position; /* position.c */
+dg_co_hook cia406_hook_scaling, cia406_hook_preset; /** `ms` from now on. */
+dg_ns cia406_in_ms(const struct dg_co_node *node, uint32_t ms);
+
+/* position.c */
 dg_co_hook cia406_hook_offset, cia406_hook_raw, cia406_hook_areas;
 dg_co_hook cia406_hook_speed, cia406_hook_acceleration;                 /* speed.c */
 dg_co_hook cia406_hook_health, cia406_hook_sensor, cia406_hook_battery; /* health.c */

@@ -217,7 +217,7 @@ void cia406_health_look(struct dg_co_node *node)
         if (checks[i].details != NULL) {
             checks[i].details(node, details);
         }
-        self->flash_until = dg_after(node->now, FLASH_NS);
+        self->flash_until = cia406_in_ms(node, FLASH_MS);
         dg_co_raise(node, checks[i].cause, details);
     }
 }

@@ -66,7 +66,8 @@ static void put_errors(const struct dg_co_node *node, struct dg_scpi *to)
 
     dg_state_begin(to, "errors");
     for (uint8_t i = 0; i < node->history_count; i++) {
-        dg_state_item(to, &first, node->history[i] & CODE_MASK, 4);
+        const uint32_t place = (node->history_newest + DG_CO_HISTORY - i) % DG_CO_HISTORY;
+        dg_state_item(to, &first, node->history[place] & CODE_MASK, 4);
     }
     dg_state_end(to, first);
 }

@@ -134,13 +134,13 @@ static uint64_t usf_y(const struct dg_co_node *node)
 /* Unscaled the range is a power of two. */
 static uint32_t position(const struct dg_co_node *node)
 {
+    if (!parameter(node, DG_CIA406_USF | DG_CIA406_SCALING)) {
+        return (in_sequence(node) + node->value[SLOT_OFFSET]) & last_raw(node);
+    }
     if (parameter(node, DG_CIA406_USF)) {
         return (uint32_t)(usf_y(node) / DG_CIA406_STEPS);
     }
-    if (parameter(node, DG_CIA406_SCALING)) {
-        return add(scaled(node), wrap(node->value[SLOT_OFFSET], tmr(node)), tmr(node));
-    }
-    return (in_sequence(node) + node->value[SLOT_OFFSET]) & last_raw(node);
+    return add(scaled(node), wrap(node->value[SLOT_OFFSET], tmr(node)), tmr(node));
 }
 
 /* In 1/65536 unit: only USF knows parts of units. */
@@ -167,7 +167,7 @@ static uint8_t areas(const struct dg_co_node *node, uint32_t at)
 void cia406_sample(struct dg_co_node *node)
 {
     sample_raw(node);
-    encoder_of(node)->position = position(node);
+    node->value[SLOT_POSITION] = position(node);
 }
 
 uint32_t dg_cia406_position(const struct dg_co_node *node, dg_ns now)
@@ -179,7 +179,7 @@ uint32_t dg_cia406_position(const struct dg_co_node *node, dg_ns now)
     at.now = now;
     at.setup.application = &encoder;
     cia406_sample(&at);
-    return encoder.position;
+    return at.value[SLOT_POSITION];
 }
 
 /* The mark of a good record: which way the position ascends is part of the line it describes. */
@@ -215,7 +215,7 @@ static bool move_zero(struct dg_co_node *node, uint64_t y)
     self->zero = self->raw;
     self->zero_y = y;
     if (store_zero(node)) {
-        self->flash_until = dg_after(node->now, FLASH_NS);
+        self->flash_until = cia406_in_ms(node, FLASH_MS);
         return true;
     }
     dg_co_raise(node, DG_CO_CAUSE_MEMORY, none);
@@ -353,8 +353,6 @@ enum dg_co_abort cia406_hook_preset(struct dg_co_node *node, const struct dg_co_
     return DG_CO_OK;
 }
 
-DG_CO_TELL(cia406_hook_position, encoder_of(node)->position)
-
 /* 6509h: preset minus scaled position, with its sign. */
 enum dg_co_abort cia406_hook_offset(struct dg_co_node *node, const struct dg_co_object *object,
                                     enum dg_co_op op, uint32_t *value)
@@ -386,4 +384,4 @@ enum dg_co_abort cia406_hook_raw(struct dg_co_node *node, const struct dg_co_obj
     return DG_CO_OK;
 }
 
-DG_CO_TELL(cia406_hook_areas, areas(node, encoder_of(node)->position))
+DG_CO_TELL(cia406_hook_areas, areas(node, node->value[SLOT_POSITION]))

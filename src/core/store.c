@@ -71,6 +71,16 @@ static int nvm_sync(const struct dg_nvm *nvm)
     return nvm->ops->sync == NULL ? DG_OK : nvm->ops->sync(nvm->ctx);
 }
 
+static bool same(const uint8_t *a, const uint8_t *b, size_t n)
+{
+    while (n > 0 && *a == *b) {
+        a++;
+        b++;
+        n--;
+    }
+    return n == 0;
+}
+
 static size_t chunk(uint32_t n)
 {
     return n < CHUNK ? n : CHUNK;
@@ -150,7 +160,7 @@ static uint8_t regions_under(const struct dg_store_layout *layout, const uint8_t
     uint8_t regions = layout->region_count;
     while (regions > 0) {
         make_header(layout, regions, right);
-        if (memcmp(header, right, HEADER_SIZE) == 0) {
+        if (same(header, right, HEADER_SIZE)) {
             break;
         }
         regions--;
@@ -241,7 +251,7 @@ static int inspect_journal(const struct dg_store *self, uint16_t *length)
     if (make_journal_head(&self->nvm, *length, right) != DG_OK) {
         return DG_ERR_IO;
     }
-    return memcmp(found, right, sizeof found) == 0 ? JOURNAL_WHOLE : JOURNAL_TORN;
+    return same(found, right, sizeof found) ? JOURNAL_WHOLE : JOURNAL_TORN;
 }
 
 /* Put the changes in place, in order; `regions` collects the ones written as a whole. */

@@ -113,9 +113,13 @@ static void list_objects(const struct dg_co_dictionary *dictionary)
     for (uint16_t i = 0; i < dictionary->count; i++) {
         const struct dg_co_row *row = &dictionary->rows[i];
         for (uint8_t nth = 0; nth <= (row->key & 0xFu); nth++) {
-            objects[object_count++] =
-                (struct dg_co_object){row, (uint16_t)(row->key >> 16),
-                                      (uint8_t)((row->key >> 8) + nth), (uint8_t)(row->slot + nth)};
+            objects[object_count++] = (struct dg_co_object){
+                .row = row,
+                .dictionary = dictionary,
+                .index = (uint16_t)(row->key >> 16),
+                .sub = (uint8_t)((row->key >> 8) + nth),
+                .slot = (uint8_t)(row->slot + nth),
+            };
         }
     }
 }
@@ -167,7 +171,7 @@ static struct figure figure(const struct bench *bench, const struct dg_co_object
     const struct dg_co_device *device = bench->model.device;
     const uint32_t number = object->row->key >> 4 & 0xFu;
     const struct dg_co_limits *limits =
-        number != 0 ? &device->dictionary.limits[number - 1u] : &of_types[type_of(object)];
+        number != 0 ? &device->dictionary.limits[number] : &of_types[type_of(object)];
     struct figure own = {object->row->initial, limits->min, limits->max};
 
     for (uint8_t i = 0; i < device->figure_count; i++) {
@@ -192,7 +196,7 @@ static bool in_range(const struct bench *bench, const struct dg_co_object *objec
 static void check_position(struct bench *bench)
 {
     const bool told = ask(bench, 0x40, row(0x6400, 1), 0);
-    uint32_t position = bench->encoder.position;
+    uint32_t position = value_of(bench, 0x6004, 0);
     uint8_t areas = 0;
 
     fuzz_must(position < range(bench));
@@ -226,7 +230,7 @@ static void check(struct bench *bench)
               ((parameters & SCALING) != 0 &&
                4 * range(bench) < (uint64_t)bench->model.turns * value_of(bench, 0x6001, 0)));
     if (ask(bench, 0x40, row(0x6004, 0), 0)) {
-        fuzz_must(dg_load_le32(&bench->answer.data[4]) == bench->encoder.position);
+        fuzz_must(dg_load_le32(&bench->answer.data[4]) == value_of(bench, 0x6004, 0));
         check_position(bench);
     }
     (void)dg_cia406_leds(&bench->node);
@@ -266,7 +270,8 @@ static void op_write(struct bench *bench, struct fuzz_input *input)
     uint8_t size =
         fuzz_take(input) % 16 != 0 ? sizes[type_of(object)] : (uint8_t)(1 + fuzz_take(input) % 4);
     uint32_t value = some_value(bench, input, object);
-    bool kept = (object->row->flags & DG_CO_SLOT) != 0 && bench->node.state != DG_CO_OFF;
+    bool kept = (object->row->flags & (DG_CO_SLOT | DG_CO_LIVE)) == DG_CO_SLOT &&
+                bench->node.state != DG_CO_OFF;
     uint32_t before = kept ? bench->node.value[object->slot] : 0;
 
     bool accepted = ask(bench, (uint8_t)(0x23u | (4u - size) << 2), object, value);

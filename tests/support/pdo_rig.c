@@ -56,7 +56,7 @@ static const struct dg_co_row rows[] = {
 };
 /* clang-format on */
 
-static dg_co_hook *const hooks[] = {read_sample, cyclic_timer};
+static dg_co_hook *const hooks[] = {NULL, read_sample, cyclic_timer};
 
 /* clang-format off */
 static const struct dg_co_figure figures[] = {

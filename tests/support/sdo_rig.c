@@ -78,9 +78,9 @@ static const struct dg_co_row rows[] = {
 };
 /* clang-format on */
 
-static dg_co_hook *const hooks[] = {read_samples, refuse_write, refuse_read};
+static dg_co_hook *const hooks[] = {NULL, read_samples, refuse_write, refuse_read};
 static const struct dg_co_limits limits[] = {
-    {(uint32_t)-100, 100}, {(uint32_t)-1000, 1000}, {(uint32_t)-100000, 100000}};
+    {0, 0}, {(uint32_t)-100, 100}, {(uint32_t)-1000, 1000}, {(uint32_t)-100000, 100000}};
 
 static const char *const strings[] = {"",
                                       "1.08",

@@ -43,8 +43,8 @@ static const struct dg_co_row rows[] = {
     DG_CO_ROW(0x6005, 0, 0, DG_CO_U8, DG_CO_RW | DG_CO_SLOT | DG_CO_SAVE | DG_CO_FIGURE, DG_CO_SLOT_APPLICATION, 0, 1, 0),
     DG_CO_ROW(0x6006, 0, 0, DG_CO_I16, DG_CO_RW | DG_CO_SLOT, DG_CO_SLOT_APPLICATION + 1, 0xFFFFFFFBu, 2, 0),
 };
-static dg_co_hook *const hooks[] = {dg_co_hook_save_bus, read_inputs};
-static const struct dg_co_limits limits[] = {{0, 1}, {0xFFFFFF9Cu, 100}};
+static dg_co_hook *const hooks[] = {NULL, dg_co_hook_save_bus, read_inputs};
+static const struct dg_co_limits limits[] = {{0, 0}, {0, 1}, {0xFFFFFF9Cu, 100}};
 static const struct dg_co_figure figures[] = {
     {0x1017, 0, 1000, 5000},
     {0x1A00, 0, 1, 0xFF},

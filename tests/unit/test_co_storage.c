@@ -348,6 +348,12 @@ static void look(struct sight *sight)
     sight->bit_rate = rig.node.bit_rate;
     sight->serial = rig.node.serial;
     memcpy(sight->value, rig.node.value, sizeof sight->value);
+    struct dg_co_object row = co_first();
+    do {
+        if (co_is(&row, DG_CO_SLOT | DG_CO_LIVE)) {
+            sight->value[row.slot] = 0; /* measured, not set */
+        }
+    } while (co_next(device, &row));
 }
 
 static bool same(const struct sight *a, const struct sight *b)

@@ -111,7 +111,7 @@ static void rows_are_found_and_nothing_else(void **state)
             const bool there = next < rows() && key(row(next)) == (index << 8 | sub);
             struct dg_co_object found = {.index = (uint16_t)index, .sub = (uint8_t)sub};
             const enum dg_co_abort abort = co_find(device, &found);
-            assert_true(!there || memcmp(&found, row(next), sizeof found) == 0);
+            assert_true(!there || (found.row == row(next)->row && found.slot == row(next)->slot));
             assert_int_equal(abort, there ? DG_CO_OK : known ? DG_CO_NO_SUB : DG_CO_NO_OBJECT);
             next += there;
         }
@@ -216,16 +216,16 @@ static void flags_are_consistent(void **state)
         assert_true((flags & DG_CO_RW) != 0);
         /* What is kept and cannot be written is the device's own to change. */
         assert_true((flags & DG_CO_SAVE) == 0 || (flags & DG_CO_RW) == DG_CO_RW ||
-                    ((flags & DG_CO_R) != 0 && co_hook(device, object) != NULL));
+                    ((flags & DG_CO_R) != 0 && co_hook(object) != NULL));
         assert_true((flags & DG_CO_SAVE) == 0 || (flags & DG_CO_SLOT) != 0);
         assert_true((flags & DG_CO_EVENT) == 0 || (flags & DG_CO_MAP) != 0);
         assert_true((flags & DG_CO_GAP) == 0 || (flags & DG_CO_SAVE) != 0);
         assert_true((flags & DG_CO_MAP) == 0 || (flags & DG_CO_R) != 0);
         assert_true((flags & DG_CO_MAP) == 0 || co_size(object) != 0);
+        assert_true((flags & DG_CO_MAP) == 0 || (object->row->key & 0xFu) == 0);
         assert_true((flags & DG_CO_CONST) == 0 || (flags & (DG_CO_W | DG_CO_SLOT)) == 0);
         /* What can be written is kept somewhere, or somebody looks at it. */
-        assert_true((flags & DG_CO_W) == 0 || (flags & DG_CO_SLOT) != 0 ||
-                    co_hook(device, object) != NULL);
+        assert_true((flags & DG_CO_W) == 0 || (flags & DG_CO_SLOT) != 0 || co_hook(object) != NULL);
     }
 }
 
@@ -321,7 +321,12 @@ static void every_saved_row_comes_back(void **state)
         assert_int_equal(co_rig_write(&rig, 0x1010, 1, SAVE, 4), 0);
         assert_int_equal(co_rig_power_on(&rig), DG_OK);
         assert_int_equal(rig.node.value[object->slot], wanted);
-        assert_memory_equal(rig.node.value, before, sizeof before);
+        for (size_t n = 0; n < rows(); n++) {
+            /* Of what is measured nothing is kept. */
+            if (co_is(row(n), DG_CO_SLOT) && !co_is(row(n), DG_CO_LIVE)) {
+                assert_int_equal(rig.node.value[row(n)->slot], before[row(n)->slot]);
+            }
+        }
         saved++;
     }
     assert_true(saved > 80);

@@ -23,8 +23,10 @@ enum {
 #define DG_CO_MORE(index, sub, name)
 
 enum { FULL, TO_1, TO_8, NODE_ID, CELSIUS, FROM_1, U16_FROM_1, TO_65536, TO_200 };
-static const struct dg_co_limits limits[] = {
-    {0, 1}, {0, 8}, {1, 127}, {0x20, 0xAC}, {1, UINT32_MAX}, {1, UINT16_MAX}, {1, 65536}, {1, 200}};
+static dg_co_hook *const hooks[] = {NULL};
+static const struct dg_co_limits limits[] = {{0, 0},          {0, 1},       {0, 8},
+                                             {1, 127},        {0x20, 0xAC}, {1, UINT32_MAX},
+                                             {1, UINT16_MAX}, {1, 65536},   {1, 200}};
 
 static const struct dg_co_row rows[] = {
 #include "objects.def"
@@ -49,7 +51,7 @@ static const struct dg_store_layout layout = {.id = 1,
                                               .region_count = sizeof regions / sizeof regions[0],
                                               .regions = regions};
 static const struct dg_co_device plain = {
-    .dictionary = {rows, sizeof rows / sizeof rows[0], limits, NULL},
+    .dictionary = {rows, sizeof rows / sizeof rows[0], limits, hooks},
     .kbaud = kbaud,
     .kbaud_count = sizeof kbaud / sizeof kbaud[0],
     .strings = strings,
