@@ -352,7 +352,9 @@ DG_API int dg_host_restore(struct dg_host *self, const void *from, size_t n);
 /* ---------------------------------------------------------------- faults and SCPI */
 
 /** The control plane of one encoder, in memory of the host's as the handle is; links it. What it
- * has done to world and EEPROM is in saved states, the panel itself is not. */
+ * has done to world and EEPROM is in saved states and lasts there. The panel itself is not: neither
+ * its shaft nor which faults are at work, nor the session of SCPI. A handle that goes on from a
+ * state keeps the panel it has, with the faults of that. */
 struct dg_host_panel;
 
 /** Bytes of a panel. */
@@ -386,7 +388,8 @@ struct dg_host_fault {
 DG_API int dg_host_fault(const struct dg_host_panel *self, size_t index, struct dg_host_fault *to);
 
 /** Let a fault happen until it is made good. @return 0; DG_HOST_ERR_NAME; DG_HOST_ERR_IO;
- * DG_HOST_ERR_WIRE: it is one of lines and rings that a queue of events has not */
+ * DG_HOST_ERR_WIRE: it is one that queues of events have not: wire_break and wire_tear, and on
+ * BiSS and SSI, where events are edges, every wire_ fault */
 DG_API int dg_host_fault_set(struct dg_host_panel *self, uint64_t now, const char *name, bool on);
 
 /** A line of SCPI, without its end, and what is answered, with a zero behind it and no LF at the

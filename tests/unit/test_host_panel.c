@@ -65,6 +65,29 @@ static void faults_come_and_go_by_name(void **state)
     }
 }
 
+static void faults_that_queues_have_not_are_refused(void **state)
+{
+    static const struct {
+        const char *model;
+        const char *fault;
+        int result;
+    } rows[] = {
+        {"s3684-biss", "wire_break", DG_HOST_ERR_WIRE},
+        {"s3684-biss", "wire_drop", DG_HOST_ERR_WIRE},
+        {"ssi-25", "wire_damage", DG_HOST_ERR_WIRE},
+        {"ocd-ib-k3", "wire_break", DG_HOST_ERR_WIRE},
+        {"ocd-ib-k3", "wire_tear", DG_HOST_ERR_WIRE},
+        {"ocd-ib-k3", "wire_drop", DG_HOST_OK},
+        {"s3684-biss", "wire_tear", DG_HOST_ERR_NAME},
+    };
+
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        struct dg_host_panel *board = panel(host_rig_start(&host_rig_here, rows[i].model));
+        assert_int_equal(dg_host_fault_set(board, READY, rows[i].fault, true), rows[i].result);
+    }
+}
+
 /* 42h while something is wrong with the wire. */
 static int ask_hiperface(struct dg_host *self, uint64_t at, struct dg_host_event *event)
 {
@@ -388,6 +411,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_panel_needs_an_encoder_that_was_on),
         cmocka_unit_test(faults_come_and_go_by_name),
+        cmocka_unit_test(faults_that_queues_have_not_are_refused),
         cmocka_unit_test(faults_of_the_wire_happen_in_the_queues),
         cmocka_unit_test(a_long_reply_has_a_fault_as_a_whole),
         cmocka_unit_test(a_controller_that_is_off_is_silent),
