@@ -13,8 +13,8 @@
 #include "say.h"
 
 #define TOP_OUTPUT_MAX (64u * 1024u)
-#define TOP_INPUT_FIRST (64u * 1024u)
-#define TOP_INPUT_MAX (256u * 1024u * 1024u) /* the longest line: the names of all encoders */
+#define TOP_INPUT_FIRST ((size_t)64 * 1024)
+#define TOP_INPUT_MAX ((size_t)4 * 1024 * 1024) /* the longest line: names of 100 000 encoders */
 
 struct top_link {
     struct sockaddr_storage peer; /* where it went the first time */

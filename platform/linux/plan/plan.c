@@ -77,7 +77,7 @@ int lx_plan_add_encoder(struct lx_plan *self, const char *name, const struct dg_
     *row = (struct lx_plan_encoder){
         .model = model, .shaft = shaft, .wire = wire, .address = LX_PLAN_AS_DELIVERED};
     struct lx_plan_wire *on = &self->wires[wire];
-    on->first_encoder = on->encoder_count == 0 ? self->encoder_count - 1u : on->first_encoder;
+    on->stack = model->stack;
     on->encoder_count++;
     const int index = call(self, &row->name, LX_PLAN_ENCODER, name, self->encoder_count);
     const struct lx_plan_name alias = {.list = LX_PLAN_ALIAS, .text = row->name};

@@ -60,9 +60,9 @@ struct lx_plan_wire {
     lx_line_number line;              /**< of the section */
     lx_line_number where_line;        /**< of the key with the address, or the kind */
     lx_line_number trace_line;
-    bool is_private;      /**< of one encoder, in whose section it stands */
-    size_t encoder_count; /**< on it so far, of which */
-    size_t first_encoder; /**< is the first one */
+    bool is_private;              /**< of one encoder, in whose section it stands */
+    size_t encoder_count;         /**< on it so far */
+    const struct dg_stack *stack; /**< that they speak; NULL: there are none */
 };
 
 /** An encoder. */

@@ -80,14 +80,6 @@ static int no_plug(const struct lx_plan *plan, const struct lx_plan_setting *row
                               model->name);
 }
 
-/* Whether the others on the wire, if any, speak what `model` speaks. */
-static bool same_stack(const struct lx_plan *plan, const struct lx_plan_wire *wire,
-                       const struct dg_device *model)
-{
-    return wire->encoder_count == 0 ||
-           plan->encoders[wire->first_encoder].model->stack == model->stack;
-}
-
 static int use_bus(const struct lx_plan *plan, const struct lx_plan_setting *row,
                    const struct dg_device *model, struct lx_error *error)
 {
@@ -98,7 +90,8 @@ static int use_bus(const struct lx_plan *plan, const struct lx_plan_setting *row
     }
     const struct lx_plan_wire *wire = &plan->wires[at];
     const struct lx_wire *kind = wire->kind;
-    if (!lx_wire_carries(kind, lx_stack_of(model)) || !same_stack(plan, wire, model)) {
+    if (!lx_wire_carries(kind, lx_stack_of(model)) ||
+        (wire->stack != NULL && wire->stack != model->stack)) {
         return no_plug(plan, row, kind, model, error);
     }
     return wire->encoder_count < kind->stations_max

@@ -14,9 +14,9 @@ struct row {
     int index;
 };
 
-static char folded(char c)
+static int folded(char c)
 {
-    return c == '-' ? '_' : (char)tolower((unsigned char)c);
+    return c == '-' ? '_' : tolower((unsigned char)c);
 }
 
 static int compare_aliases(const char *a, const char *b)

@@ -97,12 +97,16 @@ static bool gather(struct lx_rig *self)
             return false;
         }
     }
-    for (size_t i = 0; i < plan->encoder_count; i++) {
+    bool done = true;
+    for (size_t i = 0; done && i < plan->encoder_count; i++) {
         struct lx_rig_wire *wire = &self->wires[plan->encoders[i].wire];
+        done = wire->stations != NULL;
         self->stations[i].place = wire->count;
-        wire->stations[wire->count++] = &self->stations[i];
+        if (done) {
+            wire->stations[wire->count++] = &self->stations[i];
+        }
     }
-    return true;
+    return done;
 }
 
 static int make_wire(struct lx_rig *self, size_t index, struct lx_error *error)

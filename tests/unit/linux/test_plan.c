@@ -423,7 +423,7 @@ static void files_that_are_none(void **state)
 static void many(void **state)
 {
     enum { COUNT = 3000 };
-    char *text = malloc(COUNT * 160u);
+    char *text = malloc((size_t)COUNT * 160);
     struct lx_plan plan;
     struct lx_error error = {.right = ""};
     size_t n = 0;
