@@ -114,3 +114,9 @@ def test_another_library_by_its_path(tmp_path):
     script = "import drehgeber; drehgeber.Encoder('f3668')"
     done = run("-c", script, cwd=tmp_path, env={**os.environ, "DREHGEBER_LIBRARY": "/nonexistent/lib.so"})
     assert "EncoderError" in done.stderr and "/nonexistent/lib.so" in done.stderr
+
+
+def test_a_library_of_another_version(tmp_path):
+    script = "import drehgeber; drehgeber.__version__ = '0.0.9'; drehgeber.Encoder('f3668')"
+    done = run("-c", script, cwd=tmp_path)
+    assert f"is of version {drehgeber.__version__}, and this package needs 0.0" in done.stderr

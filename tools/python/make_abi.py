@@ -13,6 +13,7 @@ import cffi
 OTHERS = """
 typedef uint64_t dg_ns;
 typedef int64_t dg_angle;
+const char *dg_version(void);
 struct dg_device;
 struct dg_co_sheet;
 const struct dg_device *dg_device_find(const char *name);

@@ -19,17 +19,21 @@ class EncoderError(Exception):
         self.code = code
 
 
-def _candidates() -> list[str]:
+def _candidate() -> str:
     """$DREHGEBER_LIBRARY, else the wheel's own, else the system's of this minor version: it is what
     the layouts were taken from."""
     named = os.environ.get("DREHGEBER_LIBRARY")
     if named:
-        return [named]
+        return named
+    own = Path(__file__).with_name(NAME)
+    return str(own) if own.exists() else f"{NAME}.{_minor()}"
+
+
+def _minor() -> str:
+    """Of this package: layouts hold for a minor version."""
     from . import __version__
 
-    own = Path(__file__).with_name(NAME)
-    minor = ".".join(__version__.split(".")[:2])
-    return [str(own)] if own.exists() else [f"{NAME}.{minor}"]
+    return ".".join(__version__.split(".")[:2])
 
 
 @functools.cache
@@ -42,13 +46,16 @@ def load() -> tuple[Any, Any]:
             f"encoders in this process need the installed package ({error}): pip install drehgeber, "
             "or ./tools/python of a clone"
         ) from error
-    wrong = []
-    for path in _candidates():
-        try:
-            return ffi, ffi.dlopen(path)
-        except OSError as error:
-            wrong.append(str(error))
-    raise EncoderError("; ".join(wrong))
+    path = _candidate()
+    try:
+        lib: Any = ffi.dlopen(path)
+    except OSError as error:
+        raise EncoderError(str(error)) from error
+    text: Any = ffi.string(lib.dg_version())
+    version = text.decode()
+    if not f"{version}.".startswith(f"{_minor()}."):
+        raise EncoderError(f"{path} is of version {version}, and this package needs {_minor()}")
+    return ffi, lib
 
 
 def checked(result: int, about: str) -> int:
