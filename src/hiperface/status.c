@@ -14,9 +14,9 @@ void hf_push(struct dg_hf *self, enum dg_hf_status status)
             return;
         }
     }
-    if (self->stack_count == DG_HF_STACK_DEPTH) {
+    if (self->stack_count >= DG_HF_STACK_DEPTH) {
         memmove(&self->stack[0], &self->stack[1], DG_HF_STACK_DEPTH - 1u);
-        self->stack_count--;
+        self->stack_count = DG_HF_STACK_DEPTH - 1u;
     }
     self->stack[self->stack_count++] = (uint8_t)status;
 }
