@@ -268,8 +268,8 @@ struct dg_co_device {
      * True: boot into operational. May be NULL.
      */
     bool (*reset)(struct dg_co_node *node, bool application);
-    /** Take a sample at node->now; once for all objects of a SYNC, a TPDO, an SDO read. May be
-     * NULL. */
+    /** Take a sample at node->now; once for all objects of a SYNC, a TPDO, an SDO read of what is
+     * not constant. May be NULL. */
     void (*sample)(struct dg_co_node *node);
     /** Periodic work; returns the next moment it is wanted, which neither sample() nor the reading
      * of an object moves. May be NULL. */

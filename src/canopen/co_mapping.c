@@ -2,6 +2,8 @@
 /*
  * Parameters of the TPDOs: 1800h and 1A00h (CiA 301).
  */
+#include <string.h>
+
 #include "co_od.h"
 #include "co_pdo.h"
 
@@ -54,6 +56,7 @@ static enum dg_co_abort resolve(struct dg_co_node *self, uint8_t n, uint32_t cou
     tpdo->mapped_count = 0;
     tpdo->length = 0;
     tpdo->event_bytes = 0;
+    memset(tpdo->last, 0, sizeof tpdo->last); /* zeros behind the data */
     for (uint8_t i = 0; abort == DG_CO_OK && i < count; i++) {
         uint32_t entry = self->value[CO_TPDO(n, CO_PDO_ENTRIES) + i];
         struct dg_co_object object;

@@ -37,12 +37,7 @@ void co_send(struct dg_co_node *self, uint16_t id, const uint8_t *data, uint8_t 
 {
     struct dg_can_frame frame = {.id = id, .dlc = dlc};
 
-    if (dlc == 8) { /* in halves, as they were written: a wider load would wait for both */
-        memcpy(&frame.data[0], &data[0], 4);
-        memcpy(&frame.data[4], &data[4], 4);
-    } else {
-        memcpy(frame.data, data, dlc);
-    }
+    memcpy(frame.data, data, dlc);
     co_send_frame(self, &frame);
 }
 

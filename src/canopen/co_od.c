@@ -93,11 +93,11 @@ static uint32_t tpdo_of(uint32_t index)
 /* The last of `count` sorted rows that is not behind `wanted`; the first when all are. Halving
  * without a way out for the row that fits, and without a branch: cheaper than to look at each
  * twice. */
-static const struct dg_co_row *last_not_behind(const struct dg_co_row *row, size_t count,
+static const struct dg_co_row *last_not_behind(const struct dg_co_row *row, uint32_t count,
                                                uint32_t wanted)
 {
     while (count > 1) {
-        size_t half = count / 2u;
+        uint32_t half = count / 2u;
         row = row[half].key <= wanted ? row + half : row;
         count -= half;
     }
@@ -262,9 +262,8 @@ uint32_t co_initial(const struct dg_co_node *self, const struct dg_co_object *ob
 enum dg_co_abort co_read(struct dg_co_node *self, const struct dg_co_object *object,
                          uint32_t *value)
 {
-    dg_co_hook *const hook = co_hook(object);
-
     *value = co_is(object, DG_CO_SLOT) ? self->value[object->slot] : co_initial(self, object);
+    dg_co_hook *const hook = co_hook(object);
     return hook == NULL ? DG_CO_OK : hook(self, object, DG_CO_READ, value);
 }
 

@@ -25,11 +25,10 @@ static bool is_synchronous(uint8_t type)
 
 /* ------------------------------------------------------------ sending */
 
-/* Values little-endian, one behind the other, then zeros; each store's surplus is overwritten by
- * the next. */
+/* Values little-endian, one behind the other; a store's surplus is zeros, and overwritten by the
+ * next. */
 static void build(struct dg_co_node *self, const struct dg_co_tpdo *tpdo, uint8_t *data)
 {
-    memset(data, 0, sizeof tpdo->last);
     for (uint8_t i = 0; i < tpdo->mapped_count; i++) {
         const struct dg_co_object object = co_numbered(self->setup.device, tpdo->mapped[i]);
         uint32_t value;

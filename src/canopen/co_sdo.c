@@ -179,7 +179,7 @@ enum dg_co_abort co_sdo_fetch(struct dg_co_node *self)
         fetch_text(sdo, device->strings[object->row->initial]);
         return DG_CO_OK;
     }
-    if (object->index >= 0x2000 && device->sample != NULL) {
+    if (object->index >= 0x2000 && !co_is(object, DG_CO_CONST) && device->sample != NULL) {
         device->sample(self);
     }
     abort = co_read(self, object, &value);

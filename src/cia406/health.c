@@ -147,22 +147,22 @@ static void optics_details(const struct dg_co_node *node, uint8_t *details)
 /* clang-format off */
 static const struct {
     bool (*present)(const struct dg_co_node *node);
-    uint8_t cause;
-    uint16_t warning;
-    uint16_t alarm;
     void (*details)(const struct dg_co_node *node, uint8_t *details);
+    uint16_t bit;   /* of 6503h, alarms, or 6505h, warnings */
+    bool alarm;
+    uint8_t cause;
 } checks[] = {
-    {too_fast,         CAUSE_SPEED,         WARN_SPEED,       0,              sensor_details},
-    {too_hot_or_cold,  CAUSE_TEMPERATURE,   WARN_TEMPERATURE, 0,              sensor_details},
-    {battery_low,      CAUSE_BATTERY_LOW,   WARN_BATTERY,     0,              battery_details},
-    {battery_missing,  CAUSE_BATTERY_CABLE, WARN_BATTERY,     0,              cable_details},
-    {optics_failed,    CAUSE_OPTICS,        0,                0,              optics_details},
-    {position_invalid, CAUSE_POSITION,      0,                ALARM_POSITION, NULL},
-    {memory_failed,    DG_CO_CAUSE_MEMORY,  0,                0,              NULL},
-    {hardware_failed,  CAUSE_HARDWARE,      0,                ALARM_HARDWARE, NULL},
-    {offset_lost,      CAUSE_USF_LOST,      0,                0,              NULL},
-    {watchdog,         NO_CAUSE,            WARN_WATCHDOG,    0,              NULL},
-    {old,              NO_CAUSE,            WARN_TIME,        0,              NULL},
+    {too_fast,         sensor_details,  WARN_SPEED,       false, CAUSE_SPEED},
+    {too_hot_or_cold,  sensor_details,  WARN_TEMPERATURE, false, CAUSE_TEMPERATURE},
+    {battery_low,      battery_details, WARN_BATTERY,     false, CAUSE_BATTERY_LOW},
+    {battery_missing,  cable_details,   WARN_BATTERY,     false, CAUSE_BATTERY_CABLE},
+    {optics_failed,    optics_details,  0,                false, CAUSE_OPTICS},
+    {position_invalid, NULL,            ALARM_POSITION,   true,  CAUSE_POSITION},
+    {memory_failed,    NULL,            0,                false, DG_CO_CAUSE_MEMORY},
+    {hardware_failed,  NULL,            ALARM_HARDWARE,   true,  CAUSE_HARDWARE},
+    {offset_lost,      NULL,            0,                false, CAUSE_USF_LOST},
+    {watchdog,         NULL,            WARN_WATCHDOG,    false, NO_CAUSE},
+    {old,              NULL,            WARN_TIME,        false, NO_CAUSE},
 };
 /* clang-format on */
 
@@ -227,11 +227,13 @@ void cia406_health_look(struct dg_co_node *node)
 enum dg_co_abort cia406_hook_health(struct dg_co_node *node, const struct dg_co_object *object,
                                     enum dg_co_op op, uint32_t *value)
 {
+    const bool alarms = object->index == 0x6503;
+
     (void)op;
     *value = 0;
     for (uint8_t i = 0; i < DG_COUNT(checks); i++) {
-        if (checks[i].present(node)) {
-            *value |= object->index == 0x6503 ? checks[i].alarm : checks[i].warning;
+        if (checks[i].alarm == alarms && checks[i].present(node)) {
+            *value |= checks[i].bit;
         }
     }
     return DG_CO_OK;

@@ -61,7 +61,7 @@ static const struct dg_co_row rows[] = {
     DG_CO_ROW(0x2004, 0, 0, DG_CO_U8, RWS, SDO_RIG_U8, 0, 0, 0),
     DG_CO_ROW(0x2005, 0, 0, DG_CO_U16, RWS, SDO_RIG_U16, 0, 0, 0),
     DG_CO_ROW(0x2006, 0, 0, DG_CO_U32, RWS, SDO_RIG_U32, 0, 0, 0),
-    DG_CO_ROW(0x2007, 0, 0, DG_CO_U8, DG_CO_R, 0, 1, 0, 0),
+    DG_CO_ROW(0x2007, 0, 0, DG_CO_U8, DG_CO_R | DG_CO_CONST, 0, 1, 0, 0),
     DG_CO_ROW(0x2007, 1, 0, DG_CO_U32, RWS, SDO_RIG_ARRAY, 0, 0, 0),
     DG_CO_ROW(0x2008, 0, 0, DG_CO_U32, DG_CO_W | DG_CO_SLOT, SDO_RIG_WRITE_ONLY, 0, 0, 0),
     DG_CO_ROW(0x200A, 0, 0, DG_CO_U32, DG_CO_RW, 0, 0, 0, 2),

@@ -14,6 +14,7 @@
 #include <cmocka.h>
 
 #include "co_rig.h"
+#include "drehgeber/bits.h"
 
 #define CCW 0x0001u
 #define SCALING 0x0004u
@@ -491,6 +492,31 @@ static void a_zero_of_other_settings_does_not_count(void **state)
     assert_true(sent(0x62));
 }
 
+/* Nor does one whose position is outside of the range, as no encoder stores it. */
+static void a_zero_beyond_the_range_does_not_count(void **state)
+{
+    const struct dg_store_layout *layout = rig.model->device->layout;
+    const uint8_t region = (uint8_t)dg_store_find(layout, "usf");
+    struct dg_store store;
+    uint8_t bytes[21];
+    (void)state;
+
+    for (uint32_t whole = 35999; whole <= 36000; whole++) {
+        co_rig_start(&rig);
+        activate(3600, 36000, 0, 0);
+        assert_int_equal(dg_store_mount(&store, layout, ram_nvm_port(&rig.nvm)), DG_OK);
+        assert_int_equal(dg_store_read(&store, region, 0, bytes, sizeof bytes), DG_OK);
+        dg_store_le32(&bytes[5], whole << 16);
+        dg_store_le32(&bytes[9], whole >> 16);
+        assert_int_equal(dg_store_put(&store, region, 0, bytes, sizeof bytes), DG_OK);
+        co_rig_put(&rig, 0x1010, 1, SAVE, 4);
+        power_cycle(0);
+        co_rig_forget(&rig);
+        co_rig_run(&rig, 0);
+        assert_int_equal(sent(0x62), whole == 36000);
+    }
+}
+
 /* So does its direction. */
 static void a_zero_of_the_other_code_sequence_does_not_count(void **state)
 {
@@ -654,6 +680,7 @@ int main(int argc, char **argv)
         cmocka_unit_test_setup(a_lost_zero_is_where_the_encoder_starts, setup),
         cmocka_unit_test_setup(only_a_preset_finds_a_lost_zero_again, setup),
         cmocka_unit_test_setup(a_zero_of_other_settings_does_not_count, setup),
+        cmocka_unit_test_setup(a_zero_beyond_the_range_does_not_count, setup),
         cmocka_unit_test_setup(a_zero_of_the_other_code_sequence_does_not_count, setup),
         cmocka_unit_test_setup(a_zero_from_before_usf_was_off_does_not_count, setup),
         cmocka_unit_test_setup(what_must_not_be_kept_is_forgotten_as_soon_as_possible, setup),

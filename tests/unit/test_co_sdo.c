@@ -102,6 +102,8 @@ static void one_sample_for_each_read_of_the_device(void **state)
     sdo_rig_ask(&rig, "A4 00 20 00 7F 00 00 00", "C6 00 20 00 02 00 00 00");
     sdo_rig_ask(&rig, "A3 00 00 00 00 00 00 00", "81 03 00 00 00 00 00 00");
     assert_int_equal(rig.samples, 3);
+    sdo_rig_ask(&rig, "40 07 20 00 00 00 00 00", "4F 07 20 00 01 00 00 00"); /* a constant */
+    assert_int_equal(rig.samples, 3);
 }
 
 /* ---- access errors */

@@ -39,6 +39,21 @@ static void elapsed_never_runs_backwards(void **state)
     assert_true(dg_elapsed(0, DG_NEVER) == 0);
 }
 
+/* Against the machine's own division. */
+static void spans_are_divided(void **state)
+{
+    static const uint16_t divisors[] = {1, 2, 100, 1000, 0x8000, 60000, 65535};
+    uint64_t noise = 0x9E3779B97F4A7C15u;
+    (void)state;
+
+    for (int i = 0; i < 10000; i++) {
+        const uint64_t span = i < 4 ? DG_NEVER - (uint64_t)i : noise >> i % 64;
+        const uint16_t divisor = divisors[i % 7];
+        assert_true(dg_divide_ns(span, divisor) == span / divisor);
+        noise = noise * 6364136223846793005u + 1442695040888963407u;
+    }
+}
+
 static void earliest_of_two(void **state)
 {
     (void)state;
@@ -84,8 +99,11 @@ static void bit_times_round_up(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(spans_are_nanoseconds),        cmocka_unit_test(after_saturates),
-        cmocka_unit_test(elapsed_never_runs_backwards), cmocka_unit_test(earliest_of_two),
+        cmocka_unit_test(spans_are_nanoseconds),
+        cmocka_unit_test(after_saturates),
+        cmocka_unit_test(elapsed_never_runs_backwards),
+        cmocka_unit_test(earliest_of_two),
+        cmocka_unit_test(spans_are_divided),
         cmocka_unit_test(bit_times_round_up),
     };
 
