@@ -419,7 +419,7 @@ def test_garbage_is_no_answer(panel, tmp_path):
         top.wait("trying again: -350")
         answer(bytes(range(256)) * 4)
         top.wait("trying again: ")
-        answer(b"x" * 2**19)  # a line without an end
+        answer(b"x" * 2**23)  # a line without an end
         top.wait("trying again: Message too long")
         # Right, but for everything behind the mark.
         half = threading.Thread(target=answer, args=(
