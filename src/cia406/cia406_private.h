@@ -97,10 +97,7 @@ void cia406_health_start(struct dg_co_node *node);
 void cia406_health_look(struct dg_co_node *node);
 
 /* Hooks, by file. */
-dg_co_hook cia406_hook_scaling, cia406_hook_preset; /** `ms` from now on. */
-dg_ns cia406_in_ms(const struct dg_co_node *node, uint32_t ms);
-
-/* position.c */
+dg_co_hook cia406_hook_scaling, cia406_hook_preset; /* position.c */
 dg_co_hook cia406_hook_offset, cia406_hook_raw, cia406_hook_areas;
 dg_co_hook cia406_hook_speed, cia406_hook_acceleration;                 /* speed.c */
 dg_co_hook cia406_hook_health, cia406_hook_sensor, cia406_hook_battery; /* health.c */

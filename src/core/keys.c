@@ -4,6 +4,7 @@
  */
 #include "drehgeber/key.h"
 
+#include <stddef.h>
 #include <string.h>
 
 #include "drehgeber/hal.h"
@@ -62,26 +63,29 @@ static bool is_word(const struct dg_key *key)
 /* The value has been checked against the row's range, so it fits the type. */
 static void store(const struct dg_key *key, uint8_t *to, int64_t value)
 {
-    const uint8_t u8 = (uint8_t)value;
-    const uint16_t u16 = (uint16_t)value;
-    const uint32_t u32 = (uint32_t)value;
-    const uint64_t u64 = (uint64_t)value * key->factor;
-    const bool flag = value != 0;
-    const struct {
-        const void *from;
-        size_t size;
+    const struct values {
+        uint64_t u64;
+        uint32_t u32;
+        uint16_t u16;
+        uint8_t u8;
+        bool flag;
+    } values = {(uint64_t)value * key->factor, (uint32_t)value, (uint16_t)value, (uint8_t)value,
+                value != 0};
+    static const struct {
+        uint8_t offset;
+        uint8_t size;
     } rows[DG_KEY_TYPE_COUNT] = {
-        [DG_KEY_U8] = {&u8, sizeof u8},
-        [DG_KEY_U16] = {&u16, sizeof u16},
-        [DG_KEY_U32] = {&u32, sizeof u32},
-        [DG_KEY_I16] = {&u16, sizeof u16}, /* the same bytes */
-        [DG_KEY_I32] = {&u32, sizeof u32},
-        [DG_KEY_NS] = {&u64, sizeof u64},
-        [DG_KEY_FLAG] = {&flag, sizeof flag},
-        [DG_KEY_WORD] = {&u8, sizeof u8},
+        [DG_KEY_U8] = {offsetof(struct values, u8), sizeof values.u8},
+        [DG_KEY_U16] = {offsetof(struct values, u16), sizeof values.u16},
+        [DG_KEY_U32] = {offsetof(struct values, u32), sizeof values.u32},
+        [DG_KEY_I16] = {offsetof(struct values, u16), sizeof values.u16}, /* the same bytes */
+        [DG_KEY_I32] = {offsetof(struct values, u32), sizeof values.u32},
+        [DG_KEY_NS] = {offsetof(struct values, u64), sizeof values.u64},
+        [DG_KEY_FLAG] = {offsetof(struct values, flag), sizeof values.flag},
+        [DG_KEY_WORD] = {offsetof(struct values, u8), sizeof values.u8},
     };
 
-    memcpy(to, rows[key->type].from, rows[key->type].size);
+    memcpy(to, (const uint8_t *)&values + rows[key->type].offset, rows[key->type].size);
 }
 
 static int64_t load_16(const uint8_t *from, bool negative)
