@@ -206,10 +206,12 @@ enum dg_co_abort co_hook_tpdo(struct dg_co_node *self, const struct dg_co_object
 static void start(struct dg_co_node *self, uint8_t n)
 {
     uint32_t *cob_id = &self->value[CO_TPDO(n, CO_PDO_COB_ID)];
+    uint32_t *count = &self->value[CO_TPDO(n, CO_PDO_MAPPED)];
 
     if (check_cob_id(self, n, *cob_id) != DG_CO_OK) {
         *cob_id |= CO_COB_INVALID;
     }
+    *count = *count <= DG_CO_MAPPED_MAX ? *count : 0;
     adopt_cob_id(self, n);
     adopt_type(self, n);
 }

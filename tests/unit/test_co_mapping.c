@@ -330,6 +330,7 @@ static void foreign_parameters_leave_the_tpdo_off(void **state)
         assert_int_equal(dg_store_put(&store, DG_CO_REGION_TPDO1, 0, bad, sizeof bad), DG_OK);
         pdo_power_on(&pdo_rig_device);
         assert_true((pdo_get(0x1800, 1) & NOT_VALID) != 0);
+        assert_in_range(pdo_get(0x1A00, 0), 0, 8);
         pdo_nmt(START);
         assert_int_equal(pdo_rig.count, 2);
         pdo_expect(0, TPDO3, (const uint8_t[]){0x85, 0xFF}, 2);
