@@ -7,6 +7,9 @@
 #include <stdio.h>
 
 #define BISS_PERIOD (20 * NS_PER_MS)
+/* The rig's master may just have begun a frame of its own, behind which this one waits: 33 clocks
+ * of position, 12 more bits, Ack, busy and timeout at 1 MHz. */
+#define BISS_FRAME (NS_PER_MS / 10)
 
 static void ask_biss(struct master *self, struct device *device)
 {
@@ -42,6 +45,7 @@ void run_biss(struct master *self)
     char line[LINE_SIZE];
     (void)snprintf(line, sizeof line, "INST:SEL %s\n", self->device->name);
     tell(self, line);
+    self->ahead = BISS_FRAME;
     while (ended == 0) {
         ask_biss(self, self->device);
         sleep_until(now_ns() + BISS_PERIOD);

@@ -185,7 +185,7 @@ static bool was_at(const struct device *device, uint64_t position, int64_t from,
 
 bool check(struct master *self, struct device *device, uint64_t position, int64_t from)
 {
-    const int64_t to = now_ns();
+    const int64_t to = now_ns() + self->ahead;
     self->exchanges++;
     if (was_at(device, position, from, to)) {
         return true;

@@ -45,6 +45,7 @@ struct master {
     unsigned long exchanges;
     unsigned long wrong;
     int64_t longest; /**< from a request to its answer */
+    int64_t ahead; /* so far may the wire run ahead of the clock: a frame of the rig's own master */
 };
 
 /** The process is to end. */
