@@ -537,6 +537,10 @@ DG_API int dg_co_net_add(struct dg_co_net *self, struct dg_co_node *node);
 DG_API dg_ns dg_co_net_rx(struct dg_co_net *self, dg_ns now, const struct dg_can_frame *frame);
 DG_API dg_ns dg_co_net_step(struct dg_co_net *self, dg_ns now);
 DG_API dg_ns dg_co_net_bus(struct dg_co_net *self, dg_ns now, enum dg_co_bus_event event);
+/** Enter the CAN-IDs of node `i`, as they were added, again if they may have changed: for whoever
+ * filters in front of the net, before what the node sends goes out, as a master may answer at once.
+ * The others do so when the node is done. @return whether they may have */
+DG_API bool dg_co_net_follow(struct dg_co_net *self, uint8_t i);
 /** Whether any node listens to `id`. */
 DG_API bool dg_co_net_listens(const struct dg_co_net *self, uint16_t id);
 

@@ -11,16 +11,14 @@ void dg_co_net_init(struct dg_co_net *self)
     memset(self, 0, sizeof *self);
 }
 
-/* Enter a node's CAN-IDs again if they may have changed, and take over its deadline. */
-static void refresh(struct dg_co_net *self, uint8_t i, dg_ns deadline)
+bool dg_co_net_follow(struct dg_co_net *self, uint8_t i)
 {
     struct dg_co_node *node = self->node[i];
     uint16_t ids[DG_CO_FILTERS_MAX];
     uint8_t bit = (uint8_t)(1u << (i % 8u));
 
-    self->deadline[i] = deadline;
     if (self->filter_version[i] == node->filter_version) {
-        return;
+        return false;
     }
     self->filter_version[i] = node->filter_version;
     for (uint16_t id = 0; id < DG_COUNT(self->listeners); id++) {
@@ -29,6 +27,13 @@ static void refresh(struct dg_co_net *self, uint8_t i, dg_ns deadline)
     for (uint8_t n = dg_co_filters(node, ids); n > 0; n--) {
         self->listeners[ids[n - 1u]][i / 8u] |= bit;
     }
+    return true;
+}
+
+static void refresh(struct dg_co_net *self, uint8_t i, dg_ns deadline)
+{
+    self->deadline[i] = deadline;
+    (void)dg_co_net_follow(self, i);
 }
 
 int dg_co_net_add(struct dg_co_net *self, struct dg_co_node *node)

@@ -24,12 +24,43 @@ static struct lx_can_bus *can_bus_of(struct lx_bus *bus)
 
 /* --- what the nodes do to the wire --- */
 
+/* Whoever looks at the wire wants to see what nobody on it listens to, too. */
+static void tell_filters(struct lx_can_bus *self)
+{
+    const size_t size = sizeof self->filter_version;
+    const bool tapped = lx_tap_on(&self->bus.tap);
+    if (self->can->ops->filter == NULL ||
+        (self->told && self->tapped == tapped &&
+         memcmp(self->filter_version, self->net.filter_version, size) == 0)) {
+        return;
+    }
+    memcpy(self->filter_version, self->net.filter_version, size);
+    self->tapped = tapped;
+    self->told = true;
+    self->can->ops->filter(self->can, tapped ? NULL : &self->net);
+}
+
+/* What a node listens to from now on, e.g. heartbeats of another one that it just was told of, may
+   come as soon as its answer is out. Of one that is not in the net yet nobody knows. */
+static void let_in(struct lx_can_node *node)
+{
+    struct lx_can_bus *bus = node->bus;
+    if (node->index != LX_CAN_DEAF) {
+        bus->told = !dg_co_net_follow(&bus->net, node->index) && bus->told;
+        tell_filters(bus);
+    } else if (bus->can->ops->filter != NULL) {
+        bus->told = false;
+        bus->can->ops->filter(bus->can, NULL);
+    }
+}
+
 static void send_frame(void *ctx, const struct dg_can_frame *frame)
 {
     struct lx_can_node *node = ctx;
     if (!node->hears) {
         return;
     }
+    let_in(node);
     lx_can_answer(node, frame);
 }
 
@@ -110,22 +141,6 @@ static dg_ns step(struct lx_can_bus *self, dg_ns now)
         }
     }
     return next;
-}
-
-/* Whoever looks at the wire wants to see what nobody on it listens to, too. */
-static void tell_filters(struct lx_can_bus *self)
-{
-    const size_t size = sizeof self->filter_version;
-    const bool tapped = lx_tap_on(&self->bus.tap);
-    if (self->can->ops->filter == NULL ||
-        (self->told && self->tapped == tapped &&
-         memcmp(self->filter_version, self->net.filter_version, size) == 0)) {
-        return;
-    }
-    memcpy(self->filter_version, self->net.filter_version, size);
-    self->tapped = tapped;
-    self->told = true;
-    self->can->ops->filter(self->can, tapped ? NULL : &self->net);
 }
 
 /* Once per episode, that no real bus would carry this. */

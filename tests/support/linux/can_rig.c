@@ -29,6 +29,7 @@ static bool wire_write(struct lx_can *can, const struct dg_can_frame *frame)
     }
     assert_true(self->count < CAN_RIG_FRAMES_MAX);
     self->at[self->count] = lx_now();
+    self->open[self->count] = self->seen_all || self->lets[self->asked];
     self->frame[self->count++] = *frame;
     return true;
 }
@@ -40,7 +41,11 @@ static void wire_pause(struct lx_can *can, bool paused)
 
 static void wire_filter(struct lx_can *can, const struct dg_co_net *net)
 {
-    ((struct can_wire *)can)->seen_all = net == NULL;
+    struct can_wire *self = (struct can_wire *)can;
+    self->seen_all = net == NULL;
+    for (uint16_t id = 0; net != NULL && id < 0x800; id++) {
+        self->lets[id] = dg_co_net_listens(net, id);
+    }
 }
 
 static void wire_expect(struct lx_can *can, uint16_t kbaud)

@@ -27,6 +27,9 @@ struct can_wire {
     bool paused;
     uint32_t bit_rate; /**< 0: it has none of its own */
     bool seen_all;     /**< filter() was told that everything is wanted */
+    bool lets[0x800];  /**< ... or which CAN-IDs */
+    uint16_t asked;    /**< whether it let this one through when a frame was sent: */
+    bool open[CAN_RIG_FRAMES_MAX];
 };
 
 /** A rig of one bus. */

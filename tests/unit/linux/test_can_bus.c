@@ -262,6 +262,41 @@ static void the_tap_sees_everything(void **state)
     assert_false(can_rig_wire(self)->seen_all);
 }
 
+/* A master may answer what an encoder sends before the loop has gone on. */
+static void filters_are_open_before_the_answer(void **state)
+{
+    static const struct {
+        uint16_t index;
+        uint8_t sub;
+        uint32_t value;
+        uint8_t size;
+        uint16_t can_id;
+    } rows[] = {
+        {0x1016, 1, 7u << 16 | 100u, 4, 0x707}, /* heartbeats of node 7 */
+        {0x1016, 1, 0, 4, 0x601},
+        {0x1005, 0, 0x90, 4, 0x090}, /* SYNC */
+    };
+    struct can_rig *self = *state;
+    can_rig_plan(self, 1);
+    can_rig_open(self, 1);
+    struct can_wire *wire = can_rig_wire(self);
+    assert_int_equal(wire->frame[0].id, HEARTBEAT + 1);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        wire->asked = rows[i].can_id;
+        can_rig_write(self, 0, rows[i].index, rows[i].sub, rows[i].value, rows[i].size);
+        assert_int_equal(wire->frame[wire->count - 1].id, 0x581);
+        assert_true(wire->open[wire->count - 1]);
+        assert_false(wire->seen_all);
+    }
+    dg_co_power_off(can_rig_device(self, 0));
+    can_rig_changed(self, 0);
+    wire->asked = 0x601;
+    assert_false(wire->lets[wire->asked]);
+    assert_int_equal(dg_co_power_on(can_rig_device(self, 0), lx_now()), DG_OK);
+    assert_int_equal(wire->frame[wire->count - 1].id, HEARTBEAT + 1);
+    assert_true(wire->open[wire->count - 1]);
+}
+
 /* In a time of the test's: the loop does not run. */
 static void late_is_more_than_5_ms(void **state)
 {
@@ -508,6 +543,8 @@ int main(void)
                                         can_rig_tear_down),
         cmocka_unit_test_setup_teardown(power_is_each_ones_own, can_rig_set_up, can_rig_tear_down),
         cmocka_unit_test_setup_teardown(the_tap_sees_everything, can_rig_set_up, can_rig_tear_down),
+        cmocka_unit_test_setup_teardown(filters_are_open_before_the_answer, can_rig_set_up,
+                                        can_rig_tear_down),
         cmocka_unit_test_setup_teardown(late_is_more_than_5_ms, can_rig_set_up, can_rig_tear_down),
         cmocka_unit_test_setup_teardown(a_closed_channel_is_no_bus, can_rig_set_up,
                                         can_rig_tear_down),
