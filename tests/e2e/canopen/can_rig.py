@@ -140,7 +140,8 @@ class Rig:
         self.disconnect()
         self.network = canopen.Network(open_bus(self.link, bit_rate))
         self.network.NOTIFIER_CYCLE = 0.05  # disconnecting waits for it
-        self.network.listeners.append(self.tap)
+        # Before canopen's own: what that has, the tap has already, and can forget.
+        self.network.listeners.insert(0, self.tap)
         self.network.connect()
         self.network.lss.RESPONSE_TIMEOUT = 2.0
 
