@@ -29,8 +29,8 @@
 
 /* --- the wire --- */
 
-/* Of frames that come faster than the wire is, the present one counts, so that a flood does not add
-   up to silence. */
+/* One that has come in cannot have begun before the one before it was through. Of frames that come
+   faster than the wire is, the present one counts, so that a flood does not add up to silence. */
 void lx_can_count(struct lx_can *self, uint32_t bits)
 {
     self->bits += bits;
@@ -39,8 +39,8 @@ void lx_can_count(struct lx_can *self, uint32_t bits)
     }
     const dg_ns now = lx_now();
     const dg_ns longest = dg_bit_times_ns(LX_CAN_BITS(1u, 8u), self->pace);
-    if (self->busy_until > now) {
-        const dg_ns span = dg_bit_times_ns(bits, self->pace);
+    const dg_ns span = dg_bit_times_ns(bits, self->pace);
+    if (self->busy_until > dg_elapsed(now, span)) {
         const dg_ns latest = dg_after(now, longest + span);
         self->busy_until = dg_earliest(dg_after(self->busy_until, span), latest);
     }

@@ -139,7 +139,9 @@ static void others_take_their_time(void **state)
     const dg_ns one = DG_MS(135);
     wire->bit_rate = 1000;
     setup->settle(setup->ctx, lx_now());
+    wire->can.busy_until = 0;
     setup->rx(setup->ctx, lx_now(), &strange); /* over already */
+    assert_int_equal(wire->can.busy_until, 0);
     send(wire, 0x100, 1, 8);
     assert_int_equal(wire->count, 1);
     const dg_ns until = wire->can.busy_until;
@@ -152,6 +154,11 @@ static void others_take_their_time(void **state)
     assert_true(wire->can.busy_until <= lx_now() + 2 * one);
     send(wire, 0x101, 1, 8);
     assert_int_equal(wire->count, 1);
+    /* It is over, but has begun when the one before it was through. */
+    const dg_ns through = lx_now() - DG_MS(1);
+    wire->can.busy_until = through;
+    setup->rx(setup->ctx, lx_now(), &strange);
+    assert_int_equal(wire->can.busy_until, through + one);
 }
 
 /* The wire's own bit rate comes before the encoder's. */
