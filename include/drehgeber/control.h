@@ -13,6 +13,7 @@
 #define DREHGEBER_CONTROL_H
 
 #include "drehgeber/api.h"
+#include "drehgeber/course.h"
 #include "drehgeber/fault.h"
 #include "drehgeber/instrument.h"
 #include "drehgeber/scpi.h"
@@ -31,7 +32,8 @@ struct dg_rig_shaft {
     void *host; /**< the host's own */
 };
 
-/** An encoder's place among those of a rig that wait for the end of a fault; all zero: it does not.
+/** An encoder's place among those of a rig that wait for the end of a fault or for a course; all
+ * zero: it does not.
  * dg_rig_watch()'s and dg_rig_step()'s own. */
 struct dg_rig_wait {
     dg_ns until;
@@ -39,6 +41,17 @@ struct dg_rig_wait {
     struct dg_encoder *next;   /**< the next one of the same parent, */
     struct dg_encoder *before; /**< and the one before it, or the parent */
     bool waits;
+};
+
+/** A course that a quantity of an encoder's world follows, in memory of the host's; dg_rig_follow()
+ * fills it. It and the points stay while dg_rig_course_of() has it. */
+struct dg_rig_course {
+    struct dg_course course;
+    size_t quantity; /**< enum dg_quantity_id */
+    dg_ns start;
+    dg_ns due; /**< when it is looked at next */
+    void (*step)(struct dg_rig_course *self, struct dg_encoder *encoder, dg_ns now);
+    struct dg_rig_course *next; /**< of the same encoder */
 };
 
 /** An encoder as an instrument. The host fills it; names and pointers must outlive it. */
@@ -56,10 +69,21 @@ struct dg_encoder {
                            dg_biss_port_ops; NULL: it has nothing for them */
     void *port_ctx;   /**< handed to it */
     void *host;       /**< the host's own */
-    struct dg_rig_wait wait; /**< all zero to begin with */
+    struct dg_rig_wait wait;       /**< all zero to begin with */
+    struct dg_rig_course *courses; /**< that its world follows; NULL to begin with */
 };
 
 struct dg_rig;
+
+/** What WORLd:...:PROFile asks of the host: the file `path`, or points if that is NULL. */
+struct dg_rig_course_wish {
+    size_t quantity; /**< enum dg_quantity_id */
+    const char *path;
+    const struct dg_course_point *points; /**< in order, of values within the limits */
+    size_t count;
+    bool loop;
+    bool steps;
+};
 
 /** Of dg_rig_ops.profile(): not an error, and not through yet. */
 #define DG_RIG_READS 1
@@ -109,6 +133,18 @@ struct dg_rig_ops {
      * is always through at once. */
     int (*profile_more)(struct dg_rig *self, struct dg_rig_shaft *shaft, dg_ns now, bool gone,
                         char *detail);
+    /** WORLd:...:PROFile: let a quantity follow a course from `now` on, by dg_rig_follow(). All
+     * that `wish` points to is gone behind the call. @return as profile(); course_more() goes on
+     * with it
+     */
+    int (*course)(struct dg_rig *self, struct dg_encoder *encoder,
+                  const struct dg_rig_course_wish *wish, dg_ns now, char *detail);
+    /** As profile_more(): an encoder has one at a time. */
+    int (*course_more)(struct dg_rig *self, struct dg_encoder *encoder, dg_ns now, bool gone,
+                       char *detail);
+    /** What `quantity`, which follows a course, follows: for WORLd:...:PROFile?. */
+    const char *(*course_text)(struct dg_rig *self, const struct dg_encoder *encoder,
+                               size_t quantity);
 };
 
 /** A rig: what all sessions work on. Caller-owned; arrays and names are borrowed. */
@@ -119,7 +155,8 @@ struct dg_rig {
     size_t shaft_count;
     const struct dg_instrument *const *instruments; /**< whose own commands its sessions have */
     size_t instrument_count;
-    dg_ns origin; /**< TIME? counts from here: when the rig began */
+    const struct dg_scpi_commands *courses; /**< &dg_course_commands; NULL: it has no courses */
+    dg_ns origin;                           /**< TIME? counts from here: when the rig began */
     const struct dg_rig_ops *ops;
     void *host;               /**< the host's own */
     struct dg_encoder *waits; /**< the one whose wait ends first; NULL to begin with */
@@ -127,6 +164,9 @@ struct dg_rig {
 
 /** The commands that all rigs have; those of its instruments come behind them. */
 DG_API extern const struct dg_scpi_commands dg_control_commands;
+
+/** WORLd:...:PROFile, an object of its own: an image without courses has nothing of them. */
+DG_API extern const struct dg_scpi_commands dg_course_commands;
 
 /** A client of a rig. Not to be moved. */
 struct dg_control {
@@ -149,7 +189,21 @@ DG_API dg_ns dg_control_step(struct dg_control *self, dg_ns now);
  * that. */
 DG_API void dg_rig_watch(struct dg_rig *self, struct dg_encoder *encoder);
 
-/** End faults whose time is over, of all encoders. @return when to call again; DG_NEVER */
+/** Let a quantity follow `course` from `now` on in place of what it followed before; the host says
+ * changed(). A fault that bends it goes before; what the course has come to is there behind it.
+ * @return 0; DG_ERR_ARGUMENT: the course cannot be, see dg_course_check(); nothing has happened */
+DG_API int dg_rig_follow(struct dg_rig *self, struct dg_encoder *encoder,
+                         struct dg_rig_course *course, dg_ns now);
+
+/** The quantity stays what it is. */
+DG_API void dg_rig_unfollow(struct dg_rig *self, struct dg_encoder *encoder, size_t quantity);
+
+/** What the quantity follows; NULL: nothing. A course that does not loop is over at its last point.
+ */
+DG_API struct dg_rig_course *dg_rig_course_of(const struct dg_encoder *encoder, size_t quantity);
+
+/** End faults whose time is over, and go on with courses, of all encoders. @return when to call
+ * again; DG_NEVER */
 DG_API dg_ns dg_rig_step(struct dg_rig *self, dg_ns now);
 
 /** What faults of this encoder work on. */

@@ -14,6 +14,7 @@
 #include "drehgeber/canopen.h"
 #include "drehgeber/cia406.h"
 #include "drehgeber/control.h"
+#include "drehgeber/course.h"
 #include "drehgeber/crc.h"
 #include "drehgeber/devices.h"
 #include "drehgeber/eds.h"

@@ -87,8 +87,8 @@ struct dg_scpi_command {
     void (*query)(struct dg_scpi *self);
     uint32_t argument; /**< as self->command->argument: one function may serve several rows */
     /** Of the command (of the query where there is no command), for help, e.g. "ANGLE" or
-     * "NAME[,COUNt n]"; "" without. It has as many commas as the longest command, or ends with
-     * "...": with more the command is not begun, but gives -108. */
+     * "NAME[,COUNt n]"; "" without. It has as many commas as the longest command: with more
+     * it is not begun, but gives -108. With "..." in it there may be any number. */
     const char *parameters;
     const char *help; /**< one line */
 };
@@ -225,6 +225,9 @@ DG_API bool dg_scpi_flag(struct dg_scpi *self, bool *value);
  * behind a blank, is left for the next call. @return false: an error was raised (-224) */
 DG_API bool dg_scpi_word(struct dg_scpi *self, const char *const *words, size_t count,
                          size_t *index);
+
+/** Whether the next parameter begins with a letter: a word, where a number could be, too. */
+DG_API bool dg_scpi_at_word(const struct dg_scpi *self);
 
 /** Take a string in either quotes, or bare characters up to a blank, ',' or ';'. @param to always
  * terminated @return false: an error was raised (-109, -151; -222 when longer than size - 1) */

@@ -16,11 +16,21 @@ static const struct {
 };
 _Static_assert(DG_COUNT(units) == DG_UNIT_COUNT, "a row for each unit");
 
-/* From now on it is what was asked for, whatever bent it. */
+struct dg_scpi_range control_range(const struct dg_quantity *row)
+{
+    return (struct dg_scpi_range){
+        .unit = (enum dg_scpi_unit)units[row->unit].scpi,
+        .min = row->min,
+        .max = row->max,
+    };
+}
+
+/* From now on it is what was asked for, whatever bent it, or was to. */
 static void put(struct dg_encoder *encoder, const struct dg_quantity *row, int64_t value)
 {
     const struct dg_fault_target target = dg_encoder_target(encoder);
 
+    control_unfollow(encoder, (size_t)(row - dg_quantities));
     control_override(&encoder->faults, &target, row->offset);
     dg_quantity_set(row, encoder->world, value);
 }
@@ -28,11 +38,7 @@ static void put(struct dg_encoder *encoder, const struct dg_quantity *row, int64
 void control_set_world(struct dg_scpi *self)
 {
     const struct dg_quantity *row = &dg_quantities[self->command->argument];
-    const struct dg_scpi_range range = {
-        .unit = (enum dg_scpi_unit)units[row->unit].scpi,
-        .min = row->min,
-        .max = row->max,
-    };
+    const struct dg_scpi_range range = control_range(row);
     const bool state = row->unit == DG_UNIT_STATE;
     int64_t value = 0;
     bool flag = false;

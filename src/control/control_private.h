@@ -7,6 +7,7 @@
 #define DREHGEBER_CONTROL_PRIVATE_H
 
 #include "drehgeber/control.h"
+#include "drehgeber/quantity.h"
 #include "drehgeber/text.h"
 
 /** Longest name that is asked for, with its zero; those of faults and regions are shorter. */
@@ -49,6 +50,9 @@ void control_put_none(struct dg_scpi *self, size_t count);
 const struct dg_fault_row *control_row(const struct dg_fault_target *target, size_t index);
 /** The quantity at `offset` of the world was set: whatever bent it is over. */
 void control_override(struct dg_faults *self, const struct dg_fault_target *target, size_t offset);
+/** The quantity at `offset` of the world is `value`, as soon as nothing bends it. */
+void control_put_behind(struct dg_faults *self, const struct dg_fault_target *target, size_t offset,
+                        int64_t value);
 /** When the first one ends; DG_NEVER. */
 dg_ns control_next_end(const struct dg_faults *self);
 
@@ -65,6 +69,14 @@ int control_mend(const struct dg_fault_target *target, uint8_t region,
 const struct dg_damage_row *control_damage_of(const struct dg_instrument *instrument,
                                               const char *region);
 
+/* rig.c */
+/** The quantity follows nothing, any more. */
+void control_unfollow(struct dg_encoder *encoder, size_t quantity);
+
+/* commands_world.c */
+/** What may be asked for of a quantity that is no state. */
+struct dg_scpi_range control_range(const struct dg_quantity *row);
+
 /* Commands, by file. */
 control_handler control_encoders, control_select, control_selected; /* commands_encoder.c */
 control_handler control_model, control_wire, control_power, control_powered;
@@ -77,7 +89,9 @@ control_handler control_stop, control_move, control_moving;
 control_handler control_set_profile, control_profile;
 control_handler control_record, control_record_stop;
 control_handler control_set_world, control_world, control_healthy; /* commands_world.c */
-control_handler control_catalogue, control_fault, control_clear;   /* commands_fault.c */
+control_handler control_follow, control_followed;                  /* commands_course.c */
+control_handler control_follow_points, control_follow_on, control_follows;
+control_handler control_catalogue, control_fault, control_clear; /* commands_fault.c */
 control_handler control_active, control_happened;
 control_handler control_regions, control_corrupt, control_erase;
 control_handler control_time, control_origin, control_set_scale,

@@ -143,6 +143,18 @@ void control_override(struct dg_faults *self, const struct dg_fault_target *targ
     }
 }
 
+void control_put_behind(struct dg_faults *self, const struct dg_fault_target *target, size_t offset,
+                        int64_t value)
+{
+    const size_t i = rival(self, target, offset);
+
+    if (i < DG_FAULTS_MAX) {
+        self->fault[i].healthy = value;
+    } else {
+        dg_quantity_set(dg_quantity_at(offset), target->world, value);
+    }
+}
+
 static void bend(struct dg_faults *self, const struct dg_fault_target *target, size_t index,
                  const struct dg_fault_row *row)
 {

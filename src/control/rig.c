@@ -41,7 +41,55 @@ int dg_encoder_format(const struct dg_encoder *self)
     return self->model->stack->format(&setup);
 }
 
-/* ------------------------------------------------------------ who waits for the end of a fault */
+/* ------------------------------------------------------------ courses */
+
+struct dg_rig_course *dg_rig_course_of(const struct dg_encoder *encoder, size_t quantity)
+{
+    struct dg_rig_course *course = encoder->courses;
+
+    while (course != NULL && course->quantity != quantity) {
+        course = course->next;
+    }
+    return course;
+}
+
+void control_unfollow(struct dg_encoder *encoder, size_t quantity)
+{
+    struct dg_rig_course **at = &encoder->courses;
+
+    while (*at != NULL && (*at)->quantity != quantity) {
+        at = &(*at)->next;
+    }
+    if (*at != NULL) {
+        *at = (*at)->next;
+    }
+}
+
+/* One that is over leaves the list. */
+static void step_courses(struct dg_encoder *encoder, dg_ns now)
+{
+    struct dg_rig_course *course = encoder->courses;
+
+    while (course != NULL) {
+        struct dg_rig_course *next = course->next;
+        if (course->due <= now) {
+            course->step(course, encoder, now);
+        }
+        course = next;
+    }
+}
+
+static dg_ns next_point(const struct dg_encoder *encoder)
+{
+    dg_ns next = DG_NEVER;
+
+    for (const struct dg_rig_course *at = encoder->courses; at != NULL; at = at->next) {
+        next = dg_earliest(next, at->due);
+    }
+    return next;
+}
+
+/* ------------------------------------------------------------ who waits for faults and courses */
 
 /* Two heaps become one. */
 static struct dg_encoder *join(struct dg_encoder *a, struct dg_encoder *b)
@@ -112,7 +160,7 @@ static void take_out(struct dg_rig *self, struct dg_encoder *encoder)
 
 void dg_rig_watch(struct dg_rig *self, struct dg_encoder *encoder)
 {
-    const dg_ns until = control_next_end(&encoder->faults);
+    const dg_ns until = dg_earliest(control_next_end(&encoder->faults), next_point(encoder));
 
     if (encoder->wait.waits) {
         take_out(self, encoder);
@@ -131,6 +179,7 @@ dg_ns dg_rig_step(struct dg_rig *self, dg_ns now)
         if (self->ops->look != NULL) {
             self->ops->look(self, encoder, now);
         }
+        step_courses(encoder, now);
         (void)dg_fault_step(&encoder->faults, &target, now);
         dg_rig_watch(self, encoder);
         self->ops->changed(self, encoder, now);

@@ -68,7 +68,10 @@ static const struct dg_scpi_commands *commands(const struct dg_scpi *self, size_
     if (index == 0) {
         return &dg_control_commands;
     }
-    return index <= rig->instrument_count ? &rig->instruments[index - 1u]->commands : NULL;
+    if (index <= rig->instrument_count) {
+        return &rig->instruments[index - 1u]->commands;
+    }
+    return index == rig->instrument_count + 1u ? rig->courses : NULL;
 }
 
 static void forward(void *ctx, const char *bytes, size_t n)

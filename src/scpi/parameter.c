@@ -126,6 +126,16 @@ bool dg_scpi_word(struct dg_scpi *self, const char *const *words, size_t count, 
     return false;
 }
 
+bool dg_scpi_at_word(const struct dg_scpi *self)
+{
+    const char *at = &self->line[self->at];
+
+    while (is_blank(*at) || (*at == ',' && !self->first)) {
+        at++;
+    }
+    return (*at >= 'A' && *at <= 'Z') || (*at >= 'a' && *at <= 'z');
+}
+
 bool dg_scpi_flag(struct dg_scpi *self, bool *value)
 {
     static const char *const flags[FLAGS] = {"OFF", "ON", "0", "1"};

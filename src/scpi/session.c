@@ -87,17 +87,22 @@ static bool find_command(struct dg_scpi *self)
     return true;
 }
 
+/* "..." stands for any number of them. */
+static bool takes_any_number(const char *parameters)
+{
+    while (parameters[0] != '\0' && (parameters[0] != '.' || parameters[1] != '.')) {
+        parameters++;
+    }
+    return parameters[0] != '\0';
+}
+
 /* More parameters than a command has are found before it does anything. */
 static bool has_too_many(const struct dg_scpi *self)
 {
-    static const char any[] = "...";
     const char *parameters = self->command->parameters;
-    const size_t n = scpi_length(parameters);
 
-    if (self->query || (n >= 3 && memcmp(&parameters[n - 3u], any, 3) == 0)) {
-        return false;
-    }
-    return scpi_count(&self->line[self->at]) > scpi_count(parameters);
+    return !self->query && !takes_any_number(parameters) &&
+           scpi_count(&self->line[self->at]) > scpi_count(parameters);
 }
 
 static void call(struct dg_scpi *self)

@@ -344,6 +344,7 @@ def test_nothing_is_left_open(bench):
     for name in names * 5 + [f"{place.name}/new.csv"] * 5:
         bench.begin(KINDS[0], name)
         bench.client.error(f'SHAF:PROF "{name}"')
+        bench.client.error(f'WORL:TEMP:PROF "{name}"')
     assert len(list(descriptors.iterdir())) == before
 
 
@@ -397,6 +398,26 @@ def test_what_is_in_a_foreign_file_is_not_told(bench):
     assert "hidden" not in bench.client.ask("SYST:ERR?")
 
 
+# --- courses of the world, which are read likewise -------------------------------------------------
+
+def test_a_course_is_read_from_the_folder(bench):
+    place = bench.place()
+    (place / "c.csv").write_text("0,45\n")
+    for name in (f"{place.name}/c.csv", place / "c.csv"):
+        bench.client.do("WORL:DEF")
+        bench.client.do(f'WORL:TEMP:PROF "{name}"')
+        assert bench.client.ask("WORL:TEMP?") == "45.000"
+
+
+@pytest.mark.parametrize("what", ["absolute", "absolute_with_the_ending", "upwards", "symbolic_link",
+                                  "folder_behind_a_link", "pipe", "folder", "missing_folder"])
+def test_a_course_from_elsewhere_is_not_read(bench, what):
+    name = tried(bench, what, "csv")
+    bench.client.do("WORL:DEF")
+    assert bench.client.error(f'WORL:TEMP:PROF "{name}"') in (-224, -256)
+    assert bench.client.ask("WORL:TEMP?;TEMP:PROF?") == '37.000;""'
+
+
 # --- without a folder -----------------------------------------------------------------------------
 
 def test_tcp_has_no_folder_unless_one_is_given(tmp_path):
@@ -407,6 +428,7 @@ def test_tcp_has_no_folder_unless_one_is_given(tmp_path):
         assert bench.begin(kind, f"new.{kind[3]}") in BUSY
         assert bench.begin(kind, bench.folder / f"new.{kind[3]}") in BUSY
     assert bench.client.error('SHAF:PROF "m.csv"') == -256
+    assert bench.client.error('WORL:TEMP:PROF "m.csv"') == -256
     bench.client.send('SHAF:REC:STAR "x.csv"')
     assert "files = DIR" in bench.client.ask("SYST:ERR?")
     bench.client.do('SHAF:PROF "60RPM"')

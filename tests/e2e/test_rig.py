@@ -315,6 +315,43 @@ def test_profiles(rig, tmp_path):
         assert float(control.ask("SHAF:POS?")) == pytest.approx(720, abs=1e-5)
 
 
+def test_courses(rig, tmp_path):
+    """Exact while the clock is stepped, whatever the steps are."""
+    (tmp_path / "warm.csv").write_text("time_s,temperature\n0,20\n10,85  # degC\n")
+    (tmp_path / "led.csv").write_text("0,12000\n1,9000\n2,9000\n")
+    with control_of(rig(SIMULATED)) as control:
+        control.do("TIME:SCAL 0")
+        control.do(f'WORL:TEMP:PROF "{tmp_path}/warm.csv"')
+        control.do(f'WORL:LED:CURR:PROF "{tmp_path}/led.csv",LOOP,STEP')
+        assert control.ask("STAT?").endswith(",courses=temperature/led_current_ua")
+        control.do("WORL:SUPP:PROF:POIN 0,5V,0,4V,3S,1V;:WORL:SUPP:PROF:STAT OFF")
+        control.do("TIME:STEP 1234.5 MS")
+        assert control.ask("WORL:TEMP?;SUPP?;LED:CURR?") == "28.021;4000;9000"  # of 1.234 s
+        control.do("TIME:STEP 5 S")
+        assert control.ask("WORL:TEMP?;SUPP?;LED:CURR?") == "60.521;4000;12000"
+        assert control.ask("WORL:LED:CURR:PROF?") == f'"{tmp_path}/led.csv,LOOP,STEP"'
+        control.do("TIME:STEP 20 S")
+        assert control.ask("WORL:TEMP?;TEMP:PROF:STAT?") == "85.000;0"
+        assert control.ask("STAT?").endswith(",courses=led_current_ua")
+        control.do("WORL:LED:CURR 1000;:TIME:STEP 10 S")
+        assert control.ask("WORL:LED:CURR?") == "1000" and control.ask("STAT?").endswith(",courses=-")
+
+
+def test_courses_of_a_file(rig, tmp_path):
+    """They begin with the rig, and lie beside its file."""
+    (tmp_path / "led.csv").write_text("0,12000\n0.001,40000\n")
+    (tmp_path / "lost.csv").write_text("1,0\n")
+    text = SIMULATED + "led_current_ua = led.csv\nsingleturn_ok = lost.csv, LOOP\ntemperature = 50\n"
+    with control_of(rig(text)) as control:
+        last = control.ask("INST:CAT?").replace('"', "").split(",")[-1]
+        control.do(f"INST:SEL {last}")
+        assert control.ask("WORL:TEMP?;TEMP:PROF?") == '50.000;""'
+        deadline = time.monotonic() + PATIENCE_S
+        while control.ask("WORL:SING?;LED:CURR?") != "0;40000":
+            assert time.monotonic() < deadline
+        assert control.ask("WORL:SING:PROF?").endswith('lost.csv,LOOP"')
+
+
 def test_traces_and_recordings(rig, tmp_path):
     trace, motion = tmp_path / "one.vcd", tmp_path / "motion.csv"
     with control_of(rig(SIMULATED)) as control:
@@ -362,6 +399,11 @@ BAD = [
     ("[encoder a]\nmodel = s3684-rs485\nwire = pty\nserial = 1234567890\n", 2, ":4: .*1 to 9"),
     ("[bus b]\nwire = modbus\ncycle = 1\n[encoder a]\nmodel = ocd-ib-k1\nbus = b\n", 2, ":3: .*cycle"),
     ("[encoder a]\nmodel = ocd-ib-k1\nwire = modbus:nowhere\n", 2, ":3: modbus:nowhere: HOST:PORT"),
+    ("[encoder a]\nmodel = f3668\nwire = slcan\ntemperature = none.csv\n", 1, ":4: temperature=none.csv: .*none.csv"),
+    ("[encoder a]\nmodel = f3668\nwire = slcan\ntemperature = rig.csv,LOP\n", 2,
+     r":4: temperature=rig.csv,LOP: 'LOP' .*ONCE.LOOP"),
+    ("[encoder a]\nmodel = f3668\nwire = slcan\nserial_number = rig.csv\n", 2, ":4: serial_number: no such key"),
+    ("[encoder a]\nmodel = ocd-ib-k1\nwire = modbus\nbattery_mv = rig.csv\n", 2, ":4: battery_mv: no such key"),
     ("[shaft a]\nmotion = none.csv\n[encoder a]\nmodel = f3668\nwire = slcan\n", 1, ":2: motion: .*none.csv"),
     ("[encoder a]\nmodel = s3684-rs485\nwire = pty\nnvm = none/a.nvm\n", 1, ":4: nvm: .*none/a.nvm"),
     ("[encoder a]\nmodel = s3684-rs485\nwire = tty:/dev/does-not-exist\n", 1, ":3: tty:/dev/does-not-exist: "),

@@ -69,6 +69,14 @@ def test_the_same_comes_out_each_time():
     assert run(*BISS, "--time=virtual:5MIN").stdout == run(*BISS, "--time=virtual:5MIN").stdout
 
 
+def test_the_world_goes_on(tmp_path):
+    """The master reads once a second."""
+    (tmp_path / "lost.csv").write_text("0,1\n2.5,0\n4.5,1\n6,1\n")
+    rows = run(*BISS, "--time=virtual:20S", "--set", f"singleturn_ok={tmp_path}/lost.csv,LOOP").stdout.splitlines()
+    lost = [second for second, row in enumerate(rows[1:]) if "nERR 0" in row]
+    assert lost == [second for second in range(20) if 2.5 <= second % 6 < 4.5]
+
+
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 def test_a_signal_ends_it_before(number):
     process = subprocess.Popen([PROGRAM, *BISS, "--time", "virtual:8760H"], stdout=subprocess.PIPE)

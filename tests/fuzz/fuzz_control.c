@@ -242,6 +242,7 @@ static const char *pick_value(struct fuzz_input *input)
         "'a.csv'",     "\"60RPM\"", "#H7F",   "0x40",    "255",        "64",
         "2000",        "-1000",     "3.6V",   "12MA",    "'it''s'",    "0.000001",
         "-4194304REV", "1E9",       "86400S", "",        "\"a\tb\\\"", "COUN 1,DUR 1NS",
+        "0,1,1S,0",    "LOOP",      "STEP",   "0,0",     "2MS,1",      "1,0,LOOP",
     };
 
     return values[fuzz_take(input) % COUNT(values)];
@@ -269,14 +270,24 @@ static int put_parameter(const struct bench *bench, size_t client, struct fuzz_i
     return snprintf(to, size, "%s", pick_value(input));
 }
 
-/* Of all commands: of every rig, and of those with BiSS. */
+/* Of all commands: of every rig, and of those with BiSS and with courses. */
 static const char *pick_header(size_t index)
 {
-    const struct dg_scpi_commands *all = &dg_control_commands;
-    const struct dg_scpi_commands *own = &dg_biss_instrument.commands;
+    static const struct dg_scpi_commands *const lists[] = {
+        &dg_control_commands,
+        &dg_biss_instrument.commands,
+        &dg_course_commands,
+    };
+    size_t total = 0;
+    size_t i = 0;
 
-    index %= all->count + own->count;
-    return index < all->count ? all->rows[index].header : own->rows[index - all->count].header;
+    for (size_t n = 0; n < COUNT(lists); n++) {
+        total += lists[n]->count;
+    }
+    for (index %= total; index >= lists[i]->count; i++) {
+        index -= lists[i]->count;
+    }
+    return lists[i]->rows[index].header;
 }
 
 /* A command that exists, with what may be a parameter of it. */

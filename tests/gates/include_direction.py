@@ -82,6 +82,7 @@ OWNER = {
     "version.h":   "core",
     "wide.h":      "core",
     "world.h":     "core",
+    "course.h":    "core",
     "quantity.h":  "core",
     "motion.h":    "motion",
     "hiperface.h": "hiperface",

@@ -106,6 +106,36 @@ static int step(struct dg_rig *rig, dg_ns span, char *detail)
     return asked(rig_of(rig), "step", NULL, NULL, detail);
 }
 
+static int course(struct dg_rig *rig, struct dg_encoder *encoder,
+                  const struct dg_rig_course_wish *wish, dg_ns now, char *detail)
+{
+    struct control_rig *self = rig_of(rig);
+    struct control_rig_course *to = &self->courses[encoder - self->encoder][wish->quantity];
+    const struct dg_quantity *row = &dg_quantities[wish->quantity];
+    const struct dg_course_point file[] = {{0, row->min}, {DG_S(1), row->max}};
+    const bool points = wish->path == NULL;
+
+    if (asked(self, "course", encoder, wish->path, detail) != 0) {
+        return self->result;
+    }
+    dg_rig_unfollow(rig, encoder, wish->quantity);
+    to->course = (struct dg_rig_course){.quantity = wish->quantity,
+                                        .course = {.points = to->points,
+                                                   .count = points ? wish->count : COUNT(file),
+                                                   .loop = wish->loop,
+                                                   .steps = wish->steps}};
+    memcpy(to->points, points ? wish->points : file, to->course.course.count * sizeof *file);
+    assert_int_equal(dg_rig_follow(rig, encoder, &to->course, now), DG_OK);
+    return 0;
+}
+
+static const char *course_text(struct dg_rig *rig, const struct dg_encoder *encoder,
+                               size_t quantity)
+{
+    assert_non_null(dg_rig_course_of(encoder, quantity));
+    return rig_of(rig)->text;
+}
+
 static int biss_frame(void *ctx, uint64_t *bits, uint8_t *count, char *detail)
 {
     struct control_rig *self = ctx;
@@ -153,6 +183,8 @@ static const struct dg_rig_ops all = {
     .set_scale = set_scale,
     .scale = scale,
     .step = step,
+    .course = course,
+    .course_text = course_text,
 };
 
 static void take(void *ctx, const char *bytes, size_t n)
@@ -245,6 +277,7 @@ void control_rig_start(struct control_rig *self)
         .shafts = self->shafts,
         .shaft_count = COUNT(self->shafts),
         .instruments = dg_instruments,
+        .courses = &dg_course_commands,
         .instrument_count = dg_instrument_count,
         .ops = &self->ops,
         .host = self,

@@ -10,11 +10,13 @@
 #include "biss_rig.h"
 #include "co_rig.h"
 #include "drehgeber/control.h"
+#include "drehgeber/quantity.h"
 #include "hf_rig.h"
 #include "ib_rig.h"
 
 #define CONTROL_RIG_ENCODERS 5u
 #define CONTROL_RIG_ANSWER_MAX 65536u
+#define CONTROL_RIG_POINTS 32u
 
 /** The encoders, in their order: "hf", "biss-1", "can", "k3", "k2"; all but "k2" on shaft "main",
  * that one on "geared". */
@@ -24,6 +26,12 @@ enum control_rig_encoder {
     CONTROL_RIG_CAN,
     CONTROL_RIG_K3,
     CONTROL_RIG_K2,
+};
+
+/** A course that is followed. */
+struct control_rig_course {
+    struct dg_rig_course course;
+    struct dg_course_point points[CONTROL_RIG_POINTS];
 };
 
 struct control_rig {
@@ -37,6 +45,7 @@ struct control_rig {
     struct dg_encoder encoder[CONTROL_RIG_ENCODERS];
     struct dg_encoder *encoders[CONTROL_RIG_ENCODERS];
     struct dg_rig_ops ops; /**< all of them; may be set to NULL */
+    struct control_rig_course courses[CONTROL_RIG_ENCODERS][DG_QUANTITY_COUNT];
     struct dg_rig rig;
     struct dg_control control;
     dg_ns now;
@@ -46,7 +55,8 @@ struct control_rig {
     const struct dg_encoder *changed;
     const char *call;   /**< name of the operation */
     const void *whom;   /**< shaft or encoder */
-    char text[600];     /**< path or profile; "NULL" */
+    char text[600];     /**< path or profile; "NULL". A file of a course has two points: the least
+                             at once, and the most in a second */
     int64_t number[4];  /**< interval, permille, span, address, n */
     uint8_t bytes[64];  /**< written to registers, or to be read from them */
     int result;         /**< what operations give */

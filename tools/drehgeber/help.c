@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "course_words.h"
 #include "list.h"
 #include "motion_words.h"
 
@@ -191,7 +192,8 @@ static void print_senses(const struct lx_stack *stack)
     (void)printf("\n KEY=VALUE of what %s:\n",
                  stack == NULL ? "encoders sense (INTERBUS: not all of it)" : "it senses");
     help_senses(stack, stdout);
-    (void)fputs("  (factory) is burnt into a new --nvm file; an existing one has to agree.\n",
+    (void)fputs("  Over time: " LX_COURSE_FORM " in place of VALUE, with lines time_s,VALUE.\n"
+                "  (factory) is burnt into a new --nvm file; an existing one has to agree.\n",
                 stdout);
 }
 

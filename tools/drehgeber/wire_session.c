@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "course_words.h"
 #include "drehgeber/instruments.h"
 #include "run.h"
 #include "sim_settings.h"
@@ -47,10 +48,24 @@ static void furnish(struct wire_session *self, const struct options *options)
     };
 }
 
+/* Only a rig lets the world go on. */
+static int refuse_courses(const struct lx_plan_settings *settings, struct lx_error *error)
+{
+    for (size_t i = 0; i < settings->count; i++) {
+        const struct lx_plan_setting *row = &settings->list[i];
+        if (dg_keys_find(&dg_world_keys, row->key) != NULL && lx_course_is(row->value)) {
+            (void)lx_refuse(error, "a value is right", "only run has courses");
+            return lx_about(error, LX_ABOUT_SETTING, row->key, row->value);
+        }
+    }
+    return 0;
+}
+
 static int understand(struct wire_session *self, const struct options *options,
                       struct lx_error *error)
 {
-    if (options_plan(options, &self->plan, error) != 0) {
+    if (options_plan(options, &self->plan, error) != 0 ||
+        refuse_courses(&self->plan.encoders[0].settings, error) != 0) {
         return -1;
     }
     furnish(self, options);

@@ -9,6 +9,7 @@
 #include "drehgeber/control.h"
 #include "drehgeber/devices.h"
 #include "drehgeber/instruments.h"
+#include "drehgeber/quantity.h"
 
 static void print_list(const struct dg_scpi_commands *list)
 {
@@ -73,6 +74,20 @@ static bool names(const char *word, const struct dg_stack *stack, const char *be
     return strncmp(word, stack->name, n) == 0 && strcmp(word + n, behind) == 0;
 }
 
+/* All quantities have the same three: the header without the quantity's part. */
+static void print_courses(void)
+{
+    puts("| command | parameters | query | what |");
+    puts("|---|---|---|---|");
+    for (size_t i = 0; i < dg_course_commands.count; i += DG_QUANTITY_COUNT) {
+        struct dg_scpi_command row = dg_course_commands.rows[i];
+        char header[64];
+        (void)snprintf(header, sizeof header, "WORLd:...%s", strstr(row.header, ":PROFile"));
+        row.header = header;
+        print_list(&(struct dg_scpi_commands){&row, 1});
+    }
+}
+
 /* STACK: its faults; the last one of a stack has everything that can fail. STACK-commands: its own
  * commands. */
 static bool print_part(const char *word)
@@ -101,9 +116,13 @@ int main(int argc, char **argv)
         print_commands(&dg_control_commands);
         return 0;
     }
+    if (argc == 2 && strcmp(argv[1], "courses") == 0) {
+        print_courses();
+        return 0;
+    }
     if (argc == 2 && print_part(argv[1])) {
         return 0;
     }
-    (void)fprintf(stderr, "usage: reference-control commands|STACK|STACK-commands\n");
+    (void)fprintf(stderr, "usage: reference-control commands|courses|STACK|STACK-commands\n");
     return 2;
 }

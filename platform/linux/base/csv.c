@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Points of a recorded motion, a line at a time. Strict where a mistake would bend the motion
- * (order, units, exponents), lenient where tools differ (header, blanks, line ends, digits beyond
- * use).
+ * Points over time, a line at a time. Strict where a mistake would bend the motion (order, units,
+ * exponents), lenient where tools differ (header, blanks, line ends, digits beyond use).
  */
 #define _GNU_SOURCE
 #include "csv.h"
@@ -15,18 +14,36 @@
 
 #include "figure.h"
 
-/* Both columns keep 9 decimals: 1 ns of time; an angle far below its own unit of 8e-8 degree. */
+/* 1 ns of time; an angle far below its own unit of 8e-8 degree. */
 #define PLACES 9u
 #define TIME_MAX_S 9000000000
-#define ANGLE_MAX_DEG 6000000000
+#define ANGLE_MAX (6000000000 * 1000000000)
+
+static void put_angle(void *points, size_t index, dg_ns at, int64_t value)
+{
+    struct dg_motion_point *to = points;
+    to[index] = (struct dg_motion_point){at, lx_angle_of_degrees(value, PLACES)};
+}
+
+const struct lx_csv_kind lx_csv_motion = {
+    .line = "time_s,angle_deg",
+    .value = "the angle is decimal degrees within +-6000000000",
+    .places = PLACES,
+    .min = -ANGLE_MAX,
+    .max = ANGLE_MAX,
+    .size = sizeof(struct dg_motion_point),
+    .put = put_angle,
+};
 
 /* Where the reader is, and what it has. */
 struct reader {
+    const struct lx_csv_kind *kind;
     const char *name;
     unsigned long line;
     bool started; /* the first line that is not empty or a comment has been seen */
     size_t capacity;
-    struct lx_recording found;
+    struct lx_csv_points found;
+    dg_ns latest; /* time of the last point */
 };
 
 /* A piece of a line. */
@@ -65,51 +82,59 @@ static int complain(const struct reader *self, struct lx_error *error, const cha
                    (int)(got.n > 60 ? 60 : got.n), got.at);
 }
 
-static int append(struct reader *self, struct dg_motion_point point, struct lx_error *error)
+static int complain_of_line(const struct reader *self, struct lx_error *error, struct field got)
+{
+    struct lx_words what = {""};
+    lx_words_add(&what, "a line is '%s'", self->kind->line);
+    return complain(self, error, what.text, got);
+}
+
+static int append(struct reader *self, dg_ns at, int64_t value, struct lx_error *error)
 {
     if (self->found.count == self->capacity) {
         const size_t capacity = self->capacity == 0 ? 256 : self->capacity * 2;
-        struct dg_motion_point *grown =
-            realloc(self->found.points, capacity * sizeof *self->found.points);
+        void *grown = reallocarray(self->found.points, capacity, self->kind->size);
         if (grown == NULL) {
             return lx_fail(error, "%s:%lu: no memory for so many lines", self->name, self->line);
         }
         self->found.points = grown;
         self->capacity = capacity;
     }
-    self->found.points[self->found.count++] = point;
+    self->kind->put(self->found.points, self->found.count++, at, value);
+    self->latest = at;
     return 0;
 }
 
-/* One line `time_s,angle_deg` without its comment. */
+/* One line without its comment. */
 static int take_point(struct reader *self, struct field line, struct lx_error *error)
 {
+    const struct lx_csv_kind *kind = self->kind;
     const char *comma = memchr(line.at, ',', line.n);
-    /* A second comma ends up in the angle and is refused there. */
+    /* A second comma ends up in the value and is refused there. */
     if (comma == NULL) {
-        return complain(self, error, "a line is 'time_s,angle_deg'", line);
+        return complain_of_line(self, error, line);
     }
     const struct field time = trimmed(line.at, (size_t)(comma - line.at));
-    const struct field angle = trimmed(comma + 1, line.n - (size_t)(comma + 1 - line.at));
+    const struct field second = trimmed(comma + 1, line.n - (size_t)(comma + 1 - line.at));
     struct lx_decimal at;
-    struct lx_decimal degrees;
+    struct lx_decimal value;
     if (!lx_decimal_parse(time.at, time.n, PLACES, &at) || at.value < 0 ||
         at.value > TIME_MAX_S * lx_power_of_ten(PLACES)) {
         return complain(self, error, "the time is decimal seconds from 0 to 9000000000", time);
     }
-    if (!lx_decimal_parse(angle.at, angle.n, PLACES, &degrees) ||
-        degrees.value < -ANGLE_MAX_DEG * lx_power_of_ten(PLACES) ||
-        degrees.value > ANGLE_MAX_DEG * lx_power_of_ten(PLACES)) {
-        return complain(self, error, "the angle is decimal degrees within +-6000000000", angle);
+    if (!lx_decimal_parse(second.at, second.n, kind->places, &value) || value.value < kind->min ||
+        value.value > kind->max) {
+        return complain(self, error, kind->value, second);
     }
-    /* The core needs strictly increasing times; the nanoseconds count, not the digits. */
-    const size_t count = self->found.count;
-    if (count > 0 && self->found.points[count - 1].at >= (dg_ns)at.value) {
-        return complain(self, error, "the time must be later than on the line before", time);
+    /* The core needs them in order; the nanoseconds count, not the digits. */
+    const bool again = self->found.count > 0 && self->latest == (dg_ns)at.value;
+    if ((again && !kind->steps) || self->latest > (dg_ns)at.value) {
+        return complain(self, error,
+                        kind->steps ? "the time must not be earlier than on the line before"
+                                    : "the time must be later than on the line before",
+                        time);
     }
-    const struct dg_motion_point point = {(dg_ns)at.value,
-                                          lx_angle_of_degrees(degrees.value, PLACES)};
-    return append(self, point, error);
+    return append(self, (dg_ns)at.value, value.value, error);
 }
 
 static int take_line(struct reader *self, const char *text, size_t n, struct lx_error *error)
@@ -137,7 +162,7 @@ struct lx_csv {
     char *name;
 };
 
-struct lx_csv *lx_csv_open(FILE *file, const char *name)
+struct lx_csv *lx_csv_open(FILE *file, const char *name, const struct lx_csv_kind *kind)
 {
     struct lx_csv *self = calloc(1, sizeof *self);
     char *copy = strdup(name);
@@ -149,6 +174,7 @@ struct lx_csv *lx_csv_open(FILE *file, const char *name)
     self->file = file;
     self->name = copy;
     self->reader.name = copy;
+    self->reader.kind = kind;
     return self;
 }
 
@@ -160,8 +186,8 @@ static int end(const struct lx_csv *self, struct lx_error *error)
     }
     return self->reader.found.count > 0
                ? 0
-               : lx_fail(error, "%s:%lu: no points; a line is 'time_s,angle_deg'", self->name,
-                         self->reader.line + 1);
+               : lx_fail(error, "%s:%lu: no points; a line is '%s'", self->name,
+                         self->reader.line + 1, self->reader.kind->line);
 }
 
 int lx_csv_read_on(struct lx_csv *self, unsigned lines, struct lx_error *error)
@@ -179,10 +205,10 @@ int lx_csv_read_on(struct lx_csv *self, unsigned lines, struct lx_error *error)
     return 1;
 }
 
-struct lx_recording lx_csv_take(struct lx_csv *self)
+struct lx_csv_points lx_csv_take(struct lx_csv *self)
 {
-    const struct lx_recording found = self->reader.found;
-    self->reader.found = (struct lx_recording){.points = NULL};
+    const struct lx_csv_points found = self->reader.found;
+    self->reader.found = (struct lx_csv_points){.points = NULL};
     return found;
 }
 
@@ -199,7 +225,7 @@ void lx_csv_close(struct lx_csv *self)
 
 int lx_csv_read(struct lx_recording *out, FILE *file, const char *name, struct lx_error *error)
 {
-    struct lx_csv *reader = lx_csv_open(file, name);
+    struct lx_csv *reader = lx_csv_open(file, name, &lx_csv_motion);
     int result = 1;
     if (reader == NULL) {
         return lx_fail(error, "%s: no memory for its lines", name);
@@ -208,7 +234,8 @@ int lx_csv_read(struct lx_recording *out, FILE *file, const char *name, struct l
         result = lx_csv_read_on(reader, UINT_MAX, error);
     }
     if (result == 0) {
-        *out = lx_csv_take(reader);
+        const struct lx_csv_points found = lx_csv_take(reader);
+        *out = (struct lx_recording){.points = found.points, .count = found.count};
     }
     lx_csv_close(reader);
     return result;

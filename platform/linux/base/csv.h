@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * Recorded motions: text lines `time_s,angle_deg`, both plain decimals. The first line may be a
- * header; empty lines and what follows a # are skipped. Times start at 0 or later and increase.
- * Time is cut to 1 ns, the angle to 10^-9 degree.
+ * Points over time, recorded motions for one: text lines `time_s,VALUE`, both plain decimals. The
+ * first line may be a header; empty lines and what follows a # are skipped. Times start at 0 or
+ * later and increase. Time is cut to 1 ns, the value to its last place.
  */
 #ifndef DREHGEBER_LINUX_CSV_H
 #define DREHGEBER_LINUX_CSV_H
@@ -15,7 +15,28 @@
 #include "drehgeber/motion.h"
 #include "say.h"
 
-/** The points of a file. */
+/** What the second column is, and what a point is made of. */
+struct lx_csv_kind {
+    const char *line;  /**< how a line is written: "time_s,angle_deg" */
+    const char *value; /**< what is right: "the angle is decimal degrees within +-6000000000" */
+    unsigned places;   /**< that are kept of it */
+    int64_t min;       /**< in units of the last place */
+    int64_t max;
+    bool steps;  /**< a time may be that of the line before */
+    size_t size; /**< of a point */
+    void (*put)(void *points, size_t index, dg_ns at, int64_t value);
+};
+
+/** Motions: struct dg_motion_point; the angle is cut to 10^-9 degree. */
+extern const struct lx_csv_kind lx_csv_motion;
+
+/** Points of a kind. */
+struct lx_csv_points {
+    void *points; /**< malloc()ed, the caller frees */
+    size_t count;
+};
+
+/** The points of a motion. */
 struct lx_recording {
     struct dg_motion_point *points; /**< malloc()ed, the caller frees */
     size_t count;
@@ -24,21 +45,22 @@ struct lx_recording {
 /** A file that is being read, a slice at a time. */
 struct lx_csv;
 
-/** Begin with `file`, borrowed, called `name` in errors. @return NULL without memory */
-struct lx_csv *lx_csv_open(FILE *file, const char *name);
+/** Begin with `file`, called `name` in errors; it and `kind` are borrowed. @return NULL without
+ * memory */
+struct lx_csv *lx_csv_open(FILE *file, const char *name, const struct lx_csv_kind *kind);
 
 /** Read up to `lines` more. @return 1: there are more; 0: that was all, and lx_csv_take() has it;
  * -1 with "name:line: what is wrong" */
 int lx_csv_read_on(struct lx_csv *self, unsigned lines, struct lx_error *error);
 
 /** What was found, which is the caller's then. */
-struct lx_recording lx_csv_take(struct lx_csv *self);
+struct lx_csv_points lx_csv_take(struct lx_csv *self);
 
 /** End; NULL is fine. */
 void lx_csv_close(struct lx_csv *self);
 
 /**
- * Read all points of `file`, called `name` in errors.
+ * Read all points of a motion in `file`, called `name` in errors.
  * @return 0 with one point or more; -1 with "name:line: what is wrong" and nothing to free
  */
 int lx_csv_read(struct lx_recording *out, FILE *file, const char *name, struct lx_error *error);

@@ -19,8 +19,7 @@ static bool is_word(const struct dg_key *key)
     return key->type == DG_KEY_FLAG || key->type == DG_KEY_WORD;
 }
 
-/* "0..250000 us", "8 characters", "own or early", "none, even or odd" */
-static struct lx_words range_of(const struct dg_key *key)
+struct lx_words lx_key_range(const struct dg_key *key)
 {
     static const char *const kinds[] = {"characters", "digits"};
     const long long one = (long long)lx_power_of_ten(key->places);
@@ -52,7 +51,7 @@ int lx_key_set(const struct dg_key *key, void *base, const char *value, struct l
         return 0;
     }
     const bool number = !is_text(key) && !is_word(key);
-    lx_words_add(&right, "%s%s", number ? "a number in " : "", range_of(key).text);
+    lx_words_add(&right, "%s%s", number ? "a number in " : "", lx_key_range(key).text);
     if (number && key->places > 0) {
         lx_words_add(&right, " with at most %u decimals", key->places);
     }
@@ -137,7 +136,7 @@ void lx_keys_help(const struct lx_keys *keys, FILE *to)
         if (key == NULL) {
             continue;
         }
-        (void)fprintf(to, "  %-23s %s (%s", key->name, key->help, range_of(key).text);
+        (void)fprintf(to, "  %-23s %s (%s", key->name, key->help, lx_key_range(key).text);
         if (keys->base != NULL) {
             print_default(key, keys->base, to);
         }

@@ -29,6 +29,9 @@ const struct dg_key *lx_keys_row(const struct lx_keys *self, size_t n);
 /** dg_key_set(), which says what would be right. @return 0, or -1 with `error` */
 int lx_key_set(const struct dg_key *key, void *base, const char *value, struct lx_error *error);
 
+/** What is right: "0..250000 us", "8 characters", "own or early", "none, even or odd". */
+struct lx_words lx_key_range(const struct dg_key *key);
+
 /** The row called `name` in one of the `n` lists, or NULL. @param base what it sets; may be NULL */
 const struct dg_key *lx_keys_find(const struct lx_keys *lists, size_t n, const char *name,
                                   void **base);

@@ -189,7 +189,7 @@ struct lx_shaft_file *lx_shaft_file_open(const char *text, const struct lx_folde
     }
     self->file = lx_file_read(folder, text, error);
     if (self->file != NULL) {
-        self->lines = lx_csv_open(self->file, text);
+        self->lines = lx_csv_open(self->file, text, &lx_csv_motion);
     }
     if (self->file != NULL && self->lines == NULL) {
         (void)lx_fail(error, "%s: no memory for its lines", text);
@@ -207,7 +207,7 @@ int lx_shaft_file_read(struct lx_shaft_file *self, struct lx_shaft *to, struct l
     if (result != 0) {
         return result < 0 ? LX_SHAFT_FILE : result;
     }
-    const struct lx_recording recording = lx_csv_take(self->lines);
+    const struct lx_csv_points recording = lx_csv_take(self->lines);
     *to = (struct lx_shaft){
         .motion = {.kind = DG_MOTION_REPLAY,
                    .points = recording.points,

@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "course_words.h"
 #include "figure.h"
 #include "wire.h"
 
@@ -84,13 +85,24 @@ static int unknown_key(const struct lx_keys *lists, const struct lx_wire *kind, 
     return lx_about(error, LX_ABOUT_SETTING, name, NULL);
 }
 
+/* A course is understood here; its file is only read when the rig is made. */
+static int check_course(const char *text, struct lx_error *error)
+{
+    struct lx_course_words words;
+    return lx_course_parse(text, &words, error);
+}
+
 static int set_one(const struct lx_keys *lists, const struct lx_wire *kind,
                    const struct lx_plan_setting *setting, struct lx_error *error)
 {
     void *base = NULL;
     const struct dg_key *key = lx_keys_find(lists, LX_STACK_LISTS, setting->key, &base);
-    return key == NULL ? unknown_key(lists, kind, setting->key, error)
-                       : lx_key_set(key, base, setting->value, error);
+    if (key == NULL) {
+        return unknown_key(lists, kind, setting->key, error);
+    }
+    return base == lists[LX_STACK_WORLD].base && lx_course_is(setting->value)
+               ? check_course(setting->value, error)
+               : lx_key_set(key, base, setting->value, error);
 }
 
 static int set_serial(const struct lx_plan *plan, const struct lx_plan_encoder *encoder,

@@ -138,6 +138,7 @@ static bool make_room(struct lx_rig *self)
     self->shafts = calloc(plan->shaft_count, sizeof *self->shafts);
     self->wires = calloc(plan->wire_count, sizeof *self->wires);
     self->stations = calloc(plan->encoder_count, sizeof *self->stations);
+    self->courses = calloc(plan->encoder_count, sizeof(struct lx_courses *));
     control->shafts = calloc(plan->shaft_count, sizeof(struct dg_rig_shaft *));
     control->encoders = calloc(plan->encoder_count, sizeof(struct dg_encoder *));
     control->shaft_count = plan->shaft_count;
@@ -146,9 +147,10 @@ static bool make_room(struct lx_rig *self)
     control->host = self;
     control->instruments = dg_instruments;
     control->instrument_count = dg_instrument_count;
+    control->courses = &dg_course_commands;
     control->origin = self->begin;
     return self->shafts != NULL && self->wires != NULL && self->stations != NULL &&
-           control->shafts != NULL && control->encoders != NULL;
+           self->courses != NULL && control->shafts != NULL && control->encoders != NULL;
 }
 
 /* Once for each wire. @return false without memory */
@@ -206,7 +208,7 @@ static enum lx_rig_result make(struct lx_rig *self, struct lx_error *error)
             return LX_RIG_WORLD;
         }
     }
-    return LX_RIG_OK;
+    return lx_rig_begin_courses(self, error);
 }
 
 /* --- stalls --- */
@@ -389,6 +391,7 @@ static int power(struct lx_rig *self, struct lx_error *error)
         return -1;
     }
     warn(self);
+    lx_rig_settle(self, self->begin);
     return 0;
 }
 
@@ -559,6 +562,7 @@ int lx_rig_close(struct lx_rig *self, struct lx_error *error)
     lx_stall_close(&self->stall);
     int result = close_wires(self, error);
     result = worst(result, close_shafts(self, &latest), error, &latest);
+    lx_rig_close_courses(self);
     lx_nvm_writer_free(self->writer);
     lx_folder_close(&self->files);
     free(self->control.encoders);

@@ -106,6 +106,7 @@ static void counters(struct dg_rig *control, const struct dg_encoder *encoder, s
         const struct lx_count row = {"nvm_waits", station->queue->waits};
         lx_bus_count(to, &row, 1);
     }
+    lx_rig_count_courses(encoder, to);
 }
 
 /* The plan has the names sorted. */
@@ -236,6 +237,11 @@ static struct lx_words explain(const struct lx_error *error)
         (void)snprintf(reason.text, sizeof reason.text, "%s", error->what);
     }
     return reason;
+}
+
+int lx_rig_refuse(int code, const struct lx_error *error, char *detail)
+{
+    return refuse((enum dg_scpi_error)code, detail, explain(error).text);
 }
 
 static int profiled(int result, const struct lx_error *error, char *detail)
@@ -448,4 +454,7 @@ const struct dg_rig_ops lx_rig_ops = {
     .turned = turned,
     .find = find,
     .profile_more = profile_more,
+    .course = lx_rig_course,
+    .course_more = lx_rig_course_more,
+    .course_text = lx_rig_course_text,
 };

@@ -7,6 +7,7 @@
 #ifndef DREHGEBER_LINUX_RIG_PARTS_H
 #define DREHGEBER_LINUX_RIG_PARTS_H
 
+#include "courses.h"
 #include "motion_words.h"
 #include "record.h"
 #include "rig.h"
@@ -65,7 +66,8 @@ struct lx_rig {
     struct lx_rig_wire *wires;
     struct lx_nvm_writer *writer; /**< of EEPROM files */
     struct lx_station *stations;
-    struct lx_timer faults; /**< their durations */
+    struct lx_courses **courses; /**< of each encoder; NULL: none; owned */
+    struct lx_timer faults;      /**< their durations, and courses */
     struct lx_stall stall;
     dg_ns stalled;          /**< when the last long one ended; 0: there was none */
     struct lx_folder files; /**< of clients */
@@ -91,6 +93,27 @@ int lx_rig_play(struct lx_rig_shaft *self, dg_ns now, bool first, const char *te
 
 /** A motion file that is being read for the shaft is not, any more. */
 void lx_rig_read_none(struct lx_rig_shaft *self);
+
+/** The courses that the plan has begin with the rig. */
+enum lx_rig_result lx_rig_begin_courses(struct lx_rig *self, struct lx_error *error);
+
+/** Give all courses back. */
+void lx_rig_close_courses(struct lx_rig *self);
+
+/** dg_rig_ops.course and its like. */
+int lx_rig_course(struct dg_rig *control, struct dg_encoder *encoder,
+                  const struct dg_rig_course_wish *wish, dg_ns now, char *detail);
+int lx_rig_course_more(struct dg_rig *control, struct dg_encoder *encoder, dg_ns now, bool gone,
+                       char *detail);
+const char *lx_rig_course_text(struct dg_rig *control, const struct dg_encoder *encoder,
+                               size_t quantity);
+
+/** STATe?: the settings that follow courses. */
+void lx_rig_count_courses(const struct dg_encoder *encoder, struct dg_scpi *to);
+
+/** What a client is told: its room is small, so what would be right goes when it does not fit.
+ * @return `code` */
+int lx_rig_refuse(int code, const struct lx_error *error, char *detail);
 
 /** Trace a wire to `path`. @return 0, or -1 with one line in `error` */
 int lx_rig_trace(struct lx_rig_wire *self, const char *path, struct lx_error *error);

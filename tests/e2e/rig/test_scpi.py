@@ -55,7 +55,8 @@ HEADERS = [
     "WORLd:DEFault", "FAULt:CATalog", "FAULt:SET", "FAULt:CLEar", "FAULt:ACTive",
     "FAULt:HAPPened", "NVM:CATalog", "NVM:CORRupt", "NVM:ERASe", "POWer", "STATe", "TIME", "TIME:ORIGin",
     "TIME:SCALe", "TIME:STEP", "TRACe:STARt", "TRACe:STOP", "TRACe:LAST", "BISS:FRAMe",
-    "BISS:REGister",
+    "BISS:REGister", "WORLd:TEMPerature:PROFile", "WORLd:TEMPerature:PROFile:POINts",
+    "WORLd:MULTiturn:SYNC:PROFile:STATe",
 ]
 
 
@@ -249,7 +250,7 @@ def test_values(session, header, text, answer):
 
 def test_quantities_go_back_to_default(session):
     quantities = [header for header in HEADERS
-                  if header.startswith("WORLd:") and header != "WORLd:DEFault"]
+                  if header.startswith("WORLd:") and ":PROFile" not in header and header != "WORLd:DEFault"]
     healthy = [session.ask(f"{header}?") for header in quantities]
     for header, value in zip(quantities, healthy):
         session.do(f"{header} {1 - int(value) if value in '01' else 1}"
@@ -262,6 +263,10 @@ def test_quantities_go_back_to_default(session):
 @pytest.mark.parametrize("line, code", [
     # nothing where something is needed
     ("SHAF:POS", MISSING), ("SHAF:VEL", MISSING), ("SHAF:MOVE", MISSING), ("INST:SEL", MISSING),
+    ("WORL:TEMP:PROF", MISSING), ("WORL:TEMP:PROF:POIN 0", MISSING), ("WORL:TEMP:PROF a.csv,LOOP,STEP,1", SUPERFLUOUS),
+    ("WORL:TEMP:PROF:POIN 0,1E9", RANGE), ("WORL:SUPP:PROF:POIN 0,1DEGC", SUFFIX),
+    ("WORL:TEMP:PROF:POIN 1,0,0,0", ILLEGAL), ("WORL:TEMP:PROF words", ILLEGAL),
+    ("WORL:TEMP:PROF nowhere.csv", FILE_NAME), ("WORL:TEMP:PROF:STAT ON", CONFLICT),
     ("SHAF:PROF", MISSING), ("SHAF:REC:STAR", MISSING), ("WORL:TEMP", MISSING),
     ("WORL:SING", MISSING), ("FAUL:SET", MISSING), ("FAUL:HAPP?", MISSING), ("NVM:CORR", MISSING),
     ("POW", MISSING), ("TIME:SCAL", MISSING), ("TIME:STEP", MISSING), ("TRAC:STAR", MISSING),

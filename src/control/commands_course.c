@@ -1,0 +1,195 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * WORLd:...:PROFile: what the selected encoder senses over time.
+ */
+#include "control_private.h"
+
+/* Of a line; a file has as many as it likes. */
+#define POINTS_MAX 32u
+/* What a point of a file may have for time, too. */
+#define TIME_MAX DG_S(9000000000)
+
+static const struct dg_scpi_range times = {DG_SCPI_TIME, 0, 0, (int64_t)TIME_MAX};
+
+static const struct dg_quantity *row_of(const struct dg_scpi *self)
+{
+    return &dg_quantities[self->command->argument];
+}
+
+/* ONCE or LOOP, LINear or STEP: behind all else, each at most once, in any order. */
+static bool take_words(struct dg_scpi *self, struct dg_rig_course_wish *wish)
+{
+    static const char *const words[] = {"ONCE", "LOOP", "LINear", "STEP"};
+    size_t word;
+
+    wish->steps = row_of(self)->unit == DG_UNIT_STATE;
+    while (dg_scpi_more(self)) {
+        if (!dg_scpi_word(self, words, DG_COUNT(words), &word)) {
+            return false;
+        }
+        wish->loop = wish->loop || word == 1u;
+        wish->steps = wish->steps || word == 3u;
+    }
+    return true;
+}
+
+/* What the host has said. @return whether it is through */
+static bool followed(struct dg_scpi *self, int code, const char *detail)
+{
+    if (code == DG_RIG_READS) {
+        return false;
+    }
+    dg_scpi_raise(self, code, detail);
+    if (code == DG_SCPI_NO_ERROR) {
+        control_changed(self);
+    }
+    return true;
+}
+
+/* The session has the same encoder selected as long as the command lasts. */
+static bool read_on(struct dg_scpi *self, bool gone)
+{
+    struct dg_rig *rig = control_rig_of(self);
+    char detail[CONTROL_DETAIL_SIZE] = "";
+    const int code = rig->ops->course_more(rig, dg_control_selected(self), self->now, gone, detail);
+
+    return gone || followed(self, code, detail);
+}
+
+static void follow(struct dg_scpi *self, const struct dg_rig_course_wish *wish)
+{
+    struct dg_rig *rig = control_rig_of(self);
+    char detail[CONTROL_DETAIL_SIZE] = "";
+
+    if (!control_offered(self, rig->ops->course != NULL)) {
+        return;
+    }
+    const int code = rig->ops->course(rig, dg_control_selected(self), wish, self->now, detail);
+    if (!followed(self, code, detail)) {
+        dg_scpi_hold(self, read_on);
+    }
+}
+
+void control_follow(struct dg_scpi *self)
+{
+    char path[DG_SCPI_LINE_MAX + 1u];
+    struct dg_rig_course_wish wish = {.quantity = self->command->argument, .path = path};
+
+    if (dg_scpi_text(self, path, sizeof path) && take_words(self, &wish)) {
+        follow(self, &wish);
+    }
+}
+
+static bool take_value(struct dg_scpi *self, int32_t *to)
+{
+    const struct dg_quantity *row = row_of(self);
+    const struct dg_scpi_range range = control_range(row);
+    const bool state = row->unit == DG_UNIT_STATE;
+    int64_t value = 0;
+    bool flag = false;
+
+    if (state ? !dg_scpi_flag(self, &flag) : !dg_scpi_number(self, &range, &value)) {
+        return false;
+    }
+    *to = state ? flag : (int32_t)value;
+    return true;
+}
+
+static bool take_point(struct dg_scpi *self, struct dg_course_point *to)
+{
+    int64_t at = 0;
+
+    if (!dg_scpi_number(self, &times, &at)) {
+        return false;
+    }
+    to->at = (dg_ns)at;
+    return take_value(self, &to->value);
+}
+
+/* @return how many; 0: an error was raised */
+static size_t take_points(struct dg_scpi *self, struct dg_course_point points[POINTS_MAX])
+{
+    size_t count = 0;
+
+    do {
+        if (count == POINTS_MAX) {
+            dg_scpi_raise(self, DG_SCPI_RANGE, "at most 32 points; a file takes more");
+            return 0;
+        }
+        if (!take_point(self, &points[count])) {
+            return 0;
+        }
+        count++;
+    } while (dg_scpi_more(self) && !dg_scpi_at_word(self));
+    return count;
+}
+
+void control_follow_points(struct dg_scpi *self)
+{
+    struct dg_course_point points[POINTS_MAX];
+    struct dg_rig_course_wish wish = {.quantity = self->command->argument, .points = points};
+
+    wish.count = take_points(self, points);
+    if (wish.count == 0 || !take_words(self, &wish)) {
+        return;
+    }
+    const struct dg_course course = {.points = points, .count = wish.count, .loop = wish.loop};
+    if (dg_course_check(&course) != DG_OK) {
+        dg_scpi_raise(self, DG_SCPI_ILLEGAL, "times go on; a loop has one above 0");
+        return;
+    }
+    follow(self, &wish);
+}
+
+void control_followed(struct dg_scpi *self)
+{
+    struct dg_rig *rig = control_rig_of(self);
+    const struct dg_encoder *encoder = dg_control_selected(self);
+    const size_t quantity = self->command->argument;
+    const bool there = dg_rig_course_of(encoder, quantity) != NULL && rig->ops->course_text != NULL;
+
+    dg_scpi_put_string(self, there ? rig->ops->course_text(rig, encoder, quantity) : "");
+}
+
+/* ON is what it is, or needs to know what to follow. */
+void control_follow_on(struct dg_scpi *self)
+{
+    struct dg_encoder *encoder = dg_control_selected(self);
+    const size_t quantity = self->command->argument;
+    bool on = false;
+
+    if (!dg_scpi_flag(self, &on)) {
+        return;
+    }
+    if (!on) {
+        dg_rig_unfollow(control_rig_of(self), encoder, quantity);
+        control_changed(self);
+    } else if (dg_rig_course_of(encoder, quantity) == NULL) {
+        dg_scpi_raise(self, DG_SCPI_CONFLICT, "PROFile or PROFile:POINts begins one");
+    }
+}
+
+void control_follows(struct dg_scpi *self)
+{
+    dg_scpi_put_unsigned(
+        self, dg_rig_course_of(dg_control_selected(self), self->command->argument) != NULL);
+}
+
+/* clang-format off */
+#define WORDS "[,ONCE|LOOP][,LINear|STEP]"
+#define FILES(id, member, name, header, ...) \
+    {"WORLd:" header ":PROFile", control_follow, control_followed, DG_QUANTITY_##id, "\"FILE.csv\"" WORDS, "let it follow the points of a file: once and straight between them without words"},
+#define POINTS(id, member, name, header, ...) \
+    {"WORLd:" header ":PROFile:POINts", control_follow_points, NULL, DG_QUANTITY_##id, "TIME,VALUE,..." WORDS, "let it follow these points, of which there are at most 32"},
+#define STATES(id, member, name, header, ...) \
+    {"WORLd:" header ":PROFile:STATe", control_follow_on, control_follows, DG_QUANTITY_##id, "OFF", "whether it follows any; OFF lets it stay what it is"},
+
+static const struct dg_scpi_command rows[] = {
+    /* header, command, query, argument, parameters, help */
+    DG_QUANTITIES(FILES)
+    DG_QUANTITIES(POINTS)
+    DG_QUANTITIES(STATES)
+};
+/* clang-format on */
+
+const struct dg_scpi_commands dg_course_commands = {rows, DG_COUNT(rows)};
