@@ -385,6 +385,43 @@ def test_courses_are_replaced_and_stopped(tmp_path):
     assert not encoder.world.singleturn_ok
 
 
+def test_a_course_is_exact_on_its_grid(tmp_path):
+    encoder = Encoder("s3684-biss")
+    (tmp_path / "warm.csv").write_text("\ufeff# degC\ntime_s,temperature\n0,20\n10,85.0009 # cut\n", encoding="utf-8")
+    encoder.world.play("temperature", tmp_path / "warm.csv")
+    encoder.clock.advance(1.2345)
+    assert encoder.world.temperature == 28.021  # of 1.234 s
+    encoder.clock.advance(10)
+    assert encoder.world.temperature == 85
+
+
+def test_a_course_loops_and_holds():
+    encoder = Encoder("s3684-biss")
+    encoder.world.play("supply_mv", [(0, 5000), (1, 4000), (3, 0)], loop=True, steps=True)
+    encoder.world.play("singleturn_ok", [(0, True), (1, False)])
+    seen = []
+    for _ in range(6):
+        encoder.clock.advance(0.9)
+        seen.append((encoder.world.supply_mv, encoder.world.singleturn_ok))
+    assert seen == [(5000, True), (4000, False), (4000, False), (5000, False), (4000, False), (4000, False)]
+
+
+def test_what_is_assigned_ends_a_course():
+    encoder = Encoder("f3668")
+    encoder.world.play("temperature", [(0, 20), (10, 30)])
+    encoder.clock.advance(1)
+    encoder.world.temperature = 50
+    encoder.clock.advance(20)
+    assert encoder.world.temperature == 50 and encoder.clock._courses == []
+
+
+@pytest.mark.parametrize("line", ["1;2", "1,x", "1,2,3", "1,1e3", "1,nan", "x,1"])
+def test_lines_of_a_file_that_are_no_points(tmp_path, line):
+    (tmp_path / "x.csv").write_text(f"time_s,temperature\n{line}\n")
+    with pytest.raises(EncoderError, match="x.csv:2: time_s,temperature is right"):
+        Encoder("f3668").world.play("temperature", tmp_path / "x.csv")
+
+
 @pytest.mark.parametrize("points", [[], [(-1, 5)], [(2, 5), (1, 5)]])
 def test_points_that_are_no_course(points):
     with pytest.raises(EncoderError, match="begin at 0 or later"):
@@ -394,6 +431,10 @@ def test_points_that_are_no_course(points):
 def test_courses_of_nothing():
     with pytest.raises(EncoderError, match="temperatur'"):
         Encoder("f3668").world.play("temperatur", [(0, 1)])
+    with pytest.raises(EncoderError, match="begin at 0 or later"):
+        Encoder("f3668").world.play("temperature", [(0, 1e9)])
+    with pytest.raises(EncoderError, match="one behind 0"):
+        Encoder("f3668").world.play("temperature", [(0, 1)], loop=True)
 
 
 def test_a_fault_lasts_as_long_as_its_block():

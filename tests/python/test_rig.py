@@ -124,3 +124,35 @@ WRONG = {
 def test_what_is_wrong_is_said_with_its_place(text):
     with pytest.raises(EncoderError, match=WRONG[text]):
         drehgeber.Rig.of_text(text)
+
+
+COURSES = """
+[encoder a]
+model = s3684-rs485
+wire = pty
+temperature = warm.csv
+led_current_ua = led.csv, LOOP,step
+"""
+
+
+def test_courses_of_a_file(tmp_path):
+    (tmp_path / "warm.csv").write_text("0,20\n10,85\n")
+    (tmp_path / "led.csv").write_text("0,12000\n1,40000\n2,0\n")
+    rig = Rig.of_text(COURSES, tmp_path)
+    world = rig.encoders["a"].world
+    assert (world.temperature, world.led_current_ua) == (20, 12000)
+    rig.advance(5.5)
+    assert (world.temperature, world.led_current_ua) == (55.75, 40000)
+    rig.advance(5)
+    assert (world.temperature, world.led_current_ua) == (85, 12000)
+    (tmp_path / "led.csv").write_text("0,12000\n")
+    with pytest.raises(EncoderError, match=r"\[encoder a\]: .*one behind 0"):
+        Rig.of_text(COURSES, tmp_path)
+    with pytest.raises(EncoderError, match=r"\[encoder a\]: 'lop' is none of the words"):
+        Rig.of_text(COURSES.replace("LOOP", "LOP"), tmp_path)
+
+
+def test_an_encoder_gets_its_power_with_what_a_course_begins_with(tmp_path):
+    (tmp_path / "warm.csv").write_text("0,200\n1,37\n")
+    (tmp_path / "led.csv").write_text("5,12000\n")
+    assert Rig.of_text(COURSES, tmp_path).encoders["a"].request(bytes.fromhex("40 50 10"))[2] == 0x1E

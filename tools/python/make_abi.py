@@ -20,7 +20,7 @@ const struct dg_device *dg_device_find(const char *name);
 const struct dg_co_sheet *dg_cia406_sheet_of(const struct dg_device *model);
 void dg_co_eds(const struct dg_co_sheet *, void (*)(void *, const char *, size_t), void *);
 """
-HEADERS = ("host.h", "motion.h", "shaft.h")
+HEADERS = ("host.h", "motion.h", "shaft.h", "course.h")
 INCLUDE = re.compile(r'^#include "drehgeber/(\w+\.h)"$', re.M)
 STRUCT = re.compile(r"^struct \w+ \{[^}]*\};", re.M)
 

@@ -3,45 +3,56 @@
 
 from __future__ import annotations
 
-import bisect
 from collections.abc import Callable, Iterable
+from typing import Any
 
+from . import _native
 from ._native import EncoderError
-from .clock import NEVER, SECOND_NS, Clock
+from .clock import NEVER, Clock
 
-# Between two points the value is set anew this often.
-TICK_NS = SECOND_NS // 100
+WORDS = "FILE.csv[,ONCE|LOOP][,LINEAR|STEP]"
+# Far beyond what any quantity can be, and what the library can tell apart.
+COUNTS_MAX = 1 << 30
+
+
+def is_file(text: str) -> bool:
+    """Whether a setting is meant for a course."""
+    return text.partition(",")[0].lower().endswith(".csv")
+
+
+def split_words(text: str) -> tuple[str, bool, bool]:
+    """The file that a setting names, whether it loops, whether it goes in steps."""
+    name, *words = text.split(",")
+    said = [word.strip(" ").lower() for word in words]
+    for word in said:
+        if word not in ("once", "loop", "linear", "step"):
+            raise EncoderError(f"{word!r} is none of the words; {WORDS} is right")
+    return name, "loop" in said, "step" in said
 
 
 class Course:
-    """Straight lines between points (seconds from now on, value); a step is two points at one moment.
-    Before the first one the value is what it was, behind the last one it stays."""
+    """Points (nanoseconds from now on, counts) that the library goes along: include/drehgeber/course.h."""
 
-    def __init__(self, clock: Clock, points: Iterable[tuple[float, float]], put: Callable[[float], None]) -> None:
-        rows = [(clock._ns + round(at * SECOND_NS), float(value)) for at, value in points]
-        if not rows or rows != sorted(rows, key=lambda row: row[0]) or rows[0][0] < clock._ns:
-            raise EncoderError("points of a course begin at 0 or later, and go on in time")
-        self._at = [at for at, _ in rows]
-        self._values = [value for _, value in rows]
+    def __init__(
+        self, clock: Clock, points: Iterable[tuple[int, int]], put: Callable[[int], None], *, loop: bool, steps: bool
+    ) -> None:
+        ffi, self._lib = _native.load()
+        rows = list(points)
+        if any(not (0 <= at < NEVER and abs(value) < COUNTS_MAX) for at, value in rows):
+            raise EncoderError("points of a course begin at 0 or later, and have values that can be")
+        self._points = ffi.new("struct dg_course_point[]", rows)  # the library borrows them
+        members = {"points": self._points, "count": len(rows), "loop": loop, "steps": steps}
+        self._c: Any = ffi.new("struct dg_course *", members)
+        if self._lib.dg_course_check(self._c) != 0:
+            raise EncoderError("points of a course begin at 0 or later, and go on in time; a loop needs one behind 0")
+        self._value = ffi.new("int32_t *")
         self._put = put
-        self._due = self._at[0]
-
-    def _value(self, now: int) -> float:
-        """The last point of a moment counts."""
-        behind = bisect.bisect_right(self._at, now)
-        if behind == len(self._at):
-            return self._values[-1]
-        begin, end = self._at[behind - 1], self._at[behind]
-        share = (now - begin) / (end - begin)
-        return self._values[behind - 1] + share * (self._values[behind] - self._values[behind - 1])
+        self._start = self._due = clock._ns
 
     def _serve(self, now: int) -> None:
-        """At its deadline. Where the value is the same at both points, nothing happens between them."""
-        self._put(self._value(now))
-        behind = bisect.bisect_right(self._at, now)
-        if behind == len(self._at):
-            self._due = NEVER
-        elif self._values[behind] == self._values[behind - 1]:
-            self._due = self._at[behind]
-        else:
-            self._due = min(now + TICK_NS, self._at[behind])
+        """At its deadline."""
+        since = now - self._start
+        if self._lib.dg_course_at(self._c, since, self._value):
+            self._put(int(self._value[0]))
+        behind = int(self._lib.dg_course_next(self._c, since))
+        self._due = NEVER if behind == NEVER else self._start + behind

@@ -10,9 +10,11 @@ from types import TracebackType
 from ._native import EncoderError
 from .canbus import CanBus
 from .clock import Clock
+from .course import is_file, split_words
 from .encoder import Encoder
 from .rs485 import Line
 from .shaft import Shaft
+from .world import World
 
 # What is about wires that there are none of here, and what the encoder's own line has taken.
 OF_WIRES = {"wire", "address", "trace", "pace", "cycle", "tear", "break_at", "clock_hz", "line_delay_ns"}
@@ -128,14 +130,21 @@ class Rig:
             line=self.lines.get(bus.lower()) if bus is not None else None,
             power=False,
         )
+        courses = {
+            key: split_words(section[key]) for key in section if World.senses(key) and is_file(section[key])
+        }
         for key in section:
-            if key not in TAKEN and (key not in OF_WIRES or self._has(encoder, key)):
+            if key not in TAKEN and key not in courses and (key not in OF_WIRES or self._has(encoder, key)):
                 encoder.set(key, section[key])
         if "nvm" in section:
             self._files[name] = self._folder / section["nvm"]
             if self._files[name].exists() and self._files[name].stat().st_size:
                 encoder.memory = self._files[name].read_bytes()
+        for key, (file, *_) in courses.items():
+            encoder.world.begin(key, self._folder / file)
         encoder._start()
+        for key, (file, loop, steps) in courses.items():
+            encoder.world.play(key, self._folder / file, loop=loop, steps=steps)
         self.encoders[name] = encoder
 
     @staticmethod

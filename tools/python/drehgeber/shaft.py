@@ -6,6 +6,7 @@ from __future__ import annotations
 import csv
 import re
 from collections.abc import Callable, Iterable
+from decimal import Decimal
 from pathlib import Path
 from typing import Any
 
@@ -24,10 +25,11 @@ UNITS = {
     "MS": ("time", SECOND_NS / 1000),
     "S": ("time", SECOND_NS),
 }
+DECIMAL = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)", re.A)
 QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+))\s*(DEG|REV|RPM|MS|S)\s*", re.I)
 
 
-def angle_of(degrees: float) -> int:
+def angle_of(degrees: float | Decimal) -> int:
     return round(degrees * TURN / 360)
 
 
@@ -79,20 +81,22 @@ def parse_motion(text: str) -> dict[str, Any]:
         raise EncoderError(f"motion {text!r}: one of these is right: {FORMS}") from None
 
 
-def read_points(path: Path) -> list[tuple[float, float]]:
-    """Points of a file of lines `time_s,angle_deg`; a header and comments are skipped."""
+def read_points(path: Path, line: str = "time_s,angle_deg") -> list[tuple[Decimal, Decimal]]:
+    """Points of a file of such lines; a header, empty lines and comments are skipped."""
     points = []
-    with path.open(encoding="utf-8", newline="") as file:
-        for number, row in enumerate(csv.reader(line.partition("#")[0] for line in file), 1):
-            if not "".join(row).strip():
+    begun = False
+    with path.open(encoding="utf-8-sig", newline="") as file:
+        for number, row in enumerate(csv.reader(text.partition("#")[0] for text in file), 1):
+            cells = [cell.strip() for cell in row]
+            if not "".join(cells):
                 continue
-            try:
-                at, angle = (float(cell) for cell in row)
-            except ValueError:
-                if number == 1:
-                    continue
-                raise EncoderError(f"{path}:{number}: time_s,angle_deg is right") from None
-            points.append((at, angle))
+            header = not begun and cells[0][:1] not in "+-.0123456789"
+            begun = True
+            if header:
+                continue
+            if len(cells) != 2 or not all(DECIMAL.fullmatch(cell) for cell in cells):
+                raise EncoderError(f"{path}:{number}: {line} is right")
+            points.append((Decimal(cells[0]), Decimal(cells[1])))
     return points
 
 
@@ -182,7 +186,7 @@ class Shaft:
         else:
             self._play(parse_motion(motion), motion)
 
-    def replay(self, points: Iterable[tuple[float, float]]) -> None:
+    def replay(self, points: Iterable[tuple[float | Decimal, float | Decimal]]) -> None:
         """Straight lines between points (seconds from now on, degrees)."""
         rows = [{"at": round(at * SECOND_NS), "angle": angle_of(degrees)} for at, degrees in points]
         self._points.append(self._ffi.new("struct dg_motion_point[]", rows))

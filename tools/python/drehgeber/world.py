@@ -4,10 +4,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from decimal import Decimal
 from pathlib import Path
-from typing import TYPE_CHECKING, Generic, TypeVar, overload
+from typing import TYPE_CHECKING, Any, Generic, TypeVar, overload
 
 from ._native import EncoderError
+from .clock import SECOND_NS
 from .course import Course
 from .shaft import read_points
 
@@ -38,10 +40,20 @@ class Quantity(Generic[T]):
         return self._kind(world._encoder._sensed(self._name) / self._parts)
 
     def __set__(self, world: World, value: float) -> None:
+        world.stop(self._name)
         world._encoder._sense(self._name, self._counts(value))
 
     def _counts(self, value: float) -> int:
         return round(value * self._parts)
+
+    def _points(
+        self, course: str | Path | Iterable[tuple[float | Decimal, float | Decimal]]
+    ) -> list[tuple[int, int]]:
+        """Nanoseconds and counts; what a file has more of is cut."""
+        if isinstance(course, (str, Path)):
+            rows = read_points(Path(course), f"time_s,{self._name}")
+            return [(int(at * SECOND_NS), int(value * self._parts)) for at, value in rows]
+        return [(round(at * SECOND_NS), round(value * self._parts)) for at, value in course]
 
 
 class World:
@@ -69,20 +81,45 @@ class World:
         self._encoder = encoder
         self._courses: dict[str, Course] = {}
 
-    def play(self, name: str, course: str | Path | Iterable[tuple[float, float]]) -> None:
-        """Let a quantity follow points (seconds from now on, value), straight between them, or a CSV file
-        of such lines: world.play("led_current_ua", [(0, 12000), (600, 4000)]). A step is two points at one
-        moment. Another course, or stop(), ends it; what is assigned meanwhile lasts until the next point
-        or hundredth of a second."""
-        points = read_points(Path(course)) if isinstance(course, (str, Path)) else course
-        quantity = getattr(type(self), name, None)
-        if not isinstance(quantity, Quantity):
+    @classmethod
+    def senses(cls, name: str) -> bool:
+        """Whether some encoder senses what is called so."""
+        return isinstance(getattr(cls, name, None), Quantity)
+
+    def _quantity(self, name: str) -> Quantity[Any]:
+        if not self.senses(name):
             raise EncoderError(f"no encoder senses {name!r}")
+        self._encoder._sensed(name)  # this one may not
+        quantity: Quantity[Any] = getattr(type(self), name)
+        return quantity
+
+    def begin(self, name: str, course: str | Path | Iterable[tuple[float, float]]) -> None:
+        """An encoder that has never been on gets its power with what the course is at 0."""
+        quantity = self._quantity(name)
+        for at, counts in quantity._points(course):
+            if at == 0:
+                self._encoder.set(name, str(Decimal(counts) / quantity._parts))
+
+    def play(
+        self,
+        name: str,
+        course: str | Path | Iterable[tuple[float, float]],
+        *,
+        loop: bool = False,
+        steps: bool = False,
+    ) -> None:
+        """Let a quantity follow points (seconds from now on, value), or a CSV file of such lines:
+        world.play("led_current_ua", [(0, 12000), (600, 4000)]). Between them it goes straight, or with
+        `steps` holds, as states always do; a step is two points at one moment. With `loop` the last point's
+        moment is 0 of the next lap. Another course, assigning to the quantity, or stop() ends it."""
+        quantity = self._quantity(name)
+        points = quantity._points(course)
         clock = self._encoder.clock
         with clock.lock:
             clock._sync()
             put = self._encoder._sense_now
-            made = Course(clock, points, lambda value: put(name, quantity._counts(value)))
+            steps = steps or quantity._kind is bool
+            made = Course(clock, points, lambda counts: put(name, counts), loop=loop, steps=steps)
             self.stop(name)
             self._courses[name] = made
             clock._courses.append(made)
