@@ -79,7 +79,8 @@ static void put(void *points, size_t index, dg_ns at, int64_t value)
 static void describe(struct lx_course_file *self, const struct dg_key *key)
 {
     lx_words_add(&self->line, "time_s,%s", key->name);
-    lx_words_add(&self->value, "the value is a number in %s", lx_key_range(key).text);
+    lx_words_add(&self->value, "the value is %s%s", key->type == DG_KEY_FLAG ? "" : "a number in ",
+                 lx_key_range(key).text);
     self->kind = (struct lx_csv_kind){
         .line = self->line.text,
         .value = self->value.text,
