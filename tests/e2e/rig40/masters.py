@@ -5,7 +5,8 @@ import re
 import subprocess
 import threading
 from pathlib import Path
-from typing import NamedTuple
+
+from judgement import Stall
 
 MASTERS = os.environ.get("RIG_MASTERS", "")
 AFTERMATH_S = 0.05  # what was held up by a stall is done by then
@@ -25,12 +26,6 @@ FIGURES = {
 # The wire of a ready line: the master's wire, and the least it has to ask in a second.
 WIRES = {"can": ("can", 100), "pty": ("rs485", 10), "modbus": ("ring", 50), "sim": ("biss", 10),
          "clock": ("clock", 10)}
-
-
-class Stall(NamedTuple):
-    """The machine stood still."""
-    begin: float
-    end: float
 
 
 class Heard:

@@ -3,11 +3,12 @@
 come and go on each of them, and no deadline is missed.
 
 A machine that stands still, as an emulated or a shared one does now and then, misses deadlines for
-everybody. A referee with nothing but a clock says when that was. Seconds with such a stall prove
-nothing about drehgeber; the run goes on until there are enough of the others.
+everybody. A referee with nothing but a clock says when that was. Tenths of a second with such a stall
+prove little about drehgeber; the run goes on until there are enough of the others, see judgement.py.
 """
 import contextlib
 import os
+import re
 import sys
 import threading
 import time
@@ -17,13 +18,15 @@ from typing import NamedTuple
 REPOSITORY = Path(__file__).resolve().parents[3]
 sys.path.insert(0, str(REPOSITORY / "tools/python"))
 import drehgeber  # noqa: E402
+from judgement import Judgement, Span, complaint, judge  # noqa: E402
 from masters import (AFTERMATH_S, MASTERS, WIRES, Heard, memory_kib, percent, start_masters,  # noqa: E402
                      ticks)
 
 RIG = REPOSITORY / "tools/examples/forty.ini"
 RUN_S = float(os.environ.get("RIG_SECONDS", "60"))  # at least, and as many of time kept, but
 RUN_MOST_S = 3 * RUN_S
-KEPT_LEAST_S = RUN_S / 2  # seconds of time kept without which nothing is proved
+KEPT_LEAST_S = RUN_S / 2  # of time kept; a machine that keeps less of it is named
+SPAN_S = 0.1  # a stall and its aftermath take half of it
 PRIORITY = 10
 HELD_S = 1.0  # how long a defect lasts after it was seen
 
@@ -55,24 +58,27 @@ DEFECTS = [
 
 
 class Watch:
-    """The missed deadlines of each second. Encoders of a wire count together: one speaks for all."""
+    """The missed deadlines of each span. Encoders of a wire count together: one speaks for all."""
 
     def __init__(self, rig):
-        self._spokesmen = list({(encoder.wire, encoder.address): encoder
-                                for encoder in rig.encoders.values()}.values())
-        self.seconds = []  # begin, end, missed
+        self._rig = rig
+        spokesmen = {(encoder.wire, encoder.address): encoder.name for encoder in rig.encoders.values()}
+        self._question = ";:".join(f"INST:SEL {name};:STAT?" for name in spokesmen.values())
+        # A stall makes each encoder of an RS485 line or another wire miss one, and each wire one more.
+        self.most = sum(encoder.wire == "pty" for encoder in rig.encoders.values()) + 2 * len(spokesmen)
+        self.spans = []
         self._end = threading.Event()
         self._thread = threading.Thread(target=self._run)
         self._thread.start()
 
     def count(self) -> int:
-        return sum(int(encoder.state()["wire_late"]) for encoder in self._spokesmen)
+        return sum(map(int, re.findall(r"\bwire_late=(\d+)", self._rig.ask(self._question))))
 
     def _run(self):
         begin, before = time.monotonic(), self.count()
-        while not self._end.wait(1.0):
+        while not self._end.wait(SPAN_S):
             now, count = time.monotonic(), self.count()
-            self.seconds.append((begin, time.monotonic(), count - before))
+            self.spans.append(Span(begin, time.monotonic(), count - before))
             begin, before = now, count
 
     def __enter__(self):
@@ -82,10 +88,8 @@ class Watch:
         self._end.set()
         self._thread.join()
 
-    def kept(self, stalls: list) -> list:
-        """Missed deadlines in each of the seconds without a stall."""
-        return [missed for begin, end, missed in self.seconds
-                if not any(stall.begin < end and begin < stall.end for stall in stalls)]
+    def judgement(self, stalls: list) -> Judgement:
+        return judge(list(self.spans), list(stalls), self.most)
 
 
 def inject(rig, defect: Defect, heard: Heard):
@@ -112,7 +116,7 @@ def run_for_a_minute(rig, heard: Heard, watch: Watch) -> float:
     for i, defect in enumerate(DEFECTS):
         inject(rig, defect, heard)
         time.sleep(max(0.0, begin + (i + 1) * RUN_S / len(DEFECTS) - time.monotonic()))
-    while len(watch.kept(list(heard.stalls))) < RUN_S and time.monotonic() < begin + RUN_MOST_S:
+    while watch.judgement(heard.stalls).kept_s < RUN_S and time.monotonic() < begin + RUN_MOST_S:
         time.sleep(1.0)
     return time.monotonic() - begin
 
@@ -139,15 +143,18 @@ def test_forty_encoders_for_a_minute():
         finally:
             statuses = [master.end() for master in masters]
 
+    judgement = watch.judgement(heard.stalls)
+    if judgement.kept_s < KEPT_LEAST_S:
+        print(f"note: the machine kept time for {judgement.kept_s:.1f} of {took_s:.0f} s only; what was missed "
+              "in the rest was set against its stalls")
     print(f"{took_s:.1f} s: drehgeber {shares[0]:.1f} % CPU, {rss} KiB (peak {peak} KiB), "
           f"all masters {sum(shares[1:]):.1f} % CPU")
     for master in masters:
         print(master.wire, master.where, master.figures)
-    kept = watch.kept(heard.stalls)
     longest_s = max((stall.end - stall.begin - AFTERMATH_S for stall in heard.stalls), default=0)
-    print(f"the machine kept time in {len(kept)} of {len(watch.seconds)} s, {sum(kept)} deadlines missed "
-          f"in them; it stood still {len(heard.stalls)} times, up to {1000 * longest_s:.1f} ms, "
-          f"{sum(missed for _, _, missed in watch.seconds)} missed in all")
+    print(f"the machine kept time for {judgement.kept_s:.1f} s of them in {len(watch.spans)} looks; it stood "
+          f"still {len(heard.stalls)} times, up to {1000 * longest_s:.1f} ms; "
+          f"{sum(span.missed for span in watch.spans)} deadlines missed in all")
     print("heard:", "; ".join(heard.lines[begin:]))
 
     assert statuses == [0] * len(masters)
@@ -157,5 +164,4 @@ def test_forty_encoders_for_a_minute():
         assert master.figures["wrong"] == 0
         assert master.figures["exchanges"] >= WIRES[master.wire][1] * took_s
     assert [name for name, state in states.items() if state["wire_up"] != "1"] == []
-    assert len(kept) >= KEPT_LEAST_S
-    assert sum(kept) == 0
+    assert complaint(judgement) == ""

@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: MIT
+"""Whose fault missed deadlines are: the machine's, which stood still, or the program's.
+
+A referee with nothing but a clock says when the machine stood still. A short span of time without such
+a stall is kept time, and nothing may be missed in it, however little of it there is. What is missed in
+a span with a stall is the machine's, as far as a stall goes."""
+import bisect
+from typing import NamedTuple
+
+
+class Stall(NamedTuple):
+    """The machine stood still."""
+    begin: float
+    end: float  # of what it held up, too
+
+
+class Span(NamedTuple):
+    """A short time, and the deadlines missed in it."""
+    begin: float
+    end: float
+    missed: int
+
+
+class Judgement(NamedTuple):
+    kept_s: float  # without a stall
+    by_itself: list  # spans of it in which something was missed all the same
+    beyond: list  # spans in which more was missed than their stalls explain
+
+
+def judge(spans: list, stalls: list, most: int) -> Judgement:
+    """Both in the order of time; `most` is what a stall can make a program miss."""
+    begins, ends = [stall.begin for stall in stalls], [stall.end for stall in stalls]
+    kept_s, by_itself, beyond = 0.0, [], []
+    for span in spans:
+        count = bisect.bisect_left(begins, span.end) - bisect.bisect_right(ends, span.begin)
+        if count == 0:
+            kept_s += span.end - span.begin
+            by_itself += [span] if span.missed > 0 else []
+        elif span.missed > count * most:
+            beyond.append(span)
+    return Judgement(kept_s, by_itself, beyond)
+
+
+def complaint(judgement: Judgement) -> str:
+    """Empty: all that was missed is the machine's."""
+    lines = []
+    for spans, what in (judgement.by_itself, "while the machine kept time"), \
+                       (judgement.beyond, "more than the machine's stalls explain"):
+        if spans:
+            lines.append(f"{sum(span.missed for span in spans)} deadlines missed {what}: " +
+                         ", ".join(f"{span.missed} at {span.begin:.2f}" for span in spans[:20]))
+    return "; ".join(lines)
