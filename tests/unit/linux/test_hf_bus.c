@@ -188,22 +188,24 @@ static void the_tap_hears_both_directions(void **state)
     line_rig_close(&rig);
 }
 
-/* A loop that is held up for longer than the shortest response time has missed a deadline. */
+/* A loop that is held up for longer than the shortest response time misses deadlines: here each
+   time it has done something, so it does not matter when the machine itself holds it up. */
 static void late_deadlines_are_counted(void **state)
 {
+    const struct timespec nap = {.tv_nsec = (long)DG_MS(30)};
     struct line_rig rig;
     (void)state;
     line_rig_plan(&rig, 1, NULL);
     line_rig_open_pty(&rig);
-    const uint64_t late = rig.bus->late;
     line_rig_request(&rig, 0x40, LINE_READ_POSITION);
-    while (line_rig_device(&rig, 0)->line != DG_HF_COLLECT) { /* until its end is awaited */
-        assert_true(sd_event_run(rig.event, (uint64_t)(LINE_PATIENCE / 1000u)) > 0);
+    const uint64_t late = rig.bus->late;
+    const dg_ns end = lx_now() + LINE_PATIENCE;
+    while (rig.bus->late == late && lx_now() < end) {
+        assert_true(sd_event_run(rig.event, 1000u) >= 0);
+        (void)nanosleep(&nap, NULL);
     }
-    const struct timespec nap = {.tv_nsec = (long)DG_MS(30)};
-    (void)nanosleep(&nap, NULL);
-    assert_int_equal(line_rig_receive(&rig, 7, LINE_PATIENCE), 7);
     assert_true(rig.bus->late > late);
+    assert_int_equal(line_rig_receive(&rig, 7, LINE_PATIENCE), 7);
     line_rig_close(&rig);
 }
 
