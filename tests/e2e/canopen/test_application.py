@@ -39,7 +39,7 @@ def works(rig):
     steps = [(b - a) % TMR for a, b in zip(positions, positions[1:])]
     assert all(0 < step < TMR // 4 for step in steps)
     assert 0.5 * 360 < sum(steps) / len(steps) < 4 * 360
-    assert abs(rig.tap.period_s(0x2BF, 10) - 0.020) < 0.010
+    rig.tap.has_period(0x2BF, 0.010, 0.030)
     assert struct.unpack("<h", rig.tap.data(0x2BF))[0] in (599, 600)
     assert rig.tap.data(0x73F) == b"\x05"
     position, state = rig.read(0x6004), rig.read(0x6400, 1)

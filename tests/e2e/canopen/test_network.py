@@ -78,7 +78,7 @@ def test_heartbeat_producer(rig):
     rig.write(0x1017, 0, 50, 2)
     assert rig.nmt.wait_for_heartbeat(5.0) == "PRE-OPERATIONAL"
     rig.tap.forget()
-    assert 0.045 < rig.tap.period_s(0x73F, 10) < 0.075
+    rig.tap.has_period(0x73F, 0.045, 0.075)
     rig.nmt.send_command(0x01)
     rig.barrier()
     assert rig.nmt.wait_for_heartbeat(5.0) == "OPERATIONAL"
@@ -124,6 +124,9 @@ def test_emergency_of_a_sync_with_a_wrong_length(rig):
 def test_emergency_inhibit_time(rig):
     rig.write(0x1015, 0, 2000, 2)
     rig.tap.forget()
-    rig.send(0x080, b"\x01")
-    rig.network.sync.transmit()
-    assert 0.19 < rig.tap.period_s(0x0BF, 1) < 0.4
+
+    def fail_and_mend():
+        rig.send(0x080, b"\x01")
+        rig.network.sync.transmit()
+
+    rig.tap.has_period(0x0BF, 0.19, 0.4, count=1, cause=fail_and_mend)
