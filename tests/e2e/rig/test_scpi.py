@@ -495,7 +495,7 @@ def test_a_waiting_client_stops_nobody(session, bench):
     assert session.silent()
     begin = time.monotonic()
     assert other.name("INST:SEL?") == "a"
-    assert time.monotonic() - begin < 1
+    assert time.monotonic() - begin < 5
     other.do("SHAF:STOP")  # and it can be freed
     assert session.line().startswith("1;")
 
@@ -657,7 +657,7 @@ def test_a_client_that_never_reads_stops_nobody(bench, session):
                 break
         begin = time.monotonic()
         assert session.name("INST:SEL?") == "a"
-        assert time.monotonic() - begin < 1
+        assert time.monotonic() - begin < 5
         lazy.close()
     assert sent >= 10 * 1000
     during = statistics.median(took)
