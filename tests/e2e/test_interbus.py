@@ -656,7 +656,8 @@ def test_a_silent_client_stops_nobody(coupler, plc):
 
 def test_cycles_go_on(coupler, plc):
     client = plc(coupler("--set", "cycle=5000"))
-    first, begin = client.read(SLAVES, 16), time.monotonic()
+    begin = time.monotonic()
+    first = client.read(SLAVES, 16)
     time.sleep(1)
     last, seconds = client.read(SLAVES, 16), time.monotonic() - begin
     moved = [after - before for before, after in zip(first, last) if before != after]
@@ -672,11 +673,12 @@ def test_a_ring_that_nobody_needs_sleeps(coupler, plc):
     encoder = coupler("--shaft", "60RPM")
     client = plc(encoder)
     in_operation(client)
-    cycles, before, begin = client.read(SLAVES + 2, 2), wakes(encoder), time.monotonic()
+    begin = time.monotonic()
+    cycles, before = client.read(SLAVES + 2, 2), wakes(encoder)
     time.sleep(2)
     assert wakes(encoder) - before < 20
-    seconds = time.monotonic() - begin
-    assert join(client.read(SLAVES + 2, 2)) - join(cycles) == pytest.approx(1000 * seconds, abs=100)
+    counted = join(client.read(SLAVES + 2, 2)) - join(cycles)
+    assert 2000 - 100 <= counted <= 1000 * (time.monotonic() - begin) + 100
 
 
 def test_it_sleeps_again_when_a_fault_has_happened_often_enough(coupler, plc):
