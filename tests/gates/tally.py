@@ -70,9 +70,26 @@ def again(preset, junit):
     return done.returncode == 0 and wanted == missed
 
 
-def last_lines(case):
-    output = "" if case is None else case.findtext("system-out") or ""
-    for line in output.rstrip().split("\n")[-LAST_LINES:]:
+def status_of(case):
+    return "not listed by the run" if case is None else case.get("status")
+
+
+def judge(case, second):
+    """The result, and the try that says so."""
+    if case is None or second is None or passed(case):
+        return "passed" if passed(case) else "failed", case
+    if not passed(second):
+        return "failed", second
+    # What only waited behind another one has failed at no time.
+    return "again" if case.get("status") == "fail" else "passed", second
+
+
+def output_of(case):
+    return "" if case is None else case.findtext("system-out") or ""
+
+
+def tell_last_lines(case):
+    for line in output_of(case).rstrip().split("\n")[-LAST_LINES:]:
         print(f"        {line}")
 
 
@@ -85,22 +102,17 @@ def run(preset, junit, results):
         lines.append(f"failed 0 {preset} {preset}")
     for name in names:
         case = cases.get(name)
-        status = "not listed by the run" if case is None else case.get("status")
+        result, last = judge(case, second.get(name))
         seconds = 0 if case is None else float(case.get("time") or 0)
-        result = "passed" if passed(case) else "failed"
-        if result == "failed" and name in second:
-            print(f"    {name}: {status}, then {second[name].get('status')}")
-            last_lines(case)
-            if passed(second[name]):  # what only waited behind another one has failed at no time
-                result = "again" if status == "fail" else "passed"
-            case, status = second[name], second[name].get("status")
         lines.append(f"{result} {seconds:.1f} {preset} {name}")
+        if last is not case:
+            print(f"    {name}: {status_of(case)}, then {status_of(last)}")
+            tell_last_lines(case)
         if result == "failed":
-            print(f"    {name}: {status}")
-            last_lines(case)
-        elif case is not None:
-            for note in re.findall(r"^note: .*", case.findtext("system-out") or "", re.MULTILINE):
-                print(f"    {name}: {note}")
+            print(f"    {name}: {status_of(last)}")
+            tell_last_lines(last)
+        for note in re.findall(r"^note: .*", output_of(last), re.MULTILINE):
+            print(f"    {name}: {note}")
     with open(results, "w", encoding="utf-8") as file:
         print(*lines, sep="\n", file=file)
 
