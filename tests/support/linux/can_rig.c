@@ -260,6 +260,7 @@ static void read_client(struct can_rig *self)
             assert_true(self->length < sizeof self->line);
         } else {
             self->line[self->length] = '\0';
+            self->answered += self->length == 0;
             take_line(self);
             self->length = 0;
         }
@@ -285,11 +286,25 @@ static void write_client(struct can_rig *self, const char *text)
     assert_int_equal(write(self->client, text, strlen(text)), strlen(text));
 }
 
+void can_rig_say(struct can_rig *self, const char *commands)
+{
+    const dg_ns end = dg_after(lx_now(), CAN_RIG_PATIENCE);
+    size_t wanted = self->answered;
+    for (const char *at = commands; *at != '\0'; at++) {
+        wanted += *at == '\r';
+    }
+    write_client(self, commands);
+    while (self->answered < wanted && lx_now() < end) {
+        can_rig_turn(self);
+    }
+    assert_int_equal(self->answered, wanted);
+}
+
 void can_rig_connect(struct can_rig *self)
 {
     self->client = open(self->link, O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
     assert_true(self->client >= 0);
-    write_client(self, "S5\rO\r");
+    can_rig_say(self, "S5\rO\r");
     can_rig_run(self, CAN_RIG_QUIET);
     self->taken = self->count;
 }

@@ -52,6 +52,7 @@ struct can_rig {
     int client; /**< descriptor of the pty; -1: none */
     char line[64];
     size_t length;
+    size_t answered;                               /**< commands of the client, with CR or BELL */
     struct dg_can_frame frame[CAN_RIG_FRAMES_MAX]; /**< that came to the client */
     size_t taken;                                  /**< frames the test has looked at */
     size_t count;
@@ -85,6 +86,8 @@ void can_rig_run(struct can_rig *self, dg_ns span);
 /** Open the adapter's channel at 250 kBd; what came before is forgotten. */
 void can_rig_connect(struct can_rig *self);
 /** The client sends. */
+/** Commands of the client to the adapter, each with its CR; until all are answered. */
+void can_rig_say(struct can_rig *self, const char *commands);
 void can_rig_send(struct can_rig *self, uint16_t id, const uint8_t *data, size_t n);
 /** The next frame with this CAN-ID; NULL when there is none within `patience`. */
 const struct dg_can_frame *can_rig_next(struct can_rig *self, uint16_t id, dg_ns patience);

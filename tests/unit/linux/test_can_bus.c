@@ -348,12 +348,6 @@ static void power_cycle(struct can_rig *self)
     can_rig_changed(self, 0);
 }
 
-static void say(struct can_rig *self, const char *lines)
-{
-    assert_int_equal(write(self->client, lines, strlen(lines)), strlen(lines));
-    can_rig_run(self, CAN_RIG_QUIET);
-}
-
 /* The channel of the adapter is the bus. */
 static void a_closed_channel_is_no_bus(void **state)
 {
@@ -363,15 +357,15 @@ static void a_closed_channel_is_no_bus(void **state)
     expect_leds(self, DG_CIA406_LAMP_OFF, DG_CIA406_LAMP_BLINK);
     can_rig_connect(self);
     expect_leds(self, DG_CIA406_LAMP_BLINK, DG_CIA406_LAMP_OFF);
-    say(self, "C\r");
+    can_rig_say(self, "C\r");
     expect_leds(self, DG_CIA406_LAMP_OFF, DG_CIA406_LAMP_OFF);
     power_cycle(self);
     expect_leds(self, DG_CIA406_LAMP_OFF, DG_CIA406_LAMP_BLINK);
-    say(self, "O\r");
+    can_rig_say(self, "O\r");
     expect_leds(self, DG_CIA406_LAMP_BLINK, DG_CIA406_LAMP_OFF);
     /* Nothing has been sent to it since: the open channel was the bus. */
     power_cycle(self);
-    say(self, "C\r");
+    can_rig_say(self, "C\r");
     expect_leds(self, DG_CIA406_LAMP_OFF, DG_CIA406_LAMP_OFF);
 }
 
@@ -382,11 +376,11 @@ static void another_bit_rate_is_no_bus(void **state)
     can_rig_plan(self, 1);
     can_rig_open_slcan(self, 1);
     can_rig_connect(self);
-    say(self, "C\rS6\rO\r");
+    can_rig_say(self, "C\rS6\rO\r");
     expect_leds(self, DG_CIA406_LAMP_OFF, DG_CIA406_LAMP_OFF);
     power_cycle(self);
     expect_leds(self, DG_CIA406_LAMP_OFF, DG_CIA406_LAMP_BLINK);
-    say(self, "C\rS5\rL\r");
+    can_rig_say(self, "C\rS5\rL\r");
     expect_leds(self, DG_CIA406_LAMP_BLINK, DG_CIA406_LAMP_OFF);
 }
 
@@ -430,7 +424,7 @@ static void found_without_power(void **state)
     expect_leds(self, DG_CIA406_LAMP_OFF, DG_CIA406_LAMP_OFF);
     power_cycle(self);
     expect_leds(self, DG_CIA406_LAMP_BLINK, DG_CIA406_LAMP_OFF);
-    say(self, "C\r");
+    can_rig_say(self, "C\r");
     expect_leds(self, DG_CIA406_LAMP_OFF, DG_CIA406_LAMP_OFF);
 }
 

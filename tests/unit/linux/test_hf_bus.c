@@ -130,20 +130,33 @@ static void replies_at_the_same_time_collide(void **state)
     line_rig_close(&rig);
 }
 
+/* A reply of 40 characters, and a request into it. @return whether it came in time: a machine that
+   stands still lets the encoder read it when the reply is over */
+static bool talk_into_a_reply(struct line_rig *rig)
+{
+    static const uint8_t frame[] = {0x40, 0x42, 0x02};
+    const struct dg_hf *other = line_rig_device(rig, 1);
+    const uint32_t damaged = other->counters.damaged;
+    line_rig_request(rig, 0x40, "56");
+    assert_true(line_rig_receive(rig, 3, LINE_PATIENCE) >= 3);
+    assert_int_equal(write(rig->master, frame, sizeof frame), sizeof frame);
+    (void)line_rig_receive(rig, 41, DG_MS(200));
+    return other->counters.damaged - damaged == 3;
+}
+
 static void a_request_into_a_reply_is_lost(void **state)
 {
     struct line_rig rig;
+    int attempts = 20;
     (void)state;
     line_rig_plan(&rig, 2, NULL);
     line_rig_open_pty(&rig);
-    line_rig_request(&rig, 0x40, "56");
-    assert_true(line_rig_receive(&rig, 3, LINE_PATIENCE) >= 3);
-    const uint8_t frame[] = {0x40, 0x42, 0x02};
-    assert_int_equal(write(rig.master, frame, sizeof frame), sizeof frame);
-    assert_int_equal(line_rig_receive(&rig, 41, DG_MS(200)),
-                     40); /* the first reply only, undamaged */
+    while (!talk_into_a_reply(&rig)) {
+        assert_true(--attempts > 0);
+        line_rig_run(&rig, DG_MS(100));
+    }
+    assert_int_equal(rig.length, 40); /* the first reply only, undamaged */
     assert_int_equal(hf_rig_xor(rig.reply, 40), 0);
-    assert_int_equal(line_rig_device(&rig, 1)->counters.damaged, 3);
     line_rig_close(&rig);
 }
 
