@@ -29,6 +29,11 @@ KINDS = {"rs485": ("s3684-rs485", "--pty"), "can": ("f3668", "--slcan"),
          "ring": ("ocd-ib-k3", "--modbus=127.0.0.1:{port}")}
 
 
+@pytest.fixture(autouse=True)
+def all_is_heard(monkeypatch):
+    monkeypatch.setattr("rig.HELD_UP", None)
+
+
 @pytest.fixture
 def served(start):
     """Start an encoder with a client of its control plane."""

@@ -22,7 +22,7 @@ E2E = Path(__file__).resolve().parents[1]
 sys.path += [str(E2E), str(E2E / "canopen")]
 from can_rig import WIRE, Tap, on_slcan, open_bus  # noqa: E402
 from hiperface_master import Master  # noqa: E402
-from rig import PATIENCE_S, PROGRAM, Lines, free_port, run  # noqa: E402
+from rig import HELD_UP, PATIENCE_S, PROGRAM, Lines, free_port, run  # noqa: E402
 
 __all__ = ["Bench", "BissMaster", "CanMaster", "Coupler", "ERROR", "Master", "NO_ERROR",
            "PATIENCE_S", "PROGRAM", "Session", "can_wire", "connect", "eventually", "fields",
@@ -147,7 +147,7 @@ class Bench:
             [PROGRAM, "run", str(file), "--files", tempfile.gettempdir(), *map(str, arguments)], stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=folder, **options)
         self.out = Lines(self.process.stdout)
-        self.said = Lines(self.process.stderr)
+        self.said = Lines(self.process.stderr, HELD_UP)
         self.wires = {}
         self.controls = []
         self.closing = contextlib.ExitStack()
