@@ -140,7 +140,8 @@ static bool talk_into_a_reply(struct line_rig *rig)
     line_rig_request(rig, 0x40, "56");
     assert_true(line_rig_receive(rig, 3, LINE_PATIENCE) >= 3);
     assert_int_equal(write(rig->master, frame, sizeof frame), sizeof frame);
-    (void)line_rig_receive(rig, 41, DG_MS(200));
+    (void)line_rig_receive(rig, 40, LINE_PATIENCE);
+    (void)line_rig_receive(rig, 41, DG_MS(20));
     return other->counters.damaged - damaged == 3;
 }
 
