@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The wire: settings, pace, masters that misbehave, terminals that vanish."""
+import contextlib
 import math
 import os
 import random
@@ -10,7 +11,7 @@ import time
 import pytest
 import serial
 
-from hiperface_master import CHARACTER_BITS, FieldStatus, Master, UartSetting, frame
+from hiperface_master import CHARACTER_BITS, FieldStatus, Master, NoReply, UartSetting, frame
 from rig import MULTITURN, PATIENCE_S, assert_one_line, assert_silent, run_refused
 
 READ_POSITION = frame(0x40, 0x42)
@@ -69,10 +70,14 @@ def test_two_side_by_side(start):
 
 def test_requests_in_pieces(start):
     master = start().master()
-    for byte in READ_POSITION:
-        master.port.write(bytes([byte]))
-        time.sleep(0.001)  # at most one character time, below the pause that ends a frame
-    assert master.receive(7, 2) == bytes.fromhex("40 42 00 00 00 00 02")
+    replies = []
+    while (good := bytes.fromhex("40 42 00 00 00 00 02")) not in replies:
+        assert len(replies) < 10, replies  # a machine that stands still makes a pause that ends a frame
+        drain(master)
+        for byte in READ_POSITION:
+            master.port.write(bytes([byte]))
+            time.sleep(0.001)  # at most one character time, below that pause
+        replies.append(master.receive(7, 2))
 
 
 def test_garbage(start):
@@ -84,9 +89,15 @@ def test_garbage(start):
         count = noise.randrange(1, 64)
         master.port.write(noise.randbytes(count))
         time.sleep(master.bits_s(count * CHARACTER_BITS) + noise.choice([0, 0.002, 0.02]))
-    drain(master)
-    # The noise may have carried a valid command: only the reply counts, not its data.
-    master.read_status()
+    # The noise may have carried a valid command: only the reply counts, not its data. A busy machine
+    # may still be hearing the noise.
+    for _ in range(5):
+        drain(master)
+        with contextlib.suppress(NoReply):
+            master.read_status()
+            break
+    else:
+        raise AssertionError("no reply behind the noise")
     assert encoder.alive()
 
 
@@ -111,7 +122,8 @@ def test_master_never_reads(start, pace, asked, reply_bytes, interval_s):
     for _ in range(3):
         assert master.type_label().uart == SETTING_38400_SHORT
         master.send(asked)
-        assert len(master.receive(reply_bytes + 1, 0.2)) == reply_bytes
+        assert len(master.receive(reply_bytes, 2)) == reply_bytes
+        assert master.receive(1, 0.1) == b""
 
 
 def test_wrong_baud_rate(start):
