@@ -80,7 +80,8 @@ static void delay(void **state)
     const dg_ns begin = lx_now();
     can_rig_ask(self, 1, 0x1000);
     const struct lx_can_list *held = &((struct lx_can_bus *)self->bus)->held;
-    while (held->count == 0 && dg_elapsed(lx_now(), begin) < CAN_RIG_PATIENCE) {
+    while (held->count == 0) {
+        assert_true(dg_elapsed(lx_now(), begin) < CAN_RIG_PATIENCE);
         can_rig_turn(self);
     }
     can_rig_mend(self, 0, DG_WIRE_DELAY);

@@ -170,9 +170,11 @@ static void without_power_it_is_silent_and_deaf(void **state)
     (void)state;
     line_rig_plan(&rig, 2, NULL);
     line_rig_open_pty(&rig);
-    line_rig_request(&rig, 0x40, "56");
-    assert_true(line_rig_receive(&rig, 3, LINE_PATIENCE) >= 3);
-    dg_hf_power_off(line_rig_device(&rig, 0)); /* in the middle of a reply */
+    for (int i = 0; i == 0 || (i < 20 && rig.length == 40); i++) { /* in the middle of a reply */
+        line_rig_request(&rig, 0x40, "56");
+        assert_true(line_rig_receive(&rig, 3, LINE_PATIENCE) >= 3);
+    }
+    dg_hf_power_off(line_rig_device(&rig, 0));
     line_rig_changed(&rig, 0);
     const size_t n = line_rig_receive(&rig, 40, LINE_SILENCE);
     assert_true(n < 40);
