@@ -111,13 +111,22 @@ static bool still_fails(void)
     return fails;
 }
 
-static void logged(const char *expected)
+/* An assertion leaves the test, so none is made with the lock. A quick thread has written the first
+   byte before the sync behind it is asked for: then only the sync is tried again. */
+static void logged_one_of(const char *expected, const char *quick)
 {
+    char log[LOG_MAX] = "";
     (void)pthread_mutex_lock(&disk.lock);
-    assert_string_equal(disk.log, expected);
+    memcpy(log, disk.log, disk.logged);
     disk.log[0] = '\0';
     disk.logged = 0;
     (void)pthread_mutex_unlock(&disk.lock);
+    assert_string_equal(log, strcmp(log, quick) == 0 ? quick : expected);
+}
+
+static void logged(const char *expected)
+{
+    logged_one_of(expected, expected);
 }
 
 /* A loop with files on that disk. */
@@ -354,7 +363,7 @@ static void a_late_no_refuses_what_comes_until_all_is_through(void **state)
     }
     assert_int_equal(put(self, 0, 0, "e|"), DG_OK);
     assert_int_equal(settle(self, 0), LX_NVM_THROUGH);
-    logged("a!a|b|cde|");
+    logged_one_of("a!a|b|cde|", "!|b|cde|");
 }
 
 static void a_file_that_fails_keeps_no_other_one(void **state)
@@ -445,7 +454,7 @@ static void closing_tries_once_more(void **state)
     set_stuck(false);
     assert_int_equal(settle(self, 0), LX_NVM_LOST);
     close_all(self);
-    logged("a!a|b|");
+    logged_one_of("a!a|b|", "a!|b|");
     assert_memory_equal(self->memory[0].bytes, "a-b", 3);
 }
 
