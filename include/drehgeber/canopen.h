@@ -32,7 +32,7 @@ extern "C" {
 #define DG_CO_CONSUMERS 2u
 #define DG_CO_HISTORY 8u
 /** Values a dictionary can keep (rows with a slot). */
-#define DG_CO_VALUES_MAX 88u
+#define DG_CO_VALUES_MAX 93u
 /** Longest string in a dictionary. */
 #define DG_CO_STRING_MAX 32u
 /** Node-ID of a node that has none yet (CiA 305). */
@@ -105,7 +105,7 @@ enum dg_co_flags {
     DG_CO_W = 2,        /**< may be written */
     DG_CO_RW = 3,       /**< both */
     DG_CO_MAP = 4,      /**< may be mapped into a TPDO; the row stands for one sub-index */
-    DG_CO_ID = 8,       /**< the node-ID is added to the default */
+    DG_CO_ID = 8,       /**< the node-ID is added to the default; with DG_CO_SLOT */
     DG_CO_SAVE = 16,    /**< 1010h keeps it: the stack's in regions of their own, the device's in
                            DG_CO_REGION_APPLICATION */
     DG_CO_SLOT = 32,    /**< has a value in dg_co_node.value; without it the default or the hook */
@@ -115,7 +115,7 @@ enum dg_co_flags {
     DG_CO_ACTION = 512, /**< not to be written back: ObjFlags=1 in an EDS */
     DG_CO_LIVE = 1024,  /**< what is read is no setting: no default in an EDS */
     DG_CO_FIGURE = 2048, /**< a row of dg_co_device.figures, if there is one, has its default and
-                              maximum */
+                              maximum; with DG_CO_SLOT */
 };
 
 /** What a hook is called for. */
@@ -175,9 +175,23 @@ struct dg_co_limits {
 struct dg_co_dictionary {
     const struct dg_co_row *rows; /**< sorted by index and sub-index, at least one */
     uint16_t count;
+    uint16_t power;                    /**< the highest power of two that is not above `count` */
     const struct dg_co_limits *limits; /**< by number; 0 is none */
     dg_co_hook *const *hooks;          /**< by number; the one of 0 is NULL */
 };
+
+/** The first three members of a dictionary from an array of at most 255 rows. */
+#define DG_CO_ROWS(array)                                                                          \
+    (array), sizeof(array) / sizeof((array)[0]), DG_CO_POWER(sizeof(array) / sizeof((array)[0]))
+#define DG_CO_POWER(count)                                                                         \
+    ((count) >> 7 != 0   ? 128                                                                     \
+     : (count) >> 6 != 0 ? 64                                                                      \
+     : (count) >> 5 != 0 ? 32                                                                      \
+     : (count) >> 4 != 0 ? 16                                                                      \
+     : (count) >> 3 != 0 ? 8                                                                       \
+     : (count) >> 2 != 0 ? 4                                                                       \
+     : (count) >> 1 != 0 ? 2                                                                       \
+                         : 1)
 
 /** A sub-index as it was found: what a hook is called with. */
 struct dg_co_object {
@@ -228,10 +242,10 @@ enum dg_co_stack_cause {
 
 /** Slots of the bus parameters, for which a device has rows of its own or none, and the first slot
  * a device profile may use for itself. */
-#define DG_CO_SLOT_BIT_RATE 65u
-#define DG_CO_SLOT_NODE_ID 66u
-#define DG_CO_SLOT_TERMINATION 67u
-#define DG_CO_SLOT_APPLICATION 68u
+#define DG_CO_SLOT_BIT_RATE 67u
+#define DG_CO_SLOT_NODE_ID 68u
+#define DG_CO_SLOT_TERMINATION 69u
+#define DG_CO_SLOT_APPLICATION 70u
 
 /** Regions of the store that the stack itself uses, in this order at the start of every layout. */
 enum dg_co_region {
@@ -315,6 +329,8 @@ struct dg_co_sdo {
     enum dg_co_sdo_state state;
     dg_ns deadline;             /**< timeout, or when `answer` is due; DG_NEVER while idle */
     struct dg_co_object object; /**< what the transfer is about; found when it was begun */
+    uint32_t multiplexor;       /**< its index and sub-index as bytes 1-3 of frames have them */
+    uint32_t value;             /**< what a hook has read */
     uint8_t toggle;             /**< bit 4 of the next segment */
     bool sized;                 /**< the client announced the size */
     bool crc;                   /**< block transfer with CRC */
@@ -322,7 +338,7 @@ struct dg_co_sdo {
     uint8_t seqno;              /**< block upload: segments sent; download: last segment in order */
     uint8_t length;             /**< bytes in buffer */
     uint8_t done;               /**< bytes sent and, in a block upload, confirmed */
-    uint8_t answer[8];          /**< delayed answer */
+    uint8_t answer;             /**< byte 0 of a delayed answer */
     uint8_t buffer[DG_CO_STRING_MAX + 8];
 };
 
@@ -373,7 +389,6 @@ struct dg_co_lss {
 struct dg_co_node {
     enum dg_co_state state;
     uint8_t id; /**< node-ID in force, DG_CO_UNCONFIGURED without one */
-    bool moved; /**< what is being served may have moved one of the others' deadlines */
     bool mounted;
     uint8_t sync_mask;  /**< bit n: TPDO n is valid and synchronous */
     uint8_t emcy_count; /**< EMCYs that wait for the inhibit time 1015h */
@@ -392,7 +407,7 @@ struct dg_co_node {
 
     dg_ns now;      /**< moment of the call that is being served */
     dg_ns deadline; /**< of all services */
-    dg_ns others;   /**< of all but the SDO server */
+    dg_ns others;   /**< of all but the SDO server; 0: what is being served may have moved one */
     dg_ns pdo_at;   /**< next deadline of the TPDOs; 0: to be found anew */
     dg_ns rx_at;    /**< moment the latest frame came in; before `now` when delivered late */
     dg_ns heartbeat_at;

@@ -20,6 +20,8 @@ enum co_slot {
     CO_GUARD_TIME_MS,
     CO_LIFE_FACTOR,
     CO_TIME_COB_ID,
+    CO_NODE_ID,
+    CO_EMCY_COB_ID,
     CO_EMCY_INHIBIT_100US,
     CO_CONSUMER_1,
     CO_CONSUMER_2,

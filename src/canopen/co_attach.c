@@ -13,6 +13,7 @@ void dg_co_attach(struct dg_co_node *self, const struct dg_co_setup *setup)
     self->sdo.object.row = NULL;
     self->sdo.object.dictionary = NULL;
     if (setup != NULL) {
-        (void)co_find(setup->device, &self->sdo.object);
+        struct dg_co_object *object = &self->sdo.object;
+        (void)co_find(setup->device, co_key(object->index, object->sub), object);
     }
 }

@@ -16,7 +16,6 @@
 #include "co_block.h"
 #include "drehgeber/crc.h"
 
-#define BLKSIZE_MAX 127u
 /**
  * Bits of the initiate requests and answers. A CRC is used when both sides offer it; this side
  * does so only to a client that has, as some clients look at the answer alone.
@@ -35,37 +34,18 @@ _Static_assert(sizeof((struct dg_co_sdo *)0)->buffer >= (size_t)DOWNLOAD_BLKSIZE
 
 /* ---- upload */
 
-static bool blksize_valid(uint8_t blksize)
-{
-    return blksize > 0 && blksize <= BLKSIZE_MAX;
-}
-
 enum dg_co_abort co_block_upload(struct dg_co_node *self, const uint8_t *data)
 {
     struct dg_co_sdo *sdo = &self->sdo;
-    uint8_t threshold = data[5];
 
-    if (!blksize_valid(data[4])) {
-        return DG_CO_BLOCK_SIZE;
-    }
-    enum dg_co_abort abort = co_sdo_fetch(self);
-    if (abort != DG_CO_OK) {
-        return abort;
-    }
-    /* The client wants short data without the block protocol. */
-    if (threshold != 0 && sdo->length <= threshold) {
-        co_sdo_upload(self);
-        return DG_CO_OK;
-    }
     sdo->blksize = data[4];
     sdo->crc = (data[0] & CRC) != 0;
     co_sdo_become(self, DG_CO_SDO_BLOCK_UPLOAD_START);
-    co_sdo_confirm(self, 0xC0u | SIZE | CRC, sdo->length);
-    return DG_CO_OK;
+    return co_sdo_confirm(self, 0xC0u | SIZE | CRC, sdo->length);
 }
 
 /* One block from the first byte that is not confirmed. */
-static void send_block(struct dg_co_node *self)
+static enum dg_co_abort send_block(struct dg_co_node *self)
 {
     struct dg_co_sdo *sdo = &self->sdo;
     uint8_t at = sdo->done;
@@ -75,44 +55,43 @@ static void send_block(struct dg_co_node *self)
     do {
         last = sdo->length - at <= (int)SDO_SEGMENT;
         sdo->seqno++;
-        co_sdo_send_segment(self, (uint8_t)(sdo->seqno | (last ? SDO_LAST : 0u)), &sdo->buffer[at]);
+        (void)co_sdo_send_segment(self, (uint8_t)(sdo->seqno | (last ? SDO_LAST : 0u)),
+                                  &sdo->buffer[at]);
         at = (uint8_t)(at + SDO_SEGMENT);
     } while (!last && sdo->seqno < sdo->blksize);
     co_sdo_become(self, DG_CO_SDO_BLOCK_UPLOAD);
+    return DG_CO_OK;
 }
 
 enum dg_co_abort co_block_upload_start(struct dg_co_node *self, const uint8_t *data)
 {
     (void)data;
-    send_block(self);
-    return DG_CO_OK;
+    return send_block(self);
 }
 
 enum dg_co_abort co_block_upload_acknowledge(struct dg_co_node *self, const uint8_t *data)
 {
     struct dg_co_sdo *sdo = &self->sdo;
     uint8_t ackseq = data[1];
-    uint8_t crc[2] = {0};
+    uint32_t crc = 0;
 
     if (ackseq > sdo->seqno) {
         return DG_CO_SEQUENCE;
     }
-    if (!blksize_valid(data[2])) {
+    if (!co_block_size_valid(data[2])) {
         return DG_CO_BLOCK_SIZE;
     }
     sdo->done = (uint8_t)(sdo->done + ackseq * SDO_SEGMENT);
     sdo->blksize = data[2];
     /* Without data there is still a segment to be confirmed. */
     if (ackseq < sdo->seqno || sdo->done < sdo->length) {
-        send_block(self);
-        return DG_CO_OK;
+        return send_block(self);
     }
     if (sdo->crc) {
-        dg_store_le16(crc, dg_crc16(0, sdo->buffer, sdo->length));
+        crc = dg_crc16(0, sdo->buffer, sdo->length);
     }
     co_sdo_become(self, DG_CO_SDO_BLOCK_UPLOAD_END);
-    co_sdo_send(self, (uint8_t)(0xC1u | (uint32_t)(sdo->done - sdo->length) << 2), crc, sizeof crc);
-    return DG_CO_OK;
+    return co_sdo_send(self, 0xC1u | (uint32_t)(sdo->done - sdo->length) << 2 | crc << 8, 0);
 }
 
 enum dg_co_abort co_block_upload_end(struct dg_co_node *self, const uint8_t *data)
@@ -127,7 +106,7 @@ enum dg_co_abort co_block_upload_end(struct dg_co_node *self, const uint8_t *dat
 enum dg_co_abort co_block_download(struct dg_co_node *self, const uint8_t *data)
 {
     struct dg_co_sdo *sdo = &self->sdo;
-    enum dg_co_abort abort = co_sdo_open(self, (data[0] & SIZE) != 0, dg_load_le32(&data[4]));
+    enum dg_co_abort abort = co_sdo_open(self, data, (data[0] & SIZE) != 0, dg_load_le32(&data[4]));
 
     if (abort != DG_CO_OK) {
         return abort;
@@ -135,8 +114,7 @@ enum dg_co_abort co_block_download(struct dg_co_node *self, const uint8_t *data)
     sdo->crc = (data[0] & CRC) != 0;
     sdo->seqno = 0;
     co_sdo_become(self, DG_CO_SDO_BLOCK_DOWNLOAD);
-    co_sdo_confirm(self, 0xA0u | CRC, DOWNLOAD_BLKSIZE);
-    return DG_CO_OK;
+    return co_sdo_confirm(self, 0xA0u | CRC, DOWNLOAD_BLKSIZE);
 }
 
 enum dg_co_abort co_block_download_segment(struct dg_co_node *self, const uint8_t *data)
@@ -164,8 +142,7 @@ enum dg_co_abort co_block_download_segment(struct dg_co_node *self, const uint8_
     if (!complete && sdo->length > 0) {
         return co_sdo_length(self, sdo->length);
     }
-    co_sdo_send(self, 0xA2, (const uint8_t[]){sdo->seqno, DOWNLOAD_BLKSIZE}, 2);
-    return DG_CO_OK;
+    return co_sdo_send(self, 0xA2u | (uint32_t)sdo->seqno << 8 | DOWNLOAD_BLKSIZE << 16, 0);
 }
 
 enum dg_co_abort co_block_download_end(struct dg_co_node *self, const uint8_t *data)
@@ -182,8 +159,5 @@ enum dg_co_abort co_block_download_end(struct dg_co_node *self, const uint8_t *d
     if (abort == DG_CO_OK) {
         abort = co_sdo_write(self);
     }
-    if (abort == DG_CO_OK) {
-        co_sdo_send(self, 0xA1, data, 0);
-    }
-    return abort;
+    return abort == DG_CO_OK ? co_sdo_written(self, 0xA1) : abort;
 }

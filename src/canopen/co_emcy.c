@@ -90,7 +90,7 @@ void dg_co_raise(struct dg_co_node *self, uint8_t cause, const uint8_t manufactu
     if ((self->active_causes & bit) != 0) {
         return;
     }
-    self->moved = true;
+    self->others = 0;
     self->active_causes |= bit;
     remember(self, row->code, manufacturer);
     queue(self, row->code, manufacturer);
@@ -106,7 +106,7 @@ void dg_co_clear(struct dg_co_node *self, uint8_t cause)
     if ((self->active_causes & bit) == 0) {
         return;
     }
-    self->moved = true;
+    self->others = 0;
     self->active_causes &= ~bit;
     if (self->active_causes == 0) {
         queue(self, 0, none);

@@ -21,9 +21,7 @@ enum sub_index {
 static enum dg_co_abort find_mapped(const struct dg_co_node *self, uint32_t entry,
                                     struct dg_co_object *object)
 {
-    object->index = (uint16_t)(entry >> 16);
-    object->sub = (uint8_t)(entry >> 8);
-    enum dg_co_abort abort = co_find(self->setup.device, object);
+    enum dg_co_abort abort = co_find(self->setup.device, entry & 0xFFFFFF00u, object);
 
     if (abort != DG_CO_OK) {
         return abort;

@@ -31,7 +31,7 @@ void co_enter(struct dg_co_node *self, enum dg_co_state state)
     }
     bool was_operational = self->state == DG_CO_OPERATIONAL;
     bool booted = self->state == DG_CO_BOOT;
-    self->moved = true;
+    self->others = 0;
     self->state = state;
     if (state == DG_CO_STOPPED) {
         co_sdo_start(self); /* a transfer does not survive */
@@ -118,7 +118,7 @@ void co_guard_rx(struct dg_co_node *self)
         (uint8_t)((unsigned)self->state | (self->guard_toggle ? 0x80u : 0u))};
     self->guard_toggle = !self->guard_toggle;
     co_send(self, (uint16_t)(CO_ID_GUARD + self->id), answer, sizeof answer);
-    self->moved = true;
+    self->others = 0;
     self->guard_at = co_after_ms(self->now, life_ms);
     dg_co_clear(self, DG_CO_CAUSE_LIFE);
 }
@@ -152,7 +152,7 @@ void co_heartbeat_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
     for (uint8_t i = 0; i < DG_CO_CONSUMERS; i++) {
         uint32_t entry = self->value[CO_CONSUMER_1 + i];
         if (consumer_active(entry) && frame->id == CO_ID_GUARD + consumed_node(entry)) {
-            self->moved = true;
+            self->others = 0;
             self->consumer_at[i] = co_after_ms(self->now, entry & 0xFFFFu);
             dg_co_clear(self, (uint8_t)(DG_CO_CAUSE_HEARTBEAT + i));
         }

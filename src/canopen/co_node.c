@@ -88,7 +88,7 @@ static void initialise(struct dg_co_node *self, bool application)
     const struct dg_co_device *device = self->setup.device;
     bool operational = false;
 
-    self->moved = true;
+    self->others = 0;
     self->state = DG_CO_BOOT;
     if (application) {
         self->id = self->lss.node_id;
@@ -155,13 +155,16 @@ static void time_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
     self->time_days = dg_load_le16(&frame->data[4]);
 }
 
-static bool is_time(const struct dg_co_node *self, uint16_t id)
+static bool is_time(const struct dg_co_node *self, uint32_t id)
 {
     return self->value[CO_TIME_COB_ID] == (CO_COB_INVALID | id);
 }
 
 static void remote_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
 {
+    if (self->id == DG_CO_UNCONFIGURED) {
+        return;
+    }
     if (frame->id == CO_ID_GUARD + self->id) {
         co_guard_rx(self);
     } else if (self->state == DG_CO_OPERATIONAL) {
@@ -169,7 +172,45 @@ static void remote_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
     }
 }
 
-/* What works only with a node-ID and in some of the NMT states. */
+static void sdo_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
+{
+    if (!is_on(self)) {
+        return;
+    }
+    if (frame->dlc != 8) {
+        self->counters.malformed++;
+        return;
+    }
+    const enum dg_co_abort abort = co_sdo_rx(self, frame->data);
+    if (abort != DG_CO_OK) {
+        co_sdo_abort(self, abort);
+    }
+}
+
+/* What is less frequent. */
+static void other_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
+{
+    const uint32_t id = frame->id;
+
+    if (id == CO_ID_LSS_RX) {
+        if (is_configurable(self)) {
+            self->others = 0;
+            co_lss_rx(self, frame);
+        }
+    } else if (id == CO_ID_NMT) {
+        if (self->id != DG_CO_UNCONFIGURED) {
+            co_nmt_rx(self, frame);
+        }
+    } else if ((id & 0x780u) == CO_ID_GUARD) {
+        if (self->id != DG_CO_UNCONFIGURED) {
+            co_heartbeat_rx(self, frame);
+        }
+    } else if (is_time(self, id) && is_on(self)) {
+        time_rx(self, frame);
+    }
+}
+
+/* Only LSS works without a node-ID, with which no node is on. */
 static void service_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
 {
     if (frame->rtr) {
@@ -178,17 +219,10 @@ static void service_rx(struct dg_co_node *self, const struct dg_can_frame *frame
         if (is_on(self)) {
             co_sync_rx(self, frame);
         }
-    } else if (frame->id == CO_ID_NMT) {
-        co_nmt_rx(self, frame);
     } else if (frame->id == CO_ID_SDO_RX + self->id) {
-        if (is_on(self)) {
-            co_sdo_rx(self, frame);
-            self->deadline = dg_earliest(self->others, self->sdo.deadline);
-        }
-    } else if ((frame->id & 0x780u) == CO_ID_GUARD) {
-        co_heartbeat_rx(self, frame);
-    } else if (is_time(self, frame->id) && is_on(self)) {
-        time_rx(self, frame);
+        sdo_rx(self, frame);
+    } else {
+        other_rx(self, frame);
     }
 }
 
@@ -241,17 +275,10 @@ dg_ns dg_co_rx(struct dg_co_node *self, dg_ns now, const struct dg_can_frame *fr
         return self->deadline;
     }
     self->counters.rx++;
-    self->moved = false;
-    if (frame->id == CO_ID_LSS_RX && !frame->rtr) {
-        if (is_configurable(self)) {
-            self->moved = true;
-            co_lss_rx(self, frame);
-        }
-    } else if (self->id != DG_CO_UNCONFIGURED) {
-        service_rx(self, frame);
-    }
+    service_rx(self, frame);
     /* Most frames move no deadline but the SDO server's. */
-    return self->moved || self->deadline <= self->now ? settle(self) : self->deadline;
+    self->deadline = dg_earliest(self->others, self->sdo.deadline);
+    return self->deadline <= self->now ? settle(self) : self->deadline;
 }
 
 dg_ns dg_co_bus(struct dg_co_node *self, dg_ns now, enum dg_co_bus_event event)

@@ -62,7 +62,7 @@ static const struct dg_co_row rows[] = {
 #include "co_objects.def"
 };
 
-const struct dg_co_dictionary co_dictionary = {rows, DG_COUNT(rows), limits, hooks};
+const struct dg_co_dictionary co_dictionary = {DG_CO_ROWS(rows), limits, hooks};
 const uint8_t dg_co_slot_event_timer = CO_TPDO(0, CO_PDO_EVENT_MS);
 const uint8_t co_sizes[] = {
     [DG_CO_I8] = 1,  [DG_CO_I16] = 2, [DG_CO_I32] = 4,    [DG_CO_U8] = 1,
@@ -84,55 +84,74 @@ static uint8_t more_of(const struct dg_co_row *row)
     return row->key & 0xFu;
 }
 
-/* 1800h-1803h and 1A00h-1A03h have the rows of the first: which one `index` is. */
-static uint32_t tpdo_of(uint32_t index)
+/* 1800h-1803h and 1A00h-1A03h have the rows of the first: by how much a key is above it. */
+static uint32_t repeated(uint32_t key)
 {
-    return (index & 0xFDFCu) == 0x1800 ? index & 3u : 0;
+    return (key & 0xFDFC0000u) == 0x18000000u ? key & 0x00030000u : 0;
 }
 
-/* The last of `count` sorted rows that is not behind `wanted`; the first when all are. Halving
- * without a way out for the row that fits, and without a branch: cheaper than to look at each
- * twice. */
-static const struct dg_co_row *last_not_behind(const struct dg_co_row *row, uint32_t count,
-                                               uint32_t wanted)
+/* The last row that is not behind `wanted`; the first when all are. Powers of two, without a way
+ * out for the row that fits; what the first step leaves out at one end it has twice at the other.
+ * Dictionaries of 32 to 63 rows, as those of the stack and of the F36x8, need no loop. */
+static const struct dg_co_row *last_not_behind(const struct dg_co_dictionary *half, uint32_t wanted)
 {
-    while (count > 1) {
-        uint32_t half = count / 2u;
-        row = row[half].key <= wanted ? row + half : row;
-        count -= half;
+    const struct dg_co_row *row = half->rows;
+    const uint32_t power = half->power;
+
+    row = row[half->count - power].key <= wanted ? &row[half->count - power] : row;
+    if (power != 32) {
+        for (uint32_t step = power / 2u; step != 0; step /= 2u) {
+            row = row[step].key <= wanted ? &row[step] : row;
+        }
+        return row;
     }
-    return row;
+    row = row[16].key <= wanted ? &row[16] : row;
+    row = row[8].key <= wanted ? &row[8] : row;
+    row = row[4].key <= wanted ? &row[4] : row;
+    row = row[2].key <= wanted ? &row[2] : row;
+    return row[1].key <= wanted ? &row[1] : row;
 }
 
-/* A neighbour of the same index means that only the sub-index is missing. */
-static enum dg_co_abort missing(const struct dg_co_dictionary *half, const struct dg_co_row *row,
-                                uint32_t index)
+enum dg_co_abort co_find(const struct dg_co_device *device, uint32_t key,
+                         struct dg_co_object *object)
 {
-    const bool behind = row + 1 < &half->rows[half->count] && index_of(row + 1) == index;
-
-    return index_of(row) == index || behind ? DG_CO_NO_SUB : DG_CO_NO_OBJECT;
-}
-
-/* Index and sub-index are compared at once, as they stand in an object: one load, where the machine
- * has its least significant byte first. */
-enum dg_co_abort co_find(const struct dg_co_device *device, struct dg_co_object *object)
-{
-    const struct dg_co_dictionary *half =
-        object->index < 0x2000 ? &co_dictionary : &device->dictionary;
-    const uint32_t all =
-        (uint32_t)object->index << 16 | (uint32_t)object->sub << 8 | object->slot | 0xFFu;
-    const uint32_t tpdo = tpdo_of(all >> 16);
-    const uint32_t wanted = all - (tpdo << 16);
-    const struct dg_co_row *row = last_not_behind(half->rows, half->count, wanted);
-    const uint32_t nth = (wanted - (row->key | 0xFFu)) >> 8; /* large for any other index */
-
-    if (nth > more_of(row)) {
-        return missing(half, row, wanted >> 16);
+    if (repeated(key) != 0) {
+        return co_find_else(device, key, object);
     }
+    const struct dg_co_dictionary *half = key < 0x20000000u ? &co_dictionary : &device->dictionary;
+    const struct dg_co_row *row = last_not_behind(half, key | 0xFFu);
+    const uint32_t nth = ((key | 0xFFu) - row->key) >> 8; /* large for any other index */
+
     object->row = row;
     object->dictionary = half;
-    object->slot = (uint8_t)(row->slot + nth + CO_PDO_SLOTS * tpdo);
+    if (nth > more_of(row)) {
+        return co_find_else(device, key, object);
+    }
+    const uint32_t all = key | (uint8_t)(row->slot + nth);
+    object->slot = (uint8_t)all; /* one store for the three */
+    object->sub = (uint8_t)(all >> 8);
+    object->index = (uint16_t)(all >> 16);
     return DG_CO_OK;
+}
+
+/* TPDO2 to TPDO4 have the rows of TPDO1, with slots further on. Of what has no row at all a
+ * neighbour of the same index says that only the sub-index is missing. */
+enum dg_co_abort co_find_else(const struct dg_co_device *device, uint32_t key,
+                              struct dg_co_object *object)
+{
+    const struct dg_co_row *row = object->row;
+    const struct dg_co_dictionary *half = object->dictionary;
+    const uint32_t index = key >> 16;
+    enum dg_co_abort abort;
+
+    if (repeated(key) == 0) {
+        const bool behind = row + 1 < &half->rows[half->count] && index_of(row + 1) == index;
+        return index_of(row) == index || behind ? DG_CO_NO_SUB : DG_CO_NO_OBJECT;
+    }
+    abort = co_find(device, key - repeated(key), object);
+    object->index = (uint16_t)index;
+    object->slot = (uint8_t)(object->slot + CO_PDO_SLOTS * (index & 3u));
+    return abort;
 }
 
 struct dg_co_object co_first(void)
@@ -146,7 +165,7 @@ bool co_next(const struct dg_co_device *device, struct dg_co_object *object)
     const struct dg_co_dictionary *half = object->dictionary;
     const struct dg_co_row *row = object->row;
     const uint32_t index = index_of(row);
-    const uint32_t behind = object->index + 1u;
+    const uint32_t behind = (object->index + 1u) << 16;
 
     if (object->sub - sub_of(row) < more_of(row)) {
         object->sub++;
@@ -161,13 +180,12 @@ bool co_next(const struct dg_co_device *device, struct dg_co_object *object)
         half = &device->dictionary;
         row = half->rows;
     }
-    if (index_of(row) != index && behind - tpdo_of(behind) != index) {
+    if (index_of(row) != index && behind - repeated(behind) != index << 16) {
         *object = co_object(half, row);
         return true;
     }
-    object->index = index_of(row) == index ? object->index : (uint16_t)behind;
-    object->sub = index_of(row) == index ? sub_of(row) : 0;
-    return co_find(device, object) == DG_CO_OK;
+    const uint32_t key = index_of(row) == index ? co_key(object->index, sub_of(row)) : behind;
+    return co_find(device, key, object) == DG_CO_OK;
 }
 
 uint16_t co_number(const struct dg_co_object *object)
@@ -253,18 +271,7 @@ struct dg_co_limits co_limits(const struct dg_co_device *device, const struct dg
 
 uint32_t co_initial(const struct dg_co_node *self, const struct dg_co_object *object)
 {
-    if ((object->row->flags & (DG_CO_ID | DG_CO_FIGURE)) == 0) {
-        return object->row->initial;
-    }
     return co_default(self->setup.device, object) + (co_is(object, DG_CO_ID) ? self->id : 0u);
-}
-
-enum dg_co_abort co_read(struct dg_co_node *self, const struct dg_co_object *object,
-                         uint32_t *value)
-{
-    *value = co_is(object, DG_CO_SLOT) ? self->value[object->slot] : co_initial(self, object);
-    dg_co_hook *const hook = co_hook(object);
-    return hook == NULL ? DG_CO_OK : hook(self, object, DG_CO_READ, value);
 }
 
 bool co_in_range(const struct dg_co_device *device, const struct dg_co_object *object,
@@ -287,7 +294,7 @@ enum dg_co_abort co_write(struct dg_co_node *self, const struct dg_co_object *ob
     if (!co_in_range(self->setup.device, object, value)) {
         return DG_CO_RANGE;
     }
-    self->moved = true;
+    self->others = 0;
     if (hook != NULL) {
         abort = hook(self, object, DG_CO_WRITE, &value);
     }

@@ -10,9 +10,17 @@
 
 /** The stack's rows, 1000h-1FFFh. TPDO2 to TPDO4 have those of TPDO1, with slots further on. */
 extern const struct dg_co_dictionary co_dictionary;
-/** Find the row of object->index and object->sub. @return DG_CO_OK; whether the index or the sub
- * is missing */
-enum dg_co_abort co_find(const struct dg_co_device *device, struct dg_co_object *object);
+/** Index and sub-index as rows are sorted by them. */
+static inline uint32_t co_key(uint16_t index, uint8_t sub)
+{
+    return (uint32_t)index << 16 | (uint32_t)sub << 8;
+}
+/** Find an object by its key. @return DG_CO_OK; whether the index or the sub-index is missing */
+enum dg_co_abort co_find(const struct dg_co_device *device, uint32_t key,
+                         struct dg_co_object *object);
+/** What co_find() does about a key that has no row of its own; object->row is the neighbour. */
+enum dg_co_abort co_find_else(const struct dg_co_device *device, uint32_t key,
+                              struct dg_co_object *object);
 /** The first object of a device's dictionary, and the one behind; false: there is none. */
 struct dg_co_object co_first(void);
 bool co_next(const struct dg_co_device *device, struct dg_co_object *object);
@@ -46,7 +54,7 @@ static inline enum dg_co_type co_type(const struct dg_co_object *object)
 extern const uint8_t co_sizes[];
 static inline uint8_t co_size(const struct dg_co_object *object)
 {
-    return co_sizes[co_type(object)];
+    return co_sizes[(uint32_t)object->row->flags >> 12];
 }
 /** What is left of a value in the bytes of the type, which is no string. */
 static inline uint32_t co_cut(const struct dg_co_object *object, uint32_t value)
@@ -70,9 +78,16 @@ struct dg_co_limits co_limits(const struct dg_co_device *device, const struct dg
 /** Whether a value is inside the limits. */
 bool co_in_range(const struct dg_co_device *device, const struct dg_co_object *object,
                  uint32_t value);
-/** Read an object that is no string, whatever its access. */
-enum dg_co_abort co_read(struct dg_co_node *self, const struct dg_co_object *object,
-                         uint32_t *value);
+/** Read an object that is no string, whatever its access. Without a slot its default is its own. */
+static inline enum dg_co_abort co_read(struct dg_co_node *self, const struct dg_co_object *object,
+                                       uint32_t *value)
+{
+    const struct dg_co_row *row = object->row;
+    dg_co_hook *const hook = co_hook(object);
+
+    *value = (row->flags & DG_CO_SLOT) != 0 ? self->value[object->slot] : row->initial;
+    return hook == NULL ? DG_CO_OK : hook(self, object, DG_CO_READ, value);
+}
 /** Write an object with DG_CO_W: range, hook, slot, hook again. */
 enum dg_co_abort co_write(struct dg_co_node *self, const struct dg_co_object *object,
                           uint32_t value);

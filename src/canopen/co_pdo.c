@@ -74,7 +74,7 @@ static void arm(struct dg_co_node *self, uint8_t n, dg_ns from)
     uint32_t period_ms = co_pdo_parameter(self, n, CO_PDO_EVENT_MS);
     dg_ns next = co_after_ms(from, period_ms);
 
-    self->moved = true;
+    self->others = 0;
     self->pdo_at = 0;
     tpdo->event_at = next > self->now ? next : co_after_ms(self->now, period_ms);
 }

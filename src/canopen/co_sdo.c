@@ -26,6 +26,8 @@
 
 /** Bit 4 of segments. */
 #define TOGGLE 0x10u
+/** Bit of an upload request: A0h, not 40h. */
+#define BLOCK 0x80u
 /** Bits of a download request. */
 #define EXPEDITED 0x02u
 #define SIZED 0x01u
@@ -33,102 +35,112 @@
 #define NO_MORE 0x01u
 
 #define IN(state) (1u << (state))
-#define ANY 0xFFFFu
-#define ANY_OTHER 0x7FFFu /* ends nothing */
+#define OTHER (IN(DG_CO_SDO_DELAYED) - 1u) /* all but this one */
+#define BEGINS 0x8000u                     /* ends what was running */
+#define ANY (BEGINS | OTHER)
 
-static sdo_handler upload_initiate, upload_segment, download_initiate, download_segment, ignore;
-static sdo_handler refuse;
+static sdo_handler upload_initiate, upload_blocks, upload_segment, download_initiate;
+static sdo_handler download_segment, ignore, refuse, overtake;
 
 /*
- * Requests by byte 0; the first row that fits serves. A request of IN(...) that comes in another
- * state is as unknown as E0h. Rows for ANY state end what was running.
+ * Requests by byte 0. The search begins at the row whose number is the command specifier (bits
+ * 5-7), and the first row that fits serves. A request of IN(...) that comes in another state is as
+ * unknown as E0h.
  *
  * In a block download byte 0 is a sequence number. It cannot be mistaken for a new request, since
- * the blocks this server asks for are short (co_block.c); so the last row but one takes all that is
- * left, and in other states the last one.
+ * the blocks this server asks for are short (co_block.c); so one row takes all that is left, and in
+ * other states the next one. While an answer is held back nothing but an abort comes before the
+ * last.
  */
-static const struct {
+struct command {
     uint8_t mask;
     uint8_t value;
     uint16_t states;
     sdo_handler *serve;
-} commands[] = {
+};
+static const struct command commands[] = {
     /* clang-format off */
     {0xE0, 0x00, IN(DG_CO_SDO_DOWNLOAD),           download_segment},
     {0xE0, 0x20, ANY, download_initiate},
     {0xE0, 0x40, ANY, upload_initiate},
     {0xE0, 0x60, IN(DG_CO_SDO_UPLOAD),             upload_segment},
-    {0xFF, SDO_ABORT, ANY, ignore},
-    {0xF8, 0x80, IN(DG_CO_SDO_BLOCK_DOWNLOAD_END), ignore}, /* last segment, received twice */
-    {0xE3, 0xA0, ANY, co_block_upload},
-    {0xE3, 0xA3, IN(DG_CO_SDO_BLOCK_UPLOAD_START), co_block_upload_start},
-    {0xE3, 0xA2, IN(DG_CO_SDO_BLOCK_UPLOAD),       co_block_upload_acknowledge},
-    {0xE3, 0xA1, IN(DG_CO_SDO_BLOCK_UPLOAD_END),   co_block_upload_end},
+    {0xFF, SDO_ABORT, ANY | IN(DG_CO_SDO_DELAYED), ignore},
+    {0xE3, 0xA0, ANY, upload_blocks},
     {0xE1, 0xC0, ANY, co_block_download},
     {0xE1, 0xC1, IN(DG_CO_SDO_BLOCK_DOWNLOAD_END), co_block_download_end},
+    {0xE3, 0xA1, IN(DG_CO_SDO_BLOCK_UPLOAD_END),   co_block_upload_end},
+    {0xE3, 0xA2, IN(DG_CO_SDO_BLOCK_UPLOAD),       co_block_upload_acknowledge},
+    {0xE3, 0xA3, IN(DG_CO_SDO_BLOCK_UPLOAD_START), co_block_upload_start},
+    {0xF8, 0x80, IN(DG_CO_SDO_BLOCK_DOWNLOAD_END), ignore}, /* last segment, received twice */
     {0x00, 0x00, IN(DG_CO_SDO_BLOCK_DOWNLOAD),     co_block_download_segment},
-    {0x00, 0x00, ANY_OTHER,                        refuse},
+    {0x00, 0x00, OTHER,                            refuse},
+    {0x00, 0x00, IN(DG_CO_SDO_DELAYED),            overtake},
     /* clang-format on */
 };
-#define COMMANDS DG_COUNT(commands)
-/* By the command specifier, bits 5-7: the first row that can fit. */
-static const uint8_t first_row[8] = {0, 1, 2, 3, 4, 6, 10, COMMANDS - 2};
 
 void co_sdo_become(struct dg_co_node *self, enum dg_co_sdo_state state)
 {
     self->sdo.state = state;
-    self->sdo.deadline = state == DG_CO_SDO_IDLE ? DG_NEVER : co_after_ms(self->now, TIMEOUT_MS);
+    self->sdo.deadline =
+        state == DG_CO_SDO_IDLE ? DG_NEVER : dg_after(self->now, DG_MS(TIMEOUT_MS));
 }
 
-/* An answer whose bytes are all set. Held back when a hook has asked for it. */
-static void send_answer(struct dg_co_node *self, struct dg_can_frame *frame)
+/* An answer whose bytes are all set. */
+static enum dg_co_abort send(struct dg_co_node *self, struct dg_can_frame *frame)
 {
-    if (self->sdo.state == DG_CO_SDO_DELAYED) {
-        memcpy(self->sdo.answer, frame->data, sizeof self->sdo.answer);
-        return;
-    }
     frame->id = (uint16_t)(CO_ID_SDO_TX + self->id);
     frame->rtr = false;
     frame->dlc = 8;
     co_send_frame(self, frame);
+    return DG_CO_OK;
 }
 
-void co_sdo_send(struct dg_co_node *self, uint8_t command, const uint8_t *bytes, uint8_t n)
+enum dg_co_abort co_sdo_send(struct dg_co_node *self, uint32_t low, uint32_t high)
 {
-    struct dg_can_frame frame = {.data = {command}};
+    struct dg_can_frame frame;
 
-    memcpy(&frame.data[1], bytes, n);
-    send_answer(self, &frame);
+    dg_store_le32(frame.data, low);
+    dg_store_le32(&frame.data[4], high);
+    return send(self, &frame);
 }
 
-void co_sdo_send_segment(struct dg_co_node *self, uint8_t command, const uint8_t *bytes)
+enum dg_co_abort co_sdo_send_segment(struct dg_co_node *self, uint8_t command, const uint8_t *bytes)
 {
     struct dg_can_frame frame;
 
     frame.data[0] = command;
     memcpy(&frame.data[1], bytes, SDO_SEGMENT);
-    send_answer(self, &frame);
+    return send(self, &frame);
 }
 
-void co_sdo_confirm(struct dg_co_node *self, uint8_t command, uint32_t value)
-{
-    struct dg_can_frame frame;
-
-    dg_store_le64(frame.data, command | (uint64_t)self->sdo.object.index << 8 |
-                                  (uint64_t)self->sdo.object.sub << 24 | (uint64_t)value << 32);
-    send_answer(self, &frame);
-}
-
-static void abort_transfer(struct dg_co_node *self, enum dg_co_abort code)
+void co_sdo_abort(struct dg_co_node *self, enum dg_co_abort code)
 {
     co_sdo_become(self, DG_CO_SDO_IDLE);
-    co_sdo_confirm(self, SDO_ABORT, code);
+    (void)co_sdo_confirm(self, SDO_ABORT, code);
+}
+
+enum dg_co_abort co_sdo_written(struct dg_co_node *self, uint8_t command)
+{
+    struct dg_co_sdo *sdo = &self->sdo;
+
+    if (command != WRITTEN_AT_ONCE) {
+        sdo->multiplexor = 0;
+    }
+    sdo->answer = command;
+    return sdo->state == DG_CO_SDO_DELAYED ? DG_CO_OK : co_sdo_confirm(self, command, 0);
 }
 
 static void send_delayed(struct dg_co_node *self)
 {
     co_sdo_become(self, DG_CO_SDO_IDLE);
-    co_send(self, (uint16_t)(CO_ID_SDO_TX + self->id), self->sdo.answer, sizeof self->sdo.answer);
+    (void)co_sdo_confirm(self, self->sdo.answer, 0);
+}
+
+/* An answer that is held back goes out in front of the one to the next request. */
+static enum dg_co_abort overtake(struct dg_co_node *self, const uint8_t *data)
+{
+    send_delayed(self);
+    return co_sdo_rx(self, data);
 }
 
 static enum dg_co_abort ignore(struct dg_co_node *self, const uint8_t *data)
@@ -145,93 +157,119 @@ static enum dg_co_abort refuse(struct dg_co_node *self, const uint8_t *data)
     return DG_CO_SPECIFIER;
 }
 
+/* The object of a request. */
+static enum dg_co_abort find(struct dg_co_node *self, const uint8_t *data)
+{
+    return co_find(self->setup.device, co_key(dg_load_le16(&data[1]), data[3]), &self->sdo.object);
+}
+
 /* ---- upload */
 
+/* Zeros behind the text: whole segments are sent. */
 static void fetch_text(struct dg_co_sdo *sdo, const char *text)
 {
-    uint8_t *to = sdo->buffer;
+    size_t n = 0;
 
-    while (to < &sdo->buffer[DG_CO_STRING_MAX] && *text != '\0') {
-        *to++ = (uint8_t)*text++;
+    while (n < DG_CO_STRING_MAX && text[n] != '\0') {
+        sdo->buffer[n] = (uint8_t)text[n];
+        n++;
     }
-    sdo->length = (uint8_t)(to - sdo->buffer);
+    memset(&sdo->buffer[n], 0, SDO_SEGMENT);
+    sdo->length = (uint8_t)n;
 }
 
-enum dg_co_abort co_sdo_fetch(struct dg_co_node *self)
+/* The value of an object, with a sample of its own if it can have changed. */
+static enum dg_co_abort fetch_value(struct dg_co_node *self)
+{
+    const struct dg_co_object *object = &self->sdo.object;
+
+    if (object->index >= 0x2000 && !co_is(object, DG_CO_CONST) &&
+        self->setup.device->sample != NULL) {
+        self->setup.device->sample(self);
+    }
+    return co_read(self, object, &self->sdo.value);
+}
+
+/* What is left of a value in the 1 to 4 bytes of its length. */
+static uint32_t cut(const struct dg_co_sdo *sdo, uint32_t value)
+{
+    return value & 0xFFFFFFFFu >> 8u * (4u - sdo->length);
+}
+
+static enum dg_co_abort confirm_expedited(struct dg_co_node *self, uint32_t value)
+{
+    const uint32_t unused = 4u - self->sdo.length;
+
+    return co_sdo_confirm(self, 0x43u + 4u * unused, cut(&self->sdo, value));
+}
+
+/* What is in the buffer. An expedited answer cannot say that there are no bytes. */
+static enum dg_co_abort offer(struct dg_co_node *self, const uint8_t *data)
 {
     struct dg_co_sdo *sdo = &self->sdo;
-    const struct dg_co_device *device = self->setup.device;
-    const struct dg_co_object *object = &sdo->object;
-    enum dg_co_abort abort = co_find(device, &sdo->object);
-    uint32_t value;
 
-    if (abort != DG_CO_OK) {
-        return abort;
-    }
-    if (!co_is(object, DG_CO_R)) {
-        return DG_CO_WRITE_ONLY;
-    }
     sdo->done = 0;
-    sdo->length = 0;
-    if (co_type(object) == DG_CO_STRING) {
-        /* Zeros behind the data: whole segments are sent. */
-        memset(sdo->buffer, 0, sizeof sdo->buffer);
-        fetch_text(sdo, device->strings[object->row->initial]);
-        return DG_CO_OK;
-    }
-    if (object->index >= 0x2000 && !co_is(object, DG_CO_CONST) && device->sample != NULL) {
-        device->sample(self);
-    }
-    abort = co_read(self, object, &value);
-    if (abort == DG_CO_OK) {
-        sdo->length = co_size(object);
-        dg_store_le64(sdo->buffer, co_cut(object, value));
-    }
-    return abort;
-}
-
-void co_sdo_upload(struct dg_co_node *self)
-{
-    struct dg_co_sdo *sdo = &self->sdo;
-
-    /* An expedited answer cannot say that there are no bytes. */
-    if (sdo->length > 0 && sdo->length <= 4) {
-        co_sdo_confirm(self, (uint8_t)(0x43u | (4u - sdo->length) << 2), dg_load_le32(sdo->buffer));
-        return;
-    }
     sdo->toggle = 0;
+    if ((data[0] & BLOCK) != 0 && (data[5] == 0 || sdo->length > data[5])) {
+        return co_block_upload(self, data);
+    }
+    if (sdo->length > 0 && sdo->length <= 4) {
+        return confirm_expedited(self, dg_load_le32(sdo->buffer));
+    }
     co_sdo_become(self, DG_CO_SDO_UPLOAD);
-    co_sdo_confirm(self, 0x41, sdo->length);
+    return co_sdo_confirm(self, 0x41, sdo->length);
 }
 
 static enum dg_co_abort upload_initiate(struct dg_co_node *self, const uint8_t *data)
 {
-    enum dg_co_abort abort = co_sdo_fetch(self);
+    struct dg_co_sdo *sdo = &self->sdo;
+    enum dg_co_abort abort = find(self, data);
 
-    (void)data;
-    if (abort == DG_CO_OK) {
-        co_sdo_upload(self);
+    if (abort != DG_CO_OK) {
+        return abort;
     }
-    return abort;
+    if (!co_is(&sdo->object, DG_CO_R)) {
+        return DG_CO_WRITE_ONLY;
+    }
+    sdo->length = co_size(&sdo->object);
+    if (sdo->length == 0) {
+        fetch_text(sdo, self->setup.device->strings[sdo->object.row->initial]);
+        return offer(self, data);
+    }
+    abort = fetch_value(self);
+    if (abort != DG_CO_OK) {
+        return abort;
+    }
+    if ((data[0] & BLOCK) == 0) {
+        return confirm_expedited(self, sdo->value);
+    }
+    dg_store_le64(sdo->buffer, cut(sdo, sdo->value));
+    return offer(self, data);
+}
+
+/* A client of blocks may want short data without their protocol. */
+static enum dg_co_abort upload_blocks(struct dg_co_node *self, const uint8_t *data)
+{
+    return co_block_size_valid(data[4]) ? upload_initiate(self, data) : DG_CO_BLOCK_SIZE;
 }
 
 static enum dg_co_abort upload_segment(struct dg_co_node *self, const uint8_t *data)
 {
     struct dg_co_sdo *sdo = &self->sdo;
+    const uint8_t toggle = sdo->toggle;
+    const uint8_t *bytes = &sdo->buffer[sdo->done];
     uint8_t left = (uint8_t)(sdo->length - sdo->done);
     uint8_t n = left < SDO_SEGMENT ? left : SDO_SEGMENT;
     bool last = n == left;
 
-    if ((data[0] & TOGGLE) != sdo->toggle) {
+    if ((data[0] & TOGGLE) != toggle) {
         return DG_CO_TOGGLE;
     }
-    co_sdo_send_segment(self,
-                        (uint8_t)(sdo->toggle | (SDO_SEGMENT - n) << 1 | (last ? NO_MORE : 0u)),
-                        &sdo->buffer[sdo->done]);
     sdo->toggle ^= TOGGLE;
     sdo->done = (uint8_t)(sdo->done + n);
     co_sdo_become(self, last ? DG_CO_SDO_IDLE : DG_CO_SDO_UPLOAD);
-    return DG_CO_OK;
+    return co_sdo_send_segment(
+        self, (uint8_t)(toggle | (SDO_SEGMENT - n) << 1 | (last ? NO_MORE : 0u)), bytes);
 }
 
 /* ---- download */
@@ -250,10 +288,11 @@ enum dg_co_abort co_sdo_length(const struct dg_co_node *self, uint32_t length)
     return length > size ? DG_CO_TOO_LONG : DG_CO_TOO_SHORT;
 }
 
-enum dg_co_abort co_sdo_open(struct dg_co_node *self, bool sized, uint32_t size)
+enum dg_co_abort co_sdo_open(struct dg_co_node *self, const uint8_t *data, bool sized,
+                             uint32_t size)
 {
     struct dg_co_sdo *sdo = &self->sdo;
-    enum dg_co_abort abort = co_find(self->setup.device, &sdo->object);
+    enum dg_co_abort abort = find(self, data);
 
     if (abort != DG_CO_OK) {
         return abort;
@@ -282,7 +321,7 @@ static enum dg_co_abort download_initiate(struct dg_co_node *self, const uint8_t
 {
     bool expedited = (data[0] & EXPEDITED) != 0;
     uint32_t size = expedited ? 4u - (data[0] >> 2 & 3u) : dg_load_le32(&data[4]);
-    enum dg_co_abort abort = co_sdo_open(self, (data[0] & SIZED) != 0, size);
+    enum dg_co_abort abort = co_sdo_open(self, data, (data[0] & SIZED) != 0, size);
 
     if (abort == DG_CO_OK && expedited) {
         /* 22h does not say how many bytes count: as many as the object has, as is common. */
@@ -291,10 +330,7 @@ static enum dg_co_abort download_initiate(struct dg_co_node *self, const uint8_t
     } else if (abort == DG_CO_OK) {
         co_sdo_become(self, DG_CO_SDO_DOWNLOAD);
     }
-    if (abort == DG_CO_OK) {
-        co_sdo_confirm(self, 0x60, 0);
-    }
-    return abort;
+    return abort == DG_CO_OK ? co_sdo_written(self, WRITTEN_AT_ONCE) : abort;
 }
 
 static enum dg_co_abort download_segment(struct dg_co_node *self, const uint8_t *data)
@@ -317,28 +353,24 @@ static enum dg_co_abort download_segment(struct dg_co_node *self, const uint8_t 
     memcpy(&sdo->buffer[sdo->length], &data[1], n);
     sdo->length = (uint8_t)length;
     sdo->toggle ^= TOGGLE;
-    if (last) {
-        abort = co_sdo_write(self);
-    } else {
+    if (!last) {
         co_sdo_become(self, DG_CO_SDO_DOWNLOAD);
+        return co_sdo_send(self, 0x20u | (data[0] & TOGGLE), 0);
     }
-    if (abort == DG_CO_OK) {
-        co_sdo_send(self, (uint8_t)(0x20u | (data[0] & TOGGLE)), data, 0);
-    }
-    return abort;
+    abort = co_sdo_write(self);
+    return abort == DG_CO_OK ? co_sdo_written(self, (uint8_t)(0x20u | (data[0] & TOGGLE))) : abort;
 }
 
 /* ---- frames and time */
 
-static size_t find_command(enum dg_co_sdo_state state, uint8_t command)
+static const struct command *find_command(enum dg_co_sdo_state state, uint8_t byte)
 {
-    size_t i = first_row[command >> 5];
+    const struct command *command = &commands[byte >> 5];
 
-    while ((command & commands[i].mask) != commands[i].value ||
-           (commands[i].states & IN(state)) == 0) {
-        i++;
+    while ((byte & command->mask) != command->value || (command->states >> state & 1u) == 0) {
+        command++;
     }
-    return i;
+    return command;
 }
 
 void co_sdo_start(struct dg_co_node *self)
@@ -346,29 +378,17 @@ void co_sdo_start(struct dg_co_node *self)
     co_sdo_become(self, DG_CO_SDO_IDLE);
 }
 
-void co_sdo_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
+enum dg_co_abort co_sdo_rx(struct dg_co_node *self, const uint8_t *data)
 {
     struct dg_co_sdo *sdo = &self->sdo;
-    const uint8_t *data = frame->data;
+    const struct command *command = find_command(sdo->state, data[0]);
 
-    if (frame->dlc != 8) {
-        self->counters.malformed++;
-        return;
-    }
-    if (sdo->state == DG_CO_SDO_DELAYED && data[0] != SDO_ABORT) {
-        send_delayed(self);
-    }
-    size_t command = find_command(sdo->state, data[0]);
     /* An abort carries the multiplexor of the transfer; without one, that of the request. */
-    if (commands[command].states == ANY || sdo->state == DG_CO_SDO_IDLE) {
+    if ((command->states & BEGINS) != 0 || sdo->state == DG_CO_SDO_IDLE) {
         co_sdo_become(self, DG_CO_SDO_IDLE);
-        sdo->object.index = dg_load_le16(&data[1]);
-        sdo->object.sub = data[3];
+        sdo->multiplexor = dg_load_le32(data) & 0xFFFFFF00u;
     }
-    enum dg_co_abort abort = commands[command].serve(self, data);
-    if (abort != DG_CO_OK) {
-        abort_transfer(self, abort);
-    }
+    return command->serve(self, data);
 }
 
 dg_ns co_sdo_step(struct dg_co_node *self)
@@ -381,7 +401,7 @@ dg_ns co_sdo_step(struct dg_co_node *self)
     if (sdo->state == DG_CO_SDO_DELAYED) {
         send_delayed(self);
     } else {
-        abort_transfer(self, DG_CO_TIMEOUT);
+        co_sdo_abort(self, DG_CO_TIMEOUT);
     }
     return sdo->deadline;
 }

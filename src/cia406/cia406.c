@@ -326,7 +326,7 @@ static const char *const strings[] = {"F36x8 CANopen encoder", "1.00", "1.08"};
 
 /* save_ms: chapter 12. */
 #define F36X8(model_figures)                                                                       \
-    .dictionary = {rows, DG_COUNT(rows), limits, hooks}, .figures = (model_figures),               \
+    .dictionary = {DG_CO_ROWS(rows), limits, hooks}, .figures = (model_figures),                   \
     .figure_count = FIGURE_COUNT, .kbaud = kbaud, .kbaud_count = DG_COUNT(kbaud), .save_ms = 14,   \
     .causes = causes, .cause_count = CAUSE_END - DG_CO_CAUSES, .strings = strings,                 \
     .vendor_id = 0x13, .product_code = 0x56682001, .revision = 108, .reset = reset,                \

@@ -25,6 +25,9 @@ enum profile_slot {
     SLOT_TEMPERATURE_HIGH,
     SLOT_CUSTOMER,                     /* four */
     SLOT_POSITION = SLOT_CUSTOMER + 4, /* of the latest sample */
+    SLOT_TURN_BITS,                    /* what the model says, from here on */
+    SLOT_TURNS,
+    SLOT_LAST,
     SLOT_END,
 };
 _Static_assert(SLOT_END <= DG_CO_VALUES_MAX, "room for the profile's slots");

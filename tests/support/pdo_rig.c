@@ -109,7 +109,7 @@ static dg_ns device_step(struct dg_co_node *node)
 
 const struct dg_co_device pdo_rig_device = {
     .name = "test",
-    .dictionary = {rows, sizeof rows / sizeof rows[0], NULL, hooks},
+    .dictionary = {DG_CO_ROWS(rows), NULL, hooks},
     .figures = figures,
     .figure_count = sizeof figures / sizeof figures[0],
     .kbaud = kbaud,
@@ -123,9 +123,10 @@ const struct dg_co_device pdo_rig_device = {
 };
 
 /* The same memory in a device without 2001h-2008h. */
+#define REST (sizeof rows / sizeof rows[0] - 8)
 const struct dg_co_device pdo_rig_smaller_device = {
     .name = "test",
-    .dictionary = {&rows[8], sizeof rows / sizeof rows[0] - 8, NULL, hooks},
+    .dictionary = {&rows[8], REST, DG_CO_POWER(REST), NULL, hooks},
     .figures = figures,
     .figure_count = sizeof figures / sizeof figures[0],
     .kbaud = kbaud,

@@ -112,7 +112,7 @@ static const struct dg_store_layout layout = {
 
 static const struct dg_co_device device = {
     .name = "SDO rig",
-    .dictionary = {rows, COUNT(rows), limits, hooks},
+    .dictionary = {DG_CO_ROWS(rows), limits, hooks},
     .kbaud = kbaud,
     .kbaud_count = COUNT(kbaud),
     .save_ms = 14,

@@ -109,9 +109,11 @@ static void rows_are_found_and_nothing_else(void **state)
         const bool known = next < rows() && row(next)->index == index;
         for (unsigned sub = 0; sub <= (known ? 0xFFu : 1u); sub++) {
             const bool there = next < rows() && key(row(next)) == (index << 8 | sub);
-            struct dg_co_object found = {.index = (uint16_t)index, .sub = (uint8_t)sub};
-            const enum dg_co_abort abort = co_find(device, &found);
+            struct dg_co_object found = {0};
+            const enum dg_co_abort abort =
+                co_find(device, co_key((uint16_t)index, (uint8_t)sub), &found);
             assert_true(!there || (found.row == row(next)->row && found.slot == row(next)->slot));
+            assert_true(!there || (found.index == index && found.sub == sub));
             assert_int_equal(abort, there ? DG_CO_OK : known ? DG_CO_NO_SUB : DG_CO_NO_OBJECT);
             next += there;
         }
@@ -223,7 +225,8 @@ static void flags_are_consistent(void **state)
         assert_true((flags & DG_CO_MAP) == 0 || (flags & DG_CO_R) != 0);
         assert_true((flags & DG_CO_MAP) == 0 || co_size(object) != 0);
         assert_true((flags & DG_CO_MAP) == 0 || (object->row->key & 0xFu) == 0);
-        assert_true((flags & DG_CO_CONST) == 0 || (flags & (DG_CO_W | DG_CO_SLOT)) == 0);
+        assert_true((flags & DG_CO_CONST) == 0 || (flags & DG_CO_W) == 0);
+        assert_true((flags & (DG_CO_ID | DG_CO_FIGURE)) == 0 || (flags & DG_CO_SLOT) != 0);
         /* What can be written is kept somewhere, or somebody looks at it. */
         assert_true((flags & DG_CO_W) == 0 || (flags & DG_CO_SLOT) != 0 || co_hook(object) != NULL);
     }

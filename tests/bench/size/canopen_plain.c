@@ -50,13 +50,12 @@ static const struct dg_store_layout layout = {.id = 1,
                                               .journal_size = DG_CO_JOURNAL_SIZE + 6u + 60u,
                                               .region_count = sizeof regions / sizeof regions[0],
                                               .regions = regions};
-static const struct dg_co_device plain = {
-    .dictionary = {rows, sizeof rows / sizeof rows[0], limits, hooks},
-    .kbaud = kbaud,
-    .kbaud_count = sizeof kbaud / sizeof kbaud[0],
-    .strings = strings,
-    .layout = &layout,
-    .device_type = 0x00020196};
+static const struct dg_co_device plain = {.dictionary = {DG_CO_ROWS(rows), limits, hooks},
+                                          .kbaud = kbaud,
+                                          .kbaud_count = sizeof kbaud / sizeof kbaud[0],
+                                          .strings = strings,
+                                          .layout = &layout,
+                                          .device_type = 0x00020196};
 
 const struct dg_co_device *const device = &plain;
 
