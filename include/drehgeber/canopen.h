@@ -114,8 +114,8 @@ enum dg_co_flags {
     DG_CO_EVENT = 256,  /**< dg_co_pdo_event() sends TPDOs that map it when it has changed */
     DG_CO_ACTION = 512, /**< not to be written back: ObjFlags=1 in an EDS */
     DG_CO_LIVE = 1024,  /**< what is read is no setting: no default in an EDS */
-    DG_CO_FIGURE = 2048, /**< a row of dg_co_device.figures, if there is one, has its default and
-                              maximum; with DG_CO_SLOT */
+    DG_CO_FIGURE = 2048, /**< a row of dg_co_device.figures, if there is one, has its
+                              default; with DG_CO_SLOT */
 };
 
 /** What a hook is called for. */
@@ -154,6 +154,8 @@ struct dg_co_row {
     uint8_t hook;     /**< its number, or 0 */
     uint32_t initial; /**< default; signed ones sign-extended */
 };
+/** Index and sub-index as rows are sorted by them. */
+#define DG_CO_KEY(index, sub) ((uint32_t)(index) << 16 | (uint32_t)(sub) << 8)
 /**
  * A row: `more` (0..15) sub-indices behind are alike, with a slot each; `limits` (0..15) and `hook`
  * are places in the tables of its dictionary, or 0. Without limits all that the type holds may
@@ -161,7 +163,7 @@ struct dg_co_row {
  */
 #define DG_CO_ROW(index, sub, more, type, flags, slot, initial, limits, hook)                      \
     {                                                                                              \
-        (uint32_t)(index) << 16 | (uint32_t)(sub) << 8 | (uint32_t)(limits) << 4 | (more),         \
+        DG_CO_KEY(index, sub) | (uint32_t)(limits) << 4 | (more),                                  \
             (uint16_t)((type) << 12 | (flags)), slot, hook, initial                                \
     }
 
@@ -202,14 +204,11 @@ struct dg_co_object {
     uint16_t index;
 };
 
-/** Default and maximum of a row with DG_CO_FIGURE, where the device or the model says them. Those
- * of the stack's rows are all that can be written and saved, but for COB-IDs: TPDOs as delivered.
- */
+/** Default of a row with DG_CO_FIGURE, where the device or the model says it. Those of the stack's
+ * rows are all that can be written and saved, but for COB-IDs: TPDOs as delivered. */
 struct dg_co_figure {
-    uint16_t index;
-    uint8_t sub;
+    uint32_t key; /**< DG_CO_KEY() */
     uint32_t initial;
-    uint32_t max;
 };
 
 /** Classes of 1029h. */

@@ -14,6 +14,6 @@ void dg_co_attach(struct dg_co_node *self, const struct dg_co_setup *setup)
     self->sdo.object.dictionary = NULL;
     if (setup != NULL) {
         struct dg_co_object *object = &self->sdo.object;
-        (void)co_find(setup->device, co_key(object->index, object->sub), object);
+        (void)co_find(setup->device, DG_CO_KEY(object->index, object->sub), object);
     }
 }

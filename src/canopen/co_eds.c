@@ -182,7 +182,7 @@ static void put_limits(const struct eds *self, const struct dg_co_object *object
     if (!co_is(object, DG_CO_W)) {
         return;
     }
-    const struct dg_co_limits limits = co_limits(self->device, object);
+    const struct dg_co_limits limits = co_limits(object);
     const struct dg_co_limits of_type = co_type_limits(object);
     if (limits.min != of_type.min) {
         put_value(self, "LowLimit=", object, limits.min);

@@ -184,7 +184,7 @@ bool co_next(const struct dg_co_device *device, struct dg_co_object *object)
         *object = co_object(half, row);
         return true;
     }
-    const uint32_t key = index_of(row) == index ? co_key(object->index, sub_of(row)) : behind;
+    const uint32_t key = index_of(row) == index ? DG_CO_KEY(object->index, sub_of(row)) : behind;
     return co_find(device, key, object) == DG_CO_OK;
 }
 
@@ -224,29 +224,19 @@ uint32_t co_extend(const struct dg_co_object *object, uint32_t value)
     return ((value & ones(object)) ^ sign) - sign;
 }
 
-/* NULL: the row says all by itself. */
-static const struct dg_co_figure *figure_of(const struct dg_co_device *device,
-                                            const struct dg_co_object *object)
-{
-    uint8_t count = co_is(object, DG_CO_FIGURE) ? device->figure_count : 0;
-
-    for (uint8_t i = 0; i < count; i++) {
-        const struct dg_co_figure *figure = &device->figures[i];
-        if (figure->index == object->index && figure->sub == object->sub) {
-            return figure;
-        }
-    }
-    return NULL;
-}
-
 /* COB-IDs of TPDOs are 100h apart. */
 uint32_t co_default(const struct dg_co_device *device, const struct dg_co_object *object)
 {
-    const struct dg_co_figure *figure = figure_of(device, object);
+    const uint32_t key = DG_CO_KEY(object->index, object->sub);
     const uint32_t apart = co_is(object, DG_CO_ID) ? 0x100u : 0u;
+    const uint32_t count = co_is(object, DG_CO_FIGURE) ? device->figure_count : 0;
 
-    return figure != NULL ? figure->initial
-                          : object->row->initial + apart * (object->index - index_of(object->row));
+    for (uint32_t i = 0; i < count; i++) {
+        if (device->figures[i].key == key) {
+            return device->figures[i].initial;
+        }
+    }
+    return object->row->initial + apart * (object->index - index_of(object->row));
 }
 
 struct dg_co_limits co_type_limits(const struct dg_co_object *object)
@@ -256,17 +246,11 @@ struct dg_co_limits co_type_limits(const struct dg_co_object *object)
     return (struct dg_co_limits){is_signed(object) ? ~most : 0, most};
 }
 
-struct dg_co_limits co_limits(const struct dg_co_device *device, const struct dg_co_object *object)
+struct dg_co_limits co_limits(const struct dg_co_object *object)
 {
-    const struct dg_co_figure *figure = figure_of(device, object);
     const uint32_t number = object->row->key >> 4 & 0xFu;
-    struct dg_co_limits found =
-        number != 0 ? object->dictionary->limits[number] : co_type_limits(object);
 
-    if (figure != NULL) {
-        found.max = figure->max;
-    }
-    return found;
+    return number != 0 ? object->dictionary->limits[number] : co_type_limits(object);
 }
 
 uint32_t co_initial(const struct dg_co_node *self, const struct dg_co_object *object)
@@ -274,10 +258,9 @@ uint32_t co_initial(const struct dg_co_node *self, const struct dg_co_object *ob
     return co_default(self->setup.device, object) + (co_is(object, DG_CO_ID) ? self->id : 0u);
 }
 
-bool co_in_range(const struct dg_co_device *device, const struct dg_co_object *object,
-                 uint32_t value)
+bool co_in_range(const struct dg_co_object *object, uint32_t value)
 {
-    const struct dg_co_limits range = co_limits(device, object);
+    const struct dg_co_limits range = co_limits(object);
 
     if (is_signed(object)) {
         return (int32_t)value >= (int32_t)range.min && (int32_t)value <= (int32_t)range.max;
@@ -291,7 +274,7 @@ enum dg_co_abort co_write(struct dg_co_node *self, const struct dg_co_object *ob
     dg_co_hook *const hook = co_hook(object);
     enum dg_co_abort abort = DG_CO_OK;
 
-    if (!co_in_range(self->setup.device, object, value)) {
+    if (!co_in_range(object, value)) {
         return DG_CO_RANGE;
     }
     self->others = 0;

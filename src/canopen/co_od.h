@@ -10,12 +10,8 @@
 
 /** The stack's rows, 1000h-1FFFh. TPDO2 to TPDO4 have those of TPDO1, with slots further on. */
 extern const struct dg_co_dictionary co_dictionary;
-/** Index and sub-index as rows are sorted by them. */
-static inline uint32_t co_key(uint16_t index, uint8_t sub)
-{
-    return (uint32_t)index << 16 | (uint32_t)sub << 8;
-}
-/** Find an object by its key. @return DG_CO_OK; whether the index or the sub-index is missing */
+/** Find an object by its key, DG_CO_KEY(). @return DG_CO_OK; whether the index or the sub-index is
+ * missing */
 enum dg_co_abort co_find(const struct dg_co_device *device, uint32_t key,
                          struct dg_co_object *object);
 /** What co_find() does about a key that has no row of its own; object->row is the neighbour. */
@@ -74,10 +70,9 @@ uint32_t co_extend(const struct dg_co_object *object, uint32_t value);
  */
 uint32_t co_default(const struct dg_co_device *device, const struct dg_co_object *object);
 struct dg_co_limits co_type_limits(const struct dg_co_object *object);
-struct dg_co_limits co_limits(const struct dg_co_device *device, const struct dg_co_object *object);
+struct dg_co_limits co_limits(const struct dg_co_object *object);
 /** Whether a value is inside the limits. */
-bool co_in_range(const struct dg_co_device *device, const struct dg_co_object *object,
-                 uint32_t value);
+bool co_in_range(const struct dg_co_object *object, uint32_t value);
 /** Read an object that is no string, whatever its access. Without a slot its default is its own. */
 static inline enum dg_co_abort co_read(struct dg_co_node *self, const struct dg_co_object *object,
                                        uint32_t *value)

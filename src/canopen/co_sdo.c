@@ -160,7 +160,8 @@ static enum dg_co_abort refuse(struct dg_co_node *self, const uint8_t *data)
 /* The object of a request. */
 static enum dg_co_abort find(struct dg_co_node *self, const uint8_t *data)
 {
-    return co_find(self->setup.device, co_key(dg_load_le16(&data[1]), data[3]), &self->sdo.object);
+    return co_find(self->setup.device, DG_CO_KEY(dg_load_le16(&data[1]), data[3]),
+                   &self->sdo.object);
 }
 
 /* ---- upload */

@@ -233,7 +233,7 @@ static void unpack_row(struct dg_co_node *self, const struct dg_co_object *objec
         const uint32_t initial = co_default(self->setup.device, object);
         value = resolve_mark(value, initial + pack->node_id, initial + self->id);
     }
-    if (co_in_range(self->setup.device, object, value)) {
+    if (co_in_range(object, value)) {
         self->value[object->slot] = value;
     } else {
         pack->valid = false;

@@ -194,18 +194,15 @@ static dg_ns step(struct dg_co_node *node)
 static dg_co_hook *const hooks[] = {NULL, HOOKS(POINTER)};
 enum { NUMBER_NULL, HOOKS(NUMBER) };
 
-/* Limits by number: those that objects.def names. */
-enum { FULL, TO_1, TO_8, NODE_ID, CELSIUS, FROM_1, U16_FROM_1, TO_65536, TO_200 };
-static const struct dg_co_limits limits[] = {
-    [TO_1] = {0, 1},
-    [TO_8] = {0, 8},
-    [NODE_ID] = {1, 127},
-    [CELSIUS] = {0x20, 0xAC},
-    [FROM_1] = {1, UINT32_MAX},
-    [U16_FROM_1] = {1, UINT16_MAX},
-    [TO_65536] = {1, 65536},
-    [TO_200] = {1, 200},
-};
+/* Limits by number: those that objects.def names. Two differ between the models: `range` is the
+ * physical range as 6002h says it, `last` the highest position. */
+enum { FULL, TO_1, TO_8, NODE_ID, CELSIUS, RANGE, U16_FROM_1, TO_65536, TO_200, POSITION, LIMITS };
+#define LIMITS_OF(range, last)                                                                     \
+    {                                                                                              \
+        [TO_1] = {0, 1}, [TO_8] = {0, 8}, [NODE_ID] = {1, 127}, [CELSIUS] = {0x20, 0xAC},          \
+        [RANGE] = {1, (range)}, [U16_FROM_1] = {1, UINT16_MAX}, [TO_65536] = {1, 65536},           \
+        [TO_200] = {1, 200}, [POSITION] = {0, (last)},                                             \
+    }
 
 /* The short names of objects.def. */
 enum {
@@ -231,41 +228,39 @@ static const struct dg_co_row rows[] = {
 #include "objects.def"
 };
 
-/* As delivered, and what else differs between the models: `range` is the physical range as 6002h
- * says it, `last` the highest position. Chapters 3, 4 and 10 (C2). */
+/* As delivered, and what else differs between the models. Chapters 3, 4 and 10 (C2). */
 /* clang-format off */
 #define FIGURES(turn_bits, turns, range, last)                                                     \
     {                                                                                              \
-        {0x1029, 2, 1, 2},                                                                         \
-        {0x1029, 3, 1, 2},                                                                         \
-        {0x1801, 2, 1, 0xFF},                                                                      \
-        {0x1A00, 0, 1, 0xFF},                                                                      \
-        {0x1A00, 1, 0x60040020, 0xFFFFFFFFu},                                                      \
-        {0x1A01, 0, 1, 0xFF},                                                                      \
-        {0x1A01, 1, 0x60040020, 0xFFFFFFFFu},                                                      \
-        {0x1A02, 0, 1, 0xFF},                                                                      \
-        {0x1A02, 1, 0x60300110, 0xFFFFFFFFu},                                                      \
-        {0x1A03, 0, 2, 0xFF},                                                                      \
-        {0x1A03, 1, 0x21600020, 0xFFFFFFFFu},                                                      \
-        {0x1A03, 2, 0x21620010, 0xFFFFFFFFu},                                                      \
-        {0x2110, 2, (turn_bits), 0xFF},                                                            \
-        {0x6002, 0, (range), (range)},                                                             \
-        {0x6401, 1, 0, (last)},                                                                    \
-        {0x6401, 2, 0, (last)},                                                                    \
-        {0x6402, 1, (last), (last)},                                                               \
-        {0x6402, 2, (last), (last)},                                                               \
-        {0x6502, 0, (turns), 0xFFFF},                                                              \
-        {0x650A, 3, (last) & 0x7FFFFFFFu, 0x7FFFFFFF},                                             \
+        {DG_CO_KEY(0x1029, 2), 1},                                                                 \
+        {DG_CO_KEY(0x1029, 3), 1},                                                                 \
+        {DG_CO_KEY(0x1801, 2), 1},                                                                 \
+        {DG_CO_KEY(0x1A00, 0), 1},                                                                 \
+        {DG_CO_KEY(0x1A00, 1), 0x60040020},                                                        \
+        {DG_CO_KEY(0x1A01, 0), 1},                                                                 \
+        {DG_CO_KEY(0x1A01, 1), 0x60040020},                                                        \
+        {DG_CO_KEY(0x1A02, 0), 1},                                                                 \
+        {DG_CO_KEY(0x1A02, 1), 0x60300110},                                                        \
+        {DG_CO_KEY(0x1A03, 0), 2},                                                                 \
+        {DG_CO_KEY(0x1A03, 1), 0x21600020},                                                        \
+        {DG_CO_KEY(0x1A03, 2), 0x21620010},                                                        \
+        {DG_CO_KEY(0x2110, 2), (turn_bits)},                                                       \
+        {DG_CO_KEY(0x6002, 0), (range)},                                                           \
+        {DG_CO_KEY(0x6402, 1), (last)},                                                            \
+        {DG_CO_KEY(0x6402, 2), (last)},                                                            \
+        {DG_CO_KEY(0x6502, 0), (turns)},                                                           \
+        {DG_CO_KEY(0x650A, 3), (last) & 0x7FFFFFFFu},                                              \
     }
-#define FIGURE_COUNT 20u
-static const struct dg_co_figure figures_singleturn[FIGURE_COUNT] =
-    FIGURES(0, 1, 0x10000u, 0xFFFFu);
-static const struct dg_co_figure figures_multiturn[FIGURE_COUNT] =
-    FIGURES(12, 4096, 0x10000000u, 0x0FFFFFFFu);
-/* 2^32 does not fit 6002h, nor 65536 6502h: their highest values stand for them. */
-static const struct dg_co_figure figures_multiturn_32[FIGURE_COUNT] =
-    FIGURES(16, 0xFFFF, 0xFFFFFFFFu, 0xFFFFFFFFu);
 /* clang-format on */
+#define FIGURE_COUNT 18u
+#define OF_MODEL(name, turn_bits, turns, range, last)                                              \
+    static const struct dg_co_figure figures_##name[FIGURE_COUNT] =                                \
+        FIGURES(turn_bits, turns, range, last);                                                    \
+    static const struct dg_co_limits limits_##name[LIMITS] = LIMITS_OF(range, last)
+OF_MODEL(singleturn, 0, 1, 0x10000u, 0xFFFFu);
+OF_MODEL(multiturn, 12, 4096, 0x10000000u, 0x0FFFFFFFu);
+/* 2^32 does not fit 6002h, nor 65536 6502h: their highest values stand for them. */
+OF_MODEL(multiturn_32, 16, 0xFFFF, 0xFFFFFFFFu, 0xFFFFFFFFu);
 
 /* By the number in 2100h (chapter 8); 7 is none. */
 static const uint16_t kbaud[] = {10, 20, 50, 100, 125, 250, 500, 0, 1000};
@@ -325,29 +320,29 @@ static const struct dg_store_layout layout_multiturn_32 = LAYOUT(0x434F3103u);
 static const char *const strings[] = {"F36x8 CANopen encoder", "1.00", "1.08"};
 
 /* save_ms: chapter 12. */
-#define F36X8(model_figures)                                                                       \
-    .dictionary = {DG_CO_ROWS(rows), limits, hooks}, .figures = (model_figures),                   \
+#define F36X8(model)                                                                               \
+    .dictionary = {DG_CO_ROWS(rows), limits_##model, hooks}, .figures = figures_##model,           \
     .figure_count = FIGURE_COUNT, .kbaud = kbaud, .kbaud_count = DG_COUNT(kbaud), .save_ms = 14,   \
     .causes = causes, .cause_count = CAUSE_END - DG_CO_CAUSES, .strings = strings,                 \
     .vendor_id = 0x13, .product_code = 0x56682001, .revision = 108, .reset = reset,                \
     .sample = cia406_sample, .step = step
 
 const struct dg_co_device dg_cia406_singleturn = {
-    F36X8(figures_singleturn),
+    F36X8(singleturn),
     .layout = &layout_singleturn,
     .name = "F3658",
     .device_type = 0x00010196,
 };
 
 const struct dg_co_device dg_cia406_multiturn = {
-    F36X8(figures_multiturn),
+    F36X8(multiturn),
     .layout = &layout_multiturn,
     .name = "F3668",
     .device_type = 0x00020196,
 };
 
 const struct dg_co_device dg_cia406_multiturn_32 = {
-    F36X8(figures_multiturn_32),
+    F36X8(multiturn_32),
     .layout = &layout_multiturn_32,
     .name = "F3668",
     .device_type = 0x00020196,

@@ -172,8 +172,7 @@ static bool has_mark(const struct dg_store_layout *layout, const uint8_t *header
 {
     uint8_t mark[HEADER_SIZE];
     make_header(layout, 0, mark);
-    return memcmp(headers, mark, HEADER_SIZE) == 0 ||
-           memcmp(headers + HEADER_SIZE, mark, HEADER_SIZE) == 0;
+    return same(headers, mark, HEADER_SIZE) || same(headers + HEADER_SIZE, mark, HEADER_SIZE);
 }
 
 static int no_header(const struct dg_store_layout *layout, const uint8_t *headers)

@@ -175,9 +175,8 @@ static struct figure figure(const struct bench *bench, const struct dg_co_object
     struct figure own = {object->row->initial, limits->min, limits->max};
 
     for (uint8_t i = 0; i < device->figure_count; i++) {
-        if (device->figures[i].index == object->index && device->figures[i].sub == object->sub) {
+        if (device->figures[i].key == DG_CO_KEY(object->index, object->sub)) {
             own.initial = device->figures[i].initial;
-            own.max = device->figures[i].max;
         }
     }
     return own;

@@ -60,11 +60,11 @@ static dg_co_hook *const hooks[] = {NULL, read_sample, cyclic_timer};
 
 /* clang-format off */
 static const struct dg_co_figure figures[] = {
-    {0x1801, 2, 1, 0xFF},
-    {0x1A00, 0, 1, 0xFF}, {0x1A00, 1, 0x60040020, 0xFFFFFFFF},
-    {0x1A01, 0, 1, 0xFF}, {0x1A01, 1, 0x60040020, 0xFFFFFFFF},
-    {0x1A02, 0, 1, 0xFF}, {0x1A02, 1, 0x60300110, 0xFFFFFFFF},
-    {0x1A03, 0, 2, 0xFF}, {0x1A03, 1, 0x21600020, 0xFFFFFFFF}, {0x1A03, 2, 0x21620010, 0xFFFFFFFF},
+    {DG_CO_KEY(0x1801, 2), 1},
+    {DG_CO_KEY(0x1A00, 0), 1}, {DG_CO_KEY(0x1A00, 1), 0x60040020},
+    {DG_CO_KEY(0x1A01, 0), 1}, {DG_CO_KEY(0x1A01, 1), 0x60040020},
+    {DG_CO_KEY(0x1A02, 0), 1}, {DG_CO_KEY(0x1A02, 1), 0x60300110},
+    {DG_CO_KEY(0x1A03, 0), 2}, {DG_CO_KEY(0x1A03, 1), 0x21600020}, {DG_CO_KEY(0x1A03, 2), 0x21620010},
 };
 /* clang-format on */
 static const uint16_t kbaud[] = {250};

@@ -68,7 +68,7 @@ static bool is_signed(const struct dg_co_object *object)
 
 static bool inside(const struct dg_co_object *object, uint32_t value)
 {
-    const struct dg_co_limits limits = co_limits(device, object);
+    const struct dg_co_limits limits = co_limits(object);
 
     if (is_signed(object)) {
         return (int32_t)limits.min <= (int32_t)value && (int32_t)value <= (int32_t)limits.max;
@@ -110,8 +110,7 @@ static void rows_are_found_and_nothing_else(void **state)
         for (unsigned sub = 0; sub <= (known ? 0xFFu : 1u); sub++) {
             const bool there = next < rows() && key(row(next)) == (index << 8 | sub);
             struct dg_co_object found = {0};
-            const enum dg_co_abort abort =
-                co_find(device, co_key((uint16_t)index, (uint8_t)sub), &found);
+            const enum dg_co_abort abort = co_find(device, DG_CO_KEY(index, sub), &found);
             assert_true(!there || (found.row == row(next)->row && found.slot == row(next)->slot));
             assert_true(!there || (found.index == index && found.sub == sub));
             assert_int_equal(abort, there ? DG_CO_OK : known ? DG_CO_NO_SUB : DG_CO_NO_OBJECT);
@@ -150,7 +149,7 @@ static void defaults_and_limits_fit_their_type(void **state)
             assert_in_range(strlen(device->strings[object->row->initial]), 1, DG_CO_STRING_MAX);
             continue;
         }
-        const struct dg_co_limits limits = co_limits(device, object);
+        const struct dg_co_limits limits = co_limits(object);
         assert_int_equal(cut(object, limits.min), limits.min);
         assert_int_equal(cut(object, limits.max), limits.max);
         assert_true(co_is(object, DG_CO_ID) || inside(object, co_default(device, object)));
@@ -173,9 +172,9 @@ static void figures_belong_to_rows(void **state)
         uint8_t next = 0;
         for (size_t i = 0; i < rows(); i++) {
             const bool may = co_is(row(i), DG_CO_FIGURE);
-            const bool there = next < devices[d]->figure_count &&
-                               devices[d]->figures[next].index == row(i)->index &&
-                               devices[d]->figures[next].sub == row(i)->sub;
+            const bool there =
+                next < devices[d]->figure_count &&
+                devices[d]->figures[next].key == DG_CO_KEY(row(i)->index, row(i)->sub);
             assert_true(may || !there);
             assert_true(!may || there || row(i)->index < 0x2000);
             next += there;

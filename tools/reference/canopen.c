@@ -55,9 +55,10 @@ static const struct row encoder[] = {
 static const struct dg_co_figure *figure_of(const struct row *row)
 {
     const struct dg_co_device *model = &dg_cia406_multiturn;
+    const uint8_t count = row->sub <= 0xFF ? model->figure_count : 0;
 
-    for (uint8_t i = 0; i < model->figure_count; i++) {
-        if (model->figures[i].index == row->index && model->figures[i].sub == row->sub) {
+    for (uint8_t i = 0; i < count; i++) {
+        if (model->figures[i].key == DG_CO_KEY(row->index, row->sub)) {
             return &model->figures[i];
         }
     }

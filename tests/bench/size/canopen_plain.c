@@ -22,7 +22,7 @@ enum {
     DG_CO_ROW(index, sub, more, DG_CO_##type, access, slot, initial, limits, 0),
 #define DG_CO_MORE(index, sub, name)
 
-enum { FULL, TO_1, TO_8, NODE_ID, CELSIUS, FROM_1, U16_FROM_1, TO_65536, TO_200 };
+enum { FULL, TO_1, TO_8, NODE_ID, CELSIUS, RANGE, U16_FROM_1, TO_65536, TO_200, POSITION = FULL };
 static dg_co_hook *const hooks[] = {NULL};
 static const struct dg_co_limits limits[] = {{0, 0},          {0, 1},       {0, 8},
                                              {1, 127},        {0x20, 0xAC}, {1, UINT32_MAX},
