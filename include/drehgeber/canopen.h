@@ -263,7 +263,7 @@ enum dg_co_region {
 struct dg_co_device {
     const char *name;                   /**< product name, for the EDS */
     struct dg_co_dictionary dictionary; /**< from 2000h on */
-    const struct dg_co_figure *figures; /**< of the stack's and of the device's rows */
+    const struct dg_co_figure *figures; /**< of the stack's and of the device's rows, sorted */
     uint8_t figure_count;
     const uint16_t *kbaud; /**< bit rates by the number that stands for them; 0: none */
     uint8_t kbaud_count;

@@ -165,7 +165,7 @@ bool co_next(const struct dg_co_device *device, struct dg_co_object *object)
     const struct dg_co_dictionary *half = object->dictionary;
     const struct dg_co_row *row = object->row;
     const uint32_t index = index_of(row);
-    const uint32_t behind = (object->index + 1u) << 16;
+    const uint32_t behind = DG_CO_KEY(object->index + 1u, 0);
 
     if (object->sub - sub_of(row) < more_of(row)) {
         object->sub++;
@@ -180,12 +180,17 @@ bool co_next(const struct dg_co_device *device, struct dg_co_object *object)
         half = &device->dictionary;
         row = half->rows;
     }
-    if (index_of(row) != index && behind - repeated(behind) != index << 16) {
-        *object = co_object(half, row);
+    if (index_of(row) == index) {
+        object->row = row;
+        object->slot = (uint8_t)(row->slot + CO_PDO_SLOTS * (object->index - index));
+        object->sub = sub_of(row);
         return true;
     }
-    const uint32_t key = index_of(row) == index ? DG_CO_KEY(object->index, sub_of(row)) : behind;
-    return co_find(device, key, object) == DG_CO_OK;
+    if (behind - repeated(behind) == DG_CO_KEY(index, 0)) {
+        return co_find(device, behind, object) == DG_CO_OK;
+    }
+    *object = co_object(half, row);
+    return true;
 }
 
 uint16_t co_number(const struct dg_co_object *object)
@@ -230,11 +235,13 @@ uint32_t co_default(const struct dg_co_device *device, const struct dg_co_object
     const uint32_t key = DG_CO_KEY(object->index, object->sub);
     const uint32_t apart = co_is(object, DG_CO_ID) ? 0x100u : 0u;
     const uint32_t count = co_is(object, DG_CO_FIGURE) ? device->figure_count : 0;
+    uint32_t i = 0;
 
-    for (uint32_t i = 0; i < count; i++) {
-        if (device->figures[i].key == key) {
-            return device->figures[i].initial;
-        }
+    while (i < count && device->figures[i].key < key) {
+        i++;
+    }
+    if (i < count && device->figures[i].key == key) {
+        return device->figures[i].initial;
     }
     return object->row->initial + apart * (object->index - index_of(object->row));
 }
