@@ -274,6 +274,15 @@ DG_API int dg_host_clock(struct dg_host *self, uint64_t now, bool level);
 /** The same in picoseconds. */
 DG_API int dg_host_clock_ps(struct dg_host *self, uint64_t now, bool level);
 
+/** BiSS: the line of the next encoder in the chain, which is this one's SLI, is at `level` from
+ * `now` on; low until then, as that of the last one is. @return level of the encoder's line, as
+ * above; DG_HOST_ERR_WIRE; DG_HOST_ERR_STATE: never on */
+DG_API int dg_host_behind(struct dg_host *self, uint64_t now, bool level);
+
+/** BiSS, SSI: the position in the latest frame, as a master got it or will get it to the end, and
+ * the moment it is of. @return 0; DG_HOST_ERR_WIRE; DG_HOST_ERR_STATE: there was none yet */
+DG_API int dg_host_latched(const struct dg_host *self, uint64_t *at, uint64_t *counts);
+
 /** A frame as a master sees it. */
 struct dg_host_frame {
     uint64_t at;         /**< the position is of this moment */

@@ -25,10 +25,12 @@ struct dg_host_line {
     void *device;   /**< as the stack makes it */
     void *settings; /**< dg_host_wire.settings_size bytes */
     dg_ns now;      /**< the moment that is being served */
+    dg_ns latched;  /**< clocked lines: the latest frame is of this moment; 0: there was none */
     dg_ns until;    /**< the wire's own: what the encoder sends is on the line until then */
     uint32_t part;  /**< the wire's own: parts of the event at hand that were taken */
     uint32_t rate;  /**< the wire's own */
     bool level;     /**< the wire's own: of the encoder's line as told last */
+    bool behind;    /**< clocked lines: level of the line of the next encoder in a chain */
 };
 
 /** The wire. Operations may be NULL where they say so. */
@@ -56,6 +58,10 @@ struct dg_host_wire {
     /** Clocked lines: level of the encoder's line, and the master's clock. NULL. */
     bool (*level)(const struct dg_host_line *line);
     bool (*clock)(struct dg_host_line *line, dg_ns now, bool level);
+    /** Clocked lines: the position in the latest frame. NULL with `clock`. */
+    uint64_t (*latched)(const struct dg_host_line *line);
+    /** Whether encoders of this wire make chains: `level` and `clock` look at line->behind. */
+    bool chains;
     /** A frame by an own master from line->now on, which it moves on. NULL: has none. */
     int (*frame)(struct dg_host_line *line, struct dg_host_frame *to);
 };

@@ -13,15 +13,26 @@
 /* What the slave may need before its start bit, and more: where time ends it has none. */
 #define START_CLOCKS_MAX 200u
 
-/* Point to point SLI is low. */
 static bool level(const struct dg_host_line *line)
 {
-    return dg_biss_slo(line->device, false);
+    return dg_biss_slo(line->device, line->behind);
 }
 
 static bool set_clock(struct dg_host_line *line, dg_ns now, bool high)
 {
-    return dg_biss_ma(line->device, now, high);
+    struct dg_biss *device = line->device;
+    const uint32_t frames = device->counters.frames;
+    const bool slo = dg_biss_link(device, now, high, line->behind);
+
+    line->latched = device->counters.frames != frames ? now : line->latched;
+    return slo;
+}
+
+static uint64_t latched(const struct dg_host_line *line)
+{
+    const struct dg_biss *device = line->device;
+
+    return device->position;
 }
 
 /* ------------------------------------------------------------ frames */
@@ -84,6 +95,7 @@ static int frame(struct dg_host_line *line, struct dg_host_frame *to)
         return DG_HOST_ERR_STATE;
     }
     to->at = line->now;
+    line->latched = line->now;
     (void)begin(line, &to->bits); /* an idle slave always has a start bit */
     end(line, false);
     dg_biss_frame_decode(device->setup.model, to->bits, &data);
@@ -104,6 +116,8 @@ const struct dg_host_wire dg_biss_wire = {
     .settings_size = sizeof(struct dg_biss_model),
     .level = level,
     .clock = set_clock,
+    .latched = latched,
+    .chains = true,
     .frame = frame,
 };
 

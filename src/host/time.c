@@ -246,6 +246,33 @@ int dg_host_clock(struct dg_host *self, uint64_t now, bool level)
     return self->wire->level(&self->line) ? 1 : 0;
 }
 
+int dg_host_behind(struct dg_host *self, uint64_t now, bool level)
+{
+    if (!self->wire->chains) {
+        return DG_HOST_ERR_WIRE;
+    }
+    if (!self->made) {
+        return DG_HOST_ERR_STATE;
+    }
+    host_run(self, now);
+    self->line.behind = level;
+    host_look(self);
+    return self->line.level ? 1 : 0;
+}
+
+int dg_host_latched(const struct dg_host *self, uint64_t *at, uint64_t *counts)
+{
+    if (self->wire->latched == NULL) {
+        return DG_HOST_ERR_WIRE;
+    }
+    if (!self->made || self->line.latched == 0) {
+        return DG_HOST_ERR_STATE;
+    }
+    *at = self->line.latched;
+    *counts = self->wire->latched(&self->line);
+    return DG_HOST_OK;
+}
+
 int dg_host_clock_ps(struct dg_host *self, uint64_t now, bool level)
 {
     return dg_host_clock(self, now / PS_PER_NS, level);

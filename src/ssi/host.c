@@ -14,7 +14,19 @@ static bool level(const struct dg_host_line *line)
 
 static bool set_clock(struct dg_host_line *line, dg_ns now, bool high)
 {
-    return dg_ssi_clock(line->device, now, high);
+    struct dg_ssi *device = line->device;
+    const uint32_t frames = device->counters.frames;
+    const bool data = dg_ssi_clock(device, now, high);
+
+    line->latched = device->counters.frames != frames ? now : line->latched;
+    return data;
+}
+
+static uint64_t latched(const struct dg_host_line *line)
+{
+    const struct dg_ssi *device = line->device;
+
+    return device->position;
 }
 
 /* Data of each rising edge is read just before the next falling one. */
@@ -27,6 +39,7 @@ static int frame(struct dg_host_line *line, struct dg_host_frame *to)
         return DG_HOST_ERR_STATE;
     }
     to->at = line->now;
+    line->latched = line->now;
     to->count = dg_ssi_word_bits(device->setup.model);
     for (uint8_t i = 0; i < to->count; i++) {
         (void)dg_ssi_clock(device, line->now, false);
@@ -52,5 +65,6 @@ const struct dg_host_wire dg_ssi_wire = {
     .settings_size = sizeof(struct dg_ssi_model),
     .level = level,
     .clock = set_clock,
+    .latched = latched,
     .frame = frame,
 };

@@ -63,6 +63,7 @@ ROOMS = {
     "linux/clocked":   {"biss", "ssi"} | BELOW,
     "linux/interbus":  {"interbus"} | BELOW,
     "linux/rig":       {"motion"} | PROTOCOLS | BELOW | WIRES,
+    "hdl":             {"core", "motion", "host", "linux/base", "linux/nvm", "linux/plan"},
     "tools/drehgeber": {"motion", "linux/rig"} | PROTOCOLS | BELOW | WIRES,
     "tools/manual":    {"core", "devices", "tools/drehgeber"} | PROTOCOLS | BELOW,
     "tools/reference": {"core", "control", "devices", "instruments"} | PROTOCOLS | {f"src/{folder}" for folder in PROTOCOLS},

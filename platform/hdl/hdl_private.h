@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * An encoder in a simulator from inside:
+ *
+ *   inputs --delay, jitter--> | in | --> dg_host --> | out | --clock to output, delay, jitter-->
+ * outputs
+ */
+#ifndef DREHGEBER_HDL_PRIVATE_H
+#define DREHGEBER_HDL_PRIVATE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "drehgeber/host.h"
+#include "hdl.h"
+#include "motion_words.h"
+#include "nvm_file.h"
+
+/** "Never" as a moment. */
+#define HDL_NEVER INT64_MAX
+#define HDL_PS_PER_NS INT64_C(1000)
+
+/** Levels from `at` on. */
+struct hdl_change {
+    int64_t at;
+    int levels;
+};
+
+/** Changes on their way, in the order of time: a ring that grows. */
+struct hdl_queue {
+    struct hdl_change *change; /**< owned */
+    size_t room;
+    size_t first;
+    size_t count;
+    int64_t last; /**< `at` of the newest one that ever was */
+    int levels;   /**< of the newest one: what is at the beginning of the way */
+};
+
+/** What is said of the wires beside the encoder's own settings, in ps. */
+struct hdl_settings {
+    uint32_t tco;
+    uint32_t delay_in;
+    uint32_t delay_out;
+    uint32_t jitter;
+    uint32_t seed;
+};
+
+/** What a kind of wire does with levels. Moments are in ps. */
+struct hdl_wire_ops {
+    /** The inputs at the encoder's end are at these levels now. */
+    void (*take)(struct dg_hdl *self, int64_t now, int levels);
+    /** When there is something to do besides; HDL_NEVER. NULL: the encoder's own deadlines only. */
+    int64_t (*due)(const struct dg_hdl *self);
+    /** Do it. NULL with `due`. */
+    void (*run)(struct dg_hdl *self, int64_t now);
+    /** The encoder has sent something. */
+    void (*heard)(struct dg_hdl *self, const struct dg_host_event *event);
+};
+
+/** See hdl.h. */
+struct dg_hdl {
+    struct hdl_settings settings;
+    const struct hdl_wire_ops *wire;
+    struct dg_host *host; /**< owned, as the next one */
+    struct dg_host_panel *panel;
+    struct lx_nvm_file memory;
+    struct lx_shaft shaft; /**< points of the motion at hand */
+    int64_t now;
+    int64_t panel_due;
+    uint32_t random;
+    int inputs;
+    int outputs;
+    struct hdl_queue in;
+    struct hdl_queue out;
+    char error[1200];
+    char answer[DG_HDL_TEXT_MAX];
+};
+
+/** hdl.c: leave a line in `error`, printf style. @return `result` */
+int hdl_fail(struct dg_hdl *self, int result, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+/** levels.c: the kinds. */
+extern const struct hdl_wire_ops hdl_clocked;
+/** Time goes on to `now`, or to what it is if that is later. @return nanoseconds */
+uint64_t hdl_run(struct dg_hdl *self, int64_t now);
+/** The outputs are at `levels` at the encoder's end from `now` on. */
+void hdl_put(struct dg_hdl *self, int64_t now, int levels);
+/** What the encoder does next may have changed from outside. */
+void hdl_look(struct dg_hdl *self);
+/** Give the queue back. */
+void hdl_queue_free(struct hdl_queue *self);
+
+#endif

@@ -1,0 +1,193 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Time and levels: whatever is on its way, and whatever the encoder waits for, happens in the order
+ * of its moments. Of what happens at the same picosecond the inputs are first: an edge finds the
+ * neighbour's line as it was before.
+ */
+#include <stdlib.h>
+
+#include "hdl_private.h"
+
+#define RANDOM_FACTOR 1664525u
+#define RANDOM_STEP 1013904223u
+
+/* --- queues --- */
+
+static struct hdl_change *nth(struct hdl_queue *self, size_t n)
+{
+    return &self->change[(self->first + n) % self->room];
+}
+
+static bool grow(struct hdl_queue *self)
+{
+    const size_t room = self->room == 0 ? 64u : 2u * self->room;
+    struct hdl_change *change = malloc(room * sizeof *change);
+
+    if (change == NULL) {
+        return false;
+    }
+    for (size_t i = 0; i < self->count; i++) {
+        change[i] = *nth(self, i);
+    }
+    free(self->change);
+    self->change = change;
+    self->room = room;
+    self->first = 0;
+    return true;
+}
+
+/* Nothing overtakes what is on its way already. Without memory the newest change replaces the one
+   before: the levels at the end are right. */
+static void put(struct hdl_queue *self, int64_t at, int levels)
+{
+    if (levels == self->levels) {
+        return;
+    }
+    self->last = at > self->last ? at : self->last;
+    self->levels = levels;
+    if (self->count == self->room && !grow(self)) {
+        if (self->count == 0) {
+            return;
+        }
+        self->count--;
+    }
+    self->count++;
+    *nth(self, self->count - 1u) = (struct hdl_change){self->last, levels};
+}
+
+static int64_t head_of(const struct hdl_queue *self)
+{
+    return self->count != 0 ? self->change[self->first].at : HDL_NEVER;
+}
+
+static int take(struct hdl_queue *self)
+{
+    const int levels = self->change[self->first].levels;
+
+    self->first = (self->first + 1u) % self->room;
+    self->count--;
+    return levels;
+}
+
+void hdl_queue_free(struct hdl_queue *self)
+{
+    free(self->change);
+    self->change = NULL;
+}
+
+/* --- delays --- */
+
+static int64_t jitter(struct dg_hdl *self)
+{
+    if (self->settings.jitter == 0) {
+        return 0;
+    }
+    self->random = self->random * RANDOM_FACTOR + RANDOM_STEP;
+    return (int64_t)((uint64_t)self->random * (self->settings.jitter + UINT64_C(1)) >> 32);
+}
+
+void hdl_put(struct dg_hdl *self, int64_t now, int levels)
+{
+    if (levels != self->out.levels) {
+        const struct hdl_settings *settings = &self->settings;
+        put(&self->out, now + settings->tco + settings->delay_out + jitter(self), levels);
+    }
+}
+
+/* --- time --- */
+
+static int64_t earlier(int64_t a, int64_t b)
+{
+    return a < b ? a : b;
+}
+
+static int64_t ps_of(uint64_t ns)
+{
+    return ns > (uint64_t)(HDL_NEVER / HDL_PS_PER_NS) ? HDL_NEVER : (int64_t)ns * HDL_PS_PER_NS;
+}
+
+static int64_t own_due(const struct dg_hdl *self)
+{
+    const int64_t host = earlier(ps_of(dg_host_next(self->host)), self->panel_due);
+
+    return self->wire->due != NULL ? earlier(host, self->wire->due(self)) : host;
+}
+
+/* What the encoder does at `at`. */
+static void serve(struct dg_hdl *self, int64_t at)
+{
+    if (self->wire->run != NULL && self->wire->due(self) <= at) {
+        self->wire->run(self, at);
+    }
+    self->panel_due = ps_of(dg_host_panel_step(self->panel, (uint64_t)(at / HDL_PS_PER_NS)));
+}
+
+void hdl_look(struct dg_hdl *self)
+{
+    serve(self, self->now);
+}
+
+uint64_t hdl_run(struct dg_hdl *self, int64_t now)
+{
+    const int64_t until = now > self->now ? now : self->now;
+    int64_t in = head_of(&self->in);
+    int64_t own = own_due(self);
+
+    while (earlier(in, own) <= until) {
+        /* An encoder that asks for the present again would stop time. */
+        const int64_t at = earlier(in, own);
+        self->now = at > self->now ? at : self->now;
+        if (in <= own) {
+            self->wire->take(self, self->now, take(&self->in));
+        } else {
+            serve(self, self->now);
+        }
+        const int64_t later = own_due(self);
+        in = head_of(&self->in);
+        own = later > self->now ? later : self->now + 1;
+    }
+    self->now = until;
+    while (head_of(&self->out) <= until) {
+        self->outputs = take(&self->out);
+    }
+    return (uint64_t)(until / HDL_PS_PER_NS);
+}
+
+int64_t dg_hdl_next(const struct dg_hdl *self)
+{
+    const int64_t wires = earlier(head_of(&self->in), head_of(&self->out));
+    const int64_t next = earlier(wires, own_due(self));
+
+    if (next == HDL_NEVER) {
+        return DG_HDL_NEVER;
+    }
+    return next > self->now ? next : self->now + 1;
+}
+
+int dg_hdl_wires(struct dg_hdl *self, int64_t now, int inputs)
+{
+    const uint64_t ns = hdl_run(self, now);
+    const int delayed = inputs & ~DG_HDL_BEHIND;
+
+    put(&self->in, self->now + self->settings.delay_in + jitter(self), delayed);
+    (void)hdl_run(self, self->now);
+    if (inputs != self->inputs && self->wire == &hdl_clocked) {
+        (void)dg_host_behind(self->host, ns, (inputs & DG_HDL_BEHIND) != 0);
+    }
+    self->inputs = inputs;
+    return self->outputs;
+}
+
+/* --- BiSS and SSI --- */
+
+static void take_clock(struct dg_hdl *self, int64_t now, int levels)
+{
+    (void)dg_host_clock(self->host, (uint64_t)(now / HDL_PS_PER_NS), (levels & DG_HDL_CLOCK) != 0);
+}
+
+static void heard_edge(struct dg_hdl *self, const struct dg_host_event *event)
+{
+    hdl_put(self, self->now, event->data[0] != 0 ? DG_HDL_DATA : 0);
+}
+
+const struct hdl_wire_ops hdl_clocked = {.take = take_clock, .heard = heard_edge};
