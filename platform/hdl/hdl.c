@@ -150,7 +150,11 @@ static int choose_wire(struct dg_hdl *self)
         self->wire = &hdl_clocked;
         return DG_HOST_OK;
     }
-    return hdl_fail(self, DG_HOST_ERR_WIRE, "%s speaks %s; BiSS and SSI are right",
+    if (strcmp(protocol, "hiperface") == 0) {
+        self->wire = &hdl_serial;
+        return DG_HOST_OK;
+    }
+    return hdl_fail(self, DG_HOST_ERR_WIRE, "%s speaks %s; BiSS, SSI and RS485 are right",
                     dg_host_model(self->host), protocol);
 }
 
@@ -214,11 +218,13 @@ static int start(struct dg_hdl *self, const char *memory)
         return hdl_fail(self, result, "%s%s%s", memory, memory[0] != '\0' ? ": " : "",
                         dg_host_result_text(result));
     }
-    self->inputs = DG_HDL_CLOCK;
-    self->in.levels = DG_HDL_CLOCK;
-    if (self->wire == &hdl_clocked) {
-        result = dg_host_clock(self->host, 0, true);
-        self->outputs = result > 0 ? DG_HDL_DATA : 0;
+    self->inputs = self->wire->idle_in;
+    self->in.levels = self->wire->idle_in;
+    self->outputs = self->wire->idle_out;
+    if (self->wire->reset != NULL) {
+        self->wire->reset(self);
+    } else if (dg_host_clock(self->host, 0, true) > 0) {
+        self->outputs = DG_HDL_DATA;
     }
     self->out.levels = self->outputs;
     self->random = self->settings.seed;

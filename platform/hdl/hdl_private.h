@@ -47,8 +47,25 @@ struct hdl_settings {
     uint32_t seed;
 };
 
+/** RS485: a character on its way in, and the end of one on its way out. */
+struct hdl_uart {
+    uint32_t baud;
+    uint8_t parity; /**< 'N', 'E' or 'O' */
+    bool high;      /**< what the encoder hears now */
+    bool receives;  /**< since `began` */
+    uint32_t bit;   /**< of the character that is awaited, 0: the start bit */
+    uint32_t taken; /**< levels of the bits so far */
+    int64_t began;
+    int64_t due;     /**< the middle of that bit, or the end of the character */
+    int64_t release; /**< end of the last stop bit that is sent: the driver goes off */
+};
+
 /** What a kind of wire does with levels. Moments are in ps. */
 struct hdl_wire_ops {
+    int idle_in;  /**< levels of the inputs when nobody does anything */
+    int idle_out; /**< levels of the outputs without power */
+    /** It is as before the first edge. NULL: nothing to do. */
+    void (*reset)(struct dg_hdl *self);
     /** The inputs at the encoder's end are at these levels now. */
     void (*take)(struct dg_hdl *self, int64_t now, int levels);
     /** When there is something to do besides; HDL_NEVER. NULL: the encoder's own deadlines only. */
@@ -70,6 +87,7 @@ struct dg_hdl {
     int64_t now;
     int64_t panel_due;
     uint32_t random;
+    struct hdl_uart uart;
     int inputs;
     int outputs;
     struct hdl_queue in;
@@ -84,6 +102,10 @@ int hdl_fail(struct dg_hdl *self, int result, const char *format, ...)
 
 /** levels.c: the kinds. */
 extern const struct hdl_wire_ops hdl_clocked;
+/** uart.c: likewise. */
+extern const struct hdl_wire_ops hdl_serial;
+/** Power has gone: what has not left the encoder is not sent. */
+void hdl_cut(struct dg_hdl *self);
 /** Time goes on to `now`, or to what it is if that is later. @return nanoseconds */
 uint64_t hdl_run(struct dg_hdl *self, int64_t now);
 /** The outputs are at `levels` at the encoder's end from `now` on. */

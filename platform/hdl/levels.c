@@ -94,6 +94,22 @@ void hdl_put(struct dg_hdl *self, int64_t now, int levels)
     }
 }
 
+void hdl_cut(struct dg_hdl *self)
+{
+    struct hdl_queue *out = &self->out;
+    const int64_t sent = self->now + self->settings.tco + self->settings.delay_out;
+
+    while (out->count != 0 && nth(out, out->count - 1u)->at > sent) {
+        out->count--;
+    }
+    out->levels = out->count != 0 ? nth(out, out->count - 1u)->levels : self->outputs;
+    out->last = out->count != 0 ? nth(out, out->count - 1u)->at : self->now;
+    if (self->wire->reset != NULL) {
+        self->wire->reset(self);
+        hdl_put(self, self->now, self->wire->idle_out);
+    }
+}
+
 /* --- time --- */
 
 static int64_t earlier(int64_t a, int64_t b)
@@ -190,4 +206,8 @@ static void heard_edge(struct dg_hdl *self, const struct dg_host_event *event)
     hdl_put(self, self->now, event->data[0] != 0 ? DG_HDL_DATA : 0);
 }
 
-const struct hdl_wire_ops hdl_clocked = {.take = take_clock, .heard = heard_edge};
+const struct hdl_wire_ops hdl_clocked = {
+    .idle_in = DG_HDL_CLOCK,
+    .take = take_clock,
+    .heard = heard_edge,
+};

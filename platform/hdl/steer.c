@@ -108,6 +108,9 @@ int dg_hdl_power(struct dg_hdl *self, int64_t now, int on)
     const uint64_t ns = hdl_run(self, now);
     const int result = dg_host_power(self->host, ns, on != 0);
 
+    if (self->wire->reset != NULL) {
+        hdl_cut(self);
+    }
     hdl_look(self);
     return result == DG_HOST_OK ? result
                                 : hdl_fail(self, result, "power: %s", dg_host_result_text(result));
