@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "by_name.h"
+#include "hdl_names.h"
 #include "drehgeber/api.h"
 
 #define PS_PER_US 1000000

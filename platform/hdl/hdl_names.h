@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * The same for languages without pointers, see by_name.c: instances have names, which are unique in
+ * The same for languages without pointers, see hdl_names.c: instances have names, which are unique in
  * a process, and numbers. A moment is `us` microseconds and `ps` picoseconds, 0..999999.
  */
-#ifndef DREHGEBER_HDL_BY_NAME_H
-#define DREHGEBER_HDL_BY_NAME_H
+#ifndef DREHGEBER_HDL_NAMES_H
+#define DREHGEBER_HDL_NAMES_H
 
 #include <stdint.h>
 
