@@ -6,7 +6,7 @@
 //
 // A chain: slo of the next encoder goes into sli; the last one has 0 there. MA and SLI that are neither 0 nor 1 count
 // as 1 and 0.
-`timescale 1ns / 1ps
+`timescale 1ps / 1ps
 /* verilator lint_save */
 /* verilator lint_off BLKSEQ */
 /* verilator lint_off STMTDLY */
@@ -47,3 +47,4 @@ module drehgeber_biss #(
   always @(ma or sli or again or asked) look();
 endmodule
 /* verilator lint_restore */
+`timescale 1ns / 1ps // for what is compiled behind it

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // An encoder with BiSS-C for Icarus Verilog: one instance, one encoder. See drehgeber_vpi.c for what to compile, and
 // drehgeber_biss.sv for simulators with DPI-C, whose parameters and ports are the same.
-`timescale 1ns / 1ps
+`timescale 1ps / 1ps
 module drehgeber_biss #(
   parameter MODEL        = "s3684-biss", // drehgeber list
   parameter SETTINGS     = "",           // KEY=VALUE KEY=VALUE: drehgeber run MODEL --help
@@ -30,3 +30,4 @@ module drehgeber_biss #(
     end
   endtask
 endmodule
+`timescale 1ns / 1ps // for what is compiled behind it

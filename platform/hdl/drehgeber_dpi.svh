@@ -27,7 +27,7 @@
   int     asked; // changes, when the test bench has done something
 
   function automatic longint now_ps();
-    return longint'($realtime * 1000.0);
+    return longint'($time);
   endfunction
 
   // Whatever is called first makes the encoder.
@@ -44,8 +44,7 @@
   endfunction
 
   // Levels in, levels out, and when to do that again unless an input changes before: to be called by an always
-  // block and by nothing else. A millisecond at a time: what
-  // becomes of longer real delays differs.
+  // block and by nothing else.
   task automatic look();
     longint due;
     longint now;
@@ -54,11 +53,10 @@
     while (wakes.size() != 0 && wakes[0] <= now) void'(wakes.pop_front());
     outputs(dg_hdl_wires(encoder, now, inputs()));
     due = dg_hdl_next(encoder);
-    if (due > now + 1000000000) due = now + 1000000000;
     if (due >= 0 && (wakes.size() == 0 || due < wakes[0])) begin
       wakes.push_front(due);
       count++;
-      again <= #(real'(due - now) / 1000.0) count;
+      again <= #(due - now) count;
     end
   endtask
 

@@ -6,7 +6,7 @@
 // rx is what the master sends, tx what the encoder sends while its driver is enabled, de; both are 1 in between. Data
 // rate and parity are those that the encoder has at the moment. sine and cosine are the differences sin+ - sin- and cos+ -
 // cos- in volts, of the same shaft as the position that 42h gives, at any moment: renewed every SINCOS_NS; in between they stay.
-`timescale 1ns / 1ps
+`timescale 1ps / 1ps
 /* verilator lint_save */
 /* verilator lint_off BLKSEQ */
 /* verilator lint_off STMTDLY */
@@ -61,10 +61,11 @@ module drehgeber_rs485 #(
 
   if (SINCOS_NS > 0.0) begin : g_sincos
     always begin
-      #(SINCOS_NS);
+      #(1000.0 * SINCOS_NS);
       sine = volts(0);
       cosine = volts(2);
     end
   end
 endmodule
 /* verilator lint_restore */
+`timescale 1ns / 1ps // for what is compiled behind it

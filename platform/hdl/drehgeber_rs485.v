@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // An encoder with RS485 and SinCos for Icarus Verilog: one instance, one encoder. See drehgeber_vpi.c for what to
 // compile, and drehgeber_rs485.sv for simulators with DPI-C, whose parameters and ports are the same.
-`timescale 1ns / 1ps
+`timescale 1ps / 1ps
 module drehgeber_rs485 #(
   parameter MODEL        = "s3684-rs485",// drehgeber list
   parameter SETTINGS     = "",           // KEY=VALUE KEY=VALUE: drehgeber run MODEL --help
@@ -33,7 +33,7 @@ module drehgeber_rs485 #(
     sine_now = 0.0;
     cosine_now = 0.0;
     if (SINCOS_NS > 0.0) forever begin
-      #(SINCOS_NS);
+      #(1000.0 * SINCOS_NS);
       $drehgeber_real(id, 3, sine_now);
       $drehgeber_real(id, 4, cosine_now);
     end
@@ -48,3 +48,4 @@ module drehgeber_rs485 #(
     end
   endtask
 endmodule
+`timescale 1ns / 1ps // for what is compiled behind it

@@ -4,7 +4,7 @@
 //   drehgeber_ssi #(.SETTINGS("mt=12 st=13 code=gray")) encoder (.clock(clock), .data(data));
 //
 // A clock that is neither 0 nor 1 counts as 1.
-`timescale 1ns / 1ps
+`timescale 1ps / 1ps
 /* verilator lint_save */
 /* verilator lint_off BLKSEQ */
 /* verilator lint_off STMTDLY */
@@ -44,3 +44,4 @@ module drehgeber_ssi #(
   always @(clock or again or asked) look();
 endmodule
 /* verilator lint_restore */
+`timescale 1ns / 1ps // for what is compiled behind it

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // An encoder with SSI for Icarus Verilog: one instance, one encoder. See drehgeber_vpi.c for what to compile, and
 // drehgeber_ssi.sv for simulators with DPI-C, whose parameters and ports are the same.
-`timescale 1ns / 1ps
+`timescale 1ps / 1ps
 module drehgeber_ssi #(
   parameter MODEL        = "ssi-25",     // drehgeber list
   parameter SETTINGS     = "",           // KEY=VALUE KEY=VALUE: drehgeber run MODEL --help
@@ -29,3 +29,4 @@ module drehgeber_ssi #(
     end
   endtask
 endmodule
+`timescale 1ns / 1ps // for what is compiled behind it

@@ -19,13 +19,13 @@
   // An earlier moment than the one that is waited for is waited for as well; the later one then finds nothing to do.
   always @(inputs or again or asked) begin
     make;
-    if (due <= $realtime * 1000.0) due = ~64'd0;
+    if (due <= $time) due = ~64'd0;
     levels = $drehgeber_look(id, inputs);
     rest = $drehgeber_rest(id);
-    if ($realtime * 1000.0 + rest < due) begin
-      due = $realtime * 1000.0 + rest;
+    if ($time + rest < due) begin
+      due = $time + rest;
       count = count + 1;
-      again <= #(rest / 1000.0) count;
+      again <= #(rest) count;
     end
   end
 

@@ -40,9 +40,6 @@ static bool grow(struct hdl_queue *self)
    before: the levels at the end are right. */
 static void put(struct hdl_queue *self, int64_t at, int levels)
 {
-    if (levels == self->levels) {
-        return;
-    }
     self->last = at > self->last ? at : self->last;
     self->levels = levels;
     if (self->count == self->room && !grow(self)) {
@@ -185,8 +182,11 @@ int dg_hdl_wires(struct dg_hdl *self, int64_t now, int inputs)
     const uint64_t ns = hdl_run(self, now);
     const int delayed = inputs & ~DG_HDL_BEHIND;
 
-    put(&self->in, self->now + self->settings.delay_in + jitter(self), delayed);
-    (void)hdl_run(self, self->now);
+    /* Chance is asked for changes alone: a look in between makes no other trace. */
+    if (delayed != self->in.levels) {
+        put(&self->in, self->now + self->settings.delay_in + jitter(self), delayed);
+        (void)hdl_run(self, self->now);
+    }
     if (inputs != self->inputs && self->wire == &hdl_clocked) {
         (void)dg_host_behind(self->host, ns, (inputs & DG_HDL_BEHIND) != 0);
     }

@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: MIT
+"""The models of platform/hdl in the simulators that Debian has: what their lines do is the same in each of them,
+defects and power included, with the same seed and with no other one; wrong settings end a simulation with one line.
+
+usage: with DREHGEBER_HDL, the folder of libdrehgeber_hdl.so
+"""
+
+import os
+import re
+import resource
+import subprocess
+from pathlib import Path
+
+import pytest
+
+TESTS = Path(__file__).parent / "models"
+MODELS = Path(__file__).parents[2] / "platform" / "hdl"
+LIBRARY = os.environ["DREHGEBER_HDL"]
+ENVIRONMENT = os.environ | {"LD_LIBRARY_PATH": LIBRARY}
+
+
+def call(folder, *command):
+    """Build something. What it says is shown when it fails."""
+    done = subprocess.run(command, cwd=folder, env=ENVIRONMENT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                          text=True, timeout=240, check=False)
+    assert done.returncode == 0, done.stdout
+
+
+def verilator(folder, top, *more):
+    models = [MODELS / f"drehgeber_{kind}.sv" for kind in ("biss", "ssi", "rs485")]
+    call(folder, "verilator", "--binary", "--timing", "--top-module", top, "--Mdir", top, "-o", top,
+         f"-I{MODELS}", "-CFLAGS", "-O0", *more, TESTS / f"{top}.sv", *models, "-LDFLAGS", f"-L{LIBRARY} -ldrehgeber_hdl")
+    return [f"{top}/{top}"]
+
+
+def icarus(folder, top):
+    call(folder, "iverilog-vpi", "--name=drehgeber", f"-I{MODELS}", MODELS / "drehgeber_vpi.c", f"-L{LIBRARY}",
+         "-ldrehgeber_hdl")
+    call(folder, "iverilog", "-g2005-sv", f"-I{MODELS}", "-s", top, "-o", f"{top}.vvp", TESTS / f"{top}.sv",
+         *sorted(MODELS.glob("drehgeber_*.v")))
+    return ["vvp", "-M.", "-mdrehgeber", f"{top}.vvp"]
+
+
+def ghdl(folder, top):
+    models = [MODELS / f"drehgeber_{kind}.vhd" for kind in ("hdl", "biss", "ssi", "rs485")]
+    call(folder, "ghdl", "-a", "--std=08", *models, TESTS / f"{top}.vhd")
+    call(folder, "ghdl", "-e", "--std=08", top)
+    return ["ghdl", "-r", "--std=08", top]
+
+
+SIMULATORS = {"verilator": verilator, "icarus": icarus, "ghdl": ghdl}
+
+
+def run(folder, command):
+    return subprocess.run(command, cwd=folder, env=ENVIRONMENT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                          timeout=240, check=False)
+
+
+def lines_of(text):
+    """Name: its changes in their order, from the first moment on; what is undefined before it is no change."""
+    changes = {}
+    for name, us, ps, level in re.findall(r"^(\w+) (\d+) (\d+) ([01])$", text, re.M):
+        changes.setdefault(name, []).append((int(us) * 1000000 + int(ps), int(level)))
+    return {name: [change for change in rows if change[0] > 0] for name, rows in changes.items()}
+
+
+@pytest.fixture(scope="module", name="traces")
+def make_traces(tmp_path_factory):
+    traces = {}
+    for name, build in SIMULATORS.items():
+        folder = tmp_path_factory.mktemp(name)
+        done = run(folder, build(folder, "trace"))
+        assert done.returncode == 0 and "done\n" in done.stdout, done.stdout
+        traces[name] = lines_of(done.stdout)
+    return traces
+
+
+def test_a_line_does_the_same_in_every_simulator(traces):
+    assert sorted(traces["verilator"]) == ["a", "b", "behind", "c", "data", "de", "near", "tx"]
+    for name, rows in traces["verilator"].items():
+        assert len(rows) > 1, name
+        for other in ("icarus", "ghdl"):
+            # A procedure in VHDL acts at the next look, which `POLL` bounds: 1 us.
+            mine = [level for at, level in rows]
+            assert [level for at, level in traces[other][name]] == mine, f"{name} in {other}"
+            for (at, _), (there, _) in zip(rows, traces[other][name]):
+                assert 0 <= there - at <= (1000000 if other == "ghdl" else 0), f"{name} in {other} at {at} ps"
+
+
+def test_the_same_seed_is_the_same_trace_and_another_is_none(traces):
+    for lines in traces.values():
+        assert lines["a"] == lines["b"]
+        assert lines["a"] != lines["c"]
+
+
+def test_delays_are_what_was_asked_for(traces):
+    """MA rises at 1500 ns for the first time: SLO of `near` and `behind`, low before, follows by its TCO alone."""
+    lines = traces["verilator"]
+    assert lines["near"][0] == (1500000 + 10000, 1)
+    assert lines["behind"][0] == (1500000 + 7250, 1)
+    earliest = 1500000 + 12500 + 10000 + 33300
+    assert earliest <= lines["a"][0][0] <= earliest + 8000
+
+
+def test_the_driver_is_on_while_the_encoder_sends(traces):
+    lines = traces["verilator"]
+    (on, first), (off, last) = lines["de"]
+    assert (first, last) == (1, 0)
+    assert on == lines["tx"][0][0]
+    bit = 10**12 // 9600
+    assert abs(off - on - 7 * 11 * bit) < bit
+
+
+@pytest.mark.parametrize("name", SIMULATORS)
+def test_wrong_settings_end_the_simulation_with_one_line(tmp_path, name):
+    done = run(tmp_path, SIMULATORS[name](tmp_path, "bad"))
+    assert done.returncode != 0
+    assert [line for line in done.stdout.split("\n") if "st=99: 12..24 is right" in line], done.stdout
+    assert "done" not in done.stdout
+
+
+def cpu_of(folder, command):
+    before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+    done = run(folder, command)
+    assert done.returncode == 0, done.stdout
+    simulated, ones = re.search(r"simulated_us (\d+) ones (\d+)", done.stdout).groups()
+    assert int(ones) > 0
+    return int(simulated) / max(resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before, 0.001)
+
+
+def test_speed(tmp_path, capsys):
+    """Printed, not judged: a machine may be busy."""
+    (tmp_path / "dummy").mkdir()
+    encoder = cpu_of(tmp_path, verilator(tmp_path, "speed", "-O3"))
+    dummy = cpu_of(tmp_path / "dummy", verilator(tmp_path / "dummy", "speed", "-O3", "-DDUMMY", TESTS / "dummy.sv"))
+    with capsys.disabled():
+        print(f"\nVerilator: {encoder:.0f} simulated us in a second of CPU with the encoder, {dummy:.0f} with a dummy")
