@@ -219,7 +219,8 @@ static PLI_INT32 read_real(PLI_BYTE8 *unused)
 
     (void)unused;
     now(&us, &ps);
-    put_real(arguments.handle[2], id < 0 ? 0.0 : dg_hdl_real(id, us, ps, number_of(arguments.handle[1])));
+    put_real(arguments.handle[2],
+             id < 0 ? 0.0 : dg_hdl_real(id, us, ps, number_of(arguments.handle[1])));
     return 0;
 }
 

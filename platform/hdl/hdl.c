@@ -210,10 +210,13 @@ static int make_panel(struct dg_hdl *self)
 }
 
 /* Its lines are at the levels of the start from the first moment on. */
-static int start(struct dg_hdl *self, const char *memory)
+static int start(struct dg_hdl *self, const char *settings, const char *memory)
 {
     int result = dg_host_power(self->host, 0, true);
 
+    if (result == DG_HOST_ERR_ARGUMENT) {
+        return hdl_fail(self, result, "%s: do not go together", settings);
+    }
     if (result != DG_HOST_OK) {
         return hdl_fail(self, result, "%s%s%s", memory, memory[0] != '\0' ? ": " : "",
                         dg_host_result_text(result));
@@ -245,7 +248,7 @@ static int set_up(struct dg_hdl *self, const char *model, const char *settings, 
     if (result == DG_HOST_OK && memory[0] != '\0') {
         result = open_memory(self, settings, memory);
     }
-    return result == DG_HOST_OK ? start(self, memory) : result;
+    return result == DG_HOST_OK ? start(self, settings, memory) : result;
 }
 
 struct dg_hdl *dg_hdl_open(const char *model, const char *settings, const char *motion,

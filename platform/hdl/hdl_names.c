@@ -2,13 +2,13 @@
 /*
  * For languages without pointers (VHDL): instances by number, which a test bench finds by their
  * names; texts one character at a time; moments as microseconds and the picoseconds behind them.
- * The list lasts as long as the process, as the simulation does.
+ * The list lasts as long as the process, as the simulation does, unless somebody ends it.
  */
 #include <stdlib.h>
 #include <string.h>
 
-#include "hdl_names.h"
 #include "drehgeber/api.h"
+#include "hdl_names.h"
 
 #define PS_PER_US 1000000
 
@@ -20,6 +20,17 @@ struct instance {
 
 static struct instance *instances;
 static int32_t count;
+
+void dg_hdl_make_none(void)
+{
+    for (int32_t i = 0; i < count; i++) {
+        free(instances[i].name);
+        dg_hdl_close(instances[i].encoder);
+    }
+    free(instances);
+    instances = NULL;
+    count = 0;
+}
 
 static int64_t ps_of(int32_t us, int32_t ps)
 {

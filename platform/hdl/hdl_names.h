@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * The same for languages without pointers, see hdl_names.c: instances have names, which are unique in
- * a process, and numbers. A moment is `us` microseconds and `ps` picoseconds, 0..999999.
+ * The same for languages without pointers, see hdl_names.c: instances have names, which are unique
+ * in a process, and numbers. A moment is `us` microseconds and `ps` picoseconds, 0..999999.
  */
 #ifndef DREHGEBER_HDL_NAMES_H
 #define DREHGEBER_HDL_NAMES_H
@@ -35,6 +35,8 @@ enum dg_hdl_look {
  * one of that name */
 DG_HDL_API int32_t dg_hdl_make(const char *name, const char *model, const char *settings,
                                const char *motion, const char *memory);
+/** Close all of them. */
+DG_HDL_API void dg_hdl_make_none(void);
 /** @return the number of an instance; -1: there is none of that name */
 DG_HDL_API int32_t dg_hdl_find(const char *name);
 /** dg_hdl_wires() */

@@ -1,0 +1,364 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * An encoder for simulators, without one: delays, seeds, characters bit by bit, what is refused.
+ */
+#define _GNU_SOURCE
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "hdl.h"
+#include "hdl_names.h"
+
+#define US INT64_C(1000000)
+#define CHANGES 4000u
+
+/* --- a simulator: the loop that each model has --- */
+
+struct sim {
+    struct dg_hdl *encoder;
+    int64_t now;
+    int inputs;
+    int outputs;
+    size_t count;
+    int64_t at[CHANGES];
+    int levels[CHANGES];
+};
+
+static void look(struct sim *self)
+{
+    const int outputs = dg_hdl_wires(self->encoder, self->now, self->inputs);
+
+    if (outputs != self->outputs) {
+        assert_true(self->count < CHANGES);
+        self->at[self->count] = self->now;
+        self->levels[self->count++] = outputs;
+    }
+    self->outputs = outputs;
+}
+
+static void wait_until(struct sim *self, int64_t until)
+{
+    int64_t next = dg_hdl_next(self->encoder);
+
+    while (next != DG_HDL_NEVER && next <= until) {
+        assert_true(next > self->now);
+        self->now = next;
+        look(self);
+        next = dg_hdl_next(self->encoder);
+    }
+    self->now = until;
+    look(self);
+}
+
+static void begin_with(struct sim *self, const char *model, const char *settings)
+{
+    memset(self, 0, sizeof *self);
+    self->encoder = dg_hdl_open(model, settings, "90DEG", "");
+    assert_non_null(self->encoder);
+    assert_string_equal(dg_hdl_error(self->encoder), "");
+    self->inputs = DG_HDL_CLOCK;
+    self->outputs = -1;
+    look(self);
+    self->count = 0;
+}
+
+static void set(struct sim *self, int inputs)
+{
+    self->inputs = inputs;
+    look(self);
+}
+
+static void clock_frame(struct sim *self, unsigned clocks, int64_t period)
+{
+    for (unsigned i = 0; i < clocks; i++) {
+        wait_until(self, self->now + period / 2);
+        set(self, 0);
+        wait_until(self, self->now + period / 2);
+        set(self, DG_HDL_CLOCK);
+    }
+    wait_until(self, self->now + 20 * US);
+}
+
+/* --- delays --- */
+
+static void the_output_follows_by_the_delays(void **state)
+{
+    struct sim sim;
+
+    (void)state;
+    begin_with(&sim, "s3684-biss", "tco_ns=7.25 delay_in_ns=12.5 delay_out_ns=100");
+    clock_frame(&sim, 1, US);
+    assert_int_equal(sim.at[0], US + 12500 + 7250 + 100000);
+    assert_int_equal(sim.levels[0], DG_HDL_DATA);
+    assert_int_equal(dg_hdl_latched(sim.encoder), 1 << 19);
+    dg_hdl_close(sim.encoder);
+}
+
+/* More edges than the queue has room for at first are on the way. */
+static void a_long_cable_loses_no_edge(void **state)
+{
+    struct sim far;
+    struct sim near;
+
+    (void)state;
+    begin_with(&far, "s3684-biss", "delay_in_ns=100000 delay_out_ns=100000");
+    begin_with(&near, "s3684-biss", "");
+    clock_frame(&far, 300, US / 2);
+    clock_frame(&near, 300, US / 2);
+    wait_until(&far, far.now + 300 * US);
+    assert_int_equal(far.count, near.count);
+    for (size_t i = 0; i < far.count; i++) {
+        assert_int_equal(far.at[i], near.at[i] + 200 * US);
+        assert_int_equal(far.levels[i], near.levels[i]);
+    }
+    dg_hdl_close(far.encoder);
+    dg_hdl_close(near.encoder);
+}
+
+static void the_same_seed_gives_the_same_trace(void **state)
+{
+    static const char *const settings[] = {"jitter_ns=20 seed=4", "jitter_ns=20 seed=4",
+                                           "jitter_ns=20 seed=5"};
+    static struct sim sims[3];
+
+    (void)state;
+    for (size_t i = 0; i < 3; i++) {
+        begin_with(&sims[i], "s3684-biss", settings[i]);
+    }
+    for (size_t i = 0; i < 3; i++) {
+        /* How often somebody looks in between changes nothing. */
+        wait_until(&sims[i], (int64_t)i * 1000);
+        wait_until(&sims[i], US);
+        clock_frame(&sims[i], 80, US);
+    }
+    assert_int_equal(sims[0].count, sims[1].count);
+    assert_memory_equal(sims[0].at, sims[1].at, sims[0].count * sizeof sims[0].at[0]);
+    assert_memory_not_equal(sims[0].at, sims[2].at, sims[0].count * sizeof sims[0].at[0]);
+    for (size_t i = 0; i < 3; i++) {
+        dg_hdl_close(sims[i].encoder);
+    }
+}
+
+/* --- RS485 --- */
+
+static void put(struct sim *self, unsigned byte, unsigned parity, unsigned stop)
+{
+    const unsigned bits = byte << 1 | parity << 9 | stop << 10;
+
+    for (unsigned i = 0; i <= 10; i++) {
+        set(self, (int)(bits >> i & 1u));
+        wait_until(self, self->now + 1000000 * US / 9600);
+    }
+    set(self, DG_HDL_RX);
+}
+
+/* 42h of address 40h. @return characters of the answer */
+static int64_t ask(struct sim *self, unsigned parity, unsigned stop)
+{
+    self->count = 0;
+    wait_until(self, self->now + 50000 * US);
+    put(self, 0x40, 1, 1);
+    put(self, 0x42, parity, stop);
+    wait_until(self, self->now + 300 * US);
+    put(self, 0x02, 1, 1);
+    wait_until(self, self->now + 50000 * US);
+    assert_true(self->count > 2);
+    return (self->at[self->count - 1u] - self->at[0] + 100 * US) / (11 * (1000000 * US / 9600));
+}
+
+static void characters_go_bit_by_bit(void **state)
+{
+    struct sim sim;
+
+    (void)state;
+    begin_with(&sim, "s3684-rs485", "");
+    sim.inputs = DG_HDL_RX;
+    assert_int_equal(ask(&sim, 0, 1), 7);
+    assert_int_equal(sim.levels[0], DG_HDL_DRIVER); /* a start bit */
+    assert_int_equal(sim.levels[sim.count - 1u], DG_HDL_TX);
+    const int64_t sent = sim.at[sim.count - 1u] - sim.at[0];
+    assert_in_range(sent, 7 * 11 * (1000000 * US / 9600), 7 * 11 * (1000000 * US / 9600 + 1));
+    /* A wrong parity or stop bit is seen as such, and answered with an error. */
+    assert_int_equal(ask(&sim, 1, 1), 4);
+    assert_int_equal(ask(&sim, 0, 0), 4);
+    assert_int_equal(ask(&sim, 0, 1), 7);
+    dg_hdl_close(sim.encoder);
+}
+
+static void power_that_goes_ends_a_character(void **state)
+{
+    struct sim sim;
+
+    (void)state;
+    begin_with(&sim, "s3684-rs485", "");
+    put(&sim, 0x40, 1, 1);
+    put(&sim, 0x42, 0, 1);
+    put(&sim, 0x02, 1, 1);
+    while (sim.outputs == DG_HDL_TX) {
+        wait_until(&sim, sim.now + 100 * US);
+    }
+    wait_until(&sim, sim.now + 3000 * US);
+    assert_int_equal(dg_hdl_power(sim.encoder, sim.now, 0), 0);
+    wait_until(&sim, sim.now + US);
+    assert_int_equal(sim.outputs, DG_HDL_TX);
+    sim.count = 0;
+    wait_until(&sim, sim.now + 50000 * US);
+    assert_int_equal(sim.count, 0);
+    dg_hdl_close(sim.encoder);
+}
+
+/* --- what is refused --- */
+
+static void wrong_settings_are_one_line(void **state)
+{
+    static const struct {
+        const char *model;
+        const char *settings;
+        const char *motion;
+        const char *line;
+    } rows[] = {
+        {"s3684", "", "", "there is no model 's3684'"},
+        {"f3668", "", "", "f3668 speaks canopen; BiSS, SSI and RS485 are right"},
+        {"s3684-biss", "st=25", "", "st=25: 12..24 is right"},
+        {"s3684-biss", "lc=2", "", "lc=2: 0 or 1 is right"},
+        {"s3684-biss", "tco_ns=0", "", "tco_ns=0: 0.001..10000 is right"},
+        {"s3684-biss", "seed=-1", "", "seed=-1: 0..4294967295 is right"},
+        {"s3684-biss", "stop", "", "'stop' is not KEY=VALUE"},
+        {"s3684-biss", "sp=1 st=12", "", "s3684-biss has no setting 'sp'"},
+        {"s3684-biss", "busy_us=30 busy_jitter_us=30", "",
+         "busy_us=30 busy_jitter_us=30: do not go together"},
+        {"s3684-biss", "", "fast", "motion fast: 'fast' is not a number with a unit"},
+    };
+
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        struct dg_hdl *self = dg_hdl_open(rows[i].model, rows[i].settings, rows[i].motion, "");
+        assert_non_null(self);
+        assert_non_null(strstr(dg_hdl_error(self), rows[i].line));
+        assert_null(strchr(dg_hdl_error(self), '\n'));
+        dg_hdl_close(self);
+    }
+}
+
+static void wrong_steering_is_one_line(void **state)
+{
+    struct sim sim;
+
+    (void)state;
+    begin_with(&sim, "s3674-biss", "");
+    assert_true(dg_hdl_turn(sim.encoder, 0, 1e12) < 0);
+    assert_true(dg_hdl_turn(sim.encoder, 0, 0.0 / (double)sim.count) < 0);
+    assert_true(dg_hdl_speed(sim.encoder, 0, -1.1e6) < 0);
+    assert_true(dg_hdl_motion(sim.encoder, 0, "1") < 0);
+    assert_true(dg_hdl_world(sim.encoder, 0, "weather", 1.0) < 0);
+    assert_string_equal(dg_hdl_error(sim.encoder), "world: s3674-biss senses no 'weather'");
+    assert_true(dg_hdl_world(sim.encoder, 0, "temperature", 1e9) < 0);
+    assert_true(dg_hdl_fault(sim.encoder, 0, "fire", 1) < 0);
+    assert_null(dg_hdl_command(sim.encoder, 0, "SHAFt:JUMP"));
+    assert_non_null(strstr(dg_hdl_error(sim.encoder), "SHAFt:JUMP: -113"));
+    assert_string_equal(dg_hdl_command(sim.encoder, 0, "SHAFt:POSition?"), "90.000000");
+    dg_hdl_close(sim.encoder);
+}
+
+/* --- steering --- */
+
+static void the_test_bench_moves_the_shaft(void **state)
+{
+    struct sim sim;
+
+    (void)state;
+    begin_with(&sim, "s3674-biss", "st=12");
+    assert_int_equal(dg_hdl_latched(sim.encoder), -1);
+    assert_int_equal(dg_hdl_latched_at(sim.encoder), -1);
+    assert_int_equal(dg_hdl_turn(sim.encoder, US, 0.5), 0);
+    assert_int_equal(dg_hdl_position(sim.encoder, US), 2048);
+    assert_int_equal(dg_hdl_speed(sim.encoder, US, 60000.0), 0);
+    assert_int_equal(dg_hdl_position(sim.encoder, 251 * US), 2048 + 1024);
+    assert_int_equal(dg_hdl_motion(sim.encoder, 2 * US, "45DEG"), 0);
+    assert_int_equal(dg_hdl_position(sim.encoder, 3 * US), 512);
+    dg_hdl_close(sim.encoder);
+}
+
+static void instances_have_names(void **state)
+{
+    const int32_t one = dg_hdl_make("one", "ssi-25", "", "90DEG", "");
+    const int32_t two = dg_hdl_make("two", "s3684-rs485", "", "", "");
+
+    (void)state;
+    assert_int_equal(dg_hdl_make("two", "ssi-25", "", "", ""), -2);
+    assert_int_equal(dg_hdl_find("one"), one);
+    assert_int_equal(dg_hdl_find("two"), two);
+    assert_int_equal(dg_hdl_find("three"), -1);
+    assert_int_equal(dg_hdl_steer(one, 1, 0, DG_HDL_TURN, "", 0.5), 0);
+    assert_int_equal(dg_hdl_steer(one, 1, 0, DG_HDL_COMMAND, "SHAFt:POSition?", 0.0), 0);
+    assert_int_equal(dg_hdl_character(one, 0, 0), '1');
+    assert_int_equal(dg_hdl_character(one, 0, 10), 0);
+    assert_true(dg_hdl_steer(two, 1, 0, DG_HDL_FAULT, "fire", 1.0) < 0);
+    assert_int_equal(dg_hdl_character(two, 1, 0), 'f');
+    assert_int_equal(dg_hdl_rest(two, 1, 0, 1000), 1000);
+    assert_true(dg_hdl_real(two, 1, 0, DG_HDL_COSINE) != 0.0);
+    dg_hdl_make_none();
+}
+
+/* --- the EEPROM's file --- */
+
+static void a_memory_stays_and_a_foreign_file_is_left_alone(void **state)
+{
+    char path[] = "/tmp/test_hdl_XXXXXX";
+    char text[2048] = "this is a letter to somebody, and no EEPROM";
+    char read[2048] = "";
+
+    (void)state;
+    assert_true(close(mkstemp(path)) == 0);
+    assert_int_equal(unlink(path), 0);
+    struct dg_hdl *self = dg_hdl_open("s3684-biss", "", "", path);
+    assert_string_equal(dg_hdl_error(self), "");
+    struct dg_hdl *other = dg_hdl_open("s3684-biss", "", "", path);
+    assert_non_null(strstr(dg_hdl_error(other), "in use"));
+    dg_hdl_close(other);
+    dg_hdl_close(self);
+    self = dg_hdl_open("s3684-biss", "", "", path);
+    assert_string_equal(dg_hdl_error(self), "");
+    dg_hdl_close(self);
+
+    FILE *file = fopen(path, "w");
+    assert_int_equal(fwrite(text, 1, 1000, file), 1000);
+    assert_int_equal(fclose(file), 0);
+    self = dg_hdl_open("s3684-biss", "", "", path);
+    assert_non_null(strstr(dg_hdl_error(self), "the EEPROM is another device's"));
+    dg_hdl_close(self);
+    file = fopen(path, "r");
+    assert_int_equal(fread(read, 1, sizeof read, file), 1000);
+    assert_int_equal(fclose(file), 0);
+    assert_memory_equal(read, text, sizeof text);
+    self = dg_hdl_open("ssi-25", "", "", path);
+    assert_non_null(strstr(dg_hdl_error(self), "ssi-25 has no EEPROM"));
+    dg_hdl_close(self);
+    (void)unlink(path);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_output_follows_by_the_delays),
+        cmocka_unit_test(a_long_cable_loses_no_edge),
+        cmocka_unit_test(the_same_seed_gives_the_same_trace),
+        cmocka_unit_test(characters_go_bit_by_bit),
+        cmocka_unit_test(power_that_goes_ends_a_character),
+        cmocka_unit_test(wrong_settings_are_one_line),
+        cmocka_unit_test(wrong_steering_is_one_line),
+        cmocka_unit_test(the_test_bench_moves_the_shaft),
+        cmocka_unit_test(instances_have_names),
+        cmocka_unit_test(a_memory_stays_and_a_foreign_file_is_left_alone),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
