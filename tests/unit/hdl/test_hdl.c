@@ -185,7 +185,7 @@ static void characters_go_bit_by_bit(void **state)
     assert_int_equal(sim.levels[0], DG_HDL_DRIVER); /* a start bit */
     assert_int_equal(sim.levels[sim.count - 1u], DG_HDL_TX);
     const int64_t sent = sim.at[sim.count - 1u] - sim.at[0];
-    assert_in_range(sent, 7 * 11 * (1000000 * US / 9600), 7 * 11 * (1000000 * US / 9600 + 1));
+    assert_in_range(sent, 77 * (1000000 * US / 9600), 77 * (1000000 * US / 9600 + 1));
     /* A wrong parity or stop bit is seen as such, and answered with an error. */
     assert_int_equal(ask(&sim, 1, 1), 4);
     assert_int_equal(ask(&sim, 0, 0), 4);
