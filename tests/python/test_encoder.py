@@ -49,6 +49,15 @@ def read(encoder: Encoder) -> int:
     return frame.position
 
 
+@pytest.mark.parametrize("model", ["s3684-biss", "f3668", "s3684-rs485"])
+def test_by_a_real_clock_too_it_was_on_for_a_second(model):
+    """Time had gone on when it was made."""
+    encoder = Encoder(model, clock=Clock(real=True))
+    assert encoder.state()["mode"] != "initialising"
+    if encoder.protocol == "biss":
+        assert encoder.biss.frame().error is False
+
+
 def test_the_list_of_models_is_the_librarys():
     assert sorted(drehgeber.models()) == sorted(POSITIONS)
 

@@ -150,6 +150,8 @@ class Encoder(Instrument):
     # ------------------------------------------------------------ time
 
     def _step(self, now: int) -> None:
+        if not self._made:  # it may yet be switched on a second ago
+            return
         if self._panel is not None:
             self._deadline = self._lib.dg_host_panel_step(self._panel, now)
         else:
