@@ -10,6 +10,7 @@ import zipfile
 from pathlib import Path
 
 import drehgeber
+import drehgeber.cocotb
 import pytest
 
 HERE = Path(__file__).resolve().parent
@@ -83,11 +84,25 @@ def public(thing, name=""):
                 yield f"{name}.{member}", value
 
 
-@pytest.mark.parametrize("name", [name for name in drehgeber.__all__ if name != "__version__"])
-def test_everything_public_is_documented(name):
-    for path, thing in public(getattr(drehgeber, name), name):
-        assert (thing.__doc__ or "").strip(), path
-    assert drehgeber.__doc__
+@pytest.mark.parametrize("package", [drehgeber, drehgeber.cocotb])
+def test_everything_public_is_documented(package):
+    for name in set(package.__all__) - {"__version__"}:
+        for path, thing in public(getattr(package, name), name):
+            assert (thing.__doc__ or "").strip(), path
+    assert package.__doc__
+
+
+@pytest.mark.parametrize(
+    "without, said",
+    [
+        ("sys.modules['cocotb'] = None", "No module named"),
+        ("import cocotb; cocotb.__version__ = '1.9.2'", "needs cocotb 2, and this is 1.9.2"),
+    ],
+)
+def test_without_cocotb_the_extra_is_named(tmp_path, without, said):
+    done = run("-c", f"import sys; {without}; import drehgeber.cocotb", cwd=tmp_path)
+    assert "ImportError: drehgeber.cocotb" in done.stderr and "pip install 'drehgeber[cocotb]'" in done.stderr
+    assert said in done.stderr or "import of cocotb halted" in done.stderr
 
 
 def test_fixtures_are_there_by_themselves(tmp_path):

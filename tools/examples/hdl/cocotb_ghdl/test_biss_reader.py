@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: MIT
+"""A BiSS master in VHDL against an encoder, in GHDL: pytest test_biss_reader.py."""
+from pathlib import Path
+
+import cocotb
+from cocotb.clock import Clock
+from cocotb.triggers import RisingEdge
+from cocotb_tools.runner import get_runner
+from drehgeber.cocotb import BissEncoder
+
+STANDARD = ["--std=08"]
+
+
+async def read(dut) -> int:
+    dut.start.value = 1
+    await RisingEdge(dut.done)
+    dut.start.value = 0
+    assert dut.crc_ok.value == 1
+    return dut.position.value
+
+
+@cocotb.test(timeout_time=10, timeout_unit="ms")
+async def positions(dut):
+    dut.start.value = 0
+    Clock(dut.clk, 20, "ns").start()
+    encoder = BissEncoder(dut.ma, dut.slo, model="s3684-biss", shaft="600RPM", busy_us=5, busy_jitter_us=2)
+    for _ in range(20):
+        assert await read(dut) == encoder.latch.position
+
+
+@cocotb.test(timeout_time=10, timeout_unit="ms")
+async def an_error(dut):
+    dut.start.value = 0
+    Clock(dut.clk, 20, "ns").start()
+    encoder = BissEncoder(dut.ma, dut.slo, model="s3684-biss", shaft="90DEG")
+    with encoder.fault("led_current_high"):
+        assert await read(dut) == 1 << 19
+        assert dut.n_error.value == 0
+    await read(dut)
+    assert dut.n_error.value == 1
+
+
+def test_biss_reader(tmp_path):
+    runner = get_runner("ghdl")
+    sources = [Path(__file__).with_name("biss_reader.vhd")]
+    runner.build(sources=sources, build_args=STANDARD, hdl_toplevel="biss_reader", build_dir=tmp_path)
+    runner.test(test_args=STANDARD, hdl_toplevel="biss_reader", test_module=Path(__file__).stem, build_dir=tmp_path)
