@@ -232,6 +232,28 @@ async def faults_and_power_reach_the_master(dut):
 
 
 @limited
+async def power_ends_what_was_begun(dut):
+    """Off in the middle of a frame, in the middle of an access: the line is as new."""
+    await ready(dut)
+    encoder = BissEncoder(dut.ma, dut.slo, shaft="90DEG", init_ms=0)
+    master = own_master(dut, encoder)
+    for _ in range(14):
+        await master.frame()
+    await master.frame(1)
+    before = encoder.frame
+    for _ in range(20):
+        dut.ma.value = 0
+        await Timer(500, "ns")
+        dut.ma.value = 1
+        await Timer(500, "ns")
+    encoder.power("CYCLE")
+    await Timer(20, "us")
+    assert encoder.frame == before and before.cdm
+    check_data(encoder, (await master.frame())[1], encoder.latch)
+    assert encoder.frame.good and encoder.frame.life == 0
+
+
+@limited
 async def unknown_levels_are_no_edges(dut):
     await ready(dut)
     encoder = BissEncoder(dut.ma, dut.slo, shaft="90DEG")

@@ -137,6 +137,15 @@ async def power_and_world(dut):
     assert await uart.receive(SILENCE_US) == b"" and dut.rx.value == 1
     encoder.power(True)
     await Timer(150, "ms")
+    await uart.send(POSITION)
+    await dut.rx.value_change
+    encoder.power(False)  # the answer ends in the middle
+    await Timer(uart.bit_ps, "ps")
+    for _ in range(50):
+        await Timer(uart.bit_ps, "ps")
+        assert dut.rx.value == 1
+    encoder.power(True)
+    await Timer(150, "ms")
     encoder.world.temperature = 130
     await uart.send(POSITION)
     assert (await uart.receive(SILENCE_US))[1] & 0x80

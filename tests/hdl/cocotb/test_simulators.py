@@ -16,7 +16,7 @@ SIMULATORS = {
 }
 # bench            tests at least
 BENCHES = {
-    "bench_biss": 21,
+    "bench_biss": 22,
     "bench_ssi": 14,
     "bench_hiperface": 15,
 }

@@ -13,7 +13,7 @@ from .._native import EncoderError, checked
 from ..shaft import TURN, Shaft
 from .biss_line import Access, BissLine, Frame, Layout
 from .simulation import (
-    LEAD_PS, PS_PER_NS, Delay, News, SimulatedEncoder, drive, level_of, now_ps, ps_of,
+    LEAD_PS, Delay, News, SimulatedEncoder, drive, level_of, now_ps, ps_of,
 )  # fmt: skip
 
 LIFE_BITS = 6
@@ -100,7 +100,7 @@ class ClockedEncoder(SimulatedEncoder):
 
     def _look(self, at: int, position: int) -> None:
         """It may have latched."""
-        if at == self._latched_ns or at < LEAD_PS // PS_PER_NS:
+        if at == self._latched_ns:
             return
         self._latched_ns = at
         mt, st = int(self.get("mt")), int(self.get("st"))
@@ -196,9 +196,7 @@ class BissEncoder(ClockedEncoder):
             ma, slo, model, clock_to_output_ns, settings, shaft=shaft, line_delay_ns=line_delay_ns,
             jitter_ns=jitter_ns, seed=seed, power=power, memory=memory,
         )  # fmt: skip
-        life = LIFE_BITS if self.get("lc") == "1" else 0
-        layout = Layout(int(self.get("mt")), int(self.get("st")), life)
-        self._wires = BissLine(layout, self._frames.tell, self._accesses.tell)
+        self._wires = self._begun()
         if isinstance(sli, BissEncoder):
             sli._followers.append(self._behind)
             self._behind(sli._level)
@@ -206,6 +204,16 @@ class BissEncoder(ClockedEncoder):
             pin = sli
             self._watch(pin, lambda: self._behind(level_of(pin, self._behind_level)))
             self._behind(level_of(pin, False))
+
+    def _begun(self) -> BissLine:
+        life = LIFE_BITS if self.get("lc") == "1" else 0
+        layout = Layout(int(self.get("mt")), int(self.get("st")), life)
+        return BissLine(layout, self._frames.tell, self._accesses.tell)
+
+    def power(self, state: bool | Literal["CYCLE"]) -> None:
+        """True, False, or "CYCLE": off and on again."""
+        self._wires = self._begun()  # what was begun is over, and nobody hears of it
+        super().power(state)
 
     def _behind(self, level: bool) -> None:
         """The line of the next encoder has another level."""

@@ -213,7 +213,7 @@ class HiperfaceEncoder(SimulatedEncoder):
             parity = [] if uart.parity == "N" else [sum(bits) % 2 == (uart.parity == "E")]
             for level in [False, *bits, *parity, True]:
                 await until_ps(begin + round(place * bit))
-                self._out.put(level)
+                self._out.put(level or not self.powered)
                 place += 1
 
     async def _conclude(self) -> None:
