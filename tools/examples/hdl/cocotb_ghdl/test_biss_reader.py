@@ -22,7 +22,7 @@ async def read(dut) -> int:
 @cocotb.test(timeout_time=10, timeout_unit="ms")
 async def positions(dut):
     dut.start.value = 0
-    Clock(dut.clk, 20, "ns").start()
+    Clock(dut.clk, 20, "ns", impl="gpi").start()
     encoder = BissEncoder(dut.ma, dut.slo, model="s3684-biss", shaft="600RPM", busy_us=5, busy_jitter_us=2)
     for _ in range(20):
         assert await read(dut) == encoder.latch.position
@@ -31,7 +31,7 @@ async def positions(dut):
 @cocotb.test(timeout_time=10, timeout_unit="ms")
 async def an_error(dut):
     dut.start.value = 0
-    Clock(dut.clk, 20, "ns").start()
+    Clock(dut.clk, 20, "ns", impl="gpi").start()
     encoder = BissEncoder(dut.ma, dut.slo, model="s3684-biss", shaft="90DEG")
     with encoder.fault("led_current_high"):
         assert await read(dut) == 1 << 19
