@@ -155,19 +155,37 @@ static size_t without_end(const char *line, size_t n)
 }
 
 /* RFC 9110 chapter 9, RFC 5789, RFC 9113 ("PRI"); TLS: a handshake record (RFC 8446 5.1). */
-static bool is_foreign(const char *line, size_t n)
+static const char *const methods[] = {"GET ",     "HEAD ",  "POST ",  "PUT ", "DELETE ",
+                                      "CONNECT ", "TRACE ", "PATCH ", "PRI ", "OPTIONS "};
+static const char handshake = 0x16;
+static const char handshake_version = 0x03;
+
+/* The length of the method and the blank that a line begins with, 0: with none. */
+static size_t method_length(const char *line, size_t n)
 {
-    static const char *const methods[] = {"GET ",     "HEAD ",  "POST ",  "PUT ", "DELETE ",
-                                          "CONNECT ", "TRACE ", "PATCH ", "PRI ", "OPTIONS "};
-    static const char version[] = " HTTP/";
-    static const char handshake = 0x16;
     for (size_t i = 0; i < DG_COUNT(methods); i++) {
         const size_t length = strlen(methods[i]);
         if (n >= length && strncasecmp(line, methods[i], length) == 0) {
-            return true;
+            return length;
         }
     }
-    return n > 0 && (line[0] == handshake || memmem(line, n, version, strlen(version)) != NULL);
+    return 0;
+}
+
+static bool is_foreign(const char *line, size_t n)
+{
+    static const char version[] = " HTTP/";
+    return method_length(line, n) > 0 ||
+           (n > 0 && (line[0] == handshake || memmem(line, n, version, strlen(version)) != NULL));
+}
+
+/* What a page in a browser can ask for is a path, or everything ("*"). */
+bool lx_begins_foreign(const uint8_t *bytes, size_t n)
+{
+    const char *text = (const char *)bytes;
+    const size_t method = method_length(text, n);
+    return (n >= 2 && text[0] == handshake && text[1] == handshake_version) ||
+           (method > 0 && method < n && (text[method] == '/' || text[method] == '*'));
 }
 
 static bool is_header_character(char c)

@@ -14,6 +14,7 @@
 #include <limits.h>
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 #include "say.h"
 
@@ -59,6 +60,13 @@ enum lx_guard_verdict {
     LX_GUARD_TELL, /**< no token, or not the right one: say so, then close */
     LX_GUARD_CLOSE /**< nobody who speaks SCPI says this */
 };
+
+/** First bytes of a connection that lx_begins_foreign() needs at most. */
+#define LX_FOREIGN_MAX 9u
+
+/** Whether a connection that begins with these bytes is one of HTTP or TLS: a method and a path, or
+ * the header of a handshake. No request to an encoder or an adapter begins so. */
+bool lx_begins_foreign(const uint8_t *bytes, size_t n);
 
 /** The guard of one connection. Zero, but for the settings: at its beginning. */
 struct lx_guard {

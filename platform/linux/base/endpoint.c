@@ -5,6 +5,7 @@
 #include <errno.h>
 #include <netdb.h>
 #include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/socket.h>
@@ -12,6 +13,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include "drehgeber/api.h"
 #include "figure.h"
 
 /* Connections are accepted up to so often in a time. */
@@ -21,6 +23,10 @@
 #define TCP_PREFIX "tcp:"
 #define BACKLOG 16
 #define OWNER_ONLY 0177
+/* A TCP client whose machine is gone is noticed after a minute of silence and three questions. */
+#define KEEP_IDLE_S 60
+#define KEEP_INTERVAL_S 10
+#define KEEP_QUESTIONS 3
 #define PATH_SIZE (sizeof(struct sockaddr_un) - offsetof(struct sockaddr_un, sun_path))
 
 /* What is behind the prefix, or NULL. */
@@ -47,6 +53,12 @@ bool lx_host_port_split(const char *text, struct lx_host_port *out)
     out->host[n] = '\0';
     (void)snprintf(out->port, sizeof out->port, "%lu", (unsigned long)port);
     return n > 0;
+}
+
+void lx_host_port_print(const struct lx_host_port *self, char *to, size_t size)
+{
+    const bool six = strchr(self->host, ':') != NULL;
+    (void)snprintf(to, size, six ? "[%s]:%s" : "%s:%s", self->host, self->port);
 }
 
 int lx_endpoint_check(const char *where, struct lx_error *error)
@@ -179,6 +191,25 @@ static int bind_loopback(int fd, const struct sockaddr *address, socklen_t size)
     return bind_and_listen(fd, address, size);
 }
 
+int lx_tcp_listen(const struct lx_host_port *where, enum lx_endpoint_reach reach)
+{
+    return open_tcp(where, AI_PASSIVE, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK,
+                    reach == LX_ENDPOINT_ANY ? bind_and_listen : bind_loopback);
+}
+
+void lx_endpoint_keep_alive(int fd)
+{
+    const int rows[][3] = {
+        {SOL_SOCKET, SO_KEEPALIVE, 1},
+        {IPPROTO_TCP, TCP_KEEPIDLE, KEEP_IDLE_S},
+        {IPPROTO_TCP, TCP_KEEPINTVL, KEEP_INTERVAL_S},
+        {IPPROTO_TCP, TCP_KEEPCNT, KEEP_QUESTIONS},
+    };
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
+        (void)setsockopt(fd, rows[i][0], rows[i][1], &rows[i][2], sizeof rows[i][2]);
+    }
+}
+
 void lx_host_port_real(struct lx_host_port *self, int fd)
 {
     struct sockaddr_storage bound;
@@ -211,8 +242,7 @@ int lx_endpoint_listen(const char *where, enum lx_endpoint_reach reach, char *ad
         return listen_unix(path, error);
     }
     (void)lx_host_port_split(behind(where, TCP_PREFIX), &tcp);
-    const int fd = open_tcp(&tcp, AI_PASSIVE, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK,
-                            reach == LX_ENDPOINT_ANY ? bind_and_listen : bind_loopback);
+    const int fd = lx_tcp_listen(&tcp, reach);
     if (fd < 0) {
         return refuse(where, errno, error);
     }

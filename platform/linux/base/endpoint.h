@@ -22,6 +22,9 @@ struct lx_host_port {
 /** Take "host:port" or "[host]:port" apart. @return false: it is neither */
 bool lx_host_port_split(const char *text, struct lx_host_port *out);
 
+/** HOST:PORT as it is written, an IPv6 address in brackets. */
+void lx_host_port_print(const struct lx_host_port *self, char *to, size_t size);
+
 /** Fill in the port that a socket really has: of port 0 the kernel has chosen one. */
 void lx_host_port_real(struct lx_host_port *self, int fd);
 
@@ -33,6 +36,13 @@ enum lx_endpoint_reach {
     LX_ENDPOINT_LOOPBACK, /**< addresses of this machine's loopback only; others are refused */
     LX_ENDPOINT_ANY
 };
+
+/** A socket that listens there, without blocking. @return the descriptor, or -1 with errno; EPERM:
+ * beyond loopback, and not meant to be */
+int lx_tcp_listen(const struct lx_host_port *where, enum lx_endpoint_reach reach);
+
+/** Let a TCP client whose machine is gone be noticed after 90 seconds. */
+void lx_endpoint_keep_alive(int fd);
 
 /** Whether a socket is bound to an address that only this machine reaches (unix: yes). */
 bool lx_endpoint_is_loopback(int fd);

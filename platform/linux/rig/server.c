@@ -13,8 +13,6 @@
 #include "server.h"
 
 #include <errno.h>
-#include <netinet/in.h>
-#include <netinet/tcp.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -34,10 +32,6 @@
 #define OUTPUT_MAX ((size_t)2 * 1024 * 1024)
 #define NAME_MAX_BYTES 40u
 #define FOLDER_MODE 0700
-/* A TCP client whose machine is gone is noticed after a minute of silence and three questions. */
-#define KEEP_IDLE_S 60
-#define KEEP_INTERVAL_S 10
-#define KEEP_QUESTIONS 3
 
 /* A connection. */
 struct client {
@@ -346,19 +340,6 @@ static struct client *place(struct lx_server *self)
     return last;
 }
 
-static void keep_alive(int socket)
-{
-    const int rows[][3] = {
-        {SOL_SOCKET, SO_KEEPALIVE, 1},
-        {IPPROTO_TCP, TCP_KEEPIDLE, KEEP_IDLE_S},
-        {IPPROTO_TCP, TCP_KEEPINTVL, KEEP_INTERVAL_S},
-        {IPPROTO_TCP, TCP_KEEPCNT, KEEP_QUESTIONS},
-    };
-    for (size_t i = 0; i < DG_COUNT(rows); i++) {
-        (void)setsockopt(socket, rows[i][0], rows[i][1], &rows[i][2], sizeof rows[i][2]);
-    }
-}
-
 static int on_connection(sd_event_source *source, int fd, uint32_t events, void *ctx)
 {
     struct lx_server *self = ctx;
@@ -373,7 +354,7 @@ static int on_connection(sd_event_source *source, int fd, uint32_t events, void 
     client->guard = (struct lx_guard){.tcp = self->access.tcp,
                                       .token = self->token[0] == '\0' ? NULL : self->token};
     if (self->access.tcp) {
-        keep_alive(socket);
+        lx_endpoint_keep_alive(socket);
     }
     dg_control_init(&client->control, self->setup.rig, keep, client);
     if (sd_event_add_io(self->setup.event, &client->io, socket, EPOLLIN, on_event, client) < 0) {
