@@ -39,18 +39,35 @@ static int parse(const char *text, dg_ns *span)
     return -1;
 }
 
+/* One that has to be named is a device of the machine, and lives in its time. */
+static struct lx_words virtual_wires(void)
+{
+    struct lx_words right = {""};
+    size_t count = 0;
+    for (size_t i = 0; i < lx_wire_count; i++) {
+        count += lx_wires[i].where_needed ? 0u : 1u;
+    }
+    for (size_t i = 0, n = 0; i < lx_wire_count; i++) {
+        if (!lx_wires[i].where_needed) {
+            lx_words_item(&right, lx_wires[i].name, n++, count, " and ");
+        }
+    }
+    lx_words_add(&right, " are right");
+    return right;
+}
+
 int virtual_time_span(const char *text, const struct lx_plan *plan, dg_ns *span,
                       struct lx_error *error)
 {
     const size_t n = strlen(PREFIX);
+    const struct lx_words right = virtual_wires();
     if (strncasecmp(text, PREFIX, n) != 0 || parse(text + n, span) != 0) {
         return lx_refuse(error, RIGHT, "--time=%s: no such time", text);
     }
     for (size_t i = 0; i < plan->wire_count; i++) {
-        /* One that has to be named is a device of the machine, and lives in its time. */
         if (plan->wires[i].kind->where_needed) {
-            return lx_refuse(error, "pty, slcan, modbus and sim are right",
-                             "--time=%s: %s has real time", text, plan->wires[i].kind->name);
+            return lx_refuse(error, right.text, "--time=%s: %s has real time", text,
+                             plan->wires[i].kind->name);
         }
     }
     return 0;

@@ -20,9 +20,12 @@ static const struct {
     const char *arg;
     const char *what;
 } kinds[] = {
-    {"FILE", "file"},   {"DIR", "folder"},       {"LINK", "file"},     {"DEV", "device"},
-    {"IFNAME", "net"},  {"ADDRESS", "control"},  {"MOTION", "motion"}, {"KEY=VALUE", "key"},
-    {"MODELS", "ring"}, {"CHIP:MA,SLO", "chip"},
+    {"FILE", "file"},        {"DIR", "folder"},
+    {"LINK", "file"},        {"LINK|tcp:HOST:PORT", "file"},
+    {"DEV", "device"},       {"IFNAME", "net"},
+    {"ADDRESS", "control"},  {"MOTION", "motion"},
+    {"KEY=VALUE", "key"},    {"MODELS", "ring"},
+    {"CHIP:MA,SLO", "chip"},
 };
 
 static const char *kind_of(const char *arg)

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * A CAN bus on the event loop: frames in, frames out. Two kinds: SocketCAN (can_socket.c) and an
- * SLCAN adapter on a pseudo-terminal (slcan_pty.c).
+ * A CAN bus on the event loop: frames in, frames out. SocketCAN (can_socket.c), an SLCAN adapter on
+ * a pseudo-terminal (slcan_pty.c), and two that have TCP clients (can_net.c): SLCAN adapters
+ * (slcan_net.c), a socketcand (socketcand_net.c).
  *
  * What does not fit the wire at once waits in a queue that keeps the order. As long as it does, no
  * frames come in and the encoders' deadlines wait: whoever is busy sending is deaf to more work.
@@ -29,6 +30,13 @@
 #define LX_CAN_PACED_MAX 32u
 
 struct lx_can;
+
+/** A frame with an identifier of 11 or 29 bits. */
+struct lx_can_wide {
+    bool extended;
+    uint32_t id;
+    struct dg_can_frame frame; /**< its `id` counts when it is not extended */
+};
 
 /** What a kind of bus does in its own way. Nothing here blocks. */
 struct lx_can_ops {
@@ -106,13 +114,18 @@ struct lx_can {
     size_t capacity;
     struct lx_can_counters counters;
     enum lx_can_company company;
+    uint16_t expected;                /**< the encoders' bit rate, in kBd, where that matters */
     const char *kind;                 /**< "can" or "slcan" */
     char address[LX_CAN_ADDRESS_MAX]; /**< interface, or what a master opens */
 };
 
 /** Opens one kind of bus. @return NULL with one line in `error` */
 typedef struct lx_can *lx_can_open(const struct lx_can_setup *setup, struct lx_error *error);
-lx_can_open lx_can_socket_open, lx_slcan_open;
+lx_can_open lx_can_socket_open, lx_slcan_pty_open, lx_slcan_net_open, lx_socketcand_open;
+
+/** Whether `where` is an address of a kind that has TCP clients. @return 0, or -1 with `error` */
+int lx_slcan_net_check(const char *where, struct lx_error *error);
+int lx_socketcand_check(const char *where, struct lx_error *error);
 
 /** Whether the kernel has CAN at all. */
 bool lx_can_in_kernel(void);

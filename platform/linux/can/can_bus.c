@@ -370,5 +370,18 @@ struct lx_bus *lx_can_bus_make_socket(const struct lx_bus_setup *setup, struct l
 
 struct lx_bus *lx_can_bus_make_slcan(const struct lx_bus_setup *setup, struct lx_error *error)
 {
-    return lx_can_bus_make(setup, lx_slcan_open, error);
+    static const char tcp[] = "tcp:";
+    const char *where = setup->wire->where;
+    if (where == NULL || strncmp(where, tcp, strlen(tcp)) != 0) {
+        return lx_can_bus_make(setup, lx_slcan_pty_open, error);
+    }
+    return lx_slcan_net_check(where, error) == 0 ? lx_can_bus_make(setup, lx_slcan_net_open, error)
+                                                 : NULL;
+}
+
+struct lx_bus *lx_can_bus_make_socketcand(const struct lx_bus_setup *setup, struct lx_error *error)
+{
+    return lx_socketcand_check(setup->wire->where, error) == 0
+               ? lx_can_bus_make(setup, lx_socketcand_open, error)
+               : NULL;
 }

@@ -23,10 +23,8 @@
 #include <termios.h>
 #include <unistd.h>
 
-#include "can.h"
-#include "can_load.h"
-#include "drehgeber/slcan.h"
 #include "serial.h"
+#include "slcan_channel.h"
 
 /* Frames that wait for the others of their moment; about as much as a pty takes at once. */
 #define FRAMES_MAX 4096u
@@ -41,13 +39,11 @@
 struct slcan_pty {
     struct lx_can can;
     struct lx_serial *serial;
-    struct dg_slcan codec;
+    struct lx_slcan_channel channel;
     int slave; /* held open: to drop what a master has not read */
     sd_event_source *openings;
-    int masters;       /* descriptors of others on the port */
-    bool taking;       /* a character, of which more may come of than it has so far */
-    uint16_t expected; /* the encoders' bit rate, in kBd */
-    bool mismatch;     /* the channel has another one, and the user has been told */
+    int masters; /* descriptors of others on the port */
+    bool taking; /* a character, of which more may come of than it has so far */
     uint8_t output[OUTPUT_MAX];
     size_t output_count;
 };
@@ -110,12 +106,12 @@ static bool write_frame(struct lx_can *can, const struct dg_can_frame *frame)
     if (self->output_count > FRAMES_MAX && !flush(can)) {
         return false;
     }
-    if (self->codec.state == DG_SLCAN_CLOSED || !anybody_reads(self)) {
+    if (self->channel.codec.state == DG_SLCAN_CLOSED || !anybody_reads(self)) {
         can->counters.lost++;
         return true;
     }
     char *to = (char *)self->output + self->output_count;
-    self->output_count += dg_slcan_print(&self->codec, frame, lx_now() / DG_MS(1), to);
+    self->output_count += dg_slcan_print(&self->channel.codec, frame, lx_now() / DG_MS(1), to);
     return true;
 }
 
@@ -123,57 +119,30 @@ static bool write_frame(struct lx_can *can, const struct dg_can_frame *frame)
 
 static bool hears(const struct lx_can *can, uint16_t kbaud)
 {
-    const struct dg_slcan *codec = &((const struct slcan_pty *)can)->codec;
-    return codec->state != DG_SLCAN_CLOSED && (codec->kbaud == 0 || codec->kbaud == kbaud);
+    return lx_slcan_hears(&((const struct slcan_pty *)can)->channel, kbaud);
 }
 
 static uint32_t bit_rate(const struct lx_can *can)
 {
-    return 1000u * ((const struct slcan_pty *)can)->codec.kbaud;
-}
-
-/* Once per episode, which rate would be right. */
-static void check_rate(struct slcan_pty *self)
-{
-    if (self->codec.state == DG_SLCAN_CLOSED) {
-        return;
-    }
-    const bool differs = !hears(&self->can, self->expected);
-    if (differs && !self->mismatch) {
-        lx_note(self->can.setup.say,
-                "the master has opened the channel at %u kBd, the encoder expects %u kBd",
-                self->codec.kbaud, self->expected);
-    }
-    self->mismatch = differs;
+    return 1000u * ((const struct slcan_pty *)can)->channel.codec.kbaud;
 }
 
 static void expect(struct lx_can *can, uint16_t kbaud)
 {
-    pty_of(can)->expected = kbaud;
-    check_rate(pty_of(can));
+    can->expected = kbaud;
+    lx_slcan_check(&pty_of(can)->channel, can->setup.say, kbaud);
 }
 
 /* --- in --- */
 
-static void take_line(struct slcan_pty *self, dg_ns now, const struct dg_slcan_event *event,
-                      enum dg_slcan_state before)
+static void put_reply(struct slcan_pty *self, const char *reply)
 {
-    const struct lx_can_setup *setup = &self->can.setup;
-    const size_t n = strlen(event->reply);
+    const size_t n = strlen(reply);
     if (self->output_count > FRAMES_MAX) {
         send_output(self);
     }
-    memcpy(self->output + self->output_count, event->reply, n);
+    memcpy(self->output + self->output_count, reply, n);
     self->output_count += n;
-    if (event->has_frame) {
-        setup->rx(setup->ctx, now, &event->frame);
-        setup->settle(setup->ctx, now);
-    } else if (event->extended) {
-        lx_can_count(&self->can, LX_CAN_EXTENDED_BITS(1u, lx_can_bytes(&event->frame)));
-    } else if (self->codec.state != before) {
-        check_rate(self);
-        setup->settle(setup->ctx, now);
-    }
 }
 
 /* Line by line: one whose answer does not fit the pty stalls the bus, and that pauses the port. */
@@ -181,10 +150,12 @@ static void on_character(void *ctx, dg_ns now, const struct lx_character *charac
 {
     struct slcan_pty *self = ctx;
     struct dg_slcan_event event;
-    const enum dg_slcan_state before = self->codec.state;
+    struct dg_slcan *codec = &self->channel.codec;
+    const enum dg_slcan_state before = codec->state;
     self->taking = true;
-    if (dg_slcan_feed(&self->codec, character->byte, &event)) {
-        take_line(self, now, &event, before);
+    if (dg_slcan_feed(codec, character->byte, &event)) {
+        put_reply(self, event.reply);
+        lx_slcan_act(&self->channel, &self->can, now, &event, codec->state != before);
     }
     self->taking = false;
     if (self->serial->more == 0) {
@@ -202,7 +173,7 @@ static void pause_reading(struct lx_can *can, bool paused)
 /* Nobody any more: what they have not read is not for the next one. */
 static void forget(struct slcan_pty *self)
 {
-    dg_slcan_resync(&self->codec);
+    dg_slcan_resync(&self->channel.codec);
     lx_can_discard(&self->can);
     drop_output(self);
     (void)tcflush(self->slave, TCIFLUSH);
@@ -260,8 +231,7 @@ static void back(void *ctx)
     struct slcan_pty *self = ctx;
     forget(self);
     unwatch_openings(self);
-    self->codec = (struct dg_slcan){.state = DG_SLCAN_CLOSED};
-    self->mismatch = false;
+    self->channel = (struct lx_slcan_channel){.mismatch = false};
     self->masters = 0;
     const int result = use_address(self);
     if (result < 0) {
@@ -320,7 +290,7 @@ static int start(struct slcan_pty *self, struct lx_error *error)
                       : 0;
 }
 
-struct lx_can *lx_slcan_open(const struct lx_can_setup *setup, struct lx_error *error)
+struct lx_can *lx_slcan_pty_open(const struct lx_can_setup *setup, struct lx_error *error)
 {
     struct slcan_pty *self = calloc(1, sizeof *self);
     if (self == NULL) {

@@ -56,16 +56,18 @@ static int check_where(const struct lx_plan *plan, const struct lx_plan_section 
     return 0;
 }
 
+/* Port 0 behind the last colon, whatever words follow it. */
+static bool is_any_port(const char *where)
+{
+    const char *port = strrchr(where, ':');
+    return port != NULL && port[1] == '0' && (port[2] == '\0' || port[2] == ',');
+}
+
 /* Whether no other wire may have this address; a free port anybody may. */
 static bool is_taken_up(const struct lx_plan_wire *self)
 {
-    static const char any[] = ":0";
-    if (self->where == NULL) {
-        return false;
-    }
-    const size_t n = strlen(self->where);
-    return self->kind->where_is_path || n < strlen(any) ||
-           strcmp(self->where + n - strlen(any), any) != 0;
+    return self->where != NULL &&
+           (lx_wire_is_path(self->kind, self->where) || !is_any_port(self->where));
 }
 
 /* Paths are one scope, whatever wire is there; other addresses are each kind's own. */
@@ -73,7 +75,7 @@ static struct lx_plan_name place_of(const struct lx_plan_wire *self)
 {
     return (struct lx_plan_name){
         .list = LX_PLAN_PLACE,
-        .scope = self->kind->where_is_path ? 0 : (uintptr_t)self->kind,
+        .scope = lx_wire_is_path(self->kind, self->where) ? 0 : (uintptr_t)self->kind,
         .text = self->where,
     };
 }
@@ -123,7 +125,7 @@ int lx_plan_take_wire(struct lx_plan *plan, const struct lx_plan_section *self,
         return lx_plan_taken(plan, self, plan->wires[same].line, error);
     }
     if (check_where(plan, self, kind, where, error) != 0 ||
-        (where->text != NULL && kind->where_is_path &&
+        (lx_wire_is_path(kind, where->text) &&
          lx_plan_take_path(plan, where->text, &path, error) != 0)) {
         return -1;
     }

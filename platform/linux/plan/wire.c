@@ -18,6 +18,13 @@ bool lx_wire_is_optional(const struct lx_wire *self)
     return self->where != NULL && !self->where_needed && self->usual == NULL;
 }
 
+bool lx_wire_is_path(const struct lx_wire *self, const char *where)
+{
+    static const char tcp[] = "tcp:";
+    return self->where_is_path && where != NULL &&
+           !(self->where_may_be_tcp && strncmp(where, tcp, strlen(tcp)) == 0);
+}
+
 bool lx_wire_carries(const struct lx_wire *self, const struct lx_stack *stack)
 {
     for (size_t i = 0; i < LX_WIRE_STACKS_MAX && self->stacks[i] != NULL; i++) {

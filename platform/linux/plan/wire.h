@@ -33,9 +33,10 @@ struct lx_wire {
     const void *defaults;       /**< what they set, as nobody has set it */
     bool simulated;             /**< runs by the rig's clock, which may be slowed down */
     bool where_needed;
-    bool where_is_path;  /**< a file name: in a rig file relative to its folder */
-    bool where_in_trace; /**< its address is the name of the wire in a trace */
-    const char *help;    /**< what it is, in one line */
+    bool where_is_path;    /**< a file name: in a rig file relative to its folder */
+    bool where_may_be_tcp; /**< ... or tcp:HOST:PORT */
+    bool where_in_trace;   /**< its address is the name of the wire in a trace */
+    const char *help;      /**< what it is, in one line */
 };
 
 /** All kinds. */
@@ -47,6 +48,9 @@ const struct lx_wire *lx_wire_find(const char *name, size_t n);
 
 /** Whether the bus finds an address by itself. */
 bool lx_wire_is_optional(const struct lx_wire *self);
+
+/** Whether an address of it is a path. */
+bool lx_wire_is_path(const struct lx_wire *self, const char *where);
 
 /** Whether encoders of `stack` can be on it. */
 bool lx_wire_carries(const struct lx_wire *self, const struct lx_stack *stack);

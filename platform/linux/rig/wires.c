@@ -16,14 +16,15 @@ const size_t lx_stack_count = DG_COUNT(lx_stacks);
 
 /* clang-format off */
 const struct lx_wire lx_wires[] = {
-    /* name     stations           make                    carries            address        usual             keys           defaults           simul. needed path   traced help */
-    {"pty",     32,                lx_hf_bus_make_pty,     {&lx_hf_stack},    "LINK",        NULL,             NULL,          NULL,              false, false, true,  false,  "RS485 on a pseudo-terminal, and a symbolic link to it while it runs"},
-    {"tty",     32,                lx_hf_bus_make_tty,     {&lx_hf_stack},    "DEV",         NULL,             NULL,          NULL,              false, true,  true,  false,  "RS485 on a serial port; data rate and parity are the encoder's own"},
-    {"sim",     DG_BISS_CHAIN_MAX, lx_sim_bus_make,        {&lx_biss_stack, &lx_ssi_stack}, NULL,          NULL,             &lx_sim_keys,  &lx_sim_timing,    true,  false, false, false, "BiSS or SSI on a simulated wire with a master that reads positions"},
-    {"gpio",    1,                 lx_gpio_bus_make,       {&lx_biss_stack, &lx_ssi_stack}, "CHIP:CLOCK,DATA", NULL,             NULL,          NULL,              false, true,  false, false, "BiSS (MA, SLO) or SSI (clock, data) on two lines of a GPIO chip: its name, path or label, and their offsets, e.g. gpiochip0:4,5"},
-    {"can",     DG_CO_NET_NODES,   lx_can_bus_make_socket, {&lx_can_stack},   "IFNAME",      NULL,             &lx_can_keys,  &lx_can_pace,      false, true,  false, true,  "CAN on a network interface (SocketCAN)"},
-    {"slcan",   DG_CO_NET_NODES,   lx_can_bus_make_slcan,  {&lx_can_stack},   "LINK",        NULL,             &lx_can_keys,  &lx_can_pace,      false, false, true,  false,  "CAN behind an SLCAN adapter on a pseudo-terminal"},
-    {"modbus",  DG_IB_RING_MAX,    lx_ring_bus_make,       {&lx_ib_stack},    "HOST:PORT",   "127.0.0.1:5020", &lx_ring_keys, &lx_ring_defaults, false, false, false, false, "INTERBUS: the Modbus/TCP coupler in front of the ring"},
+    /* name        stations           make                        carries            address                usual                     keys           defaults           simul. needed path   or tcp traced help */
+    {"pty",        32,                lx_hf_bus_make_pty,         {&lx_hf_stack},    "LINK",                NULL,                     NULL,          NULL,              false, false, true,  false, false,  "RS485 on a pseudo-terminal, and a symbolic link to it while it runs"},
+    {"tty",        32,                lx_hf_bus_make_tty,         {&lx_hf_stack},    "DEV",                 NULL,                     NULL,          NULL,              false, true,  true,  false, false,  "RS485 on a serial port; data rate and parity are the encoder's own"},
+    {"sim",        DG_BISS_CHAIN_MAX, lx_sim_bus_make,            {&lx_biss_stack, &lx_ssi_stack}, NULL,    NULL,                     &lx_sim_keys,  &lx_sim_timing,    true,  false, false, false, false,  "BiSS or SSI on a simulated wire with a master that reads positions"},
+    {"gpio",       1,                 lx_gpio_bus_make,           {&lx_biss_stack, &lx_ssi_stack}, "CHIP:CLOCK,DATA", NULL,           NULL,          NULL,              false, true,  false, false, false,  "BiSS (MA, SLO) or SSI (clock, data) on two lines of a GPIO chip: its name, path or label, and their offsets, e.g. gpiochip0:4,5"},
+    {"can",        DG_CO_NET_NODES,   lx_can_bus_make_socket,     {&lx_can_stack},   "IFNAME",              NULL,                     &lx_can_keys,  &lx_can_pace,      false, true,  false, false, true,   "CAN on a network interface (SocketCAN)"},
+    {"slcan",      DG_CO_NET_NODES,   lx_can_bus_make_slcan,      {&lx_can_stack},   "LINK|tcp:HOST:PORT",  NULL,                     &lx_can_keys,  &lx_can_pace,      false, false, true,  true,  false,  "CAN behind an SLCAN adapter on a pseudo-terminal, or on a TCP port, one for each client"},
+    {"socketcand", DG_CO_NET_NODES,   lx_can_bus_make_socketcand, {&lx_can_stack},   "HOST:PORT[,BUS]",     "127.0.0.1:29536",        &lx_can_keys,  &lx_can_pace,      false, false, false, false, false,  "CAN behind a socketcand on a TCP port; BUS: the name that clients have to open it by"},
+    {"modbus",     DG_IB_RING_MAX,    lx_ring_bus_make,           {&lx_ib_stack},    "HOST:PORT",           "127.0.0.1:5020",         &lx_ring_keys, &lx_ring_defaults, false, false, false, false, false,  "INTERBUS: the Modbus/TCP coupler in front of the ring"},
 };
 /* clang-format on */
 

@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: MIT */
+#include "slcan_channel.h"
+
+#include "can_load.h"
+
+bool lx_slcan_hears(const struct lx_slcan_channel *self, uint16_t kbaud)
+{
+    const struct dg_slcan *codec = &self->codec;
+    return codec->state != DG_SLCAN_CLOSED && (codec->kbaud == 0 || codec->kbaud == kbaud);
+}
+
+void lx_slcan_check(struct lx_slcan_channel *self, const struct lx_say *say, uint16_t expected)
+{
+    if (self->codec.state == DG_SLCAN_CLOSED) {
+        return;
+    }
+    const bool differs = !lx_slcan_hears(self, expected);
+    if (differs && !self->mismatch) {
+        lx_note(say, "the master has opened the channel at %u kBd, the encoder expects %u kBd",
+                self->codec.kbaud, expected);
+    }
+    self->mismatch = differs;
+}
+
+void lx_slcan_act(struct lx_slcan_channel *self, struct lx_can *can, dg_ns now,
+                  const struct dg_slcan_event *event, bool switched)
+{
+    const struct lx_can_setup *setup = &can->setup;
+    if (event->has_frame) {
+        setup->rx(setup->ctx, now, &event->frame);
+        setup->settle(setup->ctx, now);
+    } else if (event->extended) {
+        lx_can_count(can, LX_CAN_EXTENDED_BITS(1u, lx_can_bytes(&event->frame)));
+    } else if (switched) {
+        lx_slcan_check(self, setup->say, can->expected);
+        setup->settle(setup->ctx, now);
+    }
+}
