@@ -267,3 +267,9 @@ struct lx_bus *lx_hf_bus_make_tty(const struct lx_bus_setup *setup, struct lx_er
 {
     return make(setup, lx_tty_open, error);
 }
+
+struct lx_bus *lx_hf_bus_make_net(const struct lx_bus_setup *setup, struct lx_error *error)
+{
+    return lx_net_port_check(setup->wire->where, error) == 0 ? make(setup, lx_net_port_open, error)
+                                                             : NULL;
+}

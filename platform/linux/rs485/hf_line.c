@@ -15,6 +15,7 @@
  */
 #include "hf_line.h"
 
+#include <ctype.h>
 #include <stdio.h>
 
 bool lx_hf_powered(const struct lx_hf_drop *self)
@@ -170,14 +171,20 @@ void lx_hf_on_time(void *ctx, dg_ns now)
 static void tell_mismatch(struct lx_hf_bus *self, const struct lx_hf_drop *first)
 {
     const uint32_t baud = self->port->baud;
-    char speed[24] = "another speed";
-    if (baud != 0) {
-        (void)snprintf(speed, sizeof speed, "%lu Bd", (unsigned long)baud);
+    const char parity = self->port->parity;
+    struct lx_words speed = {"another speed"};
+    if (baud != 0 && baud != LX_BAUD_ANY) {
+        (void)snprintf(speed.text, sizeof speed.text, "%lu Bd", (unsigned long)baud);
+    }
+    if (parity != 0 && isalpha((unsigned char)parity) != 0) {
+        lx_words_add(&speed, " 8%c1", parity);
+    } else if (parity != 0) {
+        lx_words_add(&speed, " without 8 data bits");
     }
     lx_note(self->bus.setup.say,
             "the master talks at %s, the encoder expects %lu Bd 8%c1; line=any takes any "
             "data rate",
-            speed, (unsigned long)first->uart.baud, first->uart.parity);
+            speed.text, (unsigned long)first->uart.baud, first->uart.parity);
 }
 
 /* Said when nobody on the line can read the master. */
@@ -223,11 +230,14 @@ static void listen(struct lx_hf_drop *self, const struct lx_coming *coming)
 }
 
 /* What the master sends at, as far as it is known; else what the port is set to. */
-static struct lx_uart uart_of(const struct lx_hf_bus *self, uint32_t baud)
+static struct lx_uart uart_of(const struct lx_hf_bus *self, uint32_t baud, char parity)
 {
     struct lx_uart uart = self->port->uart;
     if (baud != LX_BAUD_ANY && baud != 0) {
         uart.baud = baud;
+    }
+    if (parity == 'N' || parity == 'E' || parity == 'O') {
+        uart.parity = parity;
     }
     return uart;
 }
@@ -237,7 +247,7 @@ static void arrive(struct lx_hf_bus *self, const struct lx_coming *coming)
 {
     struct lx_coming heard = *coming;
     if (self->paced && lx_tap_on(&self->bus.tap)) {
-        const struct lx_uart uart = uart_of(self, coming->baud);
+        const struct lx_uart uart = uart_of(self, coming->baud, coming->parity);
         tell(self, coming->end, false, &uart, &coming->character);
     }
     if (anybody_sends(self, coming->end)) {
@@ -271,7 +281,7 @@ static dg_ns duration_of(const struct lx_uart *uart)
    ended now, and the others before it, as far as that is after what was told before. */
 static void tell_received(struct lx_hf_bus *self, dg_ns now, const struct lx_character *character)
 {
-    const struct lx_uart uart = uart_of(self, self->port->baud);
+    const struct lx_uart uart = uart_of(self, self->port->baud, self->port->parity);
     const dg_ns each = duration_of(&uart);
     const dg_ns spread_at = dg_elapsed(now, each * self->port->more);
     const dg_ns earliest = self->told + each;
@@ -283,7 +293,7 @@ static void tell_received(struct lx_hf_bus *self, dg_ns now, const struct lx_cha
 /* A character that a pty hands over begins now, or behind those that are on the line. */
 static void take_in(struct lx_hf_bus *self, dg_ns now, const struct lx_coming *coming)
 {
-    const struct lx_uart uart = uart_of(self, coming->baud);
+    const struct lx_uart uart = uart_of(self, coming->baud, coming->parity);
     if (self->intake.end < now && self->intake.count == 0) {
         begin(self, now);
     }

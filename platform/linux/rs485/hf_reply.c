@@ -138,6 +138,8 @@ static void emit(struct lx_hf_drop *self, dg_ns at, uint8_t byte, size_t index)
     }
     merge(self, at, &character, true);
     if (pace_of(self) != PACE_UART) {
+        self->all->port->sends =
+            self->settings.any_line ? (struct lx_uart){LX_BAUD_ANY, 0} : lx_hf_uart(&self->uart);
         lx_serial_put(self->all->port, &character.byte, 1);
     }
     lx_hf_spread(self, at, &character);

@@ -56,6 +56,9 @@ bool lx_serial_up(const struct lx_serial *self)
 size_t lx_serial_send(struct lx_serial *self, const uint8_t *bytes, size_t n)
 {
     size_t sent = 0;
+    if (self->ops->send != NULL) {
+        return self->ops->send(self, bytes, n);
+    }
     while (sent < n && lx_serial_up(self)) {
         const ssize_t done = write(self->fd, bytes + sent, n - sent);
         if (done < 0 && errno == EINTR) {
@@ -160,6 +163,7 @@ int lx_serial_start(struct lx_serial *self, const struct lx_serial_ops *ops,
     self->ops = ops;
     self->setup = *setup;
     self->uart = setup->uart;
+    self->sends = setup->uart;
     self->baud = LX_BAUD_ANY;
     self->fd = -1;
     const int result = lx_timer_open(&self->reopen, setup->event, try_again, self);

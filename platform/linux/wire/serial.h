@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * A serial port on the event loop: characters in, characters out. Two kinds: a pseudo-terminal
- * (pty.c) and a real UART (tty.c). One that has gone is looked for once a second.
+ * A serial port on the event loop: characters in, characters out. Three kinds: a pseudo-terminal
+ * (pty.c), a real UART (tty.c) and a TCP port (net_port.c). One that has gone is looked for once a
+ * second.
  */
 #ifndef DREHGEBER_LINUX_SERIAL_H
 #define DREHGEBER_LINUX_SERIAL_H
@@ -36,6 +37,8 @@ struct lx_serial_ops {
     int (*open)(struct lx_serial *self, struct lx_error *error);
     /** The line's UART setting has changed to self->uart. NULL: nobody to tell. */
     void (*apply)(struct lx_serial *self);
+    /** Send what there is room for. @return how many bytes. NULL: they are written to self->fd. */
+    size_t (*send)(struct lx_serial *self, const uint8_t *bytes, size_t n);
     /** read() gave `n` bytes at `now`: fill in self->baud and self->parity.
      * @return how many of them stand before the characters */
     size_t (*received)(struct lx_serial *self, dg_ns now, const uint8_t *bytes, size_t n);
@@ -53,7 +56,7 @@ struct lx_serial_ops {
 struct lx_serial_setup {
     sd_event *event;
     const struct lx_say *say;
-    const char *where;   /**< device or link; NULL: a link is not wanted */
+    const char *where;   /**< device, link or TCP port; NULL: a link is not wanted */
     struct lx_uart uart; /**< setting in force */
     uint32_t found_baud; /**< what a pty is set to, for a master that does not set it */
     bool any_line;       /**< nobody asks for the data rate of a pty's master */
@@ -73,9 +76,11 @@ struct lx_serial_counters {
 struct lx_serial {
     const struct lx_serial_ops *ops;
     struct lx_serial_setup setup;
-    struct lx_uart uart; /**< the line's setting */
-    bool timed;          /**< a UART does the timing: characters are put at once */
-    int fd;              /**< -1 while the port is gone */
+    struct lx_uart uart;  /**< the line's setting */
+    struct lx_uart sends; /**< that of who sends next, as several may be on a line; LX_BAUD_ANY and
+                             parity 0: right for everybody */
+    bool timed;           /**< a UART does the timing: characters are put at once */
+    int fd;               /**< -1 while the port is gone */
     sd_event_source *io;
     bool paused;
     uint8_t chunk[LX_SERIAL_CHUNK]; /**< read, and not yet handed to setup.rx(): */
@@ -96,6 +101,12 @@ struct lx_serial *lx_pty_open(const struct lx_serial_setup *setup, struct lx_err
 
 /** Open a UART. @return NULL with one line in `error` */
 struct lx_serial *lx_tty_open(const struct lx_serial_setup *setup, struct lx_error *error);
+
+/** Listen for TCP clients. @return NULL with one line in `error` */
+struct lx_serial *lx_net_port_open(const struct lx_serial_setup *setup, struct lx_error *error);
+
+/** Whether `where` is an address of a TCP port. @return 0, or -1 with `error` */
+int lx_net_port_check(const char *where, struct lx_error *error);
 
 /** Close any of them; NULL is fine. */
 void lx_serial_close(struct lx_serial *self);

@@ -275,7 +275,7 @@ static const struct {
      "3: motion: stands in line 2 already; one of them is right"},
     {"[bus b]\n", "1: [bus b]: without a wire; wire = pty, for one, is right"},
     {"[bus b]\nwire = rope\n",
-     "2: wire: rope is no kind of wire; pty, tty, sim, gpio, can, slcan, socketcand and modbus are right"},
+     "2: wire: rope is no kind of wire; pty, tty, rs485, sim, gpio, can, slcan, socketcand and modbus are right"},
     {"[bus b]\nwire = slcan:/x\n",
      "2: wire: slcan:/x is a kind and an address; wire = slcan and address = /x in a line each are right"},
     {"[shaft a]\nmotion = 90\n",

@@ -1,0 +1,226 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * A serial port that is a TCP port: its clients are on the line, each hears all others and the
+ * encoders. Over tcp:HOST:PORT characters are bytes, and right for everybody; over
+ * rfc2217:HOST:PORT each client has a UART with a setting, and what it hears at another one is
+ * damaged, as it is to the encoders.
+ */
+#define _GNU_SOURCE
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "drehgeber/api.h"
+#include "peers.h"
+#include "rfc2217.h"
+#include "serial.h"
+
+/* A client that has sent its last character still hears the answer. */
+#define LINGER DG_S(2)
+#define DATA_BITS 8u
+/* No parity that an encoder could have. */
+#define NO_SUCH_PARITY '?'
+
+/* A character on its way to a client, with the setting it is sent at. */
+struct sound {
+    uint32_t baud; /* LX_BAUD_ANY: nobody knows */
+    char parity;   /* 0: likewise */
+    uint8_t byte;
+};
+
+struct net_port {
+    struct lx_serial serial;
+    struct lx_peers_where where;
+    struct lx_peers peers;
+    bool telnet;
+};
+
+static struct net_port *port_of(struct lx_serial *serial)
+{
+    return (struct net_port *)serial;
+}
+
+/* --- clients hear --- */
+
+static uint32_t baud_of(const struct lx_rfc2217 *client)
+{
+    return client->baud == 0 ? LX_BAUD_ANY : client->baud;
+}
+
+static char parity_of(const struct lx_rfc2217 *client)
+{
+    return client->data_bits == 0 || client->data_bits == DATA_BITS ? client->parity
+                                                                    : NO_SUCH_PARITY;
+}
+
+/* Another data rate leaves nothing of a character; another format its bits, as far as they go. */
+static size_t print(const struct lx_rfc2217 *client, const struct sound *sound,
+                    uint8_t to[LX_RFC2217_TEXT_MAX])
+{
+    const uint32_t baud = baud_of(client);
+    const char parity = parity_of(client);
+    const uint8_t bits = client->data_bits == 0 ? DATA_BITS : client->data_bits;
+    if (baud != LX_BAUD_ANY && sound->baud != LX_BAUD_ANY && baud != sound->baud) {
+        return lx_rfc2217_print(client, 0, LX_RFC2217_FRAMING, to);
+    }
+    const bool fits = parity == 0 || sound->parity == 0 || parity == sound->parity;
+    return lx_rfc2217_print(client, (uint8_t)(sound->byte & ((1u << bits) - 1u)),
+                            fits ? 0 : LX_RFC2217_PARITY, to);
+}
+
+static bool tell(const struct net_port *self, struct lx_peer *peer, const struct sound *sound)
+{
+    const struct lx_rfc2217 *client = (const void *)peer->own;
+    uint8_t text[LX_RFC2217_TEXT_MAX];
+    if (!self->telnet) {
+        return lx_peer_put(peer, &sound->byte, 1);
+    }
+    return !client->suspended && lx_peer_put(peer, text, print(client, sound, text));
+}
+
+/* @return how many have heard it */
+static size_t tell_all(struct net_port *self, const struct lx_peer *from, const struct sound *sound)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < LX_PEERS_MAX; i++) {
+        struct lx_peer *peer = self->peers.peer[i];
+        if (peer != NULL && peer != from) {
+            const bool heard = tell(self, peer, sound);
+            self->serial.counters.lost += heard ? 0u : 1u;
+            count++;
+        }
+    }
+    return count;
+}
+
+static size_t send(struct lx_serial *serial, const uint8_t *bytes, size_t n)
+{
+    struct net_port *self = port_of(serial);
+    size_t sent = 0;
+    for (size_t i = 0; i < n; i++) {
+        const struct sound sound = {serial->sends.baud, serial->sends.parity, bytes[i]};
+        sent += tell_all(self, NULL, &sound) > 0 ? 1u : 0u;
+    }
+    lx_peers_flush(&self->peers);
+    return sent;
+}
+
+/* --- clients speak --- */
+
+static void take(struct net_port *self, const struct lx_peer *from, dg_ns now,
+                 const struct lx_character *character)
+{
+    struct lx_serial *serial = &self->serial;
+    const struct sound sound = {serial->baud, serial->parity, character->byte};
+    (void)tell_all(self, from, &sound);
+    serial->setup.rx(serial->setup.ctx, now, character);
+}
+
+static void on_byte(void *ctx, struct lx_peer *peer, dg_ns now, uint8_t byte, size_t more)
+{
+    struct net_port *self = ctx;
+    struct lx_serial *serial = &self->serial;
+    struct lx_rfc2217 *client = (void *)peer->own;
+    struct lx_character character = {.byte = byte};
+    struct lx_rfc2217_event event = {.what = LX_RFC2217_CHARACTER, .character = byte};
+    serial->more = more;
+    serial->baud = LX_BAUD_ANY;
+    serial->parity = 0;
+    if (self->telnet) {
+        lx_rfc2217_feed(client, &serial->uart, byte, &event);
+        lx_peer_answer(peer, event.answer, event.length);
+        serial->baud = baud_of(client);
+        serial->parity = parity_of(client);
+        character.byte = event.what == LX_RFC2217_BREAK ? 0 : event.character;
+        character.damaged = event.what == LX_RFC2217_BREAK;
+    }
+    if (event.what != LX_RFC2217_NOTHING) {
+        take(self, peer, now, &character);
+    }
+}
+
+/* --- the operations --- */
+
+static const struct {
+    const char *prefix;
+    bool telnet;
+} kinds[] = {{"tcp:", false}, {"rfc2217:", true}};
+
+/* The row of the kind, `out` is what stands behind it; NULL: there is none. */
+static const char *split(const char *where, struct lx_peers_where *out, bool *telnet)
+{
+    for (size_t i = 0; i < DG_COUNT(kinds); i++) {
+        const size_t n = strlen(kinds[i].prefix);
+        if (strncmp(where, kinds[i].prefix, n) == 0 && lx_peers_split(where + n, out) &&
+            out->word[0] == '\0') {
+            *telnet = kinds[i].telnet;
+            return kinds[i].prefix;
+        }
+    }
+    return NULL;
+}
+
+int lx_net_port_check(const char *where, struct lx_error *error)
+{
+    struct lx_peers_where ignored;
+    bool telnet = false;
+    return split(where, &ignored, &telnet) != NULL
+               ? 0
+               : lx_refuse(
+                     error,
+                     "rfc2217:HOST:PORT or tcp:HOST:PORT, with ,open behind it or not, is right",
+                     "%s", "");
+}
+
+static int open_net(struct lx_serial *serial, struct lx_error *error)
+{
+    struct net_port *self = port_of(serial);
+    const char *prefix = split(serial->setup.where, &self->where, &self->telnet);
+    const struct lx_peers_setup peers = {
+        .event = serial->setup.event,
+        .say = serial->setup.say,
+        .name = self->telnet ? "rs485:rfc2217" : "rs485:tcp",
+        .where = &self->where,
+        .own_size = sizeof(struct lx_rfc2217),
+        .linger = LINGER,
+        .byte = on_byte,
+        .ctx = self,
+    };
+    if (prefix == NULL) {
+        return lx_net_port_check(serial->setup.where, error);
+    }
+    if (lx_peers_open(&self->peers, &peers, error) != 0) {
+        return -1;
+    }
+    serial->fd = self->peers.listener;
+    (void)snprintf(serial->address, sizeof serial->address, "%s%s", prefix, self->peers.address);
+    return 0;
+}
+
+static void shut_net(struct lx_serial *serial)
+{
+    lx_peers_close(&port_of(serial)->peers);
+    serial->fd = -1; /* it was theirs */
+}
+
+static const struct lx_serial_ops net_ops = {
+    .again = "listening there again",
+    .open = open_net,
+    .send = send,
+    .shut = shut_net,
+};
+
+struct lx_serial *lx_net_port_open(const struct lx_serial_setup *setup, struct lx_error *error)
+{
+    struct net_port *self = calloc(1, sizeof *self);
+    if (self == NULL) {
+        (void)lx_fail(error, "no memory for a port");
+        return NULL;
+    }
+    self->peers.listener = -1;
+    if (lx_serial_start(&self->serial, &net_ops, setup, error) != 0) {
+        lx_serial_close(&self->serial);
+        return NULL;
+    }
+    return &self->serial;
+}

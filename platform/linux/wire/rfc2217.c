@@ -1,0 +1,324 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Telnet (RFC 854, 855) in five states, and under the COM port option one row for each command:
+ * how many bytes its value has, and what it does. Every setting is answered with what is in force.
+ */
+#include "rfc2217.h"
+
+#include <string.h>
+
+#include "drehgeber/api.h"
+#include "drehgeber/bits.h"
+
+/* Telnet commands. */
+enum {
+    SE = 240,
+    BRK = 243,
+    SB = 250,
+    WILL = 251,
+    WONT = 252,
+    DO = 253,
+    DONT = 254,
+    IAC = 255,
+};
+
+/* Options that are known; a bit for each in `enabled`. */
+static const uint8_t options[] = {0 /* binary */, 3 /* suppress go ahead */, 44 /* COM port */};
+#define COM_PORT 44u
+#define COM_PORT_BIT (1u << 2)
+
+/* What a command of the port is more than the client's. */
+#define SERVER 100u
+
+#define NOTIFY_LINE 6u
+#define NOTIFY_MODEM 7u
+/* Always: the line is idle and there is room; carrier, data set ready, clear to send. */
+#define LINE_IDLE 0x60u
+#define MODEM_READY 0xB0u
+
+/* SET-CONTROL values that matter here, and the last one there is. */
+#define BREAK_ON 5u
+#define CONTROL_LAST 19u
+
+/* --- answers --- */
+
+static void put(struct lx_rfc2217_event *event, const uint8_t *bytes, size_t n)
+{
+    if (event->length + n <= sizeof event->answer) {
+        memcpy(event->answer + event->length, bytes, n);
+        event->length += n;
+    }
+}
+
+/* A value is data: IAC stands there twice. */
+static size_t escape(uint8_t *to, const uint8_t *bytes, size_t n)
+{
+    size_t length = 0;
+    for (size_t i = 0; i < n; i++) {
+        to[length++] = bytes[i];
+        if (bytes[i] == IAC) {
+            to[length++] = IAC;
+        }
+    }
+    return length;
+}
+
+static size_t command(uint8_t *to, uint8_t code, const uint8_t *value, size_t n)
+{
+    const uint8_t begin[] = {IAC, SB, COM_PORT, (uint8_t)(code + SERVER)};
+    const uint8_t end[] = {IAC, SE};
+    memcpy(to, begin, sizeof begin);
+    size_t length = sizeof begin + escape(to + sizeof begin, value, n);
+    memcpy(to + length, end, sizeof end);
+    return length + sizeof end;
+}
+
+static void answer(struct lx_rfc2217_event *event, uint8_t code, const uint8_t *value, size_t n)
+{
+    uint8_t text[LX_RFC2217_ANSWER_MAX];
+    put(event, text, command(text, code, value, n));
+}
+
+static void answer_byte(struct lx_rfc2217_event *event, uint8_t code, uint8_t value)
+{
+    answer(event, code, &value, 1);
+}
+
+/* --- the COM port's commands --- */
+
+/* A command of a client. */
+struct call {
+    struct lx_rfc2217 *self;
+    const struct lx_uart *found;
+    struct lx_rfc2217_event *event;
+    uint8_t code;
+    const uint8_t *value;
+};
+
+static void tell_name(const struct call *call)
+{
+    static const char name[] = "drehgeber";
+    answer(call->event, call->code, (const uint8_t *)name, strlen(name));
+}
+
+static void set_baud(const struct call *call)
+{
+    const uint32_t baud = dg_load_be32(call->value);
+    uint8_t value[4];
+    if (baud >= LX_RFC2217_BAUD_MIN && baud <= LX_RFC2217_BAUD_MAX) {
+        call->self->baud = baud;
+    }
+    dg_store_be32(value, call->self->baud == 0 ? call->found->baud : call->self->baud);
+    answer(call->event, call->code, value, sizeof value);
+}
+
+/* One of `first`..`last`; all else asks what is in force, `found` when nothing was said. */
+static void set(const struct call *call, uint8_t *to, uint8_t first, uint8_t last, uint8_t found)
+{
+    if (*call->value >= first && *call->value <= last) {
+        *to = *call->value;
+    }
+    answer_byte(call->event, call->code, *to == 0 ? found : *to);
+}
+
+static void set_data_bits(const struct call *call)
+{
+    set(call, &call->self->data_bits, 5, 8, 8);
+}
+
+static void set_parity(const struct call *call)
+{
+    static const char names[] = "?NOEMS";
+    const char *name = strchr(names, call->self->parity == 0 ? '?' : call->self->parity);
+    uint8_t code = (uint8_t)(name - names);
+    set(call, &code, 1, 5, (uint8_t)(strchr(names, call->found->parity) - names));
+    call->self->parity = code == 0 ? 0 : names[code];
+}
+
+static void set_stop_bits(const struct call *call)
+{
+    set(call, &call->self->stop_bits, 1, 3, 1);
+}
+
+/* Nobody has flow control or modem lines here: what is set is remembered, and told who asks. */
+static void set_control(const struct call *call)
+{
+    static const uint8_t group_of[CONTROL_LAST + 1u] = {0, 0, 0, 0, 1, 1, 1, 2, 2, 2,
+                                                        3, 3, 3, 4, 4, 4, 4, 0, 4, 0};
+    static const uint8_t asks[LX_RFC2217_CONTROLS] = {0, 4, 7, 10, 13};
+    static const uint8_t found[LX_RFC2217_CONTROLS] = {1, 6, 8, 11, 14};
+    const uint8_t value = *call->value;
+    const uint8_t group = value > CONTROL_LAST ? 0 : group_of[value];
+    uint8_t *control = &call->self->control[group];
+    if (value <= CONTROL_LAST && value != asks[group]) {
+        *control = value;
+    }
+    if (value == BREAK_ON) {
+        call->event->what = LX_RFC2217_BREAK;
+    }
+    answer_byte(call->event, call->code, *control == 0 ? found[group] : *control);
+}
+
+static void tell_line(const struct call *call)
+{
+    answer_byte(call->event, NOTIFY_LINE, LINE_IDLE);
+}
+
+static void tell_modem(const struct call *call)
+{
+    answer_byte(call->event, NOTIFY_MODEM, MODEM_READY);
+}
+
+static void suspend(const struct call *call)
+{
+    call->self->suspended = true;
+}
+
+static void resume(const struct call *call)
+{
+    call->self->suspended = false;
+}
+
+static void set_line_mask(const struct call *call)
+{
+    call->self->line_mask = *call->value;
+    answer_byte(call->event, call->code, *call->value);
+}
+
+/* Of a mask for what never changes, and of what is to be thrown away: nothing waits here. */
+static void accept(const struct call *call)
+{
+    answer_byte(call->event, call->code, *call->value);
+}
+
+/* By code. A value that is longer than it should be is cut off, a shorter one is no command. */
+static const struct {
+    uint8_t length;
+    void (*act)(const struct call *call);
+} commands[] = {
+    {0, tell_name},     {4, set_baud},  {1, set_data_bits}, {1, set_parity}, {1, set_stop_bits},
+    {1, set_control},   {0, tell_line}, {0, tell_modem},    {0, suspend},    {0, resume},
+    {1, set_line_mask}, {1, accept},    {1, accept},
+};
+
+static void execute(struct lx_rfc2217 *self, const struct lx_uart *found,
+                    struct lx_rfc2217_event *event)
+{
+    if (self->length < 2 || self->length > LX_RFC2217_COMMAND_MAX || self->command[0] != COM_PORT ||
+        self->command[1] >= DG_COUNT(commands)) {
+        return;
+    }
+    const struct call call = {.self = self,
+                              .found = found,
+                              .event = event,
+                              .code = self->command[1],
+                              .value = self->command + 2};
+    if (self->length - 2u >= commands[call.code].length) {
+        commands[call.code].act(&call);
+    }
+}
+
+/* --- telnet --- */
+
+/* Agree to what is known, once; decline the rest. Who says no is believed. */
+static void negotiate(struct lx_rfc2217 *self, uint8_t option, struct lx_rfc2217_event *event)
+{
+    const bool theirs = self->verb == WILL || self->verb == WONT;
+    const bool on = self->verb == WILL || self->verb == DO;
+    uint8_t bit = 0;
+    for (size_t i = 0; i < DG_COUNT(options); i++) {
+        bit = options[i] == option ? (uint8_t)(1u << i) : bit;
+    }
+    uint8_t *enabled = &self->enabled[theirs ? 0 : 1];
+    const bool is_on = (*enabled & bit) != 0;
+    if (is_on == on) {
+        return;
+    }
+    const uint8_t yes = theirs ? DO : WILL;
+    const uint8_t no = theirs ? DONT : WONT;
+    const uint8_t reply[] = {IAC, on && bit != 0 ? yes : no, option};
+    const bool had_port = ((self->enabled[0] | self->enabled[1]) & COM_PORT_BIT) != 0;
+    *enabled = (uint8_t)(on ? *enabled | bit : *enabled & ~bit);
+    put(event, reply, sizeof reply);
+    if (on && bit == COM_PORT_BIT && !had_port) {
+        answer_byte(event, NOTIFY_MODEM, MODEM_READY);
+    }
+}
+
+static void collect(struct lx_rfc2217 *self, uint8_t byte)
+{
+    if (self->length < LX_RFC2217_COMMAND_MAX) {
+        self->command[self->length] = byte;
+    }
+    self->length =
+        (uint8_t)(self->length <= LX_RFC2217_COMMAND_MAX ? self->length + 1u : self->length);
+}
+
+static void on_data(struct lx_rfc2217 *self, uint8_t byte, struct lx_rfc2217_event *event)
+{
+    if (byte == IAC) {
+        self->state = LX_RFC2217_COMMAND;
+        return;
+    }
+    event->what = LX_RFC2217_CHARACTER;
+    event->character = byte;
+}
+
+static void on_command(struct lx_rfc2217 *self, uint8_t byte, struct lx_rfc2217_event *event)
+{
+    self->state = LX_RFC2217_DATA;
+    if (byte == IAC) {
+        event->what = LX_RFC2217_CHARACTER;
+        event->character = byte;
+    } else if (byte >= WILL) {
+        self->verb = byte;
+        self->state = LX_RFC2217_OPTION;
+    } else if (byte == SB) {
+        self->length = 0;
+        self->state = LX_RFC2217_SUB;
+    } else if (byte == BRK) {
+        event->what = LX_RFC2217_BREAK;
+    }
+}
+
+void lx_rfc2217_feed(struct lx_rfc2217 *self, const struct lx_uart *found, uint8_t byte,
+                     struct lx_rfc2217_event *event)
+{
+    event->what = LX_RFC2217_NOTHING;
+    event->length = 0;
+    switch (self->state) {
+    case LX_RFC2217_DATA:
+        on_data(self, byte, event);
+        break;
+    case LX_RFC2217_COMMAND:
+        on_command(self, byte, event);
+        break;
+    case LX_RFC2217_OPTION:
+        self->state = LX_RFC2217_DATA;
+        negotiate(self, byte, event);
+        break;
+    case LX_RFC2217_SUB:
+        if (byte == IAC) {
+            self->state = LX_RFC2217_SUB_COMMAND;
+        } else {
+            collect(self, byte);
+        }
+        break;
+    case LX_RFC2217_SUB_COMMAND: /* anything but IAC and SE ends it without effect */
+        self->state = byte == IAC ? LX_RFC2217_SUB : LX_RFC2217_DATA;
+        if (byte == IAC) {
+            collect(self, byte);
+        } else if (byte == SE) {
+            execute(self, found, event);
+        }
+        break;
+    }
+}
+
+size_t lx_rfc2217_print(const struct lx_rfc2217 *self, uint8_t character, uint8_t line,
+                        uint8_t to[LX_RFC2217_TEXT_MAX])
+{
+    const uint8_t told = line & self->line_mask;
+    const size_t n = told == 0 ? 0 : command(to, NOTIFY_LINE, &told, 1);
+    return n + escape(to + n, &character, 1);
+}
