@@ -50,51 +50,49 @@ static bool take_id(const char *word, struct lx_can_wide *frame)
     return take_hex(word, EXTENDED_DIGITS, frame->extended ? EXTENDED_ID_MAX : ID_MAX, &frame->id);
 }
 
-static const char *open_bus(struct lx_socketcand *self, const struct words *words,
-                            struct lx_socketcand_event *event)
+static void open_bus(struct lx_socketcand *self, const struct words *words,
+                     struct lx_socketcand_event *event)
 {
-    (void)event;
     if (words->bus[0] != '\0' && strcmp(words->bus, words->word[1]) != 0) {
-        return "< error could not open bus >";
+        event->reply = "< error could not open bus >";
+        return;
     }
     self->mode = LX_SOCKETCAND_BCM;
-    return OK;
+    event->reply = OK;
 }
 
-static const char *set_mode(struct lx_socketcand *self, const struct words *words,
-                            struct lx_socketcand_event *event)
+static void set_mode(struct lx_socketcand *self, const struct words *words,
+                     struct lx_socketcand_event *event)
 {
-    (void)event;
     self->mode = words->word[0][0] == 'r' ? LX_SOCKETCAND_RAW : LX_SOCKETCAND_BCM;
-    return OK;
+    event->reply = OK;
 }
 
-static const char *echo(struct lx_socketcand *self, const struct words *words,
-                        struct lx_socketcand_event *event)
+static void echo(struct lx_socketcand *self, const struct words *words,
+                 struct lx_socketcand_event *event)
 {
     (void)self;
     (void)words;
-    (void)event;
-    return "< echo >";
+    event->reply = "< echo >";
 }
 
 /* Seconds and microseconds between two frames are not kept to: each frame is told. */
-static const char *subscribe(struct lx_socketcand *self, const struct words *words,
-                             struct lx_socketcand_event *event)
+static void subscribe(struct lx_socketcand *self, const struct words *words,
+                      struct lx_socketcand_event *event)
 {
-    struct lx_can_wide *frame = &event->frame;
+    struct lx_can_wide frame = {.id = 0};
     const bool wanted = words->word[0][0] == 's';
-    if (!take_id(words->word[words->count - 1u], frame) || frame->extended) {
-        return "< error syntax error in subscription >";
+    if (!take_id(words->word[words->count - 1u], &frame) || frame.extended) {
+        event->reply = "< error syntax error in subscription >";
+        return;
     }
-    const uint8_t bit = (uint8_t)(1u << frame->id % 8u);
-    uint8_t *byte = &self->wanted[frame->id / 8u];
+    const uint8_t bit = (uint8_t)(1u << frame.id % 8u);
+    uint8_t *byte = &self->wanted[frame.id / 8u];
     *byte = (uint8_t)(wanted ? *byte | bit : *byte & ~bit);
-    return NULL;
 }
 
-static const char *send(struct lx_socketcand *self, const struct words *words,
-                        struct lx_socketcand_event *event)
+static void send(struct lx_socketcand *self, const struct words *words,
+                 struct lx_socketcand_event *event)
 {
     struct lx_can_wide *frame = &event->frame;
     uint32_t value = 0;
@@ -107,12 +105,9 @@ static const char *send(struct lx_socketcand *self, const struct words *words,
         good = take_hex(words->word[i], 2, UINT8_MAX, &value);
         frame->frame.data[i - 3u] = (uint8_t)value;
     }
-    if (!good) {
-        return "< error syntax error in send command >";
-    }
     frame->frame.id = (uint16_t)(frame->id & ID_MAX);
-    event->has_frame = true;
-    return NULL;
+    event->has_frame = good;
+    event->reply = good ? NULL : "< error syntax error in send command >";
 }
 
 /* clang-format off */
@@ -121,8 +116,8 @@ static const struct {
     uint8_t modes;
     uint8_t words; /* with the name: at least, ... */
     uint8_t most;  /* ... at most */
-    const char *(*act)(struct lx_socketcand *self, const struct words *words,
-                       struct lx_socketcand_event *event);
+    void (*act)(struct lx_socketcand *self, const struct words *words,
+                struct lx_socketcand_event *event);
 } commands[] = {
     {"open",        NO_BUS,    2, 2,         open_bus},
     {"rawmode",     BCM | RAW, 1, 1,         set_mode},
@@ -148,22 +143,23 @@ static bool split(char *text, struct words *words)
     return words->count > 0;
 }
 
-static const char *answer(struct lx_socketcand *self, const char *bus,
-                          struct lx_socketcand_event *event)
+static void execute(struct lx_socketcand *self, const char *bus, struct lx_socketcand_event *event)
 {
     struct words words = {.bus = bus};
     self->text[self->length] = '\0';
+    event->reply = "< error unknown command >";
     if (self->overlong || strlen(self->text) != self->length || !split(self->text, &words)) {
-        return "< error unknown command >";
+        return;
     }
     for (size_t i = 0; i < DG_COUNT(commands); i++) {
         if (strcmp(commands[i].name, words.word[0]) == 0 &&
             (commands[i].modes >> self->mode & 1u) != 0 && words.count >= commands[i].words &&
             words.count <= commands[i].most) {
-            return commands[i].act(self, &words, event);
+            event->reply = NULL;
+            commands[i].act(self, &words, event);
+            return;
         }
     }
-    return "< error unknown command >";
 }
 
 /* What stands between two messages is nothing. */
@@ -177,7 +173,7 @@ bool lx_socketcand_feed(struct lx_socketcand *self, const char *bus, uint8_t byt
     } else if (self->inside && byte == '>') {
         self->inside = false;
         *event = (struct lx_socketcand_event){.reply = NULL};
-        event->reply = answer(self, bus, event);
+        execute(self, bus, event);
         return true;
     } else if (self->inside && self->length < LX_SOCKETCAND_MAX) {
         self->text[self->length++] = (char)byte;

@@ -225,18 +225,18 @@ static void negotiate(struct lx_rfc2217 *self, uint8_t option, struct lx_rfc2217
 {
     const bool theirs = self->verb == WILL || self->verb == WONT;
     const bool on = self->verb == WILL || self->verb == DO;
-    uint8_t bit = 0;
+    unsigned bit = 0;
     for (size_t i = 0; i < DG_COUNT(options); i++) {
-        bit = options[i] == option ? (uint8_t)(1u << i) : bit;
+        bit |= options[i] == option ? 1u << i : 0u;
     }
     uint8_t *enabled = &self->enabled[theirs ? 0 : 1];
     const bool is_on = (*enabled & bit) != 0;
     if (is_on == on) {
         return;
     }
-    const uint8_t yes = theirs ? DO : WILL;
-    const uint8_t no = theirs ? DONT : WONT;
-    const uint8_t reply[] = {IAC, on && bit != 0 ? yes : no, option};
+    static const uint8_t agree[2] = {WILL, DO};
+    static const uint8_t decline[2] = {WONT, DONT};
+    const uint8_t reply[] = {IAC, on && bit != 0 ? agree[theirs] : decline[theirs], option};
     const bool had_port = ((self->enabled[0] | self->enabled[1]) & COM_PORT_BIT) != 0;
     *enabled = (uint8_t)(on ? *enabled | bit : *enabled & ~bit);
     put(event, reply, sizeof reply);
