@@ -279,7 +279,7 @@ def between(*command):
         yield
         assert program.poll() is None
     finally:
-        program.terminate()
+        program.kill()
         program.wait(PATIENCE_S)
 
 

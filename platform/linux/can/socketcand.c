@@ -195,12 +195,13 @@ size_t lx_socketcand_print(const struct lx_can_wide *frame, dg_ns now,
                            char to[LX_SOCKETCAND_TEXT_MAX])
 {
     const size_t size = LX_SOCKETCAND_TEXT_MAX;
-    int n = snprintf(to, size,
-                     frame->extended ? "< frame %08lX %llu.%06llu " : "< frame %03lX %llu.%06llu ",
-                     (unsigned long)frame->id, (unsigned long long)(now / DG_S(1)),
-                     (unsigned long long)(now % DG_S(1) / DG_US(1)));
+    const char *format =
+        frame->extended ? "< frame %08lX %llu.%06llu " : "< frame %03lX %llu.%06llu ";
+    size_t n = (size_t)snprintf(to, size, format, (unsigned long)frame->id,
+                                (unsigned long long)(now / DG_S(1)),
+                                (unsigned long long)(now % DG_S(1) / DG_US(1)));
     for (size_t i = 0; i < frame->frame.dlc && i < sizeof frame->frame.data; i++) {
-        n += snprintf(to + n, size - (size_t)n, "%02X", frame->frame.data[i]);
+        n += (size_t)snprintf(to + n, size - n, "%02X", frame->frame.data[i]);
     }
-    return (size_t)(n + snprintf(to + n, size - (size_t)n, " >"));
+    return n + (size_t)snprintf(to + n, size - n, " >");
 }

@@ -49,8 +49,10 @@ static uint32_t baud_of(const struct lx_rfc2217 *client)
 
 static char parity_of(const struct lx_rfc2217 *client)
 {
-    return client->data_bits == 0 || client->data_bits == DATA_BITS ? client->parity
-                                                                    : NO_SUCH_PARITY;
+    if (client->data_bits != 0 && client->data_bits != DATA_BITS) {
+        return NO_SUCH_PARITY;
+    }
+    return client->parity;
 }
 
 /* Another data rate leaves nothing of a character; another format its bits, as far as they go. */
@@ -141,23 +143,17 @@ static void on_byte(void *ctx, struct lx_peer *peer, dg_ns now, uint8_t byte, si
 
 /* --- the operations --- */
 
-static const struct {
-    const char *prefix;
-    bool telnet;
-} kinds[] = {{"tcp:", false}, {"rfc2217:", true}};
-
-/* The row of the kind, `out` is what stands behind it; NULL: there is none. */
+/* The prefix of the kind, `out` is what stands behind it; NULL: it is no address. */
 static const char *split(const char *where, struct lx_peers_where *out, bool *telnet)
 {
-    for (size_t i = 0; i < DG_COUNT(kinds); i++) {
-        const size_t n = strlen(kinds[i].prefix);
-        if (strncmp(where, kinds[i].prefix, n) == 0 && lx_peers_split(where + n, out) &&
-            out->word[0] == '\0') {
-            *telnet = kinds[i].telnet;
-            return kinds[i].prefix;
-        }
-    }
-    return NULL;
+    static const char raw[] = "tcp:";
+    static const char rfc2217[] = "rfc2217:";
+    *telnet = strncmp(where, rfc2217, strlen(rfc2217)) == 0;
+    const char *prefix = *telnet ? rfc2217 : raw;
+    const size_t n = strlen(prefix);
+    const bool good =
+        strncmp(where, prefix, n) == 0 && lx_peers_split(where + n, out) && out->word[0] == '\0';
+    return good ? prefix : NULL;
 }
 
 int lx_net_port_check(const char *where, struct lx_error *error)

@@ -126,13 +126,23 @@ static void set_data_bits(const struct call *call)
     set(call, &call->self->data_bits, 5, 8, 8);
 }
 
+/* By code; the first is no parity at all. */
+static const char parities[] = {'\0', 'N', 'O', 'E', 'M', 'S'};
+
+static uint8_t code_of(char parity)
+{
+    uint8_t code = 0;
+    for (uint8_t i = 1; i < DG_COUNT(parities); i++) {
+        code = parities[i] == parity ? i : code;
+    }
+    return code;
+}
+
 static void set_parity(const struct call *call)
 {
-    static const char names[] = "?NOEMS";
-    const char *name = strchr(names, call->self->parity == 0 ? '?' : call->self->parity);
-    uint8_t code = (uint8_t)(name - names);
-    set(call, &code, 1, 5, (uint8_t)(strchr(names, call->found->parity) - names));
-    call->self->parity = code == 0 ? 0 : names[code];
+    uint8_t code = code_of(call->self->parity);
+    set(call, &code, 1, DG_COUNT(parities) - 1u, code_of(call->found->parity));
+    call->self->parity = parities[code % DG_COUNT(parities)];
 }
 
 static void set_stop_bits(const struct call *call)

@@ -281,7 +281,7 @@ def test_socat_makes_a_pty_of_it(start, tmp_path):
         with can.Bus(interface="slcan", channel=str(link), bitrate=250_000, sleep_after_open=0) as bus:
             assert wire.answered(bus).data[0] == 0x43
     finally:
-        between.terminate()
+        between.kill()
         between.wait(PATIENCE_S)
 
 
