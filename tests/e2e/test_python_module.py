@@ -38,6 +38,9 @@ def script(path: Path, text: str) -> str:
 READY = [
     ("ready f3668 can:vcan0/5 a1", ("a1", "f3668", "can", "vcan0", 5)),
     ("ready f3668 slcan:/dev/pts/5/63 a1", ("a1", "f3668", "slcan", "/dev/pts/5", 63)),
+    ("ready f3668 slcan:tcp:127.0.0.1:29535/7 a", ("a", "f3668", "slcan", "tcp:127.0.0.1:29535", 7)),
+    ("ready f3668 socketcand:127.0.0.1:29536,can0/7 a", ("a", "f3668", "socketcand", "127.0.0.1:29536,can0", 7)),
+    ("ready s3684-rs485 rs485:rfc2217:127.0.0.1:2217 a", ("a", "s3684-rs485", "rs485", "rfc2217:127.0.0.1:2217", None)),
     ("ready f3668 slcan:/dev/pts/5", ("f3668", "f3668", "slcan", "/dev/pts/5", None)),
     ("ready s3684-rs485 pty:/dev/pts/4 m", ("m", "s3684-rs485", "pty", "/dev/pts/4", None)),
     ("ready ocd-ib-k3 modbus:[::1]:5020/2 k", ("k", "ocd-ib-k3", "modbus", "[::1]:5020", 2)),

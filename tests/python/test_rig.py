@@ -94,6 +94,18 @@ def test_without_shafts_all_share_one():
     assert rig.encoders["a"].bus is not None
 
 
+@pytest.mark.parametrize("wire", ["slcan", "slcan\naddress = tcp:127.0.0.1:0", "socketcand"])
+def test_whatever_carries_can_is_a_bus(wire):
+    rig = Rig.of_text(f"[bus b]\nwire = {wire}\n[encoder a]\nmodel = f3668\nbus = b\n")
+    assert rig.encoders["a"].bus is rig.buses["b"]
+
+
+@pytest.mark.parametrize("wire", ["pty", "rs485"])
+def test_whatever_carries_rs485_is_a_line(wire):
+    rig = Rig.of_text(f"[bus b]\nwire = {wire}\n[encoder a]\nmodel = s3684-rs485\nbus = b\n")
+    assert rig.lines["b"].encoders == (rig.encoders["a"],)
+
+
 def test_a_recording_beside_the_file(tmp_path):
     (tmp_path / "run.csv").write_text("0,0\n1,90\n")
     rig = Rig.of_text("[shaft s]\nmotion = run.csv\n[encoder a]\nmodel = f3668\n", tmp_path)

@@ -109,9 +109,9 @@ class Rig:
         """Of CAN or RS485; the encoders of others have their masters for themselves."""
         self._wires.add(name)
         kind = section.get("wire", "").partition(":")[0]
-        if kind in ("can", "slcan"):
+        if kind in ("can", "slcan", "socketcand"):
             self.buses[name] = CanBus(clock=self.clock)
-        elif kind in ("pty", "tty"):
+        elif kind in ("pty", "tty", "rs485"):
             self.lines[name] = Line(self.clock)
 
     def _encoder(self, name: str, section: Section) -> None:

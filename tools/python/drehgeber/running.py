@@ -23,7 +23,7 @@ from .instrument import Instrument
 READY_S = 30.0
 STOP_S = 10.0
 # Wires whose addresses in a rig end in the encoder's place.
-PLACED = ("can", "slcan", "modbus")
+PLACED = ("can", "slcan", "socketcand", "modbus")
 
 
 class RigError(Exception):
