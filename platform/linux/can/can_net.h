@@ -4,9 +4,9 @@
  * A CAN bus whose nodes, besides the encoders, are TCP clients: each hears the encoders and all
  * others. What they speak is a dialect: SLCAN, socketcand.
  *
- * The bus has one bit rate: the encoders' own when a client has it, else that of the client which
- * was there first. Clients with another one hear nothing, and nobody hears them. 0 is right for
- * everybody.
+ * The bus has one bit rate: the encoders' own when a client has it, else that of the client in the
+ * first place that is open. Clients with another one hear nothing, and nobody hears them. 0 is
+ * right for everybody.
  */
 #ifndef DREHGEBER_LINUX_CAN_NET_H
 #define DREHGEBER_LINUX_CAN_NET_H
