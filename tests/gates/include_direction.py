@@ -64,6 +64,7 @@ ROOMS = {
     "linux/interbus":  {"interbus"} | BELOW,
     "linux/rig":       {"motion"} | PROTOCOLS | BELOW | WIRES,
     "hdl":             {"core", "motion", "host", "linux/base", "linux/nvm", "linux/plan"},
+    "rp2040":          set(ALLOWED), # an image is an encoder with all that belongs to it
     "tools/drehgeber": {"motion", "linux/rig"} | PROTOCOLS | BELOW | WIRES,
     "tools/manual":    {"core", "devices", "tools/drehgeber"} | PROTOCOLS | BELOW,
     "tools/reference": {"core", "control", "devices", "instruments"} | PROTOCOLS | {f"src/{folder}" for folder in PROTOCOLS},

@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: MIT */
+#include "pio.h"
+
+void pio_load(uint32_t pio, const uint16_t *program, size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        REG(pio + PIO_INSTR_MEM(i)) = program[i];
+    }
+}
+
+void pio_set_up(const struct pio_machine *machine)
+{
+    const uint32_t at = machine->pio + PIO_SM(machine->index);
+
+    REG(at + PIO_SM_CLKDIV) = machine->clkdiv;
+    REG(at + PIO_SM_EXECCTRL) =
+        machine->execctrl | (uint32_t)machine->wrap_from << 12 | (uint32_t)machine->wrap_to << 7;
+    REG(at + PIO_SM_SHIFTCTRL) = machine->shiftctrl;
+    REG(at + PIO_SM_PINCTRL) = machine->pinctrl;
+    pio_do(machine, PIO_JMP(PIO_ALWAYS, machine->start));
+}
+
+void pio_run(const struct pio_machine *machine, int on)
+{
+    const uint32_t bit = 1u << machine->index;
+
+    if (on) {
+        REG_SET(machine->pio + PIO_CTRL) = bit;
+    } else {
+        REG_CLR(machine->pio + PIO_CTRL) = bit;
+    }
+}
