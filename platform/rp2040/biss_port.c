@@ -285,7 +285,7 @@ void port_start(void)
     pio_set_up(&slave);
     pio_set_up(&since);
     pio_set_up(&second);
-    pio_do(&slave, PIO_SET(PIO_PINDIRS, 1));
+    pio_direct(&slave, PIN_SLO);
     count_again();
     pio_run(&since, 1);
     pio_run(&second, 1);

@@ -119,6 +119,7 @@ static void put(void *ctx, const char *bytes, size_t n)
     (void)ctx;
     for (size_t i = 0; i < n; i++) {
         while (REG(UART0 + UART_FR) & TX_FULL) {
+            port_loop(); /* an answer may take long */
         }
         REG(UART0 + UART_DR) = (uint8_t)bytes[i];
     }

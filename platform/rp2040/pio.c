@@ -20,6 +20,15 @@ void pio_set_up(const struct pio_machine *machine)
     pio_do(machine, PIO_JMP(PIO_ALWAYS, machine->start));
 }
 
+void pio_direct(const struct pio_machine *machine, uint32_t pin)
+{
+    const uint32_t at = machine->pio + PIO_SM(machine->index) + PIO_SM_PINCTRL;
+
+    REG(at) = 1u << 26 | pin << 5;
+    pio_do(machine, PIO_SET(PIO_PINDIRS, 1));
+    REG(at) = machine->pinctrl;
+}
+
 void pio_run(const struct pio_machine *machine, int on)
 {
     const uint32_t bit = 1u << machine->index;

@@ -65,6 +65,8 @@ struct pio_machine {
 void pio_load(uint32_t pio, const uint16_t *program, size_t n);
 /** Set a machine up; it does not run yet. */
 void pio_set_up(const struct pio_machine *machine);
+/** Make a pin an output of it; what it sets next stays as it was set up. */
+void pio_direct(const struct pio_machine *machine, uint32_t pin);
 /** Let it run, or not. */
 void pio_run(const struct pio_machine *machine, int on);
 

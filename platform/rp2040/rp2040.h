@@ -71,6 +71,7 @@
 #define PIO_SM_CLKDIV 0x00u
 #define PIO_SM_EXECCTRL 0x04u
 #define PIO_SM_SHIFTCTRL 0x08u
+#define PIO_SM_ADDR 0x0Cu
 #define PIO_SM_INSTR 0x10u
 #define PIO_SM_PINCTRL 0x14u
 #define PIO_IRQ0_INTE 0x12Cu
