@@ -305,8 +305,9 @@ void port_changed(void)
     }
 }
 
-void port_loop(void)
+dg_ns port_loop(void)
 {
+    return DG_NEVER;
 }
 
 /* Frames are answered while flash is erased. */

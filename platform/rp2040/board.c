@@ -62,6 +62,8 @@ void board_start(void)
 {
     start_clocks();
     start_time();
+    REG(TIMER_INTE) = 1u;
+    board_interrupt(IRQ_TIMER_0, BOARD_LOW);
 }
 
 dg_ns board_at(uint32_t count)
@@ -83,6 +85,27 @@ dg_ns board_at(uint32_t count)
 dg_ns board_now(void)
 {
     return board_at(REG(SYST_CVR));
+}
+
+#define SLEEP_LEAST DG_US(20)
+#define SLEEP_MOST DG_S(1)
+
+void on_timer(void);
+void on_timer(void)
+{
+    REG(TIMER_INTR) = 1u;
+}
+
+void board_sleep(dg_ns until)
+{
+    const dg_ns span = dg_earliest(dg_elapsed(until, board_now()), SLEEP_MOST);
+
+    if (span < SLEEP_LEAST) {
+        return;
+    }
+    const uint32_t us = (uint32_t)span / 1000u - 10u;
+    REG(TIMER_ALARM0) = REG(TIMER_RAWL) + us;
+    __asm volatile("wfe"); /* not when there was one since the last time */
 }
 
 void board_pin(uint32_t pin, enum board_function function)

@@ -40,6 +40,9 @@ dg_ns board_at(uint32_t count);
 /** Give a pin to `function`. */
 void board_pin(uint32_t pin, enum board_function function);
 
+/** Sleep until an interrupt has been, at `until` at the latest, a few microseconds before. */
+void board_sleep(dg_ns until);
+
 /** Enable an interrupt. */
 void board_interrupt(uint32_t irq, enum board_priority priority);
 

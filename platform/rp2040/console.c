@@ -119,7 +119,7 @@ static void put(void *ctx, const char *bytes, size_t n)
     (void)ctx;
     for (size_t i = 0; i < n; i++) {
         while (REG(UART0 + UART_FR) & TX_FULL) {
-            port_loop(); /* an answer may take long */
+            (void)port_loop(); /* an answer may take long */
         }
         REG(UART0 + UART_DR) = (uint8_t)bytes[i];
     }
@@ -159,12 +159,11 @@ static void release(void)
     }
 }
 
-void console_loop(void)
+dg_ns console_loop(void)
 {
     const dg_ns now = board_now();
+    const dg_ns due = dg_earliest(dg_rig_step(&rig, now), dg_control_step(&control, now));
 
-    (void)dg_rig_step(&rig, now);
-    (void)dg_control_step(&control, now);
     if (head != tail) {
         const char byte = received[tail % ROOM];
         if (dg_control_rx(&control, now, &byte, 1) == 1) { /* 0: a line is still being done */
@@ -172,4 +171,5 @@ void console_loop(void)
         }
     }
     release();
+    return head != tail ? now : due;
 }

@@ -13,7 +13,7 @@
 /** Once, when the encoder is on. */
 void console_start(const struct dg_device *model, const struct dg_instrument *instrument,
                    struct dg_nvm nvm);
-/** From the main loop. */
-void console_loop(void);
+/** From the main loop. @return as port_loop() */
+dg_ns console_loop(void);
 
 #endif

@@ -325,11 +325,12 @@ struct dg_nvm flash_log_open(const struct dg_store_layout *layout)
     return (struct dg_nvm){.ops = &ops};
 }
 
-void flash_log_loop(bool idle)
+dg_ns flash_log_loop(bool idle)
 {
     if (synced) {
         (void)flush();
     } else if (idle && to_erase > 0) {
         erase_next();
     }
+    return to_erase > 0 ? board_now() + DG_MS(10) : DG_NEVER;
 }

@@ -16,6 +16,7 @@
 
 #include "drehgeber/hal.h"
 #include "drehgeber/store.h"
+#include "drehgeber/time.h"
 
 /** Things nobody has to act on; they only count up. */
 struct flash_log_counters {
@@ -34,7 +35,8 @@ extern const bool flash_log_behind;
 struct dg_nvm flash_log_open(const struct dg_store_layout *layout);
 
 /** From the main loop; `idle`: nothing is wanted of the encoder for some time, so a sector of the
- * other half may be erased: the processor waits for that for 45 ms, at most 400 (W25Q16JV). */
-void flash_log_loop(bool idle);
+ * other half may be erased: the processor waits for that for 45 ms, at most 400 (W25Q16JV). @return
+ * as port_loop() */
+dg_ns flash_log_loop(bool idle);
 
 #endif

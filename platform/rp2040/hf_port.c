@@ -199,7 +199,7 @@ const char *const port_name = "pio:2,3,4";
 
 static void set_up(void)
 {
-    const uint32_t divider = (uint32_t)(((uint64_t)BOARD_HZ << 8) / (CYCLES_PER_BIT * uart.baud))
+    const uint32_t divider = (uint32_t)(((uint64_t)BOARD_HZ << 8) / CYCLES_PER_BIT / uart.baud)
                              << 8;
 
     character_bits = uart.parity == 'N' ? 10u : 11u;
@@ -247,7 +247,7 @@ void port_changed(void)
     due = 0; /* it looks at the world */
 }
 
-void port_loop(void)
+dg_ns port_loop(void)
 {
     const struct heard *next = &heard[heard_out % HEARD_MAX];
     const dg_ns now = board_now();
@@ -260,6 +260,7 @@ void port_loop(void)
         due = dg_hf_step(hf(), now);
         follow_setting();
     }
+    return heard_in != heard_out ? dg_earliest(due, heard[heard_out % HEARD_MAX].at) : due;
 }
 
 void port_stores(void)

@@ -60,8 +60,7 @@ int main(void)
     console_start(&DEVICE, &INSTRUMENT, setup.nvm);
     port_start();
     for (;;) {
-        port_loop();
-        console_loop();
-        flash_log_loop(port_idle());
+        const dg_ns due = dg_earliest(port_loop(), console_loop());
+        board_sleep(dg_earliest(due, flash_log_loop(port_idle())));
     }
 }

@@ -33,8 +33,9 @@ extern const char *const port_name;
 void port_start(void);
 /** Power, world or shaft have changed. Called between board_lock() and board_unlock(). */
 void port_changed(void);
-/** From the main loop: what is not done in interrupts. */
-void port_loop(void);
+/** From the main loop: what is not done in interrupts. @return when to call again, if no interrupt
+ * was before that */
+dg_ns port_loop(void);
 /** The device writes to its EEPROM, or begins to. Called in whichever interrupt it does. */
 void port_stores(void);
 /** Whether nothing is wanted of the encoder for some time: see flash_log_loop(). */

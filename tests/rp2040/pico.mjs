@@ -103,13 +103,26 @@ export class Pico {
     pio.checkChangedPins();
   }
 
+  /** Cycles in which no machine does anything: all wait, or are in the middle of an instruction. */
+  idle(pio) {
+    if (pio.stopped) return Infinity;
+    let cycles = Infinity;
+    for (let i = 0; i < 4; i++) {
+      const machine = pio.machines[i];
+      if (!machine.enabled) continue;
+      if (!machine.waiting || !pio.waited[i]) cycles = Math.min(cycles, Math.ceil(pio.due[i]) - this.cycle - 1);
+    }
+    return cycles;
+  }
+
   /** Cycles until something happens while the processor sleeps. */
   quiet(end) {
     const { clock, pio } = this.chip;
-    if (!pio[0].stopped || !pio[1].stopped) return 1;
+    const still = Math.min(this.idle(pio[0]), this.idle(pio[1]));
+    if (still < 1) return 1;
     const alarm = clock.nextAlarm ? Math.ceil(clock.nanosToNextAlarm / NS) : end - this.cycle;
     const event = this.events.length ? this.events[0].at - this.cycle : end - this.cycle;
-    return Math.max(1, Math.min(alarm, event, end - this.cycle));
+    return Math.max(1, Math.min(still, alarm, event, end - this.cycle));
   }
 
   happen() {
@@ -120,16 +133,25 @@ export class Pico {
   pass(cycles) {
     const { clock, pio } = this.chip;
     clock.tick(cycles * NS);
-    if (pio[0].stopped && pio[1].stopped) {
+    const event = this.events.length ? this.events[0].at - this.cycle : Infinity;
+    if (cycles <= event && cycles <= Math.min(this.idle(pio[0]), this.idle(pio[1]))) {
       this.cycle += cycles;
-      this.happen();
+      if (cycles === event) {
+        this.happen();
+        this.pioCycles(); // they see an edge in the cycle that it is in
+      }
       return;
     }
     for (let i = 0; i < cycles; i++) {
       this.cycle++;
       this.happen();
-      if (!pio[0].stopped) this.pioCycle(pio[0]);
-      if (!pio[1].stopped) this.pioCycle(pio[1]);
+      this.pioCycles();
+    }
+  }
+
+  pioCycles() {
+    for (const pio of this.chip.pio) {
+      if (!pio.stopped) this.pioCycle(pio);
     }
   }
 
