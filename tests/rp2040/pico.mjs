@@ -132,6 +132,7 @@ export class Pico {
   /** Cycles pass: all of the chip but the processor. */
   pass(cycles) {
     const { clock, pio } = this.chip;
+    for (const block of pio) if (block.stopped) block.checkChangedPins(); // by the processor
     clock.tick(cycles * NS);
     const event = this.events.length ? this.events[0].at - this.cycle : Infinity;
     if (cycles <= event && cycles <= Math.min(this.idle(pio[0]), this.idle(pio[1]))) {
