@@ -11,7 +11,7 @@
 #define PIN_TX 0u
 #define PIN_RX 1u
 #define BAUD 115200u
-#define ROOM 256u /* a power of two */
+#define ROOM 2048u /* a power of two; whole scripts come at once */
 #define RX_EMPTY (1u << 4)
 #define TX_FULL (1u << 5)
 #define RX_INTERRUPTS (1u << 4 | 1u << 6) /* FIFO is half full, or waits for long */

@@ -2,7 +2,8 @@
 /*
  * Everything is sent, then the question for errors, then the end of the stream. The other side
  * answers all of it before it closes, so the last line that comes in is the list of errors and all
- * others are answers: no guessing which command has one, no time limit.
+ * others are answers: no guessing which command has one, no time limit. A serial line has no end:
+ * there the question begins with another one, whose answer nobody else gets.
  */
 #define _GNU_SOURCE
 #include "ctl.h"
@@ -24,6 +25,8 @@
 
 #define CHUNK 4096u
 #define ERRORS "\nSYSTem:ERRor:ALL?\n"
+#define MARKED_ERRORS "\nSYSTem:VERSion?;VERSion?;VERSion?;ERRor:ALL?\n"
+#define MARK "1999.0;1999.0;1999.0;"
 #define NO_ERROR "0,"
 
 /* Sockets of the folder that somebody listens at. */
@@ -64,6 +67,9 @@ int ctl_find(const char *wanted, char *to, size_t size, struct lx_error *error)
     if (wanted != NULL) {
         struct lx_access access;
         (void)snprintf(to, size, "%s", wanted);
+        if (lx_endpoint_is_serial(wanted)) {
+            return 0;
+        }
         return lx_access_parse(wanted, &access, error);
     }
     if (lx_server_folder(folder, sizeof folder) != 0) {
@@ -92,6 +98,7 @@ int ctl_find(const char *wanted, char *to, size_t size, struct lx_error *error)
 /* What is to be sent, and what has come back. */
 struct talk {
     int fd;
+    bool serial;     /* not a socket */
     bool from_stdin; /* there may be more to send */
     bool spoken;     /* there was something to say */
     char *output;    /* owned */
@@ -119,6 +126,11 @@ static bool say(struct talk *self, const char *text)
     return append(&self->output, &self->output_length, text, strlen(text));
 }
 
+static bool ask_for_errors(struct talk *self)
+{
+    return say(self, self->serial ? MARKED_ERRORS : ERRORS);
+}
+
 /* Another piece of stdin; at its end the question for errors. */
 static void take_stdin(struct talk *self)
 {
@@ -129,7 +141,7 @@ static void take_stdin(struct talk *self)
     if (n > 0) {
         self->failed = !append(&self->output, &self->output_length, bytes, (size_t)n);
     } else {
-        self->failed = !say(self, ERRORS);
+        self->failed = !ask_for_errors(self);
     }
 }
 
@@ -138,15 +150,16 @@ static void send_some(struct talk *self)
     if (self->output == NULL) {
         return;
     }
-    const ssize_t n =
-        send(self->fd, self->output, self->output_length, MSG_NOSIGNAL | MSG_DONTWAIT);
+    const ssize_t n = self->serial ? write(self->fd, self->output, self->output_length)
+                                   : send(self->fd, self->output, self->output_length,
+                                          MSG_NOSIGNAL | MSG_DONTWAIT);
     if (n < 0) {
         self->failed = errno != EAGAIN && errno != EINTR;
         return;
     }
     self->output_length -= (size_t)n;
     memmove(self->output, self->output + n, self->output_length);
-    if (self->output_length == 0 && !self->from_stdin) {
+    if (self->output_length == 0 && !self->from_stdin && !self->serial) {
         (void)shutdown(self->fd, SHUT_WR);
     }
 }
@@ -169,11 +182,25 @@ static void print_answers(struct talk *self)
     memmove(self->input, self->input + done, self->input_length + 1);
 }
 
+/* Whether the last line of a serial one has come; it is left without its mark. */
+static bool marked(struct talk *self)
+{
+    const size_t n = strlen(MARK);
+    if (!self->serial || self->input_length <= n || strncmp(self->input, MARK, n) != 0 ||
+        self->input[self->input_length - 1] != '\n') {
+        return false;
+    }
+    self->input_length -= n;
+    memmove(self->input, self->input + n, self->input_length + 1);
+    return true;
+}
+
 /* @return false at the end */
 static bool receive_some(struct talk *self)
 {
     char bytes[CHUNK];
-    const ssize_t n = recv(self->fd, bytes, sizeof bytes, MSG_DONTWAIT);
+    const ssize_t n = self->serial ? read(self->fd, bytes, sizeof bytes)
+                                   : recv(self->fd, bytes, sizeof bytes, MSG_DONTWAIT);
     if (n < 0 && (errno == EAGAIN || errno == EINTR)) {
         return true;
     }
@@ -182,7 +209,7 @@ static bool receive_some(struct talk *self)
         return false;
     }
     print_answers(self);
-    return true;
+    return !marked(self);
 }
 
 static void exchange(struct talk *self)
@@ -235,16 +262,20 @@ int ctl_command(const char *wanted, char *const *words, size_t count)
     char greeting[LX_ACCESS_GREETING_MAX];
     struct lx_error error;
     struct talk self = {.from_stdin = count == 0, .spoken = count > 0};
+    greeting[0] = '\0';
     if (ctl_find(wanted, where, sizeof where, &error) != 0) {
         return complain(&error, wanted == NULL ? EXIT_OTHER : EXIT_USAGE);
     }
-    self.fd = lx_access_connect(where, greeting, &error);
+    self.serial = lx_endpoint_is_serial(where);
+    self.fd = self.serial ? lx_endpoint_open_serial(where, &error)
+                          : lx_access_connect(where, greeting, &error);
     if (self.fd < 0) {
         return complain(&error, EXIT_OTHER);
     }
     self.failed = !say(&self, greeting);
     for (size_t i = 0; i < count && !self.failed; i++) {
-        self.failed = !say(&self, words[i]) || !say(&self, i + 1 < count ? "\n" : ERRORS);
+        self.failed =
+            !say(&self, words[i]) || !(i + 1 < count ? say(&self, "\n") : ask_for_errors(&self));
     }
     exchange(&self);
     const int status = conclude(&self, where);

@@ -3,6 +3,7 @@
 #include "endpoint.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <netdb.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
@@ -11,6 +12,7 @@
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
+#include <termios.h>
 #include <unistd.h>
 
 #include "drehgeber/api.h"
@@ -21,6 +23,7 @@
 #define CALM_ACCEPTS 100u
 #define UNIX_PREFIX "unix:"
 #define TCP_PREFIX "tcp:"
+#define TTY_PREFIX "tty:"
 #define BACKLOG 16
 #define OWNER_ONLY 0177
 /* A TCP client whose machine is gone is noticed after a minute of silence and three questions. */
@@ -287,4 +290,39 @@ int lx_endpoint_connect(const char *where, struct lx_error *error)
     return fd >= 0 ? fd
                    : lx_fail(error, "%s: no connection: %s; is a drehgeber running there?", where,
                              strerror(errno));
+}
+
+bool lx_endpoint_is_serial(const char *where)
+{
+    return behind(where, TTY_PREFIX) != NULL;
+}
+
+/* What came before nobody has asked for. */
+static int make_raw(int fd)
+{
+    struct termios line;
+    if (tcgetattr(fd, &line) != 0) {
+        return -1;
+    }
+    cfmakeraw(&line);
+    line.c_cflag &= (tcflag_t) ~(CSTOPB | CRTSCTS);
+    line.c_cflag |= (tcflag_t)(CLOCAL | CREAD);
+    return cfsetispeed(&line, B115200) != 0 || cfsetospeed(&line, B115200) != 0 ||
+                   tcsetattr(fd, TCSANOW, &line) != 0
+               ? -1
+               : tcflush(fd, TCIFLUSH);
+}
+
+int lx_endpoint_open_serial(const char *where, struct lx_error *error)
+{
+    const int fd = open(behind(where, TTY_PREFIX), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+    if (fd < 0 || make_raw(fd) != 0) {
+        (void)lx_fail(error, "%s: cannot open it: %s; the serial port of a board is right", where,
+                      strerror(errno));
+        if (fd >= 0) {
+            (void)close(fd);
+        }
+        return -1;
+    }
+    return fd;
 }

@@ -63,4 +63,10 @@ int lx_endpoint_calm(sd_event_source *listener);
 /** A connection to `where`, which blocks. @return the descriptor, or -1 with `error` */
 int lx_endpoint_connect(const char *where, struct lx_error *error);
 
+/** Whether it is tty:PATH: the console of a board, which one can open but not listen at. */
+bool lx_endpoint_is_serial(const char *where);
+
+/** Open tty:PATH at 115200 Bd 8N1, without blocking. @return the descriptor, or -1 with `error` */
+int lx_endpoint_open_serial(const char *where, struct lx_error *error);
+
 #endif

@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: MIT
-"""A client of the control plane: SCPI over a socket."""
+"""A client of the control plane: SCPI over a socket, or over the serial line of a board."""
 
 from __future__ import annotations
 
 import csv
+import os
 import socket
 import threading
+from typing import Literal, TextIO
 
 # Asked behind each line: whether the line has an answer depends on its success, so this says where
 # its answer ends, and brings the errors.
@@ -27,9 +29,46 @@ def split(answer: str | None) -> list[str]:
     return next(csv.reader([answer])) if answer else []
 
 
+class _Serial:
+    """A serial line at 115200 Bd 8N1, with what of a socket is used here."""
+
+    def __init__(self, path: str, timeout: float) -> None:
+        import termios  # not everywhere
+        import tty
+
+        self._fd = os.open(path, os.O_RDWR | os.O_NOCTTY | os.O_CLOEXEC)
+        try:
+            tty.setraw(self._fd)
+            line = termios.tcgetattr(self._fd)
+            line[2] = line[2] & ~(termios.CSTOPB | termios.CRTSCTS) | termios.CLOCAL | termios.CREAD
+            line[4] = line[5] = termios.B115200
+            line[6][termios.VMIN] = 0
+            line[6][termios.VTIME] = min(max(round(timeout * 10), 1), 255)
+            termios.tcsetattr(self._fd, termios.TCSAFLUSH, line)
+        except BaseException:
+            os.close(self._fd)
+            raise
+
+    def sendall(self, data: bytes) -> None:
+        """All of it."""
+        while data:
+            data = data[os.write(self._fd, data):]
+
+    def makefile(self, mode: Literal["r"], encoding: str, newline: str) -> TextIO:
+        """What comes in, as a file."""
+        return open(self._fd, mode, encoding=encoding, newline=newline, closefd=False)
+
+    def close(self) -> None:
+        """Give it back."""
+        os.close(self._fd)
+
+
 class Control:
-    """A session at unix:PATH or tcp:HOST:PORT, with ,token=FILE behind it where one is asked for.
-    Threads may share one: a line is one exchange."""
+    """A session at unix:PATH or tcp:HOST:PORT, with ,token=FILE behind it where one is asked for, or at
+    tty:PATH, the console of a board. Threads may share one: a line is one exchange."""
+
+    _socket: socket.socket | _Serial
+    _lines: TextIO
 
     def __init__(self, address: str, timeout: float = 10.0) -> None:
         address, _, token = address.partition(",token=")
@@ -41,8 +80,10 @@ class Control:
         elif kind == "tcp":
             host, _, port = where.rpartition(":")
             self._socket = socket.create_connection((host.strip("[]"), int(port)), timeout)
+        elif kind == "tty":
+            self._socket = _Serial(where, timeout)
         else:
-            raise ValueError(f"{address}: unix:PATH or tcp:HOST:PORT is right")
+            raise ValueError(f"{address}: unix:PATH, tcp:HOST:PORT or tty:PATH is right")
         if token:
             with open(token, encoding="ascii") as file:
                 secret = file.read().strip()
