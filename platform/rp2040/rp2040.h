@@ -41,6 +41,9 @@
 
 /** Pins (2.19) and SIO (2.3.1). */
 #define IO_CTRL(pin) (0x40014004u + 8u * (pin))
+#define IO_INTR(pin) (0x400140F0u + 4u * ((pin) / 8u))
+#define IO_INTE(pin) (0x40014100u + 4u * ((pin) / 8u))
+#define IO_EDGE_LOW(pin) (1u << (4u * ((pin) % 8u) + 2u))
 #define PAD(pin) (0x4001C004u + 4u * (pin))
 #define SIO_IN 0xD0000004u
 #define SIO_OUT_SET 0xD0000014u
@@ -57,6 +60,14 @@
 #define UART_LCR_H 0x2Cu
 #define UART_CR 0x30u
 #define UART_IMSC 0x38u
+
+/** SPI (4.4); the offsets of its registers. */
+#define SPI0 0x4003C000u
+#define SPI_CR0 0x00u
+#define SPI_CR1 0x04u
+#define SPI_DR 0x08u
+#define SPI_SR 0x0Cu
+#define SPI_CPSR 0x10u
 
 /** PIO (3.7); the offsets of their registers, of those of a state machine for machine 0. */
 #define PIO0 0x50200000u
@@ -91,6 +102,7 @@
 #define IRQ_TIMER_0 0u
 #define IRQ_PIO0_0 7u
 #define IRQ_PIO1_0 9u
+#define IRQ_IO_BANK0 13u
 #define IRQ_UART0 20u
 #define IRQ_UART1 21u
 

@@ -36,6 +36,7 @@ VECTOR(on_pendsv);
 VECTOR(on_timer);
 VECTOR(on_pio0);
 VECTOR(on_pio1);
+VECTOR(on_pins);
 VECTOR(on_uart0);
 VECTOR(on_uart1);
 
@@ -50,6 +51,7 @@ __attribute__((section(".vectors"), used)) static const vector vectors[48] = {
     [16 + IRQ_TIMER_0] = on_timer,
     [16 + IRQ_PIO0_0] = on_pio0,
     [16 + IRQ_PIO1_0] = on_pio1,
+    [16 + IRQ_IO_BANK0] = on_pins,
     [16 + IRQ_UART0] = on_uart0,
     [16 + IRQ_UART1] = on_uart1,
 };

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+// The F3668 on a Raspberry Pi Pico with an MCP2515, on a bus.
+import assert from "node:assert/strict";
+import { test } from "node:test";
+
+import { Flash } from "./flash.mjs";
+import { Mcp2515 } from "./mcp2515.mjs";
+import { HZ, Pico, ms, us } from "./pico.mjs";
+
+const IMAGE = "drehgeber-f3668-mcp2515";
+const NODE = 63; // as delivered, with 250 kbit/s
+
+class Bus {
+  constructor(alone = false) {
+    this.pico = new Pico(IMAGE);
+    this.flash = new Flash(this.pico);
+    this.can = new Mcp2515(this.pico);
+    this.can.alone = alone;
+    this.pico.ask("*IDN?");
+    this.pico.run(ms(20));
+  }
+
+  /** @return frames of the encoder within `within`, as text */
+  say(id, hex, within = ms(5), extra = {}) {
+    this.can.sent.length = 0;
+    this.sent = this.pico.cycle;
+    this.can.receive({ id, data: [...Buffer.from(hex, "hex")], ...extra });
+    this.pico.run(within);
+    return this.frames();
+  }
+
+  frames() {
+    return this.can.sent.map(({ id, data }) => `${id.toString(16).toUpperCase()}#${Buffer.from(data).toString("hex").toUpperCase()}`);
+  }
+}
+
+test("boot-up, SDO, NMT, PDO and SYNC", (t) => {
+  const bus = new Bus();
+  assert.equal(bus.can.kbaud, 250);
+  assert.equal(bus.can.samplePoint, 0.875);
+  assert.deepEqual(bus.frames(), ["73F#00"]);
+  bus.pico.order("SHAF:POS 90DEG");
+  bus.pico.run(ms(300));
+  assert.deepEqual(bus.say(0x600 + NODE, "4004600000000000"), ["5BF#4304600000400000"]);
+  const [answer] = bus.can.sent;
+  const own = (answer.at - bus.sent) / HZ * 1e6 - bus.can.bits(answer) / 0.25;
+  t.diagnostic(`6004h: the answer begins ${own.toFixed(0)} us behind the request`);
+  assert.deepEqual(bus.say(0, "013F").slice(0, 2), ["1BF#00400000", "3BF#0000"]);
+  assert.deepEqual(bus.say(0x80, ""), ["2BF#00400000"]);
+  assert.deepEqual(bus.say(0x1bf, "", ms(5), { rtr: true }), ["1BF#00400000"]);
+  assert.deepEqual(bus.say(0x600 + NODE, "4004600000000000", ms(5), { extended: true }), []);
+  assert.deepEqual(bus.pico.complaints, []);
+});
+
+test("frames one behind the other are all heard, a lost one is told", () => {
+  const bus = new Bus();
+  bus.say(0, "013F");
+  const frame = { id: 0x80, data: [] };
+  const next = us(47 / 0.25); // without a bit between them
+  for (const i of [1, 2, 3]) bus.pico.at(bus.pico.cycle + i * next, () => bus.can.receive(frame));
+  assert.deepEqual(bus.say(0x80, ""), Array(4).fill("2BF#00000000"));
+  for (let i = 0; i < 3; i++) bus.can.receive(frame); // more than it has buffers
+  bus.can.sent.length = 0;
+  bus.pico.run(ms(20));
+  assert.ok(bus.frames().some((text) => text.startsWith("BF#1081")), `8110h: ${bus.frames()}`);
+});
+
+test("error passive and bus-off are told when they are over", () => {
+  const bus = new Bus(true);
+  bus.pico.run(ms(50));
+  assert.deepEqual(bus.frames(), []); // nobody acknowledges
+  assert.match(bus.pico.ask("STAT?"), /mode=pre/);
+  bus.can.alone = false;
+  bus.pico.run(ms(50));
+  assert.equal(bus.frames()[0], "73F#00");
+  bus.can.sent.length = 0;
+  bus.can.disturb();
+  bus.pico.run(ms(200));
+  assert.ok(bus.frames().some((text) => text.startsWith("BF#4081")), `8140h: ${bus.frames()}`);
+});
+
+test("every data rate of 2100h", () => {
+  const bus = new Bus();
+  const sdo = (hex) => assert.match(bus.say(0x600 + NODE, hex, ms(60))[0], /^5BF#60/);
+  [10, 20, 50, 100, 125, 250, 500, null, 1000].forEach((kbaud, code) => {
+    if (!kbaud) return;
+    sdo(`2F002100${code.toString(16).padStart(2, "0")}000000`);
+    sdo("2305210073617665"); // save
+    bus.can.sent.length = 0;
+    bus.pico.order("POW 0", "POW 1");
+    bus.pico.run(ms(30));
+    assert.equal(bus.can.kbaud, kbaud);
+    assert.deepEqual(bus.frames(), ["73F#00"]);
+    assert.equal(bus.can.samplePoint, kbaud === 1000 ? 0.75 : 0.875);
+  });
+});
