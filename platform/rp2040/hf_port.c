@@ -14,11 +14,14 @@
 #include "flash_log.h"
 #include "pio.h"
 #include "port.h"
+#include "sincos.h"
 
 #define PIN_RX 2u
 #define PIN_TX 3u
 #define PIN_DE 4u
 
+#define SIGNALS_NS                                                                                 \
+    DG_US(50) /* what the process channel takes, and more: a reply is not late for it */
 #define CYCLES_PER_BIT 8u
 #define START_EDGE (1u << 0) /* flag of PIO1 */
 /* Bits of INTE. */
@@ -91,6 +94,7 @@ static uint8_t reply[DG_HF_FRAME_MAX];
 static volatile size_t reply_length, reply_sent;
 static dg_ns due; /* of the device */
 static dg_ns quiet_since;
+static dg_ns signals_due;
 
 const bool flash_log_behind = false; /* what is acknowledged is stored */
 
@@ -233,6 +237,7 @@ void port_start(void)
     for (uint32_t pin = PIN_RX; pin <= PIN_DE; pin++) {
         board_pin(pin, BOARD_PIO1);
     }
+    sincos_start();
     uart = dg_hf_uart(hf());
     set_up();
     pio_do(&sender, DE(0, PIO_SET(PIO_PINS, 1)));
@@ -245,6 +250,7 @@ void port_start(void)
 void port_changed(void)
 {
     due = 0; /* it looks at the world */
+    signals_due = 0;
 }
 
 dg_ns port_loop(void)
@@ -260,7 +266,12 @@ dg_ns port_loop(void)
         due = dg_hf_step(hf(), now);
         follow_setting();
     }
-    return heard_in != heard_out ? dg_earliest(due, heard[heard_out % HEARD_MAX].at) : due;
+    if (signals_due <= now && dg_after(now, SIGNALS_NS) < due) {
+        signals_due = sincos_follow(hf(), now);
+    }
+    const dg_ns next_due = dg_earliest(due, signals_due);
+    return heard_in != heard_out ? dg_earliest(next_due, heard[heard_out % HEARD_MAX].at)
+                                 : next_due;
 }
 
 void port_stores(void)

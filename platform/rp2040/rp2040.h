@@ -61,6 +61,11 @@
 #define UART_CR 0x30u
 #define UART_IMSC 0x38u
 
+/** PWM (4.5): registers of a slice. */
+#define PWM_CSR(slice) (0x40050000u + 0x14u * (slice))
+#define PWM_CC(slice) (0x4005000Cu + 0x14u * (slice))
+#define PWM_TOP(slice) (0x40050010u + 0x14u * (slice))
+
 /** SPI (4.4); the offsets of its registers. */
 #define SPI0 0x4003C000u
 #define SPI_CR0 0x00u

@@ -95,3 +95,30 @@ test("what is acknowledged is in flash, within the manual's time", (t) => {
   assert.ok(most < ms(30), "5.1.2.5 allows 30 ms");
   assertReply(started(flash.kept()).master.ask([0x40, 0x46]), [0x40, 0x46, 0, 0, 20], master);
 });
+
+test("sine and cosine follow the shaft", (t) => {
+  const { pico } = started();
+  const channel = pico.chip.pwm.channels[5], STEPS = 1024;
+  for (const rpm of [0.6, 6, 60, 120]) {
+    pico.order(`SHAF:POS 0DEG;VEL ${rpm}RPM`);
+    const writes = []; // [cycle, phase in periods, amplitude]
+    const write = channel.writeRegister.bind(channel);
+    channel.writeRegister = (offset, value) => {
+      write(offset, value);
+      const [sin, cos] = [value & 0xffff, value >>> 16].map((level) => level / STEPS - 0.5);
+      if (offset === 0x0c) writes.push([pico.cycle, Math.atan2(sin, cos) / 2 / Math.PI, Math.hypot(sin, cos)]);
+    };
+    pico.run(ms(rpm < 1 ? 200 : 20));
+    channel.writeRegister = write;
+    const perCycle = rpm / 60 * 2048 / HZ; // periods
+    const starts = writes.map(([at, phase]) => ((phase - at * perCycle) % 1 + 1) % 1);
+    const spread = Math.max(...starts.map((start) => Math.abs(((start - starts[0] + 1.5) % 1) - 0.5)));
+    assert.ok(writes.every(([, , amplitude]) => Math.abs(amplitude - 0.4) < 0.003), `${rpm} rpm: the amplitude`);
+    assert.ok(spread < 0.01 + perCycle * ms(0.01), `${rpm} rpm: the phase is off by ${spread} periods`);
+    const each = (writes.at(-1)[0] - writes[0][0]) / (writes.length - 1);
+    t.diagnostic(`${rpm} rpm: renewed every ${(each / HZ * 1e6).toFixed(0)} us, ${(1 / perCycle / each).toFixed(1)} times a period`);
+  }
+  pico.order("SHAF:POS 0DEG", "WORL:AMPL:COS 500");
+  pico.run(ms(5));
+  assert.equal(channel.cc, STEPS / 2 + 409 / 2 >>> 0 << 16 | STEPS / 2);
+});
