@@ -281,7 +281,7 @@ void port_start(void)
 {
     board_pin(PIN_MA, BOARD_PIO0);
     board_pin(PIN_SLO, BOARD_PIO0);
-    pio_load(PIO0, program, END);
+    pio_load(PIO0, 0, program, END);
     pio_set_up(&slave);
     pio_set_up(&since);
     pio_set_up(&second);

@@ -7,6 +7,7 @@
 #include "port.h"
 #include "profile.h"
 #include "rp2040.h"
+#include "steps.h"
 
 #define PIN_TX 0u
 #define PIN_RX 1u
@@ -149,6 +150,35 @@ void console_start(const struct dg_device *model, const struct dg_instrument *in
     REG(UART0 + UART_IMSC) = RX_INTERRUPTS;
     REG(UART0 + UART_CR) = 1u << 9 | 1u << 8 | 1u << 0;
     board_interrupt(IRQ_UART0, BOARD_CONSOLE);
+    steps_start();
+}
+
+/* ------------------------------------------------------------ step and direction */
+
+#define STEPPING_NS DG_US(100)
+#define STILL_NS DG_MS(2)
+#define RESTS_NS DG_S(1)
+
+static uint32_t stepped;
+static dg_ns last_step;
+
+/* The shaft goes by as many steps as have come, from wherever it is. @return when to look again */
+static dg_ns follow_steps(dg_ns now)
+{
+    const uint32_t count = steps_count();
+    const int32_t steps = (int32_t)(count - stepped);
+
+    if (steps != 0) {
+        const dg_angle angle = dg_shaft_angle(&shaft.shaft, now);
+        const int64_t counts =
+            dg_angle_counts(angle + DG_TURN / STEPS_PER_TURN / 2, STEPS_PER_TURN);
+        stepped = count;
+        last_step = now;
+        (void)dg_shaft_set_position(&shaft.shaft, now,
+                                    dg_angle_of_counts(counts + steps, STEPS_PER_TURN));
+        hand_over();
+    }
+    return now + (dg_elapsed(now, last_step) < RESTS_NS && last_step != 0 ? STEPPING_NS : STILL_NS);
 }
 
 static void release(void)
@@ -162,7 +192,9 @@ static void release(void)
 dg_ns console_loop(void)
 {
     const dg_ns now = board_now();
-    const dg_ns due = dg_earliest(dg_rig_step(&rig, now), dg_control_step(&control, now));
+    const dg_ns steps = follow_steps(now);
+    const dg_ns due =
+        dg_earliest(steps, dg_earliest(dg_rig_step(&rig, now), dg_control_step(&control, now)));
 
     if (head != tail) {
         const char byte = received[tail % ROOM];

@@ -209,7 +209,7 @@ static void set_up(void)
     character_bits = uart.parity == 'N' ? 10u : 11u;
     pio_run(&sender, 0);
     pio_run(&receiver, 0);
-    pio_load(PIO1, program, END);
+    pio_load(PIO1, 0, program, END);
     REG(PIO1 + PIO_INSTR_MEM(SEND)) = DE(1, PIO_SET(PIO_Y, character_bits - 2u));
     REG(PIO1 + PIO_INSTR_MEM(LENGTH)) = PIO_DELAY(9, PIO_SET(PIO_X, character_bits - 3u));
     sender.clkdiv = divider;

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #include "pio.h"
 
-void pio_load(uint32_t pio, const uint16_t *program, size_t n)
+void pio_load(uint32_t pio, uint32_t at, const uint16_t *program, size_t n)
 {
     for (size_t i = 0; i < n; i++) {
-        REG(pio + PIO_INSTR_MEM(i)) = program[i];
+        REG(pio + PIO_INSTR_MEM(at + i)) = program[i];
     }
 }
 

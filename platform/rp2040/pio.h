@@ -61,8 +61,8 @@ struct pio_machine {
     uint8_t start;      /**< the first one */
 };
 
-/** Write a program to the instruction memory, from its beginning. */
-void pio_load(uint32_t pio, const uint16_t *program, size_t n);
+/** Write a program to the instruction memory, from instruction `at` on; its jumps know that. */
+void pio_load(uint32_t pio, uint32_t at, const uint16_t *program, size_t n);
 /** Set a machine up; it does not run yet. */
 void pio_set_up(const struct pio_machine *machine);
 /** Make a pin an output of it; what it sets next stays as it was set up. */

@@ -45,6 +45,7 @@
 #define IO_INTE(pin) (0x40014100u + 4u * ((pin) / 8u))
 #define IO_EDGE_LOW(pin) (1u << (4u * ((pin) % 8u) + 2u))
 #define PAD(pin) (0x4001C004u + 4u * (pin))
+#define PAD_PULL_DOWN (1u << 2)
 #define SIO_IN 0xD0000004u
 #define SIO_OUT_SET 0xD0000014u
 #define SIO_OUT_CLR 0xD0000018u

@@ -129,7 +129,7 @@ void port_start(void)
 
     board_pin(PIN_CLOCK, BOARD_PIO0);
     board_pin(PIN_DATA, BOARD_PIO0);
-    pio_load(PIO0, program, END);
+    pio_load(PIO0, 0, program, END);
     slave.shiftctrl = (bits & 31u) << 25; /* OSR is empty behind so many */
     pio_set_up(&slave);
     pio_direct(&slave, PIN_DATA);

@@ -165,3 +165,28 @@ test("the short timeout of 7Ch is in force at once", () => {
   for (let i = 0; i < 20; i++) assert.ok(master.frame(i & 1).good, `frame ${i}`);
   assert.deepEqual(master.read(0x7c, 1), [0x01]);
 });
+
+test("steps and their direction turn the shaft", () => {
+  const { pico, master } = started();
+  const STEP = 14, DIRECTION = 15, COUNTS = 2 ** 21 / 3200;
+  const step = (n, up, periodUs) => {
+    pico.drive(pico.cycle, DIRECTION, up);
+    for (let i = 0; i < n; i++) {
+      const at = pico.cycle + us(1 + i * periodUs);
+      pico.drive(at, STEP, true);
+      pico.drive(at + us(periodUs / 2), STEP, false);
+    }
+    pico.run(us(n * periodUs) + ms(5));
+  };
+  for (const pin of [STEP, DIRECTION]) pico.chip.gpio[pin].setInputValue(false);
+  const position = (steps) => assert.equal(master.frame().position, Math.floor(steps * COUNTS));
+  step(800, true, 20); // a quarter, at 50 kHz
+  position(800);
+  step(900, false, 4); // and on below 0
+  position(3200 * 4096 - 100);
+  step(600, true, 20);
+  position(500);
+  pico.order("SHAF:POS 180DEG"); // and from there
+  step(1, true, 100);
+  position(1601);
+});
