@@ -82,7 +82,8 @@ static void send(void *ctx, const struct dg_can_frame *frame)
 
     (void)ctx;
     if (open_here()) {
-        put(text, dg_slcan_print(&adapter, frame, board_now() / DG_MS(1), text));
+        const size_t n = dg_slcan_print(&adapter, frame, board_now() / DG_MS(1), text);
+        put(text, n);
     }
 }
 
