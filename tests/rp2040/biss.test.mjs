@@ -190,3 +190,23 @@ test("steps and their direction turn the shaft", () => {
   step(1, true, 100);
   position(1601);
 });
+
+test("frames are in time while the console works, and while flash is written and erased", (t) => {
+  const { pico, flash, master } = started();
+  master.write(0x40, [7]);
+  let most = 0;
+  for (let i = 0; i < 600; i++) {
+    if (i % 4 === 0) pico.tell(["SHAF:VEL 60RPM", "STAT?", "SHAF:POS 90DEG", "WORL:TEMP 40DEGC", "FAUL:CAT?"][i / 4 % 5]);
+    const frame = master.frame();
+    assert.ok(frame.good, `frame ${i}`);
+    most = Math.max(most, frame.delay);
+    pico.run(us(i % 90));
+  }
+  for (let i = 0; flash.count("erase") < 8; i++) {
+    assert.ok(i < 200, "a half is full some time");
+    master.write(i % 64, [i & 255]); // throws when a frame is late
+    pico.run(ms(20));
+  }
+  t.diagnostic(`the latest start bit ${most.toFixed(1)} us behind e1`);
+  assert.ok(most < START_MAX_US);
+});
