@@ -7,9 +7,9 @@
  *   data  ¯¯¯¯¯|MSB  |     |   ...    |_______|¯¯¯¯¯
  *                                     |<-tm ->| from the last falling edge
  *
- * The word has to be there half a clock behind f1, which no processor does: one is always ready, a
- * new one every AGE_NS, of the moment in the middle of the time that it will be the latest for. So
- * a position is that of f1 give or take AGE_MOST_NS.
+ * The word has to be there half a clock behind f1, which no processor does: one is always ready,
+ * renewed whenever the main loop comes by, of a moment AGE_NS ahead, in the middle of the time that
+ * it will be the latest for. So a position is that of f1 give or take AGE_NS.
  *
  * X has the word, left-aligned, with the 0 behind it; after that it begins anew.
  */

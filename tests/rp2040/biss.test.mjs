@@ -64,6 +64,19 @@ test("frames are right at 0.5, 1, 5, 10 and 11 MHz", (t) => {
   assert.deepEqual(pico.complaints, []);
 });
 
+test("the highest clock with valid frames", (t) => {
+  const { pico, master } = started();
+  pico.order("SHAF:POS 123.456DEG");
+  let highest = 0;
+  for (const mhz of [10, 11, 12, 12.5, 13, 14, 15, 16, 18, 20]) {
+    master.mhz = mhz;
+    if (!Array.from({ length: 40 }, (_, i) => master.frame(i & 1)).every(({ good }) => good)) break;
+    highest = mhz;
+  }
+  t.diagnostic(`${highest} MHz, point to point without delay`);
+  assert.ok(highest >= 11);
+});
+
 test("1000 frames of a ramping shaft: each position is that of e1", (t) => {
   const { pico, master } = started();
   const rpmPerS = 12000;
