@@ -152,7 +152,9 @@ static void begin_frame(void)
     const uint8_t n = dg_biss_frame(biss(), e1, &bits);
     const uint64_t words = (uint64_t)1 << 63 | bits << (63u - n);
 
-    wait_for_start(count, e1);
+    if (n != 0) {
+        wait_for_start(count, e1);
+    }
     if (n != 0 && !given_up()) {
         REG(PIO0 + PIO_TXF(0)) = (uint32_t)(words >> 32);
         REG(PIO0 + PIO_TXF(0)) = (uint32_t)words;
@@ -274,6 +276,7 @@ static void power(bool on)
     pio_run(&slave, 0);
     pio_do(&slave, PIO_SET(PIO_PINS, high));
     pio_do(&slave, PIO_JMP(PIO_ALWAYS, READY));
+    count_again();
     pio_run(&slave, on);
 }
 
@@ -286,7 +289,6 @@ void port_start(void)
     pio_set_up(&since);
     pio_set_up(&second);
     pio_direct(&slave, PIN_SLO);
-    count_again();
     pio_run(&since, 1);
     pio_run(&second, 1);
     REG(PIO0 + PIO_IRQ0_INTE) = (E1 | TIMEOUT_LOW | TIMEOUT_HIGH) << 8;

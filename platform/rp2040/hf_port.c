@@ -7,7 +7,7 @@
  *   DE  ___|¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯¯|___
  *
  * Machines go at 8 cycles a bit. Machine 0 sends: DE rises 2 cycles before the start bit and falls
- * 2 behind the stop bit. Machine 1 receives: flag 0 is the edge of a start bit.
+ * 1 behind the stop bit. Machine 1 receives: flag 0 is the edge of a start bit.
  */
 #include "board.h"
 #include "drehgeber/hiperface.h"
