@@ -25,6 +25,18 @@ struct dg_damage_row {
     const char *chapter;
 };
 
+/** What a frame on a clocked line looks like to its faults (line_fault.h); clocks are rising edges.
+ */
+struct dg_line_frame {
+    uint8_t lead;  /**< clocks that a frame begins with and that are never late */
+    bool waits;    /**< behind them the line is low up to the start bit, which is high; otherwise
+                        it is high, and the data follows at once */
+    uint8_t ahead; /**< bits between the start bit and the data */
+    uint8_t bits;  /**< of the data, 1 at least */
+    bool open;     /**< what a line reads as that nobody drives */
+    dg_ns delay;   /**< of DG_WIRE_DELAY; left alone by dg_instrument.line_frame() */
+};
+
 /** A protocol as an instrument. */
 struct dg_instrument {
     const struct dg_stack *stack;
@@ -40,6 +52,12 @@ struct dg_instrument {
      */
     void (*state)(const void *device, dg_ns now, struct dg_scpi *to);
     struct dg_scpi_commands commands; /**< of its own; usually none */
+    /** The frames of `device`. NULL: its line is not clocked. */
+    void (*line_frame)(const void *device, struct dg_line_frame *to);
+    /** The level of the clock as `device` has it. NULL likewise. */
+    bool (*clock)(const void *device);
+    /** What happens by chance in `device` goes by `seed` from now on. NULL: nothing does. */
+    void (*seed)(void *device, uint32_t seed);
 };
 
 /** A quantity of the world: kind, wire, size and offset of a dg_fault_row. */

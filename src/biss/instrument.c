@@ -163,6 +163,32 @@ static void write(struct dg_scpi *session)
     }
 }
 
+/* e1 and e2 are never late, and there is CDS between start bit and data. */
+static void line_frame(const void *self, struct dg_line_frame *to)
+{
+    const struct dg_biss *device = self;
+
+    to->lead = 2;
+    to->waits = true;
+    to->ahead = 1;
+    to->bits = dg_biss_frame_bits(device->setup.model);
+    to->open = true;
+}
+
+static bool clock_of(const void *self)
+{
+    const struct dg_biss *device = self;
+
+    return device->line.ma;
+}
+
+static void seed(void *self, uint32_t value)
+{
+    struct dg_biss *device = self;
+
+    device->noise = value;
+}
+
 /* clang-format off */
 static const struct dg_fault_row faults[] = {
     {"led_current_high",    DG_FAULT_SENSES(led_current_ua),                       40000, DG_CAUSE_LED_WORN,  "69h bit 0, nERR low", "5.2.3"},
@@ -205,4 +231,7 @@ const struct dg_instrument dg_biss_instrument = {
     .mode = mode,
     .state = state,
     .commands = {commands, DG_COUNT(commands)},
+    .line_frame = line_frame,
+    .clock = clock_of,
+    .seed = seed,
 };

@@ -87,6 +87,20 @@ static void frame(struct dg_scpi *session)
     dg_scpi_put_unsigned(session, parity == DG_OK ? 1 : 0);
 }
 
+static void line_frame(const void *self, struct dg_line_frame *to)
+{
+    const struct dg_ssi *device = self;
+
+    to->bits = dg_ssi_word_bits(device->setup.model);
+}
+
+static bool clock_of(const void *self)
+{
+    const struct dg_ssi *device = self;
+
+    return device->clock;
+}
+
 /* clang-format off */
 #define CAUSE_SUPPLY "the supply's voltage drops on the cable"
 static const struct dg_fault_row faults[] = {
@@ -123,4 +137,6 @@ const struct dg_instrument dg_ssi_instrument = {
     .mode = mode,
     .state = state,
     .commands = {commands, DG_COUNT(commands)},
+    .line_frame = line_frame,
+    .clock = clock_of,
 };

@@ -24,14 +24,12 @@
 
 #define CLOCK_NAME "MA"
 #define DATA_NAME "SLO"
-#define START_CLOCKS_MAX 1000u
+/* Longer than 100 us at 10 MHz, by which a fault puts off a start bit. */
+#define START_CLOCKS_MAX 1200u
 /* A real master pauses a little longer than the encoder's timeout. */
 #define PAUSE_NS 15000u
 /* Rising edges of a frame in front of its data: e1, e2, start bit, CDS. */
 #define EDGES_AHEAD 4u
-/* e1 and e2 are never late, and there is CDS between start bit and data. */
-#define LEAD 2u
-#define AHEAD 1u
 /* A start bit later than this is worth a word. */
 #define START_MAX DG_BISS_BUSY_S_MAX_NS
 /* Ends a frame on GPIO lines; see src/biss/README.md, 'GPIO'. */
@@ -57,7 +55,7 @@ static void hold_back(struct lx_biss_line *self, uint8_t index)
 {
     struct lx_nvm_queue *memory = self->memory[index];
     if (memory != NULL && lx_nvm_queue_answer(memory) != LX_NVM_SAY) {
-        lx_line_fault_kill(&self->fault[index]);
+        dg_line_fault_kill(&self->fault[index]);
     }
 }
 
@@ -66,15 +64,15 @@ static void hold_back(struct lx_biss_line *self, uint8_t index)
 static bool bend(void *ctx, uint8_t index, bool slo, bool clocked)
 {
     struct lx_biss_line *self = ctx;
-    struct lx_line_fault *fault = &self->fault[index];
+    struct dg_line_fault *fault = &self->fault[index];
     if (clocked && self->chain.slave[index]->line.state == DG_BISS_ACK) {
-        lx_line_fault_begin(fault, self->base.period);
+        dg_line_fault_begin(fault);
         hold_back(self, index);
     }
     if (clocked) {
-        lx_line_fault_advance(fault, slo);
+        dg_line_fault_advance(fault, slo, self->base.period);
     }
-    return lx_line_fault_level(fault, slo);
+    return dg_line_fault_level(fault, slo);
 }
 
 /* Nobody asks a healthy line, nor one whose memory keeps nobody waiting. */
@@ -82,7 +80,7 @@ static void look_for_faults(struct lx_biss_line *self)
 {
     bool due = false;
     for (uint8_t i = 0; i < self->chain.count; i++) {
-        due = due || lx_line_fault_due(&self->fault[i]) || self->memory[i] != NULL;
+        due = due || dg_line_fault_due(&self->fault[i]) || self->memory[i] != NULL;
     }
     self->chain.link = due ? bend : NULL;
 }
@@ -100,7 +98,7 @@ static void settle(struct lx_clocked *base)
 {
     struct lx_biss_line *self = line_of(base);
     for (uint8_t i = 0; i < self->chain.count; i++) {
-        lx_line_fault_end(&self->fault[i]);
+        dg_line_fault_end(&self->fault[i]);
     }
     look_for_faults(self);
 }
@@ -273,18 +271,7 @@ void lx_biss_line_add(struct lx_biss_line *self, struct dg_biss *device, struct 
     self->chain.slave[index] = device;
     self->base.name[index] = name;
     self->base.count = self->chain.count;
-    self->fault[index] = (struct lx_line_fault){
-        .frame =
-            {
-                .lead = LEAD,
-                .waits = true,
-                .ahead = AHEAD,
-                .bits = dg_biss_frame_bits(device->setup.model),
-                .open = true,
-                .delay = (dg_ns)dg_fault_wire_value(&dg_biss_instrument, DG_WIRE_DELAY),
-            },
-        .faults = faults,
-    };
+    dg_line_fault_init(&self->fault[index], &dg_biss_instrument, device, faults);
 }
 
 void lx_biss_line_hold(struct lx_biss_line *self, struct lx_nvm_queue *queue)

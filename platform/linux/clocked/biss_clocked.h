@@ -15,7 +15,7 @@
 struct lx_biss_line {
     struct lx_clocked base;
     struct dg_biss_chain chain;
-    struct lx_line_fault fault[DG_BISS_CHAIN_MAX];  /**< behind each slave's driver */
+    struct dg_line_fault fault[DG_BISS_CHAIN_MAX];  /**< behind each slave's driver */
     struct lx_nvm_queue *memory[DG_BISS_CHAIN_MAX]; /**< NULL: written at once */
     /** The frame that the master of a simulated wire has read last. */
     struct {

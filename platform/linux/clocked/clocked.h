@@ -19,8 +19,8 @@
 #include <stdint.h>
 
 #include "bus.h"
+#include "drehgeber/line_fault.h"
 #include "drehgeber/time.h"
-#include "line_fault.h"
 #include "say.h"
 
 /** Most encoders on one line. */

@@ -40,7 +40,7 @@ static const struct lx_ssi_line *view_of(const struct lx_clocked *base)
 
 static void settle(struct lx_clocked *base)
 {
-    lx_line_fault_end(&line_of(base)->fault);
+    dg_line_fault_end(&line_of(base)->fault);
 }
 
 static dg_ns step(struct lx_clocked *base, dg_ns now)
@@ -62,19 +62,19 @@ static bool edge(struct lx_clocked *base, dg_ns now, bool level)
     const bool rises = level && !device->clock;
     (void)step(base, now);
     if (!level && device->state == DG_SSI_IDLE) {
-        lx_line_fault_begin(&self->fault, base->period);
+        dg_line_fault_begin(&self->fault);
     }
     const bool data = dg_ssi_clock(device, now, level);
     if (rises) {
-        lx_line_fault_advance(&self->fault, data);
+        dg_line_fault_advance(&self->fault, data, base->period);
     }
-    return lx_line_fault_level(&self->fault, data);
+    return dg_line_fault_level(&self->fault, data);
 }
 
 static bool level(const struct lx_clocked *base)
 {
     const struct lx_ssi_line *self = view_of(base);
-    return lx_line_fault_level(&self->fault, dg_ssi_data(self->device));
+    return dg_line_fault_level(&self->fault, dg_ssi_data(self->device));
 }
 
 static bool clocked(const struct lx_clocked *base)
@@ -213,14 +213,7 @@ void lx_ssi_line_add(struct lx_ssi_line *self, struct dg_ssi *device, struct dg_
     self->device = device;
     self->base.name[0] = name;
     self->base.count = 1;
-    self->fault = (struct lx_line_fault){
-        .frame =
-            {
-                .bits = dg_ssi_word_bits(device->setup.model),
-                .delay = (dg_ns)dg_fault_wire_value(&dg_ssi_instrument, DG_WIRE_DELAY),
-            },
-        .faults = faults,
-    };
+    dg_line_fault_init(&self->fault, &dg_ssi_instrument, device, faults);
 }
 
 /* --- SCPI --- */

@@ -16,7 +16,7 @@ extern const struct lx_clocked_protocol lx_clocked_ssi;
 struct lx_ssi_line {
     struct lx_clocked base;
     struct dg_ssi *device; /**< NULL: nobody is there yet */
-    struct lx_line_fault fault;
+    struct dg_line_fault fault;
     /** The word that the master of a simulated wire has read last. */
     struct {
         uint64_t bits;                 /**< right-aligned */

@@ -28,7 +28,7 @@
 /* The line, its one encoder, and what the master read last. */
 struct plain {
     struct lx_clocked base;
-    struct lx_line_fault fault;
+    struct dg_line_fault fault;
     unsigned position; /* of the shaft */
     unsigned word;     /* as latched */
     unsigned left;     /* bits of it to come */
@@ -46,12 +46,12 @@ static struct plain *plain_of(struct lx_clocked *base)
 static bool level(const struct lx_clocked *base)
 {
     const struct plain *self = (const struct plain *)base;
-    return lx_line_fault_level(&self->fault, self->data);
+    return dg_line_fault_level(&self->fault, self->data);
 }
 
 static void settle(struct lx_clocked *base)
 {
-    lx_line_fault_end(&plain_of(base)->fault);
+    dg_line_fault_end(&plain_of(base)->fault);
 }
 
 static dg_ns step(struct lx_clocked *base, dg_ns now)
@@ -85,12 +85,12 @@ static bool edge(struct lx_clocked *base, dg_ns now, bool high)
         if (self->deadline == DG_NEVER) {
             self->word = self->position;
             self->left = BITS;
-            lx_line_fault_begin(&self->fault, base->period);
+            dg_line_fault_begin(&self->fault);
         }
         self->deadline = now + MONOFLOP;
     } else if (high != self->clock) {
         shift(self);
-        lx_line_fault_advance(&self->fault, self->data);
+        dg_line_fault_advance(&self->fault, self->data, base->period);
     }
     self->clock = high;
     return level(base);
