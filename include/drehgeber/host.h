@@ -384,6 +384,10 @@ DG_API struct dg_host_panel *dg_host_panel_make(void *memory, size_t size, struc
  * dg_host_shaft_of(), and it may be coupled to another one (dg_shaft_couple()). */
 DG_API struct dg_shaft *dg_host_panel_shaft(struct dg_host_panel *self);
 
+/** What happens by chance, faults and busy_jitter_us of BiSS, goes by `seed` from now on: the same
+ * again with the same one. Until then that is 0 for faults, and the serial number. */
+DG_API void dg_host_panel_seed(struct dg_host_panel *self, uint32_t seed);
+
 /** Something that can happen to the encoder. The texts last as long as the library. */
 struct dg_host_fault {
     char name[32];
@@ -396,9 +400,10 @@ struct dg_host_fault {
 /** Entry `index` of its catalogue. @return 0; DG_HOST_ERR_NAME behind the last one */
 DG_API int dg_host_fault(const struct dg_host_panel *self, size_t index, struct dg_host_fault *to);
 
-/** Let a fault happen until it is made good. @return 0; DG_HOST_ERR_NAME; DG_HOST_ERR_IO;
- * DG_HOST_ERR_WIRE: it is one that queues of events have not: wire_break and wire_tear, and on
- * BiSS and SSI, where events are edges, every wire_ fault */
+/** Let a fault happen until it is made good. Those of the wire happen to what is sent and received;
+ * of BiSS and SSI to levels and edges, from the next frame on, but not to dg_host_frame() and
+ * registers, which are read at the encoder's own end of the line. @return 0; DG_HOST_ERR_NAME;
+ * DG_HOST_ERR_IO */
 DG_API int dg_host_fault_set(struct dg_host_panel *self, uint64_t now, const char *name, bool on);
 
 /** A line of SCPI, without its end, and what is answered, with a zero behind it and no LF at the

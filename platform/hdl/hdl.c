@@ -233,7 +233,11 @@ static int start(struct dg_hdl *self, const char *settings, const char *memory)
     self->random = self->settings.seed;
     dg_host_listen(self->host, heard, self);
     self->panel_due = HDL_NEVER;
-    return make_panel(self);
+    if (make_panel(self) != DG_HOST_OK) {
+        return DG_HOST_ERR_SPACE;
+    }
+    dg_host_panel_seed(self->panel, self->settings.seed);
+    return DG_HOST_OK;
 }
 
 static int set_up(struct dg_hdl *self, const char *model, const char *settings, const char *memory)

@@ -26,6 +26,15 @@ struct host_course {
     int64_t rate; /**< 2^-32 turns per second */
 };
 
+/** Faults of the wire. */
+struct host_faults {
+    /** @return how often an event arrives, which is bent */
+    unsigned (*arrives)(void *ctx, struct dg_host_event *event, bool sent);
+    /** Clocked lines: what gets to the other end while the encoder's line is at `raw`. Asked behind
+     * each edge of the clock. */
+    bool (*bent)(void *ctx, bool raw);
+};
+
 /** The handle. */
 struct dg_host {
     struct dg_host_line line; /**< first: operations get it and find the handle */
@@ -35,9 +44,8 @@ struct dg_host {
     dg_angle (*angle_of)(void *shaft, dg_ns at);
     void (*heard)(void *ctx, const struct dg_host_event *event); /**< NULL: into `out` */
     void *heard_ctx;
-    /** Faults of the wire; NULL: none. @return how often an event arrives */
-    unsigned (*arrives)(void *ctx, struct dg_host_event *event, bool sent);
-    void *arrives_ctx;
+    const struct host_faults *faults; /**< NULL: none */
+    void *faults_ctx;
     struct dg_nvm nvm; /**< the host's own; ops NULL: `memory` */
     uint8_t *memory;
     uint32_t memory_size;

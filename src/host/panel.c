@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The control plane of one encoder: a rig of one instrument and one shaft, with one session. Faults
- * of the wire happen to events on their way into and out of the queues.
+ * of the wire happen to events on their way into and out of the queues, and to the levels of a
+ * clocked line.
  */
 #include <string.h>
 
 #include "drehgeber/control.h"
+#include "drehgeber/line_fault.h"
 #include "host_private.h"
 
 struct dg_host_panel {
@@ -22,22 +24,51 @@ struct dg_host_panel {
     size_t used;
     bool cut;
     unsigned copies; /* what became of the reply at hand: it may be several events */
+    uint8_t cycle[sizeof((struct dg_host_event *)0)->data]; /* INTERBUS: IN of the latest one */
+    struct dg_line_fault line;
+    dg_ns latched; /* the frame that `line` is about */
+    dg_ns fell;    /* the latest falling edge of the clock */
+    bool clock;    /* its level */
 };
 _Static_assert(_Alignof(struct dg_host_panel) <= DG_HOST_ALIGN, "what host.h asks for is enough");
 
 /* ------------------------------------------------------------ faults of the wire */
 
-/* Those that events can have; the others are of lines and rings. */
-#define IN_QUEUES                                                                                  \
-    (1u << DG_WIRE_DROP | 1u << DG_WIRE_DEAF | 1u << DG_WIRE_DELAY | 1u << DG_WIRE_DAMAGE |        \
-     1u << DG_WIRE_DUPLICATE)
 #define OF_CONTROLLERS (1u << DG_WIRE_BUS_OFF | 1u << DG_WIRE_PASSIVE | 1u << DG_WIRE_OVERRUN)
+
+/* IN of a cycle is told twice: its bytes, and as a number. */
+static void number_words(struct dg_host_event *event)
+{
+    if (event->kind == DG_HOST_WORDS) {
+        event->id = 0;
+        for (uint8_t i = 0; i < event->length; i++) {
+            event->id = event->id << 8 | event->data[i];
+        }
+    }
+}
 
 static void damage(struct dg_faults *faults, struct dg_host_event *event)
 {
     const uint32_t bit = dg_fault_pick(faults, 8u * event->length);
 
     event->data[bit / 8u] ^= (uint8_t)(1u << bit % 8u);
+    number_words(event);
+}
+
+/* The first half of IN is that of the cycle before: the high word, of a K1 the high byte. */
+static void tear(struct dg_host_panel *self, struct dg_host_event *event)
+{
+    uint8_t whole[sizeof self->cycle];
+
+    if (event->kind != DG_HOST_WORDS || (event->flags & DG_HOST_IDENTIFY) != 0) {
+        return;
+    }
+    memcpy(whole, event->data, sizeof whole);
+    if (dg_fault_wire_takes(&self->encoder.faults, DG_WIRE_TEAR)) {
+        memcpy(event->data, self->cycle, event->length / 2u);
+        number_words(event);
+    }
+    memcpy(self->cycle, whole, sizeof whole);
 }
 
 static unsigned sent_by_encoder(struct dg_host_panel *self, struct dg_host_event *event)
@@ -59,13 +90,20 @@ static unsigned sent_by_encoder(struct dg_host_panel *self, struct dg_host_event
     return self->copies;
 }
 
+/* Edges are bent as levels, below. */
 static unsigned arrives(void *ctx, struct dg_host_event *event, bool sent)
 {
     struct dg_host_panel *self = ctx;
     struct dg_faults *faults = &self->encoder.faults;
 
-    if (faults->wire == 0) {
+    if (!sent) {
+        tear(self, event);
+    }
+    if (faults->wire == 0 || event->kind == DG_HOST_EDGE) {
         return 1;
+    }
+    if (dg_fault_wire_active(faults, DG_WIRE_BREAK)) {
+        return 0;
     }
     if (sent) {
         const bool heard = event->kind == DG_HOST_BUS || !dg_fault_wire_takes(faults, DG_WIRE_DEAF);
@@ -73,6 +111,39 @@ static unsigned arrives(void *ctx, struct dg_host_event *event, bool sent)
     }
     return sent_by_encoder(self, event);
 }
+
+/* The encoder may have taken an edge. A frame is latched by the one that it begins with; its period
+ * is known at its rising edges only. */
+static void follow(struct dg_host_panel *self, bool raw)
+{
+    const struct dg_host_line *line = &self->host->line;
+    const bool clock = self->encoder.instrument->clock(line->device);
+
+    if (line->latched == line->now && line->latched != self->latched) {
+        self->latched = line->latched;
+        dg_line_fault_begin(&self->line);
+    }
+    if (clock && !self->clock) {
+        dg_line_fault_advance(&self->line, raw, 2u * dg_elapsed(line->now, self->fell));
+    }
+    self->fell = !clock && self->clock ? line->now : self->fell;
+    self->clock = clock;
+}
+
+/* An encoder that waits for nothing, which 0 just asks, has no frame on its line. */
+static bool bent(void *ctx, bool raw)
+{
+    struct dg_host_panel *self = ctx;
+
+    follow(self, raw);
+    if (dg_line_fault_due(&self->line) &&
+        self->host->device->stack->step(self->host->line.device, 0) == DG_NEVER) {
+        dg_line_fault_end(&self->line);
+    }
+    return dg_line_fault_level(&self->line, raw);
+}
+
+static const struct host_faults wire_faults = {.arrives = arrives, .bent = bent};
 
 /* What the controller of a CAN node sees, now. */
 static int tell_controller(struct dg_host *host, unsigned fault, bool on)
@@ -171,9 +242,23 @@ struct dg_host_panel *dg_host_panel_init(void *memory, size_t size, struct dg_ho
     dg_shaft_init(&self->shaft.shaft);
     (void)dg_shaft_set_position(&self->shaft.shaft, host->line.now, angle);
     dg_host_shaft_of(host, &self->shaft.shaft);
-    host->arrives = arrives;
-    host->arrives_ctx = self;
+    if (instrument->line_frame != NULL) {
+        self->clock = instrument->clock(host->line.device);
+        dg_line_fault_init(&self->line, instrument, host->line.device, &self->encoder.faults);
+    }
+    host->faults = &wire_faults;
+    host->faults_ctx = self;
     return self;
+}
+
+void dg_host_panel_seed(struct dg_host_panel *self, uint32_t seed)
+{
+    const struct dg_instrument *instrument = self->encoder.instrument;
+
+    self->encoder.faults.random = seed;
+    if (instrument->seed != NULL) {
+        instrument->seed(self->host->line.device, seed);
+    }
 }
 
 struct dg_shaft *dg_host_panel_shaft(struct dg_host_panel *self)
@@ -209,19 +294,6 @@ static int set(struct dg_host_panel *self, const struct dg_fault_target *target,
               : dg_fault_clear(faults, target, index);
 }
 
-/* Whether events can have it: then it may be set. */
-static int possible(const struct dg_host_panel *self, const struct dg_fault_entry *entry)
-{
-    const struct dg_host_wire *host_wire = self->host->wire;
-    const unsigned queued = IN_QUEUES | OF_CONTROLLERS;
-
-    if (entry->kind != DG_FAULT_WIRE) {
-        return DG_HOST_OK;
-    }
-    return host_wire->clock == NULL && (queued >> entry->row->wire & 1u) != 0 ? DG_HOST_OK
-                                                                              : DG_HOST_ERR_WIRE;
-}
-
 int dg_host_fault_set(struct dg_host_panel *self, uint64_t now, const char *name, bool on)
 {
     const struct dg_fault_target target = dg_encoder_target(&self->encoder);
@@ -233,10 +305,7 @@ int dg_host_fault_set(struct dg_host_panel *self, uint64_t now, const char *name
     }
     (void)dg_fault_entry(&target, (size_t)index, &entry);
     host_run(self->host, now);
-    int result = possible(self, &entry);
-    if (result == DG_HOST_OK) {
-        result = set(self, &target, (size_t)index, on);
-    }
+    int result = set(self, &target, (size_t)index, on);
     if (result == DG_HOST_OK && entry.kind == DG_FAULT_WIRE &&
         (OF_CONTROLLERS >> entry.row->wire & 1u) != 0) {
         result = tell_controller(self->host, entry.row->wire, on);

@@ -79,8 +79,8 @@ static void drop_pointers(struct dg_host *self)
     self->angle_of = NULL;
     self->heard = NULL;
     self->heard_ctx = NULL;
-    self->arrives = NULL;
-    self->arrives_ctx = NULL;
+    self->faults = NULL;
+    self->faults_ctx = NULL;
     self->nvm = (struct dg_nvm){0};
     self->memory = NULL;
     self->world.angle = NULL;
@@ -97,8 +97,8 @@ static void take_pointers(struct dg_host *self, const struct dg_host *from)
     self->angle_of = from->angle_of;
     self->heard = from->heard;
     self->heard_ctx = from->heard_ctx;
-    self->arrives = from->arrives;
-    self->arrives_ctx = from->arrives_ctx;
+    self->faults = from->faults;
+    self->faults_ctx = from->faults_ctx;
     self->nvm = from->nvm;
     self->memory = from->memory;
     self->world.angle = host_angle;

@@ -50,8 +50,11 @@ void dg_host_emit(struct dg_host_line *line, const struct dg_host_event *event)
 {
     struct dg_host *self = (struct dg_host *)(void *)line;
     struct dg_host_event copy = *event;
-    unsigned times = self->arrives != NULL ? self->arrives(self->arrives_ctx, &copy, false) : 1;
+    unsigned times = 1;
 
+    if (self->faults != NULL) {
+        times = self->faults->arrives(self->faults_ctx, &copy, false);
+    }
     while (times-- > 0) {
         deliver(self, &copy);
     }
@@ -124,6 +127,14 @@ static dg_ns due_in(const struct dg_host *self)
     return self->wire->due != NULL ? self->wire->due(&self->line, event) : event->at;
 }
 
+/* The encoder's line at its other end. */
+static bool seen(struct dg_host *self)
+{
+    const bool raw = self->wire->level(&self->line);
+
+    return self->faults != NULL ? self->faults->bent(self->faults_ctx, raw) : raw;
+}
+
 void host_look(struct dg_host *self)
 {
     struct dg_host_line *line = &self->line;
@@ -131,7 +142,7 @@ void host_look(struct dg_host *self)
     if (self->wire->level == NULL) {
         return;
     }
-    const bool level = self->wire->level(line);
+    const bool level = seen(self);
     if (level != line->level) {
         const struct dg_host_event event = {
             .at = line->now, .kind = DG_HOST_EDGE, .length = 1, .data = {level}};
@@ -145,8 +156,8 @@ static bool take_head(struct dg_host *self)
 {
     struct dg_host_event *event = head_of(&self->in);
 
-    if (self->line.part == 0 && self->arrives != NULL &&
-        self->arrives(self->arrives_ctx, event, true) == 0) {
+    if (self->line.part == 0 && self->faults != NULL &&
+        self->faults->arrives(self->faults_ctx, event, true) == 0) {
         return true;
     }
     if (self->wire->take != NULL) {
@@ -228,7 +239,7 @@ struct dg_host_line *dg_host_line_at(struct dg_host *self, const struct dg_host_
 
 void dg_host_line_done(struct dg_host *self)
 {
-    self->line.level = self->wire->level(&self->line);
+    self->line.level = seen(self);
     serve(self);
 }
 
@@ -243,7 +254,7 @@ int dg_host_clock(struct dg_host *self, uint64_t now, bool level)
     host_run(self, now);
     (void)self->wire->clock(&self->line, self->line.now, level);
     serve(self);
-    return self->wire->level(&self->line) ? 1 : 0;
+    return self->line.level ? 1 : 0;
 }
 
 int dg_host_behind(struct dg_host *self, uint64_t now, bool level)

@@ -147,6 +147,66 @@ static void the_same_seed_gives_the_same_trace(void **state)
     }
 }
 
+/* @return sum of what came of eight frames */
+static int64_t chance(const char *settings, const char *fault)
+{
+    struct sim sim;
+    int64_t sum = 0;
+
+    begin_with(&sim, "s3684-biss", settings);
+    if (fault != NULL) {
+        assert_int_equal(dg_hdl_fault(sim.encoder, 0, fault, 1), 0);
+    }
+    for (unsigned i = 0; i < 8; i++) {
+        clock_frame(&sim, 80, US);
+    }
+    for (size_t i = 0; i < sim.count; i++) {
+        sum = (sum * 31 + sim.at[i]) % INT64_C(1000000007);
+    }
+    dg_hdl_close(sim.encoder);
+    return sum;
+}
+
+/* Of the processing time and of faults, too. */
+static void the_seed_is_that_of_all_chance(void **state)
+{
+    static const struct {
+        const char *settings[3];
+        const char *fault;
+    } rows[] = {
+        {{"busy_jitter_us=15 seed=4", "busy_jitter_us=15 seed=4", "busy_jitter_us=15 seed=5"},
+         NULL},
+        {{"seed=4", "seed=4", "seed=5"}, "wire_damage"},
+    };
+
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        const int64_t one = chance(rows[i].settings[0], rows[i].fault);
+        assert_true(chance(rows[i].settings[1], rows[i].fault) == one);
+        assert_true(chance(rows[i].settings[2], rows[i].fault) != one);
+    }
+}
+
+/* A fault sits in front of delays: what is on the cable stays. */
+static void a_fault_is_seen_behind_the_cable(void **state)
+{
+    struct sim sim;
+
+    (void)state;
+    begin_with(&sim, "s3684-biss", "tco_ns=10 delay_out_ns=500");
+    clock_frame(&sim, 80, US); /* up to then SLO is low */
+    sim.count = 0;
+    assert_int_equal(dg_hdl_fault(sim.encoder, sim.now, "wire_drop", 1), 0);
+    clock_frame(&sim, 80, US);
+    assert_int_equal(sim.count, 0);
+    assert_int_equal(dg_hdl_fault(sim.encoder, sim.now, "wire_drop", 0), 0);
+    const int64_t e2 = sim.now + 2 * US;
+    clock_frame(&sim, 80, US);
+    assert_int_equal(sim.at[0], e2 + 510000);
+    assert_int_equal(sim.levels[0], 0);
+    dg_hdl_close(sim.encoder);
+}
+
 /* --- RS485 --- */
 
 static void put(struct sim *self, unsigned byte, unsigned parity, unsigned stop)
@@ -351,6 +411,8 @@ int main(void)
         cmocka_unit_test(the_output_follows_by_the_delays),
         cmocka_unit_test(a_long_cable_loses_no_edge),
         cmocka_unit_test(the_same_seed_gives_the_same_trace),
+        cmocka_unit_test(the_seed_is_that_of_all_chance),
+        cmocka_unit_test(a_fault_is_seen_behind_the_cable),
         cmocka_unit_test(characters_go_bit_by_bit),
         cmocka_unit_test(power_that_goes_ends_a_character),
         cmocka_unit_test(wrong_settings_are_one_line),
