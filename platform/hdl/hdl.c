@@ -22,6 +22,7 @@ static const struct dg_key rows[] = {
     {"delay_in_ns",  "ns", AT(delay_in),  DG_KEY_U32, 3, 1,        0,          DELAY_MAX_PS,          NULL, "of the cable to the encoder"},
     {"delay_out_ns", "ns", AT(delay_out), DG_KEY_U32, 3, 1,        0,          DELAY_MAX_PS,          NULL, "of the cable from the encoder"},
     {"jitter_ns",    "ns", AT(jitter),    DG_KEY_U32, 3, 1,        0,  1000 * HDL_PS_PER_NS,          NULL, "up to as much more for each edge"},
+    {"control",      "",   AT(control),    DG_KEY_TEXT, 0, 1,      0,       HDL_CONTROL_MAX,          NULL, "socket for SCPI: unix:PATH"},
     {"seed",         "",   AT(seed),      DG_KEY_U32, 0, 1,        0,            UINT32_MAX,          NULL, "of jitter and chance"},
 };
 /* clang-format on */
@@ -81,7 +82,9 @@ static int set_one(struct dg_hdl *self, struct dg_host *host, const char *name, 
         return hdl_fail(self, result, "%s has no setting '%s'", dg_host_model(host), name);
     }
     struct lx_words right = {""};
-    if (own != NULL) {
+    if (own != NULL && own->type == DG_KEY_TEXT) {
+        lx_words_add(&right, "unix:PATH of at most %d characters", (int)own->max);
+    } else if (own != NULL) {
         const double unit = own->places == 0 ? 1.0 : 1000.0;
         lx_words_add(&right, "%.10g..%.10g", (double)own->min / unit, (double)own->max / unit);
     } else {
@@ -237,7 +240,7 @@ static int start(struct dg_hdl *self, const char *settings, const char *memory)
         return DG_HOST_ERR_SPACE;
     }
     dg_host_panel_seed(self->panel, self->settings.seed);
-    return DG_HOST_OK;
+    return hdl_control_open(self);
 }
 
 static int set_up(struct dg_hdl *self, const char *model, const char *settings, const char *memory)
@@ -271,6 +274,7 @@ void dg_hdl_close(struct dg_hdl *self)
     if (self == NULL) {
         return;
     }
+    hdl_control_close(self->control);
     lx_nvm_file_close(&self->memory);
     lx_shaft_free(&self->shaft);
     hdl_queue_free(&self->in);

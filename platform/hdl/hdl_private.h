@@ -21,6 +21,10 @@
 /** "Never" as a moment. */
 #define HDL_NEVER INT64_MAX
 #define HDL_PS_PER_NS INT64_C(1000)
+/** Longest address of a control socket: "unix:" and the path. */
+#define HDL_CONTROL_MAX 112
+/** With a control socket somebody looks at least so often, in ps. */
+#define HDL_CONTROL_REST (INT64_C(100000) * HDL_PS_PER_NS)
 
 /** Levels from `at` on. */
 struct hdl_change {
@@ -45,7 +49,11 @@ struct hdl_settings {
     uint32_t delay_out;
     uint32_t jitter;
     uint32_t seed;
+    char control[HDL_CONTROL_MAX + 1]; /**< "": none */
 };
+
+/** The control socket, see control.c. */
+struct hdl_control;
 
 /** RS485: a character on its way in, and the end of one on its way out. */
 struct hdl_uart {
@@ -82,6 +90,7 @@ struct dg_hdl {
     const struct hdl_wire_ops *wire;
     struct dg_host *host; /**< owned, as the next one */
     struct dg_host_panel *panel;
+    struct hdl_control *control; /**< owned; NULL: none */
     struct lx_nvm_file memory;
     struct lx_shaft shaft; /**< points of the motion at hand */
     int64_t now;
@@ -112,6 +121,12 @@ uint64_t hdl_run(struct dg_hdl *self, int64_t now);
 void hdl_put(struct dg_hdl *self, int64_t now, int levels);
 /** What the encoder does next may have changed from outside. */
 void hdl_look(struct dg_hdl *self);
+/** control.c: listen where the settings say. @return 0, or less with an error */
+int hdl_control_open(struct dg_hdl *self);
+/** Serve a client, if there is one, and if a millisecond has passed outside of the simulation. */
+void hdl_control_poll(struct dg_hdl *self);
+/** Remove the socket; NULL is fine. */
+void hdl_control_close(struct hdl_control *self);
 /** Give the queue back. */
 void hdl_queue_free(struct hdl_queue *self);
 

@@ -169,8 +169,12 @@ uint64_t hdl_run(struct dg_hdl *self, int64_t now)
 int64_t dg_hdl_next(const struct dg_hdl *self)
 {
     const int64_t wires = earlier(head_of(&self->in), head_of(&self->out));
-    const int64_t next = earlier(wires, own_due(self));
+    int64_t next = earlier(wires, own_due(self));
 
+    /* Time that nobody looks at is time that nobody can steer in. */
+    if (self->control != NULL) {
+        next = earlier(next, self->now + HDL_CONTROL_REST);
+    }
     if (next == HDL_NEVER) {
         return DG_HDL_NEVER;
     }
@@ -181,6 +185,10 @@ int dg_hdl_wires(struct dg_hdl *self, int64_t now, int inputs)
 {
     const uint64_t ns = hdl_run(self, now);
     const int delayed = inputs & ~DG_HDL_BEHIND;
+
+    if (self->control != NULL) {
+        hdl_control_poll(self);
+    }
 
     /* Chance is asked for changes alone: a look in between makes no other trace. */
     if (delayed != self->in.levels) {

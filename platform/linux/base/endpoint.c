@@ -10,13 +10,12 @@
 #include <stdio.h>
 #include <string.h>
 #include <sys/socket.h>
-#include <sys/stat.h>
-#include <sys/un.h>
 #include <termios.h>
 #include <unistd.h>
 
 #include "drehgeber/api.h"
 #include "figure.h"
+#include "unix_listen.h"
 
 /* Connections are accepted up to so often in a time. */
 #define CALM_US 100000u
@@ -25,12 +24,10 @@
 #define TCP_PREFIX "tcp:"
 #define TTY_PREFIX "tty:"
 #define BACKLOG 16
-#define OWNER_ONLY 0177
 /* A TCP client whose machine is gone is noticed after a minute of silence and three questions. */
 #define KEEP_IDLE_S 60
 #define KEEP_INTERVAL_S 10
 #define KEEP_QUESTIONS 3
-#define PATH_SIZE (sizeof(struct sockaddr_un) - offsetof(struct sockaddr_un, sun_path))
 
 /* What is behind the prefix, or NULL. */
 static const char *behind(const char *where, const char *prefix)
@@ -69,66 +66,14 @@ int lx_endpoint_check(const char *where, struct lx_error *error)
     struct lx_host_port tcp;
     const char *path = behind(where, UNIX_PREFIX);
     const char *host = behind(where, TCP_PREFIX);
-    if (path != NULL && strlen(path) >= PATH_SIZE) {
+    if (path != NULL && strlen(path) >= LX_UNIX_PATH_SIZE) {
         return lx_fail(error, "%s: a path of at most %lu characters is right", where,
-                       (unsigned long)PATH_SIZE - 1);
+                       (unsigned long)LX_UNIX_PATH_SIZE - 1);
     }
     if (path != NULL || (host != NULL && lx_host_port_split(host, &tcp))) {
         return 0;
     }
     return lx_fail(error, "%s: unix:PATH or tcp:HOST:PORT is right", where);
-}
-
-static struct sockaddr_un unix_address(const char *path)
-{
-    struct sockaddr_un address = {.sun_family = AF_UNIX};
-    (void)snprintf(address.sun_path, sizeof address.sun_path, "%s", path);
-    return address;
-}
-
-/* A socket left behind by a process that is gone refuses connections. */
-static int clear_stale(const char *path, const struct sockaddr_un *address, struct lx_error *error)
-{
-    struct stat info;
-    if (lstat(path, &info) != 0) {
-        return 0;
-    }
-    if (!S_ISSOCK(info.st_mode)) {
-        return lx_fail(error, "unix:%s: exists and is no socket; remove it or give another name",
-                       path);
-    }
-    const int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-    const bool dead = fd >= 0 &&
-                      connect(fd, (const struct sockaddr *)address, sizeof *address) != 0 &&
-                      errno == ECONNREFUSED;
-    if (fd >= 0) {
-        (void)close(fd);
-    }
-    if (!dead) {
-        return lx_fail(error, "unix:%s: in use already; give another name", path);
-    }
-    (void)unlink(path);
-    return 0;
-}
-
-static int listen_unix(const char *path, struct lx_error *error)
-{
-    const struct sockaddr_un address = unix_address(path);
-    if (clear_stale(path, &address, error) != 0) {
-        return -1;
-    }
-    const int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-    const mode_t before = umask(OWNER_ONLY);
-    const bool bound = fd >= 0 && bind(fd, (const struct sockaddr *)&address, sizeof address) == 0;
-    (void)umask(before);
-    if (bound && listen(fd, BACKLOG) == 0) {
-        return fd;
-    }
-    (void)lx_fail(error, "unix:%s: cannot listen there: %s", path, strerror(errno));
-    if (fd >= 0) {
-        (void)close(fd);
-    }
-    return -1;
 }
 
 /* A socket for the first of the host's addresses that `use` succeeds with. */
@@ -242,7 +187,7 @@ int lx_endpoint_listen(const char *where, enum lx_endpoint_reach reach, char *ad
     }
     if (path != NULL) {
         (void)snprintf(address, size, "%s", where);
-        return listen_unix(path, error);
+        return lx_unix_listen(path, error);
     }
     (void)lx_host_port_split(behind(where, TCP_PREFIX), &tcp);
     const int fd = lx_tcp_listen(&tcp, reach);
@@ -262,7 +207,7 @@ int lx_endpoint_calm(sd_event_source *listener)
 
 static int connect_unix(const char *path)
 {
-    const struct sockaddr_un address = unix_address(path);
+    const struct sockaddr_un address = lx_unix_address(path);
     const int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
     if (fd >= 0 && connect(fd, (const struct sockaddr *)&address, sizeof address) != 0) {
         const int reason = errno;

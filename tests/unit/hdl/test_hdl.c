@@ -291,6 +291,8 @@ static void wrong_settings_are_one_line(void **state)
         {"s3684-biss", "lc=2", "", "lc=2: 0 or 1 is right"},
         {"s3684-biss", "tco_ns=0", "", "tco_ns=0: 0.001..10000 is right"},
         {"s3684-biss", "seed=-1", "", "seed=-1: 0..4294967295 is right"},
+        {"s3684-biss", "control=tcp:1:1", "", "control=tcp:1:1: unix:PATH is right"},
+        {"s3684-biss", "control=unix:/", "", "unix:/: exists and is no socket"},
         {"s3684-biss", "stop", "", "'stop' is not KEY=VALUE"},
         {"s3684-biss", "sp=1 st=12", "", "s3684-biss has no setting 'sp'"},
         {"s3684-biss", "busy_us=30 busy_jitter_us=30", "",
