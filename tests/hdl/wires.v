@@ -53,9 +53,16 @@ module wires #(
 
   reg [32:0] expected[0:2];  // of 4096 turns of 2^21
   integer words = 0, frames = 0;
+  reg bent = 0;  // by a fault: what is wrong is counted
+  integer wrong = 0;
 
   always @(negedge clk) begin
-    if (word_done) begin
+    if (word_done && bent) begin
+      if (!crc_ok) begin
+        wrong = wrong + 1;
+        check(slave == 0, "slave with a wrong CRC", slave, 0);
+      end
+    end else if (word_done) begin
       check(slave == words, "slave", slave, words);
       check(crc_ok && n_error && n_warning, "CRC nERR nWARN", {crc_ok, n_error, n_warning}, 7);
       check(position == expected[words], "position", position, expected[words]);
@@ -64,11 +71,33 @@ module wires #(
       words = words + 1;
     end
     if (frame_done) begin
-      check(frame_status == 0 && words == CHAIN, "frame", {frame_status, words}, CHAIN);
+      if (!bent) check(frame_status == 0 && words == CHAIN, "frame", {frame_status, words}, CHAIN);
       words = 0;
       frames = frames + 1;
     end
   end
+
+  task frame;
+    begin
+      @(negedge clk) cycle = 1;
+      @(negedge clk);
+      while (!frame_done) @(negedge clk);
+      cycle = 0;
+      @(negedge clk);
+    end
+  endtask
+
+  // A frame with a fault behind the first encoder's driver, and the next one without.
+  task bent_frame(input [8*16-1:0] name, input [2:0] wanted_status, input integer wanted_wrong);
+    begin
+      bent = 1;
+      wrong = 0;
+      frame;
+      check(frame_status == wanted_status, name, frame_status, wanted_status);
+      check(wrong == wanted_wrong, name, wrong, wanted_wrong);
+      bent = 0;
+    end
+  endtask
 
   task access(input w, input [2:0] slave_id, input [6:0] at, input [7:0] data, input [7:0] wanted);
     begin
@@ -86,6 +115,7 @@ module wires #(
   wire clock, data_gray, data_plain, ssi_done, ssi_error, parity_ok;
   wire [1:0] ssi_status;
   wire [33:0] ssi_position;
+  localparam LATE = HALF < 50 ? 2 : 1;  // clocks in a microsecond
 
   ssi_master ssi (
       .clk(clk), .reset(reset), .clock_half(HALF < 25 ? 12'd25 : HALF[11:0]), .sample_delay(12'd40), .pause_us(8'd22),
@@ -97,12 +127,18 @@ module wires #(
   drehgeber_ssi #(.MODEL("ssi-28"), .CLOCK_DELAY_NS(DELAY_NS), .DATA_DELAY_NS(DELAY_NS)) plain_encoder (
       .clock(clock || !plain), .data(data_plain));
 
-  task ssi_word(input [1:0] wanted_status, input [33:0] wanted, input wanted_error);
+  task ssi_any;
     begin
       @(negedge clk) ssi_cycle = 1;
       @(negedge clk);
       while (!ssi_done) @(negedge clk);
       ssi_cycle = 0;
+    end
+  endtask
+
+  task ssi_word(input [1:0] wanted_status, input [33:0] wanted, input wanted_error);
+    begin
+      ssi_any;
       check(ssi_status == wanted_status, "SSI status", ssi_status, wanted_status);
       if (wanted_status == 0) begin
         check(ssi_position == wanted, "SSI position", ssi_position, wanted);
@@ -126,14 +162,28 @@ module wires #(
           default: third.turn(k / 524288.0);
         endcase
       end
-      @(negedge clk) cycle = 1;
-      @(negedge clk);
-      while (!frame_done) @(negedge clk);
-      cycle = 0;
+      frame;
     end
     // ID 0 is the last one.
     access(0, 3'd0, 7'h7E, 0, 8'h4B);
     access(1, CHAIN[2:0] - 3'd1, 7'h22, 8'hA5, 8'hA5);
+    first.fault("wire_drop", 1'b1);
+    bent_frame("wire_drop", 1, 0);
+    first.fault("wire_drop", 1'b0);
+    frame;
+    first.fault("wire_delay", 1'b1);
+    bent_frame("wire_delay", 2, 0);
+    first.fault("wire_delay", 1'b0);
+    frame;
+    first.fault("wire_damage", 1'b1);
+    for (i = 0; i < 4; i = i + 1) bent_frame("wire_damage", 0, 1);
+    first.fault("wire_damage", 1'b0);
+    frame;
+    first.fault("wire_break", 1'b1);
+    #1000 check(slo[0] === 1'b1, "SLO that is cut", slo[0], 1);
+    bent_frame("wire_break", 1, 0);
+    first.fault("wire_break", 1'b0);
+    frame;
     for (i = 0; i < 4; i = i + 1) begin
       k = $random(seed);  // in 2^-12 turns
       gray_encoder.turn(k / 4096.0);
@@ -147,6 +197,28 @@ module wires #(
     ssi_word(0, {k[23:0], 4'b0000}, 1);
     plain_encoder.fault("led_current_high", 1'b0);
     ssi_word(0, {k[23:0], 4'b0000}, 0);
+    plain_encoder.turn(0.25);
+    plain_encoder.fault("wire_drop", 1'b1);
+    ssi_word(0, 0, 0);
+    plain_encoder.fault("wire_drop", 1'b0);
+    ssi_word(0, 28'h0004000, 0);
+    plain_encoder.fault("wire_delay", 1'b1);
+    ssi_any;
+    check(ssi_position == (LATE == 1 ? 28'h8002000 : 28'hC001000), "SSI late", ssi_position,
+          LATE == 1 ? 28'h8002000 : 28'hC001000);
+    plain_encoder.fault("wire_delay", 1'b0);
+    ssi_word(0, 28'h0004000, 0);
+    plain_encoder.fault("wire_damage", 1'b1);
+    ssi_any;
+    check(!parity_ok, "SSI parity of a damaged word", parity_ok, 0);
+    plain_encoder.fault("wire_damage", 1'b0);
+    ssi_word(0, 28'h0004000, 0);
+    plain_encoder.fault("wire_break", 1'b1);
+    #1000;
+    ssi_word(1, 0, 0);
+    plain_encoder.fault("wire_break", 1'b0);
+    #1000;
+    ssi_word(0, 28'h0004000, 0);
     plain_encoder.power(1'b0);
     #1000;
     ssi_word(1, 0, 0);
