@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // What all models for DPI-C share: the loop around the encoder, and the tasks of a test bench. Included by each of
 // them inside of its module, which has settings(), inputs() and outputs().
+  // Delays of what Verilator 5.006 inlines are in the unit of the module above, which may be nanoseconds.
+  /* verilator no_inline_module */
   import "DPI-C" function chandle dg_hdl_open(input string model, input string settings, input string motion,
                                               input string memory);
   import "DPI-C" function void dg_hdl_close(input chandle self);
