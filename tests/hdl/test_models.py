@@ -2,7 +2,7 @@
 """The models of platform/hdl in the simulators that Debian has: what their lines do is the same in each of them,
 defects and power included, with the same seed and with no other one; wrong settings end a simulation with one line.
 
-usage: with DREHGEBER_HDL, the folder of libdrehgeber_hdl.so
+usage: with DREHGEBER_HDL, the folder of libdrehgeber_hdl.so, and DREHGEBER, the command
 """
 
 import os
@@ -117,6 +117,33 @@ def test_wrong_settings_end_the_simulation_with_one_line(tmp_path, name):
     assert done.returncode != 0
     assert [line for line in done.stdout.split("\n") if "st=99: 12..24 is right" in line], done.stdout
     assert "done" not in done.stdout
+
+
+def test_others_steer_over_a_socket(tmp_path):
+    """`drehgeber ctl` while the simulation runs: each fault of the wire as a master sees it."""
+    def ctl(line):
+        done = subprocess.run([os.environ["DREHGEBER"], "ctl", "--control", f"unix:{tmp_path}/steered.sock", line],
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=120, check=False)
+        assert done.returncode == 0, done.stdout
+        return done.stdout.strip()
+
+    command = verilator(tmp_path, "steered")
+    with subprocess.Popen(command, cwd=tmp_path, env=ENVIRONMENT, stdout=subprocess.PIPE, text=True) as simulation:
+        try:
+            assert simulation.stdout.readline() == "good\n"
+            assert "s3684-biss" in ctl("*IDN?")
+            for fault, seen in (("drop", "silent"), ("delay", "late"), ("damage", "damaged"), ("break", "silent")):
+                ctl(f"FAULt:SET wire_{fault}")
+                assert simulation.stdout.readline() == f"{seen}\n"
+                ctl("FAULt:CLEar")
+                assert simulation.stdout.readline() == "good\n"
+            assert ctl("SHAFt:MOVE 180,6000RPM;*OPC?;POSition?") == "1;180.000000"
+            assert simulation.stdout.readline() == "moved\n"
+            ctl("SHAFt:POSition 0")
+            assert "done\n" in simulation.communicate(timeout=120)[0]
+            assert simulation.returncode == 0
+        finally:
+            simulation.kill()
 
 
 def cpu_of(folder, command):
