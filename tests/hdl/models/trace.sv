@@ -1,7 +1,20 @@
 // SPDX-License-Identifier: MIT
 // The same in every simulator with Verilog: what each encoder's line does, a line of text for every change. trace.vhd
-// does the same.
+// does the same. The test bench has another time unit than the models.
 `timescale 1ps / 1ps
+module teller #(
+    parameter NAME = ""
+) (
+    input level
+);
+  reg [63:0] t;
+  always @(level) begin
+    t = $time;
+    $display("%0s %0d %0d %b", NAME, t / 1000000, t % 1000000, level);
+  end
+endmodule
+
+`timescale 1ns / 1ps
 module trace;
   reg ma, clock, rx;
   wire a, b, c, near, behind, data, tx, de;
@@ -19,34 +32,27 @@ module trace;
   drehgeber_ssi #(.MOTION("90DEG")) of_data (.clock(clock), .data(data));
   drehgeber_rs485 #(.SINCOS_NS(0.0)) of_tx (.rx(rx), .tx(tx), .de(de), .sine(), .cosine());
 
-  task tell(input [8*8-1:0] name, input level);
-    reg [63:0] t;
-    begin
-      t = $time;
-      $display("%0s %0d %0d %b", name, t / 1000000, t % 1000000, level);
-    end
-  endtask
-  always @(a) tell("a", a);
-  always @(b) tell("b", b);
-  always @(c) tell("c", c);
-  always @(near) tell("near", near);
-  always @(behind) tell("behind", behind);
-  always @(data) tell("data", data);
-  always @(tx) tell("tx", tx);
-  always @(de) tell("de", de);
+  teller #("a") tell_a (a);
+  teller #("b") tell_b (b);
+  teller #("c") tell_c (c);
+  teller #("near") tell_near (near);
+  teller #("behind") tell_behind (behind);
+  teller #("data") tell_data (data);
+  teller #("tx") tell_tx (tx);
+  teller #("de") tell_de (de);
 
   task put(input [7:0] character);
     integer bit_at;
     begin
       rx = 0;
-      #104166000;
+      #104166;
       for (bit_at = 0; bit_at < 8; bit_at = bit_at + 1) begin
         rx = character[bit_at];
-        #104166000;
+        #104166;
       end
       rx = ^character;
-      #104166000 rx = 1;
-      #104166000;
+      #104166 rx = 1;
+      #104166;
     end
   endtask
 
@@ -54,27 +60,27 @@ module trace;
     ma = 1;
     clock = 1;
     rx = 1;
-    #1000000;
+    #1000;
     for (i = 0; i < 4; i = i + 1) begin
       for (k = 0; k < 150; k = k + 1) begin
-        #250000 ma = 0;
-        #250000 ma = 1;
+        #250 ma = 0;
+        #250 ma = 1;
       end
-      #20000000;
+      #20000;
       of_near.turn(0.125 * i);
       if (i == 1) of_behind.fault("led_current_high", 1'b1);
       if (i == 2) of_near.power(1'b0);
     end
     for (k = 0; k < 26; k = k + 1) begin
-      #500000 clock = 0;
-      #500000 clock = 1;
+      #500 clock = 0;
+      #500 clock = 1;
     end
     put(8'h40);
     put(8'h42);
     put(8'h02);
-    repeat (20) #1000000000;
+    repeat (20) #1000000;
     of_tx.power(1'b0);
-    #1000000 $display("done");
+    #1000 $display("done");
     $finish;
   end
 endmodule
