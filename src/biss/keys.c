@@ -5,6 +5,7 @@
 #include "drehgeber/biss.h"
 
 #define AT(field) offsetof(struct dg_biss_model, field)
+#define NS(limit) DG_BISS_##limit##_MAX_NS
 #define US(limit) (DG_BISS_##limit##_MAX_NS / DG_US(1))
 
 static const char *const stop_bits[2] = {"own", "early"};
@@ -17,8 +18,8 @@ static const struct dg_key rows[] = {
     {"st",              "",   AT(singleturn_bits),  DG_KEY_U8,   0, 1,       12,         24, NULL,          "singleturn bits"},
     {"lc",              "",   AT(life_counter),     DG_KEY_FLAG, 0, 1,        0,          1, dg_key_no_yes, "the frame has a life counter"},
     {"autostore",       "",   AT(autostore),        DG_KEY_FLAG, 0, 1,        0,          1, dg_key_no_yes, "offsets and masks go to the EEPROM when they are written"},
-    {"busy_us",         "us", AT(busy),             DG_KEY_NS,   0, 1000,     0,   US(BUSY_S), NULL,          "from the first clock edge to the start bit"},
-    {"busy_jitter_us",  "us", AT(busy_jitter),      DG_KEY_NS,   0, 1000,     0,   US(BUSY_S), NULL,          "up to as much more, another time in every frame"},
+    {"busy_us",         "us", AT(busy),             DG_KEY_NS,   3, 1,        0,   NS(BUSY_S), NULL,          "from the first clock edge to the start bit"},
+    {"busy_jitter_us",  "us", AT(busy_jitter),      DG_KEY_NS,   3, 1,        0,   NS(BUSY_S), NULL,          "up to as much more, another time in every frame"},
     {"sl_low_at_start", "",   AT(sl_low_at_start),  DG_KEY_FLAG, 0, 1,        0,          1, dg_key_no_yes, "SLO is low from power-on to the first clock"},
     {"stop_bit",        "",   AT(stop_bit_early),   DG_KEY_FLAG, 0, 1,        0,          1, stop_bits,     "P = 1 refuses the register just transferred, or ahead of time the next one"},
     {"eeprom_read_us",  "us", AT(eeprom_read),      DG_KEY_NS,   0, 1000,     0,       1000, NULL,          "an access to a user bank"},

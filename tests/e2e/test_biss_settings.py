@@ -52,6 +52,7 @@ def test_busy_is_told_in_the_data_sheet():
     """TBUSY_S in steps of 250 ns: 5.5 us at least."""
     assert biss(S3674, "registers", "3:0x0C", "1") == "16\n"
     assert biss(S3674, "registers", "3:0x0C", "1", *settings("busy_us=5", "busy_jitter_us=10")) == "3C\n"
+    assert biss(S3674, "registers", "3:0x0C", "1", *settings("busy_us=5.5", "busy_jitter_us=0.1")) == "17\n"
 
 
 def test_slo_at_the_start(tmp_path):
@@ -66,7 +67,8 @@ def test_slo_at_the_start(tmp_path):
 
 @pytest.mark.parametrize("assignment, right", [
     ("st=11", "a number in 12..24"), ("st=25", "a number in 12..24"), ("mt=25", "a number in 0..24"),
-    ("busy_us=41", "a number in 0..40"), ("busy_jitter_us=41", "a number in 0..40"),
+    ("busy_us=41", "a number in 0..40"), ("busy_jitter_us=40.001", "a number in 0..40"),
+    ("busy_us=5.5555", "with at most 3 decimals"),
     ("busy_jitter_us=x", "a number in 0..40"), ("sl_low_at_start=2", "0 or 1"),
     ("stop_bit=late", "own or early"), ("stop_bit=", "own or early"), ("stop_bit=1", "own or early"),
     ("stop_bit", ""),
@@ -98,6 +100,9 @@ def test_busy_and_its_jitter_together(tmp_path):
     for chosen in (both, both[::-1]):
         line = run_refused(2, "biss", S3674, "read", *settings(*chosen))
         assert "busy_us 30 and busy_jitter_us 11; together at most 40 is right" in line
+    line = run_refused(2, "biss", S3674, "read", *settings("busy_us=34.5", "busy_jitter_us=5.6"))
+    assert "busy_us 34.5 and busy_jitter_us 5.6; together at most 40 is right" in line
+    biss(S3674, "read", *settings("busy_jitter_us=5.5", "busy_us=34.5"))
     biss(S3674, "read", *settings("busy_jitter_us=40", "busy_us=0"))
     rig = tmp_path / "rig.ini"
     rig.write_text(f"[encoder a]\nmodel = {S3674}\nwire = sim\nbusy_us = 30\nbusy_jitter_us = 11\n",

@@ -29,8 +29,8 @@ static int check(const void *settings, struct lx_error *error)
         return 0;
     }
     lx_words_add(&right, "together at most %u is right", (unsigned)(DG_BISS_BUSY_S_MAX_NS / 1000u));
-    return lx_refuse(error, right.text, "busy_us %u and busy_jitter_us %u",
-                     (unsigned)(model->busy / 1000u), (unsigned)(model->busy_jitter / 1000u));
+    return lx_refuse(error, right.text, "busy_us %g and busy_jitter_us %g",
+                     (double)model->busy / 1000.0, (double)model->busy_jitter / 1000.0);
 }
 
 static const char title[] = "BiSS";
