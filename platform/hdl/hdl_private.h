@@ -52,7 +52,7 @@ struct hdl_settings {
     char control[HDL_CONTROL_MAX + 1]; /**< "": none */
 };
 
-/** The control socket, see control.c. */
+/** The control socket, see panel_socket.c. */
 struct hdl_control;
 
 /** RS485: a character on its way in, and the end of one on its way out. */
@@ -121,7 +121,7 @@ uint64_t hdl_run(struct dg_hdl *self, int64_t now);
 void hdl_put(struct dg_hdl *self, int64_t now, int levels);
 /** What the encoder does next may have changed from outside. */
 void hdl_look(struct dg_hdl *self);
-/** control.c: listen where the settings say. @return 0, or less with an error */
+/** panel_socket.c: listen where the settings say. @return 0, or less with an error */
 int hdl_control_open(struct dg_hdl *self);
 /** Serve a client, if there is one, and if a millisecond has passed outside of the simulation. */
 void hdl_control_poll(struct dg_hdl *self);

@@ -33,7 +33,9 @@ static void hold(struct dg_line_fault *self, bool level)
 
 static bool held(const struct dg_line_fault *self, unsigned clock)
 {
-    return (self->held[clock % HELD / 8u] >> clock % 8u & 1u) != 0;
+    const unsigned byte = self->held[clock % HELD / 8u];
+
+    return (byte >> clock % 8u & 1u) != 0;
 }
 
 static void forget(struct dg_line_fault *self)

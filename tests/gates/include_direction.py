@@ -99,6 +99,7 @@ OWNER = {
     "shaft.h":     "motion",
     "scpi.h":      "scpi",
     "fault.h":     "control",
+    "line_fault.h": "control",
     "instrument.h": "control",
     "instruments.h": "instruments",
     "control.h":   "control",

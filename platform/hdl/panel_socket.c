@@ -14,13 +14,12 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "drehgeber/scpi.h"
 #include "hdl_private.h"
 #include "unix_listen.h"
 
 #define PREFIX "unix:"
 #define POLL_NS INT64_C(1000000)
-#define INPUT_MAX (2u * DG_SCPI_LINE_MAX)
+#define INPUT_MAX 1024u /* a line of SCPI is 512 at most */
 #define OUTPUT_MAX 65536u
 
 struct hdl_control {
