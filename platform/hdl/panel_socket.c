@@ -151,7 +151,9 @@ static void receive(struct hdl_control *self)
     /* CR ends a line, too: each is a call of its own. */
     for (ssize_t i = 0; i < n; i++) {
         char *byte = &self->input[self->input_length + (size_t)i];
-        *byte = *byte == '\r' ? '\n' : *byte;
+        if (*byte == '\r') {
+            *byte = '\n';
+        }
     }
     if (n > 0) {
         self->input_length += (size_t)n;
