@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""The masters in Verilog against the models in Icarus Verilog (wires.v): nine wires that have every pair of clock,
-cable and busy time, chains of one to three. A simulator that is missing fails.
+"""The masters against the models: those in Verilog in Icarus Verilog (wires.v), those in VHDL in GHDL (wires.vhd), on
+twelve wires that have every pair of clock, cable, processing time and chain, with a register each. test_matrix.py has
+the rest, in Verilator. A simulator that is missing fails.
 
 usage: with DREHGEBER_HDL, the folder of libdrehgeber_hdl.so
 """
@@ -12,12 +13,15 @@ from pathlib import Path
 
 import pytest
 
-BENCH = Path(__file__).parent / "wires.v"
-MODELS = Path(__file__).parents[2] / "platform" / "hdl"
+BENCHES = Path(__file__).parent
+MODELS = BENCHES.parents[1] / "platform" / "hdl"
 LIBRARY = os.environ["DREHGEBER_HDL"]
-# Half a period in 10 ns, cable in ns, busy, chain.
-WIRES = [(50, 10, "0", 1), (50, 30, "3", 2), (50, 50, "20", 1), (5, 10, "3", 3), (5, 30, "20", 1), (5, 50, "0", 2),
-         (20, 10, "20", 2), (20, 30, "0", 1), (20, 50, "3", 1)]
+CLOCKS = ((50, 20), (50, 10), (10, 5))  # 500 kHz, 1 MHz, 10 MHz: clock in ns, half a period of MA in clocks
+CABLES = (10, 30, 50)
+BUSY = ("0", "3", "5.5", "20")
+CHAINS = (1, 2, 3)
+WIRES = [(CLOCKS[(i + j) % 3], cable, busy, CHAINS[(i + 2 * j) % 3])
+         for i, cable in enumerate(CABLES) for j, busy in enumerate(BUSY)]
 
 
 def call(folder, *command):
@@ -27,12 +31,39 @@ def call(folder, *command):
     return done.stdout
 
 
-@pytest.mark.parametrize("half,delay,busy,chain", WIRES)
-def test_positions_and_registers(tmp_path, half, delay, busy, chain):
-    call(tmp_path, "iverilog-vpi", "--name=drehgeber", f"-I{MODELS}", MODELS / "drehgeber_vpi.c", f"-L{LIBRARY}",
+@pytest.fixture(scope="module", name="icarus")
+def make_icarus(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("icarus")
+    call(folder, "iverilog-vpi", "--name=drehgeber", f"-I{MODELS}", MODELS / "drehgeber_vpi.c", f"-L{LIBRARY}",
          "-ldrehgeber_hdl")
-    wire = {"HALF": half, "DELAY_NS": f"{delay}.0", "CHAIN": chain, "SETTINGS": f'"busy_us={busy}"', "SEED": half + delay}
-    call(tmp_path, "iverilog", "-g2005-sv", f"-I{MODELS}", "-s", "wires", *(f"-Pwires.{key}={is_}" for key, is_ in wire.items()),
-         "-o", "wires.vvp", BENCH, *sorted(MODELS.glob("drehgeber_*.v")), *sorted(MODELS.glob("master/*.v")))
-    said = call(tmp_path, "vvp", "-M.", "-mdrehgeber", "wires.vvp")
-    assert re.search(r"^passed [1-9]\d* checks in \d+ us$", said, re.M), said
+
+    def run(wire):
+        parameters = [f"-Pwires.{key}={value}" for key, value in wire.items()]
+        call(folder, "iverilog", "-g2005-sv", f"-I{MODELS}", "-s", "wires", *parameters, "-o", "wires.vvp",
+             BENCHES / "wires.v", *sorted(MODELS.glob("drehgeber_*.v")), *sorted(MODELS.glob("master/*.v")))
+        return call(folder, "vvp", "-M.", "-mdrehgeber", "wires.vvp")
+
+    return run
+
+
+@pytest.fixture(scope="module", name="ghdl")
+def make_ghdl(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("ghdl")
+    models = [MODELS / f"drehgeber_{kind}.vhd" for kind in ("hdl", "biss", "ssi")]
+    call(folder, "ghdl", "-a", "--std=08", *models, *sorted(MODELS.glob("master/*.vhd")), BENCHES / "wires.vhd")
+    call(folder, "ghdl", "-e", "--std=08", "wires")
+
+    def run(wire):
+        return call(folder, "ghdl", "-r", "--std=08", "wires", *(f"-g{key}={value}" for key, value in wire.items()))
+
+    return run
+
+
+@pytest.mark.parametrize("simulator", ["icarus", "ghdl"])
+@pytest.mark.parametrize("clock,cable,busy,chain", WIRES)
+def test_positions_and_registers(request, simulator, clock, cable, busy, chain):
+    quote = '"' if simulator == "icarus" else ""
+    wire = {"CLOCK_NS": clock[0], "HALF": clock[1], "CABLE_NS": cable, "CHAIN": chain,
+            "SETTINGS": f"{quote}busy_us={busy}{quote}", "SEED": clock[1] + cable + chain}
+    said = request.getfixturevalue(simulator)(wire)
+    assert re.search(r"\bpassed [1-9]\d* checks in \d+ us$", said, re.M), said

@@ -3,15 +3,17 @@
 // wire; what is expected is worked out from the angle.
 `timescale 1ns / 1ps
 module wires #(
-    parameter HALF = 5,
-    parameter DELAY_NS = 10.0,
+    parameter CLOCK_NS = 10,  // of the masters
+    parameter HALF = 5,       // half a period of MA, in clocks
+    parameter CABLE_NS = 10,  // each way
     parameter SETTINGS = "busy_us=3",
     parameter CHAIN = 1,
     parameter SEED = 1,
-    parameter FRAMES = 6
+    parameter FRAMES = 4
 );
   reg clk = 0, reset = 1;
-  always #5 clk = !clk;
+  always #(CLOCK_NS / 2) clk = !clk;
+  localparam real DELAY_NS = CABLE_NS;
 
   integer checks = 0, errors = 0, seed = SEED;
 
@@ -37,7 +39,7 @@ module wires #(
   wire [7:0] rdata;
   wire [2:0] slo;
 
-  biss_master #(.SLAVES(3)) master (
+  biss_master #(.CLK_HZ(1000000000 / CLOCK_NS), .SLAVES(3)) master (
       .clk(clk), .reset(reset), .ma_half(HALF[11:0]), .slave_count(CHAIN[3:0]), .position_bits({3{6'd33}}),
       .life_counter(3'b111), .cycle(cycle), .latch(), .frame_done(frame_done), .frame_status(frame_status),
       .line_delay(), .word_done(word_done), .word_slave(slave), .word_position(position), .word_n_error(n_error),
@@ -115,10 +117,12 @@ module wires #(
   wire clock, data_gray, data_plain, ssi_done, ssi_error, parity_ok;
   wire [1:0] ssi_status;
   wire [33:0] ssi_position;
-  localparam LATE = HALF < 50 ? 2 : 1;  // clocks in a microsecond
+  localparam LATE = HALF * CLOCK_NS < 500 ? 2 : 1;  // clocks in a microsecond
 
-  ssi_master ssi (
-      .clk(clk), .reset(reset), .clock_half(HALF < 25 ? 12'd25 : HALF[11:0]), .sample_delay(12'd40), .pause_us(8'd22),
+  localparam [11:0] CLOCK_HALF = HALF * CLOCK_NS < 250 ? 250 / CLOCK_NS : HALF;
+  localparam [11:0] SAMPLE_DELAY = 400 / CLOCK_NS;
+  ssi_master #(.CLK_HZ(1000000000 / CLOCK_NS)) ssi (
+      .clk(clk), .reset(reset), .clock_half(CLOCK_HALF), .sample_delay(SAMPLE_DELAY), .pause_us(8'd22),
       .position_bits(plain ? 6'd28 : 6'd25), .gray(!plain), .has_error(plain), .has_parity(plain), .parity_odd(1'b0),
       .cycle(ssi_cycle), .latch(), .done(ssi_done), .status(ssi_status), .word(), .position(ssi_position),
       .error(ssi_error), .parity_ok(parity_ok), .clock(clock), .data(plain ? data_plain : data_gray));
@@ -165,8 +169,8 @@ module wires #(
       frame;
     end
     // ID 0 is the last one.
-    access(0, 3'd0, 7'h7E, 0, 8'h4B);
-    access(1, CHAIN[2:0] - 3'd1, 7'h22, 8'hA5, 8'hA5);
+    if (SEED % 2 == 0) access(0, 3'd0, 7'h7E, 0, 8'h4B);
+    else access(1, CHAIN[2:0] - 3'd1, 7'h22, 8'hA5, 8'hA5);
     first.fault("wire_drop", 1'b1);
     bent_frame("wire_drop", 1, 0);
     first.fault("wire_drop", 1'b0);
