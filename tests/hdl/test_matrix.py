@@ -68,7 +68,7 @@ def make_bench(tmp_path_factory):
          "-Wno-lint", "-Wno-INITIALDLY", "-CFLAGS", "-O1", f"-I{MODELS}", TESTS / "biss_bench.sv",
          MODELS / "drehgeber_biss.sv", MODELS / "master" / "biss_master.v", "-LDFLAGS",
          f"-L{LIBRARY} -ldrehgeber_hdl -Wl,-rpath,{LIBRARY}"],
-        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=400, check=False)
+        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=900, check=False)
     assert done.returncode == 0, done.stdout
     return folder / "bench"
 
@@ -78,7 +78,7 @@ def run(bench, folder, script, **wire):
     (folder / "script").write_text("\n".join(script) + "\n", encoding="ascii")
     words = [f"+{key}={value}" for key, value in wire.items()]
     done = subprocess.run([bench, f"+script={folder}/script", *words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                          text=True, timeout=400, check=False)
+                          text=True, timeout=1500, check=False)
     said = re.search(r"^passed ([1-9]\d*) checks in (\d+) us$", done.stdout, re.M)
     assert done.returncode == 0 and said, f"{words}\n{done.stdout[-3000:]}"
     return done.stdout, int(said[1]), int(said[2])
