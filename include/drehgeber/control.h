@@ -155,7 +155,7 @@ struct dg_rig {
     size_t shaft_count;
     const struct dg_instrument *const *instruments; /**< whose own commands its sessions have */
     size_t instrument_count;
-    const struct dg_scpi_commands *courses; /**< &dg_course_commands; NULL: it has no courses */
+    const struct dg_scpi_commands *courses; /**< &dg_course_commands, or NULL: it has no courses */
     dg_ns origin;                           /**< TIME? counts from here: when the rig began */
     const struct dg_rig_ops *ops;
     void *host;               /**< the host's own */

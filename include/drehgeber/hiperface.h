@@ -127,7 +127,7 @@ struct dg_hf_model {
     uint8_t temperature_channel; /**< 44h channels, also told in the label at 1Eh */
     uint8_t led_channel;
     uint8_t vector_channel;
-    int16_t temperature_min_degc; /**< limits, label 20h.. */
+    int16_t temperature_min_degc; /**< limits, from label 20h on */
     int16_t temperature_max_degc;
     uint16_t led_min_ma;
     uint16_t led_max_ma;

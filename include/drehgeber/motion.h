@@ -5,7 +5,7 @@
  * `now`, never stepped, so nothing drifts in hours of virtual time, and any moment can be asked
  * for in any order.
  *
- * A motion plugs into a world: `world.angle = dg_motion_angle; world.angle_ctx = &motion;`
+ * A motion plugs into a world: `world.angle = dg_motion_angle` and `world.angle_ctx = &motion`
  */
 #ifndef DREHGEBER_MOTION_H
 #define DREHGEBER_MOTION_H

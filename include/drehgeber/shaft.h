@@ -4,7 +4,7 @@
  * A shaft that is steered while it turns: by hand, by a test, by a gear from another shaft. Where
  * it is stays a pure function of time; a command replaces the function from its own moment on.
  *
- * A shaft plugs into worlds: `world.angle = dg_shaft_angle; world.angle_ctx = &shaft;`
+ * A shaft plugs into worlds: `world.angle = dg_shaft_angle` and `world.angle_ctx = &shaft`
  */
 #ifndef DREHGEBER_SHAFT_H
 #define DREHGEBER_SHAFT_H

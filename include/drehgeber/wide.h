@@ -61,7 +61,7 @@ DG_API struct dg_reciprocal dg_reciprocal_of(uint64_t divisor);
 /**
  * floor(value / by->divisor): of a value that was shifted up, too, the quotient of the two as they
  * were.
- * @param value.high below by->divisor
+ * @param value its high half is below by->divisor
  * @param rest what is left, likewise shifted
  */
 DG_API uint64_t dg_divide_by(struct dg_wide value, const struct dg_reciprocal *by, uint64_t *rest);
