@@ -65,6 +65,9 @@ ROOMS = {
     "linux/rig":       {"motion"} | PROTOCOLS | BELOW | WIRES,
     "hdl":             {"core", "motion", "host", "linux/base", "linux/nvm", "linux/plan"},
     "rp2040":          set(ALLOWED), # an image is an encoder with all that belongs to it
+    "web":             {"core", "host", "linux/trace"},
+    "web/libc":        set(),
+    "web/libc/sys":    set(),
     "tools/drehgeber": {"motion", "linux/rig"} | PROTOCOLS | BELOW | WIRES,
     "tools/manual":    {"core", "devices", "tools/drehgeber"} | PROTOCOLS | BELOW,
     "tools/reference": {"core", "control", "devices", "instruments"} | PROTOCOLS | {f"src/{folder}" for folder in PROTOCOLS},

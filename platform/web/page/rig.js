@@ -1,0 +1,395 @@
+// SPDX-License-Identifier: MIT
+// Four encoders on one shaft, in virtual time: nothing happens but when advance() is called. Times are nanoseconds,
+// angles 2^-32 turns, both as BigInt. Layouts are those that host.h promises.
+
+const EVENT = { size: 32, at: 0, id: 8, flags: 12, kind: 14, length: 15, data: 16 };
+const FAULT = { size: 48, name: 0, cause: 32, effect: 36, active: 40 };
+const KIND = { bytes: 1, can: 2, edge: 4, words: 5 };
+const IDENTIFY = 16;
+const RUN = 16;
+const REPLY_NS = 100_000_000n;
+const ANSWER = 32768;
+// Queues have 64 events: no encoder says more than that in so short a time.
+const STEP_NS = 5_000_000n;
+
+export const SECOND = 1_000_000_000n;
+export const TURN = 1n << 32n;
+export const MODELS = ["s3684-rs485", "s3684-biss", "f3668", "ocd-ib-k3"];
+
+export const unsigned = (value) => BigInt.asUintN(64, value);
+
+export class Encoder {
+  constructor(rig, model, image) {
+    this.rig = rig;
+    this.engine = rig.engine;
+    this.c = rig.engine.c;
+    this.model = model;
+    this.decoder = this.engine.place(this.c.web_words_size());
+    this.c.web_words_init(this.decoder);
+    this.event = this.engine.place(EVENT.size);
+    this.faultAt = this.engine.place(FAULT.size);
+    this.raw = { true: [], false: [] };
+    this.waiting = [];
+    this.busyUntil = 0n;
+    this.edges = [];
+    this.make();
+    if (image && !this.starts(image)) {
+      this.refused = `${model} does not start with the EEPROM that was kept here: it is as delivered`;
+      this.make();
+    }
+    this.starts(null);
+    this.protocol = this.engine.text(this.c.dg_host_protocol(this.host));
+    this.c.dg_host_step(this.host, SECOND);
+    while (this.receive() !== null);
+    const size = this.c.dg_host_panel_size();
+    this.panel = this.c.dg_host_panel_make(this.engine.place(size), size, this.host);
+  }
+
+  make() {
+    const [name] = this.engine.spell(this.model);
+    const size = this.c.dg_host_size_of(name);
+    this.host = this.c.dg_host_make(this.engine.place(size), size, name);
+  }
+
+  // On since second 0, with this image or, unless it is on, as delivered.
+  starts(image) {
+    if (image) {
+      const { scratch } = this.engine;
+      this.engine.bytes(scratch, image.length).set(image);
+      if (this.c.dg_host_memory_load(this.host, scratch, image.length) < 0) {
+        return false;
+      }
+    }
+    return this.powered || this.c.dg_host_power(this.host, 0n, 1) === 0;
+  }
+
+  get memory() {
+    const n = this.c.dg_host_memory_size(this.host);
+    this.engine.checked(this.c.dg_host_memory_copy(this.host, this.engine.scratch, n), "EEPROM");
+    return this.engine.bytes(this.engine.scratch, n).slice();
+  }
+
+  get powered() {
+    return this.c.dg_host_powered(this.host) !== 0;
+  }
+
+  setting(key) {
+    const { scratch } = this.engine;
+    const [name] = this.engine.spell(key);
+    this.engine.checked(this.c.dg_host_get(this.host, name, scratch, 256), key);
+    return this.engine.text(scratch);
+  }
+
+  get position() {
+    const { scratch } = this.engine;
+    const result = this.c.dg_host_position(this.host, this.rig.now, scratch);
+    return result < 0 ? null : this.engine.view.getBigUint64(scratch, true);
+  }
+
+  // RS485: sine and cosine as voltages between their two wires, or null without power.
+  sincos(at) {
+    const { scratch, view } = this.engine;
+    if (this.c.dg_host_sincos(this.host, at, scratch) < 0) {
+      return null;
+    }
+    const level = (i) => view.getInt32(scratch + 4 * i, true) / 1e6;
+    return [level(0) - level(1), level(2) - level(3)];
+  }
+
+  // ---------------------------------------------------------------- the wire
+
+  write({ at, id = 0, flags = 0, kind, data = [], length = data.length }) {
+    const { view } = this.engine;
+    this.engine.bytes(this.event, EVENT.size).fill(0);
+    view.setBigUint64(this.event + EVENT.at, at, true);
+    view.setUint32(this.event + EVENT.id, id, true);
+    view.setUint16(this.event + EVENT.flags, flags, true);
+    view.setUint8(this.event + EVENT.kind, kind);
+    view.setUint8(this.event + EVENT.length, length);
+    this.engine.bytes(this.event + EVENT.data, data.length).set(data);
+  }
+
+  send(event, about) {
+    this.write(event);
+    this.engine.checked(this.c.dg_host_send(this.host, this.event), about);
+  }
+
+  // What the encoder has said, or null; the event itself stays in memory for the decoder.
+  receive() {
+    if (this.c.dg_host_receive(this.host, this.event) <= 0) {
+      return null;
+    }
+    const { view } = this.engine;
+    const length = view.getUint8(this.event + EVENT.length);
+    return {
+      at: view.getBigUint64(this.event + EVENT.at, true),
+      id: view.getUint32(this.event + EVENT.id, true),
+      flags: view.getUint16(this.event + EVENT.flags, true),
+      kind: view.getUint8(this.event + EVENT.kind),
+      data: this.engine.bytes(this.event + EVENT.data, length).slice(),
+    };
+  }
+
+  uart() {
+    const at = this.engine.scratch;
+    this.engine.checked(this.c.dg_host_uart(this.host, at), "the line");
+    const baud = this.engine.view.getUint32(at, true);
+    const bits = this.engine.view.getUint8(at + 4) === 0x4e ? 10 : 11;
+    return { at, characterNs: (BigInt(bits) * SECOND + BigInt(baud) - 1n) / BigInt(baud) };
+  }
+
+  decodeUart(ours, data) {
+    if (this.powered) {
+      const { at } = this.uart();
+      this.raw[ours].push(...data);
+      this.c.web_words_uart(this.decoder, this.event, ours ? 1 : 0, at);
+    }
+  }
+
+  // RS485: a frame as it is; requests wait for each other's reply.
+  request(bytes) {
+    if (!this.powered) {
+      return;
+    }
+    if (this.rig.now < this.busyUntil) {
+      this.waiting.push(bytes);
+      return;
+    }
+    const { characterNs } = this.uart();
+    for (let done = 0; done < bytes.length; done += RUN) {
+      const data = bytes.slice(done, done + RUN);
+      const at = this.rig.now + BigInt(done) * characterNs;
+      this.send({ at, id: Number(characterNs), kind: KIND.bytes, data }, "the request");
+      this.decodeUart(false, data);
+    }
+    this.busyUntil = this.rig.now + BigInt(bytes.length) * characterNs + REPLY_NS;
+  }
+
+  // RS485: address, command and data, with the check sum behind them.
+  ask(...bytes) {
+    const frame = [Number(`0x${this.state.address ?? "40"}`), ...bytes];
+    this.request(Uint8Array.from([...frame, frame.reduce((sum, byte) => sum ^ byte, 0)]));
+  }
+
+  // CANopen: a frame of the master.
+  frame(id, data) {
+    this.send({ at: this.rig.now, id, kind: KIND.can, data }, "the frame");
+    this.raw.false.push(...data);
+    this.c.web_words_can(this.decoder, this.event, 0);
+    this.rig.advance(0n);
+  }
+
+  sdoRead(index, sub) {
+    this.frame(0x600 + this.node, [0x40, index & 0xff, index >> 8, sub, 0, 0, 0, 0]);
+  }
+
+  // INTERBUS: a data cycle; the bytes of IN. A quiet one is told by the next that is not.
+  cycle(out, quiet = false) {
+    const asked = { at: this.rig.now, id: out >>> 0, kind: KIND.words };
+    this.send(asked, "the cycle");
+    this.c.dg_host_panel_step(this.panel, this.rig.now);
+    const got = this.receive();
+    if (got === null) {
+      this.note("no data in this cycle", false);
+      return null;
+    }
+    this.lastIn = got.data;
+    this.lastOut = out;
+    if (quiet) {
+      return got.data;
+    }
+    this.raw.true.push(...got.data);
+    const back = this.event;
+    this.event = this.engine.scratch;
+    this.write(asked);
+    this.event = back;
+    this.changes = false;
+    this.c.web_words_cycle(this.decoder, this.engine.scratch, back);
+    if (!this.changes) {
+      this.raw.true.length = 0;
+    }
+    return got.data;
+  }
+
+  identify() {
+    this.send({ at: this.rig.now, kind: KIND.words, flags: IDENTIFY }, "the cycle");
+    this.c.dg_host_panel_step(this.panel, this.rig.now);
+    const got = this.receive();
+    this.note(got === null ? "no ID cycle" : `ID ${got.id.toString(16).toUpperCase().padStart(4, "0")}`, true);
+    return got?.id ?? null;
+  }
+
+  // BiSS: the clock at a level from then on.
+  clock(at, level) {
+    return this.engine.checked(this.c.dg_host_clock(this.host, at, level), "the clock");
+  }
+
+  note(text, ours) {
+    this.rig.heard({ encoder: this, at: this.rig.now, ours, bytes: [], words: text });
+  }
+
+  // A line of the decoder.
+  said(at, ours, words) {
+    const bytes = this.raw[ours].splice(0);
+    this.changes = true;
+    this.rig.heard({ encoder: this, at, ours, bytes, words });
+    if (ours && this.protocol === "hiperface") {
+      this.busyUntil = this.rig.now;
+    }
+  }
+
+  drain() {
+    for (let event = this.receive(); event !== null; event = this.receive()) {
+      if (event.kind === KIND.bytes) {
+        this.decodeUart(true, event.data);
+      } else if (event.kind === KIND.can) {
+        this.raw.true.push(...event.data);
+        this.c.web_words_can(this.decoder, this.event, 1);
+      } else if (event.kind === KIND.edge) {
+        this.edges.push({ at: event.at, level: event.data[0] });
+      }
+    }
+  }
+
+  // Until then; what it says is told.
+  run(now) {
+    this.c.dg_host_panel_step(this.panel, now);
+    this.drain();
+    this.c.web_words_step(this.decoder, now);
+  }
+
+  later() {
+    if (this.waiting.length > 0 && this.rig.now >= this.busyUntil) {
+      this.request(this.waiting.shift());
+    }
+  }
+
+  // ---------------------------------------------------------------- faults and SCPI
+
+  faults() {
+    const at = this.faultAt;
+    const found = [];
+    while (this.c.dg_host_fault(this.panel, found.length, at) === 0) {
+      const { view } = this.engine;
+      found.push({
+        name: this.engine.text(at + FAULT.name),
+        cause: this.engine.text(view.getUint32(at + FAULT.cause, true)),
+        effect: this.engine.text(view.getUint32(at + FAULT.effect, true)),
+        active: view.getUint8(at + FAULT.active) === 1,
+      });
+    }
+    return found;
+  }
+
+  fault(name, on) {
+    const [text] = this.engine.spell(name);
+    this.engine.checked(this.c.dg_host_fault_set(this.panel, this.rig.now, text, on ? 1 : 0), name);
+    this.rig.advance(0n);
+  }
+
+  scpi(line) {
+    const [text] = this.engine.spell(line);
+    const { scratch } = this.engine;
+    this.engine.checked(this.c.dg_host_scpi(this.panel, this.rig.now, text, scratch, ANSWER), line);
+    const answer = this.engine.text(scratch);
+    this.drain();
+    return answer;
+  }
+
+  // STATe? as an object.
+  get state() {
+    const row = this.scpi("STAT?").replaceAll('"', "");
+    return Object.fromEntries(row.split(/[,\s]+/).map((word) => word.split("=")));
+  }
+
+  power(on) {
+    this.scpi(on ? "POW ON" : "POW OFF");
+    this.busyUntil = 0n;
+    this.waiting.length = 0;
+  }
+
+  // The EEPROM as delivered.
+  erase() {
+    this.scpi("POW OFF");
+    this.scpi("NVM:ERAS");
+    this.scpi("POW ON");
+  }
+
+  get node() {
+    return Number(this.setting("node"));
+  }
+}
+
+export class Rig {
+  // `images` are EEPROMs by model; `heard` is told of every frame {encoder, at, ours, bytes, words}.
+  constructor(engine, images, heard) {
+    this.engine = engine;
+    this.c = engine.c;
+    this.now = SECOND;
+    this.heard = heard;
+    engine.line = (decoder, at, ours, words) =>
+      this.encoders.find((one) => one.decoder === decoder).said(at, ours, words);
+    this.encoders = [];
+    for (const model of MODELS) {
+      this.encoders.push(new Encoder(this, model, images[model]));
+    }
+    // The first one's shaft is everybody's; theirs follow, so that SHAFt:POSition? is right at each of them.
+    this.shaft = this.c.dg_host_panel_shaft(this.encoders[0].panel);
+    for (const encoder of this.encoders.slice(1)) {
+      engine.checked(
+        this.c.dg_shaft_couple(this.c.dg_host_panel_shaft(encoder.panel), this.shaft, 1, 1),
+        "the shaft",
+      );
+    }
+  }
+
+  encoder(protocol) {
+    return this.encoders.find((one) => one.protocol === protocol);
+  }
+
+  // Time goes on for everybody.
+  advance(ns) {
+    const end = this.now + ns;
+    do {
+      const next = this.now + STEP_NS < end ? this.now + STEP_NS : end;
+      this.encoders.forEach((one) => one.run(next));
+      this.now = next;
+      this.encoders.forEach((one) => one.later());
+    } while (this.now < end);
+  }
+
+  // ---------------------------------------------------------------- the shaft
+
+  get angle() {
+    return this.c.dg_host_angle(this.encoders[0].host, this.now);
+  }
+
+  // In rpm.
+  get speed() {
+    return this.c.dg_shaft_mrpm(this.shaft, this.now) / 1000;
+  }
+
+  // Be there at rest.
+  place(angle) {
+    this.c.dg_shaft_set_position(this.shaft, this.now, angle);
+    this.advance(0n);
+  }
+
+  accelerate(rpmPerS) {
+    const value = BigInt(Math.round(rpmPerS * 1000));
+    this.engine.checked(this.c.dg_shaft_set_acceleration(this.shaft, value), "the acceleration");
+  }
+
+  turn(rpm) {
+    this.engine.checked(this.c.dg_shaft_set_velocity(this.shaft, this.now, Math.round(rpm * 1000)), "the speed");
+  }
+
+  move(angle, rpm) {
+    this.engine.checked(this.c.dg_shaft_move(this.shaft, this.now, angle, Math.round(rpm * 1000)), "the way");
+  }
+
+  // SCPI: SHAFt belongs to the first encoder, everything else to the one that is asked.
+  session(encoder, line) {
+    return /^\s*:?shaf/i.test(line) ? this.encoders[0] : encoder;
+  }
+}

@@ -1,0 +1,422 @@
+// SPDX-License-Identifier: MIT
+// An encoder's part of the page: what can be asked of it, what went over its wire, how it is, what can happen to it,
+// and its EEPROM.
+import { BissMaster } from "./biss.js";
+import { hex, unhex } from "./engine.js";
+import { drawFrame, drawSinCos, glows } from "./figures.js";
+
+const LINES = 300;
+const ASK_NS = 500_000_000n;
+// A master that is silent for longer than 100 ms counts as gone.
+const BUS_NS = 50_000_000n;
+const LOOK_NS = 30_000_000n;
+
+export function make(tag, properties = {}, ...children) {
+  const node = document.createElement(tag);
+  for (const [name, value] of Object.entries(properties)) {
+    if (name in node && !name.includes("-")) {
+      node[name] = value;
+    } else {
+      node.setAttribute(name, value);
+    }
+  }
+  node.append(...children);
+  return node;
+}
+
+const button = (text, onclick) => make("button", { type: "button", onclick }, text);
+
+function hexadecimal(text, what) {
+  const value = Number(/h$/i.test(text) ? `0x${text.slice(0, -1)}` : `0x${text.replace(/^0x/i, "")}`);
+  if (!Number.isInteger(value)) {
+    throw new Error(`${what} "${text}" is no hexadecimal number: right is 6004`);
+  }
+  return value;
+}
+
+// A form of a row: named fields and a button; `act` is handed their values.
+function form(fields, text, act) {
+  const inputs = fields.map(([label, value, name]) =>
+    make("input", { value, className: `mono ${name ?? "short"}`, "aria-label": label, spellcheck: false, autocomplete: "off" }),
+  );
+  const labels = fields.map(([label], i) =>
+    make("label", { className: fields[i][2] ? "grow" : "" }, `${label} `, inputs[i]),
+  );
+  const node = make("form", { className: "row" }, ...labels, make("button", { type: "submit" }, text));
+  node.addEventListener("submit", (event) => {
+    event.preventDefault();
+    act(...inputs.map((input) => input.value.trim()));
+  });
+  return node;
+}
+
+// What each protocol's master can do. `ask` is what is repeated, `look` tells of an error.
+const PROTOCOLS = {
+  hiperface: {
+    title: "RS485",
+    name: "S36",
+    figure: "Process channel",
+    ask: (e) => e.ask(0x42),
+    look: (e) => [() => e.ask(0x42), () => e.ask(0x50)],
+    buttons: (e) => [
+      ["42h position", () => e.ask(0x42)],
+      ["50h status", () => e.ask(0x50)],
+      ["44h temperature", () => e.ask(0x44, 0x48)],
+      ["52h type label", () => e.ask(0x52)],
+      ["56h serial number", () => e.ask(0x56)],
+      ["53h reset", () => e.ask(0x53)],
+    ],
+    forms: (e) => [form([["Bytes", "40 42 02", "wide-field"]], "Send", (text) => e.request(unhex(text)))],
+    draw: (canvas, e) => drawSinCos(canvas, e),
+  },
+  biss: {
+    title: "BiSS-C",
+    name: "S36",
+    figure: "Lines of the latest frame",
+    ask: (e) => e.master.read(),
+    look: (e) => [() => e.master.read(), () => e.master.readRegisters(0x69, 1)],
+    buttons: (e) => [
+      ["Frame", () => e.master.read()],
+      ["69h errors", () => e.master.readRegisters(0x69, 1)],
+      ["6Bh warnings", () => e.master.readRegisters(0x6b, 1)],
+      ["78h device ID", () => e.master.readRegisters(0x78, 8)],
+    ],
+    forms: (e) => [
+      form([["Register", "40"], ["Count", "8"]], "Read", (address, n) =>
+        e.master.readRegisters(hexadecimal(address, "register") & 0x7f, Math.min(64, Math.max(1, Number(n) || 1)))),
+      form([["Register", "40"], ["Bytes", "00", "wide-field"]], "Write", (address, bytes) =>
+        e.master.writeRegisters(hexadecimal(address, "register") & 0x7f, unhex(bytes))),
+    ],
+  },
+  canopen: {
+    title: "CANopen",
+    name: "F36x8",
+    ask: (e) => e.sdoRead(0x6004, 0),
+    look: (e) => [() => e.sdoRead(0x1001, 0), () => e.sdoRead(0x1003, 1), () => e.sdoRead(0x6503, 0)],
+    buttons: (e) => [
+      ["SDO 6004h position", () => e.sdoRead(0x6004, 0)],
+      ["NMT start", () => e.frame(0, [1, 0])],
+      ["NMT pre-op", () => e.frame(0, [0x80, 0])],
+      ["SYNC", () => e.frame(0x80, [])],
+      ["NMT reset", () => e.frame(0, [0x81, 0])],
+    ],
+    forms: (e) => [
+      form([["Index", "1018"], ["Sub", "1"]], "Read", (index, sub) =>
+        e.sdoRead(hexadecimal(index, "index"), hexadecimal(sub, "sub-index"))),
+      form([["ID", "000"], ["Data", "01 00", "wide-field"]], "Send", (id, data) =>
+        e.frame(hexadecimal(id, "identifier") & 0x7ff, data ? [...unhex(data)].slice(0, 8) : [])),
+    ],
+  },
+  interbus: {
+    title: "INTERBUS",
+    name: "OCD",
+    figure: "Words of the latest cycle",
+    every: BUS_NS,
+    ask: (e, quiet) => e.cycle(e.lastOut ?? 0, quiet),
+    look: (e) => [() => e.identify(), () => e.cycle(e.lastOut ?? 0)],
+    buttons: (e) => [["Data cycle", () => e.cycle(e.lastOut ?? 0)], ["ID cycle", () => e.identify()]],
+    forms: (e) => [form([["OUT", "00000000", "wide-field"]], "Cycle with it", (out) => e.cycle(hexadecimal(out, "OUT")))],
+  },
+};
+
+export class Panel {
+  // `guard` runs what may throw, and says so; `keep` is told of a changed EEPROM.
+  constructor(encoder, guard, keep) {
+    this.encoder = encoder;
+    this.rig = encoder.rig;
+    this.guard = guard;
+    this.keep = keep;
+    this.about = PROTOCOLS[encoder.protocol];
+    this.asks = true;
+    this.nextAsk = 0n;
+    this.nextLine = 0n;
+    this.plan = [];
+    this.image = null;
+    this.key = encoder.protocol;
+    if (encoder.protocol === "biss") {
+      encoder.master = new BissMaster(encoder);
+    }
+    this.build();
+  }
+
+  build() {
+    const { about, key, encoder } = this;
+    this.value = make("b", {}, "–");
+    this.tab = make("button", { type: "button", id: `tab-${key}`, role: "tab", "aria-controls": `panel-${key}` },
+      `${about.title}`, make("small", {}, about.name), make("br"), this.value);
+    this.lamps = make("ul", { className: "lamps", "aria-label": "Status LEDs" });
+    this.log = make("ol", { className: "scroll log", role: "log", tabIndex: 0, "aria-label": `Wire of ${about.title}`, "aria-live": "off" });
+    this.repeat = make("input", { type: "checkbox", checked: true, onchange: () => { this.asks = this.repeat.checked; } });
+    const act = (run) => () => this.guard(() => this.powered(run));
+    const wire = this.card("Wire", "span",
+      this.lamps,
+      make("div", { className: "row" },
+        ...about.buttons(encoder).map(([text, run]) => button(text, act(run))),
+        make("label", {}, this.repeat, " keep asking"),
+        button("Clear", () => this.log.replaceChildren())),
+      ...about.forms(encoder),
+      this.log);
+    this.facts = make("dl");
+    this.supply = button("Off", () => this.guard(() => this.switch(!encoder.powered)));
+    const state = this.card("Device", "", this.facts,
+      make("div", { className: "row" }, this.supply,
+        button("Power cycle", () => this.guard(() => { this.switch(false); this.switch(true); this.look(2); }))));
+    const figure = about.figure ? [this.card(about.figure, "", ...this.figure())] : [];
+    this.list = make("ul", { className: "scroll faults", tabIndex: 0, "aria-label": "Catalogue of faults" });
+    this.find = make("input", { type: "search", placeholder: "e.g. LED, 1Dh, eeprom", "aria-label": "Search the faults", oninput: () => this.filter() });
+    const faults = this.card("Faults", "",
+      make("div", { className: "row" }, make("span", { className: "grow" }, this.find),
+        button("Clear all", () => this.guard(() => { encoder.scpi("FAUL:CLE"); this.showFaults(); this.look(); }))),
+      this.list);
+    this.dump = make("pre", { className: "scroll hex", tabIndex: 0, "aria-label": "EEPROM" });
+    this.size = make("span", { className: "soft" });
+    const memory = this.card("EEPROM", "",
+      make("div", { className: "row" }, this.size, button("As delivered", () => this.guard(() => { encoder.erase(); this.refresh(true); }))),
+      this.dump);
+    this.node = make("div", { id: `panel-${key}`, role: "tabpanel", "aria-labelledby": `tab-${key}`, hidden: true },
+      make("div", { className: "grid" }, wire, ...(about.figure ? [...figure, faults, state, memory] : [state, faults, memory])));
+    this.listFaults();
+    if (encoder.refused) {
+      this.say({ at: this.rig.now, ours: true, bytes: [], words: encoder.refused });
+    }
+  }
+
+  card(title, kind, ...children) {
+    return make("section", { className: `card ${kind}`, "aria-label": `${title} of ${this.about.title}` },
+      make("h2", {}, title), ...children);
+  }
+
+  figure() {
+    this.canvas = make("canvas", { role: "img", "aria-label": this.about.figure });
+    this.caption = make("p", { className: "soft" });
+    this.extra = make("ol", { className: "control scroll", tabIndex: 0, "aria-label": "CDM and CDS of the last register access" });
+    switch (this.key) {
+      case "hiperface":
+        this.canvas.style.height = "190px";
+        return [this.canvas, this.caption];
+      case "biss":
+        return [this.canvas, this.caption, make("h3", {}, "CDM and CDS of the last register access"), this.extra];
+      default:
+        this.extra = make("ol", { className: "bits", "aria-label": "Bits of IN" });
+        return [this.caption, this.extra];
+    }
+  }
+
+  // ---------------------------------------------------------------- what is done to it
+
+  powered(run) {
+    if (!this.encoder.powered) {
+      throw new Error(`${this.about.title}: no power`);
+    }
+    run();
+  }
+
+  switch(on) {
+    this.encoder.power(on);
+    this.rig.advance(0n);
+    this.refresh(true);
+  }
+
+  // Ask what is wrong, when the encoder had the time to find it.
+  look(seconds = 1) {
+    let due = this.rig.now + BigInt(seconds) * 1_000_000_000n;
+    this.plan = this.about.look(this.encoder).map((run) => {
+      due += LOOK_NS;
+      return { due, run };
+    });
+  }
+
+  // Called whenever time has gone on.
+  tick(shown) {
+    while (this.plan.length > 0 && this.rig.now >= this.plan[0].due) {
+      const { run } = this.plan.shift();
+      if (this.encoder.powered) {
+        this.guard(run);
+      }
+    }
+    if (shown && this.asks && this.encoder.powered && this.rig.now >= this.nextAsk) {
+      const quiet = this.rig.now < this.nextLine;
+      this.nextAsk = this.rig.now + (this.about.every ?? ASK_NS);
+      this.nextLine = quiet ? this.nextLine : this.rig.now + ASK_NS;
+      this.guard(() => this.about.ask(this.encoder, quiet));
+    }
+  }
+
+  // ---------------------------------------------------------------- what is seen of it
+
+  say({ at, ours, bytes, words }) {
+    const wrong = /error|abort|EMCY(?!.*0000h)|nERR 0|wrong|refused|no data/i.test(words) && !/no error/.test(words);
+    const line = make("li", {},
+      make("span", { className: "at mono" }, (Number(at) / 1e9).toFixed(6)),
+      make("span", { className: ours ? "ours" : "", "aria-label": ours ? "encoder" : "master" }, ours ? "◀" : "▶"));
+    if (bytes.length > 0) {
+      line.append(make("span", { className: "bytes mono" }, hex(bytes)));
+    }
+    line.append(make("span", { className: `words${wrong ? " wrong" : ""}${bytes.length > 0 ? "" : " note"}` }, words));
+    const atEnd = this.log.scrollHeight - this.log.scrollTop - this.log.clientHeight < 40;
+    this.log.append(line);
+    if (this.log.childElementCount > LINES) {
+      this.log.firstElementChild.remove();
+    }
+    if (atEnd || this.log.clientHeight === 0) {
+      this.log.scrollTop = this.log.scrollHeight;
+    }
+  }
+
+  listFaults() {
+    this.faults = new Map();
+    for (const fault of this.encoder.faults()) {
+      const box = make("input", { type: "checkbox", id: `${this.key}-${fault.name}`, disabled: this.impossible(fault.name) });
+      box.addEventListener("change", () => this.guard(() => {
+        try {
+          this.encoder.fault(fault.name, box.checked);
+          this.look();
+        } finally {
+          this.showFaults();
+          this.refresh(true);
+        }
+      }));
+      const row = make("li", {}, make("label", {}, box, make("b", {}, fault.name), make("span", {}, fault.cause), make("span", {}, box.disabled ? "not on this page: it is a line's" : `→ ${fault.effect}`)));
+      this.faults.set(fault.name, { box, row, words: row.textContent.toLowerCase() });
+      this.list.append(row);
+    }
+  }
+
+  // Lines and rings that could have it are not on this page.
+  impossible(name) {
+    return /^wire_(break|tear)$/.test(name) || (this.key === "biss" && name.startsWith("wire_"));
+  }
+
+  filter() {
+    const wanted = this.find.value.toLowerCase();
+    this.faults.forEach(({ row, words }) => { row.hidden = !words.includes(wanted); });
+  }
+
+  showFaults() {
+    for (const { name, active } of this.encoder.faults()) {
+      const { box, row } = this.faults.get(name);
+      box.checked = active;
+      row.classList.toggle("active", active);
+    }
+  }
+
+  // What changes with every frame of the screen.
+  draw(shown) {
+    const { position } = this.encoder;
+    this.value.textContent = position === null ? "off" : String(position);
+    if (!shown) {
+      return;
+    }
+    this.drawLamps();
+    if (this.key === "hiperface") {
+      this.caption.textContent = drawSinCos(this.canvas, this.encoder);
+    } else if (this.key === "biss") {
+      this.drawBiss();
+    } else if (this.key === "interbus") {
+      this.drawWords();
+    }
+  }
+
+  drawLamps() {
+    (this.patterns ?? []).forEach(([pattern], i) => {
+      this.lamps.children[i]?.classList.toggle("on", glows(pattern, this.rig.now, this.key));
+    });
+  }
+
+  drawBiss() {
+    const { last, control } = this.encoder.master;
+    if (this.drawn === last && this.drawnWidth === this.canvas.clientWidth) {
+      return;
+    }
+    drawFrame(this.canvas, last);
+    this.drawn = last;
+    this.drawnWidth = this.canvas.clientWidth;
+    this.caption.textContent = last === null ? "" : `CDS ${last.cds}, CDM ${last.cdm}: one bit of control each way in a frame`;
+    if (this.drawnControl !== control) {
+      this.drawnControl = control;
+      this.extra.replaceChildren(...control.map(({ name, cdm, cds }) => make("li", {},
+        make("i", {}, name),
+        make("span", { className: cdm ? "one" : "" }, String(cdm)), make("br"),
+        make("span", { className: cds ? "one" : "" }, String(cds)))));
+    }
+  }
+
+  drawWords() {
+    const bytes = this.encoder.lastIn;
+    if (bytes === this.drawn || !bytes) {
+      return;
+    }
+    this.drawn = bytes;
+    this.caption.textContent = `IN ${hex(bytes)}`;
+    const bits = [...bytes].flatMap((byte) => Array.from({ length: 8 }, (_, i) => (byte >> (7 - i)) & 1));
+    this.extra.replaceChildren(...bits.map((bit, i) => make("li", { className: bit ? "one" : "", title: `bit ${bits.length - 1 - i}` }, String(bit))));
+  }
+
+  // What is looked at some times in a second.
+  refresh(shown) {
+    const { encoder } = this;
+    const { memory } = encoder;
+    if (this.image === null || memory.some((byte, i) => byte !== this.image[i])) {
+      this.showMemory(memory);
+      this.keep(encoder.model, memory);
+    }
+    if (shown) {
+      this.showState(encoder.state);
+    }
+  }
+
+  showState(state) {
+    const { power, mode, position, leds, errors, ...others } = state;
+    this.supply.textContent = power === "1" ? "Switch off" : "Switch on";
+    const lamps = leds === "-" ? [] : leds.split("/").map((word) => word.split(":"));
+    this.patterns = lamps.map(([, pattern]) => [pattern]);
+    const named = [["power", power === "1" ? "on" : "off"], ...lamps];
+    if ("nerr" in others) {
+      named.push(["nERR low", power === "1" && others.nerr === "0" ? "on" : "off"], ["nWARN low", power === "1" && others.nwarn === "0" ? "on" : "off"]);
+    }
+    this.patterns = named.map(([, pattern]) => [pattern]);
+    const words = named.map(([name, pattern]) => `${name} ${pattern}`).join();
+    if (words !== this.lampWords) {
+      this.lampWords = words;
+      this.lamps.replaceChildren(...named.map(([name, pattern]) =>
+        make("li", { className: `lamp ${/err|RD|low/.test(name) ? "red" : ""}`, "aria-label": `${name}: ${pattern}` }, `${name}${/on|off/.test(pattern) ? "" : ` (${pattern})`}`)));
+      this.drawLamps();
+    }
+    const rows = Object.entries({ mode, errors, position, ...others }).filter(([, value]) => value !== undefined);
+    this.fill(this.facts, rows);
+  }
+
+  fill(list, rows) {
+    const words = JSON.stringify(rows);
+    if (list.words !== words) {
+      list.words = words;
+      list.replaceChildren(...rows.flatMap(([name, value]) => [
+        make("dt", {}, name.replaceAll("_", " ")),
+        make("dd", { className: name === "errors" && value !== "-" ? "error" : "" }, value)]));
+    }
+  }
+
+  // Sixteen bytes a line, eight on a narrow screen; what has changed since the line before is marked.
+  showMemory(memory) {
+    const across = matchMedia("(max-width: 600px)").matches ? 8 : 16;
+    const before = this.image;
+    const lines = document.createDocumentFragment();
+    for (let at = 0; at < memory.length; at += across) {
+      const row = memory.subarray(at, at + across);
+      lines.append(make("span", { className: "addr" }, at.toString(16).toUpperCase().padStart(4, "0")), " ");
+      row.forEach((byte, i) => {
+        const changed = before !== null && before[at + i] !== byte;
+        lines.append(" ", changed ? make("mark", {}, hex([byte])) : hex([byte]));
+      });
+      const text = Array.from(row, (byte) => (byte >= 32 && byte < 127 ? String.fromCharCode(byte) : "·")).join("");
+      lines.append(`${"   ".repeat(across - row.length)}  ${text}\n`);
+    }
+    this.dump.replaceChildren(lines);
+    const mark = this.dump.querySelector("mark");
+    if (mark) {
+      this.dump.scrollTop = mark.offsetTop - this.dump.clientHeight / 2;
+    }
+    this.size.textContent = `${memory.length} bytes, kept in this browser`;
+    this.image = memory;
+  }
+}

@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: MIT
+"""The playground in one file, drehgeber.html, which needs no server: browsers load no modules from file://.
+
+usage: single.py FOLDER"""
+
+import base64
+import re
+import sys
+from pathlib import Path
+
+# Each uses those before it only.
+MODULES = ("engine", "rig", "biss", "figures", "view", "main")
+IMPORT = re.compile(r'^import \{[^}]*\} from "\./\w+\.js";\n', re.MULTILINE)
+EXPORT = re.compile(r"^export (?=const|class|function|async)", re.MULTILINE)
+
+
+def script(folder: Path) -> str:
+    """The modules as one, in which a name of the top level means one thing."""
+    texts = [(folder / f"{name}.js").read_text(encoding="utf-8") for name in MODULES]
+    return "".join(EXPORT.sub("", IMPORT.sub("", text)) for text in texts)
+
+
+def replaced(page: str, what: str, by: str) -> str:
+    """Exactly one of them."""
+    if page.count(what) != 1:
+        sys.exit(f"single.py: index.html has {page.count(what)} of {what}; right is 1")
+    return page.replace(what, by)
+
+
+def main() -> None:
+    """Write it beside its parts."""
+    folder = Path(sys.argv[1])
+    code = base64.b64encode((folder / "drehgeber.wasm").read_bytes()).decode()
+    page = (folder / "index.html").read_text(encoding="utf-8")
+    style = (folder / "style.css").read_text(encoding="utf-8")
+    page = replaced(page, '<link rel="stylesheet" href="style.css">', f"<style>\n{style}</style>")
+    inside = f'<script type="text/plain" id="module">{code}</script>\n<script type="module">\n{script(folder)}</script>'
+    page = replaced(page, '<script type="module" src="main.js"></script>', inside)
+    (folder / "drehgeber.html").write_text(page, encoding="utf-8")
+
+
+main()
