@@ -1,0 +1,264 @@
+# SPDX-License-Identifier: MIT
+"""The playground in Debian's Chromium, without a screen: the bytes of the Python package and of the command, faults,
+what outlives a reload, and how it looks: screenshots lie beside the page for people to see."""
+
+import functools
+import os
+import subprocess
+import threading
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import sync_playwright
+
+FOLDER = Path(os.environ["PLAYGROUND"])
+PROGRAM = os.environ["DREHGEBER"]
+HANDLE = [os.environ["HANDLE_PYTHON"], str(Path(__file__).with_name("handle.py"))]
+TRANSFERRED_MAX = 300_000
+WAIT_MS = 20_000
+PANELS = ("hiperface", "biss", "canopen", "interbus")
+# 1.25 s from the shaft's start on; the page's frame is latched half a clock after it was asked for.
+MOMENT_NS = 1_250_000_000
+HALF_CLOCK_NS = 500
+
+
+class Quiet(SimpleHTTPRequestHandler):
+    def log_message(self, *_):
+        pass
+
+
+@pytest.fixture(scope="module")
+def server():
+    with ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Quiet, directory=FOLDER)) as httpd:
+        threading.Thread(target=httpd.serve_forever, daemon=True).start()
+        yield f"http://127.0.0.1:{httpd.server_port}"
+        httpd.shutdown()
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with sync_playwright() as playwright:
+        chromium = playwright.chromium.launch(executable_path="/usr/bin/chromium", args=["--no-sandbox"])
+        yield chromium
+        chromium.close()
+
+
+@pytest.fixture
+def visit(browser):
+    """Open an address with an empty storage: visit(address, width=.., height=..). Nothing was complained of."""
+    contexts, complaints = [], []
+
+    def go(address, width=1280, height=800, **options):
+        context = browser.new_context(viewport={"width": width, "height": height}, **options)
+        contexts.append(context)
+        page = context.new_page()
+        page.set_default_timeout(WAIT_MS)
+        page.on("console", lambda said: complaints.append(said.text) if said.type in ("error", "warning") else None)
+        page.on("pageerror", lambda error: complaints.append(str(error)))
+        page.goto(address)
+        page.wait_for_function("globalThis.drehgeber")
+        return page
+
+    yield go
+    for context in contexts:
+        context.close()
+    assert complaints == []
+
+
+@pytest.fixture
+def still(visit, server):
+    """The page with a clock that stands."""
+    return visit(f"{server}/index.html#still")
+
+
+def let_pass(page, ns):
+    page.evaluate(f"drehgeber.pass({ns}n)")
+
+
+def press(page, panel, name):
+    page.locator(f"#panel-{panel}").get_by_role("button", name=name, exact=True).click()
+
+
+def bytes_of_last(page, panel):
+    return page.locator(f"#panel-{panel} .log .bytes").last.inner_text().replace(" ", "").lower()
+
+
+def by_handle(model):
+    """The Python package's answer."""
+    return subprocess.run([*HANDLE, model], check=True, capture_output=True, text=True, timeout=30).stdout.strip()
+
+
+def turn(page, panel, ns=MOMENT_NS):
+    page.click(f"#tab-{panel}")
+    page.fill("#rpm", "60")
+    page.click("#turning button[type=submit]")
+    let_pass(page, ns)
+
+
+def test_42h_as_the_handle(still):
+    turn(still, "hiperface")
+    press(still, "hiperface", "42h position")
+    let_pass(still, 100_000_000)
+    assert bytes_of_last(still, "hiperface") == by_handle("s3684-rs485")
+
+
+def test_sdo_as_the_handle(still):
+    turn(still, "canopen")
+    press(still, "canopen", "SDO 6004h position")
+    assert bytes_of_last(still, "canopen") == by_handle("f3668")
+
+
+def test_words_as_the_handle(still):
+    turn(still, "interbus")
+    press(still, "interbus", "Data cycle")
+    assert bytes_of_last(still, "interbus") == by_handle("ocd-ib-k3")
+
+
+def test_biss_bits_as_the_handle(still):
+    turn(still, "biss", MOMENT_NS - HALF_CLOCK_NS)
+    press(still, "biss", "Frame")
+    bits = still.evaluate("drehgeber.rig.encoder('biss').master.last.bits.join('')")
+    want = by_handle("s3684-biss")
+    assert int(bits, 2) == int(want, 16)
+
+
+def test_biss_words_as_the_command(still):
+    still.click("#tab-biss")
+    still.fill("#target", "90")
+    still.click("#be")
+    press(still, "biss", "Frame")
+    press(still, "biss", "78h device ID")
+    said = still.locator("#panel-biss .log .words").all_inner_texts()
+    command = [PROGRAM, "biss", "s3684-biss"]
+    read = subprocess.run([*command, "read", "--shaft=90DEG"], check=True, capture_output=True, text=True, timeout=30)
+    assert said[0].split() == read.stdout.split()
+    registers = subprocess.run([*command, "registers", "0x78", "8"], check=True, capture_output=True, text=True, timeout=30)
+    assert said[1] == f"register 78h = {registers.stdout.strip()}"
+
+
+def test_biss_control_bits_are_shown(still):
+    """S, CTS, ID 0, ADR 69h, its CRC, R, W and S: BiSS C protocol description, control frame."""
+    still.click("#tab-biss")
+    press(still, "biss", "69h errors")
+    control = still.evaluate("drehgeber.rig.encoder('biss').master.control.slice(0, 12).map((bit) => bit.cdm).join('')")
+    assert control == "1" "1" "000" "1101001"
+    assert still.locator("#panel-biss .control li").count() > 30
+
+
+@pytest.mark.parametrize(
+    "panel, fault, code",
+    [
+        ("hiperface", "led_current_high", "50 1D"),
+        ("canopen", "temperature_high", "00 42"),
+        ("biss", "led_current_high", "register 69h = 01"),
+        ("interbus", "singleturn_lost", "80 00"),
+    ],
+)
+def test_a_fault_shows_its_code(still, panel, fault, code):
+    still.click(f"#tab-{panel}")
+    still.check(f"#{panel}-{fault}")
+    let_pass(still, 3_000_000_000)
+    assert code in still.locator(f"#panel-{panel} .log").inner_text()
+
+
+def test_eeprom_outlives_a_reload(still):
+    """Bank 7 is the first of the user's: 40h selects it, and not for good."""
+    still.click("#tab-biss")
+    for register, data in (("40", "07"), ("00", "A5 5A")):
+        form = still.locator("#panel-biss form").nth(1)
+        form.get_by_label("Register").fill(register)
+        form.get_by_label("Bytes").fill(data)
+        form.get_by_role("button", name="Write").click()
+    let_pass(still, 1_000_000_000)
+    still.wait_for_selector("#panel-biss .hex mark")
+    still.reload()
+    still.wait_for_function("globalThis.drehgeber")
+    master = "drehgeber.rig.encoder('biss').master"
+    assert still.evaluate(f"{master}.writeRegisters(0x40, [7])") == [7]
+    assert still.evaluate(f"{master}.readRegisters(0, 2)") == [0xA5, 0x5A]
+    still.click("#tab-biss")
+    press(still, "biss", "As delivered")
+    assert still.evaluate(f"drehgeber.pass(1000000000n), {master}.writeRegisters(0x40, [7])") == [7]
+    assert still.evaluate(f"{master}.readRegisters(0, 2)") == [0xFF, 0xFF]
+
+
+def test_a_broken_image_does_not_stop_the_page(still):
+    still.evaluate("Object.keys(localStorage).forEach((key) => localStorage.setItem(key, btoa('nonsense')))")
+    still.reload()
+    still.wait_for_function("globalThis.drehgeber")
+    assert "as delivered" in still.locator("#panel-hiperface .log").inner_text()
+    turn(still, "hiperface", 0)
+    press(still, "hiperface", "42h position")
+    let_pass(still, 100_000_000)
+    assert bytes_of_last(still, "hiperface").startswith("4042")
+
+
+def test_scpi(still):
+    def send(line):
+        still.fill("#line", line)
+        still.press("#line", "Enter")
+        return still.locator("#said div").last.inner_text()
+
+    assert send("*IDN?").startswith("drehgeber,s3684-rs485")
+    send("SHAF:POS 90DEG")
+    assert send("SHAF:POS?") == "90.000000"
+    assert send("NO:SUCH").startswith("-113")
+    still.press("#line", "ArrowUp")
+    assert still.input_value("#line") == "NO:SUCH"
+
+
+def test_keys(still):
+    """Tabs by arrows, the shaft by arrows."""
+    still.focus("#tab-hiperface")
+    still.keyboard.press("ArrowRight")
+    assert still.locator("#panel-biss").is_visible()
+    still.focus("#dial")
+    for key in ("PageUp", "ArrowRight", "ArrowRight", "ArrowLeft"):
+        still.keyboard.press(key)
+    still.wait_for_function("document.getElementById('dial').getAttribute('aria-valuenow') === '11.0'")
+
+
+def test_the_mouse_turns_it(still):
+    box = still.locator("#dial").bounding_box()
+    x, y, r = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2, box["width"] * 0.35
+    still.mouse.move(x, y - r)
+    still.mouse.down()
+    still.mouse.move(x + r, y)
+    still.mouse.up()
+    still.wait_for_function("Math.abs(document.getElementById('dial').getAttribute('aria-valuenow') - 90) < 1")
+
+
+def test_everything_has_a_name(still):
+    nameless = """[...document.querySelectorAll('button, input, select, [role]')].filter((node) =>
+        !(node.getAttribute('aria-label') || node.getAttribute('aria-labelledby') || node.labels?.length ||
+          node.textContent.trim() || node.id === 'trouble')).map((node) => node.outerHTML)"""
+    assert still.evaluate(nameless) == []
+
+
+def test_it_is_small(browser, server):
+    page = browser.new_page()
+    got = []
+    page.on("response", lambda response: got.append(len(response.body())))
+    page.goto(f"{server}/index.html")
+    page.wait_for_function("globalThis.drehgeber", timeout=WAIT_MS)
+    page.close()
+    assert len(got) > 5
+    assert sum(got) < TRANSFERRED_MAX
+    assert (FOLDER / "drehgeber.html").stat().st_size < TRANSFERRED_MAX
+
+
+@pytest.mark.parametrize("width, height, scheme", [(1280, 800, "light"), (360, 740, "dark")])
+def test_one_file_without_a_server(visit, width, height, scheme):
+    """It runs by itself, nothing is wider than the screen, and pictures are kept."""
+    page = visit((FOLDER / "drehgeber.html").as_uri(), width, height, color_scheme=scheme)
+    page.click("#turning button[type=submit]")
+    for panel in PANELS:
+        page.click(f"#tab-{panel}")
+        page.wait_for_function(f"document.querySelectorAll('#panel-{panel} .log li').length > 2")
+        if panel == "biss":
+            press(page, "biss", "69h errors")
+        assert page.evaluate("document.documentElement.scrollWidth") <= width
+        page.screenshot(path=FOLDER / f"screenshot-{width}-{panel}.png", full_page=width < 600)
+    first = page.evaluate("drehgeber.rig.speed")
+    assert first == 60
