@@ -6,6 +6,7 @@ import { hex, unhex } from "./engine.js";
 import { drawFrame, drawSinCos, glows } from "./figures.js";
 
 const LINES = 300;
+const NOTHING = "No error was told so far.";
 const ASK_NS = 500_000_000n;
 // A master that is silent for longer than 100 ms counts as gone.
 const BUS_NS = 50_000_000n;
@@ -164,17 +165,18 @@ export class Panel {
     const figure = about.figure ? [this.card(about.figure, "", ...this.figure())] : [];
     this.list = make("ul", { className: "scroll faults", tabIndex: 0, "aria-label": "Catalogue of faults" });
     this.find = make("input", { type: "search", placeholder: "e.g. LED, 1Dh, eeprom", "aria-label": "Search the faults", oninput: () => this.filter() });
+    this.latest = make("p", { className: "latest", role: "status" }, NOTHING);
     const faults = this.card("Faults", "",
       make("div", { className: "row" }, make("span", { className: "grow" }, this.find),
-        button("Clear all", () => this.guard(() => { encoder.scpi("FAUL:CLE"); this.showFaults(); this.look(); }))),
-      this.list);
+        button("Clear all", () => this.guard(() => { encoder.scpi("FAUL:CLE"); this.latest.textContent = NOTHING; this.showFaults(); this.look(); }))),
+      this.latest, this.list);
     this.dump = make("pre", { className: "scroll hex", tabIndex: 0, "aria-label": "EEPROM" });
     this.size = make("span", { className: "soft" });
     const memory = this.card("EEPROM", "",
       make("div", { className: "row" }, this.size, button("As delivered", () => this.guard(() => { encoder.erase(); this.refresh(true); }))),
       this.dump);
     this.node = make("div", { id: `panel-${key}`, role: "tabpanel", "aria-labelledby": `tab-${key}`, hidden: true },
-      make("div", { className: "grid" }, wire, ...(about.figure ? [...figure, faults, state, memory] : [state, faults, memory])));
+      make("div", { className: "grid" }, wire, ...(about.figure ? [...figure, faults, memory, state] : [state, faults, memory])));
     this.listFaults();
     if (encoder.refused) {
       this.say({ at: this.rig.now, ours: true, bytes: [], words: encoder.refused });
@@ -192,7 +194,7 @@ export class Panel {
     this.extra = make("ol", { className: "control scroll", tabIndex: 0, "aria-label": "CDM and CDS of the last register access" });
     switch (this.key) {
       case "hiperface":
-        this.canvas.style.height = "190px";
+        this.canvas.className = "sincos";
         return [this.canvas, this.caption];
       case "biss":
         return [this.canvas, this.caption, make("h3", {}, "CDM and CDS of the last register access"), this.extra];
@@ -245,7 +247,9 @@ export class Panel {
   // ---------------------------------------------------------------- what is seen of it
 
   say({ at, ours, bytes, words }) {
-    const wrong = /error|abort|EMCY(?!.*0000h)|nERR 0|wrong|refused|no data/i.test(words) && !/no error/.test(words);
+    // On INTERBUS bit 31 of IN says so.
+    const wrong = (this.key === "interbus" && bytes[0] >= 0x80) ||
+      (/error|abort|EMCY(?!.*0000h)|nERR 0|wrong|refused|no data/i.test(words) && !/no error/.test(words));
     const line = make("li", {},
       make("span", { className: "at mono" }, (Number(at) / 1e9).toFixed(6)),
       make("span", { className: ours ? "ours" : "", "aria-label": ours ? "encoder" : "master" }, ours ? "◀" : "▶"));
@@ -253,6 +257,9 @@ export class Panel {
       line.append(make("span", { className: "bytes mono" }, hex(bytes)));
     }
     line.append(make("span", { className: `words${wrong ? " wrong" : ""}${bytes.length > 0 ? "" : " note"}` }, words));
+    if (wrong && ours) {
+      this.latest.textContent = `Told last: ${words}`;
+    }
     const atEnd = this.log.scrollHeight - this.log.scrollTop - this.log.clientHeight < 40;
     this.log.append(line);
     if (this.log.childElementCount > LINES) {

@@ -160,6 +160,7 @@ def test_a_fault_shows_its_code(still, panel, fault, code):
     still.check(f"#{panel}-{fault}")
     let_pass(still, 3_000_000_000)
     assert code in still.locator(f"#panel-{panel} .log").inner_text()
+    assert still.locator(f"#panel-{panel} .latest").inner_text().startswith("Told last: ")
 
 
 def test_eeprom_outlives_a_reload(still):
