@@ -48,7 +48,7 @@ void web_words_uart(struct lx_decoder *self, const struct dg_host_event *event, 
     tap.character.parity = (char)uart->parity;
     tap.character.damaged = (event->flags & DG_HOST_DAMAGED) != 0;
     for (size_t i = 0; i < event->length; i++) {
-        tap.at = dg_after(event->at, (i + 1u) * event->id);
+        tap.at = dg_after(event->at, (dg_ns)(i + 1u) * event->id);
         tap.character.byte = event->data[i];
         lx_decoder_event(self, &tap);
     }
