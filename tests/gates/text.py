@@ -13,7 +13,8 @@ from sources import files, finish, read
 
 LICENSED = (".c", ".h", ".def", ".py", ".txt", ".cmake", ".in", ".sh", ".ini")
 # They have no comments.
-UNMARKED = ("LICENSE", "tools/python/LICENSE", "debian/changelog", "debian/copyright", "debian/source/format")
+UNMARKED = ("LICENSE", "tools/python/LICENSE", "debian/changelog", "debian/copyright", "debian/source/format",
+            "platform/web/compile_flags.txt")
 INPUTS = "tests/fuzz/corpus/"
 # Brackets keep this file from complaining about itself.
 FORBIDDEN = {
@@ -30,7 +31,8 @@ FORBIDDEN_IN = {
 
 def licensed(path):
     name = path.rsplit("/", 1)[-1]
-    return path.endswith(LICENSED) and not path.startswith("LICENSES/") or ("." not in name and path not in UNMARKED)
+    named = path.endswith(LICENSED) and not path.startswith("LICENSES/")
+    return (named or "." not in name) and path not in UNMARKED
 
 
 def main():

@@ -15,6 +15,8 @@ from playwright.sync_api import sync_playwright
 FOLDER = Path(os.environ["PLAYGROUND"])
 PROGRAM = os.environ["DREHGEBER"]
 HANDLE = [os.environ["HANDLE_PYTHON"], str(Path(__file__).with_name("handle.py"))]
+# Root has no sandbox, and a container little of /dev/shm.
+FLAGS = ["--no-sandbox", "--disable-dev-shm-usage"]
 TRANSFERRED_MAX = 300_000
 WAIT_MS = 20_000
 PANELS = ("hiperface", "biss", "canopen", "interbus")
@@ -39,7 +41,7 @@ def server():
 @pytest.fixture(scope="module")
 def browser():
     with sync_playwright() as playwright:
-        chromium = playwright.chromium.launch(executable_path="/usr/bin/chromium", args=["--no-sandbox"])
+        chromium = playwright.chromium.launch(executable_path="/usr/bin/chromium", args=FLAGS)
         yield chromium
         chromium.close()
 
