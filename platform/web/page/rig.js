@@ -190,7 +190,9 @@ export class Encoder {
     this.c.dg_host_panel_step(this.panel, this.rig.now);
     const got = this.receive();
     if (got === null) {
-      this.note("no data in this cycle", false);
+      if (!quiet) {
+        this.note("no data in this cycle", false);
+      }
       return null;
     }
     this.lastIn = got.data;

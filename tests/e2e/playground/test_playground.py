@@ -165,6 +165,17 @@ def test_a_fault_shows_its_code(still, panel, fault, code):
     assert still.locator(f"#panel-{panel} .latest").inner_text().startswith("Told last: ")
 
 
+def test_a_flipped_bit_is_found_at_the_next_start(still):
+    """EMCY 5100h, the manual's chapter 15."""
+    still.click("#tab-canopen")
+    still.check("#canopen-eeprom_tpdo1")
+    let_pass(still, 2_000_000_000)
+    assert "5100h" not in still.locator("#panel-canopen .log").inner_text()
+    press(still, "canopen", "Power cycle")
+    let_pass(still, 2_000_000_000)
+    assert "5100h" in still.locator("#panel-canopen .log").inner_text()
+
+
 def test_eeprom_outlives_a_reload(still):
     """Bank 7 is the first of the user's: 40h selects it, and not for good."""
     still.click("#tab-biss")
