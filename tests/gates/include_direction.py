@@ -68,7 +68,8 @@ ROOMS = {
     "web":             {"core", "host", "linux/trace"},
     "web/libc":        set(),
     "web/libc/sys":    set(),
-    "tools/drehgeber": {"motion", "linux/rig"} | PROTOCOLS | BELOW | WIRES,
+    "fmu":             {"core", "host"},
+    "tools/drehgeber": {"motion", "linux/rig", "fmu"} | PROTOCOLS | BELOW | WIRES,
     "tools/manual":    {"core", "devices", "tools/drehgeber"} | PROTOCOLS | BELOW,
     "tools/reference": {"core", "control", "devices", "instruments"} | PROTOCOLS | {f"src/{folder}" for folder in PROTOCOLS},
     "tools/examples":  set(ALLOWED), # and what is below it: each the whole of a user's program

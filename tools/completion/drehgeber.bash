@@ -4,7 +4,7 @@
 
 _drehgeber_commands()
 {
-    echo "list faults run eds biss ssi map ctl top help"
+    echo "list faults run eds biss ssi map fmu ctl top help"
 }
 
 _drehgeber_models()
@@ -16,6 +16,7 @@ _drehgeber_models()
         biss) echo " s3674-biss s3684-biss" ;;
         ssi) echo " ssi-13 ssi-25 ssi-28" ;;
         map) echo " ocd-ib-k1 ocd-ib-k2 ocd-ib-k3" ;;
+        fmu) echo " s3674-rs485 s3684-rs485 s3674-biss s3684-biss ssi-13 ssi-25 ssi-28 f3658 f3668 ocd-ib-k1 ocd-ib-k2 ocd-ib-k3" ;;
     esac
 }
 
@@ -53,6 +54,7 @@ _drehgeber_options()
         biss) echo " --nvm= --serial= --shaft= --set= --trace= --help" ;;
         ssi) echo " --shaft= --set= --trace= --help" ;;
         map) echo " --ring= --help" ;;
+        fmu) echo " --serial= --node= --set= --output= --fmi= --help" ;;
         ctl) echo " --control= --help" ;;
         top) echo " --control= --help" ;;
         help) echo " --help" ;;
@@ -80,6 +82,8 @@ _drehgeber_kind()
         --files) echo folder ;;
         --trace) echo file ;;
         --time) echo nothing ;;
+        --output) echo file ;;
+        --fmi) echo nothing ;;
     esac
 }
 

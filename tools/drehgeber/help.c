@@ -54,6 +54,12 @@ static const struct {
     {"map", "As the coupler in front of the ring has them; of a whole ring with --ring.\n"
             "\n"
             "  drehgeber map --ring ocd-ib-k3,ocd-ib-k1\n"},
+    {"fmu", "Shafts, what encoders sense and faults are inputs, settings are parameters.\n"
+            "Outputs are positions, signals, frames, and in FMI 3 CAN (FMI-LS-BUS) and RS485\n"
+            "as clocked binaries. Its sources are in it. Encoders of a rig file that share a\n"
+            "shaft are turned as one; its wires, motions, gears and files stay outside.\n"
+            "\n"
+            "  drehgeber fmu s3684-biss --output axis.fmu\n"},
     {"ctl", "Commands are sent, answers printed; without a command they are read from stdin.\n"
             "Without --control the one rig that runs is meant.\n"
             "\n"

@@ -8,6 +8,7 @@
 #include "can_bus.h"
 #include "ctl.h"
 #include "drehgeber/drehgeber.h"
+#include "fmu_file.h"
 #include "help.h"
 #include "list.h"
 #include "modbus_map.h"
@@ -118,6 +119,8 @@ static int act(const struct options *options)
         return options->row->ask(options);
     case COMMAND_MAP:
         return map(options);
+    case COMMAND_FMU:
+        return fmu_command(options);
     case COMMAND_CTL:
         return ctl_command(options->control_count == 0 ? NULL : options->controls[0],
                            options->words, options->word_count);

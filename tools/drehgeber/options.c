@@ -15,10 +15,12 @@ enum key {
     KEY_HELP = 'h',
     KEY_VERSION = 'V',
     KEY_QUIET = 'q',
+    KEY_OUTPUT = 'o',
     KEY_NODE = 256,
     KEY_TRACE,
     KEY_FILES,
     KEY_TIME,
+    KEY_FMI,
     KEY_JSON,
     KEY_RING,
     KEY_NVM,
@@ -45,6 +47,8 @@ const struct command_row command_rows[] = {
                                                                              "write [BANK:]ADDR BYTES, command N",           " set nvm serial shaft trace ", biss_command, &dg_biss_stack, "read registers eds write command"},
     {"ssi",    COMMAND_ASK,    false, "ssi MODEL read [OPTIONS]",            "read an SSI encoder over a simulated wire",    " set shaft trace ", ssi_command, &dg_ssi_stack, "read"},
     {"map",    COMMAND_MAP,    false, "map MODEL",                           "the Modbus registers of an INTERBUS encoder",  " ring ", NULL, &dg_ib_stack, NULL},
+    {"fmu",    COMMAND_FMU,    false, "fmu MODEL --output FILE.fmu [OPTIONS]", "write that encoder as an FMU, for co-simulation", " output fmi set serial node ", NULL, NULL, NULL},
+    {"fmu",    COMMAND_FMU,    false, "fmu RIG.ini --output FILE.fmu [--fmi 2]", "write all encoders of a rig as one FMU",  " output fmi set serial node ", NULL, NULL, NULL},
     {"ctl",    COMMAND_CTL,    false, "ctl [--control ADDR] COMMAND",        "SCPI to what is running; SYST:HELP? says which", " control ", NULL, NULL, NULL},
     {"top",    COMMAND_TOP,    false, "top [ADDRESS]",                       "what is running, in a terminal; ? says the keys", " control ", NULL, NULL, NULL},
     {"help",   COMMAND_HELP,   false, "help [COMMAND [MODEL]]",              "this text, or that of a command",              "", NULL, NULL, NULL},
@@ -63,6 +67,8 @@ static const struct argp_option rows[] = {
     {.name = "files",   .key = KEY_FILES,   .arg = "DIR",       .doc = "traces, recordings and motions that SCPI names lie below DIR (default: here for unix:, nowhere for tcp:)"},
     {.name = "trace",   .key = KEY_TRACE,   .arg = "FILE",      .doc = "what goes over the wire: .vcd (RS485, BiSS, SSI), .log or .pcapng (CAN), .csv (INTERBUS)"},
     {.name = "time",    .key = KEY_TIME,    .arg = "virtual:SPAN", .doc = "live for a span such as 2.5S, 10MIN or 1H of virtual time, as fast as the machine can, and end"},
+    {.name = "output",  .key = KEY_OUTPUT,  .arg = "FILE",      .doc = "the FMU"},
+    {.name = "fmi",     .key = KEY_FMI,     .arg = "VERSION",   .doc = "of the FMU: 3, or 2, which has signals only (default: 3)"},
     {.name = "json",    .key = KEY_JSON,                        .doc = "for programs: an array of objects"},
     {.name = "verbose", .key = KEY_VERBOSE,                     .doc = "what goes over the wire in words, on stderr"},
     {.name = "quiet",   .key = KEY_QUIET,                       .doc = "no notes on stderr, only complaints"},
@@ -242,6 +248,7 @@ static const struct {
     {KEY_SERIAL, offsetof(struct options, serial)}, {KEY_NODE, offsetof(struct options, node)},
     {KEY_SHAFT, offsetof(struct options, shaft)},   {KEY_TRACE, offsetof(struct options, trace)},
     {KEY_FILES, offsetof(struct options, files)},   {KEY_TIME, offsetof(struct options, time)},
+    {KEY_OUTPUT, offsetof(struct options, output)}, {KEY_FMI, offsetof(struct options, fmi)},
 };
 #define TEXT_COUNT DG_COUNT(texts)
 

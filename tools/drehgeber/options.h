@@ -23,6 +23,7 @@ enum command {
     COMMAND_EDS,
     COMMAND_ASK, /* as the row's `ask` does it */
     COMMAND_MAP,
+    COMMAND_FMU,
     COMMAND_CTL,
     COMMAND_TOP,
     COMMAND_HELP,
@@ -66,7 +67,9 @@ struct options {
     const char *trace;
     const char *files;
     const char *time; /* "virtual:SPAN" */
-    char **words;     /* owned; what `biss MODEL` and its like are to do, as many as argc at most */
+    const char *output;
+    const char *fmi; /* "2" or "3" */
+    char **words;    /* owned; what `biss MODEL` and its like are to do, as many as argc at most */
     size_t word_count;
     struct lx_plan_settings settings; /* owned */
     const char **controls;            /* owned; as many as argc at most */

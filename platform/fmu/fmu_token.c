@@ -1,0 +1,197 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Making encoders of a token, see fmu.h.
+ */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "drehgeber/version.h"
+#include "encoder.h"
+
+static int hex(char c)
+{
+    const char *digits = "0123456789ABCDEF";
+    const char *at = c == '\0' ? NULL : strchr(digits, c);
+    return at == NULL ? -1 : (int)(at - digits);
+}
+
+/* What stands before one of `ends`, without %XX. @return its end, or NULL: too long, or %XY */
+static const char *word(const char *from, const char *ends, char *to, size_t size)
+{
+    size_t n = 0;
+    while (*from != '\0' && strchr(ends, *from) == NULL) {
+        char c = *from++;
+        if (c == '%') {
+            const int high = hex(from[0]);
+            const int low = high < 0 ? -1 : hex(from[1]);
+            if (low < 0) {
+                return NULL;
+            }
+            c = (char)(16 * high + low);
+            from += 2;
+        }
+        if (n + 1 >= size) {
+            return NULL;
+        }
+        to[n++] = c;
+    }
+    to[n] = '\0';
+    return from;
+}
+
+static int kind_of(const struct dg_host *host)
+{
+    static const struct {
+        const char *protocol;
+        int kind;
+    } rows[] = {{"hiperface", FMU_HIPERFACE},
+                {"biss", FMU_CLOCKED},
+                {"ssi", FMU_CLOCKED},
+                {"canopen", FMU_CAN}};
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        if (strcmp(rows[i].protocol, dg_host_protocol(host)) == 0) {
+            return rows[i].kind;
+        }
+    }
+    return FMU_INTERBUS;
+}
+
+/* Not every C library has aligned_alloc(). */
+void *encoder_aligned(void *memory)
+{
+    const uintptr_t past = (uintptr_t)memory % DG_HOST_ALIGN;
+    return (char *)memory + (past == 0 ? 0 : DG_HOST_ALIGN - past);
+}
+
+static int encoder_make(struct fmu_encoder *self)
+{
+    const size_t size = dg_host_size_of(self->model);
+    free(self->memory);
+    free(self->panel_memory);
+    self->panel_memory = NULL;
+    self->panel = NULL;
+    self->memory = size == 0 ? NULL : calloc(1, size + DG_HOST_ALIGN);
+    if (self->memory == NULL) {
+        return -1;
+    }
+    self->host = dg_host_make(encoder_aligned(self->memory), size, self->model);
+    if (self->host == NULL) {
+        return -1;
+    }
+    self->kind = kind_of(self->host);
+    self->now = (struct fmu_course){.power = true, .frame = {.good = 0}};
+    return 0;
+}
+
+static const char *take_settings(struct fmu_encoder *self, const char *at)
+{
+    while (at != NULL && *at == ',') {
+        char key[FMU_NAME_MAX];
+        char value[FMU_NAME_MAX];
+        at = word(at + 1, "=", key, sizeof key);
+        at = at == NULL || *at != '=' ? NULL : word(at + 1, ", ", value, sizeof value);
+        if (at != NULL && dg_host_set(self->host, key, value) != DG_HOST_OK) {
+            return NULL;
+        }
+    }
+    return at;
+}
+
+/* " NAME=MODEL@OTHER,KEY=VALUE" */
+static const char *take_encoder(struct fmu_encoder *self, const char *at, size_t index)
+{
+    char name[FMU_NAME_MAX / 2];
+    at = word(at + 1, "=", name, sizeof name);
+    at = at == NULL || *at != '=' ? NULL : word(at + 1, "@, ", self->model, sizeof self->model);
+    if (at == NULL || encoder_make(self) != 0) {
+        return NULL;
+    }
+    (void)snprintf(self->prefix, sizeof self->prefix, "%s%s", name, *name == '\0' ? "" : ".");
+    self->owner = -1;
+    if (*at == '@') {
+        char *end = NULL;
+        const unsigned long owner = strtoul(at + 1, &end, 10);
+        if (owner >= index) {
+            return NULL;
+        }
+        self->owner = (int)owner;
+        at = end;
+    }
+    return take_settings(self, at);
+}
+
+static int build(struct fmu *self)
+{
+    static const char head[] = "drehgeber " DG_VERSION;
+    const char *at = self->token + strlen(head);
+    if (strncmp(self->token, head, strlen(head)) != 0) {
+        return -1;
+    }
+    for (size_t i = 0; i < self->count; i++) {
+        at = *at == ' ' ? take_encoder(&self->encoders[i], at, i) : NULL;
+        if (at == NULL) {
+            return -1;
+        }
+    }
+    for (size_t i = 0; i < self->count; i++) {
+        const int owner = self->encoders[i].owner;
+        if (owner >= 0 &&
+            dg_host_share(self->encoders[i].host, self->encoders[owner].host) != DG_HOST_OK) {
+            return -1;
+        }
+    }
+    self->start = 0;
+    self->now = 0;
+    self->started = false;
+    return *at == '\0' ? 0 : -1;
+}
+
+static size_t encoders_in(const char *token)
+{
+    size_t n = 0;
+    for (; *token != '\0'; token++) {
+        n += *token == ' ' ? 1 : 0;
+    }
+    return n - (n > 0 ? 1 : 0); /* behind "drehgeber" stands the version */
+}
+
+struct fmu *fmu_make(const char *token)
+{
+    struct fmu *self = calloc(1, sizeof *self);
+    const size_t n = token == NULL ? 0 : strlen(token);
+    if (self == NULL || n == 0) {
+        free(self);
+        return NULL;
+    }
+    self->token = malloc(n + 1);
+    self->count = encoders_in(token);
+    self->encoders = calloc(self->count + 1, sizeof *self->encoders);
+    if (self->token != NULL) {
+        memcpy(self->token, token, n + 1);
+    }
+    if (self->token == NULL || self->encoders == NULL || self->count == 0 || build(self) != 0) {
+        fmu_free(self);
+        return NULL;
+    }
+    return self;
+}
+
+void fmu_free(struct fmu *self)
+{
+    if (self == NULL) {
+        return;
+    }
+    for (size_t i = 0; self->encoders != NULL && i < self->count; i++) {
+        free(self->encoders[i].memory);
+        free(self->encoders[i].panel_memory);
+    }
+    free(self->encoders);
+    free(self->token);
+    free(self);
+}
+
+int fmu_reset(struct fmu *self)
+{
+    return build(self);
+}

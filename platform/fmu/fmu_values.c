@@ -1,0 +1,262 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Variables by their numbers.
+ */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "encoder.h"
+
+static struct fmu_value real(double value)
+{
+    return (struct fmu_value){.type = FMU_REAL, .real = value};
+}
+
+static struct fmu_value integer(uint64_t value, enum fmu_type type)
+{
+    return (struct fmu_value){.type = type, .real = (double)value, .integer = (int64_t)value};
+}
+
+static int get_input(const struct fmu_encoder *encoder, uint32_t index, struct fmu_value *to)
+{
+    switch ((enum fmu_input)index) {
+    case FMU_ANGLE:
+        *to = real(encoder->now.angle);
+        return DG_HOST_OK;
+    case FMU_SPEED:
+        *to = real(encoder->now.speed);
+        return DG_HOST_OK;
+    case FMU_POWER:
+        *to = integer(encoder->now.power, FMU_BOOL);
+        return DG_HOST_OK;
+    }
+    return DG_HOST_ERR_NAME;
+}
+
+/* Without power there is none, and nothing on the line: 0. */
+static uint64_t position(const struct fmu *self, const struct fmu_encoder *encoder)
+{
+    uint64_t counts = 0;
+    (void)dg_host_position(encoder->host, self->now, &counts);
+    return counts;
+}
+
+static double volts(const struct fmu *self, const struct fmu_encoder *encoder, uint32_t index)
+{
+    int32_t uv[4] = {0};
+    (void)dg_host_sincos(encoder->host, self->now, uv);
+    return uv[index - FMU_SIN_PLUS] * 1e-6;
+}
+
+static int get_output(struct fmu *self, struct fmu_encoder *encoder, uint32_t index,
+                      struct fmu_value *to)
+{
+    const struct dg_host_frame *frame = &encoder->now.frame;
+    fmu_settle(self);
+    fmu_latch(self);
+    switch ((enum fmu_output)index) {
+    case FMU_POSITION:
+        *to = integer(position(self, encoder), FMU_INT);
+        return DG_HOST_OK;
+    case FMU_SIN_PLUS:
+    case FMU_SIN_MINUS:
+    case FMU_COS_PLUS:
+    case FMU_COS_MINUS:
+        *to = real(volts(self, encoder, index));
+        return DG_HOST_OK;
+    case FMU_FRAME:
+        *to = integer(frame->bits, FMU_INT);
+        return DG_HOST_OK;
+    case FMU_FRAME_BITS:
+        *to = integer(frame->count, FMU_INT);
+        return DG_HOST_OK;
+    case FMU_FRAME_POSITION:
+        *to = integer(frame->position, FMU_INT);
+        return DG_HOST_OK;
+    case FMU_FRAME_GOOD:
+        *to = integer(frame->good, FMU_BOOL);
+        return DG_HOST_OK;
+    case FMU_NERR:
+        *to = integer(frame->error == 0, FMU_BOOL);
+        return DG_HOST_OK;
+    case FMU_NWARN:
+        *to = integer(frame->warning == 0, FMU_BOOL);
+        return DG_HOST_OK;
+    case FMU_ERROR_CODE:
+        *to = integer(encoder->now.error & 0xFFFFu, FMU_INT);
+        return DG_HOST_OK;
+    case FMU_ERROR_REGISTER:
+        *to = integer(encoder->now.error >> 16, FMU_INT);
+        return DG_HOST_OK;
+    case FMU_BUS_STATE:
+        *to = integer(encoder->now.bus, FMU_INT);
+        return DG_HOST_OK;
+    }
+    return DG_HOST_ERR_NAME;
+}
+
+/* Settings and the world are texts to the encoder. */
+static int get_key(const struct fmu_encoder *encoder, uint32_t index, struct fmu_value *to)
+{
+    struct dg_host_key key;
+    *to = (struct fmu_value){.type = FMU_TEXT};
+    if (dg_host_key(encoder->host, index, &key) != DG_HOST_OK ||
+        dg_host_get(encoder->host, key.name, to->text, sizeof to->text) < 0) {
+        return DG_HOST_ERR_NAME;
+    }
+    to->real = strtod(to->text, NULL);
+    to->integer = strtoll(to->text, NULL, 10);
+    return DG_HOST_OK;
+}
+
+int fmu_get(struct fmu *self, uint32_t reference, struct fmu_value *to)
+{
+    const uint32_t index = reference & 0xFFu;
+    const enum fmu_group group = (enum fmu_group)(reference >> 8 & 0xFFu);
+    struct fmu_encoder *encoder = fmu_encoder_of(self, reference, group);
+    if (encoder == NULL) {
+        return DG_HOST_ERR_NAME;
+    }
+    switch (group) {
+    case FMU_TIME:
+        *to = real(self->start + (double)self->now * 1e-9);
+        return DG_HOST_OK;
+    case FMU_INPUT:
+        return get_input(encoder, index, to);
+    case FMU_PARAMETER:
+    case FMU_WORLD:
+        return get_key(encoder, index, to);
+    case FMU_FAULT:
+        *to = integer(index < 128u && (encoder->now.faults[index / 64u] >> index % 64u & 1u) != 0,
+                      FMU_BOOL);
+        return DG_HOST_OK;
+    case FMU_OUTPUT:
+        return get_output(self, encoder, index, to);
+    case FMU_BUS:
+        break;
+    }
+    return DG_HOST_ERR_NAME;
+}
+
+static int set_power(struct fmu *self, struct fmu_encoder *encoder, bool on)
+{
+    const bool changes = on != encoder->now.power;
+    encoder->now.power = on;
+    return changes && self->started ? dg_host_power(encoder->host, self->now, on) : DG_HOST_OK;
+}
+
+static int set_input(struct fmu *self, struct fmu_encoder *encoder, uint32_t index,
+                     const struct fmu_value *value)
+{
+    if (index < FMU_POWER && (encoder->owner >= 0 || !fmu_is_small(value->real, 1e300))) {
+        return DG_HOST_ERR_ARGUMENT;
+    }
+    switch ((enum fmu_input)index) {
+    case FMU_ANGLE:
+        encoder->now.angle = value->real;
+        encoder->now.angle_new = true;
+        return DG_HOST_OK;
+    case FMU_SPEED:
+        /* What it turned until now, it turned with the other one. */
+        encoder->now.speed_new = encoder->now.speed_new || value->real != encoder->now.speed;
+        encoder->now.speed = value->real;
+        return DG_HOST_OK;
+    case FMU_POWER:
+        return set_power(self, encoder, value->integer != 0);
+    }
+    return DG_HOST_ERR_NAME;
+}
+
+static int set_world(struct fmu *self, struct fmu_encoder *encoder, const struct dg_host_key *key,
+                     const struct fmu_value *value)
+{
+    double scaled = value->real;
+    int64_t old = 0;
+    for (unsigned i = 0; i < key->places; i++) {
+        scaled *= 10;
+    }
+    if (!fmu_is_small(scaled, 9e15)) {
+        return DG_HOST_ERR_ARGUMENT;
+    }
+    const int64_t counts = fmu_nearest(scaled);
+    const int result = dg_host_world_get(encoder->host, key->name, &old);
+    return result != DG_HOST_OK || old == counts
+               ? result
+               : dg_host_world_set(encoder->host, self->now, key->name, counts);
+}
+
+static int set_key(struct fmu *self, struct fmu_encoder *encoder, uint32_t index,
+                   const struct fmu_value *value)
+{
+    struct dg_host_key key;
+    char text[FMU_NAME_MAX];
+    if (dg_host_key(encoder->host, index, &key) != DG_HOST_OK) {
+        return DG_HOST_ERR_NAME;
+    }
+    if (key.always) {
+        return set_world(self, encoder, &key, value);
+    }
+    if (value->type == FMU_TEXT) {
+        return dg_host_set(encoder->host, key.name, value->text);
+    }
+    if (value->type == FMU_REAL) {
+        (void)snprintf(text, sizeof text, "%.*f", key.places, value->real);
+    } else {
+        (void)snprintf(text, sizeof text, "%lld", (long long)value->integer);
+    }
+    return dg_host_set(encoder->host, key.name, text);
+}
+
+int encoder_set_fault(struct fmu *self, struct fmu_encoder *encoder, uint32_t index, bool on)
+{
+    struct dg_host_fault fault;
+    if (index >= FMU_FAULTS_MAX) {
+        return DG_HOST_ERR_NAME;
+    }
+    uint64_t *bits = &encoder->now.faults[index / 64u];
+    const uint64_t bit = UINT64_C(1) << index % 64u;
+    if (on == ((*bits & bit) != 0)) {
+        return DG_HOST_OK;
+    }
+    const int started = self->started ? DG_HOST_OK : fmu_start(self, self->start);
+    struct dg_host_panel *of = started == DG_HOST_OK ? encoder_panel(self, encoder) : NULL;
+    if (of == NULL) {
+        return DG_HOST_ERR_STATE;
+    }
+    int result = dg_host_fault(of, index, &fault);
+    if (result == DG_HOST_OK) {
+        result = dg_host_fault_set(of, self->now, fault.name, on);
+    }
+    if (result == DG_HOST_OK || !on) {
+        *bits ^= bit;
+    }
+    wire_collect(encoder);
+    return on ? result : DG_HOST_OK; /* what has happened at once is over already */
+}
+
+int fmu_set(struct fmu *self, uint32_t reference, const struct fmu_value *value)
+{
+    const uint32_t index = reference & 0xFFu;
+    const enum fmu_group group = (enum fmu_group)(reference >> 8 & 0xFFu);
+    struct fmu_encoder *encoder = fmu_encoder_of(self, reference, group);
+    if (encoder == NULL) {
+        return DG_HOST_ERR_NAME;
+    }
+    switch (group) {
+    case FMU_INPUT:
+        return set_input(self, encoder, index, value);
+    case FMU_PARAMETER:
+    case FMU_WORLD:
+        fmu_settle(self);
+        return set_key(self, encoder, index, value);
+    case FMU_FAULT:
+        fmu_settle(self);
+        return encoder_set_fault(self, encoder, index, value->integer != 0);
+    case FMU_TIME:
+    case FMU_OUTPUT:
+    case FMU_BUS:
+        break;
+    }
+    return DG_HOST_ERR_NAME;
+}

@@ -1,0 +1,282 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Wires as bytes. CAN: the operations of FMI-LS-BUS 1.0, packed, the least significant byte first:
+ * code (4), length of all (4), then what belongs to it. RS485 has no layered standard: characters
+ * with their moment, see README.md.
+ */
+#include <string.h>
+
+#include "encoder.h"
+
+/* Operations of CAN, and how many bytes each has at least. */
+enum {
+    TRANSMIT = 0x10,
+    CONFIRM = 0x20,
+    BUS_ERROR = 0x31,
+    CONFIGURATION = 0x40,
+    STATUS = 0x41,
+    TRANSMIT_SIZE = 16,
+    BUS_ERROR_SIZE = 15,
+    HEADER_SIZE = 8,
+};
+
+static void put32(uint8_t *to, uint32_t value)
+{
+    for (unsigned i = 0; i < 4; i++) {
+        to[i] = (uint8_t)(value >> 8 * i);
+    }
+}
+
+static uint32_t get32(const uint8_t *from)
+{
+    return (uint32_t)from[0] | (uint32_t)from[1] << 8 | (uint32_t)from[2] << 16 |
+           (uint32_t)from[3] << 24;
+}
+
+static uint16_t get16(const uint8_t *from)
+{
+    return (uint16_t)(from[0] | from[1] << 8);
+}
+
+/* Room for `n` bytes; NULL: the importer is behind, and has to fetch first. */
+static uint8_t *room(struct fmu_course *now, size_t n)
+{
+    if (now->taken) {
+        now->waiting = 0;
+        now->taken = false;
+    }
+    if (n > sizeof now->out - now->waiting) {
+        return NULL;
+    }
+    uint8_t *at = now->out + now->waiting;
+    now->waiting = (uint16_t)(now->waiting + n);
+    return at;
+}
+
+static uint8_t *operation(struct fmu_course *now, uint32_t code, size_t n)
+{
+    uint8_t *at = room(now, n);
+    if (at != NULL) {
+        put32(at, code);
+        put32(at + 4, (uint32_t)n);
+    }
+    return at;
+}
+
+/* --- CAN --- */
+
+static void frame_out(struct fmu_course *now, const struct dg_host_event *event)
+{
+    uint8_t *at = operation(now, TRANSMIT, TRANSMIT_SIZE + (size_t)event->length);
+    if (at == NULL) {
+        return;
+    }
+    put32(at + 8, event->id);
+    at[12] = 0;
+    at[13] = (event->flags & DG_HOST_REMOTE) != 0 ? 1 : 0;
+    at[14] = event->length;
+    at[15] = 0;
+    memcpy(at + TRANSMIT_SIZE, event->data, event->length);
+    if (event->id > 0x80u && event->id < 0x100u && event->length == 8) { /* EMCY */
+        now->error = (uint32_t)event->data[0] | (uint32_t)event->data[1] << 8 |
+                     (uint32_t)event->data[2] << 16;
+    }
+}
+
+static void tell_status(struct fmu_course *now)
+{
+    uint8_t *at = operation(now, STATUS, HEADER_SIZE + 1);
+    if (at != NULL) {
+        at[8] = (uint8_t)(now->bus + 1u);
+    }
+}
+
+void wire_configure(struct fmu_encoder *self)
+{
+    if (self->kind != FMU_CAN || self->now.configured) {
+        return;
+    }
+    const int rate = dg_host_bit_rate(self->host);
+    uint8_t *at = rate <= 0 ? NULL : operation(&self->now, CONFIGURATION, HEADER_SIZE + 5);
+    if (at != NULL) {
+        at[8] = 1; /* CAN_BAUDRATE */
+        put32(at + 9, (uint32_t)rate * 1000u);
+        tell_status(&self->now);
+        self->now.configured = true;
+    }
+}
+
+static int send_state(struct fmu_encoder *self, uint64_t now, uint8_t state)
+{
+    const struct dg_host_event event = {.at = now, .id = state, .kind = DG_HOST_BUS};
+    if (state == self->now.bus) {
+        return DG_HOST_OK;
+    }
+    self->now.bus = state;
+    tell_status(&self->now);
+    return dg_host_send(self->host, &event);
+}
+
+/* ISO 11898-1: what a controller counts. */
+static int count_error(struct fmu_encoder *self, uint64_t now, bool sender, bool primary)
+{
+    struct fmu_course *of = &self->now;
+    uint16_t *counter = sender ? &of->transmit : &of->receive;
+    *counter = (uint16_t)(*counter + (sender || primary ? 8u : 1u));
+    if (!sender && *counter > 255u) {
+        *counter = 255;
+    }
+    uint8_t state = of->bus;
+    if (of->transmit > 255u) {
+        state = DG_HOST_BUS_OFF;
+    } else if (of->transmit > 127u || of->receive > 127u) {
+        state = DG_HOST_BUS_PASSIVE;
+    }
+    return send_state(self, now, state);
+}
+
+static int count_good(struct fmu_encoder *self, uint64_t now, bool sender)
+{
+    struct fmu_course *of = &self->now;
+    uint16_t *counter = sender ? &of->transmit : &of->receive;
+    *counter = (uint16_t)(*counter - (*counter > 0 ? 1u : 0u));
+    if (of->bus == DG_HOST_BUS_PASSIVE && of->transmit < 128u && of->receive < 128u) {
+        return send_state(self, now, DG_HOST_BUS_ACTIVE);
+    }
+    return DG_HOST_OK;
+}
+
+static int frame_in(struct fmu_encoder *self, uint64_t now, const uint8_t *at, size_t n)
+{
+    struct dg_host_event event = {.at = now, .kind = DG_HOST_CAN};
+    const size_t length = get16(at + 14);
+    if (length > 8 || n < TRANSMIT_SIZE + length) {
+        return DG_HOST_ERR_ARGUMENT;
+    }
+    if (at[12] != 0 || self->now.bus == DG_HOST_BUS_OFF) {
+        return DG_HOST_OK; /* the controller takes standard frames */
+    }
+    event.id = get32(at + 8);
+    event.flags = at[13] != 0 ? DG_HOST_REMOTE : 0;
+    event.length = (uint8_t)length;
+    memcpy(event.data, at + TRANSMIT_SIZE, length);
+    (void)count_good(self, now, false);
+    const int result = dg_host_send(self->host, &event);
+    (void)dg_host_step(self->host, now);
+    wire_collect(self);
+    return result;
+}
+
+static int operation_in(struct fmu_encoder *self, uint64_t now, const uint8_t *at, size_t n)
+{
+    switch (get32(at)) {
+    case TRANSMIT:
+        return n < TRANSMIT_SIZE ? DG_HOST_ERR_ARGUMENT : frame_in(self, now, at, n);
+    case CONFIRM:
+        return count_good(self, now, true);
+    case BUS_ERROR:
+        return n < BUS_ERROR_SIZE ? DG_HOST_ERR_ARGUMENT
+                                  : count_error(self, now, at[14] != 0, at[13] == 1);
+    default:
+        return DG_HOST_OK; /* of buses and nodes that this one is not */
+    }
+}
+
+static int take_can(struct fmu_encoder *self, uint64_t now, const uint8_t *bytes, size_t n)
+{
+    int result = DG_HOST_OK;
+    while (result == DG_HOST_OK && n > 0) {
+        const size_t length = n < HEADER_SIZE ? 0 : get32(bytes + 4);
+        if (length < HEADER_SIZE || length > n) {
+            return DG_HOST_ERR_ARGUMENT;
+        }
+        result = operation_in(self, now, bytes, length);
+        bytes += length;
+        n -= length;
+    }
+    return result;
+}
+
+/* --- RS485 --- */
+
+/* Before the characters: the first start bit, in ns from the start on (8; to the encoder also 0:
+   now), ns that a character takes (4), how many (2), flags (2). */
+enum { SERIAL_SIZE = 16, AT_ONCE = 16 };
+
+static void characters_out(struct fmu_course *now, const struct dg_host_event *event)
+{
+    uint8_t *at = room(now, SERIAL_SIZE + (size_t)event->length);
+    if (at == NULL) {
+        return;
+    }
+    memset(at, 0, SERIAL_SIZE);
+    put32(at, (uint32_t)event->at);
+    put32(at + 4, (uint32_t)(event->at >> 32));
+    put32(at + 8, event->id);
+    at[12] = event->length;
+    at[14] = (uint8_t)(event->flags & DG_HOST_DAMAGED);
+    memcpy(at + SERIAL_SIZE, event->data, event->length);
+}
+
+static int characters_in(struct fmu_encoder *self, uint64_t at, const uint8_t *head, size_t n)
+{
+    struct dg_host_event event = {.kind = DG_HOST_BYTES, .id = get32(head + 8)};
+    const uint8_t *from = head + SERIAL_SIZE;
+    struct dg_host_uart uart = {.baud = 9600};
+    event.flags = head[14] & DG_HOST_DAMAGED;
+    (void)dg_host_uart(self->host, &uart);
+    const uint64_t usual = UINT64_C(11000000000) / (uart.baud == 0 ? 9600u : uart.baud);
+    while (n > 0) {
+        event.at = at;
+        event.length = (uint8_t)(n < AT_ONCE ? n : AT_ONCE);
+        memcpy(event.data, from, event.length);
+        const int result = dg_host_send(self->host, &event);
+        if (result != DG_HOST_OK) {
+            return result;
+        }
+        at += event.length * (event.id == 0 ? usual : event.id);
+        from += event.length;
+        n -= event.length;
+    }
+    return DG_HOST_OK;
+}
+
+static int take_serial(struct fmu_encoder *self, uint64_t now, const uint8_t *bytes, size_t n)
+{
+    int result = DG_HOST_OK;
+    while (result == DG_HOST_OK && n > 0) {
+        const size_t count = n < SERIAL_SIZE ? n : get16(bytes + 12);
+        if (n < SERIAL_SIZE || count > n - SERIAL_SIZE) {
+            return DG_HOST_ERR_ARGUMENT;
+        }
+        const uint64_t at = get32(bytes) | (uint64_t)get32(bytes + 4) << 32;
+        result = characters_in(self, at > now ? at : now, bytes, count);
+        bytes += SERIAL_SIZE + count;
+        n -= SERIAL_SIZE + count;
+    }
+    return result;
+}
+
+/* --- both --- */
+
+int wire_take(struct fmu_encoder *self, uint64_t now, const uint8_t *bytes, size_t n)
+{
+    return self->kind == FMU_CAN ? take_can(self, now, bytes, n) : take_serial(self, now, bytes, n);
+}
+
+void wire_collect(struct fmu_encoder *self)
+{
+    struct dg_host_event event;
+    const size_t most = TRANSMIT_SIZE + sizeof event.data;
+    while (self->now.taken || sizeof self->now.out - self->now.waiting >= most) {
+        const int result = dg_host_receive(self->host, &event);
+        if (result == 0) {
+            return;
+        }
+        if (result > 0 && event.kind == DG_HOST_CAN) {
+            frame_out(&self->now, &event);
+        } else if (result > 0 && event.kind == DG_HOST_BYTES) {
+            characters_out(&self->now, &event);
+        }
+    }
+}

@@ -1,0 +1,197 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The list of variables: what every encoder of a kind has stands in tables, settings, world and
+ * faults are asked of the encoder.
+ */
+#include <stdio.h>
+#include <string.h>
+
+#include "encoder.h"
+
+#define ANY 0xFFu
+#define OF(kind) (1u << (kind))
+
+struct fixed_row {
+    uint8_t kinds; /* of encoders that have it */
+    uint8_t group, index, type;
+    bool input, continuous;
+    const char *name;
+    const char *unit;
+    const char *start;
+    const char *help;
+};
+
+/* clang-format off */
+static const struct fixed_row before[] = {
+    {ANY, FMU_INPUT, FMU_ANGLE, FMU_REAL, true, true,  "shaft.angle", "rad",   "0",    "of the shaft, clockwise looking at it, any number of turns"},
+    {ANY, FMU_INPUT, FMU_SPEED, FMU_REAL, true, true,  "shaft.speed", "rad/s", "0",    "of the shaft: goes on with it within a step"},
+    {ANY, FMU_INPUT, FMU_POWER, FMU_BOOL, true, false, "power",       "",      "true", "supply: off and on again is a restart"},
+};
+
+static const struct fixed_row behind[] = {
+    {ANY,                FMU_OUTPUT, FMU_POSITION,       FMU_INT,    false, false, "position",         "",  "", "counts as the wire would tell them now"},
+    {OF(FMU_HIPERFACE),  FMU_OUTPUT, FMU_SIN_PLUS,       FMU_REAL,   false, true,  "sin_plus",         "V", "", "process channel SIN+"},
+    {OF(FMU_HIPERFACE),  FMU_OUTPUT, FMU_SIN_MINUS,      FMU_REAL,   false, true,  "sin_minus",        "V", "", "process channel REFSIN"},
+    {OF(FMU_HIPERFACE),  FMU_OUTPUT, FMU_COS_PLUS,       FMU_REAL,   false, true,  "cos_plus",         "V", "", "process channel COS+"},
+    {OF(FMU_HIPERFACE),  FMU_OUTPUT, FMU_COS_MINUS,      FMU_REAL,   false, true,  "cos_minus",        "V", "", "process channel REFCOS"},
+    {OF(FMU_CLOCKED),    FMU_OUTPUT, FMU_FRAME,          FMU_INT,    false, false, "frame",            "",  "", "bits of the last frame behind start bit and CDS, right-aligned"},
+    {OF(FMU_CLOCKED),    FMU_OUTPUT, FMU_FRAME_BITS,     FMU_INT,    false, false, "frame.bits",       "",  "", "how many they are; 0: there was none"},
+    {OF(FMU_CLOCKED),    FMU_OUTPUT, FMU_FRAME_POSITION, FMU_INT,    false, false, "frame.position",   "",  "", "multiturn and singleturn of that frame, binary"},
+    {OF(FMU_CLOCKED),    FMU_OUTPUT, FMU_FRAME_GOOD,     FMU_BOOL,   false, false, "frame.good",       "",  "", "its check sum or parity is right"},
+    {OF(FMU_CLOCKED),    FMU_OUTPUT, FMU_NERR,           FMU_BOOL,   false, false, "nERR",             "",  "", "false: that frame tells an error"},
+    {OF(FMU_CLOCKED),    FMU_OUTPUT, FMU_NWARN,          FMU_BOOL,   false, false, "nWARN",            "",  "", "false: that frame tells a warning (BiSS)"},
+    {OF(FMU_CAN),        FMU_OUTPUT, FMU_ERROR_CODE,     FMU_INT,    false, false, "error.code",       "",  "", "of the last EMCY; 0: none"},
+    {OF(FMU_CAN),        FMU_OUTPUT, FMU_ERROR_REGISTER, FMU_INT,    false, false, "error.register",   "",  "", "1001h as the last EMCY told it"},
+    {OF(FMU_CAN),        FMU_OUTPUT, FMU_BUS_STATE,      FMU_INT,    false, false, "bus_state",        "",  "", "of the controller: 0 error active, 1 passive, 2 bus-off"},
+    {OF(FMU_CLOCKED),    FMU_BUS,    FMU_MA,             FMU_CLOCK,  true,  false, "MA",               "",  "", "the master begins a frame: position and errors are latched at this moment"},
+    {OF(FMU_CAN),        FMU_BUS,    FMU_RX,             FMU_BINARY, true,  false, "CanChannel.Rx_Data",  "", "", "operations of FMI-LS-BUS from the bus"},
+    {OF(FMU_CAN),        FMU_BUS,    FMU_TX,             FMU_BINARY, false, false, "CanChannel.Tx_Data",  "", "", "operations of FMI-LS-BUS to the bus"},
+    {OF(FMU_CAN),        FMU_BUS,    FMU_RX_CLOCK,       FMU_CLOCK,  true,  false, "CanChannel.Rx_Clock", "", "", "Rx_Data comes"},
+    {OF(FMU_CAN),        FMU_BUS,    FMU_TX_CLOCK,       FMU_CLOCK,  false, false, "CanChannel.Tx_Clock", "", "", "Tx_Data waits"},
+    {OF(FMU_HIPERFACE),  FMU_BUS,    FMU_RX,             FMU_BINARY, true,  false, "RS485.Rx_Data",    "",  "", "characters of the master"},
+    {OF(FMU_HIPERFACE),  FMU_BUS,    FMU_TX,             FMU_BINARY, false, false, "RS485.Tx_Data",    "",  "", "characters of the encoder"},
+    {OF(FMU_HIPERFACE),  FMU_BUS,    FMU_RX_CLOCK,       FMU_CLOCK,  true,  false, "RS485.Rx_Clock",   "",  "", "Rx_Data comes"},
+    {OF(FMU_HIPERFACE),  FMU_BUS,    FMU_TX_CLOCK,       FMU_CLOCK,  false, false, "RS485.Tx_Clock",   "",  "", "Tx_Data waits"},
+};
+/* clang-format on */
+
+#define COUNT(rows) (sizeof(rows) / sizeof(rows)[0])
+
+static void name_it(struct fmu_variable *to, const struct fmu_encoder *of, const char *room,
+                    const char *name)
+{
+    (void)snprintf(to->name, sizeof to->name, "%.48s%.10s%.36s", of->prefix, room, name);
+}
+
+/* Row `*index` of those this encoder has; else *index less them. */
+static bool fixed(const struct fmu_encoder *of, const struct fixed_row *rows, size_t count,
+                  size_t *index, struct fmu_variable *to)
+{
+    for (size_t i = 0; i < count; i++) {
+        const struct fixed_row *row = &rows[i];
+        const bool follows = of->owner >= 0 && row->group == FMU_INPUT && row->index != FMU_POWER;
+        if ((row->kinds >> of->kind & 1u) == 0 || follows || (*index)-- != 0) {
+            continue;
+        }
+        to->reference = (uint32_t)row->group << 8 | row->index;
+        to->type = (enum fmu_type)row->type;
+        to->input = row->input;
+        to->continuous = row->continuous;
+        to->wire = row->type != FMU_BINARY ? 0 : of->kind == FMU_CAN ? 'c' : 's';
+        to->unit = row->unit;
+        (void)snprintf(to->start, sizeof to->start, "%s", row->start);
+        (void)snprintf(to->help, sizeof to->help, "%s", row->help);
+        name_it(to, of, "", row->name);
+        return true;
+    }
+    return false;
+}
+
+static bool is_flag(const struct dg_host *host, const char *key)
+{
+    const char *no = dg_host_word(host, key, 0);
+    const char *yes = no == NULL ? NULL : dg_host_word(host, key, 1);
+    return yes != NULL && strcmp(no, "0") == 0 && strcmp(yes, "1") == 0 &&
+           dg_host_word(host, key, 2) == NULL;
+}
+
+static enum fmu_type type_of(const struct dg_host *host, const struct dg_host_key *key)
+{
+    if (key->type == DG_HOST_KEY_WORD) {
+        return is_flag(host, key->name) ? FMU_BOOL : FMU_TEXT;
+    }
+    if (key->type == DG_HOST_KEY_TEXT) {
+        return FMU_TEXT;
+    }
+    return key->always || key->places > 0 ? FMU_REAL : FMU_INT;
+}
+
+/* The help, and the words it may be. */
+static void help_on(const struct dg_host *host, const struct dg_host_key *key,
+                    struct fmu_variable *to)
+{
+    size_t n = (size_t)snprintf(to->help, sizeof to->help, "%.160s", key->help);
+    for (size_t i = 0; to->type == FMU_TEXT && n < sizeof to->help; i++) {
+        const char *word = dg_host_word(host, key->name, i);
+        if (word == NULL) {
+            return;
+        }
+        n +=
+            (size_t)snprintf(to->help + n, sizeof to->help - n, "%s%s", i == 0 ? ": " : ", ", word);
+    }
+}
+
+static bool setting(const struct fmu_encoder *of, size_t *index, struct fmu_variable *to)
+{
+    struct dg_host_key key;
+    size_t count = 0;
+    while (dg_host_key(of->host, count, &key) == DG_HOST_OK && count != *index) {
+        count++;
+    }
+    if (dg_host_key(of->host, count, &key) != DG_HOST_OK) {
+        *index -= count;
+        return false;
+    }
+    to->reference = (uint32_t)(key.always ? FMU_WORLD : FMU_PARAMETER) << 8 | (uint32_t)count;
+    to->type = type_of(of->host, &key);
+    to->input = true;
+    to->parameter = !key.always;
+    to->continuous = to->type == FMU_REAL && key.always;
+    to->unit = key.unit;
+    to->min = key.min;
+    to->max = key.max;
+    (void)dg_host_get(of->host, key.name, to->start, sizeof to->start);
+    if (to->type == FMU_BOOL) {
+        (void)snprintf(to->start, sizeof to->start, "%s", to->start[0] == '1' ? "true" : "false");
+    }
+    help_on(of->host, &key, to);
+    name_it(to, of, key.always ? "world." : "", key.name);
+    return true;
+}
+
+/* Of a catalogue, what events can have. */
+static bool fault(struct fmu *self, struct fmu_encoder *of, size_t *index, struct fmu_variable *to)
+{
+    struct dg_host_fault entry;
+    struct dg_host_panel *panel = encoder_panel(self, of);
+    for (size_t i = 0; panel != NULL && i < FMU_FAULTS_MAX; i++) {
+        if (dg_host_fault(panel, i, &entry) != DG_HOST_OK) {
+            return false;
+        }
+        const bool possible = dg_host_fault_set(panel, 0, entry.name, false) != DG_HOST_ERR_WIRE;
+        if (!possible || (*index)-- != 0) {
+            continue;
+        }
+        to->reference = (uint32_t)FMU_FAULT << 8 | (uint32_t)i;
+        to->type = FMU_BOOL;
+        to->input = true;
+        (void)snprintf(to->start, sizeof to->start, "false");
+        (void)snprintf(to->help, sizeof to->help, "%.100s -> %.140s", entry.cause, entry.effect);
+        name_it(to, of, "fault.", entry.name);
+        return true;
+    }
+    return false;
+}
+
+bool fmu_variable(struct fmu *self, size_t index, struct fmu_variable *to)
+{
+    memset(to, 0, sizeof *to);
+    to->unit = "";
+    if (index == 0) {
+        to->continuous = true;
+        (void)snprintf(to->name, sizeof to->name, "time");
+        to->unit = "s";
+        return true;
+    }
+    index--;
+    (void)fmu_start(self, 0);
+    for (size_t i = 0; i < self->count; i++) {
+        struct fmu_encoder *of = &self->encoders[i];
+        if (fixed(of, before, COUNT(before), &index, to) || setting(of, &index, to) ||
+            fault(self, of, &index, to) || fixed(of, behind, COUNT(behind), &index, to)) {
+            to->reference |= (uint32_t)i << 16;
+            return true;
+        }
+    }
+    return false;
+}

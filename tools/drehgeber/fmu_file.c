@@ -1,0 +1,369 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * An FMU is a description that is made here, and what was built and installed with this program:
+ * the shared objects and the sources, in a folder beside it or where it was installed.
+ */
+#define _GNU_SOURCE
+#include "fmu_file.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <libgen.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "complain.h"
+#include "describe.h"
+#include "drehgeber/drehgeber.h"
+#include "plan.h"
+#include "run.h"
+#include "stacks.h"
+#include "zip.h"
+
+/* A file of the folder, or text that was made. */
+struct text {
+    char *bytes; /* owned */
+    size_t n;
+};
+
+/* What the FMU is made of. */
+struct making {
+    char folder[4096]; /* of the parts, with a slash behind it */
+    int version;       /* of FMI */
+    struct text token, list, description;
+    char **sources; /* owned, of `list` */
+    size_t source_count;
+    struct fmu *fmu;
+    struct lx_error error;
+};
+
+/* --- the parts --- */
+
+static int load(struct making *self, const char *name, struct text *to)
+{
+    char path[4400];
+    (void)snprintf(path, sizeof path, "%s%s", self->folder, name);
+    FILE *file = fopen(path, "rb");
+    char block[16384];
+    size_t n = 0;
+    FILE *copy = open_memstream(&to->bytes, &to->n);
+    while (file != NULL && copy != NULL && (n = fread(block, 1, sizeof block, file)) > 0) {
+        (void)fwrite(block, 1, n, copy);
+    }
+    const bool bad = file == NULL || copy == NULL || ferror(file) != 0 || ferror(copy) != 0;
+    if (file != NULL) {
+        (void)fclose(file);
+    }
+    if (copy != NULL && fclose(copy) != 0) {
+        return lx_fail(&self->error, "no memory for %s", path);
+    }
+    return bad ? lx_fail(&self->error, "cannot read %s: %s", path, strerror(errno)) : 0;
+}
+
+/* Beside the program in a build tree, else where it is installed. */
+static int find_folder(struct making *self)
+{
+    char path[4096 - sizeof DREHGEBER_FMU_FOLDER];
+    const ssize_t n = readlink("/proc/self/exe", path, sizeof path - 1);
+    if (n < 0) {
+        return lx_fail(&self->error, "cannot tell where this program is: %s", strerror(errno));
+    }
+    path[n] = '\0';
+    const char *folder = dirname(path);
+    (void)snprintf(self->folder, sizeof self->folder, "%s/fmu-parts/", folder);
+    if (access(self->folder, X_OK) != 0) {
+        (void)snprintf(self->folder, sizeof self->folder, "%s/" DREHGEBER_FMU_FOLDER "/", folder);
+    }
+    return access(self->folder, X_OK) == 0
+               ? 0
+               : lx_fail(&self->error, "%s is not installed", self->folder);
+}
+
+/* Names, a line each. */
+static int take_list(struct making *self)
+{
+    if (load(self, "sources.list", &self->list) != 0) {
+        return -1;
+    }
+    for (char *at = strtok(self->list.bytes, "\n"); at != NULL; at = strtok(NULL, "\n")) {
+        char **more = realloc(self->sources, (self->source_count + 1) * sizeof *more);
+        if (more == NULL) {
+            return lx_fail(&self->error, "no memory for a list of sources");
+        }
+        self->sources = more;
+        self->sources[self->source_count++] = at;
+    }
+    return 0;
+}
+
+/* --- the token, see fmu.h --- */
+
+static void escaped(const char *text, FILE *to)
+{
+    for (; *text != '\0'; text++) {
+        if (isalnum((unsigned char)*text) || strchr("._-", *text) != NULL) {
+            (void)fputc(*text, to);
+        } else {
+            (void)fprintf(to, "%%%02X", (unsigned)(unsigned char)*text);
+        }
+    }
+}
+
+/* As names of variables may be. */
+static void put_name(const char *text, FILE *to)
+{
+    if (isdigit((unsigned char)*text)) {
+        (void)fputc('_', to);
+    }
+    for (; *text != '\0'; text++) {
+        (void)fputc(isalnum((unsigned char)*text) ? *text : '_', to);
+    }
+}
+
+static int put_setting(struct making *self, struct dg_host *trial, const char *key,
+                       const char *value, FILE *to)
+{
+    const int result = dg_host_set(trial, key, value);
+    if (result == DG_HOST_ERR_NAME) {
+        (void)lx_refuse(&self->error, "leave it out", "an FMU has no such wire");
+        return lx_about(&self->error, LX_ABOUT_KEY, key, value);
+    }
+    if (result != DG_HOST_OK) {
+        (void)lx_fail(&self->error, "%s", dg_host_result_text(result));
+        return lx_about(&self->error, LX_ABOUT_KEY, key, value);
+    }
+    (void)fprintf(to, ",%s=", key);
+    escaped(value, to);
+    return 0;
+}
+
+static int put_settings(struct making *self, const struct lx_plan_encoder *encoder, FILE *to)
+{
+    const struct dg_key *address = lx_stack_address_row(lx_stack_of(encoder->model));
+    const size_t size = dg_host_size_of(encoder->model->name);
+    void *memory = aligned_alloc(DG_HOST_ALIGN, (size + DG_HOST_ALIGN - 1) & ~(DG_HOST_ALIGN - 1));
+    struct dg_host *trial =
+        memory == NULL ? NULL : dg_host_make(memory, size, encoder->model->name);
+    int result = trial == NULL ? lx_fail(&self->error, "no memory for an encoder") : 0;
+    if (result == 0 && encoder->serial != NULL) {
+        result = put_setting(self, trial, "serial", encoder->serial, to);
+    }
+    if (result == 0 && address != NULL && encoder->address != LX_PLAN_AS_DELIVERED) {
+        char text[16];
+        (void)snprintf(text, sizeof text, "%d", encoder->address);
+        result = put_setting(self, trial, address->name, text, to);
+    }
+    for (size_t i = 0; result == 0 && i < encoder->settings.count; i++) {
+        const struct lx_plan_setting *row = &encoder->settings.list[i];
+        result = put_setting(self, trial, row->key, row->value, to);
+    }
+    free(memory);
+    return result;
+}
+
+/* The first encoder of a shaft is turned, and the others follow. */
+static int put_encoder(struct making *self, const struct lx_plan *plan, size_t index, FILE *to)
+{
+    const struct lx_plan_encoder *encoder = &plan->encoders[index];
+    size_t owner = 0;
+    while (plan->encoders[owner].shaft != encoder->shaft) {
+        owner++;
+    }
+    (void)fputc(' ', to);
+    if (plan->encoder_count > 1) {
+        put_name(encoder->name, to);
+    }
+    (void)fprintf(to, "=%s", encoder->model->name);
+    if (owner != index) {
+        (void)fprintf(to, "@%zu", owner);
+    }
+    return put_settings(self, encoder, to);
+}
+
+static int make_token(struct making *self, const struct lx_plan *plan)
+{
+    FILE *to = open_memstream(&self->token.bytes, &self->token.n);
+    if (to == NULL) {
+        return lx_fail(&self->error, "no memory for a token");
+    }
+    (void)fprintf(to, "drehgeber %s", dg_version());
+    int result = 0;
+    for (size_t i = 0; i < plan->encoder_count && result == 0; i++) {
+        result = put_encoder(self, plan, i, to);
+    }
+    if (fclose(to) != 0) {
+        return lx_fail(&self->error, "no memory for a token");
+    }
+    return result;
+}
+
+/* --- the archive --- */
+
+static int describe(struct making *self, const struct fmu_about *about)
+{
+    FILE *to = open_memstream(&self->description.bytes, &self->description.n);
+    if (to == NULL) {
+        return lx_fail(&self->error, "no memory for a description");
+    }
+    fmu_describe(self->fmu, about, self->version, to);
+    return fclose(to) == 0 ? 0 : lx_fail(&self->error, "no memory for a description");
+}
+
+static int add_file(struct making *self, struct zip *zip, const char *name, const char *as)
+{
+    struct text text = {0};
+    const int result = load(self, name, &text);
+    if (result == 0) {
+        zip_add(zip, as, text.bytes, text.n);
+    }
+    free(text.bytes);
+    return result;
+}
+
+/* Which texts FMI 3 has beside its description. */
+static int add_texts(struct making *self, struct zip *zip, const struct fmu_about *about)
+{
+    static const char *const names[] = {
+        "sources/buildDescription.xml",
+        "terminalsAndIcons/terminalsAndIcons.xml",
+        "extra/org.fmi-standard.fmi-ls-bus/fmi-ls-manifest.xml",
+    };
+    const size_t count = fmu_has_bus(self->fmu) ? 3 : 1;
+    for (size_t i = 0; i < count; i++) {
+        struct text text = {0};
+        FILE *to = open_memstream(&text.bytes, &text.n);
+        if (to == NULL) {
+            return lx_fail(&self->error, "no memory for %s", names[i]);
+        }
+        switch (i) {
+        case 0:
+            fmu_describe_build(about, to);
+            break;
+        case 1:
+            fmu_describe_terminals(self->fmu, to);
+            break;
+        default:
+            fmu_describe_bus(to);
+            break;
+        }
+        if (fclose(to) == 0) {
+            zip_add(zip, names[i], text.bytes, text.n);
+        }
+        free(text.bytes);
+    }
+    return 0;
+}
+
+/* Sources that are compiled for the other version are left out, headers are in the list, too. */
+static bool is_for(const struct making *self, const char *source)
+{
+    return strstr(source, self->version == 2 ? "/fmi3.c" : "/fmi2.c") == NULL;
+}
+
+static int add_sources(struct making *self, struct zip *zip)
+{
+    int result = 0;
+    for (size_t i = 0; i < self->source_count && result == 0; i++) {
+        char name[300];
+        (void)snprintf(name, sizeof name, "sources/%s", self->sources[i]);
+        result = is_for(self, name) ? add_file(self, zip, name, name) : 0;
+    }
+    return result;
+}
+
+static int add_all(struct making *self, struct zip *zip, const struct fmu_about *about)
+{
+    const char *object = self->version == 2 ? "fmi2.so" : "fmi3.so";
+    const char *as = self->version == 2 ? "binaries/" DREHGEBER_FMU_PLATFORM_2 "/drehgeber.so"
+                                        : "binaries/" DREHGEBER_FMU_PLATFORM_3 "/drehgeber.so";
+    zip_add(zip, "modelDescription.xml", self->description.bytes, self->description.n);
+    int result = add_file(self, zip, object, as);
+    if (result == 0) {
+        result = add_file(self, zip, "LICENSE",
+                          self->version == 2 ? "documentation/licenses/license.txt"
+                                             : "documentation/licenses/license.txt");
+    }
+    if (result == 0 && self->version == 3) {
+        result = add_texts(self, zip, about);
+    }
+    return result != 0 ? result : add_sources(self, zip);
+}
+
+static int write_file(struct making *self, const char *name, const char *output)
+{
+    char *compiled[512];
+    struct fmu_about about = {self->token.bytes, name, compiled, 0};
+    for (size_t i = 0; i < self->source_count && about.source_count < DG_COUNT(compiled); i++) {
+        const char *end = strrchr(self->sources[i], '.');
+        if (end != NULL && strcmp(end, ".c") == 0 && is_for(self, self->sources[i])) {
+            compiled[about.source_count++] = self->sources[i];
+        }
+    }
+    if (describe(self, &about) != 0) {
+        return -1;
+    }
+    struct zip zip = {.to = fopen(output, "wb")};
+    if (zip.to == NULL) {
+        return lx_fail(&self->error, "cannot write %s: %s", output, strerror(errno));
+    }
+    int result = add_all(self, &zip, &about);
+    if (zip_end(&zip) != 0 && result == 0) {
+        result = lx_fail(&self->error, "cannot write %s", output);
+    }
+    if (fclose(zip.to) != 0 && result == 0) {
+        result = lx_fail(&self->error, "cannot write %s: %s", output, strerror(errno));
+    }
+    if (result != 0) {
+        (void)unlink(output);
+    }
+    return result;
+}
+
+static int make(struct making *self, const struct lx_plan *plan, const char *output)
+{
+    if (find_folder(self) != 0 || take_list(self) != 0) {
+        return -1;
+    }
+    self->fmu = fmu_make(self->token.bytes);
+    if (self->fmu == NULL) {
+        return lx_fail(&self->error, "no memory for the encoders");
+    }
+    return write_file(self, plan->name, output);
+}
+
+static int take_version(const char *text, struct making *self)
+{
+    self->version = text == NULL || strcmp(text, "3") == 0 ? 3 : 2;
+    if (self->version == 2 && strcmp(text, "2") != 0) {
+        (void)lx_refuse(&self->error, "2 or 3 is right", "%s", "");
+        return lx_about(&self->error, LX_ABOUT_KEY, "fmi", text);
+    }
+    return 0;
+}
+
+int fmu_command(const struct options *options)
+{
+    struct making self = {.version = 3};
+    struct lx_plan plan;
+    if (options->output == NULL) {
+        lx_complain("fmu needs --output; right is 'drehgeber %s'", options->row->usage);
+        return EXIT_USAGE;
+    }
+    if (take_version(options->fmi, &self) != 0 || options_plan(options, &plan, &self.error) != 0) {
+        return complain(&self.error, EXIT_USAGE);
+    }
+    int status = EXIT_OK;
+    if (make_token(&self, &plan) != 0) {
+        status = complain(&self.error, EXIT_USAGE);
+    } else if (make(&self, &plan, options->output) != 0) {
+        status = complain(&self.error, EXIT_OTHER);
+    }
+    fmu_free(self.fmu);
+    free(self.sources);
+    free(self.token.bytes);
+    free(self.list.bytes);
+    free(self.description.bytes);
+    lx_plan_free(&plan);
+    return status;
+}
