@@ -1,0 +1,360 @@
+# SPDX-License-Identifier: MIT
+"""FMUs in an importer that is not ours (fmpy); where it knows no clocks, by its low-level calls."""
+
+import math
+import os
+import pathlib
+import struct
+import subprocess
+import sys
+from collections.abc import Callable
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from conftest import DREHGEBER, Fmu, Slave
+from fmpy import simulate_fmu  # type: ignore[import-untyped]
+from fmpy.validation import validate_fmu  # type: ignore[import-untyped]
+
+Make = Callable[..., Fmu]
+MODELS = ["s3674-rs485", "s3684-rs485", "s3674-biss", "s3684-biss", "ssi-13", "ssi-25", "ssi-28",
+          "f3658", "f3668", "ocd-ib-k1", "ocd-ib-k2", "ocd-ib-k3"]
+TURN = 2 * math.pi
+SPEED = 50 * TURN  # 3000 rpm
+
+# Operations of FMI-LS-BUS 1.0 (its chapter on CAN): code, length, and what belongs to it.
+TRANSMIT, BUS_ERROR, CONFIGURATION, STATUS = 0x10, 0x31, 0x40, 0x41
+
+
+def frame(number: int, data: bytes = b"") -> bytes:
+    return struct.pack("<IIIBBH", TRANSMIT, 16 + len(data), number, 0, 0, len(data)) + data
+
+
+def operations(data: bytes) -> list[tuple[int, bytes]]:
+    found = []
+    while data:
+        code, length = struct.unpack_from("<II", data)
+        assert 8 <= length <= len(data)
+        found.append((code, data[8:length]))
+        data = data[length:]
+    return found
+
+
+def frames(data: bytes) -> list[tuple[int, bytes]]:
+    return [(struct.unpack_from("<I", body)[0], body[8:]) for code, body in operations(data) if code == TRANSMIT]
+
+
+# ------------------------------------------------------------ the description
+
+@pytest.mark.parametrize("version", ["3", "2"])
+@pytest.mark.parametrize("model", MODELS)
+def test_model_is_valid(make: Make, model: str, version: str) -> None:
+    assert validate_fmu(make(model, "--fmi", version).path) == []
+
+
+def test_command_says_what_is_wrong() -> None:
+    for words, wrong in [(["f3668"], "fmu needs --output"),
+                         (["f3668", "-o", "x.fmu", "--fmi", "1"], "--fmi"),
+                         (["f3699", "-o", "x.fmu"], "unknown model f3699"),
+                         (["f3668", "-o", "x.fmu", "--set", "nonsense=1"], "nonsense")]:
+        done = subprocess.run([DREHGEBER, "fmu", *words], capture_output=True, text=True)
+        assert done.returncode == 2 and wrong in done.stderr, (words, done.stderr)
+    done = subprocess.run([DREHGEBER, "fmu", "f3668", "-o", "/nowhere/x.fmu"], capture_output=True, text=True)
+    assert done.returncode == 1 and "cannot write /nowhere/x.fmu" in done.stderr
+
+
+def test_settings_of_the_command_are_start_values(make: Make) -> None:
+    fmu = make("f3668", "--node", "5", "--set", "mt_bits=16")
+    starts = {v.name: v.start for v in fmu.description.modelVariables}
+    assert starts["node"] == "5" and starts["mt_bits"] == "16"
+    slave = Slave(fmu)
+    slave.step(0.5)
+    assert (0x705, b"\0") in frames(slave.fetch("CanChannel"))
+    slave.close()
+
+
+def test_same_words_same_file(tmp_path: pathlib.Path) -> None:
+    files = [tmp_path / "a.fmu", tmp_path / "b.fmu"]
+    for file in files:
+        subprocess.run([DREHGEBER, "fmu", "ssi-25", "-o", str(file)], check=True)
+    assert files[0].read_bytes() == files[1].read_bytes()
+
+
+# ------------------------------------------------------------ signals
+
+def turning(end: float) -> np.ndarray:
+    rows = [(0.0, 0.0, SPEED), (end, end * SPEED, SPEED)]
+    return np.array(rows, dtype=[("time", float), ("shaft.angle", float), ("shaft.speed", float)])
+
+
+@pytest.mark.parametrize("version", ["3", "2"])
+def test_minute_of_signals(make: Make, version: str) -> None:
+    """3000 rpm for a minute: 3000 turns, 65536 steps each, below 4096 turns."""
+    fmu = make("s3684-rs485", "--fmi", version)
+    names = ["position", "sin_plus", "sin_minus", "cos_plus", "cos_minus"]
+    result = simulate_fmu(fmu.path, stop_time=60.0, output_interval=1e-2, input=turning(60.0), output=names)
+    assert len(result) == 6001
+    for row in result[::100]:
+        assert abs(int(row["position"]) - row["time"] * 50 * 65536) <= 2
+    sine = result["sin_plus"] - result["sin_minus"]
+    cosine = result["cos_plus"] - result["cos_minus"]
+    # 1 Vpp about 2.5 V, the sine and cosine of 2048 periods a turn: always the same circle.
+    radius = np.hypot(sine, cosine)
+    assert radius.min() > 0.3 and radius.max() - radius.min() < 1e-3
+
+
+def test_speed_goes_on_within_a_step(make: Make) -> None:
+    slave = Slave(make("s3684-rs485"), shaft__speed=SPEED)
+    for _ in range(10):
+        slave.step(0.1)
+    assert abs(slave.get("position") - 50 * 65536) <= 1
+    slave.set("shaft.speed", 0.0)
+    slave.step(1.0)
+    assert abs(slave.get("position") - 50 * 65536) <= 1
+    slave.close()
+
+
+def test_power(make: Make) -> None:
+    slave = Slave(make("f3668"), node=7)
+    slave.step(0.5)
+    assert frames(slave.fetch("CanChannel"))[0] == (0x707, b"\0")
+    slave.set("power", False)
+    slave.step(0.5)
+    assert slave.send("CanChannel", frame(0x607, bytes.fromhex("4000100000000000"))) == b""
+    slave.set("power", True)
+    slave.step(0.5)
+    assert frames(slave.fetch("CanChannel"))[0] == (0x707, b"\0")
+    slave.close()
+
+
+# ------------------------------------------------------------ CAN
+
+def test_can(make: Make) -> None:
+    slave = Slave(make("f3668"), node=5, shaft__speed=SPEED)
+    assert slave.step(1e-3)
+    first = operations(slave.fetch("CanChannel"))
+    assert (CONFIGURATION, struct.pack("<BI", 1, 250000)) in first and (STATUS, b"\1") in first
+    for _ in range(499):
+        slave.step(1e-3)
+    assert frames(slave.fetch("CanChannel"))[:1] in ([], [(0x705, b"\0")])
+    slave.send("CanChannel", frame(0, b"\1\5"))
+    # 1000h of CiA 301: device type, profile 406.
+    answer = frames(slave.send("CanChannel", frame(0x605, bytes.fromhex("4000100000000000"))))
+    slave.step(1e-3)
+    answer += frames(slave.fetch("CanChannel"))
+    device = dict(answer)[0x585]
+    assert device[:4] == bytes.fromhex("43001000") and struct.unpack_from("<H", device, 4)[0] == 406
+    count = 0
+    for _ in range(1000):
+        got = frames(slave.send("CanChannel", frame(0x80)))
+        slave.step(1e-3)
+        count += sum(number == 0x285 for number, _ in got + frames(slave.fetch("CanChannel")))
+    assert count == 1000
+    slave.close()
+
+
+def test_can_errors_make_the_node_passive_and_bus_off(make: Make) -> None:
+    slave = Slave(make("f3668"))
+    slave.step(0.5)
+    slave.fetch("CanChannel")
+    told = []
+    error = struct.pack("<IIIBBB", BUS_ERROR, 15, 0x73F, 5, 1, 1)
+    for _ in range(32):
+        told += [body[0] for code, body in operations(slave.send("CanChannel", error)) if code == STATUS]
+        slave.step(1e-3)
+    assert told == [2, 3] and slave.get("bus_state") == 2
+    slave.close()
+
+
+def test_damaged_operations_are_refused(make: Make) -> None:
+    slave = Slave(make("f3668"))
+    slave.step(0.5)
+    whole = frame(0x63F, bytes(8))
+    for n in range(1, len(whole)):
+        with pytest.raises(Exception):
+            slave.send("CanChannel", whole[:n])
+    slave.close()
+
+
+# ------------------------------------------------------------ RS485
+
+def characters(data: bytes) -> bytes:
+    return struct.pack("<QIHH", 0, 0, len(data), 0) + data
+
+
+def test_rs485(make: Make) -> None:
+    """42h of address 40h: position, check sum (exclusive or)."""
+    slave = Slave(make("s3684-rs485"), shaft__angle=TURN / 4)
+    slave.step(0.2)
+    slave.send("RS485", characters(bytes([0x40, 0x42, 0x02])))
+    reply, starts = b"", []
+    for _ in range(100):
+        slave.step(1e-3)
+        data = slave.fetch("RS485")
+        while data:
+            at, _, n, flags = struct.unpack_from("<QIHH", data)
+            starts.append(at)
+            assert flags == 0
+            reply += data[16:16 + n]
+            data = data[16 + n:]
+    assert reply[:2] == b"\x40\x42" and int.from_bytes(reply[2:6], "big") == 65536 // 4
+    check = 0
+    for byte in reply:
+        check ^= byte
+    assert check == 0 and 200_000_000 < starts[0] < 230_000_000
+    slave.close()
+
+
+def test_early_return_tells_the_moment(make: Make) -> None:
+    slave = Slave(make("s3684-rs485"), early=True)
+    slave.step(0.2)
+    slave.send("RS485", characters(bytes([0x40, 0x42, 0x02])))
+    assert slave.step(1.0)
+    at, *_ = struct.unpack_from("<QIHH", slave.fetch("RS485"))
+    assert 0.2 < slave.time < 0.23 and abs(slave.time * 1e9 - at) < 2000
+    slave.close()
+
+
+# ------------------------------------------------------------ BiSS, SSI
+
+def test_ma_latches_at_its_moment(make: Make) -> None:
+    slave = Slave(make("s3684-biss"), shaft__speed=SPEED)
+    for step in (0.2, 0.0125, 0.0375, 0.00001, 0.1):
+        slave.step(step)
+        slave.tick("MA")
+        turns = slave.get("frame.position") / 2**21
+        if step == 0.00001:  # the frame before is not over: that one stays
+            continue
+        assert abs(turns - slave.time * 50) < 2e-6 and slave.get("frame.good")
+    latched = slave.get("frame")
+    slave.step(0.1)
+    assert slave.get("frame") == latched  # nobody asked
+    assert slave.get("frame.bits") == 33 + 2 + 6 + 6
+    slave.close()
+
+
+def test_ssi_without_clocks_is_read_every_step(make: Make) -> None:
+    result = simulate_fmu(make("ssi-25").path, stop_time=1.0, output_interval=1e-3, input=turning(1.0),
+                          output=["frame.position", "position"], use_event_mode=False)
+    for row in result[200::50]:
+        assert abs(row["frame.position"] / 8192 - row["time"] * 50) < 2e-3
+
+
+def test_faults(make: Make) -> None:
+    slave = Slave(make("s3684-biss"))
+    slave.step(0.2)
+    slave.tick("MA")
+    assert slave.get("nERR") and slave.get("nWARN")
+    slave.set("fault.led_current_high", True)
+    slave.step(0.1)
+    slave.tick("MA")
+    assert not slave.get("nERR") and slave.get("frame.good")
+    slave.set("world.supply_mv", 4750.0)
+    assert slave.get("world.supply_mv") == 4750.0
+    slave.set("fault.led_current_high", False)
+    slave.set("world.temperature", 25.125)
+    slave.step(0.1)
+    assert slave.get("world.temperature") == 25.125
+    slave.close()
+
+
+# ------------------------------------------------------------ states
+
+@pytest.mark.parametrize("model", ["f3668", "s3684-rs485", "s3684-biss"])
+def test_states_go_on_in_another_instance(make: Make, model: str) -> None:
+    fmu = make(model)
+    fault = next(name for name in fmu.names if name.startswith("fault.temperature"))
+
+    def on(slave: Slave) -> list[object]:
+        seen: list[object] = []
+        for _ in range(50):
+            slave.step(7e-3)
+            if "MA" in fmu.names:
+                slave.tick("MA")
+            seen += [slave.get(v.name) for v in fmu.description.modelVariables
+                     if v.causality == "output" and v.type not in ("Binary", "Clock")]
+            seen += [slave.fetch(wire) for wire in ("CanChannel", "RS485") if wire + ".Tx_Data" in fmu.names]
+        return seen
+
+    first = Slave(fmu, shaft__speed=SPEED)
+    first.step(0.3)
+    first.set(fault, True)
+    state, time = first.save(), first.time
+    then = on(first)
+    first.restore(state, time)
+    assert on(first) == then
+    second = Slave(fmu)
+    second.restore(state, time)
+    assert second.get(fault) and on(second) == then
+    with pytest.raises(Exception):
+        second.restore(state[:-1], time)
+    first.close()
+    second.close()
+
+
+# ------------------------------------------------------------ rigs
+
+RIG = """[rig]
+[shaft main]
+[encoder drive]
+model = s3684-biss
+shaft = main
+wire = sim
+[encoder second-one]
+model = f3668
+shaft = main
+node = 9
+wire = slcan
+"""
+
+
+def test_rig(make: Make, tmp_path: pathlib.Path) -> None:
+    file = tmp_path / "axis.ini"
+    file.write_text(RIG)
+    fmu = make(str(file))
+    assert validate_fmu(fmu.path) == []
+    assert "drive.shaft.angle" in fmu.names and "second_one.shaft.angle" not in fmu.names
+    slave = Slave(fmu, drive__shaft__speed=SPEED)
+    slave.step(0.5)
+    slave.tick("drive.MA")
+    assert (0x709, b"\0") in frames(slave.fetch("second_one.CanChannel"))
+    assert abs(slave.get("drive.frame.position") / 2**21 - 25) < 2e-6
+    assert slave.get("second_one.position") / 65536 == pytest.approx(25, abs=1e-4)
+    slave.close()
+
+
+# ------------------------------------------------------------ sources
+
+@pytest.mark.parametrize("version", ["3", "2"])
+def test_builds_from_its_sources(make: Make, tmp_path: pathlib.Path, version: str) -> None:
+    """In a folder with nothing of ours, as a tool does that takes sources only."""
+    fmu = make("s3684-rs485", "--fmi", version)
+    sources = pathlib.Path(fmu.folder) / "sources"
+    list_of, row = {"3": (sources / "buildDescription.xml", "SourceFile"),
+                    "2": (pathlib.Path(fmu.folder) / "modelDescription.xml", "File")}[version]
+    listed = [file.attrib["name"] for file in ElementTree.parse(list_of).iter(row)]
+    library = tmp_path / "drehgeber.so"
+    subprocess.run(["gcc", "-std=c11", "-O0", "-fPIC", "-shared", "-Wl,--no-undefined", "-I.", *listed,
+                    "-o", str(library)], cwd=sources, check=True, env={"PATH": os.environ["PATH"]})
+    platform = {"3": "x86_64-linux", "2": "linux64"}[version]
+    binary = pathlib.Path(fmu.folder) / "binaries" / platform / "drehgeber.so"
+    binary.write_bytes(library.read_bytes())
+    result = simulate_fmu(fmu.folder, stop_time=1.0, output_interval=0.1, input=turning(1.0), output=["position"])
+    assert abs(int(result[-1]["position"]) - 50 * 65536) <= 1
+
+
+# ------------------------------------------------------------ cost
+
+def test_cost_of_a_step(make: Make, tmp_path: pathlib.Path) -> None:
+    """A figure, and a bound that only a mistake breaks."""
+    source = pathlib.Path(__file__).with_name("cost.c")
+    program = tmp_path / "cost"
+    subprocess.run(["gcc", "-O2", str(source), "-ldl", "-o", str(program)], check=True)
+    for model in ("s3684-rs485", "s3684-biss", "f3668"):
+        fmu = make(model)
+        names = [fmu.names[name] for name in ("shaft.angle", "shaft.speed", "position")]
+        library = pathlib.Path(fmu.folder) / "binaries" / "x86_64-linux" / "drehgeber.so"
+        done = subprocess.run([str(program), str(library), fmu.description.guid, *map(str, names)],
+                              check=True, capture_output=True, text=True)
+        print(f"note: {model}: {done.stdout.strip()}", file=sys.stderr)
+        assert float(done.stdout.split()[0]) < 100_000
