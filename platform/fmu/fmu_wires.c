@@ -268,6 +268,9 @@ void wire_collect(struct fmu_encoder *self)
 {
     struct dg_host_event event;
     const size_t most = TRANSMIT_SIZE + sizeof event.data;
+    if (self->kind == FMU_CAN && !self->now.configured) {
+        return; /* a bus knows its bit rate before there are frames */
+    }
     while (self->now.taken || sizeof self->now.out - self->now.waiting >= most) {
         const int result = dg_host_receive(self->host, &event);
         if (result == 0) {

@@ -7,7 +7,7 @@ file(REMOVE_RECURSE ${parts})
 file(COPY ${TREE}/include/drehgeber DESTINATION ${parts} FILES_MATCHING PATTERN *.h)
 file(COPY ${TREE}/src ${TREE}/platform/fmu DESTINATION ${parts} FILES_MATCHING PATTERN *.c PATTERN *.h PATTERN *.def
   PATTERN describe.* EXCLUDE)
-file(COPY ${TREE}/LICENSE DESTINATION ${TO})
+file(COPY_FILE ${TREE}/LICENSE ${TO}/terms.txt)
 file(GLOB_RECURSE list RELATIVE ${parts} ${parts}/*.[ch] ${parts}/*.def)
 list(SORT list)
 list(JOIN list "\n" list)

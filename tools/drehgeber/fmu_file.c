@@ -280,9 +280,7 @@ static int add_all(struct making *self, struct zip *zip, const struct fmu_about 
     zip_add(zip, "modelDescription.xml", self->description.bytes, self->description.n);
     int result = add_file(self, zip, object, as);
     if (result == 0) {
-        result = add_file(self, zip, "LICENSE",
-                          self->version == 2 ? "documentation/licenses/license.txt"
-                                             : "documentation/licenses/license.txt");
+        result = add_file(self, zip, "terms.txt", "documentation/licenses/license.txt");
     }
     if (result == 0 && self->version == 3) {
         result = add_texts(self, zip, about);

@@ -1,0 +1,212 @@
+/* SPDX-License-Identifier: MIT */
+/* Encoders of an FMU below what FMI calls: tokens, states, and what comes from foreign importers.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "describe.h"
+#include "drehgeber/version.h"
+#include "fmu.h"
+
+#define TOKEN "drehgeber " DG_VERSION
+#define VARIABLE(group, index) ((uint32_t)(group) << 8 | (uint32_t)(index))
+
+static const uint32_t rx = VARIABLE(FMU_BUS, FMU_RX);
+static const uint32_t rx_clock = VARIABLE(FMU_BUS, FMU_RX_CLOCK);
+
+static int64_t integer(struct fmu *fmu, uint32_t reference)
+{
+    struct fmu_value value;
+    assert_int_equal(fmu_get(fmu, reference, &value), DG_HOST_OK);
+    return value.integer;
+}
+
+static struct fmu *on(const char *token)
+{
+    struct fmu *fmu = fmu_make(token);
+    assert_non_null(fmu);
+    fmu_use_events(fmu, true);
+    assert_int_equal(fmu_start(fmu, 0), DG_HOST_OK);
+    return fmu;
+}
+
+static void tokens_are_whole_or_refused(void **state)
+{
+    static const char *const bad[] = {
+        "",
+        "drehgeber",
+        "drehgeber 0.0.0 =f3668",
+        TOKEN,
+        TOKEN " ",
+        TOKEN " =f3699",
+        TOKEN " f3668",
+        TOKEN " =f3668,node=0",
+        TOKEN " =f3668,node",
+        TOKEN " =f3668,nonsense=1",
+        TOKEN " =f3668@0",
+        TOKEN " a=f3668 b=f3668@1",
+        TOKEN " =f3668,node=%3",
+        TOKEN " =f3668,node=%3x",
+        TOKEN " =f3668 ",
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        assert_null(fmu_make(bad[i]));
+    }
+    assert_null(fmu_make(NULL));
+    fmu_free(NULL);
+    struct fmu *fmu = on(TOKEN " a=f3668,node=%35 b=s3684-rs485@0,designation=it%20is");
+    assert_int_equal(fmu_count(fmu), 2);
+    assert_string_equal(fmu_prefix(fmu, 0), "a.");
+    assert_false(fmu_follows(fmu, 0));
+    assert_true(fmu_follows(fmu, 1));
+    char text[32];
+    assert_int_equal(dg_host_get(fmu_host(fmu, 0), "node", text, sizeof text), 1);
+    assert_string_equal(text, "5");
+    assert_true(dg_host_get(fmu_host(fmu, 1), "designation", text, sizeof text) > 0);
+    assert_string_equal(text, "it is");
+    fmu_free(fmu);
+}
+
+/* Each has a number of its own that leads back to it, and inputs take what they tell. */
+static void variables_are_what_they_say(void **state)
+{
+    (void)state;
+    for (size_t model = 0; dg_host_name(model) != NULL; model++) {
+        char token[96] = TOKEN " =";
+        strcat(token, dg_host_name(model));
+        struct fmu *fmu = on(token);
+        struct fmu_variable row;
+        struct fmu_variable other;
+        size_t count = 0;
+        for (; fmu_variable(fmu, count, &row); count++) {
+            struct fmu_value value = {.type = row.type};
+            for (size_t i = 0; i < count; i++) {
+                assert_true(fmu_variable(fmu, i, &other));
+                assert_int_not_equal(other.reference, row.reference);
+                assert_string_not_equal(other.name, row.name);
+            }
+            if (row.type == FMU_BINARY || row.type == FMU_CLOCK) {
+                continue;
+            }
+            assert_int_equal(fmu_get(fmu, row.reference, &value), DG_HOST_OK);
+            const int set = fmu_set(fmu, row.reference, &value);
+            const int want = row.parameter                     ? DG_HOST_ERR_STATE
+                             : row.input && row.reference != 0 ? DG_HOST_OK
+                                                               : DG_HOST_ERR_NAME;
+            assert_int_equal(set, want);
+        }
+        assert_true(count > 15);
+        assert_int_equal(fmu_set(fmu, VARIABLE(FMU_PARAMETER, 200), &(struct fmu_value){0}),
+                         DG_HOST_ERR_NAME);
+        assert_int_equal(fmu_set(fmu, UINT32_C(1) << 16, &(struct fmu_value){0}), DG_HOST_ERR_NAME);
+        fmu_free(fmu);
+    }
+}
+
+static void states_go_on(void **state)
+{
+    (void)state;
+    const struct fmu_value fast = {.type = FMU_REAL, .real = 314.0};
+    struct fmu *one = on(TOKEN " =s3684-rs485");
+    struct fmu *two = on(TOKEN " =s3684-rs485");
+    struct fmu *foreign = on(TOKEN " =s3674-rs485");
+    assert_int_equal(fmu_set(one, VARIABLE(FMU_INPUT, FMU_SPEED), &fast), DG_HOST_OK);
+    (void)fmu_step(one, 0, 0.3, false);
+    const size_t n = fmu_state_size(one);
+    uint8_t *bytes = malloc(n);
+    assert_non_null(bytes);
+    assert_int_equal(fmu_save(one, bytes, n - 1), DG_HOST_ERR_SPACE);
+    assert_int_equal(fmu_save(one, bytes, n), DG_HOST_OK);
+    assert_int_equal(fmu_restore(two, bytes, n - 1), DG_HOST_ERR_OTHER);
+    assert_int_equal(fmu_restore(foreign, bytes, n), DG_HOST_ERR_OTHER);
+    assert_int_equal(fmu_restore(two, bytes, n), DG_HOST_OK);
+    (void)fmu_step(one, 0.3, 0.1, false);
+    (void)fmu_step(two, 0.3, 0.1, false);
+    assert_true(integer(one, VARIABLE(FMU_OUTPUT, FMU_POSITION)) > 0);
+    assert_int_equal(integer(one, VARIABLE(FMU_OUTPUT, FMU_POSITION)),
+                     integer(two, VARIABLE(FMU_OUTPUT, FMU_POSITION)));
+    assert_int_equal(fmu_reset(one), 0);
+    assert_int_equal(fmu_start(one, 5), DG_HOST_OK);
+    assert_int_equal(integer(one, VARIABLE(FMU_OUTPUT, FMU_POSITION)), 0);
+    free(bytes);
+    fmu_free(one);
+    fmu_free(two);
+    fmu_free(foreign);
+}
+
+/* Whatever bytes a bus brings, in exactly the memory they have. */
+static void any_bytes_are_taken_or_refused(void **state)
+{
+    static const char *const tokens[] = {TOKEN " =f3668", TOKEN " =s3684-rs485"};
+    (void)state;
+    uint32_t seed = 1;
+    for (size_t i = 0; i < 2; i++) {
+        struct fmu *fmu = on(tokens[i]);
+        assert_int_equal(fmu_binary_set(fmu, rx, NULL, 0), DG_HOST_OK);
+        assert_int_equal(fmu_clock_set(fmu, VARIABLE(FMU_BUS, FMU_TX_CLOCK), true),
+                         DG_HOST_ERR_NAME);
+        for (int round = 0; round < 3000; round++) {
+            const size_t n = (size_t)(round % 40);
+            uint8_t *bytes = malloc(n + 1);
+            assert_non_null(bytes);
+            for (size_t k = 0; k < n; k++) {
+                seed = seed * 1664525u + 1013904223u;
+                bytes[k] = (seed >> 24 & 3u) == 0 ? (uint8_t)(seed >> 16) : 0;
+            }
+            static const uint8_t codes[] = {0x10, 0x20, 0x31, 0x40};
+            if (n > 8) {
+                bytes[0] = codes[round % 4];
+                bytes[4] = (uint8_t)n;
+                bytes[5] = bytes[6] = bytes[7] = 0;
+            }
+            assert_int_equal(fmu_clock_set(fmu, rx_clock, true), DG_HOST_OK);
+            (void)fmu_binary_set(fmu, rx, bytes, n);
+            fmu_clocks_end(fmu);
+            (void)fmu_step(fmu, round * 1e-3, 1e-3, round % 2 == 0);
+            free(bytes);
+        }
+        fmu_free(fmu);
+    }
+}
+
+/* Nobody fetches: what is told stays bounded, and the first of it is kept. */
+static void silent_importers_do_no_harm(void **state)
+{
+    (void)state;
+    struct fmu *fmu = on(TOKEN " =f3668");
+    const struct fmu_value off = {.type = FMU_BOOL};
+    const struct fmu_value power = {.type = FMU_BOOL, .integer = 1};
+    const uint8_t *bytes = NULL;
+    size_t n = 0;
+    for (int i = 0; i < 300; i++) {
+        assert_int_equal(fmu_set(fmu, VARIABLE(FMU_INPUT, FMU_POWER), &off), DG_HOST_OK);
+        assert_int_equal(fmu_set(fmu, VARIABLE(FMU_INPUT, FMU_POWER), &power), DG_HOST_OK);
+        (void)fmu_step(fmu, i, 1, false);
+    }
+    assert_true(fmu_ticks(fmu));
+    assert_int_equal(fmu_binary_get(fmu, VARIABLE(FMU_BUS, FMU_TX), &bytes, &n), DG_HOST_OK);
+    assert_true(n > 1000 && n <= FMU_WIRE_MAX);
+    assert_int_equal(bytes[0], 0x40);
+    fmu_clocks_end(fmu);
+    (void)fmu_step(fmu, 300, 1e-3, false);
+    fmu_free(fmu);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(tokens_are_whole_or_refused),
+        cmocka_unit_test(variables_are_what_they_say),
+        cmocka_unit_test(states_go_on),
+        cmocka_unit_test(any_bytes_are_taken_or_refused),
+        cmocka_unit_test(silent_importers_do_no_harm),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
