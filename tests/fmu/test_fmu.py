@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: MIT
 """FMUs in an importer that is not ours (fmpy); where it knows no clocks, by its low-level calls."""
 
+import json
 import math
 import os
 import pathlib
+import re
+import shutil
 import struct
 import subprocess
 import sys
+import zipfile
 from collections.abc import Callable
 from xml.etree import ElementTree
 
@@ -341,6 +345,80 @@ def test_builds_from_its_sources(make: Make, tmp_path: pathlib.Path, version: st
     binary.write_bytes(library.read_bytes())
     result = simulate_fmu(fmu.folder, stop_time=1.0, output_interval=0.1, input=turning(1.0), output=["position"])
     assert abs(int(result[-1]["position"]) - 50 * 65536) <= 1
+
+
+# ------------------------------------------------------------ other importers
+
+MASTER = """<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription fmiVersion="3.0" modelName="master" instantiationToken="master">
+  <CoSimulation modelIdentifier="master" hasEventMode="true" canHandleVariableCommunicationStepSize="true"/>
+  <DefaultExperiment startTime="0" stopTime="1" stepSize="0.001"/>
+  <ModelVariables>
+    <Float64 name="time" valueReference="100" causality="independent" variability="continuous"/>
+    <Binary name="CanChannel.Rx_Data" valueReference="0" causality="input" variability="discrete" maxSize="2048"
+      clocks="2" mimeType="{mime}"><Start value=""/></Binary>
+    <Binary name="CanChannel.Tx_Data" valueReference="1" causality="output" variability="discrete" maxSize="2048"
+      clocks="3" mimeType="{mime}"/>
+    <Clock name="CanChannel.Rx_Clock" valueReference="2" causality="input" intervalVariability="triggered"/>
+    <Clock name="CanChannel.Tx_Clock" valueReference="3" causality="output" intervalVariability="triggered"/>
+    <Float64 name="count" valueReference="4" causality="output" variability="discrete"/>
+    <Float64 name="heard" valueReference="5" causality="output" variability="discrete"/>
+  </ModelVariables>
+  <ModelStructure>
+    <Output valueReference="1"/><Output valueReference="3"/><Output valueReference="4"/><Output valueReference="5"/>
+  </ModelStructure>
+</fmiModelDescription>
+"""
+
+
+def make_master(encoder: Fmu, folder: pathlib.Path) -> None:
+    """master.fmu, with the terminals of the encoder: they have the same names."""
+    library = folder / "master.so"
+    source = pathlib.Path(__file__).with_name("master.c")
+    subprocess.run(["gcc", "-O1", "-fPIC", "-shared", str(source), "-o", str(library)], check=True)
+    mime = "application/org.fmi-standard.fmi-ls-bus.can; version=&quot;1.0.0&quot;"
+    with zipfile.ZipFile(folder / "master.fmu", "w") as archive:
+        archive.writestr("modelDescription.xml", MASTER.format(mime=mime))
+        archive.write(library, "binaries/x86_64-linux/master.so")
+        name = "terminalsAndIcons/terminalsAndIcons.xml"
+        archive.write(pathlib.Path(encoder.folder) / name, name)
+
+
+def test_container_couples_terminals(make: Make, tmp_path: pathlib.Path) -> None:
+    """A master's FMU and an encoder's, coupled terminal to terminal by fmucontainer, which serves the clocks.
+    With the master first its release 2.0 sets clocks of the encoder, and no bytes."""
+    encoder = make("f3668", "--node", "5")
+    shutil.copy(encoder.path, tmp_path / "encoder.fmu")
+    make_master(encoder, tmp_path)
+    (tmp_path / "both.json").write_text(json.dumps({
+        "name": "both.fmu", "step_size": 0.001, "fmu": ["encoder.fmu", "master.fmu"],
+        "link": [["encoder.fmu", "CanChannel", "master.fmu", "CanChannel"]],
+        "start": [["encoder.fmu", "shaft.speed", SPEED]],
+        "output": [["master.fmu", "count", "count"], ["master.fmu", "heard", "heard"],
+                   ["encoder.fmu", "position", "position"]]}))
+    container = pathlib.Path(sys.executable).with_name("fmucontainer")
+    done = subprocess.run([str(container), "-container", "both.json", "-fmi", "3", "-fmu-directory", ".",
+                           "-no-auto-input", "-no-auto-output"], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    result = simulate_fmu(str(tmp_path / "both.fmu"), stop_time=1.0, output_interval=1e-3,
+                          output=["count", "heard", "position"])
+    last = result[-1]
+    # SYNC every step from 0.501 s on; what is heard in a step was sent in one before.
+    assert 495 <= last["count"] <= 500
+    assert last["heard"] == pytest.approx(last["position"], abs=2.5e-3 * 50 * 65536)
+
+
+# ------------------------------------------------------------ the page
+
+def test_page(tmp_path: pathlib.Path) -> None:
+    """Its example prints what it says."""
+    page = pathlib.Path(__file__).parents[2] / "platform/fmu/README.md"
+    code, printed = re.findall(r"^```(?:python|text)\n(.*?)^```", page.read_text(), re.M | re.S)[:2]
+    file = tmp_path / "axis.fmu"
+    subprocess.run([DREHGEBER, "fmu", "s3684-biss", "--output", str(file)], check=True)
+    done = subprocess.run([sys.executable, "-c", code.replace("/tmp/axis.fmu", str(file))], check=True,
+                          capture_output=True, text=True)
+    assert done.stdout.splitlines()[-1] + "\n" == printed
 
 
 # ------------------------------------------------------------ cost
