@@ -72,10 +72,10 @@ int encoder_set_fault(struct fmu *self, struct fmu_encoder *encoder, uint32_t in
 /* fmu_wires.c */
 
 /* What the encoder has sent, to `out` as the wire tells it to an importer. */
-void wire_collect(struct fmu_encoder *encoder);
+void wire_collect(struct fmu_encoder *self);
 /* What an importer sends. @return 0 or a result of host.h */
-int wire_take(struct fmu_encoder *encoder, uint64_t now, const uint8_t *bytes, size_t n);
+int wire_take(struct fmu_encoder *self, uint64_t now, const uint8_t *bytes, size_t n);
 /* The first words of a node to its bus. */
-void wire_configure(struct fmu_encoder *encoder);
+void wire_configure(struct fmu_encoder *self);
 
 #endif

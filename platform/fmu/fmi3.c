@@ -57,6 +57,9 @@ static int refused(void *of, const char *what)
     return failed(of, what, DG_HOST_ERR_ARGUMENT);
 }
 
+/* The standard lays down what a function is given, used or not. */
+/* NOLINTBEGIN(misc-unused-parameters) */
+
 /* --- life --- */
 
 FMI3(const char *, fmi3GetVersion, (void))
@@ -515,3 +518,5 @@ NOT_HERE(fmi3GetNumberOfContinuousStates, (void *of, size_t *n))
 NOT_HERE(fmi3GetOutputDerivatives, (void *of, const uint32_t references[], size_t n,
                                     const int32_t orders[], double values[], size_t n_values))
 NOT_HERE(fmi3ActivateModelPartition, (void *of, uint32_t clock, double time))
+
+/* NOLINTEND(misc-unused-parameters) */

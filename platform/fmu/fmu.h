@@ -125,8 +125,8 @@ double fmu_step(struct fmu *self, double now, double span, bool early);
 /** Whether any clock of an output ticks. */
 bool fmu_ticks(const struct fmu *self);
 /** Set and get a clock. @return 0 or DG_HOST_ERR_NAME */
-int fmu_clock_set(struct fmu *self, uint32_t reference, bool ticks);
-int fmu_clock_get(struct fmu *self, uint32_t reference, bool *ticks);
+int fmu_clock_set(struct fmu *self, uint32_t reference, bool on);
+int fmu_clock_get(struct fmu *self, uint32_t reference, bool *on);
 /** What a wire tells while its clock ticks; lasts until the next call. */
 int fmu_binary_get(struct fmu *self, uint32_t reference, const uint8_t **bytes, size_t *n);
 int fmu_binary_set(struct fmu *self, uint32_t reference, const uint8_t *bytes, size_t n);

@@ -50,11 +50,11 @@ static void put_entry(struct zip *self, const struct zip_entry *entry)
 void zip_add(struct zip *self, const char *name, const void *bytes, size_t n)
 {
     struct zip_entry *more = realloc(self->entries, (self->count + 1) * sizeof *more);
+    self->entries = more != NULL ? more : self->entries;
     if (more == NULL || strlen(name) >= sizeof more->name) {
         self->bad = true;
         return;
     }
-    self->entries = more;
     struct zip_entry *entry = &more[self->count++];
     *entry = (struct zip_entry){.at = (uint32_t)ftell(self->to), .size = (uint32_t)n};
     entry->sum = sum_of(bytes, n);

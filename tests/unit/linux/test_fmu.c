@@ -5,6 +5,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -79,8 +80,8 @@ static void variables_are_what_they_say(void **state)
 {
     (void)state;
     for (size_t model = 0; dg_host_name(model) != NULL; model++) {
-        char token[96] = TOKEN " =";
-        strcat(token, dg_host_name(model));
+        char token[96];
+        (void)snprintf(token, sizeof token, "%s =%s", TOKEN, dg_host_name(model));
         struct fmu *fmu = on(token);
         struct fmu_variable row;
         struct fmu_variable other;
