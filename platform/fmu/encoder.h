@@ -67,6 +67,7 @@ bool fmu_is_small(double value, double limit);
 /* fmu_token.c: where in memory with DG_HOST_ALIGN more bytes a handle may be. */
 void *encoder_aligned(void *memory);
 /* fmu_values.c. @return 0 or a result of host.h */
+int encoder_begin_fault(struct fmu *self, struct fmu_encoder *encoder, uint32_t index);
 int encoder_set_fault(struct fmu *self, struct fmu_encoder *encoder, uint32_t index, bool on);
 
 /* fmu_wires.c */

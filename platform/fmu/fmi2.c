@@ -39,7 +39,7 @@ struct instance {
     const struct callbacks *callbacks;
     double start;
     int initializing;
-    char text[FMU_NAME_MAX]; /* of the last String that was got */
+    char (*texts)[FMU_NAME_MAX]; /* owned: those that were got last */
 };
 
 struct state {
@@ -100,6 +100,7 @@ FMI2(void, fmi2FreeInstance, (void *of))
     struct instance *self = of;
     if (self != NULL) {
         fmu_free(self->fmu);
+        free(self->texts);
         free(self);
     }
 }
@@ -239,20 +240,23 @@ FMI2(int, fmi2SetBoolean, (void *of, const uint32_t references[], size_t n, cons
     return set_integers(of, references, n, values, FMU_BOOL);
 }
 
-/* As fmi3GetString(): there is room for one. */
+/* They last until the next call. */
 FMI2(int, fmi2GetString, (void *of, const uint32_t references[], size_t n, const char *values[]))
 {
     struct instance *self = of;
     struct fmu_value value;
-    if (n > 1) {
-        return failed(self, "more than one String", DG_HOST_ERR_SPACE);
+    char(*texts)[FMU_NAME_MAX] = n == 0 ? NULL : calloc(n, sizeof *texts);
+    free(self->texts);
+    self->texts = texts;
+    if (n > 0 && texts == NULL) {
+        return failed(self, "Strings", DG_HOST_ERR_SPACE);
     }
     for (size_t i = 0; i < n; i++) {
         if (get(self, references[i], &value) != OK) {
             return ERROR;
         }
-        memcpy(self->text, value.text, sizeof self->text);
-        values[i] = self->text;
+        memcpy(texts[i], value.text, sizeof texts[i]);
+        values[i] = texts[i];
     }
     return OK;
 }

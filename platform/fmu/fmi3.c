@@ -34,7 +34,7 @@ struct instance {
     void *environment;
     bool events, early, initializing;
     double start;
-    char text[FMU_NAME_MAX]; /* of the last String that was got */
+    char (*texts)[FMU_NAME_MAX]; /* owned: those that were got last */
 };
 
 struct state {
@@ -116,6 +116,7 @@ FMI3(void, fmi3FreeInstance, (void *of))
     struct instance *self = of;
     if (self != NULL) {
         fmu_free(self->fmu);
+        free(self->texts);
         free(self);
     }
 }
@@ -305,21 +306,24 @@ FMI3(int, fmi3SetBoolean,
     return OK;
 }
 
-/* Of several texts at once only the last one would last: one at a time, as there is one room. */
+/* They last until the next call. */
 FMI3(int, fmi3GetString,
      (void *of, const uint32_t references[], size_t n, const char *values[], size_t n_values))
 {
     struct instance *self = of;
     struct fmu_value value;
-    if (n > 1 || n_values < n) {
-        return refused(of, "more than one String");
+    char(*texts)[FMU_NAME_MAX] = n == 0 ? NULL : calloc(n, sizeof *texts);
+    free(self->texts);
+    self->texts = texts;
+    if (n_values < n || (n > 0 && texts == NULL)) {
+        return refused(of, "Strings");
     }
     for (size_t i = 0; i < n; i++) {
         if (get(self, references[i], FMU_TEXT, &value) != OK) {
             return ERROR;
         }
-        memcpy(self->text, value.text, sizeof self->text);
-        values[i] = self->text;
+        memcpy(texts[i], value.text, sizeof texts[i]);
+        values[i] = texts[i];
     }
     return OK;
 }

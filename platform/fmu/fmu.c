@@ -150,7 +150,9 @@ int fmu_start(struct fmu *self, double start)
         if (result == DG_HOST_OK && !encoder->now.power) {
             result = dg_host_power(encoder->host, 0, false);
         }
-        wire_collect(encoder);
+        for (uint32_t k = 0; k < FMU_FAULTS_MAX && result == DG_HOST_OK; k++) {
+            result = encoder_begin_fault(self, encoder, k);
+        }
     }
     return result;
 }
@@ -352,6 +354,7 @@ int fmu_restore(struct fmu *self, const void *from, size_t n)
     if (n < fmu_state_size(self) || memcmp(at, self->token, strlen(self->token)) != 0) {
         return DG_HOST_ERR_OTHER;
     }
+    (void)fmu_start(self, self->start); /* only who was on has faults */
     at += strlen(self->token);
     at = fetch(at, &self->start, sizeof self->start);
     at = fetch(at, &self->now, sizeof self->now);

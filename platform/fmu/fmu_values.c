@@ -208,9 +208,27 @@ static int set_key(struct fmu *self, struct fmu_encoder *encoder, uint32_t index
     return dg_host_set(encoder->host, key.name, text);
 }
 
-int encoder_set_fault(struct fmu *self, struct fmu_encoder *encoder, uint32_t index, bool on)
+static int happen(struct fmu *self, struct fmu_encoder *encoder, uint32_t index, bool on)
 {
     struct dg_host_fault fault;
+    struct dg_host_panel *panel = encoder_panel(self, encoder);
+    int result = panel == NULL ? DG_HOST_ERR_STATE : dg_host_fault(panel, index, &fault);
+    if (result == DG_HOST_OK) {
+        result = dg_host_fault_set(panel, self->now, fault.name, on);
+    }
+    wire_collect(encoder);
+    return result;
+}
+
+int encoder_begin_fault(struct fmu *self, struct fmu_encoder *encoder, uint32_t index)
+{
+    const bool on = (encoder->now.faults[index / 64u] >> index % 64u & 1u) != 0;
+    return on ? happen(self, encoder, index, true) : DG_HOST_OK;
+}
+
+/* Before power those that are set wait for it. */
+int encoder_set_fault(struct fmu *self, struct fmu_encoder *encoder, uint32_t index, bool on)
+{
     if (index >= FMU_FAULTS_MAX) {
         return DG_HOST_ERR_NAME;
     }
@@ -219,19 +237,10 @@ int encoder_set_fault(struct fmu *self, struct fmu_encoder *encoder, uint32_t in
     if (on == ((*bits & bit) != 0)) {
         return DG_HOST_OK;
     }
-    const int started = self->started ? DG_HOST_OK : fmu_start(self, self->start);
-    struct dg_host_panel *of = started == DG_HOST_OK ? encoder_panel(self, encoder) : NULL;
-    if (of == NULL) {
-        return DG_HOST_ERR_STATE;
-    }
-    int result = dg_host_fault(of, index, &fault);
-    if (result == DG_HOST_OK) {
-        result = dg_host_fault_set(of, self->now, fault.name, on);
-    }
+    const int result = self->started ? happen(self, encoder, index, on) : DG_HOST_OK;
     if (result == DG_HOST_OK || !on) {
         *bits ^= bit;
     }
-    wire_collect(encoder);
     return on ? result : DG_HOST_OK; /* what has happened at once is over already */
 }
 

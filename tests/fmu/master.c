@@ -9,6 +9,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define FMI3(type, name, arguments)                                                                \
+    type name arguments;                                                                           \
+    type name arguments
+
 enum { RX, TX, RX_CLOCK, TX_CLOCK, COUNT, POSITION };
 
 struct master {
@@ -36,28 +40,24 @@ static void transmit(struct master *m, uint32_t id, uint16_t data, uint8_t lengt
     m->n += length;
 }
 
-const char *fmi3GetVersion(void);
-const char *fmi3GetVersion(void)
+FMI3(const char *, fmi3GetVersion, (void))
 {
     return "3.0";
 }
 
-void *fmi3InstantiateCoSimulation(void);
-void *fmi3InstantiateCoSimulation(void)
+FMI3(void *, fmi3InstantiateCoSimulation, (void))
 {
     return calloc(1, sizeof(struct master));
 }
 
-void fmi3FreeInstance(void *of);
-void fmi3FreeInstance(void *of)
+FMI3(void, fmi3FreeInstance, (void *of))
 {
     free(of);
 }
 
-int fmi3DoStep(struct master *m, double now, double span, bool no, bool *event, bool *end,
-               bool *early, double *last);
-int fmi3DoStep(struct master *m, double now, double span, bool no, bool *event, bool *end,
-               bool *early, double *last)
+FMI3(int, fmi3DoStep,
+     (struct master * m, double now, double span, bool no, bool *event, bool *end, bool *early,
+      double *last))
 {
     (void)no;
     m->n = 0;
@@ -80,10 +80,8 @@ int fmi3DoStep(struct master *m, double now, double span, bool no, bool *event, 
     return 0;
 }
 
-int fmi3UpdateDiscreteStates(struct master *m, bool *a, bool *b, bool *c, bool *d, bool *e,
-                             double *next);
-int fmi3UpdateDiscreteStates(struct master *m, bool *a, bool *b, bool *c, bool *d, bool *e,
-                             double *next)
+FMI3(int, fmi3UpdateDiscreteStates,
+     (struct master * m, bool *a, bool *b, bool *c, bool *d, bool *e, double *next))
 {
     m->rx = false;
     *a = *b = *c = *d = *e = false;
@@ -91,8 +89,7 @@ int fmi3UpdateDiscreteStates(struct master *m, bool *a, bool *b, bool *c, bool *
     return 0;
 }
 
-int fmi3GetClock(struct master *m, const uint32_t vr[], size_t n, bool values[]);
-int fmi3GetClock(struct master *m, const uint32_t vr[], size_t n, bool values[])
+FMI3(int, fmi3GetClock, (struct master * m, const uint32_t vr[], size_t n, bool values[]))
 {
     for (size_t i = 0; i < n; i++) {
         values[i] = vr[i] == TX_CLOCK ? m->tx : m->rx;
@@ -100,8 +97,7 @@ int fmi3GetClock(struct master *m, const uint32_t vr[], size_t n, bool values[])
     return 0;
 }
 
-int fmi3SetClock(struct master *m, const uint32_t vr[], size_t n, const bool values[]);
-int fmi3SetClock(struct master *m, const uint32_t vr[], size_t n, const bool values[])
+FMI3(int, fmi3SetClock, (struct master * m, const uint32_t vr[], size_t n, const bool values[]))
 {
     for (size_t i = 0; i < n; i++) {
         m->rx = vr[i] == RX_CLOCK ? values[i] : m->rx;
@@ -109,10 +105,9 @@ int fmi3SetClock(struct master *m, const uint32_t vr[], size_t n, const bool val
     return 0;
 }
 
-int fmi3GetBinary(struct master *m, const uint32_t vr[], size_t n, size_t sizes[],
-                  const uint8_t *values[], size_t nv);
-int fmi3GetBinary(struct master *m, const uint32_t vr[], size_t n, size_t sizes[],
-                  const uint8_t *values[], size_t nv)
+FMI3(int, fmi3GetBinary,
+     (struct master * m, const uint32_t vr[], size_t n, size_t sizes[], const uint8_t *values[],
+      size_t nv))
 {
     (void)nv;
     for (size_t i = 0; i < n; i++) {
@@ -123,10 +118,9 @@ int fmi3GetBinary(struct master *m, const uint32_t vr[], size_t n, size_t sizes[
     return 0;
 }
 
-int fmi3SetBinary(struct master *m, const uint32_t vr[], size_t n, const size_t sizes[],
-                  const uint8_t *const values[], size_t nv);
-int fmi3SetBinary(struct master *m, const uint32_t vr[], size_t n, const size_t sizes[],
-                  const uint8_t *const values[], size_t nv)
+FMI3(int, fmi3SetBinary,
+     (struct master * m, const uint32_t vr[], size_t n, const size_t sizes[],
+      const uint8_t *const values[], size_t nv))
 {
     (void)vr;
     (void)nv;
@@ -146,8 +140,8 @@ int fmi3SetBinary(struct master *m, const uint32_t vr[], size_t n, const size_t 
     return 0;
 }
 
-int fmi3GetFloat64(struct master *m, const uint32_t vr[], size_t n, double values[], size_t nv);
-int fmi3GetFloat64(struct master *m, const uint32_t vr[], size_t n, double values[], size_t nv)
+FMI3(int, fmi3GetFloat64,
+     (struct master * m, const uint32_t vr[], size_t n, double values[], size_t nv))
 {
     (void)nv;
     for (size_t i = 0; i < n; i++) {
@@ -158,8 +152,7 @@ int fmi3GetFloat64(struct master *m, const uint32_t vr[], size_t n, double value
 
 /* What a container looks for and this one does not need. */
 #define STUB(name)                                                                                 \
-    int fmi3##name(void);                                                                          \
-    int fmi3##name(void)                                                                           \
+    FMI3(int, fmi3##name, (void))                                                                  \
     {                                                                                              \
         return 0;                                                                                  \
     }

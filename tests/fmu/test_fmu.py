@@ -262,6 +262,26 @@ def test_faults(make: Make) -> None:
     slave.close()
 
 
+def test_faults_and_settings_in_any_order(make: Make) -> None:
+    """As importers set start values; and all texts at once."""
+    slave = Slave(make("f3668"), fault__temperature_high=True, node=9)
+    slave.step(1.0)
+    emergencies = [data for number, data in frames(slave.fetch("CanChannel")) if number == 0x89]
+    assert emergencies[0][:3] == bytes.fromhex("004209")
+    assert (slave.get("error.code"), slave.get("error.register")) == (0x4200, 9)
+    slave.close()
+
+
+def test_texts(make: Make) -> None:
+    fmu = make("s3684-rs485")
+    texts = [v for v in fmu.description.modelVariables if v.type == "String"]
+    slave = Slave(fmu, designation="a longer one")
+    got = slave._slave.getString([v.valueReference for v in texts])
+    want = ["a longer one" if v.name == "designation" else v.start for v in texts]
+    assert len(texts) > 2 and got == want
+    slave.close()
+
+
 # ------------------------------------------------------------ states
 
 @pytest.mark.parametrize("model", ["f3668", "s3684-rs485", "s3684-biss"])

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 # What is installed and not built: texts for whoever uses the command.
 install(FILES LICENSE README.md CHANGELOG.md SECURITY.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
-foreach(page "platform/linux|rig-files" "src/control|scpi" "src/hiperface|hiperface" "src/biss|biss" "src/ssi|ssi"
+foreach(page "platform/linux|rig-files" "platform/fmu|fmu" "src/control|scpi" "src/hiperface|hiperface" "src/biss|biss" "src/ssi|ssi"
     "src/canopen|canopen" "src/cia406|cia406" "src/interbus|interbus"
     "tools/sigrok|sigrok")
   string(REGEX REPLACE "\\|.*" "" folder ${page})

@@ -142,6 +142,35 @@ static void states_go_on(void **state)
     fmu_free(foreign);
 }
 
+/* One that was never on takes a state with a fault, and makes it good. */
+static void states_bring_their_faults(void **state)
+{
+    (void)state;
+    const uint32_t fault = VARIABLE(FMU_FAULT, 1); /* temperature_high */
+    const uint32_t code = VARIABLE(FMU_OUTPUT, FMU_ERROR_CODE);
+    const struct fmu_value yes = {.type = FMU_BOOL, .integer = 1};
+    const struct fmu_value no = {.type = FMU_BOOL};
+    struct fmu *one = on(TOKEN " =f3668");
+    struct fmu *two = fmu_make(TOKEN " =f3668");
+    assert_non_null(two);
+    (void)fmu_step(one, 0, 1, false);
+    assert_int_equal(fmu_set(one, fault, &yes), DG_HOST_OK);
+    (void)fmu_step(one, 1, 1, false);
+    assert_int_equal(integer(one, code), 0x4200);
+    const size_t n = fmu_state_size(one);
+    uint8_t *bytes = malloc(n);
+    assert_non_null(bytes);
+    assert_int_equal(fmu_save(one, bytes, n), DG_HOST_OK);
+    assert_int_equal(fmu_restore(two, bytes, n), DG_HOST_OK);
+    assert_int_equal(integer(two, fault), 1);
+    assert_int_equal(fmu_set(two, fault, &no), DG_HOST_OK);
+    (void)fmu_step(two, 2, 2, false);
+    assert_int_equal(integer(two, code), 0);
+    free(bytes);
+    fmu_free(one);
+    fmu_free(two);
+}
+
 /* Whatever bytes a bus brings, in exactly the memory they have. */
 static void any_bytes_are_taken_or_refused(void **state)
 {
@@ -206,6 +235,7 @@ int main(void)
         cmocka_unit_test(tokens_are_whole_or_refused),
         cmocka_unit_test(variables_are_what_they_say),
         cmocka_unit_test(states_go_on),
+        cmocka_unit_test(states_bring_their_faults),
         cmocka_unit_test(any_bytes_are_taken_or_refused),
         cmocka_unit_test(silent_importers_do_no_harm),
     };
