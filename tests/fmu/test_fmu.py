@@ -7,6 +7,7 @@ import os
 import pathlib
 import re
 import shutil
+import signal
 import struct
 import subprocess
 import sys
@@ -60,11 +61,27 @@ def test_command_says_what_is_wrong() -> None:
     for words, wrong in [(["f3668"], "fmu needs --output"),
                          (["f3668", "-o", "x.fmu", "--fmi", "1"], "--fmi"),
                          (["f3699", "-o", "x.fmu"], "unknown model f3699"),
-                         (["f3668", "-o", "x.fmu", "--set", "nonsense=1"], "nonsense")]:
+                         (["f3668", "-o", "x.fmu", "--set", "nonsense=1"], "--set nonsense=1"),
+                         (["f3668", "-o", "x.fmu", "--node", "200"], "--node"),
+                         (["s3684-biss", "-o", "x.fmu", "--set", "st=99"], "--set st=99: out of its range")]:
         done = subprocess.run([DREHGEBER, "fmu", *words], capture_output=True, text=True)
         assert done.returncode == 2 and wrong in done.stderr, (words, done.stderr)
     done = subprocess.run([DREHGEBER, "fmu", "f3668", "-o", "/nowhere/x.fmu"], capture_output=True, text=True)
     assert done.returncode == 1 and "cannot write /nowhere/x.fmu" in done.stderr
+
+
+def test_full_disk_leaves_no_half_file(tmp_path: pathlib.Path) -> None:
+    """Of a file; what is none stays."""
+    file = tmp_path / "x.fmu"
+    done = subprocess.run(["bash", "-c", 'ulimit -f 100; trap "" XFSZ; exec "$0" fmu f3668 -o "$1"', DREHGEBER,
+                           str(file)], capture_output=True, text=True)
+    assert done.returncode == 1 and "cannot write" in done.stderr and not file.exists()
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    reader = subprocess.Popen(["head", "-c", "100", str(pipe)], stdout=subprocess.DEVNULL)
+    done = subprocess.run([DREHGEBER, "fmu", "f3668", "-o", str(pipe)], capture_output=True, text=True,
+                          preexec_fn=lambda: signal.signal(signal.SIGPIPE, signal.SIG_IGN))
+    assert reader.wait() == 0 and done.returncode == 1 and pipe.exists()
 
 
 def test_settings_of_the_command_are_start_values(make: Make) -> None:

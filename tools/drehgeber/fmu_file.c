@@ -11,6 +11,7 @@
 #include <libgen.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "complain.h"
@@ -125,13 +126,11 @@ static int put_setting(struct making *self, struct dg_host *trial, const char *k
                        const char *value, FILE *to)
 {
     const int result = dg_host_set(trial, key, value);
-    if (result == DG_HOST_ERR_NAME) {
-        (void)lx_refuse(&self->error, "leave it out", "an FMU has no such wire");
-        return lx_about(&self->error, LX_ABOUT_KEY, key, value);
-    }
     if (result != DG_HOST_OK) {
-        (void)lx_fail(&self->error, "%s", dg_host_result_text(result));
-        return lx_about(&self->error, LX_ABOUT_KEY, key, value);
+        const bool foreign = result == DG_HOST_ERR_NAME;
+        (void)lx_refuse(&self->error, foreign ? "leave it out" : "'drehgeber help fmu MODEL' says",
+                        "%s", foreign ? "an FMU has no such wire" : dg_host_result_text(result));
+        return lx_about(&self->error, LX_ABOUT_SETTING, key, value);
     }
     (void)fprintf(to, ",%s=", key);
     escaped(value, to);
@@ -305,6 +304,8 @@ static int write_file(struct making *self, const char *name, const char *output)
     if (zip.to == NULL) {
         return lx_fail(&self->error, "cannot write %s: %s", output, strerror(errno));
     }
+    struct stat is;
+    const bool regular = fstat(fileno(zip.to), &is) == 0 && S_ISREG(is.st_mode);
     int result = add_all(self, &zip, &about);
     if (zip_end(&zip) != 0 && result == 0) {
         result = lx_fail(&self->error, "cannot write %s", output);
@@ -312,7 +313,7 @@ static int write_file(struct making *self, const char *name, const char *output)
     if (fclose(zip.to) != 0 && result == 0) {
         result = lx_fail(&self->error, "cannot write %s: %s", output, strerror(errno));
     }
-    if (result != 0) {
+    if (result != 0 && regular) {
         (void)unlink(output);
     }
     return result;

@@ -20,6 +20,7 @@ static uint32_t sum_of(const uint8_t *bytes, size_t n)
 static void put(struct zip *self, const void *bytes, size_t n)
 {
     self->bad = self->bad || fwrite(bytes, 1, n, self->to) != n;
+    self->at += (uint32_t)n;
 }
 
 static void put_number(struct zip *self, uint32_t value, unsigned bytes)
@@ -56,7 +57,7 @@ void zip_add(struct zip *self, const char *name, const void *bytes, size_t n)
         return;
     }
     struct zip_entry *entry = &more[self->count++];
-    *entry = (struct zip_entry){.at = (uint32_t)ftell(self->to), .size = (uint32_t)n};
+    *entry = (struct zip_entry){.at = self->at, .size = (uint32_t)n};
     entry->sum = sum_of(bytes, n);
     memcpy(entry->name, name, strlen(name) + 1);
     put_number(self, 0x04034B50u, 4);
@@ -67,7 +68,7 @@ void zip_add(struct zip *self, const char *name, const void *bytes, size_t n)
 
 int zip_end(struct zip *self)
 {
-    const uint32_t at = (uint32_t)ftell(self->to);
+    const uint32_t at = self->at;
     for (size_t i = 0; i < self->count; i++) {
         const struct zip_entry *entry = &self->entries[i];
         put_number(self, 0x02014B50u, 4);
@@ -80,7 +81,7 @@ int zip_end(struct zip *self)
         put_number(self, entry->at, 4);
         put(self, entry->name, strlen(entry->name));
     }
-    const uint32_t end = (uint32_t)ftell(self->to);
+    const uint32_t end = self->at;
     put_number(self, 0x06054B50u, 4);
     put_number(self, 0, 4);
     put_number(self, (uint32_t)self->count, 2);

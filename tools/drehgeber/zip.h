@@ -16,7 +16,8 @@ struct zip {
     FILE *to;
     struct zip_entry *entries; /* owned */
     size_t count;
-    bool bad; /* something could not be written, or no memory */
+    uint32_t at; /* bytes so far */
+    bool bad;    /* something could not be written, or no memory */
 };
 
 /* Below 4 GB in all, and 65535 entries. Errors stay in `bad`. */
