@@ -49,7 +49,7 @@ _drehgeber_options()
     case $1 in
         list) echo " --json --help" ;;
         faults) echo " --json --help" ;;
-        run) echo " --pty= --tty= --rs485= --sim --gpio= --can= --slcan= --socketcand= --modbus= --ring= --nvm= --serial= --node= --shaft= --set= --control= --files= --trace= --time= --output= --fmi= --verbose --quiet --help --version" ;;
+        run) echo " --pty= --tty= --rs485= --sim --gpio= --can= --slcan= --socketcand= --modbus= --ring= --nvm= --serial= --node= --shaft= --set= --control= --files= --trace= --time= --verbose --quiet --help --version" ;;
         eds) echo " --help" ;;
         biss) echo " --nvm= --serial= --shaft= --set= --trace= --help" ;;
         ssi) echo " --shaft= --set= --trace= --help" ;;

@@ -92,6 +92,12 @@ const struct command_row *command_find(const char *name)
 
 /* --- the table of options --- */
 
+/* Who takes them names them. */
+static bool of_few(const struct argp_option *option)
+{
+    return option->key == KEY_JSON || option->key == KEY_OUTPUT || option->key == KEY_FMI;
+}
+
 static bool takes(const struct command_row *row, const struct argp_option *option)
 {
     struct lx_words word = {""};
@@ -99,7 +105,7 @@ static bool takes(const struct command_row *row, const struct argp_option *optio
         return true;
     }
     if (row->takes == NULL) {
-        return option->key != KEY_JSON;
+        return !of_few(option);
     }
     lx_words_add(&word, " %s ", option->name == NULL ? "" : option->name);
     return option->name == NULL ? row->takes[0] != '\0' : strstr(row->takes, word.text) != NULL;
@@ -368,7 +374,7 @@ static const struct argp_option *not_taken(const struct options *self)
                         self->command == COMMAND_EDS;
     for (const struct argp_option *row = self->table; !is_end(row); row++) {
         const bool given = (self->given >> (row - self->table) & 1u) != 0;
-        if (given && (strict || row->key == KEY_JSON) && !takes(self->row, row)) {
+        if (given && (strict || of_few(row)) && !takes(self->row, row)) {
             return row;
         }
     }

@@ -39,7 +39,8 @@ struct command_row {
     bool wires;        /* it takes options that name a wire, besides `takes` */
     const char *usage; /* behind "drehgeber " */
     const char *help;  /* may have several lines */
-    const char *takes; /* its options, with blanks around each; NULL: all but "json" */
+    const char *takes; /* its options, with blanks around each; NULL: all but those of files that
+                          it writes: "json", "output", "fmi" */
     /* COMMAND_ASK: do what options->words say over a simulated wire. Prints its own errors.
        @return how the program ends */
     int (*ask)(const struct options *options);
