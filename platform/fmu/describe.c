@@ -10,6 +10,7 @@
 /* clang-format off */
 static const char units[] =
     "    <Unit name=\"s\"><BaseUnit s=\"1\"/></Unit>\n"
+    "    <Unit name=\"us\"><BaseUnit s=\"1\" factor=\"1e-6\"/></Unit>\n"
     "    <Unit name=\"rad\"><BaseUnit rad=\"1\"/></Unit>\n"
     "    <Unit name=\"rad/s\"><BaseUnit rad=\"1\" s=\"-1\"/></Unit>\n"
     "    <Unit name=\"V\"><BaseUnit kg=\"1\" m=\"2\" s=\"-3\" A=\"-1\"/></Unit>\n"
