@@ -173,7 +173,7 @@ async def time_is_the_simulators(dut):
 
 
 def own_master(dut, encoder):
-    return BissMaster(dut, 1_000_000, 500_000, START + int(encoder.get("busy_us")), widths(encoder)[1])
+    return BissMaster(dut, 1_000_000, 500_000, START + round(float(encoder.get("busy_us"))), widths(encoder)[1])
 
 
 @limited
