@@ -29,9 +29,9 @@ static inline uint32_t lx_can_bytes(const struct dg_can_frame *frame)
 /** Load is measured in pieces of this. */
 #define LX_CAN_LOAD_WINDOW DG_S(1)
 /** Above this the bus is overloaded, until the load is no more than the other. A frame counts in
- * the window that it begins in: 135 bits at 10 kBd, and a few milliseconds that were made up for,
- * are up to 20 permille of a window that was full. */
-#define LX_CAN_OVERLOAD_PERMILLE 1020u
+ * the window that it begins in, 135 bits at 10 kBd, one of a master in that in which it has come,
+ * and a few milliseconds are made up for: up to 32 permille of a window that was full. */
+#define LX_CAN_OVERLOAD_PERMILLE 1040u
 #define LX_CAN_RELIEF_PERMILLE 900u
 
 /** A bus whose load is measured. */

@@ -161,7 +161,7 @@ def test_frames_take_their_time_with_pace(busy):
     rate = SLOW_BIT_RATE / TPDO1_BITS
     assert 0.5 * rate < tpdos_per_s(rig) < 1.05 * rate
     state = state_of(control)
-    assert 500 < int(state["wire_load_permille"]) <= 1020
+    assert 500 < int(state["wire_load_permille"]) <= 1040
     assert state["wire_lost"] == "0" and int(state["wire_stalls"]) > 0
     assert rig.read(0x1800, 5) == 1
     rig.nmt.send_command(0x80)

@@ -60,9 +60,9 @@ static void an_overload_begins_once(void **state)
         uint64_t bits; /* in this second, at 10 kBd */
         bool begins;
     } rows[] = {
-        {10200, false}, {10210, true}, {20000, false}, {10000, false},
-        {10210, false}, {9010, false}, {10210, false}, {9000, false},
-        {10200, false}, {10210, true}, {0, false},     {94000, true},
+        {10400, false}, {10410, true}, {20000, false}, {10000, false},
+        {10410, false}, {9010, false}, {10410, false}, {9000, false},
+        {10400, false}, {10410, true}, {0, false},     {94000, true},
     };
     struct lx_can_load load;
     uint64_t bits = 0;
