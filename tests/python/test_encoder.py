@@ -475,10 +475,18 @@ def test_faults_of_the_wire():
 def test_faults_that_are_none_here():
     with pytest.raises(EncoderError, match="no_such_fault"):
         Encoder("f3668").set_fault("no_such_fault")
-    with pytest.raises(EncoderError, match="wire"):
-        Encoder("s3684-biss").set_fault("wire_break")
+    with pytest.raises(EncoderError, match="wire_break"):
+        Encoder("f3668").set_fault("wire_break")
     with pytest.raises(EncoderError, match="was on"):
         Encoder("f3668", power=False).faults()
+
+
+def test_a_line_that_is_cut():
+    encoder = Encoder("s3684-biss", sl_low_at_start=0)
+    encoder.set_fault("wire_break")
+    assert encoder.active_faults() == ["wire_break"]
+    encoder.clear_fault()
+    assert encoder.active_faults() == []
 
 
 def test_lines_of_scpi():

@@ -404,8 +404,7 @@ class Encoder(Instrument):
         probability: float | None = None,
         duration_ms: float | None = None,
     ) -> None:
-        """Let a fault happen: until it is cleared, `count` times, or as long as it says. Faults of
-        lines and rings that there are none of here are refused."""
+        """Let a fault happen: until it is cleared, `count` times, or as long as it says."""
         with self.clock.lock:
             self._switch(name, True)
             if (count, probability, duration_ms) != (None, None, None):
