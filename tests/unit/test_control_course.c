@@ -240,6 +240,26 @@ static void test_a_file_in_parts(void **state)
     assert_true(told.gone);
 }
 
+/* As a rig file has it: from the start on, which is before the device is made. */
+static void test_before_there_is_a_device(void **state)
+{
+    static const struct dg_course_point points[] = {{0, 20000}, {DG_S(1), 30000}};
+    struct dg_encoder *encoder = &rig.encoder[CONTROL_RIG_HF];
+    void *device = encoder->device;
+    struct dg_rig_course course = {.course = {.points = points},
+                                   .quantity = DG_QUANTITY_TEMPERATURE};
+    (void)state;
+    assert_int_equal(dg_rig_follow(&rig.rig, encoder, &course, rig.now), DG_ERR_ARGUMENT);
+    assert_null(encoder->courses);
+    course.course.count = 2;
+    encoder->device = NULL;
+    assert_int_equal(dg_rig_follow(&rig.rig, encoder, &course, rig.now), DG_OK);
+    encoder->device = device;
+    expect("WORL:TEMP?", "20.000");
+    pass(DG_S(1));
+    expect("WORL:TEMP?;TEMP:PROF:STAT?", "30.000;0");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -253,6 +273,7 @@ int main(void)
         cmocka_unit_test_setup(test_refusals, setup),
         cmocka_unit_test_setup(test_as_many_points_as_fit, setup),
         cmocka_unit_test_setup(test_a_file_in_parts, setup),
+        cmocka_unit_test_setup(test_before_there_is_a_device, setup),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
