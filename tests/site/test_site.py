@@ -155,14 +155,15 @@ def test_figures_are_those_of_the_run(tmp_path):
         (tmp_path / f"{tree}.xml").write_text(f"<testsuite>{rows}</testsuite>")
     figures = tmp_path.parent / "size-m4/tests/bench"
     figures.mkdir(parents=True)
-    (figures / "cortex-m4.figures").write_text("cortex-m4\nf3668.flash 20860\nf3668.ram 1234\n")
+    (figures / "cortex-m4.figures").write_text("cortex-m4\nf3668.flash 20860\nf3668.ram 1234\nf3668-control.flash 50596 52101.5 -\n")
     code = "import made; print(*(made.make(name, []) for name in ('trees', 'conformance', 'power', 'mutation', 'fuzzing', " \
            "'sizes')), made.make('tests', ['power.']), sep='\\n')"
     said = subprocess.run([sys.executable, "-B", "-c", code], text=True, stdout=subprocess.PIPE, check=True, timeout=60,
                           cwd=TREE / "tools/site", env=os.environ | {"DREHGEBER_LOG": str(tmp_path)}).stdout
     for row in ("| `release` | 2 | 2 |", "| `biss` | 375 | 376 | 303 | 1 |", "**36 400 000 states**, 24 200 000 of",
                 "**95.0 %**: 57 of 60", "| `biss` | 85 | 12 000 | 574 |", "| `ssi` | not in this run |",
-                "| cortex-m4 | `f3668` | 20 860 | 1 234 |", "| `power.loss` | passed |"):
+                "| cortex-m4 | `f3668` | 20 860 | 1 234 |",
+                "| cortex-m4 | `f3668-control` | 50 596 |  |", "| `power.loss` | passed |"):
         assert row in said, said
 
 

@@ -244,8 +244,10 @@ def _sizes() -> str:
     for path in sorted(LOG.parent.glob("size*/tests/bench/*.figures")):
         group, *lines = path.read_text(encoding="utf-8").split("\n")
         figures = dict(line.split()[:2] for line in lines if line)
+        ram = {name: _thousands(value) for name, value in figures.items() if name.endswith(".ram")}
+        # Only images of a core alone have their RAM among the figures.
         rows += [f"| {group} | `{name.removesuffix('.flash')}` | {_thousands(flash)} | "
-                 f"{_thousands(figures[name.replace('.flash', '.ram')])} |"
+                 f"{ram.get(name.replace('.flash', '.ram'), '')} |"
                  for name, flash in figures.items() if name.endswith(".flash")]
     return "| processor | image | flash | RAM |\n|---|---|---|---|\n" + "\n".join(rows or [f"| {NOT_RUN} | | | |"])
 
