@@ -63,7 +63,7 @@ static const struct argp_option rows[] = {
     {.name = "node",    .key = KEY_NODE,    .arg = "N[..M]",    .doc = "CANopen node-ID (default: 63), or several; each has its own EEPROM FILE.N"},
     {.name = "shaft",   .key = KEY_SHAFT,   .arg = "MOTION",    .doc = "what the shaft does, see below (default: 0)"},
     {.name = "set",     .key = KEY_SET,     .arg = "KEY=VALUE", .doc = "see below; may be given again"},
-    {.name = "control", .key = KEY_CONTROL, .arg = "ADDRESS",   .doc = "SCPI at unix:PATH or tcp:HOST:PORT (loopback; ,open: beyond it, too), ,token=FILE behind it: for who knows the token; may be given again (default: unix:$XDG_RUNTIME_DIR/drehgeber/NAME.sock; in a service unix:$RUNTIME_DIRECTORY/NAME.sock)"},
+    {.name = "control", .key = KEY_CONTROL, .arg = "ADDRESS",   .doc = "SCPI at unix:PATH or tcp:HOST:PORT (loopback; ,open: beyond it, too), ,token=FILE behind it: for who knows the token; may be given again; for ctl also tty:PATH, the console of a board (default: unix:$XDG_RUNTIME_DIR/drehgeber/NAME.sock; in a service unix:$RUNTIME_DIRECTORY/NAME.sock)"},
     {.name = "files",   .key = KEY_FILES,   .arg = "DIR",       .doc = "traces, recordings and motions that SCPI names lie below DIR (default: here for unix:, nowhere for tcp:)"},
     {.name = "trace",   .key = KEY_TRACE,   .arg = "FILE",      .doc = "what goes over the wire: .vcd (RS485, BiSS, SSI), .log or .pcapng (CAN), .csv (INTERBUS)"},
     {.name = "time",    .key = KEY_TIME,    .arg = "virtual:SPAN", .doc = "live for a span such as 2.5S, 10MIN or 1H of virtual time, as fast as the machine can, and end"},
