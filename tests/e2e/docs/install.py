@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""What the first page says about installing, below a folder in place of / and with a tree that is built
-already: installed, a program built as the page says, uninstalled again. The jobs of tools/examples/ci are
+"""What the first page and docs/install.md say about installing, below a folder in place of / and with a tree
+that is built already: installed, a program built as the page says, uninstalled again. The jobs of tools/examples/ci are
 held to the same commands.
 
 usage: install.py TREE BUILD WORK
@@ -53,8 +53,9 @@ def main():
     tree, build, work = (Path(argument).resolve() for argument in sys.argv[1:])
     shutil.rmtree(work, ignore_errors=True)
     work.mkdir(parents=True)
-    page = (tree / "README.md").read_text(encoding="utf-8")
-    (_, install, _), (_, listing, _), (_, commands, printed) = MARKED.findall(page)
+    first, page = ((tree / name).read_text(encoding="utf-8") for name in ("README.md", "docs/install.md"))
+    [(_, install, _)] = MARKED.findall(first)
+    (_, listing, _), (_, commands, printed) = MARKED.findall(page)
     [uninstall] = re.findall(r"`(sudo cmake --build \S+ --target uninstall)`", page)
     root = work / "root"
 
