@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""The site as it is built for readers: no warning, no dead link, nothing from elsewhere, what pages say, search."""
+"""The site as it is built for readers: no warning, no dead link, nothing from elsewhere, what pages say."""
+import base64
 import html
-import json
 import os
 import posixpath
 import re
+import struct
 import subprocess
 import sys
 from html.parser import HTMLParser
@@ -12,7 +13,6 @@ from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
 import pytest
-from lunr import lunr
 from markdown_it import MarkdownIt
 
 TREE = Path(__file__).resolve().parents[2]
@@ -21,16 +21,6 @@ from sources import files  # noqa: E402
 
 LEFT_OUT = (".github/", ".gitlab/")
 PAGES = [page for page in files(str(TREE), suffixes=(".md",)) if not page.startswith(LEFT_OUT)]
-# What a newcomer types, and the page and part that answers, among the first three that are found.
-QUESTIONS = {
-    "how do I make it answer 1Dh": "docs/faults.html#how-do-i-make-it-answer-1dh",
-    "1Dh": "docs/faults.html",
-    "led_current_high": "docs/faults.html",
-    "wireshark": "docs/traces.html#canopen-wireshark",
-    "power cut": "docs/proof.html#power-cuts",
-    "dg_host_make": "docs/c/host.h.html#dg_host_make",
-    "USF drift": "docs/design.html#universal-scaling-without-drift",
-}
 
 
 class Page(HTMLParser):
@@ -135,12 +125,28 @@ def test_pictures_are_of_runs(site):
         assert said in text, said
 
 
-def test_picture_of_the_tree_is_that_of_the_program():
-    """python3 tools/site/made.py writes it."""
-    code = "import made, waveform; print(waveform.alone(waveform.frame_picture(made._biss_lines('0x78', '4'))), end='')"
+def test_picture_of_gtkwave_shows_something(site):
+    """An empty window is 3 kB."""
+    page = (site / "docs/traces.html").read_text(encoding="utf-8")
+    picture = base64.b64decode(re.search(r'src="data:image/png;base64,([^"]+)"', page)[1])
+    assert struct.unpack(">8x4x4sII", picture[:24]) == (b"IHDR", 1200, 220)
+    assert len(picture) > 10_000
+
+
+def test_playground_is_in_the_menu(site, pages):
+    assert "playground/index.html" in pages["index.html"].links
+    assert "../../playground/index.html" in pages["platform/web/index.html"].links
+    assert (site / "playground/drehgeber.wasm").stat().st_size > 100_000
+    assert not list((site / "playground").glob("screenshot*"))
+
+
+@pytest.mark.parametrize("picture", ["docs/biss.svg", "docs/drehgeber.svg"])
+def test_pictures_of_the_tree_are_those_of_the_program(picture):
+    """DREHGEBER=... python3 tools/site/made.py writes them."""
+    code = f"import made; print(made.PICTURES['{picture}'](), end='')"
     made = subprocess.run([sys.executable, "-B", "-c", code], text=True, stdout=subprocess.PIPE, check=True, timeout=60,
                           cwd=TREE / "tools/site").stdout
-    assert made == (TREE / "docs/biss.svg").read_text(encoding="utf-8")
+    assert made == (TREE / picture).read_text(encoding="utf-8")
 
 
 def test_figures_are_those_of_the_run(tmp_path):
@@ -165,28 +171,3 @@ def test_figures_are_those_of_the_run(tmp_path):
                 "| cortex-m4 | `f3668` | 20 860 | 1 234 |",
                 "| cortex-m4 | `f3668-control` | 50 596 |  |", "| `power.loss` | passed |"):
         assert row in said, said
-
-
-@pytest.fixture(scope="session")
-def search(site):
-    """search(words): locations, best first, by the index and in the way of the page's own script: every word, also
-    as the beginning of a longer one; what has all of them before what has some."""
-    index = json.loads((site / "search/search_index.json").read_text(encoding="utf-8"))
-    fields = [{"field_name": name, "boost": field["boost"]} for name, field in index["config"]["fields"].items()
-              if name != "tags"]
-    for document in index["docs"]:
-        for name in ("title", "text"):
-            plain = html.unescape(re.sub(r"<[^>]*>", " ", document[name]))
-            document[name] = re.sub(index["config"]["separator"], " ", plain)
-    found_by = lunr(ref="location", fields=fields, documents=index["docs"], languages="en")
-
-    def ask(words: str) -> list:
-        return [row["ref"] for row in found_by.search(" ".join(f"{word} {word}*" for word in words.split()))]
-
-    return ask
-
-
-@pytest.mark.parametrize("question, answer", QUESTIONS.items())
-def test_search_answers(search, question, answer):
-    found = search(question)
-    assert any(place.startswith(answer) for place in found[:3]), found[:10]

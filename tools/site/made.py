@@ -4,6 +4,7 @@
 Pictures are of the program $DREHGEBER, run now; figures are of the results that tools/check has left in the folder
 $DREHGEBER_LOG. What has not been run there is said so."""
 
+import base64
 import html
 import json
 import os
@@ -14,11 +15,12 @@ import time
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
+import overview
 import waveform
 
 PATIENCE_S = 20
 TREE = Path(__file__).resolve().parents[2]
-PROGRAM = os.environ["DREHGEBER"]
+PROGRAM = os.path.realpath(os.environ["DREHGEBER"])
 LOG = Path(os.environ.get("DREHGEBER_LOG", TREE / "build/log"))
 NOT_RUN = "not in this run"
 RIG = """[rig]
@@ -96,6 +98,28 @@ def _biss_access(address: str, count: str) -> str:
                 f"{' '.join(data)} comes back on CDS")))
 
 
+# The tools of the window's upper part, and no list of files at its left.
+GTKWAVE = ("gtkwave", "--nomenu", *(word for setting in ("splash_disable on", "hide_sst on", "initial_window_x 1200",
+                                                         "initial_window_y 220") for word in ("--rcvar", setting)))
+
+
+def _gtkwave() -> str:
+    """The end of a register access in GTKWave, on a screen that nobody sees."""
+    with tempfile.TemporaryDirectory() as folder:
+        _run(PROGRAM, "biss", "s3684-biss", "read", "registers", "0x78", "4", "read", "--shaft", "90DEG", "--trace",
+             "biss.vcd", cwd=folder)
+        trace = (Path(folder) / "biss.vcd").read_text(encoding="utf-8")
+        told = re.findall(r"^#(\d+)\n(?:[01].*\n)*sregister_", trace, re.M)[0]
+        at_us = int(told) * waveform.STEP_NS // 1000
+        (Path(folder) / "grab.tcl").write_text(f"gtkwave::setZoomRangeTimes {at_us - 144}us {at_us + 66}us\n"
+                                               "gtkwave::/File/Grab_To_File wave.png\ngtkwave::/File/Quit\n")
+        _run("xvfb-run", "--auto-servernum", "--server-args=-screen 0 1200x220x24", *GTKWAVE, "--script", "grab.tcl",
+             "biss.vcd", TREE / "tools/gtkwave/biss.gtkw", cwd=folder)
+        picture = (Path(folder) / "wave.png").read_bytes()
+    return _figure(f'<img alt="MA, SLO and text in GTKWave" src="data:image/png;base64,{base64.b64encode(picture).decode()}">',
+                   "GTKWave behind the last bit of the access: the text says what was read")
+
+
 class _Terminal:
     """A terminal of tmux in which top runs."""
 
@@ -160,6 +184,11 @@ def _faults(model: str) -> str:
     lines = [f"| `{row['name']}` | {html.escape(row['cause'])} | {html.escape(row['effect'])} | {row['chapter']} |"
              for row in rows]
     return "| fault | cause | what the encoder does | manual |\n|---|---|---|---|\n" + "\n".join(lines)
+
+
+def _playground() -> str:
+    """Where it is in the site; the page that says this is a folder's."""
+    return "**[Open it](../../playground/index.html)**, or take [the one file](../../playground/drehgeber.html)."
 
 
 def _results(tree: str) -> dict:
@@ -260,9 +289,9 @@ def _tests(*beginnings: str) -> str:
 
 
 MAKERS = {
-    "biss-access": _biss_access, "top": _top, "wireshark": _wireshark, "faults": _faults, "trees": _trees,
+    "biss-access": _biss_access, "gtkwave": _gtkwave, "top": _top, "wireshark": _wireshark, "faults": _faults, "trees": _trees,
     "conformance": _conformance, "fuzzing": _fuzzing, "mutation": _mutation, "power": _power, "headers": _headers,
-    "sizes": _sizes, "tests": _tests,
+    "sizes": _sizes, "tests": _tests, "playground": _playground,
 }
 
 
@@ -270,6 +299,13 @@ def make(name: str, words: list) -> str:
     return MAKERS[name](*words)
 
 
+# Pictures that are in the tree, for readers of the pages as they are.
+PICTURES = {
+    "docs/biss.svg": lambda: waveform.alone(waveform.frame_picture(_biss_lines("0x78", "4"))),
+    "docs/drehgeber.svg": lambda: overview.picture(PROGRAM),
+}
+
+
 if __name__ == "__main__":
-    # The picture of README.md: one that is in the tree.
-    Path(TREE / "docs/biss.svg").write_text(waveform.alone(waveform.frame_picture(_biss_lines("0x78", "4"))), encoding="utf-8")
+    for path, picture in PICTURES.items():
+        (TREE / path).write_text(picture(), encoding="utf-8")

@@ -2,7 +2,7 @@
 """Hook of MkDocs: the pages of the tree are the pages of the site, at the same places, so that links between
 them hold here as there. A link to a file that is no page leads to one that shows the file, a link to a folder
 to its README.md, or to one that lists its files; pictures come along. `<!-- made: NAME -->` becomes what made.py
-makes of that."""
+makes of that. The playground that was built with the program is in it, as it is."""
 
 import os
 import posixpath
@@ -10,7 +10,9 @@ import re
 import sys
 from pathlib import Path
 
+from mkdocs.exceptions import PluginError
 from mkdocs.structure.files import File
+from mkdocs.structure.nav import Link
 from pathspec import PathSpec
 
 HERE = Path(__file__).resolve().parent
@@ -25,6 +27,9 @@ LEFT_OUT = (".github/", ".gitlab/")
 LANGUAGES = {".py": "python", ".c": "c", ".h": "c", ".yml": "yaml", ".yaml": "yaml", ".ini": "ini", ".v": "verilog",
              ".vhd": "vhdl", ".sv": "systemverilog"}
 PICTURES = (".svg", ".png")
+PLAYGROUND = "playground"
+BOOSTS = (("docs/c/", 0.3), ("docs/python.md", 0.5), ("docs/", 3), ("tools/python/README.md", 3),
+          ("tests/", 0.3), ("ARCHITECTURE.md", 0.3), ("CONTRIBUTING.md", 0.3), ("CHANGELOG.md", 0.3))
 LINK = re.compile(r"(\]\()([^)\s#]+)((?:#[^)\s]*)?\))")
 FENCE = re.compile(r"^ {0,3}(```|~~~)")
 MADE = re.compile(r"<!-- made: ([\w-]+)((?: [\w./-]+)*) -->")
@@ -83,6 +88,15 @@ def _named(menu):
             yield from [value] if isinstance(value, str) else _named(value)
 
 
+def _playground(config) -> list:
+    """Its files, without what its tests leave there."""
+    folder = Path(made.PROGRAM).parent / PLAYGROUND
+    paths = sorted(path for path in folder.glob("*") if not path.name.startswith("screenshot"))
+    if not any(path.name == "index.html" for path in paths):
+        raise PluginError(f"{folder} has no playground: cmake --build --target playground makes it")
+    return [File.generated(config, f"{PLAYGROUND}/{path.name}", abs_src_path=str(path)) for path in paths]
+
+
 def on_files(files, config):
     pages = {path for path in files_of_tree(str(TREE), suffixes=(".md",)) if not path.startswith(LEFT_OUT)}
     texts = {path: (TREE / path).read_text(encoding="utf-8") for path in pages}
@@ -103,7 +117,10 @@ def on_files(files, config):
         files.append(File.generated(config, path, content=text))
     for path in sorted(pictures):
         files.append(File.generated(config, path, abs_src_path=str(TREE / path)))
+    for file in _playground(config):
+        files.append(file)
     # Who looks for a file finds it by a link; they are not in the menu. A page that the menu does not name is.
+    config.extra["shown"] = shown
     hidden = shown | {path for path in texts if path.startswith("docs/c/")}
     config.not_in_nav = PathSpec.from_lines("gitwildmatch", [f"/{path}" for path in sorted(hidden)])
     more = sorted(set(texts) - hidden - set(_named(config.nav)))
@@ -112,5 +129,20 @@ def on_files(files, config):
     return files
 
 
+def _boost(path: str) -> float:
+    """How much a page counts in the search: what was written for who begins most, what is for who changes something
+    least."""
+    return next((boost for begin, boost in BOOSTS if path.startswith(begin)), 1)
+
+
+def on_nav(nav, config, files):
+    """The playground is no page, and is in the menu all the same, behind the first entry."""
+    nav.items.insert(1, Link("Playground", f"{PLAYGROUND}/index.html"))
+    return nav
+
+
 def on_page_markdown(markdown, page, config, files):
+    page.meta["search"] = {"boost": _boost(page.file.src_uri)}
+    if page.file.src_uri in config.extra["shown"]:
+        page.meta["search"]["exclude"] = True
     return MADE.sub(lambda match: made.make(match[1], match[2].split()), markdown)

@@ -24,9 +24,9 @@ class Frame(NamedTuple):
     cdm: int
 
 
-def read(text: str) -> dict:
-    """Changes of MA and SLO, as (ns, level)."""
-    now, lines = 0, {"MA": [], "SLO": []}
+def read(text: str, wanted=("MA", "SLO")) -> dict:
+    """Changes of these lines, as (ns, level)."""
+    now, lines = 0, {name: [] for name in wanted}
     names = {sign: name for sign, name in re.findall(r"\$var wire 1 (\S+) (\w+) \$end", text)}
     for row in text.split("$enddefinitions $end", 1)[1].split():
         if row[0] == "#":
@@ -90,11 +90,11 @@ def access_of(all_frames: list, count: int) -> tuple:
     return begin, fields(cdm[begin:], HEAD + BYTE * count), fields(answer, HEAD + BYTE * count)
 
 
-def _steps(points: list, y: int) -> str:
+def steps(points: list, y: int, high: int = 22) -> str:
     """A path through (x, level)."""
     out, before = [], None
     for x, value in points:
-        height = y - 22 * value
+        height = y - high * value
         out.append(f"{'M' if before is None else 'H'}{x:.1f}" + (f" {height}" if before is None else f"V{height}"))
         before = value
     return f'<path d="{"".join(out)}"/>'
@@ -132,7 +132,7 @@ def frame_picture(lines: dict) -> str:
         points = [(x_of(begin), level(line, begin))]
         points += [(x_of(at), value) for at, value in line if begin < at < end]
         points.append((x_of(end), points[-1][1]))
-        parts += [f'<text class="l" x="0" y="{y - 6}">{name}</text>', _steps(points, y)]
+        parts += [f'<text class="l" x="0" y="{y - 6}">{name}</text>', steps(points, y)]
     start = start_of(frame)
     y = 84
     parts.append(_mark(x_of(frame.edges[1]), (start - 1) * period * scale, y, "Ack"))
@@ -158,7 +158,7 @@ def access_picture(lines: dict, count: int) -> str:
         y = 34 + row * 66
         shown = bits[first:first + total + 6]
         points = [(LEFT + k * scale, bit) for k, bit in enumerate(shown)] + [(LEFT + len(shown) * scale, shown[-1])]
-        parts += [f'<text class="l" x="0" y="{y - 6}">{name}</text>', _steps(points, y)]
+        parts += [f'<text class="l" x="0" y="{y - 6}">{name}</text>', steps(points, y)]
         late = row  # CDS answers in the next frame
         for part, at, part_bits in (asked, answered)[row]:
             is_word = part == "DATA" if row else part == "ADR"
