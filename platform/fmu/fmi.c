@@ -1,0 +1,214 @@
+/* SPDX-License-Identifier: MIT */
+#include "fmi.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+int fmi_failed(const struct fmi *self, const char *what, int result)
+{
+    char text[128];
+    (void)snprintf(text, sizeof text, "%s: %s", what, dg_host_result_text(result));
+    self->tell(self, text);
+    return FMI_ERROR;
+}
+
+int fmi_refused(const struct fmi *self, const char *what)
+{
+    return fmi_failed(self, what, DG_HOST_ERR_ARGUMENT);
+}
+
+/* What a result of host.h is to an importer. */
+static int status_of(const struct fmi *self, const char *what, int result)
+{
+    return result == DG_HOST_OK ? FMI_OK : fmi_failed(self, what, result);
+}
+
+/* --- life --- */
+
+void *fmi_begin(struct fmi *self, const char *token)
+{
+    self->fmu = fmu_make(token);
+    if (self->fmu == NULL) {
+        (void)fmi_failed(self, "the token (guid) of the model description is another build's",
+                         DG_HOST_ERR_OTHER);
+        free(self);
+        return NULL;
+    }
+    return self;
+}
+
+void fmi_end(struct fmi *self)
+{
+    if (self != NULL) {
+        fmu_free(self->fmu);
+        free(self->texts);
+        free(self);
+    }
+}
+
+static int power_on(struct fmi *self)
+{
+    return status_of(self, "power-on", fmu_start(self->fmu, self->start));
+}
+
+int fmi_initialized(struct fmi *self)
+{
+    self->initializing = false;
+    return power_on(self);
+}
+
+int fmi_reset(struct fmi *self)
+{
+    self->initializing = false;
+    return fmu_reset(self->fmu) == 0 ? FMI_OK : FMI_ERROR;
+}
+
+/* --- values --- */
+
+int fmi_get(struct fmi *self, uint32_t reference, struct fmu_value *to)
+{
+    if (self->initializing && power_on(self) != FMI_OK) {
+        return FMI_ERROR;
+    }
+    return status_of(self, "get", fmu_get(self->fmu, reference, to));
+}
+
+static int set(struct fmi *self, uint32_t reference, const struct fmu_value *value)
+{
+    return status_of(self, "set", fmu_set(self->fmu, reference, value));
+}
+
+int fmi_set_integer(struct fmi *self, uint32_t reference, enum fmu_type type, int64_t value)
+{
+    const struct fmu_value of = {.type = type, .real = (double)value, .integer = value};
+    return set(self, reference, &of);
+}
+
+int fmi_get_reals(struct fmi *self, const uint32_t references[], size_t n, double values[],
+                  size_t room)
+{
+    struct fmu_value value;
+    if (room < n) {
+        return fmi_refused(self, "room for values");
+    }
+    for (size_t i = 0; i < n; i++) {
+        if (fmi_get(self, references[i], &value) != FMI_OK) {
+            return FMI_ERROR;
+        }
+        values[i] = value.real;
+    }
+    return FMI_OK;
+}
+
+int fmi_set_reals(struct fmi *self, const uint32_t references[], size_t n, const double values[],
+                  size_t room)
+{
+    if (room < n) {
+        return fmi_refused(self, "fewer values than variables");
+    }
+    for (size_t i = 0; i < n; i++) {
+        const struct fmu_value value = {.type = FMU_REAL, .real = values[i]};
+        if (set(self, references[i], &value) != FMI_OK) {
+            return FMI_ERROR;
+        }
+    }
+    return FMI_OK;
+}
+
+int fmi_get_texts(struct fmi *self, const uint32_t references[], size_t n, const char *values[],
+                  size_t room)
+{
+    struct fmu_value value;
+    char(*texts)[FMU_NAME_MAX] = n == 0 ? NULL : calloc(n, sizeof *texts);
+    free(self->texts);
+    self->texts = texts;
+    if (room < n || (n > 0 && texts == NULL)) {
+        return fmi_failed(self, "Strings", DG_HOST_ERR_SPACE);
+    }
+    for (size_t i = 0; i < n; i++) {
+        if (fmi_get(self, references[i], &value) != FMI_OK) {
+            return FMI_ERROR;
+        }
+        memcpy(texts[i], value.text, sizeof texts[i]);
+        values[i] = texts[i];
+    }
+    return FMI_OK;
+}
+
+int fmi_set_texts(struct fmi *self, const uint32_t references[], size_t n,
+                  const char *const values[], size_t room)
+{
+    for (size_t i = 0; i < n; i++) {
+        struct fmu_value value = {.type = FMU_TEXT};
+        if (i >= room || strlen(values[i]) >= sizeof value.text) {
+            return fmi_failed(self, "a String", DG_HOST_ERR_SPACE);
+        }
+        memcpy(value.text, values[i], strlen(values[i]) + 1);
+        if (set(self, references[i], &value) != FMI_OK) {
+            return FMI_ERROR;
+        }
+    }
+    return FMI_OK;
+}
+
+/* --- states --- */
+
+struct state {
+    size_t n;
+    uint8_t bytes[];
+};
+
+int fmi_state_get(struct fmi *self, void **to)
+{
+    const size_t n = fmu_state_size(self->fmu);
+    struct state *state = *to != NULL ? *to : malloc(sizeof *state + n);
+    if (state == NULL) {
+        return FMI_ERROR;
+    }
+    state->n = n;
+    *to = state;
+    return status_of(self, "a state", fmu_save(self->fmu, state->bytes, n));
+}
+
+int fmi_state_set(struct fmi *self, const void *from)
+{
+    const struct state *state = from;
+    return status_of(self, "a state", fmu_restore(self->fmu, state->bytes, state->n));
+}
+
+int fmi_state_free(void **state)
+{
+    free(*state);
+    *state = NULL;
+    return FMI_OK;
+}
+
+int fmi_state_size(const void *state, size_t *n)
+{
+    *n = ((const struct state *)state)->n;
+    return FMI_OK;
+}
+
+int fmi_state_pack(struct fmi *self, const void *state, uint8_t bytes[], size_t n)
+{
+    const struct state *of = state;
+    if (n < of->n) {
+        return fmi_failed(self, "a state", DG_HOST_ERR_SPACE);
+    }
+    memcpy(bytes, of->bytes, of->n);
+    return FMI_OK;
+}
+
+int fmi_state_unpack(const uint8_t bytes[], size_t n, void **to)
+{
+    struct state *state = malloc(sizeof *state + n);
+    if (state == NULL) {
+        return FMI_ERROR;
+    }
+    free(*to);
+    state->n = n;
+    memcpy(state->bytes, bytes, n);
+    *to = state;
+    return FMI_OK;
+}

@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * What the functions of all versions of FMI have in common: an instance, values of the types that
+ * both versions know, states. Results are fmi2Status and fmi3Status, which have the same numbers;
+ * what goes wrong is told to the importer first. Nothing here may be NULL unless it is said.
+ */
+#ifndef DREHGEBER_FMI_H
+#define DREHGEBER_FMI_H
+
+#include "fmu.h"
+
+/** What makes a name one that a shared object exports. */
+#if defined(_WIN32)
+#define FMI_EXPORT __declspec(dllexport)
+#elif defined(__GNUC__)
+#define FMI_EXPORT __attribute__((visibility("default")))
+#else
+#define FMI_EXPORT
+#endif
+/** The head of a function that an importer finds by its name only. */
+#define FMI_FUNCTION(type, name, arguments)                                                        \
+    FMI_EXPORT type name arguments;                                                                \
+    type name arguments
+/** One that has nothing to do here. */
+#define FMI_NOTHING(name, arguments)                                                               \
+    FMI_FUNCTION(int, name, arguments)                                                             \
+    {                                                                                              \
+        return FMI_OK;                                                                             \
+    }
+/** One of what an encoder has not; the first argument is `of`. */
+#define FMI_NOT_HERE(name, arguments)                                                              \
+    FMI_FUNCTION(int, name, arguments)                                                             \
+    {                                                                                              \
+        return fmi_failed(of, #name, DG_HOST_ERR_NAME);                                            \
+    }
+
+/** The functions for states, by their names. */
+#define FMI_STATES(get, set, release, size, pack, unpack)                                          \
+    FMI_FUNCTION(int, get, (void *of, void **to))                                                  \
+    {                                                                                              \
+        return fmi_state_get(of, to);                                                              \
+    }                                                                                              \
+    FMI_FUNCTION(int, set, (void *of, void *from))                                                 \
+    {                                                                                              \
+        return fmi_state_set(of, from);                                                            \
+    }                                                                                              \
+    FMI_FUNCTION(int, release, (void *of, void **state))                                           \
+    {                                                                                              \
+        return fmi_state_free(state);                                                              \
+    }                                                                                              \
+    FMI_FUNCTION(int, size, (void *of, void *state, size_t *n))                                    \
+    {                                                                                              \
+        return fmi_state_size(state, n);                                                           \
+    }                                                                                              \
+    FMI_FUNCTION(int, pack, (void *of, void *from, uint8_t bytes[], size_t n))                     \
+    {                                                                                              \
+        return fmi_state_pack(of, from, bytes, n);                                                 \
+    }                                                                                              \
+    FMI_FUNCTION(int, unpack, (void *of, const uint8_t bytes[], size_t n, void **to))              \
+    {                                                                                              \
+        return fmi_state_unpack(bytes, n, to);                                                     \
+    }
+
+/** What functions return. */
+enum fmi_status { FMI_OK, FMI_WARNING, FMI_DISCARD, FMI_ERROR, FMI_FATAL };
+
+/** The first member of what a version calls an instance, so that a pointer to one is one to it. */
+struct fmi {
+    struct fmu *fmu;
+    /** Tell the importer, for the category logStatusError; set before fmi_begin(). */
+    void (*tell)(const struct fmi *self, const char *text);
+    double start; /**< of the simulation, in s */
+    bool initializing;
+    char (*texts)[FMU_NAME_MAX]; /**< owned: those that were got last */
+};
+
+/** `self` is of calloc(), and is released if the token is of no use. @return `self`, or NULL */
+void *fmi_begin(struct fmi *self, const char *token);
+/** Release it; NULL is nothing. */
+void fmi_end(struct fmi *self);
+/** Initialization is over: power. */
+int fmi_initialized(struct fmi *self);
+/** As it was instantiated. */
+int fmi_reset(struct fmi *self);
+
+/** What was the matter, `result` of host.h. @return FMI_ERROR */
+int fmi_failed(const struct fmi *self, const char *what, int result);
+/** An argument was not right. @return FMI_ERROR */
+int fmi_refused(const struct fmi *self, const char *what);
+
+/** A value; while initializing the first that is got switches the encoders on. */
+int fmi_get(struct fmi *self, uint32_t reference, struct fmu_value *to);
+int fmi_set_integer(struct fmi *self, uint32_t reference, enum fmu_type type, int64_t value);
+
+/** `n` variables at once, `room` values: refused if that is less. */
+int fmi_get_reals(struct fmi *self, const uint32_t references[], size_t n, double values[],
+                  size_t room);
+int fmi_set_reals(struct fmi *self, const uint32_t references[], size_t n, const double values[],
+                  size_t room);
+/** The texts last until the next call. */
+int fmi_get_texts(struct fmi *self, const uint32_t references[], size_t n, const char *values[],
+                  size_t room);
+int fmi_set_texts(struct fmi *self, const uint32_t references[], size_t n,
+                  const char *const values[], size_t room);
+
+/** States: one of `to` is used again, NULL there makes one; bytes are the same in every process. */
+int fmi_state_get(struct fmi *self, void **to);
+int fmi_state_set(struct fmi *self, const void *from);
+int fmi_state_free(void **state);
+int fmi_state_size(const void *state, size_t *n);
+int fmi_state_pack(struct fmi *self, const void *state, uint8_t bytes[], size_t n);
+int fmi_state_unpack(const uint8_t bytes[], size_t n, void **to);
+
+#endif
