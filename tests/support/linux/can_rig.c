@@ -13,7 +13,7 @@
 #include <cmocka.h>
 
 #include "drehgeber/devices.h"
-#include "station_fault.h"
+#include "station_rig.h"
 
 #define TURN_US 1000u
 
@@ -94,12 +94,6 @@ struct can_wire *can_rig_wire(const struct can_rig *self)
 
 /* --- the bench --- */
 
-static dg_angle angle_of(void *ctx, dg_ns now)
-{
-    (void)now;
-    return *(dg_angle *)ctx;
-}
-
 int can_rig_set_up(void **state)
 {
     struct can_rig *self = calloc(1, sizeof *self);
@@ -153,21 +147,14 @@ void can_rig_plan(struct can_rig *self, size_t count)
     self->plan.encoder_count = 0;
     for (size_t i = 0; i < count; i++) {
         struct lx_plan_encoder *encoder = &self->encoder[i];
-        struct lx_station *station = &self->station[i];
         (void)snprintf(self->name[i], sizeof self->name[i], "e%zu", i);
         *encoder = (struct lx_plan_encoder){
             .name = self->name[i],
             .model = dg_device_find(i % 2 == 0 ? "f3668" : "f3658"),
             .address = (int)i + 1,
         };
-        *station = (struct lx_station){.plan = encoder, .place = i};
-        dg_world_init(&station->world);
-        station->world.angle = angle_of;
-        station->world.angle_ctx = &self->angle[i];
-        station->control.name = self->name[i];
-        station->control.model = encoder->model;
-        station->control.world = &station->world;
-        self->stations[i] = station;
+        station_make(&self->station[i], encoder, i, &self->angle[i]);
+        self->stations[i] = &self->station[i];
     }
 }
 
@@ -216,13 +203,13 @@ void can_rig_changed(struct can_rig *self, size_t i)
 
 void can_rig_bend(struct can_rig *self, size_t i, enum dg_wire_fault fault, uint32_t count)
 {
-    station_bend(&self->station[i], &dg_cia406_stack, fault, count);
+    station_bend(&self->station[i], lx_now(), fault, count);
     can_rig_changed(self, i);
 }
 
 void can_rig_mend(struct can_rig *self, size_t i, enum dg_wire_fault fault)
 {
-    station_mend(&self->station[i], &dg_cia406_stack, fault);
+    station_mend(&self->station[i], fault);
     can_rig_changed(self, i);
 }
 

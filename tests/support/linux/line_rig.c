@@ -13,20 +13,15 @@
 
 #include <cmocka.h>
 
-#include "drehgeber/instruments.h"
+#include "drehgeber/devices.h"
 #include "hf_rig.h"
 #include "hf_settings.h"
+#include "station_rig.h"
 #include "timer.h"
 
 #define MODEL "s3684-rs485"
 /* The pause that ends a frame at 9600 Bd, with room. */
 #define PAUSE DG_MS(12)
-
-static dg_angle turned(void *ctx, dg_ns now)
-{
-    (void)now;
-    return *(const dg_angle *)ctx;
-}
 
 static void on_event(void *ctx, const struct lx_tap_event *event)
 {
@@ -158,16 +153,8 @@ void line_rig_stations(struct line_rig *self)
 {
     assert_true(sd_event_new(&self->event) >= 0);
     for (size_t i = 0; i < self->plan.encoder_count; i++) {
-        struct lx_station *station = &self->station[i];
-        dg_world_init(&station->world);
-        station->world.angle = turned;
-        station->world.angle_ctx = &self->shaft;
-        station->plan = &self->plan.encoders[i];
-        station->place = i;
-        station->control.name = station->plan->name;
-        station->control.model = station->plan->model;
-        station->control.world = &station->world;
-        self->stations[i] = station;
+        station_make(&self->station[i], &self->plan.encoders[i], i, &self->shaft);
+        self->stations[i] = &self->station[i];
     }
     self->setup = (struct lx_bus_setup){
         .event = self->event,
@@ -220,20 +207,8 @@ void line_rig_changed(struct line_rig *self, size_t index)
     self->bus->ops->changed(self->bus, self->stations[index], lx_now());
 }
 
-void line_rig_inject(struct line_rig *self, size_t index, const char *name, uint32_t count)
+void line_rig_bend(struct line_rig *self, size_t index, enum dg_wire_fault fault, uint32_t count)
 {
-    struct lx_station *station = self->stations[index];
-    const struct dg_fault_target target = {
-        .instrument = &dg_hf_instrument,
-        .world = &station->world,
-        .layout = &dg_hf_layout,
-        .nvm = station->control.nvm,
-    };
-    const struct dg_fault_limits limits = {
-        .count = count, .probability_ppm = 1000000, .duration = DG_NEVER};
-    const int entry = dg_fault_find(&target, name);
-    assert_true(entry >= 0);
-    assert_int_equal(
-        dg_fault_set(&station->control.faults, &target, (size_t)entry, lx_now(), &limits), 0);
+    station_bend(self->stations[index], lx_now(), fault, count);
     line_rig_changed(self, index);
 }

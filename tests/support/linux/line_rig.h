@@ -90,7 +90,7 @@ size_t line_rig_ask(struct line_rig *self, uint8_t address, const char *command,
 void line_rig_answers(struct line_rig *self, uint8_t address);
 void line_rig_silent(struct line_rig *self, uint8_t address);
 
-/** Let a fault happen `count` times (0: until cleared). */
-void line_rig_inject(struct line_rig *self, size_t index, const char *name, uint32_t count);
+/** Let a fault happen to `count` frames (0: until mended). */
+void line_rig_bend(struct line_rig *self, size_t index, enum dg_wire_fault fault, uint32_t count);
 
 #endif

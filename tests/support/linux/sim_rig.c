@@ -9,16 +9,11 @@
 #include <cmocka.h>
 
 #include "biss_settings.h"
-#include "drehgeber/instruments.h"
+#include "drehgeber/devices.h"
+#include "station_rig.h"
 #include "timer.h"
 
 #define MODEL "s3684-biss"
-
-static dg_angle turned(void *ctx, dg_ns now)
-{
-    (void)now;
-    return *(const dg_angle *)ctx;
-}
 
 static void on_event(void *ctx, const struct lx_tap_event *event)
 {
@@ -57,15 +52,8 @@ void sim_rig_stations(struct sim_rig *self)
 {
     assert_true(sd_event_new(&self->event) >= 0);
     for (size_t i = 0; i < self->plan.encoder_count; i++) {
-        struct lx_station *station = &self->station[i];
-        dg_world_init(&station->world);
-        station->world.angle = turned;
-        station->world.angle_ctx = &self->shaft[i];
-        station->plan = &self->plan.encoders[i];
-        station->place = i;
-        station->control.name = station->plan->name;
-        station->control.world = &station->world;
-        self->stations[i] = station;
+        station_make(&self->station[i], &self->plan.encoders[i], i, &self->shaft[i]);
+        self->stations[i] = &self->station[i];
     }
     self->clock.real = lx_now();
     self->setup = (struct lx_bus_setup){
@@ -147,20 +135,7 @@ int sim_rig_write(struct sim_rig *self, size_t place, uint8_t address, const uin
     return port->write(encoder->port_ctx, address, bytes, n, self->detail);
 }
 
-void sim_rig_inject(struct sim_rig *self, size_t place, const char *name, uint32_t count)
+void sim_rig_bend(struct sim_rig *self, size_t place, enum dg_wire_fault fault, uint32_t count)
 {
-    struct lx_station *station = self->stations[place];
-    const struct dg_fault_target target = {
-        .instrument = &dg_biss_instrument,
-        .world = &station->world,
-        .layout = &dg_biss_layout,
-        .nvm = station->control.nvm,
-    };
-    const struct dg_fault_limits limits = {
-        .count = count, .probability_ppm = 1000000, .duration = DG_NEVER};
-    const int entry = dg_fault_find(&target, name);
-    assert_true(entry >= 0);
-    assert_int_equal(dg_fault_set(&station->control.faults, &target, (size_t)entry,
-                                  self->clock.virtual_, &limits),
-                     0);
+    station_bend(self->stations[place], self->clock.virtual_, fault, count);
 }

@@ -80,7 +80,7 @@ int sim_rig_read(struct sim_rig *self, size_t place, uint8_t address, uint8_t *b
 int sim_rig_write(struct sim_rig *self, size_t place, uint8_t address, const uint8_t *bytes,
                   size_t n);
 
-/** Set a fault; `count` 0: it stays. */
-void sim_rig_inject(struct sim_rig *self, size_t place, const char *name, uint32_t count);
+/** Let a fault happen to `count` frames (0: it stays). */
+void sim_rig_bend(struct sim_rig *self, size_t place, enum dg_wire_fault fault, uint32_t count);
 
 #endif

@@ -28,7 +28,7 @@ static void a_dropped_reply_does_not_come(void **state)
     (void)state;
     line_rig_plan(&rig, 2, NULL);
     line_rig_open_pty(&rig);
-    line_rig_inject(&rig, 0, "wire_drop", 1);
+    line_rig_bend(&rig, 0, DG_WIRE_DROP, 1);
     line_rig_silent(&rig, 0x40);
     assert_int_equal(line_rig_device(&rig, 0)->counters.replies, 1);
     line_rig_answers(&rig, 0x40);
@@ -42,7 +42,7 @@ static void a_deaf_encoder_hears_no_request(void **state)
     (void)state;
     line_rig_plan(&rig, 2, NULL);
     line_rig_open_pty(&rig);
-    line_rig_inject(&rig, 0, "wire_deaf", 2);
+    line_rig_bend(&rig, 0, DG_WIRE_DEAF, 2);
     line_rig_answers(&rig, 0x41);
     line_rig_silent(&rig, 0x40);
     line_rig_silent(&rig, 0x40);
@@ -57,7 +57,7 @@ static void a_damaged_reply_has_one_wrong_bit(void **state)
     (void)state;
     line_rig_plan(&rig, 2, NULL);
     line_rig_open_pty(&rig);
-    line_rig_inject(&rig, 0, "wire_damage", 1);
+    line_rig_bend(&rig, 0, DG_WIRE_DAMAGE, 1);
     line_rig_request(&rig, 0x40, LINE_READ_POSITION);
     assert_int_equal(line_rig_receive(&rig, 7, LINE_PATIENCE), 7);
     const uint8_t wanted[] = {0x40, 0x42, 0, 0, 0, 0, 0x02};
@@ -77,7 +77,7 @@ static void a_duplicated_reply_comes_twice(void **state)
     (void)state;
     line_rig_plan(&rig, 1, NULL);
     line_rig_open_pty(&rig);
-    line_rig_inject(&rig, 0, "wire_duplicate", 1);
+    line_rig_bend(&rig, 0, DG_WIRE_DUPLICATE, 1);
     line_rig_request(&rig, 0x40, LINE_READ_POSITION);
     assert_int_equal(line_rig_receive(&rig, 15, DG_MS(100)), 14);
     assert_memory_equal(rig.reply, rig.reply + 7, 7);
@@ -92,7 +92,7 @@ static void a_delayed_reply_comes_late(void **state)
     const dg_ns delay = (dg_ns)dg_fault_wire_value(&dg_hf_instrument, DG_WIRE_DELAY);
     line_rig_plan(&rig, 1, NULL);
     line_rig_open_pty(&rig);
-    line_rig_inject(&rig, 0, "wire_delay", 1);
+    line_rig_bend(&rig, 0, DG_WIRE_DELAY, 1);
     line_rig_request(&rig, 0x40, LINE_READ_POSITION);
     const dg_ns begin = lx_now();
     assert_int_equal(line_rig_receive(&rig, 7, LINE_PATIENCE), 7);

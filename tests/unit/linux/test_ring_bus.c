@@ -21,7 +21,7 @@
 #include "drehgeber/bits.h"
 #include "drehgeber/devices.h"
 #include "modbus.h"
-#include "station_fault.h"
+#include "station_rig.h"
 
 #define DEVICES_MAX 3u
 #define PATIENCE DG_S(5)
@@ -58,12 +58,6 @@ struct bench {
     modbus_t *client;
     struct ears ears;
 };
-
-static dg_angle angle_of(void *ctx, dg_ns now)
-{
-    (void)now;
-    return *(dg_angle *)ctx;
-}
 
 static void set(struct lx_plan_settings *settings, const char *assignment)
 {
@@ -145,7 +139,6 @@ static void plan_ring(struct bench *self, const char *const *models, size_t coun
     };
     for (size_t i = 0; i < count; i++) {
         struct lx_plan_encoder *encoder = &self->encoder[i];
-        struct lx_station *station = &self->station[i];
         (void)snprintf(self->name[i], sizeof self->name[i], "e%zu", i);
         *encoder = (struct lx_plan_encoder){
             .name = self->name[i],
@@ -153,14 +146,8 @@ static void plan_ring(struct bench *self, const char *const *models, size_t coun
             .serial_line = 8,
         };
         set(&encoder->settings, "self_test_ms=0");
-        *station = (struct lx_station){.plan = encoder, .place = i};
-        dg_world_init(&station->world);
-        station->world.angle = angle_of;
-        station->world.angle_ctx = &self->angle[i];
-        station->control.name = self->name[i];
-        station->control.model = encoder->model;
-        station->control.world = &station->world;
-        self->stations[i] = station;
+        station_make(&self->station[i], encoder, i, &self->angle[i]);
+        self->stations[i] = &self->station[i];
     }
 }
 
@@ -294,14 +281,14 @@ static void changed(struct bench *self, size_t i)
 static void bend(struct bench *self, size_t i, enum dg_wire_fault fault, uint32_t count)
 {
     look(self);
-    station_bend(&self->station[i], &dg_ib_stack, fault, count);
+    station_bend(&self->station[i], lx_now(), fault, count);
     changed(self, i);
 }
 
 static void mend(struct bench *self, size_t i, enum dg_wire_fault fault)
 {
     look(self);
-    station_mend(&self->station[i], &dg_ib_stack, fault);
+    station_mend(&self->station[i], fault);
     changed(self, i);
 }
 

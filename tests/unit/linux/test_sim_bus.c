@@ -135,7 +135,7 @@ static void a_fault_is_used_up_by_frames_that_nobody_sees(void **state)
     const struct dg_faults *faults = &rig.station[0].control.faults;
     lx_tap_remove(&rig.bus->tap, &rig.heard.listener);
     sim_rig_step_to(&rig, SIM_RIG_READY + DG_S(10));
-    sim_rig_inject(&rig, 0, "wire_damage", 3);
+    sim_rig_bend(&rig, 0, DG_WIRE_DAMAGE, 3);
     sim_rig_step_to(&rig, SIM_RIG_READY + DG_MS(10250));
     assert_int_not_equal(faults->wire, 0);
     sim_rig_step_to(&rig, SIM_RIG_READY + DG_MS(10350));
@@ -258,7 +258,7 @@ static void a_dropped_frame_has_no_ack(void **state)
     struct sim_rig rig;
     (void)state;
     open_one(&rig);
-    sim_rig_inject(&rig, 0, "wire_drop", 1);
+    sim_rig_bend(&rig, 0, DG_WIRE_DROP, 1);
     assert_int_equal(sim_rig_frame(&rig, 0), DG_SCPI_HARDWARE);
     assert_string_equal(rig.detail, "no answer");
     assert_int_equal(sim_rig_frame(&rig, 0), 0);
@@ -273,7 +273,7 @@ static void without_power_no_fault_is_used_up(void **state)
     (void)state;
     open_one(&rig);
     struct dg_biss *device = rig.station[0].control.device;
-    sim_rig_inject(&rig, 0, "wire_drop", 1);
+    sim_rig_bend(&rig, 0, DG_WIRE_DROP, 1);
     dg_biss_power_off(device);
     sim_rig_step_to(&rig, SIM_RIG_READY + DG_MS(250));
     assert_int_equal(dg_biss_power_on(device, SIM_RIG_READY + DG_MS(250)), DG_OK);
@@ -290,7 +290,7 @@ static void a_damaged_frame_has_a_wrong_crc(void **state)
     open_one(&rig);
     rig.shaft[0] = (dg_angle)1000 << 32;
     for (int i = 0; i < 200; i++) {
-        sim_rig_inject(&rig, 0, "wire_damage", 1);
+        sim_rig_bend(&rig, 0, DG_WIRE_DAMAGE, 1);
         assert_int_equal(sim_rig_frame(&rig, 0), 0);
         assert_false(sim_rig_crc_ok(&rig));
         assert_int_equal(sim_rig_frame(&rig, 0), 0);
@@ -306,7 +306,7 @@ static void a_delayed_frame_has_a_late_start_bit(void **state)
     (void)state;
     open_one(&rig);
     rig.shaft[0] = (dg_angle)7 << 32;
-    sim_rig_inject(&rig, 0, "wire_delay", 1);
+    sim_rig_bend(&rig, 0, DG_WIRE_DELAY, 1);
     assert_int_equal(sim_rig_frame(&rig, 0), 0);
     assert_true(sim_rig_crc_ok(&rig));
     assert_int_equal(sim_rig_position(&rig), 7 * SIM_RIG_COUNTS_PER_TURN);
@@ -322,7 +322,7 @@ static void a_cut_wire_reads_high(void **state)
     uint8_t byte = 0;
     (void)state;
     open_one(&rig);
-    sim_rig_inject(&rig, 0, "wire_break", 0);
+    sim_rig_bend(&rig, 0, DG_WIRE_BREAK, 0);
     for (int i = 0; i < 3; i++) {
         assert_int_equal(sim_rig_frame(&rig, 0), DG_SCPI_HARDWARE);
     }
@@ -341,11 +341,11 @@ static void in_a_chain_a_damage_is_one_encoders(void **state)
     sim_rig_plan(&rig, 3);
     sim_rig_open(&rig);
     for (size_t i = 0; i < 3; i++) {
-        sim_rig_inject(&rig, 1, "wire_damage", 1);
+        sim_rig_bend(&rig, 1, DG_WIRE_DAMAGE, 1);
         assert_int_equal(sim_rig_frame(&rig, i), 0);
         assert_int_equal(sim_rig_crc_ok(&rig), i != 1);
     }
-    sim_rig_inject(&rig, 2, "wire_delay", 3);
+    sim_rig_bend(&rig, 2, DG_WIRE_DELAY, 3);
     for (size_t i = 0; i < 3; i++) {
         assert_int_equal(sim_rig_frame(&rig, i), 0);
         assert_true(sim_rig_crc_ok(&rig));

@@ -155,17 +155,17 @@ static void faults_behind_a_cable(void **state)
     struct sim_rig rig;
     (void)state;
     open_timed(&rig, 1, "clock_hz=10000000 line_delay_ns=777");
-    sim_rig_inject(&rig, 0, "wire_drop", 1);
+    sim_rig_bend(&rig, 0, DG_WIRE_DROP, 1);
     assert_int_equal(sim_rig_frame(&rig, 0), DG_SCPI_HARDWARE);
     assert_string_equal(rig.heard.note, "no answer");
     assert_all_answer(&rig, 5);
-    sim_rig_inject(&rig, 0, "wire_delay", 1);
+    sim_rig_bend(&rig, 0, DG_WIRE_DELAY, 1);
     assert_int_equal(sim_rig_frame(&rig, 0), 0);
     assert_true(sim_rig_crc_ok(&rig));
-    sim_rig_inject(&rig, 0, "wire_damage", 1);
+    sim_rig_bend(&rig, 0, DG_WIRE_DAMAGE, 1);
     assert_int_equal(sim_rig_frame(&rig, 0), 0);
     assert_false(sim_rig_crc_ok(&rig));
-    sim_rig_inject(&rig, 0, "wire_break", 0);
+    sim_rig_bend(&rig, 0, DG_WIRE_BREAK, 0);
     assert_int_equal(sim_rig_frame(&rig, 0), DG_SCPI_HARDWARE);
     rig.station[0].control.faults = (struct dg_faults){0};
     assert_all_answer(&rig, 6);
@@ -180,7 +180,7 @@ static void power_behind_a_cable(void **state)
     open_timed(&rig, 1, "clock_hz=10000000 line_delay_ns=5000");
     struct dg_biss *device = rig.station[0].control.device;
     for (unsigned i = 0; i < 2u * LX_CABLE_CHANGES; i++) {
-        sim_rig_inject(&rig, 0, "wire_break", 0);
+        sim_rig_bend(&rig, 0, DG_WIRE_BREAK, 0);
         sim_rig_step_to(&rig, SIM_RIG_READY);
         dg_biss_power_off(device);
         rig.station[0].control.faults = (struct dg_faults){0};

@@ -1,0 +1,63 @@
+/* SPDX-License-Identifier: MIT */
+#include "station_rig.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+
+#include <cmocka.h>
+
+#include "drehgeber/instruments.h"
+
+static dg_angle turned(void *ctx, dg_ns now)
+{
+    (void)now;
+    return *(const dg_angle *)ctx;
+}
+
+void station_make(struct lx_station *station, const struct lx_plan_encoder *plan, size_t place,
+                  dg_angle *angle)
+{
+    *station = (struct lx_station){.plan = plan, .place = place};
+    dg_world_init(&station->world);
+    station->world.angle = turned;
+    station->world.angle_ctx = angle;
+    station->control.name = plan->name;
+    station->control.model = plan->model;
+    station->control.world = &station->world;
+}
+
+static size_t entry_of(const struct dg_fault_target *target, enum dg_wire_fault fault)
+{
+    struct dg_fault_entry entry;
+    for (size_t n = 0; dg_fault_entry(target, n, &entry); n++) {
+        if (entry.kind == DG_FAULT_WIRE && entry.row->wire == fault) {
+            return n;
+        }
+    }
+    fail_msg("no entry for wire fault %d", (int)fault);
+    return 0;
+}
+
+static struct dg_fault_target target_of(struct lx_station *station)
+{
+    return (struct dg_fault_target){
+        .instrument = dg_instrument_of(station->plan->model->stack),
+        .world = &station->world,
+    };
+}
+
+void station_bend(struct lx_station *station, dg_ns now, enum dg_wire_fault fault, uint32_t count)
+{
+    const struct dg_fault_target target = target_of(station);
+    const struct dg_fault_limits limits = {count, 1000000, DG_NEVER};
+    assert_int_equal(
+        dg_fault_set(&station->control.faults, &target, entry_of(&target, fault), now, &limits),
+        DG_OK);
+}
+
+void station_mend(struct lx_station *station, enum dg_wire_fault fault)
+{
+    const struct dg_fault_target target = target_of(station);
+    assert_int_equal(dg_fault_clear(&station->control.faults, &target, entry_of(&target, fault)),
+                     DG_OK);
+}
