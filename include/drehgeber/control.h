@@ -216,6 +216,25 @@ DG_API int dg_encoder_power(struct dg_encoder *self, dg_ns now, bool on);
 /** Whether it is on. */
 DG_API bool dg_encoder_powered(const struct dg_encoder *self);
 
+/**
+ * The port of the encoder that a session works on, if that is one of `stack` on a wire that the
+ * host clocks; else NULL, and the reason is raised: `foreign` behind its name, or `missing`. In
+ * line, as an image has one protocol that asks.
+ */
+static inline const void *dg_control_port(struct dg_scpi *self, const struct dg_stack *stack,
+                                          const char *foreign, const char *missing)
+{
+    const struct dg_encoder *encoder = dg_control_selected(self);
+    if (encoder->model->stack != stack) {
+        dg_control_refuse(self, DG_SCPI_MISSING_HARDWARE, foreign);
+        return NULL;
+    }
+    if (encoder->port == NULL) {
+        dg_scpi_raise(self, DG_SCPI_MISSING_HARDWARE, missing);
+    }
+    return encoder->port;
+}
+
 /** The delivery state into its EEPROM. @return 0 or an enum dg_result */
 DG_API int dg_encoder_format(const struct dg_encoder *self);
 

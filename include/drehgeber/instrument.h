@@ -93,6 +93,19 @@ DG_API void dg_state_hex(struct dg_scpi *to, const char *key, uint64_t value, un
 DG_API void dg_state_item(struct dg_scpi *to, bool *first, uint64_t value, unsigned digits);
 /** The end of that list: '-' when it has no item. */
 DG_API void dg_state_end(struct dg_scpi *to, bool first);
+/** The part `errors`: each bit of `errors` as it reads alone. In line, as an image has one protocol
+ * that needs it. */
+static inline void dg_state_error_bits(struct dg_scpi *to, uint8_t errors)
+{
+    bool first = true;
+    dg_state_begin(to, "errors");
+    for (unsigned bit = 1; bit <= UINT8_MAX; bit <<= 1) {
+        if ((errors & bit) != 0) {
+            dg_state_item(to, &first, bit, 2);
+        }
+    }
+    dg_state_end(to, first);
+}
 
 /* ---------------------------------------------------------------- for commands */
 

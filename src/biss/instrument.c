@@ -27,20 +27,6 @@ static const char *mode(const void *self, dg_ns now)
     return device->control.state >= DG_BISS_CONTROL_ADDRESS ? "control" : "idle";
 }
 
-/* Bits of 69h, each as it reads alone. */
-static void put_errors(uint8_t errors, struct dg_scpi *to)
-{
-    bool first = true;
-
-    dg_state_begin(to, "errors");
-    for (unsigned bit = 1; bit <= UINT8_MAX; bit <<= 1) {
-        if ((errors & bit) != 0) {
-            dg_state_item(to, &first, bit, 2);
-        }
-    }
-    dg_state_end(to, first);
-}
-
 static void state(const void *self, dg_ns now, struct dg_scpi *to)
 {
     const struct dg_biss *device = self;
@@ -49,7 +35,7 @@ static void state(const void *self, dg_ns now, struct dg_scpi *to)
     const uint8_t flags = on ? dg_biss_flags(device, now) : 0;
 
     dg_state_word(to, "leds", "-");
-    put_errors(on ? dg_biss_errors(device, now) : 0, to);
+    dg_state_error_bits(to, on ? dg_biss_errors(device, now) : 0);
     dg_state_number(to, "frames", counters->frames);
     dg_state_number(to, "reads", counters->reads);
     dg_state_number(to, "writes", counters->writes);
@@ -62,19 +48,10 @@ static void state(const void *self, dg_ns now, struct dg_scpi *to)
     dg_state_number(to, "bank", device->bank);
 }
 
-/* The port of the selected encoder, if it is one with BiSS on a wire that the host clocks. */
 static const struct dg_biss_port_ops *port_of(struct dg_scpi *session)
 {
-    const struct dg_encoder *encoder = dg_control_selected(session);
-
-    if (encoder->model->stack != &dg_biss_stack) {
-        dg_control_refuse(session, DG_SCPI_MISSING_HARDWARE, "it is no BiSS encoder");
-        return NULL;
-    }
-    if (encoder->port == NULL) {
-        dg_scpi_raise(session, DG_SCPI_MISSING_HARDWARE, "no simulated BiSS wire");
-    }
-    return encoder->port;
+    return dg_control_port(session, &dg_biss_stack, "it is no BiSS encoder",
+                           "no simulated BiSS wire");
 }
 
 static void put_frame(struct dg_scpi *session, const struct dg_biss_model *model, uint64_t bits)

@@ -20,20 +20,6 @@ static const char *mode(const void *self, dg_ns now)
     return modes[over ? DG_SSI_IDLE : device->state];
 }
 
-/* Bits of enum dg_ssi_error, each as it reads alone. */
-static void put_errors(uint8_t errors, struct dg_scpi *to)
-{
-    bool first = true;
-
-    dg_state_begin(to, "errors");
-    for (unsigned bit = 1; bit <= UINT8_MAX; bit <<= 1) {
-        if ((errors & bit) != 0) {
-            dg_state_item(to, &first, bit, 2);
-        }
-    }
-    dg_state_end(to, first);
-}
-
 static void state(const void *self, dg_ns now, struct dg_scpi *to)
 {
     const struct dg_ssi *device = self;
@@ -41,7 +27,7 @@ static void state(const void *self, dg_ns now, struct dg_scpi *to)
 
     (void)now;
     dg_state_word(to, "leds", "-");
-    put_errors(device->state == DG_SSI_OFF ? 0 : dg_ssi_errors(device), to);
+    dg_state_error_bits(to, device->state == DG_SSI_OFF ? 0 : dg_ssi_errors(device));
     dg_state_number(to, "frames", counters->frames);
     dg_state_number(to, "repeats", counters->repeats);
     dg_state_number(to, "aborted", counters->aborted);
@@ -49,19 +35,9 @@ static void state(const void *self, dg_ns now, struct dg_scpi *to)
     dg_state_hex(to, "word", device->word, (dg_ssi_word_bits(device->setup.model) + 3u) / 4u);
 }
 
-/* The port of the selected encoder, if it is one with SSI on a wire that the host clocks. */
 static const struct dg_ssi_port_ops *port_of(struct dg_scpi *session)
 {
-    const struct dg_encoder *encoder = dg_control_selected(session);
-
-    if (encoder->model->stack != &dg_ssi_stack) {
-        dg_control_refuse(session, DG_SCPI_MISSING_HARDWARE, "it is no SSI encoder");
-        return NULL;
-    }
-    if (encoder->port == NULL) {
-        dg_scpi_raise(session, DG_SCPI_MISSING_HARDWARE, "no simulated SSI wire");
-    }
-    return encoder->port;
+    return dg_control_port(session, &dg_ssi_stack, "it is no SSI encoder", "no simulated SSI wire");
 }
 
 static void frame(struct dg_scpi *session)
