@@ -17,7 +17,8 @@ motion = 60RPM
 driver = motor
 ratio = 1:-10
 [bus can]
-wire = slcan:/tmp/hub
+wire = slcan
+address = /tmp/hub
 pace = 1
 [bus line]
 wire = pty
@@ -115,7 +116,7 @@ def test_a_recording_beside_the_file(tmp_path):
 
 WRONG = {
     "": "no encoder",
-    "[motor]\n": r"\[motor\]: .*\[encoder NAME\] is right",
+    "[motor]\n": r"text:1: \[motor\]: .*\[encoder NAME\] are right",
     "[shaft]\n": r"\[shaft\]: .* is right",
     "[rig a]\n": r"\[rig a\]: .* is right",
     "[encoder a]\n": r"\[encoder a\]: model = MODEL",

@@ -3,25 +3,26 @@
 
 from __future__ import annotations
 
-import configparser
+import re
+from functools import partial
 from pathlib import Path
 from types import TracebackType
 
-from ._native import EncoderError
+from ._native import EncoderError, models
 from .canbus import CanBus
 from .clock import Clock
 from .course import is_file, split_words
 from .encoder import Encoder
+from .rigwords import NAME, Section, sections
 from .rs485 import Line
 from .shaft import Shaft
 from .world import World
 
-# What is about wires that there are none of here, and what the encoder's own line has taken.
-OF_WIRES = {"wire", "address", "trace", "pace", "cycle", "tear", "break_at", "clock_hz", "line_delay_ns"}
+# What wires have of their own: there are none here.
+OF_WIRES = {"pace", "cycle", "tear", "break_at", "clock_hz", "line_delay_ns"}
+# What is no setting of an encoder.
 TAKEN = {"model", "shaft", "bus", "wire", "trace", "nvm"}
-KEYS = {"rig": {"name", "control", "files"}, "shaft": {"motion", "driver", "ratio"}, "bus": OF_WIRES}
-
-Section = configparser.SectionProxy
+TURNS = 2**31 - 1
 
 
 class Rig:
@@ -32,120 +33,183 @@ class Rig:
 
     def __init__(self, file: str | Path, *, clock: Clock | None = None) -> None:
         path = Path(file)
-        self._begin(path.read_text(encoding="utf-8"), path.name, path.parent, clock)
+        self._begin(path.read_bytes(), path.name, path.parent, clock)
 
     @classmethod
     def of_text(cls, text: str, folder: str | Path = ".", *, clock: Clock | None = None) -> Rig:
         """A rig of the text of a file in `folder`."""
         rig = cls.__new__(cls)
-        rig._begin(text, "text", Path(folder), clock)
+        rig._begin(text.encode(), "text", Path(folder), clock)
         return rig
 
-    def _begin(self, text: str, source: str, folder: Path, clock: Clock | None) -> None:
-        self._source, self._folder = source, folder
+    def _begin(self, data: bytes, source: str, folder: Path, clock: Clock | None) -> None:
+        self._folder = folder
         self.clock = clock or Clock()
-        self.name = Path(source).stem
+        self.name = ""
         self.shafts: dict[str, Shaft] = {}
         self.buses: dict[str, CanBus] = {}
         self.lines: dict[str, Line] = {}
         self.encoders: dict[str, Encoder] = {}
         self._files: dict[str, Path] = {}
-        self._wires: set[str] = set()
-        parser = configparser.ConfigParser(
-            interpolation=None, delimiters=("=",), inline_comment_prefixes=(";",), default_section=""
-        )
-        try:
-            parser.read_string(text, source)
-        except configparser.Error as error:
-            raise EncoderError(str(error).replace("\n", " ")) from None
-        for title in parser.sections():
-            self._take(parser[title])
+        self._wires: dict[str, Section] = {}  # a [bus], or an [encoder] with a wire of its own
+        self._numbers: set[tuple[str, str]] = set()
+        self._used: set[str] = set()
+        self._own_shafts = False
+        take = {"rig": self._rig, "shaft": self._shaft, "bus": self._bus, "encoder": self._encoder}
+        for section in sections(source, data):
+            take[section.kind](section.name.lower(), section)
+        self.name = self.name or Path(source).stem
+        for name, wire in self._wires.items():
+            if wire.kind == "bus" and name not in self._used:
+                raise wire.wrong("without encoders")
         if not self.encoders:
             raise EncoderError(f"{source}: no encoder; [encoder NAME] with model = MODEL is right")
 
-    def _take(self, section: Section) -> None:
-        kind, _, name = section.name.partition(" ")
-        name = name.strip().lower()
-        take = {"rig": self._rig, "shaft": self._shaft, "bus": self._bus, "encoder": self._encoder}.get(kind)
-        if take is None or bool(name) != (kind != "rig"):
-            raise EncoderError(
-                f"{self._source}: [{section.name}]: [rig], [shaft NAME], [bus NAME] or [encoder NAME] is right"
-            )
-        known = KEYS.get(kind)
-        for key in section if known is not None else ():
-            if known is not None and key not in known:
-                raise EncoderError(f"{self._where(section)}: {key}: right is one of {', '.join(sorted(known))}")
-        try:
-            take(name, section)
-        except EncoderError as error:
-            where = self._where(section)
-            text = str(error)
-            raise EncoderError(text if text.startswith(where) else f"{where}: {text}", error.code) from None
-
-    def _where(self, section: Section) -> str:
-        return f"{self._source}: [{section.name}]"
-
     def _rig(self, _: str, section: Section) -> None:
-        self.name = section.get("name", self.name)
+        name = section.get("name")
+        if name is None:
+            return
+        if not NAME.fullmatch(name):
+            raise section.wrong(f"name {name}: 1 to 32 letters, digits, _ and - are right", "name")
+        if self.name:
+            raise section.wrong(f"the rig is called {self.name} already", "name")
+        self.name = name
 
     def _shaft(self, name: str, section: Section) -> None:
-        driver, ratio, motion = section.get("driver"), section.get("ratio", "1:1"), section.get("motion")
-        if driver is None:
-            if motion is not None and motion.lower().endswith(".csv"):
-                motion = str(self._folder / motion)
-            self.shafts[name] = Shaft(self.clock, motion or "0")
+        driver, motion = section.get("driver"), section.get("motion")
+        if self.encoders and not self._own_shafts:
+            raise section.wrong("shafts before all encoders are right")
+        if name in self.shafts:
+            raise section.wrong("already exists; another name is right")
+        if motion is not None and driver is not None:
+            raise section.wrong("motion: the driver turns this shaft; one of them is right", "motion")
+        if "ratio" in section and driver is None:
+            raise section.wrong("ratio: without a driver", "ratio")
+        if driver is not None:
+            above = self._shaft_named(section, "driver")
+            ratio = self._ratio(section)
+            self.shafts[name] = section.told("driver", lambda: Shaft(driver=above, ratio=ratio))
             return
-        turns, colon, per = ratio.partition(":")
-        if not colon or not all(part.strip().lstrip("+-").isdigit() for part in (turns, per)):
-            raise EncoderError(f"ratio = {ratio}: TURNS:TURNS with whole numbers is right")
-        self.shafts[name] = Shaft(driver=self._shaft_named(driver), ratio=(int(turns), int(per)))
+        if motion is not None and motion.lower().endswith(".csv"):
+            motion = str(self._folder / motion)
+        self.shafts[name] = section.told("motion", lambda: Shaft(self.clock, motion or "0"))
 
-    def _shaft_named(self, name: str) -> Shaft:
+    @staticmethod
+    def _ratio(section: Section) -> tuple[int, int]:
+        text = section.get("ratio") or "1:1"
+        found = re.fullmatch(r"([+-]?\d+):([+-]?\d+)", text, re.ASCII)
+        turns = [int(part) for part in found.groups()] if found else [0]
+        if not all(0 < abs(number) <= TURNS for number in turns):
+            raise section.wrong(f"ratio = {text}: TURNS:TURNS with whole numbers other than 0 is right", "ratio")
+        return turns[0], turns[1]
+
+    def _shaft_named(self, section: Section, key: str) -> Shaft:
+        name = section.get(key) or ""
         if name.lower() not in self.shafts:
-            raise EncoderError(f"no shaft {name} so far; the NAME of a [shaft] above is right")
+            raise section.wrong(f"no shaft {name} so far; the NAME of a [shaft] above is right", key)
         return self.shafts[name.lower()]
+
+    def _wire(self, name: str, section: Section) -> None:
+        if name in self._wires:
+            raise section.wrong(f"line {self._wires[name].line} has the name already; another name is right")
+        self._wires[name] = section
 
     def _bus(self, name: str, section: Section) -> None:
         """Of CAN or RS485; the encoders of others have their masters for themselves."""
-        self._wires.add(name)
-        kind = section.get("wire", "").partition(":")[0]
+        kind = section.get("wire")
+        if kind is None:
+            raise section.wrong("without a wire; wire = pty, for one, is right")
+        if ":" in kind:
+            raise section.wrong("wire = KIND and address = ADDRESS in a line each are right", "wire")
+        for key in section.words:
+            if key not in OF_WIRES and key not in ("wire", "address", "trace"):
+                raise section.wrong(f"{key}: no key of a bus", key)
+        self._wire(name, section)
         if kind in ("can", "slcan", "socketcand"):
             self.buses[name] = CanBus(clock=self.clock)
         elif kind in ("pty", "tty", "rs485"):
             self.lines[name] = Line(self.clock)
 
+    def _bus_named(self, section: Section) -> str | None:
+        """The bus of an encoder, which takes its wire's keys; None: it has a wire of its own, or none."""
+        bus = section.get("bus")
+        if bus is None:
+            return None
+        name = bus.lower()
+        if "wire" in section:
+            raise section.wrong("a bus and a wire; one of them is right", "bus")
+        if name not in self._wires or self._wires[name].kind != "bus":
+            raise section.wrong(f"no bus {bus} so far; the NAME of a [bus] above is right", "bus")
+        if "trace" in section:
+            raise section.wrong(f"trace: right in [bus {bus}], for all its encoders", "trace")
+        self._used.add(name)
+        return name
+
     def _encoder(self, name: str, section: Section) -> None:
-        model, bus = section.get("model"), section.get("bus")
+        model = section.get("model")
+        if name in self.encoders:
+            raise section.wrong("already exists; another name is right")
         if model is None:
-            raise EncoderError("model = MODEL is right")
-        if bus is not None and bus.lower() not in self._wires:
-            raise EncoderError(f"no bus {bus} so far; the NAME of a [bus] above is right")
+            mistyped = next((key for key, word in section.words.items() if word.value in models()), None)
+            raise section.wrong("model = MODEL is right", mistyped)
+        if not self.encoders:
+            self._own_shafts = bool(self.shafts)
         if not self.shafts:
             self.shafts["main"] = Shaft(self.clock)
-        shaft = section.get("shaft")
-        encoder = Encoder(
-            model,
-            shaft=next(iter(self.shafts.values())) if shaft is None else self._shaft_named(shaft),
-            bus=self.buses.get(bus.lower()) if bus is not None else None,
-            line=self.lines.get(bus.lower()) if bus is not None else None,
-            power=False,
+        shaft = self._shaft_named(section, "shaft") if "shaft" in section else next(iter(self.shafts.values()))
+        bus = self._bus_named(section)
+        encoder = section.told(
+            "bus" if model in models() else "model",
+            lambda: Encoder(
+                model,
+                shaft=shaft,
+                bus=self.buses.get(bus) if bus is not None else None,
+                line=self.lines.get(bus) if bus is not None else None,
+                power=False,
+            ),
         )
-        courses = {
-            key: split_words(section[key]) for key in section if World.senses(key) and is_file(section[key])
-        }
-        for key in section:
-            if key not in TAKEN and key not in courses and (key not in OF_WIRES or self._has(encoder, key)):
-                encoder.set(key, section[key])
-        if "nvm" in section:
-            self._files[name] = self._folder / section["nvm"]
-            if self._files[name].exists() and self._files[name].stat().st_size:
-                encoder.memory = self._files[name].read_bytes()
-        for key, (file, *_) in courses.items():
-            encoder.world.begin(key, self._folder / file)
-        encoder._start()
-        for key, (file, loop, steps) in courses.items():
-            encoder.world.play(key, self._folder / file, loop=loop, steps=steps)
+        if "wire" in section:
+            self._wire(name, section)
+        self._set_up(name, section, encoder, bus)
         self.encoders[name] = encoder
+
+    def _set_up(self, name: str, section: Section, encoder: Encoder, bus: str | None) -> None:
+        courses = {}
+        for key, word in section.words.items():
+            if World.senses(key) and is_file(word.value):
+                courses[key] = section.told(key, partial(split_words, word.value))
+            elif key in OF_WIRES and not self._has(encoder, key):
+                if bus is not None:
+                    raise section.wrong(f"{key}: right in [bus {bus}], for all its encoders", key)
+            elif key not in TAKEN:
+                section.told(key, partial(encoder.set, key, word.value))
+        self._number(section, encoder, bus)
+        nvm = section.get("nvm")
+        if nvm is not None:
+            self._remember(name, section, encoder, self._folder / nvm)
+        for key, (file, *_) in courses.items():
+            section.told(key, partial(encoder.world.begin, key, self._folder / file))
+        section.told(None, encoder._start)
+        for key, (file, loop, steps) in courses.items():
+            section.told(key, partial(encoder.world.play, key, self._folder / file, loop=loop, steps=steps))
+
+    def _number(self, section: Section, encoder: Encoder, bus: str | None) -> None:
+        """What a bus tells its encoders apart by."""
+        key = {"canopen": "node", "hiperface": "address"}.get(encoder.protocol)
+        if bus is None or key is None:
+            return
+        number = encoder.get(key)
+        if (bus, number) in self._numbers:
+            raise section.wrong(f"{key} {number}: there is one on {bus} already", key)
+        self._numbers.add((bus, number))
+
+    def _remember(self, name: str, section: Section, encoder: Encoder, path: Path) -> None:
+        if path in self._files.values():
+            raise section.wrong(f"nvm: {path.name} is of another encoder", "nvm")
+        self._files[name] = path
+        if path.exists() and path.stat().st_size:
+            image = path.read_bytes()
+            section.told("nvm", lambda: setattr(encoder, "memory", image))
 
     @staticmethod
     def _has(encoder: Encoder, key: str) -> bool:
