@@ -62,6 +62,7 @@ def test_command_says_what_is_wrong() -> None:
                          (["f3668", "-o", "x.fmu", "--fmi", "1"], "--fmi"),
                          (["f3699", "-o", "x.fmu"], "unknown model f3699"),
                          (["f3668", "-o", "x.fmu", "--set", "nonsense=1"], "--set nonsense=1"),
+                         (["s3684-biss", "-o", "x.fmu", "--set", "clock_hz=100000"], "--set clock_hz=100000: an FMU"),
                          (["f3668", "-o", "x.fmu", "--node", "200"], "--node"),
                          (["s3684-biss", "-o", "x.fmu", "--set", "st=99"], "--set st=99: out of its range")]:
         done = subprocess.run([DREHGEBER, "fmu", *words], capture_output=True, text=True)
@@ -362,6 +363,22 @@ def test_rig(make: Make, tmp_path: pathlib.Path) -> None:
     assert abs(slave.get("drive.frame.position") / 2**21 - 25) < 2e-6
     assert slave.get("second_one.position") / 65536 == pytest.approx(25, abs=1e-4)
     slave.close()
+
+
+def test_what_a_rig_file_says_for_others_is_named(tmp_path: pathlib.Path) -> None:
+    """In one line, each word once."""
+    file = tmp_path / "axis.ini"
+
+    def told(text: str) -> str:
+        file.write_text(text)
+        words = [DREHGEBER, "fmu", str(file), "-o", str(tmp_path / "x.fmu")]
+        return subprocess.run(words, capture_output=True, text=True, check=True).stderr
+
+    assert told(RIG) == ""
+    assert told(RIG + "pace = 1\nnvm = x.nvm\n") == f"drehgeber: {file}: not in an FMU, left out: pace and nvm\n"
+    both = RIG.replace("[encoder drive]", "motion = 60RPM\n[shaft b]\ndriver = main\n[encoder drive]")
+    lines = both.replace("wire = sim", "wire = sim\nclock_hz = 100000\nline_delay_ns = 5\ntrace = x.vcd")
+    assert told(lines + "trace = x.log\n").endswith(": motion, driver, trace, clock_hz and line_delay_ns\n")
 
 
 # ------------------------------------------------------------ sources

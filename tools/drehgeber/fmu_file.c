@@ -19,6 +19,7 @@
 #include "drehgeber/drehgeber.h"
 #include "plan.h"
 #include "run.h"
+#include "say.h"
 #include "stacks.h"
 #include "zip.h"
 
@@ -122,14 +123,22 @@ static void put_name(const char *text, FILE *to)
     }
 }
 
+static int no_such(struct making *self, const char *key, const char *value)
+{
+    (void)lx_refuse(&self->error, "leave it out", "an FMU has no such wire");
+    return lx_about(&self->error, LX_ABOUT_SETTING, key, value);
+}
+
 static int put_setting(struct making *self, struct dg_host *trial, const char *key,
                        const char *value, FILE *to)
 {
     const int result = dg_host_set(trial, key, value);
+    if (result == DG_HOST_ERR_NAME) {
+        return no_such(self, key, value);
+    }
     if (result != DG_HOST_OK) {
-        const bool foreign = result == DG_HOST_ERR_NAME;
-        (void)lx_refuse(&self->error, foreign ? "leave it out" : "'drehgeber help fmu MODEL' says",
-                        "%s", foreign ? "an FMU has no such wire" : dg_host_result_text(result));
+        (void)lx_refuse(&self->error, "'drehgeber help fmu MODEL' says", "%s",
+                        dg_host_result_text(result));
         return lx_about(&self->error, LX_ABOUT_SETTING, key, value);
     }
     (void)fprintf(to, ",%s=", key);
@@ -160,6 +169,77 @@ static int put_settings(struct making *self, const struct lx_plan_encoder *encod
     free(memory);
     return result;
 }
+
+/* --- what stays outside --- */
+
+/* Words, each once. */
+struct words {
+    const char *name[24];
+    size_t count;
+};
+
+static void add_word(struct words *self, const char *name)
+{
+    for (size_t i = 0; i < self->count; i++) {
+        if (strcmp(self->name[i], name) == 0) {
+            return;
+        }
+    }
+    if (self->count < DG_COUNT(self->name)) {
+        self->name[self->count++] = name;
+    }
+}
+
+static void add_word_if(struct words *self, const char *name, bool is)
+{
+    if (is) {
+        add_word(self, name);
+    }
+}
+
+static struct words left_out(const struct lx_plan *plan)
+{
+    struct words all = {.count = 0};
+    for (size_t i = 0; i < plan->shaft_count; i++) {
+        add_word_if(&all, "motion", plan->shafts[i].motion != NULL);
+        add_word_if(&all, "driver", plan->shafts[i].driver >= 0);
+    }
+    for (size_t i = 0; i < plan->wire_count; i++) {
+        const struct lx_plan_wire *wire = &plan->wires[i];
+        add_word_if(&all, "trace", wire->trace != NULL);
+        for (size_t k = 0; k < wire->settings.count; k++) {
+            add_word(&all, wire->settings.list[k].key);
+        }
+    }
+    for (size_t i = 0; i < plan->encoder_count; i++) {
+        add_word_if(&all, "nvm", plan->encoders[i].nvm != NULL);
+    }
+    return all;
+}
+
+/* A rig file is for running, too: what an FMU has no place for is told. */
+static void tell_left_out(const struct lx_plan *plan)
+{
+    const struct lx_say say = {.quiet = false};
+    const struct words all = left_out(plan);
+    struct lx_words list = {""};
+    for (size_t i = 0; i < all.count; i++) {
+        lx_words_item(&list, all.name[i], i, all.count, " and ");
+    }
+    if (all.count > 0) {
+        lx_note(&say, "%s: not in an FMU, left out: %s", plan->file, list.text);
+    }
+}
+
+/* On a command line nobody else reads them. */
+static int refuse_wires(struct making *self, const struct lx_plan *plan)
+{
+    const struct lx_plan_settings *of = &plan->wires[0].settings;
+    return plan->file != NULL || of->count == 0 ? 0
+                                                : no_such(self, of->list[0].key, of->list[0].value);
+}
+
+/* --- the token of all --- */
 
 /* The first encoder of a shaft is turned, and the others follow. */
 static int put_encoder(struct making *self, const struct lx_plan *plan, size_t index, FILE *to)
@@ -353,10 +433,12 @@ int fmu_command(const struct options *options)
         return complain(&self.error, EXIT_USAGE);
     }
     int status = EXIT_OK;
-    if (make_token(&self, &plan) != 0) {
+    if (refuse_wires(&self, &plan) != 0 || make_token(&self, &plan) != 0) {
         status = complain(&self.error, EXIT_USAGE);
     } else if (make(&self, &plan, options->output) != 0) {
         status = complain(&self.error, EXIT_OTHER);
+    } else if (plan.file != NULL) {
+        tell_left_out(&plan);
     }
     fmu_free(self.fmu);
     free(self.sources);
