@@ -5,9 +5,6 @@
 /** A quarter of a period in phase units. */
 #define QUARTER ((uint32_t)1 << 30)
 
-/** Half of the last bit that `>> 32` drops. */
-#define HALF ((uint64_t)1 << 31)
-
 /*
  * sin(pi/2 u) = u (C0 - z (C1 - z (C2 - z (C3 - z (C4 - z C5))))) with z = u^2: the odd polynomial
  * through the Chebyshev nodes of degree 13, stretched so that the largest is u = 1; it is off by
@@ -25,7 +22,9 @@
 /** a * b * 2^-32, to the nearest. */
 static uint32_t scaled(uint32_t a, uint32_t b)
 {
-    return (uint32_t)((dg_product(a, b) + HALF) >> 32);
+    const uint64_t product = dg_product(a, b);
+
+    return (uint32_t)(product >> 32) + ((uint32_t)product >> 31);
 }
 
 /** Sine of the first quarter period, both ends included. */

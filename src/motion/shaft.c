@@ -62,8 +62,8 @@ static uint64_t divided(uint64_t value, uint64_t *rest)
     return quotient;
 }
 
-/** Move a phase's beginning by t * sum halves, both ways exactly, modulo 2^64 units. */
-static void travel(struct dg_shaft_phase *self, dg_ns t, int64_t sum)
+/** Move an angle with its part by t * sum halves, both ways exactly, modulo 2^64 units. */
+static void travel_from(dg_angle *from, uint64_t *part, dg_ns t, int64_t sum)
 {
     bool backwards = sum < 0;
     uint64_t speed = motion_exact_magnitude(sum);
@@ -79,16 +79,22 @@ static void travel(struct dg_shaft_phase *self, dg_ns t, int64_t sum)
 
     parts >>= PARTS_SHIFT;
 
-    if (backwards && self->part < parts) {
+    if (backwards && *part < parts) {
         units++;
-        self->part += DG_SHAFT_PARTS;
+        *part += DG_SHAFT_PARTS;
     }
-    self->part = backwards ? self->part - parts : self->part + parts;
-    if (self->part >= DG_SHAFT_PARTS) {
+    *part = backwards ? *part - parts : *part + parts;
+    if (*part >= DG_SHAFT_PARTS) {
         units++;
-        self->part -= DG_SHAFT_PARTS;
+        *part -= DG_SHAFT_PARTS;
     }
-    self->from = motion_exact_moved(self->from, backwards, whole * speed + units);
+    *from = motion_exact_moved(*from, backwards, whole * speed + units);
+}
+
+/** The same for a phase's beginning. */
+static void travel(struct dg_shaft_phase *self, dg_ns t, int64_t sum)
+{
+    travel_from(&self->from, &self->part, t, sum);
 }
 
 /** The same phase, told from `t` after its beginning on. */
@@ -115,16 +121,40 @@ static struct dg_shaft_phase earlier(const struct dg_shaft_phase *self, dg_ns at
     return result;
 }
 
-/** Where and how fast the shaft is at `now` by its phases. */
-static struct dg_shaft_phase phase_at(const struct dg_shaft_course *self, dg_ns now)
+/** The phase that says where the shaft is at `now`. */
+static const struct dg_shaft_phase *phase_of(const struct dg_shaft_course *self, dg_ns now)
 {
     size_t i = self->count - 1u;
 
     while (i > 0 && self->phase[i].at > now) {
         i--;
     }
-    return self->phase[i].at > now ? earlier(&self->phase[i], now)
-                                   : later(&self->phase[i], now - self->phase[i].at);
+    return &self->phase[i];
+}
+
+/** Where and how fast the shaft is at `now` by its phases. */
+static struct dg_shaft_phase phase_at(const struct dg_shaft_course *self, dg_ns now)
+{
+    const struct dg_shaft_phase *phase = phase_of(self, now);
+
+    return phase->at > now ? earlier(phase, now) : later(phase, now - phase->at);
+}
+
+/** Where only: every latch wants that, and a phase is 40 bytes to copy. */
+static dg_angle phase_angle(const struct dg_shaft_course *self, dg_ns now)
+{
+    const struct dg_shaft_phase *phase = phase_of(self, now);
+
+    if (phase->at > now) {
+        return phase_at(self, now).from;
+    }
+    const dg_ns t = now - phase->at;
+    const int64_t change = (int64_t)((uint64_t)phase->mrpm_per_s * t);
+    dg_angle from = phase->from;
+    uint64_t part = phase->part;
+
+    travel_from(&from, &part, t, phase->prpm + (phase->prpm + change));
+    return from;
 }
 
 /** The speed of `travel` in DG_WORLD_SPEED_SPAN, to the nearest. */
@@ -413,7 +443,7 @@ static dg_angle angle_at(const struct dg_shaft *self, dg_ns now)
     if (course->plays) {
         return motion_angle(&course->motion, now);
     }
-    return phase_at(course, now).from;
+    return phase_angle(course, now);
 }
 
 void dg_shaft_init(struct dg_shaft *self)
