@@ -29,8 +29,11 @@ enum {
     RESET = 0xC0
 };
 enum {
+    RXF0 = 0x00,
     CANSTAT = 0x0E,
     CANCTRL = 0x0F,
+    RXF3 = 0x10,
+    RXM0 = 0x20,
     CNF3 = 0x28,
     CANINTF = 0x2C,
     EFLG = 0x2D,
@@ -45,7 +48,6 @@ enum {
 #define TX0IF 0x04u
 #define ERRIF 0x20u
 #define TXREQ 0x08u
-#define RX_ANY 0x60u  /* no filters */
 #define RX_BOTH 0x04u /* what does not fit the first buffer goes to the second one */
 #define RXEP 0x08u
 #define TXEP 0x10u
@@ -55,6 +57,9 @@ enum {
 #define RTR 0x40u /* in DLC */
 #define SRR 0x10u /* in SIDL: a remote frame */
 #define IDE 0x08u
+#define EXIDE 0x08u /* in SIDL of a filter: for 29 bits */
+#define MODE_BITS 0xE0u
+#define FILTER_BYTES 4u /* SIDH, SIDL, EID8, EID0 */
 #define FRAME_BYTES 13u /* SIDH, SIDL, EID8, EID0, DLC, data */
 
 /* A time quantum is 125 ns times `prescaler`; 1 of them and the segments are a bit. */
@@ -76,6 +81,8 @@ static const struct rate {
     {  10, 50, 7, 6, 2},
 };
 /* clang-format on */
+
+static uint8_t mode; /* that it is to be in */
 
 /* ------------------------------------------------------------ SPI */
 
@@ -150,6 +157,48 @@ void mcp2515_start(void)
     board_interrupt(IRQ_IO_BANK0, BOARD_WIRE);
 }
 
+static bool configuring(void)
+{
+    return (read_register(CANSTAT) & MODE_BITS) == MODE_CONFIGURATION;
+}
+
+static uint8_t put_id(uint8_t *to, uint16_t id, uint8_t extended)
+{
+    to[0] = (uint8_t)(id >> 3);
+    to[1] = (uint8_t)((uint32_t)id << 5 | extended);
+    to[2] = 0;
+    to[3] = 0;
+    return FILTER_BYTES;
+}
+
+/* `n` filters or masks, from a register on. */
+static void write_ids(uint8_t at, const uint16_t *ids, size_t n, uint8_t extended)
+{
+    uint8_t bytes[2u + 3u * FILTER_BYTES] = {WRITE, at};
+    size_t length = 2;
+
+    for (size_t i = 0; i < n; i++) {
+        length += put_id(bytes + length, ids[i], extended);
+    }
+    instruct(bytes, length, NULL, 0);
+}
+
+/* In configuration mode. Filters 0 and 1 with mask 0 are the first buffer's, 2 to 5 with mask 1 the
+   second one's; those that are left are for 29 bits that begin with eleven recessive ones, which
+   CAN does not allow. */
+static void write_filters(const struct mcp2515_filters *filters)
+{
+    const uint16_t first[] = {filters->pattern[0], filters->pattern[1], filters->extra};
+    const uint16_t nobody[] = {MCP2515_ID_MAX, MCP2515_ID_MAX, MCP2515_ID_MAX};
+    const uint16_t masks[] = {filters->mask, MCP2515_ID_MAX};
+
+    write_ids(RXF0, first, 3, 0);
+    write_ids(RXF3, nobody, 3, EXIDE);
+    write_ids(RXM0, masks, 2, 0);
+    write_register(RXB0CTRL, RX_BOTH);
+    write_register(RXB1CTRL, 0);
+}
+
 static void set_rate(const struct rate *rate)
 {
     /* CNF3, CNF2, CNF1 and CANINTE stand one behind the other. */
@@ -162,25 +211,37 @@ static void set_rate(const struct rate *rate)
         RX0IF | RX1IF | TX0IF | ERRIF};
 
     instruct(bytes, sizeof bytes, NULL, 0);
-    write_register(RXB0CTRL, RX_ANY | RX_BOTH);
-    write_register(RXB1CTRL, RX_ANY);
-    write_register(CANCTRL, MODE_NORMAL);
+    mode = MODE_NORMAL;
+    write_register(CANCTRL, mode);
 }
 
-bool mcp2515_open(uint16_t kbaud)
+bool mcp2515_open(uint16_t kbaud, const struct mcp2515_filters *filters)
 {
     instruct((const uint8_t[]){RESET}, 1, NULL, 0);
     const dg_ns end = board_now() + DG_MS(1);
     while (board_now() < end) { /* 128 cycles of its oscillator */
     }
-    if ((read_register(CANSTAT) & 0xE0u) != MODE_CONFIGURATION) {
+    if (!configuring()) {
         return false;
     }
+    write_filters(filters);
+    mode = MODE_CONFIGURATION;
     for (size_t i = 0; i < sizeof rates / sizeof rates[0]; i++) {
         if (rates[i].kbaud == kbaud) {
             set_rate(&rates[i]);
         }
     }
+    return true;
+}
+
+bool mcp2515_filter(const struct mcp2515_filters *filters)
+{
+    write_register(CANCTRL, MODE_CONFIGURATION);
+    if (!configuring()) {
+        return false;
+    }
+    write_filters(filters);
+    write_register(CANCTRL, mode);
     return true;
 }
 

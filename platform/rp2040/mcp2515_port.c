@@ -18,6 +18,9 @@ static uint32_t out_head, out_tail;
 static uint16_t kbaud, opened; /* of the node, of the controller */
 static enum dg_co_bus_event state;
 static dg_ns due, look;
+static struct mcp2515_filters filters; /* that the controller has, or is to have */
+static uint8_t filter_version;         /* of the node, that they are for */
+static bool filters_due;
 
 const bool flash_log_behind = false;
 
@@ -80,13 +83,108 @@ static void receive(void)
     }
 }
 
+/* ------------------------------------------------------------ filters */
+
+/* LSS has an identifier of its own, which would cost the mask all bits that it does not share with
+   the others; nobody minds when one of its frames is early. */
+#define LSS 0x7E5u
+
+static unsigned bits_in(uint32_t word)
+{
+    unsigned n = 0;
+
+    for (; word != 0; word &= word - 1u) {
+        n++;
+    }
+    return n;
+}
+
+/* The identifiers in two groups, by one bit of theirs: what is the same in each group can be asked
+   for. */
+static struct mcp2515_filters split(const uint16_t *ids, uint8_t n, unsigned bit)
+{
+    struct mcp2515_filters to = {.mask = MCP2515_ID_MAX, .extra = LSS};
+    bool there[2] = {false, false};
+
+    for (uint8_t i = 0; i < n; i++) {
+        const unsigned group = (unsigned)ids[i] >> bit & 1u;
+        if (ids[i] == LSS) {
+            continue;
+        }
+        if (there[group]) {
+            to.mask &= (uint16_t) ~(ids[i] ^ to.pattern[group]);
+        } else {
+            there[group] = true;
+            to.pattern[group] = ids[i];
+        }
+    }
+    for (unsigned group = 0; group < 2u; group++) {
+        to.pattern[group] = to.pattern[there[group] ? group : 1u - group];
+    }
+    return to;
+}
+
+/* Whatever two patterns can be: a bit that tells them apart splits them. */
+static struct mcp2515_filters fit(const uint16_t *ids, uint8_t n)
+{
+    struct mcp2515_filters best = {.mask = 0};
+    unsigned most = 0;
+
+    for (unsigned bit = 0; bit < 11u; bit++) {
+        const struct mcp2515_filters candidate = split(ids, n, bit);
+        if (bits_in(candidate.mask) > most) {
+            most = bits_in(candidate.mask);
+            best = candidate;
+        }
+    }
+    best.extra = LSS;
+    return best;
+}
+
+static bool lets_in(const struct mcp2515_filters *by, uint16_t id)
+{
+    return id == by->extra || ((id ^ by->pattern[0]) & by->mask) == 0 ||
+           ((id ^ by->pattern[1]) & by->mask) == 0;
+}
+
+static bool lets_all_in(const struct mcp2515_filters *by, const uint16_t *ids, uint8_t n)
+{
+    for (uint8_t i = 0; i < n; i++) {
+        if (!lets_in(by, ids[i])) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* It costs the controller some time off the bus to let others in, and none to hear too much. */
+static void follow_filters(void)
+{
+    uint16_t ids[DG_CO_FILTERS_MAX];
+
+    if (node()->filter_version != filter_version) {
+        filter_version = node()->filter_version;
+        const uint8_t n = dg_co_filters(node(), ids);
+        filters_due = filters_due || !lets_all_in(&filters, ids, n);
+        filters = filters_due ? fit(ids, n) : filters;
+    }
+    filters_due = filters_due && !mcp2515_filter(&filters);
+}
+
 static void follow_rate(void)
 {
+    uint16_t ids[DG_CO_FILTERS_MAX];
+
     if (kbaud != opened) {
         opened = kbaud;
-        (void)mcp2515_open(kbaud);
+        filter_version = node()->filter_version;
+        filters = fit(ids, dg_co_filters(node(), ids));
+        filters_due = false;
+        (void)mcp2515_open(kbaud, &filters);
     }
 }
+
+/* ------------------------------------------------------------ port */
 
 dg_ns port_loop(void)
 {
@@ -103,12 +201,15 @@ dg_ns port_loop(void)
     if (due <= now) {
         due = dg_co_step(node(), now);
     }
-    if (out_tail != out_head && mcp2515_ready()) {
+    follow_rate();
+    follow_filters();
+    /* A master may answer at once to what is sent. */
+    if (out_tail != out_head && !filters_due && mcp2515_ready()) {
         mcp2515_send(&out[out_tail % OUT_MAX]);
         out_tail++;
     }
-    follow_rate();
-    return mcp2515_pending() ? now : dg_earliest(due, out_tail != out_head ? now : look);
+    const bool more = mcp2515_pending() || out_tail != out_head || filters_due;
+    return more ? now : dg_earliest(due, look);
 }
 
 void port_start(void)

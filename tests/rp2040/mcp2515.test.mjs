@@ -65,6 +65,47 @@ test("frames one behind the other are all heard, a lost one is told", () => {
   assert.ok(bus.frames().some((text) => text.startsWith("BF#1081")), `8110h: ${bus.frames()}`);
 });
 
+test("filters keep what is not for the node from the processor", (t) => {
+  const bus = new Bus();
+  const through = [];
+  for (let id = 0; id < 0x800; id++) {
+    const before = bus.can.filtered;
+    bus.can.receive({ id, data: [] });
+    bus.pico.run(us(300));
+    if (bus.can.filtered === before) through.push(id);
+  }
+  const own = [0, 0x80, ...[0x180, 0x280, 0x380, 0x480, 0x600, 0x700].map((id) => id + NODE), 0x7e5];
+  assert.deepEqual(own.filter((id) => !through.includes(id)), []);
+  assert.ok(through.every((id) => id === 0x7e5 || [0, NODE].includes(id & 0x7f)), `${through}`);
+  t.diagnostic(`as delivered ${through.length} of 2048 identifiers come through`);
+  assert.equal(bus.can.away, 0);
+});
+
+test("filters are open before the answer", (t) => {
+  const bus = new Bus();
+  const heartbeat = (state) => bus.can.receive({ id: 0x705, data: [state] });
+  const sdo = (hex) => assert.match(bus.say(0x600 + NODE, hex)[0], /^5BF#60/);
+  heartbeat(5);
+  assert.equal(bus.can.filtered, 1);
+  let answer;
+  bus.can.sent.push = (frame) => {
+    answer = frame;
+    heartbeat(5); // at once
+  };
+  bus.can.receive({ id: 0x600 + NODE, data: [0x23, 0x16, 0x10, 1, 50, 0, 5, 0] }); // 1016h: node 5 within 50 ms
+  const asked = bus.pico.cycle;
+  bus.pico.run(ms(5));
+  delete bus.can.sent.push;
+  assert.equal(answer.data[0], 0x60);
+  const own = (answer.at - asked) / HZ * 1e6 - bus.can.bits(answer) / 0.25;
+  t.diagnostic(`1016h, with a change of filters: the answer begins ${own.toFixed(0)} us behind the request`);
+  assert.equal(bus.can.away, 1);
+  bus.pico.run(ms(100)); // the one heartbeat was heard: it is missed from now on
+  assert.ok(bus.frames().some((text) => text.startsWith("BF#3081")), `8130h: ${bus.frames()}`);
+  assert.match(bus.say(0x600 + NODE, "2316100100000000")[0], /^5BF#60/); // none any more, which costs nothing
+  assert.equal(bus.can.away, 1);
+});
+
 test("error passive and bus-off are told when they are over", () => {
   const bus = new Bus(true);
   bus.pico.run(ms(50));
