@@ -325,11 +325,20 @@ struct dg_nvm flash_log_open(const struct dg_store_layout *layout)
     return (struct dg_nvm){.ops = &ops};
 }
 
-dg_ns flash_log_loop(bool idle)
+/* Pages that a half has left for each sector of the other one that is to be erased, when it is time
+   for that: from its middle on, one for some four writes. */
+#define PAGES_PER_SECTOR (PAGES / 2u / (HALF / SECTOR))
+
+static bool pressing(void)
+{
+    return PAGES - next < to_erase * PAGES_PER_SECTOR;
+}
+
+dg_ns flash_log_loop(bool idle, bool pause)
 {
     if (synced) {
         (void)flush();
-    } else if (idle && to_erase > 0) {
+    } else if (to_erase > 0 && (idle || (pause && pressing()))) {
         erase_next();
     }
     return to_erase > 0 ? board_now() + DG_MS(10) : DG_NEVER;

@@ -34,9 +34,10 @@ extern const bool flash_log_behind;
 /** Read the log. @return the memory; none for NULL as layout */
 struct dg_nvm flash_log_open(const struct dg_store_layout *layout);
 
-/** From the main loop; `idle`: nothing is wanted of the encoder for some time, so a sector of the
- * other half may be erased: the processor waits for that for 45 ms, at most 400 (W25Q16JV). @return
- * as port_loop() */
-dg_ns flash_log_loop(bool idle);
+/** From the main loop. A sector of the other half may be erased, for which the processor waits for
+ * 45 ms, at most 400 (W25Q16JV): whenever `idle`, as nothing is wanted of the encoder for some
+ * time; and in a `pause` when so little is left of this half that the other one would not be empty
+ * in time. @return as port_loop() */
+dg_ns flash_log_loop(bool idle, bool pause);
 
 #endif

@@ -92,7 +92,8 @@ static dg_ns start_edge; /* of the character that comes in */
 
 static uint8_t reply[DG_HF_FRAME_MAX];
 static volatile size_t reply_length, reply_sent;
-static dg_ns due; /* of the device */
+static volatile bool answered; /* by the last reply, and nothing has come in since */
+static dg_ns due;              /* of the device */
 static dg_ns quiet_since;
 static dg_ns signals_due;
 
@@ -162,6 +163,7 @@ void on_pio1(void)
     if ((REG(PIO1 + PIO_IRQ) & START_EDGE) != 0) {
         REG(PIO1 + PIO_IRQ) = START_EDGE;
         start_edge = board_now();
+        answered = answered && sending();
         if (!sending() && heard_in - heard_out < HEARD_MAX - 1u) {
             heard[heard_in % HEARD_MAX] = (struct heard){.at = start_edge, .flags = DG_HF_RX_START};
             heard_in = heard_in + 1u;
@@ -187,6 +189,7 @@ static void tx(void *ctx, const uint8_t *bytes, size_t n)
     }
     reply_sent = 0;
     reply_length = n;
+    answered = true;
     board_lock();
     send_more();
     if (reply_sent < reply_length) {
@@ -282,6 +285,12 @@ void port_stores(void)
 bool port_idle(void)
 {
     return !sending() && board_now() - quiet_since > DG_MS(500);
+}
+
+/* The master has yet to think of what to ask next. */
+bool port_pause(void)
+{
+    return answered && !sending() && heard_in == heard_out;
 }
 
 void port_hold(void)

@@ -61,6 +61,6 @@ int main(void)
     port_start();
     for (;;) {
         const dg_ns due = dg_earliest(port_loop(), console_loop());
-        board_sleep(dg_earliest(due, flash_log_loop(port_idle())));
+        board_sleep(dg_earliest(due, flash_log_loop(port_idle(), port_pause())));
     }
 }

@@ -233,6 +233,11 @@ bool port_idle(void)
     return node()->state == DG_CO_OFF;
 }
 
+bool port_pause(void)
+{
+    return false;
+}
+
 void port_hold(void)
 {
 }

@@ -40,6 +40,10 @@ dg_ns port_loop(void);
 void port_stores(void);
 /** Whether nothing is wanted of the encoder for some time: see flash_log_loop(). */
 bool port_idle(void);
+/** Whether somebody has just been answered, and nothing more has come since: a moment for what
+ * cannot wait for port_idle() any longer, and makes the next answer late. false: there is none that
+ * would not lose something. */
+bool port_pause(void);
 /** Nothing is sent or received between these two: for who works on the device. */
 void port_hold(void);
 void port_release(void);

@@ -160,6 +160,11 @@ bool port_idle(void)
     return adapter.state == DG_SLCAN_CLOSED;
 }
 
+bool port_pause(void)
+{
+    return false;
+}
+
 void port_hold(void)
 {
 }

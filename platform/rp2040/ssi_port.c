@@ -155,6 +155,11 @@ bool port_idle(void)
     return true;
 }
 
+bool port_pause(void)
+{
+    return true;
+}
+
 void port_hold(void)
 {
 }
