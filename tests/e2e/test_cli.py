@@ -123,7 +123,7 @@ def test_list_for_programs():
         assert line.split(maxsplit=1)[1] == f"{model['speaks']}, {model['resolution']}"
         assert model["usual_wire"] in model["wires"]
     wires = {model["model"]: model["wires"] for model in said}
-    assert (wires[MULTITURN], wires["f3668"]) == (["pty", "tty", "rs485"], ["can", "slcan", "socketcand"])
+    assert (wires[MULTITURN], wires["f3668"]) == (["pty", "tty", "rs485"], ["can", "slcan", "socketcand", "silkit"])
     assert (wires["ssi-13"], wires["ocd-ib-k1"]) == (["sim", "gpio"], ["modbus"])
 
 

@@ -34,7 +34,7 @@ _drehgeber_keys()
         s3674-rs485 | s3684-rs485) echo " pace line sincos_us reaction_us init_ms periods steps turns memory implemented type option version date designation temperature_min temperature_max led_min_ma led_max_ma speed_max_rpm temperature led_current_ua supply_mv battery_mv sin_amplitude_permille cos_amplitude_permille sin_offset_permille cos_offset_permille singleturn_ok multiturn_amplitude_ok multiturn_sync_ok multiturn_vector_ok eeprom_acknowledges watchdog_fired" ;;
         s3674-biss | s3684-biss) echo " mt st lc autostore busy_us busy_jitter_us sl_low_at_start stop_bit eeprom_read_us eeprom_write_us timeout_us init_ms temperature led_current_ua supply_mv battery_mv sin_amplitude_permille cos_amplitude_permille sin_offset_permille cos_offset_permille singleturn_ok multiturn_amplitude_ok multiturn_sync_ok multiturn_vector_ok eeprom_acknowledges watchdog_fired clock_hz line_delay_ns" ;;
         ssi-13 | ssi-25 | ssi-28) echo " mt st code error_bit parity once monoflop_us init_ms temperature led_current_ua supply_mv battery_mv sin_amplitude_permille cos_amplitude_permille sin_offset_permille cos_offset_permille singleturn_ok multiturn_amplitude_ok multiturn_sync_ok multiturn_vector_ok eeprom_acknowledges watchdog_fired clock_hz line_delay_ns" ;;
-        f3658 | f3668) echo " mt_bits temperature led_current_ua supply_mv battery_mv sin_amplitude_permille cos_amplitude_permille sin_offset_permille cos_offset_permille singleturn_ok multiturn_amplitude_ok multiturn_sync_ok multiturn_vector_ok eeprom_acknowledges watchdog_fired pace" ;;
+        f3658 | f3668) echo " mt_bits temperature led_current_ua supply_mv battery_mv sin_amplitude_permille cos_amplitude_permille sin_offset_permille cos_offset_permille singleturn_ok multiturn_amplitude_ok multiturn_sync_ok multiturn_vector_ok eeprom_acknowledges watchdog_fired pace time step_us" ;;
         ocd-ib-k1 | ocd-ib-k2 | ocd-ib-k3) echo " steps turns steps_minus_one temperature_sensor loop param_cycles self_test_ms version temperature singleturn_ok multiturn_amplitude_ok multiturn_sync_ok multiturn_vector_ok eeprom_acknowledges cycle tear break_at" ;;
     esac
 }
@@ -49,7 +49,7 @@ _drehgeber_options()
     case $1 in
         list) echo " --json --help" ;;
         faults) echo " --json --help" ;;
-        run) echo " --pty= --tty= --rs485= --sim --gpio= --can= --slcan= --socketcand= --modbus= --ring= --nvm= --serial= --node= --shaft= --set= --control= --files= --trace= --time= --verbose --quiet --help --version" ;;
+        run) echo " --pty= --tty= --rs485= --sim --gpio= --can= --slcan= --socketcand= --silkit= --modbus= --ring= --nvm= --serial= --node= --shaft= --set= --control= --files= --trace= --time= --verbose --quiet --help --version" ;;
         eds) echo " --help" ;;
         biss) echo " --nvm= --serial= --shaft= --set= --trace= --help" ;;
         ssi) echo " --shaft= --set= --trace= --help" ;;
@@ -71,6 +71,7 @@ _drehgeber_kind()
         --can) echo net ;;
         --slcan) echo file ;;
         --socketcand) echo nothing ;;
+        --silkit) echo nothing ;;
         --modbus) echo nothing ;;
         --ring) echo ring ;;
         --nvm) echo file ;;

@@ -28,7 +28,8 @@ struct running {
     sd_event *event;
     struct lx_timer print; /* one encoder on a simulated wire */
     dg_ns next;            /* position that is printed */
-    dg_ns span;            /* of virtual time; 0: real time */
+    dg_ns span;            /* of virtual time; 0: real time, or */
+    bool stepped;          /* that of a simulation */
 };
 
 /* --- positions of a simulated wire --- */
@@ -140,6 +141,15 @@ static int switch_on(struct running *self, struct lx_error *error)
     return EXIT_OK;
 }
 
+static int run_loop(struct running *self)
+{
+    if (self->stepped) {
+        return virtual_time_steps(self->event, self->rig);
+    }
+    return self->span == 0 ? sd_event_loop(self->event)
+                           : virtual_time_loop(self->event, self->span);
+}
+
 static int live(struct running *self)
 {
     struct lx_error error;
@@ -151,8 +161,7 @@ static int live(struct running *self)
     if (status != EXIT_OK) {
         return complain(&error, status);
     }
-    const int result =
-        self->span == 0 ? sd_event_loop(self->event) : virtual_time_loop(self->event, self->span);
+    const int result = run_loop(self);
     (void)sd_notify(0, "STOPPING=1");
     if (result < 0) {
         (void)lx_fail(&error, "the event loop failed: %s", strerror(-result));
@@ -168,11 +177,11 @@ int run_rig(const struct options *options)
     if (options_plan(options, &self.plan, &error) != 0) {
         return complain(&error, EXIT_USAGE);
     }
-    if (options->time != NULL) {
-        if (virtual_time_span(options->time, &self.plan, &self.span, &error) != 0) {
-            lx_plan_free(&self.plan);
-            return complain(&error, EXIT_USAGE);
-        }
+    if (virtual_time_of(options->time, &self.plan, &self.span, &self.stepped, &error) != 0) {
+        lx_plan_free(&self.plan);
+        return complain(&error, EXIT_USAGE);
+    }
+    if (self.span != 0 || self.stepped) {
         lx_time_own();
     }
     int status = live(&self);

@@ -4,6 +4,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "bus.h"
 #include "drehgeber/hal.h"
 #include "figure.h"
 #include "timer.h"
@@ -40,15 +41,20 @@ static int parse(const char *text, dg_ns *span)
 }
 
 /* One that has to be named is a device of the machine, and lives in its time. */
-static struct lx_words virtual_wires(void)
+static bool is_real(const struct lx_wire *kind)
+{
+    return kind->where_needed && kind->make != lx_silkit_bus_make;
+}
+
+static struct lx_words virtual_wires(bool stepped)
 {
     struct lx_words right = {""};
     size_t count = 0;
     for (size_t i = 0; i < lx_wire_count; i++) {
-        count += lx_wires[i].where_needed ? 0u : 1u;
+        count += stepped ? !is_real(&lx_wires[i]) : !lx_wires[i].where_needed;
     }
     for (size_t i = 0, n = 0; i < lx_wire_count; i++) {
-        if (!lx_wires[i].where_needed) {
+        if (stepped ? !is_real(&lx_wires[i]) : !lx_wires[i].where_needed) {
             lx_words_item(&right, lx_wires[i].name, n++, count, " and ");
         }
     }
@@ -56,37 +62,75 @@ static struct lx_words virtual_wires(void)
     return right;
 }
 
-int virtual_time_span(const char *text, const struct lx_plan *plan, dg_ns *span,
+static int check_span(const char *text, const struct lx_plan *plan, dg_ns *span,
                       struct lx_error *error)
 {
     const size_t n = strlen(PREFIX);
-    const struct lx_words right = virtual_wires();
+    const struct lx_words right = virtual_wires(false);
     if (strncasecmp(text, PREFIX, n) != 0 || parse(text + n, span) != 0) {
         return lx_refuse(error, RIGHT, "--time=%s: no such time", text);
     }
     for (size_t i = 0; i < plan->wire_count; i++) {
         if (plan->wires[i].kind->where_needed) {
-            return lx_refuse(error, right.text, "--time=%s: %s has real time", text,
-                             plan->wires[i].kind->name);
+            return lx_refuse(error, right.text, "--time=%s: %s has %s", text,
+                             plan->wires[i].kind->name,
+                             is_real(plan->wires[i].kind) ? "real time" : "a time of its own");
         }
     }
     return 0;
 }
 
+int virtual_time_of(const char *text, const struct lx_plan *plan, dg_ns *span, bool *stepped,
+                    struct lx_error *error)
+{
+    const struct lx_words right = virtual_wires(true);
+    *span = 0;
+    if (lx_rig_is_stepped(plan, stepped, error) != 0) {
+        return -1;
+    }
+    if (text != NULL) {
+        return check_span(text, plan, span, error);
+    }
+    for (size_t i = 0; *stepped && i < plan->wire_count; i++) {
+        if (is_real(plan->wires[i].kind)) {
+            (void)lx_refuse(error, right.text, "%s has real time, and silkit has its own",
+                            plan->wires[i].kind->name);
+            return lx_plan_refuse_wire(plan, &plan->wires[i], error);
+        }
+    }
+    return 0;
+}
+
+/* Who has said something is answered before time goes on. @return false: it is over, with `result`
+ */
+static bool serve(sd_event *event, int *result)
+{
+    do {
+        *result = sd_event_run(event, 0);
+    } while (*result > 0 && sd_event_get_state(event) != SD_EVENT_FINISHED);
+    if (sd_event_get_state(event) == SD_EVENT_FINISHED) {
+        (void)sd_event_get_exit_code(event, result);
+        return false;
+    }
+    return *result >= 0;
+}
+
 int virtual_time_loop(sd_event *event, dg_ns span)
 {
     const dg_ns end = dg_after(lx_now(), span);
-    bool more = true;
     int result = 0;
-    while (more && result >= 0) {
-        do { /* who has said something is answered before time goes on */
-            result = sd_event_run(event, 0);
-        } while (result > 0 && sd_event_get_state(event) != SD_EVENT_FINISHED);
-        if (sd_event_get_state(event) == SD_EVENT_FINISHED) {
-            (void)sd_event_get_exit_code(event, &result);
-            return result;
+    while (serve(event, &result) && lx_time_pass(end)) {
+    }
+    return result;
+}
+
+int virtual_time_steps(sd_event *event, struct lx_rig *rig)
+{
+    int result = 0;
+    while (serve(event, &result)) {
+        if (!lx_rig_step(rig)) {
+            result = sd_event_run(event, UINT64_MAX);
         }
-        more = result < 0 || lx_time_pass(end);
     }
     return result;
 }

@@ -10,13 +10,18 @@
 
 #include "error.h"
 #include "plan.h"
+#include "rig.h"
 
-/** Understand what --time says, "virtual:SPAN", and whether `plan` can: all of its wires are made
- * by this process. @return 0 with `span`, or -1 with `error` */
-int virtual_time_span(const char *text, const struct lx_plan *plan, dg_ns *span,
-                      struct lx_error *error);
+/** Understand what --time says, "virtual:SPAN" or NULL, whether the plan has the time of a
+ * simulation, and whether it can: all other wires are made by this process.
+ * @return 0 with `span` (0: none) and `stepped`, or -1 with `error` */
+int virtual_time_of(const char *text, const struct lx_plan *plan, dg_ns *span, bool *stepped,
+                    struct lx_error *error);
 
 /** Let it live. @return as sd_event_loop(), 0 when `span` is over */
 int virtual_time_loop(sd_event *event, dg_ns span);
+
+/** The same, of a rig whose simulation says how far time goes. @return as sd_event_loop() */
+int virtual_time_steps(sd_event *event, struct lx_rig *rig);
 
 #endif

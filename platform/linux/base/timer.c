@@ -14,6 +14,7 @@
 static struct {
     bool own;
     dg_ns now;
+    dg_ns began;
     struct lx_timer *waiting; /* in the order they asked */
 } virtual_;
 
@@ -34,7 +35,18 @@ dg_ns lx_real_now(void)
 void lx_time_own(void)
 {
     virtual_.now = lx_real_now();
+    virtual_.began = virtual_.now;
     virtual_.own = true;
+}
+
+uint64_t lx_time_of_day(void)
+{
+    struct timespec now;
+    if (virtual_.own) {
+        return virtual_.now - virtual_.began;
+    }
+    (void)clock_gettime(CLOCK_REALTIME, &now);
+    return DG_S(now.tv_sec) + (uint64_t)now.tv_nsec;
 }
 
 static void leave(struct lx_timer *self)

@@ -17,6 +17,10 @@ dg_ns lx_now(void);
 /** The monotonic clock also then: for what really takes time, a disk, or a stop of this process. */
 dg_ns lx_real_now(void);
 
+/** Nanoseconds since 1970; in virtual time since that began, so that what is recorded of it is
+ * always the same. */
+uint64_t lx_time_of_day(void);
+
 /** Virtual time for the whole process, from now on; before any timer is opened. */
 void lx_time_own(void);
 

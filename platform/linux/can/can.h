@@ -2,8 +2,8 @@
 /**
  * @file
  * A CAN bus on the event loop: frames in, frames out. SocketCAN (can_socket.c), an SLCAN adapter on
- * a pseudo-terminal (slcan_pty.c), and two that have TCP clients (can_net.c): SLCAN adapters
- * (slcan_net.c), a socketcand (socketcand_net.c).
+ * a pseudo-terminal (slcan_pty.c), two that have TCP clients (can_net.c): SLCAN adapters
+ * (slcan_net.c), a socketcand (socketcand_net.c); and a bus of a SIL Kit simulation (silkit_can.c).
  *
  * What does not fit the wire at once waits in a queue that keeps the order. As long as it does, no
  * frames come in and the encoders' deadlines wait: whoever is busy sending is deaf to more work.
@@ -30,6 +30,7 @@
 #define LX_CAN_PACED_MAX 32u
 
 struct lx_can;
+struct lx_silkit;
 
 /** A frame with an identifier of 11 or 29 bits. */
 struct lx_can_wide {
@@ -73,6 +74,7 @@ struct lx_can_ops {
 /** What a bus is made of. Everything pointed to must outlive it. */
 struct lx_can_setup {
     sd_event *event;
+    struct lx_silkit *silkit; /**< the rig in a simulation, for a bus of one */
     const struct lx_say *say;
     const char *where; /**< interface or link; NULL: a link is not wanted */
     /** A frame came in at `now`, which may lie in the past and never decreases. */
@@ -121,7 +123,8 @@ struct lx_can {
 
 /** Opens one kind of bus. @return NULL with one line in `error` */
 typedef struct lx_can *lx_can_open(const struct lx_can_setup *setup, struct lx_error *error);
-lx_can_open lx_can_socket_open, lx_slcan_pty_open, lx_slcan_net_open, lx_socketcand_open;
+lx_can_open lx_can_socket_open, lx_slcan_pty_open, lx_slcan_net_open, lx_socketcand_open,
+    lx_silkit_can_open;
 
 /** Whether `where` is an address of a kind that has TCP clients. @return 0, or -1 with `error` */
 int lx_slcan_net_check(const char *where, struct lx_error *error);

@@ -237,6 +237,7 @@ static int open_wire(struct lx_can_bus *self, struct lx_error *error)
     const struct lx_bus_setup *setup = &self->bus.setup;
     const struct lx_can_setup can = {
         .event = setup->event,
+        .silkit = setup->silkit,
         .say = setup->say,
         .where = setup->wire->where,
         .rx = on_frame,
@@ -351,7 +352,10 @@ struct lx_bus *lx_can_bus_make(const struct lx_bus_setup *setup, lx_can_open *op
     self->promised = DG_NEVER;
     self->node = node;
     self->pace = lx_can_pace;
-    int result = lx_wire_settings(&lx_can_keys, setup->plan, setup->wire, &self->pace, error);
+    int result = 0;
+    if (setup->wire->kind->keys == &lx_can_keys) {
+        result = lx_wire_settings(&lx_can_keys, setup->plan, setup->wire, &self->pace, error);
+    }
     for (size_t i = 0; result == 0 && i < setup->count; i++) {
         result = lx_can_node_make(self, i, error);
     }

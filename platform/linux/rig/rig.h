@@ -54,6 +54,13 @@ dg_ns lx_rig_readable(const struct lx_rig *self, size_t index);
  * @return 0, or -1 with one line in `error` */
 int lx_rig_announce(struct lx_rig *self, struct lx_error *error);
 
+/** Whether the rig of this plan has the time of a simulation that it takes part in; then virtual
+ * time is to begin before it is opened. @return 0 with `is`, or -1 with `error` */
+int lx_rig_is_stepped(const struct lx_plan *plan, bool *is, struct lx_error *error);
+
+/** Such a rig: do one thing of the present step. @return false: wait for the loop to be woken */
+bool lx_rig_step(struct lx_rig *self);
+
 /** Take everything down; NULL is fine. @return 0, or -1 with one line in `error`: a trace or a
  * recording is not whole */
 int lx_rig_close(struct lx_rig *self, struct lx_error *error);

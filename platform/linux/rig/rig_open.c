@@ -123,6 +123,7 @@ static int make_wire(struct lx_rig *self, size_t index, struct lx_error *error)
         .count = wire->count,
         .clock = &self->clock,
         .writer = self->writer,
+        .silkit = self->silkit,
     };
     wire->bus = lx_bus_new(&setup, error);
     for (size_t i = 0; wire->bus != NULL && i < wire->count; i++) {
@@ -386,8 +387,8 @@ static int power(struct lx_rig *self, struct lx_error *error)
             return -1;
         }
     }
-    if (serve_all(self, error) != 0 || look_after_loop(self, error) != 0 ||
-        release_traces(self, error) != 0) {
+    if (lx_silkit_start(self->silkit, error) != 0 || serve_all(self, error) != 0 ||
+        look_after_loop(self, error) != 0 || release_traces(self, error) != 0) {
         return -1;
     }
     warn(self);
@@ -413,7 +414,8 @@ int lx_rig_open(struct lx_rig **self, const struct lx_rig_setup *setup, dg_ns no
     rig->no_files = LX_FOLDER_NONE;
     rig->clock = (struct lx_clock){.real = now, .virtual_ = now, .permille = 1000};
     rig->writer = lx_nvm_writer_new(setup->event, on_written, rig);
-    if (!make_room(rig) || rig->writer == NULL) {
+    rig->silkit = lx_silkit_new(setup->event, setup->say, setup->plan->name);
+    if (!make_room(rig) || rig->writer == NULL || rig->silkit == NULL) {
         (void)lx_fail(error, "no memory for a rig");
     } else {
         result = make(rig, error);
@@ -433,6 +435,25 @@ int lx_rig_open(struct lx_rig **self, const struct lx_rig_setup *setup, dg_ns no
 struct dg_rig *lx_rig_control(struct lx_rig *self)
 {
     return &self->control;
+}
+
+int lx_rig_is_stepped(const struct lx_plan *plan, bool *is, struct lx_error *error)
+{
+    struct lx_silkit *silkit = lx_silkit_new(NULL, NULL, plan->name);
+    int result = silkit == NULL ? lx_fail(error, "no memory for a rig") : 0;
+    for (size_t i = 0; result == 0 && i < plan->wire_count; i++) {
+        if (plan->wires[i].kind->make == lx_silkit_bus_make) {
+            result = lx_silkit_add(silkit, plan, &plan->wires[i], error);
+        }
+    }
+    *is = result == 0 && lx_silkit_is_virtual(silkit);
+    lx_silkit_free(silkit);
+    return result;
+}
+
+bool lx_rig_step(struct lx_rig *self)
+{
+    return lx_silkit_step(self->silkit);
 }
 
 bool lx_rig_read(struct lx_rig *self, size_t index, char *text, size_t size)
@@ -560,10 +581,12 @@ int lx_rig_close(struct lx_rig *self, struct lx_error *error)
     }
     lx_timer_close(&self->faults);
     lx_stall_close(&self->stall);
+    lx_silkit_leave(self->silkit);
     int result = close_wires(self, error);
     result = worst(result, close_shafts(self, &latest), error, &latest);
     lx_rig_close_courses(self);
     lx_nvm_writer_free(self->writer);
+    lx_silkit_free(self->silkit);
     lx_folder_close(&self->files);
     free(self->control.encoders);
     free(self->control.shafts);

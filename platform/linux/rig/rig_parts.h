@@ -12,6 +12,7 @@
 #include "record.h"
 #include "rig.h"
 #include "server.h"
+#include "silkit.h"
 #include "stall.h"
 #include "timer.h"
 #include "trace.h"
@@ -65,6 +66,7 @@ struct lx_rig {
     struct lx_rig_shaft *shafts;
     struct lx_rig_wire *wires;
     struct lx_nvm_writer *writer; /**< of EEPROM files */
+    struct lx_silkit *silkit;     /**< the rig in a simulation, if it is */
     struct lx_station *stations;
     struct lx_courses **courses; /**< of each encoder; NULL: none; owned */
     struct lx_timer faults;      /**< their durations, and courses */

@@ -6,6 +6,7 @@
 #include "drehgeber/interbus.h"
 #include "hf_settings.h"
 #include "modbus_settings.h"
+#include "silkit.h"
 #include "sim_settings.h"
 #include "ssi_settings.h"
 
@@ -25,6 +26,7 @@ const struct lx_wire lx_wires[] = {
     {"can",        DG_CO_NET_NODES,   lx_can_bus_make_socket,     {&lx_can_stack},   "IFNAME",              NULL,                     &lx_can_keys,  &lx_can_pace,      false, true,  false, false, true,   "CAN on a network interface (SocketCAN)"},
     {"slcan",      DG_CO_NET_NODES,   lx_can_bus_make_slcan,      {&lx_can_stack},   "LINK|tcp:HOST:PORT",  NULL,                     &lx_can_keys,  &lx_can_pace,      false, false, true,  true,  false,  "CAN behind an SLCAN adapter on a pseudo-terminal, or on a TCP port, one for each client"},
     {"socketcand", DG_CO_NET_NODES,   lx_can_bus_make_socketcand, {&lx_can_stack},   "HOST:PORT[,BUS]",     "127.0.0.1:29536",        &lx_can_keys,  &lx_can_pace,      false, false, false, false, false,  "CAN behind a socketcand on a TCP port; BUS: the name that clients have to open it by"},
+    {"silkit",     DG_IB_RING_MAX,    lx_silkit_bus_make,         {&lx_can_stack},   "silkit://HOST:PORT,NETWORK", NULL,              &lx_silkit_keys, &lx_silkit_defaults, false, true, false, false, false, "a SIL Kit simulation: the registry, the CAN network or the name before the topics of another line, and behind a comma the name of the participant"},
     {"modbus",     DG_IB_RING_MAX,    lx_ring_bus_make,           {&lx_ib_stack},    "HOST:PORT",           "127.0.0.1:5020",         &lx_ring_keys, &lx_ring_defaults, false, false, false, false, false,  "INTERBUS: the Modbus/TCP coupler in front of the ring"},
 };
 /* clang-format on */

@@ -8,9 +8,9 @@
 #include <stdio_ext.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "file.h"
+#include "timer.h"
 #include "trace_format.h"
 
 #define FLUSH_NS DG_S(1)
@@ -46,13 +46,6 @@ static void set_wire(struct lx_trace *self, const char *wire)
     for (char *at = self->wire + strspn(self->wire, fit); *at != '\0'; at += strspn(at, fit)) {
         *at = '_';
     }
-}
-
-static uint64_t time_of_day_ns(void)
-{
-    struct timespec now = {.tv_sec = 0};
-    (void)clock_gettime(CLOCK_REALTIME, &now);
-    return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
 }
 
 /* After something was written: whether all is well. */
@@ -141,7 +134,7 @@ struct lx_trace *lx_trace_open(const struct lx_trace_setup *setup, dg_ns now,
         (struct lx_tap_listener){.event = on_event, .ctx = self, .sincos = setup->kind->sincos};
     self->opened = now;
     self->flushed = now;
-    self->day_ns = time_of_day_ns() - now;
+    self->day_ns = lx_time_of_day() - now;
     set_wire(self, setup->wire);
     if (begin(self, setup, error) != 0) {
         discard(self);

@@ -19,6 +19,7 @@
 struct lx_bus;
 struct lx_nvm_queue;
 struct lx_nvm_writer;
+struct lx_silkit;
 
 /** An encoder on a bus. The rig owns it; the bus fills control.device, control.nvm. */
 struct lx_station {
@@ -42,6 +43,7 @@ struct lx_bus_setup {
     size_t count; /**< at least 1 */
     const struct lx_clock *clock;
     struct lx_nvm_writer *writer; /**< of EEPROM files; NULL: they are written where they stand */
+    struct lx_silkit *silkit;     /**< the rig in a simulation; for wires that are on it */
 };
 
 /** Longest address for a ready line. */
@@ -93,7 +95,7 @@ struct lx_bus {
 /** The makers. */
 lx_bus_make lx_hf_bus_make_pty, lx_hf_bus_make_tty, lx_hf_bus_make_net, lx_can_bus_make_socket,
     lx_can_bus_make_slcan, lx_can_bus_make_socketcand, lx_ring_bus_make, lx_sim_bus_make,
-    lx_gpio_bus_make;
+    lx_gpio_bus_make, lx_silkit_bus_make;
 
 /** Make the bus that the plan asks for. @return NULL with `error`, which says where in the plan */
 struct lx_bus *lx_bus_new(const struct lx_bus_setup *setup, struct lx_error *error);

@@ -1,0 +1,174 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * A CAN bus in a SIL Kit simulation: one controller for all encoders of it. Without a network
+ * simulator every frame gets through at once; with one, frames get lost, and the controller has an
+ * error state. Until the simulation begins, frames wait: a real controller tries until somebody
+ * acknowledges.
+ */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "can_bus.h"
+#include "can_load.h"
+#include "silkit.h"
+
+/* Of 11 bits. */
+#define ID_MAX 0x7FFu
+/* What encoders send by themselves before anybody is there; the oldest ones are kept. */
+#define EARLY_MAX 4096u
+
+struct silkit_can {
+    struct lx_can can;
+    struct lx_silkit_port port;
+    struct lx_silkit_where where;
+    struct lx_can_list early;
+};
+
+static struct silkit_can *silkit_of(struct lx_can *can)
+{
+    return (struct silkit_can *)can;
+}
+
+/* --- out --- */
+
+static void send(struct silkit_can *self, const struct dg_can_frame *frame)
+{
+    const uint8_t n = frame->dlc < sizeof frame->data ? frame->dlc : (uint8_t)sizeof frame->data;
+    lx_silkit_send(&self->port, frame->id, frame->rtr, frame->data, n);
+}
+
+static bool write_frame(struct lx_can *can, const struct dg_can_frame *frame)
+{
+    struct silkit_can *self = silkit_of(can);
+    if (lx_silkit_is_ready(self->port.all)) {
+        send(self, frame);
+        return true;
+    }
+    const struct lx_can_waiting waiting = {.frame = *frame};
+    if (self->early.count >= EARLY_MAX || !lx_can_list_append(&self->early, &waiting)) {
+        can->counters.lost++;
+    }
+    return true;
+}
+
+static void on_ready(void *ctx, dg_ns now)
+{
+    struct silkit_can *self = ctx;
+    for (size_t i = 0; i < self->early.count; i++) {
+        send(self, &self->early.frames[i].frame);
+    }
+    self->early.count = 0;
+    self->can.setup.settle(self->can.setup.ctx, now);
+}
+
+/* --- in --- */
+
+static void take_frame(struct silkit_can *self, dg_ns now, const struct lx_silkit_message *message)
+{
+    const struct lx_can_setup *setup = &self->can.setup;
+    struct dg_can_frame frame = {
+        .id = (uint16_t)message->id,
+        .rtr = (message->flags & LX_SK_FRAME_REMOTE) != 0,
+    };
+    const uint16_t n = frame.rtr ? message->dlc : (uint16_t)message->length;
+    frame.dlc = n > sizeof frame.data ? sizeof frame.data : (uint8_t)n;
+    memcpy(frame.data, lx_silkit_bytes(message), message->length);
+    if ((message->flags & LX_SK_FRAME_EXTENDED) != 0) {
+        lx_can_count(&self->can, LX_CAN_EXTENDED_BITS(1u, lx_can_bytes(&frame)));
+    } else if ((message->flags & ~LX_SK_FRAME_REMOTE) == 0 && message->id <= ID_MAX) {
+        setup->rx(setup->ctx, now, &frame);
+    }
+}
+
+static void take_state(struct silkit_can *self, dg_ns now, uint32_t state)
+{
+    static const enum dg_co_bus_event events[] = {
+        [LX_SK_ERROR_ACTIVE] = DG_CO_BUS_ACTIVE,
+        [LX_SK_ERROR_PASSIVE] = DG_CO_BUS_PASSIVE,
+        [LX_SK_BUS_OFF] = DG_CO_BUS_OFF,
+    };
+    const struct lx_can_setup *setup = &self->can.setup;
+    if (state != LX_SK_ERROR_UNKNOWN && state < DG_COUNT(events)) {
+        setup->bus(setup->ctx, now, events[state]);
+    }
+}
+
+static void receive(void *ctx, dg_ns now, const struct lx_silkit_message *message, bool last)
+{
+    struct silkit_can *self = ctx;
+    if (message->kind == LX_SILKIT_FRAME) {
+        take_frame(self, now, message);
+    } else if (message->kind == LX_SILKIT_STATE) {
+        take_state(self, now, message->id);
+    } else if (message->kind == LX_SILKIT_LOST) {
+        self->can.counters.lost++;
+    }
+    if (last) {
+        self->can.setup.settle(self->can.setup.ctx, now);
+    }
+}
+
+/* --- the operations --- */
+
+static void pause_reading(struct lx_can *can, bool paused)
+{
+    (void)can; /* there is always room, so nobody waits for it */
+    (void)paused;
+}
+
+static void expect(struct lx_can *can, uint16_t kbaud)
+{
+    struct silkit_can *self = silkit_of(can);
+    if (can->expected != kbaud) {
+        can->expected = kbaud;
+        lx_silkit_baud_rate(&self->port, 1000u * kbaud);
+    }
+}
+
+static bool up(const struct lx_can *can)
+{
+    (void)can;
+    return true;
+}
+
+static void close_silkit(struct lx_can *can)
+{
+    free(silkit_of(can)->early.frames);
+}
+
+static const struct lx_can_ops silkit_ops = {
+    .write = write_frame,
+    .pause = pause_reading,
+    .expect = expect,
+    .up = up,
+    .close = close_silkit,
+};
+
+static int start(struct silkit_can *self, struct lx_error *error)
+{
+    const struct lx_can_setup *setup = &self->can.setup;
+    if (lx_silkit_split(setup->where, &self->where, error) != 0 ||
+        lx_silkit_join(setup->silkit, error) != 0) {
+        return -1;
+    }
+    (void)snprintf(self->can.address, sizeof self->can.address, "%s,%s", self->where.uri,
+                   self->where.network);
+    return lx_silkit_open_can(setup->silkit, &self->port, self->where.network, error);
+}
+
+struct lx_can *lx_silkit_can_open(const struct lx_can_setup *setup, struct lx_error *error)
+{
+    struct silkit_can *self = calloc(1, sizeof *self);
+    if (self == NULL) {
+        (void)lx_fail(error, "no memory for a bus");
+        return NULL;
+    }
+    self->can.kind = "silkit";
+    self->port = (struct lx_silkit_port){.receive = receive, .ready = on_ready, .ctx = self};
+    if (lx_can_init(&self->can, &silkit_ops, setup, error) != 0 || start(self, error) != 0) {
+        lx_can_close(&self->can);
+        return NULL;
+    }
+    return &self->can;
+}

@@ -1,0 +1,138 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * A rig as a participant of a SIL Kit simulation: one for all of its wires, with a CAN controller
+ * for each bus and topics for what else goes over wires and shafts.
+ *
+ * Time is that of the simulation, in steps, unless it is real. At the step at T all that others
+ * have sent before T is there. It is handled at its own moments, in the order (time, wire, CAN-ID,
+ * arrival), the rig's deadlines in between; what the rig sends meanwhile is stamped T.
+ *
+ *   others   ..f1....f2..|
+ *   rig                  | -> f1, deadlines, f2, deadlines up to T; send; complete
+ *                        T
+ */
+#ifndef DREHGEBER_LINUX_SILKIT_H
+#define DREHGEBER_LINUX_SILKIT_H
+
+#include <systemd/sd-event.h>
+
+#include "plan.h"
+#include "say.h"
+#include "silkit_inbox.h"
+#include "silkit_library.h"
+#include "timer.h"
+#include "wire.h"
+
+/** Longest parts of an address, with their zeros. */
+#define LX_SILKIT_URI_MAX 200u
+#define LX_SILKIT_NAME_MAX 64u
+/** Longest topic: PARTICIPANT/shaft/NAME/... */
+#define LX_SILKIT_TOPIC_MAX 200u
+
+/** Whose time it is. */
+enum lx_silkit_time {
+    LX_SILKIT_COORDINATED, /**< virtual; begins and ends with all others */
+    LX_SILKIT_AUTONOMOUS,  /**< virtual; begins when it can */
+    LX_SILKIT_REAL,        /**< each one's own */
+};
+
+/** Settings. */
+struct lx_silkit_settings {
+    uint8_t time;     /**< enum lx_silkit_time */
+    uint32_t step_us; /**< 1..1000000 */
+};
+extern const struct lx_keys lx_silkit_keys;
+extern const struct lx_silkit_settings lx_silkit_defaults;
+
+/** An address. */
+struct lx_silkit_where {
+    char uri[LX_SILKIT_URI_MAX];
+    char network[LX_SILKIT_NAME_MAX];
+    char participant[LX_SILKIT_NAME_MAX]; /**< "": the rig's name */
+};
+
+/** Understand "silkit://HOST:PORT,NETWORK[,PARTICIPANT]". @return 0, or -1 with `error` */
+int lx_silkit_split(const char *where, struct lx_silkit_where *out, struct lx_error *error);
+
+struct lx_silkit;
+
+/** Something that sends and receives: a controller, or a topic. Its owner's, filled by the
+ * functions below. */
+struct lx_silkit_port {
+    struct lx_silkit *all;
+    size_t place;      /**< among all ports */
+    size_t length_max; /**< of what may be received */
+    uint64_t refused;  /**< what was longer */
+    struct lx_sk_can *can;
+    struct lx_sk_publisher *publisher;
+    /** A message has come at `now`; more of the same moment may follow unless it is the `last`.
+     * NULL: nothing is received. */
+    void (*receive)(void *ctx, dg_ns now, const struct lx_silkit_message *message, bool last);
+    /** Everybody can hear now. NULL: nobody minds. */
+    void (*ready)(void *ctx, dg_ns now);
+    /** The step at `now` ends: what is to be said in each. NULL: nothing. */
+    void (*step)(void *ctx, dg_ns now);
+    void *ctx;
+};
+
+/** A rig's. `event` NULL: it is only asked whether it can be. */
+struct lx_silkit *lx_silkit_new(sd_event *event, const struct lx_say *say, const char *name);
+
+/** A wire of the plan is to be on it. All wires of a rig have one registry, one participant and
+ * the same settings. @return 0, or -1 with `error` */
+int lx_silkit_add(struct lx_silkit *self, const struct lx_plan *plan,
+                  const struct lx_plan_wire *wire, struct lx_error *error);
+
+/** Whether any is, and time is not real. */
+bool lx_silkit_is_virtual(const struct lx_silkit *self);
+
+/** Join the simulation, once; from here on ports can be made.
+ * @return 0, or -1 with one line in `error` */
+int lx_silkit_join(struct lx_silkit *self, struct lx_error *error);
+
+/** A CAN controller on `network`, at port->can. The functions of `port` and its `ctx` are set.
+ * @return 0, or -1 with `error` */
+int lx_silkit_open_can(struct lx_silkit *self, struct lx_silkit_port *port, const char *network,
+                       struct lx_error *error);
+
+/** Receive what others publish as `topic`, of at most port->length_max bytes; as above. */
+int lx_silkit_subscribe(struct lx_silkit *self, struct lx_silkit_port *port, const char *topic,
+                        const char *media_type, struct lx_error *error);
+
+/** Publish as `topic`, at port->publisher; who comes later is told the latest. As above. */
+int lx_silkit_offer(struct lx_silkit *self, struct lx_silkit_port *port, const char *topic,
+                    const char *media_type, struct lx_error *error);
+
+/** All ports are there: life begins. Nothing is done when there are none.
+ * @return 0, or -1 with `error` */
+int lx_silkit_start(struct lx_silkit *self, struct lx_error *error);
+
+/** Whether what is sent is heard. */
+bool lx_silkit_is_ready(const struct lx_silkit *self);
+
+/** Publish. What cannot be is said once. */
+void lx_silkit_publish(struct lx_silkit_port *port, const void *bytes, size_t n);
+
+/** What a network simulator has to know of the controller. */
+void lx_silkit_baud_rate(struct lx_silkit_port *port, uint32_t rate);
+
+/** Send a frame. */
+void lx_silkit_send(struct lx_silkit_port *port, uint16_t id, bool remote, const uint8_t *bytes,
+                    uint8_t n);
+
+/** The name that the rig has there. */
+const char *lx_silkit_name(const struct lx_silkit *self);
+
+/** Time is the simulation's: do one thing of the present step, a deadline or a message.
+ * @return false: nothing is left before the library calls again */
+bool lx_silkit_step(struct lx_silkit *self);
+
+/** Leave the simulation: nothing is sent or received any more. Before the ports are given back;
+ * NULL is fine. */
+void lx_silkit_leave(struct lx_silkit *self);
+
+/** Give it back; NULL is fine. */
+void lx_silkit_free(struct lx_silkit *self);
+
+#endif

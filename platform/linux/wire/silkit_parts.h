@@ -1,0 +1,65 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * What a participant is made of, for the files that make it: silkit.c lives, silkit_ports.c sends
+ * and receives, silkit_settings.c knows the plan.
+ */
+#ifndef DREHGEBER_LINUX_SILKIT_PARTS_H
+#define DREHGEBER_LINUX_SILKIT_PARTS_H
+
+#include <signal.h>
+
+#include "silkit.h"
+
+/** A participant. What other threads touch is `inbox`, and, once it is started, `port`, `lib`. */
+struct lx_silkit {
+    sd_event *event;
+    const struct lx_say *say;
+    const char *rig; /**< name */
+    bool planned;    /**< a wire was added: */
+    struct lx_silkit_where where;
+    struct lx_silkit_settings settings;
+    struct lx_silkit_library lib;
+    struct lx_silkit_inbox inbox;
+    sd_event_source *io;
+    struct lx_sk_participant *participant;
+    struct lx_sk_lifecycle *lifecycle;
+    struct lx_sk_time *clock;
+    bool heard; /**< everybody can hear */
+    sd_event_source *standstill;
+    struct lx_silkit_port **port; /**< owned list of theirs */
+    size_t count;
+    bool ready; /**< ports know that */
+    bool ended;
+    bool stepping;                 /**< a step is to be completed: */
+    uint64_t at;                   /**< its time */
+    bool begun;                    /**< there was one, and */
+    uint64_t origin;               /**< the time of the first one is that of the rig at */
+    dg_ns begin;                   /**< ... this moment */
+    struct lx_silkit_list came;    /**< just taken out of the inbox */
+    struct lx_silkit_list pending; /**< messages in the order in which they are handled */
+    uint64_t lost;                 /**< messages for which there was no room, as was told */
+    bool complained;               /**< about what the library refuses */
+};
+
+/** The rig's time at the simulation's `time`; what is over already is now. */
+dg_ns lx_silkit_moment(const struct lx_silkit *self, uint64_t time);
+
+/** Hand over the first message of the pending ones, at `now`, of which those before `end` come in
+ * this step. */
+void lx_silkit_deliver(struct lx_silkit *self, dg_ns now, uint64_t end);
+
+/** Put the pending ones into their order. */
+void lx_silkit_sort(struct lx_silkit_list *list);
+
+/** A function of the library said no: what it was to do, and its reason. @return -1 */
+int lx_silkit_refused(const struct lx_silkit *self, const char *what, struct lx_error *error);
+
+/** Likewise, once, to the user. */
+void lx_silkit_complain(struct lx_silkit *self, const char *what);
+
+/** Let the handlers' threads leave all signals to the loop: around whatever starts threads. */
+void lx_silkit_mask(sigset_t *before);
+void lx_silkit_unmask(const sigset_t *before);
+
+#endif

@@ -1,0 +1,218 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What a participant sends and receives. A handler on the library's threads copies what it was
+ * told and says which port it is for; the loop sorts and hands over.
+ */
+#define _GNU_SOURCE
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "silkit_parts.h"
+
+#define FRAME_BYTES_MAX 8u
+
+/* --- on the library's threads --- */
+
+static void on_frame(void *ctx, struct lx_sk_can *can, struct lx_sk_frame_event *event)
+{
+    struct lx_silkit_port *port = ctx;
+    const struct lx_sk_frame *frame = event->frame;
+    const bool fits = frame->data.size <= FRAME_BYTES_MAX;
+    const struct lx_silkit_message message = {
+        .kind = fits ? LX_SILKIT_FRAME : LX_SILKIT_REFUSED,
+        .port = port,
+        .time = event->timestamp,
+        .id = frame->id,
+        .flags = frame->flags,
+        .dlc = frame->dlc,
+    };
+    (void)can;
+    lx_silkit_inbox_put(&port->all->inbox, &message, frame->data.data, fits ? frame->data.size : 0);
+}
+
+static void on_transmit(void *ctx, struct lx_sk_can *can, struct lx_sk_transmit_event *event)
+{
+    struct lx_silkit_port *port = ctx;
+    const struct lx_silkit_message message = {
+        .kind = LX_SILKIT_LOST, .port = port, .time = event->timestamp};
+    (void)can;
+    lx_silkit_inbox_put(&port->all->inbox, &message, NULL, 0);
+}
+
+static void on_error(void *ctx, struct lx_sk_can *can, struct lx_sk_error_event *event)
+{
+    struct lx_silkit_port *port = ctx;
+    const struct lx_silkit_message message = {
+        .kind = LX_SILKIT_STATE,
+        .port = port,
+        .time = event->timestamp,
+        .id = (uint32_t)event->state,
+    };
+    (void)can;
+    lx_silkit_inbox_put(&port->all->inbox, &message, NULL, 0);
+}
+
+static void on_data(void *ctx, struct lx_sk_subscriber *subscriber,
+                    const struct lx_sk_data_event *event)
+{
+    struct lx_silkit_port *port = ctx;
+    const bool fits = event->data.size <= port->length_max;
+    const struct lx_silkit_message message = {
+        .kind = fits ? LX_SILKIT_DATA : LX_SILKIT_REFUSED,
+        .port = port,
+        .time = event->timestamp,
+    };
+    (void)subscriber;
+    lx_silkit_inbox_put(&port->all->inbox, &message, event->data.data, fits ? event->data.size : 0);
+}
+
+/* --- order --- */
+
+static int compare(const void *a, const void *b)
+{
+    const struct lx_silkit_message *one = a;
+    const struct lx_silkit_message *other = b;
+    if (one->time != other->time) {
+        return one->time < other->time ? -1 : 1;
+    }
+    if (one->port != other->port) {
+        return one->port->place < other->port->place ? -1 : 1;
+    }
+    if (one->id != other->id) {
+        return one->id < other->id ? -1 : 1;
+    }
+    return one->order < other->order ? -1 : 1;
+}
+
+void lx_silkit_sort(struct lx_silkit_list *list)
+{
+    if (list->count - list->first > 1u) {
+        qsort(list->at + list->first, list->count - list->first, sizeof *list->at, compare);
+    }
+}
+
+void lx_silkit_deliver(struct lx_silkit *self, dg_ns now, uint64_t end)
+{
+    struct lx_silkit_list *list = &self->pending;
+    const struct lx_silkit_message message = list->at[list->first++];
+    const struct lx_silkit_message *next =
+        list->first < list->count ? &list->at[list->first] : NULL;
+    const bool last = next == NULL || next->port != message.port ||
+                      (self->clock != NULL && next->time != message.time) || next->time >= end;
+    struct lx_silkit_port *port = message.port;
+    port->refused += message.kind == LX_SILKIT_REFUSED ? 1u : 0u;
+    port->receive(port->ctx, now, &message, last);
+    free(message.bytes);
+}
+
+/* --- making --- */
+
+/* @return false without memory */
+static bool add(struct lx_silkit *self, struct lx_silkit_port *port)
+{
+    struct lx_silkit_port **list =
+        reallocarray(self->port, self->count + 1u, sizeof(struct lx_silkit_port *));
+    if (list == NULL) {
+        return false;
+    }
+    self->port = list;
+    port->all = self;
+    port->place = self->count;
+    list[self->count++] = port;
+    return true;
+}
+
+/* A name that only the participant itself has to tell from its others. */
+static const char *name_of(const struct lx_silkit_port *port, char to[32])
+{
+    (void)snprintf(to, 32, "port%zu", port->place);
+    return to;
+}
+
+int lx_silkit_open_can(struct lx_silkit *self, struct lx_silkit_port *port, const char *network,
+                       struct lx_error *error)
+{
+    char name[32];
+    uint64_t id = 0;
+    if (!add(self, port)) {
+        return lx_fail(error, "no memory for a bus");
+    }
+    const struct lx_silkit_library *lib = &self->lib;
+    if (lib->can_new(&port->can, self->participant, name_of(port, name), network) != 0 ||
+        lib->can_on_frame(port->can, port, on_frame, LX_SK_RECEIVED, &id) != 0 ||
+        lib->can_on_transmit(port->can, port, on_transmit, LX_SK_NOT_TRANSMITTED, &id) != 0 ||
+        lib->can_on_error(port->can, port, on_error, &id) != 0) {
+        return lx_silkit_refused(self, network, error);
+    }
+    return 0;
+}
+
+int lx_silkit_subscribe(struct lx_silkit *self, struct lx_silkit_port *port, const char *topic,
+                        const char *media_type, struct lx_error *error)
+{
+    char name[32];
+    struct lx_sk_subscriber *subscriber = NULL;
+    struct lx_sk_spec spec = {
+        .header = {.version = LX_SK_DATA_SPEC}, .topic = topic, .media_type = media_type};
+    if (!add(self, port)) {
+        return lx_fail(error, "no memory for a topic");
+    }
+    return self->lib.subscriber_new(&subscriber, self->participant, name_of(port, name), &spec,
+                                    port, on_data) != 0
+               ? lx_silkit_refused(self, topic, error)
+               : 0;
+}
+
+int lx_silkit_offer(struct lx_silkit *self, struct lx_silkit_port *port, const char *topic,
+                    const char *media_type, struct lx_error *error)
+{
+    char name[32];
+    struct lx_sk_spec spec = {
+        .header = {.version = LX_SK_DATA_SPEC}, .topic = topic, .media_type = media_type};
+    if (!add(self, port)) {
+        return lx_fail(error, "no memory for a topic");
+    }
+    return self->lib.publisher_new(&port->publisher, self->participant, name_of(port, name), &spec,
+                                   0) != 0
+               ? lx_silkit_refused(self, topic, error)
+               : 0;
+}
+
+/* --- sending --- */
+
+/* The participant has left, and the rig is being taken down. */
+static bool is_alone(const struct lx_silkit_port *port)
+{
+    return port->all == NULL || port->all->participant == NULL;
+}
+
+void lx_silkit_baud_rate(struct lx_silkit_port *port, uint32_t rate)
+{
+    if (!is_alone(port) && port->all->lib.can_baud_rate(port->can, rate, 0, 0) != 0) {
+        lx_silkit_complain(port->all, "no such bit rate");
+    }
+}
+
+void lx_silkit_publish(struct lx_silkit_port *port, const void *bytes, size_t n)
+{
+    const struct lx_sk_bytes data = {.data = bytes, .size = n};
+    if (!is_alone(port) && port->all->lib.publish(port->publisher, &data) != 0) {
+        lx_silkit_complain(port->all, "a topic cannot be published");
+    }
+}
+
+void lx_silkit_send(struct lx_silkit_port *port, uint16_t id, bool remote, const uint8_t *bytes,
+                    uint8_t n)
+{
+    struct lx_sk_frame frame = {
+        .header = {.version = LX_SK_CAN_FRAME},
+        .id = id,
+        .flags = remote ? LX_SK_FRAME_REMOTE : 0,
+        .dlc = n,
+        .data = {.data = bytes, .size = remote ? 0 : n},
+    };
+    if (!is_alone(port) && port->all->lib.can_send(port->can, &frame, NULL) != 0) {
+        lx_silkit_complain(port->all, "a frame cannot be sent");
+    }
+}

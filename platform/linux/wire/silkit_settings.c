@@ -1,0 +1,143 @@
+/* SPDX-License-Identifier: MIT */
+/* What a plan says about the simulation that a rig is to join. */
+#include <ctype.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "silkit_parts.h"
+
+#define RIGHT "silkit://HOST:PORT,NETWORK or silkit://HOST:PORT,NETWORK,PARTICIPANT is right"
+#define STEP_MAX_US 1000000
+
+static const char *const times[] = {"coordinated", "autonomous", "real"};
+
+/* clang-format off */
+static const struct dg_key keys[] = {
+    {"time",    "",   offsetof(struct lx_silkit_settings, time),    DG_KEY_WORD, 0, 1, 0, LX_SILKIT_REAL, times, "virtual, begun and ended with all others; virtual, begun at once; or real, without steps"},
+    {"step_us", "us", offsetof(struct lx_silkit_settings, step_us), DG_KEY_U32,  0, 1, 1, STEP_MAX_US,    NULL,  "of virtual time: from one step to the next"},
+};
+/* clang-format on */
+
+const struct lx_keys lx_silkit_keys = {.rows = keys, .count = DG_COUNT(keys)};
+const struct lx_silkit_settings lx_silkit_defaults = {.time = LX_SILKIT_COORDINATED,
+                                                      .step_us = 1000};
+
+/* --- addresses --- */
+
+/* A name of letters, digits and what else may stand in one. */
+static bool take_name(const char *from, size_t n, char to[LX_SILKIT_NAME_MAX])
+{
+    bool good = n > 0 && n < LX_SILKIT_NAME_MAX;
+    for (size_t i = 0; good && i < n; i++) {
+        good = isalnum((unsigned char)from[i]) != 0 || strchr("_-./", from[i]) != NULL;
+    }
+    if (good) {
+        memcpy(to, from, n);
+        to[n] = '\0';
+    }
+    return good;
+}
+
+/* HOST:PORT behind the scheme. The port of a registry cannot be any. */
+static bool take_uri(const char *from, size_t n, char to[LX_SILKIT_URI_MAX])
+{
+    static const char scheme[] = "silkit://";
+    const size_t ahead = strlen(scheme);
+    if (n >= LX_SILKIT_URI_MAX || strncmp(from, scheme, ahead) != 0) {
+        return false;
+    }
+    memcpy(to, from, n);
+    to[n] = '\0';
+    const char *port = strrchr(to + ahead, ':');
+    if (port == NULL || port == to + ahead || port[1] == '\0' || strlen(port + 1) > 5u ||
+        port[1 + strspn(port + 1, "0123456789")] != '\0') {
+        return false;
+    }
+    const long number = strtol(port + 1, NULL, 10);
+    return number > 0 && number <= UINT16_MAX && strpbrk(to + ahead, " /?#") == NULL;
+}
+
+int lx_silkit_split(const char *where, struct lx_silkit_where *out, struct lx_error *error)
+{
+    *out = (struct lx_silkit_where){0};
+    const size_t uri = strcspn(where, ",");
+    const char *network = where + uri + (where[uri] == ',' ? 1 : 0);
+    const size_t n = strcspn(network, ",");
+    const char *name = network[n] == ',' ? network + n + 1 : NULL;
+    const bool good = take_uri(where, uri, out->uri) && take_name(network, n, out->network) &&
+                      (name == NULL || take_name(name, strlen(name), out->participant));
+    return good ? 0 : lx_refuse(error, RIGHT, "%s", "");
+}
+
+/* --- the plan --- */
+
+static int refuse_another(const char *first, const char *what, const struct lx_plan *plan,
+                          const struct lx_plan_wire *wire, struct lx_error *error)
+{
+    struct lx_words right = {""};
+    lx_words_add(&right, "%s, as at the first silkit wire, is right", first);
+    (void)lx_refuse(error, right.text, "a rig has one %s", what);
+    return lx_plan_refuse_wire(plan, wire, error);
+}
+
+static int same_where(const struct lx_silkit *self, const struct lx_silkit_where *where,
+                      const struct lx_plan *plan, const struct lx_plan_wire *wire,
+                      struct lx_error *error)
+{
+    if (strcmp(self->where.uri, where->uri) != 0) {
+        return refuse_another(self->where.uri, "registry", plan, wire, error);
+    }
+    if (where->participant[0] != '\0' && strcmp(lx_silkit_name(self), where->participant) != 0) {
+        return refuse_another(lx_silkit_name(self), "participant", plan, wire, error);
+    }
+    return 0;
+}
+
+static int same_settings(const struct lx_silkit *self, const struct lx_silkit_settings *settings,
+                         const struct lx_plan *plan, const struct lx_plan_wire *wire,
+                         struct lx_error *error)
+{
+    if (self->settings.time != settings->time) {
+        return refuse_another(times[self->settings.time], "time", plan, wire, error);
+    }
+    if (self->settings.step_us != settings->step_us) {
+        struct lx_words step = {""};
+        lx_words_add(&step, "step_us=%lu", (unsigned long)self->settings.step_us);
+        return refuse_another(step.text, "step", plan, wire, error);
+    }
+    return 0;
+}
+
+/* What a later wire leaves out is as with the first one. */
+int lx_silkit_add(struct lx_silkit *self, const struct lx_plan *plan,
+                  const struct lx_plan_wire *wire, struct lx_error *error)
+{
+    struct lx_silkit_where where;
+    struct lx_silkit_settings settings = self->planned ? self->settings : lx_silkit_defaults;
+    if (lx_silkit_split(wire->where, &where, error) != 0) {
+        return lx_plan_refuse_wire(plan, wire, error);
+    }
+    if (lx_wire_settings(&lx_silkit_keys, plan, wire, &settings, error) != 0) {
+        return -1;
+    }
+    if (self->planned) {
+        return same_where(self, &where, plan, wire, error) != 0
+                   ? -1
+                   : same_settings(self, &settings, plan, wire, error);
+    }
+    self->planned = true;
+    self->where = where;
+    self->settings = settings;
+    return 0;
+}
+
+bool lx_silkit_is_virtual(const struct lx_silkit *self)
+{
+    return self->planned && self->settings.time != LX_SILKIT_REAL;
+}
+
+const char *lx_silkit_name(const struct lx_silkit *self)
+{
+    return self->where.participant[0] != '\0' ? self->where.participant : self->rig;
+}
