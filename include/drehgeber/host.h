@@ -51,6 +51,8 @@ struct dg_host;
 #define DG_HOST_ALIGN 16u
 /** Events that wait in either direction at most. */
 #define DG_HOST_QUEUE 64u
+/** Identifiers that a CAN encoder listens to at most. */
+#define DG_HOST_FILTERS 16u
 /** "Nothing will happen by itself." */
 #define DG_HOST_NEVER UINT64_MAX
 
@@ -325,6 +327,10 @@ struct dg_host_uart {
 DG_API int dg_host_uart(const struct dg_host *self, struct dg_host_uart *to);
 /** CAN: kbit/s in force. @return that; DG_HOST_ERR_WIRE; DG_HOST_ERR_STATE: no power */
 DG_API int dg_host_bit_rate(const struct dg_host *self);
+/** CAN: the identifiers it listens to at the moment, for whoever has many on one bus; what it
+ * hears, time and power change them. @return how many of `ids` are set; DG_HOST_ERR_WIRE;
+ * DG_HOST_ERR_STATE: no power */
+DG_API int dg_host_filters(const struct dg_host *self, uint16_t ids[DG_HOST_FILTERS]);
 
 /* ---------------------------------------------------------------- looks */
 

@@ -16,6 +16,7 @@ _Static_assert((int)DG_HOST_BUS_OFF == (int)DG_CO_BUS_OFF, "the numbers are the 
 _Static_assert((int)DG_HOST_BUS_OVERRUN == (int)DG_CO_BUS_OVERRUN, "the numbers are the same");
 _Static_assert((int)DG_HOST_BUS_ABSENT == (int)DG_CO_BUS_ABSENT, "the numbers are the same");
 _Static_assert((int)DG_HOST_BUS_PRESENT == (int)DG_CO_BUS_PRESENT, "the numbers are the same");
+_Static_assert(DG_HOST_FILTERS == DG_CO_FILTERS_MAX, "a node has no more");
 
 static void furnish(void *settings, const struct dg_device *device)
 {
@@ -115,4 +116,12 @@ int dg_host_bit_rate(const struct dg_host *self)
     const struct dg_cia406_device *device = dg_host_device(self, &dg_cia406_wire, &result);
 
     return device != NULL ? (int)device->node.setup.device->kbaud[device->node.bit_rate] : result;
+}
+
+int dg_host_filters(const struct dg_host *self, uint16_t ids[DG_HOST_FILTERS])
+{
+    int result;
+    const struct dg_cia406_device *device = dg_host_device(self, &dg_cia406_wire, &result);
+
+    return device != NULL ? (int)dg_co_filters(&device->node, ids) : result;
 }

@@ -73,6 +73,20 @@ def test_nodes_hear_each_other():
     assert [frame.id for frame in iter(master.recv, None)] == [0x082]
 
 
+def test_a_full_bus():
+    """127 nodes, which all answer one SYNC: more frames than wait for a node at once."""
+    bus = CanBus()
+    nodes = [Encoder("f3668", bus=bus, node=i, shaft=f"{i}DEG") for i in range(1, 128)]
+    master = bus.port()
+    master.send(*START)
+    for _ in iter(master.recv, None):
+        pass
+    master.send(SYNC)
+    heard = {frame.id - 0x280: int.from_bytes(frame.data[:4], "little") for frame in iter(master.recv, None)}
+    assert heard == {i: node.position for i, node in enumerate(nodes, 1)}
+    assert heard[90] == 1 << 14
+
+
 def test_frames_come_at_their_moments():
     """A heartbeat of 100 ms in one long advance: none is lost, none is late."""
     encoder = Encoder("f3668")

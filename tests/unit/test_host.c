@@ -132,6 +132,32 @@ static void check_biss(const char *name, uint64_t position, uint8_t count)
     assert_int_equal(dg_host_receive(self, &(struct dg_host_event){0}), 0);
 }
 
+/* CiA 301, 7.3.5, and CiA 305: LSS, NMT, SYNC, its SDO and its node guarding; and node 5's
+   heartbeat when 1016h says so. */
+static void check_filters(struct dg_host *self)
+{
+    static const uint16_t usual[] = {0x7E5, 0x000, 0x080, 0x63F, 0x73F};
+    struct heard heard;
+    uint16_t ids[DG_HOST_FILTERS];
+
+    assert_true(dg_host_filters(self, ids) >= (int)DG_COUNT(usual));
+    assert_memory_equal(ids, usual, sizeof usual);
+    const int before = dg_host_filters(self, ids);
+    sends(self,
+          (struct dg_host_event){.at = READY + 7 * MS,
+                                 .kind = DG_HOST_CAN,
+                                 .id = 0x63F,
+                                 .length = 8,
+                                 .data = {0x23, 0x16, 0x10, 1, 100, 0, 5, 0}},
+          READY + 8 * MS, &heard);
+    assert_int_equal(dg_host_filters(self, ids), before + 1);
+    bool found = false;
+    for (int i = 0; i < before + 1; i++) {
+        found = found || ids[i] == 0x705;
+    }
+    assert_true(found);
+}
+
 /* 6004h by SDO, then the SYNC PDO that maps it. */
 static void check_canopen(const char *name, uint32_t position)
 {
@@ -169,6 +195,7 @@ static void check_canopen(const char *name, uint32_t position)
     }
     assert_int_equal(found, 1);
     assert_int_equal(dg_host_bit_rate(self), 250);
+    check_filters(self);
 }
 
 static void check_interbus(const char *name, uint32_t position, uint8_t length)

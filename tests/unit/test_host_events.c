@@ -50,6 +50,7 @@ static void what_cannot_be_an_event_is_refused(void **state)
 
 static void what_a_wire_does_not_have_is_told(void **state)
 {
+    uint16_t ids[DG_HOST_FILTERS];
     struct dg_host_frame frame;
     struct dg_host_uart uart;
     struct dg_host *self = host_rig_start(&host_rig_here, "f3668");
@@ -59,6 +60,7 @@ static void what_a_wire_does_not_have_is_told(void **state)
     assert_int_equal(dg_host_uart(self, &uart), DG_HOST_ERR_WIRE);
     self = host_rig_start(&host_rig_here, "s3684-rs485");
     assert_int_equal(dg_host_bit_rate(self), DG_HOST_ERR_WIRE);
+    assert_int_equal(dg_host_filters(self, ids), DG_HOST_ERR_WIRE);
 }
 
 static void nothing_is_seen_without_power(void **state)
@@ -66,6 +68,7 @@ static void nothing_is_seen_without_power(void **state)
     struct dg_host *self = host_rig_start(&host_rig_here, "s3684-rs485");
     struct dg_host_uart uart;
     uint64_t counts = 0;
+    uint16_t ids[DG_HOST_FILTERS];
     int32_t uv[4];
 
     (void)state;
@@ -76,6 +79,7 @@ static void nothing_is_seen_without_power(void **state)
     self = host_rig_start(&host_rig_here, "f3668");
     assert_int_equal(dg_host_power(self, READY, false), DG_HOST_OK);
     assert_int_equal(dg_host_bit_rate(self), DG_HOST_ERR_STATE);
+    assert_int_equal(dg_host_filters(self, ids), DG_HOST_ERR_STATE);
     self = host_rig_make(&host_rig_here, "s3684-rs485");
     assert_int_equal(dg_host_position(self, READY, &counts), DG_HOST_ERR_STATE);
 }

@@ -83,6 +83,7 @@ class CanBus:
         self._ports: list[CanPort] = []
         self._event = self._ffi.new("struct dg_host_event *")
         self._data = self._ffi.buffer(self._event.data)
+        self._ids = self._ffi.new("uint16_t[]", self._lib.DG_HOST_FILTERS)
         self._kind: int = self._lib.DG_HOST_CAN
         self._remote: int = self._lib.DG_HOST_REMOTE
         if name is not None:
@@ -123,32 +124,40 @@ class CanBus:
 
     def _serve(self, now: int) -> None:
         """At one moment, until nobody says anything any more."""
-        for node in self._nodes:
-            node._step(now)
-        pending = [node for node in self._nodes if self._drain(node)]
-        while pending:
-            for node in self._nodes:
+        stepped = self._nodes
+        while stepped:
+            for node in stepped:
                 node._step(now)
-            pending = [node for node in self._nodes if self._drain(node)]
+            stepped = self._spread(stepped)
 
-    def _drain(self, node: Encoder) -> bool:
-        """Whether others than masters heard something of this node."""
-        event, others = self._event, len(self._nodes) > 1
-        heard = False
-        while self._lib.dg_host_receive(node._host, event) == 1:
-            if event.kind != self._kind:
-                continue
-            heard = heard or others
-            remote = bool(event.flags & self._remote)
-            self._tell(
-                CanFrame(
-                    seconds_of(event.at), event.id, b"" if remote else self._data[: event.length],
-                    remote, event.length,
-                )  # fmt: skip
-            )
-            if others:
-                self._to_nodes(node)
-        return heard
+    def _spread(self, senders: list[Encoder]) -> list[Encoder]:
+        """Let masters and nodes hear what these have said. @return the nodes that did"""
+        event, receive = self._event, self._lib.dg_host_receive
+        listeners: dict[int, list[Encoder]] | None = None
+        reached: dict[Encoder, None] = {}
+        for sender in senders:
+            while receive(sender._host, event) == 1:
+                if event.kind != self._kind:
+                    continue
+                remote, length = bool(event.flags & self._remote), event.length
+                data = b"" if remote else self._data[:length]
+                self._tell(CanFrame(seconds_of(event.at), event.id, data, remote, length))
+                if listeners is None:
+                    listeners = self._listeners()
+                for node in listeners.get(event.id, ()):
+                    if node is not sender:
+                        self._to(node)
+                        reached[node] = None
+        return list(reached)
+
+    def _listeners(self) -> dict[int, list[Encoder]]:
+        """Which identifiers the nodes listen to at the moment, if there are others to hear them."""
+        listeners: dict[int, list[Encoder]] = {}
+        for node in self._nodes if len(self._nodes) > 1 else ():
+            count = self._lib.dg_host_filters(node._host, self._ids)
+            for id in self._ffi.unpack(self._ids, count) if count > 0 else ():
+                listeners.setdefault(id, []).append(node)
+        return listeners
 
     def _tell(self, frame: CanFrame, sender: CanPort | None = None) -> None:
         for port in self._ports:
@@ -156,11 +165,12 @@ class CanBus:
                 port._heard.append(frame)
         self.clock.changed.notify_all()
 
-    def _to_nodes(self, sender: Encoder | None = None) -> None:
-        """The event at hand, to all nodes but the one it is from."""
-        for node in self._nodes:
-            if node is not sender and node._made:
-                checked(self._lib.dg_host_send(node._host, self._event), f"frame {self._event.id:03X}h")
+    def _to(self, node: Encoder) -> None:
+        """The event at hand, to a node."""
+        if node._made:
+            result = self._lib.dg_host_send(node._host, self._event)
+            if result != 0:
+                checked(result, f"frame {self._event.id:03X}h")
 
     def _send(self, id: int, data: bytes, remote: bool, dlc: int, sender: CanPort) -> None:
         """Of a master, now. The lock is held."""
@@ -170,7 +180,8 @@ class CanBus:
         event.at, event.id, event.kind, event.length = now, id, self._kind, dlc
         event.flags = self._remote if remote else 0
         self._data[:] = data.ljust(DATA, b"\0")
-        self._to_nodes()
+        for node in self._nodes:
+            self._to(node)
         if len(self._ports) > 1:
             self._tell(CanFrame(seconds_of(now), id, data, remote, dlc), sender)
         self._serve(now)
