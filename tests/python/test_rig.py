@@ -51,6 +51,26 @@ def bench(tmp_path):
     return tmp_path / "bench.ini"
 
 
+def test_one_section_for_many(tmp_path):
+    """node = FIRST..LAST: what counts, counts up."""
+    text = (
+        "[bus b]\nwire = slcan\n[encoder N]\nmodel = f3668\nbus = b\nnode = 1..125\nserial = 1000\nnvm = n.nvm\n"
+        "[bus l]\nwire = pty\n[encoder r]\nmodel = s3684-rs485\nbus = l\naddress = 0x40..41h\n"
+    )
+    with Rig.of_text(text, tmp_path) as rig:
+        assert list(rig.encoders) == [f"n-{i}" for i in range(1, 126)] + ["r-0x40", "r-0x41"]
+        assert len(rig.buses["b"].nodes) == 125 and len(rig.lines["l"].encoders) == 2
+        for i in (1, 125):
+            node = rig.encoders[f"n-{i}"]
+            assert (node.get("node"), node.get("serial")) == (str(i), str(999 + i))
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(f"n.nvm.{i}" for i in range(1, 126))
+    for value in ("3..2", "1..x", "..2"):
+        with pytest.raises(EncoderError, match="is right|no number"):
+            Rig.of_text(text.replace("1..125", value), tmp_path)
+    with pytest.raises(EncoderError, match="no wire of their own"):
+        Rig.of_text(text.replace("bus = b\nnode", "wire = slcan\nnode"), tmp_path)
+
+
 def test_a_whole_rig_goes_by_one_clock(bench):
     rig = Rig(bench)
     assert (rig.name, list(rig.shafts), list(rig.buses)) == ("bench", ["motor", "wheel"], ["can"])

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* [encoder NAME] of a rig file. */
+/* [encoder NAME] of a rig file, one encoder. */
 #define _GNU_SOURCE
 #include "plan_section.h"
 

@@ -226,7 +226,7 @@ static const struct lx_plan_section_kind kinds[] = {
     {"rig",      false, false, "control", rig_keys,     take_rig},
     {"shaft",    true,  false, NULL,      shaft_keys,   lx_plan_take_shaft},
     {"bus",      true,  true,  NULL,      bus_keys,     lx_plan_take_bus},
-    {"encoder",  true,  true,  NULL,      encoder_keys, lx_plan_take_encoder},
+    {"encoder",  true,  true,  NULL,      encoder_keys, lx_plan_take_encoders},
 };
 /* clang-format on */
 #define KIND_COUNT DG_COUNT(kinds)

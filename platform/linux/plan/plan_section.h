@@ -56,6 +56,10 @@ int lx_plan_take_shaft(struct lx_plan *plan, const struct lx_plan_section *self,
                        struct lx_error *error);
 int lx_plan_take_bus(struct lx_plan *plan, const struct lx_plan_section *self,
                      struct lx_error *error);
+int lx_plan_take_encoders(struct lx_plan *plan, const struct lx_plan_section *self,
+                          struct lx_error *error);
+
+/** An [encoder NAME] that is one. @return 0 or -1 */
 int lx_plan_take_encoder(struct lx_plan *plan, const struct lx_plan_section *self,
                          struct lx_error *error);
 

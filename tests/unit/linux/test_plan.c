@@ -199,6 +199,8 @@ static void files_lie_beside_the_rig_file(void **state)
 #define ENCODER "[encoder a]\nmodel = f3668\nwire = slcan\n"
 #define ON_BUS(name) "[encoder " name "]\nmodel = f3668\nbus = b\n"
 #define ON_SIM(name) "[encoder " name "]\nmodel = s3684-biss\nbus = b\n"
+#define SLCAN_BUS "[bus b]\nwire = slcan\n"
+#define NO_RANGE(text) "6: node " text ": a node-ID in 1..127, or FIRST..LAST, is right"
 #define RATIO(text) "[shaft a]\n[shaft b]\ndriver = a\nratio = " text "\n"
 #define NO_RATIO(text)                                                                             \
     "4: ratio: " text " is no ratio; TURNS:TURNS with whole numbers other than 0 is right"
@@ -332,6 +334,21 @@ static const struct {
     {ENCODER "node = 200\n", "4: node 200: a node-ID in 1..127 is right"},
     {ENCODER "node = 0\n", "4: node 0: a node-ID in 1..127 is right"},
     {ENCODER "address = 0x41\n", "4: address: f3668 has none; node = N is right"},
+    {SLCAN_BUS ON_BUS("a") "address = 1..2\n", "6: address: f3668 has none; node = N is right"},
+    {SLCAN_BUS ON_BUS("a") "node = 0..2\n", NO_RANGE("0..2")},
+    {SLCAN_BUS ON_BUS("a") "node = 1..128\n", NO_RANGE("1..128")},
+    {SLCAN_BUS ON_BUS("a") "node = 2..1\n", NO_RANGE("2..1")},
+    {SLCAN_BUS ON_BUS("a") "node = ..2\n", NO_RANGE("..2")},
+    {SLCAN_BUS ON_BUS("a") "node = 1..\n", NO_RANGE("1..")},
+    {SLCAN_BUS ON_BUS("a") "node = 00000000000000000001..2\n", NO_RANGE("00000000000000000001..2")},
+    {SLCAN_BUS ON_BUS(A32) "node = 9..10\n",
+     "3: [encoder " A32 "]: " A32 "-9 is too long for a name; a shorter name is right"},
+    {SLCAN_BUS ON_BUS("a") "node = 1..3\n" ON_BUS("a-2") "node = 9\n",
+     "7: [encoder a-2]: line 3 has the name already; another name is right"},
+    {SLCAN_BUS ON_BUS("a") "node = 1..3\n" ON_BUS("c") "node = 3..4\n",
+     "10: node: 3 is node of [encoder a-3] already; node = N with another one is right"},
+    {ENCODER "node = 1..2\n",
+     "3: wire: several encoders have no wire of their own; bus = NAME of a [bus] above is right"},
     {"[encoder a]\nmodel = ocd-ib-k3\nwire = modbus\nnode = 5\n",
      "4: node: ocd-ib-k3 has none; its place among the encoders of its wire is right"},
     {"[encoder a]\nmodel = s3684-rs485\nwire = pty\naddress = 0x60\n",
@@ -452,6 +469,35 @@ static void many(void **state)
     lx_plan_free(&plan);
 }
 
+/* One section, a number each: everything else is the same, what counts counts up. */
+static void one_section_for_many(void **state)
+{
+    struct lx_plan plan;
+    char text[64];
+    (void)state;
+    read_good(&plan, SLCAN_BUS "[encoder a]\nmodel = f3668\nbus = b\nnode = 2..127\n"
+                               "serial = 1000\nnvm = a.nvm\ntemperature = 85\n"
+                               "[bus l]\nwire = pty\n[encoder c]\nmodel = s3684-rs485\n"
+                               "bus = l\naddress = 0x40..5Fh\n");
+    assert_int_equal(plan.encoder_count, 126 + 32);
+    assert_int_equal(plan.wire_count, 2);
+    for (int i = 0; i < 126; i++) {
+        const struct lx_plan_encoder *encoder = &plan.encoders[i];
+        (void)snprintf(text, sizeof text, "a-%d", 2 + i);
+        assert_string_equal(encoder->name, text);
+        assert_int_equal(encoder->address, 2 + i);
+        (void)snprintf(text, sizeof text, "%d", 1000 + i);
+        assert_string_equal(encoder->serial, text);
+        (void)snprintf(text, sizeof text, "a.nvm.%d", 2 + i);
+        assert_string_equal(encoder->nvm, text);
+        assert_int_equal(encoder->settings.count, 1);
+        assert_int_equal(encoder->line, 3);
+    }
+    assert_string_equal(plan.encoders[126].name, "c-0x40");
+    assert_int_equal(plan.encoders[157].address, 0x5F);
+    lx_plan_free(&plan);
+}
+
 /* The very name goes before one where '-' stands for '_'. */
 static void encoders_by_name(void **state)
 {
@@ -522,6 +568,7 @@ int main(void)
         cmocka_unit_test(lines_that_are_none),
         cmocka_unit_test(files_that_are_none),
         cmocka_unit_test(many),
+        cmocka_unit_test(one_section_for_many),
         cmocka_unit_test(encoders_by_name),
         cmocka_unit_test(without_a_file),
         cmocka_unit_test(wires),

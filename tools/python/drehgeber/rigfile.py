@@ -25,6 +25,15 @@ TAKEN = {"model", "shaft", "bus", "wire", "trace", "nvm"}
 TURNS = 2**31 - 1
 
 
+def _whole(text: str) -> int:
+    """As the command takes it: 64, 0x40 or 40h."""
+    text = text.lower()
+    digits = text.removesuffix("h").removeprefix("0x")
+    if not re.fullmatch("[0-9a-f]+", digits) or (digits == text and not digits.isdecimal()):
+        raise EncoderError(f"{text or 'nothing'} is no number")
+    return int(digits, 10 if digits == text else 16)
+
+
 class Rig:
     """A rig file as `drehgeber run` takes it, in virtual time: Rig("bench.ini").advance(1.5).
 
@@ -55,7 +64,7 @@ class Rig:
         self._numbers: set[tuple[str, str]] = set()
         self._used: set[str] = set()
         self._own_shafts = False
-        take = {"rig": self._rig, "shaft": self._shaft, "bus": self._bus, "encoder": self._encoder}
+        take = {"rig": self._rig, "shaft": self._shaft, "bus": self._bus, "encoder": self._encoders}
         for section in sections(source, data):
             take[section.kind](section.name.lower(), section)
         self.name = self.name or Path(source).stem
@@ -144,6 +153,30 @@ class Rig:
             raise section.wrong(f"trace: right in [bus {bus}], for all its encoders", "trace")
         self._used.add(name)
         return name
+
+    def _encoders(self, name: str, section: Section) -> None:
+        """One, or with node = FIRST..LAST, or address, one for each number; what else counts, counts up."""
+        key = next((key for key in ("node", "address") if ".." in (section.get(key) or "")), None)
+        if key is None:
+            self._encoder(name, section)
+            return
+        if "wire" in section:
+            raise section.wrong("several encoders have no wire of their own; bus = NAME of a [bus] is right", "wire")
+        first, last = (section.told(key, partial(_whole, text)) for text in section.words[key].value.split("..", 1))
+        if last < first:
+            raise section.wrong(f"{key} = {section.get(key)}: FIRST..LAST is right", key)
+        serial = section.told("serial", partial(_whole, section.get("serial") or "0"))
+        for at in range(first, last + 1):
+            number = str(at) if key == "node" else f"0x{at:02X}"
+            one = section.named(f"{section.name}-{number}")
+            if not NAME.fullmatch(one.name):
+                raise section.wrong(f"{one.name} is too long for a name; a shorter name is right")
+            one.put(key, number)
+            if "serial" in section:
+                one.put("serial", str(serial + at - first))
+            if "nvm" in section:
+                one.put("nvm", f"{section.get('nvm')}.{number}")
+            self._encoder(one.name.lower(), one)
 
     def _encoder(self, name: str, section: Section) -> None:
         model = section.get("model")

@@ -46,6 +46,16 @@ class Section:
         word = self.words.get(key)
         return None if word is None else word.value
 
+    def named(self, name: str) -> Section:
+        """The same words under another name."""
+        copy = Section(self.source, self.line, self.kind, name)
+        copy.words = dict(self.words)
+        return copy
+
+    def put(self, key: str, value: str) -> None:
+        """Another value in the line of the one before."""
+        self.words[key] = Word(value, self.words[key].line)
+
     def wrong(self, text: str, key: str | None = None, code: int = 0) -> EncoderError:
         """What is wrong with a word, or without a key with all of it."""
         line = self.line if key is None or key not in self.words else self.words[key].line
