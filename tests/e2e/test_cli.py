@@ -66,7 +66,7 @@ USAGE_ERRORS = [
     (["run", MULTITURN, "--set", "date=x"], r"--set date=x: 8 characters are right$"),
     (["run", MULTITURN, "--set", "=1"], r"--set =1: KEY=VALUE is right$"),
     (["run", "s3684-biss", "--gpio", "x:1,2", "--set", "clock_hz=1000000"], r"only a sim wire has it; leave it out$"),
-    (["run", "s3684-biss", "--sim", "--set", "pace=0"], r"--set pace=0: only pty, tty, rs485, can, slcan and socketcand wires have it; leave it out$"),
+    (["run", "s3684-biss", "--sim", "--set", "pace=0"], r"--set pace=0: only pty, tty, rs485, can, slcan, socketcand and silkit wires have it; leave it out$"),
     (["biss", "s3684-biss", "registers"], r"no address; right is read, "),
 ]
 
@@ -123,8 +123,8 @@ def test_list_for_programs():
         assert line.split(maxsplit=1)[1] == f"{model['speaks']}, {model['resolution']}"
         assert model["usual_wire"] in model["wires"]
     wires = {model["model"]: model["wires"] for model in said}
-    assert (wires[MULTITURN], wires["f3668"]) == (["pty", "tty", "rs485"], ["can", "slcan", "socketcand", "silkit"])
-    assert (wires["ssi-13"], wires["ocd-ib-k1"]) == (["sim", "gpio"], ["modbus"])
+    assert (wires[MULTITURN], wires["f3668"]) == (["pty", "tty", "rs485", "silkit"], ["can", "slcan", "socketcand", "silkit"])
+    assert (wires["ssi-13"], wires["ocd-ib-k1"]) == (["sim", "gpio", "silkit"], ["silkit", "modbus"])
 
 
 @pytest.mark.parametrize("model", models())

@@ -53,7 +53,7 @@ def test_a_minute_of_every_wire_passes_in_seconds(rig):
     assert ended.stdout.splitlines()[-1] == "ready rig"
     assert time.monotonic() - begin < PATIENCE_S
     last = re.findall(r"^#(\d+)$", (rig.parent / "a.vcd").read_text(), re.M)[-1]
-    assert 59e6 < int(last) <= 60e6  # us
+    assert 59e6 < int(last) <= 60e6 + 1  # us; a file ends behind its last event
     assert (rig.parent / "b.nvm").stat().st_size
 
 

@@ -389,3 +389,8 @@ struct lx_bus *lx_can_bus_make_socketcand(const struct lx_bus_setup *setup, stru
                ? lx_can_bus_make(setup, lx_socketcand_open, error)
                : NULL;
 }
+
+struct lx_bus *lx_can_bus_make_silkit(const struct lx_bus_setup *setup, struct lx_error *error)
+{
+    return lx_can_bus_make(setup, lx_silkit_can_open, error);
+}

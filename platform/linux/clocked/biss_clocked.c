@@ -215,6 +215,21 @@ static enum lx_clocked_verdict judge(const struct lx_clocked *base, size_t encod
     return data_of(base, encoder).crc_ok ? LX_CLOCKED_GOOD : LX_CLOCKED_WRONG;
 }
 
+static void word(const struct lx_clocked *base, size_t encoder, struct lx_clocked_word *out)
+{
+    const struct lx_biss_line *self = view_of(base);
+    const struct dg_biss_data data = data_of(base, encoder);
+    *out = (struct lx_clocked_word){
+        .bits = self->frame.bits[encoder],
+        .count = dg_biss_frame_bits(self->chain.slave[encoder]->setup.model),
+        .multiturn = data.multiturn,
+        .singleturn = data.singleturn,
+        .error = !data.n_err,
+        .warning = !data.n_warn,
+        .life = data.life,
+    };
+}
+
 static void note(const struct lx_clocked *base, const struct lx_clocked_wire *wire, size_t encoder,
                  char *text, size_t size)
 {
@@ -255,6 +270,7 @@ static const struct lx_clocked_ops ops = {
     .read = read_frame,
     .skip = skip,
     .judge = judge,
+    .word = word,
     .note = note,
     .print = print,
 };

@@ -36,6 +36,17 @@ enum lx_clocked_verdict {
     LX_CLOCKED_SILENT, /**< there was none */
 };
 
+/** A frame, as an encoder has sent it. */
+struct lx_clocked_word {
+    uint64_t bits;      /**< right-aligned */
+    uint8_t count;      /**< of them */
+    uint32_t multiturn; /**< what they say; likewise the next ones */
+    uint32_t singleturn;
+    bool error;
+    bool warning;
+    uint8_t life;
+};
+
 /** What goes on on a line. */
 struct lx_clocked_ops {
     const char *clock; /**< the protocol's names of the lines, for messages, e.g. "MA" */
@@ -65,6 +76,8 @@ struct lx_clocked_ops {
     void (*skip)(struct lx_clocked *self, uint64_t n);
     /** What it made of the frame read last. */
     enum lx_clocked_verdict (*judge)(const struct lx_clocked *self, size_t encoder);
+    /** The frame read last; not after LX_CLOCKED_SILENT. */
+    void (*word)(const struct lx_clocked *self, size_t encoder, struct lx_clocked_word *out);
     /** The frame read last in words, for traces. */
     void (*note)(const struct lx_clocked *self, const struct lx_clocked_wire *wire, size_t encoder,
                  char *text, size_t size);

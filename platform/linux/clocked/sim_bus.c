@@ -23,6 +23,7 @@
 
 #include "sim_bus.h"
 #include "sim_settings.h"
+#include "sim_silkit.h"
 #include "timer.h"
 
 /* How often the master reads. */
@@ -39,6 +40,8 @@ struct sim_bus {
     struct lx_clocked *line;
     struct lx_sim_master master;
     struct lx_timer timer;
+    bool driven; /* by a simulation, which says when a frame is read: */
+    struct lx_sim_silkit silkit;
     dg_ns due;       /* the next frame, by the rig's clock */
     dg_ns stirred;   /* frames before that are clocked, whoever looks */
     uint32_t silent; /* of the latest frame: without an answer, */
@@ -116,6 +119,9 @@ static void pass_over(struct sim_bus *self, dg_ns now)
 /* Sleep until the next frame, or when nobody could notice it. */
 static void rest(struct sim_bus *self)
 {
+    if (self->driven) {
+        return;
+    }
     const dg_ns next = next_read(self);
     const bool wanted = is_watched(self) || next < self->stirred;
     lx_timer_at(&self->timer, wanted ? lx_clock_real(self->bus.setup.clock, next) : DG_NEVER);
@@ -123,6 +129,9 @@ static void rest(struct sim_bus *self)
 
 static void catch_up(struct sim_bus *self)
 {
+    if (self->driven) {
+        return;
+    }
     const dg_ns now = lx_clock_now(self->bus.setup.clock);
     while (next_read(self) <= now) {
         pass_over(self, now);
@@ -184,7 +193,7 @@ static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
         if (lx_clocked_open(self->line, setup, i, now, error) != 0) {
             return -1;
         }
-        setup->stations[i]->ready = self->due;
+        setup->stations[i]->ready = self->driven ? DG_NEVER : self->due;
     }
     lx_sim_master_init(&self->master, &bus->tap, self->line, &self->timing, now);
     const int result = lx_timer_open(&self->timer, setup->event, on_time, self);
@@ -193,16 +202,15 @@ static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
     }
     stir(self, self->due);
     catch_up(self);
-    return 0;
+    return self->driven ? lx_sim_silkit_open(&self->silkit, bus, error) : 0;
 }
 
-/* There is nothing to connect to. */
+/* Outside a simulation there is nothing to connect to. */
 static void address(const struct lx_bus *bus, const struct lx_station *station, char *to,
                     size_t size)
 {
-    (void)bus;
     (void)station;
-    (void)snprintf(to, size, "%s", "");
+    (void)snprintf(to, size, "%s", ((const struct sim_bus *)bus)->silkit.address);
 }
 
 static void look(struct lx_bus *bus, dg_ns now)
@@ -251,7 +259,7 @@ static const struct lx_bus_ops ops = {
 
 /* --- from the plan --- */
 
-struct lx_bus *lx_sim_bus_make(const struct lx_bus_setup *setup, struct lx_error *error)
+static struct lx_bus *make(const struct lx_bus_setup *setup, bool driven, struct lx_error *error)
 {
     struct sim_bus *self = calloc(1, sizeof *self);
     if (self == NULL) {
@@ -260,7 +268,9 @@ struct lx_bus *lx_sim_bus_make(const struct lx_bus_setup *setup, struct lx_error
     }
     self->bus = (struct lx_bus){.ops = &ops, .setup = *setup};
     self->timing = lx_sim_timing;
-    if (lx_wire_settings(&lx_sim_keys, setup->plan, setup->wire, &self->timing, error) == 0) {
+    self->driven = driven;
+    if (driven ||
+        lx_wire_settings(&lx_sim_keys, setup->plan, setup->wire, &self->timing, error) == 0) {
         self->line = lx_clocked_make(setup, LX_CLOCKED_HERE, error);
     }
     if (self->line == NULL) {
@@ -269,4 +279,14 @@ struct lx_bus *lx_sim_bus_make(const struct lx_bus_setup *setup, struct lx_error
     }
     lx_clocked_offer(self->line, setup);
     return &self->bus;
+}
+
+struct lx_bus *lx_sim_bus_make(const struct lx_bus_setup *setup, struct lx_error *error)
+{
+    return make(setup, false, error);
+}
+
+struct lx_bus *lx_sim_bus_make_silkit(const struct lx_bus_setup *setup, struct lx_error *error)
+{
+    return make(setup, true, error);
 }

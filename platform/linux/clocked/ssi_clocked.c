@@ -148,6 +148,21 @@ static enum lx_clocked_verdict judge(const struct lx_clocked *base, size_t encod
     return take_apart(base, &frame) ? LX_CLOCKED_GOOD : LX_CLOCKED_WRONG;
 }
 
+static void word(const struct lx_clocked *base, size_t encoder, struct lx_clocked_word *out)
+{
+    const struct lx_ssi_line *self = view_of(base);
+    struct dg_ssi_frame frame;
+    (void)encoder;
+    (void)take_apart(base, &frame);
+    *out = (struct lx_clocked_word){
+        .bits = self->frame.bits,
+        .count = dg_ssi_word_bits(self->device->setup.model),
+        .multiturn = frame.multiturn,
+        .singleturn = frame.singleturn,
+        .error = frame.error,
+    };
+}
+
 /* What the bits behind the position say, if there are any. */
 static void add_bits(const struct dg_ssi_model *model, const struct dg_ssi_frame *frame,
                      const char *parity, struct lx_words *to)
@@ -198,6 +213,7 @@ static const struct lx_clocked_ops ops = {
     .read = read_frame,
     .skip = skip,
     .judge = judge,
+    .word = word,
     .note = note,
     .print = print,
 };

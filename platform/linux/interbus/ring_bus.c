@@ -18,6 +18,7 @@
 #include "endpoint.h"
 #include "modbus.h"
 #include "modbus_settings.h"
+#include "ring_silkit.h"
 
 #define NOTE_MAX 80u
 #define HIGH_BYTE 0xFF00u
@@ -29,7 +30,9 @@ struct ring_bus {
     struct lx_ring_member *members;   /* owned, as many as stations */
     struct lx_ring ring;
     struct lx_modbus coupler;
-    bool coupled;                         /* the coupler was opened */
+    bool coupled; /* the coupler was opened */
+    bool driven;  /* there is none: a simulation lets it cycle */
+    struct lx_ring_silkit silkit;
     bool bent;                            /* wire faults may be active at a station */
     uint16_t whole_in[LX_RING_WORDS_MAX]; /* while bent: IN of the latest cycle, not torn */
     /* what the tap was told last */
@@ -171,16 +174,16 @@ static void straighten(struct ring_bus *self)
         return;
     }
     self->bent = false;
-    if (!lx_tap_on(&self->bus.tap)) {
+    if (self->coupled && !lx_tap_on(&self->bus.tap)) {
         lx_modbus_unwatch(&self->coupler);
     }
 }
 
-static void drive(void *ctx, dg_ns now)
+static bool drive_once(void *ctx, dg_ns now)
 {
     struct ring_bus *self = ctx;
     const bool takes_place = !self->bent || prepare(self);
-    self->bus.late = self->coupler.map.missed;
+    self->bus.late = self->coupled ? self->coupler.map.missed : 0;
     if (takes_place) {
         lx_ring_cycle(&self->ring, now);
         if (self->bent) {
@@ -192,15 +195,36 @@ static void drive(void *ctx, dg_ns now)
         tell_words(self, now, takes_place);
     }
     straighten(self);
+    return takes_place;
+}
+
+static void drive(void *ctx, dg_ns now)
+{
+    (void)drive_once(ctx, now);
 }
 
 /* --- the operations --- */
 
+/* Whoever watches wants each cycle. In a simulation there is nothing but that. */
+static void stir(struct ring_bus *self, dg_ns now)
+{
+    if (self->coupled) {
+        lx_modbus_stir(&self->coupler, self->bent || lx_tap_on(&self->bus.tap), now);
+    }
+}
+
 /* IN words that were held back come with the next cycle. */
 static void on_settled(void *ctx, dg_ns now)
 {
-    struct ring_bus *self = ctx;
-    lx_modbus_stir(&self->coupler, self->bent || lx_tap_on(&self->bus.tap), now);
+    stir(ctx, now);
+}
+
+static int open_topics(struct ring_bus *self, struct lx_error *error)
+{
+    self->silkit.ring = &self->ring;
+    self->silkit.drive = drive_once;
+    self->silkit.ctx = self;
+    return lx_ring_silkit_open(&self->silkit, &self->bus.setup, error);
 }
 
 static int open_coupler(struct ring_bus *self, struct lx_error *error)
@@ -255,11 +279,11 @@ static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
     if (lx_ring_open(&self->ring, &ring, now, error) != 0) {
         return place_nvm(setup, self->ring.refused, error);
     }
-    if (open_coupler(self, error) != 0) {
+    if ((self->driven ? open_topics : open_coupler)(self, error) != 0) {
         return -1;
     }
     self->ring.ring.broken_at = self->settings.break_at;
-    lx_modbus_stir(&self->coupler, lx_tap_on(&bus->tap), now);
+    stir(self, now);
     for (size_t i = 0; i < setup->count; i++) {
         struct dg_encoder *encoder = &setup->stations[i]->control;
         encoder->device = &self->ring.devices[i];
@@ -274,13 +298,16 @@ static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
 static void address(const struct lx_bus *bus, const struct lx_station *station, char *to,
                     size_t size)
 {
-    (void)snprintf(to, size, "%s/%zu", ((const struct ring_bus *)bus)->coupler.address,
+    const struct ring_bus *self = (const struct ring_bus *)bus;
+    (void)snprintf(to, size, "%s/%zu", self->driven ? self->silkit.address : self->coupler.address,
                    station->place);
 }
 
 static void look(struct lx_bus *bus, dg_ns now)
 {
-    lx_modbus_look(&ring_of(bus)->coupler, now);
+    if (ring_of(bus)->coupled) {
+        lx_modbus_look(&ring_of(bus)->coupler, now);
+    }
 }
 
 /* Power and worlds are looked at in the next cycle. */
@@ -295,7 +322,7 @@ static void changed(struct lx_bus *bus, struct lx_station *station, dg_ns now)
         memcpy(self->whole_in, self->ring.in, sizeof self->whole_in);
     }
     self->ring.ring.broken_at = first_break(self);
-    lx_modbus_stir(&self->coupler, self->bent || lx_tap_on(&bus->tap), now);
+    stir(self, now);
 }
 
 static void counters(const struct lx_bus *bus, const struct lx_station *station, struct dg_scpi *to)
@@ -303,7 +330,7 @@ static void counters(const struct lx_bus *bus, const struct lx_station *station,
     const struct ring_bus *self = (const struct ring_bus *)bus;
     const struct dg_ib_ring_counters *ring = &self->ring.ring.counters;
     const struct lx_count rows[] = {
-        {"wire_up", self->coupler.listener >= 0},
+        {"wire_up", self->driven || self->coupler.listener >= 0},
         {"wire_late", bus->late + bus->stalls},
         {"wire_cycles", ring->cycles},
         {"wire_ids", ring->ids},
@@ -344,7 +371,6 @@ static int understand_ring(struct ring_bus *self, struct lx_error *error)
         lx_words_add(&right, "%s is right, e.g. %s", kind->where, kind->usual);
         return lx_refuse(error, right.text, "%s", "");
     }
-    self->settings = lx_ring_defaults;
     return lx_wire_settings(&lx_ring_keys, setup->plan, setup->wire, &self->settings, error);
 }
 
@@ -368,7 +394,7 @@ static int understand(struct ring_bus *self, size_t place, struct lx_error *erro
     return 0;
 }
 
-struct lx_bus *lx_ring_bus_make(const struct lx_bus_setup *setup, struct lx_error *error)
+static struct lx_bus *make(const struct lx_bus_setup *setup, bool driven, struct lx_error *error)
 {
     struct ring_bus *self = calloc(1, sizeof *self);
     struct lx_ring_member *members = calloc(setup->count, sizeof *members);
@@ -380,7 +406,9 @@ struct lx_bus *lx_ring_bus_make(const struct lx_bus_setup *setup, struct lx_erro
     }
     self->bus = (struct lx_bus){.ops = &bus_ops, .setup = *setup};
     self->members = members;
-    int result = understand_ring(self, error);
+    self->driven = driven;
+    self->settings = lx_ring_defaults;
+    int result = driven ? 0 : understand_ring(self, error);
     for (size_t i = 0; result == 0 && i < setup->count; i++) {
         result = understand(self, i, error);
     }
@@ -389,4 +417,14 @@ struct lx_bus *lx_ring_bus_make(const struct lx_bus_setup *setup, struct lx_erro
         return NULL;
     }
     return &self->bus;
+}
+
+struct lx_bus *lx_ring_bus_make(const struct lx_bus_setup *setup, struct lx_error *error)
+{
+    return make(setup, false, error);
+}
+
+struct lx_bus *lx_ring_bus_make_silkit(const struct lx_bus_setup *setup, struct lx_error *error)
+{
+    return make(setup, true, error);
 }

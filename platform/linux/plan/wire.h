@@ -18,7 +18,7 @@ struct lx_bus_setup;
 typedef struct lx_bus *lx_bus_make(const struct lx_bus_setup *setup, struct lx_error *error);
 
 /** Most stacks that a kind of wire carries. */
-#define LX_WIRE_STACKS_MAX 4u
+#define LX_WIRE_STACKS_MAX 5u
 
 /** A kind of wire. */
 struct lx_wire {

@@ -387,8 +387,8 @@ static int power(struct lx_rig *self, struct lx_error *error)
             return -1;
         }
     }
-    if (lx_silkit_start(self->silkit, error) != 0 || serve_all(self, error) != 0 ||
-        look_after_loop(self, error) != 0 || release_traces(self, error) != 0) {
+    if (serve_all(self, error) != 0 || look_after_loop(self, error) != 0 ||
+        lx_rig_join(self, error) != 0 || release_traces(self, error) != 0) {
         return -1;
     }
     warn(self);
@@ -587,6 +587,7 @@ int lx_rig_close(struct lx_rig *self, struct lx_error *error)
     lx_rig_close_courses(self);
     lx_nvm_writer_free(self->writer);
     lx_silkit_free(self->silkit);
+    free(self->topics);
     lx_folder_close(&self->files);
     free(self->control.encoders);
     free(self->control.shafts);

@@ -25,6 +25,7 @@
 #define LX_RIG_MOTIONS 3u
 
 struct lx_rig_wire;
+struct lx_rig_topics;
 
 /** A shaft. */
 struct lx_rig_shaft {
@@ -66,7 +67,8 @@ struct lx_rig {
     struct lx_rig_shaft *shafts;
     struct lx_rig_wire *wires;
     struct lx_nvm_writer *writer; /**< of EEPROM files */
-    struct lx_silkit *silkit;     /**< the rig in a simulation, if it is */
+    struct lx_silkit *silkit;     /**< the rig in a simulation, if it is in one: */
+    struct lx_rig_topics *topics; /**< of each shaft; owned; NULL: it is in none */
     struct lx_station *stations;
     struct lx_courses **courses; /**< of each encoder; NULL: none; owned */
     struct lx_timer faults;      /**< their durations, and courses */
@@ -122,6 +124,10 @@ int lx_rig_trace(struct lx_rig_wire *self, const char *path, struct lx_error *er
 
 /** What is due in all of the rig at `now`, and what is next. */
 void lx_rig_settle(void *ctx, dg_ns now);
+
+/** All wires are open: if one is in a SIL Kit simulation, so are the shafts, and life begins there.
+ * @return 0, or -1 with one line in `error` */
+int lx_rig_join(struct lx_rig *self, struct lx_error *error);
 
 /** Decode what goes over a wire from now on; again: nothing. @return 0, or -1 with `error` */
 int lx_rig_listen(struct lx_rig_wire *self, struct lx_error *error);

@@ -114,6 +114,7 @@ static int open_line(struct lx_hf_bus *self, struct lx_error *error)
     (void)dg_hf_uart_decode(self->drop->device.uart_stored, &stored);
     const struct lx_serial_setup setup = {
         .event = bus->event,
+        .silkit = bus->silkit,
         .say = bus->say,
         .where = bus->wire->where,
         .uart = lx_hf_uart(&self->drop->uart),
@@ -272,4 +273,9 @@ struct lx_bus *lx_hf_bus_make_net(const struct lx_bus_setup *setup, struct lx_er
 {
     return lx_net_port_check(setup->wire->where, error) == 0 ? make(setup, lx_net_port_open, error)
                                                              : NULL;
+}
+
+struct lx_bus *lx_hf_bus_make_silkit(const struct lx_bus_setup *setup, struct lx_error *error)
+{
+    return make(setup, lx_silkit_serial_open, error);
 }

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * A serial port on the event loop: characters in, characters out. Three kinds: a pseudo-terminal
- * (pty.c), a real UART (tty.c) and a TCP port (net_port.c). One that has gone is looked for once a
- * second.
+ * A serial port on the event loop: characters in, characters out. Four kinds: a pseudo-terminal
+ * (pty.c), a real UART (tty.c), a TCP port (net_port.c) and topics of a SIL Kit simulation
+ * (silkit_serial.c). One that has gone is looked for once a second.
  */
 #ifndef DREHGEBER_LINUX_SERIAL_H
 #define DREHGEBER_LINUX_SERIAL_H
@@ -28,6 +28,7 @@
 #define LX_BAUD_ANY UINT32_MAX
 
 struct lx_serial;
+struct lx_silkit;
 
 /** What a kind of port does in its own way. */
 struct lx_serial_ops {
@@ -55,6 +56,7 @@ struct lx_serial_ops {
 /** What a port is made of. Everything pointed to must outlive it. */
 struct lx_serial_setup {
     sd_event *event;
+    struct lx_silkit *silkit; /**< the rig in a simulation, for a line of one */
     const struct lx_say *say;
     const char *where;   /**< device, link or TCP port; NULL: a link is not wanted */
     struct lx_uart uart; /**< setting in force */
@@ -104,6 +106,10 @@ struct lx_serial *lx_tty_open(const struct lx_serial_setup *setup, struct lx_err
 
 /** Listen for TCP clients. @return NULL with one line in `error` */
 struct lx_serial *lx_net_port_open(const struct lx_serial_setup *setup, struct lx_error *error);
+
+/** Join the simulation. @return NULL with one line in `error` */
+struct lx_serial *lx_silkit_serial_open(const struct lx_serial_setup *setup,
+                                        struct lx_error *error);
 
 /** Whether `where` is an address of a TCP port. @return 0, or -1 with `error` */
 int lx_net_port_check(const char *where, struct lx_error *error);

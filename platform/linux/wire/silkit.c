@@ -120,6 +120,11 @@ dg_ns lx_silkit_moment(const struct lx_silkit *self, uint64_t time)
     return at > lx_now() ? at : lx_now();
 }
 
+uint64_t lx_silkit_time_at(const struct lx_silkit *self, dg_ns now)
+{
+    return self->origin + dg_elapsed(now, self->begin);
+}
+
 static void begin_step(struct lx_silkit *self, uint64_t at)
 {
     if (!self->begun) {
@@ -131,6 +136,23 @@ static void begin_step(struct lx_silkit *self, uint64_t at)
     self->stepping = true;
     self->at = at;
     lx_silkit_sort(&self->pending);
+}
+
+static void step_ports(struct lx_silkit *self, dg_ns now)
+{
+    for (size_t i = 0; i < self->count; i++) {
+        if (self->port[i]->step != NULL) {
+            self->port[i]->step(self->port[i]->ctx, now);
+        }
+    }
+}
+
+/* In real time there are no steps, but what is said in each is said as often. */
+static void on_tick(void *ctx, dg_ns now)
+{
+    struct lx_silkit *self = ctx;
+    step_ports(self, now);
+    lx_timer_at(&self->tick, dg_after(now, DG_US(self->settings.step_us)));
 }
 
 static void say_ready(struct lx_silkit *self)
@@ -148,11 +170,7 @@ static void say_ready(struct lx_silkit *self)
 
 static void end_step(struct lx_silkit *self)
 {
-    for (size_t i = 0; i < self->count; i++) {
-        if (self->port[i]->step != NULL) {
-            self->port[i]->step(self->port[i]->ctx, lx_now());
-        }
-    }
+    step_ports(self, lx_now());
     self->stepping = false;
     if (self->lib.complete(self->clock) != 0) {
         lx_silkit_complain(self, "a step cannot be completed");
@@ -215,6 +233,7 @@ static void sort_out(struct lx_silkit *self, const struct lx_silkit_message *mes
         self->heard = true;
         if (self->clock == NULL) {
             say_ready(self);
+            on_tick(self, lx_now());
         }
         break;
     case LX_SILKIT_STEP:
@@ -326,6 +345,11 @@ struct lx_silkit *lx_silkit_new(sd_event *event, const struct lx_say *say, const
     return self;
 }
 
+bool lx_silkit_has_joined(const struct lx_silkit *self)
+{
+    return self->participant != NULL;
+}
+
 bool lx_silkit_is_ready(const struct lx_silkit *self)
 {
     return self->ready;
@@ -344,7 +368,8 @@ static int make_clock(struct lx_silkit *self, struct lx_error *error)
 {
     const uint64_t step = DG_US(self->settings.step_us);
     if (!lx_silkit_is_virtual(self)) {
-        return 0;
+        const int result = lx_timer_open(&self->tick, self->event, on_tick, self);
+        return result < 0 ? lx_fail(error, "no timer: %s", strerror(-result)) : 0;
     }
     return self->lib.time_new(&self->clock, self->lifecycle) != 0 ||
                    self->lib.on_step(self->clock, self, on_step, step) != 0
@@ -422,9 +447,6 @@ int lx_silkit_join(struct lx_silkit *self, struct lx_error *error)
 int lx_silkit_start(struct lx_silkit *self, struct lx_error *error)
 {
     sigset_t before;
-    if (self->participant == NULL) {
-        return 0;
-    }
     lx_silkit_mask(&before);
     const int32_t code = self->lib.start(self->lifecycle);
     lx_silkit_unmask(&before);
@@ -454,6 +476,7 @@ void lx_silkit_free(struct lx_silkit *self)
     }
     lx_silkit_leave(self);
     self->standstill = sd_event_source_disable_unref(self->standstill);
+    lx_timer_close(&self->tick);
     self->io = sd_event_source_disable_unref(self->io);
     lx_silkit_inbox_close(&self->inbox);
     lx_silkit_list_free(&self->came);

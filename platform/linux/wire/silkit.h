@@ -61,9 +61,11 @@ struct lx_silkit;
  * functions below. */
 struct lx_silkit_port {
     struct lx_silkit *all;
-    size_t place;      /**< among all ports */
-    size_t length_max; /**< of what may be received */
-    uint64_t refused;  /**< what was longer */
+    size_t place;                    /**< among all ports */
+    char topic[LX_SILKIT_TOPIC_MAX]; /**< "": of CAN */
+    size_t length_min;               /**< of what may be received; */
+    size_t length_max;               /**< anything else is left out, and said once */
+    uint64_t refused;                /**< how often */
     struct lx_sk_can *can;
     struct lx_sk_publisher *publisher;
     /** A message has come at `now`; more of the same moment may follow unless it is the `last`.
@@ -96,16 +98,21 @@ int lx_silkit_join(struct lx_silkit *self, struct lx_error *error);
 int lx_silkit_open_can(struct lx_silkit *self, struct lx_silkit_port *port, const char *network,
                        struct lx_error *error);
 
-/** Receive what others publish as `topic`, of at most port->length_max bytes; as above. */
-int lx_silkit_subscribe(struct lx_silkit *self, struct lx_silkit_port *port, const char *topic,
-                        const char *media_type, struct lx_error *error);
+/** Receive what others publish as port->topic, of port->length_min..length_max bytes; as above. */
+int lx_silkit_subscribe(struct lx_silkit *self, struct lx_silkit_port *port, const char *media_type,
+                        struct lx_error *error);
 
-/** Publish as `topic`, at port->publisher; who comes later is told the latest. As above. */
-int lx_silkit_offer(struct lx_silkit *self, struct lx_silkit_port *port, const char *topic,
-                    const char *media_type, struct lx_error *error);
+/** Publish as port->topic; as above. */
+int lx_silkit_offer(struct lx_silkit *self, struct lx_silkit_port *port, const char *media_type,
+                    struct lx_error *error);
 
-/** All ports are there: life begins. Nothing is done when there are none.
- * @return 0, or -1 with `error` */
+/** Name a topic: "NAME/LAST". */
+void lx_silkit_name_topic(struct lx_silkit_port *port, const char *name, const char *last);
+
+/** Whether it has. */
+bool lx_silkit_has_joined(const struct lx_silkit *self);
+
+/** All ports are there: life begins. * @return 0, or -1 with `error` */
 int lx_silkit_start(struct lx_silkit *self, struct lx_error *error);
 
 /** Whether what is sent is heard. */
@@ -120,6 +127,9 @@ void lx_silkit_baud_rate(struct lx_silkit_port *port, uint32_t rate);
 /** Send a frame. */
 void lx_silkit_send(struct lx_silkit_port *port, uint16_t id, bool remote, const uint8_t *bytes,
                     uint8_t n);
+
+/** The simulation's time, in nanoseconds, at this moment of the rig's; in real time the rig's. */
+uint64_t lx_silkit_time_at(const struct lx_silkit *self, dg_ns now);
 
 /** The name that the rig has there. */
 const char *lx_silkit_name(const struct lx_silkit *self);

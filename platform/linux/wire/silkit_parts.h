@@ -27,6 +27,7 @@ struct lx_silkit {
     struct lx_sk_time *clock;
     bool heard; /**< everybody can hear */
     sd_event_source *standstill;
+    struct lx_timer tick;         /**< of real time */
     struct lx_silkit_port **port; /**< owned list of theirs */
     size_t count;
     bool ready; /**< ports know that */

@@ -57,14 +57,18 @@ static void on_data(void *ctx, struct lx_sk_subscriber *subscriber,
                     const struct lx_sk_data_event *event)
 {
     struct lx_silkit_port *port = ctx;
-    const bool fits = event->data.size <= port->length_max;
+    const size_t n = event->data.size;
+    const bool fits = n >= port->length_min && n <= port->length_max;
     const struct lx_silkit_message message = {
         .kind = fits ? LX_SILKIT_DATA : LX_SILKIT_REFUSED,
         .port = port,
         .time = event->timestamp,
+        .id = fits             ? 0
+              : n < UINT32_MAX ? (uint32_t)n
+                               : UINT32_MAX,
     };
     (void)subscriber;
-    lx_silkit_inbox_put(&port->all->inbox, &message, event->data.data, fits ? event->data.size : 0);
+    lx_silkit_inbox_put(&port->all->inbox, &message, event->data.data, fits ? n : 0);
 }
 
 /* --- order --- */
@@ -92,6 +96,18 @@ void lx_silkit_sort(struct lx_silkit_list *list)
     }
 }
 
+/* Of topics; frames of CAN FD and XL are nobody's fault. */
+static void note_refused(struct lx_silkit_port *self, const struct lx_silkit_message *message)
+{
+    const bool one = self->length_min == self->length_max;
+    if (self->refused++ > 0 || self->can != NULL) {
+        return;
+    }
+    lx_complain("SIL Kit: %s: a message of %lu bytes is left out, as are more such ones; %s%zu are "
+                "right",
+                self->topic, (unsigned long)message->id, one ? "" : "at most ", self->length_max);
+}
+
 void lx_silkit_deliver(struct lx_silkit *self, dg_ns now, uint64_t end)
 {
     struct lx_silkit_list *list = &self->pending;
@@ -101,12 +117,21 @@ void lx_silkit_deliver(struct lx_silkit *self, dg_ns now, uint64_t end)
     const bool last = next == NULL || next->port != message.port ||
                       (self->clock != NULL && next->time != message.time) || next->time >= end;
     struct lx_silkit_port *port = message.port;
-    port->refused += message.kind == LX_SILKIT_REFUSED ? 1u : 0u;
-    port->receive(port->ctx, now, &message, last);
+    if (message.kind == LX_SILKIT_REFUSED) {
+        note_refused(port, &message);
+    }
+    if (message.kind != LX_SILKIT_REFUSED || port->can != NULL) {
+        port->receive(port->ctx, now, &message, last);
+    }
     free(message.bytes);
 }
 
 /* --- making --- */
+
+void lx_silkit_name_topic(struct lx_silkit_port *port, const char *name, const char *last)
+{
+    (void)snprintf(port->topic, sizeof port->topic, "%s/%s", name, last);
+}
 
 /* @return false without memory */
 static bool add(struct lx_silkit *self, struct lx_silkit_port *port)
@@ -148,34 +173,34 @@ int lx_silkit_open_can(struct lx_silkit *self, struct lx_silkit_port *port, cons
     return 0;
 }
 
-int lx_silkit_subscribe(struct lx_silkit *self, struct lx_silkit_port *port, const char *topic,
-                        const char *media_type, struct lx_error *error)
+int lx_silkit_subscribe(struct lx_silkit *self, struct lx_silkit_port *port, const char *media_type,
+                        struct lx_error *error)
 {
     char name[32];
     struct lx_sk_subscriber *subscriber = NULL;
     struct lx_sk_spec spec = {
-        .header = {.version = LX_SK_DATA_SPEC}, .topic = topic, .media_type = media_type};
+        .header = {.version = LX_SK_DATA_SPEC}, .topic = port->topic, .media_type = media_type};
     if (!add(self, port)) {
         return lx_fail(error, "no memory for a topic");
     }
     return self->lib.subscriber_new(&subscriber, self->participant, name_of(port, name), &spec,
                                     port, on_data) != 0
-               ? lx_silkit_refused(self, topic, error)
+               ? lx_silkit_refused(self, port->topic, error)
                : 0;
 }
 
-int lx_silkit_offer(struct lx_silkit *self, struct lx_silkit_port *port, const char *topic,
-                    const char *media_type, struct lx_error *error)
+int lx_silkit_offer(struct lx_silkit *self, struct lx_silkit_port *port, const char *media_type,
+                    struct lx_error *error)
 {
     char name[32];
     struct lx_sk_spec spec = {
-        .header = {.version = LX_SK_DATA_SPEC}, .topic = topic, .media_type = media_type};
+        .header = {.version = LX_SK_DATA_SPEC}, .topic = port->topic, .media_type = media_type};
     if (!add(self, port)) {
         return lx_fail(error, "no memory for a topic");
     }
     return self->lib.publisher_new(&port->publisher, self->participant, name_of(port, name), &spec,
                                    0) != 0
-               ? lx_silkit_refused(self, topic, error)
+               ? lx_silkit_refused(self, port->topic, error)
                : 0;
 }
 

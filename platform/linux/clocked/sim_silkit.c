@@ -1,0 +1,86 @@
+/* SPDX-License-Identifier: MIT */
+/* All numbers of a message are little endian. */
+#include "sim_silkit.h"
+
+#include <stdio.h>
+
+#include "drehgeber/bits.h"
+#include "sim_bus.h"
+
+#define LATCH_TYPE "application/vnd.drehgeber.latch.v1"
+#define FRAME_TYPE "application/vnd.drehgeber.frame.v1"
+/* A message: the moment, and for each encoder, the nearest to the master first:
+   verdict, flags, life counter, number of bits; multiturn; singleturn; 0; the bits. */
+#define AHEAD 8u
+#define ENTRY 24u
+#define FLAG_ERROR 1u
+#define FLAG_WARNING 2u
+
+static void put_entry(uint8_t *to, const struct lx_clocked *line, size_t encoder)
+{
+    const enum lx_clocked_verdict verdict = line->ops->judge(line, encoder);
+    struct lx_clocked_word word = {0};
+    if (verdict != LX_CLOCKED_SILENT) {
+        line->ops->word(line, encoder, &word);
+    }
+    to[0] = (uint8_t)verdict;
+    to[1] = (uint8_t)((word.error ? FLAG_ERROR : 0u) | (word.warning ? FLAG_WARNING : 0u));
+    to[2] = word.life;
+    to[3] = word.count;
+    dg_store_le32(to + 4, word.multiturn);
+    dg_store_le32(to + 8, word.singleturn);
+    dg_store_le32(to + 12, 0);
+    dg_store_le64(to + 16, word.bits);
+}
+
+static void read_frame(struct lx_sim_silkit *self)
+{
+    const struct lx_sim_master *master = lx_sim_bus_begin(self->bus);
+    const struct lx_clocked *line = master->wire.line;
+    uint8_t message[AHEAD + ENTRY * LX_CLOCKED_MAX];
+    dg_store_le64(message, lx_silkit_time_at(self->frame.all, master->wire.now));
+    lx_sim_bus_read(self->bus);
+    for (size_t i = 0; i < line->count; i++) {
+        put_entry(message + AHEAD + ENTRY * i, line, i);
+    }
+    lx_silkit_publish(&self->frame, message, AHEAD + ENTRY * line->count);
+    lx_sim_bus_end(self->bus);
+}
+
+static void receive(void *ctx, dg_ns now, const struct lx_silkit_message *message, bool last)
+{
+    struct lx_sim_silkit *self = ctx;
+    (void)now;
+    (void)message;
+    (void)last;
+    self->latched = true;
+    read_frame(self);
+}
+
+static void step(void *ctx, dg_ns now)
+{
+    struct lx_sim_silkit *self = ctx;
+    (void)now;
+    if (!self->latched) {
+        read_frame(self);
+    }
+}
+
+int lx_sim_silkit_open(struct lx_sim_silkit *self, struct lx_bus *bus, struct lx_error *error)
+{
+    struct lx_silkit *silkit = bus->setup.silkit;
+    struct lx_silkit_where where;
+    if (lx_silkit_split(bus->setup.wire->where, &where, error) != 0 ||
+        lx_silkit_join(silkit, error) != 0) {
+        return -1;
+    }
+    self->bus = bus;
+    self->latch = (struct lx_silkit_port){.receive = receive, .ctx = self};
+    self->frame = (struct lx_silkit_port){.step = step, .ctx = self};
+    lx_silkit_name_topic(&self->latch, where.network, "latch");
+    lx_silkit_name_topic(&self->frame, where.network, "frame");
+    (void)snprintf(self->address, sizeof self->address, "%s,%s", where.uri, where.network);
+    return lx_silkit_subscribe(silkit, &self->latch, LATCH_TYPE, error) != 0
+               ? -1
+               : lx_silkit_offer(silkit, &self->frame, FRAME_TYPE, error);
+}

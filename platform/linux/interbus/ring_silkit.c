@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: MIT */
+/* All numbers of a message are little endian. */
+#include "ring_silkit.h"
+
+#include <stdio.h>
+
+#include "drehgeber/bits.h"
+
+#define MEDIA_TYPE "application/vnd.drehgeber.interbus.v1"
+/* In front of IN: what the cycle came to, enum dg_ib_ring_result or that it was left out, and how
+   many devices were reached. */
+#define AHEAD 4u
+#define WORD 2u
+#define LEFT_OUT 0xFFFFu
+
+static void receive(void *ctx, dg_ns now, const struct lx_silkit_message *message, bool last)
+{
+    struct lx_ring_silkit *self = ctx;
+    const uint8_t *bytes = lx_silkit_bytes(message);
+    (void)now;
+    (void)last;
+    for (size_t i = 0; i < message->length / WORD; i++) {
+        self->ring->out[i] = dg_load_le16(bytes + WORD * i);
+    }
+}
+
+static void step(void *ctx, dg_ns now)
+{
+    struct lx_ring_silkit *self = ctx;
+    const struct lx_ring *ring = self->ring;
+    uint8_t message[AHEAD + WORD * LX_RING_WORDS_MAX];
+    const bool took_place = self->drive(self->ctx, now);
+    dg_store_le16(message, took_place ? (uint16_t)ring->result : LEFT_OUT);
+    dg_store_le16(message + WORD, ring->reached);
+    for (size_t i = 0; i < ring->ring.words; i++) {
+        dg_store_le16(message + AHEAD + WORD * i, ring->in[i]);
+    }
+    lx_silkit_publish(&self->in, message, AHEAD + WORD * ring->ring.words);
+}
+
+int lx_ring_silkit_open(struct lx_ring_silkit *self, const struct lx_bus_setup *setup,
+                        struct lx_error *error)
+{
+    const size_t size = WORD * self->ring->ring.words;
+    struct lx_silkit_where where;
+    if (lx_silkit_split(setup->wire->where, &where, error) != 0 ||
+        lx_silkit_join(setup->silkit, error) != 0) {
+        return -1;
+    }
+    self->out = (struct lx_silkit_port){
+        .length_min = size, .length_max = size, .receive = receive, .ctx = self};
+    self->in = (struct lx_silkit_port){.step = step, .ctx = self};
+    lx_silkit_name_topic(&self->out, where.network, "out");
+    lx_silkit_name_topic(&self->in, where.network, "in");
+    (void)snprintf(self->address, sizeof self->address, "%s,%s", where.uri, where.network);
+    return lx_silkit_subscribe(setup->silkit, &self->out, MEDIA_TYPE, error) != 0
+               ? -1
+               : lx_silkit_offer(setup->silkit, &self->in, MEDIA_TYPE, error);
+}

@@ -1,0 +1,106 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Shafts of a rig that takes part in a SIL Kit simulation:
+ *
+ *   PARTICIPANT/shaft/NAME/turn --> where it is, and how fast it goes on from there
+ *   PARTICIPANT/shaft/NAME      <-- the same, at each step
+ *
+ * Both are 16 bytes, little endian: angle in 2^-32 turns, speed in 2^-32 turns a second.
+ */
+#define _GNU_SOURCE
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "drehgeber/bits.h"
+#include "rig_parts.h"
+
+#define MEDIA_TYPE "application/vnd.drehgeber.shaft.v1"
+#define SIZE 16u
+#define TURN INT64_C(0x100000000)
+#define MRPM_PER_RPS 60000
+
+/* A shaft's topics. */
+struct lx_rig_topics {
+    struct lx_rig *rig;
+    struct lx_rig_shaft *shaft;
+    struct lx_silkit_port turn;
+    struct lx_silkit_port position;
+};
+
+static int64_t load(const uint8_t *from)
+{
+    return (int64_t)((uint64_t)dg_load_le32(from) | (uint64_t)dg_load_le32(from + 4) << 32u);
+}
+
+/* To the nearest 0.001 rpm, at most what a shaft can do. */
+static int32_t mrpm_of(int64_t speed)
+{
+    const int64_t limit = (int64_t)DG_MOTION_SPEED_MAX_MRPM * (TURN / MRPM_PER_RPS);
+    const int64_t most = speed > limit ? limit : speed < -limit ? -limit : speed;
+    const int64_t half = most < 0 ? -TURN / 2 : TURN / 2;
+    return (int32_t)((most * MRPM_PER_RPS + half) / TURN);
+}
+
+static void receive(void *ctx, dg_ns now, const struct lx_silkit_message *message, bool last)
+{
+    struct lx_rig_topics *self = ctx;
+    const uint8_t *bytes = lx_silkit_bytes(message);
+    struct dg_rig *control = &self->rig->control;
+    struct dg_rig_shaft *shaft = &self->shaft->control;
+    const struct dg_motion motion = {
+        .kind = DG_MOTION_SPEED, .from = load(bytes), .mrpm = mrpm_of(load(bytes + 8))};
+    (void)last;
+    lx_rig_read_none(self->shaft);
+    lx_rig_ops.turns(control, shaft, now);
+    (void)dg_shaft_play(&shaft->shaft, now, &motion);
+    lx_rig_ops.turned(control, shaft, now);
+}
+
+static void step(void *ctx, dg_ns now)
+{
+    struct lx_rig_topics *self = ctx;
+    struct dg_shaft *shaft = &self->shaft->control.shaft;
+    const int64_t speed = (int64_t)dg_shaft_mrpm(shaft, now) * TURN / MRPM_PER_RPS;
+    uint8_t bytes[SIZE];
+    dg_store_le64(bytes, (uint64_t)dg_shaft_angle(shaft, now));
+    dg_store_le64(bytes + 8, (uint64_t)speed);
+    lx_silkit_publish(&self->position, bytes, sizeof bytes);
+}
+
+static int open_shaft(struct lx_rig_topics *self, struct lx_error *error)
+{
+    struct lx_silkit *silkit = self->rig->silkit;
+    char name[LX_SILKIT_TOPIC_MAX / 2u];
+    self->turn = (struct lx_silkit_port){
+        .length_min = SIZE, .length_max = SIZE, .receive = receive, .ctx = self};
+    self->position = (struct lx_silkit_port){.step = step, .ctx = self};
+    (void)snprintf(name, sizeof name, "%s/shaft", lx_silkit_name(silkit));
+    lx_silkit_name_topic(&self->position, name, self->shaft->control.name);
+    if (lx_silkit_offer(silkit, &self->position, MEDIA_TYPE, error) != 0) {
+        return -1;
+    }
+    if (self->shaft->control.shaft.driver != NULL) {
+        return 0; /* another one turns it */
+    }
+    lx_silkit_name_topic(&self->turn, self->position.topic, "turn");
+    return lx_silkit_subscribe(silkit, &self->turn, MEDIA_TYPE, error);
+}
+
+int lx_rig_join(struct lx_rig *self, struct lx_error *error)
+{
+    const size_t count = self->setup.plan->shaft_count;
+    if (!lx_silkit_has_joined(self->silkit)) {
+        return 0;
+    }
+    self->topics = calloc(count, sizeof *self->topics);
+    if (self->topics == NULL) {
+        return lx_fail(error, "no memory for the shafts");
+    }
+    int result = 0;
+    for (size_t i = 0; result == 0 && i < count; i++) {
+        self->topics[i].rig = self;
+        self->topics[i].shaft = &self->shafts[i];
+        result = open_shaft(&self->topics[i], error);
+    }
+    return result == 0 ? lx_silkit_start(self->silkit, error) : -1;
+}
