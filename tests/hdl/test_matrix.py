@@ -192,6 +192,12 @@ def hot(name, low, high):
             write(WMASK, 0x04), *fault(name, 0x04, 0xB3, 1, 0), write(WMASK, 0x00), write(EMASK, 0xFB)]
 
 
+def on_the_wire(name, status, text="-", at_rest=()):
+    """The frame that it happens to, and what comes behind it when it is over."""
+    return [command("expect", 1, 1, 0), command("fault", 1, text=name), *at_rest, command("broken", status, text=text),
+            command("fault", 0, text=name), command("frame", 1), command("expect", 1, 1, 1), command("random", 2)]
+
+
 SIGNALS = ("sin_amplitude_low", "sin_amplitude_high", "cos_amplitude_low", "cos_amplitude_high", "sin_offset", "cos_offset")
 FAULTS = {
     "led_current_high": fault("led_current_high", 0x01, 0xD3),
@@ -204,6 +210,10 @@ FAULTS = {
     "multiturn_amplitude": fault("multiturn_amplitude", 0x40, 0xD0),
     "multiturn_vector": fault("multiturn_vector", 0x40, 0xD0),
     "watchdog_fired": fault("watchdog_fired", 0x80, 0xD3),
+    "wire_drop": on_the_wire("wire_drop", NO_ACK),
+    "wire_delay": on_the_wire("wire_delay", NO_START),
+    "wire_damage": on_the_wire("wire_damage", 0, text="crc") * 4,
+    "wire_break": on_the_wire("wire_break", NO_ACK, at_rest=[command("wait", 1), command("sl", 1)]),
     "eeprom_config": checked("eeprom_config"),
     **{f"eeprom_user{bank}": checked(f"eeprom_user{bank}") if WHOLE or bank in (USER[0], USER[-1]) else [] for bank in USER},
 }
@@ -212,7 +222,7 @@ FAULTS = {
 def test_every_fault(bench, tmp_path):
     catalogue = json.loads(subprocess.run([os.environ["DREHGEBER"], "faults", "s3684-biss", "--json"], check=True,
                                           stdout=subprocess.PIPE, timeout=60).stdout)
-    assert sorted(FAULTS) == sorted(row["name"] for row in catalogue if row["kind"] != "WIRE")
+    assert sorted(FAULTS) == sorted(row["name"] for row in catalogue)
     # The simulated error: in the status and in nERR, not in 69h.
     simulated = seen([command("expect", 1, 1, 0), write(STATUS, 0x05)], [command("expect", 1, 1, 0), write(STATUS, 0x06)],
                      0x00, 0xD3)
