@@ -23,16 +23,10 @@ import itertools
 import json
 import os
 import re
-import resource
 import subprocess
-from pathlib import Path
 
 import pytest
-
-TESTS = Path(__file__).parent
-MODELS = TESTS.parents[1] / "platform" / "hdl"
-LIBRARY = os.environ["DREHGEBER_HDL"]
-WHOLE = {"pairs": False, "whole": True}[os.environ["DREHGEBER_WIRES"]]
+from matrix import MODELS, TESTS, WHOLE, compiled, run, run_all
 
 HALVES = (100, 50, 5)  # 500 kHz, 1 MHz, 10 MHz, in clocks of 10 ns
 DELAYS = (10, 20, 30, 40, 50)
@@ -62,57 +56,24 @@ def write(address, value, status=0, who=0):
 @pytest.fixture(scope="module", name="bench")
 def make_bench(tmp_path_factory):
     """The program, compiled once."""
-    folder = tmp_path_factory.mktemp("bench")
-    done = subprocess.run(
-        ["verilator", "--binary", "--timing", "-O3", "--top-module", "biss_bench", "--Mdir", folder, "-o", "bench",
-         "-Wno-lint", "-Wno-INITIALDLY", "-CFLAGS", "-O1", f"-I{MODELS}", TESTS / "biss_bench.sv",
-         MODELS / "drehgeber_biss.sv", MODELS / "master" / "biss_master.v", "-LDFLAGS",
-         f"-L{LIBRARY} -ldrehgeber_hdl -Wl,-rpath,{LIBRARY}"],
-        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=900, check=False)
-    assert done.returncode == 0, done.stdout
-    return folder / "bench"
-
-
-def run(bench, folder, script, **wire):
-    """What it says, checks, microseconds of simulated time; it fails when a check does."""
-    (folder / "script").write_text("\n".join(script) + "\n", encoding="ascii")
-    words = [f"+{key}={value}" for key, value in wire.items()]
-    done = subprocess.run([bench, f"+script={folder}/script", *words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                          text=True, timeout=1500, check=False)
-    said = re.search(r"^passed ([1-9]\d*) checks in (\d+) us$", done.stdout, re.M)
-    assert done.returncode == 0 and said, f"{words}\n{done.stdout[-3000:]}"
-    return done.stdout, int(said[1]), int(said[2])
+    return compiled(tmp_path_factory.mktemp("bench"), "biss")
 
 
 def told(said, text):
     return [int(value) for value in re.findall(rf"^{text} \d+ \d+ (\d+) 0$", said, re.M)]
 
 
-def pairs(cells):
-    """Few cells that have every pair of values: greedy, the same each time."""
-    pairs_of = lambda cell: set(itertools.combinations(enumerate(cell), 2))
-    left = set().union(*map(pairs_of, cells))
-    while left:
-        best = max(cells, key=lambda cell: len(pairs_of(cell) & left))
-        left -= pairs_of(best)
-        yield best
-
-
 def test_every_wire(bench, tmp_path, capsys):
     """Random angles, at rest and turning; in one encoder a register is read, and one is written and read."""
-    cells = list(itertools.product(HALVES, DELAYS, BUSY, CHAINS))
-    before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
-    figures = []
-    for i, (half, delay, busy, chain) in enumerate(cells if WHOLE else pairs(cells)):
+    def one(i, cell):
+        half, delay, busy, chain = cell
         slot = i % chain
         who = chain - 1 - slot  # the last one has ID 0
         script = [command("random", 20), command("spin", 5), command("random", 1), read(0x47, 0xE9 + slot, who=who),
                   write(EMASK, 0xA5 ^ i, who=who), read(EMASK, 0xA5 ^ i, who=who), read(0x47, 0, NO_ANSWER, chain)]
-        figures.append(run(bench, tmp_path, script, half=half, delay=delay, busy=busy, chain=chain, seed=i + 1)[1:])
-    seconds = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
-    checks, us = map(sum, zip(*figures))
-    with capsys.disabled():
-        print(f"\n{len(figures)} wires: {checks} checks in {us} simulated us, {us / seconds:.0f} us in a second of CPU")
+        return run(bench, tmp_path, script, half=half, delay=delay, busy=busy, chain=chain, seed=i + 1)
+
+    run_all(list(itertools.product(HALVES, DELAYS, BUSY, CHAINS)), one, capsys)
 
 
 # What page 5.2.2.2 has in bank 0 and outside of banks.
