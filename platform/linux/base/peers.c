@@ -287,6 +287,8 @@ static int on_connection(sd_event_source *source, int fd, uint32_t events, void 
         return 0;
     }
     (void)setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+    (void)setsockopt(socket, SOL_SOCKET, SO_OOBINLINE, &on,
+                     sizeof on); /* telnet's IAC DM is urgent */
     lx_endpoint_keep_alive(socket);
     self->peer[place(self)] = peer;
     if (self->setup.came != NULL) {

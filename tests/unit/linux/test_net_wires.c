@@ -231,6 +231,19 @@ static void bytes_go_to_all_others(void **state)
     end(&bench);
 }
 
+/* Telnet's Synch (RFC 854): its DM is sent as urgent data, and has its place among the others. */
+static void urgent_bytes_are_bytes(void **state)
+{
+    struct bench bench;
+    (void)state;
+    open_port(&bench, "tcp:127.0.0.1:0");
+    assert_int_equal(send(bench.client[0], "\x40\x42", 2, MSG_OOB), 2);
+    SAY(&bench, 0, "\x02");
+    assert_int_equal(bench.count, 3);
+    HEARS(&bench, 1, "\x40\x42\x02");
+    end(&bench);
+}
+
 static void settings_go_with_characters(void **state)
 {
     struct bench bench;
@@ -355,6 +368,7 @@ int main(void)
         cmocka_unit_test(slcan_adapters_share_a_bus),
         cmocka_unit_test(socketcand_clients_share_a_bus),
         cmocka_unit_test(bytes_go_to_all_others),
+        cmocka_unit_test(urgent_bytes_are_bytes),
         cmocka_unit_test(settings_go_with_characters),
         cmocka_unit_test(foreign_beginnings),
         cmocka_unit_test(the_most_silent_gives_up_its_place),
