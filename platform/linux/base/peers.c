@@ -109,13 +109,14 @@ static bool has_room(const struct lx_peer *peer)
     return peer->output_count + LX_PEERS_ANSWER_MAX <= sizeof peer->output;
 }
 
-/* Read while what comes in can be handed over; write while there is something to write. */
+/* Read while what comes in can be handed over; write while there is something to write, or while
+ * something that was read waits for room that others may have made by a flush. */
 static void watch(struct lx_peer *peer)
 {
-    const bool reads =
-        !peer->all->paused && peer->count == 0 && peer->end == DG_NEVER && has_room(peer);
-    const uint32_t events =
-        (reads ? (uint32_t)EPOLLIN : 0u) | (peer->output_count > 0 ? (uint32_t)EPOLLOUT : 0u);
+    const bool takes = !peer->all->paused && has_room(peer);
+    const bool reads = takes && peer->count == 0 && peer->end == DG_NEVER;
+    const bool writes = peer->output_count > 0 || (takes && peer->count > 0);
+    const uint32_t events = (reads ? (uint32_t)EPOLLIN : 0u) | (writes ? (uint32_t)EPOLLOUT : 0u);
     (void)sd_event_source_set_io_events(peer->io, events);
 }
 

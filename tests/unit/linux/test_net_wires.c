@@ -19,6 +19,7 @@
 #include "serial.h"
 
 #define TURN_US 50000u
+#define IDLE_TURNS 40u /* two seconds */
 #define CLIENTS 3u
 
 static const struct lx_say quiet = {.quiet = true};
@@ -331,6 +332,31 @@ static void who_does_not_read_loses(void **state)
     end(&bench);
 }
 
+/* What it has sent waits for room, which may come with somebody else's flush. */
+static void who_reads_again_goes_on(void **state)
+{
+    static char flood[1u << 16]; /* empty lines, each is answered by one */
+    size_t asked = 0;
+    size_t answered = 0;
+    unsigned idle = 0;
+    struct bench bench;
+    (void)state;
+    open_can(&bench, lx_slcan_net_open, "tcp:127.0.0.1:0");
+    memset(flood, '\r', sizeof flood);
+    for (ssize_t n = 1; n > 0 || sd_event_run(bench.event, TURN_US) > 0;) {
+        n = send(bench.client[0], flood, sizeof flood, MSG_NOSIGNAL | MSG_DONTWAIT);
+        asked += n < 0 ? 0 : (size_t)n;
+    }
+    while (answered < asked && idle < IDLE_TURNS) {
+        const ssize_t n = recv(bench.client[0], flood, sizeof flood, MSG_DONTWAIT);
+        answered += n < 0 ? 0 : (size_t)n;
+        bench.can->ops->push(bench.can);
+        idle = sd_event_run(bench.event, n < 0 ? TURN_US : 0) > 0 || n > 0 ? 0 : idle + 1u;
+    }
+    assert_int_equal(answered, asked);
+    end(&bench);
+}
+
 static void addresses(void **state)
 {
     static const struct {
@@ -373,6 +399,7 @@ int main(void)
         cmocka_unit_test(foreign_beginnings),
         cmocka_unit_test(the_most_silent_gives_up_its_place),
         cmocka_unit_test(who_does_not_read_loses),
+        cmocka_unit_test(who_reads_again_goes_on),
         cmocka_unit_test(addresses),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
