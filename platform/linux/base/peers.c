@@ -104,9 +104,10 @@ static void on_farewell(void *ctx, dg_ns now)
 
 /* --- bytes --- */
 
+/* Who is held is listened to without: it may be about to say that it wants to go on. */
 static bool has_room(const struct lx_peer *peer)
 {
-    return peer->output_count + LX_PEERS_ANSWER_MAX <= sizeof peer->output;
+    return peer->held || peer->output_count + LX_PEERS_ANSWER_MAX <= sizeof peer->output;
 }
 
 /* Read while what comes in can be handed over; write while there is something to write, or while
@@ -115,7 +116,7 @@ static void watch(struct lx_peer *peer)
 {
     const bool takes = !peer->all->paused && has_room(peer);
     const bool reads = takes && peer->count == 0 && peer->end == DG_NEVER;
-    const bool writes = peer->output_count > 0 || (takes && peer->count > 0);
+    const bool writes = (peer->output_count > 0 && !peer->held) || (takes && peer->count > 0);
     const uint32_t events = (reads ? (uint32_t)EPOLLIN : 0u) | (writes ? (uint32_t)EPOLLOUT : 0u);
     (void)sd_event_source_set_io_events(peer->io, events);
 }
@@ -124,7 +125,7 @@ static void watch(struct lx_peer *peer)
 static void send_output(struct lx_peer *peer)
 {
     size_t done = 0;
-    while (done < peer->output_count) {
+    while (done < peer->output_count && !peer->held) {
         const ssize_t n = send(peer->fd, peer->output + done, peer->output_count - done,
                                MSG_DONTWAIT | MSG_NOSIGNAL);
         if (n < 0 && errno == EINTR) {

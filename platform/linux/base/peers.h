@@ -51,6 +51,7 @@ struct lx_peer {
     sd_event_source *io;
     dg_ns heard;  /**< when it said something last */
     dg_ns end;    /**< it has ended sending: gone then; DG_NEVER: it has not */
+    bool held;    /**< it wants nothing now: what is for it waits. To be set inside setup.byte() */
     size_t begun; /**< of `beginning` */
     size_t first; /**< of `chunk`: read, and not yet handed to setup.byte() */
     size_t count;
@@ -105,7 +106,8 @@ void lx_peers_pause(struct lx_peers *self, bool paused);
 bool lx_peer_put(struct lx_peer *self, const void *bytes, size_t n);
 
 /** An answer to what it has sent, at most LX_PEERS_ANSWER_MAX bytes. From inside setup.came() and
- * setup.byte() there is room for one always. */
+ * setup.byte() there is room for one always, except for a client that is held: it is listened to
+ * without, since it may say that it wants to go on, and the answer is lost. */
 void lx_peer_answer(struct lx_peer *self, const void *bytes, size_t n);
 
 /** Send what was put; inside setup.byte() that waits until the last byte. */

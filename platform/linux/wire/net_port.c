@@ -77,7 +77,7 @@ static bool tell(const struct net_port *self, struct lx_peer *peer, const struct
     if (!self->telnet) {
         return lx_peer_put(peer, &sound->byte, 1);
     }
-    return !client->suspended && lx_peer_put(peer, text, print(client, sound, text));
+    return lx_peer_put(peer, text, print(client, sound, text));
 }
 
 /* @return how many have heard it */
@@ -131,6 +131,7 @@ static void on_byte(void *ctx, struct lx_peer *peer, dg_ns now, uint8_t byte, si
     if (self->telnet) {
         lx_rfc2217_feed(client, &serial->uart, byte, &event);
         lx_peer_answer(peer, event.answer, event.length);
+        peer->held = client->suspended;
         serial->baud = baud_of(client);
         serial->parity = parity_of(client);
         character.byte = event.what == LX_RFC2217_BREAK ? 0 : event.character;

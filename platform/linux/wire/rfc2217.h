@@ -59,7 +59,7 @@ struct lx_rfc2217 {
     uint8_t stop_bits;                    /**< as coded: 1, 2, 3 for one and a half; 0: likewise */
     uint8_t control[LX_RFC2217_CONTROLS]; /**< 0: as it was found */
     uint8_t line_mask;
-    bool suspended; /**< it wants no characters now */
+    bool suspended; /**< it wants neither characters nor answers now */
     uint8_t
         enabled[2]; /**< options that the client does, that we do: a bit for each that is known */
     enum lx_rfc2217_state state;

@@ -266,6 +266,35 @@ static void settings_go_with_characters(void **state)
     end(&bench);
 }
 
+/* RFC 2217, 3, FLOWCONTROL-SUSPEND: data and commands wait for the RESUME. */
+static void what_is_suspended_waits(void **state)
+{
+    static const char asks[] = "\xFF\xFA\x2C\x03\x00\xFF\xF0";
+    struct bench bench;
+    (void)state;
+    open_port(&bench, "rfc2217:127.0.0.1:0");
+    SAY(&bench, 0, "\xFF\xFA\x2C\x08\xFF\xF0");
+    SAY(&bench, 1, "x");
+    SAY(&bench, 0, asks);
+    HEARS(&bench, 0, "");
+    HEARS(&bench, 2, "x");
+    SAY(&bench, 0, "\xFF\xFA\x2C\x09\xFF\xF0");
+    HEARS(&bench, 0, "x\xFF\xFA\x2C\x67\x03\xFF\xF0");
+    assert_int_equal(bench.port->counters.lost, 0);
+    SAY(&bench, 0, "\xFF\xFA\x2C\x08\xFF\xF0");
+    char flood[2u * LX_PEERS_OUTPUT_MAX]; /* more answers than there is room for */
+    for (size_t i = 0; i < sizeof flood; i++) {
+        flood[i] = asks[i % (sizeof asks - 1u)];
+    }
+    say(&bench, 0, flood, sizeof flood / (sizeof asks - 1u) * (sizeof asks - 1u));
+    HEARS(&bench, 0, "");
+    SAY(&bench, 0, "\xFF\xFA\x2C\x09\xFF\xF0y");
+    assert_int_equal(bench.heard[bench.count - 1u], 'y');
+    char got[8];
+    assert_int_equal(recv(bench.client[0], got, sizeof got, MSG_DONTWAIT), sizeof got);
+    end(&bench);
+}
+
 static void foreign_beginnings(void **state)
 {
     static const struct {
@@ -396,6 +425,7 @@ int main(void)
         cmocka_unit_test(bytes_go_to_all_others),
         cmocka_unit_test(urgent_bytes_are_bytes),
         cmocka_unit_test(settings_go_with_characters),
+        cmocka_unit_test(what_is_suspended_waits),
         cmocka_unit_test(foreign_beginnings),
         cmocka_unit_test(the_most_silent_gives_up_its_place),
         cmocka_unit_test(who_does_not_read_loses),
