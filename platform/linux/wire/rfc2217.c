@@ -314,12 +314,15 @@ void lx_rfc2217_feed(struct lx_rfc2217 *self, const struct lx_uart *found, uint8
             collect(self, byte);
         }
         break;
-    case LX_RFC2217_SUB_COMMAND: /* anything but IAC and SE ends it without effect */
-        self->state = byte == IAC ? LX_RFC2217_SUB : LX_RFC2217_DATA;
+    case LX_RFC2217_SUB_COMMAND: /* any other command ends it without effect */
         if (byte == IAC) {
+            self->state = LX_RFC2217_SUB;
             collect(self, byte);
         } else if (byte == SE) {
+            self->state = LX_RFC2217_DATA;
             execute(self, found, event);
+        } else {
+            on_command(self, byte, event);
         }
         break;
     }

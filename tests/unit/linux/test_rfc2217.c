@@ -105,6 +105,8 @@ static void what_is_no_command_is_nothing(void **state)
          TEXT(""));
     assert_int_equal(self.parity, 0);
     told(&self, TEXT("\xFF\xF1\xFF\xF6\xFF\xF0"), TEXT(""));
+    told(&self, TEXT("\xFF\xFA\x2C\x03\x02\xFF\xFD\x03"), TEXT("\xFF\xFB\x03")); /* cut off */
+    assert_int_equal(self.parity, 0);
     heard(&self, TEXT("x"), TEXT("x"));
 }
 
