@@ -26,6 +26,7 @@ struct sound {
     uint32_t baud; /* LX_BAUD_ANY: nobody knows */
     char parity;   /* 0: likewise */
     uint8_t byte;
+    uint8_t line; /* what is wrong with it at any setting: bits of enum lx_rfc2217_line */
 };
 
 struct net_port {
@@ -63,11 +64,11 @@ static size_t print(const struct lx_rfc2217 *client, const struct sound *sound,
     const char parity = parity_of(client);
     const uint8_t bits = client->data_bits == 0 ? DATA_BITS : client->data_bits;
     if (baud != LX_BAUD_ANY && sound->baud != LX_BAUD_ANY && baud != sound->baud) {
-        return lx_rfc2217_print(client, 0, LX_RFC2217_FRAMING, to);
+        return lx_rfc2217_print(client, 0, LX_RFC2217_FRAMING | sound->line, to);
     }
     const bool fits = parity == 0 || sound->parity == 0 || parity == sound->parity;
     return lx_rfc2217_print(client, (uint8_t)(sound->byte & ((1u << bits) - 1u)),
-                            fits ? 0 : LX_RFC2217_PARITY, to);
+                            sound->line | (fits ? 0 : LX_RFC2217_PARITY), to);
 }
 
 static bool tell(const struct net_port *self, struct lx_peer *peer, const struct sound *sound)
@@ -100,7 +101,7 @@ static size_t send(struct lx_serial *serial, const uint8_t *bytes, size_t n)
     struct net_port *self = port_of(serial);
     size_t sent = 0;
     for (size_t i = 0; i < n; i++) {
-        const struct sound sound = {serial->sends.baud, serial->sends.parity, bytes[i]};
+        const struct sound sound = {serial->sends.baud, serial->sends.parity, bytes[i], 0};
         sent += tell_all(self, NULL, &sound) > 0 ? 1u : 0u;
     }
     lx_peers_flush(&self->peers);
@@ -113,7 +114,8 @@ static void take(struct net_port *self, const struct lx_peer *from, dg_ns now,
                  const struct lx_character *character)
 {
     struct lx_serial *serial = &self->serial;
-    const struct sound sound = {serial->baud, serial->parity, character->byte};
+    const uint8_t line = character->damaged ? LX_RFC2217_FRAMING | LX_RFC2217_BREAK_SEEN : 0;
+    const struct sound sound = {serial->baud, serial->parity, character->byte, line};
     (void)tell_all(self, from, &sound);
     serial->setup.rx(serial->setup.ctx, now, character);
 }

@@ -33,6 +33,7 @@
 enum lx_rfc2217_line {
     LX_RFC2217_PARITY = 4,
     LX_RFC2217_FRAMING = 8,
+    LX_RFC2217_BREAK_SEEN = 16,
 };
 
 /** What a byte leads to. */

@@ -263,6 +263,10 @@ static void settings_go_with_characters(void **state)
     HEARS(&bench, 0, "\0\0"); /* a break and a character at another data rate */
     HEARS(&bench, 1, "\x7F"); /* seven data bits of it */
     HEARS(&bench, 2, "x\0\xFF\xFF");
+    SAY(&bench, 2, "\xFF\xFA\x2C\x0A\xFF\xFF\xFF\xF0");
+    HEARS(&bench, 2, "\xFF\xFA\x2C\x6E\xFF\xFF\xFF\xF0");
+    SAY(&bench, 1, "\xFF\xFA\x2C\x05\x05\xFF\xF0"); /* framing error and break */
+    HEARS(&bench, 2, "\xFF\xFA\x2C\x6A\x18\xFF\xF0\0");
     end(&bench);
 }
 
