@@ -19,9 +19,9 @@
 #include <string.h>
 
 #include "figure.h"
+#include "rig_link.h"
 #include "timer.h"
 #include "top_answer.h"
-#include "top_link.h"
 
 #define MARK "1999.0" /* what SYSTem:VERSion? answers */
 #define ASKED_MAX 1024u
@@ -64,7 +64,7 @@ struct top_client {
     dg_ns heard;         /* something, or since when something should be */
     dg_ns retry;         /* when to connect again */
     dg_ns message_until; /* the message is shown */
-    struct top_link link;
+    struct rig_link link;
 };
 
 /* --- texts --- */
@@ -381,7 +381,7 @@ static bool ask(struct top_client *self, enum topic topic, size_t index)
         at == NULL ? (int)strlen(topics[topic].line) : (int)(at - topics[topic].line);
     (void)snprintf(line, sizeof line, "%.*s%s%s", before, topics[topic].line,
                    at == NULL ? "" : name, at == NULL ? "" : at + 2);
-    if (self->asked_count == ASKED_MAX || !top_link_say(&self->link, line)) {
+    if (self->asked_count == ASKED_MAX || !rig_link_say(&self->link, line)) {
         return false;
     }
     if (self->asked_count == 0) {
@@ -427,7 +427,7 @@ static void ask_round(struct top_client *self)
 static void watch(struct top_client *self)
 {
     if (self->io != NULL) {
-        (void)sd_event_source_set_io_events(self->io, top_link_events(&self->link));
+        (void)sd_event_source_set_io_events(self->io, rig_link_events(&self->link));
     }
 }
 
@@ -442,7 +442,7 @@ static void trouble(struct top_client *self, const char *what, const char *why)
 static void hang_up(struct top_client *self, const char *why)
 {
     self->io = sd_event_source_disable_unref(self->io);
-    top_link_close(&self->link);
+    rig_link_close(&self->link);
     self->asked_count = 0;
     self->retry = dg_after(lx_now(), RETRY_EVERY);
     trouble(self, "no connection, trying again: ", why);
@@ -480,7 +480,7 @@ static void make_printable(char *text)
 static void hear(struct top_client *self)
 {
     char *line;
-    while ((line = top_link_line(&self->link)) != NULL) {
+    while ((line = rig_link_line(&self->link)) != NULL) {
         self->heard = lx_now();
         make_printable(line);
         if (!take_line(self, line)) {
@@ -496,7 +496,7 @@ static int on_io(sd_event_source *source, int fd, uint32_t events, void *ctx)
     (void)source;
     (void)fd;
     (void)events;
-    const int result = top_link_serve(&self->link);
+    const int result = rig_link_serve(&self->link);
     hear(self);
     if (result < 0 && self->link.fd >= 0) {
         hang_up(self, strerror(-result));
@@ -521,7 +521,7 @@ static int begin(struct top_client *self)
 
 static void connect_again(struct top_client *self)
 {
-    int result = top_link_again(&self->link);
+    int result = rig_link_again(&self->link);
     if (result == 0) {
         result = begin(self);
     }
@@ -568,7 +568,7 @@ bool top_client_do(struct top_client *self, size_t encoder, const char *command)
     }
     (void)snprintf(line, sizeof line, "INST:SEL \"%s\";:%s", self->view->encoders[encoder].name,
                    command);
-    if (self->view->trouble[0] != '\0' || !top_link_say(&self->link, line)) {
+    if (self->view->trouble[0] != '\0' || !rig_link_say(&self->link, line)) {
         tell(self, BUSY);
         return false;
     }
@@ -597,7 +597,7 @@ struct top_client *top_client_open(sd_event *event, struct top_view *view,
     self->changed = changed;
     self->ctx = ctx;
     self->link.fd = -1;
-    if (top_link_open(&self->link, view->where, error) != 0) {
+    if (rig_link_open(&self->link, view->where, error) != 0) {
         top_client_close(self);
         return NULL;
     }
@@ -616,7 +616,7 @@ void top_client_close(struct top_client *self)
         return;
     }
     self->io = sd_event_source_disable_unref(self->io);
-    top_link_end(&self->link);
+    rig_link_end(&self->link);
     free_lists(self->view);
     free(self);
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #define _GNU_SOURCE
-#include "top_link.h"
+#include "rig_link.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -14,7 +14,7 @@
 
 /* The kernel knows where the first connection led to, so that no name has to be looked up again. A
    socket file is known there by the path that its server used, which may start elsewhere. */
-static int remember_peer(struct top_link *self, const char *where)
+static int remember_peer(struct rig_link *self, const char *where)
 {
     struct sockaddr_un *file = (struct sockaddr_un *)&self->peer;
     self->peer_size = sizeof self->peer;
@@ -29,13 +29,13 @@ static int remember_peer(struct top_link *self, const char *where)
     return 0;
 }
 
-static void greet(struct top_link *self)
+static void greet(struct rig_link *self)
 {
     self->output_length = strlen(self->greeting);
     memcpy(self->output, self->greeting, self->output_length);
 }
 
-int top_link_open(struct top_link *self, const char *where, struct lx_error *error)
+int rig_link_open(struct rig_link *self, const char *where, struct lx_error *error)
 {
     struct lx_access access;
     if (lx_access_parse(where, &access, error) != 0) {
@@ -48,15 +48,15 @@ int top_link_open(struct top_link *self, const char *where, struct lx_error *err
     greet(self);
     if (remember_peer(self, access.where) != 0 || fcntl(self->fd, F_SETFL, O_NONBLOCK) != 0) {
         (void)lx_fail(error, "%s: the connection broke: %s", where, strerror(errno));
-        top_link_close(self);
+        rig_link_close(self);
         return -1;
     }
     return 0;
 }
 
-int top_link_again(struct top_link *self)
+int rig_link_again(struct rig_link *self)
 {
-    top_link_close(self);
+    rig_link_close(self);
     self->fd = socket(self->peer.ss_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
     if (self->fd < 0) {
         return -errno;
@@ -64,14 +64,14 @@ int top_link_again(struct top_link *self)
     if (connect(self->fd, (const struct sockaddr *)&self->peer, self->peer_size) != 0 &&
         errno != EINPROGRESS) {
         const int reason = errno;
-        top_link_close(self);
+        rig_link_close(self);
         return -reason;
     }
     greet(self);
     return 0;
 }
 
-bool top_link_say(struct top_link *self, const char *line)
+bool rig_link_say(struct rig_link *self, const char *line)
 {
     const size_t n = strlen(line);
     if (self->fd < 0 || n + 1 > sizeof self->output - self->output_length) {
@@ -83,7 +83,7 @@ bool top_link_say(struct top_link *self, const char *line)
     return true;
 }
 
-uint32_t top_link_events(const struct top_link *self)
+uint32_t rig_link_events(const struct rig_link *self)
 {
     return self->output_length > 0 ? EPOLLIN | EPOLLOUT : EPOLLIN;
 }
@@ -94,7 +94,7 @@ static bool later(int reason)
     return reason == EAGAIN || reason == EINTR;
 }
 
-static int send_some(struct top_link *self)
+static int send_some(struct rig_link *self)
 {
     const ssize_t n =
         send(self->fd, self->output, self->output_length, MSG_NOSIGNAL | MSG_DONTWAIT);
@@ -107,13 +107,13 @@ static int send_some(struct top_link *self)
 }
 
 /* Room for more. @return 0 or a negative errno */
-static int make_room(struct top_link *self)
+static int make_room(struct rig_link *self)
 {
     if (self->input_length < self->input_size) {
         return 0;
     }
-    const size_t size = self->input_size == 0 ? TOP_INPUT_FIRST : 2 * self->input_size;
-    char *input = size > TOP_INPUT_MAX ? NULL : realloc(self->input, size);
+    const size_t size = self->input_size == 0 ? RIG_INPUT_FIRST : 2 * self->input_size;
+    char *input = size > RIG_INPUT_MAX ? NULL : realloc(self->input, size);
     if (input == NULL) {
         return -EMSGSIZE;
     }
@@ -122,7 +122,7 @@ static int make_room(struct top_link *self)
     return 0;
 }
 
-static int receive_some(struct top_link *self)
+static int receive_some(struct rig_link *self)
 {
     self->input_length -= self->taken;
     if (self->taken > 0) {
@@ -142,13 +142,13 @@ static int receive_some(struct top_link *self)
     return n == 0 ? -ECONNRESET : 0;
 }
 
-int top_link_serve(struct top_link *self)
+int rig_link_serve(struct rig_link *self)
 {
     const int result = self->output_length > 0 ? send_some(self) : 0;
     return result == 0 ? receive_some(self) : result;
 }
 
-char *top_link_line(struct top_link *self)
+char *rig_link_line(struct rig_link *self)
 {
     if (self->input_length == self->taken) {
         return NULL;
@@ -163,7 +163,7 @@ char *top_link_line(struct top_link *self)
     return line;
 }
 
-void top_link_close(struct top_link *self)
+void rig_link_close(struct rig_link *self)
 {
     if (self->fd >= 0) {
         (void)close(self->fd);
@@ -174,9 +174,9 @@ void top_link_close(struct top_link *self)
     self->output_length = 0;
 }
 
-void top_link_end(struct top_link *self)
+void rig_link_end(struct rig_link *self)
 {
-    top_link_close(self);
+    rig_link_close(self);
     free(self->input);
     self->input = NULL;
     self->input_size = 0;
