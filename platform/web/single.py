@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 # Each uses those before it only.
-MODULES = ("engine", "rig", "biss", "figures", "view", "main")
+MODULES = ("parts", "engine", "rig", "biss", "masters", "figures", "view", "page", "main")
 IMPORT = re.compile(r'^import \{[^}]*\} from "\./\w+\.js";\n', re.MULTILINE)
 EXPORT = re.compile(r"^export (?=const|class|function|async)", re.MULTILINE)
 

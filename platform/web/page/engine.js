@@ -125,13 +125,3 @@ export class Engine {
     }
   }
 }
-
-export const hex = (bytes) => Array.from(bytes, (byte) => byte.toString(16).toUpperCase().padStart(2, "0")).join(" ");
-
-export function unhex(text) {
-  const digits = text.replace(/[\s,]|0x/gi, "");
-  if (!/^([0-9a-f]{2})+$/i.test(digits)) {
-    throw new Error(`"${text}" is no row of bytes: right is 40 42`);
-  }
-  return Uint8Array.from(digits.match(/../g), (pair) => parseInt(pair, 16));
-}

@@ -39,21 +39,20 @@ function windowNs(rpm) {
   return BigInt(Math.round(Math.min(1, 3 / Math.max(hertz, 1e-3)) * 1e9));
 }
 
-// Sine against cosine on the left, both against time on the right. @return what it shows, in words
-export function drawSinCos(canvas, encoder) {
-  const { pen, width, height } = prepare(canvas);
-  const get = colours();
-  const { rig } = encoder;
-  const span = windowNs(rig.speed);
-  const from = rig.now > span ? rig.now - span : 0n;
-  const rows = Array.from({ length: SAMPLES }, (_, i) =>
-    encoder.sincos(from + ((rig.now - from) * BigInt(i)) / BigInt(SAMPLES - 1)),
-  );
-  const now = rows.at(-1);
-  const side = Math.min(height, width / 2.4);
+function dot(pen, at, radius, colour) {
+  pen.beginPath();
+  pen.arc(...at, radius, 0, 7);
+  pen.fillStyle = colour;
+  pen.fill();
+}
+
+const sideOf = (width, height) => Math.min(height, width / 2.4);
+
+// Cosine to the right, sine up, and the circle of a healthy encoder. @return where a pair of voltages is
+function drawAxes(pen, get, { width, height }) {
+  const side = sideOf(width, height);
   const centre = [side / 2, height / 2];
   const unit = (side / 2 - 6) / LISSAJOUS_V;
-  const put = ([sin, cos]) => [centre[0] + cos * unit, centre[1] - sin * unit];
   stroke(pen, [[centre[0], centre[1] - side / 2], [centre[0], centre[1] + side / 2]], get("grid"));
   stroke(pen, [[0, centre[1]], [side, centre[1]]], get("grid"));
   pen.beginPath();
@@ -66,16 +65,46 @@ export function drawSinCos(canvas, encoder) {
   pen.fillStyle = get("soft");
   pen.fillText("sin", centre[0] + 4, centre[1] - side / 2 + 11);
   pen.fillText("cos", side - 24, centre[1] - 4);
+  return ([sin, cos]) => [centre[0] + cos * unit, centre[1] - sin * unit];
+}
+
+// What was measured at some moments: between them the signals have gone round many times. @return the last, in words
+export function drawSamples(canvas, samples) {
+  const { pen, width, height } = prepare(canvas);
+  const get = colours();
+  const put = drawAxes(pen, get, { width, height });
+  const now = samples.at(-1);
+  if (!now) {
+    return "no power: no signals";
+  }
+  samples.forEach((sample) => dot(pen, put(sample), 2, get("trace2")));
+  dot(pen, put(now), 5, get("accent"));
+  const left = sideOf(width, height) + 16;
+  pen.fillStyle = get("soft");
+  pen.fillText(`sin ${now[0].toFixed(3)} V`, left, height / 2 - 8);
+  pen.fillText(`cos ${now[1].toFixed(3)} V`, left, height / 2 + 12);
+  return `${samples.length} measurements, the last sin ${now[0].toFixed(3)} V, cos ${now[1].toFixed(3)} V`;
+}
+
+// Sine against cosine on the left, both against time on the right. @return what it shows, in words
+export function drawSinCos(canvas, encoder) {
+  const { pen, width, height } = prepare(canvas);
+  const get = colours();
+  const { rig } = encoder;
+  const span = windowNs(rig.speed);
+  const from = rig.now > span ? rig.now - span : 0n;
+  const rows = Array.from({ length: SAMPLES }, (_, i) =>
+    encoder.sincos(from + ((rig.now - from) * BigInt(i)) / BigInt(SAMPLES - 1)),
+  );
+  const now = rows.at(-1);
+  const put = drawAxes(pen, get, { width, height });
   if (now === null) {
     return "no power: no signals";
   }
   const good = rows.filter((row) => row !== null);
   stroke(pen, good.map(put), get("accent"), 2);
-  pen.beginPath();
-  pen.arc(...put(now), 5, 0, 7);
-  pen.fillStyle = get("accent");
-  pen.fill();
-  const left = side + 16;
+  dot(pen, put(now), 5, get("accent"));
+  const left = sideOf(width, height) + 16;
   const across = width - left - 4;
   [["sin", 0, "accent"], ["cos", 1, "trace2"]].forEach(([name, which, colour], i) => {
     const middle = height * (0.25 + 0.5 * i);

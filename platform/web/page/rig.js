@@ -9,11 +9,11 @@ const IDENTIFY = 16;
 const RUN = 16;
 const REPLY_NS = 100_000_000n;
 const ANSWER = 32768;
+const ERROR = "SYST:ERR?";
 // Queues have 64 events: no encoder says more than that in so short a time.
 const STEP_NS = 5_000_000n;
 
 export const SECOND = 1_000_000_000n;
-export const TURN = 1n << 32n;
 export const MODELS = ["s3684-rs485", "s3684-biss", "f3668", "ocd-ib-k3"];
 
 export const unsigned = (value) => BigInt.asUintN(64, value);
@@ -39,6 +39,7 @@ export class Encoder {
     }
     this.starts(null);
     this.protocol = this.engine.text(this.c.dg_host_protocol(this.host));
+    this.key = this.protocol;
     this.c.dg_host_step(this.host, SECOND);
     while (this.receive() !== null);
     const size = this.c.dg_host_panel_size();
@@ -289,6 +290,11 @@ export class Encoder {
     this.rig.advance(0n);
   }
 
+  // Lines and rings that could have it are not on this page.
+  impossible(name) {
+    return /^wire_(break|tear)$/.test(name) || (this.protocol === "biss" && name.startsWith("wire_"));
+  }
+
   scpi(line) {
     const [text] = this.engine.spell(line);
     const { scratch } = this.engine;
@@ -390,8 +396,15 @@ export class Rig {
     this.engine.checked(this.c.dg_shaft_move(this.shaft, this.now, angle, Math.round(rpm * 1000)), "the way");
   }
 
-  // SCPI: SHAFt belongs to the first encoder, everything else to the one that is asked.
-  session(encoder, line) {
-    return /^\s*:?shaf/i.test(line) ? this.encoders[0] : encoder;
+  // A line at the prompt: what is answered, and errors. SHAFt belongs to the first encoder, everything else to the one
+  // that is asked.
+  ask(encoder, line) {
+    const session = /^\s*:?shaf/i.test(line) ? this.encoders[0] : encoder;
+    const said = session.scpi(line);
+    const errors = [];
+    for (let error = session.scpi(ERROR); !/^[+]?0,/.test(error); error = session.scpi(ERROR)) {
+      errors.push(error);
+    }
+    return { said: said ? [said] : [], errors };
   }
 }

@@ -1,142 +1,43 @@
 // SPDX-License-Identifier: MIT
 // An encoder's part of the page: what can be asked of it, what went over its wire, how it is, what can happen to it,
 // and its EEPROM.
-import { BissMaster } from "./biss.js";
-import { hex, unhex } from "./engine.js";
-import { drawFrame, drawSinCos, glows } from "./figures.js";
+//
+// An encoder is {key, title, name, protocol, rig, position, powered, state, faults(), fault(), scpi(), power()}, and what
+// of {memory, erase(), refused, impossible(), drawing} its kind has; rig.js has one that is calculated here, live.js one
+// that runs elsewhere. Of the first kind there is a master, of masters.js.
+import { drawFrame, drawSamples, drawSinCos, glows } from "./figures.js";
+import { button, hex, make } from "./parts.js";
 
 const LINES = 300;
 const NOTHING = "No error was told so far.";
 const ASK_NS = 500_000_000n;
-// A master that is silent for longer than 100 ms counts as gone.
-const BUS_NS = 50_000_000n;
 const LOOK_NS = 30_000_000n;
 
-export function make(tag, properties = {}, ...children) {
-  const node = document.createElement(tag);
-  for (const [name, value] of Object.entries(properties)) {
-    if (name in node && !name.includes("-")) {
-      node[name] = value;
-    } else {
-      node.setAttribute(name, value);
-    }
-  }
-  node.append(...children);
-  return node;
-}
-
-const button = (text, onclick) => make("button", { type: "button", onclick }, text);
-
-function hexadecimal(text, what) {
-  const value = Number(/h$/i.test(text) ? `0x${text.slice(0, -1)}` : `0x${text.replace(/^0x/i, "")}`);
-  if (!Number.isInteger(value)) {
-    throw new Error(`${what} "${text}" is no hexadecimal number: right is 6004`);
-  }
-  return value;
-}
-
-// A form of a row: named fields and a button; `act` is handed their values.
-function form(fields, text, act) {
-  const inputs = fields.map(([label, value, name]) =>
-    make("input", { value, className: `mono ${name ?? "short"}`, "aria-label": label, spellcheck: false, autocomplete: "off" }),
-  );
-  const labels = fields.map(([label], i) =>
-    make("label", { className: fields[i][2] ? "grow" : "" }, `${label} `, inputs[i]),
-  );
-  const node = make("form", { className: "row" }, ...labels, make("button", { type: "submit" }, text));
-  node.addEventListener("submit", (event) => {
-    event.preventDefault();
-    act(...inputs.map((input) => input.value.trim()));
-  });
-  return node;
-}
-
-// What each protocol's master can do. `ask` is what is repeated, `look` tells of an error.
+// What each protocol is called, and what is drawn of it.
 const PROTOCOLS = {
-  hiperface: {
-    title: "RS485",
-    name: "S36",
-    figure: "Process channel",
-    ask: (e) => e.ask(0x42),
-    look: (e) => [() => e.ask(0x42), () => e.ask(0x50)],
-    buttons: (e) => [
-      ["42h position", () => e.ask(0x42)],
-      ["50h status", () => e.ask(0x50)],
-      ["44h temperature", () => e.ask(0x44, 0x48)],
-      ["52h type label", () => e.ask(0x52)],
-      ["56h serial number", () => e.ask(0x56)],
-      ["53h reset", () => e.ask(0x53)],
-    ],
-    forms: (e) => [form([["Bytes", "40 42 02", "wide-field"]], "Send", (text) => e.request(unhex(text)))],
-    draw: (canvas, e) => drawSinCos(canvas, e),
-  },
-  biss: {
-    title: "BiSS-C",
-    name: "S36",
-    figure: "Lines of the latest frame",
-    ask: (e) => e.master.read(),
-    look: (e) => [() => e.master.read(), () => e.master.readRegisters(0x69, 1)],
-    buttons: (e) => [
-      ["Frame", () => e.master.read()],
-      ["69h errors", () => e.master.readRegisters(0x69, 1)],
-      ["6Bh warnings", () => e.master.readRegisters(0x6b, 1)],
-      ["78h device ID", () => e.master.readRegisters(0x78, 8)],
-    ],
-    forms: (e) => [
-      form([["Register", "40"], ["Count", "8"]], "Read", (address, n) =>
-        e.master.readRegisters(hexadecimal(address, "register") & 0x7f, Math.min(64, Math.max(1, Number(n) || 1)))),
-      form([["Register", "40"], ["Bytes", "00", "wide-field"]], "Write", (address, bytes) =>
-        e.master.writeRegisters(hexadecimal(address, "register") & 0x7f, unhex(bytes))),
-    ],
-  },
-  canopen: {
-    title: "CANopen",
-    name: "F36x8",
-    ask: (e) => e.sdoRead(0x6004, 0),
-    look: (e) => [() => e.sdoRead(0x1001, 0), () => e.sdoRead(0x1003, 1), () => e.sdoRead(0x6503, 0)],
-    buttons: (e) => [
-      ["SDO 6004h position", () => e.sdoRead(0x6004, 0)],
-      ["NMT start", () => e.frame(0, [1, 0])],
-      ["NMT pre-op", () => e.frame(0, [0x80, 0])],
-      ["SYNC", () => e.frame(0x80, [])],
-      ["NMT reset", () => e.frame(0, [0x81, 0])],
-    ],
-    forms: (e) => [
-      form([["Index", "1018"], ["Sub", "1"]], "Read", (index, sub) =>
-        e.sdoRead(hexadecimal(index, "index"), hexadecimal(sub, "sub-index"))),
-      form([["ID", "000"], ["Data", "01 00", "wide-field"]], "Send", (id, data) =>
-        e.frame(hexadecimal(id, "identifier") & 0x7ff, data ? [...unhex(data)].slice(0, 8) : [])),
-    ],
-  },
-  interbus: {
-    title: "INTERBUS",
-    name: "OCD",
-    figure: "Words of the latest cycle",
-    every: BUS_NS,
-    ask: (e, quiet) => e.cycle(e.lastOut ?? 0, quiet),
-    look: (e) => [() => e.identify(), () => e.cycle(e.lastOut ?? 0)],
-    buttons: (e) => [["Data cycle", () => e.cycle(e.lastOut ?? 0)], ["ID cycle", () => e.identify()]],
-    forms: (e) => [form([["OUT", "00000000", "wide-field"]], "Cycle with it", (out) => e.cycle(hexadecimal(out, "OUT")))],
-  },
+  hiperface: { title: "RS485", name: "S36", figure: "Process channel" },
+  biss: { title: "BiSS-C", name: "S36", figure: "Lines of the latest frame" },
+  canopen: { title: "CANopen", name: "F36x8" },
+  interbus: { title: "INTERBUS", name: "OCD", figure: "Words of the latest cycle" },
+  ssi: { title: "SSI", name: "" },
 };
 
 export class Panel {
-  // `guard` runs what may throw, and says so; `keep` is told of a changed EEPROM.
-  constructor(encoder, guard, keep) {
+  // `guard` runs what may throw, and says so; `keep` is told of a changed EEPROM, `master` is of masters.js or none.
+  constructor(encoder, guard, { keep, master } = {}) {
     this.encoder = encoder;
+    this.master = master;
     this.rig = encoder.rig;
     this.guard = guard;
     this.keep = keep;
-    this.about = PROTOCOLS[encoder.protocol];
+    this.about = { ...PROTOCOLS[encoder.protocol], ...(encoder.title ? { title: encoder.title, name: encoder.name } : {}) };
+    this.drawing = encoder.drawing ?? encoder.protocol;
     this.asks = true;
     this.nextAsk = 0n;
     this.nextLine = 0n;
     this.plan = [];
     this.image = null;
-    this.key = encoder.protocol;
-    if (encoder.protocol === "biss") {
-      encoder.master = new BissMaster(encoder);
-    }
+    this.key = encoder.key;
     this.build();
   }
 
@@ -147,40 +48,50 @@ export class Panel {
       `${about.title}`, make("small", {}, about.name), make("br"), this.value);
     this.lamps = make("ul", { className: "lamps", "aria-label": "Status LEDs" });
     this.log = make("ol", { className: "scroll log", role: "log", tabIndex: 0, "aria-label": `Wire of ${about.title}`, "aria-live": "off" });
-    this.repeat = make("input", { type: "checkbox", checked: true, onchange: () => { this.asks = this.repeat.checked; } });
-    const act = (run) => () => this.guard(() => this.powered(run));
-    const wire = this.card("Wire", "span",
-      this.lamps,
-      make("div", { className: "row" },
-        ...about.buttons(encoder).map(([text, run]) => button(text, act(run))),
-        make("label", {}, this.repeat, " keep asking"),
-        button("Clear", () => this.log.replaceChildren())),
-      ...about.forms(encoder),
-      this.log);
+    const clear = button("Clear", () => this.log.replaceChildren());
+    const wire = this.card("Wire", "span", this.lamps, ...(this.master ? this.asking(clear) : [make("div", { className: "row" }, clear)]), this.log);
     this.facts = make("dl");
-    this.supply = button("Off", () => this.guard(() => this.switch(!encoder.powered)));
+    const steer = (text, act) => Object.assign(button(text, act), { disabled: this.rig.watches === true });
+    this.supply = steer("Off", () => this.guard(() => this.switch(!encoder.powered)));
     const state = this.card("Device", "", this.facts,
       make("div", { className: "row" }, this.supply,
-        button("Power cycle", () => this.guard(() => { this.switch(false); this.switch(true); this.look(2); }))));
-    const figure = about.figure ? [this.card(about.figure, "", ...this.figure())] : [];
+        steer("Power cycle", () => this.guard(() => { this.switch(false); this.switch(true); this.look(2); }))));
+    const figure = this.drawing && about.figure ? [this.card(about.figure, "", ...this.figure())] : [];
     this.list = make("ul", { className: "scroll faults", tabIndex: 0, "aria-label": "Catalogue of faults" });
     this.find = make("input", { type: "search", placeholder: "e.g. LED, 1Dh, eeprom", "aria-label": "Search the faults", oninput: () => this.filter() });
     this.latest = make("p", { className: "latest", role: "status" }, NOTHING);
     const faults = this.card("Faults", "",
       make("div", { className: "row" }, make("span", { className: "grow" }, this.find),
-        button("Clear all", () => this.guard(() => { encoder.scpi("FAUL:CLE"); this.latest.textContent = NOTHING; this.showFaults(); this.look(); }))),
+        steer("Clear all", () => this.guard(() => { encoder.scpi("FAUL:CLE"); this.latest.textContent = NOTHING; this.showFaults(); this.look(); }))),
       this.latest, this.list);
-    this.dump = make("pre", { className: "scroll hex", tabIndex: 0, "aria-label": "EEPROM" });
-    this.size = make("span", { className: "soft" });
-    const memory = this.card("EEPROM", "",
-      make("div", { className: "row" }, this.size, button("As delivered", () => this.guard(() => { encoder.erase(); this.refresh(true); }))),
-      this.dump);
+    const memory = encoder.memory ? [this.memoryCard()] : [];
     this.node = make("div", { id: `panel-${key}`, role: "tabpanel", "aria-labelledby": `tab-${key}`, hidden: true },
-      make("div", { className: "grid" }, wire, ...(about.figure ? [...figure, faults, memory, state] : [state, faults, memory])));
+      make("div", { className: "grid" }, wire, ...(figure.length > 0 ? [...figure, faults, ...memory, state] : [state, faults, ...memory])));
     this.listFaults();
     if (encoder.refused) {
       this.say({ at: this.rig.now, ours: true, bytes: [], words: encoder.refused });
     }
+  }
+
+  // What the master can be told.
+  asking(clear) {
+    const { encoder, master } = this;
+    const act = (run) => () => this.guard(() => this.powered(run));
+    this.repeat = make("input", { type: "checkbox", checked: true, onchange: () => { this.asks = this.repeat.checked; } });
+    return [
+      make("div", { className: "row" },
+        ...master.buttons(encoder).map(([text, run]) => button(text, act(run))),
+        make("label", {}, this.repeat, " keep asking"),
+        clear),
+      ...master.forms(encoder)];
+  }
+
+  memoryCard() {
+    this.dump = make("pre", { className: "scroll hex", tabIndex: 0, "aria-label": "EEPROM" });
+    this.size = make("span", { className: "soft" });
+    return this.card("EEPROM", "",
+      make("div", { className: "row" }, this.size, button("As delivered", () => this.guard(() => { this.encoder.erase(); this.refresh(true); }))),
+      this.dump);
   }
 
   card(title, kind, ...children) {
@@ -192,7 +103,8 @@ export class Panel {
     this.canvas = make("canvas", { role: "img", "aria-label": this.about.figure });
     this.caption = make("p", { className: "soft" });
     this.extra = make("ol", { className: "control scroll", tabIndex: 0, "aria-label": "CDM and CDS of the last register access" });
-    switch (this.key) {
+    switch (this.drawing) {
+      case "samples":
       case "hiperface":
         this.canvas.className = "sincos";
         return [this.canvas, this.caption];
@@ -215,14 +127,17 @@ export class Panel {
 
   switch(on) {
     this.encoder.power(on);
-    this.rig.advance(0n);
+    this.rig.advance?.(0n);
     this.refresh(true);
   }
 
   // Ask what is wrong, when the encoder had the time to find it.
   look(seconds = 1) {
+    if (!this.master) {
+      return;
+    }
     let due = this.rig.now + BigInt(seconds) * 1_000_000_000n;
-    this.plan = this.about.look(this.encoder).map((run) => {
+    this.plan = this.master.look(this.encoder).map((run) => {
       due += LOOK_NS;
       return { due, run };
     });
@@ -238,9 +153,9 @@ export class Panel {
     }
     if (shown && this.asks && this.encoder.powered && this.rig.now >= this.nextAsk) {
       const quiet = this.rig.now < this.nextLine;
-      this.nextAsk = this.rig.now + (this.about.every ?? ASK_NS);
+      this.nextAsk = this.rig.now + (this.master.every ?? ASK_NS);
       this.nextLine = quiet ? this.nextLine : this.rig.now + ASK_NS;
-      this.guard(() => this.about.ask(this.encoder, quiet));
+      this.guard(() => this.master.ask(this.encoder, quiet));
     }
   }
 
@@ -248,7 +163,7 @@ export class Panel {
 
   say({ at, ours, bytes, words }) {
     // On INTERBUS bit 31 of IN says so.
-    const wrong = (this.key === "interbus" && bytes[0] >= 0x80) ||
+    const wrong = (this.encoder.protocol === "interbus" && bytes[0] >= 0x80) ||
       (/error|abort|EMCY(?!.*0000h)|nERR 0|wrong|refused|no data/i.test(words) && !/no error/.test(words));
     const line = make("li", {},
       make("span", { className: "at mono" }, (Number(at) / 1e9).toFixed(6)),
@@ -272,8 +187,10 @@ export class Panel {
 
   listFaults() {
     this.faults = new Map();
+    this.list.replaceChildren();
     for (const fault of this.encoder.faults()) {
-      const box = make("input", { type: "checkbox", id: `${this.key}-${fault.name}`, disabled: this.impossible(fault.name) });
+      const never = this.encoder.impossible?.(fault.name) ?? false;
+      const box = make("input", { type: "checkbox", id: `${this.key}-${fault.name}`, disabled: never || this.rig.watches === true });
       box.addEventListener("change", () => this.guard(() => {
         try {
           this.encoder.fault(fault.name, box.checked);
@@ -283,15 +200,21 @@ export class Panel {
           this.refresh(true);
         }
       }));
-      const row = make("li", {}, make("label", {}, box, make("b", {}, fault.name), make("span", {}, fault.cause), make("span", {}, box.disabled ? "not on this page: it is a line's" : `→ ${fault.effect}`)));
+      const row = make("li", {}, make("label", {}, box, make("b", {}, fault.name), make("span", {}, fault.cause), make("span", {}, never ? "not on this page: it is a line's" : `→ ${fault.effect}`)));
       this.faults.set(fault.name, { box, row, words: row.textContent.toLowerCase() });
       this.list.append(row);
     }
+    this.showFaults();
+    this.filter();
   }
 
-  // Lines and rings that could have it are not on this page.
-  impossible(name) {
-    return /^wire_(break|tear)$/.test(name) || (this.key === "biss" && name.startsWith("wire_"));
+  // Elsewhere they come later, and others set them, too.
+  followFaults() {
+    if (this.encoder.faults().length !== this.faults.size) {
+      this.listFaults();
+    } else if (!this.master) {
+      this.showFaults();
+    }
   }
 
   filter() {
@@ -315,18 +238,20 @@ export class Panel {
       return;
     }
     this.drawLamps();
-    if (this.key === "hiperface") {
+    if (this.drawing === "hiperface") {
       this.caption.textContent = drawSinCos(this.canvas, this.encoder);
-    } else if (this.key === "biss") {
+    } else if (this.drawing === "samples") {
+      this.caption.textContent = drawSamples(this.canvas, this.encoder.samples);
+    } else if (this.drawing === "biss") {
       this.drawBiss();
-    } else if (this.key === "interbus") {
+    } else if (this.drawing === "interbus") {
       this.drawWords();
     }
   }
 
   drawLamps() {
     (this.patterns ?? []).forEach(([pattern], i) => {
-      this.lamps.children[i]?.classList.toggle("on", glows(pattern, this.rig.now, this.key));
+      this.lamps.children[i]?.classList.toggle("on", glows(pattern, this.rig.now, this.encoder.protocol));
     });
   }
 
@@ -363,12 +288,13 @@ export class Panel {
   refresh(shown) {
     const { encoder } = this;
     const { memory } = encoder;
-    if (this.image === null || memory.some((byte, i) => byte !== this.image[i])) {
+    if (memory && (this.image === null || memory.some((byte, i) => byte !== this.image[i]))) {
       this.showMemory(memory);
       this.keep(encoder.model, memory);
     }
     if (shown) {
       this.showState(encoder.state);
+      this.followFaults();
     }
   }
 
@@ -388,6 +314,10 @@ export class Panel {
       this.lamps.replaceChildren(...named.map(([name, pattern]) =>
         make("li", { className: `lamp ${/err|RD|low/.test(name) ? "red" : ""}`, "aria-label": `${name}: ${pattern}` }, `${name}${/on|off/.test(pattern) ? "" : ` (${pattern})`}`)));
       this.drawLamps();
+    }
+    if (!this.master && errors !== this.errors) {
+      this.errors = errors;
+      this.latest.textContent = errors === "-" ? this.latest.textContent : `Told last: ${errors}`;
     }
     const rows = Object.entries({ mode, errors, position, ...others }).filter(([, value]) => value !== undefined);
     this.fill(this.facts, rows);

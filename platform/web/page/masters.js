@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+// The masters of the playground: what can be asked of its encoders.
+import { form, hexadecimal, unhex } from "./parts.js";
+
+// A master that is silent for longer than 100 ms counts as gone.
+const BUS_NS = 50_000_000n;
+
+// What each protocol's master can do. `ask` is what is repeated, `look` tells of an error.
+export const MASTERS = {
+  hiperface: {
+    ask: (e) => e.ask(0x42),
+    look: (e) => [() => e.ask(0x42), () => e.ask(0x50)],
+    buttons: (e) => [
+      ["42h position", () => e.ask(0x42)],
+      ["50h status", () => e.ask(0x50)],
+      ["44h temperature", () => e.ask(0x44, 0x48)],
+      ["52h type label", () => e.ask(0x52)],
+      ["56h serial number", () => e.ask(0x56)],
+      ["53h reset", () => e.ask(0x53)],
+    ],
+    forms: (e) => [form([["Bytes", "40 42 02", "wide-field"]], "Send", (text) => e.request(unhex(text)))],
+  },
+  biss: {
+    ask: (e) => e.master.read(),
+    look: (e) => [() => e.master.read(), () => e.master.readRegisters(0x69, 1)],
+    buttons: (e) => [
+      ["Frame", () => e.master.read()],
+      ["69h errors", () => e.master.readRegisters(0x69, 1)],
+      ["6Bh warnings", () => e.master.readRegisters(0x6b, 1)],
+      ["78h device ID", () => e.master.readRegisters(0x78, 8)],
+    ],
+    forms: (e) => [
+      form([["Register", "40"], ["Count", "8"]], "Read", (address, n) =>
+        e.master.readRegisters(hexadecimal(address, "register") & 0x7f, Math.min(64, Math.max(1, Number(n) || 1)))),
+      form([["Register", "40"], ["Bytes", "00", "wide-field"]], "Write", (address, bytes) =>
+        e.master.writeRegisters(hexadecimal(address, "register") & 0x7f, unhex(bytes))),
+    ],
+  },
+  canopen: {
+    ask: (e) => e.sdoRead(0x6004, 0),
+    look: (e) => [() => e.sdoRead(0x1001, 0), () => e.sdoRead(0x1003, 1), () => e.sdoRead(0x6503, 0)],
+    buttons: (e) => [
+      ["SDO 6004h position", () => e.sdoRead(0x6004, 0)],
+      ["NMT start", () => e.frame(0, [1, 0])],
+      ["NMT pre-op", () => e.frame(0, [0x80, 0])],
+      ["SYNC", () => e.frame(0x80, [])],
+      ["NMT reset", () => e.frame(0, [0x81, 0])],
+    ],
+    forms: (e) => [
+      form([["Index", "1018"], ["Sub", "1"]], "Read", (index, sub) =>
+        e.sdoRead(hexadecimal(index, "index"), hexadecimal(sub, "sub-index"))),
+      form([["ID", "000"], ["Data", "01 00", "wide-field"]], "Send", (id, data) =>
+        e.frame(hexadecimal(id, "identifier") & 0x7ff, data ? [...unhex(data)].slice(0, 8) : [])),
+    ],
+  },
+  interbus: {
+    every: BUS_NS,
+    ask: (e, quiet) => e.cycle(e.lastOut ?? 0, quiet),
+    look: (e) => [() => e.identify(), () => e.cycle(e.lastOut ?? 0)],
+    buttons: (e) => [["Data cycle", () => e.cycle(e.lastOut ?? 0)], ["ID cycle", () => e.identify()]],
+    forms: (e) => [form([["OUT", "00000000", "wide-field"]], "Cycle with it", (out) => e.cycle(hexadecimal(out, "OUT")))],
+  },
+};
