@@ -19,6 +19,10 @@ foreach(row "SYSTEMD libsystemd libsystemd-dev" "MODBUS libmodbus libmodbus-dev"
     list(APPEND missing "${module} (Debian: ${package}${package_suffix})")
   endif()
 endforeach()
+# For the panel only: see DREHGEBER_PANEL.
+if(PKG_CONFIG_FOUND)
+  pkg_check_modules(WEBSOCKETS QUIET IMPORTED_TARGET libwebsockets)
+endif()
 # glibc has it; musl has not, and a module that pkg-config finds beside musl is another C library's.
 check_include_file(argp.h has_argp)
 if(NOT has_argp)

@@ -67,6 +67,12 @@ static const struct {
     {"top", "Shafts as dials, a line for each encoder, what is on its wire. A window has at\n"
             "least 40 columns and 10 lines; a large one shows more. Without an address the\n"
             "one rig that runs is meant. There are no colours when NO_COLOR is set.\n"},
+    {"web", "Prints 'ready web http://127.0.0.1:8080/#token=...', and serves that page until\n"
+            "SIGTERM, SIGINT or SIGHUP: shafts, encoders, LEDs, what is on their wires, faults to\n"
+            "click, a prompt. Without an address the one rig that runs is meant. Whoever has the\n"
+            "token steers the rig; with --watch they only see it.\n"
+            "\n"
+            "  drehgeber web --listen 127.0.0.1:0 --watch\n"},
     {"help", "Behind a command, --help says the same and starts nothing.\n"},
 };
 

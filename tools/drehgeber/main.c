@@ -15,6 +15,7 @@
 #include "options.h"
 #include "run.h"
 #include "top.h"
+#include "web.h"
 
 static int flushed(void)
 {
@@ -126,6 +127,8 @@ static int act(const struct options *options)
                            options->words, options->word_count);
     case COMMAND_TOP:
         return top(options);
+    case COMMAND_WEB:
+        return web_command(options);
     case COMMAND_NONE: /* refused by options_parse() */
         break;
     }

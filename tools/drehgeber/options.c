@@ -21,6 +21,9 @@ enum key {
     KEY_FILES,
     KEY_TIME,
     KEY_FMI,
+    KEY_LISTEN,
+    KEY_TOKEN,
+    KEY_WATCH,
     KEY_JSON,
     KEY_RING,
     KEY_NVM,
@@ -51,6 +54,7 @@ const struct command_row command_rows[] = {
     {"fmu",    COMMAND_FMU,    false, "fmu RIG.ini --output FILE.fmu [--fmi 2]", "write all encoders of a rig as one FMU",  " output fmi set serial node ", NULL, NULL, NULL},
     {"ctl",    COMMAND_CTL,    false, "ctl [--control ADDR] COMMAND",        "SCPI to what is running; SYST:HELP? says which", " control ", NULL, NULL, NULL},
     {"top",    COMMAND_TOP,    false, "top [ADDRESS]",                       "what is running, in a terminal; ? says the keys", " control ", NULL, NULL, NULL},
+    {"web",    COMMAND_WEB,    false, "web [ADDRESS] [OPTIONS]",             "what is running, in a browser",                " control listen token watch ", NULL, NULL, NULL},
     {"help",   COMMAND_HELP,   false, "help [COMMAND [MODEL]]",              "this text, or that of a command",              "", NULL, NULL, NULL},
 };
 
@@ -69,6 +73,9 @@ static const struct argp_option rows[] = {
     {.name = "time",    .key = KEY_TIME,    .arg = "virtual:SPAN", .doc = "live for a span such as 2.5S, 10MIN or 1H of virtual time, as fast as the machine can, and end"},
     {.name = "output",  .key = KEY_OUTPUT,  .arg = "FILE",      .doc = "the FMU"},
     {.name = "fmi",     .key = KEY_FMI,     .arg = "VERSION",   .doc = "of the FMU: 3, or 2, which has signals only (default: 3)"},
+    {.name = "listen",  .key = KEY_LISTEN,  .arg = "HOST:PORT", .doc = "of the page (loopback; ,open: beyond it, too; port 0: any free one; default: 127.0.0.1:8080)"},
+    {.name = "token",   .key = KEY_TOKEN,   .arg = "FILE",      .doc = "for who knows the token in FILE (default: a new one, in the address that is printed)"},
+    {.name = "watch",   .key = KEY_WATCH,                       .doc = "the page shows, and changes nothing"},
     {.name = "json",    .key = KEY_JSON,                        .doc = "for programs: an array of objects"},
     {.name = "verbose", .key = KEY_VERBOSE,                     .doc = "what goes over the wire in words, on stderr"},
     {.name = "quiet",   .key = KEY_QUIET,                       .doc = "no notes on stderr, only complaints"},
@@ -95,7 +102,13 @@ const struct command_row *command_find(const char *name)
 /* Who takes them names them. */
 static bool of_few(const struct argp_option *option)
 {
-    return option->key == KEY_JSON || option->key == KEY_OUTPUT || option->key == KEY_FMI;
+    static const int keys[] = {KEY_JSON, KEY_OUTPUT, KEY_FMI, KEY_LISTEN, KEY_TOKEN, KEY_WATCH};
+    for (size_t i = 0; i < DG_COUNT(keys); i++) {
+        if (option->key == keys[i]) {
+            return true;
+        }
+    }
+    return false;
 }
 
 static bool takes(const struct command_row *row, const struct argp_option *option)
@@ -255,6 +268,7 @@ static const struct {
     {KEY_SHAFT, offsetof(struct options, shaft)},   {KEY_TRACE, offsetof(struct options, trace)},
     {KEY_FILES, offsetof(struct options, files)},   {KEY_TIME, offsetof(struct options, time)},
     {KEY_OUTPUT, offsetof(struct options, output)}, {KEY_FMI, offsetof(struct options, fmi)},
+    {KEY_LISTEN, offsetof(struct options, listen)}, {KEY_TOKEN, offsetof(struct options, token)},
 };
 #define TEXT_COUNT DG_COUNT(texts)
 
@@ -284,6 +298,9 @@ static error_t take_option(struct options *self, int key, const char *value)
         return lx_plan_add_assignment(&self->settings, value, 0, &self->error) == 0 ? 0 : EINVAL;
     case KEY_CONTROL:
         self->controls[self->control_count++] = value;
+        return 0;
+    case KEY_WATCH:
+        self->watch = true;
         return 0;
     case KEY_JSON:
         self->json = true;
@@ -371,7 +388,7 @@ static int explain_culprit(struct options *self)
 static const struct argp_option *not_taken(const struct options *self)
 {
     const bool strict = self->command == COMMAND_LIST || self->command == COMMAND_FAULTS ||
-                        self->command == COMMAND_EDS;
+                        self->command == COMMAND_EDS || self->command == COMMAND_WEB;
     for (const struct argp_option *row = self->table; !is_end(row); row++) {
         const bool given = (self->given >> (row - self->table) & 1u) != 0;
         if (given && (strict || of_few(row)) && !takes(self->row, row)) {

@@ -26,6 +26,7 @@ enum command {
     COMMAND_FMU,
     COMMAND_CTL,
     COMMAND_TOP,
+    COMMAND_WEB,
     COMMAND_HELP,
     COMMAND_VERSION,
 };
@@ -40,7 +41,8 @@ struct command_row {
     const char *usage; /* behind "drehgeber " */
     const char *help;  /* may have several lines */
     const char *takes; /* its options, with blanks around each; NULL: all but those of files that
-                          it writes: "json", "output", "fmi" */
+                          it writes, and of the page: "json", "output", "fmi",
+                          "listen", "token", "watch" */
     /* COMMAND_ASK: do what options->words say over a simulated wire. Prints its own errors.
        @return how the program ends */
     int (*ask)(const struct options *options);
@@ -70,12 +72,15 @@ struct options {
     const char *time; /* "virtual:SPAN" */
     const char *output;
     const char *fmi; /* "2" or "3" */
-    char **words;    /* owned; what `biss MODEL` and its like are to do, as many as argc at most */
+    const char *listen;
+    const char *token; /* its file */
+    char **words; /* owned; what `biss MODEL` and its like are to do, as many as argc at most */
     size_t word_count;
     struct lx_plan_settings settings; /* owned */
     const char **controls;            /* owned; as many as argc at most */
     size_t control_count;
     bool json;
+    bool watch;
     bool verbose;
     struct lx_say say;
     struct argp_option *table; /* owned: all options */
