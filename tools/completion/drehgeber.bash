@@ -4,7 +4,7 @@
 
 _drehgeber_commands()
 {
-    echo "list faults run eds biss ssi map fmu ctl top help"
+    echo "list faults run eds biss ssi map fmu ctl top web help"
 }
 
 _drehgeber_models()
@@ -57,6 +57,7 @@ _drehgeber_options()
         fmu) echo " --serial= --node= --set= --output= --fmi= --help" ;;
         ctl) echo " --control= --help" ;;
         top) echo " --control= --help" ;;
+        web) echo " --control= --listen= --token= --watch --help" ;;
         help) echo " --help" ;;
     esac
 }
@@ -85,6 +86,8 @@ _drehgeber_kind()
         --time) echo nothing ;;
         --output) echo file ;;
         --fmi) echo nothing ;;
+        --listen) echo nothing ;;
+        --token) echo file ;;
     esac
 }
 

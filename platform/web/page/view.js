@@ -319,7 +319,7 @@ export class Panel {
       this.errors = errors;
       this.latest.textContent = errors === "-" ? this.latest.textContent : `Told last: ${errors}`;
     }
-    const rows = Object.entries({ mode, errors, position, ...others }).filter(([, value]) => value !== undefined);
+    const rows = Object.entries({ wire: this.encoder.wire, mode, errors, position, ...others }).filter(([, value]) => value !== undefined);
     this.fill(this.facts, rows);
   }
 

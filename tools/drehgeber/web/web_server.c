@@ -388,7 +388,8 @@ static int admit(struct connection *self, const char *protocol)
         return refuse(self->wsi, HTTP_STATUS_FORBIDDEN, "Only for the page from here");
     }
     if (!header(self->wsi, WSI_TOKEN_GET_URI, path, sizeof path) ||
-        strcmp(path, SOCKET_PATH) != 0 || strcmp(protocol, SOCKET_PROTOCOL) != 0) {
+        strcmp(path, SOCKET_PATH) != 0 || protocol == NULL ||
+        strcmp(protocol, SOCKET_PROTOCOL) != 0) {
         return refuse(self->wsi, HTTP_STATUS_NOT_FOUND, NULL);
     }
     return count_pages(self->server) < WEB_PAGES_MAX
@@ -442,21 +443,11 @@ static int on_socket(struct lws *wsi, enum lws_callback_reasons reason, void *us
     return on_http(wsi, reason, user, in, n);
 }
 
-static int on_loop(struct lws *wsi, enum lws_callback_reasons reason, void *user, void *in,
-                   size_t n)
-{
-    (void)wsi;
-    (void)reason;
-    (void)user;
-    (void)in;
-    (void)n;
-    return 0;
-}
-
+/* Protocols that a page must not ask for refuse it likewise. */
 static const struct lws_protocols protocols[] = {
     {.name = "http", .callback = on_http},
     {.name = SOCKET_PROTOCOL, .callback = on_socket, .rx_buffer_size = WEB_LINE_MAX},
-    {.name = "loop", .callback = on_loop},
+    {.name = "loop", .callback = on_http},
     {.name = NULL},
 };
 
@@ -573,6 +564,7 @@ static int start_listening(struct web_server *self, struct lx_error *error)
         return lx_fail(error, "--listen %s: cannot listen there: %s%s", text, strerror(errno),
                        errno == EADDRINUSE ? "; port 0 is any free one" : "");
     }
+    (void)listen(self->listener, WEB_CONNECTIONS_MAX); /* a page comes with many at once */
     lx_host_port_real(&at, self->listener);
     lx_host_port_print(&at, self->address, sizeof self->address);
     return 0;
