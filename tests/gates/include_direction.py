@@ -69,7 +69,7 @@ ROOMS = {
     "web/libc":        set(),
     "web/libc/sys":    set(),
     "fmu":             {"core", "host"},
-    "tools/drehgeber": {"motion", "linux/rig", "fmu"} | PROTOCOLS | BELOW | WIRES,
+    "tools/drehgeber": {"tools/drehgeber", "motion", "linux/rig", "fmu"} | PROTOCOLS | BELOW | WIRES, # web/ is a program of its own
     "tools/manual":    {"core", "devices", "tools/drehgeber"} | PROTOCOLS | BELOW,
     "tools/reference": {"core", "control", "devices", "instruments"} | PROTOCOLS | {f"src/{folder}" for folder in PROTOCOLS},
     "tools/examples":  set(ALLOWED), # and what is below it: each the whole of a user's program
