@@ -8,6 +8,7 @@ foreach(page "platform/linux|rig-files" "platform/fmu|fmu" "src/control|scpi" "s
   string(REGEX REPLACE ".*\\|" "" name ${page})
   install(FILES ${folder}/README.md DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME ${name}.md)
 endforeach()
+install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR}) # what README.md leads to
 install(DIRECTORY tools/examples DESTINATION ${CMAKE_INSTALL_DOCDIR} PATTERN __pycache__ EXCLUDE)
 install(DIRECTORY tools/eds tools/gtkwave tools/sigrok DESTINATION ${CMAKE_INSTALL_DATADIR}/drehgeber
   PATTERN __pycache__ EXCLUDE PATTERN README.md EXCLUDE)
