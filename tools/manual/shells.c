@@ -275,7 +275,7 @@ static void put_zsh_command(const struct command_row *row)
         (void)fputs(" \\\n                '1:model:_drehgeber_model'", stdout);
     } else if (row->command == COMMAND_HELP) {
         (void)fputs(" \\\n                '1:command:_drehgeber_command'", stdout);
-    } else if (row->command == COMMAND_TOP) {
+    } else if (row->command == COMMAND_TOP || row->command == COMMAND_WEB) {
         (void)fputs(" \\\n                '1:address:_drehgeber_control'", stdout);
     }
     if (row->words != NULL) {
