@@ -50,6 +50,7 @@ static const struct dg_scpi_command rows[] = {
     {"FAULt:HAPPened",        NULL,                        control_happened,        0, "NAME", "frames it has happened to since it was set"},
 
     {"NVM:CATalog",           NULL,                        control_regions,         0, "", "regions of the EEPROM"},
+    {"NVM:DATA",              NULL,                        control_data,            0, "[ADDRESS[,N]]", "N bytes of it from ADDRESS on, in hexadecimal digits; all of it without"},
     {"NVM:CORRupt",           control_corrupt,             NULL,                    0, "REGION", "flip a bit of it; FAULt:CLEar makes it good unless the region is an unchecked one; seen from the next start on"},
     {"NVM:ERASe",             control_erase,               NULL,                    0, "", "the EEPROM is in its delivery state; the power has to be off"},
 

@@ -209,6 +209,57 @@ static bool has_memory(struct dg_scpi *self, const struct dg_fault_target *targe
     return target->layout != NULL;
 }
 
+/* Which part of it; all of it without parameters. @return false: an error was raised */
+static bool take_part(struct dg_scpi *self, uint32_t size, int64_t *at, int64_t *count)
+{
+    struct dg_scpi_range range = {DG_SCPI_PLAIN, 0, 0, (int64_t)size - 1};
+
+    *at = 0;
+    if (dg_scpi_more(self) && !dg_scpi_number(self, &range, at)) {
+        return false;
+    }
+    range.min = 1;
+    range.max = (int64_t)size - *at;
+    *count = range.max;
+    return !dg_scpi_more(self) || dg_scpi_number(self, &range, count);
+}
+
+static bool answers(const struct dg_nvm *nvm, int64_t at, int64_t count)
+{
+    uint8_t byte;
+
+    while (count > 0 && nvm->ops->read(nvm->ctx, (uint32_t)at, &byte, 1) == DG_OK) {
+        count--;
+        at++;
+    }
+    return count == 0;
+}
+
+/* What the memory has, whether the device can reach it or not. It is read once before, as half an
+   answer is none. */
+void control_data(struct dg_scpi *self)
+{
+    const struct dg_fault_target target = target_of(self);
+    int64_t at;
+    int64_t count;
+
+    if (!has_memory(self, &target) || !take_part(self, dg_store_size(target.layout), &at, &count)) {
+        return;
+    }
+    if (!answers(&target.nvm, at, count)) {
+        done(self, DG_ERR_IO);
+        return;
+    }
+    dg_scpi_begin(self);
+    dg_scpi_append(self, "\"");
+    for (; count > 0; count--, at++) {
+        uint8_t byte = 0;
+        (void)target.nvm.ops->read(target.nvm.ctx, (uint32_t)at, &byte, 1);
+        dg_scpi_append_hex(self, byte, 2);
+    }
+    dg_scpi_append(self, "\"");
+}
+
 /* The catalogue entry of a checked region, or -1. */
 static int entry_of(const struct dg_fault_target *target, uint8_t region)
 {

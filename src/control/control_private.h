@@ -93,7 +93,7 @@ control_handler control_follow, control_followed;                  /* commands_c
 control_handler control_follow_points, control_follow_on, control_follows;
 control_handler control_catalogue, control_fault, control_clear; /* commands_fault.c */
 control_handler control_active, control_happened;
-control_handler control_regions, control_corrupt, control_erase;
+control_handler control_regions, control_data, control_corrupt, control_erase;
 control_handler control_time, control_origin, control_set_scale,
     control_scale; /* commands_time.c */
 control_handler control_step_time;

@@ -15,6 +15,7 @@
 #include "control_rig.h"
 #include "drehgeber/devices.h"
 #include "drehgeber/hiperface.h"
+#include "drehgeber/text.h"
 
 static struct control_rig rig;
 
@@ -192,6 +193,7 @@ static void test_memory_that_does_not_answer(void **state)
     rig.hf.fail_count = UINT32_MAX;
     refuse("FAUL:SET eeprom_type", "-250", "hf: the memory");
     refuse("NVM:CORR user", "-250", "hf: the memory");
+    refuse("NVM:DATA?", "-250", "hf: the memory");
     rig.hf.fail_count = 0;
     expect("FAUL:SET eeprom_type", "");
     rig.hf.fail_count = UINT32_MAX;
@@ -218,6 +220,48 @@ static void test_regions(void **state)
     expect("INST:SEL k3;:NVM:CORR cams-8;:FAUL:ACT?", "\"eeprom_cams_8\"");
     refuse("NVM:CORR cams-9", "-224", "cams-9: no such region");
     refuse("NVM:CORR", "-109", NULL);
+}
+
+static void test_data(void **state)
+{
+    char last[60];
+
+    (void)state;
+    rig.hf.nvm.bytes[0] = 0x01;
+    rig.hf.nvm.bytes[1] = 0xAB;
+    rig.hf.nvm.bytes[2] = 0x00;
+    expect("NVM:DATA? 0,3", "\"01AB00\"");
+    expect("NVM:DATA? 1,1;:POW OFF;:NVM:DATA? 1,1", "\"AB\";\"AB\"");
+    const uint32_t size = dg_store_size(&dg_hf_layout);
+    (void)snprintf(last, sizeof last, "NVM:DATA? %u", (unsigned)size - 1u);
+    rig.hf.nvm.bytes[size - 1u] = 0x5A;
+    expect(last, "\"5A\"");
+    (void)snprintf(last, sizeof last, "NVM:DATA? %u", (unsigned)size);
+    refuse(last, "-222", NULL);
+    (void)snprintf(last, sizeof last, "NVM:DATA? 1,%u", (unsigned)size);
+    refuse(last, "-222", NULL);
+    refuse("NVM:DATA? 0,0", "-222", NULL);
+    refuse("NVM:DATA? -1", "-222", NULL);
+    refuse("NVM:DATA? 0,1,2", "-108", NULL);
+    refuse("NVM:DATA 0", "-113", NULL);
+    refuse("INST:SEL k2;:NVM:DATA?", "-241", "k2: it has no EEPROM");
+}
+
+/* All of it, as the memory has it. */
+static void test_all_data(void **state)
+{
+    static char whole[2u * RAM_NVM_MAX + 3u];
+    struct dg_text to = dg_text_in(whole, sizeof whole);
+
+    (void)state;
+    dg_text_add(&to, "\"");
+    for (uint32_t i = 0; i < dg_store_size(&dg_hf_layout); i++) {
+        char digits[3];
+        (void)snprintf(digits, sizeof digits, "%02X", (unsigned)rig.hf.nvm.bytes[i]);
+        dg_text_add(&to, digits);
+    }
+    dg_text_add(&to, "\"");
+    expect("NVM:DATA?", whole);
 }
 
 static void test_corrupt_is_seen_at_the_next_start(void **state)
@@ -350,6 +394,8 @@ int main(void)
         cmocka_unit_test_setup(test_the_world_by_hand_ends_a_fault, setup),
         cmocka_unit_test_setup(test_memory_that_does_not_answer, setup),
         cmocka_unit_test_setup(test_regions, setup),
+        cmocka_unit_test_setup(test_data, setup),
+        cmocka_unit_test_setup(test_all_data, setup),
         cmocka_unit_test_setup(test_corrupt_is_seen_at_the_next_start, setup),
         cmocka_unit_test_setup(test_corrupt_of_what_is_not_checked, setup),
         cmocka_unit_test_setup(test_erase, setup),
