@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
 // A rig that runs elsewhere, over WebSockets: lines of SCPI go there, lines of answers come back. What is known of it is
 // what was answered last; the shaft turns on between answers as it was told to turn.
-import { TURN } from "./parts.js";
+import { TURN, unhex } from "./parts.js";
 
 const ROUND_MS = 200;
 const RETRY_MS = 1000;
 const SILENT_MS = 3000;
 const SAMPLES_MAX = 150;
 const OTHERS = 8;
+const MEMORY_MS = 1000;
 const CLOSED = { token: 4001 };
 // Two answers that stand before everything else, so that what a line of somebody else answers is not taken for them.
 const FIRST = "SYST:VERS?;VERS?;";
@@ -92,7 +93,7 @@ class Line {
 
 class LiveEncoder {
   constructor(rig, name, [[model], [wire], [shaft], state]) {
-    Object.assign(this, { rig, key: name, title: name, name: model, wire, shaft, catalogue: [], samples: [], told: 0 });
+    Object.assign(this, { rig, key: name, title: name, name: model, wire, shaft, catalogue: [], samples: [], told: 0, memory: null, read: -Infinity });
     this.take(state);
     this.protocol = Object.keys(SIGNS).find((one) => SIGNS[one] in this.state) ?? "ssi";
     this.drawing = this.protocol === "hiperface" ? "samples" : "";
@@ -247,8 +248,18 @@ export class LiveRig {
     }
     const [frames] = await line.query(`${select}TRAC:LAST? 32`);
     shown.takeFrames(frames ?? []).forEach((frame) => this.page.heard({ encoder: shown, ...frame }));
-    await line.command();
+    await this.look(line, shown, select);
+    await line.command(); // what was refused of this is no error of anybody's
     await this.others(line);
+  }
+
+  // The EEPROM, if it has one.
+  async look(line, shown, select) {
+    if (performance.now() - shown.read > MEMORY_MS) {
+      const [data] = await line.query(`${select}NVM:DATA?`);
+      shown.memory = data ? unhex(data[0]) : null;
+      shown.read = data ? performance.now() : Infinity;
+    }
   }
 
   // Some of those that are not shown, in turn.

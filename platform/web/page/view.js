@@ -64,9 +64,9 @@ export class Panel {
       make("div", { className: "row" }, make("span", { className: "grow" }, this.find),
         steer("Clear all", () => this.guard(() => { encoder.scpi("FAUL:CLE"); this.latest.textContent = NOTHING; this.showFaults(); this.look(); }))),
       this.latest, this.list);
-    const memory = encoder.memory ? [this.memoryCard()] : [];
+    const memory = this.memoryCard();
     this.node = make("div", { id: `panel-${key}`, role: "tabpanel", "aria-labelledby": `tab-${key}`, hidden: true },
-      make("div", { className: "grid" }, wire, ...(figure.length > 0 ? [...figure, faults, ...memory, state] : [state, faults, ...memory])));
+      make("div", { className: "grid" }, wire, ...(figure.length > 0 ? [...figure, faults, memory, state] : [state, faults, memory])));
     this.listFaults();
     if (encoder.refused) {
       this.say({ at: this.rig.now, ours: true, bytes: [], words: encoder.refused });
@@ -89,9 +89,10 @@ export class Panel {
   memoryCard() {
     this.dump = make("pre", { className: "scroll hex", tabIndex: 0, "aria-label": "EEPROM" });
     this.size = make("span", { className: "soft" });
-    return this.card("EEPROM", "",
-      make("div", { className: "row" }, this.size, button("As delivered", () => this.guard(() => { this.encoder.erase(); this.refresh(true); }))),
-      this.dump);
+    const erase = button("As delivered", () => this.guard(() => { this.encoder.erase(); this.refresh(true); }));
+    this.store = this.card("EEPROM", "", make("div", { className: "row" }, this.size, ...(this.encoder.erase ? [erase] : [])), this.dump);
+    this.store.hidden = true; // until something is known of it
+    return this.store;
   }
 
   card(title, kind, ...children) {
@@ -290,7 +291,7 @@ export class Panel {
     const { memory } = encoder;
     if (memory && (this.image === null || memory.some((byte, i) => byte !== this.image[i]))) {
       this.showMemory(memory);
-      this.keep(encoder.model, memory);
+      this.keep?.(encoder.model, memory);
     }
     if (shown) {
       this.showState(encoder.state);
@@ -353,7 +354,8 @@ export class Panel {
     if (mark) {
       this.dump.scrollTop = mark.offsetTop - this.dump.clientHeight / 2;
     }
-    this.size.textContent = `${memory.length} bytes, kept in this browser`;
+    this.size.textContent = `${memory.length} bytes${this.keep ? ", kept in this browser" : ""}`;
+    this.store.hidden = false;
     this.image = memory;
   }
 }

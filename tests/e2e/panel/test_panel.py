@@ -244,6 +244,19 @@ def test_a_fault_that_is_clicked_shows_its_code(page, bench, name, fault, code):
     assert bench.ctl(f"INST:SEL {name}", "FAUL:ACT?") == ['""']
 
 
+def test_the_eeprom_is_seen(page, bench):
+    """What a master stores is marked; INTERBUS has it, too."""
+    select_tab(page, "bi")
+    data = bench.ctl("INST:SEL bi", "NVM:DATA?")[0].strip('"')
+    until(page, "drehgeber.rig.shown.memory !== null")
+    page.wait_for_selector("#panel-bi .hex")
+    assert "".join(page.evaluate("[...drehgeber.rig.shown.memory].map((byte) => byte.toString(16).padStart(2, '0'))")) == data.lower()
+    assert page.locator("#panel-bi .hex").inner_text().startswith(f"0000  {data[:2]} {data[2:4]}")
+    bench.ctl("INST:SEL bi", "BISS:REG 64,7", "BISS:REG 0,90")
+    page.wait_for_selector("#panel-bi .hex mark")
+    assert "5A" in page.locator("#panel-bi .hex mark").all_inner_texts()
+
+
 def test_what_others_do_is_seen(page, bench):
     select_tab(page, "hf")
     bench.ctl("INST:SEL hf", "FAUL:SET singleturn_lost", "SHAF:VEL 30RPM")
