@@ -144,6 +144,7 @@ static int switch_on(struct running *self, struct lx_error *error)
 static int run_loop(struct running *self)
 {
     if (self->stepped) {
+        lx_rig_end_after(self->rig, self->span);
         return virtual_time_steps(self->event, self->rig);
     }
     return self->span == 0 ? sd_event_loop(self->event)

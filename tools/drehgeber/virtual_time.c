@@ -46,15 +46,21 @@ static bool is_real(const struct lx_wire *kind)
     return kind->where_needed && kind->make != lx_silkit_bus_make;
 }
 
+/* Whether it lives in a time that this process, or a simulation, lets pass. */
+static bool is_virtual(const struct lx_wire *kind, bool stepped)
+{
+    return stepped ? !is_real(kind) : !kind->where_needed;
+}
+
 static struct lx_words virtual_wires(bool stepped)
 {
     struct lx_words right = {""};
     size_t count = 0;
     for (size_t i = 0; i < lx_wire_count; i++) {
-        count += stepped ? !is_real(&lx_wires[i]) : !lx_wires[i].where_needed;
+        count += is_virtual(&lx_wires[i], stepped);
     }
     for (size_t i = 0, n = 0; i < lx_wire_count; i++) {
-        if (stepped ? !is_real(&lx_wires[i]) : !lx_wires[i].where_needed) {
+        if (is_virtual(&lx_wires[i], stepped)) {
             lx_words_item(&right, lx_wires[i].name, n++, count, " and ");
         }
     }
@@ -62,20 +68,20 @@ static struct lx_words virtual_wires(bool stepped)
     return right;
 }
 
-static int check_span(const char *text, const struct lx_plan *plan, dg_ns *span,
-                      struct lx_error *error)
+static int check_wires(const char *text, const struct lx_plan *plan, bool stepped,
+                       struct lx_error *error)
 {
-    const size_t n = strlen(PREFIX);
-    const struct lx_words right = virtual_wires(false);
-    if (strncasecmp(text, PREFIX, n) != 0 || parse(text + n, span) != 0) {
-        return lx_refuse(error, RIGHT, "--time=%s: no such time", text);
-    }
+    const struct lx_words right = virtual_wires(stepped);
     for (size_t i = 0; i < plan->wire_count; i++) {
-        if (plan->wires[i].kind->where_needed) {
-            return lx_refuse(error, right.text, "--time=%s: %s has %s", text,
-                             plan->wires[i].kind->name,
-                             is_real(plan->wires[i].kind) ? "real time" : "a time of its own");
+        const char *name = plan->wires[i].kind->name;
+        if (is_virtual(plan->wires[i].kind, stepped)) {
+            continue;
         }
+        if (text != NULL) {
+            return lx_refuse(error, right.text, "--time=%s: %s has real time", text, name);
+        }
+        (void)lx_refuse(error, right.text, "%s has real time, not that of a simulation", name);
+        return lx_plan_refuse_wire(plan, &plan->wires[i], error);
     }
     return 0;
 }
@@ -83,22 +89,15 @@ static int check_span(const char *text, const struct lx_plan *plan, dg_ns *span,
 int virtual_time_of(const char *text, const struct lx_plan *plan, dg_ns *span, bool *stepped,
                     struct lx_error *error)
 {
-    const struct lx_words right = virtual_wires(true);
+    const size_t n = strlen(PREFIX);
     *span = 0;
     if (lx_rig_is_stepped(plan, stepped, error) != 0) {
         return -1;
     }
-    if (text != NULL) {
-        return check_span(text, plan, span, error);
+    if (text != NULL && (strncasecmp(text, PREFIX, n) != 0 || parse(text + n, span) != 0)) {
+        return lx_refuse(error, RIGHT, "--time=%s: no such time", text);
     }
-    for (size_t i = 0; *stepped && i < plan->wire_count; i++) {
-        if (is_real(plan->wires[i].kind)) {
-            (void)lx_refuse(error, right.text, "%s has real time, and silkit has its own",
-                            plan->wires[i].kind->name);
-            return lx_plan_refuse_wire(plan, &plan->wires[i], error);
-        }
-    }
-    return 0;
+    return text != NULL || *stepped ? check_wires(text, plan, *stepped, error) : 0;
 }
 
 /* Who has said something is answered before time goes on. @return false: it is over, with `result`

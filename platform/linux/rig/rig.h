@@ -58,6 +58,9 @@ int lx_rig_announce(struct lx_rig *self, struct lx_error *error);
  * time is to begin before it is opened. @return 0 with `is`, or -1 with `error` */
 int lx_rig_is_stepped(const struct lx_plan *plan, bool *is, struct lx_error *error);
 
+/** Such a rig ends when the step at `span` is done, 0: when others end. */
+void lx_rig_end_after(struct lx_rig *self, dg_ns span);
+
 /** Such a rig: do one thing of the present step. @return false: wait for the loop to be woken */
 bool lx_rig_step(struct lx_rig *self);
 

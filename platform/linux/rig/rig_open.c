@@ -451,6 +451,11 @@ int lx_rig_is_stepped(const struct lx_plan *plan, bool *is, struct lx_error *err
     return result;
 }
 
+void lx_rig_end_after(struct lx_rig *self, dg_ns span)
+{
+    lx_silkit_end_after(self->silkit, span);
+}
+
 bool lx_rig_step(struct lx_rig *self)
 {
     return lx_silkit_step(self->silkit);

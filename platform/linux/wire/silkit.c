@@ -304,6 +304,10 @@ bool lx_silkit_step(struct lx_silkit *self)
     if (!self->stepping) {
         return false;
     }
+    if (self->span != 0 && self->at - self->origin > self->span) {
+        (void)sd_event_exit(self->event, EXIT_SUCCESS);
+        return true;
+    }
     say_ready(self);
     struct lx_silkit_list *list = &self->pending;
     const struct lx_silkit_message *next =
@@ -353,6 +357,11 @@ bool lx_silkit_has_joined(const struct lx_silkit *self)
 bool lx_silkit_is_ready(const struct lx_silkit *self)
 {
     return self->ready;
+}
+
+void lx_silkit_end_after(struct lx_silkit *self, dg_ns span)
+{
+    self->span = span;
 }
 
 static int open_inbox(struct lx_silkit *self, struct lx_error *error)

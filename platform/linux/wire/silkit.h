@@ -134,6 +134,11 @@ uint64_t lx_silkit_time_at(const struct lx_silkit *self, dg_ns now);
 /** The name that the rig has there. */
 const char *lx_silkit_name(const struct lx_silkit *self);
 
+/** The rig's part is over once the simulation's time is beyond `span` after its beginning: then the
+ * loop ends. Where several end so, all of them have done the step at `span`, and none a later one.
+ */
+void lx_silkit_end_after(struct lx_silkit *self, dg_ns span);
+
 /** Time is the simulation's: do one thing of the present step, a deadline or a message.
  * @return false: nothing is left before the library calls again */
 bool lx_silkit_step(struct lx_silkit *self);

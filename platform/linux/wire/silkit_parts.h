@@ -34,6 +34,7 @@ struct lx_silkit {
     bool ended;
     bool stepping;                 /**< a step is to be completed: */
     uint64_t at;                   /**< its time */
+    dg_ns span;                    /**< it is over then; 0: it is not */
     bool begun;                    /**< there was one, and */
     uint64_t origin;               /**< the time of the first one is that of the rig at */
     dg_ns begin;                   /**< ... this moment */

@@ -2,6 +2,7 @@
 """The other side of a SIL Kit simulation: a registry, and a participant through the C API of libSilKit.so by ctypes."""
 import ctypes
 import os
+import signal
 import socket
 import subprocess
 import threading
@@ -10,7 +11,9 @@ from ctypes import (CFUNCTYPE, POINTER, Structure, c_char_p, c_int8, c_int16, c_
                     c_uint32, c_uint64, c_void_p)
 from pathlib import Path
 
-HERE = Path(os.environ.get("DREHGEBER_SILKIT", Path(__file__).resolve().parents[3] / "build/silkit"))
+from rig import PROGRAM, Lines, free_port
+
+HERE = Path(os.environ.get("DREHGEBER_SILKIT", Path(__file__).resolve().parents[3] / "build/silkit/SilKit_py"))
 LIBRARY = HERE / "libSilKit.so"
 PATIENCE_S = 30.0
 COORDINATED, AUTONOMOUS = 10, 20
@@ -76,12 +79,6 @@ def as_bytes(content: bytes) -> Bytes:
     return Bytes(ctypes.cast(array, POINTER(c_uint8)), len(content))
 
 
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
-
-
 class Registry:
     """A registry as a process of its own."""
 
@@ -104,6 +101,38 @@ class Registry:
         self.process.wait(PATIENCE_S)
 
 
+class Rig:
+    """drehgeber run ... with the library. It may say what `heard` matches; all else is a failure of clean_up()."""
+
+    def __init__(self, *arguments, **environment):
+        self.process = subprocess.Popen([PROGRAM, "run", *map(str, arguments)], stdin=subprocess.DEVNULL,
+                                        stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                        env={**os.environ, "DREHGEBER_SILKIT_LIBRARY": str(LIBRARY), **environment})
+        self.out, self.errors = Lines(self.process.stdout), Lines(self.process.stderr)
+
+    def ready(self, last="ready "):
+        """Lines up to the one that begins so."""
+        lines = []
+        while not lines or not lines[-1].startswith(last):
+            lines.append(self.out.wait(PATIENCE_S))
+        return lines
+
+    def end(self, number=signal.SIGTERM) -> int:
+        if self.process.poll() is None:
+            self.process.send_signal(number)
+        return self.process.wait(PATIENCE_S)
+
+    def wait(self) -> int:
+        return self.process.wait(PATIENCE_S)
+
+    def close(self):
+        if self.process.poll() is None:
+            self.process.kill()
+            self.process.wait(PATIENCE_S)
+        self.process.stdout.close()
+        self.process.stderr.close()
+
+
 class Participant:
     """Somebody else in the simulation. `step(self, now)` is called in each of its steps, on a thread of the library;
     what has come in until then is in .frames and .data, as (time, id, bytes) and (time, topic, bytes)."""
@@ -113,7 +142,8 @@ class Participant:
         self.library.SilKit_GetLastErrorString.restype = c_char_p
         self.frames, self.data, self.kept, self.failed = [], [], [], None
         self.publishers, self.controllers, self.on_step, self.ended = {}, [], step, threading.Event()
-        self.participant, self.life, self.clock = c_void_p(), c_void_p(), c_void_p()
+        self.is_ready = False
+        self.participant, self.life, self.clock, self.system = c_void_p(), c_void_p(), c_void_p(), c_void_p()
         config = c_void_p()
         self.call("ParticipantConfiguration_FromString", ctypes.byref(config), b'{"Logging":{"Sinks":[]}}')
         self.call("Participant_Create", ctypes.byref(self.participant), config, name.encode(), uri.encode())
@@ -140,7 +170,7 @@ class Participant:
         self.call(function, service, None, handler)
 
     def _require(self, names):
-        controller = c_void_p()
+        controller = self.system
         array = (c_char_p * len(names))(*[name.encode() for name in names])
         self.kept.append(array)
         workflow = Workflow(Header(version(7, 3, 3)), ctypes.pointer(Strings(len(names), array)))
@@ -150,6 +180,14 @@ class Participant:
     def _ready(self, *_):
         for controller in self.controllers:
             self.call("CanController_Start", controller)
+        self.is_ready = True
+
+    def until(self, condition):
+        """Look again and again; the library's threads do the rest."""
+        end = time.monotonic() + PATIENCE_S
+        while not condition():
+            assert time.monotonic() < end, "it does not happen"
+            time.sleep(0.01)
 
     def _step(self, _ctx, _service, now, _duration):
         try:
@@ -209,6 +247,9 @@ class Participant:
 
     def stop(self):
         self.library.SilKit_LifecycleService_Stop(self.life, b"done")
+
+    def abort(self):
+        self.call("Experimental_SystemController_AbortSimulation", self.system)
 
     def wait(self, timeout_s=PATIENCE_S):
         """Until it has ended; what its step() has raised is raised."""
