@@ -22,6 +22,8 @@
 #define CONFIGURATION "{\"Logging\":{\"Sinks\":[]}}"
 /* The name that a registry has among participants. */
 #define REGISTRY "SilKitRegistry"
+/* Who has left may have let time go on before, up to the step after the next. */
+#define GRACE 3u
 /* Without a step for so long, after somebody has left without a word, time stands still for good.
  */
 #define STANDSTILL_US 5000000u
@@ -132,7 +134,9 @@ static void begin_step(struct lx_silkit *self, uint64_t at)
         self->origin = at;
         self->begin = lx_now();
     }
-    self->standstill = sd_event_source_disable_unref(self->standstill);
+    if (self->grace > 0 && --self->grace == 0) {
+        self->standstill = sd_event_source_disable_unref(self->standstill);
+    }
     self->stepping = true;
     self->at = at;
     lx_silkit_sort(&self->pending);
@@ -204,10 +208,14 @@ static void end(struct lx_silkit *self, enum lx_silkit_kind kind)
 
 static int on_standstill(sd_event_source *source, uint64_t usec, void *ctx)
 {
-    (void)source;
+    struct lx_silkit *self = ctx;
     (void)usec;
-    give_up(ctx, "nobody lets time go on any more");
-    return 0;
+    if (!self->stepping) {
+        give_up(self, "nobody lets time go on any more");
+        return 0;
+    }
+    (void)sd_event_source_set_time_relative(source, STANDSTILL_US);
+    return sd_event_source_set_enabled(source, SD_EVENT_ONESHOT);
 }
 
 static void note_gone(struct lx_silkit *self, const char *name)
@@ -220,7 +228,8 @@ static void note_gone(struct lx_silkit *self, const char *name)
     } else {
         lx_note(self->say, "SIL Kit: the registry has gone; who is here goes on, nobody can join");
     }
-    if (coordinated && self->begun && !self->stepping && self->standstill == NULL) {
+    if (coordinated && self->begun && self->standstill == NULL) {
+        self->grace = GRACE;
         (void)sd_event_add_time_relative(self->event, &self->standstill, CLOCK_MONOTONIC,
                                          STANDSTILL_US, 0, on_standstill, self);
     }

@@ -25,8 +25,9 @@ struct lx_silkit {
     struct lx_sk_participant *participant;
     struct lx_sk_lifecycle *lifecycle;
     struct lx_sk_time *clock;
-    bool heard; /**< everybody can hear */
-    sd_event_source *standstill;
+    bool heard;                   /**< everybody can hear */
+    sd_event_source *standstill;  /**< is looked for; NULL: it is not */
+    unsigned grace;               /**< steps until it need not be */
     struct lx_timer tick;         /**< of real time */
     struct lx_silkit_port **port; /**< owned list of theirs */
     size_t count;
