@@ -72,7 +72,7 @@ def dead(site: Path, pages: dict) -> list:
 def site(tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("site")
     done = subprocess.run([TREE / "tools/site/build", os.environ["DREHGEBER"], folder], text=True,
-                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=80,
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=180,
                           env=os.environ | {"DREHGEBER_SITE_ENV": sys.prefix}, check=False)
     assert (done.returncode, done.stdout) == (0, "")
     return folder

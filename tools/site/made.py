@@ -18,7 +18,7 @@ from pathlib import Path
 import overview
 import waveform
 
-PATIENCE_S = 20
+PATIENCE_S = 60
 TREE = Path(__file__).resolve().parents[2]
 PROGRAM = os.path.realpath(os.environ["DREHGEBER"])
 LOG = Path(os.environ.get("DREHGEBER_LOG", TREE / "build/log"))

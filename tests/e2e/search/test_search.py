@@ -46,7 +46,7 @@ class Quiet(SimpleHTTPRequestHandler):
 @pytest.fixture(scope="module")
 def site(tmp_path_factory):
     folder = tmp_path_factory.mktemp("site")
-    subprocess.run([TREE / "tools/site/build", os.environ["DREHGEBER"], folder], check=True, timeout=90)
+    subprocess.run([TREE / "tools/site/build", os.environ["DREHGEBER"], folder], check=True, timeout=180)
     with ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Quiet, directory=folder)) as server:
         threading.Thread(target=server.serve_forever, daemon=True).start()
         yield f"http://127.0.0.1:{server.server_port}"
