@@ -481,12 +481,50 @@ def test_faults_that_are_none_here():
         Encoder("f3668", power=False).faults()
 
 
-def test_a_line_that_is_cut():
-    encoder = Encoder("s3684-biss", sl_low_at_start=0)
+def clocked(encoder, wire, count):
+    """Levels of the line behind `count` rising edges at 1 MHz, then silence."""
+    levels = []
+    for _ in range(count):
+        wire.clock(False)
+        encoder.clock.advance(5e-7)
+        levels.append(wire.clock(True))
+        encoder.clock.advance(5e-7)
+    encoder.clock.advance(1e-4)
+    return levels
+
+
+BENT = {
+    "wire_drop": lambda line, good: all(line),  # no Ack
+    "wire_delay": lambda line, good: line[:2] == good[:2] and not any(line[2:]),  # no start bit for 100 us
+    "wire_damage": lambda line, good: sum(map(bool.__ne__, line, good)) == 1 and line[:4] == good[:4],
+}
+
+
+@pytest.mark.parametrize("fault", BENT)
+def test_a_line_that_is_bent(fault):
+    """As a master sees it that clocks; without life counter all frames are alike."""
+    encoder = Encoder("s3684-biss", shaft="90DEG", lc=0)
+    good = clocked(encoder, encoder.biss, 60)
+    assert good[:4] == [True, False, False, True] and clocked(encoder, encoder.biss, 60) == good
+    with encoder.fault(fault):
+        assert encoder.active_faults() == [fault]
+        for _ in range(3):
+            assert BENT[fault](clocked(encoder, encoder.biss, 60), good)
+    assert encoder.active_faults() == [] and clocked(encoder, encoder.biss, 60) == good
+
+
+@pytest.mark.parametrize("model, open_line", [("s3684-biss", True), ("ssi-28", False)])
+def test_a_line_that_is_cut(model, open_line):
+    """At once, and as long as it lasts. A master inside stands in front of that."""
+    encoder = Encoder(model, shaft="90DEG")
+    wire = encoder.biss if model == "s3684-biss" else encoder.ssi
+    assert set(clocked(encoder, wire, 60)) == {True, False}
     encoder.set_fault("wire_break")
-    assert encoder.active_faults() == ["wire_break"]
+    assert encoder.active_faults() == ["wire_break"] and wire.clock(True) == open_line
+    assert clocked(encoder, wire, 60) == [open_line] * 60
+    assert wire.frame().good
     encoder.clear_fault()
-    assert encoder.active_faults() == []
+    assert encoder.active_faults() == [] and set(clocked(encoder, wire, 60)) == {True, False}
 
 
 def test_lines_of_scpi():

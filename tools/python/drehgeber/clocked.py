@@ -37,7 +37,7 @@ class Clocked:
         self._now = encoder._ffi.new("uint64_t *")
 
     def frame(self) -> Frame:
-        """Clock a frame with 1 MHz, latched now."""
+        """Clock a frame with 1 MHz, latched now. Faults of the wire happen behind this master: see clock()."""
         encoder, got = self._encoder, self._frame
         with encoder.clock.lock:
             now = encoder.clock._sync()
@@ -49,7 +49,7 @@ class Clocked:
         )  # fmt: skip
 
     def clock(self, level: bool) -> bool:
-        """The master's clock is at `level` from now on; the level of the encoder's line."""
+        """The master's clock is at `level` from now on; the level of the encoder's line, with faults of the wire."""
         encoder = self._encoder
         with encoder.clock.lock:
             now = encoder.clock._sync()
