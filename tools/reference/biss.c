@@ -3,9 +3,9 @@
  * Prints the generated part of src/biss/README.md from the device's own tables.
  */
 #include <stdio.h>
-#include <string.h>
 
 #include "biss_private.h"
+#include "parts.h"
 
 /* What is where; a row of the device without one here is an error. */
 static const struct {
@@ -87,12 +87,9 @@ static int print_regions(void)
 
 int main(int argc, char **argv)
 {
-    if (argc == 2 && strcmp(argv[1], "registers") == 0) {
-        return print_registers();
-    }
-    if (argc == 2 && strcmp(argv[1], "regions") == 0) {
-        return print_regions();
-    }
-    (void)fprintf(stderr, "usage: reference-biss registers|regions\n");
-    return 2;
+    static const struct part parts[] = {
+        {"registers", print_registers},
+        {"regions", print_regions},
+    };
+    return print_one(argc, argv, parts, DG_COUNT(parts));
 }

@@ -19,20 +19,7 @@ struct row {
 };
 
 /* The short names of objects.def; slots, limits and hooks do not matter here. */
-enum {
-    R = DG_CO_R,
-    W = DG_CO_W,
-    M = DG_CO_MAP,
-    I = DG_CO_ID,
-    S = DG_CO_SAVE,
-    V = DG_CO_SLOT,
-    C = DG_CO_CONST,
-    G = DG_CO_GAP,
-    E = DG_CO_EVENT,
-    X = DG_CO_ACTION,
-    L = DG_CO_LIVE,
-    F = DG_CO_FIGURE,
-};
+enum { DG_CO_SHORT_FLAGS };
 
 #define DG_CO_PARENT(index, kind, name) {index, 0x100, #kind, 0, 0, name},
 #define DG_CO_OBJECT(index, sub, more, type, access, slot, initial, limits, hook, name)            \

@@ -3,9 +3,9 @@
  * Prints the generated part of src/hiperface/README.md from the device's own tables.
  */
 #include <stdio.h>
-#include <string.h>
 
 #include "hiperface_private.h"
+#include "parts.h"
 
 #define DOC_C 1
 /* Of the flags only Code 0 has a column; the locks show in the error conditions. */
@@ -34,7 +34,7 @@ static void print_length(char *to, size_t size, unsigned min, unsigned max)
     }
 }
 
-static void print_commands(void)
+static int print_commands(void)
 {
     puts("| code | command | request | reply | reaction max | Code 0 | own errors |");
     puts("|---|---|---|---|---|---|---|");
@@ -49,9 +49,10 @@ static void print_commands(void)
                row->reaction_ms == 0 ? "no reply" : reaction, (row->flags & DOC_C) ? "yes" : "",
                row->errors);
     }
+    return 0;
 }
 
-static void print_regions(void)
+static int print_regions(void)
 {
     puts("| region | bytes | checked | damage at start-up | address |");
     puts("|---|---|---|---|---|");
@@ -65,18 +66,14 @@ static void print_regions(void)
                region->check == DG_STORE_CHECKED ? "yes" : "no", code,
                (unsigned)dg_store_address(&dg_hf_layout, (uint8_t)i));
     }
+    return 0;
 }
 
 int main(int argc, char **argv)
 {
-    if (argc == 2 && strcmp(argv[1], "commands") == 0) {
-        print_commands();
-        return 0;
-    }
-    if (argc == 2 && strcmp(argv[1], "regions") == 0) {
-        print_regions();
-        return 0;
-    }
-    (void)fprintf(stderr, "usage: reference-hiperface commands|regions\n");
-    return 2;
+    static const struct part parts[] = {
+        {"commands", print_commands},
+        {"regions", print_regions},
+    };
+    return print_one(argc, argv, parts, DG_COUNT(parts));
 }

@@ -5,9 +5,9 @@
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
-#include <string.h>
 
 #include "drehgeber/interbus.h"
+#include "parts.h"
 
 #define DOC_P 1
 #define DOC_C 2
@@ -29,7 +29,7 @@ static const struct row rows[] = {
 #include "commands.def"
 };
 
-static void print_commands(void)
+static int print_commands(void)
 {
     static const char *const modes[] = {"", "position, speed", "cam", "all"};
 
@@ -41,9 +41,10 @@ static void print_commands(void)
                modes[row->modes], row->at_once ? "1 cycle" : "t_param", row->at_once ? "" : "`",
                row->answer, row->at_once ? "" : "`", row->errors);
     }
+    return 0;
 }
 
-static void print_regions(void)
+static int print_regions(void)
 {
     puts("| region | bytes | damage at start-up | address |");
     puts("|---|---|---|---|");
@@ -53,18 +54,14 @@ static void print_regions(void)
                region->startup_code != 0 ? "86000000h" : "begins anew",
                (unsigned)dg_store_address(&dg_ib_layout, (uint8_t)i));
     }
+    return 0;
 }
 
 int main(int argc, char **argv)
 {
-    if (argc == 2 && strcmp(argv[1], "commands") == 0) {
-        print_commands();
-        return 0;
-    }
-    if (argc == 2 && strcmp(argv[1], "regions") == 0) {
-        print_regions();
-        return 0;
-    }
-    (void)fprintf(stderr, "usage: reference-interbus commands|regions\n");
-    return 2;
+    static const struct part parts[] = {
+        {"commands", print_commands},
+        {"regions", print_regions},
+    };
+    return print_one(argc, argv, parts, DG_COUNT(parts));
 }

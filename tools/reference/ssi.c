@@ -3,10 +3,10 @@
  * Prints the generated parts of src/ssi/README.md from the models and limits themselves.
  */
 #include <stdio.h>
-#include <string.h>
 
 #include "drehgeber/devices.h"
 #include "drehgeber/ssi.h"
+#include "parts.h"
 
 static void print_model(const struct dg_device *device)
 {
@@ -52,12 +52,9 @@ static int print_causes(void)
 
 int main(int argc, char **argv)
 {
-    if (argc == 2 && strcmp(argv[1], "models") == 0) {
-        return print_models();
-    }
-    if (argc == 2 && strcmp(argv[1], "causes") == 0) {
-        return print_causes();
-    }
-    (void)fprintf(stderr, "usage: reference-ssi models|causes\n");
-    return 2;
+    static const struct part parts[] = {
+        {"models", print_models},
+        {"causes", print_causes},
+    };
+    return print_one(argc, argv, parts, DG_COUNT(parts));
 }
