@@ -167,6 +167,12 @@ struct dg_co_row {
             (uint16_t)((type) << 12 | (flags)), slot, hook, initial                                \
     }
 
+/** In a file with a table of rows: enum { DG_CO_SHORT_FLAGS };, enum dg_co_flags as letters. */
+#define DG_CO_SHORT_FLAGS                                                                          \
+    R = DG_CO_R, W = DG_CO_W, M = DG_CO_MAP, I = DG_CO_ID, S = DG_CO_SAVE, V = DG_CO_SLOT,         \
+    C = DG_CO_CONST, G = DG_CO_GAP, E = DG_CO_EVENT, X = DG_CO_ACTION, L = DG_CO_LIVE,             \
+    F = DG_CO_FIGURE
+
 /** What may be written; signed ones sign-extended, and compared as the type says. */
 struct dg_co_limits {
     uint32_t min;

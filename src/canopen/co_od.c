@@ -38,19 +38,7 @@ enum { FULL, TO_2 };
 static const struct dg_co_limits limits[] = {[TO_2] = {0, 2}};
 
 /* The short names of co_objects.def. */
-enum {
-    R = DG_CO_R,
-    W = DG_CO_W,
-    M = DG_CO_MAP,
-    I = DG_CO_ID,
-    S = DG_CO_SAVE,
-    V = DG_CO_SLOT,
-    C = DG_CO_CONST,
-    G = DG_CO_GAP,
-    X = DG_CO_ACTION,
-    L = DG_CO_LIVE,
-    F = DG_CO_FIGURE,
-};
+enum { DG_CO_SHORT_FLAGS };
 
 #define DG_CO_PARENT(index, kind, name)
 #define DG_CO_OBJECT(index, sub, more, type, access, slot, initial, limits, hook, name)            \

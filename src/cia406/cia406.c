@@ -205,19 +205,7 @@ enum { FULL, TO_1, TO_8, NODE_ID, CELSIUS, RANGE, U16_FROM_1, TO_65536, TO_200, 
     }
 
 /* The short names of objects.def. */
-enum {
-    R = DG_CO_R,
-    W = DG_CO_W,
-    M = DG_CO_MAP,
-    S = DG_CO_SAVE,
-    V = DG_CO_SLOT,
-    C = DG_CO_CONST,
-    I = DG_CO_ID,
-    E = DG_CO_EVENT,
-    X = DG_CO_ACTION,
-    L = DG_CO_LIVE,
-    F = DG_CO_FIGURE,
-};
+enum { DG_CO_SHORT_FLAGS };
 
 #define DG_CO_PARENT(index, kind, name)
 #define DG_CO_OBJECT(index, sub, more, type, access, slot, initial, limits, hook, name)            \
