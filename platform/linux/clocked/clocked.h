@@ -85,6 +85,11 @@ struct lx_clocked_ops {
     void (*print)(const struct lx_clocked *self, size_t encoder, char *text, size_t size);
 };
 
+/** For a protocol's own file, where these operations are static functions of the same name. */
+#define LX_CLOCKED_OPERATIONS                                                                      \
+    .edge = edge, .step = step, .level = level, .clocked = clocked, .settle = settle,              \
+    .rises = rises, .judge = judge, .note = note
+
 /** A line; first member of each protocol's own. Not to be moved. */
 struct lx_clocked {
     const struct lx_clocked_ops *ops;

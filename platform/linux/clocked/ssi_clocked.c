@@ -204,17 +204,10 @@ static void print(const struct lx_clocked *base, size_t encoder, char *text, siz
 static const struct lx_clocked_ops ops = {
     .clock = CLOCK_NAME,
     .data = DATA_NAME,
-    .edge = edge,
-    .step = step,
-    .level = level,
-    .clocked = clocked,
-    .settle = settle,
-    .rises = rises,
+    LX_CLOCKED_OPERATIONS,
     .read = read_frame,
     .skip = skip,
-    .judge = judge,
     .word = word,
-    .note = note,
     .print = print,
 };
 

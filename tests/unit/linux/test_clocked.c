@@ -140,15 +140,8 @@ static void note(const struct lx_clocked *base, const struct lx_clocked_wire *wi
 static const struct lx_clocked_ops ops = {
     .clock = "CLOCK",
     .data = "DATA",
-    .edge = edge,
-    .step = step,
-    .level = level,
-    .clocked = clocked,
-    .settle = settle,
-    .rises = rises,
+    LX_CLOCKED_OPERATIONS,
     .read = read_word,
-    .judge = judge,
-    .note = note,
 };
 
 /* --- a master, and somebody who listens --- */
