@@ -28,6 +28,8 @@ static const struct dg_instrument *instruments[1];
 static struct dg_control control;
 static bool held;
 
+static uint32_t steps_per_turn;
+
 static volatile char received[ROOM];
 static volatile uint32_t head, tail;
 
@@ -150,10 +152,10 @@ void console_start(const struct dg_device *model, const struct dg_instrument *in
     REG(UART0 + UART_IMSC) = RX_INTERRUPTS;
     REG(UART0 + UART_CR) = 1u << 9 | 1u << 8 | 1u << 0;
     board_interrupt(IRQ_UART0, BOARD_CONSOLE);
-    steps_start();
+    steps_per_turn = steps_start();
 }
 
-/* ------------------------------------------------------------ step and direction */
+/* ------------------------------------------------------------ steps and edges */
 
 #define STEPPING_NS DG_US(100)
 #define STILL_NS DG_MS(2)
@@ -171,11 +173,11 @@ static dg_ns follow_steps(dg_ns now)
     if (steps != 0) {
         const dg_angle angle = dg_shaft_angle(&shaft.shaft, now);
         const int64_t counts =
-            dg_angle_counts(angle + DG_TURN / STEPS_PER_TURN / 2, STEPS_PER_TURN);
+            dg_angle_counts(angle + DG_TURN / steps_per_turn / 2, steps_per_turn);
         stepped = count;
         last_step = now;
         (void)dg_shaft_set_position(&shaft.shaft, now,
-                                    dg_angle_of_counts(counts + steps, STEPS_PER_TURN));
+                                    dg_angle_of_counts(counts + steps, steps_per_turn));
         hand_over();
     }
     return now + (dg_elapsed(now, last_step) < RESTS_NS && last_step != 0 ? STEPPING_NS : STILL_NS);

@@ -12,8 +12,9 @@ const COUNTS = 2 ** 33; // 12 and 21 bits
 const START_MAX_US = 40; // BiSS C, table 2
 const LATCH_CYCLES_MAX = 2400;
 
-function started(options = {}, kept = undefined) {
+function started(options = {}, kept = undefined, levels = {}) {
   const pico = new Pico(IMAGE, { flash: kept });
+  for (const [pin, level] of Object.entries(levels)) pico.chip.gpio[pin].setInputValue(level);
   const flash = new Flash(pico);
   const master = new Master(pico, options);
   pico.ask("*IDN?");
@@ -202,6 +203,33 @@ test("steps and their direction turn the shaft", () => {
   pico.order("SHAF:POS 180DEG"); // and from there
   step(1, true, 100);
   position(1601);
+});
+
+test("A and B turn the shaft, each edge by a part of 4096", () => {
+  const SELECT = 13, A = 14, B = 15, COUNTS = 2 ** 21 / 4096, TURN = [[0, 0], [1, 0], [1, 1], [0, 1]];
+  for (const from of [0, 1, 2, 3]) {
+    const { pico, master } = started({}, undefined, { [SELECT]: true, [A]: TURN[from][0] === 1, [B]: TURN[from][1] === 1 });
+    let phase = from, edges = 0;
+    const turn = (n, periodUs) => {
+      const begin = pico.cycle + us(1);
+      for (let i = 0; i < Math.abs(n); i++) {
+        const before = TURN[phase & 3];
+        phase += Math.sign(n);
+        TURN[phase & 3].forEach((level, k) => {
+          if (level !== before[k]) pico.drive(begin + Math.round(us(periodUs) * i), [A, B][k], level === 1);
+        });
+      }
+      pico.run(us(Math.abs(n) * periodUs) + ms(5));
+      edges += n;
+      assert.equal(master.frame().position, ((Math.floor(edges * COUNTS) % 2 ** 33) + 2 ** 33) % 2 ** 33, `${n} edges, begun at ${from}`);
+    };
+    turn(1024, 2);
+    turn(-1, 100);
+    turn(-1500, 1); // and on below 0
+    turn(3, 0.2);
+    turn(2000, 0.5); // 2 million edges a second
+    for (const n of [1, -1, 1, -1, -1, 1]) turn(n, 1); // to and fro at one edge
+  }
 });
 
 test("frames are in time while the console works, and while flash is written and erased", (t) => {
