@@ -208,6 +208,8 @@ static void a_shaft_turns_exactly_between_two_steps(void **state)
         {-1000000001, UINT64_C(1), INT64_C(-2)},
         {-1000000001, UINT64_C(333333333), INT64_C(-333333334)},
         {-1000000001, UINT64_C(1000000001), INT64_C(-1000000003)},
+        {1000000000, UINT64_C(1) << 63, INT64_MIN}, /* 584 years fit */
+        {1000000000, UINT64_MAX - SECOND, -1 - (int64_t)SECOND},
     };
 
     (void)state;
