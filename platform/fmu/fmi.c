@@ -52,15 +52,43 @@ static int power_on(struct fmi *self)
     return status_of(self, "power-on", fmu_start(self->fmu, self->start));
 }
 
+int fmi_initialize(struct fmi *self)
+{
+    if (self->initializing || fmu_started(self->fmu)) {
+        return fmi_failed(self, "EnterInitializationMode", DG_HOST_ERR_STATE);
+    }
+    self->initializing = true;
+    return FMI_OK;
+}
+
 int fmi_initialized(struct fmi *self)
 {
+    if (!self->initializing) {
+        return fmi_failed(self, "ExitInitializationMode", DG_HOST_ERR_STATE);
+    }
     self->initializing = false;
     return power_on(self);
 }
 
+int fmi_terminate(struct fmi *self)
+{
+    self->terminated = true;
+    return FMI_OK;
+}
+
+int fmi_may_step(struct fmi *self, double now, double span)
+{
+    if (self->terminated || !fmu_started(self->fmu)) {
+        return fmi_failed(self, "DoStep", DG_HOST_ERR_STATE);
+    }
+    return fmu_may_step(self->fmu, now, span)
+               ? FMI_OK
+               : fmi_refused(self, "communication point or step size");
+}
+
 int fmi_reset(struct fmi *self)
 {
-    self->initializing = false;
+    self->initializing = self->terminated = false;
     return fmu_reset(self->fmu) == 0 ? FMI_OK : FMI_ERROR;
 }
 
@@ -141,8 +169,8 @@ int fmi_set_texts(struct fmi *self, const uint32_t references[], size_t n,
 {
     for (size_t i = 0; i < n; i++) {
         struct fmu_value value = {.type = FMU_TEXT};
-        if (i >= room || strlen(values[i]) >= sizeof value.text) {
-            return fmi_failed(self, "a String", DG_HOST_ERR_SPACE);
+        if (i >= room || values[i] == NULL || strlen(values[i]) >= sizeof value.text) {
+            return fmi_refused(self, "a String");
         }
         memcpy(value.text, values[i], strlen(values[i]) + 1);
         if (set(self, references[i], &value) != FMI_OK) {
@@ -162,7 +190,8 @@ struct state {
 int fmi_state_get(struct fmi *self, void **to)
 {
     const size_t n = fmu_state_size(self->fmu);
-    struct state *state = *to != NULL ? *to : malloc(sizeof *state + n);
+    struct state *old = *to;
+    struct state *state = old != NULL && old->n >= n ? old : realloc(old, sizeof *state + n);
     if (state == NULL) {
         return FMI_ERROR;
     }
@@ -174,18 +203,27 @@ int fmi_state_get(struct fmi *self, void **to)
 int fmi_state_set(struct fmi *self, const void *from)
 {
     const struct state *state = from;
+    if (state == NULL) {
+        return fmi_refused(self, "a state");
+    }
+    self->terminated = false;
     return status_of(self, "a state", fmu_restore(self->fmu, state->bytes, state->n));
 }
 
 int fmi_state_free(void **state)
 {
-    free(*state);
-    *state = NULL;
+    if (state != NULL) {
+        free(*state);
+        *state = NULL;
+    }
     return FMI_OK;
 }
 
-int fmi_state_size(const void *state, size_t *n)
+int fmi_state_size(struct fmi *self, const void *state, size_t *n)
 {
+    if (state == NULL) {
+        return fmi_refused(self, "a state");
+    }
     *n = ((const struct state *)state)->n;
     return FMI_OK;
 }
@@ -193,7 +231,7 @@ int fmi_state_size(const void *state, size_t *n)
 int fmi_state_pack(struct fmi *self, const void *state, uint8_t bytes[], size_t n)
 {
     const struct state *of = state;
-    if (n < of->n) {
+    if (of == NULL || n < of->n) {
         return fmi_failed(self, "a state", DG_HOST_ERR_SPACE);
     }
     memcpy(bytes, of->bytes, of->n);

@@ -51,7 +51,7 @@
     }                                                                                              \
     FMI_FUNCTION(int, size, (void *of, void *state, size_t *n))                                    \
     {                                                                                              \
-        return fmi_state_size(state, n);                                                           \
+        return fmi_state_size(of, state, n);                                                       \
     }                                                                                              \
     FMI_FUNCTION(int, pack, (void *of, void *from, uint8_t bytes[], size_t n))                     \
     {                                                                                              \
@@ -71,7 +71,7 @@ struct fmi {
     /** Tell the importer, for the category logStatusError; set before fmi_begin(). */
     void (*tell)(const struct fmi *self, const char *text);
     double start; /**< of the simulation, in s */
-    bool initializing;
+    bool initializing, terminated;
     char (*texts)[FMU_NAME_MAX]; /**< owned: those that were got last */
 };
 
@@ -79,8 +79,12 @@ struct fmi {
 void *fmi_begin(struct fmi *self, const char *token);
 /** Release it; NULL is nothing. */
 void fmi_end(struct fmi *self);
-/** Initialization is over: power. */
+/** Initialization begins, or is over: power. Refused where there is none to begin or to end. */
+int fmi_initialize(struct fmi *self);
 int fmi_initialized(struct fmi *self);
+int fmi_terminate(struct fmi *self);
+/** Whether a step may be done from `now` on for `span` seconds. @return FMI_OK or FMI_ERROR */
+int fmi_may_step(struct fmi *self, double now, double span);
 /** As it was instantiated. */
 int fmi_reset(struct fmi *self);
 
@@ -104,11 +108,12 @@ int fmi_get_texts(struct fmi *self, const uint32_t references[], size_t n, const
 int fmi_set_texts(struct fmi *self, const uint32_t references[], size_t n,
                   const char *const values[], size_t room);
 
-/** States: one of `to` is used again, NULL there makes one; bytes are the same in every process. */
+/** States: one of `to` is used again, NULL there makes one; bytes are the same in every process.
+ * A state is refused if it is NULL, but for fmi_state_free(). */
 int fmi_state_get(struct fmi *self, void **to);
 int fmi_state_set(struct fmi *self, const void *from);
 int fmi_state_free(void **state);
-int fmi_state_size(const void *state, size_t *n);
+int fmi_state_size(struct fmi *self, const void *state, size_t *n);
 int fmi_state_pack(struct fmi *self, const void *state, uint8_t bytes[], size_t n);
 int fmi_state_unpack(const uint8_t bytes[], size_t n, void **to);
 

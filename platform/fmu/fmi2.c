@@ -78,9 +78,7 @@ FMI_FUNCTION(int, fmi2SetupExperiment,
 
 FMI_FUNCTION(int, fmi2EnterInitializationMode, (void *of))
 {
-    struct fmi *self = of;
-    self->initializing = true;
-    return FMI_OK;
+    return fmi_initialize(of);
 }
 
 FMI_FUNCTION(int, fmi2ExitInitializationMode, (void *of))
@@ -88,7 +86,10 @@ FMI_FUNCTION(int, fmi2ExitInitializationMode, (void *of))
     return fmi_initialized(of);
 }
 
-FMI_NOTHING(fmi2Terminate, (void *of))
+FMI_FUNCTION(int, fmi2Terminate, (void *of))
+{
+    return fmi_terminate(of);
+}
 
 FMI_FUNCTION(int, fmi2Reset, (void *of))
 {
@@ -98,8 +99,8 @@ FMI_FUNCTION(int, fmi2Reset, (void *of))
 FMI_FUNCTION(int, fmi2DoStep, (void *of, double now, double span, int no_state))
 {
     struct fmi *self = of;
-    if (!(span >= 0)) {
-        return fmi_refused(self, "communicationStepSize");
+    if (fmi_may_step(self, now, span) != FMI_OK) {
+        return FMI_ERROR;
     }
     (void)fmu_step(self->fmu, now, span, false);
     fmu_clocks_end(self->fmu);

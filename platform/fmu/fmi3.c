@@ -82,9 +82,11 @@ FMI_FUNCTION(int, fmi3EnterInitializationMode,
               double stop))
 {
     struct fmi *self = of;
-    self->initializing = true;
-    self->start = start;
-    return FMI_OK;
+    const int result = fmi_initialize(self);
+    if (result == FMI_OK) {
+        self->start = start;
+    }
+    return result;
 }
 
 FMI_FUNCTION(int, fmi3ExitInitializationMode, (void *of))
@@ -96,7 +98,11 @@ FMI_NOTHING(fmi3EnterEventMode, (void *of))
 FMI_NOTHING(fmi3EnterStepMode, (void *of))
 FMI_NOTHING(fmi3EnterConfigurationMode, (void *of))
 FMI_NOTHING(fmi3ExitConfigurationMode, (void *of))
-FMI_NOTHING(fmi3Terminate, (void *of))
+
+FMI_FUNCTION(int, fmi3Terminate, (void *of))
+{
+    return fmi_terminate(of);
+}
 
 FMI_FUNCTION(int, fmi3Reset, (void *of))
 {
@@ -110,8 +116,8 @@ FMI_FUNCTION(int, fmi3DoStep,
               double *last))
 {
     struct instance *self = of;
-    if (!(span >= 0)) {
-        return fmi_refused(of, "communicationStepSize");
+    if (fmi_may_step(of, now, span) != FMI_OK) {
+        return FMI_ERROR;
     }
     *last = fmu_step(self->fmi.fmu, now, span, self->early);
     *early = *last < now + span;

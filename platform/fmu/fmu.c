@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "drehgeber/crc.h"
 #include "encoder.h"
 
 size_t fmu_count(const struct fmu *self)
@@ -141,6 +142,9 @@ int fmu_start(struct fmu *self, double start)
     if (self->started) {
         return result;
     }
+    if (!fmu_is_small(start, FMU_TIME_MAX)) {
+        return DG_HOST_ERR_ARGUMENT;
+    }
     self->started = true;
     self->start = start;
     fmu_settle(self);
@@ -157,6 +161,20 @@ int fmu_start(struct fmu *self, double start)
     return result;
 }
 
+bool fmu_started(const struct fmu *self)
+{
+    return self->started;
+}
+
+/* Importers add up their steps, which is not exact. */
+bool fmu_may_step(const struct fmu *self, double now, double span)
+{
+    const double tolerance = 1e-6;
+    const double at = now - self->start;
+    return self->started && span >= 0 && fmu_is_small(at, FMU_TIME_MAX) &&
+           fmu_is_small(at + span, FMU_TIME_MAX) && at > (double)self->now * 1e-9 - tolerance;
+}
+
 static uint64_t next_of(const struct fmu *self, uint64_t to)
 {
     for (size_t i = 0; i < self->count; i++) {
@@ -168,7 +186,8 @@ static uint64_t next_of(const struct fmu *self, uint64_t to)
 
 double fmu_step(struct fmu *self, double now, double span, bool early)
 {
-    const uint64_t to = ns_of(self, now + span);
+    const uint64_t end = ns_of(self, now + span);
+    const uint64_t to = end > self->now ? end : self->now;
     bool over = false;
     fmu_settle(self);
     for (size_t i = 0; i < self->count; i++) {
@@ -297,7 +316,8 @@ void fmu_clocks_end(struct fmu *self)
 
 size_t fmu_state_size(const struct fmu *self)
 {
-    size_t n = strlen(self->token) + sizeof self->start + sizeof self->now + sizeof self->started;
+    size_t n = strlen(self->token) + sizeof self->start + sizeof self->now + sizeof self->started +
+               sizeof(uint32_t);
     for (size_t i = 0; i < self->count; i++) {
         n += sizeof self->encoders[i].now + dg_host_state_size(self->encoders[i].host);
     }
@@ -331,6 +351,8 @@ int fmu_save(struct fmu *self, void *to, size_t n)
         }
         at += size;
     }
+    const uint32_t sum = dg_crc32(0, to, (size_t)(at - (uint8_t *)to));
+    (void)put(at, &sum, sizeof sum);
     return DG_HOST_OK;
 }
 
@@ -348,11 +370,22 @@ static void bend(struct fmu *self, struct fmu_encoder *encoder, const uint64_t f
     }
 }
 
+/* Importers keep states in files. */
+static bool is_whole(const uint8_t *bytes, size_t n)
+{
+    uint32_t sum = 0;
+    memcpy(&sum, bytes + n - sizeof sum, sizeof sum);
+    return dg_crc32(0, bytes, n - sizeof sum) == sum;
+}
+
 int fmu_restore(struct fmu *self, const void *from, size_t n)
 {
     const uint8_t *at = from;
-    if (n < fmu_state_size(self) || memcmp(at, self->token, strlen(self->token)) != 0) {
+    if (n != fmu_state_size(self) || memcmp(at, self->token, strlen(self->token)) != 0) {
         return DG_HOST_ERR_OTHER;
+    }
+    if (!is_whole(at, n)) {
+        return DG_HOST_ERR_DAMAGED;
     }
     (void)fmu_start(self, self->start); /* only who was on has faults */
     at += strlen(self->token);

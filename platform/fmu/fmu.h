@@ -22,6 +22,8 @@
 #define FMU_NAME_MAX 96u
 /** Bytes that wait for the importer at most, as LS-BUS says its maxSize. */
 #define FMU_WIRE_MAX 2048u
+/** Seconds that a simulation may last, and begin before or behind 0: 285 years. */
+#define FMU_TIME_MAX 9e9
 /** More entries no catalogue of faults has. */
 #define FMU_FAULTS_MAX 96u
 
@@ -110,16 +112,20 @@ bool fmu_variable(struct fmu *self, size_t index, struct fmu_variable *to);
 /** Frames of clocked wires are latched by MA; else at the end of every step. */
 void fmu_use_events(struct fmu *self, bool events);
 
-/** Settings are complete: power, if it is on, from `start` seconds on. @return 0, or a result of
- * host.h */
+/** Settings are complete: power, if it is on, from `start` seconds on, of at most FMU_TIME_MAX.
+ * @return 0, or a result of host.h */
 int fmu_start(struct fmu *self, double start);
+bool fmu_started(const struct fmu *self);
 
 /** @return 0, or a result of host.h */
 int fmu_get(struct fmu *self, uint32_t reference, struct fmu_value *to);
 int fmu_set(struct fmu *self, uint32_t reference, const struct fmu_value *value);
 
-/** From `now` on for `span` seconds, or, if `early`, until something waits for the importer.
- * @return the time it is now */
+/** Whether there is a step from `now` on for `span` seconds: none before fmu_start(), none back
+ * into what is over, none beyond FMU_TIME_MAX. */
+bool fmu_may_step(const struct fmu *self, double now, double span);
+/** Such a step, or, if `early`, until something waits for the importer. @return the time it is now
+ */
 double fmu_step(struct fmu *self, double now, double span, bool early);
 
 /** Whether any clock of an output ticks. */

@@ -12,6 +12,7 @@ enum { STEPS = 200000 };
 
 typedef void *make(const char *, const char *, const char *, bool, bool, bool, bool,
                    const uint32_t *, size_t, void *, void *, void *);
+typedef int enter(void *, bool, double, double, bool, double);
 typedef int begin(void *);
 typedef int set(void *, const uint32_t *, size_t, const double *, size_t);
 typedef int get(void *, const uint32_t *, size_t, int64_t *, size_t);
@@ -34,11 +35,12 @@ int main(int argc, char **argv)
     set *set_real = (set *)dlsym(library, "fmi3SetFloat64");
     get *get_int = (get *)dlsym(library, "fmi3GetInt64");
     step *go_on = (step *)dlsym(library, "fmi3DoStep");
+    enter *initialize = (enter *)dlsym(library, "fmi3EnterInitializationMode");
     begin *exit_initialization = (begin *)dlsym(library, "fmi3ExitInitializationMode");
     void *it = instantiate("it", argv[2], "", 0, 0, 0, 0, NULL, 0, NULL, NULL, NULL);
     const uint32_t shaft[2] = {(uint32_t)atol(argv[3]), (uint32_t)atol(argv[4])};
     const uint32_t position = (uint32_t)atol(argv[5]);
-    if (it == NULL || exit_initialization(it) != 0) {
+    if (it == NULL || initialize(it, false, 0, 0, false, 0) != 0 || exit_initialization(it) != 0) {
         return 1;
     }
     const double start = now();

@@ -19,6 +19,8 @@ import numpy as np
 import pytest
 from conftest import DREHGEBER, Fmu, Slave
 from fmpy import simulate_fmu  # type: ignore[import-untyped]
+from fmpy.fmi2 import FMU2Slave  # type: ignore[import-untyped]
+from fmpy.fmi3 import FMU3Slave  # type: ignore[import-untyped]
 from fmpy.validation import validate_fmu  # type: ignore[import-untyped]
 
 Make = Callable[..., Fmu]
@@ -332,6 +334,42 @@ def test_states_go_on_in_another_instance(make: Make, model: str) -> None:
         second.restore(state[:-1], time)
     first.close()
     second.close()
+
+
+@pytest.mark.parametrize("version", ["3", "2"])
+def test_calls_out_of_order_are_errors(make: Make, version: str) -> None:
+    """The state machines of FMI 3.0 (2.3.1) and 2.0 (4.2.4); what is refused changes nothing."""
+    fmu = make("s3684-biss", "--fmi", version)
+    kind = FMU3Slave if version == "3" else FMU2Slave
+    slave = kind(guid=fmu.description.guid, unzipDirectory=fmu.folder, modelIdentifier="drehgeber", instanceName="it")
+
+    def refused(call: Callable[..., object], *arguments: object) -> None:
+        with pytest.raises(Exception, match="Error|error|status 3"):
+            call(*arguments)
+
+    slave.instantiate()
+    refused(slave.doStep, 0.0, 1.0)
+    refused(slave.exitInitializationMode)
+    if version == "2":
+        slave.setupExperiment()
+    slave.enterInitializationMode()
+    refused(slave.enterInitializationMode)
+    refused(slave.doStep, 0.0, 1.0)
+    slave.exitInitializationMode()
+    refused(slave.enterInitializationMode)
+    slave.doStep(0.0, 1.0)
+    refused(slave.doStep, 0.0, 1.0)
+    for step in (-1.0, math.nan, math.inf, 1e12):
+        refused(slave.doStep, 1.0, step)
+    slave.doStep(1.0, 1.0)
+    state = slave.getFMUState()
+    refused(slave.setFMUState, None)
+    slave.terminate()
+    refused(slave.doStep, 2.0, 1.0)
+    slave.setFMUState(state)
+    slave.doStep(2.0, 1.0)
+    slave.freeFMUState(state)
+    slave.freeInstance()
 
 
 # ------------------------------------------------------------ rigs

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Encoders of an FMU below what FMI calls: tokens, states, and what comes from foreign importers.
  */
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -142,6 +143,58 @@ static void states_go_on(void **state)
     fmu_free(foreign);
 }
 
+/* Importers keep states in files: one that is not what was saved is refused, and changes nothing.
+ */
+static void damaged_states_are_refused(void **state)
+{
+    (void)state;
+    struct fmu *fmu = on(TOKEN " =f3668");
+    (void)fmu_step(fmu, 0, 0.3, false);
+    const size_t n = fmu_state_size(fmu);
+    uint8_t *bytes = malloc(n + 1u);
+    uint8_t *again = malloc(n);
+    assert_non_null(bytes);
+    assert_non_null(again);
+    assert_int_equal(fmu_save(fmu, bytes, n), DG_HOST_OK);
+    bytes[n] = 0;
+    assert_int_equal(fmu_restore(fmu, bytes, n + 1u), DG_HOST_ERR_OTHER);
+    for (size_t i = 0; i < n; i += i < 300u ? 1u : 61u) {
+        bytes[i] ^= 0x80u;
+        assert_true(fmu_restore(fmu, bytes, n) < 0);
+        bytes[i] ^= 0x80u;
+    }
+    assert_int_equal(fmu_save(fmu, again, n), DG_HOST_OK);
+    assert_memory_equal(again, bytes, n);
+    assert_int_equal(fmu_restore(fmu, bytes, n), DG_HOST_OK);
+    free(bytes);
+    free(again);
+    fmu_free(fmu);
+}
+
+static void time_goes_on_and_ends(void **state)
+{
+    (void)state;
+    struct fmu *fmu = fmu_make(TOKEN " =s3684-biss");
+    assert_int_equal(fmu_start(fmu, (double)NAN), DG_HOST_ERR_ARGUMENT);
+    assert_int_equal(fmu_start(fmu, -2 * FMU_TIME_MAX), DG_HOST_ERR_ARGUMENT);
+    assert_false(fmu_may_step(fmu, 0, 1));
+    assert_int_equal(fmu_start(fmu, -5), DG_HOST_OK);
+    assert_true(fmu_may_step(fmu, -5, 3));
+    assert_true(fmu_step(fmu, -5, 3, false) == -2);
+    assert_true(fmu_may_step(fmu, -2 - 1e-9, 0)); /* sums of steps are not exact */
+    assert_true(fmu_step(fmu, -2 - 1e-9, 0, false) <= -2);
+    assert_int_equal(fmu_get(fmu, 0, &(struct fmu_value){0}), DG_HOST_OK);
+    assert_false(fmu_may_step(fmu, -2.5, 1));
+    assert_false(fmu_may_step(fmu, -2, -1));
+    assert_false(fmu_may_step(fmu, (double)NAN, 1));
+    assert_false(fmu_may_step(fmu, -2, (double)NAN));
+    assert_false(fmu_may_step(fmu, -2, (double)INFINITY));
+    assert_false(fmu_may_step(fmu, -2, FMU_TIME_MAX));
+    assert_true(fmu_may_step(fmu, 8e9, 1));
+    (void)fmu_step(fmu, 8e9, 1, false);
+    fmu_free(fmu);
+}
+
 /* One that was never on takes a state with a fault, and makes it good. */
 static void states_bring_their_faults(void **state)
 {
@@ -235,6 +288,8 @@ int main(void)
         cmocka_unit_test(tokens_are_whole_or_refused),
         cmocka_unit_test(variables_are_what_they_say),
         cmocka_unit_test(states_go_on),
+        cmocka_unit_test(damaged_states_are_refused),
+        cmocka_unit_test(time_goes_on_and_ends),
         cmocka_unit_test(states_bring_their_faults),
         cmocka_unit_test(any_bytes_are_taken_or_refused),
         cmocka_unit_test(silent_importers_do_no_harm),
