@@ -66,11 +66,22 @@ def test_command_says_what_is_wrong() -> None:
                          (["f3668", "-o", "x.fmu", "--set", "nonsense=1"], "--set nonsense=1"),
                          (["s3684-biss", "-o", "x.fmu", "--set", "clock_hz=100000"], "--set clock_hz=100000: an FMU"),
                          (["f3668", "-o", "x.fmu", "--node", "200"], "--node"),
+                         (["f3668", "-o", "x.fmu", "--nvm", "x.nvm"], "fmu takes no option --nvm"),
+                         (["f3668", "-o", "x.fmu", "--pty"], "fmu takes no option --pty"),
+                         (["-o", "x.fmu"], "fmu needs a model or a rig file"),
                          (["s3684-biss", "-o", "x.fmu", "--set", "st=99"], "--set st=99: out of its range")]:
         done = subprocess.run([DREHGEBER, "fmu", *words], capture_output=True, text=True)
         assert done.returncode == 2 and wrong in done.stderr, (words, done.stderr)
     done = subprocess.run([DREHGEBER, "fmu", "f3668", "-o", "/nowhere/x.fmu"], capture_output=True, text=True)
     assert done.returncode == 1 and "cannot write /nowhere/x.fmu" in done.stderr
+
+
+def test_rig_file_stays(tmp_path: pathlib.Path) -> None:
+    file, link = tmp_path / "rig.ini", tmp_path / "rig.fmu"
+    file.write_text(RIG)
+    link.symlink_to(file)
+    done = subprocess.run([DREHGEBER, "fmu", str(file), "-o", str(link)], capture_output=True, text=True)
+    assert done.returncode == 2 and "is the rig file itself" in done.stderr and file.read_text() == RIG
 
 
 def test_full_disk_leaves_no_half_file(tmp_path: pathlib.Path) -> None:

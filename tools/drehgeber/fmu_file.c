@@ -16,6 +16,7 @@
 
 #include "complain.h"
 #include "describe.h"
+#include "drehgeber/devices.h"
 #include "drehgeber/drehgeber.h"
 #include "plan.h"
 #include "run.h"
@@ -367,6 +368,14 @@ static int add_all(struct making *self, struct zip *zip, const struct fmu_about 
     return result != 0 ? result : add_sources(self, zip);
 }
 
+static bool is_same_file(const char *one, const char *other)
+{
+    struct stat a;
+    struct stat b;
+    return stat(one, &a) == 0 && stat(other, &b) == 0 && a.st_dev == b.st_dev &&
+           a.st_ino == b.st_ino;
+}
+
 static int write_file(struct making *self, const char *name, const char *output)
 {
     char *compiled[512];
@@ -435,6 +444,10 @@ int fmu_command(const struct options *options)
     int status = EXIT_OK;
     if (refuse_wires(&self, &plan) != 0 || make_token(&self, &plan) != 0) {
         status = complain(&self.error, EXIT_USAGE);
+    } else if (dg_device_find(options->model) == NULL &&
+               is_same_file(options->model, options->output)) {
+        lx_complain("fmu: %s is the rig file itself", options->output);
+        status = EXIT_USAGE;
     } else if (make(&self, &plan, options->output) != 0) {
         status = complain(&self.error, EXIT_OTHER);
     } else if (plan.file != NULL) {

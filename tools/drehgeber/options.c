@@ -388,7 +388,8 @@ static int explain_culprit(struct options *self)
 static const struct argp_option *not_taken(const struct options *self)
 {
     const bool strict = self->command == COMMAND_LIST || self->command == COMMAND_FAULTS ||
-                        self->command == COMMAND_EDS || self->command == COMMAND_WEB;
+                        self->command == COMMAND_EDS || self->command == COMMAND_FMU ||
+                        self->command == COMMAND_WEB;
     for (const struct argp_option *row = self->table; !is_end(row); row++) {
         const bool given = (self->given >> (row - self->table) & 1u) != 0;
         if (given && (strict || of_few(row)) && !takes(self->row, row)) {

@@ -37,7 +37,7 @@ static int unknown_model(const struct options *options, struct lx_error *error)
     lx_stack_models(NULL, &right);
     lx_words_add(&right, ", or RIG.ini");
     return options->model == NULL
-               ? lx_refuse(error, right.text, "run needs a model or a rig file")
+               ? lx_refuse(error, right.text, "%s needs a model or a rig file", options->row->name)
                : lx_refuse(error, right.text, "unknown model %s", options->model);
 }
 
