@@ -11,6 +11,7 @@ import socket
 import struct
 import subprocess
 import time
+from pathlib import Path
 
 import pytest
 
@@ -60,6 +61,11 @@ class Web(Process):
         self.port = int(found[1])
         self.token = found[2]
         self.name = f"127.0.0.1:{self.port}"
+
+    def cpu_ticks(self):
+        """User and system time so far, in 10 ms."""
+        fields = Path(f"/proc/{self.process.pid}/stat").read_text().rsplit(")", 1)[1].split()
+        return int(fields[11]) + int(fields[12])
 
     def connect(self):
         return socket.create_connection(("127.0.0.1", self.port), PATIENCE_S)
@@ -350,6 +356,10 @@ def test_a_page_that_does_not_read(web):
         deaf.link.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 2048)
         for _ in range(25):
             deaf.send("FAUL:CAT?")
+        time.sleep(0.5)
+        before = web.cpu_ticks()
+        time.sleep(1)
+        assert web.cpu_ticks() - before < 50  # it waits, and does not look again and again
         assert other.message() == "ready"
         assert other.ask("SHAF:POS?") == "90.000000"
         assert deaf.message() == "ready"
@@ -401,6 +411,17 @@ def test_pages_have_a_limit(web):
         while stack.enter_context(Page(web)).status != 101:
             assert time.monotonic() < deadline
             time.sleep(0.1)
+
+
+def test_the_limit_holds_for_those_who_come_at_once(web):
+    """A handshake is not the token: who names it last is sent away."""
+    with contextlib.ExitStack() as stack:
+        pages = [stack.enter_context(Page(web, name=False)) for _ in range(30)]
+        for page in pages:
+            page.send(f'SYST:TOK "{web.token}"')
+        said = [page.message() for page in pages]
+        assert said == ["ready"] * 24 + [4002] * 6
+        assert [page.ask("SHAF:POS?") for page in pages[:24]] == ["90.000000"] * 24
 
 
 def test_who_does_not_come_to_the_point_is_sent_away(web):

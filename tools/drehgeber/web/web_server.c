@@ -35,6 +35,7 @@
 #define LINES_MAX 500u
 #define TOKEN_BYTES 16u
 /* Why a page is sent away, for it to know what to do; RFC 6455 7.4.2 leaves these to programs. */
+#define TOO_MANY "too many pages are open"
 #define CLOSE_TOKEN 4001
 #define CLOSE_RIG 4002
 #define CLOSE_LINE 4003
@@ -101,11 +102,11 @@ static void end(struct connection *self, int code, const char *why)
     (void)lws_callback_on_writable(self->wsi);
 }
 
+/* While an answer waits for the browser nothing goes to the rig either: it would overwrite it. */
 static void watch_rig(struct connection *self)
 {
-    uint32_t events = rig_link_events(&self->link);
-    events &= self->answer == NULL ? (uint32_t)-1 : ~(uint32_t)EPOLLIN;
-    (void)sd_event_source_set_io_events(self->io, events);
+    (void)sd_event_source_set_io_events(self->io, rig_link_events(&self->link));
+    (void)sd_event_source_set_enabled(self->io, self->answer == NULL ? SD_EVENT_ON : SD_EVENT_OFF);
 }
 
 static void take_answer(struct connection *self)
@@ -125,7 +126,7 @@ static int on_rig(sd_event_source *source, int fd, uint32_t events, void *ctx)
     (void)source;
     (void)fd;
     (void)events;
-    if (self->answer == NULL && rig_link_serve(&self->link) != 0) {
+    if (rig_link_serve(&self->link) != 0) {
         end(self, CLOSE_RIG, "the rig is gone");
         return 0;
     }
@@ -157,11 +158,25 @@ static void count_line(struct connection *self)
     }
 }
 
+static unsigned count_pages(const struct web_server *self)
+{
+    unsigned n = 0;
+    for (size_t i = 0; i < WEB_CONNECTIONS_MAX; i++) {
+        const struct connection *one = &self->connections[i];
+        n += one->wsi != NULL && one->guard.named && one->ended == 0 ? 1 : 0;
+    }
+    return n;
+}
+
 /* The token comes first, and once. */
 static void take_token(struct connection *self)
 {
     if (lx_guard_line(&self->guard, self->line, self->length) != LX_GUARD_SKIP) {
         end(self, CLOSE_TOKEN, "that is not the token");
+        return;
+    }
+    if (count_pages(self->server) > WEB_PAGES_MAX) {
+        end(self, CLOSE_RIG, TOO_MANY);
         return;
     }
     self->deadline = DG_NEVER;
@@ -339,7 +354,7 @@ static int request(struct connection *self, const char *path)
     }
     if (!is_ours(self, host)) {
         return refuse(self->wsi, HTTP_STATUS_FORBIDDEN,
-                      "This name is none of the machine's own; localhost is right");
+                      "This is no name of the machine; an address is right");
     }
     return self->file == NULL ? refuse(self->wsi, HTTP_STATUS_NOT_FOUND, NULL)
                               : answer_file(self, host);
@@ -368,15 +383,6 @@ static int send_file(struct connection *self)
     return lws_http_transaction_completed(self->wsi) != 0 ? -1 : 0;
 }
 
-static unsigned count_pages(const struct web_server *self)
-{
-    unsigned n = 0;
-    for (size_t i = 0; i < WEB_CONNECTIONS_MAX; i++) {
-        n += self->connections[i].wsi != NULL && self->connections[i].guard.named ? 1 : 0;
-    }
-    return n;
-}
-
 /* A handshake of WebSockets. @return 0: it may go on */
 static int admit(struct connection *self, const char *protocol)
 {
@@ -394,7 +400,7 @@ static int admit(struct connection *self, const char *protocol)
     }
     return count_pages(self->server) < WEB_PAGES_MAX
                ? 0
-               : refuse(self->wsi, HTTP_STATUS_SERVICE_UNAVAILABLE, "Too many pages are open");
+               : refuse(self->wsi, HTTP_STATUS_SERVICE_UNAVAILABLE, TOO_MANY);
 }
 
 /* --- libwebsockets --- */
