@@ -254,6 +254,7 @@ static void sort_out(struct lx_silkit *self, const struct lx_silkit_message *mes
     case LX_SILKIT_ABORTED:
     case LX_SILKIT_STOPPED:
     case LX_SILKIT_SHUTDOWN:
+        self->stopped = true;
         end(self, message->kind);
         break;
     case LX_SILKIT_FRAME:
@@ -480,7 +481,8 @@ void lx_silkit_leave(struct lx_silkit *self)
     if (self->stepping) {
         (void)self->lib.complete(self->clock);
     }
-    if (self->heard && !self->ended && self->lib.stop(self->lifecycle, "the rig was ended") == 0) {
+    if (self->heard &&
+        (self->stopped || self->lib.stop(self->lifecycle, "the rig was ended") == 0)) {
         (void)lx_silkit_inbox_wait(&self->inbox, END_MS);
     }
     (void)self->lib.leave(self->participant);

@@ -31,7 +31,8 @@ struct lx_silkit {
     struct lx_timer tick;         /**< of real time */
     struct lx_silkit_port **port; /**< owned list of theirs */
     size_t count;
-    bool ready; /**< ports know that */
+    bool ready;   /**< ports know that */
+    bool stopped; /**< the library has said so */
     bool ended;
     bool stepping;                 /**< a step is to be completed: */
     uint64_t at;                   /**< its time */
