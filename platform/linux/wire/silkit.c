@@ -475,6 +475,7 @@ int lx_silkit_start(struct lx_silkit *self, struct lx_error *error)
 /* A step that waits for us is completed first: the library's thread is in it. */
 void lx_silkit_leave(struct lx_silkit *self)
 {
+    int16_t state = 0;
     if (self == NULL || self->participant == NULL) {
         return;
     }
@@ -483,7 +484,9 @@ void lx_silkit_leave(struct lx_silkit *self)
     }
     if (self->heard &&
         (self->stopped || self->lib.stop(self->lifecycle, "the rig was ended") == 0)) {
-        (void)lx_silkit_inbox_wait(&self->inbox, END_MS);
+        if (lx_silkit_inbox_wait(&self->inbox, END_MS)) {
+            (void)self->lib.over(self->lifecycle, &state); /* what is left is to tell others */
+        }
     }
     (void)self->lib.leave(self->participant);
     self->participant = NULL;

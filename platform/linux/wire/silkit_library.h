@@ -156,6 +156,7 @@ typedef void lx_sk_on_peer(void *ctx, struct lx_sk_monitor *self,
     X(on_abort,        "LifecycleService_SetAbortHandler",             (struct lx_sk_lifecycle *self, void *ctx, lx_sk_on_abort *handler)) \
     X(start,           "LifecycleService_StartLifecycle",              (struct lx_sk_lifecycle *self)) \
     X(stop,            "LifecycleService_Stop",                        (struct lx_sk_lifecycle *self, const char *reason)) \
+    X(over,            "LifecycleService_WaitForLifecycleToComplete",  (struct lx_sk_lifecycle *self, int16_t *state)) \
     X(time_new,        "TimeSyncService_Create",                       (struct lx_sk_time **out, struct lx_sk_lifecycle *lifecycle)) \
     X(on_step,         "TimeSyncService_SetSimulationStepHandlerAsync", (struct lx_sk_time *self, void *ctx, lx_sk_on_step *handler, uint64_t step)) \
     X(complete,        "TimeSyncService_CompleteSimulationStep",       (struct lx_sk_time *self)) \
