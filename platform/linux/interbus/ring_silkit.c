@@ -35,13 +35,13 @@ static void step(void *ctx, dg_ns now)
     for (size_t i = 0; i < ring->ring.words; i++) {
         dg_store_le16(message + AHEAD + WORD * i, ring->in[i]);
     }
-    lx_silkit_publish(&self->in, message, AHEAD + WORD * ring->ring.words);
+    lx_silkit_publish(&self->in, message, AHEAD + (size_t)WORD * ring->ring.words);
 }
 
 int lx_ring_silkit_open(struct lx_ring_silkit *self, const struct lx_bus_setup *setup,
                         struct lx_error *error)
 {
-    const size_t size = WORD * self->ring->ring.words;
+    const size_t size = (size_t)WORD * self->ring->ring.words;
     struct lx_silkit_where where;
     if (lx_silkit_split(setup->wire->where, &where, error) != 0 ||
         lx_silkit_join(setup->silkit, error) != 0) {

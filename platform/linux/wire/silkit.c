@@ -333,7 +333,8 @@ bool lx_silkit_step(struct lx_silkit *self)
         return true;
     }
     /* Those of this very moment are for the next step. */
-    while (list->count > list->first && is_foreign(self, &list->at[list->count - 1u])) {
+    while (list->at != NULL && list->count > list->first &&
+           is_foreign(self, &list->at[list->count - 1u])) {
         const struct lx_silkit_message last = list->at[list->count - 1u];
         memmove(&list->at[list->first + 1u], &list->at[list->first],
                 (list->count - 1u - list->first) * sizeof *list->at);

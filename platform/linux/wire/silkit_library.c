@@ -12,17 +12,46 @@
 #define RIGHT                                                                                      \
     "a libSilKit.so of SIL Kit 5, named by " VARIABLE " or where the dynamic linker looks, is right"
 
-/* A row: which function, and where its address goes. */
+/* Where the address of each function goes. */
+#define AT(member) offsetof(struct lx_silkit_library, member)
 static const struct {
     const char *name;
     size_t at;
 } functions[] = {
-#define ROW(member, name, arguments) {"SilKit_" name, offsetof(struct lx_silkit_library, member)},
-    LX_SK_FUNCTIONS(ROW)
-#undef ROW
-        {"SilKit_GetLastErrorString", offsetof(struct lx_silkit_library, last_error)},
+    /* clang-format off */
+    {"SilKit_ParticipantConfiguration_FromString",             AT(config_new)},
+    {"SilKit_ParticipantConfiguration_Destroy",                AT(config_free)},
+    {"SilKit_Participant_Create",                              AT(join)},
+    {"SilKit_Participant_Destroy",                             AT(leave)},
+    {"SilKit_LifecycleService_Create",                         AT(lifecycle_new)},
+    {"SilKit_LifecycleService_SetCommunicationReadyHandler",   AT(on_ready)},
+    {"SilKit_LifecycleService_SetStopHandler",                 AT(on_stop)},
+    {"SilKit_LifecycleService_SetShutdownHandler",             AT(on_shutdown)},
+    {"SilKit_LifecycleService_SetAbortHandler",                AT(on_abort)},
+    {"SilKit_LifecycleService_StartLifecycle",                 AT(start)},
+    {"SilKit_LifecycleService_Stop",                           AT(stop)},
+    {"SilKit_LifecycleService_WaitForLifecycleToComplete",     AT(over)},
+    {"SilKit_TimeSyncService_Create",                          AT(time_new)},
+    {"SilKit_TimeSyncService_SetSimulationStepHandlerAsync",   AT(on_step)},
+    {"SilKit_TimeSyncService_CompleteSimulationStep",          AT(complete)},
+    {"SilKit_SystemMonitor_Create",                            AT(monitor_new)},
+    {"SilKit_SystemMonitor_SetParticipantDisconnectedHandler", AT(on_peer_gone)},
+    {"SilKit_CanController_Create",                            AT(can_new)},
+    {"SilKit_CanController_AddFrameHandler",                   AT(can_on_frame)},
+    {"SilKit_CanController_AddFrameTransmitHandler",           AT(can_on_transmit)},
+    {"SilKit_CanController_AddErrorStateChangeHandler",        AT(can_on_error)},
+    {"SilKit_CanController_SetBaudRate",                       AT(can_baud_rate)},
+    {"SilKit_CanController_Start",                             AT(can_start)},
+    {"SilKit_CanController_SendFrame",                         AT(can_send)},
+    {"SilKit_DataPublisher_Create",                            AT(publisher_new)},
+    {"SilKit_DataPublisher_Publish",                           AT(publish)},
+    {"SilKit_DataSubscriber_Create",                           AT(subscriber_new)},
+    {"SilKit_GetLastErrorString",                              AT(last_error)},
+    /* clang-format on */
 };
 
+_Static_assert(sizeof(struct lx_silkit_library) == DG_COUNT(functions) * sizeof(void (*)(void)),
+               "a row for each function");
 _Static_assert(sizeof(void *) == sizeof(void (*)(void)), "POSIX: a function's address is one");
 
 int lx_silkit_load(struct lx_silkit_library *self, struct lx_error *error)

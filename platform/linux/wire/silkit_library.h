@@ -142,43 +142,44 @@ typedef void lx_sk_on_data(void *ctx, struct lx_sk_subscriber *self,
 typedef void lx_sk_on_peer(void *ctx, struct lx_sk_monitor *self,
                            const struct lx_sk_connection *peer);
 
-/* clang-format off */
-/** X(member, name behind "SilKit_", arguments) of all functions that return a code. */
-#define LX_SK_FUNCTIONS(X) \
-    X(config_new,      "ParticipantConfiguration_FromString",          (struct lx_sk_config **out, const char *text)) \
-    X(config_free,     "ParticipantConfiguration_Destroy",             (struct lx_sk_config *self)) \
-    X(join,            "Participant_Create",                           (struct lx_sk_participant **out, struct lx_sk_config *config, const char *name, const char *registry)) \
-    X(leave,           "Participant_Destroy",                          (struct lx_sk_participant *self)) \
-    X(lifecycle_new,   "LifecycleService_Create",                      (struct lx_sk_lifecycle **out, struct lx_sk_participant *participant, const struct lx_sk_lifecycle_setup *setup)) \
-    X(on_ready,        "LifecycleService_SetCommunicationReadyHandler", (struct lx_sk_lifecycle *self, void *ctx, lx_sk_on_lifecycle *handler)) \
-    X(on_stop,         "LifecycleService_SetStopHandler",              (struct lx_sk_lifecycle *self, void *ctx, lx_sk_on_lifecycle *handler)) \
-    X(on_shutdown,     "LifecycleService_SetShutdownHandler",          (struct lx_sk_lifecycle *self, void *ctx, lx_sk_on_lifecycle *handler)) \
-    X(on_abort,        "LifecycleService_SetAbortHandler",             (struct lx_sk_lifecycle *self, void *ctx, lx_sk_on_abort *handler)) \
-    X(start,           "LifecycleService_StartLifecycle",              (struct lx_sk_lifecycle *self)) \
-    X(stop,            "LifecycleService_Stop",                        (struct lx_sk_lifecycle *self, const char *reason)) \
-    X(over,            "LifecycleService_WaitForLifecycleToComplete",  (struct lx_sk_lifecycle *self, int16_t *state)) \
-    X(time_new,        "TimeSyncService_Create",                       (struct lx_sk_time **out, struct lx_sk_lifecycle *lifecycle)) \
-    X(on_step,         "TimeSyncService_SetSimulationStepHandlerAsync", (struct lx_sk_time *self, void *ctx, lx_sk_on_step *handler, uint64_t step)) \
-    X(complete,        "TimeSyncService_CompleteSimulationStep",       (struct lx_sk_time *self)) \
-    X(monitor_new,     "SystemMonitor_Create",                         (struct lx_sk_monitor **out, struct lx_sk_participant *participant)) \
-    X(on_peer_gone,    "SystemMonitor_SetParticipantDisconnectedHandler", (struct lx_sk_monitor *self, void *ctx, lx_sk_on_peer *handler)) \
-    X(can_new,         "CanController_Create",                         (struct lx_sk_can **out, struct lx_sk_participant *participant, const char *name, const char *network)) \
-    X(can_on_frame,    "CanController_AddFrameHandler",                (struct lx_sk_can *self, void *ctx, lx_sk_on_frame *handler, uint8_t directions, uint64_t *id)) \
-    X(can_on_transmit, "CanController_AddFrameTransmitHandler",        (struct lx_sk_can *self, void *ctx, lx_sk_on_transmit *handler, int32_t statuses, uint64_t *id)) \
-    X(can_on_error,    "CanController_AddErrorStateChangeHandler",     (struct lx_sk_can *self, void *ctx, lx_sk_on_error *handler, uint64_t *id)) \
-    X(can_baud_rate,   "CanController_SetBaudRate",                    (struct lx_sk_can *self, uint32_t rate, uint32_t fd, uint32_t xl)) \
-    X(can_start,       "CanController_Start",                          (struct lx_sk_can *self)) \
-    X(can_send,        "CanController_SendFrame",                      (struct lx_sk_can *self, struct lx_sk_frame *frame, void *user)) \
-    X(publisher_new,   "DataPublisher_Create",                         (struct lx_sk_publisher **out, struct lx_sk_participant *participant, const char *name, struct lx_sk_spec *spec, uint8_t history)) \
-    X(publish,         "DataPublisher_Publish",                        (struct lx_sk_publisher *self, const struct lx_sk_bytes *data)) \
-    X(subscriber_new,  "DataSubscriber_Create",                        (struct lx_sk_subscriber **out, struct lx_sk_participant *participant, const char *name, struct lx_sk_spec *spec, void *ctx, lx_sk_on_data *handler))
-/* clang-format on */
-
-/** The library. */
+/** The library: its functions that return a code. */
 struct lx_silkit_library {
-#define LX_SK_MEMBER(member, name, arguments) int32_t(*member) arguments;
-    LX_SK_FUNCTIONS(LX_SK_MEMBER)
-#undef LX_SK_MEMBER
+    int32_t (*config_new)(struct lx_sk_config **out, const char *text);
+    int32_t (*config_free)(struct lx_sk_config *self);
+    int32_t (*join)(struct lx_sk_participant **out, struct lx_sk_config *config, const char *name,
+                    const char *registry);
+    int32_t (*leave)(struct lx_sk_participant *self);
+    int32_t (*lifecycle_new)(struct lx_sk_lifecycle **out, struct lx_sk_participant *participant,
+                             const struct lx_sk_lifecycle_setup *setup);
+    int32_t (*on_ready)(struct lx_sk_lifecycle *self, void *ctx, lx_sk_on_lifecycle *handler);
+    int32_t (*on_stop)(struct lx_sk_lifecycle *self, void *ctx, lx_sk_on_lifecycle *handler);
+    int32_t (*on_shutdown)(struct lx_sk_lifecycle *self, void *ctx, lx_sk_on_lifecycle *handler);
+    int32_t (*on_abort)(struct lx_sk_lifecycle *self, void *ctx, lx_sk_on_abort *handler);
+    int32_t (*start)(struct lx_sk_lifecycle *self);
+    int32_t (*stop)(struct lx_sk_lifecycle *self, const char *reason);
+    int32_t (*over)(struct lx_sk_lifecycle *self, int16_t *state);
+    int32_t (*time_new)(struct lx_sk_time **out, struct lx_sk_lifecycle *lifecycle);
+    int32_t (*on_step)(struct lx_sk_time *self, void *ctx, lx_sk_on_step *handler, uint64_t step);
+    int32_t (*complete)(struct lx_sk_time *self);
+    int32_t (*monitor_new)(struct lx_sk_monitor **out, struct lx_sk_participant *participant);
+    int32_t (*on_peer_gone)(struct lx_sk_monitor *self, void *ctx, lx_sk_on_peer *handler);
+    int32_t (*can_new)(struct lx_sk_can **out, struct lx_sk_participant *participant,
+                       const char *name, const char *network);
+    int32_t (*can_on_frame)(struct lx_sk_can *self, void *ctx, lx_sk_on_frame *handler,
+                            uint8_t directions, uint64_t *id);
+    int32_t (*can_on_transmit)(struct lx_sk_can *self, void *ctx, lx_sk_on_transmit *handler,
+                               int32_t statuses, uint64_t *id);
+    int32_t (*can_on_error)(struct lx_sk_can *self, void *ctx, lx_sk_on_error *handler,
+                            uint64_t *id);
+    int32_t (*can_baud_rate)(struct lx_sk_can *self, uint32_t rate, uint32_t fd, uint32_t xl);
+    int32_t (*can_start)(struct lx_sk_can *self);
+    int32_t (*can_send)(struct lx_sk_can *self, struct lx_sk_frame *frame, void *user);
+    int32_t (*publisher_new)(struct lx_sk_publisher **out, struct lx_sk_participant *participant,
+                             const char *name, struct lx_sk_spec *spec, uint8_t history);
+    int32_t (*publish)(struct lx_sk_publisher *self, const struct lx_sk_bytes *data);
+    int32_t (*subscriber_new)(struct lx_sk_subscriber **out, struct lx_sk_participant *participant,
+                              const char *name, struct lx_sk_spec *spec, void *ctx,
+                              lx_sk_on_data *handler);
     const char *(*last_error)(void); /**< of the calling thread */
 };
 

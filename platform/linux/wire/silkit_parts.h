@@ -16,34 +16,34 @@ struct lx_silkit {
     sd_event *event;
     const struct lx_say *say;
     const char *rig; /**< name */
-    bool planned;    /**< a wire was added: */
-    struct lx_silkit_where where;
-    struct lx_silkit_settings settings;
     struct lx_silkit_library lib;
     struct lx_silkit_inbox inbox;
     sd_event_source *io;
-    struct lx_sk_participant *participant;
+    struct lx_sk_participant *participant; /**< NULL: it has not joined, or left */
     struct lx_sk_lifecycle *lifecycle;
-    struct lx_sk_time *clock;
-    bool heard;                   /**< everybody can hear */
-    sd_event_source *standstill;  /**< is looked for; NULL: it is not */
-    unsigned grace;               /**< steps until it need not be */
-    struct lx_timer tick;         /**< of real time */
+    struct lx_sk_time *clock;     /**< NULL: time is real, then: */
+    struct lx_timer tick;         /**< ... instead of steps */
     struct lx_silkit_port **port; /**< owned list of theirs */
     size_t count;
-    bool ready;   /**< ports know that */
-    bool stopped; /**< the library has said so */
-    bool ended;
-    bool stepping;                 /**< a step is to be completed: */
-    uint64_t at;                   /**< its time */
-    dg_ns span;                    /**< it is over then; 0: it is not */
-    bool begun;                    /**< there was one, and */
-    uint64_t origin;               /**< the time of the first one is that of the rig at */
-    dg_ns begin;                   /**< ... this moment */
     struct lx_silkit_list came;    /**< just taken out of the inbox */
     struct lx_silkit_list pending; /**< messages in the order in which they are handled */
     uint64_t lost;                 /**< messages for which there was no room, as was told */
-    bool complained;               /**< about what the library refuses */
+    uint64_t at;                   /**< time of the present step */
+    uint64_t origin;               /**< time of the first one, which is that of the rig at */
+    dg_ns begin;                   /**< ... this moment */
+    dg_ns span;                    /**< its part is over then; 0: it is not */
+    sd_event_source *standstill;   /**< is looked for; NULL: it is not */
+    unsigned grace;                /**< steps until it need not be */
+    struct lx_silkit_settings settings;
+    struct lx_silkit_where where;
+    bool planned;    /**< a wire was added */
+    bool heard;      /**< everybody can hear */
+    bool ready;      /**< ports know that */
+    bool begun;      /**< there was a step */
+    bool stepping;   /**< one is to be completed */
+    bool stopped;    /**< the library has said so */
+    bool ended;      /**< the loop was told to end */
+    bool complained; /**< about what the library refuses */
 };
 
 /** The rig's time at the simulation's `time`; what is over already is now. */
