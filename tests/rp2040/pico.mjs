@@ -31,8 +31,15 @@ export function symbols(image) {
     .map(([address, , name]) => [name, Number.parseInt(address, 16)]));
 }
 
+/** Where a constant of an image is in flash, from which it is copied. */
+export function constants(image, name) {
+  const at = symbols(image);
+  return at[name] - at.ram_begin + at.ram_load;
+}
+
 export class Pico {
-  constructor(image, { flash } = {}) {
+  /** `flash`: {at, bytes}, other than the image's; `patches`: numbers in it, {at, value, size} */
+  constructor(image, { flash, patches = [] } = {}) {
     this.image = image;
     this.chip = new RP2040();
     this.complaints = [];
@@ -41,6 +48,9 @@ export class Pico {
     this.chip.flash.fill(0xff, 0, 0x200000);
     this.chip.flash.set(fs.readFileSync(path.join(IMAGES, `${image}.bin`)));
     if (flash) this.chip.flash.set(flash.bytes, flash.at);
+    for (const { at, value, size } of patches) {
+      for (let i = 0; i < size; i++) this.chip.flash[at - 0x10000000 + i] = Number(BigInt(value) >> BigInt(8 * i) & 0xffn);
+    }
     this.cycle = 0;
     this.asleep = 0; // cycles of it
     this.events = []; // {at, what}, sorted

@@ -44,9 +44,10 @@ export class Master {
     return this.tx.findLast((edge) => edge.at <= cycle)?.level ?? 1;
   }
 
-  /** What is sent until there is silence for 11 bits: characters, and edges that are not where they belong. */
-  receive(within = ms(40)) {
-    const { pico } = this, from = this.tx.length, first = pico.cycle;
+  /** What is sent until there is silence for 11 bits, of what TX has done since there were `from` edges: characters,
+   * and edges that are not where they belong. */
+  receive(within = ms(40), from = this.tx.length) {
+    const { pico } = this, first = pico.cycle;
     const edges = () => this.tx.slice(from);
     const end = pico.cycle + within;
     while (!edges().length && pico.cycle < end) pico.run(us(20));
