@@ -218,3 +218,20 @@ def test_canopen_talks_to_it(how, eds):
             assert node.emcy.wait(0x5200, timeout=5) is not None
     finally:
         network.disconnect()
+
+
+def test_a_bus_that_was_shut_down_is_over():
+    bus = can.Bus(interface="drehgeber", channel="f3668?node=5")
+    message = can.Message(arbitration_id=0x605, data=UPLOAD, is_extended_id=False)
+    bus.send(message)
+    bus.shutdown()
+    with pytest.raises(can.CanOperationError, match="shut down"):
+        bus.send(message)
+    with pytest.raises(can.CanOperationError, match="shut down"):
+        bus.recv(0)
+    bus.shutdown()
+
+
+def test_a_time_that_there_is_not_is_refused():
+    with pytest.raises(can.CanInitializationError, match="'virtual' or 'real' is right"):
+        can.Bus(interface="drehgeber", channel="f3668", time="rael")

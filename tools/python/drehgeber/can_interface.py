@@ -25,6 +25,8 @@ class DrehgeberBus(can.BusABC):
         **kwargs: Any,
     ) -> None:
         text = str(channel)
+        if time not in ("virtual", "real"):
+            raise can.CanInitializationError(f"time={time!r}: 'virtual' or 'real' is right")
         bus = CanBus.named(text)
         self.encoder = None
         if bus is None:
@@ -38,6 +40,7 @@ class DrehgeberBus(can.BusABC):
         self.bus = bus
         self.channel_info = f"drehgeber {text} in this process"
         self._port = bus.port()
+        self._is_over = False
         self._can_protocol = can.CanProtocol.CAN_20
         super().__init__(channel=channel, can_filters=can_filters, **kwargs)
 
@@ -47,11 +50,13 @@ class DrehgeberBus(can.BusABC):
 
     def send(self, msg: can.Message, timeout: float | None = None) -> None:
         """Heard at once. Frames with 29 bits, CAN FD and error frames are not for these encoders."""
+        self._check_open()
         if msg.is_extended_id or msg.is_fd or msg.is_error_frame:
             return
         self._port.send(msg.arbitration_id, bytes(msg.data), msg.is_remote_frame, msg.dlc)
 
     def _recv_internal(self, timeout: float | None) -> tuple[can.Message | None, bool]:
+        self._check_open()
         frame = self._port.recv() if timeout == 0 else self._port.wait(timeout)
         if frame is None:
             return None, False
@@ -66,7 +71,12 @@ class DrehgeberBus(can.BusABC):
             channel=str(self.channel_info),
         ), False
 
+    def _check_open(self) -> None:
+        if self._is_over:
+            raise can.CanOperationError("the bus has been shut down")
+
     def shutdown(self) -> None:
         """Leave the bus; what was made for it goes, too."""
         super().shutdown()
+        self._is_over = True
         self._port.close()
