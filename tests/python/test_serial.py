@@ -124,3 +124,14 @@ def test_long_requests():
         port.read(100)
         port.write(ASK)
         assert port.read(7) == AT_90
+
+
+def test_lines_of_a_modem_and_a_break():
+    with open_port() as port:
+        port.rts = port.dtr = False
+        assert (port.cts, port.dsr, port.cd, port.ri) == (True, True, True, False)
+        port.break_condition = True
+        port.break_condition = False
+        port.encoder.clock.advance(0.1)  # what the break was part of is over
+        port.write(ASK)
+        assert port.read(7) == AT_90

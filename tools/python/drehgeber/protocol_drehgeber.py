@@ -12,6 +12,7 @@ from .clock import SECOND_NS, Clock
 from .encoder import Encoder
 
 SCHEME = "drehgeber://"
+BREAK = "break"  # no parity of an encoder: damaged
 FORMS = f"{SCHEME}s3684-rs485?shaft=60RPM&time=virtual, or {SCHEME}NAME of a drehgeber.Encoder, is right"
 
 
@@ -26,6 +27,7 @@ class Serial(serial.SerialBase):
     _timeout: float | None
     _baudrate: int
     _parity: str
+    _break_state: bool
 
     def open(self) -> None:
         """Make the encoder; a port that is opened again has the same one."""
@@ -58,6 +60,43 @@ class Serial(serial.SerialBase):
 
     def _reconfigure_port(self) -> None:
         """The setting counts when something is written."""
+
+    def _update_rts_state(self) -> None:
+        """The line goes its own way."""
+
+    def _update_dtr_state(self) -> None:
+        """Nobody looks."""
+
+    def _update_break_state(self) -> None:
+        """A damaged 00h, however long it lasts."""
+        self._check_open()
+        if self._break_state:
+            with self.encoder.clock.lock:
+                self.encoder.clock._wait_until(self._line._send(b"\0", self._baudrate, BREAK))
+
+    @property
+    def cts(self) -> bool:
+        """As all lines of a modem, always on."""
+        self._check_open()
+        return True
+
+    @property
+    def dsr(self) -> bool:
+        """Always on."""
+        self._check_open()
+        return True
+
+    @property
+    def cd(self) -> bool:
+        """Always on."""
+        self._check_open()
+        return True
+
+    @property
+    def ri(self) -> bool:
+        """Nobody calls."""
+        self._check_open()
+        return False
 
     def _check_open(self) -> None:
         if not self.is_open:
