@@ -135,3 +135,18 @@ def test_lines_of_a_modem_and_a_break():
         port.encoder.clock.advance(0.1)  # what the break was part of is over
         port.write(ASK)
         assert port.read(7) == AT_90
+
+
+def test_much_is_written_piece_by_piece():
+    """Each piece in its time; what comes behind is understood."""
+    with open_port() as port:
+        began = port.encoder.clock.now
+        assert port.write(bytes(100_000)) == 100_000
+        assert port.encoder.clock.now - began == pytest.approx(100_000 * 11 / 9600, rel=1e-5)
+        port.encoder.clock.advance(0.1)
+        port.reset_input_buffer()
+        port.write(ASK)
+        assert port.read(7) == AT_90
+        assert len(port.encoder.request(ASK * 1000)) > 0
+        port.encoder.clock.advance(0.1)
+        assert port.encoder.request(ASK) == AT_90

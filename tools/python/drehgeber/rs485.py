@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from .encoder import Encoder
 
 RUN = 16
+BLOCK = 16 * RUN  # less than a handle has room for
 WITHOUT_PARITY = 10
 
 
@@ -62,16 +63,21 @@ class Line:
 
     def _send(self, data: bytes, baud: int | None = None, parity: str | None = None) -> int:
         """From the present on, or behind what is being sent. Who has another setting gets every character
-        damaged. @return the end of it"""
+        damaged. Of much the last BLOCK is on its way yet, all before is over. @return the end of it"""
         at = max(self.clock._sync(), self._free_ns)
         if baud is None or parity is None:
             baud, parity, _ = self.uart
         one = character_ns(baud, parity)
-        for encoder in self._encoders:
-            if self._lib.dg_host_uart(encoder._host, self._uart) == 0:
-                right = self._uart.baud == baud and chr(self._uart.parity) == parity
-                self._send_to(encoder, data, at, one, 0 if right else self._lib.DG_HOST_DAMAGED)
         self._free_ns = at + one * len(data)
+        for done in range(0, len(data), BLOCK):
+            if done > 0:
+                self.clock._wait_until(at + done * one)
+                self._fetch()
+            for encoder in self._encoders:
+                if self._lib.dg_host_uart(encoder._host, self._uart) == 0:
+                    right = self._uart.baud == baud and chr(self._uart.parity) == parity
+                    flags = 0 if right else self._lib.DG_HOST_DAMAGED
+                    self._send_to(encoder, data[done : done + BLOCK], at + done * one, one, flags)
         return self._free_ns
 
     def _send_to(self, encoder: Encoder, data: bytes, at: int, one: int, flags: int) -> None:
