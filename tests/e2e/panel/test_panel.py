@@ -123,7 +123,7 @@ def visit(browser):
 
 
 @pytest.fixture
-def page(visit, bench):
+def page(bench, visit):
     return visit(bench.address)
 
 
@@ -323,7 +323,7 @@ def test_the_prompt(page, bench):
     assert page.input_value("#line").startswith("INST:SEL")
 
 
-def test_the_rig_is_killed_and_comes_back(visit, bench):
+def test_the_rig_is_killed_and_comes_back(bench, visit):
     page = visit(bench.address)
     select_tab(page, "hf")
     assert bench.rig.end(signal.SIGKILL) == -signal.SIGKILL
@@ -336,7 +336,7 @@ def test_the_rig_is_killed_and_comes_back(visit, bench):
     assert page.locator("#panel-hf").is_visible()
 
 
-def test_the_panel_itself_is_gone(visit, bench):
+def test_the_panel_itself_is_gone(bench, visit):
     page = visit(bench.address, expected="WebSocket connection to .* failed")
     select_tab(page, "hf")
     assert bench.web.end() == 0
@@ -359,6 +359,7 @@ def test_who_has_no_token_is_asked_for_it(visit, tmp_path):
     page.fill("#token", "sixteen-characters")
     page.press("#token", "Enter")
     page.wait_for_selector("#tabs [role=tab]")
+    page.close()
     bench.end()
 
 
@@ -375,6 +376,7 @@ def test_who_watches_can_click_nothing(visit, tmp_path):
     page.keyboard.press("PageUp")
     bench.ctl("SHAF:POS 33DEG")
     until(page, "document.getElementById('angle').textContent === '33.000°'")
+    page.close()
     bench.end()
 
 
@@ -415,7 +417,7 @@ def test_it_is_small_and_leaves_no_token(browser, bench):
 
 
 @pytest.mark.parametrize("width, height, scheme", [(1280, 800, "light"), (360, 740, "dark")])
-def test_pictures(visit, bench, width, height, scheme):
+def test_pictures(bench, visit, width, height, scheme):
     """Nothing is wider than the screen."""
     page = visit(bench.address, width, height, color_scheme=scheme)
     bench.ctl("SHAF:VEL 60RPM")

@@ -134,17 +134,26 @@ static int on_rig(sd_event_source *source, int fd, uint32_t events, void *ctx)
     return 0;
 }
 
+/* When the rig has no place in its queue at this moment, the next sweep tries again. */
 static void link_rig(struct connection *self)
 {
     struct web_server *server = self->server;
     self->link.peer = server->first.peer;
     self->link.peer_size = server->first.peer_size;
     memcpy(self->link.greeting, server->first.greeting, sizeof self->link.greeting);
-    if (rig_link_again(&self->link) != 0 ||
-        sd_event_add_io(server->setup.event, &self->io, self->link.fd, EPOLLIN | EPOLLOUT, on_rig,
-                        self) < 0) {
-        end(self, CLOSE_RIG, "the rig is gone");
+    int result = rig_link_again(&self->link);
+    if (result == -EAGAIN) {
+        return;
     }
+    if (result == 0) {
+        result = sd_event_add_io(server->setup.event, &self->io, self->link.fd, EPOLLIN | EPOLLOUT,
+                                 on_rig, self);
+    }
+    if (result < 0) {
+        end(self, CLOSE_RIG, "the rig is gone");
+        return;
+    }
+    (void)lws_callback_on_writable(self->wsi); /* for the greeting */
 }
 
 /* --- what a page says --- */
@@ -180,7 +189,6 @@ static void take_token(struct connection *self)
         return;
     }
     self->deadline = DG_NEVER;
-    (void)lws_callback_on_writable(self->wsi); /* the greeting */
     link_rig(self);
 }
 
@@ -245,7 +253,7 @@ static int send_message(struct connection *self)
                          (size_t)n);
         return -1;
     }
-    if (!self->guard.named) {
+    if (self->link.fd < 0) {
         return 0;
     }
     if (!self->greeted) {
@@ -485,8 +493,21 @@ static int open_context(struct web_server *self, struct lx_error *error)
 
 static void cut(struct connection *self)
 {
-    if (self->wsi != NULL) {
-        lws_set_timeout(self->wsi, PENDING_TIMEOUT_USER_OK, LWS_TO_KILL_SYNC);
+    lws_set_timeout(self->wsi, PENDING_TIMEOUT_USER_OK, LWS_TO_KILL_SYNC);
+}
+
+static void sweep(struct connection *self, dg_ns now)
+{
+    if (self->deadline <= now) {
+        cut(self);
+        return;
+    }
+    if (self->allowance == 0) {
+        (void)lws_rx_flow_control(self->wsi, 1);
+    }
+    self->allowance = LINES_MAX;
+    if (self->guard.named && self->ended == 0 && self->link.fd < 0) {
+        link_rig(self);
     }
 }
 
@@ -494,13 +515,9 @@ static void on_sweep(void *ctx, dg_ns now)
 {
     struct web_server *self = ctx;
     for (size_t i = 0; i < WEB_CONNECTIONS_MAX; i++) {
-        struct connection *one = &self->connections[i];
-        if (one->wsi != NULL && one->deadline <= now) {
-            cut(one);
-        } else if (one->wsi != NULL && one->allowance == 0) {
-            (void)lws_rx_flow_control(one->wsi, 1);
+        if (self->connections[i].wsi != NULL) {
+            sweep(&self->connections[i], now);
         }
-        one->allowance = LINES_MAX;
     }
     lx_timer_at(&self->sweep, dg_after(now, SWEEP_EVERY));
 }
