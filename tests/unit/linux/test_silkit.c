@@ -1,0 +1,408 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * A rig in a simulation whose library is a fake: what comes late, twice, out of order or not at all
+ * is called here by the test.
+ */
+#define _GNU_SOURCE
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <dlfcn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "drehgeber/bits.h"
+#include "rig.h"
+#include "silkit/fake.h"
+#include "timer.h"
+
+#define MS UINT64_C(1000000)
+#define LATE UINT64_C(1700000000000000000) /* somebody's time of day */
+
+static const char text[] = "[rig]\nname = cell\ncontrol = unix:%s/rig.sock\n"
+                           "[shaft motor]\nmotion = 60RPM\n"
+                           "[shaft axis]\ndriver = motor\nratio = 1:2\n"
+                           "[bus can]\nwire = silkit\naddress = silkit://h:1,CAN\n%s"
+                           "[bus line]\nwire = silkit\naddress = silkit://h:1,LINE\n"
+                           "[encoder n]\nmodel = f3668\nbus = can\n"
+                           "[encoder l]\nmodel = s3684-rs485\nbus = line\n"
+                           "[encoder b]\nmodel = s3684-biss\nwire = silkit:silkit://h:1,CHAIN\n"
+                           "[encoder s]\nmodel = ssi-25\nwire = silkit:silkit://h:1,SSI\n"
+                           "[encoder i]\nmodel = ocd-ib-k2\nwire = silkit:silkit://h:1,RING\n";
+
+static const struct lx_say quiet = {.quiet = true};
+
+struct bench {
+    char folder[32];
+    char file[64];
+    struct lx_plan plan;
+    sd_event *event;
+    struct lx_rig *rig;
+    struct fake_silkit *fake;
+    enum lx_rig_result result;
+    struct lx_error error;
+};
+
+static void open_bench(struct bench *self, const char *keys, const char *refuses)
+{
+    *self = (struct bench){.folder = "/tmp/silkit.XXXXXX"};
+    void *library = dlopen(FAKE_SILKIT, RTLD_NOW);
+    assert_non_null(library);
+    self->fake = dlsym(library, "fake_silkit");
+    assert_non_null(self->fake);
+    *self->fake = (struct fake_silkit){.refuses = refuses};
+    assert_int_equal(setenv("DREHGEBER_SILKIT_LIBRARY", FAKE_SILKIT, 1), 0);
+    assert_non_null(mkdtemp(self->folder));
+    (void)snprintf(self->file, sizeof self->file, "%s/rig.ini", self->folder);
+    FILE *file = fopen(self->file, "w");
+    assert_non_null(file);
+    (void)fprintf(file, text, self->folder, keys);
+    assert_int_equal(fclose(file), 0);
+    assert_int_equal(lx_plan_read(&self->plan, self->file, &self->error), 0);
+    assert_true(sd_event_new(&self->event) >= 0);
+    const struct lx_rig_setup setup = {.event = self->event, .say = &quiet, .plan = &self->plan};
+    self->result = lx_rig_open(&self->rig, &setup, lx_now(), &self->error);
+}
+
+static void close_bench(struct bench *self)
+{
+    char socket[64];
+    (void)lx_rig_close(self->rig, &self->error);
+    lx_plan_free(&self->plan);
+    self->event = sd_event_unref(self->event);
+    (void)snprintf(socket, sizeof socket, "%s/rig.sock", self->folder);
+    (void)unlink(socket);
+    (void)unlink(self->file);
+    assert_int_equal(rmdir(self->folder), 0);
+}
+
+/* What the loop of the command does until it would wait. */
+static void run(struct bench *self)
+{
+    do {
+        while (sd_event_get_state(self->event) != SD_EVENT_FINISHED &&
+               sd_event_run(self->event, 0) > 0) {
+        }
+    } while (sd_event_get_state(self->event) != SD_EVENT_FINISHED && lx_rig_step(self->rig));
+}
+
+static void step(struct bench *self, uint64_t at)
+{
+    self->fake->step(self->fake->ctx, NULL, at, MS);
+    run(self);
+}
+
+static void receive(const struct bench *self, uint64_t at, uint32_t id, uint32_t flags,
+                    const void *bytes, size_t n)
+{
+    struct lx_sk_frame frame = {
+        .id = id, .flags = flags, .dlc = (uint16_t)n, .data = {.data = bytes, .size = n}};
+    struct lx_sk_frame_event event = {.timestamp = at, .frame = &frame};
+    self->fake->frame(self->fake->can_ctx, NULL, &event);
+}
+
+static struct fake_topic *topic(const struct bench *self, const char *name)
+{
+    for (unsigned i = 0; i < self->fake->topics; i++) {
+        if (strcmp(self->fake->topic[i].topic, name) == 0) {
+            return &self->fake->topic[i];
+        }
+    }
+    fail_msg("no topic %s", name);
+    return NULL;
+}
+
+static void publish(const struct bench *self, uint64_t at, const char *name, const void *bytes,
+                    size_t n)
+{
+    const struct fake_topic *to = topic(self, name);
+    const struct lx_sk_data_event event = {.timestamp = at, .data = {.data = bytes, .size = n}};
+    to->handler(to->ctx, NULL, &event);
+}
+
+static void begin(struct bench *self)
+{
+    self->fake->ready(self->fake->ctx, NULL);
+    run(self);
+    assert_int_equal(self->fake->started, 1);
+    assert_int_equal(self->fake->frames, 0); /* nobody could answer yet */
+    step(self, 0);
+}
+
+/* ---------------------------------------------------------------- tests */
+
+static void boot_up_is_sent_in_the_first_step(void **state)
+{
+    struct bench bench;
+    (void)state;
+    open_bench(&bench, "", NULL);
+    assert_int_equal(bench.result, LX_RIG_OK);
+    begin(&bench);
+    assert_int_equal(bench.fake->frames, 1);
+    assert_int_equal(bench.fake->sent[0].id, 0x73F);
+    assert_int_equal(bench.fake->completed, 1);
+    close_bench(&bench);
+    assert_int_equal(bench.fake->stopped, 1);
+    assert_int_equal(bench.fake->left, 1);
+}
+
+/* Two SYNCs that came the wrong way round, a third one of this very step. */
+static void frames_are_handled_in_the_order_of_their_moments(void **state)
+{
+    struct bench bench;
+    (void)state;
+    open_bench(&bench, "", NULL);
+    begin(&bench);
+    receive(&bench, MS / 2, 0, 0, "\x01\x00", 2);
+    step(&bench, MS);
+    bench.fake->frames = 0;
+    receive(&bench, 502 * MS, 0x80, 0, "", 0);
+    receive(&bench, 501 * MS, 0x80, 0, "", 0);
+    receive(&bench, 503 * MS, 0x80, 0, "", 0);
+    step(&bench, 503 * MS);
+    assert_int_equal(bench.fake->frames, 2);
+    assert_int_equal(dg_load_le32(bench.fake->sent[0].bytes), 501 * 65536 / 1000);
+    assert_int_equal(dg_load_le32(bench.fake->sent[1].bytes), 502 * 65536 / 1000);
+    step(&bench, 504 * MS);
+    assert_int_equal(bench.fake->frames, 3);
+    assert_int_equal(dg_load_le32(bench.fake->sent[2].bytes), 503 * 65536 / 1000);
+    close_bench(&bench);
+}
+
+static void who_has_another_clock_is_heard_at_once(void **state)
+{
+    static const uint8_t upload[8] = {0x40, 0x04, 0x60};
+    struct bench bench;
+    (void)state;
+    open_bench(&bench, "", NULL);
+    begin(&bench);
+    bench.fake->frames = 0;
+    receive(&bench, LATE, 0x63F, 0, upload, sizeof upload);
+    receive(&bench, LATE, 0x63F, 0x200, upload, sizeof upload);  /* 29 bits */
+    receive(&bench, LATE, 0x63F, 0x1000, upload, sizeof upload); /* CAN FD */
+    receive(&bench, LATE, 0x63F, 0, text, 64);
+    step(&bench, MS);
+    assert_int_equal(bench.fake->frames, 1);
+    assert_int_equal(bench.fake->sent[0].id, 0x5BF);
+    close_bench(&bench);
+}
+
+static void states_of_the_controller_are_the_encoders(void **state)
+{
+    struct lx_sk_error_event event = {.timestamp = MS, .state = LX_SK_BUS_OFF};
+    struct lx_sk_transmit_event lost = {.timestamp = MS, .status = 2};
+    struct bench bench;
+    (void)state;
+    open_bench(&bench, "", NULL);
+    begin(&bench);
+    receive(&bench, MS / 2, 0, 0, "\x01\x00", 2);
+    bench.fake->error(bench.fake->can_ctx, NULL, &event);
+    bench.fake->transmit(bench.fake->can_ctx, NULL, &lost);
+    step(&bench, 2 * MS);
+    bench.fake->frames = 0;
+    receive(&bench, 2 * MS, 0x80, 0, "", 0);
+    step(&bench, 3 * MS);
+    assert_int_equal(bench.fake->frames, 0);
+    event = (struct lx_sk_error_event){.timestamp = 3 * MS, .state = LX_SK_ERROR_ACTIVE};
+    bench.fake->error(bench.fake->can_ctx, NULL, &event);
+    event.state = 77; /* none that is known */
+    bench.fake->error(bench.fake->can_ctx, NULL, &event);
+    step(&bench, 4 * MS);
+    assert_true(bench.fake->frames > 0);
+    assert_int_equal(bench.fake->sent[0].id, 0xBF);
+    assert_int_equal(dg_load_le16(bench.fake->sent[0].bytes), 0x8140);
+    close_bench(&bench);
+}
+
+static void topics_carry_what_goes_over_lines(void **state)
+{
+    static const uint8_t request[] = {0x40, 0x42, 0x02};
+    uint8_t turn[16] = {0};
+    struct bench bench;
+    (void)state;
+    open_bench(&bench, "", NULL);
+    begin(&bench);
+    dg_store_le64(turn, UINT64_C(1) << 30);
+    publish(&bench, MS, "cell/shaft/motor/turn", turn, sizeof turn);
+    publish(&bench, 1500 * MS, "LINE/request", request, sizeof request);
+    for (uint64_t at = 10; at <= 1600; at += 10) {
+        step(&bench, at * MS);
+    }
+    const struct fake_topic *reply = topic(&bench, "LINE/reply");
+    assert_in_range(reply->count, 1, 2);                    /* within a step, or two */
+    assert_int_equal(reply->bytes[reply->size - 1u], 0x42); /* the check sum of 40 42 00 00 40 00 */
+    assert_int_equal(topic(&bench, "CHAIN/frame")->count, 161);
+    assert_int_equal(topic(&bench, "CHAIN/frame")->bytes[8], 0);
+    assert_int_equal(dg_load_le32(topic(&bench, "CHAIN/frame")->bytes + 16), 1u << 19);
+    assert_int_equal(dg_load_le32(topic(&bench, "SSI/frame")->bytes + 16), 1u << 11);
+    assert_int_equal(dg_load_le16(topic(&bench, "RING/in")->bytes), 0);
+    assert_memory_equal(topic(&bench, "cell/shaft/motor")->bytes, turn, sizeof turn);
+    assert_int_equal(dg_load_le32(topic(&bench, "cell/shaft/axis")->bytes), 1u << 29);
+    publish(&bench, 1605 * MS, "CHAIN/latch", "", 0);
+    step(&bench, 1610 * MS);
+    assert_int_equal(topic(&bench, "CHAIN/frame")->count, 162);
+    assert_int_equal(dg_load_le32(topic(&bench, "CHAIN/frame")->bytes), (uint32_t)(1605 * MS));
+    step(&bench, 1620 * MS);
+    assert_int_equal(topic(&bench, "CHAIN/frame")->count, 162);
+    close_bench(&bench);
+}
+
+static void other_lengths_are_left_out(void **state)
+{
+    static const uint8_t junk[5000];
+    struct bench bench;
+    (void)state;
+    open_bench(&bench, "", NULL);
+    begin(&bench);
+    for (unsigned i = 0; i < 3; i++) {
+        publish(&bench, MS, "cell/shaft/motor/turn", junk, 15);
+        publish(&bench, MS, "LINE/request", junk, sizeof junk);
+        publish(&bench, MS, "RING/out", junk, 3);
+        publish(&bench, MS, "CHAIN/latch", junk, 1);
+    }
+    publish(&bench, MS, "RING/out", "\x00\x00\x00\x00", 4);
+    step(&bench, 2 * MS);
+    assert_int_equal(bench.fake->completed, 2);
+    close_bench(&bench);
+}
+
+/* Also what comes after the end, when it is being taken down. */
+static void what_comes_late_or_twice_harms_nobody(void **state)
+{
+    struct bench bench;
+    (void)state;
+    open_bench(&bench, "", NULL);
+    begin(&bench);
+    bench.fake->ready(bench.fake->ctx, NULL);
+    bench.fake->step(bench.fake->ctx, NULL, MS, MS);
+    step(&bench, MS);
+    step(&bench, 0);
+    step(&bench, 2 * MS);
+    bench.fake->stop(bench.fake->ctx, NULL);
+    bench.fake->stop(bench.fake->ctx, NULL);
+    bench.fake->shutdown(bench.fake->ctx, NULL);
+    bench.fake->abort(bench.fake->ctx, NULL, 0);
+    receive(&bench, MS, 0x80, 0, "", 0);
+    bench.fake->step(bench.fake->ctx, NULL, 3 * MS, MS);
+    run(&bench);
+    int code = -1;
+    assert_int_equal(sd_event_get_exit_code(bench.event, &code), 0);
+    assert_int_equal(code, 0);
+    bench.fake->step(bench.fake->ctx, NULL, 4 * MS, MS);
+    receive(&bench, MS, 0x80, 0, text, 8);
+    close_bench(&bench);
+    assert_int_equal(bench.fake->stopped, 0);
+}
+
+static void it_ends_as_the_others_do(void **state)
+{
+    static const struct {
+        bool begun;
+        bool aborted;
+        const char *gone;
+        int code;
+    } rows[] = {
+        {true, false, NULL, 0},
+        {true, true, NULL, 1},
+        {false, true, NULL, 1},
+        {false, false, "SilKitRegistry", 1},
+    };
+    (void)state;
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
+        const struct lx_sk_connection peer = {.name = rows[i].gone};
+        struct bench bench;
+        open_bench(&bench, "", NULL);
+        if (rows[i].begun) {
+            begin(&bench);
+        }
+        if (rows[i].gone != NULL) {
+            bench.fake->gone(bench.fake->ctx, NULL, &peer);
+        } else if (rows[i].aborted) {
+            bench.fake->abort(bench.fake->ctx, NULL, 50);
+        } else {
+            bench.fake->stop(bench.fake->ctx, NULL);
+            bench.fake->shutdown(bench.fake->ctx, NULL);
+        }
+        run(&bench);
+        int code = -1;
+        assert_int_equal(sd_event_get_exit_code(bench.event, &code), 0);
+        assert_int_equal(code, rows[i].code);
+        close_bench(&bench);
+    }
+}
+
+static void its_part_ends_behind_the_span(void **state)
+{
+    struct bench bench;
+    (void)state;
+    open_bench(&bench, "", NULL);
+    lx_rig_end_after(bench.rig, 2 * MS);
+    begin(&bench);
+    step(&bench, MS);
+    step(&bench, 2 * MS);
+    assert_int_equal(bench.fake->completed, 3);
+    step(&bench, 3 * MS);
+    assert_int_equal(bench.fake->completed, 3);
+    assert_int_equal(sd_event_get_state(bench.event), SD_EVENT_FINISHED);
+    close_bench(&bench);
+    assert_int_equal(bench.fake->completed, 4); /* the step it was asked for is not held up */
+}
+
+static void what_the_library_refuses_is_one_line(void **state)
+{
+    static const char *const functions[] = {"config", "join",      "lifecycle",  "time",
+                                            "can",    "publisher", "subscriber", "start"};
+    (void)state;
+    for (size_t i = 0; i < DG_COUNT(functions); i++) {
+        struct bench bench;
+        open_bench(&bench, "", functions[i]);
+        assert_int_equal(bench.result, LX_RIG_WORLD);
+        assert_non_null(strstr(lx_error_line(&bench.error).text, "no luck"));
+        close_bench(&bench);
+    }
+}
+
+static void what_it_refuses_later_is_said_once(void **state)
+{
+    static const char *const functions[] = {"send", "publish", "complete", "baud"};
+    (void)state;
+    for (size_t i = 0; i < DG_COUNT(functions); i++) {
+        struct bench bench;
+        open_bench(&bench, "", functions[i]);
+        assert_int_equal(bench.result, LX_RIG_OK);
+        begin(&bench);
+        step(&bench, MS);
+        assert_int_equal(bench.fake->completed, 2);
+        close_bench(&bench);
+    }
+}
+
+static int own_time(void **state)
+{
+    (void)state;
+    lx_time_own();
+    return 0;
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(boot_up_is_sent_in_the_first_step),
+        cmocka_unit_test(frames_are_handled_in_the_order_of_their_moments),
+        cmocka_unit_test(who_has_another_clock_is_heard_at_once),
+        cmocka_unit_test(states_of_the_controller_are_the_encoders),
+        cmocka_unit_test(topics_carry_what_goes_over_lines),
+        cmocka_unit_test(other_lengths_are_left_out),
+        cmocka_unit_test(what_comes_late_or_twice_harms_nobody),
+        cmocka_unit_test(it_ends_as_the_others_do),
+        cmocka_unit_test(its_part_ends_behind_the_span),
+        cmocka_unit_test(what_the_library_refuses_is_one_line),
+        cmocka_unit_test(what_it_refuses_later_is_said_once),
+    };
+    return cmocka_run_group_tests(tests, own_time, NULL);
+}
