@@ -15,12 +15,12 @@ const crc = (bits, degree, polynomial) => {
 };
 export const crc6 = (bits) => crc(bits, 6, 0x03);
 export const crc4 = (bits) => crc(bits, 4, 0x03);
-const number = (bits) => bits.reduce((value, bit) => value * 2 + bit, 0);
-const bitsOf = (value, n) => Array.from({ length: n }, (_, i) => value >> n - 1 - i & 1);
+export const number = (bits) => bits.reduce((value, bit) => value * 2 + bit, 0);
+export const bitsOf = (value, n) => Array.from({ length: n }, (_, i) => value >> n - 1 - i & 1);
 
 export class Master {
-  constructor(pico, { mhz = 10, multiturn = 12, singleturn = 21, timeoutUs = TIMEOUT_US } = {}) {
-    Object.assign(this, { pico, mhz, multiturn, singleturn, timeoutUs });
+  constructor(pico, { mhz = 10, multiturn = 12, singleturn = 21, lifeBits = 6, timeoutUs = TIMEOUT_US } = {}) {
+    Object.assign(this, { pico, mhz, multiturn, singleturn, lifeBits, timeoutUs });
     this.edges = pico.watch(SLO);
     this.level = 1;
     this.gapUs = 0.6; // from the timeout to the next frame
@@ -41,7 +41,7 @@ export class Master {
    * SLO's edges, the end of the last clock */
   clock(clocks, cdm) {
     const { pico } = this, half = HZ / 1e6 / this.mhz / 2, begin = pico.cycle + 10, rises = [];
-    this.level = this.edges.at(-1)?.level ?? this.level;
+    const before = this.level = this.edges.at(-1)?.level ?? this.level;
     this.edges.length = 0;
     for (let k = 0; k < clocks; k++) {
       pico.drive(Math.round(begin + 2 * k * half), MA, false);
@@ -58,18 +58,21 @@ export class Master {
       pico.drive(over, MA, true);
     }
     pico.run(over + (low ? us(0.5) : 0) - pico.cycle);
-    return { rises, bits, start, end, edges: [...this.edges] };
+    return { rises, bits, start, end, before, edges: [...this.edges] };
   }
 
   /** A whole frame. */
   frame(cdm = 0, clocks = this.clocks) {
     const seen = this.clock(clocks, cdm), { bits } = seen;
     const { start } = seen, from = start + 1;
-    const data = bits.slice(from + 1, from + 1 + this.multiturn + this.singleturn + 8);
+    const data = bits.slice(from + 1, from + 3 + this.multiturn + this.singleturn + this.lifeBits);
     const sum = bits.slice(from + 1 + data.length, from + 7 + data.length);
     const st = this.multiturn + this.singleturn;
+    const idle = seen.before === 1 || this.fresh; // after power-on SLO is low up to e1
+    this.fresh = false;
     return {
       ...seen,
+      data: [...data, ...sum],
       e1: seen.rises[0],
       delay: (seen.rises[start] - seen.rises[0]) / HZ * 1e6, // us from e1 to the start bit
       cds: bits[from],
@@ -77,7 +80,7 @@ export class Master {
       nerr: data[st],
       nwarn: data[st + 1],
       life: number(data.slice(st + 2)),
-      good: bits[0] === 1 && bits[1] === 0 && start > 1 && sum.length === 6 && number(sum) === crc6(data),
+      good: idle && bits[0] === 1 && bits[1] === 0 && start > 1 && sum.length === 6 && number(sum) === crc6(data),
     };
   }
 
