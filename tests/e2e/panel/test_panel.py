@@ -79,15 +79,25 @@ class Bench:
         return subprocess.run(asked, check=True, capture_output=True, text=True, timeout=WAIT_S).stdout.splitlines()
 
     def end(self):
-        assert self.web.end() == 0
-        assert self.rig.end() == 0
+        return self.web.end(), self.rig.end()
 
 
 @pytest.fixture
-def bench(tmp_path):
-    made = Bench(tmp_path)
-    yield made
-    made.end()
+def begin(tmp_path):
+    """begin(OPTION...) of `drehgeber web`; it ends after its pages."""
+    made = []
+
+    def go(*options):
+        made.append(Bench(tmp_path, *options))
+        return made[-1]
+
+    yield go
+    assert [one.end() for one in made] == [(0, 0)] * len(made)
+
+
+@pytest.fixture
+def bench(begin):
+    return begin()
 
 
 @pytest.fixture(scope="module")
@@ -347,11 +357,11 @@ def test_the_panel_itself_is_gone(bench, visit):
     bench.web = again
 
 
-def test_who_has_no_token_is_asked_for_it(visit, tmp_path):
+def test_who_has_no_token_is_asked_for_it(begin, visit, tmp_path):
     file = tmp_path / "token"
     file.write_text("sixteen-characters\n")
     file.chmod(0o600)
-    bench = Bench(tmp_path, "--token", str(file))
+    bench = begin("--token", str(file))
     page = visit(bench.address, ready="#token")
     page.fill("#token", "seventeen-characters")
     page.press("#token", "Enter")
@@ -359,12 +369,10 @@ def test_who_has_no_token_is_asked_for_it(visit, tmp_path):
     page.fill("#token", "sixteen-characters")
     page.press("#token", "Enter")
     page.wait_for_selector("#tabs [role=tab]")
-    page.close()
-    bench.end()
 
 
-def test_who_watches_can_click_nothing(visit, tmp_path):
-    bench = Bench(tmp_path, "--watch")
+def test_who_watches_can_click_nothing(begin, visit):
+    bench = begin("--watch")
     page = visit(bench.address)
     select_tab(page, "hf")
     assert page.inner_text("#lead") == "A running rig, to look at."
@@ -376,8 +384,6 @@ def test_who_watches_can_click_nothing(visit, tmp_path):
     page.keyboard.press("PageUp")
     bench.ctl("SHAF:POS 33DEG")
     until(page, "document.getElementById('angle').textContent === '33.000°'")
-    page.close()
-    bench.end()
 
 
 def test_keys(page, bench):
