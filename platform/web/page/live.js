@@ -306,6 +306,9 @@ export class LiveRig {
 
   // The hand is faster than the answers: of what it wants meanwhile the last counts.
   place(angle) {
+    if (this.watches) {
+      return;
+    }
     const degrees = (Number(BigInt.asIntN(64, angle)) * 360) / Number(TURN);
     Object.assign(this, { heard: performance.now(), turned: { degrees, rpm: 0 }, wanted: degrees });
     this.held++;
@@ -342,6 +345,9 @@ export class LiveRig {
 
   // A command of the page's own; what is wrong with it is told.
   async tell(encoder, line) {
+    if (this.watches) {
+      return;
+    }
     try {
       const { errors } = await this.line.command(`INST:SEL "${encoder.key}";:${line}`);
       if (errors.length > 0) {

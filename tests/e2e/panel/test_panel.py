@@ -382,6 +382,9 @@ def test_who_watches_can_click_nothing(begin, visit):
         assert page.locator("#panel-hf").get_by_role("button", name=name).is_disabled()
     page.focus("#dial")
     page.keyboard.press("PageUp")
+    time.sleep(0.5)
+    assert bench.ctl("SHAF:POS?") == ["90.000000"]
+    assert page.locator("#trouble").is_hidden()
     bench.ctl("SHAF:POS 33DEG")
     until(page, "document.getElementById('angle').textContent === '33.000°'")
 
