@@ -35,8 +35,10 @@ struct lx_timer {
     void (*due)(void *ctx, dg_ns now); /**< called once at the deadline, `now` never before it */
     void *ctx;
     dg_ns at;
-    struct lx_timer *next; /**< in virtual time: who waits, too */
-    bool overdue;          /**< it was when it was set: then it waits for its turn */
+    bool virtual_; /**< it was opened in virtual time, */
+    size_t place;  /**< and has this place among those who wait, from 1; 0: it does not wait */
+    uint64_t turn; /**< whose turn it is at the same moment */
+    bool overdue;  /**< it was when it was set: then it waits for its turn */
 };
 
 /** Make a timer that waits for nothing. @return 0 or a negative errno */

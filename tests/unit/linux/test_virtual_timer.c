@@ -123,6 +123,69 @@ static void who_is_closed_or_moved_is_not_called(void **state)
     assert_false(lx_time_pass(seen.begin + DG_S(8)));
 }
 
+/* Any number, asked for, moved and taken back in any order: each comes at its moment, the first who
+ * asked first. */
+struct many {
+    struct lx_timer timer;
+    unsigned asked; /* of all, the how manieth to ask; 0: it does not wait */
+};
+
+static struct {
+    struct many *last; /* that came */
+    dg_ns at;
+    unsigned asked;
+    unsigned came;
+} order;
+
+static void come(void *ctx, dg_ns now)
+{
+    struct many *self = ctx;
+
+    assert_int_not_equal(self->asked, 0);
+    assert_true(now > order.at || (now == order.at && self->asked > order.asked));
+    order.at = now;
+    order.asked = self->asked;
+    order.came++;
+    self->asked = 0;
+}
+
+static void many_come_in_their_order(void **state)
+{
+    enum { COUNT = 1000, ROUNDS = 4 };
+    static struct many all[COUNT];
+    uint32_t chance = 1;
+    unsigned asked = 0;
+    unsigned waiting = 0;
+
+    (void)state;
+    order.at = 0;
+    order.came = 0;
+    for (unsigned i = 0; i < COUNT; i++) {
+        assert_int_equal(lx_timer_open(&all[i].timer, NULL, come, &all[i]), 0);
+    }
+    for (unsigned i = 0; i < ROUNDS * COUNT; i++) {
+        struct many *one = &all[(chance = chance * 1664525u + 1013904223u) >> 12u & 511u];
+        const dg_ns at = seen.begin + DG_MS(1 + (chance >> 24u));
+        one = &one[i % 2u * (COUNT - 512u)];
+        const bool again = chance >> 8u & 3u;
+        if (one->timer.at != at) { /* who asks for what he has stays where he is */
+            one->asked = again ? ++asked : 0;
+        }
+        lx_timer_at(&one->timer, again ? at : DG_NEVER);
+        one->asked = again ? one->asked : 0;
+    }
+    for (unsigned i = 0; i < COUNT; i++) {
+        waiting += all[i].asked != 0 ? 1u : 0u;
+    }
+    while (lx_time_pass(seen.begin + DG_S(1))) {
+    }
+    assert_true(waiting > COUNT / 2u);
+    assert_int_equal(order.came, waiting);
+    for (unsigned i = 0; i < COUNT; i++) {
+        lx_timer_close(&all[i].timer);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -130,6 +193,7 @@ int main(void)
         cmocka_unit_test_setup(deadlines_come_in_their_order, begin),
         cmocka_unit_test_setup(one_that_is_over_comes_now, begin),
         cmocka_unit_test_setup(who_is_closed_or_moved_is_not_called, begin),
+        cmocka_unit_test_setup(many_come_in_their_order, begin),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
