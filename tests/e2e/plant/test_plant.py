@@ -1,0 +1,161 @@
+# SPDX-License-Identifier: MIT
+"""The plant of tools/examples: 10 000 encoders in one simulation, their positions checked against their shafts. It prints
+its figures, which nobody judges."""
+import os
+import re
+import signal
+import socket
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+TREE = Path(__file__).resolve().parents[3]
+PROGRAM = os.environ.get("DREHGEBER", str(TREE / "build/release/drehgeber"))
+PLANT = TREE / "tools/examples/plant/plant.py"
+MS = int(os.environ.get("DREHGEBER_PLANT_MS", "1000"))
+PATIENCE_S = 120 + MS // 50
+SMALL = ("--processes", "2", "--buses", "2", "--nodes", "3", "--ms", "300")
+
+
+def command(*arguments, program=PROGRAM):
+    return [sys.executable, "-B", str(PLANT), "--program", str(program), *arguments]
+
+
+def run(*arguments, program=PROGRAM, **environment):
+    return subprocess.run(command(*arguments, program=program), stdin=subprocess.DEVNULL, capture_output=True, text=True,
+                          timeout=PATIENCE_S, env={**os.environ, **environment})
+
+
+def figure(result, name):
+    assert result.returncode == 0, result.stdout + result.stderr
+    return re.search(rf"^{re.escape(name)}\s+(.*)$", result.stdout, re.M)[1]
+
+
+def free_port():
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+@pytest.fixture
+def wrapped(tmp_path):
+    """The program with its rig files changed: wrapped("s/A/B/")."""
+
+    def make(edit):
+        path = tmp_path / "drehgeber"
+        path.write_text(f"#!/bin/sh\necho $$ >> {tmp_path}/pids\nsed -i '{edit}' \"$3\"\nexec {PROGRAM} \"$@\"\n")
+        path.chmod(0o755)
+        return path
+
+    return make
+
+
+def test_ten_thousand_encoders(capsys):
+    result = run("--ms", str(MS))
+    assert figure(result, "encoders").startswith("10000 = 4 rigs x 20 buses x 125 nodes")
+    assert figure(result, "positions") == f"{MS // 100 * 10000} checked, 0 wrong"
+    for name in ("start-up", "memory", "virtual s per s", "steps/s", "frames/s", "processor", "a frame"):
+        assert re.search(r"\d", figure(result, name))
+    with capsys.disabled():
+        print(*(f"\nnote: plant: {line}" for line in result.stdout.splitlines()), sep="")
+
+
+def test_other_steps():
+    """SYNC in each fourth one."""
+    result = run(*SMALL, "--step-us", "250", "--sync-ms", "1")
+    assert figure(result, "positions") == f"{300 * 2 * 2 * 3} checked, 0 wrong"
+
+
+def test_several_machines():
+    """As two of them have it, here on one: rigs with the master, and others that join."""
+    registry = f"silkit://127.0.0.1:{free_port()}"
+    with subprocess.Popen(command(*SMALL, "--registry", registry, "--here", "0"), stdin=subprocess.DEVNULL, text=True,
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT) as first:
+        try:
+            wait_for_port(int(registry.rpartition(":")[2]), first)
+            other = run(*SMALL, "--registry", registry, "--here", "1", "--join")
+            said, _ = first.communicate(timeout=PATIENCE_S)
+        finally:
+            first.terminate()
+    assert first.returncode == 0 and "36 checked, 0 wrong" in said, said
+    assert other.returncode == 0 and other.stdout == f"1 rigs are ready, for {registry}\n", other.stderr
+
+
+def wait_for_port(port, process):
+    end = time.monotonic() + PATIENCE_S
+    while process.poll() is None and time.monotonic() < end:
+        try:
+            socket.create_connection(("127.0.0.1", port), 1).close()
+            return
+        except OSError:
+            time.sleep(0.05)
+    raise AssertionError("nobody listens")
+
+
+@pytest.mark.parametrize("edit, complaint", [
+    ("s/^node = 1..3/node = 1..2/", r"step \d+: bus\d+: 283h is missing"),
+    ("s/^shaft = s1/shaft = s0/", r"step \d+: bus1: 28[123]h tells [0-9a-f]{8}, not [0-9a-f]{8}"),
+])
+def test_what_is_wrong_is_found(wrapped, edit, complaint):
+    result = run(*SMALL, program=wrapped(edit))
+    assert result.returncode == 1
+    assert re.search(complaint, result.stderr), result.stderr
+    assert not re.search(r"checked, 0 wrong", result.stdout)
+
+
+def test_a_rig_that_does_not_start(wrapped):
+    result = run(*SMALL, program=wrapped("s/f3668/f9999/"))
+    assert result.returncode == 1
+    assert re.search(r"^plant: plant-\d has ended with 2: .*f9999 is none", result.stderr, re.M), result.stderr
+
+
+def test_what_it_started_ends_with_it(wrapped, tmp_path):
+    (tmp_path / "tmp").mkdir()
+    with subprocess.Popen(command("--ms", "1000000", program=wrapped("s/a/a/")), stdin=subprocess.DEVNULL, text=True,
+                          stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+                          env={**os.environ, "TMPDIR": str(tmp_path / "tmp")}) as plant:
+        assert re.match(r"plant: step \d+ of 1000\d+, \d+ positions checked, 0 wrong, \d+ s", plant.stderr.readline())
+        pids = [int(line) for line in (tmp_path / "pids").read_text().split()]
+        assert len(pids) == 4 and all(Path(f"/proc/{pid}").exists() for pid in pids)
+        plant.send_signal(signal.SIGTERM)
+        plant.wait(PATIENCE_S)
+        assert plant.returncode == 143
+    assert not any(Path(f"/proc/{pid}").exists() for pid in pids)
+    assert [path.name for path in (tmp_path / "tmp").iterdir() if not path.name.startswith("drehgeber-")] == []
+
+
+@pytest.mark.parametrize("arguments, environment, complaint", [
+    (SMALL, {"DREHGEBER_SILKIT_LIBRARY": "/nowhere.so"}, "no SIL Kit library: /nowhere.so"),
+    (("--program", "/nowhere"), {}, "plant: /nowhere: No such file or directory; --program"),
+    (("--join",), {}, "--registry silkit://HOST:PORT says where the master is"),
+    (("--nodes", "128"), {}, "a bus has at most 127 nodes"),
+    (("--sync-ms", "3"), {}, "SYNC comes each fourth step at most"),
+])
+def test_what_cannot_be(arguments, environment, complaint):
+    result = run(*arguments, **environment)
+    assert result.returncode != 0 and complaint in result.stderr, result.stderr
+
+
+def test_a_rig_file_by_itself(tmp_path):
+    """For rigs that somebody else starts: the command takes it as far as the registry, which is not there."""
+    registry = f"silkit://127.0.0.1:{free_port()}"
+    file = tmp_path / "plant-3.ini"
+    file.write_text(subprocess.run(command("--rig", "3", "--registry", registry), check=True, capture_output=True,
+                                   text=True, timeout=PATIENCE_S).stdout)
+    assert len(file.read_text().splitlines()) < 250
+    result = subprocess.run([PROGRAM, "run", str(file)], capture_output=True, text=True, timeout=PATIENCE_S)
+    assert result.returncode == 1 and "silkit:silkit://127.0.0.1:" in result.stderr, result.stderr
+
+
+def test_the_drop_in_for_services(tmp_path):
+    unit = (TREE / "tools/systemd/drehgeber@.service.in").read_text()
+    (tmp_path / "drehgeber@.service").write_text(unit.replace("@DREHGEBER_BINDIR@/drehgeber", PROGRAM))
+    folder = tmp_path / "drehgeber@.service.d"
+    folder.mkdir()
+    (folder / "silkit.conf").write_text((PLANT.parent / "silkit.conf").read_text())
+    result = subprocess.run(["systemd-analyze", "verify", "--man=no", "--no-pager", tmp_path / "drehgeber@.service"],
+                            capture_output=True, text=True, timeout=PATIENCE_S)
+    assert (result.returncode, result.stdout + result.stderr) == (0, "")
