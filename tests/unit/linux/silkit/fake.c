@@ -251,8 +251,13 @@ DOES(DataPublisher_Publish, struct lx_sk_publisher *self, const struct lx_sk_byt
     return may("publish");
 }
 
-MAKES(DataSubscriber_Create, lx_sk_subscriber, struct lx_sk_participant *participant,
-      const char *name, struct lx_sk_spec *spec, void *ctx, lx_sk_on_data *handler)
+__attribute__((visibility("default"))) int32_t
+SilKit_DataSubscriber_Create(struct lx_sk_subscriber **out, struct lx_sk_participant *participant,
+                             const char *name, struct lx_sk_spec *spec, void *ctx,
+                             lx_sk_on_data *handler);
+int32_t SilKit_DataSubscriber_Create(struct lx_sk_subscriber **out,
+                                     struct lx_sk_participant *participant, const char *name,
+                                     struct lx_sk_spec *spec, void *ctx, lx_sk_on_data *handler)
 {
     struct fake_topic *topic = topic_of(spec);
     (void)participant;
