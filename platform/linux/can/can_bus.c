@@ -353,7 +353,7 @@ struct lx_bus *lx_can_bus_make(const struct lx_bus_setup *setup, lx_can_open *op
     self->node = node;
     self->pace = lx_can_pace;
     int result = 0;
-    if (setup->wire->kind->keys == &lx_can_keys) {
+    if (open != lx_silkit_can_open) { /* that has the keys of its simulation */
         result = lx_wire_settings(&lx_can_keys, setup->plan, setup->wire, &self->pace, error);
     }
     for (size_t i = 0; result == 0 && i < setup->count; i++) {

@@ -302,15 +302,15 @@ static void what_comes_late_or_twice_harms_nobody(void **state)
 static void it_ends_as_the_others_do(void **state)
 {
     static const struct {
-        bool begun;
-        bool aborted;
         const char *gone;
         int code;
+        bool begun;
+        bool aborted;
     } rows[] = {
-        {true, false, NULL, 0},
-        {true, true, NULL, 1},
-        {false, true, NULL, 1},
-        {false, false, "SilKitRegistry", 1},
+        {NULL, 0, true, false},
+        {NULL, 1, true, true},
+        {NULL, 1, false, true},
+        {"SilKitRegistry", 1, false, false},
     };
     (void)state;
     for (size_t i = 0; i < DG_COUNT(rows); i++) {
