@@ -41,6 +41,8 @@ READY = [
     ("ready f3668 slcan:tcp:127.0.0.1:29535/7 a", ("a", "f3668", "slcan", "tcp:127.0.0.1:29535", 7)),
     ("ready f3668 socketcand:127.0.0.1:29536,can0/7 a", ("a", "f3668", "socketcand", "127.0.0.1:29536,can0", 7)),
     ("ready s3684-rs485 rs485:rfc2217:127.0.0.1:2217 a", ("a", "s3684-rs485", "rs485", "rfc2217:127.0.0.1:2217", None)),
+    ("ready f3668 silkit:silkit://127.0.0.1:8501,CAN1/7 a", ("a", "f3668", "silkit", "silkit://127.0.0.1:8501,CAN1", 7)),
+    ("ready s3684-rs485 silkit:silkit://[::1]:8501,L a", ("a", "s3684-rs485", "silkit", "silkit://[::1]:8501,L", None)),
     ("ready f3668 slcan:/dev/pts/5", ("f3668", "f3668", "slcan", "/dev/pts/5", None)),
     ("ready s3684-rs485 pty:/dev/pts/4 m", ("m", "s3684-rs485", "pty", "/dev/pts/4", None)),
     ("ready ocd-ib-k3 modbus:[::1]:5020/2 k", ("k", "ocd-ib-k3", "modbus", "[::1]:5020", 2)),

@@ -25,12 +25,12 @@ const struct lx_silkit_settings lx_silkit_defaults = {.time = LX_SILKIT_COORDINA
 
 /* --- addresses --- */
 
-/* A name of letters, digits and what else may stand in one. */
+/* A name of letters, digits, '_', '-' and '.'; a slash begins what stands behind it. */
 static bool take_name(const char *from, size_t n, char to[LX_SILKIT_NAME_MAX])
 {
     bool good = n > 0 && n < LX_SILKIT_NAME_MAX;
     for (size_t i = 0; good && i < n; i++) {
-        good = isalnum((unsigned char)from[i]) != 0 || strchr("_-./", from[i]) != NULL;
+        good = isalnum((unsigned char)from[i]) != 0 || strchr("_-.", from[i]) != NULL;
     }
     if (good) {
         memcpy(to, from, n);

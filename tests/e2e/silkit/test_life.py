@@ -40,10 +40,12 @@ def test_a_library_that_is_none(library, said):
 RIGHT = "silkit://HOST:PORT,NETWORK or silkit://HOST:PORT,NETWORK,PARTICIPANT is right"
 
 
-@pytest.mark.parametrize("where", ["", ",", "x", "silkit://", "silkit://h:1", "silkit://h:1,", "silkit://h,N", "silkit://:1,N",
-                                   "silkit://h:0,N", "silkit://h:65536,N", "silkit://h:1x,N", "silkit://h h:1,N",
-                                   "http://h:1,N", "silkit://h:1/x,N", "silkit://h:1,N N", "silkit://h:1,N,", "silkit://h:1,N,A,B",
-                                   f"silkit://{'h' * 300}:1,N", f"silkit://h:1,{'N' * 64}", f"silkit://h:1,N,{'P' * 64}"])
+@pytest.mark.parametrize("where", [
+    "", ",", "x", "silkit://", "silkit://h:1", "silkit://h:1,", "silkit://h,N", "silkit://:1,N", "silkit://h:0,N",
+    "silkit://h:65536,N", "silkit://h:1x,N", "silkit://h h:1,N", "http://h:1,N", "silkit://h:1/x,N", "silkit://h:1,N N",
+    "silkit://h:1,N/M", "silkit://h:1,N,", "silkit://h:1,N,A,B", f"silkit://{'h' * 300}:1,N",
+    f"silkit://h:1,{'N' * 64}", f"silkit://h:1,N,{'P' * 64}",
+])
 def test_what_is_no_address(where):
     assert refused(2, f"--silkit={where}").endswith(RIGHT)
 
@@ -82,7 +84,8 @@ def test_real_wires_are_in_no_simulation(tmp_path):
     file.write_text(f"[encoder a]\nmodel = {MODEL}\nwire = silkit:{NOBODY},A\n"
                     "[encoder b]\nmodel = s3684-rs485\nwire = tty:/dev/null\n")
     line = run_refused(2, "run", file, env=WITH_LIBRARY)
-    assert "tty has real time, not that of a simulation; pty, rs485, sim, slcan, socketcand, silkit and modbus are right" in line
+    assert "tty has real time, not that of a simulation; " in line
+    assert line.endswith("pty, rs485, sim, slcan, socketcand, silkit and modbus are right")
 
 
 def test_a_name_is_there_once(registry, rig):

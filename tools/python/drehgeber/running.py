@@ -144,7 +144,8 @@ def parse_ready(rig: RunningRig | None, line: str) -> RunningEncoder | None:
     if len(words) == 3:  # from the command line: the only one, or a whole ring
         return RunningEncoder(rig, words[1], words[1], wire, address)
     place = None
-    if wire in PLACED:
+    # In a simulation it depends on what the encoder speaks; no NETWORK has a slash.
+    if wire in PLACED or (wire == "silkit" and "/" in address.partition(",")[2]):
         address, _, place = address.rpartition("/")
     return RunningEncoder(rig, words[3], words[1], wire, address, None if place is None else int(place))
 
