@@ -436,6 +436,55 @@ def test_nothing_starts_half(tmp_path):
     assert not os.path.lexists(tmp_path / "a")
 
 
+# What is refused behind encoders with an EEPROM file each: before them, behind them.
+LATE = [
+    ("", "[encoder z]\nmodel = f3668\nwire = can:nope\n"),
+    ("", "[encoder z]\nmodel = s3684-rs485\nwire = tty:/dev/does-not-exist\n"),
+    ("", "[encoder z]\nmodel = s3684-rs485\nwire = pty\nnvm = none/z.nvm\n"),
+    ("", "[encoder z]\nmodel = s3684-rs485\nwire = pty\ntrace = none/z.vcd\n"),
+    ("", "[encoder z]\nmodel = ocd-ib-k3\nwire = modbus:127.0.0.1:{taken}\nnvm = z.nvm\n"),
+    ("[rig]\ncontrol = unix:none/s\n", ""),
+    ("[rig]\ncontrol = unix:s\ncontrol = tcp:127.0.0.1:{taken}\n", ""),
+]
+WITH_FILES = """
+[encoder a]
+model = s3684-rs485
+wire = pty:a
+nvm = a.nvm
+trace = a.vcd
+[encoder b]
+model = s3684-biss
+wire = sim
+nvm = b.nvm
+[encoder c]
+model = f3668
+wire = slcan:c
+nvm = c.nvm
+[encoder d]
+model = ocd-ib-k3
+wire = modbus:127.0.0.1:0
+nvm = d.nvm
+[encoder e]
+model = s3684-rs485
+wire = pty:e
+nvm = old.nvm
+"""
+
+
+@pytest.mark.parametrize("before, behind", LATE)
+def test_a_refused_start_leaves_the_folder_as_it_was(rig, tmp_path, before, behind):
+    rig("[encoder e]\nmodel = s3684-rs485\nwire = pty\nnvm = old.nvm\n").end()
+    old = (tmp_path / "old.nvm").read_bytes()
+    (tmp_path / "rig.ini").touch()
+    names = sorted(os.listdir(tmp_path))
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        text = (before + WITH_FILES + behind).replace("{taken}", str(server.getsockname()[1]))
+        (tmp_path / "rig.ini").write_text(text)
+        run_refused(1, "run", "rig.ini", cwd=tmp_path)
+    assert sorted(os.listdir(tmp_path)) == names
+    assert (tmp_path / "old.nvm").read_bytes() == old
+
+
 def test_no_file(tmp_path):
     assert "none.ini" in run_refused(2, "run", tmp_path / "none.ini")
     assert "none.ini" in run_refused(2, "run", "none.ini", cwd=tmp_path)

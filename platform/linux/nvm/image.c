@@ -276,6 +276,9 @@ void lx_image_close(struct lx_image *self)
         return;
     }
     lx_nvm_queue_close(&self->queue);
+    if (lx_nvm_writer_on_trial(self->setup.writer)) {
+        lx_nvm_file_unmake(&self->file);
+    }
     lx_nvm_file_close(&self->file);
     lx_nvm_memory_free(&self->memory);
 }

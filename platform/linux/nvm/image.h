@@ -80,7 +80,8 @@ int lx_image_start(struct lx_image *self, struct lx_error *error);
 /** What its writer has for it; NULL: no file, or no writer. */
 const struct lx_nvm_queue *lx_image_queue(const struct lx_image *self);
 
-/** Wait until all is written, close; also after a failed open, or when it is not open. */
+/** Wait until all is written, close; also after a failed open, or when it is not open. A file that
+ * was made for it goes again if the writer is still on trial. */
 void lx_image_close(struct lx_image *self);
 
 #endif

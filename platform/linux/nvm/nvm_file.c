@@ -344,6 +344,7 @@ static int create(struct lx_nvm_file *self, const struct lx_nvm_image *image)
     if (reason != 0 && self->fd >= 0) {
         (void)unlink(near.name);
     }
+    self->created = reason == 0;
     return reason == 0 ? sync_folder(near.folder) : reason;
 }
 
@@ -381,7 +382,6 @@ static int open_or_create(struct lx_nvm_file *self, const struct lx_nvm_image *i
     if (reason != 0) {
         return refuse_creation(self, reason, error);
     }
-    self->created = true;
     self->length = image->size;
     memcpy(self->bytes, image->bytes, image->size);
     return 0;
@@ -396,9 +396,21 @@ int lx_nvm_file_open(struct lx_nvm_file *self, const char *path, const struct lx
     const int result = self->bytes == NULL ? lx_fail(error, "%s: no memory", path)
                                            : open_or_create(self, image, error);
     if (result != 0) {
+        lx_nvm_file_unmake(self);
         lx_nvm_file_close(self);
     }
     return result;
+}
+
+void lx_nvm_file_unmake(struct lx_nvm_file *self)
+{
+    struct stat own;
+    struct stat named;
+    if (self->created && fstat(self->fd, &own) == 0 && lstat(self->path, &named) == 0 &&
+        named.st_ino == own.st_ino && named.st_dev == own.st_dev) {
+        (void)unlink(self->path);
+    }
+    self->created = false;
 }
 
 /* Beside the file itself, if `path` is a link to it. 0 or an errno; `fd` is the new one. */

@@ -61,6 +61,10 @@ void lx_nvm_file_tell(const struct lx_nvm_file *self, uint32_t image, const stru
  */
 int lx_nvm_file_replace(struct lx_nvm_file *self, const uint8_t *bytes, struct lx_error *error);
 
+/** Remove its name again if lx_nvm_file_open() has made it and nobody has put another file there:
+ * whoever wanted it is refused. Then close. Also when it is not open, or was there before. */
+void lx_nvm_file_unmake(struct lx_nvm_file *self);
+
 /** Close and unlock; also when it is not open. */
 void lx_nvm_file_close(struct lx_nvm_file *self);
 

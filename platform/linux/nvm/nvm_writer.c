@@ -52,6 +52,7 @@ struct lx_nvm_writer {
     void *ctx;
     struct lx_nvm_queue *open; /* queues with a sync that is not known to be through */
     uint64_t issued;
+    bool on_trial;
     bool runs;
     pthread_t thread;
     int wake; /* eventfd */
@@ -513,6 +514,16 @@ void lx_nvm_writer_free(struct lx_nvm_writer *self)
     (void)pthread_cond_destroy(&self->work);
     (void)pthread_mutex_destroy(&self->lock);
     free(self);
+}
+
+void lx_nvm_writer_try(struct lx_nvm_writer *self, bool on_trial)
+{
+    self->on_trial = on_trial;
+}
+
+bool lx_nvm_writer_on_trial(const struct lx_nvm_writer *self)
+{
+    return self != NULL && self->on_trial;
 }
 
 uint64_t lx_nvm_writer_ticket(const struct lx_nvm_writer *self)

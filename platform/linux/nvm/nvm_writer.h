@@ -92,6 +92,11 @@ struct lx_nvm_writer *lx_nvm_writer_new(sd_event *event, void (*settled)(void *c
 /** End the thread, when all queues are closed; NULL is fine. */
 void lx_nvm_writer_free(struct lx_nvm_writer *self);
 
+/** Whether what the files are made for may still be refused: then whoever closes a new one removes
+ * it. Not so in a new writer; NULL: never. */
+void lx_nvm_writer_try(struct lx_nvm_writer *self, bool on_trial);
+bool lx_nvm_writer_on_trial(const struct lx_nvm_writer *self);
+
 /** Ticket of the last sync of any queue; they count up. NULL: 0. */
 uint64_t lx_nvm_writer_ticket(const struct lx_nvm_writer *self);
 

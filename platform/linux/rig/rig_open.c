@@ -418,12 +418,14 @@ int lx_rig_open(struct lx_rig **self, const struct lx_rig_setup *setup, dg_ns no
     if (!make_room(rig) || rig->writer == NULL || rig->silkit == NULL) {
         (void)lx_fail(error, "no memory for a rig");
     } else {
+        lx_nvm_writer_try(rig->writer, true);
         result = make(rig, error);
     }
     if (result == LX_RIG_OK && power(rig, error) != 0) {
         result = LX_RIG_WORLD;
     }
     if (result == LX_RIG_OK) {
+        lx_nvm_writer_try(rig->writer, false);
         *self = rig;
         return result;
     }

@@ -405,6 +405,32 @@ static void a_link_to_the_file_is_no_other_file(void **state)
     assert_int_equal(unlink(aside), 0);
 }
 
+static void only_a_file_that_was_made_is_unmade(void **state)
+{
+    struct eeprom_place *place = *state;
+    struct eeprom eeprom;
+    struct lx_error error;
+    char aside[64];
+    assert_int_equal(eeprom_open(&eeprom, place->path, place, &error), 0);
+    lx_nvm_file_unmake(&eeprom.image.file);
+    eeprom_close(&eeprom);
+    assert_int_equal(access(place->path, F_OK), -1);
+
+    eeprom_make(place);
+    assert_int_equal(eeprom_open(&eeprom, place->path, place, &error), 0);
+    lx_nvm_file_unmake(&eeprom.image.file);
+    eeprom_close(&eeprom);
+    assert_int_equal(unlink(place->path), 0);
+
+    assert_int_equal(eeprom_open(&eeprom, place->path, place, &error), 0);
+    set_aside(place, aside, sizeof aside);
+    eeprom_write_bytes(place->path, (const uint8_t *)"x", 1);
+    lx_nvm_file_unmake(&eeprom.image.file);
+    eeprom_close(&eeprom);
+    assert_int_equal(eeprom_length_of(place->path), 1);
+    assert_int_equal(unlink(aside), 0);
+}
+
 /* What is read does not change, and the next sync brings all of it back. */
 static void a_file_cut_off_in_use_is_written_again_whole(void **state)
 {
@@ -453,6 +479,7 @@ int main(void)
         IN_A_PLACE(a_moved_file_takes_writes_when_it_is_back),
         IN_A_PLACE(a_file_deleted_before_the_sync_is_found_by_it),
         IN_A_PLACE(a_link_to_the_file_is_no_other_file),
+        IN_A_PLACE(only_a_file_that_was_made_is_unmade),
         IN_A_PLACE(a_file_cut_off_in_use_is_written_again_whole),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
