@@ -99,7 +99,7 @@ def frames(trace: str, delay_ns: int = 0):
 
 
 def test_trace_is_refused(tmp_path):
-    assert ".vcd" in run_refused(1, "biss", S3674, "read", "--trace", tmp_path / "biss.log")
+    assert ".vcd" in run_refused(2, "biss", S3674, "read", "--trace", tmp_path / "biss.log")
     assert run_refused(1, "biss", S3674, "read", "--trace", tmp_path / "none" / "biss.vcd")
 
 

@@ -409,7 +409,7 @@ BAD = [
     ("[encoder a]\nmodel = s3684-rs485\nwire = tty:/dev/does-not-exist\n", 1, ":3: tty:/dev/does-not-exist: "),
     ("[encoder a]\nmodel = s3684-rs485\nwire = pty\ntrace = none/a.vcd\n", 1, ":4: trace: .*none/a.vcd"),
     ("[rig]\ncontrol = unix:none/s\n[encoder a]\nmodel = s3684-rs485\nwire = pty\n", 1, ":2: control: .*none/s"),
-    ("[encoder a]\nmodel = s3684-rs485\nwire = pty\ntrace = a.log\n", 1, ":4: trace: .*ends in .vcd"),
+    ("[encoder a]\nmodel = s3684-rs485\nwire = pty\ntrace = a.log\n", 2, ":4: trace: .*ends in .vcd"),
     ("[encoder a]\nmodell = f3668\nwire = slcan\n", 2, ":2: modell: .*model = f3668 is right"),
     ("[bus b]\nwire = slcan:/x\n[encoder a]\nmodel = f3668\nbus = b\n", 2,
      ":2: wire: .*wire = slcan and address = /x in a line each"),

@@ -69,6 +69,11 @@ static int understand(struct wire_session *self, const struct options *options,
         return -1;
     }
     furnish(self, options);
+    if (options->trace != NULL &&
+        lx_trace_fits(options->trace, lx_stack_of(self->station.plan->model)->trace, error) != 0) {
+        (void)lx_about(error, LX_ABOUT_KEY, "trace", NULL);
+        return -1;
+    }
     self->line = lx_clocked_make(&self->bus, LX_CLOCKED_HERE, error);
     self->timing = lx_sim_timing;
     return self->line == NULL

@@ -132,6 +132,17 @@ static int make_wire(struct lx_rig *self, size_t index, struct lx_error *error)
     return wire->bus == NULL ? -1 : 0;
 }
 
+/* What can be said of a trace before anything is opened. */
+static int check_trace(struct lx_rig *self, size_t index, struct lx_error *error)
+{
+    const struct lx_plan_wire *wire = &self->setup.plan->wires[index];
+    if (wire->trace == NULL ||
+        lx_trace_fits(wire->trace, lx_rig_stack(&self->wires[index])->trace, error) == 0) {
+        return 0;
+    }
+    return lx_plan_refuse_key(self->setup.plan, "trace", wire->trace_line, error);
+}
+
 static bool make_room(struct lx_rig *self)
 {
     const struct lx_plan *plan = self->setup.plan;
@@ -201,7 +212,7 @@ static enum lx_rig_result make(struct lx_rig *self, struct lx_error *error)
         return LX_RIG_WORLD;
     }
     for (size_t i = 0; i < self->setup.plan->wire_count; i++) {
-        if (make_wire(self, i, error) != 0) {
+        if (check_trace(self, i, error) != 0 || make_wire(self, i, error) != 0) {
             return LX_RIG_PLAN;
         }
         if (!mind_shafts(self, &self->wires[i])) {

@@ -36,6 +36,11 @@ static const struct lx_trace_format *find(const char *path, const struct lx_trac
     return NULL;
 }
 
+int lx_trace_fits(const char *path, const struct lx_trace_kind *kind, struct lx_error *error)
+{
+    return find(path, kind, error) == NULL ? -1 : 0;
+}
+
 /* The name of an interface, or the last part of a path, fit for every format. */
 static void set_wire(struct lx_trace *self, const char *wire)
 {

@@ -73,6 +73,10 @@ struct lx_trace_setup {
     bool held; /**< nothing on the disk changes before lx_trace_release() */
 };
 
+/** Whether there is such a trace of a wire of this kind, by its ending.
+ * @return 0, or -1 with one line in `error`: the endings that are right */
+int lx_trace_fits(const char *path, const struct lx_trace_kind *kind, struct lx_error *error);
+
 /**
  * Write what the tap tells. Time in the file: of the day for .log and .pcapng, else since the
  * beginning.
