@@ -295,6 +295,7 @@ class Master:
     def _take_step(self, now: int) -> None:
         if self.step == self.started:
             self.begun()
+            self.frames = 0
             self.begin = time.monotonic()
         if self.step < self.booted or self.step >= self.ends:
             due = []
@@ -357,7 +358,7 @@ class Rigs:
     """The rigs that run here."""
 
     def __init__(self, plant: argparse.Namespace, uri: str, folder: str):
-        self.all: list[subprocess.Popen] = []
+        self.all: list[subprocess.Popen[bytes]] = []
         self.logs = Path(folder)
         environment = {**os.environ, "DREHGEBER_SILKIT_LIBRARY": plant.library}
         for rig in plant.here:
