@@ -615,3 +615,44 @@ def test_words_of_a_ring():
     assert ring.identify() == 0x0237
     with pytest.raises(EncoderError, match="0x10000"):
         ring.cycle([0x10000])
+
+
+@pytest.mark.parametrize("wrong", ["x", [1.0], None])
+def test_what_is_no_number_turns_no_shaft(wrong):
+    shaft = Shaft()
+    for call in (
+        shaft.move,
+        lambda value: shaft.move(0, rpm=value),
+        lambda value: setattr(shaft, "position", value),
+        lambda value: setattr(shaft, "velocity", value),
+        lambda value: setattr(shaft, "acceleration", value),
+        lambda value: shaft.replay([(0, value)]),
+    ):
+        with pytest.raises(TypeError):
+            call(wrong)
+    assert shaft.position == 0
+
+
+@pytest.mark.parametrize("wrong", [float("nan"), float("inf")])
+def test_what_is_not_finite_turns_no_shaft(wrong):
+    shaft = Shaft()
+    for call in (shaft.move, lambda value: setattr(shaft, "velocity", value)):
+        with pytest.raises(EncoderError, match="a finite number is right"):
+            call(wrong)
+
+
+def test_words_are_texts():
+    with pytest.raises(TypeError, match="model None: a name is right"):
+        Encoder(None)
+    with pytest.raises(TypeError, match="motion 60: words are right"):
+        Shaft(motion=60)
+
+
+def test_a_state_of_another_length_is_refused():
+    encoder = Encoder("f3668", shaft="90DEG")
+    state = encoder.save()
+    for wrong in (state + b"\0", state[:-1], b""):
+        with pytest.raises(EncoderError, match="the state"):
+            encoder.restore(wrong)
+    encoder.restore(state)
+    assert encoder.position == 1 << 14

@@ -66,6 +66,8 @@ class Encoder(Instrument):
         name: str | None = None,
         **settings: str | float,
     ) -> None:
+        if not isinstance(model, str):
+            raise TypeError(f"model {model!r}: a name is right")
         self._ffi, self._lib = _native.load()
         size = self._lib.dg_host_size_of(model.encode())
         if size == 0:
@@ -233,6 +235,9 @@ class Encoder(Instrument):
 
     def restore(self, state: bytes) -> None:
         """Go on from what an encoder of this model has saved, not later than now."""
+        size = self._lib.dg_host_state_size(self._host)
+        if len(state) > size:
+            raise EncoderError(f"the state: {len(state)} bytes, not {size}: of another model, or too long")
         with self.clock.lock:
             checked(self._lib.dg_host_restore(self._host, state, len(state)), "the state")
             self._made = True

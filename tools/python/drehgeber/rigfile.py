@@ -38,7 +38,8 @@ class Rig:
     """A rig file as `drehgeber run` takes it, in virtual time: Rig("bench.ini").advance(1.5).
 
     Its wires are not made. CANopen encoders of a [bus] share a CanBus, those with RS485 a Line; every other
-    encoder has its master for itself. `nvm` files are read, and written by close(). Use it as a context to have that done."""
+    encoder has its master for itself. `nvm` files are read, and written by close(). Use it as a context to have
+    that done. The encoders go on behind it; what they store then is only written by another close()."""
 
     def __init__(self, file: str | Path, *, clock: Clock | None = None) -> None:
         path = Path(file)
@@ -253,7 +254,7 @@ class Rig:
         self.clock.advance(seconds)
 
     def close(self) -> None:
-        """Write the `nvm` files."""
+        """Write the `nvm` files, as the memories are now; it ends nothing."""
         for name, path in self._files.items():
             path.write_bytes(self.encoders[name].memory)
 

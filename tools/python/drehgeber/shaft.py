@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import csv
+import math
 import re
 from collections.abc import Callable, Iterable
 from decimal import Decimal
@@ -29,8 +30,19 @@ DECIMAL = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)", re.A)
 QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+))\s*(DEG|REV|RPM|MS|S)\s*", re.I)
 
 
+def _finite(value: float | Decimal) -> float | Decimal:
+    """A number, before it is multiplied: a text would become a long one."""
+    if not math.isfinite(value):
+        raise EncoderError(f"{value}: a finite number is right")
+    return value
+
+
 def angle_of(degrees: float | Decimal) -> int:
-    return round(degrees * TURN / 360)
+    return round(_finite(degrees) * TURN / 360)
+
+
+def mrpm_of(rpm: float) -> int:
+    return round(_finite(rpm) * MRPM)
 
 
 def _quantity(text: str, *wanted: str) -> tuple[str, int]:
@@ -156,7 +168,7 @@ class Shaft:
 
     @velocity.setter
     def velocity(self, rpm: float) -> None:
-        self._command("set_velocity", f"{rpm} rpm", self.clock._sync(), round(rpm * MRPM))
+        self._command("set_velocity", f"{rpm} rpm", self.clock._sync(), mrpm_of(rpm))
 
     @property
     def acceleration(self) -> float:
@@ -165,12 +177,12 @@ class Shaft:
 
     @acceleration.setter
     def acceleration(self, rpm_per_s: float) -> None:
-        self._command("set_acceleration", f"{rpm_per_s} rpm/s", round(rpm_per_s * MRPM))
+        self._command("set_acceleration", f"{rpm_per_s} rpm/s", mrpm_of(rpm_per_s))
 
     def move(self, degrees: float, rpm: float = 60, wait: bool = True) -> None:
         """Go to an angle; `wait` until it is there, which lets virtual time pass."""
         now = self.clock._sync()
-        self._command("move", f"to {degrees} degrees", now, angle_of(degrees), round(rpm * MRPM))
+        self._command("move", f"to {degrees} degrees", now, angle_of(degrees), mrpm_of(rpm))
         if wait:
             with self.clock.lock:
                 self.clock._wait_until(self._lib.dg_shaft_settled(self._c))
@@ -181,6 +193,8 @@ class Shaft:
 
     def play(self, motion: str) -> None:
         """What --shaft takes: "60RPM", "sine:90DEG,2S", "ramp:3000RPM,1S", "run.csv", ..."""
+        if not isinstance(motion, str):
+            raise TypeError(f"motion {motion!r}: words are right: {FORMS}")
         if motion.lower().endswith(".csv"):
             self.replay(read_points(Path(motion)))
         else:
