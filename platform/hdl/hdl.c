@@ -186,10 +186,12 @@ static int open_memory(struct dg_hdl *self, const char *settings, const char *pa
     }
     free(bytes);
     free(fresh);
-    return result == DG_HOST_OK ? result
-                                : hdl_fail(self, result, "%s: %s", path,
-                                           error.what[0] != '\0' ? lx_error_reason(&error).text
-                                                                 : dg_host_result_text(result));
+    if (error.what[0] != '\0') {
+        return hdl_fail(self, result, "%s", lx_error_reason(&error).text);
+    }
+    return result == DG_HOST_OK
+               ? result
+               : hdl_fail(self, result, "%s: %s", path, dg_host_result_text(result));
 }
 
 static void heard(void *ctx, const struct dg_host_event *event)
@@ -263,8 +265,15 @@ struct dg_hdl *dg_hdl_open(const char *model, const char *settings, const char *
 {
     struct dg_hdl *self = calloc(1, sizeof *self);
 
-    if (self != NULL && set_up(self, model, settings, memory) == DG_HOST_OK && motion[0] != '\0') {
-        (void)dg_hdl_motion(self, 0, motion);
+    if (self == NULL) {
+        return NULL;
+    }
+    int result = set_up(self, hdl_text(model), hdl_text(settings), hdl_text(memory));
+    if (result == DG_HOST_OK && hdl_text(motion)[0] != '\0') {
+        result = dg_hdl_motion(self, 0, motion);
+    }
+    if (result != DG_HOST_OK) {
+        lx_nvm_file_unmake(&self->memory);
     }
     return self;
 }

@@ -17,7 +17,8 @@
  * may use an instance.
  *
  * A function that fails returns a negative number of enum dg_host_result and leaves one line in
- * dg_hdl_error().
+ * dg_hdl_error(). A text that is NULL is taken for "". Time ends after 53 days, at 2^62 ps: a `now`
+ * behind that is taken for it.
  */
 #ifndef DREHGEBER_HDL_H
 #define DREHGEBER_HDL_H
@@ -68,7 +69,8 @@ enum dg_hdl_wire {
  * one; none `init_ms` is 0 unless it is said otherwise: there is no time to wait in a simulation
  * @param motion   of its shaft in words: "90DEG", "60RPM", "sine:90DEG,2S", "ramp:3000RPM,1S",
  *                 a file; "" is 0
- * @param memory   file of its EEPROM, as `--nvm`; "": none
+ * @param memory   file of its EEPROM, as `--nvm`; "": none. A new one is removed again if there is
+ *                 an error
  * @return NULL: no memory. Otherwise dg_hdl_error() has to be looked at, and dg_hdl_close() to be
  *         called, also when that has something to say: then nothing else may be
  */

@@ -9,6 +9,7 @@
 
 #include "drehgeber/api.h"
 #include "hdl_names.h"
+#include "hdl_private.h"
 
 #define PS_PER_US 1000000
 
@@ -45,7 +46,7 @@ static struct dg_hdl *encoder_of(int32_t id)
 int32_t dg_hdl_find(const char *name)
 {
     for (int32_t i = 0; i < count; i++) {
-        if (strcmp(instances[i].name, name) == 0) {
+        if (strcmp(instances[i].name, hdl_text(name)) == 0) {
             return i;
         }
     }
@@ -72,7 +73,7 @@ int32_t dg_hdl_make(const char *name, const char *model, const char *settings, c
     if (dg_hdl_find(name) >= 0) {
         return -2;
     }
-    const struct instance one = {.name = copy_of(name),
+    const struct instance one = {.name = copy_of(hdl_text(name)),
                                  .encoder = dg_hdl_open(model, settings, motion, memory),
                                  .answer = ""};
     if (one.name == NULL || one.encoder == NULL) {

@@ -20,6 +20,8 @@
 
 /** "Never" as a moment. */
 #define HDL_NEVER INT64_MAX
+/** Time ends here, after 53 days: delays and characters that are added to it fit. */
+#define HDL_END (INT64_MAX / 2)
 #define HDL_PS_PER_NS INT64_C(1000)
 /** Longest address of a control socket: "unix:" and the path. */
 #define HDL_CONTROL_MAX 112
@@ -108,6 +110,12 @@ struct dg_hdl {
 /** hdl.c: leave a line in `error`, printf style. @return `result` */
 int hdl_fail(struct dg_hdl *self, int result, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
+
+/** A text from outside: NULL is "". */
+static inline const char *hdl_text(const char *text)
+{
+    return text != NULL ? text : "";
+}
 
 /** levels.c: the kinds. */
 extern const struct hdl_wire_ops hdl_clocked;

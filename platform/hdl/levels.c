@@ -142,7 +142,8 @@ void hdl_look(struct dg_hdl *self)
 
 uint64_t hdl_run(struct dg_hdl *self, int64_t now)
 {
-    const int64_t until = now > self->now ? now : self->now;
+    const int64_t present = earlier(now, HDL_END);
+    const int64_t until = present > self->now ? present : self->now;
     int64_t in = head_of(&self->in);
     int64_t own = own_due(self);
 

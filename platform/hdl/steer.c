@@ -61,7 +61,7 @@ int dg_hdl_motion(struct dg_hdl *self, int64_t now, const char *words)
     struct lx_error error = {.what = ""};
     struct lx_shaft wanted;
 
-    if (lx_shaft_parse(&wanted, words, NULL, &error) != 0) {
+    if (lx_shaft_parse(&wanted, hdl_text(words), NULL, &error) != 0) {
         return hdl_fail(self, DG_HOST_ERR_ARGUMENT, "%s", lx_error_line(&error).text);
     }
     const int result = dg_shaft_play(dg_host_panel_shaft(self->panel), ns, &wanted.motion);
@@ -78,7 +78,7 @@ int dg_hdl_world(struct dg_hdl *self, int64_t now, const char *name, double valu
 
     (void)hdl_run(self, now);
     while (dg_host_key(self->host, i, &key) == DG_HOST_OK) {
-        if (key.always != 0 && strcmp(key.name, name) == 0) {
+        if (key.always != 0 && strcmp(key.name, hdl_text(name)) == 0) {
             (void)snprintf(text, sizeof text, "%.*f", (int)key.places, value);
             const int result = dg_host_set(self->host, name, text);
             hdl_look(self);
@@ -89,18 +89,18 @@ int dg_hdl_world(struct dg_hdl *self, int64_t now, const char *name, double valu
         i++;
     }
     return hdl_fail(self, DG_HOST_ERR_NAME, "world: %s senses no '%s'", dg_host_model(self->host),
-                    name);
+                    hdl_text(name));
 }
 
 int dg_hdl_fault(struct dg_hdl *self, int64_t now, const char *name, int on)
 {
     const uint64_t ns = hdl_run(self, now);
-    const int result = dg_host_fault_set(self->panel, ns, name, on != 0);
+    const int result = dg_host_fault_set(self->panel, ns, hdl_text(name), on != 0);
 
     hdl_look(self);
-    return result == DG_HOST_OK
-               ? result
-               : hdl_fail(self, result, "fault: %s: %s", name, dg_host_result_text(result));
+    return result == DG_HOST_OK ? result
+                                : hdl_fail(self, result, "fault: %s: %s", hdl_text(name),
+                                           dg_host_result_text(result));
 }
 
 int dg_hdl_power(struct dg_hdl *self, int64_t now, int on)
@@ -120,6 +120,8 @@ const char *dg_hdl_command(struct dg_hdl *self, int64_t now, const char *line)
 {
     const uint64_t ns = hdl_run(self, now);
     char queue[512];
+
+    line = hdl_text(line);
     const int n = dg_host_scpi(self->panel, ns, line, self->answer, sizeof self->answer);
 
     hdl_look(self);

@@ -332,6 +332,47 @@ static void wrong_steering_is_one_line(void **state)
 
 /* --- steering --- */
 
+static void a_text_that_is_null_is_empty(void **state)
+{
+    struct dg_hdl *none = dg_hdl_open(NULL, NULL, NULL, NULL);
+    struct dg_hdl *self = dg_hdl_open("s3684-rs485", NULL, NULL, NULL);
+
+    (void)state;
+    assert_non_null(strstr(dg_hdl_error(none), "there is no model ''"));
+    dg_hdl_close(none);
+    assert_string_equal(dg_hdl_error(self), "");
+    assert_true(dg_hdl_motion(self, 0, NULL) < 0);
+    assert_true(dg_hdl_world(self, 0, NULL, 1.0) < 0);
+    assert_true(dg_hdl_fault(self, 0, NULL, 1) < 0);
+    assert_string_equal(dg_hdl_command(self, 0, NULL), "");
+    dg_hdl_close(self);
+    assert_int_equal(dg_hdl_find(NULL), -1);
+    assert_int_equal(dg_hdl_make(NULL, NULL, NULL, NULL, NULL), 0);
+    assert_int_equal(dg_hdl_find(""), 0);
+    assert_int_equal(dg_hdl_character(0, 1, 0), 't');
+    dg_hdl_make_none();
+}
+
+static void time_has_an_end(void **state)
+{
+    static const char *const models[] = {"s3684-biss", "ssi-25", "s3684-rs485"};
+
+    (void)state;
+    for (size_t i = 0; i < sizeof models / sizeof models[0]; i++) {
+        struct dg_hdl *self =
+            dg_hdl_open(models[i], "delay_in_ns=100000 delay_out_ns=100000", "", "");
+        assert_string_equal(dg_hdl_error(self), "");
+        const int idle = dg_hdl_wires(self, INT64_MAX, 1);
+        assert_int_equal(dg_hdl_wires(self, INT64_MAX, 0), idle);
+        assert_int_equal(dg_hdl_wires(self, INT64_MAX, 1), idle);
+        assert_int_equal(dg_hdl_turn(self, INT64_MAX, 0.25), 0);
+        assert_int_equal(dg_hdl_power(self, INT64_MAX, 0), 0);
+        const int64_t next = dg_hdl_next(self);
+        assert_true(next == DG_HDL_NEVER || next > INT64_MAX / 2);
+        dg_hdl_close(self);
+    }
+}
+
 static void the_test_bench_moves_the_shaft(void **state)
 {
     struct sim sim;
@@ -384,6 +425,9 @@ static void a_memory_stays_and_a_foreign_file_is_left_alone(void **state)
     struct dg_hdl *self = dg_hdl_open("s3684-biss", "", "", path);
     assert_string_equal(dg_hdl_error(self), "");
     struct dg_hdl *other = dg_hdl_open("s3684-biss", "", "", path);
+    char *named = strstr(dg_hdl_error(other), path);
+    assert_non_null(named);
+    assert_null(strstr(named + 1, path));
     assert_non_null(strstr(dg_hdl_error(other), "in use"));
     dg_hdl_close(other);
     dg_hdl_close(self);
@@ -405,6 +449,10 @@ static void a_memory_stays_and_a_foreign_file_is_left_alone(void **state)
     assert_non_null(strstr(dg_hdl_error(self), "ssi-25 has no EEPROM"));
     dg_hdl_close(self);
     (void)unlink(path);
+    self = dg_hdl_open("s3684-biss", "", "fast", path);
+    assert_non_null(strstr(dg_hdl_error(self), "motion fast"));
+    dg_hdl_close(self);
+    assert_int_equal(access(path, F_OK), -1);
 }
 
 int main(void)
@@ -419,6 +467,8 @@ int main(void)
         cmocka_unit_test(power_that_goes_ends_a_character),
         cmocka_unit_test(wrong_settings_are_one_line),
         cmocka_unit_test(wrong_steering_is_one_line),
+        cmocka_unit_test(a_text_that_is_null_is_empty),
+        cmocka_unit_test(time_has_an_end),
         cmocka_unit_test(the_test_bench_moves_the_shaft),
         cmocka_unit_test(instances_have_names),
         cmocka_unit_test(a_memory_stays_and_a_foreign_file_is_left_alone),
