@@ -42,6 +42,8 @@ static const struct {
     {DG_SLCAN_CLOSED, "S\r", "\a", DG_SLCAN_CLOSED},
     {DG_SLCAN_CLOSED, "S66\r", "\a", DG_SLCAN_CLOSED},
     {DG_SLCAN_CLOSED, "s031C\r", "\a", DG_SLCAN_CLOSED},
+    {DG_SLCAN_CLOSED, "M00000000\r", "\a", DG_SLCAN_CLOSED},
+    {DG_SLCAN_CLOSED, "mFFFFFFFF\r", "\a", DG_SLCAN_CLOSED},
     {DG_SLCAN_CLOSED, "O\r", "\r", DG_SLCAN_OPEN},
     {DG_SLCAN_OPEN, "O\r", "\a", DG_SLCAN_OPEN},
     {DG_SLCAN_CLOSED, "O1\r", "\a", DG_SLCAN_CLOSED},
