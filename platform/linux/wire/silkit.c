@@ -9,6 +9,7 @@
  * between: a step is completed by the loop when all of it is done.
  */
 #define _GNU_SOURCE
+#include <inttypes.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,8 +19,14 @@
 
 #include "silkit_parts.h"
 
-/* Errors of the library are said by its functions; its own log is not wanted. */
-#define CONFIGURATION "{\"Logging\":{\"Sinks\":[]}}"
+/* Errors of the library are said by its functions; its own log is not wanted. Others meet a
+   participant at ports of its own, which the library opens on all interfaces: who has a registry on
+   loopback has others there, too. */
+#define CONFIGURATION                                                                              \
+    "{\"Logging\":{\"Sinks\":[]},\"Middleware\":{\"AcceptorUris\":["                               \
+    "\"local:///tmp/%s-%ld-%" PRIu64 ".silkit\",\"tcp://127.0.0.1:0\"]}}"
+#define CONFIGURATION_BEYOND "{\"Logging\":{\"Sinks\":[]}}"
+#define CONFIGURATION_MAX 256u
 /* The name that a registry has among participants. */
 #define REGISTRY "SilKitRegistry"
 /* Who has left may have let time go on before, up to the step after the next. */
@@ -433,10 +440,31 @@ static int refuse_to_join(const struct lx_silkit *self, struct lx_error *error)
                      "SIL Kit: %s", why);
 }
 
+static void configure(const struct lx_silkit *self, char to[CONFIGURATION_MAX])
+{
+    if (lx_silkit_is_loopback(&self->where)) {
+        (void)snprintf(to, CONFIGURATION_MAX, CONFIGURATION, lx_silkit_name(self), (long)getpid(),
+                       (uint64_t)lx_now());
+    } else {
+        (void)snprintf(to, CONFIGURATION_MAX, "%s", CONFIGURATION_BEYOND);
+    }
+}
+
+static void warn(const struct lx_silkit *self)
+{
+    if (!lx_silkit_is_loopback(&self->where)) {
+        lx_complain("%s: beyond loopback; whoever reaches the ports of %s turns its shafts and "
+                    "is on its wires",
+                    self->where.uri, lx_silkit_name(self));
+    }
+}
+
 static int make_participant(struct lx_silkit *self, struct lx_error *error)
 {
     struct lx_sk_config *config = NULL;
-    if (self->lib.config_new(&config, CONFIGURATION) != 0) {
+    char text[CONFIGURATION_MAX];
+    configure(self, text);
+    if (self->lib.config_new(&config, text) != 0) {
         return lx_silkit_refused(self, "no configuration", error);
     }
     const int32_t code =
@@ -444,6 +472,8 @@ static int make_participant(struct lx_silkit *self, struct lx_error *error)
     if (code != 0) {
         self->participant = NULL;
         (void)refuse_to_join(self, error);
+    } else {
+        warn(self);
     }
     (void)self->lib.config_free(config);
     return code != 0 ? -1 : make_life(self, error);

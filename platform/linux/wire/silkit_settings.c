@@ -70,6 +70,16 @@ int lx_silkit_split(const char *where, struct lx_silkit_where *out, struct lx_er
     return good ? 0 : lx_refuse(error, RIGHT, "%s", "");
 }
 
+bool lx_silkit_is_loopback(const struct lx_silkit_where *self)
+{
+    static const char *const hosts[] = {"silkit://127.", "silkit://localhost:", "silkit://[::1]:"};
+    bool is = false;
+    for (size_t i = 0; i < DG_COUNT(hosts); i++) {
+        is = is || strncmp(self->uri, hosts[i], strlen(hosts[i])) == 0;
+    }
+    return is;
+}
+
 /* --- the plan --- */
 
 static int refuse_another(const char *first, const char *what, const struct lx_plan *plan,

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
 """How a rig's part in a simulation begins and ends: what is missing, who is there already, who goes."""
+import contextlib
 import os
 import signal
 import subprocess
@@ -96,6 +97,32 @@ def test_a_name_is_there_once(registry, rig):
     second = rig(MODEL, f"--silkit={registry.uri},CAN1,other")
     second.ready()
     assert (first.end(), second.end()) == (0, 0)
+
+
+def listening(pid):
+    """Addresses of TCP ports that a process has open, as /proc/net has them."""
+    inodes = set()
+    for link in Path(f"/proc/{pid}/fd").iterdir():
+        with contextlib.suppress(OSError):
+            inodes.add(link.readlink().name.removeprefix("socket:[").removesuffix("]"))
+    rows = [row.split() for table in ("tcp", "tcp6") for row in Path(f"/proc/net/{table}").read_text().splitlines()[1:]]
+    return {row[1].partition(":")[0] for row in rows if row[3] == "0A" and row[9] in inodes}
+
+
+def test_who_has_a_registry_on_loopback_is_met_there_only(registry, rig):
+    before = set(Path("/tmp").glob("closed*.silkit"))
+    program = rig(MODEL, f"--silkit={registry.uri},CAN1,closed")
+    program.ready()
+    assert listening(program.process.pid) == {"0100007F"}
+    (place,) = set(Path("/tmp").glob("closed*.silkit")) - before
+    assert program.end() == 0 and not place.exists()
+
+
+def test_beyond_loopback_is_said(registry, rig):
+    program = rig(MODEL, f"--silkit={registry.uri.replace('127.0.0.1', '0.0.0.0')},CAN1")
+    program.ready()
+    assert "00000000" in listening(program.process.pid)
+    assert "0.0.0.0" in program.errors.wait(20) and program.end() == 0
 
 
 @pytest.mark.parametrize("time_", ["coordinated", "autonomous", "real"])
