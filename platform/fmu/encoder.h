@@ -79,4 +79,7 @@ int wire_take(struct fmu_encoder *self, uint64_t now, const uint8_t *bytes, size
 /* The first words of a node to its bus. */
 void wire_configure(struct fmu_encoder *self);
 
+/* variables.c: the type of a setting or a quantity of the world. */
+enum fmu_type fmu_key_type(const struct dg_host *host, const struct dg_host_key *key);
+
 #endif

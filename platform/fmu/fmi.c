@@ -8,6 +8,9 @@
 int fmi_failed(const struct fmi *self, const char *what, int result)
 {
     char text[128];
+    if (self == NULL) {
+        return FMI_ERROR;
+    }
     (void)snprintf(text, sizeof text, "%s: %s", what, dg_host_result_text(result));
     self->tell(self, text);
     return FMI_ERROR;
@@ -54,7 +57,7 @@ static int power_on(struct fmi *self)
 
 int fmi_initialize(struct fmi *self)
 {
-    if (self->initializing || fmu_started(self->fmu)) {
+    if (self == NULL || self->initializing || fmu_started(self->fmu)) {
         return fmi_failed(self, "EnterInitializationMode", DG_HOST_ERR_STATE);
     }
     self->initializing = true;
@@ -63,7 +66,7 @@ int fmi_initialize(struct fmi *self)
 
 int fmi_initialized(struct fmi *self)
 {
-    if (!self->initializing) {
+    if (self == NULL || !self->initializing) {
         return fmi_failed(self, "ExitInitializationMode", DG_HOST_ERR_STATE);
     }
     self->initializing = false;
@@ -72,13 +75,16 @@ int fmi_initialized(struct fmi *self)
 
 int fmi_terminate(struct fmi *self)
 {
+    if (self == NULL) {
+        return FMI_ERROR;
+    }
     self->terminated = true;
     return FMI_OK;
 }
 
 int fmi_may_step(struct fmi *self, double now, double span)
 {
-    if (self->terminated || !fmu_started(self->fmu)) {
+    if (self == NULL || self->terminated || !fmu_started(self->fmu)) {
         return fmi_failed(self, "DoStep", DG_HOST_ERR_STATE);
     }
     return fmu_may_step(self->fmu, now, span)
@@ -88,6 +94,9 @@ int fmi_may_step(struct fmi *self, double now, double span)
 
 int fmi_reset(struct fmi *self)
 {
+    if (self == NULL) {
+        return FMI_ERROR;
+    }
     self->initializing = self->terminated = false;
     return fmu_reset(self->fmu) == 0 ? FMI_OK : FMI_ERROR;
 }
@@ -96,7 +105,7 @@ int fmi_reset(struct fmi *self)
 
 int fmi_get(struct fmi *self, uint32_t reference, struct fmu_value *to)
 {
-    if (self->initializing && power_on(self) != FMI_OK) {
+    if (self == NULL || (self->initializing && power_on(self) != FMI_OK)) {
         return FMI_ERROR;
     }
     return status_of(self, "get", fmu_get(self->fmu, reference, to));
@@ -104,6 +113,9 @@ int fmi_get(struct fmi *self, uint32_t reference, struct fmu_value *to)
 
 static int set(struct fmi *self, uint32_t reference, const struct fmu_value *value)
 {
+    if (self == NULL) {
+        return FMI_ERROR;
+    }
     return status_of(self, "set", fmu_set(self->fmu, reference, value));
 }
 
@@ -148,6 +160,9 @@ int fmi_get_texts(struct fmi *self, const uint32_t references[], size_t n, const
                   size_t room)
 {
     struct fmu_value value;
+    if (self == NULL) {
+        return FMI_ERROR;
+    }
     char(*texts)[FMU_NAME_MAX] = n == 0 ? NULL : calloc(n, sizeof *texts);
     free(self->texts);
     self->texts = texts;
@@ -189,6 +204,9 @@ struct state {
 
 int fmi_state_get(struct fmi *self, void **to)
 {
+    if (self == NULL) {
+        return FMI_ERROR;
+    }
     const size_t n = fmu_state_size(self->fmu);
     struct state *old = *to;
     struct state *state = old != NULL && old->n >= n ? old : realloc(old, sizeof *state + n);
@@ -203,7 +221,7 @@ int fmi_state_get(struct fmi *self, void **to)
 int fmi_state_set(struct fmi *self, const void *from)
 {
     const struct state *state = from;
-    if (state == NULL) {
+    if (self == NULL || state == NULL) {
         return fmi_refused(self, "a state");
     }
     self->terminated = false;

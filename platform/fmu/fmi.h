@@ -3,7 +3,8 @@
  * @file
  * What the functions of all versions of FMI have in common: an instance, values of the types that
  * both versions know, states. Results are fmi2Status and fmi3Status, which have the same numbers;
- * what goes wrong is told to the importer first. Nothing here may be NULL unless it is said.
+ * what goes wrong is told to the importer first. Nothing here may be NULL unless it is said, but
+ * for the instance: without one a function is an error, and nobody is told.
  */
 #ifndef DREHGEBER_FMI_H
 #define DREHGEBER_FMI_H
@@ -26,7 +27,7 @@
 #define FMI_NOTHING(name, arguments)                                                               \
     FMI_FUNCTION(int, name, arguments)                                                             \
     {                                                                                              \
-        return FMI_OK;                                                                             \
+        return of != NULL ? FMI_OK : FMI_ERROR;                                                    \
     }
 /** One of what an encoder has not; the first argument is `of`. */
 #define FMI_NOT_HERE(name, arguments)                                                              \

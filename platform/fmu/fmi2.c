@@ -72,6 +72,9 @@ FMI_FUNCTION(int, fmi2SetupExperiment,
               double stop))
 {
     struct fmi *self = of;
+    if (self == NULL) {
+        return FMI_ERROR;
+    }
     self->start = start;
     return FMI_OK;
 }

@@ -133,6 +133,9 @@ FMI_FUNCTION(int, fmi3UpdateDiscreteStates,
               double *next))
 {
     struct fmi *self = of;
+    if (self == NULL) {
+        return FMI_ERROR;
+    }
     fmu_clocks_end(self->fmu);
     *more = *end = *nominals = *values = *has_next = false;
     *next = 0;
@@ -236,7 +239,7 @@ FMI_FUNCTION(int, fmi3GetBinary,
 {
     struct fmi *self = of;
     for (size_t i = 0; i < n; i++) {
-        if (i >= n_values ||
+        if (self == NULL || i >= n_values ||
             fmu_binary_get(self->fmu, references[i], &values[i], &sizes[i]) != DG_HOST_OK) {
             return fmi_refused(self, "a Binary");
         }
@@ -250,7 +253,7 @@ FMI_FUNCTION(int, fmi3SetBinary,
 {
     struct fmi *self = of;
     for (size_t i = 0; i < n; i++) {
-        const int result = i >= n_values
+        const int result = self == NULL || i >= n_values
                                ? DG_HOST_ERR_ARGUMENT
                                : fmu_binary_set(self->fmu, references[i], values[i], sizes[i]);
         if (result != DG_HOST_OK) {
@@ -264,7 +267,7 @@ FMI_FUNCTION(int, fmi3GetClock, (void *of, const uint32_t references[], size_t n
 {
     struct fmi *self = of;
     for (size_t i = 0; i < n; i++) {
-        if (fmu_clock_get(self->fmu, references[i], &values[i]) != DG_HOST_OK) {
+        if (self == NULL || fmu_clock_get(self->fmu, references[i], &values[i]) != DG_HOST_OK) {
             return fmi_refused(self, "a Clock");
         }
     }
@@ -276,7 +279,7 @@ FMI_FUNCTION(int, fmi3SetClock,
 {
     struct fmi *self = of;
     for (size_t i = 0; i < n; i++) {
-        if (fmu_clock_set(self->fmu, references[i], values[i]) != DG_HOST_OK) {
+        if (self == NULL || fmu_clock_set(self->fmu, references[i], values[i]) != DG_HOST_OK) {
             return fmi_refused(self, "a Clock");
         }
     }

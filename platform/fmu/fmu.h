@@ -117,7 +117,8 @@ void fmu_use_events(struct fmu *self, bool events);
 int fmu_start(struct fmu *self, double start);
 bool fmu_started(const struct fmu *self);
 
-/** @return 0, or a result of host.h */
+/** A value of another kind than the variable's is refused; an INT and a REAL are both numbers.
+ * @return 0, or a result of host.h */
 int fmu_get(struct fmu *self, uint32_t reference, struct fmu_value *to);
 int fmu_set(struct fmu *self, uint32_t reference, const struct fmu_value *value);
 

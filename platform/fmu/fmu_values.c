@@ -139,6 +139,13 @@ int fmu_get(struct fmu *self, uint32_t reference, struct fmu_value *to)
     return DG_HOST_ERR_NAME;
 }
 
+/* Numbers are all alike, as FMI 2 has no integers of 64 bits. */
+static bool fits(const struct fmu_value *value, enum fmu_type type)
+{
+    const enum fmu_type given = value->type == FMU_INT ? FMU_REAL : value->type;
+    return given == (type == FMU_INT ? FMU_REAL : type);
+}
+
 static int set_power(struct fmu *self, struct fmu_encoder *encoder, bool on)
 {
     const bool changes = on != encoder->now.power;
@@ -149,6 +156,9 @@ static int set_power(struct fmu *self, struct fmu_encoder *encoder, bool on)
 static int set_input(struct fmu *self, struct fmu_encoder *encoder, uint32_t index,
                      const struct fmu_value *value)
 {
+    if (!fits(value, index == FMU_POWER ? FMU_BOOL : FMU_REAL)) {
+        return DG_HOST_ERR_ARGUMENT;
+    }
     if (index < FMU_POWER && (encoder->owner >= 0 || !fmu_is_small(value->real, 1e300))) {
         return DG_HOST_ERR_ARGUMENT;
     }
@@ -193,6 +203,9 @@ static int set_key(struct fmu *self, struct fmu_encoder *encoder, uint32_t index
     char text[FMU_NAME_MAX];
     if (dg_host_key(encoder->host, index, &key) != DG_HOST_OK) {
         return DG_HOST_ERR_NAME;
+    }
+    if (!fits(value, fmu_key_type(encoder->host, &key))) {
+        return DG_HOST_ERR_ARGUMENT;
     }
     if (key.always) {
         return set_world(self, encoder, &key, value);
@@ -260,6 +273,9 @@ int fmu_set(struct fmu *self, uint32_t reference, const struct fmu_value *value)
         fmu_settle(self);
         return set_key(self, encoder, index, value);
     case FMU_FAULT:
+        if (!fits(value, FMU_BOOL)) {
+            return DG_HOST_ERR_ARGUMENT;
+        }
         fmu_settle(self);
         return encoder_set_fault(self, encoder, index, value->integer != 0);
     case FMU_TIME:

@@ -95,7 +95,7 @@ static bool is_flag(const struct dg_host *host, const char *key)
            dg_host_word(host, key, 2) == NULL;
 }
 
-static enum fmu_type type_of(const struct dg_host *host, const struct dg_host_key *key)
+enum fmu_type fmu_key_type(const struct dg_host *host, const struct dg_host_key *key)
 {
     if (key->type == DG_HOST_KEY_WORD) {
         return is_flag(host, key->name) ? FMU_BOOL : FMU_TEXT;
@@ -133,7 +133,7 @@ static bool setting(const struct fmu_encoder *of, size_t *index, struct fmu_vari
         return false;
     }
     to->reference = (uint32_t)(key.always ? FMU_WORLD : FMU_PARAMETER) << 8 | (uint32_t)count;
-    to->type = type_of(of->host, &key);
+    to->type = fmu_key_type(of->host, &key);
     to->input = true;
     to->parameter = !key.always;
     to->continuous = to->type == FMU_REAL && key.always;

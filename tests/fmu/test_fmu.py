@@ -383,6 +383,45 @@ def test_calls_out_of_order_are_errors(make: Make, version: str) -> None:
     slave.freeInstance()
 
 
+NO_INSTANCE = """
+import ctypes, sys
+library = ctypes.CDLL(sys.argv[1])
+one, none = (ctypes.c_uint32 * 1)(0), ctypes.c_void_p(None)
+room, to = (ctypes.c_double * 8)(), ctypes.c_void_p(None)
+wrong = []
+for name in sys.argv[2].split():
+    if "DoStep" in name or "Setup" in name or "EnterInit" in name:
+        arguments = [ctypes.c_double(0)] * 2
+    elif "State" in name:
+        arguments = [ctypes.byref(to)] * 6
+    elif name.startswith(("fmi2Get", "fmi2Set", "fmi3Get", "fmi3Set")):
+        arguments = [one, ctypes.c_size_t(1), room, room, ctypes.c_size_t(1)]
+        if "Binary" not in name:
+            del arguments[3]
+    else:
+        arguments = []
+    if getattr(library, name)(none, *arguments) != 3:
+        wrong.append(name)
+print(*wrong)
+"""
+CALLS = {
+    "2": "SetupExperiment EnterInitializationMode ExitInitializationMode Terminate Reset DoStep GetReal SetReal "
+    "GetInteger SetInteger GetBoolean SetBoolean GetString SetString GetFMUstate SetFMUstate GetStatus",
+    "3": "EnterInitializationMode ExitInitializationMode Terminate Reset DoStep GetFloat64 SetFloat64 GetInt64 "
+    "SetInt64 GetBoolean SetBoolean GetString SetString GetBinary SetBinary GetClock SetClock GetFloat32 "
+    "GetFMUState SetFMUState UpdateDiscreteStates EnterEventMode EnterStepMode",
+}
+
+
+@pytest.mark.parametrize("version", ["3", "2"])
+def test_no_instance_is_an_error(make: Make, version: str) -> None:
+    fmu = make("s3684-biss", "--fmi", version)
+    library = next(pathlib.Path(fmu.folder).glob("binaries/*/*.so"))
+    names = " ".join(f"fmi{version}{name}" for name in CALLS[version].split())
+    ended = subprocess.run([sys.executable, "-c", NO_INSTANCE, library, names], capture_output=True, text=True)
+    assert (ended.returncode, ended.stdout.strip()) == (0, ""), ended.stderr
+
+
 # ------------------------------------------------------------ rigs
 
 RIG = """[rig]

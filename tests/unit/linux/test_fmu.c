@@ -98,6 +98,7 @@ static void variables_are_what_they_say(void **state)
                 continue;
             }
             assert_int_equal(fmu_get(fmu, row.reference, &value), DG_HOST_OK);
+            value.type = row.type;
             const int set = fmu_set(fmu, row.reference, &value);
             const int want = row.parameter                     ? DG_HOST_ERR_STATE
                              : row.input && row.reference != 0 ? DG_HOST_OK
@@ -110,6 +111,33 @@ static void variables_are_what_they_say(void **state)
         assert_int_equal(fmu_set(fmu, UINT32_C(1) << 16, &(struct fmu_value){0}), DG_HOST_ERR_NAME);
         fmu_free(fmu);
     }
+}
+
+/* A truth value is no number, and neither is a text. */
+static void values_of_another_kind_are_refused(void **state)
+{
+    static const enum fmu_type types[] = {FMU_REAL, FMU_INT, FMU_BOOL, FMU_TEXT};
+    (void)state;
+    struct fmu *fmu = on(TOKEN " =s3684-biss");
+    struct fmu_variable row;
+    struct fmu_value value;
+    size_t truths = 0;
+    for (size_t i = 1; fmu_variable(fmu, i, &row); i++) {
+        if (!row.input || row.parameter || row.type == FMU_CLOCK) {
+            continue;
+        }
+        truths += row.type == FMU_BOOL ? 1 : 0;
+        for (size_t k = 0; k < sizeof types / sizeof types[0]; k++) {
+            const bool number = types[k] == FMU_REAL || types[k] == FMU_INT;
+            const bool fits = row.type == types[k] || (number && row.type == FMU_REAL);
+            assert_int_equal(fmu_get(fmu, row.reference, &value), DG_HOST_OK);
+            value.type = types[k];
+            assert_int_equal(fmu_set(fmu, row.reference, &value),
+                             fits ? DG_HOST_OK : DG_HOST_ERR_ARGUMENT);
+        }
+    }
+    assert_true(truths > 1);
+    fmu_free(fmu);
 }
 
 static void states_go_on(void **state)
@@ -287,6 +315,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(tokens_are_whole_or_refused),
         cmocka_unit_test(variables_are_what_they_say),
+        cmocka_unit_test(values_of_another_kind_are_refused),
         cmocka_unit_test(states_go_on),
         cmocka_unit_test(damaged_states_are_refused),
         cmocka_unit_test(time_goes_on_and_ends),
