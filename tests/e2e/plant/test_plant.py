@@ -127,6 +127,29 @@ def test_what_it_started_ends_with_it(wrapped, tmp_path):
     assert [path.name for path in (tmp_path / "tmp").iterdir() if not path.name.startswith("drehgeber-")] == []
 
 
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_what_it_has_started_so_far_ends_with_it(tmp_path, number):
+    """Rigs that never are ready, of which there are a few when it is told to end."""
+    program = tmp_path / "slow"
+    program.write_text(f"#!/bin/sh\necho $$ >> {tmp_path}/pids\nexec sleep {PATIENCE_S}\n")
+    program.chmod(0o755)
+    plant = subprocess.Popen(command("--processes", "1000", "--buses", "1", "--nodes", "1", program=program),
+                             stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    pids = tmp_path / "pids"
+    while not pids.exists() or len(pids.read_text().splitlines()) < 5:
+        time.sleep(0.01)
+    plant.send_signal(number)
+    time.sleep(0.02)
+    plant.send_signal(number)
+    said = plant.communicate(timeout=PATIENCE_S)[1]
+    assert (plant.returncode, said) == (128 + number, "")
+    started = pids.read_text().split()
+    left = [pid for pid in started if Path(f"/proc/{pid}").exists()]
+    for pid in left:
+        os.kill(int(pid), signal.SIGKILL)
+    assert len(started) < 1000 and left == []
+
+
 @pytest.mark.parametrize("arguments, environment, complaint", [
     (SMALL, {"DREHGEBER_SILKIT_LIBRARY": "/nowhere.so"}, "no SIL Kit library: /nowhere.so"),
     (("--program", "/nowhere"), {}, "plant: /nowhere: No such file or directory; --program"),

@@ -342,6 +342,28 @@ class Master:
 # ---------------------------------------------------------------- processes
 
 
+class Ending:
+    """By a signal, but never between the start of a rig and its place among those that are ended, nor while they are."""
+
+    def __init__(self) -> None:
+        self.asked = self.held = 0
+        for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
+            signal.signal(number, self._on_signal)
+
+    def _on_signal(self, number: int, _frame: object) -> None:
+        if not self.held:
+            sys.exit(128 + number)
+        self.asked = number
+
+    def __enter__(self) -> None:
+        self.held = 1
+
+    def __exit__(self, kind: object, *_: object) -> None:
+        self.held = 0
+        if self.asked and kind is None:
+            sys.exit(128 + self.asked)
+
+
 def spent_s(pid: int) -> float:
     """Seconds on a processor so far, of all threads."""
     fields = Path(f"/proc/{pid}/stat").read_text(encoding="ascii").rpartition(")")[2].split()
@@ -357,23 +379,31 @@ def memory_kb(pid: int) -> int:
 class Rigs:
     """The rigs that run here."""
 
-    def __init__(self, plant: argparse.Namespace, uri: str, folder: str):
+    def __init__(self, plant: argparse.Namespace, uri: str, folder: str, ending: Ending):
+        self.ending = ending
         self.all: list[subprocess.Popen[bytes]] = []
         self.logs = Path(folder)
+        self.numbers = plant.here
+        self.plant, self.uri = plant, uri
+
+    def start(self) -> None:
+        """All of them; close() ends those that are there when it is broken off."""
+        plant, uri = self.plant, self.uri
         environment = {**os.environ, "DREHGEBER_SILKIT_LIBRARY": plant.library}
-        for rig in plant.here:
+        for rig in self.numbers:
             file = self.logs / f"plant-{rig}.ini"
             file.write_text(rig_file(rig, plant, uri), encoding="ascii")
             with (self.logs / f"plant-{rig}.said").open("wb") as said:
                 command = [plant.program, "run", "--quiet", str(file)]
                 try:
-                    process = subprocess.Popen(
-                        command, stdin=subprocess.DEVNULL, stdout=said, stderr=subprocess.STDOUT, env=environment
-                    )
+                    with self.ending:
+                        self.all.append(
+                            subprocess.Popen(
+                                command, stdin=subprocess.DEVNULL, stdout=said, stderr=subprocess.STDOUT, env=environment
+                            )
+                        )
                 except OSError as error:
                     sys.exit(f"plant: {plant.program}: {error.strerror}; --program says where drehgeber is")
-            self.all.append(process)
-        self.numbers = plant.here
 
     def said(self, rig: int) -> str:
         """What it has printed."""
@@ -522,10 +552,11 @@ def options() -> argparse.Namespace:
     return plant
 
 
-def run_rigs(plant: argparse.Namespace, folder: str) -> int:
+def run_rigs(plant: argparse.Namespace, folder: str, ending: Ending) -> int:
     """Only rigs: they end with the master."""
-    rigs = Rigs(plant, plant.registry, folder)
+    rigs = Rigs(plant, plant.registry, folder, ending)
     try:
+        rigs.start()
         rigs.wait_ready()
         print(f"{len(rigs.all)} rigs are ready, for {plant.registry}", flush=True)
         while any(process.poll() is None for process in rigs.all):
@@ -533,19 +564,20 @@ def run_rigs(plant: argparse.Namespace, folder: str) -> int:
             time.sleep(0.2)
         rigs.check()
     finally:
-        rigs.close()
+        with ending:
+            rigs.close()
     return 0
 
 
-def run_all(plant: argparse.Namespace, folder: str) -> int:
+def run_all(plant: argparse.Namespace, folder: str, ending: Ending) -> int:
     """The registry, the rigs of this machine, the master."""
     progress = Progress()
     uri = plant.registry or f"silkit://127.0.0.1:{free_port()}"
     kit = Kit(plant.library)
     registry = kit.registry(uri)
-    rigs = master = None
+    rigs, master = Rigs(plant, uri, folder, ending), None
     try:
-        rigs = Rigs(plant, uri, folder)
+        rigs.start()
         rigs.wait_ready()
         started = [("encoders ready", time.monotonic() - progress.began)]
         master = Master(kit, plant, uri)
@@ -563,11 +595,11 @@ def run_all(plant: argparse.Namespace, folder: str) -> int:
         if master.end:
             figures.tell(master, started)
     finally:
-        if rigs is not None:
+        with ending:
             rigs.close()
-        if master is not None:
-            master.close()
-        kit.library.SilKit_Vendor_Vector_SilKitRegistry_Destroy(registry)
+            if master is not None:
+                master.close()
+            kit.library.SilKit_Vendor_Vector_SilKitRegistry_Destroy(registry)
     for complaint in master.complaints:
         print(f"plant: {complaint}", file=sys.stderr)
     if not master.end:
@@ -581,9 +613,9 @@ def main() -> int:
     if plant.rig is not None:
         print(rig_file(plant.rig, plant, plant.registry), end="")
         return 0
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
+    ending = Ending()
     with tempfile.TemporaryDirectory(prefix="plant.") as folder:
-        return run_rigs(plant, folder) if plant.join else run_all(plant, folder)
+        return run_rigs(plant, folder, ending) if plant.join else run_all(plant, folder, ending)
 
 
 if __name__ == "__main__":
