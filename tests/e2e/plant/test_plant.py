@@ -155,6 +155,11 @@ def test_what_it_has_started_so_far_ends_with_it(tmp_path, number):
     (("--program", "/nowhere"), {}, "plant: /nowhere: No such file or directory; --program"),
     (("--join",), {}, "--registry silkit://HOST:PORT says where the master is"),
     (("--nodes", "128"), {}, "a bus has at most 127 nodes"),
+    (("--here", "3..1"), {}, "invalid numbers value: '3..1'"),
+    (("--here", "3..4"), {}, "the rigs of 4 processes are 0..3"),
+    (("--here=-1",), {}, "the rigs of 4 processes are 0..3"),
+    (("--rig", "4", "--registry", "silkit://a:1"), {}, "the rigs of 4 processes are 0..3"),
+    (("--rig", "-1", "--registry", "silkit://a:1"), {}, "the rigs of 4 processes are 0..3"),
     (("--sync-ms", "3"), {}, "SYNC comes each fourth step at most"),
 ])
 def test_what_cannot_be(arguments, environment, complaint):

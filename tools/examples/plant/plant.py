@@ -516,7 +516,10 @@ def numbers(text: str) -> range:
     if text == "none":
         return range(0)
     first, _, last = text.partition("..")
-    return range(int(first), int(last or first) + 1)
+    found = range(int(first), int(last or first) + 1)
+    if not found:
+        raise ValueError(text)
+    return found
 
 
 def library() -> str:
@@ -547,6 +550,9 @@ def options() -> argparse.Namespace:
         parser.error("--registry silkit://HOST:PORT says where the master is")
     if not 1 <= plant.nodes <= 127 or min(plant.processes, plant.buses, plant.ms, plant.step_us, plant.sync_ms) < 1:
         parser.error("all counts are 1 or more, and a bus has at most 127 nodes")
+    rigs = range(plant.processes)
+    if not set(plant.here) <= set(rigs) or plant.rig not in (None, *rigs):
+        parser.error(f"the rigs of {plant.processes} processes are 0..{rigs[-1]}")
     if plant.sync_ms * 1000 % plant.step_us or plant.sync_ms * 1000 // plant.step_us < 4:
         parser.error("SYNC comes each fourth step at most, and in a step")
     return plant
