@@ -9,6 +9,7 @@ SIL Kit's libSilKit.so, which README.md says how to get.
 
 import argparse
 import ctypes
+import json
 import os
 import random
 import re
@@ -165,10 +166,14 @@ class Kit:
         self.kept.append(handler)
         self.call(function, service, *(more or (None,)), handler)
 
-    def configuration(self) -> c_void_p:
-        """Errors are told by the functions."""
+    def configuration(self, uri: str = "") -> c_void_p:
+        """Errors are told by the functions. With a registry on loopback, others are met there, too; else anywhere."""
         made = c_void_p()
-        self.call("ParticipantConfiguration_FromString", ctypes.byref(made), b'{"Logging":{"Sinks":[]}}')
+        words: dict[str, dict[str, list[str]]] = {"Logging": {"Sinks": []}}
+        if uri.startswith(("silkit://127.", "silkit://localhost:")):
+            place = f"/tmp/{MASTER}-{os.getpid()}-{time.monotonic_ns()}.silkit"
+            words["Middleware"] = {"AcceptorUris": [f"local://{place}", "tcp://127.0.0.1:0"]}
+        self.call("ParticipantConfiguration_FromString", ctypes.byref(made), json.dumps(words).encode())
         return made
 
     def registry(self, uri: str) -> c_void_p:
@@ -220,7 +225,7 @@ class Master:
         kit, self.life, clock, controller = self.kit, c_void_p(), c_void_p(), c_void_p()
         self.participant = c_void_p()
         names = [MASTER, *(f"plant-{rig}" for rig in range(self.plant.processes))]
-        kit.call("Participant_Create", ctypes.byref(self.participant), kit.configuration(), MASTER.encode(), uri.encode())
+        kit.call("Participant_Create", ctypes.byref(self.participant), kit.configuration(uri), MASTER.encode(), uri.encode())
         array = (c_char_p * len(names))(*map(str.encode, names))
         kit.kept.append(array)
         workflow = Workflow(Header(version(7, 3, 3)), ctypes.pointer(Strings(len(names), array)))
