@@ -150,6 +150,21 @@ def test_what_it_has_started_so_far_ends_with_it(tmp_path, number):
     assert len(started) < 1000 and left == []
 
 
+def test_rigs_that_hear_nothing_are_waited_for_together(tmp_path):
+    """Ten seconds for all of them; a rig that joins is deaf for a while."""
+    program = tmp_path / "deaf"
+    program.write_text(f"#!/bin/sh\ntrap '' TERM\necho $$ >> {tmp_path}/pids\nexec sleep {PATIENCE_S}\n")
+    program.chmod(0o755)
+    plant = subprocess.Popen(command("--processes", "12", "--buses", "1", "--nodes", "1", program=program),
+                             stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    pids = tmp_path / "pids"
+    while not pids.exists() or len(pids.read_text().splitlines()) < 12:
+        time.sleep(0.01)
+    plant.send_signal(signal.SIGTERM)
+    assert plant.wait(60) == 143
+    assert not any(Path(f"/proc/{pid}").exists() for pid in pids.read_text().split())
+
+
 @pytest.mark.parametrize("arguments, environment, complaint", [
     (SMALL, {"DREHGEBER_SILKIT_LIBRARY": "/nowhere.so"}, "no SIL Kit library: /nowhere.so"),
     (("--program", "/nowhere"), {}, "plant: /nowhere: No such file or directory; --program"),

@@ -435,9 +435,10 @@ class Rigs:
         for process in self.all:
             if process.poll() is None:
                 process.send_signal(signal.SIGTERM)
+        end = time.monotonic() + 10
         for process in self.all:
             try:
-                process.wait(10)
+                process.wait(max(0.0, end - time.monotonic()))
             except subprocess.TimeoutExpired:
                 process.kill()
                 process.wait()
