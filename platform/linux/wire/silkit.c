@@ -315,6 +315,22 @@ static bool is_foreign(const struct lx_silkit *self, const struct lx_silkit_mess
     return message->time > self->at;
 }
 
+/* What is left is of this very moment, which is for the next step, and behind it what is foreign:
+   in its order. @return how many are */
+static size_t bring_foreign_first(struct lx_silkit *self)
+{
+    struct lx_silkit_list *list = &self->pending;
+    const size_t left = list->count - list->first;
+    size_t here = 0;
+    while (here < left && !is_foreign(self, &list->at[list->first + here])) {
+        here++;
+    }
+    if (here > 0 && here < left) {
+        lx_silkit_list_turn(list, here);
+    }
+    return left - here;
+}
+
 /* Sorted, so those that are due stand first, and those without a moment last. */
 bool lx_silkit_step(struct lx_silkit *self)
 {
@@ -339,13 +355,9 @@ bool lx_silkit_step(struct lx_silkit *self)
     if (lx_time_pass(lx_silkit_moment(self, self->at))) {
         return true;
     }
-    /* Those of this very moment are for the next step. */
-    while (list->at != NULL && list->count > list->first &&
-           is_foreign(self, &list->at[list->count - 1u])) {
-        const struct lx_silkit_message last = list->at[list->count - 1u];
-        memmove(&list->at[list->first + 1u], &list->at[list->first],
-                (list->count - 1u - list->first) * sizeof *list->at);
-        list->at[list->first] = last;
+    const size_t foreign = bring_foreign_first(self);
+    const size_t end = list->first + foreign;
+    while (list->first < end) {
         lx_silkit_deliver(self, lx_now(), UINT64_MAX);
     }
     lx_silkit_list_trim(list);

@@ -42,6 +42,24 @@ bool lx_silkit_list_add(struct lx_silkit_list *self, const struct lx_silkit_mess
     return true;
 }
 
+static void reverse(struct lx_silkit_message *at, size_t n)
+{
+    for (size_t i = 0; i < n / 2u; i++) {
+        const struct lx_silkit_message one = at[i];
+        at[i] = at[n - 1u - i];
+        at[n - 1u - i] = one;
+    }
+}
+
+void lx_silkit_list_turn(struct lx_silkit_list *self, size_t n)
+{
+    struct lx_silkit_message *at = self->at + self->first;
+    const size_t left = self->count - self->first;
+    reverse(at, n);
+    reverse(at + n, left - n);
+    reverse(at, left);
+}
+
 void lx_silkit_list_trim(struct lx_silkit_list *self)
 {
     const size_t left = self->count - self->first;

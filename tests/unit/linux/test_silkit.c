@@ -192,6 +192,25 @@ static void who_has_another_clock_is_heard_at_once(void **state)
     close_bench(&bench);
 }
 
+/* Beside one of this very step. */
+static void another_clock_has_an_order(void **state)
+{
+    struct bench bench;
+    (void)state;
+    open_bench(&bench, "", NULL);
+    begin(&bench);
+    receive(&bench, MS, 0, 0, "\x01\x00", 2);
+    for (uint64_t i = 0; i < 3; i++) {
+        publish(&bench, LATE + i * MS, "LINE/request", &"\x40\x42\x02"[i], 1);
+    }
+    step(&bench, MS);
+    for (uint64_t at = 2; at <= 40; at++) {
+        step(&bench, at * MS);
+    }
+    assert_true(topic(&bench, "LINE/reply")->count > 0);
+    close_bench(&bench);
+}
+
 static void states_of_the_controller_are_the_encoders(void **state)
 {
     struct lx_sk_error_event event = {.timestamp = MS, .state = LX_SK_BUS_OFF};
@@ -395,6 +414,7 @@ int main(void)
         cmocka_unit_test(boot_up_is_sent_in_the_first_step),
         cmocka_unit_test(frames_are_handled_in_the_order_of_their_moments),
         cmocka_unit_test(who_has_another_clock_is_heard_at_once),
+        cmocka_unit_test(another_clock_has_an_order),
         cmocka_unit_test(states_of_the_controller_are_the_encoders),
         cmocka_unit_test(topics_carry_what_goes_over_lines),
         cmocka_unit_test(other_lengths_are_left_out),
