@@ -9,9 +9,12 @@
 #include <sys/resource.h>
 #include <systemd/sd-daemon.h>
 #include <systemd/sd-event.h>
+#include <unistd.h>
 
+#include "ending.h"
 #include "plan.h"
 #include "rig.h"
+#include "silkit.h"
 #include "timer.h"
 #include "virtual_time.h"
 
@@ -62,32 +65,12 @@ static int begin_printing(struct running *self, struct lx_error *error)
 
 /* --- the loop --- */
 
-/* What ends a program that was started by hand, by a script or by a service manager: a closed
-   terminal is the commonest of all. */
-static const struct {
-    int number;
-    bool unless_ignored; /* as nohup starts it, and a shell what goes to the background */
-} ending[] = {{SIGTERM, false}, {SIGINT, false}, {SIGHUP, true}, {SIGQUIT, true}};
-#define ENDING_COUNT DG_COUNT(ending)
-
-static bool ends(size_t index)
-{
-    struct sigaction before;
-    return !ending[index].unless_ignored ||
-           (sigaction(ending[index].number, NULL, &before) == 0 && before.sa_handler != SIG_IGN);
-}
-
 /* Blocked from here on and read by the loop: no way out that leaves a link behind. A closed stdout
    or a file size limit is an errno then, not the end. */
 static int take_signals(sd_event *event)
 {
     sigset_t stop;
-    (void)sigemptyset(&stop);
-    for (size_t i = 0; i < ENDING_COUNT; i++) {
-        if (ends(i)) {
-            (void)sigaddset(&stop, ending[i].number);
-        }
-    }
+    lx_ending_signals(&stop);
     const struct sigaction ignore = {.sa_handler = SIG_IGN};
     if (sigprocmask(SIG_BLOCK, &stop, NULL) != 0 || sigaction(SIGPIPE, &ignore, NULL) != 0 ||
         sigaction(SIGXFSZ, &ignore, NULL) != 0) {
@@ -95,8 +78,10 @@ static int take_signals(sd_event *event)
     }
     /* Without a handler of its own a signal ends the loop with 0. */
     int result = 0;
-    for (size_t i = 0; result >= 0 && i < ENDING_COUNT; i++) {
-        result = ends(i) ? sd_event_add_signal(event, NULL, ending[i].number, NULL, NULL) : 0;
+    for (int number = 1; result >= 0 && number < NSIG; number++) {
+        if (sigismember(&stop, number) == 1) {
+            result = sd_event_add_signal(event, NULL, number, NULL, NULL);
+        }
     }
     return result;
 }
@@ -160,7 +145,7 @@ static int live(struct running *self)
     }
     const int status = switch_on(self, &error);
     if (status != EXIT_OK) {
-        return complain(&error, status);
+        return lx_ending_asked() ? EXIT_OK : complain(&error, status);
     }
     const int result = run_loop(self);
     (void)sd_notify(0, "STOPPING=1");
@@ -192,5 +177,9 @@ int run_rig(const struct options *options)
     }
     self.event = sd_event_unref(self.event);
     lx_plan_free(&self.plan);
+    if (lx_silkit_is_left_behind()) {
+        (void)fflush(NULL);
+        _exit(status);
+    }
     return status;
 }

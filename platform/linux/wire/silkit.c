@@ -471,8 +471,9 @@ static void warn(const struct lx_silkit *self)
     }
 }
 
-static int make_participant(struct lx_silkit *self, struct lx_error *error)
+static int make_participant(struct lx_silkit_call *call, struct lx_error *error)
 {
+    struct lx_silkit *self = call->all;
     struct lx_sk_config *config = NULL;
     char text[CONFIGURATION_MAX];
     configure(self, text);
@@ -484,8 +485,6 @@ static int make_participant(struct lx_silkit *self, struct lx_error *error)
     if (code != 0) {
         self->participant = NULL;
         (void)refuse_to_join(self, error);
-    } else {
-        warn(self);
     }
     (void)self->lib.config_free(config);
     return code != 0 ? -1 : make_life(self, error);
@@ -493,17 +492,19 @@ static int make_participant(struct lx_silkit *self, struct lx_error *error)
 
 int lx_silkit_join(struct lx_silkit *self, struct lx_error *error)
 {
-    sigset_t before;
+    struct lx_silkit_call call = {.make = make_participant, .all = self};
     if (self->participant != NULL) {
         return 0;
     }
     if (lx_silkit_load(&self->lib, error) != 0 || open_inbox(self, error) != 0) {
         return -1;
     }
-    lx_silkit_mask(&before);
-    const int result = make_participant(self, error);
-    lx_silkit_unmask(&before);
-    return result;
+    (void)snprintf(call.name, sizeof call.name, "%s", lx_silkit_name(self));
+    if (lx_silkit_wait(&call, error) != 0) {
+        return -1;
+    }
+    warn(self);
+    return 0;
 }
 
 int lx_silkit_start(struct lx_silkit *self, struct lx_error *error)
@@ -520,6 +521,10 @@ void lx_silkit_leave(struct lx_silkit *self)
 {
     int16_t state = 0;
     if (self == NULL || self->participant == NULL) {
+        return;
+    }
+    if (lx_silkit_is_left_behind()) {
+        self->participant = NULL;
         return;
     }
     if (self->stepping) {
@@ -544,6 +549,9 @@ void lx_silkit_free(struct lx_silkit *self)
     self->standstill = sd_event_source_disable_unref(self->standstill);
     lx_timer_close(&self->tick);
     self->io = sd_event_source_disable_unref(self->io);
+    if (lx_silkit_is_left_behind()) {
+        return; /* a thread may look at it still */
+    }
     lx_silkit_inbox_close(&self->inbox);
     lx_silkit_list_free(&self->came);
     lx_silkit_list_free(&self->pending);

@@ -54,6 +54,9 @@ struct lx_silkit_where {
 
 /** Understand "silkit://HOST:PORT,NETWORK[,PARTICIPANT]". @return 0, or -1 with `error` */
 int lx_silkit_split(const char *where, struct lx_silkit_where *out, struct lx_error *error);
+/** Whether a thread hangs in the library: then the process is to end without looking back. */
+bool lx_silkit_is_left_behind(void);
+
 /** Whether the registry is of this machine only. */
 bool lx_silkit_is_loopback(const struct lx_silkit_where *self);
 

@@ -62,6 +62,22 @@ int lx_silkit_refused(const struct lx_silkit *self, const char *what, struct lx_
 /** Likewise, once, to the user. */
 void lx_silkit_complain(struct lx_silkit *self, const char *what);
 
+/** Something that the library makes; kept when it does not come to an end. */
+struct lx_silkit_call {
+    /** Make it, on a thread of its own. @return 0, or -1 with `error` */
+    int (*make)(struct lx_silkit_call *self, struct lx_error *error);
+    struct lx_silkit *all;
+    struct lx_silkit_port *port;
+    char name[LX_SILKIT_TOPIC_MAX]; /**< the network or topic, for errors, too */
+    const char *media_type;
+    struct lx_sk_can *can;             /**< made */
+    struct lx_sk_publisher *publisher; /**< made */
+};
+
+/** Have it made, for 10 s at most, or until a signal asks the program to end. What is not there
+ * then is left behind: the rig is to be taken down. @return 0, or -1 with `error` */
+int lx_silkit_wait(struct lx_silkit_call *call, struct lx_error *error);
+
 /** Let the handlers' threads leave all signals to the loop: around whatever starts threads. */
 void lx_silkit_mask(sigset_t *before);
 void lx_silkit_unmask(const sigset_t *before);

@@ -17,6 +17,9 @@
 static void on_frame(void *ctx, struct lx_sk_can *can, struct lx_sk_frame_event *event)
 {
     struct lx_silkit_port *port = ctx;
+    if (lx_silkit_is_left_behind()) {
+        return; /* the port may be gone; likewise below */
+    }
     const struct lx_sk_frame *frame = event->frame;
     const bool fits = frame->data.size <= FRAME_BYTES_MAX;
     const struct lx_silkit_message message = {
@@ -34,6 +37,9 @@ static void on_frame(void *ctx, struct lx_sk_can *can, struct lx_sk_frame_event 
 static void on_transmit(void *ctx, struct lx_sk_can *can, struct lx_sk_transmit_event *event)
 {
     struct lx_silkit_port *port = ctx;
+    if (lx_silkit_is_left_behind()) {
+        return;
+    }
     const struct lx_silkit_message message = {
         .kind = LX_SILKIT_LOST, .port = port, .time = event->timestamp};
     (void)can;
@@ -43,6 +49,9 @@ static void on_transmit(void *ctx, struct lx_sk_can *can, struct lx_sk_transmit_
 static void on_error(void *ctx, struct lx_sk_can *can, struct lx_sk_error_event *event)
 {
     struct lx_silkit_port *port = ctx;
+    if (lx_silkit_is_left_behind()) {
+        return;
+    }
     const struct lx_silkit_message message = {
         .kind = LX_SILKIT_STATE,
         .port = port,
@@ -57,6 +66,9 @@ static void on_data(void *ctx, struct lx_sk_subscriber *subscriber,
                     const struct lx_sk_data_event *event)
 {
     struct lx_silkit_port *port = ctx;
+    if (lx_silkit_is_left_behind()) {
+        return;
+    }
     const size_t n = event->data.size;
     const bool fits = n >= port->length_min && n <= port->length_max;
     const struct lx_silkit_message message = {
@@ -155,17 +167,31 @@ static const char *name_of(const struct lx_silkit_port *port, char to[32])
     return to;
 }
 
+static int make_can(struct lx_silkit_call *call, struct lx_error *error)
+{
+    const struct lx_silkit *self = call->all;
+    char name[32];
+    return self->lib.can_new(&call->can, self->participant, name_of(call->port, name),
+                             call->name) != 0
+               ? lx_silkit_refused(self, call->name, error)
+               : 0;
+}
+
 int lx_silkit_open_can(struct lx_silkit *self, struct lx_silkit_port *port, const char *network,
                        struct lx_error *error)
 {
-    char name[32];
+    struct lx_silkit_call call = {.make = make_can, .all = self, .port = port};
     uint64_t id = 0;
     if (!add(self, port)) {
         return lx_fail(error, "no memory for a bus");
     }
+    (void)snprintf(call.name, sizeof call.name, "%s", network);
+    if (lx_silkit_wait(&call, error) != 0) {
+        return -1;
+    }
+    port->can = call.can;
     const struct lx_silkit_library *lib = &self->lib;
-    if (lib->can_new(&port->can, self->participant, name_of(port, name), network) != 0 ||
-        lib->can_on_frame(port->can, port, on_frame, LX_SK_RECEIVED, &id) != 0 ||
+    if (lib->can_on_frame(port->can, port, on_frame, LX_SK_RECEIVED, &id) != 0 ||
         lib->can_on_transmit(port->can, port, on_transmit, LX_SK_NOT_TRANSMITTED, &id) != 0 ||
         lib->can_on_error(port->can, port, on_error, &id) != 0) {
         return lx_silkit_refused(self, network, error);
@@ -173,35 +199,63 @@ int lx_silkit_open_can(struct lx_silkit *self, struct lx_silkit_port *port, cons
     return 0;
 }
 
+static struct lx_sk_spec spec_of(const struct lx_silkit_call *call)
+{
+    return (struct lx_sk_spec){.header = {.version = LX_SK_DATA_SPEC},
+                               .topic = call->port->topic,
+                               .media_type = call->media_type};
+}
+
+static int make_subscriber(struct lx_silkit_call *call, struct lx_error *error)
+{
+    const struct lx_silkit *self = call->all;
+    struct lx_sk_subscriber *subscriber = NULL;
+    struct lx_sk_spec spec = spec_of(call);
+    char name[32];
+    return self->lib.subscriber_new(&subscriber, self->participant, name_of(call->port, name),
+                                    &spec, call->port, on_data) != 0
+               ? lx_silkit_refused(self, call->name, error)
+               : 0;
+}
+
+static int make_publisher(struct lx_silkit_call *call, struct lx_error *error)
+{
+    const struct lx_silkit *self = call->all;
+    struct lx_sk_spec spec = spec_of(call);
+    char name[32];
+    return self->lib.publisher_new(&call->publisher, self->participant, name_of(call->port, name),
+                                   &spec, 0) != 0
+               ? lx_silkit_refused(self, call->name, error)
+               : 0;
+}
+
+static int open_topic(struct lx_silkit_call *call, struct lx_error *error)
+{
+    if (!add(call->all, call->port)) {
+        return lx_fail(error, "no memory for a topic");
+    }
+    memcpy(call->name, call->port->topic, sizeof call->name);
+    return lx_silkit_wait(call, error);
+}
+
 int lx_silkit_subscribe(struct lx_silkit *self, struct lx_silkit_port *port, const char *media_type,
                         struct lx_error *error)
 {
-    char name[32];
-    struct lx_sk_subscriber *subscriber = NULL;
-    struct lx_sk_spec spec = {
-        .header = {.version = LX_SK_DATA_SPEC}, .topic = port->topic, .media_type = media_type};
-    if (!add(self, port)) {
-        return lx_fail(error, "no memory for a topic");
-    }
-    return self->lib.subscriber_new(&subscriber, self->participant, name_of(port, name), &spec,
-                                    port, on_data) != 0
-               ? lx_silkit_refused(self, port->topic, error)
-               : 0;
+    struct lx_silkit_call call = {
+        .make = make_subscriber, .all = self, .port = port, .media_type = media_type};
+    return open_topic(&call, error);
 }
 
 int lx_silkit_offer(struct lx_silkit *self, struct lx_silkit_port *port, const char *media_type,
                     struct lx_error *error)
 {
-    char name[32];
-    struct lx_sk_spec spec = {
-        .header = {.version = LX_SK_DATA_SPEC}, .topic = port->topic, .media_type = media_type};
-    if (!add(self, port)) {
-        return lx_fail(error, "no memory for a topic");
+    struct lx_silkit_call call = {
+        .make = make_publisher, .all = self, .port = port, .media_type = media_type};
+    if (open_topic(&call, error) != 0) {
+        return -1;
     }
-    return self->lib.publisher_new(&port->publisher, self->participant, name_of(port, name), &spec,
-                                   0) != 0
-               ? lx_silkit_refused(self, port->topic, error)
-               : 0;
+    port->publisher = call.publisher;
+    return 0;
 }
 
 /* --- sending --- */

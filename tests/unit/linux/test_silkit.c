@@ -11,6 +11,7 @@
 
 #include <cmocka.h>
 #include <dlfcn.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,6 +19,7 @@
 
 #include "drehgeber/bits.h"
 #include "rig.h"
+#include "silkit.h"
 #include "silkit/fake.h"
 #include "timer.h"
 
@@ -37,6 +39,8 @@ static const char text[] = "[rig]\nname = cell\ncontrol = unix:%s/rig.sock\n"
 
 static const struct lx_say quiet = {.quiet = true};
 
+static const char *hangs; /* for the next bench */
+
 struct bench {
     char folder[32];
     char file[64];
@@ -55,7 +59,7 @@ static void open_bench(struct bench *self, const char *keys, const char *refuses
     assert_non_null(library);
     self->fake = dlsym(library, "fake_silkit");
     assert_non_null(self->fake);
-    *self->fake = (struct fake_silkit){.refuses = refuses};
+    *self->fake = (struct fake_silkit){.refuses = refuses, .hangs = hangs};
     assert_int_equal(setenv("DREHGEBER_SILKIT_LIBRARY", FAKE_SILKIT, 1), 0);
     assert_non_null(mkdtemp(self->folder));
     (void)snprintf(self->file, sizeof self->file, "%s/rig.ini", self->folder);
@@ -386,6 +390,26 @@ static void what_the_library_refuses_is_one_line(void **state)
     }
 }
 
+/* The last one: a thread stays in the library. */
+static void a_signal_ends_a_start_that_hangs(void **state)
+{
+    struct bench bench;
+    sigset_t end;
+    (void)state;
+    (void)sigemptyset(&end);
+    (void)sigaddset(&end, SIGTERM);
+    assert_int_equal(sigprocmask(SIG_BLOCK, &end, NULL), 0);
+    hangs = "subscriber";
+    assert_int_equal(raise(SIGTERM), 0);
+    open_bench(&bench, "", NULL);
+    assert_int_equal(bench.result, LX_RIG_WORLD);
+    assert_non_null(strstr(lx_error_line(&bench.error).text, "ended before it was there"));
+    assert_true(lx_silkit_is_left_behind());
+    receive(&bench, MS, 0x80, 0, "", 0); /* to nobody */
+    close_bench(&bench);
+    assert_int_equal(bench.fake->left, 0);
+}
+
 static void what_it_refuses_later_is_said_once(void **state)
 {
     static const char *const functions[] = {"send", "publish", "complete", "baud"};
@@ -423,6 +447,7 @@ int main(void)
         cmocka_unit_test(its_part_ends_behind_the_span),
         cmocka_unit_test(what_the_library_refuses_is_one_line),
         cmocka_unit_test(what_it_refuses_later_is_said_once),
+        cmocka_unit_test(a_signal_ends_a_start_that_hangs),
     };
     return cmocka_run_group_tests(tests, own_time, NULL);
 }

@@ -3,11 +3,17 @@
 #include "fake.h"
 
 #include <string.h>
+#include <unistd.h>
 
 __attribute__((visibility("default"))) struct fake_silkit fake_silkit;
 
 static int32_t may(const char *function)
 {
+    if (fake_silkit.hangs != NULL && strcmp(fake_silkit.hangs, function) == 0) {
+        for (;;) {
+            (void)pause();
+        }
+    }
     return fake_silkit.refuses != NULL && strcmp(fake_silkit.refuses, function) == 0 ? 1 : 0;
 }
 

@@ -1,0 +1,120 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What the library makes waits for all others to know of it, without limit for one who goes
+ * meanwhile, and nothing interrupts it. So it is made on a thread of its own:
+ *
+ *   wait() --> thread: make() ... done --> wait() goes on
+ *          --> nobody answers, or a signal to end: the thread is left behind, as is all that it has
+ */
+#define _GNU_SOURCE
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <time.h>
+
+#include "ending.h"
+#include "silkit_parts.h"
+
+#define WAIT_MS 10000u
+#define LOOK_MS 20u
+
+struct waiting {
+    struct lx_silkit_call call;
+    struct lx_error error;
+    int result;
+    bool done;
+    pthread_mutex_t lock;
+    pthread_cond_t over;
+};
+
+static atomic_bool left_behind;
+
+bool lx_silkit_is_left_behind(void)
+{
+    return atomic_load(&left_behind);
+}
+
+static void *make(void *ctx)
+{
+    struct waiting *self = ctx;
+    const int result = self->call.make(&self->call, &self->error);
+    (void)pthread_mutex_lock(&self->lock);
+    self->result = result;
+    self->done = true;
+    (void)pthread_cond_signal(&self->over);
+    (void)pthread_mutex_unlock(&self->lock);
+    return NULL;
+}
+
+/* A little while, or until it is done. */
+static bool look(struct waiting *self)
+{
+    struct timespec end;
+    (void)clock_gettime(CLOCK_REALTIME, &end);
+    const int64_t ns = end.tv_nsec + (int64_t)LOOK_MS * 1000000;
+    end.tv_sec += (time_t)(ns / 1000000000);
+    end.tv_nsec = (long)(ns % 1000000000);
+    (void)pthread_mutex_lock(&self->lock);
+    if (!self->done) {
+        (void)pthread_cond_timedwait(&self->over, &self->lock, &end);
+    }
+    const bool done = self->done;
+    (void)pthread_mutex_unlock(&self->lock);
+    return done;
+}
+
+static int leave_behind(struct waiting *self, pthread_t thread, struct lx_error *error)
+{
+    atomic_store(&left_behind, true);
+    (void)pthread_detach(thread);
+    return lx_ending_asked()
+               ? lx_fail(error, "SIL Kit: %s: ended before it was there", self->call.name)
+               : lx_refuse(error, "a registry and participants that run are right",
+                           "SIL Kit: %s: nobody has answered for %u s", self->call.name,
+                           WAIT_MS / 1000u);
+}
+
+static int finish(struct waiting *self, pthread_t thread, struct lx_silkit_call *call,
+                  struct lx_error *error)
+{
+    (void)pthread_join(thread, NULL);
+    const int result = self->result;
+    *call = self->call;
+    if (result != 0) {
+        *error = self->error;
+    }
+    (void)pthread_cond_destroy(&self->over);
+    (void)pthread_mutex_destroy(&self->lock);
+    free(self);
+    return result;
+}
+
+static int start(struct waiting *self, pthread_t *thread)
+{
+    sigset_t before;
+    lx_silkit_mask(&before);
+    const int result = pthread_create(thread, NULL, make, self);
+    lx_silkit_unmask(&before);
+    return result;
+}
+
+int lx_silkit_wait(struct lx_silkit_call *call, struct lx_error *error)
+{
+    pthread_t thread;
+    struct waiting *self = calloc(1, sizeof *self);
+    if (self == NULL) {
+        return lx_fail(error, "no memory for a simulation");
+    }
+    self->call = *call;
+    (void)pthread_mutex_init(&self->lock, NULL);
+    (void)pthread_cond_init(&self->over, NULL);
+    if (start(self, &thread) != 0) {
+        free(self);
+        return lx_fail(error, "no thread for a simulation");
+    }
+    bool done = look(self);
+    for (unsigned ms = 0; !done && ms < WAIT_MS && !lx_ending_asked(); ms += LOOK_MS) {
+        done = look(self);
+    }
+    return done ? finish(self, thread, call, error) : leave_behind(self, thread, error);
+}
