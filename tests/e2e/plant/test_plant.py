@@ -170,6 +170,8 @@ def test_rigs_that_hear_nothing_are_waited_for_together(tmp_path):
     (("--program", "/nowhere"), {}, "plant: /nowhere: No such file or directory; --program"),
     (("--join",), {}, "--registry silkit://HOST:PORT says where the master is"),
     (("--nodes", "128"), {}, "a bus has at most 127 nodes"),
+    (("--registry", "foo", "--rig", "0"), {}, "--registry foo: silkit://HOST:PORT is right"),
+    (("--processes", "1000"), {}, "256 processes at most"),
     (("--here", "3..1"), {}, "invalid numbers value: '3..1'"),
     (("--here", "3..4"), {}, "the rigs of 4 processes are 0..3"),
     (("--here=-1",), {}, "the rigs of 4 processes are 0..3"),

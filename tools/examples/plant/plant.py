@@ -28,6 +28,7 @@ TREE = Path(__file__).resolve().parents[3]
 MS = 1_000_000
 PATIENCE_S = 120
 PROGRESS_S = 2
+PROCESSES_MAX = 256
 MASTER = "master"
 
 # What is on a bus: F3668 as delivered, 2^16 steps a turn, 2^28 in all; TPDO2 tells the position at SYNC.
@@ -554,6 +555,10 @@ def options() -> argparse.Namespace:
     plant.library = library()
     if (plant.join or plant.rig is not None) and plant.registry is None:
         parser.error("--registry silkit://HOST:PORT says where the master is")
+    if plant.registry is not None and not re.fullmatch(r"silkit://[^/,\s]+:\d{1,5}", plant.registry):
+        parser.error(f"--registry {plant.registry}: silkit://HOST:PORT is right")
+    if plant.processes > PROCESSES_MAX:
+        parser.error(f"{PROCESSES_MAX} processes at most: each knows all others")
     if not 1 <= plant.nodes <= 127 or min(plant.processes, plant.buses, plant.ms, plant.step_us, plant.sync_ms) < 1:
         parser.error("all counts are 1 or more, and a bus has at most 127 nodes")
     rigs = range(plant.processes)
