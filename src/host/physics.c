@@ -5,23 +5,22 @@
  */
 #include "host_private.h"
 
-#define SECOND UINT64_C(1000000000)
+#define SECOND INT64_C(1000000000)
 
 /* floor(rate * t / 1 s) modulo 2^64 for t = `to` - `from` of any sign and length: seconds and the
- * rest of t, and of the rate. */
+ * rest of t, and of the rate. Divisions are of signed numbers, for all need the same code; ~x
+ * stands for -1 - x, which takes the rest below 0 along. */
 static uint64_t turned(int64_t rate, dg_ns from, dg_ns to)
 {
-    const bool back = to < from;
-    const dg_ns t = back ? from - to : to - from;
-    const uint64_t rest = t % SECOND;
-    const uint64_t s = back ? 0 - t / SECOND - (rest > 0 ? 1u : 0u) : t / SECOND;
-    const int64_t ns = (int64_t)(back && rest > 0 ? SECOND - rest : rest);
-    const int64_t second = (int64_t)SECOND;
-    const int64_t high = rate / second - (rate % second < 0 ? 1 : 0);
-    const int64_t low = rate % second + (rate % second < 0 ? second : 0);
+    const uint64_t t = to - from;
+    const uint64_t sign = to < from ? UINT64_MAX : 0;
+    const uint64_t s = (uint64_t)((int64_t)((t ^ sign) >> 1u) / (SECOND / 2)) ^ sign;
+    const uint64_t ns = t - s * (uint64_t)SECOND;
+    const int64_t high = rate / SECOND - (rate % SECOND < 0 ? 1 : 0);
+    const int64_t low = rate % SECOND + (rate % SECOND < 0 ? SECOND : 0);
 
     /* low * ns is below 2^63; the others wrap as angles do. */
-    return (uint64_t)rate * s + (uint64_t)high * (uint64_t)ns + (uint64_t)(low * ns / second);
+    return (uint64_t)rate * s + (uint64_t)high * ns + (uint64_t)(low * (int64_t)ns / SECOND);
 }
 
 static dg_angle angle_in(const struct host_course *course, dg_ns at)
