@@ -127,17 +127,25 @@ def test_what_it_started_ends_with_it(wrapped, tmp_path):
     assert [path.name for path in (tmp_path / "tmp").iterdir() if not path.name.startswith("drehgeber-")] == []
 
 
+def wait_for_pids(plant, folder, count):
+    """The file that rigs write theirs to."""
+    pids = folder / "pids"
+    end = time.monotonic() + PATIENCE_S
+    while not pids.exists() or len(pids.read_text().splitlines()) < count:
+        assert plant.poll() is None and time.monotonic() < end, "the plant starts no rigs"
+        time.sleep(0.01)
+    return pids
+
+
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 def test_what_it_has_started_so_far_ends_with_it(tmp_path, number):
     """Rigs that never are ready, of which there are a few when it is told to end."""
     program = tmp_path / "slow"
     program.write_text(f"#!/bin/sh\necho $$ >> {tmp_path}/pids\nexec sleep {PATIENCE_S}\n")
     program.chmod(0o755)
-    plant = subprocess.Popen(command("--processes", "1000", "--buses", "1", "--nodes", "1", program=program),
+    plant = subprocess.Popen(command("--processes", "256", "--buses", "1", "--nodes", "1", program=program),
                              stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-    pids = tmp_path / "pids"
-    while not pids.exists() or len(pids.read_text().splitlines()) < 5:
-        time.sleep(0.01)
+    pids = wait_for_pids(plant, tmp_path, 5)
     plant.send_signal(number)
     time.sleep(0.02)
     plant.send_signal(number)
@@ -147,7 +155,7 @@ def test_what_it_has_started_so_far_ends_with_it(tmp_path, number):
     left = [pid for pid in started if Path(f"/proc/{pid}").exists()]
     for pid in left:
         os.kill(int(pid), signal.SIGKILL)
-    assert len(started) < 1000 and left == []
+    assert len(started) < 256 and left == []
 
 
 def test_rigs_that_hear_nothing_are_waited_for_together(tmp_path):
@@ -157,9 +165,7 @@ def test_rigs_that_hear_nothing_are_waited_for_together(tmp_path):
     program.chmod(0o755)
     plant = subprocess.Popen(command("--processes", "12", "--buses", "1", "--nodes", "1", program=program),
                              stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    pids = tmp_path / "pids"
-    while not pids.exists() or len(pids.read_text().splitlines()) < 12:
-        time.sleep(0.01)
+    pids = wait_for_pids(plant, tmp_path, 12)
     plant.send_signal(signal.SIGTERM)
     assert plant.wait(60) == 143
     assert not any(Path(f"/proc/{pid}").exists() for pid in pids.read_text().split())
