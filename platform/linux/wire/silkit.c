@@ -5,8 +5,9 @@
  *   add() of each wire ... join() ... ports ... start() --ready--> step, step, ... --> free()
  *
  * Everything here is called by the loop, but for the handlers below "on the library's threads",
- * which put what they were told into the inbox and return. The library is let do its work in
- * between: a step is completed by the loop when all of it is done.
+ * which put what they were told into the inbox and return, and for make_participant(), for which
+ * the loop waits (silkit_wait.c). The library is let do its work in between: a step is completed
+ * by the loop when all of it is done.
  */
 #define _GNU_SOURCE
 #include <inttypes.h>

@@ -2,7 +2,7 @@
 /**
  * @file
  * What a participant is made of, for the files that make it: silkit.c lives, silkit_ports.c sends
- * and receives, silkit_settings.c knows the plan.
+ * and receives, silkit_wait.c has things made, silkit_settings.c knows the plan.
  */
 #ifndef DREHGEBER_LINUX_SILKIT_PARTS_H
 #define DREHGEBER_LINUX_SILKIT_PARTS_H
