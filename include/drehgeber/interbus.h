@@ -131,7 +131,7 @@ struct dg_ib_counters {
     uint32_t commands;       /**< commands accepted */
     uint32_t refused;        /**< commands answered with an error */
     uint32_t dropped;        /**< commands that changed before they were handled */
-    uint32_t presets_unset;  /**< 40000000h without the preset flag */
+    uint32_t presets_unset;  /**< 40000000h without the preset flag, 60000000h with a lost preset */
     uint32_t releases_stale; /**< 80000000h without a rising edge of bit 31 */
     uint32_t crc_errors;     /**< transmission errors found here */
 };

@@ -101,19 +101,25 @@ static uint32_t apply_preset(struct dg_ib *self, dg_ns now, bool flag)
     return IB_ACCEPTED;
 }
 
+static uint32_t ignore_unset_preset(struct dg_ib *self)
+{
+    self->counters.presets_unset++;
+    return IB_IGNORED;
+}
+
+/* The flag of a lost preset is clear, too. */
 uint32_t ib_activate_preset(struct dg_ib *self, dg_ns now, uint32_t word)
 {
     (void)word;
-    if (!self->preset_flag) { /* I5 */
-        self->counters.presets_unset++;
-        return IB_IGNORED;
-    }
-    return apply_preset(self, now, false);
+    return self->preset_flag ? apply_preset(self, now, false) : ignore_unset_preset(self); /* I5 */
 }
 
 uint32_t ib_fraba_preset(struct dg_ib *self, dg_ns now, uint32_t word)
 {
     (void)word;
+    if ((self->lost & PRESET_BIT) != 0) { /* I26 */
+        return ignore_unset_preset(self);
+    }
     uint32_t result = apply_preset(self, now, self->preset_flag);
     self->frozen = result == IB_ACCEPTED;
     return result;
