@@ -55,7 +55,8 @@ struct dg_instrument;
 /** Longest initialisation time a model may have. */
 #define DG_HF_INIT_MAX DG_S(600)
 
-/** Status codes on the wire (5.1.3; 1Dh-23h from the command tables, 1Eh from the spec). */
+/** Status codes on the wire (5.1.3; 1Dh, 1Fh-23h from the command tables; 1Eh is in no list
+ *  of the manual: chosen, R32 in src/hiperface/README.md). */
 enum dg_hf_status {
     DG_HF_NO_ERROR = 0x00,
     DG_HF_COMPENSATION = 0x01,      /**< faulty compensation data */
