@@ -38,6 +38,7 @@ enum dg_scpi_error {
     DG_SCPI_SUPERFLUOUS = -108, /**< parameter not allowed */
     DG_SCPI_MISSING = -109,     /**< missing parameter */
     DG_SCPI_UNDEFINED = -113,   /**< undefined header; also for lines with binary garbage */
+    DG_SCPI_NO_SUFFIX = -130,   /**< suffix error: a duration without a unit */
     DG_SCPI_SUFFIX = -131,      /**< invalid suffix */
     DG_SCPI_STRING = -151,      /**< invalid string data */
     DG_SCPI_EXECUTION = -200,
@@ -199,6 +200,7 @@ enum dg_scpi_unit {
     DG_SCPI_TEMPERATURE,  /**< DEGC, CEL; 0.001 degC */
     DG_SCPI_VOLTAGE,      /**< MV, V; 1 mV */
     DG_SCPI_CURRENT,      /**< UA, MA; 1 uA */
+    DG_SCPI_DURATION,     /**< as TIME, but the unit has to be said: -130 without */
 };
 
 /** What a number may be. */
@@ -213,8 +215,8 @@ struct dg_scpi_range {
  * Take the next parameter as a number: decimal, with or without exponent, MIN and MAX; #H, #Q, #B
  * and 0x for plain whole ones. More decimals than the base unit has are truncated (angles rounded
  * up).
- * @return false: an error was raised (-109 none there, -102 more behind it, -104, -131, -222 with
- * the range), by this or before by the same command; `value` is as before. Likewise the others
+ * @return false: an error was raised (-109 none there, -102 more behind it, -104, -130, -131, -222
+ * with the range), by this or before by the same command; `value` is as before. Likewise the others
  */
 DG_API bool dg_scpi_number(struct dg_scpi *self, const struct dg_scpi_range *range, int64_t *value);
 

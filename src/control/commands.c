@@ -44,7 +44,7 @@ static const struct dg_scpi_command rows[] = {
     {"WORLd:DEFault",         control_healthy,             NULL,                    0, "", "everything of the encoder's world is healthy"},
 
     {"FAULt:CATalog",         NULL,                        control_catalogue,       0, "", "name, kind, cause, effect, chapter of everything that can happen to the encoder"},
-    {"FAULt:SET",             control_fault,               NULL,                    0, "NAME[,COUNt N][,PROBability P][,DURation TIME]", "let it happen: to N frames, to each frame with probability P (0..1), for TIME; else until cleared"},
+    {"FAULt:SET",             control_fault,               NULL,                    0, "NAME[,COUNt N][,PROBability P][,DURation TIME]", "let it happen: to N frames, to each frame with probability P (0..1), for TIME, whose unit has to be said; else until cleared"},
     {"FAULt:CLEar",           control_clear,               NULL,                    0, "[NAME]", "make it good; all of them without NAME"},
     {"FAULt:ACTive",          NULL,                        control_active,          0, "", "names of the faults at work"},
     {"FAULt:HAPPened",        NULL,                        control_happened,        0, "NAME", "frames it has happened to since it was set"},

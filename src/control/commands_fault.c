@@ -7,7 +7,7 @@
 static const struct dg_scpi_range counts = {DG_SCPI_PLAIN, 0, 1, UINT32_MAX};
 static const struct dg_scpi_range probabilities = {DG_SCPI_PLAIN, CONTROL_PPM_PLACES, 0,
                                                    CONTROL_PPM};
-static const struct dg_scpi_range durations = {DG_SCPI_TIME, 0, 1, INT64_MAX};
+static const struct dg_scpi_range durations = {DG_SCPI_DURATION, 0, 1, INT64_MAX};
 
 static const struct dg_fault_limits unlimited = {.probability_ppm = CONTROL_PPM,
                                                  .duration = DG_NEVER};

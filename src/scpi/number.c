@@ -277,15 +277,49 @@ static void refuse_suffix(struct dg_scpi *self, enum dg_scpi_unit unit)
     scpi_refuse_word(self, DG_SCPI_SUFFIX, names, count);
 }
 
+/* Whose suffixes it takes. */
+static enum dg_scpi_unit unit_of(const struct dg_scpi_range *range)
+{
+    return range->unit == DG_SCPI_DURATION ? DG_SCPI_TIME : range->unit;
+}
+
+/* Whether the number in front of the place is the whole parameter. */
+static bool is_bare(const struct dg_scpi *self)
+{
+    const char *at = &self->line[self->at];
+
+    while (*at == ' ' || *at == '\t') {
+        at++;
+    }
+    return *at == ',' || scpi_is_end(*at);
+}
+
+/* A duration without a unit: the number stands in front of the place, from `begin` on. */
+static void refuse_bare(struct dg_scpi *self, uint16_t begin)
+{
+    const char *const number = &self->line[begin];
+    const size_t n = (size_t)self->at - begin;
+    char room[SCPI_DETAIL_SIZE];
+    struct dg_text detail = dg_text_in(room, sizeof room);
+
+    dg_text_add_n(&detail, number, n);
+    dg_text_add(&detail, "; ");
+    dg_text_add_n(&detail, number, n);
+    dg_text_add(&detail, "MS or ");
+    dg_text_add_n(&detail, number, n);
+    dg_text_add(&detail, "S is right");
+    dg_scpi_raise(self, DG_SCPI_NO_SUFFIX, detail.to);
+}
+
 /* @return false: an error was raised */
 static bool read_suffix(struct dg_scpi *self, const struct dg_scpi_range *range, struct suffix *out)
 {
     scpi_skip_blanks(self);
     const size_t n = scpi_token(self);
-    const struct suffix *found = find_suffix(range->unit, &self->line[self->at], n);
+    const struct suffix *found = find_suffix(unit_of(range), &self->line[self->at], n);
 
     if (found == NULL) {
-        refuse_suffix(self, range->unit);
+        refuse_suffix(self, unit_of(range));
         return false;
     }
     *out = *found;
@@ -299,6 +333,7 @@ static bool read_suffix(struct dg_scpi *self, const struct dg_scpi_range *range,
 /* @return false: an error was raised */
 static bool read_decimal(struct dg_scpi *self, const struct dg_scpi_range *range, struct value *out)
 {
+    const uint16_t begin = self->at;
     struct decimal number;
     struct suffix suffix;
 
@@ -307,6 +342,10 @@ static bool read_decimal(struct dg_scpi *self, const struct dg_scpi_range *range
         return false;
     }
     read_exponent(self, &number);
+    if (range->unit == DG_SCPI_DURATION && is_bare(self)) {
+        refuse_bare(self, begin);
+        return false;
+    }
     if (!read_suffix(self, range, &suffix)) {
         return false;
     }
@@ -318,7 +357,7 @@ static bool read_decimal(struct dg_scpi *self, const struct dg_scpi_range *range
 static void add_limit(struct dg_text *detail, const struct dg_scpi_range *range, int64_t limit)
 {
     const bool plain = range->unit == DG_SCPI_PLAIN;
-    unsigned places = plain ? range->places : unit_places[range->unit];
+    unsigned places = plain ? range->places : unit_places[unit_of(range)];
     uint64_t magnitude = scpi_magnitude(limit);
     char text[SCPI_DIGITS_MAX];
 
@@ -334,7 +373,7 @@ static void add_limit(struct dg_text *detail, const struct dg_scpi_range *range,
 
 static void raise_range(struct dg_scpi *self, const struct dg_scpi_range *range)
 {
-    const char *const name = usual_suffix(range->unit)->name;
+    const char *const name = usual_suffix(unit_of(range))->name;
     char room[SCPI_DETAIL_SIZE];
     struct dg_text detail = dg_text_in(room, sizeof room);
 

@@ -24,6 +24,7 @@ static const struct {
     {DG_SCPI_SUPERFLUOUS, "Parameter not allowed"},
     {DG_SCPI_MISSING, "Missing parameter"},
     {DG_SCPI_UNDEFINED, "Undefined header"},
+    {DG_SCPI_NO_SUFFIX, "Suffix error"},
     {DG_SCPI_SUFFIX, "Invalid suffix"},
     {DG_SCPI_STRING, "Invalid string data"},
     {DG_SCPI_EXECUTION, "Execution error"},

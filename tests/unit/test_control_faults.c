@@ -130,7 +130,7 @@ static void test_limits_in_any_order(void **state)
         {"FAUL:SET wire_drop,COUN 3", {3, 1000000, DG_NEVER}},
         {"FAUL:SET wire_drop,PROBability 0.25", {0, 250000, DG_NEVER}},
         {"FAUL:SET wire_drop,DUR 2S", {0, 1000000, DG_S(3)}},
-        {"FAUL:SET wire_drop,dur 5,count 7,prob 1E-6", {7, 1, DG_S(1) + DG_MS(5)}},
+        {"FAUL:SET wire_drop,dur 5 ms,count 7,prob 1E-6", {7, 1, DG_S(1) + DG_MS(5)}},
         {"FAUL:SET wire_drop,PROB 0,DURATION 1US,COUNT 1", {1, 0, DG_S(1) + DG_US(1)}},
     };
 
@@ -152,7 +152,10 @@ static void test_limits_that_cannot_be(void **state)
     (void)state;
     refuse("FAUL:SET wire_drop,COUNT 0", "-222", NULL);
     refuse("FAUL:SET wire_drop,PROB 1.1", "-222", NULL);
-    refuse("FAUL:SET wire_drop,DUR 0", "-222", NULL);
+    refuse("FAUL:SET wire_drop,DUR 0S", "-222", NULL);
+    refuse("FAUL:SET wire_drop,DUR 5", "-130", "Suffix error;5; 5MS or 5S is right");
+    refuse("FAUL:SET wire_drop,DUR 1.5E3 ,COUN 3", "-130", "1.5E3; 1.5E3MS or 1.5E3S is right");
+    refuse("FAUL:SET wire_drop,DUR 5MIN", "-131", "MIN; MS, S, US or NS is right");
     refuse("FAUL:SET wire_drop,TIMES 3", "-224", NULL);
     refuse("FAUL:SET wire_drop,COUNT", "-109", NULL);
     refuse("FAUL:SET wire_drop,3", "-224", NULL);
