@@ -2,6 +2,7 @@
 """Who may connect to the control plane, and who is sent away before anything is executed."""
 import os
 import pty
+import re
 import select
 import socket
 import subprocess
@@ -249,10 +250,17 @@ def test_with_the_word_it_warns_once(rig, address):
     assert bench.errors.so_far() == []
 
 
+@pytest.mark.parametrize("address", ["0.0.0.0:0", "[::]:0"])
+def test_a_ring_beyond_loopback_is_asked_for(address):
+    line = run_refused(1, "run", "ocd-ib-k3", "--modbus", address)
+    assert line.endswith(f"{address},open is right if that is meant"), line
+
+
 def test_a_ring_beyond_loopback_is_said_once(start):
-    encoder = start(model="ocd-ib-k3", wire=["--modbus", "0.0.0.0:0"])
+    encoder = start(model="ocd-ib-k3", wire=["--modbus", "0.0.0.0:0,open"])
     assert "loopback" in encoder.errors.wait()
-    start("--quiet", model="ocd-ib-k3", wire=["--modbus", "0.0.0.0:0"])
+    assert re.fullmatch(r"ready ocd-ib-k3 modbus:0\.0\.0\.0:\d+", encoder.ready_line)
+    start("--quiet", model="ocd-ib-k3", wire=["--modbus", "0.0.0.0:0,open"])
     start(model="ocd-ib-k3", wire=["--modbus", "127.0.0.1:0"])
 
 

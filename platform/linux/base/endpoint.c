@@ -168,13 +168,20 @@ void lx_host_port_real(struct lx_host_port *self, int fd)
     }
 }
 
+const char *lx_port_right(int reason)
+{
+    return reason == EACCES ? "a port from 1024 on is right, or the privilege CAP_NET_BIND_SERVICE"
+                            : lx_more_of(reason);
+}
+
 static int refuse(const char *where, int reason, struct lx_error *error)
 {
     return reason == EPERM ? lx_fail(error,
                                      "%s: beyond loopback, where anybody could steer; %s,open is "
                                      "right if that is meant",
                                      where, where)
-                           : lx_fail(error, "%s: cannot listen there: %s", where, strerror(reason));
+                           : lx_refuse(error, lx_port_right(reason), "%s: cannot listen there: %s",
+                                       where, strerror(reason));
 }
 
 int lx_endpoint_listen(const char *where, enum lx_endpoint_reach reach, char *address, size_t size,

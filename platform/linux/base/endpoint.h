@@ -41,6 +41,9 @@ enum lx_endpoint_reach {
  * beyond loopback, and not meant to be */
 int lx_tcp_listen(const struct lx_host_port *where, enum lx_endpoint_reach reach);
 
+/** What would be right when one cannot listen at a port for this errno; NULL: that is not known. */
+const char *lx_port_right(int reason);
+
 /** Let a TCP client whose machine is gone be noticed after 90 seconds. */
 void lx_endpoint_keep_alive(int fd);
 

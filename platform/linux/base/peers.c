@@ -303,16 +303,24 @@ static int on_connection(sd_event_source *source, int fd, uint32_t events, void 
 
 /* --- all of them --- */
 
-static int refuse(const struct lx_peers *self, int reason, struct lx_error *error)
+static int refuse(const struct lx_peers_where *where, int reason, struct lx_error *error)
 {
     char at[LX_PEERS_ADDRESS_MAX];
     struct lx_words right = {""};
-    lx_host_port_print(&self->setup.where->at, at, sizeof at);
+    lx_host_port_print(&where->at, at, sizeof at);
     lx_words_add(&right, "%s%s%s,open is right if that is meant", at,
-                 self->setup.where->word[0] == '\0' ? "" : ",", self->setup.where->word);
+                 where->word[0] == '\0' ? "" : ",", where->word);
     return reason == EPERM
                ? lx_refuse(error, right.text, "beyond loopback, where anybody could take part")
-               : lx_refuse(error, lx_more_of(reason), "cannot listen there: %s", strerror(reason));
+               : lx_refuse(error, lx_port_right(reason), "cannot listen there: %s",
+                           strerror(reason));
+}
+
+int lx_peers_listen(const struct lx_peers_where *where, struct lx_error *error)
+{
+    const int listener =
+        lx_tcp_listen(&where->at, where->open ? LX_ENDPOINT_ANY : LX_ENDPOINT_LOOPBACK);
+    return listener >= 0 ? listener : refuse(where, errno, error);
 }
 
 static void tell_address(struct lx_peers *self)
@@ -337,10 +345,9 @@ int lx_peers_open(struct lx_peers *self, const struct lx_peers_setup *setup, str
     if (result < 0) {
         return lx_fail(error, "no timer: %s", strerror(-result));
     }
-    self->listener = lx_tcp_listen(&setup->where->at,
-                                   setup->where->open ? LX_ENDPOINT_ANY : LX_ENDPOINT_LOOPBACK);
+    self->listener = lx_peers_listen(setup->where, error);
     if (self->listener < 0) {
-        return refuse(self, errno, error);
+        return -1;
     }
     result = sd_event_add_io(setup->event, &self->io, self->listener, EPOLLIN, on_connection, self);
     if (result >= 0) {

@@ -19,11 +19,10 @@
 #include <unistd.h>
 
 #include "drehgeber/bits.h"
-#include "endpoint.h"
+#include "peers.h"
 
 #define HEADER 7u
 #define LENGTH_AT 4u
-#define BACKLOG 16
 /* What a client that is sent away may still send, and for how long. */
 #define FAREWELL_BYTES 65536u
 #define FAREWELL DG_S(2)
@@ -344,32 +343,30 @@ void lx_modbus_unwatch(struct lx_modbus *self)
 
 bool lx_modbus_address_fits(const char *where)
 {
-    struct lx_host_port endpoint;
-    return lx_host_port_split(where, &endpoint);
+    struct lx_peers_where endpoint;
+    return lx_peers_split(where, &endpoint) && endpoint.word[0] == '\0';
 }
 
 static int listen_at(struct lx_modbus *self, const struct lx_modbus_setup *setup,
                      struct lx_error *error)
 {
-    struct lx_host_port endpoint;
-    if (!lx_host_port_split(setup->where, &endpoint)) {
-        return lx_refuse(error, "HOST:PORT is right", "%s", "");
+    struct lx_peers_where where;
+    if (!lx_peers_split(setup->where, &where)) {
+        return lx_refuse(error, LX_MODBUS_RIGHT, "%s", "");
     }
-    self->protocol = modbus_new_tcp_pi(endpoint.host, endpoint.port);
-    if (self->protocol != NULL) {
-        self->listener = modbus_tcp_pi_listen(self->protocol, BACKLOG);
+    self->protocol = modbus_new_tcp_pi(where.at.host, where.at.port);
+    if (self->protocol == NULL) {
+        return lx_fail(error, "no memory for the coupler");
     }
+    self->listener = lx_peers_listen(&where, error);
     if (self->listener < 0) {
-        return lx_refuse(error, lx_more_of(errno), "cannot listen there: %s",
-                         errno == ECONNREFUSED ? "no such host" : strerror(errno));
+        return -1;
     }
-    lx_host_port_real(&endpoint, self->listener);
+    lx_host_port_real(&where.at, self->listener);
     /* Connections inherit it: an answer does not wait for the acknowledgement of the one before. */
     const int on = 1;
     (void)setsockopt(self->listener, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
-    const int host = (int)(strrchr(setup->where, ':') - setup->where);
-    (void)snprintf(self->address, sizeof self->address, "%.*s:%s", host, setup->where,
-                   endpoint.port);
+    lx_host_port_print(&where.at, self->address, sizeof self->address);
     return 0;
 }
 

@@ -46,7 +46,7 @@ struct lx_modbus_counters {
 /** What a coupler is made of. Everything pointed to must outlive it. */
 struct lx_modbus_setup {
     sd_event *event;
-    const char *where; /**< "host:port"; port 0: any */
+    const char *where; /**< HOST:PORT[,open]; port 0: any */
     struct lx_ring *ring;
     dg_ns cycle; /**< from one cycle of the ring to the next */
     bool tear;   /**< half of an OUT word may be written */
@@ -88,7 +88,10 @@ void lx_modbus_unwatch(struct lx_modbus *self);
 /** Close all connections; also after a failed open. */
 void lx_modbus_close(struct lx_modbus *self);
 
-/** Whether `where` is HOST:PORT. */
+/** What is told of an address that is none. */
+#define LX_MODBUS_RIGHT "HOST:PORT is right, e.g. 127.0.0.1:5020; beyond loopback HOST:PORT,open"
+
+/** Whether `where` is HOST:PORT or HOST:PORT,open. */
 bool lx_modbus_address_fits(const char *where);
 
 #endif

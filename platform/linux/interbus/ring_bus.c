@@ -366,10 +366,7 @@ static int understand_ring(struct ring_bus *self, struct lx_error *error)
     const struct lx_bus_setup *setup = &self->bus.setup;
     const char *where = setup->wire->where;
     if (!lx_modbus_address_fits(where)) {
-        const struct lx_wire *kind = setup->wire->kind;
-        struct lx_words right = {""};
-        lx_words_add(&right, "%s is right, e.g. %s", kind->where, kind->usual);
-        return lx_refuse(error, right.text, "%s", "");
+        return lx_refuse(error, LX_MODBUS_RIGHT, "%s", "");
     }
     return lx_wire_settings(&lx_ring_keys, setup->plan, setup->wire, &self->settings, error);
 }

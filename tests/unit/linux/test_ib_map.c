@@ -258,8 +258,10 @@ static void the_ring_has_one_file(void **state)
 
 static void addresses(void **state)
 {
-    static const char *const good[] = {"127.0.0.1:5020", "[::1]:0", "host:65535", "::1:502"};
-    static const char *const bad[] = {"", ":", "host", "host:", ":502", "h:65536", "h:x", "[]:1"};
+    static const char *const good[] = {"127.0.0.1:5020", "[::1]:0", "host:65535", "::1:502",
+                                       "0.0.0.0:502,open"};
+    static const char *const bad[] = {"",        ":",   "host", "host:",   ":502",
+                                      "h:65536", "h:x", "[]:1", "h:1,bus", "h:1,bus,open"};
 
     (void)state;
     for (size_t i = 0; i < sizeof good / sizeof good[0]; i++) {

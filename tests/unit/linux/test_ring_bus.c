@@ -348,7 +348,8 @@ static void plans_that_cannot_be(void **state)
         const char *text;
     } rows[] = {
         {"host", NULL, NULL, NULL,
-         "rig.ini:4: modbus:host: HOST:PORT is right, e.g. 127.0.0.1:5020"},
+         "rig.ini:4: modbus:host: HOST:PORT is right, e.g. 127.0.0.1:5020; beyond loopback "
+         "HOST:PORT,open"},
         {NULL, "x", NULL, NULL, "rig.ini:8: serial x: a number in 0..33554431 is right"},
         {NULL, NULL, "cycle=1", NULL, "rig.ini:9: cycle=1: a number in 250..50000 us is right"},
         {NULL, NULL, "steps=1", NULL, "rig.ini:9: steps=1: the wire has no such key; leave it out"},
