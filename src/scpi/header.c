@@ -8,13 +8,6 @@
 /* Of a text that a host hands over. */
 #define TEXT_MAX UINT16_MAX
 
-/* A part of a pattern between colons. */
-struct node {
-    const char *name;
-    size_t n;
-    bool optional;
-};
-
 /* Bounded, so that no compiler takes the loop for strlen() and calls that. */
 size_t scpi_length(const char *text)
 {
@@ -31,7 +24,7 @@ bool scpi_is_digit(char c)
     return c >= '0' && c <= '9';
 }
 
-static bool is_small(char c)
+bool scpi_is_small(char c)
 {
     return c >= 'a' && c <= 'z';
 }
@@ -40,7 +33,7 @@ bool scpi_is_form(const char *name, size_t name_length, const char *text, size_t
 {
     size_t brief = 0;
 
-    while (brief < name_length && !is_small(name[brief])) {
+    while (brief < name_length && !scpi_is_small(name[brief])) {
         brief++;
     }
     return (n == brief || n == name_length) && dg_text_same(name, text, n, dg_text_upper);
@@ -51,7 +44,7 @@ static bool is_between(char c)
     return c == ':' || c == '[' || c == ']';
 }
 
-static const char *next_node(const char *pattern, struct node *out)
+const char *scpi_next_node(const char *pattern, struct scpi_node *out)
 {
     out->optional = false;
     while (is_between(*pattern)) {
@@ -69,10 +62,11 @@ static const char *next_node(const char *pattern, struct node *out)
 bool scpi_matches(const char *pattern, const char *header, size_t n)
 {
     const char *const end = header + n;
-    struct node node;
+    struct scpi_node node;
     bool open = true; /* a node of the header is to come, if only an empty one */
 
-    for (pattern = next_node(pattern, &node); node.n > 0; pattern = next_node(pattern, &node)) {
+    for (pattern = scpi_next_node(pattern, &node); node.n > 0;
+         pattern = scpi_next_node(pattern, &node)) {
         const char *stop = header;
         while (stop < end && *stop != ':') {
             stop++;

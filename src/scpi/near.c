@@ -4,93 +4,161 @@
  */
 #include "scpi_private.h"
 
-/* So many characters of a keyword have to agree. */
-#define AGREED 4u
+/*
+ * The nearest row is the one with the smallest sum of what differs, node by node; what differs by
+ * more than LIMIT is not near. Letters that only the long form has may be left out for nothing.
+ */
+#define SKIP 4u       /* a node is missing or too many, is misspelt, or called as what follows it */
+#define ONE_MORE 1u   /* each further character of a misspelt node */
+#define OTHER_FORM 5u /* a query was asked of what has none, or the other way round */
+#define LIMIT 7u
+#define FAR 100u
+/* What is longer is no misspelt keyword. */
+#define WORD_MAX 16u
+#define NODES_MAX 6u
+/* So many characters of what a command takes are enough: VOLT, SPEED. */
+#define TAKEN_MIN 4u
 
-static bool is_between(char c)
+/* A header, taken apart; no node: nothing is near. */
+struct header {
+    const char *node[NODES_MAX];
+    size_t length[NODES_MAX];
+    size_t count;
+};
+
+static unsigned smaller(unsigned a, unsigned b)
 {
-    return c == ':' || c == '[' || c == ']';
+    return a < b ? a : b;
 }
 
-static size_t keyword_length(const char *keyword)
+static unsigned smallest(unsigned a, unsigned b, unsigned c)
 {
-    size_t n = 0;
+    return smaller(a, smaller(b, c));
+}
 
-    while (keyword[n] != '\0' && !is_between(keyword[n])) {
-        n++;
+/* How many characters have to change for `text` to be a form of the keyword: Levenshtein's
+   distance, of which one line at a time is kept. */
+static unsigned count_edits(const struct scpi_node *keyword, const char *text, size_t n)
+{
+    unsigned cost[WORD_MAX + 1u];
+
+    for (unsigned i = 0; i <= n; i++) {
+        cost[i] = i;
     }
-    return n;
-}
-
-/* Whether the `n` characters are a form of the keyword, or begin as it does. */
-static bool is_near(const char *keyword, const char *text, size_t n)
-{
-    const size_t length = keyword_length(keyword);
-
-    return scpi_is_form(keyword, length, text, n) ||
-           (n >= AGREED && length >= AGREED && dg_text_same(keyword, text, AGREED, dg_text_upper));
-}
-
-static bool has_keyword(const char *pattern, const char *text, size_t n)
-{
-    bool begins = true;
-
-    for (; *pattern != '\0'; pattern++) {
-        if (begins && !is_between(*pattern) && is_near(pattern, text, n)) {
-            return true;
+    for (size_t k = 0; k < keyword->n; k++) {
+        const unsigned left_out = scpi_is_small(keyword->name[k]) ? 0u : 1u;
+        unsigned before = cost[0];
+        cost[0] += left_out;
+        for (size_t i = 1; i <= n; i++) {
+            const bool same = dg_text_upper(keyword->name[k]) == dg_text_upper(text[i - 1u]);
+            const unsigned changed = before + (same ? 0u : 1u);
+            before = cost[i];
+            cost[i] = smallest(changed, cost[i] + left_out, cost[i - 1u] + 1u);
         }
-        begins = is_between(*pattern);
     }
-    return false;
+    return cost[n];
 }
 
-static const struct dg_scpi_command *row_near(const struct dg_scpi *self, const char *text,
-                                              size_t n)
+/* Two of five characters may be wrong. */
+static unsigned node_cost(const struct dg_scpi_command *row, const struct scpi_node *keyword,
+                          const char *text, size_t n)
 {
-    const struct dg_scpi_commands *list;
+    const unsigned edits = n > WORD_MAX ? FAR : count_edits(keyword, text, n);
 
-    for (size_t i = 0; n > 0 && (list = scpi_commands(self, i)) != NULL; i++) {
-        for (size_t j = 0; j < list->count; j++) {
-            if (has_keyword(list->rows[j].header, text, n)) {
-                return &list->rows[j];
-            }
+    if (edits == 0) {
+        return 0;
+    }
+    if (n >= TAKEN_MIN && dg_text_same(row->parameters, text, n, dg_text_upper)) {
+        return SKIP;
+    }
+    return 5u * edits > 2u * n ? FAR : SKIP + ONE_MORE * (edits - 1u);
+}
+
+static unsigned row_cost(const struct dg_scpi_command *row, const struct header *header)
+{
+    unsigned cost[NODES_MAX + 1u];
+    struct scpi_node keyword;
+
+    for (unsigned i = 0; i <= header->count; i++) {
+        cost[i] = SKIP * i;
+    }
+    for (const char *rest = scpi_next_node(row->header, &keyword); keyword.n > 0;
+         rest = scpi_next_node(rest, &keyword)) {
+        const unsigned left_out = keyword.optional ? 0u : SKIP;
+        unsigned before = cost[0];
+        cost[0] += left_out;
+        for (size_t i = 0; i < header->count; i++) {
+            const unsigned changed =
+                before + node_cost(row, &keyword, header->node[i], header->length[i]);
+            before = cost[i + 1u];
+            cost[i + 1u] = smallest(changed, cost[i + 1u] + left_out, cost[i] + SKIP);
         }
     }
-    return NULL;
+    return cost[header->count];
 }
 
-/* The last keyword says most of what is meant. */
-static const struct dg_scpi_command *nearest(const struct dg_scpi *self, const char *header,
-                                             size_t n)
+static bool is_of_header(char c)
+{
+    return dg_text_upper(c) != c || (c >= 'A' && c <= 'Z') || scpi_is_digit(c) || c == ':' ||
+           c == '_' || c == '*';
+}
+
+/* Up to what no header has; an empty node at the end is none. */
+static struct header take_apart(const char *text, size_t n)
+{
+    struct header header = {.count = 0};
+    size_t end = 0;
+    size_t begin = 0;
+
+    while (end < n && is_of_header(text[end])) {
+        end++;
+    }
+    while (end > 0 && text[end - 1u] == ':') {
+        end--;
+    }
+    for (size_t i = 0; i <= end && end > 0; i++) {
+        if (i < end && text[i] != ':') {
+            continue;
+        }
+        if (header.count == NODES_MAX) {
+            return (struct header){.count = 0};
+        }
+        header.node[header.count] = &text[begin];
+        header.length[header.count++] = i - begin;
+        begin = i + 1u;
+    }
+    return header;
+}
+
+static bool has_form(const struct dg_scpi_command *row, bool query)
+{
+    return (query ? row->query : row->set) != NULL;
+}
+
+/* @return the nearest row, the first of several; NULL: none is near */
+static const struct dg_scpi_command *
+nearest(const struct dg_scpi *self, const struct header *header, bool query, unsigned *cost)
 {
     const struct dg_scpi_command *found = NULL;
+    const struct dg_scpi_commands *list;
 
-    while (n > 0 && found == NULL) {
-        size_t begin = n;
-        while (begin > 0 && header[begin - 1u] != ':') {
-            begin--;
+    *cost = LIMIT + 1u;
+    for (size_t i = 0; header->count > 0 && (list = scpi_commands(self, i)) != NULL; i++) {
+        for (size_t j = 0; j < list->count; j++) {
+            const struct dg_scpi_command *row = &list->rows[j];
+            const unsigned its = row_cost(row, header) + (has_form(row, query) ? 0u : OTHER_FORM);
+            found = its < *cost ? row : found;
+            *cost = smaller(its, *cost);
         }
-        found = row_near(self, &header[begin], n - begin);
-        n = begin > 0 ? begin - 1u : 0;
     }
     return found;
 }
 
-static void add_usage(struct dg_text *detail, const struct dg_scpi_command *row, bool query)
-{
-    const char *pieces[SCPI_USAGE];
-
-    scpi_usage(row, query, pieces);
-    for (size_t i = 0; i < SCPI_USAGE; i++) {
-        dg_text_add(detail, pieces[i]);
-    }
-}
-
 void scpi_refuse_header(struct dg_scpi *self, const char *header, size_t n, bool query)
 {
-    const size_t bare = n - (query ? 1u : 0u);
-    const struct dg_scpi_command *other = scpi_find(self, header, bare, !query);
-    const struct dg_scpi_command *near = other == NULL ? nearest(self, header, bare) : other;
+    const struct header apart = take_apart(header, n);
+    unsigned cost;
+    const struct dg_scpi_command *near = nearest(self, &apart, query, &cost);
     char room[SCPI_DETAIL_SIZE];
     struct dg_text detail = dg_text_in(room, sizeof room);
 
@@ -98,8 +166,9 @@ void scpi_refuse_header(struct dg_scpi *self, const char *header, size_t n, bool
     if (near == NULL) {
         dg_text_add(&detail, n == 0 ? "SYSTem:HELP? has all" : "; SYSTem:HELP? has all");
     } else {
-        dg_text_add(&detail, other != NULL ? "; right is " : "; near is ");
-        add_usage(&detail, near, near->set == NULL || (query && near->query != NULL && !other));
+        const bool fits = has_form(near, query);
+        dg_text_add(&detail, !fits && cost == OTHER_FORM ? "; right is " : "; near is ");
+        scpi_add_usage(&detail, near, fits ? query : !query);
     }
     dg_scpi_raise(self, DG_SCPI_UNDEFINED, detail.to);
 }

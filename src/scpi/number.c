@@ -314,10 +314,17 @@ static void refuse_bare(struct dg_scpi *self, uint16_t begin)
 /* @return false: an error was raised */
 static bool read_suffix(struct dg_scpi *self, const struct dg_scpi_range *range, struct suffix *out)
 {
+    const uint16_t before = self->at;
+
     scpi_skip_blanks(self);
     const size_t n = scpi_token(self);
     const struct suffix *found = find_suffix(unit_of(range), &self->line[self->at], n);
 
+    if (found == NULL && scpi_is_digit(self->line[self->at])) { /* the next number */
+        self->at = before;
+        (void)scpi_close(self, DG_SCPI_SUFFIX);
+        return false;
+    }
     if (found == NULL) {
         refuse_suffix(self, unit_of(range));
         return false;

@@ -74,6 +74,19 @@ void scpi_refuse(struct dg_scpi *self, int code)
     dg_scpi_raise(self, code, detail.to);
 }
 
+/* What stands behind a blank is a parameter more, or none at all. */
+static void refuse_apart(struct dg_scpi *self)
+{
+    char room[SCPI_DETAIL_SIZE];
+    struct dg_text detail = dg_text_in(room, sizeof room);
+    const bool several = scpi_count(self->command->parameters) > 1u;
+
+    dg_text_add_n(&detail, &self->line[self->at], scpi_token(self));
+    dg_text_add(&detail, several ? "; a comma is missing, right is " : "; right is ");
+    scpi_add_usage(&detail, self->command, self->query);
+    dg_scpi_raise(self, DG_SCPI_SYNTAX, detail.to);
+}
+
 bool scpi_close(struct dg_scpi *self, int code)
 {
     const bool apart = is_blank(self->line[self->at]);
@@ -82,7 +95,11 @@ bool scpi_close(struct dg_scpi *self, int code)
     if (scpi_token(self) == 0) {
         return true;
     }
-    scpi_refuse(self, apart ? DG_SCPI_SYNTAX : code);
+    if (apart) {
+        refuse_apart(self);
+    } else {
+        scpi_refuse(self, code);
+    }
     return false;
 }
 

@@ -15,6 +15,15 @@ extern const struct dg_scpi_commands scpi_own;
 /** header.c: characters and headers. */
 size_t scpi_length(const char *text);
 bool scpi_is_digit(char c);
+bool scpi_is_small(char c);
+/** A part of a pattern between colons. */
+struct scpi_node {
+    const char *name;
+    size_t n; /**< 0: there are no more */
+    bool optional;
+};
+/** The first node of a pattern, or of what is left of it. @return what is left then */
+const char *scpi_next_node(const char *pattern, struct scpi_node *out);
 /** Whether the `n` characters at `text` are the long or the short form of the `name_length`
  * characters at `name`. */
 bool scpi_is_form(const char *name, size_t name_length, const char *text, size_t n);
@@ -58,6 +67,8 @@ unsigned scpi_count(const char *text);
 /** status.c: errors. */
 /** The pieces of a command's or query's line in the help. */
 void scpi_usage(const struct dg_scpi_command *command, bool query, const char *pieces[SCPI_USAGE]);
+/** That line. */
+void scpi_add_usage(struct dg_text *to, const struct dg_scpi_command *command, bool query);
 /** Raise `code` with the command at hand as the help has it. */
 void scpi_raise_usage(struct dg_scpi *self, int code);
 /** Standard text of an error number, and of its class for others. */

@@ -120,16 +120,22 @@ void scpi_usage(const struct dg_scpi_command *command, bool query, const char *p
     pieces[3] = parameters;
 }
 
+void scpi_add_usage(struct dg_text *to, const struct dg_scpi_command *command, bool query)
+{
+    const char *pieces[SCPI_USAGE];
+
+    scpi_usage(command, query, pieces);
+    for (size_t i = 0; i < SCPI_USAGE; i++) {
+        dg_text_add(to, pieces[i]);
+    }
+}
+
 void scpi_raise_usage(struct dg_scpi *self, int code)
 {
     char room[SCPI_DETAIL_SIZE];
     struct dg_text detail = dg_text_in(room, sizeof room);
-    const char *pieces[SCPI_USAGE];
 
-    scpi_usage(self->command, self->query, pieces);
-    for (size_t i = 0; i < SCPI_USAGE; i++) {
-        dg_text_add(&detail, pieces[i]);
-    }
+    scpi_add_usage(&detail, self->command, self->query);
     dg_scpi_raise(self, code, detail.to);
 }
 

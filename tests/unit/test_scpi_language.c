@@ -84,6 +84,18 @@ static const struct row headers[] = {
     {"7.6.1.5 no comma there",        "SHAF:POS,1\n",     "", UNDEFINED("SHAF:POS,1; near is SHAFt:POSition ANGLE")},
     {"7.4.1.2 blanks anywhere",       " \t SHAF:POS \t 1 REV \t ; \t POS? \t \r\n", "4294967296\n", NONE},
     {"7.4.1.2 not in a header",       "SHAF: POS 1\n",    "", UNDEFINED("SHAF:; near is SHAFt:POSition ANGLE")},
+    {"near: a character too many",    "SHAF:POSS 9DEG\n",  "", UNDEFINED("SHAF:POSS; near is SHAFt:POSition ANGLE")},
+    {"near: one is missing",          "WORL:SUP 3V\n",     "", UNDEFINED("WORL:SUP; near is WORLd:SUPPly VOLTAGE")},
+    {"near: two are exchanged",       "SHFAT:VEL?\n",      "", UNDEFINED("SHFAT:VEL?; near is SHAFt:VELocity?")},
+    {"near: in the last node",        "FAUL:SETT x\n",     "", UNDEFINED("FAUL:SETT; near is FAULt:SET NAME[,COUNt n][,PROBability p][,DURation TIME]")},
+    {"near: a node is missing",       "FAULT x\n",         "", UNDEFINED("FAULT; near is FAULt:SET NAME[,COUNt n][,PROBability p][,DURation TIME]")},
+    {"near: a blank for the colon",   "SHAFT POS 9DEG\n",  "", UNDEFINED("SHAFT; near is SHAFt:POSition ANGLE")},
+    {"near: called as what it takes", "SHAF:SPEED 60\n",   "", UNDEFINED("SHAF:SPEED; near is SHAFt:VELocity SPEED")},
+    {"near: or as its beginning",     "WORL:VOLT 4\n",     "", UNDEFINED("WORL:VOLT; near is WORLd:SUPPly VOLTAGE")},
+    {"near: the command, not a query with less amiss", "SHAF:STO 5\n", "", UNDEFINED("SHAF:STO; near is SHAFt:STOP")},
+    {"near: three of five is too far", "SHAF:SXEXX 5\n",   "", UNDEFINED("SHAF:SXEXX; SYSTem:HELP? has all")},
+    {"near: seven nodes are too many", "A:B:C:D:E:SHAF:POS?\n", "", UNDEFINED("A:B:C:D:E:SHAF:POS?; SYSTem:HELP? has all")},
+    {"near: 17 letters are no keyword", "SHAF:POSITIONPOSITIONP?\n", "", UNDEFINED("SHAF:POSITIONPOSITIONP?; SYSTem:HELP? has all")},
     {"7.6.1 numbers are no header",   "12\n",             "", UNDEFINED("12; SYSTem:HELP? has all")},
     {"7.6.1 quotes are no header",    "\"a;b\"\n",        "", UNDEFINED("\"\"a; SYSTem:HELP? has all")},
 };
@@ -161,13 +173,15 @@ static const struct row parameters[] = {
     {"-151 not closed, only opened",  "TEXT '\n",                "", "-151,\"Invalid string data;no closing quote\"\n"},
     {"-151 the quote was a character", "TEXT 'a''\n",            "", "-151,\"Invalid string data;no closing quote\"\n"},
     {"-151 more behind it",           "TEXT 'a'b\n",             "", "-151,\"Invalid string data;b\"\n"},
-    {"-102 more behind a blank",      "TEXT 'a' b\n",            "", "-102,\"Syntax error;b\"\n"},
-    {"-102 behind a bare text",       "TEXT a b\n",              "", "-102,\"Syntax error;b\"\n"},
+    {"-102 more behind a blank",      "TEXT 'a' b\n",            "", "-102,\"Syntax error;b; right is TEXT \"\"TEXT\"\"\"\n"},
+    {"-102 a comma is missing",       "FAUL:SET x DUR 5S\n",     "", "-102,\"Syntax error;DUR; a comma is missing, right is FAULt:SET NAME[,COUNt n][,PROBability p][,DURation TIME]\"\n"},
+    {"-102 behind a number, too",     "BYT 1 2\n",              "", "-102,\"Syntax error;2; a comma is missing, right is BYTes N[,N]...\"\n"},
+    {"-102 behind a bare text",       "TEXT a b\n",              "", "-102,\"Syntax error;b; right is TEXT \"\"TEXT\"\"\"\n"},
     {"7.7.1 bare characters",         "TEXT a-b/c.d;TEXT?\n",    "\"a-b/c.d\"\n", NONE},
     {"7.7.1 quotes within",           "TEXT it's;TEXT?\n",       "\"it's\"\n", NONE},
     {"-222 bare, too long",           "TEXT 1234567890123456\n", "", "-222,\"Data out of range;at most 15 characters\"\n"},
     {"-109 no text",                  "TEXT\n",                  "", "-109,\"Missing parameter;TEXT \"\"TEXT\"\"\"\n"},
-    {"7.7.1 words, long and short",   "FAUL:SET x,COUNT 3,prob 0.5;NUMB?;VAL?\n", "", UNDEFINED("FAUL:NUMB?; near is NUMBer N")},
+    {"7.7.1 words, long and short",   "FAUL:SET x,COUNT 3,prob 0.5;NUMB?;VAL?\n", "", UNDEFINED("FAUL:NUMB?; near is NUMBer?")},
     {"7.7.1 words and numbers",       "FAUL:SET x,COUNT 3,prob 0.5,duration 2 S;:NUMB?;VAL?;TIME:STEP?\n", "3;0.500;2000000000\n", NONE},
     {"7.7.1 a comma behind a word",   "FAUL:SET x,COUN,3;:NUMB?\n", "3\n", NONE},
     {"-224 no word of these",         "FAUL:SET x,COUNTS 3\n",   "", "-224,\"Illegal parameter value;COUNTS; COUNt, PROBability or DURation is right\"\n"},
@@ -180,7 +194,7 @@ static const struct row parameters[] = {
     {"-224 no flag",                  "FLAG YES\n",              "", "-224,\"Illegal parameter value;YES; OFF, ON, 0 or 1 is right\"\n"},
     {"-224 no flag, either",          "FLAG 2\n",                "", "-224,\"Illegal parameter value;2; OFF, ON, 0 or 1 is right\"\n"},
     {"-109 no flag at all",           "FLAG \n",                 "", "-109,\"Missing parameter;FLAG ON|OFF\"\n"},
-    {"-102 more behind a flag",       "FLAG ON OFF;FLAG?\n",     "", "-102,\"Syntax error;OFF\"\n"},
+    {"-102 more behind a flag",       "FLAG ON OFF;FLAG?\n",     "", "-102,\"Syntax error;OFF; right is FLAG ON|OFF\"\n"},
 };
 /* clang-format on */
 
@@ -383,7 +397,7 @@ static void sessions_are_apart(void **state)
     scpi_rig_send(&rig, "SHAF:VEL 1;NO");
     scpi_rig_send(&other, "VEL 2\n");
     scpi_rig_send(&rig, "\nSYST:ERR?\n");
-    assert_string_equal(rig.out, UNDEFINED("SHAF:NO; near is SHAFt:POSition ANGLE"));
+    assert_string_equal(rig.out, UNDEFINED("SHAF:NO; SYSTem:HELP? has all"));
     scpi_rig_send(&other, "SYST:ERR?\n");
     assert_string_equal(other.out, UNDEFINED("VEL; near is SHAFt:VELocity SPEED"));
 }
