@@ -47,3 +47,53 @@ bool dg_text_same(const char *a, const char *b, size_t n, dg_text_fold *fold)
     }
     return true;
 }
+
+static bool is_small(char c)
+{
+    return dg_text_upper(c) != c;
+}
+
+static bool same_letter(char a, char b)
+{
+    return dg_text_upper(a) == dg_text_upper(b);
+}
+
+static unsigned smaller(unsigned a, unsigned b)
+{
+    return a < b ? a : b;
+}
+
+/* A line of the table for each character of the word, the last three of them: here[i] is what the
+   word up to there makes of the first `i` characters. */
+unsigned dg_text_edits(const char *word, size_t length, const char *text, size_t n, bool brief)
+{
+    unsigned lines[3][DG_TEXT_EDITS_MAX + 1u];
+    unsigned *here = lines[0];
+    unsigned *above = lines[1];
+    unsigned *before = lines[2]; /* the line above that */
+
+    if (n > DG_TEXT_EDITS_MAX) {
+        return ~0u;
+    }
+    for (unsigned i = 0; i <= n; i++) {
+        here[i] = i;
+    }
+    for (size_t k = 0; k < length; k++) {
+        const unsigned left_out = brief && is_small(word[k]) ? 0u : 1u;
+        unsigned *const oldest = before;
+        before = above;
+        above = here;
+        here = oldest;
+        here[0] = above[0] + left_out;
+        for (size_t i = 1; i <= n; i++) {
+            const unsigned other = same_letter(word[k], text[i - 1u]) ? 0u : 1u;
+            here[i] =
+                smaller(above[i - 1u] + other, smaller(above[i] + left_out, here[i - 1u] + 1u));
+            if (k > 0 && i > 1u && same_letter(word[k - 1u], text[i - 1u]) &&
+                same_letter(word[k], text[i - 2u])) {
+                here[i] = smaller(here[i], before[i - 2u] + 1u);
+            }
+        }
+    }
+    return here[n];
+}

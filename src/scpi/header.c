@@ -24,7 +24,7 @@ bool scpi_is_digit(char c)
     return c >= '0' && c <= '9';
 }
 
-bool scpi_is_small(char c)
+static bool is_small(char c)
 {
     return c >= 'a' && c <= 'z';
 }
@@ -33,7 +33,7 @@ bool scpi_is_form(const char *name, size_t name_length, const char *text, size_t
 {
     size_t brief = 0;
 
-    while (brief < name_length && !scpi_is_small(name[brief])) {
+    while (brief < name_length && !is_small(name[brief])) {
         brief++;
     }
     return (n == brief || n == name_length) && dg_text_same(name, text, n, dg_text_upper);

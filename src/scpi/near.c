@@ -6,15 +6,13 @@
 
 /*
  * The nearest row is the one with the smallest sum of what differs, node by node; what differs by
- * more than LIMIT is not near. Letters that only the long form has may be left out for nothing.
+ * more than LIMIT is not near.
  */
 #define SKIP 4u       /* a node is missing or too many, is misspelt, or called as what follows it */
 #define ONE_MORE 1u   /* each further character of a misspelt node */
 #define OTHER_FORM 5u /* a query was asked of what has none, or the other way round */
 #define LIMIT 7u
 #define FAR 100u
-/* What is longer is no misspelt keyword. */
-#define WORD_MAX 16u
 #define NODES_MAX 6u
 /* So many characters of what a command takes are enough: VOLT, SPEED. */
 #define TAKEN_MIN 4u
@@ -31,39 +29,11 @@ static unsigned smaller(unsigned a, unsigned b)
     return a < b ? a : b;
 }
 
-static unsigned smallest(unsigned a, unsigned b, unsigned c)
-{
-    return smaller(a, smaller(b, c));
-}
-
-/* How many characters have to change for `text` to be a form of the keyword: Levenshtein's
-   distance, of which one line at a time is kept. */
-static unsigned count_edits(const struct scpi_node *keyword, const char *text, size_t n)
-{
-    unsigned cost[WORD_MAX + 1u];
-
-    for (unsigned i = 0; i <= n; i++) {
-        cost[i] = i;
-    }
-    for (size_t k = 0; k < keyword->n; k++) {
-        const unsigned left_out = scpi_is_small(keyword->name[k]) ? 0u : 1u;
-        unsigned before = cost[0];
-        cost[0] += left_out;
-        for (size_t i = 1; i <= n; i++) {
-            const bool same = dg_text_upper(keyword->name[k]) == dg_text_upper(text[i - 1u]);
-            const unsigned changed = before + (same ? 0u : 1u);
-            before = cost[i];
-            cost[i] = smallest(changed, cost[i] + left_out, cost[i - 1u] + 1u);
-        }
-    }
-    return cost[n];
-}
-
 /* Two of five characters may be wrong. */
 static unsigned node_cost(const struct dg_scpi_command *row, const struct scpi_node *keyword,
                           const char *text, size_t n)
 {
-    const unsigned edits = n > WORD_MAX ? FAR : count_edits(keyword, text, n);
+    const unsigned edits = dg_text_edits(keyword->name, keyword->n, text, n, true);
 
     if (edits == 0) {
         return 0;
@@ -71,7 +41,7 @@ static unsigned node_cost(const struct dg_scpi_command *row, const struct scpi_n
     if (n >= TAKEN_MIN && dg_text_same(row->parameters, text, n, dg_text_upper)) {
         return SKIP;
     }
-    return 5u * edits > 2u * n ? FAR : SKIP + ONE_MORE * (edits - 1u);
+    return edits > 2u * n / 5u ? FAR : SKIP + ONE_MORE * (edits - 1u);
 }
 
 static unsigned row_cost(const struct dg_scpi_command *row, const struct header *header)
@@ -91,7 +61,7 @@ static unsigned row_cost(const struct dg_scpi_command *row, const struct header 
             const unsigned changed =
                 before + node_cost(row, &keyword, header->node[i], header->length[i]);
             before = cost[i + 1u];
-            cost[i + 1u] = smallest(changed, cost[i + 1u] + left_out, cost[i] + SKIP);
+            cost[i + 1u] = smaller(changed, smaller(cost[i + 1u] + left_out, cost[i] + SKIP));
         }
     }
     return cost[header->count];

@@ -15,7 +15,6 @@ extern const struct dg_scpi_commands scpi_own;
 /** header.c: characters and headers. */
 size_t scpi_length(const char *text);
 bool scpi_is_digit(char c);
-bool scpi_is_small(char c);
 /** A part of a pattern between colons. */
 struct scpi_node {
     const char *name;

@@ -86,7 +86,7 @@ static const struct row headers[] = {
     {"7.4.1.2 not in a header",       "SHAF: POS 1\n",    "", UNDEFINED("SHAF:; near is SHAFt:POSition ANGLE")},
     {"near: a character too many",    "SHAF:POSS 9DEG\n",  "", UNDEFINED("SHAF:POSS; near is SHAFt:POSition ANGLE")},
     {"near: one is missing",          "WORL:SUP 3V\n",     "", UNDEFINED("WORL:SUP; near is WORLd:SUPPly VOLTAGE")},
-    {"near: two are exchanged",       "SHFAT:VEL?\n",      "", UNDEFINED("SHFAT:VEL?; near is SHAFt:VELocity?")},
+    {"near: two are exchanged",       "SHFA:VEL?\n",       "", UNDEFINED("SHFA:VEL?; near is SHAFt:VELocity?")},
     {"near: in the last node",        "FAUL:SETT x\n",     "", UNDEFINED("FAUL:SETT; near is FAULt:SET NAME[,COUNt n][,PROBability p][,DURation TIME]")},
     {"near: a node is missing",       "FAULT x\n",         "", UNDEFINED("FAULT; near is FAULt:SET NAME[,COUNt n][,PROBability p][,DURation TIME]")},
     {"near: a blank for the colon",   "SHAFT POS 9DEG\n",  "", UNDEFINED("SHAFT; near is SHAFt:POSition ANGLE")},

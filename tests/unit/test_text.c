@@ -3,6 +3,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 #include <cmocka.h>
 
@@ -68,6 +69,31 @@ static void characters_may_count_as_others(void **state)
     assert_false(dg_text_same("a_b", "A-b", SIZE_MAX, dashed));
 }
 
+static unsigned edits(const char *word, const char *text, bool brief)
+{
+    return dg_text_edits(word, strlen(word), text, strlen(text), brief);
+}
+
+/* Examples that every book has; CA and ABC are 2 apart where a place may change twice, 3 here. */
+static void texts_are_compared_by_what_has_to_change(void **state)
+{
+    (void)state;
+    assert_int_equal(edits("kitten", "sitting", false), 3);
+    assert_int_equal(edits("saturday", "sunday", false), 3);
+    assert_int_equal(edits("help", "hlep", false), 1);
+    assert_int_equal(edits("CA", "ABC", false), 3);
+    assert_int_equal(edits("", "abc", false), 3);
+    assert_int_equal(edits("abc", "", false), 3);
+    assert_int_equal(edits("Run", "rUN", false), 0);
+    assert_int_equal(edits("position", "pos", false), 5);
+    assert_int_equal(edits("POSition", "pos", true), 0);
+    assert_int_equal(edits("POSition", "posi", true), 0);
+    assert_int_equal(edits("POSition", "poss", true), 1);
+    assert_int_equal(edits("POSition", "ps", true), 1);
+    assert_int_equal(edits("abcdefghijklmnop", "abcdefghijklmnop", false), 0);
+    assert_int_equal(edits("abcdefghijklmnop", "abcdefghijklmnopq", false), ~0u);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -75,6 +101,7 @@ int main(void)
         cmocka_unit_test(a_text_without_room_stays_empty),
         cmocka_unit_test(texts_are_the_same_to_their_ends),
         cmocka_unit_test(characters_may_count_as_others),
+        cmocka_unit_test(texts_are_compared_by_what_has_to_change),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
