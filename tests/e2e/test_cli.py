@@ -76,7 +76,7 @@ HELP = [
                   "(own or any, default own)", "(0..1000000 us, default 1000)"]),
     (["help"], ["drehgeber run MODEL"]),
     (["help", "run", MULTITURN], ["date of the firmware (factory) (8 characters)"]),
-    (["help", "run", "ocd-ib-k3"], ["0 is the first (fault) (0..511)"]),
+    (["help", "run", "ocd-ib-k3"], ["0 is the first\n", "(fault) (0..511)"]),
     (["help", "run"], ["drehgeber run MODEL", "drehgeber run RIG.ini", "--modbus=HOST:PORT", "MOTION"]),
     (["run", "--help"], ["drehgeber run MODEL", "drehgeber run RIG.ini", "--pty[=LINK]"]),
     (["run", MULTITURN, "--help"], ["--pty[=LINK]", "pty is its usual wire", "reaction_us", "default 1000)", "turns", "4096)"]),
@@ -100,6 +100,44 @@ BAD_CSV = [
     ("0,0\n1,90\n0.5,180\n", 3),
     ("0,0\n1\n", 2),
 ]
+
+
+COMMANDS = ["list", "faults", "run", "eds", "biss", "ssi", "map", "fmu", "ctl", "top", "web", "help"]
+
+
+def test_every_help_is_80_columns_wide():
+    asked = [["--help"], *([command, "--help"] for command in COMMANDS),
+             *(["help", command, model] for command in ("run", "biss", "ssi", "fmu", "faults") for model in models())]
+    for arguments in asked:
+        ended = run(*arguments)
+        assert ended.returncode == 0
+        lines = ended.stdout.splitlines()
+        assert len(lines) > 3 and max(map(len, lines)) <= 80, (arguments, [line for line in lines if len(line) > 80])
+        assert all(re.match(r" {2,6}-|  -\w, --", line) for line in lines if line.lstrip().startswith("--")), arguments
+
+
+def options_of(*arguments):
+    return set(re.findall(r"^ {2,6}(?:-\w, )?--(\w+)", run(*arguments).stdout, re.M))
+
+
+@pytest.mark.parametrize("model", [entry["model"] for entry in json.loads(run("list", "--json").stdout)])
+def test_help_of_a_model_has_its_wires_only(model):
+    """... and none of the options that are another protocol's."""
+    entries = json.loads(run("list", "--json").stdout)
+    mine = next(entry for entry in entries if entry["model"] == model)
+    kinds = {wire for entry in entries for wire in entry["wires"]}
+    told = options_of("run", model, "--help")
+    assert told & kinds == set(mine["wires"])
+    assert ("ring" in told) == ("modbus" in mine["wires"]) and ("node" in told) == ("can" in mine["wires"])
+    assert told | kinds | {"ring", "node"} == options_of("run", "--help")
+
+
+def test_settings_stand_below_what_they_belong_to():
+    said = run("run", "ocd-ib-k3", "--help").stdout
+    headed = re.findall(r"^ of (.*):$", said, re.M)
+    assert headed == ["--silkit", "--modbus"]
+    assert re.search(r"^ of --silkit:\n  time +of the SIL Kit simulation", said, re.M)
+    assert " of --can, --slcan and --socketcand:\n  pace " in run("run", "f3668", "--help").stdout
 
 
 def test_list():

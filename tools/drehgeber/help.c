@@ -1,21 +1,23 @@
 /* SPDX-License-Identifier: MIT */
 /* An example first, then the reference; every table in it is the one the program works with. */
+#define _GNU_SOURCE
 #include "help.h"
 
+#include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "columns.h"
 #include "course_words.h"
-#include "list.h"
 #include "motion_words.h"
 
 const char help_intro[] =
     "  drehgeber run s3684-rs485 --pty=enc --shaft 60RPM --nvm enc.nvm\n"
     "\n"
     "makes ./enc a serial port (9600 Bd, 8E1) behind which a multiturn encoder turns\n"
-    "at 60 rpm; it prints one line, 'ready s3684-rs485 pty:/dev/pts/4', and runs until\n"
-    "Ctrl-C or SIGTERM. Ask it for its position with the bytes 40 42 02.\n";
+    "at 60 rpm; it prints one line, 'ready s3684-rs485 pty:/dev/pts/4', and runs\n"
+    "until Ctrl-C or SIGTERM. Ask it for its position with the bytes 40 42 02.\n";
 
 const char help_motion[] =
     "  Units: DEG REV (angle), RPM (speed), S MS (time). Positive is clockwise, time\n"
@@ -40,7 +42,7 @@ static const struct {
             "  drehgeber run s3684-rs485 --pty=enc --shaft 60RPM --nvm enc.nvm\n"
             "  drehgeber run f3668 --can vcan0 --node 1..127 --shaft 60RPM\n"
             "  drehgeber run bench.ini\n"},
-    {"eds", "An electronic data sheet as CiA 306 has it, made of the object dictionary itself.\n"
+    {"eds", "An electronic data sheet as CiA 306 has it, made of the object dictionary.\n"
             "\n"
             "  drehgeber eds f3668 > f3668.eds\n"},
     {"biss", "The encoder is switched on, and its answers are printed.\n"
@@ -61,16 +63,17 @@ static const struct {
             "\n"
             "  drehgeber fmu s3684-biss --output axis.fmu\n"},
     {"ctl", "Commands are sent, answers printed; without a command they are read from stdin.\n"
-            "Without --control the one rig that runs is meant.\n"
+            "Without --control the one rig that runs is meant. A number without a unit is in\n"
+            "DEG, RPM, RPM/S, MS, DEGC, MV or UA; DURation of FAULt:SET needs its unit.\n"
             "\n"
             "  drehgeber ctl 'SHAF:ACC 600RPM/S; MOVE 90DEG,120RPM; *OPC?' 'SHAF:POS?'\n"},
     {"top", "Shafts as dials, a line for each encoder, what is on its wire. A window has at\n"
             "least 40 columns and 10 lines; a large one shows more. Without an address the\n"
             "one rig that runs is meant. There are no colours when NO_COLOR is set.\n"},
     {"web", "Prints 'ready web http://127.0.0.1:8080/#token=...', and serves that page until\n"
-            "SIGTERM, SIGINT or SIGHUP: shafts, encoders, LEDs, what is on their wires, faults to\n"
-            "click, a prompt. Without an address the one rig that runs is meant. Whoever has the\n"
-            "token steers the rig; with --watch they only see it.\n"
+            "SIGTERM, SIGINT or SIGHUP: shafts, encoders, LEDs, what is on their wires,\n"
+            "faults to click, a prompt. Without an address the one rig that runs is meant.\n"
+            "Whoever has the token steers the rig; with --watch they only see it.\n"
             "\n"
             "  drehgeber web --listen 127.0.0.1:0 --watch\n"},
     {"help", "Behind a command, --help says the same and starts nothing.\n"},
@@ -85,29 +88,47 @@ const char *help_about(const char *command)
     return abouts[i].text;
 }
 
-/* Where the text of a command begins. */
-#define TEXT_AT 40
+/* Where the text of a model begins, of a command, of an option and of a setting. */
+#define MODEL_AT 15
+#define COMMAND_AT 40
+#define OPTION_AT 29
+#define SETTING_AT 26
 
-/* A line "  drehgeber ..." with the text behind it, which may go on in lines below. */
-static void print_command(const struct command_row *row)
+/* The text behind what has been printed up to `column`, or below it. */
+static void print_text(const char *text, int column, int at)
 {
-    const char *line = row->help;
-    int at = printf("  drehgeber %s", row->usage);
-    while (*line != '\0') {
-        const size_t n = strcspn(line, "\n");
-        (void)printf("%*s  %.*s\n", at < TEXT_AT ? TEXT_AT - at : 0, "", (int)n, line);
-        line += n + (line[n] == '\n' ? 1u : 0u);
-        at = 0;
+    if (column >= at) {
+        (void)putchar('\n');
+        column = 0;
     }
+    columns_put(text, column, at, COLUMNS_WIDTH);
 }
 
-static void print_options(const struct command_row *row)
+static void print_command(const struct command_row *row)
 {
-    static char name[] = "drehgeber";
-    struct argp_option *table = options_table(row);
-    const struct argp argp = {.options = table};
-    if (table != NULL) {
-        argp_help(&argp, stdout, ARGP_HELP_LONG, name);
+    print_text(row->help, printf("  drehgeber %s", row->usage), COMMAND_AT);
+}
+
+static void print_option(const struct argp_option *option)
+{
+    const bool optional = (option->flags & OPTION_ARG_OPTIONAL) != 0;
+    int column = isascii(option->key) ? printf("  -%c, ", option->key) : printf("      ");
+    column += printf("--%s", option->name);
+    if (option->arg != NULL) {
+        column += printf(optional ? "[=%s]" : "=%s", option->arg);
+    }
+    print_text(option->doc, column, OPTION_AT);
+}
+
+static void print_options(const struct command_row *row, const struct lx_stack *stack)
+{
+    struct argp_option *table = options_table(row, stack);
+    for (size_t i = 0; table != NULL && !options_end(&table[i]); i++) {
+        if (table[i].name != NULL) {
+            print_option(&table[i]);
+        } else {
+            (void)printf("%s %s\n", i == 0 ? "" : "\n", table[i].doc);
+        }
     }
     free(table);
 }
@@ -154,17 +175,6 @@ void help_senses(const struct lx_stack *stack, FILE *to)
     lx_keys_help(&keys, to);
 }
 
-/* Whether an earlier kind of wire has the same keys. */
-static bool told_before(size_t index)
-{
-    for (size_t i = 0; i < index; i++) {
-        if (lx_wires[i].keys == lx_wires[index].keys) {
-            return true;
-        }
-    }
-    return false;
-}
-
 /* The base of keys is written to only by setting them. */
 static void *readable(const void *defaults)
 {
@@ -173,14 +183,47 @@ static void *readable(const void *defaults)
     return base;
 }
 
+static bool has_keys(const struct lx_wire *wire, const struct lx_stack *stack,
+                     const struct lx_keys *keys)
+{
+    return wire->keys == keys && lx_wire_carries(wire, stack);
+}
+
+/* Wires with the same keys are told once, by the first of them. @return the others' names, too; "":
+   an earlier one has told */
+static struct lx_words wires_with(const struct lx_stack *stack, size_t first)
+{
+    const struct lx_keys *keys = lx_wires[first].keys;
+    struct lx_words names = {""};
+    size_t count = 0;
+    size_t told = 0;
+    for (size_t i = 0; i < lx_wire_count; i++) {
+        count += has_keys(&lx_wires[i], stack, keys) ? 1u : 0u;
+    }
+    for (size_t i = 0; i < lx_wire_count; i++) {
+        char name[32];
+        if (!has_keys(&lx_wires[i], stack, keys)) {
+            continue;
+        }
+        if (i < first) {
+            return (struct lx_words){""};
+        }
+        (void)snprintf(name, sizeof name, "--%s", lx_wires[i].name);
+        lx_words_item(&names, name, told++, count, " and ");
+    }
+    return names;
+}
+
 static void print_wire_keys(const struct lx_stack *stack, FILE *to)
 {
     for (size_t i = 0; i < lx_wire_count; i++) {
         const struct lx_wire *wire = &lx_wires[i];
-        if (wire->keys != NULL && !told_before(i) && lx_wire_carries(wire, stack)) {
+        const bool has = wire->keys != NULL && lx_wire_carries(wire, stack);
+        const struct lx_words names = has ? wires_with(stack, i) : (struct lx_words){""};
+        if (names.text[0] != '\0') {
             struct lx_keys keys = *wire->keys;
             keys.base = readable(wire->defaults);
-            (void)fprintf(to, " of the %s wire itself:\n", stack->title);
+            (void)fprintf(to, " of %s:\n", names.text);
             lx_keys_help(&keys, to);
         }
     }
@@ -192,19 +235,55 @@ void help_keys(const struct lx_stack *stack, const struct dg_device *device, FIL
     print_wire_keys(stack, to);
 }
 
+/* Lines "  NAME   what it is (range)", which may be long, and " title:". */
+static void print_lines(char *lines)
+{
+    char *rest = lines;
+    const char *line;
+    while ((line = strsep(&rest, "\n")) != NULL) {
+        if (line[0] == ' ' && line[1] == ' ') {
+            const size_t name = 2u + strcspn(line + 2, " ");
+            const int column = printf("%.*s", (int)name, line);
+            print_text(line + name + strspn(line + name, " "), column, SETTING_AT);
+        } else if (line[0] != '\0') {
+            (void)puts(line);
+        }
+    }
+}
+
+/* What can be set of encoders and wires, or what encoders sense. */
+static void print_rows(const struct lx_stack *stack, const struct dg_device *device, bool senses)
+{
+    char *lines = NULL;
+    size_t n = 0;
+    FILE *to = open_memstream(&lines, &n);
+    if (to == NULL) {
+        return;
+    }
+    if (senses) {
+        help_senses(stack, to);
+    } else {
+        help_keys(stack, device, to);
+    }
+    (void)fclose(to);
+    print_lines(lines);
+    free(lines);
+}
+
 static void print_stack(const struct lx_stack *stack, const struct dg_device *device)
 {
     (void)printf("\n KEY=VALUE of %s%s:\n", device == NULL ? stack->title : device->name,
                  device == NULL ? " encoders" : "");
-    help_keys(stack, device, stdout);
+    print_rows(stack, device, false);
 }
 
 static void print_senses(const struct lx_stack *stack)
 {
     (void)printf("\n KEY=VALUE of what %s:\n",
                  stack == NULL ? "encoders sense (INTERBUS: not all of it)" : "it senses");
-    help_senses(stack, stdout);
-    (void)fputs("  Over time: " LX_COURSE_FORM " in place of VALUE, with lines time_s,VALUE.\n"
+    print_rows(stack, NULL, true);
+    (void)fputs("  Over time: " LX_COURSE_FORM " in place of VALUE,\n"
+                "  with lines time_s,VALUE.\n"
                 "  (factory) is burnt into a new --nvm file; an existing one has to agree.\n",
                 stdout);
 }
@@ -219,6 +298,15 @@ static void print_settings(void)
 
 /* --- the whole --- */
 
+static void print_models(void)
+{
+    for (size_t i = 0; i < dg_device_count; i++) {
+        struct lx_words about = {""};
+        lx_words_add(&about, "%s, %s", dg_devices[i]->wire, dg_devices[i]->resolution);
+        print_text(about.text, printf("  %s", dg_devices[i]->name), MODEL_AT);
+    }
+}
+
 static void print_everything(void)
 {
     (void)printf("drehgeber - be an absolute encoder, byte for byte\n\n%s\n", help_intro);
@@ -226,12 +314,12 @@ static void print_everything(void)
         print_command(&command_rows[i]);
     }
     (void)fputs("\n Models:\n", stdout);
-    list_models("  ");
+    print_models();
     (void)fputs("\n", stdout);
-    print_options(NULL);
+    print_options(NULL, NULL);
     (void)printf("\n MOTION:\n  %s\n%s", lx_shaft_forms, help_motion);
     print_settings();
-    (void)printf("\n Exit status: %s", help_exit);
+    (void)printf("\n Exit status:\n  %s", help_exit);
 }
 
 static bool uses(const struct command_row *row, const char *option)
@@ -248,11 +336,14 @@ static void print_one(const struct command_row *row, const struct dg_device *dev
     }
     (void)printf("\n%s", help_about(row->name));
     if (device != NULL) {
-        (void)printf("\n %s: %s, %s; %s is its usual wire\n", device->name, device->wire,
+        struct lx_words about = {""};
+        lx_words_add(&about, "%s: %s, %s; %s is its usual wire", device->name, device->wire,
                      device->resolution, lx_stack_of(device)->wire);
+        (void)fputs("\n", stdout);
+        print_text(about.text, 0, 1);
     }
     (void)fputs("\n", stdout);
-    print_options(row);
+    print_options(row, device == NULL ? NULL : lx_stack_of(device));
     if (uses(row, " shaft ")) {
         (void)printf("\n MOTION:\n  %s\n%s", lx_shaft_forms, help_motion);
     }

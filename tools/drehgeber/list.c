@@ -6,23 +6,23 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include "columns.h"
 #include "drehgeber/drehgeber.h"
 #include "json.h"
 #include "run.h"
 
-/* Where the text behind a fault's name begins, and how wide a line may be: a page without a
-   terminal, else the terminal, but not so wide that nobody finds the next line. */
+/* Where the text behind a fault's name begins, and how wide a line may be: as the terminal, but not
+   so wide that nobody finds the next line. */
 #define TEXT_AT 26
-#define WIDTH 80
 #define WIDTH_MIN 60
 #define WIDTH_MAX 120
 
 /* --- models --- */
 
-void list_models(const char *indent)
+static void list_models(void)
 {
     for (size_t i = 0; i < dg_device_count; i++) {
-        (void)printf("%s%-12s %s, %s\n", indent, dg_devices[i]->name, dg_devices[i]->wire,
+        (void)printf("%-12s %s, %s\n", dg_devices[i]->name, dg_devices[i]->wire,
                      dg_devices[i]->resolution);
     }
 }
@@ -66,7 +66,7 @@ static void list_model(const struct dg_device *device)
 int list_command(const struct options *options)
 {
     if (!options->json) {
-        list_models("");
+        list_models();
         return EXIT_OK;
     }
     for (size_t i = 0; i < dg_device_count; i++) {
@@ -93,41 +93,18 @@ static int line_width(void)
 {
     struct winsize size;
     if (ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0) {
-        return WIDTH;
+        return COLUMNS_WIDTH;
     }
     return size.ws_col < WIDTH_MIN ? WIDTH_MIN : size.ws_col > WIDTH_MAX ? WIDTH_MAX : size.ws_col;
-}
-
-/* How much of `text` goes into a line of `width` columns: up to a blank, if there is one. */
-static int line_length(const char *text, int width)
-{
-    int length = (int)strlen(text);
-    if (length <= width) {
-        return length;
-    }
-    for (length = width; length > 0 && text[length] != ' '; length--) {
-    }
-    return length > 0 ? length : width;
-}
-
-/* Words in as many lines as they need; `column` is where the first one begins. */
-static void put_words(const char *text, int column, int width)
-{
-    while (*text != '\0') {
-        const int length = line_length(text, width - TEXT_AT);
-        (void)printf("%*s%.*s\n", TEXT_AT - column, "", length, text);
-        text += length + (text[length] == ' ' ? 1 : 0);
-        column = 0;
-    }
 }
 
 static void put_fault(const struct dg_fault_entry *entry, int width)
 {
     char effect[512];
     const int column = printf("%s", entry->name);
-    put_words(entry->cause, column < TEXT_AT ? column : TEXT_AT, width);
+    columns_put(entry->cause, column < TEXT_AT ? column : TEXT_AT, TEXT_AT, width);
     (void)snprintf(effect, sizeof effect, "-> %s (%s)", entry->effect, entry->chapter);
-    put_words(effect, 0, width);
+    columns_put(effect, 0, TEXT_AT, width);
 }
 
 static void put_table(const struct dg_device *device, const struct dg_fault_target *target)

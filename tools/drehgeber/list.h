@@ -5,9 +5,6 @@
 
 #include "options.h"
 
-/* A line for each model behind `indent`. */
-void list_models(const char *indent);
-
 /* Both print their own errors. @return how the program ends, unless stdout fails */
 int list_command(const struct options *options);
 int faults_command(const struct options *options);

@@ -39,15 +39,11 @@ enum key {
 const struct command_row command_rows[] = {
     /* name    command         wires  usage                                  help                                            takes  ask  stack  words */
     {"list",   COMMAND_LIST,   false, "list [--json]",                       "the models",                                   " json ", NULL, NULL, NULL},
-    {"faults", COMMAND_FAULTS, false, "faults MODEL [--json]",               "what can happen to an encoder, and what it\n"
-                                                                             "does about it",                                " json ", NULL, NULL, NULL},
+    {"faults", COMMAND_FAULTS, false, "faults MODEL [--json]",               "what can happen to an encoder, and what it does about it", " json ", NULL, NULL, NULL},
     {"run",    COMMAND_RUN,    true,  "run MODEL [WIRE] [OPTIONS]",          "be that encoder",                              NULL, NULL, NULL, NULL},
     {"run",    COMMAND_RUN,    true,  "run RIG.ini [--control ...]",         "be all encoders of a rig file",                NULL, NULL, NULL, NULL},
     {"eds",    COMMAND_EDS,    false, "eds MODEL",                           "the EDS file of a CANopen encoder",            "", NULL, &dg_cia406_stack, NULL},
-    {"biss",   COMMAND_ASK,    false, "biss MODEL ACTION [OPTIONS]",         "ask a BiSS encoder over a simulated wire;\n"
-                                                                             "ACTION, one or more: read,\n"
-                                                                             "registers [BANK:]ADDR N, eds,\n"
-                                                                             "write [BANK:]ADDR BYTES, command N",           " set nvm serial shaft trace ", biss_command, &dg_biss_stack, "read registers eds write command"},
+    {"biss",   COMMAND_ASK,    false, "biss MODEL ACTION [OPTIONS]",         "ask a BiSS encoder over a simulated wire; ACTION, one or more: read, registers [BANK:]ADDR N, eds, write [BANK:]ADDR BYTES, command N", " set nvm serial shaft trace ", biss_command, &dg_biss_stack, "read registers eds write command"},
     {"ssi",    COMMAND_ASK,    false, "ssi MODEL read [OPTIONS]",            "read an SSI encoder over a simulated wire",    " set shaft trace ", ssi_command, &dg_ssi_stack, "read"},
     {"map",    COMMAND_MAP,    false, "map MODEL",                           "the Modbus registers of an INTERBUS encoder",  " ring ", NULL, &dg_ib_stack, NULL},
     {"fmu",    COMMAND_FMU,    false, "fmu MODEL --output FILE.fmu [OPTIONS]", "write that encoder as an FMU, for co-simulation", " output fmi set serial node ", NULL, NULL, NULL},
@@ -136,7 +132,13 @@ static struct argp_option option_of(const struct lx_wire *wire, int key)
     };
 }
 
-struct argp_option *options_table(const struct command_row *row)
+static bool serves(const struct argp_option *option, const struct lx_stack *stack)
+{
+    return stack == NULL || ((option->key != KEY_RING || stack->is_ring) &&
+                             (option->key != KEY_NODE || options_numbered(stack)));
+}
+
+struct argp_option *options_table(const struct command_row *row, const struct lx_stack *stack)
 {
     struct argp_option *table = calloc(lx_wire_count + ROW_COUNT + 2u, sizeof *table);
     size_t n = 0;
@@ -146,11 +148,13 @@ struct argp_option *options_table(const struct command_row *row)
     if (row == NULL || row->wires) {
         table[n++] = (struct argp_option){.doc = "Wires (one of them):", .group = 1};
         for (size_t i = 0; i < lx_wire_count; i++) {
-            table[n++] = option_of(&lx_wires[i], KEY_WIRE + (int)i);
+            if (stack == NULL || lx_wire_carries(&lx_wires[i], stack)) {
+                table[n++] = option_of(&lx_wires[i], KEY_WIRE + (int)i);
+            }
         }
     }
     for (size_t i = 0; i < ROW_COUNT; i++) {
-        if (takes(row, &rows[i])) {
+        if (takes(row, &rows[i]) && serves(&rows[i], stack)) {
             table[n++] = rows[i];
         }
     }
@@ -167,7 +171,7 @@ static void add_option(struct lx_words *to, const struct argp_option *row)
     }
 }
 
-static bool is_end(const struct argp_option *row)
+bool options_end(const struct argp_option *row)
 {
     return row->name == NULL && row->doc == NULL;
 }
@@ -351,7 +355,7 @@ static const struct argp_option *row_of(const struct options *self, const char *
         return NULL;
     }
     const size_t n = strcspn(argument + 2, "=");
-    for (const struct argp_option *row = self->table; !is_end(row); row++) {
+    for (const struct argp_option *row = self->table; !options_end(row); row++) {
         if (row->name != NULL && strlen(row->name) == n &&
             strncmp(argument + 2, row->name, n) == 0) {
             return row;
@@ -367,7 +371,7 @@ static int explain_culprit(struct options *self)
     struct lx_words right = {""};
     if (row == NULL) {
         lx_words_add(&right, "valid:");
-        for (row = self->table; !is_end(row); row++) {
+        for (row = self->table; !options_end(row); row++) {
             lx_words_add(&right, row->name == NULL ? "" : " ");
             if (row->name != NULL) {
                 add_option(&right, row);
@@ -390,7 +394,7 @@ static const struct argp_option *not_taken(const struct options *self)
     const bool strict = self->command == COMMAND_LIST || self->command == COMMAND_FAULTS ||
                         self->command == COMMAND_EDS || self->command == COMMAND_FMU ||
                         self->command == COMMAND_WEB;
-    for (const struct argp_option *row = self->table; !is_end(row); row++) {
+    for (const struct argp_option *row = self->table; !options_end(row); row++) {
         const bool given = (self->given >> (row - self->table) & 1u) != 0;
         if (given && (strict || of_few(row)) && !takes(self->row, row)) {
             return row;
@@ -444,7 +448,7 @@ int options_parse(struct options *self, int argc, char **argv)
     }
     self->row = NULL;
     self->model = NULL;
-    self->table = options_table(NULL);
+    self->table = options_table(NULL, NULL);
     self->words = calloc((size_t)argc + 1, sizeof *self->words);
     self->controls = calloc((size_t)argc + 1, sizeof *self->controls);
     if (self->table == NULL || self->words == NULL || self->controls == NULL) {

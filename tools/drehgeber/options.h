@@ -90,8 +90,15 @@ struct options {
     struct lx_error error;
 };
 
-/* All options but those that `row` does not take; NULL: all. To be freed; NULL without memory. */
-struct argp_option *options_table(const struct command_row *row);
+/* All options but those that `row` does not take, and those that encoders of `stack` have no use
+   for; NULL: all. To be freed; NULL without memory. */
+struct argp_option *options_table(const struct command_row *row, const struct lx_stack *stack);
+
+/* Whether this is what stands behind the last row of a table. */
+bool options_end(const struct argp_option *row);
+
+/* Whether --node tells encoders of `stack` apart. */
+bool options_numbered(const struct lx_stack *stack);
 
 /* The wire for this encoder: the one that was given, or the default. NULL with `error` when that
    is none for it. */

@@ -303,8 +303,7 @@ static int begin(const struct options *options, struct lx_plan *plan,
     return options->trace != NULL && plan->wires[0].trace == NULL ? no_memory(error) : 0;
 }
 
-/* Whether --node tells its encoders apart. */
-static bool is_numbered(const struct lx_stack *stack)
+bool options_numbered(const struct lx_stack *stack)
 {
     return stack->address.key != NULL && strcmp(stack->address.key, "node") == 0;
 }
@@ -315,7 +314,7 @@ static int plan_model(const struct options *options, struct lx_plan *plan, struc
     if (device == NULL || begin(options, plan, device, error) != 0) {
         return -1;
     }
-    if (is_numbered(lx_stack_of(device))) {
+    if (options_numbered(lx_stack_of(device))) {
         return plan_nodes(options, plan, device, error);
     }
     if (options->node != NULL) {

@@ -65,18 +65,6 @@ static void put_text(const char *text)
     (void)fputs(literal ? ".EE\n" : "", stdout);
 }
 
-/* The first line of a row's help, without what ends it. */
-static void put_short(const struct command_row *row)
-{
-    for (const char *line = row->help; *line != '\0';) {
-        const size_t n = strcspn(line, "\n");
-        put_n(line, n);
-        line += n + (line[n] == '\n' ? 1u : 0u);
-        (void)fputs(*line == '\0' ? "" : " ", stdout);
-    }
-    (void)putchar('\n');
-}
-
 static void put_head(const char *command)
 {
     (void)puts(".\\\" SPDX-License-Identifier: MIT");
@@ -121,9 +109,9 @@ static void put_option(const struct argp_option *option)
 /* Of a command; NULL: those of the program itself. */
 static void put_options(const struct command_row *row)
 {
-    struct argp_option *table = options_table(row);
+    struct argp_option *table = options_table(row, NULL);
     (void)puts(".SH OPTIONS");
-    for (const struct argp_option *option = table; table != NULL && !manual_is_end(option);
+    for (const struct argp_option *option = table; table != NULL && !options_end(option);
          option++) {
         const bool wanted =
             row != NULL || manual_short(option) == 'h' || manual_short(option) == 'V';
@@ -236,7 +224,7 @@ static void put_command(const struct command_row *row)
 {
     put_head(row->name);
     (void)printf("drehgeber\\-%s \\- ", row->name);
-    put_short(row);
+    put_line(row->help, strlen(row->help));
     (void)puts(".SH SYNOPSIS");
     for (size_t i = 0; i < command_row_count; i++) {
         if (strcmp(command_rows[i].name, row->name) == 0) {
@@ -275,7 +263,7 @@ static void put_program(void)
         (void)fputs(".TP\n\\fB", stdout);
         put(command_rows[i].usage);
         (void)fputs("\\fR\n", stdout);
-        put_short(&command_rows[i]);
+        put_line(command_rows[i].help, strlen(command_rows[i].help));
     }
     put_options(NULL);
     put_models(NULL);

@@ -16,11 +16,6 @@ bool manual_is_first(const struct command_row *row)
     return command_find(row->name) == row;
 }
 
-bool manual_is_end(const struct argp_option *option)
-{
-    return option->name == NULL && option->doc == NULL;
-}
-
 char manual_short(const struct argp_option *option)
 {
     return (char)(option->key > ' ' && option->key <= '~' ? option->key : '\0');

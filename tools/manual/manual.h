@@ -22,8 +22,6 @@ void manual_zsh(void);
 /* Whether this is the first row of its command. */
 bool manual_is_first(const struct command_row *row);
 
-bool manual_is_end(const struct argp_option *option);
-
 /* "-q" of "--quiet", or 0. */
 char manual_short(const struct argp_option *option);
 

@@ -116,12 +116,12 @@ static void put_bash_options(void)
     begin_function("options");
     for (size_t i = 0; i < command_row_count; i++) {
         const struct command_row *row = &command_rows[i];
-        struct argp_option *table = manual_is_first(row) ? options_table(row) : NULL;
+        struct argp_option *table = manual_is_first(row) ? options_table(row, NULL) : NULL;
         if (table == NULL) {
             continue;
         }
         (void)printf("        %s) echo \"", row->name);
-        for (const struct argp_option *option = table; !manual_is_end(option); option++) {
+        for (const struct argp_option *option = table; !options_end(option); option++) {
             if (option->name != NULL) {
                 (void)printf(" --%s%s", option->name, option->arg == NULL ? "" : "=");
             }
@@ -131,8 +131,8 @@ static void put_bash_options(void)
     }
     end_function();
     begin_function("kind");
-    struct argp_option *table = options_table(NULL);
-    for (const struct argp_option *option = table; table != NULL && !manual_is_end(option);
+    struct argp_option *table = options_table(NULL, NULL);
+    for (const struct argp_option *option = table; table != NULL && !options_end(option);
          option++) {
         if (option->name != NULL && option->arg != NULL) {
             (void)printf("        --%s) echo %s ;;\n", option->name, kind_of(option->arg));
@@ -261,9 +261,9 @@ static void put_zsh_option(const struct argp_option *option)
 
 static void put_zsh_command(const struct command_row *row)
 {
-    struct argp_option *table = options_table(row);
+    struct argp_option *table = options_table(row, NULL);
     (void)printf("        %s)\n            _arguments -s -S", row->name);
-    for (const struct argp_option *option = table; table != NULL && !manual_is_end(option);
+    for (const struct argp_option *option = table; table != NULL && !options_end(option);
          option++) {
         if (option->name != NULL) {
             put_zsh_option(option);

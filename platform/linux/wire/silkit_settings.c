@@ -14,8 +14,8 @@ static const char *const times[] = {"coordinated", "autonomous", "real"};
 
 /* clang-format off */
 static const struct dg_key keys[] = {
-    {"time",    "",   offsetof(struct lx_silkit_settings, time),    DG_KEY_WORD, 0, 1, 0, LX_SILKIT_REAL, times, "virtual, begun and ended with all others; virtual, begun at once; or real, without steps"},
-    {"step_us", "us", offsetof(struct lx_silkit_settings, step_us), DG_KEY_U32,  0, 1, 1, STEP_MAX_US,    NULL,  "of virtual time: from one step to the next"},
+    {"time",    "",   offsetof(struct lx_silkit_settings, time),    DG_KEY_WORD, 0, 1, 0, LX_SILKIT_REAL, times, "of the SIL Kit simulation: virtual, begun and ended with all others; virtual, begun at once; or real, without steps"},
+    {"step_us", "us", offsetof(struct lx_silkit_settings, step_us), DG_KEY_U32,  0, 1, 1, STEP_MAX_US,    NULL,  "of SIL Kit's virtual time: from one step to the next"},
 };
 /* clang-format on */
 
