@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Control addresses, tokens, and the guard in front of a session. */
 #define _GNU_SOURCE
+#include <errno.h>
 #include <fcntl.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -15,6 +16,7 @@
 #include <cmocka.h>
 
 #include "access.h"
+#include "endpoint.h"
 
 #define TOKEN "0123456789abcdef"
 
@@ -308,12 +310,21 @@ static void test_guard_and_zeros(void **state)
     assert_int_equal(lx_guard_line(&guard, token, sizeof token - 1u), LX_GUARD_TELL);
 }
 
+static void a_port_that_is_refused_says_what_is_right(void **state)
+{
+    (void)state;
+    assert_non_null(strstr(lx_port_right(EACCES), "a port from 1024 on"));
+    assert_non_null(strstr(lx_port_right(EMFILE), "ulimit"));
+    assert_null(lx_port_right(EADDRINUSE));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_addresses),       cmocka_unit_test(test_long_addresses),
         cmocka_unit_test(test_token_files),     cmocka_unit_test(test_guard),
         cmocka_unit_test(test_guard_and_zeros),
+        cmocka_unit_test(a_port_that_is_refused_says_what_is_right),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
