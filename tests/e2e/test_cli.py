@@ -16,8 +16,18 @@ from rig import MULTITURN, PROGRAM, SINGLETURN, STEPS_PER_TURN, Client, run, run
 
 # Arguments, and what the one line has to name: what would be right.
 USAGE_ERRORS = [
-    ([], r"run"),
-    (["turn"], r"run"),
+    (["--quiet"], r"no command; valid: list faults run .* help; 'drehgeber --help' says more$"),
+    (["turntable"], r"unknown command turntable; valid: list faults run .* help; 'drehgeber --help' says more$"),
+    (["hlep"], r"unknown command hlep; near is 'drehgeber help \[COMMAND \[MODEL\]\]'$"),
+    (["rum", "f3668"], r"unknown command rum; near is 'drehgeber run MODEL \[WIRE\] \[OPTIONS\]'$"),
+    (["start", "f3668"], r"unknown command start; 'drehgeber run f3668' is right$"),
+    (["start", "bench.ini"], r"unknown command start; 'drehgeber run bench.ini' is right$"),
+    (["--list"], r"unknown option --list; 'drehgeber list \[--json\]' is right$"),
+    (["run", "f3668", "--noed", "5"], r"unknown option --noed; near is --node N\[\.\.M\]$"),
+    (["run", "f3668", "--pyt=x"], r"unknown option --pyt=x; near is --pty\[=LINK\]$"),
+    (["run", MULTITURN, "-p"], r"unknown option -p; near is --pty\[=LINK\]$"),
+    (["run", "f3668", "--bitrate", "250"], r"unknown option --bitrate; valid: --pty --tty .* --version$"),
+    (["top", "--bitrate", "250"], r"unknown option --bitrate; valid: --control --help$"),
     (["list", "everything"], r"list"),
     (["list", "--json", "--pty"], r"list takes no option --pty; right is 'drehgeber list \[--json\]'$"),
     (["list", "--pty", "--json"], r"list takes no option --pty"),
@@ -68,6 +78,7 @@ USAGE_ERRORS = [
     (["run", "s3684-biss", "--gpio", "x:1,2", "--set", "clock_hz=1000000"], r"only a sim wire has it; leave it out$"),
     (["run", "s3684-biss", "--sim", "--set", "pace=0"], r"--set pace=0: only pty, tty, rs485, can, slcan, socketcand and silkit wires have it; leave it out$"),
     (["biss", "s3684-biss", "registers"], r"no address; right is read, "),
+    (["biss", "s3684-biss", "registers", "78"], r"registers 0x4E \(78\) needs a number N of 1\.\.50; right is read, "),
 ]
 
 # What is asked about, and words that its help has to have; nothing is started.
@@ -100,6 +111,13 @@ BAD_CSV = [
     ("0,0\n1,90\n0.5,180\n", 3),
     ("0,0\n1\n", 2),
 ]
+
+
+def test_alone_it_prints_the_help():
+    """For whoever wants to know; a script that has lost its command is told by the status."""
+    ended = run()
+    assert (ended.returncode, ended.stderr) == (2, "")
+    assert ended.stdout == run("--help").stdout
 
 
 COMMANDS = ["list", "faults", "run", "eds", "biss", "ssi", "map", "fmu", "ctl", "top", "web", "help"]

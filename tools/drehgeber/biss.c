@@ -57,10 +57,12 @@ static size_t take_bytes(struct words *words, uint8_t *bytes, size_t capacity)
     return n;
 }
 
-/* How an access went wrong. */
+/* How an access went wrong. Manuals write addresses in hexadecimal digits, and without 0x they are
+   read as decimal: both are told. */
 static int complain_access(struct lx_error *error, const char *what, unsigned address, int result)
 {
-    (void)lx_fail(error, "%s 0x%02X: %s", what, address, lx_biss_failure_text(result));
+    (void)lx_fail(error, "%s 0x%02X (%u): %s", what, address, address,
+                  lx_biss_failure_text(result));
     return EXIT_OTHER;
 }
 
@@ -141,7 +143,10 @@ static int do_registers(struct wire_session *self, struct words *words, struct l
         return result;
     }
     if (!take_number(words, ADDRESSES - address, &n) || n == 0) {
-        return usage(error, "registers needs a number of registers, up to 0x7F", "");
+        char what[80];
+        (void)snprintf(what, sizeof what, "registers 0x%02X (%u) needs a number N of 1..%u",
+                       address, address, ADDRESSES - address);
+        return usage(error, what, "");
     }
     result = read_all(self, address, bytes, (size_t)n, error);
     for (size_t i = 0; result == 0 && i < n; i++) {

@@ -148,9 +148,21 @@ static void occupy_closed_streams(void)
     }
 }
 
+/* The help is for whoever wants to know; a script that has forgotten the command is told so by the
+   status. */
+static int explain_itself(void)
+{
+    const struct options nothing = {.command = COMMAND_HELP};
+    help_print(&nothing);
+    return flushed() == EXIT_OK ? EXIT_USAGE : EXIT_OTHER;
+}
+
 int main(int argc, char **argv)
 {
     occupy_closed_streams();
+    if (argc < 2) {
+        return explain_itself();
+    }
     struct options options;
     int status = EXIT_USAGE;
     if (options_parse(&options, argc, argv) != 0) {

@@ -2,6 +2,7 @@
 #include "options.h"
 
 #include <errno.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -204,23 +205,59 @@ static error_t take_wire(struct options *self, int key, const char *value)
     return EINVAL;
 }
 
-/* All commands, as they are right. */
-static struct lx_words right_commands(void)
+/* The names of all commands. */
+static struct lx_words valid_commands(void)
 {
-    struct lx_words right = {"right is "};
+    struct lx_words right = {"valid:"};
     for (size_t i = 0; i < command_row_count; i++) {
-        struct lx_words usage = {""};
-        lx_words_add(&usage, "'drehgeber %s'", command_rows[i].usage);
-        lx_words_item(&right, usage.text, i, command_row_count, " or ");
+        if (command_find(command_rows[i].name) == &command_rows[i]) {
+            lx_words_add(&right, " %s", command_rows[i].name);
+        }
     }
+    lx_words_add(&right, "; 'drehgeber --help' says more");
     return right;
 }
 
-static int unknown_command(struct options *self, const char *value)
+/* Whether `name` is what the `n` characters may mean, and nearer than the one that set `best`:
+   two of five characters may be wrong. */
+static bool is_nearer(const char *name, const char *text, size_t n, unsigned *best)
 {
-    struct lx_words right = right_commands();
-    if (dg_device_find(value) != NULL || strstr(value, ".ini") != NULL) {
-        (void)snprintf(right.text, sizeof right.text, "'drehgeber run %s' is right", value);
+    const unsigned edits = dg_text_edits(name, strlen(name), text, n, false);
+    if (edits > 2u * n / 5u || edits >= *best) {
+        return false;
+    }
+    *best = edits;
+    return true;
+}
+
+static const struct command_row *command_near(const char *text)
+{
+    const struct command_row *found = NULL;
+    unsigned best = UINT_MAX;
+    for (size_t i = 0; i < command_row_count; i++) {
+        if (is_nearer(command_rows[i].name, text, strlen(text), &best)) {
+            found = &command_rows[i];
+        }
+    }
+    return found;
+}
+
+/* What run takes. */
+static bool is_runnable(const char *word)
+{
+    return word != NULL && (dg_device_find(word) != NULL || strstr(word, ".ini") != NULL);
+}
+
+/* `next`: the word behind it; NULL: none. */
+static int unknown_command(struct options *self, const char *value, const char *next)
+{
+    const struct command_row *near = command_near(value);
+    struct lx_words right = valid_commands();
+    if (is_runnable(value) || (near == NULL && is_runnable(next))) {
+        (void)snprintf(right.text, sizeof right.text, "'drehgeber run %s' is right",
+                       is_runnable(value) ? value : next);
+    } else if (near != NULL) {
+        (void)snprintf(right.text, sizeof right.text, "near is 'drehgeber %s'", near->usage);
     }
     return lx_refuse(&self->error, right.text, "unknown command %s", value);
 }
@@ -243,12 +280,12 @@ static int superfluous(struct options *self, const char *value)
     return lx_refuse(&self->error, right.text, "superfluous argument %s", value);
 }
 
-static error_t take_argument(struct options *self, unsigned index, char *value)
+static error_t take_argument(struct options *self, unsigned index, char *value, const char *next)
 {
     if (index == 0) {
         self->row = command_find(value);
         self->command = self->row == NULL ? COMMAND_NONE : self->row->command;
-        return self->row != NULL || unknown_command(self, value) == 0 ? 0 : EINVAL;
+        return self->row != NULL || unknown_command(self, value, next) == 0 ? 0 : EINVAL;
     }
     if (self->command == COMMAND_CTL || (index > 1 && self->command == COMMAND_ASK)) {
         self->words[self->word_count++] = value;
@@ -328,7 +365,8 @@ static error_t take(int key, char *value, struct argp_state *state)
     case KEY_VERSION:
         return ARGP_ERR_UNKNOWN;
     case ARGP_KEY_ARG:
-        return take_argument(self, state->arg_num, value);
+        return take_argument(self, state->arg_num, value,
+                             state->next < state->argc ? state->argv[state->next] : NULL);
     case ARGP_KEY_ERROR:
         self->culprit = state->next > 0 ? state->argv[state->next - 1] : "";
         return 0;
@@ -364,20 +402,53 @@ static const struct argp_option *row_of(const struct options *self, const char *
     return NULL;
 }
 
+/* What may be meant: of a letter the first option that begins so, else the nearest; NULL. */
+static const struct argp_option *option_near(const struct options *self, const char *culprit)
+{
+    const bool is_letter = strncmp(culprit, "--", 2) != 0;
+    const char *name = culprit + strspn(culprit, "-");
+    const struct argp_option *found = NULL;
+    unsigned best = UINT_MAX;
+    for (const struct argp_option *row = self->table; !options_end(row); row++) {
+        if (row->name == NULL || !takes(self->row, row)) {
+            continue;
+        }
+        if (is_letter ? found == NULL && row->name[0] == name[0]
+                      : is_nearer(row->name, name, strcspn(name, "="), &best)) {
+            found = row;
+        }
+    }
+    return found;
+}
+
+static int unknown_option(struct options *self)
+{
+    const struct argp_option *near = option_near(self, self->culprit);
+    const struct command_row *command = command_find(self->culprit + strspn(self->culprit, "-"));
+    struct lx_words right = {""};
+    if (command != NULL) {
+        lx_words_add(&right, "'drehgeber %s' is right", command->usage);
+    } else if (near != NULL) {
+        lx_words_add(&right, "near is ");
+        add_option(&right, near);
+    } else {
+        lx_words_add(&right, "valid:");
+        for (const struct argp_option *row = self->table; !options_end(row); row++) {
+            if (row->name != NULL && takes(self->row, row)) {
+                lx_words_add(&right, " --%s", row->name);
+            }
+        }
+    }
+    return lx_refuse(&self->error, right.text, "unknown option %s", self->culprit);
+}
+
 /* getopt's own messages say what was wrong only, so this says it all. */
 static int explain_culprit(struct options *self)
 {
     const struct argp_option *row = row_of(self, self->culprit);
     struct lx_words right = {""};
     if (row == NULL) {
-        lx_words_add(&right, "valid:");
-        for (row = self->table; !options_end(row); row++) {
-            lx_words_add(&right, row->name == NULL ? "" : " ");
-            if (row->name != NULL) {
-                add_option(&right, row);
-            }
-        }
-        return lx_refuse(&self->error, right.text, "unknown option %s", self->culprit);
+        return unknown_option(self);
     }
     if (row->arg == NULL) {
         return lx_fail(&self->error, "%s: --%s takes no value", self->culprit, row->name);
@@ -405,9 +476,8 @@ static const struct argp_option *not_taken(const struct options *self)
 
 static int check_command(struct options *self)
 {
-    struct lx_words right = right_commands();
+    struct lx_words right = valid_commands();
     if (self->command == COMMAND_NONE) {
-        lx_words_add(&right, ", 'drehgeber --help' says more");
         return lx_refuse(&self->error, right.text, "no command");
     }
     const struct argp_option *option = not_taken(self);
@@ -446,6 +516,7 @@ int options_parse(struct options *self, int argc, char **argv)
     if (self->command != COMMAND_NONE) {
         return 0;
     }
+    const struct command_row *const meant = self->row; /* options are parsed before arguments */
     self->row = NULL;
     self->model = NULL;
     self->table = options_table(NULL, NULL);
@@ -460,7 +531,11 @@ int options_parse(struct options *self, int argc, char **argv)
     if (result != 0 && (self->error.what[0] != '\0' || self->error.right[0] != '\0')) {
         return -1;
     }
-    return result != 0 ? explain_culprit(self) : check_command(self);
+    if (result != 0) {
+        self->row = meant;
+        return explain_culprit(self);
+    }
+    return check_command(self);
 }
 
 /* "--pty[=LINK] or --tty DEV" */
