@@ -84,6 +84,14 @@ def test_rig_file_stays(tmp_path: pathlib.Path) -> None:
     assert done.returncode == 2 and "is the rig file itself" in done.stderr and file.read_text() == RIG
 
 
+def test_a_file_without_the_ending_is_refused(tmp_path: pathlib.Path) -> None:
+    for name in ("axis", "axis.zip"):
+        file = tmp_path / name
+        done = subprocess.run([DREHGEBER, "fmu", "f3668", "-o", str(file)], capture_output=True, text=True)
+        assert done.returncode == 2 and not file.exists()
+        assert done.stderr == f"drehgeber: --output {file}: {file}.fmu is right\n"
+
+
 def test_full_disk_leaves_no_half_file(tmp_path: pathlib.Path) -> None:
     """Of a file; what is none stays."""
     file = tmp_path / "x.fmu"

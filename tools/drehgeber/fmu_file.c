@@ -430,6 +430,17 @@ static int take_version(const char *text, struct making *self)
     return 0;
 }
 
+/* Importers go by the ending; a pipe or the like has its own name. */
+static bool is_named(const char *output)
+{
+    static const char ending[] = ".fmu";
+    const size_t n = strlen(output);
+    const size_t of_ending = strlen(ending);
+    struct stat is;
+    return (n > of_ending && strcasecmp(output + n - of_ending, ending) == 0) ||
+           (stat(output, &is) == 0 && !S_ISREG(is.st_mode));
+}
+
 int fmu_command(const struct options *options)
 {
     struct making self = {.version = 3};
@@ -447,6 +458,9 @@ int fmu_command(const struct options *options)
     } else if (dg_device_find(options->model) == NULL &&
                is_same_file(options->model, options->output)) {
         lx_complain("fmu: %s is the rig file itself", options->output);
+        status = EXIT_USAGE;
+    } else if (!is_named(options->output)) {
+        lx_complain("--output %s: %s.fmu is right", options->output, options->output);
         status = EXIT_USAGE;
     } else if (make(&self, &plan, options->output) != 0) {
         status = complain(&self.error, EXIT_OTHER);
