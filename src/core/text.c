@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "drehgeber/text.h"
 
+#include <stdint.h>
+
 struct dg_text dg_text_in(char *to, size_t size)
 {
     to[0] = '\0';
@@ -67,32 +69,33 @@ static unsigned smaller(unsigned a, unsigned b)
    word up to there makes of the first `i` characters. */
 unsigned dg_text_edits(const char *word, size_t length, const char *text, size_t n, bool brief)
 {
-    unsigned lines[3][DG_TEXT_EDITS_MAX + 1u];
-    unsigned *here = lines[0];
-    unsigned *above = lines[1];
-    unsigned *before = lines[2]; /* the line above that */
+    uint16_t lines[3][DG_TEXT_EDITS_MAX + 1u];
+    uint16_t *here = lines[0];
+    uint16_t *above = lines[1];
+    uint16_t *before = lines[2]; /* the line above that */
 
     if (n > DG_TEXT_EDITS_MAX) {
         return ~0u;
     }
-    for (unsigned i = 0; i <= n; i++) {
-        here[i] = i;
+    for (size_t i = 0; i <= n; i++) {
+        here[i] = (uint16_t)i;
     }
     for (size_t k = 0; k < length; k++) {
         const unsigned left_out = brief && is_small(word[k]) ? 0u : 1u;
-        unsigned *const oldest = before;
+        uint16_t *const oldest = before;
         before = above;
         above = here;
         here = oldest;
-        here[0] = above[0] + left_out;
+        here[0] = (uint16_t)(above[0] + left_out);
         for (size_t i = 1; i <= n; i++) {
             const unsigned other = same_letter(word[k], text[i - 1u]) ? 0u : 1u;
-            here[i] =
-                smaller(above[i - 1u] + other, smaller(above[i] + left_out, here[i - 1u] + 1u));
+            unsigned least = smaller(above[i] + left_out, here[i - 1u] + 1u);
+            least = smaller(least, above[i - 1u] + other);
             if (k > 0 && i > 1u && same_letter(word[k - 1u], text[i - 1u]) &&
                 same_letter(word[k], text[i - 2u])) {
-                here[i] = smaller(here[i], before[i - 2u] + 1u);
+                least = smaller(least, before[i - 2u] + 1u);
             }
+            here[i] = (uint16_t)least;
         }
     }
     return here[n];

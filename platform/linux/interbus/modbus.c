@@ -351,7 +351,7 @@ static int listen_at(struct lx_modbus *self, const struct lx_modbus_setup *setup
                      struct lx_error *error)
 {
     struct lx_peers_where where;
-    if (!lx_peers_split(setup->where, &where)) {
+    if (!lx_peers_split(setup->where, &where) || where.word[0] != '\0') {
         return lx_refuse(error, LX_MODBUS_RIGHT, "%s", "");
     }
     self->protocol = modbus_new_tcp_pi(where.at.host, where.at.port);
