@@ -46,8 +46,8 @@ DG_API bool dg_text_same(const char *a, const char *b, size_t n, dg_text_fold *f
 #define DG_TEXT_EDITS_MAX 16u
 
 /** How many characters have to change, be added, be left out or exchange their places to make a
- * word of `text` (the distance of Damerau and Levenshtein, where no place is changed twice); capital
- * and small letters count as the same.
+ * word of `text` (the distance of Damerau and Levenshtein, where no place is changed twice);
+ * capital and small letters count as the same.
  * @param length of the word, at most 1000
  * @param n of the text; ~0u is the answer for more than DG_TEXT_EDITS_MAX
  * @param brief small letters of the word may be left out for nothing: SCPI's long forms */

@@ -23,7 +23,8 @@ const char help_motion[] =
     "  Units: DEG REV (angle), RPM (speed), S MS (time). Positive is clockwise, time\n"
     "  0 is when the encoder is ready. A file has lines 'time_s,angle_deg'.\n";
 
-const char help_exit[] = "0 after SIGTERM or SIGINT, 2 for a wrong command line or none, 1 for the rest.\n";
+const char help_exit[] =
+    "0 after SIGTERM or SIGINT, 2 for a wrong command line or none, 1 for the rest.\n";
 
 static const struct {
     const char *command;

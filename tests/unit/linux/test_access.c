@@ -321,8 +321,10 @@ static void a_port_that_is_refused_says_what_is_right(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_addresses),       cmocka_unit_test(test_long_addresses),
-        cmocka_unit_test(test_token_files),     cmocka_unit_test(test_guard),
+        cmocka_unit_test(test_addresses),
+        cmocka_unit_test(test_long_addresses),
+        cmocka_unit_test(test_token_files),
+        cmocka_unit_test(test_guard),
         cmocka_unit_test(test_guard_and_zeros),
         cmocka_unit_test(a_port_that_is_refused_says_what_is_right),
     };
