@@ -513,6 +513,16 @@ DG_API dg_ns dg_co_bus(struct dg_co_node *self, dg_ns now, enum dg_co_bus_event 
  */
 DG_API uint8_t dg_co_filters(const struct dg_co_node *self, uint16_t ids[DG_CO_FILTERS_MAX]);
 
+/** Most CAN-IDs that services of a node can share: two each of SYNC, EMCY, TIME and the TPDOs. */
+#define DG_CO_SHARED_MAX 3u
+/**
+ * The CAN-IDs that more than one service of this node has at the moment (SYNC, EMCY, TIME if it is
+ * consumed, valid TPDOs), for a host to say so: a master may configure that, and all of them send.
+ * Changes only with filter_version.
+ * @return how many of `ids` are set
+ */
+DG_API uint8_t dg_co_shared_ids(const struct dg_co_node *self, uint16_t ids[DG_CO_SHARED_MAX]);
+
 /* ---------------------------------------------------------------- for device profiles */
 
 /**

@@ -104,8 +104,8 @@ static bool is_reserved(uint32_t type)
     return type > CO_PDO_CYCLIC_MAX && type < CO_PDO_REQUEST_SYNC;
 }
 
-/* A valid TPDO keeps its CAN-ID. 80000000h is how masters switch one off: the CAN-ID 0 in it is
- * never used. */
+/* A valid TPDO keeps its CAN-ID; which one it has is the master's business, even if another service
+ * has it, too (C43). 80000000h is how masters switch one off: the CAN-ID 0 in it is never used. */
 static enum dg_co_abort check_cob_id(struct dg_co_node *self, uint8_t n, uint32_t wanted)
 {
     const struct dg_co_tpdo *tpdo = &self->tpdo[n];
@@ -123,9 +123,6 @@ static enum dg_co_abort check_cob_id(struct dg_co_node *self, uint8_t n, uint32_
     }
     if (tpdo->valid) {
         return id == tpdo->can_id ? DG_CO_OK : DG_CO_RANGE;
-    }
-    if (co_in_use(self, id)) {
-        return DG_CO_RANGE;
     }
     uint32_t count = co_pdo_parameter(self, n, CO_PDO_MAPPED);
     bool complete = resolve(self, n, count) == DG_CO_OK && tpdo->length != 0 &&
@@ -214,25 +211,11 @@ static void start(struct dg_co_node *self, uint8_t n)
     adopt_type(self, n);
 }
 
-static bool is_moved(const struct dg_co_node *self, uint8_t n)
-{
-    uint32_t cob_id = co_pdo_parameter(self, n, CO_PDO_COB_ID);
-
-    return (cob_id & CO_COB_CAN_ID) != co_predefined(n, self->id);
-}
-
-/* Those on their predefined CAN-ID come first: with another node-ID that may be where a moved one
- * is, which then is not valid (C33). */
 void co_pdo_start(struct dg_co_node *self)
 {
     self->sync_mask = 0;
     for (uint8_t n = 0; n < DG_CO_TPDOS; n++) {
         self->tpdo[n] = (struct dg_co_tpdo){.event_at = DG_NEVER};
-    }
-    for (uint8_t i = 0; i < 2 * DG_CO_TPDOS; i++) {
-        uint8_t n = i % DG_CO_TPDOS;
-        if (is_moved(self, n) == (i >= DG_CO_TPDOS)) {
-            start(self, n);
-        }
+        start(self, n);
     }
 }

@@ -12,6 +12,9 @@
 #include "co_sdo.h"
 #include "co_storage.h"
 
+/* SYNC, EMCY, TIME, TPDOs: whose CAN-IDs can be the same. */
+#define SERVICES_MAX (3u + DG_CO_TPDOS)
+
 /* The NMT states that most services work in (CiA 301). */
 static bool is_on(const struct dg_co_node *self)
 {
@@ -321,10 +324,21 @@ dg_ns dg_co_bus(struct dg_co_node *self, dg_ns now, enum dg_co_bus_event event)
     return settle(self);
 }
 
+static bool has_id(const uint16_t *ids, uint8_t n, uint16_t id)
+{
+    while (n > 0 && ids[n - 1u] != id) {
+        n--;
+    }
+    return n > 0;
+}
+
+/* Each once, as services may share one (C43). */
 static uint8_t add_filter(uint16_t *ids, uint8_t n, uint32_t id)
 {
-    ids[n] = (uint16_t)(id & CO_COB_CAN_ID);
-    return (uint8_t)(n + 1u);
+    const uint16_t can_id = (uint16_t)(id & CO_COB_CAN_ID);
+
+    ids[n] = can_id;
+    return (uint8_t)(has_id(ids, n, can_id) ? n : n + 1u);
 }
 
 uint8_t dg_co_filters(const struct dg_co_node *self, uint16_t ids[DG_CO_FILTERS_MAX])
@@ -357,4 +371,37 @@ uint8_t dg_co_filters(const struct dg_co_node *self, uint16_t ids[DG_CO_FILTERS_
         }
     }
     return n;
+}
+
+/* The others have CAN-IDs that nothing can be moved to. */
+static uint8_t list_services(const struct dg_co_node *self, uint16_t ids[SERVICES_MAX])
+{
+    uint8_t n = 0;
+
+    ids[n++] = (uint16_t)self->value[CO_SYNC_COB_ID];
+    ids[n++] = (uint16_t)(CO_ID_EMCY + self->id);
+    if ((self->value[CO_TIME_COB_ID] & CO_COB_INVALID) != 0) {
+        ids[n++] = (uint16_t)(self->value[CO_TIME_COB_ID] & CO_COB_CAN_ID);
+    }
+    for (uint8_t i = 0; i < DG_CO_TPDOS; i++) {
+        if (self->tpdo[i].valid) {
+            ids[n++] = self->tpdo[i].can_id;
+        }
+    }
+    return n;
+}
+
+uint8_t dg_co_shared_ids(const struct dg_co_node *self, uint16_t ids[DG_CO_SHARED_MAX])
+{
+    uint16_t used[SERVICES_MAX];
+    uint8_t shared = 0;
+    const bool has_services = self->state != DG_CO_OFF && self->id != DG_CO_UNCONFIGURED;
+    const uint8_t n = has_services ? list_services(self, used) : 0;
+
+    for (uint8_t i = 1; i < n; i++) {
+        if (has_id(used, i, used[i]) && !has_id(ids, shared, used[i])) {
+            ids[shared++] = used[i];
+        }
+    }
+    return shared;
 }

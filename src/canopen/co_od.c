@@ -321,17 +321,6 @@ enum dg_co_abort co_hook_identity(struct dg_co_node *self, const struct dg_co_ob
     return DG_CO_OK;
 }
 
-bool co_in_use(const struct dg_co_node *self, uint32_t can_id)
-{
-    bool used = can_id == CO_ID_EMCY + self->id || can_id == self->value[CO_SYNC_COB_ID] ||
-                (can_id | CO_COB_INVALID) == self->value[CO_TIME_COB_ID];
-
-    for (uint8_t n = 0; n < DG_CO_TPDOS; n++) {
-        used = used || (self->tpdo[n].valid && self->tpdo[n].can_id == can_id);
-    }
-    return used;
-}
-
 /* 1013h counts microseconds from Initialisation, or from what is written; TIME leaves it alone. */
 enum dg_co_abort co_hook_clock(struct dg_co_node *self, const struct dg_co_object *object,
                                enum dg_co_op op, uint32_t *value)
@@ -347,19 +336,14 @@ enum dg_co_abort co_hook_clock(struct dg_co_node *self, const struct dg_co_objec
     return DG_CO_OK;
 }
 
-/* 1005h and 1012h: a CAN-ID of CiA 301's free ranges, 11 bit; no SYNC or TIME is produced. A
- * `fresh` one must not be in use. */
-static enum dg_co_abort consumed_id(const struct dg_co_node *self, uint32_t id, bool fresh)
-{
-    return co_restricted(id) || (fresh && co_in_use(self, id)) ? DG_CO_RANGE : DG_CO_OK;
-}
-
+/* 1005h and 1012h change at any time, within CiA 301's free ranges, 11 bit (C43). No SYNC or TIME
+ * is produced. */
 enum dg_co_abort co_hook_sync_id(struct dg_co_node *self, const struct dg_co_object *object,
                                  enum dg_co_op op, uint32_t *value)
 {
-    bool fresh = *value != self->value[object->slot];
-
-    return op == DG_CO_WRITE ? consumed_id(self, *value, fresh) : DG_CO_OK;
+    (void)self;
+    (void)object;
+    return op == DG_CO_WRITE && co_restricted(*value) ? DG_CO_RANGE : DG_CO_OK;
 }
 
 /* Bit 31: the node consumes TIME. Without it the CAN-ID is not used. */
@@ -367,7 +351,6 @@ enum dg_co_abort co_hook_time_id(struct dg_co_node *self, const struct dg_co_obj
                                  enum dg_co_op op, uint32_t *value)
 {
     uint32_t id = *value & ~CO_COB_INVALID;
-    bool fresh = id != *value && *value != self->value[object->slot];
 
-    return op == DG_CO_WRITE ? consumed_id(self, id, fresh) : DG_CO_OK;
+    return co_hook_sync_id(self, object, op, &id);
 }

@@ -90,9 +90,6 @@ enum dg_co_abort co_write(struct dg_co_node *self, const struct dg_co_object *ob
 uint32_t co_initial(const struct dg_co_node *self, const struct dg_co_object *object);
 /** Whether a CAN-ID may not be given to a configurable COB-ID. */
 bool co_restricted(uint32_t can_id);
-/** Whether the node itself has a use for a CAN-ID: SYNC, EMCY, TIME if consumed, valid TPDOs. The
- * others it uses are restricted. */
-bool co_in_use(const struct dg_co_node *self, uint32_t can_id);
 
 /** Hooks of 1000h, 1018h, 1013h, 1005h, 1012h. */
 dg_co_hook co_hook_device, co_hook_identity, co_hook_clock, co_hook_sync_id, co_hook_time_id;

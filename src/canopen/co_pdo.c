@@ -290,7 +290,6 @@ void co_pdo_rtr(struct dg_co_node *self, uint16_t id)
         const struct dg_co_tpdo *tpdo = &self->tpdo[n];
         if (tpdo->valid && tpdo->can_id == id && tpdo->rtr_allowed) {
             answer(self, n);
-            return;
         }
     }
 }

@@ -57,7 +57,7 @@ dg_co_hook co_hook_tpdo, co_hook_mapping;
 /** The NMT state has become operational, or is not any more. */
 void co_pdo_state(struct dg_co_node *self, bool operational);
 void co_sync_rx(struct dg_co_node *self, const struct dg_can_frame *frame);
-/** A remote frame: is it for one of this node's TPDOs? */
+/** A remote frame: TPDOs of this node that have its CAN-ID answer. */
 void co_pdo_rtr(struct dg_co_node *self, uint16_t id);
 dg_ns co_pdo_step(struct dg_co_node *self);
 /** Forget events, samples and the phase of SYNC of TPDO `n`; its event timer runs from now. */

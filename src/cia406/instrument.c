@@ -72,6 +72,20 @@ static void put_errors(const struct dg_co_node *node, struct dg_scpi *to)
     dg_state_end(to, first);
 }
 
+/* CAN-IDs that two services of the node have. */
+static void put_shared(const struct dg_co_node *node, struct dg_scpi *to)
+{
+    uint16_t ids[DG_CO_SHARED_MAX];
+    const uint8_t n = dg_co_shared_ids(node, ids);
+    bool first = true;
+
+    dg_state_begin(to, "shared_ids");
+    for (uint8_t i = 0; i < n; i++) {
+        dg_state_item(to, &first, ids[i], 3);
+    }
+    dg_state_end(to, first);
+}
+
 static void state(const void *self, dg_ns now, struct dg_scpi *to)
 {
     const struct dg_cia406_device *device = self;
@@ -87,6 +101,7 @@ static void state(const void *self, dg_ns now, struct dg_scpi *to)
     dg_state_number(to, "node", node->id);
     dg_state_number(to, "bus_off", node->bus_off);
     dg_state_hex(to, "causes", node->active_causes, 8);
+    put_shared(node, to);
 }
 
 /* clang-format off */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Memories of earlier releases, and COB-IDs that follow the node-ID (C33, C36).
+ * Memories of earlier releases, and COB-IDs that follow the node-ID (C33, C36, C43).
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -171,31 +171,40 @@ static void a_can_id_of_0_is_kept(void **state)
     expect_cob_ids(0x80000000, 0x289, 0x389, 0x489);
 }
 
-static void a_moved_can_id_gives_way_to_a_default(void **state)
+/* What was accepted stays, whatever else another node-ID brings to the same CAN-ID (C43). */
+static void a_moved_can_id_stays_beside_a_default(void **state)
 {
     (void)state;
     write_ok(0x1800, 1, 0x800001BF, 4);
     write_ok(0x1800, 1, 0x289, 4); /* TPDO2's on node 9 */
     write_ok(0x1802, 1, 0x800003BF, 4);
-    write_ok(0x1802, 1, 0x89, 4); /* EMCY's on node 9 */
+    write_ok(0x1802, 1, 0x89, 4);  /* EMCY's on node 9 */
+    write_ok(0x1005, 0, 0x489, 4); /* TPDO4's on node 9 */
     write_ok(0x1010, 1, SAVE, 4);
     power_cycle();
     expect_cob_ids(0x289, 0x2BF, 0x89, 0x4BF);
     move_to(9);
-    expect_cob_ids(0x80000289, 0x289, 0x80000089, 0x489);
-    assert_true(rig.node.tpdo[1].valid && !rig.node.tpdo[0].valid && !rig.node.tpdo[2].valid);
+    expect_cob_ids(0x289, 0x289, 0x89, 0x489);
+    assert_int_equal(read_ok(0x1005, 0), 0x489);
     move_to(0x3F);
     expect_cob_ids(0x289, 0x2BF, 0x89, 0x4BF);
 }
 
-/* SYNC cannot be switched off, so the TPDO is. */
-static void a_default_on_the_sync_id_is_not_valid(void **state)
+/* Two TPDOs on one CAN-ID, SYNC's. */
+static void a_shared_can_id_is_kept(void **state)
 {
     (void)state;
-    write_ok(0x1005, 0, 0x289, 4);
+    write_ok(0x1800, 1, 0x80000222, 4);
+    write_ok(0x1800, 1, 0x222, 4);
+    write_ok(0x1803, 1, 0x80000222, 4);
+    write_ok(0x1803, 1, 0x40000222, 4);
+    write_ok(0x1005, 0, 0x222, 4);
     write_ok(0x1010, 1, SAVE, 4);
+    power_cycle();
+    expect_cob_ids(0x222, 0x2BF, 0x3BF, 0x40000222);
     move_to(9);
-    expect_cob_ids(0x189, 0x80000289, 0x389, 0x489);
+    expect_cob_ids(0x222, 0x289, 0x389, 0x40000222);
+    assert_int_equal(read_ok(0x1005, 0), 0x222);
 }
 
 static void earlier_releases_defaults_follow_from_now_on(void **state)
@@ -262,8 +271,8 @@ int main(void)
         cmocka_unit_test_setup(defaults_follow_the_node_id_and_others_stay, setup),
         cmocka_unit_test_setup(defaults_follow_a_node_id_that_is_not_kept, setup),
         cmocka_unit_test_setup(a_can_id_of_0_is_kept, setup),
-        cmocka_unit_test_setup(a_moved_can_id_gives_way_to_a_default, setup),
-        cmocka_unit_test_setup(a_default_on_the_sync_id_is_not_valid, setup),
+        cmocka_unit_test_setup(a_moved_can_id_stays_beside_a_default, setup),
+        cmocka_unit_test_setup(a_shared_can_id_is_kept, setup),
         cmocka_unit_test_setup(earlier_releases_defaults_follow_from_now_on, setup),
         cmocka_unit_test_setup(earlier_releases_values_stay, setup),
         cmocka_unit_test_setup(earlier_releases_defaults_follow_lss, setup),

@@ -184,40 +184,87 @@ static void restricted_can_ids_are_refused(void **state)
     }
 }
 
-/* SYNC, EMCY, other TPDOs that are valid, TIME as soon as it is consumed; either way round. */
-static void can_ids_the_node_uses_itself_are_refused(void **state)
+static void expect_shared(uint8_t count, uint16_t first, uint16_t second)
+{
+    uint16_t ids[DG_CO_SHARED_MAX];
+
+    assert_int_equal(dg_co_shared_ids(&pdo_rig.node, ids), count);
+    assert_true(count < 1 || ids[0] == first);
+    assert_true(count < 2 || ids[1] == second);
+}
+
+/* CiA 301: a valid TPDO keeps its CAN-ID. Which one it gets is the master's business (C43). */
+static void services_may_share_a_can_id(void **state)
 {
     static const struct attempt attempts[] = {
-        {0x1800, 1, 4, 0x080, 0x06090030}, /* SYNC */
-        {0x1800, 1, 4, EMCY, 0x06090030},
-        {0x1800, 1, 4, TPDO2, 0x06090030},
-        {0x1800, 1, 4, TPDO4, 0x06090030},
-        {0x1800, 1, 4, NOT_VALID | 0x080, 0},
-        {0x1800, 1, 4, NOT_VALID | TPDO2, 0},
-        {0x1801, 1, 4, NOT_VALID | TPDO2, 0},
-        {0x1800, 1, 4, TPDO2, 0}, /* TPDO2 is not valid any more */
-        {0x1801, 1, 4, TPDO2, 0x06090030},
-        {0x1005, 0, 4, TPDO2, 0x06090030},
-        {0x1005, 0, 4, EMCY, 0x06090030},
-        {0x1005, 0, 4, 0x080, 0}, /* what is there */
-        {0x1005, 0, 4, TPDO1, 0}, /* nobody's */
-        {0x1801, 1, 4, TPDO1, 0x06090030},
-        {0x1801, 1, 4, 0x100, 0}, /* TIME is not consumed */
-        {0x1012, 0, 4, 0x100, 0},
-        {0x1012, 0, 4, NOT_VALID | 0x100, 0x06090030},
-        {0x1801, 1, 4, NOT_VALID, 0},
-        {0x1012, 0, 4, NOT_VALID | 0x100, 0},
-        {0x1012, 0, 4, NOT_VALID | 0x100, 0}, /* what is there */
-        {0x1012, 0, 4, NOT_VALID | TPDO4, 0x06090030},
-        {0x1012, 0, 4, NOT_VALID | TPDO1, 0x06090030}, /* SYNC's now */
-        {0x1005, 0, 4, 0x100, 0x06090030},
-        {0x1801, 1, 4, 0x100, 0x06090030},
-        {0x1801, 1, 4, 0x080, 0},
+        {0x1800, 1, 4, TPDO2, 0x06090030}, /* valid before and after */
+        {0x1800, 1, 4, 0x40000000 | TPDO2, 0x06090030},
+        {0x1800, 1, 4, NOT_VALID | TPDO2, 0}, /* both ways to get there */
+        {0x1800, 1, 4, TPDO2, 0},
+        {0x1801, 1, 4, NOT_VALID | 0x080, 0},
+        {0x1801, 1, 4, 0x080, 0}, /* SYNC's */
+        {0x1802, 1, 4, NOT_VALID, 0},
+        {0x1802, 1, 4, EMCY, 0},
+        {0x1014, 0, 4, NOT_VALID | EMCY, 0x06010002},
     };
 
     (void)state;
-    pdo_disable(0);
+    expect_shared(0, 0, 0);
     attempt_all(attempts, sizeof attempts / sizeof attempts[0]);
+    expect_shared(2, 0x080, EMCY);
+    pdo_put_ok(0x1803, 1, NOT_VALID, 4);
+    pdo_put_ok(0x1803, 1, TPDO2, 4);
+    expect_shared(3, 0x080, EMCY);
+    dg_co_power_off(&pdo_rig.node);
+    expect_shared(0, 0, 0);
+}
+
+static void sync_and_time_change_at_any_time(void **state)
+{
+    static const struct attempt attempts[] = {
+        {0x1005, 0, 4, TPDO2, 0},
+        {0x1005, 0, 4, EMCY, 0},
+        {0x1005, 0, 4, 0x180, 0x06090030},
+        {0x1005, 0, 4, 0x1FFFF081, 0x06090030},
+        {0x1012, 0, 4, 0x100, 0},
+        {0x1012, 0, 4, NOT_VALID | EMCY, 0},
+        {0x1012, 0, 4, NOT_VALID | TPDO4, 0},
+        {0x1012, 0, 4, NOT_VALID | 0x581, 0x06090030},
+        {0x1012, 0, 4, 0x20000100, 0x06090030},
+    };
+
+    (void)state;
+    attempt_all(attempts, sizeof attempts / sizeof attempts[0]);
+    expect_shared(2, EMCY, TPDO4);
+    pdo_put_ok(0x1012, 0, TPDO4, 4); /* not consumed any more */
+    expect_shared(1, EMCY, 0);
+}
+
+/* Both send, and both answer a remote frame; the filter of the shared identifier stands once. */
+static void what_shares_a_can_id_sends(void **state)
+{
+    uint16_t ids[DG_CO_FILTERS_MAX];
+    uint32_t found = 0;
+
+    (void)state;
+    pdo_disable(0);
+    pdo_put_ok(0x1800, 1, TPDO2, 4);
+    pdo_put_ok(0x1800, 2, 254, 1);
+    pdo_put_ok(0x1801, 2, 254, 1);
+    pdo_forget();
+    pdo_nmt(START);
+    for (uint32_t i = 0; i < pdo_rig.count; i++) {
+        found += pdo_rig.sent[i].frame.id == TPDO2 ? 1u : 0u;
+    }
+    assert_int_equal(found, 2);
+    pdo_forget();
+    pdo_request(TPDO2);
+    assert_int_equal(pdo_rig.count, 2);
+    found = 0;
+    for (uint8_t n = dg_co_filters(&pdo_rig.node, ids); n > 0; n--) {
+        found += ids[n - 1u] == TPDO2 ? 1u : 0u;
+    }
+    assert_int_equal(found, 1);
 }
 
 static void an_invalid_tpdo_takes_another_inhibit_time(void **state)
@@ -350,7 +397,9 @@ int main(void)
         cmocka_unit_test_setup(what_mapping_refuses, pdo_set_up),
         cmocka_unit_test_setup(unused_entries_leave_no_gap, pdo_set_up),
         cmocka_unit_test_setup(restricted_can_ids_are_refused, pdo_set_up),
-        cmocka_unit_test_setup(can_ids_the_node_uses_itself_are_refused, pdo_set_up),
+        cmocka_unit_test_setup(services_may_share_a_can_id, pdo_set_up),
+        cmocka_unit_test_setup(sync_and_time_change_at_any_time, pdo_set_up),
+        cmocka_unit_test_setup(what_shares_a_can_id_sends, pdo_set_up),
         cmocka_unit_test_setup(an_invalid_tpdo_takes_another_inhibit_time, pdo_set_up),
         cmocka_unit_test_setup(reading_parameters_leaves_the_timers_alone, pdo_set_up),
         cmocka_unit_test_setup(a_new_can_id_is_listened_to, pdo_set_up),

@@ -37,13 +37,11 @@ static void two_tpdos_can_swap_their_can_ids(void **state)
     static const uint8_t speed[] = {0x85, 0xFF};
 
     (void)state;
-    pdo_disable(2);
-    assert_int_equal(pdo_put(0x1802, 1, TPDO1, 4), 0x06090030);
-    pdo_put_ok(0x1802, 1, NOT_VALID | TPDO1, 4);
+    assert_int_equal(pdo_put(0x1800, 1, TPDO3, 4), 0x06090030);
     pdo_disable(0);
-    pdo_put_ok(0x1802, 1, TPDO1, 4);
-    assert_int_equal(pdo_put(0x1800, 1, TPDO1, 4), 0x06090030);
     pdo_put_ok(0x1800, 1, TPDO3, 4);
+    pdo_disable(2);
+    pdo_put_ok(0x1802, 1, TPDO1, 4);
     pdo_put_type(0, 253);
     pdo_put_type(2, 253);
     pdo_nmt(START);

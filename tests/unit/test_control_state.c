@@ -244,6 +244,7 @@ static void test_canopen(void **state)
     expect("node=63");
     expect("bus_off=0");
     expect("causes=00000000");
+    expect("shared_ids=-");
     expect("frames=0");
     expect("sent=2"); /* two boot-up messages: the rig has switched it on twice */
     co_rig_nmt(&rig.co, 0x01);

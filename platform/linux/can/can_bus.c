@@ -173,6 +173,9 @@ static void settle(void *ctx, dg_ns now)
         next = self->can->stalled ? DG_NEVER : step(self, now);
     } while (self->retuned || lx_can_tell_presence(self, now));
     tell_filters(self);
+    for (size_t i = 0; i < self->bus.setup.count; i++) {
+        lx_can_tell_shared(&self->node[i]);
+    }
     if (self->can->ops->push != NULL) {
         self->can->ops->push(self->can);
     }

@@ -59,8 +59,11 @@ struct lx_can_node {
     bool hears;                      /**< the wire has this rate, too */
     uint8_t index;                   /**< in the bus's net; LX_CAN_DEAF: not there */
     const struct lx_can_layer *bent; /**< wire faults, or frames held back; NULL: neither */
+    uint8_t shared_version;          /**< of its CAN-IDs, when they were last looked at */
     unsigned held;                   /**< frames held back */
     dg_ns last_held;                 /**< when the last one of them goes out */
+    /** CAN-IDs that two of its services had at the last look; 0: none */
+    uint16_t shared[DG_CO_SHARED_MAX];
 };
 
 /** A bus. */
@@ -100,6 +103,9 @@ int lx_can_node_make(struct lx_can_bus *bus, size_t place, struct lx_error *erro
  * @return 0, or -1 with one line in `error`, then close */
 int lx_can_node_open(struct lx_can_node *self, const struct dg_co_ops *ops,
                      void (*settled)(void *ctx, dg_ns now), dg_ns now, struct lx_error *error);
+
+/** Say so when two services of the node have come to share a CAN-ID. */
+void lx_can_tell_shared(struct lx_can_node *self);
 
 /** Switch it off, close its EEPROM; also after a failed open. */
 void lx_can_node_close(struct lx_can_node *self);

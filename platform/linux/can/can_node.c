@@ -3,6 +3,7 @@
 #define _GNU_SOURCE
 #include <stddef.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "can_bus.h"
 #include "drehgeber/bits.h"
@@ -110,6 +111,34 @@ static void tell_node_id(const struct lx_can_node *self)
         lx_note(self->bus->bus.setup.say, "%s: its node-ID is %u, not %u", self->station->plan->nvm,
                 self->device.node.id, self->id);
     }
+}
+
+static bool was_shared(const struct lx_can_node *self, uint16_t id)
+{
+    size_t i = 0;
+    while (i < DG_CO_SHARED_MAX && self->shared[i] != id) {
+        i++;
+    }
+    return i < DG_CO_SHARED_MAX;
+}
+
+void lx_can_tell_shared(struct lx_can_node *self)
+{
+    const struct dg_co_node *node = &self->device.node;
+    uint16_t ids[DG_CO_SHARED_MAX] = {0};
+    if (self->shared_version == node->filter_version) {
+        return;
+    }
+    self->shared_version = node->filter_version;
+    const uint8_t count = dg_co_shared_ids(node, ids);
+    for (uint8_t i = 0; i < count; i++) {
+        if (!was_shared(self, ids[i])) {
+            lx_note(self->bus->bus.setup.say,
+                    "%s/%u: two services of this node have the CAN-ID %03Xh, both send",
+                    self->bus->can->address, node->id, ids[i]);
+        }
+    }
+    memcpy(self->shared, ids, sizeof ids);
 }
 
 static int power_on(struct lx_can_node *self, const struct dg_co_ops *ops, dg_ns now,

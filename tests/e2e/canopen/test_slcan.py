@@ -110,6 +110,29 @@ def test_leds_show_the_channel(start):
         wait_for_leds(control, "bus:off/err:blink")
 
 
+def test_a_can_id_of_two_services_is_said_once(start, nvm):
+    port = free_port()
+    rig = start("--nvm", nvm, "--control", f"tcp:127.0.0.1:{port}", quiet=False)
+    with Client(port) as control:
+        assert state_of(control)["shared_ids"] == "-"
+        rig.write(0x1800, 1, 0x800001BF, 4)
+        rig.write(0x1800, 1, 0x2BF, 4)
+        assert_one_line(rig.encoder, "/63", "CAN-ID 2BFh")
+        assert state_of(control)["shared_ids"] == "2BF"
+        rig.write(0x1017, 0, 0, 2)  # nothing new to say
+        rig.write(0x1800, 1, 0x800002BF, 4)
+        assert state_of(control)["shared_ids"] == "-"
+        rig.write(0x1005, 0, 0x4BF, 4)
+        assert_one_line(rig.encoder, "CAN-ID 4BFh")
+        rig.sdo.download(0x1010, 1, SAVE)
+        control.do("POW CYCL")
+        assert state_of(control)["shared_ids"] == "4BF"
+    rig.kill()
+    rig = start("--nvm", nvm, quiet=False)
+    assert_one_line(rig.encoder, "CAN-ID 4BFh")
+    assert rig.read(0x1800, 1) == 0x800002BF
+
+
 # A TPDO of 4 bytes takes up to 95 bits: 105 of them in a second at 10 kBd.
 TPDO1_BITS, SLOW_BIT_RATE = 95, 10_000
 MEASURED_S = 3.0
