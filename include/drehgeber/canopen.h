@@ -77,7 +77,6 @@ enum dg_co_abort {
     DG_CO_TOO_SHORT = 0x06070013,
     DG_CO_NO_SUB = 0x06090011,
     DG_CO_RANGE = 0x06090030,
-    DG_CO_CROSSED = 0x06090036, /**< a maximum below its minimum */
     DG_CO_STORE = 0x08000020,
     DG_CO_STATE = 0x08000022,
     DG_CO_NO_DATA = 0x08000024,

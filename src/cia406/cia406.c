@@ -53,22 +53,6 @@ static enum dg_co_abort hook_window(struct dg_co_node *node, const struct dg_co_
     return op == DG_CO_WRITE && !known ? DG_CO_RANGE : DG_CO_OK;
 }
 
-/* 2120h:2 and 3, 6401h and 6402h: a low limit is not above its high one (C41). */
-static enum dg_co_abort hook_limit(struct dg_co_node *node, const struct dg_co_object *object,
-                                   enum dg_co_op op, uint32_t *value)
-{
-    bool temperature = object->index == 0x2120;
-    bool low = temperature ? object->sub == 2 : object->index == 0x6401;
-    int apart = temperature ? SLOT_TEMPERATURE_HIGH - SLOT_TEMPERATURE_LOW : SLOT_HIGH - SLOT_LOW;
-    uint32_t other = node->value[object->slot + (low ? apart : -apart)];
-    bool crossed = low ? *value > other : *value < other;
-
-    if (op != DG_CO_WRITE || *value == node->value[object->slot]) {
-        return DG_CO_OK; /* an older memory may have them crossed */
-    }
-    return crossed ? DG_CO_CROSSED : DG_CO_OK;
-}
-
 /* 6500h shows 6000h. */
 static enum dg_co_abort hook_status(struct dg_co_node *node, const struct dg_co_object *object,
                                     enum dg_co_op op, uint32_t *value)
@@ -172,7 +156,6 @@ static dg_ns step(struct dg_co_node *node)
     HOOK(hook_bit_rate)                                                                            \
     HOOK(dg_co_hook_save_bus)                                                                      \
     HOOK(cia406_hook_sensor)                                                                       \
-    HOOK(hook_limit)                                                                               \
     HOOK(cia406_hook_battery)                                                                      \
     HOOK(cia406_hook_raw)                                                                          \
     HOOK(hook_password)                                                                            \

@@ -150,7 +150,7 @@ static uint64_t position_y(const struct dg_co_node *node)
                                           : (uint64_t)position(node) * DG_CIA406_STEPS;
 }
 
-/* Bits 0-2 of area 1, 3-5 of area 2: outside, above, below. */
+/* Bits 0-2 of area 1, 3-5 of area 2: outside, above, below. Crossed limits: never inside. */
 static uint8_t areas(const struct dg_co_node *node, uint32_t at)
 {
     uint8_t bits = 0;

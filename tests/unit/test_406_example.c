@@ -106,10 +106,8 @@ static void expect_the_work_area(void)
     rig.motion.from = 0;
 }
 
-static void the_example_works_and_survives_power_off(void **state)
+static void expect_the_example(void)
 {
-    (void)state;
-    co_rig_start(&rig);
     configure();
     for (int i = 0; i < 2; i++) {
         co_rig_run(&rig, DG_S(1)); /* the speed of before is forgotten */
@@ -121,10 +119,30 @@ static void the_example_works_and_survives_power_off(void **state)
     }
 }
 
+static void the_example_works_and_survives_power_off(void **state)
+{
+    (void)state;
+    co_rig_start(&rig);
+    expect_the_example();
+}
+
+/* Its low limit comes first, and is above the high one that was saved (C42). */
+static void the_example_works_on_other_limits(void **state)
+{
+    (void)state;
+    co_rig_start(&rig);
+    co_rig_put(&rig, 0x6402, 1, 500, 4);
+    co_rig_put(&rig, 0x1010, 1, SAVE, 4);
+    dg_co_power_off(&rig.node);
+    assert_int_equal(co_rig_power_on(&rig), DG_OK);
+    expect_the_example();
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_example_works_and_survives_power_off),
+        cmocka_unit_test(the_example_works_on_other_limits),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -11,6 +11,7 @@
 #include <cmocka.h>
 
 #include "cia406_private.h"
+#include "co_od.h"
 #include "co_rig.h"
 
 #define TPDO1 0x1BF
@@ -73,11 +74,16 @@ static void working_areas_at_every_boundary(void **state)
         {{5, 5}, {5, 5}, 5, 0x00},
         {{0x0FFFFFFF, 0}, {0x0FFFFFFF, 0x0FFFFFFE}, 0x0FFFFFFF, 0x18},
         {{0, 0}, {0x0FFFFFFF, 0x0FFFFFFF}, 0x0FFFFFFF, 0x00},
+        /* crossed: no position is inside (C42) */
+        {{1000, 0}, {500, 0x0FFFFFFF}, 500, 0x05},
+        {{1000, 0}, {500, 0x0FFFFFFF}, 501, 0x07},
+        {{1000, 0}, {500, 0x0FFFFFFF}, 999, 0x07},
+        {{1000, 0}, {500, 0x0FFFFFFF}, 1000, 0x03},
+        {{0, 1000}, {0x0FFFFFFF, 500}, 700, 0x38},
     };
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         for (uint8_t n = 0; n < 2; n++) {
-            co_rig_put(&rig, 0x6401, (uint8_t)(n + 1u), 0, 4);
             co_rig_put(&rig, 0x6402, (uint8_t)(n + 1u), rows[i].high[n], 4);
             co_rig_put(&rig, 0x6401, (uint8_t)(n + 1u), rows[i].low[n], 4);
         }
@@ -97,17 +103,104 @@ static void working_area_limits_lie_in_the_range(void **state)
     }
     assert_int_equal(co_rig_write(&rig, 0x6400, 1, 0, 1), DG_CO_READ_ONLY);
     for (uint8_t sub = 1; sub <= 2; sub++) {
-        co_rig_put(&rig, 0x6402, sub, 500, 4);
-        assert_int_equal(co_rig_write(&rig, 0x6401, sub, 501, 4), 0x06090036);
-        co_rig_put(&rig, 0x6401, sub, 500, 4);
-        assert_int_equal(co_rig_write(&rig, 0x6402, sub, 499, 4), 0x06090036);
-        assert_int_equal(co_rig_get(&rig, 0x6402, sub), 500);
+        co_rig_put(&rig, 0x6401, sub, 0x0FFFFFFF, 4);
+        co_rig_put(&rig, 0x6402, sub, 0, 4);
     }
-    rig.node.value[SLOT_LOW] = 600; /* as older memories may have them */
-    co_rig_put(&rig, 0x6401, 1, 600, 4);
-    co_rig_put(&rig, 0x6402, 1, 500, 4);
-    assert_int_equal(co_rig_write(&rig, 0x6402, 1, 599, 4), 0x06090036);
     assert_int_equal(co_rig_write(&rig, 0x6401, 3, 0, 4), DG_CO_NO_SUB);
+    /* The scaling has no part in it (C42). */
+    co_rig_put(&rig, 0x6002, 0, 3600, 4);
+    co_rig_put(&rig, 0x6000, 0, 4, 2);
+    assert_int_equal(co_rig_get(&rig, 0x6401, 1), 0x0FFFFFFF);
+    co_rig_put(&rig, 0x6402, 1, 0x0FFFFFFF, 4);
+}
+
+/* ------------------------------------------------------------ all that can be set, read and
+ * written */
+
+#define OBJECTS_MAX 128u
+
+struct entry {
+    uint16_t index;
+    uint8_t sub;
+    uint8_t size;
+    uint32_t value;
+};
+
+/* All that can be read and written, as it is now. Left out is what does something when it is
+ * written (C40), and the mappings, which have their five steps (C6). */
+static uint32_t read_all(struct entry *to)
+{
+    struct dg_co_object object = co_first();
+    uint32_t n = 0;
+
+    do {
+        if (!co_is(&object, DG_CO_RW) || co_is(&object, DG_CO_ACTION) ||
+            object.index >> 8 == 0x1A) {
+            continue;
+        }
+        assert_true(n < OBJECTS_MAX);
+        to[n++] = (struct entry){object.index, object.sub, co_size(&object),
+                                 co_rig_get(&rig, object.index, object.sub)};
+    } while (co_next(rig.model->device, &object));
+    return n;
+}
+
+static void write_all_back(bool reverse)
+{
+    struct entry entries[OBJECTS_MAX];
+    const uint32_t n = read_all(entries);
+
+    assert_true(n > 40);
+    for (uint32_t i = 0; i < n; i++) {
+        const struct entry *entry = &entries[reverse ? n - 1 - i : i];
+        co_rig_put(&rig, entry->index, entry->sub, entry->value, entry->size);
+    }
+    for (uint32_t i = 0; i < n; i++) {
+        if (entries[i].index != 0x1013) { /* counts on */
+            assert_int_equal(co_rig_get(&rig, entries[i].index, entries[i].sub), entries[i].value);
+        }
+    }
+}
+
+/* Crossed limits, moved COB-IDs, scaling with USF. */
+static void configure_all(void)
+{
+    static const struct entry wanted[] = {
+        {0x1016, 1, 4, 0x00110064}, {0x1029, 1, 1, 2},    {0x1800, 1, 4, 0x800001BF},
+        {0x1800, 1, 4, 0x2BF}, /* TPDO2's, too */
+        {0x1803, 1, 4, 0x80000000}, {0x2120, 2, 1, 0x60}, {0x2120, 3, 1, 0x50},
+        {0x6001, 0, 4, 3600},       {0x6402, 1, 4, 500},  {0x6401, 1, 4, 1000},
+        {0x6401, 2, 4, 65535},      {0x6402, 2, 4, 0},    {0x6002, 0, 4, 3600},
+        {0x6000, 0, 2, 0x0004},
+    };
+    for (size_t i = 0; i < sizeof wanted / sizeof wanted[0]; i++) {
+        const struct entry *at = &wanted[i];
+        co_rig_put(&rig, at->index, at->sub, at->value, at->size);
+    }
+}
+
+/* As a tool does that copies a device's configuration (C42). */
+static void what_is_read_can_be_written_in_any_order(void **state)
+{
+    static const struct dg_cia406_model singleturn = {
+        .turns = 1, .device = &dg_cia406_singleturn, .password = PASSWORD};
+    const struct dg_cia406_model *const models[] = {&model, &singleturn};
+
+    (void)state;
+    for (size_t i = 0; i < sizeof models / sizeof models[0]; i++) {
+        co_rig_start_model(&rig, models[i]);
+        write_all_back(false);
+        write_all_back(true);
+        configure_all();
+        write_all_back(false);
+        write_all_back(true);
+        co_rig_put(&rig, 0x1010, 1, SAVE, 4);
+        power_cycle();
+        assert_int_equal(co_rig_get(&rig, 0x6401, 1), 1000);
+        assert_int_equal(co_rig_get(&rig, 0x6402, 1), 500);
+        write_all_back(false);
+        write_all_back(true);
+    }
 }
 
 /* ------------------------------------------------------------ 2140h, 2160h-2162h (C24) */
@@ -449,6 +542,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup(working_areas_at_every_boundary, setup),
         cmocka_unit_test_setup(working_area_limits_lie_in_the_range, setup),
+        cmocka_unit_test_setup(what_is_read_can_be_written_in_any_order, setup),
         cmocka_unit_test_setup(customer_memory_is_kept_by_save, setup),
         cmocka_unit_test_setup(raw_position_inverted_and_crc, setup),
         cmocka_unit_test_setup(the_password_opens_the_serial_number_for_one_write, setup),
