@@ -502,6 +502,13 @@ enum dg_co_bus_event {
  * @return the next deadline, as dg_co_step()
  */
 DG_API dg_ns dg_co_bus(struct dg_co_node *self, dg_ns now, enum dg_co_bus_event event);
+/**
+ * The node's controller is in `state` (active, passive or bus-off), whatever it was: dg_co_bus() if
+ * that is new, by way of active where it has to be. So a host may say it again, e.g. behind a power
+ * cycle, which forgets it.
+ * @return the next deadline, as dg_co_step()
+ */
+DG_API dg_ns dg_co_controller(struct dg_co_node *self, dg_ns now, enum dg_co_bus_event state);
 
 /** Most CAN-IDs a node listens to. */
 #define DG_CO_FILTERS_MAX 16u

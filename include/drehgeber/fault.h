@@ -37,6 +37,14 @@ enum dg_wire_fault {
     DG_WIRE_FAULT_COUNT
 };
 
+/** What a CAN controller is, from good to bad. The numbers are those of enum dg_co_bus_event and
+ * enum dg_host_bus. */
+enum dg_controller {
+    DG_CONTROLLER_ACTIVE,
+    DG_CONTROLLER_PASSIVE,
+    DG_CONTROLLER_OFF,
+};
+
 /** What a fault works on. */
 enum dg_fault_kind {
     DG_FAULT_WORLD,  /**< sets a quantity of dg_world to `value` */
@@ -148,6 +156,9 @@ DG_API dg_ns dg_fault_step(struct dg_faults *self, const struct dg_fault_target 
 
 /** Whether wire fault `fault` is active: for states (break, bus-off, passive). */
 DG_API bool dg_fault_wire_active(const struct dg_faults *self, enum dg_wire_fault fault);
+
+/** What the controller of a CAN node that is `own` by itself has become by faults: never better. */
+DG_API enum dg_controller dg_fault_controller(const struct dg_faults *self, enum dg_controller own);
 
 /** Let wire fault `fault` happen to a frame if it is active and chance has it; counts down.
  * @return whether it happens */

@@ -309,9 +309,9 @@ dg_ns dg_co_bus(struct dg_co_node *self, dg_ns now, enum dg_co_bus_event event)
         break;
     case DG_CO_BUS_ACTIVE:
         if (self->bus_off) { /* nobody could have heard it before */
+            self->bus_off = false;
             dg_co_raise(self, DG_CO_CAUSE_BUS_OFF, none);
         }
-        self->bus_off = false;
         dg_co_clear(self, DG_CO_CAUSE_PASSIVE);
         dg_co_clear(self, DG_CO_CAUSE_BUS_OFF);
         break;
@@ -322,6 +322,27 @@ dg_ns dg_co_bus(struct dg_co_node *self, dg_ns now, enum dg_co_bus_event event)
         break;
     }
     return settle(self);
+}
+
+/* What the node believes of its controller. */
+static enum dg_co_bus_event controller_of(const struct dg_co_node *self)
+{
+    if (self->bus_off) {
+        return DG_CO_BUS_OFF;
+    }
+    return (self->active_causes >> DG_CO_CAUSE_PASSIVE & 1u) != 0 ? DG_CO_BUS_PASSIVE
+                                                                  : DG_CO_BUS_ACTIVE;
+}
+
+dg_ns dg_co_controller(struct dg_co_node *self, dg_ns now, enum dg_co_bus_event state)
+{
+    if (self->state == DG_CO_OFF) {
+        return DG_NEVER;
+    }
+    if (self->bus_off && state == DG_CO_BUS_PASSIVE) {
+        (void)dg_co_bus(self, now, DG_CO_BUS_ACTIVE);
+    }
+    return state != controller_of(self) ? dg_co_bus(self, now, state) : self->deadline;
 }
 
 static bool has_id(const uint16_t *ids, uint8_t n, uint16_t id)

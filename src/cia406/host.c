@@ -84,7 +84,9 @@ static bool take(struct dg_host_line *line, const struct dg_host_event *event)
     struct dg_cia406_device *device = line->device;
 
     if (event->kind == DG_HOST_BUS) {
-        (void)dg_co_bus(&device->node, line->now, (enum dg_co_bus_event)event->id);
+        const enum dg_co_bus_event said = (enum dg_co_bus_event)event->id;
+        (void)(said <= DG_CO_BUS_OFF ? dg_co_controller(&device->node, line->now, said)
+                                     : dg_co_bus(&device->node, line->now, said));
         return true;
     }
     struct dg_can_frame frame = {

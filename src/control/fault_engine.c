@@ -298,6 +298,16 @@ bool dg_fault_wire_active(const struct dg_faults *self, enum dg_wire_fault fault
     return (self->wire >> fault & 1u) != 0;
 }
 
+enum dg_controller dg_fault_controller(const struct dg_faults *self, enum dg_controller own)
+{
+    if (dg_fault_wire_active(self, DG_WIRE_BUS_OFF)) {
+        return DG_CONTROLLER_OFF;
+    }
+    return own == DG_CONTROLLER_ACTIVE && dg_fault_wire_active(self, DG_WIRE_PASSIVE)
+               ? DG_CONTROLLER_PASSIVE
+               : own;
+}
+
 bool dg_fault_wire_takes(struct dg_faults *self, enum dg_wire_fault fault)
 {
     if (!dg_fault_wire_active(self, fault)) {

@@ -53,6 +53,7 @@ struct dg_host {
     struct dg_world world;
     struct host_course course;
     struct host_course before; /**< in force before course.at: encoders look back */
+    uint8_t controller;        /**< CAN: enum dg_controller, as the host said last */
     bool made;                 /**< was switched on: settings are in force */
     bool loaded;               /**< `memory` has an image */
     bool untold;               /**< events were lost, and nobody knows yet */

@@ -29,12 +29,11 @@ struct dg_host_panel {
     dg_ns latched; /* the frame that `line` is about */
     dg_ns fell;    /* the latest falling edge of the clock */
     bool clock;    /* its level */
+    bool bent;     /* CAN: a fault has made the controller worse than it is by itself */
 };
 _Static_assert(_Alignof(struct dg_host_panel) <= DG_HOST_ALIGN, "what host.h asks for is enough");
 
 /* ------------------------------------------------------------ faults of the wire */
-
-#define OF_CONTROLLERS (1u << DG_WIRE_BUS_OFF | 1u << DG_WIRE_PASSIVE | 1u << DG_WIRE_OVERRUN)
 
 /* IN of a cycle is told twice: its bytes, and as a number. */
 static void number_words(struct dg_host_event *event)
@@ -90,6 +89,45 @@ static unsigned sent_by_encoder(struct dg_host_panel *self, struct dg_host_event
     return self->copies;
 }
 
+/* What the controller of a CAN node sees, at once and not by the queue. */
+static void tell_controller(struct dg_host_panel *self, uint32_t what)
+{
+    struct dg_host_line *line = &self->host->line;
+    const struct dg_host_event event = {.at = line->now, .id = what, .kind = DG_HOST_BUS};
+
+    (void)self->host->wire->take(line, &event);
+}
+
+/* A frame that a controller had to drop is an event to its node. */
+static bool overruns(struct dg_host_panel *self)
+{
+    const bool lost = dg_fault_wire_takes(&self->encoder.faults, DG_WIRE_OVERRUN);
+
+    if (lost) {
+        tell_controller(self, DG_HOST_BUS_OVERRUN);
+    }
+    return lost;
+}
+
+static unsigned sent_by_master(struct dg_host_panel *self, struct dg_host_event *event)
+{
+    struct dg_faults *faults = &self->encoder.faults;
+
+    if (event->kind != DG_HOST_BUS) {
+        return dg_fault_wire_takes(faults, DG_WIRE_DEAF) || overruns(self) ? 0 : 1;
+    }
+    if (event->id <= DG_HOST_BUS_OFF) {
+        event->id = (uint32_t)dg_fault_controller(faults, (enum dg_controller)event->id);
+    }
+    return 1;
+}
+
+static bool is_cut(const struct dg_faults *faults, const struct dg_host_event *event)
+{
+    return dg_fault_wire_active(faults, DG_WIRE_BREAK) ||
+           (event->kind == DG_HOST_CAN && dg_fault_wire_active(faults, DG_WIRE_BUS_OFF));
+}
+
 /* Edges are bent as levels, below. */
 static unsigned arrives(void *ctx, struct dg_host_event *event, bool sent)
 {
@@ -102,14 +140,10 @@ static unsigned arrives(void *ctx, struct dg_host_event *event, bool sent)
     if (faults->wire == 0 || event->kind == DG_HOST_EDGE) {
         return 1;
     }
-    if (dg_fault_wire_active(faults, DG_WIRE_BREAK)) {
+    if (is_cut(faults, event)) {
         return 0;
     }
-    if (sent) {
-        const bool heard = event->kind == DG_HOST_BUS || !dg_fault_wire_takes(faults, DG_WIRE_DEAF);
-        return heard ? 1 : 0;
-    }
-    return sent_by_encoder(self, event);
+    return sent ? sent_by_master(self, event) : sent_by_encoder(self, event);
 }
 
 /* The encoder may have taken an edge. A frame is latched by the one that it begins with; its period
@@ -145,29 +179,30 @@ static bool bent(void *ctx, bool raw)
 
 static const struct host_faults wire_faults = {.arrives = arrives, .bent = bent};
 
-/* What the controller of a CAN node sees, now. */
-static int tell_controller(struct dg_host *host, unsigned fault, bool on)
-{
-    static const uint8_t states[DG_WIRE_FAULT_COUNT] = {[DG_WIRE_BUS_OFF] = DG_HOST_BUS_OFF,
-                                                        [DG_WIRE_PASSIVE] = DG_HOST_BUS_PASSIVE,
-                                                        [DG_WIRE_OVERRUN] = DG_HOST_BUS_OVERRUN};
-    const struct dg_host_event event = {.at = host->line.now,
-                                        .id = on ? states[fault] : (uint32_t)DG_HOST_BUS_ACTIVE,
-                                        .kind = DG_HOST_BUS};
+_Static_assert((int)DG_CONTROLLER_PASSIVE == (int)DG_HOST_BUS_PASSIVE, "the numbers are the same");
+_Static_assert((int)DG_CONTROLLER_OFF == (int)DG_HOST_BUS_OFF, "the numbers are the same");
 
-    if (!on && fault == DG_WIRE_OVERRUN) {
-        return DG_HOST_OK;
+/* Whoever sets, ends or clears a fault comes by here, and at each step, as a power cycle makes a
+ * controller forget. */
+static void follow_controller(struct dg_host_panel *self)
+{
+    const enum dg_controller own = (enum dg_controller)self->host->controller;
+    const enum dg_controller wanted = dg_fault_controller(&self->encoder.faults, own);
+
+    if (wanted != own || self->bent) {
+        tell_controller(self, (uint32_t)wanted);
     }
-    return dg_host_send(host, &event);
+    self->bent = wanted != own;
 }
 
 /* ------------------------------------------------------------ the rig */
 
 static void changed(struct dg_rig *rig, struct dg_encoder *encoder, dg_ns now)
 {
-    const struct dg_host_panel *self = rig->host;
+    struct dg_host_panel *self = rig->host;
 
     (void)encoder;
+    follow_controller(self);
     host_run(self->host, now);
 }
 
@@ -298,18 +333,13 @@ int dg_host_fault_set(struct dg_host_panel *self, uint64_t now, const char *name
 {
     const struct dg_fault_target target = dg_encoder_target(&self->encoder);
     const int index = dg_fault_find(&target, name);
-    struct dg_fault_entry entry;
 
     if (index < 0) {
         return DG_HOST_ERR_NAME;
     }
-    (void)dg_fault_entry(&target, (size_t)index, &entry);
     host_run(self->host, now);
-    int result = set(self, &target, (size_t)index, on);
-    if (result == DG_HOST_OK && entry.kind == DG_FAULT_WIRE &&
-        (OF_CONTROLLERS >> entry.row->wire & 1u) != 0) {
-        result = tell_controller(self->host, entry.row->wire, on);
-    }
+    const int result = set(self, &target, (size_t)index, on);
+    follow_controller(self);
     host_run(self->host, now);
     return result;
 }
@@ -363,6 +393,7 @@ uint64_t dg_host_panel_step(struct dg_host_panel *self, uint64_t now)
 {
     dg_ns faults = dg_rig_step(&self->rig, self->host->line.now);
 
+    follow_controller(self);
     while (faults <= now && faults > self->host->line.now) {
         host_run(self->host, faults);
         faults = dg_rig_step(&self->rig, faults);

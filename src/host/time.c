@@ -156,6 +156,9 @@ static bool take_head(struct dg_host *self)
 {
     struct dg_host_event *event = head_of(&self->in);
 
+    if (event->kind == DG_HOST_BUS && event->id <= DG_HOST_BUS_OFF) {
+        self->controller = (uint8_t)event->id;
+    }
     if (self->line.part == 0 && self->faults != NULL &&
         self->faults->arrives(self->faults_ctx, event, true) == 0) {
         return true;

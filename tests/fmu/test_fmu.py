@@ -318,6 +318,27 @@ def test_faults(make: Make) -> None:
     slave.close()
 
 
+def emergencies(data: bytes) -> list[bytes]:
+    return [body[:2] for number, body in frames(data) if number == 0xBF]
+
+
+def test_faults_of_the_controller(make: Make) -> None:
+    """Read 6004h while each lasts and behind it."""
+    slave = Slave(make("f3668"))
+    slave.step(0.5)
+    slave.fetch("CanChannel")
+    for name, during, behind in [("bus_off", [], ["4081", "0000"]), ("error_passive", ["2081"], ["0000"]),
+                                 ("overrun", ["1081", "0000"], [])]:
+        for on, codes, answers in [(True, during, name == "error_passive"), (False, behind, True)]:
+            slave.set("fault." + name, on)
+            data = slave.send("CanChannel", frame(0x63F, bytes.fromhex("4004600000000000")))
+            slave.step(1e-3)
+            data += slave.fetch("CanChannel")
+            assert [code.hex() for code in emergencies(data)] == codes, name
+            assert (0x5BF in [number for number, _ in frames(data)]) == answers, name
+    slave.close()
+
+
 def test_faults_and_settings_in_any_order(make: Make) -> None:
     """As importers set start values; and all texts at once."""
     slave = Slave(make("f3668"), fault__temperature_high=True, node=9)

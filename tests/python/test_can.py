@@ -19,6 +19,66 @@ def heartbeat_every(ms):
     return bytes.fromhex("2b 17 10 00") + ms.to_bytes(4, "little")
 
 
+# What a fault of the controller says to a request while it lasts, and behind its end: codes of EMCYs
+# and the answer.
+CONTROLLER = {
+    "bus_off": ([], [0x8140, 0, "answer"]),
+    "error_passive": ([0x8120, "answer"], [0, "answer"]),
+    "overrun": ([0x8110, 0], ["answer"]),
+}
+BEGIN = {
+    "call": lambda encoder, name: encoder.set_fault(name),
+    "SCPI": lambda encoder, name: encoder.ask(f"FAUL:SET {name}"),
+}
+END = {
+    "call": lambda encoder, name: encoder.clear_fault(name),
+    "all": lambda encoder, name: encoder.clear_fault(),
+    "SCPI": lambda encoder, name: encoder.ask("FAUL:CLE"),
+}
+
+
+def said(port):
+    port.send(0x63F, UPLOAD)
+    heard = []
+    while frame := port.recv():
+        heard.append("answer" if frame.id == 0x5BF else int.from_bytes(frame.data[:2], "little"))
+    return heard
+
+
+@pytest.fixture
+def node():
+    encoder = Encoder("f3668", bus=CanBus(clock=Clock()))
+    port = encoder.bus.port()
+    return encoder, port
+
+
+@pytest.mark.parametrize("end", END)
+@pytest.mark.parametrize("begin", BEGIN)
+@pytest.mark.parametrize("name", CONTROLLER)
+def test_faults_of_the_controller(node, name, begin, end):
+    encoder, port = node
+    during, behind = CONTROLLER[name]
+    BEGIN[begin](encoder, name)
+    assert encoder.active_faults() == [name] and said(port) == during
+    END[end](encoder, name)
+    assert encoder.active_faults() == [] and said(port) == behind
+
+
+@pytest.mark.parametrize("begin", ["call", "SCPI"])
+@pytest.mark.parametrize("name", CONTROLLER)
+def test_faults_of_the_controller_with_an_end(node, name, begin):
+    encoder, port = node
+    during, behind = CONTROLLER[name]
+    if begin == "call":
+        encoder.set_fault(name, duration_ms=100)
+    else:
+        encoder.ask(f"FAUL:SET {name},DUR 100MS")
+    encoder.clock.advance(0.099)
+    assert said(port) == during
+    encoder.clock.advance(0.002)
+    assert encoder.active_faults() == [] and said(port) == behind
+
+
 @pytest.fixture
 def eds(tmp_path):
     path = tmp_path / "f3668.eds"

@@ -6,6 +6,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -184,6 +185,151 @@ static void a_controller_that_is_off_is_silent(void **state)
     assert_int_equal(ask_canopen(self, READY), 0);
     assert_int_equal(dg_host_fault_set(board, READY + 2 * MS, "bus_off", false), DG_HOST_OK);
     assert_int_equal(ask_canopen(self, READY + 3 * MS), 1);
+}
+
+/* What the handle has said up to `at`: answers to SDO requests and codes of EMCYs, in order. */
+static void expect_said(struct dg_host_panel *board, struct dg_host *self, uint64_t at,
+                        const char *wanted)
+{
+    struct dg_host_event event;
+    char said[128] = "";
+    size_t n = 0;
+
+    (void)dg_host_panel_step(board, at);
+    while (dg_host_receive(self, &event) == 1) {
+        const unsigned code = (unsigned)event.data[1] << 8 | event.data[0];
+        assert_true(n < sizeof said - 16u);
+        if (event.id == 0x0BF) {
+            n += (size_t)snprintf(said + n, sizeof said - n, "%04X ", code);
+        } else {
+            n += (size_t)snprintf(said + n, sizeof said - n, "%s ",
+                                  event.id == 0x5BF ? "answer" : "boot");
+        }
+    }
+    assert_string_equal(said, wanted);
+}
+
+static void request_canopen(struct dg_host *self, uint64_t at)
+{
+    const struct dg_host_event read = {
+        .at = at, .kind = DG_HOST_CAN, .id = 0x63F, .length = 8, .data = {0x40, 0x01, 0x10}};
+
+    assert_int_equal(dg_host_send(self, &read), DG_HOST_OK);
+}
+
+static void command(struct dg_host_panel *board, uint64_t at, const char *line)
+{
+    char answer[64];
+
+    assert_int_equal(dg_host_scpi(board, at, line, answer, sizeof answer), 0);
+    assert_true(dg_host_scpi(board, at, "SYST:ERR?", answer, sizeof answer) > 0);
+    assert_memory_equal(answer, "0,", 2);
+}
+
+/* A fault of the controller: by name, which has no duration, or by SCPI. */
+static void begin(struct dg_host_panel *board, uint64_t at, const char *name, bool scpi)
+{
+    char line[64];
+
+    if (!scpi) {
+        assert_int_equal(dg_host_fault_set(board, at, name, true), DG_HOST_OK);
+        return;
+    }
+    (void)snprintf(line, sizeof line, "FAUL:SET %s", name);
+    command(board, at, line);
+}
+
+static void end(struct dg_host_panel *board, uint64_t at, const char *name, bool scpi)
+{
+    if (scpi) {
+        command(board, at, "FAUL:CLE");
+    } else {
+        assert_int_equal(dg_host_fault_set(board, at, name, false), DG_HOST_OK);
+    }
+}
+
+/* C44. A row: what is said to a request while it lasts, to another one behind its end. */
+static const struct {
+    const char *name;
+    const char *during;
+    const char *behind;
+} controller_rows[] = {
+    {"bus_off", "", "8140 0000 answer "},
+    {"error_passive", "8120 answer ", "0000 answer "},
+    {"overrun", "8110 0000 ", "answer "},
+};
+
+static void faults_of_the_controller_act_and_end_by_all_ways(void **state)
+{
+    (void)state;
+    for (unsigned ways = 0; ways < 4; ways++) {
+        struct dg_host *self = host_rig_start(&host_rig_here, "f3668");
+        struct dg_host_panel *board = panel(self);
+        uint64_t at = READY;
+        host_rig_drain(self);
+        for (size_t i = 0; i < sizeof controller_rows / sizeof controller_rows[0]; i++) {
+            begin(board, at, controller_rows[i].name, (ways & 1u) != 0);
+            request_canopen(self, at + MS);
+            expect_said(board, self, at + 2 * MS, controller_rows[i].during);
+            end(board, at + 3 * MS, controller_rows[i].name, (ways & 2u) != 0);
+            request_canopen(self, at + 4 * MS);
+            expect_said(board, self, at + 5 * MS, controller_rows[i].behind);
+            at += SECOND;
+        }
+    }
+}
+
+static void timed_faults_of_the_controller_end_by_themselves(void **state)
+{
+    struct dg_host *self = host_rig_start(&host_rig_here, "f3668");
+    struct dg_host_panel *board = panel(self);
+    uint64_t at = READY;
+    char line[64];
+
+    (void)state;
+    host_rig_drain(self);
+    for (size_t i = 0; i < sizeof controller_rows / sizeof controller_rows[0]; i++) {
+        assert_int_equal(dg_host_fault_set(board, at, controller_rows[i].name, true), DG_HOST_OK);
+        (void)snprintf(line, sizeof line, "FAUL:SET %s,DUR 100 MS", controller_rows[i].name);
+        command(board, at, line);
+        request_canopen(self, at + 99 * MS);
+        expect_said(board, self, at + 99 * MS, controller_rows[i].during);
+        request_canopen(self, at + 101 * MS);
+        expect_said(board, self, at + SECOND, controller_rows[i].behind);
+        at += 2 * SECOND;
+    }
+}
+
+/* A power cycle is no cure, and a controller that is off by itself is not cured by the end of a
+ * fault. */
+static void a_controller_is_never_better_than_its_fault(void **state)
+{
+    struct dg_host *self = host_rig_start(&host_rig_here, "f3668");
+    struct dg_host_panel *board = panel(self);
+    struct dg_host_event own = {.at = READY + 10 * MS, .kind = DG_HOST_BUS, .id = DG_HOST_BUS_OFF};
+
+    (void)state;
+    host_rig_drain(self);
+    command(board, READY, "FAUL:SET bus_off");
+    command(board, READY + MS, "POW CYCL");
+    request_canopen(self, READY + 2 * MS);
+    expect_said(board, self, READY + 3 * MS, "");
+    dg_host_power(self, READY + 4 * MS, false);
+    dg_host_power(self, READY + 5 * MS, true);
+    request_canopen(self, READY + 6 * MS);
+    expect_said(board, self, READY + 7 * MS, "");
+    command(board, READY + 8 * MS, "FAUL:CLE");
+    expect_said(board, self, READY + 9 * MS, "8140 0000 ");
+    assert_int_equal(dg_host_send(self, &own), DG_HOST_OK);
+    expect_said(board, self, READY + 11 * MS, "");
+    command(board, READY + 12 * MS, "FAUL:SET error_passive;:FAUL:CLE;:FAUL:SET bus_off");
+    command(board, READY + 13 * MS, "FAUL:CLE");
+    request_canopen(self, READY + 14 * MS);
+    expect_said(board, self, READY + 15 * MS, "");
+    own = (struct dg_host_event){.at = READY + 16 * MS, .kind = DG_HOST_BUS};
+    assert_int_equal(dg_host_send(self, &own), DG_HOST_OK);
+    request_canopen(self, READY + 17 * MS);
+    expect_said(board, self, READY + 18 * MS, "8140 0000 answer ");
 }
 
 static void a_line_of_scpi_is_answered(void **state)
@@ -390,6 +536,9 @@ int main(void)
         cmocka_unit_test(faults_of_the_wire_happen_in_the_queues),
         cmocka_unit_test(a_long_reply_has_a_fault_as_a_whole),
         cmocka_unit_test(a_controller_that_is_off_is_silent),
+        cmocka_unit_test(faults_of_the_controller_act_and_end_by_all_ways),
+        cmocka_unit_test(timed_faults_of_the_controller_end_by_themselves),
+        cmocka_unit_test(a_controller_is_never_better_than_its_fault),
         cmocka_unit_test(a_line_of_scpi_is_answered),
         cmocka_unit_test(a_line_that_is_too_long_is_not_begun),
         cmocka_unit_test(a_command_that_waits_keeps_others_out),

@@ -102,13 +102,7 @@ static bool reaches(struct lx_can_node *node, dg_ns now)
 
 static enum dg_co_bus_event state(const struct lx_can_node *node, enum dg_co_bus_event own)
 {
-    const struct dg_faults *faults = faults_of(node);
-    if (dg_fault_wire_active(faults, DG_WIRE_BUS_OFF)) {
-        return DG_CO_BUS_OFF;
-    }
-    return own == DG_CO_BUS_ACTIVE && dg_fault_wire_active(faults, DG_WIRE_PASSIVE)
-               ? DG_CO_BUS_PASSIVE
-               : own;
+    return (enum dg_co_bus_event)dg_fault_controller(faults_of(node), (enum dg_controller)own);
 }
 
 static const struct lx_can_layer layer = {

@@ -116,23 +116,13 @@ void lx_can_hear(struct lx_can_bus *self, dg_ns now)
 
 /* --- the controller --- */
 
-/* What the node believes: the core is asked, as a power cycle may lie between two looks. */
-static enum dg_co_bus_event state_of(const struct dg_co_node *device)
-{
-    if (device->bus_off) {
-        return DG_CO_BUS_OFF;
-    }
-    return (device->active_causes >> DG_CO_CAUSE_PASSIVE & 1u) != 0 ? DG_CO_BUS_PASSIVE
-                                                                    : DG_CO_BUS_ACTIVE;
-}
-
 static bool has_bus(const struct lx_can_node *node)
 {
     const struct lx_can *can = node->bus->can;
     return node->hears && can->ops->up(can) && can->company != LX_CAN_NOBODY;
 }
 
-/* The core is asked what it knows, as above. */
+/* The core is asked what it knows, as a power cycle may lie between two looks. */
 bool lx_can_tell_presence(struct lx_can_bus *self, dg_ns now)
 {
     bool told = false;
@@ -155,12 +145,5 @@ void lx_can_follow(struct lx_can_node *self, dg_ns now)
 {
     const enum dg_co_bus_event own = self->bus->state;
     const enum dg_co_bus_event wanted = self->bent == NULL ? own : self->bent->state(self, own);
-    if (self->device.node.state == DG_CO_OFF || wanted == state_of(&self->device.node)) {
-        return;
-    }
-    /* The way from bus-off to passive leads over active. */
-    if (self->device.node.bus_off && wanted == DG_CO_BUS_PASSIVE) {
-        (void)dg_co_bus(&self->device.node, now, DG_CO_BUS_ACTIVE);
-    }
-    lx_can_note_deadline(self, dg_co_bus(&self->device.node, now, wanted));
+    lx_can_note_deadline(self, dg_co_controller(&self->device.node, now, wanted));
 }
