@@ -331,6 +331,9 @@ DG_API int dg_host_bit_rate(const struct dg_host *self);
  * hears, time and power change them. @return how many of `ids` are set; DG_HOST_ERR_WIRE;
  * DG_HOST_ERR_STATE: no power */
 DG_API int dg_host_filters(const struct dg_host *self, uint16_t ids[DG_HOST_FILTERS]);
+/** CAN: when it answers the SDO request that it has not answered yet: "save" takes its time. For
+ * hosts whose time stands still while somebody waits. @return DG_HOST_NEVER: there is none */
+DG_API uint64_t dg_host_answer_at(const struct dg_host *self);
 
 /* ---------------------------------------------------------------- looks */
 

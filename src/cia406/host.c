@@ -127,3 +127,12 @@ int dg_host_filters(const struct dg_host *self, uint16_t ids[DG_HOST_FILTERS])
 
     return device != NULL ? (int)dg_co_filters(&device->node, ids) : result;
 }
+
+uint64_t dg_host_answer_at(const struct dg_host *self)
+{
+    int result;
+    const struct dg_cia406_device *device = dg_host_device(self, &dg_cia406_wire, &result);
+
+    return device != NULL && device->node.sdo.state == DG_CO_SDO_DELAYED ? device->node.sdo.deadline
+                                                                         : DG_HOST_NEVER;
+}

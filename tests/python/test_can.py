@@ -237,6 +237,41 @@ def test_waiting_moves_no_virtual_time():
         assert bus.bus.clock.now == 0
 
 
+SAVE = bytes.fromhex("23 10 10 01") + b"save"
+
+
+def test_an_answer_that_takes_its_time_is_waited_for():
+    """14 ms (line 778), and not longer than the timeout."""
+    with can.Bus(interface="drehgeber", channel="f3668") as bus:
+        bus.send(can.Message(arbitration_id=0x63F, data=SAVE, is_extended_id=False))
+        assert bus.recv(0) is None and bus.bus.clock.now == 0
+        assert bus.recv(0.005) is None and bus.bus.clock.now == 0.005
+        assert bus.recv(1).data[:4] == bytes.fromhex("60 10 10 01")
+        assert bus.bus.clock.now == pytest.approx(0.014)
+        assert bus.recv(0.05) is None and bus.bus.clock.now == pytest.approx(0.014)
+        bus.send(can.Message(arbitration_id=0x63F, data=SAVE, is_extended_id=False))
+        bus.encoder.power(False)  # nobody answers any more
+        before = bus.bus.clock.now
+        assert bus.recv(0.05) is None and bus.bus.clock.now == before
+
+
+def test_canopen_stores(eds):
+    network = canopen.Network()
+    network.connect(interface="drehgeber", channel="f3668")
+    try:
+        node = network.add_node(63, eds)
+        node.sdo["Producer heartbeat time"].raw = 700
+        node.sdo["Node number"].raw = 9
+        node.store()
+        node.sdo.download(0x2105, 0, b"save")
+        assert network.bus.bus.clock.now == pytest.approx(0.028)
+        network.bus.encoder.power("CYCLE")
+        node = network.add_node(9, eds)
+        assert node.sdo["Producer heartbeat time"].raw == 700
+    finally:
+        network.disconnect()
+
+
 def test_who_waits_is_woken_by_whoever_moves_time():
     with can.Bus(interface="drehgeber", channel="f3668") as bus:
         bus.send(can.Message(arbitration_id=0x63F, data=heartbeat_every(1000), is_extended_id=False))

@@ -61,6 +61,30 @@ static void what_a_wire_does_not_have_is_told(void **state)
     self = host_rig_start(&host_rig_here, "s3684-rs485");
     assert_int_equal(dg_host_bit_rate(self), DG_HOST_ERR_WIRE);
     assert_int_equal(dg_host_filters(self, ids), DG_HOST_ERR_WIRE);
+    assert_true(dg_host_answer_at(self) == DG_HOST_NEVER);
+}
+
+/* "save" takes 14 ms (line 778). */
+static void an_answer_that_takes_its_time_is_known_before(void **state)
+{
+    struct dg_host *self = host_rig_start(&host_rig_here, "f3668");
+    const struct dg_host_event save = {.at = READY,
+                                       .kind = DG_HOST_CAN,
+                                       .id = 0x63F,
+                                       .length = 8,
+                                       .data = {0x23, 0x10, 0x10, 1, 's', 'a', 'v', 'e'}};
+    struct dg_host_event event;
+
+    (void)state;
+    host_rig_drain(self);
+    assert_true(dg_host_answer_at(self) == DG_HOST_NEVER);
+    assert_int_equal(dg_host_send(self, &save), DG_HOST_OK);
+    (void)dg_host_step(self, READY);
+    assert_int_equal(dg_host_answer_at(self), READY + 14 * MS);
+    (void)dg_host_step(self, READY + 14 * MS);
+    assert_int_equal(dg_host_receive(self, &event), 1);
+    assert_int_equal(event.id, 0x5BF);
+    assert_true(dg_host_answer_at(self) == DG_HOST_NEVER);
 }
 
 static void nothing_is_seen_without_power(void **state)
@@ -385,6 +409,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_cannot_be_an_event_is_refused),
         cmocka_unit_test(what_a_wire_does_not_have_is_told),
+        cmocka_unit_test(an_answer_that_takes_its_time_is_known_before),
         cmocka_unit_test(nothing_is_seen_without_power),
         cmocka_unit_test(a_long_reply_is_several_runs),
         cmocka_unit_test(half_duplex_means_deaf_while_it_speaks),

@@ -8,7 +8,7 @@ from collections import deque
 from typing import TYPE_CHECKING, NamedTuple
 
 from ._native import EncoderError, checked, load
-from .clock import NEVER, Clock, seconds_of
+from .clock import NEVER, SECOND_NS, Clock, seconds_of
 
 if TYPE_CHECKING:
     from .encoder import Encoder
@@ -41,6 +41,8 @@ class CanPort:
         with bus.clock.lock:
             bus.clock._sync()
             bus._send(id, data, remote, len(data) if dlc is None else dlc, self)
+            if 0x600 <= id < 0x680:  # SDO: whoever waits for the answer looks when it is due
+                bus.clock.changed.notify_all()
 
     def recv(self) -> CanFrame | None:
         """The next frame that was heard; None: there is none so far. No time passes."""
@@ -53,11 +55,18 @@ class CanPort:
 
     def wait(self, timeout: float | None = None) -> CanFrame | None:
         """As recv(), but wait in real time for somebody else to say something, or to move on
-        virtual time; None after `timeout` seconds."""
+        virtual time; None after `timeout` seconds. An answer that an encoder takes its time for
+        ("save") is waited for in virtual time, too: that passes until it comes, and no longer than
+        `timeout`."""
         clock = self.bus.clock
         end = None if timeout is None else clock._monotonic() + timeout
         with clock.lock:
+            limit = NEVER if timeout is None else clock._ns + round(timeout * SECOND_NS)
             while (frame := self.recv()) is None:
+                due = NEVER if clock.real else self.bus._answer_at()
+                if clock._ns < limit and due != NEVER:
+                    clock._go(min(due, limit))
+                    continue
                 left = None if end is None else end - clock._monotonic()
                 if left is not None and left <= 0:
                     return None
@@ -111,6 +120,11 @@ class CanBus:
 
     def _next(self) -> int:
         return min((node._deadline for node in self._nodes), default=NEVER)
+
+    def _answer_at(self) -> int:
+        """When the next answer comes that a master is still to get; NEVER: there is none."""
+        answer_at = self._lib.dg_host_answer_at
+        return min((int(answer_at(node._host)) for node in self._nodes), default=NEVER)
 
     def _run(self, until_ns: int) -> None:
         """Deadline by deadline: what a node says, the others hear at that moment."""
