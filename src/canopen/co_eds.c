@@ -2,7 +2,7 @@
 /*
  * An EDS file from the dictionary itself: access, defaults and limits from the rows that the node
  * works with, names from the lists those rows are made of. The stack's names are here, the device's
- * in its sheet.
+ * in its sheet. Lines end with CR LF, as CiA 306 has them.
  */
 #include "drehgeber/eds.h"
 
@@ -67,20 +67,20 @@ static void line(const struct eds *self, const char *key, const char *value)
 {
     put(self, key);
     put(self, value);
-    put(self, "\n");
+    put(self, "\r\n");
 }
 
 static void line_decimal(const struct eds *self, const char *key, uint32_t value)
 {
     put(self, key);
     put_number(self, value, true, 1);
-    put(self, "\n");
+    put(self, "\r\n");
 }
 
 static void line_hex(const struct eds *self, const char *key, uint32_t value, uint8_t digits)
 {
     put_hex(self, key, value, digits);
-    put(self, "\n");
+    put(self, "\r\n");
 }
 
 /* --- the rows --- */
@@ -134,7 +134,7 @@ static void put_value(const struct eds *self, const char *key, const struct dg_c
     put(self, key);
     put(self, negative ? "-" : is_signed ? "" : "0x");
     put_number(self, negative ? 0u - value : value, is_signed, 1);
-    put(self, "\n");
+    put(self, "\r\n");
 }
 
 /* What the device, not the row, knows: 1000h and 1018h. NULL: it is the row's. */
@@ -177,6 +177,8 @@ static void put_default(const struct eds *self, const struct dg_co_object *objec
     }
 }
 
+/* A reader without a node-ID takes FFh for $NODEID: beyond the highest one, the default would be
+ * out of range. */
 static void put_limits(const struct eds *self, const struct dg_co_object *object)
 {
     if (!co_is(object, DG_CO_W)) {
@@ -187,7 +189,7 @@ static void put_limits(const struct eds *self, const struct dg_co_object *object
     if (limits.min != of_type.min) {
         put_value(self, "LowLimit=", object, limits.min);
     }
-    if (limits.max != of_type.max) {
+    if (limits.max != of_type.max && !co_is(object, DG_CO_ID)) {
         put_value(self, "HighLimit=", object, limits.max);
     }
 }
@@ -206,7 +208,7 @@ static const char *access_of(const struct dg_co_object *object)
  * 306). */
 static void put_flags(const struct eds *self, bool action)
 {
-    put(self, action ? "ObjFlags=0x1\n\n" : "\n");
+    put(self, action ? "ObjFlags=0x1\r\n\r\n" : "\r\n");
 }
 
 static void put_row(const struct eds *self, const struct dg_co_object *object)
@@ -227,7 +229,7 @@ static void put_subs(const struct eds *self, struct dg_co_object object)
     do {
         put_hex(self, "[", object.index, 4);
         put_hex(self, "sub", object.sub, 1);
-        put(self, "]\n");
+        put(self, "]\r\n");
         put_row(self, &object);
     } while (next_sub(self, &object));
 }
@@ -237,7 +239,7 @@ static void put_object(const struct eds *self, const struct dg_co_object *first)
 {
     const struct dg_co_name *parent = find_name(self, first, true);
     put_hex(self, "[", first->index, 4);
-    put(self, "]\n");
+    put(self, "]\r\n");
     if (parent == NULL) {
         put_row(self, first);
         return;
@@ -291,7 +293,7 @@ static void put_list(const struct eds *self, const char *section, bool (*belongs
             line_hex(self, "=0x", object.index, 4);
         }
     } while (next_index(self, &object));
-    put(self, "\n");
+    put(self, "\r\n");
 }
 
 /* --- the file --- */
@@ -305,7 +307,7 @@ static const char *put_part(const struct eds *self, const char *key, const char 
     }
     put(self, key);
     self->write(self->ctx, version, n);
-    put(self, "\n");
+    put(self, "\r\n");
     return version + n + 1;
 }
 
@@ -313,17 +315,17 @@ static const char *put_part(const struct eds *self, const char *key, const char 
 static void put_file_info(const struct eds *self)
 {
     const struct dg_co_sheet *sheet = self->sheet;
-    put(self, "[FileInfo]\nFileName=");
+    put(self, "[FileInfo]\r\nFileName=");
     line(self, sheet->model, ".eds");
     (void)put_part(self, "FileRevision=", put_part(self, "FileVersion=", DG_VERSION));
-    put(self, "EDSVersion=4.0\nDescription=");
+    put(self, "EDSVersion=4.0\r\nDescription=");
     put(self, self->device->name);
     put(self, ", ");
     line(self, sheet->resolution, ", as drehgeber " DG_VERSION " emulates it");
-    put(self, "CreationTime=12:00AM\nCreationDate=" DG_RELEASED "\n"
-              "CreatedBy=drehgeber " DG_VERSION "\n"
-              "ModificationTime=12:00AM\nModificationDate=" DG_RELEASED "\n"
-              "ModifiedBy=drehgeber " DG_VERSION "\n\n");
+    put(self, "CreationTime=12:00AM\r\nCreationDate=" DG_RELEASED "\r\n"
+              "CreatedBy=drehgeber " DG_VERSION "\r\n"
+              "ModificationTime=12:00AM\r\nModificationDate=" DG_RELEASED "\r\n"
+              "ModifiedBy=drehgeber " DG_VERSION "\r\n\r\n");
 }
 
 static bool has_rate(const struct dg_co_device *device, uint16_t kbaud)
@@ -349,27 +351,27 @@ static void put_rates(const struct eds *self)
 static void put_device_info(const struct eds *self)
 {
     const struct dg_co_device *device = self->device;
-    line(self, "[DeviceInfo]\nVendorName=", self->sheet->vendor);
+    line(self, "[DeviceInfo]\r\nVendorName=", self->sheet->vendor);
     line_hex(self, "VendorNumber=0x", device->vendor_id, 1);
     line(self, "ProductName=", device->name);
     line_hex(self, "ProductNumber=0x", device->product_code, 1);
     line_hex(self, "RevisionNumber=0x", device->revision, 1);
     line(self, "OrderCode=", device->name);
     put_rates(self);
-    put(self, "SimpleBootUpMaster=0\nSimpleBootUpSlave=1\nGranularity=8\n"
-              "DynamicChannelsSupported=0\nGroupMessaging=0\nNrOfRXPDO=0\n");
+    put(self, "SimpleBootUpMaster=0\r\nSimpleBootUpSlave=1\r\nGranularity=8\r\n"
+              "DynamicChannelsSupported=0\r\nGroupMessaging=0\r\nNrOfRXPDO=0\r\n");
     line_decimal(self, "NrOfTXPDO=", DG_CO_TPDOS);
-    put(self, "LSS_Supported=1\n\n");
+    put(self, "LSS_Supported=1\r\n\r\n");
 }
 
 static void put_dummy_usage(const struct eds *self)
 {
-    put(self, "[DummyUsage]\n");
+    put(self, "[DummyUsage]\r\n");
     for (uint8_t type = 1; type <= 7; type++) {
         put_hex(self, "Dummy", type, 4);
-        put(self, "=0\n");
+        put(self, "=0\r\n");
     }
-    put(self, "\n[Comments]\nLines=0\n\n");
+    put(self, "\r\n[Comments]\r\nLines=0\r\n\r\n");
 }
 
 void dg_co_eds(const struct dg_co_sheet *sheet,
@@ -379,9 +381,9 @@ void dg_co_eds(const struct dg_co_sheet *sheet,
     put_file_info(&self);
     put_device_info(&self);
     put_dummy_usage(&self);
-    put_list(&self, "[MandatoryObjects]\n", is_mandatory);
-    put_list(&self, "[OptionalObjects]\n", is_optional);
-    put_list(&self, "[ManufacturerObjects]\n", is_manufacturer);
+    put_list(&self, "[MandatoryObjects]\r\n", is_mandatory);
+    put_list(&self, "[OptionalObjects]\r\n", is_optional);
+    put_list(&self, "[ManufacturerObjects]\r\n", is_manufacturer);
     struct dg_co_object object = co_first();
     do {
         put_object(&self, &object);

@@ -11,7 +11,7 @@ static const char *find(char *text, const char *section, const char *key)
     char head[64];
     char line[64];
 
-    (void)snprintf(head, sizeof head, "\n[%s]\n", section);
+    (void)snprintf(head, sizeof head, "\n[%s]\r\n", section);
     (void)snprintf(line, sizeof line, "\n%s=", key);
     char *at = strstr(text, head);
     if (at == NULL) {
@@ -27,7 +27,7 @@ static const char *find(char *text, const char *section, const char *key)
         return NULL;
     }
     found += strlen(line);
-    found[strcspn(found, "\n")] = '\0';
+    found[strcspn(found, "\r")] = '\0';
     return found;
 }
 

@@ -285,20 +285,20 @@ static void its_eds_file_is_written_from_its_rows(void **state)
     static const struct dg_co_sheet sheet = {&device,  "di8", "8 inputs",
                                              "Nobody", names, COUNT(names)};
     static const char *const wanted[] = {
-        "FileName=di8.eds\n",
+        "FileName=di8.eds\r\n",
         "Description=DI8, 8 inputs, as drehgeber ",
-        "VendorName=Nobody\n",
-        "BaudRate_50=1\nBaudRate_125=0\nBaudRate_250=0\nBaudRate_500=0\nBaudRate_800=0\n"
-        "BaudRate_1000=1\n",
-        "[ManufacturerObjects]\nSupportedObjects=1\n1=0x2000\n",
-        "ParameterName=Producer heartbeat time\nObjectType=0x7\nDataType=0x0006\nAccessType=rw\n"
-        "DefaultValue=0x3E8\n",
-        "[6000]\nParameterName=Inputs\nObjectType=0x8\nSubNumber=2\n\n[6000sub0]\n"
-        "ParameterName=Number of inputs\n",
-        "[6000sub1]\nParameterName=Inputs 1 to 8\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\n"
-        "PDOMapping=1\n",
-        "[6006]\nParameterName=Unnamed\nObjectType=0x7\nDataType=0x0003\nAccessType=rw\n"
-        "DefaultValue=-5\nLowLimit=-100\nHighLimit=100\nPDOMapping=0\n\n",
+        "VendorName=Nobody\r\n",
+        "BaudRate_50=1\r\nBaudRate_125=0\r\nBaudRate_250=0\r\nBaudRate_500=0\r\nBaudRate_800=0\r\n"
+        "BaudRate_1000=1\r\n",
+        "[ManufacturerObjects]\r\nSupportedObjects=1\r\n1=0x2000\r\n",
+        "ParameterName=Producer heartbeat time\r\nObjectType=0x7\r\nDataType=0x0006\r\nAccessType=rw\r\n"
+        "DefaultValue=0x3E8\r\n",
+        "[6000]\r\nParameterName=Inputs\r\nObjectType=0x8\r\nSubNumber=2\r\n\r\n[6000sub0]\r\n"
+        "ParameterName=Number of inputs\r\n",
+        "[6000sub1]\r\nParameterName=Inputs 1 to 8\r\nObjectType=0x7\r\nDataType=0x0005\r\nAccessType=ro\r\n"
+        "PDOMapping=1\r\n",
+        "[6006]\r\nParameterName=Unnamed\r\nObjectType=0x7\r\nDataType=0x0003\r\nAccessType=rw\r\n"
+        "DefaultValue=-5\r\nLowLimit=-100\r\nHighLimit=100\r\nPDOMapping=0\r\n\r\n",
     };
     (void)state;
     text.n = 0;

@@ -42,7 +42,7 @@ static const char *get(const struct file *file, const char *section, const char 
     static char value[256];
     char head[TEXT_MAX];
     char line[TEXT_MAX];
-    (void)snprintf(head, sizeof head, "[%s]\n", section);
+    (void)snprintf(head, sizeof head, "[%s]\r\n", section);
     (void)snprintf(line, sizeof line, "\n%s=", key);
     const char *at = strstr(file->text, head);
     if (at == NULL) {
@@ -55,7 +55,7 @@ static const char *get(const struct file *file, const char *section, const char 
         return NULL;
     }
     found += strlen(line);
-    (void)snprintf(value, sizeof value, "%.*s", (int)strcspn(found, "\n"), found);
+    (void)snprintf(value, sizeof value, "%.*s", (int)strcspn(found, "\r"), found);
     return value;
 }
 
@@ -153,7 +153,7 @@ static const struct {
     {"1A00sub1", "PDOMapping", "0"},
     {"2101", "DefaultValue", "$NODEID+0x0"},
     {"2101", "LowLimit", "0x1"},
-    {"2101", "HighLimit", "0x7F"},
+    {"2101", "HighLimit", NULL}, /* see below */
     {"6001", "PDOMapping", "0"},
     {"2105", "ObjectType", "0x7"},
     {"2105", "SubNumber", NULL},
@@ -281,10 +281,33 @@ static void lines_are_clean(void **state)
     assert_null(strstr(file.text, "Unnamed"));
     assert_null(strstr(file.text, " ="));
     assert_null(strstr(file.text, "= "));
-    assert_null(strstr(file.text, "=\n"));
+    assert_null(strstr(file.text, "=\r\n"));
     for (const char *at = file.text; *at != '\0'; at += strcspn(at, "\n") + 1) {
-        assert_in_range(strcspn(at, "\n"), 0, 255);
+        assert_in_range(strcspn(at, "\n"), 1, 255);
+        assert_int_equal(at[strcspn(at, "\n") - 1], '\r'); /* CiA 306 */
     }
+    free(file.text);
+}
+
+/* lely-core's parser takes FFh for $NODEID where nobody has told it a node-ID, and warns of a
+ * default that is out of range then. */
+static void defaults_without_a_node_id_are_in_range(void **state)
+{
+    const struct file file = print("f3668");
+    unsigned count = 0;
+    (void)state;
+    for (const char *at = file.text; (at = strstr(at, "=$NODEID+0x")) != NULL; at++) {
+        const unsigned long value = 0xFF + strtoul(at + strlen("=$NODEID+"), NULL, 0);
+        const char *end = strstr(at, "\r\n\r\n");
+        const char *low = strstr(at, "\nLowLimit=");
+        const char *high = strstr(at, "\nHighLimit=");
+        assert_true(low == NULL || low > end ||
+                    value >= strtoul(low + strlen("\nLowLimit="), NULL, 0));
+        assert_true(high == NULL || high > end ||
+                    value <= strtoul(high + strlen("\nHighLimit="), NULL, 0));
+        count++;
+    }
+    assert_int_equal(count, 7); /* 100Bh, 1014h, four TPDOs, 2101h */
     free(file.text);
 }
 
@@ -332,6 +355,7 @@ int main(void)
         cmocka_unit_test(lists_and_sections_agree),
         cmocka_unit_test(sub_numbers_count_the_sub_indexes),
         cmocka_unit_test(lines_are_clean),
+        cmocka_unit_test(defaults_without_a_node_id_are_in_range),
         cmocka_unit_test(version_and_dates_are_the_releases),
         cmocka_unit_test(the_same_every_time),
     };

@@ -2,13 +2,14 @@
 """Fixtures of the CANopen end-to-end tests."""
 import itertools
 import os
+import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from can_rig import MODEL, PROGRAM, Rig, on_slcan, run  # noqa: E402
+from can_rig import MODEL, PROGRAM, Rig, on_slcan  # noqa: E402
 
 # What only one of the wires has is no test of the other one.
 collect_ignore = ["test_socketcan.py"] if on_slcan() else ["test_slcan.py", "test_net.py"]
@@ -21,11 +22,11 @@ def pytest_sessionstart():
 
 @pytest.fixture(scope="session")
 def eds(tmp_path_factory) -> Path:
-    """The EDS file."""
-    said = run("eds", MODEL)
-    assert (said.returncode, said.stderr) == (0, "")
+    """The EDS file, byte for byte."""
+    said = subprocess.run([PROGRAM, "eds", MODEL], capture_output=True, timeout=30)
+    assert (said.returncode, said.stderr) == (0, b"")
     path = tmp_path_factory.mktemp("eds") / f"{MODEL}.eds"
-    path.write_text(said.stdout)
+    path.write_bytes(said.stdout)
     return path
 
 
