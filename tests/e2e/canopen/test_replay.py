@@ -101,10 +101,10 @@ def readable(rig, entry) -> bool:
     return True
 
 
-def write_back(rig, listed: list) -> int:
+def write_back(rig, listed: list, reverse: bool = False) -> int:
     """Everything that may be downloaded, with what is read. Mappings in CiA 301's five steps."""
     written = 0
-    for entry in listed:
+    for entry in reversed(listed) if reverse else listed:
         if entry.writable and not entry.flags & NO_DOWNLOAD and not entry.is_mapping:
             data = rig.sdo.upload(entry.index, entry.sub)
             rig.sdo.download(entry.index, entry.sub, data)
@@ -175,11 +175,12 @@ def test_everything_can_be_written_back_when_configured(device):
             (0x1802, 1, 0x80000000, 4), (0x1803, 5, 500, 2), (0x2101, 0, 77, 1), (0x2120, 2, 0x40, 1),
             (0x2120, 3, 0xA0, 1), (0x2140, 3, 0xFFFFFFFF, 4), (0x6002, 0, 7200, 4),
             (0x6001, 0, 3600, 4), (0x6000, 0, 0x200F, 2), (0x6003, 0, 7199, 4), (0x6031, 2, 1, 2),
-            (0x6402, 1, 5000, 4), (0x6401, 1, 5000, 4)]:
+            (0x6402, 1, 500, 4), (0x6401, 1, 5000, 4)]:
         rig.write(index, sub, value, size)
     before = image(rig, listed)
-    write_back(rig, listed)
-    assert image(rig, listed) == before
+    for reverse in (False, True):
+        write_back(rig, listed, reverse)
+        assert image(rig, listed) == before
 
 
 def test_what_is_not_to_be_downloaded(device):
