@@ -287,7 +287,7 @@ def test_an_encoder_moves_to_another_shaft():
     assert encoder.faults()  # with a panel, or without
     encoder.shaft = other
     assert encoder.position == 32768 and encoder.shaft is other
-    with pytest.raises(ScpiError, match="driver"):
+    with pytest.raises(ScpiError, match="encoder's .shaft"):
         encoder.ask("SHAF:VEL 60")
 
 

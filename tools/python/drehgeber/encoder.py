@@ -22,6 +22,7 @@ from .world import World
 
 _named: weakref.WeakValueDictionary[str, Encoder] = weakref.WeakValueDictionary()
 ANSWER = 1 << 16
+GEARED = "a geared shaft is turned by its driver"  # the shaft of a panel, by the encoder's own
 TEXT = 256
 
 
@@ -399,7 +400,7 @@ class Encoder(Instrument):
             code, text, *_ = split(self._scpi("SYST:ERR:ALL?"))
             self._changed()
         if int(code) != 0:
-            raise ScpiError(int(code), text, line)
+            raise ScpiError(int(code), text.replace(GEARED, "turn the encoder's .shaft"), line)
         return answer or None
 
     def set_fault(
