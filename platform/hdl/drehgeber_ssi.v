@@ -7,7 +7,7 @@ module drehgeber_ssi #(
   parameter SETTINGS     = "",           // KEY=VALUE KEY=VALUE: drehgeber run MODEL --help
   parameter MOTION       = "",           // 90DEG, 60RPM, sine:90DEG,2S, ramp:3000RPM,1S, FILE.csv
   parameter MEMORY       = "",           // file of the EEPROM
-  parameter TCO_NS       = 10.0,         // from an edge of the clock at the encoder to data; above 0
+  parameter TCO_NS       = 150.0,        // from an edge of the clock at the encoder to data; above 0
   parameter CLOCK_DELAY_NS = 0.0,        // of the cable to the encoder
   parameter DATA_DELAY_NS  = 0.0,        // of the cable from the encoder
   parameter JITTER_NS    = 0.0,          // up to as much more, for each edge either way

@@ -16,7 +16,7 @@ entity drehgeber_ssi is
     SETTINGS       : string  := "";             -- KEY=VALUE KEY=VALUE: drehgeber run MODEL --help
     MOTION         : string  := "";             -- 90DEG, 60RPM, sine:90DEG,2S, ramp:3000RPM,1S, FILE.csv
     MEMORY         : string  := "";             -- file of the EEPROM
-    TCO_NS         : real    := 10.0;           -- from an edge of the clock at the encoder to data; above 0
+    TCO_NS         : real    := 150.0;          -- from an edge of the clock at the encoder to data; above 0
     CLOCK_DELAY_NS : real    := 0.0;            -- of the cable to the encoder
     DATA_DELAY_NS  : real    := 0.0;            -- of the cable from the encoder
     JITTER_NS      : real    := 0.0;            -- up to as much more, for each edge either way

@@ -13,6 +13,7 @@
 
 #define AT(field) offsetof(struct hdl_settings, field)
 #define DELAY_MAX_PS (100000 * HDL_PS_PER_NS)
+#define POWER_ON_MAX_PS (1000000 * HDL_PS_PER_NS)
 #define SEPARATORS " \t\n,;"
 
 /* clang-format off */
@@ -23,11 +24,13 @@ static const struct dg_key rows[] = {
     {"delay_out_ns", "ns", AT(delay_out), DG_KEY_U32, 3, 1,        0,          DELAY_MAX_PS,          NULL, "of the cable from the encoder"},
     {"jitter_ns",    "ns", AT(jitter),    DG_KEY_U32, 3, 1,        0,  1000 * HDL_PS_PER_NS,          NULL, "up to as much more for each edge"},
     {"control",      "",   AT(control),    DG_KEY_TEXT, 0, 1,      0,       HDL_CONTROL_MAX,          NULL, "socket for SCPI: unix:PATH"},
+    {"power_on_ns",  "ns", AT(power_on),  DG_KEY_U32, 3, 1,        1, POWER_ON_MAX_PS,                NULL, "from the first look to power"},
     {"seed",         "",   AT(seed),      DG_KEY_U32, 0, 1,        0,            UINT32_MAX,          NULL, "of jitter and chance"},
 };
 /* clang-format on */
 static const struct dg_keys keys = {rows, DG_COUNT(rows)};
-static const struct hdl_settings usual = {.tco = 10 * HDL_PS_PER_NS, .seed = 1};
+static const struct hdl_settings usual = {
+    .tco = 10 * HDL_PS_PER_NS, .power_on = HDL_PS_PER_NS, .seed = 1};
 
 int hdl_fail(struct dg_hdl *self, int result, const char *format, ...)
 {
@@ -214,7 +217,8 @@ static int make_panel(struct dg_hdl *self)
     return DG_HOST_OK;
 }
 
-/* Its lines are at the levels of the start from the first moment on. */
+/* It can be asked and steered from the first moment on. Its lines are at rest until its power comes,
+   which is switched on for them in dg_hdl_wires(). */
 static int start(struct dg_hdl *self, const char *settings, const char *memory)
 {
     int result = dg_host_power(self->host, 0, true);
@@ -229,10 +233,9 @@ static int start(struct dg_hdl *self, const char *settings, const char *memory)
     self->inputs = self->wire->idle_in;
     self->in.levels = self->wire->idle_in;
     self->outputs = self->wire->idle_out;
+    self->power_at = HDL_NEVER;
     if (self->wire->reset != NULL) {
         self->wire->reset(self);
-    } else if (dg_host_clock(self->host, 0, true) > 0) {
-        self->outputs = DG_HDL_DATA;
     }
     self->out.levels = self->outputs;
     self->random = self->settings.seed;

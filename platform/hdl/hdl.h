@@ -55,7 +55,9 @@ enum dg_hdl_wire {
 #define DG_HDL_NEVER INT64_C(-1)
 
 /**
- * An encoder that is switched on at 0.
+ * An encoder. It is switched on `power_on_ns` behind the first dg_hdl_wires(): what the inputs do
+ * before is no edge, nor is their return to rest (1) if they are not at rest then. Until then its
+ * outputs are at rest.
  *
  * @param model    as `drehgeber list` has them, one with BiSS, SSI or RS485
  * @param settings words KEY=VALUE: those of the encoder (`drehgeber run MODEL --help`), and
@@ -63,10 +65,14 @@ enum dg_hdl_wire {
  *                 delay_in_ns   0..100000     of the cable to the encoder; 0
  *                 delay_out_ns  0..100000     of the cable from the encoder; 0
  *                 jitter_ns     0..1000       up to as much more, for each edge either way; 0
- *                 seed          0..2^32-1     of jitter, of busy_jitter_us and of the chance in
- * faults; 1 control       unix:PATH     a socket where one client at a time finds the panel (SCPI,
- * as `drehgeber ctl`), looked at each 0.1 ms of the simulation, but not more often than each real
- * one; none `init_ms` is 0 unless it is said otherwise: there is no time to wait in a simulation
+ *                 power_on_ns   0.001..1000000  from the first look to power; 1
+ *                 seed          0..2^32-1     of jitter, of busy_jitter_us and of chance in faults; 1
+ *                 control       unix:PATH     a socket where one client at a time finds the panel
+ *                                             (SCPI, as `drehgeber ctl`), looked at each 0.1 ms of
+ *                                             the simulation, but not more often than each real
+ *                                             one; none
+ *                 `init_ms` is 0 unless it is said otherwise: there is no time to wait in a
+ *                 simulation
  * @param motion   of its shaft in words: "90DEG", "60RPM", "sine:90DEG,2S", "ramp:3000RPM,1S",
  *                 a file; "" is 0
  * @param memory   file of its EEPROM, as `--nvm`; "": none. A new one is removed again if there is

@@ -50,6 +50,7 @@ struct hdl_settings {
     uint32_t delay_in;
     uint32_t delay_out;
     uint32_t jitter;
+    uint32_t power_on;
     uint32_t seed;
     char control[HDL_CONTROL_MAX + 1]; /**< "": none */
 };
@@ -73,7 +74,7 @@ struct hdl_uart {
 /** What a kind of wire does with levels. Moments are in ps. */
 struct hdl_wire_ops {
     int idle_in;  /**< levels of the inputs when nobody does anything */
-    int idle_out; /**< levels of the outputs without power */
+    int idle_out; /**< levels of the outputs until the first power */
     /** It is as before the first edge. NULL: nothing to do. */
     void (*reset)(struct dg_hdl *self);
     /** The inputs at the encoder's end are at these levels now. */
@@ -96,8 +97,11 @@ struct dg_hdl {
     struct lx_nvm_file memory;
     struct lx_shaft shaft; /**< points of the motion at hand */
     int64_t now;
+    int64_t power_at; /**< the first power comes; HDL_NEVER before the first look, and afterwards */
     int64_t panel_due;
     uint32_t random;
+    bool looked;  /**< somebody has said how the inputs are, or has switched the power */
+    bool listens; /**< the inputs were at rest at power-on, or have been since */
     struct hdl_uart uart;
     int inputs;
     int outputs;

@@ -123,12 +123,32 @@ static int64_t own_due(const struct dg_hdl *self)
 {
     const int64_t host = earlier(ps_of(dg_host_next(self->host)), self->panel_due);
 
-    return self->wire->due != NULL ? earlier(host, self->wire->due(self)) : host;
+    const int64_t due = earlier(host, self->power_at);
+
+    return self->wire->due != NULL ? earlier(due, self->wire->due(self)) : due;
+}
+
+/* The first power: what the encoder has seen of its lines so far is nothing. */
+static void switch_on(struct dg_hdl *self, int64_t at)
+{
+    const uint64_t ns = (uint64_t)(at / HDL_PS_PER_NS);
+
+    self->power_at = HDL_NEVER;
+    (void)dg_host_power(self->host, ns, true);
+    if (self->wire->reset != NULL) {
+        self->wire->reset(self);
+    } else {
+        self->outputs = dg_host_clock(self->host, ns, true) > 0 ? DG_HDL_DATA : 0;
+        self->out.levels = self->outputs;
+    }
 }
 
 /* What the encoder does at `at`. */
 static void serve(struct dg_hdl *self, int64_t at)
 {
+    if (self->power_at <= at) {
+        switch_on(self, at);
+    }
     if (self->wire->run != NULL && self->wire->due(self) <= at) {
         self->wire->run(self, at);
     }
@@ -182,6 +202,22 @@ int64_t dg_hdl_next(const struct dg_hdl *self)
     return next > self->now ? next : self->now + 1;
 }
 
+/* Registers of a master begin with anything, and stay there until its first clock: a level that
+   lasts since before power-on is no edge, and neither is the return from it. Of an input that
+   changes with power-on it counts what it was before, whoever is first in that time step. */
+static bool listens(struct dg_hdl *self, int delayed)
+{
+    const int idle = self->wire->idle_in;
+
+    if (!self->looked) {
+        self->looked = true;
+        self->power_at = self->now + self->settings.power_on;
+    }
+    self->listens = self->listens || (self->power_at == HDL_NEVER &&
+                                      (delayed == idle || (self->inputs & ~DG_HDL_BEHIND) == idle));
+    return self->listens;
+}
+
 int dg_hdl_wires(struct dg_hdl *self, int64_t now, int inputs)
 {
     const uint64_t ns = hdl_run(self, now);
@@ -192,7 +228,7 @@ int dg_hdl_wires(struct dg_hdl *self, int64_t now, int inputs)
     }
 
     /* Chance is asked for changes alone: a look in between makes no other trace. */
-    if (delayed != self->in.levels) {
+    if (listens(self, delayed) && delayed != self->in.levels) {
         put(&self->in, self->now + self->settings.delay_in + jitter(self), delayed);
         (void)hdl_run(self, self->now);
     }
@@ -217,6 +253,7 @@ static void heard_edge(struct dg_hdl *self, const struct dg_host_event *event)
 
 const struct hdl_wire_ops hdl_clocked = {
     .idle_in = DG_HDL_CLOCK,
+    .idle_out = DG_HDL_DATA,
     .take = take_clock,
     .heard = heard_edge,
 };

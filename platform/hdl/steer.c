@@ -108,6 +108,10 @@ int dg_hdl_power(struct dg_hdl *self, int64_t now, int on)
     const uint64_t ns = hdl_run(self, now);
     const int result = dg_host_power(self->host, ns, on != 0);
 
+    if (on == 0) {
+        self->looked = true;
+        self->power_at = HDL_NEVER;
+    }
     if (self->wire->reset != NULL) {
         hdl_cut(self);
     }

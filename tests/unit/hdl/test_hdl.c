@@ -5,6 +5,7 @@
 #define _GNU_SOURCE
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -17,6 +18,7 @@
 #include "hdl.h"
 #include "hdl_names.h"
 
+#define NS INT64_C(1000)
 #define US INT64_C(1000000)
 #define CHANGES 4000u
 
@@ -67,6 +69,8 @@ static void begin_with(struct sim *self, const char *model, const char *settings
     self->inputs = DG_HDL_CLOCK;
     self->outputs = -1;
     look(self);
+    wait_until(self, NS); /* power */
+    self->now = 0;
     self->count = 0;
 }
 
@@ -100,6 +104,79 @@ static void the_output_follows_by_the_delays(void **state)
     assert_int_equal(sim.levels[0], DG_HDL_DATA);
     assert_int_equal(dg_hdl_latched(sim.encoder), 1 << 19);
     dg_hdl_close(sim.encoder);
+}
+
+/* --- power --- */
+
+/* What the input does at these moments, from 0 on. */
+struct beginning {
+    const char *model;
+    const char *settings;
+    int64_t at[3];
+    int levels[3];
+    bool latches;
+};
+
+static void play_beginning(const struct beginning *row)
+{
+    struct sim sim = {.outputs = -1};
+
+    sim.encoder = dg_hdl_open(row->model, row->settings, "90DEG", "");
+    for (size_t i = 0; i < 3; i++) {
+        while (dg_hdl_next(sim.encoder) != DG_HDL_NEVER && dg_hdl_next(sim.encoder) < row->at[i]) {
+            sim.now = dg_hdl_next(sim.encoder);
+            look(&sim);
+        }
+        sim.now = row->at[i];
+        set(&sim, row->levels[i]);
+    }
+    wait_until(&sim, sim.now + US);
+    assert_int_equal(dg_hdl_latched(sim.encoder) >= 0, row->latches);
+    dg_hdl_close(sim.encoder);
+}
+
+/* BiSS latches with a rising edge, SSI with a falling one. */
+static void what_registers_do_before_power_on_is_no_edge(void **state)
+{
+    static const struct beginning rows[] = {
+        {"s3684-biss", "", {0, 0, 0}, {0, 1, 1}, false},
+        {"s3684-biss", "", {0, 5 * NS, 9 * NS}, {0, 1, 1}, false},
+        {"s3684-biss", "", {0, NS, 9 * NS}, {0, 1, 1}, false},
+        {"s3684-biss", "", {0, NS / 2, NS}, {1, 0, 1}, false},
+        {"s3684-biss", "", {0, 5 * NS, 9 * NS}, {1, 0, 1}, true},
+        {"s3684-biss", "", {0, NS, 9 * NS}, {1, 0, 1}, true},
+        {"s3684-biss", "power_on_ns=7", {0, 5 * NS, 9 * NS}, {1, 0, 1}, false},
+        {"s3684-biss", "delay_in_ns=100", {0, 5 * NS, 9 * NS}, {0, 1, 1}, false},
+        {"s3684-biss", "delay_in_ns=100", {0, 5 * NS, 9 * NS}, {1, 0, 1}, true},
+        {"ssi-25", "", {0, 0, 0}, {0, 1, 1}, false},
+        {"ssi-25", "", {0, 0, 5 * NS}, {1, 0, 0}, false},
+        {"ssi-25", "", {0, 5 * NS, 9 * NS}, {0, 1, 0}, true},
+    };
+
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        print_message("%s %zu\n", rows[i].model, i);
+        play_beginning(&rows[i]);
+    }
+}
+
+static void power_comes_behind_the_first_look(void **state)
+{
+    struct dg_hdl *self = dg_hdl_open("s3684-biss", "power_on_ns=2.5", "90DEG", "");
+
+    (void)state;
+    assert_int_equal(dg_hdl_position(self, 0), 1 << 19); /* it can be asked before */
+    assert_int_equal(dg_hdl_wires(self, 3 * NS, 1), DG_HDL_DATA);
+    assert_int_equal(dg_hdl_next(self), 5500);
+    assert_int_equal(dg_hdl_wires(self, 5500, 1), 0);
+    dg_hdl_close(self);
+    /* Somebody leaves it off. */
+    self = dg_hdl_open("s3684-biss", "", "", "");
+    assert_int_equal(dg_hdl_power(self, 0, 0), 0);
+    assert_int_equal(dg_hdl_wires(self, 0, 1), DG_HDL_DATA);
+    assert_int_equal(dg_hdl_wires(self, US, 1), DG_HDL_DATA);
+    assert_int_equal(dg_hdl_position(self, US), -1);
+    dg_hdl_close(self);
 }
 
 /* More edges than the queue has room for at first are on the way. */
@@ -459,6 +536,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_output_follows_by_the_delays),
+        cmocka_unit_test(what_registers_do_before_power_on_is_no_edge),
+        cmocka_unit_test(power_comes_behind_the_first_look),
         cmocka_unit_test(a_long_cable_loses_no_edge),
         cmocka_unit_test(the_same_seed_gives_the_same_trace),
         cmocka_unit_test(the_seed_is_that_of_all_chance),
