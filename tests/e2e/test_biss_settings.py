@@ -85,7 +85,7 @@ def test_a_mistyped_key_names_all_there_are():
     said = line.split("valid: ")[1]
     for key in ("mt", "busy_us", "stop_bit", "init_ms", "temperature", "watchdog_fired"):
         assert key in said.split("; of the wire: ")[0].split()
-    assert said.split("; of the wire: ")[1].split() == ["clock_hz", "line_delay_ns"]
+    assert said.split("; of the wire: ")[1].split() == ["clock_hz", "line_delay_ns", "compensate"]
 
 
 @pytest.mark.parametrize("model, own", [("f3658", False), ("f3668", True)])

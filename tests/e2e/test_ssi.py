@@ -155,9 +155,22 @@ def test_refusals(tmp_path):
     assert "SSI ends in .vcd" in run_refused(2, "ssi", S13, "read", "--trace", tmp_path / "a.log")
 
 
-def test_a_cable_that_is_too_long_is_not_made_up_for():
-    assert ssi(S13, "read", "--shaft", "90DEG", "--set", "line_delay_ns=200").startswith("MT 0  ST 2048 ")
-    assert not ssi(S13, "read", "--shaft", "90DEG", "--set", "line_delay_ns=300").startswith("MT 0  ST 2048 ")
+@pytest.mark.parametrize("delay_ns", [0, 250, 300, 5000])
+@pytest.mark.parametrize("clock_hz", [100000, 1000000, 10000000])
+def test_a_cable_is_made_up_for(delay_ns, clock_hz):
+    wire = ("--set", f"line_delay_ns={delay_ns}", "--set", f"clock_hz={clock_hz}")
+    assert ssi(S25, "read", "--shaft", "90DEG", *wire) == "MT 0  ST 2048  90.000000 deg\n"
+
+
+@pytest.mark.parametrize("how", [("ssi", S25, "read"), ("run", S25, "--sim")])
+def test_a_cable_that_is_too_long_for_a_master_that_does_not_compensate(how):
+    """300 ns there and 300 ns back are half a period of 833333.3 Hz."""
+    long = ("--set", "compensate=0", "--set", "line_delay_ns=300")
+    said = run_refused(2, *how, *long)
+    assert "compensate=0: " in said and "clock_hz up to 833333 is right" in said
+    assert "clock_hz up to 833333 " in run_refused(2, *how, *long, "--set", "clock_hz=833334")
+    right = ssi(S25, "read", "--shaft", "90DEG", *long, "--set", "clock_hz=833333")
+    assert right == "MT 0  ST 2048  90.000000 deg\n"
 
 
 # --- the control plane ---

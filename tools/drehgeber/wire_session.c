@@ -75,10 +75,9 @@ static int understand(struct wire_session *self, const struct options *options,
         return -1;
     }
     self->line = lx_clocked_make(&self->bus, LX_CLOCKED_HERE, error);
-    self->timing = lx_sim_timing;
     return self->line == NULL
                ? -1
-               : lx_wire_settings(&lx_sim_keys, &self->plan, self->bus.wire, &self->timing, error);
+               : lx_sim_timing_set(&self->plan, self->bus.wire, &self->timing, error);
 }
 
 /* The initialisation, in which nothing happens on the wire, is not in it. */

@@ -145,7 +145,8 @@ static dg_ns await_ack(struct lx_biss_line *self, struct lx_clocked_wire *wire)
     const dg_ns begin = wire->now;
     (void)lx_clocked_wire_bit(wire);
     self->frame.answered = wire->cable.fell >= wire->now;
-    wire->delay = self->frame.answered ? wire->cable.fell - wire->now : 0;
+    const bool measured = self->frame.answered && wire->compensates;
+    wire->delay = measured ? wire->cable.fell - wire->now : 0;
     wire->silent += !self->frame.answered;
     return begin;
 }

@@ -20,6 +20,7 @@ void lx_clocked_wire_init(struct lx_clocked_wire *self, struct lx_clocked *line,
         .now = now,
         .clock = true,
         .data = line->ops->level(line),
+        .compensates = timing->compensate,
     };
     line->period = (dg_ns)2 * self->half_ns;
     lx_cable_init(&self->cable, timing->line_delay_ns, self->data);

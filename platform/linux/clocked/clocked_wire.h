@@ -23,6 +23,7 @@
 struct lx_clocked_timing {
     uint32_t clock_hz;      /**< LX_CLOCK_MIN_HZ..LX_CLOCK_MAX_HZ */
     uint32_t line_delay_ns; /**< each way; 0..LX_CABLE_DELAY_MAX_NS */
+    bool compensate;        /**< the master takes its samples later by the way there and back */
 };
 
 /** The wire. */
@@ -36,8 +37,8 @@ struct lx_clocked_wire {
     dg_ns now;            /**< at the master's end; likewise the next two */
     bool clock;
     bool data;
-    dg_ns delay; /**< there and back, as a master knows it that measures it: it takes its samples
-                      later by that; else 0 */
+    bool compensates; /**< whether the master knows `delay`: it measures it, or it was told */
+    dg_ns delay;      /**< there and back: it takes its samples later by that; else 0 */
     uint32_t silent; /**< frames without an answer; counted up */
     /** The levels at the master's end from `at` on, whenever one has changed; NULL: nobody wants
      * to know. */

@@ -269,8 +269,7 @@ static struct lx_bus *make(const struct lx_bus_setup *setup, bool driven, struct
     self->bus = (struct lx_bus){.ops = &ops, .setup = *setup};
     self->timing = lx_sim_timing;
     self->driven = driven;
-    if (driven ||
-        lx_wire_settings(&lx_sim_keys, setup->plan, setup->wire, &self->timing, error) == 0) {
+    if (driven || lx_sim_timing_set(setup->plan, setup->wire, &self->timing, error) == 0) {
         self->line = lx_clocked_make(setup, LX_CLOCKED_HERE, error);
     }
     if (self->line == NULL) {

@@ -7,12 +7,19 @@
 #define DREHGEBER_LINUX_SIM_SETTINGS_H
 
 #include "clocked_wire.h"
+#include "error.h"
 #include "key.h"
+#include "plan.h"
 
 /** Its keys; offsets count from a struct lx_clocked_timing. */
 extern const struct lx_keys lx_sim_keys;
 
 /** 1 MHz and no delay. */
 extern const struct lx_clocked_timing lx_sim_timing;
+
+/** The same with the settings of `wire`. A master that does not compensate needs a clock that the
+ * cable leaves time for. @return 0, or -1 with `error` */
+int lx_sim_timing_set(const struct lx_plan *plan, const struct lx_plan_wire *wire,
+                      struct lx_clocked_timing *timing, struct lx_error *error);
 
 #endif

@@ -5,8 +5,8 @@
  *   master    1?   bits             0?
  *
  * The master of a simulated wire takes data for a word that is still high behind the first falling
- * edge, and low behind the last bit. SSI has nothing to measure the cable by: with a delay of half
- * a period or more the bits that it takes are not those of their clocks, and so it is.
+ * edge, and low behind the last bit. SSI has nothing to measure the cable by: it is told how long
+ * it is, and takes each sample later by the way there and back.
  */
 #include "ssi_clocked.h"
 
@@ -90,10 +90,16 @@ static uint32_t rises(const struct lx_clocked *base)
 
 /* --- words --- */
 
+/* What belongs to `at` at the master's end. */
+static bool sample(const struct lx_clocked_wire *wire, dg_ns at)
+{
+    return lx_cable_level(&wire->cable, at + wire->delay);
+}
+
 /* What the master sees when the clock is about to move again. */
 static bool look(const struct lx_clocked_wire *wire)
 {
-    return lx_cable_level(&wire->cable, wire->now + wire->half_ns);
+    return sample(wire, wire->now + wire->half_ns);
 }
 
 /* Each bit is taken with the falling edge behind it, by which the monoflop time of a clock that is
@@ -104,12 +110,13 @@ static void read_frame(struct lx_clocked *base, struct lx_clocked_wire *wire)
     const struct dg_ssi_model *model = self->device->setup.model;
     uint64_t bits = 0;
     self->frame.before = self->device->counters;
+    wire->delay = wire->compensates ? 2u * wire->cable.delay : 0;
     lx_clocked_wire_edge(wire, false);
     const bool high = look(wire);
     lx_clocked_wire_edge(wire, true);
     for (uint8_t left = dg_ssi_word_bits(model); left > 0; left--) {
         lx_clocked_wire_edge(wire, false);
-        bits = bits << 1 | wire->data;
+        bits = bits << 1 | sample(wire, wire->now);
         lx_clocked_wire_edge(wire, true);
     }
     self->frame.bits = bits;

@@ -21,17 +21,23 @@
 /* --- clocks and cables --- */
 
 /* `timing` has settings of the wire with blanks between them. */
-static void open_timed(struct sim_rig *self, size_t count, const char *timing)
+static void add_timings(struct sim_rig *self, const char *timings, unsigned line)
 {
     char words[128];
     char *rest = NULL;
     struct lx_error error;
-    sim_rig_plan(self, count);
-    (void)snprintf(words, sizeof words, "%s", timing);
+    (void)snprintf(words, sizeof words, "%s", timings);
     for (char *word = strtok_r(words, " ", &rest); word != NULL;
          word = strtok_r(NULL, " ", &rest)) {
-        assert_int_equal(lx_plan_add_assignment(&self->plan.wires[0].settings, word, 0, &error), 0);
+        assert_int_equal(
+            lx_plan_add_assignment(&self->plan.wires[0].settings, word, line, &error), 0);
     }
+}
+
+static void open_timed(struct sim_rig *self, size_t count, const char *timings)
+{
+    sim_rig_plan(self, count);
+    add_timings(self, timings, 0);
     sim_rig_open(self);
 }
 
@@ -66,6 +72,7 @@ static void every_clock_and_cable_gives_the_right_position(void **state)
         "clock_hz=10000000 line_delay_ns=25", /* half a clock */
         "clock_hz=10000000 line_delay_ns=200",
         "clock_hz=10000000 line_delay_ns=5000", /* longer than the frame */
+        "compensate=0 line_delay_ns=250",       /* half a clock */
     };
     (void)state;
     for (size_t i = 0; i < sizeof timings / sizeof timings[0]; i++) {
@@ -230,6 +237,12 @@ static void timings_out_of_range_are_refused(void **state)
         {"clock_hz=fast", "rig.ini:4: clock_hz=fast: a number in 50000..10000000 Hz is right"},
         {"line_delay_ns=5001", "rig.ini:4: line_delay_ns=5001: a number in 0..5000 ns is right"},
         {"line_delay_ns=", "rig.ini:4: line_delay_ns=: a number in 0..5000 ns is right"},
+        {"compensate=0 line_delay_ns=251",
+         "rig.ini:4: compensate=0: the way there and back, 502 ns, is longer than half a period of "
+         "1000000 Hz; clock_hz up to 996015 is right"},
+        {"line_delay_ns=5000 compensate=0 clock_hz=50001",
+         "rig.ini:4: compensate=0: the way there and back, 10000 ns, is longer than half a period "
+         "of 50001 Hz; clock_hz up to 50000 is right"},
     };
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
@@ -237,8 +250,7 @@ static void timings_out_of_range_are_refused(void **state)
         struct lx_error error = {.right = ""};
         sim_rig_plan(&rig, 1);
         rig.plan.file = "rig.ini";
-        assert_int_equal(lx_plan_add_assignment(&rig.plan.wires[0].settings, rows[i][0], 4, &error),
-                         0);
+        add_timings(&rig, rows[i][0], 4);
         sim_rig_stations(&rig);
         assert_null(lx_sim_bus_make(&rig.setup, &error));
         assert_string_equal(lx_error_line(&error).text, rows[i][1]);

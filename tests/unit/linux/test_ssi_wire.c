@@ -154,7 +154,34 @@ static void clocks_from_one_word_in_a_monoflop_time_to_10_mhz(void **state)
     assert_int_equal(line.frame.bits, (1u << 25) - 1u);
 }
 
-static void a_cable_is_not_made_up_for(void **state)
+/* From no cable to 1 km of it, at clocks of which it takes many. */
+static void a_cable_is_made_up_for(void **state)
+{
+    static const struct lx_clocked_timing rows[] = {
+        {.clock_hz = LX_CLOCK_HZ, .line_delay_ns = 249, .compensate = true},
+        {.clock_hz = LX_CLOCK_HZ, .line_delay_ns = 250, .compensate = true},
+        {.clock_hz = LX_CLOCK_HZ, .line_delay_ns = 300, .compensate = true},
+        {.clock_hz = LX_CLOCK_HZ, .line_delay_ns = LX_CABLE_DELAY_MAX_NS, .compensate = true},
+        {.clock_hz = 100000, .line_delay_ns = LX_CABLE_DELAY_MAX_NS, .compensate = true},
+        {.clock_hz = 2000000, .line_delay_ns = 130, .compensate = true},
+        {.clock_hz = LX_CLOCK_MAX_HZ, .line_delay_ns = 777, .compensate = true},
+        {.clock_hz = LX_CLOCK_MAX_HZ, .line_delay_ns = LX_CABLE_DELAY_MAX_NS, .compensate = true},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        begin_with(dg_ssi_model_of(&dg_ssi_28), &rows[i]);
+        for (uint32_t n = 1; n < 50; n++) {
+            const uint64_t word = turn_to(n * 0x9E3779B1u >> 4);
+            assert_int_equal(read_word(), LX_CLOCKED_GOOD);
+            assert_int_equal(line.frame.bits, word);
+        }
+        assert_int_equal(rig.device.counters.frames, 49);
+        let_happen(DG_WIRE_DROP, 1);
+        assert_int_equal(read_word(), LX_CLOCKED_SILENT);
+    }
+}
+
+static void a_master_that_does_not_compensate_is_right_up_to_half_a_period(void **state)
 {
     const struct dg_ssi_model *model = dg_ssi_model_of(&dg_ssi_13);
     struct lx_clocked_timing timing = {.clock_hz = LX_CLOCK_HZ, .line_delay_ns = 249};
@@ -300,7 +327,8 @@ int main(void)
         cmocka_unit_test(what_is_said_of_a_word),
         cmocka_unit_test(without_power_nobody_answers),
         cmocka_unit_test(clocks_from_one_word_in_a_monoflop_time_to_10_mhz),
-        cmocka_unit_test(a_cable_is_not_made_up_for),
+        cmocka_unit_test(a_cable_is_made_up_for),
+        cmocka_unit_test(a_master_that_does_not_compensate_is_right_up_to_half_a_period),
         cmocka_unit_test(a_dead_driver_reads_low),
         cmocka_unit_test(a_damage_flips_a_bit_of_the_word),
         cmocka_unit_test(a_delay_moves_the_word_by_a_clock),

@@ -19,7 +19,7 @@ from .shaft import Shaft
 from .world import World
 
 # What wires have of their own: there are none here.
-OF_WIRES = {"pace", "cycle", "tear", "break_at", "clock_hz", "line_delay_ns", "time", "step_us"}
+OF_WIRES = {"pace", "cycle", "tear", "break_at", "clock_hz", "compensate", "line_delay_ns", "time", "step_us"}
 # What is no setting of an encoder.
 TAKEN = {"model", "shaft", "bus", "wire", "trace", "nvm"}
 TURNS = 2**31 - 1
