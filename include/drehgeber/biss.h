@@ -55,6 +55,10 @@ struct dg_instrument;
 #define DG_BISS_ZEROS 14u
 /** Most slaves with an ID of their own (5.2.2). */
 #define DG_BISS_CHAIN_MAX 8u
+/** What a host tells its user when dg_biss_hint() says so. */
+#define DG_BISS_HINT                                                                               \
+    "SLO is low until the first MA pulse (BiSS C6, Bus reset); a master that waits for SLO = 1 "    \
+    "hangs here: send a pulse, or set sl_low_at_start=0"
 /** Bytes a bank has, and the user banks (5.2.1.3). */
 #define DG_BISS_BANK_SIZE 64u
 #define DG_BISS_BANK_USER_FIRST 7u
@@ -153,6 +157,7 @@ struct dg_biss_model {
                                   registers refused except for reading 60h (PON_DLY) */
     dg_ns timeout;           /**< 0: as the device has it, by 7Ch. Otherwise always this long, up to
                                   DG_BISS_TIMEOUT_MAX_NS: for lines slower than BiSS allows */
+    dg_ns hint;              /**< dg_biss_hint() waits so long; 0: for ever */
 };
 
 /** What a device is made of. Everything pointed to must outlive the device. */
@@ -188,12 +193,14 @@ struct dg_biss_line {
     dg_ns deadline; /**< end of the timeout, or DG_NEVER */
     dg_ns last;     /**< latest `now` */
     dg_ns start;    /**< end of the processing time: the last slave's start bit is not before it */
+    dg_ns hint;     /**< dg_biss_hint() says so from then on; 0: it was not asked yet */
     uint64_t shift; /**< bit `length` of it is on SLO */
     enum dg_biss_line_state state;
     uint8_t length; /**< of the data in bits */
     bool ma;        /**< level of MA */
     bool slo;       /**< own level of SLO; see dg_biss_slo() */
     bool is_last;   /**< SLI was low at e2: this slave makes the start bit */
+    bool hinted;    /**< dg_biss_hint() has said so since the start */
 };
 
 /** What the control frame automaton waits for: the CDM bit of which frame. */
@@ -313,6 +320,15 @@ DG_API bool dg_biss_link(struct dg_biss *self, dg_ns now, bool level, bool sli);
  */
 DG_API dg_ns dg_biss_step(struct dg_biss *self, dg_ns now);
 
+/**
+ * Whether the user has to be told DG_BISS_HINT: SLO has been low since power-on or command 03, and
+ * no pulse of MA has come for model->hint since somebody asked for the first time. True once for
+ * each start. For hosts that can speak; the encoder does not mind.
+ * @param now where time ends (DG_NEVER): whether there is still something to tell at the end
+ * @param due when to ask again, unless an edge comes before; DG_NEVER: not by itself
+ */
+DG_API bool dg_biss_hint(struct dg_biss *self, dg_ns now, dg_ns *due);
+
 /** Level of SLO. A slave that is not the last one passes `sli` on while it is idle. */
 DG_API bool dg_biss_slo(const struct dg_biss *self, bool sli);
 
@@ -321,6 +337,9 @@ DG_API bool dg_biss_chain_ma(struct dg_biss_chain *self, dg_ns now, bool level);
 
 /** dg_biss_step() for a chain. */
 DG_API dg_ns dg_biss_chain_step(struct dg_biss_chain *self, dg_ns now);
+
+/** dg_biss_hint() for a chain: once for all of it. */
+DG_API bool dg_biss_chain_hint(struct dg_biss_chain *self, dg_ns now, dg_ns *due);
 
 /** The master's SL. */
 DG_API bool dg_biss_chain_slo(const struct dg_biss_chain *self);

@@ -281,6 +281,13 @@ DG_API int dg_host_clock_ps(struct dg_host *self, uint64_t now, bool level);
  * above; DG_HOST_ERR_WIRE; DG_HOST_ERR_STATE: never on */
 DG_API int dg_host_behind(struct dg_host *self, uint64_t now, bool level);
 
+/** BiSS: what the user should be told, for hosts that can speak: why a master may hang, when none
+ * has clocked for the setting hint_us since this was asked first after a start. Once a start; in a
+ * chain the last encoder says it. `now` as of dg_host_step(), DG_HOST_NEVER at the end of time.
+ * @param due when to ask again, unless something happens before; DG_HOST_NEVER. @return NULL:
+ * nothing */
+DG_API const char *dg_host_hint(struct dg_host *self, uint64_t now, uint64_t *due);
+
 /** BiSS, SSI: the position in the latest frame, as a master got it or will get it to the end, and
  * the moment it is of. @return 0; DG_HOST_ERR_WIRE; DG_HOST_ERR_STATE: there was none yet */
 DG_API int dg_host_latched(const struct dg_host *self, uint64_t *at, uint64_t *counts);

@@ -31,6 +31,7 @@ struct dg_host_line {
     uint32_t rate;  /**< the wire's own */
     bool level;     /**< the wire's own: of the encoder's line as told last */
     bool behind;    /**< clocked lines: level of the line of the next encoder in a chain */
+    bool chained;   /**< ... of which there is one */
 };
 
 /** The wire. Operations may be NULL where they say so. */
@@ -62,6 +63,9 @@ struct dg_host_wire {
     uint64_t (*latched)(const struct dg_host_line *line);
     /** Whether encoders of this wire make chains: `level` and `clock` look at line->behind. */
     bool chains;
+    /** What the user should know at `now`, once; NULL: nothing. `due`: when to ask again. NULL:
+     * there never is anything. */
+    const char *(*hint)(struct dg_host_line *line, dg_ns now, dg_ns *due);
     /** A frame by an own master from line->now on, which it moves on. NULL: has none. */
     int (*frame)(struct dg_host_line *line, struct dg_host_frame *to);
 };

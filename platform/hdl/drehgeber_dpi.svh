@@ -9,6 +9,7 @@
   import "DPI-C" function string dg_hdl_error(input chandle self);
   import "DPI-C" function int dg_hdl_wires(input chandle self, input longint now, input int levels);
   import "DPI-C" function longint dg_hdl_next(input chandle self);
+  import "DPI-C" function string dg_hdl_hint(input chandle self, input int at_end);
   import "DPI-C" function longint dg_hdl_latched(input chandle self);
   import "DPI-C" function longint dg_hdl_latched_at(input chandle self);
   import "DPI-C" function longint dg_hdl_position(input chandle self, input longint at);
@@ -50,10 +51,13 @@
   task automatic look();
     longint due;
     longint now;
+    int     levels;
     make();
     now = now_ps();
     while (wakes.size() != 0 && wakes[0] <= now) void'(wakes.pop_front());
-    outputs(dg_hdl_wires(encoder, now, inputs()));
+    levels = dg_hdl_wires(encoder, now, inputs());
+    outputs(levels);
+    if (levels[8]) hint(0);
     due = dg_hdl_next(encoder);
     if (due >= 0 && (wakes.size() == 0 || due < wakes[0])) begin
       wakes.push_front(due);
@@ -62,8 +66,17 @@
     end
   endtask
 
+  // What the encoder has to tell the user.
+  function automatic void hint(int at_end);
+    string text = dg_hdl_hint(encoder, at_end);
+    if (text != "") $display("%m: %s", text);
+  endfunction
+
   initial asked++;
-  final dg_hdl_close(encoder);
+  final begin
+    hint(1);
+    dg_hdl_close(encoder);
+  end
 
   // The shaft is at so many turns, and rests.
   task automatic turn(real turns);

@@ -46,7 +46,7 @@ package drehgeber_hdl is
   attribute foreign of dg_hdl_rest : function is "VHPIDIRECT libdrehgeber_hdl.so dg_hdl_rest";
   impure function dg_hdl_steer(id, us, ps, what : integer; text : c_text; value : real) return integer;
   attribute foreign of dg_hdl_steer : function is "VHPIDIRECT libdrehgeber_hdl.so dg_hdl_steer";
-  impure function dg_hdl_character(id, of_error, index : integer) return integer;
+  impure function dg_hdl_character(id, which, index : integer) return integer;
   attribute foreign of dg_hdl_character : function is "VHPIDIRECT libdrehgeber_hdl.so dg_hdl_character";
   impure function dg_hdl_real(id, us, ps, what : integer) return real;
   attribute foreign of dg_hdl_real : function is "VHPIDIRECT libdrehgeber_hdl.so dg_hdl_real";
@@ -74,7 +74,7 @@ package body drehgeber_hdl is
   begin
     assert false severity failure;
   end function;
-  impure function dg_hdl_character(id, of_error, index : integer) return integer is
+  impure function dg_hdl_character(id, which, index : integer) return integer is
   begin
     assert false severity failure;
   end function;
@@ -103,12 +103,15 @@ package body drehgeber_hdl is
     return (t - (t / 1 us) * 1 us) / 1 ps;
   end function;
 
-  procedure read_text(id : integer; of_error : integer; text : out string; length : out natural) is
+  -- Which text of an encoder to read: enum dg_hdl_text.
+  type texts is (the_answer, the_error, the_hint);
+
+  procedure read_text(id : integer; which : texts; text : out string; length : out natural) is
     variable code : integer;
     variable n    : natural := 0;
   begin
     while n < text'length loop
-      code := dg_hdl_character(id, of_error, n);
+      code := dg_hdl_character(id, texts'pos(which), n);
       exit when code = 0;
       text(text'left + n) := character'val(code);
       n := n + 1;
@@ -120,7 +123,7 @@ package body drehgeber_hdl is
     variable text   : string(1 to 2048);
     variable length : natural;
   begin
-    read_text(id, 1, text, length);
+    read_text(id, the_error, text, length);
     if length > 0 then
       report name & ": " & text(1 to length) severity failure;
     end if;
@@ -145,8 +148,15 @@ package body drehgeber_hdl is
   end function;
 
   impure function look(id, inputs : integer) return integer is
+    constant levels : integer := dg_hdl_look(id, us_of(now), ps_of(now), inputs);
+    variable text   : string(1 to 2048);
+    variable length : natural;
   begin
-    return dg_hdl_look(id, us_of(now), ps_of(now), inputs);
+    if levels >= 256 then
+      read_text(id, the_hint, text, length);
+      report text(1 to length);
+    end if;
+    return levels mod 256;
   end function;
 
   impure function rest(id : integer; most : time) return time is
@@ -221,7 +231,7 @@ package body drehgeber_hdl is
   procedure command(name : string; line : string; answer : out string; length : out natural) is
   begin
     steer(name, by_command, line, 0.0);
-    read_text(find(name), 0, answer, length);
+    read_text(find(name), the_answer, answer, length);
   end procedure;
 
   impure function latched(name : string) return real is

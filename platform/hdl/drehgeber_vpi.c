@@ -13,6 +13,7 @@
 
 #include <vpi_user.h>
 
+#include "hdl.h"
 #include "hdl_names.h"
 
 #define ARGUMENTS_MAX 8
@@ -97,17 +98,25 @@ static void now(int32_t *us, int32_t *ps)
     *ps = (int32_t)(t % 1000000u);
 }
 
+/* @return how long it is */
+static int32_t read_text(int32_t id, enum dg_hdl_text which, char *text)
+{
+    int32_t n = 0;
+
+    for (int32_t c = 1; id >= 0 && c != 0 && n < TEXT_MAX - 1; n += c != 0) {
+        c = dg_hdl_character(id, which, n);
+        text[n] = (char)c;
+    }
+    text[n] = '\0';
+    return n;
+}
+
 /* One line, and the simulation is over and has failed. */
 static void fail(vpiHandle call, int32_t id, const char *instead)
 {
     char text[TEXT_MAX];
-    int32_t n = 0;
+    const int32_t n = read_text(id, DG_HDL_ERROR, text);
 
-    for (int32_t c = 1; id >= 0 && c != 0 && n < TEXT_MAX - 1; n += c != 0) {
-        c = dg_hdl_character(id, 1, n);
-        text[n] = (char)c;
-    }
-    text[n] = '\0';
     vpi_printf("FATAL: %s: %s\n", vpi_get_str(vpiFullName, vpi_handle(vpiScope, call)),
                n > 0 ? text : instead);
     vpip_set_return_value(1);
@@ -129,7 +138,7 @@ static PLI_INT32 make(PLI_BYTE8 *unused)
     strncpy(name, vpi_get_str(vpiFullName, vpi_handle(vpiScope, call)), sizeof name - 1);
     name[sizeof name - 1] = '\0';
     int32_t id = dg_hdl_make(name, text[0], text[1], text[2], text[3]);
-    if (id < 0 || dg_hdl_character(id, 1, 0) != 0) {
+    if (id < 0 || dg_hdl_character(id, DG_HDL_ERROR, 0) != 0) {
         fail(call, id, "no memory for an encoder");
         id = -1;
     }
@@ -148,7 +157,13 @@ static PLI_INT32 look(PLI_BYTE8 *unused)
 
     (void)unused;
     now(&us, &ps);
-    put_number(call, id < 0 ? 0 : dg_hdl_look(id, us, ps, number_of(arguments.handle[1])));
+    const int32_t levels = id < 0 ? 0 : dg_hdl_look(id, us, ps, number_of(arguments.handle[1]));
+    if ((levels & DG_HDL_HINT) != 0) {
+        char text[TEXT_MAX];
+        (void)read_text(id, DG_HDL_NOTE, text);
+        vpi_printf("%s\n", text);
+    }
+    put_number(call, levels);
     return 0;
 }
 
@@ -195,14 +210,9 @@ static PLI_INT32 answer(PLI_BYTE8 *unused)
     const struct arguments arguments = arguments_of(call);
     const int32_t id = number_of(arguments.handle[0]);
     char text[TEXT_MAX];
-    int32_t n = 0;
 
     (void)unused;
-    for (int32_t c = 1; id >= 0 && c != 0 && n < TEXT_MAX - 1; n += c != 0) {
-        c = dg_hdl_character(id, 0, n);
-        text[n] = (char)c;
-    }
-    text[n] = '\0';
+    (void)read_text(id, DG_HDL_ANSWER, text);
     s_vpi_value value = {.format = vpiStringVal, .value.str = text};
     vpi_put_value(arguments.handle[1], &value, NULL, vpiNoDelay);
     return 0;

@@ -99,9 +99,11 @@ static int set_one(struct dg_hdl *self, struct dg_host *host, const char *name, 
 /* Words KEY=VALUE. */
 static int set_all(struct dg_hdl *self, struct dg_host *host, const char *settings)
 {
-    int result = dg_host_set(host, "init_ms", "0");
+    int result = DG_HOST_OK;
 
-    result = result == DG_HOST_ERR_NAME ? DG_HOST_OK : result;
+    /* Not every model has them. */
+    (void)dg_host_set(host, "init_ms", "0");
+    (void)dg_host_set(host, "hint_us", "100");
     for (const char *word = settings; result == DG_HOST_OK;) {
         char text[256];
         word += strspn(word, SEPARATORS);
@@ -234,6 +236,7 @@ static int start(struct dg_hdl *self, const char *settings, const char *memory)
     self->in.levels = self->wire->idle_in;
     self->outputs = self->wire->idle_out;
     self->power_at = HDL_NEVER;
+    self->hint_due = HDL_NEVER;
     if (self->wire->reset != NULL) {
         self->wire->reset(self);
     }

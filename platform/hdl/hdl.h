@@ -47,6 +47,7 @@ enum dg_hdl_wire {
     DG_HDL_DATA = 1,   /**< out, BiSS and SSI: SLO, the encoder's line */
     DG_HDL_TX = 1,     /**< out, RS485: what the encoder sends, 1 when it is silent */
     DG_HDL_DRIVER = 2, /**< out, RS485: the encoder's driver is enabled */
+    DG_HDL_HINT = 256, /**< out, no wire: dg_hdl_hint() has something to say */
 };
 
 /** Longest answer to a command, and longest error, with their zeros. */
@@ -71,8 +72,8 @@ enum dg_hdl_wire {
  *                                             (SCPI, as `drehgeber ctl`), looked at each 0.1 ms of
  *                                             the simulation, but not more often than each real
  *                                             one; none
- *                 `init_ms` is 0 unless it is said otherwise: there is no time to wait in a
- *                 simulation
+ *                 `init_ms` is 0 and `hint_us` 100 unless it is said otherwise: there is no time
+ *                 to wait in a simulation
  * @param motion   of its shaft in words: "90DEG", "60RPM", "sine:90DEG,2S", "ramp:3000RPM,1S",
  *                 a file; "" is 0
  * @param memory   file of its EEPROM, as `--nvm`; "": none. A new one is removed again if there is
@@ -97,6 +98,11 @@ DG_HDL_API int dg_hdl_wires(struct dg_hdl *self, int64_t now, int inputs);
 /** When to call dg_hdl_wires() again (ps), unless an input changes before; DG_HDL_NEVER. Always
  * behind the latest `now`. */
 DG_HDL_API int64_t dg_hdl_next(const struct dg_hdl *self);
+
+/** What the user should be told: BiSS, no pulse of MA for `hint_us` (100 here) since a start, see
+ * src/biss/README.md. When dg_hdl_wires() has given DG_HDL_HINT, or, with `at_end`, at the end of the
+ * simulation. @return "": nothing */
+DG_HDL_API const char *dg_hdl_hint(struct dg_hdl *self, int at_end);
 
 /** The position in the latest frame (BiSS, SSI), of which the master had the first edge that got to
  * the encoder; -1: there was none. For RS485 the position at the latest `now`. */

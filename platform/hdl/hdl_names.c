@@ -4,6 +4,7 @@
  * names; texts one character at a time; moments as microseconds and the picoseconds behind them.
  * The list lasts as long as the process, as the simulation does, unless somebody ends it.
  */
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -12,6 +13,8 @@
 #include "hdl_private.h"
 
 #define PS_PER_US 1000000
+/* Of a name and what is said of it. */
+#define NOTE_MAX 1400
 
 struct instance {
     char *name;
@@ -21,6 +24,7 @@ struct instance {
 
 static struct instance *instances;
 static int32_t count;
+static bool ends; /* somebody tells at the end */
 
 void dg_hdl_make_none(void)
 {
@@ -61,6 +65,17 @@ static char *copy_of(const char *text)
     return copy != NULL ? memcpy(copy, text, size) : NULL;
 }
 
+/* These languages have no place for what is said at the end. */
+static void tell_at_end(void)
+{
+    for (int32_t i = 0; i < count; i++) {
+        const char *text = dg_hdl_hint(instances[i].encoder, 1);
+        if (text[0] != '\0') {
+            (void)printf("%s: %s\n", instances[i].name, text);
+        }
+    }
+}
+
 int32_t dg_hdl_make(const char *name, const char *model, const char *settings, const char *motion,
                     const char *memory)
 {
@@ -70,6 +85,9 @@ int32_t dg_hdl_make(const char *name, const char *model, const char *settings, c
         return -1;
     }
     instances = more;
+    if (!ends) {
+        ends = atexit(tell_at_end) == 0;
+    }
     if (dg_hdl_find(name) >= 0) {
         return -2;
     }
@@ -125,10 +143,18 @@ int32_t dg_hdl_steer(int32_t id, int32_t us, int32_t ps, int32_t what, const cha
     return -1;
 }
 
-int32_t dg_hdl_character(int32_t id, int32_t of_error, int32_t index)
+int32_t dg_hdl_character(int32_t id, int32_t which, int32_t index)
 {
-    const char *text = of_error != 0 ? dg_hdl_error(encoder_of(id)) : instances[id].answer;
+    const char *text = instances[id].answer;
+    char note[NOTE_MAX];
 
+    if (which == DG_HDL_ERROR) {
+        text = dg_hdl_error(encoder_of(id));
+    } else if (which == DG_HDL_NOTE) {
+        (void)snprintf(note, sizeof note, "%s: %s", instances[id].name,
+                       dg_hdl_hint(encoder_of(id), 0));
+        text = note;
+    }
     return text != NULL && (size_t)index < strlen(text) ? (unsigned char)text[index] : 0;
 }
 

@@ -31,7 +31,15 @@ enum dg_hdl_look {
     DG_HDL_COSINE /**< cos+ - cos- */
 };
 
-/** dg_hdl_open(). @return its number, with an error to be looked at; -1: no memory; -2: there is
+/** What dg_hdl_character() reads. */
+enum dg_hdl_text {
+    DG_HDL_ANSWER, /**< to the latest command */
+    DG_HDL_ERROR,  /**< dg_hdl_error() */
+    DG_HDL_NOTE    /**< dg_hdl_hint() behind the name of the instance */
+};
+
+/** dg_hdl_open(). What instances have to tell at the end of the simulation is printed when the process
+ * ends. @return its number, with an error to be looked at; -1: no memory; -2: there is
  * one of that name */
 DG_HDL_API int32_t dg_hdl_make(const char *name, const char *model, const char *settings,
                                const char *motion, const char *memory);
@@ -46,8 +54,8 @@ DG_HDL_API int32_t dg_hdl_rest(int32_t id, int32_t us, int32_t ps, int32_t most)
 /** Steer; what `what` has no use for is not looked at. @return 0, or less with an error */
 DG_HDL_API int32_t dg_hdl_steer(int32_t id, int32_t us, int32_t ps, int32_t what, const char *name,
                                 double value);
-/** Character `index` of the error, or of the answer to the latest command; 0 behind it */
-DG_HDL_API int32_t dg_hdl_character(int32_t id, int32_t of_error, int32_t index);
+/** Character `index` of a text, enum dg_hdl_text; 0 behind it */
+DG_HDL_API int32_t dg_hdl_character(int32_t id, int32_t which, int32_t index);
 /** Look at it. Positions are whole numbers, below 2^53. */
 DG_HDL_API double dg_hdl_real(int32_t id, int32_t us, int32_t ps, int32_t what);
 

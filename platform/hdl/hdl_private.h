@@ -99,6 +99,8 @@ struct dg_hdl {
     int64_t now;
     int64_t power_at; /**< the first power comes; HDL_NEVER before the first look, and afterwards */
     int64_t panel_due;
+    int64_t hint_due; /**< when the encoder may have something to tell the user */
+    const char *hint; /**< what it had to tell at the latest look; NULL: nothing */
     uint32_t random;
     bool looked;  /**< somebody has said how the inputs are, or has switched the power */
     bool listens; /**< the inputs were at rest at power-on, or have been since */

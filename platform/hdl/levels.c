@@ -190,7 +190,7 @@ uint64_t hdl_run(struct dg_hdl *self, int64_t now)
 int64_t dg_hdl_next(const struct dg_hdl *self)
 {
     const int64_t wires = earlier(head_of(&self->in), head_of(&self->out));
-    int64_t next = earlier(wires, own_due(self));
+    int64_t next = earlier(earlier(wires, own_due(self)), self->hint_due);
 
     /* Time that nobody looks at is time that nobody can steer in. */
     if (self->control != NULL) {
@@ -218,6 +218,26 @@ static bool listens(struct dg_hdl *self, int delayed)
     return self->listens;
 }
 
+const char *dg_hdl_hint(struct dg_hdl *self, int at_end)
+{
+    uint64_t due;
+
+    if (self == NULL || self->host == NULL) {
+        return "";
+    }
+    return hdl_text(at_end != 0 ? dg_host_hint(self->host, DG_HOST_NEVER, &due) : self->hint);
+}
+
+/* @return DG_HDL_HINT, or 0 */
+static int look_for_hint(struct dg_hdl *self)
+{
+    uint64_t due;
+
+    self->hint = dg_host_hint(self->host, (uint64_t)(self->now / HDL_PS_PER_NS), &due);
+    self->hint_due = ps_of(due);
+    return self->hint != NULL ? DG_HDL_HINT : 0;
+}
+
 int dg_hdl_wires(struct dg_hdl *self, int64_t now, int inputs)
 {
     const uint64_t ns = hdl_run(self, now);
@@ -232,11 +252,11 @@ int dg_hdl_wires(struct dg_hdl *self, int64_t now, int inputs)
         put(&self->in, self->now + self->settings.delay_in + jitter(self), delayed);
         (void)hdl_run(self, self->now);
     }
-    if (inputs != self->inputs && self->wire == &hdl_clocked) {
+    if (((inputs ^ self->inputs) & DG_HDL_BEHIND) != 0 && self->wire == &hdl_clocked) {
         (void)dg_host_behind(self->host, ns, (inputs & DG_HDL_BEHIND) != 0);
     }
     self->inputs = inputs;
-    return self->outputs;
+    return self->outputs | look_for_hint(self);
 }
 
 /* --- BiSS and SSI --- */

@@ -117,6 +117,8 @@ int biss_restart(struct dg_biss *self, dg_ns now)
     /* Low whatever comes in on SLI, which is passed on only behind the first e2. */
     self->line.slo = !self->setup.model->sl_low_at_start;
     self->line.is_last = true;
+    self->line.hint = 0;
+    self->line.hinted = false;
     const int result = load(self);
     self->configured = (dg_biss_errors(self, now) & incomplete) == 0;
     return result;

@@ -35,6 +35,11 @@ static uint64_t latched(const struct dg_host_line *line)
     return device->position;
 }
 
+static const char *hint(struct dg_host_line *line, dg_ns now, dg_ns *due)
+{
+    return dg_biss_hint(line->device, now, due) ? DG_BISS_HINT : NULL;
+}
+
 /* ------------------------------------------------------------ frames */
 
 /* @return SLO behind the rising edge */
@@ -118,6 +123,7 @@ const struct dg_host_wire dg_biss_wire = {
     .clock = set_clock,
     .latched = latched,
     .chains = true,
+    .hint = hint,
     .frame = frame,
 };
 

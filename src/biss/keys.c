@@ -21,6 +21,7 @@ static const struct dg_key rows[] = {
     {"busy_us",         "us", AT(busy),             DG_KEY_NS,   3, 1,        0,   NS(BUSY_S), NULL,          "from the first clock edge to the start bit"},
     {"busy_jitter_us",  "us", AT(busy_jitter),      DG_KEY_NS,   3, 1,        0,   NS(BUSY_S), NULL,          "up to as much more, another time in every frame"},
     {"sl_low_at_start", "",   AT(sl_low_at_start),  DG_KEY_FLAG, 0, 1,        0,          1, dg_key_no_yes, "SLO is low from power-on to the first clock"},
+    {"hint_us",         "us", AT(hint),             DG_KEY_NS,   0, 1000,     0,   10000000, NULL,          "no MA pulse for so long while SLO is low: a note says why a master may hang; 0: never"},
     {"stop_bit",        "",   AT(stop_bit_early),   DG_KEY_FLAG, 0, 1,        0,          1, stop_bits,     "P = 1 refuses the register just transferred, or ahead of time the next one"},
     {"eeprom_read_us",  "us", AT(eeprom_read),      DG_KEY_NS,   0, 1000,     0,       1000, NULL,          "an access to a user bank"},
     {"eeprom_write_us", "us", AT(eeprom_write),     DG_KEY_NS,   0, 1000,     0,      19000, NULL,          "what the EEPROM needs after a write"},

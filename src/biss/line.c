@@ -176,6 +176,21 @@ bool dg_biss_slo(const struct dg_biss *self, bool sli)
     return slo_of(self, sli);
 }
 
+bool dg_biss_hint(struct dg_biss *self, dg_ns now, dg_ns *due)
+{
+    struct dg_biss_line *line = &self->line;
+    const bool idle = line->state == DG_BISS_IDLE || line->state == DG_BISS_RETURN;
+
+    *due = DG_NEVER;
+    if (!idle || line->slo || line->hinted || self->setup.model->hint == 0) {
+        return false;
+    }
+    line->hint = line->hint != 0 ? line->hint : dg_after(now, self->setup.model->hint);
+    line->hinted = now >= line->hint;
+    *due = line->hinted ? DG_NEVER : line->hint;
+    return line->hinted;
+}
+
 /* What each one shows its neighbour, from the last to the first.
    @return what gets to the master; `sli` has what gets to the slaves */
 static bool chain_levels(const struct dg_biss_chain *self, bool clocked, bool *sli)
@@ -256,6 +271,23 @@ dg_ns dg_biss_chain_step(struct dg_biss_chain *self, dg_ns now)
         next = dg_earliest(next, dg_biss_step(self->slave[i], now));
     }
     return next;
+}
+
+bool dg_biss_chain_hint(struct dg_biss_chain *self, dg_ns now, dg_ns *due)
+{
+    dg_ns next = DG_NEVER;
+    bool told = false;
+
+    *due = DG_NEVER;
+    for (uint8_t i = 0; i < self->count; i++) {
+        told = dg_biss_hint(self->slave[i], now, &next) || told;
+        *due = dg_earliest(*due, next);
+    }
+    /* The others have nothing to add. */
+    for (uint8_t i = 0; told && i < self->count; i++) {
+        (void)dg_biss_hint(self->slave[i], DG_NEVER, due);
+    }
+    return told;
 }
 
 uint8_t dg_biss_frame(struct dg_biss *self, dg_ns e1, uint64_t *bits)

@@ -270,8 +270,20 @@ int dg_host_behind(struct dg_host *self, uint64_t now, bool level)
     }
     host_run(self, now);
     self->line.behind = level;
+    self->line.chained = true;
     host_look(self);
     return self->line.level ? 1 : 0;
+}
+
+const char *dg_host_hint(struct dg_host *self, uint64_t now, uint64_t *due)
+{
+    /* As long as the neighbour is silent, too, it is the neighbour that says so. */
+    const bool last = !self->line.chained || self->line.behind;
+
+    *due = DG_HOST_NEVER;
+    return self->wire->hint != NULL && dg_host_powered(self) && last
+               ? self->wire->hint(&self->line, now, due)
+               : NULL;
 }
 
 int dg_host_latched(const struct dg_host *self, uint64_t *at, uint64_t *counts)

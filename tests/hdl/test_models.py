@@ -48,6 +48,7 @@ def ghdl(folder, top):
     return ["ghdl", "-r", "--std=08", top]
 
 
+POWER_ON = 1000  # ps
 SIMULATORS = {"verilator": verilator, "icarus": icarus, "ghdl": ghdl}
 
 
@@ -93,9 +94,31 @@ def test_the_same_seed_is_the_same_trace_and_another_is_none(traces):
         assert lines["a"] != lines["c"]
 
 
+HINT = ("SLO is low until the first MA pulse (BiSS C6, Bus reset); a master that waits for SLO = 1 hangs here: send a "
+        "pulse, or set sl_low_at_start=0")
+
+
+@pytest.mark.parametrize("name", SIMULATORS)
+def test_what_registers_do_before_power_on_is_no_pulse(tmp_path, name):
+    """`pulsing` alone sends one. The others are told why a master may hang, of a chain the last one only."""
+    done = run(tmp_path, SIMULATORS[name](tmp_path, "start"))
+    assert done.returncode == 0 and "done\n" in done.stdout, done.stdout
+    levels = re.findall(r"^(zero|unknown|at_once|pulsing|late|near|data) ([01])$", done.stdout, re.M)
+    assert dict(levels) == {"zero": "0", "unknown": "0", "at_once": "0", "pulsing": "1", "late": "0", "near": "0", "data": "1"}
+    hints = [line for line in done.stdout.splitlines() if HINT in line]
+    assert len(hints) == 5 and len(set(hints)) == 5, done.stdout
+
+
+@pytest.mark.parametrize("name", SIMULATORS)
+def test_a_simulation_that_ends_early_has_the_hint_at_its_end(tmp_path, name):
+    done = run(tmp_path, SIMULATORS[name](tmp_path, "short"))
+    assert done.returncode == 0 and done.stdout.count(HINT) == 1, done.stdout
+    assert done.stdout.index("done\n") < done.stdout.index(HINT)
+
+
 def test_delays_are_what_was_asked_for(traces):
     """MA rises at 1500 ns for the first time: SLO of `near` and `behind`, low before, follows by its TCO alone."""
-    lines = traces["verilator"]
+    lines = {name: [change for change in rows if change[0] > POWER_ON] for name, rows in traces["verilator"].items()}
     assert lines["near"][0] == (1500000 + 10000, 1)
     assert lines["behind"][0] == (1500000 + 7250, 1)
     earliest = 1500000 + 12500 + 10000 + 33300

@@ -125,6 +125,11 @@ static bool clocked(const struct lx_clocked *base)
     return view_of(base)->chain.slave[0]->line.ma;
 }
 
+static const char *hint(struct lx_clocked *base, dg_ns now, dg_ns *due)
+{
+    return dg_biss_chain_hint(&line_of(base)->chain, now, due) ? DG_BISS_HINT : NULL;
+}
+
 static uint32_t rises(const struct lx_clocked *base)
 {
     const struct dg_biss_chain *chain = &view_of(base)->chain;
@@ -263,6 +268,7 @@ static const struct lx_clocked_ops ops = {
     .clock = CLOCK_NAME,
     .data = DATA_NAME,
     LX_CLOCKED_OPERATIONS,
+    .hint = hint,
     .read = read_frame,
     .skip = skip,
     .word = word,

@@ -68,6 +68,17 @@ void lx_clocked_close(struct lx_clocked *self)
     }
 }
 
+dg_ns lx_clocked_hint(struct lx_clocked *self, const struct lx_say *say, const char *name,
+                      dg_ns now)
+{
+    dg_ns due = DG_NEVER;
+    const char *text = self->ops->hint != NULL ? self->ops->hint(self, now, &due) : NULL;
+    if (text != NULL) {
+        lx_note(say, "%s: %s", name, text);
+    }
+    return due;
+}
+
 void lx_clocked_offer(const struct lx_clocked *self, const struct lx_bus_setup *setup)
 {
     for (size_t i = 0; i < setup->count && self->protocol->offer != NULL; i++) {

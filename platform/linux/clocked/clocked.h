@@ -61,6 +61,9 @@ struct lx_clocked_ops {
     dg_ns (*step)(struct lx_clocked *self, dg_ns now);
     /** The level of the data line at the master's end of it. */
     bool (*level)(const struct lx_clocked *self);
+    /** What the user should know at `now`, once; NULL: nothing. `due`: when to ask again, unless an
+     * edge comes before. NULL: there never is anything. */
+    const char *(*hint)(struct lx_clocked *self, dg_ns now, dg_ns *due);
     /** The level of the clock as the encoders have it. */
     bool (*clocked)(const struct lx_clocked *self);
     /** No frame is on the line, and faults may have come or gone. */
@@ -137,6 +140,11 @@ int lx_clocked_open(struct lx_clocked *self, const struct lx_bus_setup *setup, s
 
 /** Switch everything off, free `self`; NULL is fine. */
 void lx_clocked_close(struct lx_clocked *self);
+
+/** Tell the user what there is to tell at `now`, about the wire called `name`.
+ * @return when to ask again, unless an edge comes before */
+dg_ns lx_clocked_hint(struct lx_clocked *self, const struct lx_say *say, const char *name,
+                      dg_ns now);
 
 /** What a simulated wire has for the protocol's own commands, behind each station of `setup`. */
 void lx_clocked_offer(const struct lx_clocked *self, const struct lx_bus_setup *setup);

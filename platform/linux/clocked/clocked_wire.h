@@ -39,7 +39,7 @@ struct lx_clocked_wire {
     bool data;
     bool compensates; /**< whether the master knows `delay`: it measures it, or it was told */
     dg_ns delay;      /**< there and back: it takes its samples later by that; else 0 */
-    uint32_t silent; /**< frames without an answer; counted up */
+    uint32_t silent;  /**< frames without an answer; counted up */
     /** The levels at the master's end from `at` on, whenever one has changed; NULL: nobody wants
      * to know. */
     void (*levels)(void *ctx, dg_ns at, bool clock, bool data);

@@ -265,6 +265,15 @@ static void report_rate(struct lx_gpio *self)
             good_for(&self->rate, text));
 }
 
+/* Until the next look, or until there may be something to tell the user. */
+static void watch_on(struct lx_gpio *self, dg_ns now)
+{
+    const struct lx_gpio_setup *setup = &self->setup;
+    const dg_ns hint = lx_clocked_hint(setup->line, setup->say, setup->name, now);
+
+    lx_timer_at(&self->watch, dg_earliest(hint, dg_after(now, WATCH)));
+}
+
 /* Kernels before 6.7 wake nobody when a chip goes. */
 static void on_watch(void *ctx, dg_ns now)
 {
@@ -277,7 +286,7 @@ static void on_watch(void *ctx, dg_ns now)
     }
     report_trouble(self, now);
     report_rate(self);
-    lx_timer_at(&self->watch, dg_after(now, WATCH));
+    watch_on(self, now);
 }
 
 static int listen(struct lx_gpio *self)
@@ -311,7 +320,7 @@ int lx_gpio_open(struct lx_gpio *self, const struct lx_gpio_setup *setup, struct
     }
     (void)line->ops->edge(line, now, level != 0);
     answer(self);
-    lx_timer_at(&self->watch, dg_after(now, WATCH));
+    watch_on(self, now);
     return 0;
 }
 

@@ -116,15 +116,20 @@ static void pass_over(struct sim_bus *self, dg_ns now)
     }
 }
 
-/* Sleep until the next frame, or when nobody could notice it. */
+/* Sleep until the next frame, unless nobody could notice it, or until there may be something to
+   tell the user. */
 static void rest(struct sim_bus *self)
 {
+    const struct lx_bus_setup *setup = &self->bus.setup;
     if (self->driven) {
         return;
     }
     const dg_ns next = next_read(self);
     const bool wanted = is_watched(self) || next < self->stirred;
-    lx_timer_at(&self->timer, wanted ? lx_clock_real(self->bus.setup.clock, next) : DG_NEVER);
+    const dg_ns hint =
+        lx_clocked_hint(self->line, setup->say, self->line->name[0], lx_clock_now(setup->clock));
+    const dg_ns due = dg_earliest(hint, wanted ? next : DG_NEVER);
+    lx_timer_at(&self->timer, due != DG_NEVER ? lx_clock_real(setup->clock, due) : DG_NEVER);
 }
 
 static void catch_up(struct sim_bus *self)

@@ -29,6 +29,8 @@ struct sim {
     int64_t now;
     int inputs;
     int outputs;
+    int64_t hinted; /* when there was something to tell */
+    unsigned hints;
     size_t count;
     int64_t at[CHANGES];
     int levels[CHANGES];
@@ -36,8 +38,14 @@ struct sim {
 
 static void look(struct sim *self)
 {
-    const int outputs = dg_hdl_wires(self->encoder, self->now, self->inputs);
+    int outputs = dg_hdl_wires(self->encoder, self->now, self->inputs);
 
+    assert_int_equal((outputs & DG_HDL_HINT) != 0, dg_hdl_hint(self->encoder, 0)[0] != '\0');
+    if ((outputs & DG_HDL_HINT) != 0) {
+        self->hints++;
+        self->hinted = self->now;
+        outputs &= ~DG_HDL_HINT;
+    }
     if (outputs != self->outputs) {
         assert_true(self->count < CHANGES);
         self->at[self->count] = self->now;
@@ -177,6 +185,32 @@ static void power_comes_behind_the_first_look(void **state)
     assert_int_equal(dg_hdl_wires(self, US, 1), DG_HDL_DATA);
     assert_int_equal(dg_hdl_position(self, US), -1);
     dg_hdl_close(self);
+}
+
+/* Without a pulse of MA, 100 us behind power-on. */
+static void what_may_keep_a_master_waiting_is_told(void **state)
+{
+    struct sim sim;
+
+    (void)state;
+    begin_with(&sim, "s3684-biss", "");
+    wait_until(&sim, 1000 * US);
+    assert_int_equal(sim.hints, 1);
+    assert_int_equal(sim.hinted, NS + 100 * US);
+    assert_string_equal(dg_hdl_hint(sim.encoder, 1), "");
+    dg_hdl_close(sim.encoder);
+    begin_with(&sim, "s3684-biss", "hint_us=20");
+    wait_until(&sim, 19 * US);
+    assert_int_equal(sim.hints, 0);
+    assert_non_null(strstr(dg_hdl_hint(sim.encoder, 1), "hangs here")); /* the end */
+    dg_hdl_close(sim.encoder);
+    begin_with(&sim, "s3684-biss", "");
+    clock_frame(&sim, 60, US);
+    wait_until(&sim, 1000 * US);
+    assert_int_equal(sim.hints, 0);
+    assert_string_equal(dg_hdl_hint(sim.encoder, 1), "");
+    dg_hdl_close(sim.encoder);
+    assert_string_equal(dg_hdl_hint(NULL, 1), "");
 }
 
 /* More edges than the queue has room for at first are on the way. */
@@ -479,8 +513,10 @@ static void instances_have_names(void **state)
     assert_int_equal(dg_hdl_find("three"), -1);
     assert_int_equal(dg_hdl_steer(one, 1, 0, DG_HDL_TURN, "", 0.5), 0);
     assert_int_equal(dg_hdl_steer(one, 1, 0, DG_HDL_COMMAND, "SHAFt:POSition?", 0.0), 0);
-    assert_int_equal(dg_hdl_character(one, 0, 0), '1');
-    assert_int_equal(dg_hdl_character(one, 0, 10), 0);
+    assert_int_equal(dg_hdl_character(one, DG_HDL_ANSWER, 0), '1');
+    assert_int_equal(dg_hdl_character(one, DG_HDL_ANSWER, 10), 0);
+    assert_int_equal(dg_hdl_character(one, DG_HDL_NOTE, 2), 'e');
+    assert_int_equal(dg_hdl_character(one, DG_HDL_NOTE, 3), ':');
     assert_true(dg_hdl_steer(two, 1, 0, DG_HDL_FAULT, "fire", 1.0) < 0);
     assert_int_equal(dg_hdl_character(two, 1, 0), 'f');
     assert_int_equal(dg_hdl_rest(two, 1, 0, 1000), 1000);
@@ -538,6 +574,7 @@ int main(void)
         cmocka_unit_test(the_output_follows_by_the_delays),
         cmocka_unit_test(what_registers_do_before_power_on_is_no_edge),
         cmocka_unit_test(power_comes_behind_the_first_look),
+        cmocka_unit_test(what_may_keep_a_master_waiting_is_told),
         cmocka_unit_test(a_long_cable_loses_no_edge),
         cmocka_unit_test(the_same_seed_gives_the_same_trace),
         cmocka_unit_test(the_seed_is_that_of_all_chance),

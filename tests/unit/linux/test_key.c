@@ -390,8 +390,8 @@ static void a_mistyped_key_names_those_of_the_encoder(void **state)
 {
     (void)state;
     assert_keys("s3684-biss", "sim",
-                "valid: mt st lc autostore busy_us busy_jitter_us sl_low_at_start stop_bit "
-                "eeprom_read_us eeprom_write_us timeout_us init_ms" SENSES
+                "valid: mt st lc autostore busy_us busy_jitter_us sl_low_at_start hint_us "
+                "stop_bit eeprom_read_us eeprom_write_us timeout_us init_ms" SENSES
                 "; of the wire: clock_hz line_delay_ns compensate");
     assert_keys("f3668", "slcan", "valid: mt_bits" SENSES "; of the wire: pace");
     assert_keys("f3658", "can", "valid:" SENSES "; of the wire: pace");

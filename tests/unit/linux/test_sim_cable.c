@@ -29,8 +29,8 @@ static void add_timings(struct sim_rig *self, const char *timings, unsigned line
     (void)snprintf(words, sizeof words, "%s", timings);
     for (char *word = strtok_r(words, " ", &rest); word != NULL;
          word = strtok_r(NULL, " ", &rest)) {
-        assert_int_equal(
-            lx_plan_add_assignment(&self->plan.wires[0].settings, word, line, &error), 0);
+        assert_int_equal(lx_plan_add_assignment(&self->plan.wires[0].settings, word, line, &error),
+                         0);
     }
 }
 

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import contextlib
+import warnings
 import weakref
 from array import array
 from typing import Any, Literal, NamedTuple
@@ -77,6 +78,7 @@ class Encoder(Instrument):
         self._host: Any = self._lib.dg_host_make(place, size, model.encode())
         self._panel: Any = None
         self._deadline = NEVER
+        self._hint_due: Any = self._ffi.new("uint64_t *")
         self._made = False
         self.model = model
         self.name = name
@@ -159,6 +161,15 @@ class Encoder(Instrument):
             self._deadline = self._lib.dg_host_panel_step(self._panel, now)
         else:
             self._deadline = self._lib.dg_host_step(self._host, now)
+        if self.protocol == "biss":
+            text = self._lib.dg_host_hint(self._host, now, self._hint_due)
+            self._deadline = min(self._deadline, int(self._hint_due[0]))
+            if text != self._ffi.NULL:
+                self._hint(self._ffi.string(text).decode())
+
+    def _hint(self, text: str) -> None:
+        """The user should know this."""
+        warnings.warn(f"{self.name or self.model}: {text}", stacklevel=2)
 
     _run = _step
 

@@ -17,6 +17,7 @@ from .simulation import (
 )  # fmt: skip
 
 LIFE_BITS = 6
+HINT_US = 100  # a simulation is short
 NEVER = (1 << 64) - 1
 
 
@@ -149,7 +150,7 @@ class SsiEncoder(ClockedEncoder):
         model: str = "ssi-25",
         *,
         shaft: Shaft | str = "0",
-        clock_to_output_ns: float = 10,
+        clock_to_output_ns: float = 150,
         line_delay_ns: float = 0,
         jitter_ns: float = 0,
         seed: int = 1,
@@ -193,7 +194,7 @@ class BissEncoder(ClockedEncoder):
         self._wires: BissLine | None = None
         self._behind_level = False
         super().__init__(
-            ma, slo, model, clock_to_output_ns, settings, shaft=shaft, line_delay_ns=line_delay_ns,
+            ma, slo, model, clock_to_output_ns, {"hint_us": HINT_US} | settings, shaft=shaft, line_delay_ns=line_delay_ns,
             jitter_ns=jitter_ns, seed=seed, power=power, memory=memory,
         )  # fmt: skip
         self._wires = self._begun()

@@ -142,6 +142,9 @@ class Served(Encoder):
         if self.served is not None:
             self.served()
 
+    def _hint(self, text: str) -> None:
+        cocotb.log.warning("%s: %s", self.model, text)
+
 
 class SimulatedEncoder(Instrument):
     """What all encoders in a simulation have in common; see BissEncoder, SsiEncoder and HiperfaceEncoder.
