@@ -57,7 +57,7 @@ struct dg_instrument;
 #define DG_BISS_CHAIN_MAX 8u
 /** What a host tells its user when dg_biss_hint() says so. */
 #define DG_BISS_HINT                                                                               \
-    "SLO is low until the first MA pulse (BiSS C6, Bus reset); a master that waits for SLO = 1 "    \
+    "SLO is low until the first MA pulse (BiSS C6, Bus reset); a master that waits for SLO = 1 "   \
     "hangs here: send a pulse, or set sl_low_at_start=0"
 /** Bytes a bank has, and the user banks (5.2.1.3). */
 #define DG_BISS_BANK_SIZE 64u

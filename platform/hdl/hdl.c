@@ -219,8 +219,8 @@ static int make_panel(struct dg_hdl *self)
     return DG_HOST_OK;
 }
 
-/* It can be asked and steered from the first moment on. Its lines are at rest until its power comes,
-   which is switched on for them in dg_hdl_wires(). */
+/* It can be asked and steered from the first moment on. Its lines are at rest until its power
+   comes, which is switched on for them in dg_hdl_wires(). */
 static int start(struct dg_hdl *self, const char *settings, const char *memory)
 {
     int result = dg_host_power(self->host, 0, true);

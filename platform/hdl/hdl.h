@@ -67,7 +67,7 @@ enum dg_hdl_wire {
  *                 delay_out_ns  0..100000     of the cable from the encoder; 0
  *                 jitter_ns     0..1000       up to as much more, for each edge either way; 0
  *                 power_on_ns   0.001..1000000  from the first look to power; 1
- *                 seed          0..2^32-1     of jitter, of busy_jitter_us and of chance in faults; 1
+ *                 seed          0..2^32-1     of jitter, busy_jitter_us and chance in faults; 1
  *                 control       unix:PATH     a socket where one client at a time finds the panel
  *                                             (SCPI, as `drehgeber ctl`), looked at each 0.1 ms of
  *                                             the simulation, but not more often than each real
@@ -100,8 +100,8 @@ DG_HDL_API int dg_hdl_wires(struct dg_hdl *self, int64_t now, int inputs);
 DG_HDL_API int64_t dg_hdl_next(const struct dg_hdl *self);
 
 /** What the user should be told: BiSS, no pulse of MA for `hint_us` (100 here) since a start, see
- * src/biss/README.md. When dg_hdl_wires() has given DG_HDL_HINT, or, with `at_end`, at the end of the
- * simulation. @return "": nothing */
+ * src/biss/README.md. When dg_hdl_wires() has given DG_HDL_HINT, or, with `at_end`, at the end of
+ * the simulation. @return "": nothing */
 DG_HDL_API const char *dg_hdl_hint(struct dg_hdl *self, int at_end);
 
 /** The position in the latest frame (BiSS, SSI), of which the master had the first edge that got to

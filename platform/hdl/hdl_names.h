@@ -38,9 +38,9 @@ enum dg_hdl_text {
     DG_HDL_NOTE    /**< dg_hdl_hint() behind the name of the instance */
 };
 
-/** dg_hdl_open(). What instances have to tell at the end of the simulation is printed when the process
- * ends. @return its number, with an error to be looked at; -1: no memory; -2: there is
- * one of that name */
+/** dg_hdl_open(). What instances have to tell at the end of the simulation is printed when the
+ * process ends. @return its number, with an error to be looked at; -1: no memory; -2: there is one
+ * of that name */
 DG_HDL_API int32_t dg_hdl_make(const char *name, const char *model, const char *settings,
                                const char *motion, const char *memory);
 /** Close all of them. */

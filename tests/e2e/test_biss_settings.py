@@ -116,3 +116,27 @@ def test_help_names_them():
     for key in ("busy_us", "busy_jitter_us", "sl_low_at_start", "stop_bit"):
         assert re.search(rf"^  {key} .*\)$", said, re.M)
     assert "(own or early)" in said and "singleturn bits (12..24)" in said
+
+
+HINT = ("SLO is low until the first MA pulse (BiSS C6, Bus reset); a master that waits for SLO = 1 hangs here: send a "
+        "pulse, or set sl_low_at_start=0")
+
+
+def hints(*arguments) -> list:
+    """What a second of a rig tells."""
+    ended = run("run", *arguments, "--time", "virtual:1S")
+    assert ended.returncode == 0, ended.stderr
+    return ended.stderr.splitlines()
+
+
+def test_a_line_without_a_pulse_is_told_once(tmp_path):
+    """The master of the simulated wire clocks when the encoder is initialised, which here is late."""
+    late = ("--set", "init_ms=600")
+    assert hints(S3684, "--sim", *late) == [f"drehgeber: {S3684}: {HINT}"]
+    rig_file = tmp_path / "rig.ini"
+    rig_file.write_text("[bus b]\nwire = sim\n" + "".join(
+        f"[encoder {name}]\nmodel = {S3674}\nbus = b\ninit_ms = 600\n" for name in "xyz"), encoding="ascii")
+    assert hints(rig_file) == [f"drehgeber: x: {HINT}"]
+    for never in (late + ("--set", "hint_us=0"), late + ("--set", "sl_low_at_start=0"), late + ("--set", "hint_us=700000"),
+                  late + ("-q",), ()):
+        assert hints(S3684, "--sim", *never) == []

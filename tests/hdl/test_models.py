@@ -15,6 +15,7 @@ import pytest
 
 TESTS = Path(__file__).parent / "models"
 MODELS = Path(__file__).parents[2] / "platform" / "hdl"
+DECODERS = Path(__file__).parents[2] / "tools" / "sigrok"
 LIBRARY = os.environ["DREHGEBER_HDL"]
 ENVIRONMENT = os.environ | {"LD_LIBRARY_PATH": LIBRARY}
 
@@ -114,6 +115,29 @@ def test_a_simulation_that_ends_early_has_the_hint_at_its_end(tmp_path, name):
     done = run(tmp_path, SIMULATORS[name](tmp_path, "short"))
     assert done.returncode == 0 and done.stdout.count(HINT) == 1, done.stdout
     assert done.stdout.index("done\n") < done.stdout.index(HINT)
+
+
+@pytest.mark.parametrize("name", SIMULATORS)
+def test_ssi_is_late_enough_for_a_master_that_looks_for_the_1(tmp_path, name):
+    """TR-ECE-BA-DGB-0131, p. 69: tV > 100 ns, so that a 'pause 1' is read behind the first rising edge. 90 degrees are
+    2048 of 8192, C00h in Gray code."""
+    done = run(tmp_path, SIMULATORS[name](tmp_path, "pause"))
+    assert done.returncode == 0 and re.search(r"^word 0*c00$", done.stdout, re.M | re.I), done.stdout
+
+
+def test_sigrok_decodes_what_a_simulator_dumps(tmp_path):
+    """In steps of 1 ps, of which `downsample` makes 10 ns."""
+    run(tmp_path, [*icarus(tmp_path, "pause"), "+vcd"])
+    done = subprocess.run(["sigrok-cli", "-i", "pause.vcd", "-I", "vcd:downsample=10000", "-P", "ssi:clock=clock:data=data",
+                           "-A", "ssi=position"], cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                          env=os.environ | {"SIGROKDECODE_DIR": str(DECODERS), "PYTHONDONTWRITEBYTECODE": "1"}, timeout=60,
+                          check=False)
+    assert done.stdout == "ssi-1: MT 0 ST 2048\n"
+
+
+def test_a_master_that_looks_for_the_1_needs_the_delay(tmp_path):
+    done = run(tmp_path, verilator(tmp_path, "pause", "-DTCO_NS=10.0"))
+    assert "no pause" in done.stdout
 
 
 def test_delays_are_what_was_asked_for(traces):

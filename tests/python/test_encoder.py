@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Encoders in this process: each model through its own wire, shafts, world, faults, memories, time. Golden
 bytes are those of tests/unit/test_host.c, from the manuals."""
+import warnings
+
 import drehgeber
 import pytest
 from drehgeber import Clock, Encoder, EncoderError, ScpiError, Shaft
@@ -584,6 +586,20 @@ def test_a_state_goes_on():
 
 
 # ---------------------------------------------------------------- BiSS, SSI, INTERBUS
+
+
+def test_a_biss_line_without_a_pulse_is_a_warning():
+    encoder = Encoder("s3684-biss")
+    with pytest.warns(UserWarning, match="s3684-biss: SLO is low until the first MA pulse .* or set sl_low_at_start=0$"):
+        encoder.clock.advance(0.1)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        encoder.clock.advance(1)
+        Encoder("s3684-biss", hint_us=0, clock=encoder.clock)
+        Encoder("ssi-25", clock=encoder.clock)
+        clocked = Encoder("s3684-biss", clock=encoder.clock)
+        clocked.biss.frame()
+        encoder.clock.advance(1)
 
 
 def test_registers_of_biss():

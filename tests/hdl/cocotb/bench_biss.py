@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: MIT
 """BissEncoder, in whatever simulator runs this."""
 
+import logging
 import math
 import random
 
 import cocotb
+from cocotb.simtime import get_sim_time
 from cocotb.triggers import Timer, with_timeout
 from cocotb.types import Logic
 from drehgeber import EncoderError
@@ -95,6 +97,59 @@ async def matrix(dut, row):
     value = await master.register(address, slave=slave)
     assert value == asked.register(address)[0]
     assert int.from_bytes(asked.register(*SERIAL), "big") == 1000 + count - 1 - slave
+
+
+TOLD = []  # of what the log has, the hints
+
+
+class Hints(logging.Handler):
+    def emit(self, record):
+        if "hangs here" in record.getMessage():
+            TOLD.append((record.levelname, record.getMessage(), int(get_sim_time("us"))))
+
+
+def listen():
+    TOLD.clear()
+    if not any(isinstance(handler, Hints) for handler in cocotb.log.handlers):
+        cocotb.log.addHandler(Hints())
+
+
+@limited
+async def what_may_keep_a_master_waiting_is_told_once(dut):
+    """100 us behind power-on, and of a chain by the last one."""
+    listen()
+    await ready(dut)
+    begin = int(get_sim_time("us"))
+    chain_of(dut, 3)
+    await Timer(300, "us")
+    assert [(level, at - begin) for level, _, at in TOLD] == [("WARNING", 100)]
+    assert TOLD[0][1] == (
+        "s3684-biss: SLO is low until the first MA pulse (BiSS C6, Bus reset); a master that waits for SLO = 1 "
+        "hangs here: send a pulse, or set sl_low_at_start=0"
+    )
+    listen()
+    BissEncoder(dut.ma, None, hint_us=0)
+    BissEncoder(dut.ma, None, sl_low_at_start=0)
+    encoder = BissEncoder(dut.ma, dut.slo)
+    await BissMaster(dut, 1_000_000, 250_000, START, widths(encoder)[1]).frame()
+    await Timer(300, "us")
+    assert not TOLD
+
+
+@limited
+async def a_test_that_ends_early(dut):
+    """What it is told is looked at in the next one."""
+    listen()
+    await ready(dut)
+    BissEncoder(dut.ma, dut.slo)
+    await Timer(1, "us")
+    assert not TOLD
+
+
+@limited
+async def has_the_hint_at_its_end(dut):
+    assert len(TOLD) == 1
+    await ready(dut)
 
 
 @limited

@@ -50,6 +50,22 @@ async def words(dut, row, hertz):
 
 
 @limited
+async def data_is_late_enough_for_a_master_that_looks_for_the_1(dut):
+    """More than 100 ns behind the edge (TR-ECE-BA-DGB-0131): shortly behind the first rising one data is still high."""
+    dut.ma.value = 1
+    await Timer(100, "us")
+    encoder = SsiEncoder(dut.ma, dut.slo, "ssi-25")  # at 0: all bits are 0
+    assert encoder.position() == 0
+    dut.ma.value = 0
+    await Timer(1, "us")
+    dut.ma.value = 1
+    await Timer(100, "ns")
+    assert dut.slo.value == 1
+    await Timer(100, "ns")
+    assert dut.slo.value == 0
+
+
+@limited
 async def the_latch_is_the_first_falling_edge(dut):
     dut.ma.value = 1
     await Timer(100, "us")

@@ -16,8 +16,8 @@ SIMULATORS = {
 }
 # bench            tests at least
 BENCHES = {
-    "bench_biss": 22,
-    "bench_ssi": 14,
+    "bench_biss": 25,
+    "bench_ssi": 15,
     "bench_hiperface": 15,
 }
 

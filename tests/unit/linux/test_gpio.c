@@ -279,6 +279,10 @@ static void test_slo_begins_as_the_device_has_it(void **state)
     begin(DG_S(1));
     assert_false(gpio.data);
     assert_int_equal(fake.written, 0);
+    for (dg_ns end = lx_now() + DG_MS(900); lx_now() < end && !rig.slave[0].line.hinted;) {
+        run();
+    }
+    assert_true(rig.slave[0].line.hinted); /* the user has been told why a master may wait */
     queue(LATER, false);
     run();
     assert_int_equal(fake.written, 0);

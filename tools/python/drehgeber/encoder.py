@@ -162,13 +162,16 @@ class Encoder(Instrument):
         else:
             self._deadline = self._lib.dg_host_step(self._host, now)
         if self.protocol == "biss":
-            text = self._lib.dg_host_hint(self._host, now, self._hint_due)
+            self._tell(now)
             self._deadline = min(self._deadline, int(self._hint_due[0]))
-            if text != self._ffi.NULL:
-                self._hint(self._ffi.string(text).decode())
+
+    def _tell(self, now: int) -> None:
+        """What the user should know by then."""
+        text = self._lib.dg_host_hint(self._host, now, self._hint_due)
+        if text != self._ffi.NULL:
+            self._hint(self._ffi.string(text).decode())
 
     def _hint(self, text: str) -> None:
-        """The user should know this."""
         warnings.warn(f"{self.name or self.model}: {text}", stacklevel=2)
 
     _run = _step

@@ -7,13 +7,14 @@ from collections.abc import Callable
 from typing import Any, Literal, NamedTuple
 
 from cocotb.handle import LogicObject
+from cocotb.triggers import Event
 
 from .. import _native
 from .._native import EncoderError, checked
 from ..shaft import TURN, Shaft
 from .biss_line import Access, BissLine, Frame, Layout
 from .simulation import (
-    LEAD_PS, Delay, News, SimulatedEncoder, drive, level_of, now_ps, ps_of,
+    LEAD_PS, Delay, News, SimulatedEncoder, drive, level_of, now_ps, ps_of, start,
 )  # fmt: skip
 
 LIFE_BITS = 6
@@ -205,6 +206,15 @@ class BissEncoder(ClockedEncoder):
             pin = sli
             self._watch(pin, lambda: self._behind(level_of(pin, self._behind_level)))
             self._behind(level_of(pin, False))
+        start(self._until_the_end())
+        self._after()
+
+    async def _until_the_end(self) -> None:
+        """What there is still to tell when the test is over."""
+        try:
+            await Event().wait()
+        finally:
+            self._encoder._tell(NEVER)
 
     def _begun(self) -> BissLine:
         life = LIFE_BITS if self.get("lc") == "1" else 0
