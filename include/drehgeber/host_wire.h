@@ -63,8 +63,8 @@ struct dg_host_wire {
     uint64_t (*latched)(const struct dg_host_line *line);
     /** Whether encoders of this wire make chains: `level` and `clock` look at line->behind. */
     bool chains;
-    /** What the user should know at `now`, once; NULL: nothing. `due`: when to ask again. NULL:
-     * there never is anything. */
+    /** What the user should know at `now`, once; NULL: nothing. `due`: when to ask again. NULL
+     * where the protocol has nothing to say. */
     const char *(*hint)(struct dg_host_line *line, dg_ns now, dg_ns *due);
     /** A frame by an own master from line->now on, which it moves on. NULL: has none. */
     int (*frame)(struct dg_host_line *line, struct dg_host_frame *to);

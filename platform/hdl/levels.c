@@ -129,7 +129,7 @@ static int64_t own_due(const struct dg_hdl *self)
 }
 
 /* The first power: what the encoder has seen of its lines so far is nothing. */
-static void switch_on(struct dg_hdl *self, int64_t at)
+static void switch_power_on(struct dg_hdl *self, int64_t at)
 {
     const uint64_t ns = (uint64_t)(at / HDL_PS_PER_NS);
 
@@ -147,7 +147,7 @@ static void switch_on(struct dg_hdl *self, int64_t at)
 static void serve(struct dg_hdl *self, int64_t at)
 {
     if (self->power_at <= at) {
-        switch_on(self, at);
+        switch_power_on(self, at);
     }
     if (self->wire->run != NULL && self->wire->due(self) <= at) {
         self->wire->run(self, at);
@@ -205,7 +205,7 @@ int64_t dg_hdl_next(const struct dg_hdl *self)
 /* Registers of a master begin with anything, and stay there until its first clock: a level that
    lasts since before power-on is no edge, and neither is the return from it. Of an input that
    changes with power-on it counts what it was before, whoever is first in that time step. */
-static bool listens(struct dg_hdl *self, int delayed)
+static bool takes_edges(struct dg_hdl *self, int delayed)
 {
     const int idle = self->wire->idle_in;
 
@@ -248,7 +248,7 @@ int dg_hdl_wires(struct dg_hdl *self, int64_t now, int inputs)
     }
 
     /* Chance is asked for changes alone: a look in between makes no other trace. */
-    if (listens(self, delayed) && delayed != self->in.levels) {
+    if (takes_edges(self, delayed) && delayed != self->in.levels) {
         put(&self->in, self->now + self->settings.delay_in + jitter(self), delayed);
         (void)hdl_run(self, self->now);
     }

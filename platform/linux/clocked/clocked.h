@@ -62,7 +62,7 @@ struct lx_clocked_ops {
     /** The level of the data line at the master's end of it. */
     bool (*level)(const struct lx_clocked *self);
     /** What the user should know at `now`, once; NULL: nothing. `due`: when to ask again, unless an
-     * edge comes before. NULL: there never is anything. */
+     * edge comes before. Optional: most protocols have nothing to say. */
     const char *(*hint)(struct lx_clocked *self, dg_ns now, dg_ns *due);
     /** The level of the clock as the encoders have it. */
     bool (*clocked)(const struct lx_clocked *self);

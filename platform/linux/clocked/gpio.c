@@ -266,7 +266,7 @@ static void report_rate(struct lx_gpio *self)
 }
 
 /* Until the next look, or until there may be something to tell the user. */
-static void watch_on(struct lx_gpio *self, dg_ns now)
+static void arm_watch(struct lx_gpio *self, dg_ns now)
 {
     const struct lx_gpio_setup *setup = &self->setup;
     const dg_ns hint = lx_clocked_hint(setup->line, setup->say, setup->name, now);
@@ -286,7 +286,7 @@ static void on_watch(void *ctx, dg_ns now)
     }
     report_trouble(self, now);
     report_rate(self);
-    watch_on(self, now);
+    arm_watch(self, now);
 }
 
 static int listen(struct lx_gpio *self)
@@ -320,7 +320,7 @@ int lx_gpio_open(struct lx_gpio *self, const struct lx_gpio_setup *setup, struct
     }
     (void)line->ops->edge(line, now, level != 0);
     answer(self);
-    watch_on(self, now);
+    arm_watch(self, now);
     return 0;
 }
 

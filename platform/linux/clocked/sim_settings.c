@@ -19,7 +19,7 @@ const struct lx_keys lx_sim_keys = {.rows = keys, .count = DG_COUNT(keys)};
 const struct lx_clocked_timing lx_sim_timing = {.clock_hz = LX_CLOCK_HZ, .compensate = true};
 
 /* A bit is looked at half a period behind the edge that it belongs to. */
-static int check(const struct lx_clocked_timing *timing, struct lx_error *error)
+static int check_timing(const struct lx_clocked_timing *timing, struct lx_error *error)
 {
     const uint64_t back_ns = (uint64_t)2u * timing->line_delay_ns;
     struct lx_words right = {""};
@@ -50,5 +50,5 @@ int lx_sim_timing_set(const struct lx_plan *plan, const struct lx_plan_wire *wir
     if (lx_wire_settings(&lx_sim_keys, plan, wire, timing, error) != 0) {
         return -1;
     }
-    return check(timing, error) == 0 ? 0 : refuse_compensate(plan, wire, error);
+    return check_timing(timing, error) == 0 ? 0 : refuse_compensate(plan, wire, error);
 }

@@ -91,7 +91,7 @@ static uint32_t rises(const struct lx_clocked *base)
 /* --- words --- */
 
 /* What belongs to `at` at the master's end. */
-static bool sample(const struct lx_clocked_wire *wire, dg_ns at)
+static bool take_sample(const struct lx_clocked_wire *wire, dg_ns at)
 {
     return lx_cable_level(&wire->cable, at + wire->delay);
 }
@@ -99,7 +99,7 @@ static bool sample(const struct lx_clocked_wire *wire, dg_ns at)
 /* What the master sees when the clock is about to move again. */
 static bool look(const struct lx_clocked_wire *wire)
 {
-    return sample(wire, wire->now + wire->half_ns);
+    return take_sample(wire, wire->now + wire->half_ns);
 }
 
 /* Each bit is taken with the falling edge behind it, by which the monoflop time of a clock that is
@@ -116,7 +116,7 @@ static void read_frame(struct lx_clocked *base, struct lx_clocked_wire *wire)
     lx_clocked_wire_edge(wire, true);
     for (uint8_t left = dg_ssi_word_bits(model); left > 0; left--) {
         lx_clocked_wire_edge(wire, false);
-        bits = bits << 1 | sample(wire, wire->now);
+        bits = bits << 1 | take_sample(wire, wire->now);
         lx_clocked_wire_edge(wire, true);
     }
     self->frame.bits = bits;
