@@ -87,9 +87,13 @@ int fmi_may_step(struct fmi *self, double now, double span)
     if (self == NULL || self->terminated || !fmu_started(self->fmu)) {
         return fmi_failed(self, "DoStep", DG_HOST_ERR_STATE);
     }
-    return fmu_may_step(self->fmu, now, span)
-               ? FMI_OK
-               : fmi_refused(self, "communication point or step size");
+    if (!fmu_may_step(self->fmu, now, span)) {
+        char text[96];
+        (void)snprintf(text, sizeof text, "DoStep from %.9g s for %.9g s, the FMU is at %.9g s",
+                       now, span, fmu_time(self->fmu));
+        return fmi_refused(self, text);
+    }
+    return FMI_OK;
 }
 
 int fmi_reset(struct fmi *self)

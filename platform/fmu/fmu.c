@@ -166,13 +166,37 @@ bool fmu_started(const struct fmu *self)
     return self->started;
 }
 
-/* Importers add up their steps, which is not exact. */
+double fmu_time(const struct fmu *self)
+{
+    return self->start + (double)self->now * 1e-9;
+}
+
+/* From a number to the next one that a double can be. */
+static double ulp_of(double value)
+{
+    double next = value < 0 ? -value : value;
+    const double from = next;
+    uint64_t bits;
+    memcpy(&bits, &next, sizeof bits);
+    bits++;
+    memcpy(&next, &bits, sizeof next);
+    return next - from;
+}
+
+/* Importers add up their steps, which is not exact; far from 0 a double is coarser than that. */
+static bool is_at(const struct fmu *self, double time)
+{
+    const double least = 1e-6;
+    const double coarse = 4 * ulp_of(fmu_time(self));
+    const double tolerance = coarse > least ? coarse : least;
+    const double gap = time - fmu_time(self);
+    return gap >= -tolerance && gap <= tolerance;
+}
+
 bool fmu_may_step(const struct fmu *self, double now, double span)
 {
-    const double tolerance = 1e-6;
-    const double at = now - self->start;
-    return self->started && span >= 0 && fmu_is_small(at, FMU_TIME_MAX) &&
-           fmu_is_small(at + span, FMU_TIME_MAX) && at > (double)self->now * 1e-9 - tolerance;
+    return self->started && is_at(self, now) && span >= 0 &&
+           fmu_is_small(now - self->start + span, FMU_TIME_MAX);
 }
 
 static uint64_t next_of(const struct fmu *self, uint64_t to)
@@ -208,7 +232,11 @@ double fmu_step(struct fmu *self, double now, double span, bool early)
             latch(self, &self->encoders[i]);
         }
     }
-    return self->now == to ? now + span : self->start + (double)self->now * 1e-9;
+    if (self->now == to) {
+        return now + span;
+    }
+    /* The importer may be ahead by the tolerance: its time does not go back. */
+    return fmu_time(self) > now ? fmu_time(self) : now;
 }
 
 /* --- clocks and wires --- */

@@ -122,11 +122,14 @@ bool fmu_started(const struct fmu *self);
 int fmu_get(struct fmu *self, uint32_t reference, struct fmu_value *to);
 int fmu_set(struct fmu *self, uint32_t reference, const struct fmu_value *value);
 
-/** Whether there is a step from `now` on for `span` seconds: none before fmu_start(), none back
- * into what is over, none beyond FMU_TIME_MAX. */
+/** The latest moment that a step has reached, in s; fmu_start()'s before the first one. */
+double fmu_time(const struct fmu *self);
+/** Whether there is a step from `now` on for `span` seconds: none before fmu_start(), none from
+ * elsewhere than fmu_time() (1 us or, where that is more, 4 times the distance of two doubles
+ * there are allowed for what importers add up), none beyond FMU_TIME_MAX. */
 bool fmu_may_step(const struct fmu *self, double now, double span);
-/** Such a step, or, if `early`, until something waits for the importer. @return the time it is now
- */
+/** Such a step, or, if `early`, until something waits for the importer. @return the time it is now,
+ * `now` or later */
 double fmu_step(struct fmu *self, double now, double span, bool early);
 
 /** Whether any clock of an output ticks. */

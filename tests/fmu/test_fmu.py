@@ -429,6 +429,65 @@ def test_calls_out_of_order_are_errors(make: Make, version: str) -> None:
     slave.freeInstance()
 
 
+@pytest.mark.parametrize("version", ["3", "2"])
+def test_a_step_begins_where_the_last_one_ended(make: Make, version: str) -> None:
+    """FMI 3.0 (fmi3DoStep) and 2.0 (fmi2DoStep): currentCommunicationPoint is the end of the last step."""
+    fmu = make("s3684-biss", "--fmi", version)
+    kind = FMU3Slave if version == "3" else FMU2Slave
+    slave = kind(guid=fmu.description.guid, unzipDirectory=fmu.folder, modelIdentifier="drehgeber", instanceName="it")
+    slave.instantiate()
+    begin = {"startTime": 7.5}
+    if version == "2":
+        slave.setupExperiment(**begin)
+        begin = {}
+    slave.enterInitializationMode(**begin)
+    slave.exitInitializationMode()
+
+    def state() -> bytes:
+        saved = slave.getFMUState()
+        data = bytes(slave.serializeFMUState(saved))
+        slave.freeFMUState(saved)
+        return data
+
+    def only(point: float) -> None:
+        before = state()
+        for wrong in (0.0, point - 2e-6, point + 2e-6, point + 1e5, math.nan):
+            if wrong != point:
+                with pytest.raises(Exception, match="Error|error|status 3"):
+                    slave.doStep(wrong, 0.5)
+        assert state() == before
+
+    only(7.5)
+    slave.doStep(7.5, 0.5)
+    only(8.0)
+    saved = slave.getFMUState()
+    for step in range(1000):
+        slave.doStep(8.0 + step * 0.1, 0.1)
+    only(108.0)
+    slave.setFMUState(saved)
+    only(8.0)
+    slave.doStep(8.0, 0.1)
+    slave.freeFMUState(saved)
+    slave.freeInstance()
+
+
+def test_the_next_step_begins_where_one_returned_early(make: Make) -> None:
+    slave = Slave(make("s3684-rs485"), early=True)
+    slave.step(0.2)
+    slave.send("RS485", characters(bytes([0x40, 0x42, 0x02])))
+    assert slave.step(1.0)
+    moment = slave.time
+    assert 0.2 < moment < 0.23
+    slave.time = 1.2  # where it would be without early return
+    with pytest.raises(Exception, match="Error|error|status 3"):
+        slave.step(0.1)
+    slave.time = moment
+    slave.fetch("RS485")
+    slave.step(1.0)
+    assert slave.time == moment + 1.0
+    slave.close()
+
+
 NO_INSTANCE = """
 import ctypes, sys
 library = ctypes.CDLL(sys.argv[1])

@@ -218,8 +218,86 @@ static void time_goes_on_and_ends(void **state)
     assert_false(fmu_may_step(fmu, -2, (double)NAN));
     assert_false(fmu_may_step(fmu, -2, (double)INFINITY));
     assert_false(fmu_may_step(fmu, -2, FMU_TIME_MAX));
-    assert_true(fmu_may_step(fmu, 8e9, 1));
-    (void)fmu_step(fmu, 8e9, 1, false);
+    assert_true(fmu_may_step(fmu, -2, 8e9));
+    assert_true(fmu_step(fmu, -2, 8e9, false) == 8e9 - 2);
+    fmu_free(fmu);
+}
+
+static void refused_around(const struct fmu *fmu, double point, double tolerance)
+{
+    assert_true(fmu_may_step(fmu, point, 1e-3));
+    assert_true(fmu_may_step(fmu, point - 0.9 * tolerance, 1e-3));
+    assert_true(fmu_may_step(fmu, point + 0.9 * tolerance, 1e-3));
+    assert_false(fmu_may_step(fmu, point - 1.3 * tolerance, 1e-3));
+    assert_false(fmu_may_step(fmu, point + 1.3 * tolerance, 1e-3));
+    assert_false(fmu_may_step(fmu, point + 1e5, 1e-3));
+}
+
+/* 4 times the distance of doubles, 2^-52 of a power of 2, is more than 1 us from 2^31 s on. */
+static void steps_begin_where_the_last_one_ended(void **state)
+{
+    static const struct {
+        double start, tolerance;
+    } rows[] = {
+        {0, 1e-6}, {-3.5, 1e-6}, {1e9, 1e-6}, {4294967296.0, 4 * 0x1p-20}, {-8e9, 4 * 0x1p-20},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        struct fmu *fmu = fmu_make(TOKEN " =s3684-biss");
+        assert_int_equal(fmu_start(fmu, rows[i].start), DG_HOST_OK);
+        refused_around(fmu, rows[i].start, rows[i].tolerance);
+        const double then = fmu_step(fmu, rows[i].start, 0.25, false);
+        refused_around(fmu, then, rows[i].tolerance);
+        fmu_free(fmu);
+    }
+}
+
+/* What an importer adds up is its time, however far it is from count times step. */
+static void a_million_summed_steps_are_taken(void **state)
+{
+    static const double starts[] = {0, 1e9};
+    (void)state;
+    for (size_t i = 0; i < sizeof starts / sizeof starts[0]; i++) {
+        struct fmu *fmu = fmu_make(TOKEN " =ssi-25");
+        double time = starts[i];
+        assert_int_equal(fmu_start(fmu, time), DG_HOST_OK);
+        fmu_use_events(fmu, true);
+        for (long step = 0; step < 1000000; step++) {
+            assert_true(fmu_may_step(fmu, time, 1e-3));
+            assert_true(fmu_step(fmu, time, 1e-3, false) == time + 1e-3);
+            time += 1e-3;
+        }
+        assert_true(fmu_time(fmu) - time < 1e-6 && time - fmu_time(fmu) < 1e-6);
+        fmu_free(fmu);
+    }
+}
+
+/* Characters that begin at `at`, as README.md has them. */
+static void send_at(struct fmu *fmu, uint64_t at, const char *characters, uint8_t n)
+{
+    uint8_t bytes[16 + 8] = {0};
+    memcpy(bytes, &at, sizeof at);
+    bytes[12] = n;
+    memcpy(bytes + 16, characters, n);
+    assert_int_equal(fmu_clock_set(fmu, rx_clock, true), DG_HOST_OK);
+    assert_int_equal(fmu_binary_set(fmu, rx, bytes, 16u + n), DG_HOST_OK);
+    fmu_clocks_end(fmu);
+}
+
+/* A reply waits, and something happens where the FMU is behind its importer. */
+static void early_return_never_goes_back(void **state)
+{
+    (void)state;
+    struct fmu *fmu = on(TOKEN " =s3684-rs485");
+    const double asked = fmu_step(fmu, 0, 0.25, false);
+    send_at(fmu, 250000000, "\x40\x42\x02", 3);
+    const double begin = fmu_step(fmu, asked, 0.25, false) + 0.9e-6;
+    assert_true(fmu_ticks(fmu));
+    send_at(fmu, 500000500, "\x40", 1);
+    assert_true(fmu_may_step(fmu, begin, 1));
+    const double last = fmu_step(fmu, begin, 1, true);
+    assert_true(last >= begin && last < begin + 1e-6);
+    assert_true(fmu_may_step(fmu, last, 1));
     fmu_free(fmu);
 }
 
@@ -319,6 +397,9 @@ int main(void)
         cmocka_unit_test(states_go_on),
         cmocka_unit_test(damaged_states_are_refused),
         cmocka_unit_test(time_goes_on_and_ends),
+        cmocka_unit_test(steps_begin_where_the_last_one_ended),
+        cmocka_unit_test(a_million_summed_steps_are_taken),
+        cmocka_unit_test(early_return_never_goes_back),
         cmocka_unit_test(states_bring_their_faults),
         cmocka_unit_test(any_bytes_are_taken_or_refused),
         cmocka_unit_test(silent_importers_do_no_harm),
