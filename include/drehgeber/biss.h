@@ -416,6 +416,8 @@ struct dg_biss_port_ops {
 /** The protocol: models are struct dg_biss_model, devices struct dg_biss; setup.port is not looked
  * at. */
 DG_API extern const struct dg_stack dg_biss_stack;
+/** What is looked at before a state of one is believed, see stack.h. */
+DG_API extern const struct dg_stack_check dg_biss_check;
 /** Its models in src/devices: singleturn, multiturn. */
 DG_API extern const struct dg_device dg_s3674_biss, dg_s3684_biss;
 /** The protocol as an instrument, see instrument.h; an object file of its own. */

@@ -470,6 +470,9 @@ DG_API int dg_co_init(struct dg_co_node *self, const struct dg_co_setup *setup);
 /** As dg_stack.attach: `self` holds the bytes of a node of the same device; these are its pointers
  * now, none with NULL. */
 DG_API void dg_co_attach(struct dg_co_node *self, const struct dg_co_setup *setup);
+/** Whether all that such a node goes by fits: its mapped objects and its transfer are in the
+ * dictionary, its values in their limits. Only setup.device is looked at of what it points to. */
+DG_API bool dg_co_fits(const struct dg_co_node *self);
 
 /**
  * Power on: mount the store, load values, boot-up frame, pre-operational (or operational).

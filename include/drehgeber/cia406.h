@@ -120,6 +120,8 @@ DG_API uint32_t dg_cia406_position(const struct dg_co_node *node, dg_ns now);
 /** The protocol: models are struct dg_cia406_model, devices struct dg_cia406_device; setup.port is
  * a struct dg_co_ops. */
 DG_API extern const struct dg_stack dg_cia406_stack;
+/** What is looked at before a state of one is believed, see stack.h. */
+DG_API extern const struct dg_stack_check dg_cia406_check;
 /** Its models in src/devices: singleturn, multiturn. */
 DG_API extern const struct dg_device dg_f3658, dg_f3668;
 /** The protocol as an instrument, see instrument.h; an object file of its own. */

@@ -317,6 +317,8 @@ DG_API void dg_hf_sincos(const struct dg_hf *self, dg_ns now, struct dg_hf_sinco
 /** The protocol: models are struct dg_hf_model, devices struct dg_hf; setup.port is a struct
  * dg_hf_ops. */
 DG_API extern const struct dg_stack dg_hf_stack;
+/** What is looked at before a state of one is believed, see stack.h. */
+DG_API extern const struct dg_stack_check dg_hf_check;
 /** Its models in src/devices: singleturn, multiturn. */
 DG_API extern const struct dg_device dg_s3674_rs485, dg_s3684_rs485;
 /** The protocol as an instrument, see instrument.h; an object file of its own. */

@@ -368,7 +368,8 @@ DG_API int dg_host_save(struct dg_host *self, void *to, size_t n);
 /**
  * Go on from a state that a handle of the same model and the same build of the library has saved,
  * maybe in another process. The host's own EEPROM and shaft, and its listener, stay those of this
- * handle. The sum finds accidents; a state that somebody has forged is trusted like memory.
+ * handle. What a state says is believed, whoever made it, but nothing that would lead out of the
+ * memory of the handle or never end: that is DG_HOST_ERR_DAMAGED as well.
  * @return 0; nothing was changed: DG_HOST_ERR_OTHER, DG_HOST_ERR_DAMAGED, DG_HOST_ERR_SPACE: too
  * short
  */

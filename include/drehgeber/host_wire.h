@@ -68,6 +68,8 @@ struct dg_host_wire {
     const char *(*hint)(struct dg_host_line *line, dg_ns now, dg_ns *due);
     /** A frame by an own master from line->now on, which it moves on. NULL: has none. */
     int (*frame)(struct dg_host_line *line, struct dg_host_frame *to);
+    /** States of others: of the stack, whose settings begin with its own struct. */
+    const struct dg_stack_check *state;
 };
 
 /** The encoder has sent something. */

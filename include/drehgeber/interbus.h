@@ -390,6 +390,8 @@ DG_API dg_ns dg_ib_ring_cycle_time(const struct dg_ib_ring *self, uint32_t baud,
 /** The protocol: models are struct dg_ib_model, devices struct dg_ib; setup.port is not looked at.
  */
 DG_API extern const struct dg_stack dg_ib_stack;
+/** What is looked at before a state of one is believed, see stack.h. */
+DG_API extern const struct dg_stack_check dg_ib_check;
 /** Its models in src/devices: by ENCOM profile. */
 DG_API extern const struct dg_device dg_ocd_ib_k1, dg_ocd_ib_k2, dg_ocd_ib_k3;
 /** The protocol as an instrument, see instrument.h; an object file of its own. */

@@ -67,6 +67,9 @@ DG_API const struct dg_key *dg_keys_find(const struct dg_keys *self, const char 
  * any also 0x27 or 27h. @return 0 or DG_ERR_ARGUMENT */
 DG_API int dg_key_set(const struct dg_key *self, void *base, const char *value);
 
+/** Whether what lies there, at any address, is something that dg_key_set() can have put there. */
+DG_API bool dg_key_holds(const struct dg_key *self, const void *base);
+
 /** What it is, as dg_key_set() takes it. @return its characters, behind which there is a zero, or
  * DG_ERR_SPACE */
 DG_API int dg_key_get(const struct dg_key *self, const void *base, char *to, size_t size);

@@ -230,6 +230,8 @@ DG_API uint32_t dg_ssi_binary(uint32_t gray);
 /** The protocol: models are struct dg_ssi_model, devices struct dg_ssi; they have no EEPROM, and
  * setup.nvm, setup.serial and setup.port are not looked at. */
 DG_API extern const struct dg_stack dg_ssi_stack;
+/** What is looked at before a state of one is believed, see stack.h. */
+DG_API extern const struct dg_stack_check dg_ssi_check;
 /** Its models in src/devices: singleturn, multiturn; multiturn in binary with error bit and parity.
  */
 DG_API extern const struct dg_device dg_ssi_13, dg_ssi_25, dg_ssi_28;

@@ -134,6 +134,31 @@ struct dg_stack {
     }                                                                                              \
     _Static_assert(_Alignof(struct name) <= _Alignof(max_align_t), "as device_size promises")
 
+/** Numbers in a device that it goes by: an index, a divisor, a bool that is a bool. */
+struct dg_stack_range {
+    uint16_t offset; /**< of the first one */
+    uint8_t size;    /**< of each: 1, 2 or 4 bytes */
+    uint8_t count;
+    uint32_t min;
+    uint32_t max;
+};
+/** A row for one member, and for a bool. */
+#define DG_STACK_RANGE(type, member, min, max)                                                     \
+    {                                                                                              \
+        offsetof(struct type, member), sizeof(((struct type *)0)->member), 1, min, max             \
+    }
+#define DG_STACK_BOOL(type, member) DG_STACK_RANGE(type, member, 0, 1)
+
+/** What is looked at before a state is believed: the check sum of one says who damaged it, not who
+ * made it. Bytes are at any address, pointers in them are NULL. */
+struct dg_stack_check {
+    const struct dg_stack_range *ranges; /**< of the device */
+    size_t count;
+    /** Whether the numbers fit together, each in its range, the settings in those of their keys.
+     * @param own settings that these take the place of, of the same model */
+    bool (*fits)(const void *own, const void *settings, const void *device);
+};
+
 /** An encoder as it can be ordered. */
 struct dg_device {
     const char *name;       /**< as on the command line, e.g. "s3684-rs485" */

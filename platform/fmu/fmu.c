@@ -398,7 +398,6 @@ static void bend(struct fmu *self, struct fmu_encoder *encoder, const uint64_t f
     }
 }
 
-/* Importers keep states in files. */
 static bool is_whole(const uint8_t *bytes, size_t n)
 {
     uint32_t sum = 0;
@@ -406,32 +405,82 @@ static bool is_whole(const uint8_t *bytes, size_t n)
     return dg_crc32(0, bytes, n - sizeof sum) == sum;
 }
 
-int fmu_restore(struct fmu *self, const void *from, size_t n)
+/* The library looks at its own numbers. A time too far away would be simulated, step by step. */
+static bool course_fits(const uint8_t *bytes, uint64_t now)
 {
-    const uint8_t *at = from;
-    if (n != fmu_state_size(self) || memcmp(at, self->token, strlen(self->token)) != 0) {
-        return DG_HOST_ERR_OTHER;
+    static const size_t flags[] = {
+        offsetof(struct fmu_course, angle_new), offsetof(struct fmu_course, speed_new),
+        offsetof(struct fmu_course, power),     offsetof(struct fmu_course, rx),
+        offsetof(struct fmu_course, ma),        offsetof(struct fmu_course, taken),
+        offsetof(struct fmu_course, configured)};
+    const uint64_t longest_frame = UINT64_C(1000000000);
+    struct fmu_course course;
+    for (size_t i = 0; i < sizeof flags / sizeof flags[0]; i++) {
+        if (bytes[flags[i]] > 1) {
+            return false;
+        }
     }
-    if (!is_whole(at, n)) {
-        return DG_HOST_ERR_DAMAGED;
-    }
-    (void)fmu_start(self, self->start); /* only who was on has faults */
-    at += strlen(self->token);
+    memcpy(&course, bytes, sizeof course);
+    return course.waiting <= sizeof course.out && course.bus <= DG_HOST_BUS_OFF &&
+           (course.busy <= now || course.busy - now <= longest_frame);
+}
+
+static bool times_fit(double start, uint64_t now, uint8_t started)
+{
+    return started <= 1 && fmu_is_small(start, FMU_TIME_MAX) &&
+           now <= (uint64_t)FMU_TIME_MAX * 1000000000u;
+}
+
+/* Behind the token. Faults come before a handle that has them. @return 0, or a result of host.h */
+static int restore_all(struct fmu *self, const uint8_t *at)
+{
+    uint8_t started;
     at = fetch(at, &self->start, sizeof self->start);
     at = fetch(at, &self->now, sizeof self->now);
-    at = fetch(at, &self->started, sizeof self->started);
+    at = fetch(at, &started, sizeof started);
+    self->started = started == 1;
+    if (!times_fit(self->start, self->now, started)) {
+        return DG_HOST_ERR_DAMAGED;
+    }
     for (size_t i = 0; i < self->count; i++) {
         struct fmu_encoder *encoder = &self->encoders[i];
         const size_t size = dg_host_state_size(encoder->host);
         struct fmu_course course;
+        if (!course_fits(at, self->now)) {
+            return DG_HOST_ERR_DAMAGED;
+        }
         at = fetch(at, &course, sizeof course);
         bend(self, encoder, course.faults);
         const int result = dg_host_restore(encoder->host, at, size);
-        if (result != DG_HOST_OK) {
-            return result;
+        if (result != DG_HOST_OK || dg_host_next(encoder->host) < self->now) {
+            return result != DG_HOST_OK ? result : DG_HOST_ERR_DAMAGED;
         }
         encoder->now = course;
         at += size;
     }
     return DG_HOST_OK;
+}
+
+/* Importers keep states in files: one that is refused changes nothing. */
+int fmu_restore(struct fmu *self, const void *from, size_t n)
+{
+    const uint8_t *at = from;
+    const size_t head = strlen(self->token);
+    if (n != fmu_state_size(self) || memcmp(at, self->token, head) != 0) {
+        return DG_HOST_ERR_OTHER;
+    }
+    uint8_t *before = is_whole(at, n) ? malloc(n) : NULL;
+    if (before == NULL) {
+        return is_whole(at, n) ? DG_HOST_ERR_SPACE : DG_HOST_ERR_DAMAGED;
+    }
+    int result = fmu_save(self, before, n);
+    if (result == DG_HOST_OK) {
+        (void)fmu_start(self, self->start); /* only who was on has faults */
+        result = restore_all(self, at + head);
+    }
+    if (result != DG_HOST_OK) {
+        (void)restore_all(self, before + head);
+    }
+    free(before);
+    return result;
 }

@@ -66,6 +66,8 @@ uint8_t biss_life_bits(const struct dg_biss_model *model);
 uint8_t biss_frame_encode(const struct dg_biss *self, uint8_t flags, uint64_t *bits);
 
 /** factory.c */
+/** Its figures are within their ranges, and fit together. */
+bool biss_model_ok(const struct dg_biss_model *model);
 /** Mount the EEPROM, grown when it is of an earlier release. @return as dg_store_mount() */
 int biss_mount(struct dg_store *self, struct dg_nvm nvm);
 /** Everything but line, counters and setup begins anew at `now`. @return dg_store_mount()'s */

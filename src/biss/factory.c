@@ -41,7 +41,7 @@ const struct dg_store_layout dg_biss_layout = {
     .regions = regions,
 };
 
-static bool model_ok(const struct dg_biss_model *model)
+bool biss_model_ok(const struct dg_biss_model *model)
 {
     return model->multiturn_bits <= 24 && model->singleturn_bits >= 12 &&
            model->singleturn_bits <= 24 && model->busy <= DG_BISS_BUSY_S_MAX_NS &&
@@ -59,7 +59,7 @@ int dg_biss_format(struct dg_nvm nvm)
 int dg_biss_init(struct dg_biss *self, const struct dg_biss_setup *setup)
 {
     if (setup->model == NULL || setup->world == NULL || setup->world->angle == NULL ||
-        setup->nvm.ops == NULL || !model_ok(setup->model)) {
+        setup->nvm.ops == NULL || !biss_model_ok(setup->model)) {
         return DG_ERR_ARGUMENT;
     }
     *self = (struct dg_biss){.setup = *setup, .noise = setup->model->serial};

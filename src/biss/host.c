@@ -125,6 +125,7 @@ const struct dg_host_wire dg_biss_wire = {
     .chains = true,
     .hint = hint,
     .frame = frame,
+    .state = &dg_biss_check,
 };
 
 /* ------------------------------------------------------------ registers */

@@ -11,7 +11,6 @@
 #define EVENT_MS 1u
 #define LOOK_MS 100u
 #define PASSWORD_DELAY_MS 1000u
-#define PASSWORD_DELAYS_MAX 8u
 
 dg_ns cia406_in_ms(const struct dg_co_node *node, uint32_t ms)
 {

@@ -55,6 +55,9 @@ enum profile_cause {
 };
 _Static_assert(CAUSE_END <= 32, "causes are bits of a 32-bit mask");
 
+/** As often a wrong password doubles the delay of the next one (C25). */
+#define PASSWORD_DELAYS_MAX 8u
+
 /** Bits of warnings 6505h and alarms 6503h; 6506h and 6504h say which there are. */
 #define WARN_SPEED 0x0001u
 #define WARN_WATCHDOG 0x0004u

@@ -110,6 +110,7 @@ const struct dg_host_wire dg_cia406_wire = {
     .arrange = arrange,
     .check = check,
     .take = take,
+    .state = &dg_cia406_check,
 };
 
 int dg_host_bit_rate(const struct dg_host *self)

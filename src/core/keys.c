@@ -271,6 +271,27 @@ int dg_key_set(const struct dg_key *self, void *base, const char *value)
 
 /* ------------------------------------------------------------ text */
 
+static bool ends(const uint8_t *text, size_t max)
+{
+    size_t n = 0;
+
+    while (n <= max && text[n] != '\0') {
+        n++;
+    }
+    return n <= max;
+}
+
+bool dg_key_holds(const struct dg_key *self, const void *base)
+{
+    const uint8_t *at = (const uint8_t *)base + self->offset;
+
+    if (is_text(self)) {
+        return ends(at, (size_t)self->max);
+    }
+    const int64_t value = load(self, at);
+    return value >= self->min && value <= self->max;
+}
+
 /* From the right. @return the first character, the zero is behind the last one */
 static const char *format(char text[CHARACTERS_MAX], int64_t value, unsigned places)
 {

@@ -129,6 +129,7 @@ const struct dg_host_wire dg_hf_wire = {
     .check = check,
     .due = due,
     .take = take,
+    .state = &dg_hf_check,
 };
 
 /* ------------------------------------------------------------ looks */

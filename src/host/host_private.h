@@ -81,6 +81,8 @@ void host_sit(struct dg_host *self, void *shaft, dg_angle (*angle_of)(void *shaf
 
 /** time.c: whatever is due up to `now` happens, and what the host changed is looked at. */
 void host_run(struct dg_host *self, dg_ns now);
+/** Of wires that say no more: whether `event` is an edge. @return as dg_host_wire.check */
+int host_check_edge(const struct dg_host_event *event);
 /** The line may have another level than was told. */
 void host_look(struct dg_host *self);
 

@@ -147,12 +147,110 @@ int dg_host_save(struct dg_host *self, void *to, size_t n)
     return DG_HOST_OK;
 }
 
-/* Indices that the handle itself goes by, should the sum be right by chance. */
-static bool sane(const struct dg_host *state, const struct dg_host *self)
+/* ------------------------------------------------------------ checking
+ *
+ * The sum tells a damaged state. One that somebody has made has a right one: every number that the
+ * handle or its device goes by is looked at before one of them is there.
+ */
+
+static bool in_range(const struct dg_stack_range *row, const uint8_t *base)
 {
-    return state->in.first < DG_HOST_QUEUE && state->in.count <= DG_HOST_QUEUE &&
-           state->out.first < DG_HOST_QUEUE && state->out.count <= DG_HOST_QUEUE &&
-           state->memory_size == self->memory_size;
+    bool good = true;
+
+    for (uint8_t i = 0; i < row->count; i++) {
+        const uint8_t *at = base + row->offset + (size_t)i * row->size;
+        uint32_t value = at[0];
+        uint16_t half;
+        if (row->size == sizeof value) {
+            memcpy(&value, at, sizeof value);
+        } else if (row->size == sizeof half) {
+            memcpy(&half, at, sizeof half);
+            value = half;
+        }
+        good = good && value >= row->min && value <= row->max;
+    }
+    return good;
+}
+
+static bool all_in_range(const struct dg_stack_range *rows, size_t count, const uint8_t *base)
+{
+    bool good = true;
+
+    for (size_t i = 0; i < count; i++) {
+        good = good && in_range(&rows[i], base);
+    }
+    return good;
+}
+
+static bool all_hold(const struct dg_keys *keys, const void *base)
+{
+    bool good = true;
+
+    for (size_t i = 0; i < keys->count; i++) {
+        good = good && dg_key_holds(&keys->rows[i], base);
+    }
+    return good;
+}
+
+static int check_event(const struct dg_host_wire *wire, const struct dg_host_event *event)
+{
+    if (event->length > sizeof event->data) {
+        return DG_HOST_ERR_ARGUMENT;
+    }
+    return wire->check != NULL ? wire->check(event) : host_check_edge(event);
+}
+
+/* What waits for the device was sent by somebody; what waits for the host has its length. */
+static bool queues_fit(const struct dg_host *state, const struct dg_host_wire *wire)
+{
+    bool good = true;
+
+    for (uint32_t i = 0; i < DG_HOST_QUEUE; i++) {
+        const uint32_t at = (state->in.first + i) % DG_HOST_QUEUE;
+        const struct dg_host_event *out = &state->out.event[i];
+        good = good && out->length <= sizeof out->data;
+        good = good && (i >= state->in.count || check_event(wire, &state->in.event[at]) == 0);
+    }
+    const struct dg_host_event *first = &state->in.event[state->in.first];
+    return good && state->line.part <= (state->in.count == 0 ? 0 : 2u * first->length);
+}
+
+static bool handle_fits(const struct dg_host *self, const uint8_t *body)
+{
+    static const struct dg_stack_range rows[] = {
+        DG_STACK_BOOL(dg_host, line.level),
+        DG_STACK_BOOL(dg_host, line.behind),
+        DG_STACK_BOOL(dg_host, made),
+        DG_STACK_BOOL(dg_host, loaded),
+        DG_STACK_BOOL(dg_host, untold),
+        DG_STACK_RANGE(dg_host, in.first, 0, DG_HOST_QUEUE - 1u),
+        DG_STACK_RANGE(dg_host, in.count, 0, DG_HOST_QUEUE),
+        DG_STACK_RANGE(dg_host, out.first, 0, DG_HOST_QUEUE - 1u),
+        DG_STACK_RANGE(dg_host, out.count, 0, DG_HOST_QUEUE),
+    };
+    struct dg_host state;
+
+    if (!all_in_range(rows, sizeof rows / sizeof rows[0], body)) {
+        return false;
+    }
+    memcpy(&state, body, sizeof state);
+    return state.memory_size == self->memory_size && state.line.now != DG_NEVER &&
+           all_hold(&dg_world_keys, &state.world) && queues_fit(&state, self->wire);
+}
+
+static bool is_sound(const struct dg_host *self, const uint8_t *body)
+{
+    const struct dg_stack_check *check = self->wire->state;
+    const uint8_t *settings = body + host_round(sizeof *self);
+    const uint8_t *device = settings + host_parts_of(self->device, self->wire).settings;
+
+    if (!handle_fits(self, body) || !all_hold(self->wire->keys, settings)) {
+        return false;
+    }
+    /* One that was never on is made of its settings. */
+    return body[offsetof(struct dg_host, made)] == 0 ||
+           (all_in_range(check->ranges, check->count, device) &&
+            check->fits(self->line.settings, settings, device));
 }
 
 int dg_host_restore(struct dg_host *self, const void *from, size_t n)
@@ -170,10 +268,10 @@ int dg_host_restore(struct dg_host *self, const void *from, size_t n)
     if (memcmp(&header, &mine, offsetof(struct header, sum)) != 0) {
         return DG_HOST_ERR_OTHER;
     }
-    memcpy(&state, body, sizeof state);
-    if (header.sum != dg_crc32(0, body, size) || !sane(&state, self)) {
+    if (header.sum != dg_crc32(0, body, size) || !is_sound(self, body)) {
         return DG_HOST_ERR_DAMAGED;
     }
+    memcpy(&state, body, sizeof state);
     take_pointers(&state, self);
     memcpy(self, body, size);
     *self = state;

@@ -86,7 +86,7 @@ void dg_host_listen(struct dg_host *self, void (*heard)(void *, const struct dg_
     self->heard_ctx = ctx;
 }
 
-static int check_edge(const struct dg_host_event *event)
+int host_check_edge(const struct dg_host_event *event)
 {
     if (event->kind != DG_HOST_EDGE) {
         return DG_HOST_ERR_WIRE;
@@ -96,7 +96,8 @@ static int check_edge(const struct dg_host_event *event)
 
 int dg_host_send(struct dg_host *self, const struct dg_host_event *event)
 {
-    const int result = self->wire->check != NULL ? self->wire->check(event) : check_edge(event);
+    const int result =
+        self->wire->check != NULL ? self->wire->check(event) : host_check_edge(event);
 
     if (result != DG_HOST_OK) {
         return result;

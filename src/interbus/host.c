@@ -53,4 +53,5 @@ const struct dg_host_wire dg_ib_wire = {
     .without = without,
     .check = check,
     .take = take,
+    .state = &dg_ib_check,
 };

@@ -67,4 +67,5 @@ const struct dg_host_wire dg_ssi_wire = {
     .clock = set_clock,
     .latched = latched,
     .frame = frame,
+    .state = &dg_ssi_check,
 };

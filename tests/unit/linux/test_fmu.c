@@ -13,6 +13,7 @@
 #include <cmocka.h>
 
 #include "describe.h"
+#include "drehgeber/crc.h"
 #include "drehgeber/version.h"
 #include "fmu.h"
 
@@ -197,6 +198,76 @@ static void damaged_states_are_refused(void **state)
     free(bytes);
     free(again);
     fmu_free(fmu);
+}
+
+/* Both sums of a state of one encoder, made right. */
+static void sign(struct fmu *fmu, uint8_t *bytes, size_t n)
+{
+    const struct dg_host *host = fmu_host(fmu, 0);
+    const size_t body = dg_host_size_of(dg_host_model(host));
+    uint32_t sum = dg_crc32(0, bytes + (n - sizeof sum - body), body);
+    memcpy(bytes + (n - 2 * sizeof sum - body), &sum, sizeof sum);
+    sum = dg_crc32(0, bytes, n - sizeof sum);
+    memcpy(bytes + (n - sizeof sum), &sum, sizeof sum);
+}
+
+static void live(struct fmu *fmu, uint64_t round)
+{
+    const struct fmu_value speed = {.type = FMU_REAL, .real = (double)round};
+    struct fmu_variable row;
+    struct fmu_value value;
+    const uint8_t *bytes;
+    size_t waits;
+    (void)fmu_set(fmu, VARIABLE(FMU_INPUT, FMU_SPEED), &speed);
+    (void)fmu_clock_set(fmu, VARIABLE(FMU_BUS, FMU_MA), true);
+    fmu_clocks_end(fmu);
+    if (fmu_may_step(fmu, fmu_time(fmu), 0.05)) {
+        (void)fmu_step(fmu, fmu_time(fmu), 0.05, round % 2 == 0);
+    }
+    for (size_t i = 1; fmu_variable(fmu, i, &row); i++) {
+        (void)fmu_get(fmu, row.reference, &value);
+    }
+    (void)fmu_binary_get(fmu, VARIABLE(FMU_BUS, FMU_TX), &bytes, &waits);
+    fmu_clocks_end(fmu);
+}
+
+/* States that somebody has made: refused without a trace, or lived with. */
+static void forged_states_do_no_harm(void **state)
+{
+    static const char *const tokens[] = {TOKEN " =f3668", TOKEN " =s3684-rs485",
+                                         TOKEN " =s3684-biss"};
+    static const uint8_t values[] = {0x00, 0x02, 0x40, 0x7F, 0xC5, 0xFF};
+    (void)state;
+    unsigned refused = 0;
+    for (size_t i = 0; i < sizeof tokens / sizeof tokens[0]; i++) {
+        struct fmu *fmu = on(tokens[i]);
+        (void)fmu_step(fmu, 0, 0.3, false);
+        const size_t n = fmu_state_size(fmu);
+        const size_t head = strlen(tokens[i]);
+        uint8_t *whole = malloc(n);
+        uint8_t *forged = malloc(n);
+        assert_true(whole != NULL && forged != NULL);
+        assert_int_equal(fmu_save(fmu, whole, n), DG_HOST_OK);
+        for (uint64_t at = head; at + 8 < head + 330; at++) {
+            memcpy(forged, whole, n);
+            memset(forged + at, values[at % sizeof values], at % 3 == 0 ? 8 : 1);
+            sign(fmu, forged, n);
+            const int result = fmu_restore(fmu, forged, n);
+            assert_true(result == DG_HOST_OK || result == DG_HOST_ERR_DAMAGED);
+            if (result == DG_HOST_OK) {
+                live(fmu, at);
+                assert_int_equal(fmu_restore(fmu, whole, n), DG_HOST_OK);
+            } else {
+                refused++;
+            }
+            assert_int_equal(fmu_save(fmu, forged, n), DG_HOST_OK);
+            assert_memory_equal(forged, whole, n);
+        }
+        free(whole);
+        free(forged);
+        fmu_free(fmu);
+    }
+    assert_true(refused > 20);
 }
 
 static void time_goes_on_and_ends(void **state)
@@ -396,6 +467,7 @@ int main(void)
         cmocka_unit_test(values_of_another_kind_are_refused),
         cmocka_unit_test(states_go_on),
         cmocka_unit_test(damaged_states_are_refused),
+        cmocka_unit_test(forged_states_do_no_harm),
         cmocka_unit_test(time_goes_on_and_ends),
         cmocka_unit_test(steps_begin_where_the_last_one_ended),
         cmocka_unit_test(a_million_summed_steps_are_taken),

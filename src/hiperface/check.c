@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * States that somebody has made: what a device goes by, and whether it fits together.
+ */
+#include <string.h>
+
+#include "hiperface_private.h"
+
+static const struct dg_stack_range ranges[] = {
+    DG_STACK_RANGE(dg_hf, store.region_count, 0, DG_HF_REGION_COUNT),
+    DG_STACK_BOOL(dg_hf, store.unapplied),
+    DG_STACK_RANGE(dg_hf, line, 0, DG_HF_REPLY),
+    DG_STACK_BOOL(dg_hf, frame_damaged),
+    DG_STACK_RANGE(dg_hf, length, 0, DG_HF_FRAME_MAX + 1u),
+    DG_STACK_RANGE(dg_hf, blocks, 0, HF_FIELDS_MAX),
+    DG_STACK_RANGE(dg_hf, stack_count, 0, DG_HF_STACK_DEPTH),
+};
+
+/* Figures that were never read are 0. */
+static bool position_fits(const struct dg_hf *device)
+{
+    const struct dg_hf_model figures = {
+        .periods_per_turn = device->periods,
+        .steps_per_period = device->steps,
+        .turns = device->turns,
+        .memory_blocks = 1,
+    };
+
+    return device->line == DG_HF_OFF ||
+           (hf_model_check(&figures) == DG_OK &&
+            device->offset < (uint64_t)device->periods * device->steps * device->turns);
+}
+
+/* A reply is that of the frame in the buffer; who waits for nothing has no deadline. */
+static bool line_fits(const struct dg_hf *device)
+{
+    struct dg_hf again = *device;
+
+    if (device->line == DG_HF_OFF || device->line == DG_HF_IDLE) {
+        return device->deadline == DG_NEVER;
+    }
+    if (device->line == DG_HF_REPLY) {
+        hf_check(&again);
+    }
+    return again.verdict == device->verdict && again.command == device->command;
+}
+
+static bool fits(const void *own, const void *settings, const void *device)
+{
+    struct dg_hf_settings mine;
+    struct dg_hf self;
+
+    (void)own;
+    memcpy(&mine, settings, sizeof mine);
+    memcpy(&self, device, sizeof self);
+    return hf_model_check(&mine.model) == DG_OK && position_fits(&self) && line_fits(&self);
+}
+
+const struct dg_stack_check dg_hf_check = {ranges, DG_COUNT(ranges), fits};

@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * States that somebody has made: what a device goes by, and whether it fits together.
+ */
+#include <string.h>
+
+#include "ssi_private.h"
+
+static const struct dg_stack_range ranges[] = {
+    DG_STACK_RANGE(dg_ssi, state, 0, DG_SSI_SHIFT),
+    DG_STACK_BOOL(dg_ssi, clock),
+    DG_STACK_BOOL(dg_ssi, data),
+};
+
+static bool fits(const void *own, const void *settings, const void *device)
+{
+    struct dg_ssi_model model;
+    struct dg_ssi self;
+
+    (void)own;
+    memcpy(&model, settings, sizeof model);
+    memcpy(&self, device, sizeof self);
+    return ssi_model_ok(&model) && self.left <= dg_ssi_word_bits(&model);
+}
+
+const struct dg_stack_check dg_ssi_check = {ranges, DG_COUNT(ranges), fits};
