@@ -174,9 +174,9 @@ def test_words_of_an_encoder():
         axis.world("TEMP", "85 DEGC")
         assert float(axis.world("TEMP")) == 85
         axis.power(False)
-        assert axis.state()["power"] == "0"
+        assert axis.state()["power"] == 0
         axis.power("CYCLE")
-        assert axis.state()["power"] == "1"
+        assert axis.state()["power"] == 1
 
 
 def test_words_of_a_shaft():

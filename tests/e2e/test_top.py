@@ -149,7 +149,7 @@ def test_what_is_to_be_seen(panel, four):
     assert "panel" in screen.splitlines()[0] and four.address in screen.splitlines()[0]
     assert re.search(r"^\|   \+ - @ ", screen, re.MULTILINE), screen  # to the right: 90 degrees
     for name, mode in ("hf", "on"), ("co", "preoperational"), ("ib", "position"), ("bi", "idle"):
-        state = four.encoders[name].state()
+        state = four.encoders[name].state(raw=True)
         line = row(screen, name)
         assert state["mode"] == mode
         for part in four.encoders[name].model, four.encoders[name].wire, mode, state["position"]:
@@ -236,10 +236,10 @@ def test_power(panel, four):
     top.wait("^bi .* idle")
     top.keys("End", "p")
     top.wait("^bi .* off +- ", "power OFF")
-    assert bi.state()["power"] == "0"
+    assert bi.state()["power"] == 0
     top.keys("p")
     top.wait("^bi .* idle", "power on")
-    assert bi.state()["power"] == "1"
+    assert bi.state()["power"] == 1
 
 
 def test_sizes(panel, four):

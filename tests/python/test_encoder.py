@@ -125,7 +125,7 @@ def test_time_passes_by_advance_alone():
     assert encoder.position == before and encoder.can.recv() is None and encoder.clock.now == 0
     encoder.clock.advance(1.5)
     assert encoder.clock.now == 1.5 and encoder.position == 65536 * 3 // 2 + before
-    with pytest.raises(ValueError, match="backwards"):
+    with pytest.raises(ValueError, match="expected 0"):
         encoder.clock.advance(-1)
 
 
@@ -531,7 +531,7 @@ def test_a_line_that_is_cut(model, open_line):
 
 def test_lines_of_scpi():
     encoder = Encoder("f3668", shaft="90DEG")
-    assert encoder.state()["position"] == "16384"
+    assert encoder.state()["position"] == 16384
     assert encoder.ask("WORL:TEMP 80") is None and encoder.world.temperature == 80
     with pytest.raises(ScpiError, match="-113") as caught:
         encoder.ask("NONS")
@@ -653,12 +653,12 @@ def test_what_is_no_number_turns_no_shaft(wrong):
 def test_what_is_not_finite_turns_no_shaft(wrong):
     shaft = Shaft()
     for call in (shaft.move, lambda value: setattr(shaft, "velocity", value)):
-        with pytest.raises(EncoderError, match="a finite number is right"):
+        with pytest.raises(EncoderError, match="expected -"):
             call(wrong)
 
 
 def test_words_are_texts():
-    with pytest.raises(TypeError, match="model None: a name is right"):
+    with pytest.raises(TypeError, match="model None: expected a text"):
         Encoder(None)
     with pytest.raises(TypeError, match="motion 60: words are right"):
         Shaft(motion=60)

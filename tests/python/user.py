@@ -28,8 +28,10 @@ with can.Bus(interface="drehgeber", channel="f3668?node=7&shaft=90DEG") as bus:
     assert answer is not None and int.from_bytes(answer.data[4:], "little") == 16384
 
 
-def steer() -> dict[str, str]:
+def steer() -> tuple[int, dict[str, str]]:
     """With the command on PATH."""
     with drehgeber.run("s3684-rs485", "--shaft", "60RPM") as rig:
         rig.encoders["s3684-rs485"].shaft.move(90)
-        return rig.encoders["s3684-rs485"].state()
+        encoder = rig.encoders["s3684-rs485"]
+        position: int = encoder.state()["position"]
+        return position, encoder.state(raw=True)

@@ -163,5 +163,5 @@ def test_forty_encoders_for_a_minute():
     for master in masters:
         assert master.figures["wrong"] == 0
         assert master.figures["exchanges"] >= WIRES[master.wire][1] * took_s
-    assert [name for name, state in states.items() if state["wire_up"] != "1"] == []
+    assert [name for name, state in states.items() if state["wire_up"] != 1] == []
     assert complaint(judgement) == ""

@@ -283,7 +283,7 @@ def test_what_it_has_stays_what_it_was(tmp_path, monkeypatch):
     report(took_s, samples, cpu, figures)
 
     assert statuses == [0] * len(masters)
-    assert [name for name, state in states.items() if state["wire_up"] != "1"] == []
+    assert [name for name, state in states.items() if state["wire_up"] != 1] == []
     for one in masters:
         assert one.figures["wrong"] == 0 and one.figures["exchanges"] >= 5 * took_s, one.figures
     for one in storing:

@@ -36,7 +36,7 @@ try:
 except importlib.metadata.PackageNotFoundError:  # a folder of sources
     __version__ = "0"
 
-from ._native import EncoderError, eds, models
+from ._native import EncoderError, RangeError, eds, models
 from .canbus import CanBus, CanFrame, CanPort
 from .clock import Clock
 from .control import Control, ScpiError
@@ -61,6 +61,7 @@ __all__ = [
     "Encoder",
     "EncoderError",
     "Line",
+    "RangeError",
     "Rig",
     "RigError",
     "RunningEncoder",

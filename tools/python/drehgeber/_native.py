@@ -5,10 +5,12 @@ from __future__ import annotations
 
 import functools
 import os
+from decimal import Decimal
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 NAME = "libdrehgeber.so"
+ERR_ARGUMENT = -1
 
 
 class EncoderError(Exception):
@@ -17,6 +19,43 @@ class EncoderError(Exception):
     def __init__(self, text: str, code: int = 0) -> None:
         super().__init__(text)
         self.code = code
+
+
+N = TypeVar("N", bound="float | Decimal")
+
+
+class RangeError(EncoderError, ValueError):
+    """A value that cannot be; nothing has happened."""
+
+
+def within(value: N, low: float, high: float, what: str) -> N:
+    """A number from `low` to `high`, before it is multiplied or rounded: neither NaN nor a text."""
+    if not isinstance(value, (int, float, Decimal)):
+        raise TypeError(f"{what} {value!r}: expected a number")
+    if not low <= value <= high:
+        raise RangeError(f"{what} {value}: expected {low:.12g}..{high:.12g}", ERR_ARGUMENT)
+    return value
+
+
+def encoded(text: str, what: str, encoding: str = "utf-8") -> bytes:
+    """A text for the library, which ends at a NUL."""
+    if not isinstance(text, str):
+        raise TypeError(f"{what} {text!r}: expected a text")
+    try:
+        data = text.encode(encoding)
+    except UnicodeEncodeError as error:
+        raise RangeError(f"{what} {text!r}: expected {encoding.upper()}", ERR_ARGUMENT) from error
+    if b"\0" in data:
+        raise RangeError(f"{what} {text!r}: expected a text without NUL", ERR_ARGUMENT)
+    return data
+
+
+def octets(data: Any, what: str) -> bytes:
+    """The bytes of whatever has some."""
+    try:
+        return memoryview(data).tobytes()
+    except TypeError:
+        raise TypeError(f"{what} {data!r}: expected bytes") from None
 
 
 def _candidate() -> str:
@@ -62,7 +101,8 @@ def checked(result: int, about: str) -> int:
     """A result that is no error."""
     if result < 0:
         ffi, lib = load()
-        raise EncoderError(f"{about}: {ffi.string(lib.dg_host_result_text(result)).decode()}", result)
+        kind = RangeError if result == ERR_ARGUMENT else EncoderError
+        raise kind(f"{about}: {ffi.string(lib.dg_host_result_text(result)).decode()}", result)
     return result
 
 
@@ -86,7 +126,7 @@ def models() -> list[str]:
 def eds(model: str) -> str:
     """The EDS file (CiA 306) of a CANopen model, as `drehgeber eds` prints it."""
     ffi, lib = load()
-    sheet = lib.dg_cia406_sheet_of(lib.dg_device_find(model.encode()))
+    sheet = lib.dg_cia406_sheet_of(lib.dg_device_find(encoded(model, "model")))
     if sheet == ffi.NULL:
         raise EncoderError(f"{model} is no CANopen model")
     pieces: list[bytes] = []

@@ -7,8 +7,8 @@ import weakref
 from collections import deque
 from typing import TYPE_CHECKING, NamedTuple
 
-from ._native import EncoderError, checked, load
-from .clock import NEVER, SECOND_NS, Clock, seconds_of
+from ._native import EncoderError, RangeError, checked, load, octets, within
+from .clock import NEVER, SECOND_NS, SECONDS_MAX, Clock, seconds_of
 
 if TYPE_CHECKING:
     from .encoder import Encoder
@@ -37,8 +37,10 @@ class CanPort:
 
     def send(self, id: int, data: bytes = b"", remote: bool = False, dlc: int | None = None) -> None:
         """Send a frame now; what is answered at once is there when this returns."""
-        bus = self.bus
+        bus, data = self.bus, octets(data, "data")
         with bus.clock.lock:
+            if self not in bus._ports:
+                raise EncoderError("the port, or the encoder that it was for, is closed")
             bus.clock._sync()
             bus._send(id, data, remote, len(data) if dlc is None else dlc, self)
             if 0x600 <= id < 0x680:  # SDO: whoever waits for the answer looks when it is due
@@ -59,6 +61,8 @@ class CanPort:
         ("save") is waited for in virtual time, too: that passes until it comes, and no longer than
         `timeout`."""
         clock = self.bus.clock
+        if timeout is not None:
+            within(timeout, 0, SECONDS_MAX, "timeout")
         end = None if timeout is None else clock._monotonic() + timeout
         with clock.lock:
             limit = NEVER if timeout is None else clock._ns + round(timeout * SECOND_NS)
@@ -188,8 +192,8 @@ class CanBus:
 
     def _send(self, id: int, data: bytes, remote: bool, dlc: int, sender: CanPort) -> None:
         """Of a master, now. The lock is held."""
-        if len(data) > 8 or dlc > 8 or not 0 <= id <= 0x7FF:
-            raise EncoderError(f"{id:X}h with {max(len(data), dlc)} bytes is no frame of 11 bits and 8 bytes")
+        if len(data) > 8 or not 0 <= dlc <= 8 or not 0 <= id <= 0x7FF:
+            raise RangeError(f"{id:X}h with {max(len(data), dlc)} bytes is no frame of 11 bits and 8 bytes")
         event, now = self._event, self.clock._ns
         event.at, event.id, event.kind, event.length = now, id, self._kind, dlc
         event.flags = self._remote if remote else 0

@@ -7,6 +7,8 @@ import threading
 import time
 from typing import TYPE_CHECKING, Protocol
 
+from ._native import within
+
 if TYPE_CHECKING:
     from .course import Course
 
@@ -14,6 +16,8 @@ SECOND_NS = 1_000_000_000
 # The library's time at 0 of ours: encoders that are made with power have had it for that long.
 LEAD_NS = SECOND_NS
 NEVER = (1 << 64) - 1
+# Seconds that a clock may go: 285 years.
+SECONDS_MAX = 9_000_000_000
 
 
 class Member(Protocol):
@@ -48,10 +52,8 @@ class Clock:
         """Let virtual time pass: whatever is due happens at its own moment."""
         if self.real:
             raise ValueError("real time passes by itself")
-        if seconds < 0:
-            raise ValueError(f"{seconds} s: time does not run backwards")
         with self.lock:
-            self._go(self._ns + round(seconds * SECOND_NS))
+            self._go(self._ahead(self._ns, seconds, "seconds"))
 
     def _sync(self) -> int:
         """The present in the library's nanoseconds; everything that was due has happened."""
@@ -59,6 +61,12 @@ class Clock:
             with self.lock:
                 self._go(max(self._ns, time.monotonic_ns() - self._origin))
         return self._ns
+
+    @staticmethod
+    def _ahead(from_ns: int, seconds: float, what: str) -> int:
+        """So long after a moment, as long as the clock goes."""
+        left = SECONDS_MAX - from_ns // SECOND_NS
+        return from_ns + round(within(seconds, 0, max(0, left), what) * SECOND_NS)
 
     def _go(self, until_ns: int) -> None:
         while self._courses and (due := min(course._due for course in self._courses)) <= until_ns:
@@ -99,7 +107,7 @@ class Clock:
             member._run(self._ns)
 
     def _ns_of(self, seconds: float) -> int:
-        return LEAD_NS + round(seconds * SECOND_NS)
+        return LEAD_NS + round(within(seconds, -LEAD_NS // SECOND_NS, SECONDS_MAX, "a moment") * SECOND_NS)
 
 
 def seconds_of(at_ns: int) -> float:

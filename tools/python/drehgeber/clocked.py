@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from ._native import checked
+from ._native import checked, octets, within
 from .clock import seconds_of
 
 if TYPE_CHECKING:
@@ -65,6 +65,7 @@ class Biss(Clocked):
 
     def _registers(self, way: str, address: int, data: object, count: int) -> int:
         encoder = self._encoder
+        within(address, 0, 127, "address")
         with encoder.clock.lock:
             self._now[0] = encoder.clock._sync()
             call = getattr(encoder._lib, f"dg_host_registers_{way}")
@@ -77,10 +78,11 @@ class Biss(Clocked):
 
     def register(self, address: int, count: int = 1) -> bytes:
         """Read registers from `address` on; less than `count` where the encoder refuses one."""
-        to = self._encoder._ffi.new("uint8_t[]", count)
+        to = self._encoder._ffi.new("uint8_t[]", round(within(count, 1, 64, "count")))
         done = self._registers("read", address, to, count)
         return bytes(self._encoder._ffi.buffer(to, done))
 
     def write_register(self, address: int, data: bytes) -> int:
         """Write registers from `address` on. How many it took."""
+        data = octets(data, "registers")
         return self._registers("write", address, data, len(data))

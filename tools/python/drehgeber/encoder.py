@@ -10,15 +10,15 @@ from array import array
 from typing import Any, Literal, NamedTuple
 
 from . import _native
-from ._native import EncoderError, checked
+from ._native import ERR_ARGUMENT, EncoderError, checked, encoded, octets, within
 from .canbus import CanBus, CanPort
-from .clock import LEAD_NS, NEVER, SECOND_NS, Clock
+from .clock import LEAD_NS, NEVER, SECOND_NS, SECONDS_MAX, Clock
 from .clocked import Biss, Ssi
 from .control import ScpiError, split
 from .instrument import Instrument
 from .ring import Ring
 from .rs485 import Line
-from .shaft import Shaft
+from .shaft import FORMS, Shaft
 from .world import World
 
 _named: weakref.WeakValueDictionary[str, Encoder] = weakref.WeakValueDictionary()
@@ -68,14 +68,13 @@ class Encoder(Instrument):
         name: str | None = None,
         **settings: str | float,
     ) -> None:
-        if not isinstance(model, str):
-            raise TypeError(f"model {model!r}: a name is right")
         self._ffi, self._lib = _native.load()
-        size = self._lib.dg_host_size_of(model.encode())
+        self._closed = False
+        size = self._lib.dg_host_size_of(encoded(model, "model"))
         if size == 0:
             raise EncoderError(f"no model {model!r}; there are {', '.join(_native.models())}")
         self._keep, place = _native.aligned(size)
-        self._host: Any = self._lib.dg_host_make(place, size, model.encode())
+        self._handle: Any = self._lib.dg_host_make(place, size, model.encode())
         self._panel: Any = None
         self._deadline = NEVER
         self._hint_due: Any = self._ffi.new("uint64_t *")
@@ -88,13 +87,16 @@ class Encoder(Instrument):
         for key, value in settings.items():
             self.set(key, value)
         if memory is not None:
-            checked(self._lib.dg_host_memory_load(self._host, memory, len(memory)), "the image")
+            self.memory = memory
         self.world = World(self)
         if power:
             self._start()
 
     def _join(self, clock: Clock | None, shaft: Shaft | str, bus: CanBus | None, line: Line | None) -> None:
         """Its clock, its bus or line, its shaft."""
+        if not isinstance(shaft, (Shaft, str)):
+            raise TypeError(f"shaft {shaft!r}: expected a Shaft, or words: {FORMS}")
+        self._own_bus = bus is None
         if bus is not None and self.protocol != "canopen":
             raise EncoderError(f"{self.model} has no CAN")
         if line is not None and self.protocol != "hiperface":
@@ -140,7 +142,7 @@ class Encoder(Instrument):
                 pass
 
     def close(self) -> None:
-        """Take it off its bus or line, and off its clock."""
+        """Take it off its bus or line, and off its clock. It is of no use any more."""
         places: list[list[Any]] = [self.clock._members]
         places += [self._bus._nodes] if self._bus is not None else []
         places += [self._line._encoders] if self._line is not None else []
@@ -148,6 +150,15 @@ class Encoder(Instrument):
             for members in places:
                 with contextlib.suppress(ValueError):
                     members.remove(self)
+            if self._bus is not None and self._own_bus:
+                self._bus._ports.clear()
+            self._closed = True
+
+    @property
+    def _host(self) -> Any:
+        if self._closed:
+            raise EncoderError(f"{self!r} is closed")
+        return self._handle
 
     def __repr__(self) -> str:
         return f"<drehgeber.Encoder {self.model} at {self.clock.now} s>"
@@ -204,14 +215,29 @@ class Encoder(Instrument):
         """Set one, as text, or a number."""
         text = str(int(value)) if isinstance(value, bool) else str(value)
         with self.clock.lock:
-            result = self._lib.dg_host_set(self._host, key.encode(), text.encode())
-        checked(result, f"{self.model}: {key}={text}")
+            result = self._lib.dg_host_set(self._host, encoded(key, "setting"), encoded(text, key))
+        checked(result, f"{self.model}: {key}={text}{self._expected(key, result)}")
 
     def get(self, key: str) -> str:
         """What it is, as text."""
         to = self._ffi.new("char[]", TEXT)
-        checked(self._lib.dg_host_get(self._host, key.encode(), to, TEXT), f"{self.model}: {key}")
+        checked(self._lib.dg_host_get(self._host, encoded(key, "setting"), to, TEXT), f"{self.model}: {key}")
         return str(self._ffi.string(to).decode())
+
+    def _expected(self, name: str, result: int) -> str:
+        """What a refused value of a setting could be, in words."""
+        key = self._ffi.new("struct dg_host_key *")
+        index = 0
+        while result == ERR_ARGUMENT and self._lib.dg_host_key(self._host, index, key) == 0:
+            index += 1
+            if self._ffi.string(key.name).decode() != name:
+                continue
+            if key.type == self._lib.DG_HOST_KEY_WORD:
+                return f": expected {' or '.join(self._words(name))}"
+            what = " characters" if key.type == self._lib.DG_HOST_KEY_TEXT else ""
+            scale = 10**key.places
+            return f": expected {key.min / scale:.10g}..{key.max / scale:.10g}{what}"
+        return ""
 
     @property
     def memory(self) -> bytes:
@@ -225,6 +251,7 @@ class Encoder(Instrument):
 
     @memory.setter
     def memory(self, image: bytes) -> None:
+        image = octets(image, "the image")
         checked(self._lib.dg_host_memory_load(self._host, image, len(image)), "the image")
 
     @property
@@ -249,7 +276,10 @@ class Encoder(Instrument):
         return bytes(to)
 
     def restore(self, state: bytes) -> None:
-        """Go on from what an encoder of this model has saved, not later than now."""
+        """Go on from what an encoder of this model has saved, not later than now. A damaged state, or one made so
+        that it would lead out of the encoder's memory, is refused; all else that it says is believed: take none
+        from whom you would not let steer the encoder."""
+        state = octets(state, "the state")
         size = self._lib.dg_host_state_size(self._host)
         if len(state) > size:
             raise EncoderError(f"the state: {len(state)} bytes, not {size}: of another model, or too long")
@@ -268,6 +298,8 @@ class Encoder(Instrument):
 
     @shaft.setter
     def shaft(self, shaft: Shaft) -> None:
+        if not isinstance(shaft, Shaft):
+            raise TypeError(f"shaft {shaft!r}: expected a Shaft")
         if shaft.clock is not self.clock:
             raise EncoderError("the encoder and its shaft go by the same clock")
         with self.clock.lock:
@@ -281,7 +313,7 @@ class Encoder(Instrument):
 
     def _sensed(self, name: str) -> int:
         to = self._ffi.new("int64_t *")
-        checked(self._lib.dg_host_world_get(self._host, name.encode(), to), f"{self.model}: {name}")
+        checked(self._lib.dg_host_world_get(self._host, encoded(name, "quantity"), to), f"{self.model}: {name}")
         return int(to[0])
 
     def _sense(self, name: str, value: int) -> None:
@@ -293,7 +325,7 @@ class Encoder(Instrument):
         """The lock is held, and it is the present, or a moment on the way there."""
         now = self.clock._ns
         result = self._lib.dg_host_world_set(self._host, now, name.encode(), value)
-        checked(result, f"{self.model}: {name} = {value}")
+        checked(result, f"{self.model}: {name} = {value}{self._expected(name, result)}")
         self._changed()
 
     # ------------------------------------------------------------ looks
@@ -306,12 +338,13 @@ class Encoder(Instrument):
     def positions(self, t0: float | None, dt: float, n: int) -> array[int]:
         """Positions as the wire would tell them at `t0` (None: now), t0 + dt, ...: `n` of them, without
         a loop in Python. No time passes; the shaft goes on as it does now."""
-        counts = array("Q", bytes(8 * n))
+        counts = array("Q", bytes(8 * round(within(n, 0, 1 << 32, "n"))))
+        step = round(within(dt, 0, SECONDS_MAX, "dt") * SECOND_NS)
         with self.clock.lock:
             now = self.clock._sync()
             at = now if t0 is None else self.clock._ns_of(t0)
             to = self._ffi.from_buffer("uint64_t[]", counts)
-            result = self._lib.dg_host_positions(self._host, at, round(dt * SECOND_NS), to, n)
+            result = self._lib.dg_host_positions(self._host, at, step, to, n)
         checked(result, f"{self.model}: the position")
         return counts
 
@@ -332,6 +365,7 @@ class Encoder(Instrument):
 
     def _master(self, kind: Any, protocol: str) -> Any:
         """Made when it is asked for first."""
+        _ = self._host  # it is not closed
         found = self.__dict__.get(f"_{protocol}_master")
         if found is None:
             self._wire(protocol)
@@ -341,6 +375,7 @@ class Encoder(Instrument):
     @property
     def rs485(self) -> Line:
         """RS485: the line that it is on, and its master."""
+        _ = self._host  # it is not closed
         self._wire("hiperface")
         assert self._line is not None
         return self._line
@@ -402,7 +437,7 @@ class Encoder(Instrument):
 
     def _scpi(self, line: str) -> str:
         lib, now = self._lib, self.clock._ns
-        result = lib.dg_host_scpi(self._with_panel(), now, line.encode("ascii"), self._answer, ANSWER)
+        result = lib.dg_host_scpi(self._with_panel(), now, encoded(line, "a line", "ascii"), self._answer, ANSWER)
         checked(result, line)
         return str(self._ffi.string(self._answer).decode("ascii"))
 
@@ -438,6 +473,6 @@ class Encoder(Instrument):
     def _switch(self, name: str, on: bool) -> None:
         with self.clock.lock:
             now = self.clock._sync()
-            result = self._lib.dg_host_fault_set(self._with_panel(), now, name.encode(), on)
+            result = self._lib.dg_host_fault_set(self._with_panel(), now, encoded(name, "fault"), on)
             checked(result, f"{self.model}: fault {name}")
             self._changed()

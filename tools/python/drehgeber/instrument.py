@@ -5,11 +5,26 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Iterator
-from typing import TypeVar
+from typing import Any, Literal, TypeVar, overload
 
 from .control import split
 
 Self = TypeVar("Self", bound="Instrument")
+# Values of STATe? in hexadecimal, and lists, whose items are codes.
+HEXADECIMAL = frozenset({"address", "causes", "last_command", "locks", "word"})
+LISTS = frozenset({"courses", "errors", "leds"})
+
+
+def value_of(key: str, text: str) -> int | str | None:
+    """A value of STATe?."""
+    if text == "-":
+        return None
+    if key in LISTS:
+        return text
+    try:
+        return int(text, 16 if key in HEXADECIMAL else 10)
+    except ValueError:
+        return text
 
 
 class Instrument:
@@ -23,12 +38,17 @@ class Instrument:
         """The parts of the answer to a query."""
         return split(self.ask(line))
 
-    def state(self) -> dict[str, str]:
-        """STATe? as a dictionary of strings."""
-        found = {}
+    @overload
+    def state(self, raw: Literal[False] = False) -> dict[str, Any]: ...
+    @overload
+    def state(self, raw: Literal[True]) -> dict[str, str]: ...
+    def state(self, raw: bool = False) -> dict[str, Any]:
+        """STATe? as a dictionary: numbers as int, what there is not at the moment as None, words and lists of
+        codes (`errors`, `leds`, `courses`) as str. With `raw`, until the next minor version, all of it as str."""
+        found: dict[str, Any] = {}
         for part in self.parts("STAT?"):
             key, _, value = part.partition("=")
-            found[key] = value
+            found[key] = value if raw else value_of(key, value)
         return found
 
     def faults(self) -> list[dict[str, str]]:

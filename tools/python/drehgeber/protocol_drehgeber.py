@@ -8,7 +8,7 @@ from typing import Any
 import serial
 
 from .address import encoder_of, is_model
-from .clock import SECOND_NS, Clock
+from .clock import Clock
 from .encoder import Encoder
 
 SCHEME = "drehgeber://"
@@ -117,7 +117,7 @@ class Serial(serial.SerialBase):
         clock = self.encoder.clock
         with clock.lock:
             start = clock._sync()
-            limit = 1 << 62 if self._timeout is None else start + round(self._timeout * SECOND_NS)
+            limit = 1 << 62 if self._timeout is None else clock._ahead(start, self._timeout, "timeout")
             got = self._take(start, size)
             while len(got) < size and clock._ns < limit:
                 if not self._line._until_said(limit):

@@ -8,7 +8,7 @@ import re
 from collections.abc import Callable
 from typing import NamedTuple, TypeVar
 
-from ._native import EncoderError
+from ._native import EncoderError, RangeError
 
 BLANKS = " \t\r\n\v\f"
 LINE_MAX = 198  # bytes
@@ -88,8 +88,11 @@ def sections(source: str, data: bytes) -> list[Section]:
     for number, raw in enumerate(data.removeprefix(b"\xef\xbb\xbf").split(b"\n"), 1):
         if len(raw) > LINE_MAX or b"\0" in raw:
             raise EncoderError(f"{source}:{number}: more than {LINE_MAX} characters, or no text at all")
-        line = raw.decode("utf-8", "surrogateescape").strip(BLANKS)
         where = f"{source}:{number}"
+        try:
+            line = raw.decode("utf-8").strip(BLANKS)
+        except UnicodeDecodeError as error:
+            raise RangeError(f"{where}: byte {error.start + 1} is no UTF-8: expected text in UTF-8") from None
         if line.startswith("["):
             found.append(_begun(source, number, line))
         elif line and line[0] not in ";#":

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from ._native import EncoderError, checked
+from ._native import EncoderError, RangeError, checked
 
 if TYPE_CHECKING:
     from .encoder import Encoder
@@ -37,9 +37,11 @@ class Ring:
     def cycle(self, words: Sequence[int] = ()) -> tuple[int, ...]:
         """A data cycle: OUT words of 16 bits, the high one first; without, 0. The IN words."""
         out = 0
+        if len(words) > 2:
+            raise RangeError(f"{len(words)} words: expected 0..2")
         for word in words:
             if not 0 <= word <= 0xFFFF:
-                raise EncoderError(f"{word:#x} is no word of 16 bits")
+                raise RangeError(f"{word:#x} is no word of 16 bits")
             out = out << 16 | word
         back = self._exchange(out, 0)
         return tuple(int.from_bytes(back[i : i + 2], "big") for i in range(0, len(back), 2))

@@ -7,7 +7,7 @@ import functools
 from collections import deque
 from typing import TYPE_CHECKING, NamedTuple
 
-from ._native import EncoderError, checked, load
+from ._native import EncoderError, RangeError, checked, load, octets
 from .clock import SECOND_NS, Clock
 
 if TYPE_CHECKING:
@@ -121,10 +121,11 @@ class Line:
     def request(self, data: bytes, timeout: float = 0.1) -> bytes:
         """A frame there and what comes back, b"" after `timeout` of silence; time goes on to the
         end of it."""
+        data = octets(data, "a request")
         if not data:
-            raise EncoderError("a request has one character or more")
+            raise RangeError("a request has one character or more")
         with self.clock.lock:
-            self.clock._sync()
+            self.clock._ahead(self.clock._sync(), timeout, "timeout")
             self._fetch()
             self._arrived.clear()
             end = self._send(data)

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import csv
-import math
 import re
 from collections.abc import Callable, Iterable
 from decimal import Decimal
@@ -12,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from . import _native
-from ._native import EncoderError
-from .clock import NEVER, SECOND_NS, Clock
+from ._native import EncoderError, within
+from .clock import NEVER, SECOND_NS, SECONDS_MAX, Clock
 
 TURN = 1 << 32
 FORMS = "0, 90DEG, 2.5REV, 60RPM, sine:90DEG,2S, ramp:3000RPM,1S[,HOLD] or FILE.csv"
@@ -30,19 +29,19 @@ DECIMAL = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)", re.A)
 QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+))\s*(DEG|REV|RPM|MS|S)\s*", re.I)
 
 
-def _finite(value: float | Decimal) -> float | Decimal:
-    """A number, before it is multiplied: a text would become a long one."""
-    if not math.isfinite(value):
-        raise EncoderError(f"{value}: a finite number is right")
-    return value
+# What fits: angles have 64 bits, speeds and gears 32.
+DEGREES_MAX = 360 * ((1 << 31) - 1)
+RPM_MAX = ((1 << 31) - 1) // MRPM
+GEAR_MAX = (1 << 31) - 1
+MOST = {"angle": DEGREES_MAX * TURN / 360, "speed": RPM_MAX * MRPM, "time": SECONDS_MAX * SECOND_NS}
 
 
 def angle_of(degrees: float | Decimal) -> int:
-    return round(_finite(degrees) * TURN / 360)
+    return round(within(degrees, -DEGREES_MAX, DEGREES_MAX, "degrees") * TURN / 360)
 
 
 def mrpm_of(rpm: float) -> int:
-    return round(_finite(rpm) * MRPM)
+    return round(within(rpm, -RPM_MAX, RPM_MAX, "rpm") * MRPM)
 
 
 def _quantity(text: str, *wanted: str) -> tuple[str, int]:
@@ -50,7 +49,9 @@ def _quantity(text: str, *wanted: str) -> tuple[str, int]:
     if match is None or UNITS[match[2].upper()][0] not in wanted:
         raise EncoderError(f"motion {text!r}: {' or '.join(wanted)} with its unit is right: {FORMS}")
     dimension, factor = UNITS[match[2].upper()]
-    return dimension, round(float(match[1]) * factor)
+    most = MOST[dimension] / factor
+    value = within(float(match[1]), 0 if dimension == "time" else -most, most, match[2].upper())
+    return dimension, round(value * factor)
 
 
 def _sine(amplitude: str, period: str) -> dict[str, Any]:
@@ -134,7 +135,7 @@ class Shaft:
         if driver is not None:
             if driver.clock is not self.clock:
                 raise EncoderError("a shaft and what drives it go by the same clock")
-            turns, per = ratio
+            turns, per = (round(within(n, -GEAR_MAX, GEAR_MAX, "ratio")) for n in ratio)
             sign = -1 if per < 0 else 1
             coupled = self._lib.dg_shaft_couple(self._c, driver._c, sign * turns, sign * per)
             _native.checked(coupled, f"a gear of {turns}:{per}")
@@ -177,7 +178,7 @@ class Shaft:
 
     @acceleration.setter
     def acceleration(self, rpm_per_s: float) -> None:
-        self._command("set_acceleration", f"{rpm_per_s} rpm/s", mrpm_of(rpm_per_s))
+        self._command("set_acceleration", f"{rpm_per_s} rpm/s", mrpm_of(within(rpm_per_s, 0, RPM_MAX, "rpm/s")))
 
     def move(self, degrees: float, rpm: float = 60, wait: bool = True) -> None:
         """Go to an angle; `wait` until it is there, which lets virtual time pass."""
@@ -202,7 +203,7 @@ class Shaft:
 
     def replay(self, points: Iterable[tuple[float | Decimal, float | Decimal]]) -> None:
         """Straight lines between points (seconds from now on, degrees)."""
-        rows = [{"at": round(at * SECOND_NS), "angle": angle_of(degrees)} for at, degrees in points]
+        rows = [{"at": round(within(at, 0, SECONDS_MAX, "seconds") * SECOND_NS), "angle": angle_of(degrees)} for at, degrees in points]
         self._points.append(self._ffi.new("struct dg_motion_point[]", rows))
         self._play(
             {"kind": "DG_MOTION_REPLAY", "points": self._points[-1], "point_count": len(rows)}, "points"

@@ -8,9 +8,9 @@ from decimal import Decimal
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, TypeVar, overload
 
-from ._native import EncoderError
+from ._native import EncoderError, within
 from .clock import SECOND_NS
-from .course import Course
+from .course import COUNTS_MAX, Course
 from .shaft import read_points
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ class Quantity(Generic[T]):
         world._encoder._sense(self._name, self._counts(value))
 
     def _counts(self, value: float) -> int:
-        return round(value * self._parts)
+        return round(within(value, -COUNTS_MAX, COUNTS_MAX, self._name) * self._parts)
 
     def _points(
         self, course: str | Path | Iterable[tuple[float | Decimal, float | Decimal]]
