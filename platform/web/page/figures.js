@@ -52,7 +52,7 @@ const sideOf = (width, height) => Math.min(height, width / 2.4);
 function drawAxes(pen, get, { width, height }) {
   const side = sideOf(width, height);
   const centre = [side / 2, height / 2];
-  const unit = (side / 2 - 6) / LISSAJOUS_V;
+  const unit = Math.max(0, side / 2 - 6) / LISSAJOUS_V; // a window may be that small for a moment
   stroke(pen, [[centre[0], centre[1] - side / 2], [centre[0], centre[1] + side / 2]], get("grid"));
   stroke(pen, [[0, centre[1]], [side, centre[1]]], get("grid"));
   pen.beginPath();
@@ -86,6 +86,11 @@ export function drawSamples(canvas, samples) {
   return `${samples.length} measurements, the last sin ${now[0].toFixed(3)} V, cos ${now[1].toFixed(3)} V`;
 }
 
+const milliseconds = (ns) => {
+  const ms = Number(ns) / 1e6;
+  return ms < 100 ? ms.toPrecision(3) : ms.toFixed(0);
+};
+
 // Sine against cosine on the left, both against time on the right. @return what it shows, in words
 export function drawSinCos(canvas, encoder) {
   const { pen, width, height } = prepare(canvas);
@@ -117,7 +122,7 @@ export function drawSinCos(canvas, encoder) {
     pen.fillStyle = get(colour);
     pen.fillText(`${name} ${now[which].toFixed(3)} V`, left, middle - tall - 3);
   });
-  return `sin ${now[0].toFixed(3)} V, cos ${now[1].toFixed(3)} V, ${(Number(span) / 1e6).toPrecision(3)} ms across`;
+  return `sin ${now[0].toFixed(3)} V, cos ${now[1].toFixed(3)} V, ${milliseconds(span)} ms across`;
 }
 
 // MA and SLO of a frame; a wide one breaks into rows.
@@ -151,9 +156,11 @@ export function drawFrame(canvas, frame) {
       const at = x(mark.at);
       stroke(pen, [[at, top + 14], [at, top + 80]], get("grid"));
       pen.fillStyle = /CD[MS]|latch/.test(mark.name) ? get("bad") : get("soft");
-      if (at >= until && at > left - 20) {
-        pen.fillText(mark.name, at + 2, top + 11);
-        until = at + pen.measureText(mark.name).width + 4;
+      const wide = pen.measureText(mark.name).width;
+      const from = Math.min(at + 2, width - wide - 2); // the last name ends at the edge
+      if (from >= until && at > left - 20 && at < width) {
+        pen.fillText(mark.name, from, top + 11);
+        until = from + wide + 2;
       }
     });
     line(pen, frame.ma, 1, x, [top + 40, top + 22], frame, get("accent"));

@@ -13,6 +13,9 @@ const KEPT = "drehgeber.eeprom.";
 const LEAP_MS = 100;
 const PASS_NS = 20_000_000n;
 const BUTTON_NS = 10_000_000n;
+const START_RPM = 10;
+const TRY_RPM = 60;
+const WORN = "led_current_high";
 
 async function moduleBytes() {
   const inside = $("module");
@@ -48,6 +51,11 @@ class Playground extends Page {
     this.runs = location.hash !== "#still";
     this.tabs(this.rig.encoders.map((encoder) => this.panel(encoder)));
     this.time();
+    this.tries();
+    this.linkPages();
+    if (this.runs && !matchMedia("(prefers-reduced-motion: reduce)").matches) {
+      this.rig.turn(START_RPM);
+    }
     if (!this.runs) {
       this.panels.forEach((panel) => {
         panel.asks = false;
@@ -93,12 +101,62 @@ class Playground extends Page {
 
   refresh() {
     super.refresh();
+    this.showTries();
     this.panels.forEach((panel) => {
       const late = panel.encoder.scpi("");
       if (late) {
         this.answer(late);
       }
     });
+  }
+
+  // The site has the pages above the page's folder, the tree above the build's. Elsewhere there are none.
+  linkPages() {
+    $("pages").href = location.protocol === "file:" ? "../../../README.md" : "../index.html";
+    $("pages").hidden = !location.pathname.includes("/playground/");
+  }
+
+  // ---------------------------------------------------------------- the buttons of "Try this"
+
+  tries() {
+    const on = (id, act) => $(id).addEventListener("click", () => this.guard(() => {
+      $("tried").textContent = act(this.shown);
+      this.showTries();
+    }));
+    on("try-turn", () => {
+      this.rig.accelerate(0);
+      this.rig.turn(this.rig.speed === TRY_RPM ? -TRY_RPM : TRY_RPM);
+      return `The shaft turns at ${TRY_RPM} rpm, and all four positions count. Press again and it turns the other way.`;
+    });
+    on("try-led", () => this.wear());
+    on("try-power", (panel) => {
+      panel.switch(!panel.encoder.powered);
+      return panel.encoder.powered
+        ? `${panel.about.title} has power again and knows the angle without a reference run: that is what "absolute" means.`
+        : `${panel.about.title} has no power and does not answer. The shaft goes on turning. Press again to switch it on.`;
+    });
+  }
+
+  // INTERBUS has no such fault: the first encoder is shown instead.
+  wear() {
+    if (!this.shown.faults.has(WORN)) {
+      this.show(this.panels[0]);
+    }
+    const panel = this.shown;
+    const worn = !this.isWorn(panel);
+    panel.setFault(WORN, worn);
+    return worn
+      ? `The light source of ${panel.about.title} is worn out. In a second its master asks what is wrong: see Wire and Faults.`
+      : `${panel.about.title} has a new light source. Its error memory may still hold the old error.`;
+  }
+
+  isWorn(panel) {
+    return panel.encoder.faults().some(({ name, active }) => name === WORN && active);
+  }
+
+  showTries() {
+    $("try-led").setAttribute("aria-pressed", String(this.isWorn(this.shown)));
+    $("try-power").setAttribute("aria-pressed", String(!this.shown.encoder.powered));
   }
 
   time() {

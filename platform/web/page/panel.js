@@ -7,6 +7,8 @@ import { make } from "./parts.js";
 import { Panel } from "./view.js";
 
 const REFUSED_MS = 5000;
+const WHERE = "The token is part of the address that drehgeber web printed: it follows #token= there. Open that address, or paste " +
+  "the token here. If drehgeber web was started with --token FILE, the token is the line in that file.";
 // What changes the rig.
 const STEERS = "#turning input, #turning button, #going input, #going button";
 
@@ -14,9 +16,6 @@ class Front extends Page {
   constructor(token) {
     super(null);
     this.until = 0;
-    document.title = "drehgeber: a running rig";
-    $("lead").textContent = "A running rig.";
-    $("timing").replaceChildren($("time"));
     this.rig = new LiveRig(token, this);
   }
 
@@ -77,20 +76,25 @@ class Front extends Page {
 
 function askForToken(why) {
   const field = make("input", { type: "password", autocomplete: "off", id: "token", "aria-label": "Token" });
-  const form = make("form", { className: "card door" }, make("h2", {}, "Token"), make("p", {}, why),
+  const form = make("form", { className: "card door" }, make("h2", {}, "Token"), make("p", {}, why), make("p", {}, WHERE),
     make("p", { className: "row" }, field, make("button", { type: "submit" }, "Look")));
   form.addEventListener("submit", (event) => {
     event.preventDefault();
     location.hash = `token=${field.value}`;
     location.reload();
   });
-  document.querySelector("main").replaceChildren(form);
+  const main = document.querySelector("main");
+  [...main.children, $("timing")].forEach((node) => { node.hidden = true; });
+  main.append(form);
   field.focus();
 }
 
+document.title = "drehgeber: a running rig";
+$("lead").textContent = "A running rig.";
+document.querySelectorAll(".playground").forEach((node) => node.remove());
 const token = /^#token=([\x21-\x7e]+)$/.exec(location.hash)?.[1];
 if (token) {
   globalThis.drehgeber = new Front(token);
 } else {
-  askForToken("It stands in the file that drehgeber web was started with.");
+  askForToken("This address has no token.");
 }

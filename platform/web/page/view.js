@@ -15,11 +15,40 @@ const LOOK_NS = 30_000_000n;
 
 // What each protocol is called, and what is drawn of it.
 const PROTOCOLS = {
-  hiperface: { title: "RS485", name: "S36", figure: "Process channel" },
-  biss: { title: "BiSS-C", name: "S36", figure: "Lines of the latest frame" },
-  canopen: { title: "CANopen", name: "F36x8" },
-  interbus: { title: "INTERBUS", name: "OCD", figure: "Words of the latest cycle" },
+  hiperface: {
+    title: "RS485", name: "S36", figure: "Process channel",
+    what: "A Kübler S36 for servo motors: the drive asks for the position in bytes, then follows two voltages, sine and cosine.",
+    drawn: "The two voltages that go round with the shaft, sine and cosine.",
+  },
+  biss: {
+    title: "BiSS-C", name: "S36", figure: "Lines of the latest frame",
+    what: "A Kübler S36 for fast drives: the drive gives a clock and gets the position bit by bit, with a check sum.",
+    drawn: "The drive's clock is MA; the encoder puts one bit on SLO for each of its pulses.",
+  },
+  canopen: {
+    title: "CANopen", name: "F36x8",
+    what: "A Kübler F36x8 on a CAN bus, as in cranes and vehicles: many devices share two wires and send messages.",
+  },
+  interbus: {
+    title: "INTERBUS", name: "OCD", figure: "Words of the latest cycle",
+    what: "A POSITAL OCD in a ring of devices: a controller shifts 32 bits through it and gets 32 bits back, again and again.",
+    drawn: "The 32 bits that came back last.",
+  },
   ssi: { title: "SSI", name: "" },
+};
+
+// What STATe? calls in one word, or counts in units that people do not.
+const volts = (uv) => (uv === "-" ? uv : `${(Number(uv) / 1e6).toFixed(3)} V`);
+const hexadecimals = (digits) => `${digits}h`;
+const FACTS = {
+  sin_plus_uv: ["sine +", volts],
+  sin_minus_uv: ["sine −", volts],
+  cos_plus_uv: ["cosine +", volts],
+  cos_minus_uv: ["cosine −", volts],
+  baud: ["baud rate", (baud) => `${baud} Bd`],
+  address: ["address", hexadecimals],
+  locks: ["locks", hexadecimals],
+  last_command: ["last command", hexadecimals],
 };
 
 export class Panel {
@@ -47,25 +76,27 @@ export class Panel {
     this.tab = make("button", { type: "button", id: `tab-${key}`, role: "tab", "aria-controls": `panel-${key}` },
       `${about.title}`, make("small", {}, about.name), make("br"), this.value);
     this.lamps = make("ul", { className: "lamps", "aria-label": "Status LEDs" });
-    this.log = make("ol", { className: "scroll log", role: "log", tabIndex: 0, "aria-label": `Wire of ${about.title}`, "aria-live": "off" });
+    this.log = make("ol", { className: "scroll log", tabIndex: 0, "aria-label": `Wire of ${about.title}` });
     const clear = button("Clear", () => this.log.replaceChildren());
-    const wire = this.card("Wire", "span", this.lamps, ...(this.master ? this.asking(clear) : [make("div", { className: "row" }, clear)]), this.log);
+    const wire = this.card("Wire", "span", "What master (▶) and encoder (◀) say to each other.", this.lamps, ...(this.master ? this.asking(clear) : [make("div", { className: "row" }, clear)]), this.log);
     this.facts = make("dl");
+    this.place = make("span");
     const steer = (text, act) => Object.assign(button(text, act), { disabled: this.rig.watches === true });
     this.supply = steer("Off", () => this.guard(() => this.switch(!encoder.powered)));
-    const state = this.card("Device", "", this.facts,
+    const state = this.card("Device", "", "What the encoder knows of itself at this moment.", this.facts,
       make("div", { className: "row" }, this.supply,
         steer("Power cycle", () => this.guard(() => { this.switch(false); this.switch(true); this.look(2); }))));
-    const figure = this.drawing && about.figure ? [this.card(about.figure, "", ...this.figure())] : [];
+    const figure = this.drawing && about.figure ? [this.card(about.figure, "", about.drawn, ...this.figure())] : [];
     this.list = make("ul", { className: "scroll faults", tabIndex: 0, "aria-label": "Catalogue of faults" });
     this.find = make("input", { type: "search", placeholder: "e.g. LED, 1Dh, eeprom", "aria-label": "Search the faults", oninput: () => this.filter() });
     this.latest = make("p", { className: "latest", role: "status" }, NOTHING);
-    const faults = this.card("Faults", "",
+    const faults = this.card("Faults", "", "Click what goes wrong; the encoder finds the error by itself, as a real one does.",
       make("div", { className: "row" }, make("span", { className: "grow" }, this.find),
         steer("Clear all", () => this.guard(() => { encoder.scpi("FAUL:CLE"); this.latest.textContent = NOTHING; this.showFaults(); this.look(); }))),
       this.latest, this.list);
     const memory = this.memoryCard();
     this.node = make("div", { id: `panel-${key}`, role: "tabpanel", "aria-labelledby": `tab-${key}`, hidden: true },
+      ...(this.master ? [make("p", { className: "what" }, about.what)] : []),
       make("div", { className: "grid" }, wire, ...(figure.length > 0 ? [...figure, faults, memory, state] : [state, faults, memory])));
     this.listFaults();
     if (encoder.refused) {
@@ -90,14 +121,14 @@ export class Panel {
     this.dump = make("pre", { className: "scroll hex", tabIndex: 0, "aria-label": "EEPROM" });
     this.size = make("span", { className: "soft" });
     const erase = button("As delivered", () => this.guard(() => { this.encoder.erase(); this.refresh(true); }));
-    this.store = this.card("EEPROM", "", make("div", { className: "row" }, this.size, ...(this.encoder.erase ? [erase] : [])), this.dump);
+    this.store = this.card("EEPROM", "", "What the encoder remembers without power. Bytes that changed are marked.", make("div", { className: "row" }, this.size, ...(this.encoder.erase ? [erase] : [])), this.dump);
     this.store.hidden = true; // until something is known of it
     return this.store;
   }
 
-  card(title, kind, ...children) {
+  card(title, kind, what, ...children) {
     return make("section", { className: `card ${kind}`, "aria-label": `${title} of ${this.about.title}` },
-      make("h2", {}, title), ...children);
+      make("h2", {}, title), make("p", { className: "hint" }, what), ...children);
   }
 
   figure() {
@@ -124,6 +155,16 @@ export class Panel {
       throw new Error(`${this.about.title}: no power`);
     }
     run();
+  }
+
+  setFault(name, on) {
+    try {
+      this.encoder.fault(name, on);
+      this.look();
+    } finally {
+      this.showFaults();
+      this.refresh(true);
+    }
   }
 
   switch(on) {
@@ -192,15 +233,7 @@ export class Panel {
     for (const fault of this.encoder.faults()) {
       const never = this.encoder.impossible?.(fault.name) ?? false;
       const box = make("input", { type: "checkbox", id: `${this.key}-${fault.name}`, disabled: never || this.rig.watches === true });
-      box.addEventListener("change", () => this.guard(() => {
-        try {
-          this.encoder.fault(fault.name, box.checked);
-          this.look();
-        } finally {
-          this.showFaults();
-          this.refresh(true);
-        }
-      }));
+      box.addEventListener("change", () => this.guard(() => this.setFault(fault.name, box.checked)));
       const row = make("li", {}, make("label", {}, box, make("b", {}, fault.name), make("span", {}, fault.cause), make("span", {}, never ? "not on this page: it is a line's" : `→ ${fault.effect}`)));
       this.faults.set(fault.name, { box, row, words: row.textContent.toLowerCase() });
       this.list.append(row);
@@ -235,6 +268,7 @@ export class Panel {
   draw(shown) {
     const { position } = this.encoder;
     this.value.textContent = position === null ? "off" : String(position);
+    this.place.textContent = this.value.textContent;
     if (!shown) {
       return;
     }
@@ -320,7 +354,7 @@ export class Panel {
       this.errors = errors;
       this.latest.textContent = errors === "-" ? this.latest.textContent : `Told last: ${errors}`;
     }
-    const rows = Object.entries({ wire: this.encoder.wire, mode, errors, position, ...others }).filter(([, value]) => value !== undefined);
+    const rows = Object.entries({ wire: this.encoder.wire, mode, errors, position: this.place, ...others }).filter(([, value]) => value !== undefined);
     this.fill(this.facts, rows);
   }
 
@@ -328,9 +362,11 @@ export class Panel {
     const words = JSON.stringify(rows);
     if (list.words !== words) {
       list.words = words;
-      list.replaceChildren(...rows.flatMap(([name, value]) => [
-        make("dt", {}, name.replaceAll("_", " ")),
-        make("dd", { className: name === "errors" && value !== "-" ? "error" : "" }, value)]));
+      list.replaceChildren(...rows.map(([name, value]) => {
+        const [words, shown] = FACTS[name] ?? [name.replaceAll("_", " "), (text) => text];
+        return make("div", {}, make("dt", {}, words),
+          make("dd", { className: name === "errors" && value !== "-" ? "error" : "" }, shown(value)));
+      }));
     }
   }
 

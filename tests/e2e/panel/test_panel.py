@@ -7,12 +7,16 @@ import re
 import select
 import signal
 import subprocess
+import sys
 import time
 import tty
 from pathlib import Path
 
 import pytest
 from playwright.sync_api import sync_playwright
+
+sys.path.append(str(Path(__file__).parents[1]))
+from axe import serious  # noqa: E402
 
 PROGRAM = os.environ["DREHGEBER"]
 PICTURES = Path(os.environ["PICTURES"])
@@ -369,6 +373,23 @@ def test_who_has_no_token_is_asked_for_it(begin, visit, tmp_path):
     page.fill("#token", "sixteen-characters")
     page.press("#token", "Enter")
     page.wait_for_selector("#tabs [role=tab]")
+
+
+def test_who_has_no_token_reads_where_it_is(bench, visit):
+    """Behind # of the printed address; what only the playground has is not there."""
+    page = visit(bench.address.split("#")[0], ready="#token")
+    assert "follows #token= there" in page.inner_text("main")
+    assert page.inner_text("header").split() == ["drehgeber", "A", "running", "rig."]
+    assert page.locator(".card:visible").count() == 1
+    assert serious(page) == []
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_axe_finds_nothing_serious(bench, visit, scheme):
+    page = visit(bench.address, color_scheme=scheme)
+    for name in ("hf", "bi", "co", "ib"):
+        select_tab(page, name)
+        assert serious(page) == []
 
 
 def test_who_watches_can_click_nothing(begin, visit):

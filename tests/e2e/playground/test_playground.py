@@ -5,12 +5,16 @@ what outlives a reload, and how it looks: screenshots lie beside the page for pe
 import functools
 import os
 import subprocess
+import sys
 import threading
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 
 import pytest
 from playwright.sync_api import sync_playwright
+
+sys.path.append(str(Path(__file__).parents[1]))
+from axe import serious  # noqa: E402
 
 FOLDER = Path(os.environ["PLAYGROUND"])
 PROGRAM = os.environ["DREHGEBER"]
@@ -260,6 +264,124 @@ def test_it_is_small(browser, server):
     assert len(got) > 5
     assert sum(got) < TRANSFERRED_MAX
     assert (FOLDER / "drehgeber.html").stat().st_size < TRANSFERRED_MAX
+
+
+def test_it_turns_at_first_sight(visit, server):
+    page = visit(f"{server}/index.html")
+    assert page.evaluate("drehgeber.rig.speed") == 10
+    page.wait_for_function("document.getElementById('angle').textContent !== '0.000°'")
+    for panel in PANELS:
+        page.click(f"#tab-{panel}")
+        assert len(page.inner_text(f"#panel-{panel} .what").split()) > 10
+        cards = page.locator(f"#panel-{panel} .card")
+        assert page.locator(f"#panel-{panel} .card > .hint").count() == cards.count() > 3
+
+
+def test_it_stands_for_those_who_want_less_motion(visit, server):
+    page = visit(f"{server}/index.html", reduced_motion="reduce")
+    assert page.evaluate("drehgeber.rig.speed") == 0
+
+
+def test_three_things_to_try(still):
+    """60 rpm each way; error 1Dh of a worn LED; no power, and the position again without a turn."""
+    still.click("#try-turn")
+    assert still.evaluate("drehgeber.rig.speed") == 60
+    still.click("#try-turn")
+    assert still.evaluate("drehgeber.rig.speed") == -60
+    still.click("#tab-interbus")
+    still.click("#try-led")
+    assert still.get_attribute("#try-led", "aria-pressed") == "true"
+    let_pass(still, 3_000_000_000)
+    assert "1D" in still.inner_text("#panel-hiperface .latest")
+    still.click("#stop")
+    before = still.inner_text("#tab-hiperface b")
+    still.click("#try-power")
+    still.wait_for_function("document.querySelector('#tab-hiperface b').textContent === 'off'")
+    assert still.get_attribute("#try-power", "aria-pressed") == "true"
+    still.click("#try-power")
+    let_pass(still, 1_000_000_000)
+    still.wait_for_function("(before) => document.querySelector('#tab-hiperface b').textContent === before", arg=before)
+
+
+def test_values_have_words_and_units(still):
+    """Chapter 5.1.1: the signals stand around 2.5 V; at 0 degrees the cosine is at its crest of 0.25 V."""
+    facts = """Object.fromEntries([...document.querySelectorAll('#panel-hiperface dl div')].map(
+        (row) => [...row.children].map((one) => one.textContent)))"""
+    got = still.evaluate(facts)
+    assert (got["sine +"], got["cosine +"], got["cosine −"]) == ("2.500 V", "2.750 V", "2.250 V")
+    assert got["baud rate"] == "9600 Bd"
+
+
+def test_one_position_at_one_moment(visit, server):
+    page = visit(f"{server}/index.html")
+    page.click("#try-turn")
+    both = """new Promise((resolve) => {
+        const seen = [];
+        const look = () => {
+            seen.push([document.querySelector('#tab-hiperface b').textContent,
+                       [...document.querySelectorAll('#panel-hiperface dt')].find((one) => one.textContent === 'position').nextSibling.textContent]);
+            seen.length < 30 ? requestAnimationFrame(look) : resolve(seen);
+        };
+        look();
+    })"""
+    seen = page.evaluate(both)
+    assert all(tab == device for tab, device in seen)
+    assert len({tab for tab, _ in seen}) > 3
+
+
+def test_the_last_command_is_on_one_line(still):
+    still.click("#tab-interbus")
+    still.wait_for_function("document.querySelector('#panel-interbus dl').textContent.includes('last command')")
+    fact = """(() => {
+        const told = [...document.querySelectorAll('#panel-interbus dt')].find((one) => one.textContent === 'last command').nextSibling;
+        const all = document.createRange();
+        all.selectNodeContents(told);
+        return [told.textContent, all.getClientRects().length];
+    })()"""
+    assert still.evaluate(fact) == ["00000000h", 1]
+
+
+def test_names_in_the_figure_are_not_cut_off(still):
+    """All names that are written, and where they end."""
+    still.click("#tab-biss")
+    still.evaluate("""() => {
+        globalThis.written = [];
+        const write = CanvasRenderingContext2D.prototype.fillText;
+        CanvasRenderingContext2D.prototype.fillText = function (text, x, y) {
+            written.push([text, x + this.measureText(text).width <= this.canvas.clientWidth]);
+            write.call(this, text, x, y);
+        };
+    }""")
+    press(still, "biss", "Frame")
+    still.wait_for_function("written.some(([text]) => text === 'idle')")
+    assert [text for text, whole in still.evaluate("written") if not whole] == []
+
+
+def test_a_window_of_one_pixel(still):
+    still.set_viewport_size({"width": 1, "height": 1})
+    still.evaluate("""() => {
+        document.querySelector('#panel-hiperface canvas').style.cssText = 'width: 1px; height: 1px';
+        drehgeber.draw();
+    }""")
+    assert still.locator("#trouble").is_hidden()
+
+
+def test_the_pages_are_linked(visit, server):
+    """In the site and from a file they are there; a server of this folder alone has none."""
+    page = visit((FOLDER / "drehgeber.html").as_uri())
+    page.click("#pages")
+    page.wait_for_url("**/README.md")
+    assert "drehgeber" in page.inner_text("body")
+    assert visit(f"{server}/index.html").locator("#pages").is_hidden()
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_axe_finds_nothing_serious(visit, server, scheme):
+    page = visit(f"{server}/index.html#still", color_scheme=scheme)
+    for panel in PANELS:
+        page.click(f"#tab-{panel}")
+        page.evaluate("drehgeber.panels.forEach((panel) => panel.master.ask(panel.encoder)), drehgeber.pass(100000000n)")
+        assert serious(page) == []
 
 
 @pytest.mark.parametrize("width, height, scheme", [(1280, 800, "light"), (360, 740, "dark")])
