@@ -92,12 +92,50 @@ def test_a_file_without_the_ending_is_refused(tmp_path: pathlib.Path) -> None:
         assert done.stderr == f"drehgeber: --output {file}: {file}.fmu is right\n"
 
 
+def limited(output: pathlib.Path, blocks: str, program: str = DREHGEBER) -> subprocess.CompletedProcess[str]:
+    """Write an FMU where no file may have more 1024-byte blocks than these."""
+    return subprocess.run(["bash", "-c", f'ulimit -f {blocks}; exec "$0" fmu f3668 -o "$1"', program, str(output)],
+                          capture_output=True, text=True)
+
+
+def test_failure_leaves_what_was_there(tmp_path: pathlib.Path) -> None:
+    """On a full disk, and where a part of the installation is missing."""
+    place, program = tmp_path / "place", tmp_path / "bin" / "drehgeber"
+    place.mkdir()
+    parts = program.parent / "fmu-parts"
+    parts.mkdir(parents=True)
+    shutil.copy(DREHGEBER, program)
+    shutil.copy(pathlib.Path(DREHGEBER).parent / "fmu-parts" / "sources.list", parts)
+    file, link = place / "keep.fmu", tmp_path / "link.fmu"
+    file.write_bytes(b"what was there")
+    link.symlink_to(file)
+    for output in (file, link):
+        for done, wrong in ((limited(output, "100"), "cannot write"), (limited(output, "0"), "cannot write"),
+                            (limited(output, "unlimited", str(program)), "cannot read")):
+            assert done.returncode == 1 and wrong in done.stderr, done.stderr
+            assert file.read_bytes() == b"what was there" and os.listdir(place) == ["keep.fmu"]
+
+
+def test_whole_file_takes_the_place(tmp_path: pathlib.Path) -> None:
+    """That of a link's target, with the mode that it had."""
+    place, file, link = tmp_path / "place", tmp_path / "place" / "keep.fmu", tmp_path / "link.fmu"
+    place.mkdir()
+    file.write_bytes(b"what was there")
+    file.chmod(0o640)
+    link.symlink_to(file)
+    done = limited(link, "unlimited")
+    assert done.returncode == 0 and link.is_symlink() and os.listdir(place) == ["keep.fmu"], done.stderr
+    assert zipfile.is_zipfile(file) and file.stat().st_mode & 0o7777 == 0o640
+    fresh = tmp_path / "fresh.fmu"
+    done = subprocess.run(["bash", "-c", 'umask 027; exec "$0" fmu f3668 -o "$1"', DREHGEBER, str(fresh)])
+    assert done.returncode == 0 and fresh.stat().st_mode & 0o7777 == 0o640
+
+
 def test_full_disk_leaves_no_half_file(tmp_path: pathlib.Path) -> None:
     """Of a file; what is none stays."""
     file = tmp_path / "x.fmu"
-    done = subprocess.run(["bash", "-c", 'ulimit -f 100; trap "" XFSZ; exec "$0" fmu f3668 -o "$1"', DREHGEBER,
-                           str(file)], capture_output=True, text=True)
-    assert done.returncode == 1 and "cannot write" in done.stderr and not file.exists()
+    done = limited(file, "100")
+    assert done.returncode == 1 and "cannot write" in done.stderr and not os.listdir(tmp_path)
     pipe = tmp_path / "pipe"
     os.mkfifo(pipe)
     reader = subprocess.Popen(["head", "-c", "100", str(pipe)], stdout=subprocess.DEVNULL)

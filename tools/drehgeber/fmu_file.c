@@ -9,11 +9,14 @@
 #include <ctype.h>
 #include <errno.h>
 #include <libgen.h>
+#include <signal.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "beside.h"
 #include "complain.h"
 #include "describe.h"
 #include "drehgeber/devices.h"
@@ -376,7 +379,28 @@ static bool is_same_file(const char *one, const char *other)
            a.st_ino == b.st_ino;
 }
 
-static int write_file(struct making *self, const char *name, const char *output)
+/* What is no regular file, /dev/stdout for one, has no place beside it. 0 or an errno. */
+static int write_out(const char *output, const struct text *archive)
+{
+    struct stat is;
+    if (stat(output, &is) != 0 || S_ISREG(is.st_mode)) {
+        const mode_t mask = umask(0);
+        (void)umask(mask);
+        return lx_file_replace(output, archive->bytes, archive->n, 0666 & ~mask, NULL);
+    }
+    FILE *to = fopen(output, "wb");
+    if (to == NULL) {
+        return errno;
+    }
+    int reason = fwrite(archive->bytes, 1, archive->n, to) == archive->n ? 0 : errno;
+    if (fclose(to) != 0 && reason == 0) {
+        reason = errno;
+    }
+    return reason;
+}
+
+/* The archive is complete before anything of the user's is touched. */
+static int make_archive(struct making *self, const char *name, struct text *to)
 {
     char *compiled[512];
     struct fmu_about about = {self->token.bytes, name, compiled, 0};
@@ -389,22 +413,27 @@ static int write_file(struct making *self, const char *name, const char *output)
     if (describe(self, &about) != 0) {
         return -1;
     }
-    struct zip zip = {.to = fopen(output, "wb")};
+    struct zip zip = {.to = open_memstream(&to->bytes, &to->n)};
     if (zip.to == NULL) {
-        return lx_fail(&self->error, "cannot write %s: %s", output, strerror(errno));
+        return lx_fail(&self->error, "no memory for an FMU");
     }
-    struct stat is;
-    const bool regular = fstat(fileno(zip.to), &is) == 0 && S_ISREG(is.st_mode);
     int result = add_all(self, &zip, &about);
-    if (zip_end(&zip) != 0 && result == 0) {
-        result = lx_fail(&self->error, "cannot write %s", output);
+    const bool bad = zip_end(&zip) != 0;
+    if ((fclose(zip.to) != 0 || bad) && result == 0) {
+        result = lx_fail(&self->error, "no memory for an FMU");
     }
-    if (fclose(zip.to) != 0 && result == 0) {
-        result = lx_fail(&self->error, "cannot write %s: %s", output, strerror(errno));
+    return result;
+}
+
+static int write_file(struct making *self, const char *name, const char *output)
+{
+    struct text archive = {0};
+    int result = make_archive(self, name, &archive);
+    const int reason = result == 0 ? write_out(output, &archive) : 0;
+    if (reason != 0) {
+        result = lx_fail(&self->error, "cannot write %s: %s", output, strerror(reason));
     }
-    if (result != 0 && regular) {
-        (void)unlink(output);
-    }
+    free(archive.bytes);
     return result;
 }
 
@@ -449,6 +478,7 @@ int fmu_command(const struct options *options)
         lx_complain("fmu needs --output; right is 'drehgeber %s'", options->row->usage);
         return EXIT_USAGE;
     }
+    (void)signal(SIGXFSZ, SIG_IGN); /* a limit of file sizes is an errno then, not the end */
     if (take_version(options->fmi, &self) != 0 || options_plan(options, &plan, &self.error) != 0) {
         return complain(&self.error, EXIT_USAGE);
     }

@@ -9,34 +9,18 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "beside.h"
 #include "file.h"
 
-/* --- the memory operations --- */
+#define FILE_MODE 0600
 
-/* All of `n` bytes; 0 or an errno. */
-static int write_all(int fd, const uint8_t *bytes, size_t n, off_t at)
-{
-    while (n > 0) {
-        const ssize_t done = pwrite(fd, bytes, n, at);
-        if (done < 0 && errno == EINTR) {
-            continue;
-        }
-        if (done <= 0) {
-            return done < 0 ? errno : ENOSPC;
-        }
-        bytes += done;
-        at += done;
-        n -= (size_t)done;
-    }
-    return 0;
-}
+/* --- the memory operations --- */
 
 /* What the file does not have reads FFh, as an erased EEPROM. 0 or an errno. */
 static int read_all(int fd, uint8_t *to, size_t n, off_t at)
@@ -131,7 +115,7 @@ static int fill_gap(struct lx_nvm_file *self, uint32_t address)
     const uint8_t erased = 0xFF;
     int reason = 0;
     while (reason == 0 && self->length < address) {
-        reason = write_all(self->fd, &erased, 1, (off_t)self->length);
+        reason = lx_file_write(self->fd, &erased, 1, (off_t)self->length);
         self->length += reason == 0 ? 1u : 0u;
     }
     return reason;
@@ -142,7 +126,7 @@ static int put(struct lx_nvm_file *self, uint32_t address, const void *from, siz
 {
     int reason = fill_gap(self, address);
     if (reason == 0) {
-        reason = write_all(self->fd, from, n, (off_t)address);
+        reason = lx_file_write(self->fd, from, n, (off_t)address);
     }
     if (reason != 0) {
         self->suspect = true;
@@ -171,7 +155,7 @@ static int flush(struct lx_nvm_file *self)
 {
     int reason = 0;
     if (self->suspect) {
-        reason = write_all(self->fd, self->bytes, self->length, 0);
+        reason = lx_file_write(self->fd, self->bytes, self->length, 0);
     }
     if (reason == 0 && fdatasync(self->fd) != 0) {
         reason = errno;
@@ -264,52 +248,6 @@ static int open_existing(struct lx_nvm_file *self, struct lx_error *error)
     return check_kind(self, error) != 0 || lock(self, error) != 0 ? -1 : take(self, error);
 }
 
-/* The folder of `path`, and a name for mkostemp() in it. */
-struct neighbour {
-    char folder[PATH_MAX];
-    char name[PATH_MAX];
-};
-
-static bool neighbour_of(struct neighbour *out, const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    const int n = slash == NULL ? 0 : (int)(slash - path) + 1;
-    const char *base = slash == NULL ? path : slash + 1;
-    const int folder =
-        snprintf(out->folder, sizeof out->folder, "%.*s", n == 0 ? 1 : n, n == 0 ? "." : path);
-    const int name = snprintf(out->name, sizeof out->name, "%.*s.%s.XXXXXX", n, path, base);
-    return folder > 0 && (size_t)folder < sizeof out->folder && name > 0 &&
-           (size_t)name < sizeof out->name;
-}
-
-/* The new name is durable when its folder is; a file system that cannot sync folders says EINVAL,
-   and does what it does. */
-static int sync_folder(const char *folder)
-{
-    const int fd = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (fd < 0) {
-        return errno;
-    }
-    const int reason = fsync(fd) == 0 ? 0 : errno;
-    (void)close(fd);
-    return reason == EINVAL ? 0 : reason;
-}
-
-/* A durable file with all of its content under a name of its own, mode 0600. Locked before it gets
-   its name: a lock on a private file cannot be refused by others. 0 or an errno; `fd` -1: none. */
-static int prepare(struct neighbour *near, const uint8_t *bytes, size_t n, int *fd)
-{
-    *fd = mkostemp(near->name, O_CLOEXEC);
-    if (*fd < 0) {
-        return errno;
-    }
-    int reason = lx_file_hold(*fd);
-    if (reason == 0) {
-        reason = write_all(*fd, bytes, n, 0);
-    }
-    return reason == 0 && fsync(*fd) != 0 ? errno : reason;
-}
-
 /* Give a file its name if nobody has it, in one step that needs no hard links. Network and user
    space file systems that cannot do that may be able to link. 0 or an errno; EOPNOTSUPP: neither.
  */
@@ -329,23 +267,25 @@ static int name_it(const char *from, const char *to)
     return 0;
 }
 
-/* A complete image under another name first: whoever sees the file sees all of it, and of two
-   processes that create it one wins. 0 or an errno. */
+/* Of two processes that create it one wins. Locked before it gets its name: a lock on a private file
+   cannot be refused by others. 0 or an errno. */
 static int create(struct lx_nvm_file *self, const struct lx_nvm_image *image)
 {
-    struct neighbour near = {.folder = ""};
-    if (!neighbour_of(&near, self->path)) {
-        return ENAMETOOLONG;
-    }
-    int reason = prepare(&near, image->bytes, image->size, &self->fd);
+    struct lx_beside beside;
+    int reason = lx_beside_make(&beside, self->path, image->bytes, image->size);
     if (reason == 0) {
-        reason = name_it(near.name, self->path);
+        reason = lx_file_hold(beside.fd);
     }
-    if (reason != 0 && self->fd >= 0) {
-        (void)unlink(near.name);
+    if (reason == 0) {
+        reason = name_it(beside.name, self->path);
     }
-    self->created = reason == 0;
-    return reason == 0 ? sync_folder(near.folder) : reason;
+    if (reason != 0) {
+        lx_beside_remove(&beside);
+        return reason;
+    }
+    self->fd = beside.fd;
+    self->created = true;
+    return lx_beside_sync(&beside);
 }
 
 static int refuse_creation(const struct lx_nvm_file *self, int reason, struct lx_error *error)
@@ -413,32 +353,10 @@ void lx_nvm_file_unmake(struct lx_nvm_file *self)
     self->created = false;
 }
 
-/* Beside the file itself, if `path` is a link to it. 0 or an errno; `fd` is the new one. */
-static int replace(const char *path, const uint8_t *bytes, size_t n, int *fd)
-{
-    char target[PATH_MAX];
-    struct stat info;
-    struct neighbour near = {.folder = ""};
-    if (realpath(path, target) == NULL || stat(target, &info) != 0) {
-        return errno;
-    }
-    if (!neighbour_of(&near, target)) {
-        return ENAMETOOLONG;
-    }
-    int reason = prepare(&near, bytes, n, fd);
-    if (reason == 0 && (fchmod(*fd, info.st_mode & 07777) != 0 || rename(near.name, target) != 0)) {
-        reason = errno;
-    }
-    if (reason != 0 && *fd >= 0) {
-        (void)unlink(near.name);
-    }
-    return reason == 0 ? sync_folder(near.folder) : reason;
-}
-
 int lx_nvm_file_replace(struct lx_nvm_file *self, const uint8_t *bytes, struct lx_error *error)
 {
     int fd = -1;
-    const int reason = replace(self->path, bytes, self->size, &fd);
+    const int reason = lx_file_replace(self->path, bytes, self->size, FILE_MODE, &fd);
     if (reason != 0) {
         if (fd >= 0) {
             (void)close(fd);
