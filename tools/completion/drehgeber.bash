@@ -55,7 +55,7 @@ _drehgeber_options()
         ssi) echo " --shaft= --set= --trace= --help" ;;
         map) echo " --ring= --help" ;;
         fmu) echo " --serial= --node= --set= --output= --fmi= --help" ;;
-        ctl) echo " --control= --help" ;;
+        ctl) echo " --control= --timeout= --help" ;;
         top) echo " --control= --help" ;;
         web) echo " --control= --listen= --token= --watch --help" ;;
         help) echo " --help" ;;
@@ -88,6 +88,7 @@ _drehgeber_kind()
         --fmi) echo nothing ;;
         --listen) echo nothing ;;
         --token) echo file ;;
+        --timeout) echo nothing ;;
     esac
 }
 

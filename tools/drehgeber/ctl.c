@@ -2,19 +2,25 @@
 /*
  * Everything is sent, then the question for errors, then the end of the stream. The other side
  * answers all of it before it closes, so the last line that comes in is the list of errors and all
- * others are answers: no guessing which command has one, no time limit. A serial line has no end:
+ * others are answers: no guessing which command has one. A serial line has no end:
  * there the question begins with another one, whose answer nobody else gets.
+ *
+ * The other side may be stopped, or no rig at all. ctl says so when nothing has come for a while,
+ * and ends later. It does neither when *OPC? or *WAI was sent, as their answer takes as long as the
+ * motion, unless the user has given a limit.
  */
 #define _GNU_SOURCE
 #include "ctl.h"
 
 #include <dirent.h>
 #include <errno.h>
+#include <limits.h>
 #include <poll.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -22,12 +28,17 @@
 #include "endpoint.h"
 #include "run.h"
 #include "server.h"
+#include "timer.h"
+#include "virtual_time.h"
 
 #define CHUNK 4096u
 #define ERRORS "\nSYSTem:ERRor:ALL?\n"
 #define MARKED_ERRORS "\nSYSTem:VERSion?;VERSion?;VERSion?;ERRor:ALL?\n"
 #define MARK "1999.0;1999.0;1999.0;"
 #define NO_ERROR "0,"
+/* A silence that the user is told of, and one that ends ctl. */
+#define SILENCE DG_S(5)
+#define LIMIT "60S"
 
 /* Sockets of the folder that somebody listens at. */
 struct found {
@@ -106,7 +117,22 @@ struct talk {
     char *input; /* owned; the lines that were not printed yet */
     size_t input_length;
     bool failed; /* the connection broke */
+    const char *where;
+    const char *limit_text;
+    dg_ns limit;                 /* of a silence; DG_NEVER: none */
+    bool limited;                /* by the user */
+    bool asked;                  /* stdin has had a '?' since the last answer */
+    bool silent;                 /* for too long */
+    bool told;                   /* of the silence since */
+    dg_ns alive;                 /* when the other side has said or taken something, or was asked */
+    char recent[sizeof "*OPC?"]; /* the last characters that are to be sent */
 };
+
+static void note_life(struct talk *self)
+{
+    self->alive = lx_real_now();
+    self->told = false;
+}
 
 static bool append(char **to, size_t *length, const char *bytes, size_t n)
 {
@@ -121,9 +147,29 @@ static bool append(char **to, size_t *length, const char *bytes, size_t n)
     return true;
 }
 
+/* Two pieces of stdin may have a part each of what is looked for. */
+static void look_for_waits(struct talk *self, const char *bytes, size_t n)
+{
+    const size_t last = sizeof self->recent - 2u;
+    for (size_t i = 0; i < n; i++) {
+        memmove(self->recent, self->recent + 1, last);
+        self->recent[last] = bytes[i];
+        if (!self->limited &&
+            (strcasecmp(self->recent, "*OPC?") == 0 || strcasecmp(self->recent + 1, "*WAI") == 0)) {
+            self->limit = DG_NEVER;
+        }
+    }
+}
+
+static bool say_bytes(struct talk *self, const char *bytes, size_t n)
+{
+    look_for_waits(self, bytes, n);
+    return append(&self->output, &self->output_length, bytes, n);
+}
+
 static bool say(struct talk *self, const char *text)
 {
-    return append(&self->output, &self->output_length, text, strlen(text));
+    return say_bytes(self, text, strlen(text));
 }
 
 static bool ask_for_errors(struct talk *self)
@@ -131,15 +177,25 @@ static bool ask_for_errors(struct talk *self)
     return say(self, self->serial ? MARKED_ERRORS : ERRORS);
 }
 
+/* Whether the other side is to do something. While the user only types nothing is to come. */
+static bool is_owed(const struct talk *self)
+{
+    return !self->from_stdin || self->asked || self->output_length > 0;
+}
+
 /* Another piece of stdin; at its end the question for errors. */
 static void take_stdin(struct talk *self)
 {
     char bytes[CHUNK];
     const ssize_t n = read(STDIN_FILENO, bytes, sizeof bytes);
+    if (!is_owed(self)) {
+        note_life(self);
+    }
     self->from_stdin = n > 0;
     self->spoken = self->spoken || n > 0;
     if (n > 0) {
-        self->failed = !append(&self->output, &self->output_length, bytes, (size_t)n);
+        self->asked = self->asked || memchr(bytes, '?', (size_t)n) != NULL;
+        self->failed = !say_bytes(self, bytes, (size_t)n);
     } else {
         self->failed = !ask_for_errors(self);
     }
@@ -157,6 +213,7 @@ static void send_some(struct talk *self)
         self->failed = errno != EAGAIN && errno != EINTR;
         return;
     }
+    note_life(self);
     self->output_length -= (size_t)n;
     memmove(self->output, self->output + n, self->output_length);
     if (self->output_length == 0 && !self->from_stdin && !self->serial) {
@@ -164,9 +221,24 @@ static void send_some(struct talk *self)
     }
 }
 
+/* Whoever answers shall not move the cursor, or give the terminal orders: on one whatever is no
+   printable ASCII is shown as \\xNN. Programs get the bytes as they came. */
+static void print_line(const char *line, size_t n, bool shown, FILE *to)
+{
+    for (size_t i = 0; i < n; i++) {
+        const unsigned char c = (unsigned char)line[i];
+        if (shown && c != '\n' && (c < ' ' || c > '~')) {
+            (void)fprintf(to, "\\x%02X", c);
+        } else {
+            (void)fputc(c, to);
+        }
+    }
+}
+
 /* Print all lines but the last one, which may be the list of errors. */
 static void print_answers(struct talk *self)
 {
+    const bool shown = isatty(STDOUT_FILENO) == 1;
     size_t done = 0;
     for (;;) {
         const char *line = self->input + done;
@@ -175,7 +247,7 @@ static void print_answers(struct talk *self)
             break;
         }
         done = (size_t)(end + 1 - self->input);
-        (void)fwrite(line, 1, (size_t)(end + 1 - line), stdout);
+        print_line(line, (size_t)(end + 1 - line), shown, stdout);
     }
     (void)fflush(stdout);
     self->input_length -= done;
@@ -208,19 +280,52 @@ static bool receive_some(struct talk *self)
     if (n <= 0 || !append(&self->input, &self->input_length, bytes, (size_t)n)) {
         return false;
     }
+    note_life(self);
+    self->asked = false;
     print_answers(self);
     return !marked(self);
+}
+
+/* Milliseconds until bear_silence() is to be called; -1: never. */
+static int time_of_silence(const struct talk *self)
+{
+    if (!is_owed(self) || self->limit == DG_NEVER) {
+        return -1;
+    }
+    const dg_ns now = lx_real_now();
+    const dg_ns told = self->told ? DG_NEVER : dg_after(self->alive, SILENCE);
+    const dg_ns until = dg_earliest(told, dg_after(self->alive, self->limit));
+    const dg_ns left = until > now ? (until - now) / DG_MS(1) + 1u : 0;
+    return left < INT_MAX ? (int)left : INT_MAX;
+}
+
+/* @return false when it has been too long */
+static bool bear_silence(struct talk *self)
+{
+    if (time_of_silence(self) != 0) {
+        return true;
+    }
+    if (lx_real_now() - self->alive >= self->limit) {
+        lx_complain("%s: no answer for %s", self->where, self->limit_text);
+        self->silent = true;
+        return false;
+    }
+    lx_complain("%s: no answer for 5 s; ctl waits for %s, --timeout SPAN changes that", self->where,
+                self->limit_text);
+    self->told = true;
+    return true;
 }
 
 static void exchange(struct talk *self)
 {
     bool open = true;
-    while (open && !self->failed) {
+    note_life(self);
+    while (open && !self->failed && bear_silence(self)) {
         struct pollfd fds[2] = {
             {.fd = self->fd, .events = self->output_length > 0 ? POLLIN | POLLOUT : POLLIN},
             {.fd = self->from_stdin ? STDIN_FILENO : -1, .events = POLLIN},
         };
-        if (poll(fds, 2, -1) < 0) {
+        if (poll(fds, 2, time_of_silence(self)) < 0) {
             self->failed = errno != EINTR;
             continue;
         }
@@ -236,12 +341,29 @@ static void exchange(struct talk *self)
     }
 }
 
+/* What the other side says stands in a message of ours. */
+static void complain_of(const char *line)
+{
+    char *shown = NULL;
+    size_t n = 0;
+    FILE *to = open_memstream(&shown, &n);
+    if (to != NULL) {
+        print_line(line, strlen(line), true, to);
+        (void)fclose(to);
+    }
+    lx_complain("%s", shown == NULL ? "no memory" : shown);
+    free(shown);
+}
+
 /* The last line says what went wrong. */
-static int conclude(struct talk *self, const char *where)
+static int conclude(const struct talk *self)
 {
     char *line = self->input;
+    if (self->silent) {
+        return EXIT_OTHER;
+    }
     if (self->failed || line == NULL || self->input_length == 0) {
-        lx_complain("%s: the connection broke", where);
+        lx_complain("%s: the connection broke", self->where);
         return EXIT_OTHER;
     }
     line[strcspn(line, "\n")] = '\0';
@@ -252,19 +374,35 @@ static int conclude(struct talk *self, const char *where)
     if (strncmp(line, NO_ERROR, strlen(NO_ERROR)) == 0) {
         return EXIT_OK;
     }
-    lx_complain("%s", line);
+    complain_of(line);
     return EXIT_OTHER;
 }
 
-int ctl_command(const char *wanted, char *const *words, size_t count)
+/* How long a silence may be. */
+static int take_limit(struct talk *self, const char *text, struct lx_error *error)
+{
+    self->limited = text != NULL;
+    self->limit_text = self->limited ? text : LIMIT;
+    if (virtual_time_span(self->limit_text, &self->limit) == 0) {
+        return 0;
+    }
+    (void)lx_refuse(error, "expected 10S, 5MIN or 1H, for one; up to 8760H", "%s", "");
+    return lx_about(error, LX_ABOUT_KEY, "timeout", text);
+}
+
+int ctl_command(const struct ctl_wanted *wanted, char *const *words, size_t count)
 {
     char where[LX_SERVER_ADDRESS_MAX];
     char greeting[LX_ACCESS_GREETING_MAX];
     struct lx_error error;
-    struct talk self = {.from_stdin = count == 0, .spoken = count > 0};
+    struct talk self = {
+        .from_stdin = count == 0, .spoken = count > 0, .where = where, .recent = "     "};
     greeting[0] = '\0';
-    if (ctl_find(wanted, where, sizeof where, &error) != 0) {
-        return complain(&error, wanted == NULL ? EXIT_OTHER : EXIT_USAGE);
+    if (take_limit(&self, wanted->timeout, &error) != 0) {
+        return complain(&error, EXIT_USAGE);
+    }
+    if (ctl_find(wanted->address, where, sizeof where, &error) != 0) {
+        return complain(&error, wanted->address == NULL ? EXIT_OTHER : EXIT_USAGE);
     }
     self.serial = lx_endpoint_is_serial(where);
     self.fd = self.serial ? lx_endpoint_open_serial(where, &error)
@@ -278,7 +416,7 @@ int ctl_command(const char *wanted, char *const *words, size_t count)
             !say(&self, words[i]) || !(i + 1 < count ? say(&self, "\n") : ask_for_errors(&self));
     }
     exchange(&self);
-    const int status = conclude(&self, where);
+    const int status = conclude(&self);
     (void)close(self.fd);
     free(self.output);
     free(self.input);

@@ -66,6 +66,8 @@ static const struct {
     {"ctl", "Commands are sent, answers printed; without a command they are read from stdin.\n"
             "Without --control the one rig that runs is meant. A number without a unit is in\n"
             "DEG, RPM, RPM/S, MS, DEGC, MV or UA; DURation of FAULt:SET needs its unit.\n"
+            "On a terminal, control characters of an answer are shown as \\x1B; a file or\n"
+            "pipe gets the bytes. When nothing has come for 5 s, a line on stderr says so.\n"
             "\n"
             "  drehgeber ctl 'SHAF:ACC 600RPM/S; MOVE 90DEG,120RPM; *OPC?' 'SHAF:POS?'\n"},
     {"top", "Shafts as dials, a line for each encoder, what is on its wire. A window has at\n"

@@ -95,6 +95,13 @@ static int top(const struct options *options)
     return top_command(options->control_count > 0 ? options->controls[0] : options->model);
 }
 
+static int ctl(const struct options *options)
+{
+    const struct ctl_wanted wanted = {options->control_count == 0 ? NULL : options->controls[0],
+                                      options->timeout};
+    return ctl_command(&wanted, options->words, options->word_count);
+}
+
 static int act(const struct options *options)
 {
     const struct dg_device *device = options->model == NULL ? NULL : dg_device_find(options->model);
@@ -123,8 +130,7 @@ static int act(const struct options *options)
     case COMMAND_FMU:
         return fmu_command(options);
     case COMMAND_CTL:
-        return ctl_command(options->control_count == 0 ? NULL : options->controls[0],
-                           options->words, options->word_count);
+        return ctl(options);
     case COMMAND_TOP:
         return top(options);
     case COMMAND_WEB:

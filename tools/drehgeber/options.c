@@ -25,6 +25,7 @@ enum key {
     KEY_LISTEN,
     KEY_TOKEN,
     KEY_WATCH,
+    KEY_TIMEOUT,
     KEY_JSON,
     KEY_RING,
     KEY_NVM,
@@ -49,7 +50,7 @@ const struct command_row command_rows[] = {
     {"map",    COMMAND_MAP,    false, "map MODEL",                           "the Modbus registers of an INTERBUS encoder",  " ring ", NULL, &dg_ib_stack, NULL},
     {"fmu",    COMMAND_FMU,    false, "fmu MODEL --output FILE.fmu [OPTIONS]", "write that encoder as an FMU, for co-simulation", " output fmi set serial node ", NULL, NULL, NULL},
     {"fmu",    COMMAND_FMU,    false, "fmu RIG.ini --output FILE.fmu [--fmi 2]", "write all encoders of a rig as one FMU",  " output fmi set serial node ", NULL, NULL, NULL},
-    {"ctl",    COMMAND_CTL,    false, "ctl [--control ADDR] COMMAND",        "SCPI to what is running; SYST:HELP? says which", " control ", NULL, NULL, NULL},
+    {"ctl",    COMMAND_CTL,    false, "ctl [--control ADDR] COMMAND",        "SCPI to what is running; SYST:HELP? says which", " control timeout ", NULL, NULL, NULL},
     {"top",    COMMAND_TOP,    false, "top [ADDRESS]",                       "what is running, in a terminal; ? says the keys", " control ", NULL, NULL, NULL},
     {"web",    COMMAND_WEB,    false, "web [ADDRESS] [OPTIONS]",             "what is running, in a browser",                " control listen token watch ", NULL, NULL, NULL},
     {"help",   COMMAND_HELP,   false, "help [COMMAND [MODEL]]",              "this text, or that of a command",              "", NULL, NULL, NULL},
@@ -73,6 +74,7 @@ static const struct argp_option rows[] = {
     {.name = "listen",  .key = KEY_LISTEN,  .arg = "HOST:PORT", .doc = "of the page (loopback; ,open: beyond it, too; port 0: any free one; default: 127.0.0.1:8080)"},
     {.name = "token",   .key = KEY_TOKEN,   .arg = "FILE",      .doc = "for who knows the token in FILE (default: a new one, in the address that is printed)"},
     {.name = "watch",   .key = KEY_WATCH,                       .doc = "the page shows, and changes nothing"},
+    {.name = "timeout", .key = KEY_TIMEOUT, .arg = "SPAN",      .doc = "end when nothing has come for a span such as 10S or 5MIN (default: 60S, no limit with *OPC? or *WAI)"},
     {.name = "json",    .key = KEY_JSON,                        .doc = "for programs: an array of objects"},
     {.name = "verbose", .key = KEY_VERBOSE,                     .doc = "what goes over the wire in words, on stderr"},
     {.name = "quiet",   .key = KEY_QUIET,                       .doc = "no notes on stderr, only complaints"},
@@ -99,7 +101,8 @@ const struct command_row *command_find(const char *name)
 /* Who takes them names them. */
 static bool of_few(const struct argp_option *option)
 {
-    static const int keys[] = {KEY_JSON, KEY_OUTPUT, KEY_FMI, KEY_LISTEN, KEY_TOKEN, KEY_WATCH};
+    static const int keys[] = {KEY_JSON,  KEY_OUTPUT, KEY_FMI,    KEY_LISTEN,
+                               KEY_TOKEN, KEY_WATCH,  KEY_TIMEOUT};
     for (size_t i = 0; i < DG_COUNT(keys); i++) {
         if (option->key == keys[i]) {
             return true;
@@ -304,12 +307,13 @@ static const struct {
     int key;
     size_t offset; /* of the text in struct options */
 } texts[] = {
-    {KEY_RING, offsetof(struct options, ring)},     {KEY_NVM, offsetof(struct options, nvm)},
-    {KEY_SERIAL, offsetof(struct options, serial)}, {KEY_NODE, offsetof(struct options, node)},
-    {KEY_SHAFT, offsetof(struct options, shaft)},   {KEY_TRACE, offsetof(struct options, trace)},
-    {KEY_FILES, offsetof(struct options, files)},   {KEY_TIME, offsetof(struct options, time)},
-    {KEY_OUTPUT, offsetof(struct options, output)}, {KEY_FMI, offsetof(struct options, fmi)},
-    {KEY_LISTEN, offsetof(struct options, listen)}, {KEY_TOKEN, offsetof(struct options, token)},
+    {KEY_RING, offsetof(struct options, ring)},       {KEY_NVM, offsetof(struct options, nvm)},
+    {KEY_SERIAL, offsetof(struct options, serial)},   {KEY_NODE, offsetof(struct options, node)},
+    {KEY_SHAFT, offsetof(struct options, shaft)},     {KEY_TRACE, offsetof(struct options, trace)},
+    {KEY_FILES, offsetof(struct options, files)},     {KEY_TIME, offsetof(struct options, time)},
+    {KEY_OUTPUT, offsetof(struct options, output)},   {KEY_FMI, offsetof(struct options, fmi)},
+    {KEY_LISTEN, offsetof(struct options, listen)},   {KEY_TOKEN, offsetof(struct options, token)},
+    {KEY_TIMEOUT, offsetof(struct options, timeout)},
 };
 #define TEXT_COUNT DG_COUNT(texts)
 

@@ -42,7 +42,7 @@ struct command_row {
     const char *help;  /* may have several lines */
     const char *takes; /* its options, with blanks around each; NULL: all but those of files that
                           it writes, and of the page: "json", "output", "fmi",
-                          "listen", "token", "watch" */
+                          "listen", "token", "watch", "timeout" */
     /* COMMAND_ASK: do what options->words say over a simulated wire. Prints its own errors.
        @return how the program ends */
     int (*ask)(const struct options *options);
@@ -74,6 +74,7 @@ struct options {
     const char *fmi; /* "2" or "3" */
     const char *listen;
     const char *token; /* its file */
+    const char *timeout;
     char **words; /* owned; what `biss MODEL` and its like are to do, as many as argc at most */
     size_t word_count;
     struct lx_plan_settings settings; /* owned */

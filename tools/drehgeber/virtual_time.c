@@ -22,7 +22,7 @@ static const struct {
     {"MS", DG_MS(1)}, {"S", DG_S(1)}, {"MIN", DG_S(60)}, {"H", DG_S(3600)}, /* MS before S */
 };
 
-static int parse(const char *text, dg_ns *span)
+int virtual_time_span(const char *text, dg_ns *span)
 {
     const size_t n = strlen(text);
     for (size_t i = 0; i < DG_COUNT(units); i++) {
@@ -94,7 +94,8 @@ int virtual_time_of(const char *text, const struct lx_plan *plan, dg_ns *span, b
     if (lx_rig_is_stepped(plan, stepped, error) != 0) {
         return -1;
     }
-    if (text != NULL && (strncasecmp(text, PREFIX, n) != 0 || parse(text + n, span) != 0)) {
+    if (text != NULL &&
+        (strncasecmp(text, PREFIX, n) != 0 || virtual_time_span(text + n, span) != 0)) {
         return lx_refuse(error, RIGHT, "--time=%s: no such time", text);
     }
     return text != NULL || *stepped ? check_wires(text, plan, *stepped, error) : 0;

@@ -12,6 +12,9 @@
 #include "plan.h"
 #include "rig.h"
 
+/** A span such as "2.5S", "500MS", "10MIN" or "1H", above 0 and up to 8760H. @return 0 or -1 */
+int virtual_time_span(const char *text, dg_ns *span);
+
 /** Understand what --time says, "virtual:SPAN" or NULL, whether the plan has the time of a
  * simulation, and whether it can: all other wires are made by this process.
  * @return 0 with `span` (0: none) and `stepped`, or -1 with `error` */

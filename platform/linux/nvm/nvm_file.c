@@ -267,8 +267,8 @@ static int name_it(const char *from, const char *to)
     return 0;
 }
 
-/* Of two processes that create it one wins. Locked before it gets its name: a lock on a private file
-   cannot be refused by others. 0 or an errno. */
+/* Of two processes that create it one wins. Locked before it gets its name: a lock on a private
+   file cannot be refused by others. 0 or an errno. */
 static int create(struct lx_nvm_file *self, const struct lx_nvm_image *image)
 {
     struct lx_beside beside;
