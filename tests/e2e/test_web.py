@@ -223,6 +223,13 @@ def test_nothing_but_get(web, method):
     assert web.get()[0] == 200
 
 
+def test_head_is_a_get_without_the_body(web):
+    _, headers, _ = web.get("/main.js")
+    assert web.get("/main.js", method="HEAD") == (200, headers, b"")
+    assert web.get("/nothing", method="HEAD")[0] == 404
+    assert web.get("/", method="HEAD", host="evil.example")[0] == 403
+
+
 # ---------------------------------------------------------------- who may come in
 
 @pytest.mark.parametrize("host", ["localhost", "localhost:9", "127.0.0.1", "127.0.0.1:9000", "[::1]:9", "LOCALHOST"])
@@ -248,6 +255,50 @@ def test_no_host(web):
 def test_pages_of_others_are_refused(web, origin):
     with Page(web, origin=origin.format(name=web.name, port=web.port)) as page:
         assert page.status == 403
+
+
+@pytest.mark.parametrize("origin", ["http://evil.example", "null", "http://{name}/", "https://{name}",
+                                    pytest.param("http://" + "a" * 400, id="long")])
+@pytest.mark.parametrize("method", ["GET", "POST", "HEAD", "OPTIONS"])
+def test_files_are_not_for_pages_of_others_either(web, method, origin):
+    text = f"{method} /main.js HTTP/1.1\r\nHost: {web.name}\r\nOrigin: {origin}\r\nContent-Length: 0\r\n\r\n"
+    assert web.raw(text.format(name=web.name).encode()).startswith(b"HTTP/1.1 403 ")
+    text = f"GET /main.js HTTP/1.1\r\nHost: {web.name}\r\nOrigin: http://{web.name}\r\nConnection: close\r\n\r\n"
+    assert web.raw(text.encode()).startswith(b"HTTP/1.1 200 ")
+
+
+# HTTP/2, RFC 7540: SETTINGS as 3.2.1 has them, the preface of 3.5 and an empty SETTINGS frame behind it.
+SETTINGS = "HTTP2-Settings: AAMAAABkAARAAAAAAAIAAAAA\r\n"
+PREFACE = b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n" + bytes([0, 0, 0, 4, 0, 0, 0, 0, 0])
+
+
+@pytest.mark.parametrize("host", ["{name}", "evil.example"])
+@pytest.mark.parametrize("upgrade", ["h2c", "H2C", "TLS/1.0", "h2c, websocket", "websocket, h2c", "x"])
+def test_no_upgrade_but_websocket(web, upgrade, host):
+    head = (f"GET / HTTP/1.1\r\nHost: {host.format(name=web.name)}\r\nConnection: Upgrade, HTTP2-Settings\r\n"
+            f"Upgrade: {upgrade}\r\n{SETTINGS}\r\n")
+    answer = web.raw(head.encode() + PREFACE)
+    assert answer == b"" or re.match(rb"HTTP/1\.[01] 4\d\d ", answer), answer
+    assert upgrade.lower() != "h2c" or answer.split()[1] == b"400"
+    assert b"101" not in answer.split(b"\r\n")[0] and b"<script" not in answer
+    assert web.get()[0] == 200
+
+
+def test_http_2_is_not_spoken(web):
+    """Somebody who begins with it, as one who has been told that it is there."""
+    answer = web.raw(PREFACE)
+    assert answer == b"" or answer.startswith(b"HTTP/1."), answer
+    assert web.get()[0] == 200
+
+
+@pytest.mark.parametrize("version", ["8", "0", "14", "131", ""])
+def test_another_version_of_websockets(web, version):
+    """RFC 6455, 4.4: 426, and the one that is spoken."""
+    head = (f"GET /rig HTTP/1.1\r\nHost: {web.name}\r\nOrigin: http://{web.name}\r\nConnection: Upgrade\r\n"
+            "Upgrade: websocket\r\nSec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\nSec-WebSocket-Protocol: drehgeber\r\n"
+            f"Sec-WebSocket-Version: {version}\r\n\r\n")
+    lines = web.raw(head.encode()).split(b"\r\n")
+    assert lines[0].split()[1] == b"426" and b"sec-websocket-version: 13" in lines
 
 
 def test_no_origin_is_no_page(web):

@@ -15,6 +15,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/epoll.h>
 #include <sys/random.h>
 #include <unistd.h>
@@ -31,6 +32,9 @@
 #define CHUNK 4096u
 #define SOCKET_PATH "/rig"
 #define SOCKET_PROTOCOL "drehgeber"
+/* Of the WebSocket protocol; a client of another one is told. */
+#define VERSION "13"
+#define UPGRADE_REQUIRED 426u
 /* Lines to the rig from sweep to sweep. */
 #define LINES_MAX 500u
 #define TOKEN_BYTES 16u
@@ -277,12 +281,19 @@ static bool header(struct lws *wsi, enum lws_token_indexes which, char *to, size
     return lws_hdr_copy(wsi, to, (int)size, which) > 0;
 }
 
-/* A name of this machine; the page's own in `host`. */
+/* A name of this machine, and no page of another site; the page's own name in `host`. Browsers
+   leave the origin out where they ask for a page or a file of it. */
 static bool is_ours(struct connection *self, char host[GATE_HOST_MAX])
 {
     const struct lx_peers_where *where = &self->server->setup.where;
-    return header(self->wsi, WSI_TOKEN_HOST, host, GATE_HOST_MAX) &&
-           gate_host(host, where->at.host, where->open);
+    char origin[GATE_HOST_MAX];
+    if (!header(self->wsi, WSI_TOKEN_HOST, host, GATE_HOST_MAX) ||
+        !gate_host(host, where->at.host, where->open)) {
+        return false;
+    }
+    return lws_hdr_total_length(self->wsi, WSI_TOKEN_ORIGIN) == 0 ||
+           (header(self->wsi, WSI_TOKEN_ORIGIN, origin, sizeof origin) &&
+            gate_origin(origin, host));
 }
 
 static const struct web_file *find(const char *path)
@@ -332,6 +343,11 @@ static bool add_all(struct lws *wsi, struct answer *to, const char *host)
     return true;
 }
 
+static bool is_head(struct lws *wsi)
+{
+    return lws_hdr_total_length(wsi, WSI_TOKEN_HEAD_URI) > 0;
+}
+
 /* @return as callbacks do */
 static int answer_file(struct connection *self, const char *host)
 {
@@ -342,6 +358,10 @@ static int answer_file(struct connection *self, const char *host)
         !add_all(self->wsi, &answer, host) ||
         lws_finalize_write_http_header(self->wsi, answer.bytes + LWS_PRE, &answer.at, end) != 0) {
         return -1;
+    }
+    if (is_head(self->wsi)) {
+        self->file = NULL;
+        return lws_http_transaction_completed(self->wsi) != 0 ? -1 : 0;
     }
     return lws_callback_on_writable(self->wsi) < 0 ? -1 : 0;
 }
@@ -357,12 +377,13 @@ static int request(struct connection *self, const char *path)
     char host[GATE_HOST_MAX];
     self->file = find(path);
     self->sent = 0;
-    if (lws_hdr_total_length(self->wsi, WSI_TOKEN_GET_URI) == 0) {
-        return refuse(self->wsi, HTTP_STATUS_METHOD_NOT_ALLOWED, "GET is right");
-    }
     if (!is_ours(self, host)) {
         return refuse(self->wsi, HTTP_STATUS_FORBIDDEN,
-                      "This is no name of the machine; an address is right");
+                      "This is no name of the machine, or a page of another site; an address is "
+                      "right");
+    }
+    if (lws_hdr_total_length(self->wsi, WSI_TOKEN_GET_URI) == 0 && !is_head(self->wsi)) {
+        return refuse(self->wsi, HTTP_STATUS_METHOD_NOT_ALLOWED, "GET is right");
     }
     return self->file == NULL ? refuse(self->wsi, HTTP_STATUS_NOT_FOUND, NULL)
                               : answer_file(self, host);
@@ -391,20 +412,44 @@ static int send_file(struct connection *self)
     return lws_http_transaction_completed(self->wsi) != 0 ? -1 : 0;
 }
 
+/* HTTP/2 would come in past admit(), and Host and Origin are called otherwise there. */
+static int upgrade(struct connection *self, const char *to)
+{
+    return strcasecmp(to, "websocket") == 0
+               ? 0
+               : refuse(self->wsi, HTTP_STATUS_BAD_REQUEST, "websocket is the only upgrade here");
+}
+
+/* RFC 6455, 4.4. */
+static int refuse_version(struct lws *wsi)
+{
+    struct answer answer = {.at = answer.bytes + LWS_PRE};
+    unsigned char *end = answer.bytes + sizeof answer.bytes;
+    if (lws_add_http_common_headers(wsi, UPGRADE_REQUIRED, NULL, 0, &answer.at, end) != 0 ||
+        !add(wsi, &answer, "sec-websocket-version:", VERSION)) {
+        return -1;
+    }
+    const int sent = lws_finalize_write_http_header(wsi, answer.bytes + LWS_PRE, &answer.at, end);
+    return sent < 0 ? sent : -1;
+}
+
 /* A handshake of WebSockets. @return 0: it may go on */
 static int admit(struct connection *self, const char *protocol)
 {
     char host[GATE_HOST_MAX];
-    char origin[GATE_HOST_MAX];
+    char version[sizeof VERSION + 1u];
     char path[sizeof SOCKET_PATH + 1u];
-    if (!is_ours(self, host) || !header(self->wsi, WSI_TOKEN_ORIGIN, origin, sizeof origin) ||
-        !gate_origin(origin, host)) {
+    if (!is_ours(self, host) || lws_hdr_total_length(self->wsi, WSI_TOKEN_ORIGIN) == 0) {
         return refuse(self->wsi, HTTP_STATUS_FORBIDDEN, "Only for the page from here");
     }
     if (!header(self->wsi, WSI_TOKEN_GET_URI, path, sizeof path) ||
         strcmp(path, SOCKET_PATH) != 0 || protocol == NULL ||
         strcmp(protocol, SOCKET_PROTOCOL) != 0) {
         return refuse(self->wsi, HTTP_STATUS_NOT_FOUND, NULL);
+    }
+    if (!header(self->wsi, WSI_TOKEN_VERSION, version, sizeof version) ||
+        strcmp(version, VERSION) != 0) {
+        return refuse_version(self->wsi);
     }
     return count_pages(self->server) < WEB_PAGES_MAX
                ? 0
@@ -430,6 +475,9 @@ static int on_http(struct lws *wsi, enum lws_callback_reasons reason, void *user
     }
     if (reason == LWS_CALLBACK_HTTP) {
         return request(self, in);
+    }
+    if (reason == LWS_CALLBACK_HTTP_CONFIRM_UPGRADE) {
+        return upgrade(self, in);
     }
     if (reason == LWS_CALLBACK_HTTP_WRITEABLE) {
         return send_file(self);
