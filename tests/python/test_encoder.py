@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Encoders in this process: each model through its own wire, shafts, world, faults, memories, time. Golden
 bytes are those of tests/unit/test_host.c, from the manuals."""
+import resource
 import warnings
 
 import drehgeber
@@ -431,6 +432,35 @@ def test_lines_of_a_file_that_are_no_points(tmp_path, line):
     (tmp_path / "x.csv").write_text(f"time_s,temperature\n{line}\n")
     with pytest.raises(EncoderError, match="x.csv:2: time_s,temperature is right"):
         Encoder("f3668").world.play("temperature", tmp_path / "x.csv")
+
+
+NO_TEXT = "more than 198 characters, or no text at all; expected a shorter line of text"
+
+
+@pytest.mark.parametrize("name", ["/dev/zero", "sparse.csv", "long.csv", "zero.csv"])
+def test_a_file_that_is_no_text_of_lines_ends_soon(tmp_path, name):
+    """2 GiB without a line; a line of one character too many; a NUL. Nothing is read on, and memory stays."""
+    with (tmp_path / "sparse.csv").open("wb") as file:
+        file.truncate(2 << 30)
+    (tmp_path / "long.csv").write_text("0,1 #" + "x" * 194)
+    (tmp_path / "zero.csv").write_bytes(b"0,1 # \0\n")
+    path, encoder = tmp_path / name, Encoder("s3684-biss")
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    with pytest.raises(EncoderError, match=f"{path}:1: {NO_TEXT}"):
+        encoder.world.play("temperature", path)
+    if name.endswith(".csv"):
+        with pytest.raises(EncoderError, match=f"{path}:1: {NO_TEXT}"):
+            encoder.shaft.play(str(path))
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 32 << 10
+
+
+def test_a_line_may_be_as_long_as_in_a_rig_file(tmp_path):
+    """198 bytes and its end; a comment may be in any encoding, as the command takes it."""
+    path, encoder = tmp_path / "x.csv", Encoder("f3668")
+    path.write_bytes(b"0,20 # " + b"\xb0" * 191 + b"\r\n"[1:] + b"10,30 #" + b"x" * 191)
+    encoder.world.play("temperature", path)
+    encoder.clock.advance(5)
+    assert encoder.world.temperature == 25
 
 
 @pytest.mark.parametrize("points", [[], [(-1, 5)], [(2, 5), (1, 5)]])

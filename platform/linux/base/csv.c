@@ -9,6 +9,7 @@
 #include <errno.h>
 #include <limits.h>
 #include <stdbool.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -42,6 +43,7 @@ struct reader {
     unsigned long line;
     bool started; /* the first line that is not empty or a comment has been seen */
     size_t capacity;
+    size_t most; /* points */
     struct lx_csv_points found;
     dg_ns latest; /* time of the last point */
 };
@@ -91,6 +93,9 @@ static int complain_of_line(const struct reader *self, struct lx_error *error, s
 
 static int append(struct reader *self, dg_ns at, int64_t value, struct lx_error *error)
 {
+    if (self->found.count == self->most) {
+        return lx_fail(error, "%s:%lu: more than %zu points", self->name, self->line, self->most);
+    }
     if (self->found.count == self->capacity) {
         const size_t capacity = self->capacity == 0 ? 256 : self->capacity * 2;
         void *grown = reallocarray(self->found.points, capacity, self->kind->size);
@@ -157,12 +162,12 @@ static int take_line(struct reader *self, const char *text, size_t n, struct lx_
 struct lx_csv {
     struct reader reader;
     FILE *file;
-    char *text; /* of a line; owned, as is what is behind it */
-    size_t capacity;
-    char *name;
+    char *name;                      /* owned */
+    char text[LX_CSV_LINE_MAX + 1u]; /* of a line, with its end; not a string */
 };
 
-struct lx_csv *lx_csv_open(FILE *file, const char *name, const struct lx_csv_kind *kind)
+struct lx_csv *lx_csv_open(FILE *file, const char *name, const struct lx_csv_kind *kind,
+                           size_t most)
 {
     struct lx_csv *self = calloc(1, sizeof *self);
     char *copy = strdup(name);
@@ -175,15 +180,34 @@ struct lx_csv *lx_csv_open(FILE *file, const char *name, const struct lx_csv_kin
     self->name = copy;
     self->reader.name = copy;
     self->reader.kind = kind;
+    self->reader.most = most;
     return self;
 }
 
-/* Behind the last line. */
-static int end(const struct lx_csv *self, struct lx_error *error)
+/* A line with its end. What has none in time, or is no text, may be a file of any length: it is not
+   read on. @return its length; 0: there is none; -1 with `error` */
+static int read_line(struct lx_csv *self, struct lx_error *error)
 {
-    if (ferror(self->file) != 0) {
+    int n = 0;
+    int c = ' ';
+    while (c != '\n' && c != '\0' && n < (int)sizeof self->text &&
+           (c = getc_unlocked(self->file)) != EOF) {
+        self->text[n++] = (char)c;
+    }
+    if (c == EOF && ferror(self->file) != 0) {
         return lx_fail(error, "%s: cannot read: %s", self->name, strerror(errno));
     }
+    if (c == '\0' || (c != '\n' && n > (int)LX_CSV_LINE_MAX)) {
+        return lx_refuse(error, "expected a shorter line of text",
+                         "%s:%lu: more than %u characters, or no text at all", self->name,
+                         self->reader.line + 1, LX_CSV_LINE_MAX);
+    }
+    return n;
+}
+
+/* Behind the last line. */
+static int check_count(const struct lx_csv *self, struct lx_error *error)
+{
     return self->reader.found.count > 0
                ? 0
                : lx_fail(error, "%s:%lu: no points; a line is '%s'", self->name,
@@ -193,9 +217,9 @@ static int end(const struct lx_csv *self, struct lx_error *error)
 int lx_csv_read_on(struct lx_csv *self, unsigned lines, struct lx_error *error)
 {
     for (unsigned i = 0; i < lines; i++) {
-        const ssize_t n = getline(&self->text, &self->capacity, self->file);
-        if (n < 0) {
-            return end(self, error);
+        const int n = read_line(self, error);
+        if (n <= 0) {
+            return n < 0 ? -1 : check_count(self, error);
         }
         self->reader.line++;
         if (take_line(&self->reader, self->text, (size_t)n, error) != 0) {
@@ -218,14 +242,13 @@ void lx_csv_close(struct lx_csv *self)
         return;
     }
     free(self->reader.found.points);
-    free(self->text);
     free(self->name);
     free(self);
 }
 
 int lx_csv_read(struct lx_recording *out, FILE *file, const char *name, struct lx_error *error)
 {
-    struct lx_csv *reader = lx_csv_open(file, name, &lx_csv_motion);
+    struct lx_csv *reader = lx_csv_open(file, name, &lx_csv_motion, SIZE_MAX);
     int result = 1;
     if (reader == NULL) {
         return lx_fail(error, "%s: no memory for its lines", name);

@@ -15,6 +15,16 @@
 #include "drehgeber/motion.h"
 #include "say.h"
 
+/** Characters of a line without its end, as of a rig file's. */
+#define LX_CSV_LINE_MAX 198u
+
+/** Lines to read in one turn of the loop: some ten microseconds. */
+#define LX_CSV_SLICE 128u
+
+/** Points that a client's file may have. All of them are looked at once more when they are taken
+ * into use, in one go: that takes some two milliseconds. */
+#define LX_CSV_CLIENT_MAX ((size_t)1 << 20)
+
 /** What the second column is, and what a point is made of. */
 struct lx_csv_kind {
     const char *line;  /**< how a line is written: "time_s,angle_deg" */
@@ -45,9 +55,10 @@ struct lx_recording {
 /** A file that is being read, a slice at a time. */
 struct lx_csv;
 
-/** Begin with `file`, called `name` in errors; it and `kind` are borrowed. @return NULL without
- * memory */
-struct lx_csv *lx_csv_open(FILE *file, const char *name, const struct lx_csv_kind *kind);
+/** Begin with `file`, called `name` in errors; it and `kind` are borrowed. More than `most` points
+ * are refused. @return NULL without memory */
+struct lx_csv *lx_csv_open(FILE *file, const char *name, const struct lx_csv_kind *kind,
+                           size_t most);
 
 /** Read up to `lines` more. @return 1: there are more; 0: that was all, and lx_csv_take() has it;
  * -1 with "name:line: what is wrong" */

@@ -2,6 +2,7 @@
 #define _GNU_SOURCE
 #include "course_words.h"
 
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,9 +10,6 @@
 
 #include "drehgeber/hal.h"
 #include "key.h"
-
-/* Lines of a file that are read in one go. */
-#define SLICE_LINES 512u
 
 static const char ending[] = ".csv";
 
@@ -104,7 +102,8 @@ struct lx_course_file *lx_course_file_open(const char *path, size_t quantity,
     describe(self, &dg_world_keys.rows[quantity]);
     self->file = lx_file_read(folder, path, error);
     if (self->file != NULL) {
-        self->lines = lx_csv_open(self->file, path, &self->kind);
+        self->lines = lx_csv_open(self->file, path, &self->kind,
+                                  folder == NULL ? SIZE_MAX : LX_CSV_CLIENT_MAX);
     }
     if (self->file != NULL && self->lines == NULL) {
         (void)lx_fail(error, "%s: no memory for its lines", path);
@@ -119,7 +118,7 @@ struct lx_course_file *lx_course_file_open(const char *path, size_t quantity,
 int lx_course_file_read(struct lx_course_file *self, struct lx_csv_points *to,
                         struct lx_error *error)
 {
-    const int result = lx_csv_read_on(self->lines, SLICE_LINES, error);
+    const int result = lx_csv_read_on(self->lines, LX_CSV_SLICE, error);
     if (result == 0) {
         *to = lx_csv_take(self->lines);
     }

@@ -6,6 +6,7 @@
 #define _GNU_SOURCE
 #include "motion_words.h"
 
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,9 +19,6 @@
 
 #define FORMS "0, 90DEG, 2.5REV, 60RPM, sine:90DEG,2S, ramp:3000RPM,1S[,HOLD] or FILE.csv"
 const char lx_shaft_forms[] = FORMS;
-
-/* Lines of a file that are read in one go. */
-#define SLICE_LINES 512u
 
 /* What a unit measures. */
 enum dimension { ANGLE, SPEED, TIME };
@@ -189,7 +187,8 @@ struct lx_shaft_file *lx_shaft_file_open(const char *text, const struct lx_folde
     }
     self->file = lx_file_read(folder, text, error);
     if (self->file != NULL) {
-        self->lines = lx_csv_open(self->file, text, &lx_csv_motion);
+        self->lines = lx_csv_open(self->file, text, &lx_csv_motion,
+                                  folder == NULL ? SIZE_MAX : LX_CSV_CLIENT_MAX);
     }
     if (self->file != NULL && self->lines == NULL) {
         (void)lx_fail(error, "%s: no memory for its lines", text);
@@ -203,7 +202,7 @@ struct lx_shaft_file *lx_shaft_file_open(const char *text, const struct lx_folde
 
 int lx_shaft_file_read(struct lx_shaft_file *self, struct lx_shaft *to, struct lx_error *error)
 {
-    const int result = lx_csv_read_on(self->lines, SLICE_LINES, error);
+    const int result = lx_csv_read_on(self->lines, LX_CSV_SLICE, error);
     if (result != 0) {
         return result < 0 ? LX_SHAFT_FILE : result;
     }

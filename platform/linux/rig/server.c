@@ -250,19 +250,22 @@ static void watch(struct client *client)
 static dg_ns serve(struct client *client)
 {
     const struct lx_clock *clock = client->server->setup.clock;
-    size_t before = 0;
+    bool more = true;
     dg_ns next = DG_NEVER;
     client->server->setup.enter(client->server->setup.ctx, client->server->access.tcp);
     do {
         const dg_ns now = lx_clock_now(clock); /* the client before may have let time pass */
-        before = client->input_length;
+        const size_t before = client->input_length;
         await_writer(client);
         send_output(client);
         (void)go_on(client, now);
         feed(client, now);
+        const bool held = client->control.session.executing;
         next = go_on(client, now);
         send_output(client);
-    } while (!client->broken && client->input_length > 0 && client->input_length < before);
+        /* A command that has just ended has held back what stands behind it. */
+        more = client->input_length < before || (held && !client->control.session.executing);
+    } while (!client->broken && client->input_length > 0 && more);
     return next;
 }
 

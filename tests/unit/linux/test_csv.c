@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #define _GNU_SOURCE
+#include <errno.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -122,6 +123,130 @@ static void refusals(void **state)
     }
 }
 
+/* --- what is no text of lines, or cannot be read --- */
+
+/* A file of any length: what is in it, again and again. It counts what is taken of it. */
+struct source {
+    const char *text;
+    size_t size;
+    size_t taken;
+    size_t fails_at; /* bytes */
+    int reason;      /* why */
+};
+
+static ssize_t take_bytes(void *ctx, char *to, size_t n)
+{
+    struct source *self = ctx;
+    size_t done = 0;
+    if (self->reason != 0 && self->taken >= self->fails_at) {
+        errno = self->reason;
+        return -1;
+    }
+    while (done < n && (self->reason == 0 || self->taken < self->fails_at)) {
+        to[done++] = self->text[self->taken++ % self->size];
+    }
+    return (ssize_t)done;
+}
+
+static FILE *open_source(struct source *self)
+{
+    const cookie_io_functions_t operations = {.read = take_bytes};
+    FILE *file = fopencookie(self, "r", operations);
+    assert_non_null(file);
+    return file;
+}
+
+/* @return what is said */
+static struct lx_words refusal_of(struct source *self)
+{
+    struct lx_recording recording;
+    struct lx_error error = {.right = ""};
+    FILE *file = open_source(self);
+    assert_int_equal(lx_csv_read(&recording, file, "shaft.csv", &error), -1);
+    (void)fclose(file);
+    return lx_error_line(&error);
+}
+
+static void a_file_without_lines_is_not_read_on(void **state)
+{
+    static const struct source rows[] = {
+        {.text = "", .size = 1},  {.text = "1", .size = 1},    {.text = "#", .size = 1},
+        {.text = " ", .size = 1}, {.text = "1,2,", .size = 4},
+    };
+    (void)state;
+    for (size_t i = 0; i < LENGTH(rows); i++) {
+        struct source source = rows[i];
+        assert_string_equal(refusal_of(&source).text,
+                            "shaft.csv:1: more than 198 characters, or no text at all; expected a "
+                            "shorter line of text");
+        assert_true(source.taken <= 65536);
+    }
+}
+
+/* 198 characters and their end, as in a rig file; the last line has none. */
+static void lines_have_a_bound(void **state)
+{
+    char text[512];
+    struct lx_recording recording;
+    struct lx_error error;
+    (void)state;
+    for (int n = 197; n <= 199; n++) {
+        for (int ended = 0; ended < 2; ended++) {
+            (void)snprintf(text, sizeof text, "0,0\n1,90 #%*s%s", n - 6, "x", ended ? "\n" : "");
+            assert_int_equal(read_text(&recording, text, &error), n <= 198 ? 0 : -1);
+            if (n <= 198) {
+                assert_int_equal(recording.count, 2);
+                free(recording.points);
+            } else {
+                assert_ptr_equal(strstr(error.what, "shaft.csv:2: more than 198"), error.what);
+            }
+        }
+    }
+}
+
+static void a_zero_is_no_text(void **state)
+{
+    struct source source = {.text = "0,0\n1,1 # \0\n2,2\n", .size = 15};
+    (void)state;
+    assert_non_null(strstr(refusal_of(&source).text, "shaft.csv:2: more than 198"));
+}
+
+/* Not the end of the file, wherever it comes. */
+static void what_cannot_be_read_is_said(void **state)
+{
+    static const struct {
+        int reason;
+        const char *said;
+    } rows[] = {
+        {EIO, "shaft.csv: cannot read: Input/output error"},
+        {ENOMEM, "shaft.csv: cannot read: Cannot allocate memory"},
+    };
+    (void)state;
+    for (size_t i = 0; i < LENGTH(rows); i++) {
+        for (size_t at = 0; at <= 5; at++) {
+            struct source source = {.text = "1,2 \n", .size = 5, .reason = rows[i].reason};
+            source.fails_at = at;
+            assert_string_equal(refusal_of(&source).text, rows[i].said);
+        }
+    }
+}
+
+static void points_have_a_bound(void **state)
+{
+    (void)state;
+    for (size_t most = 2; most <= 3; most++) {
+        char text[] = "0,0\n1,0\n\n2,0\n";
+        struct lx_error error = {.what = ""};
+        FILE *file = fmemopen(text, strlen(text), "r");
+        struct lx_csv *csv = lx_csv_open(file, "shaft.csv", &lx_csv_motion, most);
+        assert_non_null(csv);
+        assert_int_equal(lx_csv_read_on(csv, 100, &error), most == 3 ? 0 : -1);
+        assert_string_equal(error.what, most == 3 ? "" : "shaft.csv:4: more than 2 points");
+        lx_csv_close(csv);
+        (void)fclose(file);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -129,6 +254,11 @@ int main(void)
         cmocka_unit_test(the_last_line_needs_no_end),
         cmocka_unit_test(many_points),
         cmocka_unit_test(refusals),
+        cmocka_unit_test(a_file_without_lines_is_not_read_on),
+        cmocka_unit_test(lines_have_a_bound),
+        cmocka_unit_test(a_zero_is_no_text),
+        cmocka_unit_test(what_cannot_be_read_is_said),
+        cmocka_unit_test(points_have_a_bound),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

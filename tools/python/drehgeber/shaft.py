@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import csv
 import re
 from collections.abc import Callable, Iterable
 from decimal import Decimal
@@ -25,6 +24,8 @@ UNITS = {
     "MS": ("time", SECOND_NS / 1000),
     "S": ("time", SECOND_NS),
 }
+# Bytes of a line of a CSV file without its end, as the command has it.
+LINE_MAX = 198
 DECIMAL = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)", re.A)
 QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+))\s*(DEG|REV|RPM|MS|S)\s*", re.I)
 
@@ -94,22 +95,33 @@ def parse_motion(text: str) -> dict[str, Any]:
         raise EncoderError(f"motion {text!r}: one of these is right: {FORMS}") from None
 
 
+def _lines(path: Path) -> Iterable[tuple[int, str]]:
+    """Lines of a file without comments, by number. What has no end within the bound is not read on."""
+    with path.open("rb") as file:
+        for number, line in enumerate(iter(lambda: file.readline(LINE_MAX + 1), b""), 1):
+            if b"\0" in line or (len(line) > LINE_MAX and not line.endswith(b"\n")):
+                raise EncoderError(
+                    f"{path}:{number}: more than {LINE_MAX} characters, or no text at all; expected a shorter line of text"
+                )
+            text = line.removeprefix(b"\xef\xbb\xbf") if number == 1 else line
+            yield number, text.partition(b"#")[0].decode("latin-1")
+
+
 def read_points(path: Path, line: str = "time_s,angle_deg") -> list[tuple[Decimal, Decimal]]:
     """Points of a file of such lines; a header, empty lines and comments are skipped."""
     points = []
     begun = False
-    with path.open(encoding="utf-8-sig", newline="") as file:
-        for number, row in enumerate(csv.reader(text.partition("#")[0] for text in file), 1):
-            cells = [cell.strip() for cell in row]
-            if not "".join(cells):
-                continue
-            header = not begun and cells[0][:1] not in "+-.0123456789"
-            begun = True
-            if header:
-                continue
-            if len(cells) != 2 or not all(DECIMAL.fullmatch(cell) for cell in cells):
-                raise EncoderError(f"{path}:{number}: {line} is right")
-            points.append((Decimal(cells[0]), Decimal(cells[1])))
+    for number, text in _lines(path):
+        cells = [cell.strip(" \t\r\n") for cell in text.split(",")]
+        if not "".join(cells):
+            continue
+        header = not begun and cells[0][:1] not in "+-.0123456789"
+        begun = True
+        if header:
+            continue
+        if len(cells) != 2 or not all(DECIMAL.fullmatch(cell) for cell in cells):
+            raise EncoderError(f"{path}:{number}: {line} is right")
+        points.append((Decimal(cells[0]), Decimal(cells[1])))
     return points
 
 
