@@ -15,8 +15,9 @@
  *   in the old order, so that power may fail in between. Only when it is through with all of it the
  *   device may write again.
  *
- * The lock is held for moments only, never while the disk works. What is not shared belongs to the
- * loop; the memory below belongs to the thread while its queue is lined up.
+ * The lock is held for moments only, never while the disk or what stands before it works. What is
+ * not shared belongs to the loop; the memory below belongs to the thread while its queue is lined
+ * up.
  */
 #define _GNU_SOURCE
 #include "nvm_writer.h"
@@ -251,7 +252,6 @@ static int read_copy(void *ctx, uint32_t address, void *to, size_t n)
 /* With the lock: what a queue that has stalled does about it, see above. @return DG_ERR_IO */
 static int refuse(struct lx_nvm_queue *self)
 {
-    const struct dg_nvm *below = &self->setup.below;
     if (self->lined_up) {
         return DG_ERR_IO; /* it is being tried again */
     }
@@ -262,8 +262,21 @@ static int refuse(struct lx_nvm_queue *self)
     append(&self->spent, self->jobs.first, self->jobs.last);
     self->jobs = (struct lx_nvm_jobs){NULL, NULL};
     self->stalled = false;
-    (void)below->ops->read(below->ctx, 0, self->bytes, self->setup.size);
+    self->emptied = true;
     return DG_ERR_IO;
+}
+
+/* Give the lock back. The thread has no job of a queue that was emptied, so its memory is read
+   without the lock. @return `result` */
+static int unlock_with(struct lx_nvm_queue *self, int result)
+{
+    const struct dg_nvm *below = &self->setup.below;
+    (void)pthread_mutex_unlock(&self->setup.writer->lock);
+    if (self->emptied) {
+        self->emptied = false;
+        (void)below->ops->read(below->ctx, 0, self->bytes, self->setup.size);
+    }
+    return result;
 }
 
 static int write_later(void *ctx, uint32_t address, const void *from, size_t n)
@@ -285,8 +298,7 @@ static int write_later(void *ctx, uint32_t address, const void *from, size_t n)
         memcpy(self->bytes + address, from, n);
         result = DG_OK;
     }
-    (void)pthread_mutex_unlock(&writer->lock);
-    return result;
+    return unlock_with(self, result);
 }
 
 /* When the moment that began at `begin` is over. The disk may be busy with another file. */
@@ -385,8 +397,7 @@ static int sync_later(void *ctx)
     } else {
         result = issue(self, job);
     }
-    (void)pthread_mutex_unlock(&writer->lock);
-    return result;
+    return unlock_with(self, result);
 }
 
 static const struct dg_nvm_ops queue_ops = {

@@ -71,6 +71,7 @@ struct lx_nvm_queue {
     uint64_t issued;            /**< ticket of the last sync */
     uint64_t known;             /**< ... of the last one that an answer was said or dropped for */
     uint32_t waits;             /**< syncs that took longer than a moment */
+    bool emptied;               /**< `bytes` are to be read anew */
     /* what the thread looks at, too */
     struct lx_nvm_queue *behind; /**< in the line for the thread */
     struct lx_nvm_jobs jobs;     /**< to be done; those that failed are at the front */

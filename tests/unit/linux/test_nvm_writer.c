@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include <cmocka.h>
 
@@ -29,10 +30,12 @@ static struct disk {
     pthread_cond_t changed;
     char log[LOG_MAX];
     size_t logged;
-    bool stuck;      /* syncs do not return */
-    unsigned inside; /* those that are in one */
-    unsigned fails;  /* so many syncs fail */
-    int fails_at;    /* the one of the syncs from now on that fails, 0: none */
+    bool stuck;                 /* syncs do not return */
+    unsigned inside;            /* those that are in one */
+    unsigned fails;             /* so many syncs fail */
+    int fails_at;               /* the one of the syncs from now on that fails, 0: none */
+    struct lx_nvm_queue *asked; /* while a memory is read, somebody asks this one; NULL: nobody */
+    bool answered;              /* ... and was answered before the read was over */
 } disk = {.lock = PTHREAD_MUTEX_INITIALIZER, .changed = PTHREAD_COND_INITIALIZER};
 
 struct memory {
@@ -40,9 +43,33 @@ struct memory {
     int offset; /* between the letters of the log and its own */
 };
 
+static void *ask_state(void *queue)
+{
+    (void)lx_nvm_queue_state(queue, 1);
+    return NULL;
+}
+
+/* Whoever asks needs the lock of the writer. One that has to wait for it is left alone here: it
+   gets it when the read is over. */
+static void ask_while_reading(struct lx_nvm_queue *queue)
+{
+    pthread_t asking;
+    struct timespec until;
+    assert_int_equal(pthread_create(&asking, NULL, ask_state, queue), 0);
+    assert_int_equal(clock_gettime(CLOCK_REALTIME, &until), 0);
+    until.tv_sec += 5;
+    disk.answered = pthread_timedjoin_np(asking, NULL, &until) == 0;
+    if (!disk.answered) {
+        (void)pthread_detach(asking);
+    }
+}
+
 static int read_memory(void *ctx, uint32_t address, void *to, size_t n)
 {
     const struct memory *self = ctx;
+    if (disk.asked != NULL) {
+        ask_while_reading(disk.asked);
+    }
     memcpy(to, self->bytes + address, n);
     return DG_OK;
 }
@@ -342,6 +369,24 @@ static void an_early_no_is_told_to_the_device(void **state)
     logged("a|b!c|");
 }
 
+/* What the file has become is read while others have the lock. */
+static void an_early_no_reads_without_the_lock(void **state)
+{
+    struct bench *self = *state;
+    disk.fails = 1;
+    disk.answered = false;
+    disk.asked = &self->queue[1];
+    const int result = put(self, 0, 0, "b|");
+    disk.asked = NULL;
+    if (result == DG_OK) { /* a busy machine, as above */
+        assert_int_equal(settle(self, 0), LX_NVM_LOST);
+        return;
+    }
+    assert_int_equal(result, DG_ERR_IO);
+    assert_true(disk.answered);
+    assert_int_equal(byte_at(self, 0, 0), 'b');
+}
+
 /* Refused, tried again with each write, in the old order, and only then the device may write. */
 static void a_late_no_refuses_what_comes_until_all_is_through(void **state)
 {
@@ -527,6 +572,7 @@ int main(void)
         ON_A_BENCH(a_sync_is_through_before_the_ones_behind_it),
         ON_A_BENCH(files_take_turns),
         ON_A_BENCH(an_early_no_is_told_to_the_device),
+        ON_A_BENCH(an_early_no_reads_without_the_lock),
         ON_A_BENCH(a_late_no_refuses_what_comes_until_all_is_through),
         ON_A_BENCH(a_file_that_fails_keeps_no_other_one),
         ON_A_BENCH(an_answer_is_kept_and_one_behind_a_loss_is_dropped),
