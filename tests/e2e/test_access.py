@@ -439,6 +439,11 @@ def test_the_token_of_a_rig_file_lies_beside_it(rig, token):
     assert ":2: " in run_refused(1, "run", token.parent / "rig.ini", cwd="/")
 
 
+@pytest.mark.parametrize("port", ["0x50", "50h", "+80", "-1", "65536", "80 "])
+def test_a_port_is_a_decimal_number(port):
+    assert f"127.0.0.1:{port}" in run_refused(2, "run", "s3684-biss", "--control", f"tcp:127.0.0.1:{port}")
+
+
 def test_ctl_with_a_token(guarded, tmp_path):
     address = guarded.controls[0]
     asked = run("ctl", "--control", f"{address},token={guarded.token}", "INST:SEL?", "SHAF:POS?")

@@ -222,7 +222,7 @@ static void send_some(struct talk *self)
 }
 
 /* Whoever answers shall not move the cursor, or give the terminal orders: on one whatever is no
-   printable ASCII is shown as \\xNN. Programs get the bytes as they came. */
+   printable ASCII is shown as \xNN. Programs get the bytes as they came. */
 static void print_line(const char *line, size_t n, bool shown, FILE *to)
 {
     for (size_t i = 0; i < n; i++) {

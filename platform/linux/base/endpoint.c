@@ -42,6 +42,7 @@ bool lx_host_port_split(const char *text, struct lx_host_port *out)
     size_t n = colon == NULL ? 0 : (size_t)(colon - text);
     uint64_t port = 0;
     if (n == 0 || n >= sizeof out->host || strlen(colon + 1) >= sizeof out->port ||
+        colon[1 + strspn(colon + 1, "0123456789")] != '\0' ||
         !lx_unsigned_parse(colon + 1, &port) || port > UINT16_MAX) {
         return false;
     }

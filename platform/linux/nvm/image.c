@@ -190,7 +190,10 @@ static int check_part(struct lx_image_part *self, struct lx_error *error)
 {
     struct dg_store store;
     const int mounted = self->stack->mount(&self->device, &store);
-    if (mounted == DG_ERR_BLANK && dg_store_unfinished(layout_of(self), self->device.nvm)) {
+    /* NVM:ERASe leaves the length as it is; of a file that was cut off nobody knows what it had. */
+    const bool whole = self->image->file.length >= self->image->memory.size;
+    if (mounted == DG_ERR_BLANK && whole &&
+        dg_store_unfinished(layout_of(self), self->device.nvm)) {
         return finish(self, error);
     }
     if (mounted != DG_OK) {

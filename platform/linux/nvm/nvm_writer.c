@@ -15,9 +15,8 @@
  *   in the old order, so that power may fail in between. Only when it is through with all of it the
  *   device may write again.
  *
- * The lock is held for moments only, never while the disk or what stands before it works. What is
- * not shared belongs to the loop; the memory below belongs to the thread while its queue is lined
- * up.
+ * The lock is held for moments only, never while the disk works. What is not shared belongs to the
+ * loop; the memory below belongs to the thread while its queue is lined up.
  */
 #define _GNU_SOURCE
 #include "nvm_writer.h"

@@ -54,6 +54,19 @@ static void files_that_are_no_image_are_refused(void **state)
     free(bytes);
 }
 
+/* A file that was cut to less than what says its kind is not one that NVM:ERASe has left. */
+static void a_stump_is_refused(void **state)
+{
+    struct eeprom_place *place = *state;
+    for (off_t length = 1; length < 12; length++) {
+        (void)unlink(place->path);
+        eeprom_make(place);
+        assert_int_equal(truncate(place->path, length), 0);
+        eeprom_refused(place, "no image of this kind of encoder");
+        assert_int_equal(eeprom_length_of(place->path), length);
+    }
+}
+
 static void other_factory_figures_are_refused(void **state)
 {
     struct eeprom_place *place = *state;
@@ -278,6 +291,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         IN_A_PLACE(memory_forgets),
         IN_A_PLACE(files_that_are_no_image_are_refused),
+        IN_A_PLACE(a_stump_is_refused),
         IN_A_PLACE(other_factory_figures_are_refused),
         IN_A_PLACE(a_units_own_identity_is_kept),
         IN_A_PLACE(a_damaged_image_is_taken),
