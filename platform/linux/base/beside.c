@@ -85,7 +85,7 @@ static int find_target(const char *path, char target[PATH_MAX], mode_t *mode)
 {
     struct stat info;
     if (realpath(path, target) == NULL) {
-        const int n = errno == ENOENT ? snprintf(target, PATH_MAX, "%s", path) : -1;
+        const int n = errno == ENOENT && *mode != 0 ? snprintf(target, PATH_MAX, "%s", path) : -1;
         return n < 0 ? errno : n < PATH_MAX ? 0 : ENAMETOOLONG;
     }
     if (stat(target, &info) != 0) {

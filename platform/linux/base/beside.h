@@ -34,7 +34,7 @@ int lx_beside_sync(const struct lx_beside *self);
 /**
  * Let a regular file have this content instead of its own, or make it; where `path` is a link, the
  * file that it leads to.
- * @param mode of a file that is made; one that is there keeps its own
+ * @param mode of a file that is made; one that is there keeps its own; 0: one has to be there
  * @param fd NULL, or where the caller gets the open file, held (file.h)
  * @return 0; or an errno: what was there is as it was, unless only its folder cannot be synced
  */

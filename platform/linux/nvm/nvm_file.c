@@ -18,8 +18,6 @@
 #include "beside.h"
 #include "file.h"
 
-#define FILE_MODE 0600
-
 /* --- the memory operations --- */
 
 /* What the file does not have reads FFh, as an erased EEPROM. 0 or an errno. */
@@ -356,7 +354,7 @@ void lx_nvm_file_unmake(struct lx_nvm_file *self)
 int lx_nvm_file_replace(struct lx_nvm_file *self, const uint8_t *bytes, struct lx_error *error)
 {
     int fd = -1;
-    const int reason = lx_file_replace(self->path, bytes, self->size, FILE_MODE, &fd);
+    const int reason = lx_file_replace(self->path, bytes, self->size, 0, &fd);
     if (reason != 0) {
         if (fd >= 0) {
             (void)close(fd);
