@@ -1,61 +1,67 @@
 # SPDX-License-Identifier: MIT
 """What other machines are told to do for a change is there to be done: the files of GitHub and GitLab are
-YAML with jobs, every program of the tree that they start is one, and both start the same ones.
+YAML with jobs, every program of the tree that they start is one and takes these arguments, as its `usage:` says,
+and both start the same ones. tests/package/roots runs the commands.
 
 usage: ci.py TREE
 """
-import glob
 import os
 import re
 import sys
 
 import yaml
 
-from sources import finish
-
-GITLAB_WORDS = {"default", "stages", "variables", "include", "workflow"}
-
-
-def github_jobs(document):
-    for name, job in document["jobs"].items():
-        yield name, [step["run"] for step in job["steps"] if "run" in step]
-
-
-def gitlab_jobs(document):
-    for name, job in document.items():
-        if name not in GITLAB_WORDS:
-            yield name, job["script"]
+import ci_jobs
+from sources import finish, read
 
 
 def started(lines):
-    """Programs of the tree: words with a slash that begin a command."""
+    """Commands that begin with a program of the tree: a word with a slash."""
     for line in lines:
         for command in re.split(r"&&|\|\||[;|\n]", line):
             words = command.split()
             if words and "/" in words[0]:
-                yield words[0], " ".join(words)
+                yield words
+
+
+def pattern_of(word):
+    """What a word of a usage stands for: [MAY BE], one|of|these, NAME, or itself."""
+    if word.startswith("["):
+        return f"(?:{pattern_of(word[1:-1])})?"
+    choices = [r"\S+" if choice.isupper() else re.escape(choice) for choice in word.split("|")]
+    return f"(?: (?:{'|'.join(choices)}))"
+
+
+def refusal(tree, words):
+    """Why this command does not start, or None."""
+    program, *arguments = words
+    if not os.access(os.path.join(tree, program), os.X_OK):
+        return f"{program} is no program of the tree"
+    name = re.escape(os.path.basename(program))
+    usage = re.search(rf"^# usage: (?:\S*/)?{name}(( [^\s;]+)*)", read(tree, program), re.M)
+    if not usage:
+        return f"{program} has no line '# usage: '"
+    taken = "".join(map(pattern_of, usage[1].split()))
+    return None if re.fullmatch(taken, "".join(f" {word}" for word in arguments)) else \
+        f"{' '.join(words)}: expected {program}{usage[1]}"
 
 
 def main():
     tree = sys.argv[1]
     complaints, commands = [], {}
-    paths = sorted(glob.glob(os.path.join(tree, ".github/**/*.yml"), recursive=True))
-    paths.append(os.path.join(tree, ".gitlab-ci.yml"))
+    paths = ci_jobs.paths(tree)
     for path in paths:
-        name = os.path.relpath(path, tree)
         try:
-            with open(path, encoding="utf-8") as file:
-                document = yaml.safe_load(file)
-            jobs = github_jobs if "/workflows/" in path else gitlab_jobs if name == ".gitlab-ci.yml" else None
-            found = dict(jobs(document)) if jobs else {}
+            jobs = ci_jobs.read(tree, path)
         except (OSError, yaml.YAMLError, AttributeError, KeyError, TypeError) as error:
-            complaints.append(f"{name}: {type(error).__name__}: {error}")
+            complaints.append(f"{path}: {type(error).__name__}: {error}")
             continue
-        for job, lines in found.items():
-            for program, command in started(lines):
-                commands.setdefault(name.split("/")[0], set()).add(command)
-                if not os.access(os.path.join(tree, program), os.X_OK):
-                    complaints.append(f"{name}: {job}: {program} is no program of the tree")
+        for job in jobs:
+            for words in started(job.commands):
+                commands.setdefault(path.split("/")[0], set()).add(" ".join(words))
+                wrong = refusal(tree, words)
+                if wrong:
+                    complaints.append(f"{path}: {job.name}: {wrong}")
     if len(set(map(frozenset, commands.values()))) != 1:
         complaints.append(f"GitHub and GitLab start other programs: {commands}")
     finish(len(paths), complaints)
