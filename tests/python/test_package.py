@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The package as it is installed: files, types, documentation, entry points."""
+import ast
 import importlib.metadata
 import inspect
 import os
@@ -103,6 +104,17 @@ def test_without_cocotb_the_extra_is_named(tmp_path, without, said):
     done = run("-c", f"import sys; {without}; import drehgeber.cocotb", cwd=tmp_path)
     assert "ImportError: drehgeber.cocotb" in done.stderr and "pip install 'drehgeber[cocotb]'" in done.stderr
     assert said in done.stderr or "import of cocotb halted" in done.stderr
+
+
+def test_extras_bring_what_examples_import():
+    brought = {re.match(r"[\w-]+", row)[0] for row in importlib.metadata.requires("drehgeber")}
+    sources = [ast.parse(path.read_text(encoding="utf-8")) for path in (TREE / "tools/examples").glob("test_*.py")]
+    nodes = [node for source in sources for node in ast.walk(source)]
+    names = [alias.name for node in nodes if isinstance(node, ast.Import) for alias in node.names]
+    names += [node.module for node in nodes if isinstance(node, ast.ImportFrom)]
+    modules = {name.partition(".")[0] for name in names} - set(sys.stdlib_module_names) - {"drehgeber", "pytest"}
+    assert "canopen" in modules
+    assert {importlib.metadata.packages_distributions()[module][0] for module in modules} <= brought
 
 
 def test_fixtures_are_there_by_themselves(tmp_path):
