@@ -46,42 +46,42 @@ struct biss_register {
 };
 
 /** registers.c */
-extern const struct biss_register biss_registers[];
-extern const uint8_t biss_register_count;
+extern const struct biss_register dg_biss_registers[];
+extern const uint8_t dg_biss_register_count;
 /** Row of an address in a bank, or NULL: not implemented. */
-const struct biss_register *biss_register_find(uint8_t bank, uint8_t address);
+const struct biss_register *dg_biss_register_find(uint8_t bank, uint8_t address);
 /** The row when the access is possible now, or NULL: refused. */
-const struct biss_register *biss_permitted(const struct dg_biss *self, dg_ns now, uint8_t address,
-                                           bool write);
+const struct biss_register *dg_biss_permitted(const struct dg_biss *self, dg_ns now,
+                                              uint8_t address, bool write);
 
 /** eds.c: byte `offset` of a bank. */
-uint8_t biss_eds_common(const struct dg_biss_model *model, uint8_t offset);
-uint8_t biss_eds_profile(const struct dg_biss_model *model, uint8_t offset);
+uint8_t dg_biss_eds_common(const struct dg_biss_model *model, uint8_t offset);
+uint8_t dg_biss_eds_profile(const struct dg_biss_model *model, uint8_t offset);
 
 /** frame.c: MT, ST, nERR and nWARN in bits; LC in bits, 0 without one. */
-uint8_t biss_position_bits(const struct dg_biss_model *model);
-uint8_t biss_life_bits(const struct dg_biss_model *model);
+uint8_t dg_biss_position_bits(const struct dg_biss_model *model);
+uint8_t dg_biss_life_bits(const struct dg_biss_model *model);
 /** What was latched last, with the `flags` of dg_biss_flags(), into `bits`: all behind CDS.
  * @return how many */
-uint8_t biss_frame_encode(const struct dg_biss *self, uint8_t flags, uint64_t *bits);
+uint8_t dg_biss_frame_encode(const struct dg_biss *self, uint8_t flags, uint64_t *bits);
 
 /** factory.c */
 /** Its figures are within their ranges, and fit together. */
-bool biss_model_ok(const struct dg_biss_model *model);
+bool dg_biss_model_ok(const struct dg_biss_model *model);
 /** Mount the EEPROM, grown when it is of an earlier release. @return as dg_store_mount() */
-int biss_mount(struct dg_store *self, struct dg_nvm nvm);
+int dg_biss_mount(struct dg_store *self, struct dg_nvm nvm);
 /** Everything but line, counters and setup begins anew at `now`. @return dg_store_mount()'s */
-int biss_restart(struct dg_biss *self, dg_ns now);
+int dg_biss_restart(struct dg_biss *self, dg_ns now);
 /** The EEPROM can be used. */
-bool biss_eeprom(const struct dg_biss *self);
+bool dg_biss_eeprom(const struct dg_biss *self);
 
 /** sense.c: latch the position. @return number of data bits, put into `bits` */
-uint8_t biss_latch(struct dg_biss *self, dg_ns now, uint64_t *bits);
-bool biss_initialising(const struct dg_biss *self, dg_ns now);
+uint8_t dg_biss_latch(struct dg_biss *self, dg_ns now, uint64_t *bits);
+bool dg_biss_initialising(const struct dg_biss *self, dg_ns now);
 
 /** control.c: the CDS bit of this frame; `sli` is the neighbour's. Takes the ID, if it is due. */
-bool biss_cds(struct dg_biss *self, bool sli);
+bool dg_biss_cds(struct dg_biss *self, bool sli);
 /** The timeout of a frame ended at `now`. */
-void biss_cdm(struct dg_biss *self, dg_ns now, bool cdm);
+void dg_biss_cdm(struct dg_biss *self, dg_ns now, bool cdm);
 
 #endif

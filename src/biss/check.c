@@ -41,7 +41,8 @@ static bool fits(const void *own, const void *settings, const void *device)
     (void)own;
     memcpy(&model, settings, sizeof model);
     memcpy(&self, device, sizeof self);
-    return biss_model_ok(&model) && (self.control.id <= ID_MAX || self.control.id == DG_BISS_NO_ID);
+    return dg_biss_model_ok(&model) &&
+           (self.control.id <= ID_MAX || self.control.id == DG_BISS_NO_ID);
 }
 
 const struct dg_stack_check dg_biss_check = {ranges, DG_COUNT(ranges), fits};

@@ -25,7 +25,7 @@ static void collect(struct dg_biss_control *control, bool bit)
 }
 
 /* IDL0..8 in frames 1..9: whoever finds a free one takes it; the ninth says 'more slaves'. */
-bool biss_cds(struct dg_biss *self, bool sli)
+bool dg_biss_cds(struct dg_biss *self, bool sli)
 {
     struct dg_biss_control *control = &self->control;
     const bool assigning = control->state == DG_BISS_CONTROL_ADDRESS && control->count < IDL_BITS;
@@ -109,7 +109,7 @@ static void on_w(struct dg_biss *self, dg_ns now, bool cdm)
 
     control->w = cdm;
     control->refused =
-        control->r == cdm || biss_permitted(self, now, control->address, cdm) == NULL;
+        control->r == cdm || dg_biss_permitted(self, now, control->address, cdm) == NULL;
     self->counters.refused += control->refused;
     control->cds = control->refused ? control->r : cdm;
     become(control, control->refused ? DG_BISS_CONTROL_IDLE : DG_BISS_CONTROL_S);
@@ -129,7 +129,7 @@ static void send_data(struct dg_biss_control *control, uint8_t value)
 static void begin_data(struct dg_biss *self, dg_ns now)
 {
     struct dg_biss_control *control = &self->control;
-    const struct biss_register *row = biss_permitted(self, now, control->address, control->w);
+    const struct biss_register *row = dg_biss_permitted(self, now, control->address, control->w);
     uint8_t value = 0;
 
     become(control, DG_BISS_CONTROL_IDLE);
@@ -157,7 +157,7 @@ static void on_busy(struct dg_biss *self, dg_ns now, bool cdm)
 static void on_s(struct dg_biss *self, dg_ns now, bool cdm)
 {
     struct dg_biss_control *control = &self->control;
-    const struct biss_register *row = biss_permitted(self, now, control->address, control->w);
+    const struct biss_register *row = dg_biss_permitted(self, now, control->address, control->w);
 
     if (!cdm) {
         become(control, DG_BISS_CONTROL_IDLE);
@@ -183,7 +183,7 @@ static bool write_register(struct dg_biss *self, dg_ns now, uint16_t word)
 {
     struct dg_biss_control *control = &self->control;
     const uint8_t value = (uint8_t)(word >> (CRC_BITS + 1u));
-    const struct biss_register *row = biss_permitted(self, now, control->address, true);
+    const struct biss_register *row = dg_biss_permitted(self, now, control->address, true);
 
     if ((word & 0x1Fu) != (uint32_t)dg_biss_crc4(value, DATA_BITS) << 1) {
         self->counters.damaged++;
@@ -206,7 +206,7 @@ static bool next_refused(struct dg_biss *self, dg_ns now)
         return true;
     }
     control->address++;
-    return biss_permitted(self, now, control->address, control->w) == NULL;
+    return dg_biss_permitted(self, now, control->address, control->w) == NULL;
 }
 
 static void on_data(struct dg_biss *self, dg_ns now, bool cdm)
@@ -282,7 +282,7 @@ static void on_execute(struct dg_biss *self, dg_ns now, bool cdm)
     become(control, DG_BISS_CONTROL_IDLE);
 }
 
-void biss_cdm(struct dg_biss *self, dg_ns now, bool cdm)
+void dg_biss_cdm(struct dg_biss *self, dg_ns now, bool cdm)
 {
     static void (*const states[])(struct dg_biss *, dg_ns, bool) = {
         [DG_BISS_CONTROL_IDLE] = on_idle,

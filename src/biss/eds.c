@@ -59,7 +59,7 @@ static uint8_t finish(uint8_t *bank, uint8_t offset)
     return bank[offset];
 }
 
-uint8_t biss_eds_common(const struct dg_biss_model *model, uint8_t offset)
+uint8_t dg_biss_eds_common(const struct dg_biss_model *model, uint8_t offset)
 {
     uint8_t bank[DG_BISS_BANK_SIZE] = {0};
     const dg_ns most = model->busy + model->busy_jitter;
@@ -67,17 +67,17 @@ uint8_t biss_eds_common(const struct dg_biss_model *model, uint8_t offset)
 
     memcpy(bank, common, sizeof common);
     bank[0x0C] = busy > TBUSY_S_MIN ? (uint8_t)busy : TBUSY_S_MIN;
-    bank[0x15] = (uint8_t)(biss_position_bits(model) + biss_life_bits(model));
+    bank[0x15] = (uint8_t)(dg_biss_position_bits(model) + dg_biss_life_bits(model));
     return finish(bank, offset);
 }
 
-uint8_t biss_eds_profile(const struct dg_biss_model *model, uint8_t offset)
+uint8_t dg_biss_eds_profile(const struct dg_biss_model *model, uint8_t offset)
 {
     uint8_t bank[DG_BISS_BANK_SIZE] = {0};
     const uint8_t fine = (uint8_t)(model->singleturn_bits - COARSE_BITS);
 
     memcpy(bank, profile, sizeof profile);
-    bank[0x03] = biss_position_bits(model);
+    bank[0x03] = dg_biss_position_bits(model);
     bank[0x0A] = model->multiturn_bits;
     bank[0x0E] = fine;
     if (model->multiturn_bits > 0) {

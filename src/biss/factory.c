@@ -41,7 +41,7 @@ const struct dg_store_layout dg_biss_layout = {
     .regions = regions,
 };
 
-bool biss_model_ok(const struct dg_biss_model *model)
+bool dg_biss_model_ok(const struct dg_biss_model *model)
 {
     return model->multiturn_bits <= 24 && model->singleturn_bits >= 12 &&
            model->singleturn_bits <= 24 && model->busy <= DG_BISS_BUSY_S_MAX_NS &&
@@ -59,7 +59,7 @@ int dg_biss_format(struct dg_nvm nvm)
 int dg_biss_init(struct dg_biss *self, const struct dg_biss_setup *setup)
 {
     if (setup->model == NULL || setup->world == NULL || setup->world->angle == NULL ||
-        setup->nvm.ops == NULL || !biss_model_ok(setup->model)) {
+        setup->nvm.ops == NULL || !dg_biss_model_ok(setup->model)) {
         return DG_ERR_ARGUMENT;
     }
     *self = (struct dg_biss){.setup = *setup, .noise = setup->model->serial};
@@ -67,12 +67,12 @@ int dg_biss_init(struct dg_biss *self, const struct dg_biss_setup *setup)
     return DG_OK;
 }
 
-bool biss_eeprom(const struct dg_biss *self)
+bool dg_biss_eeprom(const struct dg_biss *self)
 {
     return self->mounted && self->setup.world->eeprom_acknowledges;
 }
 
-int biss_mount(struct dg_store *self, struct dg_nvm nvm)
+int dg_biss_mount(struct dg_store *self, struct dg_nvm nvm)
 {
     int result = dg_store_mount(self, &dg_biss_layout, nvm);
 
@@ -85,7 +85,7 @@ static int load(struct dg_biss *self)
     int result = DG_ERR_IO;
 
     if (self->setup.world->eeprom_acknowledges) {
-        result = biss_mount(&self->store, self->setup.nvm);
+        result = dg_biss_mount(&self->store, self->setup.nvm);
     }
     self->mounted = result == DG_OK;
     if (!self->mounted) {
@@ -99,7 +99,7 @@ static int load(struct dg_biss *self)
     return result;
 }
 
-int biss_restart(struct dg_biss *self, dg_ns now)
+int dg_biss_restart(struct dg_biss *self, dg_ns now)
 {
     const uint8_t incomplete = DG_BISS_CONFIGURATION | DG_BISS_ABSOLUTE;
 
@@ -127,7 +127,7 @@ int biss_restart(struct dg_biss *self, dg_ns now)
 int dg_biss_power_on(struct dg_biss *self, dg_ns now)
 {
     dg_biss_power_off(self);
-    const int result = biss_restart(self, now);
+    const int result = dg_biss_restart(self, now);
     if (result == DG_ERR_BLANK || result == DG_ERR_FOREIGN) {
         dg_biss_power_off(self);
         return result;

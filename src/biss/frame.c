@@ -12,26 +12,26 @@ static uint64_t field(uint64_t bits, uint8_t low, uint8_t count)
     return bits >> low & (((uint64_t)1 << count) - 1u);
 }
 
-uint8_t biss_position_bits(const struct dg_biss_model *model)
+uint8_t dg_biss_position_bits(const struct dg_biss_model *model)
 {
     return (uint8_t)(model->multiturn_bits + model->singleturn_bits + DG_BISS_FLAG_BITS);
 }
 
-uint8_t biss_life_bits(const struct dg_biss_model *model)
+uint8_t dg_biss_life_bits(const struct dg_biss_model *model)
 {
     return model->life_counter ? DG_BISS_LIFE_BITS : 0u;
 }
 
 uint8_t dg_biss_frame_bits(const struct dg_biss_model *model)
 {
-    return (uint8_t)(biss_position_bits(model) + biss_life_bits(model) + DG_BISS_CRC_BITS);
+    return (uint8_t)(dg_biss_position_bits(model) + dg_biss_life_bits(model) + DG_BISS_CRC_BITS);
 }
 
-uint8_t biss_frame_encode(const struct dg_biss *self, uint8_t flags, uint64_t *bits)
+uint8_t dg_biss_frame_encode(const struct dg_biss *self, uint8_t flags, uint64_t *bits)
 {
     const struct dg_biss_model *model = self->setup.model;
     uint64_t data = self->position << DG_BISS_FLAG_BITS | flags;
-    uint8_t n = biss_position_bits(model);
+    uint8_t n = dg_biss_position_bits(model);
 
     if (model->life_counter) {
         data = data << DG_BISS_LIFE_BITS | self->life;
@@ -46,7 +46,7 @@ void dg_biss_frame_decode(const struct dg_biss_model *model, uint64_t bits,
 {
     const uint8_t mt_bits = model->multiturn_bits;
     const uint8_t st_bits = model->singleturn_bits;
-    const uint8_t life_bits = biss_life_bits(model);
+    const uint8_t life_bits = dg_biss_life_bits(model);
     const uint8_t flags = (uint8_t)(DG_BISS_CRC_BITS + life_bits);
     const uint8_t st = (uint8_t)(flags + DG_BISS_FLAG_BITS);
     const uint8_t checked = (uint8_t)(dg_biss_frame_bits(model) - DG_BISS_CRC_BITS);

@@ -46,7 +46,7 @@ dg_ns dg_biss_step(struct dg_biss *self, dg_ns now)
     line->slo = line->slo || line->state != DG_BISS_IDLE;
     rest(line, line->ma ? DG_BISS_IDLE : DG_BISS_RETURN);
     if (frame) {
-        biss_cdm(self, moment, !line->ma);
+        dg_biss_cdm(self, moment, !line->ma);
     }
     return DG_NEVER;
 }
@@ -61,7 +61,7 @@ static uint8_t latch(struct dg_biss *self, dg_ns now, uint64_t *bits)
     const uint32_t jitter = (self->noise >> 16) * ((uint32_t)model->busy_jitter + 1u) >> 16;
     self->line.start = dg_after(now, model->busy + jitter);
     self->line.slo = true;
-    return biss_latch(self, now, bits);
+    return dg_biss_latch(self, now, bits);
 }
 
 static void rising(struct dg_biss *self, dg_ns now, bool sli)
@@ -88,7 +88,7 @@ static void rising(struct dg_biss *self, dg_ns now, bool sli)
         }
         break;
     case DG_BISS_CDS:
-        line->slo = biss_cds(self, sli);
+        line->slo = dg_biss_cds(self, sli);
         line->state = DG_BISS_DATA;
         break;
     case DG_BISS_DATA:
@@ -297,13 +297,13 @@ uint8_t dg_biss_frame(struct dg_biss *self, dg_ns e1, uint64_t *bits)
         return 0;
     }
     const uint8_t length = latch(self, e1, bits);
-    *bits |= (uint64_t)biss_cds(self, false) << length;
+    *bits |= (uint64_t)dg_biss_cds(self, false) << length;
     return (uint8_t)(length + 1u);
 }
 
 void dg_biss_frame_end(struct dg_biss *self, dg_ns now, bool cdm)
 {
     if (self->line.state != DG_BISS_OFF) {
-        biss_cdm(self, now, cdm);
+        dg_biss_cdm(self, now, cdm);
     }
 }

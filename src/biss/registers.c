@@ -24,7 +24,7 @@ static void eeprom_works(struct dg_biss *self, dg_ns now)
 
 static int store_config(struct dg_biss *self, dg_ns now)
 {
-    if (!biss_eeprom(self)) {
+    if (!dg_biss_eeprom(self)) {
         return DG_ERR_IO;
     }
     eeprom_works(self, now);
@@ -47,14 +47,14 @@ static int write_config(struct dg_biss *self, dg_ns now, uint8_t offset, uint8_t
 static int read_common(struct dg_biss *self, dg_ns now, uint8_t offset, uint8_t *value)
 {
     (void)now;
-    *value = biss_eds_common(self->setup.model, offset);
+    *value = dg_biss_eds_common(self->setup.model, offset);
     return DG_OK;
 }
 
 static int read_profile(struct dg_biss *self, dg_ns now, uint8_t offset, uint8_t *value)
 {
     (void)now;
-    *value = biss_eds_profile(self->setup.model, offset);
+    *value = dg_biss_eds_profile(self->setup.model, offset);
     return DG_OK;
 }
 
@@ -101,7 +101,7 @@ static int write_bank(struct dg_biss *self, dg_ns now, uint8_t offset, uint8_t v
 static int read_profile_id(struct dg_biss *self, dg_ns now, uint8_t offset, uint8_t *value)
 {
     (void)now;
-    uint8_t bytes[7] = {BANK_EDS, PROFILE_ID, biss_position_bits(self->setup.model)};
+    uint8_t bytes[7] = {BANK_EDS, PROFILE_ID, dg_biss_position_bits(self->setup.model)};
 
     dg_store_be32(&bytes[3], self->setup.model->serial);
     *value = bytes[offset];
@@ -115,7 +115,7 @@ static int read_status(struct dg_biss *self, dg_ns now, uint8_t offset, uint8_t 
     uint32_t status = (dg_biss_flags(self, now) ^ 3u) << STATUS_WARN_BIT;
 
     (void)offset;
-    if (!biss_initialising(self, now)) {
+    if (!dg_biss_initialising(self, now)) {
         status |= DG_BISS_STATUS_EWKH;
         status |= self->configured ? DG_BISS_STATUS_INIT : 0u;
         status |= now < self->control.ready ? DG_BISS_STATUS_BUSY : 0u;
@@ -141,7 +141,7 @@ static int check_eeprom(struct dg_biss *self, dg_ns now)
     }
     eeprom_works(self, now);
     self->checked_at = self->control.ready;
-    const int result = biss_mount(&self->store, self->setup.nvm);
+    const int result = dg_biss_mount(&self->store, self->setup.nvm);
     self->mounted = result == DG_OK;
     return result;
 }
@@ -162,7 +162,7 @@ static int clear_error(struct dg_biss *self, dg_ns now)
 
 static int soft_reset(struct dg_biss *self, dg_ns now)
 {
-    (void)biss_restart(self, now);
+    (void)dg_biss_restart(self, now);
     return DG_OK;
 }
 
@@ -271,7 +271,7 @@ enum { R = BISS_READ, RW = BISS_READ | BISS_WRITE, E = BISS_EEPROM };
 /* clang-format off */
 /* Sorted by address. From 40h on the bank does not matter.
    R: read, W: write, E: in the EEPROM, takes its time */
-const struct biss_register biss_registers[] = {
+const struct biss_register dg_biss_registers[] = {
     /* banks   addresses   access   read              write            chapter */
     { 3,   3,  0x00, 0x3F, R,       read_common,      NULL          }, /* 5.2.1.3.1 */
     { 4,   4,  0x00, 0x3F, R,       read_profile,     NULL          }, /* 5.2.1.3.2 */
@@ -290,12 +290,12 @@ const struct biss_register biss_registers[] = {
 };
 /* clang-format on */
 
-const uint8_t biss_register_count = DG_COUNT(biss_registers);
+const uint8_t dg_biss_register_count = DG_COUNT(dg_biss_registers);
 
-const struct biss_register *biss_register_find(uint8_t bank, uint8_t address)
+const struct biss_register *dg_biss_register_find(uint8_t bank, uint8_t address)
 {
-    for (uint8_t i = 0; i < biss_register_count; i++) {
-        const struct biss_register *row = &biss_registers[i];
+    for (uint8_t i = 0; i < dg_biss_register_count; i++) {
+        const struct biss_register *row = &dg_biss_registers[i];
         if (address >= row->first && address <= row->last && bank >= row->bank_first &&
             bank <= row->bank_last) {
             return row;
@@ -304,17 +304,17 @@ const struct biss_register *biss_register_find(uint8_t bank, uint8_t address)
     return NULL;
 }
 
-const struct biss_register *biss_permitted(const struct dg_biss *self, dg_ns now, uint8_t address,
-                                           bool write)
+const struct biss_register *dg_biss_permitted(const struct dg_biss *self, dg_ns now,
+                                              uint8_t address, bool write)
 {
-    const struct biss_register *row = biss_register_find(self->bank, address);
+    const struct biss_register *row = dg_biss_register_find(self->bank, address);
     const uint8_t wanted = write ? BISS_WRITE : BISS_READ;
 
     if (row == NULL || (row->access & wanted) == 0) {
         return NULL;
     }
-    if (biss_initialising(self, now) && (write || address != STATUS_ADDRESS)) {
+    if (dg_biss_initialising(self, now) && (write || address != STATUS_ADDRESS)) {
         return NULL;
     }
-    return (row->access & BISS_EEPROM) != 0 && !biss_eeprom(self) ? NULL : row;
+    return (row->access & BISS_EEPROM) != 0 && !dg_biss_eeprom(self) ? NULL : row;
 }

@@ -55,7 +55,8 @@ static bool temperature_ok(const struct dg_biss *self)
 uint8_t dg_biss_errors(const struct dg_biss *self, dg_ns now)
 {
     const struct dg_world *world = self->setup.world;
-    const bool memory_ok = biss_eeprom(self) && self->store.damaged == 0 && now >= self->checked_at;
+    const bool memory_ok =
+        dg_biss_eeprom(self) && self->store.damaged == 0 && now >= self->checked_at;
     uint32_t errors = 0;
 
     errors |= world->led_current_ua <= DG_BISS_LED_MAX_UA ? 0u : DG_BISS_CONTROL;
@@ -69,7 +70,7 @@ uint8_t dg_biss_errors(const struct dg_biss *self, dg_ns now)
     return (uint8_t)errors;
 }
 
-bool biss_initialising(const struct dg_biss *self, dg_ns now)
+bool dg_biss_initialising(const struct dg_biss *self, dg_ns now)
 {
     return now < self->ready_at;
 }
@@ -80,7 +81,7 @@ uint8_t dg_biss_flags(const struct dg_biss *self, dg_ns now)
     const bool n_err = !self->simulated && (errors & self->config[BISS_EMASK]) == 0;
     const bool n_warn = (errors & self->config[BISS_WMASK]) == 0;
 
-    return biss_initialising(self, now) ? 0 : (uint8_t)((uint32_t)n_err << 1 | n_warn);
+    return dg_biss_initialising(self, now) ? 0 : (uint8_t)((uint32_t)n_err << 1 | n_warn);
 }
 
 /* 0 only in the first frame after the start. */
@@ -92,14 +93,14 @@ static void count_life(struct dg_biss *self)
     self->started = true;
 }
 
-uint8_t biss_latch(struct dg_biss *self, dg_ns now, uint64_t *bits)
+uint8_t dg_biss_latch(struct dg_biss *self, dg_ns now, uint64_t *bits)
 {
     count_life(self);
     self->counters.frames++;
-    self->position = biss_initialising(self, now) ? 0 : dg_biss_position(self, now);
+    self->position = dg_biss_initialising(self, now) ? 0 : dg_biss_position(self, now);
     if (self->channel_off) {
         *bits = 0;
         return 0;
     }
-    return biss_frame_encode(self, dg_biss_flags(self, now), bits);
+    return dg_biss_frame_encode(self, dg_biss_flags(self, now), bits);
 }

@@ -42,6 +42,6 @@ void dg_biss_skip(struct dg_biss *self, uint64_t n)
     self->noise = noise_after(self->noise, n);
     /* So many zeros end whatever the control automaton was at. */
     for (uint64_t i = 0; i < n && i < DG_BISS_ZEROS; i++) {
-        biss_cdm(self, self->line.last, false);
+        dg_biss_cdm(self, self->line.last, false);
     }
 }

@@ -29,7 +29,7 @@ static int format(const struct dg_stack_setup *setup)
 
 static int mount(const struct dg_stack_setup *setup, struct dg_store *store)
 {
-    return biss_mount(store, setup->nvm);
+    return dg_biss_mount(store, setup->nvm);
 }
 
 DG_STACK_FORWARD(dg_biss);

@@ -50,18 +50,18 @@ enum co_slot {
 /* co_node.c */
 
 /** Send a frame now, unless the bus has to be silent. */
-void co_send_frame(struct dg_co_node *self, const struct dg_can_frame *frame);
+void dg_co_send_frame(struct dg_co_node *self, const struct dg_can_frame *frame);
 /** The same, with up to 8 bytes of data. */
-void co_send(struct dg_co_node *self, uint16_t id, const uint8_t *data, uint8_t dlc);
+void dg_co_send(struct dg_co_node *self, uint16_t id, const uint8_t *data, uint8_t dlc);
 /** A bit rate by its number; 0: the device has no such number. */
-uint16_t co_kbaud(const struct dg_co_device *device, uint8_t number);
+uint16_t dg_co_kbaud(const struct dg_co_device *device, uint8_t number);
 /** The configured bit rate comes into force. */
-void co_use_bit_rate(struct dg_co_node *self);
+void dg_co_use_bit_rate(struct dg_co_node *self);
 /** dg_after() once for all: inside a function it takes as much as a call and ten instructions. */
-dg_ns co_after(dg_ns from, dg_ns span);
+dg_ns dg_co_after(dg_ns from, dg_ns span);
 /** `ms` after `from`; DG_NEVER when `ms` is 0, which is how a dictionary switches a timer off. */
-dg_ns co_after_ms(dg_ns from, uint32_t ms);
+dg_ns dg_co_after_ms(dg_ns from, uint32_t ms);
 /** Enter Initialisation; `application` also resets 2000h-9FFFh (NMT 81h, LSS). */
-void co_reset(struct dg_co_node *self, bool application);
+void dg_co_reset(struct dg_co_node *self, bool application);
 
 #endif

@@ -15,19 +15,19 @@ void dg_co_attach(struct dg_co_node *self, const struct dg_co_setup *setup)
     self->sdo.object.dictionary = NULL;
     if (setup != NULL) {
         struct dg_co_object *object = &self->sdo.object;
-        (void)co_find(setup->device, DG_CO_KEY(object->index, object->sub), object);
+        (void)dg_co_find(setup->device, DG_CO_KEY(object->index, object->sub), object);
     }
 }
 
 static bool values_fit(const struct dg_co_node *self)
 {
-    struct dg_co_object object = co_first();
+    struct dg_co_object object = dg_co_first();
     bool good = true;
 
     do {
         const bool slot = co_is(&object, DG_CO_SLOT);
-        good = good && (!slot || co_in_range(&object, self->value[object.slot]));
-    } while (co_next(self->setup.device, &object));
+        good = good && (!slot || dg_co_in_range(&object, self->value[object.slot]));
+    } while (dg_co_next(self->setup.device, &object));
     return good;
 }
 
@@ -35,7 +35,7 @@ static bool values_fit(const struct dg_co_node *self)
 static uint8_t mapped_size(const struct dg_co_device *device, uint16_t number)
 {
     const struct dg_co_dictionary *half =
-        (number & 0x8000u) != 0 ? &device->dictionary : &co_dictionary;
+        (number & 0x8000u) != 0 ? &device->dictionary : &dg_co_common_dictionary;
 
     if ((number & 0x7FFFu) >= half->count) {
         return UINT8_MAX;
@@ -73,8 +73,9 @@ static bool sdo_fits(const struct dg_co_node *self)
     }
     if (comes) {
         const uint32_t key = DG_CO_KEY(sdo->object.index, sdo->object.sub);
-        return co_find(self->setup.device, key, &object) == DG_CO_OK && co_is(&object, DG_CO_W) &&
-               object.slot == sdo->object.slot && sdo->length <= SDO_SEGMENT * sdo->seqno + 4u;
+        return dg_co_find(self->setup.device, key, &object) == DG_CO_OK &&
+               co_is(&object, DG_CO_W) && object.slot == sdo->object.slot &&
+               sdo->length <= SDO_SEGMENT * sdo->seqno + 4u;
     }
     return sdo->length <= DG_CO_STRING_MAX && sdo->done + sent < sdo->length + SDO_SEGMENT;
 }
@@ -90,8 +91,8 @@ static bool state_fits(const struct dg_co_node *self)
     case DG_CO_STOPPED:
     case DG_CO_OPERATIONAL:
     case DG_CO_PRE_OPERATIONAL:
-        return self->now != DG_NEVER && co_kbaud(device, self->bit_rate) != 0 &&
-               co_kbaud(device, self->lss.bit_rate) != 0 && values_fit(self) && sdo_fits(self);
+        return self->now != DG_NEVER && dg_co_kbaud(device, self->bit_rate) != 0 &&
+               dg_co_kbaud(device, self->lss.bit_rate) != 0 && values_fit(self) && sdo_fits(self);
     }
     return false;
 }

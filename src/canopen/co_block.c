@@ -34,13 +34,13 @@ _Static_assert(sizeof((struct dg_co_sdo *)0)->buffer >= (size_t)DOWNLOAD_BLKSIZE
 
 /* ---- upload */
 
-enum dg_co_abort co_block_upload(struct dg_co_node *self, const uint8_t *data)
+enum dg_co_abort dg_co_block_upload(struct dg_co_node *self, const uint8_t *data)
 {
     struct dg_co_sdo *sdo = &self->sdo;
 
     sdo->blksize = data[4];
     sdo->crc = (data[0] & CRC) != 0;
-    co_sdo_become(self, DG_CO_SDO_BLOCK_UPLOAD_START);
+    dg_co_sdo_become(self, DG_CO_SDO_BLOCK_UPLOAD_START);
     return co_sdo_confirm(self, 0xC0u | SIZE | CRC, sdo->length);
 }
 
@@ -55,21 +55,21 @@ static enum dg_co_abort send_block(struct dg_co_node *self)
     do {
         last = sdo->length - at <= (int)SDO_SEGMENT;
         sdo->seqno++;
-        (void)co_sdo_send_segment(self, (uint8_t)(sdo->seqno | (last ? SDO_LAST : 0u)),
-                                  &sdo->buffer[at]);
+        (void)dg_co_sdo_send_segment(self, (uint8_t)(sdo->seqno | (last ? SDO_LAST : 0u)),
+                                     &sdo->buffer[at]);
         at = (uint8_t)(at + SDO_SEGMENT);
     } while (!last && sdo->seqno < sdo->blksize);
-    co_sdo_become(self, DG_CO_SDO_BLOCK_UPLOAD);
+    dg_co_sdo_become(self, DG_CO_SDO_BLOCK_UPLOAD);
     return DG_CO_OK;
 }
 
-enum dg_co_abort co_block_upload_start(struct dg_co_node *self, const uint8_t *data)
+enum dg_co_abort dg_co_block_upload_start(struct dg_co_node *self, const uint8_t *data)
 {
     (void)data;
     return send_block(self);
 }
 
-enum dg_co_abort co_block_upload_acknowledge(struct dg_co_node *self, const uint8_t *data)
+enum dg_co_abort dg_co_block_upload_acknowledge(struct dg_co_node *self, const uint8_t *data)
 {
     struct dg_co_sdo *sdo = &self->sdo;
     uint8_t ackseq = data[1];
@@ -90,34 +90,35 @@ enum dg_co_abort co_block_upload_acknowledge(struct dg_co_node *self, const uint
     if (sdo->crc) {
         crc = dg_crc16(0, sdo->buffer, sdo->length);
     }
-    co_sdo_become(self, DG_CO_SDO_BLOCK_UPLOAD_END);
-    return co_sdo_send(self, 0xC1u | (uint32_t)(sdo->done - sdo->length) << 2 | crc << 8, 0);
+    dg_co_sdo_become(self, DG_CO_SDO_BLOCK_UPLOAD_END);
+    return dg_co_sdo_send(self, 0xC1u | (uint32_t)(sdo->done - sdo->length) << 2 | crc << 8, 0);
 }
 
-enum dg_co_abort co_block_upload_end(struct dg_co_node *self, const uint8_t *data)
+enum dg_co_abort dg_co_block_upload_end(struct dg_co_node *self, const uint8_t *data)
 {
     (void)data;
-    co_sdo_become(self, DG_CO_SDO_IDLE);
+    dg_co_sdo_become(self, DG_CO_SDO_IDLE);
     return DG_CO_OK;
 }
 
 /* ---- download */
 
-enum dg_co_abort co_block_download(struct dg_co_node *self, const uint8_t *data)
+enum dg_co_abort dg_co_block_download(struct dg_co_node *self, const uint8_t *data)
 {
     struct dg_co_sdo *sdo = &self->sdo;
-    enum dg_co_abort abort = co_sdo_open(self, data, (data[0] & SIZE) != 0, dg_load_le32(&data[4]));
+    enum dg_co_abort abort =
+        dg_co_sdo_open(self, data, (data[0] & SIZE) != 0, dg_load_le32(&data[4]));
 
     if (abort != DG_CO_OK) {
         return abort;
     }
     sdo->crc = (data[0] & CRC) != 0;
     sdo->seqno = 0;
-    co_sdo_become(self, DG_CO_SDO_BLOCK_DOWNLOAD);
+    dg_co_sdo_become(self, DG_CO_SDO_BLOCK_DOWNLOAD);
     return co_sdo_confirm(self, 0xA0u | CRC, DOWNLOAD_BLKSIZE);
 }
 
-enum dg_co_abort co_block_download_segment(struct dg_co_node *self, const uint8_t *data)
+enum dg_co_abort dg_co_block_download_segment(struct dg_co_node *self, const uint8_t *data)
 {
     struct dg_co_sdo *sdo = &self->sdo;
     uint8_t seqno = data[0] & 0x7Fu;
@@ -128,7 +129,7 @@ enum dg_co_abort co_block_download_segment(struct dg_co_node *self, const uint8_
     if (seqno == 0 || seqno > DOWNLOAD_BLKSIZE) {
         return DG_CO_SEQUENCE;
     }
-    co_sdo_become(self, complete ? DG_CO_SDO_BLOCK_DOWNLOAD_END : DG_CO_SDO_BLOCK_DOWNLOAD);
+    dg_co_sdo_become(self, complete ? DG_CO_SDO_BLOCK_DOWNLOAD_END : DG_CO_SDO_BLOCK_DOWNLOAD);
     if (in_order) {
         memcpy(&sdo->buffer[sdo->length], &data[1], SDO_SEGMENT);
         sdo->length = (uint8_t)(sdo->length + SDO_SEGMENT);
@@ -140,24 +141,24 @@ enum dg_co_abort co_block_download_segment(struct dg_co_node *self, const uint8_
     /* The block is over; the client listens only now. A whole segment with more to come is more
      * than any object takes. */
     if (!complete && sdo->length > 0) {
-        return co_sdo_length(self, sdo->length);
+        return dg_co_sdo_length(self, sdo->length);
     }
-    return co_sdo_send(self, 0xA2u | (uint32_t)sdo->seqno << 8 | DOWNLOAD_BLKSIZE << 16, 0);
+    return dg_co_sdo_send(self, 0xA2u | (uint32_t)sdo->seqno << 8 | DOWNLOAD_BLKSIZE << 16, 0);
 }
 
-enum dg_co_abort co_block_download_end(struct dg_co_node *self, const uint8_t *data)
+enum dg_co_abort dg_co_block_download_end(struct dg_co_node *self, const uint8_t *data)
 {
     struct dg_co_sdo *sdo = &self->sdo;
     uint8_t unused = data[0] >> 2 & 7u;
 
     sdo->length = (uint8_t)(sdo->length - unused);
-    enum dg_co_abort abort = co_sdo_length(self, sdo->length);
+    enum dg_co_abort abort = dg_co_sdo_length(self, sdo->length);
     if (abort == DG_CO_OK && sdo->crc &&
         dg_crc16(0, sdo->buffer, sdo->length) != dg_load_le16(&data[1])) {
         abort = DG_CO_CRC;
     }
     if (abort == DG_CO_OK) {
-        abort = co_sdo_write(self);
+        abort = dg_co_sdo_write(self);
     }
-    return abort == DG_CO_OK ? co_sdo_written(self, 0xA1) : abort;
+    return abort == DG_CO_OK ? dg_co_sdo_written(self, 0xA1) : abort;
 }

@@ -24,30 +24,30 @@ typedef enum dg_co_abort sdo_handler(struct dg_co_node *self, const uint8_t *dat
 /* co_sdo.c */
 
 /** Wait in `state`, for a request or the timeout; DG_CO_SDO_IDLE waits for nothing. */
-void co_sdo_become(struct dg_co_node *self, enum dg_co_sdo_state state);
+void dg_co_sdo_become(struct dg_co_node *self, enum dg_co_sdo_state state);
 /** Answer with these bytes, least significant first. These five return DG_CO_OK, for handlers that
  * end with them. */
-enum dg_co_abort co_sdo_send(struct dg_co_node *self, uint32_t low, uint32_t high);
+enum dg_co_abort dg_co_sdo_send(struct dg_co_node *self, uint32_t low, uint32_t high);
 /** Byte 0, and seven more. */
-enum dg_co_abort co_sdo_send_segment(struct dg_co_node *self, uint8_t command,
-                                     const uint8_t *bytes);
+enum dg_co_abort dg_co_sdo_send_segment(struct dg_co_node *self, uint8_t command,
+                                        const uint8_t *bytes);
 /** Byte 0, the multiplexor, 32 bits. */
 static inline enum dg_co_abort co_sdo_confirm(struct dg_co_node *self, uint32_t command,
                                               uint32_t value)
 {
-    return co_sdo_send(self, command | self->sdo.multiplexor, value);
+    return dg_co_sdo_send(self, command | self->sdo.multiplexor, value);
 }
 /** Byte 0 and, with this one, the multiplexor: a download is complete, or has begun. Held back when
  * a hook has asked for it. */
 #define WRITTEN_AT_ONCE 0x60u
-enum dg_co_abort co_sdo_written(struct dg_co_node *self, uint8_t command);
+enum dg_co_abort dg_co_sdo_written(struct dg_co_node *self, uint8_t command);
 /** Begin a download: the object must exist, be writable and, if `sized`, have `size` bytes. */
-enum dg_co_abort co_sdo_open(struct dg_co_node *self, const uint8_t *data, bool sized,
-                             uint32_t size);
+enum dg_co_abort dg_co_sdo_open(struct dg_co_node *self, const uint8_t *data, bool sized,
+                                uint32_t size);
 /** What is wrong with a download of `length` bytes. */
-enum dg_co_abort co_sdo_length(const struct dg_co_node *self, uint32_t length);
+enum dg_co_abort dg_co_sdo_length(const struct dg_co_node *self, uint32_t length);
 /** Write the buffer to the object. The transfer is over, unless a hook delays the answer. */
-enum dg_co_abort co_sdo_write(struct dg_co_node *self);
+enum dg_co_abort dg_co_sdo_write(struct dg_co_node *self);
 
 /* co_block.c: requests of block transfers */
 
@@ -57,9 +57,9 @@ static inline bool co_block_size_valid(uint8_t blksize)
     return blksize > 0 && blksize <= 127u;
 }
 /** Offers what is in the buffer. */
-sdo_handler co_block_upload;
-sdo_handler co_block_upload_start, co_block_upload_acknowledge;
-sdo_handler co_block_upload_end;
-sdo_handler co_block_download, co_block_download_segment, co_block_download_end;
+sdo_handler dg_co_block_upload;
+sdo_handler dg_co_block_upload_start, dg_co_block_upload_acknowledge;
+sdo_handler dg_co_block_upload_end;
+sdo_handler dg_co_block_download, dg_co_block_download_segment, dg_co_block_download_end;
 
 #endif

@@ -89,7 +89,7 @@ static void line_hex(const struct eds *self, const char *key, uint32_t value, ui
 static bool next_sub(const struct eds *self, struct dg_co_object *object)
 {
     const uint16_t index = object->index;
-    return co_next(self->device, object) && object->index == index;
+    return dg_co_next(self->device, object) && object->index == index;
 }
 
 /* To the next object; false: that was the last one. */
@@ -98,7 +98,7 @@ static bool next_index(const struct eds *self, struct dg_co_object *object)
     const uint16_t index = object->index;
     bool there = true;
     while (there && object->index == index) {
-        there = co_next(self->device, object);
+        there = dg_co_next(self->device, object);
     }
     return there;
 }
@@ -171,9 +171,9 @@ static void put_default(const struct eds *self, const struct dg_co_object *objec
     } else if (identity != NULL) {
         put_value(self, "DefaultValue=", object, *identity);
     } else if (co_is(object, DG_CO_ID)) {
-        line_hex(self, "DefaultValue=$NODEID+0x", co_default(self->device, object), 1);
+        line_hex(self, "DefaultValue=$NODEID+0x", dg_co_default(self->device, object), 1);
     } else if (fixed) {
-        put_value(self, "DefaultValue=", object, co_default(self->device, object));
+        put_value(self, "DefaultValue=", object, dg_co_default(self->device, object));
     }
 }
 
@@ -184,8 +184,8 @@ static void put_limits(const struct eds *self, const struct dg_co_object *object
     if (!co_is(object, DG_CO_W)) {
         return;
     }
-    const struct dg_co_limits limits = co_limits(object);
-    const struct dg_co_limits of_type = co_type_limits(object);
+    const struct dg_co_limits limits = dg_co_limits_of(object);
+    const struct dg_co_limits of_type = dg_co_type_limits(object);
     if (limits.min != of_type.min) {
         put_value(self, "LowLimit=", object, limits.min);
     }
@@ -278,14 +278,14 @@ static bool is_optional(uint16_t index)
 /* The list of a group's objects. */
 static void put_list(const struct eds *self, const char *section, bool (*belongs)(uint16_t index))
 {
-    struct dg_co_object object = co_first();
+    struct dg_co_object object = dg_co_first();
     uint32_t count = 0;
     do {
         count += belongs(object.index) ? 1u : 0u;
     } while (next_index(self, &object));
     put(self, section);
     line_decimal(self, "SupportedObjects=", count);
-    object = co_first();
+    object = dg_co_first();
     count = 0;
     do {
         if (belongs(object.index)) {
@@ -384,7 +384,7 @@ void dg_co_eds(const struct dg_co_sheet *sheet,
     put_list(&self, "[MandatoryObjects]\r\n", is_mandatory);
     put_list(&self, "[OptionalObjects]\r\n", is_optional);
     put_list(&self, "[ManufacturerObjects]\r\n", is_manufacturer);
-    struct dg_co_object object = co_first();
+    struct dg_co_object object = dg_co_first();
     do {
         put_object(&self, &object);
     } while (next_index(&self, &object));

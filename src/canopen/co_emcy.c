@@ -41,16 +41,16 @@ static uint8_t error_register(const struct dg_co_node *self)
     return bits;
 }
 
-void co_react(struct dg_co_node *self, enum dg_co_error_class class_of)
+void dg_co_react(struct dg_co_node *self, enum dg_co_error_class class_of)
 {
     if (class_of == DG_CO_CLASS_NONE || self->state == DG_CO_BOOT) {
         return; /* Initialisation is left after boot-up, without a node-ID never */
     }
     uint32_t behaviour = self->value[CO_BEHAVIOUR_1 + (unsigned)class_of - 1u];
     if (behaviour == 0 && self->state == DG_CO_OPERATIONAL) {
-        co_enter(self, DG_CO_PRE_OPERATIONAL);
+        dg_co_enter(self, DG_CO_PRE_OPERATIONAL);
     } else if (behaviour == 2) {
-        co_enter(self, DG_CO_STOPPED);
+        dg_co_enter(self, DG_CO_STOPPED);
     }
 }
 
@@ -94,8 +94,8 @@ void dg_co_raise(struct dg_co_node *self, uint8_t cause, const uint8_t manufactu
     self->active_causes |= bit;
     remember(self, row->code, manufacturer);
     queue(self, row->code, manufacturer);
-    (void)co_emcy_step(self); /* before a reaction can leave the state that allows it */
-    co_react(self, (enum dg_co_error_class)row->class_of);
+    (void)dg_co_emcy_step(self); /* before a reaction can leave the state that allows it */
+    dg_co_react(self, (enum dg_co_error_class)row->class_of);
 }
 
 void dg_co_clear(struct dg_co_node *self, uint8_t cause)
@@ -113,7 +113,7 @@ void dg_co_clear(struct dg_co_node *self, uint8_t cause)
     }
 }
 
-void co_emcy_start(struct dg_co_node *self)
+void dg_co_emcy_start(struct dg_co_node *self)
 {
     self->active_causes = 0;
     self->history_count = 0; /* power-on values (C37) */
@@ -121,26 +121,26 @@ void co_emcy_start(struct dg_co_node *self)
     self->emcy_until = 0;
 }
 
-dg_ns co_emcy_step(struct dg_co_node *self)
+dg_ns dg_co_emcy_step(struct dg_co_node *self)
 {
     bool allowed = self->state == DG_CO_PRE_OPERATIONAL || self->state == DG_CO_OPERATIONAL;
 
     while (self->emcy_count > 0 && allowed && self->emcy_until <= self->now) {
-        co_send(self, (uint16_t)(CO_ID_EMCY + self->id), self->emcy[self->emcy_first], 8);
+        dg_co_send(self, (uint16_t)(CO_ID_EMCY + self->id), self->emcy[self->emcy_first], 8);
         self->emcy_count--;
         self->emcy_first = in_ring(self->emcy_first + 1u);
-        self->emcy_until = co_after(self->now, DG_US(100u * self->value[CO_EMCY_INHIBIT_100US]));
+        self->emcy_until = dg_co_after(self->now, DG_US(100u * self->value[CO_EMCY_INHIBIT_100US]));
     }
     return self->emcy_count > 0 && allowed ? self->emcy_until : DG_NEVER;
 }
 
-DG_CO_TELL(co_hook_error_register, error_register(node))
+DG_CO_TELL(dg_co_hook_error_register, error_register(node))
 
 /* 1002h: a bit for every cause that lasts. */
-DG_CO_TELL(co_hook_status, node->active_causes)
+DG_CO_TELL(dg_co_hook_status, node->active_causes)
 
-enum dg_co_abort co_hook_history(struct dg_co_node *self, const struct dg_co_object *object,
-                                 enum dg_co_op op, uint32_t *value)
+enum dg_co_abort dg_co_hook_history(struct dg_co_node *self, const struct dg_co_object *object,
+                                    enum dg_co_op op, uint32_t *value)
 {
     if (op == DG_CO_WRITE) {
         if (*value != 0) {

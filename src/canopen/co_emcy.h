@@ -8,12 +8,12 @@
 
 #include "canopen_private.h"
 
-void co_emcy_start(struct dg_co_node *self);
-dg_ns co_emcy_step(struct dg_co_node *self);
+void dg_co_emcy_start(struct dg_co_node *self);
+dg_ns dg_co_emcy_step(struct dg_co_node *self);
 /** What 1029h says for a class of errors. */
-void co_react(struct dg_co_node *self, enum dg_co_error_class class_of);
+void dg_co_react(struct dg_co_node *self, enum dg_co_error_class class_of);
 
 /** Hooks of 1001h, 1002h and 1003h. */
-dg_co_hook co_hook_error_register, co_hook_status, co_hook_history;
+dg_co_hook dg_co_hook_error_register, dg_co_hook_status, dg_co_hook_history;
 
 #endif

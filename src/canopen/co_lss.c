@@ -34,7 +34,7 @@ static void answer(struct dg_co_node *self, uint8_t cs, uint32_t value)
     uint8_t data[8] = {cs};
 
     dg_store_le32(&data[1], value);
-    co_send(self, CO_ID_LSS_TX, data, sizeof data);
+    dg_co_send(self, CO_ID_LSS_TX, data, sizeof data);
 }
 
 /* Vendor, product, revision, serial number. */
@@ -60,7 +60,7 @@ static void switch_global(struct dg_co_node *self, const uint8_t *data)
     }
     self->lss.configuration = data[1] == 1;
     if (!self->lss.configuration && changed) {
-        co_reset(self, true); /* unlike CiA 305 (C10) */
+        dg_co_reset(self, true); /* unlike CiA 305 (C10) */
     }
 }
 
@@ -123,13 +123,13 @@ static void activate_bit_timing(struct dg_co_node *self, const uint8_t *data)
 {
     dg_ns delay = DG_MS(dg_load_le16(&data[1]));
 
-    self->lss.switch_at = co_after(self->now, delay);
-    self->lss.silent_until = co_after(self->lss.switch_at, delay);
+    self->lss.switch_at = dg_co_after(self->now, delay);
+    self->lss.silent_until = dg_co_after(self->lss.switch_at, delay);
 }
 
 static void store(struct dg_co_node *self, const uint8_t *data)
 {
-    enum dg_co_abort abort = co_save_bus(self, self->lss.bit_rate, self->lss.node_id);
+    enum dg_co_abort abort = dg_co_save_bus(self, self->lss.bit_rate, self->lss.node_id);
 
     answer(self, data[0], abort == DG_CO_OK ? RESULT_OK : RESULT_MEDIA);
 }
@@ -221,7 +221,7 @@ static const struct {
 };
 /* clang-format on */
 
-void co_lss_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
+void dg_co_lss_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
 {
     uint8_t state = self->lss.configuration ? CONFIGURATION : WAITING;
     uint8_t cs = frame->data[0];
@@ -240,7 +240,7 @@ void co_lss_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
     }
 }
 
-void co_lss_start(struct dg_co_node *self)
+void dg_co_lss_start(struct dg_co_node *self)
 {
     self->lss.configuration = false;
     self->lss.changed = false;
@@ -250,11 +250,11 @@ void co_lss_start(struct dg_co_node *self)
     self->lss.switch_at = DG_NEVER;
 }
 
-dg_ns co_lss_step(struct dg_co_node *self)
+dg_ns dg_co_lss_step(struct dg_co_node *self)
 {
     if (self->lss.switch_at <= self->now) {
         self->lss.switch_at = DG_NEVER;
-        co_use_bit_rate(self);
+        dg_co_use_bit_rate(self);
     }
     return self->lss.switch_at;
 }

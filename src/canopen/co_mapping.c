@@ -21,7 +21,7 @@ enum sub_index {
 static enum dg_co_abort find_mapped(const struct dg_co_node *self, uint32_t entry,
                                     struct dg_co_object *object)
 {
-    enum dg_co_abort abort = co_find(self->setup.device, entry & 0xFFFFFF00u, object);
+    enum dg_co_abort abort = dg_co_find(self->setup.device, entry & 0xFFFFFF00u, object);
 
     if (abort != DG_CO_OK) {
         return abort;
@@ -40,7 +40,7 @@ static void append(struct dg_co_tpdo *tpdo, const struct dg_co_object *object)
     if (co_is(object, DG_CO_EVENT)) {
         tpdo->event_bytes |= (uint8_t)(((1u << size) - 1u) << tpdo->length);
     }
-    tpdo->mapped[tpdo->mapped_count++] = co_number(object);
+    tpdo->mapped[tpdo->mapped_count++] = dg_co_number(object);
     tpdo->length = (uint8_t)(tpdo->length + size);
 }
 
@@ -89,8 +89,8 @@ static enum dg_co_abort check_mapping(struct dg_co_node *self, uint8_t n, uint8_
     return wanted != 0 ? find_mapped(self, wanted, &object) : DG_CO_OK;
 }
 
-enum dg_co_abort co_hook_mapping(struct dg_co_node *self, const struct dg_co_object *object,
-                                 enum dg_co_op op, uint32_t *value)
+enum dg_co_abort dg_co_hook_mapping(struct dg_co_node *self, const struct dg_co_object *object,
+                                    enum dg_co_op op, uint32_t *value)
 {
     uint8_t n = (uint8_t)object->index; /* 1A00h + n */
 
@@ -115,7 +115,7 @@ static enum dg_co_abort check_cob_id(struct dg_co_node *self, uint8_t n, uint32_
     if ((wanted & ~(CO_COB_INVALID | CO_COB_BIT30 | CO_COB_CAN_ID)) != 0) {
         return DG_CO_RANGE;
     }
-    if ((valid || id != 0) && co_restricted(id)) {
+    if ((valid || id != 0) && dg_co_restricted(id)) {
         return DG_CO_RANGE;
     }
     if (!valid) {
@@ -157,7 +157,7 @@ static void adopt_cob_id(struct dg_co_node *self, uint8_t n)
     tpdo->rtr_allowed = (cob_id & CO_COB_BIT30) == 0;
     if (tpdo->valid != was_valid) {
         tpdo->inhibit_until = 0;
-        co_pdo_restart(self, n);
+        dg_co_pdo_restart(self, n);
     }
 }
 
@@ -168,7 +168,7 @@ static void adopt_type(struct dg_co_node *self, uint8_t n)
 
     tpdo->type = (uint8_t)co_pdo_parameter(self, n, CO_PDO_TYPE);
     bool waits = tpdo->pending && co_pdo_takes_events(tpdo->type);
-    co_pdo_restart(self, n);
+    dg_co_pdo_restart(self, n);
     tpdo->pending = waits;
 }
 
@@ -183,8 +183,8 @@ static const struct {
     [SUB_EVENT_TIMER] = {NULL, dg_co_pdo_rearm},
 };
 
-enum dg_co_abort co_hook_tpdo(struct dg_co_node *self, const struct dg_co_object *object,
-                              enum dg_co_op op, uint32_t *value)
+enum dg_co_abort dg_co_hook_tpdo(struct dg_co_node *self, const struct dg_co_object *object,
+                                 enum dg_co_op op, uint32_t *value)
 {
     uint8_t n = (uint8_t)object->index; /* 1800h + n */
 
@@ -211,7 +211,7 @@ static void start(struct dg_co_node *self, uint8_t n)
     adopt_type(self, n);
 }
 
-void co_pdo_start(struct dg_co_node *self)
+void dg_co_pdo_start(struct dg_co_node *self)
 {
     self->sync_mask = 0;
     for (uint8_t n = 0; n < DG_CO_TPDOS; n++) {

@@ -19,12 +19,12 @@ static void heartbeat(struct dg_co_node *self)
     const uint8_t state[1] = {(uint8_t)self->state};
 
     if (heartbeat_ms(self) != 0) {
-        co_send(self, (uint16_t)(CO_ID_GUARD + self->id), state, sizeof state);
+        dg_co_send(self, (uint16_t)(CO_ID_GUARD + self->id), state, sizeof state);
     }
-    self->heartbeat_at = co_after_ms(self->now, heartbeat_ms(self));
+    self->heartbeat_at = dg_co_after_ms(self->now, heartbeat_ms(self));
 }
 
-void co_enter(struct dg_co_node *self, enum dg_co_state state)
+void dg_co_enter(struct dg_co_node *self, enum dg_co_state state)
 {
     if (self->state == state) {
         return;
@@ -34,44 +34,44 @@ void co_enter(struct dg_co_node *self, enum dg_co_state state)
     self->others = 0;
     self->state = state;
     if (state == DG_CO_STOPPED) {
-        co_sdo_start(self); /* a transfer does not survive */
+        dg_co_sdo_start(self); /* a transfer does not survive */
     }
     if (!booted) {
         heartbeat(self);
     } else { /* the boot-up was the first one */
-        self->heartbeat_at = co_after_ms(self->now, heartbeat_ms(self));
+        self->heartbeat_at = dg_co_after_ms(self->now, heartbeat_ms(self));
     }
     if (was_operational || state == DG_CO_OPERATIONAL) {
-        co_pdo_state(self, state == DG_CO_OPERATIONAL);
+        dg_co_pdo_state(self, state == DG_CO_OPERATIONAL);
     }
 }
 
 static void to_operational(struct dg_co_node *self)
 {
-    co_enter(self, DG_CO_OPERATIONAL);
+    dg_co_enter(self, DG_CO_OPERATIONAL);
 }
 
 static void to_stopped(struct dg_co_node *self)
 {
-    co_enter(self, DG_CO_STOPPED);
+    dg_co_enter(self, DG_CO_STOPPED);
 }
 
 static void to_pre_operational(struct dg_co_node *self)
 {
-    co_enter(self, DG_CO_PRE_OPERATIONAL);
+    dg_co_enter(self, DG_CO_PRE_OPERATIONAL);
 }
 
 static void reset_node(struct dg_co_node *self)
 {
-    co_reset(self, true);
+    dg_co_reset(self, true);
 }
 
 static void reset_communication(struct dg_co_node *self)
 {
-    co_reset(self, false);
+    dg_co_reset(self, false);
 }
 
-void co_nmt_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
+void dg_co_nmt_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
 {
     static const struct {
         uint8_t command;
@@ -96,7 +96,7 @@ void co_nmt_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
     }
 }
 
-void co_nmt_start(struct dg_co_node *self)
+void dg_co_nmt_start(struct dg_co_node *self)
 {
     self->heartbeat_at = DG_NEVER;
     self->guard_toggle = false;
@@ -107,7 +107,7 @@ void co_nmt_start(struct dg_co_node *self)
 }
 
 /* Life time runs from the first request of the master on (C13). */
-void co_guard_rx(struct dg_co_node *self)
+void dg_co_guard_rx(struct dg_co_node *self)
 {
     uint32_t life_ms = self->value[CO_GUARD_TIME_MS] * self->value[CO_LIFE_FACTOR];
 
@@ -117,9 +117,9 @@ void co_guard_rx(struct dg_co_node *self)
     const uint8_t answer[1] = {
         (uint8_t)((unsigned)self->state | (self->guard_toggle ? 0x80u : 0u))};
     self->guard_toggle = !self->guard_toggle;
-    co_send(self, (uint16_t)(CO_ID_GUARD + self->id), answer, sizeof answer);
+    dg_co_send(self, (uint16_t)(CO_ID_GUARD + self->id), answer, sizeof answer);
     self->others = 0;
-    self->guard_at = co_after_ms(self->now, life_ms);
+    self->guard_at = dg_co_after_ms(self->now, life_ms);
     dg_co_clear(self, DG_CO_CAUSE_LIFE);
 }
 
@@ -144,7 +144,7 @@ static bool is_heartbeat(const struct dg_can_frame *frame)
 }
 
 /* Monitoring begins with the first heartbeat of the node (C12). */
-void co_heartbeat_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
+void dg_co_heartbeat_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
 {
     if (!is_heartbeat(frame)) {
         return;
@@ -153,19 +153,19 @@ void co_heartbeat_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
         uint32_t entry = self->value[CO_CONSUMER_1 + i];
         if (consumer_active(entry) && frame->id == CO_ID_GUARD + consumed_node(entry)) {
             self->others = 0;
-            self->consumer_at[i] = co_after_ms(self->now, entry & 0xFFFFu);
+            self->consumer_at[i] = dg_co_after_ms(self->now, entry & 0xFFFFu);
             dg_co_clear(self, (uint8_t)(DG_CO_CAUSE_HEARTBEAT + i));
         }
     }
 }
 
-dg_ns co_nmt_step(struct dg_co_node *self)
+dg_ns dg_co_nmt_step(struct dg_co_node *self)
 {
     if (self->heartbeat_at <= self->now) {
         dg_ns due = self->heartbeat_at;
         heartbeat(self);
         /* Keep the phase unless whole periods were missed. */
-        dg_ns next = co_after_ms(due, heartbeat_ms(self));
+        dg_ns next = dg_co_after_ms(due, heartbeat_ms(self));
         self->heartbeat_at = next > self->now ? next : self->heartbeat_at;
     }
     if (self->guard_at <= self->now) {
@@ -183,8 +183,8 @@ dg_ns co_nmt_step(struct dg_co_node *self)
     return next;
 }
 
-enum dg_co_abort co_hook_heartbeat(struct dg_co_node *self, const struct dg_co_object *object,
-                                   enum dg_co_op op, uint32_t *value)
+enum dg_co_abort dg_co_hook_heartbeat(struct dg_co_node *self, const struct dg_co_object *object,
+                                      enum dg_co_op op, uint32_t *value)
 {
     (void)object;
     (void)value;
@@ -197,8 +197,8 @@ enum dg_co_abort co_hook_heartbeat(struct dg_co_node *self, const struct dg_co_o
 
 /* An active entry is not changed without having been cleared (C12); written again as it is, it
  * waits for a heartbeat anew. */
-enum dg_co_abort co_hook_consumer(struct dg_co_node *self, const struct dg_co_object *object,
-                                  enum dg_co_op op, uint32_t *value)
+enum dg_co_abort dg_co_hook_consumer(struct dg_co_node *self, const struct dg_co_object *object,
+                                     enum dg_co_op op, uint32_t *value)
 {
     uint8_t mine = (uint8_t)(object->sub - 1u);
     uint32_t present = self->value[CO_CONSUMER_1 + mine];

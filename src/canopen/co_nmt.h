@@ -8,16 +8,16 @@
 
 #include "canopen_private.h"
 
-void co_nmt_start(struct dg_co_node *self);
-void co_nmt_rx(struct dg_co_node *self, const struct dg_can_frame *frame);
+void dg_co_nmt_start(struct dg_co_node *self);
+void dg_co_nmt_rx(struct dg_co_node *self, const struct dg_can_frame *frame);
 /** Change the state, and tell the services that live by it. */
-void co_enter(struct dg_co_node *self, enum dg_co_state state);
+void dg_co_enter(struct dg_co_node *self, enum dg_co_state state);
 /** The master's request to guarding: a remote frame. */
-void co_guard_rx(struct dg_co_node *self);
-void co_heartbeat_rx(struct dg_co_node *self, const struct dg_can_frame *frame);
-dg_ns co_nmt_step(struct dg_co_node *self);
+void dg_co_guard_rx(struct dg_co_node *self);
+void dg_co_heartbeat_rx(struct dg_co_node *self, const struct dg_can_frame *frame);
+dg_ns dg_co_nmt_step(struct dg_co_node *self);
 
 /** Hooks of 1016h and 1017h. */
-dg_co_hook co_hook_consumer, co_hook_heartbeat;
+dg_co_hook dg_co_hook_consumer, dg_co_hook_heartbeat;
 
 #endif

@@ -28,7 +28,7 @@ static bool is_configurable(const struct dg_co_node *self)
            self->id == DG_CO_UNCONFIGURED;
 }
 
-void co_send_frame(struct dg_co_node *self, const struct dg_can_frame *frame)
+void dg_co_send_frame(struct dg_co_node *self, const struct dg_can_frame *frame)
 {
     if (!co_lss_silent(self)) {
         self->counters.tx++;
@@ -36,34 +36,34 @@ void co_send_frame(struct dg_co_node *self, const struct dg_can_frame *frame)
     }
 }
 
-void co_send(struct dg_co_node *self, uint16_t id, const uint8_t *data, uint8_t dlc)
+void dg_co_send(struct dg_co_node *self, uint16_t id, const uint8_t *data, uint8_t dlc)
 {
     struct dg_can_frame frame = {.id = id, .dlc = dlc};
 
     memcpy(frame.data, data, dlc);
-    co_send_frame(self, &frame);
+    dg_co_send_frame(self, &frame);
 }
 
-dg_ns co_after(dg_ns from, dg_ns span)
+dg_ns dg_co_after(dg_ns from, dg_ns span)
 {
     return dg_after(from, span);
 }
 
-dg_ns co_after_ms(dg_ns from, uint32_t ms)
+dg_ns dg_co_after_ms(dg_ns from, uint32_t ms)
 {
-    return ms != 0 ? co_after(from, DG_MS(ms)) : DG_NEVER;
+    return ms != 0 ? dg_co_after(from, DG_MS(ms)) : DG_NEVER;
 }
 
-uint16_t co_kbaud(const struct dg_co_device *device, uint8_t number)
+uint16_t dg_co_kbaud(const struct dg_co_device *device, uint8_t number)
 {
     return number < device->kbaud_count ? device->kbaud[number] : 0;
 }
 
-void co_use_bit_rate(struct dg_co_node *self)
+void dg_co_use_bit_rate(struct dg_co_node *self)
 {
     self->bit_rate = self->lss.bit_rate;
     if (self->setup.ops->bit_rate != NULL) {
-        self->setup.ops->bit_rate(self->setup.ctx, co_kbaud(self->setup.device, self->bit_rate));
+        self->setup.ops->bit_rate(self->setup.ctx, dg_co_kbaud(self->setup.device, self->bit_rate));
     }
 }
 
@@ -96,17 +96,17 @@ static void initialise(struct dg_co_node *self, bool application)
     if (application) {
         self->id = self->lss.node_id;
         if (self->bit_rate != self->lss.bit_rate) {
-            co_use_bit_rate(self);
+            dg_co_use_bit_rate(self);
         }
     }
     self->clock_us = 0u - (uint32_t)dg_divide_ns(self->now, 1000);
-    bool loaded = co_load(self, 0x1000, application ? 0xFFFF : 0x1FFF);
+    bool loaded = dg_co_load(self, 0x1000, application ? 0xFFFF : 0x1FFF);
     self->filter_version++;
-    co_emcy_start(self);
-    co_sdo_start(self);
-    co_nmt_start(self);
-    co_pdo_start(self);
-    co_lss_start(self);
+    dg_co_emcy_start(self);
+    dg_co_sdo_start(self);
+    dg_co_nmt_start(self);
+    dg_co_pdo_start(self);
+    dg_co_lss_start(self);
     if (device->reset != NULL) {
         operational = device->reset(self, application);
     }
@@ -114,14 +114,14 @@ static void initialise(struct dg_co_node *self, bool application)
         return; /* only LSS can give it a node-ID (CiA 305) */
     }
     static const uint8_t boot_up[1] = {DG_CO_BOOT};
-    co_send(self, (uint16_t)(CO_ID_GUARD + self->id), boot_up, sizeof boot_up);
-    co_enter(self, operational ? DG_CO_OPERATIONAL : DG_CO_PRE_OPERATIONAL);
-    co_report_memory(self, loaded); /* an EMCY comes after boot-up */
+    dg_co_send(self, (uint16_t)(CO_ID_GUARD + self->id), boot_up, sizeof boot_up);
+    dg_co_enter(self, operational ? DG_CO_OPERATIONAL : DG_CO_PRE_OPERATIONAL);
+    dg_co_report_memory(self, loaded); /* an EMCY comes after boot-up */
 }
 
-void co_reset(struct dg_co_node *self, bool application)
+void dg_co_reset(struct dg_co_node *self, bool application)
 {
-    co_remount(self);
+    dg_co_remount(self);
     initialise(self, application);
 }
 
@@ -129,14 +129,14 @@ int dg_co_power_on(struct dg_co_node *self, dg_ns now)
 {
     dg_co_power_off(self);
     self->now = now;
-    int result = co_mount(self);
+    int result = dg_co_mount_node(self);
     if (result == DG_ERR_BLANK || result == DG_ERR_FOREIGN) {
         return result;
     }
     self->bus_off = false;
     self->lss.silent_until = 0;
     self->bus_found = false;
-    co_use_bit_rate(self);
+    dg_co_use_bit_rate(self);
     initialise(self, true);
     return DG_OK;
 }
@@ -169,9 +169,9 @@ static void remote_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
         return;
     }
     if (frame->id == CO_ID_GUARD + self->id) {
-        co_guard_rx(self);
+        dg_co_guard_rx(self);
     } else if (self->state == DG_CO_OPERATIONAL) {
-        co_pdo_rtr(self, frame->id);
+        dg_co_pdo_rtr(self, frame->id);
     }
 }
 
@@ -184,9 +184,9 @@ static void sdo_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
         self->counters.malformed++;
         return;
     }
-    const enum dg_co_abort abort = co_sdo_rx(self, frame->data);
+    const enum dg_co_abort abort = dg_co_sdo_rx(self, frame->data);
     if (abort != DG_CO_OK) {
-        co_sdo_abort(self, abort);
+        dg_co_sdo_abort(self, abort);
     }
 }
 
@@ -198,15 +198,15 @@ static void other_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
     if (id == CO_ID_LSS_RX) {
         if (is_configurable(self)) {
             self->others = 0;
-            co_lss_rx(self, frame);
+            dg_co_lss_rx(self, frame);
         }
     } else if (id == CO_ID_NMT) {
         if (self->id != DG_CO_UNCONFIGURED) {
-            co_nmt_rx(self, frame);
+            dg_co_nmt_rx(self, frame);
         }
     } else if ((id & 0x780u) == CO_ID_GUARD) {
         if (self->id != DG_CO_UNCONFIGURED) {
-            co_heartbeat_rx(self, frame);
+            dg_co_heartbeat_rx(self, frame);
         }
     } else if (is_time(self, id) && is_on(self)) {
         time_rx(self, frame);
@@ -220,7 +220,7 @@ static void service_rx(struct dg_co_node *self, const struct dg_can_frame *frame
         remote_rx(self, frame);
     } else if (frame->id == self->value[CO_SYNC_COB_ID]) {
         if (is_on(self)) {
-            co_sync_rx(self, frame);
+            dg_co_sync_rx(self, frame);
         }
     } else if (frame->id == CO_ID_SDO_RX + self->id) {
         sdo_rx(self, frame);
@@ -237,11 +237,11 @@ static dg_ns step_services(struct dg_co_node *self)
      */
     dg_ns next = self->setup.device->step != NULL ? self->setup.device->step(self) : DG_NEVER;
 
-    next = dg_earliest(next, co_nmt_step(self));
-    next = dg_earliest(next, co_pdo_step(self));
-    dg_ns sdo = co_sdo_step(self);
-    next = dg_earliest(next, co_lss_step(self));
-    self->others = dg_earliest(next, co_emcy_step(self));
+    next = dg_earliest(next, dg_co_nmt_step(self));
+    next = dg_earliest(next, dg_co_pdo_step(self));
+    dg_ns sdo = dg_co_sdo_step(self);
+    next = dg_earliest(next, dg_co_lss_step(self));
+    self->others = dg_earliest(next, dg_co_emcy_step(self));
     return dg_earliest(self->others, sdo);
 }
 
@@ -305,7 +305,7 @@ dg_ns dg_co_bus(struct dg_co_node *self, dg_ns now, enum dg_co_bus_event event)
         break;
     case DG_CO_BUS_OFF:
         self->bus_off = true;
-        co_react(self, DG_CO_CLASS_COMMUNICATION);
+        dg_co_react(self, DG_CO_CLASS_COMMUNICATION);
         break;
     case DG_CO_BUS_ACTIVE:
         if (self->bus_off) { /* nobody could have heard it before */

@@ -13,20 +13,20 @@
 
 /* Hooks by number, and the numbers. */
 #define HOOKS(HOOK)                                                                                \
-    HOOK(co_hook_device)                                                                           \
-    HOOK(co_hook_error_register)                                                                   \
-    HOOK(co_hook_status)                                                                           \
-    HOOK(co_hook_history)                                                                          \
-    HOOK(co_hook_sync_id)                                                                          \
-    HOOK(co_hook_store)                                                                            \
-    HOOK(co_hook_restore)                                                                          \
-    HOOK(co_hook_time_id)                                                                          \
-    HOOK(co_hook_clock)                                                                            \
-    HOOK(co_hook_consumer)                                                                         \
-    HOOK(co_hook_heartbeat)                                                                        \
-    HOOK(co_hook_identity)                                                                         \
-    HOOK(co_hook_tpdo)                                                                             \
-    HOOK(co_hook_mapping)
+    HOOK(dg_co_hook_device)                                                                        \
+    HOOK(dg_co_hook_error_register)                                                                \
+    HOOK(dg_co_hook_status)                                                                        \
+    HOOK(dg_co_hook_history)                                                                       \
+    HOOK(dg_co_hook_sync_id)                                                                       \
+    HOOK(dg_co_hook_store)                                                                         \
+    HOOK(dg_co_hook_restore)                                                                       \
+    HOOK(dg_co_hook_time_id)                                                                       \
+    HOOK(dg_co_hook_clock)                                                                         \
+    HOOK(dg_co_hook_consumer)                                                                      \
+    HOOK(dg_co_hook_heartbeat)                                                                     \
+    HOOK(dg_co_hook_identity)                                                                      \
+    HOOK(dg_co_hook_tpdo)                                                                          \
+    HOOK(dg_co_hook_mapping)
 #define POINTER(hook) hook,
 #define NUMBER(hook) NUMBER_##hook,
 
@@ -50,9 +50,9 @@ static const struct dg_co_row rows[] = {
 #include "co_objects.def"
 };
 
-const struct dg_co_dictionary co_dictionary = {DG_CO_ROWS(rows), limits, hooks};
+const struct dg_co_dictionary dg_co_common_dictionary = {DG_CO_ROWS(rows), limits, hooks};
 const uint8_t dg_co_slot_event_timer = CO_TPDO(0, CO_PDO_EVENT_MS);
-const uint8_t co_sizes[] = {
+const uint8_t dg_co_sizes[] = {
     [DG_CO_I8] = 1,  [DG_CO_I16] = 2, [DG_CO_I32] = 4,    [DG_CO_U8] = 1,
     [DG_CO_U16] = 2, [DG_CO_U32] = 4, [DG_CO_STRING] = 0,
 };
@@ -100,20 +100,21 @@ static const struct dg_co_row *last_not_behind(const struct dg_co_dictionary *ha
     return row[1].key <= wanted ? &row[1] : row;
 }
 
-enum dg_co_abort co_find(const struct dg_co_device *device, uint32_t key,
-                         struct dg_co_object *object)
+enum dg_co_abort dg_co_find(const struct dg_co_device *device, uint32_t key,
+                            struct dg_co_object *object)
 {
     if (repeated(key) != 0) {
-        return co_find_else(device, key, object);
+        return dg_co_find_else(device, key, object);
     }
-    const struct dg_co_dictionary *half = key < 0x20000000u ? &co_dictionary : &device->dictionary;
+    const struct dg_co_dictionary *half =
+        key < 0x20000000u ? &dg_co_common_dictionary : &device->dictionary;
     const struct dg_co_row *row = last_not_behind(half, key | 0xFFu);
     const uint32_t nth = ((key | 0xFFu) - row->key) >> 8; /* large for any other index */
 
     object->row = row;
     object->dictionary = half;
     if (nth > more_of(row)) {
-        return co_find_else(device, key, object);
+        return dg_co_find_else(device, key, object);
     }
     const uint32_t all = key | (uint8_t)(row->slot + nth);
     object->slot = (uint8_t)all; /* one store for the three */
@@ -124,8 +125,8 @@ enum dg_co_abort co_find(const struct dg_co_device *device, uint32_t key,
 
 /* TPDO2 to TPDO4 have the rows of TPDO1, with slots further on. Of what has no row at all a
  * neighbour of the same index says that only the sub-index is missing. */
-enum dg_co_abort co_find_else(const struct dg_co_device *device, uint32_t key,
-                              struct dg_co_object *object)
+enum dg_co_abort dg_co_find_else(const struct dg_co_device *device, uint32_t key,
+                                 struct dg_co_object *object)
 {
     const struct dg_co_row *row = object->row;
     const struct dg_co_dictionary *half = object->dictionary;
@@ -136,19 +137,19 @@ enum dg_co_abort co_find_else(const struct dg_co_device *device, uint32_t key,
         const bool behind = row + 1 < &half->rows[half->count] && index_of(row + 1) == index;
         return index_of(row) == index || behind ? DG_CO_NO_SUB : DG_CO_NO_OBJECT;
     }
-    abort = co_find(device, key - repeated(key), object);
+    abort = dg_co_find(device, key - repeated(key), object);
     object->index = (uint16_t)index;
     object->slot = (uint8_t)(object->slot + CO_PDO_SLOTS * (index & 3u));
     return abort;
 }
 
-struct dg_co_object co_first(void)
+struct dg_co_object dg_co_first(void)
 {
-    return co_object(&co_dictionary, co_dictionary.rows);
+    return co_object(&dg_co_common_dictionary, dg_co_common_dictionary.rows);
 }
 
 /* Behind the last row of a TPDO its first one follows, for the next TPDO. */
-bool co_next(const struct dg_co_device *device, struct dg_co_object *object)
+bool dg_co_next(const struct dg_co_device *device, struct dg_co_object *object)
 {
     const struct dg_co_dictionary *half = object->dictionary;
     const struct dg_co_row *row = object->row;
@@ -162,7 +163,7 @@ bool co_next(const struct dg_co_device *device, struct dg_co_object *object)
     }
     row++;
     if (row == &half->rows[half->count]) {
-        if (half != &co_dictionary) {
+        if (half != &dg_co_common_dictionary) {
             return false;
         }
         half = &device->dictionary;
@@ -175,20 +176,20 @@ bool co_next(const struct dg_co_device *device, struct dg_co_object *object)
         return true;
     }
     if (behind - repeated(behind) == DG_CO_KEY(index, 0)) {
-        return co_find(device, behind, object) == DG_CO_OK;
+        return dg_co_find(device, behind, object) == DG_CO_OK;
     }
     *object = co_object(half, row);
     return true;
 }
 
-uint16_t co_number(const struct dg_co_object *object)
+uint16_t dg_co_number(const struct dg_co_object *object)
 {
     const ptrdiff_t place = object->row - object->dictionary->rows;
 
-    return (uint16_t)(place | (object->dictionary == &co_dictionary ? 0 : 0x8000));
+    return (uint16_t)(place | (object->dictionary == &dg_co_common_dictionary ? 0 : 0x8000));
 }
 
-uint8_t co_region(const struct dg_co_object *object)
+uint8_t dg_co_region_of(const struct dg_co_object *object)
 {
     if (object->index >= 0x2000) {
         return DG_CO_REGION_APPLICATION;
@@ -210,7 +211,7 @@ static uint32_t ones(const struct dg_co_object *object)
     return 0xFFFFFFFFu >> (32u - 8u * co_size(object));
 }
 
-uint32_t co_extend(const struct dg_co_object *object, uint32_t value)
+uint32_t dg_co_extend(const struct dg_co_object *object, uint32_t value)
 {
     const uint32_t sign = is_signed(object) ? ones(object) / 2u + 1u : 0;
 
@@ -218,7 +219,7 @@ uint32_t co_extend(const struct dg_co_object *object, uint32_t value)
 }
 
 /* COB-IDs of TPDOs are 100h apart. */
-uint32_t co_default(const struct dg_co_device *device, const struct dg_co_object *object)
+uint32_t dg_co_default(const struct dg_co_device *device, const struct dg_co_object *object)
 {
     const uint32_t key = DG_CO_KEY(object->index, object->sub);
     const uint32_t apart = co_is(object, DG_CO_ID) ? 0x100u : 0u;
@@ -234,28 +235,28 @@ uint32_t co_default(const struct dg_co_device *device, const struct dg_co_object
     return object->row->initial + apart * (object->index - index_of(object->row));
 }
 
-struct dg_co_limits co_type_limits(const struct dg_co_object *object)
+struct dg_co_limits dg_co_type_limits(const struct dg_co_object *object)
 {
     const uint32_t most = is_signed(object) ? ones(object) / 2u : ones(object);
 
     return (struct dg_co_limits){is_signed(object) ? ~most : 0, most};
 }
 
-struct dg_co_limits co_limits(const struct dg_co_object *object)
+struct dg_co_limits dg_co_limits_of(const struct dg_co_object *object)
 {
     const uint32_t number = object->row->key >> 4 & 0xFu;
 
-    return number != 0 ? object->dictionary->limits[number] : co_type_limits(object);
+    return number != 0 ? object->dictionary->limits[number] : dg_co_type_limits(object);
 }
 
-uint32_t co_initial(const struct dg_co_node *self, const struct dg_co_object *object)
+uint32_t dg_co_initial(const struct dg_co_node *self, const struct dg_co_object *object)
 {
-    return co_default(self->setup.device, object) + (co_is(object, DG_CO_ID) ? self->id : 0u);
+    return dg_co_default(self->setup.device, object) + (co_is(object, DG_CO_ID) ? self->id : 0u);
 }
 
-bool co_in_range(const struct dg_co_object *object, uint32_t value)
+bool dg_co_in_range(const struct dg_co_object *object, uint32_t value)
 {
-    const struct dg_co_limits range = co_limits(object);
+    const struct dg_co_limits range = dg_co_limits_of(object);
 
     if (is_signed(object)) {
         return (int32_t)value >= (int32_t)range.min && (int32_t)value <= (int32_t)range.max;
@@ -263,13 +264,13 @@ bool co_in_range(const struct dg_co_object *object, uint32_t value)
     return value >= range.min && value <= range.max;
 }
 
-enum dg_co_abort co_write(struct dg_co_node *self, const struct dg_co_object *object,
-                          uint32_t value)
+enum dg_co_abort dg_co_write(struct dg_co_node *self, const struct dg_co_object *object,
+                             uint32_t value)
 {
     dg_co_hook *const hook = co_hook(object);
     enum dg_co_abort abort = DG_CO_OK;
 
-    if (!co_in_range(object, value)) {
+    if (!dg_co_in_range(object, value)) {
         return DG_CO_RANGE;
     }
     self->others = 0;
@@ -289,7 +290,7 @@ enum dg_co_abort co_write(struct dg_co_node *self, const struct dg_co_object *ob
 
 /* ------------------------------------------------------------ CAN-IDs, hooks */
 
-bool co_restricted(uint32_t can_id)
+bool dg_co_restricted(uint32_t can_id)
 {
     static const struct {
         uint16_t first;
@@ -307,10 +308,10 @@ bool co_restricted(uint32_t can_id)
     return can_id > CO_COB_CAN_ID;
 }
 
-DG_CO_TELL(co_hook_device, node->setup.device->device_type)
+DG_CO_TELL(dg_co_hook_device, node->setup.device->device_type)
 
-enum dg_co_abort co_hook_identity(struct dg_co_node *self, const struct dg_co_object *object,
-                                  enum dg_co_op op, uint32_t *value)
+enum dg_co_abort dg_co_hook_identity(struct dg_co_node *self, const struct dg_co_object *object,
+                                     enum dg_co_op op, uint32_t *value)
 {
     const struct dg_co_device *device = self->setup.device;
     const uint32_t identity[] = {device->vendor_id, device->product_code, device->revision,
@@ -322,8 +323,8 @@ enum dg_co_abort co_hook_identity(struct dg_co_node *self, const struct dg_co_ob
 }
 
 /* 1013h counts microseconds from Initialisation, or from what is written; TIME leaves it alone. */
-enum dg_co_abort co_hook_clock(struct dg_co_node *self, const struct dg_co_object *object,
-                               enum dg_co_op op, uint32_t *value)
+enum dg_co_abort dg_co_hook_clock(struct dg_co_node *self, const struct dg_co_object *object,
+                                  enum dg_co_op op, uint32_t *value)
 {
     uint32_t now_us = (uint32_t)dg_divide_ns(self->now, 1000);
 
@@ -338,19 +339,19 @@ enum dg_co_abort co_hook_clock(struct dg_co_node *self, const struct dg_co_objec
 
 /* 1005h and 1012h change at any time, within CiA 301's free ranges, 11 bit (C43). No SYNC or TIME
  * is produced. */
-enum dg_co_abort co_hook_sync_id(struct dg_co_node *self, const struct dg_co_object *object,
-                                 enum dg_co_op op, uint32_t *value)
+enum dg_co_abort dg_co_hook_sync_id(struct dg_co_node *self, const struct dg_co_object *object,
+                                    enum dg_co_op op, uint32_t *value)
 {
     (void)self;
     (void)object;
-    return op == DG_CO_WRITE && co_restricted(*value) ? DG_CO_RANGE : DG_CO_OK;
+    return op == DG_CO_WRITE && dg_co_restricted(*value) ? DG_CO_RANGE : DG_CO_OK;
 }
 
 /* Bit 31: the node consumes TIME. Without it the CAN-ID is not used. */
-enum dg_co_abort co_hook_time_id(struct dg_co_node *self, const struct dg_co_object *object,
-                                 enum dg_co_op op, uint32_t *value)
+enum dg_co_abort dg_co_hook_time_id(struct dg_co_node *self, const struct dg_co_object *object,
+                                    enum dg_co_op op, uint32_t *value)
 {
     uint32_t id = *value & ~CO_COB_INVALID;
 
-    return co_hook_sync_id(self, object, op, &id);
+    return dg_co_hook_sync_id(self, object, op, &id);
 }

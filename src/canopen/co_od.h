@@ -9,17 +9,17 @@
 #include "canopen_private.h"
 
 /** The stack's rows, 1000h-1FFFh. TPDO2 to TPDO4 have those of TPDO1, with slots further on. */
-extern const struct dg_co_dictionary co_dictionary;
+extern const struct dg_co_dictionary dg_co_common_dictionary;
 /** Find an object by its key, DG_CO_KEY(). @return DG_CO_OK; whether the index or the sub-index is
  * missing */
-enum dg_co_abort co_find(const struct dg_co_device *device, uint32_t key,
-                         struct dg_co_object *object);
-/** What co_find() does about a key that has no row of its own; object->row is the neighbour. */
-enum dg_co_abort co_find_else(const struct dg_co_device *device, uint32_t key,
-                              struct dg_co_object *object);
+enum dg_co_abort dg_co_find(const struct dg_co_device *device, uint32_t key,
+                            struct dg_co_object *object);
+/** What dg_co_find() does about a key that has no row of its own; object->row is the neighbour. */
+enum dg_co_abort dg_co_find_else(const struct dg_co_device *device, uint32_t key,
+                                 struct dg_co_object *object);
 /** The first object of a device's dictionary, and the one behind; false: there is none. */
-struct dg_co_object co_first(void);
-bool co_next(const struct dg_co_device *device, struct dg_co_object *object);
+struct dg_co_object dg_co_first(void);
+bool dg_co_next(const struct dg_co_device *device, struct dg_co_object *object);
 /** What a row stands for, the first of it. */
 static inline struct dg_co_object co_object(const struct dg_co_dictionary *dictionary,
                                             const struct dg_co_row *row)
@@ -31,11 +31,11 @@ static inline struct dg_co_object co_object(const struct dg_co_dictionary *dicti
 static inline struct dg_co_object co_numbered(const struct dg_co_device *device, uint16_t number)
 {
     const struct dg_co_dictionary *dictionary =
-        (number & 0x8000u) != 0 ? &device->dictionary : &co_dictionary;
+        (number & 0x8000u) != 0 ? &device->dictionary : &dg_co_common_dictionary;
 
     return co_object(dictionary, &dictionary->rows[number & 0x7FFFu]);
 }
-uint16_t co_number(const struct dg_co_object *object);
+uint16_t dg_co_number(const struct dg_co_object *object);
 
 /** Whether all of some flags are set. */
 static inline bool co_is(const struct dg_co_object *object, uint16_t flags)
@@ -47,10 +47,10 @@ static inline enum dg_co_type co_type(const struct dg_co_object *object)
     return (enum dg_co_type)(object->row->flags >> 12);
 }
 /** Bytes of each type; 0 for strings. */
-extern const uint8_t co_sizes[];
+extern const uint8_t dg_co_sizes[];
 static inline uint8_t co_size(const struct dg_co_object *object)
 {
-    return co_sizes[(uint32_t)object->row->flags >> 12];
+    return dg_co_sizes[(uint32_t)object->row->flags >> 12];
 }
 /** What is left of a value in the bytes of the type, which is no string. */
 static inline uint32_t co_cut(const struct dg_co_object *object, uint32_t value)
@@ -63,16 +63,16 @@ static inline dg_co_hook *co_hook(const struct dg_co_object *object)
     return object->dictionary->hooks[object->row->hook];
 }
 /** The store's region that keeps it, with DG_CO_SAVE. */
-uint8_t co_region(const struct dg_co_object *object);
+uint8_t dg_co_region_of(const struct dg_co_object *object);
 /** A value as it stands on the wire or in the memory, sign-extended where the type is signed. */
-uint32_t co_extend(const struct dg_co_object *object, uint32_t value);
+uint32_t dg_co_extend(const struct dg_co_object *object, uint32_t value);
 /** What the type holds; default (without the node-ID) and limits: the device's, or the row's own.
  */
-uint32_t co_default(const struct dg_co_device *device, const struct dg_co_object *object);
-struct dg_co_limits co_type_limits(const struct dg_co_object *object);
-struct dg_co_limits co_limits(const struct dg_co_object *object);
+uint32_t dg_co_default(const struct dg_co_device *device, const struct dg_co_object *object);
+struct dg_co_limits dg_co_type_limits(const struct dg_co_object *object);
+struct dg_co_limits dg_co_limits_of(const struct dg_co_object *object);
 /** Whether a value is inside the limits. */
-bool co_in_range(const struct dg_co_object *object, uint32_t value);
+bool dg_co_in_range(const struct dg_co_object *object, uint32_t value);
 /** Read an object that is no string, whatever its access. Without a slot its default is its own. */
 static inline enum dg_co_abort co_read(struct dg_co_node *self, const struct dg_co_object *object,
                                        uint32_t *value)
@@ -84,14 +84,15 @@ static inline enum dg_co_abort co_read(struct dg_co_node *self, const struct dg_
     return hook == NULL ? DG_CO_OK : hook(self, object, DG_CO_READ, value);
 }
 /** Write an object with DG_CO_W: range, hook, slot, hook again. */
-enum dg_co_abort co_write(struct dg_co_node *self, const struct dg_co_object *object,
-                          uint32_t value);
+enum dg_co_abort dg_co_write(struct dg_co_node *self, const struct dg_co_object *object,
+                             uint32_t value);
 /** Default for this node (the node-ID added where the row says so). */
-uint32_t co_initial(const struct dg_co_node *self, const struct dg_co_object *object);
+uint32_t dg_co_initial(const struct dg_co_node *self, const struct dg_co_object *object);
 /** Whether a CAN-ID may not be given to a configurable COB-ID. */
-bool co_restricted(uint32_t can_id);
+bool dg_co_restricted(uint32_t can_id);
 
 /** Hooks of 1000h, 1018h, 1013h, 1005h, 1012h. */
-dg_co_hook co_hook_device, co_hook_identity, co_hook_clock, co_hook_sync_id, co_hook_time_id;
+dg_co_hook dg_co_hook_device, dg_co_hook_identity, dg_co_hook_clock, dg_co_hook_sync_id,
+    dg_co_hook_time_id;
 
 #endif

@@ -43,7 +43,7 @@ static void send_last(struct dg_co_node *self, const struct dg_co_tpdo *tpdo)
     struct dg_can_frame frame = {.id = tpdo->can_id, .dlc = tpdo->length};
 
     memcpy(frame.data, tpdo->last, sizeof frame.data);
-    co_send_frame(self, &frame);
+    dg_co_send_frame(self, &frame);
 }
 
 static void transmit(struct dg_co_node *self, struct dg_co_tpdo *tpdo)
@@ -72,11 +72,11 @@ static void arm(struct dg_co_node *self, uint8_t n, dg_ns from)
 {
     struct dg_co_tpdo *tpdo = &self->tpdo[n];
     uint32_t period_ms = co_pdo_parameter(self, n, CO_PDO_EVENT_MS);
-    dg_ns next = co_after_ms(from, period_ms);
+    dg_ns next = dg_co_after_ms(from, period_ms);
 
     self->others = 0;
     self->pdo_at = 0;
-    tpdo->event_at = next > self->now ? next : co_after_ms(self->now, period_ms);
+    tpdo->event_at = next > self->now ? next : dg_co_after_ms(self->now, period_ms);
 }
 
 void dg_co_pdo_rearm(struct dg_co_node *self, uint8_t tpdo)
@@ -85,7 +85,7 @@ void dg_co_pdo_rearm(struct dg_co_node *self, uint8_t tpdo)
 }
 
 /* Forget events, samples and the phase of SYNC. */
-void co_pdo_restart(struct dg_co_node *self, uint8_t n)
+void dg_co_pdo_restart(struct dg_co_node *self, uint8_t n)
 {
     struct dg_co_tpdo *tpdo = &self->tpdo[n];
 
@@ -130,7 +130,7 @@ static dg_ns serve(struct dg_co_node *self, uint8_t n, bool *sampled)
     tpdo->pending = false;
     transmit(self, tpdo);
     tpdo->inhibit_until =
-        co_after(self->now, DG_US(100u * co_pdo_parameter(self, n, CO_PDO_INHIBIT_100US)));
+        dg_co_after(self->now, DG_US(100u * co_pdo_parameter(self, n, CO_PDO_INHIBIT_100US)));
     arm(self, n, from);
     return tpdo->event_at;
 }
@@ -147,7 +147,7 @@ static void serve_all(struct dg_co_node *self, bool sampled)
     self->pdo_at = next;
 }
 
-dg_ns co_pdo_step(struct dg_co_node *self)
+dg_ns dg_co_pdo_step(struct dg_co_node *self)
 {
     if (self->pdo_at <= self->now) {
         serve_all(self, false);
@@ -185,10 +185,10 @@ void dg_co_pdo_event(struct dg_co_node *self)
     serve_all(self, sampled);
 }
 
-void co_pdo_state(struct dg_co_node *self, bool operational)
+void dg_co_pdo_state(struct dg_co_node *self, bool operational)
 {
     for (uint8_t n = 0; n < DG_CO_TPDOS; n++) {
-        co_pdo_restart(self, n);
+        dg_co_pdo_restart(self, n);
         self->tpdo[n].pending = operational && co_pdo_takes_events(self->tpdo[n].type);
     }
     serve_all(self, false);
@@ -253,7 +253,7 @@ static bool is_late(const struct dg_co_node *self)
     return window != 0 && dg_elapsed(self->now, self->rx_at) > window;
 }
 
-void co_sync_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
+void dg_co_sync_rx(struct dg_co_node *self, const struct dg_can_frame *frame)
 {
     bool sampled = false;
 
@@ -284,7 +284,7 @@ static void answer(struct dg_co_node *self, uint8_t n)
     }
 }
 
-void co_pdo_rtr(struct dg_co_node *self, uint16_t id)
+void dg_co_pdo_rtr(struct dg_co_node *self, uint16_t id)
 {
     for (uint8_t n = 0; n < DG_CO_TPDOS; n++) {
         const struct dg_co_tpdo *tpdo = &self->tpdo[n];

@@ -48,19 +48,19 @@ static inline bool co_pdo_takes_events(uint8_t type)
 
 /* co_mapping.c */
 
-void co_pdo_start(struct dg_co_node *self);
+void dg_co_pdo_start(struct dg_co_node *self);
 /** Hooks of 1800h and 1A00h. */
-dg_co_hook co_hook_tpdo, co_hook_mapping;
+dg_co_hook dg_co_hook_tpdo, dg_co_hook_mapping;
 
 /* co_pdo.c */
 
 /** The NMT state has become operational, or is not any more. */
-void co_pdo_state(struct dg_co_node *self, bool operational);
-void co_sync_rx(struct dg_co_node *self, const struct dg_can_frame *frame);
+void dg_co_pdo_state(struct dg_co_node *self, bool operational);
+void dg_co_sync_rx(struct dg_co_node *self, const struct dg_can_frame *frame);
 /** A remote frame: TPDOs of this node that have its CAN-ID answer. */
-void co_pdo_rtr(struct dg_co_node *self, uint16_t id);
-dg_ns co_pdo_step(struct dg_co_node *self);
+void dg_co_pdo_rtr(struct dg_co_node *self, uint16_t id);
+dg_ns dg_co_pdo_step(struct dg_co_node *self);
 /** Forget events, samples and the phase of SYNC of TPDO `n`; its event timer runs from now. */
-void co_pdo_restart(struct dg_co_node *self, uint8_t n);
+void dg_co_pdo_restart(struct dg_co_node *self, uint8_t n);
 
 #endif

@@ -66,19 +66,19 @@ static const struct command commands[] = {
     {0xE0, 0x60, IN(DG_CO_SDO_UPLOAD),             upload_segment},
     {0xFF, SDO_ABORT, ANY | IN(DG_CO_SDO_DELAYED), ignore},
     {0xE3, 0xA0, ANY, upload_blocks},
-    {0xE1, 0xC0, ANY, co_block_download},
-    {0xE1, 0xC1, IN(DG_CO_SDO_BLOCK_DOWNLOAD_END), co_block_download_end},
-    {0xE3, 0xA1, IN(DG_CO_SDO_BLOCK_UPLOAD_END),   co_block_upload_end},
-    {0xE3, 0xA2, IN(DG_CO_SDO_BLOCK_UPLOAD),       co_block_upload_acknowledge},
-    {0xE3, 0xA3, IN(DG_CO_SDO_BLOCK_UPLOAD_START), co_block_upload_start},
+    {0xE1, 0xC0, ANY, dg_co_block_download},
+    {0xE1, 0xC1, IN(DG_CO_SDO_BLOCK_DOWNLOAD_END), dg_co_block_download_end},
+    {0xE3, 0xA1, IN(DG_CO_SDO_BLOCK_UPLOAD_END),   dg_co_block_upload_end},
+    {0xE3, 0xA2, IN(DG_CO_SDO_BLOCK_UPLOAD),       dg_co_block_upload_acknowledge},
+    {0xE3, 0xA3, IN(DG_CO_SDO_BLOCK_UPLOAD_START), dg_co_block_upload_start},
     {0xF8, 0x80, IN(DG_CO_SDO_BLOCK_DOWNLOAD_END), ignore}, /* last segment, received twice */
-    {0x00, 0x00, IN(DG_CO_SDO_BLOCK_DOWNLOAD),     co_block_download_segment},
+    {0x00, 0x00, IN(DG_CO_SDO_BLOCK_DOWNLOAD),     dg_co_block_download_segment},
     {0x00, 0x00, OTHER,                            refuse},
     {0x00, 0x00, IN(DG_CO_SDO_DELAYED),            overtake},
     /* clang-format on */
 };
 
-void co_sdo_become(struct dg_co_node *self, enum dg_co_sdo_state state)
+void dg_co_sdo_become(struct dg_co_node *self, enum dg_co_sdo_state state)
 {
     self->sdo.state = state;
     self->sdo.deadline =
@@ -91,11 +91,11 @@ static enum dg_co_abort send(struct dg_co_node *self, struct dg_can_frame *frame
     frame->id = (uint16_t)(CO_ID_SDO_TX + self->id);
     frame->rtr = false;
     frame->dlc = 8;
-    co_send_frame(self, frame);
+    dg_co_send_frame(self, frame);
     return DG_CO_OK;
 }
 
-enum dg_co_abort co_sdo_send(struct dg_co_node *self, uint32_t low, uint32_t high)
+enum dg_co_abort dg_co_sdo_send(struct dg_co_node *self, uint32_t low, uint32_t high)
 {
     struct dg_can_frame frame;
 
@@ -104,7 +104,8 @@ enum dg_co_abort co_sdo_send(struct dg_co_node *self, uint32_t low, uint32_t hig
     return send(self, &frame);
 }
 
-enum dg_co_abort co_sdo_send_segment(struct dg_co_node *self, uint8_t command, const uint8_t *bytes)
+enum dg_co_abort dg_co_sdo_send_segment(struct dg_co_node *self, uint8_t command,
+                                        const uint8_t *bytes)
 {
     struct dg_can_frame frame;
 
@@ -113,13 +114,13 @@ enum dg_co_abort co_sdo_send_segment(struct dg_co_node *self, uint8_t command, c
     return send(self, &frame);
 }
 
-void co_sdo_abort(struct dg_co_node *self, enum dg_co_abort code)
+void dg_co_sdo_abort(struct dg_co_node *self, enum dg_co_abort code)
 {
-    co_sdo_become(self, DG_CO_SDO_IDLE);
+    dg_co_sdo_become(self, DG_CO_SDO_IDLE);
     (void)co_sdo_confirm(self, SDO_ABORT, code);
 }
 
-enum dg_co_abort co_sdo_written(struct dg_co_node *self, uint8_t command)
+enum dg_co_abort dg_co_sdo_written(struct dg_co_node *self, uint8_t command)
 {
     struct dg_co_sdo *sdo = &self->sdo;
 
@@ -132,7 +133,7 @@ enum dg_co_abort co_sdo_written(struct dg_co_node *self, uint8_t command)
 
 static void send_delayed(struct dg_co_node *self)
 {
-    co_sdo_become(self, DG_CO_SDO_IDLE);
+    dg_co_sdo_become(self, DG_CO_SDO_IDLE);
     (void)co_sdo_confirm(self, self->sdo.answer, 0);
 }
 
@@ -140,7 +141,7 @@ static void send_delayed(struct dg_co_node *self)
 static enum dg_co_abort overtake(struct dg_co_node *self, const uint8_t *data)
 {
     send_delayed(self);
-    return co_sdo_rx(self, data);
+    return dg_co_sdo_rx(self, data);
 }
 
 static enum dg_co_abort ignore(struct dg_co_node *self, const uint8_t *data)
@@ -160,8 +161,8 @@ static enum dg_co_abort refuse(struct dg_co_node *self, const uint8_t *data)
 /* The object of a request. */
 static enum dg_co_abort find(struct dg_co_node *self, const uint8_t *data)
 {
-    return co_find(self->setup.device, DG_CO_KEY(dg_load_le16(&data[1]), data[3]),
-                   &self->sdo.object);
+    return dg_co_find(self->setup.device, DG_CO_KEY(dg_load_le16(&data[1]), data[3]),
+                      &self->sdo.object);
 }
 
 /* ---- upload */
@@ -212,12 +213,12 @@ static enum dg_co_abort offer(struct dg_co_node *self, const uint8_t *data)
     sdo->done = 0;
     sdo->toggle = 0;
     if ((data[0] & BLOCK) != 0 && (data[5] == 0 || sdo->length > data[5])) {
-        return co_block_upload(self, data);
+        return dg_co_block_upload(self, data);
     }
     if (sdo->length > 0 && sdo->length <= 4) {
         return confirm_expedited(self, dg_load_le32(sdo->buffer));
     }
-    co_sdo_become(self, DG_CO_SDO_UPLOAD);
+    dg_co_sdo_become(self, DG_CO_SDO_UPLOAD);
     return co_sdo_confirm(self, 0x41, sdo->length);
 }
 
@@ -268,14 +269,14 @@ static enum dg_co_abort upload_segment(struct dg_co_node *self, const uint8_t *d
     }
     sdo->toggle ^= TOGGLE;
     sdo->done = (uint8_t)(sdo->done + n);
-    co_sdo_become(self, last ? DG_CO_SDO_IDLE : DG_CO_SDO_UPLOAD);
-    return co_sdo_send_segment(
+    dg_co_sdo_become(self, last ? DG_CO_SDO_IDLE : DG_CO_SDO_UPLOAD);
+    return dg_co_sdo_send_segment(
         self, (uint8_t)(toggle | (SDO_SEGMENT - n) << 1 | (last ? NO_MORE : 0u)), bytes);
 }
 
 /* ---- download */
 
-enum dg_co_abort co_sdo_length(const struct dg_co_node *self, uint32_t length)
+enum dg_co_abort dg_co_sdo_length(const struct dg_co_node *self, uint32_t length)
 {
     uint32_t size = co_size(&self->sdo.object);
 
@@ -289,8 +290,8 @@ enum dg_co_abort co_sdo_length(const struct dg_co_node *self, uint32_t length)
     return length > size ? DG_CO_TOO_LONG : DG_CO_TOO_SHORT;
 }
 
-enum dg_co_abort co_sdo_open(struct dg_co_node *self, const uint8_t *data, bool sized,
-                             uint32_t size)
+enum dg_co_abort dg_co_sdo_open(struct dg_co_node *self, const uint8_t *data, bool sized,
+                                uint32_t size)
 {
     struct dg_co_sdo *sdo = &self->sdo;
     enum dg_co_abort abort = find(self, data);
@@ -302,36 +303,36 @@ enum dg_co_abort co_sdo_open(struct dg_co_node *self, const uint8_t *data, bool 
         return DG_CO_READ_ONLY;
     }
     sdo->sized = false;
-    abort = sized ? co_sdo_length(self, size) : DG_CO_OK;
+    abort = sized ? dg_co_sdo_length(self, size) : DG_CO_OK;
     sdo->sized = sized;
     sdo->toggle = 0;
     sdo->length = 0;
     return abort;
 }
 
-enum dg_co_abort co_sdo_write(struct dg_co_node *self)
+enum dg_co_abort dg_co_sdo_write(struct dg_co_node *self)
 {
     const struct dg_co_object *object = &self->sdo.object;
 
     /* Before the hooks: one of them may make it DELAYED. */
-    co_sdo_become(self, DG_CO_SDO_IDLE);
-    return co_write(self, object, co_extend(object, dg_load_le32(self->sdo.buffer)));
+    dg_co_sdo_become(self, DG_CO_SDO_IDLE);
+    return dg_co_write(self, object, dg_co_extend(object, dg_load_le32(self->sdo.buffer)));
 }
 
 static enum dg_co_abort download_initiate(struct dg_co_node *self, const uint8_t *data)
 {
     bool expedited = (data[0] & EXPEDITED) != 0;
     uint32_t size = expedited ? 4u - (data[0] >> 2 & 3u) : dg_load_le32(&data[4]);
-    enum dg_co_abort abort = co_sdo_open(self, data, (data[0] & SIZED) != 0, size);
+    enum dg_co_abort abort = dg_co_sdo_open(self, data, (data[0] & SIZED) != 0, size);
 
     if (abort == DG_CO_OK && expedited) {
         /* 22h does not say how many bytes count: as many as the object has, as is common. */
         memcpy(self->sdo.buffer, &data[4], 4);
-        abort = co_sdo_write(self);
+        abort = dg_co_sdo_write(self);
     } else if (abort == DG_CO_OK) {
-        co_sdo_become(self, DG_CO_SDO_DOWNLOAD);
+        dg_co_sdo_become(self, DG_CO_SDO_DOWNLOAD);
     }
-    return abort == DG_CO_OK ? co_sdo_written(self, WRITTEN_AT_ONCE) : abort;
+    return abort == DG_CO_OK ? dg_co_sdo_written(self, WRITTEN_AT_ONCE) : abort;
 }
 
 static enum dg_co_abort download_segment(struct dg_co_node *self, const uint8_t *data)
@@ -346,7 +347,7 @@ static enum dg_co_abort download_segment(struct dg_co_node *self, const uint8_t 
         return DG_CO_TOGGLE;
     }
     if (last || length > co_size(&sdo->object)) {
-        abort = co_sdo_length(self, length);
+        abort = dg_co_sdo_length(self, length);
     }
     if (abort != DG_CO_OK) {
         return abort;
@@ -355,11 +356,12 @@ static enum dg_co_abort download_segment(struct dg_co_node *self, const uint8_t 
     sdo->length = (uint8_t)length;
     sdo->toggle ^= TOGGLE;
     if (!last) {
-        co_sdo_become(self, DG_CO_SDO_DOWNLOAD);
-        return co_sdo_send(self, 0x20u | (data[0] & TOGGLE), 0);
+        dg_co_sdo_become(self, DG_CO_SDO_DOWNLOAD);
+        return dg_co_sdo_send(self, 0x20u | (data[0] & TOGGLE), 0);
     }
-    abort = co_sdo_write(self);
-    return abort == DG_CO_OK ? co_sdo_written(self, (uint8_t)(0x20u | (data[0] & TOGGLE))) : abort;
+    abort = dg_co_sdo_write(self);
+    return abort == DG_CO_OK ? dg_co_sdo_written(self, (uint8_t)(0x20u | (data[0] & TOGGLE)))
+                             : abort;
 }
 
 /* ---- frames and time */
@@ -374,25 +376,25 @@ static const struct command *find_command(enum dg_co_sdo_state state, uint8_t by
     return command;
 }
 
-void co_sdo_start(struct dg_co_node *self)
+void dg_co_sdo_start(struct dg_co_node *self)
 {
-    co_sdo_become(self, DG_CO_SDO_IDLE);
+    dg_co_sdo_become(self, DG_CO_SDO_IDLE);
 }
 
-enum dg_co_abort co_sdo_rx(struct dg_co_node *self, const uint8_t *data)
+enum dg_co_abort dg_co_sdo_rx(struct dg_co_node *self, const uint8_t *data)
 {
     struct dg_co_sdo *sdo = &self->sdo;
     const struct command *command = find_command(sdo->state, data[0]);
 
     /* An abort carries the multiplexor of the transfer; without one, that of the request. */
     if ((command->states & BEGINS) != 0 || sdo->state == DG_CO_SDO_IDLE) {
-        co_sdo_become(self, DG_CO_SDO_IDLE);
+        dg_co_sdo_become(self, DG_CO_SDO_IDLE);
         sdo->multiplexor = dg_load_le32(data) & 0xFFFFFF00u;
     }
     return command->serve(self, data);
 }
 
-dg_ns co_sdo_step(struct dg_co_node *self)
+dg_ns dg_co_sdo_step(struct dg_co_node *self)
 {
     struct dg_co_sdo *sdo = &self->sdo;
 
@@ -402,7 +404,7 @@ dg_ns co_sdo_step(struct dg_co_node *self)
     if (sdo->state == DG_CO_SDO_DELAYED) {
         send_delayed(self);
     } else {
-        co_sdo_abort(self, DG_CO_TIMEOUT);
+        dg_co_sdo_abort(self, DG_CO_TIMEOUT);
     }
     return sdo->deadline;
 }

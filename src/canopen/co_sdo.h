@@ -9,12 +9,12 @@
 #include "canopen_private.h"
 
 /** Nothing is running; also when the NMT state ends what was. */
-void co_sdo_start(struct dg_co_node *self);
-/** A request's 8 bytes. @return DG_CO_OK, or what co_sdo_abort() has to send: the last thing that
- * is done, so it is left to the caller */
-enum dg_co_abort co_sdo_rx(struct dg_co_node *self, const uint8_t *data);
+void dg_co_sdo_start(struct dg_co_node *self);
+/** A request's 8 bytes. @return DG_CO_OK, or what dg_co_sdo_abort() has to send: the last thing
+ * that is done, so it is left to the caller */
+enum dg_co_abort dg_co_sdo_rx(struct dg_co_node *self, const uint8_t *data);
 /** End the transfer. */
-void co_sdo_abort(struct dg_co_node *self, enum dg_co_abort code);
-dg_ns co_sdo_step(struct dg_co_node *self);
+void dg_co_sdo_abort(struct dg_co_node *self, enum dg_co_abort code);
+dg_ns dg_co_sdo_step(struct dg_co_node *self);
 
 #endif

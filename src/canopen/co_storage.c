@@ -68,7 +68,7 @@ static bool bus_valid(const struct dg_co_node *self, const uint8_t *bus)
 {
     bool node_id = (bus[1] >= 1 && bus[1] <= 127) || bus[1] == DG_CO_UNCONFIGURED;
 
-    return co_kbaud(self->setup.device, bus[0]) != 0 && node_id && bus[2] <= 1;
+    return dg_co_kbaud(self->setup.device, bus[0]) != 0 && node_id && bus[2] <= 1;
 }
 
 /* As delivered. */
@@ -123,7 +123,7 @@ static int mount(struct dg_co_node *self, uint8_t *bus)
     return result;
 }
 
-int co_mount(struct dg_co_node *self)
+int dg_co_mount_node(struct dg_co_node *self)
 {
     uint8_t bus[3];
     uint8_t serial[4] = {0};
@@ -137,7 +137,7 @@ int co_mount(struct dg_co_node *self)
     return result;
 }
 
-void co_remount(struct dg_co_node *self)
+void dg_co_remount(struct dg_co_node *self)
 {
     uint8_t bus[3];
 
@@ -206,11 +206,11 @@ static void each_kept(struct dg_co_node *self, struct pack *pack,
                       void (*visit)(struct dg_co_node *self, const struct dg_co_object *object,
                                     struct pack *pack))
 {
-    struct dg_co_object object = co_first();
+    struct dg_co_object object = dg_co_first();
 
     pack->at = 0;
     do {
-        if (!co_is(&object, DG_CO_SAVE) || co_region(&object) != pack->region) {
+        if (!co_is(&object, DG_CO_SAVE) || dg_co_region_of(&object) != pack->region) {
             continue;
         }
         if (co_is(&object, DG_CO_GAP)) {
@@ -218,22 +218,22 @@ static void each_kept(struct dg_co_node *self, struct pack *pack,
         }
         visit(self, &object, pack);
         pack->at = (uint8_t)(pack->at + co_size(&object));
-    } while (co_next(self->setup.device, &object));
+    } while (dg_co_next(self->setup.device, &object));
 }
 
 static void unpack_row(struct dg_co_node *self, const struct dg_co_object *object,
                        struct pack *pack)
 {
-    uint32_t value = co_extend(object, dg_load_le32(&pack->bytes[pack->at]));
+    uint32_t value = dg_co_extend(object, dg_load_le32(&pack->bytes[pack->at]));
 
     if (object->index < pack->first || object->index > pack->last) {
         return;
     }
     if (co_is(object, DG_CO_ID)) {
-        const uint32_t initial = co_default(self->setup.device, object);
+        const uint32_t initial = dg_co_default(self->setup.device, object);
         value = resolve_mark(value, initial + pack->node_id, initial + self->id);
     }
-    if (co_in_range(object, value)) {
+    if (dg_co_in_range(object, value)) {
         self->value[object->slot] = value;
     } else {
         pack->valid = false;
@@ -246,20 +246,20 @@ static void pack_row(struct dg_co_node *self, const struct dg_co_object *object,
     uint32_t value = self->value[object->slot];
 
     if (co_is(object, DG_CO_ID)) {
-        value = mark(value, co_initial(self, object));
+        value = mark(value, dg_co_initial(self, object));
     }
     dg_store_le32(&pack->bytes[pack->at], value);
 }
 
 static void set_defaults(struct dg_co_node *self, uint16_t first, uint16_t last)
 {
-    struct dg_co_object object = co_first();
+    struct dg_co_object object = dg_co_first();
 
     do {
         if (co_is(&object, DG_CO_SLOT) && object.index >= first && object.index <= last) {
-            self->value[object.slot] = co_initial(self, &object);
+            self->value[object.slot] = dg_co_initial(self, &object);
         }
-    } while (co_next(self->setup.device, &object));
+    } while (dg_co_next(self->setup.device, &object));
 }
 
 /* Regions that 1010h writes: not the bus parameters, the mark, the serial number, nor what a device
@@ -270,7 +270,7 @@ static bool is_parameters(uint8_t region)
            region != DG_CO_REGION_SERIAL;
 }
 
-bool co_load(struct dg_co_node *self, uint16_t first, uint16_t last)
+bool dg_co_load(struct dg_co_node *self, uint16_t first, uint16_t last)
 {
     struct pack pack = {.first = first, .last = last, .valid = true};
     uint32_t termination = last < 0x2000 ? self->value[DG_CO_SLOT_TERMINATION] : self->termination;
@@ -299,7 +299,7 @@ bool co_load(struct dg_co_node *self, uint16_t first, uint16_t last)
     return loaded && pack.valid;
 }
 
-void co_report_memory(struct dg_co_node *self, bool loaded)
+void dg_co_report_memory(struct dg_co_node *self, bool loaded)
 {
     static const uint8_t none[5];
 
@@ -315,7 +315,7 @@ static enum dg_co_abort committed(struct dg_co_node *self)
     return dg_store_commit(&self->store) == DG_OK ? DG_CO_OK : DG_CO_HARDWARE;
 }
 
-enum dg_co_abort co_save_bus(struct dg_co_node *self, uint8_t bit_rate, uint8_t node_id)
+enum dg_co_abort dg_co_save_bus(struct dg_co_node *self, uint8_t bit_rate, uint8_t node_id)
 {
     const uint8_t bus[3] = {bit_rate, node_id, self->termination};
 
@@ -335,7 +335,7 @@ enum dg_co_abort co_save_bus(struct dg_co_node *self, uint8_t bit_rate, uint8_t 
 static void answer_later(struct dg_co_node *self)
 {
     self->sdo.state = DG_CO_SDO_DELAYED;
-    self->sdo.deadline = co_after(self->now, DG_MS(self->setup.device->save_ms));
+    self->sdo.deadline = dg_co_after(self->now, DG_MS(self->setup.device->save_ms));
 }
 
 static enum dg_co_abort save_parameters(struct dg_co_node *self)
@@ -373,8 +373,8 @@ static enum dg_co_abort signature(struct dg_co_node *self, enum dg_co_op op, uin
     return accessible(self) ? DG_CO_OK : DG_CO_HARDWARE;
 }
 
-enum dg_co_abort co_hook_store(struct dg_co_node *self, const struct dg_co_object *object,
-                               enum dg_co_op op, uint32_t *value)
+enum dg_co_abort dg_co_hook_store(struct dg_co_node *self, const struct dg_co_object *object,
+                                  enum dg_co_op op, uint32_t *value)
 {
     enum dg_co_abort abort = signature(self, op, value, SAVE);
 
@@ -389,8 +389,8 @@ enum dg_co_abort co_hook_store(struct dg_co_node *self, const struct dg_co_objec
     return abort;
 }
 
-enum dg_co_abort co_hook_restore(struct dg_co_node *self, const struct dg_co_object *object,
-                                 enum dg_co_op op, uint32_t *value)
+enum dg_co_abort dg_co_hook_restore(struct dg_co_node *self, const struct dg_co_object *object,
+                                    enum dg_co_op op, uint32_t *value)
 {
     static const uint8_t saved[1] = {0};
     enum dg_co_abort abort = signature(self, op, value, LOAD);
@@ -417,7 +417,7 @@ enum dg_co_abort dg_co_hook_save_bus(struct dg_co_node *self, const struct dg_co
     }
     uint8_t before = self->termination;
     self->termination = (uint8_t)self->value[DG_CO_SLOT_TERMINATION];
-    abort = co_save_bus(self, bit_rate, node_id);
+    abort = dg_co_save_bus(self, bit_rate, node_id);
     if (abort == DG_CO_OK) {
         self->lss.bit_rate = bit_rate; /* in force after the next reset node (C8) */
         self->lss.node_id = node_id;

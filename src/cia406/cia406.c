@@ -12,7 +12,7 @@
 #define LOOK_MS 100u
 #define PASSWORD_DELAY_MS 1000u
 
-dg_ns cia406_in_ms(const struct dg_co_node *node, uint32_t ms)
+dg_ns dg_cia406_in_ms(const struct dg_co_node *node, uint32_t ms)
 {
     return dg_after(node->now, DG_MS(ms));
 }
@@ -75,7 +75,7 @@ static enum dg_co_abort hook_password(struct dg_co_node *node, const struct dg_c
         self->wrong_count = 0;
         return DG_CO_OK;
     }
-    self->locked_until = cia406_in_ms(node, PASSWORD_DELAY_MS << self->wrong_count);
+    self->locked_until = dg_cia406_in_ms(node, PASSWORD_DELAY_MS << self->wrong_count);
     if (self->wrong_count < PASSWORD_DELAYS_MAX) {
         self->wrong_count++;
     }
@@ -114,10 +114,10 @@ static bool reset(struct dg_co_node *node, bool application)
     if (application) {
         self->serial_open = false;
         self->flash_until = 0;
-        cia406_restore_zero(node);
-        cia406_health_start(node);
+        dg_cia406_restore_zero(node);
+        dg_cia406_health_start(node);
     }
-    cia406_sample(node);
+    dg_cia406_sample(node);
     return parameter(node, DG_CIA406_OPERATIONAL);
 }
 
@@ -136,15 +136,15 @@ static dg_ns step(struct dg_co_node *node)
     struct dg_cia406 *self = encoder_of(node);
 
     if (self->look_at <= node->now) {
-        self->look_at = cia406_in_ms(node, look_ms(node));
-        cia406_watch_zero(node);
-        cia406_health_look(node);
+        self->look_at = dg_cia406_in_ms(node, look_ms(node));
+        dg_cia406_watch_zero(node);
+        dg_cia406_health_look(node);
     }
     if (!parameter(node, DG_CIA406_EVENT_MODE) || node->state != DG_CO_OPERATIONAL) {
         return self->look_at;
     }
     if (self->event_at <= node->now) {
-        self->event_at = cia406_in_ms(node, EVENT_MS);
+        self->event_at = dg_cia406_in_ms(node, EVENT_MS);
         dg_co_pdo_event(node);
     }
     return dg_earliest(self->look_at, self->event_at);
@@ -154,22 +154,22 @@ static dg_ns step(struct dg_co_node *node)
 #define HOOKS(HOOK)                                                                                \
     HOOK(hook_bit_rate)                                                                            \
     HOOK(dg_co_hook_save_bus)                                                                      \
-    HOOK(cia406_hook_sensor)                                                                       \
-    HOOK(cia406_hook_battery)                                                                      \
-    HOOK(cia406_hook_raw)                                                                          \
+    HOOK(dg_cia406_hook_sensor)                                                                    \
+    HOOK(dg_cia406_hook_battery)                                                                   \
+    HOOK(dg_cia406_hook_raw)                                                                       \
     HOOK(hook_password)                                                                            \
     HOOK(hook_serial)                                                                              \
-    HOOK(cia406_hook_scaling)                                                                      \
-    HOOK(cia406_hook_preset)                                                                       \
-    HOOK(cia406_hook_speed)                                                                        \
+    HOOK(dg_cia406_hook_scaling)                                                                   \
+    HOOK(dg_cia406_hook_preset)                                                                    \
+    HOOK(dg_cia406_hook_speed)                                                                     \
     HOOK(hook_window)                                                                              \
-    HOOK(cia406_hook_acceleration)                                                                 \
+    HOOK(dg_cia406_hook_acceleration)                                                              \
     HOOK(hook_cyclic_timer)                                                                        \
-    HOOK(cia406_hook_areas)                                                                        \
+    HOOK(dg_cia406_hook_areas)                                                                     \
     HOOK(hook_status)                                                                              \
-    HOOK(cia406_hook_health)                                                                       \
-    HOOK(cia406_hook_time)                                                                         \
-    HOOK(cia406_hook_offset)
+    HOOK(dg_cia406_hook_health)                                                                    \
+    HOOK(dg_cia406_hook_time)                                                                      \
+    HOOK(dg_cia406_hook_offset)
 #define POINTER(hook) hook,
 #define NUMBER(hook) NUMBER_##hook,
 
@@ -295,7 +295,7 @@ static const char *const strings[] = {"F36x8 CANopen encoder", "1.00", "1.08"};
     .figure_count = FIGURE_COUNT, .kbaud = kbaud, .kbaud_count = DG_COUNT(kbaud), .save_ms = 14,   \
     .causes = causes, .cause_count = CAUSE_END - DG_CO_CAUSES, .strings = strings,                 \
     .vendor_id = 0x13, .product_code = 0x56682001, .revision = 108, .reset = reset,                \
-    .sample = cia406_sample, .step = step
+    .sample = dg_cia406_sample, .step = step
 
 const struct dg_co_device dg_cia406_singleturn = {
     F36X8(singleturn),

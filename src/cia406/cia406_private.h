@@ -83,30 +83,30 @@ static inline bool parameter(const struct dg_co_node *node, uint32_t bit)
 #define FLASH_MS 3000u
 
 /** `ms` from now on. */
-dg_ns cia406_in_ms(const struct dg_co_node *node, uint32_t ms);
+dg_ns dg_cia406_in_ms(const struct dg_co_node *node, uint32_t ms);
 
 /* position.c */
 /** Physical counts of the shaft since angle 0, unbounded. */
-int64_t cia406_counts(const struct dg_co_node *node, dg_ns at);
-void cia406_sample(struct dg_co_node *node);
+int64_t dg_cia406_counts(const struct dg_co_node *node, dg_ns at);
+void dg_cia406_sample(struct dg_co_node *node);
 /** After a reset of the application: take up the stored internal zero. */
-void cia406_restore_zero(struct dg_co_node *node);
+void dg_cia406_restore_zero(struct dg_co_node *node);
 /** USF: move the internal zero when the position has reached the critical range. */
-void cia406_watch_zero(struct dg_co_node *node);
+void dg_cia406_watch_zero(struct dg_co_node *node);
 
 /* speed.c */
 /** In rpm, by the integration window, with the sign of the code sequence, at most INT16_MAX. */
-int32_t cia406_rpm(const struct dg_co_node *node);
+int32_t dg_cia406_rpm(const struct dg_co_node *node);
 
 /* health.c */
-void cia406_health_start(struct dg_co_node *node);
-void cia406_health_look(struct dg_co_node *node);
+void dg_cia406_health_start(struct dg_co_node *node);
+void dg_cia406_health_look(struct dg_co_node *node);
 
 /* Hooks, by file. */
-dg_co_hook cia406_hook_scaling, cia406_hook_preset; /* position.c */
-dg_co_hook cia406_hook_offset, cia406_hook_raw, cia406_hook_areas;
-dg_co_hook cia406_hook_speed, cia406_hook_acceleration;                 /* speed.c */
-dg_co_hook cia406_hook_health, cia406_hook_sensor, cia406_hook_battery; /* health.c */
-dg_co_hook cia406_hook_time;
+dg_co_hook dg_cia406_hook_scaling, dg_cia406_hook_preset; /* position.c */
+dg_co_hook dg_cia406_hook_offset, dg_cia406_hook_raw, dg_cia406_hook_areas;
+dg_co_hook dg_cia406_hook_speed, dg_cia406_hook_acceleration;                    /* speed.c */
+dg_co_hook dg_cia406_hook_health, dg_cia406_hook_sensor, dg_cia406_hook_battery; /* health.c */
+dg_co_hook dg_cia406_hook_time;
 
 #endif

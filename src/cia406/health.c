@@ -47,7 +47,7 @@ static bool too_hot_or_cold(const struct dg_co_node *node)
 static bool too_fast(const struct dg_co_node *node)
 {
     uint32_t limit = encoder_of(node)->model->turns > 1 ? RPM_WARN_MULTITURN : RPM_WARN_SINGLETURN;
-    int32_t rpm = cia406_rpm(node);
+    int32_t rpm = dg_cia406_rpm(node);
 
     if ((node->active_causes >> CAUSE_SPEED & 1u) != 0) {
         limit -= limit / 100u;
@@ -185,7 +185,7 @@ static void count_time(struct dg_co_node *node)
     }
 }
 
-void cia406_health_start(struct dg_co_node *node)
+void dg_cia406_health_start(struct dg_co_node *node)
 {
     struct dg_cia406 *self = encoder_of(node);
     uint8_t bytes[4] = {0};
@@ -198,7 +198,7 @@ void cia406_health_start(struct dg_co_node *node)
     self->look_at = node->now;
 }
 
-void cia406_health_look(struct dg_co_node *node)
+void dg_cia406_health_look(struct dg_co_node *node)
 {
     struct dg_cia406 *self = encoder_of(node);
 
@@ -217,15 +217,15 @@ void cia406_health_look(struct dg_co_node *node)
         if (checks[i].details != NULL) {
             checks[i].details(node, details);
         }
-        self->flash_until = cia406_in_ms(node, FLASH_MS);
+        self->flash_until = dg_cia406_in_ms(node, FLASH_MS);
         dg_co_raise(node, checks[i].cause, details);
     }
 }
 
 /* A bit stands as long as its cause. The EMCY is the supervision's: its reaction (1029h) must not
  * happen while a TPDO is being built. */
-enum dg_co_abort cia406_hook_health(struct dg_co_node *node, const struct dg_co_object *object,
-                                    enum dg_co_op op, uint32_t *value)
+enum dg_co_abort dg_cia406_hook_health(struct dg_co_node *node, const struct dg_co_object *object,
+                                       enum dg_co_op op, uint32_t *value)
 {
     const bool alarms = object->index == 0x6503;
 
@@ -239,8 +239,8 @@ enum dg_co_abort cia406_hook_health(struct dg_co_node *node, const struct dg_co_
     return DG_CO_OK;
 }
 
-enum dg_co_abort cia406_hook_sensor(struct dg_co_node *node, const struct dg_co_object *object,
-                                    enum dg_co_op op, uint32_t *value)
+enum dg_co_abort dg_cia406_hook_sensor(struct dg_co_node *node, const struct dg_co_object *object,
+                                       enum dg_co_op op, uint32_t *value)
 {
     bool error = too_hot_or_cold(node) || too_fast(node);
 
@@ -249,8 +249,8 @@ enum dg_co_abort cia406_hook_sensor(struct dg_co_node *node, const struct dg_co_
     return DG_CO_OK;
 }
 
-enum dg_co_abort cia406_hook_battery(struct dg_co_node *node, const struct dg_co_object *object,
-                                     enum dg_co_op op, uint32_t *value)
+enum dg_co_abort dg_cia406_hook_battery(struct dg_co_node *node, const struct dg_co_object *object,
+                                        enum dg_co_op op, uint32_t *value)
 {
     bool none = !has_battery(node) || battery_missing(node);
 
@@ -260,8 +260,8 @@ enum dg_co_abort cia406_hook_battery(struct dg_co_node *node, const struct dg_co
     return DG_CO_OK;
 }
 
-enum dg_co_abort cia406_hook_time(struct dg_co_node *node, const struct dg_co_object *object,
-                                  enum dg_co_op op, uint32_t *value)
+enum dg_co_abort dg_cia406_hook_time(struct dg_co_node *node, const struct dg_co_object *object,
+                                     enum dg_co_op op, uint32_t *value)
 {
     (void)object;
     (void)op;

@@ -65,12 +65,12 @@ static uint32_t tmr(const struct dg_co_node *node)
                                               : last_raw(node) + 1u;
 }
 
-int64_t cia406_counts(const struct dg_co_node *node, dg_ns at)
+int64_t dg_cia406_counts(const struct dg_co_node *node, dg_ns at)
 {
     return dg_angle_counts(dg_world_angle(node->setup.world, at), DG_CIA406_STEPS);
 }
 
-/* As cia406_counts(), modulo the range: a count is 2^16 of the 2^32 that a turn has. */
+/* As dg_cia406_counts(), modulo the range: a count is 2^16 of the 2^32 that a turn has. */
 static void sample_raw(struct dg_co_node *node)
 {
     uint64_t angle = (uint64_t)dg_world_angle(node->setup.world, node->now);
@@ -164,7 +164,7 @@ static uint8_t areas(const struct dg_co_node *node, uint32_t at)
     return bits;
 }
 
-void cia406_sample(struct dg_co_node *node)
+void dg_cia406_sample(struct dg_co_node *node)
 {
     sample_raw(node);
     node->value[SLOT_POSITION] = position(node);
@@ -178,7 +178,7 @@ uint32_t dg_cia406_position(const struct dg_co_node *node, dg_ns now)
 
     at.now = now;
     at.setup.application = &encoder;
-    cia406_sample(&at);
+    dg_cia406_sample(&at);
     return at.value[SLOT_POSITION];
 }
 
@@ -215,14 +215,14 @@ static bool move_zero(struct dg_co_node *node, uint64_t y)
     self->zero = self->raw;
     self->zero_y = y;
     if (store_zero(node)) {
-        self->flash_until = cia406_in_ms(node, FLASH_MS);
+        self->flash_until = dg_cia406_in_ms(node, FLASH_MS);
         return true;
     }
     dg_co_raise(node, DG_CO_CAUSE_MEMORY, none);
     return false;
 }
 
-void cia406_watch_zero(struct dg_co_node *node)
+void dg_cia406_watch_zero(struct dg_co_node *node)
 {
     struct dg_cia406 *self = encoder_of(node);
 
@@ -245,7 +245,7 @@ void cia406_watch_zero(struct dg_co_node *node)
     dg_co_clear(node, CAUSE_USF_MOVED);
 }
 
-void cia406_restore_zero(struct dg_co_node *node)
+void dg_cia406_restore_zero(struct dg_co_node *node)
 {
     struct dg_cia406 *self = encoder_of(node);
     uint8_t bytes[USF_SIZE] = {0};
@@ -298,8 +298,8 @@ static void forget_zero(struct dg_co_node *node)
 }
 
 /* 6000h, 6001h, 6002h: the position carries on from the value it shows, as far as that fits. */
-enum dg_co_abort cia406_hook_scaling(struct dg_co_node *node, const struct dg_co_object *object,
-                                     enum dg_co_op op, uint32_t *value)
+enum dg_co_abort dg_cia406_hook_scaling(struct dg_co_node *node, const struct dg_co_object *object,
+                                        enum dg_co_op op, uint32_t *value)
 {
     uint32_t wanted[3] = {node->value[SLOT_PARAMETERS], node->value[SLOT_MUR],
                           node->value[SLOT_TMR]};
@@ -325,8 +325,8 @@ enum dg_co_abort cia406_hook_scaling(struct dg_co_node *node, const struct dg_co
 }
 
 /* 6003h: the position becomes the preset at once. */
-enum dg_co_abort cia406_hook_preset(struct dg_co_node *node, const struct dg_co_object *object,
-                                    enum dg_co_op op, uint32_t *value)
+enum dg_co_abort dg_cia406_hook_preset(struct dg_co_node *node, const struct dg_co_object *object,
+                                       enum dg_co_op op, uint32_t *value)
 {
     struct dg_cia406 *self = encoder_of(node);
 
@@ -354,8 +354,8 @@ enum dg_co_abort cia406_hook_preset(struct dg_co_node *node, const struct dg_co_
 }
 
 /* 6509h: preset minus scaled position, with its sign. */
-enum dg_co_abort cia406_hook_offset(struct dg_co_node *node, const struct dg_co_object *object,
-                                    enum dg_co_op op, uint32_t *value)
+enum dg_co_abort dg_cia406_hook_offset(struct dg_co_node *node, const struct dg_co_object *object,
+                                       enum dg_co_op op, uint32_t *value)
 {
     uint32_t range = tmr(node);
     uint32_t preset = node->value[SLOT_PRESET];
@@ -368,8 +368,8 @@ enum dg_co_abort cia406_hook_offset(struct dg_co_node *node, const struct dg_co_
 }
 
 /* 2160h raw, 2161h inverted, 2162h CRC over the bytes of 2160h as they stand on the wire (C24). */
-enum dg_co_abort cia406_hook_raw(struct dg_co_node *node, const struct dg_co_object *object,
-                                 enum dg_co_op op, uint32_t *value)
+enum dg_co_abort dg_cia406_hook_raw(struct dg_co_node *node, const struct dg_co_object *object,
+                                    enum dg_co_op op, uint32_t *value)
 {
     uint8_t bytes[4];
 
@@ -384,4 +384,4 @@ enum dg_co_abort cia406_hook_raw(struct dg_co_node *node, const struct dg_co_obj
     return DG_CO_OK;
 }
 
-DG_CO_TELL(cia406_hook_areas, areas(node, node->value[SLOT_POSITION]))
+DG_CO_TELL(dg_cia406_hook_areas, areas(node, node->value[SLOT_POSITION]))

@@ -36,20 +36,20 @@ static int64_t moved(const struct dg_co_node *node, uint32_t windows)
 {
     dg_ns window = DG_MS(node->value[SLOT_SPEED_WINDOW_MS]);
     dg_ns end = dg_elapsed(node->now, window * windows);
-    int64_t counts = cia406_counts(node, end) - cia406_counts(node, dg_elapsed(end, window));
+    int64_t counts = dg_cia406_counts(node, end) - dg_cia406_counts(node, dg_elapsed(end, window));
 
     counts = saturate(counts, MOVED_MAX);
     return parameter(node, DG_CIA406_CCW) ? -counts : counts;
 }
 
-int32_t cia406_rpm(const struct dg_co_node *node)
+int32_t dg_cia406_rpm(const struct dg_co_node *node)
 {
     return divide(moved(node, 0) * 60000,
                   (uint64_t)DG_CIA406_STEPS * node->value[SLOT_SPEED_WINDOW_MS]);
 }
 
-enum dg_co_abort cia406_hook_speed(struct dg_co_node *node, const struct dg_co_object *object,
-                                   enum dg_co_op op, uint32_t *value)
+enum dg_co_abort dg_cia406_hook_speed(struct dg_co_node *node, const struct dg_co_object *object,
+                                      enum dg_co_op op, uint32_t *value)
 {
     bool multiturn = encoder_of(node)->model->turns > 1;
 
@@ -60,7 +60,7 @@ enum dg_co_abort cia406_hook_speed(struct dg_co_node *node, const struct dg_co_o
         *value =
             (uint32_t)divide(moved(node, 0) * 1000 * node->value[SLOT_SPEED_MULTIPLIER], divisor);
     } else {
-        *value = (uint32_t)saturate(cia406_rpm(node),
+        *value = (uint32_t)saturate(dg_cia406_rpm(node),
                                     multiturn ? RPM_MAX_MULTITURN : RPM_MAX_SINGLETURN);
     }
     return DG_CO_OK;
@@ -68,9 +68,9 @@ enum dg_co_abort cia406_hook_speed(struct dg_co_node *node, const struct dg_co_o
 
 /* Change of the speed over a window, per second; in the unit of the speed, without 6031h:3 and 4.
  */
-enum dg_co_abort cia406_hook_acceleration(struct dg_co_node *node,
-                                          const struct dg_co_object *object, enum dg_co_op op,
-                                          uint32_t *value)
+enum dg_co_abort dg_cia406_hook_acceleration(struct dg_co_node *node,
+                                             const struct dg_co_object *object, enum dg_co_op op,
+                                             uint32_t *value)
 {
     uint32_t window_ms = node->value[SLOT_SPEED_WINDOW_MS];
     int64_t change = (moved(node, 0) - moved(node, 1)) * 1000000;

@@ -41,7 +41,7 @@ static bool followed(struct dg_scpi *self, int code, const char *detail)
     }
     dg_scpi_raise(self, code, detail);
     if (code == DG_SCPI_NO_ERROR) {
-        control_changed(self);
+        dg_control_changed(self);
     }
     return true;
 }
@@ -49,7 +49,7 @@ static bool followed(struct dg_scpi *self, int code, const char *detail)
 /* The session has the same encoder selected as long as the command lasts. */
 static bool read_on(struct dg_scpi *self, bool gone)
 {
-    struct dg_rig *rig = control_rig_of(self);
+    struct dg_rig *rig = dg_control_rig_of(self);
     char detail[CONTROL_DETAIL_SIZE] = "";
     const int code = rig->ops->course_more(rig, dg_control_selected(self), self->now, gone, detail);
 
@@ -58,7 +58,7 @@ static bool read_on(struct dg_scpi *self, bool gone)
 
 static void follow(struct dg_scpi *self, const struct dg_rig_course_wish *wish)
 {
-    struct dg_rig *rig = control_rig_of(self);
+    struct dg_rig *rig = dg_control_rig_of(self);
     char detail[CONTROL_DETAIL_SIZE] = "";
 
     if (!control_offered(self, rig->ops->course != NULL)) {
@@ -70,7 +70,7 @@ static void follow(struct dg_scpi *self, const struct dg_rig_course_wish *wish)
     }
 }
 
-void control_follow(struct dg_scpi *self)
+void dg_control_follow(struct dg_scpi *self)
 {
     char path[DG_SCPI_LINE_MAX + 1u];
     struct dg_rig_course_wish wish = {.quantity = self->command->argument, .path = path};
@@ -83,7 +83,7 @@ void control_follow(struct dg_scpi *self)
 static bool take_value(struct dg_scpi *self, int32_t *to)
 {
     const struct dg_quantity *row = row_of(self);
-    const struct dg_scpi_range range = control_range(row);
+    const struct dg_scpi_range range = dg_control_range(row);
     const bool state = row->unit == DG_UNIT_STATE;
     int64_t value = 0;
     bool flag = false;
@@ -124,7 +124,7 @@ static size_t take_points(struct dg_scpi *self, struct dg_course_point points[PO
     return count;
 }
 
-void control_follow_points(struct dg_scpi *self)
+void dg_control_follow_points(struct dg_scpi *self)
 {
     struct dg_course_point points[POINTS_MAX];
     struct dg_rig_course_wish wish = {.quantity = self->command->argument, .points = points};
@@ -141,9 +141,9 @@ void control_follow_points(struct dg_scpi *self)
     follow(self, &wish);
 }
 
-void control_followed(struct dg_scpi *self)
+void dg_control_followed(struct dg_scpi *self)
 {
-    struct dg_rig *rig = control_rig_of(self);
+    struct dg_rig *rig = dg_control_rig_of(self);
     const struct dg_encoder *encoder = dg_control_selected(self);
     const size_t quantity = self->command->argument;
     const bool there = dg_rig_course_of(encoder, quantity) != NULL && rig->ops->course_text != NULL;
@@ -152,7 +152,7 @@ void control_followed(struct dg_scpi *self)
 }
 
 /* ON is what it is, or needs to know what to follow. */
-void control_follow_on(struct dg_scpi *self)
+void dg_control_follow_on(struct dg_scpi *self)
 {
     struct dg_encoder *encoder = dg_control_selected(self);
     const size_t quantity = self->command->argument;
@@ -162,14 +162,14 @@ void control_follow_on(struct dg_scpi *self)
         return;
     }
     if (!on) {
-        dg_rig_unfollow(control_rig_of(self), encoder, quantity);
-        control_changed(self);
+        dg_rig_unfollow(dg_control_rig_of(self), encoder, quantity);
+        dg_control_changed(self);
     } else if (dg_rig_course_of(encoder, quantity) == NULL) {
         dg_scpi_raise(self, DG_SCPI_CONFLICT, "PROFile or PROFile:POINts begins one");
     }
 }
 
-void control_follows(struct dg_scpi *self)
+void dg_control_follows(struct dg_scpi *self)
 {
     dg_scpi_put_unsigned(
         self, dg_rig_course_of(dg_control_selected(self), self->command->argument) != NULL);
@@ -178,11 +178,11 @@ void control_follows(struct dg_scpi *self)
 /* clang-format off */
 #define WORDS "[,ONCE|LOOP][,LINear|STEP]"
 #define FILES(id, member, name, header, ...) \
-    {"WORLd:" header ":PROFile", control_follow, control_followed, DG_QUANTITY_##id, "\"FILE.csv\"" WORDS, "let it follow the points of a file: once and straight between them without words"},
+    {"WORLd:" header ":PROFile", dg_control_follow, dg_control_followed, DG_QUANTITY_##id, "\"FILE.csv\"" WORDS, "let it follow the points of a file: once and straight between them without words"},
 #define POINTS(id, member, name, header, ...) \
-    {"WORLd:" header ":PROFile:POINts", control_follow_points, NULL, DG_QUANTITY_##id, "TIME,VALUE,..." WORDS, "let it follow these points, of which there are at most 32"},
+    {"WORLd:" header ":PROFile:POINts", dg_control_follow_points, NULL, DG_QUANTITY_##id, "TIME,VALUE,..." WORDS, "let it follow these points, of which there are at most 32"},
 #define STATES(id, member, name, header, ...) \
-    {"WORLd:" header ":PROFile:STATe", control_follow_on, control_follows, DG_QUANTITY_##id, "OFF", "whether it follows any; OFF lets it stay what it is"},
+    {"WORLd:" header ":PROFile:STATe", dg_control_follow_on, dg_control_follows, DG_QUANTITY_##id, "OFF", "whether it follows any; OFF lets it stay what it is"},
 
 static const struct dg_scpi_command rows[] = {
     /* header, command, query, argument, parameters, help */

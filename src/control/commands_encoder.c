@@ -4,9 +4,9 @@
  */
 #include "control_private.h"
 
-void control_encoders(struct dg_scpi *self)
+void dg_control_encoders(struct dg_scpi *self)
 {
-    const struct dg_rig *rig = control_rig_of(self);
+    const struct dg_rig *rig = dg_control_rig_of(self);
 
     for (size_t i = 0; i < rig->encoder_count; i++) {
         dg_scpi_put_string(self, rig->encoders[i]->name);
@@ -26,20 +26,20 @@ static size_t find_encoder(struct dg_rig *rig, const char *name)
         if (dg_text_same(other, name, SIZE_MAX, dg_text_upper)) {
             return i;
         }
-        if (found == rig->encoder_count && control_same(other, name)) {
+        if (found == rig->encoder_count && dg_control_same(other, name)) {
             found = i;
         }
     }
     return found;
 }
 
-void control_select(struct dg_scpi *self)
+void dg_control_select(struct dg_scpi *self)
 {
-    struct dg_rig *rig = control_rig_of(self);
+    struct dg_rig *rig = dg_control_rig_of(self);
     char name[CONTROL_NAME_MAX];
     char detail[CONTROL_DETAIL_SIZE];
 
-    if (!control_name(self, name)) {
+    if (!dg_control_name(self, name)) {
         return;
     }
     const size_t found = find_encoder(rig, name);
@@ -53,19 +53,19 @@ void control_select(struct dg_scpi *self)
     dg_scpi_raise(self, DG_SCPI_ILLEGAL, detail);
 }
 
-void control_selected(struct dg_scpi *self)
+void dg_control_selection(struct dg_scpi *self)
 {
     dg_scpi_put_string(self, dg_control_selected(self)->name);
 }
 
-void control_model(struct dg_scpi *self)
+void dg_control_model(struct dg_scpi *self)
 {
     dg_scpi_put_string(self, dg_control_selected(self)->model->name);
 }
 
-void control_wire(struct dg_scpi *self)
+void dg_control_wire(struct dg_scpi *self)
 {
-    struct dg_rig *rig = control_rig_of(self);
+    struct dg_rig *rig = dg_control_rig_of(self);
 
     dg_scpi_put_string(self, rig->ops->wire(rig, dg_control_selected(self)));
 }
@@ -84,10 +84,10 @@ static void switch_power(struct dg_scpi *self, bool on)
     if (result != DG_OK) {
         dg_control_refuse(self, DG_SCPI_HARDWARE, reason(result));
     }
-    control_changed(self);
+    dg_control_changed(self);
 }
 
-void control_power(struct dg_scpi *self)
+void dg_control_power(struct dg_scpi *self)
 {
     static const char *const words[] = {"OFF", "ON", "CYCLe", "0", "1"};
     enum { OFF, ON, CYCLE, ZERO };
@@ -107,7 +107,7 @@ void control_power(struct dg_scpi *self)
     }
 }
 
-void control_powered(struct dg_scpi *self)
+void dg_control_powered(struct dg_scpi *self)
 {
     const struct dg_encoder *encoder = dg_control_selected(self);
 
@@ -127,9 +127,9 @@ static void put_common(const struct dg_encoder *encoder, struct dg_scpi *to)
     }
 }
 
-void control_state(struct dg_scpi *self)
+void dg_control_state(struct dg_scpi *self)
 {
-    struct dg_rig *rig = control_rig_of(self);
+    struct dg_rig *rig = dg_control_rig_of(self);
     const struct dg_encoder *encoder = dg_control_selected(self);
 
     put_common(encoder, self);
@@ -140,17 +140,17 @@ void control_state(struct dg_scpi *self)
 }
 
 /* Every encoder in turn, as if it had been selected; shafts go on as they are. */
-void control_reset(struct dg_scpi *self)
+void dg_control_reset(struct dg_scpi *self)
 {
-    const struct dg_rig *rig = control_rig_of(self);
+    const struct dg_rig *rig = dg_control_rig_of(self);
     const uint32_t selected = self->selected;
 
     for (self->selected = 0; self->selected < rig->encoder_count; self->selected++) {
         const struct dg_encoder *encoder = dg_control_selected(self);
-        control_clear_all(self);
-        control_heal(self);
+        dg_control_clear_all(self);
+        dg_control_heal(self);
         if (dg_encoder_powered(encoder)) {
-            control_changed(self);
+            dg_control_changed(self);
         } else {
             switch_power(self, true);
         }

@@ -17,7 +17,7 @@ static struct dg_fault_target target_of(const struct dg_scpi *self)
     return dg_encoder_target(dg_control_selected(self));
 }
 
-void control_catalogue(struct dg_scpi *self)
+void dg_control_catalogue(struct dg_scpi *self)
 {
     static const char *const kinds[] = {
         [DG_FAULT_WORLD] = "WORLD",
@@ -44,7 +44,7 @@ static int take_fault(struct dg_scpi *self)
     char name[CONTROL_NAME_MAX];
     char detail[CONTROL_DETAIL_SIZE];
 
-    if (!control_name(self, name)) {
+    if (!dg_control_name(self, name)) {
         return -1;
     }
     const int index = dg_fault_find(&target, name);
@@ -90,10 +90,10 @@ static void done(struct dg_scpi *self, int result)
         dg_scpi_raise(self, DG_SCPI_CONFLICT,
                       "COUNt and PROBability are for what happens to single frames");
     }
-    control_changed(self);
+    dg_control_changed(self);
 }
 
-void control_fault(struct dg_scpi *self)
+void dg_control_fault(struct dg_scpi *self)
 {
     struct dg_fault_limits limits = unlimited;
     const struct dg_fault_target target = target_of(self);
@@ -125,17 +125,17 @@ static int clear_all(struct dg_scpi *self)
     return result;
 }
 
-void control_clear_all(struct dg_scpi *self)
+void dg_control_clear_all(struct dg_scpi *self)
 {
     done(self, clear_all(self));
 }
 
-void control_clear(struct dg_scpi *self)
+void dg_control_clear(struct dg_scpi *self)
 {
     const struct dg_fault_target target = target_of(self);
 
     if (!dg_scpi_more(self)) {
-        control_clear_all(self);
+        dg_control_clear_all(self);
         return;
     }
     const int index = take_fault(self);
@@ -144,7 +144,7 @@ void control_clear(struct dg_scpi *self)
     }
 }
 
-void control_active(struct dg_scpi *self)
+void dg_control_active(struct dg_scpi *self)
 {
     const struct dg_fault_target target = target_of(self);
     const struct dg_faults *faults = &dg_control_selected(self)->faults;
@@ -157,10 +157,10 @@ void control_active(struct dg_scpi *self)
             count++;
         }
     }
-    control_put_none(self, count);
+    dg_control_put_none(self, count);
 }
 
-void control_happened(struct dg_scpi *self)
+void dg_control_happened(struct dg_scpi *self)
 {
     const int index = take_fault(self);
 
@@ -169,7 +169,7 @@ void control_happened(struct dg_scpi *self)
     }
 }
 
-void control_regions(struct dg_scpi *self)
+void dg_control_regions(struct dg_scpi *self)
 {
     const struct dg_fault_target target = target_of(self);
     uint8_t count = 0;
@@ -177,7 +177,7 @@ void control_regions(struct dg_scpi *self)
     for (; target.layout != NULL && count < target.layout->region_count; count++) {
         dg_scpi_put_string(self, target.layout->regions[count].name);
     }
-    control_put_none(self, count);
+    dg_control_put_none(self, count);
 }
 
 /* Take the name of a region. @return false: an error was raised */
@@ -186,11 +186,11 @@ static bool take_region(struct dg_scpi *self, const struct dg_store_layout *layo
     char name[CONTROL_NAME_MAX];
     char detail[CONTROL_DETAIL_SIZE];
 
-    if (!control_name(self, name)) {
+    if (!dg_control_name(self, name)) {
         return false;
     }
     for (*region = 0; *region < layout->region_count; (*region)++) {
-        if (control_same(layout->regions[*region].name, name)) {
+        if (dg_control_same(layout->regions[*region].name, name)) {
             return true;
         }
     }
@@ -237,7 +237,7 @@ static bool answers(const struct dg_nvm *nvm, int64_t at, int64_t count)
 
 /* What the memory has, whether the device can reach it or not. It is read once before, as half an
    answer is none. */
-void control_data(struct dg_scpi *self)
+void dg_control_data(struct dg_scpi *self)
 {
     const struct dg_fault_target target = target_of(self);
     int64_t at;
@@ -282,12 +282,12 @@ static int corrupt(struct dg_scpi *self, uint8_t region)
 
     if (index < 0) {
         const uint32_t bits = 8u * target.layout->regions[region].size;
-        return control_flip(&target, region, dg_fault_pick(faults, bits));
+        return dg_control_flip(&target, region, dg_fault_pick(faults, bits));
     }
     return dg_fault_set(faults, &target, (size_t)index, self->now, &unlimited);
 }
 
-void control_corrupt(struct dg_scpi *self)
+void dg_control_corrupt(struct dg_scpi *self)
 {
     const struct dg_fault_target target = target_of(self);
     uint8_t region;
@@ -309,7 +309,7 @@ static void forget_damage(struct dg_faults *faults, const struct dg_fault_target
     }
 }
 
-void control_erase(struct dg_scpi *self)
+void dg_control_erase(struct dg_scpi *self)
 {
     const struct dg_fault_target target = target_of(self);
     struct dg_encoder *encoder = dg_control_selected(self);

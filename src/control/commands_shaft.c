@@ -32,7 +32,7 @@ static struct dg_rig_shaft *shaft_of(const struct dg_scpi *self)
 /* The shaft, which the command at hand turns otherwise. */
 static struct dg_rig_shaft *shaft_to_turn(const struct dg_scpi *self)
 {
-    struct dg_rig *rig = control_rig_of(self);
+    struct dg_rig *rig = dg_control_rig_of(self);
     struct dg_rig_shaft *shaft = shaft_of(self);
 
     if (rig->ops->turns != NULL) {
@@ -44,7 +44,7 @@ static struct dg_rig_shaft *shaft_to_turn(const struct dg_scpi *self)
 /* What a command to the shaft gave. */
 static void turned(struct dg_scpi *self, int result)
 {
-    struct dg_rig *rig = control_rig_of(self);
+    struct dg_rig *rig = dg_control_rig_of(self);
 
     if (result != DG_OK) {
         dg_scpi_raise(self, DG_SCPI_CONFLICT, "a geared shaft is turned by its driver");
@@ -55,21 +55,21 @@ static void turned(struct dg_scpi *self, int result)
     }
 }
 
-void control_shafts(struct dg_scpi *self)
+void dg_control_shafts(struct dg_scpi *self)
 {
-    const struct dg_rig *rig = control_rig_of(self);
+    const struct dg_rig *rig = dg_control_rig_of(self);
 
     for (size_t i = 0; i < rig->shaft_count; i++) {
         dg_scpi_put_string(self, rig->shafts[i]->name);
     }
 }
 
-void control_shaft_name(struct dg_scpi *self)
+void dg_control_shaft_name(struct dg_scpi *self)
 {
     dg_scpi_put_string(self, shaft_of(self)->name);
 }
 
-void control_set_position(struct dg_scpi *self)
+void dg_control_set_position(struct dg_scpi *self)
 {
     int64_t angle;
 
@@ -78,7 +78,7 @@ void control_set_position(struct dg_scpi *self)
     }
 }
 
-void control_position(struct dg_scpi *self)
+void dg_control_position(struct dg_scpi *self)
 {
     const dg_angle angle = dg_shaft_angle(&shaft_of(self)->shaft, self->now);
 
@@ -89,7 +89,7 @@ void control_position(struct dg_scpi *self)
     dg_scpi_put_number(self, counts, MICRODEGREE_PLACES);
 }
 
-void control_set_velocity(struct dg_scpi *self)
+void dg_control_set_velocity(struct dg_scpi *self)
 {
     int64_t mrpm;
 
@@ -98,12 +98,12 @@ void control_set_velocity(struct dg_scpi *self)
     }
 }
 
-void control_velocity(struct dg_scpi *self)
+void dg_control_velocity(struct dg_scpi *self)
 {
     dg_scpi_put_number(self, dg_shaft_mrpm(&shaft_of(self)->shaft, self->now), MILLI_PLACES);
 }
 
-void control_set_acceleration(struct dg_scpi *self)
+void dg_control_set_acceleration(struct dg_scpi *self)
 {
     int64_t mrpm_per_s;
 
@@ -112,17 +112,17 @@ void control_set_acceleration(struct dg_scpi *self)
     }
 }
 
-void control_acceleration(struct dg_scpi *self)
+void dg_control_acceleration(struct dg_scpi *self)
 {
     dg_scpi_put_number(self, shaft_of(self)->shaft.mrpm_per_s, MILLI_PLACES);
 }
 
-void control_stop(struct dg_scpi *self)
+void dg_control_stop(struct dg_scpi *self)
 {
     turned(self, dg_shaft_set_velocity(&shaft_to_turn(self)->shaft, self->now, 0));
 }
 
-void control_move(struct dg_scpi *self)
+void dg_control_move(struct dg_scpi *self)
 {
     int64_t mrpm = MOVE_MRPM_DEFAULT;
     int64_t angle;
@@ -134,15 +134,15 @@ void control_move(struct dg_scpi *self)
     turned(self, dg_shaft_move(&shaft_to_turn(self)->shaft, self->now, angle, (int32_t)mrpm));
 }
 
-void control_moving(struct dg_scpi *self)
+void dg_control_moving(struct dg_scpi *self)
 {
     dg_scpi_put_unsigned(self, dg_shaft_settled(&shaft_of(self)->shaft) > self->now ? 1 : 0);
 }
 
 /* What is played never settles, and nobody waits for it. */
-dg_ns control_settled(struct dg_scpi *self)
+dg_ns dg_control_settled(struct dg_scpi *self)
 {
-    const struct dg_rig *rig = control_rig_of(self);
+    const struct dg_rig *rig = dg_control_rig_of(self);
     dg_ns latest = 0;
 
     for (size_t i = 0; i < rig->shaft_count; i++) {
@@ -170,16 +170,16 @@ static bool profiled(struct dg_scpi *self, int code, const char *detail)
 /* The session has the same encoder selected as long as the command lasts. */
 static bool read_on(struct dg_scpi *self, bool gone)
 {
-    struct dg_rig *rig = control_rig_of(self);
+    struct dg_rig *rig = dg_control_rig_of(self);
     char detail[CONTROL_DETAIL_SIZE] = "";
     const int code = rig->ops->profile_more(rig, shaft_to_turn(self), self->now, gone, detail);
 
     return gone || profiled(self, code, detail);
 }
 
-void control_set_profile(struct dg_scpi *self)
+void dg_control_set_profile(struct dg_scpi *self)
 {
-    struct dg_rig *rig = control_rig_of(self);
+    struct dg_rig *rig = dg_control_rig_of(self);
     char text[DG_SCPI_LINE_MAX + 1u];
     char detail[CONTROL_DETAIL_SIZE] = "";
 
@@ -196,9 +196,9 @@ void control_set_profile(struct dg_scpi *self)
     }
 }
 
-void control_profile(struct dg_scpi *self)
+void dg_control_profile(struct dg_scpi *self)
 {
-    struct dg_rig *rig = control_rig_of(self);
+    struct dg_rig *rig = dg_control_rig_of(self);
 
     if (rig->ops->profile_text == NULL) {
         dg_scpi_raise(self, DG_SCPI_MISSING_HARDWARE, NULL);
@@ -209,7 +209,7 @@ void control_profile(struct dg_scpi *self)
 
 static void record(struct dg_scpi *self, const char *path, dg_ns interval)
 {
-    struct dg_rig *rig = control_rig_of(self);
+    struct dg_rig *rig = dg_control_rig_of(self);
     char detail[CONTROL_DETAIL_SIZE] = "";
 
     if (rig->ops->record == NULL) {
@@ -220,7 +220,7 @@ static void record(struct dg_scpi *self, const char *path, dg_ns interval)
     dg_scpi_raise(self, code, detail);
 }
 
-void control_record(struct dg_scpi *self)
+void dg_control_record(struct dg_scpi *self)
 {
     char path[DG_SCPI_LINE_MAX + 1u];
     int64_t interval = (int64_t)RECORD_DEFAULT;
@@ -232,7 +232,7 @@ void control_record(struct dg_scpi *self)
     record(self, path, (dg_ns)interval);
 }
 
-void control_record_stop(struct dg_scpi *self)
+void dg_control_record_stop(struct dg_scpi *self)
 {
     record(self, NULL, RECORD_DEFAULT);
 }

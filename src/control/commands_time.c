@@ -12,46 +12,48 @@
 static const struct dg_scpi_range scales = {DG_SCPI_PLAIN, SCALE_PLACES, 0, SCALE_MAX_PERMILLE};
 static const struct dg_scpi_range spans = {DG_SCPI_TIME, 0, 0, (int64_t)STEP_MAX};
 
-void control_time(struct dg_scpi *self)
+void dg_control_time(struct dg_scpi *self)
 {
-    dg_scpi_put_number(self, (int64_t)dg_elapsed(self->now, control_rig_of(self)->origin),
+    dg_scpi_put_number(self, (int64_t)dg_elapsed(self->now, dg_control_rig_of(self)->origin),
                        SECOND_PLACES);
 }
 
-void control_origin(struct dg_scpi *self)
+void dg_control_origin(struct dg_scpi *self)
 {
-    dg_scpi_put_number(self, (int64_t)control_rig_of(self)->origin, SECOND_PLACES);
+    dg_scpi_put_number(self, (int64_t)dg_control_rig_of(self)->origin, SECOND_PLACES);
 }
 
-void control_set_scale(struct dg_scpi *self)
+void dg_control_set_scale(struct dg_scpi *self)
 {
     char detail[CONTROL_DETAIL_SIZE] = "";
     int64_t permille;
 
     if (!dg_scpi_number(self, &scales, &permille) ||
-        !control_offered(self, control_ops_of(self)->set_scale != NULL)) {
+        !control_offered(self, dg_control_ops_of(self)->set_scale != NULL)) {
         return;
     }
     const int code =
-        control_ops_of(self)->set_scale(control_rig_of(self), (uint32_t)permille, detail);
+        dg_control_ops_of(self)->set_scale(dg_control_rig_of(self), (uint32_t)permille, detail);
     dg_scpi_raise(self, code, detail);
 }
 
-void control_scale(struct dg_scpi *self)
+void dg_control_scale(struct dg_scpi *self)
 {
-    if (control_offered(self, control_ops_of(self)->scale != NULL)) {
-        dg_scpi_put_number(self, control_ops_of(self)->scale(control_rig_of(self)), SCALE_PLACES);
+    if (control_offered(self, dg_control_ops_of(self)->scale != NULL)) {
+        dg_scpi_put_number(self, dg_control_ops_of(self)->scale(dg_control_rig_of(self)),
+                           SCALE_PLACES);
     }
 }
 
-void control_step_time(struct dg_scpi *self)
+void dg_control_step_time(struct dg_scpi *self)
 {
     char detail[CONTROL_DETAIL_SIZE] = "";
     int64_t span;
 
     if (dg_scpi_number(self, &spans, &span) &&
-        control_offered(self, control_ops_of(self)->step != NULL)) {
-        const int code = control_ops_of(self)->step(control_rig_of(self), (dg_ns)span, detail);
+        control_offered(self, dg_control_ops_of(self)->step != NULL)) {
+        const int code =
+            dg_control_ops_of(self)->step(dg_control_rig_of(self), (dg_ns)span, detail);
         dg_scpi_raise(self, code, detail);
         /* The rest of the line is done then. */
         self->now = code == DG_SCPI_NO_ERROR ? dg_after(self->now, (dg_ns)span) : self->now;

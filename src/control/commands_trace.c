@@ -11,16 +11,17 @@ static const struct dg_scpi_range lines = {DG_SCPI_PLAIN, 0, 1, LINES_MAX};
 
 static void trace(struct dg_scpi *self, const char *path)
 {
-    const struct dg_rig_ops *ops = control_ops_of(self);
+    const struct dg_rig_ops *ops = dg_control_ops_of(self);
     char detail[CONTROL_DETAIL_SIZE] = "";
 
     if (control_offered(self, ops->trace != NULL)) {
-        const int code = ops->trace(control_rig_of(self), dg_control_selected(self), path, detail);
+        const int code =
+            ops->trace(dg_control_rig_of(self), dg_control_selected(self), path, detail);
         dg_scpi_raise(self, code, detail);
     }
 }
 
-void control_trace(struct dg_scpi *self)
+void dg_control_trace(struct dg_scpi *self)
 {
     char path[DG_SCPI_LINE_MAX + 1u];
 
@@ -29,14 +30,14 @@ void control_trace(struct dg_scpi *self)
     }
 }
 
-void control_trace_stop(struct dg_scpi *self)
+void dg_control_trace_stop(struct dg_scpi *self)
 {
     trace(self, NULL);
 }
 
-void control_last(struct dg_scpi *self)
+void dg_control_last(struct dg_scpi *self)
 {
-    const struct dg_rig_ops *ops = control_ops_of(self);
+    const struct dg_rig_ops *ops = dg_control_ops_of(self);
     char text[LINE_SIZE];
     int64_t wanted = 1;
     size_t count = 0;
@@ -46,11 +47,11 @@ void control_last(struct dg_scpi *self)
         return;
     }
     for (unsigned back = (unsigned)wanted; back > 0; back--) {
-        if (ops->last(control_rig_of(self), dg_control_selected(self), back - 1u, text,
+        if (ops->last(dg_control_rig_of(self), dg_control_selected(self), back - 1u, text,
                       sizeof text)) {
             dg_scpi_put_string(self, text);
             count++;
         }
     }
-    control_put_none(self, count);
+    dg_control_put_none(self, count);
 }

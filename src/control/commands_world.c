@@ -16,7 +16,7 @@ static const struct {
 };
 _Static_assert(DG_COUNT(units) == DG_UNIT_COUNT, "a row for each unit");
 
-struct dg_scpi_range control_range(const struct dg_quantity *row)
+struct dg_scpi_range dg_control_range(const struct dg_quantity *row)
 {
     return (struct dg_scpi_range){
         .unit = (enum dg_scpi_unit)units[row->unit].scpi,
@@ -30,15 +30,15 @@ static void put(struct dg_encoder *encoder, const struct dg_quantity *row, int64
 {
     const struct dg_fault_target target = dg_encoder_target(encoder);
 
-    control_unfollow(encoder, (size_t)(row - dg_quantities));
-    control_override(&encoder->faults, &target, row->offset);
+    dg_control_unfollow(encoder, (size_t)(row - dg_quantities));
+    dg_control_override(&encoder->faults, &target, row->offset);
     dg_quantity_set(row, encoder->world, value);
 }
 
-void control_set_world(struct dg_scpi *self)
+void dg_control_set_world(struct dg_scpi *self)
 {
     const struct dg_quantity *row = &dg_quantities[self->command->argument];
-    const struct dg_scpi_range range = control_range(row);
+    const struct dg_scpi_range range = dg_control_range(row);
     const bool state = row->unit == DG_UNIT_STATE;
     int64_t value = 0;
     bool flag = false;
@@ -47,10 +47,10 @@ void control_set_world(struct dg_scpi *self)
         return;
     }
     put(dg_control_selected(self), row, state ? flag : value);
-    control_changed(self);
+    dg_control_changed(self);
 }
 
-void control_world(struct dg_scpi *self)
+void dg_control_world(struct dg_scpi *self)
 {
     const struct dg_quantity *row = &dg_quantities[self->command->argument];
     const struct dg_encoder *encoder = dg_control_selected(self);
@@ -58,7 +58,7 @@ void control_world(struct dg_scpi *self)
     dg_scpi_put_number(self, dg_quantity_get(row, encoder->world), units[row->unit].places);
 }
 
-void control_heal(struct dg_scpi *self)
+void dg_control_heal(struct dg_scpi *self)
 {
     struct dg_encoder *encoder = dg_control_selected(self);
     struct dg_world healthy;
@@ -70,8 +70,8 @@ void control_heal(struct dg_scpi *self)
     }
 }
 
-void control_healthy(struct dg_scpi *self)
+void dg_control_healthy(struct dg_scpi *self)
 {
-    control_heal(self);
-    control_changed(self);
+    dg_control_heal(self);
+    dg_control_changed(self);
 }

@@ -24,16 +24,16 @@ typedef void control_handler(struct dg_scpi *self);
 /* text.c */
 
 /** Whether two names are the same; case does not count, and '-' is '_'. */
-bool control_same(const char *a, const char *b);
+bool dg_control_same(const char *a, const char *b);
 
 /* session.c */
-struct dg_rig *control_rig_of(const struct dg_scpi *self);
+struct dg_rig *dg_control_rig_of(const struct dg_scpi *self);
 /** Something about the selected encoder has changed. */
-void control_changed(struct dg_scpi *self);
+void dg_control_changed(struct dg_scpi *self);
 /** Take a name. @return false: an error was raised */
-bool control_name(struct dg_scpi *self, char to[CONTROL_NAME_MAX]);
+bool dg_control_name(struct dg_scpi *self, char to[CONTROL_NAME_MAX]);
 /** What the host can do. */
-const struct dg_rig_ops *control_ops_of(const struct dg_scpi *self);
+const struct dg_rig_ops *dg_control_ops_of(const struct dg_scpi *self);
 /** What the host cannot do raises an error. @return `there` */
 static inline bool control_offered(struct dg_scpi *self, bool there)
 {
@@ -43,67 +43,69 @@ static inline bool control_offered(struct dg_scpi *self, bool there)
     return there;
 }
 /** An answer that is a list of `count` names needs one when there are none: "". */
-void control_put_none(struct dg_scpi *self, size_t count);
+void dg_control_put_none(struct dg_scpi *self, size_t count);
 
 /* fault_engine.c */
 /** Row `index` of a stack's catalogue, or NULL: a region or nothing. */
-const struct dg_fault_row *control_row(const struct dg_fault_target *target, size_t index);
+const struct dg_fault_row *dg_control_row(const struct dg_fault_target *target, size_t index);
 /** The quantity at `offset` of the world was set: whatever bent it is over. */
-void control_override(struct dg_faults *self, const struct dg_fault_target *target, size_t offset);
+void dg_control_override(struct dg_faults *self, const struct dg_fault_target *target,
+                         size_t offset);
 /** The quantity at `offset` of the world is `value`, as soon as nothing bends it. */
-void control_put_behind(struct dg_faults *self, const struct dg_fault_target *target, size_t offset,
-                        int64_t value);
+void dg_control_put_behind(struct dg_faults *self, const struct dg_fault_target *target,
+                           size_t offset, int64_t value);
 /** When the first one ends; DG_NEVER. */
-dg_ns control_next_end(const struct dg_faults *self);
+dg_ns dg_control_next_end(const struct dg_faults *self);
 
 /* eeprom_flip.c */
 /** A bit of region `region`, which is flipped. @return 0 or DG_ERR_IO */
-int control_flip(const struct dg_fault_target *target, uint8_t region, uint32_t bit);
-/** The same of a checked region; `done` is what control_mend() needs. */
-int control_damage(const struct dg_fault_target *target, uint8_t region, uint32_t bit,
-                   struct dg_fault_flip *done);
+int dg_control_flip(const struct dg_fault_target *target, uint8_t region, uint32_t bit);
+/** The same of a checked region; `done` is what dg_control_mend() needs. */
+int dg_control_damage(const struct dg_fault_target *target, uint8_t region, uint32_t bit,
+                      struct dg_fault_flip *done);
 /** Flip it back, unless the region was written since. */
-int control_mend(const struct dg_fault_target *target, uint8_t region,
-                 const struct dg_fault_flip *done);
+int dg_control_mend(const struct dg_fault_target *target, uint8_t region,
+                    const struct dg_fault_flip *done);
 /** What damage of a region does. */
-const struct dg_damage_row *control_damage_of(const struct dg_instrument *instrument,
-                                              const char *region);
+const struct dg_damage_row *dg_control_damage_of(const struct dg_instrument *instrument,
+                                                 const char *region);
 
 /* rig.c */
 /** The quantity follows nothing, any more. */
-void control_unfollow(struct dg_encoder *encoder, size_t quantity);
+void dg_control_unfollow(struct dg_encoder *encoder, size_t quantity);
 
 /* commands_world.c */
 /** What may be asked for of a quantity that is no state. */
-struct dg_scpi_range control_range(const struct dg_quantity *row);
+struct dg_scpi_range dg_control_range(const struct dg_quantity *row);
 
 /* Commands, by file. */
-control_handler control_encoders, control_select, control_selected; /* commands_encoder.c */
-control_handler control_model, control_wire, control_power, control_powered;
-control_handler control_state;
-control_handler control_shafts, control_shaft_name; /* commands_shaft.c */
-control_handler control_set_position, control_position;
-control_handler control_set_velocity, control_velocity;
-control_handler control_set_acceleration, control_acceleration;
-control_handler control_stop, control_move, control_moving;
-control_handler control_set_profile, control_profile;
-control_handler control_record, control_record_stop;
-control_handler control_set_world, control_world, control_healthy; /* commands_world.c */
-control_handler control_follow, control_followed;                  /* commands_course.c */
-control_handler control_follow_points, control_follow_on, control_follows;
-control_handler control_catalogue, control_fault, control_clear; /* commands_fault.c */
-control_handler control_active, control_happened;
-control_handler control_regions, control_data, control_corrupt, control_erase;
-control_handler control_time, control_origin, control_set_scale,
-    control_scale; /* commands_time.c */
-control_handler control_step_time;
-control_handler control_trace, control_trace_stop, control_last; /* commands_trace.c */
+control_handler dg_control_encoders, dg_control_select,
+    dg_control_selection; /* commands_encoder.c */
+control_handler dg_control_model, dg_control_wire, dg_control_power, dg_control_powered;
+control_handler dg_control_state;
+control_handler dg_control_shafts, dg_control_shaft_name; /* commands_shaft.c */
+control_handler dg_control_set_position, dg_control_position;
+control_handler dg_control_set_velocity, dg_control_velocity;
+control_handler dg_control_set_acceleration, dg_control_acceleration;
+control_handler dg_control_stop, dg_control_move, dg_control_moving;
+control_handler dg_control_set_profile, dg_control_profile;
+control_handler dg_control_record, dg_control_record_stop;
+control_handler dg_control_set_world, dg_control_world, dg_control_healthy; /* commands_world.c */
+control_handler dg_control_follow, dg_control_followed;                     /* commands_course.c */
+control_handler dg_control_follow_points, dg_control_follow_on, dg_control_follows;
+control_handler dg_control_catalogue, dg_control_fault, dg_control_clear; /* commands_fault.c */
+control_handler dg_control_active, dg_control_happened;
+control_handler dg_control_regions, dg_control_data, dg_control_corrupt, dg_control_erase;
+control_handler dg_control_time, dg_control_origin, dg_control_set_scale,
+    dg_control_scale; /* commands_time.c */
+control_handler dg_control_step_time;
+control_handler dg_control_trace, dg_control_trace_stop, dg_control_last; /* commands_trace.c */
 
 /** For all commands that heal: every fault is cleared, every quantity healthy. */
-void control_clear_all(struct dg_scpi *self);
-void control_heal(struct dg_scpi *self);
+void dg_control_clear_all(struct dg_scpi *self);
+void dg_control_heal(struct dg_scpi *self);
 /** *RST and *OPC. */
-void control_reset(struct dg_scpi *self);
-dg_ns control_settled(struct dg_scpi *self);
+void dg_control_reset(struct dg_scpi *self);
+dg_ns dg_control_settled(struct dg_scpi *self);
 
 #endif

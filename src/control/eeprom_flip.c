@@ -50,15 +50,15 @@ static uint8_t mask_of(uint32_t bit)
     return (uint8_t)(1u << bit % 8u);
 }
 
-int control_flip(const struct dg_fault_target *target, uint8_t region, uint32_t bit)
+int dg_control_flip(const struct dg_fault_target *target, uint8_t region, uint32_t bit)
 {
     uint8_t value = 0;
 
     return flip(target, address_of(target, region, bit), mask_of(bit), &value);
 }
 
-int control_damage(const struct dg_fault_target *target, uint8_t region, uint32_t bit,
-                   struct dg_fault_flip *done)
+int dg_control_damage(const struct dg_fault_target *target, uint8_t region, uint32_t bit,
+                      struct dg_fault_flip *done)
 {
     struct dg_fault_flip now = {.address = address_of(target, region, bit), .mask = mask_of(bit)};
 
@@ -70,8 +70,8 @@ int control_damage(const struct dg_fault_target *target, uint8_t region, uint32_
     return DG_OK;
 }
 
-int control_mend(const struct dg_fault_target *target, uint8_t region,
-                 const struct dg_fault_flip *done)
+int dg_control_mend(const struct dg_fault_target *target, uint8_t region,
+                    const struct dg_fault_flip *done)
 {
     uint16_t sum = 0;
     uint8_t byte = 0;
@@ -86,12 +86,12 @@ int control_mend(const struct dg_fault_target *target, uint8_t region,
     return write_byte(target, done->address, (uint8_t)(byte ^ done->mask));
 }
 
-const struct dg_damage_row *control_damage_of(const struct dg_instrument *instrument,
-                                              const char *region)
+const struct dg_damage_row *dg_control_damage_of(const struct dg_instrument *instrument,
+                                                 const char *region)
 {
     const struct dg_damage_row *row = instrument->damage;
 
-    while (row->region != NULL && !control_same(row->region, region)) {
+    while (row->region != NULL && !dg_control_same(row->region, region)) {
         row++;
     }
     return row;

@@ -25,7 +25,7 @@ static bool concerns(const struct dg_fault_target *target, const struct dg_fault
     return target->layout != NULL || row->offset != offsetof(struct dg_world, eeprom_acknowledges);
 }
 
-const struct dg_fault_row *control_row(const struct dg_fault_target *target, size_t index)
+const struct dg_fault_row *dg_control_row(const struct dg_fault_target *target, size_t index)
 {
     const struct dg_instrument *instrument = target->instrument;
 
@@ -41,7 +41,7 @@ static size_t rows_of(const struct dg_fault_target *target)
 {
     size_t n = 0;
 
-    while (control_row(target, n) != NULL) {
+    while (dg_control_row(target, n) != NULL) {
         n++;
     }
     return n;
@@ -69,7 +69,7 @@ static bool region_entry(const struct dg_fault_target *target, size_t n, struct 
         return false;
     }
     const struct dg_store_region *row = &target->layout->regions[region];
-    const struct dg_damage_row *damage = control_damage_of(target->instrument, row->name);
+    const struct dg_damage_row *damage = dg_control_damage_of(target->instrument, row->name);
     *out = (struct dg_fault_entry){
         .kind = DG_FAULT_MEMORY,
         .region = region,
@@ -91,7 +91,7 @@ static bool region_entry(const struct dg_fault_target *target, size_t n, struct 
 
 bool dg_fault_entry(const struct dg_fault_target *target, size_t index, struct dg_fault_entry *out)
 {
-    const struct dg_fault_row *row = control_row(target, index);
+    const struct dg_fault_row *row = dg_control_row(target, index);
 
     if (row == NULL) {
         const size_t rows = rows_of(target);
@@ -114,7 +114,7 @@ int dg_fault_find(const struct dg_fault_target *target, const char *name)
     struct dg_fault_entry entry;
 
     for (size_t i = 0; dg_fault_entry(target, i, &entry); i++) {
-        if (control_same(entry.name, name)) {
+        if (dg_control_same(entry.name, name)) {
             return (int)i;
         }
     }
@@ -126,7 +126,7 @@ static size_t rival(const struct dg_faults *self, const struct dg_fault_target *
                     size_t offset)
 {
     for (size_t i = 0; i < DG_FAULTS_MAX; i++) {
-        const struct dg_fault_row *row = self->fault[i].active ? control_row(target, i) : NULL;
+        const struct dg_fault_row *row = self->fault[i].active ? dg_control_row(target, i) : NULL;
         if (row != NULL && row->kind == DG_FAULT_WORLD && row->offset == offset) {
             return i;
         }
@@ -134,7 +134,8 @@ static size_t rival(const struct dg_faults *self, const struct dg_fault_target *
     return DG_FAULTS_MAX;
 }
 
-void control_override(struct dg_faults *self, const struct dg_fault_target *target, size_t offset)
+void dg_control_override(struct dg_faults *self, const struct dg_fault_target *target,
+                         size_t offset)
 {
     const size_t i = rival(self, target, offset);
 
@@ -143,8 +144,8 @@ void control_override(struct dg_faults *self, const struct dg_fault_target *targ
     }
 }
 
-void control_put_behind(struct dg_faults *self, const struct dg_fault_target *target, size_t offset,
-                        int64_t value)
+void dg_control_put_behind(struct dg_faults *self, const struct dg_fault_target *target,
+                           size_t offset, int64_t value)
 {
     const size_t i = rival(self, target, offset);
 
@@ -200,9 +201,9 @@ static int corrupt(struct dg_faults *self, const struct dg_fault_target *target,
     /* A bit that is flipped already would only be flipped back. */
     const int result = dg_fault_clear(self, target, index);
 
-    return result == DG_OK
-               ? control_damage(target, region, dg_fault_pick(self, bits), &self->fault[index].flip)
-               : result;
+    return result == DG_OK ? dg_control_damage(target, region, dg_fault_pick(self, bits),
+                                               &self->fault[index].flip)
+                           : result;
 }
 
 static int begin(struct dg_faults *self, const struct dg_fault_target *target, size_t index,
@@ -258,7 +259,7 @@ int dg_fault_clear(struct dg_faults *self, const struct dg_fault_target *target,
         unbend(self, target, index, entry.row);
         break;
     case DG_FAULT_MEMORY:
-        if (control_mend(target, entry.region, &fault->flip) != DG_OK) {
+        if (dg_control_mend(target, entry.region, &fault->flip) != DG_OK) {
             return DG_ERR_IO;
         }
         break;
@@ -270,7 +271,7 @@ int dg_fault_clear(struct dg_faults *self, const struct dg_fault_target *target,
     return DG_OK;
 }
 
-dg_ns control_next_end(const struct dg_faults *self)
+dg_ns dg_control_next_end(const struct dg_faults *self)
 {
     dg_ns next = DG_NEVER;
 
@@ -290,7 +291,7 @@ dg_ns dg_fault_step(struct dg_faults *self, const struct dg_fault_target *target
             fault->until = DG_NEVER;
         }
     }
-    return control_next_end(self);
+    return dg_control_next_end(self);
 }
 
 bool dg_fault_wire_active(const struct dg_faults *self, enum dg_wire_fault fault)
@@ -337,7 +338,7 @@ int64_t dg_fault_wire_value(const struct dg_instrument *instrument, enum dg_wire
     const struct dg_fault_target target = {.instrument = instrument};
     const struct dg_fault_row *row;
 
-    for (size_t i = 0; (row = control_row(&target, i)) != NULL; i++) {
+    for (size_t i = 0; (row = dg_control_row(&target, i)) != NULL; i++) {
         if (row->kind == DG_FAULT_WIRE && row->wire == fault) {
             return row->value;
         }

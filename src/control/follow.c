@@ -14,7 +14,7 @@ static void put(struct dg_encoder *encoder, size_t quantity, int32_t value)
         return;
     }
     const struct dg_fault_target target = dg_encoder_target(encoder);
-    control_put_behind(&encoder->faults, &target, row->offset, value);
+    dg_control_put_behind(&encoder->faults, &target, row->offset, value);
 }
 
 static void step(struct dg_rig_course *self, struct dg_encoder *encoder, dg_ns now)
@@ -27,7 +27,7 @@ static void step(struct dg_rig_course *self, struct dg_encoder *encoder, dg_ns n
     }
     self->due = dg_after(self->start, dg_course_next(&self->course, since));
     if (self->due == DG_NEVER) {
-        control_unfollow(encoder, self->quantity);
+        dg_control_unfollow(encoder, self->quantity);
     }
 }
 
@@ -39,7 +39,7 @@ int dg_rig_follow(struct dg_rig *self, struct dg_encoder *encoder, struct dg_rig
     if (result != DG_OK) {
         return result;
     }
-    control_unfollow(encoder, course->quantity);
+    dg_control_unfollow(encoder, course->quantity);
     course->start = now;
     course->step = step;
     course->next = encoder->courses;
@@ -51,6 +51,6 @@ int dg_rig_follow(struct dg_rig *self, struct dg_encoder *encoder, struct dg_rig
 
 void dg_rig_unfollow(struct dg_rig *self, struct dg_encoder *encoder, size_t quantity)
 {
-    control_unfollow(encoder, quantity);
+    dg_control_unfollow(encoder, quantity);
     dg_rig_watch(self, encoder);
 }

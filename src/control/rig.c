@@ -53,7 +53,7 @@ struct dg_rig_course *dg_rig_course_of(const struct dg_encoder *encoder, size_t 
     return course;
 }
 
-void control_unfollow(struct dg_encoder *encoder, size_t quantity)
+void dg_control_unfollow(struct dg_encoder *encoder, size_t quantity)
 {
     struct dg_rig_course **at = &encoder->courses;
 
@@ -160,7 +160,7 @@ static void take_out(struct dg_rig *self, struct dg_encoder *encoder)
 
 void dg_rig_watch(struct dg_rig *self, struct dg_encoder *encoder)
 {
-    const dg_ns until = dg_earliest(control_next_end(&encoder->faults), next_point(encoder));
+    const dg_ns until = dg_earliest(dg_control_next_end(&encoder->faults), next_point(encoder));
 
     if (encoder->wait.waits) {
         take_out(self, encoder);

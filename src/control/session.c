@@ -6,7 +6,7 @@
 
 #include "drehgeber/version.h"
 
-struct dg_rig *control_rig_of(const struct dg_scpi *self)
+struct dg_rig *dg_control_rig_of(const struct dg_scpi *self)
 {
     const struct dg_control *control = self->setup.ctx;
 
@@ -15,7 +15,7 @@ struct dg_rig *control_rig_of(const struct dg_scpi *self)
 
 struct dg_encoder *dg_control_selected(const struct dg_scpi *self)
 {
-    struct dg_rig *rig = control_rig_of(self);
+    struct dg_rig *rig = dg_control_rig_of(self);
     struct dg_encoder *encoder = rig->encoders[self->selected];
 
     if (rig->ops->look != NULL) {
@@ -24,9 +24,9 @@ struct dg_encoder *dg_control_selected(const struct dg_scpi *self)
     return encoder;
 }
 
-void control_changed(struct dg_scpi *self)
+void dg_control_changed(struct dg_scpi *self)
 {
-    struct dg_rig *rig = control_rig_of(self);
+    struct dg_rig *rig = dg_control_rig_of(self);
     struct dg_encoder *encoder = dg_control_selected(self);
 
     dg_rig_watch(rig, encoder);
@@ -44,26 +44,26 @@ void dg_control_refuse(struct dg_scpi *self, int code, const char *text)
     dg_scpi_raise(self, code, detail);
 }
 
-bool control_name(struct dg_scpi *self, char to[CONTROL_NAME_MAX])
+bool dg_control_name(struct dg_scpi *self, char to[CONTROL_NAME_MAX])
 {
     return dg_scpi_text(self, to, CONTROL_NAME_MAX);
 }
 
-void control_put_none(struct dg_scpi *self, size_t count)
+void dg_control_put_none(struct dg_scpi *self, size_t count)
 {
     if (count == 0) {
         dg_scpi_put_string(self, "");
     }
 }
 
-const struct dg_rig_ops *control_ops_of(const struct dg_scpi *self)
+const struct dg_rig_ops *dg_control_ops_of(const struct dg_scpi *self)
 {
-    return control_rig_of(self)->ops;
+    return dg_control_rig_of(self)->ops;
 }
 
 static const struct dg_scpi_commands *commands(const struct dg_scpi *self, size_t index)
 {
-    const struct dg_rig *rig = control_rig_of(self);
+    const struct dg_rig *rig = dg_control_rig_of(self);
 
     if (index == 0) {
         return &dg_control_commands;
@@ -93,8 +93,8 @@ void dg_control_init(struct dg_control *self, struct dg_rig *rig,
     static const struct dg_scpi_ops ops = {
         .commands = commands,
         .write = forward,
-        .reset = control_reset,
-        .settled = control_settled,
+        .reset = dg_control_reset,
+        .settled = dg_control_settled,
     };
     const struct dg_scpi_setup setup = {
         .ops = &ops,

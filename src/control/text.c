@@ -9,7 +9,7 @@ static char folded(char c)
     return dg_text_upper(c);
 }
 
-bool control_same(const char *a, const char *b)
+bool dg_control_same(const char *a, const char *b)
 {
     return dg_text_same(a, b, SIZE_MAX, folded);
 }

@@ -27,7 +27,7 @@ static bool position_fits(const struct dg_hf *device)
     };
 
     return device->line == DG_HF_OFF ||
-           (hf_model_check(&figures) == DG_OK &&
+           (dg_hf_model_check(&figures) == DG_OK &&
             device->offset < (uint64_t)device->periods * device->steps * device->turns);
 }
 
@@ -40,7 +40,7 @@ static bool line_fits(const struct dg_hf *device)
         return device->deadline == DG_NEVER;
     }
     if (device->line == DG_HF_REPLY) {
-        hf_check(&again);
+        dg_hf_check_frame(&again);
     }
     return again.verdict == device->verdict && again.command == device->command;
 }
@@ -53,7 +53,7 @@ static bool fits(const void *own, const void *settings, const void *device)
     (void)own;
     memcpy(&mine, settings, sizeof mine);
     memcpy(&self, device, sizeof self);
-    return hf_model_check(&mine.model) == DG_OK && position_fits(&self) && line_fits(&self);
+    return dg_hf_model_check(&mine.model) == DG_OK && position_fits(&self) && line_fits(&self);
 }
 
 const struct dg_stack_check dg_hf_check = {ranges, DG_COUNT(ranges), fits};

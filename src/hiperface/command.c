@@ -2,7 +2,7 @@
 /*
  * From a frame to its reply: the command table and the order of checks (R8).
  *
- *   checksum 0Ah, command 0Bh, length 0Ch      hf_check()
+ *   checksum 0Ah, command 0Bh, length 0Ch      dg_hf_check_frame()
  *   start-up locks 02h 03h 05h 06h, EEPROM 05h, Code 0 0Fh      permitted()
  *   field number, its access code, arguments, write protection      the handlers
  */
@@ -29,17 +29,17 @@ enum {
 #define DG_HF_COMMAND(code, name, min, max, reply, reaction_ms, flags, handler, errors)            \
     {code, min, max, reply, reaction_ms, flags, handler},
 
-const struct hf_command hf_commands[] = {
+const struct hf_command dg_hf_commands[] = {
 #include "commands.def"
 };
 #undef DG_HF_COMMAND
-const uint8_t hf_command_count = DG_COUNT(hf_commands);
+const uint8_t dg_hf_command_count = DG_COUNT(dg_hf_commands);
 
-uint8_t hf_command_find(uint8_t code)
+uint8_t dg_hf_command_find(uint8_t code)
 {
     uint8_t row = 0;
 
-    while (row < hf_command_count && hf_commands[row].code != code) {
+    while (row < dg_hf_command_count && dg_hf_commands[row].code != code) {
         row++;
     }
     return row;
@@ -69,19 +69,19 @@ static enum dg_hf_status judge(const struct dg_hf *self, uint8_t *row)
     if (self->length < HF_FRAME_LEAST) {
         return DG_HF_LENGTH;
     }
-    *row = hf_command_find(self->frame[1]);
-    if (*row == hf_command_count) {
+    *row = dg_hf_command_find(self->frame[1]);
+    if (*row == dg_hf_command_count) {
         return DG_HF_COMMAND;
     }
-    if (!length_fits(&hf_commands[*row], &self->frame[2], (uint16_t)(self->length - 3u))) {
+    if (!length_fits(&dg_hf_commands[*row], &self->frame[2], (uint16_t)(self->length - 3u))) {
         return DG_HF_LENGTH;
     }
     return DG_HF_NO_ERROR;
 }
 
-void hf_check(struct dg_hf *self)
+void dg_hf_check_frame(struct dg_hf *self)
 {
-    self->command = hf_command_count;
+    self->command = dg_hf_command_count;
     self->verdict = (uint8_t)judge(self, &self->command);
 }
 
@@ -114,7 +114,7 @@ static enum dg_hf_status permitted(const struct dg_hf *self, const struct hf_com
     return DG_HF_NO_ERROR;
 }
 
-void hf_answer(struct dg_hf *self, dg_ns now)
+void dg_hf_answer(struct dg_hf *self, dg_ns now)
 {
     uint8_t reply[DG_HF_FRAME_MAX];
     struct hf_request rq = {
@@ -123,14 +123,14 @@ void hf_answer(struct dg_hf *self, dg_ns now)
         .reply = dg_writer(&reply[2], HF_DATA_MAX),
     };
 
-    hf_monitor(self);
+    dg_hf_monitor(self);
     enum dg_hf_status status = (enum dg_hf_status)self->verdict;
     if (status == DG_HF_NO_ERROR) {
         rq.length = (uint16_t)(self->length - 3u);
-        status = permitted(self, &hf_commands[self->command], &rq);
+        status = permitted(self, &dg_hf_commands[self->command], &rq);
     }
     if (status == DG_HF_NO_ERROR) {
-        status = hf_commands[self->command].handler(self, &rq);
+        status = dg_hf_commands[self->command].handler(self, &rq);
     }
     reply[1] = self->frame[1];
     if (status != DG_HF_NO_ERROR) {

@@ -193,7 +193,7 @@ static bool implemented_fits(uint8_t implemented, uint8_t blocks)
     return implemented == 0 || (implemented >= blocks && implemented <= DG_HF_IMPLEMENTED_MAX);
 }
 
-int hf_model_check(const struct dg_hf_model *model)
+int dg_hf_model_check(const struct dg_hf_model *model)
 {
     if (!resolution_fits(model->periods_per_turn, model->steps_per_period, model->turns)) {
         return DG_ERR_ARGUMENT;
@@ -208,12 +208,12 @@ int hf_model_check(const struct dg_hf_model *model)
 
 int dg_hf_format(const struct dg_hf_model *model, struct dg_nvm nvm)
 {
-    int result = hf_model_check(model);
+    int result = dg_hf_model_check(model);
 
     return result == DG_OK ? dg_store_format(&dg_hf_layout, nvm, model) : result;
 }
 
-int hf_mount(struct dg_store *self, const struct dg_hf_model *model, struct dg_nvm nvm)
+int dg_hf_mount(struct dg_store *self, const struct dg_hf_model *model, struct dg_nvm nvm)
 {
     int result = dg_store_mount(self, &dg_hf_layout, nvm);
 
@@ -226,7 +226,7 @@ static bool read_intact(struct dg_store *store, uint8_t region, uint8_t *to)
            dg_store_read(store, region, 0, to, regions[region].size) == DG_OK;
 }
 
-int64_t hf_serial(struct dg_store *store)
+int64_t dg_hf_serial(struct dg_store *store)
 {
     uint8_t type[TYPE_SIZE];
     int64_t serial = 0;
@@ -245,7 +245,7 @@ int64_t hf_serial(struct dg_store *store)
 
 /* Regions that nobody can write over the wire. Serial number, firmware version and date are the
  * unit's, not the model's. */
-const char *hf_differs(const struct dg_hf_model *model, struct dg_store *store)
+const char *dg_hf_differs(const struct dg_hf_model *model, struct dg_store *store)
 {
     static const struct {
         uint8_t region;
@@ -276,7 +276,7 @@ const char *hf_differs(const struct dg_hf_model *model, struct dg_store *store)
 static bool load(struct dg_hf *self, enum dg_hf_region region, uint8_t *to)
 {
     return !dg_store_damaged(&self->store, (uint8_t)region) &&
-           hf_get(self, region, to) == DG_HF_NO_ERROR;
+           dg_hf_get(self, region, to) == DG_HF_NO_ERROR;
 }
 
 static void load_from_model(struct dg_hf *self)
@@ -342,7 +342,7 @@ static void load_limits(struct dg_hf *self, const uint8_t *label)
     self->speed_max_rpm = dg_load_be16(&parameter[18]);
 }
 
-void hf_load(struct dg_hf *self, bool mounted)
+void dg_hf_load(struct dg_hf *self, bool mounted)
 {
     uint8_t bytes[HF_LABEL_SIZE];
 

@@ -55,11 +55,11 @@ static uint16_t blocks_used(const struct fields *fields, uint8_t n)
 /* A table that passes its sum but cannot be true was not written by this device. */
 static enum dg_hf_status load_fields(struct dg_hf *self, struct fields *fields)
 {
-    if (hf_get(self, DG_HF_REGION_FIELDS, fields) != DG_HF_NO_ERROR) {
+    if (dg_hf_get(self, DG_HF_REGION_FIELDS, fields) != DG_HF_NO_ERROR) {
         return DG_HF_I2C;
     }
     if (fields->count > HF_FIELDS_MAX || blocks_used(fields, fields->count) > self->blocks) {
-        return hf_corrupt(self);
+        return dg_hf_corrupt(self);
     }
     return DG_HF_NO_ERROR;
 }
@@ -107,7 +107,7 @@ static enum dg_hf_status load_content(struct dg_hf *self, const struct field *fi
         return DG_HF_I2C;
     }
     return dg_crc16(SUM_SEED, to, field->size) == dg_load_be16(sum) ? DG_HF_NO_ERROR
-                                                                    : hf_corrupt(self);
+                                                                    : dg_hf_corrupt(self);
 }
 
 /* Add the sum of `content` to the open commit. */
@@ -137,7 +137,7 @@ static enum dg_hf_status open_field(struct dg_hf *self, const uint8_t *data, str
     return DG_HF_NO_ERROR;
 }
 
-enum dg_hf_status hf_read_data(struct dg_hf *self, struct hf_request *rq)
+enum dg_hf_status dg_hf_read_data(struct dg_hf *self, struct hf_request *rq)
 {
     uint8_t content[FIELD_MAX];
     struct field field;
@@ -147,7 +147,7 @@ enum dg_hf_status hf_read_data(struct dg_hf *self, struct hf_request *rq)
         return status;
     }
     if (field.number == HF_LABEL) {
-        status = hf_get(self, DG_HF_REGION_LABEL, content);
+        status = dg_hf_get(self, DG_HF_REGION_LABEL, content);
     } else {
         status = load_content(self, &field, content);
     }
@@ -156,7 +156,7 @@ enum dg_hf_status hf_read_data(struct dg_hf *self, struct hf_request *rq)
     return status;
 }
 
-enum dg_hf_status hf_save_data(struct dg_hf *self, struct hf_request *rq)
+enum dg_hf_status dg_hf_save_data(struct dg_hf *self, struct hf_request *rq)
 {
     uint8_t content[FIELD_MAX];
     struct field field;
@@ -177,10 +177,10 @@ enum dg_hf_status hf_save_data(struct dg_hf *self, struct hf_request *rq)
     (void)dg_store_stage(&self->store, DG_HF_REGION_USER, (uint16_t)(field.start + rq->data[1]),
                          &rq->data[4], rq->data[2]);
     dg_write_bytes(&rq->reply, rq->data, 3);
-    return hf_io(dg_store_commit(&self->store));
+    return dg_hf_io(dg_store_commit(&self->store));
 }
 
-enum dg_hf_status hf_field_status(struct dg_hf *self, struct hf_request *rq)
+enum dg_hf_status dg_hf_field_status(struct dg_hf *self, struct hf_request *rq)
 {
     struct field field = {0};
     enum dg_hf_status status = find(self, rq->data[0], &field);
@@ -199,7 +199,7 @@ static enum dg_hf_status commit_fields(struct dg_hf *self, const struct fields *
     if (field != NULL) {
         (void)stage_sum(self, field, content);
     }
-    return hf_io(dg_store_commit(&self->store));
+    return dg_hf_io(dg_store_commit(&self->store));
 }
 
 /* Give the last field (new, or so far `kept` bytes long) its status; added bytes read FFh. The
@@ -225,8 +225,8 @@ static enum dg_hf_status resize(struct dg_hf *self, struct fields *fields, uint8
     if (field.start + field.size > self->blocks * HF_BLOCK) {
         return DG_HF_FIELD_SIZE;
     }
-    result = hf_io(dg_store_put(&self->store, DG_HF_REGION_USER, (uint16_t)(field.start + kept),
-                                &content[kept], (uint16_t)(field.size - kept)));
+    result = dg_hf_io(dg_store_put(&self->store, DG_HF_REGION_USER, (uint16_t)(field.start + kept),
+                                   &content[kept], (uint16_t)(field.size - kept)));
     if (result != DG_HF_NO_ERROR) {
         return result;
     }
@@ -283,7 +283,7 @@ static enum dg_hf_status create(struct dg_hf *self, struct fields *fields, const
     return resize(self, fields, data[1], 0);
 }
 
-enum dg_hf_status hf_create_field(struct dg_hf *self, struct hf_request *rq)
+enum dg_hf_status dg_hf_create_field(struct dg_hf *self, struct hf_request *rq)
 {
     struct fields fields;
     enum dg_hf_status status = load_fields(self, &fields);
@@ -296,7 +296,7 @@ enum dg_hf_status hf_create_field(struct dg_hf *self, struct hf_request *rq)
                                       : create(self, &fields, rq->data);
 }
 
-enum dg_hf_status hf_available_memory(struct dg_hf *self, struct hf_request *rq)
+enum dg_hf_status dg_hf_available_memory(struct dg_hf *self, struct hf_request *rq)
 {
     struct fields fields;
     enum dg_hf_status status = load_fields(self, &fields);

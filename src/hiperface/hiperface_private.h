@@ -64,46 +64,46 @@ struct hf_command {
 };
 
 /** command.c: the table, and everything between a frame and its handler (R8). */
-extern const struct hf_command hf_commands[];
-extern const uint8_t hf_command_count;
-/** Row of a code, or hf_command_count. */
-uint8_t hf_command_find(uint8_t code);
+extern const struct hf_command dg_hf_commands[];
+extern const uint8_t dg_hf_command_count;
+/** Row of a code, or dg_hf_command_count. */
+uint8_t dg_hf_command_find(uint8_t code);
 /** The protocol group's verdict on the frame in `self`, which is complete now. */
-void hf_check(struct dg_hf *self);
+void dg_hf_check_frame(struct dg_hf *self);
 /** Execute the frame in `self`, which was checked, and send the reply. */
-void hf_answer(struct dg_hf *self, dg_ns now);
+void dg_hf_answer(struct dg_hf *self, dg_ns now);
 
 /** status.c */
-void hf_push(struct dg_hf *self, enum dg_hf_status status);
+void dg_hf_push(struct dg_hf *self, enum dg_hf_status status);
 /** A damaged data field in operation: saved with 06h, writing is locked (R24). Always 03h. */
-enum dg_hf_status hf_corrupt(struct dg_hf *self);
-void hf_start_up_checks(struct dg_hf *self);
-void hf_monitor(struct dg_hf *self);
+enum dg_hf_status dg_hf_corrupt(struct dg_hf *self);
+void dg_hf_start_up_checks(struct dg_hf *self);
+void dg_hf_monitor(struct dg_hf *self);
 /** The wire's view of a result of the store. */
-enum dg_hf_status hf_io(int result);
+enum dg_hf_status dg_hf_io(int result);
 /** Read a whole region, whether it is in order or not. */
-enum dg_hf_status hf_get(struct dg_hf *self, enum dg_hf_region region, void *to);
+enum dg_hf_status dg_hf_get(struct dg_hf *self, enum dg_hf_region region, void *to);
 /** Write a whole region, durably. */
-enum dg_hf_status hf_put(struct dg_hf *self, enum dg_hf_region region, const void *from);
+enum dg_hf_status dg_hf_put(struct dg_hf *self, enum dg_hf_region region, const void *from);
 
 /** factory.c */
 /** Mount the EEPROM, grown when it is of an earlier release. @return as dg_store_mount() */
-int hf_mount(struct dg_store *self, const struct dg_hf_model *model, struct dg_nvm nvm);
+int dg_hf_mount(struct dg_store *self, const struct dg_hf_model *model, struct dg_nvm nvm);
 /** As dg_stack.differs. */
-const char *hf_differs(const struct dg_hf_model *model, struct dg_store *store);
+const char *dg_hf_differs(const struct dg_hf_model *model, struct dg_store *store);
 /** As dg_stack.serial. */
-int64_t hf_serial(struct dg_store *store);
-int hf_model_check(const struct dg_hf_model *model);
+int64_t dg_hf_serial(struct dg_store *store);
+int dg_hf_model_check(const struct dg_hf_model *model);
 /** Working copy from the model, then from every region that is in order. */
-void hf_load(struct dg_hf *self, bool mounted);
+void dg_hf_load(struct dg_hf *self, bool mounted);
 
 /** Handlers, by file. */
-hf_handler hf_read_position, hf_set_position, hf_set_synchronous;        /* position.c */
-hf_handler hf_read_data, hf_save_data, hf_field_status, hf_create_field; /* field.c */
-hf_handler hf_available_memory;
-hf_handler hf_read_status;                                                 /* status.c */
-hf_handler hf_read_analog, hf_read_counter, hf_count_up, hf_erase_counter; /* unit.c */
-hf_handler hf_modify_key, hf_read_type_label, hf_assign_address, hf_read_serial;
-hf_handler hf_configure_uart;
+hf_handler dg_hf_read_position, dg_hf_set_position, dg_hf_set_synchronous; /* position.c */
+hf_handler dg_hf_read_data, dg_hf_save_data, dg_hf_field_status, dg_hf_create_field; /* field.c */
+hf_handler dg_hf_available_memory;
+hf_handler dg_hf_read_status; /* status.c */
+hf_handler dg_hf_read_analog, dg_hf_read_counter, dg_hf_count_up, dg_hf_erase_counter; /* unit.c */
+hf_handler dg_hf_modify_key, dg_hf_read_type_label, dg_hf_assign_address, dg_hf_read_serial;
+hf_handler dg_hf_configure_uart;
 
 #endif

@@ -71,18 +71,18 @@ static int start(struct dg_hf *self)
     self->locks = 0;
     self->monitors = 0;
     if (self->setup.world->eeprom_acknowledges) {
-        result = hf_mount(&self->store, self->setup.model, self->setup.nvm);
+        result = dg_hf_mount(&self->store, self->setup.model, self->setup.nvm);
     }
-    hf_load(self, result == DG_OK);
+    dg_hf_load(self, result == DG_OK);
     if (result == DG_OK && self->store.failures > 0) {
         result = DG_ERR_IO; /* mounted, then silent: no mixture of memory and model */
-        hf_load(self, false);
+        dg_hf_load(self, false);
     }
     if (result == DG_OK) {
-        hf_start_up_checks(self);
+        dg_hf_start_up_checks(self);
     } else {
         self->locks = HF_LOCK_POSITION | HF_LOCK_EEPROM;
-        hf_push(self, DG_HF_I2C);
+        dg_hf_push(self, DG_HF_I2C);
     }
     return result;
 }
@@ -93,7 +93,7 @@ int dg_hf_init(struct dg_hf *self, const struct dg_hf_setup *setup)
         setup->nvm.ops == NULL || setup->ops == NULL || setup->ops->tx == NULL) {
         return DG_ERR_ARGUMENT;
     }
-    if (hf_model_check(setup->model) != DG_OK) {
+    if (dg_hf_model_check(setup->model) != DG_OK) {
         return DG_ERR_ARGUMENT;
     }
     *self = (struct dg_hf){.setup = *setup, .deadline = DG_NEVER, .window_end = DG_NEVER};
@@ -149,9 +149,9 @@ static void end_of_frame(struct dg_hf *self, dg_ns moment)
 {
     dg_ns reaction = self->setup.model->reaction;
 
-    hf_check(self);
+    dg_hf_check_frame(self);
     const struct hf_command *row =
-        self->command < hf_command_count ? &hf_commands[self->command] : NULL;
+        self->command < dg_hf_command_count ? &dg_hf_commands[self->command] : NULL;
     self->counters.frames++;
     notice(self);
     if (self->verdict == DG_HF_NO_ERROR && row != NULL && row->handler == NULL) {
@@ -207,7 +207,7 @@ static void act(struct dg_hf *self, dg_ns now)
         end_of_frame(self, moment);
         break;
     case DG_HF_REPLY:
-        hf_answer(self, now);
+        dg_hf_answer(self, now);
         after_reply(self, now);
         break;
     case DG_HF_SKIP:
@@ -232,7 +232,7 @@ dg_ns dg_hf_step(struct dg_hf *self, dg_ns now)
         next = next_deadline(self);
     }
     if (self->line != DG_HF_OFF && self->line != DG_HF_DEAF) {
-        hf_monitor(self);
+        dg_hf_monitor(self);
     }
     return next;
 }

@@ -73,14 +73,14 @@ static enum dg_hf_status faults(struct dg_hf *self, unsigned present)
         if ((present & 1u) != 0 && first == DG_HF_NO_ERROR) {
             first = (enum dg_hf_status)status;
         } else if ((present & 1u) != 0) {
-            hf_push(self, (enum dg_hf_status)status);
+            dg_hf_push(self, (enum dg_hf_status)status);
         }
         status++;
     }
     return first;
 }
 
-enum dg_hf_status hf_read_position(struct dg_hf *self, struct hf_request *rq)
+enum dg_hf_status dg_hf_read_position(struct dg_hf *self, struct hf_request *rq)
 {
     const int32_t limit = self->speed_max_rpm * 1000;
     dg_angle angle;
@@ -96,7 +96,7 @@ static enum dg_hf_status store_offset(struct dg_hf *self, uint32_t offset)
     uint8_t bytes[4];
 
     dg_store_be32(bytes, offset);
-    enum dg_hf_status status = hf_put(self, DG_HF_REGION_OFFSET, bytes);
+    enum dg_hf_status status = dg_hf_put(self, DG_HF_REGION_OFFSET, bytes);
     if (status == DG_HF_NO_ERROR) {
         self->offset = offset;
     }
@@ -117,7 +117,7 @@ static enum dg_hf_status wanted_offset(struct dg_hf *self, const struct hf_reque
     return faults(self, causes(self, false));
 }
 
-enum dg_hf_status hf_set_position(struct dg_hf *self, struct hf_request *rq)
+enum dg_hf_status dg_hf_set_position(struct dg_hf *self, struct hf_request *rq)
 {
     uint32_t offset = 0;
     enum dg_hf_status status = wanted_offset(self, rq, &offset);
@@ -125,7 +125,7 @@ enum dg_hf_status hf_set_position(struct dg_hf *self, struct hf_request *rq)
     return status == DG_HF_NO_ERROR ? store_offset(self, offset) : status;
 }
 
-enum dg_hf_status hf_set_synchronous(struct dg_hf *self, struct hf_request *rq)
+enum dg_hf_status dg_hf_set_synchronous(struct dg_hf *self, struct hf_request *rq)
 {
     uint32_t offset = 0;
     enum dg_hf_status status = wanted_offset(self, rq, &offset);

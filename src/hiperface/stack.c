@@ -28,7 +28,7 @@ static bool senses_multiturn(const void *model)
 
 static int mount(const struct dg_stack_setup *setup, struct dg_store *store)
 {
-    return hf_mount(store, setup->model, setup->nvm);
+    return dg_hf_mount(store, setup->model, setup->nvm);
 }
 
 static int format(const struct dg_stack_setup *setup)
@@ -51,7 +51,7 @@ static int format(const struct dg_stack_setup *setup)
 
 static const char *differs(const struct dg_stack_setup *setup, struct dg_store *store)
 {
-    return hf_differs(setup->model, store);
+    return dg_hf_differs(setup->model, store);
 }
 
 DG_STACK_FORWARD(dg_hf);
@@ -87,7 +87,7 @@ const struct dg_stack dg_hf_stack = {
     .device_size = sizeof(struct dg_hf),
     .mount = mount,
     .differs = differs,
-    .serial = hf_serial,
+    .serial = dg_hf_serial,
     DG_STACK_OPERATIONS,
 };
 

@@ -7,7 +7,7 @@
 #include "hiperface_private.h"
 
 /* A code that is waiting already is not entered again; the oldest gives way (5.1.2.13, R9). */
-void hf_push(struct dg_hf *self, enum dg_hf_status status)
+void dg_hf_push(struct dg_hf *self, enum dg_hf_status status)
 {
     for (uint8_t i = 0; i < self->stack_count; i++) {
         if (self->stack[i] == (uint8_t)status) {
@@ -21,7 +21,7 @@ void hf_push(struct dg_hf *self, enum dg_hf_status status)
     self->stack[self->stack_count++] = (uint8_t)status;
 }
 
-enum dg_hf_status hf_read_status(struct dg_hf *self, struct hf_request *rq)
+enum dg_hf_status dg_hf_read_status(struct dg_hf *self, struct hf_request *rq)
 {
     uint8_t oldest = DG_HF_NO_ERROR;
 
@@ -34,28 +34,28 @@ enum dg_hf_status hf_read_status(struct dg_hf *self, struct hf_request *rq)
     return DG_HF_NO_ERROR;
 }
 
-enum dg_hf_status hf_io(int result)
+enum dg_hf_status dg_hf_io(int result)
 {
     return result == DG_OK ? DG_HF_NO_ERROR : DG_HF_I2C;
 }
 
-enum dg_hf_status hf_get(struct dg_hf *self, enum dg_hf_region region, void *to)
+enum dg_hf_status dg_hf_get(struct dg_hf *self, enum dg_hf_region region, void *to)
 {
     uint16_t size = dg_hf_layout.regions[region].size;
 
-    return hf_io(dg_store_read(&self->store, (uint8_t)region, 0, to, size));
+    return dg_hf_io(dg_store_read(&self->store, (uint8_t)region, 0, to, size));
 }
 
-enum dg_hf_status hf_put(struct dg_hf *self, enum dg_hf_region region, const void *from)
+enum dg_hf_status dg_hf_put(struct dg_hf *self, enum dg_hf_region region, const void *from)
 {
     uint16_t size = dg_hf_layout.regions[region].size;
 
-    return hf_io(dg_store_put(&self->store, (uint8_t)region, 0, from, size));
+    return dg_hf_io(dg_store_put(&self->store, (uint8_t)region, 0, from, size));
 }
 
 /* Every damaged region: its own code, then 06h; and what it locks besides what 06h does. Of the
  * regions with 03h each locks the commands that are about it (R25). */
-void hf_start_up_checks(struct dg_hf *self)
+void dg_hf_start_up_checks(struct dg_hf *self)
 {
     static const uint8_t locks[DG_HF_REGION_COUNT] = {
         [DG_HF_REGION_RESOLUTION] = HF_LOCK_POSITION, [DG_HF_REGION_CALIBRATION] = HF_LOCK_POSITION,
@@ -68,17 +68,17 @@ void hf_start_up_checks(struct dg_hf *self)
 
     for (uint8_t region = 0; region < DG_HF_REGION_COUNT; region++) {
         if (dg_store_damaged(&self->store, region)) {
-            hf_push(self, (enum dg_hf_status)dg_hf_layout.regions[region].startup_code);
-            hf_push(self, DG_HF_CHECKSUM_INTERNAL);
+            dg_hf_push(self, (enum dg_hf_status)dg_hf_layout.regions[region].startup_code);
+            dg_hf_push(self, DG_HF_CHECKSUM_INTERNAL);
             self->locks |= (uint8_t)(HF_LOCK_CHECKSUM | locks[region]);
         }
     }
 }
 
-enum dg_hf_status hf_corrupt(struct dg_hf *self)
+enum dg_hf_status dg_hf_corrupt(struct dg_hf *self)
 {
-    hf_push(self, DG_HF_PARTITION);
-    hf_push(self, DG_HF_CHECKSUM_INTERNAL);
+    dg_hf_push(self, DG_HF_PARTITION);
+    dg_hf_push(self, DG_HF_CHECKSUM_INTERNAL);
     self->locks |= HF_LOCK_WRITE;
     return DG_HF_PARTITION;
 }
@@ -87,13 +87,13 @@ enum dg_hf_status hf_corrupt(struct dg_hf *self)
 static void watch(struct dg_hf *self, uint8_t bit, bool out, enum dg_hf_status status)
 {
     if (out && (self->monitors & bit) == 0) {
-        hf_push(self, status);
+        dg_hf_push(self, status);
     }
     self->monitors = (uint8_t)(out ? self->monitors | bit : self->monitors & ~bit);
 }
 
 /* Group 'Others'. */
-void hf_monitor(struct dg_hf *self)
+void dg_hf_monitor(struct dg_hf *self)
 {
     const struct dg_world *world = self->setup.world;
     const int32_t mdegc = world->temperature_mdegc;

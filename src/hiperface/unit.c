@@ -43,7 +43,7 @@ static uint16_t vector_length(const struct dg_hf *self, dg_ns now)
     return (uint16_t)((dg_isqrt((uint64_t)(sin_uv * sin_uv + cos_uv * cos_uv)) + 250u) / 500u);
 }
 
-enum dg_hf_status hf_read_analog(struct dg_hf *self, struct hf_request *rq)
+enum dg_hf_status dg_hf_read_analog(struct dg_hf *self, struct hf_request *rq)
 {
     static uint16_t (*const sources[])(const struct dg_hf *, dg_ns) = {
         temperature_degc,
@@ -64,7 +64,7 @@ enum dg_hf_status hf_read_analog(struct dg_hf *self, struct hf_request *rq)
 static enum dg_hf_status load_counter(struct dg_hf *self, uint32_t *out)
 {
     uint8_t bytes[3] = {0};
-    enum dg_hf_status status = hf_get(self, DG_HF_REGION_COUNTER, bytes);
+    enum dg_hf_status status = dg_hf_get(self, DG_HF_REGION_COUNTER, bytes);
 
     *out = dg_load_be24(bytes);
     return status;
@@ -75,10 +75,10 @@ static enum dg_hf_status store_counter(struct dg_hf *self, uint32_t value)
     uint8_t bytes[3];
 
     dg_store_be24(bytes, value);
-    return hf_put(self, DG_HF_REGION_COUNTER, bytes);
+    return dg_hf_put(self, DG_HF_REGION_COUNTER, bytes);
 }
 
-enum dg_hf_status hf_read_counter(struct dg_hf *self, struct hf_request *rq)
+enum dg_hf_status dg_hf_read_counter(struct dg_hf *self, struct hf_request *rq)
 {
     uint32_t counter;
     enum dg_hf_status status = load_counter(self, &counter);
@@ -87,7 +87,7 @@ enum dg_hf_status hf_read_counter(struct dg_hf *self, struct hf_request *rq)
     return status;
 }
 
-enum dg_hf_status hf_count_up(struct dg_hf *self, struct hf_request *rq)
+enum dg_hf_status dg_hf_count_up(struct dg_hf *self, struct hf_request *rq)
 {
     uint32_t counter;
     enum dg_hf_status status = load_counter(self, &counter);
@@ -97,19 +97,19 @@ enum dg_hf_status hf_count_up(struct dg_hf *self, struct hf_request *rq)
         return status;
     }
     if (counter == COUNTER_MAX) {
-        hf_push(self, DG_HF_COUNTER); /* R17 */
+        dg_hf_push(self, DG_HF_COUNTER); /* R17 */
         return DG_HF_COUNTER;
     }
     return store_counter(self, counter + 1u);
 }
 
-enum dg_hf_status hf_erase_counter(struct dg_hf *self, struct hf_request *rq)
+enum dg_hf_status dg_hf_erase_counter(struct dg_hf *self, struct hf_request *rq)
 {
     (void)rq;
     return store_counter(self, 0);
 }
 
-enum dg_hf_status hf_modify_key(struct dg_hf *self, struct hf_request *rq)
+enum dg_hf_status dg_hf_modify_key(struct dg_hf *self, struct hf_request *rq)
 {
     uint8_t number = rq->data[0];
     uint8_t codes[sizeof self->codes];
@@ -123,7 +123,7 @@ enum dg_hf_status hf_modify_key(struct dg_hf *self, struct hf_request *rq)
     for (uint8_t i = 0; i < sizeof codes; i++) {
         codes[i] = i == number ? rq->data[2] : self->codes[i];
     }
-    enum dg_hf_status status = hf_put(self, DG_HF_REGION_CODES, codes);
+    enum dg_hf_status status = dg_hf_put(self, DG_HF_REGION_CODES, codes);
     if (status == DG_HF_NO_ERROR) {
         self->codes[number] = rq->data[2];
     }
@@ -131,10 +131,10 @@ enum dg_hf_status hf_modify_key(struct dg_hf *self, struct hf_request *rq)
     return status;
 }
 
-enum dg_hf_status hf_read_type_label(struct dg_hf *self, struct hf_request *rq)
+enum dg_hf_status dg_hf_read_type_label(struct dg_hf *self, struct hf_request *rq)
 {
     uint8_t type[TYPE_SIZE] = {0};
-    enum dg_hf_status status = hf_get(self, DG_HF_REGION_TYPE, type);
+    enum dg_hf_status status = dg_hf_get(self, DG_HF_REGION_TYPE, type);
 
     dg_write_u8(&rq->reply, self->uart_stored);
     dg_write_u8(&rq->reply, type[TYPE_CODE]);
@@ -143,10 +143,10 @@ enum dg_hf_status hf_read_type_label(struct dg_hf *self, struct hf_request *rq)
     return status;
 }
 
-enum dg_hf_status hf_read_serial(struct dg_hf *self, struct hf_request *rq)
+enum dg_hf_status dg_hf_read_serial(struct dg_hf *self, struct hf_request *rq)
 {
     uint8_t type[TYPE_SIZE] = {0};
-    enum dg_hf_status status = hf_get(self, DG_HF_REGION_TYPE, type);
+    enum dg_hf_status status = dg_hf_get(self, DG_HF_REGION_TYPE, type);
 
     type[SERIAL_TEXT + VERSION_LAST] = 0;
     dg_write_bytes(&rq->reply, &type[SERIAL_TEXT], SERIAL_TEXT_SIZE);
@@ -157,7 +157,7 @@ enum dg_hf_status hf_read_serial(struct dg_hf *self, struct hf_request *rq)
 static enum dg_hf_status store_line(struct dg_hf *self, uint8_t uart, uint8_t address)
 {
     const uint8_t bytes[] = {uart, address};
-    enum dg_hf_status status = hf_put(self, DG_HF_REGION_UART, bytes);
+    enum dg_hf_status status = dg_hf_put(self, DG_HF_REGION_UART, bytes);
 
     if (status == DG_HF_NO_ERROR) {
         self->uart_stored = uart;
@@ -166,7 +166,7 @@ static enum dg_hf_status store_line(struct dg_hf *self, uint8_t uart, uint8_t ad
     return status;
 }
 
-enum dg_hf_status hf_assign_address(struct dg_hf *self, struct hf_request *rq)
+enum dg_hf_status dg_hf_assign_address(struct dg_hf *self, struct hf_request *rq)
 {
     uint8_t address = rq->data[0];
 
@@ -176,7 +176,7 @@ enum dg_hf_status hf_assign_address(struct dg_hf *self, struct hf_request *rq)
     return store_line(self, self->uart_stored, address);
 }
 
-enum dg_hf_status hf_configure_uart(struct dg_hf *self, struct hf_request *rq)
+enum dg_hf_status dg_hf_configure_uart(struct dg_hf *self, struct hf_request *rq)
 {
     uint8_t setting = rq->data[0];
     struct dg_hf_uart uart;

@@ -12,19 +12,19 @@ _Static_assert(_Alignof(struct dg_host) <= DG_HOST_ALIGN, "what host.h asks for 
 _Static_assert(_Alignof(max_align_t) <= DG_HOST_ALIGN, "also for devices, see stack.h");
 _Static_assert(offsetof(struct dg_host, line) == 0, "from a line to its handle");
 
-size_t host_round(size_t n)
+size_t dg_host_round(size_t n)
 {
     return (n + DG_HOST_ALIGN - 1u) / DG_HOST_ALIGN * DG_HOST_ALIGN;
 }
 
-struct host_parts host_parts_of(const struct dg_device *model, const struct dg_host_wire *wire)
+struct host_parts dg_host_parts_of(const struct dg_device *model, const struct dg_host_wire *wire)
 {
     const struct dg_store_layout *layout = model->stack->layout(model->model);
 
     return (struct host_parts){
-        .settings = host_round(wire->settings_size),
-        .device = host_round(model->stack->device_size),
-        .memory = layout != NULL ? host_round(dg_store_size(layout)) : 0,
+        .settings = dg_host_round(wire->settings_size),
+        .device = dg_host_round(model->stack->device_size),
+        .memory = layout != NULL ? dg_host_round(dg_store_size(layout)) : 0,
     };
 }
 
@@ -33,8 +33,8 @@ size_t dg_host_size(const struct dg_device *model, const struct dg_host_wire *wi
     if (model->stack != wire->stack) {
         return 0;
     }
-    const struct host_parts parts = host_parts_of(model, wire);
-    return host_round(sizeof(struct dg_host)) + parts.settings + parts.device + parts.memory;
+    const struct host_parts parts = dg_host_parts_of(model, wire);
+    return dg_host_round(sizeof(struct dg_host)) + parts.settings + parts.device + parts.memory;
 }
 
 struct dg_host *dg_host_init(void *memory, size_t size, const struct dg_device *model,
@@ -47,9 +47,9 @@ struct dg_host *dg_host_init(void *memory, size_t size, const struct dg_device *
     if (memory == NULL || needed == 0 || size < needed || (uintptr_t)memory % DG_HOST_ALIGN != 0) {
         return NULL;
     }
-    const struct host_parts parts = host_parts_of(model, wire);
+    const struct host_parts parts = dg_host_parts_of(model, wire);
     memset(memory, 0, needed);
-    behind += host_round(sizeof *self);
+    behind += dg_host_round(sizeof *self);
     self->line.settings = behind;
     self->line.device = behind + parts.settings;
     self->memory = behind + parts.settings + parts.device;
@@ -58,7 +58,7 @@ struct dg_host *dg_host_init(void *memory, size_t size, const struct dg_device *
     self->wire = wire;
     self->deadline = DG_NEVER;
     dg_world_init(&self->world);
-    self->world.angle = host_angle;
+    self->world.angle = dg_host_sense_angle;
     self->world.angle_ctx = self;
     if (wire->furnish != NULL) {
         wire->furnish(self->line.settings, model);
@@ -109,7 +109,7 @@ static int write_own(void *ctx, uint32_t address, const void *from, size_t n)
 
 static const struct dg_nvm_ops own_memory = {.read = read_own, .write = write_own};
 
-struct dg_stack_setup host_setup(struct dg_host *self)
+struct dg_stack_setup dg_host_setup(struct dg_host *self)
 {
     struct dg_stack_setup setup = {
         .model = self->line.settings, .world = &self->world, .nvm = self->nvm, .ctx = &self->line};
@@ -191,7 +191,7 @@ static int format(struct dg_host *self, const struct dg_stack_setup *setup)
 
 static int make(struct dg_host *self)
 {
-    const struct dg_stack_setup setup = host_setup(self);
+    const struct dg_stack_setup setup = dg_host_setup(self);
     const int result = format(self, &setup);
 
     if (result != DG_OK) {
@@ -205,7 +205,7 @@ int dg_host_power(struct dg_host *self, uint64_t now, bool on)
     const struct dg_stack *stack = self->device->stack;
     int result = DG_OK;
 
-    host_run(self, now);
+    dg_host_run(self, now);
     if (!self->made && on) {
         result = make(self);
         self->made = result == DG_OK;
@@ -219,8 +219,8 @@ int dg_host_power(struct dg_host *self, uint64_t now, bool on)
     } else {
         stack->power_off(self->line.device);
     }
-    host_run(self, now);
-    host_look(self);
+    dg_host_run(self, now);
+    dg_host_look(self);
     return result;
 }
 

@@ -63,27 +63,27 @@ struct dg_host {
 };
 
 /** handle.c */
-size_t host_round(size_t n);
+size_t dg_host_round(size_t n);
 /** Sizes of what stands behind a handle of this model. */
 struct host_parts {
     size_t settings;
     size_t device;
     size_t memory;
 };
-struct host_parts host_parts_of(const struct dg_device *model, const struct dg_host_wire *wire);
+struct host_parts dg_host_parts_of(const struct dg_device *model, const struct dg_host_wire *wire);
 /** What the device is made of. */
-struct dg_stack_setup host_setup(struct dg_host *self);
+struct dg_stack_setup dg_host_setup(struct dg_host *self);
 
 /** physics.c: the world's angle. */
-dg_angle host_angle(void *ctx, dg_ns now);
+dg_angle dg_host_sense_angle(void *ctx, dg_ns now);
 /** Sit on a shaft; NULL: on the own one. */
-void host_sit(struct dg_host *self, void *shaft, dg_angle (*angle_of)(void *shaft, dg_ns at));
+void dg_host_sit(struct dg_host *self, void *shaft, dg_angle (*angle_of)(void *shaft, dg_ns at));
 
 /** time.c: whatever is due up to `now` happens, and what the host changed is looked at. */
-void host_run(struct dg_host *self, dg_ns now);
+void dg_host_run(struct dg_host *self, dg_ns now);
 /** Of wires that say no more: whether `event` is an edge. @return as dg_host_wire.check */
-int host_check_edge(const struct dg_host_event *event);
+int dg_host_check_edge(const struct dg_host_event *event);
 /** The line may have another level than was told. */
-void host_look(struct dg_host *self);
+void dg_host_look(struct dg_host *self);
 
 #endif

@@ -203,7 +203,7 @@ static void changed(struct dg_rig *rig, struct dg_encoder *encoder, dg_ns now)
 
     (void)encoder;
     follow_controller(self);
-    host_run(self->host, now);
+    dg_host_run(self->host, now);
 }
 
 static const char *wire(struct dg_rig *rig, const struct dg_encoder *encoder)
@@ -228,7 +228,7 @@ static void collect(void *ctx, const char *bytes, size_t n)
 
 size_t dg_host_panel_size(void)
 {
-    return host_round(sizeof(struct dg_host_panel));
+    return dg_host_round(sizeof(struct dg_host_panel));
 }
 
 static void build(struct dg_host_panel *self)
@@ -242,7 +242,7 @@ static void build(struct dg_host_panel *self)
         .device = host->line.device,
         .world = &host->world,
         .shaft = &self->shaft,
-        .nvm = host_setup(host).nvm,
+        .nvm = dg_host_setup(host).nvm,
     };
     self->shaft.name = "shaft";
     self->encoders[0] = &self->encoder;
@@ -337,10 +337,10 @@ int dg_host_fault_set(struct dg_host_panel *self, uint64_t now, const char *name
     if (index < 0) {
         return DG_HOST_ERR_NAME;
     }
-    host_run(self->host, now);
+    dg_host_run(self->host, now);
     const int result = set(self, &target, (size_t)index, on);
     follow_controller(self);
-    host_run(self->host, now);
+    dg_host_run(self->host, now);
     return result;
 }
 
@@ -395,9 +395,9 @@ uint64_t dg_host_panel_step(struct dg_host_panel *self, uint64_t now)
 
     follow_controller(self);
     while (faults <= now && faults > self->host->line.now) {
-        host_run(self->host, faults);
+        dg_host_run(self->host, faults);
         faults = dg_rig_step(&self->rig, faults);
     }
-    host_run(self->host, now);
+    dg_host_run(self->host, now);
     return dg_earliest(faults, dg_host_next(self->host));
 }

@@ -33,7 +33,7 @@ static dg_angle own_angle(const struct dg_host *self, dg_ns at)
     return angle_in(at < self->course.at ? &self->before : &self->course, at);
 }
 
-dg_angle host_angle(void *ctx, dg_ns now)
+dg_angle dg_host_sense_angle(void *ctx, dg_ns now)
 {
     const struct dg_host *self = ctx;
 
@@ -47,20 +47,20 @@ int64_t dg_host_angle(const struct dg_host *self, uint64_t at)
 
 void dg_host_shaft(struct dg_host *self, uint64_t now, int64_t angle, int64_t rate)
 {
-    host_run(self, now);
+    dg_host_run(self, now);
     now = self->line.now;
     if (self->course.at != now) {
         self->before = self->course;
     }
     self->course = (struct host_course){now, angle, rate};
-    host_run(self, now);
+    dg_host_run(self, now);
 }
 
-void host_sit(struct dg_host *self, void *shaft, dg_angle (*angle_of)(void *shaft, dg_ns at))
+void dg_host_sit(struct dg_host *self, void *shaft, dg_angle (*angle_of)(void *shaft, dg_ns at))
 {
     self->shaft = shaft;
     self->angle_of = shaft != NULL ? angle_of : NULL;
-    host_run(self, self->line.now);
+    dg_host_run(self, self->line.now);
 }
 
 /* Of another handle. */
@@ -75,6 +75,6 @@ int dg_host_share(struct dg_host *self, struct dg_host *other)
         return DG_HOST_ERR_ARGUMENT;
     }
     const bool alone = other == NULL || other == self;
-    host_sit(self, alone ? NULL : other, of_other);
+    dg_host_sit(self, alone ? NULL : other, of_other);
     return DG_HOST_OK;
 }

@@ -99,7 +99,7 @@ int dg_host_set(struct dg_host *self, const char *name, const char *value)
     const int result =
         dg_key_set(key, list == WORLD ? (void *)&self->world : self->line.settings, value);
     if (result == DG_OK && list == WORLD) {
-        host_run(self, self->line.now);
+        dg_host_run(self, self->line.now);
     }
     return result;
 }
@@ -136,9 +136,9 @@ int dg_host_world_set(struct dg_host *self, uint64_t now, const char *name, int6
     if (value < row->min || value > row->max) {
         return DG_HOST_ERR_ARGUMENT;
     }
-    host_run(self, now);
+    dg_host_run(self, now);
     dg_quantity_set(row, &self->world, value);
-    host_run(self, now);
+    dg_host_run(self, now);
     return DG_HOST_OK;
 }
 

@@ -8,5 +8,5 @@
 
 void dg_host_shaft_of(struct dg_host *self, struct dg_shaft *shaft)
 {
-    host_sit(self, shaft, dg_shaft_angle);
+    dg_host_sit(self, shaft, dg_shaft_angle);
 }

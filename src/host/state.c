@@ -37,7 +37,7 @@ struct header {
 
 static struct header header_of(const struct dg_host *self)
 {
-    const struct host_parts parts = host_parts_of(self->device, self->wire);
+    const struct host_parts parts = dg_host_parts_of(self->device, self->wire);
     struct header header = {
         .order = ORDER,
         .pointer = sizeof(void *),
@@ -101,7 +101,7 @@ static void take_pointers(struct dg_host *self, const struct dg_host *from)
     self->faults_ctx = from->faults_ctx;
     self->nvm = from->nvm;
     self->memory = from->memory;
-    self->world.angle = host_angle;
+    self->world.angle = dg_host_sense_angle;
     self->world.angle_ctx = self;
 }
 
@@ -118,7 +118,7 @@ static void detach(struct dg_host *self)
 
 static void attach(struct dg_host *self)
 {
-    const struct dg_stack_setup setup = host_setup(self);
+    const struct dg_stack_setup setup = dg_host_setup(self);
 
     if (self->made) {
         self->device->stack->attach(self->line.device, &setup);
@@ -197,7 +197,7 @@ static int check_event(const struct dg_host_wire *wire, const struct dg_host_eve
     if (event->length > sizeof event->data) {
         return DG_HOST_ERR_ARGUMENT;
     }
-    return wire->check != NULL ? wire->check(event) : host_check_edge(event);
+    return wire->check != NULL ? wire->check(event) : dg_host_check_edge(event);
 }
 
 /* What waits for the device was sent by somebody; what waits for the host has its length. */
@@ -241,8 +241,8 @@ static bool handle_fits(const struct dg_host *self, const uint8_t *body)
 static bool is_sound(const struct dg_host *self, const uint8_t *body)
 {
     const struct dg_stack_check *check = self->wire->state;
-    const uint8_t *settings = body + host_round(sizeof *self);
-    const uint8_t *device = settings + host_parts_of(self->device, self->wire).settings;
+    const uint8_t *settings = body + dg_host_round(sizeof *self);
+    const uint8_t *device = settings + dg_host_parts_of(self->device, self->wire).settings;
 
     if (!handle_fits(self, body) || !all_hold(self->wire->keys, settings)) {
         return false;

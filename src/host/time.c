@@ -86,7 +86,7 @@ void dg_host_listen(struct dg_host *self, void (*heard)(void *, const struct dg_
     self->heard_ctx = ctx;
 }
 
-int host_check_edge(const struct dg_host_event *event)
+int dg_host_check_edge(const struct dg_host_event *event)
 {
     if (event->kind != DG_HOST_EDGE) {
         return DG_HOST_ERR_WIRE;
@@ -97,7 +97,7 @@ int host_check_edge(const struct dg_host_event *event)
 int dg_host_send(struct dg_host *self, const struct dg_host_event *event)
 {
     const int result =
-        self->wire->check != NULL ? self->wire->check(event) : host_check_edge(event);
+        self->wire->check != NULL ? self->wire->check(event) : dg_host_check_edge(event);
 
     if (result != DG_HOST_OK) {
         return result;
@@ -136,7 +136,7 @@ static bool seen(struct dg_host *self)
     return self->faults != NULL ? self->faults->bent(self->faults_ctx, raw) : raw;
 }
 
-void host_look(struct dg_host *self)
+void dg_host_look(struct dg_host *self)
 {
     struct dg_host_line *line = &self->line;
 
@@ -178,7 +178,7 @@ static void take_all(struct dg_host *self)
             self->line.part = 0;
             drop_head(&self->in);
         }
-        host_look(self);
+        dg_host_look(self);
     }
 }
 
@@ -187,10 +187,10 @@ static void serve(struct dg_host *self)
 {
     take_all(self);
     self->deadline = self->device->stack->step(self->line.device, self->line.now);
-    host_look(self);
+    dg_host_look(self);
 }
 
-void host_run(struct dg_host *self, dg_ns now)
+void dg_host_run(struct dg_host *self, dg_ns now)
 {
     dg_ns next = dg_host_next(self);
 
@@ -216,7 +216,7 @@ uint64_t dg_host_next(const struct dg_host *self)
 
 uint64_t dg_host_step(struct dg_host *self, uint64_t now)
 {
-    host_run(self, now);
+    dg_host_run(self, now);
     return dg_host_next(self);
 }
 
@@ -236,7 +236,7 @@ struct dg_host_line *dg_host_line_at(struct dg_host *self, const struct dg_host_
         *result = DG_HOST_ERR_WIRE;
         return NULL;
     }
-    host_run(self, now);
+    dg_host_run(self, now);
     *result = dg_host_powered(self) ? DG_HOST_OK : DG_HOST_ERR_STATE;
     return *result == DG_HOST_OK ? &self->line : NULL;
 }
@@ -255,7 +255,7 @@ int dg_host_clock(struct dg_host *self, uint64_t now, bool level)
     if (!self->made) {
         return DG_HOST_ERR_STATE;
     }
-    host_run(self, now);
+    dg_host_run(self, now);
     (void)self->wire->clock(&self->line, self->line.now, level);
     serve(self);
     return self->line.level ? 1 : 0;
@@ -269,10 +269,10 @@ int dg_host_behind(struct dg_host *self, uint64_t now, bool level)
     if (!self->made) {
         return DG_HOST_ERR_STATE;
     }
-    host_run(self, now);
+    dg_host_run(self, now);
     self->line.behind = level;
     self->line.chained = true;
-    host_look(self);
+    dg_host_look(self);
     return self->line.level ? 1 : 0;
 }
 

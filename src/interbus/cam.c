@@ -16,10 +16,10 @@ static bool is_on(const struct dg_ib_program *program, uint8_t cam, uint32_t pos
     return on <= off ? on <= position && position < off : position >= on || position < off;
 }
 
-uint32_t ib_cam_word(const struct dg_ib *self, dg_angle angle)
+uint32_t dg_ib_cam_word(const struct dg_ib *self, dg_angle angle)
 {
     const struct dg_ib_program *program = &self->program;
-    uint32_t position = ib_position(self, angle);
+    uint32_t position = dg_ib_position_at(self, angle);
     uint32_t given = program->mask & program->on_given & program->off_given;
     uint32_t cams = 0;
 
@@ -29,7 +29,7 @@ uint32_t ib_cam_word(const struct dg_ib *self, dg_angle angle)
     return (position >> self->shift_iw & SHIFTED_MASK) << 8 | (cams & given);
 }
 
-uint32_t ib_set_program(struct dg_ib *self, dg_ns now, uint32_t word)
+uint32_t dg_ib_set_program(struct dg_ib *self, dg_ns now, uint32_t word)
 {
     uint8_t number = word & 0xFu;
     uint8_t mode = number == 0 ? DG_IB_POSITION : (uint8_t)(DG_IB_CAM + number);
@@ -38,27 +38,27 @@ uint32_t ib_set_program(struct dg_ib *self, dg_ns now, uint32_t word)
     if (number > DG_IB_PROGRAMS) {
         return DG_IB_UNKNOWN_CODE;
     }
-    if (!ib_put_u8(self, DG_IB_REGION_MODE, mode)) {
+    if (!dg_ib_put_u8(self, DG_IB_REGION_MODE, mode)) {
         return DG_IB_LOST;
     }
     self->mode = mode;
     if (number > 0) {
         self->program_number = number;
-        ib_load_program(self, number, &self->program);
+        dg_ib_load_program(self, number, &self->program);
     }
     return word | IB_ANSWER_BITS;
 }
 
 static uint32_t replace(struct dg_ib *self, const struct dg_ib_program *program, uint32_t word)
 {
-    if (!ib_put_program(self, program)) {
+    if (!dg_ib_put_program(self, program)) {
         return DG_IB_LOST;
     }
     self->program = *program;
     return word | IB_ANSWER_BITS;
 }
 
-uint32_t ib_set_mask(struct dg_ib *self, dg_ns now, uint32_t word)
+uint32_t dg_ib_set_mask(struct dg_ib *self, dg_ns now, uint32_t word)
 {
     struct dg_ib_program program = self->program;
 
@@ -70,7 +70,7 @@ uint32_t ib_set_mask(struct dg_ib *self, dg_ns now, uint32_t word)
     return replace(self, &program, word);
 }
 
-uint32_t ib_set_edge(struct dg_ib *self, dg_ns now, uint32_t word)
+uint32_t dg_ib_set_edge(struct dg_ib *self, dg_ns now, uint32_t word)
 {
     struct dg_ib_program program = self->program;
     uint32_t cam = CAM_FIELD(word);
@@ -89,7 +89,7 @@ uint32_t ib_set_edge(struct dg_ib *self, dg_ns now, uint32_t word)
     return replace(self, &program, word);
 }
 
-uint32_t ib_set_shift_iw(struct dg_ib *self, dg_ns now, uint32_t word)
+uint32_t dg_ib_set_shift_iw(struct dg_ib *self, dg_ns now, uint32_t word)
 {
     uint8_t shift = (uint8_t)word;
 
@@ -97,21 +97,21 @@ uint32_t ib_set_shift_iw(struct dg_ib *self, dg_ns now, uint32_t word)
     if (shift > IB_SHIFT_IW_MAX) {
         return DG_IB_ILLEGAL_DATA;
     }
-    if (!ib_put_u8(self, DG_IB_REGION_SHIFT_IW, shift)) {
+    if (!dg_ib_put_u8(self, DG_IB_REGION_SHIFT_IW, shift)) {
         return DG_IB_LOST;
     }
     self->shift_iw = shift;
     return word | IB_ANSWER_BITS;
 }
 
-uint32_t ib_read_mask(struct dg_ib *self, dg_ns now, uint32_t word)
+uint32_t dg_ib_read_mask(struct dg_ib *self, dg_ns now, uint32_t word)
 {
     (void)now;
     (void)word;
     return DG_IB_READ_OUT | self->program.mask;
 }
 
-uint32_t ib_read_edge(struct dg_ib *self, dg_ns now, uint32_t word)
+uint32_t dg_ib_read_edge(struct dg_ib *self, dg_ns now, uint32_t word)
 {
     const uint32_t *edges = (word & READ_OFF) != 0 ? self->program.off : self->program.on;
     uint32_t cam = word & 0xFu;
@@ -120,7 +120,7 @@ uint32_t ib_read_edge(struct dg_ib *self, dg_ns now, uint32_t word)
     return cam < DG_IB_CAMS ? DG_IB_READ_OUT | edges[cam] : DG_IB_UNKNOWN_CODE;
 }
 
-uint32_t ib_read_shift_iw(struct dg_ib *self, dg_ns now, uint32_t word)
+uint32_t dg_ib_read_shift_iw(struct dg_ib *self, dg_ns now, uint32_t word)
 {
     (void)now;
     (void)word;

@@ -35,11 +35,11 @@ static bool fits(const void *own, const void *settings, const void *device)
 
     memcpy(&model, settings, sizeof model);
     memcpy(&self, device, sizeof self);
-    if (model.profile != mine->profile || ib_model_check(&model) != DG_OK) {
+    if (model.profile != mine->profile || dg_ib_model_check(&model) != DG_OK) {
         return false;
     }
     return model.profile == DG_IB_K3
-               ? !self.powered || ib_fits(&model, self.steps, self.revolutions)
+               ? !self.powered || dg_ib_fits(&model, self.steps, self.revolutions)
                : !self.mounted;
 }
 

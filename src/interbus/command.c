@@ -15,18 +15,18 @@ enum {
 #define DG_IB_COMMAND(mask, value, modes, at_once, pattern, name, handler, answer, errors)         \
     {mask, value, modes, at_once, handler},
 
-const struct ib_command ib_commands[] = {
+const struct ib_command dg_ib_commands[] = {
 #include "commands.def"
 };
 #undef DG_IB_COMMAND
-const uint8_t ib_command_count = DG_COUNT(ib_commands);
+const uint8_t dg_ib_command_count = DG_COUNT(dg_ib_commands);
 
-const struct ib_command *ib_command_find(const struct dg_ib *self, uint32_t word)
+const struct ib_command *dg_ib_command_find(const struct dg_ib *self, uint32_t word)
 {
     uint8_t mode = self->mode > DG_IB_CAM ? IB_IN_CAM : IB_IN_POSITION;
 
-    for (uint8_t i = 0; i < ib_command_count; i++) {
-        const struct ib_command *row = &ib_commands[i];
+    for (uint8_t i = 0; i < dg_ib_command_count; i++) {
+        const struct ib_command *row = &dg_ib_commands[i];
         if ((word & row->mask) == row->value && (row->modes & mode) != 0) {
             return row;
         }
@@ -40,14 +40,14 @@ static bool is_error(uint32_t word)
     return word >> 29 == 4 || word >> 25 == DG_IB_UNKNOWN_ITEM >> 25;
 }
 
-void ib_refuse(struct dg_ib *self, uint32_t word)
+void dg_ib_refuse(struct dg_ib *self, uint32_t word)
 {
     self->answer = word;
     self->last_error = word;
     self->counters.refused++;
 }
 
-void ib_sample(struct dg_ib *self, uint32_t out)
+void dg_ib_sample(struct dg_ib *self, uint32_t out)
 {
     bool rising = (out & ~self->out & IB_RELEASE) != 0;
 
@@ -60,7 +60,7 @@ void ib_sample(struct dg_ib *self, uint32_t out)
         self->pending = 0;
         self->counters.releases_stale++;
     }
-    const struct ib_command *row = ib_command_find(self, self->pending);
+    const struct ib_command *row = dg_ib_command_find(self, self->pending);
     self->wait = row != NULL && row->at_once ? 1 : self->setup.model->param_cycles;
 }
 
@@ -79,13 +79,13 @@ static void conclude(struct dg_ib *self, uint32_t result)
     }
 }
 
-void ib_execute(struct dg_ib *self, dg_ns now)
+void dg_ib_execute(struct dg_ib *self, dg_ns now)
 {
     if (--self->wait > 0) {
         return;
     }
     const uint32_t word = self->pending;
-    const struct ib_command *row = ib_command_find(self, word);
+    const struct ib_command *row = dg_ib_command_find(self, word);
     /* I12: every word ends the read-out but one in operation with bit 16 set. */
     if ((word & (IB_CODE_MASK | IB_READ_OUT_BIT)) != IB_READ_OUT_BIT) {
         self->item = 0;

@@ -45,7 +45,7 @@ int dg_ib_init(struct dg_ib *self, const struct dg_ib_setup *setup)
     if (setup->model == NULL || setup->world == NULL || !memory_is_there(setup)) {
         return DG_ERR_ARGUMENT;
     }
-    if (ib_model_check(setup->model) != DG_OK) {
+    if (dg_ib_model_check(setup->model) != DG_OK) {
         return DG_ERR_ARGUMENT;
     }
     *self = (struct dg_ib){.setup = *setup, .mode = DG_IB_POSITION_K2};
@@ -80,13 +80,13 @@ int dg_ib_power_on(struct dg_ib *self, dg_ns now)
     forget(self, now);
     if (self->setup.model->profile == DG_IB_K3) {
         const int result = self->setup.world->eeprom_acknowledges
-                               ? ib_mount(&self->store, self->setup.model, self->setup.nvm)
+                               ? dg_ib_mount(&self->store, self->setup.model, self->setup.nvm)
                                : DG_ERR_IO;
         self->mounted = result == DG_OK;
         if (result != DG_OK && result != DG_ERR_IO) {
             return result;
         }
-        ib_load(self); /* of a silent memory everything is lost, until the next start */
+        dg_ib_load(self); /* of a silent memory everything is lost, until the next start */
     }
     self->powered = true;
     return DG_OK;
@@ -104,7 +104,7 @@ static void count_time(struct dg_ib *self, dg_ns now)
     if (passed >= IB_TIME_UNIT) {
         self->time_10min += (uint32_t)(passed / IB_TIME_UNIT);
         self->time_mark += passed - passed % IB_TIME_UNIT;
-        (void)ib_put_u32(self, DG_IB_REGION_TIME, self->time_10min);
+        (void)dg_ib_put_u32(self, DG_IB_REGION_TIME, self->time_10min);
     }
 }
 
@@ -130,9 +130,9 @@ static void hold_preset(struct dg_ib *self, dg_ns now)
     }
     self->frozen = self->out == IB_FRABA_PRESET;
     if (self->frozen) {
-        self->offset = ib_preset_offset(self, now);
-    } else if (!ib_put_preset(self, self->preset, self->offset, self->preset_flag)) {
-        ib_refuse(self, DG_IB_LOST);
+        self->offset = dg_ib_preset_offset(self, now);
+    } else if (!dg_ib_put_preset(self, self->preset, self->offset, self->preset_flag)) {
+        dg_ib_refuse(self, DG_IB_LOST);
     }
 }
 
@@ -145,10 +145,10 @@ static uint32_t operation(const struct dg_ib *self, const struct ib_latch *latch
         return DG_IB_LOST;
     }
     if (self->mode > DG_IB_CAM) {
-        word = ib_cam_word(self, latch->angle);
+        word = dg_ib_cam_word(self, latch->angle);
     } else {
-        word = self->mode == DG_IB_SPEED ? ib_speed(self, latch->mrpm)
-                                         : ib_position(self, latch->angle);
+        word = self->mode == DG_IB_SPEED ? dg_ib_speed(self, latch->mrpm)
+                                         : dg_ib_position_at(self, latch->angle);
     }
     return word | (self->invalid ? DG_IB_NOT_VALID : 0u);
 }
@@ -160,14 +160,14 @@ static uint32_t cycle_k3(struct dg_ib *self, dg_ns now, uint32_t out, const stru
         return DG_IB_READ_OUT; /* I18: self-test */
     }
     if (self->wait > 0) {
-        ib_execute(self, now);
+        dg_ib_execute(self, now);
     }
     hold_preset(self, now);
     if (out != self->out) {
-        ib_sample(self, out);
+        dg_ib_sample(self, out);
     }
     if (self->item != 0) {
-        return ib_item(self);
+        return dg_ib_item(self);
     }
     return self->answer != 0 ? self->answer : operation(self, latch);
 }
@@ -185,7 +185,7 @@ void dg_ib_cycle(struct dg_ib *self, dg_ns now, uint32_t out, uint32_t *in)
     if (self->setup.model->profile == DG_IB_K3) {
         *in = cycle_k3(self, now, out, &latch);
     } else {
-        *in = now < self->ready_at ? 0 : ib_position(self, latch.angle);
+        *in = now < self->ready_at ? 0 : dg_ib_position_at(self, latch.angle);
     }
 }
 

@@ -56,62 +56,62 @@ struct ib_command {
 };
 
 /** command.c: the table, and everything between OUT and a handler. */
-extern const struct ib_command ib_commands[];
-extern const uint8_t ib_command_count;
+extern const struct ib_command dg_ib_commands[];
+extern const uint8_t dg_ib_command_count;
 /** Row of a word in the mode in force, or NULL. */
-const struct ib_command *ib_command_find(const struct dg_ib *self, uint32_t word);
+const struct ib_command *dg_ib_command_find(const struct dg_ib *self, uint32_t word);
 /** OUT is another one: a new command begins to wait. */
-void ib_sample(struct dg_ib *self, uint32_t out);
+void dg_ib_sample(struct dg_ib *self, uint32_t out);
 /** One cycle has passed while a command waits: execute it if it is due. */
-void ib_execute(struct dg_ib *self, dg_ns now);
+void dg_ib_execute(struct dg_ib *self, dg_ns now);
 /** The error `word` is shown from now on. */
-void ib_refuse(struct dg_ib *self, uint32_t word);
+void dg_ib_refuse(struct dg_ib *self, uint32_t word);
 
 /** position.c */
-bool ib_fits(const struct dg_ib_model *model, uint32_t steps, uint32_t revolutions);
+bool dg_ib_fits(const struct dg_ib_model *model, uint32_t steps, uint32_t revolutions);
 /** Steps of the whole range of a K3 with this gear factor, which has to fit. */
-uint32_t ib_range_of(const struct dg_ib_model *model, uint32_t steps, uint32_t revolutions);
+uint32_t dg_ib_range_of(const struct dg_ib_model *model, uint32_t steps, uint32_t revolutions);
 /** What the shaft does at the latch. */
 struct ib_latch {
     dg_angle angle;
     int32_t mrpm;
 };
-uint32_t ib_speed(const struct dg_ib *self, int32_t mrpm);
+uint32_t dg_ib_speed(const struct dg_ib *self, int32_t mrpm);
 /** dg_ib_position() at an angle. */
-uint32_t ib_position(const struct dg_ib *self, dg_angle angle);
+uint32_t dg_ib_position_at(const struct dg_ib *self, dg_angle angle);
 /** The offset that makes the position at `now` the preset. */
-uint32_t ib_preset_offset(const struct dg_ib *self, dg_ns now);
+uint32_t dg_ib_preset_offset(const struct dg_ib *self, dg_ns now);
 
 /** cam.c: the word of the cam mode, without bit 31. */
-uint32_t ib_cam_word(const struct dg_ib *self, dg_angle angle);
+uint32_t dg_ib_cam_word(const struct dg_ib *self, dg_angle angle);
 /** readout.c: the value of the item in force, or the error. */
-uint32_t ib_item(const struct dg_ib *self);
+uint32_t dg_ib_item(const struct dg_ib *self);
 
 /** memory.c */
-int ib_model_check(const struct dg_ib_model *model);
+int dg_ib_model_check(const struct dg_ib_model *model);
 /** Mount the EEPROM, grown when it is of an earlier release. @return as dg_store_mount() */
-int ib_mount(struct dg_store *self, const struct dg_ib_model *model, struct dg_nvm nvm);
+int dg_ib_mount(struct dg_store *self, const struct dg_ib_model *model, struct dg_nvm nvm);
 /** Working copy from every region that is in order; the others are lost and have their defaults. */
-void ib_load(struct dg_ib *self);
+void dg_ib_load(struct dg_ib *self);
 /** Read cam program 1..8; a lost one is empty. */
-void ib_load_program(struct dg_ib *self, uint8_t number, struct dg_ib_program *out);
+void dg_ib_load_program(struct dg_ib *self, uint8_t number, struct dg_ib_program *out);
 /** Store a region; it is not lost any more. @return false: not stored */
-bool ib_put(struct dg_ib *self, uint8_t region, const uint8_t *bytes);
-bool ib_put_u32(struct dg_ib *self, uint8_t region, uint32_t value);
-bool ib_put_u8(struct dg_ib *self, uint8_t region, uint8_t value);
-bool ib_put_preset(struct dg_ib *self, uint32_t preset, uint32_t offset, bool flag);
+bool dg_ib_put(struct dg_ib *self, uint8_t region, const uint8_t *bytes);
+bool dg_ib_put_u32(struct dg_ib *self, uint8_t region, uint32_t value);
+bool dg_ib_put_u8(struct dg_ib *self, uint8_t region, uint8_t value);
+bool dg_ib_put_preset(struct dg_ib *self, uint32_t preset, uint32_t offset, bool flag);
 /** Store what waits, all or nothing; then it is in force. */
-bool ib_put_sent(struct dg_ib *self, const struct dg_ib_sent *sent);
-bool ib_put_program(struct dg_ib *self, const struct dg_ib_program *program);
+bool dg_ib_put_sent(struct dg_ib *self, const struct dg_ib_sent *sent);
+bool dg_ib_put_program(struct dg_ib *self, const struct dg_ib_program *program);
 /** Delivery state of the profile's parameters and of whatever is lost, all or nothing. */
-bool ib_put_defaults(struct dg_ib *self);
+bool dg_ib_put_defaults(struct dg_ib *self);
 
 /** Handlers, by file. */
-ib_handler ib_normal, ib_release, ib_activate_preset, ib_fraba_preset; /* parameter.c */
-ib_handler ib_set_steps, ib_set_revolutions, ib_set_direction, ib_set_preset;
-ib_handler ib_set_shift, ib_set_defaults, ib_set_mode;
-ib_handler ib_read_out;                                               /* readout.c */
-ib_handler ib_set_program, ib_set_mask, ib_set_shift_iw, ib_set_edge; /* cam.c */
-ib_handler ib_read_mask, ib_read_edge, ib_read_shift_iw;
+ib_handler dg_ib_normal, dg_ib_release, dg_ib_activate_preset, dg_ib_fraba_preset; /* parameter.c */
+ib_handler dg_ib_set_steps, dg_ib_set_revolutions, dg_ib_set_direction, dg_ib_set_preset;
+ib_handler dg_ib_set_shift, dg_ib_set_defaults, dg_ib_set_mode;
+ib_handler dg_ib_read_out;                                                        /* readout.c */
+ib_handler dg_ib_set_program, dg_ib_set_mask, dg_ib_set_shift_iw, dg_ib_set_edge; /* cam.c */
+ib_handler dg_ib_read_mask, dg_ib_read_edge, dg_ib_read_shift_iw;
 
 #endif

@@ -97,7 +97,7 @@ const struct dg_store_layout dg_ib_layout = {
      IB_REGION_BIT(DG_IB_REGION_DIRECTION) | IB_REGION_BIT(DG_IB_REGION_PRESET) |                  \
      IB_REGION_BIT(DG_IB_REGION_SHIFT))
 
-int ib_model_check(const struct dg_ib_model *model)
+int dg_ib_model_check(const struct dg_ib_model *model)
 {
     uint32_t counts = (uint32_t)model->steps * model->turns;
     uint32_t least = model->steps_minus_one ? 2 : 1;
@@ -116,14 +116,14 @@ int ib_model_check(const struct dg_ib_model *model)
 
 int dg_ib_format(const struct dg_ib_model *model, struct dg_nvm nvm)
 {
-    int result = ib_model_check(model);
+    int result = dg_ib_model_check(model);
 
     return result == DG_OK && model->profile == DG_IB_K3
                ? dg_store_format(&dg_ib_layout, nvm, model)
                : result;
 }
 
-int ib_mount(struct dg_store *self, const struct dg_ib_model *model, struct dg_nvm nvm)
+int dg_ib_mount(struct dg_store *self, const struct dg_ib_model *model, struct dg_nvm nvm)
 {
     int result = dg_store_mount(self, &dg_ib_layout, nvm);
 
@@ -175,14 +175,14 @@ static void load_scale(struct dg_ib *self)
         self->revolutions = 1;
         self->lost |= IB_REGION_BIT(DG_IB_REGION_REVOLUTIONS);
     }
-    if (!ib_fits(model, self->steps, self->revolutions)) {
+    if (!dg_ib_fits(model, self->steps, self->revolutions)) {
         default_steps(model, bytes);
         self->steps = dg_load_be32(bytes);
         self->lost |= IB_REGION_BIT(DG_IB_REGION_STEPS);
     }
 }
 
-void ib_load(struct dg_ib *self)
+void dg_ib_load(struct dg_ib *self)
 {
     uint8_t bytes[PRESET_SIZE];
 
@@ -202,7 +202,7 @@ void ib_load(struct dg_ib *self)
     }
     for (uint8_t number = 1; number <= DG_IB_PROGRAMS; number++) {
         struct dg_ib_program program;
-        ib_load_program(self, number, &program);
+        dg_ib_load_program(self, number, &program);
         if (self->program_number == number) {
             self->program = program;
         }
@@ -211,7 +211,7 @@ void ib_load(struct dg_ib *self)
     self->lost &= ~IB_REGION_BIT(DG_IB_REGION_TIME); /* nobody can send it again */
 }
 
-void ib_load_program(struct dg_ib *self, uint8_t number, struct dg_ib_program *out)
+void dg_ib_load_program(struct dg_ib *self, uint8_t number, struct dg_ib_program *out)
 {
     uint8_t bytes[IB_CAMS_SIZE];
 
@@ -231,7 +231,7 @@ static bool writable(const struct dg_ib *self)
     return self->mounted && self->setup.world->eeprom_acknowledges;
 }
 
-bool ib_put(struct dg_ib *self, uint8_t region, const uint8_t *bytes)
+bool dg_ib_put(struct dg_ib *self, uint8_t region, const uint8_t *bytes)
 {
     if (!writable(self) ||
         dg_store_put(&self->store, region, 0, bytes, regions[region].size) != DG_OK) {
@@ -241,17 +241,17 @@ bool ib_put(struct dg_ib *self, uint8_t region, const uint8_t *bytes)
     return true;
 }
 
-bool ib_put_u32(struct dg_ib *self, uint8_t region, uint32_t value)
+bool dg_ib_put_u32(struct dg_ib *self, uint8_t region, uint32_t value)
 {
     uint8_t bytes[4];
 
     dg_store_be32(bytes, value);
-    return ib_put(self, region, bytes);
+    return dg_ib_put(self, region, bytes);
 }
 
-bool ib_put_u8(struct dg_ib *self, uint8_t region, uint8_t value)
+bool dg_ib_put_u8(struct dg_ib *self, uint8_t region, uint8_t value)
 {
-    return ib_put(self, region, &value);
+    return dg_ib_put(self, region, &value);
 }
 
 static void preset_bytes(uint8_t *to, uint32_t preset, uint32_t offset, bool flag)
@@ -261,12 +261,12 @@ static void preset_bytes(uint8_t *to, uint32_t preset, uint32_t offset, bool fla
     to[8] = flag ? 1 : 0;
 }
 
-bool ib_put_preset(struct dg_ib *self, uint32_t preset, uint32_t offset, bool flag)
+bool dg_ib_put_preset(struct dg_ib *self, uint32_t preset, uint32_t offset, bool flag)
 {
     uint8_t bytes[PRESET_SIZE];
 
     preset_bytes(bytes, preset, offset, flag);
-    return ib_put(self, DG_IB_REGION_PRESET, bytes);
+    return dg_ib_put(self, DG_IB_REGION_PRESET, bytes);
 }
 
 /* Nothing, unless this region waits. */
@@ -295,7 +295,7 @@ static bool store_sent(struct dg_ib *self, const struct dg_ib_sent *sent)
     return dg_store_commit(&self->store) == DG_OK;
 }
 
-bool ib_put_sent(struct dg_ib *self, const struct dg_ib_sent *sent)
+bool dg_ib_put_sent(struct dg_ib *self, const struct dg_ib_sent *sent)
 {
     if (!writable(self) || !store_sent(self, sent)) {
         return false;
@@ -310,7 +310,7 @@ bool ib_put_sent(struct dg_ib *self, const struct dg_ib_sent *sent)
     return true;
 }
 
-bool ib_put_program(struct dg_ib *self, const struct dg_ib_program *program)
+bool dg_ib_put_program(struct dg_ib *self, const struct dg_ib_program *program)
 {
     uint8_t bytes[IB_CAMS_SIZE];
 
@@ -321,10 +321,10 @@ bool ib_put_program(struct dg_ib *self, const struct dg_ib_program *program)
         dg_store_be32(&bytes[3u + 8u * i], program->on[i]);
         dg_store_be32(&bytes[7u + 8u * i], program->off[i]);
     }
-    return ib_put(self, (uint8_t)(DG_IB_REGION_CAMS + self->program_number - 1u), bytes);
+    return dg_ib_put(self, (uint8_t)(DG_IB_REGION_CAMS + self->program_number - 1u), bytes);
 }
 
-bool ib_put_defaults(struct dg_ib *self)
+bool dg_ib_put_defaults(struct dg_ib *self)
 {
     uint8_t bytes[IB_CAMS_SIZE];
 
@@ -342,6 +342,6 @@ bool ib_put_defaults(struct dg_ib *self)
     if (dg_store_commit(&self->store) != DG_OK) {
         return false;
     }
-    ib_load(self);
+    dg_ib_load(self);
     return true;
 }

@@ -29,7 +29,7 @@ static uint32_t answer(bool stored, uint32_t word)
     return stored ? word | IB_ANSWER_BITS : DG_IB_LOST;
 }
 
-uint32_t ib_normal(struct dg_ib *self, dg_ns now, uint32_t word)
+uint32_t dg_ib_normal(struct dg_ib *self, dg_ns now, uint32_t word)
 {
     (void)self;
     (void)now;
@@ -63,15 +63,15 @@ static struct dg_ib_sent complete(const struct dg_ib *self)
 
 static bool allowed(const struct dg_ib_model *model, const struct dg_ib_sent *all)
 {
-    if (!ib_fits(model, all->steps, all->revolutions)) {
+    if (!dg_ib_fits(model, all->steps, all->revolutions)) {
         return false;
     }
-    uint32_t range = ib_range_of(model, all->steps, all->revolutions);
+    uint32_t range = dg_ib_range_of(model, all->steps, all->revolutions);
     return ((all->judged & PRESET_BIT) == 0 || all->preset < range) &&
            ((all->judged & SHIFT_BIT) == 0 || all->shift < range);
 }
 
-uint32_t ib_release(struct dg_ib *self, dg_ns now, uint32_t word)
+uint32_t dg_ib_release(struct dg_ib *self, dg_ns now, uint32_t word)
 {
     const struct dg_ib_sent all = complete(self);
 
@@ -85,15 +85,15 @@ uint32_t ib_release(struct dg_ib *self, dg_ns now, uint32_t word)
     if (!allowed(self->setup.model, &all)) {
         return DG_IB_ILLEGAL_DATA;
     }
-    return ib_put_sent(self, &all) ? IB_ACCEPTED : DG_IB_LOST;
+    return dg_ib_put_sent(self, &all) ? IB_ACCEPTED : DG_IB_LOST;
 }
 
 /* Make the position at `now` the preset. */
 static uint32_t apply_preset(struct dg_ib *self, dg_ns now, bool flag)
 {
-    uint32_t offset = ib_preset_offset(self, now);
+    uint32_t offset = dg_ib_preset_offset(self, now);
 
-    if (!ib_put_preset(self, self->preset, offset, flag)) {
+    if (!dg_ib_put_preset(self, self->preset, offset, flag)) {
         return DG_IB_LOST;
     }
     self->offset = offset;
@@ -108,13 +108,13 @@ static uint32_t ignore_unset_preset(struct dg_ib *self)
 }
 
 /* The flag of a lost preset is clear, too. */
-uint32_t ib_activate_preset(struct dg_ib *self, dg_ns now, uint32_t word)
+uint32_t dg_ib_activate_preset(struct dg_ib *self, dg_ns now, uint32_t word)
 {
     (void)word;
     return self->preset_flag ? apply_preset(self, now, false) : ignore_unset_preset(self); /* I5 */
 }
 
-uint32_t ib_fraba_preset(struct dg_ib *self, dg_ns now, uint32_t word)
+uint32_t dg_ib_fraba_preset(struct dg_ib *self, dg_ns now, uint32_t word)
 {
     (void)word;
     if ((self->lost & PRESET_BIT) != 0) { /* I26 */
@@ -125,7 +125,7 @@ uint32_t ib_fraba_preset(struct dg_ib *self, dg_ns now, uint32_t word)
     return result;
 }
 
-uint32_t ib_set_steps(struct dg_ib *self, dg_ns now, uint32_t word)
+uint32_t dg_ib_set_steps(struct dg_ib *self, dg_ns now, uint32_t word)
 {
     uint32_t steps = data_of(word);
 
@@ -137,7 +137,7 @@ uint32_t ib_set_steps(struct dg_ib *self, dg_ns now, uint32_t word)
     return wait_for_release(self, STEPS_BIT, word);
 }
 
-uint32_t ib_set_revolutions(struct dg_ib *self, dg_ns now, uint32_t word)
+uint32_t dg_ib_set_revolutions(struct dg_ib *self, dg_ns now, uint32_t word)
 {
     uint32_t revolutions = data_of(word);
 
@@ -149,7 +149,7 @@ uint32_t ib_set_revolutions(struct dg_ib *self, dg_ns now, uint32_t word)
     return wait_for_release(self, REVOLUTIONS_BIT, word);
 }
 
-uint32_t ib_set_direction(struct dg_ib *self, dg_ns now, uint32_t word)
+uint32_t dg_ib_set_direction(struct dg_ib *self, dg_ns now, uint32_t word)
 {
     uint32_t direction = data_of(word);
 
@@ -157,12 +157,12 @@ uint32_t ib_set_direction(struct dg_ib *self, dg_ns now, uint32_t word)
     if (direction != IB_CLOCKWISE && direction != IB_COUNTERCLOCKWISE) {
         return DG_IB_ILLEGAL_DATA;
     }
-    bool stored = ib_put_u8(self, DG_IB_REGION_DIRECTION, (uint8_t)direction);
+    bool stored = dg_ib_put_u8(self, DG_IB_REGION_DIRECTION, (uint8_t)direction);
     self->direction = stored ? (uint8_t)direction : self->direction;
     return answer(stored, word);
 }
 
-uint32_t ib_set_preset(struct dg_ib *self, dg_ns now, uint32_t word)
+uint32_t dg_ib_set_preset(struct dg_ib *self, dg_ns now, uint32_t word)
 {
     uint32_t preset = data_of(word);
 
@@ -174,7 +174,7 @@ uint32_t ib_set_preset(struct dg_ib *self, dg_ns now, uint32_t word)
     if (preset >= dg_ib_range(self)) {
         return DG_IB_ILLEGAL_DATA;
     }
-    if (!ib_put_preset(self, preset, self->offset, true)) {
+    if (!dg_ib_put_preset(self, preset, self->offset, true)) {
         return DG_IB_LOST;
     }
     self->preset = preset;
@@ -183,7 +183,7 @@ uint32_t ib_set_preset(struct dg_ib *self, dg_ns now, uint32_t word)
     return answer(true, word);
 }
 
-uint32_t ib_set_shift(struct dg_ib *self, dg_ns now, uint32_t word)
+uint32_t dg_ib_set_shift(struct dg_ib *self, dg_ns now, uint32_t word)
 {
     uint32_t shift = data_of(word);
 
@@ -195,7 +195,7 @@ uint32_t ib_set_shift(struct dg_ib *self, dg_ns now, uint32_t word)
     if (shift >= dg_ib_range(self)) {
         return DG_IB_ILLEGAL_DATA;
     }
-    if (!ib_put_u32(self, DG_IB_REGION_SHIFT, shift)) {
+    if (!dg_ib_put_u32(self, DG_IB_REGION_SHIFT, shift)) {
         return DG_IB_LOST;
     }
     self->shift = shift;
@@ -203,25 +203,25 @@ uint32_t ib_set_shift(struct dg_ib *self, dg_ns now, uint32_t word)
     return answer(true, word);
 }
 
-uint32_t ib_set_defaults(struct dg_ib *self, dg_ns now, uint32_t word)
+uint32_t dg_ib_set_defaults(struct dg_ib *self, dg_ns now, uint32_t word)
 {
     (void)now;
     if (data_of(word) != 0) {
         return DG_IB_ILLEGAL_DATA;
     }
-    if (!ib_put_defaults(self)) {
+    if (!dg_ib_put_defaults(self)) {
         return DG_IB_LOST;
     }
     self->sent = (struct dg_ib_sent){0};
     return answer(true, word);
 }
 
-uint32_t ib_set_mode(struct dg_ib *self, dg_ns now, uint32_t word)
+uint32_t dg_ib_set_mode(struct dg_ib *self, dg_ns now, uint32_t word)
 {
     uint8_t mode = (word & 1u) != 0 ? DG_IB_SPEED : DG_IB_POSITION;
 
     (void)now;
-    bool stored = ib_put_u8(self, DG_IB_REGION_MODE, mode);
+    bool stored = dg_ib_put_u8(self, DG_IB_REGION_MODE, mode);
     self->mode = stored ? mode : self->mode;
     return answer(stored, word);
 }

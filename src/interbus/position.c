@@ -15,13 +15,13 @@ static uint32_t effective(const struct dg_ib_model *model, uint32_t steps)
     return steps + (model->steps_minus_one ? 1u : 0u);
 }
 
-bool ib_fits(const struct dg_ib_model *model, uint32_t steps, uint32_t revolutions)
+bool dg_ib_fits(const struct dg_ib_model *model, uint32_t steps, uint32_t revolutions)
 {
     return steps > 0 && revolutions > 0 && revolutions <= model->turns &&
            effective(model, steps) <= revolutions * model->steps;
 }
 
-uint32_t ib_range_of(const struct dg_ib_model *model, uint32_t steps, uint32_t revolutions)
+uint32_t dg_ib_range_of(const struct dg_ib_model *model, uint32_t steps, uint32_t revolutions)
 {
     return (uint32_t)((uint64_t)effective(model, steps) * model->turns / revolutions);
 }
@@ -33,7 +33,7 @@ uint32_t dg_ib_range(const struct dg_ib *self)
     if (model->profile != DG_IB_K3) {
         return (uint32_t)model->steps * model->turns;
     }
-    return ib_range_of(model, self->steps, self->revolutions);
+    return dg_ib_range_of(model, self->steps, self->revolutions);
 }
 
 /* @param range R. @return 0 .. R - 1 */
@@ -60,7 +60,7 @@ static uint32_t scaled(const struct dg_ib *self, dg_angle angle, uint32_t *range
     return (uint32_t)((uint64_t)raw * steps / divisor) % *range;
 }
 
-uint32_t ib_position(const struct dg_ib *self, dg_angle angle)
+uint32_t dg_ib_position_at(const struct dg_ib *self, dg_angle angle)
 {
     uint32_t range;
     const uint32_t at = scaled(self, angle, &range);
@@ -70,10 +70,10 @@ uint32_t ib_position(const struct dg_ib *self, dg_angle angle)
 
 uint32_t dg_ib_position(const struct dg_ib *self, dg_ns now)
 {
-    return ib_position(self, dg_world_angle(self->setup.world, now));
+    return dg_ib_position_at(self, dg_world_angle(self->setup.world, now));
 }
 
-uint32_t ib_preset_offset(const struct dg_ib *self, dg_ns now)
+uint32_t dg_ib_preset_offset(const struct dg_ib *self, dg_ns now)
 {
     uint32_t range;
     const uint32_t at = scaled(self, dg_world_angle(self->setup.world, now), &range);
@@ -82,7 +82,7 @@ uint32_t ib_preset_offset(const struct dg_ib *self, dg_ns now)
     return (self->preset % range + range - without) % range;
 }
 
-uint32_t ib_speed(const struct dg_ib *self, int32_t mrpm)
+uint32_t dg_ib_speed(const struct dg_ib *self, int32_t mrpm)
 {
     /* To the nearest: the speed itself may be 0.001 rpm too small. */
     int64_t rpm = ((int64_t)mrpm + (mrpm < 0 ? -500 : 500)) / 1000;

@@ -81,7 +81,7 @@ static uint32_t (*const items[])(const struct dg_ib *self) = {
 #define ITEMS DG_COUNT(items)
 #define TEMPERATURE 0xCu
 
-uint32_t ib_item(const struct dg_ib *self)
+uint32_t dg_ib_item(const struct dg_ib *self)
 {
     uint32_t item = self->item & 0xFFFFu;
 
@@ -95,9 +95,9 @@ uint32_t ib_item(const struct dg_ib *self)
     return DG_IB_READ_OUT | (items[item](self) & DG_IB_DATA_MASK);
 }
 
-uint32_t ib_read_out(struct dg_ib *self, dg_ns now, uint32_t word)
+uint32_t dg_ib_read_out(struct dg_ib *self, dg_ns now, uint32_t word)
 {
     (void)now;
     self->item = word;
-    return ib_item(self);
+    return dg_ib_item(self);
 }

@@ -30,7 +30,7 @@ static int format(const struct dg_stack_setup *setup)
 
 static int mount(const struct dg_stack_setup *setup, struct dg_store *store)
 {
-    return ib_mount(store, setup->model, setup->nvm);
+    return dg_ib_mount(store, setup->model, setup->nvm);
 }
 
 DG_STACK_FORWARD(dg_ib);

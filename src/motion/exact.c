@@ -4,17 +4,17 @@
 #define LIMB_BITS 16
 #define WORD_BITS 64
 
-uint64_t motion_exact_magnitude(int64_t value)
+uint64_t dg_motion_exact_magnitude(int64_t value)
 {
     return value < 0 ? 0 - (uint64_t)value : (uint64_t)value;
 }
 
-dg_angle motion_exact_moved(dg_angle from, bool backwards, uint64_t distance)
+dg_angle dg_motion_exact_moved(dg_angle from, bool backwards, uint64_t distance)
 {
     return (dg_angle)(backwards ? (uint64_t)from - distance : (uint64_t)from + distance);
 }
 
-uint64_t motion_exact_muldiv(uint64_t a, uint64_t b, uint64_t c, bool backwards)
+uint64_t dg_motion_exact_muldiv(uint64_t a, uint64_t b, uint64_t c, bool backwards)
 {
     uint64_t quotient = dg_muldiv(a, b, c);
     bool inexact = a * b - quotient * c != 0; /* the remainder is below c: its low half says all */
@@ -22,7 +22,7 @@ uint64_t motion_exact_muldiv(uint64_t a, uint64_t b, uint64_t c, bool backwards)
     return backwards && inexact ? quotient + 1 : quotient;
 }
 
-uint16_t motion_limbs_add(uint16_t *sum, uint16_t a, const uint16_t *b, unsigned limbs)
+uint16_t dg_motion_limbs_add(uint16_t *sum, uint16_t a, const uint16_t *b, unsigned limbs)
 {
     uint32_t carry = 0;
 
@@ -34,35 +34,35 @@ uint16_t motion_limbs_add(uint16_t *sum, uint16_t a, const uint16_t *b, unsigned
     return (uint16_t)carry;
 }
 
-struct dg_wide motion_wide_add(struct dg_wide a, struct dg_wide b)
+struct dg_wide dg_motion_wide_add(struct dg_wide a, struct dg_wide b)
 {
     uint64_t low = a.low + b.low;
 
     return (struct dg_wide){.high = a.high + b.high + (low < a.low ? 1u : 0u), .low = low};
 }
 
-struct dg_wide motion_wide_subtract(struct dg_wide a, struct dg_wide b)
+struct dg_wide dg_motion_wide_subtract(struct dg_wide a, struct dg_wide b)
 {
     return (struct dg_wide){.high = a.high - b.high - (a.low < b.low ? 1u : 0u),
                             .low = a.low - b.low};
 }
 
-struct dg_wide motion_wide_negate(struct dg_wide a)
+struct dg_wide dg_motion_wide_negate(struct dg_wide a)
 {
-    return motion_wide_subtract((struct dg_wide){0, 0}, a);
+    return dg_motion_wide_subtract((struct dg_wide){0, 0}, a);
 }
 
-bool motion_wide_is_negative(struct dg_wide a)
+bool dg_motion_wide_is_negative(struct dg_wide a)
 {
     return a.high >> (WORD_BITS - 1) != 0;
 }
 
-bool motion_wide_less(struct dg_wide a, struct dg_wide b)
+bool dg_motion_wide_less(struct dg_wide a, struct dg_wide b)
 {
     return a.high < b.high || (a.high == b.high && a.low < b.low);
 }
 
-struct dg_wide motion_wide_times(struct dg_wide a, uint64_t b)
+struct dg_wide dg_motion_wide_times(struct dg_wide a, uint64_t b)
 {
     struct dg_wide product = dg_wide_product(a.low, b);
 
@@ -70,7 +70,7 @@ struct dg_wide motion_wide_times(struct dg_wide a, uint64_t b)
     return product;
 }
 
-struct dg_wide motion_wide_divide(struct dg_wide a, uint64_t b)
+struct dg_wide dg_motion_wide_divide(struct dg_wide a, uint64_t b)
 {
     uint64_t rest = a.high % b;
     uint64_t shift = a.low; /* bits of the dividend leave at the top, the quotient's enter */
@@ -87,14 +87,14 @@ struct dg_wide motion_wide_divide(struct dg_wide a, uint64_t b)
 }
 
 /** The root bit by bit, from the top. */
-uint64_t motion_wide_sqrt(struct dg_wide a)
+uint64_t dg_motion_wide_sqrt(struct dg_wide a)
 {
     uint64_t root = 0;
 
     for (uint64_t bit = (uint64_t)1 << (WORD_BITS - 1); bit != 0; bit >>= 1) {
         uint64_t larger = root | bit;
 
-        if (!motion_wide_less(a, dg_wide_product(larger, larger))) {
+        if (!dg_motion_wide_less(a, dg_wide_product(larger, larger))) {
             root = larger;
         }
     }

@@ -43,12 +43,12 @@ static void make_rate(struct dg_motion_ready *self, int32_t mrpm)
 {
     static const uint16_t per_mrpm[RATE_LIMBS] = {0x253E, 0x5790, 0xE1FB, 0xB821,
                                                   0xAF5B, 0xC3E6, 0x5BC0, 0x4B0F};
-    const uint64_t magnitude = motion_exact_magnitude(mrpm);
+    const uint64_t magnitude = dg_motion_exact_magnitude(mrpm);
     uint16_t sum[2u + RATE_LIMBS] = {UINT16_MAX, UINT16_MAX};
 
-    sum[RATE_LIMBS] = motion_limbs_add(&sum[0], (uint16_t)magnitude, per_mrpm, RATE_LIMBS);
+    sum[RATE_LIMBS] = dg_motion_limbs_add(&sum[0], (uint16_t)magnitude, per_mrpm, RATE_LIMBS);
     sum[RATE_LIMBS + 1u] =
-        motion_limbs_add(&sum[1], (uint16_t)(magnitude >> 16), per_mrpm, RATE_LIMBS);
+        dg_motion_limbs_add(&sum[1], (uint16_t)(magnitude >> 16), per_mrpm, RATE_LIMBS);
     for (unsigned i = 0; i < RATE_LIMBS; i++) {
         self->rate[i] = sum[i + 2u];
     }
@@ -98,14 +98,14 @@ static dg_angle at_full_speed(const struct dg_motion *self, const struct travel_
     put_limbs(&sum[8], 0);
     for (unsigned i = 0; i < 4u; i++) {
         if (limb[i] != 0) {
-            sum[8u + i] = motion_limbs_add(&sum[4], limb[i], &rate[4u - i], 4u + i);
+            sum[8u + i] = dg_motion_limbs_add(&sum[4], limb[i], &rate[4u - i], 4u + i);
         }
     }
     if ((limb[4] | limb[5]) != 0) { /* from five hours at full speed on */
-        (void)motion_limbs_add(&sum[4], limb[4], rate, 8);
-        (void)motion_limbs_add(&sum[5], limb[5], rate, 7);
+        (void)dg_motion_limbs_add(&sum[4], limb[4], rate, 8);
+        (void)dg_motion_limbs_add(&sum[5], limb[5], rate, 7);
     }
-    return motion_exact_moved(self->from, backwards, limbs_at(&sum[8]));
+    return dg_motion_exact_moved(self->from, backwards, limbs_at(&sum[8]));
 }
 
 static struct travel_time travel_time(dg_ns whole, uint64_t fraction)
@@ -177,13 +177,13 @@ static dg_angle sine_at(const struct dg_motion *self, dg_ns t)
     /* To the nearest phase: half a unit of phase is 2^-30.3 of the amplitude. */
     int32_t sine = dg_sin_q30((uint32_t)((half_units(self, t) + 1) >> 1));
     bool backwards = (sine < 0) != (self->amplitude < 0);
-    uint64_t amplitude = motion_exact_magnitude(self->amplitude);
+    uint64_t amplitude = dg_motion_exact_magnitude(self->amplitude);
     uint32_t factor = (uint32_t)(sine < 0 ? -sine : sine);
 
     /* The upper half of the product is a whole number of its unit, 2^30 of the lower one's. */
-    return motion_exact_moved(self->from, backwards,
-                              (dg_product((uint32_t)(amplitude >> 32), factor) << 2) +
-                                  (dg_product((uint32_t)amplitude, factor) >> SINE_BITS));
+    return dg_motion_exact_moved(self->from, backwards,
+                                 (dg_product((uint32_t)(amplitude >> 32), factor) << 2) +
+                                     (dg_product((uint32_t)amplitude, factor) >> SINE_BITS));
 }
 
 /** How many of the points are at or before `t`. */
@@ -221,11 +221,11 @@ static dg_angle replay_at(const struct dg_motion *self, dg_ns t)
     uint64_t line = backwards ? (uint64_t)a->angle - (uint64_t)b->angle
                               : (uint64_t)b->angle - (uint64_t)a->angle;
 
-    return motion_exact_moved(a->angle, backwards,
-                              motion_exact_muldiv(line, t - a->at, b->at - a->at, backwards));
+    return dg_motion_exact_moved(a->angle, backwards,
+                                 dg_motion_exact_muldiv(line, t - a->at, b->at - a->at, backwards));
 }
 
-dg_angle motion_angle(const struct dg_motion *self, dg_ns now)
+dg_angle dg_motion_angle_at(const struct dg_motion *self, dg_ns now)
 {
     dg_ns t = dg_elapsed(now, self->start);
     struct travel_time time;
@@ -250,7 +250,7 @@ dg_angle motion_angle(const struct dg_motion *self, dg_ns now)
 
 dg_angle dg_motion_angle(void *ctx, dg_ns now)
 {
-    return motion_angle(ctx, now);
+    return dg_motion_angle_at(ctx, now);
 }
 
 static bool speed_in_range(const struct dg_motion *self)

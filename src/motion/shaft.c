@@ -66,7 +66,7 @@ static uint64_t divided(uint64_t value, uint64_t *rest)
 static void travel_from(dg_angle *from, uint64_t *part, dg_ns t, int64_t sum)
 {
     bool backwards = sum < 0;
-    uint64_t speed = motion_exact_magnitude(sum);
+    uint64_t speed = dg_motion_exact_magnitude(sum);
     /* t * PARTS_PER_HALF = whole * DG_SHAFT_PARTS + rest; the product of rest and speed divided by
      * DG_SHAFT_PARTS is below speed and so fits 64 bits. */
     uint64_t left;
@@ -88,7 +88,7 @@ static void travel_from(dg_angle *from, uint64_t *part, dg_ns t, int64_t sum)
         units++;
         *part -= DG_SHAFT_PARTS;
     }
-    *from = motion_exact_moved(*from, backwards, whole * speed + units);
+    *from = dg_motion_exact_moved(*from, backwards, whole * speed + units);
 }
 
 /** The same for a phase's beginning. */
@@ -187,7 +187,7 @@ static int32_t played_mrpm(const struct dg_shaft_course *self, dg_ns now)
 /** Where and how fast the shaft is at `now` by its motion, without acceleration. */
 static struct dg_shaft_phase played_at(const struct dg_shaft_course *self, dg_ns now)
 {
-    struct dg_shaft_phase result = {.at = now, .from = motion_angle(&self->motion, now)};
+    struct dg_shaft_phase result = {.at = now, .from = dg_motion_angle_at(&self->motion, now)};
 
     result.prpm = (int64_t)played_mrpm(self, now) * PRPM_PER_MRPM;
     /* A replay may jump; what it is followed by does not. */
@@ -247,7 +247,7 @@ static dg_ns change_time(uint64_t change, uint64_t accel, uint64_t *excess)
  */
 static int64_t excess_way(uint64_t excess, uint64_t accel)
 {
-    return (int64_t)motion_exact_muldiv(excess, excess, accel, true);
+    return (int64_t)dg_motion_exact_muldiv(excess, excess, accel, true);
 }
 
 /** Append a change of speed. @return where it ends, without acceleration */
@@ -260,7 +260,7 @@ static struct dg_shaft_phase append_change(struct dg_shaft_course *self, struct 
     if (prpm == from.prpm) {
         return from;
     }
-    dg_ns time = change_time(motion_exact_magnitude(prpm - from.prpm), accel, &excess);
+    dg_ns time = change_time(dg_motion_exact_magnitude(prpm - from.prpm), accel, &excess);
 
     from.mrpm_per_s = directed(down, accel);
     append(self, &from);
@@ -279,7 +279,7 @@ static void append_brake(struct dg_shaft_course *self, struct dg_shaft_phase bra
 {
     bool backwards = brake.prpm < 0;
     uint64_t excess;
-    dg_ns time = change_time(motion_exact_magnitude(brake.prpm), goal->accel, &excess);
+    dg_ns time = change_time(dg_motion_exact_magnitude(brake.prpm), goal->accel, &excess);
 
     /* Told from its end: so far before the target that it stops there. */
     brake.from = goal->target;
@@ -301,24 +301,24 @@ static struct dg_wide way_to(const struct dg_shaft_phase *self, dg_angle target)
                                : (uint64_t)target - (uint64_t)self->from;
     struct dg_wide parts = dg_wide_product(units, DG_SHAFT_PARTS);
     struct dg_wide part = {0, self->part};
-    struct dg_wide way = motion_wide_divide(backwards ? motion_wide_add(parts, part)
-                                                      : motion_wide_subtract(parts, part),
-                                            PARTS_PER_HALF);
+    struct dg_wide way = dg_motion_wide_divide(backwards ? dg_motion_wide_add(parts, part)
+                                                         : dg_motion_wide_subtract(parts, part),
+                                               PARTS_PER_HALF);
 
-    return backwards ? motion_wide_negate(way) : way;
+    return backwards ? dg_motion_wide_negate(way) : way;
 }
 
 /** What a shaft at `speed` travels until it stands, in halves: speed^2 / accel. */
 static struct dg_wide stop_way(uint64_t speed, uint64_t accel)
 {
-    return motion_wide_divide(dg_wide_product(speed, speed), accel);
+    return dg_motion_wide_divide(dg_wide_product(speed, speed), accel);
 }
 
 /** How long `way` halves take at half of `double_speed`, rounded up. */
 static dg_ns time_for(struct dg_wide way, uint64_t double_speed)
 {
-    struct dg_wide time = motion_wide_divide(
-        motion_wide_add(way, (struct dg_wide){0, double_speed - 1u}), double_speed);
+    struct dg_wide time = dg_motion_wide_divide(
+        dg_motion_wide_add(way, (struct dg_wide){0, double_speed - 1u}), double_speed);
 
     return time.high == 0 ? time.low : DG_NEVER;
 }
@@ -329,19 +329,20 @@ static dg_ns time_for(struct dg_wide way, uint64_t double_speed)
  */
 static struct dg_wide way_over(uint64_t top, uint64_t speed, uint64_t accel)
 {
-    return motion_wide_divide(dg_wide_product(2u * (top - speed), top + speed), accel);
+    return dg_motion_wide_divide(dg_wide_product(2u * (top - speed), top + speed), accel);
 }
 
 /** The speed a move gets to from `speed`, which would stop it `room` before the target. */
 static uint64_t top_speed(struct dg_wide room, uint64_t speed, const struct goal *goal)
 {
-    if (speed >= goal->limit || motion_wide_less(way_over(goal->limit, speed, goal->accel), room)) {
+    if (speed >= goal->limit ||
+        dg_motion_wide_less(way_over(goal->limit, speed, goal->accel), room)) {
         return goal->limit;
     }
     /* way_over() solved for top; room * accel <= 2 * SPEED_MAX^2, 121 bits */
-    return motion_wide_sqrt(
-        motion_wide_add(motion_wide_divide(motion_wide_times(room, goal->accel), 2),
-                        dg_wide_product(speed, speed)));
+    return dg_motion_wide_sqrt(
+        dg_motion_wide_add(dg_motion_wide_divide(dg_motion_wide_times(room, goal->accel), 2),
+                           dg_wide_product(speed, speed)));
 }
 
 /** Append the part of a move behind its change to top speed, `way` before braking: hold, brake. */
@@ -349,9 +350,9 @@ static void append_approach(struct dg_shaft_course *self, const struct dg_shaft_
                             struct dg_wide way, const struct goal *goal)
 {
     bool backwards = hold->prpm < 0;
-    uint64_t top = motion_exact_magnitude(hold->prpm);
+    uint64_t top = dg_motion_exact_magnitude(hold->prpm);
     /* Braking may have begun in the last nanosecond of the change. */
-    dg_ns time = motion_wide_is_negative(way) ? 0 : time_for(way, 2u * top);
+    dg_ns time = dg_motion_wide_is_negative(way) ? 0 : time_for(way, 2u * top);
     /* It begins within the nanosecond before: some of the speed is gone by then. */
     uint64_t late = time * 2u * top - way.low;
     uint64_t gone = dg_muldiv(goal->accel, late, 2u * top);
@@ -372,12 +373,12 @@ static void append_approach(struct dg_shaft_course *self, const struct dg_shaft_
 static void append_move(struct dg_shaft_course *self, const struct dg_shaft_phase *start,
                         const struct goal *goal)
 {
-    uint64_t speed = motion_exact_magnitude(start->prpm);
+    uint64_t speed = dg_motion_exact_magnitude(start->prpm);
     struct dg_wide stop = stop_way(speed, goal->accel);
-    struct dg_wide way = motion_wide_subtract(way_to(start, goal->target),
-                                              start->prpm < 0 ? motion_wide_negate(stop) : stop);
-    bool backwards = motion_wide_is_negative(way);
-    struct dg_wide room = backwards ? motion_wide_negate(way) : way;
+    struct dg_wide way = dg_motion_wide_subtract(
+        way_to(start, goal->target), start->prpm < 0 ? dg_motion_wide_negate(stop) : stop);
+    bool backwards = dg_motion_wide_is_negative(way);
+    struct dg_wide room = backwards ? dg_motion_wide_negate(way) : way;
     uint64_t excess;
 
     if (backwards != (start->prpm < 0)) {
@@ -391,12 +392,12 @@ static void append_move(struct dg_shaft_course *self, const struct dg_shaft_phas
         return;
     }
     if (speed < top) {
-        room = motion_wide_subtract(room, way_over(top, speed, goal->accel));
+        room = dg_motion_wide_subtract(room, way_over(top, speed, goal->accel));
     }
     /* At top speed from the moment at which it is reached to the nanosecond at which it is held. */
-    (void)change_time(motion_exact_magnitude(hold.prpm - start->prpm), goal->accel, &excess);
-    room =
-        motion_wide_subtract(room, (struct dg_wide){0, dg_muldiv(2u * top, excess, goal->accel)});
+    (void)change_time(dg_motion_exact_magnitude(hold.prpm - start->prpm), goal->accel, &excess);
+    room = dg_motion_wide_subtract(room,
+                                   (struct dg_wide){0, dg_muldiv(2u * top, excess, goal->accel)});
     append_approach(self, &hold, room, goal);
 }
 
@@ -406,8 +407,8 @@ static void append_move_at_once(struct dg_shaft_course *self, const struct dg_sh
 {
     struct dg_shaft_phase hold = *start;
     struct dg_wide way = way_to(start, goal->target);
-    bool backwards = motion_wide_is_negative(way);
-    dg_ns time = time_for(backwards ? motion_wide_negate(way) : way, 2u * goal->limit);
+    bool backwards = dg_motion_wide_is_negative(way);
+    dg_ns time = time_for(backwards ? dg_motion_wide_negate(way) : way, 2u * goal->limit);
 
     hold.prpm = directed(backwards, goal->limit);
     if (time > 0) {
@@ -423,25 +424,25 @@ static dg_angle geared_angle(const struct dg_shaft *self, dg_ns now)
 {
     dg_angle angle = angle_at(self->driver, now);
     bool backwards = (angle < 0) != (self->numerator < 0);
-    uint64_t driver = motion_exact_magnitude(angle);
-    uint64_t numerator = motion_exact_magnitude(self->numerator);
+    uint64_t driver = dg_motion_exact_magnitude(angle);
+    uint64_t numerator = dg_motion_exact_magnitude(self->numerator);
     uint64_t denominator = (uint64_t)self->denominator;
 
-    return motion_exact_moved(
+    return dg_motion_exact_moved(
         0, backwards,
         driver / denominator * numerator +
-            motion_exact_muldiv(driver % denominator, numerator, denominator, backwards));
+            dg_motion_exact_muldiv(driver % denominator, numerator, denominator, backwards));
 }
 
 static dg_angle angle_at(const struct dg_shaft *self, dg_ns now)
 {
     if (self->driver != NULL) {
-        return motion_exact_moved(geared_angle(self, now), false, (uint64_t)self->offset);
+        return dg_motion_exact_moved(geared_angle(self, now), false, (uint64_t)self->offset);
     }
     const struct dg_shaft_course *course = course_of(self, now);
 
     if (course->plays) {
-        return motion_angle(&course->motion, now);
+        return dg_motion_angle_at(&course->motion, now);
     }
     return phase_angle(course, now);
 }
@@ -487,7 +488,7 @@ int dg_shaft_set_acceleration(struct dg_shaft *self, int64_t mrpm_per_s)
 int dg_shaft_set_position(struct dg_shaft *self, dg_ns now, dg_angle angle)
 {
     if (self->driver != NULL) {
-        self->offset = motion_exact_moved(angle, true, (uint64_t)geared_angle(self, now));
+        self->offset = dg_motion_exact_moved(angle, true, (uint64_t)geared_angle(self, now));
         return DG_OK;
     }
     const struct dg_shaft_phase start = begin(self, now);

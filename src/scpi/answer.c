@@ -7,7 +7,7 @@
 #define DECIMAL 10u
 #define NIBBLE_BITS 4u
 
-void scpi_write(struct dg_scpi *self, const char *text, size_t n)
+void dg_scpi_write(struct dg_scpi *self, const char *text, size_t n)
 {
     if (!self->failed && n > 0) {
         self->setup.ops->write(self->setup.ctx, text, n);
@@ -17,7 +17,7 @@ void scpi_write(struct dg_scpi *self, const char *text, size_t n)
 void dg_scpi_begin(struct dg_scpi *self)
 {
     if (dg_scpi_more(self)) { /* what was not understood in full is not answered */
-        scpi_raise_usage(self, DG_SCPI_SUPERFLUOUS);
+        dg_scpi_raise_usage(self, DG_SCPI_SUPERFLUOUS);
     }
     if (self->put) {
         dg_scpi_append(self, ",");
@@ -30,28 +30,28 @@ void dg_scpi_begin(struct dg_scpi *self)
 
 void dg_scpi_append(struct dg_scpi *self, const char *text)
 {
-    scpi_write(self, text, scpi_length(text));
+    dg_scpi_write(self, text, dg_scpi_length(text));
 }
 
-void scpi_append_quoted(struct dg_scpi *self, const char *text)
+void dg_scpi_append_quoted(struct dg_scpi *self, const char *text)
 {
     const char *at = text;
 
     for (; *at != '\0'; at++) {
         if (*at == '"') { /* up to it and with it; it comes again with what follows */
-            scpi_write(self, text, (size_t)(at - text) + 1u);
+            dg_scpi_write(self, text, (size_t)(at - text) + 1u);
             text = at;
         }
     }
-    scpi_write(self, text, (size_t)(at - text));
+    dg_scpi_write(self, text, (size_t)(at - text));
 }
 
-uint64_t scpi_magnitude(int64_t value)
+uint64_t dg_scpi_magnitude(int64_t value)
 {
     return value < 0 ? 0u - (uint64_t)value : (uint64_t)value;
 }
 
-size_t scpi_format(char to[SCPI_DIGITS_MAX], uint64_t magnitude, bool negative, unsigned places)
+size_t dg_scpi_format(char to[SCPI_DIGITS_MAX], uint64_t magnitude, bool negative, unsigned places)
 {
     char backwards[SCPI_DIGITS_MAX];
     size_t n = 0;
@@ -78,12 +78,12 @@ static void append_decimal(struct dg_scpi *self, uint64_t magnitude, bool negati
 {
     char text[SCPI_DIGITS_MAX];
 
-    scpi_write(self, text, scpi_format(text, magnitude, negative, places));
+    dg_scpi_write(self, text, dg_scpi_format(text, magnitude, negative, places));
 }
 
 void dg_scpi_append_number(struct dg_scpi *self, int64_t value, unsigned places)
 {
-    append_decimal(self, scpi_magnitude(value), value < 0, places);
+    append_decimal(self, dg_scpi_magnitude(value), value < 0, places);
 }
 
 void dg_scpi_append_hex(struct dg_scpi *self, uint64_t value, unsigned digits)
@@ -92,8 +92,8 @@ void dg_scpi_append_hex(struct dg_scpi *self, uint64_t value, unsigned digits)
 
     while (digits > 0) {
         digits--;
-        scpi_write(self, &characters[(value >> (NIBBLE_BITS * digits)) % (sizeof characters - 1u)],
-                   1);
+        dg_scpi_write(self,
+                      &characters[(value >> (NIBBLE_BITS * digits)) % (sizeof characters - 1u)], 1);
     }
 }
 
@@ -119,6 +119,6 @@ void dg_scpi_put_string(struct dg_scpi *self, const char *text)
 {
     dg_scpi_begin(self);
     dg_scpi_append(self, "\"");
-    scpi_append_quoted(self, text);
+    dg_scpi_append_quoted(self, text);
     dg_scpi_append(self, "\"");
 }

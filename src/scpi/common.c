@@ -37,7 +37,7 @@ static void clear(struct dg_scpi *self)
 {
     self->esr = 0;
     self->opc = false;
-    scpi_clear_errors(self);
+    dg_scpi_clear_errors(self);
 }
 
 static void reset(struct dg_scpi *self)
@@ -64,7 +64,7 @@ static void get_events(struct dg_scpi *self)
 
 static void get_status_byte(struct dg_scpi *self)
 {
-    dg_scpi_put_number(self, scpi_status_byte(self), 0);
+    dg_scpi_put_number(self, dg_scpi_status_byte(self), 0);
 }
 
 static void get_self_test(struct dg_scpi *self)
@@ -92,13 +92,13 @@ static void wait_and_answer(struct dg_scpi *self)
 
 static void get_error(struct dg_scpi *self)
 {
-    scpi_put_error(self);
+    dg_scpi_put_error(self);
 }
 
 static void get_all_errors(struct dg_scpi *self)
 {
     do {
-        scpi_put_error(self);
+        dg_scpi_put_error(self);
     } while (self->error_count > 0 && !self->failed);
 }
 
@@ -116,11 +116,11 @@ static void put_usage(struct dg_scpi *self, const struct dg_scpi_command *row, b
 {
     const char *pieces[SCPI_USAGE];
 
-    scpi_usage(row, query, pieces);
+    dg_scpi_usage(row, query, pieces);
     dg_scpi_begin(self);
     dg_scpi_append(self, "\"");
     for (size_t i = 0; i < SCPI_USAGE; i++) {
-        scpi_append_quoted(self, pieces[i]);
+        dg_scpi_append_quoted(self, pieces[i]);
     }
     dg_scpi_append(self, "\"");
 }
@@ -142,7 +142,7 @@ static void get_help(struct dg_scpi *self)
 {
     const struct dg_scpi_commands *list;
 
-    for (size_t i = 0; (list = scpi_commands(self, i)) != NULL; i++) {
+    for (size_t i = 0; (list = dg_scpi_command_list(self, i)) != NULL; i++) {
         put_rows(self, list);
     }
 }
@@ -166,4 +166,4 @@ static const struct dg_scpi_command rows[] = {
     {"SYSTem:VERSion",         NULL, get_version,     0, "", "version of SCPI"},
 };
 /* clang-format on */
-const struct dg_scpi_commands scpi_own = {rows, DG_COUNT(rows)};
+const struct dg_scpi_commands dg_scpi_own = {rows, DG_COUNT(rows)};

@@ -52,8 +52,8 @@ static unsigned row_cost(const struct dg_scpi_command *row, const struct header 
     for (unsigned i = 0; i <= header->count; i++) {
         cost[i] = SKIP * i;
     }
-    for (const char *rest = scpi_next_node(row->header, &keyword); keyword.n > 0;
-         rest = scpi_next_node(rest, &keyword)) {
+    for (const char *rest = dg_scpi_next_node(row->header, &keyword); keyword.n > 0;
+         rest = dg_scpi_next_node(rest, &keyword)) {
         const unsigned left_out = keyword.optional ? 0u : SKIP;
         unsigned before = cost[0];
         cost[0] += left_out;
@@ -69,7 +69,7 @@ static unsigned row_cost(const struct dg_scpi_command *row, const struct header 
 
 static bool is_of_header(char c)
 {
-    return dg_text_upper(c) != c || (c >= 'A' && c <= 'Z') || scpi_is_digit(c) || c == ':' ||
+    return dg_text_upper(c) != c || (c >= 'A' && c <= 'Z') || dg_scpi_is_digit(c) || c == ':' ||
            c == '_' || c == '*';
 }
 
@@ -113,7 +113,7 @@ nearest(const struct dg_scpi *self, const struct header *header, bool query, uns
     const struct dg_scpi_commands *list;
 
     *cost = LIMIT + 1u;
-    for (size_t i = 0; header->count > 0 && (list = scpi_commands(self, i)) != NULL; i++) {
+    for (size_t i = 0; header->count > 0 && (list = dg_scpi_command_list(self, i)) != NULL; i++) {
         for (size_t j = 0; j < list->count; j++) {
             const struct dg_scpi_command *row = &list->rows[j];
             const unsigned its = row_cost(row, header) + (has_form(row, query) ? 0u : OTHER_FORM);
@@ -124,7 +124,7 @@ nearest(const struct dg_scpi *self, const struct header *header, bool query, uns
     return found;
 }
 
-void scpi_refuse_header(struct dg_scpi *self, const char *header, size_t n, bool query)
+void dg_scpi_refuse_header(struct dg_scpi *self, const char *header, size_t n, bool query)
 {
     const struct header apart = take_apart(header, n);
     unsigned cost;
@@ -138,17 +138,17 @@ void scpi_refuse_header(struct dg_scpi *self, const char *header, size_t n, bool
     } else {
         const bool fits = has_form(near, query);
         dg_text_add(&detail, !fits && cost == OTHER_FORM ? "; right is " : "; near is ");
-        scpi_add_usage(&detail, near, fits ? query : !query);
+        dg_scpi_add_usage(&detail, near, fits ? query : !query);
     }
     dg_scpi_raise(self, DG_SCPI_UNDEFINED, detail.to);
 }
 
-void scpi_refuse_word(struct dg_scpi *self, int code, const char *const *words, size_t count)
+void dg_scpi_refuse_word(struct dg_scpi *self, int code, const char *const *words, size_t count)
 {
     char room[SCPI_DETAIL_SIZE];
     struct dg_text detail = dg_text_in(room, sizeof room);
 
-    dg_text_add_n(&detail, &self->line[self->at], scpi_token(self));
+    dg_text_add_n(&detail, &self->line[self->at], dg_scpi_token(self));
     for (size_t i = 0; i < count; i++) {
         dg_text_add(&detail, i == 0 ? "; " : i + 1u == count ? " or " : ", ");
         dg_text_add(&detail, words[i]);

@@ -88,7 +88,7 @@ static bool read_mantissa(struct dg_scpi *self, struct decimal *out)
     out->begin = at;
     out->count = 0;
     out->point = 0;
-    for (; scpi_is_digit(*at) || (*at == '.' && !point); at++) {
+    for (; dg_scpi_is_digit(*at) || (*at == '.' && !point); at++) {
         point = point || *at == '.';
         out->count += *at != '.' ? 1 : 0;
         out->point += point ? 0 : 1;
@@ -107,17 +107,17 @@ static void read_exponent(struct dg_scpi *self, struct decimal *out)
     const uint16_t before = self->at;
     int32_t exponent = 0;
 
-    scpi_skip_blanks(self);
+    dg_scpi_skip_blanks(self);
     const bool marked = dg_text_upper(self->line[self->at]) == 'E';
     self->at = (uint16_t)(self->at + (marked ? 1u : 0u));
-    scpi_skip_blanks(self);
+    dg_scpi_skip_blanks(self);
     const bool negative = self->line[self->at] == '-';
     self->at = (uint16_t)(self->at + (is_sign(self->line[self->at]) ? 1u : 0u));
-    if (!marked || !scpi_is_digit(self->line[self->at])) {
+    if (!marked || !dg_scpi_is_digit(self->line[self->at])) {
         self->at = before;
         return;
     }
-    for (; scpi_is_digit(self->line[self->at]); self->at++) {
+    for (; dg_scpi_is_digit(self->line[self->at]); self->at++) {
         exponent = exponent * (int32_t)DECIMAL + (self->line[self->at] - '0');
         exponent = exponent < EXPONENT_MAX ? exponent : EXPONENT_MAX;
     }
@@ -193,7 +193,7 @@ static struct value evaluate(const struct decimal *number, const struct suffix *
 static int digit_in(char c, unsigned base)
 {
     const char upper = dg_text_upper(c);
-    int digit = scpi_is_digit(c) ? c - '0' : -1;
+    int digit = dg_scpi_is_digit(c) ? c - '0' : -1;
 
     if (upper >= 'A' && upper <= 'F') {
         digit = upper - 'A' + (int)DECIMAL;
@@ -226,7 +226,7 @@ static bool read_based(struct dg_scpi *self, unsigned base, struct value *out)
 
     *out = (struct value){.magnitude = 0};
     if (digit_in(*at, base) < 0) {
-        scpi_refuse_word(self, DG_SCPI_DATA_TYPE, a_number, 1);
+        dg_scpi_refuse_word(self, DG_SCPI_DATA_TYPE, a_number, 1);
         return false;
     }
     for (; digit_in(*at, base) >= 0; at++) {
@@ -234,7 +234,7 @@ static bool read_based(struct dg_scpi *self, unsigned base, struct value *out)
         out->magnitude = out->magnitude * base + (uint64_t)digit_in(*at, base);
     }
     self->at = (uint16_t)(at - self->line);
-    return scpi_close(self, DG_SCPI_DATA_TYPE);
+    return dg_scpi_close(self, DG_SCPI_DATA_TYPE);
 }
 
 /* The first of a unit is the one that goes without saying; each unit has one. */
@@ -255,7 +255,7 @@ static const struct suffix *find_suffix(enum dg_scpi_unit unit, const char *name
         return usual_suffix(unit);
     }
     for (size_t i = 0; i < SUFFIX_COUNT; i++) {
-        if (suffixes[i].unit == (uint8_t)unit && scpi_length(suffixes[i].name) == n &&
+        if (suffixes[i].unit == (uint8_t)unit && dg_scpi_length(suffixes[i].name) == n &&
             dg_text_same(suffixes[i].name, name, n, dg_text_upper)) {
             return &suffixes[i];
         }
@@ -274,7 +274,7 @@ static void refuse_suffix(struct dg_scpi *self, enum dg_scpi_unit unit)
             names[count++] = unit == DG_SCPI_PLAIN ? "a number alone" : suffixes[i].name;
         }
     }
-    scpi_refuse_word(self, DG_SCPI_SUFFIX, names, count);
+    dg_scpi_refuse_word(self, DG_SCPI_SUFFIX, names, count);
 }
 
 /* Whose suffixes it takes. */
@@ -291,7 +291,7 @@ static bool is_bare(const struct dg_scpi *self)
     while (*at == ' ' || *at == '\t') {
         at++;
     }
-    return *at == ',' || scpi_is_end(*at);
+    return *at == ',' || dg_scpi_is_end(*at);
 }
 
 /* A duration without a unit: the number stands in front of the place, from `begin` on. */
@@ -316,13 +316,13 @@ static bool read_suffix(struct dg_scpi *self, const struct dg_scpi_range *range,
 {
     const uint16_t before = self->at;
 
-    scpi_skip_blanks(self);
-    const size_t n = scpi_token(self);
+    dg_scpi_skip_blanks(self);
+    const size_t n = dg_scpi_token(self);
     const struct suffix *found = find_suffix(unit_of(range), &self->line[self->at], n);
 
-    if (found == NULL && scpi_is_digit(self->line[self->at])) { /* the next number */
+    if (found == NULL && dg_scpi_is_digit(self->line[self->at])) { /* the next number */
         self->at = before;
-        (void)scpi_close(self, DG_SCPI_SUFFIX);
+        (void)dg_scpi_close(self, DG_SCPI_SUFFIX);
         return false;
     }
     if (found == NULL) {
@@ -334,7 +334,7 @@ static bool read_suffix(struct dg_scpi *self, const struct dg_scpi_range *range,
         out->factor = powers[range->places];
     }
     self->at = (uint16_t)(self->at + n);
-    return scpi_close(self, DG_SCPI_SUFFIX);
+    return dg_scpi_close(self, DG_SCPI_SUFFIX);
 }
 
 /* @return false: an error was raised */
@@ -345,7 +345,7 @@ static bool read_decimal(struct dg_scpi *self, const struct dg_scpi_range *range
     struct suffix suffix;
 
     if (!read_mantissa(self, &number)) {
-        scpi_refuse_word(self, DG_SCPI_DATA_TYPE, a_number, 1);
+        dg_scpi_refuse_word(self, DG_SCPI_DATA_TYPE, a_number, 1);
         return false;
     }
     read_exponent(self, &number);
@@ -365,7 +365,7 @@ static void add_limit(struct dg_text *detail, const struct dg_scpi_range *range,
 {
     const bool plain = range->unit == DG_SCPI_PLAIN;
     unsigned places = plain ? range->places : unit_places[unit_of(range)];
-    uint64_t magnitude = scpi_magnitude(limit);
+    uint64_t magnitude = dg_scpi_magnitude(limit);
     char text[SCPI_DIGITS_MAX];
 
     if (range->unit == DG_SCPI_ANGLE) { /* to the nearest */
@@ -375,7 +375,7 @@ static void add_limit(struct dg_text *detail, const struct dg_scpi_range *range,
         magnitude /= DECIMAL;
         places--;
     }
-    dg_text_add_n(detail, text, scpi_format(text, magnitude, limit < 0, places));
+    dg_text_add_n(detail, text, dg_scpi_format(text, magnitude, limit < 0, places));
 }
 
 static void raise_range(struct dg_scpi *self, const struct dg_scpi_range *range)
@@ -412,11 +412,11 @@ static bool read_limit(struct dg_scpi *self, const struct dg_scpi_range *range, 
     static const char minimum[] = "MINimum";
     static const char maximum[] = "MAXimum";
     const char *const text = &self->line[self->at];
-    const size_t n = scpi_token(self);
+    const size_t n = dg_scpi_token(self);
 
-    if (scpi_is_form(minimum, sizeof minimum - 1u, text, n)) {
+    if (dg_scpi_is_form(minimum, sizeof minimum - 1u, text, n)) {
         *value = range->min;
-    } else if (scpi_is_form(maximum, sizeof maximum - 1u, text, n)) {
+    } else if (dg_scpi_is_form(maximum, sizeof maximum - 1u, text, n)) {
         *value = range->max;
     } else {
         return false;
@@ -430,11 +430,11 @@ bool dg_scpi_number(struct dg_scpi *self, const struct dg_scpi_range *range, int
     int64_t result = 0;
     struct value read = {.magnitude = 0};
 
-    if (!scpi_next(self)) {
+    if (!dg_scpi_next(self)) {
         return false;
     }
     if (read_limit(self, range, &result)) {
-        if (!scpi_close(self, DG_SCPI_SYNTAX)) {
+        if (!dg_scpi_close(self, DG_SCPI_SYNTAX)) {
             return false;
         }
         *value = result;

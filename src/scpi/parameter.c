@@ -18,24 +18,24 @@ static bool is_quote(char c)
     return c == '"' || c == '\'';
 }
 
-bool scpi_is_end(char c)
+bool dg_scpi_is_end(char c)
 {
     return c == '\0' || c == ';';
 }
 
-void scpi_skip_blanks(struct dg_scpi *self)
+void dg_scpi_skip_blanks(struct dg_scpi *self)
 {
     while (is_blank(self->line[self->at])) {
         self->at++;
     }
 }
 
-size_t scpi_token(const struct dg_scpi *self)
+size_t dg_scpi_token(const struct dg_scpi *self)
 {
     const char *const begin = &self->line[self->at];
     const char *at = begin;
 
-    while (!scpi_is_end(*at) && *at != ',' && !is_blank(*at)) {
+    while (!dg_scpi_is_end(*at) && *at != ',' && !is_blank(*at)) {
         at++;
     }
     return (size_t)(at - begin);
@@ -43,34 +43,34 @@ size_t scpi_token(const struct dg_scpi *self)
 
 bool dg_scpi_more(struct dg_scpi *self)
 {
-    scpi_skip_blanks(self);
-    return !self->failed && !scpi_is_end(self->line[self->at]);
+    dg_scpi_skip_blanks(self);
+    return !self->failed && !dg_scpi_is_end(self->line[self->at]);
 }
 
-bool scpi_next(struct dg_scpi *self)
+bool dg_scpi_next(struct dg_scpi *self)
 {
     if (self->failed) {
         return false;
     }
-    scpi_skip_blanks(self);
+    dg_scpi_skip_blanks(self);
     if (!self->first && self->line[self->at] == ',') {
         self->at++;
-        scpi_skip_blanks(self);
+        dg_scpi_skip_blanks(self);
     }
     self->first = false;
-    if (scpi_token(self) == 0) {
-        scpi_raise_usage(self, DG_SCPI_MISSING);
+    if (dg_scpi_token(self) == 0) {
+        dg_scpi_raise_usage(self, DG_SCPI_MISSING);
         return false;
     }
     return true;
 }
 
-void scpi_refuse(struct dg_scpi *self, int code)
+void dg_scpi_refuse(struct dg_scpi *self, int code)
 {
     char room[SCPI_DETAIL_SIZE];
     struct dg_text detail = dg_text_in(room, sizeof room);
 
-    dg_text_add_n(&detail, &self->line[self->at], scpi_token(self));
+    dg_text_add_n(&detail, &self->line[self->at], dg_scpi_token(self));
     dg_scpi_raise(self, code, detail.to);
 }
 
@@ -79,31 +79,31 @@ static void refuse_apart(struct dg_scpi *self)
 {
     char room[SCPI_DETAIL_SIZE];
     struct dg_text detail = dg_text_in(room, sizeof room);
-    const bool several = scpi_count(self->command->parameters) > 1u;
+    const bool several = dg_scpi_count(self->command->parameters) > 1u;
 
-    dg_text_add_n(&detail, &self->line[self->at], scpi_token(self));
+    dg_text_add_n(&detail, &self->line[self->at], dg_scpi_token(self));
     dg_text_add(&detail, several ? "; a comma is missing, right is " : "; right is ");
-    scpi_add_usage(&detail, self->command, self->query);
+    dg_scpi_add_usage(&detail, self->command, self->query);
     dg_scpi_raise(self, DG_SCPI_SYNTAX, detail.to);
 }
 
-bool scpi_close(struct dg_scpi *self, int code)
+bool dg_scpi_close(struct dg_scpi *self, int code)
 {
     const bool apart = is_blank(self->line[self->at]);
 
-    scpi_skip_blanks(self);
-    if (scpi_token(self) == 0) {
+    dg_scpi_skip_blanks(self);
+    if (dg_scpi_token(self) == 0) {
         return true;
     }
     if (apart) {
         refuse_apart(self);
     } else {
-        scpi_refuse(self, code);
+        dg_scpi_refuse(self, code);
     }
     return false;
 }
 
-unsigned scpi_count(const char *text)
+unsigned dg_scpi_count(const char *text)
 {
     unsigned count = 1;
     char quote = '\0'; /* that ends the string at hand */
@@ -111,7 +111,7 @@ unsigned scpi_count(const char *text)
     while (is_blank(*text)) {
         text++;
     }
-    if (scpi_is_end(*text)) {
+    if (dg_scpi_is_end(*text)) {
         return 0;
     }
     for (; *text != '\0' && (quote != '\0' || *text != ';'); text++) {
@@ -128,18 +128,18 @@ unsigned scpi_count(const char *text)
 
 bool dg_scpi_word(struct dg_scpi *self, const char *const *words, size_t count, size_t *index)
 {
-    if (!scpi_next(self)) {
+    if (!dg_scpi_next(self)) {
         return false;
     }
-    const size_t n = scpi_token(self);
+    const size_t n = dg_scpi_token(self);
     for (size_t i = 0; i < count; i++) {
-        if (scpi_is_form(words[i], scpi_length(words[i]), &self->line[self->at], n)) {
+        if (dg_scpi_is_form(words[i], dg_scpi_length(words[i]), &self->line[self->at], n)) {
             *index = i;
             self->at = (uint16_t)(self->at + n);
             return true;
         }
     }
-    scpi_refuse_word(self, DG_SCPI_ILLEGAL, words, count);
+    dg_scpi_refuse_word(self, DG_SCPI_ILLEGAL, words, count);
     return false;
 }
 
@@ -158,7 +158,7 @@ bool dg_scpi_flag(struct dg_scpi *self, bool *value)
     static const char *const flags[FLAGS] = {"OFF", "ON", "0", "1"};
     size_t index;
 
-    if (!dg_scpi_word(self, flags, FLAGS, &index) || !scpi_close(self, DG_SCPI_SYNTAX)) {
+    if (!dg_scpi_word(self, flags, FLAGS, &index) || !dg_scpi_close(self, DG_SCPI_SYNTAX)) {
         return false;
     }
     *value = (index & 1u) != 0;
@@ -202,7 +202,7 @@ static size_t read_string(struct dg_scpi *self, char *to, size_t size)
 
 static size_t read_bare(struct dg_scpi *self, char *to, size_t size)
 {
-    const size_t n = scpi_token(self);
+    const size_t n = dg_scpi_token(self);
     const size_t fits = n < size ? n : size - 1u;
 
     memcpy(to, &self->line[self->at], fits);
@@ -220,7 +220,7 @@ static void raise_too_long(struct dg_scpi *self, size_t most)
     char digits[SCPI_DIGITS_MAX];
 
     dg_text_add(&detail, before);
-    dg_text_add_n(&detail, digits, scpi_format(digits, most, false, 0));
+    dg_text_add_n(&detail, digits, dg_scpi_format(digits, most, false, 0));
     dg_text_add(&detail, after);
     dg_scpi_raise(self, DG_SCPI_RANGE, detail.to);
 }
@@ -228,12 +228,12 @@ static void raise_too_long(struct dg_scpi *self, size_t most)
 bool dg_scpi_text(struct dg_scpi *self, char *to, size_t size)
 {
     to[0] = '\0';
-    if (!scpi_next(self)) {
+    if (!dg_scpi_next(self)) {
         return false;
     }
     const bool quoted = is_quote(self->line[self->at]);
     const size_t n = quoted ? read_string(self, to, size) : read_bare(self, to, size);
-    if (self->failed || !scpi_close(self, DG_SCPI_STRING)) {
+    if (self->failed || !dg_scpi_close(self, DG_SCPI_STRING)) {
         return false;
     }
     if (n >= size) {

@@ -45,7 +45,7 @@ static size_t read_header(struct dg_scpi *self, const char **header)
         self->path = 0;
     }
     const uint16_t begin = self->at;
-    while (!scpi_is_end(self->line[self->at]) && self->line[self->at] != ' ' &&
+    while (!dg_scpi_is_end(self->line[self->at]) && self->line[self->at] != ' ' &&
            self->line[self->at] != '\t') {
         self->at++;
     }
@@ -78,9 +78,9 @@ static bool find_command(struct dg_scpi *self)
 
     self->query = n > 0 && header[n - 1u] == '?';
     const size_t bare = n - (self->query ? 1u : 0u);
-    self->command = scpi_find(self, header, bare, self->query);
+    self->command = dg_scpi_find(self, header, bare, self->query);
     if (self->command == NULL) {
-        scpi_refuse_header(self, header, n, self->query);
+        dg_scpi_refuse_header(self, header, n, self->query);
         return false;
     }
     set_path(self, header, bare);
@@ -102,7 +102,7 @@ static bool has_too_many(const struct dg_scpi *self)
     const char *parameters = self->command->parameters;
 
     return !self->query && !takes_any_number(parameters) &&
-           scpi_count(&self->line[self->at]) > scpi_count(parameters);
+           dg_scpi_count(&self->line[self->at]) > dg_scpi_count(parameters);
 }
 
 static void call(struct dg_scpi *self)
@@ -110,12 +110,12 @@ static void call(struct dg_scpi *self)
     const struct dg_scpi_command *command = self->command;
 
     if (has_too_many(self)) {
-        scpi_raise_usage(self, DG_SCPI_SUPERFLUOUS);
+        dg_scpi_raise_usage(self, DG_SCPI_SUPERFLUOUS);
         return;
     }
     (self->query ? command->query : command->set)(self);
     if (dg_scpi_more(self)) {
-        scpi_raise_usage(self, DG_SCPI_SUPERFLUOUS);
+        dg_scpi_raise_usage(self, DG_SCPI_SUPERFLUOUS);
     } else if (self->query && !self->put && !self->waiting) {
         dg_scpi_begin(self); /* a client that has asked waits for a line */
     }
@@ -132,7 +132,7 @@ static void end_line(struct dg_scpi *self)
 /* The next command of the line; empty ones are none. */
 static void execute(struct dg_scpi *self)
 {
-    scpi_skip_blanks(self);
+    dg_scpi_skip_blanks(self);
     if (self->line[self->at] == '\0') {
         end_line(self);
         return;

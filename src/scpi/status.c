@@ -61,7 +61,7 @@ static unsigned class_of(int code)
     return class > 0 && class < CLASSES ? (unsigned)class : DEVICE_SPECIFIC;
 }
 
-const char *scpi_error_text(int code)
+const char *dg_scpi_error_text(int code)
 {
     const char *const text = find_text(code);
 
@@ -101,7 +101,7 @@ static void queue(struct dg_scpi *self, int code, const char *detail, size_t n)
 void dg_scpi_raise(struct dg_scpi *self, int code, const char *detail)
 {
     const char *const text = detail != NULL ? detail : "";
-    const size_t n = scpi_length(text);
+    const size_t n = dg_scpi_length(text);
 
     if (code != DG_SCPI_NO_ERROR) {
         self->failed = true;
@@ -109,7 +109,8 @@ void dg_scpi_raise(struct dg_scpi *self, int code, const char *detail)
     }
 }
 
-void scpi_usage(const struct dg_scpi_command *command, bool query, const char *pieces[SCPI_USAGE])
+void dg_scpi_usage(const struct dg_scpi_command *command, bool query,
+                   const char *pieces[SCPI_USAGE])
 {
     const bool described = !query || command->set == NULL;
     const char *const parameters = described ? command->parameters : "";
@@ -120,26 +121,26 @@ void scpi_usage(const struct dg_scpi_command *command, bool query, const char *p
     pieces[3] = parameters;
 }
 
-void scpi_add_usage(struct dg_text *to, const struct dg_scpi_command *command, bool query)
+void dg_scpi_add_usage(struct dg_text *to, const struct dg_scpi_command *command, bool query)
 {
     const char *pieces[SCPI_USAGE];
 
-    scpi_usage(command, query, pieces);
+    dg_scpi_usage(command, query, pieces);
     for (size_t i = 0; i < SCPI_USAGE; i++) {
         dg_text_add(to, pieces[i]);
     }
 }
 
-void scpi_raise_usage(struct dg_scpi *self, int code)
+void dg_scpi_raise_usage(struct dg_scpi *self, int code)
 {
     char room[SCPI_DETAIL_SIZE];
     struct dg_text detail = dg_text_in(room, sizeof room);
 
-    scpi_add_usage(&detail, self->command, self->query);
+    dg_scpi_add_usage(&detail, self->command, self->query);
     dg_scpi_raise(self, code, detail.to);
 }
 
-uint8_t scpi_status_byte(const struct dg_scpi *self)
+uint8_t dg_scpi_status_byte(const struct dg_scpi *self)
 {
     unsigned byte = self->error_count > 0 ? DG_SCPI_STB_ERRORS : 0u;
 
@@ -148,13 +149,13 @@ uint8_t scpi_status_byte(const struct dg_scpi *self)
     return (uint8_t)byte;
 }
 
-void scpi_clear_errors(struct dg_scpi *self)
+void dg_scpi_clear_errors(struct dg_scpi *self)
 {
     self->error_first = 0;
     self->error_count = 0;
 }
 
-void scpi_put_error(struct dg_scpi *self)
+void dg_scpi_put_error(struct dg_scpi *self)
 {
     static const struct dg_scpi_queued none = {.code = DG_SCPI_NO_ERROR};
     const struct dg_scpi_queued *error = self->error_count > 0 ? place(self, 0) : &none;
@@ -162,10 +163,10 @@ void scpi_put_error(struct dg_scpi *self)
     dg_scpi_put_number(self, error->code, 0);
     dg_scpi_begin(self);
     dg_scpi_append(self, "\"");
-    dg_scpi_append(self, scpi_error_text(error->code));
+    dg_scpi_append(self, dg_scpi_error_text(error->code));
     if (error->detail[0] != '\0') {
         dg_scpi_append(self, ";");
-        scpi_append_quoted(self, error->detail);
+        dg_scpi_append_quoted(self, error->detail);
     }
     dg_scpi_append(self, "\"");
     if (self->error_count > 0 && !self->failed) {

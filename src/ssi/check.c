@@ -20,7 +20,7 @@ static bool fits(const void *own, const void *settings, const void *device)
     (void)own;
     memcpy(&model, settings, sizeof model);
     memcpy(&self, device, sizeof self);
-    return ssi_model_ok(&model) && self.left <= dg_ssi_word_bits(&model);
+    return dg_ssi_model_ok(&model) && self.left <= dg_ssi_word_bits(&model);
 }
 
 const struct dg_stack_check dg_ssi_check = {ranges, DG_COUNT(ranges), fits};

@@ -33,7 +33,7 @@ static uint32_t odd(uint64_t bits)
     return dg_ssi_binary((uint32_t)(bits ^ bits >> 32)) & 1u;
 }
 
-uint64_t ssi_word(const struct dg_ssi_model *model, uint32_t position, bool error)
+uint64_t dg_ssi_word(const struct dg_ssi_model *model, uint32_t position, bool error)
 {
     uint64_t word = model->code == DG_SSI_GRAY ? dg_ssi_gray(position) : position;
 
@@ -61,5 +61,5 @@ int dg_ssi_frame_decode(const struct dg_ssi_model *model, uint64_t bits, struct 
     frame->multiturn = frame->position >> model->singleturn_bits;
     frame->singleturn = frame->position & (((uint32_t)1 << model->singleturn_bits) - 1u);
     /* Whatever it was made of, the word as it came would be made again. */
-    return ssi_word(model, frame->position, frame->error) == word ? DG_OK : DG_ERR_DAMAGED;
+    return dg_ssi_word(model, frame->position, frame->error) == word ? DG_OK : DG_ERR_DAMAGED;
 }

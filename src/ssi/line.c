@@ -16,7 +16,7 @@ static bool in(uint32_t value, uint32_t low, uint32_t high)
     return value >= low && value <= high;
 }
 
-bool ssi_model_ok(const struct dg_ssi_model *model)
+bool dg_ssi_model_ok(const struct dg_ssi_model *model)
 {
     const uint32_t bits = (uint32_t)model->multiturn_bits + model->singleturn_bits;
 
@@ -30,7 +30,7 @@ bool ssi_model_ok(const struct dg_ssi_model *model)
 int dg_ssi_init(struct dg_ssi *self, const struct dg_ssi_setup *setup)
 {
     if (setup->model == NULL || setup->world == NULL || setup->world->angle == NULL ||
-        !ssi_model_ok(setup->model)) {
+        !dg_ssi_model_ok(setup->model)) {
         return DG_ERR_ARGUMENT;
     }
     *self = (struct dg_ssi){.setup = *setup, .clock = true, .deadline = DG_NEVER};
@@ -85,7 +85,7 @@ static void falling(struct dg_ssi *self, dg_ns now)
         self->deadline = end > self->deadline ? end : self->deadline;
         return;
     case DG_SSI_IDLE:
-        ssi_latch(self, now);
+        dg_ssi_latch(self, now);
         self->state = DG_SSI_SHIFT;
         break;
     case DG_SSI_SHIFT:
@@ -148,7 +148,7 @@ uint8_t dg_ssi_frame(struct dg_ssi *self, dg_ns now, uint64_t *bits)
     if (self->state == DG_SSI_OFF || self->state == DG_SSI_START) {
         return 0;
     }
-    ssi_latch(self, now);
+    dg_ssi_latch(self, now);
     *bits = self->word;
     return dg_ssi_word_bits(self->setup.model);
 }

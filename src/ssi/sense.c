@@ -48,12 +48,12 @@ uint8_t dg_ssi_errors(const struct dg_ssi *self)
     return (uint8_t)errors;
 }
 
-void ssi_latch(struct dg_ssi *self, dg_ns now)
+void dg_ssi_latch(struct dg_ssi *self, dg_ns now)
 {
     const struct dg_ssi_model *model = self->setup.model;
 
     self->counters.frames++;
     self->position = dg_ssi_position(self, now);
-    self->word = ssi_word(model, self->position, dg_ssi_errors(self) != 0);
+    self->word = dg_ssi_word(model, self->position, dg_ssi_errors(self) != 0);
     self->left = dg_ssi_word_bits(model);
 }

@@ -26,7 +26,7 @@ static bool senses_multiturn(const void *model)
 
 static int format(const struct dg_stack_setup *setup)
 {
-    return ssi_model_ok(setup->model) ? DG_OK : DG_ERR_ARGUMENT;
+    return dg_ssi_model_ok(setup->model) ? DG_OK : DG_ERR_ARGUMENT;
 }
 
 static int init(void *self, const struct dg_stack_setup *setup)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The shared library exports what the public headers declare with DG_API: all of it, nothing else. What
-else has external linkage in the folders' libraries is theirs: it starts with the folder's own prefix and
-never with dg_, which is the interface's.
+else has external linkage in the folders' libraries starts with dg_ and the folder's own prefix, so that
+a program can link libdrehgeber.a beside libraries that have a co_find() or a scpi_write() of their own.
 
 usage: exported.py TREE SHARED ARCHIVE...
 """
@@ -13,7 +13,7 @@ import sys
 from sources import blank, files, finish, read
 
 # folder: what its internal names start with
-PREFIX = {"hiperface": "hf_", "canopen": "co_", "interbus": "ib_"}
+PREFIX = {"hiperface": "dg_hf_", "canopen": "dg_co_", "interbus": "dg_ib_"}
 DECLARED = re.compile(r"^DG_API\b([^;{]*);", re.M)
 NAME = re.compile(r"\b(\w+)(?=\s*(?:\(|\[|,|$))")
 # Where the parameters of a function begin, nothing is declared any more.
@@ -40,7 +40,7 @@ def defined(library, *options):
 def foreign(archive, public):
     """Complaints about internal symbols of a folder's library."""
     folder = re.search(r"libdg_(\w+)\.a$", archive).group(1)
-    prefix = PREFIX.get(folder, f"{folder}_")
+    prefix = PREFIX.get(folder, f"dg_{folder}_")
     internal = defined(archive) - set(public)
     return [f"{folder}: {name} is not {prefix}..." for name in sorted(internal) if not name.startswith(prefix)]
 

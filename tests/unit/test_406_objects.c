@@ -130,7 +130,7 @@ struct entry {
  * written (C40), and the mappings, which have their five steps (C6). */
 static uint32_t read_all(struct entry *to)
 {
-    struct dg_co_object object = co_first();
+    struct dg_co_object object = dg_co_first();
     uint32_t n = 0;
 
     do {
@@ -141,7 +141,7 @@ static uint32_t read_all(struct entry *to)
         assert_true(n < OBJECTS_MAX);
         to[n++] = (struct entry){object.index, object.sub, co_size(&object),
                                  co_rig_get(&rig, object.index, object.sub)};
-    } while (co_next(rig.model->device, &object));
+    } while (dg_co_next(rig.model->device, &object));
     return n;
 }
 

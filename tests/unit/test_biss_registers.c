@@ -32,15 +32,15 @@ static int setup(void **state)
 static void test_table(void **state)
 {
     (void)state;
-    for (uint8_t i = 0; i < biss_register_count; i++) {
-        const struct biss_register *row = &biss_registers[i];
+    for (uint8_t i = 0; i < dg_biss_register_count; i++) {
+        const struct biss_register *row = &dg_biss_registers[i];
         assert_true(row->first <= row->last && row->last <= 0x7F);
         assert_true(row->bank_first <= row->bank_last);
         assert_true(row->last <= 0x3F || row->first >= 0x40);
         assert_int_equal((row->access & BISS_READ) != 0, row->read != NULL);
         assert_int_equal((row->access & BISS_WRITE) != 0, row->write != NULL);
         for (uint8_t j = 0; j < i; j++) {
-            const struct biss_register *other = &biss_registers[j];
+            const struct biss_register *other = &dg_biss_registers[j];
             const bool banks =
                 row->bank_first <= other->bank_last && other->bank_first <= row->bank_last;
             assert_false(banks && row->first <= other->last && other->first <= row->last);

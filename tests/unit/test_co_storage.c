@@ -348,12 +348,12 @@ static void look(struct sight *sight)
     sight->bit_rate = rig.node.bit_rate;
     sight->serial = rig.node.serial;
     memcpy(sight->value, rig.node.value, sizeof sight->value);
-    struct dg_co_object row = co_first();
+    struct dg_co_object row = dg_co_first();
     do {
         if (co_is(&row, DG_CO_SLOT | DG_CO_LIVE)) {
             sight->value[row.slot] = 0; /* measured, not set */
         }
-    } while (co_next(device, &row));
+    } while (dg_co_next(device, &row));
 }
 
 static bool same(const struct sight *a, const struct sight *b)
@@ -391,14 +391,14 @@ static void damage(struct sight *before, int damaged)
     } else if (damaged == DG_CO_REGION_SERIAL) {
         before->serial = 0;
     }
-    struct dg_co_object row = co_first();
+    struct dg_co_object row = dg_co_first();
     do {
         if (co_is(&row, DG_CO_SAVE) &&
-            (co_region(&row) == damaged || damaged == DG_CO_REGION_SAVED)) {
+            (dg_co_region_of(&row) == damaged || damaged == DG_CO_REGION_SAVED)) {
             before->value[row.slot] =
-                co_default(device, &row) + (co_is(&row, DG_CO_ID) ? before->id : 0);
+                dg_co_default(device, &row) + (co_is(&row, DG_CO_ID) ? before->id : 0);
         }
-    } while (co_next(device, &row));
+    } while (dg_co_next(device, &row));
 }
 
 static void a_damaged_region_is_the_default_and_the_others_stay(void **state)
@@ -502,14 +502,14 @@ static void values_out_of_range_do_not_come_into_force(void **state)
             assert_true(rig.node.id >= 1 && (rig.node.id <= 127 || rig.node.id == 0xFF));
             assert_true(rig.node.bit_rate <= 8 && rig.node.bit_rate != 7);
             assert_in_range(rig.node.value[DG_CO_SLOT_TERMINATION], 0, 1);
-            struct dg_co_object row = co_first();
+            struct dg_co_object row = dg_co_first();
             do {
                 /* 6509h, the only signed one, may be anything. */
                 if (co_is(&row, DG_CO_SAVE) && row.index != 0x6509) {
-                    const struct dg_co_limits limits = co_limits(&row);
+                    const struct dg_co_limits limits = dg_co_limits_of(&row);
                     assert_in_range(rig.node.value[row.slot], limits.min, limits.max);
                 }
-            } while (co_next(device, &row));
+            } while (dg_co_next(device, &row));
         }
     }
 }

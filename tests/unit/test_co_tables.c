@@ -35,12 +35,12 @@ static size_t row_count;
 
 static int list_rows(void **state)
 {
-    struct dg_co_object object = co_first();
+    struct dg_co_object object = dg_co_first();
     (void)state;
 
     do {
         all[row_count++] = object;
-    } while (row_count < COUNT(all) && co_next(device, &object));
+    } while (row_count < COUNT(all) && dg_co_next(device, &object));
     return 0;
 }
 
@@ -68,7 +68,7 @@ static bool is_signed(const struct dg_co_object *object)
 
 static bool inside(const struct dg_co_object *object, uint32_t value)
 {
-    const struct dg_co_limits limits = co_limits(object);
+    const struct dg_co_limits limits = dg_co_limits_of(object);
 
     if (is_signed(object)) {
         return (int32_t)limits.min <= (int32_t)value && (int32_t)value <= (int32_t)limits.max;
@@ -82,7 +82,7 @@ static uint32_t cut(const struct dg_co_object *object, uint32_t value)
     const uint8_t bits = (uint8_t)(8u * co_size(object));
     const uint32_t kept = bits == 32 ? value : value & ((1u << bits) - 1u);
 
-    return co_extend(object, kept);
+    return dg_co_extend(object, kept);
 }
 
 /* ------------------------------------------------------------ dictionary */
@@ -110,7 +110,7 @@ static void rows_are_found_and_nothing_else(void **state)
         for (unsigned sub = 0; sub <= (known ? 0xFFu : 1u); sub++) {
             const bool there = next < rows() && key(row(next)) == (index << 8 | sub);
             struct dg_co_object found = {0};
-            const enum dg_co_abort abort = co_find(device, DG_CO_KEY(index, sub), &found);
+            const enum dg_co_abort abort = dg_co_find(device, DG_CO_KEY(index, sub), &found);
             assert_true(!there || (found.row == row(next)->row && found.slot == row(next)->slot));
             assert_true(!there || (found.index == index && found.sub == sub));
             assert_int_equal(abort, there ? DG_CO_OK : known ? DG_CO_NO_SUB : DG_CO_NO_OBJECT);
@@ -135,7 +135,7 @@ static void arrays_and_records_have_a_sub_0(void **state)
         assert_int_equal(row(first)->sub, 0);
         assert_int_equal(co_type(row(first)), DG_CO_U8);
         if (co_is(row(first), DG_CO_CONST)) {
-            assert_int_equal(co_default(device, row(first)), row(i)->sub);
+            assert_int_equal(dg_co_default(device, row(first)), row(i)->sub);
         }
     }
 }
@@ -149,12 +149,12 @@ static void defaults_and_limits_fit_their_type(void **state)
             assert_in_range(strlen(device->strings[object->row->initial]), 1, DG_CO_STRING_MAX);
             continue;
         }
-        const struct dg_co_limits limits = co_limits(object);
+        const struct dg_co_limits limits = dg_co_limits_of(object);
         assert_int_equal(cut(object, limits.min), limits.min);
         assert_int_equal(cut(object, limits.max), limits.max);
-        assert_true(co_is(object, DG_CO_ID) || inside(object, co_default(device, object)));
+        assert_true(co_is(object, DG_CO_ID) || inside(object, dg_co_default(device, object)));
         if (co_is(object, DG_CO_ID)) {
-            const uint32_t initial = co_default(device, object);
+            const uint32_t initial = dg_co_default(device, object);
             assert_in_range(initial & 0x7Fu, 0, 0); /* the node-ID has its place */
             assert_true(inside(object, initial + 1) && inside(object, initial + 127));
         }
@@ -181,8 +181,9 @@ static void figures_belong_to_rows(void **state)
         }
         assert_int_equal(next, devices[d]->figure_count); /* sorted, none twice */
     }
-    for (uint16_t i = 0; i < co_dictionary.count; i++) { /* a second device needs no edit here */
-        const uint16_t flags = co_dictionary.rows[i].flags;
+    for (uint16_t i = 0; i < dg_co_common_dictionary.count;
+         i++) { /* a second device needs no edit here */
+        const uint16_t flags = dg_co_common_dictionary.rows[i].flags;
         const bool free = (flags & DG_CO_SAVE) != 0 && (flags & DG_CO_ID) == 0;
         assert_int_equal((flags & DG_CO_FIGURE) != 0, free);
     }
@@ -248,9 +249,9 @@ static void regions_hold_exactly_their_rows(void **state)
     assert_in_range(device->layout->region_count, DG_CO_REGION_APPLICATION, DG_STORE_REGIONS_MAX);
     for (size_t i = 0; i < rows(); i++) {
         if (co_is(row(i), DG_CO_SAVE)) {
-            assert_true(is_parameters(co_region(row(i))));
-            assert_true(co_region(row(i)) < device->layout->region_count);
-            size[co_region(row(i))] += co_size(row(i)) + (co_is(row(i), DG_CO_GAP) ? 1u : 0u);
+            assert_true(is_parameters(dg_co_region_of(row(i))));
+            assert_true(dg_co_region_of(row(i)) < device->layout->region_count);
+            size[dg_co_region_of(row(i))] += co_size(row(i)) + (co_is(row(i), DG_CO_GAP) ? 1u : 0u);
         }
     }
     for (uint8_t region = 0; region < device->layout->region_count; region++) {
@@ -407,7 +408,7 @@ static void restricted_can_ids_are_refused(void **state)
     assert_int_equal(co_rig_write(&rig, 0x1005, 0, 0x80, 4), 0);
     for (uint32_t bit = 0x800; bit != 0; bit <<= 1) { /* 29 bit CAN-IDs, reserved bits */
         assert_int_equal(co_rig_write(&rig, 0x1005, 0, bit | 0x80, 4), DG_CO_RANGE);
-        assert_true(co_restricted(bit | 0x80));
+        assert_true(dg_co_restricted(bit | 0x80));
     }
 }
 

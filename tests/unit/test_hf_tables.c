@@ -56,9 +56,9 @@ static int set_up(void **state)
 static void commands_are_those_of_the_manual(void **state)
 {
     (void)state;
-    assert_int_equal(hf_command_count, COUNT(manual));
+    assert_int_equal(dg_hf_command_count, COUNT(manual));
     for (size_t i = 0; i < COUNT(manual); i++) {
-        const struct hf_command *row = &hf_commands[i];
+        const struct hf_command *row = &dg_hf_commands[i];
         assert_int_equal(row->code, manual[i].code);
         assert_int_equal(row->request_min, manual[i].request_min);
         assert_int_equal(row->request_max, manual[i].request_max);
@@ -72,24 +72,24 @@ static void commands_are_sorted_and_found(void **state)
     size_t found = 0;
 
     (void)state;
-    for (uint8_t i = 1; i < hf_command_count; i++) {
-        assert_true(hf_commands[i - 1].code < hf_commands[i].code);
+    for (uint8_t i = 1; i < dg_hf_command_count; i++) {
+        assert_true(dg_hf_commands[i - 1].code < dg_hf_commands[i].code);
     }
     for (unsigned code = 0; code <= 0xFF; code++) {
-        const uint8_t at = hf_command_find((uint8_t)code);
-        const struct hf_command *row = at < hf_command_count ? &hf_commands[at] : NULL;
+        const uint8_t at = dg_hf_command_find((uint8_t)code);
+        const struct hf_command *row = at < dg_hf_command_count ? &dg_hf_commands[at] : NULL;
         found += row != NULL;
         assert_true(row == NULL || row->code == code);
     }
-    assert_int_equal(found, hf_command_count);
+    assert_int_equal(found, dg_hf_command_count);
 }
 
 static void commands_fit_the_buffers(void **state)
 {
     (void)state;
     assert_int_equal(HF_DATA_MAX, DG_HF_FRAME_MAX - 3u);
-    for (uint8_t i = 0; i < hf_command_count; i++) {
-        const struct hf_command *row = &hf_commands[i];
+    for (uint8_t i = 0; i < dg_hf_command_count; i++) {
+        const struct hf_command *row = &dg_hf_commands[i];
         assert_in_range(row->code, 0x40, 0x7F); /* 5.1.2 */
         assert_true(row->request_min <= row->request_max);
         assert_true(row->request_max <= HF_DATA_MAX);
@@ -113,9 +113,9 @@ static bool can_answer(size_t row, const char *code)
 static void names_and_error_conditions_agree_with_the_flags(void **state)
 {
     (void)state;
-    assert_int_equal(COUNT(words), hf_command_count);
+    assert_int_equal(COUNT(words), dg_hf_command_count);
     for (size_t i = 0; i < COUNT(words); i++) {
-        const uint8_t flags = hf_commands[i].flags;
+        const uint8_t flags = dg_hf_commands[i].flags;
         assert_true(strlen(words[i].name) > 0);
         for (size_t k = 0; k < i; k++) {
             assert_string_not_equal(words[i].name, words[k].name);
@@ -329,8 +329,8 @@ static void replies_are_as_long_as_their_rows_say(void **state)
             assert_int_equal(code, RESET);
         }
     }
-    for (uint8_t i = 0; i < hf_command_count; i++) {
-        assert_int_equal(longest[hf_commands[i].code], hf_commands[i].reply_max);
+    for (uint8_t i = 0; i < dg_hf_command_count; i++) {
+        assert_int_equal(longest[dg_hf_commands[i].code], dg_hf_commands[i].reply_max);
     }
     assert_int_equal(rig.replies, COUNT(requests) - 1u); /* all but the reset */
 }

@@ -199,7 +199,7 @@ static void an_encoder_without_an_eeprom_has_an_empty_one(void **state)
 static void the_eeprom_of_a_handle_has_an_end(void **state)
 {
     struct dg_host *self = host_rig_start(&host_rig_here, "s3684-biss");
-    const struct dg_nvm nvm = host_setup(self).nvm;
+    const struct dg_nvm nvm = dg_host_setup(self).nvm;
     const uint32_t size = self->memory_size;
     uint8_t bytes[4] = {1, 2, 3, 4};
 

@@ -301,13 +301,13 @@ static void modes_survive(void **state)
 static void rows_of_the_table_do_not_overlap(void **state)
 {
     (void)state;
-    assert_true(ib_command_count > 0);
-    for (uint8_t i = 0; i < ib_command_count; i++) {
-        const struct ib_command *a = &ib_commands[i];
+    assert_true(dg_ib_command_count > 0);
+    for (uint8_t i = 0; i < dg_ib_command_count; i++) {
+        const struct ib_command *a = &dg_ib_commands[i];
         assert_true((a->value & ~a->mask) == 0);
         assert_true(a->modes != 0 && a->handler != NULL);
         for (uint8_t k = 0; k < i; k++) {
-            const struct ib_command *b = &ib_commands[k];
+            const struct ib_command *b = &dg_ib_commands[k];
             uint32_t common = a->mask & b->mask;
             assert_true((a->modes & b->modes) == 0 || (a->value & common) != (b->value & common));
         }

@@ -407,8 +407,8 @@ static void a_program_is_all_its_bytes(void **state)
 
     memset(&programs[0], 0x55, sizeof programs[0]);
     memset(&programs[1], 0xAA, sizeof programs[1]);
-    ib_load_program(&rig.device, 3, &programs[0]);
-    ib_load_program(&rig.device, 3, &programs[1]);
+    dg_ib_load_program(&rig.device, 3, &programs[0]);
+    dg_ib_load_program(&rig.device, 3, &programs[1]);
     assert_memory_equal(&programs[0], &programs[1], sizeof programs[0]);
 }
 

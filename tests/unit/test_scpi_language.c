@@ -336,9 +336,9 @@ static void help_lists_all(void **state)
         expected += scpi_rig_commands[i].set != NULL ? 1u : 0u;
         expected += scpi_rig_commands[i].query != NULL ? 1u : 0u;
     }
-    for (size_t i = 0; i < scpi_own.count; i++) {
-        expected += scpi_own.rows[i].set != NULL ? 1u : 0u;
-        expected += scpi_own.rows[i].query != NULL ? 1u : 0u;
+    for (size_t i = 0; i < dg_scpi_own.count; i++) {
+        expected += dg_scpi_own.rows[i].set != NULL ? 1u : 0u;
+        expected += dg_scpi_own.rows[i].query != NULL ? 1u : 0u;
     }
     scpi_rig_init(&rig);
     scpi_rig_send(&rig, "SYST:HELP:HEAD?\n");
@@ -364,16 +364,16 @@ static void tables_are_sound(void **state)
 {
     (void)state;
     scpi_rig_init(&rig);
-    for (size_t i = 0; i < scpi_own.count; i++) {
-        const struct dg_scpi_command *row = &scpi_own.rows[i];
+    for (size_t i = 0; i < dg_scpi_own.count; i++) {
+        const struct dg_scpi_command *row = &dg_scpi_own.rows[i];
         assert_true(row->set != NULL || row->query != NULL);
         assert_true(strlen(row->help) > 0);
-        for (size_t j = 0; j < scpi_own.count; j++) {
-            assert_true(i == j || strcmp(row->header, scpi_own.rows[j].header) != 0);
+        for (size_t j = 0; j < dg_scpi_own.count; j++) {
+            assert_true(i == j || strcmp(row->header, dg_scpi_own.rows[j].header) != 0);
         }
     }
-    assert_ptr_equal(scpi_find(&rig.session, "*cls", 4, false), &scpi_own.rows[0]);
-    assert_null(scpi_find(&rig.session, "*cls", 4, true));
+    assert_ptr_equal(dg_scpi_find(&rig.session, "*cls", 4, false), &dg_scpi_own.rows[0]);
+    assert_null(dg_scpi_find(&rig.session, "*cls", 4, true));
 }
 
 /* A handler may make the host step its own session: the command at hand is not begun again. */

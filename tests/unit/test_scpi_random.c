@@ -113,10 +113,10 @@ static void rows_are_found(const struct dg_scpi_command *rows, size_t count)
             char header[HEADER_MAX];
             const size_t n = random_form(rows[i].header, header);
             if (rows[i].set != NULL) {
-                assert_ptr_equal(scpi_find(&rig.session, header, n, false), &rows[i]);
+                assert_ptr_equal(dg_scpi_find(&rig.session, header, n, false), &rows[i]);
             }
             if (rows[i].query != NULL) {
-                assert_ptr_equal(scpi_find(&rig.session, header, n, true), &rows[i]);
+                assert_ptr_equal(dg_scpi_find(&rig.session, header, n, true), &rows[i]);
             }
         }
     }
@@ -126,7 +126,7 @@ static void random_forms_are_found(void **state)
 {
     (void)state;
     scpi_rig_init(&rig);
-    rows_are_found(scpi_own.rows, scpi_own.count);
+    rows_are_found(dg_scpi_own.rows, dg_scpi_own.count);
     rows_are_found(scpi_rig_commands, scpi_rig_command_count);
 }
 
@@ -141,7 +141,7 @@ static void damaged_forms_are_not(void **state)
             const size_t at = below((unsigned)n + 1u);
             memmove(&header[at + 1u], &header[at], n - at);
             header[at] = "QX_7"[below(4)];
-            assert_false(scpi_matches(scpi_rig_commands[i].header, header, n + 1u));
+            assert_false(dg_scpi_matches(scpi_rig_commands[i].header, header, n + 1u));
         }
     }
 }

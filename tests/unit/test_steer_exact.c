@@ -47,21 +47,21 @@ static void arithmetic_of_128_bits(void **state)
         struct dg_wide x = wide_of(a);
         struct dg_wide y = wide_of(b);
 
-        assert_true(value_of(motion_wide_add(x, y)) == a + b);
-        assert_true(value_of(motion_wide_subtract(x, y)) == a - b);
-        assert_true(value_of(motion_wide_negate(x)) == 0 - a);
-        assert_int_equal(motion_wide_is_negative(x), a >> 127 != 0);
-        assert_int_equal(motion_wide_less(x, y), a < b);
-        assert_false(motion_wide_less(x, x));
-        assert_true(value_of(motion_wide_times(x, c)) == a * c);
+        assert_true(value_of(dg_motion_wide_add(x, y)) == a + b);
+        assert_true(value_of(dg_motion_wide_subtract(x, y)) == a - b);
+        assert_true(value_of(dg_motion_wide_negate(x)) == 0 - a);
+        assert_int_equal(dg_motion_wide_is_negative(x), a >> 127 != 0);
+        assert_int_equal(dg_motion_wide_less(x, y), a < b);
+        assert_false(dg_motion_wide_less(x, x));
+        assert_true(value_of(dg_motion_wide_times(x, c)) == a * c);
         assert_true(value_of(dg_wide_product(x.low, c)) == (wide)x.low * c);
-        assert_true(value_of(motion_wide_divide(x, d)) == a / d);
+        assert_true(value_of(dg_motion_wide_divide(x, d)) == a / d);
     }
 }
 
 static void check_root(wide a)
 {
-    wide root = motion_wide_sqrt(wide_of(a));
+    wide root = dg_motion_wide_sqrt(wide_of(a));
 
     assert_true(root * root <= a);
     assert_true(root == UINT64_MAX || (root + 1) * (root + 1) > a);
@@ -80,21 +80,21 @@ static void roots_of_128_bits(void **state)
         uint64_t root = random_bits(&seed);
 
         check_root((wide)random_bits(&seed) << 64 | random_bits(&seed));
-        assert_true(motion_wide_sqrt(wide_of((wide)root * root)) == root);
-        assert_true(root == 0 || motion_wide_sqrt(wide_of((wide)root * root - 1)) == root - 1);
+        assert_true(dg_motion_wide_sqrt(wide_of((wide)root * root)) == root);
+        assert_true(root == 0 || dg_motion_wide_sqrt(wide_of((wide)root * root - 1)) == root - 1);
     }
 }
 
 static void directions(void **state)
 {
     (void)state;
-    assert_true(motion_exact_magnitude(INT64_MIN) == (uint64_t)1 << 63);
-    assert_true(motion_exact_magnitude(-5) == 5 && motion_exact_magnitude(5) == 5);
-    assert_true(motion_exact_moved(INT64_MAX, false, 1) == INT64_MIN);
-    assert_true(motion_exact_moved(INT64_MIN, true, 1) == INT64_MAX);
-    assert_true(motion_exact_muldiv(7, 3, 2, false) == 10);
-    assert_true(motion_exact_muldiv(7, 3, 2, true) == 11);
-    assert_true(motion_exact_muldiv(8, 3, 2, true) == 12);
+    assert_true(dg_motion_exact_magnitude(INT64_MIN) == (uint64_t)1 << 63);
+    assert_true(dg_motion_exact_magnitude(-5) == 5 && dg_motion_exact_magnitude(5) == 5);
+    assert_true(dg_motion_exact_moved(INT64_MAX, false, 1) == INT64_MIN);
+    assert_true(dg_motion_exact_moved(INT64_MIN, true, 1) == INT64_MAX);
+    assert_true(dg_motion_exact_muldiv(7, 3, 2, false) == 10);
+    assert_true(dg_motion_exact_muldiv(7, 3, 2, true) == 11);
+    assert_true(dg_motion_exact_muldiv(8, 3, 2, true) == 12);
 }
 
 int main(void)

@@ -54,8 +54,8 @@ static int print_registers(void)
 {
     puts("| bank | address | access | content |");
     puts("|---|---|---|---|");
-    for (unsigned i = 0; i < biss_register_count; i++) {
-        const struct biss_register *row = &biss_registers[i];
+    for (unsigned i = 0; i < dg_biss_register_count; i++) {
+        const struct biss_register *row = &dg_biss_registers[i];
         const char *content = content_of(row);
         if (content == NULL) {
             (void)fprintf(stderr, "no content for %02Xh\n", row->first);
