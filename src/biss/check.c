@@ -17,6 +17,7 @@ static const struct dg_stack_range ranges[] = {
     DG_STACK_BOOL(dg_biss, line.ma),
     DG_STACK_BOOL(dg_biss, line.slo),
     DG_STACK_BOOL(dg_biss, line.is_last),
+    DG_STACK_BOOL(dg_biss, line.hinted),
     DG_STACK_RANGE(dg_biss, control.state, 0, DG_BISS_CONTROL_STATE_COUNT - 1u),
     DG_STACK_RANGE(dg_biss, control.address, 0, BISS_ADDRESS_END),
     DG_STACK_BOOL(dg_biss, control.r),

@@ -220,6 +220,7 @@ static bool handle_fits(const struct dg_host *self, const uint8_t *body)
     static const struct dg_stack_range rows[] = {
         DG_STACK_BOOL(dg_host, line.level),
         DG_STACK_BOOL(dg_host, line.behind),
+        DG_STACK_BOOL(dg_host, line.chained),
         DG_STACK_BOOL(dg_host, made),
         DG_STACK_BOOL(dg_host, loaded),
         DG_STACK_BOOL(dg_host, untold),
@@ -227,6 +228,7 @@ static bool handle_fits(const struct dg_host *self, const uint8_t *body)
         DG_STACK_RANGE(dg_host, in.count, 0, DG_HOST_QUEUE),
         DG_STACK_RANGE(dg_host, out.first, 0, DG_HOST_QUEUE - 1u),
         DG_STACK_RANGE(dg_host, out.count, 0, DG_HOST_QUEUE),
+        DG_STACK_RANGE(dg_host, controller, 0, DG_HOST_BUS_OFF),
     };
     struct dg_host state;
 
