@@ -15,31 +15,22 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 #include <sys/epoll.h>
 #include <sys/random.h>
 #include <unistd.h>
 
 #include "endpoint.h"
-#include "files.h"
 #include "gate.h"
 #include "rig_link.h"
 #include "timer.h"
+#include "web_http.h"
 
 #define WEB_PATIENCE DG_S(10)
 #define SWEEP_EVERY DG_S(1)
-#define HEADERS_MAX 4096u
-#define CHUNK 4096u
-#define SOCKET_PATH "/rig"
-#define SOCKET_PROTOCOL "drehgeber"
-/* Of the WebSocket protocol; a client of another one is told. */
-#define VERSION "13"
-#define UPGRADE_REQUIRED 426u
 /* Lines to the rig from sweep to sweep. */
 #define LINES_MAX 500u
 #define TOKEN_BYTES 16u
 /* Why a page is sent away, for it to know what to do; RFC 6455 7.4.2 leaves these to programs. */
-#define TOO_MANY "too many pages are open"
 #define CLOSE_TOKEN 4001
 #define CLOSE_RIG 4002
 #define CLOSE_LINE 4003
@@ -49,9 +40,8 @@ struct connection {
     struct lws *wsi; /* NULL: free */
     dg_ns deadline;  /* gone by then; DG_NEVER: a page that has named the token */
     struct lx_guard guard;
-    const struct web_file *file; /* that goes out */
-    size_t sent;                 /* of it */
-    size_t length;               /* of `line` */
+    struct web_http http;
+    size_t length; /* of `line` */
     char line[WEB_LINE_MAX + 1u];
     unsigned allowance; /* lines it may say until the next sweep */
     bool greeted;       /* it has been told that it may ask */
@@ -189,7 +179,7 @@ static void take_token(struct connection *self)
         return;
     }
     if (count_pages(self->server) > WEB_PAGES_MAX) {
-        end(self, CLOSE_RIG, TOO_MANY);
+        end(self, CLOSE_RIG, WEB_TOO_MANY);
         return;
     }
     self->deadline = DG_NEVER;
@@ -274,188 +264,6 @@ static int send_message(struct connection *self)
     return result;
 }
 
-/* --- HTTP --- */
-
-static bool header(struct lws *wsi, enum lws_token_indexes which, char *to, size_t size)
-{
-    return lws_hdr_copy(wsi, to, (int)size, which) > 0;
-}
-
-/* A name of this machine, and no page of another site; the page's own name in `host`. Browsers
-   leave the origin out where they ask for a page or a file of it. */
-static bool is_ours(struct connection *self, char host[GATE_HOST_MAX])
-{
-    const struct lx_peers_where *where = &self->server->setup.where;
-    char origin[GATE_HOST_MAX];
-    if (!header(self->wsi, WSI_TOKEN_HOST, host, GATE_HOST_MAX) ||
-        !gate_host(host, where->at.host, where->open)) {
-        return false;
-    }
-    return lws_hdr_total_length(self->wsi, WSI_TOKEN_ORIGIN) == 0 ||
-           (header(self->wsi, WSI_TOKEN_ORIGIN, origin, sizeof origin) &&
-            gate_origin(origin, host));
-}
-
-static const struct web_file *find(const char *path)
-{
-    for (size_t i = 0; i < web_file_count; i++) {
-        if (strcmp(web_files[i].path, path) == 0) {
-            return &web_files[i];
-        }
-    }
-    return NULL;
-}
-
-struct answer {
-    unsigned char bytes[LWS_PRE + HEADERS_MAX];
-    unsigned char *at;
-};
-
-static bool add(struct lws *wsi, struct answer *to, const char *name, const char *value)
-{
-    return lws_add_http_header_by_name(wsi, (const unsigned char *)name,
-                                       (const unsigned char *)value, (int)strlen(value), &to->at,
-                                       to->bytes + sizeof to->bytes) == 0;
-}
-
-/* Not every browser takes 'self' for WebSockets, too. `host` is that of a name or an address. */
-static bool add_all(struct lws *wsi, struct answer *to, const char *host)
-{
-    char policy[GATE_HOST_MAX + 256u];
-    (void)snprintf(policy, sizeof policy,
-                   "default-src 'none'; script-src 'self'; style-src 'self'; img-src data:; "
-                   "connect-src 'self' ws://%s; base-uri 'none'; form-action 'none'; "
-                   "frame-ancestors 'none'",
-                   host);
-    const char *const rows[][2] = {
-        {"content-security-policy:", policy},
-        {"x-content-type-options:", "nosniff"},
-        {"cache-control:", "no-store"},
-        {"referrer-policy:", "no-referrer"},
-        {"cross-origin-resource-policy:", "same-origin"},
-        {"cross-origin-opener-policy:", "same-origin"},
-    };
-    for (size_t i = 0; i < DG_COUNT(rows); i++) {
-        if (!add(wsi, to, rows[i][0], rows[i][1])) {
-            return false;
-        }
-    }
-    return true;
-}
-
-static bool is_head(struct lws *wsi)
-{
-    return lws_hdr_total_length(wsi, WSI_TOKEN_HEAD_URI) > 0;
-}
-
-/* @return as callbacks do */
-static int answer_file(struct connection *self, const char *host)
-{
-    struct answer answer = {.at = answer.bytes + LWS_PRE};
-    unsigned char *end = answer.bytes + sizeof answer.bytes;
-    if (lws_add_http_common_headers(self->wsi, HTTP_STATUS_OK, self->file->type, self->file->size,
-                                    &answer.at, end) != 0 ||
-        !add_all(self->wsi, &answer, host) ||
-        lws_finalize_write_http_header(self->wsi, answer.bytes + LWS_PRE, &answer.at, end) != 0) {
-        return -1;
-    }
-    if (is_head(self->wsi)) {
-        self->file = NULL;
-        return lws_http_transaction_completed(self->wsi) != 0 ? -1 : 0;
-    }
-    return lws_callback_on_writable(self->wsi) < 0 ? -1 : 0;
-}
-
-static int refuse(struct lws *wsi, unsigned status, const char *why)
-{
-    (void)lws_return_http_status(wsi, status, why);
-    return -1;
-}
-
-static int request(struct connection *self, const char *path)
-{
-    char host[GATE_HOST_MAX];
-    self->file = find(path);
-    self->sent = 0;
-    if (!is_ours(self, host)) {
-        return refuse(self->wsi, HTTP_STATUS_FORBIDDEN,
-                      "This is no name of the machine, or a page of another site; an address is "
-                      "right");
-    }
-    if (lws_hdr_total_length(self->wsi, WSI_TOKEN_GET_URI) == 0 && !is_head(self->wsi)) {
-        return refuse(self->wsi, HTTP_STATUS_METHOD_NOT_ALLOWED, "GET is right");
-    }
-    return self->file == NULL ? refuse(self->wsi, HTTP_STATUS_NOT_FOUND, NULL)
-                              : answer_file(self, host);
-}
-
-/* @return as callbacks do */
-static int send_file(struct connection *self)
-{
-    unsigned char chunk[LWS_PRE + CHUNK];
-    if (self->file == NULL) {
-        return 0;
-    }
-    const size_t left = self->file->size - self->sent;
-    const size_t n = left < CHUNK ? left : CHUNK;
-    memcpy(chunk + LWS_PRE, self->file->bytes + self->sent, n);
-    const bool last = n == left;
-    if (lws_write(self->wsi, chunk + LWS_PRE, n, last ? LWS_WRITE_HTTP_FINAL : LWS_WRITE_HTTP) <
-        0) {
-        return -1;
-    }
-    self->sent += n;
-    if (!last) {
-        return lws_callback_on_writable(self->wsi) < 0 ? -1 : 0;
-    }
-    self->file = NULL;
-    return lws_http_transaction_completed(self->wsi) != 0 ? -1 : 0;
-}
-
-/* HTTP/2 would come in past admit(), and Host and Origin are called otherwise there. */
-static int upgrade(struct connection *self, const char *to)
-{
-    return strcasecmp(to, "websocket") == 0
-               ? 0
-               : refuse(self->wsi, HTTP_STATUS_BAD_REQUEST, "websocket is the only upgrade here");
-}
-
-/* RFC 6455, 4.4. */
-static int refuse_version(struct lws *wsi)
-{
-    struct answer answer = {.at = answer.bytes + LWS_PRE};
-    unsigned char *end = answer.bytes + sizeof answer.bytes;
-    if (lws_add_http_common_headers(wsi, UPGRADE_REQUIRED, NULL, 0, &answer.at, end) != 0 ||
-        !add(wsi, &answer, "sec-websocket-version:", VERSION)) {
-        return -1;
-    }
-    const int sent = lws_finalize_write_http_header(wsi, answer.bytes + LWS_PRE, &answer.at, end);
-    return sent < 0 ? sent : -1;
-}
-
-/* A handshake of WebSockets. @return 0: it may go on */
-static int admit(struct connection *self, const char *protocol)
-{
-    char host[GATE_HOST_MAX];
-    char version[sizeof VERSION + 1u];
-    char path[sizeof SOCKET_PATH + 1u];
-    if (!is_ours(self, host) || lws_hdr_total_length(self->wsi, WSI_TOKEN_ORIGIN) == 0) {
-        return refuse(self->wsi, HTTP_STATUS_FORBIDDEN, "Only for the page from here");
-    }
-    if (!header(self->wsi, WSI_TOKEN_GET_URI, path, sizeof path) ||
-        strcmp(path, SOCKET_PATH) != 0 || protocol == NULL ||
-        strcmp(protocol, SOCKET_PROTOCOL) != 0) {
-        return refuse(self->wsi, HTTP_STATUS_NOT_FOUND, NULL);
-    }
-    if (!header(self->wsi, WSI_TOKEN_VERSION, version, sizeof version) ||
-        strcmp(version, VERSION) != 0) {
-        return refuse_version(self->wsi);
-    }
-    return count_pages(self->server) < WEB_PAGES_MAX
-               ? 0
-               : refuse(self->wsi, HTTP_STATUS_SERVICE_UNAVAILABLE, TOO_MANY);
-}
-
 /* --- libwebsockets --- */
 
 static void forget(struct connection *self)
@@ -474,16 +282,16 @@ static int on_http(struct lws *wsi, enum lws_callback_reasons reason, void *user
         return 0;
     }
     if (reason == LWS_CALLBACK_HTTP) {
-        return request(self, in);
+        return web_http_request(&self->http, wsi, in);
     }
     if (reason == LWS_CALLBACK_HTTP_CONFIRM_UPGRADE) {
-        return upgrade(self, in);
+        return web_http_upgrade(wsi, in);
     }
     if (reason == LWS_CALLBACK_HTTP_WRITEABLE) {
-        return send_file(self);
+        return web_http_send(&self->http, wsi);
     }
     if (reason == LWS_CALLBACK_FILTER_PROTOCOL_CONNECTION) {
-        return admit(self, in);
+        return web_http_admit(&self->http, wsi, in, count_pages(self->server) < WEB_PAGES_MAX);
     }
     if (reason == LWS_CALLBACK_WSI_DESTROY) {
         forget(self);
@@ -508,7 +316,7 @@ static int on_socket(struct lws *wsi, enum lws_callback_reasons reason, void *us
 /* Protocols that a page must not ask for refuse it likewise. */
 static const struct lws_protocols protocols[] = {
     {.name = "http", .callback = on_http},
-    {.name = SOCKET_PROTOCOL, .callback = on_socket, .rx_buffer_size = WEB_LINE_MAX},
+    {.name = WEB_PROTOCOL, .callback = on_socket, .rx_buffer_size = WEB_LINE_MAX},
     {.name = "loop", .callback = on_http},
     {.name = NULL},
 };
@@ -520,7 +328,7 @@ static int open_context(struct web_server *self, struct lx_error *error)
         .protocols = protocols,
         .fd_limit_per_thread = WEB_CONNECTIONS_MAX + 16u,
         .max_http_header_pool = WEB_CONNECTIONS_MAX,
-        .max_http_header_data = HEADERS_MAX,
+        .max_http_header_data = WEB_HEADERS_MAX,
         .timeout_secs = 5,
         .keepalive_timeout = 5,
         .options = LWS_SERVER_OPTION_EXPLICIT_VHOSTS,
@@ -601,6 +409,7 @@ static int on_connection(sd_event_source *source, int fd, uint32_t events, void 
     struct connection *connection = place(self);
     *connection = (struct connection){
         .server = self,
+        .http = {.where = &self->setup.where},
         .deadline = dg_after(lx_now(), WEB_PATIENCE),
         .allowance = LINES_MAX,
         .guard = {.tcp = true, .token = self->setup.token},
