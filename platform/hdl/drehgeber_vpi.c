@@ -104,7 +104,7 @@ static int32_t read_text(int32_t id, enum dg_hdl_text which, char *text)
     int32_t n = 0;
 
     for (int32_t c = 1; id >= 0 && c != 0 && n < TEXT_MAX - 1; n += c != 0) {
-        c = dg_hdl_character(id, which, n);
+        c = dg_hdl_character(id, (int32_t)which, n);
         text[n] = (char)c;
     }
     text[n] = '\0';
