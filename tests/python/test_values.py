@@ -155,5 +155,8 @@ def test_state_has_numbers():
     encoder.clock.advance(1)
     assert encoder.state()["errors"] == "4200" and encoder.state()["causes"] > 0
     assert Encoder("s3684-rs485", address=0x42).state()["address"] == 0x42
+    for cob_id in (0x80000185, 0x185):  # TPDO2 gets that of TPDO1: 1801h:1, off and on again
+        encoder.can.send(0x605, b"\x23\x01\x18\x01" + cob_id.to_bytes(4, "little"))
+    assert encoder.state()["shared_ids"] == "185"
     encoder.power(False)
     assert encoder.state()["position"] is None and encoder.state()["power"] == 0

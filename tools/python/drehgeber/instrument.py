@@ -12,7 +12,7 @@ from .control import split
 Self = TypeVar("Self", bound="Instrument")
 # Values of STATe? in hexadecimal, and lists, whose items are codes.
 HEXADECIMAL = frozenset({"address", "causes", "last_command", "locks", "word"})
-LISTS = frozenset({"courses", "errors", "leds"})
+LISTS = frozenset({"courses", "errors", "leds", "shared_ids"})
 
 
 def value_of(key: str, text: str) -> int | str | None:
@@ -44,7 +44,7 @@ class Instrument:
     def state(self, raw: Literal[True]) -> dict[str, str]: ...
     def state(self, raw: bool = False) -> dict[str, Any]:
         """STATe? as a dictionary: numbers as int, what there is not at the moment as None, words and lists of
-        codes (`errors`, `leds`, `courses`) as str. With `raw`, until the next minor version, all of it as str."""
+        codes (`errors`, `leds`, `courses`, `shared_ids`) as str. With `raw`, until the next minor version, all of it as str."""
         found: dict[str, Any] = {}
         for part in self.parts("STAT?"):
             key, _, value = part.partition("=")
