@@ -66,7 +66,7 @@ static bool sdo_fits(const struct dg_co_node *self)
     const uint32_t sent = sdo->state == DG_CO_SDO_BLOCK_UPLOAD ? SDO_SEGMENT * sdo->seqno : 0;
     const bool comes = sdo->state == DG_CO_SDO_DOWNLOAD || sdo->state == DG_CO_SDO_BLOCK_DOWNLOAD ||
                        sdo->state == DG_CO_SDO_BLOCK_DOWNLOAD_END;
-    struct dg_co_object object;
+    struct dg_co_object object = dg_co_first();
 
     if (sdo->state == DG_CO_SDO_IDLE) {
         return sdo->deadline == DG_NEVER;

@@ -155,7 +155,7 @@ void dg_host_look(struct dg_host *self)
 /* What a fault keeps from the encoder is not taken at all. */
 static bool take_head(struct dg_host *self)
 {
-    struct dg_host_event *event = head_of(&self->in);
+    struct dg_host_event *event = &self->in.event[self->in.first];
 
     if (event->kind == DG_HOST_BUS && event->id <= DG_HOST_BUS_OFF) {
         self->controller = (uint8_t)event->id;

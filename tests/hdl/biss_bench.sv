@@ -235,7 +235,7 @@ module biss_bench;
     void'($value$plusargs("script=%s", script));
     file = $fopen(script, "r");
     if (file == 0) $fatal(1, "no script");
-    #1;
+    #20; // power comes after 1 ns, and the line follows after 10
     check(slo[busy_kind] === 0, "SLO is not low before the first pulse");
     repeat (20) @(negedge clk);
     reset = 0;

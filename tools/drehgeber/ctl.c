@@ -393,11 +393,10 @@ static int take_limit(struct talk *self, const char *text, struct lx_error *erro
 int ctl_command(const struct ctl_wanted *wanted, char *const *words, size_t count)
 {
     char where[LX_SERVER_ADDRESS_MAX];
-    char greeting[LX_ACCESS_GREETING_MAX];
+    char greeting[LX_ACCESS_GREETING_MAX] = "";
     struct lx_error error;
     struct talk self = {
         .from_stdin = count == 0, .spoken = count > 0, .where = where, .recent = "     "};
-    greeting[0] = '\0';
     if (take_limit(&self, wanted->timeout, &error) != 0) {
         return complain(&error, EXIT_USAGE);
     }
