@@ -34,14 +34,14 @@ def test_both_stop_bits_give_the_same_bytes(stop_bit):
     assert biss(S3674, "registers", "0x7E", "2", *chosen) == "4B 55\n"
     assert biss(S3674, "write", "0x22", "01", "02", "registers", "0x22", "2", *chosen) == "01 02\n"
     assert biss(S3674, "write", "31:0x3F", "A5", "registers", "31:0x3F", "1", *chosen) == "A5\n"
-    assert "0x24: refused" in run_refused(1, "biss", S3674, "registers", "0x22", "3", *chosen)
-    assert "0x41: refused" in run_refused(1, "biss", S3674, "write", "0x40", "03", "04", *chosen)
+    assert "0x24 (36): refused" in run_refused(1, "biss", S3674, "registers", "0x22", "3", *chosen)
+    assert "0x41 (65): refused" in run_refused(1, "biss", S3674, "write", "0x40", "03", "04", *chosen)
 
 
 def test_a_command_that_is_not_taken():
     """Its own stop bit says so."""
     silent = settings("eeprom_acknowledges=0")
-    assert "0x60: refused" in run_refused(1, "biss", S3674, "write", "0x60", "01", *silent)
+    assert "0x60 (96): refused" in run_refused(1, "biss", S3674, "write", "0x60", "01", *silent)
 
 
 def test_status_of_a_healthy_encoder():
@@ -112,7 +112,7 @@ def test_busy_and_its_jitter_together(tmp_path):
 
 
 def test_help_names_them():
-    said = run("--help").stdout
+    said = re.sub(r"\n {10,}", " ", run("--help").stdout)  # lines that go on
     for key in ("busy_us", "busy_jitter_us", "sl_low_at_start", "stop_bit"):
         assert re.search(rf"^  {key} .*\)$", said, re.M)
     assert "(own or early)" in said and "singleturn bits (12..24)" in said

@@ -154,7 +154,8 @@ module wires #(
   // ---------------------------------------------------------------- what happens
   integer i, j, k;
   initial begin
-    #1 check(slo[0] === 1'b0, "SLO before the first pulse", slo[0], 0);
+    #20; // power comes after 1 ns, and the line follows after 10
+    check(slo[0] === 1'b0, "SLO before the first pulse", slo[0], 0);
     #200 reset = 0;
     for (i = 0; i < FRAMES; i = i + 1) begin
       for (j = 0; j < 3; j = j + 1) begin

@@ -218,7 +218,7 @@ begin
       cycle <= '0';
     end procedure;
   begin
-    wait for 1 ns;
+    wait for 20 ns; -- power comes after 1 ns, and the line follows after 10
     assert slo(0) = '0' report "SLO before the first pulse" severity failure;
     wait for 200 ns;
     reset <= '0';

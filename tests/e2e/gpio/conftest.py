@@ -100,6 +100,7 @@ def start(chip, library):
     def begin(*arguments, model="s3674-biss", timeout_us=TIMEOUT_US,
               chip=chip.name) -> rig.Encoder:
         timeout = [] if timeout_us is None else ["--set", f"timeout_us={timeout_us}"]
+        timeout += ["--set", "hint_us=0"] if "biss" in model else []  # masters come late, or never, here
         running.append(rig.Encoder([model, "--gpio", f"{chip}:{MA},{SLO}", *timeout,
                                     *arguments]))
         return running[-1]

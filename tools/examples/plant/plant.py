@@ -8,6 +8,7 @@ SIL Kit's libSilKit.so, which README.md says how to get.
 """
 
 import argparse
+import contextlib
 import ctypes
 import json
 import os
@@ -351,10 +352,17 @@ class Master:
 class Ending:
     """By a signal, but never between the start of a rig and its place among those that are ended, nor while they are."""
 
+    SIGNALS = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
+
     def __init__(self) -> None:
         self.asked = self.held = 0
-        for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
+        for number in self.SIGNALS:
             signal.signal(number, self._on_signal)
+
+    def close(self) -> None:
+        """The exit status is settled. Python, while it ends, would let another signal decide."""
+        for number in self.SIGNALS:
+            signal.signal(number, signal.SIG_IGN)
 
     def _on_signal(self, number: int, _frame: object) -> None:
         if not self.held:
@@ -631,7 +639,7 @@ def main() -> int:
         print(rig_file(plant.rig, plant, plant.registry), end="")
         return 0
     ending = Ending()
-    with tempfile.TemporaryDirectory(prefix="plant.") as folder:
+    with contextlib.closing(ending), tempfile.TemporaryDirectory(prefix="plant.") as folder:
         return run_rigs(plant, folder, ending) if plant.join else run_all(plant, folder, ending)
 
 
