@@ -168,9 +168,16 @@ def test_remote_frames():
     assert answer is not None and (answer.id, answer.data, answer.remote) == (0x73F, b"\x05", False)
 
 
-@pytest.mark.parametrize("id, data", [(0x800, b""), (-1, b""), (1, bytes(9))])
-def test_frames_that_are_none(id, data):
-    with pytest.raises(EncoderError, match="is no frame"):
+@pytest.mark.parametrize(
+    "id, data, said",
+    [
+        (0x800, b"", "id 2048: expected 0..2047"),
+        (-1, b"", "id -1: expected 0..2047"),
+        (1, bytes(9), "length of data 9: expected 0..8"),
+    ],
+)
+def test_frames_that_are_none(id, data, said):
+    with pytest.raises(EncoderError, match=said):
         Encoder("f3668").can.send(id, data)
 
 

@@ -463,17 +463,15 @@ def test_a_line_may_be_as_long_as_in_a_rig_file(tmp_path):
     assert encoder.world.temperature == 25
 
 
-@pytest.mark.parametrize("points", [[], [(-1, 5)], [(2, 5), (1, 5)]])
+@pytest.mark.parametrize("points", [[], [(2, 5), (1, 5)]])
 def test_points_that_are_no_course(points):
-    with pytest.raises(EncoderError, match="begin at 0 or later"):
+    with pytest.raises(EncoderError, match="needs points that go on in time"):
         Encoder("f3668").world.play("temperature", points)
 
 
 def test_courses_of_nothing():
     with pytest.raises(EncoderError, match="temperatur'"):
         Encoder("f3668").world.play("temperatur", [(0, 1)])
-    with pytest.raises(EncoderError, match="begin at 0 or later"):
-        Encoder("f3668").world.play("temperature", [(0, 1e9)])
     with pytest.raises(EncoderError, match="one behind 0"):
         Encoder("f3668").world.play("temperature", [(0, 1)], loop=True)
 
@@ -659,7 +657,7 @@ def test_words_of_a_ring():
     ring = Encoder("ocd-ib-k3", shaft="540DEG").ring
     assert ring.cycle() == (0, 6144) and ring.cycle([0, 0]) == (0, 6144)
     assert ring.identify() == 0x0237
-    with pytest.raises(EncoderError, match="0x10000"):
+    with pytest.raises(EncoderError, match="word 65536: expected 0..65535"):
         ring.cycle([0x10000])
 
 

@@ -2,13 +2,19 @@
 """Values that cannot be: said at once, with what could be, and nothing has happened."""
 
 import math
+import socket
+import warnings
+from decimal import Decimal
+from fractions import Fraction
 
 import can
+import numpy
 import pytest
 
-from drehgeber import Clock, Encoder, EncoderError, RangeError, Rig, Shaft
+from drehgeber import Clock, Control, Encoder, EncoderError, HintWarning, RangeError, Rig, ScpiError, Shaft
 
-BEYOND = (math.nan, math.inf, -math.inf, 1e30, 10**400)
+NAN = math.nan
+BEYOND = (NAN, math.inf, -math.inf, 1e30, 10**400, Decimal("NaN"), numpy.float32("nan"), Fraction(10**400))
 
 
 def repr_of(value):
@@ -98,6 +104,10 @@ def test_numbers_of_wires():
     refuses(lambda: ring.cycle((0, 0, 0)), "expected 0..2")
     refuses(lambda: Encoder("f3668").can.send(-1))
     refuses(lambda: Encoder("f3668").can.send(1, dlc=-1))
+    refuses(lambda: Encoder("f3668").can.send(NAN), "id nan: expected 0..2047")
+    refuses(lambda: Encoder("f3668").can.send(1, dlc=NAN), "dlc")
+    refuses(lambda: ring.cycle((NAN,)), "word nan")
+    refuses(lambda: biss.biss.clock(2), "level 2: expected 0..1")
 
 
 def test_texts_end_where_they_end():
@@ -160,3 +170,204 @@ def test_state_has_numbers():
     assert encoder.state()["shared_ids"] == "185"
     encoder.power(False)
     assert encoder.state()["position"] is None and encoder.state()["power"] == 0
+
+
+# ---------------------------------------------------------------- courses
+
+
+@pytest.mark.parametrize("points", [
+    [(0, 2000)], [(0, 20), (1, 2000)], [(0, 20), (1, -274)], [(0, NAN)], [(math.inf, 5)], [(NAN, 5)], [(-1, 5)], [(1e30, 5)],
+    [(0, Decimal("NaN"))], [(0, 10**400)],
+])  # fmt: skip
+def test_a_refused_course_is_not_kept(points):
+    encoder = Encoder("f3668")
+    encoder.world.play("temperature", [(0, 20), (10, 30)])
+    refuses(lambda: encoder.world.play("temperature", points), "expected")
+    encoder.clock.advance(3)
+    assert encoder.clock.now == 3 and encoder.world.temperature == 23  # that of before goes on
+
+
+def test_points_of_files_and_states_can_be(tmp_path):
+    path, encoder = tmp_path / "x.csv", Encoder("f3668")
+    path.write_text("0,20\n1,1000.5\n")
+    refuses(lambda: encoder.world.play("temperature", path), "temperature 1000.5: expected -273..1000")
+    refuses(lambda: encoder.world.begin("temperature", path), "temperature")
+    refuses(lambda: encoder.world.play("singleturn_ok", [(1, 2)]), "singleturn_ok 2: expected 0..1")
+    encoder.clock.advance(3)
+    assert encoder.world.temperature == Encoder("f3668").world.temperature and encoder.world.singleturn_ok
+
+
+@pytest.mark.parametrize("value", (*BEYOND, Decimal("sNaN"), 1e6, -274), ids=repr_of)
+def test_a_refused_value_ends_no_course(value):
+    encoder = Encoder("f3668")
+    encoder.world.play("temperature", [(0, 20), (10, 30)])
+    refuses(lambda: setattr(encoder.world, "temperature", value), "temperature ", ": expected -273..1000")
+    encoder.clock.advance(5)
+    assert encoder.world.temperature == 25
+
+
+def test_a_closed_encoder_ends_its_courses():
+    clock = Clock()
+    other, encoder = Encoder("f3668", clock=clock), Encoder("f3668", clock=clock)
+    for one in (other, encoder):
+        one.world.play("temperature", [(0, 20), (10, 30)])
+    encoder.world.play("supply_mv", [(0, 24000), (10, 20000)])
+    encoder.close()
+    clock.advance(5)
+    assert other.world.temperature == 25 and len(clock._courses) == 1
+
+
+# ---------------------------------------------------------------- faults, closed ones, power
+
+
+LIMITS = [
+    {"count": 0}, {"count": -1}, {"count": 1 << 32}, {"count": NAN}, {"probability": 2}, {"probability": -0.1},
+    {"probability": NAN}, {"duration_ms": -5}, {"duration_ms": 0}, {"duration_ms": 1e-9}, {"duration_ms": 1e20}, {"duration_ms": NAN},
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("limits", LIMITS, ids=str)
+@pytest.mark.parametrize("name", ["wire_drop", "led_current_high"])
+def test_a_refused_fault_does_nothing(name, limits):
+    encoder = Encoder("s3684-rs485")
+    refuses(lambda: encoder.set_fault(name, **limits), next(iter(limits)), "expected")
+    refuses(lambda: encoder.fault(name, **limits).__enter__())
+    assert encoder.active_faults() == []
+    assert encoder.request(b"\x40\x42\x02")[:2] == b"\x40\x42"
+
+
+def test_faults_that_are_refused_for_other_reasons_do_nothing():
+    encoder = Encoder("s3684-rs485")
+    with pytest.raises(ScpiError, match="single frames"):
+        encoder.set_fault("led_current_high", count=3)
+    for name in ("no_such_fault", "wire_drop,COUN 1", "wire_drop,COUN 1;:FAUL:SET wire_delay"):
+        with pytest.raises(EncoderError, match="no_such_fault|wire_drop"):
+            encoder.set_fault(name, count=3)
+    for limits in ({"count": 1.5}, {"count": "3"}, {"duration_ms": "5,COUN 3"}, {"probability": "1"}):
+        with pytest.raises(TypeError, match="expected"):
+            encoder.set_fault("wire_drop", **limits)
+    assert encoder.active_faults() == []
+
+
+@pytest.mark.parametrize("limits", [
+    {"count": numpy.int64(2)}, {"probability": 1e-6}, {"duration_ms": 1e-6}, {"duration_ms": Fraction(1, 3)}, {"duration_ms": 8e12},
+    {"duration_ms": Decimal(5), "count": 3},
+], ids=str)  # fmt: skip
+def test_a_fault_takes_all_that_can_be(limits):
+    encoder = Encoder("s3684-rs485")
+    encoder.set_fault("wire_drop", **limits)
+    assert encoder.active_faults() == ["wire_drop"]
+
+
+def test_a_closed_encoder_that_had_a_panel_says_so(tmp_path):
+    encoder = Encoder("s3684-rs485", shaft="90DEG")
+    rig = Rig.of_text("[encoder a]\nmodel = f3668\nnvm = a.nvm\n[encoder b]\nmodel = s3684-rs485\n", tmp_path)
+    for one in (encoder, *rig.encoders.values()):
+        assert one.ask("*IDN?") and one.active_faults() == []
+    image = rig.encoders["a"].memory
+    encoder.close()
+    rig.close()
+    rig.close()
+    assert (tmp_path / "a.nvm").read_bytes() == image
+    for one in (encoder, *rig.encoders.values()):
+        for call in (lambda one=one: one.ask("*IDN?"), lambda one=one: one.ask("POW OFF"), lambda one=one: one.state(),
+                     lambda one=one: one.set_fault("wire_drop"), lambda one=one: one.set_fault("wire_drop", count=1),
+                     lambda one=one: one.clear_fault("wire_drop"), lambda one=one: one.clear_fault(), lambda one=one: one.faults(),
+                     lambda one=one: setattr(one, "shaft", Shaft(one.clock)),
+                     lambda one=one: one.world.play("temperature", [(0, 20)])):  # fmt: skip
+            with pytest.raises(EncoderError, match="closed"):
+                call()
+
+
+def test_power_is_on_or_off():
+    encoder = Encoder("f3668")
+    for state in ("OFF", "ON", "cycle", None, 0.0, b"CYCLE", [1]):
+        with pytest.raises(TypeError, match='expected True, False or "CYCLE"'):
+            encoder.power(state)
+        assert encoder.powered
+    refuses(lambda: encoder.power(2), "power 2: expected 0..1")
+    encoder.power(0)
+    assert not encoder.powered
+    encoder.power(1)
+    assert encoder.powered
+    encoder.power(False)
+    encoder.power("CYCLE")
+    assert encoder.powered
+
+
+# ---------------------------------------------------------------- numbers of others
+
+
+SECONDS = (numpy.float32(0.5), numpy.float16(0.5), numpy.int8(1), Fraction(1, 4), Decimal("0.25"))
+
+
+@pytest.mark.parametrize("seconds", SECONDS, ids=repr)
+def test_seconds_of_other_libraries(seconds):
+    encoder = Encoder("f3668")
+    encoder.clock.advance(seconds)
+    assert encoder.clock.now == float(seconds)
+    assert encoder.can.wait(seconds / 1000 if isinstance(seconds, Fraction) else 0 * seconds) is None
+    assert Encoder("s3684-rs485").request(b"\x40\x42\x02", timeout=seconds)[:2] == b"\x40\x42"
+
+
+def test_numbers_of_other_libraries():
+    encoder = Encoder("s3684-biss")
+    encoder.shaft.position = numpy.int8(90)
+    assert encoder.shaft.position == 90
+    assert len(encoder.positions(None, numpy.float32(0.001), numpy.int64(3))) == 3
+    encoder.shaft.replay(numpy.array([[0, 0], [1, 90]]))
+    encoder.shaft.move(Fraction(180, 2), numpy.int16(6000))
+    assert encoder.shaft.position == 90
+    encoder.world.temperature = Fraction(99, 2)
+    encoder.world.singleturn_ok = numpy.bool_(False)
+    encoder.world.play("supply_mv", numpy.array([[0, 5000], [1, 4000]], dtype=numpy.float32))
+    encoder.clock.advance(1)
+    assert (encoder.world.temperature, encoder.world.supply_mv, encoder.world.singleturn_ok) == (49.5, 4000, False)
+    assert encoder.biss.register(numpy.uint8(0x78), numpy.uint8(4)) == encoder.biss.register(0x78, 4)
+    assert Shaft(driver=encoder.shaft, ratio=(numpy.int8(2), -1)).position == -180
+    node = Encoder("f3668")
+    node.can.send(numpy.int16(0x63F), b"\x40\x00\x10\x00" + bytes(4))
+    assert node.can.wait(0).id == 0x5BF
+    assert len(Encoder("ocd-ib-k3").ring.cycle((numpy.uint16(1), numpy.uint16(0)))) == 2
+
+
+def test_what_has_to_be_whole():
+    shaft, encoder = Shaft(), Encoder("s3684-biss")
+    for call in (lambda: Shaft(driver=shaft, ratio=(1.5, 1)), lambda: Shaft(driver=shaft, ratio=(1, Fraction(2))),
+                 lambda: encoder.positions(None, 0.1, 2.5), lambda: encoder.biss.register(1.0), lambda: encoder.biss.register(0, 1.5),
+                 lambda: Encoder("f3668").can.send(1.0), lambda: encoder.biss.clock(0.5)):  # fmt: skip
+        with pytest.raises(TypeError, match="expected a whole number"):
+            call()
+
+
+# ---------------------------------------------------------------- texts and notes
+
+
+def test_a_line_to_a_running_rig_is_ascii(tmp_path):
+    with socket.socket(socket.AF_UNIX) as listener:
+        listener.bind(str(tmp_path / "s"))
+        listener.listen()
+        control = Control(f"unix:{tmp_path}/s")
+        server, _ = listener.accept()
+        refuses(lambda: control.ask("ü"), "a line 'ü': expected ASCII")
+        control.close()
+        assert server.recv(1) == b""  # nothing was sent
+        server.close()
+
+
+@pytest.mark.parametrize("motion", ["٣RPM", "9٠DEG", "sine:90DEG,٢S", "\u20030"])
+def test_digits_of_motions_are_ascii(motion):
+    with pytest.raises(EncoderError, match="is right"):
+        Shaft(Clock(), motion)
+
+
+def test_a_note_points_at_who_called():
+    encoder = Encoder("s3684-biss")
+    with pytest.warns(HintWarning) as caught:
+        encoder.clock.advance(0.2)
+    assert issubclass(HintWarning, UserWarning) and [note.filename for note in caught] == [__file__]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        warnings.simplefilter("ignore", HintWarning)
+        Encoder("s3684-biss", clock=encoder.clock)
+        encoder.clock.advance(0.2)

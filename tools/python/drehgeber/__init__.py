@@ -40,7 +40,7 @@ from ._native import EncoderError, RangeError, eds, models
 from .canbus import CanBus, CanFrame, CanPort
 from .clock import Clock
 from .control import Control, ScpiError
-from .encoder import Encoder, Setting, SinCos
+from .encoder import Encoder, HintWarning, Setting, SinCos
 from .rigfile import Rig
 from .rs485 import Line, Uart
 from .running import RigError, RunningEncoder, RunningRig, RunningShaft, program, rig, run
@@ -60,6 +60,7 @@ __all__ = [
     "Control",
     "Encoder",
     "EncoderError",
+    "HintWarning",
     "Line",
     "RangeError",
     "Rig",

@@ -4,10 +4,13 @@
 from __future__ import annotations
 
 import functools
+import numbers
+import operator
 import os
 from decimal import Decimal
+from fractions import Fraction
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, SupportsFloat, SupportsIndex, Union
 
 NAME = "libdrehgeber.so"
 ERR_ARGUMENT = -1
@@ -21,20 +24,41 @@ class EncoderError(Exception):
         self.code = code
 
 
-N = TypeVar("N", bound="float | Decimal")
-
-
 class RangeError(EncoderError, ValueError):
     """A value that cannot be; nothing has happened."""
 
 
-def within(value: N, low: float, high: float, what: str) -> N:
+Number = Union[float, Decimal, Fraction]
+
+
+def _plain(value: SupportsFloat, what: str) -> Number:
+    """A number of Python's own: those of others, e.g. numpy's, may have few bits and overflow."""
+    if isinstance(value, (int, float, Decimal, Fraction)):
+        return value
+    if isinstance(value, numbers.Integral):
+        return operator.index(value)
+    if isinstance(value, SupportsFloat):
+        return float(value)
+    raise TypeError(f"{what} {value!r}: expected a number")
+
+
+def within(value: SupportsFloat, low: float, high: float, what: str) -> Number:
     """A number from `low` to `high`, before it is multiplied or rounded: neither NaN nor a text."""
-    if not isinstance(value, (int, float, Decimal)):
-        raise TypeError(f"{what} {value!r}: expected a number")
-    if not low <= value <= high:
-        raise RangeError(f"{what} {value}: expected {low:.12g}..{high:.12g}", ERR_ARGUMENT)
-    return value
+    number = _plain(value, what)
+    undecided = isinstance(number, Decimal) and number.is_nan()  # which does not compare
+    if undecided or not low <= number <= high:
+        raise RangeError(f"{what} {number}: expected {low:.12g}..{high:.12g}", ERR_ARGUMENT)
+    return number
+
+
+def whole(value: SupportsIndex | SupportsFloat, low: int, high: int, what: str) -> int:
+    """A whole number from `low` to `high`; a float is none, whatever its value."""
+    if type(value) is int and low <= value <= high:
+        return value
+    if isinstance(value, SupportsIndex):
+        return int(within(operator.index(value), low, high, what))
+    within(value, low, high, what)
+    raise TypeError(f"{what} {value!r}: expected a whole number")
 
 
 def encoded(text: str, what: str, encoding: str = "utf-8") -> bytes:

@@ -7,7 +7,7 @@ import weakref
 from collections import deque
 from typing import TYPE_CHECKING, NamedTuple
 
-from ._native import EncoderError, RangeError, checked, load, octets, within
+from ._native import EncoderError, checked, load, octets, whole, within
 from .clock import NEVER, SECOND_NS, SECONDS_MAX, Clock, seconds_of
 
 if TYPE_CHECKING:
@@ -38,11 +38,14 @@ class CanPort:
     def send(self, id: int, data: bytes = b"", remote: bool = False, dlc: int | None = None) -> None:
         """Send a frame now; what is answered at once is there when this returns."""
         bus, data = self.bus, octets(data, "data")
+        id = whole(id, 0, 0x7FF, "id")
+        length = whole(len(data), 0, 8, "length of data")
+        dlc = length if dlc is None else whole(dlc, 0, 8, "dlc")
         with bus.clock.lock:
             if self not in bus._ports:
                 raise EncoderError("the port, or the encoder that it was for, is closed")
             bus.clock._sync()
-            bus._send(id, data, remote, len(data) if dlc is None else dlc, self)
+            bus._send(id, data, remote, dlc, self)
             if 0x600 <= id < 0x680:  # SDO: whoever waits for the answer looks when it is due
                 bus.clock.changed.notify_all()
 
@@ -62,7 +65,7 @@ class CanPort:
         `timeout`."""
         clock = self.bus.clock
         if timeout is not None:
-            within(timeout, 0, SECONDS_MAX, "timeout")
+            timeout = float(within(timeout, 0, SECONDS_MAX, "timeout"))
         end = None if timeout is None else clock._monotonic() + timeout
         with clock.lock:
             limit = NEVER if timeout is None else clock._ns + round(timeout * SECOND_NS)
@@ -192,8 +195,6 @@ class CanBus:
 
     def _send(self, id: int, data: bytes, remote: bool, dlc: int, sender: CanPort) -> None:
         """Of a master, now. The lock is held."""
-        if len(data) > 8 or not 0 <= dlc <= 8 or not 0 <= id <= 0x7FF:
-            raise RangeError(f"{id:X}h with {max(len(data), dlc)} bytes is no frame of 11 bits and 8 bytes")
         event, now = self._event, self.clock._ns
         event.at, event.id, event.kind, event.length = now, id, self._kind, dlc
         event.flags = self._remote if remote else 0

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from ._native import checked, octets, within
+from ._native import checked, octets, whole
 from .clock import seconds_of
 
 if TYPE_CHECKING:
@@ -51,6 +51,7 @@ class Clocked:
     def clock(self, level: bool) -> bool:
         """The master's clock is at `level` from now on; the level of the encoder's line, with faults of the wire."""
         encoder = self._encoder
+        level = whole(level, 0, 1, "level") == 1
         with encoder.clock.lock:
             now = encoder.clock._sync()
             return checked(encoder._lib.dg_host_clock(encoder._host, now, level), "the clock") == 1
@@ -65,7 +66,7 @@ class Biss(Clocked):
 
     def _registers(self, way: str, address: int, data: object, count: int) -> int:
         encoder = self._encoder
-        within(address, 0, 127, "address")
+        address = whole(address, 0, 127, "address")
         with encoder.clock.lock:
             self._now[0] = encoder.clock._sync()
             call = getattr(encoder._lib, f"dg_host_registers_{way}")
@@ -78,7 +79,8 @@ class Biss(Clocked):
 
     def register(self, address: int, count: int = 1) -> bytes:
         """Read registers from `address` on; less than `count` where the encoder refuses one."""
-        to = self._encoder._ffi.new("uint8_t[]", round(within(count, 1, 64, "count")))
+        count = whole(count, 1, 64, "count")
+        to = self._encoder._ffi.new("uint8_t[]", count)
         done = self._registers("read", address, to, count)
         return bytes(self._encoder._ffi.buffer(to, done))
 

@@ -9,6 +9,8 @@ import socket
 import threading
 from typing import Literal, TextIO
 
+from ._native import encoded
+
 # Asked behind each line: whether the line has an answer depends on its success, so this says where
 # its answer ends, and brings the errors.
 MARK = "SYSTem:VERSion?;VERSion?;VERSion?;ERRor:ALL?"
@@ -104,8 +106,9 @@ class Control:
 
     def ask(self, line: str) -> str | None:
         """Send a line; its answer as text, None when it has none. Raises ScpiError."""
+        data = encoded(line, "a line", "ascii") + f"\n{MARK}\n".encode("ascii")
         with self._lock:
-            self._socket.sendall(f"{line}\n{MARK}\n".encode("ascii"))
+            self._socket.sendall(data)
             lines = [self._read_line()]
             while not lines[-1].startswith(MARKED):
                 lines.append(self._read_line())

@@ -11,8 +11,6 @@ from ._native import EncoderError
 from .clock import NEVER, Clock
 
 WORDS = "FILE.csv[,ONCE|LOOP][,LINEAR|STEP]"
-# Far beyond what any quantity can be, and what the library can tell apart.
-COUNTS_MAX = 1 << 30
 
 
 def is_file(text: str) -> bool:
@@ -38,13 +36,11 @@ class Course:
     ) -> None:
         ffi, self._lib = _native.load()
         rows = list(points)
-        if any(not (0 <= at < NEVER and abs(value) < COUNTS_MAX) for at, value in rows):
-            raise EncoderError("points of a course begin at 0 or later, and have values that can be")
         self._points = ffi.new("struct dg_course_point[]", rows)  # the library borrows them
         members = {"points": self._points, "count": len(rows), "loop": loop, "steps": steps}
         self._c: Any = ffi.new("struct dg_course *", members)
         if self._lib.dg_course_check(self._c) != 0:
-            raise EncoderError("points of a course begin at 0 or later, and go on in time; a loop needs one behind 0")
+            raise EncoderError("a course needs points that go on in time; a loop needs one behind 0")
         self._value = ffi.new("int32_t *")
         self._put = put
         self._start = self._due = clock._ns

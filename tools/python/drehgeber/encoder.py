@@ -4,18 +4,19 @@
 from __future__ import annotations
 
 import contextlib
+import sys
 import warnings
 import weakref
 from array import array
 from typing import Any, Literal, NamedTuple
 
 from . import _native
-from ._native import ERR_ARGUMENT, EncoderError, checked, encoded, octets, within
+from ._native import ERR_ARGUMENT, EncoderError, checked, encoded, octets, whole, within
 from .canbus import CanBus, CanPort
 from .clock import LEAD_NS, NEVER, SECOND_NS, SECONDS_MAX, Clock
 from .clocked import Biss, Ssi
 from .control import ScpiError, split
-from .instrument import Instrument
+from .instrument import Instrument, power_word
 from .ring import Ring
 from .rs485 import Line
 from .shaft import FORMS, Shaft
@@ -25,6 +26,10 @@ _named: weakref.WeakValueDictionary[str, Encoder] = weakref.WeakValueDictionary(
 ANSWER = 1 << 16
 GEARED = "a geared shaft is turned by its driver"  # the shaft of a panel, by the encoder's own
 TEXT = 256
+
+
+class HintWarning(UserWarning):
+    """Why a master may be waiting for an encoder in this process. A note: nothing has failed."""
 
 
 class Setting(NamedTuple):
@@ -142,7 +147,7 @@ class Encoder(Instrument):
                 pass
 
     def close(self) -> None:
-        """Take it off its bus or line, and off its clock. It is of no use any more."""
+        """Take it off its bus or line, and off its clock; its courses end. It is of no use any more."""
         places: list[list[Any]] = [self.clock._members]
         places += [self._bus._nodes] if self._bus is not None else []
         places += [self._line._encoders] if self._line is not None else []
@@ -152,6 +157,7 @@ class Encoder(Instrument):
                     members.remove(self)
             if self._bus is not None and self._own_bus:
                 self._bus._ports.clear()
+            self.world._end()
             self._closed = True
 
     @property
@@ -183,7 +189,10 @@ class Encoder(Instrument):
             self._hint(self._ffi.string(text).decode())
 
     def _hint(self, text: str) -> None:
-        warnings.warn(f"{self.name or self.model}: {text}", stacklevel=2)
+        level, frame = 1, sys._getframe()
+        while frame.f_back is not None and str(frame.f_globals.get("__name__")).startswith(f"{__package__}."):
+            level, frame = level + 1, frame.f_back
+        warnings.warn(f"{self.name or self.model}: {text}", HintWarning, stacklevel=level)
 
     _run = _step
 
@@ -224,20 +233,26 @@ class Encoder(Instrument):
         checked(self._lib.dg_host_get(self._host, encoded(key, "setting"), to, TEXT), f"{self.model}: {key}")
         return str(self._ffi.string(to).decode())
 
-    def _expected(self, name: str, result: int) -> str:
-        """What a refused value of a setting could be, in words."""
+    def _key(self, name: str) -> Any:
+        """A setting as the library describes it; None: there is no such one."""
         key = self._ffi.new("struct dg_host_key *")
         index = 0
-        while result == ERR_ARGUMENT and self._lib.dg_host_key(self._host, index, key) == 0:
+        while self._lib.dg_host_key(self._host, index, key) == 0:
+            if self._ffi.string(key.name).decode() == name:
+                return key
             index += 1
-            if self._ffi.string(key.name).decode() != name:
-                continue
-            if key.type == self._lib.DG_HOST_KEY_WORD:
-                return f": expected {' or '.join(self._words(name))}"
-            what = " characters" if key.type == self._lib.DG_HOST_KEY_TEXT else ""
-            scale = 10**key.places
-            return f": expected {key.min / scale:.10g}..{key.max / scale:.10g}{what}"
-        return ""
+        return None
+
+    def _expected(self, name: str, result: int) -> str:
+        """What a refused value of a setting could be, in words."""
+        key = self._key(name) if result == ERR_ARGUMENT else None
+        if key is None:
+            return ""
+        if key.type == self._lib.DG_HOST_KEY_WORD:
+            return f": expected {' or '.join(self._words(name))}"
+        what = " characters" if key.type == self._lib.DG_HOST_KEY_TEXT else ""
+        scale = 10**key.places
+        return f": expected {key.min / scale:.10g}..{key.max / scale:.10g}{what}"
 
     @property
     def memory(self) -> bytes:
@@ -261,9 +276,10 @@ class Encoder(Instrument):
 
     def power(self, state: bool | Literal["CYCLE"]) -> None:
         """True, False, or "CYCLE": off and on again."""
+        on = power_word(state) != "OFF"
         with self.clock.lock:
             now = self.clock._sync()
-            checked(self._lib.dg_host_power(self._host, now, state is not False), f"{self.model} on")
+            checked(self._lib.dg_host_power(self._host, now, on), f"{self.model} on")
             self._made = True
             self._changed()
 
@@ -302,6 +318,7 @@ class Encoder(Instrument):
             raise TypeError(f"shaft {shaft!r}: expected a Shaft")
         if shaft.clock is not self.clock:
             raise EncoderError("the encoder and its shaft go by the same clock")
+        _ = self._host  # it is not closed
         with self.clock.lock:
             self.clock._sync()
             self._shaft = shaft
@@ -316,6 +333,12 @@ class Encoder(Instrument):
         checked(self._lib.dg_host_world_get(self._host, encoded(name, "quantity"), to), f"{self.model}: {name}")
         return int(to[0])
 
+    def _limits(self, name: str) -> tuple[int, int]:
+        """What a quantity can be, in the parts that the library counts."""
+        self._sensed(name)  # it may not sense it
+        key = self._key(name)
+        return int(key.min), int(key.max)
+
     def _sense(self, name: str, value: int) -> None:
         with self.clock.lock:
             self.clock._sync()
@@ -324,8 +347,7 @@ class Encoder(Instrument):
     def _sense_now(self, name: str, value: int) -> None:
         """The lock is held, and it is the present, or a moment on the way there."""
         now = self.clock._ns
-        result = self._lib.dg_host_world_set(self._host, now, name.encode(), value)
-        checked(result, f"{self.model}: {name} = {value}{self._expected(name, result)}")
+        checked(self._lib.dg_host_world_set(self._host, now, name.encode(), value), f"{self.model}: {name}")
         self._changed()
 
     # ------------------------------------------------------------ looks
@@ -338,7 +360,8 @@ class Encoder(Instrument):
     def positions(self, t0: float | None, dt: float, n: int) -> array[int]:
         """Positions as the wire would tell them at `t0` (None: now), t0 + dt, ...: `n` of them, without
         a loop in Python. No time passes; the shaft goes on as it does now."""
-        counts = array("Q", bytes(8 * round(within(n, 0, 1 << 32, "n"))))
+        n = whole(n, 0, 1 << 32, "n")
+        counts = array("Q", bytes(8 * n))
         step = round(within(dt, 0, SECONDS_MAX, "dt") * SECOND_NS)
         with self.clock.lock:
             now = self.clock._sync()
@@ -424,11 +447,12 @@ class Encoder(Instrument):
         checked(self._lib.dg_shaft_couple(own, self._shaft._c, 1, 1), "the shaft of a panel")
 
     def _with_panel(self) -> Any:
+        host = self._host  # it is not closed
         if self._panel is None:
             size = self._lib.dg_host_panel_size()
             self._panel_keep, place = _native.aligned(size)
             self._answer = self._ffi.new("char[]", ANSWER)
-            panel = self._lib.dg_host_panel_make(place, size, self._host)
+            panel = self._lib.dg_host_panel_make(place, size, host)
             if panel == self._ffi.NULL:
                 raise EncoderError(f"{self.model}: faults and SCPI need an encoder that was on", -9)
             self._panel = panel
@@ -461,9 +485,12 @@ class Encoder(Instrument):
     ) -> None:
         """Let a fault happen: until it is cleared, `count` times, or as long as it says."""
         with self.clock.lock:
-            self._switch(name, True)
-            if (count, probability, duration_ms) != (None, None, None):
+            if (count, probability, duration_ms) == (None, None, None):
+                self._switch(name, True)
+            elif name in (fault["name"] for fault in self.faults()):
                 super().set_fault(name, count, probability, duration_ms)
+            else:
+                checked(self._lib.DG_HOST_ERR_NAME, f"{self.model}: fault {name}")
 
     def clear_fault(self, name: str = "") -> None:
         """Clear one fault, or all."""

@@ -7,12 +7,15 @@ import contextlib
 from collections.abc import Iterator
 from typing import Any, Literal, TypeVar, overload
 
+from ._native import whole, within
+from .clock import SECONDS_MAX
 from .control import split
 
 Self = TypeVar("Self", bound="Instrument")
 # Values of STATe? in hexadecimal, and lists, whose items are codes.
 HEXADECIMAL = frozenset({"address", "causes", "last_command", "locks", "word"})
 LISTS = frozenset({"courses", "errors", "leds", "shared_ids"})
+COUNT_MAX = (1 << 32) - 1  # frames that a fault may last
 
 
 def value_of(key: str, text: str) -> int | str | None:
@@ -25,6 +28,15 @@ def value_of(key: str, text: str) -> int | str | None:
         return int(text, 16 if key in HEXADECIMAL else 10)
     except ValueError:
         return text
+
+
+def power_word(state: object) -> str:
+    """What POWer is told."""
+    if state == "CYCLE":
+        return "CYCLE"
+    if not isinstance(state, int):
+        raise TypeError(f'power {state!r}: expected True, False or "CYCLE"')
+    return "ON" if whole(state, 0, 1, "power") else "OFF"
 
 
 class Instrument:
@@ -70,13 +82,12 @@ class Instrument:
     ) -> None:
         """Let a fault happen: until it is cleared, `count` times, or as long as it says."""
         line = f"FAUL:SET {name}"
-        for word, value, unit in (
-            ("COUN", count, ""),
-            ("PROB", probability, ""),
-            ("DUR", duration_ms, " MS"),
-        ):
-            if value is not None:
-                line += f",{word} {value}{unit}"
+        if count is not None:
+            line += f",COUN {whole(count, 1, COUNT_MAX, 'count')}"
+        if probability is not None:
+            line += f",PROB {float(within(probability, 0, 1, 'probability')):.15g}"
+        if duration_ms is not None:
+            line += f",DUR {float(within(duration_ms, 1e-6, SECONDS_MAX * 1000, 'duration_ms')):.15g} MS"
         self.ask(line)
 
     def clear_fault(self, name: str = "") -> None:

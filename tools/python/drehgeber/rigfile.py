@@ -39,7 +39,7 @@ class Rig:
 
     Its wires are not made. CANopen encoders of a [bus] share a CanBus, those with RS485 a Line; every other
     encoder has its master for itself. `nvm` files are read, and written by close(). Use it as a context to have
-    that done. The encoders go on behind it; what they store then is only written by another close()."""
+    that done. It closes the encoders, too."""
 
     def __init__(self, file: str | Path, *, clock: Clock | None = None) -> None:
         path = Path(file)
@@ -254,9 +254,12 @@ class Rig:
         self.clock.advance(seconds)
 
     def close(self) -> None:
-        """Write the `nvm` files, as the memories are now; it ends nothing."""
-        for name, path in self._files.items():
+        """Write the `nvm` files, as the memories are now, and close the encoders."""
+        while self._files:
+            name, path = self._files.popitem()
             path.write_bytes(self.encoders[name].memory)
+        for encoder in self.encoders.values():
+            encoder.close()
 
     def __enter__(self) -> Rig:
         return self

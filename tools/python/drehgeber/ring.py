@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from ._native import EncoderError, RangeError, checked
+from ._native import EncoderError, RangeError, checked, whole
 
 if TYPE_CHECKING:
     from .encoder import Encoder
@@ -40,9 +40,7 @@ class Ring:
         if len(words) > 2:
             raise RangeError(f"{len(words)} words: expected 0..2")
         for word in words:
-            if not 0 <= word <= 0xFFFF:
-                raise RangeError(f"{word:#x} is no word of 16 bits")
-            out = out << 16 | word
+            out = out << 16 | whole(word, 0, 0xFFFF, "word")
         back = self._exchange(out, 0)
         return tuple(int.from_bytes(back[i : i + 2], "big") for i in range(0, len(back), 2))
 

@@ -125,12 +125,12 @@ class Line:
         if not data:
             raise RangeError("a request has one character or more")
         with self.clock.lock:
-            self.clock._ahead(self.clock._sync(), timeout, "timeout")
+            silence = self.clock._ahead(self.clock._sync(), timeout, "timeout") - self.clock._ns
             self._fetch()
             self._arrived.clear()
             end = self._send(data)
             self.clock._wait_until(end)
-            if not self._until_said(end + round(timeout * SECOND_NS)):
+            if not self._until_said(end + silence):
                 return b""
             self.clock._wait_until(max(at for at, _ in self._arrived))
             self._fetch()

@@ -18,7 +18,7 @@ from types import TracebackType
 from typing import Literal
 
 from .control import Control
-from .instrument import Instrument
+from .instrument import Instrument, power_word
 
 READY_S = 30.0
 STOP_S = 10.0
@@ -131,8 +131,7 @@ class RunningEncoder(Instrument):
 
     def power(self, state: bool | Literal["CYCLE"]) -> None:
         """True, False, or "CYCLE"."""
-        word = state if isinstance(state, str) else ("ON" if state else "OFF")
-        self.ask(f"POW {word}")
+        self.ask(f"POW {power_word(state)}")
 
 
 def parse_ready(rig: RunningRig | None, line: str) -> RunningEncoder | None:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from . import _native
-from ._native import EncoderError, within
+from ._native import EncoderError, whole, within
 from .clock import NEVER, SECOND_NS, SECONDS_MAX, Clock
 
 TURN = 1 << 32
@@ -27,7 +27,7 @@ UNITS = {
 # Bytes of a line of a CSV file without its end, as the command has it.
 LINE_MAX = 198
 DECIMAL = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)", re.A)
-QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+))\s*(DEG|REV|RPM|MS|S)\s*", re.I)
+QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+))\s*(DEG|REV|RPM|MS|S)\s*", re.A | re.I)
 
 
 # What fits: angles have 64 bits, speeds and gears 32.
@@ -51,7 +51,8 @@ def _quantity(text: str, *wanted: str) -> tuple[str, int]:
         raise EncoderError(f"motion {text!r}: {' or '.join(wanted)} with its unit is right: {FORMS}")
     dimension, factor = UNITS[match[2].upper()]
     most = MOST[dimension] / factor
-    value = within(float(match[1]), 0 if dimension == "time" else -most, most, match[2].upper())
+    value = float(match[1])
+    within(value, 0 if dimension == "time" else -most, most, match[2].upper())
     return dimension, round(value * factor)
 
 
@@ -73,7 +74,7 @@ def _ramp(speed: str, accel: str, hold: str | None = None) -> dict[str, Any]:
 
 
 def _simple(text: str) -> dict[str, Any]:
-    if re.fullmatch(r"\s*[+-]?0+(\.0*)?\s*", text):
+    if re.fullmatch(r"\s*[+-]?0+(\.0*)?\s*", text, re.A):
         return {"kind": "DG_MOTION_STANDSTILL"}
     dimension, value = _quantity(text, "angle", "speed")
     if dimension == "angle":
@@ -147,7 +148,7 @@ class Shaft:
         if driver is not None:
             if driver.clock is not self.clock:
                 raise EncoderError("a shaft and what drives it go by the same clock")
-            turns, per = (round(within(n, -GEAR_MAX, GEAR_MAX, "ratio")) for n in ratio)
+            turns, per = (whole(n, -GEAR_MAX, GEAR_MAX, "ratio") for n in ratio)
             sign = -1 if per < 0 else 1
             coupled = self._lib.dg_shaft_couple(self._c, driver._c, sign * turns, sign * per)
             _native.checked(coupled, f"a gear of {turns}:{per}")
@@ -190,7 +191,8 @@ class Shaft:
 
     @acceleration.setter
     def acceleration(self, rpm_per_s: float) -> None:
-        self._command("set_acceleration", f"{rpm_per_s} rpm/s", mrpm_of(within(rpm_per_s, 0, RPM_MAX, "rpm/s")))
+        within(rpm_per_s, 0, RPM_MAX, "rpm/s")
+        self._command("set_acceleration", f"{rpm_per_s} rpm/s", mrpm_of(rpm_per_s))
 
     def move(self, degrees: float, rpm: float = 60, wait: bool = True) -> None:
         """Go to an angle; `wait` until it is there, which lets virtual time pass."""

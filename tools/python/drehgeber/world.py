@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, TypeVar, overload
 
 from ._native import EncoderError, within
-from .clock import SECOND_NS
-from .course import COUNTS_MAX, Course
+from .clock import SECOND_NS, SECONDS_MAX
+from .course import Course
 from .shaft import read_points
 
 if TYPE_CHECKING:
@@ -40,20 +40,31 @@ class Quantity(Generic[T]):
         return self._kind(world._encoder._sensed(self._name) / self._parts)
 
     def __set__(self, world: World, value: float) -> None:
+        counts = self._counts(value, self._limits(world._encoder))
         world.stop(self._name)
-        world._encoder._sense(self._name, self._counts(value))
+        world._encoder._sense(self._name, counts)
 
-    def _counts(self, value: float) -> int:
-        return round(within(value, -COUNTS_MAX, COUNTS_MAX, self._name) * self._parts)
+    def _limits(self, encoder: Encoder) -> tuple[float, float]:
+        low, high = encoder._limits(self._name)
+        return low / self._parts, high / self._parts
+
+    def _counts(
+        self, value: float | Decimal, limits: tuple[float, float], cut: Callable[[Any], int] = round
+    ) -> int:
+        return cut(within(value, *limits, self._name) * self._parts)
 
     def _points(
-        self, course: str | Path | Iterable[tuple[float | Decimal, float | Decimal]]
+        self, encoder: Encoder, course: str | Path | Iterable[tuple[float | Decimal, float | Decimal]]
     ) -> list[tuple[int, int]]:
-        """Nanoseconds and counts; what a file has more of is cut."""
+        """Nanoseconds and counts, all of which can be; what a file has more of is cut."""
+        limits = self._limits(encoder)
+        cut: Callable[[Any], int] = round
         if isinstance(course, (str, Path)):
-            rows = read_points(Path(course), f"time_s,{self._name}")
-            return [(int(at * SECOND_NS), int(value * self._parts)) for at, value in rows]
-        return [(round(at * SECOND_NS), round(value * self._parts)) for at, value in course]
+            cut, course = int, read_points(Path(course), f"time_s,{self._name}")
+        return [
+            (cut(within(at, 0, SECONDS_MAX, "seconds") * SECOND_NS), self._counts(value, limits, cut))
+            for at, value in course
+        ]
 
 
 class World:
@@ -89,14 +100,13 @@ class World:
     def _quantity(self, name: str) -> Quantity[Any]:
         if not self.senses(name):
             raise EncoderError(f"no encoder senses {name!r}")
-        self._encoder._sensed(name)  # this one may not
         quantity: Quantity[Any] = getattr(type(self), name)
         return quantity
 
     def begin(self, name: str, course: str | Path | Iterable[tuple[float, float]]) -> None:
         """An encoder that has never been on gets its power with what the course is at 0."""
         quantity = self._quantity(name)
-        for at, counts in quantity._points(course):
+        for at, counts in quantity._points(self._encoder, course):
             if at == 0:
                 self._encoder.set(name, str(Decimal(counts) / quantity._parts))
 
@@ -113,7 +123,7 @@ class World:
         `steps` holds, as states always do; a step is two points at one moment. With `loop` the last point's
         moment is 0 of the next lap. Another course, assigning to the quantity, or stop() ends it."""
         quantity = self._quantity(name)
-        points = quantity._points(course)
+        points = quantity._points(self._encoder, course)
         clock = self._encoder.clock
         with clock.lock:
             clock._sync()
@@ -124,6 +134,11 @@ class World:
             self._courses[name] = made
             clock._courses.append(made)
             clock._go(clock._ns)
+
+    def _end(self) -> None:
+        """It is sensed no more."""
+        for name in list(self._courses):
+            self.stop(name)
 
     def stop(self, name: str) -> None:
         """The quantity stays what it is."""
