@@ -195,6 +195,11 @@ def test_points_of_files_and_states_can_be(tmp_path):
     refuses(lambda: encoder.world.play("singleturn_ok", [(1, 2)]), "singleturn_ok 2: expected 0..1")
     encoder.clock.advance(3)
     assert encoder.world.temperature == Encoder("f3668").world.temperature and encoder.world.singleturn_ok
+    path.write_text("0,-273.0009\n1,1000.0009\n")  # cut, as the command does
+    encoder.world.play("temperature", path)
+    assert encoder.world.temperature == -273
+    encoder.clock.advance(1)
+    assert encoder.world.temperature == 1000
 
 
 @pytest.mark.parametrize("value", (*BEYOND, Decimal("sNaN"), 1e6, -274), ids=repr_of)

@@ -255,9 +255,9 @@ class Rig:
 
     def close(self) -> None:
         """Write the `nvm` files, as the memories are now, and close the encoders."""
-        while self._files:
-            name, path = self._files.popitem()
+        for name, path in self._files.items():
             path.write_bytes(self.encoders[name].memory)
+        self._files.clear()
         for encoder in self.encoders.values():
             encoder.close()
 

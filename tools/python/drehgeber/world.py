@@ -19,6 +19,10 @@ if TYPE_CHECKING:
 T = TypeVar("T", float, int, bool)
 
 
+def _cut(value: Decimal, parts: int) -> Decimal:
+    return Decimal(int(value * parts)) / parts
+
+
 class Quantity(Generic[T]):
     """An attribute of World: counted by the library in parts of its unit."""
 
@@ -48,21 +52,19 @@ class Quantity(Generic[T]):
         low, high = encoder._limits(self._name)
         return low / self._parts, high / self._parts
 
-    def _counts(
-        self, value: float | Decimal, limits: tuple[float, float], cut: Callable[[Any], int] = round
-    ) -> int:
-        return cut(within(value, *limits, self._name) * self._parts)
+    def _counts(self, value: float | Decimal, limits: tuple[float, float]) -> int:
+        return round(within(value, *limits, self._name) * self._parts)
 
     def _points(
         self, encoder: Encoder, course: str | Path | Iterable[tuple[float | Decimal, float | Decimal]]
     ) -> list[tuple[int, int]]:
         """Nanoseconds and counts, all of which can be; what a file has more of is cut."""
         limits = self._limits(encoder)
-        cut: Callable[[Any], int] = round
         if isinstance(course, (str, Path)):
-            cut, course = int, read_points(Path(course), f"time_s,{self._name}")
+            rows = read_points(Path(course), f"time_s,{self._name}")
+            course = [(_cut(at, SECOND_NS), _cut(value, self._parts)) for at, value in rows]
         return [
-            (cut(within(at, 0, SECONDS_MAX, "seconds") * SECOND_NS), self._counts(value, limits, cut))
+            (round(within(at, 0, SECONDS_MAX, "seconds") * SECOND_NS), self._counts(value, limits))
             for at, value in course
         ]
 
