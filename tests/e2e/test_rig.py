@@ -352,6 +352,23 @@ def test_courses_of_a_file(rig, tmp_path):
         assert control.ask("WORL:SING:PROF?").endswith('lost.csv,LOOP"')
 
 
+@pytest.mark.parametrize("model, wire", [("s3684-rs485", "pty"), ("s3684-biss", "sim"), ("ssi-25", "sim"), ("f3658", "slcan"),
+                                         ("f3668", "slcan"), ("ocd-ib-k3", "modbus=127.0.0.1:0")])
+def test_courses_of_the_command_line(tmp_path, model, wire):
+    """They begin before the encoder is switched on, whatever its protocol."""
+    courses = {"temperature": "0,20\n0.01,30\n", "singleturn_ok": "0,1\n0.02,0\n"}
+    settings = []
+    for key, points in courses.items():
+        (tmp_path / f"{key}.csv").write_text(points)
+        settings += ["--set", f"{key}={tmp_path}/{key}.csv"]
+    encoder = Encoder([model, f"--{wire}", *settings, "--control", f"unix:{tmp_path}/s"])
+    with Client(f"unix:{tmp_path}/s") as control:
+        deadline = time.monotonic() + PATIENCE_S
+        while (seen := control.ask("WORL:TEMP?;SING?")) != "30.000;0":
+            assert time.monotonic() < deadline, seen
+    assert encoder.clean_up() == []
+
+
 def test_traces_and_recordings(rig, tmp_path):
     trace, motion = tmp_path / "one.vcd", tmp_path / "motion.csv"
     with control_of(rig(SIMULATED)) as control:

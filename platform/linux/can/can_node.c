@@ -67,7 +67,6 @@ int lx_can_node_make(struct lx_can_bus *bus, size_t place, struct lx_error *erro
         .model = *dg_cia406_model_of(plan->model),
         .index = LX_CAN_DEAF,
     };
-    station->control.device = &self->device;
     return take_settings(self, error);
 }
 
@@ -156,6 +155,7 @@ static int power_on(struct lx_can_node *self, const struct dg_co_ops *ops, dg_ns
         dg_co_power_on(&self->device.node, now) != DG_OK) {
         return lx_fail(error, "the encoder does not start: not its EEPROM");
     }
+    self->station->control.device = &self->device;
     return 0;
 }
 

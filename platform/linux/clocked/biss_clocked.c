@@ -345,7 +345,6 @@ static int place(struct lx_clocked *base, const struct lx_bus_setup *setup, size
     if (master == LX_CLOCKED_THERE && model->timeout == 0) {
         model->timeout = GPIO_TIMEOUT;
     }
-    station->control.device = &self->device;
     station->control.serial = model->serial;
     base->init = model->init > base->init ? model->init : base->init;
     return 0;
@@ -367,6 +366,7 @@ static int open_encoder(struct lx_clocked *base, const struct lx_bus_setup *setu
     if (lx_biss_switch_on(&self->device, &made, now, error) != 0) {
         return -1;
     }
+    station->control.device = &self->device;
     lx_biss_line_add(line_of(base), &self->device, &station->control.faults, station->control.name);
     if (((const struct planned *)base)->master == LX_CLOCKED_THERE) {
         lx_biss_line_hold(line_of(base), &self->memory.image.queue);

@@ -300,7 +300,6 @@ static int place(struct lx_clocked *base, const struct lx_bus_setup *setup, size
     if (master == LX_CLOCKED_THERE && !is_set(&plan->settings, "monoflop_us")) {
         model->monoflop = GPIO_MONOFLOP;
     }
-    station->control.device = &planned_of(base)->device;
     base->init = model->init;
     return 0;
 }
@@ -315,6 +314,7 @@ static int open_encoder(struct lx_clocked *base, const struct lx_bus_setup *setu
         return lx_fail(error, "these figures make no encoder");
     }
     dg_ssi_power_on(&self->device, now);
+    station->control.device = &self->device;
     lx_ssi_line_add(&self->line, &self->device, &station->control.faults, station->control.name);
     return 0;
 }

@@ -79,6 +79,7 @@ static int switch_on(struct lx_hf_drop *self, dg_ns now, struct lx_error *error)
         dg_hf_power_on(&self->device, now) != DG_OK) {
         return lx_fail(error, "the encoder does not start: not its EEPROM");
     }
+    station->control.device = &self->device;
     tell_address(self);
     self->uart = dg_hf_uart(&self->device);
     const struct lx_uart uart = lx_hf_uart(&self->uart);
@@ -231,7 +232,6 @@ static int place(struct lx_hf_bus *self, size_t index, struct lx_error *error)
     drop->settings.serial_given = plan->serial != NULL;
     drop->settings.encoder.address =
         plan->address == LX_PLAN_AS_DELIVERED ? 0 : (uint32_t)plan->address;
-    station->control.device = &drop->device;
     station->own = drop;
     self->names[index] = station->control.name;
     return 0;

@@ -21,7 +21,8 @@ struct lx_nvm_queue;
 struct lx_nvm_writer;
 struct lx_silkit;
 
-/** An encoder on a bus. The rig owns it; the bus fills control.device, control.nvm. */
+/** An encoder on a bus. The rig owns it; the bus fills control.nvm, and control.device when the
+    encoder is switched on, not before. */
 struct lx_station {
     struct dg_encoder control; /**< name, model, kind, world and shaft are set before make() */
     struct dg_world world;     /**< what control.world points to; healthy before make() */
