@@ -294,23 +294,6 @@ static bool is_bare(const struct dg_scpi *self)
     return *at == ',' || dg_scpi_is_end(*at);
 }
 
-/* A duration without a unit: the number stands in front of the place, from `begin` on. */
-static void refuse_bare(struct dg_scpi *self, uint16_t begin)
-{
-    const char *const number = &self->line[begin];
-    const size_t n = (size_t)self->at - begin;
-    char room[SCPI_DETAIL_SIZE];
-    struct dg_text detail = dg_text_in(room, sizeof room);
-
-    dg_text_add_n(&detail, number, n);
-    dg_text_add(&detail, "; ");
-    dg_text_add_n(&detail, number, n);
-    dg_text_add(&detail, "MS or ");
-    dg_text_add_n(&detail, number, n);
-    dg_text_add(&detail, "S is right");
-    dg_scpi_raise(self, DG_SCPI_NO_SUFFIX, detail.to);
-}
-
 /* @return false: an error was raised */
 static bool read_suffix(struct dg_scpi *self, const struct dg_scpi_range *range, struct suffix *out)
 {
@@ -335,29 +318,6 @@ static bool read_suffix(struct dg_scpi *self, const struct dg_scpi_range *range,
     }
     self->at = (uint16_t)(self->at + n);
     return dg_scpi_close(self, DG_SCPI_SUFFIX);
-}
-
-/* @return false: an error was raised */
-static bool read_decimal(struct dg_scpi *self, const struct dg_scpi_range *range, struct value *out)
-{
-    const uint16_t begin = self->at;
-    struct decimal number;
-    struct suffix suffix;
-
-    if (!read_mantissa(self, &number)) {
-        dg_scpi_refuse_word(self, DG_SCPI_DATA_TYPE, a_number, 1);
-        return false;
-    }
-    read_exponent(self, &number);
-    if (range->unit == DG_SCPI_DURATION && is_bare(self)) {
-        refuse_bare(self, begin);
-        return false;
-    }
-    if (!read_suffix(self, range, &suffix)) {
-        return false;
-    }
-    *out = evaluate(&number, &suffix);
-    return true;
 }
 
 /* A limit in the unit that goes without saying, without zeros at its end. */
@@ -404,6 +364,59 @@ static bool is_within(const struct value *value, const struct dg_scpi_range *ran
     }
     *out = (int64_t)(value->negative ? 0u - value->magnitude : value->magnitude);
     return *out >= range->min && *out <= range->max;
+}
+
+/* A duration without a unit: the number stands in front of the place, from `begin` on. What is out
+   of the range with a unit, too, is no advice. */
+static void refuse_bare(struct dg_scpi *self, uint16_t begin, const struct decimal *number,
+                        const struct dg_scpi_range *range)
+{
+    const size_t n = (size_t)self->at - begin;
+    const struct suffix *const units = usual_suffix(DG_SCPI_TIME); /* milliseconds, seconds */
+    const char *between = "; ";
+    int64_t ignored;
+    char room[SCPI_DETAIL_SIZE];
+    struct dg_text detail = dg_text_in(room, sizeof room);
+
+    dg_text_add_n(&detail, &self->line[begin], n);
+    for (size_t i = 0; i < 2u; i++) {
+        const struct value value = evaluate(number, &units[i]);
+        if (is_within(&value, range, &ignored)) {
+            dg_text_add(&detail, between);
+            dg_text_add_n(&detail, &self->line[begin], n);
+            dg_text_add(&detail, units[i].name);
+            between = " or ";
+        }
+    }
+    if (between[0] == ';') {
+        raise_range(self, range);
+        return;
+    }
+    dg_text_add(&detail, " is right");
+    dg_scpi_raise(self, DG_SCPI_NO_SUFFIX, detail.to);
+}
+
+/* @return false: an error was raised */
+static bool read_decimal(struct dg_scpi *self, const struct dg_scpi_range *range, struct value *out)
+{
+    const uint16_t begin = self->at;
+    struct decimal number;
+    struct suffix suffix;
+
+    if (!read_mantissa(self, &number)) {
+        dg_scpi_refuse_word(self, DG_SCPI_DATA_TYPE, a_number, 1);
+        return false;
+    }
+    read_exponent(self, &number);
+    if (range->unit == DG_SCPI_DURATION && is_bare(self)) {
+        refuse_bare(self, begin, &number, range);
+        return false;
+    }
+    if (!read_suffix(self, range, &suffix)) {
+        return false;
+    }
+    *out = evaluate(&number, &suffix);
+    return true;
 }
 
 /* @return whether it is MIN or MAX */

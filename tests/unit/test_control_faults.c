@@ -155,6 +155,11 @@ static void test_limits_that_cannot_be(void **state)
     refuse("FAUL:SET wire_drop,DUR 0S", "-222", NULL);
     refuse("FAUL:SET wire_drop,DUR 5", "-130", "Suffix error;5; 5MS or 5S is right");
     refuse("FAUL:SET wire_drop,DUR 1.5E3 ,COUN 3", "-130", "1.5E3; 1.5E3MS or 1.5E3S is right");
+    refuse("FAUL:SET wire_drop,DUR 0", "-222", "0.000001..9223372036854.775807 MS");
+    refuse("FAUL:SET wire_drop,DUR -5", "-222", "0.000001..9223372036854.775807 MS");
+    refuse("FAUL:SET wire_drop,DUR 1E16", "-222", "0.000001..9223372036854.775807 MS");
+    refuse("FAUL:SET wire_drop,DUR 1E10", "-130", "1E10; 1E10MS is right");
+    refuse("FAUL:SET wire_drop,DUR 1E-7", "-130", "1E-7; 1E-7S is right");
     refuse("FAUL:SET wire_drop,DUR 5MIN", "-131", "MIN; MS, S, US or NS is right");
     refuse("FAUL:SET wire_drop,TIMES 3", "-224", NULL);
     refuse("FAUL:SET wire_drop,COUNT", "-109", NULL);
