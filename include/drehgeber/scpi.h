@@ -228,6 +228,10 @@ DG_API bool dg_scpi_flag(struct dg_scpi *self, bool *value);
 DG_API bool dg_scpi_word(struct dg_scpi *self, const char *const *words, size_t count,
                          size_t *index);
 
+/** Take the end of a parameter, which a word leaves open. @return false: there is more of it, and
+ * `code` was raised; behind a blank -102, as a comma is missing */
+DG_API bool dg_scpi_close(struct dg_scpi *self, int code);
+
 /** Whether the next parameter begins with a letter: a word, where a number could be, too. */
 DG_API bool dg_scpi_at_word(const struct dg_scpi *self);
 

@@ -24,7 +24,8 @@ static bool take_words(struct dg_scpi *self, struct dg_rig_course_wish *wish)
 
     wish->steps = row_of(self)->unit == DG_UNIT_STATE;
     while (dg_scpi_more(self)) {
-        if (!dg_scpi_word(self, words, DG_COUNT(words), &word)) {
+        if (!dg_scpi_word(self, words, DG_COUNT(words), &word) ||
+            !dg_scpi_close(self, DG_SCPI_SYNTAX)) {
             return false;
         }
         wish->loop = wish->loop || word == 1u;

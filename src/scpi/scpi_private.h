@@ -47,8 +47,6 @@ void dg_scpi_skip_blanks(struct dg_scpi *self);
 size_t dg_scpi_token(const struct dg_scpi *self);
 /** Go to the next parameter. @return false: -109 was raised, or an error before */
 bool dg_scpi_next(struct dg_scpi *self);
-/** A parameter was read. @return false: there is more of it, an error was raised */
-bool dg_scpi_close(struct dg_scpi *self, int code);
 /** Raise `code` with what stands at the place. */
 void dg_scpi_refuse(struct dg_scpi *self, int code);
 /** How many parameters there are at `text`, up to the end of a command. */

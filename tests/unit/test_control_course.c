@@ -168,6 +168,8 @@ static void test_refusals(void **state)
     refuse("WORL:SING:PROF:POIN 0,2", "-224", NULL);
     refuse("WORL:TEMP:PROF:STAT ON", "-221", "PROFile:POINts");
     refuse("WORL:TEMP:PROF x.csv,LOOP,STEP,ONCE", "-108", NULL);
+    refuse("WORL:TEMP:PROF \"t.csv\",ONCE STEP", "-102", "STEP; a comma is missing");
+    refuse("WORL:TEMP:PROF:POIN 0,20,1,30,ONCE STEP", "-102", "STEP; a comma is missing");
     refuse("WORL:TEMP:PROF", "-109", NULL);
     rig.result = DG_SCPI_FILE_NAME;
     refuse("WORL:TEMP:PROF x.csv", "-256", "as course says");
