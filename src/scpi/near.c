@@ -8,7 +8,8 @@
  * The nearest row is the one with the smallest sum of what differs, node by node; what differs by
  * more than LIMIT is not near.
  */
-#define SKIP 4u       /* a node is missing or too many, is misspelt, or called as what follows it */
+#define SKIP 4u       /* a node is missing, is misspelt, or called as what follows it */
+#define EXTRA 5u      /* a node is too many: most who write one mean it */
 #define ONE_MORE 1u   /* each further character of a misspelt node */
 #define OTHER_FORM 5u /* a query was asked of what has none, or the other way round */
 #define LIMIT 7u
@@ -29,7 +30,7 @@ static unsigned smaller(unsigned a, unsigned b)
     return a < b ? a : b;
 }
 
-/* Two of five characters may be wrong. */
+/* Two of five characters may be wrong, and one of two. */
 static unsigned node_cost(const struct dg_scpi_command *row, const struct scpi_node *keyword,
                           const char *text, size_t n)
 {
@@ -41,7 +42,7 @@ static unsigned node_cost(const struct dg_scpi_command *row, const struct scpi_n
     if (n >= TAKEN_MIN && dg_text_same(row->parameters, text, n, dg_text_upper)) {
         return SKIP;
     }
-    return edits > 2u * n / 5u ? FAR : SKIP + ONE_MORE * (edits - 1u);
+    return edits > (2u * n + 1u) / 5u ? FAR : SKIP + ONE_MORE * (edits - 1u);
 }
 
 static unsigned row_cost(const struct dg_scpi_command *row, const struct header *header)
@@ -50,7 +51,7 @@ static unsigned row_cost(const struct dg_scpi_command *row, const struct header 
     struct scpi_node keyword;
 
     for (unsigned i = 0; i <= header->count; i++) {
-        cost[i] = SKIP * i;
+        cost[i] = EXTRA * i;
     }
     for (const char *rest = dg_scpi_next_node(row->header, &keyword); keyword.n > 0;
          rest = dg_scpi_next_node(rest, &keyword)) {
@@ -61,7 +62,7 @@ static unsigned row_cost(const struct dg_scpi_command *row, const struct header 
             const unsigned changed =
                 before + node_cost(row, &keyword, header->node[i], header->length[i]);
             before = cost[i + 1u];
-            cost[i + 1u] = smaller(changed, smaller(cost[i + 1u] + left_out, cost[i] + SKIP));
+            cost[i + 1u] = smaller(changed, smaller(cost[i + 1u] + left_out, cost[i] + EXTRA));
         }
     }
     return cost[header->count];

@@ -167,6 +167,29 @@ static void test_position(void **state)
 }
 
 /* 9 degrees are no whole number of 2^-32 turn: what is next to them is shown as them. */
+/* A node is misspelt rather than too many. */
+static void test_headers_that_are_near(void **state)
+{
+    static const struct {
+        const char *line;
+        const char *near;
+    } rows[] = {
+        {"SYST:ERR:CUNT?", "near is SYSTem:ERRor:COUNt?"},
+        {"TIME:SCLE?", "near is TIME:SCALe?"},
+        {"TIME:ORGIN?", "near is TIME:ORIGin?"},
+        {"WORL:TEMP:PROF:STT?", "near is WORLd:TEMPerature:PROFile:STATe?"},
+        {"WORL:LED:CURR:PRF?", "near is WORLd:LED:CURRent:PROFile?"},
+        {"WORL:TEMP:X?", "near is WORLd:TEMPerature?"},
+        {"FAUL:ST x", "near is FAULt:SET NAME"},
+        {"PO?", "near is POWer?"},
+    };
+
+    (void)state;
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
+        refuse(rows[i].line, "-113", rows[i].near);
+    }
+}
+
 static void test_position_is_the_nearest(void **state)
 {
     static const struct {
@@ -617,6 +640,7 @@ int main(void)
         cmocka_unit_test_setup(test_two_clients, setup),
         cmocka_unit_test_setup(test_shaft_names, setup),
         cmocka_unit_test_setup(test_position, setup),
+        cmocka_unit_test_setup(test_headers_that_are_near, setup),
         cmocka_unit_test_setup(test_position_is_the_nearest, setup),
         cmocka_unit_test_setup(test_velocity, setup),
         cmocka_unit_test_setup(test_acceleration, setup),
