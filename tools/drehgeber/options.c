@@ -361,6 +361,22 @@ static error_t take_option(struct options *self, int key, const char *value)
     }
 }
 
+static bool is_option(const char *word)
+{
+    return word[0] == '-' && word[1] != '\0';
+}
+
+/* The word that the parser stopped in: of short options behind each other it may be the next one
+   still, else the parser is past it. */
+static const char *find_culprit(const struct options *self, const struct argp_state *state)
+{
+    int next = self->parsed;
+    while (next < state->argc && !is_option(state->argv[next])) {
+        next++;
+    }
+    return state->argv[next == state->next ? next : state->next - 1];
+}
+
 static error_t take(int key, char *value, struct argp_state *state)
 {
     struct options *self = state->input;
@@ -372,7 +388,7 @@ static error_t take(int key, char *value, struct argp_state *state)
         return take_argument(self, state->arg_num, value,
                              state->next < state->argc ? state->argv[state->next] : NULL);
     case ARGP_KEY_ERROR:
-        self->culprit = state->next > 0 ? state->argv[state->next - 1] : "";
+        self->culprit = find_culprit(self, state);
         return 0;
     case ARGP_KEY_INIT:
     case ARGP_KEY_NO_ARGS:
@@ -382,6 +398,7 @@ static error_t take(int key, char *value, struct argp_state *state)
     case ARGP_KEY_ARGS:
         return ARGP_ERR_UNKNOWN;
     default:
+        self->parsed = state->next;
         self->option = row_with(self, key)->name;
         self->given |= UINT64_C(1) << (row_with(self, key) - self->table);
         return take_option(self, key, value);
@@ -390,26 +407,31 @@ static error_t take(int key, char *value, struct argp_state *state)
 
 /* --- what the parser refuses --- */
 
-/* The option table's row of "--name" or "--name=value". */
+/* "-o" */
+static bool is_letter(const char *word)
+{
+    return word[0] == '-' && word[1] != '\0' && word[1] != '-' && word[2] == '\0';
+}
+
+/* The option table's row of "-o", "--name" or "--name=value". */
 static const struct argp_option *row_of(const struct options *self, const char *argument)
 {
-    if (strncmp(argument, "--", 2) != 0) {
-        return NULL;
-    }
-    const size_t n = strcspn(argument + 2, "=");
+    const bool whole = strncmp(argument, "--", 2) == 0;
+    const size_t n = whole ? strcspn(argument + 2, "=") : 0;
     for (const struct argp_option *row = self->table; !options_end(row); row++) {
-        if (row->name != NULL && strlen(row->name) == n &&
-            strncmp(argument + 2, row->name, n) == 0) {
+        const bool same = whole && row->name != NULL && strlen(row->name) == n &&
+                          strncmp(argument + 2, row->name, n) == 0;
+        if (same || (is_letter(argument) && row->key == argument[1])) {
             return row;
         }
     }
     return NULL;
 }
 
-/* What may be meant: of a letter the first option that begins so, else the nearest; NULL. */
+/* What may be meant: of a letter the first option that begins so, else the nearest, also of one
+   with a single dash; NULL. */
 static const struct argp_option *option_near(const struct options *self, const char *culprit)
 {
-    const bool is_letter = strncmp(culprit, "--", 2) != 0;
     const char *name = culprit + strspn(culprit, "-");
     const struct argp_option *found = NULL;
     unsigned best = UINT_MAX;
@@ -417,8 +439,8 @@ static const struct argp_option *option_near(const struct options *self, const c
         if (row->name == NULL || !takes(self->row, row)) {
             continue;
         }
-        if (is_letter ? found == NULL && row->name[0] == name[0]
-                      : is_nearer(row->name, name, strcspn(name, "="), &best)) {
+        if (is_letter(culprit) ? found == NULL && row->name[0] == name[0]
+                               : is_nearer(row->name, name, strcspn(name, "="), &best)) {
             found = row;
         }
     }
@@ -515,7 +537,7 @@ static enum command find_help(struct options *self, int argc, char **argv)
 
 int options_parse(struct options *self, int argc, char **argv)
 {
-    *self = (struct options){.command = COMMAND_NONE};
+    *self = (struct options){.command = COMMAND_NONE, .parsed = 1};
     self->command = find_help(self, argc, argv);
     if (self->command != COMMAND_NONE) {
         return 0;

@@ -87,6 +87,7 @@ struct options {
     struct argp_option *table; /* owned: all options */
     const char *option;        /* name of the last option given; NULL: none */
     uint64_t given;            /* bit n: row n of `table` was */
+    int parsed;                /* words, up to and with the last option that was right */
     const char *culprit;       /* what the parser stumbled over */
     struct lx_error error;
 };
