@@ -434,7 +434,8 @@ def test_lines_of_a_file_that_are_no_points(tmp_path, line):
         Encoder("f3668").world.play("temperature", tmp_path / "x.csv")
 
 
-NO_TEXT = "more than 198 characters, or no text at all; expected a shorter line of text"
+NO_TEXT = "no text, as it has a NUL; expected lines of text"
+TOO_LONG = "more than 198 characters; expected a shorter line of text"
 
 
 @pytest.mark.parametrize("name", ["/dev/zero", "sparse.csv", "long.csv", "zero.csv"])
@@ -445,11 +446,12 @@ def test_a_file_that_is_no_text_of_lines_ends_soon(tmp_path, name):
     (tmp_path / "long.csv").write_text("0,1 #" + "x" * 194)
     (tmp_path / "zero.csv").write_bytes(b"0,1 # \0\n")
     path, encoder = tmp_path / name, Encoder("s3684-biss")
+    said = TOO_LONG if name == "long.csv" else NO_TEXT
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    with pytest.raises(EncoderError, match=f"{path}:1: {NO_TEXT}"):
+    with pytest.raises(EncoderError, match=f"{path}:1: {said}"):
         encoder.world.play("temperature", path)
     if name.endswith(".csv"):
-        with pytest.raises(EncoderError, match=f"{path}:1: {NO_TEXT}"):
+        with pytest.raises(EncoderError, match=f"{path}:1: {said}"):
             encoder.shaft.play(str(path))
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 32 << 10
 
@@ -457,7 +459,7 @@ def test_a_file_that_is_no_text_of_lines_ends_soon(tmp_path, name):
 def test_a_line_may_be_as_long_as_in_a_rig_file(tmp_path):
     """198 bytes and its end; a comment may be in any encoding, as the command takes it."""
     path, encoder = tmp_path / "x.csv", Encoder("f3668")
-    path.write_bytes(b"0,20 # " + b"\xb0" * 191 + b"\r\n"[1:] + b"10,30 #" + b"x" * 191)
+    path.write_bytes(b"0,20 # " + b"\xb0" * 191 + b"\r\n" + b"10,30 #" + b"x" * 191)
     encoder.world.play("temperature", path)
     encoder.clock.advance(5)
     assert encoder.world.temperature == 25

@@ -163,7 +163,7 @@ struct lx_csv {
     struct reader reader;
     FILE *file;
     char *name;                      /* owned */
-    char text[LX_CSV_LINE_MAX + 1u]; /* of a line, with its end; not a string */
+    char text[LX_CSV_LINE_MAX + 2u]; /* of a line, with its end, CR LF at most; not a string */
 };
 
 struct lx_csv *lx_csv_open(FILE *file, const char *name, const struct lx_csv_kind *kind,
@@ -184,6 +184,13 @@ struct lx_csv *lx_csv_open(FILE *file, const char *name, const struct lx_csv_kin
     return self;
 }
 
+/* Of a line without its end. */
+static int length_of(const char *text, int n)
+{
+    n -= n > 0 && text[n - 1] == '\n';
+    return n - (n > 0 && text[n - 1] == '\r');
+}
+
 /* A line with its end. What has none in time, or is no text, may be a file of any length: it is not
    read on. @return its length; 0: there is none; -1 with `error` */
 static int read_line(struct lx_csv *self, struct lx_error *error)
@@ -197,10 +204,14 @@ static int read_line(struct lx_csv *self, struct lx_error *error)
     if (c == EOF && ferror(self->file) != 0) {
         return lx_fail(error, "%s: cannot read: %s", self->name, strerror(errno));
     }
-    if (c == '\0' || (c != '\n' && n > (int)LX_CSV_LINE_MAX)) {
+    if (c == '\0') {
+        return lx_refuse(error, "expected lines of text", "%s:%lu: no text, as it has a NUL",
+                         self->name, self->reader.line + 1);
+    }
+    if (length_of(self->text, n) > (int)LX_CSV_LINE_MAX) {
         return lx_refuse(error, "expected a shorter line of text",
-                         "%s:%lu: more than %u characters, or no text at all", self->name,
-                         self->reader.line + 1, LX_CSV_LINE_MAX);
+                         "%s:%lu: more than %u characters", self->name, self->reader.line + 1,
+                         LX_CSV_LINE_MAX);
     }
     return n;
 }

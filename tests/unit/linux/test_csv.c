@@ -170,15 +170,16 @@ static struct lx_words refusal_of(struct source *self)
 static void a_file_without_lines_is_not_read_on(void **state)
 {
     static const struct source rows[] = {
-        {.text = "", .size = 1},  {.text = "1", .size = 1},    {.text = "#", .size = 1},
-        {.text = " ", .size = 1}, {.text = "1,2,", .size = 4},
+        {.text = "", .size = 1},   {.text = "1", .size = 1}, {.text = "#", .size = 1},
+        {.text = "\r", .size = 1}, {.text = " ", .size = 1}, {.text = "1,2,", .size = 4},
     };
     (void)state;
     for (size_t i = 0; i < LENGTH(rows); i++) {
         struct source source = rows[i];
         assert_string_equal(refusal_of(&source).text,
-                            "shaft.csv:1: more than 198 characters, or no text at all; expected a "
-                            "shorter line of text");
+                            i == 0 ? "shaft.csv:1: no text, as it has a NUL; expected lines of text"
+                                   : "shaft.csv:1: more than 198 characters; expected a shorter "
+                                     "line of text");
         assert_true(source.taken <= 65536);
     }
 }
@@ -186,16 +187,17 @@ static void a_file_without_lines_is_not_read_on(void **state)
 /* 198 characters and their end, as in a rig file; the last line has none. */
 static void lines_have_a_bound(void **state)
 {
+    static const char *const ends[] = {"", "\n", "\r\n", "\r\n2,3", "\r"};
     char text[512];
     struct lx_recording recording;
     struct lx_error error;
     (void)state;
     for (int n = 197; n <= 199; n++) {
-        for (int ended = 0; ended < 2; ended++) {
-            (void)snprintf(text, sizeof text, "0,0\n1,90 #%*s%s", n - 6, "x", ended ? "\n" : "");
+        for (size_t end = 0; end < LENGTH(ends); end++) {
+            (void)snprintf(text, sizeof text, "0,0\n1,90 #%*s%s", n - 6, "x", ends[end]);
             assert_int_equal(read_text(&recording, text, &error), n <= 198 ? 0 : -1);
             if (n <= 198) {
-                assert_int_equal(recording.count, 2);
+                assert_int_equal(recording.count, end == 3 ? 3 : 2);
                 free(recording.points);
             } else {
                 assert_ptr_equal(strstr(error.what, "shaft.csv:2: more than 198"), error.what);
@@ -208,7 +210,7 @@ static void a_zero_is_no_text(void **state)
 {
     struct source source = {.text = "0,0\n1,1 # \0\n2,2\n", .size = 15};
     (void)state;
-    assert_non_null(strstr(refusal_of(&source).text, "shaft.csv:2: more than 198"));
+    assert_non_null(strstr(refusal_of(&source).text, "shaft.csv:2: no text, as it has a NUL"));
 }
 
 /* Not the end of the file, wherever it comes. */

@@ -99,11 +99,11 @@ def parse_motion(text: str) -> dict[str, Any]:
 def _lines(path: Path) -> Iterable[tuple[int, str]]:
     """Lines of a file without comments, by number. What has no end within the bound is not read on."""
     with path.open("rb") as file:
-        for number, line in enumerate(iter(lambda: file.readline(LINE_MAX + 1), b""), 1):
-            if b"\0" in line or (len(line) > LINE_MAX and not line.endswith(b"\n")):
-                raise EncoderError(
-                    f"{path}:{number}: more than {LINE_MAX} characters, or no text at all; expected a shorter line of text"
-                )
+        for number, line in enumerate(iter(lambda: file.readline(LINE_MAX + 2), b""), 1):
+            if b"\0" in line:
+                raise EncoderError(f"{path}:{number}: no text, as it has a NUL; expected lines of text")
+            if len(line.removesuffix(b"\n").removesuffix(b"\r")) > LINE_MAX:
+                raise EncoderError(f"{path}:{number}: more than {LINE_MAX} characters; expected a shorter line of text")
             text = line.removeprefix(b"\xef\xbb\xbf") if number == 1 else line
             yield number, text.partition(b"#")[0].decode("latin-1")
 
