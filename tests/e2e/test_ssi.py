@@ -155,6 +155,23 @@ def test_refusals(tmp_path):
     assert "SSI ends in .vcd" in run_refused(2, "ssi", S13, "read", "--trace", tmp_path / "a.log")
 
 
+SLOW = [  # clock, monoflop time; the lowest clock and time: a period has to be shorter
+    ((50000, 20), (50003, 21)), ((50002, 20), (50003, 21)), ((99999, 10), (100011, 11)), ((100010, 10), (100011, 11))]
+
+
+@pytest.mark.parametrize("given, lowest", SLOW)
+def test_a_clock_that_ends_the_word_is_refused(given, lowest):
+    def words_of(clock_hz, monoflop_us):
+        return "--shaft", "90DEG", "--set", f"clock_hz={clock_hz}", "--set", f"monoflop_us={monoflop_us}"
+
+    for how in (("ssi", S25, "read"), ("run", S25, "--sim")):
+        said = run_refused(2, *how, *words_of(*given))
+        assert f"--set clock_hz={given[0]}: its period" in said
+        assert f"expected clock_hz from {lowest[0]} or monoflop_us from {lowest[1]} on" in said
+    for right in ((lowest[0], given[1]), (given[0], lowest[1])):
+        assert ssi(S25, *["read"] * 20, *words_of(*right)) == "MT 0  ST 2048  90.000000 deg\n" * 20
+
+
 @pytest.mark.parametrize("delay_ns", [0, 250, 300, 5000])
 @pytest.mark.parametrize("clock_hz", [100000, 1000000, 10000000])
 def test_a_cable_is_made_up_for(delay_ns, clock_hz):

@@ -77,7 +77,7 @@ static int understand(struct wire_session *self, const struct options *options,
     self->line = lx_clocked_make(&self->bus, LX_CLOCKED_HERE, error);
     return self->line == NULL
                ? -1
-               : lx_sim_timing_set(&self->plan, self->bus.wire, &self->timing, error);
+               : lx_sim_timing_set(&self->plan, self->bus.wire, self->line, &self->timing, error);
 }
 
 /* The initialisation, in which nothing happens on the wire, is not in it. */

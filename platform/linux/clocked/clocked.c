@@ -54,6 +54,11 @@ struct lx_clocked *lx_clocked_make(const struct lx_bus_setup *setup, enum lx_clo
     return self;
 }
 
+int lx_clocked_check_rate(const struct lx_clocked *self, uint32_t hz, struct lx_error *error)
+{
+    return self->protocol->check_rate == NULL ? 0 : self->protocol->check_rate(self, hz, error);
+}
+
 int lx_clocked_open(struct lx_clocked *self, const struct lx_bus_setup *setup, size_t index,
                     dg_ns now, struct lx_error *error)
 {

@@ -119,6 +119,9 @@ struct lx_clocked_protocol {
      * is touched. Called for each in turn. @return 0, or -1 with one line in `error` */
     int (*place)(struct lx_clocked *self, const struct lx_bus_setup *setup, size_t index,
                  enum lx_clocked_master master, struct lx_error *error);
+    /** Whether its encoders take `hz` of a simulated wire for the clock of one frame. Optional:
+     * they take all. @return 0, or -1 with `error` */
+    int (*check_rate)(const struct lx_clocked *self, uint32_t hz, struct lx_error *error);
     /** Load its EEPROM, switch it on at `now`, and put it on the line, behind the others.
      * @return 0, or -1 with one line in `error` */
     int (*open)(struct lx_clocked *self, const struct lx_bus_setup *setup, size_t index, dg_ns now,
@@ -133,6 +136,9 @@ struct lx_clocked_protocol {
  * @return NULL with one line in `error` */
 struct lx_clocked *lx_clocked_make(const struct lx_bus_setup *setup, enum lx_clocked_master master,
                                    struct lx_error *error);
+
+/** Whether the encoders take such a clock, as lx_clocked_protocol.check_rate(). */
+int lx_clocked_check_rate(const struct lx_clocked *self, uint32_t hz, struct lx_error *error);
 
 /** Switch on encoder `index`, as lx_clocked_protocol.open(). */
 int lx_clocked_open(struct lx_clocked *self, const struct lx_bus_setup *setup, size_t index,

@@ -14,7 +14,8 @@
 #include "clocked.h"
 
 /** The master's clock: as usual, and the slowest and fastest one. At slower ones encoders take half
- * a period for the end of a frame (BiSS: below 38.5 kHz). */
+ * a period for the end of a frame (BiSS: below 38.5 kHz); SSI may need a faster one, see
+ * lx_clocked_check_rate(). */
 #define LX_CLOCK_HZ 1000000u
 #define LX_CLOCK_MIN_HZ 50000u
 #define LX_CLOCK_MAX_HZ 10000000u

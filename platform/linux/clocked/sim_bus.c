@@ -274,10 +274,10 @@ static struct lx_bus *make(const struct lx_bus_setup *setup, bool driven, struct
     self->bus = (struct lx_bus){.ops = &ops, .setup = *setup};
     self->timing = lx_sim_timing;
     self->driven = driven;
-    if (driven || lx_sim_timing_set(setup->plan, setup->wire, &self->timing, error) == 0) {
-        self->line = lx_clocked_make(setup, LX_CLOCKED_HERE, error);
-    }
-    if (self->line == NULL) {
+    self->line = lx_clocked_make(setup, LX_CLOCKED_HERE, error);
+    if (self->line == NULL || (!driven && lx_sim_timing_set(setup->plan, setup->wire, self->line,
+                                                            &self->timing, error) != 0)) {
+        lx_clocked_close(self->line);
         free(self);
         return NULL;
     }

@@ -32,23 +32,29 @@ static int check_timing(const struct lx_clocked_timing *timing, struct lx_error 
                      (unsigned)back_ns, timing->clock_hz);
 }
 
-/* On by itself: somebody has set it. */
-static int refuse_compensate(const struct lx_plan *plan, const struct lx_plan_wire *wire,
-                             struct lx_error *error)
+/* By itself it is right: somebody has set it. */
+static int refuse_key(const struct lx_plan *plan, const struct lx_plan_wire *wire, const char *key,
+                      struct lx_error *error)
 {
     const struct lx_plan_setting *row = wire->settings.list;
-    while (strcmp(row->key, "compensate") != 0) {
+    while (strcmp(row->key, key) != 0) {
         row++;
     }
     return lx_plan_refuse_setting(plan, row, error);
 }
 
 int lx_sim_timing_set(const struct lx_plan *plan, const struct lx_plan_wire *wire,
-                      struct lx_clocked_timing *timing, struct lx_error *error)
+                      const struct lx_clocked *line, struct lx_clocked_timing *timing,
+                      struct lx_error *error)
 {
     *timing = lx_sim_timing;
     if (lx_wire_settings(&lx_sim_keys, plan, wire, timing, error) != 0) {
         return -1;
     }
-    return check_timing(timing, error) == 0 ? 0 : refuse_compensate(plan, wire, error);
+    if (check_timing(timing, error) != 0) {
+        return refuse_key(plan, wire, "compensate", error);
+    }
+    return lx_clocked_check_rate(line, timing->clock_hz, error) == 0
+               ? 0
+               : refuse_key(plan, wire, "clock_hz", error);
 }

@@ -18,8 +18,10 @@ extern const struct lx_keys lx_sim_keys;
 extern const struct lx_clocked_timing lx_sim_timing;
 
 /** The same with the settings of `wire`. A master that does not compensate needs a clock that the
- * cable leaves time for. @return 0, or -1 with `error` */
+ * cable leaves time for, and the encoders of `line` one that they take for one frame.
+ * @return 0, or -1 with `error` */
 int lx_sim_timing_set(const struct lx_plan *plan, const struct lx_plan_wire *wire,
-                      struct lx_clocked_timing *timing, struct lx_error *error);
+                      const struct lx_clocked *line, struct lx_clocked_timing *timing,
+                      struct lx_error *error);
 
 #endif

@@ -304,6 +304,24 @@ static int place(struct lx_clocked *base, const struct lx_bus_setup *setup, size
     return 0;
 }
 
+/* Each falling edge has to come before the monoflop time from the one before is over. The edges of
+   the wire are at whole nanoseconds. */
+static int check_rate(const struct lx_clocked *base, uint32_t hz, struct lx_error *error)
+{
+    const dg_ns monoflop = ((const struct planned *)base)->model.monoflop;
+    const dg_ns period = (DG_S(1) + hz - 1u) / hz;
+    struct lx_words right = {""};
+    if (period < monoflop) {
+        return 0;
+    }
+    lx_words_add(&right, "expected clock_hz from %u or monoflop_us from %u on",
+                 (unsigned)((DG_S(1) + monoflop - 2u) / (monoflop - 1u)),
+                 (unsigned)(period / DG_US(1) + 1u));
+    return lx_refuse(error, right.text,
+                     "its period, %u ns, ends the word, as the monoflop time of %u ns is over",
+                     (unsigned)period, (unsigned)monoflop);
+}
+
 static int open_encoder(struct lx_clocked *base, const struct lx_bus_setup *setup, size_t index,
                         dg_ns now, struct lx_error *error)
 {
@@ -329,6 +347,7 @@ const struct lx_clocked_protocol lx_clocked_ssi = {
     .size = sizeof(struct planned),
     .init = init,
     .place = place,
+    .check_rate = check_rate,
     .open = open_encoder,
     .close = close_all,
     .offer = offer,
