@@ -116,6 +116,14 @@ def test_failure_leaves_what_was_there(tmp_path: pathlib.Path) -> None:
             assert file.read_bytes() == b"what was there" and os.listdir(place) == ["keep.fmu"]
 
 
+def test_a_link_to_nothing_stays(tmp_path: pathlib.Path) -> None:
+    link = tmp_path / "link.fmu"
+    link.symlink_to(tmp_path / "nothing.fmu")
+    done = subprocess.run([DREHGEBER, "fmu", "f3668", "-o", str(link)], capture_output=True, text=True)
+    assert done.returncode == 1 and done.stderr == f"drehgeber: cannot write {link}: No such file or directory\n"
+    assert link.is_symlink() and os.listdir(tmp_path) == ["link.fmu"]
+
+
 def test_whole_file_takes_the_place(tmp_path: pathlib.Path) -> None:
     """That of a link's target, with the mode that it had."""
     place, file, link = tmp_path / "place", tmp_path / "place" / "keep.fmu", tmp_path / "link.fmu"

@@ -80,13 +80,17 @@ int lx_beside_sync(const struct lx_beside *self)
     return reason == EINVAL ? 0 : reason;
 }
 
-/* Where the file is, or will be, and its mode. 0 or an errno. */
+/* Where the file is, or will be, and its mode; a link to nothing is no such place. 0 or an errno.
+ */
 static int find_target(const char *path, char target[PATH_MAX], mode_t *mode)
 {
     struct stat info;
     if (realpath(path, target) == NULL) {
-        const int n = errno == ENOENT && *mode != 0 ? snprintf(target, PATH_MAX, "%s", path) : -1;
-        return n < 0 ? errno : n < PATH_MAX ? 0 : ENAMETOOLONG;
+        const int reason = errno;
+        if (reason != ENOENT || *mode == 0 || lstat(path, &info) == 0) {
+            return reason;
+        }
+        return snprintf(target, PATH_MAX, "%s", path) < PATH_MAX ? 0 : ENAMETOOLONG;
     }
     if (stat(target, &info) != 0) {
         return errno;
