@@ -120,6 +120,29 @@ BAD_CSV = [
 ]
 
 
+def test_help_has_what_the_command_takes():
+    """No settings of wires that it has not, no courses where nothing goes on, no heading without rows."""
+    def keys(*arguments):
+        return run(*arguments, "--help").stdout.partition("KEY=VALUE of")[2]
+
+    of_fmu, of_biss, of_run = keys("fmu", "f3668"), keys("biss", "s3684-biss"), keys("run", "f3668")
+    for word in ("pace", "step_us", "time_s", "factory"):
+        assert word not in of_fmu and (word in of_run) == (word != "factory")
+    for command in (of_biss, keys("ssi", "ssi-25")):
+        assert "clock_hz" in command and "step_us" not in command and "time_s" not in command
+    assert "of f3658" not in keys("run", "f3658")
+    assert keys("run", "f3658").startswith(" --can, --slcan and --socketcand:\n  pace ")
+    assert "KEY=VALUE of what it senses" in run("fmu", "f3658", "--help").stdout
+    for model in (MULTITURN, "ocd-ib-k3"):
+        assert "(factory) is burnt" in keys("run", model) and "(factory) is burnt" not in keys("fmu", model)
+
+
+@pytest.mark.parametrize("wire", ["rs485", "slcan", "socketcand", "modbus"])
+def test_help_says_how_others_get_in(wire):
+    row = re.search(rf"--{wire}\b.*?(?=\n\s+--)", run("run", "--help").stdout, re.S)[0]
+    assert "(loopback; ,open: beyond it, too)" in " ".join(row.split())
+
+
 def test_alone_it_prints_the_help():
     """For whoever wants to know; a script that has lost its command is told by the status."""
     ended = run()

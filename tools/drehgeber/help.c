@@ -217,11 +217,17 @@ static struct lx_words wires_with(const struct lx_stack *stack, size_t first)
     return names;
 }
 
-static void print_wire_keys(const struct lx_stack *stack, FILE *to)
+/* Whether encoders are on such a wire when the command is done; NULL: any command. */
+static bool has_wire(const struct command_row *row, const struct lx_wire *wire)
+{
+    return row == NULL || row->wires || (row->command == COMMAND_ASK && wire->simulated);
+}
+
+static void print_wire_keys(const struct command_row *row, const struct lx_stack *stack, FILE *to)
 {
     for (size_t i = 0; i < lx_wire_count; i++) {
         const struct lx_wire *wire = &lx_wires[i];
-        const bool has = wire->keys != NULL && lx_wire_carries(wire, stack);
+        const bool has = wire->keys != NULL && lx_wire_carries(wire, stack) && has_wire(row, wire);
         const struct lx_words names = has ? wires_with(stack, i) : (struct lx_words){""};
         if (names.text[0] != '\0') {
             struct lx_keys keys = *wire->keys;
@@ -232,10 +238,11 @@ static void print_wire_keys(const struct lx_stack *stack, FILE *to)
     }
 }
 
-void help_keys(const struct lx_stack *stack, const struct dg_device *device, FILE *to)
+void help_keys(const struct command_row *row, const struct lx_stack *stack,
+               const struct dg_device *device, FILE *to)
 {
     print_own(stack, device, to);
-    print_wire_keys(stack, to);
+    print_wire_keys(row, stack, to);
 }
 
 /* Lines "  NAME   what it is (range)", which may be long, and " title:". */
@@ -254,8 +261,32 @@ static void print_lines(char *lines)
     }
 }
 
-/* What can be set of encoders and wires, or what encoders sense. */
-static void print_rows(const struct lx_stack *stack, const struct dg_device *device, bool senses)
+/* What can be set of encoders and wires. Without keys of encoders the wires' own heading, " of
+   --can:", is that of the first ones. @return whether any is a factory figure */
+static bool print_stack(const struct command_row *row, const struct lx_stack *stack,
+                        const struct dg_device *device)
+{
+    char *lines = NULL;
+    size_t n = 0;
+    FILE *to = open_memstream(&lines, &n);
+    if (to == NULL) {
+        return false;
+    }
+    help_keys(row, stack, device, to);
+    (void)fclose(to);
+    const bool factory = strstr(lines, "(factory)") != NULL;
+    if (strncmp(lines, "  ", 2) == 0) {
+        (void)printf("\n KEY=VALUE of %s%s:\n", device == NULL ? stack->title : device->name,
+                     device == NULL ? " encoders" : "");
+    } else if (lines[0] != '\0') {
+        (void)fputs("\n KEY=VALUE", stdout);
+    }
+    print_lines(lines);
+    free(lines);
+    return factory;
+}
+
+static void print_senses(const struct command_row *row, const struct lx_stack *stack)
 {
     char *lines = NULL;
     size_t n = 0;
@@ -263,40 +294,32 @@ static void print_rows(const struct lx_stack *stack, const struct dg_device *dev
     if (to == NULL) {
         return;
     }
-    if (senses) {
-        help_senses(stack, to);
-    } else {
-        help_keys(stack, device, to);
-    }
+    help_senses(stack, to);
     (void)fclose(to);
-    print_lines(lines);
-    free(lines);
-}
-
-static void print_stack(const struct lx_stack *stack, const struct dg_device *device)
-{
-    (void)printf("\n KEY=VALUE of %s%s:\n", device == NULL ? stack->title : device->name,
-                 device == NULL ? " encoders" : "");
-    print_rows(stack, device, false);
-}
-
-static void print_senses(const struct lx_stack *stack)
-{
     (void)printf("\n KEY=VALUE of what %s:\n",
                  stack == NULL ? "encoders sense (INTERBUS: not all of it)" : "it senses");
-    print_rows(stack, NULL, true);
-    (void)fputs("  Over time: " LX_COURSE_FORM " in place of VALUE,\n"
-                "  with lines time_s,VALUE.\n"
-                "  (factory) is burnt into a new --nvm file; an existing one has to agree.\n",
+    print_lines(lines);
+    free(lines);
+    if (row == NULL || row->wires) {
+        (void)fputs("  Over time: " LX_COURSE_FORM " in place of VALUE,\n"
+                    "  with lines time_s,VALUE.\n",
+                    stdout);
+    }
+}
+
+static void print_factory(void)
+{
+    (void)fputs("  (factory) is burnt into a new --nvm file; an existing one has to agree.\n",
                 stdout);
 }
 
 static void print_settings(void)
 {
     for (size_t i = 0; i < lx_stack_count; i++) {
-        print_stack(lx_stacks[i], NULL);
+        (void)print_stack(NULL, lx_stacks[i], NULL);
     }
-    print_senses(NULL);
+    print_senses(NULL, NULL);
+    print_factory();
 }
 
 /* --- the whole --- */
@@ -351,8 +374,11 @@ static void print_one(const struct command_row *row, const struct dg_device *dev
         (void)printf("\n MOTION:\n  %s\n%s", lx_shaft_forms, help_motion);
     }
     if (uses(row, " set ") && device != NULL) {
-        print_stack(lx_stack_of(device), device);
-        print_senses(lx_stack_of(device));
+        const bool factory = print_stack(row, lx_stack_of(device), device);
+        print_senses(row, lx_stack_of(device));
+        if (factory && uses(row, " nvm ")) {
+            print_factory();
+        }
     } else if (uses(row, " set ")) {
         (void)printf("\n KEY=VALUE: 'drehgeber %s MODEL --help' says those of a model\n",
                      row->name);

@@ -19,9 +19,10 @@ extern const char help_exit[];
 /* More than the row of a command says, such a text. */
 const char *help_about(const char *command);
 
-/* KEY=VALUE of a stack's encoders, a line each, and of the wires that carry it: behind a line
-   " of the ... wire itself:". With `device` its own defaults are told. */
-void help_keys(const struct lx_stack *stack, const struct dg_device *device, FILE *to);
+/* KEY=VALUE of a stack's encoders, a line each, and of the wires that carry it and that the command
+   `row` has, NULL: any: behind a line " of --can:". With `device` its own defaults are told. */
+void help_keys(const struct command_row *row, const struct lx_stack *stack,
+               const struct dg_device *device, FILE *to);
 
 /* KEY=VALUE of what encoders of the stack sense; NULL: of any. */
 void help_senses(const struct lx_stack *stack, FILE *to);

@@ -156,7 +156,7 @@ static void put_settings(const struct lx_stack *stack)
         return;
     }
     if (stack != NULL) {
-        help_keys(stack, NULL, to);
+        help_keys(NULL, stack, NULL, to);
     } else {
         help_senses(NULL, to);
     }
