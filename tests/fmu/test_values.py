@@ -1,0 +1,188 @@
+# SPDX-License-Identifier: MIT
+"""What only an importer of FMI 2.0 calls, and what every setter answers: 0 is OK, 1 a warning."""
+
+import ctypes
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from conftest import Fmu, Slave
+from fmpy.fmi2 import FMU2Slave  # type: ignore[import-untyped]
+from fmpy.fmi3 import FMU3Slave  # type: ignore[import-untyped]
+
+Make = Callable[..., Fmu]
+OK = 0
+
+
+class Slave2:
+    """An instance of FMI 2.0, by names; time goes in steps."""
+
+    def __init__(self, fmu: Fmu, **integers: int) -> None:
+        self.time = 0.0
+        self.fmu = fmu
+        self.slave = FMU2Slave(guid=fmu.description.guid, unzipDirectory=fmu.folder,
+                               modelIdentifier="drehgeber", instanceName="it")
+        self.slave.instantiate()
+        self.slave.setupExperiment()
+        self.slave.enterInitializationMode()
+        for name, value in integers.items():
+            self.set("Integer", name, value)
+        self.slave.exitInitializationMode()
+
+    def set(self, kind: str, name: str, value: object) -> None:
+        getattr(self.slave, "set" + kind)([self.fmu.names[name]], [value])
+
+    def get(self, kind: str, name: str) -> Any:
+        return getattr(self.slave, "get" + kind)([self.fmu.names[name]])[0]
+
+    def step(self, span: float) -> None:
+        self.slave.doStep(self.time, span)
+        self.time += span
+
+    def close(self) -> None:
+        self.slave.terminate()
+        self.slave.freeInstance()
+
+
+def test_versions_are_told(make: Make) -> None:
+    """Functions that both standards demand of every FMU."""
+    fmu = make("f3668", "--fmi", "2")
+    two = FMU2Slave(guid=fmu.description.guid, unzipDirectory=fmu.folder, modelIdentifier="drehgeber",
+                    instanceName="it")
+    assert (two.getVersion(), two.getTypesPlatform()) == ("2.0", "default")
+    fmu = make("f3668")
+    three = FMU3Slave(guid=fmu.description.guid, unzipDirectory=fmu.folder, modelIdentifier="drehgeber",
+                      instanceName="it")
+    assert three.getVersion() == "3.0"
+
+
+def test_truth_values_of_fmi_2(make: Make) -> None:
+    """A fault comes and goes, and so does the power."""
+    slave = Slave2(make("f3668", "--fmi", "2"))
+    slave.set("Real", "shaft.angle", 6.283185307179586)
+    slave.step(1.0)
+    assert slave.get("Boolean", "power") == 1 and slave.get("Boolean", "fault.temperature_high") == 0
+    slave.set("Boolean", "fault.temperature_high", True)
+    slave.step(1.0)
+    assert slave.get("Real", "error.code") == 0x4200
+    assert slave.get("Boolean", "fault.temperature_high") == 1 and slave.get("Boolean", "fault.temperature_low") == 0
+    slave.set("Boolean", "fault.temperature_high", False)
+    slave.step(1.0)
+    assert slave.get("Real", "error.code") == 0 and slave.get("Boolean", "fault.temperature_high") == 0
+    assert slave.get("Real", "position") == 65536
+    slave.set("Boolean", "power", False)
+    slave.step(1.0)
+    assert slave.get("Boolean", "power") == 0 and slave.get("Real", "position") == 0
+    slave.set("Boolean", "power", True)
+    slave.step(1.0)
+    assert slave.get("Boolean", "power") == 1 and slave.get("Real", "position") == 65536
+    with pytest.raises(Exception, match="Boolean"):
+        slave.set("Boolean", "shaft.angle", True)
+    with pytest.raises(Exception, match="Boolean"):
+        slave.slave.getBoolean([0xFFFFFF])
+    slave.close()
+
+
+def test_several_truth_values_of_fmi_2(make: Make) -> None:
+    """All of a call, in its order."""
+    fmu = make("s3684-biss", "--fmi", "2")
+    slave = Slave2(fmu)
+    names = ["fault.led_current_high", "power", "fault.watchdog_fired"]
+    references = [fmu.names[name] for name in names]
+    assert slave.slave.getBoolean(references) == [0, 1, 0]
+    slave.slave.setBoolean(references, [True, True, False])
+    slave.step(0.2)
+    assert slave.slave.getBoolean(references) == [1, 1, 0]
+    assert slave.get("Boolean", "nERR") == 0
+    slave.close()
+
+
+def test_integers_of_fmi_2(make: Make) -> None:
+    """A parameter makes another encoder; when time goes on it is fixed. A number counts for a Real, too."""
+    fmu = make("s3684-rs485", "--fmi", "2")
+    slave = Slave2(fmu, periods=1024, steps=512)
+    names = ["periods", "steps", "address"]
+    assert slave.slave.getInteger([fmu.names[name] for name in names]) == [1024, 512, 0x40]
+    slave.set("Real", "shaft.angle", 6.283185307179586)
+    slave.step(1.0)
+    assert slave.get("Real", "position") == 1024 * 512
+    with pytest.raises(Exception, match="Integer"):
+        slave.set("Integer", "periods", 2048)
+    with pytest.raises(Exception, match="Integer"):
+        slave.set("Integer", "power", 0)
+    with pytest.raises(Exception, match="Integer"):
+        slave.slave.getInteger([0xFFFFFF])
+    assert slave.get("Integer", "periods") == 1024 and slave.get("Boolean", "power") == 1
+    slave.set("Integer", "world.supply_mv", 4800)
+    assert slave.get("Real", "world.supply_mv") == 4800
+    slave.close()
+
+
+def test_an_integer_out_of_range_is_an_error_of_fmi_2(make: Make) -> None:
+    with pytest.raises(Exception, match="Integer"):
+        Slave2(make("f3668", "--fmi", "2"), node=128)
+
+
+# --- statuses, as the shared object answers them: fmpy takes a warning for good
+
+CALLS: dict[str, list[tuple[str, str, Any]]] = {
+    "2": [("Real", "shaft.angle", ctypes.c_double(1)), ("Integer", "node", ctypes.c_int32(9)),
+          ("Boolean", "fault.temperature_high", ctypes.c_int(1)), ("String", "mt_bits", ctypes.c_char_p(b"16"))],
+    "3": [("Float64", "shaft.angle", ctypes.c_double(1)), ("Int64", "node", ctypes.c_int64(9)),
+          ("Boolean", "fault.temperature_high", ctypes.c_bool(True)), ("String", "mt_bits", ctypes.c_char_p(b"16"))],
+}
+
+
+@pytest.mark.parametrize("version", ["3", "2"])
+def test_setters_and_getters_answer_ok(make: Make, version: str) -> None:
+    fmu = make("f3668", "--fmi", version)
+    kind = FMU3Slave if version == "3" else FMU2Slave
+    slave = kind(guid=fmu.description.guid, unzipDirectory=fmu.folder, modelIdentifier="drehgeber", instanceName="it")
+    slave.instantiate()
+    if version == "2":
+        slave.setupExperiment()
+    slave.enterInitializationMode()
+    component = ctypes.c_void_p(slave.component)
+    length = [ctypes.c_size_t(1)] * (1 if version == "3" else 0)
+    for verb in ("Set", "Get"):
+        for name, variable, value in CALLS[version]:
+            reference, room = ctypes.c_uint32(fmu.names[variable]), type(value)(value.value)
+            call = getattr(slave.dll, f"fmi{version}{verb}{name}")
+            call.argtypes, call.restype = None, ctypes.c_int
+            arguments = [component, ctypes.byref(reference), ctypes.c_size_t(1), ctypes.byref(room), *length]
+            assert call(*arguments) == OK, (verb, name)
+            assert room.value == value.value, (verb, name)
+    slave.exitInitializationMode()
+    slave.terminate()
+    slave.freeInstance()
+
+
+def test_values_and_variables_that_do_not_count_the_same_are_errors(make: Make) -> None:
+    """FMI 3.0: room for fewer values than there are variables."""
+    fmu = make("f3668")
+    slave = FMU3Slave(guid=fmu.description.guid, unzipDirectory=fmu.folder, modelIdentifier="drehgeber",
+                      instanceName="it")
+    slave.instantiate()
+    slave.enterInitializationMode()
+    component = ctypes.c_void_p(slave.component)
+    for verb in ("Set", "Get"):
+        for name, variable, value in CALLS["3"]:
+            references = (ctypes.c_uint32 * 2)(*[fmu.names[variable]] * 2)
+            call = getattr(slave.dll, f"fmi3{verb}{name}")
+            call.argtypes, call.restype = None, ctypes.c_int
+            room = (type(value) * 2)(value.value, value.value)
+            assert call(component, references, ctypes.c_size_t(2), room, ctypes.c_size_t(2)) == OK, (verb, name)
+            assert call(component, references, ctypes.c_size_t(2), room, ctypes.c_size_t(1)) == 3, (verb, name)
+    slave.freeInstance()
+
+
+# --- events of FMI 3.0
+
+def test_event_is_told_when_a_clock_ticks_only(make: Make) -> None:
+    """An importer enters event mode for it: told at every step, it costs every step."""
+    slave = Slave(make("f3668"))
+    assert slave.step(0.5)
+    assert slave.fetch("CanChannel") != b""
+    assert not slave.step(1e-3)
+    assert slave.fetch("CanChannel") == b""
+    slave.close()

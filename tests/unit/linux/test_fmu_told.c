@@ -1,0 +1,171 @@
+/* SPDX-License-Identifier: MIT */
+/* What an FMU tells: clocks, answers within an event, and what each variable is for. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "describe.h"
+#include "drehgeber/version.h"
+#include "fmu.h"
+
+#define TOKEN "drehgeber " DG_VERSION
+#define VARIABLE(group, index) ((uint32_t)(group) << 8 | (uint32_t)(index))
+
+static struct fmu *make_running(const char *token)
+{
+    struct fmu *fmu = fmu_make(token);
+    assert_non_null(fmu);
+    fmu_use_events(fmu, true);
+    assert_int_equal(fmu_start(fmu, 0), DG_HOST_OK);
+    return fmu;
+}
+
+static void clocks_that_are_none_are_refused(void **state)
+{
+    static const uint32_t none[] = {
+        VARIABLE(FMU_BUS, FMU_RX),      VARIABLE(FMU_BUS, FMU_TX),
+        VARIABLE(FMU_BUS, FMU_MA + 1),  VARIABLE(FMU_BUS, 0xFF),
+        VARIABLE(FMU_INPUT, FMU_POWER), UINT32_C(1) << 16 | VARIABLE(FMU_BUS, FMU_RX_CLOCK),
+    };
+    struct fmu *fmu = make_running(TOKEN " =f3668");
+    bool on = true;
+
+    (void)state;
+    for (size_t i = 0; i < sizeof none / sizeof none[0]; i++) {
+        assert_int_equal(fmu_clock_get(fmu, none[i], &on), DG_HOST_ERR_NAME);
+        assert_int_equal(fmu_clock_set(fmu, none[i], true), DG_HOST_ERR_NAME);
+    }
+    assert_int_equal(fmu_clock_get(fmu, VARIABLE(FMU_BUS, FMU_RX_CLOCK), &on), DG_HOST_OK);
+    assert_false(on);
+    assert_int_equal(fmu_clock_set(fmu, VARIABLE(FMU_BUS, FMU_RX_CLOCK), true), DG_HOST_OK);
+    assert_int_equal(fmu_clock_get(fmu, VARIABLE(FMU_BUS, FMU_RX_CLOCK), &on), DG_HOST_OK);
+    assert_true(on);
+    fmu_free(fmu);
+}
+
+/* The node answers a request at once, within the event that brings it, however many there are.
+   40 00 10 00 to 63Fh reads 1000h; 43 00 10 00 96 01 from 5BFh tells that it is a CiA 406. */
+static void frames_are_answered_in_their_event(void **state)
+{
+    enum { FRAME = 24, FRAMES = 80 };
+    static const uint8_t request[FRAME] = {0x10, 0, 0, 0, FRAME, 0, 0,    0, 0x3F, 0x06,
+                                           0,    0, 0, 0, 8,     0, 0x40, 0, 0x10};
+    static const uint8_t reply[] = {0x43, 0x00, 0x10, 0x00, 0x96, 0x01};
+    struct fmu *fmu = make_running(TOKEN " =f3668");
+    uint8_t requests[FRAMES * FRAME];
+    const uint8_t *bytes = NULL;
+    size_t n = 0;
+
+    (void)state;
+    for (size_t i = 0; i < FRAMES; i++) {
+        memcpy(&requests[i * FRAME], request, FRAME);
+    }
+    (void)fmu_step(fmu, 0, 1, false);
+    assert_true(fmu_ticks(fmu));
+    assert_int_equal(fmu_binary_get(fmu, VARIABLE(FMU_BUS, FMU_TX), &bytes, &n), DG_HOST_OK);
+    fmu_clocks_end(fmu);
+    assert_false(fmu_ticks(fmu));
+    assert_int_equal(fmu_clock_set(fmu, VARIABLE(FMU_BUS, FMU_RX_CLOCK), true), DG_HOST_OK);
+    assert_int_equal(fmu_binary_set(fmu, VARIABLE(FMU_BUS, FMU_RX), requests, sizeof requests),
+                     DG_HOST_OK);
+    assert_true(fmu_ticks(fmu));
+    assert_int_equal(fmu_binary_get(fmu, VARIABLE(FMU_BUS, FMU_TX), &bytes, &n), DG_HOST_OK);
+    assert_int_equal(n, FRAMES * FRAME);
+    for (; n > 0; n -= FRAME, bytes += FRAME) {
+        assert_int_equal(bytes[8], 0xBF);
+        assert_int_equal(bytes[9], 0x05);
+        assert_memory_equal(&bytes[16], reply, sizeof reply);
+    }
+    fmu_free(fmu);
+}
+
+static void each_variable_says_what_it_is_for(void **state)
+{
+    static const enum fmu_type explained[] = {FMU_REAL, FMU_INT, FMU_BOOL, FMU_TEXT};
+
+    (void)state;
+    for (size_t model = 0; dg_host_name(model) != NULL; model++) {
+        char token[96];
+        struct fmu_variable row;
+        (void)snprintf(token, sizeof token, "%s =%s", TOKEN, dg_host_name(model));
+        struct fmu *fmu = make_running(token);
+        for (size_t i = 1; fmu_variable(fmu, i, &row); i++) {
+            for (size_t k = 0; k < sizeof explained / sizeof explained[0]; k++) {
+                if (row.type == explained[k] && row.help[0] == '\0') {
+                    fail_msg("%s %s", dg_host_name(model), row.name);
+                }
+            }
+        }
+        fmu_free(fmu);
+    }
+}
+
+static void find_variable(struct fmu *fmu, const char *name, struct fmu_variable *row)
+{
+    size_t i = 0;
+    while (fmu_variable(fmu, i, row) && strcmp(row->name, name) != 0) {
+        i++;
+    }
+    assert_string_equal(row->name, name);
+}
+
+/* A setting tells its help, and its words; a fault its cause and what comes of it. */
+static void helps_are_those_of_the_encoder(void **state)
+{
+    struct fmu *fmu = make_running(TOKEN " =f3668");
+    struct fmu_variable row;
+
+    (void)state;
+    find_variable(fmu, "node", &row);
+    assert_string_equal(row.help, "node-ID of a new EEPROM");
+    find_variable(fmu, "mt_bits", &row);
+    assert_string_equal(row.help, "bits of the turns: 12, 16");
+    find_variable(fmu, "fault.error_passive", &row);
+    assert_string_equal(row.help, "many damaged frames -> EMCY 8120h, 1001h 11h");
+    fmu_free(fmu);
+}
+
+/* What an importer shows beside a name. */
+static void descriptions_have_the_helps(void **state)
+{
+    static char text[1 << 17];
+    const struct fmu_about about = {.token = TOKEN " =f3668", .name = "f3668"};
+
+    (void)state;
+    for (int version = 2; version <= 3; version++) {
+        struct fmu *fmu = fmu_make(about.token);
+        FILE *file = tmpfile();
+        assert_non_null(fmu);
+        assert_non_null(file);
+        fmu_describe(fmu, &about, version, file);
+        rewind(file);
+        text[fread(text, 1, sizeof text - 1, file)] = '\0';
+        (void)fclose(file);
+        char *node = strstr(text, "name=\"node\"");
+        char *fault = strstr(text, "name=\"fault.error_passive\"");
+        assert_non_null(node);
+        assert_non_null(fault);
+        *strchr(node, '>') = '\0';
+        *strchr(fault, '>') = '\0';
+        assert_non_null(strstr(node, "description=\"node-ID of a new EEPROM\""));
+        assert_non_null(strstr(fault, "description=\"many damaged frames -&gt; EMCY 8120h"));
+        fmu_free(fmu);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(clocks_that_are_none_are_refused),
+        cmocka_unit_test(frames_are_answered_in_their_event),
+        cmocka_unit_test(each_variable_says_what_it_is_for),
+        cmocka_unit_test(helps_are_those_of_the_encoder),
+        cmocka_unit_test(descriptions_have_the_helps),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
