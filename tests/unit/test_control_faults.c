@@ -390,6 +390,45 @@ static void test_page(void **state)
     expect("WORL:TEMP?", "37.000");
 }
 
+/* What is written anew is not damaged any more, and no other fault goes with it. */
+static void test_erase_forgets_damage(void **state)
+{
+    (void)state;
+    expect("FAUL:SET eeprom_offset;SET eeprom_type;SET temperature_high", "");
+    expect("FAUL:ACT?", "\"temperature_high\",\"eeprom_offset\",\"eeprom_type\"");
+    expect("POW OFF;:NVM:ERAS;:FAUL:ACT?", "\"temperature_high\"");
+    expect("POW ON", "");
+    assert_int_equal(rig.hf.device.store.damaged, 0);
+}
+
+/* One error, and no bytes, whatever stands behind it. */
+static void test_data_of_no_place(void **state)
+{
+    (void)state;
+    refuse("NVM:DATA? -1,1", "-222", NULL);
+    refuse("NVM:DATA? 999999,1", "-222", NULL);
+    refuse("NVM:DATA? nowhere,1", "-104", NULL);
+    refuse("NVM:DATA? nowhere", "-104", NULL);
+    refuse("NVM:DATA? 0,nowhere", "-104", NULL);
+    rig.hf.nvm.no_acknowledge = true; /* nobody asks it */
+    refuse("NVM:DATA? -1", "-222", NULL);
+    refuse("NVM:DATA? 0", "-250", NULL);
+}
+
+/* Of an encoder whose only faults are its memory's, the first region is the first of its list. */
+static void test_corrupt_is_the_first_fault_of_all(void **state)
+{
+    struct dg_encoder *encoder = &rig.encoder[CONTROL_RIG_HF];
+    struct dg_instrument bare = *encoder->instrument;
+
+    (void)state;
+    bare.fault_count = 0;
+    encoder->instrument = &bare;
+    expect("NVM:CORR resolution;:FAUL:ACT?", "\"eeprom_resolution\"");
+    expect("FAUL:CLE;:FAUL:ACT?;:POW CYCL", "\"\"");
+    assert_int_equal(rig.hf.device.store.damaged, 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -411,6 +450,9 @@ int main(void)
         cmocka_unit_test_setup(test_reset_of_what_does_not_start, setup),
         cmocka_unit_test_setup(test_what_is_over_ends, setup),
         cmocka_unit_test_setup(test_page, setup),
+        cmocka_unit_test_setup(test_erase_forgets_damage, setup),
+        cmocka_unit_test_setup(test_data_of_no_place, setup),
+        cmocka_unit_test_setup(test_corrupt_is_the_first_fault_of_all, setup),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
