@@ -226,6 +226,24 @@ static void a_panel_takes_no_instrument_of_another_protocol(void **state)
     assert_null(dg_host_panel_init(&place, sizeof place, self, NULL));
 }
 
+/* A host has changed what the device senses: the device looks at once. */
+static void another_shaft_is_looked_at(void **state)
+{
+    struct dg_host *self = make(DG_OK, DG_OK);
+    struct dg_host *other = host_rig_start(&host_rig_there, "ssi-25");
+    uint64_t before = 0;
+    uint64_t after = 0;
+
+    (void)state;
+    assert_int_equal(dg_host_power(self, 1000, true), DG_HOST_OK);
+    for (int on = 1; on >= 0; on--) {
+        assert_int_equal(dg_host_position(self, 0, &before), DG_HOST_OK);
+        assert_int_equal(dg_host_share(self, on != 0 ? other : NULL), DG_HOST_OK);
+        assert_int_equal(dg_host_position(self, 0, &after), DG_HOST_OK);
+        assert_int_equal(after, before + 1u);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -234,6 +252,7 @@ int main(void)
         cmocka_unit_test(an_encoder_without_an_eeprom_has_an_empty_one),
         cmocka_unit_test(the_eeprom_of_a_handle_has_an_end),
         cmocka_unit_test(a_panel_takes_no_instrument_of_another_protocol),
+        cmocka_unit_test(another_shaft_is_looked_at),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
