@@ -412,6 +412,27 @@ static void a_program_is_all_its_bytes(void **state)
     assert_memory_equal(&programs[0], &programs[1], sizeof programs[0]);
 }
 
+/* 0E000000h that failed leaves nothing behind for the next one. */
+static void defaults_after_a_failure(void **state)
+{
+    (void)state;
+    assert_int_equal(ib_rig_send(&rig, 0x0E000000), 0xCE000000);
+    look(&after);
+    rig = lived_in;
+    for (int times = 0; times < 3; times++) {
+        rig.nvm.no_acknowledge = true;
+        assert_int_equal(ib_rig_send(&rig, 0x0E000000), 0x86000000);
+        rig.nvm.no_acknowledge = false;
+        (void)ib_rig_release(&rig);
+    }
+    assert_int_equal(ib_rig_send(&rig, 0x0E000000), 0xCE000000);
+    look(&seen);
+    assert_memory_equal(seen.bytes, after.bytes, sizeof after.bytes);
+    restart();
+    look(&seen);
+    assert_memory_equal(seen.bytes, after.bytes, sizeof after.bytes);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -428,6 +449,7 @@ int main(void)
         cmocka_unit_test_setup(a_preset_that_cannot_be_kept, set_up),
         cmocka_unit_test_setup(foreign_memories, set_up),
         cmocka_unit_test_setup(a_program_is_all_its_bytes, set_up),
+        cmocka_unit_test_setup(defaults_after_a_failure, set_up),
     };
     struct CMUnitTest sweep[COMMANDS];
     char names[COMMANDS][9];

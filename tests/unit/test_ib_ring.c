@@ -234,6 +234,19 @@ static void cycle_times(void **state)
     assert_int_equal(dg_ib_ring_init(&ring, NULL, 1), DG_ERR_ARGUMENT);
 }
 
+/* 2.1: the message is bits 13 to 15; the ID code below stays what the device has. */
+static void a_message_leaves_the_id_code(void **state)
+{
+    static const uint16_t expected[DEVICES] = {0x8136, 0x8237, 0x8236, 0x8237};
+
+    (void)state;
+    for (size_t i = 0; i < DEVICES; i++) {
+        devices[i].reconfigure = true;
+    }
+    assert_int_equal(dg_ib_ring_id(&ring, now, ids), DEVICES);
+    assert_memory_equal(ids, expected, sizeof ids);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -245,6 +258,7 @@ int main(void)
         cmocka_unit_test_setup(a_device_without_power, set_up),
         cmocka_unit_test_setup(leds, set_up),
         cmocka_unit_test_setup(cycle_times, set_up),
+        cmocka_unit_test_setup(a_message_leaves_the_id_code, set_up),
     };
     return cmocka_run_group_tests_name("the INTERBUS ring", tests, NULL, NULL);
 }
