@@ -568,6 +568,83 @@ static void a_memory_stays_and_a_foreign_file_is_left_alone(void **state)
     assert_int_equal(access(path, F_OK), -1);
 }
 
+static void cycle_power(struct sim *self)
+{
+    assert_int_equal(dg_hdl_power(self->encoder, self->now, 0), 0);
+    wait_until(self, self->now + 100 * US);
+    assert_int_equal(dg_hdl_power(self->encoder, self->now, 1), 0);
+    wait_until(self, self->now + 100 * US);
+}
+
+/* 42h in the start-up window. @return from now to the start bit of the answer */
+static int64_t ask_position(struct sim *self)
+{
+    const int64_t begin = self->now;
+
+    self->count = 0;
+    put(self, 0x40, 1, 1);
+    put(self, 0x42, 0, 1);
+    put(self, 0x02, 1, 1);
+    wait_until(self, self->now + 30000 * US);
+    assert_true(self->count > 2);
+    assert_int_equal(self->levels[0], DG_HDL_DRIVER);
+    const int64_t sent = self->at[self->count - 1u] - self->at[0];
+    assert_in_range(sent, 77 * (1000000 * US / 9600), 77 * (1000000 * US / 9600 + 1));
+    return self->at[0] - begin;
+}
+
+/* What an encoder was about when its power went does not bend what it does with power again:
+   three characters, 44 bit times and 1 ms of reaction, at 9600 baud. */
+static void power_begins_anew(void **state)
+{
+    const int64_t bit = 1000000 * US / 9600;
+    const int64_t latest = (33 + 44) * bit + 1000 * US + US;
+    struct sim sim;
+
+    (void)state;
+    begin_with(&sim, "s3684-rs485", "");
+    sim.inputs = DG_HDL_RX;
+    wait_until(&sim, 200000 * US);
+    cycle_power(&sim);
+    assert_in_range(ask_position(&sim), latest - 2 * US, latest);
+    /* in the middle of an answer of 40 characters */
+    put(&sim, 0x40, 1, 1);
+    put(&sim, 0x56, 0, 1);
+    put(&sim, 0x16, 1, 1);
+    while (sim.outputs == DG_HDL_TX) {
+        wait_until(&sim, sim.now + 100 * US);
+    }
+    wait_until(&sim, sim.now + 3000 * US);
+    cycle_power(&sim);
+    assert_in_range(ask_position(&sim), latest - 2 * US, latest);
+    /* in the middle of a character of the master */
+    set(&sim, 0);
+    wait_until(&sim, sim.now + 2 * bit);
+    set(&sim, DG_HDL_RX);
+    cycle_power(&sim);
+    assert_in_range(ask_position(&sim), latest - 2 * US, latest);
+    dg_hdl_close(sim.encoder);
+}
+
+/* A million rpm; what is beyond is not taken modulo anything. */
+static void the_fastest_shaft(void **state)
+{
+    struct sim sim;
+
+    (void)state;
+    begin_with(&sim, "s3674-biss", "");
+    assert_int_equal(dg_hdl_speed(sim.encoder, 0, 1e6), 0);
+    assert_string_equal(dg_hdl_command(sim.encoder, 0, "SHAFt:VELocity?"), "1000000.000");
+    assert_int_equal(dg_hdl_speed(sim.encoder, 0, -1e6), 0);
+    static const double beyond[] = {1000000.001, 5e6, -5e6, 4294967.296, 1e9};
+    for (size_t i = 0; i < sizeof beyond / sizeof beyond[0]; i++) {
+        assert_true(dg_hdl_speed(sim.encoder, 0, beyond[i]) < 0);
+        assert_non_null(strstr(dg_hdl_error(sim.encoder), "is beyond +-1000000 rpm"));
+    }
+    assert_string_equal(dg_hdl_command(sim.encoder, 0, "SHAFt:VELocity?"), "-1000000.000");
+    dg_hdl_close(sim.encoder);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -588,6 +665,8 @@ int main(void)
         cmocka_unit_test(the_test_bench_moves_the_shaft),
         cmocka_unit_test(instances_have_names),
         cmocka_unit_test(a_memory_stays_and_a_foreign_file_is_left_alone),
+        cmocka_unit_test(power_begins_anew),
+        cmocka_unit_test(the_fastest_shaft),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
