@@ -548,6 +548,26 @@ static void no_drift_over_many_moves(void **state)
     }
 }
 
+/* What still turns is not there yet. The speeds are one more than a multiple of what a nanosecond
+   takes off: in the last one the shaft has 10^-12 rpm, and a part of a unit to go. */
+static void not_there_before_its_end(void **state)
+{
+    static const struct {
+        int64_t accel;
+        int32_t limit;
+    } rows[] = {{3, 1}, {7, 6}, {9, 1}, {11, 10}, {13, 12}, {999999, 1000}, {999999999, 1}};
+
+    (void)state;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        const struct move move = {0, DG_TURN, 0, rows[i].limit, rows[i].accel};
+        struct dg_shaft shaft = moving(&move);
+        const dg_ns end = dg_shaft_settled(&shaft);
+        assert_true(rows[i].limit * INT64_C(1000000000) % rows[i].accel == 1);
+        assert_true(dg_shaft_angle(&shaft, end) == DG_TURN);
+        assert_true(dg_shaft_angle(&shaft, end - 1u) == DG_TURN - 1);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -566,6 +586,7 @@ int main(void)
         cmocka_unit_test(at_once_lands_in_time),
         cmocka_unit_test(commands_are_continuous),
         cmocka_unit_test(no_drift_over_many_moves),
+        cmocka_unit_test(not_there_before_its_end),
     };
 
     return cmocka_run_group_tests_name("steer-move", tests, NULL, NULL);
