@@ -158,6 +158,36 @@ static void descriptions_have_the_helps(void **state)
     }
 }
 
+/* As new, as often as an importer likes; with a sanitizer nothing of what was is left. */
+static void a_reset_makes_it_new(void **state)
+{
+    const uint32_t position = VARIABLE(FMU_OUTPUT, FMU_POSITION);
+    const uint32_t fault = VARIABLE(FMU_FAULT, 1); /* temperature_high */
+    const struct fmu_value turn = {.type = FMU_REAL, .real = 6.283185307179586};
+    const struct fmu_value yes = {.type = FMU_BOOL, .integer = 1};
+    struct fmu *fmu = fmu_make(TOKEN " a=f3668 b=s3684-biss");
+    struct fmu_value value;
+
+    (void)state;
+    assert_non_null(fmu);
+    for (int times = 0; times < 3; times++) {
+        assert_false(fmu_started(fmu));
+        assert_int_equal(fmu_start(fmu, 0), DG_HOST_OK);
+        (void)fmu_step(fmu, 0, 1, false);
+        assert_int_equal(fmu_get(fmu, position, &value), DG_HOST_OK);
+        assert_int_equal(value.integer, 0);
+        assert_int_equal(fmu_get(fmu, fault, &value), DG_HOST_OK);
+        assert_int_equal(value.integer, 0);
+        assert_int_equal(fmu_set(fmu, fault, &yes), DG_HOST_OK);
+        assert_int_equal(fmu_set(fmu, VARIABLE(FMU_INPUT, FMU_ANGLE), &turn), DG_HOST_OK);
+        (void)fmu_step(fmu, 1, 1, false);
+        assert_int_equal(fmu_get(fmu, position, &value), DG_HOST_OK);
+        assert_int_equal(value.integer, 65536);
+        assert_int_equal(fmu_reset(fmu), 0);
+    }
+    fmu_free(fmu);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -166,6 +196,7 @@ int main(void)
         cmocka_unit_test(each_variable_says_what_it_is_for),
         cmocka_unit_test(helps_are_those_of_the_encoder),
         cmocka_unit_test(descriptions_have_the_helps),
+        cmocka_unit_test(a_reset_makes_it_new),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
