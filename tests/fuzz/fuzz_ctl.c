@@ -67,6 +67,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
 {
     char *const words[] = {(char[]){"*IDN?"}, (char[]){"SHAF:POS?"}};
     FILE *const terminal = stdout;
+    const struct ctl_wanted wanted = {.address = "unix:nowhere"};
     char *printed = NULL;
     size_t printed_length = 0;
 
@@ -77,7 +78,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
     answers_length = n;
     stdout = open_memstream(&printed, &printed_length);
     fuzz_must(stdout != NULL);
-    const int status = ctl_command("unix:nowhere", words, 2);
+    const int status = ctl_command(&wanted, words, 2);
     (void)fclose(stdout);
     stdout = terminal;
     (void)close(peer);

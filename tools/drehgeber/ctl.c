@@ -238,7 +238,7 @@ static void print_line(const char *line, size_t n, bool shown, FILE *to)
 /* Print all lines but the last one, which may be the list of errors. */
 static void print_answers(struct talk *self)
 {
-    const bool shown = isatty(STDOUT_FILENO) == 1;
+    const bool shown = isatty(fileno(stdout)) == 1;
     size_t done = 0;
     for (;;) {
         const char *line = self->input + done;

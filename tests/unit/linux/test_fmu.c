@@ -13,6 +13,7 @@
 #include <cmocka.h>
 
 #include "describe.h"
+#include "drehgeber/bits.h"
 #include "drehgeber/crc.h"
 #include "drehgeber/version.h"
 #include "fmu.h"
@@ -347,7 +348,7 @@ static void a_million_summed_steps_are_taken(void **state)
 static void send_at(struct fmu *fmu, uint64_t at, const char *characters, uint8_t n)
 {
     uint8_t bytes[16 + 8] = {0};
-    memcpy(bytes, &at, sizeof at);
+    dg_store_le64(bytes, at);
     bytes[12] = n;
     memcpy(bytes + 16, characters, n);
     assert_int_equal(fmu_clock_set(fmu, rx_clock, true), DG_HOST_OK);
