@@ -3,33 +3,14 @@
  * Fuzz target: a rig file. The input is the file. A plan that is made refers to nothing that is not
  * there; one that is refused is empty again, and one printable line says why.
  */
-#define _GNU_SOURCE
 #include <stddef.h>
 #include <stdint.h>
-#include <stdio.h>
 #include <string.h>
-#include <sys/mman.h>
-#include <unistd.h>
 
 #include "fuzz_input.h"
+#include "memory_file.h"
 #include "plan_section.h"
 #include "wire.h"
-
-/* A file that is in memory only. */
-static const char *write_file(const uint8_t *bytes, size_t n)
-{
-    static char path[32];
-    static int file = -1;
-
-    if (file < 0) {
-        file = memfd_create("rig.ini", MFD_CLOEXEC);
-        fuzz_must(file >= 0);
-        (void)snprintf(path, sizeof path, "/proc/self/fd/%d", file);
-    }
-    fuzz_must(ftruncate(file, 0) == 0);
-    fuzz_must(pwrite(file, bytes, n, 0) == (ssize_t)n);
-    return path;
-}
 
 static bool printable(const char *text)
 {
@@ -74,7 +55,7 @@ static void check_plan(const struct lx_plan *plan)
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
 {
     static const struct lx_plan empty;
-    const char *file = write_file(bytes, n);
+    const char *file = memory_file_write(bytes, n);
     struct lx_error error = {.right = ""};
     struct lx_plan plan;
 
