@@ -4,9 +4,9 @@
  * or the line and the words of the refusal. Compares that with the record, or writes the record
  * anew.
  *
- * The record (rigs/verdicts.record) has the name of a file in brackets, then a line for each mutant: its
- * seed, and "taken" or the refusal; seed 0 is the file itself. What would be right is the same in
- * many refusals: it stands once, below [right], and "@3" means the third of these.
+ * The record (rigs/verdicts.record) has the name of a file in brackets, then a line for each
+ * mutant: its seed, and "taken" or the refusal; seed 0 is the file itself. What would be right is
+ * the same in many refusals: it stands once, below [right], and "@3" means the third of these.
  */
 #define _GNU_SOURCE
 #include <dirent.h>
@@ -19,6 +19,7 @@
 
 #include "memory_file.h"
 #include "plan.h"
+#include "record.h"
 
 #define MUTANTS 5000u
 #define RIGHTS_MAX 1000u
@@ -40,19 +41,14 @@ struct book {
     int count;
     char *rights[RIGHTS_MAX]; /* in the order of their first use */
     size_t right_count;
+    unsigned shown; /* differences */
     FILE *out;
 };
-
-static void fail_with(const char *what, const char *which)
-{
-    (void)fprintf(stderr, "%s: %s\n", which, what);
-    exit(1);
-}
 
 /* --- mutants --- */
 
 /* xorshift32: the same numbers on every machine. */
-static uint32_t draw(uint32_t *random, uint32_t below)
+static uint32_t draw_number(uint32_t *random, uint32_t below)
 {
     *random ^= *random << 13;
     *random ^= *random >> 17;
@@ -61,7 +57,8 @@ static uint32_t draw(uint32_t *random, uint32_t below)
 }
 
 /* `length` bytes at `at` become `with`; what has no room stays as it was. */
-static void replace(struct text *self, size_t at, size_t length, const char *with, size_t size)
+static void replace_bytes(struct text *self, size_t at, size_t length, const char *with,
+                          size_t size)
 {
     if (self->length - length + size > sizeof self->bytes) {
         return;
@@ -94,7 +91,7 @@ static size_t draw_line(const struct text *self, uint32_t *random)
         lines += self->bytes[i] == '\n';
     }
     size_t start = 0;
-    for (uint32_t left = draw(random, lines); left > 0; left--) {
+    for (uint32_t left = draw_number(random, lines); left > 0; left--) {
         start += length_of_line(self, start);
     }
     return start;
@@ -103,28 +100,28 @@ static size_t draw_line(const struct text *self, uint32_t *random)
 static size_t draw_place(const struct text *self, uint32_t *random)
 {
     const size_t start = draw_line(self, random);
-    return start + draw(random, (uint32_t)length_of_line(self, start));
+    return start + draw_number(random, (uint32_t)length_of_line(self, start));
 }
 
 static void change_byte(struct text *self, uint32_t *random)
 {
     static const char bytes[] = "=:;#[].,-_ \t\n\r\"'%0123456789abxyzABZ\\/\x01\x7F\xC3\xFF";
     const size_t at = draw_place(self, random);
-    const size_t length = draw(random, 2);
-    replace(self, at, length, &bytes[draw(random, COUNT(bytes))], 1);
+    const size_t length = draw_number(random, 2);
+    replace_bytes(self, at, length, &bytes[draw_number(random, COUNT(bytes))], 1);
 }
 
 static void remove_bytes(struct text *self, uint32_t *random)
 {
     const size_t at = draw_place(self, random);
-    const size_t length = 1 + draw(random, 3);
-    replace(self, at, length < self->length - at ? length : self->length - at, "", 0);
+    const size_t length = 1 + draw_number(random, 3);
+    replace_bytes(self, at, length < self->length - at ? length : self->length - at, "", 0);
 }
 
 static void remove_line(struct text *self, uint32_t *random)
 {
     const size_t start = draw_line(self, random);
-    replace(self, start, length_of_line(self, start), "", 0);
+    replace_bytes(self, start, length_of_line(self, start), "", 0);
 }
 
 /* A line again, somewhere else: a key twice, a section twice, a key of another section. */
@@ -132,7 +129,8 @@ static void copy_line(struct text *self, uint32_t *random)
 {
     const struct text before = *self;
     const size_t from = draw_line(self, random);
-    replace(self, draw_line(self, random), 0, before.bytes + from, length_of_line(&before, from));
+    replace_bytes(self, draw_line(self, random), 0, before.bytes + from,
+                  length_of_line(&before, from));
 }
 
 /* The value of one line for that of another one. */
@@ -149,8 +147,8 @@ static void copy_value(struct text *self, uint32_t *random)
     if (value != NULL && equals != NULL) {
         const size_t at = (size_t)(equals - self->bytes);
         const size_t first = (size_t)(value - self->bytes);
-        replace(self, at, start + length - at, before.bytes + first,
-                line + length_of_line(&before, line) - first);
+        replace_bytes(self, at, start + length - at, before.bytes + first,
+                      line + length_of_line(&before, line) - first);
     }
 }
 
@@ -168,10 +166,10 @@ static void add_words(struct text *self, uint32_t *random)
         "temperature = a.csv,LOOP\n", "[", "]", "\n", "0x", "..",
     };
     /* clang-format on */
-    const char *word = words[draw(random, COUNT(words))];
+    const char *word = words[draw_number(random, COUNT(words))];
     const bool whole = strchr(word, '\n') != NULL;
     const size_t at = whole ? draw_line(self, random) : draw_place(self, random);
-    replace(self, at, 0, word, strlen(word));
+    replace_bytes(self, at, 0, word, strlen(word));
 }
 
 static void cut_off(struct text *self, uint32_t *random)
@@ -179,15 +177,15 @@ static void cut_off(struct text *self, uint32_t *random)
     self->length = draw_place(self, random);
 }
 
-static void mutate(struct text *self, uint32_t seed)
+static void mutate_text(struct text *self, uint32_t seed)
 {
     static void (*const ways[])(struct text *, uint32_t *) = {
         change_byte, change_byte, remove_bytes, remove_line, copy_line,
         copy_value,  copy_value,  add_words,    add_words,   cut_off,
     };
     uint32_t random = seed * 2654435761u + 1u;
-    for (uint32_t rounds = 1 + draw(&random, ROUNDS_MAX); rounds > 0; rounds--) {
-        ways[draw(&random, COUNT(ways))](self, &random);
+    for (uint32_t rounds = 1 + draw_number(&random, ROUNDS_MAX); rounds > 0; rounds--) {
+        ways[draw_number(&random, COUNT(ways))](self, &random);
     }
 }
 
@@ -216,7 +214,7 @@ static size_t find_right(struct book *self, const char *right)
     for (; i < self->right_count && strcmp(self->rights[i], right) != 0; i++) {
     }
     if (i == RIGHTS_MAX) {
-        fail_with("more different refusals than there is room for", self->folder);
+        record_fail("more different refusals than there is room for", self->folder);
     }
     if (i == self->right_count) {
         self->rights[self->right_count++] = strdup(right);
@@ -236,7 +234,7 @@ static void put_refusal(struct book *self, const struct lx_error *error, const c
     }
 }
 
-static void judge(struct book *self, const struct text *text)
+static void judge_text(struct book *self, const struct text *text)
 {
     const char *file = memory_file_write((const uint8_t *)text->bytes, text->length);
     struct lx_error error = {.right = ""};
@@ -255,12 +253,12 @@ static void read_rig(const struct book *self, const char *name, struct text *tex
     (void)snprintf(path, sizeof path, "%s/%s", self->folder, name);
     FILE *file = fopen(path, "r");
     if (file == NULL) {
-        fail_with("cannot open", path);
+        record_fail("cannot open", path);
     }
     text->length = fread(text->bytes, 1, sizeof text->bytes, file);
     (void)fclose(file);
     if (text->length == 0 || text->length == sizeof text->bytes) {
-        fail_with("empty, or longer than there is room for", path);
+        record_fail("empty, or longer than there is room for", path);
     }
 }
 
@@ -275,10 +273,10 @@ static void judge_all(struct book *self)
         for (uint32_t seed = 0; seed <= MUTANTS / (uint32_t)self->count; seed++) {
             mutant = rig;
             if (seed > 0) {
-                mutate(&mutant, seed);
+                mutate_text(&mutant, seed);
             }
             (void)fprintf(self->out, "%u ", seed);
-            judge(self, &mutant);
+            judge_text(self, &mutant);
             (void)fputc('\n', self->out);
         }
     }
@@ -293,66 +291,30 @@ static void judge_all(struct book *self)
 
 /* --- the record --- */
 
-static void show_mutant(const struct book *self, const char *section, const char *line)
+/* The text of line `said` of the section of a file. */
+static void show_mutant(const struct book *self, const char *section, const char *said)
 {
     static struct text text;
-    const uint32_t seed = (uint32_t)strtoul(line, NULL, 10);
+    const uint32_t seed = (uint32_t)strtoul(said, NULL, 10);
     char name[256];
-    if (strcmp(section, "[right]") == 0 || *line == '[') {
-        return;
-    }
     (void)snprintf(name, sizeof name, "%.*s", (int)strlen(section) - 2, section + 1);
     read_rig(self, name, &text);
     if (seed > 0) {
-        mutate(&text, seed);
+        mutate_text(&text, seed);
     }
     (void)printf("  the mutant:\n%.*s\n", (int)text.length, text.bytes);
 }
 
-/* @return the next line of `*text` without its end; NULL behind the last */
-static char *next_line(char **text)
+static void show_verdict(void *ctx, const char *section, const char *was, const char *is)
 {
-    char *line = strsep(text, "\n");
-    return line != NULL && *line == '\0' && *text == NULL ? NULL : line;
-}
-
-/* Line by line: each mutant has its own. @return how many differ */
-static unsigned compare(const struct book *self, char *before, char *now)
-{
-    const char *section = "";
-    unsigned differences = 0;
-    for (char *was = next_line(&before), *is = next_line(&now); was != NULL || is != NULL;
-         was = next_line(&before), is = next_line(&now)) {
-        section = is != NULL && *is == '[' ? is : section;
-        if (was != NULL && is != NULL && strcmp(was, is) == 0) {
-            continue;
-        }
-        if (++differences <= SHOWN_MAX) {
-            (void)printf("%s\n  before: %s\n  now:    %s\n", section, was == NULL ? "-" : was,
-                         is == NULL ? "-" : is);
-            show_mutant(self, section, is == NULL ? "[" : is);
-        }
+    struct book *self = ctx;
+    if (++self->shown > SHOWN_MAX) {
+        return;
     }
-    return differences;
-}
-
-static char *read_record(const char *path)
-{
-    char *text = NULL;
-    size_t size = 0;
-    FILE *file = fopen(path, "r");
-    if (file == NULL || getdelim(&text, &size, '\0', file) <= 0) {
-        fail_with("cannot read", path);
-    }
-    (void)fclose(file);
-    return text;
-}
-
-static void write_record(const char *path, const char *text)
-{
-    FILE *file = fopen(path, "w");
-    if (file == NULL || fputs(text, file) < 0 || fclose(file) != 0) {
-        fail_with("cannot write", path);
+    (void)printf("%s\n  before: %s\n  now:    %s\n", section, was == NULL ? "-" : was,
+                 is == NULL ? "-" : is);
+    if (is != NULL && *is != '[' && strcmp(section, "[right]") != 0) {
+        show_mutant(self, section, is);
     }
 }
 
@@ -369,27 +331,20 @@ int main(int argc, char **argv)
     char path[4096];
     char *now = NULL;
     size_t size = 0;
-    unsigned differences = 0;
     if (argc != 2 && !update) {
         (void)fprintf(stderr, "usage: %s [--update] FOLDER\n", argv[0]);
         return 2;
     }
     book.count = scandir(book.folder, &book.files, is_rig, alphasort);
     if (book.count <= 0) {
-        fail_with("no rig files", book.folder);
+        record_fail("no rig files", book.folder);
     }
     book.out = open_memstream(&now, &size);
     judge_all(&book);
     (void)fclose(book.out);
     (void)snprintf(path, sizeof path, "%s/verdicts.record", book.folder);
-    if (update) {
-        write_record(path, now);
-    } else {
-        char *before = read_record(path);
-        differences = compare(&book, before, now);
-        free(before);
-        (void)printf("%u of %u verdicts differ\n", differences, MUTANTS);
-    }
+    const unsigned differences = record_settle(path, now, update, show_verdict, &book);
+    (void)printf("%u of %u verdicts differ\n", differences, MUTANTS);
     free(now);
     for (int i = 0; i < book.count; i++) {
         free(book.files[i]);
