@@ -10,7 +10,9 @@ from rig import REPOSITORY, free_port, run
 
 GOLDEN = REPOSITORY / "tests/golden"
 IMAGES = {
+    "s3674-rs485": ["--pty"],
     "s3684-rs485": ["--pty"],
+    "s3674-biss": ["--sim"],
     "s3684-biss": ["--sim"],
     "f3658": ["--slcan"],
     "f3668": ["--slcan"],
@@ -24,10 +26,11 @@ def file_of(image, nvm):
     return nvm
 
 
-@pytest.mark.parametrize("image", sorted(GOLDEN.glob("*/*.hex")), ids=lambda path: path.stem)
+@pytest.mark.parametrize("image", sorted(GOLDEN.glob("*/*.hex")), ids=lambda path: f"{path.parent.name}/{path.stem}")
 def test_every_image_is_taken(start, nvm, image):
-    wire = IMAGES[image.stem]
-    model = image.stem.removesuffix("-16")
+    kind = image.stem.removesuffix("-crossed")
+    wire = IMAGES[kind]
+    model = kind.removesuffix("-16")
     encoder = start("--nvm", file_of(image, nvm), "--quiet", model=model, wire=wire)
     assert encoder.end(signal.SIGTERM) == 0
     start("--nvm", nvm, "--quiet", model=model, wire=wire)

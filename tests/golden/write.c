@@ -23,6 +23,7 @@
 #define BYTES_A_LINE 30u
 #define SAVE 0x65766173u
 #define COUNTED 300
+#define ROWS(table) (sizeof(table) / sizeof(table)[0])
 
 /* As `xxd -p` writes it. */
 static void write_image(const char *folder, const char *name, const struct ram_nvm *nvm)
@@ -52,18 +53,18 @@ static const char *const hiperface_setup[] = {
                     "10 11 12 13 14 15 16 17 18 19 1A 1B 1C 1D 1E 1F"),
     "4B 02 0B 05 43 68 65 6C 6C 6F",
     "57 65 55",                                  /* 19200 Bd, bus */
-    "43 0A BC DE F0 55",                         /* position */
     "55 52 55",                                  /* address */
     "4F 00 55 A5",
 };
 /* clang-format on */
 
-static void write_hiperface(const char *folder)
+/* `position`: 43h with one that the model has. */
+static void write_hiperface(const char *folder, const char *name, const char *position)
 {
     static struct hf_rig rig;
     static struct dg_hf_model model;
     uint8_t save[5 + 128] = {0x4B, 1, 0, 128, 0x55};
-    model = *dg_hf_model_of(dg_device_find("s3684-rs485"));
+    model = *dg_hf_model_of(dg_device_find(name));
     (void)strcpy(model.serial, "987654321");
     assert_int_equal(hf_rig_init(&rig, &model), DG_OK);
     assert_int_equal(hf_rig_power_on(&rig), DG_OK);
@@ -80,14 +81,15 @@ static void write_hiperface(const char *folder)
         }
         assert_int_equal(hf_rig_ask(&rig, hiperface_setup[i]), 0);
     }
+    assert_int_equal(hf_rig_ask(&rig, position), 0);
     assert_int_equal(hf_rig_ask(&rig, "4F 00 55 A5"), 0);
     dg_hf_power_off(&rig.device);
-    write_image(folder, "s3684-rs485", &rig.nvm);
+    write_image(folder, name, &rig.nvm);
 }
 
 /* --- BiSS --- */
 
-static void write_biss(const char *folder)
+static void write_biss(const char *folder, const char *name)
 {
     static const uint8_t config[9] = {0x46, 0x9E, 0x15, 0x8D, 0x23, 0x01, 0x45, 0x7F, 0x84};
     static struct biss_rig rig;
@@ -95,7 +97,7 @@ static void write_biss(const char *folder)
     for (size_t i = 0; i < sizeof bank; i++) {
         bank[i] = (uint8_t)(3 * i + 1);
     }
-    assert_int_equal(biss_rig_init(&rig, dg_biss_model_of(dg_device_find("s3684-biss")), 1), DG_OK);
+    assert_int_equal(biss_rig_init(&rig, dg_biss_model_of(dg_device_find(name)), 1), DG_OK);
     assert_int_equal(biss_rig_power_on(&rig), DG_OK);
     assert_int_equal(biss_rig_write(&rig, 0, 0x1B, config, sizeof config), 9);
     assert_int_equal(biss_rig_put(&rig, 0x60, 0x01), 1);
@@ -106,7 +108,7 @@ static void write_biss(const char *folder)
     assert_int_equal(biss_rig_put(&rig, 0x40, 31), 1);
     assert_int_equal(biss_rig_write(&rig, 0, 0x3C, (const uint8_t *)"last", 4), 4);
     dg_biss_power_off(&rig.slave[0]);
-    write_image(folder, "s3684-biss", &rig.nvm[0]);
+    write_image(folder, name, &rig.nvm[0]);
 }
 
 /* --- CANopen --- */
@@ -148,6 +150,15 @@ static const struct write parameters[] = {
     {0x1010, 1, 4, SAVE},
 };
 
+/* Limits that have no inside, and no TPDO that is valid: as a configuration may leave them. */
+static const struct write crossed[] = {
+    {0x2120, 2, 1, 0x90}, {0x2120, 3, 1, 0x30},
+    {0x6401, 1, 4, 5000}, {0x6402, 1, 4, 100}, {0x6401, 2, 4, 65535}, {0x6402, 2, 4, 0},
+    {0x1800, 1, 4, 0x80000199}, {0x1801, 1, 4, 0x800002BF}, {0x1802, 1, 4, 0xC00003BF},
+    {0x1803, 1, 4, 0x800004BF},
+    {0x1010, 1, 4, SAVE},
+};
+
 /* The other two tables of the family: their ids are their own. */
 static const struct write few[] = {
     {0x2140, 1, 4, 0x01234567}, {0x6000, 0, 2, 0x0004}, {0x6001, 0, 4, 360}, {0x6003, 0, 4, 99},
@@ -169,26 +180,32 @@ static void put_all(const struct write *rows, size_t count)
     }
 }
 
-#define PUT_ALL(rows) put_all(rows, sizeof(rows) / sizeof(rows)[0])
+static void write_node(const char *folder, const char *name, const struct dg_cia406_model *model,
+                       const struct write *rows, size_t count)
+{
+    co_rig_start_model(&can, model);
+    put_all(rows, count);
+    dg_co_power_off(&can.node);
+    write_image(folder, name, &can.nvm);
+}
 
 static void write_canopen(const char *folder)
 {
     static const struct dg_cia406_model wide = {.turns = 65536, .device = &dg_cia406_multiturn_32};
-    co_rig_start_model(&can, dg_cia406_model_of(dg_device_find("f3668")));
+    const struct dg_cia406_model *single = dg_cia406_model_of(dg_device_find("f3658"));
+    const struct dg_cia406_model *multi = dg_cia406_model_of(dg_device_find("f3668"));
+    co_rig_start_model(&can, multi);
     co_rig_run(&can, DG_S(800)); /* two tenths of an hour */
-    PUT_ALL(bus_parameters);
+    put_all(bus_parameters, ROWS(bus_parameters));
     co_rig_nmt(&can, 0x81);
-    PUT_ALL(parameters);
+    put_all(parameters, ROWS(parameters));
     dg_co_power_off(&can.node);
     write_image(folder, "f3668", &can.nvm);
-    co_rig_start_model(&can, dg_cia406_model_of(dg_device_find("f3658")));
-    PUT_ALL(few);
-    dg_co_power_off(&can.node);
-    write_image(folder, "f3658", &can.nvm);
-    co_rig_start_model(&can, &wide);
-    PUT_ALL(few);
-    dg_co_power_off(&can.node);
-    write_image(folder, "f3668-16", &can.nvm);
+    write_node(folder, "f3658", single, few, ROWS(few));
+    write_node(folder, "f3668-16", &wide, few, ROWS(few));
+    write_node(folder, "f3658-crossed", single, crossed, ROWS(crossed));
+    write_node(folder, "f3668-crossed", multi, crossed, ROWS(crossed));
+    write_node(folder, "f3668-16-crossed", &wide, crossed, ROWS(crossed));
 }
 
 /* --- INTERBUS --- */
@@ -232,8 +249,10 @@ int main(int argc, char **argv)
         (void)fprintf(stderr, "usage: %s FOLDER\n", argv[0]);
         return 2;
     }
-    write_hiperface(argv[1]);
-    write_biss(argv[1]);
+    write_hiperface(argv[1], "s3674-rs485", "43 00 00 DE F0 55");
+    write_hiperface(argv[1], "s3684-rs485", "43 0A BC DE F0 55");
+    write_biss(argv[1], "s3674-biss");
+    write_biss(argv[1], "s3684-biss");
     write_canopen(argv[1]);
     write_interbus(argv[1]);
     return 0;

@@ -59,8 +59,11 @@ static const struct place hiperface[] = {
     {"codes",         4, CHECKED, 0x0DC}, {"fields",     113, CHECKED, 0x0E2},
     {"type",         39, CHECKED, 0x155}, {"counter",      3, CHECKED, 0x17E},
     {"label",        64, CHECKED, 0x183}, {"field-sums", 224, RAW,     0x1C5},
-    {"user",       1792, RAW,     0x2A5},
+    {"user",       1792, RAW,     0x2A5}, {"steps",        4, CHECKED, 0x9A5},
+    {"implemented",   1, CHECKED, 0x9AB},
 };
+/* The last two are later ones. */
+#define HIPERFACE_0_1 (ROWS(hiperface) - 2u)
 
 static const struct place biss[] = {
     {"config", 9,  CHECKED, 0x066},
@@ -98,25 +101,38 @@ static const struct place interbus[] = {
 
 static const struct golden {
     const char *image;
-    const struct dg_store_layout *layout;
+    const char *model;
     const struct place *places;
     size_t count;
     uint32_t size;
 } golden[] = {
-    {"0.1.0/s3684-rs485", &dg_hf_layout,   hiperface, ROWS(hiperface), 2469},
-    {"0.1.0/s3684-biss",  &dg_biss_layout, biss,      ROWS(biss),      1763},
-    {"0.1.0/f3658",       NULL,            canopen,   ROWS(canopen),   664},
-    {"0.1.0/f3668",       NULL,            canopen,   ROWS(canopen),   664},
-    {"0.1.0/f3668-16",    NULL,            canopen,   ROWS(canopen),   664},
-    {"0.1.0/ocd-ib-k3",   &dg_ib_layout,   interbus,  ROWS(interbus),  1278},
+    {"0.1.0/s3684-rs485",      "s3684-rs485", hiperface, HIPERFACE_0_1,   2469},
+    {"0.1.0/s3684-biss",       "s3684-biss",  biss,      ROWS(biss),      1763},
+    {"0.1.0/f3658",            "f3658",       canopen,   ROWS(canopen),   664},
+    {"0.1.0/f3668",            "f3668",       canopen,   ROWS(canopen),   664},
+    {"0.1.0/f3668-16",         NULL,          canopen,   ROWS(canopen),   664},
+    {"0.1.0/ocd-ib-k3",        "ocd-ib-k3",   interbus,  ROWS(interbus),  1278},
+    {"0.3.0/s3674-rs485",      "s3674-rs485", hiperface, ROWS(hiperface), 2478},
+    {"0.3.0/s3684-rs485",      "s3684-rs485", hiperface, ROWS(hiperface), 2478},
+    {"0.3.0/s3674-biss",       "s3674-biss",  biss,      ROWS(biss),      1763},
+    {"0.3.0/s3684-biss",       "s3684-biss",  biss,      ROWS(biss),      1763},
+    {"0.3.0/f3658",            "f3658",       canopen,   ROWS(canopen),   664},
+    {"0.3.0/f3658-crossed",    "f3658",       canopen,   ROWS(canopen),   664},
+    {"0.3.0/f3668",            "f3668",       canopen,   ROWS(canopen),   664},
+    {"0.3.0/f3668-crossed",    "f3668",       canopen,   ROWS(canopen),   664},
+    {"0.3.0/f3668-16",         NULL,          canopen,   ROWS(canopen),   664},
+    {"0.3.0/f3668-16-crossed", NULL,          canopen,   ROWS(canopen),   664},
+    {"0.3.0/ocd-ib-k3",        "ocd-ib-k3",   interbus,  ROWS(interbus),  1278},
 };
 /* clang-format on */
 
+/* Of NULL: an f3668 with 65536 turns, which nobody delivers. */
+static const struct dg_cia406_model wide = {.turns = 65536, .device = &dg_cia406_multiturn_32};
+
 static const struct dg_store_layout *layout_of(const struct golden *self)
 {
-    const struct dg_co_device *const devices[] = {&dg_cia406_singleturn, &dg_cia406_multiturn,
-                                                  &dg_cia406_multiturn_32};
-    return self->layout != NULL ? self->layout : devices[self - golden - 2]->layout;
+    const struct dg_device *device = self->model == NULL ? NULL : dg_device_find(self->model);
+    return device == NULL ? wide.device->layout : device->stack->layout(device->model);
 }
 
 static void regions_are_where_they_were(void **state)
@@ -168,22 +184,31 @@ static void replies(const char *command, const char *data)
     assert_memory_equal(drive.reply + 2, bytes, n);
 }
 
-static void start_hiperface(void)
+/* An image with the values of all of them, and what differs from model to model. */
+static const struct drive {
+    const char *image, *model, *position, *type, *turns, *designation;
+} drives[] = {
+    {"0.1.0/s3684-rs485", "s3684-rs485", "0A BC DE F0", "65 27 70 00", "10 00", "53 33 36 38 34"},
+    {"0.3.0/s3684-rs485", "s3684-rs485", "0A BC DE F0", "65 27 70 00", "10 00", "53 33 36 38 34"},
+    {"0.3.0/s3674-rs485", "s3674-rs485", "00 00 DE F0", "65 22 70 00", "00 01", "53 33 36 37 34"},
+};
+
+static void start_hiperface(const struct drive *self)
 {
-    assert_int_equal(hf_rig_init(&drive, dg_hf_model_of(dg_device_find("s3684-rs485"))), DG_OK);
-    (void)load("0.1.0/s3684-rs485", &drive.nvm);
+    assert_int_equal(hf_rig_init(&drive, dg_hf_model_of(dg_device_find(self->model))), DG_OK);
+    (void)load(self->image, &drive.nvm);
     assert_int_equal(hf_rig_power_on(&drive), DG_OK);
 }
 
-static void rs485_has_its_position_setting_and_identity(void **state)
+static void check_drive(const struct drive *self)
 {
-    (void)state;
-    start_hiperface();
+    char text[100];
+    start_hiperface(self);
     replies("50", "00");
     assert_int_equal(drive.reply[0], 0x52);
-    replies("42", "0A BC DE F0");
+    replies("42", self->position);
     replies("46", "00 01 2C");
-    replies("52", "65 27 70 00");
+    replies("52", self->type);
     assert_int_equal(dg_hf_uart(&drive.device).baud, 19200);
     /* "987654321", "v1.0.8", "12072019" */
     replies("56", "39 38 37 36 35 34 33 32 31"
@@ -191,9 +216,11 @@ static void rs485_has_its_position_setting_and_identity(void **state)
                   "31 32 30 37 32 30 31 39");
     assert_int_equal(hf_rig_ask(&drive, "4A FF 00 40 55"), 0);
     assert_int_equal(hf_rig_xor(drive.reply + 5, 64), 0);
-    replies("4A FF 01 09 55", "FF 01 09 00 00 00 08 00 00 00 10 00");
-    replies("4A FF 0A 12 55", "FF 0A 12" /* "S3684 RS485+SinCos" */
-                              "53 33 36 38 34 20 52 53 34 38 35 2B 53 69 6E 43 6F 73");
+    (void)snprintf(text, sizeof text, "FF 01 09 00 00 00 08 00 00 00 %s", self->turns);
+    replies("4A FF 01 09 55", text);
+    (void)snprintf(text, sizeof text, "FF 0A 12 %s %s", self->designation, /* RS485+SinCos */
+                   "20 52 53 34 38 35 2B 53 69 6E 43 6F 73");
+    replies("4A FF 0A 12 55", text);
     replies("4F 00 A5 A5", "00");
     assert_int_equal(hf_rig_ask(&drive, "4F 00 55 55"), 0x0F);
     replies("4F 01 21 21", "01");
@@ -202,11 +229,18 @@ static void rs485_has_its_position_setting_and_identity(void **state)
     replies("50", "00");
 }
 
-static void rs485_has_its_data_fields(void **state)
+static void rs485_has_its_position_setting_and_identity(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < ROWS(drives); i++) {
+        check_drive(&drives[i]);
+    }
+}
+
+static void check_fields(const struct drive *self)
 {
     uint8_t field[128];
-    (void)state;
-    start_hiperface();
+    start_hiperface(self);
     replies("4E", "65 03");
     replies("4C 00", "00 D9");
     replies("4C 01", "01 87");
@@ -227,20 +261,26 @@ static void rs485_has_its_data_fields(void **state)
     assert_int_equal(hf_rig_ask(&drive, "4A 02 0B 05 A5"), 0x0F);
 }
 
+static void rs485_has_its_data_fields(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < ROWS(drives); i++) {
+        check_fields(&drives[i]);
+    }
+}
+
 /* --- BiSS --- */
 
 static struct biss_rig servo;
 
-static void biss_has_its_registers_and_banks(void **state)
+/* `position`: MT 123h, ST 11A2B3h, or without MT: an offset at angle 0, the other way round; see
+   61h-67h */
+static void check_servo(const char *image, const char *model, const uint8_t position[7])
 {
     static const uint8_t config[9] = {0x46, 0x9E, 0x15, 0x8D, 0x23, 0x01, 0x45, 0x7F, 0x84};
-    /* MT 123h, ST 11A2B3h: an offset at angle 0, the other way round; see 61h-67h */
-    static const uint8_t position[7] = {0x00, 0x98, 0x15, 0x8D, 0x23, 0x01, 0x00};
     uint8_t found[64];
-    (void)state;
-    assert_int_equal(biss_rig_init(&servo, dg_biss_model_of(dg_device_find("s3684-biss")), 1),
-                     DG_OK);
-    (void)load("0.1.0/s3684-biss", &servo.nvm[0]);
+    assert_int_equal(biss_rig_init(&servo, dg_biss_model_of(dg_device_find(model)), 1), DG_OK);
+    (void)load(image, &servo.nvm[0]);
     assert_int_equal(biss_rig_power_on(&servo), DG_OK);
     assert_int_equal(biss_rig_read(&servo, 0, 0x1B, found, 9), 9);
     assert_memory_equal(found, config, 9);
@@ -256,6 +296,16 @@ static void biss_has_its_registers_and_banks(void **state)
             assert_int_equal(found[i], bank == 7 ? (3 * i + 1) & 0xFF : first);
         }
     }
+}
+
+static void biss_has_its_registers_and_banks(void **state)
+{
+    static const uint8_t multi[7] = {0x00, 0x98, 0x15, 0x8D, 0x23, 0x01, 0x00};
+    static const uint8_t single[7] = {0x00, 0x98, 0x15, 0x8D, 0x00, 0x00, 0x00};
+    (void)state;
+    check_servo("0.1.0/s3684-biss", "s3684-biss", multi);
+    check_servo("0.3.0/s3684-biss", "s3684-biss", multi);
+    check_servo("0.3.0/s3674-biss", "s3674-biss", single);
 }
 
 /* --- CANopen --- */
@@ -298,6 +348,15 @@ static const struct value few[] = {
     {0x1001, 0, 0}, {0x1018, 4, 1234567890}, {0x2101, 0, 63},
     {0x2140, 1, 0x01234567}, {0x6000, 0, 4}, {0x6001, 0, 360}, {0x6004, 0, 99 + 45},
 };
+/* 6400h:1 is what CiA 406 has for outside, above the high and below the low limit, of both areas
+   (C42). */
+static const struct value crossed[] = {
+    {0x2120, 2, 0x90}, {0x2120, 3, 0x30},
+    {0x6401, 1, 5000}, {0x6402, 1, 100}, {0x6401, 2, 65535}, {0x6402, 2, 0},
+    {0x1800, 1, 0x80000199}, {0x1801, 1, 0x800002BF}, {0x1802, 1, 0xC00003BF},
+    {0x1803, 1, 0x800004BF},
+    {0x6004, 0, 4096}, {0x6400, 1, 0x3F},
+};
 /* clang-format on */
 
 static void start_canopen(const struct dg_cia406_model *model, const char *image, dg_angle angle)
@@ -321,25 +380,60 @@ static void read_all(const struct value *rows, size_t count)
 
 static void canopen_has_its_parameters(void **state)
 {
+    static const char *const images[] = {"0.1.0/f3668", "0.3.0/f3668"};
     (void)state;
-    /* 10.5 turns clockwise while it was off: the zero of USF stays where it was */
-    start_canopen(dg_cia406_model_of(dg_device_find("f3668")), "0.1.0/f3668", 21 * (DG_TURN / 2));
-    assert_int_equal(can.node.id, 33);
-    assert_int_equal(can.kbaud, 500);
-    co_rig_expect(&can, 0, 0x721, "00");
-    read_all(values, ROWS(values));
-    assert_int_equal(co_rig_get(&can, 0x6004, 0), 123456 - 37800);
-    assert_int_equal(can.node.store.damaged, 0);
+    for (size_t i = 0; i < ROWS(images); i++) {
+        /* 10.5 turns clockwise while it was off: the zero of USF stays where it was */
+        start_canopen(dg_cia406_model_of(dg_device_find("f3668")), images[i], 21 * (DG_TURN / 2));
+        assert_int_equal(can.node.id, 33);
+        assert_int_equal(can.kbaud, 500);
+        co_rig_expect(&can, 0, 0x721, "00");
+        read_all(values, ROWS(values));
+        assert_int_equal(co_rig_get(&can, 0x6004, 0), 123456 - 37800);
+        assert_int_equal(can.node.store.damaged, 0);
+    }
 }
 
 static void canopen_has_them_in_every_model(void **state)
 {
-    static const struct dg_cia406_model wide = {.turns = 65536, .device = &dg_cia406_multiturn_32};
+    const struct dg_cia406_model *single = dg_cia406_model_of(dg_device_find("f3658"));
     (void)state;
-    start_canopen(dg_cia406_model_of(dg_device_find("f3658")), "0.1.0/f3658", DG_TURN / 8);
+    start_canopen(single, "0.1.0/f3658", DG_TURN / 8);
+    read_all(few, ROWS(few));
+    start_canopen(single, "0.3.0/f3658", DG_TURN / 8);
     read_all(few, ROWS(few));
     start_canopen(&wide, "0.1.0/f3668-16", DG_TURN / 8);
     read_all(few, ROWS(few));
+    start_canopen(&wide, "0.3.0/f3668-16", DG_TURN / 8);
+    read_all(few, ROWS(few));
+}
+
+/* At 4096 of 65536 steps: above 100 and below 5000, above 0 and below 65535. No TPDO is valid. */
+static void check_crossed(const struct dg_cia406_model *model, const char *image)
+{
+    start_canopen(model, image, DG_TURN / 16);
+    read_all(crossed, ROWS(crossed));
+    assert_int_equal(can.node.store.damaged, 0);
+    co_rig_forget(&can);
+    co_rig_rx(&can, 0x000, "01 00");
+    co_rig_rx(&can, 0x080, "");
+    co_rig_run(&can, DG_S(1));
+    co_rig_expect_count(&can, 0);
+    /* One that is made valid again is sent at the next start. */
+    co_rig_put(&can, 0x1800, 1, 0x199, 4);
+    co_rig_nmt(&can, 0x80);
+    co_rig_forget(&can);
+    co_rig_rx(&can, 0x000, "01 00");
+    co_rig_expect(&can, 0, 0x199, "00 10 00 00"); /* 4096 */
+    co_rig_expect_count(&can, 1);
+}
+
+static void crossed_limits_and_invalid_pdos_stay(void **state)
+{
+    (void)state;
+    check_crossed(dg_cia406_model_of(dg_device_find("f3658")), "0.3.0/f3658-crossed");
+    check_crossed(dg_cia406_model_of(dg_device_find("f3668")), "0.3.0/f3668-crossed");
+    check_crossed(&wide, "0.3.0/f3668-16-crossed");
 }
 
 /* --- INTERBUS --- */
@@ -367,11 +461,10 @@ static const struct exchange exchanges[] = {
 };
 /* clang-format on */
 
-static void interbus_has_its_parameters_and_cams(void **state)
+static void check_plc(const char *image)
 {
-    (void)state;
     assert_int_equal(ib_rig_init(&plc, dg_ib_model_of(dg_device_find("ocd-ib-k3"))), DG_OK);
-    (void)load("0.1.0/ocd-ib-k3", &plc.nvm);
+    (void)load(image, &plc.nvm);
     ib_rig_turn_to(&plc, 0);
     assert_int_equal(ib_rig_power_on(&plc), DG_OK);
     /* position 1000 + 55h; both cams are on */
@@ -390,6 +483,13 @@ static void interbus_has_its_parameters_and_cams(void **state)
     assert_int_equal(ib_rig_cycle(&plc, 0), 100);
 }
 
+static void interbus_has_its_parameters_and_cams(void **state)
+{
+    (void)state;
+    check_plc("0.1.0/ocd-ib-k3");
+    check_plc("0.3.0/ocd-ib-k3");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -400,6 +500,7 @@ int main(void)
         cmocka_unit_test(biss_has_its_registers_and_banks),
         cmocka_unit_test(canopen_has_its_parameters),
         cmocka_unit_test(canopen_has_them_in_every_model),
+        cmocka_unit_test(crossed_limits_and_invalid_pdos_stay),
         cmocka_unit_test(interbus_has_its_parameters_and_cams),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
