@@ -10,8 +10,9 @@ from drehgeber import EncoderError, Rig
 from drehgeber.rigfile import OF_WIRES
 
 TREE = Path(__file__).resolve().parents[2]
-# The others are of other programs.
-FILES = sorted(path for path in TREE.glob("[tdp]*/**/*.ini") if "[encoder " in path.read_text())
+# The others are of other programs; tests/golden has what some of them were, so the same one is there twice.
+TEXTS = {path.read_bytes(): path for path in sorted(TREE.glob("[tdp]*/**/*.ini"))}
+FILES = [path for text, path in TEXTS.items() if b"[encoder " in text]
 ENCODER = "[encoder a]\nmodel = f3668\nwire = slcan\n"
 RATIO = "[shaft a]\n[shaft b]\ndriver = a\nratio = {}\n" + ENCODER
 GEARS = "[shaft s0]\n" + "".join(f"[shaft s{i}]\ndriver = s{i - 1}\n" for i in range(1, 10))
