@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: MIT
+"""Play the scripts in a host, and see whether it does what all others do.
+
+usage: run.py [--host NAME PROGRAM...] -- PLAYER...
+
+PLAYER is the player of the C handle, with what starts it. Its logs have the sums in `expected`, and none of the
+disturbances changes them; with --host the logs of another player are compared with them line by line. Scripts are
+without the operations and protocols that `differences` names for a host. DREHGEBER_DIFFERENTIAL_SEEDS: scripts for each model."""
+
+import os
+import subprocess
+import sys
+
+from compare import EXPECTED, Broken, Log, compare, compare_sums, cut, read_differences, read_expected, without_events
+from script import EVENTS, OPERATIONS, PROTOCOLS, write_script
+
+SEEDS = 2
+DISTURBANCES = ("steps", "looks", "restore", "fresh", "steps looks restore")
+PATIENCE_S = 600
+
+Scripts = dict[str, list[str]]
+
+
+def write_scripts(seeds: int, without: frozenset[str] = frozenset()) -> Scripts:
+    """By their names."""
+    return {f"{model} {seed}": write_script(model, seed, without) for model, protocol in PROTOCOLS.items()
+            if protocol not in without for seed in range(1, seeds + 1)}
+
+
+def play(host: str, command: list[str], scripts: Scripts) -> dict[str, Log]:
+    """The logs of a player, one for each script."""
+    text = "".join("\n".join(script) + "\n" for script in scripts.values())
+    done = subprocess.run(command, input=text, capture_output=True, text=True, timeout=PATIENCE_S)
+    logs = cut(done.stdout)
+    if done.returncode != 0:
+        last = list(logs)[-1] if logs else "none"
+        raise Broken(f"host {host}: script {last} ends with {done.returncode}:\n{done.stderr}")
+    if list(logs) != list(scripts):
+        raise Broken(f"host {host}: expected a log of each of {len(scripts)} scripts, got {len(logs)}")
+    return logs
+
+
+def check_expected(player: list[str]) -> int:
+    """The recorded seeds in the C handle."""
+    expected = read_expected(EXPECTED.read_text())
+    scripts = write_scripts(SEEDS)
+    if list(expected) != list(scripts):
+        raise Broken(f"expected: {len(expected)} scripts, not these {len(scripts)}: tests/differential/update")
+    logs = play("handle", player, scripts)
+    for name, log in logs.items():
+        compare_sums("handle", scripts[name], expected[name], log)
+    return sum(map(len, logs.values()))
+
+
+def check_host(host: str, command: list[str], player: list[str], seeds: int) -> int:
+    """Another host, or the handle with a disturbance."""
+    known = read_differences(host)
+    strange = {word.partition(":")[0] for word in known} - {*OPERATIONS, *EVENTS, *PROTOCOLS.values()}
+    if strange:
+        raise Broken(f"differences: {host}: no script has {', '.join(sorted(strange))}")
+    scripts = write_scripts(seeds, frozenset(known))
+    expected = play("handle", player, scripts)
+    got = play(host, command, scripts)
+    untold = frozenset(known) & frozenset(EVENTS)
+    for name, script in scripts.items():
+        compare(host, script, without_events(expected[name], untold), without_events(got[name], untold))
+    return sum(map(len, got.values()))
+
+
+def check(options: list[str], player: list[str]) -> None:
+    seeds = int(os.environ.get("DREHGEBER_DIFFERENTIAL_SEEDS", SEEDS))
+    if options[:1] == ["--host"]:
+        print(f"{options[1]}: {check_host(options[1], options[2:], player, seeds)} operations")
+        return
+    print(f"handle: {check_expected(player)} operations as recorded")
+    for disturbance in DISTURBANCES:
+        host = disturbance.replace(" ", "+")
+        print(f"{host}: {check_host(host, player + disturbance.split(), player, seeds)} operations")
+
+
+def main() -> None:
+    words = sys.argv[1:]
+    if "--" not in words or words[-1] == "--":
+        sys.exit(__doc__)
+    middle = words.index("--")
+    try:
+        check(words[:middle], words[middle + 1 :])
+    except Broken as broken:
+        sys.exit(str(broken))
+
+
+if __name__ == "__main__":
+    main()
