@@ -1,0 +1,197 @@
+# SPDX-License-Identifier: MIT
+"""The player of the Python package's encoders: scripts come in, logs go out. README.md has the language."""
+
+import sys
+import warnings
+from collections.abc import Callable
+
+import drehgeber
+
+SECOND = 1_000_000_000
+LEAD = SECOND  # a clock of the package begins a second after 0 of the library
+TURN = 1 << 32
+CLOSED = "the first line of a script is missing"
+
+
+def ns_of(seconds: float) -> int:
+    return round(seconds * SECOND) + LEAD
+
+
+def sum_of(memory: bytes) -> str:
+    """FNV-1a."""
+    total = 2166136261
+    for byte in memory:
+        total = (total ^ byte) * 16777619 & 0xFFFFFFFF
+    return f"{total:08x}"
+
+
+class Player:
+    """An encoder, to which a script happens."""
+
+    def __init__(self, model: str) -> None:
+        self.encoder = drehgeber.Encoder(model, power=False)
+        self.settings: dict[str, str] = {}
+        self.port = self.encoder.can if self.encoder.protocol == "canopen" else None
+        self.number = 0
+
+    # ------------------------------------------------------------ time
+
+    @property
+    def now(self) -> int:
+        return ns_of(self.encoder.clock.now)
+
+    def pass_time(self, ns: int) -> None:
+        self.encoder.clock.advance(max(0, ns) / SECOND)
+
+    def tell(self) -> None:
+        """What the encoder has sent."""
+        if self.encoder.protocol == "hiperface":
+            line = self.encoder.rs485
+            line._fetch()  # as the port of pyserial does
+            while line._arrived:
+                at, byte = line._arrived.popleft()
+                print(f"  @{at} byte {byte:02x}")
+        while self.port is not None and (frame := self.port.recv()) is not None:
+            remote = 8 if frame.remote else 0
+            print(f"  @{ns_of(frame.at)} message {frame.id:x} {remote:x} {frame.data.hex()};")
+
+    def perform(self, words: list[str]) -> None:
+        at, name, *arguments = words
+        operation, refused = OPERATIONS[name]
+        self.number += 1
+        self.pass_time(int(at) - self.now)
+        self.tell()
+        try:
+            answer = operation(self, *arguments)
+        except drehgeber.EncoderError as error:
+            answer = refused.format(error.code)
+        self.pass_time(0)
+        self.tell()
+        print(f"{self.number} {name}{answer}")
+
+    # ------------------------------------------------------------ physics
+
+    def set(self, key: str, value: str) -> str:
+        self.encoder.set(key, value)
+        self.settings[key] = value
+        return " 0"
+
+    def power(self, on: str) -> str:
+        self.encoder.power(on == "1")
+        return " 0"
+
+    def shaft(self, angle: str, mrpm: str) -> str:
+        self.encoder.shaft.position = int(angle) * 360 / TURN
+        self.encoder.shaft.velocity = int(mrpm) / 1000
+        return ""
+
+    def world(self, name: str, value: str) -> str:
+        parts = 1000 if name == "temperature" else 1
+        setattr(self.encoder.world, name, int(value) / parts)
+        return " 0"
+
+    def fault(self, name: str, on: str) -> str:
+        if on == "1":
+            self.encoder.set_fault(name)
+        else:
+            self.encoder.clear_fault(name)
+        return " 0"
+
+    # ------------------------------------------------------------ wires
+
+    def bytes(self, data: str) -> str:
+        self.encoder.rs485._send(bytes.fromhex(data))  # as the port of pyserial does
+        return " 0"
+
+    def can(self, identifier: str, data: str) -> str:
+        assert self.port is not None
+        self.port.send(int(identifier), bytes.fromhex(data.strip("-")))
+        return " 0"
+
+    def remote(self, identifier: str, dlc: str) -> str:
+        assert self.port is not None
+        self.port.send(int(identifier), remote=True, dlc=int(dlc))
+        return " 0"
+
+    def cycle(self, word: str) -> str:
+        out = int(word, 0)
+        words = self.encoder.ring.cycle((out >> 16, out & 0xFFFF))
+        return f" 0 {''.join(f'{word:04x}' for word in words)};"
+
+    def identify(self) -> str:
+        return f" 0 {self.encoder.ring.identify():04x};"
+
+    @property
+    def master(self) -> "drehgeber.clocked.Clocked":
+        return self.encoder.biss if self.encoder.protocol == "biss" else self.encoder.ssi
+
+    def frame(self) -> str:
+        got = self.master.frame()
+        return (f" 0 {ns_of(got.at)} {ns_of(got.end)} {got.bits:x}/{got.width} {got.position:x} {got.multiturn:x} "
+                f"{got.singleturn:x} {got.error:d}{got.warning:d}{got.good:d} {got.life}")
+
+    def latch(self) -> str:
+        got = self.master.frame()
+        return f" 0 {got.bits:x}/{got.width} {got.position:x} {got.error:d}{got.warning:d}{got.good:d}"
+
+    def edges(self, half: str, count: str) -> str:
+        levels = ""
+        for i in range(int(count)):
+            self.pass_time(int(half))
+            levels += str(int(self.master.clock(i % 2 == 1)))
+        return f" {levels}"
+
+    def read(self, address: str, count: str) -> str:
+        data = self.encoder.biss.register(int(address), int(count))
+        return f" {len(data)} {self.now} {data.hex()};"
+
+    def write(self, address: str, data: str) -> str:
+        count = self.encoder.biss.write_register(int(address), bytes.fromhex(data))
+        return f" {count} {self.now}"
+
+    # ------------------------------------------------------------ looks
+
+    def position(self) -> str:
+        return f" 0 {self.encoder.position:x}"
+
+    def sincos(self) -> str:
+        return " 0 " + " ".join(str(round(volts * 1e6)) for volts in self.encoder.sincos)
+
+    def eeprom(self) -> str:
+        return f" {sum_of(self.encoder.memory)}"
+
+    def mount(self) -> str:
+        other = drehgeber.Encoder(self.encoder.model, power=False, memory=self.encoder.memory)
+        for key, value in self.settings.items():
+            other.set(key, value)
+        other.power(True)
+        other.clock.advance(1)
+        return f" 0 {sum_of(other.memory)}"
+
+
+# What the operation does, and what it answers when the encoder refuses it.
+OPERATIONS: dict[str, tuple[Callable[..., str], str]] = {
+    "set": (Player.set, " {}"), "power": (Player.power, " {}"), "shaft": (Player.shaft, " {}"),
+    "world": (Player.world, " {}"), "fault": (Player.fault, " {}"), "bytes": (Player.bytes, " {}"),
+    "can": (Player.can, " {}"), "remote": (Player.remote, " {}"), "cycle": (Player.cycle, " {}"),
+    "identify": (Player.identify, " {}"), "frame": (Player.frame, " {}"), "edges": (Player.edges, " {}"),
+    "latch": (Player.latch, " {} 0/0 0 000"),
+    "read": (Player.read, " {} ;"), "write": (Player.write, " {}"), "position": (Player.position, " {} 0"),
+    "sincos": (Player.sincos, " {} 0 0 0 0"), "eeprom": (Player.eeprom, " {}"), "mount": (Player.mount, " {}"),
+}
+
+
+def main() -> None:
+    warnings.simplefilter("ignore", UserWarning)  # hints to the user
+    player = None
+    for line in sys.stdin:
+        words = line.split()
+        if words[0] == "script":
+            print(line.strip())
+            player = Player(words[1])
+            continue
+        assert player is not None, CLOSED
+        player.perform(words)
+
+
+main()
