@@ -79,7 +79,7 @@ static void sign(uint8_t *state, size_t n, size_t body)
 
 /* Queues and EEPROM are most of a state: the handle before them, and settings and device between
  * them, get most of the changes. */
-static uint32_t place(const struct dg_host *self, uint32_t body)
+static uint32_t pick_offset(const struct dg_host *self, uint32_t body)
 {
     const uint32_t memory = ((uint32_t)dg_host_memory_size(self) + 15u) & ~15u;
     const uint32_t device = 64u << any(6);
@@ -99,13 +99,13 @@ static void forge(const struct dg_host *self, size_t n, size_t body)
     memcpy(forged, healthy, n);
     for (uint32_t changes = 1 + any(3); changes > 0; changes--) {
         const uint32_t width = 1u << any(4);
-        const size_t at = n - body + place(self, (uint32_t)body) / width * width;
+        const size_t at = n - body + pick_offset(self, (uint32_t)body) / width * width;
         change(forged + at, at + width <= n ? width : n - at);
     }
     sign(forged, n, body);
 }
 
-static void send(struct dg_host *self, const struct dg_host_event *event)
+static void send_event(struct dg_host *self, const struct dg_host_event *event)
 {
     (void)dg_host_send(self, event);
 }
@@ -124,21 +124,21 @@ static void speak(struct dg_host *self, uint64_t now)
     for (uint8_t i = 0; i < 4; i++) {
         struct dg_host_event event = {.at = now + i * 50 * MS, .kind = DG_HOST_BYTES, .length = 3};
         memcpy(event.data, requests[i], 3);
-        send(self, &event);
+        send_event(self, &event);
         event = (struct dg_host_event){
             .at = now + (1u + i) * MS, .kind = DG_HOST_CAN, .id = 0x63F, .length = 8};
         memcpy(event.data, objects[i], 4);
-        send(self, &event);
+        send_event(self, &event);
     }
-    send(self, &(struct dg_host_event){
-                   .at = now + 6 * MS, .kind = DG_HOST_CAN, .length = 2, .data = {1}});
-    send(self, &(struct dg_host_event){.at = now + 7 * MS, .kind = DG_HOST_CAN, .id = 0x80});
+    send_event(self, &(struct dg_host_event){
+                         .at = now + 6 * MS, .kind = DG_HOST_CAN, .length = 2, .data = {1}});
+    send_event(self, &(struct dg_host_event){.at = now + 7 * MS, .kind = DG_HOST_CAN, .id = 0x80});
     for (uint8_t i = 0; i < 5; i++) {
-        send(self,
-             &(struct dg_host_event){.at = now + i * MS, .kind = DG_HOST_WORDS, .id = words[i]});
+        send_event(self, &(struct dg_host_event){
+                             .at = now + i * MS, .kind = DG_HOST_WORDS, .id = words[i]});
     }
-    send(self, &(struct dg_host_event){
-                   .at = now + 9 * MS, .kind = DG_HOST_WORDS, .flags = DG_HOST_IDENTIFY});
+    send_event(self, &(struct dg_host_event){
+                         .at = now + 9 * MS, .kind = DG_HOST_WORDS, .flags = DG_HOST_IDENTIFY});
     for (uint8_t i = 0; i < 120; i++) {
         (void)dg_host_clock(self, now + i * UINT64_C(500), i % 2u == 0);
     }
@@ -151,7 +151,7 @@ static void speak(struct dg_host *self, uint64_t now)
     (void)dg_host_registers_write(self, &now, 0x23, bytes, 1);
 }
 
-static void look(struct dg_host *self, uint64_t now)
+static void look_at_all(struct dg_host *self, uint64_t now)
 {
     struct dg_host_uart uart;
     uint16_t ids[DG_HOST_FILTERS];
@@ -193,14 +193,14 @@ static void live(struct dg_host *self)
 {
     uint64_t now = 2 * SECOND;
 
-    look(self, now);
+    look_at_all(self, now);
     (void)dg_host_step(self, now);
     speak(self, now);
     for (unsigned i = 0; i < 20; i++) {
         now += 20 * MS;
         dg_host_shaft(self, now, (int64_t)i << 40, INT64_C(1) << 36);
         (void)dg_host_step(self, now);
-        look(self, now);
+        look_at_all(self, now);
     }
     ask(self, now);
     (void)dg_host_power(self, now + SECOND, false);
@@ -209,7 +209,7 @@ static void live(struct dg_host *self)
     (void)dg_host_step(self, now);
     speak(self, now);
     (void)dg_host_step(self, now + SECOND);
-    look(self, now + SECOND);
+    look_at_all(self, now + SECOND);
     (void)dg_host_save(self, before, sizeof before);
 }
 
