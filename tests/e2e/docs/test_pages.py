@@ -33,8 +33,9 @@ def has_work(page: str) -> bool:
 def tests() -> list:
     """Names of the tests of the tree that the program was built in. Asking ctest itself would cut
     short the log of the one that runs this."""
-    generated = (PROGRAM.parent / "tests/CTestTestfile.cmake").read_text(encoding="utf-8")
-    return re.findall(r"^add_test\((?:\[=*\[)?([\w.+-]+)", generated, re.M)
+    generated = sorted((PROGRAM.parent / "tests").rglob("CTestTestfile.cmake"))
+    return [name for file in generated
+            for name in re.findall(r"^add_test\((?:\[=*\[)?([\w.+-]+)", file.read_text(encoding="utf-8"), re.M)]
 
 
 def assert_right(act):
