@@ -13,7 +13,6 @@ import subprocess
 import sys
 import zipfile
 from collections.abc import Callable
-from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -618,26 +617,6 @@ def test_what_a_rig_file_says_for_others_is_named(tmp_path: pathlib.Path) -> Non
     both = RIG.replace("[encoder drive]", "motion = 60RPM\n[shaft b]\ndriver = main\n[encoder drive]")
     lines = both.replace("wire = sim", "wire = sim\nclock_hz = 100000\nline_delay_ns = 5\ntrace = x.vcd")
     assert told(lines + "trace = x.log\n").endswith(": motion, driver, trace, clock_hz and line_delay_ns\n")
-
-
-# ------------------------------------------------------------ sources
-
-@pytest.mark.parametrize("version", ["3", "2"])
-def test_builds_from_its_sources(make: Make, tmp_path: pathlib.Path, version: str) -> None:
-    """In a folder with nothing of ours, as a tool does that takes sources only."""
-    fmu = make("s3684-rs485", "--fmi", version)
-    sources = pathlib.Path(fmu.folder) / "sources"
-    list_of, row = {"3": (sources / "buildDescription.xml", "SourceFile"),
-                    "2": (pathlib.Path(fmu.folder) / "modelDescription.xml", "File")}[version]
-    listed = [file.attrib["name"] for file in ElementTree.parse(list_of).iter(row)]
-    library = tmp_path / "drehgeber.so"
-    subprocess.run(["gcc", "-std=c11", "-O0", "-fPIC", "-shared", "-Wl,--no-undefined", "-I.", *listed,
-                    "-o", str(library)], cwd=sources, check=True, env={"PATH": os.environ["PATH"]})
-    platform = {"3": "x86_64-linux", "2": "linux64"}[version]
-    binary = pathlib.Path(fmu.folder) / "binaries" / platform / "drehgeber.so"
-    binary.write_bytes(library.read_bytes())
-    result = simulate_fmu(fmu.folder, stop_time=1.0, output_interval=0.1, input=turning(1.0), output=["position"])
-    assert abs(int(result[-1]["position"]) - 50 * 65536) <= 1
 
 
 # ------------------------------------------------------------ other importers
