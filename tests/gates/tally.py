@@ -2,15 +2,19 @@
 """What runs of ctest came to. A test that is listed and was not run has failed. A test that several
 trees run is one test: it has passed when it has passed in each of them.
 
-A test that needs a machine that keeps time (its labels) and has failed is tried a second time, alone. If
-it passes then, it has passed, and is named: more than three of them are no accident, and have failed.
+What has failed has failed, but for one case: a test in real time whose rig has counted a stall itself, and
+says so in a line `stall: ...`. It is repeated, alone. If it passes then, it has passed, and is named: more
+than three of them are no accident, nor is the same one twice in ten runs. They have failed.
 
-usage: tally.py again PRESET JUNIT            tries them; what came of it into again-JUNIT beside JUNIT; no
+How many tests each preset has stands in the file `counts` beside the tree's tests: one that is gone is missed.
+
+usage: tally.py again PRESET JUNIT            repeats them; what came of it into again-JUNIT beside JUNIT; no
                                               success unless everything that failed passes now
        tally.py run PRESET JUNIT RESULTS      names and last lines of what failed, notes, to stdout;
                                               `passed|again|failed SECONDS TREE TEST` a line into RESULTS
-       tally.py total RESULTS...              the slowest tests, those that passed only at the second try,
-                                              and `N passed, N failed`
+       tally.py total REPEATS RESULTS...      the slowest tests, those that were repeated, and
+                                              `N passed, N failed`; REPEATS has a line for each of the last runs
+       tally.py count PRESET...               writes `counts`
 """
 
 import json
@@ -21,9 +25,12 @@ import sys
 import xml.etree.ElementTree
 
 LAST_LINES = 15
-SLOWEST = 12
-TIMED = {"realtime", "e2e", "guest"}  # labels of tests that have a second try
+SLOWEST = 10
+TIMED = {"realtime", "e2e", "soak", "guest"}  # labels of tests in real time
+STALL = re.compile(r"^stall: ", re.MULTILINE)
 AGAIN_MOST = 3
+RUNS_KEPT = 10
+COUNTS = os.path.join("tests", "counts")
 
 
 def read_cases(junit):
@@ -59,9 +66,9 @@ def again(preset, junit):
     # What was not run waits behind one of those that failed.
     wanted = [name for name in missed if labels[name] & TIMED and name in cases]
     failed = [name for name in wanted if cases[name].get("status") == "fail"]
-    if not 0 < len(failed) <= AGAIN_MOST:
+    if not 0 < len(failed) <= AGAIN_MOST or not all(STALL.search(output_of(cases[name])) for name in failed):
         return False
-    print("a second try, alone:", *failed, flush=True)
+    print("a stall: once more, alone:", *failed, flush=True)
     # The guest boots for these jobs only.
     jobs = " ".join(name.removeprefix("rig.") for name in wanted)
     done = subprocess.run(["ctest", "--preset", preset, "--output-junit", os.path.abspath(beside(junit)),
@@ -93,13 +100,29 @@ def tell_last_lines(case):
         print(f"        {line}")
 
 
+def read_counts():
+    """How many tests each preset has."""
+    try:
+        with open(COUNTS, encoding="utf-8") as file:
+            return {preset: int(number) for preset, number in map(str.split, file)}
+    except FileNotFoundError:
+        return {}
+
+
+def count(*presets):
+    counts = read_counts() | {preset: len(read_labels(preset)) for preset in presets}
+    with open(COUNTS, "w", encoding="utf-8") as file:
+        file.writelines(f"{preset} {number}\n" for preset, number in sorted(counts.items()))
+
+
 def run(preset, junit, results):
     cases, second = read_cases(junit), read_cases(beside(junit))
     lines = []
     names = read_labels(preset)
-    if not names:
-        print(f"    preset {preset} has no tests")
-        lines.append(f"failed 0 {preset} {preset}")
+    wanted = read_counts().get(preset)
+    if not names or len(names) != wanted:
+        print(f"    preset {preset} has {len(names)} tests, {COUNTS} says {wanted}: tests/gates/tally.py count {preset}")
+        lines.append(f"failed 0 {preset} counts.{preset}")
     for name in names:
         case = cases.get(name)
         result, last = judge(case, second.get(name))
@@ -129,35 +152,53 @@ def read_runs(paths):
         yield from [line.split(maxsplit=3) for line in lines if line] or [("failed", 0, path, path)]
 
 
-def total(paths):
+def keep_repeats(path, names):
+    """@return those of `names` that were repeated in the runs before, too"""
+    try:
+        with open(path, encoding="utf-8") as file:
+            runs = [line.split() for line in file]
+    except FileNotFoundError:
+        runs = []
+    runs = runs[1 - RUNS_KEPT:] + [sorted(names)]
+    with open(path, "w", encoding="utf-8") as file:
+        file.writelines(" ".join(run) + "\n" for run in runs)
+    return {name for name in names if any(name in run for run in runs[:-1])}
+
+
+def total(repeats, *paths):
     runs = list(read_runs(paths))
     second = [(name, tree) for result, _, tree, name in runs if result == "again"]
-    right = {"passed", "again"} if len(second) <= AGAIN_MOST else {"passed"}
+    often = keep_repeats(repeats, {name for name, _ in second})
+    few = len(second) <= AGAIN_MOST
     good = {}
     for result, _, _, name in runs:
-        good[name] = good.get(name, True) and result in right
+        right = result == "passed" or (result == "again" and few and name not in often)
+        good[name] = good.get(name, True) and right
     print("the slowest tests:")
     for seconds, tree, name in sorted(((float(run[1]), *run[2:]) for run in runs), reverse=True)[:SLOWEST]:
         print(f"    {seconds:6.1f} s  {name} ({tree})")
     print(f"{len(good)} tests, {len(runs)} runs of them")
     for name, tree in second:
-        print(f"passed only at the second try: {name} ({tree})")
-    if len(second) > AGAIN_MOST:
+        print(f"repeated after a stall: {name} ({tree})" + (f", and in the last {RUNS_KEPT} runs before" if name in often else ""))
+    if not few:
         print(f"more than {AGAIN_MOST} of those have failed")
-    count = sum(good.values())
-    print(f"{count} passed, {len(good) - count} failed")
-    return count == len(good) and count > 0
+    passes = sum(good.values())
+    print(f"{passes} passed, {len(good) - passes} failed")
+    return passes == len(good) and passes > 0
 
 
 def main():
-    if sys.argv[1:2] == ["again"] and len(sys.argv) == 4:
-        sys.exit(0 if again(*sys.argv[2:]) else 1)
-    elif sys.argv[1:2] == ["run"] and len(sys.argv) == 5:
-        run(*sys.argv[2:])
-    elif sys.argv[1:2] == ["total"] and len(sys.argv) > 2:
-        sys.exit(0 if total(sys.argv[2:]) else 1)
-    else:
-        sys.exit(__doc__.strip())
+    match sys.argv[1:]:
+        case ["again", preset, junit]:
+            sys.exit(0 if again(preset, junit) else 1)
+        case ["run", preset, junit, results]:
+            run(preset, junit, results)
+        case ["total", repeats, *results] if results:
+            sys.exit(0 if total(repeats, *results) else 1)
+        case ["count", *presets] if presets:
+            count(*presets)
+        case _:
+            sys.exit(__doc__.strip())
 
 
 main()

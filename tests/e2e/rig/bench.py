@@ -22,7 +22,7 @@ E2E = Path(__file__).resolve().parents[1]
 sys.path += [str(E2E), str(E2E / "canopen")]
 from can_rig import WIRE, Tap, on_slcan, open_bus  # noqa: E402
 from hiperface_master import Master  # noqa: E402
-from rig import HELD_UP, PATIENCE_S, PROGRAM, Lines, free_port, run  # noqa: E402
+from rig import HELD_UP, PATIENCE_S, PROGRAM, Lines, free_port, run, tell_stalls  # noqa: E402
 
 __all__ = ["Bench", "BissMaster", "CanMaster", "Coupler", "ERROR", "Master", "NO_ERROR",
            "PATIENCE_S", "PROGRAM", "Session", "can_wire", "connect", "eventually", "fields",
@@ -185,6 +185,8 @@ class Bench:
     def clean_up(self) -> list:
         """What it said on stderr, and how it ended when that was not well."""
         self.closing.close()
+        if self.alive():
+            tell_stalls(self.controls)
         status = self.end() if self.alive() else 0
         said = self.said.so_far()
         said += [f"ended with {status}"] if status else []

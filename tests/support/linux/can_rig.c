@@ -111,7 +111,7 @@ int can_rig_set_up(void **state)
 void can_rig_shut(struct can_rig *self)
 {
     if (self->bus != NULL) {
-        self->bus->ops->close(self->bus);
+        station_close_bus(self->bus);
     }
     self->bus = NULL;
     if (self->client >= 0) {

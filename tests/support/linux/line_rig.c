@@ -189,7 +189,7 @@ void line_rig_open_pty(struct line_rig *self)
 
 void line_rig_close(struct line_rig *self)
 {
-    self->bus->ops->close(self->bus);
+    station_close_bus(self->bus);
     if (self->master >= 0) {
         (void)close(self->master);
     }

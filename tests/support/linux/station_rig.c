@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #include "station_rig.h"
 
+#include <inttypes.h>
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdio.h>
 
 #include <cmocka.h>
 
@@ -60,4 +62,13 @@ void station_mend(struct lx_station *station, enum dg_wire_fault fault)
     const struct dg_fault_target target = target_of(station);
     assert_int_equal(dg_fault_clear(&station->control.faults, &target, entry_of(&target, fault)),
                      DG_OK);
+}
+
+void station_close_bus(struct lx_bus *bus)
+{
+    const uint64_t late = bus->late + bus->stalls;
+    if (late > 0) {
+        (void)printf("stall: wire_late=%" PRIu64 "\n", late);
+    }
+    bus->ops->close(bus);
 }

@@ -15,4 +15,8 @@ void station_bend(struct lx_station *station, dg_ns now, enum dg_wire_fault faul
 /** Make it good. The bus is not told. */
 void station_mend(struct lx_station *station, enum dg_wire_fault fault);
 
+/** Close it. Says in a line `stall: ...` what its wire was late: if the test fails,
+ * tests/gates/tally.py wants to know. */
+void station_close_bus(struct lx_bus *bus);
+
 #endif

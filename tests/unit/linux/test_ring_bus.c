@@ -95,7 +95,7 @@ static void shut(struct bench *self)
     }
     self->client = NULL;
     if (self->bus != NULL) {
-        self->bus->ops->close(self->bus);
+        station_close_bus(self->bus);
     }
     self->bus = NULL;
 }
