@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""A fuzz target on its corpus and for a while on new inputs. Fails with the target, and below a floor.
+"""A fuzz target on its corpus and for a while on new inputs. Fails with the target, and below a floor. No
+seconds: on its corpus.
 
 usage: run.py TARGET SECONDS EXECUTIONS_PER_SECOND EDGES
 
@@ -29,7 +30,8 @@ def main():
     floor_executions, floor_edges = int(sys.argv[3]) * seconds, int(sys.argv[4])
     corpus, words = HERE / "corpus" / target.name, HERE / f"{target.name}.dict"
     with tempfile.TemporaryDirectory() as new:
-        call = [target, f"-max_total_time={seconds}", f"-timeout={HANG_S}", f"-dict={words}",
+        span = f"-max_total_time={seconds}" if seconds else "-runs=0"
+        call = [target, span, f"-timeout={HANG_S}", f"-dict={words}",
                 "-print_final_stats=1", "-close_fd_mask=1", f"-artifact_prefix={target}-",
                 new, corpus]
         ended = subprocess.run(call, stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
@@ -39,7 +41,7 @@ def main():
         print(ended.stderr[-TAIL:])
         sys.exit(f"{target.name} ended with {ended.returncode}")
     inputs, executions, edges = count(corpus), int(executed[-1]), int(status[-1][2])
-    new_executions = executions - inputs
+    new_executions = max(0, executions - inputs)
     print(f"{target.name}: {inputs} inputs, {new_executions} new executions (floor "
           f"{floor_executions}), {edges} edges (floor {floor_edges})")
     if new_executions < floor_executions or edges < floor_edges:
