@@ -104,7 +104,7 @@ def read_counts():
     """How many tests each preset has."""
     try:
         with open(COUNTS, encoding="utf-8") as file:
-            return {preset: int(number) for preset, number in map(str.split, file)}
+            return {preset: int(number) for preset, number in (line.split() for line in file if line[0] != "#")}
     except FileNotFoundError:
         return {}
 
@@ -112,6 +112,7 @@ def read_counts():
 def count(*presets):
     counts = read_counts() | {preset: len(read_labels(preset)) for preset in presets}
     with open(COUNTS, "w", encoding="utf-8") as file:
+        file.write("# SPDX-License-Identifier: MIT\n")
         file.writelines(f"{preset} {number}\n" for preset, number in sorted(counts.items()))
 
 
