@@ -6,11 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-noreturn void record_fail(const char *what, const char *which)
-{
-    (void)fprintf(stderr, "%s: %s\n", which, what);
-    exit(1);
-}
+#include "give_up.h"
 
 static char *read_text(const char *path)
 {
@@ -18,7 +14,7 @@ static char *read_text(const char *path)
     size_t size = 0;
     FILE *file = fopen(path, "r");
     if (file == NULL || getdelim(&text, &size, '\0', file) <= 0) {
-        record_fail("cannot read", path);
+        give_up("cannot read", path);
     }
     (void)fclose(file);
     return text;
@@ -28,7 +24,7 @@ static void write_text(const char *path, const char *text)
 {
     FILE *file = fopen(path, "w");
     if (file == NULL || fputs(text, file) < 0 || fclose(file) != 0) {
-        record_fail("cannot write", path);
+        give_up("cannot write", path);
     }
 }
 

@@ -16,24 +16,20 @@
  * first one on the left.
  */
 #define _GNU_SOURCE
-#include <arpa/inet.h>
 #include <inttypes.h>
-#include <linux/sockios.h>
-#include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/ioctl.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include "drehgeber/fault.h"
+#include "give_up.h"
 #include "hf_rig.h"
 #include "record.h"
-#include "rig_parts.h"
 #include "timer.h"
+#include "trace.h"
+#include "virtual_rig.h"
 
 #define MINUTE DG_S(60)
 /* A fault, and the time behind it. */
@@ -50,9 +46,6 @@
 #define TURN_MDEG 7310u
 /* Steps of a fault beside the requests: it begins, power on, it ends, power on. */
 #define OTHER_STEPS 4u
-#define PATIENCE DG_S(10)
-/* More than such a rig has. */
-#define DESCRIPTORS 256
 
 /* What has been told of a frame that is not over. */
 struct collected {
@@ -73,17 +66,12 @@ struct recorder {
     char requests[REQUESTS_MAX][REQUEST_MAX];
     size_t request_count;
     const struct master *master;
-    int line; /* the master's connection; -1: it has none */
-    struct lx_plan plan;
-    sd_event *event;
-    struct lx_rig *rig;
+    struct virtual_rig rig;
     dg_ns begin; /* of the section */
     struct lx_tap_listener listener;
     struct lx_decoder decoder;
     const struct lx_tap_event *told; /* while it is */
     struct collected collected;
-    struct dg_control control;
-    char answer[512];
     FILE *out;
 };
 
@@ -93,7 +81,7 @@ static void append_text(char *text, size_t size, const char *more)
 {
     const size_t n = strlen(text);
     if (n + strlen(more) >= size) {
-        record_fail("too long for the recorder", more);
+        give_up("too long for the recorder", more);
     }
     (void)strcpy(text + n, more);
 }
@@ -219,62 +207,10 @@ static void on_event(void *ctx, const struct lx_tap_event *event)
     }
 }
 
-/* --- time --- */
-
-/* Everybody who has been told something does what there is to do. */
-static void serve_rig(struct recorder *self)
-{
-    char heard[512];
-    while (sd_event_run(self->event, 0) > 0) {
-    }
-    while (self->line >= 0 && recv(self->line, heard, sizeof heard, MSG_DONTWAIT) > 0) {
-    }
-}
-
 static void pass_time(struct recorder *self, dg_ns span)
 {
-    const dg_ns end = lx_now() + span;
-    serve_rig(self);
-    while (lx_time_pass(end)) {
-        serve_rig(self);
-    }
+    virtual_rig_pass(&self->rig, span);
     (void)lx_decoder_step(&self->decoder, lx_now());
-}
-
-/* --- the control plane --- */
-
-static void on_answer(void *ctx, const char *bytes, size_t n)
-{
-    struct recorder *self = ctx;
-    const size_t length = strlen(self->answer);
-    if (length + n < sizeof self->answer) {
-        memcpy(self->answer + length, bytes, n);
-        self->answer[length + n] = '\0';
-    }
-}
-
-static void ask_rig(struct recorder *self, const char *command)
-{
-    self->answer[0] = '\0';
-    (void)dg_control_rx(&self->control, lx_now(), command, strlen(command));
-    (void)dg_control_rx(&self->control, lx_now(), "\n", 1);
-    lx_rig_settle(self->rig, lx_now());
-    self->answer[strcspn(self->answer, "\n")] = '\0';
-}
-
-/* What must not be refused. */
-static void order_rig(struct recorder *self, const char *format, ...)
-{
-    char command[256];
-    va_list arguments;
-    va_start(arguments, format);
-    (void)vsnprintf(command, sizeof command, format, arguments);
-    va_end(arguments);
-    ask_rig(self, command);
-    ask_rig(self, "SYST:ERR?");
-    if (self->answer[0] != '0') {
-        record_fail(self->answer, command);
-    }
 }
 
 /* --- masters --- */
@@ -318,84 +254,36 @@ static const struct master masters[] = {
     {"sim", NULL, NULL},
 };
 
-/* The rig's end of the master's connection: it is in this process, too. */
-static int find_other_end(const struct recorder *self)
-{
-    struct sockaddr_in master;
-    struct sockaddr_in peer;
-    socklen_t size = sizeof master;
-    (void)getsockname(self->line, (struct sockaddr *)&master, &size);
-    for (int fd = 0; fd < DESCRIPTORS; fd++) {
-        size = sizeof peer;
-        if (getpeername(fd, (struct sockaddr *)&peer, &size) == 0 && size == sizeof peer &&
-            memcmp(&peer, &master, sizeof peer) == 0) {
-            return fd;
-        }
-    }
-    record_fail("the rig has closed the master's connection", self->name);
-}
-
-/* All of it is there before time goes on. */
-static void await_arrival(const struct recorder *self, size_t n)
-{
-    const dg_ns end = lx_real_now() + PATIENCE;
-    const int other = find_other_end(self);
-    int come = 0;
-    while (ioctl(other, SIOCINQ, &come) == 0 && (size_t)come < n) {
-        if (lx_real_now() > end) {
-            record_fail("what the master says does not arrive", self->name);
-        }
-    }
-}
-
 static void say_request(struct recorder *self, const char *text)
 {
     uint8_t bytes[FRAME_BYTES_MAX];
     if (self->master->frame == NULL) {
         const dg_ns at = lx_now() - self->begin;
-        ask_rig(self, text);
-        if (self->answer[0] == '\0') {
-            ask_rig(self, "SYST:ERR?");
+        virtual_rig_ask(&self->rig, text);
+        if (self->rig.answer[0] == '\0') {
+            virtual_rig_ask(&self->rig, "SYST:ERR?");
         }
-        (void)fprintf(self->out, "%" PRIu64 " |  | = |  | %s: %s\n", at, text, self->answer);
-        order_rig(self, "*CLS");
+        (void)fprintf(self->out, "%" PRIu64 " |  | = |  | %s: %s\n", at, text, self->rig.answer);
+        virtual_rig_order(&self->rig, "*CLS");
         return;
     }
     const size_t n = self->master->frame(text, bytes);
-    if (send(self->line, bytes, n, MSG_NOSIGNAL) != (ssize_t)n) {
-        record_fail("the master's connection is closed", self->name);
-    }
-    await_arrival(self, n);
-    serve_rig(self);
+    virtual_rig_say(&self->rig, bytes, n);
 }
 
 static void connect_master(struct recorder *self)
 {
-    const char *kind = self->plan.wires[0].kind->name;
+    const char *kind = virtual_rig_wire(&self->rig);
     for (size_t i = 0; i < DG_COUNT(masters); i++) {
         self->master = strcmp(masters[i].wire, kind) == 0 ? &masters[i] : self->master;
     }
     if (self->master == NULL) {
-        record_fail("no master for this kind of wire", kind);
+        give_up("no master for this kind of wire", kind);
     }
     if (self->master->frame == NULL) {
         return;
     }
-    static const char host[] = "127.0.0.1:";
-    const char *address = strstr(lx_rig_address(self->rig, &self->rig->stations[0]), host);
-    if (address == NULL) {
-        record_fail("a wire on a TCP port of 127.0.0.1 is right", self->name);
-    }
-    const struct sockaddr_in to = {
-        .sin_family = AF_INET,
-        .sin_port = htons((uint16_t)strtoul(address + strlen(host), NULL, 10)),
-        .sin_addr.s_addr = htonl(INADDR_LOOPBACK),
-    };
-    self->line = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    if (connect(self->line, (const struct sockaddr *)&to, sizeof to) != 0) {
-        record_fail("cannot connect", address);
-    }
-    serve_rig(self);
+    virtual_rig_connect(&self->rig);
     if (self->master->greeting != NULL) {
         say_request(self, self->master->greeting);
     }
@@ -415,11 +303,11 @@ static void request_all(struct recorder *self, dg_ns step)
 static void restart_encoder(struct recorder *self, bool it, dg_ns step)
 {
     if (it) {
-        order_rig(self, "POW OFF");
+        virtual_rig_order(&self->rig, "POW OFF");
     }
     pass_time(self, step);
     if (it) {
-        order_rig(self, "POW ON");
+        virtual_rig_order(&self->rig, "POW ON");
     }
     pass_time(self, step);
 }
@@ -437,19 +325,19 @@ static void live_with_faults(struct recorder *self)
     const dg_ns end = lx_now() + MINUTE;
     struct dg_fault_entry entry;
     unsigned turned = 0;
-    for (size_t i = 0; i < self->plan.encoder_count; i++) {
-        const struct dg_encoder *encoder = self->rig->control.encoders[i];
+    const struct dg_encoder *encoder = NULL;
+    for (size_t i = 0; (encoder = virtual_rig_encoder(&self->rig, i)) != NULL; i++) {
         const struct dg_fault_target target = dg_encoder_target(encoder);
-        order_rig(self, "INST:SEL %s", encoder->name);
+        virtual_rig_order(&self->rig, "INST:SEL %s", encoder->name);
         for (size_t index = 0; dg_fault_entry(&target, index, &entry); index++) {
             const bool stored = entry.row == NULL;
             turned += TURN_MDEG;
             begin_section(self, encoder->name, entry.name);
-            order_rig(self, "SHAF:POS %u.%03uDEG", turned / 1000u, turned % 1000u);
-            order_rig(self, "FAUL:SET %s", entry.name);
+            virtual_rig_order(&self->rig, "SHAF:POS %u.%03uDEG", turned / 1000u, turned % 1000u);
+            virtual_rig_order(&self->rig, "FAUL:SET %s", entry.name);
             restart_encoder(self, stored, step);
             request_all(self, step);
-            order_rig(self, "FAUL:CLE");
+            virtual_rig_order(&self->rig, "FAUL:CLE");
             restart_encoder(self, stored, step);
             request_all(self, step);
         }
@@ -465,12 +353,12 @@ static void read_requests(struct recorder *self, const char *path)
     char line[REQUEST_MAX];
     FILE *file = fopen(path, "r");
     if (file == NULL) {
-        record_fail("cannot open", path);
+        give_up("cannot open", path);
     }
     while (fgets(line, sizeof line, file) != NULL) {
         const size_t n = strcspn(line, "\n");
         if (line[n] == '\0' || self->request_count == REQUESTS_MAX) {
-            record_fail("a shorter line, or fewer of them, are right", path);
+            give_up("a shorter line, or fewer of them, are right", path);
         }
         line[n] = '\0';
         if (line[0] != '#') {
@@ -482,34 +370,14 @@ static void read_requests(struct recorder *self, const char *path)
 
 static void record_minute(struct recorder *self, const char *rig)
 {
-    static const struct lx_say quiet = {.quiet = true};
-    struct lx_error error = {.right = ""};
-    if (lx_plan_read(&self->plan, rig, &error) != 0) {
-        record_fail(lx_error_line(&error).text, rig);
-    }
-    if (self->plan.wire_count != 1 || sd_event_new(&self->event) < 0) {
-        record_fail("a rig with one wire is right", rig);
-    }
-    lx_time_own();
-    const struct lx_rig_setup setup = {.event = self->event, .say = &quiet, .plan = &self->plan};
-    if (lx_rig_open(&self->rig, &setup, lx_now(), &error) != LX_RIG_OK) {
-        record_fail(lx_error_line(&error).text, rig);
-    }
-    self->begin = lx_now();
     lx_decoder_init(&self->decoder, on_line, self);
     self->listener = (struct lx_tap_listener){.event = on_event, .ctx = self};
-    lx_tap_add(&self->rig->wires[0].bus->tap, &self->listener);
-    dg_control_init(&self->control, lx_rig_control(self->rig), on_answer, self);
+    virtual_rig_open(&self->rig, rig, &self->listener);
+    self->begin = lx_now();
     connect_master(self);
     live_with_faults(self);
     (void)lx_decoder_step(&self->decoder, DG_NEVER);
-    lx_tap_remove(&self->rig->wires[0].bus->tap, &self->listener);
-    if (self->line >= 0) {
-        (void)close(self->line);
-    }
-    (void)lx_rig_close(self->rig, &error);
-    (void)sd_event_unref(self->event);
-    lx_plan_free(&self->plan);
+    virtual_rig_close(&self->rig);
 }
 
 /* --- the record --- */
@@ -550,7 +418,7 @@ static void show_line(void *ctx, const char *section, const char *was, const cha
 
 int main(int argc, char **argv)
 {
-    struct recorder recorder = {.line = -1};
+    struct recorder recorder = {.name = NULL};
     struct differences differences = {.shown = 0};
     char path[4096];
     char *now = NULL;
@@ -561,9 +429,6 @@ int main(int argc, char **argv)
         return 2;
     }
     recorder.name = argv[argc - 1];
-    /* No control plane: its socket would be somebody else's business. */
-    (void)setenv("XDG_RUNTIME_DIR", "/dev/null", 1);
-    (void)unsetenv("RUNTIME_DIRECTORY");
     (void)snprintf(path, sizeof path, "%s.requests", recorder.name);
     read_requests(&recorder, path);
     recorder.out = open_memstream(&now, &size);

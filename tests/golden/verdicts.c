@@ -17,6 +17,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "give_up.h"
 #include "memory_file.h"
 #include "plan.h"
 #include "record.h"
@@ -214,7 +215,7 @@ static size_t find_right(struct book *self, const char *right)
     for (; i < self->right_count && strcmp(self->rights[i], right) != 0; i++) {
     }
     if (i == RIGHTS_MAX) {
-        record_fail("more different refusals than there is room for", self->folder);
+        give_up("more different refusals than there is room for", self->folder);
     }
     if (i == self->right_count) {
         self->rights[self->right_count++] = strdup(right);
@@ -253,12 +254,12 @@ static void read_rig(const struct book *self, const char *name, struct text *tex
     (void)snprintf(path, sizeof path, "%s/%s", self->folder, name);
     FILE *file = fopen(path, "r");
     if (file == NULL) {
-        record_fail("cannot open", path);
+        give_up("cannot open", path);
     }
     text->length = fread(text->bytes, 1, sizeof text->bytes, file);
     (void)fclose(file);
     if (text->length == 0 || text->length == sizeof text->bytes) {
-        record_fail("empty, or longer than there is room for", path);
+        give_up("empty, or longer than there is room for", path);
     }
 }
 
@@ -337,7 +338,7 @@ int main(int argc, char **argv)
     }
     book.count = scandir(book.folder, &book.files, is_rig, alphasort);
     if (book.count <= 0) {
-        record_fail("no rig files", book.folder);
+        give_up("no rig files", book.folder);
     }
     book.out = open_memstream(&now, &size);
     judge_all(&book);
