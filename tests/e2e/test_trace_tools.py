@@ -14,6 +14,7 @@ import time
 import pytest
 
 from rig import REPOSITORY, Client
+from vcd import signals_of
 
 MAKE_TRACES = os.environ["MAKE_TRACES"]
 PROGRAM = os.environ["DREHGEBER"]
@@ -140,23 +141,6 @@ def test_gtkwave_setups_name_what_is_in_traces(tmp_path, start, name, command):
             found.add(".".join([*scopes, rest[1]]))
     setup = (REPOSITORY / f"tools/gtkwave/{name}.gtkw").read_text()
     assert {line for line in setup.splitlines() if line[0] not in "[@"} == found
-
-
-def signals_of(dump):
-    """Changes of every signal of a VCD file: {name: [(ns, value)]}."""
-    names = dict(re.findall(r"^\$var \w+ \d+ (\S+) (\S+) \$end$", dump, re.M))
-    changes = {name: [] for name in names.values()}
-    at = 0
-    (step, unit) = re.findall(r"\$timescale\s+(\d+)\s*(\w+)\s+\$end", dump)[0]
-    for line in dump.partition("$enddefinitions $end\n")[2].split("\n"):
-        if line.startswith("#"):
-            at = int(line[1:]) * int(step) * {"ns": 1, "us": 1000}[unit]
-        elif line.startswith("r"):
-            value, name = line[1:].split()
-            changes[names[name]].append((at, float(value)))
-        elif line and line[0] in "01":
-            changes[names[line[1:]]].append((at, int(line[0])))
-    return changes
 
 
 def phases(signals):
