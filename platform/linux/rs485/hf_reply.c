@@ -30,14 +30,20 @@ static enum pace pace_of(const struct lx_hf_drop *self)
     return self->settings.pace ? PACE_TIMER : PACE_NONE;
 }
 
-bool lx_hf_sends(const struct lx_hf_drop *self, dg_ns now)
+/* Also before its start, when it is late (fault). */
+static bool has_reply(const struct lx_hf_drop *self, dg_ns now)
 {
     return pace_of(self) != PACE_NONE && lx_line_busy(&self->line, now);
 }
 
+bool lx_hf_sends(const struct lx_hf_drop *self, dg_ns now)
+{
+    return has_reply(self, now) && now > self->line.start;
+}
+
 bool lx_hf_is_busy(const struct lx_hf_drop *self, dg_ns now)
 {
-    return self->held.length > 0 || lx_hf_sends(self, now);
+    return self->held.length > 0 || has_reply(self, now);
 }
 
 /* --- begin --- */

@@ -39,6 +39,8 @@
 /* Longer than everything that could still come. */
 #define REST DG_MS(100)
 #define INITIALISATION DG_MS(100)
+/* The fault wire_delay: longer than the longest reaction time. */
+#define DELAY DG_MS(300)
 #define PATIENCE DG_S(10)
 #define TOLD_MAX 1024u
 
@@ -498,6 +500,32 @@ static void a_deaf_one_misses_what_is_for_it(void **state)
     expect_collision(line, REPLY_ABC);
 }
 
+/* While a reply waits for its time the line is idle: the others are asked, and answer. */
+static void a_late_one_holds_up_nobody(void **state)
+{
+    struct line *line = *state;
+    open_line(line, "", "");
+    virtual_rig_order(&line->rig, "INST:SEL b");
+    virtual_rig_order(&line->rig, "FAUL:SET wire_delay,COUN,1");
+    const dg_ns begin = lx_now();
+    const dg_ns end = request(line, "41 42");
+    virtual_rig_pass(&line->rig, REST);
+    expect_said(line, begin, "41 42 03");
+    for (size_t i = 0; i < 3; i += 2) {
+        const dg_ns again = lx_now();
+        const dg_ns over = request(line, requests[i]);
+        virtual_rig_pass(&line->rig, REST / 2u);
+        expect_said(line, again, requests[i]);
+        (void)next_told(line);
+        (void)expect_reply(line, over + ANSWER, replies[i]);
+    }
+    virtual_rig_pass(&line->rig, DELAY);
+    (void)expect_reply(line, end + ANSWER + DELAY, REPLY_B);
+    expect_rest(line);
+    assert_int_equal(counter(line, "b", "wire_collided="), 0);
+    expect_all_answer(line);
+}
+
 /* --- a slow disk --- */
 
 static pthread_mutex_t disk = PTHREAD_MUTEX_INITIALIZER;
@@ -642,6 +670,7 @@ int main(void)
         WITH_LINE(power_of_one_goes_in_its_reply),
         WITH_LINE(power_of_one_comes_in_a_request),
         WITH_LINE(a_deaf_one_misses_what_is_for_it),
+        WITH_LINE(a_late_one_holds_up_nobody),
         WITH_LINE(a_kept_reply_is_said_once),
         WITH_LINE(a_kept_reply_goes_with_the_power),
     };
