@@ -5,8 +5,9 @@
  * Compares that with the record, or writes the record anew.
  *
  * NAME.ini is the rig; all that is on its wire is told. NAME.requests has what the master says, a
- * line each, twice for each fault: while it is there, and when it is over. The record, NAME.trace,
- * has a line for each frame:
+ * line each, twice for each fault: while it is there, and when it is over. A line "@b wire_" leaves
+ * all faults out but those of encoder b whose name begins so, and ends with them: one more encoder
+ * needs no minute of its own. The record, NAME.trace, has a line for each frame:
  *
  *   moment, ns | moments in it | direction | bytes | words
  *
@@ -65,9 +66,11 @@ struct recorder {
     const char *name;
     char requests[REQUESTS_MAX][REQUEST_MAX];
     size_t request_count;
+    char only[REQUEST_MAX]; /* "ENCODER FAULT", as far as faults have to begin so; empty: all */
     const struct master *master;
     struct virtual_rig rig;
-    dg_ns begin; /* of the section */
+    unsigned turned; /* the shaft, so far, mdeg */
+    dg_ns begin;     /* of the section */
     struct lx_tap_listener listener;
     struct lx_decoder decoder;
     const struct lx_tap_event *told; /* while it is */
@@ -319,31 +322,46 @@ static void begin_section(struct recorder *self, const char *who, const char *wh
     self->begin = lx_now();
 }
 
+static bool is_wanted(const struct recorder *self, const char *encoder, const char *fault)
+{
+    char name[2 * REQUEST_MAX];
+    (void)snprintf(name, sizeof name, "%s %s", encoder, fault);
+    return strncmp(name, self->only, strlen(self->only)) == 0;
+}
+
+static void live_with_fault(struct recorder *self, const char *encoder,
+                            const struct dg_fault_entry *entry, dg_ns step)
+{
+    const bool stored = entry->row == NULL;
+    begin_section(self, encoder, entry->name);
+    virtual_rig_order(&self->rig, "SHAF:POS %u.%03uDEG", self->turned / 1000u,
+                      self->turned % 1000u);
+    virtual_rig_order(&self->rig, "FAUL:SET %s", entry->name);
+    restart_encoder(self, stored, step);
+    request_all(self, step);
+    virtual_rig_order(&self->rig, "FAUL:CLE");
+    restart_encoder(self, stored, step);
+    request_all(self, step);
+}
+
 static void live_with_faults(struct recorder *self)
 {
     const dg_ns step = FAULT / (2 * self->request_count + OTHER_STEPS) / 1000 * 1000;
     const dg_ns end = lx_now() + MINUTE;
     struct dg_fault_entry entry;
-    unsigned turned = 0;
     const struct dg_encoder *encoder = NULL;
     for (size_t i = 0; (encoder = virtual_rig_encoder(&self->rig, i)) != NULL; i++) {
         const struct dg_fault_target target = dg_encoder_target(encoder);
         virtual_rig_order(&self->rig, "INST:SEL %s", encoder->name);
         for (size_t index = 0; dg_fault_entry(&target, index, &entry); index++) {
-            const bool stored = entry.row == NULL;
-            turned += TURN_MDEG;
-            begin_section(self, encoder->name, entry.name);
-            virtual_rig_order(&self->rig, "SHAF:POS %u.%03uDEG", turned / 1000u, turned % 1000u);
-            virtual_rig_order(&self->rig, "FAUL:SET %s", entry.name);
-            restart_encoder(self, stored, step);
-            request_all(self, step);
-            virtual_rig_order(&self->rig, "FAUL:CLE");
-            restart_encoder(self, stored, step);
-            request_all(self, step);
+            self->turned += TURN_MDEG;
+            if (is_wanted(self, encoder->name, entry.name)) {
+                live_with_fault(self, encoder->name, &entry, step);
+            }
         }
     }
     begin_section(self, "all", "healthy");
-    while (lx_now() < end) {
+    while (self->only[0] == '\0' && lx_now() < end) {
         request_all(self, step);
     }
 }
@@ -361,7 +379,9 @@ static void read_requests(struct recorder *self, const char *path)
             give_up("a shorter line, or fewer of them, are right", path);
         }
         line[n] = '\0';
-        if (line[0] != '#') {
+        if (line[0] == '@') {
+            (void)strcpy(self->only, line + 1);
+        } else if (line[0] != '#') {
             (void)strcpy(self->requests[self->request_count++], line);
         }
     }
