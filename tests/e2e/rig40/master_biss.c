@@ -46,7 +46,7 @@ void run_biss(struct master *self)
     (void)snprintf(line, sizeof line, "INST:SEL %s\n", self->device->name);
     tell(self, line);
     self->ahead = BISS_FRAME;
-    while (ended == 0) {
+    while (goes_on(self)) {
         ask_biss(self, self->device);
         sleep_until(now_ns() + BISS_PERIOD);
     }

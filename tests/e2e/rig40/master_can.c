@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* A CANopen master: SYNC for all nodes, then an SDO upload from one of them. */
 #define _GNU_SOURCE
-#include "masters.h"
+#include "slcan.h"
 
 #include <linux/can.h>
 #include <linux/can/raw.h>
@@ -32,11 +32,19 @@ struct cycle {
     size_t missing;
 };
 
+/* A terminal has a path, an interface a name. */
+static bool is_slcan(const struct master *self)
+{
+    return strchr(self->where, '/') != NULL;
+}
+
 static void send_frame(const struct master *self, uint32_t id, const uint8_t *data, uint8_t n)
 {
     struct can_frame frame = {.can_id = id, .can_dlc = n};
     memcpy(frame.data, data, n);
-    if (write(self->fd, &frame, sizeof frame) != (ssize_t)sizeof frame) {
+    if (is_slcan(self)) {
+        slcan_send(self, &frame);
+    } else if (write(self->fd, &frame, sizeof frame) != (ssize_t)sizeof frame) {
         die(self->where);
     }
 }
@@ -71,7 +79,7 @@ static void take_upload(struct master *self, struct cycle *cycle, struct device 
         return;
     }
     if (frame->data[0] != UPLOADED_FOUR) {
-        become(device, "garbled");
+        garble(self, device);
     } else {
         took(self, cycle->upload);
         (void)check(self, device, little_endian(frame->data + 4), cycle->upload);
@@ -122,22 +130,34 @@ static void take_frame(struct master *self, struct cycle *cycle, const struct ca
     }
 }
 
+/* @return whether one came before `end` */
+static bool next_frame(struct master *self, struct can_frame *frame, int64_t end)
+{
+    if (is_slcan(self)) {
+        return slcan_take(self, frame, end);
+    }
+    if (!readable(self->fd, end)) {
+        return false;
+    }
+    if (read(self->fd, frame, sizeof *frame) != (ssize_t)sizeof *frame) {
+        die(self->where);
+    }
+    return true;
+}
+
 /* Frames until `end`, or until all are there that are waited for. */
 static void take_frames(struct master *self, struct cycle *cycle, int64_t end, bool all)
 {
     struct can_frame frame;
-    while ((all || cycle->missing > 0 || cycle->upload != 0) && readable(self->fd, end)) {
-        if (read(self->fd, &frame, sizeof frame) != (ssize_t)sizeof frame) {
-            die(self->where);
-        }
+    while ((all || cycle->missing > 0 || cycle->upload != 0) && next_frame(self, &frame, end)) {
         take_frame(self, cycle, &frame);
     }
 }
 
-static void judge(struct device *device)
+static void judge(struct master *self, struct device *device)
 {
     if (device->answers == 0) {
-        become(device, "silent");
+        lose(self, device);
     } else if (device->answers > 1) {
         become(device, "twice");
     } else if (device->right) {
@@ -155,30 +175,40 @@ static void ask_sdo(struct master *self, struct cycle *cycle, struct device *dev
     cycle->asked = device;
     cycle->upload = now_ns();
     send_frame(self, ID_SDO_REQUEST + device->address, (const uint8_t[8]){0x40, 0x04, 0x60}, 8);
-    take_frames(self, cycle, cycle->upload + PATIENCE, false);
+    take_frames(self, cycle, cycle->upload + self->patience, false);
     if (cycle->upload != 0) {
-        become(device, "silent");
+        lose(self, device);
     }
 }
 
-void run_can(struct master *self)
+static void open_interface(struct master *self)
 {
-    struct cycle cycle = {0};
     struct sockaddr_can address = {.can_family = AF_CAN};
     address.can_ifindex = (int)if_nametoindex(self->where);
     self->fd = socket(AF_CAN, SOCK_RAW | SOCK_CLOEXEC, CAN_RAW);
     if (self->fd < 0 || bind(self->fd, (struct sockaddr *)&address, sizeof address) != 0) {
         die(self->where);
     }
+}
+
+void run_can(struct master *self)
+{
+    struct cycle cycle = {0};
+    const int64_t period = self->most == 0 ? SYNC_PERIOD : 0;
+    if (is_slcan(self)) {
+        slcan_open(self);
+    } else {
+        open_interface(self);
+    }
     start_node(self, 0);
-    for (unsigned i = 0; ended == 0 && self->count > 0; i++) {
+    for (unsigned i = 0; goes_on(self) && self->count > 0; i++) {
         cycle = (struct cycle){.sync = now_ns(), .missing = self->count};
         send_frame(self, ID_SYNC, (const uint8_t[]){0}, 0);
-        take_frames(self, &cycle, cycle.sync + PATIENCE, false);
+        take_frames(self, &cycle, cycle.sync + self->patience, false);
         ask_sdo(self, &cycle, &self->device[i % self->count]);
-        take_frames(self, &cycle, cycle.sync + SYNC_PERIOD, true);
+        take_frames(self, &cycle, cycle.sync + period, true);
         for (size_t k = 0; k < self->count; k++) {
-            judge(&self->device[k]);
+            judge(self, &self->device[k]);
         }
     }
 }

@@ -16,7 +16,7 @@ void run_clock(struct master *self)
     const struct sched_param first = {.sched_priority = PRIORITY};
     (void)sched_setscheduler(0, SCHED_FIFO, &first);
     int64_t at = now_ns();
-    while (ended == 0) {
+    while (goes_on(self)) {
         at += TICK;
         sleep_until(at);
         const int64_t late = now_ns() - at;

@@ -69,7 +69,7 @@ void run_ring(struct master *self)
         die(self->where);
     }
     (void)modbus_set_response_timeout(coupler, 5, 0);
-    for (int64_t at = now_ns(); ended == 0; at += RING_PERIOD) {
+    for (int64_t at = now_ns(); goes_on(self); at += RING_PERIOD) {
         ask_ring(self, coupler, &ring);
         at = at > now_ns() - RING_PERIOD ? at : now_ns() - RING_PERIOD;
         sleep_until(at + RING_PERIOD);

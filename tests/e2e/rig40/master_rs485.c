@@ -3,12 +3,14 @@
 #define _GNU_SOURCE
 #include "masters.h"
 
+#include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
+#include <string.h>
 #include <termios.h>
 #include <unistd.h>
 
-#define RS485_PAUSE (5 * NS_PER_MS)
+#define PAUSE_BITS 48 /* amply the 44 that end a frame */
 #define READ_POSITION 0x42u
 #define READ_STATUS 0x50u
 #define WARNING 0x80u
@@ -62,18 +64,18 @@ static size_t exchange(struct master *self, struct device *device, uint8_t comma
     if (write(self->fd, request, sizeof request) != (ssize_t)sizeof request) {
         die(self->where);
     }
-    const size_t n = read_reply(self, reply, length, from + PATIENCE);
+    const size_t n = read_reply(self, reply, length, from + self->patience);
     if (n == 0) {
-        become(device, "silent");
+        lose(self, device);
         return 0;
     }
     if (n < ERROR_REPLY_BYTES || reply[0] != address || !intact(reply, n)) {
-        become(device, "garbled");
+        garble(self, device);
         let_quiet(self);
         return 0;
     }
     took(self, from);
-    sleep_until(now_ns() + RS485_PAUSE);
+    sleep_until(now_ns() + self->pause);
     return n;
 }
 
@@ -107,20 +109,47 @@ static void ask_rs485(struct master *self, struct device *device)
     empty_queue(self, device, reply);
 }
 
+static const struct {
+    const char *told; /* behind the terminal; the first one where nothing is */
+    int baud;
+    speed_t speed;
+} speeds[] = {
+    {"", 9600, B9600},
+    {"@38400", 38400, B38400},
+};
+
+/* Open the terminal of `where`. @return its speed */
+static speed_t open_line(struct master *self)
+{
+    char path[LINE_SIZE];
+    const size_t n = strcspn(self->where, "@");
+    size_t i = 0;
+    while (strcmp(speeds[i].told, &self->where[n]) != 0) {
+        if (++i == sizeof speeds / sizeof speeds[0]) {
+            errno = EINVAL;
+            die(self->where);
+        }
+    }
+    (void)snprintf(path, sizeof path, "%.*s", (int)n, self->where);
+    self->fd = open(path, O_RDWR | O_NOCTTY | O_CLOEXEC);
+    self->pause = PAUSE_BITS * NS_PER_S / speeds[i].baud;
+    return speeds[i].speed;
+}
+
 void run_rs485(struct master *self)
 {
     struct termios line;
-    self->fd = open(self->where, O_RDWR | O_NOCTTY | O_CLOEXEC);
+    const speed_t speed = open_line(self);
     if (self->fd < 0 || tcgetattr(self->fd, &line) != 0) {
         die(self->where);
     }
     cfmakeraw(&line);
     line.c_cflag |= CLOCAL | CREAD; /* a pseudo-terminal has no parity */
-    (void)cfsetspeed(&line, B9600);
+    (void)cfsetspeed(&line, speed);
     if (tcsetattr(self->fd, TCSANOW, &line) != 0) {
         die(self->where);
     }
-    for (unsigned i = 0; ended == 0 && self->count > 0; i++) {
+    for (unsigned i = 0; goes_on(self) && self->count > 0; i++) {
         ask_rs485(self, &self->device[i % self->count]);
     }
 }

@@ -4,17 +4,20 @@
  * drive or a PLC does, and checks every answer against the angle that the shaft has by the control
  * plane.
  *
- * usage: masters WIRE WHERE CONTROL [NAME,ADDRESS,STEPS,TURNS]...
+ * usage: masters [-n MOST] WIRE WHERE CONTROL [NAME,ADDRESS,STEPS,TURNS]...
  *
+ * - MOST: it ends when it has asked so often, pauses no longer than the wire needs, and waits for
+ *   answers that come late
  * - WIRE: can, rs485, ring or biss; clock looks at the machine's time, see master_clock.c
- * - WHERE: interface, terminal, port of the coupler on 127.0.0.1; else -
+ * - WHERE: interface, or path of a terminal with SLCAN; terminal, perhaps with @BAUD behind it;
+ * port of the coupler on 127.0.0.1; else -
  * - CONTROL: path of the control socket
  * - ADDRESS: node-ID, RS485 address, first input register
  *
  * A line for each change: "NAME STATE", with "ok", "silent", "garbled", "twice", "wrong ..." or
  * what the wire has to say. SIGTERM ends it with a line of figures:
  *
- *   figures WHERE exchanges=N wrong=N longest_us=N
+ *   figures WHERE exchanges=N wrong=N lost=N garbled=N longest_us=N
  *
  * An answer is right when the shaft was there between the request and the answer; longest_us is the
  * longest time from the one to the other.
@@ -36,13 +39,21 @@
 
 #define DEGREES_PER_TURN 360.0
 #define LOOKS_APART NS_PER_S
+#define PATIENCE (250 * NS_PER_MS)
+/* Where every answer counts: a machine that stands still loses none. */
+#define LONG_PATIENCE (2 * NS_PER_S)
 
-volatile sig_atomic_t ended;
+static volatile sig_atomic_t ended;
 
 static void on_signal(int number)
 {
     (void)number;
     ended = 1;
+}
+
+bool goes_on(const struct master *self)
+{
+    return ended == 0 && (self->most == 0 || self->exchanges + self->lost < self->most);
 }
 
 int64_t now_ns(void)
@@ -95,6 +106,18 @@ void become(struct device *device, const char *state)
         (void)snprintf(device->state, sizeof device->state, "%s", state);
         say(device->name, "%s", state);
     }
+}
+
+void lose(struct master *self, struct device *device)
+{
+    self->lost++;
+    become(device, "silent");
+}
+
+void garble(struct master *self, struct device *device)
+{
+    self->garbled++;
+    become(device, "garbled");
 }
 
 /* --- the shaft --- */
@@ -254,10 +277,17 @@ static void run(struct master *self, const char *wire)
 
 int main(int argc, char **argv)
 {
-    struct master self = {.fd = -1};
+    struct master self = {.fd = -1, .patience = PATIENCE};
     const struct sigaction end = {.sa_handler = on_signal, .sa_flags = SA_RESTART};
+    if (argc > 3 && strcmp(argv[1], "-n") == 0) {
+        self.most = strtoul(argv[2], NULL, 10);
+        self.patience = LONG_PATIENCE;
+        argc -= 2;
+        argv += 2;
+    }
     if (argc < 4 || argc > 4 + (int)DEVICES_MAX) {
-        (void)fprintf(stderr, "usage: masters WIRE WHERE CONTROL [NAME,ADDRESS,STEPS,TURNS]...\n");
+        (void)fprintf(stderr, "usage: masters [-n MOST] WIRE WHERE CONTROL "
+                              "[NAME,ADDRESS,STEPS,TURNS]...\n");
         return 2;
     }
     (void)sigaction(SIGTERM, &end, NULL);
@@ -269,7 +299,8 @@ int main(int argc, char **argv)
     }
     ask_shafts(&self);
     run(&self, argv[1]);
-    (void)printf("figures %s exchanges=%lu wrong=%lu longest_us=%lld\n", self.where, self.exchanges,
-                 self.wrong, (long long)(self.longest / (NS_PER_MS / 1000)));
+    (void)printf("figures %s exchanges=%lu wrong=%lu lost=%lu garbled=%lu longest_us=%lld\n",
+                 self.where, self.exchanges, self.wrong, self.lost, self.garbled,
+                 (long long)(self.longest / (NS_PER_MS / 1000)));
     return 0;
 }

@@ -17,8 +17,6 @@
 #define LINE_SIZE 256u
 #define NS_PER_MS INT64_C(1000000)
 #define NS_PER_S INT64_C(1000000000)
-/** An encoder that has not answered by then is silent. */
-#define PATIENCE (250 * NS_PER_MS)
 #define CONTROL_PATIENCE (10 * NS_PER_S)
 
 /** Who is asked, and what came of it. */
@@ -42,16 +40,23 @@ struct master {
     int fd;      /**< of the wire */
     struct device device[DEVICES_MAX];
     size_t count;
+    int64_t patience;   /**< an encoder that has not answered by then is silent */
+    unsigned long most; /**< exchanges and losses until it ends by itself; 0: never */
     unsigned long exchanges;
     unsigned long wrong;
-    int64_t longest; /**< from a request to its answer */
+    unsigned long lost;    /**< requests without an answer */
+    unsigned long garbled; /**< answers that were none */
+    int64_t longest;       /**< from a request to its answer */
+    int64_t pause;         /**< on an RS485 line, between a reply and the next request */
+    char line[LINE_SIZE];  /**< of SLCAN, as far as it has come */
+    size_t line_size;
     int64_t ahead; /* so far may the wire run ahead of the clock: a frame of the rig's own master */
 };
 
-/** The process is to end. */
-extern volatile sig_atomic_t ended;
+/** Whether a master has work left: the process is not to end, and it has not asked enough. */
+bool goes_on(const struct master *self);
 
-/** The masters: each works until `ended`. */
+/** The masters: each works while it goes on. */
 void run_can(struct master *self);
 void run_rs485(struct master *self);
 void run_ring(struct master *self);
@@ -73,6 +78,12 @@ bool readable(int fd, int64_t end);
 
 /** A line about something with a name, printf style. */
 __attribute__((format(printf, 2, 3))) void say(const char *name, const char *format, ...);
+
+/** Nothing came for a request: "silent". Counts. */
+void lose(struct master *self, struct device *device);
+
+/** What came is no answer: "garbled". Counts. */
+void garble(struct master *self, struct device *device);
 
 /** A line when the state is another one than before. */
 void become(struct device *device, const char *state);
