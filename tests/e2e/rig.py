@@ -212,6 +212,10 @@ class Client:
         told = self.ask("SYST:ERR?")
         assert told.startswith("0,"), (text, told)
 
+    def late(self) -> int:
+        """Deadlines that the selected encoder's wire has missed, by the rig's own count."""
+        return int(re.search(r"\bwire_late=(\d+)", self.ask("STAT?"))[1])
+
     def refused(self, text: str, code: int):
         assert self.error(text) == code, text
 
@@ -241,6 +245,19 @@ class Rigs:
         for one in self.clients:
             one.close()
         return [line for one in self.running for line in one.clean_up()]
+
+
+def assert_takes(nominal_s: float, margin_s: float, measure, late, count: int = 100):
+    """Of `count` times that measure() finds none is below nominal_s, and three of four are at most margin_s
+    above it: what comes late every other time may not hide behind the rest. late() is the rig's own count of
+    deadlines that it has missed; if it rose meanwhile, tests/gates/tally.py wants to know."""
+    before = late()
+    took = sorted(measure() for _ in range(count))
+    missed = late() - before
+    told = (f"{count} times {1000 * nominal_s:.1f} ms: {1000 * took[0]:.2f} at least, three of four within "
+            f"{1000 * took[3 * count // 4]:.2f}, {1000 * took[-1]:.2f} at most; the rig missed {missed} deadlines")
+    print(f"stall: {told}" if missed else told)
+    assert took[0] >= nominal_s and took[3 * count // 4] <= nominal_s + margin_s, told
 
 
 def assert_silent(master: Master, command=Master.read_position):

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The wire: settings, pace, masters that misbehave, terminals that vanish."""
 import contextlib
-import math
 import os
 import random
 import select
@@ -12,12 +11,14 @@ import pytest
 import serial
 
 from hiperface_master import CHARACTER_BITS, FieldStatus, Master, NoReply, UartSetting, frame
-from rig import MULTITURN, PATIENCE_S, assert_one_line, assert_silent, run_refused
+from rig import MULTITURN, PATIENCE_S, Client, assert_one_line, assert_silent, assert_takes, run_refused
 
 READ_POSITION = frame(0x40, 0x42)
 READ_IDENTITY = frame(0x40, 0x56)
 IDENTITY_CHARACTERS = 40
 IDENTITY_S = IDENTITY_CHARACTERS * CHARACTER_BITS / 9600
+REACTION_S = 0.001
+MARGIN_S = 0.010 - REACTION_S  # 10 ms are the manual's maximum behind 42h; here for what a busy machine takes, too
 SETTING_19200 = UartSetting(19200, "E", 44, False).encode()
 SETTING_38400_SHORT = UartSetting(38400, "E", 11, False).encode()
 
@@ -145,10 +146,28 @@ def test_any_line_setting(start):
             assert master.read_position() == 0
 
 
+@pytest.fixture
+def timed(start, tmp_path):
+    """Start an encoder; its master, and what its rig counts of missed deadlines."""
+    clients = []
+
+    def begin(*arguments):
+        address = f"unix:{tmp_path}/control.sock"
+        encoder = start("--control", address, *arguments)
+        assert encoder.out.wait().startswith("control ")
+        clients.append(Client(address))
+        return encoder.master(), clients[-1].late
+
+    yield begin
+    for client in clients:
+        client.close()
+
+
 def reply_times(master: Master) -> tuple[float, float]:
     """Seconds from the request to the end of a 40 character reply, and from its first read on."""
-    master.send(READ_IDENTITY)
+    master.wait_for_line()
     sent = time.monotonic()
+    master.send(READ_IDENTITY)
     first = master.receive(1, 2)
     began = time.monotonic()
     assert len(first + master.receive(IDENTITY_CHARACTERS - 1, 2)) == IDENTITY_CHARACTERS
@@ -156,17 +175,28 @@ def reply_times(master: Master) -> tuple[float, float]:
     return ended - sent, ended - began
 
 
-def test_reply_takes_its_time(start):
-    master = start().master()
-    times = [reply_times(master) for _ in range(5)]
-    assert min(total for total, _ in times) >= IDENTITY_S
-    assert max(spread for _, spread in times) >= IDENTITY_S / 2
-    assert min(total for total, _ in times) < 1
+def test_reply_takes_its_time(timed):
+    """It comes character by character, not as a whole at its end."""
+    master, late = timed()
+    spread = []
+
+    def total():
+        times = reply_times(master)
+        spread.append(times[1])
+        return times[0]
+
+    assert_takes(transaction_s(3, IDENTITY_CHARACTERS), MARGIN_S, total, late, 20)
+    assert sorted(spread)[len(spread) // 2] >= IDENTITY_S - MARGIN_S
 
 
 def test_reply_without_pace(start):
     master = start("--set", "pace=0").master()
     assert min(reply_times(master)[0] for _ in range(10)) < IDENTITY_S
+
+
+def transaction_s(request: int, reply: int, character_bits: int = CHARACTER_BITS) -> float:
+    """Characters of both, the silence of 44 bits that ends a request (5.1.1.1), and 1 ms to react."""
+    return ((request + reply) * character_bits + 44) / 9600 + REACTION_S
 
 
 def round_trip(master: Master, request: bytes, reply_bytes: int) -> float:
@@ -178,44 +208,35 @@ def round_trip(master: Master, request: bytes, reply_bytes: int) -> float:
     return time.monotonic() - begun
 
 
-def shortest_of(count: int, master: Master, request: bytes, reply_bytes: int, enough: float):
-    """The shortest round trip of `count`, or one that is shorter than `enough`."""
-    least = math.inf
-    while count > 0 and least >= enough:
-        least = min(least, round_trip(master, request, reply_bytes))
-        count -= 1
-    return least
+def test_a_transaction_takes_its_time(timed):
+    """17.0 ms; 26.0 is what the manual allows."""
+    master, late = timed()
+    assert_takes(transaction_s(3, 7), MARGIN_S, lambda: round_trip(master, READ_POSITION, 7), late)
 
 
-def test_a_transaction_takes_its_time(start):
-    """3 characters, a timeout of 44 bits, 1 ms, 7 characters: 17.0 ms at 9600 Bd."""
-    master = start().master()
-    shortest = shortest_of(100, master, READ_POSITION, 7, 0.025)
-    assert (10 * CHARACTER_BITS + 44) / 9600 + 0.001 <= shortest < 0.025
-
-
-def test_a_long_request_takes_its_time(start):
-    master = start().master()
+def test_a_long_request_takes_its_time(timed):
+    """167.1 ms, of which a character is 1.1: each is waited for. Ten times only, so that one moment in which the
+    machine stands still is a good part of them: 30 ms for that."""
+    master, late = timed()
     master.create_field(0, FieldStatus(128, code_enabled=False))
     request = frame(0x40, 0x4B, bytes([0, 0, 128, 0x55]) + bytes(128))
-    shortest = shortest_of(10, master, request, 6, 0.3)
-    assert ((135 + 6) * CHARACTER_BITS + 44) / 9600 + 0.001 <= shortest < 0.3
+    assert_takes(transaction_s(135, 6), 0.03, lambda: round_trip(master, request, 6), late, 10)
 
 
-def test_a_transaction_without_parity_is_shorter(start):
-    """10 bits a character; the timeout is what it is."""
-    master = start().master()
+def test_a_transaction_without_parity_is_shorter(timed):
+    """10 bits a character; the timeout is what it is. 1 ms is little for a busy machine: the shortest one."""
+    master, _ = timed()
     setting = UartSetting(9600, "N", 44, False).encode()
     master.configure_uart(setting)
     master.reset()
-    limit = (10 * CHARACTER_BITS + 44) / 9600 + 0.001
-    shortest = shortest_of(200, master, READ_POSITION, 7, limit)
-    assert 10 * 10 + 44 <= (shortest - 0.001) * 9600 < 10 * CHARACTER_BITS + 44
+    shortest = min(round_trip(master, READ_POSITION, 7) for _ in range(100))
+    assert transaction_s(3, 7, 10) <= shortest < transaction_s(3, 7)
 
 
-def test_a_transaction_at_once(start):
-    master = start("--set", "pace=0").master()
-    assert shortest_of(100, master, READ_POSITION, 7, 0.012) < 0.012
+def test_a_transaction_at_once(timed):
+    """The silence and the time to react are left."""
+    master, late = timed("--set", "pace=0")
+    assert_takes(transaction_s(0, 0), MARGIN_S, lambda: round_trip(master, READ_POSITION, 7), late)
 
 
 def test_more_than_the_line_can_carry(start):

@@ -51,10 +51,6 @@ def served(start):
         client.close()
 
 
-def late(client) -> int:
-    return int(re.search(r"\bwire_late=(\d+)", client.ask("STAT?"))[1])
-
-
 def stop(encoder, seconds):
     time.sleep(0.1)  # it waits again
     os.kill(encoder.pid, signal.SIGSTOP)
@@ -71,24 +67,24 @@ def wakeups(encoder) -> int:
 def test_a_stop_is_counted_and_told(served, kind):
     model, wire = KINDS[kind]
     encoder, client = served(model=model, wire=[wire.format(port=free_port())])
-    before = late(client)
+    before = client.late()
     stop(encoder, LONG_S)
-    assert late(client) >= before + 1
+    assert client.late() >= before + 1
     line = assert_one_line(encoder)  # stopped while it waited, or while its LEDs blinked
     assert re.search("stopped and continued|held up for [4-9][0-9][0-9] ms", line), line
 
 
 def test_stops_one_behind_the_other_are_one_line(served):
     encoder, client = served()
-    before = late(client)
+    before = client.late()
     for _ in range(5):
         stop(encoder, 0.1)
         time.sleep(0.1)
-    assert late(client) >= before + 5
+    assert client.late() >= before + 5
     assert_one_line(encoder, "stopped and continued")
     time.sleep(1.2)
     stop(encoder, 0.1)
-    assert late(client) >= before + 6
+    assert client.late() >= before + 6
     assert_one_line(encoder, "stopped and continued")
 
 
@@ -98,11 +94,11 @@ def test_a_request_that_waits_for_a_call_is_counted_and_told(served, tmp_path):
     environment = os.environ | {"LD_PRELOAD": str(tmp_path / "slow.so"), "ASAN_OPTIONS": "verify_asan_link_order=0"}
     encoder, client = served(env=environment)
     master = encoder.master(grace_s=5.0)
-    before = late(client)
+    before = client.late()
     with Client(client.line.getpeername()[1]):
         time.sleep(0.1)  # it is being let in
         assert master.read_position() == 0
-        assert late(client) >= before + 1
+        assert client.late() >= before + 1
     line = assert_one_line(encoder, "held up for")
     assert 200 <= int(line.split("held up for ")[1].split()[0]) < 5000
 
@@ -112,12 +108,12 @@ def test_an_idle_process_sleeps_and_is_never_late(served):
     while (0, 0, []) not in seen:
         assert len(seen) < 5, seen  # the machine may hold up whoever asks
         encoder, client = served()
-        first = late(client)
+        first = client.late()
         time.sleep(0.5)  # the connection is dealt with
         before = wakeups(encoder)
         time.sleep(2.0)
         assert wakeups(encoder) == before
-        seen.append((first, late(client), encoder.errors.so_far()))
+        seen.append((first, client.late(), encoder.errors.so_far()))
 
 
 def long_motion(folder, lines) -> Path:

@@ -21,10 +21,10 @@ import canopen.emcy
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from rig import (PATIENCE_S, PROGRAM, Client, Encoder, Lines, assert_one_line,  # noqa: E402
-                 free_port, run)
+                 assert_takes, free_port, run)
 
 __all__ = ["PATIENCE_S", "PROGRAM", "WIRE", "Client", "Encoder", "Lines", "LOAD", "MODEL", "Rig",
-           "SAVE", "assert_one_line", "free_port", "on_slcan", "run", "state_of", "wait_for_leds"]
+           "SAVE", "assert_one_line", "assert_takes", "free_port", "on_slcan", "run", "state_of", "wait_for_leds"]
 
 WIRE = os.environ.get("RIG_CAN", "slcan")
 MODEL = "f3668"
