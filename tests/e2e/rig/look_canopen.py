@@ -2,7 +2,7 @@
 """What a CANopen master sees of each fault: F36x8 manual, chapters 14, 15, 25, 26, 29."""
 import time
 
-from bench import CanMaster, eventually
+from bench import CanMaster, assert_takes, eventually
 from looks import Target, power_cycle, seconds
 
 NODE_ID = 63
@@ -123,16 +123,20 @@ def can_deaf(target):
     assert set(states(master)) == {PRE_OPERATIONAL}
 
 
+def assert_upload_takes(target: Target, nominal_s: float):
+    """An SDO upload, which an encoder answers at once: the margin is for a machine that is emulated, as the guest
+    is, and for the client's threads."""
+    assert_takes(nominal_s, 0.025, lambda: seconds(lambda: target.master.read(0x1000)),
+                 lambda: int(target.scpi.state()["wire_late"]), 10)
+
+
 def can_delay(target):
-    master = target.master
-    usual = min(seconds(lambda: master.read(0x1000)) for _ in range(5))
-    assert usual < 0.03
+    assert_upload_takes(target, 0)
     yield
-    for _ in range(3):
-        assert 0.048 <= seconds(lambda: master.read(0x1000)) <= 0.2
+    assert_upload_takes(target, 0.05)
     yield
     time.sleep(0.06)
-    assert min(seconds(lambda: master.read(0x1000)) for _ in range(5)) < 0.03
+    assert_upload_takes(target, 0)
 
 
 def can_damage(target):

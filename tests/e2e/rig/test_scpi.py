@@ -10,6 +10,7 @@ import statistics
 import struct
 import subprocess
 import time
+from decimal import Decimal
 
 import pytest
 
@@ -459,10 +460,13 @@ def test_queue_overflow(session):
 # --- what takes time ----------------------------------------------------------------------------
 
 def test_opc_query_waits_for_a_move(session):
-    begin = time.monotonic()
-    assert session.ask("SHAF:MOVE 180 DEG,60 RPM;*OPC?") == "1"
-    assert 0.48 <= time.monotonic() - begin < 5
-    assert session.ask("SHAF:POS?") == "180.000000"
+    took = []
+    for degrees in (180, 360, 540):
+        begin, done, end = session.ask(f"TIME?;:SHAF:MOVE {degrees} DEG,60 RPM;*OPC?;:TIME?").split(";")
+        took.append(Decimal(end) - Decimal(begin))
+        assert done == "1" and session.ask("SHAF:POS?") == f"{degrees}.000000"
+    # By the rig's clock half a second, and until a busy machine has woken the rig; one of three may meet it still.
+    assert min(took) >= Decimal("0.5") and sorted(took)[1] <= Decimal("0.52"), took
 
 
 def test_wai_holds_the_line(session):
