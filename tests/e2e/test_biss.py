@@ -112,12 +112,13 @@ def test_trace_can_be_read_back(tmp_path):
     assert_positions(text, 1 << 19)
 
 
-def assert_positions(trace: str, wanted: int, delay_ns: int = 0) -> int:
+def assert_positions(trace: str, wanted: int, delay_ns: int = 0, width: int = 21) -> int:
+    """Each frame has this position, and the check sum that is worked out here."""
     decoded = [bits for bits in frames(trace, delay_ns) if "01" in bits]
     assert decoded
     for bits in decoded:
         data = bits[bits.index("01") + 3:]  # behind Ack, start bit and CDS
-        position, rest, crc = data[:21], data[21:29], data[29:35]
+        position, rest, crc = data[:width], data[width:width + 8], data[width + 8:width + 14]
         assert int(position, 2) == wanted
         assert int(crc, 2) == crc6(position + rest) ^ 0x3F
     return len(decoded)

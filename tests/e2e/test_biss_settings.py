@@ -5,6 +5,7 @@ import re
 import pytest
 
 from rig import run, run_refused
+from test_biss import assert_positions
 
 S3674 = "s3674-biss"
 S3684 = "s3684-biss"
@@ -21,10 +22,12 @@ def settings(*assignments) -> list:
 
 
 @pytest.mark.parametrize("mt, st", [(0, 12), (12, 24), (24, 24)])
-def test_widths(mt, st):
+def test_widths(mt, st, tmp_path):
+    trace = tmp_path / "biss.vcd"
     said = biss(S3684, "read", "registers", "0x7A", "2", "--shaft", "90DEG",
-                *settings(f"mt={mt}", f"st={st}"))
+                *settings(f"mt={mt}", f"st={st}"), "--trace", trace)
     assert f"ST {1 << st - 2} " in said and "CRC valid" in said
+    assert assert_positions(trace.read_text(), 1 << st - 2, width=mt + st) > 0
     assert said.splitlines()[1] == f"{0xC0 | mt:02X} {st:02X}"
 
 

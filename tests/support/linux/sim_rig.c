@@ -8,6 +8,7 @@
 
 #include <cmocka.h>
 
+#include "biss_rig.h"
 #include "biss_settings.h"
 #include "drehgeber/devices.h"
 #include "station_rig.h"
@@ -115,7 +116,7 @@ uint64_t sim_rig_position(const struct sim_rig *self)
 bool sim_rig_crc_ok(const struct sim_rig *self)
 {
     const uint64_t data = self->bits >> 6 & (((uint64_t)1 << 41) - 1u);
-    return dg_biss_crc6(data, 41) == (self->bits & 0x3Fu);
+    return biss_rig_crc6(data, 41) == (self->bits & 0x3Fu);
 }
 
 int sim_rig_read(struct sim_rig *self, size_t place, uint8_t address, uint8_t *bytes, size_t n)

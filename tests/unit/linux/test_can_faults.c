@@ -91,7 +91,11 @@ static void delay(void **state)
     self->taken = before;
     const struct dg_can_frame *frame = can_rig_next(self, 0x581, CAN_RIG_PATIENCE);
     assert_non_null(frame);
-    assert_true(dg_elapsed(lx_now(), begin) >= span);
+    const dg_ns took = dg_elapsed(lx_now(), begin);
+    assert_true(took >= span);
+    /* Not twice, unless this process stood still, which the bus counts. When exactly is in
+     * golden/traces. */
+    assert_true(took < 2 * span || self->bus->late + self->bus->stalls > 0);
     assert_int_equal(frame->data[1], 0x00);
     frame = can_rig_next(self, 0x581, CAN_RIG_PATIENCE);
     assert_non_null(frame);

@@ -15,8 +15,6 @@
 
 #include "can_rig.h"
 
-#define KBAUD_DELIVERED 250u
-
 static void set(struct can_rig *self, const char *assignment)
 {
     assert_int_equal(lx_plan_add_assignment(&self->wire.settings, assignment, 9, &self->error), 0);
@@ -113,8 +111,8 @@ static void each_frame_has_its_time(void **state)
     assert_false(wire->can.stalled);
     wait_for(self, 10);
     expect_in_order(wire, 0x100, 10);
-    const dg_ns first = dg_bit_times_ns(135, KBAUD_DELIVERED * 1000u);
-    const dg_ns other = dg_bit_times_ns(55, KBAUD_DELIVERED * 1000u);
+    const dg_ns first = DG_US(540); /* 135 bits of 4 us */
+    const dg_ns other = DG_US(220); /* 55 */
     for (size_t i = 1; i < 10; i++) {
         assert_true(dg_elapsed(wire->at[i], begin) >= first + (i - 1) * other);
     }

@@ -96,7 +96,11 @@ static void a_delayed_reply_comes_late(void **state)
     line_rig_request(&rig, 0x40, LINE_READ_POSITION);
     const dg_ns begin = lx_now();
     assert_int_equal(line_rig_receive(&rig, 7, LINE_PATIENCE), 7);
-    assert_true(lx_now() - begin >= delay);
+    const dg_ns took = dg_elapsed(lx_now(), begin);
+    assert_true(took >= delay);
+    /* Not twice, unless this process stood still, which the bus counts. When exactly is in
+     * golden/traces. */
+    assert_true(took < 2 * delay || rig.bus->late + rig.bus->stalls > 0);
     line_rig_answers(&rig, 0x40);
     line_rig_close(&rig);
 }
