@@ -5,6 +5,7 @@ its frames in every step. A position that is told without an error has to be tha
 
 By hand: DREHGEBER_SILKIT_HOURS=10 python3 -m pytest -q -rP tests/e2e/silkit/soak.py"""
 import itertools
+import math
 import os
 import struct
 import time
@@ -38,6 +39,7 @@ model = s3684-biss
 wire = silkit:{uri},CHAIN
 """
 RPM = 97
+RESTART = 1000  # steps, twice those from one start of all nodes to the next
 
 
 class Watch:
@@ -46,6 +48,8 @@ class Watch:
     def __init__(self):
         self.right = {"can": 0, "biss": 0}
         self.wrong, self.marked, self.steps, self.now, self.begun = [], 0, 0, 0, None
+        self.sound_from = 0  # the step from which on the node has to answer: math.inf while it is bent
+        self.silent, self.answers_due = [], 0
 
     def judge(self, kind: str, at_ns: int, told: int):
         turn, whole, late_ns = WIDTHS[kind]
@@ -58,9 +62,12 @@ class Watch:
     def step(self, master, now):
         self.begun = self.begun or time.monotonic()
         self.now, self.steps = now, self.steps + 1
-        for at, name, content, _ in master.frames:
-            if name == 0x2BF:
-                self.judge("can", at - STEP_NS, struct.unpack("<I", content)[0])
+        positions = [(at, content) for at, name, content, _ in master.frames if name == 0x2BF]
+        for at, content in positions:
+            self.judge("can", at - STEP_NS, struct.unpack("<I", content)[0])
+        if self.steps > self.sound_from + RESTART and now > 2 * SECOND + RESTART * STEP_NS:
+            self.answers_due += 1
+            self.silent += [] if positions else [now]
         for _, _, content in master.data:
             at, verdict, flags, _, _, multi, single, _, _ = struct.unpack("<Q4B3IQ", content)
             if (verdict, flags) != (0, 0):
@@ -70,7 +77,7 @@ class Watch:
         del master.frames[:], master.data[:]
         if now > 2 * SECOND:
             master.send(0x80, b"")
-        if self.steps % 500 == 0:
+        if self.steps % (RESTART // 2) == 0:
             master.send(0, b"\x01\x00")  # whoever was bus-off, or has started anew
 
     def going_on(self) -> bool:
@@ -79,11 +86,13 @@ class Watch:
         return self.begun is None or time.monotonic() < self.begun + SECONDS
 
 
-def bend(control, kind, name):
+def bend(control, watch, kind, name):
     """For a while."""
+    watch.sound_from = math.inf if kind == "can" else watch.sound_from
     control.do(f"INST:SEL {kind};:FAUL:SET {name}")
     time.sleep(0.05)
     control.do(f"FAUL:CLE {name}")
+    watch.sound_from = watch.steps if kind == "can" else watch.sound_from
     time.sleep(0.05)
 
 
@@ -104,7 +113,7 @@ def test_every_position_is_right_or_marked(tmp_path):
             for kind, name in itertools.cycle([(kind, name) for kind, names in FAULTS.items() for name in names]):
                 if not watch.going_on() or master.failed:
                     break
-                bend(control, kind, name)
+                bend(control, watch, kind, name)
                 rounds += 1
         master.stop()
         master.wait()
@@ -114,9 +123,12 @@ def test_every_position_is_right_or_marked(tmp_path):
         program.close()
         registry.end()
     took = time.monotonic() - watch.begun
-    print(f"{watch.now / 3600 / SECOND:.3f} virtual h in {took:.0f} s: {watch.steps} steps, {watch.steps / took:.0f}/s; "
-          f"{rounds} defects; positions right: {watch.right['can']} by SYNC, {watch.right['biss']} by BiSS; "
-          f"{watch.marked} marked; {len(watch.wrong)} wrong")
+    print(f"{watch.now / 3600 / SECOND:.3f} virtual h in {took:.0f} s: {watch.steps} steps, "
+          f"{watch.steps / took:.0f}/s; {rounds} defects; positions right: {watch.right['can']} by SYNC, "
+          f"{watch.right['biss']} by BiSS; {watch.marked} marked; {len(watch.wrong)} wrong; "
+          f"{len(watch.silent)} of {watch.answers_due} answers to SYNC missing")
     assert watch.wrong[:20] == []
-    assert watch.right["can"] > watch.steps // 2 and watch.right["biss"] > watch.steps // 2
+    # A frame in each step, right or marked; an answer in each while nothing is wrong with the node.
+    assert watch.right["biss"] + watch.marked >= watch.steps - 2
+    assert watch.silent[:20] == [] and watch.answers_due > watch.steps // 4
     assert watch.marked > 0 and rounds >= 10
