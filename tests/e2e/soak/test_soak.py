@@ -26,8 +26,13 @@ from rig import Client  # noqa: E402
 
 RUN_S = float(os.environ.get("DREHGEBER_SOAK_SECONDS", "60"))
 WARM_S = min(RUN_S / 3, 60.0)  # until every kind of thing has happened a few times
-GROWS_KIB = {"RssAnon": 64, "VmRSS": 256, "Pss": 256}  # from the first fifth of what follows to the last
+# From the first fifth of what follows to the last. Its own memory: four pages, as the heap may be cut another way;
+# what leaks in every round is more. VmRSS has pages of files, too, which the kernel takes and gives back. (Not Pss:
+# a page of a library counts for more in it whenever another process ends.)
+GROWS_KIB = {"RssAnon": 16, "VmRSS": 256}
 ROUND_S = 0.4
+STARTS_S = 0.3  # an encoder whose power is back: 0.1 s on RS485, and a busy machine
+SILENT_S = 1.0  # longer than a machine stands still
 STEP_S = 0.05  # between the requests of a master in here: 20 a second
 RIG = """
 [shaft main]
@@ -92,12 +97,19 @@ DEFECTS = [
 TRACES = [("a1", "vcd"), ("n1", "log"), ("n1", "pcapng"), ("k1", "csv"), ("e1", "vcd")]
 
 
+class Span(NamedTuple):
+    begin: float
+    end: float
+
+
 class Storing:
     """A master in a thread of its own that reads, and stores now and then. A defect keeps it from
     that, and nothing else does."""
 
-    def __init__(self):
+    def __init__(self, *encoders):
+        self.encoders = encoders  # those it asks
         self.figures = {"exchanges": 0, "stored": 0, "failed": 0}
+        self.failures = []  # Span
         self._end = threading.Event()
         self._thread = threading.Thread(target=self._run)
 
@@ -109,6 +121,7 @@ class Storing:
         for count in itertools.count():
             if self._end.wait(STEP_S):
                 return
+            begin = time.monotonic()
             try:
                 self.read()
                 self.figures["exchanges"] += 1
@@ -117,6 +130,13 @@ class Storing:
                     self.figures["stored"] += 1
             except (HiperfaceError, TimeoutError):
                 self.figures["failed"] += 1
+                self.failures.append(Span(begin, time.monotonic()))
+
+    def unexplained(self, bent: list) -> list:
+        """Failures while no encoder of its own was bent, nor starting again."""
+        spans = [span for name, span in bent if name in self.encoders]
+        return [one for one in self.failures
+                if not any(one.begin <= span.end + STARTS_S and one.end >= span.begin for span in spans)]
 
     def end(self):
         self._end.set()
@@ -128,10 +148,10 @@ class OnLine(Storing):
     """42h and 4Bh."""
 
     def __init__(self, where):
-        super().__init__()
+        super().__init__("w")
         self.master = Hiperface(where, grace_s=PATIENCE_S)
         self.master.create_field(0, FieldStatus(16))
-        self.master.grace_s = 0.2
+        self.master.grace_s = SILENT_S
 
     def read(self):
         self.master.read_position()
@@ -147,7 +167,7 @@ class OnCan(Storing):
     """SDO uploads of two nodes, and 1010h."""
 
     def __init__(self, where):
-        super().__init__()
+        super().__init__("n1", "n2")
         self.port = serial.Serial(where, timeout=0.02)
         self.port.write(b"C\rS5\rO\r")
         self.rest = b""
@@ -155,7 +175,7 @@ class OnCan(Storing):
     def sdo(self, node, request):
         self.port.write(b"t%03X8%s\r" % (0x600 + node, request.hex().encode()))
         wanted = b"t%03X8" % (0x580 + node)
-        end = time.monotonic() + 0.5
+        end = time.monotonic() + SILENT_S
         while time.monotonic() < end:
             *lines, self.rest = (self.rest + self.port.read(max(1, self.port.in_waiting))).split(b"\r")
             if any(wanted in line for line in lines):
@@ -182,18 +202,20 @@ class Sample(NamedTuple):
 
 def sample(pid: int) -> Sample:
     process = Path(f"/proc/{pid}")
-    text = (process / "status").read_text() + (process / "smaps_rollup").read_text()
+    text = (process / "status").read_text()
     memory = {name: int(re.search(rf"^{name}:\s+(\d+) kB", text, re.M)[1]) for name in GROWS_KIB}
     return Sample(time.monotonic(), memory, len(list((process / "fd").iterdir())))
 
 
-def one_round(rig, folder: Path, number: int):
-    """A defect comes and goes while something is traced and recorded and a client comes and goes."""
+def one_round(rig, folder: Path, number: int) -> tuple[str, Span]:
+    """A defect comes and goes while something is traced and recorded and a client comes and goes. Whose, and
+    how long it was there."""
     name, fault = DEFECTS[number % len(DEFECTS)]
     traced, ending = TRACES[number % len(TRACES)]
     encoder = rig.encoders[name]
     rig.encoders[traced].ask(f'TRAC:STAR "{folder}/trace{number}.{ending}"')
     encoder.ask(f'SHAF:REC:STAR "{folder}/recording.csv"')
+    begin = time.monotonic()
     with contextlib.closing(Client(f"unix:{rig.socket}")) as client:
         if fault == POWER:
             encoder.power(False)
@@ -207,20 +229,23 @@ def one_round(rig, folder: Path, number: int):
             encoder.power(True)
         else:
             encoder.clear_fault(fault)
+    bent = Span(begin, time.monotonic())
     encoder.ask("SHAF:REC:STOP")
     rig.encoders[traced].ask("TRAC:STOP")
     (folder / f"trace{number}.{ending}").unlink()
     time.sleep(ROUND_S / 2)  # whoever has gone is noticed
+    return name, bent
 
 
-def soak(rig, folder: Path) -> list:
+def soak(rig, folder: Path) -> tuple[list, list]:
+    """Samples behind the time to warm up, and who was bent when."""
     begin = time.monotonic()
-    samples = []
+    samples, bent = [], []
     for number in itertools.count():
-        one_round(rig, folder, number)
+        bent.append(one_round(rig, folder, number))
         samples.append(sample(rig.pid))
         if time.monotonic() - begin >= RUN_S:
-            return [one for one in samples if one.at - begin >= WARM_S]
+            return [one for one in samples if one.at - begin >= WARM_S], bent
 
 
 def growth(samples: list) -> dict:
@@ -234,7 +259,7 @@ def growth(samples: list) -> dict:
 
 
 def start_masters(rig, heard: Heard) -> list:
-    """Those of the rig of forty, but for CAN, which they know as an interface only. An access to the
+    """Those of the rig of forty, but for CAN, where values are stored. An access to the
     registers of e2 lets its simulated wire run ahead of the clock by which they look at positions."""
     wires = {}
     for encoder in rig.encoders.values():
@@ -269,7 +294,7 @@ def test_what_it_has_stays_what_it_was(tmp_path, monkeypatch):
         try:
             heard.wait_for([f"{name} ok" for name in rig.encoders if name not in THREADED])
             before, begin = ticks(rig.pid), time.monotonic()
-            samples = soak(rig, tmp_path)
+            samples, bent = soak(rig, tmp_path)
             took_s = time.monotonic() - begin
             cpu = percent(before, ticks(rig.pid), took_s)
             time.sleep(1.0)
@@ -287,6 +312,7 @@ def test_what_it_has_stays_what_it_was(tmp_path, monkeypatch):
     for one in masters:
         assert one.figures["wrong"] == 0 and one.figures["exchanges"] >= 5 * took_s, one.figures
     for one in storing:
-        assert one.figures["stored"] >= took_s and one.figures["failed"] < one.figures["exchanges"] / 4, one.figures
+        assert one.figures["stored"] >= took_s, one.figures
+        assert one.unexplained(bent) == []
     assert len({one.descriptors for one in samples}) == 1
     assert [name for name, value in growth(samples).items() if value > GROWS_KIB[name]] == []
