@@ -131,5 +131,8 @@ test("without a quiet moment sectors are erased one by one between requests", (t
   t.diagnostic(`250 writes, ${board.flash.count("erase")} erases: the latest reply ${(most / HZ * 1e3).toFixed(1)} ms behind ` +
     `the request, ${late} later than 30`);
   assert.equal(counter(board), 250);
-  assert.ok(most < ms(60));
+  // 5.1.2.5 allows 30 ms. A reply that meets an erase waits for it, 45 ms at most, and 7 (platform/rp2040/README.md, "EEPROM in flash"): only
+  // those may be later.
+  assert.ok(most <= ms(52));
+  assert.ok(late <= board.flash.count("erase"));
 });
