@@ -17,10 +17,11 @@ from playwright.sync_api import sync_playwright
 
 sys.path.append(str(Path(__file__).parents[1]))
 from axe import serious  # noqa: E402
+from script_coverage import COUNTING, counted  # noqa: E402, F401
 
 PROGRAM = os.environ["DREHGEBER"]
 PICTURES = Path(os.environ["PICTURES"])
-FLAGS = ["--no-sandbox", "--disable-dev-shm-usage"]
+FLAGS = ["--no-sandbox", "--disable-dev-shm-usage", *COUNTING]
 WAIT_MS = 20_000
 WAIT_S = 20
 TRANSFERRED_MAX = 300_000
@@ -113,7 +114,7 @@ def browser():
 
 
 @pytest.fixture
-def visit(browser):
+def visit(browser, counted):  # noqa: F811
     """visit(address, width=.., height=.., expected=PATTERN): the page, once it knows its rig. Nothing else was complained
     of, by a content security policy least of all."""
     contexts, complaints, excused = [], [], []
@@ -123,6 +124,7 @@ def visit(browser):
         contexts.append(context)
         page = context.new_page()
         page.set_default_timeout(WAIT_MS)
+        counted.watch(page)
         excused.append(expected)
         page.on("console", lambda said: complaints.append(said.text) if said.type in ("error", "warning") else None)
         page.on("pageerror", lambda error: complaints.append(str(error)))
@@ -131,6 +133,7 @@ def visit(browser):
         return page
 
     yield go
+    counted.take()
     for context in contexts:
         context.close()
     assert [text for text in complaints if not any(one and re.search(one, text) for one in excused)] == []

@@ -15,12 +15,13 @@ from playwright.sync_api import sync_playwright
 
 sys.path.append(str(Path(__file__).parents[1]))
 from axe import serious  # noqa: E402
+from script_coverage import COUNTING, counted  # noqa: E402, F401
 
 FOLDER = Path(os.environ["PLAYGROUND"])
 PROGRAM = os.environ["DREHGEBER"]
 HANDLE = [os.environ["HANDLE_PYTHON"], str(Path(__file__).with_name("handle.py"))]
 # Root has no sandbox, and a container little of /dev/shm.
-FLAGS = ["--no-sandbox", "--disable-dev-shm-usage"]
+FLAGS = ["--no-sandbox", "--disable-dev-shm-usage", *COUNTING]
 TRANSFERRED_MAX = 300_000
 WAIT_MS = 20_000
 PANELS = ("hiperface", "biss", "canopen", "interbus")
@@ -51,7 +52,7 @@ def browser():
 
 
 @pytest.fixture
-def visit(browser):
+def visit(browser, counted):  # noqa: F811
     """Open an address with an empty storage: visit(address, width=.., height=..). Nothing was complained of."""
     contexts, complaints = [], []
 
@@ -60,6 +61,7 @@ def visit(browser):
         contexts.append(context)
         page = context.new_page()
         page.set_default_timeout(WAIT_MS)
+        counted.watch(page)
         page.on("console", lambda said: complaints.append(said.text) if said.type in ("error", "warning") else None)
         page.on("pageerror", lambda error: complaints.append(str(error)))
         page.goto(address)
@@ -67,6 +69,7 @@ def visit(browser):
         return page
 
     yield go
+    counted.take()
     for context in contexts:
         context.close()
     assert complaints == []
@@ -76,6 +79,17 @@ def visit(browser):
 def still(visit, server):
     """The page with a clock that stands."""
     return visit(f"{server}/index.html#still")
+
+
+@pytest.fixture
+def reload(still, counted):  # noqa: F811
+    """reload(): that page, loaded again."""
+    def go():
+        counted.take()
+        still.reload()
+        still.wait_for_function("globalThis.drehgeber")
+
+    return go
 
 
 def let_pass(page, ns):
@@ -180,7 +194,7 @@ def test_a_flipped_bit_is_found_at_the_next_start(still):
     assert "5100h" in still.locator("#panel-canopen .log").inner_text()
 
 
-def test_eeprom_outlives_a_reload(still):
+def test_eeprom_outlives_a_reload(still, reload):
     """Bank 7 is the first of the user's: 40h selects it, and not for good."""
     still.click("#tab-biss")
     for register, data in (("40", "07"), ("00", "A5 5A")):
@@ -190,8 +204,7 @@ def test_eeprom_outlives_a_reload(still):
         form.get_by_role("button", name="Write").click()
     let_pass(still, 1_000_000_000)
     still.wait_for_selector("#panel-biss .hex mark")
-    still.reload()
-    still.wait_for_function("globalThis.drehgeber")
+    reload()
     master = "drehgeber.rig.encoder('biss').master"
     assert still.evaluate(f"{master}.writeRegisters(0x40, [7])") == [7]
     assert still.evaluate(f"{master}.readRegisters(0, 2)") == [0xA5, 0x5A]
@@ -201,10 +214,9 @@ def test_eeprom_outlives_a_reload(still):
     assert still.evaluate(f"{master}.readRegisters(0, 2)") == [0xFF, 0xFF]
 
 
-def test_a_broken_image_does_not_stop_the_page(still):
+def test_a_broken_image_does_not_stop_the_page(still, reload):
     still.evaluate("Object.keys(localStorage).forEach((key) => localStorage.setItem(key, btoa('nonsense')))")
-    still.reload()
-    still.wait_for_function("globalThis.drehgeber")
+    reload()
     assert "as delivered" in still.locator("#panel-hiperface .log").inner_text()
     turn(still, "hiperface", 0)
     press(still, "hiperface", "42h position")
