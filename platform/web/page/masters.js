@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 // The masters of the playground: what can be asked of its encoders.
-import { form, hexadecimal, unhex } from "./parts.js";
+import { hexadecimal, unhex } from "./parts.js";
 
 // A master that is silent for longer than 100 ms counts as gone.
 const BUS_NS = 50_000_000n;
 
-// What each protocol's master can do. `ask` is what is repeated, `look` tells of an error.
+// What each protocol's master can do. `ask` is what is repeated, `look` tells of an error; a form is its fields, the text of
+// its button, and what is done with the fields' values.
 export const MASTERS = {
   hiperface: {
     ask: (e) => e.ask(0x42),
@@ -18,7 +19,7 @@ export const MASTERS = {
       ["56h serial number", () => e.ask(0x56)],
       ["53h reset", () => e.ask(0x53)],
     ],
-    forms: (e) => [form([["Bytes", "40 42 02", "wide-field"]], "Send", (text) => e.request(unhex(text)))],
+    forms: (e) => [[[["Bytes", "40 42 02", "wide-field"]], "Send", (text) => e.request(unhex(text))]],
   },
   biss: {
     ask: (e) => e.master.read(),
@@ -30,10 +31,10 @@ export const MASTERS = {
       ["78h device ID", () => e.master.readRegisters(0x78, 8)],
     ],
     forms: (e) => [
-      form([["Register", "40"], ["Count", "8"]], "Read", (address, n) =>
-        e.master.readRegisters(hexadecimal(address, "register") & 0x7f, Math.min(64, Math.max(1, Number(n) || 1)))),
-      form([["Register", "40"], ["Bytes", "00", "wide-field"]], "Write", (address, bytes) =>
-        e.master.writeRegisters(hexadecimal(address, "register") & 0x7f, unhex(bytes))),
+      [[["Register", "40"], ["Count", "8"]], "Read", (address, n) =>
+        e.master.readRegisters(hexadecimal(address, "register") & 0x7f, Math.min(64, Math.max(1, Number(n) || 1)))],
+      [[["Register", "40"], ["Bytes", "00", "wide-field"]], "Write", (address, bytes) =>
+        e.master.writeRegisters(hexadecimal(address, "register") & 0x7f, unhex(bytes))],
     ],
   },
   canopen: {
@@ -47,10 +48,10 @@ export const MASTERS = {
       ["NMT reset", () => e.frame(0, [0x81, 0])],
     ],
     forms: (e) => [
-      form([["Index", "1018"], ["Sub", "1"]], "Read", (index, sub) =>
-        e.sdoRead(hexadecimal(index, "index"), hexadecimal(sub, "sub-index"))),
-      form([["ID", "000"], ["Data", "01 00", "wide-field"]], "Send", (id, data) =>
-        e.frame(hexadecimal(id, "identifier") & 0x7ff, data ? [...unhex(data)].slice(0, 8) : [])),
+      [[["Index", "1018"], ["Sub", "1"]], "Read", (index, sub) =>
+        e.sdoRead(hexadecimal(index, "index"), hexadecimal(sub, "sub-index"))],
+      [[["ID", "000"], ["Data", "01 00", "wide-field"]], "Send", (id, data) =>
+        e.frame(hexadecimal(id, "identifier") & 0x7ff, data ? [...unhex(data)].slice(0, 8) : [])],
     ],
   },
   interbus: {
@@ -58,6 +59,6 @@ export const MASTERS = {
     ask: (e, quiet) => e.cycle(e.lastOut ?? 0, quiet),
     look: (e) => [() => e.identify(), () => e.cycle(e.lastOut ?? 0)],
     buttons: (e) => [["Data cycle", () => e.cycle(e.lastOut ?? 0)], ["ID cycle", () => e.identify()]],
-    forms: (e) => [form([["OUT", "00000000", "wide-field"]], "Cycle with it", (out) => e.cycle(hexadecimal(out, "OUT")))],
+    forms: (e) => [[[["OUT", "00000000", "wide-field"]], "Cycle with it", (out) => e.cycle(hexadecimal(out, "OUT"))]],
   },
 };

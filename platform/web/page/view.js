@@ -6,7 +6,7 @@
 // of {memory, erase(), refused, impossible(), drawing} its kind has; rig.js has one that is calculated here, live.js one
 // that runs elsewhere. Of the first kind there is a master, of masters.js.
 import { drawFrame, drawSamples, drawSinCos, glows } from "./figures.js";
-import { button, hex, make } from "./parts.js";
+import { button, form, hex, make } from "./parts.js";
 
 const LINES = 300;
 const NOTHING = "No error was told so far.";
@@ -107,14 +107,14 @@ export class Panel {
   // What the master can be told.
   asking(clear) {
     const { encoder, master } = this;
-    const act = (run) => () => this.guard(() => this.powered(run));
+    const act = (run) => (...values) => this.guard(() => this.powered(() => run(...values)));
     this.repeat = make("input", { type: "checkbox", checked: true, onchange: () => { this.asks = this.repeat.checked; } });
     return [
       make("div", { className: "row" },
         ...master.buttons(encoder).map(([text, run]) => button(text, act(run))),
         make("label", {}, this.repeat, " keep asking"),
         clear),
-      ...master.forms(encoder)];
+      ...master.forms(encoder).map(([fields, text, run]) => form(fields, text, act(run)))];
   }
 
   memoryCard() {

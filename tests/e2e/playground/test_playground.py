@@ -224,6 +224,99 @@ def test_a_broken_image_does_not_stop_the_page(still, reload):
     assert bytes_of_last(still, "hiperface").startswith("4042")
 
 
+# What a button sends and what comes back, or how the page words it: the examples of the manuals, as tests/conformance has
+# them. Of forms the fields stand before it.
+ASKED = {
+    "hiperface": [
+        ((), "50h status", ["40 50 10", "40 50 00 10"]),
+        ((), "44h temperature", ["40 44 48 4C", "40 44 48 00 25 69"]),
+        ((), "52h type label", ["40 52 12", "40 52 E4 27 70 00 A1"]),
+        ((), "56h serial number", ["40 56 16", "40 56 31 32 33 34 35 36 37 38 39 76 31 2E 30 2E 38" + " 00" * 14 + " 31 32 30 37 32 30 31 39 66"]),
+        ((), "53h reset", ["40 53 13"]),
+        (("40 50 10",), "Send", ["40 50 10", "40 50 00 10"]),
+    ],
+    "biss": [
+        ((), "6Bh warnings", ["register 6Bh = 01"]),
+        (("44h", "4"), "Read", ["register 44h = 07 5B CD 15"]),
+        (("40", "07"), "Write", ["register 40h = 07"]),
+    ],
+    "canopen": [
+        ((), "NMT start", ["01 00", "00 00 00 00", "00 00", "00 00 00 00 C0 84"]),
+        ((), "SYNC", ["SYNC", "00 00 00 00"]),
+        ((), "NMT pre-op", ["80 00"]),
+        ((), "NMT reset", ["81 00", "00"]),
+        (("1018h", "1"), "Read", ["40 18 10 01 00 00 00 00", "43 18 10 01 13 00 00 00"]),
+        (("63F", "40 18 10 01 00 00 00 00"), "Send", ["40 18 10 01 00 00 00 00", "43 18 10 01 13 00 00 00"]),
+    ],
+    "interbus": [
+        ((), "ID cycle", ["ID 0237"]),
+        (("00000000",), "Cycle with it", ["00 00 00 00"]),
+    ],
+}
+
+
+def fill_in(page, panel, values, name):
+    """The form with that button."""
+    form = page.locator(f"#panel-{panel} form").filter(has=page.get_by_role("button", name=name, exact=True))
+    for i, value in enumerate(values):
+        form.locator("input").nth(i).fill(value)
+    form.get_by_role("button", name=name, exact=True).click()
+
+
+def test_what_masters_can_ask(still):
+    for panel, rows in ASKED.items():
+        still.click(f"#tab-{panel}")
+        for values, name, want in rows:
+            still.locator(f"#panel-{panel}").get_by_role("button", name="Clear", exact=True).click()
+            if values:
+                fill_in(still, panel, values, name)
+            else:
+                press(still, panel, name)
+            let_pass(still, 500_000_000)
+            lines = still.locator(f"#panel-{panel} .log li").all()
+            told = [(line.locator(".bytes").all_inner_texts() or line.locator(".words").all_inner_texts())[0] for line in lines]
+            assert told == want, name
+            assert still.locator("#trouble").is_hidden()
+
+
+RIGHT = {(panel, name): values for panel, rows in ASKED.items() for values, name, _ in rows}
+WRONG = [
+    ("hiperface", "Send", ("4O 42",), '"4O 42" is no row of bytes'),
+    ("biss", "Read", ("4G", "1"), 'register "4G" is no hexadecimal number'),
+    ("biss", "Write", ("40", "7"), '"7" is no row of bytes'),
+    ("canopen", "Read", ("1018", "one"), 'sub-index "one" is no hexadecimal number'),
+    ("canopen", "Send", ("NMT", ""), 'identifier "NMT" is no hexadecimal number'),
+    ("interbus", "Cycle with it", ("-",), 'OUT "-" is no hexadecimal number'),
+]
+
+
+def test_a_form_says_what_is_wrong(still):
+    """Until something is right; without power nothing is sent either."""
+    for panel, name, values, why in WRONG:
+        still.click(f"#tab-{panel}")
+        fill_in(still, panel, values, name)
+        assert still.inner_text("#trouble").startswith(why)
+        fill_in(still, panel, RIGHT[panel, name], name)
+        assert still.locator("#trouble").is_hidden()
+    press(still, panel, "Switch off")
+    fill_in(still, panel, RIGHT[panel, name], name)
+    assert still.inner_text("#trouble") == "INTERBUS: no power"
+
+
+def test_time_stands_steps_and_runs(still):
+    assert still.inner_text("#time") == "1.000 s"
+    still.click("#step")
+    still.wait_for_function("document.getElementById('time').textContent === '1.010 s'")
+    still.select_option("#pace", "0.1")
+    still.click("#run")
+    assert still.inner_text("#run") == "Running"
+    still.wait_for_function("Number.parseFloat(document.getElementById('time').textContent) > 1.05")
+    still.click("#run")
+    stood = still.evaluate("String(drehgeber.rig.now)")
+    still.evaluate("new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)))")
+    assert (still.inner_text("#run"), still.evaluate("String(drehgeber.rig.now)")) == ("Standing", stood)
+
+
 def test_scpi(still):
     def send(line):
         still.fill("#line", line)
