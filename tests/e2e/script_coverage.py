@@ -4,7 +4,7 @@ $SCRIPT_COVERAGE names the file that keeps it. Without that variable nothing is 
 
 The file is JSON: {text of a script: ranges of its characters [begin, end) that ran, ascending}. A script goes by its
 text, since `drehgeber web` serves panel.js as main.js. Of what is not a .js file nothing is kept: drehgeber.html has
-the same modules in one."""
+the same modules in one. Workers, of which the page has none, would need sessions of their own."""
 
 import json
 import os
