@@ -6,7 +6,7 @@ import re
 import sys
 
 # Not part of the source: what is built, and what tools leave behind.
-IGNORED = {".git", "build", ".cache", "__pycache__", ".pytest_cache"}
+IGNORED = {".git", "build", ".cache", "__pycache__", ".pytest_cache", ".mypy_cache"}
 
 
 def files(tree, *folders, suffixes=("",)):
