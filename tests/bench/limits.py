@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 """Compares figures with those of `limits`, beside this file: one that is more than 3 % beyond what was
-reached fails, one that has no row fails, a row whose figure was not measured fails.
+reached fails, one that has no row fails, a row whose figure was not measured fails, and so does one that
+misses the aim of its row when the row does not say why.
 
 usage: limits.py [--limits FILE] [--keep FILE] GROUP COMMAND...
        limits.py [--limits FILE] --update GROUP COMMAND...
@@ -16,7 +17,8 @@ import sys
 from pathlib import Path
 
 PERCENT = 3
-LAYOUT = "{:<14} {:<38} {:>9} {:>7}"
+LAYOUT = "{:<14} {:<38} {:>9} {:>7}  {}"
+NO_ROW = (None, "-", "")
 
 
 def number(text):
@@ -24,14 +26,14 @@ def number(text):
 
 
 def rows_of(text):
-    """(group, figure): what was reached and the aim, both as text, in the order of the file."""
+    """(group, figure): what was reached, the aim, and why that is missed, as text, in the order of the file."""
     rows = {}
     for line in text.splitlines():
         if line and not line.startswith("#"):
-            group, figure, reached, aim = line.split()
+            group, figure, reached, aim, *reason = line.split(maxsplit=4)
             if (group, figure) in rows:
                 sys.exit(f"limits.py: two rows for {group} {figure}")
-            rows[group, figure] = reached, aim
+            rows[group, figure] = reached, aim, "".join(reason)
     return rows
 
 
@@ -53,7 +55,7 @@ def judge(measured, rows):
     """A line for each figure, and what is wrong."""
     lines, complaints = [("figure", "now", "limit", "aim", "")], []
     for figure, now in measured.items():
-        reached, aim = rows.get(figure, (None, "-"))
+        reached, aim, reason = rows.get(figure, NO_ROW)
         if reached is None:
             complaints.append(f"{figure} has no row in limits")
             lines.append((figure, now, "-", aim, ""))
@@ -64,7 +66,10 @@ def judge(measured, rows):
             remark = "BEYOND"
             complaints.append(f"{figure}: {now} is beyond {limit:.1f}, {PERCENT} % above {reached}")
         elif aim != "-" and number(now) > number(aim):
-            remark = remark or "aim not reached"
+            remark = f"misses its aim: {reason}" if reason else "MISSES ITS AIM"
+            complaints += [] if reason else [f"{figure}: {now} misses its aim of {aim}, and the row does not say why"]
+        elif reason:
+            remark = "reaches its aim; the row says why it would not"
         lines.append((figure, now, f"{limit:.1f}", aim, remark))
     complaints += [f"{figure} was not measured" for figure in rows if figure not in measured]
     return lines, complaints
@@ -86,7 +91,7 @@ def update(path, group, measured):
             lines.append(line)
     place = len(lines) if place is None else place
     lines[place:place] = [
-        LAYOUT.format(group, figure, reached, rows.get((group, figure), (None, "-"))[1])
+        LAYOUT.format(group, figure, reached, *rows.get((group, figure), NO_ROW)[1:]).rstrip()
         for figure, reached in measured.items()
     ]
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
