@@ -493,70 +493,74 @@ LINES = f"uart:rx=request:tx=reply:{UART}"
 FRAMES = "hiperface=request:reply:error:warning"
 
 
-def test_hiperface_commands(tmp_path, start):
-    """Each of the nineteen, with what the master has read."""
-    path = tmp_path / "line.vcd"
-    encoder = start("--shaft", "90DEG", "--trace", path)
-    master = encoder.master()
-    position = master.read_position()
+def ask_everything(master):
+    """Each of the nineteen commands; what the master has read."""
+    got = types.SimpleNamespace(position=master.read_position())
     master.set_position(7)
-    temperature = master.read_analog(0x48)
+    got.temperature = master.read_analog(0x48)
     master.increment_counter()
-    counter = master.read_counter()
+    got.counter = master.read_counter()
     master.erase_counter()
     master.create_field(0, FieldStatus(16))
     master.save_data(0, 0, b"abc")
-    data = master.read_data(0, 0, 3)
+    got.data = master.read_data(0, 0, 3)
     master.field_status(0)
-    free, fields = master.available_memory()
+    got.free, got.fields = master.available_memory()
     master.modify_access_code(1, 0x55, 0x12)
     master.type_label()
-    identity = master.identity()
+    got.identity = master.identity()
     master.configure_uart(0xE4)
-    synchronised = master.set_position_synchronised(0x11)
+    got.synchronised = master.set_position_synchronised(0x11)
     master.assign_address(0x41)
     with pytest.raises(EncoderError, match="0Dh"):
         master.command(0x44, b"\x01")
-    status = master.read_status()
+    got.status = master.read_status()
     master.address = 0x42
     with pytest.raises(NoReply):
         master.read_position()
     master.address = 0xFF
-    broadcast = master.read_position()
+    got.broadcast = master.read_position()
     master.address = 0x41
     master.reset()
-    last = master.read_position()
+    got.last = master.read_position()
+    return got
+
+
+def test_hiperface_commands(tmp_path, start):
+    path = tmp_path / "line.vcd"
+    encoder = start("--shaft", "90DEG", "--trace", path)
+    got = ask_everything(encoder.master())
     assert encoder.end() == 0
     # A machine that stands still answers late: that is its own affair.
     assert [text for text in decoded(path, LINES, FRAMES) if "behind the timeout" not in text] == [
-        "40h 42h read position", f"40h -> 42h position {position}",
+        "40h 42h read position", f"40h -> 42h position {got.position}",
         "40h 43h set position 7, code 55h", "40h -> 43h position set",
-        "40h 44h read analog value 48h", f"40h -> 44h analog value 48h: {temperature}",
+        "40h 44h read analog value 48h", f"40h -> 44h analog value 48h: {got.temperature}",
         "40h 47h increment counter", "40h -> 47h counter incremented",
-        "40h 46h read counter", f"40h -> 46h counter {counter}",
+        "40h 46h read counter", f"40h -> 46h counter {got.counter}",
         "40h 49h erase counter, code 55h", "40h -> 49h counter erased",
         "40h 4Dh create data field 00h status C8h, code 55h", "40h -> 4Dh data field 00h created, status C8h",
         "40h 4Bh save data field 00h offset 00h count 3, code 55h: 61 62 63",
         "40h -> 4Bh data field 00h offset 00h count 3 saved",
         "40h 4Ah read data field 00h offset 00h count 3, code 55h",
-        f"40h -> 4Ah data field 00h offset 00h count 3: {data.hex(' ')}",
+        f"40h -> 4Ah data field 00h offset 00h count 3: {got.data.hex(' ')}",
         "40h 4Ch determine data field status 00h", "40h -> 4Ch data field 00h status C8h",
-        "40h 4Eh determine available memory area", f"40h -> 4Eh memory blocks free {free // 16}, data fields {fields}",
+        "40h 4Eh determine available memory area", f"40h -> 4Eh memory blocks free {got.free // 16}, data fields {got.fields}",
         "40h 4Fh modify access key 1 from 55h to 12h", "40h -> 4Fh access key 1 modified",
         "40h 52h read type label", "40h -> 52h type label: UART E4h, type 27h, memory blocks 112, option 00h",
         "40h 56h read serial number and version",
-        f"40h -> 56h serial number {identity.serial_number}, version {identity.version}, date {identity.date}",
+        f"40h -> 56h serial number {got.identity.serial_number}, version {got.identity.version}, date {got.identity.date}",
         "40h 57h configure serial interface E4h, code 55h", "40h -> 57h serial interface E4h",
-        "40h 6Ah set position with synchronization 17, code 55h", f"40h -> 6Ah position {synchronised}",
+        "40h 6Ah set position with synchronization 17, code 55h", f"40h -> 6Ah position {got.synchronised}",
         "40h 55h assign address 41h, code 55h", "41h -> 55h address assigned",
         "41h 44h read analog value 01h", "41h -> 50h error 0Dh wrong argument",
         "41h 50h read encoder status", "41h -> 50h no error",
         "42h 42h read position", "no reply to 42h read position",
-        "all 42h read position", f"41h -> 42h position {broadcast}",
+        "all 42h read position", f"41h -> 42h position {got.broadcast}",
         "41h 53h reset encoder",
-        "41h 42h read position", f"41h -> 42h position {last}",
+        "41h 42h read position", f"41h -> 42h position {got.last}",
     ]
-    assert status == 0
+    assert got.status == 0
     binary = sigrok_cli("-i", path, "-P", LINES, "-B", "hiperface=requests", SIGROKDECODE_DIR=str(DECODERS))
     assert binary.startswith(frame_of(0x40, 0x42) + frame_of(0x40, 0x43, 0, 0, 0, 7, 0x55))
 

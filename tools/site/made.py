@@ -267,17 +267,20 @@ def _headers() -> str:
     return "| header | what |\n|---|---|\n" + "\n".join(rows)
 
 
+def _images(group: str, figures: dict[str, str]) -> list[str]:
+    """A row for each image of a processor. Only images of a core alone have their RAM among the figures."""
+    ram = {name: _thousands(value) for name, value in figures.items() if name.endswith(".ram")}
+    return [f"| {group} | `{name.removesuffix('.flash')}` | {_thousands(flash)} | "
+            f"{ram.get(name.replace('.flash', '.ram'), '')} |"
+            for name, flash in figures.items() if name.endswith(".flash")]
+
+
 def _sizes() -> str:
     """Flash and RAM of whole images, as they were measured."""
     rows = []
     for path in sorted(LOG.parent.glob("size*/tests/bench/*.figures")):
         group, *lines = path.read_text(encoding="utf-8").split("\n")
-        figures = dict(line.split()[:2] for line in lines if line)
-        ram = {name: _thousands(value) for name, value in figures.items() if name.endswith(".ram")}
-        # Only images of a core alone have their RAM among the figures.
-        rows += [f"| {group} | `{name.removesuffix('.flash')}` | {_thousands(flash)} | "
-                 f"{ram.get(name.replace('.flash', '.ram'), '')} |"
-                 for name, flash in figures.items() if name.endswith(".flash")]
+        rows += _images(group, dict(line.split()[:2] for line in lines if line))
     return "| processor | image | flash | RAM |\n|---|---|---|---|\n" + "\n".join(rows or [f"| {NOT_RUN} | | | |"])
 
 

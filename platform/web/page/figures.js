@@ -163,16 +163,17 @@ export function drawFrame(canvas, frame) {
         until = from + wide + 2;
       }
     });
-    line(pen, frame.ma, 1, x, [top + 40, top + 22], frame, get("accent"));
-    line(pen, frame.slo, 1, x, [top + 72, top + 54], frame, get("trace2"));
+    line(pen, frame.ma, x, [top + 40, top + 22], frame, get("accent"));
+    line(pen, frame.slo, x, [top + 72, top + 54], frame, get("trace2"));
     pen.restore();
   }
 }
 
-function line(pen, edges, before, x, [low, high], frame, colour) {
+// A line that is high before its first edge.
+function line(pen, edges, x, [low, high], frame, colour) {
   const y = (level) => (level ? high : low);
-  const points = [[x(frame.from - 1000n), y(before)]];
-  let level = before;
+  const points = [[x(frame.from - 1000n), y(1)]];
+  let level = 1;
   for (const edge of edges) {
     points.push([x(edge.at), y(level)], [x(edge.at), y(edge.level)]);
     level = edge.level;

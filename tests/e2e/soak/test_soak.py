@@ -281,6 +281,15 @@ def report(took_s, samples, cpu, figures):
         print(name, value)
 
 
+def judge(masters, storing, took_s, bent):
+    """Everybody had answers all the time, and right ones; each one missed is explained."""
+    for one in masters:
+        assert one.figures["wrong"] == 0 and one.figures["exchanges"] >= 5 * took_s, one.figures
+    for one in storing:
+        assert one.figures["stored"] >= took_s, one.figures
+        assert one.unexplained(bent) == []
+
+
 def test_what_it_has_stays_what_it_was(tmp_path, monkeypatch):
     assert os.access(MASTERS, os.X_OK), f"no program at '{MASTERS}': build rig_masters"
     # What is given back is seen to be: the C library would keep half a MiB of a trace for the next one.
@@ -303,16 +312,11 @@ def test_what_it_has_stays_what_it_was(tmp_path, monkeypatch):
             statuses = [master.end() for master in masters]
             for one in storing:
                 one.end()
-    figures = {f"{one.wire} {one.where}": one.figures for one in masters}
-    figures |= {type(one).__name__: one.figures for one in storing}
-    report(took_s, samples, cpu, figures)
+    report(took_s, samples, cpu, {f"{one.wire} {one.where}": one.figures for one in masters}
+           | {type(one).__name__: one.figures for one in storing})
 
     assert statuses == [0] * len(masters)
     assert [name for name, state in states.items() if state["wire_up"] != 1] == []
-    for one in masters:
-        assert one.figures["wrong"] == 0 and one.figures["exchanges"] >= 5 * took_s, one.figures
-    for one in storing:
-        assert one.figures["stored"] >= took_s, one.figures
-        assert one.unexplained(bent) == []
+    judge(masters, storing, took_s, bent)
     assert len({one.descriptors for one in samples}) == 1
     assert [name for name, value in growth(samples).items() if value > GROWS_KIB[name]] == []

@@ -51,6 +51,15 @@ class SinCos(NamedTuple):
     cos_minus: float
 
 
+def _one_clock(clock: Clock | None, *others: Shaft | str | CanBus | Line | None) -> Clock:
+    """The clock by which all of these go: one of its own where none is given."""
+    given = [one.clock for one in others if one is not None and not isinstance(one, str)]
+    clocks = given if clock is None else [clock, *given]
+    if any(one is not clocks[0] for one in clocks):
+        raise EncoderError("the encoder, its shaft and its bus go by the same clock")
+    return clocks[0] if clocks else Clock()
+
+
 class Encoder(Instrument):
     """An encoder: `Encoder("f3668", node=5, shaft="60RPM")`.
 
@@ -106,15 +115,15 @@ class Encoder(Instrument):
             raise EncoderError(f"{self.model} has no CAN")
         if line is not None and self.protocol != "hiperface":
             raise EncoderError(f"{self.model} has no RS485")
-        given = [one.clock for one in (shaft, bus, line) if one is not None and not isinstance(one, str)]
-        clocks = given if clock is None else [clock, *given]
-        if any(one is not clocks[0] for one in clocks):
-            raise EncoderError("the encoder, its shaft and its bus go by the same clock")
-        self.clock = clocks[0] if clocks else Clock()
-        self._line = Line(self.clock) if line is None and self.protocol == "hiperface" else line
-        self._bus = CanBus(clock=self.clock) if bus is None and self.protocol == "canopen" else bus
+        self.clock = _one_clock(clock, shaft, bus, line)
         self._shaft = shaft if isinstance(shaft, Shaft) else Shaft(self.clock, shaft)
         self._lib.dg_host_shaft_of(self._host, self._shaft._c)
+        self._line_up(bus, line)
+
+    def _line_up(self, bus: CanBus | None, line: Line | None) -> None:
+        """Be among those that this bus or its clock, and this line, let live; else one of its own."""
+        self._line = Line(self.clock) if line is None and self.protocol == "hiperface" else line
+        self._bus = CanBus(clock=self.clock) if bus is None and self.protocol == "canopen" else bus
         with self.clock.lock:
             if self._bus is not None:
                 self._bus._nodes.append(self)
