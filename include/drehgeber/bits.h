@@ -17,12 +17,17 @@
 extern "C" {
 #endif
 
-/** Loads and stores; `p` needs no alignment. be = most significant byte first. */
+/** Two bytes at `p`, which needs no alignment here and below. be = most significant byte first. */
 DG_API uint16_t dg_load_be16(const uint8_t *p);
+/** Three bytes. */
 DG_API uint32_t dg_load_be24(const uint8_t *p);
+/** Four bytes. */
 DG_API uint32_t dg_load_be32(const uint8_t *p);
+/** The store for dg_load_be16(). */
 DG_API void dg_store_be16(uint8_t *p, uint16_t value);
+/** The store for dg_load_be24(); the upper byte of `value` is left out. */
 DG_API void dg_store_be24(uint8_t *p, uint32_t value);
+/** The store for dg_load_be32(). */
 DG_API void dg_store_be32(uint8_t *p, uint32_t value);
 
 /** le = least significant byte first. In the header, so that frames are built without a call. */
@@ -80,18 +85,26 @@ struct dg_writer {
     bool overrun; /**< more was appended than fits; that value and all after it were dropped */
 };
 
-/** A cursor over `n` bytes, and what it reads next, most significant byte first. */
+/** A cursor over `n` bytes. */
 DG_API struct dg_reader dg_reader(const uint8_t *bytes, size_t n);
+/** Take the next byte. */
 DG_API uint8_t dg_read_u8(struct dg_reader *r);
+/** Take the next two bytes. */
 DG_API uint16_t dg_read_be16(struct dg_reader *r);
+/** Take the next four bytes. */
 DG_API uint32_t dg_read_be32(struct dg_reader *r);
 
-/** A cursor over `capacity` free bytes, and what it appends, most significant byte first. */
+/** A cursor over `capacity` free bytes. */
 DG_API struct dg_writer dg_writer(uint8_t *bytes, size_t capacity);
+/** Append a byte. */
 DG_API void dg_write_u8(struct dg_writer *w, uint8_t value);
+/** Append two bytes. */
 DG_API void dg_write_be16(struct dg_writer *w, uint16_t value);
+/** Append three bytes; the upper one of `value` is left out. */
 DG_API void dg_write_be24(struct dg_writer *w, uint32_t value);
+/** Append four bytes. */
 DG_API void dg_write_be32(struct dg_writer *w, uint32_t value);
+/** Append `n` bytes as they are, all of them or none. */
 DG_API void dg_write_bytes(struct dg_writer *w, const uint8_t *bytes, size_t n);
 
 #ifdef __cplusplus

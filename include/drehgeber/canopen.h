@@ -450,7 +450,9 @@ struct dg_co_node {
     [DG_CO_REGION_SERIAL] = {"serial", 4, DG_STORE_CHECKED, 0, dg_co_default_serial}
 /** Journal bytes that saving the stack's own regions takes. */
 #define DG_CO_JOURNAL_SIZE (6u + 1u + 6u + 35u + 4u * (6u + 43u))
+/** Default of the region "saved": nothing was ever saved. */
 DG_API void dg_co_default_saved(const void *ctx, uint8_t *out);
+/** Default of the region "serial". @param ctx the serial number, a uint32_t */
 DG_API void dg_co_default_serial(const void *ctx, uint8_t *out);
 
 /** Burn the delivery state: the device's defaults, `serial`. @return as dg_store_format */
@@ -479,6 +481,7 @@ DG_API bool dg_co_fits(const struct dg_co_node *self);
  * @return 0; DG_ERR_BLANK, DG_ERR_FOREIGN: not this device's memory, the node stays off
  */
 DG_API int dg_co_power_on(struct dg_co_node *self, dg_ns now);
+/** Power off: what was not saved is lost, and the node neither hears nor sends. */
 DG_API void dg_co_power_off(struct dg_co_node *self);
 
 /** A frame came in. @return the next deadline, as dg_co_step() */
@@ -569,12 +572,15 @@ struct dg_co_net {
     uint8_t count;
     uint8_t listeners[0x800][(DG_CO_NET_NODES + 7u) / 8u]; /**< bit n: node n, by CAN-ID */
 };
+/** A net without nodes. */
 DG_API void dg_co_net_init(struct dg_co_net *self);
 /** Add a node. @return 0 or DG_ERR_SPACE */
 DG_API int dg_co_net_add(struct dg_co_net *self, struct dg_co_node *node);
-/** As dg_co_rx(), dg_co_step() and dg_co_bus() for all nodes concerned. */
+/** As dg_co_rx(), for those that listen to the frame's CAN-ID. @return the next deadline of all */
 DG_API dg_ns dg_co_net_rx(struct dg_co_net *self, dg_ns now, const struct dg_can_frame *frame);
+/** As dg_co_step(), for the nodes whose deadline has come. @return the next deadline of all */
 DG_API dg_ns dg_co_net_step(struct dg_co_net *self, dg_ns now);
+/** As dg_co_bus(), for all nodes. @return the next deadline of all */
 DG_API dg_ns dg_co_net_bus(struct dg_co_net *self, dg_ns now, enum dg_co_bus_event event);
 /** Enter the CAN-IDs of node `i`, as they were added, again if they may have changed: for whoever
  * filters in front of the net, before what the node sends goes out, as a master may answer at once.

@@ -181,8 +181,9 @@ struct dg_control {
 DG_API void dg_control_init(struct dg_control *self, struct dg_rig *rig,
                             void (*write)(void *ctx, const char *bytes, size_t n), void *ctx);
 
-/** As dg_scpi_rx() and dg_scpi_step(). */
+/** The client has sent something: as dg_scpi_rx(). */
 DG_API size_t dg_control_rx(struct dg_control *self, dg_ns now, const char *bytes, size_t n);
+/** Time has passed: as dg_scpi_step(). */
 DG_API dg_ns dg_control_step(struct dg_control *self, dg_ns now);
 
 /** Faults of `encoder` were set with a duration, other than by a command: dg_rig_step() looks after

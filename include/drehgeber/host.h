@@ -105,9 +105,9 @@ DG_API size_t dg_host_size_of(const char *name);
 /** As dg_host_init(). @return NULL also when there is no such model */
 DG_API struct dg_host *dg_host_make(void *memory, size_t size, const char *name);
 
-/** Its model, e.g. "s3684-rs485", and its protocol: "hiperface", "biss", "ssi", "canopen" or
- * "interbus". */
+/** Its model, e.g. "s3684-rs485". */
 DG_API const char *dg_host_model(const struct dg_host *self);
+/** Its protocol: "hiperface", "biss", "ssi", "canopen" or "interbus". */
 DG_API const char *dg_host_protocol(const struct dg_host *self);
 
 /* ---------------------------------------------------------------- settings */

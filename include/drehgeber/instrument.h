@@ -85,9 +85,11 @@ struct dg_instrument {
 /** Begin the part `key`: its value is what dg_scpi_append*() adds. A value has neither ',' nor ';';
  * lists have '/', nothing is '-'. */
 DG_API void dg_state_begin(struct dg_scpi *to, const char *key);
-/** A whole part. */
+/** A whole part whose value is a word. */
 DG_API void dg_state_word(struct dg_scpi *to, const char *key, const char *word);
+/** A whole part whose value is a number. */
 DG_API void dg_state_number(struct dg_scpi *to, const char *key, uint64_t value);
+/** A whole part whose value is a number of `digits` hexadecimal digits. */
 DG_API void dg_state_hex(struct dg_scpi *to, const char *key, uint64_t value, unsigned digits);
 /** Another item of a list of hexadecimal numbers that dg_state_begin() began. */
 DG_API void dg_state_item(struct dg_scpi *to, bool *first, uint64_t value, unsigned digits);

@@ -249,16 +249,19 @@ DG_API void dg_scpi_raise(struct dg_scpi *self, int code, const char *detail);
 /** Begin the next part of an answer: separators between parts and between answers come by
  * themselves. `places` decimals, 0..18: 1234 with 3 is 1.234. */
 DG_API void dg_scpi_put_number(struct dg_scpi *self, int64_t value, unsigned places);
+/** The same without decimals and without a sign. */
 DG_API void dg_scpi_put_unsigned(struct dg_scpi *self, uint64_t value);
 /** As is. */
 DG_API void dg_scpi_put_word(struct dg_scpi *self, const char *text);
 /** In double quotes, those inside doubled. */
 DG_API void dg_scpi_put_string(struct dg_scpi *self, const char *text);
-/** A part made of pieces: begin it, then append as is, any number of times. */
+/** Begin a part made of pieces, of which any number may be appended. */
 DG_API void dg_scpi_begin(struct dg_scpi *self);
+/** Append a text as it is. */
 DG_API void dg_scpi_append(struct dg_scpi *self, const char *text);
+/** Append a number, as dg_scpi_put_number() does. */
 DG_API void dg_scpi_append_number(struct dg_scpi *self, int64_t value, unsigned places);
-/** `digits` digits, 1..16, upper case, no prefix. */
+/** Append `digits` hexadecimal digits, 1..16, upper case, no prefix. */
 DG_API void dg_scpi_append_hex(struct dg_scpi *self, uint64_t value, unsigned digits);
 
 #ifdef __cplusplus

@@ -223,8 +223,9 @@ DG_API uint8_t dg_ssi_word_bits(const struct dg_ssi_model *model);
 DG_API int dg_ssi_frame_decode(const struct dg_ssi_model *model, uint64_t bits,
                                struct dg_ssi_frame *frame);
 
-/** Gray code of a number, and back. Neighbours differ in one bit. */
+/** Gray code of a number: neighbours differ in one bit. */
 DG_API uint32_t dg_ssi_gray(uint32_t binary);
+/** The number of a Gray code. */
 DG_API uint32_t dg_ssi_binary(uint32_t gray);
 
 /** The protocol: models are struct dg_ssi_model, devices struct dg_ssi; they have no EEPROM, and
