@@ -2,7 +2,8 @@
 """Who may include whom. A folder of src/ uses its own headers, the public headers of the folders
 in its row, and the freestanding C headers plus string.h; a public header likewise. A room of
 platform/ and a folder of tools/ use their own headers, those of the rooms in their row, and the
-public headers of the folders in it; of system headers whichever they like.
+public headers of the folders in it; of system headers whichever they like. A folder's headers declare what
+it defines, and no source declares what another one does, so that there is no way around an include.
 
 usage: include_direction.py TREE
 """
@@ -121,6 +122,20 @@ SYSTEM = {"limits.h", "stdbool.h", "stddef.h", "stdint.h", "string.h"}
 INCLUDE = re.compile(r'^\s*#\s*include\b(?:\s*(?:<([^>\n]+)>|"([^"\n]+)"))?', re.M)
 
 
+# What a file declares or defines, from the beginning of a line on: a function, with ';' or '{' behind it, or an object.
+FUNCTION = re.compile(r"^[ \t]*(?!static\b|typedef\b|return\b|else\b)(?:extern )?(?:[A-Za-z_]\w*[ *\n]+)+?"
+                      r"(?:__attribute__\(\(.*?\)\)\s*)?(\w+)\((?:[^;{}()]|\([^;{}()]*\))*\)\s*(;|\{)", re.M)
+OBJECT = re.compile(r"^[ \t]*extern\b[^;{(]*?\b(\w+)(?:\[[^\]]*\])*(;)|"
+                    r"^(?!static\b|extern\b|typedef\b)(?:\w+[ *]+)+(\w+)(?:\[[^\]]*\])*( =|;)", re.M)
+DIRECTIVE = re.compile(r"^[ \t]*#(?:\\\n|[^\n])*", re.M)
+# header: why it declares what a room above it defines
+ABOVE = {
+    "platform/linux/plan/stacks.h": "a plan goes through the list of stacks, which the rig makes of those it has",
+    "platform/linux/plan/wire.h":   "a plan goes through the list of wires, likewise",
+}
+# A C library's headers, whose functions stand in two places: of the board and of the web page.
+LIBRARY = "platform/web/libc/"
+
 
 def place_of(path):
     """Its row: a folder of src/ or tools/, a room of platform/."""
@@ -179,6 +194,29 @@ def ambiguous(at):
             yield f"{name} is the name of several: {' '.join(named)}"
 
 
+def names(text):
+    """Name, line, and whether it is only declared, of each function and object with external linkage."""
+    bare = DIRECTIVE.sub(lambda match: "\n" * match.group().count("\n"), blank(text))
+    for match in FUNCTION.finditer(bare):
+        yield match[1], bare.count("\n", 0, match.start(1)) + 1, match[2] == ";"
+    for match in OBJECT.finditer(bare):
+        yield match[1] or match[3], bare.count("\n", 0, match.end()) + 1, match[1] is not None
+
+
+def strangers(path, declared, defined):
+    """Complaints about what is declared beside the headers of where it is defined."""
+    place = place_of(path)
+    for name, line in declared:
+        at = defined.get(name, ())
+        places = {place_of(other) for other in at}
+        # A protocol's view for the control plane, or for a handle, is declared by these.
+        places |= {other.rsplit("/", 1)[1] for other in places if other in ALLOWED and "/" in other}
+        if path.endswith(".c") and at and path not in at and name != "main":
+            yield f"{path}:{line}: declares {name}, which is for a header of {' '.join(at)}"
+        elif at and place not in places:
+            yield f"{path}:{line}: declares {name} of {' '.join(at)}"
+
+
 def main():
     tree = sys.argv[1]
     sources = files(tree, "src", "platform", "tools", suffixes=(".c", ".h", ".def"))
@@ -187,6 +225,16 @@ def main():
     for path in sources:
         at.setdefault(path.rsplit("/", 1)[1], []).append(path)
     complaints = list(ambiguous(at))
+    declared, defined = {}, {}
+    for path in sources + publics:
+        for name, line, only in names(read(tree, path)):
+            if only:
+                declared.setdefault(path, []).append((name, line))
+            else:
+                defined.setdefault(name, []).append(path)
+    for path in declared:
+        if not path.endswith(UMBRELLA) and not path.startswith(LIBRARY) and path not in ABOVE:
+            complaints += strangers(path, declared[path], defined)
     for path in sources + publics:
         if path.rsplit("/", 1)[1] == UMBRELLA:
             continue
