@@ -1,25 +1,30 @@
 # SPDX-License-Identifier: MIT
-"""What include/drehgeber/host.h promised is still there: every line of the list is a prototype, a struct, a
-value or an object of the header as it is now, and each symbol is exported. What was added since is told, and
-goes into the list with a release. Layouts in bytes are held by src/host/layout.c.
+"""What the public headers promised is still there: every line of the list is a value of any of them, or a
+prototype, a struct or an object of host.h, as they are now, and each symbol is exported. What was added since is
+told, and goes into the list with a release. The list's head counts it, so that a promise is struck off only with
+another SONAME. Layouts in bytes are held by src/host/layout.c.
 
 usage: abi.py TREE SHARED        compare
-       abi.py TREE --print       what the list would be
+       abi.py TREE --print       what the list would be, for whoever adds to it or begins it anew
 """
 
+import hashlib
 import re
 import subprocess
 import sys
 from pathlib import Path
 
-from sources import blank, finish, read
+from sources import blank, files, finish, read
 
-HEADER, LIST = "include/drehgeber/host.h", "tests/abi/host.list"
+HEADER, LIST = "include/drehgeber/host.h", "tests/abi/promises.list"
 FUNCTION = re.compile(r"DG_API ([\w ]+?[ *]+)(\w+)\(((?:[^()]|\([^()]*\))*)\);")
 OBJECT = re.compile(r"DG_API extern ([\w ]+?)((?:\w+, )*\w+);")
 STRUCT = re.compile(r"struct (\w+) \{([^}]*)\};")
 ENUM = re.compile(r"enum (\w+) \{([^}]*)\};")
-VALUE = re.compile(r"^#define (DG_HOST_\w+)[ ]+(\S+)$", re.M)
+VALUE = re.compile(r"^#define (DG_\w+) (\S.*?)\s*$", re.M)
+# No values that somebody computes with: what changes with each release, grows with each addition, or is no number.
+UNPROMISED = re.compile(r"DG_VERSION\w*|DG_API|\w+_COUNT")
+VERSION = re.compile(r"^#define DG_VERSION_(?:MAJOR|MINOR) (\d+)$", re.M)
 # The name of a parameter, which is nobody's business but the header's.
 NAME = re.compile(r"(?<=[ *])\w+(?=(?:\[\d+\])?$)")
 
@@ -35,29 +40,69 @@ def parameters(text):
 
 
 def promises(tree):
-    """What the header promises, a line each."""
-    text = re.sub(r"[ \t]+", " ", blank(read(tree, HEADER)))
-    lines = [f"value {name} {value}" for name, value in VALUE.findall(text)]
-    text = squeeze(re.sub(r"^#.*$", "", text, flags=re.M))
+    """What the headers promise, a line each."""
+    lines = of_handle(read(tree, HEADER))
+    for path in files(tree, "include", suffixes=(".h",)):
+        lines += [line for line in values(read(tree, path)) if line not in lines]
+    return lines
+
+
+def without_comments(text):
+    return re.sub(r"[ \t]+", " ", blank(text))
+
+
+def values(text):
+    """Constants and enumerators of a header."""
+    text = without_comments(text)
+    for name, value in VALUE.findall(text):
+        if not UNPROMISED.fullmatch(name) and not value.endswith("\\"):
+            yield f"value {name} {value}"
+    for name, inside in ENUM.findall(squeeze(re.sub(r"^#.*$", "", text, flags=re.M))):
+        yield from (f"enum {name}: {line}" for line in enumerators(inside) if not UNPROMISED.match(line))
+
+
+def of_handle(text):
+    """What host.h promises beside values."""
+    text, lines = squeeze(re.sub(r"^#.*$", "", without_comments(text), flags=re.M)), []
     for kind, name, inside in FUNCTION.findall(text):
         lines.append(f"function {squeeze(kind)} {name}({parameters(squeeze(inside))})")
     for kind, names in OBJECT.findall(text):
         lines += [f"object {squeeze(kind)} {name}" for name in names.split(", ")]
-    for name, inside in STRUCT.findall(text):
-        lines.append(f"struct {name} {{{squeeze(inside)}}}")
-    for name, inside in ENUM.findall(text):
-        lines += [f"enum {name}: {line}" for line in enumerators(inside)]
-    return lines
+    return lines + [f"struct {name} {{{squeeze(inside)}}}" for name, inside in STRUCT.findall(text)]
 
 
 def enumerators(inside):
-    """NAME = VALUE of each, also of those that only count on."""
-    last, lines = -1, []
+    """NAME = VALUE of each, also of those that only count on, from an expression, too."""
+    last, ahead, lines = "", -1, []
     for part in filter(None, map(squeeze, inside.split(","))):
         name, _, value = part.partition(" = ")
-        last = int(value, 0) if value else last + 1
-        lines.append(f"{name} = {value or last}")
+        if not name.isidentifier(): # a macro makes them
+            continue
+        last, ahead = (value, 0) if value else (last, ahead + 1)
+        number = re.fullmatch(r"(0x[0-9A-Fa-f]+|\d+)u?|", last)
+        counted = int(number.group(1) or "0", 0) + ahead if number else f"{last} + {ahead}" if ahead else last
+        lines.append(f"{name} = {counted}")
     return lines
+
+
+def soname(tree):
+    """As CMakeLists.txt makes it: while major is 0, minor belongs to it."""
+    major, minor = VERSION.findall(read(tree, "include/drehgeber/version.h"))
+    return f"0.{minor}" if major == "0" else major
+
+
+def head(name, lines):
+    digest = hashlib.sha256("\n".join(lines).encode()).hexdigest()
+    return f"soname {name}: {len(lines)} promises, sha256 {digest[:16]}"
+
+
+def struck(name, first, listed):
+    """What is wrong with the list itself, as a list."""
+    if not first.startswith(f"soname {name}:"):
+        return [f"{LIST} is of another SONAME than {name}: begin it anew, with abi.py TREE --print"]
+    if first != head(name, listed):
+        return [f"{LIST} is not what its head says: a promise is changed or struck off only with another SONAME"]
+    return []
 
 
 def exported(shared):
@@ -67,17 +112,20 @@ def exported(shared):
 
 def main():
     tree, shared = sys.argv[1:]
-    now = promises(tree)
+    now, name = promises(tree), soname(tree)
+    first, *listed = (Path(tree) / LIST).read_text(encoding="utf-8").splitlines() or [""]
+    complaints = struck(name, first, listed)
     if shared == "--print":
-        print("\n".join(now))
+        if first.startswith(f"soname {name}:"):
+            now = sys.exit(complaints[0]) if complaints else listed + [line for line in now if line not in listed]
+        print("\n".join([head(name, now), *now]))
         return
-    listed = (Path(tree) / LIST).read_text().splitlines()
     symbols = exported(shared)
-    complaints = [f"{HEADER} has not any more: {line}" for line in listed if line not in now]
+    complaints += [f"the headers have not any more: {line}" for line in listed if line not in now]
     for line in now:
-        name = re.search(r"(dg_\w+)(?:\(|$)", line) if line.startswith(("function", "object")) else None
-        if name and name.group(1) not in symbols:
-            complaints.append(f"{shared} does not export {name.group(1)}")
+        symbol = re.search(r"(dg_\w+)(?:\(|$)", line) if line.startswith(("function", "object")) else None
+        if symbol and symbol.group(1) not in symbols:
+            complaints.append(f"{shared} does not export {symbol.group(1)}")
     print(f"{len(set(now) - set(listed))} added since the list was made")
     finish(len(listed), complaints)
 
