@@ -47,6 +47,18 @@ def free_port() -> int:
         return probe.getsockname()[1]
 
 
+def end_process(process: subprocess.Popen):
+    """As a user ends a program: one that does not end has failed."""
+    if process.poll() is None:
+        process.terminate()
+    try:
+        process.wait(PATIENCE_S)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait(PATIENCE_S)
+        raise AssertionError("SIGTERM does not end it") from None
+
+
 class Lines:
     """Lines out of a pipe but for those that begin as `unheard` says, with bounded waits."""
 
@@ -146,8 +158,7 @@ class Encoder:
             master.close()
         if self.alive():
             tell_stalls(self.controls)
-            self.process.kill()
-            self.process.wait(PATIENCE_S)
+        end_process(self.process)
         unasked = self.errors.so_far()
         self.process.stdout.close()
         self.process.stderr.close()

@@ -57,6 +57,7 @@ def test_a_recording_on_a_full_disk(rig, tmp_path):
     assert client.error("TIME:STEP 10S") == 0
     assert client.error("SHAF:REC:STOP") == -250
     assert (tmp_path / "r.csv").stat().st_size == 1000
+    bench.limit_file_size(resource.RLIM_INFINITY)
 
 
 def test_one_file_is_of_one_recording(rig, tmp_path):

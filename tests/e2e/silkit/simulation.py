@@ -11,7 +11,7 @@ from ctypes import (CFUNCTYPE, POINTER, Structure, c_char_p, c_int8, c_int16, c_
                     c_uint32, c_uint64, c_void_p)
 from pathlib import Path
 
-from rig import PROGRAM, Lines, free_port
+from rig import PROGRAM, Lines, end_process, free_port
 
 HERE = Path(os.environ.get("DREHGEBER_SILKIT", Path(__file__).resolve().parents[3] / "build/silkit/SilKit_py"))
 LIBRARY = HERE / "libSilKit.so"
@@ -126,9 +126,7 @@ class Rig:
         return self.process.wait(PATIENCE_S)
 
     def close(self):
-        if self.process.poll() is None:
-            self.process.kill()
-            self.process.wait(PATIENCE_S)
+        end_process(self.process)
         self.process.stdout.close()
         self.process.stderr.close()
 
