@@ -62,6 +62,34 @@ def test_refusals():
     assert run_refused(2, "biss", "f3668", "read")
 
 
+@pytest.mark.parametrize("action, said", [
+    ("registers", "no address"),
+    ("registers x:0 4", "no bank: x"),
+    ("registers 256:0 4", "no bank: 256"),
+    ("registers 0x80 1", "no address of 0x00..0x7F: 0x80"),
+    ("write 7:3", "write needs 1..64 BYTES"),
+    ("command", "command needs a number of 0..255"),
+    ("command 256", "command needs a number of 0..255"),
+    ("fly", "unknown action fly"),
+])
+def test_an_action_says_what_it_needs(action, said):
+    line = run_refused(2, "biss", S3684, *action.split())
+    assert said in line and "right is read, registers [BANK:]ADDR N, eds, write [BANK:]ADDR BYTES or command N" in line
+
+
+def test_a_register_that_is_refused_is_a_failure():
+    """Banks end at 31, see the table of the registers."""
+    assert "refused" in run_refused(1, "biss", S3684, "registers", "32:0", "4")
+
+
+@pytest.mark.parametrize("stored, after", [([], "00"), (["command", "1"], "5A")])
+def test_commands_store_and_start_anew(stored, after):
+    """WMASK, 00h as delivered, is what was stored when command 03 has started the encoder anew; command 01 stores it."""
+    reading = ["registers", "0:0x23", "1"]
+    said = biss(S3684, "write", "0:0x23", "5A", *reading, *stored, "command", "3", *reading)
+    assert said == f"5A\n{after}\n"
+
+
 def crc6(bits: str) -> int:
     value = 0
     for bit in bits:
