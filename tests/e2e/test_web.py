@@ -599,3 +599,36 @@ def test_a_command_without_its_panel(rig, control, tmp_path):
     ended = subprocess.run([alone, "web", control], capture_output=True, text=True, timeout=PATIENCE_S)
     assert ended.returncode == 1
     assert "drehgeber-web is not installed" in ended.stderr and "libwebsockets-dev" in ended.stderr
+
+
+def test_a_panel_that_cannot_be_started(rig, control, tmp_path):
+    """As it is when what stands beside the command is no program."""
+    alone = shutil.copy(PROGRAM, tmp_path / "drehgeber")
+    (tmp_path / "drehgeber-web").write_bytes(b"\x7fELF")
+    (tmp_path / "drehgeber-web").chmod(0o755)
+    ended = subprocess.run([alone, "web", control], capture_output=True, text=True, timeout=PATIENCE_S)
+    assert ended.returncode == 1
+    assert f"cannot start {tmp_path}/drehgeber-web: Exec format error" in ended.stderr
+
+
+def test_the_panel_is_started_by_the_command():
+    ended = subprocess.run([Path(PROGRAM).parent / "drehgeber-web"], capture_output=True, text=True, timeout=PATIENCE_S)
+    assert (ended.returncode, ended.stdout) == (2, "")
+    assert ended.stderr == "drehgeber: drehgeber-web is started by 'drehgeber web'\n"
+
+
+def test_nobody_reads_that_it_is_ready(rig, control):
+    with open("/dev/full", "wb") as full:
+        ended = subprocess.run([PROGRAM, "web", control, "--listen", "127.0.0.1:0"], stdout=full, stderr=subprocess.PIPE,
+                               text=True, timeout=PATIENCE_S)
+    assert ended.returncode == 1 and ended.stderr == "drehgeber: cannot write to stdout\n"
+
+
+@pytest.mark.parametrize("behind, status", [("", 200), (".local", 200), (".evil.example", 403), ("x", 403)])
+def test_beyond_loopback_it_has_the_name_of_its_machine(rig, control, behind, status):
+    process = Process("web", control, "--listen", "0.0.0.0:0,open")
+    port = int(process.ready.split("#")[0].rstrip("/").rpartition(":")[2])
+    with socket.create_connection(("127.0.0.1", port), PATIENCE_S) as link:
+        link.sendall(f"GET / HTTP/1.1\r\nHost: {socket.gethostname()}{behind}:{port}\r\nConnection: close\r\n\r\n".encode())
+        assert int(received(link).split()[1]) == status
+    assert process.end()[0] == 0
