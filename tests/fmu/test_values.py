@@ -176,6 +176,76 @@ def test_values_and_variables_that_do_not_count_the_same_are_errors(make: Make) 
     slave.freeInstance()
 
 
+# --- what an encoder has not
+
+# Functions that FMI 3.0 demands of every FMU, and what they take behind the instance: a size, a reference, a truth value,
+# a moment, a pointer.
+SIZES = {"n": ctypes.c_size_t(1), "r": ctypes.c_uint32(1), "b": ctypes.c_bool(False), "d": ctypes.c_double(0), "p": None}
+NOT_HERE = {
+    "GetNumberOfVariableDependencies": "rp", "GetVariableDependencies": "rppppn",
+    "GetDirectionalDerivative": "pnpnpnpn", "GetAdjointDerivative": "pnpnpnpn",
+    "GetIntervalDecimal": "pnpp", "GetIntervalFraction": "pnppp", "GetShiftDecimal": "pnp", "GetShiftFraction": "pnpp",
+    "SetIntervalDecimal": "pnp", "SetIntervalFraction": "pnpp", "SetShiftDecimal": "pnp", "SetShiftFraction": "pnpp",
+    "EnterContinuousTimeMode": "", "CompletedIntegratorStep": "bpp", "SetTime": "d", "SetContinuousStates": "pn",
+    "GetContinuousStateDerivatives": "pn", "GetEventIndicators": "pn", "GetContinuousStates": "pn",
+    "GetNominalsOfContinuousStates": "pn", "GetNumberOfEventIndicators": "p", "GetNumberOfContinuousStates": "p",
+    "GetOutputDerivatives": "pnppn", "ActivateModelPartition": "rd",
+}
+TYPES = ["Float32", "Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "UInt64"]
+IDLE = {"SetDebugLogging": "bnp", "EnterConfigurationMode": "", "ExitConfigurationMode": "", "EvaluateDiscreteStates": ""}
+ERROR = 3
+
+
+def test_what_is_not_here_is_an_error_of_fmi_3(make: Make) -> None:
+    """Nothing to differentiate, no clock with an interval, no variable of these types; what has nothing to do is OK."""
+    fmu = make("f3668")
+    slave = FMU3Slave(guid=fmu.description.guid, unzipDirectory=fmu.folder, modelIdentifier="drehgeber",
+                      instanceName="it")
+    slave.instantiate()
+    component = ctypes.c_void_p(slave.component)
+
+    def call(name: str, of: ctypes.c_void_p | None, *arguments: object) -> int:
+        function = getattr(slave.dll, "fmi3" + name)
+        function.argtypes, function.restype = None, ctypes.c_int
+        return int(function(of, *arguments))
+
+    for name, letters in NOT_HERE.items():
+        assert call(name, component, *[SIZES[letter] for letter in letters]) == ERROR, name
+    for verb in ("Get", "Set"):
+        for name in TYPES:
+            for count, result in (0, OK), (1, ERROR):
+                n = ctypes.c_size_t(count)
+                assert call(verb + name, component, None, n, None, n) == result, (verb, name)
+    for name, letters in IDLE.items():
+        arguments = [SIZES[letter] for letter in letters]
+        assert call(name, component, *arguments) == OK, name
+        assert call(name, None, *arguments) == ERROR, name
+    slave.freeInstance()
+
+
+def test_only_co_simulation_of_this_very_fmu(make: Make) -> None:
+    """FMI 3.0, 2.3.1: what is no instance is NULL."""
+    fmu = make("f3668")
+    dll = FMU3Slave(guid=fmu.description.guid, unzipDirectory=fmu.folder, modelIdentifier="drehgeber",
+                    instanceName="it").dll
+    token = fmu.description.guid.encode()
+
+    def made(kind: str, given: bytes, *more: object) -> int | None:
+        function = getattr(dll, "fmi3Instantiate" + kind)
+        function.argtypes, function.restype = None, ctypes.c_void_p
+        off = ctypes.c_bool(False)
+        result: int | None = function(b"it", given, None, off, off, *more)
+        return result
+
+    assert made("ModelExchange", token, None, None) is None
+    assert made("ScheduledExecution", token, None, None, None, None, None) is None
+    events = [ctypes.c_bool(False), ctypes.c_bool(False), None, ctypes.c_size_t(0), None, None, None]
+    assert made("CoSimulation", token + b"x", *events) is None
+    instance = made("CoSimulation", token, *events)
+    assert instance is not None
+    dll.fmi3FreeInstance(ctypes.c_void_p(instance))
+
+
 # --- events of FMI 3.0
 
 def test_event_is_told_when_a_clock_ticks_only(make: Make) -> None:
