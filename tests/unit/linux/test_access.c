@@ -16,6 +16,7 @@
 #include <cmocka.h>
 
 #include "access.h"
+#include "descriptors.h"
 #include "endpoint.h"
 
 #define TOKEN "0123456789abcdef"
@@ -327,6 +328,7 @@ int main(void)
         cmocka_unit_test(test_guard),
         cmocka_unit_test(test_guard_and_zeros),
         cmocka_unit_test(a_port_that_is_refused_says_what_is_right),
+        cmocka_unit_test(no_descriptor_is_left),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, descriptors_note, NULL);
 }

@@ -17,6 +17,7 @@
 #include <cmocka.h>
 
 #include "can_rig.h"
+#include "descriptors.h"
 
 #define HEARTBEAT 0x700u
 
@@ -551,6 +552,7 @@ int main(void)
                                         can_rig_tear_down),
         cmocka_unit_test_setup_teardown(hundred_and_twenty_seven, can_rig_set_up,
                                         can_rig_tear_down),
+        cmocka_unit_test(no_descriptor_is_left),
     };
-    return cmocka_run_group_tests_name("CANopen encoders on a bus", tests, NULL, NULL);
+    return cmocka_run_group_tests_name("CANopen encoders on a bus", tests, descriptors_note, NULL);
 }

@@ -14,6 +14,7 @@
 
 #include <cmocka.h>
 
+#include "descriptors.h"
 #include "hf_rig.h"
 #include "line_rig.h"
 #include "serial.h"
@@ -294,6 +295,7 @@ int main(void)
         cmocka_unit_test(late_deadlines_are_counted),
         cmocka_unit_test(what_does_not_fit_is_refused),
         cmocka_unit_test(settings_reach_the_station),
+        cmocka_unit_test(no_descriptor_is_left),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, descriptors_note, NULL);
 }

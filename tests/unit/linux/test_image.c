@@ -13,6 +13,7 @@
 #include <cmocka.h>
 
 #include "biss_settings.h"
+#include "descriptors.h"
 #include "drehgeber/devices.h"
 #include "eeprom_rig.h"
 
@@ -299,6 +300,7 @@ int main(void)
         IN_A_PLACE(an_image_of_an_earlier_release_is_taken_and_grows),
         IN_A_PLACE(an_interrupted_erase_is_ended_or_undone),
         IN_A_PLACE(a_kind_says_what_it_answers_without_its_memory),
+        cmocka_unit_test(no_descriptor_is_left),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, descriptors_note, NULL);
 }

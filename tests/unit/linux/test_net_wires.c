@@ -6,6 +6,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
@@ -15,6 +16,7 @@
 
 #include "access.h"
 #include "can.h"
+#include "descriptors.h"
 #include "peers.h"
 #include "serial.h"
 
@@ -390,6 +392,48 @@ static void who_reads_again_goes_on(void **state)
     end(&bench);
 }
 
+/* A TCP port that somebody has: who wants it is told why, and keeps nothing of it. */
+static void a_port_that_is_taken_is_refused(void **state)
+{
+    static const struct {
+        const char *prefix;
+        const char *behind;
+        lx_can_open *open; /* NULL: a serial port */
+    } rows[] = {
+        {"tcp:", "", NULL},
+        {"rfc2217:", "", NULL},
+        {"tcp:", "", lx_slcan_net_open},
+        {"", ",can0", lx_socketcand_open},
+    };
+    struct bench bench;
+    (void)state;
+    open_port(&bench, "tcp:127.0.0.1:0");
+    const char *port = strrchr(bench.port->address, ':') + 1;
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
+        struct lx_error error = {.what = ""};
+        char where[64];
+        const unsigned open = descriptors_open();
+        (void)snprintf(where, sizeof where, "%s127.0.0.1:%s%s", rows[i].prefix, port,
+                       rows[i].behind);
+        const struct lx_serial_setup serial = {
+            .event = bench.event, .say = &quiet, .where = where, .rx = on_character, .ctx = &bench};
+        const struct lx_can_setup can = {.event = bench.event,
+                                         .say = &quiet,
+                                         .where = where,
+                                         .rx = on_frame,
+                                         .settle = settle,
+                                         .ctx = &bench};
+        if (rows[i].open == NULL) {
+            assert_null(lx_net_port_open(&serial, &error));
+        } else {
+            assert_null(rows[i].open(&can, &error));
+        }
+        assert_non_null(strstr(error.what, "Address already in use"));
+        assert_int_equal(descriptors_open(), open);
+    }
+    end(&bench);
+}
+
 static void addresses(void **state)
 {
     static const struct {
@@ -434,7 +478,9 @@ int main(void)
         cmocka_unit_test(the_most_silent_gives_up_its_place),
         cmocka_unit_test(who_does_not_read_loses),
         cmocka_unit_test(who_reads_again_goes_on),
+        cmocka_unit_test(a_port_that_is_taken_is_refused),
         cmocka_unit_test(addresses),
+        cmocka_unit_test(no_descriptor_is_left),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, descriptors_note, NULL);
 }

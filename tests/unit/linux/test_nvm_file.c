@@ -18,6 +18,7 @@
 
 #include <cmocka.h>
 
+#include "descriptors.h"
 #include "eeprom_rig.h"
 
 /* --- a file system that lacks something: these come before libc's own --- */
@@ -481,6 +482,7 @@ int main(void)
         IN_A_PLACE(a_link_to_the_file_is_no_other_file),
         IN_A_PLACE(only_a_file_that_was_made_is_unmade),
         IN_A_PLACE(a_file_cut_off_in_use_is_written_again_whole),
+        cmocka_unit_test(no_descriptor_is_left),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, descriptors_note, NULL);
 }

@@ -2,6 +2,7 @@
 /* Queues in front of memories that are slow, stuck, or say no: early, or too late. */
 #define _GNU_SOURCE
 #include <pthread.h>
+#include <sched.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -9,10 +10,13 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <time.h>
+#include <unistd.h>
 
 #include <cmocka.h>
 
+#include "descriptors.h"
 #include "drehgeber/devices.h"
 #include "drehgeber/hiperface.h"
 #include "drehgeber/store.h"
@@ -30,7 +34,8 @@ static struct disk {
     pthread_cond_t changed;
     char log[LOG_MAX];
     size_t logged;
-    bool stuck;                 /* syncs do not return */
+    bool stuck;                 /* syncs do not return, */
+    char held;                  /* nor does a write of this byte; 0: all do */
     unsigned inside;            /* those that are in one */
     unsigned fails;             /* so many syncs fail */
     int fails_at;               /* the one of the syncs from now on that fails, 0: none */
@@ -86,6 +91,12 @@ static int write_memory(void *ctx, uint32_t address, const void *from, size_t n)
 {
     struct memory *self = ctx;
     (void)pthread_mutex_lock(&disk.lock);
+    disk.inside++;
+    (void)pthread_cond_broadcast(&disk.changed);
+    while (disk.held != 0 && disk.held == *(const char *)from) {
+        (void)pthread_cond_wait(&disk.changed, &disk.lock);
+    }
+    disk.inside--;
     memcpy(self->bytes + address, from, n);
     note((char)(*(const char *)from + self->offset));
     (void)pthread_mutex_unlock(&disk.lock);
@@ -120,7 +131,15 @@ static void set_stuck(bool stuck)
     (void)pthread_mutex_unlock(&disk.lock);
 }
 
-/* Until the thread is in a sync that does not return. */
+static void hold_write(char byte)
+{
+    (void)pthread_mutex_lock(&disk.lock);
+    disk.held = byte;
+    (void)pthread_cond_broadcast(&disk.changed);
+    (void)pthread_mutex_unlock(&disk.lock);
+}
+
+/* Until the thread is in a sync or a write that does not return. */
 static void await_stuck(void)
 {
     (void)pthread_mutex_lock(&disk.lock);
@@ -194,6 +213,7 @@ static int set_up(void **state)
         assert_int_equal(lx_nvm_queue_open(&self->queue[i], &setup, &self->nvm[i], &error), 0);
     }
     disk.stuck = false;
+    disk.held = 0;
     disk.fails = 0;
     disk.fails_at = 0;
     disk.logged = 0;
@@ -213,6 +233,7 @@ static int tear_down(void **state)
 {
     struct bench *self = *state;
     set_stuck(false);
+    hold_write(0);
     close_all(self);
     lx_nvm_writer_free(self->writer);
     self->event = sd_event_unref(self->event);
@@ -285,6 +306,54 @@ static void what_is_outside_is_refused(void **state)
     assert_int_equal(nvm->ops->read(nvm->ctx, SIZE - 2u, bytes, 2), DG_OK);
 }
 
+static int do_not_read(void *ctx, uint32_t address, void *to, size_t n)
+{
+    (void)ctx;
+    (void)address;
+    (void)to;
+    (void)n;
+    return DG_ERR_IO;
+}
+
+/* Who opened it is told, and the queue is none: closing it is nothing. */
+static void a_memory_that_cannot_be_read_has_no_queue(void **state)
+{
+    static const struct dg_nvm_ops unreadable = {do_not_read, write_memory, sync_memory};
+    struct bench *self = *state;
+    struct lx_error error = {.what = ""};
+    struct lx_nvm_queue queue;
+    struct dg_nvm nvm;
+    const struct lx_nvm_queue_setup setup = {
+        .writer = self->writer, .below = {&unreadable, &self->memory[0]}, .size = SIZE};
+    assert_int_not_equal(lx_nvm_queue_open(&queue, &setup, &nvm, &error), 0);
+    assert_string_not_equal(error.what, "");
+    assert_int_equal(lx_nvm_queue_state(&queue, 7), LX_NVM_THROUGH);
+    lx_nvm_queue_close(&queue);
+}
+
+/* The thread is waked by a descriptor. */
+static void without_a_descriptor_there_is_no_thread(void **state)
+{
+    struct bench *self = *state;
+    struct lx_error error = {.what = ""};
+    struct lx_nvm_queue queue;
+    struct dg_nvm nvm;
+    struct rlimit before;
+    struct lx_nvm_writer *writer = lx_nvm_writer_new(self->event, NULL, NULL);
+    const struct lx_nvm_queue_setup setup = {
+        .writer = writer, .below = {&memory_ops, &self->memory[0]}, .size = SIZE};
+    assert_non_null(writer);
+    assert_int_equal(getrlimit(RLIMIT_NOFILE, &before), 0);
+    const struct rlimit none = {.rlim_cur = 0, .rlim_max = before.rlim_max};
+    assert_int_equal(setrlimit(RLIMIT_NOFILE, &none), 0);
+    const int result = lx_nvm_queue_open(&queue, &setup, &nvm, &error);
+    assert_int_equal(setrlimit(RLIMIT_NOFILE, &before), 0);
+    assert_int_not_equal(result, 0);
+    assert_string_equal(error.what, "no thread for EEPROM files: Too many open files");
+    lx_nvm_queue_close(&queue);
+    lx_nvm_writer_free(writer);
+}
+
 static void without_a_writer_the_device_works_on_the_memory(void **state)
 {
     struct bench *self = *state;
@@ -320,6 +389,37 @@ static void a_stuck_disk_keeps_the_device_for_a_moment_only(void **state)
     assert_true(self->settled[0] >= 1);
     assert_int_equal(self->settled[1], 0);
     logged("|b|");
+}
+
+static dg_ns time_of_sync(struct bench *self, size_t file)
+{
+    const dg_ns begin = lx_now();
+    assert_int_equal(put(self, file, 0, "|"), DG_OK);
+    return lx_now() - begin;
+}
+
+/* A moment is the disk's time. Of what it has been busy with for long there is none left; behind
+   another file's it is one from the sync on. The quickest of a few: a busy machine adds to it. */
+static void a_moment_is_time_of_the_disk(void **state)
+{
+    struct bench *self = *state;
+    dg_ns behind_own = DG_S(10);
+    dg_ns behind_other = DG_S(10);
+    for (unsigned i = 0; i < 10; i++) {
+        hold_write('a');
+        assert_int_equal(put(self, 0, 0, "a"), DG_OK);
+        await_stuck();
+        (void)usleep((useconds_t)(2u * LX_NVM_MOMENT / 1000u));
+        behind_own = dg_earliest(behind_own, time_of_sync(self, 0));
+        const dg_ns other = time_of_sync(self, 1);
+        assert_true(other >= LX_NVM_MOMENT);
+        behind_other = dg_earliest(behind_other, other);
+        hold_write(0);
+        assert_int_equal(settle(self, 0), LX_NVM_THROUGH);
+        assert_int_equal(settle(self, 1), LX_NVM_THROUGH);
+    }
+    assert_true(behind_own < LX_NVM_MOMENT);
+    assert_true(behind_other < LX_NVM_MOMENT_MAX / 2u);
 }
 
 static void a_sync_is_through_before_the_ones_behind_it(void **state)
@@ -409,6 +509,33 @@ static void a_late_no_refuses_what_comes_until_all_is_through(void **state)
     assert_int_equal(put(self, 0, 0, "e|"), DG_OK);
     assert_int_equal(settle(self, 0), LX_NVM_THROUGH);
     logged_one_of("a!a|b|cde|", "!|b|cde|");
+}
+
+/* All that was to be synced is there; what is written behind it is still on its way. */
+static void what_is_tried_again_is_not_taken_away(void **state)
+{
+    struct bench *self = *state;
+    put_late(self, 0, 0, "a|");
+    assert_int_equal(put(self, 0, 2, "b"), DG_OK);
+    disk.fails = 1;
+    set_stuck(false);
+    assert_int_equal(settle(self, 0), LX_NVM_LOST);
+    hold_write('b');
+    assert_int_equal(put(self, 0, 0, "c"), DG_ERR_IO);
+    while (state_of(self, 0) != LX_NVM_THROUGH) {
+        (void)sched_yield();
+    }
+    await_stuck();
+    assert_int_equal(put(self, 0, 0, "d|"), DG_ERR_IO);
+    assert_int_equal(put(self, 0, 0, "|"), DG_ERR_IO);
+    assert_int_equal(byte_at(self, 0, 2), 'b');
+    hold_write(0);
+    while (put(self, 0, 0, "e") != DG_OK) {
+        assert_int_equal(byte_at(self, 0, 2), 'b');
+    }
+    close_all(self);
+    logged_one_of("a!a|be", "a!|be");
+    assert_memory_equal(self->memory[0].bytes, "e-b", 3);
 }
 
 static void a_file_that_fails_keeps_no_other_one(void **state)
@@ -567,19 +694,24 @@ int main(void)
     const struct CMUnitTest tests[] = {
         ON_A_BENCH(what_is_written_is_read_at_once_and_written_in_order),
         ON_A_BENCH(what_is_outside_is_refused),
+        ON_A_BENCH(a_memory_that_cannot_be_read_has_no_queue),
+        ON_A_BENCH(without_a_descriptor_there_is_no_thread),
         ON_A_BENCH(without_a_writer_the_device_works_on_the_memory),
         ON_A_BENCH(a_stuck_disk_keeps_the_device_for_a_moment_only),
+        ON_A_BENCH(a_moment_is_time_of_the_disk),
         ON_A_BENCH(a_sync_is_through_before_the_ones_behind_it),
         ON_A_BENCH(files_take_turns),
         ON_A_BENCH(an_early_no_is_told_to_the_device),
         ON_A_BENCH(an_early_no_reads_without_the_lock),
         ON_A_BENCH(a_late_no_refuses_what_comes_until_all_is_through),
+        ON_A_BENCH(what_is_tried_again_is_not_taken_away),
         ON_A_BENCH(a_file_that_fails_keeps_no_other_one),
         ON_A_BENCH(an_answer_is_kept_and_one_behind_a_loss_is_dropped),
         ON_A_BENCH(the_writer_knows_of_all_files),
         ON_A_BENCH(closing_waits_for_the_disk),
         ON_A_BENCH(closing_tries_once_more),
         ON_A_BENCH(a_commit_that_is_lost_mixes_nothing),
+        cmocka_unit_test(no_descriptor_is_left),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, descriptors_note, NULL);
 }

@@ -13,6 +13,7 @@
 #include <cmocka.h>
 
 #include "csv.h"
+#include "descriptors.h"
 #include "drehgeber/hal.h"
 #include "motion_model.h"
 #include "record.h"
@@ -317,6 +318,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_full_disk_is_found_at_the_end, set_up, tear_down),
         cmocka_unit_test_setup_teardown(angles_that_cannot_be_read_back_end_it, set_up, tear_down),
         cmocka_unit_test_setup_teardown(what_cannot_be_recorded, set_up, tear_down),
+        cmocka_unit_test(no_descriptor_is_left),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, descriptors_note, NULL);
 }

@@ -18,6 +18,7 @@
 #include <cmocka.h>
 
 #include "bus.h"
+#include "descriptors.h"
 #include "drehgeber/bits.h"
 #include "drehgeber/devices.h"
 #include "modbus.h"
@@ -683,6 +684,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_ring_sleeps_again_when_its_fault_is_used_up, set_up,
                                         tear_down),
         cmocka_unit_test_setup_teardown(late_are_missed_cycles, set_up, tear_down),
+        cmocka_unit_test(no_descriptor_is_left),
     };
-    return cmocka_run_group_tests_name("INTERBUS encoders in a ring", tests, NULL, NULL);
+    return cmocka_run_group_tests_name("INTERBUS encoders in a ring", tests, descriptors_note, NULL);
 }

@@ -16,6 +16,7 @@
 
 #include <cmocka.h>
 
+#include "descriptors.h"
 #include "drehgeber/bits.h"
 #include "drehgeber/devices.h"
 #include "modbus_ring.h"
@@ -191,7 +192,16 @@ static void a_ring_says_what_it_answers_without_its_memory(void **state)
     lx_ring_close(&self->ring);
 }
 
-/* Where no file can be made the old one stays. */
+static void is_not_replaced(struct bench *self, struct lx_nvm_file *file, const char *reason)
+{
+    char expected[160];
+    (void)snprintf(expected, sizeof expected, "%s: cannot write it anew: %s", self->path, reason);
+    self->error = (struct lx_error){.what = ""};
+    assert_int_equal(lx_nvm_file_replace(file, self->bytes, &self->error), -1);
+    assert_string_equal(self->error.what, expected);
+}
+
+/* Where no file can be made, or none gets the name, the old one stays. */
 static void a_file_that_cannot_be_replaced_stays(void **state)
 {
     struct bench *self = *state;
@@ -201,8 +211,10 @@ static void a_file_that_cannot_be_replaced_stays(void **state)
     const struct lx_nvm_image image = {self->bytes, BYTES_MAX, ""};
     assert_int_equal(lx_nvm_file_open(&file, self->path, &image, &self->error), 0);
     assert_int_equal(rename(self->path, self->link), 0);
-    assert_int_equal(lx_nvm_file_replace(&file, self->bytes, &self->error), -1);
-    assert_non_null(strstr(lx_error_line(&self->error).text, "cannot write it anew"));
+    is_not_replaced(self, &file, "No such file or directory");
+    assert_int_equal(mkdir(self->path, 0700), 0);
+    is_not_replaced(self, &file, "Is a directory");
+    assert_int_equal(rmdir(self->path), 0);
     assert_int_equal(rename(self->link, self->path), 0);
     assert_int_equal(file.length, n);
     lx_nvm_file_close(&file);
@@ -220,6 +232,7 @@ int main(void)
         IN_A_PLACE(links_are_followed_and_the_file_stays_locked),
         IN_A_PLACE(a_ring_says_what_it_answers_without_its_memory),
         IN_A_PLACE(a_file_that_cannot_be_replaced_stays),
+        cmocka_unit_test(no_descriptor_is_left),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, descriptors_note, NULL);
 }

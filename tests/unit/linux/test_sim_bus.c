@@ -12,6 +12,7 @@
 
 #include <cmocka.h>
 
+#include "descriptors.h"
 #include "sim_rig.h"
 #include "timer.h"
 
@@ -430,6 +431,7 @@ int main(void)
         cmocka_unit_test(in_a_chain_a_damage_is_one_encoders),
         cmocka_unit_test(what_does_not_fit_is_refused),
         cmocka_unit_test(settings_reach_the_station),
+        cmocka_unit_test(no_descriptor_is_left),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, descriptors_note, NULL);
 }
