@@ -159,6 +159,14 @@ def test_frames_come_at_their_moments():
     assert [round(b.at - a.at, 9) for a, b in zip(frames, frames[1:])] == [0.1] * 999
 
 
+def test_a_node_that_is_switched_on_says_so_at_once():
+    encoder = Encoder("f3668", bus=CanBus())
+    port = encoder.bus.port()
+    encoder.power("CYCLE")
+    frame = port.recv()
+    assert frame is not None and (frame.at, frame.id, frame.data) == (0, 0x73F, b"\0")
+
+
 def test_remote_frames():
     encoder = Encoder("f3668")
     encoder.can.send(*START)
@@ -203,6 +211,7 @@ def test_python_can_joins_a_bus_by_name():
         answer = bus.recv(0)
         assert answer.arbitration_id == 0x587 and answer.data[4:] == (16384).to_bytes(4, "little")
         assert answer.timestamp == 0 and not answer.is_extended_id
+        assert answer.is_rx and "rig" in answer.channel
         for refused in (
             can.Message(arbitration_id=0x607, data=UPLOAD, is_extended_id=True),
             can.Message(arbitration_id=0x607, data=UPLOAD, is_extended_id=False, is_fd=True),
@@ -219,6 +228,10 @@ def test_python_can_makes_an_encoder():
         answer = bus.recv(0)
         assert int.from_bytes(answer.data[4:], "little") == bus.encoder.position
         assert int.from_bytes(answer.data[4:], "little") / 65536 == pytest.approx(1.5, abs=0.01)
+        bus.send(can.Message(arbitration_id=0x605, data=heartbeat_every(100), is_extended_id=False))
+        assert bus.recv(0.01).data[0] == 0x60
+        bus.advance(1)  # heartbeats that pass no filter
+        assert bus.recv(0) is None
 
 
 @pytest.mark.parametrize("channel", ["nobody", "s9?shaft=60RPM", ""])

@@ -64,11 +64,23 @@ def test_one_section_for_many(tmp_path):
             node = rig.encoders[f"n-{i}"]
             assert (node.get("node"), node.get("serial")) == (str(i), str(999 + i))
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted(f"n.nvm.{i}" for i in range(1, 126))
+    with Rig.of_text(text.replace("1..125", "5..5"), tmp_path) as rig:
+        assert list(rig.encoders) == ["n-5", "r-0x40", "r-0x41"]
     for value in ("3..2", "1..x", "..2"):
         with pytest.raises(EncoderError, match="is right|no number"):
             Rig.of_text(text.replace("1..125", value), tmp_path)
     with pytest.raises(EncoderError, match="no wire of their own"):
         Rig.of_text(text.replace("bus = b\nnode", "wire = slcan\nnode"), tmp_path)
+
+
+def test_a_course_has_begun_when_an_encoder_is_switched_on(tmp_path):
+    """3200h of 1003h, the battery; at its first moment the node looks at it."""
+    (tmp_path / "flat.csv").write_text("0,1000\n1,1000\n")
+    text = "[encoder n]\nmodel = f3668\nwire = slcan\nbattery_mv = "
+    with Rig.of_text(f"{text}flat.csv\n", tmp_path) as rig:
+        assert rig.encoders["n"].state()["errors"] == "3200"
+    with Rig.of_text(f"{text}3600\n", tmp_path) as rig:
+        assert rig.encoders["n"].state()["errors"] is None
 
 
 def test_a_whole_rig_goes_by_one_clock(bench):
