@@ -269,6 +269,9 @@ def test_forty_columns(panel, four):
                       "^co +preoperational +0 +-$", "^bi +idle ")
     lines = screen.splitlines()
     assert len(lines) == 10 and "1/4" in lines[7] and lines[9].endswith("q")
+    four.encoders["hf"].shaft.position = -(3 * 360 + 90)
+    top.wait(r"^main +-4 turns 270\.000 deg +0\.000 rpm$")
+    four.encoders["hf"].shaft.position = 0
     top.keys("Down", "+")  # the geared one
     top.wait(r"Settings conflict;a geared shaft is \w*~$")  # where the keys were
     top.keys("f")
