@@ -533,6 +533,29 @@ def test_the_rig_goes_and_comes_back(rig, control, web):
     assert again.end() == (0, [])
 
 
+def test_a_rig_without_a_place_in_its_queue_is_tried_again(rig, control, web):
+    """Others have filled it while the rig stands still; they keep their places until it goes on."""
+    os.kill(rig.process.pid, signal.SIGSTOP)
+    try:
+        with contextlib.suppress(BlockingIOError):
+            while True:
+                with socket.socket(socket.AF_UNIX) as other:
+                    other.setblocking(False)
+                    other.connect(control.removeprefix("unix:"))
+        page = Page(web)
+        page.link.settimeout(0.5)
+        with pytest.raises(TimeoutError):
+            page.message()
+    finally:
+        os.kill(rig.process.pid, signal.SIGCONT)
+    page.link.settimeout(PATIENCE_S)
+    with page:
+        assert page.message() == "ready"
+        assert page.ask("SHAF:POS?") == "90.000000"
+    status, said = rig.end()
+    assert status == 0 and [line for line in said if "stopped and continued" not in line] == []
+
+
 def test_a_rig_that_asks_for_a_token(tmp_path):
     file = tmp_path / "rig-token"
     file.write_text("the-token-of-the-rig\n")
