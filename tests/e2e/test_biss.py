@@ -52,17 +52,19 @@ def test_eds_shows_what_the_banks_hold(model):
     assert re.search(rf"^0x10  MT_CNT +{turns} turns", profile, re.MULTILINE)
 
 
-# Symbol, bytes, unit: 5.2.1.3.1 and 5.2.1.3.2. "250 ns" is a step of a value.
+# Address, symbol, bytes, unit: 5.2.1.3.1 and 5.2.1.3.2. "250 ns" is a step of a value.
 COMMON = """
-EDS_VER 1; EDS_LEN 1 banks; USR_STA 1; USR_END 1; TMA 1 ns; TO_MIN 1 250 ns; TO_MAX 1 250 ns; TOS_MIN 1 25 ns;
-TOS_MAX 1 25 ns; TCLK_MIN 1 25 ns; TCLK_MAX 1 25 ns; TCYC 1 250 ns; TBUSY_S 1 250 ns; BUSY_S 1 TMA; PON_DLY 2 ms;
-DC_NUM 1; SL_NUM 1; SL_OFF 1; BANK1 1; DLEN1 1 bit; FORMAT1 1; CPOLY1 1; CHKSUM 1
+00 EDS_VER 1; 01 EDS_LEN 1 banks; 02 USR_STA 1; 03 USR_END 1; 04 TMA 1 ns; 05 TO_MIN 1 250 ns;
+06 TO_MAX 1 250 ns; 07 TOS_MIN 1 25 ns; 08 TOS_MAX 1 25 ns; 09 TCLK_MIN 1 25 ns; 0A TCLK_MAX 1 25 ns;
+0B TCYC 1 250 ns; 0C TBUSY_S 1 250 ns; 0D BUSY_S 1 TMA; 0E PON_DLY 2 ms; 10 DC_NUM 1; 11 SL_NUM 1;
+12 SL_OFF 1; 14 BANK1 1; 15 DLEN1 1 bit; 16 FORMAT1 1; 17 CPOLY1 1; 3F CHKSUM 1
 """
 PROFILE = """
-BP_VER 1; BP_LEN 1 banks; BP_ID1 1; BP_ID2 1 bit; FB1 1; FB2 1; PON_PDL 1 100 ms; EN_TYP 1; POS_NUM 1; MT_LEN 1 bit;
-MT_FMT 1; CO_LEN 1 bit; CO_FMT 1; FI_LEN 1 bit; FI_FMT 1; MT_CNT 4 turns; SIP_CNT 4; SIP_RES 4 LSB; CPOLY 4; CSTART 4;
-ABS_ACU 2; REL_ACU 2; SPD_ACU 2; HYST 2; SPD_MAX 2; ACC_MAX 2; TMP_MIN 2; TMP_MAX 2; VLT_MIN 2; VLT_MAX 2; CUR_MAX 2;
-CHKSUM 1
+00 BP_VER 1; 01 BP_LEN 1 banks; 02 BP_ID1 1; 03 BP_ID2 1 bit; 04 FB1 1; 05 FB2 1; 06 PON_PDL 1 100 ms;
+08 EN_TYP 1; 09 POS_NUM 1; 0A MT_LEN 1 bit; 0B MT_FMT 1; 0C CO_LEN 1 bit; 0D CO_FMT 1; 0E FI_LEN 1 bit;
+0F FI_FMT 1; 10 MT_CNT 4 turns; 14 SIP_CNT 4; 18 SIP_RES 4 LSB; 1C CPOLY 4; 20 CSTART 4; 24 ABS_ACU 2;
+26 REL_ACU 2; 28 SPD_ACU 2; 2A HYST 2; 2C SPD_MAX 2; 2E ACC_MAX 2; 30 TMP_MIN 2; 32 TMP_MAX 2; 34 VLT_MIN 2;
+36 VLT_MAX 2; 38 CUR_MAX 2; 3F CHKSUM 1
 """
 
 
@@ -71,9 +73,10 @@ def test_eds_has_the_manuals_steps_and_units():
     for text, fields in zip(biss(S3684, "eds").split("\n\n"), (COMMON, PROFILE)):
         lines = [line for line in text.splitlines() if line.startswith("0x")]
         for line, field in zip(lines, fields.split(";"), strict=True):
-            symbol, size, *unit = field.split()
+            address, symbol, size, *unit = field.split()
             step = int(unit.pop(0)) if len(unit) == 2 else 1
             digits = line[16:24].strip()
+            assert line[:6] == f"0x{address}  "
             assert (line[6:14].strip(), len(digits), line[37:42].split()) == (symbol, 2 * int(size), unit)
             assert int(line[26:36]) == int(digits, 16) * step
             assert re.fullmatch("  [0-9A-Za-z].*", line[42:])

@@ -5,6 +5,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -138,6 +139,83 @@ static void frames_in_the_manuals_words(void **state)
     }
 }
 
+/* clang-format off */
+/* The others of 5.1.4, without their check sums. */
+static const struct {
+    bool ours;
+    const char *hex;
+    const char *text;
+} more_frames[] = {
+    {false, "40 46",                   "40h 46h read counter"},
+    {true,  "40 46 01 02 03",          "40h -> 46h counter 66051"},
+    {true,  "40 47",                   "40h -> 47h counter incremented"},
+    {false, "40 49 55",                "40h 49h erase counter, code 55h"},
+    {true,  "40 4B 01 02 03",          "40h -> 4Bh data field 01h offset 02h count 3 saved"},
+    {false, "40 4C 01",                "40h 4Ch determine data field status 01h"},
+    {true,  "40 4D 01 C8",             "40h -> 4Dh data field 01h created, status C8h"},
+    {false, "40 4E",                   "40h 4Eh determine available memory area"},
+    {true,  "40 4F 02",                "40h -> 4Fh access key 2 modified"},
+    {false, "40 52",                   "40h 52h read type label"},
+    {true,  "40 53",                   "40h -> 53h encoder reset"},
+    {false, "40 56",                   "40h 56h read serial number and version"},
+    {true,  "40 57 E4",                "40h -> 57h serial interface E4h"},
+    {false, "40 6A 00 00 01 07 55",    "40h 6Ah set position with synchronization 263, code 55h"},
+};
+
+/* Status messages, 5.1.3. */
+static const struct {
+    uint8_t code;
+    const char *text;
+} messages[] = {
+    {0x01, "faulty compensation data"},     {0x02, "faulty internal angular offset"},
+    {0x03, "data field partitioning table destroyed"},
+    {0x05, "internal I2C bus not operational"},
+    {0x06, "internal check sum error"},     {0x08, "counter overflow"},
+    {0x0A, "check sum error"},              {0x0B, "unknown command code"},
+    {0x0C, "wrong command length"},         {0x0D, "wrong argument"},
+    {0x0E, "data field may not be written"}, {0x0F, "wrong access code"},
+    {0x10, "insufficient memory"},          {0x11, "address outside of the data field"},
+    {0x12, "wrong data field number"},      {0x1D, "LED current"},
+    {0x1E, "temperature"},                  {0x1F, "speed too high"},
+    {0x20, "singleturn"},                   {0x21, "multiturn amplitude"},
+    {0x22, "multiturn synchronization"},    {0x23, "multiturn vector length"},
+};
+/* clang-format on */
+
+/* A frame that ends with its check sum: all bytes together are 0 (5.1.1). */
+static void is_told(bool ours, const char *hex, const char *expected)
+{
+    struct lines lines = {.count = 0};
+    struct lx_decoder decoder;
+    uint8_t bytes[32];
+    char whole[128];
+    uint8_t sum = 0;
+    const size_t n = bytes_of(hex, bytes);
+    for (size_t i = 0; i < n; i++) {
+        sum ^= bytes[i];
+    }
+    (void)snprintf(whole, sizeof whole, "%s %02X", hex, sum);
+    lx_decoder_init(&decoder, on_line, &lines);
+    (void)lx_decoder_step(&decoder, say(&decoder, DG_MS(5), ours, whole) + DG_S(1));
+    assert_string_equal(lines.text, expected);
+}
+
+static void every_command_and_message_has_its_words(void **state)
+{
+    char hex[16];
+    char expected[80];
+    (void)state;
+    for (size_t i = 0; i < LENGTH(more_frames); i++) {
+        is_told(more_frames[i].ours, more_frames[i].hex, more_frames[i].text);
+    }
+    for (size_t i = 0; i < LENGTH(messages); i++) {
+        (void)snprintf(hex, sizeof hex, "40 50 %02X", messages[i].code);
+        (void)snprintf(expected, sizeof expected, "40h -> 50h error %02Xh %s", messages[i].code,
+                       messages[i].text);
+        is_told(true, hex, expected);
+    }
+}
+
 static void a_frame_ends_with_the_other_direction_or_silence(void **state)
 {
     const dg_ns bit = dg_bit_times_ns(1, BAUD);
@@ -210,16 +288,37 @@ static const struct {
     {0x000, "82 00",                   "NMT reset communication all nodes"},
     {0x000, "33 01",                   "NMT 33h node 1"},
     {0x000, "01",                      "NMT, too short: 01"},
+    {0x000, "02 05",                   "NMT stop node 5"},
+    {0x000, "80 05",                   "NMT enter pre-operational node 5"},
+    {0x000, "81 05",                   "NMT reset node 5"},
     {0x080, "",                        "SYNC"},
     {0x080, "07",                      "SYNC 7"},
     {0x085, "10 81 11 01 02 03 04 05", "EMCY node 5 8110h register 11h: 01 02 03 04 05"},
     {0x085, "00 00 00 00 00 00 00 00", "EMCY node 5 0000h no error, register 00h: 00 00 00 00 00"},
+    {0x085, "00 10 01",                "EMCY node 5 1000h register 01h"},
+    {0x085, "00 10",                   "EMCY node 5, too short: 00 10"},
+    {0x0FF, "00 00 00",                "EMCY node 127 0000h no error, register 00h"},
+    {0x100, "0D 30 B3 02 39",          "TIME, too short: 0D 30 B3 02 39"},
     {0x100, "0D 30 B3 02 39 30",       "TIME 45297677 ms, day 12345"},
     {0x185, "39 30 00 00",             "TPDO1 node 5: 39 30 00 00"},
     {0x2FF, "01",                      "TPDO2 node 127: 01"},
     {0x381, "01",                      "TPDO3 node 1: 01"},
     {0x481, "",                        "TPDO4 node 1"},
     {0x205, "01",                      "RPDO1 node 5: 01"},
+    {0x180, "",                        "id 180h"},
+    {0x181, "",                        "TPDO1 node 1"},
+    {0x27F, "",                        "RPDO1 node 127"},
+    {0x281, "",                        "TPDO2 node 1"},
+    {0x301, "",                        "RPDO2 node 1"},
+    {0x37F, "01",                      "RPDO2 node 127: 01"},
+    {0x3FF, "",                        "TPDO3 node 127"},
+    {0x47F, "",                        "RPDO3 node 127"},
+    {0x501, "",                        "RPDO4 node 1"},
+    {0x57F, "01",                      "RPDO4 node 127: 01"},
+    {0x585, "20 00 00 00 00 00 00 00", "SDO node 5 -> download segment"},
+    {0x585, "60 04 60 00 00 00 00",    "SDO node 5, too short: 60 04 60 00 00 00 00"},
+    {0x605, "40 04 60 00 00 00 00",    "SDO node 5, too short: 40 04 60 00 00 00 00"},
+    {0x600, "40",                      "id 600h: 40"},
     {0x605, "40 04 60 00 00 00 00 00", "SDO node 5 upload 6004h:00"},
     {0x585, "43 04 60 00 39 30 00 00", "SDO node 5 -> upload 6004h:00 = 00003039h"},
     {0x585, "4B 00 62 00 0A 00 00 00", "SDO node 5 -> upload 6200h:00 = 000Ah"},
@@ -238,6 +337,11 @@ static const struct {
     {0x705, "00",                      "heartbeat node 5 boot-up"},
     {0x705, "85",                      "heartbeat node 5 operational, toggle"},
     {0x705, "7F",                      "heartbeat node 5 pre-operational"},
+    {0x705, "04",                      "heartbeat node 5 stopped"},
+    {0x705, "03",                      "heartbeat node 5 03h"},
+    {0x77F, "05",                      "heartbeat node 127 operational"},
+    {0x7E4, "11 00 00 00 00 00 00",    "LSS, too short: 11 00 00 00 00 00 00"},
+    {0x7E5, "11 05 00 00 00 00 00",    "LSS, too short: 11 05 00 00 00 00 00"},
     {0x7E5, "04 01 00 00 00 00 00 00", "LSS switch state global 01h"},
     {0x7E5, "11 05 00 00 00 00 00 00", "LSS configure node-ID 05h"},
     {0x7E4, "11 00 00 00 00 00 00 00", "LSS -> configure node-ID 00h"},
@@ -270,6 +374,94 @@ static void can_frames_in_the_words_of_canopen(void **state)
         assert_int_equal(lines.count, 1);
         assert_string_equal(lines.text, can[i].text);
         assert_true(lines.at == 77 && lines.ours);
+    }
+}
+
+/* clang-format off */
+/* CiA 305: a service with its argument, of the master and of the slave; NULL: it has no such frame. */
+static const struct {
+    uint8_t code;
+    const char *request;
+    const char *reply;
+} lss[] = {
+    {0x04, "switch state global 78h",                           NULL},
+    {0x11, "configure node-ID 78h",                             "configure node-ID 78h"},
+    {0x13, "configure bit timing 5678h",                        "configure bit timing 78h"},
+    {0x15, "activate bit timing 5678h",                         NULL},
+    {0x17, "store configuration",                               "store configuration 78h"},
+    {0x40, "switch state selective vendor-ID 12345678h",        NULL},
+    {0x41, "switch state selective product code 12345678h",     NULL},
+    {0x42, "switch state selective revision 12345678h",         NULL},
+    {0x43, "switch state selective serial number 12345678h",    NULL},
+    {0x44, NULL,                                                "switch state selective"},
+    {0x46, "identify vendor-ID 12345678h",                      NULL},
+    {0x47, "identify product code 12345678h",                   NULL},
+    {0x48, "identify revision from 12345678h",                  NULL},
+    {0x49, "identify revision to 12345678h",                    NULL},
+    {0x4A, "identify serial number from 12345678h",             NULL},
+    {0x4B, "identify serial number to 12345678h",               NULL},
+    {0x4C, "identify non-configured",                           NULL},
+    {0x4F, NULL,                                                "identify slave"},
+    {0x50, NULL,                                                "identify non-configured slave"},
+    {0x51, "fastscan 12345678h",                                NULL},
+    {0x5A, "inquire vendor-ID",                                 "inquire vendor-ID 12345678h"},
+    {0x5B, "inquire product code",                              "inquire product code 12345678h"},
+    {0x5C, "inquire revision",                                  "inquire revision 12345678h"},
+    {0x5D, "inquire serial number",                             "inquire serial number 12345678h"},
+    {0x5E, "inquire node-ID",                                   "inquire node-ID 78h"},
+};
+
+/* SDO abort codes, CiA 301, 7.2.4.3.17. */
+static const struct {
+    const char *hex; /* as it goes over the bus */
+    const char *text;
+} aborts[] = {
+    {"00 00 03 05", "05030000h toggle bit"},          {"00 00 04 05", "05040000h timeout"},
+    {"01 00 04 05", "05040001h command specifier"},   {"02 00 04 05", "05040002h block size"},
+    {"03 00 04 05", "05040003h sequence number"},     {"04 00 04 05", "05040004h CRC"},
+    {"05 00 04 05", "05040005h out of memory"},       {"00 00 01 06", "06010000h access"},
+    {"01 00 01 06", "06010001h write-only"},          {"02 00 01 06", "06010002h read-only"},
+    {"00 00 02 06", "06020000h no such object"},      {"41 00 04 06", "06040041h cannot be mapped"},
+    {"42 00 04 06", "06040042h PDO too long"},        {"43 00 04 06", "06040043h incompatible parameter"},
+    {"47 00 04 06", "06040047h incompatible inside"}, {"00 00 06 06", "06060000h hardware"},
+    {"10 00 07 06", "06070010h length"},              {"12 00 07 06", "06070012h too long"},
+    {"13 00 07 06", "06070013h too short"},           {"11 00 09 06", "06090011h no such sub-index"},
+    {"30 00 09 06", "06090030h value range"},         {"31 00 09 06", "06090031h value too high"},
+    {"32 00 09 06", "06090032h value too low"},       {"36 00 09 06", "06090036h maximum below minimum"},
+    {"00 00 00 08", "08000000h general error"},       {"20 00 00 08", "08000020h cannot be stored"},
+    {"21 00 00 08", "08000021h local control"},       {"22 00 00 08", "08000022h device state"},
+    {"23 00 00 08", "08000023h no dictionary"},       {"24 00 00 08", "08000024h no data"},
+};
+/* clang-format on */
+
+static void can_is_told(uint16_t id, const char *hex, const char *before, const char *expected)
+{
+    struct lines lines = {.count = 0};
+    struct lx_decoder decoder;
+    char text[LX_DECODE_MAX];
+    lx_decoder_init(&decoder, on_line, &lines);
+    say_can(&decoder, id, hex);
+    (void)snprintf(text, sizeof text, "%s%s", before, expected);
+    assert_string_equal(lines.text, text);
+}
+
+static void every_service_of_lss_and_every_abort_has_its_words(void **state)
+{
+    char hex[32];
+    (void)state;
+    for (size_t i = 0; i < LENGTH(lss); i++) {
+        (void)snprintf(hex, sizeof hex, "%02X 78 56 34 12 00 00 00", lss[i].code);
+        if (lss[i].request != NULL) {
+            can_is_told(0x7E5, hex, "LSS ", lss[i].request);
+        }
+        if (lss[i].reply != NULL) {
+            can_is_told(0x7E4, hex, "LSS -> ", lss[i].reply);
+        }
+    }
+    for (size_t i = 0; i < LENGTH(aborts); i++) {
+        (void)snprintf(hex, sizeof hex, "80 04 60 00 %s", aborts[i].hex);
+        can_is_told(0x585, hex, "SDO node 5 -> abort 6004h:00: ", aborts[i].text);
+        can_is_told(0x605, hex, "SDO node 5 abort 6004h:00: ", aborts[i].text);
     }
 }
 
@@ -388,10 +580,12 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(frames_in_the_manuals_words),
+        cmocka_unit_test(every_command_and_message_has_its_words),
         cmocka_unit_test(a_frame_ends_with_the_other_direction_or_silence),
         cmocka_unit_test(characters_in_a_bunch_are_a_frame),
         cmocka_unit_test(damage_and_length_are_told),
         cmocka_unit_test(can_frames_in_the_words_of_canopen),
+        cmocka_unit_test(every_service_of_lss_and_every_abort_has_its_words),
         cmocka_unit_test(remote_frames),
         cmocka_unit_test(block_transfers),
         cmocka_unit_test(interbus_words_that_changed),

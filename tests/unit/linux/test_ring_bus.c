@@ -686,5 +686,6 @@ int main(void)
         cmocka_unit_test_setup_teardown(late_are_missed_cycles, set_up, tear_down),
         cmocka_unit_test(no_descriptor_is_left),
     };
-    return cmocka_run_group_tests_name("INTERBUS encoders in a ring", tests, descriptors_note, NULL);
+    return cmocka_run_group_tests_name("INTERBUS encoders in a ring", tests, descriptors_note,
+                                       NULL);
 }

@@ -204,8 +204,7 @@ static void a_link_leads_to_one_pty(void **state)
     lx_serial_close(self.port);
     assert_int_equal(access(link, F_OK), -1);
     assert_int_equal(mkdir(link, 0700), 0);
-    is_refused(&self, link, "exists and is not a link to a pty",
-               "remove it or give another name");
+    is_refused(&self, link, "exists and is not a link to a pty", "remove it or give another name");
     assert_int_equal(rmdir(link), 0);
     assert_int_equal(rmdir(folder), 0);
     is_refused(&self, link, "cannot make the link: No such file or directory", "");
