@@ -419,12 +419,14 @@ def test_a_page_that_does_not_read(web):
 
 def test_who_watches_changes_nothing(rig, control):
     web = Web(control, "--watch")
-    for line in ("SHAF:POS?", "STAT?;:FAUL:ACT?", f'INST:SEL "{MODEL}";:TIME?', ":SYST:VERS?"):
+    for line in ("SHAF:POS?", "STAT?;:FAUL:ACT?", f'INST:SEL "{MODEL}";:TIME?', ":SYST:VERS?",
+                 *(f'{word} "{MODEL}";:TIME?' for word in ("INST:SELECT", ":instrument:sel", "INSTrument:SELect"))):
         with Page(web) as page:
             assert page.message() == "ready watch"
             assert isinstance(page.ask(line), str), line
     for line in ("SHAF:POS 10", "SHAF:POS?;POS 10", "SHAF:POS?; POS 10", "*RST", "POW OFF", "FAUL:SET led_current_high",
-                 'SHAF:PROF? "a;b";POS 10', "SHAF:POS?;VEL 1;VEL?", "BISS:FRAM?", ":BISS:REG? 0", "SHAF:STOP ?", "SHAF:STOP;"):
+                 'SHAF:PROF? "a;b";POS 10', "SHAF:POS?;VEL 1;VEL?", "BISS:FRAM?", ":BISS:REG? 0", "SHAF:STOP ?", "SHAF:STOP;",
+                 f'INST:SELE "{MODEL}"', f'I "{MODEL}"', f'INST:SELECTS "{MODEL}"'):
         with Page(web) as page:
             assert page.message() == "ready watch"
             page.send(line)

@@ -114,6 +114,40 @@ static void find_variable(struct fmu *fmu, const char *name, struct fmu_variable
     assert_string_equal(row->name, name);
 }
 
+/* As FMI-LS-BUS has it: an encoder receives by Rx, by a clock of the importer's, and sends by Tx. */
+static void wires_lead_in_and_out(void **state)
+{
+    static const struct {
+        const char *model;
+        const char *name;
+        enum fmu_type type;
+        bool input;
+    } rows[] = {
+        {"f3668", "CanChannel.Rx_Data", FMU_BINARY, true},
+        {"f3668", "CanChannel.Tx_Data", FMU_BINARY, false},
+        {"f3668", "CanChannel.Rx_Clock", FMU_CLOCK, true},
+        {"f3668", "CanChannel.Tx_Clock", FMU_CLOCK, false},
+        {"s3684-rs485", "RS485.Rx_Data", FMU_BINARY, true},
+        {"s3684-rs485", "RS485.Tx_Data", FMU_BINARY, false},
+        {"s3684-rs485", "RS485.Rx_Clock", FMU_CLOCK, true},
+        {"s3684-rs485", "RS485.Tx_Clock", FMU_CLOCK, false},
+        {"s3684-biss", "MA", FMU_CLOCK, true},
+        {"ssi-25", "MA", FMU_CLOCK, true},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char token[96];
+        struct fmu_variable row;
+        (void)snprintf(token, sizeof token, "%s =%s", TOKEN, rows[i].model);
+        struct fmu *fmu = make_running(token);
+        find_variable(fmu, rows[i].name, &row);
+        assert_int_equal(row.type, rows[i].type);
+        assert_int_equal(row.input, rows[i].input);
+        assert_false(row.parameter);
+        fmu_free(fmu);
+    }
+}
+
 /* A setting tells its help, and its words; a fault its cause and what comes of it. */
 static void helps_are_those_of_the_encoder(void **state)
 {
@@ -194,6 +228,7 @@ int main(void)
         cmocka_unit_test(clocks_that_are_none_are_refused),
         cmocka_unit_test(frames_are_answered_in_their_event),
         cmocka_unit_test(each_variable_says_what_it_is_for),
+        cmocka_unit_test(wires_lead_in_and_out),
         cmocka_unit_test(helps_are_those_of_the_encoder),
         cmocka_unit_test(descriptions_have_the_helps),
         cmocka_unit_test(a_reset_makes_it_new),
