@@ -22,6 +22,7 @@
 #define VARIABLE(group, index) ((uint32_t)(group) << 8 | (uint32_t)(index))
 
 static const uint32_t rx = VARIABLE(FMU_BUS, FMU_RX);
+static const uint32_t tx = VARIABLE(FMU_BUS, FMU_TX);
 static const uint32_t rx_clock = VARIABLE(FMU_BUS, FMU_RX_CLOCK);
 
 static int64_t integer(struct fmu *fmu, uint32_t reference)
@@ -356,6 +357,26 @@ static void send_at(struct fmu *fmu, uint64_t at, const char *characters, uint8_
     fmu_clocks_end(fmu);
 }
 
+/* 5 s are more nanoseconds than 32 bits have. */
+static void moments_have_64_bits(void **state)
+{
+    (void)state;
+    struct fmu *fmu = on(TOKEN " =s3684-rs485");
+    const uint8_t *bytes = NULL;
+    size_t n = 0;
+    (void)fmu_step(fmu, 0, 4.5, false);
+    send_at(fmu, UINT64_C(5000000000), "\x40\x42\x02", 3);
+    (void)fmu_step(fmu, 4.5, 0.45, false);
+    assert_false(fmu_ticks(fmu));
+    (void)fmu_step(fmu, 4.95, 0.1, false);
+    assert_true(fmu_ticks(fmu));
+    assert_int_equal(fmu_binary_get(fmu, tx, &bytes, &n), DG_HOST_OK);
+    assert_true(n > 16);
+    const uint64_t at = dg_load_le32(bytes) | (uint64_t)dg_load_le32(bytes + 4) << 32;
+    assert_true(at > UINT64_C(5000000000) && at < UINT64_C(5050000000));
+    fmu_free(fmu);
+}
+
 /* A reply waits, and something happens where the FMU is behind its importer. */
 static void early_return_never_goes_back(void **state)
 {
@@ -472,6 +493,7 @@ int main(void)
         cmocka_unit_test(time_goes_on_and_ends),
         cmocka_unit_test(steps_begin_where_the_last_one_ended),
         cmocka_unit_test(a_million_summed_steps_are_taken),
+        cmocka_unit_test(moments_have_64_bits),
         cmocka_unit_test(early_return_never_goes_back),
         cmocka_unit_test(states_bring_their_faults),
         cmocka_unit_test(any_bytes_are_taken_or_refused),

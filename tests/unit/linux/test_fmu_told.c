@@ -114,7 +114,8 @@ static void find_variable(struct fmu *fmu, const char *name, struct fmu_variable
     assert_string_equal(row->name, name);
 }
 
-/* As FMI-LS-BUS has it: an encoder receives by Rx, by a clock of the importer's, and sends by Tx. */
+/* As FMI-LS-BUS has it: an encoder receives by Rx, by a clock of the importer's, and sends by Tx.
+ */
 static void wires_lead_in_and_out(void **state)
 {
     static const struct {
