@@ -58,6 +58,9 @@ int lx_unix_listen(const char *path, struct lx_error *error)
         return fd;
     }
     (void)lx_fail(error, "unix:%s: cannot listen there: %s", path, strerror(errno));
+    if (bound) {
+        (void)unlink(path);
+    }
     if (fd >= 0) {
         (void)close(fd);
     }
