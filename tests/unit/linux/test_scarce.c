@@ -102,6 +102,7 @@ TAKE(malloc, (size_t n), (n))
 TAKE(calloc, (size_t count, size_t n), (count, n))
 TAKE(strdup, (const char *text), (text))
 TAKE(strndup, (const char *text, size_t n), (text, n))
+TAKE(modbus_new_tcp_pi, (const char *node, const char *service), (node, service))
 
 void __real_free(void *memory);
 void __wrap_free(void *memory);
@@ -109,6 +110,14 @@ void __wrap_free(void *memory)
 {
     forget(memory);
     __real_free(memory);
+}
+
+void __real_modbus_free(void *memory);
+void __wrap_modbus_free(void *memory);
+void __wrap_modbus_free(void *memory)
+{
+    forget(memory);
+    __real_modbus_free(memory);
 }
 
 void *__real_reallocarray(void *memory, size_t count, size_t n);
