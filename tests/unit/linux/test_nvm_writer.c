@@ -10,7 +10,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/resource.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -329,29 +328,6 @@ static void a_memory_that_cannot_be_read_has_no_queue(void **state)
     assert_string_not_equal(error.what, "");
     assert_int_equal(lx_nvm_queue_state(&queue, 7), LX_NVM_THROUGH);
     lx_nvm_queue_close(&queue);
-}
-
-/* The thread is waked by a descriptor. */
-static void without_a_descriptor_there_is_no_thread(void **state)
-{
-    struct bench *self = *state;
-    struct lx_error error = {.what = ""};
-    struct lx_nvm_queue queue;
-    struct dg_nvm nvm;
-    struct rlimit before;
-    struct lx_nvm_writer *writer = lx_nvm_writer_new(self->event, NULL, NULL);
-    const struct lx_nvm_queue_setup setup = {
-        .writer = writer, .below = {&memory_ops, &self->memory[0]}, .size = SIZE};
-    assert_non_null(writer);
-    assert_int_equal(getrlimit(RLIMIT_NOFILE, &before), 0);
-    const struct rlimit none = {.rlim_cur = 0, .rlim_max = before.rlim_max};
-    assert_int_equal(setrlimit(RLIMIT_NOFILE, &none), 0);
-    const int result = lx_nvm_queue_open(&queue, &setup, &nvm, &error);
-    assert_int_equal(setrlimit(RLIMIT_NOFILE, &before), 0);
-    assert_int_not_equal(result, 0);
-    assert_string_equal(error.what, "no thread for EEPROM files: Too many open files");
-    lx_nvm_queue_close(&queue);
-    lx_nvm_writer_free(writer);
 }
 
 static void without_a_writer_the_device_works_on_the_memory(void **state)
@@ -695,7 +671,6 @@ int main(void)
         ON_A_BENCH(what_is_written_is_read_at_once_and_written_in_order),
         ON_A_BENCH(what_is_outside_is_refused),
         ON_A_BENCH(a_memory_that_cannot_be_read_has_no_queue),
-        ON_A_BENCH(without_a_descriptor_there_is_no_thread),
         ON_A_BENCH(without_a_writer_the_device_works_on_the_memory),
         ON_A_BENCH(a_stuck_disk_keeps_the_device_for_a_moment_only),
         ON_A_BENCH(a_moment_is_time_of_the_disk),
