@@ -1,13 +1,16 @@
 # SPDX-License-Identifier: MIT
-"""Finds what can be broken in a C source: one small change each, of five kinds.
+"""Finds what can be broken in a source: one small change each, of five kinds; and draws some of it.
 
-Works on the text, not on a syntax tree: what does not compile is dropped by the runner. Comments,
-strings, directives other than #define, static assertions and the sizes of declared arrays stay.
+In C it works on the text, not on a syntax tree: what does not compile is dropped by the runner. Comments,
+strings, directives other than #define, static assertions and the sizes of declared arrays stay. Python is
+broken by python_mutants.
 """
 
 import hashlib
 import re
 from typing import NamedTuple
+
+import python_mutants
 
 
 class Mutant(NamedTuple):
@@ -20,6 +23,14 @@ class Mutant(NamedTuple):
 
     def apply(self, text):
         return text[: self.begin] + self.after + text[self.end:]
+
+    def lines(self, text):
+        """The first line that differs: its number, before and after."""
+        pairs = zip(text.split("\n"), self.apply(text).split("\n"))
+        for number, (before, after) in enumerate(pairs, 1):
+            if before != after:
+                return number, " ".join(before.split()), " ".join(after.split())
+        return self.line, "", ""
 
 
 HIDDEN = re.compile(
@@ -117,6 +128,9 @@ KINDS = {
 
 def find(path, text):
     """All mutants of a file."""
+    if path.endswith(".py"):
+        return [Mutant(path, text.count("\n", 0, begin) + 1, *each) for each in python_mutants.find(text)
+                for begin in [each[1]]]
     code = hide(text)
     found = []
     for kind, finder in KINDS.items():
@@ -130,6 +144,18 @@ def find(path, text):
             line = text.count("\n", 0, begin) + 1
             found.append(Mutant(path, line, kind, begin, end, after))
     return found
+
+
+# A function or a table: from a line that begins at the margin to the brace that ends there.
+BLOCK = re.compile(r"^[A-Za-z_][^;{}]*?\{.*?^\}", re.S | re.M)
+
+
+def blocks(path, text):
+    """First and last lines of what a change of a line in it may change."""
+    if path.endswith(".py"):
+        return python_mutants.blocks(text)
+    places = [(match.start(), match.end()) for match in BLOCK.finditer(text)]
+    return [(text.count("\n", 0, begin) + 1, text.count("\n", 0, end) + 1) for begin, end in places]
 
 
 def digest(*parts):

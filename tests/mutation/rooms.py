@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: MIT
+"""The rooms whose sources are broken, their floors, and which tests judge a file."""
+
+import re
+from typing import NamedTuple
+
+
+class Room(NamedTuple):
+    name: str  # its folder
+    floor: float  # percent of the last WINDOW verdicts of its log that are killed
+    tree: str  # below build/: whose objects are exchanged, and whose tests judge
+    sources: tuple  # patterns of its files
+    library: str = ""  # of the tree, linked of all objects of the room; a room without one relinks programs
+
+
+WINDOW = 300
+ROOMS = (
+    Room("src", 93, "mutation", ("src/*/*.c", "src/*/*.def"), "tests/libdg_mutable.so"),
+    Room("platform/linux", 80, "release", ("platform/linux/*/*.c",)),
+    Room("platform/fmu", 80, "release", ("platform/fmu/*.c",)),
+    Room("tools/drehgeber", 80, "release", ("tools/drehgeber/*.c", "tools/drehgeber/web/*.c")),
+    Room("tools/python", 90, "release", ("tools/python/drehgeber/*.py",)),
+)
+
+# These run where the kernel has CAN and gpio-sim only: in the guest, which takes minutes to boot.
+GUEST = re.compile(r"platform/linux/(can/can_(socket|link)\.c|clocked/gpio_(bus|lines_v\d)\.c)")
+
+# The whole suite of the core in virtual time, which all of src/ is judged by.
+VIRTUAL = r"unit\.|conformance\."
+# How much those try that can try more; what takes half a minute then tries what is usual.
+THOROUGH = {"DREHGEBER_THOROUGH": "1"}
+USUAL = {"unit.host_forged"}
+
+# Beginning of a path: which tests judge the file, in this order, as patterns of names of ctest. The longest
+# beginning wins. A test that runs a folder of pytest is a test for each of its files here: e2e.control/faults.
+JUDGES = {
+    "src/": [VIRTUAL],
+    "src/core/": [r"unit\.(angle|bits|crc|store|time|world|ram_nvm)|unit\.(hf_memory|co_storage|ib_memory)", VIRTUAL],
+    "src/motion/": [r"unit\.(motion|shaft|steer)", VIRTUAL],
+    "src/hiperface/": [r"unit\.hf_|conformance\.hiperface", VIRTUAL],
+    "src/biss/": [r"unit\.biss|conformance\.biss", VIRTUAL],
+    "src/ssi/": [r"unit\.ssi|conformance\.ssi", VIRTUAL],
+    "src/canopen/": [r"unit\.co_|conformance\.(canopen|cia406)", VIRTUAL],
+    "src/cia406/": [r"unit\.406_|conformance\.cia406", VIRTUAL],
+    "src/interbus/": [r"unit\.ib_|conformance\.interbus", VIRTUAL],
+    "src/host/": [r"unit\.host", VIRTUAL],
+    "src/scpi/": [r"unit\.scpi_", VIRTUAL],
+    "src/control/": [r"unit\.(control|fault|agree|scpi_random)", VIRTUAL],
+    "src/devices/": [r"conformance\.|unit\.agree", VIRTUAL],
+    "platform/linux/base/": [
+        r"unit\.(access|clock|csv|key|tap|trace|virtual_timer|nvm_file|socketcand)", r"golden\.", r"realtime\.stall",
+        r"e2e\.(cli|virtual_time|commands)", r"e2e\.(ctl|watch|stall|csv)", r"e2e\.(rig|files|access|abuse|life)",
+    ],
+    "platform/linux/base/csv": [r"unit\.csv|golden\.", r"e2e\.csv"],
+    "platform/linux/nvm/": [r"unit\.(image|nvm_file|golden)", r"golden\.", r"realtime\.nvm_writer",
+                            r"e2e\.(golden|senses|life|kill|files)", r"e2e\.slow_disk"],
+    "platform/linux/plan/": [r"unit\.(plan|key|course_words|motion_words)", r"golden\.",
+                             r"e2e\.(cli|virtual_time|commands|rig|files)", r"e2e\.manual"],
+    "platform/linux/wire/": [r"unit\.(characters|tap|clocked)", r"golden\.", r"realtime\.(serial|net_wires|hf_wire)",
+                             r"e2e\.(cli|serial_control|master|rig|life)", r"e2e\.line", r"e2e\.net_serial"],
+    "platform/linux/wire/rfc2217": [r"unit\.rfc2217", r"realtime\.net_wires", r"e2e\.net_serial"],
+    "platform/linux/wire/silkit": [r"unit\.silkit", r"e2e\.silkit", r"e2e\.cli"],
+    "platform/linux/rig/silkit": [r"unit\.silkit", r"e2e\.silkit"],
+    "platform/linux/rig/rig_silkit": [r"unit\.silkit", r"e2e\.silkit"],
+    "platform/linux/interbus/ring_silkit": [r"unit\.silkit", r"e2e\.silkit"],
+    "platform/linux/clocked/sim_silkit": [r"unit\.silkit", r"e2e\.silkit"],
+    "platform/linux/can/silkit": [r"unit\.silkit", r"e2e\.silkit"],
+    "platform/linux/rs485/": [r"unit\.(tap|characters|trace_uart)", r"golden\.(line|verdicts)",
+                              r"realtime\.(hf_bus|hf_wire)", r"e2e\.(virtual_time|senses|master)",
+                              r"e2e\.control/faults", r"e2e\.(line|life|slow_disk)"],
+    "platform/linux/can/": [r"unit\.(can_load|slcan|socketcand|decode)", r"golden\.", r"realtime\.can_",
+                            r"realtime\.net_wires", r"e2e\.(cli|virtual_time|trace_tools)", r"e2e\.canopen-slcan",
+                            r"e2e\.control/", r"e2e\.(net_serial|stall)"],
+    "platform/linux/clocked/": [r"unit\.(clocked|gpio_rate|sim_cable|ssi_wire)", r"golden\.",
+                                r"realtime\.(gpio|sim_bus)", r"e2e\.(biss|biss_settings|ssi|virtual_time)",
+                                r"e2e\.(control/|rig|trace_tools)"],
+    "platform/linux/interbus/": [r"unit\.(ib_idle|ib_map|ring_files)", r"golden\.", r"realtime\.ring_bus",
+                                 r"e2e\.interbus", r"e2e\.(virtual_time|trace_tools)", r"e2e\.control/"],
+    "platform/linux/trace/": [r"unit\.(decode|tap|trace|trace_uart)", r"golden\.", r"realtime\.record",
+                              r"e2e\.(virtual_time|trace_tools|ssi|biss)", r"e2e\.(interbus|sigrok|rig)"],
+    "platform/linux/rig/": [r"unit\.(rig_waits|ring_files|plan)", r"golden\.", r"realtime\.(record|hf_bus|can_bus)",
+                            r"e2e\.(virtual_time|watch|ctl|commands|rig|csv)", r"e2e\.control/",
+                            r"e2e\.(life|files|stall|serial_control)"],
+    "platform/linux/rig/server": [r"e2e\.(ctl|watch|commands|serial_control)", r"e2e\.(access|abuse|life)"],
+    "platform/fmu/": [r"unit\.fmu", r"e2e\.fmu/values", r"e2e\.fmu"],
+    "tools/drehgeber/": [r"e2e\.(cli|commands|virtual_time|ctl|watch|manual)", r"e2e\.(rig|files|life)"],
+    "tools/drehgeber/biss": [r"e2e\.(biss|biss_settings|cli)"],
+    "tools/drehgeber/ssi": [r"e2e\.(ssi|cli)"],
+    "tools/drehgeber/ctl": [r"e2e\.(ctl|watch|commands|access|serial_control|files)"],
+    "tools/drehgeber/wire_session": [r"e2e\.(biss_settings|biss|ssi|interbus)", r"e2e\.(ctl|watch|commands)"],
+    "tools/drehgeber/rig_link": [r"unit\.top_client", r"e2e\.(ctl|watch|top|access)"],
+    "tools/drehgeber/fmu_file": [r"e2e\.fmu"],
+    "tools/drehgeber/zip": [r"e2e\.fmu"],
+    "tools/drehgeber/top": [r"unit\.top_client", r"e2e\.top"],
+    "tools/drehgeber/virtual_time": [r"golden\.", r"e2e\.(virtual_time|cli|csv|trace_tools)"],
+    "tools/drehgeber/web": [r"e2e\.web", r"e2e\.cli"],
+    "tools/python/": [r"python\.package/(encoder|values)", r"python\.package/(serial|can|rig|user)$",
+                      r"python\.package/(package|rig_readers)"],
+}
+
+# What is not run of a test here: what builds an FMU again, what measures, what reads pages.
+LEFT_OUT = {"e2e.fmu/fmu": "builds_from_its_sources or container or cost_of_a_step or page"}
+# The command finds these beside itself.
+BESIDE = {"drehgeber": ("drehgeber-web", "fmu-parts/fmi2.so", "fmu-parts/fmi3.so", "fmu-parts/sources",
+                        "fmu-parts/sources.list", "fmu-parts/terms.txt")}
+
+
+def room_of(path):
+    return next((room for room in ROOMS if path.startswith(room.name + "/")), None)
+
+
+def judges_of(path):
+    """Patterns of the names of tests, in their order."""
+    begin = max((begin for begin in JUDGES if path.startswith(begin)), key=len, default=None)
+    return JUDGES[begin] if begin else []
+
+
+def sources_of(room, root):
+    """Paths of the room's files, as texts."""
+    found = {str(path.relative_to(root)) for pattern in room.sources for path in root.glob(pattern)}
+    return sorted(path for path in found if not GUEST.match(path))

@@ -1,0 +1,7 @@
+/* SPDX-License-Identifier: MIT */
+int lx_unit(int n);
+
+int main(void)
+{
+    return lx_unit(1) != 2;
+}

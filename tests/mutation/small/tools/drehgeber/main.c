@@ -1,0 +1,7 @@
+/* SPDX-License-Identifier: MIT */
+int lx_command(int n);
+
+int main(void)
+{
+    return lx_command(4);
+}
