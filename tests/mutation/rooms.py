@@ -15,7 +15,7 @@ class Room(NamedTuple):
 
 WINDOW = 300
 ROOMS = (
-    Room("src", 93, "mutation", ("src/*/*.c", "src/*/*.def"), "tests/libdg_mutable.so"),
+    Room("src", 93, "mutation", ("src/*/*.c", "src/*/*.def"), "tests/support/libdg_mutable.so"),
     Room("platform/linux", 80, "release", ("platform/linux/*/*.c",)),
     Room("platform/fmu", 80, "release", ("platform/fmu/*.c",)),
     Room("tools/drehgeber", 80, "release", ("tools/drehgeber/*.c", "tools/drehgeber/web/*.c")),

@@ -77,7 +77,7 @@ def judge(room, verdicts):
     score = 100 * killed / len(verdicts) if verdicts else 0
     few = f", of {rooms.WINDOW} wanted" if len(verdicts) < rooms.WINDOW else ""
     good = score >= room.floor
-    print(f"mutation score of {room.name}: {score:.1f} %, {killed} of the last {len(verdicts)} killed{few}; "
+    print(f"figure: mutation score of {room.name}: {score:.1f} %, {killed} of the last {len(verdicts)} killed{few}; "
           f"{'floor' if good else 'BELOW the floor of'} {room.floor} %")
     return good
 

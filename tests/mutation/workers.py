@@ -92,7 +92,6 @@ class Worker:
         self.trees = trees  # by name
         self.root = root
         self.place = place
-        shutil.rmtree(place, ignore_errors=True)
         (place / "objects").mkdir(parents=True)
         (place / "here").mkdir()
         for folder in COPIED:
@@ -150,8 +149,11 @@ class Worker:
             return Verdict("the same", "object code")
         objects = Objects(tree, self.place / "products", broken)
         if room.library:
-            library = objects.link(room.library).parent
-            return self.judge(tree, mutant, lambda test: with_environment(test, {"LD_LIBRARY_PATH": str(library)}))
+            library = objects.link(room.library)
+            if not library:
+                sys.exit(f"{room.library} of {tree.place} is not linked of the objects of {room.name}")
+            path = {"LD_LIBRARY_PATH": str(library.parent)}
+            return self.judge(tree, mutant, lambda test: with_environment(test, path))
         done = {}
         return self.judge(tree, mutant, lambda test: test._replace(
             command=[objects.exchange(word, done) for word in test.command],

@@ -153,7 +153,7 @@ def test_figures_are_those_of_the_run(tmp_path):
     """What tools/check leaves, in small."""
     output = {"release": {"conformance.biss": "all  375 of 376 clauses, 303 rows; 1 clauses do not hold, and are listed",
                           "power.loss": "power loss: 36400000 states, 24200000 of them inside a recovery"},
-              "mutation": {"mutation.sample": "mutation score 95.0 %: 57 of 60 killed"},
+              "mutation": {"mutation.sample": "mutation score of src: 95.0 %, 57 of the last 60 killed"},
               "fuzz": {"fuzz.biss": "fuzz_biss: 85 inputs, 12000 new executions (floor 100), 574 edges (floor 500)"}}
     for tree, cases in output.items():
         rows = "".join(f'<testcase name="{name}" status="run"><system-out>{text}</system-out></testcase>'

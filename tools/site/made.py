@@ -246,7 +246,7 @@ def _trees() -> str:
 
 def _mutation() -> str:
     found = next((match.groups() for _, output in _results("mutation").values()
-                  if (match := re.search(r"mutation score (\S+) %: (\d+) of (\d+) killed", output))), ())
+                  if (match := re.search(r"mutation score of src: (\S+) %, (\d+) of the last (\d+) killed", output))), ())
     return f"**{found[0]} %**: {found[1]} of {found[2]} mutants were noticed." if found else f"The score is {NOT_RUN}."
 
 
