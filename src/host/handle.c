@@ -220,7 +220,6 @@ int dg_host_power(struct dg_host *self, uint64_t now, bool on)
         stack->power_off(self->line.device);
     }
     dg_host_run(self, now);
-    dg_host_look(self);
     return result;
 }
 

@@ -83,7 +83,5 @@ void dg_host_sit(struct dg_host *self, void *shaft, dg_angle (*angle_of)(void *s
 void dg_host_run(struct dg_host *self, dg_ns now);
 /** Of wires that say no more: whether `event` is an edge. @return as dg_host_wire.check */
 int dg_host_check_edge(const struct dg_host_event *event);
-/** The line may have another level than was told. */
-void dg_host_look(struct dg_host *self);
 
 #endif

@@ -136,7 +136,8 @@ static bool seen(struct dg_host *self)
     return self->faults != NULL ? self->faults->bent(self->faults_ctx, raw) : raw;
 }
 
-void dg_host_look(struct dg_host *self)
+/* The line may have another level than was told. */
+static void look_at_level(struct dg_host *self)
 {
     struct dg_host_line *line = &self->line;
 
@@ -178,7 +179,7 @@ static void take_all(struct dg_host *self)
             self->line.part = 0;
             drop_head(&self->in);
         }
-        dg_host_look(self);
+        look_at_level(self);
     }
 }
 
@@ -187,7 +188,7 @@ static void serve(struct dg_host *self)
 {
     take_all(self);
     self->deadline = self->device->stack->step(self->line.device, self->line.now);
-    dg_host_look(self);
+    look_at_level(self);
 }
 
 void dg_host_run(struct dg_host *self, dg_ns now)
@@ -272,7 +273,7 @@ int dg_host_behind(struct dg_host *self, uint64_t now, bool level)
     dg_host_run(self, now);
     self->line.behind = level;
     self->line.chained = true;
-    dg_host_look(self);
+    look_at_level(self);
     return self->line.level ? 1 : 0;
 }
 
