@@ -126,6 +126,42 @@ static void a_byte_that_cannot_be_stored_is_refused(void **state)
     assert_int_equal(dg_host_registers_read(self, &now, 0, &byte, 1), DG_HOST_ERR_REFUSED);
 }
 
+/* While it initialises nERR and nWARN are low (choice 19 of its page). */
+static void a_frame_says_when_it_was_latched(void **state)
+{
+    struct dg_host *self = host_rig_make(&host_rig_here, "s3684-biss");
+    struct dg_host_frame frame;
+    uint64_t at = 0;
+    uint64_t counts = 0;
+
+    (void)state;
+    assert_int_equal(dg_host_power(self, 0, true), DG_HOST_OK);
+    assert_int_equal(dg_host_latched(self, &at, &counts), DG_HOST_ERR_STATE);
+    assert_int_equal(dg_host_frame(self, MS, &frame), DG_HOST_OK);
+    assert_true(frame.good == 1 && frame.error == 1 && frame.warning == 1 && frame.at == MS);
+    assert_int_equal(dg_host_latched(self, &at, &counts), DG_HOST_OK);
+    assert_int_equal(at, MS);
+    assert_int_equal(dg_host_frame(self, READY, &frame), DG_HOST_OK);
+    assert_true(frame.good == 1 && frame.error == 0 && frame.warning == 0 && frame.at == READY);
+    assert_int_equal(dg_host_latched(self, &at, &counts), DG_HOST_OK);
+    assert_int_equal(at, READY);
+}
+
+/* 7Fh ends the identification; an address has seven bits. */
+static void the_last_address_is_7f(void **state)
+{
+    struct dg_host *self = started("serial", "1");
+    uint8_t bytes[2] = {0};
+    uint64_t now = READY;
+
+    (void)state;
+    assert_int_equal(dg_host_registers_read(self, &now, 0x7F, bytes, 1), 1);
+    assert_int_equal(bytes[0], 0x55); /* the second half of the manufacturer's id */
+    assert_int_equal(dg_host_registers_read(self, &now, 0x80, bytes, 1), DG_HOST_ERR_ARGUMENT);
+    assert_int_equal(dg_host_registers_write(self, &now, 0x7F, bytes, 1), DG_HOST_ERR_REFUSED);
+    assert_int_equal(dg_host_registers_write(self, &now, 0x80, bytes, 1), DG_HOST_ERR_ARGUMENT);
+}
+
 static void a_call_that_cannot_be_changes_nothing(void **state)
 {
     struct dg_host *self = started("serial", "1");
@@ -206,6 +242,8 @@ int main(void)
         cmocka_unit_test(a_byte_that_never_comes_is_silence),
         cmocka_unit_test(what_follows_the_last_register_is_not_counted),
         cmocka_unit_test(a_byte_that_cannot_be_stored_is_refused),
+        cmocka_unit_test(a_frame_says_when_it_was_latched),
+        cmocka_unit_test(the_last_address_is_7f),
         cmocka_unit_test(a_call_that_cannot_be_changes_nothing),
         cmocka_unit_test(an_access_ends_where_time_ends),
         cmocka_unit_test(a_frame_ends_where_time_ends),

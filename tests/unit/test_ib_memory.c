@@ -433,6 +433,22 @@ static void defaults_after_a_failure(void **state)
     assert_memory_equal(seen.bytes, after.bytes, sizeof after.bytes);
 }
 
+/* 80000000h likewise. */
+static void release_after_a_failure(void **state)
+{
+    (void)state;
+    enter_mode_of(0x80000000);
+    for (int times = 0; times < 3; times++) {
+        prepare(0x80000000);
+        rig.nvm.no_acknowledge = true;
+        assert_int_equal(ib_rig_send(&rig, 0x80000000), 0x86000000);
+        rig.nvm.no_acknowledge = false;
+        (void)ib_rig_release(&rig);
+    }
+    prepare(0x80000000);
+    assert_true(done(0x80000000));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -450,6 +466,7 @@ int main(void)
         cmocka_unit_test_setup(foreign_memories, set_up),
         cmocka_unit_test_setup(a_program_is_all_its_bytes, set_up),
         cmocka_unit_test_setup(defaults_after_a_failure, set_up),
+        cmocka_unit_test_setup(release_after_a_failure, set_up),
     };
     struct CMUnitTest sweep[COMMANDS];
     char names[COMMANDS][9];

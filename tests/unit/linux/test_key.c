@@ -59,6 +59,7 @@ static void check_row(const struct dg_key *key, size_t size)
 {
     assert_true(key->name[0] != '\0' && key->help[0] != '\0' && key->unit != NULL);
     assert_true(key->type < DG_KEY_TYPE_COUNT && key->min <= key->max && key->factor > 0);
+    assert_true(key->type == DG_KEY_NS || key->factor == 1); /* nobody reads it there */
     assert_true(key->offset < size);
     assert_true(key->type != DG_KEY_FLAG || (key->words != NULL && key->max == 1));
     assert_true(key->type != DG_KEY_WORD || (key->words != NULL && key->min == 0));
@@ -104,6 +105,9 @@ static void rows_are_whole(void **state)
         }
         assert_non_null(lx_wire_find(stack->wire, strlen(stack->wire)));
         assert_true(lx_wire_carries(lx_wire_find(stack->wire, strlen(stack->wire)), stack));
+    }
+    for (size_t i = 0; i < dg_world_keys.count; i++) {
+        check_row(&dg_world_keys.rows[i], sizeof(struct dg_world));
     }
     for (size_t i = 0; i < dg_device_count; i++) {
         assert_int_equal(lx_stack_of(dg_devices[i])->core, dg_devices[i]->stack);
