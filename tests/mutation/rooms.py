@@ -82,15 +82,15 @@ JUDGES = {
                             r"e2e\.(virtual_time|watch|ctl|commands|rig|csv)", r"e2e\.control/",
                             r"e2e\.(life|files|stall|serial_control)"],
     "platform/linux/rig/server": [r"e2e\.(ctl|watch|commands|serial_control)", r"e2e\.(access|abuse|life)"],
-    "platform/fmu/": [r"unit\.fmu", r"e2e\.fmu/values", r"e2e\.fmu"],
+    "platform/fmu/": [r"unit\.fmu", r"e2e\.fmu/values", r"e2e\.fmu/"],
     "tools/drehgeber/": [r"e2e\.(cli|commands|virtual_time|ctl|watch|manual)", r"e2e\.(rig|files|life)"],
     "tools/drehgeber/biss": [r"e2e\.(biss|biss_settings|cli)"],
     "tools/drehgeber/ssi": [r"e2e\.(ssi|cli)"],
     "tools/drehgeber/ctl": [r"e2e\.(ctl|watch|commands|access|serial_control|files)"],
     "tools/drehgeber/wire_session": [r"e2e\.(biss_settings|biss|ssi|interbus)", r"e2e\.(ctl|watch|commands)"],
     "tools/drehgeber/rig_link": [r"unit\.top_client", r"e2e\.(ctl|watch|top|access)"],
-    "tools/drehgeber/fmu_file": [r"e2e\.fmu"],
-    "tools/drehgeber/zip": [r"e2e\.fmu"],
+    "tools/drehgeber/fmu_file": [r"e2e\.fmu/", r"e2e\.fmu-rebuild"],
+    "tools/drehgeber/zip": [r"e2e\.fmu/"],
     "tools/drehgeber/top": [r"unit\.top_client", r"e2e\.top"],
     "tools/drehgeber/virtual_time": [r"golden\.", r"e2e\.(virtual_time|cli|csv|trace_tools)"],
     "tools/drehgeber/web": [r"e2e\.web", r"e2e\.cli"],
@@ -98,8 +98,6 @@ JUDGES = {
                       r"python\.package/(package|rig_readers)"],
 }
 
-# What is not run of a test here: what builds an FMU again, what measures, what reads pages.
-LEFT_OUT = {"e2e.fmu/fmu": "builds_from_its_sources or container or cost_of_a_step or page"}
 # The command finds these beside itself.
 BESIDE = {"drehgeber": ("drehgeber-web", "fmu-parts/fmi2.so", "fmu-parts/fmi3.so", "fmu-parts/sources",
                         "fmu-parts/sources.list", "fmu-parts/terms.txt")}

@@ -24,7 +24,7 @@ CPU_TIMES_USUAL = 10
 CPU_S = 60  # of what was not learned
 WALL_S = 120  # or what ctest gives it
 MEMORY = 8 << 30
-FAILED = re.compile(r"^(?:FAILED|ERROR) (\S+::\S+)", re.M)  # of pytest's summary
+FAILED = re.compile(r"^(?:FAILED|ERROR) (\S+?::.+?)(?: - .*)?$", re.M)  # of pytest's summary
 
 
 class Test(NamedTuple):
@@ -84,28 +84,24 @@ def run_test(test, place):
 
 
 def read_test(entry):
-    """Of what ctest tells of a test: one, or one for each file where pytest runs a folder."""
+    """Of what ctest tells of a test: one, or one for each file where pytest runs several."""
     properties = {each["name"]: each["value"] for each in entry["properties"]}
     environment = dict(word.split("=", 1) for word in properties.get("ENVIRONMENT", []))
-    wall_s = max(WALL_S, properties.get("TIMEOUT", 0))
     command = entry.get("command")
     if not command or "PASS_REGULAR_EXPRESSION" in properties:
         return
+    folder = "" if entry["name"].startswith("unit.") else properties["WORKING_DIRECTORY"]
+    test = Test(entry["name"], command, environment, folder, max(WALL_S, properties.get("TIMEOUT", 0)))
     if "pytest" not in command:
-        folder = "" if entry["name"].startswith("unit.") else properties["WORKING_DIRECTORY"]
-        yield Test(entry["name"], command, environment, folder, wall_s)
-        return
-    at = command.index("pytest") + 1
-    command = [*command[:at], "-x", *command[at:]]
-    test = Test(entry["name"], command, environment, properties["WORKING_DIRECTORY"], wall_s)
-    if not Path(command[-1]).is_dir():
         yield test
         return
-    for path in sorted(Path(command[-1]).glob("test_*.py")):
-        name = f"{test.name}/{path.stem.removeprefix('test_')}"
-        left_out = rooms.LEFT_OUT.get(name)
-        options = ["-k", f"not ({left_out})"] if left_out else []
-        yield test._replace(name=name, command=[*command[:-1], *options, str(path)])
+    at = command.index("pytest") + 1
+    paths = [Path(word) for word in command if word.endswith(".py") or Path(word).is_dir()]
+    options = [word for word in command[at:] if Path(word) not in paths]
+    files = [file for path in paths for file in (sorted(path.glob("test_*.py")) if path.is_dir() else [path])]
+    for file in files:
+        name = test.name if paths == [file] else f"{test.name}/{file.stem.removeprefix('test_')}"
+        yield test._replace(name=name, command=[*command[:at], "-x", *options, str(file)])
 
 
 class Tree:
