@@ -123,6 +123,16 @@ static void test_rs485(void **state)
     expect("deaf=0");
 }
 
+/* Communication ends the start-up window before its time (5.1.2.18, R27). */
+static void test_rs485_window(void **state)
+{
+    (void)state;
+    expect("mode=window");
+    assert_int_equal(hf_rig_ask(&rig.hf, "42"), 0);
+    assert_true(rig.hf.now < rig.now + DG_MS(100));
+    expect("mode=on");
+}
+
 /* A quarter of a turn is 512 whole periods: sine 0, cosine at its peak (4.1.3). */
 static void test_rs485_process_channel(void **state)
 {
@@ -473,6 +483,7 @@ int main(void)
         cmocka_unit_test_setup(test_all_have_the_same_beginning, setup),
         cmocka_unit_test_setup(test_counters_of_the_port, setup),
         cmocka_unit_test_setup(test_rs485, setup),
+        cmocka_unit_test_setup(test_rs485_window, setup),
         cmocka_unit_test_setup(test_rs485_process_channel, setup),
         cmocka_unit_test_setup(test_rs485_errors_newest_first, setup),
         cmocka_unit_test_setup(test_rs485_after_a_reset, setup),
