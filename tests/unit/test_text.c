@@ -84,6 +84,7 @@ static void texts_are_compared_by_what_has_to_change(void **state)
     assert_int_equal(edits("CA", "ABC", false), 3);
     assert_int_equal(edits("", "abc", false), 3);
     assert_int_equal(edits("abc", "", false), 3);
+    assert_int_equal(edits("xabc", "abc", false), 1);
     assert_int_equal(edits("Run", "rUN", false), 0);
     assert_int_equal(edits("position", "pos", false), 5);
     assert_int_equal(edits("POSition", "pos", true), 0);
