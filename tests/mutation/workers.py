@@ -39,7 +39,7 @@ class Objects:
         shutil.rmtree(place, ignore_errors=True)
         place.mkdir()
         for old, new in broken.items():
-            target = re.search(r"CMakeFiles/(\w+)\.dir/", old)
+            target = re.search(r"CMakeFiles/([^/]+)\.dir/", old)
             archive = f"lib{target.group(1)}.a"
             if (tree.place / archive).is_file():
                 if archive not in self.instead:
