@@ -3,13 +3,19 @@
 
 An operation's part of a log is what the encoder has sent up to its moment, and its own line with the answer."""
 
+import re
 import zlib
+from collections.abc import Iterable
 from pathlib import Path
+
+from script import EVENTS, OPERATIONS, PROTOCOLS, SECOND
 
 HERE = Path(__file__).parent
 EXPECTED = HERE / "expected"
 DIFFERENCES = HERE / "differences"
 SUMS_IN_LINE = 20
+ALL = "*"  # in place of an operation: the host has no such model
+BEGIN = SECOND  # no moment of a log is before it
 HEADER = """\
 # SPDX-License-Identifier: MIT
 # Sums of the logs that every host has to write: the whole one, then one for each operation.
@@ -38,9 +44,61 @@ def cut(text: str) -> dict[str, Log]:
     return logs
 
 
-def without_events(log: Log, kinds: frozenset[str]) -> Log:
-    """The log of a host that does not tell such events."""
-    return [[line for line in lines if not line.startswith("  @") or line.split()[1] not in kinds] for lines in log]
+class Leave:
+    """What a host may do otherwise: the words of its rows in `differences` that are about logs, not scripts.
+
+    byte         events of this kind are not compared
+    byte<        they stand behind operations that were before them; else they stand where they are told
+    byte@-9..0   their moments may be so many ns later
+    world=       answers of this operation are not compared
+    read@        moments in them are not"""
+
+    def __init__(self, words: Iterable[str]) -> None:
+        self.untold = {word for word in words if word in EVENTS}
+        self.sorted = {word[:-1] for word in words if word.endswith("<")}
+        self.unsaid = {word[:-1] for word in words if word.endswith("=")}
+        self.timeless = {word[:-1] for word in words if word.endswith("@")}
+        ranges = [re.fullmatch(r"(\w+)@(-?\d+)\.\.(-?\d+)", word) for word in words]
+        self.late = {found[1]: (int(found[2]), int(found[3])) for found in ranges if found}
+
+    def strip(self, script: list[str], log: Log) -> Log:
+        """What is compared of it."""
+        moments = [int(line.split()[0]) for line in script[1:]]
+        left: Log = [[] for _ in log]
+        events = sorted((moment_of(line), line) for lines in log for line in lines if self._is_moved(line))
+        for number, lines in enumerate(log):
+            while events and number < len(moments) and events[0][0] <= moments[number]:
+                left[number].append(events.pop(0)[1])
+            left[number] += [self._line(line) for line in lines if not self._is_untold(line) and not self._is_moved(line)]
+        left[-1:] = [[*lines, *(line for _, line in events)] for lines in left[-1:]]
+        return left
+
+    def _is_untold(self, line: str) -> bool:
+        return line.startswith("  @") and line.split()[1] in self.untold
+
+    def _is_moved(self, line: str) -> bool:
+        return line.startswith("  @") and line.split()[1] in self.sorted
+
+    def _line(self, line: str) -> str:
+        number, name, *answer = line.split() if not line.startswith(" ") else ("", "")
+        if name in self.unsaid:
+            return f"{number} {name}"
+        if name in self.timeless:
+            return " ".join([number, name, *(word for word in answer if not word.isdecimal() or int(word) < BEGIN)])
+        return line
+
+    def same(self, expected: str, got: str) -> bool:
+        if expected == got:
+            return True
+        left, right = expected.split(), got.split()
+        if not (left[0][0] == right[0][0] == "@" and left[1:] == right[1:] and left[1] in self.late):
+            return False
+        earliest, latest = self.late[left[1]]
+        return earliest <= moment_of(got) - moment_of(expected) <= latest
+
+
+def moment_of(event: str) -> int:
+    return int(event.split()[0].removeprefix("@"))
 
 
 def say_difference(host: str, script: list[str], number: int, expected: str, got: str) -> str:
@@ -51,13 +109,15 @@ def say_difference(host: str, script: list[str], number: int, expected: str, got
             f"  expected {expected}\n  got      {got}")
 
 
-def compare(host: str, script: list[str], expected: Log, got: Log) -> None:
-    """Line by line. Raises Broken at the first one that differs."""
+def compare(host: str, script: list[str], expected: Log, got: Log, leave: Leave | None = None) -> None:
+    """Line by line, but for what the host may do otherwise. Raises Broken at the first one that differs."""
+    leave = leave or Leave(())
+    expected, got = leave.strip(script, expected), leave.strip(script, got)
     for i in range(max(len(expected), len(got))):
         pair = [log[i] if i < len(log) else [] for log in (expected, got)]
         for k in range(max(map(len, pair))):
             left, right = (lines[k].strip() if k < len(lines) else "nothing" for lines in pair)
-            if left != right:
+            if not leave.same(left, right):
                 raise Broken(say_difference(host, script, i + 1, left, right))
 
 
@@ -110,15 +170,16 @@ def compare_sums(host: str, script: list[str], expected: tuple[str, list[str]], 
 
 # ------------------------------------------------------------ what is known to differ
 
-def read_differences(host: str, text: str | None = None) -> dict[str, str]:
-    """What a host does not have or does otherwise, operations and kinds of events, with the reason."""
+def read_differences(host: str, model: str, text: str | None = None) -> dict[str, str]:
+    """What a host does not have or does otherwise with a model, operations and kinds of events, with the reason."""
     rows = (DIFFERENCES.read_text() if text is None else text).splitlines()
     found: dict[str, str] = {}
     for row in rows:
         name, _, rest = row.partition(" ")
         word, _, reason = rest.strip().partition(" ")
-        if name == host:
-            if not reason.strip() or word in found:
-                raise Broken(f"differences: {row}: expected HOST OPERATION REASON, once")
+        if name in (host, f"{host}:{PROTOCOLS[model]}", f"{host}:{model}"):
+            known = {re.split("[:@=<~]", word)[0]} <= {*OPERATIONS, *EVENTS, ALL}
+            if not known or not reason.strip() or word in found:
+                raise Broken(f"differences: {row}: expected HOST[:PROTOCOL|:MODEL] OPERATION REASON, once")
             found[word] = reason.strip()
     return found

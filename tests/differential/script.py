@@ -2,6 +2,7 @@
 """Scripts: what happens to an encoder, one operation a line. The same model and seed give the same script for ever."""
 
 import functools
+import re
 from collections.abc import Callable
 from typing import Any
 
@@ -273,7 +274,29 @@ def write_whole_script(model: str, seed: int) -> tuple[str, ...]:
     return tuple(script.lines)
 
 
+def thin(lines: list[str], name: str, behind: str, ns: int) -> list[str]:
+    """Without operations of this name that come less than `ns` behind one called `behind`, "any": behind any other."""
+    left: list[str] = []
+    latest = -ns
+    for line in lines:
+        at, word = line.split()[:2]
+        if word != name or int(at) - latest >= ns:
+            left.append(line)
+        if word == behind or (behind == "any" and word != name):
+            latest = int(at)
+    return left
+
+
 def write_script(model: str, seed: int, without: frozenset[str] = frozenset()) -> list[str]:
-    """Its lines, but for operations that a host does not have."""
+    """Its lines, but for operations that a host does not have. There "set:KEY=VALUE" is: with this setting, and no other;
+    "read:93..103": words from ... to; "power~bytes:NS": none so short behind the other one."""
     head, *lines = write_whole_script(model, seed)
-    return [head, *(line for line in lines if not without & names_of(line))]
+    fixed = [word.removeprefix("set:").split("=") for word in sorted(without) if word.startswith("set:") and "=" in word]
+    ranges = [re.fullmatch(r"(\w+:)(\d+)\.\.(\d+)", word) for word in without]
+    pauses = [re.fullmatch(r"(\w+)~(\w+):(\d+)", word) for word in sorted(without)]
+    without |= {f"{found[1]}{number}" for found in ranges if found for number in range(int(found[2]), int(found[3]) + 1)}
+    without |= {f"set:{key}" for key, _ in fixed}
+    lines = [line for line in lines if not without & names_of(line)]
+    for found in pauses:
+        lines = thin(lines, found[1], found[2], int(found[3])) if found else lines
+    return [head, *(f"{SECOND} set {key} {value}" for key, value in fixed), *lines]

@@ -25,7 +25,7 @@ struct virtual_rig {
     struct lx_rig *rig;
     struct lx_tap_listener *listener;
     struct dg_control control;
-    char answer[4096]; /**< to the last question, without the end of its line */
+    char answer[8192]; /**< to the last question, without the end of its line */
     int line;          /**< the master's connection; -1: it has none */
     /** What the master hears, in pieces; NULL: nobody listens. */
     void (*heard)(void *ctx, const uint8_t *bytes, size_t n);
