@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""The player of FMUs of FMI 3.0, in fmpy: scripts come in, logs go out. README.md has the language.
+"""The player of FMUs in fmpy: scripts come in, logs go out. README.md has the language.
 
-The command, $DREHGEBER, makes the FMUs."""
+usage: play_fmu.py 2|3, the version of FMI. The command, $DREHGEBER, makes the FMUs."""
 
 import math
 import shutil
@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 sys.path.append(str(Path(__file__).parents[1] / "fmu"))
-from conftest import DREHGEBER, Fmu, Slave  # noqa: E402
+from conftest import DREHGEBER, Fmu, Slave, Slave2  # noqa: E402
 
 SECOND = 1_000_000_000
 MARGIN_S = 0.4e-9
@@ -47,12 +47,33 @@ def messages(data: bytes, now: int) -> list[str]:
     return lines
 
 
+class Signals:
+    """An instance of FMI 2.0, as if it were one of FMI 3.0 without events."""
+
+    def __init__(self, fmu: Fmu, early: bool, **settings: Any) -> None:
+        assert early
+        self.fmu = fmu
+        self.inner = Slave2(fmu, **settings)
+        self.step, self.close = self.inner.step, self.inner.close
+
+    @property
+    def time(self) -> float:
+        return self.inner.time
+
+    def set(self, name: str, value: Any) -> None:
+        self.inner.set(self.fmu.kinds[name], name, value)
+
+    def get(self, name: str) -> Any:
+        return self.inner.get(self.fmu.kinds[name], name)
+
+
 class Player:
     """An FMU, to which a script happens."""
 
     def __init__(self, fmu: Fmu, model: str, settings: dict[str, Any], number: int) -> None:
-        self.wire = WIRES.get(model, WIRES.get(model.partition("-")[2], ""))
-        self.slave = Slave(fmu, early=True, power=False, **settings)
+        signals = fmu.description.fmiVersion.startswith("2")
+        self.wire = "" if signals else WIRES.get(model, WIRES.get(model.partition("-")[2], ""))
+        self.slave: Any = (Signals if signals else Slave)(fmu, early=True, power=False, **settings)
         self.number = number
         self.line = ""
 
@@ -99,7 +120,7 @@ class Player:
     def give(self, name: str, value: Any) -> str:
         if name not in self.slave.fmu.names:
             return f" {UNKNOWN}"
-        self.slave.set(name, value)
+        self.slave.set(name, bool(value) if self.slave.fmu.kinds[name] == "Boolean" else value)
         return " 0"
 
     def power(self, on: str) -> str:
@@ -150,7 +171,7 @@ class Player:
         return 0 if self.slave.get("power") else NO_POWER
 
     def position(self) -> str:
-        return f" {self.result()} {self.slave.get('position'):x}"
+        return f" {self.result()} {int(self.slave.get('position')):x}"
 
     def sincos(self) -> str:
         volts = (self.slave.get(name) for name in ("sin_plus", "sin_minus", "cos_plus", "cos_minus"))
@@ -167,12 +188,12 @@ OPERATIONS: dict[str, Callable[..., str]] = {
 def setting_of(kind: str, value: str) -> Any:
     if kind == "Boolean":
         return value == "1"
-    return value if kind == "String" else float(value) if kind == "Float64" else int(value)
+    return value if kind == "String" else float(value) if kind in ("Float64", "Real") else int(value)
 
 
-def make_fmu(folder: str, model: str) -> Fmu:
+def make_fmu(folder: str, model: str, version: str) -> Fmu:
     path = f"{folder}/{model}.fmu"
-    subprocess.run([DREHGEBER, "fmu", model, "--output", path], check=True)
+    subprocess.run([DREHGEBER, "fmu", model, "--fmi", version, "--output", path], check=True)
     return Fmu(Path(path))
 
 
@@ -180,15 +201,14 @@ def play(fmu: Fmu, script: list[list[str]]) -> None:
     """Settings come first, while the FMU is initialized."""
     (_, model, _), *lines = script
     print(" ".join(script[0]))
-    kinds = {v.name: v.type for v in fmu.description.modelVariables}
     settings = {}
     number = 0
     while lines[0][1] == "set":
         _, _, name, value = lines.pop(0)
         number += 1
-        known = name in kinds
+        known = name in fmu.kinds
         if known:
-            settings[name] = setting_of(kinds[name], value)
+            settings[name] = setting_of(fmu.kinds[name], value)
         print(f"{number} set {0 if known else UNKNOWN}")
     player = Player(fmu, model, settings, number)
     for words in lines:
@@ -204,7 +224,7 @@ def main() -> None:
             scripts.append([])
         scripts[-1].append(words)
     with tempfile.TemporaryDirectory() as folder:
-        fmus = {model: make_fmu(folder, model) for model in {script[0][1] for script in scripts}}
+        fmus = {model: make_fmu(folder, model, sys.argv[1]) for model in {script[0][1] for script in scripts}}
         for script in scripts:
             play(fmus[script[0][1]], script)
         for fmu in fmus.values():

@@ -10,6 +10,7 @@ from typing import Any
 
 import fmpy  # type: ignore[import-untyped]
 import pytest
+from fmpy.fmi2 import FMU2Slave  # type: ignore[import-untyped]
 from fmpy.fmi3 import FMU3Slave  # type: ignore[import-untyped]
 
 DREHGEBER = os.environ.get("DREHGEBER", "build/release/drehgeber")
@@ -23,6 +24,7 @@ class Fmu:
         self.description = fmpy.read_model_description(self.path)
         self.folder = fmpy.extract(self.path)
         self.names = {v.name: v.valueReference for v in self.description.modelVariables}
+        self.kinds = {v.name: v.type for v in self.description.modelVariables}
 
 
 class Slave:
@@ -41,8 +43,7 @@ class Slave:
         self._slave.enterStepMode()
 
     def _kind(self, name: str) -> str:
-        kinds = {v.name: v.type for v in self.fmu.description.modelVariables}
-        return str(kinds[name])
+        return str(self.fmu.kinds[name])
 
     def set(self, name: str, value: Any) -> None:
         name = name.replace("__", ".")
@@ -102,6 +103,36 @@ class Slave:
     def close(self) -> None:
         self._slave.terminate()
         self._slave.freeInstance()
+
+
+class Slave2:
+    """An instance of FMI 2.0, by names; time goes in steps."""
+
+    def __init__(self, fmu: Fmu, **settings: Any) -> None:
+        self.time = 0.0
+        self.fmu = fmu
+        self.slave = FMU2Slave(guid=fmu.description.guid, unzipDirectory=fmu.folder,
+                               modelIdentifier="drehgeber", instanceName="it")
+        self.slave.instantiate()
+        self.slave.setupExperiment()
+        self.slave.enterInitializationMode()
+        for name, value in settings.items():
+            self.set(fmu.kinds[name], name, value)
+        self.slave.exitInitializationMode()
+
+    def set(self, kind: str, name: str, value: object) -> None:
+        getattr(self.slave, "set" + kind)([self.fmu.names[name]], [value])
+
+    def get(self, kind: str, name: str) -> Any:
+        return getattr(self.slave, "get" + kind)([self.fmu.names[name]])[0]
+
+    def step(self, span: float) -> None:
+        self.slave.doStep(self.time, span)
+        self.time += span
+
+    def close(self) -> None:
+        self.slave.terminate()
+        self.slave.freeInstance()
 
 
 @pytest.fixture(scope="session")

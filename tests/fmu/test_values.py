@@ -6,42 +6,12 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-from conftest import Fmu, Slave
+from conftest import Fmu, Slave, Slave2
 from fmpy.fmi2 import FMU2Slave  # type: ignore[import-untyped]
 from fmpy.fmi3 import FMU3Slave  # type: ignore[import-untyped]
 
 Make = Callable[..., Fmu]
 OK = 0
-
-
-class Slave2:
-    """An instance of FMI 2.0, by names; time goes in steps."""
-
-    def __init__(self, fmu: Fmu, **integers: int) -> None:
-        self.time = 0.0
-        self.fmu = fmu
-        self.slave = FMU2Slave(guid=fmu.description.guid, unzipDirectory=fmu.folder,
-                               modelIdentifier="drehgeber", instanceName="it")
-        self.slave.instantiate()
-        self.slave.setupExperiment()
-        self.slave.enterInitializationMode()
-        for name, value in integers.items():
-            self.set("Integer", name, value)
-        self.slave.exitInitializationMode()
-
-    def set(self, kind: str, name: str, value: object) -> None:
-        getattr(self.slave, "set" + kind)([self.fmu.names[name]], [value])
-
-    def get(self, kind: str, name: str) -> Any:
-        return getattr(self.slave, "get" + kind)([self.fmu.names[name]])[0]
-
-    def step(self, span: float) -> None:
-        self.slave.doStep(self.time, span)
-        self.time += span
-
-    def close(self) -> None:
-        self.slave.terminate()
-        self.slave.freeInstance()
 
 
 def test_versions_are_told(make: Make) -> None:
