@@ -77,7 +77,7 @@ class Leave:
         return line.startswith("  @") and line.split()[1] in self.untold
 
     def _is_moved(self, line: str) -> bool:
-        return line.startswith("  @") and line.split()[1] in self.sorted
+        return line.startswith("  @") and line.split()[1] in self.sorted - self.untold
 
     def _line(self, line: str) -> str:
         number, name, *answer = line.split() if not line.startswith(" ") else ("", "")
