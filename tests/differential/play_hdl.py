@@ -24,6 +24,7 @@ LOW, HIGH, SCPI, POSITION, LEVEL = 0, 1, 4, 5, 6
 BEHIND = 2  # and 3: it is high
 
 Order = tuple[int, int, str]  # ns, kind, text
+Asked = tuple[int, int, str, int]  # and the number of its line
 
 
 def kind_of(model: str) -> str:
@@ -96,26 +97,40 @@ def characters(changes: list[tuple[int, int]]) -> list[tuple[int, str]]:
     return found
 
 
-def play(folder: Path, head: list[str], script: list[list[str]]) -> None:
-    model = head[1]
-    kind = kind_of(model)
-    settings = {"init_ms": "100"} | {words[2]: words[3] for words in script if words[1] == "set"}
+def orders_of_script(script: list[list[str]]) -> list[Asked]:
+    """What is done, in time, each with the number of its line; -1: no line of the script."""
     # A model has power from its first ns on: here it has none before the script says so.
-    orders = [(10, SCPI, "POW OFF", -1)]
+    orders: list[Asked] = [(10, SCPI, "POW OFF", -1)]
     for number, (at, name, *words) in enumerate(script):
         orders += [(*order, number) for order in (orders_of(int(at), name, words) if name != "set" else [])]
     orders.append((int(script[-1][0]) + BEGIN // 10, POSITION, "", -1))
-    orders.sort(key=lambda order: order[0])
-    said = simulate(folder, model, " ".join(f"{key}={value}" for key, value in settings.items()),
-                    [order[:3] for order in orders])
-    moves = [line[1:].split() for line in said if line[0] == "@" and line[-1] in "01"]
-    changes = [(round(int(at) / 1000) - LATE[kind], int(level)) for at, level in moves]
+    return sorted(orders, key=lambda order: order[0])
+
+
+def answers_of(said: list[str], orders: list[Asked]) -> dict[int, list[str]]:
+    """What each line of the script was answered."""
     texts = [line[1:].strip() for line in said if line[0] == "="]
     answers: dict[int, list[str]] = {}
     for text, order in zip(texts, (order for order in orders if order[1] >= SCPI), strict=True):
         answers.setdefault(order[3], []).append(text)
-    events = characters(changes) if kind == "rs485" else [(at, f"edge {level}") for at, level in changes]
-    tell(head, script, answers, [event for event in events if event[0] >= BEGIN])
+    return answers
+
+
+def events_of(said: list[str], kind: str) -> list[tuple[int, str]]:
+    """What the wire did."""
+    moves = [line[1:].split() for line in said if line[0] == "@" and line[-1] in "01"]
+    changes = [(round(int(at) / 1000) - LATE[kind], int(level)) for at, level in moves]
+    return characters(changes) if kind == "rs485" else [(at, f"edge {level}") for at, level in changes]
+
+
+def play(folder: Path, head: list[str], script: list[list[str]]) -> None:
+    model = head[1]
+    settings = {"init_ms": "100"} | {words[2]: words[3] for words in script if words[1] == "set"}
+    orders = orders_of_script(script)
+    said = simulate(folder, model, " ".join(f"{key}={value}" for key, value in settings.items()),
+                    [order[:3] for order in orders])
+    events = events_of(said, kind_of(model))
+    tell(head, script, answers_of(said, orders), [event for event in events if event[0] >= BEGIN])
 
 
 def tell(head: list[str], script: list[list[str]], answers: dict[int, list[str]], events: list[tuple[int, str]]) -> None:
