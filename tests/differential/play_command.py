@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The player of `drehgeber run` in virtual time: a rig file for each script. README.md has the language.
 
-usage: play_command.py RIG, the program of rig/main.c"""
+usage: play_command.py [EMULATOR...] RIG, the program of rig/main.c"""
 
 import re
 import subprocess
@@ -141,10 +141,10 @@ def find_pause(script: list[Lines]) -> int:
 class Player:
     """A rig, to which a script happens."""
 
-    def __init__(self, rig: str, path: Path, kind: str, script: list[Lines]) -> None:
+    def __init__(self, rig: Lines, path: Path, kind: str, script: list[Lines]) -> None:
         self.kind = kind
         self.later = find_pause(script)
-        self.rig = subprocess.Popen([rig, path], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        self.rig = subprocess.Popen([*rig, path], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
         self.levels: list[tuple[int, int]] = []
         self.on = False
         # An encoder of a rig has power from the first moment on: here it has had none before the script says so.
@@ -200,7 +200,7 @@ class Player:
             raise SystemExit(self.rig.returncode)
 
 
-def play(rig: str, head: Lines, script: list[Lines], path: Path) -> None:
+def play(rig: Lines, head: Lines, script: list[Lines], path: Path) -> None:
     print(" ".join(head))
     settings = [words[2:] for words in script if words[1] == "set"]
     write_rig(path, head[1], settings)
@@ -220,7 +220,7 @@ def main() -> None:
         scripts[-1].append(words)
     with tempfile.TemporaryDirectory() as folder:
         for head, *script in scripts:
-            play(sys.argv[1], head, script, Path(folder, "it.ini"))
+            play(sys.argv[1:], head, script, Path(folder, "it.ini"))
 
 
 main()
