@@ -5,6 +5,7 @@ import re
 import shutil
 import subprocess
 import sys
+import time
 from pathlib import Path
 from typing import NamedTuple
 
@@ -16,7 +17,7 @@ COPIED = ("src", "include", "platform", "tools/drehgeber")
 
 
 class Verdict(NamedTuple):
-    result: str  # killed, survived, the same, not compiled
+    result: str  # killed, survived, the same, not compiled, too late
     why: str = ""
 
 
@@ -99,6 +100,7 @@ class Worker:
                 shutil.copytree(root / folder, place / "tree" / folder)
         self.plain = {}
         self.packages = {}
+        self.until = float("inf")  # no test begins behind it
 
     def compile(self, words, output):
         """In the copy of the sources; with the paths of this machine left out."""
@@ -192,6 +194,8 @@ class Worker:
             broken = break_test(plain)
             if broken == plain:
                 continue  # it runs nothing of what is broken
+            if time.monotonic() > self.until:
+                return Verdict("too late")
             outcome = run_test(broken, self.place / "here")
             if not outcome.good and self.is_sure(tree, plain, broken, outcome.case):
                 return Verdict("killed", test.name)
