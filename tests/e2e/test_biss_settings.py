@@ -114,6 +114,17 @@ def test_busy_and_its_jitter_together(tmp_path):
     assert "rig.ini:1: " in line and "together at most 40" in line
 
 
+def test_a_timeout_is_for_gpio_lines(tmp_path):
+    """The simulated wire has the encoder's own one."""
+    words = "timeout_us: the simulated wire has the encoder's own timeout; only with gpio"
+    for command in (("run", S3674, "--sim"), ("biss", S3674, "read")):
+        assert words in run_refused(2, *command, *settings("timeout_us=100"))
+    rig = tmp_path / "rig.ini"
+    rig.write_text(f"[encoder a]\nmodel = {S3674}\nwire = sim\ntimeout_us = 100\n", encoding="ascii")
+    line = run_refused(2, "run", rig)
+    assert "rig.ini:4: " in line and "only with gpio" in line
+
+
 def test_help_names_them():
     said = re.sub(r"\n {10,}", " ", run("--help").stdout)  # lines that go on
     for key in ("busy_us", "busy_jitter_us", "sl_low_at_start", "stop_bit"):
