@@ -33,6 +33,12 @@ def changed_blocks(root, since, path, text):
             if any(first <= line <= last for line in lines)] + [(line, line) for line in lines]
 
 
+def is_known(root, since):
+    """Whether this clone has the commit; one without history has not."""
+    return subprocess.run(["git", "-C", root, "cat-file", "-e", f"{since}^{{commit}}"], capture_output=True,
+                          check=False).returncode == 0
+
+
 def in_changed(root, since, texts, found):
     """Those of the mutants that stand there."""
     names = set(git_diff(root, since, "--name-only").split())
