@@ -12,6 +12,7 @@ from itertools import pairwise
 from pathlib import Path
 
 from scpi import result_of, state_of, steer
+from script import read_scripts
 
 BEGIN = 1_000_000_000  # of virtual time
 WIRES = {"rs485": "rs485:tcp:127.0.0.1:0", "f3658": "slcan:tcp:127.0.0.1:0", "f3668": "slcan:tcp:127.0.0.1:0",
@@ -212,14 +213,8 @@ def play(rig: Lines, head: Lines, script: list[Lines], path: Path) -> None:
 
 
 def main() -> None:
-    scripts: list[list[Lines]] = []
-    for line in sys.stdin:
-        words = line.split()
-        if words[0] == "script":
-            scripts.append([])
-        scripts[-1].append(words)
     with tempfile.TemporaryDirectory() as folder:
-        for head, *script in scripts:
+        for head, *script in read_scripts(sys.stdin):
             play(sys.argv[1:], head, script, Path(folder, "it.ini"))
 
 

@@ -15,6 +15,7 @@ from typing import Any
 
 sys.path.append(str(Path(__file__).parents[1] / "fmu"))
 from conftest import DREHGEBER, Fmu, Slave, Slave2  # noqa: E402
+from script import read_scripts  # noqa: E402
 
 SECOND = 1_000_000_000
 MARGIN_S = 0.4e-9
@@ -217,12 +218,7 @@ def play(fmu: Fmu, script: list[list[str]]) -> None:
 
 
 def main() -> None:
-    scripts: list[list[list[str]]] = []
-    for line in sys.stdin:
-        words = line.split()
-        if words[0] == "script":
-            scripts.append([])
-        scripts[-1].append(words)
+    scripts = read_scripts(sys.stdin)
     with tempfile.TemporaryDirectory() as folder:
         fmus = {model: make_fmu(folder, model, sys.argv[1]) for model in {script[0][1] for script in scripts}}
         for script in scripts:

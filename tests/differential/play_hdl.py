@@ -10,6 +10,7 @@ import tempfile
 from pathlib import Path
 
 from scpi import result_of, steer
+from script import read_scripts
 
 HERE = Path(__file__).parent
 MODELS = HERE.parents[1] / "platform" / "hdl"
@@ -157,17 +158,11 @@ def answer_of(name: str, answers: list[str], on: bool) -> str:
 
 
 def main() -> None:
-    scripts: list[list[list[str]]] = []
-    for line in sys.stdin:
-        words = line.split()
-        if words[0] == "script":
-            scripts.append([])
-        scripts[-1].append(words)
     library = os.path.abspath(sys.argv[1])
     os.environ["LD_LIBRARY_PATH"] = library
     with tempfile.TemporaryDirectory() as folder:
         build(Path(folder), library)
-        for head, *script in scripts:
+        for head, *script in read_scripts(sys.stdin):
             play(Path(folder), head, script)
 
 

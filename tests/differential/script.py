@@ -3,7 +3,7 @@
 
 import functools
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 SECOND = 1_000_000_000
@@ -300,3 +300,14 @@ def write_script(model: str, seed: int, without: frozenset[str] = frozenset()) -
     for found in pauses:
         lines = thin(lines, found[1], found[2], int(found[3])) if found else lines
     return [head, *(f"{SECOND} set {key} {value}" for key, value in fixed), *lines]
+
+
+def read_scripts(lines: Iterable[str]) -> list[list[list[str]]]:
+    """The words of each line of each script, whose first line is its head."""
+    scripts: list[list[list[str]]] = []
+    for line in lines:
+        words = line.split()
+        if words[0] == "script":
+            scripts.append([])
+        scripts[-1].append(words)
+    return scripts

@@ -36,13 +36,13 @@ static void on_heard(void *ctx, const uint8_t *bytes, size_t n)
     }
 }
 
-static void say(struct master *self, char *rest)
+static void say_bytes(struct master *self, char *rest)
 {
     uint8_t bytes[SAID_MAX];
     virtual_rig_say(&self->rig, bytes, hf_rig_hex(rest, bytes, sizeof bytes));
 }
 
-static void hear(struct master *self, char *rest)
+static void await_bytes(struct master *self, char *rest)
 {
     const size_t n = strtoul(rest, &rest, 10);
     const dg_ns end = lx_now() + strtoull(rest, NULL, 10);
@@ -56,13 +56,13 @@ static void hear(struct master *self, char *rest)
     self->heard -= n;
 }
 
-static void pass(struct master *self, char *rest)
+static void pass_time(struct master *self, char *rest)
 {
     virtual_rig_pass(&self->rig, strtoull(rest, NULL, 10));
     self->heard = 0;
 }
 
-static void order(struct master *self, char *rest)
+static void order_rig(struct master *self, char *rest)
 {
     virtual_rig_order(&self->rig, "%s", rest);
 }
@@ -70,7 +70,8 @@ static void order(struct master *self, char *rest)
 static const struct {
     const char *word;
     void (*act)(struct master *self, char *rest);
-} commands[] = {{"say", say}, {"hear", hear}, {"pass", pass}, {"order", order}};
+} commands[] = {
+    {"say", say_bytes}, {"hear", await_bytes}, {"pass", pass_time}, {"order", order_rig}};
 
 static void obey(struct master *self, char *line)
 {

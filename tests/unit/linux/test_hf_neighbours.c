@@ -117,7 +117,7 @@ static void open_line(struct line *self, const char *first, const char *last)
 }
 
 /* These characters, from now on. @return when the last one is over, if the line was idle */
-static dg_ns say(struct line *self, const char *hex)
+static dg_ns say_characters(struct line *self, const char *hex)
 {
     uint8_t bytes[DG_HF_FRAME_MAX];
     const size_t n = hf_rig_hex(hex, bytes, sizeof bytes);
@@ -274,19 +274,19 @@ static void a_pause_in_a_request(void **state)
     struct line *line = *state;
     open_line(line, "", "");
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
-        dg_ns end = say(line, rows[i].first);
+        dg_ns end = say_characters(line, rows[i].first);
         virtual_rig_pass_to(&line->rig, end + SILENCE - 1);
         const dg_ns again = lx_now();
         const dg_ns begin = end - 2u * CHARACTER;
-        end = say(line, rows[i].rest);
+        end = say_characters(line, rows[i].rest);
         virtual_rig_pass(&line->rig, REST);
         expect_said(line, begin, rows[i].first);
         expect_said(line, again, rows[i].rest);
         (void)expect_reply(line, end + ANSWER, rows[i].whole);
         expect_rest(line);
-        end = say(line, rows[i].first);
+        end = say_characters(line, rows[i].first);
         virtual_rig_pass_to(&line->rig, end + SILENCE);
-        (void)say(line, rows[i].rest);
+        (void)say_characters(line, rows[i].rest);
         virtual_rig_pass(&line->rig, REST);
         expect_said(line, end - 2u * CHARACTER, rows[i].first);
         const struct told *late = next_told(line);
