@@ -150,6 +150,10 @@ DG_API int dg_fault_set(struct dg_faults *self, const struct dg_fault_target *ta
 DG_API int dg_fault_clear(struct dg_faults *self, const struct dg_fault_target *target,
                           size_t index);
 
+/** The quantity at `offset` of struct dg_world is set by somebody: whatever bent it is over. */
+DG_API void dg_fault_override(struct dg_faults *self, const struct dg_fault_target *target,
+                              size_t offset);
+
 /** Clear what is over; what the memory does not let go stays until cleared. @return when to call
  * again; DG_NEVER */
 DG_API dg_ns dg_fault_step(struct dg_faults *self, const struct dg_fault_target *target, dg_ns now);

@@ -195,7 +195,8 @@ DG_API int dg_host_share(struct dg_host *self, struct dg_host *other);
 /** Its angle at any moment. */
 DG_API int64_t dg_host_angle(const struct dg_host *self, uint64_t at);
 
-/** Set a quantity of the world, e.g. "temperature" in 0.001 degC, as quantity.h counts them.
+/** Set a quantity of the world, e.g. "temperature" in 0.001 degC, as quantity.h counts them. A
+ * fault of the panel's that bends it is over, as with WORLd.
  * @return 0; DG_HOST_ERR_NAME; DG_HOST_ERR_ARGUMENT: out of its range */
 DG_API int dg_host_world_set(struct dg_host *self, uint64_t now, const char *name, int64_t value);
 /** What it is. @return 0 or DG_HOST_ERR_NAME */

@@ -31,7 +31,7 @@ static void put(struct dg_encoder *encoder, const struct dg_quantity *row, int64
     const struct dg_fault_target target = dg_encoder_target(encoder);
 
     dg_control_unfollow(encoder, (size_t)(row - dg_quantities));
-    dg_control_override(&encoder->faults, &target, row->offset);
+    dg_fault_override(&encoder->faults, &target, row->offset);
     dg_quantity_set(row, encoder->world, value);
 }
 

@@ -134,8 +134,7 @@ static size_t rival(const struct dg_faults *self, const struct dg_fault_target *
     return DG_FAULTS_MAX;
 }
 
-void dg_control_override(struct dg_faults *self, const struct dg_fault_target *target,
-                         size_t offset)
+void dg_fault_override(struct dg_faults *self, const struct dg_fault_target *target, size_t offset)
 {
     const size_t i = rival(self, target, offset);
 

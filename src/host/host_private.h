@@ -26,13 +26,15 @@ struct host_course {
     int64_t rate; /**< 2^-32 turns per second */
 };
 
-/** Faults of the wire. */
+/** Faults at work. */
 struct host_faults {
     /** @return how often an event arrives, which is bent */
     unsigned (*arrives)(void *ctx, struct dg_host_event *event, bool sent);
     /** Clocked lines: what gets to the other end while the encoder's line is at `raw`. Asked behind
      * each edge of the clock. */
     bool (*bent)(void *ctx, bool raw);
+    /** The host sets the quantity of the world at `offset`: the fault that bends it is over. */
+    void (*overridden)(void *ctx, size_t offset);
 };
 
 /** The handle. */

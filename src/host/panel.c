@@ -177,7 +177,16 @@ static bool bent(void *ctx, bool raw)
     return dg_line_fault_level(&self->line, raw);
 }
 
-static const struct host_faults wire_faults = {.arrives = arrives, .bent = bent};
+static void overridden(void *ctx, size_t offset)
+{
+    struct dg_host_panel *self = ctx;
+    const struct dg_fault_target target = dg_encoder_target(&self->encoder);
+
+    dg_fault_override(&self->encoder.faults, &target, offset);
+}
+
+static const struct host_faults faults_at_work = {
+    .arrives = arrives, .bent = bent, .overridden = overridden};
 
 _Static_assert((int)DG_CONTROLLER_PASSIVE == (int)DG_HOST_BUS_PASSIVE, "the numbers are the same");
 _Static_assert((int)DG_CONTROLLER_OFF == (int)DG_HOST_BUS_OFF, "the numbers are the same");
@@ -281,7 +290,7 @@ struct dg_host_panel *dg_host_panel_init(void *memory, size_t size, struct dg_ho
         self->clock = instrument->clock(host->line.device);
         dg_line_fault_init(&self->line, instrument, host->line.device, &self->encoder.faults);
     }
-    host->faults = &wire_faults;
+    host->faults = &faults_at_work;
     host->faults_ctx = self;
     return self;
 }

@@ -137,6 +137,9 @@ int dg_host_world_set(struct dg_host *self, uint64_t now, const char *name, int6
         return DG_HOST_ERR_ARGUMENT;
     }
     dg_host_run(self, now);
+    if (self->faults != NULL) {
+        self->faults->overridden(self->faults_ctx, row->offset);
+    }
     dg_quantity_set(row, &self->world, value);
     dg_host_run(self, now);
     return DG_HOST_OK;

@@ -274,16 +274,23 @@ def write_whole_script(model: str, seed: int) -> tuple[str, ...]:
     return tuple(script.lines)
 
 
+def end_of(line: str) -> int:
+    """When it is done, ns: edges last, all others are moments."""
+    at, word, *arguments = line.split()
+    return int(at) + (int(arguments[0]) * int(arguments[1]) if word == "edges" else 0)
+
+
 def thin(lines: list[str], name: str, behind: str, ns: int) -> list[str]:
-    """Without operations of this name that come less than `ns` behind one called `behind`, "any": behind any other."""
+    """Without operations of this name that come less than `ns` behind the end of one called `behind`, "any": of any other.
+    "*" is each of them."""
     left: list[str] = []
     latest = -ns
     for line in lines:
         at, word = line.split()[:2]
-        if word != name or int(at) - latest >= ns:
+        if name not in (word, "*") or int(at) - latest >= ns:
             left.append(line)
         if word == behind or (behind == "any" and word != name):
-            latest = int(at)
+            latest = end_of(line)
     return left
 
 
@@ -293,7 +300,7 @@ def write_script(model: str, seed: int, without: frozenset[str] = frozenset()) -
     head, *lines = write_whole_script(model, seed)
     fixed = [word.removeprefix("set:").split("=") for word in sorted(without) if word.startswith("set:") and "=" in word]
     ranges = [re.fullmatch(r"(\w+:)(\d+)\.\.(\d+)", word) for word in without]
-    pauses = [re.fullmatch(r"(\w+)~(\w+):(\d+)", word) for word in sorted(without)]
+    pauses = [re.fullmatch(r"(\w+|\*)~(\w+):(\d+)", word) for word in sorted(without)]
     without |= {f"{found[1]}{number}" for found in ranges if found for number in range(int(found[2]), int(found[3]) + 1)}
     without |= {f"set:{key}" for key, _ in fixed}
     lines = [line for line in lines if not without & names_of(line)]

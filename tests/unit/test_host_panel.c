@@ -511,6 +511,24 @@ static void a_fault_with_a_time_ends(void **state)
     assert_int_equal(value, 37000);
 }
 
+/* Also when it has the value that the fault gave it. */
+static void a_quantity_that_the_host_sets_ends_its_fault(void **state)
+{
+    struct dg_host *self = host_rig_start(&host_rig_here, "s3684-biss");
+    struct dg_host_panel *board = panel(self);
+    char answer[64];
+    int64_t value = 0;
+
+    (void)state;
+    assert_int_equal(dg_host_fault_set(board, READY, "singleturn_lost", true), DG_HOST_OK);
+    assert_int_equal(dg_host_world_set(self, READY, "singleturn_ok", 0), DG_HOST_OK);
+    assert_int_equal(dg_host_scpi(board, READY, "FAUL:ACT?", answer, sizeof answer), 2);
+    assert_string_equal(answer, "\"\"");
+    assert_int_equal(dg_host_fault_set(board, READY, "singleturn_lost", false), DG_HOST_OK);
+    assert_int_equal(dg_host_world_get(self, "singleturn_ok", &value), DG_HOST_OK);
+    assert_int_equal(value, 0);
+}
+
 /* Turned by SCPI, it turns the others as well. */
 static void others_sit_on_the_shaft_of_a_panel(void **state)
 {
@@ -547,6 +565,7 @@ int main(void)
         cmocka_unit_test(a_line_ends_with_its_zero),
         cmocka_unit_test(an_answer_needs_room_for_its_zero),
         cmocka_unit_test(a_fault_with_a_time_ends),
+        cmocka_unit_test(a_quantity_that_the_host_sets_ends_its_fault),
         cmocka_unit_test(others_sit_on_the_shaft_of_a_panel),
     };
 
