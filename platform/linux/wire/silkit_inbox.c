@@ -177,7 +177,7 @@ bool lx_silkit_inbox_wait(struct lx_silkit_inbox *self, unsigned ms)
 {
     struct timespec end;
     (void)clock_gettime(CLOCK_MONOTONIC, &end);
-    end.tv_sec += ms / 1000u;
+    end.tv_sec += (time_t)(ms / 1000u);
     end.tv_nsec += (long)(ms % 1000u) * 1000000;
     if (end.tv_nsec >= 1000000000) {
         end.tv_sec++;
