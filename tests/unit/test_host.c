@@ -100,6 +100,31 @@ static void check_hiperface(const char *name, uint32_t position)
     assert_true(uv[2] > uv[3]);
 }
 
+/* Half duplex: an encoder is deaf as long as its reply lasts, 8 ms of 7 characters; but none of a
+   reply is left when its power is gone. */
+static void a_reply_ends_with_the_power(void **state)
+{
+    struct dg_host *self = host_rig_make(&host_rig_here, "s3684-rs485");
+    struct dg_host_event request = {
+        .at = MS, .kind = DG_HOST_BYTES, .length = 3, .data = {0x40, 0x42, 0x02}};
+    struct dg_host_event event;
+
+    (void)state;
+    assert_int_equal(dg_host_set(self, "init_ms", "0"), DG_HOST_OK);
+    assert_int_equal(dg_host_power(self, 0, true), DG_HOST_OK);
+    assert_int_equal(dg_host_send(self, &request), DG_HOST_OK);
+    (void)dg_host_step(self, 12 * MS);
+    assert_int_equal(dg_host_receive(self, &event), 1);
+    assert_true(event.at < 12 * MS && event.at + 6u * event.id > 14 * MS);
+    assert_int_equal(dg_host_power(self, 12 * MS, false), DG_HOST_OK);
+    assert_int_equal(dg_host_power(self, 12 * MS + 1u, true), DG_HOST_OK);
+    request.at = 12 * MS + 2u;
+    assert_int_equal(dg_host_send(self, &request), DG_HOST_OK);
+    (void)dg_host_step(self, 100 * MS);
+    assert_int_equal(dg_host_receive(self, &event), 1);
+    assert_int_equal(event.length, 7);
+}
+
 static void check_biss(const char *name, uint64_t position, uint8_t count)
 {
     struct dg_host *self = host_rig_start(&host_rig_here, name);
@@ -466,6 +491,7 @@ int main(int argc, char **argv)
     }
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_model_is_driven_by_its_handle),
+        cmocka_unit_test(a_reply_ends_with_the_power),
         cmocka_unit_test(a_state_goes_on_in_another_process),
         cmocka_unit_test(the_pace_of_the_host_does_not_matter),
         cmocka_unit_test(a_state_that_is_not_its_own_is_refused),
