@@ -99,7 +99,10 @@ enum lx_rig_result lx_rig_begin_courses(struct lx_rig *self, struct lx_error *er
 
 void lx_rig_close_courses(struct lx_rig *self)
 {
-    for (size_t i = 0; self->courses != NULL && i < self->setup.plan->encoder_count; i++) {
+    /* Without stations none has begun. */
+    const bool begun = self->courses != NULL && self->stations != NULL;
+
+    for (size_t i = 0; begun && i < self->setup.plan->encoder_count; i++) {
         lx_courses_free(self->courses[i], &self->stations[i].control);
     }
     free(self->courses);
