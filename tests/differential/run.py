@@ -5,7 +5,7 @@ usage: run.py [--seeds N] [--host NAME PROGRAM...] -- PLAYER...
 
 PLAYER is the player of the C handle, with what starts it. Its logs have the sums in `expected`, and none of the
 disturbances changes them; with --host the logs of another player are compared with them line by line. Scripts are
-without the operations that `differences` names for a host. There are N scripts for each model."""
+without the operations that `differences` names for a host. N scripts for each model are disturbed, or compared."""
 
 import subprocess
 import sys
@@ -14,6 +14,7 @@ from compare import ALL, EXPECTED, Broken, Leave, Log, compare, compare_sums, cu
 from script import MODELS, write_script
 
 SEEDS = 2
+RECORDED = 100  # those that `expected` has; of the first SEEDS it has each operation
 DISTURBANCES = ("steps", "looks", "restore", "fresh", "steps looks restore")
 PATIENCE_S = 600
 
@@ -46,7 +47,7 @@ def play(host: str, command: list[str], scripts: Scripts) -> dict[str, Log]:
 def check_expected(player: list[str]) -> int:
     """The recorded seeds in the C handle."""
     expected = read_expected(EXPECTED.read_text())
-    scripts = write_scripts(SEEDS)
+    scripts = write_scripts(RECORDED)
     if list(expected) != list(scripts):
         raise Broken(f"expected: {len(expected)} scripts, not these {len(scripts)}: tests/differential/update")
     logs = play("handle", player, scripts)
