@@ -120,6 +120,9 @@ static void try_again(void *ctx, dg_ns now)
         lx_timer_at(&self->retry, dg_after(now, self->delay));
         return;
     }
+    if (self->ops->push != NULL) {
+        self->ops->push(self);
+    }
     if (self->count > 0) {
         lx_timer_at(&self->retry, self->busy_until);
     }
