@@ -42,11 +42,14 @@ static struct lx_range range_at(const uint8_t *pdu)
     return (struct lx_range){dg_load_be16(pdu), dg_load_be16(pdu + 2)};
 }
 
-/* Both lengths of a list of values: its byte count, and what there is. */
-static bool values_fit(const struct request *rq, size_t at, uint16_t most)
+_Static_assert(LX_MODBUS_ADU_MAX == HEADER + 6u + 2u * MODBUS_MAX_WRITE_REGISTERS + 1u,
+               "the longest request has as many values as Modbus allows");
+
+/* Both lengths of a list of values: its byte count, and what there is. A request with none is too
+   short, one with more than Modbus allows is longer than LX_MODBUS_ADU_MAX. */
+static bool values_fit(const struct request *rq, size_t at)
 {
-    return rq->write.count >= 1 && rq->write.count <= most && rq->pdu[at] == 2u * rq->write.count &&
-           rq->length == at + 1u + rq->pdu[at];
+    return rq->pdu[at] == 2u * rq->write.count && rq->length == at + 1u + rq->pdu[at];
 }
 
 static bool count_fits(const struct lx_range *range)
@@ -71,7 +74,7 @@ static bool parse_write(struct request *rq)
 {
     rq->write = range_at(rq->pdu + 1);
     rq->values = rq->pdu + 6;
-    return values_fit(rq, 5, MODBUS_MAX_WRITE_REGISTERS);
+    return values_fit(rq, 5);
 }
 
 static bool parse_both(struct request *rq)
@@ -79,7 +82,7 @@ static bool parse_both(struct request *rq)
     rq->read = range_at(rq->pdu + 1);
     rq->write = range_at(rq->pdu + 5);
     rq->values = rq->pdu + 10;
-    return count_fits(&rq->read) && values_fit(rq, 9, MODBUS_MAX_WR_WRITE_REGISTERS);
+    return count_fits(&rq->read) && values_fit(rq, 9);
 }
 
 /* Function codes, and the bytes of a request: exactly, or with values more than that. */
@@ -157,7 +160,6 @@ static bool answer(struct lx_modbus *self, struct lx_modbus_client *client, size
     (void)modbus_set_socket(self->protocol, client->fd);
     self->counters.requests++;
     if (exception != 0) {
-        self->counters.exceptions++;
         /* libmodbus adds 80h to the function, which takes the bit away again where it was set. */
         client->bytes[HEADER] &= FUNCTION_MASK;
         return modbus_reply_exception(self->protocol, client->bytes, exception) > 0;
@@ -172,7 +174,6 @@ static void drop(struct lx_modbus_client *client)
         (void)close(client->fd);
     }
     client->fd = -1;
-    client->length = 0;
     client->leaving = false;
 }
 
@@ -210,7 +211,6 @@ static void send_away(struct lx_modbus_client *client)
     client->leaving = true;
     client->heard = 0;
     client->length = 0;
-    client->unheard = 0;
     client->end = dg_after(lx_now(), FAREWELL);
     await_leavers(client->owner);
 }
@@ -236,7 +236,6 @@ static enum outcome take_requests(struct lx_modbus_client *client)
     while (client->length >= HEADER) {
         const size_t length = request_length(client);
         if (length == 0) {
-            self->counters.garbage++;
             return SENT_AWAY;
         }
         if (client->length < length) {

@@ -38,9 +38,7 @@ struct lx_modbus_client {
 
 /** Things nobody has to act on; they only count up. */
 struct lx_modbus_counters {
-    uint64_t requests;   /**< answered */
-    uint64_t exceptions; /**< among them */
-    uint64_t garbage;    /**< connections ended because of what came in */
+    uint64_t requests; /**< answered */
 };
 
 /** What a coupler is made of. Everything pointed to must outlive it. */
