@@ -72,7 +72,7 @@ JUDGES = {
                             r"realtime\.net_wires", r"e2e\.(cli|virtual_time|trace_tools)",
                             r"e2e\.canopen-slcan/(?!socketcan)",  # that file is the guest's
                             r"e2e\.control/", r"e2e\.(net_serial|stall)"],
-    "platform/linux/clocked/": [r"unit\.(clocked|gpio_rate|sim_cable|ssi_wire)", r"golden\.",
+    "platform/linux/clocked/": [r"unit\.(sim_frames|clocked|gpio_rate|sim_cable|ssi_wire)", r"golden\.",
                                 r"realtime\.(gpio|sim_bus)", r"e2e\.(biss|biss_settings|ssi|virtual_time)",
                                 r"e2e\.(control/|rig|trace_tools)"],
     "platform/linux/interbus/": [r"unit\.(modbus|ib_idle|ib_map|ring_files)", r"golden\.", r"realtime\.ring_bus",

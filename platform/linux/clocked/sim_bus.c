@@ -139,9 +139,13 @@ static void catch_up(struct sim_bus *self)
     }
     const dg_ns now = lx_clock_now(self->bus.setup.clock);
     while (next_read(self) <= now) {
+        const bool watched = is_watched(self);
         pass_over(self, now);
         read_frame(self, next_read(self));
         self->due += READ_EVERY;
+        if (watched && !is_watched(self)) { /* a fault is used up: the next ones are not like it */
+            stir(self, self->due);
+        }
     }
     rest(self);
 }
