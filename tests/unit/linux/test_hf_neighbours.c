@@ -9,7 +9,6 @@
  *    11 bits each       44 bits       1 ms      11 bits each
  */
 #define _GNU_SOURCE
-#include <pthread.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -17,7 +16,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/syscall.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -25,6 +23,7 @@
 
 #include "hf_rig.h"
 #include "memory_file.h"
+#include "slow_disk.h"
 #include "timer.h"
 #include "virtual_rig.h"
 
@@ -80,7 +79,6 @@ struct line {
     uint8_t heard[TOLD_MAX]; /* by the master */
     size_t heard_count;
     char folder[32]; /* of an EEPROM file; empty: there is none */
-    bool disk_taken;
 };
 
 /* --- the line and its master --- */
@@ -528,30 +526,6 @@ static void a_late_one_holds_up_nobody(void **state)
 
 /* --- a slow disk --- */
 
-static pthread_mutex_t disk = PTHREAD_MUTEX_INITIALIZER;
-
-/* In the place of the C library's: it takes as long as somebody has the disk. */
-int fdatasync(int fd)
-{
-    (void)pthread_mutex_lock(&disk);
-    (void)pthread_mutex_unlock(&disk);
-    return (int)syscall(SYS_fdatasync, fd);
-}
-
-static void take_disk(struct line *self)
-{
-    (void)pthread_mutex_lock(&disk);
-    self->disk_taken = true;
-}
-
-static void give_disk(struct line *self)
-{
-    if (self->disk_taken) {
-        (void)pthread_mutex_unlock(&disk);
-    }
-    self->disk_taken = false;
-}
-
 /* The first one stores what it counts. */
 static void open_storing_line(struct line *self)
 {
@@ -579,7 +553,7 @@ static dg_ns await_reply(struct line *self)
 /* 47h, whose reply is kept. */
 static void count_without_reply(struct line *self)
 {
-    take_disk(self);
+    slow_disk_take();
     expect_silence(self, "40 47");
 }
 
@@ -596,7 +570,7 @@ static void a_kept_reply_is_said_once(void **state)
         expect_answer(line, "42 42", REPLY_C);
         expect_silence(line, "40 42");
         const dg_ns given = lx_now();
-        give_disk(line);
+        slow_disk_give();
         const dg_ns begin = await_reply(line);
         assert_true(begin >= given);
         (void)expect_reply(line, begin, "40 47");
@@ -616,12 +590,12 @@ static void a_kept_reply_goes_with_the_power(void **state)
     switch_power(line, "a", "OFF");
     switch_power(line, "a", "ON");
     expect_silence(line, "40 42");
-    give_disk(line);
+    slow_disk_give();
     (void)expect_reply(line, await_reply(line), REPLY_A);
     expect_rest(line);
     count_without_reply(line);
     switch_power(line, "a", "OFF");
-    give_disk(line);
+    slow_disk_give();
     expect_silence(line, "40 42");
     switch_power(line, "a", "ON");
     expect_answer(line, "41 42", REPLY_B);
@@ -644,7 +618,7 @@ static int end_line(void **state)
 {
     struct line *self = *state;
     char path[sizeof self->folder + 2];
-    give_disk(self);
+    slow_disk_give();
     virtual_rig_close(&self->rig);
     if (self->folder[0] != '\0') {
         (void)snprintf(path, sizeof path, "%s/a", self->folder);

@@ -17,6 +17,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
+#include <time.h>
 #include <unistd.h>
 
 #include <cmocka.h>
@@ -25,6 +26,7 @@
 #include "drehgeber/bits.h"
 #include "hf_rig.h"
 #include "memory_file.h"
+#include "slow_disk.h"
 #include "timer.h"
 #include "virtual_rig.h"
 
@@ -45,6 +47,7 @@ struct bench {
     uint8_t heard[4096];
     size_t heard_count;
     uint16_t number; /* of the latest request */
+    char folder[32]; /* of an EEPROM file; empty: there is none */
 };
 
 static void on_heard(void *ctx, const uint8_t *bytes, size_t n)
@@ -57,8 +60,8 @@ static void on_heard(void *ctx, const uint8_t *bytes, size_t n)
 
 /* --- the rig --- */
 
-/* A K1, and K3 behind it, on one shaft. */
-static void open_ring(struct bench *self, const char *motion, unsigned many)
+/* A K1, and K3 behind it, on one shaft; a key for the last one. */
+static void open_ring_with(struct bench *self, const char *motion, unsigned many, const char *key)
 {
     char text[8192];
     int n = snprintf(text, sizeof text,
@@ -73,11 +76,17 @@ static void open_ring(struct bench *self, const char *motion, unsigned many)
                       "self_test_ms = 0\n",
                       i);
     }
+    n += snprintf(text + n, sizeof text - (size_t)n, "%s\n", key);
     assert_in_range(n, 1, sizeof text - 1);
     self->rig = (struct virtual_rig){.heard = on_heard, .ctx = self};
     virtual_rig_open(&self->rig, memory_file_write((const uint8_t *)text, (size_t)n), NULL);
     self->begin = lx_now();
     virtual_rig_connect(&self->rig);
+}
+
+static void open_ring(struct bench *self, const char *motion, unsigned many)
+{
+    open_ring_with(self, motion, many, "");
 }
 
 static int make_bench(void **state)
@@ -89,7 +98,14 @@ static int make_bench(void **state)
 static int end_bench(void **state)
 {
     struct bench *self = *state;
+    char path[sizeof self->folder + 2];
+    slow_disk_give();
     virtual_rig_close(&self->rig);
+    if (self->folder[0] != '\0') {
+        (void)snprintf(path, sizeof path, "%s/a", self->folder);
+        (void)unlink(path);
+        (void)rmdir(self->folder);
+    }
     free(self);
     return 0;
 }
@@ -551,6 +567,63 @@ static void the_watchdog_fires_in_a_cycle(void **state)
     }
 }
 
+/* --- a slow disk --- */
+
+/* OUT of the last one; the K1 has a word before it. */
+static void put_out(struct bench *self, uint32_t out)
+{
+    const uint8_t pdu[] = {
+        16,          8, 1, 0, 2, 4, (uint8_t)(out >> 24), (uint8_t)(out >> 16), (uint8_t)(out >> 8),
+        (uint8_t)out};
+    uint8_t answer[PDU_MAX];
+    assert_int_equal(ask(self, pdu, sizeof pdu, answer), 5);
+}
+
+/* A zero shift is answered when it is on the disk (5.3; page of the port, "what is kept back
+   meanwhile"): until then IN is as it was in the cycle before. The ring goes on, and so does its
+   neighbour. */
+static void an_answer_waits_for_the_disk(void **state)
+{
+    struct bench *self = *state;
+    char key[sizeof self->folder + 16];
+    (void)strcpy(self->folder, "/tmp/modbus.XXXXXX");
+    assert_non_null(mkdtemp(self->folder));
+    (void)snprintf(key, sizeof key, "nvm = %s/a", self->folder);
+    open_ring_with(self, "60RPM", 1, key);
+    for (uint32_t shift = 1; shift <= 2; shift++) {
+        const uint32_t command = 0x0A000000 | shift;
+        const dg_ns begin = shift * DG_S(10);
+        pass_to(self, begin);
+        slow_disk_take();
+        put_out(self, command);
+        const uint32_t before = get_pair(self, 0x0001);
+        for (dg_ns at = begin; at < begin + 20 * CYCLE; at += CYCLE) {
+            pass_to(self, at);
+            const uint32_t is = get_pair(self, 0x0001);
+            assert_true(is >= before && is <= position_at(at) + shift);
+        }
+        const uint32_t held = get_pair(self, 0x0001);
+        pass_to(self, begin + DG_S(1));
+        assert_int_equal(get_pair(self, 0x0001), held);
+        assert_true(held <= position_at(begin + 5 * CYCLE) + shift); /* of cycles 3 or so */
+        assert_int_equal(get(self, 0x0000), position_at(begin + DG_S(1)) % STEPS);
+        slow_disk_give();
+        const dg_ns end = lx_real_now() + DG_S(10);
+        const struct timespec nap = {.tv_nsec = (long)DG_US(100)};
+        while (get_pair(self, 0x0001) == held && lx_real_now() < end) {
+            (void)nanosleep(&nap, NULL);
+            virtual_rig_pass(&self->rig, CYCLE);
+        }
+        assert_int_equal(get_pair(self, 0x0001), command | 0xC0000000);
+        put_out(self, 0x80000000);
+        virtual_rig_pass(&self->rig, 10 * CYCLE);
+        put_out(self, 0);
+        virtual_rig_pass(&self->rig, 10 * CYCLE);
+        const dg_ns now = lx_now() - self->begin;
+        assert_int_equal(get_pair(self, 0x0001), position_at(now / CYCLE * CYCLE) + shift);
+    }
+}
+
 /* The file in memory that rigs are read from stays. */
 static int note(void **state)
 {
@@ -571,6 +644,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(answers_do_not_wait, make_bench, end_bench),
         cmocka_unit_test_setup_teardown(what_is_read_is_of_the_latest_cycle, make_bench, end_bench),
         cmocka_unit_test_setup_teardown(the_watchdog_fires_in_a_cycle, make_bench, end_bench),
+        cmocka_unit_test_setup_teardown(an_answer_waits_for_the_disk, make_bench, end_bench),
         cmocka_unit_test(no_descriptor_is_left),
     };
     return cmocka_run_group_tests_name("the Modbus coupler", tests, note, NULL);
