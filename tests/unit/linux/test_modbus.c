@@ -567,6 +567,47 @@ static void the_watchdog_fires_in_a_cycle(void **state)
     }
 }
 
+static void expect_counters(struct bench *self, const char *text)
+{
+    virtual_rig_ask(&self->rig, "STAT?");
+    if (strstr(self->rig.answer, text) == NULL) {
+        fail_msg("%s: no %s", self->rig.answer, text);
+    }
+}
+
+/* The first cycle finds a ring that is to be identified; a damaged one is an error, one that does
+   not take place is nothing, and while the ring is cut it is identified again in each. */
+static void cycles_are_counted_by_what_came_of_them(void **state)
+{
+    struct bench *self = *state;
+    open_ring(self, "0DEG", 1);
+    pass_to(self, DG_S(1));
+    assert_int_equal(get(self, 0x1010), 48);
+    expect_counters(self, "wire_up=1,wire_late=0,wire_cycles=1001,wire_ids=1,wire_crc_errors=0,"
+                          "wire_interrupted=0,wire_requests=1,");
+    virtual_rig_order(&self->rig, "INST:SEL e0");
+    virtual_rig_order(&self->rig, "FAUL:SET wire_damage,COUN,2");
+    pass_to(self, DG_S(2));
+    expect_counters(self, "wire_ids=1,wire_crc_errors=2,wire_interrupted=0,");
+    assert_int_equal(get_pair(self, 0x2004), 0); /* it is behind the one that hears it */
+    assert_int_equal(get_pair(self, 0x2014), 2);
+    const uint32_t before = get_pair(self, 0x2002);
+    virtual_rig_order(&self->rig, "FAUL:SET wire_drop,COUN,7");
+    pass_to(self, DG_S(3));
+    assert_int_equal(get_pair(self, 0x2002) - before, 1000 - 7);
+    virtual_rig_order(&self->rig, "FAUL:SET wire_break");
+    pass_to(self, DG_S(3) + 20 * CYCLE);
+    assert_int_equal(get(self, 0x100C), 2 | 8);
+    assert_int_equal(get(self, 0x2000), 0x0136);
+    assert_int_equal(get(self, 0x2010), 0);
+    expect_counters(self, "wire_ids=21,wire_crc_errors=2,wire_interrupted=20,");
+    virtual_rig_order(&self->rig, "FAUL:CLE wire_break");
+    pass_to(self, DG_S(3) + 22 * CYCLE);
+    assert_int_equal(get(self, 0x100C), 1);
+    assert_int_equal(get(self, 0x2010), 0x0237);
+    expect_counters(self, "wire_ids=22,wire_crc_errors=2,wire_interrupted=20,");
+}
+
 /* --- a slow disk --- */
 
 /* OUT of the last one; the K1 has a word before it. */
@@ -644,6 +685,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(answers_do_not_wait, make_bench, end_bench),
         cmocka_unit_test_setup_teardown(what_is_read_is_of_the_latest_cycle, make_bench, end_bench),
         cmocka_unit_test_setup_teardown(the_watchdog_fires_in_a_cycle, make_bench, end_bench),
+        cmocka_unit_test_setup_teardown(cycles_are_counted_by_what_came_of_them, make_bench,
+                                        end_bench),
         cmocka_unit_test_setup_teardown(an_answer_waits_for_the_disk, make_bench, end_bench),
         cmocka_unit_test(no_descriptor_is_left),
     };
