@@ -159,6 +159,48 @@ static void on_a_paced_wire_a_frame_waits_for_its_turn(void **state)
     expect_heard(self, "");
 }
 
+/* The fault wire_delay: what the node sends comes 50 ms late. Its frames keep their order: one that
+   is not late itself waits for those that are. */
+static void frames_keep_their_order(void **state)
+{
+    struct bench *self = *state;
+    open_hub(self, SLCAN, "");
+    open_channel(self);
+    virtual_rig_order(&self->rig, "INST:SEL a");
+    virtual_rig_order(&self->rig, "FAUL:SET wire_delay,COUN,2");
+    expect(self, ASK_1, TAKEN);
+    virtual_rig_pass(&self->rig, DG_MS(10));
+    expect(self, ASK_1 ASK_1 ASK_2, TAKEN TAKEN TAKEN ANSWER_2);
+    virtual_rig_pass(&self->rig, DG_MS(40) - 1);
+    expect_heard(self, "");
+    virtual_rig_pass(&self->rig, 1);
+    expect_heard(self, ANSWER_1);
+    virtual_rig_pass(&self->rig, DG_MS(10) - 1);
+    expect(self, ASK_1, TAKEN);
+    virtual_rig_pass(&self->rig, 1);
+    expect_heard(self, ANSWER_1 ANSWER_1 ANSWER_1);
+    expect(self, ASK_1, TAKEN ANSWER_1);
+}
+
+/* The controller of one node is off the bus, or hears nothing; its neighbour is not. */
+static void faults_of_a_controller_are_its_own(void **state)
+{
+    struct bench *self = *state;
+    open_hub(self, SLCAN, "");
+    open_channel(self);
+    virtual_rig_order(&self->rig, "INST:SEL a");
+    virtual_rig_order(&self->rig, "FAUL:SET wire_drop,COUN,1");
+    expect(self, ASK_1 ASK_1 ASK_2, TAKEN TAKEN ANSWER_1 TAKEN ANSWER_2);
+    virtual_rig_order(&self->rig, "FAUL:SET wire_deaf,COUN,1");
+    expect(self, ASK_1 ASK_1 ASK_2, TAKEN TAKEN ANSWER_1 TAKEN ANSWER_2);
+    virtual_rig_order(&self->rig, "FAUL:SET wire_duplicate,COUN,1");
+    expect(self, ASK_1 ASK_1, TAKEN ANSWER_1 ANSWER_1 TAKEN ANSWER_1);
+    virtual_rig_order(&self->rig, "FAUL:SET wire_duplicate,COUN,1;:FAUL:SET wire_delay,COUN,1");
+    expect(self, ASK_1, TAKEN);
+    virtual_rig_pass(&self->rig, DG_MS(50));
+    expect_heard(self, ANSWER_1 ANSWER_1);
+}
+
 /* --- load --- */
 
 /* Most bits that frames of 0 and 8 bytes take, of 250000 in a second: 55 and 135, with identifiers
@@ -234,6 +276,8 @@ int main(void)
         WITH_BENCH(who_is_at_another_rate_is_not_heard),
         WITH_BENCH(without_a_pace_all_comes_at_once),
         WITH_BENCH(on_a_paced_wire_a_frame_waits_for_its_turn),
+        WITH_BENCH(frames_keep_their_order),
+        WITH_BENCH(faults_of_a_controller_are_its_own),
         WITH_BENCH(load_is_what_was_on_the_wire),
         WITH_BENCH(who_has_subscribed_hears),
         cmocka_unit_test(no_descriptor_is_left),
