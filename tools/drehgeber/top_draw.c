@@ -54,14 +54,16 @@ void top_put_with(attr_t look, int y, int x, int width, const char *text)
  */
 static attr_t lamp(const char *led)
 {
-    const char *colon = strchr(led, ':');
-    const char *pattern = colon == NULL ? "" : colon + 1;
+    const char *pattern = strchr(led, ':');
     const bool red = strncasecmp(led, "err", 3) == 0 || strncasecmp(led, "rd", 2) == 0;
-    if (strcmp(pattern, "off") == 0) {
+    if (pattern == NULL) { /* "-": the encoder has no LEDs */
+        return A_NORMAL;
+    }
+    if (strcmp(pattern, ":off") == 0) {
         return A_DIM;
     }
     return top_colour(red ? TOP_PAIR_BAD : TOP_PAIR_GOOD) |
-           (strcmp(pattern, "on") == 0 ? A_NORMAL : A_BLINK);
+           (strcmp(pattern, ":on") == 0 ? A_NORMAL : A_BLINK);
 }
 
 void top_put_leds(int y, int x, int width, const char *leds)
