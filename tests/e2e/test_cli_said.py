@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """What the command says to a command line, whole: status, stdout, stderr and files.
 
-tests/golden/said.txt has it, which somebody has read; `DREHGEBER_UPDATE=1 pytest test_cli_said.py` writes it anew,
+tests/golden/said.record has it, which somebody has read; `DREHGEBER_UPDATE=1 pytest test_cli_said.py` writes it anew,
 and the difference is to be read. What differs from run to run stands there as {...}."""
 import os
 import re
@@ -11,7 +11,7 @@ import pytest
 
 from rig import REPOSITORY, run
 
-RECORD = REPOSITORY / "tests/golden/said.txt"
+RECORD = REPOSITORY / "tests/golden/said.record"
 
 RIG = """[rig]
 name = two

@@ -138,7 +138,7 @@ def screen_of(top, looks):
 
 def assert_screen(top, name, looks=False):
     """The screen is the recorded one, at once or soon."""
-    path = SCREENS / f"{name}.txt"
+    path = SCREENS / f"{name}.record"
     if UPDATE:
         time.sleep(1)
         path.write_text(screen_of(top, looks))

@@ -37,6 +37,18 @@ def test_a_reply_arrives_character_by_character():
         assert port.read(100) == AT_90[3:]
 
 
+def test_what_has_arrived_is_forgotten():
+    """... and what comes later is read."""
+    with open_port() as port:
+        port.write(ASK)
+        port.encoder.clock.advance(1)
+        assert port.in_waiting == 7
+        port.reset_input_buffer()
+        assert port.in_waiting == 0 and port.read(1) == b""
+        port.write(ASK)
+        assert port.read(7) == AT_90
+
+
 def test_a_timeout_is_virtual():
     with open_port(timeout=20) as port:
         begin, now = time.monotonic(), port.encoder.clock.now
