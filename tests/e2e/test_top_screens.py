@@ -51,6 +51,9 @@ class Rig:
 
     def __init__(self, path):
         self.done = []
+        self.asked = threading.Event()
+        self.answers = threading.Event()  # as long as it is set
+        self.answers.set()
         self.listener = socket.socket(socket.AF_UNIX)
         self.listener.bind(str(path))
         self.listener.listen()
@@ -64,6 +67,8 @@ class Rig:
             return
         with line, line.makefile() as questions:
             for question in questions:
+                self.asked.set()
+                self.answers.wait(PATIENCE_S)
                 answer = self.answer(question.rstrip("\n"))
                 if answer is None:
                     self.done.append(question.rstrip("\n"))
@@ -206,3 +211,29 @@ def test_what_the_keys_say(rig, top):
     while len(rig.done) < len(wanted) and time.monotonic() < deadline:
         time.sleep(0.05)
     assert rig.done == wanted
+
+
+def drawn_meanwhile(rig, top, act, wanted):
+    """Whether what act() brings is drawn before there is an answer, and before top says that there is none."""
+    rig.answers.clear()
+    rig.asked.clear()
+    assert rig.asked.wait(PATIENCE_S)
+    act()
+    screen = top.wait(wanted)
+    rig.answers.set()
+    top.wait_gone("no answer for")
+    return "no answer for" not in screen
+
+
+@pytest.mark.parametrize("act, wanted", [
+    (lambda top: top.keys("?"), "faster or slower"), (lambda top: resize(top, 140, 30), r"^ drehgeber top .{110,} s$")])
+def test_it_draws_at_once(rig, top, act, wanted):
+    """A key and another size are not for the next answers to show; a busy machine has some tries."""
+    for _ in range(5):
+        if drawn_meanwhile(rig, top, lambda: act(top), wanted):
+            return
+        top.keys("x")
+        resize(top, 100, 30)
+        top.wait(r"^ drehgeber top .{60,90} s$")
+        top.wait_gone("faster or slower")
+    raise AssertionError("never before the next answers")
