@@ -102,15 +102,18 @@ class Rig:
 def rig(tmp_path):
     one = Rig(tmp_path / "panel.sock")
     yield one
+    one.answers.set()
     one.close()
 
 
 @pytest.fixture
 def top(rig, tmp_path):
     panel = Panel(f"cd {tmp_path}; {PROGRAM} top unix:./panel.sock", width=100, height=30)
-    panel.wait(r"^hf .* 0 +-$")  # frames per second: counted
-    yield panel
-    panel.close()
+    try:
+        panel.wait(r"^hf .* 0 +-$")  # frames per second: counted
+        yield panel
+    finally:
+        panel.close()
 
 
 LOOKS = {"1": "bold", "2": "dim", "4": "underlined", "5": "blinks", "7": "reverse",

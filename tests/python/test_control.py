@@ -5,6 +5,7 @@ import os
 import signal
 import socket
 import subprocess
+import tempfile
 import termios
 import time
 import tty
@@ -170,3 +171,22 @@ def test_one_that_does_not_end(monkeypatch):
         rig.close()
     with pytest.raises(ProcessLookupError):
         os.kill(rig.pid, 0)
+
+
+def test_one_that_is_not_ready_leaves_nothing(monkeypatch, tmp_path):
+    """It says no, or nothing within the time that there is."""
+    folder = tmp_path / "scratch"
+    folder.mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(folder))
+    with pytest.raises(RigError, match="--shaft nonsense"):
+        drehgeber.run("s3684-rs485", "--pty", "--shaft", "nonsense")
+    silent = tmp_path / "silent"
+    silent.write_text(f"#!/bin/sh\necho $$ > {tmp_path}/pid\necho starting\nexec sleep 60\n")
+    silent.chmod(0o755)
+    monkeypatch.setenv("DREHGEBER", str(silent))
+    monkeypatch.setattr("drehgeber.running.READY_S", 0.5)
+    with pytest.raises(RigError, match=r"not ready after 0.5 s: \['starting'\]"):
+        drehgeber.run("s3684-biss", "--sim")
+    with pytest.raises(ProcessLookupError):
+        os.kill(int((tmp_path / "pid").read_text()), 0)
+    assert list(folder.iterdir()) == []
