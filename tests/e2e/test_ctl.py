@@ -13,15 +13,16 @@ from rig import PATIENCE_S, PROGRAM, run_refused
 
 TITLE = b"\x1b]0;title\x07"
 # Orders to a terminal: C0, ESC, DEL, C1 as bytes and as UTF-8, and what turns the direction of text.
-ORDERS = TITLE + b"\r\x1b[2J\x7f\x9b2J\xc2\x9b2J\xe2\x80\xae\x00\tend"
-SHOWN = (rb"\x1B]0;title\x07\x0D\x1B[2J\x7F\x9B2J\xC2\x9B2J\xE2\x80\xAE\x00\x09end")
+ORDERS = TITLE + b"\r\x1b[2J\x7f\x9b2J\xc2\x9b2J\xe2\x80\xae\x00\t ~\x1fend"
+SHOWN = (rb"\x1B]0;title\x07\x0D\x1B[2J\x7F\x9B2J\xC2\x9B2J\xE2\x80\xAE\x00\x09 ~\x1Fend")
 
 
 class Server:
-    """Takes one client, and says this line by line: bytes, or seconds to wait."""
+    """Takes clients, and says this to each, line by line: bytes, or seconds to wait; .heard is what the last one said."""
 
     def __init__(self, path, *says):
         self.address = f"unix:{path}"
+        self.heard = b""
         self.says = says
         self.over = threading.Event()
         self.socket = socket.socket(socket.AF_UNIX)
@@ -31,14 +32,20 @@ class Server:
         self.thread.start()
 
     def serve(self):
-        with contextlib.suppress(OSError), self.socket.accept()[0] as client:
+        with contextlib.suppress(OSError):
+            while True:
+                self.serve_one(self.socket.accept()[0])
+
+    def serve_one(self, client):
+        with contextlib.suppress(OSError), client:
             for say in self.says:
                 if isinstance(say, bytes):
                     client.sendall(say)
                 else:
                     self.over.wait(say)
-            while client.recv(4096):  # what is closed with something unread is reset
-                pass
+            self.heard = b""
+            while more := client.recv(4096):  # what is closed with something unread is reset
+                self.heard += more
 
     def __enter__(self):
         return self
@@ -148,3 +155,72 @@ def test_a_wait_in_two_pieces_is_seen(serve):
 def test_a_limit_is_a_span(span):
     line = run_refused(2, "ctl", f"--timeout={span}", "*IDN?")
     assert line == f"drehgeber: --timeout {span}: expected 10S, 5MIN or 1H, for one; up to 8760H"
+
+
+# ---------------------------------------------------------------- which rig, and what is said to it
+
+def ctl_of_folder(folder, *arguments, stdin=subprocess.DEVNULL):
+    """ctl that looks for the one rig that runs; status, stdout, stderr."""
+    done = subprocess.run([PROGRAM, "ctl", *arguments], stdin=stdin, capture_output=True, timeout=PATIENCE_S, text=True,
+                          env={"XDG_RUNTIME_DIR": str(folder), "PATH": os.environ["PATH"]})
+    return done.returncode, done.stdout, done.stderr
+
+
+def test_the_one_that_runs_is_found(tmp_path):
+    """Among names that are no sockets, and sockets at which nobody listens."""
+    folder = tmp_path / "drehgeber"
+    folder.mkdir()
+    for name in ("text.txt", "a.sock", ".sock", "sock", "b.sockx"):
+        (folder / name).write_text("")
+    with socket.socket(socket.AF_UNIX) as gone:
+        gone.bind(f"{folder}/gone.sock")
+    with Server(folder / "x.socket", b"wrong\n"), Server(folder / "s.sock", b'yes\n0,"No error"\n') as server:
+        assert ctl_of_folder(tmp_path, "*IDN?", "SHAF:POS?") == (0, "yes\n", "")
+        assert server.heard == b"*IDN?\nSHAF:POS?\nSYSTem:ERRor:ALL?\n"
+
+
+def test_several_that_run_are_named(tmp_path):
+    folder = tmp_path / "drehgeber"
+    folder.mkdir()
+    with Server(folder / "two.sock"), Server(folder / "one.sock"):
+        assert ctl_of_folder(tmp_path, "*IDN?") == (
+            1, "", f"drehgeber: several are running; --control with one of: unix:{folder}/one.sock unix:{folder}/two.sock\n")
+
+
+def test_a_folder_with_a_long_name(tmp_path):
+    said = "drehgeber: RUNTIME_DIRECTORY or XDG_RUNTIME_DIR is too long; --control ADDR is right\n"
+    assert ctl_of_folder("/" + "x" * 5000, "*IDN?") == (1, "", said)
+
+
+def test_commands_of_stdin(serve, tmp_path):
+    """As they are; none at all is a mistake."""
+    server = serve(b'one\ntwo\n0,"No error"\n')
+    (tmp_path / "commands").write_text("*IDN?\nSHAF:POS?")
+    with open(tmp_path / "commands") as commands:
+        assert ctl(server, stdin=commands)[:3] == (0, b"one\ntwo\n", b"")
+    deadline = time.monotonic() + PATIENCE_S
+    while server.heard != b"*IDN?\nSHAF:POS?\nSYSTem:ERRor:ALL?\n":
+        assert time.monotonic() < deadline, server.heard
+        time.sleep(0.01)
+    assert ctl(server)[:3] == (2, b"one\ntwo\n",
+                               b"drehgeber: no command, and none on stdin; 'drehgeber ctl SYST:HELP?' lists them\n")
+
+
+def test_the_oldest_error_decides(serve):
+    server = serve(b'7\n-113,"Undefined header;x",-222,"Data out of range"\n')
+    assert ctl(server, "x")[:3] == (1, b"7\n", b'drehgeber: -113,"Undefined header;x",-222,"Data out of range"\n')
+
+
+def test_a_connection_that_breaks(tmp_path):
+    """Before the answer; what has come whole is printed."""
+    with socket.socket(socket.AF_UNIX) as listener:
+        listener.bind(f"{tmp_path}/b")
+        listener.listen()
+        process = subprocess.Popen([PROGRAM, "ctl", "--control", f"unix:{tmp_path}/b", "*IDN?"], stdin=subprocess.DEVNULL,
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        client = listener.accept()[0]
+        while b"ALL?" not in client.recv(4096):
+            pass
+        client.close()
+        assert process.communicate(timeout=PATIENCE_S) == ("", f"drehgeber: unix:{tmp_path}/b: the connection broke\n")
+        assert process.returncode == 1
