@@ -11,7 +11,7 @@ import re
 from collections.abc import Callable
 
 import pytest
-from conftest import Fmu
+from conftest import DREHGEBER, Fmu
 from fmpy.fmi2 import FMU2Slave  # type: ignore[import-untyped]
 from fmpy.fmi3 import FMU3Slave  # type: ignore[import-untyped]
 from test_fmu import RIG
@@ -40,6 +40,19 @@ def test_an_fmu_describes_itself(make: Make, tmp_path: pathlib.Path, name: str) 
     if "DREHGEBER_UPDATE" in os.environ:
         record.write_text(said)
     assert said == record.read_text()
+
+
+@pytest.mark.parametrize("version", ["3", "2"])
+def test_its_sources_are_those_that_are_listed(make: Make, version: str) -> None:
+    """All of sources.list but what is compiled for the other version; each .c of them is named, in its order."""
+    fmu = make("f3668", "--fmi", version)
+    listed = (pathlib.Path(DREHGEBER).parent / "fmu-parts/sources.list").read_text().split()
+    mine = [name for name in listed if not name.endswith(f"/fmi{5 - int(version)}.c")]
+    sources = pathlib.Path(fmu.folder) / "sources"
+    there = {str(path.relative_to(sources)) for path in sources.rglob("*") if path.is_file()}
+    assert there - {"buildDescription.xml"} == set(mine) and len(mine) == len(listed) - 1
+    told = (sources / "buildDescription.xml" if version == "3" else sources.parent / "modelDescription.xml").read_text()
+    assert re.findall(r'File name="([^"]*)"', told) == [name for name in mine if name.endswith(".c")]
 
 
 TAKEN = [" =f3668", " a=f3668,node=5 b=f3668@0", " =s3684-rs485,version=v1%2E0%2E8", " %61=f3668", " =f3668,node=%31%32"]
