@@ -419,7 +419,6 @@ int top_command(const char *wanted)
         lx_complain("no memory");
         return EXIT_OTHER;
     }
-    self->view.faults_of = TOP_NONE;
     (void)setlocale(LC_CTYPE, "");
     if (ctl_find(wanted, self->view.where, sizeof self->view.where, &error) != 0) {
         status = wanted == NULL ? EXIT_OTHER : EXIT_USAGE;
