@@ -261,18 +261,16 @@ static bool live_without(const char *rig, unsigned n)
     scarce.left = n;
     const bool good = live_once(&error);
     const struct lx_words line = lx_error_line(&error);
-    if (scarce.refused == NULL && good) {
-        return false;
-    }
+    const bool whole = scarce.refused == NULL && good;
     const char *reason = scarce.reason == ENOMEM ? "emory" : strerror(scarce.reason);
-    if (good || strstr(line.text, reason) == NULL || leads_nowhere() || scarce.lives != lives ||
-        descriptors_open() != descriptors) {
+    if ((!whole && (good || strstr(line.text, reason) == NULL)) || leads_nowhere() ||
+        scarce.lives != lives || descriptors_open() != descriptors) {
         fail_msg("%s: %s, call %u is refused: %s; \"%s\"; in use %u, before %u; open %u, before %u",
                  rig, scarce.refused == NULL ? "nothing" : scarce.refused, n,
                  good ? "works" : "fails", line.text, scarce.lives, lives, descriptors_open(),
                  descriptors);
     }
-    return true;
+    return !whole;
 }
 
 static void nothing_is_left_of_a_rig_that_something_was_refused_to(void **state)

@@ -83,6 +83,23 @@ static void leaving_while_told(void **state)
     assert_string_equal(log.names, "abcb");
 }
 
+/* Who comes back is the last, whatever stood behind it before. */
+static void coming_back(void **state)
+{
+    struct lx_tap tap = {.first = NULL};
+    struct log log = {"", 0};
+    struct ear ears[] = {{.log = &log, .name = 'a'}, {.log = &log, .name = 'b'}};
+    (void)state;
+    listen(&tap, &ears[0]);
+    listen(&tap, &ears[1]);
+    lx_tap_remove(&tap, &ears[0].listener);
+    lx_tap_add(&tap, &ears[0].listener);
+    assert_ptr_equal(tap.first, &ears[1].listener);
+    assert_null(ears[0].listener.next);
+    lx_tap_tell(&tap, &heard);
+    assert_string_equal(log.names, "ba");
+}
+
 /* Sine and cosine cost time: only who asks is told. */
 static void sine_and_cosine_for_those_who_ask(void **state)
 {
@@ -109,6 +126,7 @@ int main(void)
         cmocka_unit_test(sine_and_cosine_for_those_who_ask),
         cmocka_unit_test(in_the_order_they_came),
         cmocka_unit_test(leaving_while_told),
+        cmocka_unit_test(coming_back),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -267,6 +267,81 @@ static void two_traces_of_a_tap(void **state)
     assert_true(place->length > 100);
 }
 
+/* ---------------------------------------------------------------- files of clients */
+
+static void write_bytes(const struct place *self, const char *bytes, size_t n)
+{
+    FILE *file = fopen(self->path, "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(bytes, 1, n, file), n);
+    assert_int_equal(fclose(file), 0);
+}
+
+/* @return whether a client may write its trace in place of the file with these bytes; what is
+ * refused stays as it was */
+static bool is_replaced(struct place *self, const struct lx_folder *folder,
+                        const struct lx_stack *stack, const char *bytes, size_t n)
+{
+    write_bytes(self, bytes, n);
+    const struct lx_trace_setup setup = {.path = strrchr(self->path, '/') + 1,
+                                         .folder = folder,
+                                         .kind = stack->trace,
+                                         .wire = "w",
+                                         .tap = &self->tap};
+    struct lx_trace *trace = lx_trace_open(&setup, 0, &self->error);
+    if (trace != NULL) {
+        close_trace(self, trace);
+        return true;
+    }
+    assert_non_null(strstr(lx_error_line(&self->error).text, "there already, not to be replaced"));
+    read_file(self);
+    assert_true(self->length == n && memcmp(self->text, bytes, n) == 0);
+    return false;
+}
+
+/* Its own of this kind: the head of a VCD file with the program's name, of a pcapng file that
+ * option (draft, 3.5.1 and 4.1: at 24 the code 4 and the length), the first columns of a ring. A
+ * log of CAN begins with nothing that could be known. */
+static void a_client_replaces_a_trace_of_its_kind_only(void **state)
+{
+    static const struct {
+        const struct lx_stack *stack;
+        const char *name;
+        size_t at;
+        size_t n;
+        const char *mark;
+    } rows[] = {
+        {&lx_hf_stack, "a.vcd", 0, 19, "$comment drehgeber:"},
+        {&lx_biss_stack, "b.vcd", 0, 19, "$comment drehgeber:"},
+        {&lx_can_stack, "c.pcapng", 24, 13, "\x04\0\x09\0drehgeber"},
+        {&lx_can_stack, "d.pcap", 24, 13, "\x04\0\x09\0drehgeber"},
+        {&lx_can_stack, "e.log", 0, 0, ""},
+        {&lx_ib_stack, "f.csv", 0, 12, "time_s,in_0,"},
+    };
+    struct place *place = *state;
+    struct lx_folder folder;
+    assert_int_equal(lx_folder_open(&folder, place->folder, &place->error), 0);
+    for (size_t i = 0; i < LENGTH(rows); i++) {
+        const struct lx_stack *stack = rows[i].stack;
+        const size_t end = rows[i].at + rows[i].n;
+        char bytes[64];
+        memset(bytes, 'x', sizeof bytes);
+        memcpy(bytes + rows[i].at, rows[i].mark, rows[i].n);
+        (void)snprintf(place->path, sizeof place->path, "%s/%s", place->folder, rows[i].name);
+        assert_true(is_replaced(place, &folder, stack, "", 0));
+        assert_int_equal(is_replaced(place, &folder, stack, bytes, sizeof bytes), rows[i].n > 0);
+        assert_int_equal(is_replaced(place, &folder, stack, bytes, end), end == 0 || rows[i].n > 0);
+        for (size_t at = rows[i].at; at < end; at++) {
+            assert_false(is_replaced(place, &folder, stack, bytes, at == 0 ? 1 : at));
+            bytes[at] ^= 1;
+            assert_false(is_replaced(place, &folder, stack, bytes, sizeof bytes));
+            bytes[at] ^= 1;
+        }
+        assert_int_equal(unlink(place->path), 0);
+    }
+    lx_folder_close(&folder);
+}
+
 /* ---------------------------------------------------------------- CAN */
 
 static double wall_clock(void)
@@ -317,6 +392,18 @@ static uint32_t word(const struct place *place, size_t at)
     return dg_load_le32((const uint8_t *)place->text + at);
 }
 
+/* As the pcapng draft places it: a section header with the application's name, 4.1, and the
+ * description of an interface with its name and nanoseconds, 4.2. */
+/* clang-format off */
+static const uint8_t pcapng_head[] = {
+    0x0A, 0x0D, 0x0D, 0x0A,  48, 0, 0, 0,  0x4D, 0x3C, 0x2B, 0x1A,  1, 0, 0, 0,
+    0xFF, 0xFF, 0xFF, 0xFF,  0xFF, 0xFF, 0xFF, 0xFF,
+    4, 0, 9, 0,  'd', 'r', 'e', 'h', 'g', 'e', 'b', 'e', 'r', 0, 0, 0,  0, 0, 0, 0,  48, 0, 0, 0,
+    1, 0, 0, 0,  44, 0, 0, 0,  227, 0, 0, 0,  0, 0, 0, 0,
+    2, 0, 5, 0,  'v', 'c', 'a', 'n', '0', 0, 0, 0,  9, 0, 1, 0,  9, 0, 0, 0,  0, 0, 0, 0,  44, 0, 0, 0,
+};
+/* clang-format on */
+
 /* Fields as the pcapng draft places them. */
 static void pcapng_blocks(void **state)
 {
@@ -339,14 +426,8 @@ static void pcapng_blocks(void **state)
         blocks[count++] = at;
     }
     assert_int_equal(count, 4);
-    assert_int_equal(word(place, blocks[0]), 0x0A0D0D0A);
-    assert_int_equal(word(place, blocks[0] + 8), 0x1A2B3C4D);
-    assert_int_equal(word(place, blocks[1]), 1);
-    assert_int_equal(word(place, blocks[1] + 8), 227);
-    assert_int_equal(word(place, blocks[1] + 16), 5u << 16 | 2u);
-    assert_memory_equal(place->text + blocks[1] + 20, "vcan0\0\0\0", 8);
-    assert_int_equal(word(place, blocks[1] + 28), 1u << 16 | 9u);
-    assert_int_equal(word(place, blocks[1] + 32), 9);
+    assert_memory_equal(place->text, pcapng_head, sizeof pcapng_head);
+    assert_int_equal(blocks[2], sizeof pcapng_head);
 
     static const uint8_t expected[2][16] = {
         {0, 0, 1, 0x23, 3, 0, 0, 0, 0xA, 0xB, 0xC},
@@ -356,6 +437,7 @@ static void pcapng_blocks(void **state)
     for (size_t i = 0; i < 2; i++) {
         const size_t block = blocks[2 + i];
         assert_int_equal(word(place, block), 6);
+        assert_int_equal(word(place, block + 8), 0); /* the interface */
         at[i] = (uint64_t)word(place, block + 12) << 32 | word(place, block + 16);
         assert_int_equal(word(place, block + 20), 16);
         assert_int_equal(word(place, block + 24), 16);
@@ -415,8 +497,9 @@ static void biss_levels(void **state)
     tell_levels(place, DG_US(102), true, true);
     tell_levels(place, DG_US(103), false, false);
     tell_note(place, DG_US(101), "position 10 \\ \xC3\xA4");
-    tell_levels(place, DG_S(1), true, true);
-    read_file(place);
+    tell_levels(place, DG_S(1) + DG_US(100), true, true);
+    read_file(place); /* whoever looks sees what was a second ago */
+    assert_non_null(strstr(place->text, "#300\n0m\n0s\n"));
     close_trace(place, trace);
     assert_string_equal(place->text,
                         "$comment drehgeber: vcan0 $end\n$timescale 10 ns $end\n"
@@ -424,11 +507,9 @@ static void biss_levels(void **state)
                         "$var string 1 t text $end\n$upscope $end\n$enddefinitions $end\n"
                         "#0\n$dumpvars\n1m\n1s\ns t\n$end\n"
                         "#100\nsposition_10_____ t\n0m\n#200\n1m\n#300\n0m\n0s\n"
-                        "#99990000\n1m\n1s\n#99990100\n");
+                        "#100000000\n1m\n1s\n#100000100\n");
 }
 
-/* More levels and notes than can be held back, and late ones: all are there, time never goes back.
- */
 /* From power-on to its first clock an encoder has SLO low, and the file says so from the start. */
 static void biss_slo_before_the_first_clock(void **state)
 {
@@ -444,6 +525,32 @@ static void biss_slo_before_the_first_clock(void **state)
                                         "#250\n1m\n0s\n"));
 }
 
+/* Notes wait for levels of the same moment and for each other; more of them than may wait let the
+ * levels before them go, and no others. */
+static void biss_notes_in_a_row(void **state)
+{
+    static const char letters[] = "abcdefghijklmnopqrst";
+    struct place *place = *state;
+    char expected[256] = "#100\n0m\n#200\n";
+    struct lx_trace *trace = open_trace(place, "a.vcd", &lx_biss_stack, 0);
+    assert_non_null(trace);
+    tell_levels(place, DG_US(1), false, true);
+    for (size_t i = 0; letters[i] != '\0'; i++) {
+        const char note[] = {letters[i], '\0'};
+        tell_note(place, DG_US(2), note);
+        (void)snprintf(expected + strlen(expected), sizeof expected - strlen(expected), "s%c t\n",
+                       letters[i]);
+    }
+    tell_levels(place, DG_US(3), true, true);
+    tell_note(place, DG_US(5), "fourth");
+    tell_note(place, DG_US(4), "third");
+    close_trace(place, trace);
+    (void)strcat(expected, "#300\n1m\n#400\nsthird t\n#500\nsfourth t\n");
+    assert_non_null(strstr(place->text, expected));
+}
+
+/* More levels and notes than can be held back, and late ones: all are there, time never goes back.
+ */
 static void biss_levels_in_a_crowd(void **state)
 {
     struct place *place = *state;
@@ -483,11 +590,14 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_pipe_without_a_reader_is_refused, set_up, tear_down),
         cmocka_unit_test_setup_teardown(written_every_second, set_up, tear_down),
         cmocka_unit_test_setup_teardown(two_traces_of_a_tap, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_client_replaces_a_trace_of_its_kind_only, set_up,
+                                        tear_down),
         cmocka_unit_test_setup_teardown(candump_lines, set_up, tear_down),
         cmocka_unit_test_setup_teardown(pcapng_blocks, set_up, tear_down),
         cmocka_unit_test_setup_teardown(rows_of_changes, set_up, tear_down),
         cmocka_unit_test_setup_teardown(biss_levels, set_up, tear_down),
         cmocka_unit_test_setup_teardown(biss_slo_before_the_first_clock, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(biss_notes_in_a_row, set_up, tear_down),
         cmocka_unit_test_setup_teardown(biss_levels_in_a_crowd, set_up, tear_down),
     };
     return cmocka_run_group_tests_name("trace", tests, NULL, NULL);

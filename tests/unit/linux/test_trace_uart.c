@@ -446,6 +446,60 @@ static void a_flood_is_not_drawn_whole(void **state)
     assert_int_equal(bench->found[bench->count - 1].byte, 0xAA);
 }
 
+/* A frame is drawn when the silence behind it ends it: no crowd of later notes pushes it away. */
+static void a_frame_is_drawn_before_what_comes_after_it(void **state)
+{
+    struct bench *bench = *state;
+    begin(bench, 0);
+    tell(bench, DG_MS(10), false, 0x40);
+    for (unsigned i = 0; i < 40; i++) {
+        tell_note(bench, DG_MS(100) + i, "note");
+    }
+    finish(bench);
+    receive_all(bench, 9600, 'E');
+    assert_int_equal(bench->count, 1);
+    assert_true(bench->found[0].start == whole(DG_MS(10) - bit_times(11, 9600)));
+}
+
+/* A stop bit that is low is so for three quarters: a receiver that samples in the middle sees it,
+ * and the next start bit as well. */
+static void a_damaged_stop_bit_ends_before_the_next_start_bit(void **state)
+{
+    const struct lx_tap_event event = {
+        .at = DG_S(1),
+        .kind = LX_TAP_CHARACTER,
+        .character = {.baud = 600, .parity = 'N', .byte = 0xFF, .damaged = true},
+    };
+    struct bench *bench = *state;
+    begin(bench, 0);
+    lx_tap_tell(&bench->tap, &event);
+    finish(bench);
+    const struct dump *dump = &bench->dump;
+    const dg_ns rises = dump->changes[dump->count - 1u].at;
+    const dg_ns expected = whole(DG_S(1) - bit_times(1, 600) / 4u);
+    assert_true(dump->changes[dump->count - 1u].level);
+    assert_true(rises >= expected - DG_US(2) && rises <= expected + DG_US(2));
+}
+
+/* As many samples as may wait for the end of a frame; what comes after them is left out, and none
+ * of them is lost. */
+static void samples_beyond_those_that_may_wait_are_left_out(void **state)
+{
+    static const char *const names[] = {"a", "b"};
+    const unsigned waiting = 16384;
+    struct bench *bench = *state;
+    int32_t uv = 2500000;
+    bench->tap.encoders = names;
+    bench->tap.encoder_count = 2;
+    begin(bench, 0);
+    tell(bench, DG_MS(10), false, 0x40);
+    for (unsigned i = 0; i < waiting + 1u; i++) {
+        tell_sample(bench, DG_MS(10) + 100u * i, &uv);
+    }
+    finish(bench);
+    assert_int_equal(bench->dump.real_count, 4u * waiting);
+}
+
 static void a_line_without_a_rate_is_survived(void **state)
 {
     const struct lx_tap_event event = {.at = DG_MS(5), .kind = LX_TAP_CHARACTER};
@@ -470,6 +524,12 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_bunch_without_the_time_for_it_comes_late, set_up,
                                         tear_down),
         cmocka_unit_test_setup_teardown(a_flood_is_not_drawn_whole, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_frame_is_drawn_before_what_comes_after_it, set_up,
+                                        tear_down),
+        cmocka_unit_test_setup_teardown(a_damaged_stop_bit_ends_before_the_next_start_bit, set_up,
+                                        tear_down),
+        cmocka_unit_test_setup_teardown(samples_beyond_those_that_may_wait_are_left_out, set_up,
+                                        tear_down),
         cmocka_unit_test_setup_teardown(a_line_without_a_rate_is_survived, set_up, tear_down),
     };
     return cmocka_run_group_tests_name("trace_uart", tests, NULL, NULL);
