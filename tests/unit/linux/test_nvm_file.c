@@ -460,6 +460,27 @@ static void a_file_cut_off_in_use_is_written_again_whole(void **state)
     }
 }
 
+/* A file that was too short when it was opened, and was written anew, is as long as any other one
+ * from then on. */
+static void a_file_written_anew_is_whole_when_it_is_cut_off(void **state)
+{
+    struct eeprom_place *place = *state;
+    struct eeprom eeprom;
+    struct lx_error error;
+    eeprom_make(place);
+    const off_t size = eeprom_length_of(place->path);
+    assert_int_equal(truncate(place->path, size - 2), 0);
+    assert_int_equal(eeprom_open(&eeprom, place->path, place, &error), 0);
+    struct lx_nvm_file *file = &eeprom.image.file;
+    assert_int_equal(lx_nvm_file_replace(file, eeprom.image.memory.bytes, &error), 0);
+    assert_int_equal(eeprom_length_of(place->path), size);
+    assert_int_equal(truncate(place->path, size - 1), 0);
+    const struct dg_nvm nvm = lx_nvm_file_port(file);
+    assert_int_equal(nvm.ops->sync(nvm.ctx), DG_OK);
+    assert_int_equal(eeprom_length_of(place->path), size);
+    eeprom_close(&eeprom);
+}
+
 #define IN_A_PLACE(test) cmocka_unit_test_setup_teardown(test, eeprom_place_set_up, tear_down)
 
 int main(void)
@@ -482,6 +503,7 @@ int main(void)
         IN_A_PLACE(a_link_to_the_file_is_no_other_file),
         IN_A_PLACE(only_a_file_that_was_made_is_unmade),
         IN_A_PLACE(a_file_cut_off_in_use_is_written_again_whole),
+        IN_A_PLACE(a_file_written_anew_is_whole_when_it_is_cut_off),
         cmocka_unit_test(no_descriptor_is_left),
     };
     return cmocka_run_group_tests(tests, descriptors_note, NULL);

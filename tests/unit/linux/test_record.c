@@ -17,6 +17,7 @@
 #include "drehgeber/hal.h"
 #include "motion_model.h"
 #include "record.h"
+#include "stderr_heard.h"
 #include "timer.h"
 
 #define START DG_S(1000)
@@ -216,21 +217,14 @@ static void wake_ups_write_the_grid(void **state)
 }
 
 /* What goes to stderr while `record` writes up to `now`. */
-static void write_and_listen(struct place *place, struct lx_record *record, dg_ns now, char *said,
-                             size_t size)
+static void write_and_listen(struct lx_record *record, dg_ns now, char *said, size_t size)
 {
-    const int saved = dup(STDERR_FILENO);
-    const int file = open(place->path, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
-    assert_true(saved >= 0 && file >= 0);
-    assert_true(dup2(file, STDERR_FILENO) >= 0);
+    struct stderr_heard heard;
+    stderr_hear(&heard);
     for (dg_ns at = START; at <= now; at += DG_MS(100)) {
         lx_record_write(record, at);
     }
-    assert_true(dup2(saved, STDERR_FILENO) >= 0);
-    const ssize_t n = pread(file, said, size - 1, 0);
-    said[n < 0 ? 0 : n] = '\0';
-    (void)close(saved);
-    (void)close(file);
+    stderr_heard(&heard, said, size);
 }
 
 /* The hand of its user may follow a link. */
@@ -250,7 +244,7 @@ static void a_full_disk_is_said_once(void **state)
     struct lx_error error = {.right = ""};
     char said[1000];
     struct lx_record *record = opened_on_full_disk(place);
-    write_and_listen(place, record, START + DG_S(2), said, sizeof said);
+    write_and_listen(record, START + DG_S(2), said, sizeof said);
     assert_non_null(strstr(said, "/full.csv: the recording ends at 0."));
     assert_non_null(strstr(said, "No space left on device\n"));
     assert_ptr_equal(strchr(said, '\n'), said + strlen(said) - 1);
@@ -279,7 +273,7 @@ static void angles_that_cannot_be_read_back_end_it(void **state)
     (void)snprintf(folder_path, sizeof folder_path, "%s/far.csv", place->folder);
     (void)dg_shaft_set_position(&place->shaft, START + DG_MS(3), INT64_C(-16666666) * DG_TURN - 1);
     record = opened_as(place, folder_path, DG_MS(1));
-    write_and_listen(place, record, START + DG_S(1), said, sizeof said);
+    write_and_listen(record, START + DG_S(1), said, sizeof said);
     assert_non_null(strstr(said, "ends at 0.003000000 s: a recording holds up to 6000000000 deg"));
     assert_int_equal(lx_record_close(record, START + DG_S(1), &error), -1);
     (void)rename(folder_path, place->path);

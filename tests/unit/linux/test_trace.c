@@ -10,7 +10,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <time.h>
@@ -23,6 +22,7 @@
 #include "drehgeber/bits.h"
 #include "hf_settings.h"
 #include "modbus_settings.h"
+#include "stderr_heard.h"
 #include "trace.h"
 
 #define LENGTH(array) (sizeof(array) / sizeof((array)[0]))
@@ -141,44 +141,24 @@ static void endings_are_checked(void **state)
     assert_int_equal(lx_trace_close(NULL, &place->error), 0);
 }
 
-/* What is said on stderr goes to a file of no name until said() reads it. */
-static int listen_to_stderr(int *old)
-{
-    const int fd = memfd_create("stderr", 0);
-    assert_true(fd >= 0);
-    *old = dup(STDERR_FILENO);
-    assert_true(*old >= 0 && dup2(fd, STDERR_FILENO) >= 0);
-    return fd;
-}
-
-static void said(int fd, int old, char *text, size_t size)
-{
-    assert_true(dup2(old, STDERR_FILENO) >= 0);
-    const ssize_t n = pread(fd, text, size - 1, 0);
-    assert_true(n >= 0);
-    text[n] = '\0';
-    (void)close(fd);
-    (void)close(old);
-}
-
 /* A file without a head can be opened; its first line goes nowhere. */
 static void a_full_disk_ends_the_trace_not_the_wire(void **state)
 {
     struct place *place = *state;
     char complaint[256];
     char expected[256];
-    int old = -1;
+    struct stderr_heard heard;
     (void)snprintf(place->path, sizeof place->path, "%s/full.log", place->folder);
     assert_int_equal(symlink("/dev/full", place->path), 0);
     struct lx_trace *trace = open_trace(place, "full.log", &lx_can_stack, 0);
     assert_non_null(trace);
     tell_frame(place, DG_MS(10), true, (struct dg_can_frame){.id = 1});
     assert_true(lx_trace_good(trace)); /* not yet written */
-    const int fd = listen_to_stderr(&old);
+    stderr_hear(&heard);
     tell_frame(place, DG_S(1), true, (struct dg_can_frame){.id = 1});
     const bool good = lx_trace_good(trace);
     tell_frame(place, DG_S(2), true, (struct dg_can_frame){.id = 1});
-    said(fd, old, complaint, sizeof complaint);
+    stderr_heard(&heard, complaint, sizeof complaint);
     assert_false(good);
     (void)snprintf(expected, sizeof expected,
                    "drehgeber: %s: No space left on device; the trace ends here\n", place->path);
