@@ -368,20 +368,27 @@ static void settings_of_an_interbus_encoder(void **state)
 
 /* --- which keys there are --- */
 
-/* The keys that a mistyped one is answered with, of an encoder on `wire`. */
-static void assert_keys(const char *model, const char *wire, const char *right)
+/* What is said of key=1 of an encoder on `wire`. */
+static struct lx_error refused_key(const char *model, const char *wire, const char *assignment)
 {
     const struct lx_plan plan = {.file = NULL};
     const struct lx_plan_wire on = {.kind = lx_wire_find(wire, strlen(wire))};
     struct lx_plan_encoder encoder = {.model = dg_device_find(model)};
     struct bench self = bench_of(model);
     struct lx_error error;
-    assert_int_equal(lx_plan_add_assignment(&encoder.settings, "nokey=1", 0, &error), 0);
+    assert_int_equal(lx_plan_add_assignment(&encoder.settings, assignment, 0, &error), 0);
     assert_int_equal(lx_stack_settings(&plan, &on, &encoder, self.settings, &self.world, &error),
                      -1);
+    lx_plan_free_settings(&encoder.settings);
+    return error;
+}
+
+/* The keys that a mistyped one is answered with, of an encoder on `wire`. */
+static void assert_keys(const char *model, const char *wire, const char *right)
+{
+    const struct lx_error error = refused_key(model, wire, "nokey=1");
     assert_string_equal(error.where.key, "nokey");
     assert_string_equal(error.right, right);
-    lx_plan_free_settings(&encoder.settings);
 }
 
 #define SENSES                                                                                     \
@@ -408,6 +415,31 @@ static void a_mistyped_key_names_those_of_the_encoder(void **state)
                 "self_test_ms version temperature singleturn_ok multiturn_amplitude_ok "
                 "multiturn_sync_ok multiturn_vector_ok eeprom_acknowledges; of the wire: cycle "
                 "tear break_at");
+}
+
+/* Wires that have it themselves, or carry what has it; a key that only encoders have is mistyped.
+ */
+static void a_key_of_another_wire_names_those_that_have_it(void **state)
+{
+    static const struct {
+        const char *model;
+        const char *wire;
+        const char *assignment;
+        const char *line;
+    } rows[] = {
+        {"f3668", "slcan", "clock_hz=1", "clock_hz=1: only a sim wire has it; leave it out"},
+        {"s3684-rs485", "pty", "tear=1", "tear=1: only a modbus wire has it; leave it out"},
+        {"s3684-biss", "sim", "pace=1",
+         "pace=1: only pty, tty, rs485, can, slcan, socketcand and silkit wires have it; leave it "
+         "out"},
+    };
+    (void)state;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        const struct lx_error error = refused_key(rows[i].model, rows[i].wire, rows[i].assignment);
+        assert_string_equal(lx_error_line(&error).text, rows[i].line);
+    }
+    const struct lx_error error = refused_key("f3668", "slcan", "reaction_us=1");
+    assert_string_equal(error.what, "no such key");
 }
 
 /* --- addresses --- */
@@ -501,6 +533,7 @@ int main(void)
         cmocka_unit_test(figures_have_to_fit_each_other),
         cmocka_unit_test(settings_of_an_interbus_encoder),
         cmocka_unit_test(a_mistyped_key_names_those_of_the_encoder),
+        cmocka_unit_test(a_key_of_another_wire_names_those_that_have_it),
         cmocka_unit_test(addresses),
         cmocka_unit_test(whoever_is_nearest_says_where),
         cmocka_unit_test(an_error_is_one_line_without_colours),
