@@ -49,10 +49,11 @@ pid_t lx_file_holder(int fd)
 
 int lx_folder_open(struct lx_folder *self, const char *path, struct lx_error *error)
 {
-    *self = (struct lx_folder){.fd = open(path, O_PATH | O_DIRECTORY | O_CLOEXEC),
-                               .path = strdup(path),
-                               .real = realpath(path, NULL)};
-    if (self->fd >= 0 && self->path != NULL && self->real != NULL) {
+    *self = LX_FOLDER_NONE;
+    self->fd = open(path, O_PATH | O_DIRECTORY | O_CLOEXEC);
+    self->path = self->fd < 0 ? NULL : strdup(path);
+    self->real = self->path == NULL ? NULL : realpath(path, NULL);
+    if (self->real != NULL) {
         return 0;
     }
     const int reason = errno;
