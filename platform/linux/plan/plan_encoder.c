@@ -90,9 +90,12 @@ static int use_bus(const struct lx_plan *plan, const struct lx_plan_setting *row
     }
     const struct lx_plan_wire *wire = &plan->wires[at];
     const struct lx_wire *kind = wire->kind;
-    if (!lx_wire_carries(kind, lx_stack_of(model)) ||
-        (wire->stack != NULL && wire->stack != model->stack)) {
+    if (!lx_wire_carries(kind, lx_stack_of(model))) {
         return no_plug(plan, row, kind, model, error);
+    }
+    if (wire->stack != NULL && wire->stack != model->stack) {
+        return lx_plan_wrong_word(plan, row, error, "another bus is right",
+                                  "%s has encoders of another protocol", row->value);
     }
     return wire->encoder_count < kind->stations_max
                ? at

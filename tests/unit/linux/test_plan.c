@@ -200,6 +200,8 @@ static void files_lie_beside_the_rig_file(void **state)
 #define ON_BUS(name) "[encoder " name "]\nmodel = f3668\nbus = b\n"
 #define ON_SIM(name) "[encoder " name "]\nmodel = s3684-biss\nbus = b\n"
 #define SLCAN_BUS "[bus b]\nwire = slcan\n"
+#define AT_PORT(name, port)                                                                        \
+    "[encoder " name "]\nmodel = ocd-ib-k3\nwire = modbus:127.0.0.1:" port "\n"
 #define NO_RANGE(text) "6: node " text ": a node-ID in 1..127, or FIRST..LAST, is right"
 #define RATIO(text) "[shaft a]\n[shaft b]\ndriver = a\nratio = " text "\n"
 #define NO_RATIO(text)                                                                             \
@@ -267,7 +269,8 @@ static const struct {
     {RATIO("1.5:1"), NO_RATIO("1.5:1")},
     {RATIO("1:2:3"), NO_RATIO("1:2:3")},
     {RATIO("x:1"), NO_RATIO("x:1")},
-    {RATIO("3000000000:1"), NO_RATIO("3000000000:1")},
+    {RATIO("2147483648:1"), NO_RATIO("2147483648:1")},
+    {RATIO("1:-2147483648"), NO_RATIO("1:-2147483648")},
     {RATIO(":"), NO_RATIO(":")},
     {RATIO("1:"), NO_RATIO("1:")},
     {GEARS "[shaft s9]\ndriver = s8\n",
@@ -306,6 +309,9 @@ static const struct {
     {"[encoder a]\nmodel = s3684-rs485\nwire = pty:x\n"
      "[encoder b]\nmodel = f3668\nwire = slcan:x\n",
      "6: wire: x is the wire in line 1 already; another address is right"},
+    {AT_PORT("a", "05") AT_PORT("b", "05"),
+     "6: wire: 127.0.0.1:05 is the wire in line 1 already; another address, or [bus NAME] with wire = modbus and "
+     "address = 127.0.0.1:05, and bus = NAME in both encoders, is right"},
     {"[bus b]\nwire = modbus\n[bus c]\nwire = modbus\n",
      "3: address: 127.0.0.1:5020 is the wire in line 1 already; another address is right"},
     {"[bus b]\nwire = pty\ntrace = x.vcd\n[bus c]\nwire = pty\ntrace = x.vcd\n",
@@ -328,6 +334,8 @@ static const struct {
     {"[encoder a]\nmodel = f3668\nwire = can\n", "3: wire: can needs an address; IFNAME is right"},
     {"[bus b]\nwire = pty\n" ON_BUS("a"),
      "5: bus: pty is no wire of f3668; can or slcan or socketcand or silkit is right"},
+    {"[bus b]\nwire = sim\n" ON_SIM("a") "[encoder c]\nmodel = ssi-25\nbus = b\n",
+     "8: bus: b has encoders of another protocol; another bus is right"},
     {ENCODER "[encoder A]\n", "4: [encoder A]: line 1 has the name already; another name is right"},
     {"[bus A]\nwire = pty\n" ENCODER,
      "3: [encoder a]: line 1 has the name already; another name is right"},
@@ -371,6 +379,45 @@ static const struct {
          ON_SIM("h") ON_SIM("i") ON_SIM("j"),
      "29: bus: b has 8 encoders already; no more are right"},
 };
+
+/* The last of what is refused when it goes one further; a free port anybody may have. */
+static const char *const edges[] = {
+    SLCAN_BUS ON_BUS("a") "node = 5..5\n",
+    SLCAN_BUS ON_BUS("a") "node = 00000000000001..2\n",
+    SLCAN_BUS ON_BUS("abcdefghijklmnopqrstuvwxyz0123") "node = 8..9\n",
+    AT_PORT("a", "0") AT_PORT("b", "0"),
+    AT_PORT("a", "0,open") AT_PORT("b", "0,open"),
+    "[encoder " A32 "]\nmodel = f3668\nwire = slcan\n",
+    "[rig]\nname = " A32
+    "\ncontrol = unix:a\ncontrol = unix:b\ncontrol = unix:c\ncontrol = unix:d\n" ENCODER,
+    GEARS ENCODER,
+    RATIO("2147483647:-2147483647") ENCODER,
+    RATIO("-2147483647:1") ENCODER,
+    "[bus b]\nwire = sim\n" ON_SIM("a") ON_SIM("c") ON_SIM("d") ON_SIM("e") ON_SIM("f") ON_SIM("g")
+        ON_SIM("h") ON_SIM("i"),
+    "[bus b]\nwire = silkit\naddress = silkit://h:1,n\n" ON_SIM("a"),
+};
+
+static void what_is_right_up_to_its_edge(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < LENGTH(edges); i++) {
+        struct lx_plan plan;
+        read_good(&plan, edges[i]);
+        lx_plan_free(&plan);
+    }
+}
+
+/* The sign is that of the shaft that is driven. */
+static void a_ratio_has_one_sign(void **state)
+{
+    struct lx_plan plan;
+    (void)state;
+    read_good(&plan, RATIO("3:-7") "[shaft c]\ndriver = a\nratio = -3:-7\n" ENCODER);
+    assert_true(plan.shafts[1].ratio[0] == -3 && plan.shafts[1].ratio[1] == 7);
+    assert_true(plan.shafts[2].ratio[0] == 3 && plan.shafts[2].ratio[1] == 7);
+    lx_plan_free(&plan);
+}
 
 /* A message as it has to be: with the models by name where it says MODELS. */
 static struct lx_words message_of(const char *file, const char *text)
@@ -418,7 +465,7 @@ static void lines_that_are_none(void **state)
     char text[300];
     (void)state;
     assert_refused(FILE_NAME, zero, sizeof zero - 1, limit);
-    for (int n = 170; n <= 190; n++) { /* "nvm = " and so many characters */
+    for (int n = 170; n <= 192; n++) { /* "nvm = " and so many characters */
         const bool fits = strlen("nvm = ") + (size_t)n <= 198;
         const int length = snprintf(text, sizeof text, "[encoder a]\nnvm = %0*d\n", n, 0);
         assert_true(fits);
@@ -565,6 +612,8 @@ int main(void)
         cmocka_unit_test(other_tools),
         cmocka_unit_test(files_lie_beside_the_rig_file),
         cmocka_unit_test(what_is_wrong_and_where),
+        cmocka_unit_test(what_is_right_up_to_its_edge),
+        cmocka_unit_test(a_ratio_has_one_sign),
         cmocka_unit_test(lines_that_are_none),
         cmocka_unit_test(files_that_are_none),
         cmocka_unit_test(many),

@@ -78,6 +78,8 @@ static const struct {
      "rig.ini:4: serial 5: ssi-25 has none; leave it out"},
     {LX_RIG_PLAN, "[bus b]\nwire = sim\nclock_hz = 1\n[encoder e]\nmodel = s3684-biss\nbus = b\n",
      "rig.ini:3: clock_hz=1: a number in 50000..10000000 Hz is right"},
+    {LX_RIG_PLAN, "[encoder e]\nmodel = s3684-biss\nwire = sim\nbusy_us = 1\ntimeout_us = 13\n",
+     "rig.ini:5: timeout_us: the simulated wire has the encoder's own timeout; only with gpio"},
     {LX_RIG_WORLD, "[rig]\nfiles = no\n" LINE,
      "rig.ini:2: files: no: not a folder for files: No such file or directory"},
     {LX_RIG_WORLD, "[rig]\nfiles = text\n" LINE, "rig.ini:2: files: text: not a folder for files: Not a directory"},

@@ -230,7 +230,8 @@ static bool live_once(struct lx_error *error)
     struct lx_rig *rig = NULL;
     sd_event *event = NULL;
     assert_true(sd_event_new(&event) >= 0);
-    bool good = lx_plan_read(&plan, "rig.ini", error) == 0;
+    bool good = lx_plan_read(&plan, "rig.ini", error) == 0 &&
+                lx_plan_add_assignment(&plan.encoders[0].settings, "temperature=21", 0, error) == 0;
     if (good) {
         const struct lx_rig_setup setup = {.event = event, .say = &quiet, .plan = &plan};
         good = lx_rig_open(&rig, &setup, lx_now(), error) == LX_RIG_OK;
