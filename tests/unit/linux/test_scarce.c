@@ -2,7 +2,8 @@
 /*
  * A rig for which something is not to be had: of all that it asks for while it is planned and
  * opened, memory, descriptors, places in the loop, one is refused. Then it says so, in words, and
- * nothing of it is left: no memory, no descriptor, no file.
+ * nothing of it is left: no memory, no descriptor, no file. Nothing is left of one either that gets
+ * all of it, and serves a client before it ends.
  *
  * The calls of the port come here (the linker's --wrap); those of libraries do not.
  */
@@ -27,6 +28,7 @@
 #include <cmocka.h>
 
 #include "descriptors.h"
+#include "give_up.h"
 #include "rig.h"
 #include "timer.h"
 
@@ -104,6 +106,35 @@ TAKE(strdup, (const char *text), (text))
 TAKE(strndup, (const char *text, size_t n), (text, n))
 TAKE(modbus_new_tcp_pi, (const char *node, const char *service), (node, service))
 
+static int print(char **to, const char *format, va_list arguments)
+{
+    const int n = refuses("asprintf", ENOMEM) ? -1 : vasprintf(to, format, arguments);
+    (void)note(n < 0 ? NULL : *to);
+    return n;
+}
+
+int __wrap_asprintf(char **to, const char *format, ...);
+int __wrap_asprintf(char **to, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    const int n = print(to, format, arguments);
+    va_end(arguments);
+    return n;
+}
+
+/* The same, with _FORTIFY_SOURCE. */
+int __wrap___asprintf_chk(char **to, int flag, const char *format, ...);
+int __wrap___asprintf_chk(char **to, int flag, const char *format, ...)
+{
+    (void)flag;
+    va_list arguments;
+    va_start(arguments, format);
+    const int n = print(to, format, arguments);
+    va_end(arguments);
+    return n;
+}
+
 void __real_free(void *memory);
 void __wrap_free(void *memory);
 void __wrap_free(void *memory)
@@ -137,12 +168,32 @@ void *__wrap_realloc(void *memory, size_t n)
     return __wrap_reallocarray(memory, 1, n);
 }
 
+char *__real_realpath(const char *path, char *to);
+char *__wrap_realpath(const char *path, char *to);
+char *__wrap_realpath(const char *path, char *to)
+{
+    char *found = refuses("realpath", ENOMEM) ? NULL : __real_realpath(path, to);
+    return to == NULL ? note(found) : found;
+}
+
 CALL(int, socket, EMFILE, -1, (int domain, int type, int protocol), (domain, type, protocol))
 CALL(int, listen, EADDRINUSE, -1, (int fd, int backlog), (fd, backlog))
 CALL(int, eventfd, EMFILE, -1, (unsigned count, int flags), (count, flags))
 CALL(int, posix_openpt, EMFILE, -1, (int flags), (flags))
 CALL(FILE *, fopencookie, ENOMEM, NULL,
      (void *cookie, const char *mode, cookie_io_functions_t operations), (cookie, mode, operations))
+/* Whoever closes one twice may close somebody else's. */
+int __real_close(int fd);
+int __wrap_close(int fd);
+int __wrap_close(int fd)
+{
+    const int result = __real_close(fd);
+    if (result != 0 && errno == EBADF) {
+        give_up("closes what is not open", "a rig");
+    }
+    return result;
+}
+
 CALL(FILE *, fdopen, ENOMEM, NULL, (int fd, const char *mode), (fd, mode))
 CALL(int, pthread_create, EAGAIN, EAGAIN,
      (pthread_t * thread, const pthread_attr_t *attributes, void *(*run)(void *), void *ctx),
@@ -222,6 +273,51 @@ static int remove_folder(void **state)
     return chdir("/") != 0 || rmdir(folder) != 0 ? -1 : 0;
 }
 
+/* What clients ask for while nothing is scarce, also in vain; each of it twice, so that what was
+ * there is given back. */
+static const char *const commands[] = {
+    "SHAF:PROF \"motion.csv\"",
+    "SHAF:PROF \"60RPM\"",
+    "SHAF:PROF \"none.csv\"",
+    "SHAF:REC:STAR \"record.csv\",1MS",
+    "SHAF:REC:STOP",
+    "WORL:TEMP:PROF \"warm.csv,LOOP\"",
+    "WORL:TEMP:PROF \"motion.csv,WRONG\"",
+    "WORL:TEMP:PROF:POIN 0,20,1,30,LOOP",
+    "WORL:TEMP:PROF:STAT OFF",
+    "TRAC:LAST?",
+    "TRAC:STOP",
+    "TRAC:STAR \"c.vcd\"",
+    "TRAC:STAR \"c.log\"",
+    "TRAC:STAR \"c.csv\"",
+    "TRAC:STAR \"no/c.log\"",
+    "STAT?",
+};
+
+static void hear_nothing(void *ctx, const char *bytes, size_t n)
+{
+    (void)ctx;
+    (void)bytes;
+    (void)n;
+}
+
+static void serve_client(struct lx_rig *rig, sd_event *event)
+{
+    struct dg_control client;
+    dg_control_init(&client, lx_rig_control(rig), hear_nothing, NULL);
+    for (size_t i = 0; i < 2u * sizeof commands / sizeof commands[0]; i++) {
+        const char *command = commands[i / 2u];
+        (void)dg_control_rx(&client, lx_now(), command, strlen(command));
+        (void)dg_control_rx(&client, lx_now(), "\n", 1);
+        while (client.session.executing) {
+            (void)dg_control_step(&client, lx_now());
+        }
+        while (sd_event_run(event, 0) > 0) {
+        }
+    }
+    dg_scpi_leave(&client.session);
+}
+
 /* Read, opened, and closed. @return whether that worked; else `error` says why not */
 static bool live_once(struct lx_error *error)
 {
@@ -236,6 +332,10 @@ static bool live_once(struct lx_error *error)
         const struct lx_rig_setup setup = {.event = event, .say = &quiet, .plan = &plan};
         good = lx_rig_open(&rig, &setup, lx_now(), error) == LX_RIG_OK;
         assert_true(good == (rig != NULL));
+    }
+    if (good && scarce.refused == NULL) {
+        scarce.left = 0;
+        serve_client(rig, event);
     }
     scarce.left = 0;
     assert_int_equal(lx_rig_close(rig, error), 0);
