@@ -63,10 +63,11 @@ static void on_answer(void *ctx, const char *bytes, size_t n)
 
 void virtual_rig_ask(struct virtual_rig *self, const char *command)
 {
+    const struct lx_clock *clock = &self->rig->clock;
     self->answer[0] = '\0';
-    (void)dg_control_rx(&self->control, lx_now(), command, strlen(command));
-    (void)dg_control_rx(&self->control, lx_now(), "\n", 1);
-    lx_rig_settle(self->rig, lx_now());
+    (void)dg_control_rx(&self->control, lx_clock_now(clock), command, strlen(command));
+    (void)dg_control_rx(&self->control, lx_clock_now(clock), "\n", 1);
+    lx_rig_settle(self->rig, lx_clock_now(clock));
     self->answer[strcspn(self->answer, "\n")] = '\0';
 }
 
