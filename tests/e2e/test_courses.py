@@ -30,9 +30,9 @@ def test_points_are_followed(clients):
     """A point holds until the next one with STEP; behind the last one nothing is followed any more."""
     client, _ = clients
     assert client.ask("WORL:TEMP:PROF?") == '""'
-    client.do(f"WORL:TEMP:PROF:POIN 0,41.5,{HOLDS_FOR_S},90,STEP")
+    client.do(f"WORL:TEMP:PROF:POIN 0,41.5,{HOLDS_FOR_S}S,90,STEP")
     assert client.ask("WORL:TEMP?;TEMP:PROF?;PROF:STAT?") == '41.500;"points,STEP";1'
-    client.do(f"WORL:TEMP:PROF:POIN 0,-12.25,{HOLDS_FOR_S},-12.25")
+    client.do(f"WORL:TEMP:PROF:POIN 0,-12.25,{HOLDS_FOR_S}S,-12.25")
     assert client.ask("WORL:TEMP?;TEMP:PROF?;PROF:STAT?") == '-12.250;"points";1'
     client.do("WORL:TEMP:PROF:STAT OFF")
     assert client.ask("WORL:TEMP?;TEMP:PROF?;PROF:STAT?") == '-12.250;"";0'
@@ -42,14 +42,14 @@ def test_points_are_followed(clients):
 
 def test_a_straight_line_lies_between_points(clients):
     client, _ = clients
-    client.do(f"WORL:TEMP:PROF:POIN 0,20,{HOLDS_FOR_S},120")
+    client.do(f"WORL:TEMP:PROF:POIN 0,20,{HOLDS_FOR_S}S,120")
     assert 20 <= float(client.ask("WORL:TEMP?")) < 20 + 100 * PATIENCE_S / HOLDS_FOR_S
 
 
 def test_a_loop_that_takes_no_time_is_refused(clients, tmp_path):
     """What was followed goes on."""
     client, _ = clients
-    client.do(f"WORL:TEMP:PROF:POIN 0,41.5,{HOLDS_FOR_S},41.5")
+    client.do(f"WORL:TEMP:PROF:POIN 0,41.5,{HOLDS_FOR_S}S,41.5")
     (tmp_path / "x.csv").write_text("0,1\n")
     client.send('WORL:TEMP:PROF "x.csv,LOOP"')
     told = client.ask("SYST:ERR?")
