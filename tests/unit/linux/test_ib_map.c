@@ -257,54 +257,55 @@ static void the_ring_has_one_file(void **state)
 }
 
 /* What `drehgeber map` prints of this ring: where a register is, what may be done with it. */
+static const char *const printed[] = {
+    "0000-0004  r   input image",
+    "0800-0804  rw  output image",
+    "1000-1009  r   identification",
+    "100C       r   coupler status",
+    "1010       r   output image, bits",
+    "1011       r   input image, bits",
+    "1012-1013  r   digital",
+    "1014-1015  r   missed cycles",
+    "1020       r   watchdog: ms left",
+    "1120       rw  watchdog: time",
+    "1121       rw  watchdog: 1: has fired",
+    "1122       rw  watchdog: fed by",
+    "1123       rw  fallback",
+    "Device 0: K1, ID word 0136h",
+    "0000       r   IN",
+    "2000       r   ID word",
+    "2001       r   state",
+    "2002-2003  r   data cycles",
+    "2004-2005  r   CRC errors",
+    "2006       r   LEDs",
+    "2007       r   mode",
+    "2008-2009  r   last command",
+    "200A-200B  r   last error",
+    "Device 1: K3, ID word 0237h",
+    "0001-0002  r   IN",
+    "0801-0802  rw  OUT",
+    "2010       r   ID word",
+    "2011       r   state",
+    "2012-2013  r   data cycles",
+    "2014-2015  r   CRC errors",
+    "2016       r   LEDs",
+    "2017       r   mode",
+    "2018-2019  r   last command",
+    "201A-201B  r   last error",
+    "Device 2: K2, ID word 0236h",
+    "0003-0004  r   IN",
+    "2020       r   ID word",
+    "2021       r   state",
+    "2022-2023  r   data cycles",
+    "2024-2025  r   CRC errors",
+    "2026       r   LEDs",
+    "2027       r   mode",
+    "2028-2029  r   last command",
+    "202A-202B  r   last error",
+};
+
 static void the_map_in_print(void **state)
 {
-    static const char *const rows[] = {
-        "0000-0004  r   input image",
-        "0800-0804  rw  output image",
-        "1000-1009  r   identification",
-        "100C       r   coupler status",
-        "1010       r   output image, bits",
-        "1011       r   input image, bits",
-        "1012-1013  r   digital",
-        "1014-1015  r   missed cycles",
-        "1020       r   watchdog: ms left",
-        "1120       rw  watchdog: time",
-        "1121       rw  watchdog: 1: has fired",
-        "1122       rw  watchdog: fed by",
-        "1123       rw  fallback",
-        "Device 0: K1, ID word 0136h",
-        "0000       r   IN",
-        "2000       r   ID word",
-        "2001       r   state",
-        "2002-2003  r   data cycles",
-        "2004-2005  r   CRC errors",
-        "2006       r   LEDs",
-        "2007       r   mode",
-        "2008-2009  r   last command",
-        "200A-200B  r   last error",
-        "Device 1: K3, ID word 0237h",
-        "0001-0002  r   IN",
-        "0801-0802  rw  OUT",
-        "2010       r   ID word",
-        "2011       r   state",
-        "2012-2013  r   data cycles",
-        "2014-2015  r   CRC errors",
-        "2016       r   LEDs",
-        "2017       r   mode",
-        "2018-2019  r   last command",
-        "201A-201B  r   last error",
-        "Device 2: K2, ID word 0236h",
-        "0003-0004  r   IN",
-        "2020       r   ID word",
-        "2021       r   state",
-        "2022-2023  r   data cycles",
-        "2024-2025  r   CRC errors",
-        "2026       r   LEDs",
-        "2027       r   mode",
-        "2028-2029  r   last command",
-        "202A-202B  r   last error",
-    };
     char *text = NULL;
     size_t size = 0;
     FILE *to = open_memstream(&text, &size);
@@ -314,11 +315,11 @@ static void the_map_in_print(void **state)
     assert_int_equal(fclose(to), 0);
     char *rest = NULL;
     char *line = strtok_r(text, "\n", &rest); /* the heading */
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(printed); i++) {
         line = strtok_r(NULL, "\n", &rest);
         assert_non_null(line);
-        if (strncmp(line, rows[i], strlen(rows[i])) != 0) {
-            fail_msg("\"%s\" for \"%s\"", line, rows[i]);
+        if (strncmp(line, printed[i], strlen(printed[i])) != 0) {
+            fail_msg("\"%s\" for \"%s\"", line, printed[i]);
         }
     }
     assert_null(strtok_r(NULL, "\n", &rest));
