@@ -2,6 +2,7 @@
 """What is kept of runs: the log of all verdicts, by which rooms are judged, and the list of survivors."""
 
 import datetime
+import math
 from typing import NamedTuple
 
 import rooms
@@ -71,15 +72,26 @@ class Log:
         return list(verdicts.values())[-rooms.WINDOW:]
 
 
+def upper_bound(killed, count):
+    """Percent that are killed of all mutants at the most, given a sample: Wilson's bound of 95 %."""
+    z = 1.645
+    share, spread = killed / count, z * z / count
+    return 100 * (share + spread / 2 + math.sqrt(share * (1 - share) * spread + spread * spread / 4)) / (1 + spread)
+
+
 def judge(room, verdicts):
-    """Prints the score of the room. @return whether it reaches the floor"""
+    """Prints the score of the room. @return whether it reaches the floor; few verdicts have to be so bad that it is
+    no chance"""
+    count = len(verdicts)
     killed = sum(entry.result == "killed" for entry in verdicts)
-    score = 100 * killed / len(verdicts) if verdicts else 0
-    few = f", of {rooms.WINDOW} wanted" if len(verdicts) < rooms.WINDOW else ""
+    score = 100 * killed / count if count else 0
+    few = f", of {rooms.WINDOW} wanted" if count < rooms.WINDOW else ""
     good = score >= room.floor
-    print(f"figure: mutation score of {room.name}: {score:.1f} %, {killed} of the last {len(verdicts)} killed{few}; "
-          f"{'floor' if good else 'BELOW the floor of'} {room.floor} %")
-    return good
+    chance = not good and few != "" and count > 0 and upper_bound(killed, count) >= room.floor
+    print(f"figure: mutation score of {room.name}: {score:.1f} %, {killed} of the last {count} killed{few}; "
+          f"{'floor' if good else 'too few to say that it is below the floor of' if chance else 'BELOW the floor of'} "
+          f"{room.floor} %")
+    return good or chance
 
 
 class Survivor(NamedTuple):
