@@ -8,10 +8,11 @@ import zlib
 from collections.abc import Iterable
 from pathlib import Path
 
-from script import EVENTS, OPERATIONS, PROTOCOLS, SECOND
+from script import EVENTS, OPERATIONS, SECOND, SHARED, SUBJECTS, word_of
 
 HERE = Path(__file__).parent
 EXPECTED = HERE / "expected"
+EXPECTED_OF_WIRES = HERE / "expected-wires"
 DIFFERENCES = HERE / "differences"
 SUMS_IN_LINE = 20
 ALL = "*"  # in place of an operation: the host has no such model
@@ -81,9 +82,9 @@ class Leave:
 
     def _line(self, line: str) -> str:
         number, name, *answer = line.split() if not line.startswith(" ") else ("", "")
-        if name in self.unsaid:
+        if word_of(name) in self.unsaid:
             return f"{number} {name}"
-        if name in self.timeless:
+        if word_of(name) in self.timeless:
             return " ".join([number, name, *(word for word in answer if not word.isdecimal() or int(word) < BEGIN)])
         return line
 
@@ -102,10 +103,11 @@ def moment_of(event: str) -> int:
 
 
 def say_difference(host: str, script: list[str], number: int, expected: str, got: str) -> str:
-    """Host, model, seed, operation, and both lines."""
-    _, model, seed = script[0].split()
+    """Host, model or wire, seed, operation, and both lines."""
+    _, subject, seed = script[0].split()
+    kind = "wire" if subject in SHARED else "model"
     operation = script[number] if number < len(script) else "its end"
-    return (f"host {host}: model {model}, seed {seed}, operation {number} ({operation}):\n"
+    return (f"host {host}: {kind} {subject}, seed {seed}, operation {number} ({operation}):\n"
             f"  expected {expected}\n  got      {got}")
 
 
@@ -170,16 +172,18 @@ def compare_sums(host: str, script: list[str], expected: tuple[str, list[str]], 
 
 # ------------------------------------------------------------ what is known to differ
 
-def read_differences(host: str, model: str, text: str | None = None) -> dict[str, str]:
-    """What a host does not have or does otherwise with a model, operations and kinds of events, with the reason."""
+def read_differences(host: str, subject: str, text: str | None = None) -> dict[str, str]:
+    """What a host does not have or does otherwise with a model or a wire, operations and kinds of events, with the reason."""
     rows = (DIFFERENCES.read_text() if text is None else text).splitlines()
     found: dict[str, str] = {}
     for row in rows:
         name, _, rest = row.partition(" ")
+        if name.partition(":")[2] not in ("", *SUBJECTS, *SUBJECTS.values()):
+            raise Broken(f"differences: {row}: no such protocol, model or wire")
         word, _, reason = rest.strip().partition(" ")
-        if name in (host, f"{host}:{PROTOCOLS[model]}", f"{host}:{model}"):
+        if name in (host, f"{host}:{SUBJECTS[subject]}", f"{host}:{subject}"):
             known = {re.split("[:@=<~]", word)[0]} <= {*OPERATIONS, *EVENTS, ALL}
             if not known or not reason.strip() or word in found:
-                raise Broken(f"differences: {row}: expected HOST[:PROTOCOL|:MODEL] OPERATION REASON, once")
+                raise Broken(f"differences: {row}: expected HOST[:PROTOCOL|:MODEL|:WIRE] OPERATION REASON, once")
             found[word] = reason.strip()
     return found

@@ -12,15 +12,15 @@ from itertools import pairwise
 from pathlib import Path
 
 from scpi import result_of, state_of, steer
-from script import read_scripts
+from script import SHARED, read_scripts, word_of
 
 BEGIN = 1_000_000_000  # of virtual time
-WIRES = {"rs485": "rs485:tcp:127.0.0.1:0", "f3658": "slcan:tcp:127.0.0.1:0", "f3668": "slcan:tcp:127.0.0.1:0",
-         "biss": "sim", "ssi": "sim"}
+LINE, BUS = "rs485:tcp:127.0.0.1:0", "slcan:tcp:127.0.0.1:0"
+WIRES = {"rs485": LINE, "f3658": BUS, "f3668": BUS, "biss": "sim", "ssi": "sim", "line": LINE, "can": BUS, "chain": "sim"}
 # A handle stores the address that it is made with, a rig one that is said.
 ADDRESSES = {"rs485": "address = 0x40\n"}
 # What lets the master clock a frame, and how long after it the position is taken: at its first rising edge, falling edge.
-FRAMES = {"biss": ("BISS:FRAM?", 1000), "ssi": ("SSI:FRAM?", 500)}
+FRAMES = {"biss": ("BISS:FRAM?", 1000), "chain": ("BISS:FRAM?", 1000), "ssi": ("SSI:FRAM?", 500)}
 CHANNEL = b"O\r"  # of SLCAN: open it, at any bit rate
 GRID, FRAME = 5_000_000, 200_000  # ns
 NO_POWER, SILENT, REFUSED = -9, -14, -13
@@ -57,17 +57,11 @@ def write(address: str, data: str) -> Lines:
     return [f"scpi BISS:REG {address},{values}"]
 
 
+REQUESTS = ("bytes", "meet", "over", "twin")
 WORDS: dict[str, Callable[..., Lines]] = {
-    "bytes": lambda data: [say(bytes.fromhex(data))], "can": frame, "remote": remote, "write": write, "read": read,
+    "can": frame, "remote": remote, "write": write, "read": read,
+    **dict.fromkeys(REQUESTS, lambda data: [say(bytes.fromhex(data))]),
 }
-
-
-def orders_of(kind: str, at: int, name: str, words: Lines) -> Lines:
-    if name == "latch":
-        line, later = FRAMES[kind]
-        return [f"{at - later} clock {line}"]
-    lines = WORDS[name](*words) if name in WORDS else [f"scpi {line}" for line in steer(name, *words)]
-    return [f"{at} {line}" for line in lines]
 
 
 # ------------------------------------------------------------ what the rig's answer is for the log
@@ -119,8 +113,8 @@ def latch(answer: str, levels: list[tuple[int, int]]) -> str:
 
 
 ANSWERS: dict[str, Callable[[str], str]] = {
-    "bytes": lambda _: " 0", "can": lambda _: " 0", "remote": lambda _: " 0", "shaft": lambda _: "", "eeprom": sum_memory,
-    "position": position, "sincos": sincos,
+    **dict.fromkeys((*REQUESTS, "can", "remote"), lambda _: " 0"),
+    "shaft": lambda _: "", "eeprom": sum_memory, "position": position, "sincos": sincos,
 }
 
 
@@ -132,29 +126,49 @@ def write_rig(path: Path, model: str, settings: Iterable[Lines]) -> None:
     path.write_text(f"[encoder it]\nmodel = {model}\nwire = {WIRES[kind]}\n{ADDRESSES.get(kind, '')}{words}")
 
 
+def write_shared_rig(path: Path, wire: str, script: list[Lines]) -> Lines:
+    """One with several encoders. @return their numbers"""
+    kind, _, address = WIRES[wire].partition(":")
+    sections = {"": f"[bus it]\nwire = {kind}\n" + (f"address = {address}\n" if address else "")}
+    for _, name, *words in script:
+        number, _, word = name.rpartition(":")
+        if word == "encoder":
+            sections[number] = f"[shaft s{number}]\n[encoder e{number}]\nshaft = s{number}\nbus = it\nmodel = {words[0]}\n"
+        elif word == "set":
+            sections[number] += f"{words[0]} = {words[1]}\n"
+    path.write_text("".join(sections.values()))
+    return list(sections)[1:]
+
+
 def find_pause(script: list[Lines]) -> int:
     """The master of a simulated wire reads a frame by itself each 100 ms, from init_ms on, a multiple of 5 ms. What the
     script wants from it must not wait for that: all of the script is so much later."""
-    moments = [int(words[0]) for words in script if words[1] in ("latch", "read", "write")]
+    moments = [int(words[0]) for words in script if word_of(words[1]) in ("latch", "read", "write")]
     return next(later for later in range(0, GRID, FRAME // 2) if all((at + later) % GRID > FRAME for at in moments))
 
 
 class Player:
-    """A rig, to which a script happens."""
+    """A rig, to which a script happens; `numbers` are those of its encoders, "" of one that is alone."""
 
-    def __init__(self, rig: Lines, path: Path, kind: str, script: list[Lines]) -> None:
+    def __init__(self, rig: Lines, path: Path, kind: str, script: list[Lines], numbers: Lines) -> None:
         self.kind = kind
-        self.later = find_pause(script)
+        self.number = ""  # of the encoder that lines of SCPI are for
+        self.later = find_pause(script) if numbers == [""] else 0
         self.rig = subprocess.Popen([*rig, path], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
         self.levels: list[tuple[int, int]] = []
         self.on = False
         # An encoder of a rig has power from the first moment on: here it has had none before the script says so.
-        for line in ["scpi POW OFF", *([say(CHANNEL)] if WIRES[kind].startswith("slcan") else [])]:
-            self.order(BEGIN - self.later, line)
+        for self.number in numbers:
+            self.order(BEGIN - self.later, "scpi POW OFF")
+        if WIRES[kind] == BUS:
+            self.order(BEGIN - self.later, say(CHANNEL))
 
     def order(self, at: int, line: str) -> str:
         """Let the rig do it, and tell what the encoder has sent. @return its answer"""
         assert self.rig.stdin and self.rig.stdout
+        how, _, text = line.partition(" ")
+        if self.number and how != "send":
+            line = f"{how} INST:SEL e{self.number};:{text}"
         self.rig.stdin.write(f"{at + self.later} {line}\n")
         self.rig.stdin.flush()
         self.levels = []
@@ -170,11 +184,12 @@ class Player:
 
     def perform(self, at: int, name: str, words: Lines) -> str:
         """@return the operation's answer"""
+        self.number, _, name = name.rpartition(":")
         if name == "latch":
             line, later = FRAMES[self.kind]
             return latch(self.order(at - later, f"clock {line}"), self.levels)
         self.on = words[0] == "1" if name == "power" else self.on
-        if name in ("read", "write") and not self.on:
+        if name in ("read", "write") and not self.on and not self.number:
             return f" {NO_POWER}{' ;' if name == 'read' else ''}"
         lines = WORDS[name](*words) if name in WORDS else [f"scpi {line}" for line in steer(name, *words)]
         answer = [self.order(at, line) for line in lines][-1]
@@ -203,11 +218,14 @@ class Player:
 
 def play(rig: Lines, head: Lines, script: list[Lines], path: Path) -> None:
     print(" ".join(head))
-    settings = [words[2:] for words in script if words[1] == "set"]
-    write_rig(path, head[1], settings)
-    player = Player(rig, path, kind_of(head[1]), script)
+    numbers = [""]
+    if head[1] in SHARED:
+        numbers = write_shared_rig(path, head[1], script)
+    else:
+        write_rig(path, head[1], [words[2:] for words in script if words[1] == "set"])
+    player = Player(rig, path, kind_of(head[1]), script, numbers)
     for number, (at, name, *words) in enumerate(script, 1):
-        answer = player.perform(int(at), name, words) if name != "set" else " 0"
+        answer = player.perform(int(at), name, words) if word_of(name) not in ("set", "encoder") else " 0"
         print(f"{number} {name}{answer}", flush=True)
     player.close()
 

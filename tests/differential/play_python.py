@@ -6,6 +6,7 @@ import warnings
 from collections.abc import Callable
 
 import drehgeber
+from script import SHARED
 
 SECOND = 1_000_000_000
 LEAD = SECOND  # a clock of the package begins a second after 0 of the library
@@ -26,13 +27,23 @@ def sum_of(memory: bytes) -> str:
 
 
 class Player:
-    """An encoder, to which a script happens."""
+    """An encoder, or several on a wire, to which a script happens."""
 
-    def __init__(self, model: str) -> None:
-        self.encoder = drehgeber.Encoder(model, power=False)
+    def __init__(self, subject: str) -> None:
+        self.encoders: dict[str, drehgeber.Encoder] = {}
         self.settings: dict[str, str] = {}
-        self.port = self.encoder.can if self.encoder.protocol == "canopen" else None
+        self.port: drehgeber.CanPort | None = None
         self.number = 0
+        if subject not in SHARED:
+            self.put("", subject)
+
+    def put(self, number: str, model: str) -> None:
+        """An encoder, on the wire of the others."""
+        first = next(iter(self.encoders.values()), None)
+        wires = {} if first is None else {"line": first._line, "bus": first._bus}
+        self.encoder = self.encoders[number] = drehgeber.Encoder(model, power=False, **wires)
+        if first is None and self.encoder.protocol == "canopen":
+            self.port = self.encoder.can
 
     # ------------------------------------------------------------ time
 
@@ -57,8 +68,14 @@ class Player:
 
     def perform(self, words: list[str]) -> None:
         at, name, *arguments = words
-        operation, refused = OPERATIONS[name]
+        number, _, word = name.rpartition(":")
         self.number += 1
+        if word == "encoder":
+            self.put(number, *arguments)
+            print(f"{self.number} {name} 0")
+            return
+        operation, refused = OPERATIONS[word]
+        self.encoder = self.encoders.get(number, self.encoder)
         self.pass_time(int(at) - self.now)
         self.tell()
         try:

@@ -4,14 +4,16 @@
 import functools
 import re
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
 from typing import Any
 
 SECOND = 1_000_000_000
 MS = 1_000_000
 LINES = 120
 # Words of scripts, and kinds of events in logs.
-OPERATIONS = ("bus", "bytes", "can", "chain", "cycle", "edges", "eeprom", "fault", "frame", "identify", "latch", "mount", "next",
-              "position", "power", "raw", "read", "remote", "set", "shaft", "sincos", "world", "write")
+OPERATIONS = ("bus", "bytes", "can", "chain", "cycle", "edges", "encoder", "eeprom", "fault", "frame", "identify", "latch", "meet",
+              "mount", "next", "over", "position", "power", "raw", "read", "remote", "set", "shaft", "sincos", "twin",
+              "world", "write")
 EVENTS = ("byte", "message", "edge")
 PROTOCOLS = {
     "s3674-rs485": "hiperface", "s3684-rs485": "hiperface", "s3674-biss": "biss", "s3684-biss": "biss",
@@ -19,6 +21,9 @@ PROTOCOLS = {
     "ocd-ib-k1": "interbus", "ocd-ib-k2": "interbus", "ocd-ib-k3": "interbus",
 }
 MODELS = tuple(PROTOCOLS)
+# Wires with several encoders: wires.py writes their scripts, but for the ring.
+SHARED = {"line": "hiperface", "can": "canopen", "chain": "biss", "ring": "interbus"}
+SUBJECTS = PROTOCOLS | SHARED
 NODE = 63
 ADDRESS = 0x40
 
@@ -71,18 +76,28 @@ WORDS = (0, 0, 0x80000000, 0x40000000, 0x60000000, 0x02000400, 0x02002710, 0x040
          0x20200000, 0x41000100, 0x61000200, 0xFFFFFFFF, 0x12345678)
 
 
-class Script:
-    """The lines so far, and what has to be known to write more."""
+@dataclass
+class Encoder:
+    """What a script has done to one."""
 
-    def __init__(self, model: str, seed: int) -> None:
-        self.protocol = PROTOCOLS[model]
-        self.lines = [f"script {model} {seed}"]
+    on: bool = False
+    on_at: int = SECOND
+    broken: set[str] = field(default_factory=set)
+    prefix: str = ""  # of words about it, where there are several
+
+
+class Script:
+    """The lines so far, and what has to be known to write more, about a model or a wire."""
+
+    def __init__(self, subject: str, seed: int) -> None:
+        self.protocol = SUBJECTS[subject]
+        self.lines = [f"script {subject} {seed}"]
         self.now = SECOND
-        self.on = False
-        self.on_at = SECOND
-        self.broken: set[str] = set()
+        self.encoder = Encoder()  # the one at hand
+        self.faults = FAULTS[self.protocol]
+        self.world = WORLD
         # Knuth's multiplicative hash, never 0: neighbours begin far from one another.
-        self._state = ((MODELS.index(model) + 1) * 1000 + seed) * 2654435761 & 0xFFFFFFFF | 1
+        self._state = ((tuple(SUBJECTS).index(subject) + 1) * 1000 + seed) * 2654435761 & 0xFFFFFFFF | 1
         for _ in range(8):
             self.draw(1)
 
@@ -100,6 +115,11 @@ class Script:
         return bytes(self.draw(256) for _ in range(count))
 
     def add(self, *words: object) -> None:
+        """An operation of the encoder at hand."""
+        self.add_for_all(f"{self.encoder.prefix}{words[0]}", *words[1:])
+
+    def add_for_all(self, *words: object) -> None:
+        """One of the wire."""
         self.lines.append(" ".join(str(word) for word in (self.now, *words)))
 
     def pass_time(self) -> None:
@@ -112,12 +132,12 @@ class Script:
 
 def switch(script: Script) -> None:
     """Off, usually for a moment, or on."""
-    script.on = not script.on or script.draw(4) == 0
-    script.on_at = script.now
-    script.add("power", int(script.on))
+    script.encoder.on = not script.encoder.on or script.draw(4) == 0
+    script.encoder.on_at = script.now
+    script.add("power", int(script.encoder.on))
     script.now += script.choose((1, 5 * MS, 300 * MS))
-    if not script.on and script.draw(4) > 0:
-        script.on, script.on_at = True, script.now
+    if not script.encoder.on and script.draw(4) > 0:
+        script.encoder.on, script.encoder.on_at = True, script.now
         script.add("power", 1)
         script.now += script.choose((1, 300 * MS, SECOND))
 
@@ -131,20 +151,20 @@ def turn(script: Script) -> None:
 
 def sense(script: Script) -> None:
     if script.draw(4) == 0:  # else nothing would be healthy for long
-        for name, values in WORLD.items():
+        for name, values in script.world.items():
             if script.draw(3) > 0:
                 script.add("world", name, values[0])
         return
-    name = script.choose(tuple(WORLD))
-    script.add("world", name, script.choose(WORLD[name]))
+    name = script.choose(tuple(script.world))
+    script.add("world", name, script.choose(script.world[name]))
 
 
 def break_something(script: Script) -> None:
     """Or mend it. What is broken is not broken again: in an FMU a fault is there or not."""
-    if script.on:
-        name = script.choose(FAULTS[script.protocol])
-        script.broken ^= {name}
-        script.add("fault", name, int(name in script.broken))
+    if script.encoder.on:
+        name = script.choose(script.faults)
+        script.encoder.broken ^= {name}
+        script.add("fault", name, int(name in script.encoder.broken))
 
 
 def look(script: Script) -> None:
@@ -153,7 +173,7 @@ def look(script: Script) -> None:
 
 # ------------------------------------------------------------ wires
 
-def request(script: Script) -> None:
+def frame_of_line(script: Script, addresses: tuple[int, ...]) -> bytes:
     code, length = script.choose(COMMANDS)
     if code in (0x43, 0x44, 0x4F, 0x6A) and script.draw(4) > 0:  # with the access code of a new encoder
         data = (script.bytes(length) if code in (0x43, 0x6A) else b"\0" * length)[:-1] + b"\x55"
@@ -161,14 +181,18 @@ def request(script: Script) -> None:
         data = script.bytes(length)
     if code in (0x4A, 0x4B):  # a data field and an address in it
         data = bytes((script.draw(3), script.draw(16), script.draw(8))) + data[3:]
-    frame = bytes((script.choose((ADDRESS, ADDRESS, ADDRESS, 0xFF, 0x41)), code)) + data
+    frame = bytes((script.choose(addresses), code)) + data
     check = 0
     for byte in frame:
         check ^= byte
     if script.draw(8) == 0:
         check ^= 1 << script.draw(8)
-    frame += bytes((check,))
-    if script.on and script.draw(4) > 0:
+    return frame + bytes((check,))
+
+
+def request(script: Script) -> None:
+    frame = frame_of_line(script, (ADDRESS, ADDRESS, ADDRESS, 0xFF, 0x41))
+    if script.encoder.on and script.draw(4) > 0:
         script.add("bytes", frame.hex())
     else:
         delay, character = script.draw(1000), script.choose((0, 0, 1145834, 286459))
@@ -178,20 +202,20 @@ def request(script: Script) -> None:
         script.add("sincos")
 
 
-def frame_of_can(script: Script) -> tuple[int, bytes]:
+def frame_of_can(script: Script, node: int) -> tuple[int, bytes]:
     kind = script.draw(12)
     if kind < 4:
         index, sub = script.choose(OBJECTS)
-        return 0x600 + NODE, bytes((0x40, index & 255, index >> 8, sub, 0, 0, 0, 0))
+        return 0x600 + node, bytes((0x40, index & 255, index >> 8, sub, 0, 0, 0, 0))
     if kind < 8:
         index, sub, size, values = script.choose(WRITES)
         command = 0x23 | (4 - size) << 2
-        return 0x600 + NODE, bytes((command, index & 255, index >> 8, sub)) + script.choose(values).to_bytes(4, "little")
+        return 0x600 + node, bytes((command, index & 255, index >> 8, sub)) + script.choose(values).to_bytes(4, "little")
     if kind < 10:
-        return 0, bytes((script.choose((1, 1, 2, 0x80, 0x81, 0x82)), script.choose((0, NODE, 5))))
+        return 0, bytes((script.choose((1, 1, 2, 0x80, 0x81, 0x82)), script.choose((0, node, 5))))
     if kind == 10:
         return 0x80, b""
-    identifier = script.choose((0x7E5, 0x705, 0x600 + NODE, 0x123))
+    identifier = script.choose((0x7E5, 0x705, 0x600 + node, 0x123))
     return identifier, script.bytes(script.choose((8, 8, 0, 3)))
 
 
@@ -202,14 +226,14 @@ def send_can(script: Script) -> None:
     elif kind == 1:
         script.add("remote", script.choose((0x700 + NODE, 0x180 + NODE)), script.draw(2) * 8)
     else:
-        identifier, data = frame_of_can(script)
+        identifier, data = frame_of_can(script, NODE)
         script.add("can", identifier, data.hex() or "-")
 
 
 def clock(script: Script) -> None:
     kind = script.draw(8)
     if kind < 3:
-        initialised = script.on and script.now >= script.on_at + SECOND
+        initialised = script.encoder.on and script.now >= script.encoder.on_at + SECOND
         script.add(script.choose(("frame", "latch") if initialised else ("frame",)))
         script.now += MS  # longer than it takes
     elif kind < 5:
@@ -244,10 +268,15 @@ WIRES: dict[str, Callable[[Script], None]] = {
 }
 
 
+def word_of(name: str) -> str:
+    """Without the encoder's number, "2:power"."""
+    return name.rpartition(":")[2]
+
+
 def names_of(line: str) -> set[str]:
     """What a list of operations may call this one: by its word, or by that and the next one, "set:serial"."""
-    words = line.split()[1:3]
-    return {words[0], ":".join(words)}
+    name, *more = line.split()[1:3]
+    return {word_of(name), ":".join((word_of(name), *more))}
 
 
 @functools.cache
@@ -259,12 +288,12 @@ def write_whole_script(model: str, seed: int) -> tuple[str, ...]:
     turn(script)
     script.now += 1
     script.add("power", 1)
-    script.on = True
+    script.encoder.on = True
     script.now += SECOND
     others = (turn, turn, sense, break_something, break_something, look, look, look, switch)
     while len(script.lines) < LINES:
         script.pass_time()
-        if not script.on and script.draw(4) == 0:
+        if not script.encoder.on and script.draw(4) == 0:
             switch(script)
         else:
             (WIRES[script.protocol] if script.draw(8) < 5 else script.choose(others))(script)
@@ -276,7 +305,7 @@ def write_whole_script(model: str, seed: int) -> tuple[str, ...]:
 
 def end_of(line: str) -> int:
     """When it is done, ns: edges last, all others are moments."""
-    at, word, *arguments = line.split()
+    at, word, *arguments = line.split()  # nobody has edges but an encoder alone
     return int(at) + (int(arguments[0]) * int(arguments[1]) if word == "edges" else 0)
 
 
@@ -286,7 +315,7 @@ def thin(lines: list[str], name: str, behind: str, ns: int) -> list[str]:
     left: list[str] = []
     latest = -ns
     for line in lines:
-        at, word = line.split()[:2]
+        at, word = line.split()[0], word_of(line.split()[1])
         if name not in (word, "*") or int(at) - latest >= ns:
             left.append(line)
         if word == behind or (behind == "any" and word != name):
@@ -294,10 +323,10 @@ def thin(lines: list[str], name: str, behind: str, ns: int) -> list[str]:
     return left
 
 
-def write_script(model: str, seed: int, without: frozenset[str] = frozenset()) -> list[str]:
-    """Its lines, but for operations that a host does not have. There "set:KEY=VALUE" is: with this setting, and no other;
+def leave_out(script: tuple[str, ...], without: frozenset[str]) -> list[str]:
+    """A script's lines, but for operations that a host does not have. There "set:KEY=VALUE" is: with this setting, and no other;
     "read:93..103": words from ... to; "power~bytes:NS": none so short behind the other one."""
-    head, *lines = write_whole_script(model, seed)
+    head, *lines = script
     fixed = [word.removeprefix("set:").split("=") for word in sorted(without) if word.startswith("set:") and "=" in word]
     ranges = [re.fullmatch(r"(\w+:)(\d+)\.\.(\d+)", word) for word in without]
     pauses = [re.fullmatch(r"(\w+|\*)~(\w+):(\d+)", word) for word in sorted(without)]
