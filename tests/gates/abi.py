@@ -15,6 +15,7 @@ import sys
 from pathlib import Path
 
 from sources import blank, files, finish, read
+from versions import parts, version_of
 
 HEADER, LIST = "include/drehgeber/host.h", "tests/abi/promises.list"
 FUNCTION = re.compile(r"DG_API ([\w ]+?[ *]+)(\w+)\(((?:[^()]|\([^()]*\))*)\);")
@@ -24,7 +25,6 @@ ENUM = re.compile(r"enum (\w+) \{([^}]*)\};")
 VALUE = re.compile(r"^#define (DG_\w+) (\S.*?)\s*$", re.M)
 # No values that somebody computes with: what changes with each release, grows with each addition, or is no number.
 UNPROMISED = re.compile(r"DG_VERSION\w*|DG_API|\w+_COUNT")
-VERSION = re.compile(r"^#define DG_VERSION_(?:MAJOR|MINOR) (\d+)$", re.M)
 # The name of a parameter, which is nobody's business but the header's.
 NAME = re.compile(r"(?<=[ *])\w+(?=(?:\[\d+\])?$)")
 
@@ -85,12 +85,6 @@ def enumerators(inside):
     return lines
 
 
-def soname(tree):
-    """As CMakeLists.txt makes it: while major is 0, minor belongs to it."""
-    major, minor = VERSION.findall(read(tree, "include/drehgeber/version.h"))
-    return f"0.{minor}" if major == "0" else major
-
-
 def head(name, lines):
     digest = hashlib.sha256("\n".join(lines).encode()).hexdigest()
     return f"soname {name}: {len(lines)} promises, sha256 {digest[:16]}"
@@ -112,7 +106,7 @@ def exported(shared):
 
 def main():
     tree, shared = sys.argv[1:]
-    now, name = promises(tree), soname(tree)
+    now, name = promises(tree), parts(version_of(tree)[0])["soname"]
     first, *listed = (Path(tree) / LIST).read_text(encoding="utf-8").splitlines() or [""]
     complaints = struck(name, first, listed)
     if shared == "--print":
