@@ -149,6 +149,19 @@ def test_pictures_of_the_tree_are_those_of_the_program(picture):
     assert made == (TREE / picture).read_text(encoding="utf-8")
 
 
+def test_the_screen_of_top_has_the_words_of_the_program():
+    """Numbers and the hands of the dials are of another moment each time, so that the page has those of one run."""
+    def words(screen):
+        lasting = screen.partition("last frames on this wire")[0]
+        return [re.findall(r"[A-Za-z_][\w:]*", line) for line in lasting.splitlines()]
+
+    code = "import made; print(made.top(), made.SCREEN.search(made.SCREEN_PAGE.read_text(encoding='utf-8'))[0], sep='=====', end='')"
+    made, written = subprocess.run([sys.executable, "-B", "-c", code], text=True, stdout=subprocess.PIPE, check=True, timeout=60,
+                                   cwd=TREE / "tools/site").stdout.split("=====", 1)
+    assert ["ring", "ocd", "ib", "k3", "modbus", "UL:on", "RC:on", "BA:on", "RD:off", "position"] in words(written)
+    assert words(made) == words(written)
+
+
 def test_figures_are_those_of_the_run(tmp_path):
     """What tools/check leaves, in small."""
     output = {"release": {"conformance.biss": "all  375 of 376 clauses, 303 rows; 1 clauses do not hold, and are listed",

@@ -149,8 +149,8 @@ class _Terminal:
         return screen
 
 
-def _top() -> str:
-    """A rig, and what top shows of it."""
+def top() -> str:
+    """A rig, and what top shows of it at some moment, so that it is another picture each time."""
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "bench.ini").write_text(RIG, encoding="utf-8")
         with _Running("bench.ini", folder=folder), _Terminal(folder) as terminal:
@@ -158,7 +158,7 @@ def _top() -> str:
             terminal.tmux("send-keys", "Down", "Down")
             screen = terminal.wait(r" 3/4  wheel .*last frames.*position")
     rows = [row.rstrip() for row in screen.split("\n")]
-    return "```text\n" + "\n".join(row for row in rows if row) + "\n```"
+    return "\n".join(row for row in rows if row) + "\n"
 
 
 def _wireshark() -> str:
@@ -174,7 +174,8 @@ def _wireshark() -> str:
         rows = _run("tshark", "-r", f"{folder}/can.pcapng", "-d", "can.subdissector,canopen")
         one = _run("tshark", "-r", f"{folder}/can.pcapng", "-d", "can.subdissector,canopen", "-O", "canopen", "-Y",
                    "canopen.sdo.main_idx == 0x6004")
-    rows = "\n".join(" ".join(row.split()) for row in rows.split("\n")).strip()
+    # Number, moment and what it is: the moment is of this machine and this run.
+    rows = "\n".join(" ".join(words[:1] + words[2:]) for words in map(str.split, rows.split("\n"))).strip()
     return f"```text\n{rows}\n```\n\nOne of them, unfolded:\n\n```text\n{one.strip().split(chr(10) * 2)[1]}\n```"
 
 
@@ -292,7 +293,7 @@ def _tests(*beginnings: str) -> str:
 
 
 MAKERS = {
-    "biss-access": _biss_access, "gtkwave": _gtkwave, "top": _top, "wireshark": _wireshark, "faults": _faults, "trees": _trees,
+    "biss-access": _biss_access, "gtkwave": _gtkwave, "wireshark": _wireshark, "faults": _faults, "trees": _trees,
     "conformance": _conformance, "fuzzing": _fuzzing, "mutation": _mutation, "power": _power, "headers": _headers,
     "sizes": _sizes, "tests": _tests, "playground": _playground,
 }
@@ -307,8 +308,12 @@ PICTURES = {
     "docs/biss.svg": lambda: waveform.alone(waveform.frame_picture(_biss_lines("0x78", "4"))),
     "docs/drehgeber.svg": lambda: overview.picture(PROGRAM),
 }
+# The screen of top is in a page, between marks.
+SCREEN_PAGE = TREE / "docs/traces.md"
+SCREEN = re.compile(r"(?<=<!-- screen -->\n```\n).*?(?=```\n<!-- end -->)", re.S)
 
 
 if __name__ == "__main__":
     for path, picture in PICTURES.items():
         (TREE / path).write_text(picture(), encoding="utf-8")
+    SCREEN_PAGE.write_text(SCREEN.sub(lambda _: top(), SCREEN_PAGE.read_text(encoding="utf-8")), encoding="utf-8")
