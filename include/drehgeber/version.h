@@ -9,13 +9,13 @@
 
 /** While MAJOR is 0, MINOR changes when an interface does. */
 #define DG_VERSION_MAJOR 0
-#define DG_VERSION_MINOR 2
+#define DG_VERSION_MINOR 3
 #define DG_VERSION_PATCH 0
 
 /** "major.minor.patch" */
-#define DG_VERSION "0.2.0"
+#define DG_VERSION "0.3.0"
 
 /** When this version was released: "month-day-year", as EDS files have it. */
-#define DG_RELEASED "11-22-2026"
+#define DG_RELEASED "11-23-2026"
 
 #endif
