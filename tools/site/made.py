@@ -125,8 +125,8 @@ class _Terminal:
 
     def __init__(self, folder: str):
         self.name, self.folder = f"drehgeber-site-{os.getpid()}", folder
-        # Whoever has tmux around this keeps it out of here.
-        self.environment = {key: value for key, value in os.environ.items() if not key.startswith("TMUX")}
+        # Whoever has tmux around this keeps it out of here; the size is the terminal's, whatever pytest says.
+        self.environment = {key: value for key, value in os.environ.items() if not key.startswith(("TMUX", "COLUMNS", "LINES"))}
 
     def tmux(self, *arguments: str) -> str:
         return _run("tmux", "-f", "/dev/null", "-L", self.name, *arguments, cwd=self.folder,
