@@ -14,6 +14,7 @@
 
 #include "control_rig.h"
 #include "drehgeber/instruments.h"
+#include "scpi_private.h"
 
 #define QUARTER (DG_TURN / 4)
 
@@ -46,10 +47,26 @@ static void select_encoder(const char *name)
 
 /* ------------------------------------------------------------ the table, the session */
 
+/* Whether another row of the list has one of its functions. */
+static bool shares_functions(const struct dg_scpi_commands *list, const struct dg_scpi_command *row)
+{
+    size_t others = 0;
+
+    for (size_t i = 0; i < list->count; i++) {
+        const struct dg_scpi_command *other = &list->rows[i];
+        const bool set = other->set != NULL && other->set == row->set;
+        const bool query = other->query != NULL && other->query == row->query;
+        others += other != row && (set || query) ? 1u : 0u;
+    }
+    return others > 0;
+}
+
 static void expect_rows(const struct dg_scpi_commands *list)
 {
     for (size_t i = 0; i < list->count; i++) {
         const struct dg_scpi_command *row = &list->rows[i];
+        /* It tells a function which of its rows it serves; nobody looks at it where there is one. */
+        assert_true(row->argument == 0 || shares_functions(list, row));
         assert_true(row->set != NULL || row->query != NULL);
         assert_non_null(row->parameters);
         assert_true(strlen(row->help) > 0 && strlen(row->help) <= DG_SCPI_LINE_MAX);
@@ -61,7 +78,9 @@ static void expect_rows(const struct dg_scpi_commands *list)
 static void test_table(void **state)
 {
     (void)state;
+    expect_rows(&dg_scpi_own);
     expect_rows(&dg_control_commands);
+    expect_rows(&dg_course_commands);
     for (size_t i = 0; i < dg_instrument_count; i++) {
         expect_rows(&dg_instruments[i]->commands);
     }
@@ -83,6 +102,30 @@ static void test_commands_of_instruments(void **state)
     rig.rig.instruments = &dg_instruments[1];
     rig.rig.instrument_count = 1;
     refuse("BISS:FRAM?", "-240", "no data");
+}
+
+static const struct dg_encoder *looked_at;
+static dg_ns looked_when;
+
+static void look(struct dg_rig *to, struct dg_encoder *encoder, dg_ns now)
+{
+    assert_ptr_equal(to, &rig.rig);
+    looked_at = encoder;
+    looked_when = now;
+}
+
+/* A host that lets encoders lie until somebody asks brings the selected one up to now before its
+ * client is told of it. */
+static void test_look(void **state)
+{
+    (void)state;
+    rig.ops.look = look;
+    select_encoder("can");
+    looked_at = NULL;
+    rig.now += DG_S(5);
+    assert_true(strlen(control_rig_say(&rig, "STAT?")) > 0);
+    assert_ptr_equal(looked_at, &rig.encoder[CONTROL_RIG_CAN]);
+    assert_int_equal(looked_when, rig.now);
 }
 
 static void test_identity(void **state)
@@ -634,6 +677,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup(test_table, setup),
         cmocka_unit_test_setup(test_commands_of_instruments, setup),
+        cmocka_unit_test_setup(test_look, setup),
         cmocka_unit_test_setup(test_identity, setup),
         cmocka_unit_test_setup(test_encoders, setup),
         cmocka_unit_test_setup(test_names_alike, setup),

@@ -304,6 +304,26 @@ static void what_nobody_fetches_is_counted_and_told(void **state)
     assert_int_equal(dg_host_receive(self, &event), 1);
 }
 
+/* The high word first; nothing behind them. An unknown command is answered with 84000000h (9.1). */
+static void words_stand_as_in_the_ring(void **state)
+{
+    static const uint8_t unknown[16] = {0x84};
+    struct dg_host *self = host_rig_start(&host_rig_here, "ocd-ib-k3");
+    struct dg_host_event event = {.at = READY, .kind = DG_HOST_WORDS, .id = 0x10000000};
+
+    (void)state;
+    for (unsigned i = 0; i < 20; i++) {
+        host_rig_drain(self);
+        event.at = READY + i * MS;
+        assert_int_equal(dg_host_send(self, &event), DG_HOST_OK);
+        (void)dg_host_step(self, event.at);
+    }
+    assert_int_equal(dg_host_receive(self, &event), 1);
+    assert_int_equal(event.id, 0x84000000);
+    assert_int_equal(event.length, 4);
+    assert_memory_equal(event.data, unknown, sizeof unknown);
+}
+
 static void count(void *ctx, const struct dg_host_event *event)
 {
     assert_int_equal(event->kind, DG_HOST_WORDS);
@@ -442,6 +462,7 @@ int main(void)
         cmocka_unit_test(encoders_share_a_shaft),
         cmocka_unit_test(the_world_is_bent_by_name),
         cmocka_unit_test(what_nobody_fetches_is_counted_and_told),
+        cmocka_unit_test(words_stand_as_in_the_ring),
         cmocka_unit_test(a_listener_hears_at_once),
         cmocka_unit_test(events_of_other_wires_are_refused),
         cmocka_unit_test(a_simulator_clocks_in_picoseconds),

@@ -9,8 +9,13 @@
 
 #include <cmocka.h>
 
+#include "drehgeber/biss.h"
+#include "drehgeber/cia406.h"
 #include "drehgeber/crc.h"
 #include "drehgeber/drehgeber.h"
+#include "drehgeber/hiperface.h"
+#include "drehgeber/interbus.h"
+#include "drehgeber/ssi.h"
 #include "host_private.h"
 #include "host_rig.h"
 #include "ram_nvm.h"
@@ -69,15 +74,28 @@ static void a_state_keeps_no_more_than_the_beginning_of_a_long_name(void **state
     assert_int_equal(dg_host_restore(other, blob, n), DG_HOST_ERR_OTHER);
 }
 
-/* With the sum of what somebody has made of it. */
-static void forge(const struct dg_host *self, size_t offset, uint32_t value, size_t n)
+static void put(uint8_t *to, uint32_t value, size_t size)
 {
-    const size_t head = dg_host_state_size(self) - dg_host_size(self->device, self->wire);
+    const uint16_t half = (uint16_t)value;
+
+    if (size == sizeof value) {
+        memcpy(to, &value, sizeof value);
+    } else if (size == sizeof half) {
+        memcpy(to, &half, sizeof half);
+    } else {
+        *to = (uint8_t)value;
+    }
+}
+
+/* With the sum of what somebody has made of it. */
+static void forge(const struct dg_host *self, size_t offset, uint32_t value, size_t size)
+{
+    const size_t n = dg_host_state_size(self);
+    const size_t head = n - dg_host_size(self->device, self->wire);
 
     memcpy(again, blob, n);
-    memcpy(again + head + offset, &value, sizeof value);
-    value = dg_crc32(0, again + head, n - head);
-    memcpy(again + head - sizeof value, &value, sizeof value);
+    put(again + head + offset, value, size);
+    put(again + head - sizeof value, dg_crc32(0, again + head, n - head), sizeof value);
 }
 
 /* What the handle itself counts by is looked at even when the sum is right. */
@@ -99,15 +117,162 @@ static void a_queue_that_cannot_be_is_damage(void **state)
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         struct dg_host *other = host_rig_make(&host_rig_there, "f3668");
-        forge(self, rows[i].offset, rows[i].bad, n);
+        forge(self, rows[i].offset, rows[i].bad, sizeof rows[i].bad);
         assert_int_equal(dg_host_restore(other, again, n), DG_HOST_ERR_DAMAGED);
         assert_false(dg_host_powered(other));
-        forge(self, rows[i].offset, rows[i].good, n);
+        forge(self, rows[i].offset, rows[i].good, sizeof rows[i].good);
         assert_int_equal(dg_host_restore(other, again, n), DG_HOST_OK);
         assert_true(dg_host_powered(other));
     }
-    forge(self, offsetof(struct dg_host, memory_size), 1u << 20, n);
+    forge(self, offsetof(struct dg_host, memory_size), 1u << 20, sizeof self->memory_size);
     assert_int_equal(dg_host_restore(self, again, n), DG_HOST_ERR_DAMAGED);
+}
+
+/* ------------------------------------------------------------ numbers that an encoder goes by */
+
+struct bound {
+    const char *model;
+    bool own; /* of the handle, not of the device */
+    size_t offset;
+    size_t size;
+    uint32_t most;
+};
+#define BOUND(model, own, type, member, most)                                                      \
+    {model, own, offsetof(struct type, member), sizeof(((struct type *)0)->member), most}
+#define HOST(member, most) BOUND("f3668", true, dg_host, member, most)
+#define BISS(member, most) BOUND("s3684-biss", false, dg_biss, member, most)
+#define CAN(member, most) BOUND("f3668", false, dg_cia406_device, member, most)
+#define TPDO(n)                                                                                    \
+    CAN(node.tpdo[n].valid, 1), CAN(node.tpdo[n].rtr_allowed, 1), CAN(node.tpdo[n].pending, 1),    \
+        CAN(node.tpdo[n].sampled, 1)
+#define HF(member, most) BOUND("s3684-rs485", false, dg_hf, member, most)
+#define IB(member, most) BOUND("ocd-ib-k3", false, dg_ib, member, most)
+#define SSI(member, most) BOUND("ssi-25", false, dg_ssi, member, most)
+
+/* A bool is 0 or 1, an enum has its last value, an index the last place of its table. */
+static const struct bound bounds[] = {
+    HOST(line.level, 1),
+    HOST(line.behind, 1),
+    HOST(line.chained, 1),
+    HOST(made, 1),
+    HOST(loaded, 1),
+    HOST(untold, 1),
+    HOST(controller, DG_HOST_BUS_OFF),
+    BISS(store.region_count, DG_BISS_REGION_COUNT),
+    BISS(store.unapplied, 1),
+    BISS(line.state, DG_BISS_RETURN),
+    BISS(line.length, 63), /* bits of a number of 64 */
+    BISS(line.ma, 1),
+    BISS(line.slo, 1),
+    BISS(line.is_last, 1),
+    BISS(line.hinted, 1),
+    BISS(control.state, DG_BISS_CONTROL_STATE_COUNT - 1u),
+    BISS(control.address, 0x7F),
+    BISS(control.r, 1),
+    BISS(control.w, 1),
+    BISS(control.addressed, 1),
+    BISS(control.mine, 1),
+    BISS(control.refused, 1),
+    BISS(control.cds, 1),
+    BISS(control.id, 7),
+    BISS(started, 1),
+    BISS(mounted, 1),
+    BISS(configured, 1),
+    BISS(simulated, 1),
+    BISS(channel_off, 1),
+    BISS(communication_off, 1),
+    CAN(node.store.unapplied, 1),
+    CAN(node.mounted, 1),
+    CAN(node.emcy_count, DG_CO_HISTORY),
+    CAN(node.emcy_first, DG_CO_HISTORY - 1u),
+    CAN(node.history_count, DG_CO_HISTORY),
+    CAN(node.history_newest, DG_CO_HISTORY - 1u),
+    CAN(node.guard_toggle, 1),
+    CAN(node.bus_off, 1),
+    CAN(node.bus_absent, 1),
+    CAN(node.bus_found, 1),
+    CAN(node.lss.configuration, 1),
+    CAN(node.lss.changed, 1),
+    CAN(node.sdo.sized, 1),
+    CAN(node.sdo.crc, 1),
+    CAN(node.sdo.seqno, 127), /* CiA 301: segments of a block */
+    CAN(node.sdo.blksize, 127),
+    CAN(node.sync_mask, (1u << DG_CO_TPDOS) - 1u),
+    TPDO(0),
+    TPDO(1),
+    TPDO(2),
+    TPDO(3),
+    CAN(encoder.usf_lost, 1),
+    CAN(encoder.zero_unsaved, 1),
+    CAN(encoder.serial_open, 1),
+    CAN(encoder.wrong_count, 8), /* C41: delays of wrong passwords */
+    HF(store.region_count, DG_HF_REGION_COUNT),
+    HF(store.unapplied, 1),
+    HF(frame_damaged, 1),
+    HF(length, DG_HF_FRAME_MAX + 1u), /* one more: too long */
+    HF(stack_count, DG_HF_STACK_DEPTH),
+    IB(store.region_count, DG_IB_REGION_COUNT),
+    IB(store.unapplied, 1),
+    IB(powered, 1),
+    IB(mounted, 1),
+    IB(reconfigure, 1),
+    IB(crc_error, 1),
+    IB(outgoing_off, 1),
+    IB(invalid, 1),
+    IB(frozen, 1),
+    IB(preset_flag, 1),
+    IB(sent.steps, DG_IB_DATA_MASK),
+    IB(sent.revolutions, DG_IB_TURNS_MAX),
+    IB(mode, DG_IB_CAM + DG_IB_PROGRAMS),
+    IB(shift_iw, 25), /* 9.5: bits of a word */
+    IB(program_number, DG_IB_PROGRAMS),
+    SSI(state, DG_SSI_SHIFT),
+    SSI(left, 25),
+    SSI(clock, 1),
+    SSI(data, 1),
+};
+
+/* One more than there may be is damage, whatever the sum says; the most there may be is not. */
+static void numbers_have_their_bounds(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < sizeof bounds / sizeof bounds[0]; i++) {
+        const struct bound *row = &bounds[i];
+        struct dg_host *self = host_rig_start(&host_rig_here, row->model);
+        struct dg_host *other = host_rig_make(&host_rig_there, row->model);
+        const uint8_t *base = row->own ? (uint8_t *)self : self->line.device;
+        const size_t offset = (size_t)(base - (uint8_t *)self) + row->offset;
+        const size_t n = save(self, blob);
+
+        forge(self, offset, row->most + 1u, row->size);
+        if (dg_host_restore(other, again, n) != DG_HOST_ERR_DAMAGED) {
+            fail_msg("row %zu of %s: %u is taken", i, row->model, (unsigned)row->most + 1u);
+        }
+        forge(self, offset, row->most, row->size);
+        if (dg_host_restore(other, again, n) != DG_HOST_OK) {
+            fail_msg("row %zu of %s: %u is refused", i, row->model, (unsigned)row->most);
+        }
+    }
+}
+
+/* Before its first segment a download has no more than the four bytes of its request. */
+static void a_download_has_what_its_segments_brought(void **state)
+{
+    struct dg_host *self = host_rig_start(&host_rig_here, "f3668");
+    struct dg_host *other = host_rig_make(&host_rig_there, "f3668");
+    const struct dg_host_event begun = {
+        .at = READY, .kind = DG_HOST_CAN, .id = 0x63F, .length = 8, .data = {0x21, 0x17, 0x10, 0, 2}};
+    const size_t offset = (size_t)((uint8_t *)self->line.device - (uint8_t *)self) +
+                          offsetof(struct dg_cia406_device, node.sdo.length);
+
+    (void)state;
+    assert_int_equal(dg_host_send(self, &begun), DG_HOST_OK);
+    (void)dg_host_step(self, READY);
+    const size_t n = save(self, blob);
+    forge(self, offset, 4, 1);
+    assert_int_equal(dg_host_restore(other, again, n), DG_HOST_OK);
+    forge(self, offset, 5, 1);
+    assert_int_equal(dg_host_restore(other, again, n), DG_HOST_ERR_DAMAGED);
 }
 
 static struct dg_host *on_the_hosts_memory(struct host_rig_place *place, bool loaded)
@@ -254,6 +419,8 @@ int main(void)
         cmocka_unit_test(a_state_may_be_saved_before_the_first_power_on),
         cmocka_unit_test(a_state_keeps_no_more_than_the_beginning_of_a_long_name),
         cmocka_unit_test(a_queue_that_cannot_be_is_damage),
+        cmocka_unit_test(numbers_have_their_bounds),
+        cmocka_unit_test(a_download_has_what_its_segments_brought),
         cmocka_unit_test(the_memory_of_a_host_stays_outside),
         cmocka_unit_test(what_a_host_has_attached_is_not_in_it),
         cmocka_unit_test(a_restored_encoder_is_on_its_own_shaft),

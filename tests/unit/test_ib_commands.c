@@ -208,6 +208,19 @@ static void errors_are_held(void **state)
     assert_int_equal(ib_rig_send(&rig, 0x00000000), 7);
 }
 
+/* I3, also when nothing stood on the bus before. */
+static void the_first_word_is_a_command(void **state)
+{
+    static const uint32_t words_of_masters[] = {0x04000000, 0x20200018, 0x8FFFFFFF, 0xFFFFFFFE};
+
+    (void)state;
+    for (size_t i = 0; i < sizeof words_of_masters / sizeof words_of_masters[0]; i++) {
+        assert_int_equal(dg_ib_power_on(&rig.device, rig.now), DG_OK);
+        rig.now = rig.device.ready_at;
+        assert_int_equal(ib_rig_send(&rig, words_of_masters[i]), i == 0 ? 0x82000000 : 0x84000000);
+    }
+}
+
 /* I12. The parameter answer that stood before shows again. */
 static void bit_16_ends_the_read_out(void **state)
 {
@@ -356,6 +369,7 @@ int main(void)
         cmocka_unit_test(every_word_in_every_mode),
         cmocka_unit_test(refused_words_change_nothing),
         cmocka_unit_test_setup(errors_are_held, set_up),
+        cmocka_unit_test_setup(the_first_word_is_a_command, set_up),
         cmocka_unit_test_setup(bit_16_ends_the_read_out, set_up),
         cmocka_unit_test_setup(items_are_read_in_every_cycle, set_up),
         cmocka_unit_test(the_model_shows_in_the_items),

@@ -344,8 +344,11 @@ static void a_preset_that_cannot_be_kept(void **state)
     enter_mode_of(0x60000000);
     (void)ib_rig_send(&rig, 0x60000000);
     rig.world.eeprom_acknowledges = false;
+    assert_int_equal(rig.device.last_error, 0);
     (void)ib_rig_cycle(&rig, 0);
     assert_int_equal(ib_rig_cycle(&rig, 0), 0x86000000);
+    assert_int_equal(rig.device.last_error, 0x86000000);
+    assert_int_equal(rig.device.counters.refused, 1);
 }
 
 static void foreign_memories(void **state)

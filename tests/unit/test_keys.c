@@ -161,6 +161,22 @@ static void a_number_is_told_whole_or_not_at_all(void **state)
     assert_int_equal(dg_key_get(&lowest, &value, told, 0), DG_ERR_SPACE);
 }
 
+/* A text ends with the first zero, also where that is the first byte; what stands behind it is not
+ * looked at. One whose field is full has no end. */
+static void a_text_that_ends_holds(void **state)
+{
+    const struct dg_key *key = dg_keys_find(&keys, "text");
+    struct things things;
+
+    (void)state;
+    for (size_t n = 0; n < sizeof things.text; n++) {
+        memset(&things, 'a', sizeof things);
+        assert_false(dg_key_holds(key, &things));
+        things.text[n] = '\0';
+        assert_true(dg_key_holds(key, &things));
+    }
+}
+
 /* Names are looked at whole. */
 static void a_row_is_found_by_its_name(void **state)
 {
@@ -178,6 +194,7 @@ int main(void)
         cmocka_unit_test(a_value_is_told_as_it_was_taken),
         cmocka_unit_test(what_is_no_value_is_refused),
         cmocka_unit_test(a_number_is_told_whole_or_not_at_all),
+        cmocka_unit_test(a_text_that_ends_holds),
         cmocka_unit_test(a_row_is_found_by_its_name),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -240,6 +240,34 @@ static void no_drift_over_many_speed_changes(void **state)
     assert_in_range(reached, 3000, 27000);
 }
 
+/* Braking begins speed^2 / (2 * acceleration) before the target, within 4 * 10^-14 unit: of
+ * DG_SHAFT_PARTS that is less than 2 * 256, and 256 are half a 10^-12 rpm for a nanosecond. */
+static void braking_ends_at_the_target(void **state)
+{
+    uint64_t seed = 7;
+    unsigned braked = 0;
+
+    (void)state;
+    for (int i = 0; i < 2000; i++) {
+        const int64_t accel = DG_SHAFT_ACCELERATION_MAX - (int64_t)random_up_to(&seed, 1u << 30);
+        const dg_angle target = (dg_angle)random_up_to(&seed, UINT64_C(1) << 40);
+        struct dg_shaft shaft = fresh(accel);
+
+        (void)dg_shaft_move(&shaft, 0, i % 2 == 0 ? target : -target, SPEED_MAX);
+        const struct dg_shaft_phase *brake = &shaft.course.phase[shaft.course.count - 2u];
+        if (brake->mrpm_per_s == 0 || brake->prpm == 0) {
+            continue;
+        }
+        const wide way = 256 * ((wide)brake->prpm * brake->prpm / accel);
+        const wide end = (wide)brake->from * (wide)DG_SHAFT_PARTS + (wide)brake->part +
+                         (brake->prpm < 0 ? -way : way);
+        const wide off = end - (wide)(i % 2 == 0 ? target : -target) * (wide)DG_SHAFT_PARTS;
+        assert_true(off > -512 && off < 512);
+        braked++;
+    }
+    assert_true(braked > 1000);
+}
+
 /* Years at any speed, in any direction, modulo 2^64: as a motion does it. */
 static void huge_times_wrap(void **state)
 {
@@ -534,6 +562,7 @@ int main(void)
         cmocka_unit_test(encoders_see_the_speed_between_commands),
         cmocka_unit_test(no_drift_at_a_constant_speed),
         cmocka_unit_test(no_drift_over_many_speed_changes),
+        cmocka_unit_test(braking_ends_at_the_target),
         cmocka_unit_test(huge_times_wrap),
         cmocka_unit_test(the_longest_speed_change),
         cmocka_unit_test(a_motion_is_played_and_left),
