@@ -227,6 +227,21 @@ static void limits_belong_to_what_is_allowed(void **state)
     assert_int_equal(co_rig_get(&rig, 0x6505, 0), 0);
 }
 
+/* From 0.1 V on there is a battery, which is low. */
+static void a_tenth_of_a_volt_is_a_battery(void **state)
+{
+    (void)state;
+    rig.world.battery_mv = 100;
+    co_rig_run(&rig, LOOK);
+    co_rig_expect_count(&rig, 1);
+    co_rig_expect(&rig, 0, EMCY, "00 32 01 02 0A 00 00 00");
+    rig.world.battery_mv = 99;
+    co_rig_forget(&rig);
+    co_rig_run(&rig, LOOK);
+    co_rig_expect_count(&rig, 2); /* one cause ends, another begins */
+    co_rig_expect(&rig, 1, EMCY, "00 32 05 02 00 00 00 FF");
+}
+
 /* From above 12000 rpm until 11880: one EMCY, and bits that agree with it. */
 static void too_fast_has_a_hysteresis(void **state)
 {
@@ -506,6 +521,7 @@ int main(void)
         cmocka_unit_test_setup(causes_overlap, setup),
         cmocka_unit_test_setup(supported_bits, setup),
         cmocka_unit_test_setup(limits_belong_to_what_is_allowed, setup),
+        cmocka_unit_test_setup(a_tenth_of_a_volt_is_a_battery, setup),
         cmocka_unit_test_setup(too_fast_has_a_hysteresis, setup),
         cmocka_unit_test_setup(a_singleturn_has_no_battery_and_another_speed_limit, setup),
         cmocka_unit_test_setup(the_reaction_is_that_of_the_class, setup),

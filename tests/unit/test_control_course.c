@@ -127,6 +127,18 @@ static void test_what_ends_one(void **state)
     expect("WORL:TEMP:PROF:POIN 0,20,1S,85;:WORL:SUPP 4V;:WORL:TEMP:PROF:STAT?", "1");
 }
 
+/* The host has to look at the encoder: what it follows has an end no more. */
+static void test_off_is_a_change(void **state)
+{
+    (void)state;
+    expect("WORL:TEMP:PROF:POIN 0,20,1S,85", "");
+    const unsigned changes = rig.changes;
+    rig.changed = NULL;
+    expect("WORL:TEMP:PROF:STAT OFF", "");
+    assert_int_equal(rig.changes, changes + 1);
+    assert_ptr_equal(rig.changed, &rig.encoder[CONTROL_RIG_HF]);
+}
+
 /* A fault goes before a course, and gives way to what that has come to. */
 static void test_a_fault_bends_it_meanwhile(void **state)
 {
@@ -270,6 +282,7 @@ int main(void)
         cmocka_unit_test_setup(test_states_hold, setup),
         cmocka_unit_test_setup(test_several_at_once, setup),
         cmocka_unit_test_setup(test_what_ends_one, setup),
+        cmocka_unit_test_setup(test_off_is_a_change, setup),
         cmocka_unit_test_setup(test_a_fault_bends_it_meanwhile, setup),
         cmocka_unit_test_setup(test_nobody_waits, setup),
         cmocka_unit_test_setup(test_refusals, setup),

@@ -255,6 +255,35 @@ static void numbers_have_their_bounds(void **state)
     }
 }
 
+/* Sixteen characters wait: as many as an event has. */
+static void a_full_event_may_wait(void **state)
+{
+    struct dg_host *self = host_rig_start(&host_rig_here, "s3684-rs485");
+    struct dg_host *other = host_rig_make(&host_rig_there, "s3684-rs485");
+    const struct dg_host_event full = {.at = 2 * READY, .kind = DG_HOST_BYTES, .length = 16};
+
+    (void)state;
+    assert_int_equal(dg_host_send(self, &full), DG_HOST_OK);
+    const size_t n = save(self, blob);
+    assert_int_equal(dg_host_restore(other, blob, n), DG_HOST_OK);
+}
+
+/* Behind a power-off and behind the start nothing of a device need be other than 0. */
+static void a_state_without_power_is_whole(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < host_rig_model_count; i++) {
+        struct dg_host *self = host_rig_start(&host_rig_here, host_rig_models[i].name);
+        struct dg_host *other = host_rig_make(&host_rig_there, host_rig_models[i].name);
+        assert_int_equal(dg_host_power(self, READY, false), DG_HOST_OK);
+        const size_t n = save(self, blob);
+        assert_int_equal(dg_host_restore(other, blob, n), DG_HOST_OK);
+        assert_false(dg_host_powered(other));
+        assert_int_equal(dg_host_power(other, 2 * READY, true), DG_HOST_OK);
+        assert_true(dg_host_powered(other));
+    }
+}
+
 /* Before its first segment a download has no more than the four bytes of its request. */
 static void a_download_has_what_its_segments_brought(void **state)
 {
@@ -420,6 +449,8 @@ int main(void)
         cmocka_unit_test(a_state_keeps_no_more_than_the_beginning_of_a_long_name),
         cmocka_unit_test(a_queue_that_cannot_be_is_damage),
         cmocka_unit_test(numbers_have_their_bounds),
+        cmocka_unit_test(a_full_event_may_wait),
+        cmocka_unit_test(a_state_without_power_is_whole),
         cmocka_unit_test(a_download_has_what_its_segments_brought),
         cmocka_unit_test(the_memory_of_a_host_stays_outside),
         cmocka_unit_test(what_a_host_has_attached_is_not_in_it),

@@ -221,6 +221,15 @@ static void the_first_word_is_a_command(void **state)
     }
 }
 
+/* Words in operation are no commands: the state tells of the last one that was. */
+static void words_in_operation_are_no_commands(void **state)
+{
+    (void)state;
+    (void)ib_rig_send(&rig, 0x08000007);
+    (void)ib_rig_send(&rig, 0x00123456);
+    assert_int_equal(rig.device.last_command, 0x08000007);
+}
+
 /* I12. The parameter answer that stood before shows again. */
 static void bit_16_ends_the_read_out(void **state)
 {
@@ -370,6 +379,7 @@ int main(void)
         cmocka_unit_test(refused_words_change_nothing),
         cmocka_unit_test_setup(errors_are_held, set_up),
         cmocka_unit_test_setup(the_first_word_is_a_command, set_up),
+        cmocka_unit_test_setup(words_in_operation_are_no_commands, set_up),
         cmocka_unit_test_setup(bit_16_ends_the_read_out, set_up),
         cmocka_unit_test_setup(items_are_read_in_every_cycle, set_up),
         cmocka_unit_test(the_model_shows_in_the_items),
