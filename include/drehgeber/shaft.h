@@ -54,7 +54,7 @@ struct dg_shaft {
                                         before.at it counts as turning as it did there */
     int64_t mrpm_per_s;            /**< of velocity, stop and move; 0: at once */
     const struct dg_shaft *driver; /**< NULL: turns by itself */
-    int32_t numerator;             /**< turns of this shaft ... */
+    int32_t numerator;             /**< geared: turns of this shaft ... */
     int32_t denominator;           /**< ... for as many of the driver; not 0 */
     dg_angle offset;               /**< geared: angle while the driver is at 0 */
 };

@@ -83,10 +83,9 @@ void dg_control_position(struct dg_scpi *self)
     const dg_angle angle = dg_shaft_angle(&shaft_of(self)->shaft, self->now);
 
     /* To the nearest: an angle behind a gear is rounded down to what is next to it. */
-    const int64_t halves = dg_angle_counts(angle, 2u * MICRODEGREES) + 1;
-    const int64_t counts = halves >= 0 ? halves / 2 : -((1 - halves) / 2);
+    const int64_t halves = dg_angle_counts(angle, 2u * MICRODEGREES);
 
-    dg_scpi_put_number(self, counts, MICRODEGREE_PLACES);
+    dg_scpi_put_number(self, (halves + (halves & 1)) / 2, MICRODEGREE_PLACES);
 }
 
 void dg_control_set_velocity(struct dg_scpi *self)

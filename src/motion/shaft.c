@@ -449,7 +449,7 @@ static dg_angle angle_at(const struct dg_shaft *self, dg_ns now)
 
 void dg_shaft_init(struct dg_shaft *self)
 {
-    *self = (struct dg_shaft){.numerator = 1, .denominator = 1};
+    *self = (struct dg_shaft){0};
     append_rest(&self->course, 0, 0);
     self->before = self->course;
 }

@@ -456,6 +456,16 @@ static void operating_time_survives_power_off(void **state)
     assert_int_equal(co_rig_get(&rig, 0x6508, 0), 22);
 }
 
+/* Whoever reads it between two looks of the supervision is told what it is by then. */
+static void operating_time_is_that_of_the_request(void **state)
+{
+    (void)state;
+    pass(rig.encoder.time_from + DG_S(360) - DG_MS(50) - rig.now);
+    assert_int_equal(co_rig_get(&rig, 0x6508, 0), 0);
+    rig.now += DG_MS(50);
+    assert_int_equal(co_rig_get(&rig, 0x6508, 0), 1);
+}
+
 static void an_old_encoder_warns(void **state)
 {
     (void)state;
@@ -531,6 +541,7 @@ int main(void)
         cmocka_unit_test_setup(sensor_configuration_can_only_be_read, setup),
         cmocka_unit_test_setup(battery_voltage, setup),
         cmocka_unit_test_setup(operating_time_survives_power_off, setup),
+        cmocka_unit_test_setup(operating_time_is_that_of_the_request, setup),
         cmocka_unit_test_setup(an_old_encoder_warns, setup),
         cmocka_unit_test_setup(operating_time_and_power_cuts, setup),
         cmocka_unit_test_setup(damaged_parameters_say_5100h_until_they_are_saved_again, setup),

@@ -505,6 +505,19 @@ static void test_time_backwards(void **state)
     assert_int_equal(rig.slave[0].line.deadline, deadline);
 }
 
+/* Also behind the first edge of a frame. */
+static void test_time_backwards_from_the_first_edge(void **state)
+{
+    (void)state;
+    rig.now += DG_US(100);
+    (void)dg_biss_ma(&rig.slave[0], rig.now, false);
+    (void)dg_biss_ma(&rig.slave[0], rig.now, true);
+    const dg_ns deadline = rig.slave[0].line.deadline;
+    assert_true(deadline > rig.now && deadline != DG_NEVER);
+    (void)dg_biss_ma(&rig.slave[0], rig.now - 5000, false);
+    assert_int_equal(rig.slave[0].line.deadline, deadline);
+}
+
 static void test_without_power(void **state)
 {
     uint64_t bits = 1;
@@ -601,6 +614,7 @@ int main(void)
         cmocka_unit_test_setup(test_no_edge, setup),
         cmocka_unit_test_setup(test_late_step, setup),
         cmocka_unit_test_setup(test_time_backwards, setup),
+        cmocka_unit_test_setup(test_time_backwards_from_the_first_edge, setup),
         cmocka_unit_test_setup(test_without_power, setup),
         cmocka_unit_test_setup(test_initialisation, setup),
         cmocka_unit_test_setup(test_words_equal_edges, setup),

@@ -8,11 +8,14 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
+#include <string.h>
 
 #include <cmocka.h>
 
 #include "co_rig.h"
 
+#define COUNT(a) (sizeof(a) / sizeof((a)[0]))
 #define MASTER 0x7E5
 #define SLAVE 0x7E4
 
@@ -81,9 +84,38 @@ static void selective_switch_wants_the_whole_identity_in_order(void **state)
     ask("42 6C 00 00 00 00 00 00", NULL);
     ask("43 D2 02 96 49 00 00 00", "44 00 00 00 00 00 00 00");
     ask("5E 00 00 00 00 00 00 00", "5E 3F 00 00 00 00 00 00");
+    ask("04 02 00 00 00 00 00 00", NULL); /* no mode of switch state global */
+    ask("5E 00 00 00 00 00 00 00", "5E 3F 00 00 00 00 00 00");
 }
 
-#define COUNT(a) (sizeof(a) / sizeof((a)[0]))
+/* Behind a part that is another node's all begins with the first one again. */
+static void a_part_that_differs_deselects(void **state)
+{
+    static const char *const other[] = {
+        "40 14 00 00 00 00 00 00",
+        "41 02 20 68 56 00 00 00",
+        "42 6B 00 00 00 00 00 00",
+        "43 D1 02 96 49 00 00 00",
+    };
+    static const char *const own[] = {
+        "40 13 00 00 00 00 00 00",
+        "41 01 20 68 56 00 00 00",
+        "42 6C 00 00 00 00 00 00",
+        "43 D2 02 96 49 00 00 00",
+    };
+    (void)state;
+    for (size_t wrong = 0; wrong < COUNT(own); wrong++) {
+        for (size_t part = 0; part < COUNT(own); part++) {
+            if (part == wrong) {
+                ask(other[part], NULL);
+            }
+            if (part > 0 || wrong > 0) { /* the right first part would begin anew */
+                ask(own[part], NULL);
+            }
+        }
+    }
+    ask("5E 00 00 00 00 00 00 00", NULL);
+}
 
 /* Waiting state, nothing selected or identified by half (CiA 305). */
 static void a_reset_begins_anew(void **state)
@@ -150,6 +182,54 @@ static void identify_compares_ranges(void **state)
     ask("4C 00 00 00 00 00 00 00", NULL); /* it has a node-ID */
 }
 
+/* Each of the six services has its number, and the ends of both ranges are in them. */
+static void identify_wants_all_six(void **state)
+{
+    static const struct {
+        const char *request[6];
+        bool found;
+    } rows[] = {
+        {{"46 13", "47 01 20 68 56", "48 6C", "49 6C", "4A D2 02 96 49", "4B D2 02 96 49"}, true},
+        {{"46 12", "47 01 20 68 56", "48 6C", "49 6C", "4A D2 02 96 49", "4B D2 02 96 49"}, false},
+        {{"46 13", "47 00 20 68 56", "48 6C", "49 6C", "4A D2 02 96 49", "4B D2 02 96 49"}, false},
+        {{"46 13", "47 01 20 68 56", "48 6D", "49 6D", "4A D2 02 96 49", "4B D2 02 96 49"}, false},
+        {{"46 13", "47 01 20 68 56", "48 6B", "49 6B", "4A D2 02 96 49", "4B D2 02 96 49"}, false},
+        {{"46 13", "47 01 20 68 56", "49 6C", "48 6C", "4A D2 02 96 49", "4B D2 02 96 49"}, false},
+        {{"46 13", "48 6C", "49 6C", "47 01 20 68 56", "4A D2 02 96 49", "4B D2 02 96 49"}, false},
+    };
+    (void)state;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        for (size_t part = 0; part < 6; part++) {
+            char request[32];
+            (void)snprintf(request, sizeof request, "%s%s", rows[i].request[part],
+                           strlen(rows[i].request[part]) == 5 ? " 00 00 00 00 00 00"
+                                                              : " 00 00 00");
+            ask(request, part == 5 && rows[i].found ? "4F 00 00 00 00 00 00 00" : NULL);
+        }
+    }
+}
+
+/* CiA 305: 1 to 127, and 255 for none. */
+static void node_ids_have_their_range(void **state)
+{
+    static const struct {
+        const char *request;
+        const char *answer;
+    } rows[] = {
+        {"11 00 00 00 00 00 00 00", "11 01 00 00 00 00 00 00"},
+        {"11 01 00 00 00 00 00 00", "11 00 00 00 00 00 00 00"},
+        {"11 7F 00 00 00 00 00 00", "11 00 00 00 00 00 00 00"},
+        {"11 80 00 00 00 00 00 00", "11 01 00 00 00 00 00 00"},
+        {"11 FE 00 00 00 00 00 00", "11 01 00 00 00 00 00 00"},
+        {"11 FF 00 00 00 00 00 00", "11 00 00 00 00 00 00 00"},
+    };
+    (void)state;
+    ask(CONFIGURE, NULL);
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        ask(rows[i].request, rows[i].answer);
+    }
+}
+
 static void a_new_node_id_is_in_force_after_waiting_again(void **state)
 {
     (void)state;
@@ -208,6 +288,28 @@ static void bit_timing_knows_its_table(void **state)
     ask(CONFIGURE, NULL);
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         ask(rows[i].request, rows[i].answer);
+    }
+}
+
+/* CiA 305, table 0. */
+static void every_bit_rate_comes_into_force(void **state)
+{
+    static const struct {
+        const char *request;
+        uint16_t kbaud;
+    } rows[] = {
+        {"13 00 00 00 00 00 00 00", 1000}, {"13 00 02 00 00 00 00 00", 500},
+        {"13 00 03 00 00 00 00 00", 250},  {"13 00 04 00 00 00 00 00", 125},
+        {"13 00 06 00 00 00 00 00", 50},   {"13 00 07 00 00 00 00 00", 20},
+        {"13 00 08 00 00 00 00 00", 10},
+    };
+    (void)state;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        ask(CONFIGURE, NULL);
+        ask(rows[i].request, "13 00 00 00 00 00 00 00");
+        ask("17 00 00 00 00 00 00 00", "17 00 00 00 00 00 00 00");
+        assert_int_equal(co_rig_power_on(&rig), DG_OK);
+        assert_int_equal(rig.kbaud, rows[i].kbaud);
     }
 }
 
@@ -271,6 +373,10 @@ static void fastscan_finds_a_node_without_node_id(void **state)
     ask("4C 00 00 00 00 00 00 00", "50 00 00 00 00 00 00 00");
     co_rig_rx(&rig, 0, "01 00");
     assert_int_equal(rig.node.state, DG_CO_BOOT);
+    ask("51 00 00 00 00 20 00 00", NULL); /* there is no bit 32 */
+    ask("51 13 00 00 00 00 04 00", NULL); /* nor a fifth part ... */
+    ask("51 13 00 00 00 00 00 04", NULL); /* ... to go on with */
+    ask("51 13 00 00 00 00 01 00", NULL); /* it is at the first one */
     scan(identity);
     assert_int_equal(identity[0], 0x13);
     assert_int_equal(identity[1], 0x56682001);
@@ -289,12 +395,16 @@ int main(void)
         cmocka_unit_test_setup(inquiries_answer_in_configuration_only, setup),
         cmocka_unit_test_setup(nothing_works_in_operational_or_with_a_short_frame, setup),
         cmocka_unit_test_setup(selective_switch_wants_the_whole_identity_in_order, setup),
+        cmocka_unit_test_setup(a_part_that_differs_deselects, setup),
         cmocka_unit_test_setup(a_reset_begins_anew, setup),
         cmocka_unit_test_setup(identify_compares_ranges, setup),
+        cmocka_unit_test_setup(identify_wants_all_six, setup),
+        cmocka_unit_test_setup(node_ids_have_their_range, setup),
         cmocka_unit_test_setup(a_new_node_id_is_in_force_after_waiting_again, setup),
         cmocka_unit_test_setup(stored_settings_survive_power_off, setup),
         cmocka_unit_test_setup(a_memory_that_does_not_answer_is_a_media_error, setup),
         cmocka_unit_test_setup(bit_timing_knows_its_table, setup),
+        cmocka_unit_test_setup(every_bit_rate_comes_into_force, setup),
         cmocka_unit_test_setup(activation_is_silent_for_two_delays, setup),
         cmocka_unit_test_setup(fastscan_finds_a_node_without_node_id, setup),
     };

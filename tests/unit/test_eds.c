@@ -137,6 +137,8 @@ static const struct {
     {"1018sub1", "PDOMapping", "0"},
     {"1019", "ParameterName", NULL},
     {"1029sub1", "HighLimit", "0x2"},
+    {"650Asub1", "DataType", "0x0004"}, /* INTEGER32: no hexadecimal number */
+    {"650Asub1", "DefaultValue", "0"},
     {"1029sub1", "LowLimit", NULL},
     {"1800", "ObjectType", "0x9"},
     {"1800sub1", "DefaultValue", "$NODEID+0x180"},
@@ -191,6 +193,28 @@ static void models_differ_where_they_should(void **state)
     assert_value(&file, "FileInfo", "FileName", "f3658.eds");
     assert_value(&file, "DeviceInfo", "ProductName", "F3658");
     assert_value(&file, "1000", "DefaultValue", "0x10196");
+    free(file.text);
+}
+
+/* Numbers have no leading zeros, but for an object's index and its data type. */
+static void numbers_are_as_short_as_they_are(void **state)
+{
+    struct dg_co_sheet sheet = *dg_cia406_sheet_of(&dg_f3668);
+    struct dg_co_device device = *sheet.device;
+    struct file file = {NULL, 0};
+    FILE *to = open_memstream(&file.text, &file.size);
+    (void)state;
+    device.vendor_id = 1;
+    device.product_code = 2;
+    device.revision = 3;
+    sheet.device = &device;
+    assert_non_null(to);
+    dg_co_eds(&sheet, write_text, to);
+    assert_int_equal(fclose(to), 0);
+    assert_value(&file, "DeviceInfo", "VendorNumber", "0x1");
+    assert_value(&file, "DeviceInfo", "ProductNumber", "0x2");
+    assert_value(&file, "DeviceInfo", "RevisionNumber", "0x3");
+    assert_value(&file, "1018sub2", "DefaultValue", "0x2");
     free(file.text);
 }
 
@@ -351,6 +375,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(known_values),
         cmocka_unit_test(models_differ_where_they_should),
+        cmocka_unit_test(numbers_are_as_short_as_they_are),
         cmocka_unit_test(sheets_are_those_of_their_models),
         cmocka_unit_test(lists_and_sections_agree),
         cmocka_unit_test(sub_numbers_count_the_sub_indexes),

@@ -200,6 +200,25 @@ static void test_no_such_entry(void **state)
     assert_int_equal(dg_fault_clear(&faults, &target, DG_FAULTS_MAX), DG_ERR_ARGUMENT);
 }
 
+/* Behind the last fault nothing is looked at, and nothing is written. */
+static void test_faults_end_with_the_last(void **state)
+{
+    struct {
+        struct dg_faults faults;
+        uint8_t behind[sizeof(struct dg_fault)];
+    } place;
+    uint8_t dirt[sizeof place.behind];
+
+    (void)state;
+    memset(&place, 1, sizeof place);
+    memset(dirt, 1, sizeof dirt);
+    memset(&place.faults, 0, sizeof place.faults);
+    assert_true(dg_fault_step(&place.faults, &target, DG_S(1)) == DG_NEVER);
+    assert_memory_equal(place.behind, dirt, sizeof dirt);
+    assert_true(dg_fault_step(&place.faults, &target, DG_NEVER - 1u) == DG_NEVER);
+    assert_memory_equal(place.behind, dirt, sizeof dirt);
+}
+
 static void test_limits_that_cannot_be(void **state)
 {
     static const struct {
@@ -562,6 +581,7 @@ int main(void)
         cmocka_unit_test_setup(test_without_memory_there_is_no_region, setup),
         cmocka_unit_test_setup(test_singleturn_has_no_multiturn_sensor, setup),
         cmocka_unit_test_setup(test_no_such_entry, setup),
+        cmocka_unit_test_setup(test_faults_end_with_the_last, setup),
         cmocka_unit_test_setup(test_limits_that_cannot_be, setup),
         cmocka_unit_test_setup(test_quantity_is_as_before, setup),
         cmocka_unit_test_setup(test_every_size_and_sign, setup),
