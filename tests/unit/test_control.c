@@ -572,6 +572,44 @@ static void test_last_frames(void **state)
     refuse("TRAC:LAST?", "-241", NULL);
 }
 
+/* The least and the most of each number, and what is one place beyond. */
+static void test_limits(void **state)
+{
+    static const struct {
+        const char *taken;
+        const char *refused;
+    } rows[] = {
+        {"SHAF:POS 1073741824REV", "SHAF:POS 1073741824.000001REV"}, /* 2^30 turns */
+        {"SHAF:POS -1073741824REV", "SHAF:POS -1073741824.000001REV"},
+        {"SHAF:VEL 1000000", "SHAF:VEL 1000000.001"},
+        {"SHAF:VEL -1000000", "SHAF:VEL -1000000.001"},
+        {"SHAF:ACC 1000000000", "SHAF:ACC 1000000000.001"},
+        {"SHAF:ACC 0", "SHAF:ACC -0.001"},
+        {"SHAF:MOVE 90,1000000", "SHAF:MOVE 90,1000000.001"},
+        {"SHAF:MOVE 90,0.001", "SHAF:MOVE 90,0"},
+        {"SHAF:REC:STAR x.csv,100US", "SHAF:REC:STAR x.csv,99.999US"},
+        {"SHAF:REC:STAR x.csv,3600S", "SHAF:REC:STAR x.csv,3600000.001MS"},
+        {"FAUL:SET wire_drop,COUNT 1", "FAUL:SET wire_drop,COUNT 0"},
+        {"FAUL:SET wire_drop,COUNT 4294967295", "FAUL:SET wire_drop,COUNT 4294967296"},
+        {"FAUL:SET wire_drop,PROB 0", "FAUL:SET wire_drop,PROB -0.000001"},
+        {"FAUL:SET wire_drop,PROB 1", "FAUL:SET wire_drop,PROB 1.000001"},
+        {"FAUL:SET wire_drop,DUR 1NS", "FAUL:SET wire_drop,DUR 0NS"},
+        {"WORL:TEMP:PROF:POIN 0,20,9000000000S,30", "WORL:TEMP:PROF:POIN 0,20,9000000001S,30"},
+        {"TIME:SCAL 0", "TIME:SCAL -0.001"},
+        {"TIME:SCAL 1000", "TIME:SCAL 1000.001"},
+        {"TIME:STEP 0", "TIME:STEP -1NS"},
+        {"TIME:STEP 86400S", "TIME:STEP 86400000.001MS"},
+        {"*ESE 0", "*ESE -1"},
+        {"*ESE 255", "*ESE 256"},
+        {"*SRE 255", "*SRE 256"},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        expect(rows[i].taken, "");
+        refuse(rows[i].refused, "-222", NULL);
+    }
+}
+
 /* ------------------------------------------------------------ BiSS */
 
 static void test_frame(void **state)
@@ -702,6 +740,7 @@ int main(void)
         cmocka_unit_test_setup(test_time, setup),
         cmocka_unit_test_setup(test_trace, setup),
         cmocka_unit_test_setup(test_last_frames, setup),
+        cmocka_unit_test_setup(test_limits, setup),
         cmocka_unit_test_setup(test_frame, setup),
         cmocka_unit_test_setup(test_frame_without_life_counter, setup),
         cmocka_unit_test_setup(test_frame_without_data, setup),
