@@ -36,6 +36,29 @@ static void choose_bank(struct dg_host *self, uint64_t *now, uint8_t bank)
     assert_int_equal(dg_host_registers_write(self, now, BANK, &bank, 1), 1);
 }
 
+/* At 1 MHz: 3 us to the start bit, CDS and 47 bits (5.2.1), the timeout of 13 us from the last
+ * rising edge on, and MA is high for a period before the next frame may begin. With CDM = 1 the last
+ * edge is half a period later. */
+static void a_frame_takes_its_clocks(void **state)
+{
+    const uint64_t period = 1000;
+    const uint64_t whole = 3 * period + 48 * period + 13000 + period;
+    struct dg_host *self = started("busy_us", "3");
+    struct dg_host_frame frame;
+    uint64_t now = 2 * READY;
+    uint8_t byte;
+
+    (void)state;
+    assert_int_equal(dg_host_frame(self, READY, &frame), DG_HOST_OK);
+    assert_int_equal(frame.at, READY);
+    assert_int_equal(frame.count, 47);
+    assert_int_equal(frame.end - frame.at, whole);
+    assert_int_equal(dg_host_frame(self, frame.end, &frame), DG_HOST_OK);
+    /* 47 frames for a byte, of which 10 have CDM = 1. */
+    assert_int_equal(dg_host_registers_read(self, &now, 0x78, &byte, 1), 1);
+    assert_int_equal(now - 2 * READY, 47 * whole + 10 * (period / 2));
+}
+
 static void a_register_that_is_busy_is_waited_for(void **state)
 {
     static const uint8_t written[3] = {0x12, 0x34, 0x56};
@@ -237,6 +260,7 @@ static void a_frame_ends_where_time_ends(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_frame_takes_its_clocks),
         cmocka_unit_test(a_register_that_is_busy_is_waited_for),
         cmocka_unit_test(a_slow_line_finds_it_in_its_next_frame),
         cmocka_unit_test(a_byte_that_never_comes_is_silence),
