@@ -324,6 +324,21 @@ static void words_stand_as_in_the_ring(void **state)
     assert_memory_equal(event.data, unknown, sizeof unknown);
 }
 
+/* An edge within a frame of the handle's own master happens at its end, and sets off the monoflop
+ * of 20 us. */
+static void an_edge_within_a_frame_comes_behind_it(void **state)
+{
+    struct dg_host *self = host_rig_start(&host_rig_here, "ssi-25");
+    const struct dg_host_event low = {.at = READY + 1000, .kind = DG_HOST_EDGE, .length = 1};
+    struct dg_host_frame frame;
+
+    (void)state;
+    assert_int_equal(dg_host_send(self, &low), DG_HOST_OK);
+    assert_int_equal(dg_host_frame(self, READY, &frame), DG_HOST_OK);
+    assert_true(frame.end > low.at);
+    assert_int_equal(dg_host_next(self), frame.end + 20000);
+}
+
 static void count(void *ctx, const struct dg_host_event *event)
 {
     assert_int_equal(event->kind, DG_HOST_WORDS);
@@ -463,6 +478,7 @@ int main(void)
         cmocka_unit_test(the_world_is_bent_by_name),
         cmocka_unit_test(what_nobody_fetches_is_counted_and_told),
         cmocka_unit_test(words_stand_as_in_the_ring),
+        cmocka_unit_test(an_edge_within_a_frame_comes_behind_it),
         cmocka_unit_test(a_listener_hears_at_once),
         cmocka_unit_test(events_of_other_wires_are_refused),
         cmocka_unit_test(a_simulator_clocks_in_picoseconds),
