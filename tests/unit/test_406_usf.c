@@ -219,20 +219,6 @@ static void the_position_never_deviates(void **state)
     print_message("%lld turns\n", (long long)turns);
 }
 
-/* Half the range is what can be told from the other half: one count less forwards, all of it
- * backwards (C26). */
-static void half_the_range_while_off(void **state)
-{
-    static const int64_t ways[] = {TURNS * STEPS / 2 - 1, -TURNS * STEPS / 2, 1, -1};
-
-    for (size_t i = 0; i < sizeof ways / sizeof ways[0]; i++) {
-        setup(state);
-        activate(65000, 65000u * 1000u, 12345, 0);
-        power_cycle(ways[i]);
-        check();
-    }
-}
-
 /* Every count on the way over the physical overflow, both ways. */
 static void step_by_step_over_the_overflow(void **state)
 {
@@ -682,7 +668,6 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup(the_position_never_deviates, setup),
-        cmocka_unit_test(half_the_range_while_off),
         cmocka_unit_test_setup(step_by_step_over_the_overflow, setup),
         cmocka_unit_test_setup(without_usf_the_overflow_shows, setup),
         cmocka_unit_test_setup(reading_warnings_does_not_starve_the_supervision, setup),

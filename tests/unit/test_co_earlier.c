@@ -264,6 +264,23 @@ static void a_damaged_region_is_not_marked(void **state)
     expect_cob_ids(0x189, 0x289, 0x389, 0x489);
 }
 
+/* A node-ID that only LSS gave is in force, but not stored: what is saved with it follows the one
+ * that is in force at the next start (C33). */
+static void cob_ids_saved_under_an_unsaved_node_id_follow_the_stored_one(void **state)
+{
+    (void)state;
+    co_rig_rx(&rig, LSS, "04 01 00 00 00 00 00 00");
+    co_rig_rx(&rig, LSS, "11 20 00 00 00 00 00 00");
+    co_rig_rx(&rig, LSS, "04 00 00 00 00 00 00 00");
+    co_rig_nmt(&rig, RESET_NODE);
+    assert_int_equal(rig.node.id, 0x20);
+    write_ok(0x1010, 1, SAVE, 4);
+    power_cycle();
+    assert_int_equal(rig.node.id, 0x3F);
+    assert_int_equal(read_ok(0x1800, 1) & 0x7FF, 0x180 + 0x3F);
+    assert_int_equal(read_ok(0x1801, 1) & 0x7FF, 0x280 + 0x3F);
+}
+
 int main(void)
 {
     static const struct CMUnitTest tests[] = {
@@ -277,6 +294,7 @@ int main(void)
         cmocka_unit_test_setup(earlier_releases_values_stay, setup),
         cmocka_unit_test_setup(earlier_releases_defaults_follow_lss, setup),
         cmocka_unit_test_setup(a_damaged_region_is_not_marked, setup),
+        cmocka_unit_test_setup(cob_ids_saved_under_an_unsaved_node_id_follow_the_stored_one, setup),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -202,8 +202,7 @@ static void identify_wants_all_six(void **state)
         for (size_t part = 0; part < 6; part++) {
             char request[32];
             (void)snprintf(request, sizeof request, "%s%s", rows[i].request[part],
-                           strlen(rows[i].request[part]) == 5 ? " 00 00 00 00 00 00"
-                                                              : " 00 00 00");
+                           strlen(rows[i].request[part]) == 5 ? " 00 00 00 00 00 00" : " 00 00 00");
             ask(request, part == 5 && rows[i].found ? "4F 00 00 00 00 00 00 00" : NULL);
         }
     }

@@ -184,23 +184,6 @@ static void ask(const char *request, const char *answer, unsigned delay_ms)
     assert_int_equal(rig.at[0] - begin, DG_MS(delay_ms));
 }
 
-/* A node-ID that only LSS gave is in force, but not stored: what is saved with it follows the one
- * that is in force at the next start (C33). */
-static void cob_ids_saved_under_an_unsaved_node_id_follow_the_stored_one(void **state)
-{
-    (void)state;
-    co_rig_rx(&rig, LSS, "04 01 00 00 00 00 00 00");
-    co_rig_rx(&rig, LSS, "11 20 00 00 00 00 00 00");
-    co_rig_rx(&rig, LSS, "04 00 00 00 00 00 00 00");
-    co_rig_nmt(&rig, RESET_NODE);
-    assert_int_equal(rig.node.id, 0x20);
-    write_ok(0x1010, 1, SAVE, 4);
-    power_cycle();
-    assert_int_equal(rig.node.id, 0x3F);
-    assert_int_equal(read_ok(0x1800, 1) & 0x7FF, 0x180 + 0x3F);
-    assert_int_equal(read_ok(0x1801, 1) & 0x7FF, 0x280 + 0x3F);
-}
-
 static void signatures_are_checked_and_answers_take_their_time(void **state)
 {
     (void)state;
@@ -689,7 +672,6 @@ int main(void)
         cmocka_unit_test_setup(defaults_come_back_at_the_next_reset, setup),
         cmocka_unit_test_setup(bus_parameters_are_kept_by_2105h_alone, setup),
         cmocka_unit_test_setup(bus_parameters_that_are_not_saved_are_gone_after_reset_node, setup),
-        cmocka_unit_test_setup(cob_ids_saved_under_an_unsaved_node_id_follow_the_stored_one, setup),
         cmocka_unit_test_setup(signatures_are_checked_and_answers_take_their_time, setup),
         cmocka_unit_test_setup(a_request_before_the_delayed_answer_is_answered_after_it, setup),
         cmocka_unit_test(a_reset_or_stop_takes_the_delayed_answer_with_it),

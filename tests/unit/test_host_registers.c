@@ -37,8 +37,8 @@ static void choose_bank(struct dg_host *self, uint64_t *now, uint8_t bank)
 }
 
 /* At 1 MHz: 3 us to the start bit, CDS and 47 bits (5.2.1), the timeout of 13 us from the last
- * rising edge on, and MA is high for a period before the next frame may begin. With CDM = 1 the last
- * edge is half a period later. */
+ * rising edge on, and MA is high for a period before the next frame may begin. With CDM = 1 the
+ * last edge is half a period later. */
 static void a_frame_takes_its_clocks(void **state)
 {
     const uint64_t period = 1000;

@@ -138,7 +138,9 @@ struct bound {
     uint32_t most;
 };
 #define BOUND(model, own, type, member, most)                                                      \
-    {model, own, offsetof(struct type, member), sizeof(((struct type *)0)->member), most}
+    {                                                                                              \
+        model, own, offsetof(struct type, member), sizeof(((struct type *)0)->member), most        \
+    }
 #define HOST(member, most) BOUND("f3668", true, dg_host, member, most)
 #define BISS(member, most) BOUND("s3684-biss", false, dg_biss, member, most)
 #define CAN(member, most) BOUND("f3668", false, dg_cia406_device, member, most)
@@ -289,8 +291,11 @@ static void a_download_has_what_its_segments_brought(void **state)
 {
     struct dg_host *self = host_rig_start(&host_rig_here, "f3668");
     struct dg_host *other = host_rig_make(&host_rig_there, "f3668");
-    const struct dg_host_event begun = {
-        .at = READY, .kind = DG_HOST_CAN, .id = 0x63F, .length = 8, .data = {0x21, 0x17, 0x10, 0, 2}};
+    const struct dg_host_event begun = {.at = READY,
+                                        .kind = DG_HOST_CAN,
+                                        .id = 0x63F,
+                                        .length = 8,
+                                        .data = {0x21, 0x17, 0x10, 0, 2}};
     const size_t offset = (size_t)((uint8_t *)self->line.device - (uint8_t *)self) +
                           offsetof(struct dg_cia406_device, node.sdo.length);
 
