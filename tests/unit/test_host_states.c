@@ -257,6 +257,77 @@ static void numbers_have_their_bounds(void **state)
     }
 }
 
+/* Numbers that are in their range and do not fit together: the largest that does is taken, or there
+ * is none. */
+struct misfit {
+    const char *model;
+    size_t offset; /* in the device */
+    size_t size;
+    uint32_t bad;
+    uint32_t good;
+    bool has_good;
+};
+#define MISFIT(model, type, member, bad)                                                           \
+    {                                                                                              \
+        model, offsetof(struct type, member), sizeof(((struct type *)0)->member), bad, 0, false    \
+    }
+#define EDGE(model, type, member, good)                                                            \
+    {                                                                                              \
+        model, offsetof(struct type, member), sizeof(((struct type *)0)->member), (good) + 1u,     \
+            good, true                                                                             \
+    }
+#define NODE(member, bad) MISFIT("f3668", dg_cia406_device, node.member, bad)
+
+static const struct misfit misfits[] = {
+    /* 2048 x 32 x 4096 positions; a turn has a period, a period has a step */
+    EDGE("s3684-rs485", dg_hf, offset, 2048u * 32u * 4096u - 1u),
+    MISFIT("s3684-rs485", dg_hf, periods, 0),
+    MISFIT("s3684-rs485", dg_hf, steps, 0),
+    MISFIT("s3684-rs485", dg_hf, turns, 0),
+    MISFIT("s3684-biss", dg_biss, control.id, 8),
+    /* the discs have 4096 steps a turn, and 4096 turns */
+    MISFIT("ocd-ib-k3", dg_ib, steps, 0),
+    EDGE("ocd-ib-k3", dg_ib, steps, 4096),
+    MISFIT("ocd-ib-k3", dg_ib, revolutions, 0),
+    EDGE("ocd-ib-k3", dg_ib, revolutions, 4096),
+    MISFIT("ocd-ib-k2", dg_ib, mounted, 1), /* it has no EEPROM */
+    EDGE("ssi-13", dg_ssi, left, 13),
+    /* bit rates 0 to 8 but 7 (2100h) */
+    EDGE("f3668", dg_cia406_device, node.bit_rate, 8),
+    NODE(bit_rate, 7),
+    EDGE("f3668", dg_cia406_device, node.lss.bit_rate, 8),
+    NODE(lss.bit_rate, 7),
+    /* TPDO1 has 6004h: four bytes, of which one more entry makes eight, or none */
+    NODE(tpdo[0].length, 5),
+    NODE(tpdo[0].mapped_count, 0),
+    NODE(tpdo[0].mapped_count, DG_CO_MAPPED_MAX + 1u),
+    NODE(tpdo[0].mapped[0], 0x7FFF),
+    NODE(tpdo[0].mapped[0], 0xFFFF),
+    NODE(active_causes, 0x80000000u),
+};
+
+static void numbers_fit_together(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < sizeof misfits / sizeof misfits[0]; i++) {
+        const struct misfit *row = &misfits[i];
+        struct dg_host *self = host_rig_start(&host_rig_here, row->model);
+        struct dg_host *other = host_rig_make(&host_rig_there, row->model);
+        const uint8_t *device = self->line.device;
+        const size_t offset = (size_t)(device - (uint8_t *)self) + row->offset;
+        const size_t n = save(self, blob);
+
+        forge(self, offset, row->bad, row->size);
+        if (dg_host_restore(other, again, n) != DG_HOST_ERR_DAMAGED) {
+            fail_msg("row %zu of %s: %u is taken", i, row->model, (unsigned)row->bad);
+        }
+        forge(self, offset, row->good, row->size);
+        if (row->has_good && dg_host_restore(other, again, n) != DG_HOST_OK) {
+            fail_msg("row %zu of %s: %u is refused", i, row->model, (unsigned)row->good);
+        }
+    }
+}
+
 /* Sixteen characters wait: as many as an event has. */
 static void a_full_event_may_wait(void **state)
 {
@@ -454,6 +525,7 @@ int main(void)
         cmocka_unit_test(a_state_keeps_no_more_than_the_beginning_of_a_long_name),
         cmocka_unit_test(a_queue_that_cannot_be_is_damage),
         cmocka_unit_test(numbers_have_their_bounds),
+        cmocka_unit_test(numbers_fit_together),
         cmocka_unit_test(a_full_event_may_wait),
         cmocka_unit_test(a_state_without_power_is_whole),
         cmocka_unit_test(a_download_has_what_its_segments_brought),
