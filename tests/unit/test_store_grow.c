@@ -268,6 +268,13 @@ static void damage_stays_and_later_images_are_foreign(void **state)
     memset(ram.bytes, 0xFF, 24); /* both headers: formatting was not begun */
     assert_int_equal(mount(REGIONS), DG_ERR_BLANK);
     assert_false(dg_store_unfinished(&layouts[REGIONS], nvm));
+    /* A byte where the headers are is somebody's; what stands behind them may be left of anything.
+     */
+    for (uint32_t at = 0; at <= JOURNAL; at++) {
+        memset(ram.bytes, 0xFF, sizeof ram.bytes);
+        ram.bytes[at] = 0;
+        assert_int_equal(mount(REGIONS), at < JOURNAL ? DG_ERR_FOREIGN : DG_ERR_BLANK);
+    }
     assert_int_equal(ram.writes, writes);
 }
 
