@@ -141,8 +141,14 @@ static void the_stored_temperature_limit_is_watched(void **state)
     made.temperature_max_degc = 60;
     mount_memory_of(&made);
     assert_reply("50", "00");
-    rig.world.temperature_mdegc = 61000;
+    rig.world.temperature_mdegc = 60000;
+    assert_reply("50", "00");
+    rig.world.temperature_mdegc = 60001;
     assert_int_equal(hf_rig_ask(&rig, "42"), 0); /* R32: the position is answered */
+    assert_reply("50", "1E");
+    rig.world.temperature_mdegc = -40000;
+    assert_reply("50", "00");
+    rig.world.temperature_mdegc = -40001;
     assert_reply("50", "1E");
 }
 

@@ -141,14 +141,20 @@ static void test_causes(void **state)
     assert_int_equal(dg_ssi_errors(&rig.device), (bit))
     BENT(led_current_ua, 30001, DG_SSI_LIGHT);
     BENT(led_current_ua, 30000, 0);
+    BENT(sin_amplitude_permille, 1400, 0);
+    BENT(cos_amplitude_permille, 600, 0);
+    BENT(sin_offset_permille, 100, 0);
+    BENT(cos_offset_permille, -100, 0);
     BENT(sin_amplitude_permille, 1401, DG_SSI_SIGNAL);
     BENT(cos_amplitude_permille, 599, DG_SSI_SIGNAL);
     BENT(sin_offset_permille, 101, DG_SSI_SIGNAL);
     BENT(cos_offset_permille, -101, DG_SSI_SIGNAL);
     BENT(temperature_mdegc, -40001, DG_SSI_TEMPERATURE);
+    BENT(temperature_mdegc, -40000, 0);
     BENT(temperature_mdegc, 100001, DG_SSI_TEMPERATURE);
     BENT(temperature_mdegc, 100000, 0);
     BENT(supply_mv, 4749, DG_SSI_SUPPLY);
+    BENT(supply_mv, 4750, 0);
     BENT(supply_mv, 0, DG_SSI_SUPPLY);
     BENT(supply_mv, 30000, 0);
     BENT(singleturn_ok, false, DG_SSI_SINGLETURN);
