@@ -184,6 +184,7 @@ struct dg_ib {
     uint32_t out;          /**< last OUT sampled */
     uint32_t pending;      /**< command not handled yet */
     uint8_t wait;          /**< cycles until it is handled; 0: none */
+    bool sampled;          /**< `out` was on the bus since power-on */
     bool frozen;           /**< 60000000h stands on the bus */
     uint32_t answer;       /**< parameter answer or error held in IN; 0: in operation */
     uint32_t item;         /**< read-out command in force; 0: none */

@@ -14,6 +14,7 @@ static const struct dg_stack_range ranges[] = {
     DG_STACK_BOOL(dg_ib, reconfigure),
     DG_STACK_BOOL(dg_ib, crc_error),
     DG_STACK_BOOL(dg_ib, outgoing_off),
+    DG_STACK_BOOL(dg_ib, sampled),
     DG_STACK_BOOL(dg_ib, invalid),
     DG_STACK_BOOL(dg_ib, frozen),
     DG_STACK_BOOL(dg_ib, preset_flag),

@@ -54,6 +54,7 @@ void dg_ib_sample(struct dg_ib *self, uint32_t out)
     if (self->wait > 0) {
         self->counters.dropped++;
     }
+    self->sampled = true;
     self->out = out;
     self->pending = out;
     if (out == IB_RELEASE && !rising) { /* I2: a level releases nothing */

@@ -9,8 +9,6 @@
 /* Class bytes of the Loop have other upper bits, 36h -> B2h, 37h -> B3h (2.2). */
 #define CLASS_LOOP 0x84u
 #define OPC_CLASS 12u
-/* Neither a command, nor does bit 31 rise after it. */
-#define NO_OUT 0xFFFFFFFFu
 
 /* Fastest change of the LSB with a valid code word (6.1): 800 kHz, in steps a turn * 0.001 rpm. */
 #define FASTEST ((int64_t)800000 * 60000)
@@ -66,7 +64,7 @@ static void forget(struct dg_ib *self, dg_ns now)
         .time_mark = now,
         .last_id = DG_NEVER,
         .last_data = DG_NEVER,
-        .out = NO_OUT,
+        .out = IB_RELEASE, /* I2: one that stands there already releases nothing */
         .mode = DG_IB_POSITION_K2,
         .program_number = 1,
     };
@@ -163,7 +161,7 @@ static uint32_t cycle_k3(struct dg_ib *self, dg_ns now, uint32_t out, const stru
         dg_ib_execute(self, now);
     }
     hold_preset(self, now);
-    if (out != self->out) {
+    if (out != self->out || !self->sampled) {
         dg_ib_sample(self, out);
     }
     if (self->item != 0) {

@@ -211,7 +211,7 @@ static void errors_are_held(void **state)
 /* I3, also when nothing stood on the bus before. */
 static void the_first_word_is_a_command(void **state)
 {
-    static const uint32_t words_of_masters[] = {0x04000000, 0x20200018, 0x8FFFFFFF, 0xFFFFFFFE};
+    static const uint32_t words_of_masters[] = {0x04000000, 0x20200018, 0x8FFFFFFF, 0xFFFFFFFF};
 
     (void)state;
     for (size_t i = 0; i < sizeof words_of_masters / sizeof words_of_masters[0]; i++) {
