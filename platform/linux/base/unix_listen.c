@@ -31,12 +31,12 @@ static int clear_stale(const char *path, const struct sockaddr_un *address, stru
                        path);
     }
     const int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-    const bool dead = fd >= 0 &&
-                      connect(fd, (const struct sockaddr *)address, sizeof *address) != 0 &&
-                      errno == ECONNREFUSED;
-    if (fd >= 0) {
-        (void)close(fd);
+    if (fd < 0) {
+        return lx_fail(error, "unix:%s: cannot look who listens there: %s", path, strerror(errno));
     }
+    const bool dead = connect(fd, (const struct sockaddr *)address, sizeof *address) != 0 &&
+                      errno == ECONNREFUSED;
+    (void)close(fd);
     if (!dead) {
         return lx_fail(error, "unix:%s: in use already; give another name", path);
     }

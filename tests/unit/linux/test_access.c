@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -18,6 +19,7 @@
 #include "access.h"
 #include "descriptors.h"
 #include "endpoint.h"
+#include "unix_listen.h"
 
 #define TOKEN "0123456789abcdef"
 
@@ -319,6 +321,39 @@ static void a_port_that_is_refused_says_what_is_right(void **state)
     assert_null(lx_port_right(EADDRINUSE));
 }
 
+/* --- sockets in the file system --- */
+
+/* Nobody else may connect. A name is taken over from a socket that is dead, from nobody else. */
+static void a_socket_has_one_owner(void **state)
+{
+    char folder[] = "/tmp/test_access.XXXXXX";
+    char path[64];
+    char taken[128];
+    struct stat info;
+    struct lx_error error = {.right = ""};
+    (void)state;
+    assert_non_null(mkdtemp(folder));
+    (void)snprintf(path, sizeof path, "%s/sock", folder);
+    (void)snprintf(taken, sizeof taken, "unix:%s: in use already; give another name", path);
+    for (int i = 0; i < 2; i++) { /* the second time it takes the place of a dead one */
+        const struct sockaddr_un address = lx_unix_address(path);
+        const int fd = lx_unix_listen(path, &error);
+        const int client = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+        assert_true(fd >= 0 && client >= 0);
+        assert_int_equal(stat(path, &info), 0);
+        assert_int_equal(info.st_mode, S_IFSOCK | 0600);
+        assert_int_equal(fcntl(fd, F_GETFL) & O_NONBLOCK, O_NONBLOCK);
+        assert_int_equal(fcntl(fd, F_GETFD) & FD_CLOEXEC, FD_CLOEXEC);
+        assert_int_equal(lx_unix_listen(path, &error), -1);
+        assert_string_equal(lx_error_line(&error).text, taken);
+        assert_int_equal(connect(client, (const struct sockaddr *)&address, sizeof address), 0);
+        (void)close(client);
+        (void)close(fd);
+    }
+    assert_int_equal(unlink(path), 0);
+    assert_int_equal(rmdir(folder), 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -328,6 +363,7 @@ int main(void)
         cmocka_unit_test(test_guard),
         cmocka_unit_test(test_guard_and_zeros),
         cmocka_unit_test(a_port_that_is_refused_says_what_is_right),
+        cmocka_unit_test(a_socket_has_one_owner),
         cmocka_unit_test(no_descriptor_is_left),
     };
     return cmocka_run_group_tests(tests, descriptors_note, NULL);

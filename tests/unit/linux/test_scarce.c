@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * A rig for which something is not to be had: of all that it asks for while it is planned and
- * opened, memory, descriptors, places in the loop, one is refused. Then it says so, in words, and
- * nothing of it is left: no memory, no descriptor, no file. Nothing is left of one either that gets
- * all of it, and serves a client before it ends.
+ * opened, memory, descriptors, places in the loop, one is refused; or of what it asks for while it
+ * serves a client. Then it says so, in words, and nothing of it is left: no memory, no descriptor,
+ * no file. Nothing is left of one either that gets all of it.
  *
  * The calls of the port come here (the linker's --wrap); those of libraries do not.
  */
@@ -22,6 +22,7 @@
 #include <string.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/un.h>
 #include <systemd/sd-event.h>
 #include <unistd.h>
 
@@ -249,9 +250,23 @@ static unsigned remove_files(void)
     return count;
 }
 
+#define LEFT 0700 /* the mode that a socket of somebody else is known by here */
+
+/* What a rig that was killed leaves. */
+static void leave_socket(const char *name)
+{
+    struct sockaddr_un address = {.sun_family = AF_UNIX};
+    (void)snprintf(address.sun_path, sizeof address.sun_path, "%s", name);
+    const int fd = __real_socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    assert_int_equal(bind(fd, (const struct sockaddr *)&address, sizeof address), 0);
+    assert_int_equal(chmod(name, LEFT), 0);
+    (void)close(fd);
+}
+
 static void begin_with(const char *rig)
 {
     (void)remove_files();
+    leave_socket("sock");
     char text[512];
     (void)snprintf(text, sizeof text, "[rig]\nfiles = .\ncontrol = unix:sock\n%s", rig);
     write_file("rig.ini", text);
@@ -273,8 +288,7 @@ static int remove_folder(void **state)
     return chdir("/") != 0 || rmdir(folder) != 0 ? -1 : 0;
 }
 
-/* What clients ask for while nothing is scarce, also in vain; each of it twice, so that what was
- * there is given back. */
+/* What clients ask for, also in vain; each of it twice, so that what was there is given back. */
 static const char *const commands[] = {
     "SHAF:PROF \"motion.csv\"",
     "SHAF:PROF \"60RPM\"",
@@ -291,34 +305,68 @@ static const char *const commands[] = {
     "TRAC:STAR \"c.log\"",
     "TRAC:STAR \"c.csv\"",
     "TRAC:STAR \"no/c.log\"",
+    "FAUL:SET wire_delay",
+    "POW OFF;POW ON",
     "STAT?",
 };
+#define COMMANDS (sizeof commands / sizeof commands[0])
 
-static void hear_nothing(void *ctx, const char *bytes, size_t n)
+/* Of what was refused to the rig, a part. */
+static const char *reason_of_refusal(void)
 {
-    (void)ctx;
-    (void)bytes;
-    (void)n;
+    return scarce.reason == ENOMEM ? "emory" : strerror(scarce.reason);
 }
 
-static void serve_client(struct lx_rig *rig, sd_event *event)
+/* The latest answer of the control plane. */
+struct answer {
+    char text[256];
+    size_t length;
+};
+
+static void hear(void *ctx, const char *bytes, size_t n)
+{
+    struct answer *self = ctx;
+    for (size_t i = 0; i < n && self->length < sizeof self->text - 1u; i++) {
+        self->text[self->length++] = bytes[i];
+    }
+    self->text[self->length] = '\0';
+}
+
+static void say(struct dg_control *client, sd_event *event, const char *command)
+{
+    (void)dg_control_rx(client, lx_now(), command, strlen(command));
+    (void)dg_control_rx(client, lx_now(), "\n", 1);
+    while (client->session.executing) {
+        (void)dg_control_step(client, lx_now());
+    }
+    while (sd_event_run(event, 0) > 0) {
+    }
+}
+
+/* Until something is refused. @return whether the client is told so; else `error` says what it was
+   told */
+static bool serve_client(struct lx_rig *rig, sd_event *event, struct lx_error *error)
 {
     struct dg_control client;
-    dg_control_init(&client, lx_rig_control(rig), hear_nothing, NULL);
-    for (size_t i = 0; i < 2u * sizeof commands / sizeof commands[0]; i++) {
+    struct answer answer = {.text = ""};
+    bool told = true;
+    dg_control_init(&client, lx_rig_control(rig), hear, &answer);
+    for (size_t i = 0; i < 2u * COMMANDS && scarce.refused == NULL; i++) {
         const char *command = commands[i / 2u];
-        (void)dg_control_rx(&client, lx_now(), command, strlen(command));
-        (void)dg_control_rx(&client, lx_now(), "\n", 1);
-        while (client.session.executing) {
-            (void)dg_control_step(&client, lx_now());
-        }
-        while (sd_event_run(event, 0) > 0) {
-        }
+        say(&client, event, command);
+        answer.length = 0;
+        say(&client, event, "SYST:ERR?");
+        /* Without memory there are no last frames, which is an answer. */
+        told = scarce.refused == NULL || strcmp(command, "TRAC:LAST?") == 0 ||
+               strstr(answer.text, reason_of_refusal()) != NULL;
+        (void)lx_fail(error, "%s: %s", command, answer.text);
     }
     dg_scpi_leave(&client.session);
+    return told;
 }
 
-/* Read, opened, and closed. @return whether that worked; else `error` says why not */
+/* Read, opened, and closed. @return whether it works, or says what was refused: in `error`, or to a
+   client */
 static bool live_once(struct lx_error *error)
 {
     static const struct lx_say quiet = {.quiet = true};
@@ -333,22 +381,25 @@ static bool live_once(struct lx_error *error)
         good = lx_rig_open(&rig, &setup, lx_now(), error) == LX_RIG_OK;
         assert_true(good == (rig != NULL));
     }
+    bool told = !good && scarce.refused != NULL &&
+                strstr(lx_error_line(error).text, reason_of_refusal()) != NULL;
     if (good && scarce.refused == NULL) {
-        scarce.left = 0;
-        serve_client(rig, event);
+        told = serve_client(rig, event, error);
     }
     scarce.left = 0;
-    assert_int_equal(lx_rig_close(rig, error), 0);
+    struct lx_error at_end;
+    assert_int_equal(lx_rig_close(rig, &at_end), 0);
     lx_plan_free(&plan);
     (void)sd_event_unref(event);
-    return good;
+    return told;
 }
 
 /* Links and sockets that lead nowhere. What an EEPROM file or a trace has got so far may stay. */
 static bool leads_nowhere(void)
 {
     struct stat info;
-    return lstat("link", &info) == 0 || lstat("sock", &info) == 0;
+    return lstat("link", &info) == 0 ||
+           (lstat("sock", &info) == 0 && (info.st_mode & 0777) != LEFT);
 }
 
 /* The call number `n` is refused. @return whether there was one */
@@ -360,18 +411,28 @@ static bool live_without(const char *rig, unsigned n)
     const unsigned lives = scarce.lives;
     scarce.refused = NULL;
     scarce.left = n;
-    const bool good = live_once(&error);
-    const struct lx_words line = lx_error_line(&error);
-    const bool whole = scarce.refused == NULL && good;
-    const char *reason = scarce.reason == ENOMEM ? "emory" : strerror(scarce.reason);
-    if ((!whole && (good || strstr(line.text, reason) == NULL)) || leads_nowhere() ||
-        scarce.lives != lives || descriptors_open() != descriptors) {
-        fail_msg("%s: %s, call %u is refused: %s; \"%s\"; in use %u, before %u; open %u, before %u",
-                 rig, scarce.refused == NULL ? "nothing" : scarce.refused, n,
-                 good ? "works" : "fails", line.text, scarce.lives, lives, descriptors_open(),
-                 descriptors);
+    const bool told = live_once(&error);
+    if (!told || leads_nowhere() || scarce.lives != lives || descriptors_open() != descriptors) {
+        fail_msg("%s: %s, call %u is refused: \"%s\"; in use %u, before %u; open %u, before %u", rig,
+                 scarce.refused == NULL ? "nothing" : scarce.refused, n, lx_error_line(&error).text,
+                 scarce.lives, lives, descriptors_open(), descriptors);
     }
-    return !whole;
+    return scarce.refused != NULL;
+}
+
+/* Whoever refuses it closes it, and the rig does not close it again. */
+static void an_eeprom_file_that_is_none_is_closed_once(void **state)
+{
+    struct lx_error error = {.what = "", .right = ""};
+    (void)state;
+    begin_with("[encoder e]\nmodel = f3668\nwire = slcan\nnvm = empty.nvm\n");
+    write_file("empty.nvm", "");
+    const unsigned descriptors = descriptors_open();
+    scarce.refused = NULL;
+    scarce.left = 0;
+    assert_false(live_once(&error));
+    assert_non_null(strstr(lx_error_line(&error).text, "empty.nvm: 0 bytes"));
+    assert_int_equal(descriptors_open(), descriptors);
 }
 
 static void nothing_is_left_of_a_rig_that_something_was_refused_to(void **state)
@@ -389,6 +450,7 @@ static void nothing_is_left_of_a_rig_that_something_was_refused_to(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(an_eeprom_file_that_is_none_is_closed_once),
         cmocka_unit_test(nothing_is_left_of_a_rig_that_something_was_refused_to),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
