@@ -247,7 +247,6 @@ static struct lx_file *make(const struct lx_file_wanted *wanted, struct lx_error
         return NULL;
     }
     memcpy(self->path, wanted->path, size);
-    self->fd = -1;
     self->held = true;
     if (open_wanted(self, wanted, error) != 0) {
         (void)close_file(self);

@@ -298,14 +298,6 @@ static int refuse_creation(const struct lx_nvm_file *self, int reason, struct lx
                    self->path);
 }
 
-static void close_descriptor(struct lx_nvm_file *self)
-{
-    if (self->fd >= 0) {
-        (void)close(self->fd);
-    }
-    self->fd = -1;
-}
-
 static int open_or_create(struct lx_nvm_file *self, const struct lx_nvm_image *image,
                           struct lx_error *error)
 {
@@ -314,7 +306,6 @@ static int open_or_create(struct lx_nvm_file *self, const struct lx_nvm_image *i
     }
     const int reason = create(self, image);
     if (reason == EEXIST) { /* somebody else was faster, or it is a dangling link */
-        close_descriptor(self);
         return open_existing(self, error);
     }
     if (reason != 0) {
@@ -385,7 +376,10 @@ void lx_nvm_file_tell(const struct lx_nvm_file *self, uint32_t image, const stru
 
 void lx_nvm_file_close(struct lx_nvm_file *self)
 {
-    close_descriptor(self);
+    if (self->fd >= 0) {
+        (void)close(self->fd);
+    }
+    self->fd = -1;
     free(self->bytes);
     self->bytes = NULL;
 }

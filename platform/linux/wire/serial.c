@@ -164,7 +164,6 @@ int lx_serial_start(struct lx_serial *self, const struct lx_serial_ops *ops,
     self->setup = *setup;
     self->uart = setup->uart;
     self->sends = setup->uart;
-    self->baud = LX_BAUD_ANY;
     self->fd = -1;
     const int result = lx_timer_open(&self->reopen, setup->event, try_again, self);
     if (result < 0) {
