@@ -288,6 +288,29 @@ static void one_of_several_words(void **state)
     free(help);
 }
 
+/* Help is about the keys of this list only, in their order, in place of one of the same name. */
+static void help_leaves_out_what_is_not_there(void **state)
+{
+    static const char *const words[] = {"off", "on"};
+    static const struct dg_key rows[] = {
+        {"one", "", 0, DG_KEY_FLAG, 0, 1, 0, 1, words, "the first"},
+        {"two", "", 1, DG_KEY_FLAG, 0, 1, 0, 1, words, "the second"},
+        {"three", "", 2, DG_KEY_FLAG, 0, 1, 0, 1, words, "the third"},
+    };
+    static const struct dg_key other = {"three", "", 2, DG_KEY_FLAG, 0, 1, 0, 1, words, "another"};
+    const struct lx_keys keys = {.rows = rows, .count = 3, .without = 1u << 1, .instead = &other};
+    char *help = NULL;
+    size_t size = 0;
+    (void)state;
+    FILE *to = open_memstream(&help, &size);
+    assert_non_null(to);
+    lx_keys_help(&keys, to);
+    assert_int_equal(fclose(to), 0);
+    assert_string_equal(help, "  one                     the first (off or on)\n"
+                              "  three                   another (off or on)\n");
+    free(help);
+}
+
 static void serial_numbers_get_zeros_in_front(void **state)
 {
     static const char *const bad[] = {"", "1234567890", "12a", "-1"};
@@ -529,6 +552,7 @@ int main(void)
         cmocka_unit_test(values_reach_their_place),
         cmocka_unit_test(what_is_out_of_range_is_refused),
         cmocka_unit_test(one_of_several_words),
+        cmocka_unit_test(help_leaves_out_what_is_not_there),
         cmocka_unit_test(serial_numbers_get_zeros_in_front),
         cmocka_unit_test(figures_have_to_fit_each_other),
         cmocka_unit_test(settings_of_an_interbus_encoder),

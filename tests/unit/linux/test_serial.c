@@ -94,6 +94,14 @@ static void turn(struct owner *self)
     }
 }
 
+static void turn_for(struct owner *self, dg_ns span)
+{
+    const dg_ns end = dg_after(lx_now(), span);
+    while (lx_now() < end) {
+        assert_true(sd_event_run(self->event, TURN_US) >= 0);
+    }
+}
+
 static void say(struct owner *self, const char *text)
 {
     assert_int_equal(write(self->master, text, strlen(text)), strlen(text));
@@ -344,6 +352,9 @@ static void a_port_behind_a_link_is_looked_for(void **state)
         turn(&self);
         assert_false(lx_serial_up(self.port));
         assert_int_equal(lx_serial_send(self.port, (const uint8_t *)"x", 1), 0);
+        assert_int_equal(unlink(link), 0);
+        assert_int_equal(symlink("/dev/null", link), 0); /* no port: it is looked for again */
+        turn_for(&self, linked ? DG_MS(1200) : 0);
         self.master = make_pty(slave);
         assert_int_equal(unlink(link), 0);
         assert_int_equal(symlink(slave, link), 0);
