@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cmocka.h>
@@ -223,6 +224,30 @@ static void what_is_refused_says_what_is_right(void **state)
     assert_int_equal(unlink("e.nvm"), 0);
 }
 
+/* Whatever folder the command was started in. */
+static void files_that_a_rig_names_lie_beside_it(void **state)
+{
+    static const char *const files[] = {"sub/rig.ini", "sub/turn.csv", "sub/warm.csv", "sub/e.nvm",
+                                        "sub/e.vcd"};
+    (void)state;
+    assert_int_equal(mkdir("sub", 0700), 0);
+    write_file("sub/turn.csv", "0,0\n1,360\n");
+    write_file("sub/warm.csv", "0,20\n1,30\n");
+    write_file("sub/rig.ini", "[shaft s]\nmotion = turn.csv\n"
+                              "[encoder e]\nmodel = s3684-biss\nwire = sim\nnvm = e.nvm\n"
+                              "trace = e.vcd\ntemperature = warm.csv\n");
+    struct virtual_rig *rig = calloc(1, sizeof *rig);
+    assert_non_null(rig);
+    virtual_rig_open(rig, "sub/rig.ini", NULL);
+    virtual_rig_pass(rig, DG_MS(500));
+    answers(rig, "SHAF:POS?;:WORL:TEMP?", "180.000000;25.000");
+    close_rig(rig);
+    for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
+        assert_int_equal(unlink(files[i]), 0);
+    }
+    assert_int_equal(rmdir("sub"), 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -234,6 +259,7 @@ int main(void)
         cmocka_unit_test(the_last_frames_are_told_in_words),
         cmocka_unit_test(courses_that_are_followed_are_named),
         cmocka_unit_test(what_is_refused_says_what_is_right),
+        cmocka_unit_test(files_that_a_rig_names_lie_beside_it),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

@@ -413,9 +413,9 @@ static bool live_without(const char *rig, unsigned n)
     scarce.left = n;
     const bool told = live_once(&error);
     if (!told || leads_nowhere() || scarce.lives != lives || descriptors_open() != descriptors) {
-        fail_msg("%s: %s, call %u is refused: \"%s\"; in use %u, before %u; open %u, before %u", rig,
-                 scarce.refused == NULL ? "nothing" : scarce.refused, n, lx_error_line(&error).text,
-                 scarce.lives, lives, descriptors_open(), descriptors);
+        fail_msg("%s: %s, call %u is refused: \"%s\"; in use %u, before %u; open %u, before %u",
+                 rig, scarce.refused == NULL ? "nothing" : scarce.refused, n,
+                 lx_error_line(&error).text, scarce.lives, lives, descriptors_open(), descriptors);
     }
     return scarce.refused != NULL;
 }
