@@ -176,7 +176,59 @@ static void a_pty_is_found_with_its_data_rate(void **state)
     close_port(&self);
 }
 
+static void set_speed(int fd, speed_t speed, tcflag_t flags)
+{
+    struct termios line;
+    assert_int_equal(tcgetattr(fd, &line), 0);
+    line.c_cflag |= flags;
+    assert_int_equal(cfsetispeed(&line, speed), 0);
+    assert_int_equal(cfsetospeed(&line, speed), 0);
+    assert_int_equal(tcsetattr(fd, TCSANOW, &line), 0);
+}
+
+/* A client that opens the port as it left it would be refused, did nothing change: CLOCAL does. */
+static void a_pty_hears_how_fast_its_client_is(void **state)
+{
+    struct owner self = {.count = 0};
+    struct termios line;
+    (void)state;
+    open_port(&self);
+    say(&self, "a");
+    turn(&self);
+    assert_int_equal(self.port->baud, 19200);
+    set_speed(self.master, B38400, CLOCAL);
+    turn(&self);
+    assert_int_equal(self.count, 1); /* what was set is no character */
+    assert_int_equal(tcgetattr(self.master, &line), 0);
+    assert_int_equal(line.c_cflag & (CLOCAL | CREAD), CREAD);
+    assert_int_equal(cfgetospeed(&line), B38400);
+    say(&self, "b");
+    turn(&self);
+    assert_int_equal(self.port->baud, 38400);
+    set_speed(self.master, B134, 0);
+    say(&self, "c");
+    turn(&self);
+    assert_int_equal(self.port->baud, 0); /* none that an encoder has */
+    assert_memory_equal(self.heard, "abc", 3);
+    self.port->setup.any_line = true;
+    say(&self, "d");
+    turn(&self);
+    assert_true(self.port->baud == LX_BAUD_ANY);
+    close_port(&self);
+}
+
 /* --- a link to a pty --- */
+
+/* A pty of our own, on whose slave side the port is. */
+static int make_pty(char slave[64])
+{
+    const int fd = posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+    assert_true(fd >= 0);
+    assert_int_equal(grantpt(fd), 0);
+    assert_int_equal(unlockpt(fd), 0);
+    assert_int_equal(ptsname_r(fd, slave, 64), 0);
+    return fd;
+}
 
 /* Refused, with these words. */
 static void is_refused(struct owner *self, const char *link, const char *what, const char *right)
@@ -219,18 +271,40 @@ static void a_link_leads_to_one_pty(void **state)
     (void)sd_event_unref(self.event);
 }
 
-/* --- somebody else's port --- */
-
-/* A pty of our own, on whose slave side the port is. */
-static int make_pty(char slave[64])
+/* Also where it has taken the place of ours meanwhile. A link to a pty that nobody holds was left
+   behind, and its number is somebody else's now. */
+static void a_link_of_somebody_else_stays(void **state)
 {
-    const int fd = posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
-    assert_true(fd >= 0);
-    assert_int_equal(grantpt(fd), 0);
-    assert_int_equal(unlockpt(fd), 0);
-    assert_int_equal(ptsname_r(fd, slave, 64), 0);
-    return fd;
+    char folder[] = "/tmp/test_serial.XXXXXX";
+    char link[64];
+    char target[LX_ADDRESS_MAX] = "";
+    char slave[64];
+    struct owner self = {.count = 0};
+    struct lx_error error;
+    (void)state;
+    assert_non_null(mkdtemp(folder));
+    assert_true(sd_event_new(&self.event) >= 0);
+    (void)snprintf(link, sizeof link, "%s/link", folder);
+    const struct lx_serial_setup setup = setup_of(&self, link);
+    assert_int_equal(symlink("/dev/null", link), 0);
+    is_refused(&self, link, "exists and is not a link to a pty", "remove it or give another name");
+    assert_int_equal(unlink(link), 0);
+    self.master = make_pty(slave);
+    assert_int_equal(symlink(slave, link), 0);
+    self.port = lx_pty_open(&setup, &error);
+    assert_non_null(self.port);
+    assert_true(readlink(link, target, sizeof target - 1) > 0);
+    assert_string_equal(target, self.port->address);
+    assert_int_equal(unlink(link), 0);
+    assert_int_equal(symlink(slave, link), 0);
+    lx_serial_close(self.port);
+    assert_int_equal(unlink(link), 0); /* it is there */
+    assert_int_equal(rmdir(folder), 0);
+    (void)close(self.master);
+    (void)sd_event_unref(self.event);
 }
+
+/* --- somebody else's port --- */
 
 static void open_tty(struct owner *self, const char *path)
 {
@@ -380,7 +454,9 @@ int main(void)
         cmocka_unit_test(a_paused_port_keeps_the_rest),
         cmocka_unit_test(a_port_sends_what_there_is_room_for),
         cmocka_unit_test(a_pty_is_found_with_its_data_rate),
+        cmocka_unit_test(a_pty_hears_how_fast_its_client_is),
         cmocka_unit_test(a_link_leads_to_one_pty),
+        cmocka_unit_test(a_link_of_somebody_else_stays),
         cmocka_unit_test(a_uart_is_set_up_and_its_characters_are_heard),
         cmocka_unit_test(what_is_no_uart_is_refused),
         cmocka_unit_test(a_port_behind_a_link_is_looked_for),
