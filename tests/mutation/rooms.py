@@ -61,7 +61,7 @@ JUDGES = {
                              r"realtime\.scarce", r"e2e\.cli_said",
                              r"e2e\.(cli|virtual_time|commands|rig|files)", r"e2e\.manual"],
     "platform/linux/wire/": [r"unit\.(characters|tap|clocked|com_port|refused)", r"golden\.",
-                             r"realtime\.scarce", r"realtime\.(serial|net_wires|hf_wire)",
+                             r"realtime\.scarce", r"realtime\.serial", r"realtime\.(net_wires|hf_wire)",
                              r"e2e\.(cli|serial_control|master|rig|life)",
                              r"e2e\.line", r"e2e\.net_serial"],
     "platform/linux/wire/rfc2217": [r"unit\.(rfc2217|com_port)", r"realtime\.net_wires", r"e2e\.net_serial"],
