@@ -178,6 +178,8 @@ void virtual_rig_open(struct virtual_rig *self, const char *file, struct lx_tap_
     if (lx_rig_open(&self->rig, &setup, lx_now(), &error) != LX_RIG_OK) {
         give_up(lx_error_line(&error).text, file);
     }
+    /* A busy machine stops this process, which counts as late also while time stands still. */
+    lx_stall_close(&self->rig->stall);
     if (listener != NULL) {
         lx_tap_add(&self->rig->wires[0].bus->tap, listener);
     }
