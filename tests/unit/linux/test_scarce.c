@@ -305,7 +305,6 @@ static const char *const commands[] = {
     "TRAC:STAR \"c.log\"",
     "TRAC:STAR \"c.csv\"",
     "TRAC:STAR \"no/c.log\"",
-    "FAUL:SET wire_delay",
     "POW OFF;POW ON",
     "STAT?",
 };
