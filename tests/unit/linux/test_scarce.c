@@ -39,8 +39,9 @@ static struct {
     pthread_mutex_t lock;
     unsigned left; /* calls until the one that is refused; 0: none is */
     const char *refused;
-    int reason; /* an errno */
-    void *live; /* memory that is in use, a tree for tsearch() */
+    int reason;          /* an errno */
+    bool disk_is_broken; /* which close() says */
+    void *live;          /* memory that is in use, a tree for tsearch() */
     unsigned lives;
 } scarce = {.lock = PTHREAD_MUTEX_INITIALIZER};
 
@@ -191,6 +192,10 @@ int __wrap_close(int fd)
     const int result = __real_close(fd);
     if (result != 0 && errno == EBADF) {
         give_up("closes what is not open", "a rig");
+    }
+    if (scarce.disk_is_broken) {
+        errno = EIO;
+        return -1;
     }
     return result;
 }
@@ -434,6 +439,44 @@ static void an_eeprom_file_that_is_none_is_closed_once(void **state)
     assert_int_equal(descriptors_open(), descriptors);
 }
 
+/* What a disk says last: some of it is lost. */
+static void a_file_that_closes_badly_is_not_whole(void **state)
+{
+    static const char *const rows[][2] = {
+        {"TRAC:STAR \"c.vcd\"", "TRAC:STOP"},
+        {"SHAF:REC:STAR \"record.csv\"", "SHAF:REC:STOP"},
+    };
+    static const struct lx_say quiet = {.quiet = true};
+    struct lx_plan plan = {.wire_count = 0};
+    struct lx_rig *rig = NULL;
+    sd_event *event = NULL;
+    struct lx_error error;
+    struct dg_control client;
+    struct answer answer = {.text = ""};
+    (void)state;
+    begin_with("[encoder e]\nmodel = s3684-biss\nwire = sim\n");
+    assert_true(sd_event_new(&event) >= 0);
+    assert_int_equal(lx_plan_read(&plan, "rig.ini", &error), 0);
+    const struct lx_rig_setup setup = {.event = event, .say = &quiet, .plan = &plan};
+    assert_int_equal(lx_rig_open(&rig, &setup, lx_now(), &error), LX_RIG_OK);
+    dg_control_init(&client, lx_rig_control(rig), hear, &answer);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        say(&client, event, rows[i][0]);
+        scarce.disk_is_broken = true;
+        say(&client, event, rows[i][1]);
+        scarce.disk_is_broken = false;
+        answer.length = 0;
+        say(&client, event, "SYST:ERR?");
+        if (strstr(answer.text, ": Input/output error") == NULL) {
+            fail_msg("%s: %s", rows[i][1], answer.text);
+        }
+    }
+    dg_scpi_leave(&client.session);
+    assert_int_equal(lx_rig_close(rig, &error), 0);
+    lx_plan_free(&plan);
+    (void)sd_event_unref(event);
+}
+
 static void nothing_is_left_of_a_rig_that_something_was_refused_to(void **state)
 {
     (void)state;
@@ -450,6 +493,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_eeprom_file_that_is_none_is_closed_once),
+        cmocka_unit_test(a_file_that_closes_badly_is_not_whole),
         cmocka_unit_test(nothing_is_left_of_a_rig_that_something_was_refused_to),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
