@@ -15,31 +15,11 @@
 #include "describe.h"
 #include "drehgeber/bits.h"
 #include "drehgeber/crc.h"
-#include "drehgeber/version.h"
-#include "fmu.h"
-
-#define TOKEN "drehgeber " DG_VERSION
-#define VARIABLE(group, index) ((uint32_t)(group) << 8 | (uint32_t)(index))
+#include "fmu_rig.h"
 
 static const uint32_t rx = VARIABLE(FMU_BUS, FMU_RX);
 static const uint32_t tx = VARIABLE(FMU_BUS, FMU_TX);
 static const uint32_t rx_clock = VARIABLE(FMU_BUS, FMU_RX_CLOCK);
-
-static int64_t integer(struct fmu *fmu, uint32_t reference)
-{
-    struct fmu_value value;
-    assert_int_equal(fmu_get(fmu, reference, &value), DG_HOST_OK);
-    return value.integer;
-}
-
-static struct fmu *on(const char *token)
-{
-    struct fmu *fmu = fmu_make(token);
-    assert_non_null(fmu);
-    fmu_use_events(fmu, true);
-    assert_int_equal(fmu_start(fmu, 0), DG_HOST_OK);
-    return fmu;
-}
 
 static void tokens_are_whole_or_refused(void **state)
 {
@@ -66,7 +46,7 @@ static void tokens_are_whole_or_refused(void **state)
     }
     assert_null(fmu_make(NULL));
     fmu_free(NULL);
-    struct fmu *fmu = on(TOKEN " a=f3668,node=%35 b=s3684-rs485@0,designation=it%20is");
+    struct fmu *fmu = fmu_running(TOKEN " a=f3668,node=%35 b=s3684-rs485@0,designation=it%20is");
     assert_int_equal(fmu_count(fmu), 2);
     assert_string_equal(fmu_prefix(fmu, 0), "a.");
     assert_false(fmu_follows(fmu, 0));
@@ -86,7 +66,7 @@ static void variables_are_what_they_say(void **state)
     for (size_t model = 0; dg_host_name(model) != NULL; model++) {
         char token[96];
         (void)snprintf(token, sizeof token, "%s =%s", TOKEN, dg_host_name(model));
-        struct fmu *fmu = on(token);
+        struct fmu *fmu = fmu_running(token);
         struct fmu_variable row;
         struct fmu_variable other;
         size_t count = 0;
@@ -121,7 +101,7 @@ static void values_of_another_kind_are_refused(void **state)
 {
     static const enum fmu_type types[] = {FMU_REAL, FMU_INT, FMU_BOOL, FMU_TEXT};
     (void)state;
-    struct fmu *fmu = on(TOKEN " =s3684-biss");
+    struct fmu *fmu = fmu_running(TOKEN " =s3684-biss");
     struct fmu_variable row;
     struct fmu_value value;
     size_t truths = 0;
@@ -141,135 +121,6 @@ static void values_of_another_kind_are_refused(void **state)
     }
     assert_true(truths > 1);
     fmu_free(fmu);
-}
-
-static void states_go_on(void **state)
-{
-    (void)state;
-    const struct fmu_value fast = {.type = FMU_REAL, .real = 314.0};
-    struct fmu *one = on(TOKEN " =s3684-rs485");
-    struct fmu *two = on(TOKEN " =s3684-rs485");
-    struct fmu *foreign = on(TOKEN " =s3674-rs485");
-    assert_int_equal(fmu_set(one, VARIABLE(FMU_INPUT, FMU_SPEED), &fast), DG_HOST_OK);
-    (void)fmu_step(one, 0, 0.3, false);
-    const size_t n = fmu_state_size(one);
-    uint8_t *bytes = malloc(n);
-    assert_non_null(bytes);
-    assert_int_equal(fmu_save(one, bytes, n - 1), DG_HOST_ERR_SPACE);
-    assert_int_equal(fmu_save(one, bytes, n), DG_HOST_OK);
-    assert_int_equal(fmu_restore(two, bytes, n - 1), DG_HOST_ERR_OTHER);
-    assert_int_equal(fmu_restore(foreign, bytes, n), DG_HOST_ERR_OTHER);
-    assert_int_equal(fmu_restore(two, bytes, n), DG_HOST_OK);
-    (void)fmu_step(one, 0.3, 0.1, false);
-    (void)fmu_step(two, 0.3, 0.1, false);
-    assert_true(integer(one, VARIABLE(FMU_OUTPUT, FMU_POSITION)) > 0);
-    assert_int_equal(integer(one, VARIABLE(FMU_OUTPUT, FMU_POSITION)),
-                     integer(two, VARIABLE(FMU_OUTPUT, FMU_POSITION)));
-    assert_int_equal(fmu_reset(one), 0);
-    assert_int_equal(fmu_start(one, 5), DG_HOST_OK);
-    assert_int_equal(integer(one, VARIABLE(FMU_OUTPUT, FMU_POSITION)), 0);
-    free(bytes);
-    fmu_free(one);
-    fmu_free(two);
-    fmu_free(foreign);
-}
-
-/* Importers keep states in files: one that is not what was saved is refused, and changes nothing.
- */
-static void damaged_states_are_refused(void **state)
-{
-    (void)state;
-    struct fmu *fmu = on(TOKEN " =f3668");
-    (void)fmu_step(fmu, 0, 0.3, false);
-    const size_t n = fmu_state_size(fmu);
-    uint8_t *bytes = malloc(n + 1u);
-    uint8_t *again = malloc(n);
-    assert_non_null(bytes);
-    assert_non_null(again);
-    assert_int_equal(fmu_save(fmu, bytes, n), DG_HOST_OK);
-    bytes[n] = 0;
-    assert_int_equal(fmu_restore(fmu, bytes, n + 1u), DG_HOST_ERR_OTHER);
-    for (size_t i = 0; i < n; i += i < 300u ? 1u : 61u) {
-        bytes[i] ^= 0x80u;
-        assert_true(fmu_restore(fmu, bytes, n) < 0);
-        bytes[i] ^= 0x80u;
-    }
-    assert_int_equal(fmu_save(fmu, again, n), DG_HOST_OK);
-    assert_memory_equal(again, bytes, n);
-    assert_int_equal(fmu_restore(fmu, bytes, n), DG_HOST_OK);
-    free(bytes);
-    free(again);
-    fmu_free(fmu);
-}
-
-/* Both sums of a state of one encoder, made right. */
-static void sign(struct fmu *fmu, uint8_t *bytes, size_t n)
-{
-    const struct dg_host *host = fmu_host(fmu, 0);
-    const size_t body = dg_host_size_of(dg_host_model(host));
-    uint32_t sum = dg_crc32(0, bytes + (n - sizeof sum - body), body);
-    memcpy(bytes + (n - 2 * sizeof sum - body), &sum, sizeof sum);
-    sum = dg_crc32(0, bytes, n - sizeof sum);
-    memcpy(bytes + (n - sizeof sum), &sum, sizeof sum);
-}
-
-static void live(struct fmu *fmu, uint64_t round)
-{
-    const struct fmu_value speed = {.type = FMU_REAL, .real = (double)round};
-    struct fmu_variable row;
-    struct fmu_value value;
-    const uint8_t *bytes;
-    size_t waits;
-    (void)fmu_set(fmu, VARIABLE(FMU_INPUT, FMU_SPEED), &speed);
-    (void)fmu_clock_set(fmu, VARIABLE(FMU_BUS, FMU_MA), true);
-    fmu_clocks_end(fmu);
-    if (fmu_may_step(fmu, fmu_time(fmu), 0.05)) {
-        (void)fmu_step(fmu, fmu_time(fmu), 0.05, round % 2 == 0);
-    }
-    for (size_t i = 1; fmu_variable(fmu, i, &row); i++) {
-        (void)fmu_get(fmu, row.reference, &value);
-    }
-    (void)fmu_binary_get(fmu, VARIABLE(FMU_BUS, FMU_TX), &bytes, &waits);
-    fmu_clocks_end(fmu);
-}
-
-/* States that somebody has made: refused without a trace, or lived with. */
-static void forged_states_do_no_harm(void **state)
-{
-    static const char *const tokens[] = {TOKEN " =f3668", TOKEN " =s3684-rs485",
-                                         TOKEN " =s3684-biss"};
-    static const uint8_t values[] = {0x00, 0x02, 0x40, 0x7F, 0xC5, 0xFF};
-    (void)state;
-    unsigned refused = 0;
-    for (size_t i = 0; i < sizeof tokens / sizeof tokens[0]; i++) {
-        struct fmu *fmu = on(tokens[i]);
-        (void)fmu_step(fmu, 0, 0.3, false);
-        const size_t n = fmu_state_size(fmu);
-        const size_t head = strlen(tokens[i]);
-        uint8_t *whole = malloc(n);
-        uint8_t *forged = malloc(n);
-        assert_true(whole != NULL && forged != NULL);
-        assert_int_equal(fmu_save(fmu, whole, n), DG_HOST_OK);
-        for (uint64_t at = head; at + 8 < head + 330; at++) {
-            memcpy(forged, whole, n);
-            memset(forged + at, values[at % sizeof values], at % 3 == 0 ? 8 : 1);
-            sign(fmu, forged, n);
-            const int result = fmu_restore(fmu, forged, n);
-            assert_true(result == DG_HOST_OK || result == DG_HOST_ERR_DAMAGED);
-            if (result == DG_HOST_OK) {
-                live(fmu, at);
-                assert_int_equal(fmu_restore(fmu, whole, n), DG_HOST_OK);
-            } else {
-                refused++;
-            }
-            assert_int_equal(fmu_save(fmu, forged, n), DG_HOST_OK);
-            assert_memory_equal(forged, whole, n);
-        }
-        free(whole);
-        free(forged);
-        fmu_free(fmu);
-    }
-    assert_true(refused > 20);
 }
 
 static void time_goes_on_and_ends(void **state)
@@ -368,7 +219,7 @@ static void send_at(struct fmu *fmu, uint64_t at, const char *characters, uint8_
 static void moments_have_64_bits(void **state)
 {
     (void)state;
-    struct fmu *fmu = on(TOKEN " =s3684-rs485");
+    struct fmu *fmu = fmu_running(TOKEN " =s3684-rs485");
     const uint8_t *bytes = NULL;
     size_t n = 0;
     (void)fmu_step(fmu, 0, 4.5, false);
@@ -388,7 +239,7 @@ static void moments_have_64_bits(void **state)
 static void early_return_never_goes_back(void **state)
 {
     (void)state;
-    struct fmu *fmu = on(TOKEN " =s3684-rs485");
+    struct fmu *fmu = fmu_running(TOKEN " =s3684-rs485");
     const double asked = fmu_step(fmu, 0, 0.25, false);
     send_at(fmu, 250000000, "\x40\x42\x02", 3);
     const double begin = fmu_step(fmu, asked, 0.25, false) + 0.9e-6;
@@ -401,35 +252,6 @@ static void early_return_never_goes_back(void **state)
     fmu_free(fmu);
 }
 
-/* One that was never on takes a state with a fault, and makes it good. */
-static void states_bring_their_faults(void **state)
-{
-    (void)state;
-    const uint32_t fault = VARIABLE(FMU_FAULT, 1); /* temperature_high */
-    const uint32_t code = VARIABLE(FMU_OUTPUT, FMU_ERROR_CODE);
-    const struct fmu_value yes = {.type = FMU_BOOL, .integer = 1};
-    const struct fmu_value no = {.type = FMU_BOOL};
-    struct fmu *one = on(TOKEN " =f3668");
-    struct fmu *two = fmu_make(TOKEN " =f3668");
-    assert_non_null(two);
-    (void)fmu_step(one, 0, 1, false);
-    assert_int_equal(fmu_set(one, fault, &yes), DG_HOST_OK);
-    (void)fmu_step(one, 1, 1, false);
-    assert_int_equal(integer(one, code), 0x4200);
-    const size_t n = fmu_state_size(one);
-    uint8_t *bytes = malloc(n);
-    assert_non_null(bytes);
-    assert_int_equal(fmu_save(one, bytes, n), DG_HOST_OK);
-    assert_int_equal(fmu_restore(two, bytes, n), DG_HOST_OK);
-    assert_int_equal(integer(two, fault), 1);
-    assert_int_equal(fmu_set(two, fault, &no), DG_HOST_OK);
-    (void)fmu_step(two, 2, 2, false);
-    assert_int_equal(integer(two, code), 0);
-    free(bytes);
-    fmu_free(one);
-    fmu_free(two);
-}
-
 /* Whatever bytes a bus brings, in exactly the memory they have. */
 static void any_bytes_are_taken_or_refused(void **state)
 {
@@ -437,7 +259,7 @@ static void any_bytes_are_taken_or_refused(void **state)
     (void)state;
     uint32_t seed = 1;
     for (size_t i = 0; i < 2; i++) {
-        struct fmu *fmu = on(tokens[i]);
+        struct fmu *fmu = fmu_running(tokens[i]);
         assert_int_equal(fmu_binary_set(fmu, rx, NULL, 0), DG_HOST_OK);
         assert_int_equal(fmu_clock_set(fmu, VARIABLE(FMU_BUS, FMU_TX_CLOCK), true),
                          DG_HOST_ERR_NAME);
@@ -469,7 +291,7 @@ static void any_bytes_are_taken_or_refused(void **state)
 static void silent_importers_do_no_harm(void **state)
 {
     (void)state;
-    struct fmu *fmu = on(TOKEN " =f3668");
+    struct fmu *fmu = fmu_running(TOKEN " =f3668");
     const struct fmu_value off = {.type = FMU_BOOL};
     const struct fmu_value power = {.type = FMU_BOOL, .integer = 1};
     const uint8_t *bytes = NULL;
@@ -488,23 +310,194 @@ static void silent_importers_do_no_harm(void **state)
     fmu_free(fmu);
 }
 
+/* An encoder that is none, in every group; what a wire brings is not what it tells. */
+static void references_to_nowhere_are_refused(void **state)
+{
+    const struct fmu_value zero = {.type = FMU_REAL};
+    const uint8_t *bytes = NULL;
+    struct fmu_value value;
+    bool clock;
+    size_t n = 5;
+    struct fmu *fmu = fmu_running(TOKEN " =s3684-rs485");
+
+    (void)state;
+    for (uint32_t group = 0; group <= 256; group++) {
+        for (uint32_t index = 0; index < 256; index += group <= FMU_BUS + 1 ? 1 : 51) {
+            const uint32_t other = UINT32_C(1) << 16 | group << 8 | index;
+            assert_int_equal(fmu_get(fmu, other, &value), DG_HOST_ERR_NAME);
+            assert_int_equal(fmu_set(fmu, other, &zero), DG_HOST_ERR_NAME);
+            assert_int_equal(fmu_clock_get(fmu, other, &clock), DG_HOST_ERR_NAME);
+            assert_int_equal(fmu_binary_get(fmu, other, &bytes, &n), DG_HOST_ERR_NAME);
+        }
+    }
+    assert_int_equal(fmu_get(fmu, VARIABLE(FMU_INPUT, FMU_POWER + 1), &value), DG_HOST_ERR_NAME);
+    assert_int_equal(fmu_set(fmu, VARIABLE(FMU_INPUT, FMU_POWER + 1), &zero), DG_HOST_ERR_NAME);
+    assert_int_equal(fmu_get(fmu, VARIABLE(FMU_OUTPUT, FMU_BUS_STATE + 1), &value),
+                     DG_HOST_ERR_NAME);
+    assert_int_equal(fmu_get(fmu, VARIABLE(FMU_BUS, FMU_RX), &value), DG_HOST_ERR_NAME);
+    assert_int_equal(fmu_binary_get(fmu, VARIABLE(FMU_BUS, FMU_RX_CLOCK), &bytes, &n),
+                     DG_HOST_ERR_NAME);
+    assert_int_equal(fmu_binary_set(fmu, tx, bytes, 0), DG_HOST_ERR_NAME);
+    assert_int_equal(fmu_binary_get(fmu, rx, &bytes, &n), DG_HOST_OK);
+    assert_int_equal(n, 0);
+    fmu_free(fmu);
+}
+
+/* Numbers go to the nearest one, below 0 as well: ns, 2^-32 turns, 0.001 degC. */
+static void numbers_are_rounded_to_the_nearest(void **state)
+{
+    static const struct {
+        double units;
+        int64_t angle;
+    } rows[] = {{1.4, 1}, {1.6, 2}, {-1.4, -1}, {-1.6, -2}, {0.6, 1}, {-0.6, -1}};
+    const double unit = 6.283185307179586 / 4294967296.0;
+    const uint32_t temperature = VARIABLE(FMU_WORLD, 3);
+    struct fmu *fmu = fmu_running(TOKEN " =f3668");
+
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        const struct fmu_value angle = {.type = FMU_REAL, .real = rows[i].units * unit};
+        const struct fmu_value cold = {.type = FMU_REAL, .real = rows[i].units * 1e-3};
+        assert_int_equal(fmu_set(fmu, VARIABLE(FMU_INPUT, FMU_ANGLE), &angle), DG_HOST_OK);
+        (void)fmu_step(fmu, fmu_time(fmu), 1.6e-9, false);
+        assert_int_equal(dg_host_angle(fmu_host(fmu, 0), 100), rows[i].angle);
+        assert_int_equal(fmu_set(fmu, temperature, &cold), DG_HOST_OK);
+        const double milli = fmu_real(fmu, temperature) * 1e3 - (double)rows[i].angle;
+        assert_true(milli > -1e-6 && milli < 1e-6);
+    }
+    assert_true(fmu_time(fmu) > 11.9e-9 && fmu_time(fmu) < 12.1e-9);
+    (void)fmu_step(fmu, fmu_time(fmu), 1.4e-9, false);
+    assert_true(fmu_time(fmu) > 12.9e-9 && fmu_time(fmu) < 13.1e-9);
+    fmu_free(fmu);
+}
+
+/* While a frame goes on, which takes 55 us here, the shaft goes on, too: what is set meanwhile is
+   of the moment that it was set at, and the next frame begins behind this one, not before. */
+static void a_frame_takes_its_time(void **state)
+{
+    const double turn = 6.283185307179586;
+    const struct fmu_value slow = {.type = FMU_REAL, .real = 10 * turn};
+    const struct fmu_value fast = {.type = FMU_REAL, .real = 100 * turn};
+    const struct fmu_value ahead = {.type = FMU_REAL, .real = 0.5 * turn};
+    const uint32_t ma = VARIABLE(FMU_BUS, FMU_MA);
+    const uint32_t latched = VARIABLE(FMU_OUTPUT, FMU_FRAME_POSITION);
+    const uint32_t position = VARIABLE(FMU_OUTPUT, FMU_POSITION);
+    struct dg_host_frame frame;
+    struct fmu *fmu = fmu_running(TOKEN " =s3684-biss");
+    struct fmu *other = fmu_running(TOKEN " =s3684-biss");
+
+    (void)state;
+    assert_int_equal(dg_host_frame(fmu_host(other, 0), 100000000, &frame), DG_HOST_OK);
+    const double span = (double)(frame.end - 100000000) * 1e-9;
+    assert_true(span > 45e-6 && span < 100e-6);
+    assert_int_equal(fmu_set(fmu, VARIABLE(FMU_INPUT, FMU_SPEED), &slow), DG_HOST_OK);
+    (void)fmu_step(fmu, 0, 0.1, false);
+    assert_int_equal(fmu_clock_set(fmu, ma, true), DG_HOST_OK);
+    fmu_clocks_end(fmu);
+    const int64_t first = fmu_integer(fmu, latched);
+    assert_int_equal(fmu_set(fmu, VARIABLE(FMU_INPUT, FMU_ANGLE), &ahead), DG_HOST_OK);
+    assert_int_equal(fmu_set(fmu, VARIABLE(FMU_INPUT, FMU_SPEED), &fast), DG_HOST_OK);
+    (void)fmu_step(fmu, 0.1, span - 1e-9, false);
+    assert_int_equal(fmu_clock_set(fmu, ma, true), DG_HOST_OK);
+    fmu_clocks_end(fmu);
+    assert_int_equal(fmu_integer(fmu, latched), first);
+    (void)fmu_step(fmu, fmu_time(fmu), 1e-9, false);
+    assert_int_equal(fmu_clock_set(fmu, ma, true), DG_HOST_OK);
+    fmu_clocks_end(fmu);
+    assert_int_not_equal(fmu_integer(fmu, latched), first);
+    (void)fmu_step(fmu, fmu_time(fmu), 0.01, false);
+    const double turns = 0.5 + 100 * (fmu_time(fmu) - 0.1);
+    const double off = (double)fmu_integer(fmu, position) - turns * (1 << 21);
+    assert_true(off > -3 && off < 3);
+    fmu_free(other);
+    fmu_free(fmu);
+}
+
+/* The bounds belong to it: 1 us, and words of a name of 47 characters. */
+static void bounds_are_within(void **state)
+{
+    char token[160];
+    struct fmu *fmu = fmu_running(TOKEN " =ssi-25");
+
+    (void)state;
+    assert_true(fmu_may_step(fmu, 1e-6, 1) && fmu_may_step(fmu, -1e-6, 1));
+    assert_false(fmu_may_step(fmu, 1.001e-6, 1) || fmu_may_step(fmu, -1.001e-6, 1));
+    fmu_free(fmu);
+    for (int length = 47; length <= 48; length++) {
+        (void)snprintf(token, sizeof token, TOKEN " %0*d=ssi-25", length, 1);
+        fmu = fmu_make(token);
+        assert_int_equal(fmu != NULL, length == 47);
+        assert_true(fmu == NULL || strlen(fmu_prefix(fmu, 0)) == 48);
+        fmu_free(fmu);
+    }
+    fmu = fmu_running(TOKEN " %41%5F%7E%0A=ssi-25");
+    assert_string_equal(fmu_prefix(fmu, 0), "A_~\n.");
+    fmu_free(fmu);
+    assert_null(fmu_make(TOKEN " %5f=ssi-25"));
+    assert_null(fmu_make(TOKEN " %5G=ssi-25"));
+}
+
+/* A supply that is off from the start is no fault, and a fault waits for power. */
+static void an_encoder_may_start_without_power(void **state)
+{
+    const struct fmu_value no = {.type = FMU_BOOL};
+    const struct fmu_value yes = {.type = FMU_BOOL, .real = 1, .integer = 1};
+    const uint32_t power = VARIABLE(FMU_INPUT, FMU_POWER);
+    struct fmu *fmu = fmu_make(TOKEN " =s3684-rs485");
+
+    (void)state;
+    assert_non_null(fmu);
+    assert_int_equal(fmu_set(fmu, power, &no), DG_HOST_OK);
+    assert_int_equal(fmu_start(fmu, 0), DG_HOST_OK);
+    assert_int_equal(fmu_integer(fmu, power), 0);
+    assert_false(dg_host_powered(fmu_host(fmu, 0)));
+    (void)fmu_step(fmu, 0, 1, false);
+    assert_true(fmu_real(fmu, VARIABLE(FMU_OUTPUT, FMU_SIN_PLUS)) == 0);
+    assert_int_equal(fmu_set(fmu, power, &yes), DG_HOST_OK);
+    (void)fmu_step(fmu, 1, 1, false);
+    assert_true(dg_host_powered(fmu_host(fmu, 0)));
+    assert_true(fmu_real(fmu, VARIABLE(FMU_OUTPUT, FMU_SIN_PLUS)) > 1);
+    assert_true(fmu_real(fmu, power) == 1);
+    fmu_free(fmu);
+}
+
+/* Faults beyond the 64th have a bit of their own. */
+static void each_fault_has_its_own_truth_value(void **state)
+{
+    const struct fmu_value yes = {.type = FMU_BOOL, .integer = 1};
+    struct fmu *fmu = fmu_make(TOKEN " =f3668");
+
+    (void)state;
+    assert_non_null(fmu);
+    for (uint32_t on = 0; on < FMU_FAULTS_MAX; on++) {
+        assert_int_equal(fmu_set(fmu, VARIABLE(FMU_FAULT, on), &yes), DG_HOST_OK);
+        for (uint32_t i = 0; i < FMU_FAULTS_MAX; i++) {
+            assert_int_equal(fmu_integer(fmu, VARIABLE(FMU_FAULT, i)), i <= on);
+        }
+    }
+    assert_int_equal(fmu_set(fmu, VARIABLE(FMU_FAULT, FMU_FAULTS_MAX), &yes), DG_HOST_ERR_NAME);
+    fmu_free(fmu);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(tokens_are_whole_or_refused),
         cmocka_unit_test(variables_are_what_they_say),
         cmocka_unit_test(values_of_another_kind_are_refused),
-        cmocka_unit_test(states_go_on),
-        cmocka_unit_test(damaged_states_are_refused),
-        cmocka_unit_test(forged_states_do_no_harm),
         cmocka_unit_test(time_goes_on_and_ends),
         cmocka_unit_test(steps_begin_where_the_last_one_ended),
         cmocka_unit_test(a_million_summed_steps_are_taken),
         cmocka_unit_test(moments_have_64_bits),
         cmocka_unit_test(early_return_never_goes_back),
-        cmocka_unit_test(states_bring_their_faults),
         cmocka_unit_test(any_bytes_are_taken_or_refused),
         cmocka_unit_test(silent_importers_do_no_harm),
+        cmocka_unit_test(references_to_nowhere_are_refused),
+        cmocka_unit_test(numbers_are_rounded_to_the_nearest),
+        cmocka_unit_test(a_frame_takes_its_time),
+        cmocka_unit_test(bounds_are_within),
+        cmocka_unit_test(an_encoder_may_start_without_power),
+        cmocka_unit_test(each_fault_has_its_own_truth_value),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

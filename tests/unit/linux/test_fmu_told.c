@@ -10,20 +10,7 @@
 #include <cmocka.h>
 
 #include "describe.h"
-#include "drehgeber/version.h"
-#include "fmu.h"
-
-#define TOKEN "drehgeber " DG_VERSION
-#define VARIABLE(group, index) ((uint32_t)(group) << 8 | (uint32_t)(index))
-
-static struct fmu *make_running(const char *token)
-{
-    struct fmu *fmu = fmu_make(token);
-    assert_non_null(fmu);
-    fmu_use_events(fmu, true);
-    assert_int_equal(fmu_start(fmu, 0), DG_HOST_OK);
-    return fmu;
-}
+#include "fmu_rig.h"
 
 static void clocks_that_are_none_are_refused(void **state)
 {
@@ -32,7 +19,7 @@ static void clocks_that_are_none_are_refused(void **state)
         VARIABLE(FMU_BUS, FMU_MA + 1),  VARIABLE(FMU_BUS, 0xFF),
         VARIABLE(FMU_INPUT, FMU_POWER), UINT32_C(1) << 16 | VARIABLE(FMU_BUS, FMU_RX_CLOCK),
     };
-    struct fmu *fmu = make_running(TOKEN " =f3668");
+    struct fmu *fmu = fmu_running(TOKEN " =f3668");
     bool on = true;
 
     (void)state;
@@ -56,7 +43,7 @@ static void frames_are_answered_in_their_event(void **state)
     static const uint8_t request[FRAME] = {0x10, 0, 0, 0, FRAME, 0, 0,    0, 0x3F, 0x06,
                                            0,    0, 0, 0, 8,     0, 0x40, 0, 0x10};
     static const uint8_t reply[] = {0x43, 0x00, 0x10, 0x00, 0x96, 0x01};
-    struct fmu *fmu = make_running(TOKEN " =f3668");
+    struct fmu *fmu = fmu_running(TOKEN " =f3668");
     uint8_t requests[FRAMES * FRAME];
     const uint8_t *bytes = NULL;
     size_t n = 0;
@@ -93,7 +80,7 @@ static void each_variable_says_what_it_is_for(void **state)
         char token[96];
         struct fmu_variable row;
         (void)snprintf(token, sizeof token, "%s =%s", TOKEN, dg_host_name(model));
-        struct fmu *fmu = make_running(token);
+        struct fmu *fmu = fmu_running(token);
         for (size_t i = 1; fmu_variable(fmu, i, &row); i++) {
             for (size_t k = 0; k < sizeof explained / sizeof explained[0]; k++) {
                 if (row.type == explained[k] && row.help[0] == '\0') {
@@ -140,7 +127,7 @@ static void wires_lead_in_and_out(void **state)
         char token[96];
         struct fmu_variable row;
         (void)snprintf(token, sizeof token, "%s =%s", TOKEN, rows[i].model);
-        struct fmu *fmu = make_running(token);
+        struct fmu *fmu = fmu_running(token);
         find_variable(fmu, rows[i].name, &row);
         assert_int_equal(row.type, rows[i].type);
         assert_int_equal(row.input, rows[i].input);
@@ -152,7 +139,7 @@ static void wires_lead_in_and_out(void **state)
 /* A setting tells its help, and its words; a fault its cause and what comes of it. */
 static void helps_are_those_of_the_encoder(void **state)
 {
-    struct fmu *fmu = make_running(TOKEN " =f3668");
+    struct fmu *fmu = fmu_running(TOKEN " =f3668");
     struct fmu_variable row;
 
     (void)state;
