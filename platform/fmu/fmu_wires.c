@@ -139,7 +139,7 @@ static int count_good(struct fmu_encoder *self, uint64_t now, bool sender)
 {
     struct fmu_course *of = &self->now;
     uint16_t *counter = sender ? &of->transmit : &of->receive;
-    *counter = (uint16_t)(*counter - (*counter > 0 ? 1u : 0u));
+    *counter = !sender && *counter > 127u ? 127u : (uint16_t)(*counter - (*counter > 0 ? 1u : 0u));
     if (of->bus == DG_HOST_BUS_PASSIVE && of->transmit < 128u && of->receive < 128u) {
         return send_state(self, now, DG_HOST_BUS_ACTIVE);
     }
