@@ -389,6 +389,7 @@ static void a_frame_takes_its_time(void **state)
     (void)state;
     assert_int_equal(dg_host_frame(fmu_host(other, 0), 100000000, &frame), DG_HOST_OK);
     const double span = (double)(frame.end - 100000000) * 1e-9;
+    assert_int_equal(fmu_integer(fmu, VARIABLE(FMU_OUTPUT, FMU_FRAME_GOOD)), 0); /* none yet */
     assert_true(span > 45e-6 && span < 100e-6);
     assert_int_equal(fmu_set(fmu, VARIABLE(FMU_INPUT, FMU_SPEED), &slow), DG_HOST_OK);
     (void)fmu_step(fmu, 0, 0.1, false);
@@ -453,6 +454,7 @@ static void an_encoder_may_start_without_power(void **state)
     assert_false(dg_host_powered(fmu_host(fmu, 0)));
     (void)fmu_step(fmu, 0, 1, false);
     assert_true(fmu_real(fmu, VARIABLE(FMU_OUTPUT, FMU_SIN_PLUS)) == 0);
+    assert_int_equal(fmu_integer(fmu, VARIABLE(FMU_OUTPUT, FMU_POSITION)), 0);
     assert_int_equal(fmu_set(fmu, power, &yes), DG_HOST_OK);
     (void)fmu_step(fmu, 1, 1, false);
     assert_true(dg_host_powered(fmu_host(fmu, 0)));
@@ -476,6 +478,141 @@ static void each_fault_has_its_own_truth_value(void **state)
         }
     }
     assert_int_equal(fmu_set(fmu, VARIABLE(FMU_FAULT, FMU_FAULTS_MAX), &yes), DG_HOST_ERR_NAME);
+    assert_true(fmu_start(fmu, 0) < 0); /* there are fewer */
+    fmu_free(fmu);
+    fmu = fmu_running(TOKEN " =f3668");
+    assert_int_equal(fmu_set(fmu, VARIABLE(FMU_FAULT, 90), &yes), DG_HOST_ERR_NAME);
+    assert_int_equal(fmu_integer(fmu, VARIABLE(FMU_FAULT, 90)), 0);
+    fmu_free(fmu);
+}
+
+/* Variables of the second encoder. */
+#define OF_B(reference) (UINT32_C(1) << 16 | (reference))
+
+static const struct fmu_value turn = {.type = FMU_REAL, .real = 6.283185307179586};
+
+static size_t waiting(struct fmu *fmu, uint32_t reference)
+{
+    const uint8_t *bytes = NULL;
+    size_t n = 0;
+    assert_int_equal(fmu_binary_get(fmu, reference, &bytes, &n), DG_HOST_OK);
+    return n;
+}
+
+/* Each node tells its own bus, and nobody else's; any clock of all is an event. */
+static void each_node_has_its_own_bus(void **state)
+{
+    const struct fmu_value yes = {.type = FMU_BOOL, .integer = 1};
+    struct fmu *fmu = fmu_running(TOKEN " a=f3668 b=f3668,node=9");
+
+    (void)state;
+    (void)fmu_step(fmu, 0, 1, false);
+    const size_t first = waiting(fmu, tx);
+    assert_true(first > 0);
+    assert_int_equal(waiting(fmu, OF_B(tx)), first);
+    fmu_clocks_end(fmu);
+    assert_int_equal(waiting(fmu, tx) + waiting(fmu, OF_B(tx)), 0);
+    assert_false(fmu_ticks(fmu));
+    assert_int_equal(fmu_set(fmu, OF_B(VARIABLE(FMU_FAULT, 1)), &yes), DG_HOST_OK);
+    (void)fmu_step(fmu, 1, 1, false);
+    assert_true(fmu_ticks(fmu));
+    assert_int_equal(fmu_integer(fmu, VARIABLE(FMU_OUTPUT, FMU_ERROR_CODE)), 0);
+    assert_int_equal(fmu_integer(fmu, OF_B(VARIABLE(FMU_OUTPUT, FMU_ERROR_CODE))), 0x4200);
+    assert_int_equal(waiting(fmu, tx), 0);
+    assert_true(fmu_ticks(fmu));
+    assert_true(waiting(fmu, OF_B(tx)) > 0);
+    assert_false(fmu_ticks(fmu));
+    fmu_free(fmu);
+}
+
+/* Whoever sits on the shaft of another one follows it, whichever has faults, and is not turned. */
+static void followers_follow_with_faults_too(void **state)
+{
+    static const uint32_t faulty[] = {VARIABLE(FMU_FAULT, 0), OF_B(VARIABLE(FMU_FAULT, 0))};
+    const struct fmu_value yes = {.type = FMU_BOOL, .integer = 1};
+    const uint32_t position = VARIABLE(FMU_OUTPUT, FMU_POSITION);
+
+    (void)state;
+    for (size_t i = 0; i < sizeof faulty / sizeof faulty[0]; i++) {
+        struct fmu *fmu = fmu_running(TOKEN " a=f3668 b=f3668@0");
+        assert_int_equal(fmu_set(fmu, OF_B(VARIABLE(FMU_INPUT, FMU_ANGLE)), &turn),
+                         DG_HOST_ERR_ARGUMENT);
+        assert_int_equal(fmu_set(fmu, OF_B(VARIABLE(FMU_INPUT, FMU_SPEED)), &turn),
+                         DG_HOST_ERR_ARGUMENT);
+        assert_int_equal(fmu_set(fmu, VARIABLE(FMU_INPUT, FMU_SPEED), &turn), DG_HOST_OK);
+        (void)fmu_step(fmu, 0, 1, false);
+        assert_int_equal(fmu_set(fmu, faulty[i], &yes), DG_HOST_OK);
+        (void)fmu_step(fmu, 1, 1, false);
+        assert_int_equal(fmu_integer(fmu, position), 2 << 16);
+        assert_int_equal(fmu_integer(fmu, OF_B(position)), 2 << 16);
+        fmu_free(fmu);
+    }
+}
+
+/* Without events every clocked encoder is read at the end of each step, and no other one. */
+static void all_are_latched_without_events(void **state)
+{
+    const uint32_t latched = VARIABLE(FMU_OUTPUT, FMU_FRAME_POSITION);
+    struct fmu *fmu = fmu_running(TOKEN " a=ssi-25 b=s3684-biss@0");
+
+    (void)state;
+    fmu_use_events(fmu, false);
+    assert_int_equal(fmu_set(fmu, VARIABLE(FMU_INPUT, FMU_SPEED), &turn), DG_HOST_OK);
+    (void)fmu_step(fmu, 0, 1, false);
+    assert_int_equal(fmu_integer(fmu, latched), 1 << 13);
+    assert_int_equal(fmu_integer(fmu, OF_B(latched)), 1 << 21);
+    fmu_use_events(fmu, true);
+    (void)fmu_step(fmu, 1, 1, false);
+    assert_int_equal(fmu_integer(fmu, latched), 1 << 13);
+    assert_int_equal(fmu_integer(fmu, OF_B(latched)), 1 << 21);
+    assert_int_equal(fmu_clock_set(fmu, OF_B(VARIABLE(FMU_BUS, FMU_MA)), true), DG_HOST_OK);
+    assert_int_equal(fmu_integer(fmu, latched), 1 << 13);
+    assert_int_equal(fmu_integer(fmu, OF_B(latched)), 2 << 21);
+    fmu_free(fmu);
+}
+
+/* Off and on again is a restart, on and on is none. */
+static void power_that_stays_is_no_restart(void **state)
+{
+    const struct fmu_value yes = {.type = FMU_BOOL, .integer = 1};
+    const struct fmu_value no = {.type = FMU_BOOL};
+    const uint32_t power = VARIABLE(FMU_INPUT, FMU_POWER);
+    struct fmu *fmu = fmu_running(TOKEN " =f3668");
+
+    (void)state;
+    (void)fmu_step(fmu, 0, 1, false);
+    assert_true(waiting(fmu, tx) > 0);
+    fmu_clocks_end(fmu);
+    assert_int_equal(fmu_set(fmu, power, &yes), DG_HOST_OK);
+    (void)fmu_step(fmu, 1, 1, false);
+    assert_int_equal(waiting(fmu, tx), 0);
+    assert_int_equal(fmu_set(fmu, power, &no), DG_HOST_OK);
+    assert_int_equal(fmu_set(fmu, power, &yes), DG_HOST_OK);
+    (void)fmu_step(fmu, 2, 1, false);
+    assert_true(waiting(fmu, tx) > 0);
+    fmu_free(fmu);
+}
+
+/* What is no number, or is beyond what a shaft or a world can be; nothing changes. */
+static void numbers_that_are_none_are_refused(void **state)
+{
+    static const uint32_t inputs[] = {VARIABLE(FMU_INPUT, FMU_ANGLE),
+                                      VARIABLE(FMU_INPUT, FMU_SPEED), VARIABLE(FMU_WORLD, 3)};
+    const double wrong[] = {(double)NAN, (double)INFINITY, -(double)INFINITY, 1e300, -1e300};
+    struct fmu *fmu = fmu_running(TOKEN " =f3668");
+
+    (void)state;
+    for (size_t i = 0; i < sizeof inputs / sizeof inputs[0]; i++) {
+        const double before = fmu_real(fmu, inputs[i]);
+        for (size_t k = 0; k < sizeof wrong / sizeof wrong[0]; k++) {
+            const struct fmu_value value = {.type = FMU_REAL, .real = wrong[k]};
+            assert_int_equal(fmu_set(fmu, inputs[i], &value), DG_HOST_ERR_ARGUMENT);
+        }
+        assert_true(fmu_real(fmu, inputs[i]) == before);
+    }
+    assert_int_equal(
+        fmu_set(fmu, VARIABLE(FMU_WORLD, 3), &(struct fmu_value){.type = FMU_REAL, .real = 1001}),
+        DG_HOST_ERR_ARGUMENT);
     fmu_free(fmu);
 }
 
@@ -498,6 +635,11 @@ int main(void)
         cmocka_unit_test(bounds_are_within),
         cmocka_unit_test(an_encoder_may_start_without_power),
         cmocka_unit_test(each_fault_has_its_own_truth_value),
+        cmocka_unit_test(each_node_has_its_own_bus),
+        cmocka_unit_test(followers_follow_with_faults_too),
+        cmocka_unit_test(all_are_latched_without_events),
+        cmocka_unit_test(power_that_stays_is_no_restart),
+        cmocka_unit_test(numbers_that_are_none_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
