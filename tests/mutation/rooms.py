@@ -111,6 +111,9 @@ JUDGES = {
     "tools/drehgeber/web": [r"e2e\.web", r"e2e\.cli"],
     "tools/python/": [r"python\.package/(encoder|values)", r"python\.package/(serial|can|rig|user)$",
                       r"python\.package/(package|rig_readers)"],
+    "tools/python/drehgeber/control": [r"python\.package/(control|user)$"],
+    "tools/python/drehgeber/instrument": [r"python\.package/(control|encoder|user)$"],
+    "tools/python/drehgeber/running": [r"python\.package/(control|user)$"],
 }
 
 # The command finds these beside itself.

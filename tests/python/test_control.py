@@ -160,6 +160,9 @@ def test_a_rig_is_steered():
         assert axis.state()["power"] == 0
         axis.power("CYCLE")
         assert axis.state()["power"] == 1
+    with pytest.raises(ProcessLookupError):
+        os.kill(rig.pid, 0)
+    assert not os.path.exists(rig.socket)
 
 
 def test_one_that_does_not_end(monkeypatch):
