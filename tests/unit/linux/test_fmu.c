@@ -561,6 +561,8 @@ static void all_are_latched_without_events(void **state)
     (void)fmu_step(fmu, 0, 1, false);
     assert_int_equal(fmu_integer(fmu, latched), 1 << 13);
     assert_int_equal(fmu_integer(fmu, OF_B(latched)), 1 << 21);
+    assert_int_equal(fmu_integer(fmu, OF_B(VARIABLE(FMU_OUTPUT, FMU_NERR))), 1);
+    assert_int_equal(fmu_integer(fmu, OF_B(VARIABLE(FMU_OUTPUT, FMU_NWARN))), 1);
     fmu_use_events(fmu, true);
     (void)fmu_step(fmu, 1, 1, false);
     assert_int_equal(fmu_integer(fmu, latched), 1 << 13);

@@ -97,7 +97,12 @@ int fmi2Reset(void *of);
 int fmi2DoStep(void *of, double at, double span, int no_state);
 int fmi2GetReal(void *of, const uint32_t references[], size_t n, double values[]);
 int fmi2SetReal(void *of, const uint32_t references[], size_t n, const double values[]);
+int fmi2GetInteger(void *of, const uint32_t references[], size_t n, int32_t values[]);
+int fmi2SetInteger(void *of, const uint32_t references[], size_t n, const int32_t values[]);
+int fmi2GetBoolean(void *of, const uint32_t references[], size_t n, int values[]);
+int fmi2SetBoolean(void *of, const uint32_t references[], size_t n, const int values[]);
 int fmi2GetString(void *of, const uint32_t references[], size_t n, const char *values[]);
+int fmi2SetString(void *of, const uint32_t references[], size_t n, const char *const values[]);
 int fmi2CancelStep(void *of);
 int fmi2GetFMUstate(void *of, void **to);
 int fmi2SetFMUstate(void *of, void *from);
@@ -325,6 +330,59 @@ static void arrays_that_do_not_fit_are_told(void **state)
     of = begin(&versions[1], TOKEN " =f3668", 0);
     refused(fmi2CancelStep(of), "fmi2CancelStep", DG_HOST_ERR_NAME);
     fmi2FreeInstance(of);
+}
+
+/* What stands behind the count is not looked at: there is no such variable, and it would be an
+ * error. */
+static void calls_end_with_their_count(void **state)
+{
+    const uint32_t numbers[] = {node, none};
+    const uint32_t reals[] = {speed, none};
+    const uint32_t truths[] = {fault, none};
+    const uint32_t words[] = {VARIABLE(FMU_PARAMETER, 2), none};
+    const uint32_t wires[] = {VARIABLE(FMU_BUS, FMU_TX), none};
+    const uint32_t clocks[] = {VARIABLE(FMU_BUS, FMU_RX_CLOCK), none};
+    const uint32_t in[] = {VARIABLE(FMU_BUS, FMU_RX), none};
+    int64_t wide[2] = {9, 77};
+    int32_t narrow[2] = {8, 77};
+    double real[2] = {1, 77};
+    bool truth[2] = {true, false};
+    int flags[2] = {1, 77};
+    const char *texts[2] = {"16", "77"};
+    const uint8_t *bytes[2] = {NULL, NULL};
+    size_t sizes[2] = {0, 77};
+
+    (void)state;
+    void *of = begin(&versions[0], TOKEN " =f3668", 0);
+    assert_int_equal(fmi3SetInt64(of, numbers, 1, wide, 2), OK);
+    assert_int_equal(fmi3SetFloat64(of, reals, 1, real, 2), OK);
+    assert_int_equal(fmi3SetBoolean(of, truths, 1, truth, 2), OK);
+    assert_int_equal(fmi3SetString(of, words, 1, texts, 2), OK);
+    assert_int_equal(fmi3SetClock(of, clocks, 1, truth), OK);
+    assert_int_equal(fmi3SetBinary(of, in, 1, sizes, bytes, 2), OK);
+    assert_int_equal(fmi3GetInt64(of, numbers, 1, wide, 2), OK);
+    assert_int_equal(fmi3GetFloat64(of, reals, 1, real, 2), OK);
+    assert_int_equal(fmi3GetBoolean(of, truths, 1, truth, 2), OK);
+    assert_int_equal(fmi3GetString(of, words, 1, texts, 2), OK);
+    assert_int_equal(fmi3GetClock(of, clocks, 1, truth), OK);
+    assert_int_equal(fmi3GetBinary(of, wires, 1, sizes, bytes, 2), OK);
+    assert_true(wide[0] == 9 && wide[1] == 77 && real[0] == 1 && sizes[1] == 77);
+    assert_string_equal(texts[0], "16");
+    fmi3FreeInstance(of);
+    of = begin(&versions[1], TOKEN " =f3668", 0);
+    texts[0] = "12";
+    assert_int_equal(fmi2SetInteger(of, numbers, 1, narrow), OK);
+    assert_int_equal(fmi2SetReal(of, reals, 1, real), OK);
+    assert_int_equal(fmi2SetBoolean(of, truths, 1, flags), OK);
+    assert_int_equal(fmi2SetString(of, words, 1, texts), OK);
+    narrow[0] = flags[0] = 55;
+    assert_int_equal(fmi2GetInteger(of, numbers, 1, narrow), OK);
+    assert_int_equal(fmi2GetReal(of, reals, 1, real), OK);
+    assert_int_equal(fmi2GetBoolean(of, truths, 1, flags), OK);
+    assert_int_equal(fmi2GetString(of, words, 1, texts), OK);
+    assert_true(narrow[0] == 8 && narrow[1] == 77 && flags[0] == 1 && flags[1] == 77);
+    fmi2FreeInstance(of);
+    assert_int_equal(heard.times, 0);
 }
 
 /* Whoever wants to hear nothing. */
@@ -610,6 +668,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(errors_are_told_in_words),
         cmocka_unit_test(arrays_that_do_not_fit_are_told),
+        cmocka_unit_test(calls_end_with_their_count),
         cmocka_unit_test(silent_importers_get_the_same_answers),
         cmocka_unit_test(a_reset_begins_anew),
         cmocka_unit_test(an_output_ends_the_settings),
