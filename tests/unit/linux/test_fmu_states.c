@@ -225,6 +225,7 @@ static void a_state_brings_its_beginning(void **state)
 
     (void)state;
     assert_true(early != NULL && late != NULL);
+    assert_true(fmu_time(early) == 0);
     assert_int_equal(fmu_start(late, 7.5), DG_HOST_OK);
     (void)fmu_step(late, 7.5, 0.5, false);
     uint8_t *new = saved(early, &n);

@@ -291,6 +291,7 @@ static void records_of_characters_have_their_length(void **state)
 {
     static const uint8_t one[17] = {[12] = 1};
     static const uint8_t none[16] = {0};
+    static const uint8_t many[16 + 0x800] = {[13] = 8};
     struct fmu *fmu = fmu_running(TOKEN " =s3684-rs485");
 
     (void)state;
@@ -300,6 +301,8 @@ static void records_of_characters_have_their_length(void **state)
     assert_int_equal(give(fmu, one, 15), DG_HOST_ERR_ARGUMENT);
     assert_int_equal(give(fmu, none, 16), DG_HOST_OK);
     assert_int_equal(give(fmu, none, 0), DG_HOST_OK);
+    /* 16 characters are an event, and of those DG_HOST_QUEUE wait. */
+    assert_int_equal(give(fmu, many, sizeof many), DG_HOST_ERR_SPACE);
     fmu_free(fmu);
 }
 
