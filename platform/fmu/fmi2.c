@@ -106,7 +106,6 @@ FMI_FUNCTION(int, fmi2DoStep, (void *of, double now, double span, int no_state))
         return FMI_ERROR;
     }
     (void)fmu_step(self->fmu, now, span, false);
-    fmu_clocks_end(self->fmu);
     return FMI_OK;
 }
 

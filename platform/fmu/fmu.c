@@ -99,7 +99,6 @@ struct dg_host_panel *encoder_panel(struct fmu *self, struct fmu_encoder *encode
         void *place = encoder_aligned(encoder->panel_memory);
         encoder->panel = dg_host_panel_make(place, size, encoder->host);
     }
-    dg_host_shaft_of(encoder->host, NULL);
     (void)dg_host_share(encoder->host,
                         encoder->owner < 0 ? NULL : self->encoders[encoder->owner].host);
     return encoder->panel;
