@@ -105,7 +105,7 @@ def main():
     commit = sys.argv[4] if sys.argv[3:4] == ["--changed"] else None
     tidy = Tidy(tree, build)
     sources = sources_of(tree, None if commit else next(iter(sys.argv[3:]), None))
-    complaints = [f"error: {build.name} does not compile {source}; for libgpiod 2 it needs what tools/check --all fetches"
+    complaints = [f"error: {build.name} does not compile {source}; for libgpiod 2 it needs what tools/environments all fetches"
                   for source in sources if not commit and tidy.compiler_of(source) is None]
     sources = [source for source in sources if tidy.compiler_of(source)]
     with concurrent.futures.ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
