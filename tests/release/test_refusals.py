@@ -15,7 +15,7 @@ MINOR = VERSION.rpartition(".")[0]
 
 @pytest.fixture(scope="session", name="kept")
 def fixture_kept():
-    return copy_tree(Path(os.environ["RELEASE_FOLDER"]) / "refusals")
+    return copy_tree(Path(os.environ["RELEASE_WORK"]) / "refusals")
 
 
 @pytest.fixture(name="tree")

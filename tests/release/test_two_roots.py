@@ -12,7 +12,7 @@ import pytest
 
 from copies import TREE, VERSION, copy_tree, git, release
 
-WORK = Path(os.environ["RELEASE_FOLDER"])
+WORK = Path(os.environ["RELEASE_WORK"])
 ROOTS = {"one": {}, "another/of/a-longer-name": {"TZ": "Pacific/Auckland", "LC_ALL": "C", "HOME": "/nonexistent", "LANG": "C"}}
 MASKS = (0o022, 0o077)
 # Every kind of file that a release has, and how many of it.
