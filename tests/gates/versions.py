@@ -18,6 +18,8 @@ PLACES = (
     ("tools/examples/consumers/find-package/CMakeLists.txt", r"find_package\(drehgeber (\S+)", "minor"),
     ("tools/examples/consumers/meson/meson.build", r"dependency\('drehgeber', version: '>=([^']*)'", "minor"),
     ("docs/install.md", r"find_package\(drehgeber (\S+)", "minor"),
+    ("docs/install.md", r"/drehgeber(?:@v|:)([\d.]+)", "version"),
+    ("docs/install.md", r"^ +version: (\S+)", "version"),
     ("docs/install.md", r"libdrehgeber\{([\d.]+)", "soname"),
     ("debian/control", r"\blibdrehgeber(\d[\d.]*)", "soname"),
 )
