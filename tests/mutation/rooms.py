@@ -86,7 +86,7 @@ JUDGES = {
     "platform/linux/interbus/": [r"unit\.(modbus|ib_idle|ib_map|ring_files|refused)", r"golden\.", r"realtime\.scarce",
                                  r"realtime\.ring_bus",
                                  r"e2e\.interbus", r"e2e\.(virtual_time|trace_tools)", r"e2e\.control/"],
-    "platform/linux/trace/": [r"unit\.(decode|tap|trace|trace_uart|rig_client)", r"golden\.",
+    "platform/linux/trace/": [r"unit\.(decode|tap|trace|trace_replaced|trace_uart|rig_client)", r"golden\.",
                               r"realtime\.scarce", r"realtime\.record",
                               r"e2e\.(virtual_time|trace_tools|ssi|biss)", r"e2e\.(interbus|sigrok|rig)"],
     "platform/linux/rig/": [r"unit\.(rig_client|rig_waits|ring_files|plan|refused)", r"golden\.",
