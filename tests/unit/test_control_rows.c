@@ -73,7 +73,7 @@ static void test_table(void **state)
 static const struct dg_encoder *looked_at;
 static dg_ns looked_when;
 
-static void look(struct dg_rig *to, struct dg_encoder *encoder, dg_ns now)
+static void look_at_encoder(struct dg_rig *to, struct dg_encoder *encoder, dg_ns now)
 {
     assert_ptr_equal(to, &rig.rig);
     looked_at = encoder;
@@ -85,7 +85,7 @@ static void look(struct dg_rig *to, struct dg_encoder *encoder, dg_ns now)
 static void test_look(void **state)
 {
     (void)state;
-    rig.ops.look = look;
+    rig.ops.look = look_at_encoder;
     expect("INST:SEL can", "");
     looked_at = NULL;
     rig.now += DG_S(5);

@@ -74,7 +74,7 @@ static void a_state_keeps_no_more_than_the_beginning_of_a_long_name(void **state
     assert_int_equal(dg_host_restore(other, blob, n), DG_HOST_ERR_OTHER);
 }
 
-static void put(uint8_t *to, uint32_t value, size_t size)
+static void put_number(uint8_t *to, uint32_t value, size_t size)
 {
     const uint16_t half = (uint16_t)value;
 
@@ -94,8 +94,8 @@ static void forge(const struct dg_host *self, size_t offset, uint32_t value, siz
     const size_t head = n - dg_host_size(self->device, self->wire);
 
     memcpy(again, blob, n);
-    put(again + head + offset, value, size);
-    put(again + head - sizeof value, dg_crc32(0, again + head, n - head), sizeof value);
+    put_number(again + head + offset, value, size);
+    put_number(again + head - sizeof value, dg_crc32(0, again + head, n - head), sizeof value);
 }
 
 /* What the handle itself counts by is looked at even when the sum is right. */

@@ -76,7 +76,7 @@ static int end_bench(void **state)
     return 0;
 }
 
-static void say(struct bench *self, const char *hex)
+static void say_hex(struct bench *self, const char *hex)
 {
     uint8_t bytes[64];
     virtual_rig_say(&self->rig, bytes, hf_rig_hex(hex, bytes, sizeof bytes));
@@ -103,14 +103,14 @@ static void expect_answer(struct bench *self, const char *command, const char *a
     if (answer != NULL) {
         (void)snprintf(heard, sizeof heard, "FFFA2C %s FFF0", answer);
     }
-    say(self, said);
+    say_hex(self, said);
     expect_heard(self, command, heard);
 }
 
 /* A request, and all that comes. */
 static void expect_reply(struct bench *self, const char *setting, const char *hex)
 {
-    say(self, REQUEST);
+    say_hex(self, REQUEST);
     virtual_rig_pass(&self->rig, REST);
     expect_heard(self, setting, hex);
 }
@@ -248,10 +248,10 @@ static void an_encoder_hears_its_own_setting(void **state)
         expect_reply(self, rows[i].command, rows[i].hears ? REPLY : "");
     }
     /* a break is a damaged character, and no command is one */
-    say(self, "40 42 FFF3 02");
+    say_hex(self, "40 42 FFF3 02");
     virtual_rig_pass(&self->rig, REST);
     expect_heard(self, "a break", "40 50 0A 1A");
-    say(self, "40 FFF1 42 FFF6 02");
+    say_hex(self, "40 FFF1 42 FFF6 02");
     virtual_rig_pass(&self->rig, REST);
     expect_heard(self, "commands", REPLY);
 }
@@ -282,14 +282,14 @@ static void a_master_hears_at_its_own_setting(void **state)
     expect_answer(self, "03 03", "67 03");
     for (size_t round = 0; round < 2; round++) { /* then it wants to know what was wrong */
         for (size_t i = 0; i < (round == 0 ? DG_COUNT(rows) : DG_COUNT(told)); i++) {
-            say(self, REQUEST);
+            say_hex(self, REQUEST);
             virtual_rig_pass(&self->rig, DG_MS(4));
             expect_answer(self, rows[i].command, rows[i].answer);
             virtual_rig_pass(&self->rig, REST);
             expect_heard(self, rows[i].command, round == 0 ? rows[i].heard : told[i]);
             char back[64];
             (void)snprintf(back, sizeof back, "FFFA2C %s FFF0", rows[i].back);
-            say(self, back);
+            say_hex(self, back);
             self->heard_count = 0;
         }
         expect_answer(self, "0A 0C", "6E 0C");
@@ -320,7 +320,7 @@ static void at_its_own_pace_or_at_once(void **state)
 {
     struct bench *self = *state;
     open_port(self, "tcp", "pace = 0");
-    say(self, REQUEST);
+    say_hex(self, REQUEST);
     virtual_rig_pass(&self->rig, ANSWER - 1u);
     expect_heard(self, "pace=0", "");
     virtual_rig_pass(&self->rig, 1);
@@ -342,7 +342,7 @@ static void who_is_done_lingers(void **state)
     struct bench *self = *state;
     open_port(self, "tcp", "");
     const unsigned open = descriptors_open();
-    say(self, REQUEST);
+    say_hex(self, REQUEST);
     assert_int_equal(shutdown(self->rig.line, SHUT_WR), 0);
     virtual_rig_serve(&self->rig);
     const dg_ns begin = lx_now();
@@ -371,7 +371,7 @@ static void what_nobody_hears_is_lost(void **state)
     expect_reply(self, "once", REPLY);
     expect_counters(self, "wire_up=1,wire_late=0,wire_collided=0,wire_lost=0,wire_baud=9600,"
                           "wire_overrun=0");
-    say(self, REQUEST);
+    say_hex(self, REQUEST);
     (void)close(self->rig.line);
     self->rig.line = -1;
     virtual_rig_pass(&self->rig, REST);

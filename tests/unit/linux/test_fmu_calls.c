@@ -119,7 +119,7 @@ static struct {
     char text[160];
 } heard;
 
-static void hear(void *environment, int status, const char *category, const char *message)
+static void hear_log(void *environment, int status, const char *category, const char *message)
 {
     heard.times++;
     heard.status = status;
@@ -137,7 +137,7 @@ static void hear_2(void *environment, const char *name, int status, const char *
     (void)vsnprintf(text, sizeof text, message, arguments);
     va_end(arguments);
     assert_string_equal(name, "drehgeber");
-    hear(environment, status, category, text);
+    hear_log(environment, status, category, text);
 }
 
 static const struct callbacks callbacks = {.log = hear_2, .environment = &heard};
@@ -145,7 +145,7 @@ static const struct callbacks callbacks = {.log = hear_2, .environment = &heard}
 static void *make_3(const char *token)
 {
     return fmi3InstantiateCoSimulation("it", token, NULL, false, false, true, false, NULL, 0,
-                                       &heard, hear, NULL);
+                                       &heard, hear_log, NULL);
 }
 
 static void *make_2(const char *token)

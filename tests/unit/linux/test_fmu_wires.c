@@ -232,7 +232,8 @@ static void emergencies_are_seen_at_every_node(void **state)
 /* --- RS485 --- */
 
 /* A record of `n` characters at once, of `each` ns each, damaged or not. */
-static int say(struct fmu *fmu, const uint8_t *characters, uint8_t n, uint32_t each, bool damaged)
+static int say_characters(struct fmu *fmu, const uint8_t *characters, uint8_t n, uint32_t each,
+                          bool damaged)
 {
     uint8_t bytes[16 + 64] = {0};
     assert_true(n <= 64);
@@ -277,8 +278,9 @@ static void requests_are_whole_or_unanswered(void **state)
         uint8_t reply[256];
         struct fmu *fmu = fmu_running(TOKEN " =s3684-rs485");
         (void)fmu_step(fmu, 0, 1, false);
-        assert_int_equal(say(fmu, request, sizeof request, rows[i].each, rows[i].damaged),
-                         DG_HOST_OK);
+        assert_int_equal(
+            say_characters(fmu, request, sizeof request, rows[i].each, rows[i].damaged),
+            DG_HOST_OK);
         (void)fmu_step(fmu, 1, 1, false);
         const size_t n = hear_reply(fmu, reply);
         assert_int_equal(n > 2 && reply[0] == 0x40 && reply[1] == 0x42, rows[i].answered);

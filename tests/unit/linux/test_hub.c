@@ -77,7 +77,7 @@ static int end_bench(void **state)
     return 0;
 }
 
-static void say(struct bench *self, const char *text)
+static void say_text(struct bench *self, const char *text)
 {
     virtual_rig_say(&self->rig, (const uint8_t *)text, strlen(text));
 }
@@ -92,14 +92,14 @@ static void expect_heard(struct bench *self, const char *text)
 
 static void expect(struct bench *self, const char *text, const char *answer)
 {
-    say(self, text);
+    say_text(self, text);
     expect_heard(self, answer);
 }
 
 /* An adapter at 250 kBd, the encoders' rate; whatever they say to that is left out. */
 static void open_channel(struct bench *self)
 {
-    say(self, "S5\rO\r");
+    say_text(self, "S5\rO\r");
     virtual_rig_pass(&self->rig, DG_S(1));
     self->heard_count = 0;
 }
@@ -224,7 +224,7 @@ static void load_is_what_was_on_the_wire(void **state)
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         virtual_rig_pass(&self->rig, DG_MS(1500)); /* into the middle of a second */
         for (unsigned k = 0; k < rows[i].count; k++) {
-            say(self, rows[i].line);
+            say_text(self, rows[i].line);
         }
         char text[96];
         (void)snprintf(text, sizeof text, "wire_kbaud=250,wire_load_permille=%u,",
@@ -249,7 +249,7 @@ static void who_has_subscribed_hears(void **state)
     expect_heard(self, "");
     expect(self, "< subscribe 0 0 582 >", "");
     expect(self, "< send 601 8 40 18 10 0 0 0 0 0 >", "");
-    say(self, "< send 602 8 40 18 10 0 0 0 0 0 >");
+    say_text(self, "< send 602 8 40 18 10 0 0 0 0 0 >");
     const dg_ns now = lx_now();
     (void)snprintf(right, sizeof right, "< frame 582 %llu.%06llu 4F18100004000000 >",
                    (unsigned long long)(now / DG_S(1)),

@@ -178,7 +178,7 @@ static uint32_t get_pair(struct bench *self, uint16_t address)
     return (uint32_t)get(self, address) << 16 | get(self, address + 1u);
 }
 
-static void put(struct bench *self, uint16_t address, uint16_t value)
+static void put_register(struct bench *self, uint16_t address, uint16_t value)
 {
     const uint8_t pdu[] = {6, (uint8_t)(address >> 8), (uint8_t)address, (uint8_t)(value >> 8),
                            (uint8_t)value};
@@ -532,14 +532,14 @@ static void the_watchdog_fires_in_a_cycle(void **state)
     };
     struct bench *self = *state;
     open_ring(self, "0DEG", 1);
-    put(self, 0x1120, 100);
-    put(self, 0x1122, 0);
-    put(self, 0x1123, 2);
+    put_register(self, 0x1120, 100);
+    put_register(self, 0x1122, 0);
+    put_register(self, 0x1123, 2);
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         const dg_ns second = (i + 1u) * DG_S(10);
         const dg_ns fed = second + rows[i].fed;
         pass_to(self, fed);
-        put(self, 0x0800, 0);
+        put_register(self, 0x0800, 0);
         assert_int_equal(get(self, 0x1020), 100);
         const uint32_t before = get_pair(self, 0x2002);
         const dg_ns fires = second + (rows[i].cycles + 1u) * CYCLE;
@@ -560,8 +560,8 @@ static void the_watchdog_fires_in_a_cycle(void **state)
         pass_to(self, second + DG_S(5));
         assert_int_equal(get(self, 0x1121), 1);
         assert_int_equal(get_pair(self, 0x2002) - before, rows[i].cycles);
-        put(self, 0x1121, 0xBECF);
-        put(self, 0x1121, 0xAFFE);
+        put_register(self, 0x1121, 0xBECF);
+        put_register(self, 0x1121, 0xAFFE);
         assert_int_equal(get(self, 0x1121), 0);
         pass_to(self, second + DG_S(5) + 2 * CYCLE);
         assert_int_equal(get_pair(self, 0x2002) - before, rows[i].cycles + 2u);

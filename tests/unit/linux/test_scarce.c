@@ -327,7 +327,7 @@ struct answer {
     size_t length;
 };
 
-static void hear(void *ctx, const char *bytes, size_t n)
+static void keep_answer(void *ctx, const char *bytes, size_t n)
 {
     struct answer *self = ctx;
     for (size_t i = 0; i < n && self->length < sizeof self->text - 1u; i++) {
@@ -336,7 +336,7 @@ static void hear(void *ctx, const char *bytes, size_t n)
     self->text[self->length] = '\0';
 }
 
-static void say(struct dg_control *client, sd_event *event, const char *command)
+static void send_line(struct dg_control *client, sd_event *event, const char *command)
 {
     (void)dg_control_rx(client, lx_now(), command, strlen(command));
     (void)dg_control_rx(client, lx_now(), "\n", 1);
@@ -354,12 +354,12 @@ static bool serve_client(struct lx_rig *rig, sd_event *event, struct lx_error *e
     struct dg_control client;
     struct answer answer = {.text = ""};
     bool told = true;
-    dg_control_init(&client, lx_rig_control(rig), hear, &answer);
+    dg_control_init(&client, lx_rig_control(rig), keep_answer, &answer);
     for (size_t i = 0; i < 2u * COMMANDS && scarce.refused == NULL; i++) {
         const char *command = commands[i / 2u];
-        say(&client, event, command);
+        send_line(&client, event, command);
         answer.length = 0;
-        say(&client, event, "SYST:ERR?");
+        send_line(&client, event, "SYST:ERR?");
         /* Without memory there are no last frames, which is an answer. */
         told = scarce.refused == NULL || strcmp(command, "TRAC:LAST?") == 0 ||
                strstr(answer.text, reason_of_refusal()) != NULL;
@@ -459,14 +459,14 @@ static void a_file_that_closes_badly_is_not_whole(void **state)
     assert_int_equal(lx_plan_read(&plan, "rig.ini", &error), 0);
     const struct lx_rig_setup setup = {.event = event, .say = &quiet, .plan = &plan};
     assert_int_equal(lx_rig_open(&rig, &setup, lx_now(), &error), LX_RIG_OK);
-    dg_control_init(&client, lx_rig_control(rig), hear, &answer);
+    dg_control_init(&client, lx_rig_control(rig), keep_answer, &answer);
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
-        say(&client, event, rows[i][0]);
+        send_line(&client, event, rows[i][0]);
         scarce.disk_is_broken = true;
-        say(&client, event, rows[i][1]);
+        send_line(&client, event, rows[i][1]);
         scarce.disk_is_broken = false;
         answer.length = 0;
-        say(&client, event, "SYST:ERR?");
+        send_line(&client, event, "SYST:ERR?");
         if (strstr(answer.text, ": Input/output error") == NULL) {
             fail_msg("%s: %s", rows[i][1], answer.text);
         }
