@@ -78,7 +78,7 @@ struct line {
     size_t judged;
     uint8_t heard[TOLD_MAX]; /* by the master */
     size_t heard_count;
-    char folder[32]; /* of an EEPROM file; empty: there is none */
+    char folder[SLOW_DISK_FOLDER]; /* of an EEPROM file; empty: there is none */
 };
 
 /* --- the line and its master --- */
@@ -529,10 +529,8 @@ static void a_late_one_holds_up_nobody(void **state)
 /* The first one stores what it counts. */
 static void open_storing_line(struct line *self)
 {
-    char key[sizeof self->folder + 16];
-    (void)strcpy(self->folder, "/tmp/neighbours.XXXXXX");
-    assert_non_null(mkdtemp(self->folder));
-    (void)snprintf(key, sizeof key, "nvm = %s/a", self->folder);
+    char key[SLOW_DISK_KEY];
+    slow_disk_make_folder(self->folder, key);
     open_line(self, key, "");
 }
 
@@ -617,14 +615,9 @@ static int make_line(void **state)
 static int end_line(void **state)
 {
     struct line *self = *state;
-    char path[sizeof self->folder + 2];
     slow_disk_give();
     virtual_rig_close(&self->rig);
-    if (self->folder[0] != '\0') {
-        (void)snprintf(path, sizeof path, "%s/a", self->folder);
-        (void)unlink(path);
-        (void)rmdir(self->folder);
-    }
+    slow_disk_remove_folder(self->folder);
     free(self);
     return 0;
 }

@@ -46,8 +46,8 @@ struct bench {
     dg_ns begin; /* of the ring's first cycle, in which it is identified */
     uint8_t heard[4096];
     size_t heard_count;
-    uint16_t number; /* of the latest request */
-    char folder[32]; /* of an EEPROM file; empty: there is none */
+    uint16_t number;               /* of the latest request */
+    char folder[SLOW_DISK_FOLDER]; /* of an EEPROM file; empty: there is none */
 };
 
 static void on_heard(void *ctx, const uint8_t *bytes, size_t n)
@@ -98,14 +98,9 @@ static int make_bench(void **state)
 static int end_bench(void **state)
 {
     struct bench *self = *state;
-    char path[sizeof self->folder + 2];
     slow_disk_give();
     virtual_rig_close(&self->rig);
-    if (self->folder[0] != '\0') {
-        (void)snprintf(path, sizeof path, "%s/a", self->folder);
-        (void)unlink(path);
-        (void)rmdir(self->folder);
-    }
+    slow_disk_remove_folder(self->folder);
     free(self);
     return 0;
 }
@@ -627,10 +622,8 @@ static void put_out(struct bench *self, uint32_t out)
 static void an_answer_waits_for_the_disk(void **state)
 {
     struct bench *self = *state;
-    char key[sizeof self->folder + 16];
-    (void)strcpy(self->folder, "/tmp/modbus.XXXXXX");
-    assert_non_null(mkdtemp(self->folder));
-    (void)snprintf(key, sizeof key, "nvm = %s/a", self->folder);
+    char key[SLOW_DISK_KEY];
+    slow_disk_make_folder(self->folder, key);
     open_ring_with(self, "60RPM", 1, key);
     for (uint32_t shift = 1; shift <= 2; shift++) {
         const uint32_t command = 0x0A000000 | shift;
