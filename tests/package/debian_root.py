@@ -69,7 +69,7 @@ def make_root(root, suite):
     (root / "etc/dpkg/dpkg.cfg.d/roots").write_text("force-unsafe-io\n")  # nobody needs it after a power cut
 
 
-def blocks_of(page, mark):
+def blocks_of(page, mark, language="sh"):
     """What a page tells a newcomer to type: its blocks with `run: elsewhere, MARK`."""
     text = Path(page).read_text(encoding="utf-8")
-    return re.findall(rf"^<!-- run: elsewhere, {re.escape(mark)} -->\n```sh\n(.*?)^```$", text, re.M | re.S)
+    return re.findall(rf"^<!-- run: elsewhere, {re.escape(mark)} -->\n```{language}\n(.*?)^```$", text, re.M | re.S)

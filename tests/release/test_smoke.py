@@ -216,21 +216,35 @@ def test_the_site(tmp_path):
         assert (site / page).stat().st_size > 1000
 
 
+def jobs_of_the_page() -> list:
+    """The jobs of docs/install.md for the two forges: GitHub's, GitLab's."""
+    blocks = debian_root.blocks_of(TREE / "docs/install.md", "release.smoke", "yaml")
+    github, gitlab = (yaml.safe_load(block) for block in blocks)
+    return [github["jobs"]["test"], gitlab["test"]]
+
+
 def test_the_action(root, capfd):
-    """The steps of action.yml, with the release where its address leads to."""
+    """The steps of action.yml as docs/install.md calls them, with the release where its address leads to. Then what it
+    has for GitLab, in the same root in place of the image."""
+    github, gitlab = jobs_of_the_page()
+    called, asks, shows = github["steps"]
+    assert called["uses"] == f"ADDRESS/drehgeber@v{VERSION}" and called["with"]["version"] == VERSION
+    assert shows["run"] == f'echo "the port is ${{{{ steps.{called["id"]}.outputs.wire }}}}"'
     steps = yaml.safe_load((TREE / "action.yml").read_text(encoding="utf-8"))["runs"]["steps"]
     shutil.copytree(TREE / ".ci", root / "action/.ci")
     (root / "releases").mkdir()
     (root / f"releases/v{VERSION}").symlink_to("../release")
-    values = {"ACTION": "/action", "RELEASES": "file:///releases", "VERSION": VERSION, "MODEL": "s3684-rs485",
-              "OPTIONS": "--pty --shaft '90DEG'", "GITHUB_OUTPUT": "/tmp/output"}
+    inputs = {name.upper(): value for name, value in called["with"].items()}
+    values = {"ACTION": "/action", "RELEASES": "file:///releases", "GITHUB_OUTPUT": "/tmp/output"} | inputs
     assert set(values) >= {name for step in steps for name in step["env"]}
-    ask = "; drehgeber ctl 'SHAF:POS?'; cat /tmp/output"
+    ask = f"; {asks['run']}; cat /tmp/output"
     debian_root.run(root, "\n".join(step["run"] for step in steps) + ask, environment=values)
     said = capfd.readouterr().out
     assert re.search(rf"^drehgeber {re.escape(VERSION)}$", said, re.M)
     assert re.search(r"^90\.000000$", said, re.M)
     assert re.search(r"^wire=/dev/pts/\d+$", said, re.M)
+    assert gitlab["image"]["name"].endswith(f":{VERSION}")
+    assert re.search(r"^90\.000000$", debian_root.run(root, "\n".join(gitlab["script"])), re.M)
 
 
 def type_page(root: Path, ends: str, wanted_s: int, what: str, **environment) -> str:

@@ -66,7 +66,7 @@ def _make(page: str, token, path: tuple, marks: dict, earlier: list) -> Block:
     language = (token.info.split() or [""])[0]
     where, by = _where(marks.get("run"))
     prints = None
-    if language not in COMMANDS and "file" not in marks:
+    if language not in COMMANDS and not marks:
         runs = [block for block in earlier if block.path == path and block.is_run()]
         prints = runs[-1] if runs else None
         where = prints.where if prints else where
@@ -74,9 +74,9 @@ def _make(page: str, token, path: tuple, marks: dict, earlier: list) -> Block:
                   marks.get("file"), prints)
     if where is None:
         raise block.error(f"'run: {marks['run']}' is neither 'guest' nor 'elsewhere, NAME'")
-    if "run" in marks and block.language not in COMMANDS and block.file is None:
+    if "run" in marks and where != "elsewhere" and language not in COMMANDS and block.file is None:
         raise block.error("only what can be run has a 'run' mark; output is marked by its block")
-    if language and language not in COMMANDS and not prints and block.file is None:
+    if language and language not in COMMANDS and not prints and not marks:
         raise block.error(f"'{language}' cannot be run, and no block before it in this section "
                           f"could print it; can be run: {', '.join(COMMANDS)}")
     return block

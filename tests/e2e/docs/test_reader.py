@@ -81,7 +81,8 @@ RIGHT = {
               fence("python", "import seen\nprint(seen.SEEN)"), fence("text", "5")],
     "for the guest": ["<!-- run: guest -->\n", fence("sh", "false"), fence("text", "never")],
     "elsewhere": ["<!-- run: elsewhere, other.test -->\n", fence("sh", "false"),
-                  "<!-- run: elsewhere, job -->\n", fence("sh", "tools/all")],
+                  "<!-- run: elsewhere, job -->\n", fence("sh", "tools/all"),
+                  "<!-- run: elsewhere, other.test -->\n", fence("yaml", "script: tools/all")],
     "heading in a block": [fence("sh", "# One\n" + ENCODER), fence("sh", "test -e /tmp/enc")],
 }
 
