@@ -62,6 +62,18 @@ def _where(mark: Optional[str]) -> tuple:
     return ("guest", GUEST_TEST) if match[1] else ("elsewhere", match[2])
 
 
+def _refuse(block: Block, marks: dict):
+    """What a block cannot be."""
+    silent = block.language not in COMMANDS and block.file is None
+    if block.where is None:
+        raise block.error(f"'run: {marks['run']}' is neither 'guest' nor 'elsewhere, NAME'")
+    if "run" in marks and block.where != "elsewhere" and silent:
+        raise block.error("only what can be run has a 'run' mark; output is marked by its block")
+    if block.language and silent and not block.prints and not marks:
+        raise block.error(f"'{block.language}' cannot be run, and no block before it in this section "
+                          f"could print it; can be run: {', '.join(COMMANDS)}")
+
+
 def _make(page: str, token, path: tuple, marks: dict, earlier: list) -> Block:
     language = (token.info.split() or [""])[0]
     where, by = _where(marks.get("run"))
@@ -72,13 +84,7 @@ def _make(page: str, token, path: tuple, marks: dict, earlier: list) -> Block:
         where = prints.where if prints else where
     block = Block(page, token.map[0] + 2, path, language, token.content, where, by,
                   marks.get("file"), prints)
-    if where is None:
-        raise block.error(f"'run: {marks['run']}' is neither 'guest' nor 'elsewhere, NAME'")
-    if "run" in marks and where != "elsewhere" and language not in COMMANDS and block.file is None:
-        raise block.error("only what can be run has a 'run' mark; output is marked by its block")
-    if language and language not in COMMANDS and not prints and not marks:
-        raise block.error(f"'{language}' cannot be run, and no block before it in this section "
-                          f"could print it; can be run: {', '.join(COMMANDS)}")
+    _refuse(block, marks)
     return block
 
 
