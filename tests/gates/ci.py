@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """What other machines are told to do for a change is there to be done: the files of GitHub and GitLab are
 YAML with jobs, every program of the tree that they start is one and takes these arguments, as its `usage:` says,
-and both start the same ones. tests/package/roots runs the commands.
+and both start the same ones. Actions of others are named by a commit. tests/package/roots runs the commands.
 
 usage: ci.py TREE
 """
@@ -46,11 +46,18 @@ def refusal(tree, words):
         f"{' '.join(words)}: expected {program}{usage[1]}"
 
 
+def unpinned(text):
+    """Actions of others that may be another one tomorrow: not named by a commit."""
+    return [action for action in re.findall(r"^ *(?:- )?uses: *(\S+)", text, re.M)
+            if not re.search(r"@[0-9a-f]{40}$", action) and not action.startswith("./")]
+
+
 def main():
     tree = sys.argv[1]
     complaints, commands = [], {}
     paths = ci_jobs.paths(tree)
     for path in paths:
+        complaints += [f"{path}: {action} is not named by its commit" for action in unpinned(read(tree, path))]
         try:
             jobs = ci_jobs.read(tree, path)
         except (OSError, yaml.YAMLError, AttributeError, KeyError, TypeError) as error:
