@@ -182,18 +182,13 @@ static int set_world(struct fmu *self, struct fmu_encoder *encoder, const struct
                      const struct fmu_value *value)
 {
     double scaled = value->real;
-    int64_t old = 0;
     for (unsigned i = 0; i < key->places; i++) {
         scaled *= 10;
     }
     if (!fmu_is_small(scaled, 9e15)) {
         return DG_HOST_ERR_ARGUMENT;
     }
-    const int64_t counts = fmu_nearest(scaled);
-    const int result = dg_host_world_get(encoder->host, key->name, &old);
-    return result != DG_HOST_OK || old == counts
-               ? result
-               : dg_host_world_set(encoder->host, self->now, key->name, counts);
+    return dg_host_world_set(encoder->host, self->now, key->name, fmu_nearest(scaled));
 }
 
 static int set_key(struct fmu *self, struct fmu_encoder *encoder, uint32_t index,
