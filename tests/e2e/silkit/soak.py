@@ -92,7 +92,11 @@ def bend(control, watch, kind, name):
     control.do(f"INST:SEL {kind};:FAUL:SET {name}")
     time.sleep(0.05)
     control.do(f"FAUL:CLE {name}")
-    watch.sound_from = watch.steps if kind == "can" else watch.sound_from
+    if kind == "can":
+        watch.sound_from = watch.steps
+        # As many steps with answers due as without, however fast they are.
+        while watch.going_on() and watch.steps < watch.sound_from + 2 * RESTART:
+            time.sleep(0.01)
     time.sleep(0.05)
 
 
