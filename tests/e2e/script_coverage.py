@@ -12,6 +12,7 @@ from itertools import groupby
 from pathlib import Path
 
 import pytest
+from playwright.sync_api import Error
 
 KEPT = os.environ.get("SCRIPT_COVERAGE")
 # Chromium's: of a script that comes from the cache, V8 counts functions only, and all of one that was called as run.
@@ -39,9 +40,18 @@ class ScriptCoverage:
             session.send("Debugger.enable")
             for script in scripts:
                 if script["url"].endswith(".js"):
-                    text = session.send("Debugger.getScriptSource", {"scriptId": script["scriptId"]})["scriptSource"]
-                    self.add(text, script["functions"])
+                    self.add_script(session, script)
             session.send("Debugger.disable")
+
+    def add_script(self, session, script):
+        """A page that is loaded again may have let go of the script since: then its text is gone, too."""
+        try:
+            text = session.send("Debugger.getScriptSource", {"scriptId": script["scriptId"]})["scriptSource"]
+        except Error as error:
+            if "No script for id" not in error.message:
+                raise
+            return
+        self.add(text, script["functions"])
 
     def add(self, text, functions):
         """An inner range says more than those around it: they are painted by length."""
