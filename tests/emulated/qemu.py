@@ -15,8 +15,8 @@ import serial
 
 REQUEST = bytes([0x40, 0x42, 0x02])
 REPLY = bytes([0x40, 0x42, 0x00, 0x00, 0x40, 0x00, 0x42])  # a quarter of 65536 steps
-# What came of a request in pieces: an error (50h), or nothing. A machine that stands still takes one apart.
-TORN = re.compile(rb"(?:\x40\x50..)*", re.S)
+# All that comes back: replies, and errors (50h) to requests in pieces, as a machine that stands still takes them apart.
+RIGHT = re.compile(rb"(?:" + re.escape(REPLY) + rb"|\x40\x50..)*", re.S)
 WANTED = 10
 ASKED_MOST = 40
 PATIENCE = 30
@@ -47,17 +47,18 @@ def main():
                                 "-monitor", "none", "-serial", f"tcp:127.0.0.1:{port},server=on,wait=on"])
     try:
         with connect(port, time.monotonic() + PATIENCE) as line:
-            answers = []
-            while answers.count(REPLY) < WANTED and len(answers) < ASKED_MOST:
+            came, asked = b"", 0
+            while came.count(REPLY) < WANTED and asked < ASKED_MOST:
                 line.write(REQUEST)
-                answers.append(line.read(len(REPLY)))
+                asked += 1
+                came += line.read(len(REPLY))
     finally:
         machine.kill()
         machine.wait()
-    good = answers.count(REPLY)
-    wrong = [answer.hex(" ") for answer in answers if answer != REPLY and not TORN.fullmatch(answer)]
-    print(f"{good} of {len(answers)} answers are right, these are wrong: {wrong}")
-    sys.exit(0 if good == WANTED and not wrong else 1)
+    good = came.count(REPLY)
+    right = RIGHT.fullmatch(came) is not None
+    print(f"{good} replies to {asked} requests, {'nothing' if right else 'something'} wrong among them: {came.hex(' ')}")
+    sys.exit(0 if good == WANTED and right else 1)
 
 
 main()
