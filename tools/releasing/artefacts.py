@@ -56,9 +56,9 @@ class Work:
 
     def run(self, *command: str | Path, **environment: str | Path) -> None:
         """In the sources; what it says is shown when it fails."""
+        own = {"PATH": PATH, "CCACHE_DISABLE": "1"} | {key: str(value) for key, value in environment.items()}
         ended = subprocess.run([str(word) for word in command], cwd=self.sources, text=True, check=False,
-                               env=os.environ | {"PATH": PATH, "CCACHE_DISABLE": "1"} | {key: str(value) for key, value in environment.items()},
-                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+                               env=os.environ | own, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
         if ended.returncode != 0:
             sys.exit(f"\n{ended.stdout[-4000:]}\ntools/release: {command[0]} has ended with {ended.returncode}")
 
