@@ -17,6 +17,7 @@
 #include <stdint.h>
 
 #include "drehgeber/api.h"
+#include "drehgeber/frame.h"
 #include "drehgeber/hal.h"
 #include "drehgeber/store.h"
 #include "drehgeber/time.h"
@@ -37,14 +38,6 @@ extern "C" {
 #define DG_CO_STRING_MAX 32u
 /** Node-ID of a node that has none yet (CiA 305). */
 #define DG_CO_UNCONFIGURED 0xFFu
-
-/** A CAN 2.0A data or remote frame. */
-struct dg_can_frame {
-    uint16_t id; /**< 0..7FFh */
-    bool rtr;
-    uint8_t dlc; /**< 0..8 */
-    uint8_t data[8];
-};
 
 /** NMT states, with the values of heartbeats. */
 enum dg_co_state {

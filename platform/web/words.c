@@ -42,7 +42,7 @@ void web_words_step(struct lx_decoder *self, uint64_t now)
 void web_words_uart(struct lx_decoder *self, const struct dg_host_event *event, bool ours,
                     const struct dg_host_uart *uart)
 {
-    struct lx_tap_event tap = {.kind = LX_TAP_CHARACTER, .ours = ours};
+    struct dg_tap_event tap = {.kind = DG_TAP_CHARACTER, .ours = ours};
 
     tap.character.baud = uart->baud;
     tap.character.parity = (char)uart->parity;
@@ -56,7 +56,7 @@ void web_words_uart(struct lx_decoder *self, const struct dg_host_event *event, 
 
 void web_words_can(struct lx_decoder *self, const struct dg_host_event *event, bool ours)
 {
-    struct lx_tap_event tap = {.kind = LX_TAP_FRAME, .at = event->at, .ours = ours};
+    struct dg_tap_event tap = {.kind = DG_TAP_FRAME, .at = event->at, .ours = ours};
 
     tap.frame.id = (uint16_t)event->id;
     tap.frame.rtr = (event->flags & DG_HOST_REMOTE) != 0;
@@ -72,7 +72,7 @@ void web_words_cycle(struct lx_decoder *self, const struct dg_host_event *out,
     uint16_t ins[WORDS_MAX];
     uint16_t outs[WORDS_MAX];
     const uint16_t count = (uint16_t)(in->length / 2u);
-    struct lx_tap_event tap = {.kind = LX_TAP_WORDS, .at = in->at, .ours = true};
+    struct dg_tap_event tap = {.kind = DG_TAP_WORDS, .at = in->at, .ours = true};
 
     for (unsigned i = 0; i < count; i++) {
         ins[i] = (uint16_t)((unsigned)in->data[2u * i] << 8 | in->data[2u * i + 1u]);

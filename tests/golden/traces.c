@@ -73,7 +73,7 @@ struct recorder {
     dg_ns begin;     /* of the section */
     struct lx_tap_listener listener;
     struct lx_decoder decoder;
-    const struct lx_tap_event *told; /* while it is */
+    const struct dg_tap_event *told; /* while it is */
     struct collected collected;
     FILE *out;
 };
@@ -101,7 +101,7 @@ static void end_gaps(struct collected *self)
     self->gaps = 0;
 }
 
-static void collect_character(struct collected *self, const struct lx_tap_event *event)
+static void collect_character(struct collected *self, const struct dg_tap_event *event)
 {
     char text[8];
     if (self->count == 0) {
@@ -134,7 +134,7 @@ static uint8_t value_of(char digit)
     return (uint8_t)(digit <= '9' ? digit - '0' : digit - 'A' + 10);
 }
 
-static void collect_levels(struct collected *self, const struct lx_tap_event *event)
+static void collect_levels(struct collected *self, const struct dg_tap_event *event)
 {
     static const char digits[] = "0123456789ABCDEF";
     if (self->count == 0) {
@@ -166,7 +166,7 @@ static void describe_frame(const struct dg_can_frame *frame, char *text, size_t 
     }
 }
 
-static void describe_words(const struct lx_tap_event *event, char *text, size_t size)
+static void describe_words(const struct dg_tap_event *event, char *text, size_t size)
 {
     int n = snprintf(text, size, "in");
     for (uint16_t i = 0; i < event->words.count; i++) {
@@ -185,9 +185,9 @@ static void on_line(void *ctx, dg_ns at, bool ours, const char *words)
     struct recorder *self = ctx;
     struct collected *frame = &self->collected;
     end_gaps(frame);
-    if (self->told != NULL && self->told->kind == LX_TAP_FRAME) {
+    if (self->told != NULL && self->told->kind == DG_TAP_FRAME) {
         describe_frame(&self->told->frame, frame->bytes, sizeof frame->bytes);
-    } else if (self->told != NULL && self->told->kind == LX_TAP_WORDS) {
+    } else if (self->told != NULL && self->told->kind == DG_TAP_WORDS) {
         describe_words(self->told, frame->bytes, sizeof frame->bytes);
     }
     const dg_ns begin = frame->count > 0 ? frame->begin : at;
@@ -196,16 +196,16 @@ static void on_line(void *ctx, dg_ns at, bool ours, const char *words)
     *frame = (struct collected){.count = 0};
 }
 
-static void on_event(void *ctx, const struct lx_tap_event *event)
+static void on_event(void *ctx, const struct dg_tap_event *event)
 {
     struct recorder *self = ctx;
     (void)lx_decoder_step(&self->decoder, event->at);
     self->told = event;
     lx_decoder_event(&self->decoder, event);
     self->told = NULL;
-    if (event->kind == LX_TAP_CHARACTER) {
+    if (event->kind == DG_TAP_CHARACTER) {
         collect_character(&self->collected, event);
-    } else if (event->kind == LX_TAP_LEVELS) {
+    } else if (event->kind == DG_TAP_LEVELS) {
         collect_levels(&self->collected, event);
     }
 }

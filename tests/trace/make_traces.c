@@ -47,10 +47,10 @@ static uint64_t number(int base)
     return strtoull(word, NULL, base);
 }
 
-static void take_character(struct lx_tap_event *event, struct room *room)
+static void take_character(struct dg_tap_event *event, struct room *room)
 {
     (void)room;
-    event->kind = LX_TAP_CHARACTER;
+    event->kind = DG_TAP_CHARACTER;
     event->ours = number(10) != 0;
     event->character.baud = (uint32_t)number(10);
     event->character.parity = strtok(NULL, " \n")[0];
@@ -58,10 +58,10 @@ static void take_character(struct lx_tap_event *event, struct room *room)
     event->character.damaged = number(10) != 0;
 }
 
-static void take_frame(struct lx_tap_event *event, struct room *room)
+static void take_frame(struct dg_tap_event *event, struct room *room)
 {
     (void)room;
-    event->kind = LX_TAP_FRAME;
+    event->kind = DG_TAP_FRAME;
     event->ours = number(10) != 0;
     event->frame = (struct dg_can_frame){.id = (uint16_t)number(16)};
     event->frame.rtr = number(10) != 0;
@@ -71,17 +71,17 @@ static void take_frame(struct lx_tap_event *event, struct room *room)
     }
 }
 
-static void take_levels(struct lx_tap_event *event, struct room *room)
+static void take_levels(struct dg_tap_event *event, struct room *room)
 {
     (void)room;
-    event->kind = LX_TAP_LEVELS;
+    event->kind = DG_TAP_LEVELS;
     event->levels.clock = number(10) != 0;
     event->levels.data = number(10) != 0;
 }
 
-static void take_words(struct lx_tap_event *event, struct room *room)
+static void take_words(struct dg_tap_event *event, struct room *room)
 {
-    event->kind = LX_TAP_WORDS;
+    event->kind = DG_TAP_WORDS;
     event->words.valid = number(10) != 0;
     event->words.count = (uint16_t)(number(10) % (WORDS_MAX + 1u));
     event->words.in = room->in;
@@ -94,10 +94,10 @@ static void take_words(struct lx_tap_event *event, struct room *room)
     }
 }
 
-static void take_note(struct lx_tap_event *event, struct room *room)
+static void take_note(struct dg_tap_event *event, struct room *room)
 {
     (void)room;
-    event->kind = LX_TAP_NOTE;
+    event->kind = DG_TAP_NOTE;
     event->ours = number(10) != 0;
     event->note = strtok(NULL, "\n");
 }
@@ -106,7 +106,7 @@ static void feed(const struct lx_tap *tap, char *line)
 {
     static const struct {
         char letter;
-        void (*take)(struct lx_tap_event *event, struct room *room);
+        void (*take)(struct dg_tap_event *event, struct room *room);
     } kinds[] = {
         {'c', take_character}, {'f', take_frame}, {'l', take_levels},
         {'w', take_words},     {'n', take_note},
@@ -115,7 +115,7 @@ static void feed(const struct lx_tap *tap, char *line)
     const char *word = strtok(line, " \n");
     for (size_t i = 0; word != NULL && i < sizeof kinds / sizeof kinds[0]; i++) {
         if (kinds[i].letter == word[0]) {
-            struct lx_tap_event event = {.at = number(10)};
+            struct dg_tap_event event = {.at = number(10)};
             kinds[i].take(&event, &room);
             lx_tap_tell(tap, &event);
         }

@@ -53,8 +53,8 @@ void lx_can_tell(struct lx_can_bus *self, dg_ns at, bool ours, const struct dg_c
         return;
     }
     self->tapped_at = at > self->tapped_at ? at : self->tapped_at;
-    const struct lx_tap_event event = {
-        .at = self->tapped_at, .kind = LX_TAP_FRAME, .ours = ours, .frame = *frame};
+    const struct dg_tap_event event = {
+        .at = self->tapped_at, .kind = DG_TAP_FRAME, .ours = ours, .frame = *frame};
     lx_tap_tell(&self->bus.tap, &event);
 }
 

@@ -52,9 +52,9 @@ static void tell(const struct lx_gpio *self, dg_ns at)
 {
     const struct lx_clocked *line = self->setup.line;
     if (lx_tap_on(self->setup.tap)) {
-        const struct lx_tap_event event = {
+        const struct dg_tap_event event = {
             .at = at,
-            .kind = LX_TAP_LEVELS,
+            .kind = DG_TAP_LEVELS,
             .levels = {line->ops->clocked(line), line->ops->level(line)},
         };
         lx_tap_tell(self->setup.tap, &event);

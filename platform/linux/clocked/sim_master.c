@@ -6,7 +6,7 @@
 static void tell_levels(void *ctx, dg_ns at, bool clock, bool data)
 {
     const struct lx_sim_master *self = ctx;
-    const struct lx_tap_event event = {.at = at, .kind = LX_TAP_LEVELS, .levels = {clock, data}};
+    const struct dg_tap_event event = {.at = at, .kind = DG_TAP_LEVELS, .levels = {clock, data}};
     lx_tap_tell(self->tap, &event);
 }
 
@@ -25,8 +25,8 @@ int lx_sim_master_name(const struct lx_sim_master *self, size_t encoder, char *t
 
 void lx_sim_master_note(const struct lx_sim_master *self, const char *text)
 {
-    const struct lx_tap_event event = {
-        .at = self->wire.now, .kind = LX_TAP_NOTE, .ours = true, .note = text};
+    const struct dg_tap_event event = {
+        .at = self->wire.now, .kind = DG_TAP_NOTE, .ours = true, .note = text};
     lx_tap_tell(self->tap, &event);
 }
 

@@ -124,7 +124,7 @@ static uint16_t first_break(const struct ring_bus *self)
 
 /* --- the tap --- */
 
-static void tell(const struct ring_bus *self, struct lx_tap_event *event, dg_ns now)
+static void tell(const struct ring_bus *self, struct dg_tap_event *event, dg_ns now)
 {
     event->at = now;
     lx_tap_tell(&self->bus.tap, event);
@@ -136,7 +136,7 @@ static void tell_state(struct ring_bus *self, dg_ns now)
     const struct lx_ring *ring = &self->ring;
     const unsigned count = ring->ring.count;
     char text[NOTE_MAX] = "";
-    struct lx_tap_event event = {.kind = LX_TAP_NOTE, .note = text};
+    struct dg_tap_event event = {.kind = DG_TAP_NOTE, .note = text};
     if (ring->result == self->told && ring->reached == self->told_reached) {
         return;
     }
@@ -159,7 +159,7 @@ static void tell_state(struct ring_bus *self, dg_ns now)
 static void tell_words(const struct ring_bus *self, dg_ns now, bool took_place)
 {
     const struct lx_ring *ring = &self->ring;
-    struct lx_tap_event event = {.kind = LX_TAP_WORDS};
+    struct dg_tap_event event = {.kind = DG_TAP_WORDS};
     event.words.in = ring->in;
     event.words.out = ring->out;
     event.words.count = ring->ring.words;

@@ -36,7 +36,7 @@ static void look(struct lx_rig_wire *self, dg_ns now)
     lx_timer_at(&self->silence, lx_clock_real(&self->rig->clock, next));
 }
 
-static void on_event(void *ctx, const struct lx_tap_event *event)
+static void on_event(void *ctx, const struct dg_tap_event *event)
 {
     struct lx_rig_wire *self = ctx;
     lx_decoder_event(&self->decoder, event);

@@ -35,9 +35,9 @@ static bool fits(const struct lx_hf_drop *self, uint32_t baud, char parity)
 static void tell(struct lx_hf_bus *self, dg_ns at, bool ours, const struct lx_uart *uart,
                  const struct lx_character *character)
 {
-    const struct lx_tap_event event = {
+    const struct dg_tap_event event = {
         .at = at,
-        .kind = LX_TAP_CHARACTER,
+        .kind = DG_TAP_CHARACTER,
         .ours = ours,
         .character = {uart->baud, uart->parity, character->byte, character->damaged},
     };

@@ -42,7 +42,7 @@ struct lx_hf_drop {
     int flipped;            /**< character that a bit was flipped in (fault), -1: none */
     bool deaf;              /**< inside a request that does not reach it (fault) */
     bool drawn;             /**< the tap knows sine and cosine: */
-    struct dg_hf_sincos lines;
+    int32_t uv[4];
     dg_ns point; /**< they are sampled next */
 };
 

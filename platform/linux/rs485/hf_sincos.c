@@ -28,14 +28,19 @@ static dg_ns point_after(const struct lx_hf_drop *self, dg_ns at)
 /* Without power there is no voltage. */
 static void tell(struct lx_hf_drop *self, size_t place, dg_ns at)
 {
-    struct lx_tap_event event = {.at = at, .kind = LX_TAP_SINCOS, .ours = true};
+    struct dg_tap_event event = {.at = at, .kind = DG_TAP_SINCOS, .ours = true};
     event.sincos.encoder = place;
     if (lx_hf_powered(self)) {
-        dg_hf_sincos(&self->device, at, &event.sincos.lines);
+        struct dg_hf_sincos lines;
+        dg_hf_sincos(&self->device, at, &lines);
+        event.sincos.uv[0] = lines.sin_plus_uv;
+        event.sincos.uv[1] = lines.sin_minus_uv;
+        event.sincos.uv[2] = lines.cos_plus_uv;
+        event.sincos.uv[3] = lines.cos_minus_uv;
     }
-    if (!self->drawn || memcmp(&event.sincos.lines, &self->lines, sizeof self->lines) != 0) {
+    if (!self->drawn || memcmp(event.sincos.uv, self->uv, sizeof self->uv) != 0) {
         self->drawn = true;
-        self->lines = event.sincos.lines;
+        memcpy(self->uv, event.sincos.uv, sizeof self->uv);
         lx_tap_tell(&self->all->bus.tap, &event);
     }
 }

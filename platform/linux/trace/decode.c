@@ -80,7 +80,7 @@ static void give_frame(struct lx_decoder *self)
 }
 
 /* Characters that come in a bunch overlap, and so belong together. */
-static void on_character(struct lx_decoder *self, const struct lx_tap_event *event)
+static void on_character(struct lx_decoder *self, const struct dg_tap_event *event)
 {
     const uint32_t bits = lx_character_bits(event->character.parity);
     const dg_ns duration = dg_bit_times_ns(bits, event->character.baud);
@@ -102,20 +102,20 @@ static void on_character(struct lx_decoder *self, const struct lx_tap_event *eve
     self->last = event->at;
 }
 
-static void on_frame(struct lx_decoder *self, const struct lx_tap_event *event)
+static void on_frame(struct lx_decoder *self, const struct dg_tap_event *event)
 {
     struct lx_text text = {.length = 0};
     lx_decode_can(self, &event->frame, &text);
     self->line(self->ctx, event->at, event->ours, text.text);
 }
 
-static void on_levels(struct lx_decoder *self, const struct lx_tap_event *event)
+static void on_levels(struct lx_decoder *self, const struct dg_tap_event *event)
 {
     (void)self;
     (void)event;
 }
 
-static void on_words(struct lx_decoder *self, const struct lx_tap_event *event)
+static void on_words(struct lx_decoder *self, const struct dg_tap_event *event)
 {
     struct lx_text text = {.length = 0};
     if (lx_decode_words(self, event, &text)) {
@@ -123,18 +123,18 @@ static void on_words(struct lx_decoder *self, const struct lx_tap_event *event)
     }
 }
 
-static void on_note(struct lx_decoder *self, const struct lx_tap_event *event)
+static void on_note(struct lx_decoder *self, const struct dg_tap_event *event)
 {
     struct lx_text text = {.length = 0};
     lx_text_add(&text, "%s", event->note);
     self->line(self->ctx, event->at, event->ours, text.text);
 }
 
-void lx_decoder_event(struct lx_decoder *self, const struct lx_tap_event *event)
+void lx_decoder_event(struct lx_decoder *self, const struct dg_tap_event *event)
 {
-    static void (*const events[])(struct lx_decoder *, const struct lx_tap_event *) = {
-        [LX_TAP_CHARACTER] = on_character, [LX_TAP_FRAME] = on_frame, [LX_TAP_LEVELS] = on_levels,
-        [LX_TAP_WORDS] = on_words,         [LX_TAP_NOTE] = on_note,
+    static void (*const events[])(struct lx_decoder *, const struct dg_tap_event *) = {
+        [DG_TAP_CHARACTER] = on_character, [DG_TAP_FRAME] = on_frame, [DG_TAP_LEVELS] = on_levels,
+        [DG_TAP_WORDS] = on_words,         [DG_TAP_NOTE] = on_note,
     };
     events[event->kind](self, event);
 }

@@ -32,7 +32,7 @@ void lx_decode_sdo(struct lx_decoder *self, const struct dg_can_frame *frame, ui
                    bool reply, struct lx_text *text);
 
 /** A cycle of an INTERBUS ring. @return false when nothing has changed and there is no line */
-bool lx_decode_words(struct lx_decoder *self, const struct lx_tap_event *event,
+bool lx_decode_words(struct lx_decoder *self, const struct dg_tap_event *event,
                      struct lx_text *text);
 
 #endif

@@ -29,7 +29,7 @@ static bool add_changes(struct lx_text *text, const char *name, const uint16_t *
     return changed;
 }
 
-bool lx_decode_words(struct lx_decoder *self, const struct lx_tap_event *event,
+bool lx_decode_words(struct lx_decoder *self, const struct dg_tap_event *event,
                      struct lx_text *text)
 {
     const size_t n = event->words.count < WORDS ? event->words.count : WORDS;

@@ -11,11 +11,11 @@ bool lx_tap_asked(const struct lx_tap *self)
 }
 
 /* A listener may leave while it is told. */
-void lx_tap_tell(const struct lx_tap *self, const struct lx_tap_event *event)
+void lx_tap_tell(const struct lx_tap *self, const struct dg_tap_event *event)
 {
     for (struct lx_tap_listener *listener = self->first; listener != NULL;) {
         struct lx_tap_listener *next = listener->next;
-        if (event->kind != LX_TAP_SINCOS || listener->sincos) {
+        if (event->kind != DG_TAP_SINCOS || listener->sincos) {
             listener->event(listener->ctx, event);
         }
         listener = next;

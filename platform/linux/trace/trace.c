@@ -70,7 +70,7 @@ static void flush(struct lx_trace *self)
     (void)check(self);
 }
 
-static void on_event(void *ctx, const struct lx_tap_event *event)
+static void on_event(void *ctx, const struct dg_tap_event *event)
 {
     struct lx_trace *self = ctx;
     if (!self->good) {

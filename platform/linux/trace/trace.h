@@ -46,7 +46,7 @@ struct lx_decoder {
 void lx_decoder_init(struct lx_decoder *self,
                      void (*line)(void *ctx, dg_ns at, bool ours, const char *text), void *ctx);
 /** An event; may give a line. */
-void lx_decoder_event(struct lx_decoder *self, const struct lx_tap_event *event);
+void lx_decoder_event(struct lx_decoder *self, const struct dg_tap_event *event);
 /** It is `now`: a frame that was followed by silence long enough is given. @return when to call
  * again; DG_NEVER */
 dg_ns lx_decoder_step(struct lx_decoder *self, dg_ns now);

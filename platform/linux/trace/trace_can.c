@@ -65,11 +65,11 @@ static void nothing_to_end(struct lx_trace *self)
     (void)self;
 }
 
-static void log_event(struct lx_trace *self, const struct lx_tap_event *event)
+static void log_event(struct lx_trace *self, const struct dg_tap_event *event)
 {
     const struct dg_can_frame *frame = &event->frame;
     const uint8_t n = data_length(frame);
-    if (event->kind != LX_TAP_FRAME) {
+    if (event->kind != DG_TAP_FRAME) {
         return;
     }
     const uint64_t at = day_ns(self, event->at);
@@ -161,12 +161,12 @@ static void pcapng_begin(struct lx_trace *self)
     write_block(self, &interface);
 }
 
-static void pcapng_event(struct lx_trace *self, const struct lx_tap_event *event)
+static void pcapng_event(struct lx_trace *self, const struct dg_tap_event *event)
 {
     const struct dg_can_frame *frame = &event->frame;
     uint8_t packet[CAN_FRAME_SIZE] = {0};
     uint8_t flags[4];
-    if (event->kind != LX_TAP_FRAME) {
+    if (event->kind != DG_TAP_FRAME) {
         return;
     }
     dg_store_be32(packet, frame->id | (frame->rtr ? CAN_FRAME_RTR : 0));

@@ -75,14 +75,14 @@ static void on_levels(struct lx_trace_clocked *self, dg_ns at, bool clock, bool 
     self->data = data;
 }
 
-void lx_trace_clocked_event(struct lx_trace *self, const struct lx_tap_event *event)
+void lx_trace_clocked_event(struct lx_trace *self, const struct dg_tap_event *event)
 {
     struct lx_trace_clocked *clocked = self->own;
     const dg_ns at = dg_elapsed(event->at, self->opened);
     release(clocked, dg_elapsed(at, HELD_MAX));
-    if (event->kind == LX_TAP_NOTE) {
+    if (event->kind == DG_TAP_NOTE) {
         on_note(clocked, at, event->note);
-    } else if (event->kind == LX_TAP_LEVELS) {
+    } else if (event->kind == DG_TAP_LEVELS) {
         on_levels(clocked, at, event->levels.clock, event->levels.data);
     }
 }

@@ -69,10 +69,10 @@ static bool take_words(uint16_t *to, const uint16_t *words, size_t n)
 }
 
 /* Rows keep the number of columns: words beyond are left out, missing ones stay as they were. */
-static void csv_event(struct lx_trace *self, const struct lx_tap_event *event)
+static void csv_event(struct lx_trace *self, const struct dg_tap_event *event)
 {
     struct csv *csv = self->own;
-    if (event->kind != LX_TAP_WORDS || event->words.count == 0) {
+    if (event->kind != DG_TAP_WORDS || event->words.count == 0) {
         return;
     }
     const uint16_t count = event->words.count < WORDS_MAX ? event->words.count : WORDS_MAX;

@@ -19,7 +19,7 @@ struct lx_trace_format {
     struct lx_file_mark mark; /**< n 0: none */
     size_t size;              /**< of the format's own state */
     void (*begin)(struct lx_trace *self);
-    void (*event)(struct lx_trace *self, const struct lx_tap_event *event);
+    void (*event)(struct lx_trace *self, const struct dg_tap_event *event);
     void (*end)(struct lx_trace *self); /**< what was held back */
 };
 
@@ -123,7 +123,7 @@ struct lx_trace_clocked {
 /** As in struct lx_trace_format; `scope` is what is traced, `lines` has the names of clock and
  * data. */
 void lx_trace_clocked_begin(struct lx_trace *self, const char *scope, const char *const lines[2]);
-void lx_trace_clocked_event(struct lx_trace *self, const struct lx_tap_event *event);
+void lx_trace_clocked_event(struct lx_trace *self, const struct dg_tap_event *event);
 void lx_trace_clocked_end(struct lx_trace *self);
 
 #endif

@@ -12,6 +12,8 @@
  *
  * Sine and cosine come in while a frame is collected that begins before them: they wait for it.
  */
+#include <string.h>
+
 #include "decode.h"
 #include "drehgeber/bits.h"
 #include "trace_format.h"
@@ -181,7 +183,7 @@ static void uart_begin(struct lx_trace *self)
     lx_vcd_begin(&uart->vcd, self, &head);
 }
 
-static void on_character(struct uart *self, const struct lx_tap_event *event, dg_ns at)
+static void on_character(struct uart *self, const struct dg_tap_event *event, dg_ns at)
 {
     if (event->character.baud == 0) {
         return;
@@ -200,22 +202,17 @@ static void on_character(struct uart *self, const struct lx_tap_event *event, dg
     };
 }
 
-static void on_sample(struct uart *self, const struct lx_tap_event *event, dg_ns at)
+static void on_sample(struct uart *self, const struct dg_tap_event *event, dg_ns at)
 {
-    const struct dg_hf_sincos *lines = &event->sincos.lines;
     if (self->sample_count < SAMPLES_MAX) {
         const size_t place = (self->first_sample + self->sample_count) % SAMPLES_MAX;
-        self->samples[place] = (struct sample){
-            .at = at,
-            .encoder = event->sincos.encoder,
-            .uv = {lines->sin_plus_uv, lines->sin_minus_uv, lines->cos_plus_uv,
-                   lines->cos_minus_uv},
-        };
+        self->samples[place] = (struct sample){.at = at, .encoder = event->sincos.encoder};
+        memcpy(self->samples[place].uv, event->sincos.uv, sizeof event->sincos.uv);
         self->sample_count++;
     }
 }
 
-static void uart_event(struct lx_trace *self, const struct lx_tap_event *event)
+static void uart_event(struct lx_trace *self, const struct dg_tap_event *event)
 {
     struct uart *uart = self->own;
     const dg_ns at = dg_elapsed(event->at, self->opened);
@@ -223,11 +220,11 @@ static void uart_event(struct lx_trace *self, const struct lx_tap_event *event)
     if (uart->count == 0) {
         advance(uart, dg_elapsed(at, CHARACTER_MAX));
     }
-    if (event->kind == LX_TAP_CHARACTER) {
+    if (event->kind == DG_TAP_CHARACTER) {
         on_character(uart, event, at);
-    } else if (event->kind == LX_TAP_NOTE) {
+    } else if (event->kind == DG_TAP_NOTE) {
         lx_vcd_text(&uart->vcd, at, event->note);
-    } else if (event->kind == LX_TAP_SINCOS) {
+    } else if (event->kind == DG_TAP_SINCOS) {
         on_sample(uart, event, at);
     }
 }

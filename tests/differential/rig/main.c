@@ -25,14 +25,14 @@
 
 static bool clocking;
 
-static void print_event(void *ctx, const struct lx_tap_event *event)
+static void print_event(void *ctx, const struct dg_tap_event *event)
 {
     (void)ctx;
-    if (event->kind == LX_TAP_LEVELS && clocking) {
+    if (event->kind == DG_TAP_LEVELS && clocking) {
         printf("@%" PRIu64 " levels %d %d\n", event->at, event->levels.clock, event->levels.data);
-    } else if (event->kind == LX_TAP_CHARACTER && event->ours) {
+    } else if (event->kind == DG_TAP_CHARACTER && event->ours) {
         printf("@%" PRIu64 " byte %02x\n", event->at, event->character.byte);
-    } else if (event->kind == LX_TAP_FRAME && event->ours) {
+    } else if (event->kind == DG_TAP_FRAME && event->ours) {
         const struct dg_can_frame *frame = &event->frame;
 
         printf("@%" PRIu64 " message %" PRIx32 " %x ", event->at, (uint32_t)frame->id,

@@ -23,10 +23,10 @@
 /* The pause that ends a frame at 9600 Bd, with room. */
 #define PAUSE DG_MS(12)
 
-static void on_event(void *ctx, const struct lx_tap_event *event)
+static void on_event(void *ctx, const struct dg_tap_event *event)
 {
     struct line_heard *self = ctx;
-    assert_int_equal(event->kind, LX_TAP_CHARACTER);
+    assert_int_equal(event->kind, DG_TAP_CHARACTER);
     self->disordered = self->disordered || event->at < self->last;
     self->last = event->at;
     self->ours += event->ours;

@@ -16,12 +16,12 @@
 
 #define MODEL "s3684-biss"
 
-static void on_event(void *ctx, const struct lx_tap_event *event)
+static void on_event(void *ctx, const struct dg_tap_event *event)
 {
     struct sim_heard *self = ctx;
     self->disordered = self->disordered || event->at < self->last;
     self->last = event->at;
-    if (event->kind == LX_TAP_LEVELS) {
+    if (event->kind == DG_TAP_LEVELS) {
         self->edges += event->levels.clock != self->ma;
         self->ma = event->levels.clock;
         if (self->count < SIM_RIG_LEVELS_MAX) {
@@ -31,7 +31,7 @@ static void on_event(void *ctx, const struct lx_tap_event *event)
         }
         return;
     }
-    assert_int_equal(event->kind, LX_TAP_NOTE);
+    assert_int_equal(event->kind, DG_TAP_NOTE);
     self->notes++;
     (void)snprintf(self->note, sizeof self->note, "%s", event->note);
 }

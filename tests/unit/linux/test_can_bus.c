@@ -232,10 +232,10 @@ struct ears {
     unsigned theirs;
 };
 
-static void hear(void *ctx, const struct lx_tap_event *event)
+static void hear(void *ctx, const struct dg_tap_event *event)
 {
     struct ears *self = ctx;
-    assert_int_equal(event->kind, LX_TAP_FRAME);
+    assert_int_equal(event->kind, DG_TAP_FRAME);
     assert_true(event->at <= lx_now());
     self->ours += event->ours ? 1u : 0u;
     self->theirs += event->ours ? 0u : 1u;

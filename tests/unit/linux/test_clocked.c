@@ -159,10 +159,10 @@ static struct lx_sim_master master;
 static struct dg_faults faults;
 static struct heard heard;
 
-static void on_event(void *ctx, const struct lx_tap_event *event)
+static void on_event(void *ctx, const struct dg_tap_event *event)
 {
     struct heard *self = ctx;
-    if (event->kind == LX_TAP_NOTE) {
+    if (event->kind == DG_TAP_NOTE) {
         (void)snprintf(self->note, sizeof self->note, "%s", event->note);
         return;
     }

@@ -50,11 +50,11 @@ static size_t bytes_of(const char *hex, uint8_t *out)
     return n;
 }
 
-static struct lx_tap_event character(dg_ns at, bool ours, uint8_t byte)
+static struct dg_tap_event character(dg_ns at, bool ours, uint8_t byte)
 {
-    return (struct lx_tap_event){
+    return (struct dg_tap_event){
         .at = at,
-        .kind = LX_TAP_CHARACTER,
+        .kind = DG_TAP_CHARACTER,
         .ours = ours,
         .character = {.baud = BAUD, .parity = 'E', .byte = byte},
     };
@@ -67,7 +67,7 @@ static dg_ns say(struct lx_decoder *decoder, dg_ns start, bool ours, const char 
     const size_t n = bytes_of(hex, bytes);
     for (size_t i = 0; i < n; i++) {
         start += dg_bit_times_ns(11, BAUD);
-        const struct lx_tap_event event = character(start, ours, bytes[i]);
+        const struct dg_tap_event event = character(start, ours, bytes[i]);
         lx_decoder_event(decoder, &event);
     }
     return start;
@@ -245,7 +245,7 @@ static void characters_in_a_bunch_are_a_frame(void **state)
     (void)state;
     lx_decoder_init(&decoder, on_line, &lines);
     for (size_t i = 0; i < sizeof bytes; i++) {
-        const struct lx_tap_event event = character(DG_MS(1), false, bytes[i]);
+        const struct dg_tap_event event = character(DG_MS(1), false, bytes[i]);
         lx_decoder_event(&decoder, &event);
     }
     (void)lx_decoder_step(&decoder, DG_S(1));
@@ -260,7 +260,7 @@ static void damage_and_length_are_told(void **state)
     struct lx_decoder decoder;
     (void)state;
     lx_decoder_init(&decoder, on_line, &lines);
-    struct lx_tap_event event = character(DG_MS(3), false, 0x40);
+    struct dg_tap_event event = character(DG_MS(3), false, 0x40);
     event.character.damaged = true;
     lx_decoder_event(&decoder, &event);
     (void)say(&decoder, DG_MS(3), false, "42 02");
@@ -355,7 +355,7 @@ static const struct {
 
 static void say_can(struct lx_decoder *decoder, uint16_t id, const char *hex)
 {
-    struct lx_tap_event event = {.at = 77, .kind = LX_TAP_FRAME, .ours = true};
+    struct dg_tap_event event = {.at = 77, .kind = DG_TAP_FRAME, .ours = true};
     uint8_t bytes[8] = {0};
     event.frame.dlc = (uint8_t)bytes_of(hex, bytes);
     event.frame.id = id;
@@ -467,7 +467,7 @@ static void every_service_of_lss_and_every_abort_has_its_words(void **state)
 
 static void remote_frames(void **state)
 {
-    struct lx_tap_event event = {.kind = LX_TAP_FRAME, .frame = {.id = 0x705, .rtr = true}};
+    struct dg_tap_event event = {.kind = DG_TAP_FRAME, .frame = {.id = 0x705, .rtr = true}};
     struct lines lines = {.count = 0};
     struct lx_decoder decoder;
     (void)state;
@@ -526,8 +526,8 @@ static void interbus_words_that_changed(void **state)
 {
     uint16_t in[4] = {1, 2, 3, 4};
     uint16_t out[4] = {0};
-    struct lx_tap_event event = {
-        .at = 5, .kind = LX_TAP_WORDS, .words = {.in = in, .out = out, .count = 4, .valid = true}};
+    struct dg_tap_event event = {
+        .at = 5, .kind = DG_TAP_WORDS, .words = {.in = in, .out = out, .count = 4, .valid = true}};
     struct lines lines = {.count = 0};
     struct lx_decoder decoder;
     (void)state;
@@ -556,7 +556,7 @@ static void interbus_words_that_changed(void **state)
 static void notes_as_they_are(void **state)
 {
     char note[400];
-    struct lx_tap_event event = {.at = 9, .kind = LX_TAP_NOTE, .note = "power off"};
+    struct dg_tap_event event = {.at = 9, .kind = DG_TAP_NOTE, .note = "power off"};
     struct lines lines = {.count = 0};
     struct lx_decoder decoder;
     (void)state;
@@ -564,12 +564,12 @@ static void notes_as_they_are(void **state)
     lx_decoder_event(&decoder, &event);
     assert_string_equal(lines.text, "power off");
     assert_true(lines.at == 9 && !lines.ours);
-    event.kind = LX_TAP_LEVELS;
+    event.kind = DG_TAP_LEVELS;
     lx_decoder_event(&decoder, &event);
     assert_int_equal(lines.count, 1);
     memset(note, 'x', sizeof note);
     note[sizeof note - 1] = '\0';
-    event.kind = LX_TAP_NOTE;
+    event.kind = DG_TAP_NOTE;
     event.note = note;
     lx_decoder_event(&decoder, &event);
     assert_int_equal(strlen(lines.text), LX_DECODE_MAX - 1);

@@ -535,11 +535,11 @@ static void test_what_is_not_stored_is_not_acknowledged(void **state)
     lx_nvm_writer_free(queue.setup.writer);
 }
 
-static void count_levels(void *ctx, const struct lx_tap_event *seen)
+static void count_levels(void *ctx, const struct dg_tap_event *seen)
 {
     unsigned *count = ctx;
 
-    assert_int_equal(seen->kind, LX_TAP_LEVELS);
+    assert_int_equal(seen->kind, DG_TAP_LEVELS);
     (*count)++;
 }
 

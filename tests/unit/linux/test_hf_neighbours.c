@@ -83,10 +83,10 @@ struct line {
 
 /* --- the line and its master --- */
 
-static void on_event(void *ctx, const struct lx_tap_event *event)
+static void on_event(void *ctx, const struct dg_tap_event *event)
 {
     struct line *self = ctx;
-    assert_int_equal(event->kind, LX_TAP_CHARACTER);
+    assert_int_equal(event->kind, DG_TAP_CHARACTER);
     assert_true(self->count < TOLD_MAX);
     self->told[self->count++] =
         (struct told){event->at, event->character.byte, event->ours, event->character.damaged};

@@ -293,15 +293,15 @@ static void mend(struct bench *self, size_t i, enum dg_wire_fault fault)
     changed(self, i);
 }
 
-static void hear(void *ctx, const struct lx_tap_event *event)
+static void hear(void *ctx, const struct dg_tap_event *event)
 {
     struct ears *self = ctx;
-    if (event->kind == LX_TAP_NOTE) {
+    if (event->kind == DG_TAP_NOTE) {
         const size_t used = strlen(self->notes);
         (void)snprintf(self->notes + used, sizeof self->notes - used, "%s|", event->note);
         return;
     }
-    assert_int_equal(event->kind, LX_TAP_WORDS);
+    assert_int_equal(event->kind, DG_TAP_WORDS);
     assert_int_equal(event->words.count, 5);
     assert_non_null(event->words.in);
     assert_non_null(event->words.out);

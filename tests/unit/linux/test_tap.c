@@ -21,10 +21,10 @@ struct ear {
     struct lx_tap *leaves; /* NULL: stays */
 };
 
-static void on_event(void *ctx, const struct lx_tap_event *event)
+static void on_event(void *ctx, const struct dg_tap_event *event)
 {
     struct ear *self = ctx;
-    assert_int_equal(event->kind, LX_TAP_NOTE);
+    assert_int_equal(event->kind, DG_TAP_NOTE);
     assert_string_equal(event->note, "heard");
     self->log->names[self->log->count++] = self->name;
     if (self->leaves != NULL) {
@@ -32,13 +32,13 @@ static void on_event(void *ctx, const struct lx_tap_event *event)
     }
 }
 
-static void count_sincos(void *ctx, const struct lx_tap_event *event)
+static void count_sincos(void *ctx, const struct dg_tap_event *event)
 {
     unsigned *count = ctx;
-    *count += event->kind == LX_TAP_SINCOS;
+    *count += event->kind == DG_TAP_SINCOS;
 }
 
-static const struct lx_tap_event heard = {.kind = LX_TAP_NOTE, .note = "heard"};
+static const struct dg_tap_event heard = {.kind = DG_TAP_NOTE, .note = "heard"};
 
 static void listen(struct lx_tap *tap, struct ear *ear)
 {
@@ -103,7 +103,7 @@ static void coming_back(void **state)
 /* Sine and cosine cost time: only who asks is told. */
 static void sine_and_cosine_for_those_who_ask(void **state)
 {
-    const struct lx_tap_event event = {.kind = LX_TAP_SINCOS, .note = NULL};
+    const struct dg_tap_event event = {.kind = DG_TAP_SINCOS, .note = NULL};
     struct lx_tap tap = {.first = NULL};
     unsigned told = 0;
     struct lx_tap_listener deaf = {.event = on_event, .ctx = NULL};

@@ -86,21 +86,21 @@ static void close_trace(struct place *self, struct lx_trace *trace)
 
 static void tell_note(struct place *self, dg_ns at, const char *note)
 {
-    const struct lx_tap_event event = {.at = at, .kind = LX_TAP_NOTE, .note = note};
+    const struct dg_tap_event event = {.at = at, .kind = DG_TAP_NOTE, .note = note};
     lx_tap_tell(&self->tap, &event);
 }
 
 static void tell_frame(struct place *self, dg_ns at, bool ours, struct dg_can_frame frame)
 {
-    const struct lx_tap_event event = {
-        .at = at, .kind = LX_TAP_FRAME, .ours = ours, .frame = frame};
+    const struct dg_tap_event event = {
+        .at = at, .kind = DG_TAP_FRAME, .ours = ours, .frame = frame};
     lx_tap_tell(&self->tap, &event);
 }
 
 static void tell_levels(struct place *self, dg_ns at, bool ma, bool slo)
 {
-    const struct lx_tap_event event = {
-        .at = at, .kind = LX_TAP_LEVELS, .levels = {.clock = ma, .data = slo}};
+    const struct dg_tap_event event = {
+        .at = at, .kind = DG_TAP_LEVELS, .levels = {.clock = ma, .data = slo}};
     lx_tap_tell(&self->tap, &event);
 }
 
@@ -358,9 +358,9 @@ static void pcapng_blocks(void **state)
 
 static void tell_words(struct place *self, dg_ns at, const uint16_t *words, uint16_t n, bool valid)
 {
-    const struct lx_tap_event event = {
+    const struct dg_tap_event event = {
         .at = at,
-        .kind = LX_TAP_WORDS,
+        .kind = DG_TAP_WORDS,
         .words = {.in = words, .out = words + n, .count = n, .valid = valid}};
     lx_tap_tell(&self->tap, &event);
 }

@@ -233,9 +233,9 @@ static void receive_all(struct bench *self, uint32_t baud, char parity)
 
 static void tell(struct bench *self, dg_ns at, bool ours, uint8_t byte)
 {
-    const struct lx_tap_event event = {
+    const struct dg_tap_event event = {
         .at = at,
-        .kind = LX_TAP_CHARACTER,
+        .kind = DG_TAP_CHARACTER,
         .ours = ours,
         .character = {.baud = 9600, .parity = 'E', .byte = byte},
     };
@@ -244,7 +244,7 @@ static void tell(struct bench *self, dg_ns at, bool ours, uint8_t byte)
 
 static void tell_note(struct bench *self, dg_ns at, const char *note)
 {
-    const struct lx_tap_event event = {.at = at, .kind = LX_TAP_NOTE, .note = note};
+    const struct dg_tap_event event = {.at = at, .kind = DG_TAP_NOTE, .note = note};
     lx_tap_tell(&self->tap, &event);
 }
 
@@ -265,7 +265,7 @@ static void all_bytes_at_all_settings(void **state)
         const uint32_t baud = bauds[i / sizeof parities];
         const char parity = parities[i % sizeof parities];
         const uint32_t bits = parity == 'N' ? 10 : 11;
-        struct lx_tap_event sent[300];
+        struct dg_tap_event sent[300];
         dg_ns at = DG_S(7);
         begin(bench, at);
         for (size_t n = 0; n < 300; n++) {
@@ -273,9 +273,9 @@ static void all_bytes_at_all_settings(void **state)
             at += n % 20 == 0 ? bit_times(60, baud) : 0;
             at += n % 7 == 0 ? bit_times(1, baud) : 0;
             at += bit_times(bits, baud);
-            sent[n] = (struct lx_tap_event){
+            sent[n] = (struct dg_tap_event){
                 .at = at,
-                .kind = LX_TAP_CHARACTER,
+                .kind = DG_TAP_CHARACTER,
                 .ours = n / 20 % 2 != 0,
                 .character = {.baud = baud,
                               .parity = parity,
@@ -305,9 +305,11 @@ static void all_bytes_at_all_settings(void **state)
 /* Each voltage 1 uV above the one before. */
 static void tell_sample(struct bench *self, dg_ns at, int32_t *uv)
 {
-    struct lx_tap_event event = {.at = at, .kind = LX_TAP_SINCOS};
+    struct dg_tap_event event = {.at = at, .kind = DG_TAP_SINCOS};
     event.sincos.encoder = 1;
-    event.sincos.lines = (struct dg_hf_sincos){uv[0], uv[0] + 1, uv[0] + 2, uv[0] + 3};
+    for (int i = 0; i < 4; i++) {
+        event.sincos.uv[i] = uv[0] + i;
+    }
     uv[0] += 4;
     lx_tap_tell(&self->tap, &event);
 }
@@ -334,9 +336,9 @@ static void sine_and_cosine_do_not_disturb_the_line(void **state)
                 tell_sample(bench, sample, &uv);
                 samples++;
             }
-            const struct lx_tap_event event = {
+            const struct dg_tap_event event = {
                 .at = at,
-                .kind = LX_TAP_CHARACTER,
+                .kind = DG_TAP_CHARACTER,
                 .ours = n / 20 % 2 != 0,
                 .character = {.baud = bauds[i], .parity = 'E', .byte = (uint8_t)(n * 7u)},
             };
@@ -465,9 +467,9 @@ static void a_frame_is_drawn_before_what_comes_after_it(void **state)
  * and the next start bit as well. */
 static void a_damaged_stop_bit_ends_before_the_next_start_bit(void **state)
 {
-    const struct lx_tap_event event = {
+    const struct dg_tap_event event = {
         .at = DG_S(1),
-        .kind = LX_TAP_CHARACTER,
+        .kind = DG_TAP_CHARACTER,
         .character = {.baud = 600, .parity = 'N', .byte = 0xFF, .damaged = true},
     };
     struct bench *bench = *state;
@@ -502,7 +504,7 @@ static void samples_beyond_those_that_may_wait_are_left_out(void **state)
 
 static void a_line_without_a_rate_is_survived(void **state)
 {
-    const struct lx_tap_event event = {.at = DG_MS(5), .kind = LX_TAP_CHARACTER};
+    const struct dg_tap_event event = {.at = DG_MS(5), .kind = DG_TAP_CHARACTER};
     struct bench *bench = *state;
     begin(bench, 0);
     lx_tap_tell(&bench->tap, &event);
