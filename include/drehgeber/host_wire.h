@@ -75,6 +75,29 @@ struct dg_host_wire {
 /** The encoder has sent something. */
 DG_API void dg_host_emit(struct dg_host_line *line, const struct dg_host_event *event);
 
+/** Bytes of a handle without queues, for one that is put on a bus. It takes events by
+ * dg_host_feed() and tells a listener; dg_host_send() is DG_HOST_ERR_STATE.
+ * @return as dg_host_size() */
+DG_API size_t dg_host_size_on_bus(const struct dg_device *model, const struct dg_host_wire *wire);
+/** Make one. @return as dg_host_init() */
+DG_API struct dg_host *dg_host_init_on_bus(void *memory, size_t size, const struct dg_device *model,
+                                           const struct dg_host_wire *wire);
+/** The side of this model's protocol; links all of them. NULL: it has none. */
+DG_API const struct dg_host_wire *dg_host_wire_of(const struct dg_device *model);
+
+/** `event` of this wire happens at event->at, or at the latest moment that was served if that is
+ * later: what was due before comes before, what is due then comes behind. All of it happens at that
+ * moment: of characters one, DG_HOST_ENDED or DG_HOST_START. What waits in queues keeps its turn.
+ * @return when to call again, as dg_host_step() */
+DG_API uint64_t dg_host_feed(struct dg_host *self, const struct dg_host_event *event);
+
+/** What a protocol sees of a handle, for a bus and the port around it; it lasts as long. */
+DG_API struct dg_host_line *dg_host_line_of(struct dg_host *self);
+/** What it senses, for a port that bends it; it lasts as long. */
+DG_API struct dg_world *dg_host_world(struct dg_host *self);
+/** What its device is made of: the port's view of model, world and memory. */
+DG_API struct dg_stack_setup dg_host_setup(struct dg_host *self);
+
 /** The line of a handle of this wire that was switched on, at its moment or at `now` if that is
  * later: time has gone on. @return NULL with `result`: another wire, or no power */
 DG_API struct dg_host_line *dg_host_line_at(struct dg_host *self, const struct dg_host_wire *wire,

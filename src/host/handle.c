@@ -2,7 +2,7 @@
 /*
  * A handle from its memory to its power:
  *
- *   | struct dg_host | settings | device | EEPROM |
+ *   | struct dg_host | queues, unless it is on a bus | settings | device | EEPROM |
  */
 #include "host_private.h"
 
@@ -17,49 +17,84 @@ size_t dg_host_round(size_t n)
     return (n + DG_HOST_ALIGN - 1u) / DG_HOST_ALIGN * DG_HOST_ALIGN;
 }
 
-struct host_parts dg_host_parts_of(const struct dg_device *model, const struct dg_host_wire *wire)
+static struct host_parts parts_of(const struct dg_device *model, const struct dg_host_wire *wire,
+                                  bool on_bus)
 {
     const struct dg_store_layout *layout = model->stack->layout(model->model);
 
     return (struct host_parts){
+        .queues = on_bus ? 0 : dg_host_round(sizeof(struct host_queues)),
         .settings = dg_host_round(wire->settings_size),
         .device = dg_host_round(model->stack->device_size),
         .memory = layout != NULL ? dg_host_round(dg_store_size(layout)) : 0,
     };
 }
 
-size_t dg_host_size(const struct dg_device *model, const struct dg_host_wire *wire)
+struct host_parts dg_host_parts_of(const struct dg_host *self)
+{
+    return parts_of(self->refs.device, self->refs.wire, self->refs.queues == NULL);
+}
+
+static size_t sum_of(const struct host_parts *parts)
+{
+    return dg_host_round(sizeof(struct dg_host)) + parts->queues + parts->settings + parts->device +
+           parts->memory;
+}
+
+size_t dg_host_size_in_all(const struct dg_host *self)
+{
+    const struct host_parts parts = dg_host_parts_of(self);
+
+    return sum_of(&parts);
+}
+
+static size_t size_of(const struct dg_device *model, const struct dg_host_wire *wire, bool on_bus)
 {
     if (model->stack != wire->stack) {
         return 0;
     }
-    const struct host_parts parts = dg_host_parts_of(model, wire);
-    return dg_host_round(sizeof(struct dg_host)) + parts.settings + parts.device + parts.memory;
+    const struct host_parts parts = parts_of(model, wire, on_bus);
+    return sum_of(&parts);
 }
 
-struct dg_host *dg_host_init(void *memory, size_t size, const struct dg_device *model,
-                             const struct dg_host_wire *wire)
+size_t dg_host_size(const struct dg_device *model, const struct dg_host_wire *wire)
 {
-    const size_t needed = dg_host_size(model, wire);
+    return size_of(model, wire, false);
+}
+
+size_t dg_host_size_on_bus(const struct dg_device *model, const struct dg_host_wire *wire)
+{
+    return size_of(model, wire, true);
+}
+
+static void place_parts(struct dg_host *self, const struct host_parts *parts)
+{
+    uint8_t *behind = (uint8_t *)self + dg_host_round(sizeof *self);
+
+    self->refs.queues = parts->queues != 0 ? (struct host_queues *)(void *)behind : NULL;
+    self->line.settings = behind + parts->queues;
+    self->line.device = behind + parts->queues + parts->settings;
+    self->refs.memory = behind + parts->queues + parts->settings + parts->device;
+    self->memory_size = (uint32_t)parts->memory;
+}
+
+static struct dg_host *init(void *memory, size_t size, const struct dg_device *model,
+                            const struct dg_host_wire *wire, bool on_bus)
+{
+    const size_t needed = size_of(model, wire, on_bus);
     struct dg_host *self = memory;
-    uint8_t *behind = memory;
 
     if (memory == NULL || needed == 0 || size < needed || (uintptr_t)memory % DG_HOST_ALIGN != 0) {
         return NULL;
     }
-    const struct host_parts parts = dg_host_parts_of(model, wire);
+    const struct host_parts parts = parts_of(model, wire, on_bus);
     memset(memory, 0, needed);
-    behind += dg_host_round(sizeof *self);
-    self->line.settings = behind;
-    self->line.device = behind + parts.settings;
-    self->memory = behind + parts.settings + parts.device;
-    self->memory_size = (uint32_t)parts.memory;
-    self->device = model;
-    self->wire = wire;
+    place_parts(self, &parts);
+    self->refs.device = model;
+    self->refs.wire = wire;
     self->deadline = DG_NEVER;
     dg_world_init(&self->world);
-    self->world.angle = dg_host_sense_angle;
-    self->world.angle_ctx = self;
+    dg_host_sit_alone(self);
     if (wire->furnish != NULL) {
         wire->furnish(self->line.settings, model);
     } else {
@@ -68,14 +103,26 @@ struct dg_host *dg_host_init(void *memory, size_t size, const struct dg_device *
     return self;
 }
 
+struct dg_host *dg_host_init(void *memory, size_t size, const struct dg_device *model,
+                             const struct dg_host_wire *wire)
+{
+    return init(memory, size, model, wire, false);
+}
+
+struct dg_host *dg_host_init_on_bus(void *memory, size_t size, const struct dg_device *model,
+                                    const struct dg_host_wire *wire)
+{
+    return init(memory, size, model, wire, true);
+}
+
 const char *dg_host_model(const struct dg_host *self)
 {
-    return self->device->name;
+    return self->refs.device->name;
 }
 
 const char *dg_host_protocol(const struct dg_host *self)
 {
-    return self->device->stack->name;
+    return self->refs.device->stack->name;
 }
 
 /* ------------------------------------------------------------ EEPROM */
@@ -91,7 +138,7 @@ static int read_own(void *ctx, uint32_t address, void *to, size_t n)
     const int result = reach(self, address, n);
 
     if (result == DG_OK) {
-        memcpy(to, self->memory + address, n);
+        memcpy(to, self->refs.memory + address, n);
     }
     return result;
 }
@@ -102,7 +149,7 @@ static int write_own(void *ctx, uint32_t address, const void *from, size_t n)
     const int result = reach(self, address, n);
 
     if (result == DG_OK) {
-        memcpy(self->memory + address, from, n);
+        memcpy(self->refs.memory + address, from, n);
     }
     return result;
 }
@@ -111,22 +158,35 @@ static const struct dg_nvm_ops own_memory = {.read = read_own, .write = write_ow
 
 struct dg_stack_setup dg_host_setup(struct dg_host *self)
 {
-    struct dg_stack_setup setup = {
-        .model = self->line.settings, .world = &self->world, .nvm = self->nvm, .ctx = &self->line};
+    struct dg_stack_setup setup = {.model = self->line.settings,
+                                   .world = &self->world,
+                                   .nvm = self->refs.nvm,
+                                   .ctx = &self->line};
 
-    if (self->nvm.ops == NULL && self->memory_size != 0) {
+    if (self->refs.nvm.ops == NULL && self->memory_size != 0) {
         setup.nvm = (struct dg_nvm){&own_memory, self};
     }
-    if (self->wire->arrange != NULL) {
-        self->wire->arrange(self->line.settings, &setup);
+    if (self->refs.wire->arrange != NULL) {
+        self->refs.wire->arrange(self->line.settings, &setup);
     }
     return setup;
+}
+
+struct dg_host_line *dg_host_line_of(struct dg_host *self)
+{
+    return &self->line;
+}
+
+struct dg_world *dg_host_world(struct dg_host *self)
+{
+    return &self->world;
 }
 
 /* The size is that of the layout, without what rounds it up. */
 size_t dg_host_memory_size(const struct dg_host *self)
 {
-    const struct dg_store_layout *layout = self->device->stack->layout(self->device->model);
+    const struct dg_store_layout *layout =
+        self->refs.device->stack->layout(self->refs.device->model);
 
     return layout != NULL ? dg_store_size(layout) : 0;
 }
@@ -135,28 +195,28 @@ int dg_host_memory_copy(const struct dg_host *self, void *to, size_t n)
 {
     const size_t size = dg_host_memory_size(self);
 
-    if (self->nvm.ops != NULL) {
+    if (self->refs.nvm.ops != NULL) {
         return DG_HOST_ERR_STATE;
     }
     if (n < size) {
         return DG_HOST_ERR_SPACE;
     }
     if (size != 0) {
-        memcpy(to, self->memory, size);
+        memcpy(to, self->refs.memory, size);
     }
     return DG_HOST_OK;
 }
 
 int dg_host_memory_load(struct dg_host *self, const void *from, size_t n)
 {
-    if (self->nvm.ops != NULL || dg_host_powered(self)) {
+    if (self->refs.nvm.ops != NULL || dg_host_powered(self)) {
         return DG_HOST_ERR_STATE;
     }
     if (n != dg_host_memory_size(self)) {
         return DG_HOST_ERR_SPACE;
     }
     if (n != 0) {
-        memcpy(self->memory, from, n);
+        memcpy(self->refs.memory, from, n);
     }
     self->loaded = true;
     return DG_HOST_OK;
@@ -167,7 +227,7 @@ int dg_host_memory_port(struct dg_host *self, const struct dg_nvm *nvm)
     if (self->made || nvm == NULL || nvm->ops == NULL) {
         return self->made ? DG_HOST_ERR_STATE : DG_HOST_ERR_ARGUMENT;
     }
-    self->nvm = *nvm;
+    self->refs.nvm = *nvm;
     return DG_HOST_OK;
 }
 
@@ -176,13 +236,13 @@ int dg_host_memory_port(struct dg_host *self, const struct dg_nvm *nvm)
 /* A memory of the host's may have an image from an earlier life. */
 static int format(struct dg_host *self, const struct dg_stack_setup *setup)
 {
-    const struct dg_stack *stack = self->device->stack;
+    const struct dg_stack *stack = self->refs.device->stack;
     struct dg_store store;
 
     if (self->loaded) {
         return DG_OK;
     }
-    if (self->nvm.ops != NULL && stack->layout(setup->model) != NULL) {
+    if (self->refs.nvm.ops != NULL && stack->layout(setup->model) != NULL) {
         const int result = stack->mount(setup, &store);
         return result == DG_ERR_BLANK ? stack->format(setup) : result;
     }
@@ -197,12 +257,12 @@ static int make(struct dg_host *self)
     if (result != DG_OK) {
         return result;
     }
-    return self->device->stack->init(self->line.device, &setup);
+    return self->refs.device->stack->init(self->line.device, &setup);
 }
 
 int dg_host_power(struct dg_host *self, uint64_t now, bool on)
 {
-    const struct dg_stack *stack = self->device->stack;
+    const struct dg_stack *stack = self->refs.device->stack;
     int result = DG_OK;
 
     dg_host_run(self, now);
@@ -225,7 +285,7 @@ int dg_host_power(struct dg_host *self, uint64_t now, bool on)
 
 bool dg_host_powered(const struct dg_host *self)
 {
-    return self->made && self->device->stack->powered(self->line.device);
+    return self->made && self->refs.device->stack->powered(self->line.device);
 }
 
 /* ------------------------------------------------------------ looks */
@@ -235,7 +295,7 @@ int dg_host_position(const struct dg_host *self, uint64_t at, uint64_t *counts)
     if (!dg_host_powered(self)) {
         return DG_HOST_ERR_STATE;
     }
-    *counts = self->device->stack->position(self->line.device, at);
+    *counts = self->refs.device->stack->position(self->line.device, at);
     return DG_HOST_OK;
 }
 
@@ -252,7 +312,7 @@ int dg_host_positions(const struct dg_host *self, uint64_t at, uint64_t interval
 
 const void *dg_host_device(const struct dg_host *self, const struct dg_host_wire *wire, int *result)
 {
-    if (self->wire != wire) {
+    if (self->refs.wire != wire) {
         *result = DG_HOST_ERR_WIRE;
         return NULL;
     }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * A handle from inside. Behind it, in the same memory: settings, device, EEPROM, each at a multiple
- * of DG_HOST_ALIGN.
+ * A handle from inside. Behind it, in the same memory: queues, settings, device, EEPROM, each at a
+ * multiple of DG_HOST_ALIGN.
  */
 #ifndef DREHGEBER_HOST_PRIVATE_H
 #define DREHGEBER_HOST_PRIVATE_H
@@ -17,6 +17,12 @@ struct host_queue {
     uint32_t first; /**< place of the oldest one */
     uint32_t count;
     struct dg_host_event event[DG_HOST_QUEUE];
+};
+
+/** Of a handle that its host feeds and empties; one on a bus has none. */
+struct host_queues {
+    struct host_queue in;
+    struct host_queue out;
 };
 
 /** Where a shaft is: angle + floor(rate * (t - at) / 1 s). */
@@ -37,19 +43,24 @@ struct host_faults {
     void (*overridden)(void *ctx, size_t offset);
 };
 
-/** The handle. */
-struct dg_host {
-    struct dg_host_line line; /**< first: operations get it and find the handle */
+/** What a handle points to, beside the parts in `line` and the shaft in `world`: none of it is in a
+ * state. */
+struct host_refs {
     const struct dg_device *device;
     const struct dg_host_wire *wire;
-    void *shaft; /**< what `angle_of` is about; NULL: `course` */
-    dg_angle (*angle_of)(void *shaft, dg_ns at);
-    void (*heard)(void *ctx, const struct dg_host_event *event); /**< NULL: into `out` */
+    struct host_queues *queues; /**< behind the handle; NULL: it is on a bus */
+    void (*heard)(void *ctx, const struct dg_host_event *event); /**< NULL: into `queues` */
     void *heard_ctx;
     const struct host_faults *faults; /**< NULL: none */
     void *faults_ctx;
     struct dg_nvm nvm; /**< the host's own; ops NULL: `memory` */
     uint8_t *memory;
+};
+
+/** The handle. */
+struct dg_host {
+    struct dg_host_line line; /**< first: operations get it and find the handle */
+    struct host_refs refs;
     uint32_t memory_size;
     dg_ns deadline; /**< of the device */
     struct dg_world world;
@@ -60,30 +71,29 @@ struct dg_host {
     bool loaded;               /**< `memory` has an image */
     bool untold;               /**< events were lost, and nobody knows yet */
     uint32_t lost;
-    struct host_queue in;
-    struct host_queue out;
 };
 
 /** handle.c */
 size_t dg_host_round(size_t n);
-/** Sizes of what stands behind a handle of this model. */
+/** Sizes of what stands behind a handle, in this order. */
 struct host_parts {
+    size_t queues; /**< 0 on a bus */
     size_t settings;
     size_t device;
     size_t memory;
 };
-struct host_parts dg_host_parts_of(const struct dg_device *model, const struct dg_host_wire *wire);
-/** What the device is made of. */
-struct dg_stack_setup dg_host_setup(struct dg_host *self);
+struct host_parts dg_host_parts_of(const struct dg_host *self);
+/** Of all of it, the handle included. */
+size_t dg_host_size_in_all(const struct dg_host *self);
 
-/** physics.c: the world's angle. */
-dg_angle dg_host_sense_angle(void *ctx, dg_ns now);
-/** Sit on a shaft; NULL: on the own one. */
+/** physics.c: sit on the own shaft, `course`. */
+void dg_host_sit_alone(struct dg_host *self);
+/** Sit on a shaft, which `angle_of` tells the angle of. */
 void dg_host_sit(struct dg_host *self, void *shaft, dg_angle (*angle_of)(void *shaft, dg_ns at));
 
 /** time.c: whatever is due up to `now` happens, and what the host changed is looked at. */
 void dg_host_run(struct dg_host *self, dg_ns now);
-/** Of wires that say no more: whether `event` is an edge. @return as dg_host_wire.check */
-int dg_host_check_edge(const struct dg_host_event *event);
+/** Whether a handle of this wire can take `event`. @return as dg_host_wire.check */
+int dg_host_check_event(const struct dg_host_wire *wire, const struct dg_host_event *event);
 
 #endif

@@ -8,9 +8,9 @@ static const struct dg_host_wire *const wires[] = {
     &dg_hf_wire, &dg_biss_wire, &dg_ssi_wire, &dg_cia406_wire, &dg_ib_wire,
 };
 
-static const struct dg_host_wire *wire_of(const struct dg_device *model)
+const struct dg_host_wire *dg_host_wire_of(const struct dg_device *model)
 {
-    for (size_t i = 0; model != NULL && i < sizeof wires / sizeof wires[0]; i++) {
+    for (size_t i = 0; model != NULL && i < DG_COUNT(wires); i++) {
         if (wires[i]->stack == model->stack) {
             return wires[i];
         }
@@ -26,7 +26,7 @@ const char *dg_host_name(size_t index)
 size_t dg_host_size_of(const char *name)
 {
     const struct dg_device *model = dg_device_find(name);
-    const struct dg_host_wire *wire = wire_of(model);
+    const struct dg_host_wire *wire = dg_host_wire_of(model);
 
     return wire != NULL ? dg_host_size(model, wire) : 0;
 }
@@ -34,7 +34,7 @@ size_t dg_host_size_of(const char *name)
 struct dg_host *dg_host_make(void *memory, size_t size, const char *name)
 {
     const struct dg_device *model = dg_device_find(name);
-    const struct dg_host_wire *wire = wire_of(model);
+    const struct dg_host_wire *wire = dg_host_wire_of(model);
 
     return wire != NULL ? dg_host_init(memory, size, model, wire) : NULL;
 }

@@ -95,7 +95,7 @@ static void tell_controller(struct dg_host_panel *self, uint32_t what)
     struct dg_host_line *line = &self->host->line;
     const struct dg_host_event event = {.at = line->now, .id = what, .kind = DG_HOST_BUS};
 
-    (void)self->host->wire->take(line, &event);
+    (void)self->host->refs.wire->take(line, &event);
 }
 
 /* A frame that a controller had to drop is an event to its node. */
@@ -171,7 +171,7 @@ static bool bent(void *ctx, bool raw)
 
     follow(self, raw);
     if (dg_line_fault_due(&self->line) &&
-        self->host->device->stack->step(self->host->line.device, 0) == DG_NEVER) {
+        self->host->refs.device->stack->step(self->host->line.device, 0) == DG_NEVER) {
         dg_line_fault_end(&self->line);
     }
     return dg_line_fault_level(&self->line, raw);
@@ -245,8 +245,8 @@ static void build(struct dg_host_panel *self)
     struct dg_host *host = self->host;
 
     self->encoder = (struct dg_encoder){
-        .name = host->device->name,
-        .model = host->device,
+        .name = host->refs.device->name,
+        .model = host->refs.device,
         .instrument = self->instruments[0],
         .device = host->line.device,
         .world = &host->world,
@@ -275,7 +275,7 @@ struct dg_host_panel *dg_host_panel_init(void *memory, size_t size, struct dg_ho
     struct dg_host_panel *self = memory;
 
     if (memory == NULL || size < dg_host_panel_size() || (uintptr_t)memory % DG_HOST_ALIGN != 0 ||
-        !host->made || instrument == NULL || instrument->stack != host->device->stack) {
+        !host->made || instrument == NULL || instrument->stack != host->refs.device->stack) {
         return NULL;
     }
     memset(self, 0, sizeof *self);
@@ -290,8 +290,8 @@ struct dg_host_panel *dg_host_panel_init(void *memory, size_t size, struct dg_ho
         self->clock = instrument->clock(host->line.device);
         dg_line_fault_init(&self->line, instrument, host->line.device, &self->encoder.faults);
     }
-    host->faults = &faults_at_work;
-    host->faults_ctx = self;
+    host->refs.faults = &faults_at_work;
+    host->refs.faults_ctx = self;
     return self;
 }
 

@@ -7,5 +7,5 @@
 
 struct dg_host_panel *dg_host_panel_make(void *memory, size_t size, struct dg_host *host)
 {
-    return dg_host_panel_init(memory, size, host, dg_instrument_of(host->device->stack));
+    return dg_host_panel_init(memory, size, host, dg_instrument_of(host->refs.device->stack));
 }

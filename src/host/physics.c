@@ -28,21 +28,17 @@ static dg_angle angle_in(const struct host_course *course, dg_ns at)
     return (dg_angle)((uint64_t)course->angle + turned(course->rate, course->at, at));
 }
 
-static dg_angle own_angle(const struct dg_host *self, dg_ns at)
+/* Of a handle. */
+static dg_angle own_angle(void *handle, dg_ns at)
 {
+    const struct dg_host *self = handle;
+
     return angle_in(at < self->course.at ? &self->before : &self->course, at);
-}
-
-dg_angle dg_host_sense_angle(void *ctx, dg_ns now)
-{
-    const struct dg_host *self = ctx;
-
-    return self->shaft != NULL ? self->angle_of(self->shaft, now) : own_angle(self, now);
 }
 
 int64_t dg_host_angle(const struct dg_host *self, uint64_t at)
 {
-    return self->shaft != NULL ? self->angle_of(self->shaft, at) : own_angle(self, at);
+    return self->world.angle(self->world.angle_ctx, at);
 }
 
 void dg_host_shaft(struct dg_host *self, uint64_t now, int64_t angle, int64_t rate)
@@ -58,23 +54,21 @@ void dg_host_shaft(struct dg_host *self, uint64_t now, int64_t angle, int64_t ra
 
 void dg_host_sit(struct dg_host *self, void *shaft, dg_angle (*angle_of)(void *shaft, dg_ns at))
 {
-    self->shaft = shaft;
-    self->angle_of = shaft != NULL ? angle_of : NULL;
+    self->world.angle = angle_of;
+    self->world.angle_ctx = shaft;
     dg_host_run(self, self->line.now);
 }
 
-/* Of another handle. */
-static dg_angle of_other(void *shaft, dg_ns at)
+void dg_host_sit_alone(struct dg_host *self)
 {
-    return own_angle(shaft, at);
+    dg_host_sit(self, self, own_angle);
 }
 
 int dg_host_share(struct dg_host *self, struct dg_host *other)
 {
-    if (other != NULL && other->shaft != NULL) {
+    if (other != NULL && other->world.angle_ctx != other) {
         return DG_HOST_ERR_ARGUMENT;
     }
-    const bool alone = other == NULL || other == self;
-    dg_host_sit(self, alone ? NULL : other, of_other);
+    dg_host_sit(self, other == NULL ? self : other, own_angle);
     return DG_HOST_OK;
 }

@@ -10,21 +10,21 @@ enum { OWN, WORLD, LISTS };
 
 static const struct dg_keys *list_of(const struct dg_host *self, unsigned list)
 {
-    return list == WORLD ? &dg_world_keys : self->wire->keys;
+    return list == WORLD ? &dg_world_keys : self->refs.wire->keys;
 }
 
 static bool has_quantity(const struct dg_host *self, size_t row)
 {
-    const struct dg_stack *stack = self->device->stack;
+    const struct dg_stack *stack = self->refs.device->stack;
 
-    return (self->wire->blind >> row & 1u) == 0 &&
-           (!dg_quantities[row].multiturn || stack->senses_multiturn(self->device->model));
+    return (self->refs.wire->blind >> row & 1u) == 0 &&
+           (!dg_quantities[row].multiturn || stack->senses_multiturn(self->refs.device->model));
 }
 
 static bool has(const struct dg_host *self, unsigned list, size_t row)
 {
     const uint32_t without =
-        self->wire->without != NULL ? self->wire->without(self->line.settings) : 0;
+        self->refs.wire->without != NULL ? self->refs.wire->without(self->line.settings) : 0;
 
     if (list == WORLD) {
         return has_quantity(self, row);
@@ -137,8 +137,8 @@ int dg_host_world_set(struct dg_host *self, uint64_t now, const char *name, int6
         return DG_HOST_ERR_ARGUMENT;
     }
     dg_host_run(self, now);
-    if (self->faults != NULL) {
-        self->faults->overridden(self->faults_ctx, row->offset);
+    if (self->refs.faults != NULL) {
+        self->refs.faults->overridden(self->refs.faults_ctx, row->offset);
     }
     dg_quantity_set(row, &self->world, value);
     dg_host_run(self, now);

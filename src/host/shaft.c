@@ -8,5 +8,9 @@
 
 void dg_host_shaft_of(struct dg_host *self, struct dg_shaft *shaft)
 {
-    dg_host_sit(self, shaft, dg_shaft_angle);
+    if (shaft == NULL) {
+        dg_host_sit_alone(self);
+    } else {
+        dg_host_sit(self, shaft, dg_shaft_angle);
+    }
 }

@@ -3,7 +3,7 @@
  * States: the memory of a handle as it is, without its pointers, behind a header that says whose it
  * is. What a pointer said is said by the handle that the state is restored into.
  *
- *   | header | struct dg_host | settings | device | EEPROM |
+ *   | header | struct dg_host | queues | settings | device | EEPROM |
  */
 #include "host_private.h"
 
@@ -24,9 +24,10 @@ struct header {
     char magic[8];
     char model[MODEL_MAX];
     char version[VERSION_MAX];
-    uint32_t order;    /* of the bytes in a number */
-    uint32_t pointer;  /* bytes of one */
-    uint32_t handle;   /* bytes of each part ... */
+    uint32_t order;   /* of the bytes in a number */
+    uint32_t pointer; /* bytes of one */
+    uint32_t handle;  /* bytes of each part ... */
+    uint32_t queues;
     uint32_t settings; /* ... */
     uint32_t device;
     uint32_t memory;
@@ -37,82 +38,60 @@ struct header {
 
 static struct header header_of(const struct dg_host *self)
 {
-    const struct host_parts parts = dg_host_parts_of(self->device, self->wire);
+    const struct host_parts parts = dg_host_parts_of(self);
     struct header header = {
         .order = ORDER,
         .pointer = sizeof(void *),
         .handle = sizeof(struct dg_host),
+        .queues = (uint32_t)parts.queues,
         .settings = (uint32_t)parts.settings,
         .device = (uint32_t)parts.device,
         .memory = (uint32_t)parts.memory,
-        .own_memory = self->nvm.ops == NULL ? 1u : 0u,
+        .own_memory = self->refs.nvm.ops == NULL ? 1u : 0u,
     };
 
     memcpy(header.magic, magic, sizeof magic);
     memcpy(header.version, version, sizeof version);
-    for (size_t i = 0; i < MODEL_MAX - 1u && self->device->name[i] != '\0'; i++) {
-        header.model[i] = self->device->name[i];
+    for (size_t i = 0; i < MODEL_MAX - 1u && self->refs.device->name[i] != '\0'; i++) {
+        header.model[i] = self->refs.device->name[i];
     }
     return header;
 }
 
-static size_t body_size(const struct dg_host *self)
-{
-    return dg_host_size(self->device, self->wire);
-}
-
 size_t dg_host_state_size(const struct dg_host *self)
 {
-    return sizeof(struct header) + body_size(self);
+    return sizeof(struct header) + dg_host_size_in_all(self);
 }
 
 /* ------------------------------------------------------------ pointers */
 
-/* What the handle points to: its own parts, and what the host has handed over. */
+/* What the handle points to: its own parts, its shaft, and what the host has handed over. */
 static void drop_pointers(struct dg_host *self)
 {
+    self->refs = (struct host_refs){0};
     self->line.settings = NULL;
     self->line.device = NULL;
-    self->device = NULL;
-    self->wire = NULL;
-    self->shaft = NULL;
-    self->angle_of = NULL;
-    self->heard = NULL;
-    self->heard_ctx = NULL;
-    self->faults = NULL;
-    self->faults_ctx = NULL;
-    self->nvm = (struct dg_nvm){0};
-    self->memory = NULL;
     self->world.angle = NULL;
     self->world.angle_ctx = NULL;
 }
 
 static void take_pointers(struct dg_host *self, const struct dg_host *from)
 {
+    self->refs = from->refs;
     self->line.settings = from->line.settings;
     self->line.device = from->line.device;
-    self->device = from->device;
-    self->wire = from->wire;
-    self->shaft = from->shaft;
-    self->angle_of = from->angle_of;
-    self->heard = from->heard;
-    self->heard_ctx = from->heard_ctx;
-    self->faults = from->faults;
-    self->faults_ctx = from->faults_ctx;
-    self->nvm = from->nvm;
-    self->memory = from->memory;
-    self->world.angle = dg_host_sense_angle;
-    self->world.angle_ctx = self;
+    self->world.angle = from->world.angle;
+    self->world.angle_ctx = from->world.angle_ctx;
 }
 
 /* Between these two the parts have no pointers and nothing else may be done with them. */
 static void detach(struct dg_host *self)
 {
     if (self->made) {
-        self->device->stack->attach(self->line.device, NULL);
+        self->refs.device->stack->attach(self->line.device, NULL);
     }
-    if (self->wire->arrange != NULL) {
-        self->wire->arrange(self->line.settings, NULL);
+    if (self->refs.wire->arrange != NULL) {
+        self->refs.wire->arrange(self->line.settings, NULL);
     }
 }
 
@@ -121,7 +100,7 @@ static void attach(struct dg_host *self)
     const struct dg_stack_setup setup = dg_host_setup(self);
 
     if (self->made) {
-        self->device->stack->attach(self->line.device, &setup);
+        self->refs.device->stack->attach(self->line.device, &setup);
     }
 }
 
@@ -131,7 +110,7 @@ int dg_host_save(struct dg_host *self, void *to, size_t n)
 {
     struct header header = header_of(self);
     const struct dg_host kept = *self;
-    const size_t size = body_size(self);
+    const size_t size = dg_host_size_in_all(self);
     uint8_t *body = (uint8_t *)to + sizeof header;
 
     if (n < dg_host_state_size(self)) {
@@ -192,27 +171,59 @@ static bool all_hold(const struct dg_keys *keys, const void *base)
     return good;
 }
 
-static int check_event(const struct dg_host_wire *wire, const struct dg_host_event *event)
+static struct dg_host_event event_at(const uint8_t *queue, uint32_t place)
 {
-    if (event->length > sizeof event->data) {
-        return DG_HOST_ERR_ARGUMENT;
-    }
-    return wire->check != NULL ? wire->check(event) : dg_host_check_edge(event);
+    struct dg_host_event event;
+
+    memcpy(&event, queue + offsetof(struct host_queue, event) + place * sizeof event, sizeof event);
+    return event;
 }
 
-/* What waits for the device was sent by somebody; what waits for the host has its length. */
-static bool queues_fit(const struct dg_host *state, const struct dg_host_wire *wire)
+/* What waits for the device was sent by somebody. `part` of the first one has been taken. */
+static bool fits_device(const uint8_t *queue, uint32_t part, const struct dg_host_wire *wire)
+{
+    uint32_t first;
+    uint32_t count;
+    bool good = true;
+
+    memcpy(&first, queue + offsetof(struct host_queue, first), sizeof first);
+    memcpy(&count, queue + offsetof(struct host_queue, count), sizeof count);
+    for (uint32_t i = 0; i < count; i++) {
+        const struct dg_host_event event = event_at(queue, (first + i) % DG_HOST_QUEUE);
+        good = good && dg_host_check_event(wire, &event) == DG_HOST_OK;
+        good = good && (i > 0 || part <= 2u * event.length);
+    }
+    return good && (count > 0 || part == 0);
+}
+
+/* What waits for the host has its length. */
+static bool fits_host(const uint8_t *queue)
 {
     bool good = true;
 
     for (uint32_t i = 0; i < DG_HOST_QUEUE; i++) {
-        const uint32_t at = (state->in.first + i) % DG_HOST_QUEUE;
-        const struct dg_host_event *out = &state->out.event[i];
-        good = good && out->length <= sizeof out->data;
-        good = good && (i >= state->in.count || check_event(wire, &state->in.event[at]) == 0);
+        const struct dg_host_event event = event_at(queue, i);
+        good = good && event.length <= sizeof event.data;
     }
-    const struct dg_host_event *first = &state->in.event[state->in.first];
-    return good && state->line.part <= (state->in.count == 0 ? 0 : 2u * first->length);
+    return good;
+}
+
+/* @param queues those of the state; the handle on a bus has none */
+static bool queues_fit(const struct dg_host *self, const uint8_t *queues, uint32_t part)
+{
+    static const struct dg_stack_range rows[] = {
+        DG_STACK_RANGE(host_queues, in.first, 0, DG_HOST_QUEUE - 1u),
+        DG_STACK_RANGE(host_queues, in.count, 0, DG_HOST_QUEUE),
+        DG_STACK_RANGE(host_queues, out.first, 0, DG_HOST_QUEUE - 1u),
+        DG_STACK_RANGE(host_queues, out.count, 0, DG_HOST_QUEUE),
+    };
+
+    if (self->refs.queues == NULL) {
+        return part == 0;
+    }
+    return all_in_range(rows, DG_COUNT(rows), queues) &&
+           fits_device(queues + offsetof(struct host_queues, in), part, self->refs.wire) &&
+           fits_host(queues + offsetof(struct host_queues, out));
 }
 
 static bool handle_fits(const struct dg_host *self, const uint8_t *body)
@@ -224,29 +235,27 @@ static bool handle_fits(const struct dg_host *self, const uint8_t *body)
         DG_STACK_BOOL(dg_host, made),
         DG_STACK_BOOL(dg_host, loaded),
         DG_STACK_BOOL(dg_host, untold),
-        DG_STACK_RANGE(dg_host, in.first, 0, DG_HOST_QUEUE - 1u),
-        DG_STACK_RANGE(dg_host, in.count, 0, DG_HOST_QUEUE),
-        DG_STACK_RANGE(dg_host, out.first, 0, DG_HOST_QUEUE - 1u),
-        DG_STACK_RANGE(dg_host, out.count, 0, DG_HOST_QUEUE),
         DG_STACK_RANGE(dg_host, controller, 0, DG_HOST_BUS_OFF),
     };
     struct dg_host state;
 
-    if (!all_in_range(rows, sizeof rows / sizeof rows[0], body)) {
+    if (!all_in_range(rows, DG_COUNT(rows), body)) {
         return false;
     }
     memcpy(&state, body, sizeof state);
     return state.memory_size == self->memory_size && state.line.now != DG_NEVER &&
-           all_hold(&dg_world_keys, &state.world) && queues_fit(&state, self->wire);
+           all_hold(&dg_world_keys, &state.world) &&
+           queues_fit(self, body + dg_host_round(sizeof state), state.line.part);
 }
 
 static bool is_sound(const struct dg_host *self, const uint8_t *body)
 {
-    const struct dg_stack_check *check = self->wire->state;
-    const uint8_t *settings = body + dg_host_round(sizeof *self);
-    const uint8_t *device = settings + dg_host_parts_of(self->device, self->wire).settings;
+    const struct dg_stack_check *check = self->refs.wire->state;
+    const struct host_parts parts = dg_host_parts_of(self);
+    const uint8_t *settings = body + dg_host_round(sizeof *self) + parts.queues;
+    const uint8_t *device = settings + parts.settings;
 
-    if (!handle_fits(self, body) || !all_hold(self->wire->keys, settings)) {
+    if (!handle_fits(self, body) || !all_hold(self->refs.wire->keys, settings)) {
         return false;
     }
     /* One that was never on is made of its settings. */
@@ -259,7 +268,7 @@ int dg_host_restore(struct dg_host *self, const void *from, size_t n)
 {
     const uint8_t *body = (const uint8_t *)from + sizeof(struct header);
     const struct header mine = header_of(self);
-    const size_t size = body_size(self);
+    const size_t size = dg_host_size_in_all(self);
     struct header header;
     struct dg_host state;
 
@@ -277,7 +286,6 @@ int dg_host_restore(struct dg_host *self, const void *from, size_t n)
     take_pointers(&state, self);
     memcpy(self, body, size);
     *self = state;
-    self->world.angle_ctx = self;
     attach(self);
     return DG_HOST_OK;
 }

@@ -35,14 +35,16 @@ static void append(struct host_queue *queue, const struct dg_host_event *event)
 
 static void deliver(struct dg_host *self, const struct dg_host_event *event)
 {
-    if (self->heard != NULL) {
-        self->heard(self->heard_ctx, event);
-    } else if (self->out.count == DG_HOST_QUEUE || self->untold) {
+    struct host_queues *queues = self->refs.queues;
+
+    if (self->refs.heard != NULL) {
+        self->refs.heard(self->refs.heard_ctx, event);
+    } else if (queues == NULL || queues->out.count == DG_HOST_QUEUE || self->untold) {
         /* The gap is told where it is: nothing gets behind it before somebody knows. */
         self->lost++;
         self->untold = true;
     } else {
-        append(&self->out, event);
+        append(&queues->out, event);
     }
 }
 
@@ -52,8 +54,8 @@ void dg_host_emit(struct dg_host_line *line, const struct dg_host_event *event)
     struct dg_host_event copy = *event;
     unsigned times = 1;
 
-    if (self->faults != NULL) {
-        times = self->faults->arrives(self->faults_ctx, &copy, false);
+    if (self->refs.faults != NULL) {
+        times = self->refs.faults->arrives(self->refs.faults_ctx, &copy, false);
     }
     while (times-- > 0) {
         deliver(self, &copy);
@@ -62,7 +64,8 @@ void dg_host_emit(struct dg_host_line *line, const struct dg_host_event *event)
 
 int dg_host_receive(struct dg_host *self, struct dg_host_event *to)
 {
-    const struct dg_host_event *event = head_of(&self->out);
+    struct host_queues *queues = self->refs.queues;
+    const struct dg_host_event *event = queues != NULL ? head_of(&queues->out) : NULL;
 
     if (event == NULL) {
         const bool untold = self->untold;
@@ -70,7 +73,7 @@ int dg_host_receive(struct dg_host *self, struct dg_host_event *to)
         return untold ? DG_HOST_ERR_LOST : 0;
     }
     *to = *event;
-    drop_head(&self->out);
+    drop_head(&queues->out);
     return 1;
 }
 
@@ -82,11 +85,11 @@ uint32_t dg_host_lost(const struct dg_host *self)
 void dg_host_listen(struct dg_host *self, void (*heard)(void *, const struct dg_host_event *),
                     void *ctx)
 {
-    self->heard = heard;
-    self->heard_ctx = ctx;
+    self->refs.heard = heard;
+    self->refs.heard_ctx = ctx;
 }
 
-int dg_host_check_edge(const struct dg_host_event *event)
+static int check_edge(const struct dg_host_event *event)
 {
     if (event->kind != DG_HOST_EDGE) {
         return DG_HOST_ERR_WIRE;
@@ -94,24 +97,29 @@ int dg_host_check_edge(const struct dg_host_event *event)
     return event->length == 1 && event->data[0] <= 1 ? DG_HOST_OK : DG_HOST_ERR_ARGUMENT;
 }
 
+int dg_host_check_event(const struct dg_host_wire *wire, const struct dg_host_event *event)
+{
+    const int result = wire->check != NULL ? wire->check(event) : check_edge(event);
+
+    return result == DG_HOST_OK && event->length > sizeof event->data ? DG_HOST_ERR_ARGUMENT
+                                                                      : result;
+}
+
 int dg_host_send(struct dg_host *self, const struct dg_host_event *event)
 {
-    const int result =
-        self->wire->check != NULL ? self->wire->check(event) : dg_host_check_edge(event);
+    struct host_queues *queues = self->refs.queues;
+    const int result = dg_host_check_event(self->refs.wire, event);
 
     if (result != DG_HOST_OK) {
         return result;
     }
-    if (event->length > sizeof event->data) {
-        return DG_HOST_ERR_ARGUMENT;
-    }
-    if (!self->made) {
+    if (!self->made || queues == NULL) {
         return DG_HOST_ERR_STATE;
     }
-    if (self->in.count == DG_HOST_QUEUE) {
+    if (queues->in.count == DG_HOST_QUEUE) {
         return DG_HOST_ERR_SPACE;
     }
-    append(&self->in, event);
+    append(&queues->in, event);
     return DG_HOST_OK;
 }
 
@@ -120,20 +128,22 @@ int dg_host_send(struct dg_host *self, const struct dg_host_event *event)
 /* When the next part of what waits is to be taken. */
 static dg_ns due_in(const struct dg_host *self)
 {
-    const struct dg_host_event *event = &self->in.event[self->in.first];
+    struct host_queues *queues = self->refs.queues;
+    const struct dg_host_wire *wire = self->refs.wire;
+    const struct dg_host_event *event = queues != NULL ? head_of(&queues->in) : NULL;
 
-    if (self->in.count == 0) {
+    if (event == NULL) {
         return DG_NEVER;
     }
-    return self->wire->due != NULL ? self->wire->due(&self->line, event) : event->at;
+    return wire->due != NULL ? wire->due(&self->line, event) : event->at;
 }
 
 /* The encoder's line at its other end. */
 static bool seen(struct dg_host *self)
 {
-    const bool raw = self->wire->level(&self->line);
+    const bool raw = self->refs.wire->level(&self->line);
 
-    return self->faults != NULL ? self->faults->bent(self->faults_ctx, raw) : raw;
+    return self->refs.faults != NULL ? self->refs.faults->bent(self->refs.faults_ctx, raw) : raw;
 }
 
 /* The line may have another level than was told. */
@@ -141,7 +151,7 @@ static void look_at_level(struct dg_host *self)
 {
     struct dg_host_line *line = &self->line;
 
-    if (self->wire->level == NULL) {
+    if (self->refs.wire->level == NULL) {
         return;
     }
     const bool level = seen(self);
@@ -153,31 +163,34 @@ static void look_at_level(struct dg_host *self)
     }
 }
 
-/* What a fault keeps from the encoder is not taken at all. */
-static bool take_head(struct dg_host *self)
+/* The next part of an event. What a fault keeps from the encoder is not taken at all. @return
+ * whether it was the last one */
+static bool take_event(struct dg_host *self, struct dg_host_event *event)
 {
-    struct dg_host_event *event = &self->in.event[self->in.first];
+    const struct dg_host_wire *wire = self->refs.wire;
 
     if (event->kind == DG_HOST_BUS && event->id <= DG_HOST_BUS_OFF) {
         self->controller = (uint8_t)event->id;
     }
-    if (self->line.part == 0 && self->faults != NULL &&
-        self->faults->arrives(self->faults_ctx, event, true) == 0) {
+    if (self->line.part == 0 && self->refs.faults != NULL &&
+        self->refs.faults->arrives(self->refs.faults_ctx, event, true) == 0) {
         return true;
     }
-    if (self->wire->take != NULL) {
-        return self->wire->take(&self->line, event);
+    if (wire->take != NULL) {
+        return wire->take(&self->line, event);
     }
-    (void)self->wire->clock(&self->line, self->line.now, event->data[0] != 0);
+    (void)wire->clock(&self->line, self->line.now, event->data[0] != 0);
     return true;
 }
 
-static void take_all(struct dg_host *self)
+static void take_queued(struct dg_host *self)
 {
-    while (self->in.count != 0 && due_in(self) <= self->line.now) {
-        if (take_head(self)) {
+    struct host_queue *in = &self->refs.queues->in;
+
+    while (in->count != 0 && due_in(self) <= self->line.now) {
+        if (take_event(self, head_of(in))) {
             self->line.part = 0;
-            drop_head(&self->in);
+            drop_head(in);
         }
         look_at_level(self);
     }
@@ -186,12 +199,15 @@ static void take_all(struct dg_host *self)
 /* What comes in comes before what is due at the same moment (hiperface.h). */
 static void serve(struct dg_host *self)
 {
-    take_all(self);
-    self->deadline = self->device->stack->step(self->line.device, self->line.now);
+    if (self->refs.queues != NULL) {
+        take_queued(self);
+    }
+    self->deadline = self->refs.device->stack->step(self->line.device, self->line.now);
     look_at_level(self);
 }
 
-void dg_host_run(struct dg_host *self, dg_ns now)
+/* Whatever is due before `now`, which is the present then. */
+static void run_until(struct dg_host *self, dg_ns now)
 {
     dg_ns next = dg_host_next(self);
 
@@ -203,9 +219,30 @@ void dg_host_run(struct dg_host *self, dg_ns now)
         next = later > self->line.now ? later : dg_after(self->line.now, 1);
     }
     self->line.now = now > self->line.now ? now : self->line.now;
+}
+
+void dg_host_run(struct dg_host *self, dg_ns now)
+{
+    run_until(self, now);
     if (self->made) {
         serve(self);
     }
+}
+
+uint64_t dg_host_feed(struct dg_host *self, const struct dg_host_event *event)
+{
+    struct dg_host_event copy = *event;
+
+    run_until(self, event->at);
+    if (self->made) {
+        self->line.part = 0;
+        while (!take_event(self, &copy)) {
+        }
+        self->line.part = 0;
+        look_at_level(self);
+        serve(self);
+    }
+    return dg_host_next(self);
 }
 
 uint64_t dg_host_next(const struct dg_host *self)
@@ -233,7 +270,7 @@ uint64_t dg_host_step_ps(struct dg_host *self, uint64_t now)
 struct dg_host_line *dg_host_line_at(struct dg_host *self, const struct dg_host_wire *wire,
                                      dg_ns now, int *result)
 {
-    if (self->wire != wire) {
+    if (self->refs.wire != wire) {
         *result = DG_HOST_ERR_WIRE;
         return NULL;
     }
@@ -250,21 +287,21 @@ void dg_host_line_done(struct dg_host *self)
 
 int dg_host_clock(struct dg_host *self, uint64_t now, bool level)
 {
-    if (self->wire->clock == NULL) {
+    if (self->refs.wire->clock == NULL) {
         return DG_HOST_ERR_WIRE;
     }
     if (!self->made) {
         return DG_HOST_ERR_STATE;
     }
     dg_host_run(self, now);
-    (void)self->wire->clock(&self->line, self->line.now, level);
+    (void)self->refs.wire->clock(&self->line, self->line.now, level);
     serve(self);
     return self->line.level ? 1 : 0;
 }
 
 int dg_host_behind(struct dg_host *self, uint64_t now, bool level)
 {
-    if (!self->wire->chains) {
+    if (!self->refs.wire->chains) {
         return DG_HOST_ERR_WIRE;
     }
     if (!self->made) {
@@ -283,21 +320,21 @@ const char *dg_host_hint(struct dg_host *self, uint64_t now, uint64_t *due)
     const bool last = !self->line.chained || self->line.behind;
 
     *due = DG_HOST_NEVER;
-    return self->wire->hint != NULL && dg_host_powered(self) && last
-               ? self->wire->hint(&self->line, now, due)
+    return self->refs.wire->hint != NULL && dg_host_powered(self) && last
+               ? self->refs.wire->hint(&self->line, now, due)
                : NULL;
 }
 
 int dg_host_latched(const struct dg_host *self, uint64_t *at, uint64_t *counts)
 {
-    if (self->wire->latched == NULL) {
+    if (self->refs.wire->latched == NULL) {
         return DG_HOST_ERR_WIRE;
     }
     if (!self->made || self->line.latched == 0) {
         return DG_HOST_ERR_STATE;
     }
     *at = self->line.latched;
-    *counts = self->wire->latched(&self->line);
+    *counts = self->refs.wire->latched(&self->line);
     return DG_HOST_OK;
 }
 
@@ -310,11 +347,12 @@ int dg_host_frame(struct dg_host *self, uint64_t now, struct dg_host_frame *to)
 {
     int result = DG_HOST_ERR_WIRE;
 
-    if (self->wire->frame == NULL || dg_host_line_at(self, self->wire, now, &result) == NULL) {
+    if (self->refs.wire->frame == NULL ||
+        dg_host_line_at(self, self->refs.wire, now, &result) == NULL) {
         return result;
     }
     memset(to, 0, sizeof *to);
-    result = self->wire->frame(&self->line, to);
+    result = self->refs.wire->frame(&self->line, to);
     dg_host_line_done(self);
     to->end = self->line.now;
     return result;

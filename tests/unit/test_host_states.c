@@ -91,7 +91,7 @@ static void put_number(uint8_t *to, uint32_t value, size_t size)
 static void forge(const struct dg_host *self, size_t offset, uint32_t value, size_t size)
 {
     const size_t n = dg_host_state_size(self);
-    const size_t head = n - dg_host_size(self->device, self->wire);
+    const size_t head = n - dg_host_size(self->refs.device, self->refs.wire);
 
     memcpy(again, blob, n);
     put_number(again + head + offset, value, size);
@@ -106,21 +106,22 @@ static void a_queue_that_cannot_be_is_damage(void **state)
         uint32_t bad;
         uint32_t good;
     } rows[] = {
-        {offsetof(struct dg_host, in.first), DG_HOST_QUEUE, DG_HOST_QUEUE - 1u},
-        {offsetof(struct dg_host, in.count), DG_HOST_QUEUE + 1u, 0},
-        {offsetof(struct dg_host, out.first), UINT32_MAX, 0},
-        {offsetof(struct dg_host, out.count), DG_HOST_QUEUE + 1u, DG_HOST_QUEUE},
+        {offsetof(struct host_queues, in.first), DG_HOST_QUEUE, DG_HOST_QUEUE - 1u},
+        {offsetof(struct host_queues, in.count), DG_HOST_QUEUE + 1u, 0},
+        {offsetof(struct host_queues, out.first), UINT32_MAX, 0},
+        {offsetof(struct host_queues, out.count), DG_HOST_QUEUE + 1u, DG_HOST_QUEUE},
     };
     struct dg_host *self = host_rig_start(&host_rig_here, "f3668");
     const size_t n = save(self, blob);
+    const size_t queues = dg_host_round(sizeof *self);
 
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         struct dg_host *other = host_rig_make(&host_rig_there, "f3668");
-        forge(self, rows[i].offset, rows[i].bad, sizeof rows[i].bad);
+        forge(self, queues + rows[i].offset, rows[i].bad, sizeof rows[i].bad);
         assert_int_equal(dg_host_restore(other, again, n), DG_HOST_ERR_DAMAGED);
         assert_false(dg_host_powered(other));
-        forge(self, rows[i].offset, rows[i].good, sizeof rows[i].good);
+        forge(self, queues + rows[i].offset, rows[i].good, sizeof rows[i].good);
         assert_int_equal(dg_host_restore(other, again, n), DG_HOST_OK);
         assert_true(dg_host_powered(other));
     }
