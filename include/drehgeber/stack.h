@@ -43,6 +43,15 @@ struct dg_stack_setup {
     void *ctx;         /**< handed to them */
 };
 
+/** What travels on the wire of a protocol. Hosts go by this, and never by a protocol's name. */
+enum dg_medium {
+    DG_MEDIUM_CHARACTERS, /**< an asynchronous line: start bit, byte, parity, stop bit */
+    DG_MEDIUM_FRAMES,     /**< CAN: frames with an identifier */
+    DG_MEDIUM_EDGES,      /**< a clocked line: the master's clock, and a level of the encoder */
+    DG_MEDIUM_WORDS,      /**< a ring: cycles of words, in and out */
+    DG_MEDIUM_COUNT
+};
+
 /**
  * A protocol. Operations take `self`, the device's memory; they do not block but for the memory's
  * operations, and none is NULL but `differs` and `serial`.
@@ -51,8 +60,11 @@ struct dg_stack_setup {
  * of its setup and ones that `attach` can make anew.
  */
 struct dg_stack {
-    const char *name;   /**< lower case, unique: "hiperface", "biss", "canopen", "interbus" */
-    size_t device_size; /**< bytes of a device, aligned for max_align_t */
+    const char *name;        /**< lower case, unique; to be shown, not to be compared */
+    enum dg_medium medium;   /**< of its wire */
+    const char *address_key; /**< the setting that is an encoder's address on a wire; NULL: it has
+                                  none there */
+    size_t device_size;      /**< bytes of a device, aligned for max_align_t */
 
     /** The EEPROM of `model`, or NULL: it has none. */
     const struct dg_store_layout *(*layout)(const void *model);

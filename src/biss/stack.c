@@ -65,6 +65,7 @@ static uint64_t position(const void *self, dg_ns now)
 
 const struct dg_stack dg_biss_stack = {
     .name = "biss",
+    .medium = DG_MEDIUM_EDGES,
     .device_size = sizeof(struct dg_biss),
     .mount = mount,
     DG_STACK_OPERATIONS,

@@ -132,6 +132,8 @@ static uint64_t position(const void *self, dg_ns now)
 
 const struct dg_stack dg_cia406_stack = {
     .name = "canopen",
+    .medium = DG_MEDIUM_FRAMES,
+    .address_key = "node",
     .device_size = sizeof(struct dg_cia406_device),
     .mount = mount,
     .serial = serial,

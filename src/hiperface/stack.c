@@ -84,6 +84,8 @@ static uint64_t position(const void *self, dg_ns now)
 
 const struct dg_stack dg_hf_stack = {
     .name = "hiperface",
+    .medium = DG_MEDIUM_CHARACTERS,
+    .address_key = "address",
     .device_size = sizeof(struct dg_hf),
     .mount = mount,
     .differs = differs,

@@ -66,6 +66,7 @@ static uint64_t position(const void *self, dg_ns now)
 
 const struct dg_stack dg_ib_stack = {
     .name = "interbus",
+    .medium = DG_MEDIUM_WORDS,
     .device_size = sizeof(struct dg_ib),
     .mount = mount,
     DG_STACK_OPERATIONS,

@@ -90,6 +90,7 @@ static uint64_t position(const void *self, dg_ns now)
 
 const struct dg_stack dg_ssi_stack = {
     .name = "ssi",
+    .medium = DG_MEDIUM_EDGES,
     .device_size = sizeof(struct dg_ssi),
     .mount = mount,
     DG_STACK_OPERATIONS,
