@@ -11,6 +11,7 @@
 #include "drehgeber/api.h"
 #include "drehgeber/biss.h"
 #include "drehgeber/bits.h"
+#include "drehgeber/bus.h"
 #include "drehgeber/canopen.h"
 #include "drehgeber/cia406.h"
 #include "drehgeber/control.h"
@@ -41,6 +42,7 @@
 #include "drehgeber/time.h"
 #include "drehgeber/version.h"
 #include "drehgeber/wide.h"
+#include "drehgeber/wire_fault.h"
 #include "drehgeber/world.h"
 
 #ifdef __cplusplus

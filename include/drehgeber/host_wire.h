@@ -91,6 +91,8 @@ DG_API const struct dg_host_wire *dg_host_wire_of(const struct dg_device *model)
  * @return when to call again, as dg_host_step() */
 DG_API uint64_t dg_host_feed(struct dg_host *self, const struct dg_host_event *event);
 
+/** The side of its protocol. */
+DG_API const struct dg_host_wire *dg_host_wire_at(const struct dg_host *self);
 /** What a protocol sees of a handle, for a bus and the port around it; it lasts as long. */
 DG_API struct dg_host_line *dg_host_line_of(struct dg_host *self);
 /** What it senses, for a port that bends it; it lasts as long. */

@@ -172,6 +172,11 @@ struct dg_stack_setup dg_host_setup(struct dg_host *self)
     return setup;
 }
 
+const struct dg_host_wire *dg_host_wire_at(const struct dg_host *self)
+{
+    return self->refs.wire;
+}
+
 struct dg_host_line *dg_host_line_of(struct dg_host *self)
 {
     return &self->line;

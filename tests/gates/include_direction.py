@@ -42,6 +42,7 @@ ALLOWED |= {
 HANDLE = {"core", "host"}
 ALLOWED |= {
     "host":           {"core", "motion", "devices", "control", "instruments"},
+    "bus":            {"core", "devices", "control", "host"},
     "hiperface/host": {"hiperface"} | HANDLE,
     "biss/host":      {"biss"} | HANDLE,
     "ssi/host":       {"ssi"} | HANDLE,
@@ -51,7 +52,7 @@ ALLOWED |= {
 # room of platform/, folder of tools/: the same, and the rooms whose headers it may include:
 # base < nvm, trace, plan < wires < rig < tools. Private headers of src/ stand there as src/FOLDER.
 PROTOCOLS = {"hiperface", "biss", "ssi", "canopen", "cia406", "interbus"}
-BELOW = {"core", "control", "devices", "instruments", "linux/base", "linux/nvm", "linux/trace", "linux/plan", "linux/wire"}
+BELOW = {"core", "control", "devices", "instruments", "host", "bus", "linux/base", "linux/nvm", "linux/trace", "linux/plan", "linux/wire"}
 WIRES = {"linux/rs485", "linux/can", "linux/clocked", "linux/interbus"}
 ROOMS = {
     "linux/base":      {"core", "motion"},
@@ -64,12 +65,12 @@ ROOMS = {
     "linux/clocked":   {"biss", "ssi"} | BELOW,
     "linux/interbus":  {"interbus"} | BELOW,
     "linux/rig":       {"motion"} | PROTOCOLS | BELOW | WIRES,
-    "hdl":             {"core", "motion", "host", "linux/base", "linux/nvm", "linux/plan"},
+    "hdl":             {"core", "motion", "host", "bus", "linux/base", "linux/nvm", "linux/plan"},
     "rp2040":          set(ALLOWED), # an image is an encoder with all that belongs to it
-    "web":             {"core", "host", "linux/trace"},
+    "web":             {"core", "host", "bus", "linux/trace"},
     "web/libc":        set(),
     "web/libc/sys":    set(),
-    "fmu":             {"core", "host"},
+    "fmu":             {"core", "host", "bus"},
     "tools/drehgeber": {"tools/drehgeber", "motion", "linux/rig", "fmu"} | PROTOCOLS | BELOW | WIRES, # web/ is a program of its own
     "tools/manual":    {"core", "devices", "tools/drehgeber"} | PROTOCOLS | BELOW,
     "tools/reference": {"core", "control", "devices", "instruments"} | PROTOCOLS | {f"src/{folder}" for folder in PROTOCOLS},
@@ -107,12 +108,14 @@ OWNER = {
     "scpi.h":      "scpi",
     "fault.h":     "control",
     "line_fault.h": "control",
+    "wire_fault.h": "control",
     "instrument.h": "control",
     "instruments.h": "instruments",
     "control.h":   "control",
     "key.h":       "core",
     "host.h":      "host",
     "host_wire.h": "host",
+    "bus.h":       "bus",
 }
 ROWS = ALLOWED | ROOMS
 # Files that stand in a protocol's folder and belong to other libraries.

@@ -1,0 +1,111 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * A bus: a wire with the encoders on it, and all that happens between them. Who hears whom, what
+ * becomes of two that send at once, how long something is on the wire, what its faults do, and
+ * which reply waits for a slow memory is here and nowhere else. A host opens doors: what it reads
+ * from a port goes in, what comes out it writes to the port.
+ *
+ *   struct dg_bus *bus = dg_bus_init(memory, dg_bus_size(&dg_bus_characters, 2), &setup);
+ *   dg_bus_attach(bus, encoder, control), dg_bus_attach(bus, another, NULL)
+ *   next = dg_bus_rx(bus, &event)     what the other end does
+ *   next = dg_bus_step(bus, now)      time goes on
+ *
+ * The host owns memory and time. Nothing is allocated; nothing happens outside of these calls. What
+ * the wire carries is told by `ops` inside of them, in the order of time; `ops` must not call back.
+ * A bus and its encoders are for one thread at a time. This header may change until 1.0.
+ */
+#ifndef DREHGEBER_BUS_H
+#define DREHGEBER_BUS_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "drehgeber/api.h"
+#include "drehgeber/tap.h"
+#include "drehgeber/time.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+struct dg_host;    /* an encoder: host.h */
+struct dg_encoder; /* its faults: control.h */
+
+/** A bus. Lives in the host's memory, at a multiple of DG_HOST_ALIGN. */
+struct dg_bus;
+
+/** What goes over a wire, whatever the protocol: an object each, in a file of its own, linked by
+ * whoever names it. bus_characters.h and its like say what is special about one. */
+struct dg_bus_medium;
+
+/** What a reply that waits is to do, see dg_bus_ops.answer. */
+enum dg_bus_answer {
+    DG_BUS_SAY,  /**< what it acknowledges is durable */
+    DG_BUS_KEEP, /**< not yet; dg_bus_durable() comes */
+    DG_BUS_DROP, /**< it is lost: nobody acknowledges that */
+};
+
+/** The door. Operations may be NULL where they say so. */
+struct dg_bus_ops {
+    /** The wire carries `event` to the other end; event->ours is true. `place`: of its encoder. */
+    void (*tx)(void *ctx, size_t place, const struct dg_tap_event *event);
+    /** All that goes over the wire, in either direction. NULL: nobody looks. */
+    void (*tap)(void *ctx, const struct dg_tap_event *event);
+    /** Encoder `place` is about to acknowledge: is what its memory was handed before durable? NULL:
+     * it always is. */
+    enum dg_bus_answer (*answer)(void *ctx, size_t place);
+};
+
+/** What a bus is made of. Everything pointed to must outlive it. */
+struct dg_bus_setup {
+    size_t size;                        /**< sizeof(struct dg_bus_setup) */
+    const struct dg_bus_medium *medium; /**< which also says what `wire` is */
+    size_t encoders;                    /**< room for so many */
+    const void *wire;                   /**< the medium's own setup, copied; NULL: as usual */
+    const struct dg_bus_ops *ops;
+    void *ctx;
+};
+
+/** Bytes of a bus with room for so many encoders; 0: the medium has none for as many. */
+DG_API size_t dg_bus_size(const struct dg_bus_medium *medium, size_t encoders);
+
+/** Make a bus without encoders at the moment 0. @return NULL: too small, not aligned, or `setup` is
+ * not one of this version */
+DG_API struct dg_bus *dg_bus_init(void *memory, size_t size, const struct dg_bus_setup *setup);
+
+/**
+ * Put an encoder on the bus, behind those that are on it: in a chain or a ring that is its place.
+ * Its listener is the bus from now on. It has to outlive the bus.
+ * @param control whose faults happen to what it sends and hears; NULL: none do
+ * @return its place, from 0; DG_ERR_ARGUMENT: it is of another medium; DG_ERR_SPACE
+ */
+DG_API int dg_bus_attach(struct dg_bus *self, struct dg_host *encoder, struct dg_encoder *control);
+
+/** The other end does something: event->at is its moment, not before the latest one.
+ * @return when to call again at the latest; DG_NEVER */
+DG_API dg_ns dg_bus_rx(struct dg_bus *self, const struct dg_tap_event *event);
+
+/** Do what is due up to `now`, each at its own moment. @return when to call again; DG_NEVER */
+DG_API dg_ns dg_bus_step(struct dg_bus *self, dg_ns now);
+/** The same moment; nothing happens. */
+DG_API dg_ns dg_bus_next(const struct dg_bus *self);
+
+/** Power, world, settings or faults of an encoder have changed at `now`. @return as dg_bus_step()
+ */
+DG_API dg_ns dg_bus_changed(struct dg_bus *self, size_t place, dg_ns now);
+
+/** What an encoder's memory was handed is durable, or lost: replies that waited for it may go.
+ * @return as dg_bus_step() */
+DG_API dg_ns dg_bus_durable(struct dg_bus *self, size_t place, dg_ns now);
+
+/** Encoders on it. */
+DG_API size_t dg_bus_count(const struct dg_bus *self);
+/** The encoder at `place`, below dg_bus_count(). */
+DG_API struct dg_host *dg_bus_encoder(const struct dg_bus *self, size_t place);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * What all media share, and what each of them does.
+ *
+ *   | struct dg_bus | the medium's wire | place 0 | place 1 | ...
+ */
+#ifndef DREHGEBER_BUS_PRIVATE_H
+#define DREHGEBER_BUS_PRIVATE_H
+
+#include "drehgeber/bus.h"
+#include "drehgeber/control.h"
+#include "drehgeber/host_wire.h"
+
+/** An encoder on a bus. The medium's own part stands behind it. */
+struct bus_place {
+    struct dg_bus *bus;
+    struct dg_host *host;
+    struct dg_encoder *control; /**< NULL: no fault happens to it */
+    size_t index;
+    dg_ns deadline; /**< of the encoder */
+};
+
+/** A medium. No operation is NULL. */
+struct dg_bus_medium {
+    enum dg_medium medium;
+    size_t wire_size;     /**< of its own state, */
+    size_t place_size;    /**< ... and for each encoder, struct bus_place at the beginning */
+    size_t encoders_most; /**< on one wire */
+    /** Zeroed memory becomes a wire. @return 0; DG_ERR_ARGUMENT: not with this setup */
+    int (*begin)(struct dg_bus *self, const void *setup);
+    /** An encoder comes to its place. @return 0; DG_ERR_ARGUMENT: not on this wire */
+    int (*attach)(struct bus_place *place);
+    /** An encoder says something, inside of a call for it. */
+    void (*hear)(struct bus_place *from, const struct dg_host_event *event);
+    /** The other end does something at self->now. */
+    void (*take)(struct dg_bus *self, const struct dg_tap_event *event);
+    /** What is due at `now`, of the wire and of its encoders. */
+    void (*go_on)(struct dg_bus *self, dg_ns now);
+    /** When something on the wire itself is due; the encoders' deadlines come to that. */
+    dg_ns (*next)(const struct dg_bus *self);
+    /** Power, world, settings or faults of an encoder have changed; it knows already. */
+    void (*changed)(struct bus_place *place, dg_ns now);
+    /** Replies that wait for its memory may go. */
+    void (*durable)(struct bus_place *place, dg_ns now);
+};
+
+struct dg_bus {
+    const struct dg_bus_medium *medium;
+    const struct dg_bus_ops *ops;
+    void *ctx;
+    dg_ns now; /**< the latest moment that was served */
+    size_t count;
+    size_t room;
+    size_t stride; /**< from place to place */
+    void *wire;    /**< the medium's own */
+    uint8_t *places;
+};
+
+static inline struct bus_place *dg_bus_place_at(const struct dg_bus *self, size_t index)
+{
+    return (struct bus_place *)(void *)(self->places + index * self->stride);
+}
+
+/** Tell who looks. */
+static inline void dg_bus_tell(const struct dg_bus *self, const struct dg_tap_event *event)
+{
+    if (self->ops->tap != NULL) {
+        self->ops->tap(self->ctx, event);
+    }
+}
+
+#endif

@@ -1,0 +1,142 @@
+/* SPDX-License-Identifier: MIT */
+/* What all buses do alike: places, the order of time, and who asks whom. */
+#include "bus_private.h"
+
+#include <string.h>
+
+static size_t round_up(size_t n)
+{
+    return (n + DG_HOST_ALIGN - 1u) / DG_HOST_ALIGN * DG_HOST_ALIGN;
+}
+
+size_t dg_bus_size(const struct dg_bus_medium *medium, size_t encoders)
+{
+    if (encoders == 0 || encoders > medium->encoders_most) {
+        return 0;
+    }
+    return round_up(sizeof(struct dg_bus)) + round_up(medium->wire_size) +
+           encoders * round_up(medium->place_size);
+}
+
+struct dg_bus *dg_bus_init(void *memory, size_t size, const struct dg_bus_setup *setup)
+{
+    struct dg_bus *self = memory;
+
+    if (setup->size != sizeof *setup || setup->ops == NULL || setup->ops->tx == NULL) {
+        return NULL;
+    }
+    const size_t needed = dg_bus_size(setup->medium, setup->encoders);
+    if (memory == NULL || needed == 0 || size < needed || (uintptr_t)memory % DG_HOST_ALIGN != 0) {
+        return NULL;
+    }
+    memset(memory, 0, needed);
+    *self = (struct dg_bus){
+        .medium = setup->medium,
+        .ops = setup->ops,
+        .ctx = setup->ctx,
+        .room = setup->encoders,
+        .stride = round_up(setup->medium->place_size),
+        .wire = (uint8_t *)memory + round_up(sizeof *self),
+    };
+    self->places = (uint8_t *)self->wire + round_up(setup->medium->wire_size);
+    return self->medium->begin(self, setup->wire) == DG_OK ? self : NULL;
+}
+
+static void hear_encoder(void *ctx, const struct dg_host_event *event)
+{
+    struct bus_place *from = ctx;
+
+    from->bus->medium->hear(from, event);
+}
+
+int dg_bus_attach(struct dg_bus *self, struct dg_host *encoder, struct dg_encoder *control)
+{
+    const struct dg_stack *stack = dg_host_wire_at(encoder)->stack;
+
+    if (stack->medium != self->medium->medium) {
+        return DG_ERR_ARGUMENT;
+    }
+    if (self->count == self->room) {
+        return DG_ERR_SPACE;
+    }
+    struct bus_place *place = dg_bus_place_at(self, self->count);
+    *place = (struct bus_place){.bus = self,
+                                .host = encoder,
+                                .control = control,
+                                .index = self->count,
+                                .deadline = dg_host_next(encoder)};
+    const int result = self->medium->attach(place);
+    if (result != DG_OK) {
+        return result;
+    }
+    dg_host_listen(encoder, hear_encoder, place);
+    self->count++;
+    return (int)place->index;
+}
+
+dg_ns dg_bus_next(const struct dg_bus *self)
+{
+    dg_ns next = self->medium->next(self);
+
+    for (size_t i = 0; i < self->count; i++) {
+        next = dg_earliest(next, dg_bus_place_at(self, i)->deadline);
+    }
+    return next;
+}
+
+/* What is due before `now` happens first, each at its own moment. */
+static void run_until(struct dg_bus *self, dg_ns now)
+{
+    dg_ns next = dg_bus_next(self);
+
+    while (next < now) {
+        /* Whoever asks for the present again would stop time. */
+        self->now = next > self->now ? next : self->now;
+        self->medium->go_on(self, self->now);
+        const dg_ns later = dg_bus_next(self);
+        next = later > self->now ? later : dg_after(self->now, 1);
+    }
+    self->now = now > self->now ? now : self->now;
+}
+
+dg_ns dg_bus_rx(struct dg_bus *self, const struct dg_tap_event *event)
+{
+    run_until(self, event->at);
+    self->medium->take(self, event);
+    self->medium->go_on(self, self->now);
+    return dg_bus_next(self);
+}
+
+dg_ns dg_bus_step(struct dg_bus *self, dg_ns now)
+{
+    run_until(self, now);
+    self->medium->go_on(self, self->now);
+    return dg_bus_next(self);
+}
+
+dg_ns dg_bus_changed(struct dg_bus *self, size_t place, dg_ns now)
+{
+    struct bus_place *changed = dg_bus_place_at(self, place);
+
+    run_until(self, now);
+    changed->deadline = dg_host_step(changed->host, self->now);
+    self->medium->changed(changed, self->now);
+    return dg_bus_step(self, now);
+}
+
+dg_ns dg_bus_durable(struct dg_bus *self, size_t place, dg_ns now)
+{
+    run_until(self, now);
+    self->medium->durable(dg_bus_place_at(self, place), self->now);
+    return dg_bus_step(self, now);
+}
+
+size_t dg_bus_count(const struct dg_bus *self)
+{
+    return self->count;
+}
+
+struct dg_host *dg_bus_encoder(const struct dg_bus *self, size_t place)
+{
+    return dg_bus_place_at(self, place)->host;
+}
