@@ -8,6 +8,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 #include "drehgeber/api.h"
 
@@ -30,6 +31,20 @@ DG_API void dg_text_add(struct dg_text *self, const char *text);
 
 /** Append `n` characters, fewer if the text ends before. */
 DG_API void dg_text_add_n(struct dg_text *self, const char *text, size_t n);
+
+/** Longest number in decimal: 20 digits, sign, decimal point. */
+#define DG_TEXT_DIGITS_MAX 22u
+
+/** A number in decimal, not terminated, with `places` (0..18) behind its point. @return its length
+ */
+DG_API size_t dg_text_digits(char to[DG_TEXT_DIGITS_MAX], uint64_t magnitude, bool negative,
+                             unsigned places);
+
+/** Append a number in decimal. */
+DG_API void dg_text_add_number(struct dg_text *self, int64_t value);
+
+/** Append the last `digits` (1..16) hexadecimal digits of a number, in capital letters. */
+DG_API void dg_text_add_hex(struct dg_text *self, uint64_t value, unsigned digits);
 
 /** What a character counts as. */
 typedef char dg_text_fold(char c);

@@ -4,8 +4,8 @@
  */
 #include "scpi_private.h"
 
-#define DECIMAL 10u
-#define NIBBLE_BITS 4u
+/* Those of 64 bits, and the zero behind them. */
+#define HEX_SIZE 17u
 
 void dg_scpi_write(struct dg_scpi *self, const char *text, size_t n)
 {
@@ -51,34 +51,11 @@ uint64_t dg_scpi_magnitude(int64_t value)
     return value < 0 ? 0u - (uint64_t)value : (uint64_t)value;
 }
 
-size_t dg_scpi_format(char to[SCPI_DIGITS_MAX], uint64_t magnitude, bool negative, unsigned places)
-{
-    char backwards[SCPI_DIGITS_MAX];
-    size_t n = 0;
-    unsigned digits = 0;
-
-    do {
-        backwards[n++] = (char)('0' + magnitude % DECIMAL);
-        magnitude /= DECIMAL;
-        digits++;
-        if (digits == places) {
-            backwards[n++] = '.';
-        }
-    } while (magnitude > 0 || digits <= places);
-    if (negative) {
-        backwards[n++] = '-';
-    }
-    for (size_t i = 0; i < n; i++) {
-        to[i] = backwards[n - 1u - i];
-    }
-    return n;
-}
-
 static void append_decimal(struct dg_scpi *self, uint64_t magnitude, bool negative, unsigned places)
 {
-    char text[SCPI_DIGITS_MAX];
+    char text[DG_TEXT_DIGITS_MAX];
 
-    dg_scpi_write(self, text, dg_scpi_format(text, magnitude, negative, places));
+    dg_scpi_write(self, text, dg_text_digits(text, magnitude, negative, places));
 }
 
 void dg_scpi_append_number(struct dg_scpi *self, int64_t value, unsigned places)
@@ -88,13 +65,11 @@ void dg_scpi_append_number(struct dg_scpi *self, int64_t value, unsigned places)
 
 void dg_scpi_append_hex(struct dg_scpi *self, uint64_t value, unsigned digits)
 {
-    static const char characters[] = "0123456789ABCDEF";
+    char room[HEX_SIZE];
+    struct dg_text text = dg_text_in(room, sizeof room);
 
-    while (digits > 0) {
-        digits--;
-        dg_scpi_write(self,
-                      &characters[(value >> (NIBBLE_BITS * digits)) % (sizeof characters - 1u)], 1);
-    }
+    dg_text_add_hex(&text, value, digits);
+    dg_scpi_write(self, room, text.length);
 }
 
 void dg_scpi_put_number(struct dg_scpi *self, int64_t value, unsigned places)

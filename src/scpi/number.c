@@ -326,7 +326,7 @@ static void add_limit(struct dg_text *detail, const struct dg_scpi_range *range,
     const bool plain = range->unit == DG_SCPI_PLAIN;
     unsigned places = plain ? range->places : unit_places[unit_of(range)];
     uint64_t magnitude = dg_scpi_magnitude(limit);
-    char text[SCPI_DIGITS_MAX];
+    char text[DG_TEXT_DIGITS_MAX];
 
     if (range->unit == DG_SCPI_ANGLE) { /* to the nearest */
         magnitude = (dg_muldiv(magnitude, 2u * MICRODEGREES_PER_TURN, (uint64_t)DG_TURN) + 1u) / 2u;
@@ -335,7 +335,7 @@ static void add_limit(struct dg_text *detail, const struct dg_scpi_range *range,
         magnitude /= DECIMAL;
         places--;
     }
-    dg_text_add_n(detail, text, dg_scpi_format(text, magnitude, limit < 0, places));
+    dg_text_add_n(detail, text, dg_text_digits(text, magnitude, limit < 0, places));
 }
 
 static void raise_range(struct dg_scpi *self, const struct dg_scpi_range *range)

@@ -217,10 +217,10 @@ static void raise_too_long(struct dg_scpi *self, size_t most)
     static const char after[] = " characters";
     char room[SCPI_DETAIL_SIZE];
     struct dg_text detail = dg_text_in(room, sizeof room);
-    char digits[SCPI_DIGITS_MAX];
+    char digits[DG_TEXT_DIGITS_MAX];
 
     dg_text_add(&detail, before);
-    dg_text_add_n(&detail, digits, dg_scpi_format(digits, most, false, 0));
+    dg_text_add_n(&detail, digits, dg_text_digits(digits, most, false, 0));
     dg_text_add(&detail, after);
     dg_scpi_raise(self, DG_SCPI_RANGE, detail.to);
 }

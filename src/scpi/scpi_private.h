@@ -55,9 +55,6 @@ unsigned dg_scpi_count(const char *text);
 /** Room for the detail of an error. */
 #define SCPI_DETAIL_SIZE (DG_SCPI_DETAIL_MAX + 1u)
 
-/** Digits of a number at most: 20, sign, decimal point. */
-#define SCPI_DIGITS_MAX 22u
-
 /** Pieces of a line in the help: header, '?', blank, parameters; some of them empty. */
 #define SCPI_USAGE 4u
 
@@ -80,8 +77,6 @@ void dg_scpi_put_error(struct dg_scpi *self);
 void dg_scpi_write(struct dg_scpi *self, const char *text, size_t n);
 /** With quotes in it doubled; no quotes around it. */
 void dg_scpi_append_quoted(struct dg_scpi *self, const char *text);
-/** A number as text, not terminated, `places` 0..18. @return its length */
-size_t dg_scpi_format(char to[SCPI_DIGITS_MAX], uint64_t magnitude, bool negative, unsigned places);
 /** Absolute value. */
 uint64_t dg_scpi_magnitude(int64_t value);
 

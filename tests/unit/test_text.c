@@ -41,6 +41,48 @@ static void a_text_without_room_stays_empty(void **state)
     assert_true(room[0] == '\0' && room[1] == 'x');
 }
 
+static void numbers_are_added_as_text(void **state)
+{
+    static const struct {
+        int64_t value;
+        const char *decimal;
+    } rows[] = {
+        {0, "0"},
+        {-5, "-5"},
+        {65535, "65535"},
+        {4294967295, "4294967295"},
+        {INT64_MAX, "9223372036854775807"},
+        {INT64_MIN, "-9223372036854775808"},
+    };
+    char room[24];
+
+    (void)state;
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
+        struct dg_text text = dg_text_in(room, sizeof room);
+        dg_text_add_number(&text, rows[i].value);
+        assert_string_equal(room, rows[i].decimal);
+    }
+    struct dg_text text = dg_text_in(room, 8);
+    dg_text_add_hex(&text, 0x1A, 1);
+    dg_text_add_hex(&text, 0x1A, 4);
+    assert_string_equal(room, "A001A");
+    dg_text_add_hex(&text, 0xFEDCBA9876543210, 16);
+    assert_string_equal(room, "A001AFE");
+}
+
+static void a_point_stands_before_its_places(void **state)
+{
+    char digits[DG_TEXT_DIGITS_MAX];
+
+    (void)state;
+    assert_int_equal(dg_text_digits(digits, 12345, true, 3), 7);
+    assert_memory_equal(digits, "-12.345", 7);
+    assert_int_equal(dg_text_digits(digits, 7, false, 3), 5);
+    assert_memory_equal(digits, "0.007", 5);
+    assert_int_equal(dg_text_digits(digits, UINT64_MAX, true, 18), 22);
+    assert_memory_equal(digits, "-18.446744073709551615", 22);
+}
+
 static char dashed(char c)
 {
     return c == '_' ? '-' : c;
@@ -100,6 +142,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_text_grows_up_to_its_end),
         cmocka_unit_test(a_text_without_room_stays_empty),
+        cmocka_unit_test(numbers_are_added_as_text),
+        cmocka_unit_test(a_point_stands_before_its_places),
         cmocka_unit_test(texts_are_the_same_to_their_ends),
         cmocka_unit_test(characters_may_count_as_others),
         cmocka_unit_test(texts_are_compared_by_what_has_to_change),
