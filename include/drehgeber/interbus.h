@@ -293,7 +293,7 @@ DG_API uint16_t dg_ib_id(struct dg_ib *self, dg_ns now);
 DG_API uint16_t dg_ib_id_word(const struct dg_ib_model *model);
 
 /** Data words of a device in either image: 1 for a K1, 2 for K2 and K3. */
-DG_API uint8_t dg_ib_words(const struct dg_ib_model *model);
+DG_API uint8_t dg_ib_image_words(const struct dg_ib_model *model);
 
 /** LEDs (3.3); several of them, so bits. DG_IB_LED_BA says lit at this moment. */
 enum dg_ib_led {

@@ -28,7 +28,7 @@ uint16_t dg_ib_id_word(const struct dg_ib_model *model)
     return (uint16_t)(profiles[model->profile].id ^ (model->loop ? CLASS_LOOP : 0u));
 }
 
-uint8_t dg_ib_words(const struct dg_ib_model *model)
+uint8_t dg_ib_image_words(const struct dg_ib_model *model)
 {
     return profiles[model->profile].words;
 }

@@ -35,7 +35,7 @@ static bool take(struct dg_host_line *line, const struct dg_host_event *event)
         back.length = 2;
     } else {
         dg_ib_cycle(device, line->now, event->id, &back.id);
-        back.length = (uint8_t)(2u * dg_ib_words(device->setup.model));
+        back.length = (uint8_t)(2u * dg_ib_image_words(device->setup.model));
     }
     /* The high word first, as they stand in the ring. */
     for (uint8_t i = 0; i < back.length; i++) {

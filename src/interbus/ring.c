@@ -17,7 +17,7 @@ int dg_ib_ring_init(struct dg_ib_ring *self, struct dg_ib *devices, size_t count
         .corrupt_at = DG_IB_RING_WHOLE,
     };
     for (size_t i = 0; i < count; i++) {
-        self->words = (uint16_t)(self->words + dg_ib_words(devices[i].setup.model));
+        self->words = (uint16_t)(self->words + dg_ib_image_words(devices[i].setup.model));
     }
     return DG_OK;
 }

@@ -267,7 +267,7 @@ static bool splits(const struct lx_map *self, uint32_t boundary)
     const struct lx_ring *ring = self->ring;
     uint32_t at = OUTPUT_IMAGE;
     for (uint16_t i = 0; i < ring->ring.count && at < boundary; i++) {
-        at += dg_ib_words(&ring->models[i]);
+        at += dg_ib_image_words(&ring->models[i]);
     }
     return boundary > OUTPUT_IMAGE && boundary < at;
 }
@@ -364,7 +364,7 @@ static void print_row(FILE *to, unsigned first, unsigned count, const char *acce
 
 static void print_device(FILE *to, size_t number, const struct dg_ib_model *model, uint16_t word)
 {
-    const unsigned words = dg_ib_words(model);
+    const unsigned words = dg_ib_image_words(model);
     const unsigned first = DEVICES + DEVICE_REGISTERS * (unsigned)number;
     (void)fprintf(to, "\nDevice %lu: K%d, ID word %04Xh\n", (unsigned long)number,
                   (int)model->profile + 1, dg_ib_id_word(model));
@@ -384,7 +384,7 @@ void lx_map_print(const struct dg_ib_model *const *models, size_t count, FILE *t
 {
     uint16_t words = 0;
     for (size_t i = 0; i < count; i++) {
-        words = (uint16_t)(words + dg_ib_words(models[i]));
+        words = (uint16_t)(words + dg_ib_image_words(models[i]));
     }
     (void)fprintf(to, "Modbus registers, addresses from 0 in hex. Read: functions 3, 4, 23; "
                       "write: 6, 16, 23.\n\n");
@@ -397,6 +397,6 @@ void lx_map_print(const struct dg_ib_model *const *models, size_t count, FILE *t
     words = 0;
     for (size_t i = 0; i < count; i++) {
         print_device(to, i, models[i], words);
-        words = (uint16_t)(words + dg_ib_words(models[i]));
+        words = (uint16_t)(words + dg_ib_image_words(models[i]));
     }
 }

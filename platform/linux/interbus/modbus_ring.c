@@ -214,7 +214,7 @@ static void hold_back_all(struct lx_ring *self)
         if (self->windows[i].part->ticket != self->windows[i].settled) {
             hold_back(&self->windows[i], &self->in[at], &self->before[at], &self->out[at]);
         }
-        at += dg_ib_words(&self->models[i]);
+        at += dg_ib_image_words(&self->models[i]);
     }
 }
 

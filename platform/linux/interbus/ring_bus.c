@@ -102,7 +102,7 @@ static void tear(struct ring_bus *self)
     }
     memcpy(whole, ring->in, sizeof whole);
     for (size_t i = 0; i < self->bus.setup.count; i++) {
-        const uint8_t words = dg_ib_words(&ring->models[i]);
+        const uint8_t words = dg_ib_image_words(&ring->models[i]);
         if (dg_fault_wire_takes(faults_at(self, i), DG_WIRE_TEAR)) {
             tear_words(&ring->in[at], &self->whole_in[at], words);
         }
