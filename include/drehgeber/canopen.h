@@ -582,6 +582,21 @@ DG_API bool dg_co_net_follow(struct dg_co_net *self, uint8_t i);
 /** Whether any node listens to `id`. */
 DG_API bool dg_co_net_listens(const struct dg_co_net *self, uint16_t id);
 
+/* ---------------------------------------------------------------- frames in words */
+
+struct dg_tap_event;
+struct dg_words_to;
+
+/** What the words of a bus remember: of each node, the SDO block transfer that it is in. All zero
+ * at first. */
+struct dg_co_words {
+    uint8_t blocks[DG_CO_NET_NODES + 1u];
+};
+/** dg_words.event (words.h) for profiles: frames by the predefined connection set of CiA 301 and by
+ * CiA 305. `self` is a struct dg_co_words. An object file of its own. */
+DG_API void dg_co_words_event(void *self, const struct dg_tap_event *event,
+                              const struct dg_words_to *to);
+
 #ifdef __cplusplus
 }
 #endif

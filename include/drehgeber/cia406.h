@@ -24,6 +24,7 @@ extern "C" {
 #endif
 
 struct dg_instrument;
+struct dg_words;
 
 /** Physical counts a turn (STA_U): 16 bit. */
 #define DG_CIA406_STEPS 65536u
@@ -126,6 +127,8 @@ DG_API extern const struct dg_stack_check dg_cia406_check;
 DG_API extern const struct dg_device dg_f3658, dg_f3668;
 /** The protocol as an instrument, see instrument.h; an object file of its own. */
 DG_API extern const struct dg_instrument dg_cia406_instrument;
+/** What goes over its wire in words, see words.h; an object file of its own. */
+DG_API extern const struct dg_words dg_cia406_words;
 
 /** What can be set of an encoder before it is made. */
 struct dg_cia406_settings {

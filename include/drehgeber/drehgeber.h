@@ -43,6 +43,7 @@
 #include "drehgeber/version.h"
 #include "drehgeber/wide.h"
 #include "drehgeber/wire_fault.h"
+#include "drehgeber/words.h"
 #include "drehgeber/world.h"
 
 #ifdef __cplusplus

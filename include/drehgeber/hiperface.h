@@ -35,6 +35,7 @@ extern "C" {
 #endif
 
 struct dg_instrument;
+struct dg_words;
 
 /** Longest frame in either direction: address, command, 132 data bytes, check sum (5.1.2.8). */
 #define DG_HF_FRAME_MAX 135u
@@ -323,6 +324,8 @@ DG_API extern const struct dg_stack_check dg_hf_check;
 DG_API extern const struct dg_device dg_s3674_rs485, dg_s3684_rs485;
 /** The protocol as an instrument, see instrument.h; an object file of its own. */
 DG_API extern const struct dg_instrument dg_hf_instrument;
+/** What goes over its wire in words, see words.h; an object file of its own. */
+DG_API extern const struct dg_words dg_hf_words;
 
 /** What can be set of an encoder before it is made. */
 struct dg_hf_settings {

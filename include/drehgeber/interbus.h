@@ -37,6 +37,7 @@ extern "C" {
 #endif
 
 struct dg_instrument;
+struct dg_words;
 
 /** Cam programs, and cams of each (5.4.4). */
 #define DG_IB_PROGRAMS 8u
@@ -397,6 +398,8 @@ DG_API extern const struct dg_stack_check dg_ib_check;
 DG_API extern const struct dg_device dg_ocd_ib_k1, dg_ocd_ib_k2, dg_ocd_ib_k3;
 /** The protocol as an instrument, see instrument.h; an object file of its own. */
 DG_API extern const struct dg_instrument dg_ib_instrument;
+/** What goes over its wire in words, see words.h; an object file of its own. */
+DG_API extern const struct dg_words dg_ib_words;
 
 /** What can be set of a struct dg_ib_model, for hosts. */
 DG_API extern const struct dg_keys dg_ib_keys;

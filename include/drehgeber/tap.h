@@ -25,11 +25,21 @@ enum dg_tap_kind {
     DG_TAP_KIND_COUNT
 };
 
+/** How much what went over a wire matters to whoever reads it. */
+enum dg_severity {
+    DG_SEVERITY_OK,
+    DG_SEVERITY_NOTICE,  /**< the state of an encoder, or of the wire, changes */
+    DG_SEVERITY_WARNING, /**< it still works, or nobody understands what was said */
+    DG_SEVERITY_ERROR,   /**< something failed, was refused or was damaged */
+    DG_SEVERITY_COUNT
+};
+
 /** An event. Pointers are valid during the call. */
 struct dg_tap_event {
     dg_ns at;
     enum dg_tap_kind kind;
-    bool ours; /**< an encoder sent it, not the master */
+    bool ours;                 /**< an encoder sent it, not the master */
+    enum dg_severity severity; /**< of a note: who makes it knows; of others their words tell */
     union {
         struct {
             uint32_t baud; /**< of the line */
@@ -45,6 +55,8 @@ struct dg_tap_event {
         struct {
             const uint16_t *in;
             const uint16_t *out;
+            const uint8_t
+                *widths;    /**< words (1, 2) of each device, in ring order; NULL: not known */
             uint16_t count; /**< words of either image */
             bool valid;     /**< the cycle was completed */
         } words;

@@ -33,34 +33,6 @@ int memcmp(const void *left, const void *right, size_t n)
     return 0;
 }
 
-size_t strlen(const char *text)
-{
-    size_t n = 0;
-
-    while (text[n] != '\0') {
-        n++;
-    }
-    return n;
-}
-
-static _Bool holds(const char *text, char character)
-{
-    while (*text != '\0' && *text != character) {
-        text++;
-    }
-    return *text != '\0';
-}
-
-size_t strcspn(const char *text, const char *stops)
-{
-    size_t n = 0;
-
-    while (text[n] != '\0' && !holds(stops, text[n])) {
-        n++;
-    }
-    return n;
-}
-
 /* Products that may be too long for 64 bits are made by this; it has to do without them itself. */
 __int128 __multi3(__int128 left, __int128 right);
 __int128 __multi3(__int128 left, __int128 right)

@@ -49,15 +49,25 @@ ALLOWED |= {
     "cia406/host":    {"canopen", "cia406"} | HANDLE,
     "interbus/host":  {"interbus"} | HANDLE,
 }
+# Its words.c is what its wire looks like in words, likewise.
+WORDS = {"core", "words"}
+ALLOWED |= {
+    "words":           {"core"} | ALLOWED["devices"],
+    "hiperface/words": {"hiperface"} | WORDS,
+    "canopen/words":   {"canopen"} | WORDS,
+    "cia406/words":    {"canopen", "cia406"} | WORDS,
+    "interbus/words":  {"interbus"} | WORDS,
+}
 # room of platform/, folder of tools/: the same, and the rooms whose headers it may include:
 # base < nvm, trace, plan < wires < rig < tools. Private headers of src/ stand there as src/FOLDER.
 PROTOCOLS = {"hiperface", "biss", "ssi", "canopen", "cia406", "interbus"}
-BELOW = {"core", "control", "devices", "instruments", "host", "bus", "linux/base", "linux/nvm", "linux/trace", "linux/plan", "linux/wire"}
+BELOW = {"core", "control", "devices", "instruments", "host", "bus", "words",
+         "linux/base", "linux/nvm", "linux/trace", "linux/plan", "linux/wire"}
 WIRES = {"linux/rs485", "linux/can", "linux/clocked", "linux/interbus"}
 ROOMS = {
     "linux/base":      {"core", "motion"},
     "linux/nvm":       {"core", "devices", "linux/base"},
-    "linux/trace":     {"core", "devices", "linux/base"} | PROTOCOLS,
+    "linux/trace":     {"core", "words", "linux/base"},
     "linux/plan":      {"core", "motion", "devices", "hiperface", "cia406", "linux/base"},
     "linux/wire":      {"core", "control", "linux/base", "linux/trace", "linux/plan"},
     "linux/rs485":     {"hiperface"} | BELOW,
@@ -67,7 +77,7 @@ ROOMS = {
     "linux/rig":       {"motion"} | PROTOCOLS | BELOW | WIRES,
     "hdl":             {"core", "motion", "host", "bus", "linux/base", "linux/nvm", "linux/plan"},
     "rp2040":          set(ALLOWED), # an image is an encoder with all that belongs to it
-    "web":             {"core", "host", "bus", "linux/trace"},
+    "web":             {"core", "devices", "host", "bus", "words"},
     "web/libc":        set(),
     "web/libc/sys":    set(),
     "fmu":             {"core", "host", "bus"},
@@ -111,6 +121,7 @@ OWNER = {
     "wire_fault.h": "control",
     "instrument.h": "control",
     "instruments.h": "instruments",
+    "words.h":     "words",
     "control.h":   "control",
     "key.h":       "core",
     "host.h":      "host",
@@ -119,7 +130,7 @@ OWNER = {
 }
 ROWS = ALLOWED | ROOMS
 # Files that stand in a protocol's folder and belong to other libraries.
-SEEN_FROM_OUTSIDE = ("/instrument.c", "/host.c")
+SEEN_FROM_OUTSIDE = ("/instrument.c", "/host.c", "/words.c")
 # The header for users that includes all others; the core only implements its dg_version().
 UMBRELLA = "drehgeber.h"
 MAY_INCLUDE_UMBRELLA = "src/core/version.c"
@@ -214,8 +225,8 @@ def strangers(path, declared, defined):
     for name, line in declared:
         at = defined.get(name, ())
         places = {place_of(other) for other in at}
-        # A protocol's view for the control plane, or for a handle, is declared by these.
-        places |= {other.rsplit("/", 1)[1] for other in places if other in ALLOWED and "/" in other}
+        # A protocol's view for the control plane, for a handle, or for traces is declared by these, or by the protocol.
+        places |= {part for other in places if other in ALLOWED and "/" in other for part in other.split("/")}
         if path.endswith(".c") and at and path not in at and name != "main":
             yield f"{path}:{line}: declares {name}, which is for a header of {' '.join(at)}"
         elif at and place not in places:

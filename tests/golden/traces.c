@@ -42,6 +42,7 @@
 #define COLUMNS 5u
 /* Of levels; more of them are in the check sum only. */
 #define BITS_MAX 256u
+#define WORDS_MEMORY 4096u
 #define BETWEEN " | "
 /* Each fault finds the shaft somewhere else. */
 #define TURN_MDEG 7310u
@@ -72,7 +73,11 @@ struct recorder {
     unsigned turned; /* the shaft, so far, mdeg */
     dg_ns begin;     /* of the section */
     struct lx_tap_listener listener;
-    struct lx_decoder decoder;
+    struct dg_words_wire words;
+    union {
+        max_align_t align;
+        unsigned char bytes[WORDS_MEMORY];
+    } memory;                        /* theirs */
     const struct dg_tap_event *told; /* while it is */
     struct collected collected;
     FILE *out;
@@ -180,7 +185,7 @@ static void describe_words(const struct dg_tap_event *event, char *text, size_t 
 }
 
 /* A frame, or something in words, is over. */
-static void on_line(void *ctx, dg_ns at, bool ours, const char *words)
+static void on_line(void *ctx, const struct dg_words_line *line)
 {
     struct recorder *self = ctx;
     struct collected *frame = &self->collected;
@@ -190,18 +195,31 @@ static void on_line(void *ctx, dg_ns at, bool ours, const char *words)
     } else if (self->told != NULL && self->told->kind == DG_TAP_WORDS) {
         describe_words(self->told, frame->bytes, sizeof frame->bytes);
     }
-    const dg_ns begin = frame->count > 0 ? frame->begin : at;
+    const dg_ns begin = frame->count > 0 ? frame->begin : line->at;
     (void)fprintf(self->out, "%" PRId64 " | %s | %c | %s | %s\n", (int64_t)(begin - self->begin),
-                  frame->moments, ours ? '>' : '<', frame->bytes, words);
+                  frame->moments, line->ours ? '>' : '<', frame->bytes, line->text);
     *frame = (struct collected){.count = 0};
+}
+
+/* The words of the wire, which its first event asks for: then the plan is known. */
+static void begin_words(struct recorder *self)
+{
+    const struct dg_words *words = lx_stack_of(self->rig.plan.encoders[0].model)->words;
+    if (words != NULL && words->size > sizeof self->memory) {
+        give_up("the recorder has no memory for these words", self->name);
+    }
+    self->words = (struct dg_words_wire){words, &self->memory, {on_line, self}};
 }
 
 static void on_event(void *ctx, const struct dg_tap_event *event)
 {
     struct recorder *self = ctx;
-    (void)lx_decoder_step(&self->decoder, event->at);
+    if (self->words.to.line == NULL) {
+        begin_words(self);
+    }
+    (void)dg_words_step(&self->words, event->at);
     self->told = event;
-    lx_decoder_event(&self->decoder, event);
+    dg_words_event(&self->words, event);
     self->told = NULL;
     if (event->kind == DG_TAP_CHARACTER) {
         collect_character(&self->collected, event);
@@ -213,7 +231,7 @@ static void on_event(void *ctx, const struct dg_tap_event *event)
 static void pass_time(struct recorder *self, dg_ns span)
 {
     virtual_rig_pass(&self->rig, span);
-    (void)lx_decoder_step(&self->decoder, lx_now());
+    (void)dg_words_step(&self->words, lx_now());
 }
 
 /* --- masters --- */
@@ -390,13 +408,12 @@ static void read_requests(struct recorder *self, const char *path)
 
 static void record_minute(struct recorder *self, const char *rig)
 {
-    lx_decoder_init(&self->decoder, on_line, self);
     self->listener = (struct lx_tap_listener){.event = on_event, .ctx = self};
     virtual_rig_open(&self->rig, rig, &self->listener);
     self->begin = lx_now();
     connect_master(self);
     live_with_faults(self);
-    (void)lx_decoder_step(&self->decoder, DG_NEVER);
+    (void)dg_words_step(&self->words, DG_NEVER);
     virtual_rig_close(&self->rig);
 }
 

@@ -137,7 +137,12 @@ int main(int argc, char *argv[])
         return 2;
     }
     const struct lx_trace_setup setup = {
-        .path = argv[3], .kind = stacks[stack].stack->trace, .wire = argv[2], .tap = &tap};
+        .path = argv[3],
+        .kind = stacks[stack].stack->trace,
+        .words = stacks[stack].stack->words,
+        .wire = argv[2],
+        .tap = &tap,
+    };
     struct lx_trace *trace = lx_trace_open(&setup, 0, &error);
     while (trace != NULL && fgets(line, sizeof line, stdin) != NULL) {
         feed(&tap, line);

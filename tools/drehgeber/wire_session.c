@@ -84,9 +84,11 @@ static int understand(struct wire_session *self, const struct options *options,
 static int open_trace(struct wire_session *self, const struct options *options, dg_ns ready,
                       struct lx_error *error)
 {
+    const struct lx_stack *stack = lx_stack_of(self->station.plan->model);
     const struct lx_trace_setup trace = {
         .path = options->trace,
-        .kind = lx_stack_of(self->station.plan->model)->trace,
+        .kind = stack->trace,
+        .words = stack->words,
         .wire = options->model,
         .tap = &self->tap,
     };

@@ -30,6 +30,7 @@ const struct lx_stack lx_can_stack = {
     .core = &dg_cia406_stack,
     .title = title,
     .trace = &trace,
+    .words = &dg_cia406_words,
     .wire = "slcan",
     .address = {"node", "a node-ID", DG_CIA406_NODE_DEFAULT, false},
     .keys = &dg_cia406_keys,

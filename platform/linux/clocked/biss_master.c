@@ -166,7 +166,7 @@ static void note_registers(const struct lx_sim_master *self, uint8_t slave, uint
     for (size_t i = 0; i < n && (size_t)used + 4u < sizeof text; i++) {
         used += snprintf(text + used, sizeof text - (size_t)used, " %02X", bytes[i]);
     }
-    lx_sim_master_note(self, text);
+    lx_sim_master_note(self, text, DG_SEVERITY_OK);
 }
 
 /* An access to `done` registers that ended in `result`. */
@@ -179,7 +179,7 @@ static void note_access(const struct lx_sim_master *self, uint8_t slave, uint8_t
     }
     if (result < 0) {
         lx_biss_master_explain(self, slave, (uint8_t)(address + done), result, text, sizeof text);
-        lx_sim_master_note(self, text);
+        lx_sim_master_note(self, text, DG_SEVERITY_ERROR);
     }
 }
 

@@ -23,10 +23,16 @@ int lx_sim_master_name(const struct lx_sim_master *self, size_t encoder, char *t
     return line->count == 1 ? 0 : snprintf(text, size, "%.32s: ", line->name[encoder]);
 }
 
-void lx_sim_master_note(const struct lx_sim_master *self, const char *text)
+void lx_sim_master_note(const struct lx_sim_master *self, const char *text,
+                        enum dg_severity severity)
 {
     const struct dg_tap_event event = {
-        .at = self->wire.now, .kind = DG_TAP_NOTE, .ours = true, .note = text};
+        .at = self->wire.now,
+        .kind = DG_TAP_NOTE,
+        .ours = true,
+        .severity = severity,
+        .note = text,
+    };
     lx_tap_tell(self->tap, &event);
 }
 
@@ -43,6 +49,20 @@ void lx_sim_master_pause(struct lx_sim_master *self, dg_ns now)
     lx_clocked_wire_pause(&self->wire, now);
 }
 
+/* Of the frame read last. */
+static enum dg_severity severity_of(const struct lx_clocked *line, size_t encoder)
+{
+    struct lx_clocked_word word;
+    if (line->ops->judge(line, encoder) != LX_CLOCKED_GOOD) {
+        return DG_SEVERITY_ERROR;
+    }
+    line->ops->word(line, encoder, &word);
+    if (word.error) {
+        return DG_SEVERITY_ERROR;
+    }
+    return word.warning ? DG_SEVERITY_WARNING : DG_SEVERITY_OK;
+}
+
 void lx_sim_master_frame(struct lx_sim_master *self)
 {
     struct lx_clocked *line = self->wire.line;
@@ -56,6 +76,6 @@ void lx_sim_master_frame(struct lx_sim_master *self)
         } else {
             line->ops->note(line, &self->wire, i, text + n, sizeof text - (size_t)n);
         }
-        lx_sim_master_note(self, text);
+        lx_sim_master_note(self, text, severity_of(line, i));
     }
 }

@@ -36,6 +36,7 @@ void lx_sim_master_listen(struct lx_sim_master *self);
 int lx_sim_master_name(const struct lx_sim_master *self, size_t encoder, char *text, size_t size);
 
 /** Tell the tap something in words that has just happened. */
-void lx_sim_master_note(const struct lx_sim_master *self, const char *text);
+void lx_sim_master_note(const struct lx_sim_master *self, const char *text,
+                        enum dg_severity severity);
 
 #endif

@@ -38,6 +38,7 @@ const struct lx_stack lx_ib_stack = {
     .core = &dg_ib_stack,
     .title = title,
     .trace = &trace,
+    .words = &dg_ib_words,
     .wire = "modbus",
     .is_ring = true,
     .keys = &dg_ib_keys,

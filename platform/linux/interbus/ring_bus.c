@@ -142,6 +142,7 @@ static void tell_state(struct ring_bus *self, dg_ns now)
     }
     self->told = ring->result;
     self->told_reached = ring->reached;
+    event.severity = DG_SEVERITY_ERROR;
     if (ring->result == DG_IB_RING_CRC) {
         (void)snprintf(text, sizeof text, "transmission error");
     } else if (ring->reached < count) {
@@ -149,6 +150,7 @@ static void tell_state(struct ring_bus *self, dg_ns now)
                        "ID cycle: %u of %u devices, interrupted before device %u", ring->reached,
                        count, ring->reached);
     } else if (ring->result == DG_IB_RING_IDENTIFY) {
+        event.severity = DG_SEVERITY_NOTICE;
         (void)snprintf(text, sizeof text, "ID cycle: %u of %u devices", ring->reached, count);
     } else {
         return;
@@ -160,6 +162,11 @@ static void tell_words(const struct ring_bus *self, dg_ns now, bool took_place)
 {
     const struct lx_ring *ring = &self->ring;
     struct dg_tap_event event = {.kind = DG_TAP_WORDS};
+    uint8_t widths[DG_IB_RING_MAX];
+    for (size_t i = 0; i < self->bus.setup.count; i++) {
+        widths[i] = dg_ib_image_words(&ring->models[i]);
+    }
+    event.words.widths = widths;
     event.words.in = ring->in;
     event.words.out = ring->out;
     event.words.count = ring->ring.words;

@@ -13,6 +13,7 @@
 
 struct lx_clocked_protocol;
 struct lx_trace_kind;
+struct dg_words;
 
 /** How the encoders of a stack are told apart on a bus. */
 struct lx_address {
@@ -28,6 +29,7 @@ struct lx_stack {
     const struct dg_stack *core;
     const char *title;                         /**< of its wires, for messages, e.g. "RS485" */
     const struct lx_trace_kind *trace;         /**< of its wires */
+    const struct dg_words *words;              /**< likewise; NULL: only notes are told */
     const struct lx_clocked_protocol *clocked; /**< on a clocked line; NULL: it is on none */
     const char *wire;                          /**< the kind of wire when none is given */
     struct lx_address address;

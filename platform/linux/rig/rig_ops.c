@@ -333,6 +333,7 @@ int lx_rig_trace(struct lx_rig_wire *self, const char *path, struct lx_error *er
         .path = path,
         .folder = self->rig->folder,
         .kind = lx_rig_stack(self)->trace,
+        .words = lx_rig_stack(self)->words,
         .wire = kind->where_in_trace ? self->plan->where : self->plan->name,
         .tap = &self->bus->tap,
         .held = !self->rig->stands,
@@ -383,7 +384,8 @@ static bool last(struct dg_rig *control, const struct dg_encoder *encoder, unsig
     if (back >= LX_RIG_LINES || back >= self->line_count) {
         return false;
     }
-    (void)snprintf(text, size, "%s", self->lines[(self->line_count - 1u - back) % LX_RIG_LINES]);
+    (void)snprintf(text, size, "%s",
+                   self->lines[(self->line_count - 1u - back) % LX_RIG_LINES].text);
     return true;
 }
 

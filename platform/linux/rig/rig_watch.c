@@ -14,32 +14,33 @@
 #define S 1000000000u
 
 /* "12.345678 < text": seconds of the rig, '<' from the master, '>' from an encoder. */
-static void on_line(void *ctx, dg_ns at, bool ours, const char *text)
+static void on_line(void *ctx, const struct dg_words_line *words)
 {
     struct lx_rig_wire *self = ctx;
-    const dg_ns since = dg_elapsed(at, self->rig->begin);
-    char *line = self->lines[self->line_count % LX_RIG_LINES];
+    const dg_ns since = dg_elapsed(words->at, self->rig->begin);
+    struct lx_rig_line *line = &self->lines[self->line_count % LX_RIG_LINES];
     const int seconds =
-        snprintf(line, LX_RIG_LINE_MAX, "%llu.%06llu", (unsigned long long)(since / S),
+        snprintf(line->text, sizeof line->text, "%llu.%06llu", (unsigned long long)(since / S),
                  (unsigned long long)(since % S / US));
-    (void)snprintf(line + seconds, LX_RIG_LINE_MAX - (size_t)seconds, " %c %s", ours ? '>' : '<',
-                   text);
+    (void)snprintf(line->text + seconds, sizeof line->text - (size_t)seconds, " %c %s",
+                   words->ours ? '>' : '<', words->text);
+    line->severity = words->severity;
     self->line_count++;
     if (self->rig->setup.verbose) {
-        lx_print("%.*s %s%s", seconds, line, self->plan->name, line + seconds);
+        lx_print("%.*s %s%s", seconds, line->text, self->plan->name, line->text + seconds);
     }
 }
 
 static void look(struct lx_rig_wire *self, dg_ns now)
 {
-    const dg_ns next = lx_decoder_step(&self->decoder, now);
+    const dg_ns next = dg_words_step(&self->words, now);
     lx_timer_at(&self->silence, lx_clock_real(&self->rig->clock, next));
 }
 
 static void on_event(void *ctx, const struct dg_tap_event *event)
 {
     struct lx_rig_wire *self = ctx;
-    lx_decoder_event(&self->decoder, event);
+    dg_words_event(&self->words, event);
     look(self, event->at);
 }
 
@@ -50,22 +51,38 @@ static void on_silence(void *ctx, dg_ns now)
     look(self, lx_clock_now(&self->rig->clock));
 }
 
+/* @return whether there was memory */
+static bool make_lines(struct lx_rig_wire *self)
+{
+    const struct dg_words *words = lx_rig_stack(self)->words;
+    void *memory = words == NULL ? NULL : calloc(1, words->size);
+    self->lines = calloc(LX_RIG_LINES, sizeof *self->lines);
+    self->words = (struct dg_words_wire){words, memory, {on_line, self}};
+    return self->lines != NULL && (words == NULL || memory != NULL);
+}
+
+static void free_lines(struct lx_rig_wire *self)
+{
+    free(self->words.memory);
+    free(self->lines);
+    self->words.memory = NULL;
+    self->lines = NULL;
+}
+
 int lx_rig_listen(struct lx_rig_wire *self, struct lx_error *error)
 {
     if (self->listens) {
         return 0;
     }
-    self->lines = calloc(LX_RIG_LINES, sizeof *self->lines);
-    if (self->lines == NULL) {
+    if (!make_lines(self)) {
+        free_lines(self);
         return lx_fail(error, "no memory for decoded lines");
     }
     const int result = lx_timer_open(&self->silence, self->rig->setup.event, on_silence, self);
     if (result < 0) {
-        free(self->lines);
-        self->lines = NULL;
+        free_lines(self);
         return lx_fail(error, "no timer: %s", strerror(-result));
     }
-    lx_decoder_init(&self->decoder, on_line, self);
     self->listener = (struct lx_tap_listener){.event = on_event, .ctx = self};
     lx_tap_add(&self->bus->tap, &self->listener);
     self->listens = true;
@@ -79,7 +96,6 @@ void lx_rig_deaf(struct lx_rig_wire *self)
     }
     lx_tap_remove(&self->bus->tap, &self->listener);
     lx_timer_close(&self->silence);
-    free(self->lines);
-    self->lines = NULL;
+    free_lines(self);
     self->listens = false;
 }

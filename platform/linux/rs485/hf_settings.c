@@ -61,6 +61,7 @@ const struct lx_stack lx_hf_stack = {
     .core = &dg_hf_stack,
     .title = title,
     .trace = &trace,
+    .words = &dg_hf_words,
     .wire = "pty",
     .address = {"address", "an RS485 address", DG_HF_ADDRESS_DEFAULT, true},
     .own = {keys, DG_COUNT(keys)},

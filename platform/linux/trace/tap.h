@@ -2,7 +2,7 @@
 /**
  * @file
  * Looking at a wire: every bus tells its tap what goes over it, and whoever wants to know (a trace
- * file, the decoder behind --verbose and TRACe:LAST?) listens. Without a listener it costs one
+ * file, the words of --verbose and TRACe:LAST?) listens. Without a listener it costs one
  * comparison.
  */
 #ifndef DREHGEBER_LINUX_TAP_H

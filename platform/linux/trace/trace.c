@@ -26,6 +26,10 @@ static const struct lx_trace_format *find(const char *path, const struct lx_trac
                                           struct lx_error *error)
 {
     struct lx_words right = {""};
+    if (kind->formats == NULL) {
+        (void)lx_fail(error, "%s: what goes over %s cannot be traced", path, kind->wire);
+        return NULL;
+    }
     for (size_t i = 0; kind->formats[i] != NULL; i++) {
         if (ends_in(path, kind->formats[i]->ending)) {
             return kind->formats[i];
@@ -91,6 +95,7 @@ static void discard(struct lx_trace *self)
     if (self->file != NULL) {
         (void)fclose(self->file);
     }
+    free(self->memory);
     free(self->own);
     free(self->path);
     free(self);
@@ -105,8 +110,9 @@ static int begin(struct lx_trace *self, const struct lx_trace_setup *setup, stru
         .mark = self->format->mark.n == 0 ? NULL : &self->format->mark,
     };
     self->own = calloc(1, self->format->size);
+    self->memory = setup->words == NULL ? NULL : calloc(1, setup->words->size);
     self->path = strdup(path);
-    if (self->own == NULL || self->path == NULL) {
+    if (self->own == NULL || self->path == NULL || (setup->words != NULL && self->memory == NULL)) {
         return lx_fail(error, "%s: no memory for a trace", path);
     }
     self->file = lx_file_create(&wanted, setup->held ? &self->held : NULL, error);
@@ -134,6 +140,7 @@ struct lx_trace *lx_trace_open(const struct lx_trace_setup *setup, dg_ns now,
         return NULL;
     }
     self->format = format;
+    self->words = setup->words;
     self->tap = setup->tap;
     self->listener =
         (struct lx_tap_listener){.event = on_event, .ctx = self, .sincos = setup->kind->sincos};

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * What went over a wire, in files that other tools open, and in words.
+ * What went over a wire, in files that other tools open.
  *
  *   .vcd      RS485: requests and replies, bit for bit in steps of 1 us, a decoded text, sine and
  *             cosine in volts; BiSS and SSI: clock, data, text in steps of 10 ns
@@ -14,42 +14,10 @@
 
 #include <stddef.h>
 
-#include "drehgeber/devices.h"
+#include "drehgeber/words.h"
 #include "file.h"
 #include "say.h"
 #include "tap.h"
-
-/** A decoded line of text at most, with its zero. */
-#define LX_DECODE_MAX 160u
-
-/**
- * Turns events of one wire into lines: a line for each RS485 frame, CAN frame, note, and INTERBUS
- * cycle with a change. An RS485 frame ends with the next one's first character in the other
- * direction, or with silence; lx_decoder_step() is asked for by time.
- */
-struct lx_decoder {
-    void (*line)(void *ctx, dg_ns at, bool ours, const char *text); /**< `at`: its first bit */
-    void *ctx;
-    dg_ns begin; /**< of the frame that is being collected */
-    dg_ns last;  /**< end of its last character */
-    bool ours;
-    uint16_t length;
-    uint8_t bytes[140]; /**< the frame; CAN: of each node, the SDO block transfer it is in */
-    bool damaged;
-    uint32_t baud;
-    uint16_t words[1024]; /**< INTERBUS: IN and OUT of the last line */
-    uint16_t word_count;
-    bool valid;
-};
-
-/** Nothing collected. */
-void lx_decoder_init(struct lx_decoder *self,
-                     void (*line)(void *ctx, dg_ns at, bool ours, const char *text), void *ctx);
-/** An event; may give a line. */
-void lx_decoder_event(struct lx_decoder *self, const struct dg_tap_event *event);
-/** It is `now`: a frame that was followed by silence long enough is given. @return when to call
- * again; DG_NEVER */
-dg_ns lx_decoder_step(struct lx_decoder *self, dg_ns now);
 
 /** A trace file. */
 struct lx_trace;
@@ -59,7 +27,7 @@ struct lx_trace_format;
 /** What can be traced of the wires of a protocol. */
 struct lx_trace_kind {
     const char *wire;                             /**< for messages, e.g. "RS485" */
-    const struct lx_trace_format *const *formats; /**< NULL behind the last */
+    const struct lx_trace_format *const *formats; /**< NULL behind the last; NULL: nothing can */
     bool sincos;                                  /**< there are analog signals beside the wire */
 };
 
@@ -68,7 +36,8 @@ struct lx_trace_setup {
     const char *path;               /**< its ending says how */
     const struct lx_folder *folder; /**< of the client that asks; NULL: the user does */
     const struct lx_trace_kind *kind;
-    const char *wire; /**< the interface or name that the file shall mention */
+    const struct dg_words *words; /**< of the protocol; NULL: it has none */
+    const char *wire;             /**< the interface or name that the file shall mention */
     struct lx_tap *tap;
     bool held; /**< nothing on the disk changes before lx_trace_release() */
 };

@@ -8,7 +8,6 @@
 #include <string.h>
 
 #include "drehgeber/bits.h"
-#include "drehgeber/cia406.h"
 #include "trace_format.h"
 
 #define NS_PER_S 1000000000u

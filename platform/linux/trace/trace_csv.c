@@ -5,7 +5,6 @@
 #include <inttypes.h>
 #include <string.h>
 
-#include "drehgeber/interbus.h"
 #include "trace_format.h"
 
 #define NS_PER_S 1000000000u

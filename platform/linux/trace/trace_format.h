@@ -36,8 +36,10 @@ struct lx_trace {
     dg_ns flushed;
     uint64_t day_ns; /**< time of the day at the tap's 0, since 1970-01-01 UTC, modulo 2^64 */
     bool good;
-    int reason; /**< errno of what went wrong */
-    void *own;  /**< the format's */
+    int reason;                   /**< errno of what went wrong */
+    void *own;                    /**< the format's */
+    const struct dg_words *words; /**< of the protocol; NULL: it has none */
+    void *memory;                 /**< theirs, for a format that asks them */
 };
 
 /** How a VCD file begins. */
@@ -71,7 +73,7 @@ struct lx_vcd {
     size_t count;
     struct {
         dg_ns at;
-        char text[LX_DECODE_MAX];
+        char text[DG_WORDS_MAX];
     } texts[LX_VCD_TEXTS];
 };
 

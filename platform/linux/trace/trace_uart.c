@@ -14,7 +14,6 @@
  */
 #include <string.h>
 
-#include "decode.h"
 #include "drehgeber/bits.h"
 #include "trace_format.h"
 #include "uart.h"
@@ -22,7 +21,7 @@
 /* The fastest line, 38400 Bd, has a bit every 26 us. */
 #define STEP_NS DG_US(1)
 #define DATA_BITS 8u
-#define FRAME_MAX (sizeof((struct lx_decoder *)0)->bytes)
+#define FRAME_MAX 140u
 /* A character that is told now may have begun this much before: 11 bits at 600 Bd. Notes wait as
  * long, for it. */
 #define CHARACTER_MAX DG_MS(20)
@@ -60,7 +59,7 @@ struct sample {
 
 struct uart {
     struct lx_vcd vcd;
-    struct lx_decoder decoder;
+    struct dg_words_wire words;
     bool levels[SIDE_COUNT];
     dg_ns free; /* end of the character drawn last */
     size_t count;
@@ -145,11 +144,11 @@ static dg_ns start_of(const struct uart *self, const struct character *character
     return start > least ? start : least;
 }
 
-/* What was collected, under its text. */
+/* What was collected, under its text; NULL: it has none. */
 static void draw_frame(struct uart *self, const char *text)
 {
     spread(self);
-    if (self->count > 0) {
+    if (self->count > 0 && text != NULL) {
         lx_vcd_text(&self->vcd, start_of(self, &self->frame[0]), text);
     }
     for (size_t i = 0; i < self->count; i++) {
@@ -160,16 +159,16 @@ static void draw_frame(struct uart *self, const char *text)
             self->free = start + duration(character);
         }
     }
-    lx_vcd_text(&self->vcd, self->free, "");
+    if (text != NULL) {
+        lx_vcd_text(&self->vcd, self->free, "");
+    }
     advance(self, self->free);
     self->count = 0;
 }
 
-static void on_line(void *ctx, dg_ns at, bool ours, const char *text)
+static void on_line(void *ctx, const struct dg_words_line *line)
 {
-    (void)at;
-    (void)ours;
-    draw_frame(ctx, text);
+    draw_frame(ctx, line->text);
 }
 
 static void uart_begin(struct lx_trace *self)
@@ -179,7 +178,7 @@ static void uart_begin(struct lx_trace *self)
     for (size_t i = 0; i < SIDE_COUNT; i++) {
         uart->levels[i] = true;
     }
-    lx_decoder_init(&uart->decoder, on_line, uart);
+    uart->words = (struct dg_words_wire){self->words, self->memory, {on_line, uart}};
     lx_vcd_begin(&uart->vcd, self, &head);
 }
 
@@ -188,7 +187,7 @@ static void on_character(struct uart *self, const struct dg_tap_event *event, dg
     if (event->character.baud == 0) {
         return;
     }
-    lx_decoder_event(&self->decoder, event);
+    dg_words_event(&self->words, event);
     if (self->count == FRAME_MAX) {
         draw_frame(self, "too long");
     }
@@ -200,6 +199,9 @@ static void on_character(struct uart *self, const struct dg_tap_event *event, dg
         .byte = event->character.byte,
         .damaged = event->character.damaged,
     };
+    if (self->words.words == NULL) { /* then nobody says where a frame ends */
+        draw_frame(self, NULL);
+    }
 }
 
 static void on_sample(struct uart *self, const struct dg_tap_event *event, dg_ns at)
@@ -216,7 +218,7 @@ static void uart_event(struct lx_trace *self, const struct dg_tap_event *event)
 {
     struct uart *uart = self->own;
     const dg_ns at = dg_elapsed(event->at, self->opened);
-    (void)lx_decoder_step(&uart->decoder, event->at);
+    (void)dg_words_step(&uart->words, event->at);
     if (uart->count == 0) {
         advance(uart, dg_elapsed(at, CHARACTER_MAX));
     }
@@ -232,7 +234,7 @@ static void uart_event(struct lx_trace *self, const struct dg_tap_event *event)
 static void uart_end(struct lx_trace *self)
 {
     struct uart *uart = self->own;
-    (void)lx_decoder_step(&uart->decoder, DG_NEVER);
+    (void)dg_words_step(&uart->words, DG_NEVER);
     advance(uart, DG_NEVER);
     lx_vcd_end(&uart->vcd);
 }

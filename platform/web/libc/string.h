@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* As much of <string.h> as src/ calls, and the traces' words. */
+/* As much of <string.h> as src/ calls. */
 #ifndef DREHGEBER_WEB_STRING_H
 #define DREHGEBER_WEB_STRING_H
 
@@ -9,7 +9,5 @@ void *memcpy(void *restrict to, const void *restrict from, size_t n);
 void *memmove(void *to, const void *from, size_t n);
 void *memset(void *to, int byte, size_t n);
 int memcmp(const void *left, const void *right, size_t n);
-size_t strlen(const char *text);
-size_t strcspn(const char *text, const char *stops);
 
 #endif

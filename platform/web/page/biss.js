@@ -124,9 +124,17 @@ export class BissMaster {
     );
   }
 
+  // nERR and nWARN are low when there is something.
+  static severity({ nERR, nWARN, good }) {
+    if (!good || nERR === 0n) {
+      return "error";
+    }
+    return nWARN === 0n ? "warning" : "ok";
+  }
+
   read() {
     const frame = this.frame(0);
-    this.encoder.note(this.words(frame), true);
+    this.encoder.note(this.words(frame), true, BissMaster.severity(frame));
     return frame;
   }
 
@@ -198,7 +206,11 @@ export class BissMaster {
       }
     }
     const listed = got.map((byte) => byte.toString(16).toUpperCase().padStart(2, "0")).join(" ");
-    this.encoder.note(got.length > 0 ? `${name} = ${listed}` : `${name}: refused`, true);
+    if (got.length > 0) {
+      this.encoder.note(`${name} = ${listed}`, true, "ok");
+    } else {
+      this.encoder.note(`${name}: refused`, true, "error");
+    }
     return got;
   }
 

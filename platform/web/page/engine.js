@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: MIT
-// The module of WebAssembly: its memory, its texts, and the two functions it asks of the page.
+// The module of WebAssembly: its memory, its texts, and the function it asks of the page.
 
 const PAGE = 65536;
 const ALIGN = 16;
 
-// Conversions of C, as far as the words of traces use them.
-const CONVERSION = /%(0?)(\*|\d+)?(?:\.(\*))?(l{0,2}|z)([scduX%])/g;
+// enum dg_severity.
+const SEVERITIES = ["ok", "notice", "warning", "error"];
 
 export class Engine {
   // `bytes` of the module.
   static async load(bytes) {
     const engine = new Engine();
     const page = {
-      vsnprintf: (to, size, format, list) => engine.print(to, size, format, list),
-      line: (decoder, at, ours, text) => engine.line(decoder, BigInt.asUintN(64, at), ours !== 0, engine.text(text)),
+      line: (wire, at, ours, severity, text) =>
+        engine.line(wire, { at: BigInt.asUintN(64, at), ours: ours !== 0, severity: SEVERITIES[severity], words: engine.text(text) }),
     };
     const { instance } = await WebAssembly.instantiate(bytes, { page });
     engine.c = instance.exports;
@@ -22,7 +22,7 @@ export class Engine {
     return engine;
   }
 
-  // A line of words from a decoder; whoever decodes sets this.
+  // A line {at, ours, severity, words} of a wire; who makes the wires sets this.
   line() {}
 
   get view() {
@@ -77,51 +77,5 @@ export class Engine {
       throw new Error(`${about}: ${this.text(this.c.dg_host_result_text(result))}`);
     }
     return result;
-  }
-
-  // vsnprintf(): the arguments lie behind each other in memory.
-  print(to, size, format, list) {
-    const next = () => {
-      list += 4;
-      return this.view.getInt32(list - 4, true);
-    };
-    const said = this.text(format).replace(CONVERSION, (_, zero, width, precision, length, kind) => {
-      if (kind === "%") {
-        return "%";
-      }
-      const wide = width === "*" ? next() : Number(width ?? 0);
-      const most = precision === "*" ? next() : Infinity;
-      const long = length === "ll";
-      if (long) {
-        list = Math.ceil(list / 8) * 8;
-      }
-      const value = long ? this.view.getBigInt64((list += 8) - 8, true) : next();
-      return Engine.convert(this, kind, value, most).padStart(wide, zero || " ");
-    });
-    const coded = new TextEncoder().encode(said);
-    if (size > 0) {
-      const fits = Math.min(coded.length, size - 1);
-      this.bytes(to, fits).set(coded.subarray(0, fits));
-      this.view.setUint8(to + fits, 0);
-    }
-    return coded.length;
-  }
-
-  static convert(engine, kind, value, most) {
-    const unsigned = typeof value === "bigint" ? BigInt.asUintN(64, value) : value >>> 0;
-    switch (kind) {
-      case "s":
-        return Number.isFinite(most)
-          ? new TextDecoder().decode(engine.bytes(value, most)).replace(/\0.*/s, "")
-          : engine.text(value);
-      case "c":
-        return String.fromCharCode(value);
-      case "d":
-        return String(value);
-      case "u":
-        return String(unsigned);
-      default:
-        return unsigned.toString(16).toUpperCase();
-    }
   }
 }

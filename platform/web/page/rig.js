@@ -24,8 +24,9 @@ export class Encoder {
     this.engine = rig.engine;
     this.c = rig.engine.c;
     this.model = model;
-    this.decoder = this.engine.place(this.c.web_words_size());
-    this.c.web_words_init(this.decoder);
+    const [name] = this.engine.spell(model);
+    this.words = this.engine.place(this.c.web_words_size(name));
+    this.c.web_words_init(this.words, name);
     this.event = this.engine.place(EVENT.size);
     this.faultAt = this.engine.place(FAULT.size);
     this.raw = { true: [], false: [] };
@@ -115,7 +116,7 @@ export class Encoder {
     this.engine.checked(this.c.dg_host_send(this.host, this.event), about);
   }
 
-  // What the encoder has said, or null; the event itself stays in memory for the decoder.
+  // What the encoder has said, or null; the event itself stays in memory for its words.
   receive() {
     if (this.c.dg_host_receive(this.host, this.event) <= 0) {
       return null;
@@ -143,7 +144,7 @@ export class Encoder {
     if (this.powered) {
       const { at } = this.uart();
       this.raw[ours].push(...data);
-      this.c.web_words_uart(this.decoder, this.event, ours ? 1 : 0, at);
+      this.c.web_words_uart(this.words, this.event, ours ? 1 : 0, at);
     }
   }
 
@@ -176,7 +177,7 @@ export class Encoder {
   frame(id, data) {
     this.send({ at: this.rig.now, id, kind: KIND.can, data }, "the frame");
     this.raw.false.push(...data);
-    this.c.web_words_can(this.decoder, this.event, 0);
+    this.c.web_words_can(this.words, this.event, 0);
     this.rig.advance(0n);
   }
 
@@ -192,7 +193,7 @@ export class Encoder {
     const got = this.receive();
     if (got === null) {
       if (!quiet) {
-        this.note("no data in this cycle", false);
+        this.note("no data in this cycle", false, "error");
       }
       return null;
     }
@@ -207,7 +208,7 @@ export class Encoder {
     this.write(asked);
     this.event = back;
     this.changes = false;
-    this.c.web_words_cycle(this.decoder, this.engine.scratch, back);
+    this.c.web_words_cycle(this.words, this.engine.scratch, back);
     if (!this.changes) {
       this.raw.true.length = 0;
     }
@@ -218,7 +219,11 @@ export class Encoder {
     this.send({ at: this.rig.now, kind: KIND.words, flags: IDENTIFY }, "the cycle");
     this.c.dg_host_panel_step(this.panel, this.rig.now);
     const got = this.receive();
-    this.note(got === null ? "no ID cycle" : `ID ${got.id.toString(16).toUpperCase().padStart(4, "0")}`, true);
+    if (got === null) {
+      this.note("no ID cycle", true, "error");
+    } else {
+      this.note(`ID ${got.id.toString(16).toUpperCase().padStart(4, "0")}`, true, "notice");
+    }
     return got?.id ?? null;
   }
 
@@ -227,16 +232,16 @@ export class Encoder {
     return this.engine.checked(this.c.dg_host_clock(this.host, at, level), "the clock");
   }
 
-  note(text, ours) {
-    this.rig.heard({ encoder: this, at: this.rig.now, ours, bytes: [], words: text });
+  note(words, ours, severity) {
+    this.rig.heard({ encoder: this, at: this.rig.now, ours, severity, bytes: [], words });
   }
 
-  // A line of the decoder.
-  said(at, ours, words) {
-    const bytes = this.raw[ours].splice(0);
+  // A line of what goes over the wire.
+  said(line) {
+    const bytes = this.raw[line.ours].splice(0);
     this.changes = true;
-    this.rig.heard({ encoder: this, at, ours, bytes, words });
-    if (ours && this.protocol === "hiperface") {
+    this.rig.heard({ encoder: this, bytes, ...line });
+    if (line.ours && this.protocol === "hiperface") {
       this.busyUntil = this.rig.now;
     }
   }
@@ -247,7 +252,7 @@ export class Encoder {
         this.decodeUart(true, event.data);
       } else if (event.kind === KIND.can) {
         this.raw.true.push(...event.data);
-        this.c.web_words_can(this.decoder, this.event, 1);
+        this.c.web_words_can(this.words, this.event, 1);
       } else if (event.kind === KIND.edge) {
         this.edges.push({ at: event.at, level: event.data[0] });
       }
@@ -258,7 +263,7 @@ export class Encoder {
   run(now) {
     this.c.dg_host_panel_step(this.panel, now);
     this.drain();
-    this.c.web_words_step(this.decoder, now);
+    this.c.web_words_step(this.words, now);
   }
 
   later() {
@@ -329,14 +334,13 @@ export class Encoder {
 }
 
 export class Rig {
-  // `images` are EEPROMs by model; `heard` is told of every frame {encoder, at, ours, bytes, words}.
+  // `images` are EEPROMs by model; `heard` is told of every frame {encoder, at, ours, severity, bytes, words}.
   constructor(engine, images, heard) {
     this.engine = engine;
     this.c = engine.c;
     this.now = SECOND;
     this.heard = heard;
-    engine.line = (decoder, at, ours, words) =>
-      this.encoders.find((one) => one.decoder === decoder).said(at, ours, words);
+    engine.line = (wire, line) => this.encoders.find((one) => one.words === wire).said(line);
     this.encoders = [];
     for (const model of MODELS) {
       this.encoders.push(new Encoder(this, model, images[model]));

@@ -36,6 +36,9 @@ struct plain {
     bool clock;
     bool data;
     unsigned got;
+    enum lx_clocked_verdict verdict; /* what the master makes of it; likewise the next two */
+    bool error;
+    bool warning;
 };
 
 static struct plain *plain_of(struct lx_clocked *base)
@@ -124,9 +127,16 @@ static void read_word(struct lx_clocked *base, struct lx_clocked_wire *wire)
 
 static enum lx_clocked_verdict judge(const struct lx_clocked *base, size_t encoder)
 {
-    (void)base;
     (void)encoder;
-    return LX_CLOCKED_GOOD;
+    return ((const struct plain *)base)->verdict;
+}
+
+static void word(const struct lx_clocked *base, size_t encoder, struct lx_clocked_word *out)
+{
+    const struct plain *self = (const struct plain *)base;
+    (void)encoder;
+    *out = (struct lx_clocked_word){
+        .bits = self->got, .count = BITS, .error = self->error, .warning = self->warning};
 }
 
 static void note(const struct lx_clocked *base, const struct lx_clocked_wire *wire, size_t encoder,
@@ -142,6 +152,7 @@ static const struct lx_clocked_ops ops = {
     .data = "DATA",
     LX_CLOCKED_OPERATIONS,
     .read = read_word,
+    .word = word,
 };
 
 /* --- a master, and somebody who listens --- */
@@ -151,6 +162,7 @@ struct heard {
     unsigned rises;
     bool clock;
     char note[64];
+    enum dg_severity severity;
 };
 
 static struct plain line;
@@ -164,6 +176,7 @@ static void on_event(void *ctx, const struct dg_tap_event *event)
     struct heard *self = ctx;
     if (event->kind == DG_TAP_NOTE) {
         (void)snprintf(self->note, sizeof self->note, "%s", event->note);
+        self->severity = event->severity;
         return;
     }
     self->rises += event->levels.clock && !self->clock;
@@ -208,6 +221,33 @@ static void words_come_over_the_wire(void **state)
     assert_string_equal(heard.note, "word 1023");
     assert_int_equal(heard.rises, BITS * (ALL + 1u));
     assert_int_equal(master.wire.silent, 0);
+}
+
+static void a_note_is_as_bad_as_its_frame(void **state)
+{
+    static const struct {
+        enum lx_clocked_verdict verdict;
+        bool error;
+        bool warning;
+        enum dg_severity severity;
+    } rows[] = {
+        {LX_CLOCKED_GOOD, false, false, DG_SEVERITY_OK},
+        {LX_CLOCKED_GOOD, false, true, DG_SEVERITY_WARNING},
+        {LX_CLOCKED_GOOD, true, false, DG_SEVERITY_ERROR},
+        {LX_CLOCKED_GOOD, true, true, DG_SEVERITY_ERROR},
+        {LX_CLOCKED_WRONG, false, false, DG_SEVERITY_ERROR},
+        {LX_CLOCKED_SILENT, false, false, DG_SEVERITY_ERROR},
+    };
+    (void)state;
+    begin_usual();
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
+        line.verdict = rows[i].verdict;
+        line.error = rows[i].error;
+        line.warning = rows[i].warning;
+        (void)word_of(1);
+        assert_int_equal(heard.severity, rows[i].severity);
+    }
+    assert_string_equal(heard.note, "no answer");
 }
 
 /* Within the monoflop time the word stands still; behind it the line is high. */
@@ -337,6 +377,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(words_come_over_the_wire),
+        cmocka_unit_test(a_note_is_as_bad_as_its_frame),
         cmocka_unit_test(clocks_go_on),
         cmocka_unit_test(a_cable_is_not_made_up_for),
         cmocka_unit_test(a_dead_driver_reads_as_the_receiver_does),

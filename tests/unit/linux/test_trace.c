@@ -63,7 +63,12 @@ static struct lx_trace *open_trace(struct place *self, const char *name,
 {
     (void)snprintf(self->path, sizeof self->path, "%s/%s", self->folder, name);
     const struct lx_trace_setup setup = {
-        .path = self->path, .kind = stack->trace, .wire = "/dev/vcan0", .tap = &self->tap};
+        .path = self->path,
+        .kind = stack->trace,
+        .words = stack->words,
+        .wire = "/dev/vcan0",
+        .tap = &self->tap,
+    };
     return lx_trace_open(&setup, now, &self->error);
 }
 
@@ -139,6 +144,19 @@ static void endings_are_checked(void **state)
         (void)unlink(place->path);
     }
     assert_int_equal(lx_trace_close(NULL, &place->error), 0);
+}
+
+static void what_has_no_format_is_refused(void **state)
+{
+    static const struct lx_trace_kind kind = {.wire = "a wire of your own"};
+    static const struct lx_stack stack = {.trace = &kind};
+    static const char says[] = "a.vcd: what goes over a wire of your own cannot be traced";
+    struct place *place = *state;
+    assert_int_equal(lx_trace_fits("a.vcd", &kind, &place->error), -1);
+    assert_string_equal(lx_error_line(&place->error).text, says);
+    assert_null(open_trace(place, "a.vcd", &stack, 0));
+    assert_non_null(strstr(lx_error_line(&place->error).text, says));
+    assert_null(place->tap.first);
 }
 
 /* A file without a head can be opened; its first line goes nowhere. */
@@ -488,6 +506,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(endings_are_checked, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(what_has_no_format_is_refused, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_full_disk_ends_the_trace_not_the_wire, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_full_disk_is_seen_at_once_or_at_the_end, set_up,
                                         tear_down),

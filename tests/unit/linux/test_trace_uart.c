@@ -39,7 +39,7 @@ struct dump {
     size_t text_count;
     struct {
         dg_ns at;
-        char text[LX_DECODE_MAX];
+        char text[DG_WORDS_MAX];
     } texts[TEXTS_MAX];
     dg_ns end;
     size_t real_count;
@@ -92,13 +92,23 @@ static uint8_t random_byte(struct bench *self)
     return (uint8_t)(self->random >> 24);
 }
 
-static void begin(struct bench *self, dg_ns now)
+static void begin_with(struct bench *self, dg_ns now, const struct dg_words *words)
 {
     struct lx_error error;
     const struct lx_trace_setup setup = {
-        .path = self->path, .kind = lx_hf_stack.trace, .wire = "pty", .tap = &self->tap};
+        .path = self->path,
+        .kind = lx_hf_stack.trace,
+        .words = words,
+        .wire = "pty",
+        .tap = &self->tap,
+    };
     self->trace = lx_trace_open(&setup, now, &error);
     assert_non_null(self->trace);
+}
+
+static void begin(struct bench *self, dg_ns now)
+{
+    begin_with(self, now, lx_hf_stack.words);
 }
 
 static dg_ns whole(dg_ns at)
@@ -121,7 +131,7 @@ static void take_level(struct dump *self, char id, bool level)
 
 static void take_line(struct dump *self, const char *line)
 {
-    char text[LX_DECODE_MAX] = "";
+    char text[DG_WORDS_MAX] = "";
     if (line[0] == '#') {
         const dg_ns at = strtoull(line + 1, NULL, 10) * STEP_NS;
         assert_true(at > self->end || at == 0); /* never back, never twice */
@@ -502,6 +512,25 @@ static void samples_beyond_those_that_may_wait_are_left_out(void **state)
     assert_int_equal(bench->dump.real_count, 4u * waiting);
 }
 
+/* Of a protocol that has no words each character is drawn as it comes. */
+static void characters_without_words_are_drawn_at_once(void **state)
+{
+    struct bench *bench = *state;
+    begin_with(bench, 0, NULL);
+    for (unsigned i = 0; i < 2u * 140u; i++) {
+        tell(bench, DG_MS(10) + i * bit_times(11, 9600), false, (uint8_t)i);
+    }
+    finish(bench);
+    receive_all(bench, 9600, 'E');
+    assert_int_equal(bench->count, 2u * 140u);
+    for (size_t i = 0; i < bench->count; i++) {
+        assert_int_equal(bench->found[i].byte, (uint8_t)i);
+        assert_true(bench->found[i].parity_ok && bench->found[i].stop_ok);
+    }
+    assert_int_equal(bench->dump.text_count, 1); /* that of the beginning */
+    assert_string_equal(bench->dump.texts[0].text, "");
+}
+
 static void a_line_without_a_rate_is_survived(void **state)
 {
     const struct dg_tap_event event = {.at = DG_MS(5), .kind = DG_TAP_CHARACTER};
@@ -531,6 +560,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_damaged_stop_bit_ends_before_the_next_start_bit, set_up,
                                         tear_down),
         cmocka_unit_test_setup_teardown(samples_beyond_those_that_may_wait_are_left_out, set_up,
+                                        tear_down),
+        cmocka_unit_test_setup_teardown(characters_without_words_are_drawn_at_once, set_up,
                                         tear_down),
         cmocka_unit_test_setup_teardown(a_line_without_a_rate_is_survived, set_up, tear_down),
     };

@@ -1,29 +1,39 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Fuzz target: the decoder on hostile wires. The input is a stream of events of every kind, for
- * every stack, at any time. Lines are text that fits, and none is given without an event.
+ * Fuzz target: all words on hostile wires. The input is a stream of events of every kind, at any
+ * time; each goes over the wire of every protocol, and of one without words. Lines are text that
+ * fits, and none is told without an event.
  */
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <string.h>
 
+#include "drehgeber/words.h"
 #include "fuzz_input.h"
-#include "trace.h"
 
-#define WORDS 600u /* more than the decoder keeps */
+#define WORDS 600u /* more than those of a ring remember */
+#define WIRES_MAX 8u
+#define MEMORY 4096u
 
-static unsigned lines;
+/* A wire, and how many lines it has told. */
+struct told {
+    struct dg_words_wire wire;
+    unsigned lines;
+    union {
+        max_align_t align;
+        unsigned char bytes[MEMORY];
+    } memory;
+};
 
-static void on_line(void *ctx, dg_ns at, bool ours, const char *text)
+static void on_line(void *ctx, const struct dg_words_line *line)
 {
-    const size_t n = strlen(text);
+    struct told *self = ctx;
+    const size_t n = strlen(line->text);
 
-    (void)ctx;
-    (void)at;
-    (void)ours;
-    fuzz_must(n > 0 && n < LX_DECODE_MAX);
-    lines++;
+    fuzz_must(n > 0 && n < DG_WORDS_MAX);
+    fuzz_must(line->severity < DG_SEVERITY_COUNT);
+    self->lines++;
 }
 
 static void op_character(struct dg_tap_event *event, struct fuzz_input *input)
@@ -61,11 +71,16 @@ static void op_sdo(struct dg_tap_event *event, struct fuzz_input *input)
 
 static void op_words(struct dg_tap_event *event, struct fuzz_input *input)
 {
+    static uint8_t widths[WORDS];
     static uint16_t words[2][WORDS];
     const uint32_t where = fuzz_take32(input);
 
     words[where & 1u][(where >> 1) % WORDS] = (uint16_t)(where >> 16);
+    for (size_t i = 0; i < WORDS; i++) {
+        widths[i] = (uint8_t)(1u + i % 2u);
+    }
     event->kind = DG_TAP_WORDS;
+    event->words.widths = (where & 2u) != 0 ? widths : NULL;
     event->words.in = words[0];
     event->words.out = words[1];
     event->words.count = (uint16_t)(fuzz_take(input) < 8 ? where % WORDS : 5);
@@ -90,28 +105,45 @@ static void op_levels(struct dg_tap_event *event, struct fuzz_input *input)
     event->levels.data = event->levels.clock;
 }
 
+static void tell(struct told *self, const struct dg_tap_event *event)
+{
+    const unsigned before = self->lines;
+
+    dg_words_event(&self->wire, event);
+    fuzz_must(self->lines <= before + 2u);
+    const dg_ns next = dg_words_step(&self->wire, event->at);
+    fuzz_must(next > event->at || event->at == DG_NEVER);
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
 {
     static void (*const operations[])(struct dg_tap_event *, struct fuzz_input *) = {
         op_character, op_character, op_character, op_frame, op_sdo, op_words, op_note, op_levels,
     };
+    static struct told told[WIRES_MAX];
     struct fuzz_input input = {.at = bytes, .end = bytes + n};
-    struct lx_decoder decoder;
     dg_ns now = 0;
 
-    lx_decoder_init(&decoder, on_line, NULL);
+    fuzz_must(dg_words_count < WIRES_MAX);
+    memset(told, 0, sizeof told);
+    for (size_t i = 0; i <= dg_words_count; i++) {
+        const struct dg_words *words = i < dg_words_count ? dg_words_list[i] : NULL;
+        fuzz_must(words == NULL || words->size <= MEMORY);
+        told[i].wire = (struct dg_words_wire){words, &told[i].memory, {on_line, &told[i]}};
+    }
     while (input.at < input.end) {
         const uint8_t how = fuzz_take(&input);
         struct dg_tap_event event = {.ours = (how & 1u) != 0};
-        const unsigned before = lines;
         now = dg_after(now, (dg_ns)(how >> 4) << (how >> 4) * 3u);
         event.at = now;
         operations[(how >> 1) & 7u](&event, &input);
-        lx_decoder_event(&decoder, &event);
-        fuzz_must(lines <= before + 2u);
-        fuzz_must(lx_decoder_step(&decoder, now) > now || now == DG_NEVER);
+        for (size_t i = 0; i <= dg_words_count; i++) {
+            tell(&told[i], &event);
+        }
     }
-    (void)lx_decoder_step(&decoder, DG_NEVER);
-    fuzz_must(decoder.length == 0);
+    for (size_t i = 0; i <= dg_words_count; i++) {
+        (void)dg_words_step(&told[i].wire, DG_NEVER);
+        fuzz_must(dg_words_step(&told[i].wire, DG_NEVER) == DG_NEVER);
+    }
     return 0;
 }
