@@ -18,6 +18,7 @@
 #include "drehgeber/instrument.h"
 #include "drehgeber/scpi.h"
 #include "drehgeber/shaft.h"
+#include "drehgeber/tap.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -85,6 +86,15 @@ struct dg_rig_course_wish {
     bool steps;
 };
 
+/** Longest line of dg_rig_ops.last(), with its zero. */
+#define DG_RIG_LINE_MAX 256u
+
+/** What went over a wire, in words. */
+struct dg_rig_line {
+    enum dg_severity severity;
+    char text[DG_RIG_LINE_MAX];
+};
+
 /** Of dg_rig_ops.profile(): not an error, and not through yet. */
 #define DG_RIG_READS 1
 
@@ -111,8 +121,8 @@ struct dg_rig_ops {
     /** Trace the encoder's wire; `path` NULL: stop. */
     int (*trace)(struct dg_rig *self, struct dg_encoder *encoder, const char *path, char *detail);
     /** Decoded frame `back` (0: newest) of the encoder's wire. @return false: there is none */
-    bool (*last)(struct dg_rig *self, const struct dg_encoder *encoder, unsigned back, char *text,
-                 size_t size);
+    bool (*last)(struct dg_rig *self, const struct dg_encoder *encoder, unsigned back,
+                 struct dg_rig_line *line);
     /** The rig's clock runs at `permille` of real time from now on. */
     int (*set_scale)(struct dg_rig *self, uint32_t permille, char *detail);
     /** Its present rate in permille. */

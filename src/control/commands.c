@@ -65,6 +65,7 @@ static const struct dg_scpi_command rows[] = {
     {"TRACe:STARt",           dg_control_trace,            NULL,                    0, "\"FILE\"", "what goes over the encoder's wire"},
     {"TRACe:STOP",            dg_control_trace_stop,       NULL,                    0, "", "end the trace"},
     {"TRACe:LAST",            NULL,                        dg_control_last,         0, "[N]", "the last N frames in words, the newest last; one without N"},
+    {"TRACe:LAST:SEVerity",   NULL,                        dg_control_severity,     0, "[N]", "of each of these frames: OK, NOTICE, WARNING or ERROR"},
 };
 /* clang-format on */
 

@@ -5,7 +5,6 @@
 #include "control_private.h"
 
 #define LINES_MAX 100
-#define LINE_SIZE 256u
 
 static const struct dg_scpi_range lines = {DG_SCPI_PLAIN, 0, 1, LINES_MAX};
 
@@ -35,10 +34,12 @@ void dg_control_trace_stop(struct dg_scpi *self)
     trace(self, NULL);
 }
 
-void dg_control_last(struct dg_scpi *self)
+/* The last lines, each put by `put_line`. */
+static void put_lines(struct dg_scpi *self,
+                      void (*put_line)(struct dg_scpi *self, const struct dg_rig_line *line))
 {
     const struct dg_rig_ops *ops = dg_control_ops_of(self);
-    char text[LINE_SIZE];
+    struct dg_rig_line line;
     int64_t wanted = 1;
     size_t count = 0;
 
@@ -47,11 +48,38 @@ void dg_control_last(struct dg_scpi *self)
         return;
     }
     for (unsigned back = (unsigned)wanted; back > 0; back--) {
-        if (ops->last(dg_control_rig_of(self), dg_control_selected(self), back - 1u, text,
-                      sizeof text)) {
-            dg_scpi_put_string(self, text);
+        if (ops->last(dg_control_rig_of(self), dg_control_selected(self), back - 1u, &line)) {
+            put_line(self, &line);
             count++;
         }
     }
     dg_control_put_none(self, count);
+}
+
+static void put_text(struct dg_scpi *self, const struct dg_rig_line *line)
+{
+    dg_scpi_put_string(self, line->text);
+}
+
+static void put_severity(struct dg_scpi *self, const struct dg_rig_line *line)
+{
+    static const char *const words[] = {
+        [DG_SEVERITY_OK] = "OK",
+        [DG_SEVERITY_NOTICE] = "NOTICE",
+        [DG_SEVERITY_WARNING] = "WARNING",
+        [DG_SEVERITY_ERROR] = "ERROR",
+    };
+
+    _Static_assert(DG_COUNT(words) == DG_SEVERITY_COUNT, "a word each");
+    dg_scpi_put_word(self, words[line->severity]);
+}
+
+void dg_control_last(struct dg_scpi *self)
+{
+    put_lines(self, put_text);
+}
+
+void dg_control_severity(struct dg_scpi *self)
+{
+    put_lines(self, put_severity);
 }

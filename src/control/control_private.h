@@ -96,7 +96,8 @@ control_handler dg_control_regions, dg_control_data, dg_control_corrupt, dg_cont
 control_handler dg_control_time, dg_control_origin, dg_control_set_scale,
     dg_control_scale; /* commands_time.c */
 control_handler dg_control_step_time;
-control_handler dg_control_trace, dg_control_trace_stop, dg_control_last; /* commands_trace.c */
+control_handler dg_control_trace, dg_control_trace_stop, dg_control_last,
+    dg_control_severity; /* commands_trace.c */
 
 /** For all commands that heal: every fault is cleared, every quantity healthy. */
 void dg_control_clear_all(struct dg_scpi *self);

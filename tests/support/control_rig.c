@@ -81,11 +81,12 @@ static int trace(struct dg_rig *rig, struct dg_encoder *encoder, const char *pat
     return asked(rig_of(rig), "trace", encoder, path, detail);
 }
 
-static bool last(struct dg_rig *rig, const struct dg_encoder *encoder, unsigned back, char *text,
-                 size_t size)
+static bool last(struct dg_rig *rig, const struct dg_encoder *encoder, unsigned back,
+                 struct dg_rig_line *line)
 {
     (void)encoder;
-    (void)snprintf(text, size, "line %u", back);
+    line->severity = (enum dg_severity)(back % DG_SEVERITY_COUNT);
+    (void)snprintf(line->text, sizeof line->text, "line %u", back);
     return back < rig_of(rig)->lines;
 }
 

@@ -507,6 +507,19 @@ static void test_last_frames(void **state)
     refuse("TRAC:LAST?", "-241", NULL);
 }
 
+static void test_severities_of_last_frames(void **state)
+{
+    (void)state;
+    expect("TRAC:LAST:SEV?", "\"\"");
+    rig.lines = 4;
+    expect("TRAC:LAST:SEV?", "OK");
+    expect("TRAC:LAST:SEV? 9", "ERROR,WARNING,NOTICE,OK");
+    expect("TRAC:LAST? 2;LAST:SEV? 2", "\"line 1\",\"line 0\";NOTICE,OK");
+    refuse("TRAC:LAST:SEV? 0", "-222", NULL);
+    rig.ops.last = NULL;
+    refuse("TRAC:LAST:SEV?", "-241", NULL);
+}
+
 /* ------------------------------------------------------------ BiSS */
 
 static void test_frame(void **state)
@@ -635,6 +648,7 @@ int main(void)
         cmocka_unit_test_setup(test_time, setup),
         cmocka_unit_test_setup(test_trace, setup),
         cmocka_unit_test_setup(test_last_frames, setup),
+        cmocka_unit_test_setup(test_severities_of_last_frames, setup),
         cmocka_unit_test_setup(test_frame, setup),
         cmocka_unit_test_setup(test_frame_without_life_counter, setup),
         cmocka_unit_test_setup(test_frame_without_data, setup),

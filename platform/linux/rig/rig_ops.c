@@ -370,9 +370,10 @@ static int trace(struct dg_rig *control, struct dg_encoder *encoder, const char 
 
 /* The first question begins the listening, so it has no answer yet. */
 static bool last(struct dg_rig *control, const struct dg_encoder *encoder, unsigned back,
-                 char *text, size_t size)
+                 struct dg_rig_line *line)
 {
     struct lx_rig_wire *self = wire_of(control, encoder);
+    const struct lx_rig_line *kept = NULL;
     struct lx_error error;
     const bool begins = !self->listens;
     if (lx_rig_listen(self, &error) != 0) {
@@ -384,8 +385,9 @@ static bool last(struct dg_rig *control, const struct dg_encoder *encoder, unsig
     if (back >= LX_RIG_LINES || back >= self->line_count) {
         return false;
     }
-    (void)snprintf(text, size, "%s",
-                   self->lines[(self->line_count - 1u - back) % LX_RIG_LINES].text);
+    kept = &self->lines[(self->line_count - 1u - back) % LX_RIG_LINES];
+    line->severity = kept->severity;
+    (void)snprintf(line->text, sizeof line->text, "%s", kept->text);
     return true;
 }
 

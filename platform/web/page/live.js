@@ -149,15 +149,16 @@ class LiveEncoder {
     this.scpi(on ? "POW ON" : "POW OFF");
   }
 
-  // Lines of the wire, of which those before `last` are known. @return those that are new
-  takeFrames(lines) {
+  // Lines of the wire with their severities, of which those before `last` are known. @return those that are new
+  takeFrames(lines, severities) {
     const known = lines.lastIndexOf(this.last);
     const lost = known < 0 && this.last !== null && lines.length > 0;
-    const fresh = lines.slice(known + 1).filter((line) => line !== "");
-    this.last = fresh.at(-1) ?? this.last;
-    return fresh.map((line) => {
+    const told = lines.map((line, i) => ({ line, severity: (severities[i] ?? "ok").toLowerCase() }));
+    const fresh = told.slice(known + 1).filter(({ line }) => line !== "");
+    this.last = fresh.at(-1)?.line ?? this.last;
+    return fresh.map(({ line, severity }) => {
       const [, seconds, way, words] = /^(\S+) ([<>]) (.*)$/s.exec(line) ?? [null, "0", ">", line];
-      return { at: BigInt(Math.round(Number(seconds) * 1e9)), ours: way === ">", bytes: [], words };
+      return { at: BigInt(Math.round(Number(seconds) * 1e9)), ours: way === ">", severity, bytes: [], words };
     }).map((line, i) => (lost && i === 0 ? { ...line, words: `… ${line.words}` } : line));
   }
 }
@@ -246,8 +247,8 @@ export class LiveRig {
     if (told === shown.told) {
       shown.takeActive(active);
     }
-    const [frames] = await line.query(`${select}TRAC:LAST? 32`);
-    shown.takeFrames(frames ?? []).forEach((frame) => this.page.heard({ encoder: shown, ...frame }));
+    const [frames, severities] = await line.query(`${select}TRAC:LAST? 32;LAST:SEV? 32`);
+    shown.takeFrames(frames ?? [], severities ?? []).forEach((frame) => this.page.heard({ encoder: shown, ...frame }));
     await this.look(line, shown, select);
     await line.command(); // what was refused of this is no error of anybody's
     await this.others(line);

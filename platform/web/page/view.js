@@ -203,18 +203,15 @@ export class Panel {
 
   // ---------------------------------------------------------------- what is seen of it
 
-  say({ at, ours, bytes, words }) {
-    // On INTERBUS bit 31 of IN says so.
-    const wrong = (this.encoder.protocol === "interbus" && bytes[0] >= 0x80) ||
-      (/error|abort|EMCY(?!.*0000h)|nERR 0|wrong|refused|no data/i.test(words) && !/no error/.test(words));
+  say({ at, ours, severity, bytes, words }) {
     const line = make("li", {},
       make("span", { className: "at mono" }, (Number(at) / 1e9).toFixed(6)),
       make("span", { className: ours ? "ours" : "", "aria-label": ours ? "encoder" : "master" }, ours ? "◀" : "▶"));
     if (bytes.length > 0) {
       line.append(make("span", { className: "bytes mono" }, hex(bytes)));
     }
-    line.append(make("span", { className: `words${wrong ? " wrong" : ""}${bytes.length > 0 ? "" : " note"}` }, words));
-    if (wrong && ours) {
+    line.append(make("span", { className: `words ${severity}${bytes.length > 0 ? "" : " note"}` }, words));
+    if (severity === "error" && ours) {
       this.latest.textContent = `Told last: ${words}`;
     }
     const atEnd = this.log.scrollHeight - this.log.scrollTop - this.log.clientHeight < 40;

@@ -223,6 +223,10 @@ def test_biss_frames_as_the_command_reads_them(page, bench):
                           text=True, timeout=WAIT_S).stdout
     multiturn, singleturn = re.search(r"MT (\d+)\s+ST (\d+)", read).groups()
     shows(page, "bi", f"position {multiturn}:{singleturn} nERR 1 nWARN 1")
+    assert page.locator("#panel-bi .log .words.error").count() == 0
+    bench.ctl("INST:SEL bi", "FAUL:SET singleturn_lost")
+    page.wait_for_selector("#panel-bi .log .words.error:has-text('nERR 0')")
+    bench.ctl("INST:SEL bi", "FAUL:CLE")
     assert page.locator("#tab-bi b").inner_text() == singleturn
 
 

@@ -177,8 +177,10 @@ def test_biss_control_bits_are_shown(still):
 )
 def test_a_fault_shows_its_code(still, panel, fault, code):
     still.click(f"#tab-{panel}")
+    assert still.locator(f"#panel-{panel} .log .words.error").count() == 0
     still.check(f"#{panel}-{fault}")
     let_pass(still, 3_000_000_000)
+    assert still.locator(f"#panel-{panel} .log .words.error").count() > 0
     assert code in still.locator(f"#panel-{panel} .log").inner_text()
     assert still.locator(f"#panel-{panel} .latest").inner_text().startswith("Told last: ")
 

@@ -55,7 +55,7 @@ HEADERS = [
     "WORLd:MULTiturn:SYNC", "WORLd:MULTiturn:VECTor", "WORLd:EEPRom", "WORLd:WATChdog",
     "WORLd:DEFault", "FAULt:CATalog", "FAULt:SET", "FAULt:CLEar", "FAULt:ACTive",
     "FAULt:HAPPened", "NVM:CATalog", "NVM:CORRupt", "NVM:ERASe", "POWer", "STATe", "TIME", "TIME:ORIGin",
-    "TIME:SCALe", "TIME:STEP", "TRACe:STARt", "TRACe:STOP", "TRACe:LAST", "BISS:FRAMe",
+    "TIME:SCALe", "TIME:STEP", "TRACe:STARt", "TRACe:STOP", "TRACe:LAST", "TRACe:LAST:SEVerity", "BISS:FRAMe",
     "BISS:REGister", "WORLd:TEMPerature:PROFile", "WORLd:TEMPerature:PROFile:POINts",
     "WORLd:MULTiturn:SYNC:PROFile:STATe",
 ]
