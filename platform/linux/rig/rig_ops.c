@@ -373,7 +373,6 @@ static bool last(struct dg_rig *control, const struct dg_encoder *encoder, unsig
                  struct dg_rig_line *line)
 {
     struct lx_rig_wire *self = wire_of(control, encoder);
-    const struct lx_rig_line *kept = NULL;
     struct lx_error error;
     const bool begins = !self->listens;
     if (lx_rig_listen(self, &error) != 0) {
@@ -385,9 +384,7 @@ static bool last(struct dg_rig *control, const struct dg_encoder *encoder, unsig
     if (back >= LX_RIG_LINES || back >= self->line_count) {
         return false;
     }
-    kept = &self->lines[(self->line_count - 1u - back) % LX_RIG_LINES];
-    line->severity = kept->severity;
-    (void)snprintf(line->text, sizeof line->text, "%s", kept->text);
+    *line = self->lines[(self->line_count - 1u - back) % LX_RIG_LINES];
     return true;
 }
 

@@ -19,8 +19,6 @@
 
 /** Decoded lines of a wire that are kept for TRACe:LAST?. */
 #define LX_RIG_LINES 32u
-/** A line with its time and direction. */
-#define LX_RIG_LINE_MAX (DG_WORDS_MAX + 32u)
 /** Motions whose points a shaft may borrow: the one in force, the one before, and the next. */
 #define LX_RIG_MOTIONS 3u
 
@@ -39,12 +37,6 @@ struct lx_rig_shaft {
     struct lx_record *record;
 };
 
-/** A decoded line. */
-struct lx_rig_line {
-    enum dg_severity severity;
-    char text[LX_RIG_LINE_MAX];
-};
-
 /** A wire. */
 struct lx_rig_wire {
     struct lx_rig *rig;
@@ -57,7 +49,7 @@ struct lx_rig_wire {
     struct lx_tap_listener listener;
     struct dg_words_wire words; /**< its memory is owned */
     struct lx_timer silence;    /**< the end of a frame that nothing follows */
-    struct lx_rig_line *lines;  /**< owned */
+    struct dg_rig_line *lines;  /**< owned */
     size_t line_count; /**< so far; the newest is in lines[(line_count - 1) % LX_RIG_LINES] */
 };
 

@@ -12,13 +12,15 @@
 
 #define US 1000u
 #define S 1000000000u
+#define BEFORE_MAX 32u /* time and direction */
+_Static_assert(DG_RIG_LINE_MAX >= BEFORE_MAX + DG_WORDS_MAX, "a line is kept as a whole");
 
 /* "12.345678 < text": seconds of the rig, '<' from the master, '>' from an encoder. */
 static void on_line(void *ctx, const struct dg_words_line *words)
 {
     struct lx_rig_wire *self = ctx;
     const dg_ns since = dg_elapsed(words->at, self->rig->begin);
-    struct lx_rig_line *line = &self->lines[self->line_count % LX_RIG_LINES];
+    struct dg_rig_line *line = &self->lines[self->line_count % LX_RIG_LINES];
     const int seconds =
         snprintf(line->text, sizeof line->text, "%llu.%06llu", (unsigned long long)(since / S),
                  (unsigned long long)(since % S / US));

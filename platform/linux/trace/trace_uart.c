@@ -21,6 +21,7 @@
 /* The fastest line, 38400 Bd, has a bit every 26 us. */
 #define STEP_NS DG_US(1)
 #define DATA_BITS 8u
+/* Characters under one text; more are drawn before it is known. */
 #define FRAME_MAX 140u
 /* A character that is told now may have begun this much before: 11 bits at 600 Bd. Notes wait as
  * long, for it. */

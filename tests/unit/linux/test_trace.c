@@ -146,6 +146,15 @@ static void endings_are_checked(void **state)
     assert_int_equal(lx_trace_close(NULL, &place->error), 0);
 }
 
+static void words_of_a_stack_are_its_own(void **state)
+{
+    (void)state;
+    assert_true(lx_stack_count > 0);
+    for (size_t i = 0; i < lx_stack_count; i++) {
+        assert_ptr_equal(lx_stacks[i]->words, dg_words_of(lx_stacks[i]->core));
+    }
+}
+
 static void what_has_no_format_is_refused(void **state)
 {
     static const struct lx_trace_kind kind = {.wire = "a wire of your own"};
@@ -506,6 +515,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(endings_are_checked, set_up, tear_down),
+        cmocka_unit_test(words_of_a_stack_are_its_own),
         cmocka_unit_test_setup_teardown(what_has_no_format_is_refused, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_full_disk_ends_the_trace_not_the_wire, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_full_disk_is_seen_at_once_or_at_the_end, set_up,
