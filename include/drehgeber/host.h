@@ -107,7 +107,7 @@ DG_API struct dg_host *dg_host_make(void *memory, size_t size, const char *name)
 
 /** Its model, e.g. "s3684-rs485". */
 DG_API const char *dg_host_model(const struct dg_host *self);
-/** Its protocol: "hiperface", "biss", "ssi", "canopen" or "interbus". */
+/** Its protocol in a word, to be shown: what a host does goes by dg_host_medium(). */
 DG_API const char *dg_host_protocol(const struct dg_host *self);
 
 /* ---------------------------------------------------------------- settings */
@@ -433,6 +433,23 @@ DG_API int dg_host_scpi(struct dg_host_panel *self, uint64_t now, const char *li
 
 /** dg_host_step() of its encoder, with the end of faults that have a time. */
 DG_API uint64_t dg_host_panel_step(struct dg_host_panel *self, uint64_t now);
+
+/* ---------------------------------------------------------------- media */
+
+/** What travels on the wire of an encoder. A host goes by this, and refuses one that it does not
+ * know: later releases may have more. What only some encoders of a medium can do is found by
+ * asking: functions that say so answer DG_HOST_ERR_WIRE, also before the first power-on. */
+enum dg_host_medium {
+    DG_HOST_MEDIUM_CHARACTERS = 0, /**< DG_HOST_BYTES */
+    DG_HOST_MEDIUM_FRAMES = 1,     /**< DG_HOST_CAN and DG_HOST_BUS */
+    DG_HOST_MEDIUM_EDGES = 2,      /**< DG_HOST_EDGE and dg_host_clock() */
+    DG_HOST_MEDIUM_WORDS = 3,      /**< DG_HOST_WORDS */
+};
+
+/** @return enum dg_host_medium */
+DG_API int dg_host_medium(const struct dg_host *self);
+/** The setting that is its address on a wire, e.g. "node". @return NULL: it has none there */
+DG_API const char *dg_host_address_key(const struct dg_host *self);
 
 #ifdef __cplusplus
 }

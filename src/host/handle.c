@@ -125,6 +125,16 @@ const char *dg_host_protocol(const struct dg_host *self)
     return self->refs.device->stack->name;
 }
 
+int dg_host_medium(const struct dg_host *self)
+{
+    return (int)self->refs.device->stack->medium;
+}
+
+const char *dg_host_address_key(const struct dg_host *self)
+{
+    return self->refs.device->stack->address_key;
+}
+
 /* ------------------------------------------------------------ EEPROM */
 
 static int reach(const struct dg_host *self, uint32_t address, size_t n)

@@ -33,6 +33,12 @@ PLACE(dg_host_frame, good, 43);
 PLACE(dg_host_frame, life, 44);
 PLACE(dg_host_frame, reserved, 45);
 
+_Static_assert((int)DG_HOST_MEDIUM_CHARACTERS == (int)DG_MEDIUM_CHARACTERS, "one numbering");
+_Static_assert((int)DG_HOST_MEDIUM_FRAMES == (int)DG_MEDIUM_FRAMES, "one numbering");
+_Static_assert((int)DG_HOST_MEDIUM_EDGES == (int)DG_MEDIUM_EDGES, "one numbering");
+_Static_assert((int)DG_HOST_MEDIUM_WORDS == (int)DG_MEDIUM_WORDS, "one numbering");
+_Static_assert(DG_MEDIUM_COUNT == 4, "host.h promises a number for each medium");
+
 SIZE(dg_host_uart, 8);
 PLACE(dg_host_uart, baud, 0);
 PLACE(dg_host_uart, parity, 4);

@@ -11,21 +11,39 @@
 struct host_rig_place host_rig_here;
 struct host_rig_place host_rig_there;
 
+/* What each protocol is to a host. */
+#define HIPERFACE "hiperface", &dg_hf_wire, DG_HOST_MEDIUM_CHARACTERS, "address"
+#define BISS "biss", &dg_biss_wire, DG_HOST_MEDIUM_EDGES, NULL
+#define SSI "ssi", &dg_ssi_wire, DG_HOST_MEDIUM_EDGES, NULL
+#define CANOPEN "canopen", &dg_cia406_wire, DG_HOST_MEDIUM_FRAMES, "node"
+#define INTERBUS "interbus", &dg_ib_wire, DG_HOST_MEDIUM_WORDS, NULL
+
 const struct host_rig_model host_rig_models[] = {
-    {"s3674-rs485", "hiperface", 16384, 0},
-    {"s3684-rs485", "hiperface", 3 * 65536 + 16384, 0},
-    {"s3674-biss", "biss", 1u << 19, 21 + 2 + 6 + 6},
-    {"s3684-biss", "biss", 3u << 21 | 1u << 19, 12 + 21 + 2 + 6 + 6},
-    {"f3658", "canopen", 16384, 0},
-    {"f3668", "canopen", 3 * 65536 + 16384, 0},
-    {"ocd-ib-k1", "interbus", 1024, 2},
-    {"ocd-ib-k2", "interbus", 3 * 4096 + 1024, 4},
-    {"ocd-ib-k3", "interbus", 3 * 4096 + 1024, 4},
-    {"ssi-25", "ssi", 3u << 13 | 1u << 11, 25},
-    {"ssi-13", "ssi", 1u << 11, 13},
-    {"ssi-28", "ssi", 3u << 16 | 1u << 14, 12 + 16 + 1 + 1},
+    {"s3674-rs485", HIPERFACE, 16384, 0},
+    {"s3684-rs485", HIPERFACE, 3 * 65536 + 16384, 0},
+    {"s3674-biss", BISS, 1u << 19, 21 + 2 + 6 + 6},
+    {"s3684-biss", BISS, 3u << 21 | 1u << 19, 12 + 21 + 2 + 6 + 6},
+    {"f3658", CANOPEN, 16384, 0},
+    {"f3668", CANOPEN, 3 * 65536 + 16384, 0},
+    {"ocd-ib-k1", INTERBUS, 1024, 2},
+    {"ocd-ib-k2", INTERBUS, 3 * 4096 + 1024, 4},
+    {"ocd-ib-k3", INTERBUS, 3 * 4096 + 1024, 4},
+    {"ssi-25", SSI, 3u << 13 | 1u << 11, 25},
+    {"ssi-13", SSI, 1u << 11, 13},
+    {"ssi-28", SSI, 3u << 16 | 1u << 14, 12 + 16 + 1 + 1},
 };
 const size_t host_rig_model_count = sizeof host_rig_models / sizeof host_rig_models[0];
+
+const struct host_rig_model *host_rig_model(const char *name)
+{
+    const struct host_rig_model *found = NULL;
+
+    for (size_t i = 0; i < host_rig_model_count; i++) {
+        found = strcmp(host_rig_models[i].name, name) == 0 ? &host_rig_models[i] : found;
+    }
+    assert_non_null(found);
+    return found;
+}
 
 struct dg_host *host_rig_make(struct host_rig_place *place, const char *name)
 {

@@ -32,11 +32,17 @@ extern struct host_rig_place host_rig_there;
 struct host_rig_model {
     const char *name;
     const char *protocol;
+    const struct dg_host_wire *wire;
+    enum dg_host_medium medium;
+    const char *address_key;
     uint64_t position; /**< at 3.25 turns */
     uint8_t width;     /**< bits of a frame, or bytes of a cycle */
 };
 extern const struct host_rig_model host_rig_models[];
 extern const size_t host_rig_model_count;
+
+/** The row of a model; the test has failed if there is none. */
+const struct host_rig_model *host_rig_model(const char *name);
 
 /** A handle in a memory that was used before. */
 struct dg_host *host_rig_make(struct host_rig_place *place, const char *name);

@@ -63,9 +63,10 @@ static uint8_t xor8(const uint8_t *bytes, size_t n)
 }
 
 /* 42h of address 40h: position in steps of 1/65536 turn, most significant byte first. */
-static void check_hiperface(const char *name, uint32_t position)
+static void check_hiperface(const struct host_rig_model *row)
 {
-    struct dg_host *self = host_rig_start(&host_rig_here, name);
+    const uint32_t position = (uint32_t)row->position;
+    struct dg_host *self = host_rig_start(&host_rig_here, row->name);
     const struct dg_host_event request = {
         .at = READY + MS, .kind = DG_HOST_BYTES, .length = 3, .data = {0x40, 0x42, 0x02}};
     struct dg_host_event event;
@@ -125,9 +126,9 @@ static void a_reply_ends_with_the_power(void **state)
     assert_int_equal(event.length, 7);
 }
 
-static void check_biss(const char *name, uint64_t position, uint8_t count)
+static void check_biss(const struct host_rig_model *row)
 {
-    struct dg_host *self = host_rig_start(&host_rig_here, name);
+    struct dg_host *self = host_rig_start(&host_rig_here, row->name);
     struct dg_host_frame frame;
     uint64_t now = READY + MS;
     uint8_t bytes[6];
@@ -136,8 +137,8 @@ static void check_biss(const char *name, uint64_t position, uint8_t count)
     assert_int_equal(dg_host_frame(self, now, &frame), DG_HOST_OK);
     assert_int_equal(frame.at, now);
     assert_true(frame.end > now && frame.end < now + MS);
-    assert_int_equal(frame.position, position);
-    assert_int_equal(frame.count, count);
+    assert_int_equal(frame.position, row->position);
+    assert_int_equal(frame.count, row->width);
     assert_true(frame.good == 1 && frame.error == 0 && frame.warning == 0);
     now = frame.end;
     /* 78h..7Bh: the device's ID (5.2.1.3). */
@@ -153,7 +154,7 @@ static void check_biss(const char *name, uint64_t position, uint8_t count)
     /* The ID cannot be written. */
     assert_int_equal(dg_host_registers_write(self, &now, 0x78, bytes, 1), DG_HOST_ERR_REFUSED);
     assert_int_equal(dg_host_frame(self, now, &frame), DG_HOST_OK);
-    assert_int_equal(frame.position, position);
+    assert_int_equal(frame.position, row->position);
     assert_int_equal(dg_host_receive(self, &(struct dg_host_event){0}), 0);
 }
 
@@ -184,9 +185,10 @@ static void check_filters(struct dg_host *self)
 }
 
 /* 6004h by SDO, then the SYNC PDO that maps it. */
-static void check_canopen(const char *name, uint32_t position)
+static void check_canopen(const struct host_rig_model *row)
 {
-    struct dg_host *self = host_rig_start(&host_rig_here, name);
+    const uint32_t position = (uint32_t)row->position;
+    struct dg_host *self = host_rig_start(&host_rig_here, row->name);
     struct dg_host_event event = {.at = READY, .kind = DG_HOST_CAN};
     struct heard heard;
     unsigned found = 0;
@@ -223,9 +225,9 @@ static void check_canopen(const char *name, uint32_t position)
     check_filters(self);
 }
 
-static void check_interbus(const char *name, uint32_t position, uint8_t length)
+static void check_interbus(const struct host_rig_model *row)
 {
-    struct dg_host *self = host_rig_start(&host_rig_here, name);
+    struct dg_host *self = host_rig_start(&host_rig_here, row->name);
     struct dg_host_event event = {.at = READY, .kind = DG_HOST_WORDS, .flags = DG_HOST_IDENTIFY};
     int result = 1;
 
@@ -245,14 +247,16 @@ static void check_interbus(const char *name, uint32_t position, uint8_t length)
     }
     assert_int_equal(result, 1);
     assert_int_equal(event.at, READY + 3 * MS);
-    assert_int_equal(event.length, length);
-    assert_int_equal(event.id, position);
-    assert_int_equal(event.data[length - 1], (uint8_t)position);
+    assert_int_equal(event.length, row->width);
+    assert_int_equal(event.id, row->position);
+    assert_int_equal(event.data[row->width - 1], (uint8_t)row->position);
 }
 
-static void check_ssi(const char *name, uint64_t position, uint8_t count)
+static void check_ssi(const struct host_rig_model *row)
 {
-    struct dg_host *self = host_rig_start(&host_rig_here, name);
+    const uint64_t position = row->position;
+    const uint8_t count = row->width;
+    struct dg_host *self = host_rig_start(&host_rig_here, row->name);
     struct dg_host_frame frame;
 
     host_rig_drain(self);
@@ -265,24 +269,48 @@ static void check_ssi(const char *name, uint64_t position, uint8_t count)
     assert_int_equal(frame.end, READY + MS + (count - 1u) * 1000u + 20000u);
 }
 
+/* What is done with the encoders of each wire. */
+static const struct {
+    const struct dg_host_wire *wire;
+    void (*check)(const struct host_rig_model *row);
+} exchanges[] = {
+    {&dg_hf_wire, check_hiperface},   {&dg_biss_wire, check_biss},   {&dg_ssi_wire, check_ssi},
+    {&dg_cia406_wire, check_canopen}, {&dg_ib_wire, check_interbus},
+};
+
 static void drive(const struct host_rig_model *row)
 {
     uint64_t position = 0;
+    size_t i = 0;
 
     assert_string_equal(dg_host_protocol(host_rig_make(&host_rig_here, row->name)), row->protocol);
     assert_int_equal(dg_host_position(host_rig_start(&host_rig_here, row->name), READY, &position),
                      DG_HOST_OK);
     assert_int_equal(position, row->position);
-    if (strcmp(row->protocol, "hiperface") == 0) {
-        check_hiperface(row->name, (uint32_t)row->position);
-    } else if (strcmp(row->protocol, "biss") == 0) {
-        check_biss(row->name, row->position, row->width);
-    } else if (strcmp(row->protocol, "canopen") == 0) {
-        check_canopen(row->name, (uint32_t)row->position);
-    } else if (strcmp(row->protocol, "interbus") == 0) {
-        check_interbus(row->name, (uint32_t)row->position, row->width);
-    } else {
-        check_ssi(row->name, row->position, row->width);
+    while (i < DG_COUNT(exchanges) && exchanges[i].wire != row->wire) {
+        i++;
+    }
+    if (i == DG_COUNT(exchanges)) {
+        fail_msg("%s: there is no exchange of %s here", row->name, row->protocol);
+    }
+    exchanges[i].check(row);
+}
+
+/* What a host goes by, before the first power-on, too. */
+static void every_model_tells_its_medium_and_its_address(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < host_rig_model_count; i++) {
+        const struct host_rig_model *row = &host_rig_models[i];
+        struct dg_host *self = host_rig_make(&host_rig_here, row->name);
+        const char *key = dg_host_address_key(self);
+        char text[16];
+        assert_int_equal(dg_host_medium(self), row->medium);
+        assert_int_equal(key == NULL, row->address_key == NULL);
+        if (key != NULL) {
+            assert_string_equal(key, row->address_key);
+            assert_true(dg_host_get(self, key, text, sizeof text) > 0);
+        }
     }
 }
 
@@ -491,6 +519,7 @@ int main(int argc, char **argv)
     }
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_model_is_driven_by_its_handle),
+        cmocka_unit_test(every_model_tells_its_medium_and_its_address),
         cmocka_unit_test(a_reply_ends_with_the_power),
         cmocka_unit_test(a_state_goes_on_in_another_process),
         cmocka_unit_test(the_pace_of_the_host_does_not_matter),

@@ -26,7 +26,7 @@ static void the_memory_of_a_host_is_the_hosts(void **state)
     (void)state;
     ram_nvm_init(&ram, sizeof ram.bytes);
     assert_string_equal(dg_host_model(self), "s3684-biss");
-    assert_string_equal(dg_host_protocol(self), "biss");
+    assert_string_equal(dg_host_protocol(self), host_rig_model("s3684-biss")->protocol);
     assert_int_equal(dg_host_memory_copy(self, bytes, sizeof bytes), DG_HOST_ERR_SPACE);
     assert_int_equal(dg_host_memory_load(self, bytes, sizeof bytes), DG_HOST_ERR_SPACE);
     assert_int_equal(dg_host_memory_port(self, NULL), DG_HOST_ERR_ARGUMENT);
