@@ -305,7 +305,7 @@ static int begin(const struct options *options, struct lx_plan *plan,
 
 bool options_numbered(const struct lx_stack *stack)
 {
-    return stack->address.key != NULL && strcmp(stack->address.key, "node") == 0;
+    return stack->core->address_key != NULL && strcmp(stack->core->address_key, "node") == 0;
 }
 
 static int plan_model(const struct options *options, struct lx_plan *plan, struct lx_error *error)

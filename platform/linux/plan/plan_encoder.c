@@ -193,7 +193,7 @@ static int check_number(struct lx_plan *plan, const struct lx_plan_section *sect
                         const struct lx_plan_encoder *self, const struct lx_plan_setting *row,
                         struct lx_error *error)
 {
-    const char *key = lx_stack_of(self->model)->address.key;
+    const char *key = lx_stack_of(self->model)->core->address_key;
     const struct lx_plan_name name = number_name(self);
     const struct lx_plan_encoder *other = key == NULL ? NULL : holder(plan, &name);
     if (other != NULL) {
@@ -212,7 +212,7 @@ static int check_number(struct lx_plan *plan, const struct lx_plan_section *sect
 static int refuse_number(const struct lx_plan *plan, const struct lx_plan_setting *row,
                          const struct dg_device *model, struct lx_error *error)
 {
-    const char *key = lx_stack_of(model)->address.key;
+    const char *key = lx_stack_of(model)->core->address_key;
     struct lx_words right = {""};
     lx_words_add(&right, "%s%s is right",
                  key == NULL ? "its place among the encoders of its wire" : key,
@@ -229,8 +229,8 @@ static int take_number(struct lx_plan *plan, const struct lx_plan_section *self,
     const struct lx_plan_setting *row = NULL;
     for (size_t i = 0; i < DG_COUNT(keys); i++) {
         const struct lx_plan_setting *word = lx_plan_word(self, keys[i]);
-        if (word != NULL &&
-            (stack->address.key == NULL || strcmp(stack->address.key, word->key) != 0)) {
+        if (word != NULL && (stack->core->address_key == NULL ||
+                             strcmp(stack->core->address_key, word->key) != 0)) {
             return refuse_number(plan, word, encoder->model, error);
         }
         row = word == NULL ? row : word;

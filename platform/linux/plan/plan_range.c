@@ -143,8 +143,8 @@ int lx_plan_take_encoders(struct lx_plan *plan, const struct lx_plan_section *se
         return lx_plan_take_encoder(plan, self, error);
     }
     range.stack = lx_stack_of(device);
-    if (range.stack->address.key == NULL ||
-        strcmp(range.stack->address.key, range.word->key) != 0) {
+    if (range.stack->core->address_key == NULL ||
+        strcmp(range.stack->core->address_key, range.word->key) != 0) {
         return lx_plan_take_encoder(plan, self, error); /* which says that it has none */
     }
     const struct lx_plan_setting *wire = lx_plan_word(self, "wire");

@@ -25,7 +25,8 @@ const struct dg_key *lx_stack_serial(const struct lx_stack *self)
 
 const struct dg_key *lx_stack_address_row(const struct lx_stack *self)
 {
-    return self->address.key == NULL ? NULL : dg_keys_find(self->keys, self->address.key);
+    return self->core->address_key == NULL ? NULL
+                                           : dg_keys_find(self->keys, self->core->address_key);
 }
 
 /* Bit n: row n of the core is not for --set. */
@@ -159,7 +160,6 @@ struct lx_words lx_stack_address_right(const struct lx_stack *self)
 
 int lx_stack_address(const struct lx_stack *self, const char *text, struct lx_error *error)
 {
-    const struct lx_address *address = &self->address;
     const struct dg_key *row = lx_stack_address_row(self);
     struct lx_words right = lx_stack_address_right(self);
     uint64_t number = 0;
@@ -169,7 +169,7 @@ int lx_stack_address(const struct lx_stack *self, const char *text, struct lx_er
     }
     lx_words_add(&right, " is right");
     (void)lx_refuse(error, right.text, "%s", "");
-    return lx_about(error, LX_ABOUT_KEY, address->key, text);
+    return lx_about(error, LX_ABOUT_KEY, self->core->address_key, text);
 }
 
 void lx_stack_models(const struct lx_stack *self, struct lx_words *to)

@@ -15,10 +15,9 @@ struct lx_clocked_protocol;
 struct lx_trace_kind;
 struct dg_words;
 
-/** How the encoders of a stack are told apart on a bus. */
+/** How the addresses of a stack's encoders are written; core->address_key is the key, in rig files,
+ * too. Without one encoders are told apart by their places, and nothing here is looked at. */
 struct lx_address {
-    const char
-        *key; /**< a row of the core, and of a rig file; NULL: by their places, there is no key */
     const char *what;  /**< "a node-ID" */
     uint8_t delivered; /**< as long as nobody has set another one */
     bool hex;          /**< written so */

@@ -82,7 +82,7 @@ static void check_instead(const struct lx_stack *stack)
 static void check_address(const struct lx_stack *stack)
 {
     const struct dg_key *row = lx_stack_address_row(stack);
-    assert_true((row != NULL) == (stack->address.key != NULL));
+    assert_true((row != NULL) == (stack->core->address_key != NULL));
     assert_true(row == NULL ||
                 (stack->address.delivered >= row->min && stack->address.delivered <= row->max));
 }
