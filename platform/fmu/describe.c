@@ -2,7 +2,6 @@
 #include "describe.h"
 
 #include <inttypes.h>
-#include <string.h>
 
 #include "drehgeber/version.h"
 
@@ -104,7 +103,7 @@ static void text3(const struct fmu_variable *row, FILE *to)
 
 static void number3(const struct fmu_variable *row, FILE *to)
 {
-    static const char *const types[] = {
+    static const char *const types[FMU_TYPE_COUNT] = {
         [FMU_REAL] = "Float64", [FMU_INT] = "Int64", [FMU_BOOL] = "Boolean"};
     name3(row, types[row->type], to);
     if (row->input) {
@@ -119,25 +118,19 @@ static void number3(const struct fmu_variable *row, FILE *to)
     (void)fputs("/>\n", to);
 }
 
+static void clock3(const struct fmu_variable *row, FILE *to)
+{
+    name3(row, "Clock", to);
+    (void)fputs(" intervalVariability=\"triggered\"/>\n", to);
+}
+
 static void variable3(const struct fmu_variable *row, FILE *to)
 {
-    switch (row->type) {
-    case FMU_BINARY:
-        binary3(row, to);
-        return;
-    case FMU_CLOCK:
-        name3(row, "Clock", to);
-        (void)fputs(" intervalVariability=\"triggered\"/>\n", to);
-        return;
-    case FMU_TEXT:
-        text3(row, to);
-        return;
-    case FMU_REAL:
-    case FMU_INT:
-    case FMU_BOOL:
-        number3(row, to);
-        return;
-    }
+    static void (*const writers[])(const struct fmu_variable *row, FILE *to) = {
+        [FMU_REAL] = number3, [FMU_INT] = number3,    [FMU_BOOL] = number3,
+        [FMU_TEXT] = text3,   [FMU_BINARY] = binary3, [FMU_CLOCK] = clock3};
+    _Static_assert(sizeof writers / sizeof writers[0] == FMU_TYPE_COUNT, "each type is written");
+    writers[row->type](row, to);
 }
 
 static bool is_output(const struct fmu_variable *row)
@@ -278,7 +271,7 @@ void fmu_describe(struct fmu *self, const struct fmu_about *about, int version, 
 
 static bool is_can(const struct fmu *self, size_t encoder)
 {
-    return strcmp(dg_host_protocol(fmu_host(self, encoder)), "canopen") == 0;
+    return dg_host_medium(fmu_host(self, encoder)) == DG_HOST_MEDIUM_FRAMES;
 }
 
 bool fmu_has_bus(const struct fmu *self)

@@ -103,6 +103,37 @@ int fmi_get_reals(struct fmi *self, const uint32_t references[], size_t n, doubl
                   size_t room);
 int fmi_set_reals(struct fmi *self, const uint32_t references[], size_t n, const double values[],
                   size_t room);
+/** get_NAME() and set_NAME() of a version for another C type, likewise; `read` is what an importer
+ * gets of the struct fmu_value `value`. */
+#define FMI_VALUES(name, c_type, fmu_type, read)                                                   \
+    static int get_##name(struct fmi *self, const uint32_t references[], size_t n,                 \
+                          c_type values[], size_t room)                                            \
+    {                                                                                              \
+        struct fmu_value value;                                                                    \
+        if (room < n) {                                                                            \
+            return fmi_refused(self, "room for values");                                           \
+        }                                                                                          \
+        for (size_t i = 0; i < n; i++) {                                                           \
+            if (fmi_get(self, references[i], &value) != FMI_OK) {                                  \
+                return FMI_ERROR;                                                                  \
+            }                                                                                      \
+            values[i] = (read);                                                                    \
+        }                                                                                          \
+        return FMI_OK;                                                                             \
+    }                                                                                              \
+    static int set_##name(struct fmi *self, const uint32_t references[], size_t n,                 \
+                          const c_type values[], size_t room)                                      \
+    {                                                                                              \
+        if (room < n) {                                                                            \
+            return fmi_refused(self, "fewer values than variables");                               \
+        }                                                                                          \
+        for (size_t i = 0; i < n; i++) {                                                           \
+            if (fmi_set_integer(self, references[i], fmu_type, values[i]) != FMI_OK) {             \
+                return FMI_ERROR;                                                                  \
+            }                                                                                      \
+        }                                                                                          \
+        return FMI_OK;                                                                             \
+    }
 /** The texts last until the next call. */
 int fmi_get_texts(struct fmi *self, const uint32_t references[], size_t n, const char *values[],
                   size_t room);

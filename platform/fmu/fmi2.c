@@ -111,6 +111,9 @@ FMI_FUNCTION(int, fmi2DoStep, (void *of, double now, double span, int no_state))
 
 /* --- values --- */
 
+FMI_VALUES(integers, int32_t, FMU_INT, (int32_t)value.integer)
+FMI_VALUES(booleans, int, FMU_BOOL, value.integer != 0)
+
 FMI_FUNCTION(int, fmi2GetReal, (void *of, const uint32_t references[], size_t n, double values[]))
 {
     return fmi_get_reals(of, references, n, values, n);
@@ -125,48 +128,24 @@ FMI_FUNCTION(int, fmi2SetReal,
 FMI_FUNCTION(int, fmi2GetInteger,
              (void *of, const uint32_t references[], size_t n, int32_t values[]))
 {
-    struct fmu_value value;
-    for (size_t i = 0; i < n; i++) {
-        if (fmi_get(of, references[i], &value) != FMI_OK) {
-            return FMI_ERROR;
-        }
-        values[i] = (int32_t)value.integer;
-    }
-    return FMI_OK;
+    return get_integers(of, references, n, values, n);
 }
 
 FMI_FUNCTION(int, fmi2SetInteger,
              (void *of, const uint32_t references[], size_t n, const int32_t values[]))
 {
-    for (size_t i = 0; i < n; i++) {
-        if (fmi_set_integer(of, references[i], FMU_INT, values[i]) != FMI_OK) {
-            return FMI_ERROR;
-        }
-    }
-    return FMI_OK;
+    return set_integers(of, references, n, values, n);
 }
 
 FMI_FUNCTION(int, fmi2GetBoolean, (void *of, const uint32_t references[], size_t n, int values[]))
 {
-    struct fmu_value value;
-    for (size_t i = 0; i < n; i++) {
-        if (fmi_get(of, references[i], &value) != FMI_OK) {
-            return FMI_ERROR;
-        }
-        values[i] = value.integer != 0;
-    }
-    return FMI_OK;
+    return get_booleans(of, references, n, values, n);
 }
 
 FMI_FUNCTION(int, fmi2SetBoolean,
              (void *of, const uint32_t references[], size_t n, const int values[]))
 {
-    for (size_t i = 0; i < n; i++) {
-        if (fmi_set_integer(of, references[i], FMU_BOOL, values[i]) != FMI_OK) {
-            return FMI_ERROR;
-        }
-    }
-    return FMI_OK;
+    return set_booleans(of, references, n, values, n);
 }
 
 FMI_FUNCTION(int, fmi2GetString,

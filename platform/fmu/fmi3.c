@@ -144,6 +144,9 @@ FMI_FUNCTION(int, fmi3UpdateDiscreteStates,
 
 /* --- values --- */
 
+FMI_VALUES(integers, int64_t, FMU_INT, value.integer)
+FMI_VALUES(booleans, bool, FMU_BOOL, value.integer != 0)
+
 FMI_FUNCTION(int, fmi3GetFloat64,
              (void *of, const uint32_t references[], size_t n, double values[], size_t n_values))
 {
@@ -160,63 +163,27 @@ FMI_FUNCTION(int, fmi3SetFloat64,
 FMI_FUNCTION(int, fmi3GetInt64,
              (void *of, const uint32_t references[], size_t n, int64_t values[], size_t n_values))
 {
-    struct fmu_value value;
-    if (n_values < n) {
-        return fmi_refused(of, "room for values");
-    }
-    for (size_t i = 0; i < n; i++) {
-        if (fmi_get(of, references[i], &value) != FMI_OK) {
-            return FMI_ERROR;
-        }
-        values[i] = value.integer;
-    }
-    return FMI_OK;
+    return get_integers(of, references, n, values, n_values);
 }
 
 FMI_FUNCTION(int, fmi3SetInt64,
              (void *of, const uint32_t references[], size_t n, const int64_t values[],
               size_t n_values))
 {
-    if (n_values < n) {
-        return fmi_refused(of, "fewer values than variables");
-    }
-    for (size_t i = 0; i < n; i++) {
-        if (fmi_set_integer(of, references[i], FMU_INT, values[i]) != FMI_OK) {
-            return FMI_ERROR;
-        }
-    }
-    return FMI_OK;
+    return set_integers(of, references, n, values, n_values);
 }
 
 FMI_FUNCTION(int, fmi3GetBoolean,
              (void *of, const uint32_t references[], size_t n, bool values[], size_t n_values))
 {
-    struct fmu_value value;
-    if (n_values < n) {
-        return fmi_refused(of, "room for values");
-    }
-    for (size_t i = 0; i < n; i++) {
-        if (fmi_get(of, references[i], &value) != FMI_OK) {
-            return FMI_ERROR;
-        }
-        values[i] = value.integer != 0;
-    }
-    return FMI_OK;
+    return get_booleans(of, references, n, values, n_values);
 }
 
 FMI_FUNCTION(int, fmi3SetBoolean,
              (void *of, const uint32_t references[], size_t n, const bool values[],
               size_t n_values))
 {
-    if (n_values < n) {
-        return fmi_refused(of, "fewer values than variables");
-    }
-    for (size_t i = 0; i < n; i++) {
-        if (fmi_set_integer(of, references[i], FMU_BOOL, values[i]) != FMI_OK) {
-            return FMI_ERROR;
-        }
-    }
-    return FMI_OK;
+    return set_booleans(of, references, n, values, n_values);
 }
 
 FMI_FUNCTION(int, fmi3GetString,

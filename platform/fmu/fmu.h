@@ -57,13 +57,14 @@ enum fmu_output {
     FMU_ERROR_CODE,
     FMU_ERROR_REGISTER,
     FMU_BUS_STATE,
+    FMU_OUTPUT_COUNT
 };
 
 /** Its wire: bytes with a clock each way, or the clock of a master. */
 enum fmu_bus { FMU_RX, FMU_TX, FMU_RX_CLOCK, FMU_TX_CLOCK, FMU_MA };
 
 /** Kinds of values. */
-enum fmu_type { FMU_REAL, FMU_INT, FMU_BOOL, FMU_TEXT, FMU_BINARY, FMU_CLOCK };
+enum fmu_type { FMU_REAL, FMU_INT, FMU_BOOL, FMU_TEXT, FMU_BINARY, FMU_CLOCK, FMU_TYPE_COUNT };
 
 /** A variable as it is described. */
 struct fmu_variable {
@@ -91,9 +92,13 @@ struct fmu_value {
 /** Encoders that go on together. */
 struct fmu;
 
-/** Make them of a token; NULL: it is of another version or of no known model, or no memory. */
+/** Make them of a token; NULL: it is of another version, of no known model or
+ * medium, or no memory. */
 struct fmu *fmu_make(const char *token);
 void fmu_free(struct fmu *self);
+/** Whether an FMU can have this encoder, which was never on: its medium has to be known here, and a
+ * CAN node has to tell its bit rate. */
+bool fmu_can_have(struct dg_host *host);
 /** As fmu_make() left them. @return 0, or -1 without memory */
 int fmu_reset(struct fmu *self);
 

@@ -49,51 +49,43 @@ static double volts(const struct fmu *self, const struct fmu_encoder *encoder, u
     return uv[index - FMU_SIN_PLUS] * 1e-6;
 }
 
+/* What the encoder has told last. */
+static struct fmu_value told(const struct fmu_course *now, enum fmu_output output)
+{
+    const struct dg_host_frame *frame = &now->frame;
+    const struct {
+        enum fmu_type type;
+        uint64_t value;
+    } rows[FMU_OUTPUT_COUNT] = {
+        [FMU_FRAME] = {FMU_INT, frame->bits},
+        [FMU_FRAME_BITS] = {FMU_INT, frame->count},
+        [FMU_FRAME_POSITION] = {FMU_INT, frame->position},
+        [FMU_FRAME_GOOD] = {FMU_BOOL, frame->good},
+        [FMU_NERR] = {FMU_BOOL, frame->error == 0},
+        [FMU_NWARN] = {FMU_BOOL, frame->warning == 0},
+        [FMU_ERROR_CODE] = {FMU_INT, now->error & 0xFFFFu},
+        [FMU_ERROR_REGISTER] = {FMU_INT, now->error >> 16},
+        [FMU_BUS_STATE] = {FMU_INT, now->bus},
+    };
+    return integer(rows[output].value, rows[output].type);
+}
+
 static int get_output(struct fmu *self, struct fmu_encoder *encoder, uint32_t index,
                       struct fmu_value *to)
 {
-    const struct dg_host_frame *frame = &encoder->now.frame;
     fmu_settle(self);
     fmu_latch(self);
-    switch ((enum fmu_output)index) {
-    case FMU_POSITION:
-        *to = integer(position(self, encoder), FMU_INT);
-        return DG_HOST_OK;
-    case FMU_SIN_PLUS:
-    case FMU_SIN_MINUS:
-    case FMU_COS_PLUS:
-    case FMU_COS_MINUS:
-        *to = real(volts(self, encoder, index));
-        return DG_HOST_OK;
-    case FMU_FRAME:
-        *to = integer(frame->bits, FMU_INT);
-        return DG_HOST_OK;
-    case FMU_FRAME_BITS:
-        *to = integer(frame->count, FMU_INT);
-        return DG_HOST_OK;
-    case FMU_FRAME_POSITION:
-        *to = integer(frame->position, FMU_INT);
-        return DG_HOST_OK;
-    case FMU_FRAME_GOOD:
-        *to = integer(frame->good, FMU_BOOL);
-        return DG_HOST_OK;
-    case FMU_NERR:
-        *to = integer(frame->error == 0, FMU_BOOL);
-        return DG_HOST_OK;
-    case FMU_NWARN:
-        *to = integer(frame->warning == 0, FMU_BOOL);
-        return DG_HOST_OK;
-    case FMU_ERROR_CODE:
-        *to = integer(encoder->now.error & 0xFFFFu, FMU_INT);
-        return DG_HOST_OK;
-    case FMU_ERROR_REGISTER:
-        *to = integer(encoder->now.error >> 16, FMU_INT);
-        return DG_HOST_OK;
-    case FMU_BUS_STATE:
-        *to = integer(encoder->now.bus, FMU_INT);
-        return DG_HOST_OK;
+    if (index >= FMU_OUTPUT_COUNT) {
+        return DG_HOST_ERR_NAME;
     }
-    return DG_HOST_ERR_NAME;
+    if (index == FMU_POSITION) {
+        *to = integer(position(self, encoder), FMU_INT);
+    } else if (index <= FMU_COS_MINUS) {
+        *to = real(volts(self, encoder, index));
+    } else {
+        *to = told(&encoder->now, (enum fmu_output)index);
+    }
+    return DG_HOST_OK;
 }
 
 /* Settings and the world are texts to the encoder. */
