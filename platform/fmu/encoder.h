@@ -5,8 +5,16 @@
 
 #include "fmu.h"
 
-/** Kinds of encoders, by what wire they have. */
-enum { FMU_HIPERFACE, FMU_CLOCKED, FMU_CAN, FMU_INTERBUS };
+/** What an encoder has, a bit each: the medium of its wire, and what only some of a medium can do.
+ */
+enum {
+    FMU_HAS_CHARACTERS = 1 << DG_HOST_MEDIUM_CHARACTERS,
+    FMU_HAS_FRAMES = 1 << DG_HOST_MEDIUM_FRAMES,
+    FMU_HAS_EDGES = 1 << DG_HOST_MEDIUM_EDGES,
+    FMU_HAS_WORDS = 1 << DG_HOST_MEDIUM_WORDS,
+    FMU_HAS_SINCOS = 1 << 4, /**< dg_host_sincos() */
+    FMU_HAS_MASTER = 1 << 5, /**< dg_host_frame() */
+};
 
 /** What has become of one: plain data, as it is saved. */
 struct fmu_course {
@@ -29,8 +37,8 @@ struct fmu_course {
 struct fmu_encoder {
     char prefix[FMU_NAME_MAX];
     char model[32];
-    int owner; /* of its shaft; -1: itself */
-    int kind;
+    int owner;    /* of its shaft; -1: itself */
+    unsigned has; /* FMU_HAS_... */
     void *memory; /* owned */
     struct dg_host *host;
     void *panel_memory; /* owned */
@@ -66,6 +74,8 @@ bool fmu_is_small(double value, double limit);
 
 /* fmu_token.c: where in memory with DG_HOST_ALIGN more bytes a handle may be. */
 void *encoder_aligned(void *memory);
+/* FMU_HAS_... of a handle that was never on; 0: an FMU cannot have it. */
+unsigned encoder_has(struct dg_host *host);
 /* fmu_values.c. @return 0 or a result of host.h */
 int encoder_begin_fault(struct fmu *self, struct fmu_encoder *encoder, uint32_t index);
 int encoder_set_fault(struct fmu *self, struct fmu_encoder *encoder, uint32_t index, bool on);

@@ -227,7 +227,7 @@ double fmu_step(struct fmu *self, double now, double span, bool early)
         over = self->now >= to || (early && fmu_ticks(self));
     }
     for (size_t i = 0; i < self->count && !self->events; i++) {
-        if (self->encoders[i].kind == FMU_CLOCKED) {
+        if ((self->encoders[i].has & FMU_HAS_MASTER) != 0) {
             latch(self, &self->encoders[i]);
         }
     }

@@ -40,21 +40,25 @@ static const char *word(const char *from, const char *ends, char *to, size_t siz
     return from;
 }
 
-static int kind_of(const struct dg_host *host)
+bool fmu_can_have(struct dg_host *host)
 {
-    static const struct {
-        const char *protocol;
-        int kind;
-    } rows[] = {{"hiperface", FMU_HIPERFACE},
-                {"biss", FMU_CLOCKED},
-                {"ssi", FMU_CLOCKED},
-                {"canopen", FMU_CAN}};
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
-        if (strcmp(rows[i].protocol, dg_host_protocol(host)) == 0) {
-            return rows[i].kind;
-        }
+    return encoder_has(host) != 0;
+}
+
+unsigned encoder_has(struct dg_host *host)
+{
+    const int medium = dg_host_medium(host);
+    struct dg_host_frame frame;
+    int32_t uv[4];
+    if (medium < DG_HOST_MEDIUM_CHARACTERS || medium > DG_HOST_MEDIUM_WORDS) {
+        return 0;
     }
-    return FMU_INTERBUS;
+    if (medium == DG_HOST_MEDIUM_FRAMES && dg_host_bit_rate(host) == DG_HOST_ERR_WIRE) {
+        return 0; /* FMI-LS-BUS begins with it */
+    }
+    const bool sincos = dg_host_sincos(host, 0, uv) != DG_HOST_ERR_WIRE;
+    const bool master = dg_host_frame(host, 0, &frame) != DG_HOST_ERR_WIRE;
+    return 1u << medium | (sincos ? FMU_HAS_SINCOS : 0u) | (master ? FMU_HAS_MASTER : 0u);
 }
 
 /* Not every C library has aligned_alloc(). */
@@ -79,9 +83,9 @@ static int encoder_make(struct fmu_encoder *self)
     if (self->host == NULL) {
         return -1;
     }
-    self->kind = kind_of(self->host);
+    self->has = encoder_has(self->host);
     self->now = (struct fmu_course){.power = true, .frame = {.good = 0}};
-    return 0;
+    return self->has != 0 ? 0 : -1;
 }
 
 static const char *take_settings(struct fmu_encoder *self, const char *at)

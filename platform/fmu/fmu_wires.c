@@ -93,7 +93,7 @@ static void tell_status(struct fmu_course *now)
 
 void wire_configure(struct fmu_encoder *self)
 {
-    if (self->kind != FMU_CAN || self->now.configured) {
+    if ((self->has & FMU_HAS_FRAMES) == 0 || self->now.configured) {
         return;
     }
     const int rate = dg_host_bit_rate(self->host);
@@ -224,15 +224,18 @@ static int characters_in(struct fmu_encoder *self, uint64_t at, const uint8_t *h
     const uint8_t *from = head + SERIAL_SIZE;
     struct dg_host_uart uart = {.baud = 9600};
     event.flags = head[14] & DG_HOST_DAMAGED;
-    (void)dg_host_uart(self->host, &uart);
+    const int result = dg_host_uart(self->host, &uart);
+    if (result == DG_HOST_ERR_WIRE && event.id == 0) {
+        return result; /* it cannot say how long its characters take, so the master has to */
+    }
     const uint64_t usual = UINT64_C(11000000000) / (uart.baud == 0 ? 9600u : uart.baud);
     while (n > 0) {
         event.at = at;
         event.length = (uint8_t)(n < AT_ONCE ? n : AT_ONCE);
         memcpy(event.data, from, event.length);
-        const int result = dg_host_send(self->host, &event);
-        if (result != DG_HOST_OK) {
-            return result;
+        const int sent = dg_host_send(self->host, &event);
+        if (sent != DG_HOST_OK) {
+            return sent;
         }
         at += event.length * (event.id == 0 ? usual : event.id);
         from += event.length;
@@ -261,14 +264,18 @@ static int take_serial(struct fmu_encoder *self, uint64_t now, const uint8_t *by
 
 int wire_take(struct fmu_encoder *self, uint64_t now, const uint8_t *bytes, size_t n)
 {
-    return self->kind == FMU_CAN ? take_can(self, now, bytes, n) : take_serial(self, now, bytes, n);
+    if ((self->has & FMU_HAS_FRAMES) != 0) {
+        return take_can(self, now, bytes, n);
+    }
+    return (self->has & FMU_HAS_CHARACTERS) != 0 ? take_serial(self, now, bytes, n)
+                                                 : DG_HOST_ERR_WIRE;
 }
 
 void wire_collect(struct fmu_encoder *self)
 {
     struct dg_host_event event;
     const size_t most = TRANSMIT_SIZE + sizeof event.data;
-    if (self->kind == FMU_CAN && !self->now.configured) {
+    if ((self->has & FMU_HAS_FRAMES) != 0 && !self->now.configured) {
         return; /* a bus knows its bit rate before there are frames */
     }
     while (self->now.taken || sizeof self->now.out - self->now.waiting >= most) {

@@ -1,18 +1,22 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The list of variables: what every encoder of a kind has stands in tables, settings, world and
- * faults are asked of the encoder.
+ * The list of variables: what an encoder has by its medium and by what it can do stands in tables,
+ * settings, world and faults are asked of the encoder.
  */
 #include <stdio.h>
 #include <string.h>
 
 #include "encoder.h"
 
+/* Which encoders have a row: a bit of FMU_HAS_... . */
 #define ANY 0xFFu
-#define OF(kind) (1u << (kind))
+#define SERIAL FMU_HAS_CHARACTERS
+#define CAN FMU_HAS_FRAMES
+#define SINCOS FMU_HAS_SINCOS
+#define MASTER FMU_HAS_MASTER
 
 struct fixed_row {
-    uint8_t kinds; /* of encoders that have it */
+    uint8_t of; /* encoders that have one of these */
     uint8_t group, index, type;
     bool input, continuous;
     const char *name;
@@ -29,29 +33,29 @@ static const struct fixed_row before[] = {
 };
 
 static const struct fixed_row behind[] = {
-    {ANY,                FMU_OUTPUT, FMU_POSITION,       FMU_INT,    false, false, "position",         "",  "", "counts as the wire would tell them now"},
-    {OF(FMU_HIPERFACE),  FMU_OUTPUT, FMU_SIN_PLUS,       FMU_REAL,   false, true,  "sin_plus",         "V", "", "process channel SIN+"},
-    {OF(FMU_HIPERFACE),  FMU_OUTPUT, FMU_SIN_MINUS,      FMU_REAL,   false, true,  "sin_minus",        "V", "", "process channel REFSIN"},
-    {OF(FMU_HIPERFACE),  FMU_OUTPUT, FMU_COS_PLUS,       FMU_REAL,   false, true,  "cos_plus",         "V", "", "process channel COS+"},
-    {OF(FMU_HIPERFACE),  FMU_OUTPUT, FMU_COS_MINUS,      FMU_REAL,   false, true,  "cos_minus",        "V", "", "process channel REFCOS"},
-    {OF(FMU_CLOCKED),    FMU_OUTPUT, FMU_FRAME,          FMU_INT,    false, false, "frame",            "",  "", "bits of the last frame behind start bit and CDS, right-aligned"},
-    {OF(FMU_CLOCKED),    FMU_OUTPUT, FMU_FRAME_BITS,     FMU_INT,    false, false, "frame.bits",       "",  "", "how many they are; 0: there was none"},
-    {OF(FMU_CLOCKED),    FMU_OUTPUT, FMU_FRAME_POSITION, FMU_INT,    false, false, "frame.position",   "",  "", "multiturn and singleturn of that frame, binary"},
-    {OF(FMU_CLOCKED),    FMU_OUTPUT, FMU_FRAME_GOOD,     FMU_BOOL,   false, false, "frame.good",       "",  "", "its check sum or parity is right"},
-    {OF(FMU_CLOCKED),    FMU_OUTPUT, FMU_NERR,           FMU_BOOL,   false, false, "nERR",             "",  "", "false: that frame tells an error"},
-    {OF(FMU_CLOCKED),    FMU_OUTPUT, FMU_NWARN,          FMU_BOOL,   false, false, "nWARN",            "",  "", "false: that frame tells a warning (BiSS)"},
-    {OF(FMU_CAN),        FMU_OUTPUT, FMU_ERROR_CODE,     FMU_INT,    false, false, "error.code",       "",  "", "of the last EMCY; 0: none"},
-    {OF(FMU_CAN),        FMU_OUTPUT, FMU_ERROR_REGISTER, FMU_INT,    false, false, "error.register",   "",  "", "1001h as the last EMCY told it"},
-    {OF(FMU_CAN),        FMU_OUTPUT, FMU_BUS_STATE,      FMU_INT,    false, false, "bus_state",        "",  "", "of the controller: 0 error active, 1 passive, 2 bus-off"},
-    {OF(FMU_CLOCKED),    FMU_BUS,    FMU_MA,             FMU_CLOCK,  true,  false, "MA",               "",  "", "the master begins a frame: position and errors are latched at this moment"},
-    {OF(FMU_CAN),        FMU_BUS,    FMU_RX,             FMU_BINARY, true,  false, "CanChannel.Rx_Data",  "", "", "operations of FMI-LS-BUS from the bus"},
-    {OF(FMU_CAN),        FMU_BUS,    FMU_TX,             FMU_BINARY, false, false, "CanChannel.Tx_Data",  "", "", "operations of FMI-LS-BUS to the bus"},
-    {OF(FMU_CAN),        FMU_BUS,    FMU_RX_CLOCK,       FMU_CLOCK,  true,  false, "CanChannel.Rx_Clock", "", "", "Rx_Data comes"},
-    {OF(FMU_CAN),        FMU_BUS,    FMU_TX_CLOCK,       FMU_CLOCK,  false, false, "CanChannel.Tx_Clock", "", "", "Tx_Data waits"},
-    {OF(FMU_HIPERFACE),  FMU_BUS,    FMU_RX,             FMU_BINARY, true,  false, "RS485.Rx_Data",    "",  "", "characters of the master"},
-    {OF(FMU_HIPERFACE),  FMU_BUS,    FMU_TX,             FMU_BINARY, false, false, "RS485.Tx_Data",    "",  "", "characters of the encoder"},
-    {OF(FMU_HIPERFACE),  FMU_BUS,    FMU_RX_CLOCK,       FMU_CLOCK,  true,  false, "RS485.Rx_Clock",   "",  "", "Rx_Data comes"},
-    {OF(FMU_HIPERFACE),  FMU_BUS,    FMU_TX_CLOCK,       FMU_CLOCK,  false, false, "RS485.Tx_Clock",   "",  "", "Tx_Data waits"},
+    {ANY,    FMU_OUTPUT, FMU_POSITION,       FMU_INT,    false, false, "position",         "",  "", "counts as the wire would tell them now"},
+    {SINCOS, FMU_OUTPUT, FMU_SIN_PLUS,       FMU_REAL,   false, true,  "sin_plus",         "V", "", "process channel SIN+"},
+    {SINCOS, FMU_OUTPUT, FMU_SIN_MINUS,      FMU_REAL,   false, true,  "sin_minus",        "V", "", "process channel REFSIN"},
+    {SINCOS, FMU_OUTPUT, FMU_COS_PLUS,       FMU_REAL,   false, true,  "cos_plus",         "V", "", "process channel COS+"},
+    {SINCOS, FMU_OUTPUT, FMU_COS_MINUS,      FMU_REAL,   false, true,  "cos_minus",        "V", "", "process channel REFCOS"},
+    {MASTER, FMU_OUTPUT, FMU_FRAME,          FMU_INT,    false, false, "frame",            "",  "", "bits of the last frame behind start bit and CDS, right-aligned"},
+    {MASTER, FMU_OUTPUT, FMU_FRAME_BITS,     FMU_INT,    false, false, "frame.bits",       "",  "", "how many they are; 0: there was none"},
+    {MASTER, FMU_OUTPUT, FMU_FRAME_POSITION, FMU_INT,    false, false, "frame.position",   "",  "", "multiturn and singleturn of that frame, binary"},
+    {MASTER, FMU_OUTPUT, FMU_FRAME_GOOD,     FMU_BOOL,   false, false, "frame.good",       "",  "", "its check sum or parity is right"},
+    {MASTER, FMU_OUTPUT, FMU_NERR,           FMU_BOOL,   false, false, "nERR",             "",  "", "false: that frame tells an error"},
+    {MASTER, FMU_OUTPUT, FMU_NWARN,          FMU_BOOL,   false, false, "nWARN",            "",  "", "false: that frame tells a warning (BiSS)"},
+    {CAN,    FMU_OUTPUT, FMU_ERROR_CODE,     FMU_INT,    false, false, "error.code",       "",  "", "of the last EMCY; 0: none"},
+    {CAN,    FMU_OUTPUT, FMU_ERROR_REGISTER, FMU_INT,    false, false, "error.register",   "",  "", "1001h as the last EMCY told it"},
+    {CAN,    FMU_OUTPUT, FMU_BUS_STATE,      FMU_INT,    false, false, "bus_state",        "",  "", "of the controller: 0 error active, 1 passive, 2 bus-off"},
+    {MASTER, FMU_BUS,    FMU_MA,             FMU_CLOCK,  true,  false, "MA",               "",  "", "the master begins a frame: position and errors are latched at this moment"},
+    {CAN,    FMU_BUS,    FMU_RX,             FMU_BINARY, true,  false, "CanChannel.Rx_Data",  "", "", "operations of FMI-LS-BUS from the bus"},
+    {CAN,    FMU_BUS,    FMU_TX,             FMU_BINARY, false, false, "CanChannel.Tx_Data",  "", "", "operations of FMI-LS-BUS to the bus"},
+    {CAN,    FMU_BUS,    FMU_RX_CLOCK,       FMU_CLOCK,  true,  false, "CanChannel.Rx_Clock", "", "", "Rx_Data comes"},
+    {CAN,    FMU_BUS,    FMU_TX_CLOCK,       FMU_CLOCK,  false, false, "CanChannel.Tx_Clock", "", "", "Tx_Data waits"},
+    {SERIAL, FMU_BUS,    FMU_RX,             FMU_BINARY, true,  false, "RS485.Rx_Data",    "",  "", "characters of the master"},
+    {SERIAL, FMU_BUS,    FMU_TX,             FMU_BINARY, false, false, "RS485.Tx_Data",    "",  "", "characters of the encoder"},
+    {SERIAL, FMU_BUS,    FMU_RX_CLOCK,       FMU_CLOCK,  true,  false, "RS485.Rx_Clock",   "",  "", "Rx_Data comes"},
+    {SERIAL, FMU_BUS,    FMU_TX_CLOCK,       FMU_CLOCK,  false, false, "RS485.Tx_Clock",   "",  "", "Tx_Data waits"},
 };
 /* clang-format on */
 
@@ -70,14 +74,14 @@ static bool fixed(const struct fmu_encoder *of, const struct fixed_row *rows, si
     for (size_t i = 0; i < count; i++) {
         const struct fixed_row *row = &rows[i];
         const bool follows = of->owner >= 0 && row->group == FMU_INPUT && row->index != FMU_POWER;
-        if ((row->kinds >> of->kind & 1u) == 0 || follows || (*index)-- != 0) {
+        if ((row->of & of->has) == 0 || follows || (*index)-- != 0) {
             continue;
         }
         to->reference = (uint32_t)row->group << 8 | row->index;
         to->type = (enum fmu_type)row->type;
         to->input = row->input;
         to->continuous = row->continuous;
-        to->wire = row->type != FMU_BINARY ? 0 : of->kind == FMU_CAN ? 'c' : 's';
+        to->wire = row->type != FMU_BINARY ? 0 : row->of == CAN ? 'c' : 's';
         to->unit = row->unit;
         (void)snprintf(to->start, sizeof to->start, "%s", row->start);
         (void)snprintf(to->help, sizeof to->help, "%s", row->help);

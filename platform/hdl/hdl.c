@@ -152,18 +152,22 @@ static struct dg_host *make_host(struct dg_hdl *self, const char *model, const c
 
 static int choose_wire(struct dg_hdl *self)
 {
-    const char *protocol = dg_host_protocol(self->host);
+    static const struct hdl_wire_ops *const wires[] = {
+        [DG_HOST_MEDIUM_CHARACTERS] = &hdl_serial,
+        [DG_HOST_MEDIUM_EDGES] = &hdl_clocked,
+    };
+    const int medium = dg_host_medium(self->host);
+    struct dg_host_uart uart;
+    const bool known = medium >= 0 && (size_t)medium < DG_COUNT(wires) && wires[medium] != NULL;
 
-    if (strcmp(protocol, "biss") == 0 || strcmp(protocol, "ssi") == 0) {
-        self->wire = &hdl_clocked;
-        return DG_HOST_OK;
+    /* A UART in hardware needs the data rate of its encoder. */
+    if (!known ||
+        (wires[medium] == &hdl_serial && dg_host_uart(self->host, &uart) == DG_HOST_ERR_WIRE)) {
+        return hdl_fail(self, DG_HOST_ERR_WIRE, "%s speaks %s; BiSS, SSI and RS485 are right",
+                        dg_host_model(self->host), dg_host_protocol(self->host));
     }
-    if (strcmp(protocol, "hiperface") == 0) {
-        self->wire = &hdl_serial;
-        return DG_HOST_OK;
-    }
-    return hdl_fail(self, DG_HOST_ERR_WIRE, "%s speaks %s; BiSS, SSI and RS485 are right",
-                    dg_host_model(self->host), protocol);
+    self->wire = wires[medium];
+    return DG_HOST_OK;
 }
 
 /* A new file has what another encoder with these settings finds in its EEPROM. */

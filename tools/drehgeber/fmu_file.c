@@ -158,6 +158,10 @@ static int put_settings(struct making *self, const struct lx_plan_encoder *encod
     struct dg_host *trial =
         memory == NULL ? NULL : dg_host_make(memory, size, encoder->model->name);
     int result = trial == NULL ? lx_fail(&self->error, "no memory for an encoder") : 0;
+    if (result == 0 && !fmu_can_have(trial)) {
+        result = lx_refuse(&self->error, "leave it out", "an FMU cannot have %s, which speaks %s",
+                           encoder->model->name, dg_host_protocol(trial));
+    }
     if (result == 0 && encoder->serial != NULL) {
         result = put_setting(self, trial, "serial", encoder->serial, to);
     }
