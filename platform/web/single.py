@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 # Each uses those before it only.
-MODULES = ("parts", "engine", "rig", "biss", "masters", "figures", "view", "page", "main")
+MODULES = ("parts", "engine", "rig", "biss", "figures", "masters", "view", "page", "main")
 IMPORT = re.compile(r'^import \{[^}]*\} from "\./\w+\.js";\n', re.MULTILINE)
 EXPORT = re.compile(r"^export (?=const|class|function|async)", re.MULTILINE)
 

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 // What is drawn: sine and cosine, the lines of a BiSS frame.
 
+// What an encoder with sine and cosine has as its figure.
+export const SINCOS = { figure: "Process channel", drawn: "The two voltages that go round with the shaft, sine and cosine." };
+
 const LISSAJOUS_V = 0.75;
 const SAMPLES = 160;
 const PERIODS_PER_TURN = 2048;
@@ -182,16 +185,16 @@ function line(pen, edges, x, [low, high], frame, colour) {
   stroke(pen, points, colour);
 }
 
-// Half a period of a lamp in ms; the second half of `fast-other` is lit. INTERBUS blinks slower.
+// Half a period of a lamp in ms; the second half of `fast-other` is lit. The lamp BA blinks slower.
 const HALF_MS = { blink: 250, slow: 1000, fast: 50, "fast-other": 50, "300ms": 300 };
-const INTERBUS_MS = 500;
+const OWN_HALF_MS = { BA: 500 };
 
-// Whether a lamp with this pattern is lit at that moment.
-export function glows(pattern, ns, protocol) {
+// Whether the lamp of this name and pattern is lit at that moment.
+export function glows(name, pattern, ns) {
   if (!(pattern in HALF_MS)) {
     return pattern === "on";
   }
-  const half = protocol === "interbus" ? INTERBUS_MS : HALF_MS[pattern];
+  const half = OWN_HALF_MS[name] ?? HALF_MS[pattern];
   const first = Math.floor(Number(ns / 1000000n) / half) % 2 === 0;
   return first !== (pattern === "fast-other");
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A rig that runs elsewhere, over WebSockets: lines of SCPI go there, lines of answers come back. What is known of it is
 // what was answered last; the shaft turns on between answers as it was told to turn.
+import { SINCOS } from "./figures.js";
 import { TURN, unhex } from "./parts.js";
 
 const ROUND_MS = 200;
@@ -13,8 +14,6 @@ const CLOSED = { token: 4001 };
 // Two answers that stand before everything else, so that what a line of somebody else answers is not taken for them.
 const FIRST = "SYST:VERS?;VERS?;";
 const MARK = "1999.0;1999.0;";
-// What only one protocol's STATe? has.
-const SIGNS = { hiperface: "error_replies", biss: "bank", canopen: "malformed", interbus: "presets_unset" };
 
 // Answers of a line: units with `;` between them, of items with `,` between them; strings without their quotes.
 export function parts(line) {
@@ -93,10 +92,9 @@ class Line {
 
 class LiveEncoder {
   constructor(rig, name, [[model], [wire], [shaft], state]) {
-    Object.assign(this, { rig, key: name, title: name, name: model, wire, shaft, catalogue: [], samples: [], told: 0, memory: null, read: -Infinity });
+    Object.assign(this, { rig, key: name, model, wire, shaft, catalogue: [], samples: [], told: 0, memory: null, read: -Infinity });
     this.take(state);
-    this.protocol = Object.keys(SIGNS).find((one) => SIGNS[one] in this.state) ?? "ssi";
-    this.drawing = this.protocol === "hiperface" ? "samples" : "";
+    this.about = { title: name, name: model, ...("sin_plus_uv" in this.state ? { ...SINCOS, drawing: "samples" } : {}) };
     this.last = null;
   }
 
@@ -222,7 +220,7 @@ export class LiveRig {
     for (const name of names) {
       found.push(new LiveEncoder(this, name, await line.query(`INST:SEL "${name}";MOD?;WIRE?;:SHAF:NAME?;:STAT?`)));
     }
-    const same = (one, i) => one.name === this.encoders[i]?.name && one.key === this.encoders[i].key;
+    const same = (one, i) => one.model === this.encoders[i]?.model && one.key === this.encoders[i].key;
     if (found.length !== this.encoders.length || !found.every(same)) {
       this.encoders = found;
       this.page.found();

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 // The playground: the page with encoders that are calculated here, and time. `#still` in the address leaves the clock
 // standing, and nothing is asked by itself; `drehgeber.rig` is there for who wants more than the page has.
-import { BissMaster } from "./biss.js";
 import { Engine } from "./engine.js";
-import { MASTERS } from "./masters.js";
+import { ENCODERS } from "./masters.js";
 import { $, Page, degrees } from "./page.js";
-import { MODELS, Rig } from "./rig.js";
+import { Rig } from "./rig.js";
 import { Panel } from "./view.js";
 
+const MODELS = ENCODERS.map(({ model }) => model);
 const KEPT = "drehgeber.eeprom.";
 // What a browser does not show it does not run either: no leap when it comes back.
 const LEAP_MS = 100;
@@ -47,7 +47,7 @@ const storage = {
 
 class Playground extends Page {
   constructor(engine, images) {
-    super(new Rig(engine, images, (frame) => this.panelOf(frame.encoder)?.say(frame)));
+    super(new Rig(engine, MODELS, images, (frame) => this.panelOf(frame.encoder)?.say(frame)));
     this.runs = location.hash !== "#still";
     this.tabs(this.rig.encoders.map((encoder) => this.panel(encoder)));
     this.time();
@@ -68,10 +68,9 @@ class Playground extends Page {
   }
 
   panel(encoder) {
-    if (encoder.protocol === "biss") {
-      encoder.master = new BissMaster(encoder);
-    }
-    const options = { keep: storage.put, master: MASTERS[encoder.protocol] };
+    const row = ENCODERS.find(({ model }) => model === encoder.model);
+    encoder.master = row.master?.(encoder);
+    const options = { keep: storage.put, about: row, master: row };
     return new Panel(encoder, (run) => this.guard(run), options);
   }
 

@@ -1,14 +1,20 @@
 // SPDX-License-Identifier: MIT
-// The masters of the playground: what can be asked of its encoders.
+// The encoders of the playground and their masters.
+import { BissMaster } from "./biss.js";
+import { SINCOS } from "./figures.js";
 import { hexadecimal, unhex } from "./parts.js";
 
 // A master that is silent for longer than 100 ms counts as gone.
 const BUS_NS = 50_000_000n;
 
-// What each protocol's master can do. `ask` is what is repeated, `look` tells of an error; a form is its fields, the text of
-// its button, and what is done with the fields' values.
-export const MASTERS = {
-  hiperface: {
+// Each encoder of the playground, in the order of the tabs: its model, what it is called, what is drawn of it (`drawing`,
+// of view.js), and what its master can do. `ask` is what is repeated, `look` tells of an error; a form is its fields, the
+// text of its button, and what is done with the fields' values; `master` makes one that has a state of its own;
+export const ENCODERS = [
+  {
+    model: "s3684-rs485",
+    title: "RS485", name: "S36", ...SINCOS, drawing: "sincos",
+    what: "A Kübler S36 for servo motors: the drive asks for the position in bytes, then follows two voltages, sine and cosine.",
     ask: (e) => e.ask(0x42),
     look: (e) => [() => e.ask(0x42), () => e.ask(0x50)],
     buttons: (e) => [
@@ -21,7 +27,12 @@ export const MASTERS = {
     ],
     forms: (e) => [[[["Bytes", "40 42 02", "wide-field"]], "Send", (text) => e.request(unhex(text))]],
   },
-  biss: {
+  {
+    model: "s3684-biss",
+    title: "BiSS-C", name: "S36", figure: "Lines of the latest frame", drawing: "lines",
+    what: "A Kübler S36 for fast drives: the drive gives a clock and gets the position bit by bit, with a check sum.",
+    drawn: "The drive's clock is MA; the encoder puts one bit on SLO for each of its pulses.",
+    master: (e) => new BissMaster(e),
     ask: (e) => e.master.read(),
     look: (e) => [() => e.master.read(), () => e.master.readRegisters(0x69, 1)],
     buttons: (e) => [
@@ -37,7 +48,10 @@ export const MASTERS = {
         e.master.writeRegisters(hexadecimal(address, "register") & 0x7f, unhex(bytes))],
     ],
   },
-  canopen: {
+  {
+    model: "f3668",
+    title: "CANopen", name: "F36x8",
+    what: "A Kübler F36x8 on a CAN bus, as in cranes and vehicles: many devices share two wires and send messages.",
     ask: (e) => e.sdoRead(0x6004, 0),
     look: (e) => [() => e.sdoRead(0x1001, 0), () => e.sdoRead(0x1003, 1), () => e.sdoRead(0x6503, 0)],
     buttons: (e) => [
@@ -54,11 +68,15 @@ export const MASTERS = {
         e.frame(hexadecimal(id, "identifier") & 0x7ff, data ? [...unhex(data)].slice(0, 8) : [])],
     ],
   },
-  interbus: {
+  {
+    model: "ocd-ib-k3",
+    title: "INTERBUS", name: "OCD", figure: "Words of the latest cycle", drawing: "words",
+    what: "A POSITAL OCD in a ring of devices: a controller shifts 32 bits through it and gets 32 bits back, again and again.",
+    drawn: "The 32 bits that came back last.",
     every: BUS_NS,
     ask: (e, quiet) => e.cycle(e.lastOut ?? 0, quiet),
     look: (e) => [() => e.identify(), () => e.cycle(e.lastOut ?? 0)],
     buttons: (e) => [["Data cycle", () => e.cycle(e.lastOut ?? 0)], ["ID cycle", () => e.identify()]],
     forms: (e) => [[[["OUT", "00000000", "wide-field"]], "Cycle with it", (out) => e.cycle(hexadecimal(out, "OUT"))]],
   },
-};
+];

@@ -24,7 +24,7 @@ class Front extends Page {
   found() {
     const { shown } = this;
     this.lock();
-    this.tabs(this.rig.encoders.map((encoder) => new Panel(encoder, (run) => this.guard(run))));
+    this.tabs(this.rig.encoders.map((encoder) => this.panel(encoder)));
     const again = this.panels.find((panel) => panel.key === shown?.key);
     if (again) {
       this.show(again);
@@ -32,6 +32,11 @@ class Front extends Page {
     if (!shown) {
       this.begin();
     }
+  }
+
+  panel(encoder) {
+    const options = { about: encoder.about };
+    return new Panel(encoder, (run) => this.guard(run), options);
   }
 
   heard(frame) {

@@ -5,6 +5,7 @@
 const EVENT = { size: 32, at: 0, id: 8, flags: 12, kind: 14, length: 15, data: 16 };
 const FAULT = { size: 48, name: 0, cause: 32, effect: 36, active: 40 };
 const KIND = { bytes: 1, can: 2, edge: 4, words: 5 };
+const MEDIUM = { characters: 0, frames: 1, edges: 2, words: 3 };
 const IDENTIFY = 16;
 const RUN = 16;
 const REPLY_NS = 100_000_000n;
@@ -14,7 +15,6 @@ const ERROR = "SYST:ERR?";
 const STEP_NS = 5_000_000n;
 
 export const SECOND = 1_000_000_000n;
-export const MODELS = ["s3684-rs485", "s3684-biss", "f3668", "ocd-ib-k3"];
 
 export const unsigned = (value) => BigInt.asUintN(64, value);
 
@@ -39,8 +39,11 @@ export class Encoder {
       this.make();
     }
     this.starts(null);
-    this.protocol = this.engine.text(this.c.dg_host_protocol(this.host));
-    this.key = this.protocol;
+    this.medium = this.c.dg_host_medium(this.host);
+    this.key = this.engine.text(this.c.dg_host_protocol(this.host));
+    if (!Object.values(MEDIUM).includes(this.medium)) {
+      throw new Error(`${model} speaks ${this.key}: this page does not know its wire`);
+    }
     this.c.dg_host_step(this.host, SECOND);
     while (this.receive() !== null);
     const size = this.c.dg_host_panel_size();
@@ -241,7 +244,7 @@ export class Encoder {
     const bytes = this.raw[line.ours].splice(0);
     this.changes = true;
     this.rig.heard({ encoder: this, bytes, ...line });
-    if (line.ours && this.protocol === "hiperface") {
+    if (line.ours && this.medium === MEDIUM.characters) {
       this.busyUntil = this.rig.now;
     }
   }
@@ -297,7 +300,7 @@ export class Encoder {
 
   // Lines and rings that could have it are not on this page.
   impossible(name) {
-    return /^wire_(break|tear)$/.test(name) || (this.protocol === "biss" && name.startsWith("wire_"));
+    return /^wire_(break|tear)$/.test(name) || (this.medium === MEDIUM.edges && name.startsWith("wire_"));
   }
 
   scpi(line) {
@@ -334,15 +337,15 @@ export class Encoder {
 }
 
 export class Rig {
-  // `images` are EEPROMs by model; `heard` is told of every frame {encoder, at, ours, severity, bytes, words}.
-  constructor(engine, images, heard) {
+  // An encoder of each model; `images` are EEPROMs by model; `heard` is told of every frame {encoder, at, ours, severity, bytes, words}.
+  constructor(engine, models, images, heard) {
     this.engine = engine;
     this.c = engine.c;
     this.now = SECOND;
     this.heard = heard;
     engine.line = (wire, line) => this.encoders.find((one) => one.words === wire).said(line);
     this.encoders = [];
-    for (const model of MODELS) {
+    for (const model of models) {
       this.encoders.push(new Encoder(this, model, images[model]));
     }
     // The first one's shaft is everybody's; theirs follow, so that SHAFt:POSition? is right at each of them.
@@ -355,8 +358,8 @@ export class Rig {
     }
   }
 
-  encoder(protocol) {
-    return this.encoders.find((one) => one.protocol === protocol);
+  encoder(key) {
+    return this.encoders.find((one) => one.key === key);
   }
 
   // Time goes on for everybody.

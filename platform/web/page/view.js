@@ -2,9 +2,9 @@
 // An encoder's part of the page: what can be asked of it, what went over its wire, how it is, what can happen to it,
 // and its EEPROM.
 //
-// An encoder is {key, title, name, protocol, rig, position, powered, state, faults(), fault(), scpi(), power()}, and what
-// of {memory, erase(), refused, impossible(), drawing} its kind has; rig.js has one that is calculated here, live.js one
-// that runs elsewhere. Of the first kind there is a master, of masters.js.
+// An encoder is {key, model, rig, position, powered, state, faults(), fault(), scpi(), power()}, and what of {memory,
+// erase(), refused, impossible()} its kind has; rig.js has one that is calculated here, live.js one that runs elsewhere.
+// What is shown of it is {title, name, figure, drawn, drawing, what}; of the first kind there is a master, of masters.js.
 import { drawFrame, drawSamples, drawSinCos, glows } from "./figures.js";
 import { button, form, hex, make } from "./parts.js";
 
@@ -12,30 +12,6 @@ const LINES = 300;
 const NOTHING = "No error was told so far.";
 const ASK_NS = 500_000_000n;
 const LOOK_NS = 30_000_000n;
-
-// What each protocol is called, and what is drawn of it.
-const PROTOCOLS = {
-  hiperface: {
-    title: "RS485", name: "S36", figure: "Process channel",
-    what: "A Kübler S36 for servo motors: the drive asks for the position in bytes, then follows two voltages, sine and cosine.",
-    drawn: "The two voltages that go round with the shaft, sine and cosine.",
-  },
-  biss: {
-    title: "BiSS-C", name: "S36", figure: "Lines of the latest frame",
-    what: "A Kübler S36 for fast drives: the drive gives a clock and gets the position bit by bit, with a check sum.",
-    drawn: "The drive's clock is MA; the encoder puts one bit on SLO for each of its pulses.",
-  },
-  canopen: {
-    title: "CANopen", name: "F36x8",
-    what: "A Kübler F36x8 on a CAN bus, as in cranes and vehicles: many devices share two wires and send messages.",
-  },
-  interbus: {
-    title: "INTERBUS", name: "OCD", figure: "Words of the latest cycle",
-    what: "A POSITAL OCD in a ring of devices: a controller shifts 32 bits through it and gets 32 bits back, again and again.",
-    drawn: "The 32 bits that came back last.",
-  },
-  ssi: { title: "SSI", name: "" },
-};
 
 // What STATe? calls in one word, or counts in units that people do not.
 const volts = (uv) => (uv === "-" ? uv : `${(Number(uv) / 1e6).toFixed(3)} V`);
@@ -51,16 +27,37 @@ const FACTS = {
   last_command: ["last command", hexadecimals],
 };
 
+// What can be drawn of an encoder: the parts it is made of, and what is done with them for each picture of the screen.
+const curves = (panel) => {
+  panel.canvas.className = "sincos";
+  return [panel.canvas, panel.caption];
+};
+const DRAWINGS = {
+  samples: { parts: curves, draw: (panel) => { panel.caption.textContent = drawSamples(panel.canvas, panel.encoder.samples); } },
+  sincos: { parts: curves, draw: (panel) => { panel.caption.textContent = drawSinCos(panel.canvas, panel.encoder); } },
+  lines: {
+    parts: ({ canvas, caption, extra }) => [canvas, caption, make("h3", {}, "CDM and CDS of the last register access"), extra],
+    draw: (panel) => panel.drawLines(),
+  },
+  words: {
+    parts: (panel) => {
+      panel.extra = make("ol", { className: "bits", "aria-label": "Bits of IN" });
+      return [panel.caption, panel.extra];
+    },
+    draw: (panel) => panel.drawWords(),
+  },
+};
+
 export class Panel {
-  // `guard` runs what may throw, and says so; `keep` is told of a changed EEPROM, `master` is of masters.js or none.
-  constructor(encoder, guard, { keep, master } = {}) {
+  // `guard` runs what may throw, and says so; `about` is what is shown of it, `keep` is told of a changed EEPROM, `master`
+  // is of masters.js or none.
+  constructor(encoder, guard, { about, keep, master }) {
     this.encoder = encoder;
     this.master = master;
     this.rig = encoder.rig;
     this.guard = guard;
     this.keep = keep;
-    this.about = { ...PROTOCOLS[encoder.protocol], ...(encoder.title ? { title: encoder.title, name: encoder.name } : {}) };
-    this.drawing = encoder.drawing ?? encoder.protocol;
+    this.about = about;
     this.asks = true;
     this.nextAsk = 0n;
     this.nextLine = 0n;
@@ -86,7 +83,7 @@ export class Panel {
     const state = this.card("Device", "", "What the encoder knows of itself at this moment.", this.facts,
       make("div", { className: "row" }, this.supply,
         steer("Power cycle", () => this.guard(() => { this.switch(false); this.switch(true); this.look(2); }))));
-    const figure = this.drawing && about.figure ? [this.card(about.figure, "", about.drawn, ...this.figure())] : [];
+    const figure = about.drawing ? [this.card(about.figure, "", about.drawn, ...this.figure())] : [];
     this.list = make("ul", { className: "scroll faults", tabIndex: 0, "aria-label": "Catalogue of faults" });
     this.find = make("input", { type: "search", placeholder: "e.g. LED, 1Dh, eeprom", "aria-label": "Search the faults", oninput: () => this.filter() });
     this.latest = make("p", { className: "latest", role: "status" }, NOTHING);
@@ -135,17 +132,7 @@ export class Panel {
     this.canvas = make("canvas", { role: "img", "aria-label": this.about.figure });
     this.caption = make("p", { className: "soft" });
     this.extra = make("ol", { className: "control scroll", tabIndex: 0, "aria-label": "CDM and CDS of the last register access" });
-    switch (this.drawing) {
-      case "samples":
-      case "hiperface":
-        this.canvas.className = "sincos";
-        return [this.canvas, this.caption];
-      case "biss":
-        return [this.canvas, this.caption, make("h3", {}, "CDM and CDS of the last register access"), this.extra];
-      default:
-        this.extra = make("ol", { className: "bits", "aria-label": "Bits of IN" });
-        return [this.caption, this.extra];
-    }
+    return DRAWINGS[this.about.drawing].parts(this);
   }
 
   // ---------------------------------------------------------------- what is done to it
@@ -270,24 +257,16 @@ export class Panel {
       return;
     }
     this.drawLamps();
-    if (this.drawing === "hiperface") {
-      this.caption.textContent = drawSinCos(this.canvas, this.encoder);
-    } else if (this.drawing === "samples") {
-      this.caption.textContent = drawSamples(this.canvas, this.encoder.samples);
-    } else if (this.drawing === "biss") {
-      this.drawBiss();
-    } else if (this.drawing === "interbus") {
-      this.drawWords();
-    }
+    DRAWINGS[this.about.drawing]?.draw(this);
   }
 
   drawLamps() {
-    (this.patterns ?? []).forEach(([pattern], i) => {
-      this.lamps.children[i]?.classList.toggle("on", glows(pattern, this.rig.now, this.encoder.protocol));
+    (this.named ?? []).forEach(([name, pattern], i) => {
+      this.lamps.children[i]?.classList.toggle("on", glows(name, pattern, this.rig.now));
     });
   }
 
-  drawBiss() {
+  drawLines() {
     const { last, control } = this.encoder.master;
     if (this.drawn === last && this.drawnWidth === this.canvas.clientWidth) {
       return;
@@ -334,12 +313,11 @@ export class Panel {
     const { power, mode, position, leds, errors, ...others } = state;
     this.supply.textContent = power === "1" ? "Switch off" : "Switch on";
     const lamps = leds === "-" ? [] : leds.split("/").map((word) => word.split(":"));
-    this.patterns = lamps.map(([, pattern]) => [pattern]);
     const named = [["power", power === "1" ? "on" : "off"], ...lamps];
     if ("nerr" in others) {
       named.push(["nERR low", power === "1" && others.nerr === "0" ? "on" : "off"], ["nWARN low", power === "1" && others.nwarn === "0" ? "on" : "off"]);
     }
-    this.patterns = named.map(([, pattern]) => [pattern]);
+    this.named = named;
     const words = named.map(([name, pattern]) => `${name} ${pattern}`).join();
     if (words !== this.lampWords) {
       this.lampWords = words;
