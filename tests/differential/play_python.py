@@ -42,7 +42,7 @@ class Player:
         first = next(iter(self.encoders.values()), None)
         wires = {} if first is None else {"line": first._line, "bus": first._bus}
         self.encoder = self.encoders[number] = drehgeber.Encoder(model, power=False, **wires)
-        if first is None and self.encoder.protocol == "canopen":
+        if first is None and self.encoder.medium is drehgeber.Medium.FRAMES:
             self.port = self.encoder.can
 
     # ------------------------------------------------------------ time
@@ -56,7 +56,7 @@ class Player:
 
     def tell(self) -> None:
         """What the encoder has sent."""
-        if self.encoder.protocol == "hiperface":
+        if self.encoder.medium is drehgeber.Medium.CHARACTERS:
             line = self.encoder.rs485
             line._fetch()  # as the port of pyserial does
             while line._arrived:
@@ -140,7 +140,7 @@ class Player:
 
     @property
     def master(self) -> "drehgeber.clocked.Clocked":
-        return self.encoder.biss if self.encoder.protocol == "biss" else self.encoder.ssi
+        return self.encoder.clocked
 
     def frame(self) -> str:
         got = self.master.frame()

@@ -230,7 +230,8 @@ def send_can(script: Script) -> None:
         script.add("can", identifier, data.hex() or "-")
 
 
-def clock(script: Script) -> None:
+def clock(script: Script, more: Callable[[Script, int], None] | None = None) -> None:
+    """A master's clock, and what only some protocols have there."""
     kind = script.draw(8)
     if kind < 3:
         initialised = script.encoder.on and script.now >= script.encoder.on_at + SECOND
@@ -241,16 +242,21 @@ def clock(script: Script) -> None:
         half, count = script.choose((250, 500, 1000, 4000, 15000)), 2 * (1 + script.draw(60))
         script.add("edges", half, count)
         script.now += half * count
-    elif script.protocol == "biss" and kind == 5:
-        script.add("chain", script.draw(2))
-    elif script.protocol == "biss":
-        address = script.choose((0, 0x23, 0x24, 0x40, 0x41, 0x43, 0x60, 0x70, 0x78, 0x7C, script.draw(128)))
-        if kind == 6:
-            script.add("read", address, 1 + script.draw(4))
-        else:
-            script.add("write", address, script.bytes(1 + script.draw(3)).hex())
-        script.now += 100 * MS
+    elif more is not None:
+        more(script, kind)
     script.now += 50 * MS * script.draw(2)
+
+
+def chain_and_registers(script: Script, kind: int) -> None:
+    if kind == 5:
+        script.add("chain", script.draw(2))
+        return
+    address = script.choose((0, 0x23, 0x24, 0x40, 0x41, 0x43, 0x60, 0x70, 0x78, 0x7C, script.draw(128)))
+    if kind == 6:
+        script.add("read", address, 1 + script.draw(4))
+    else:
+        script.add("write", address, script.bytes(1 + script.draw(3)).hex())
+    script.now += 100 * MS
 
 
 def cycle(script: Script) -> None:
@@ -264,7 +270,8 @@ def cycle(script: Script) -> None:
 
 
 WIRES: dict[str, Callable[[Script], None]] = {
-    "hiperface": request, "canopen": send_can, "biss": clock, "ssi": clock, "interbus": cycle,
+    "hiperface": request, "canopen": send_can, "biss": functools.partial(clock, more=chain_and_registers), "ssi": clock,
+    "interbus": cycle,
 }
 
 

@@ -6,7 +6,7 @@ import warnings
 
 import drehgeber
 import pytest
-from drehgeber import Clock, Encoder, EncoderError, ScpiError, Shaft
+from drehgeber import Clock, Encoder, EncoderError, Medium, ScpiError, Shaft, _native
 
 ASK = bytes.fromhex("40 42 02")  # 42h, position
 # Positions at 3.25 turns.
@@ -37,17 +37,17 @@ def hiperface(reply: bytes) -> int:
 
 def read(encoder: Encoder) -> int:
     """The position as its own wire tells it."""
-    if encoder.protocol == "hiperface":
+    if encoder.medium is Medium.CHARACTERS:
         return hiperface(encoder.request(ASK))
-    if encoder.protocol == "canopen":
+    if encoder.medium is Medium.FRAMES:
         encoder.can.send(0x63F, bytes.fromhex("40 04 60 00 00 00 00 00"))
         answer = encoder.can.recv()
         assert answer is not None and answer.id == 0x5BF and answer.data[:4] == b"\x43\x04\x60\0"
         return int.from_bytes(answer.data[4:], "little")
-    if encoder.protocol == "interbus":
+    if encoder.medium is Medium.WORDS:
         words = encoder.ring.cycle()
         return words[-1] | (words[0] << 16 if len(words) == 2 else 0)
-    frame = (encoder.biss if encoder.protocol == "biss" else encoder.ssi).frame()
+    frame = encoder.clocked.frame()
     assert frame.good and not frame.error and not frame.warning
     return frame.position
 
@@ -57,8 +57,8 @@ def test_by_a_real_clock_too_it_was_on_for_a_second(model):
     """Time had gone on when it was made."""
     encoder = Encoder(model, clock=Clock(real=True))
     assert encoder.state()["mode"] != "initialising"
-    if encoder.protocol == "biss":
-        assert encoder.biss.frame().error is False
+    if encoder.medium is Medium.EDGES:
+        assert encoder.clocked.frame().error is False
 
 
 def test_the_list_of_models_is_the_librarys():
@@ -75,9 +75,43 @@ def test_a_model_answers_on_its_wire(model):
 @pytest.mark.parametrize("model", POSITIONS)
 def test_wires_that_it_has_not_are_refused(model):
     encoder = Encoder(model)
-    own = {"hiperface": "rs485", "canopen": "can", "interbus": "ring"}.get(encoder.protocol, encoder.protocol)
-    for wire in {"rs485", "can", "ring", "biss", "ssi"} - {own}:
+    own = {Medium.CHARACTERS: {"rs485"}, Medium.FRAMES: {"can"}, Medium.EDGES: {"clocked", encoder.protocol}, Medium.WORDS: {"ring"}}
+    for wire in {"rs485", "can", "ring", "clocked", "biss", "ssi"} - own[encoder.medium]:
         with pytest.raises(EncoderError, match=f"speaks {encoder.protocol}"):
+            getattr(encoder, wire)
+
+
+class Later:
+    """A library with a protocol and a medium that this package has not heard of."""
+
+    def __init__(self, lib, ffi, medium):
+        self.lib, self.medium, self.word = lib, medium, ffi.new("char[]", b"unheard-of")
+
+    def __getattr__(self, name):
+        return getattr(self.lib, name)
+
+    def dg_host_protocol(self, host):
+        return self.word
+
+    def dg_host_medium(self, host):
+        return self.medium
+
+
+def test_a_medium_of_a_later_library_is_refused_by_name(monkeypatch):
+    ffi, lib = _native.load()
+    monkeypatch.setattr(_native, "load", lambda: (ffi, Later(lib, ffi, len(Medium))))
+    with pytest.raises(EncoderError, match="f3668 speaks unheard-of, over a wire that is unknown here"):
+        Encoder("f3668")
+
+
+def test_a_protocol_of_a_later_library_has_the_wires_of_its_medium(monkeypatch):
+    """And no master of another protocol, not even of one with the same medium."""
+    ffi, lib = _native.load()
+    monkeypatch.setattr(_native, "load", lambda: (ffi, Later(lib, ffi, int(Medium.EDGES))))
+    encoder = Encoder("ssi-25", shaft="90DEG")
+    assert encoder.clocked.frame().position == 1 << 11
+    for wire in ("ssi", "biss", "rs485", "can", "ring"):
+        with pytest.raises(EncoderError, match="ssi-25 speaks unheard-of"):
             getattr(encoder, wire)
 
 

@@ -36,7 +36,7 @@ try:
 except importlib.metadata.PackageNotFoundError:  # a folder of sources
     __version__ = "0"
 
-from ._native import EncoderError, RangeError, eds, models
+from ._native import EncoderError, Medium, RangeError, eds, models
 from .canbus import CanBus, CanFrame, CanPort
 from .clock import Clock
 from .control import Control, ScpiError
@@ -62,6 +62,7 @@ __all__ = [
     "EncoderError",
     "HintWarning",
     "Line",
+    "Medium",
     "RangeError",
     "Rig",
     "RigError",

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import enum
 import functools
 import numbers
 import operator
@@ -14,6 +15,19 @@ from typing import Any, SupportsFloat, SupportsIndex, Union
 
 NAME = "libdrehgeber.so"
 ERR_ARGUMENT = -1
+ERR_WIRE = -10
+
+
+class Medium(enum.IntEnum):
+    """What travels on the wire of an encoder: enum dg_host_medium."""
+
+    CHARACTERS = 0
+    FRAMES = 1
+    EDGES = 2
+    WORDS = 3
+
+
+WIRES = {Medium.CHARACTERS: "RS485", Medium.FRAMES: "CAN", Medium.EDGES: "clocked line", Medium.WORDS: "ring"}
 
 
 class EncoderError(Exception):

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from urllib.parse import parse_qsl
 
-from ._native import EncoderError, models
+from ._native import Medium, models
 from .clock import Clock
 from .encoder import Encoder
 
@@ -15,13 +15,12 @@ def is_model(text: str) -> bool:
     return text.partition("?")[0] in models()
 
 
-def encoder_of(text: str, clock: Clock, protocol: str) -> Encoder:
-    """Make one: `shaft` is a motion, everything else a setting."""
+def encoder_of(text: str, clock: Clock, medium: Medium) -> Encoder:
+    """Make one with such a wire: `shaft` is a motion, everything else a setting."""
     model, _, query = text.partition("?")
     settings = dict(parse_qsl(query, keep_blank_values=True))
     encoder = Encoder(model, clock=clock, shaft=settings.pop("shaft", "0"), power=False)
-    if encoder.protocol != protocol:
-        raise EncoderError(f"{model} speaks {encoder.protocol}, not {protocol}", -10)
+    encoder._wire(medium)
     for key, value in settings.items():
         encoder.set(key, value)
     encoder._start()

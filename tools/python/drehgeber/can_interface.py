@@ -7,6 +7,7 @@ from typing import Any
 
 import can
 
+from ._native import Medium
 from .address import encoder_of, is_model
 from .canbus import CanBus
 from .clock import Clock
@@ -36,7 +37,7 @@ class DrehgeberBus(can.BusABC):
                     f"no drehgeber.CanBus({text!r}) in this process, and no model, "
                     "e.g. channel='f3668?node=5&shaft=60RPM'"
                 )
-            self.encoder = encoder_of(text, Clock(real=time == "real"), "canopen")
+            self.encoder = encoder_of(text, Clock(real=time == "real"), Medium.FRAMES)
             bus = self.encoder.bus
         self.bus = bus
         self.channel_info = f"drehgeber {text} in this process"

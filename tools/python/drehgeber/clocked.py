@@ -60,9 +60,13 @@ class Clocked:
 class Ssi(Clocked):
     """SSI."""
 
+    PROTOCOL = "ssi"
+
 
 class Biss(Clocked):
     """BiSS: frames, and registers through them."""
+
+    PROTOCOL = "biss"
 
     def _registers(self, way: str, address: int, data: object, count: int) -> int:
         encoder = self._encoder

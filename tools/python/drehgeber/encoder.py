@@ -11,10 +11,10 @@ from array import array
 from typing import Any, Literal, NamedTuple
 
 from . import _native
-from ._native import ERR_ARGUMENT, EncoderError, checked, encoded, octets, whole, within
+from ._native import ERR_ARGUMENT, ERR_WIRE, WIRES, EncoderError, Medium, checked, encoded, octets, whole, within
 from .canbus import CanBus, CanPort
 from .clock import LEAD_NS, NEVER, SECOND_NS, SECONDS_MAX, Clock
-from .clocked import Biss, Ssi
+from .clocked import Biss, Clocked, Ssi
 from .control import ScpiError, split
 from .instrument import Instrument, power_word
 from .ring import Ring
@@ -96,6 +96,7 @@ class Encoder(Instrument):
         self.model = model
         self.name = name
         self.protocol: str = self._ffi.string(self._lib.dg_host_protocol(self._host)).decode()
+        self.medium = self._known_medium()
         self._join(clock, shaft, bus, line)
         self._register()
         for key, value in settings.items():
@@ -106,15 +107,21 @@ class Encoder(Instrument):
         if power:
             self._start()
 
+    def _known_medium(self) -> Medium:
+        """Of its wire. A later library may have encoders on wires that this package has no masters for."""
+        try:
+            return Medium(self._lib.dg_host_medium(self._host))
+        except ValueError:
+            raise EncoderError(f"{self.model} speaks {self.protocol}, over a wire that is unknown here", ERR_WIRE) from None
+
     def _join(self, clock: Clock | None, shaft: Shaft | str, bus: CanBus | None, line: Line | None) -> None:
         """Its clock, its bus or line, its shaft."""
         if not isinstance(shaft, (Shaft, str)):
             raise TypeError(f"shaft {shaft!r}: expected a Shaft, or words: {FORMS}")
         self._own_bus = bus is None
-        if bus is not None and self.protocol != "canopen":
-            raise EncoderError(f"{self.model} has no CAN")
-        if line is not None and self.protocol != "hiperface":
-            raise EncoderError(f"{self.model} has no RS485")
+        for wire, medium in ((bus, Medium.FRAMES), (line, Medium.CHARACTERS)):
+            if wire is not None and self.medium is not medium:
+                raise EncoderError(f"{self.model} has no {WIRES[medium]}")
         self.clock = _one_clock(clock, shaft, bus, line)
         self._shaft = shaft if isinstance(shaft, Shaft) else Shaft(self.clock, shaft)
         self._lib.dg_host_shaft_of(self._host, self._shaft._c)
@@ -122,8 +129,8 @@ class Encoder(Instrument):
 
     def _line_up(self, bus: CanBus | None, line: Line | None) -> None:
         """Be among those that this bus or its clock, and this line, let live; else one of its own."""
-        self._line = Line(self.clock) if line is None and self.protocol == "hiperface" else line
-        self._bus = CanBus(clock=self.clock) if bus is None and self.protocol == "canopen" else bus
+        self._line = Line(self.clock) if line is None and self.medium is Medium.CHARACTERS else line
+        self._bus = CanBus(clock=self.clock) if bus is None and self.medium is Medium.FRAMES else bus
         with self.clock.lock:
             if self._bus is not None:
                 self._bus._nodes.append(self)
@@ -187,7 +194,7 @@ class Encoder(Instrument):
             self._deadline = self._lib.dg_host_panel_step(self._panel, now)
         else:
             self._deadline = self._lib.dg_host_step(self._host, now)
-        if self.protocol == "biss":
+        if self.medium is Medium.EDGES:  # some of these have hints
             self._tell(now)
             self._deadline = min(self._deadline, int(self._hint_due[0]))
 
@@ -241,6 +248,11 @@ class Encoder(Instrument):
         to = self._ffi.new("char[]", TEXT)
         checked(self._lib.dg_host_get(self._host, encoded(key, "setting"), to, TEXT), f"{self.model}: {key}")
         return str(self._ffi.string(to).decode())
+
+    def _address_key(self) -> str | None:
+        """The setting that is its address on a wire; None: it has none there."""
+        key = self._lib.dg_host_address_key(self._host)
+        return None if key == self._ffi.NULL else str(self._ffi.string(key).decode())
 
     def _key(self, name: str) -> Any:
         """A setting as the library describes it; None: there is no such one."""
@@ -391,24 +403,28 @@ class Encoder(Instrument):
 
     # ------------------------------------------------------------ wires
 
-    def _wire(self, protocol: str) -> None:
-        if self.protocol != protocol:
-            raise EncoderError(f"{self.model} speaks {self.protocol}, not {protocol}", -10)
+    def _wire(self, medium: Medium) -> None:
+        if self.medium is not medium:
+            raise EncoderError(f"{self.model} speaks {self.protocol}: it has no {WIRES[medium]}", ERR_WIRE)
 
-    def _master(self, kind: Any, protocol: str) -> Any:
+    def _speaks(self, protocol: str) -> None:
+        """For what serves this protocol only."""
+        if self.protocol != protocol:
+            raise EncoderError(f"{self.model} speaks {self.protocol}, not {protocol}", ERR_WIRE)
+
+    def _master(self, name: str, kind: Any) -> Any:
         """Made when it is asked for first."""
         _ = self._host  # it is not closed
-        found = self.__dict__.get(f"_{protocol}_master")
+        found = self.__dict__.get(f"_{name}_master")
         if found is None:
-            self._wire(protocol)
-            found = self.__dict__[f"_{protocol}_master"] = kind(self)
+            found = self.__dict__[f"_{name}_master"] = kind(self)
         return found
 
     @property
     def rs485(self) -> Line:
         """RS485: the line that it is on, and its master."""
         _ = self._host  # it is not closed
-        self._wire("hiperface")
+        self._wire(Medium.CHARACTERS)
         assert self._line is not None
         return self._line
 
@@ -420,32 +436,43 @@ class Encoder(Instrument):
     @property
     def bus(self) -> CanBus:
         """CANopen: the bus that it is on."""
-        self._wire("canopen")
+        self._wire(Medium.FRAMES)
         assert self._bus is not None
         return self._bus
 
     @property
     def can(self) -> CanPort:
         """CANopen: a master on its bus."""
-        master: CanPort = self._master(lambda _: self.bus.port(), "canopen")
+        self._wire(Medium.FRAMES)
+        master: CanPort = self._master("can", lambda _: self.bus.port())
+        return master
+
+    @property
+    def clocked(self) -> Clocked:
+        """The master of a clocked line, whatever its encoder speaks: frames and edges."""
+        self._wire(Medium.EDGES)
+        master: Clocked = self._master("clocked", Clocked)
         return master
 
     @property
     def biss(self) -> Biss:
         """The master of its line."""
-        master: Biss = self._master(Biss, "biss")
+        self._speaks(Biss.PROTOCOL)
+        master: Biss = self._master(Biss.PROTOCOL, Biss)
         return master
 
     @property
     def ssi(self) -> Ssi:
         """The master of its line."""
-        master: Ssi = self._master(Ssi, "ssi")
+        self._speaks(Ssi.PROTOCOL)
+        master: Ssi = self._master(Ssi.PROTOCOL, Ssi)
         return master
 
     @property
     def ring(self) -> Ring:
         """INTERBUS: the master of a ring of this encoder alone."""
-        master: Ring = self._master(Ring, "interbus")
+        self._wire(Medium.WORDS)
+        master: Ring = self._master("ring", Ring)
         return master
 
     # ------------------------------------------------------------ faults and SCPI

@@ -7,6 +7,7 @@ from typing import Any
 
 import serial
 
+from ._native import Medium
 from .address import encoder_of, is_model
 from .clock import Clock
 from .encoder import Encoder
@@ -52,7 +53,7 @@ class Serial(serial.SerialBase):
         if time not in ([], ["real"], ["virtual"]) or not is_model(text):
             raise serial.SerialException(f"{url}: {FORMS}")
         rest = "&".join(word for word in words if not word.startswith("time="))
-        return encoder_of(f"{model}?{rest}", Clock(real=time == ["real"]), "hiperface")
+        return encoder_of(f"{model}?{rest}", Clock(real=time == ["real"]), Medium.CHARACTERS)
 
     def close(self) -> None:
         """Nobody listens."""

@@ -229,7 +229,7 @@ class Rig:
 
     def _number(self, section: Section, encoder: Encoder, bus: str | None) -> None:
         """What a bus tells its encoders apart by."""
-        key = {"canopen": "node", "hiperface": "address"}.get(encoder.protocol)
+        key = encoder._address_key()
         if bus is None or key is None:
             return
         number = encoder.get(key)

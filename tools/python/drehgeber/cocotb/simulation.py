@@ -179,7 +179,7 @@ class SimulatedEncoder(Instrument):
             raise EncoderError("a shaft in a simulation goes by a SimulationClock")
         self._clock = clock
         self._encoder = Served(model, clock=clock, shaft=shaft, power=power, memory=memory, **settings)
-        self._encoder._wire(self.PROTOCOL)
+        self._encoder._speaks(self.PROTOCOL)
         self._host, self._lib, self._ffi = self._encoder._host, self._encoder._lib, self._encoder._ffi
         self._event: Any = self._ffi.new("struct dg_host_event *")
         self._encoder.served = self._after
