@@ -123,6 +123,7 @@ enum dg_biss_command {
                                       dg_biss_model.eeprom_write */
     DG_BISS_SIMULATE = 0x05,     /**< set the simulated error: ERR of 60h, nERR; not in 69h */
     DG_BISS_CLEAR = 0x06,        /**< clear the simulated error */
+    DG_BISS_COMMAND_COUNT
 };
 
 /** EEPROM regions; the row of dg_biss_layout.regions with the same index. */

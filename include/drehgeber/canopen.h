@@ -89,6 +89,7 @@ enum dg_co_type {
     DG_CO_U16 = 0x06,
     DG_CO_U32 = 0x07,
     DG_CO_STRING = 0x09, /**< default is the index into dg_co_device.strings */
+    DG_CO_TYPE_COUNT
 };
 
 /** Properties of a row. */

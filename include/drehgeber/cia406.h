@@ -59,6 +59,7 @@ enum dg_cia406_lamp {
     DG_CIA406_LAMP_FAST,       /**< 50 ms on, 50 ms off */
     DG_CIA406_LAMP_FAST_OTHER, /**< the same in opposite phase */
     DG_CIA406_LAMP_300,        /**< 300 ms on, 300 ms off */
+    DG_CIA406_LAMP_COUNT
 };
 
 /** Both LEDs: the pattern, and whether they are lit at this moment. */

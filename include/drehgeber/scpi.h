@@ -201,6 +201,7 @@ enum dg_scpi_unit {
     DG_SCPI_VOLTAGE,      /**< MV, V; 1 mV */
     DG_SCPI_CURRENT,      /**< UA, MA; 1 uA */
     DG_SCPI_DURATION,     /**< as TIME, but the unit has to be said: -130 without */
+    DG_SCPI_UNIT_COUNT
 };
 
 /** What a number may be. */

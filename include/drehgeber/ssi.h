@@ -130,6 +130,7 @@ enum dg_ssi_state {
     DG_SSI_START, /**< initialising, or not yet tm without a falling edge since */
     DG_SSI_IDLE,  /**< the next falling edge stores the position */
     DG_SSI_SHIFT, /**< the word stands still and is shifted out */
+    DG_SSI_STATE_COUNT
 };
 
 /**

@@ -168,14 +168,14 @@ static int soft_reset(struct dg_biss *self, dg_ns now)
 
 static int write_command(struct dg_biss *self, dg_ns now, uint8_t offset, uint8_t value)
 {
-    static int (*const commands[])(struct dg_biss *, dg_ns) = {
+    static int (*const commands[DG_BISS_COMMAND_COUNT])(struct dg_biss *, dg_ns) = {
         [DG_BISS_NEW_POSITION] = do_nothing, [DG_BISS_STORE] = store_config,
         [DG_BISS_SOFT_RESET] = soft_reset,   [DG_BISS_CHECK] = check_eeprom,
         [DG_BISS_SIMULATE] = simulate_error, [DG_BISS_CLEAR] = clear_error,
     };
 
     (void)offset;
-    if (value >= DG_COUNT(commands) || commands[value] == NULL) {
+    if (value >= DG_BISS_COMMAND_COUNT || commands[value] == NULL) {
         return DG_OK;
     }
     return commands[value](self, now);

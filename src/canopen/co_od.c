@@ -34,8 +34,8 @@ static dg_co_hook *const hooks[] = {NULL, HOOKS(POINTER)};
 enum { NUMBER_NULL, HOOKS(NUMBER) };
 
 /* Limits by number. */
-enum { FULL, TO_2 };
-static const struct dg_co_limits limits[] = {[TO_2] = {0, 2}};
+enum { FULL, TO_2, LIMIT_COUNT };
+static const struct dg_co_limits limits[LIMIT_COUNT] = {[TO_2] = {0, 2}};
 
 /* The short names of co_objects.def. */
 enum { DG_CO_SHORT_FLAGS };
@@ -52,7 +52,7 @@ static const struct dg_co_row rows[] = {
 
 const struct dg_co_dictionary dg_co_common_dictionary = {DG_CO_ROWS(rows), limits, hooks};
 const uint8_t dg_co_slot_event_timer = CO_TPDO(0, CO_PDO_EVENT_MS);
-const uint8_t dg_co_sizes[] = {
+const uint8_t dg_co_sizes[DG_CO_TYPE_COUNT] = {
     [DG_CO_I8] = 1,  [DG_CO_I16] = 2, [DG_CO_I32] = 4,    [DG_CO_U8] = 1,
     [DG_CO_U16] = 2, [DG_CO_U32] = 4, [DG_CO_STRING] = 0,
 };

@@ -47,7 +47,7 @@ static inline enum dg_co_type co_type(const struct dg_co_object *object)
     return (enum dg_co_type)(object->row->flags >> 12);
 }
 /** Bytes of each type; 0 for strings. */
-extern const uint8_t dg_co_sizes[];
+extern const uint8_t dg_co_sizes[DG_CO_TYPE_COUNT];
 static inline uint8_t co_size(const struct dg_co_object *object)
 {
     return dg_co_sizes[(uint32_t)object->row->flags >> 12];

@@ -50,7 +50,7 @@ static void put_leds(struct dg_cia406_leds leds, struct dg_scpi *to)
         [DG_CIA406_LAMP_FAST] = "fast",   [DG_CIA406_LAMP_FAST_OTHER] = "fast-other",
         [DG_CIA406_LAMP_300] = "300ms",
     };
-    _Static_assert(DG_COUNT(names) == DG_CIA406_LAMP_300 + 1, "a name for each");
+    _Static_assert(DG_COUNT(names) == DG_CIA406_LAMP_COUNT, "a name for each");
 
     dg_state_begin(to, "leds");
     dg_scpi_append(to, "bus:");

@@ -96,7 +96,7 @@ static const struct {
 
 static bool lit(enum dg_cia406_lamp pattern, dg_ns now)
 {
-    static const uint16_t half_period_ms[] = {
+    static const uint16_t half_period_ms[DG_CIA406_LAMP_COUNT] = {
         [DG_CIA406_LAMP_BLINK] = 250,     [DG_CIA406_LAMP_SLOW] = 1000, [DG_CIA406_LAMP_FAST] = 50,
         [DG_CIA406_LAMP_FAST_OTHER] = 50, [DG_CIA406_LAMP_300] = 300,
     };

@@ -44,7 +44,7 @@ static const struct suffix suffixes[] = {
 
 /* Places behind the point that the base unit has in the first suffix, for ranges; voltage and
    current have none, a plain number those of its range. */
-static const uint8_t unit_places[] = {
+static const uint8_t unit_places[DG_SCPI_UNIT_COUNT] = {
     [DG_SCPI_ANGLE] = 6,       [DG_SCPI_SPEED] = 3,       [DG_SCPI_ACCELERATION] = 3,
     [DG_SCPI_TIME] = 6,        [DG_SCPI_TEMPERATURE] = 3, [DG_SCPI_VOLTAGE] = 0,
     [DG_SCPI_CURRENT] = 0,

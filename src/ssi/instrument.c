@@ -14,6 +14,7 @@ static const char *mode(const void *self, dg_ns now)
         [DG_SSI_IDLE] = "idle",
         [DG_SSI_SHIFT] = "transmitting",
     };
+    _Static_assert(DG_COUNT(modes) == DG_SSI_STATE_COUNT, "a word for each");
     const struct dg_ssi *device = self;
     const bool over = device->state != DG_SSI_OFF && now >= device->deadline;
 

@@ -80,6 +80,7 @@ static void falling(struct dg_ssi *self, dg_ns now)
 
     switch (self->state) {
     case DG_SSI_OFF:
+    case DG_SSI_STATE_COUNT:
         return;
     case DG_SSI_START:
         self->deadline = end > self->deadline ? end : self->deadline;

@@ -41,6 +41,7 @@ struct lx_words complaint(const struct lx_error *error)
         break;
     case LX_ABOUT_NOTHING:
     case LX_ABOUT_ITSELF:
+    case LX_ABOUT_COUNT:
         break;
     }
     lx_words_add(&line, "%s", reason.text);

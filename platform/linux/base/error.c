@@ -105,7 +105,7 @@ struct lx_words lx_error_reason(const struct lx_error *error)
 
 struct lx_words lx_error_line(const struct lx_error *error)
 {
-    static const char *const between[] = {
+    static const char *const between[LX_ABOUT_COUNT] = {
         [LX_ABOUT_KEY] = " ", [LX_ABOUT_SETTING] = "=", [LX_ABOUT_WIRE] = ":"};
     const struct lx_where *where = &error->where;
     const struct lx_words reason = lx_error_reason(error);

@@ -23,6 +23,7 @@ enum lx_about {
     LX_ABOUT_SETTING, /**< a setting of an encoder or of its wire */
     LX_ABOUT_WIRE,    /**< the address of a wire; the key is the kind of wire */
     LX_ABOUT_ITSELF,  /**< its text says, and whoever adds something later shall not */
+    LX_ABOUT_COUNT
 };
 
 /** Where it stands. */

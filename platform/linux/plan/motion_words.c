@@ -21,7 +21,7 @@
 const char lx_shaft_forms[] = FORMS;
 
 /* What a unit measures. */
-enum dimension { ANGLE, SPEED, TIME };
+enum dimension { ANGLE, SPEED, TIME, DIMENSION_COUNT };
 
 /* A unit: a number is kept with `places` decimals, then multiplied by `factor`. Limits are in
    whole units. Angles are converted from degrees in their own way. */
@@ -49,6 +49,7 @@ static const char *const examples[] = {
     [TIME]  = "a time such as 2S or 500MS",
 };
 /* clang-format on */
+_Static_assert(DG_COUNT(examples) == DIMENSION_COUNT, "an example for each");
 #define UNIT_COUNT DG_COUNT(units)
 
 /* A number with its unit: 2^-32 turns, 0.001 rpm or nanoseconds. */
