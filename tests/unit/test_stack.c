@@ -100,7 +100,9 @@ static void start(struct place *self, const struct dg_device *device)
     furnish(self, device);
     assert_true(stack->device_size <= sizeof self->device);
     assert_int_equal(stack->format(&self->setup), DG_OK);
-    assert_int_equal(stack->init(&self->device, &self->setup), DG_OK);
+    if (stack->init(&self->device, &self->setup) != DG_OK) {
+        fail_msg("%s is not made; does port_of() know its wire?", device->name);
+    }
     assert_false(stack->powered(&self->device));
     assert_int_equal(stack->power_on(&self->device, 0), DG_OK);
     assert_true(stack->powered(&self->device));
@@ -123,6 +125,7 @@ static void check_object(const struct dg_device *device)
     assert_non_null(device->model);
     assert_non_null(stack);
     assert_true(stack->name[0] >= 'a' && stack->name[0] <= 'z');
+    assert_true((unsigned)stack->medium < DG_MEDIUM_COUNT);
     assert_true(stack->device_size > 0);
     assert_true(stack->layout != NULL && stack->senses_multiturn != NULL);
     assert_true(stack->format != NULL && stack->mount != NULL);
