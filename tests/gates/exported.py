@@ -55,4 +55,5 @@ def main():
     finish(len(public) + len(exported), complaints)
 
 
-main()
+if __name__ == "__main__":
+    main()
