@@ -9,7 +9,7 @@ const BUS_NS = 50_000_000n;
 
 // Each encoder of the playground, in the order of the tabs: its model, what it is called, what is drawn of it (`drawing`,
 // of view.js), and what its master can do. `ask` is what is repeated, `look` tells of an error; a form is its fields, the
-// text of its button, and what is done with the fields' values; `master` makes one that has a state of its own;
+// text of its button, and what is done with the fields' values; `master` makes one that has a state of its own.
 export const ENCODERS = [
   {
     model: "s3684-rs485",
