@@ -34,6 +34,28 @@ struct dg_host_line {
     bool chained;   /**< ... of which there is one */
 };
 
+/** A bit of dg_host_event.flags, from a protocol to a bus: what was sent may acknowledge that
+ * something was stored. Hosts that fetch events do not see it. */
+#define DG_HOST_ACKNOWLEDGES 0x8000u
+
+/** Frames: what a bus asks of an encoder. None is NULL; each may be asked without power. */
+struct dg_host_controller {
+    /** Another number whenever one of those below may give another answer. */
+    uint32_t (*version)(const void *device);
+    /** The identifiers it listens to. @return how many */
+    uint8_t (*listens)(const void *device, uint16_t ids[DG_HOST_FILTERS]);
+    /** In force, in bit/s; 0: not known. */
+    uint32_t (*bit_rate)(const void *device);
+    /** What tells its encoders apart on a bus, as in force. */
+    uint32_t (*address)(const void *device);
+    /** Identifiers that two of its services have, both of which send, for who tells the user.
+     * @return how many */
+    uint8_t (*shared)(const void *device, uint16_t ids[DG_HOST_FILTERS]);
+    /** Whether it does not know yet that somebody acknowledges (DG_HOST_BUS_PRESENT), or that
+     * nobody does (DG_HOST_BUS_ABSENT). */
+    bool (*is_news)(const void *device, enum dg_host_bus event);
+};
+
 /** The wire. Operations may be NULL where they say so. */
 struct dg_host_wire {
     const struct dg_stack *stack;
@@ -68,6 +90,8 @@ struct dg_host_wire {
     const char *(*hint)(struct dg_host_line *line, dg_ns now, dg_ns *due);
     /** A frame by an own master from line->now on, which it moves on. NULL: has none. */
     int (*frame)(struct dg_host_line *line, struct dg_host_frame *to);
+    /** NULL but of frames. */
+    const struct dg_host_controller *controller;
     /** States of others: of the stack, whose settings begin with its own struct. */
     const struct dg_stack_check *state;
 };
@@ -79,9 +103,16 @@ DG_API void dg_host_emit(struct dg_host_line *line, const struct dg_host_event *
  * dg_host_feed() and tells a listener; dg_host_send() is DG_HOST_ERR_STATE.
  * @return as dg_host_size() */
 DG_API size_t dg_host_size_on_bus(const struct dg_device *model, const struct dg_host_wire *wire);
-/** Make one. @return as dg_host_init() */
+/** The same for one whose EEPROM is the host's (dg_host_memory_port(), before the first power-on):
+ * there is no room for one in it. */
+DG_API size_t dg_host_size_with_port(const struct dg_device *model,
+                                     const struct dg_host_wire *wire);
+/** Make one; with an EEPROM of its own if `size` has room for that. @return as dg_host_init() */
 DG_API struct dg_host *dg_host_init_on_bus(void *memory, size_t size, const struct dg_device *model,
                                            const struct dg_host_wire *wire);
+/** It is `now`, and nothing happens yet: what has become due since is late, and done at this moment
+ * by the next call. For who cannot come in time. */
+DG_API void dg_host_skip(struct dg_host *self, uint64_t now);
 /** The side of this model's protocol; links all of them. NULL: it has none. */
 DG_API const struct dg_host_wire *dg_host_wire_of(const struct dg_device *model);
 
@@ -90,6 +121,10 @@ DG_API const struct dg_host_wire *dg_host_wire_of(const struct dg_device *model)
  * moment: of characters one, DG_HOST_ENDED or DG_HOST_START. What waits in queues keeps its turn.
  * @return when to call again, as dg_host_step() */
 DG_API uint64_t dg_host_feed(struct dg_host *self, const struct dg_host_event *event);
+
+/** Frames: its controller says `event` (enum dg_host_bus) at the latest moment that was served, and
+ * what that makes the encoder send it sends at once. */
+DG_API void dg_host_tell_controller(struct dg_host *self, uint32_t event);
 
 /** The side of its protocol. */
 DG_API const struct dg_host_wire *dg_host_wire_at(const struct dg_host *self);

@@ -2,11 +2,18 @@
 /*
  * A handle from its memory to its power:
  *
- *   | struct dg_host | queues, unless it is on a bus | settings | device | EEPROM |
+ *   | struct dg_host | queues, unless it is on a bus | settings | device | EEPROM, or the host's |
  */
 #include "host_private.h"
 
 #include <string.h>
+
+/* What a handle has of its own. */
+enum host_kind {
+    HOST_ALONE,     /* queues and an EEPROM */
+    HOST_ON_BUS,    /* an EEPROM */
+    HOST_WITH_PORT, /* neither */
+};
 
 _Static_assert(_Alignof(struct dg_host) <= DG_HOST_ALIGN, "what host.h asks for is enough");
 _Static_assert(_Alignof(max_align_t) <= DG_HOST_ALIGN, "also for devices, see stack.h");
@@ -18,21 +25,26 @@ size_t dg_host_round(size_t n)
 }
 
 static struct host_parts parts_of(const struct dg_device *model, const struct dg_host_wire *wire,
-                                  bool on_bus)
+                                  enum host_kind kind)
 {
     const struct dg_store_layout *layout = model->stack->layout(model->model);
 
     return (struct host_parts){
-        .queues = on_bus ? 0 : dg_host_round(sizeof(struct host_queues)),
+        .queues = kind == HOST_ALONE ? dg_host_round(sizeof(struct host_queues)) : 0,
         .settings = dg_host_round(wire->settings_size),
         .device = dg_host_round(model->stack->device_size),
-        .memory = layout != NULL ? dg_host_round(dg_store_size(layout)) : 0,
+        .memory =
+            layout != NULL && kind != HOST_WITH_PORT ? dg_host_round(dg_store_size(layout)) : 0,
     };
 }
 
 struct host_parts dg_host_parts_of(const struct dg_host *self)
 {
-    return parts_of(self->refs.device, self->refs.wire, self->refs.queues == NULL);
+    struct host_parts parts = parts_of(self->refs.device, self->refs.wire,
+                                       self->refs.queues != NULL ? HOST_ALONE : HOST_ON_BUS);
+
+    parts.memory = self->memory_size;
+    return parts;
 }
 
 static size_t sum_of(const struct host_parts *parts)
@@ -48,23 +60,29 @@ size_t dg_host_size_in_all(const struct dg_host *self)
     return sum_of(&parts);
 }
 
-static size_t size_of(const struct dg_device *model, const struct dg_host_wire *wire, bool on_bus)
+static size_t size_of(const struct dg_device *model, const struct dg_host_wire *wire,
+                      enum host_kind kind)
 {
     if (model->stack != wire->stack) {
         return 0;
     }
-    const struct host_parts parts = parts_of(model, wire, on_bus);
+    const struct host_parts parts = parts_of(model, wire, kind);
     return sum_of(&parts);
 }
 
 size_t dg_host_size(const struct dg_device *model, const struct dg_host_wire *wire)
 {
-    return size_of(model, wire, false);
+    return size_of(model, wire, HOST_ALONE);
 }
 
 size_t dg_host_size_on_bus(const struct dg_device *model, const struct dg_host_wire *wire)
 {
-    return size_of(model, wire, true);
+    return size_of(model, wire, HOST_ON_BUS);
+}
+
+size_t dg_host_size_with_port(const struct dg_device *model, const struct dg_host_wire *wire)
+{
+    return size_of(model, wire, HOST_WITH_PORT);
 }
 
 static void place_parts(struct dg_host *self, const struct host_parts *parts)
@@ -79,15 +97,15 @@ static void place_parts(struct dg_host *self, const struct host_parts *parts)
 }
 
 static struct dg_host *init(void *memory, size_t size, const struct dg_device *model,
-                            const struct dg_host_wire *wire, bool on_bus)
+                            const struct dg_host_wire *wire, enum host_kind kind)
 {
-    const size_t needed = size_of(model, wire, on_bus);
+    const size_t needed = size_of(model, wire, kind);
     struct dg_host *self = memory;
 
     if (memory == NULL || needed == 0 || size < needed || (uintptr_t)memory % DG_HOST_ALIGN != 0) {
         return NULL;
     }
-    const struct host_parts parts = parts_of(model, wire, on_bus);
+    const struct host_parts parts = parts_of(model, wire, kind);
     memset(memory, 0, needed);
     place_parts(self, &parts);
     self->refs.device = model;
@@ -106,13 +124,15 @@ static struct dg_host *init(void *memory, size_t size, const struct dg_device *m
 struct dg_host *dg_host_init(void *memory, size_t size, const struct dg_device *model,
                              const struct dg_host_wire *wire)
 {
-    return init(memory, size, model, wire, false);
+    return init(memory, size, model, wire, HOST_ALONE);
 }
 
 struct dg_host *dg_host_init_on_bus(void *memory, size_t size, const struct dg_device *model,
                                     const struct dg_host_wire *wire)
 {
-    return init(memory, size, model, wire, true);
+    const bool has_room = size >= dg_host_size_on_bus(model, wire);
+
+    return init(memory, size, model, wire, has_room ? HOST_ON_BUS : HOST_WITH_PORT);
 }
 
 const char *dg_host_model(const struct dg_host *self)
@@ -206,11 +226,17 @@ size_t dg_host_memory_size(const struct dg_host *self)
     return layout != NULL ? dg_store_size(layout) : 0;
 }
 
+/* The EEPROM is in the handle. */
+static bool has_memory(const struct dg_host *self)
+{
+    return self->refs.nvm.ops == NULL && self->memory_size >= dg_host_memory_size(self);
+}
+
 int dg_host_memory_copy(const struct dg_host *self, void *to, size_t n)
 {
     const size_t size = dg_host_memory_size(self);
 
-    if (self->refs.nvm.ops != NULL) {
+    if (!has_memory(self)) {
         return DG_HOST_ERR_STATE;
     }
     if (n < size) {
@@ -224,7 +250,7 @@ int dg_host_memory_copy(const struct dg_host *self, void *to, size_t n)
 
 int dg_host_memory_load(struct dg_host *self, const void *from, size_t n)
 {
-    if (self->refs.nvm.ops != NULL || dg_host_powered(self)) {
+    if (!has_memory(self) || dg_host_powered(self)) {
         return DG_HOST_ERR_STATE;
     }
     if (n != dg_host_memory_size(self)) {
@@ -256,6 +282,9 @@ static int format(struct dg_host *self, const struct dg_stack_setup *setup)
 
     if (self->loaded) {
         return DG_OK;
+    }
+    if (setup->nvm.ops == NULL && stack->layout(setup->model) != NULL) {
+        return DG_ERR_IO; /* the host has not said where it is */
     }
     if (self->refs.nvm.ops != NULL && stack->layout(setup->model) != NULL) {
         const int result = stack->mount(setup, &store);

@@ -8,6 +8,7 @@
 
 #include "drehgeber/control.h"
 #include "drehgeber/line_fault.h"
+#include "drehgeber/wire_fault.h"
 #include "host_private.h"
 
 struct dg_host_panel {
@@ -89,35 +90,25 @@ static unsigned sent_by_encoder(struct dg_host_panel *self, struct dg_host_event
     return self->copies;
 }
 
-/* What the controller of a CAN node sees, at once and not by the queue. */
-static void tell_controller(struct dg_host_panel *self, uint32_t what)
-{
-    struct dg_host_line *line = &self->host->line;
-    const struct dg_host_event event = {.at = line->now, .id = what, .kind = DG_HOST_BUS};
-
-    (void)self->host->refs.wire->take(line, &event);
-}
-
 /* A frame that a controller had to drop is an event to its node. */
-static bool overruns(struct dg_host_panel *self)
+static bool hears(struct dg_host_panel *self)
 {
-    const bool lost = dg_fault_wire_takes(&self->encoder.faults, DG_WIRE_OVERRUN);
+    const enum dg_wire_heard heard = dg_wire_fault_hear(&self->encoder);
 
-    if (lost) {
-        tell_controller(self, DG_HOST_BUS_OVERRUN);
+    if (heard == DG_WIRE_LOST) {
+        dg_host_tell_controller(self->host, DG_HOST_BUS_OVERRUN);
     }
-    return lost;
+    return heard == DG_WIRE_HEARD;
 }
 
 static unsigned sent_by_master(struct dg_host_panel *self, struct dg_host_event *event)
 {
-    struct dg_faults *faults = &self->encoder.faults;
-
     if (event->kind != DG_HOST_BUS) {
-        return dg_fault_wire_takes(faults, DG_WIRE_DEAF) || overruns(self) ? 0 : 1;
+        return hears(self) ? 1 : 0;
     }
     if (event->id <= DG_HOST_BUS_OFF) {
-        event->id = (uint32_t)dg_fault_controller(faults, (enum dg_controller)event->id);
+        event->id =
+            (uint32_t)dg_fault_controller(&self->encoder.faults, (enum dg_controller)event->id);
     }
     return 1;
 }
@@ -199,7 +190,7 @@ static void follow_controller(struct dg_host_panel *self)
     const enum dg_controller wanted = dg_fault_controller(&self->encoder.faults, own);
 
     if (wanted != own || self->bent) {
-        tell_controller(self, (uint32_t)wanted);
+        dg_host_tell_controller(self->host, (uint32_t)wanted);
     }
     self->bent = wanted != own;
 }

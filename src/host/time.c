@@ -48,12 +48,23 @@ static void deliver(struct dg_host *self, const struct dg_host_event *event)
     }
 }
 
+void dg_host_tell_controller(struct dg_host *self, uint32_t event)
+{
+    struct dg_host_line *line = &self->line;
+    const struct dg_host_event said = {.at = line->now, .id = event, .kind = DG_HOST_BUS};
+
+    (void)self->refs.wire->take(line, &said);
+}
+
 void dg_host_emit(struct dg_host_line *line, const struct dg_host_event *event)
 {
     struct dg_host *self = (struct dg_host *)(void *)line;
     struct dg_host_event copy = *event;
     unsigned times = 1;
 
+    if (self->refs.queues != NULL) {
+        copy.flags &= (uint16_t)~DG_HOST_ACKNOWLEDGES;
+    }
     if (self->refs.faults != NULL) {
         times = self->refs.faults->arrives(self->refs.faults_ctx, &copy, false);
     }
@@ -227,6 +238,11 @@ void dg_host_run(struct dg_host *self, dg_ns now)
     if (self->made) {
         serve(self);
     }
+}
+
+void dg_host_skip(struct dg_host *self, uint64_t now)
+{
+    self->line.now = now > self->line.now ? now : self->line.now;
 }
 
 uint64_t dg_host_feed(struct dg_host *self, const struct dg_host_event *event)
