@@ -91,6 +91,10 @@ DG_API dg_ns dg_bus_step(struct dg_bus *self, dg_ns now);
 /** The same moment; nothing happens. */
 DG_API dg_ns dg_bus_next(const struct dg_bus *self);
 
+/** It is `now`, and what was due before has happened: for who reads, or is about to change, what
+ * the encoders are. */
+DG_API void dg_bus_look(struct dg_bus *self, dg_ns now);
+
 /** Power, world, settings or faults of an encoder have changed at `now`. @return as dg_bus_step()
  */
 DG_API dg_ns dg_bus_changed(struct dg_bus *self, size_t place, dg_ns now);

@@ -21,12 +21,13 @@ struct bus_place {
     dg_ns deadline; /**< of the encoder */
 };
 
-/** A medium. No operation is NULL. */
+/** A medium. No operation is NULL but `feel`. */
 struct dg_bus_medium {
     enum dg_medium medium;
     size_t wire_size;     /**< of its own state, */
     size_t place_size;    /**< ... and for each encoder, struct bus_place at the beginning */
     size_t encoders_most; /**< on one wire */
+    bool keeps_deadlines; /**< `next` is of its encoders, too, and places have none */
     /** Zeroed memory becomes a wire. @return 0; DG_ERR_ARGUMENT: not with this setup */
     int (*begin)(struct dg_bus *self, const void *setup);
     /** An encoder comes to its place. @return 0; DG_ERR_ARGUMENT: not on this wire */
@@ -39,6 +40,9 @@ struct dg_bus_medium {
     void (*go_on)(struct dg_bus *self, dg_ns now);
     /** When something on the wire itself is due; the encoders' deadlines come to that. */
     dg_ns (*next)(const struct dg_bus *self);
+    /** The same is about to come: what the encoder feels of its wire before it senses anything.
+     * NULL: nothing. */
+    void (*feel)(struct bus_place *place, dg_ns now);
     /** Power, world, settings or faults of an encoder have changed; it knows already. */
     void (*changed)(struct bus_place *place, dg_ns now);
     /** Replies that wait for its memory may go. */
@@ -49,7 +53,8 @@ struct dg_bus {
     const struct dg_bus_medium *medium;
     const struct dg_bus_ops *ops;
     void *ctx;
-    dg_ns now; /**< the latest moment that was served */
+    dg_ns now;    /**< the latest moment that was served */
+    dg_ns called; /**< the latest moment that the host has said */
     size_t count;
     size_t room;
     size_t stride; /**< from place to place */

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-#include "can_load.h"
+/* How much of a bus of frames is used. */
+#include "drehgeber/bus_frames.h"
 
 /* In milliseconds: a window may have been open for years, and still fits. */
-static uint32_t load(const struct lx_can_load *self, dg_ns now, uint64_t bits, uint32_t bit_rate)
+static uint32_t load(const struct dg_bus_load *self, dg_ns now, uint64_t bits, uint32_t bit_rate)
 {
     const uint64_t sent = bits > self->bits ? bits - self->bits : 0;
     const uint64_t room = dg_elapsed(now, self->since) / DG_MS(1) * bit_rate / 1000u;
@@ -10,27 +11,27 @@ static uint32_t load(const struct lx_can_load *self, dg_ns now, uint64_t bits, u
     return permille > UINT32_MAX ? UINT32_MAX : (uint32_t)permille;
 }
 
-void lx_can_load_begin(struct lx_can_load *self, dg_ns now, uint64_t bits)
+void dg_bus_load_begin(struct dg_bus_load *self, dg_ns now, uint64_t bits)
 {
-    *self = (struct lx_can_load){.since = now, .bits = bits};
+    *self = (struct dg_bus_load){.since = now, .bits = bits};
 }
 
-bool lx_can_load_take(struct lx_can_load *self, dg_ns now, uint64_t bits, uint32_t bit_rate)
+bool dg_bus_load_close(struct dg_bus_load *self, dg_ns now, uint64_t bits, uint32_t bit_rate)
 {
     const bool before = self->overloaded;
     self->permille = load(self, now, bits, bit_rate);
     self->since = now;
     self->bits = bits;
-    if (self->permille > LX_CAN_OVERLOAD_PERMILLE) {
+    if (self->permille > DG_BUS_OVERLOAD_PERMILLE) {
         self->overloaded = true;
-    } else if (self->permille <= LX_CAN_RELIEF_PERMILLE) {
+    } else if (self->permille <= DG_BUS_RELIEF_PERMILLE) {
         self->overloaded = false;
     }
     return self->overloaded && !before;
 }
 
-uint32_t lx_can_load_permille(const struct lx_can_load *self, dg_ns now, uint64_t bits,
+uint32_t dg_bus_load_permille(const struct dg_bus_load *self, dg_ns now, uint64_t bits,
                               uint32_t bit_rate)
 {
-    return lx_can_load_due(self, now) ? load(self, now, bits, bit_rate) : self->permille;
+    return dg_bus_load_due(self, now) ? load(self, now, bits, bit_rate) : self->permille;
 }

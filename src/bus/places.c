@@ -76,9 +76,10 @@ int dg_bus_attach(struct dg_bus *self, struct dg_host *encoder, struct dg_encode
 
 dg_ns dg_bus_next(const struct dg_bus *self)
 {
+    const size_t places = self->medium->keeps_deadlines ? 0 : self->count;
     dg_ns next = self->medium->next(self);
 
-    for (size_t i = 0; i < self->count; i++) {
+    for (size_t i = 0; i < places; i++) {
         next = dg_earliest(next, dg_bus_place_at(self, i)->deadline);
     }
     return next;
@@ -89,6 +90,7 @@ static void run_until(struct dg_bus *self, dg_ns now)
 {
     dg_ns next = dg_bus_next(self);
 
+    self->called = now > self->called ? now : self->called;
     while (next < now) {
         /* Whoever asks for the present again would stop time. */
         self->now = next > self->now ? next : self->now;
@@ -114,11 +116,19 @@ dg_ns dg_bus_step(struct dg_bus *self, dg_ns now)
     return dg_bus_next(self);
 }
 
+void dg_bus_look(struct dg_bus *self, dg_ns now)
+{
+    run_until(self, now);
+}
+
 dg_ns dg_bus_changed(struct dg_bus *self, size_t place, dg_ns now)
 {
     struct bus_place *changed = dg_bus_place_at(self, place);
 
     run_until(self, now);
+    if (self->medium->feel != NULL) {
+        self->medium->feel(changed, self->now);
+    }
     changed->deadline = dg_host_step(changed->host, self->now);
     self->medium->changed(changed, self->now);
     return dg_bus_step(self, now);
