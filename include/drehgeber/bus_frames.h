@@ -63,8 +63,6 @@ struct dg_bus_frames_ops {
     void (*filter)(void *ctx);
     /** The bit rate of an encoder is another one. */
     void (*retuned)(void *ctx, size_t place, uint32_t bit_rate);
-    /** Bits on the wire so far, of everybody's frames. NULL: those that this bus has seen. */
-    uint64_t (*bits)(void *ctx);
 };
 
 /** Room for a frame that waits, of the host's. Private. */
@@ -98,8 +96,8 @@ struct dg_bus_frames_counters {
     uint64_t lost;   /**< frames that found no room to wait in */
 };
 
-/** The wire is another one from the next call on. */
-DG_API void dg_bus_frames_set_line(struct dg_bus *self, const struct dg_bus_frames_line *line);
+/** The wire is another one from the next call on. @return whether it is: dg_bus_step() then */
+DG_API bool dg_bus_frames_set_line(struct dg_bus *self, const struct dg_bus_frames_line *line);
 
 /** The controller at `now` is in a state, or has lost a frame (DG_HOST_BUS_ACTIVE to _OVERRUN).
  * Bus-off lasts until it is active again. Faults make an encoder's worse, never better.
@@ -122,8 +120,9 @@ DG_API uint32_t dg_bus_frames_bit_rate(const struct dg_bus *self);
 /** A frame of somebody else, with so many bits, that no encoder could understand has been on the
  * wire until `now`. With `pace` what is sent meanwhile is through later. */
 DG_API void dg_bus_frames_count(struct dg_bus *self, dg_ns now, uint32_t bits);
-/** Bits on the wire so far. */
+/** Bits on the wire so far, of all frames that this bus has seen or was told of. */
 DG_API uint64_t dg_bus_frames_bits(const struct dg_bus *self);
+/** Its counters; they last as long as the bus. */
 DG_API const struct dg_bus_frames_counters *dg_bus_frames_counters(const struct dg_bus *self);
 
 /* ---------------------------------------------------------------- bit times and load */

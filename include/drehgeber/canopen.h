@@ -550,38 +550,8 @@ DG_API extern const uint8_t dg_co_slot_event_timer;
 /** Hook of a device's object that saves the bus parameters when "save" is written to it. */
 DG_API dg_co_hook dg_co_hook_save_bus;
 
-/* ---------------------------------------------------------------- many nodes on one bus */
-
-/** Nodes a net can have. */
+/** Nodes that a bus can have: as many as there are node-IDs. */
 #define DG_CO_NET_NODES 127u
-
-/**
- * Nodes that share a bus in one process. A frame is offered to those that listen to its CAN-ID,
- * not to each in turn. Caller-owned; the nodes must outlive it.
- */
-struct dg_co_net {
-    struct dg_co_node *node[DG_CO_NET_NODES];
-    dg_ns deadline[DG_CO_NET_NODES];
-    uint8_t filter_version[DG_CO_NET_NODES];
-    uint8_t count;
-    uint8_t listeners[0x800][(DG_CO_NET_NODES + 7u) / 8u]; /**< bit n: node n, by CAN-ID */
-};
-/** A net without nodes. */
-DG_API void dg_co_net_init(struct dg_co_net *self);
-/** Add a node. @return 0 or DG_ERR_SPACE */
-DG_API int dg_co_net_add(struct dg_co_net *self, struct dg_co_node *node);
-/** As dg_co_rx(), for those that listen to the frame's CAN-ID. @return the next deadline of all */
-DG_API dg_ns dg_co_net_rx(struct dg_co_net *self, dg_ns now, const struct dg_can_frame *frame);
-/** As dg_co_step(), for the nodes whose deadline has come. @return the next deadline of all */
-DG_API dg_ns dg_co_net_step(struct dg_co_net *self, dg_ns now);
-/** As dg_co_bus(), for all nodes. @return the next deadline of all */
-DG_API dg_ns dg_co_net_bus(struct dg_co_net *self, dg_ns now, enum dg_co_bus_event event);
-/** Enter the CAN-IDs of node `i`, as they were added, again if they may have changed: for whoever
- * filters in front of the net, before what the node sends goes out, as a master may answer at once.
- * The others do so when the node is done. @return whether they may have */
-DG_API bool dg_co_net_follow(struct dg_co_net *self, uint8_t i);
-/** Whether any node listens to `id`. */
-DG_API bool dg_co_net_listens(const struct dg_co_net *self, uint16_t id);
 
 /* ---------------------------------------------------------------- frames in words */
 

@@ -89,13 +89,13 @@ struct dg_fault {
     bool active;
     uint32_t left; /**< frames; 0: no limit */
     uint32_t probability_ppm;
-    dg_ns until; /**< DG_NEVER: until cleared */
+    uint32_t happened; /**< WIRE: frames it happened to */
+    dg_ns until;       /**< DG_NEVER: until cleared */
     /** What is needed to undo it. */
     union {
         int64_t healthy;           /**< WORLD: value before */
         struct dg_fault_flip flip; /**< MEMORY */
     };
-    uint32_t happened; /**< WIRE: frames it happened to */
 };
 
 /** The faults of one encoder, by their index in its catalogue. Plain data, zero-initialised is none

@@ -38,6 +38,9 @@ struct dg_host_line {
  * something was stored. Hosts that fetch events do not see it. */
 #define DG_HOST_ACKNOWLEDGES 0x8000u
 
+/** Identifiers that services of one encoder share at most. */
+#define DG_HOST_SHARED 3u
+
 /** Frames: what a bus asks of an encoder. None is NULL; each may be asked without power. */
 struct dg_host_controller {
     /** Another number whenever one of those below may give another answer. */
@@ -50,7 +53,7 @@ struct dg_host_controller {
     uint32_t (*address)(const void *device);
     /** Identifiers that two of its services have, both of which send, for who tells the user.
      * @return how many */
-    uint8_t (*shared)(const void *device, uint16_t ids[DG_HOST_FILTERS]);
+    uint8_t (*shared)(const void *device, uint16_t ids[DG_HOST_SHARED]);
     /** Whether it does not know yet that somebody acknowledges (DG_HOST_BUS_PRESENT), or that
      * nobody does (DG_HOST_BUS_ABSENT). */
     bool (*is_news)(const void *device, enum dg_host_bus event);
@@ -78,6 +81,9 @@ struct dg_host_wire {
     dg_ns (*due)(const struct dg_host_line *line, const struct dg_host_event *event);
     /** Take the next part at line->now. @return whether it was the last one. NULL with `check`. */
     bool (*take)(struct dg_host_line *line, const struct dg_host_event *event);
+    /** Take a whole event at line->now, with all that is due then. @return when it wants to be
+     * called again. For dg_host_feed(); NULL: `take`, then what is due is asked for. */
+    dg_ns (*feed)(struct dg_host_line *line, const struct dg_host_event *event);
     /** Clocked lines: level of the encoder's line, and the master's clock. NULL. */
     bool (*level)(const struct dg_host_line *line);
     bool (*clock)(struct dg_host_line *line, dg_ns now, bool level);
@@ -107,6 +113,9 @@ DG_API size_t dg_host_size_on_bus(const struct dg_device *model, const struct dg
  * there is no room for one in it. */
 DG_API size_t dg_host_size_with_port(const struct dg_device *model,
                                      const struct dg_host_wire *wire);
+/** Behind dg_host_memory_port(): there is an image of this encoder in it, as whoever opened it
+ * knows. The first power-on does not look whether to format it. */
+DG_API void dg_host_memory_known(struct dg_host *self);
 /** Make one; with an EEPROM of its own if `size` has room for that. @return as dg_host_init() */
 DG_API struct dg_host *dg_host_init_on_bus(void *memory, size_t size, const struct dg_device *model,
                                            const struct dg_host_wire *wire);

@@ -2,8 +2,8 @@
 /*
  * Frames between encoders and wire, and the states of the encoders' controllers:
  *
- *   encoder -- waits for its memory? -- faults, late? -- tap, encoders that listen -- pace? -->
- * wire wire, other encoders -- who listens? -- faults --> encoder
+ *   encoder --> its memory? --> faults, late? --> tap, others that listen --> pace? --> wire
+ *   encoder <-- faults <-- who listens? <-- wire, other encoders
  *
  * An encoder must not be called back while it sends, so what encoders send each other waits until
  * it is through: then it is their turn, at the same moment.
@@ -29,19 +29,17 @@ static bool is_free(const struct dg_bus *self)
 }
 
 /* It begins at `begin`. */
-static void transmit(struct dg_bus *self, size_t from, const struct dg_can_frame *frame,
+static void transmit(struct dg_bus *self, size_t from, const struct dg_tap_event *event,
                      dg_ns begin)
 {
     struct frames_wire *wire = dg_bus_frames_wire(self);
-    const uint32_t bits = DG_CAN_BITS(1u, dg_can_bytes(frame));
-    const struct dg_tap_event event = {
-        .at = self->now, .kind = DG_TAP_FRAME, .ours = true, .frame = *frame};
+    const uint32_t bits = DG_CAN_BITS(1u, dg_can_bytes(&event->frame));
 
     wire->bits += bits;
     if (wire->setup.pace && wire->bit_rate != 0) {
         wire->busy_until = dg_after(begin, dg_bit_times_ns(bits, wire->bit_rate));
     }
-    self->ops->tx(self->ctx, from, &event);
+    self->ops->tx(self->ctx, from, event);
 }
 
 static bool others_listen(const struct dg_bus *self, size_t from, uint16_t id)
@@ -54,16 +52,21 @@ static bool others_listen(const struct dg_bus *self, size_t from, uint16_t id)
 }
 
 /* Who looks sees it, and who listens has to hear it. */
-static void tell_frame(struct dg_bus *self, size_t from, const struct dg_can_frame *frame)
+static void tell_frame(struct dg_bus *self, size_t from, const struct dg_tap_event *event)
 {
     struct frames_wire *wire = dg_bus_frames_wire(self);
-    const struct dg_tap_event event = {
-        .at = self->now, .kind = DG_TAP_FRAME, .ours = true, .frame = *frame};
+    const uint16_t id = event->frame.id;
 
-    dg_bus_tell(self, &event);
-    if (wire->head[frame->id % FRAMES_IDS] != 0 && others_listen(self, from, frame->id)) {
-        (void)dg_bus_room_add(wire, &wire->heard, from, self->now, frame);
+    dg_bus_tell(self, event);
+    if (wire->head[id % FRAMES_IDS] != 0 && others_listen(self, from, id)) {
+        (void)dg_bus_room_add(wire, &wire->heard, from, self->now, &event->frame);
     }
+}
+
+static struct dg_tap_event event_of(const struct dg_bus *self, const struct dg_can_frame *frame)
+{
+    return (struct dg_tap_event){
+        .at = self->now, .kind = DG_TAP_FRAME, .ours = true, .frame = *frame};
 }
 
 static void await_turn(struct dg_bus *self, size_t from, const struct dg_can_frame *frame)
@@ -77,20 +80,27 @@ static void await_turn(struct dg_bus *self, size_t from, const struct dg_can_fra
     }
 }
 
-static void emit(struct dg_bus *self, size_t from, const struct dg_can_frame *frame)
+static void emit(struct dg_bus *self, size_t from, const struct dg_tap_event *event)
 {
     const struct frames_wire *wire = dg_bus_frames_wire(self);
 
     if (wire->setup.arbitrate) {
-        await_turn(self, from, frame);
+        await_turn(self, from, &event->frame);
         return;
     }
-    tell_frame(self, from, frame);
+    tell_frame(self, from, event);
     if (is_free(self) && wire->sending.count == 0) {
-        transmit(self, from, frame, self->now);
+        transmit(self, from, event, self->now);
     } else {
-        await_turn(self, from, frame);
+        await_turn(self, from, &event->frame);
     }
+}
+
+static void emit_frame(struct dg_bus *self, size_t from, const struct dg_can_frame *frame)
+{
+    const struct dg_tap_event event = event_of(self, frame);
+
+    emit(self, from, &event);
 }
 
 /* A frame that has waited follows the one before it at once, however late the host was, within
@@ -106,10 +116,11 @@ static void send_waiting(struct dg_bus *self)
                                                    : dg_bus_room_fetch(wire, &wire->sending);
         dg_ns begin = wire->busy_until > sent.at ? wire->busy_until : sent.at;
         begin = begin > earliest ? begin : earliest;
+        const struct dg_tap_event event = event_of(self, &sent.frame);
         if (wire->setup.arbitrate) {
-            tell_frame(self, sent.from, &sent.frame);
+            tell_frame(self, sent.from, &event);
         }
-        transmit(self, sent.from, &sent.frame, begin);
+        transmit(self, sent.from, &event, begin);
     }
     wire->full = wire->full && wire->sending.count > DG_BUS_FRAMES_PACED / 2u;
 }
@@ -124,7 +135,7 @@ static void send_in_time(struct frames_place *from, const struct dg_can_frame *f
     dg_ns at = dg_after(self->now, delay);
 
     if (delay == 0 && from->held == 0) {
-        emit(self, from->base.index, frame);
+        emit_frame(self, from->base.index, frame);
         return;
     }
     if (from->held > 0 && at < from->last_held) {
@@ -137,8 +148,7 @@ static void send_in_time(struct frames_place *from, const struct dg_can_frame *f
     }
 }
 
-/* Through the faults of its wire. */
-static void send_frame(struct frames_place *from, const struct dg_can_frame *frame)
+static void send_bent(struct frames_place *from, const struct dg_can_frame *frame)
 {
     struct dg_can_frame bent = *frame;
     struct dg_wire_sent sent = {.bytes = bent.data, .length = dg_can_bytes(frame), .times = 1};
@@ -151,6 +161,23 @@ static void send_frame(struct frames_place *from, const struct dg_can_frame *fra
     }
 }
 
+static bool is_bent(const struct frames_place *place)
+{
+    const struct dg_encoder *control = place->base.control;
+
+    return place->held > 0 || (control != NULL && control->faults.wire != 0);
+}
+
+/* Through the faults of its wire. */
+static void send_event(struct frames_place *from, const struct dg_tap_event *event)
+{
+    if (is_bent(from)) {
+        send_bent(from, &event->frame);
+    } else {
+        emit(from->base.bus, from->base.index, event);
+    }
+}
+
 static enum dg_bus_answer ask_memory(const struct frames_place *from)
 {
     const struct dg_bus *self = from->base.bus;
@@ -159,18 +186,28 @@ static enum dg_bus_answer ask_memory(const struct frames_place *from)
 }
 
 /* Behind what the encoder has written, when that is durable. */
-static void acknowledge(struct frames_place *from, const struct dg_can_frame *frame)
+static void acknowledge(struct frames_place *from, const struct dg_tap_event *event)
 {
     struct dg_bus *self = from->base.bus;
     struct frames_wire *wire = dg_bus_frames_wire(self);
     const enum dg_bus_answer what = from->answers.count > 0 ? DG_BUS_KEEP : ask_memory(from);
 
     if (what == DG_BUS_SAY) {
-        send_frame(from, frame);
+        send_event(from, event);
     } else if (what == DG_BUS_KEEP && from->answers.count == DG_BUS_FRAMES_ANSWERS) {
         wire->counters.lost++;
     } else if (what == DG_BUS_KEEP) {
-        (void)dg_bus_room_add(wire, &from->answers, from->base.index, self->now, frame);
+        (void)dg_bus_room_add(wire, &from->answers, from->base.index, self->now, &event->frame);
+    }
+}
+
+/* What the encoder tells of itself may have changed. */
+static void follow(struct frames_place *place)
+{
+    const uint32_t version = place->ask->version(place->device);
+
+    if (version != place->version) {
+        dg_bus_line_follow(place, version);
     }
 }
 
@@ -179,20 +216,25 @@ static void acknowledge(struct frames_place *from, const struct dg_can_frame *fr
 static void hear(struct bus_place *base, const struct dg_host_event *event)
 {
     struct frames_place *from = (struct frames_place *)(void *)base;
-    struct dg_can_frame frame = {.id = (uint16_t)event->id,
-                                 .rtr = (event->flags & DG_HOST_REMOTE) != 0,
-                                 .dlc = event->length};
+    struct dg_tap_event sent = {.at = base->bus->now,
+                                .kind = DG_TAP_FRAME,
+                                .ours = true,
+                                .frame = {.id = (uint16_t)event->id,
+                                          .rtr = (event->flags & DG_HOST_REMOTE) != 0,
+                                          .dlc = event->length}};
 
-    dg_bus_line_follow(from);
-    dg_bus_filter_tell(base->bus);
+    follow(from);
+    if (dg_bus_frames_wire(base->bus)->refiltered) {
+        dg_bus_filter_tell(base->bus);
+    }
     if (!from->hears || event->kind != DG_HOST_CAN) {
         return;
     }
-    memcpy(frame.data, event->data, sizeof frame.data);
+    memcpy(sent.frame.data, event->data, sizeof sent.frame.data);
     if ((event->flags & DG_HOST_ACKNOWLEDGES) != 0) {
-        acknowledge(from, &frame);
+        acknowledge(from, &sent);
     } else {
-        send_frame(from, &frame);
+        send_event(from, &sent);
     }
 }
 
@@ -201,14 +243,11 @@ static void release_held(struct dg_bus *self)
     struct frames_wire *wire = dg_bus_frames_wire(self);
     dg_ns next = DG_NEVER;
 
-    if (wire->release > self->now) {
-        return;
-    }
     for (uint16_t left = wire->held.count; left > 0; left--) {
         const struct dg_bus_frames_room late = dg_bus_room_fetch(wire, &wire->held);
         if (late.at <= self->now) {
             dg_bus_frames_at(self, late.from)->held--;
-            emit(self, late.from, &late.frame);
+            emit_frame(self, late.from, &late.frame);
         } else {
             (void)dg_bus_room_add(wire, &wire->held, late.from, late.at, &late.frame);
             next = dg_earliest(next, late.at);
@@ -226,13 +265,15 @@ static void note_deadline(struct frames_place *place, dg_ns due)
     wire->passed = wire->passed || (place->due <= wire->soonest && due > place->due);
     wire->soonest = dg_earliest(wire->soonest, due);
     place->due = due;
-    dg_bus_line_follow(place);
+    follow(place);
 }
 
 /* Whoever had to wait is late: it does once what it has missed. */
 static void feed_event(struct frames_place *place, const struct dg_host_event *event)
 {
-    dg_host_skip(place->base.host, place->base.bus->now);
+    if (place->due < place->base.bus->now) {
+        dg_host_skip(place->base.host, place->base.bus->now);
+    }
     note_deadline(place, dg_host_feed(place->base.host, event));
 }
 
@@ -257,24 +298,42 @@ static void feed_frame(struct frames_place *place, const struct dg_host_event *e
     }
 }
 
-/* To those that listen, but for `from`; DG_BUS_FRAMES_ENCODERS: the other end sent it. */
-static void offer(struct dg_bus *self, const struct dg_can_frame *frame, size_t from)
+static void feed_all(struct dg_bus *self, const struct dg_host_event *event, size_t from)
 {
-    const struct frames_set set = dg_bus_filter_of(self, frame->id % FRAMES_IDS);
-    struct dg_host_event event = {.at = self->now,
-                                  .id = frame->id,
-                                  .flags = frame->rtr ? DG_HOST_REMOTE : 0,
-                                  .kind = DG_HOST_CAN,
-                                  .length = frame->dlc};
+    const struct frames_set set = dg_bus_filter_of(self, (uint16_t)event->id);
 
-    memcpy(event.data, frame->data, sizeof frame->data);
     for (size_t i = 0; i < DG_COUNT(set.word); i++) {
         uint32_t word = set.word[i];
         for (size_t place = 32u * i; word != 0; place++, word >>= 1) {
             if ((word & 1u) != 0 && place != from) {
-                feed_frame(dg_bus_frames_at(self, place), &event);
+                feed_frame(dg_bus_frames_at(self, place), event);
             }
         }
+    }
+}
+
+/* To those that listen, but for `from`; DG_BUS_FRAMES_ENCODERS: the other end sent it. Most frames
+ * are for one encoder. */
+static void offer(struct dg_bus *self, const struct dg_can_frame *frame, size_t from)
+{
+    const uint16_t id = frame->id % FRAMES_IDS;
+    const size_t filter = dg_bus_frames_wire(self)->head[id];
+    struct dg_host_event event = {.at = self->now,
+                                  .id = id,
+                                  .flags = frame->rtr ? DG_HOST_REMOTE : 0,
+                                  .kind = DG_HOST_CAN,
+                                  .length = frame->dlc};
+
+    if (filter == 0) {
+        return;
+    }
+    memcpy(event.data, frame->data, sizeof frame->data);
+    const size_t place = (filter - 1u) / DG_HOST_FILTERS;
+    struct frames_place *first = dg_bus_frames_at(self, place);
+    if (first->filter[(filter - 1u) % DG_HOST_FILTERS].next != 0) {
+        feed_all(self, &event, from);
+    } else if (place != from) {
+        feed_frame(first, &event);
     }
 }
 
@@ -316,24 +375,25 @@ static void step_encoders(struct dg_bus *self)
     }
 }
 
-/* The encoders are asked what they know, as a power cycle may lie between two looks. */
+/* The encoder is asked what it knows, as a power cycle may lie between two looks. */
+static void tell_presence_to(struct frames_place *place)
+{
+    const struct frames_wire *wire = dg_bus_frames_wire(place->base.bus);
+    const bool there = dg_bus_line_has_bus(wire, place);
+    const bool knows_one = place->ask->is_news(place->device, DG_HOST_BUS_ABSENT);
+    const bool sure = there && wire->setup.line.company == DG_BUS_SOMEBODY;
+    const enum dg_host_bus what = there ? DG_HOST_BUS_PRESENT : DG_HOST_BUS_ABSENT;
+
+    if ((there != knows_one || sure) && place->ask->is_news(place->device, what)) {
+        tell_controller(place, what);
+    }
+}
+
 static void tell_presence(struct dg_bus *self)
 {
-    struct frames_wire *wire = dg_bus_frames_wire(self);
-
-    wire->unsure = false;
+    dg_bus_frames_wire(self)->unsure = false;
     for (size_t i = 0; i < self->count; i++) {
-        struct frames_place *place = dg_bus_frames_at(self, i);
-        const void *device = dg_host_line_of(place->base.host)->device;
-        const bool there = dg_bus_line_has_bus(wire, place);
-        const bool knows_one = place->ask->is_news(device, DG_HOST_BUS_ABSENT);
-        const bool sure = there && wire->setup.line.company == DG_BUS_SOMEBODY;
-        if (there != knows_one || sure) {
-            const enum dg_host_bus what = there ? DG_HOST_BUS_PRESENT : DG_HOST_BUS_ABSENT;
-            if (place->ask->is_news(device, what)) {
-                tell_controller(place, what);
-            }
-        }
+        tell_presence_to(dg_bus_frames_at(self, i));
     }
 }
 
@@ -353,19 +413,21 @@ static void settle(struct dg_bus *self)
     } while (wire->retuned);
 }
 
+static inline bool waits(const struct frames_wire *wire)
+{
+    return wire->stalled || wire->full;
+}
+
 bool dg_bus_frames_waits(const struct dg_bus *self)
 {
-    const struct frames_wire *wire = dg_bus_frames_wire(self);
-
-    return wire->stalled || wire->full;
+    return waits(dg_bus_frames_wire(self));
 }
 
 static bool is_something_left(const struct dg_bus *self)
 {
     const struct frames_wire *wire = dg_bus_frames_wire(self);
 
-    return !dg_bus_frames_waits(self) &&
-           (wire->heard.count > 0 || (wire->sending.count > 0 && is_free(self)));
+    return !waits(wire) && (wire->heard.count > 0 || (wire->sending.count > 0 && is_free(self)));
 }
 
 static void go_on(struct dg_bus *self, dg_ns now)
@@ -376,20 +438,26 @@ static void go_on(struct dg_bus *self, dg_ns now)
     if (wire->setup.real_time && self->called > now) {
         self->now = self->called;
     }
-    release_held(self);
+    if (wire->release <= self->now) {
+        release_held(self);
+    }
     do {
-        send_waiting(self);
-        if (!dg_bus_frames_waits(self)) {
+        if (wire->sending.count > 0) {
+            send_waiting(self);
+        }
+        if (!waits(wire)) {
             hear_each_other(self);
         }
-        if (!dg_bus_frames_waits(self)) {
+        if (!waits(wire)) {
             settle(self);
         }
     } while (is_something_left(self) && ++turns < TURNS_MAX);
     if (wire->passed) {
         find_soonest(self);
     }
-    dg_bus_filter_tell(self);
+    if (wire->refiltered) {
+        dg_bus_filter_tell(self);
+    }
 }
 
 static dg_ns next(const struct dg_bus *self)
@@ -400,8 +468,9 @@ static dg_ns next(const struct dg_bus *self)
     if (wire->sending.count > 0 && !wire->stalled) {
         next = dg_earliest(next, wire->setup.pace ? wire->busy_until : self->now);
     }
-    if (!dg_bus_frames_waits(self)) {
-        next = dg_earliest(next, wire->heard.count > 0 ? self->now : wire->soonest);
+    if (!waits(wire)) {
+        const bool now = wire->heard.count > 0 || wire->retuned;
+        next = dg_earliest(next, now ? self->now : wire->soonest);
     }
     return next;
 }
@@ -426,16 +495,27 @@ static void count_bits(struct dg_bus *self, uint32_t bits)
     }
 }
 
+static void tell_other_end(const struct dg_bus *self, const struct dg_tap_event *event)
+{
+    if (event->at == self->now && !event->ours) {
+        dg_bus_tell(self, event);
+    } else {
+        struct dg_tap_event seen = *event;
+        seen.at = self->now;
+        seen.ours = false;
+        dg_bus_tell(self, &seen);
+    }
+}
+
 static void take(struct dg_bus *self, const struct dg_tap_event *event)
 {
-    struct dg_tap_event seen = *event;
-
     if (event->kind != DG_TAP_FRAME || event->frame.dlc > DLC_MAX) {
         return;
     }
-    seen.at = self->now;
-    seen.ours = false;
-    dg_bus_tell(self, &seen);
+    if (dg_bus_frames_wire(self)->retuned) {
+        dg_bus_line_tune(self);
+    }
+    tell_other_end(self, event);
     count_bits(self, DG_CAN_BITS(1u, dg_can_bytes(&event->frame)));
     offer(self, &event->frame, DG_BUS_FRAMES_ENCODERS);
 }
@@ -448,10 +528,7 @@ void dg_bus_frames_count(struct dg_bus *self, dg_ns now, uint32_t bits)
 
 uint64_t dg_bus_frames_bits(const struct dg_bus *self)
 {
-    const struct frames_wire *wire = dg_bus_frames_wire(self);
-    const struct dg_bus_frames_ops *ops = wire->setup.ops;
-
-    return ops != NULL && ops->bits != NULL ? ops->bits(self->ctx) : wire->bits;
+    return dg_bus_frames_wire(self)->bits;
 }
 
 const struct dg_bus_frames_counters *dg_bus_frames_counters(const struct dg_bus *self)
@@ -509,7 +586,6 @@ static int begin(struct dg_bus *self, const void *setup)
     wire->soonest = DG_NEVER;
     wire->release = DG_NEVER;
     wire->retuned = true;
-    dg_bus_room_begin(wire);
     return DG_OK;
 }
 
@@ -530,9 +606,10 @@ static int attach(struct bus_place *base)
     if (place->ask == NULL) {
         return DG_ERR_ARGUMENT;
     }
+    place->device = dg_host_line_of(base->host)->device;
     place->due = DG_NEVER;
     place->hears = true;
-    place->version = ~place->ask->version(dg_host_line_of(base->host)->device);
+    place->version = ~place->ask->version(place->device);
     dg_bus_frames_wire(base->bus)->retuned = true;
     keep_deadline(place);
     return DG_OK;
@@ -553,9 +630,11 @@ static void feel(struct bus_place *base, dg_ns now)
 
 static void changed(struct bus_place *base, dg_ns now)
 {
+    struct frames_place *place = (struct frames_place *)(void *)base;
+
     (void)now;
-    keep_deadline((struct frames_place *)(void *)base);
-    dg_bus_frames_wire(base->bus)->unsure = true;
+    keep_deadline(place);
+    tell_presence_to(place);
 }
 
 static void durable(struct bus_place *base, dg_ns now)
@@ -568,7 +647,8 @@ static void durable(struct bus_place *base, dg_ns now)
     while (what != DG_BUS_KEEP && place->answers.count > 0) {
         const struct dg_bus_frames_room answer = dg_bus_room_fetch(wire, &place->answers);
         if (what == DG_BUS_SAY && place->hears) {
-            send_frame(place, &answer.frame);
+            const struct dg_tap_event event = event_of(base->bus, &answer.frame);
+            send_event(place, &event);
         }
     }
 }

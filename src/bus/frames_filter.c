@@ -40,8 +40,7 @@ void dg_bus_filter_list(struct frames_wire *self, struct frames_place *place)
 {
     const struct dg_bus *bus = place->base.bus;
     uint16_t ids[DG_HOST_FILTERS];
-    const void *device = dg_host_line_of(place->base.host)->device;
-    const uint8_t count = place->hears ? place->ask->listens(device, ids) : 0;
+    const uint8_t count = place->hears ? place->ask->listens(place->device, ids) : 0;
 
     if (are_same(place, ids, count)) {
         return;
@@ -77,7 +76,7 @@ void dg_bus_filter_tell(const struct dg_bus *self)
     struct frames_wire *wire = dg_bus_frames_wire(self);
     const struct dg_bus_frames_ops *ops = wire->setup.ops;
 
-    if (wire->refiltered && ops != NULL && ops->filter != NULL) {
+    if (ops != NULL && ops->filter != NULL) {
         ops->filter(self->ctx);
     }
     wire->refiltered = false;

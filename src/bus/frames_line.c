@@ -38,18 +38,16 @@ static void use_bit_rate(struct frames_place *place, uint32_t bit_rate)
         ops->retuned(self->ctx, place->base.index, bit_rate);
     }
     place->hears = fits(&wire->setup.line, bit_rate);
-    find_bit_rate(self);
+    if (place->hears && wire->setup.line.bit_rate == 0 &&
+        (wire->bit_rate == 0 || bit_rate < wire->bit_rate)) {
+        wire->bit_rate = bit_rate; /* until all are asked */
+    }
 }
 
-void dg_bus_line_follow(struct frames_place *place)
+void dg_bus_line_follow(struct frames_place *place, uint32_t version)
 {
-    const void *device = dg_host_line_of(place->base.host)->device;
-    const uint32_t version = place->ask->version(device);
+    const uint32_t bit_rate = place->ask->bit_rate(place->device);
 
-    if (version == place->version) {
-        return;
-    }
-    const uint32_t bit_rate = place->ask->bit_rate(device);
     place->version = version;
     if (bit_rate != place->bit_rate) {
         use_bit_rate(place, bit_rate);
@@ -76,16 +74,19 @@ bool dg_bus_line_has_bus(const struct frames_wire *self, const struct frames_pla
     return place->hears && self->setup.line.company != DG_BUS_NOBODY;
 }
 
-void dg_bus_frames_set_line(struct dg_bus *self, const struct dg_bus_frames_line *line)
+bool dg_bus_frames_set_line(struct dg_bus *self, const struct dg_bus_frames_line *line)
 {
     struct frames_wire *wire = dg_bus_frames_wire(self);
     const struct dg_bus_frames_line *before = &wire->setup.line;
 
-    if (line->bit_rate != before->bit_rate || line->tolerant != before->tolerant ||
-        line->closed != before->closed || line->company != before->company) {
+    const bool differs = line->bit_rate != before->bit_rate || line->tolerant != before->tolerant ||
+                         line->closed != before->closed || line->company != before->company;
+
+    if (differs) {
         wire->setup.line = *line;
         wire->retuned = true;
     }
+    return differs;
 }
 
 bool dg_bus_frames_hears(const struct dg_bus *self, size_t place)

@@ -36,8 +36,9 @@ struct frames_place {
     struct bus_place base;                /**< its deadline is here: */
     dg_ns due;                            /**< as dg_host_next() said */
     dg_ns last_held;                      /**< when the last frame that is late goes out */
-    const struct dg_host_controller *ask; /**< what it tells of itself */
-    uint32_t version;                     /**< of the answers, when they were asked for */
+    const struct dg_host_controller *ask; /**< what it tells of itself: */
+    const void *device;
+    uint32_t version; /**< of the answers, when they were asked for */
     uint32_t bit_rate;
     struct frames_list answers; /**< that wait for its memory */
     uint16_t held;              /**< frames of it that are late */
@@ -54,8 +55,9 @@ struct frames_wire {
     dg_ns busy_until;                 /**< the frame that was sent last is on the wire until then */
     uint64_t bits;
     struct dg_bus_frames_counters counters;
-    uint32_t bit_rate;          /**< dg_bus_frames_bit_rate() */
-    struct frames_list unused;  /**< room for frames */
+    uint32_t bit_rate;         /**< dg_bus_frames_bit_rate() */
+    struct frames_list unused; /**< room for frames, behind those that were never used: */
+    uint16_t used;
     struct frames_list heard;   /**< sent by an encoder, and another one listens to it */
     struct frames_list held;    /**< late by a fault */
     struct frames_list sending; /**< their turn comes */
@@ -64,7 +66,7 @@ struct frames_wire {
     bool full;                  /**< too much waits for its time */
     bool passed;                /**< `soonest` is of nobody any more */
     bool retuned;               /**< somebody's bit rate is another one */
-    bool unsure;                /**< an encoder may not know whether there is a bus */
+    bool unsure;                /**< encoders may not know whether there is a bus */
     bool refiltered;            /**< the host does not know yet */
     uint16_t head[FRAMES_IDS];  /**< of the lists of filters, by identifier */
 };
@@ -81,8 +83,6 @@ static inline struct frames_place *dg_bus_frames_at(const struct dg_bus *self, s
 
 /* --- frames_room.c --- */
 
-/** All of the room is free. */
-void dg_bus_room_begin(struct frames_wire *self);
 /** A frame of the encoder at `from` behind those in `list`. @return false: lost, and counted */
 bool dg_bus_room_add(struct frames_wire *self, struct frames_list *list, size_t from, dg_ns at,
                      const struct dg_can_frame *frame);
@@ -102,8 +102,8 @@ void dg_bus_filter_tell(const struct dg_bus *self);
 
 /* --- frames_line.c: bit rates, whether there is a bus --- */
 
-/** What the encoder tells of itself may have changed. */
-void dg_bus_line_follow(struct frames_place *place);
+/** What the encoder tells of itself has changed. */
+void dg_bus_line_follow(struct frames_place *place, uint32_t version);
 /** Who hears the wire. */
 void dg_bus_line_tune(struct dg_bus *self);
 /** Whether the encoder has a bus: a wire at its bit rate, with somebody on it. */

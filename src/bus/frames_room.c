@@ -35,21 +35,24 @@ static uint16_t unlink_behind(struct frames_wire *self, struct frames_list *list
     return place;
 }
 
-void dg_bus_room_begin(struct frames_wire *self)
+/* What was never used is not touched before: a host's memory costs what is used of it. 0: none. */
+static uint16_t find_unused(struct frames_wire *self)
 {
-    for (size_t i = 1; i <= self->setup.rooms; i++) {
-        append(self, &self->unused, (uint16_t)i);
+    if (self->unused.count > 0) {
+        return unlink_behind(self, &self->unused, 0);
     }
+    return self->used < self->setup.rooms ? ++self->used : 0;
 }
 
 bool dg_bus_room_add(struct frames_wire *self, struct frames_list *list, size_t from, dg_ns at,
                      const struct dg_can_frame *frame)
 {
-    if (self->unused.count == 0) {
+    const uint16_t place = find_unused(self);
+
+    if (place == 0) {
         self->counters.lost++;
         return false;
     }
-    const uint16_t place = unlink_behind(self, &self->unused, 0);
     struct dg_bus_frames_room *room = room_at(self, place);
     room->at = at;
     room->frame = *frame;

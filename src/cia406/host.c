@@ -54,7 +54,7 @@ static void send(void *ctx, const struct dg_can_frame *frame)
         .length = frame->dlc,
     };
 
-    memcpy(event.data, frame->data, frame->dlc);
+    memcpy(event.data, frame->data, sizeof frame->data);
     if (!device->node.bus_off) {
         dg_host_emit(line, &event);
     }
@@ -89,15 +89,15 @@ static int check(const struct dg_host_event *event)
     return event->id <= ID_MAX && event->length <= DLC_MAX ? DG_HOST_OK : DG_HOST_ERR_ARGUMENT;
 }
 
-static bool take(struct dg_host_line *line, const struct dg_host_event *event)
+static dg_ns feed(struct dg_host_line *line, const struct dg_host_event *event)
 {
     struct dg_cia406_device *device = line->device;
+    struct dg_co_node *node = &device->node;
 
     if (event->kind == DG_HOST_BUS) {
         const enum dg_co_bus_event said = (enum dg_co_bus_event)event->id;
-        (void)(said <= DG_CO_BUS_OFF ? dg_co_controller(&device->node, line->now, said)
-                                     : dg_co_bus(&device->node, line->now, said));
-        return true;
+        return said <= DG_CO_BUS_OFF ? dg_co_controller(node, line->now, said)
+                                     : dg_co_bus(node, line->now, said);
     }
     struct dg_can_frame frame = {
         .id = (uint16_t)event->id,
@@ -105,9 +105,12 @@ static bool take(struct dg_host_line *line, const struct dg_host_event *event)
         .dlc = event->length,
     };
     memcpy(frame.data, event->data, sizeof frame.data);
-    if (dg_cia406_stack.powered(device) && !device->node.bus_off) {
-        (void)dg_co_rx(&device->node, line->now, &frame);
-    }
+    return node->bus_off ? dg_co_step(node, line->now) : dg_co_rx(node, line->now, &frame);
+}
+
+static bool take(struct dg_host_line *line, const struct dg_host_event *event)
+{
+    (void)feed(line, event);
     return true;
 }
 
@@ -147,7 +150,7 @@ static uint32_t address(const void *self)
     return device->node.id;
 }
 
-static uint8_t shared(const void *self, uint16_t ids[DG_HOST_FILTERS])
+static uint8_t shared(const void *self, uint16_t ids[DG_HOST_SHARED])
 {
     const struct dg_cia406_device *device = self;
 
@@ -173,7 +176,7 @@ static const struct dg_host_controller controller = {
     .shared = shared,
     .is_news = is_news,
 };
-_Static_assert(DG_CO_SHARED_MAX <= DG_HOST_FILTERS, "they have room");
+_Static_assert(DG_HOST_SHARED == DG_CO_SHARED_MAX, "a node has no more");
 
 const struct dg_host_wire dg_cia406_wire = {
     .stack = &dg_cia406_stack,
@@ -184,6 +187,7 @@ const struct dg_host_wire dg_cia406_wire = {
     .arrange = arrange,
     .check = check,
     .take = take,
+    .feed = feed,
     .controller = &controller,
     .state = &dg_cia406_check,
 };

@@ -272,6 +272,11 @@ int dg_host_memory_port(struct dg_host *self, const struct dg_nvm *nvm)
     return DG_HOST_OK;
 }
 
+void dg_host_memory_known(struct dg_host *self)
+{
+    self->loaded = true;
+}
+
 /* ------------------------------------------------------------ power */
 
 /* A memory of the host's may have an image from an earlier life. */
@@ -280,11 +285,11 @@ static int format(struct dg_host *self, const struct dg_stack_setup *setup)
     const struct dg_stack *stack = self->refs.device->stack;
     struct dg_store store;
 
-    if (self->loaded) {
-        return DG_OK;
-    }
     if (setup->nvm.ops == NULL && stack->layout(setup->model) != NULL) {
         return DG_ERR_IO; /* the host has not said where it is */
+    }
+    if (self->loaded) {
+        return DG_OK;
     }
     if (self->refs.nvm.ops != NULL && stack->layout(setup->model) != NULL) {
         const int result = stack->mount(setup, &store);

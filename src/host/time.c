@@ -59,6 +59,11 @@ void dg_host_tell_controller(struct dg_host *self, uint32_t event)
 void dg_host_emit(struct dg_host_line *line, const struct dg_host_event *event)
 {
     struct dg_host *self = (struct dg_host *)(void *)line;
+
+    if (self->refs.queues == NULL && self->refs.faults == NULL) {
+        deliver(self, event);
+        return;
+    }
     struct dg_host_event copy = *event;
     unsigned times = 1;
 
@@ -174,15 +179,21 @@ static void look_at_level(struct dg_host *self)
     }
 }
 
+/* What the wire's controller is by itself. */
+static void note_controller(struct dg_host *self, const struct dg_host_event *event)
+{
+    if (event->kind == DG_HOST_BUS && event->id <= DG_HOST_BUS_OFF) {
+        self->controller = (uint8_t)event->id;
+    }
+}
+
 /* The next part of an event. What a fault keeps from the encoder is not taken at all. @return
  * whether it was the last one */
 static bool take_event(struct dg_host *self, struct dg_host_event *event)
 {
     const struct dg_host_wire *wire = self->refs.wire;
 
-    if (event->kind == DG_HOST_BUS && event->id <= DG_HOST_BUS_OFF) {
-        self->controller = (uint8_t)event->id;
-    }
+    note_controller(self, event);
     if (self->line.part == 0 && self->refs.faults != NULL &&
         self->refs.faults->arrives(self->refs.faults_ctx, event, true) == 0) {
         return true;
@@ -245,20 +256,30 @@ void dg_host_skip(struct dg_host *self, uint64_t now)
     self->line.now = now > self->line.now ? now : self->line.now;
 }
 
-uint64_t dg_host_feed(struct dg_host *self, const struct dg_host_event *event)
+static void feed_parts(struct dg_host *self, const struct dg_host_event *event)
 {
     struct dg_host_event copy = *event;
 
-    run_until(self, event->at);
-    if (self->made) {
-        self->line.part = 0;
-        while (!take_event(self, &copy)) {
-        }
-        self->line.part = 0;
-        look_at_level(self);
-        serve(self);
+    self->line.part = 0;
+    while (!take_event(self, &copy)) {
     }
-    return dg_host_next(self);
+    self->line.part = 0;
+    look_at_level(self);
+    serve(self);
+}
+
+uint64_t dg_host_feed(struct dg_host *self, const struct dg_host_event *event)
+{
+    const struct dg_host_wire *wire = self->refs.wire;
+
+    run_until(self, event->at);
+    if (self->made && (wire->feed == NULL || self->refs.faults != NULL)) {
+        feed_parts(self, event);
+    } else if (self->made) {
+        note_controller(self, event);
+        self->deadline = wire->feed(&self->line, event);
+    }
+    return self->refs.queues != NULL ? dg_host_next(self) : self->deadline;
 }
 
 uint64_t dg_host_next(const struct dg_host *self)

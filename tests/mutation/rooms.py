@@ -76,7 +76,7 @@ JUDGES = {
                               r"golden\.(line|verdicts)", r"realtime\.scarce", r"realtime\.(hf_bus|hf_wire)",
                               r"e2e\.(virtual_time|senses|master)", r"e2e\.control/faults",
                               r"e2e\.(line|life|slow_disk)"],
-    "platform/linux/can/": [r"unit\.(hub|can_load|slcan|socketcand)", r"golden\.", r"realtime\.scarce",
+    "platform/linux/can/": [r"unit\.(hub|bus_load|slcan|socketcand)", r"golden\.", r"realtime\.scarce",
                             r"realtime\.can_", r"realtime\.net_wires", r"e2e\.(cli|virtual_time|trace_tools)",
                             r"e2e\.canopen-slcan/(?!socketcan)",  # that file is the guest's
                             r"e2e\.control/", r"e2e\.(net_serial|stall)"],

@@ -7,9 +7,6 @@
  *
  * What does not fit the wire at once waits in a queue that keeps the order. As long as it does, no
  * frames come in and the encoders' deadlines wait: whoever is busy sending is deaf to more work.
- *
- * A wire that keeps the pace lets each frame take the time it has at the wire's bit rate. What
- * waits only for that makes nobody deaf before there is more than LX_CAN_PACED_MAX of it.
  */
 #ifndef DREHGEBER_LINUX_CAN_H
 #define DREHGEBER_LINUX_CAN_H
@@ -19,15 +16,12 @@
 #include <stdint.h>
 #include <systemd/sd-event.h>
 
-#include "drehgeber/canopen.h"
+#include "drehgeber/bus_frames.h"
 #include "say.h"
 #include "timer.h"
 
 /** Longest address of a bus: a path. */
 #define LX_CAN_ADDRESS_MAX 4096u
-/** Frames that wait for their time before the encoders have to wait, too: until half of them are
- * gone. Nothing is lost; what one moment makes all encoders send may exceed it. */
-#define LX_CAN_PACED_MAX 32u
 
 struct lx_can;
 struct lx_silkit;
@@ -52,18 +46,19 @@ struct lx_can_ops {
     void (*push)(struct lx_can *self);
     /** Stop reading, or go on. */
     void (*pause)(struct lx_can *self, bool paused);
-    /** Who listens to what may have changed; `net` NULL: everything is wanted. As an operation
-     * NULL: everything comes in anyway. */
-    void (*filter)(struct lx_can *self, const struct dg_co_net *net);
+    /** Who listens to what may have changed (dg_bus_frames_listens()); `bus` NULL: everything is
+     * wanted. As an operation NULL: everything comes in anyway. */
+    void (*filter)(struct lx_can *self, const struct dg_bus *bus);
     /** An encoder's bit rate is `kbaud` now; tell the user when that does not fit the wire. */
     void (*expect)(struct lx_can *self, uint16_t kbaud);
-    /** Whether an encoder at `kbaud` understands the wire. NULL: always. */
-    bool (*hears)(const struct lx_can *self, uint16_t kbaud);
+    /** Whether there is a channel, which encoders of another bit rate do not understand. NULL:
+     * there always is one, which all of them do. */
+    bool (*open)(const struct lx_can *self);
     /** The wire's own bit rate in bit/s; 0: it has none, or that is not known. NULL: it has none.
      */
     uint32_t (*bit_rate)(const struct lx_can *self);
-    /** Bits on the wire so far (can_load.h), of everybody's frames. NULL: those that are sent and
-     * received here are all there are. */
+    /** Bits on the wire so far (DG_CAN_BITS()), of everybody's frames. NULL: those that are sent
+     * and received here are all there are. */
     uint64_t (*bits)(const struct lx_can *self);
     /** Whether the wire is there; one that is not is looked for, and what is sent is lost. */
     bool (*up)(const struct lx_can *self);
@@ -79,8 +74,10 @@ struct lx_can_setup {
     const char *where; /**< interface or link; NULL: a link is not wanted */
     /** A frame came in at `now`, which may lie in the past and never decreases. */
     void (*rx)(void *ctx, dg_ns now, const struct dg_can_frame *frame);
-    /** The controller says something; `now` as above. */
-    void (*bus)(void *ctx, dg_ns now, enum dg_co_bus_event event);
+    /** A frame that no encoder understands, with so many bits, has been on the wire until now. */
+    void (*foreign)(void *ctx, uint32_t bits);
+    /** The controller says something, DG_HOST_BUS_ACTIVE to _OVERRUN; `now` as above. */
+    void (*bus)(void *ctx, dg_ns now, enum dg_host_bus event);
     /** After the last of several frames, after the queue has drained, after the wire's bit rate has
      * changed: look at deadlines and filters. */
     void (*settle)(void *ctx, dg_ns now);
@@ -93,29 +90,20 @@ struct lx_can_counters {
     uint64_t lost;   /**< frames that nobody could take: no interface, no master */
 };
 
-/** Whether there is anybody else on the wire. */
-enum lx_can_company {
-    LX_CAN_SOMEBODY,
-    LX_CAN_UNKNOWN, /**< nothing has been heard so far */
-    LX_CAN_NOBODY,  /**< nobody acknowledges */
-};
-
 /** The part that all kinds share; first member of each kind. */
 struct lx_can {
     const struct lx_can_ops *ops;
     struct lx_can_setup setup;
     struct lx_timer retry;
-    dg_ns delay;      /**< until the next attempt to send */
-    bool stalled;     /**< the wire has no room, or too much waits for its time */
-    uint32_t pace;    /**< bit/s that frames are spaced by; 0: they are not */
-    dg_ns busy_until; /**< the frame that was sent last is on the wire until then */
-    uint64_t bits;    /**< sent and received so far, as can_load.h counts them */
+    dg_ns delay;  /**< until the next attempt to send */
+    bool stalled; /**< the wire has no room */
+    bool crowded; /**< the encoders wait for something else */
     struct dg_can_frame *queue;
     size_t first; /**< oldest frame in queue */
     size_t count;
     size_t capacity;
     struct lx_can_counters counters;
-    enum lx_can_company company;
+    enum dg_bus_company company;      /**< somebody, unless the kind says so */
     uint16_t expected;                /**< the encoders' bit rate, in kBd, where that matters */
     const char *kind;                 /**< "can" or "slcan" */
     char address[LX_CAN_ADDRESS_MAX]; /**< interface, or what a master opens */
@@ -136,12 +124,14 @@ bool lx_can_in_kernel(void);
 /** Close any of them; NULL is fine. */
 void lx_can_close(struct lx_can *self);
 
-/** A frame of somebody else, with so many bits, has been on the wire until now. On one that keeps
- * the pace, what is sent here meanwhile is through later. */
-void lx_can_count(struct lx_can *self, uint32_t bits);
+/** The encoders wait, or do not any more: meanwhile nothing comes in, either. */
+void lx_can_crowd(struct lx_can *self, bool crowded);
 
-/** Bits on the wire so far, in both directions. */
-uint64_t lx_can_bits(const struct lx_can *self);
+/** Whether nothing may come in at present. */
+static inline bool lx_can_is_paused(const struct lx_can *self)
+{
+    return self->stalled || self->crowded;
+}
 
 /** Send a frame. Keeps the order, does not block, does not call back. */
 void lx_can_send(struct lx_can *self, const struct dg_can_frame *frame);

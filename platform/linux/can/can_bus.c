@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The core says what is next, this file makes it happen:
+ * The bus in the library says what is next, this file makes it happen:
  *
- *   wire ---- on_frame -----> dg_co_net_rx() --\
- *   wire ---- on_bus -------> follow            > settle(): deadlines, filters, bit rates
- *   timer --- settle -------> dg_co_net_step() /
- *                                   \-- send_frame --> wire, other nodes in the next settle()
+ *   wire ---- on_frame -----> dg_bus_rx()
+ *   wire ---- on_bus -------> dg_bus_frames_controller()   behind each of them settle()
+ *   timer --- settle -------> dg_bus_step()
+ *                                  \-- send_frame --> wire
  *
- * A node whose bit rate is not the wire's lives on, but outside the net: deaf and mute. One without
- * power stays in it, listening to nothing.
+ * Who comes late does what is due at the moment he comes: no frame has begun before.
  */
 #define _GNU_SOURCE
 #include "can_bus.h"
@@ -17,140 +16,105 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* What one moment can make each encoder send, beside what waits for a disk or for its time. */
+#define ROOMS_EACH 8u
+#define ROOMS (DG_BUS_FRAMES_ANSWERS + DG_BUS_FRAMES_PACED)
+
 static struct lx_can_bus *can_bus_of(struct lx_bus *bus)
 {
     return (struct lx_can_bus *)bus;
 }
 
-/* --- what the nodes do to the wire --- */
+/* --- what the encoders do to the wire --- */
 
 /* Whoever looks at the wire wants to see what nobody on it listens to, too. */
 static void tell_filters(struct lx_can_bus *self)
 {
-    const size_t size = sizeof self->filter_version;
     const bool tapped = lx_tap_on(&self->bus.tap);
-    if (self->can->ops->filter == NULL ||
-        (self->told && self->tapped == tapped &&
-         memcmp(self->filter_version, self->net.filter_version, size) == 0)) {
+    if (self->can->ops->filter == NULL || (self->told && self->tapped == tapped)) {
         return;
     }
-    memcpy(self->filter_version, self->net.filter_version, size);
     self->tapped = tapped;
     self->told = true;
-    self->can->ops->filter(self->can, tapped ? NULL : &self->net);
+    self->can->ops->filter(self->can, tapped ? NULL : self->wire);
 }
 
-/* What a node listens to from now on, e.g. heartbeats of another one that it just was told of, may
-   come as soon as its answer is out. Of one that is not in the net yet nobody knows. */
-static void let_in(struct lx_can_node *node)
+static void refilter(void *ctx)
 {
-    struct lx_can_bus *bus = node->bus;
-    if (node->index != LX_CAN_DEAF) {
-        bus->told = !dg_co_net_follow(&bus->net, node->index) && bus->told;
-        tell_filters(bus);
-    } else if (bus->can->ops->filter != NULL) {
-        bus->told = false;
-        bus->can->ops->filter(bus->can, NULL);
-    }
+    struct lx_can_bus *self = ctx;
+    self->told = false;
+    tell_filters(self);
 }
 
-static void send_frame(void *ctx, const struct dg_can_frame *frame)
+/* In the order of time: a frame that waited while another was answered is told after the answer. */
+static void tell_tap(void *ctx, const struct dg_tap_event *event)
 {
-    struct lx_can_node *node = ctx;
-    if (!node->hears) {
+    struct lx_can_bus *self = ctx;
+    if (!lx_tap_on(&self->bus.tap)) {
         return;
     }
-    let_in(node);
-    lx_can_answer(node, frame);
+    struct dg_tap_event told = *event;
+    told.at = event->ours ? lx_now() : event->at;
+    self->tapped_at = told.at > self->tapped_at ? told.at : self->tapped_at;
+    told.at = self->tapped_at;
+    lx_tap_tell(&self->bus.tap, &told);
 }
 
-static bool hears(const struct lx_can_node *node)
+static void send_frame(void *ctx, size_t place, const struct dg_tap_event *event)
 {
-    const struct lx_can *can = node->bus->can;
-    return can->ops->hears == NULL || can->ops->hears(can, node->kbaud);
+    struct lx_can_bus *self = ctx;
+    (void)place;
+    lx_can_send(self->can, &event->frame);
+    dg_bus_frames_stall(self->wire, self->can->stalled);
 }
 
-/* The wire's own, or where it has none that of the slowest encoder that hears it; 0: unknown. */
-static uint32_t bit_rate(const struct lx_can_bus *self)
+static enum dg_bus_answer answer(void *ctx, size_t place)
+{
+    static const enum dg_bus_answer answers[] = {
+        [LX_NVM_SAY] = DG_BUS_SAY, [LX_NVM_KEEP] = DG_BUS_KEEP, [LX_NVM_DROP] = DG_BUS_DROP};
+    struct lx_can_bus *self = ctx;
+    return answers[lx_nvm_queue_answer(&self->node[place].image.queue)];
+}
+
+/* --- what the wire is --- */
+
+/* @return whether it is another one */
+static bool update_line(struct lx_can_bus *self)
+{
+    const struct lx_can *can = self->can;
+    const struct lx_can_ops *ops = can->ops;
+    const struct dg_bus_frames_line line = {
+        .bit_rate = ops->bit_rate == NULL ? 0 : ops->bit_rate(can),
+        .tolerant = ops->open == NULL,
+        .closed = ops->open != NULL && !ops->open(can),
+        .company = ops->up(can) ? can->company : DG_BUS_NOBODY,
+    };
+    dg_bus_frames_stall(self->wire, can->stalled);
+    return dg_bus_frames_set_line(self->wire, &line);
+}
+
+static void retune(void *ctx, size_t place, uint32_t bit_rate)
+{
+    struct lx_can_bus *self = ctx;
+    (void)place;
+    self->can->ops->expect(self->can, (uint16_t)(bit_rate / 1000u));
+    (void)update_line(self);
+}
+
+static uint64_t bits(const struct lx_can_bus *self)
 {
     const struct lx_can_ops *ops = self->can->ops;
-    const uint32_t own = ops->bit_rate == NULL ? 0 : ops->bit_rate(self->can);
-    uint32_t kbaud = 0;
-    for (size_t i = 0; own == 0 && i < self->bus.setup.count; i++) {
-        const struct lx_can_node *node = &self->node[i];
-        if (node->hears && node->kbaud != 0 && (kbaud == 0 || node->kbaud < kbaud)) {
-            kbaud = node->kbaud;
-        }
-    }
-    return own != 0 ? own : 1000u * kbaud;
-}
-
-static void keep_pace(struct lx_can_bus *self)
-{
-    self->can->pace = self->pace ? bit_rate(self) : 0;
-}
-
-/* Called inside the core: whether the node still hears is settled after that, but what it sends
-   from here on already is at its new rate. */
-static void use_bit_rate(void *ctx, uint16_t kbaud)
-{
-    struct lx_can_node *node = ctx;
-    node->kbaud = kbaud;
-    node->bus->can->ops->expect(node->bus->can, kbaud);
-    node->bus->retuned = true;
-    node->hears = hears(node);
-    keep_pace(node->bus);
-}
-
-static const struct dg_co_ops node_ops = {.send = send_frame, .bit_rate = use_bit_rate};
-
-/* --- what the wire and the time do to the nodes --- */
-
-/* The net of those that hear the wire; on one that has no rate of its own, of all. */
-static void tune(struct lx_can_bus *self)
-{
-    const size_t count = self->bus.setup.count;
-    for (size_t i = 0; i < count; i++) {
-        const bool now = hears(&self->node[i]);
-        self->retuned = self->retuned || now != self->node[i].hears;
-        self->node[i].hears = now;
-    }
-    keep_pace(self);
-    if (!self->retuned) {
-        return;
-    }
-    self->retuned = false;
-    self->told = false;
-    dg_co_net_init(&self->net);
-    for (size_t i = 0; i < count; i++) {
-        struct lx_can_node *node = &self->node[i];
-        node->index = LX_CAN_DEAF;
-        if (node->hears && dg_co_net_add(&self->net, &node->device.node) == DG_OK) {
-            node->index = (uint8_t)(self->net.count - 1u);
-        }
-    }
-}
-
-/* What is due. @return the next deadline */
-static dg_ns step(struct lx_can_bus *self, dg_ns now)
-{
-    dg_ns next = dg_co_net_step(&self->net, now);
-    for (size_t i = 0; i < self->bus.setup.count; i++) {
-        if (!self->node[i].hears) {
-            next = dg_earliest(next, dg_co_step(&self->node[i].device.node, now));
-        }
-    }
-    return next;
+    return ops->bits == NULL ? dg_bus_frames_bits(self->wire) : ops->bits(self->can);
 }
 
 /* Once per episode, that no real bus would carry this. */
 static void measure(struct lx_can_bus *self, dg_ns now)
 {
-    if (!lx_can_load_due(&self->load, now)) {
+    if (!dg_bus_load_due(&self->load, now)) {
         return;
     }
-    const uint32_t rate = bit_rate(self);
-    if (lx_can_load_take(&self->load, now, lx_can_bits(self->can), rate)) {
+    const uint32_t rate = dg_bus_frames_bit_rate(self->wire);
+    if (dg_bus_load_close(&self->load, now, bits(self), rate)) {
         lx_note(self->bus.setup.say,
                 "%s: bus load %lu %% of %lu bit/s, more than a real bus carries%s",
                 self->can->address, (unsigned long)(self->load.permille / 10u), (unsigned long)rate,
@@ -158,20 +122,11 @@ static void measure(struct lx_can_bus *self, dg_ns now)
     }
 }
 
-/* After everything that happened to the nodes. While the wire is stalled nothing is due. */
-static void settle(void *ctx, dg_ns now)
+/* --- what the wire and the time do to the encoders --- */
+
+/* After everything that happened to them. What waits for the wire's pace is not late. */
+static void arm_timer(struct lx_can_bus *self, dg_ns now)
 {
-    struct lx_can_bus *self = ctx;
-    const bool stalled = self->can->stalled;
-    dg_ns next = DG_NEVER;
-    lx_bus_serve(&self->bus, self->promised, now);
-    if (!stalled) {
-        lx_can_hear(self, now);
-    }
-    do {
-        tune(self);
-        next = self->can->stalled ? DG_NEVER : step(self, now);
-    } while (self->retuned || lx_can_tell_presence(self, now));
     tell_filters(self);
     for (size_t i = 0; i < self->bus.setup.count; i++) {
         lx_can_tell_shared(&self->node[i]);
@@ -180,57 +135,55 @@ static void settle(void *ctx, dg_ns now)
         self->can->ops->push(self->can);
     }
     if (self->can->stalled) {
-        next = DG_NEVER;
-    } else if (self->heard.count > 0) {
-        next = now;
+        self->stalled = true;
+        dg_bus_frames_stall(self->wire, true);
+        self->due = dg_bus_next(self->wire);
     }
+    const bool waits = dg_bus_frames_waits(self->wire);
+    lx_can_crowd(self->can, waits);
     measure(self, now);
-    self->promised = next;
-    lx_timer_at(&self->timer, next);
+    self->promised = waits ? DG_NEVER : self->due;
+    lx_timer_at(&self->timer, self->due);
+}
+
+static void settle(void *ctx, dg_ns now)
+{
+    struct lx_can_bus *self = ctx;
+    lx_bus_serve(&self->bus, self->promised, now);
+    const bool stalled = self->stalled;
+    self->stalled = self->can->stalled;
+    if (update_line(self) || self->due <= now || stalled) {
+        self->due = dg_bus_step(self->wire, now);
+    }
+    arm_timer(self, now);
 }
 
 static void on_frame(void *ctx, dg_ns now, const struct dg_can_frame *frame)
 {
     struct lx_can_bus *self = ctx;
-    lx_can_tell(self, now, false, frame);
-    lx_can_count(self->can, LX_CAN_BITS(1u, lx_can_bytes(frame)));
-    if (self->bent) {
-        lx_can_offer(self, now, frame, NULL);
-    } else {
-        (void)dg_co_net_rx(&self->net, now, frame);
-    }
+    const struct dg_tap_event event = {.at = now, .kind = DG_TAP_FRAME, .frame = *frame};
+    self->due = dg_bus_rx(self->wire, &event);
+    lx_can_crowd(self->can, dg_bus_frames_waits(self->wire));
 }
 
-/* A controller that is bus-off is so until it is active again. */
-static void on_bus(void *ctx, dg_ns now, enum dg_co_bus_event event)
+static void on_foreign(void *ctx, uint32_t count)
 {
     struct lx_can_bus *self = ctx;
-    if (event == DG_CO_BUS_OVERRUN) {
-        (void)dg_co_net_bus(&self->net, now, event);
-        return;
-    }
-    if (self->state == DG_CO_BUS_OFF && event != DG_CO_BUS_ACTIVE) {
-        return;
-    }
-    self->state = event;
-    for (size_t i = 0; i < self->bus.setup.count; i++) {
-        if (self->node[i].hears) {
-            lx_can_follow(&self->node[i], now);
-        }
-    }
+    dg_bus_frames_count(self->wire, lx_now(), count);
+}
+
+static void on_bus(void *ctx, dg_ns now, enum dg_host_bus event)
+{
+    struct lx_can_bus *self = ctx;
+    self->due = dg_bus_frames_controller(self->wire, now, event);
 }
 
 static void on_settled(void *ctx, dg_ns now)
 {
     struct lx_can_node *node = ctx;
-    lx_can_answer_settled(node);
-    settle(node->bus, now);
-}
-
-static void release(void *ctx, dg_ns now)
-{
-    lx_can_release(ctx, now);
-    settle(ctx, now);
+    struct lx_can_bus *self = node->bus;
+    self->due = dg_bus_durable(self->wire, node->station->place, now);
+    arm_timer(self, now);
 }
 
 /* --- the operations --- */
@@ -244,14 +197,12 @@ static int open_wire(struct lx_can_bus *self, struct lx_error *error)
         .say = setup->say,
         .where = setup->wire->where,
         .rx = on_frame,
+        .foreign = on_foreign,
         .bus = on_bus,
         .settle = settle,
         .ctx = self,
     };
-    int result = lx_timer_open(&self->timer, setup->event, settle, self);
-    if (result >= 0) {
-        result = lx_timer_open(&self->release, setup->event, release, self);
-    }
+    const int result = lx_timer_open(&self->timer, setup->event, settle, self);
     if (result < 0) {
         return lx_fail(error, "no timer: %s", strerror(-result));
     }
@@ -265,13 +216,17 @@ static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
     if (open_wire(self, error) != 0) {
         return -1;
     }
+    (void)update_line(self);
     for (size_t i = 0; i < bus->setup.count; i++) {
-        if (lx_can_node_open(&self->node[i], &node_ops, on_settled, now, error) != 0) {
+        if (lx_can_node_open(&self->node[i], on_settled, now, error) != 0) {
             return -1;
         }
     }
+    for (size_t i = 0; i < bus->setup.count; i++) {
+        self->due = dg_bus_changed(self->wire, i, now);
+    }
     settle(self, now);
-    lx_can_load_begin(&self->load, now, lx_can_bits(self->can));
+    dg_bus_load_begin(&self->load, now, bits(self));
     self->promised = DG_NEVER; /* the loop has not begun yet */
     return 0;
 }
@@ -280,18 +235,22 @@ static void address(const struct lx_bus *bus, const struct lx_station *station, 
                     size_t size)
 {
     const struct lx_can_bus *self = (const struct lx_can_bus *)bus;
-    const struct lx_can_node *node = &self->node[station->place];
-    (void)snprintf(to, size, "%s/%u", self->can->address, node->device.node.id);
+    const unsigned id = (unsigned)lx_can_node_id(&self->node[station->place]);
+    (void)snprintf(to, size, "%s/%u", self->can->address, id);
+}
+
+static void look(struct lx_bus *bus, dg_ns now)
+{
+    struct lx_can_bus *self = can_bus_of(bus);
+    dg_bus_look(self->wire, now);
 }
 
 static void changed(struct lx_bus *bus, struct lx_station *station, dg_ns now)
 {
     struct lx_can_bus *self = can_bus_of(bus);
     if (station != NULL) {
-        self->bent = false;
-        for (size_t i = 0; i < bus->setup.count; i++) {
-            lx_can_bend(&self->node[i], now);
-        }
+        (void)update_line(self);
+        self->due = dg_bus_changed(self->wire, station->place, now);
     }
     settle(self, now);
 }
@@ -299,33 +258,42 @@ static void changed(struct lx_bus *bus, struct lx_station *station, dg_ns now)
 static void counters(const struct lx_bus *bus, const struct lx_station *station, struct dg_scpi *to)
 {
     const struct lx_can_bus *self = (const struct lx_can_bus *)bus;
+    const struct lx_can *can = self->can;
+    const struct dg_bus_frames_counters *wire = dg_bus_frames_counters(self->wire);
+    const struct lx_can_node *node = &self->node[station->place];
     const dg_ns now = lx_now();
-    const uint64_t bits = lx_can_load_due(&self->load, now) ? lx_can_bits(self->can) : 0;
-    const uint32_t load = lx_can_load_permille(&self->load, now, bits, bit_rate(self));
+    const uint32_t rate = dg_bus_frames_bit_rate(self->wire);
+    const uint64_t so_far = dg_bus_load_due(&self->load, now) ? bits(self) : 0;
     const struct lx_count rows[] = {
-        {"wire_up", self->can->ops->up(self->can)},       {"wire_late", bus->late + bus->stalls},
-        {"wire_stalls", self->can->counters.stalls},      {"wire_lost", self->can->counters.lost},
-        {"wire_kbaud", self->node[station->place].kbaud}, {"wire_load_permille", load},
+        {"wire_up", can->ops->up(can)},
+        {"wire_late", bus->late + bus->stalls},
+        {"wire_stalls", can->counters.stalls + wire->stalls},
+        {"wire_lost", can->counters.lost + wire->lost},
+        {"wire_kbaud", lx_can_node_kbaud(node)},
+        {"wire_load_permille", dg_bus_load_permille(&self->load, now, so_far, rate)},
     };
     lx_bus_count(to, rows, DG_COUNT(rows));
 }
 
-static void close_bus(struct lx_bus *bus)
+static void free_bus(struct lx_can_bus *self)
 {
-    struct lx_can_bus *self = can_bus_of(bus);
-    for (size_t i = 0; i < bus->setup.count; i++) {
+    for (size_t i = 0; i < self->bus.setup.count; i++) {
         lx_can_node_close(&self->node[i]);
     }
     lx_can_close(self->can);
     lx_timer_close(&self->timer);
-    lx_timer_close(&self->release);
-    free(self->heard.frames);
-    free(self->held.frames);
+    free(self->wire);
+    free(self->room);
     free(self->node);
     free(self);
 }
 
-static const struct lx_bus_ops bus_ops = {LX_BUS_OPERATIONS};
+static void close_bus(struct lx_bus *bus)
+{
+    free_bus(can_bus_of(bus));
+}
+
+static const struct lx_bus_ops bus_ops = {LX_BUS_OPERATIONS, .look = look};
 
 /* --- making --- */
 
@@ -337,6 +305,49 @@ static const struct dg_key keys[] = {
 
 const struct lx_keys lx_can_keys = {.rows = keys, .count = DG_COUNT(keys)};
 const bool lx_can_pace = false;
+
+static const struct dg_bus_ops door = {.tx = send_frame, .tap = tell_tap, .answer = answer};
+static const struct dg_bus_frames_ops frames_door = {.filter = refilter, .retuned = retune};
+
+/* @return false without memory */
+static bool make_wire(struct lx_can_bus *self)
+{
+    const size_t count = self->bus.setup.count;
+    const size_t rooms = ROOMS + ROOMS_EACH * count;
+    const size_t size = dg_bus_size(&dg_bus_frames, count);
+    void *memory = malloc(size);
+    self->room = malloc(rooms * sizeof *self->room);
+    const struct dg_bus_frames_setup frames = {.size = sizeof frames,
+                                               .ops = &frames_door,
+                                               .room = self->room,
+                                               .rooms = rooms,
+                                               .pace = self->pace,
+                                               .real_time = true};
+    const struct dg_bus_setup setup = {.size = sizeof setup,
+                                       .medium = &dg_bus_frames,
+                                       .encoders = count,
+                                       .wire = &frames,
+                                       .ops = &door,
+                                       .ctx = self};
+    self->wire = memory;
+    return self->room != NULL && dg_bus_init(memory, size, &setup) != NULL;
+}
+
+static int understand(struct lx_can_bus *self, struct lx_error *error)
+{
+    const struct lx_bus_setup *setup = &self->bus.setup;
+    int result = 0;
+    if (self->open != lx_silkit_can_open) { /* that has the keys of its simulation */
+        result = lx_wire_settings(&lx_can_keys, setup->plan, setup->wire, &self->pace, error);
+    }
+    if (result == 0 && !make_wire(self)) {
+        return lx_fail(error, "no memory for %lu encoders", (unsigned long)setup->count);
+    }
+    for (size_t i = 0; result == 0 && i < setup->count; i++) {
+        result = lx_can_node_make(self, i, error);
+    }
+    return result;
+}
 
 struct lx_bus *lx_can_bus_make(const struct lx_bus_setup *setup, lx_can_open *open,
                                struct lx_error *error)
@@ -355,16 +366,8 @@ struct lx_bus *lx_can_bus_make(const struct lx_bus_setup *setup, lx_can_open *op
     self->promised = DG_NEVER;
     self->node = node;
     self->pace = lx_can_pace;
-    int result = 0;
-    if (open != lx_silkit_can_open) { /* that has the keys of its simulation */
-        result = lx_wire_settings(&lx_can_keys, setup->plan, setup->wire, &self->pace, error);
-    }
-    for (size_t i = 0; result == 0 && i < setup->count; i++) {
-        result = lx_can_node_make(self, i, error);
-    }
-    if (result != 0) {
-        free(node);
-        free(self);
+    if (understand(self, error) != 0) {
+        free_bus(self);
         return NULL;
     }
     return &self->bus;

@@ -128,15 +128,14 @@ static void pause_reading(struct lx_can *can, bool paused)
     lx_peers_pause(&net_of(can)->peers, paused);
 }
 
-static bool hears(const struct lx_can *can, uint16_t kbaud)
+static bool anybody_is_open(const struct lx_can *can)
 {
     const struct lx_can_net *self = (const struct lx_can_net *)can;
-    for (size_t i = 0; i < LX_PEERS_MAX; i++) {
-        if (is_open(self, i)) {
-            return fits(rate(self), kbaud);
-        }
+    size_t i = 0;
+    while (i < LX_PEERS_MAX && !is_open(self, i)) {
+        i++;
     }
-    return false;
+    return i < LX_PEERS_MAX;
 }
 
 static void expect(struct lx_can *can, uint16_t kbaud)
@@ -170,7 +169,7 @@ static const struct lx_can_ops net_ops = {
     .push = push,
     .pause = pause_reading,
     .expect = expect,
-    .hears = hears,
+    .open = anybody_is_open,
     .bit_rate = bit_rate,
     .up = up,
     .close = close_net,

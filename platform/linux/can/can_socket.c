@@ -21,7 +21,6 @@
 #include <unistd.h>
 
 #include "can.h"
-#include "can_load.h"
 
 /* Frames taken at once; between such pieces of a flood deadlines get their turn. */
 #define BATCH 64u
@@ -115,7 +114,7 @@ static int bind_to(struct can_socket *self)
     self->passive = false;
     self->bit_rate = link.bitrate;
     /* On a virtual bus nobody has to acknowledge. */
-    self->can.company = link.is_virtual ? LX_CAN_SOMEBODY : LX_CAN_UNKNOWN;
+    self->can.company = link.is_virtual ? DG_BUS_SOMEBODY : DG_BUS_UNKNOWN;
     return link.up ? 0 : -ENETDOWN;
 }
 
@@ -158,7 +157,7 @@ static void look_for_it(void *ctx, dg_ns now)
     }
     lx_complain("%s: back", self->can.address);
     apply_filters(self);
-    if (self->can.stalled) {
+    if (lx_can_is_paused(&self->can)) {
         (void)sd_event_source_set_enabled(self->io, SD_EVENT_OFF);
     }
     self->can.setup.settle(self->can.setup.ctx, now);
@@ -199,9 +198,9 @@ static void take_company(struct can_socket *self, const struct can_frame *frame)
     const bool fell = (frame->data[1] & CAN_ERR_CRTL_ACTIVE) != 0 ||
                       (self->passive && (frame->data[1] & warning) != 0);
     if ((frame->can_id & CAN_ERR_ACK) != 0) {
-        self->can.company = LX_CAN_NOBODY;
+        self->can.company = DG_BUS_NOBODY;
     } else if (counts && fell) {
-        self->can.company = LX_CAN_SOMEBODY;
+        self->can.company = DG_BUS_SOMEBODY;
     }
     if (counts && (frame->data[1] & (passive | warning | CAN_ERR_CRTL_ACTIVE)) != 0) {
         self->passive = (frame->data[1] & passive) != 0;
@@ -216,14 +215,14 @@ static void take_error(struct can_socket *self, dg_ns now, const struct can_fram
     static const struct {
         uint32_t class_of;
         uint8_t status; /* any of these in data[1]; 0: the class says it all */
-        enum dg_co_bus_event event;
+        enum dg_host_bus event;
     } rows[] = {
-        {CAN_ERR_CRTL, CAN_ERR_CRTL_RX_OVERFLOW, DG_CO_BUS_OVERRUN},
-        {CAN_ERR_BUSOFF, 0, DG_CO_BUS_OFF},
-        {CAN_ERR_RESTARTED, 0, DG_CO_BUS_ACTIVE},
-        {CAN_ERR_CRTL, CAN_ERR_CRTL_RX_PASSIVE | CAN_ERR_CRTL_TX_PASSIVE, DG_CO_BUS_PASSIVE},
+        {CAN_ERR_CRTL, CAN_ERR_CRTL_RX_OVERFLOW, DG_HOST_BUS_OVERRUN},
+        {CAN_ERR_BUSOFF, 0, DG_HOST_BUS_OFF},
+        {CAN_ERR_RESTARTED, 0, DG_HOST_BUS_ACTIVE},
+        {CAN_ERR_CRTL, CAN_ERR_CRTL_RX_PASSIVE | CAN_ERR_CRTL_TX_PASSIVE, DG_HOST_BUS_PASSIVE},
         {CAN_ERR_CRTL, CAN_ERR_CRTL_RX_WARNING | CAN_ERR_CRTL_TX_WARNING | CAN_ERR_CRTL_ACTIVE,
-         DG_CO_BUS_ACTIVE},
+         DG_HOST_BUS_ACTIVE},
     };
     for (size_t i = 0; i < DG_COUNT(rows); i++) {
         if ((frame->can_id & rows[i].class_of) == 0 ||
@@ -231,7 +230,7 @@ static void take_error(struct can_socket *self, dg_ns now, const struct can_fram
             continue;
         }
         self->can.setup.bus(self->can.setup.ctx, now, rows[i].event);
-        if (rows[i].event != DG_CO_BUS_OVERRUN) {
+        if (rows[i].event != DG_HOST_BUS_OVERRUN) {
             return;
         }
     }
@@ -245,7 +244,7 @@ static void take_frame(struct can_socket *self, dg_ns now, const struct can_fram
         take_error(self, now, frame);
         return;
     }
-    self->can.company = LX_CAN_SOMEBODY;
+    self->can.company = DG_BUS_SOMEBODY;
     if ((frame->can_id & CAN_EFF_FLAG) != 0 || frame->can_dlc > sizeof out.data) {
         return;
     }
@@ -263,7 +262,7 @@ static void take_dropped(struct can_socket *self, dg_ns now, uint32_t dropped)
     }
     self->dropped = dropped;
     self->overrun_until = dg_after(now, OVERRUN_PAUSE);
-    self->can.setup.bus(self->can.setup.ctx, now, DG_CO_BUS_OVERRUN);
+    self->can.setup.bus(self->can.setup.ctx, now, DG_HOST_BUS_OVERRUN);
 }
 
 /* One frame with what the kernel says about it. @return 1, 0 when there is none, or -errno */
@@ -310,7 +309,8 @@ static int on_readable(sd_event_source *source, int fd, uint32_t events, void *c
     (void)fd;
     (void)events;
     /* A frame can make an encoder send, which can stall the bus, or find it gone. */
-    for (unsigned i = 0; i < BATCH && result > 0 && !self->can.stalled && self->fd >= 0; i++) {
+    for (unsigned i = 0; i < BATCH && result > 0 && !lx_can_is_paused(&self->can) && self->fd >= 0;
+         i++) {
         result = receive(self);
     }
     if (result < 0 && self->fd >= 0) {
@@ -362,11 +362,11 @@ static size_t all_filters(struct can_filter *filters)
 }
 
 /* Data and remote frames of the CAN-IDs that somebody listens to; of too many, all 11-bit ones. */
-static size_t wanted_filters(const struct dg_co_net *net, struct can_filter *filters)
+static size_t wanted_filters(const struct dg_bus *bus, struct can_filter *filters)
 {
     size_t n = 0;
     for (uint16_t id = 0; id <= CAN_SFF_MASK; id++) {
-        if (!dg_co_net_listens(net, id)) {
+        if (!dg_bus_frames_listens(bus, id)) {
             continue;
         }
         if (n == FILTERS_MAX) {
@@ -377,11 +377,11 @@ static size_t wanted_filters(const struct dg_co_net *net, struct can_filter *fil
     return n;
 }
 
-static void filter(struct lx_can *can, const struct dg_co_net *net)
+static void filter(struct lx_can *can, const struct dg_bus *bus)
 {
     struct can_socket *self = socket_of(can);
     struct can_filter wanted[FILTERS_MAX];
-    const size_t n = net == NULL ? all_filters(wanted) : wanted_filters(net, wanted);
+    const size_t n = bus == NULL ? all_filters(wanted) : wanted_filters(bus, wanted);
     const size_t size = n * sizeof wanted[0];
     if (n == self->filter_count && memcmp(wanted, self->filters, size) == 0) {
         return;
@@ -421,7 +421,7 @@ static uint64_t bits(const struct lx_can *can)
 {
     struct lx_can_link link = {.frames = 0};
     (void)lx_can_link_read(((const struct can_socket *)can)->index, &link);
-    return LX_CAN_BITS(link.frames, link.bytes);
+    return DG_CAN_BITS(link.frames, link.bytes);
 }
 
 static bool up(const struct lx_can *can)

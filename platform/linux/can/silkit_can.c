@@ -9,8 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "can_bus.h"
-#include "can_load.h"
+#include "can.h"
 #include "silkit.h"
 
 /* Of 11 bits. */
@@ -22,7 +21,8 @@ struct silkit_can {
     struct lx_can can;
     struct lx_silkit_port port;
     struct lx_silkit_where where;
-    struct lx_can_list early;
+    struct dg_can_frame *early; /* owned */
+    size_t early_count;
 };
 
 static struct silkit_can *silkit_of(struct lx_can *can)
@@ -45,9 +45,13 @@ static bool write_frame(struct lx_can *can, const struct dg_can_frame *frame)
         send(self, frame);
         return true;
     }
-    const struct lx_can_waiting waiting = {.frame = *frame};
-    if (self->early.count >= EARLY_MAX || !lx_can_list_append(&self->early, &waiting)) {
+    if (self->early == NULL) {
+        self->early = malloc(EARLY_MAX * sizeof *self->early);
+    }
+    if (self->early == NULL || self->early_count == EARLY_MAX) {
         can->counters.lost++;
+    } else {
+        self->early[self->early_count++] = *frame;
     }
     return true;
 }
@@ -55,10 +59,12 @@ static bool write_frame(struct lx_can *can, const struct dg_can_frame *frame)
 static void on_ready(void *ctx, dg_ns now)
 {
     struct silkit_can *self = ctx;
-    for (size_t i = 0; i < self->early.count; i++) {
-        send(self, &self->early.frames[i].frame);
+    for (size_t i = 0; i < self->early_count; i++) {
+        send(self, &self->early[i]);
     }
-    self->early.count = 0;
+    free(self->early);
+    self->early = NULL;
+    self->early_count = 0;
     self->can.setup.settle(self->can.setup.ctx, now);
 }
 
@@ -75,7 +81,7 @@ static void take_frame(struct silkit_can *self, dg_ns now, const struct lx_silki
     frame.dlc = n > sizeof frame.data ? sizeof frame.data : (uint8_t)n;
     memcpy(frame.data, lx_silkit_bytes(message), message->length);
     if ((message->flags & LX_SK_FRAME_EXTENDED) != 0) {
-        lx_can_count(&self->can, LX_CAN_EXTENDED_BITS(1u, lx_can_bytes(&frame)));
+        setup->foreign(setup->ctx, DG_CAN_EXTENDED_BITS(1u, dg_can_bytes(&frame)));
     } else if ((message->flags & ~LX_SK_FRAME_REMOTE) == 0 && message->id <= ID_MAX) {
         setup->rx(setup->ctx, now, &frame);
     }
@@ -83,10 +89,10 @@ static void take_frame(struct silkit_can *self, dg_ns now, const struct lx_silki
 
 static void take_state(struct silkit_can *self, dg_ns now, uint32_t state)
 {
-    static const enum dg_co_bus_event events[] = {
-        [LX_SK_ERROR_ACTIVE] = DG_CO_BUS_ACTIVE,
-        [LX_SK_ERROR_PASSIVE] = DG_CO_BUS_PASSIVE,
-        [LX_SK_BUS_OFF] = DG_CO_BUS_OFF,
+    static const enum dg_host_bus events[] = {
+        [LX_SK_ERROR_ACTIVE] = DG_HOST_BUS_ACTIVE,
+        [LX_SK_ERROR_PASSIVE] = DG_HOST_BUS_PASSIVE,
+        [LX_SK_BUS_OFF] = DG_HOST_BUS_OFF,
     };
     const struct lx_can_setup *setup = &self->can.setup;
     if (state != LX_SK_ERROR_UNKNOWN && state < DG_COUNT(events)) {
@@ -134,7 +140,7 @@ static bool up(const struct lx_can *can)
 
 static void close_silkit(struct lx_can *can)
 {
-    free(silkit_of(can)->early.frames);
+    free(silkit_of(can)->early);
 }
 
 static const struct lx_can_ops silkit_ops = {

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "slcan_channel.h"
 
-#include "can_load.h"
-
 bool lx_slcan_hears(const struct lx_slcan_channel *self, uint16_t kbaud)
 {
     const struct dg_slcan *codec = &self->codec;
@@ -30,7 +28,7 @@ void lx_slcan_act(struct lx_slcan_channel *self, struct lx_can *can, dg_ns now,
         setup->rx(setup->ctx, now, &event->frame);
         setup->settle(setup->ctx, now);
     } else if (event->extended) {
-        lx_can_count(can, LX_CAN_EXTENDED_BITS(1u, lx_can_bytes(&event->frame)));
+        setup->foreign(setup->ctx, DG_CAN_EXTENDED_BITS(1u, dg_can_bytes(&event->frame)));
     } else if (switched) {
         lx_slcan_check(self, setup->say, can->expected);
         setup->settle(setup->ctx, now);

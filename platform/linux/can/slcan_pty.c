@@ -117,9 +117,9 @@ static bool write_frame(struct lx_can *can, const struct dg_can_frame *frame)
 
 /* --- bit rates --- */
 
-static bool hears(const struct lx_can *can, uint16_t kbaud)
+static bool is_open(const struct lx_can *can)
 {
-    return lx_slcan_hears(&((const struct slcan_pty *)can)->channel, kbaud);
+    return ((const struct slcan_pty *)can)->channel.codec.state != DG_SLCAN_CLOSED;
 }
 
 static uint32_t bit_rate(const struct lx_can *can)
@@ -237,7 +237,7 @@ static void back(void *ctx)
     if (result < 0) {
         lx_complain("%s: cannot watch the pty: %s", self->can.address, strerror(-result));
     }
-    pause_reading(&self->can, self->can.stalled);
+    pause_reading(&self->can, lx_can_is_paused(&self->can));
     self->can.setup.settle(self->can.setup.ctx, lx_now());
 }
 
@@ -261,7 +261,7 @@ static const struct lx_can_ops slcan_ops = {
     .push = push,
     .pause = pause_reading,
     .expect = expect,
-    .hears = hears,
+    .open = is_open,
     .bit_rate = bit_rate,
     .up = up,
     .close = close_slcan,

@@ -3,7 +3,6 @@
 #define _GNU_SOURCE
 #include <string.h>
 
-#include "can_load.h"
 #include "can_net.h"
 #include "socketcand.h"
 
@@ -20,9 +19,9 @@ static void take_byte(struct lx_can_net *self, struct lx_peer *from, dg_ns now, 
         lx_peer_answer(from, event.reply, strlen(event.reply));
     }
     if (event.has_frame && lx_can_net_spread(self, from, now, &event.frame)) {
-        const uint32_t bytes = lx_can_bytes(&event.frame.frame);
+        const uint32_t bytes = dg_can_bytes(&event.frame.frame);
         if (event.frame.extended) {
-            lx_can_count(&self->can, LX_CAN_EXTENDED_BITS(1u, bytes));
+            setup->foreign(setup->ctx, DG_CAN_EXTENDED_BITS(1u, bytes));
         } else {
             setup->rx(setup->ctx, now, &event.frame.frame);
         }

@@ -39,12 +39,12 @@ static void wire_pause(struct lx_can *can, bool paused)
     ((struct can_wire *)can)->paused = paused;
 }
 
-static void wire_filter(struct lx_can *can, const struct dg_co_net *net)
+static void wire_filter(struct lx_can *can, const struct dg_bus *bus)
 {
     struct can_wire *self = (struct can_wire *)can;
-    self->seen_all = net == NULL;
-    for (uint16_t id = 0; net != NULL && id < 0x800; id++) {
-        self->lets[id] = dg_co_net_listens(net, id);
+    self->seen_all = bus == NULL;
+    for (uint16_t id = 0; bus != NULL && id < 0x800; id++) {
+        self->lets[id] = dg_bus_frames_listens(bus, id);
     }
 }
 

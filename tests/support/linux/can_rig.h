@@ -8,6 +8,7 @@
 #define TESTS_SUPPORT_CAN_RIG_H
 
 #include "can_bus.h"
+#include "drehgeber/cia406.h"
 
 #define CAN_RIG_NODES_MAX 127u
 #define CAN_RIG_FRAMES_MAX 4096u

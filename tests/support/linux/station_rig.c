@@ -25,6 +25,7 @@ void station_make(struct lx_station *station, const struct lx_plan_encoder *plan
     station->world.angle_ctx = angle;
     station->control.name = plan->name;
     station->control.model = plan->model;
+    station->control.instrument = dg_instrument_of(plan->model->stack);
     station->control.world = &station->world;
 }
 
@@ -44,7 +45,7 @@ static struct dg_fault_target target_of(struct lx_station *station)
 {
     return (struct dg_fault_target){
         .instrument = dg_instrument_of(station->plan->model->stack),
-        .world = &station->world,
+        .world = station->control.world,
     };
 }
 

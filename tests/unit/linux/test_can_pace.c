@@ -45,13 +45,22 @@ static int tear_down(void **state)
     return can_rig_tear_down(state);
 }
 
-/* Frames of the test's with the CAN-IDs from `first` on. */
-static void send(struct can_wire *wire, uint16_t first, size_t count, uint8_t dlc)
+static struct dg_bus *bus_of(const struct can_rig *self)
 {
+    return ((const struct lx_can_bus *)self->bus)->wire;
+}
+
+/* The encoder answers so many requests that come at once, by 8 bytes each: the CAN-IDs of its
+   objects, in this order. */
+static void ask(struct can_wire *wire, uint8_t first, size_t count)
+{
+    const struct lx_can_setup *setup = &wire->can.setup;
     for (size_t i = 0; i < count; i++) {
-        const struct dg_can_frame frame = {.id = (uint16_t)(first + i), .dlc = dlc};
-        lx_can_send(&wire->can, &frame);
+        const struct dg_can_frame frame = {
+            .id = 0x601, .dlc = 8, .data = {0x40, 0x00, 0x10, 0, (uint8_t)(first + i)}};
+        setup->rx(setup->ctx, lx_now(), &frame);
     }
+    setup->settle(setup->ctx, lx_now());
 }
 
 static void wait_for(struct can_rig *self, size_t count)
@@ -61,6 +70,15 @@ static void wait_for(struct can_rig *self, size_t count)
         can_rig_turn(self);
     }
     assert_int_equal(can_rig_wire(self)->count, count);
+}
+
+/* Frames of the test's with the CAN-IDs from `first` on, past the bus. */
+static void send(struct can_wire *wire, uint16_t first, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        const struct dg_can_frame frame = {.id = (uint16_t)(first + i), .dlc = 8};
+        lx_can_send(&wire->can, &frame);
+    }
 }
 
 static void expect_in_order(const struct can_wire *wire, uint16_t first, size_t count)
@@ -77,9 +95,9 @@ static void unless_it_is_set_nothing_waits(void **state)
     struct can_rig *self = *state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         struct can_wire *wire = open_bus(self, rows[i]);
-        send(wire, 0x100, 2 * LX_CAN_PACED_MAX, 8);
-        expect_in_order(wire, 0x100, 2 * LX_CAN_PACED_MAX);
-        assert_false(wire->can.stalled);
+        ask(wire, 0, 2 * DG_BUS_FRAMES_PACED);
+        assert_int_equal(wire->count, 2 * DG_BUS_FRAMES_PACED);
+        assert_false(lx_can_is_paused(&wire->can));
         can_rig_shut(self);
     }
 }
@@ -98,172 +116,57 @@ static void plans_that_cannot_be(void **state)
     assert_string_equal(lx_error_line(&self->error).text, "pace=2: 0 or 1 is right");
 }
 
-/* The first at once, each other one when the one before is through; a pause is not made up for. */
+/* Not before the one before it is through. The wire's own bit rate comes before the encoder's. */
 static void each_frame_has_its_time(void **state)
 {
     struct can_rig *self = *state;
     struct can_wire *wire = open_bus(self, "pace=1");
+    assert_int_equal(dg_bus_frames_bit_rate(bus_of(self)), 250000);
+    wire->bit_rate = 100000;
+    wire->can.setup.settle(wire->can.setup.ctx, lx_now());
+    assert_int_equal(dg_bus_frames_bit_rate(bus_of(self)), 100000);
     const dg_ns begin = lx_now();
-    send(wire, 0x100, 1, 8);
-    send(wire, 0x101, 9, 0);
-    assert_true(wire->count >= 1);
-    assert_int_equal(wire->count + wire->can.count, 10);
-    assert_false(wire->can.stalled);
+    ask(wire, 0, 10);
+    assert_true(wire->count < 10);
     wait_for(self, 10);
-    expect_in_order(wire, 0x100, 10);
-    const dg_ns first = DG_US(540); /* 135 bits of 4 us */
-    const dg_ns other = DG_US(220); /* 55 */
     for (size_t i = 1; i < 10; i++) {
-        assert_true(dg_elapsed(wire->at[i], begin) >= first + (i - 1) * other);
+        assert_true(dg_elapsed(wire->at[i], begin) >= i * DG_US(1350)); /* 135 bits */
     }
-    assert_true(wire->can.busy_until >= begin + first + 9 * other);
-    can_rig_run(self, DG_MS(3));
-    const dg_ns again = lx_now();
-    send(wire, 0x10A, 2, 8);
-    assert_true(wire->count >= 11);
-    wait_for(self, 12);
-    assert_true(dg_elapsed(wire->at[11], again) >= first);
     assert_int_equal(wire->can.counters.stalls, 0);
     assert_int_equal(wire->can.counters.lost, 0);
 }
 
-/* What somebody else sends takes the wire's time, too, but not more than there is. */
-static void others_take_their_time(void **state)
-{
-    struct can_rig *self = *state;
-    struct can_wire *wire = open_bus(self, "pace=1");
-    const struct lx_can_setup *setup = &wire->can.setup;
-    const struct dg_can_frame strange = {.id = 0x555, .dlc = 8};
-    const dg_ns one = DG_MS(135);
-    wire->bit_rate = 1000;
-    setup->settle(setup->ctx, lx_now());
-    wire->can.busy_until = 0;
-    setup->rx(setup->ctx, lx_now(), &strange); /* over already */
-    assert_int_equal(wire->can.busy_until, 0);
-    send(wire, 0x100, 1, 8);
-    assert_int_equal(wire->count, 1);
-    const dg_ns until = wire->can.busy_until;
-    assert_true(dg_elapsed(until, wire->at[0]) <= one);
-    setup->rx(setup->ctx, lx_now(), &strange);
-    assert_int_equal(wire->can.busy_until, until + one);
-    for (int i = 0; i < 1000; i++) {
-        setup->rx(setup->ctx, lx_now(), &strange);
-    }
-    assert_true(wire->can.busy_until <= lx_now() + 2 * one);
-    send(wire, 0x101, 1, 8);
-    assert_int_equal(wire->count, 1);
-    /* It is over, but has begun when the one before it was through. */
-    const dg_ns through = lx_now() - DG_MS(1);
-    wire->can.busy_until = through;
-    setup->rx(setup->ctx, lx_now(), &strange);
-    assert_int_equal(wire->can.busy_until, through + one);
-}
-
-/* The wire's own bit rate comes before the encoder's. */
-static void the_wires_bit_rate(void **state)
-{
-    struct can_rig *self = *state;
-    struct can_wire *wire = open_bus(self, "pace=1");
-    assert_int_equal(wire->can.pace, 250000);
-    wire->bit_rate = 10000;
-    wire->can.setup.settle(wire->can.setup.ctx, lx_now());
-    assert_int_equal(wire->can.pace, 10000);
-    const dg_ns begin = lx_now();
-    send(wire, 0x100, 3, 4);
-    wait_for(self, 3);
-    assert_true(dg_elapsed(wire->at[2], begin) >= 2 * DG_US(9500));
-}
-
-/* A wire that has none has that of the slowest encoder. */
-static void the_slowest_encoders_bit_rate(void **state)
-{
-    static const struct {
-        uint16_t kbaud[3];
-        uint32_t bit_rate;
-    } rows[] = {
-        {{250, 250, 250}, 250000},
-        {{250, 125, 500}, 125000},
-        {{20, 125, 500}, 20000},
-        {{1000, 500, 10}, 10000},
-    };
-    struct can_rig *self = *state;
-    can_rig_plan(self, 3);
-    set(self, "pace=1");
-    can_rig_open(self, 3);
-    struct lx_can_bus *bus = (struct lx_can_bus *)self->bus;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
-        for (size_t n = 0; n < 3; n++) {
-            bus->node[n].kbaud = rows[i].kbaud[n];
-        }
-        bus->can->setup.settle(bus->can->setup.ctx, lx_now());
-        assert_int_equal(bus->can->pace, rows[i].bit_rate);
-    }
-}
-
-/* The wire is free, but the timer has not come round: whoever waits is first. */
-static void nobody_overtakes(void **state)
-{
-    struct can_rig *self = *state;
-    struct can_wire *wire = open_bus(self, "pace=1");
-    send(wire, 0x100, 3, 0);
-    while (lx_now() <= wire->can.busy_until) {
-    }
-    send(wire, 0x103, 3, 0);
-    wait_for(self, 6);
-    expect_in_order(wire, 0x100, 6);
-}
-
-/* Too much makes the encoders wait until half of it is gone; nothing is lost. */
+/* Too much makes the encoders wait, and what comes in: it is not read until half of it is gone. */
 static void a_full_queue_holds_the_encoders(void **state)
 {
     struct can_rig *self = *state;
     struct can_wire *wire = open_bus(self, "pace=1");
-    send(wire, 0x100, LX_CAN_PACED_MAX, 8); /* the first one does not wait */
-    assert_int_equal(wire->count + wire->can.count, LX_CAN_PACED_MAX);
-    assert_false(wire->can.stalled);
-    send(wire, 0x100 + LX_CAN_PACED_MAX, 2 * LX_CAN_PACED_MAX, 8);
-    assert_true(wire->can.stalled);
+    ask(wire, 0, DG_BUS_FRAMES_PACED / 2u);
+    assert_false(wire->paused);
+    ask(wire, 0, DG_BUS_FRAMES_PACED);
+    assert_true(lx_can_is_paused(&wire->can));
     assert_true(wire->paused);
-    while (wire->can.stalled) {
-        assert_true(wire->can.count > LX_CAN_PACED_MAX / 2);
+    const dg_ns end = dg_after(lx_now(), CAN_RIG_PATIENCE);
+    while (lx_can_is_paused(&wire->can)) {
+        assert_true(lx_now() < end);
         can_rig_turn(self);
     }
-    assert_true(wire->can.count <= LX_CAN_PACED_MAX / 2);
     assert_false(wire->paused);
-    wait_for(self, 3 * LX_CAN_PACED_MAX);
-    expect_in_order(wire, 0x100, 3 * LX_CAN_PACED_MAX);
-    assert_int_equal(wire->can.counters.stalls, 1);
-    assert_int_equal(wire->can.counters.lost, 0);
-}
-
-/* A queue that is never empty goes on in the same memory. */
-static void a_queue_that_never_empties(void **state)
-{
-    const size_t rounds = 100;
-    struct can_rig *self = *state;
-    struct can_wire *wire = open_bus(self, "pace=1");
-    wire->bit_rate = 1000000;
-    wire->can.setup.settle(wire->can.setup.ctx, lx_now());
-    send(wire, 0x100, 8, 8);
-    for (size_t i = 1; i < rounds; i++) {
-        while (wire->can.count > 4) {
-            can_rig_turn(self);
-        }
-        send(wire, (uint16_t)(0x100 + 8 * i), 8, 8);
-    }
-    wait_for(self, 8 * rounds);
-    expect_in_order(wire, 0x100, 8 * rounds);
-    assert_true(wire->can.capacity <= 64);
+    wait_for(self, DG_BUS_FRAMES_PACED + DG_BUS_FRAMES_PACED / 2u);
+    assert_int_equal(dg_bus_frames_counters(bus_of(self))->stalls, 1);
+    assert_int_equal(dg_bus_frames_counters(bus_of(self))->lost, 0);
+    assert_int_equal(self->bus->late, 0);
 }
 
 /* A wire without room, and time that has passed meanwhile. */
 static void a_wire_without_room(void **state)
 {
     struct can_rig *self = *state;
-    struct can_wire *wire = open_bus(self, "pace=1");
+    struct can_wire *wire = open_bus(self, NULL);
     wire->full = true;
-    send(wire, 0x100, 3, 8);
+    send(wire, 0x100, 3);
     assert_true(wire->can.stalled);
+    assert_true(wire->paused);
     can_rig_run(self, DG_MS(20));
     assert_int_equal(wire->count, 0);
     assert_int_equal(wire->can.count, 3);
@@ -272,21 +175,33 @@ static void a_wire_without_room(void **state)
     expect_in_order(wire, 0x100, 3);
     can_rig_run(self, DG_MS(5));
     assert_false(wire->can.stalled);
-    /* Full while a frame waits for its time. */
-    send(wire, 0x103, 2, 8);
-    wire->full = true;
-    assert_false(wire->can.stalled);
-    can_rig_run(self, DG_MS(20));
-    assert_true(wire->can.stalled);
-    wire->full = false;
-    wait_for(self, 5);
-    expect_in_order(wire, 0x100, 5);
+    assert_false(wire->paused);
     /* What waits for nobody is forgotten, and the timer finds nothing. */
-    send(wire, 0x105, 2, 8);
+    wire->full = true;
+    send(wire, 0x103, 2);
     lx_can_discard(&wire->can);
+    wire->full = false;
     can_rig_run(self, DG_MS(5));
-    assert_int_equal(wire->count, 6);
-    assert_int_equal(wire->can.counters.lost, 1);
+    assert_int_equal(wire->count, 3);
+    assert_int_equal(wire->can.counters.lost, 2);
+    assert_int_equal(wire->can.counters.stalls, 2);
+}
+
+/* Frames come as fast as they go: the queue goes on in the same memory. */
+static void a_queue_that_never_empties(void **state)
+{
+    struct can_rig *self = *state;
+    struct can_wire *wire = open_bus(self, NULL);
+    wire->full = true;
+    send(wire, 0x100, 64);
+    wire->full = false;
+    wait_for(self, 64);
+    wire->full = true;
+    send(wire, 0x140, 64);
+    wire->full = false;
+    wait_for(self, 128);
+    expect_in_order(wire, 0x100, 128);
+    assert_true(wire->can.capacity <= 64);
 }
 
 /* An encoder that wants to send more than its bus carries: each frame of it in its time, and it
@@ -303,11 +218,12 @@ static void an_event_timer_below_the_bus_time(void **state)
     const dg_ns begin = lx_now();
     do { /* a machine that stands still wants less */
         can_rig_run(self, DG_MS(300));
-    } while (wire->can.counters.stalls == 0 && dg_elapsed(lx_now(), begin) < CAN_RIG_PATIENCE);
+    } while (dg_bus_frames_counters(bus_of(self))->stalls == 0 &&
+             dg_elapsed(lx_now(), begin) < CAN_RIG_PATIENCE);
     const dg_ns span = dg_elapsed(lx_now(), begin);
     assert_true(can_rig_sent(self, 0x181) <= 1 + span / DG_US(4750));
     assert_true(can_rig_sent(self, 0x181) > 10);
-    assert_true(wire->can.counters.stalls > 0);
+    assert_true(dg_bus_frames_counters(bus_of(self))->stalls > 0);
     assert_int_equal(wire->can.counters.lost, 0);
 }
 
@@ -323,7 +239,7 @@ static void next_window(struct can_rig *self)
 {
     struct lx_can_bus *bus = (struct lx_can_bus *)self->bus;
     const struct lx_can_setup *setup = &bus->can->setup;
-    setup->settle(setup->ctx, bus->load.since + LX_CAN_LOAD_WINDOW);
+    setup->settle(setup->ctx, bus->load.since + DG_BUS_LOAD_WINDOW);
 }
 
 static void what_is_sent_and_received_is_load(void **state)
@@ -336,7 +252,7 @@ static void what_is_sent_and_received_is_load(void **state)
     next_window(self);
     next_window(self);
     assert_int_equal(load_of(self), 0);
-    send(wire, 0x100, 100, 8);
+    ask(wire, 0, 50); /* which are answered */
     for (int i = 0; i < 100; i++) {
         setup->rx(setup->ctx, lx_now(), &strange);
     }
@@ -346,7 +262,8 @@ static void what_is_sent_and_received_is_load(void **state)
     next_window(self); /* 100 * (135 + 135 + 55) bits at 250 kBd */
     assert_int_equal(load_of(self), 130);
     wire->bit_rate = 50000;
-    send(wire, 0x100, 500, 8);
+    setup->settle(setup->ctx, lx_now());
+    ask(wire, 0, 250);
     assert_false(((const struct lx_can_bus *)self->bus)->load.overloaded);
     next_window(self);
     assert_int_equal(load_of(self), 1350);
@@ -365,21 +282,21 @@ static void load_of_an_adapter(void **state)
     set(self, "pace=1");
     can_rig_open_slcan(self, 1);
     can_rig_connect(self); /* at 250 kBd */
-    struct lx_can *can = ((struct lx_can_bus *)self->bus)->can;
-    assert_int_equal(can->pace, 250000);
-    uint64_t before = lx_can_bits(can);
+    const struct dg_bus *bus = bus_of(self);
+    assert_int_equal(dg_bus_frames_bit_rate(bus), 250000);
+    uint64_t before = dg_bus_frames_bits(bus);
     const dg_ns end = dg_after(lx_now(), CAN_RIG_PATIENCE);
     assert_int_equal(write(self->client, lines, sizeof lines - 1), sizeof lines - 1);
-    while (lx_can_bits(can) - before < (80 + 40) + 80 + (55 + 20) + 55 && lx_now() < end) {
+    while (dg_bus_frames_bits(bus) - before < (80 + 40) + 80 + (55 + 20) + 55 && lx_now() < end) {
         can_rig_turn(self);
     }
     can_rig_run(self, CAN_RIG_QUIET);
-    assert_int_equal(lx_can_bits(can) - before, (80 + 40) + 80 + (55 + 20) + 55);
-    before = lx_can_bits(can);
+    assert_int_equal(dg_bus_frames_bits(bus) - before, (80 + 40) + 80 + (55 + 20) + 55);
+    before = dg_bus_frames_bits(bus);
     assert_true(can_rig_answers(self, 1));
-    assert_int_equal(lx_can_bits(can) - before, 2 * 135);
+    assert_int_equal(dg_bus_frames_bits(bus) - before, 2 * 135);
     can_rig_say(self, "C\rS1\rO\r");
-    assert_int_equal(can->pace, 20000);
+    assert_int_equal(dg_bus_frames_bit_rate(bus), 20000);
 }
 
 int main(void)
@@ -388,10 +305,6 @@ int main(void)
         cmocka_unit_test_setup_teardown(unless_it_is_set_nothing_waits, can_rig_set_up, tear_down),
         cmocka_unit_test_setup_teardown(plans_that_cannot_be, can_rig_set_up, tear_down),
         cmocka_unit_test_setup_teardown(each_frame_has_its_time, can_rig_set_up, tear_down),
-        cmocka_unit_test_setup_teardown(others_take_their_time, can_rig_set_up, tear_down),
-        cmocka_unit_test_setup_teardown(the_wires_bit_rate, can_rig_set_up, tear_down),
-        cmocka_unit_test_setup_teardown(the_slowest_encoders_bit_rate, can_rig_set_up, tear_down),
-        cmocka_unit_test_setup_teardown(nobody_overtakes, can_rig_set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_full_queue_holds_the_encoders, can_rig_set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_queue_that_never_empties, can_rig_set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_wire_without_room, can_rig_set_up, tear_down),

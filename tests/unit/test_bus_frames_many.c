@@ -1,21 +1,24 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * 127 nodes on one bus in virtual time: a frame reaches those that listen to its CAN-ID and no
+ * 127 encoders on one bus in virtual time: a frame reaches those that listen to its CAN-ID and no
  * other, each node keeps its own deadlines, and filters follow what the nodes are told.
  */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <string.h>
 
 #include <cmocka.h>
 
 #include "drehgeber/bits.h"
+#include "drehgeber/bus_frames.h"
 #include "drehgeber/cia406.h"
-#include "ram_nvm.h"
+#include "drehgeber/devices.h"
+#include "drehgeber/host_wire.h"
 
-#define NODES DG_CO_NET_NODES
+#define NODES DG_BUS_FRAMES_ENCODERS
 #define SENT_MAX 4096u
 #define LSS_RX 0x7E5
 #define LSS_TX 0x7E4
@@ -23,35 +26,43 @@
 
 /* The encoder without its supervision: deadlines are those of the communication alone. */
 static struct dg_co_device device;
-static const struct dg_cia406_model f3668 = {.turns = 4096, .device = &device};
 
-/* Node i has node-ID i + 1. */
+/* Encoder i has node-ID i + 1. */
 static struct seat {
-    struct ram_nvm nvm;
-    struct dg_cia406 encoder;
-    struct dg_co_node node;
+    _Alignas(DG_HOST_ALIGN) uint8_t memory[2304];
+    struct dg_host *host;
+    struct dg_co_node *node;
 } seats[NODES];
 
-/* What a node has sent. */
+/* What an encoder has sent. */
 struct sent {
     const struct seat *seat;
     struct dg_can_frame frame;
     dg_ns at;
 };
 
-static struct dg_world world;
-static struct dg_co_net net;
+static _Alignas(DG_HOST_ALIGN) uint8_t memory[40000];
+static struct dg_bus_frames_room rooms[NODES];
+static struct dg_bus *bus;
 static dg_ns now;
 static uint32_t count;
 static struct sent sent[SENT_MAX];
 
-static void keep(void *ctx, const struct dg_can_frame *frame)
+static void keep(void *ctx, size_t place, const struct dg_tap_event *event)
 {
+    (void)ctx;
     assert_true(count < SENT_MAX);
-    sent[count++] = (struct sent){ctx, *frame, now};
+    sent[count++] = (struct sent){&seats[place], event->frame, event->at};
 }
 
-static const struct dg_co_ops ops = {.send = keep};
+static const struct dg_bus_ops ops = {.tx = keep};
+
+static dg_ns rx(dg_ns at, const struct dg_can_frame *frame)
+{
+    const struct dg_tap_event event = {.at = at, .kind = DG_TAP_FRAME, .frame = *frame};
+
+    return dg_bus_rx(bus, &event);
+}
 
 static void receive(uint16_t id, uint8_t dlc, uint64_t data)
 {
@@ -60,7 +71,7 @@ static void receive(uint16_t id, uint8_t dlc, uint64_t data)
     dg_store_le32(&frame.data[0], (uint32_t)data);
     dg_store_le32(&frame.data[4], (uint32_t)(data >> 32));
     count = 0;
-    (void)dg_co_net_rx(&net, now, &frame);
+    (void)rx(now, &frame);
 }
 
 static void request(uint16_t id)
@@ -68,7 +79,7 @@ static void request(uint16_t id)
     const struct dg_can_frame frame = {.id = id, .rtr = true};
 
     count = 0;
-    (void)dg_co_net_rx(&net, now, &frame);
+    (void)rx(now, &frame);
 }
 
 static void nmt(uint8_t command)
@@ -82,7 +93,7 @@ static unsigned run(dg_ns span)
     const dg_ns end = now + span;
     unsigned steps = 0;
 
-    for (dg_ns due = dg_co_net_step(&net, now); due <= end; due = dg_co_net_step(&net, now)) {
+    for (dg_ns due = dg_bus_step(bus, now); due <= end; due = dg_bus_step(bus, now)) {
         assert_true(due > now);
         now = due;
         steps++;
@@ -91,38 +102,44 @@ static unsigned run(dg_ns span)
     return steps;
 }
 
-static void make_node(uint8_t i)
+static void make_encoder(uint8_t i)
 {
     struct seat *seat = &seats[i];
-    const struct dg_co_setup setup = {.device = f3668.device,
-                                      .world = &world,
-                                      .nvm = ram_nvm_port(&seat->nvm),
-                                      .ops = &ops,
-                                      .ctx = seat,
-                                      .application = &seat->encoder};
-    const uint8_t bus[3] = {5, (uint8_t)(i + 1), 1};
+    char text[16];
 
-    ram_nvm_init(&seat->nvm, dg_store_size(f3668.device->layout));
-    assert_int_equal(dg_co_format(f3668.device, setup.nvm, SERIAL + i), DG_OK);
-    assert_int_equal(dg_cia406_init(&seat->encoder, &f3668), DG_OK);
-    assert_int_equal(dg_co_init(&seat->node, &setup), DG_OK);
-    assert_int_equal(dg_store_mount(&seat->node.store, f3668.device->layout, setup.nvm), DG_OK);
-    assert_int_equal(dg_store_put(&seat->node.store, DG_CO_REGION_BUS, 0, bus, sizeof bus), DG_OK);
-    assert_int_equal(dg_co_power_on(&seat->node, now), DG_OK);
-    assert_int_equal(dg_co_net_add(&net, &seat->node), DG_OK);
+    seat->host = dg_host_init_on_bus(seat->memory, sizeof seat->memory, &dg_f3668, &dg_cia406_wire);
+    assert_non_null(seat->host);
+    (void)snprintf(text, sizeof text, "%u", i + 1u);
+    assert_int_equal(dg_host_set(seat->host, "node", text), DG_HOST_OK);
+    (void)snprintf(text, sizeof text, "%u", SERIAL + i);
+    assert_int_equal(dg_host_set(seat->host, "serial", text), DG_HOST_OK);
+    assert_int_equal(dg_bus_attach(bus, seat->host, NULL), i);
+    assert_int_equal(dg_host_power(seat->host, now, true), DG_HOST_OK);
+    seat->node = &((struct dg_cia406_device *)dg_host_line_of(seat->host)->device)->node;
+    seat->node->setup.device = &device;
+    (void)dg_bus_changed(bus, i, now);
 }
 
 static int setup(void **state)
 {
+    const struct dg_bus_frames_setup wire = {
+        .size = sizeof wire, .room = rooms, .rooms = DG_COUNT(rooms)};
+    const struct dg_bus_setup setup = {.size = sizeof setup,
+                                       .medium = &dg_bus_frames,
+                                       .encoders = NODES,
+                                       .wire = &wire,
+                                       .ops = &ops};
+
     (void)state;
     now = DG_S(1);
     count = 0;
     device = dg_cia406_multiturn;
     device.step = NULL;
-    dg_world_init(&world);
-    dg_co_net_init(&net);
+    bus = dg_bus_init(memory, sizeof memory, &setup);
+    assert_non_null(bus);
+    (void)dg_bus_step(bus, now);
     for (uint8_t i = 0; i < NODES; i++) {
-        make_node(i);
+        make_encoder(i);
     }
     (void)run(0);
     count = 0;
@@ -132,13 +149,13 @@ static int setup(void **state)
 /* Frames node i was offered since forget_rx(). */
 static uint32_t offered(uint8_t i)
 {
-    return seats[i].node.counters.rx;
+    return seats[i].node->counters.rx;
 }
 
 static void forget_rx(void)
 {
     for (uint8_t i = 0; i < NODES; i++) {
-        seats[i].node.counters.rx = 0;
+        seats[i].node->counters.rx = 0;
     }
 }
 
@@ -166,11 +183,11 @@ static void write_ok(uint8_t i, uint16_t index, uint8_t sub, uint32_t value, uin
 
 /* ------------------------------------------------------------ dispatch */
 
-static void a_net_takes_127_nodes(void **state)
+static void a_bus_takes_127_encoders(void **state)
 {
     (void)state;
-    assert_int_equal(dg_co_net_add(&net, &seats[0].node), DG_ERR_SPACE);
-    assert_int_equal(net.count, NODES);
+    assert_int_equal(dg_bus_attach(bus, seats[0].host, NULL), DG_ERR_SPACE);
+    assert_int_equal(dg_bus_count(bus), NODES);
 }
 
 static void each_answers_its_own_sdo_only(void **state)
@@ -223,7 +240,7 @@ static void nobody_sees_what_nobody_listens_to(void **state)
 
     forget_rx();
     for (uint16_t id = 0; id <= 0x7FF; id++) {
-        if (!dg_co_net_listens(&net, id)) {
+        if (!dg_bus_frames_listens(bus, id)) {
             receive(id, 8, 0);
             assert_int_equal(count, 0);
             unheard++;
@@ -240,7 +257,7 @@ static void a_second_node_with_the_same_id_answers_as_well(void **state)
     receive(LSS_RX, 8, 0x0104); /* by LSS, as it happens in the field */
     for (uint8_t i = 0; i < 2; i++) {
         const struct dg_can_frame node_id = {.id = LSS_RX, .dlc = 8, .data = {0x11, 77}};
-        (void)dg_co_rx(&seats[i].node, now, &node_id);
+        (void)dg_co_rx(seats[i].node, now, &node_id);
     }
     receive(LSS_RX, 8, 0x0004);
     receive(0x64D, 8, 0x00100040);
@@ -281,28 +298,28 @@ static void each_heartbeat_keeps_its_own_period(void **state)
 static void the_deadline_is_the_earliest_of_all(void **state)
 {
     (void)state;
-    assert_true(dg_co_net_step(&net, now) == DG_NEVER);
+    assert_true(dg_bus_step(bus, now) == DG_NEVER);
     write_ok(90, 0x1017, 0, 500, 2);
     write_ok(5, 0x1017, 0, 300, 2);
     write_ok(126, 0x1017, 0, 400, 2);
-    assert_true(dg_co_net_step(&net, now) == now + DG_MS(300));
+    assert_true(dg_bus_step(bus, now) == now + DG_MS(300));
     write_ok(5, 0x1017, 0, 0, 2);
-    assert_true(dg_co_net_step(&net, now) == now + DG_MS(400));
+    assert_true(dg_bus_step(bus, now) == now + DG_MS(400));
 }
 
 static void the_bus_is_everybodys(void **state)
 {
     (void)state;
-    assert_true(dg_co_net_bus(&net, now, DG_CO_BUS_PASSIVE) == DG_NEVER);
+    assert_true(dg_bus_frames_controller(bus, now, DG_HOST_BUS_PASSIVE) == DG_NEVER);
     assert_int_equal(count, NODES);
     for (uint8_t i = 0; i < NODES; i++) {
         assert_int_equal(sent[i].frame.id, 0x081 + i);
         assert_int_equal(dg_load_le16(sent[i].frame.data), 0x8120);
     }
     write_ok(3, 0x1015, 0, 50, 2); /* 5 ms from the next EMCY to the one after */
-    (void)dg_co_net_bus(&net, now, DG_CO_BUS_ACTIVE);
+    (void)dg_bus_frames_controller(bus, now, DG_HOST_BUS_ACTIVE);
     count = 0;
-    assert_true(dg_co_net_bus(&net, now, DG_CO_BUS_PASSIVE) == now + DG_MS(5));
+    assert_true(dg_bus_frames_controller(bus, now, DG_HOST_BUS_PASSIVE) == now + DG_MS(5));
     assert_int_equal(count, NODES - 1);
     (void)run(DG_MS(5));
     assert_int_equal(count, NODES);
@@ -315,9 +332,9 @@ static void another_sync_is_followed(void **state)
 {
     (void)state;
     nmt(0x01);
-    assert_false(dg_co_net_listens(&net, 0x90));
+    assert_false(dg_bus_frames_listens(bus, 0x90));
     write_ok(4, 0x1005, 0, 0x90, 4);
-    assert_true(dg_co_net_listens(&net, 0x90));
+    assert_true(dg_bus_frames_listens(bus, 0x90));
     receive(0x80, 0, 0);
     assert_int_equal(count, NODES - 1);
     forget_rx();
@@ -337,8 +354,8 @@ static void time_stamps_are_for_those_that_consume_them(void **state)
     forget_rx();
     receive(0x100, 6, 0x123400000002);
     assert_offered_to(3);
-    assert_int_equal(seats[3].node.time_ms, 2);
-    assert_int_equal(seats[3].node.time_days, 0x1234);
+    assert_int_equal(seats[3].node->time_ms, 2);
+    assert_int_equal(seats[3].node->time_days, 0x1234);
 }
 
 static void a_time_stamp_has_six_bytes(void **state)
@@ -351,9 +368,9 @@ static void a_time_stamp_has_six_bytes(void **state)
             receive(0x100, dlc, 0x567800000003);
         }
     }
-    assert_int_equal(seats[3].node.time_ms, 2);
-    assert_int_equal(seats[3].node.time_days, 0x1234);
-    assert_int_equal(seats[3].node.counters.malformed, 8);
+    assert_int_equal(seats[3].node->time_ms, 2);
+    assert_int_equal(seats[3].node->time_days, 0x1234);
+    assert_int_equal(seats[3].node->counters.malformed, 8);
 }
 
 /* What a host sets its timer to: the earliest of all nodes, old and new. */
@@ -365,11 +382,11 @@ static void receiving_tells_the_next_deadline(void **state)
         .id = 0x67F, .dlc = 8, .data = {0x2B, 0x17, 0x10, 0, 250}};
     static const struct dg_can_frame nobody = {.id = 0x7FF};
     (void)state;
-    assert_int_equal(dg_co_net_rx(&net, now, &nobody), DG_NEVER);
-    assert_int_equal(dg_co_net_rx(&net, now, &segmented), now + DG_S(1));
-    assert_int_equal(dg_co_net_rx(&net, now + DG_MS(5), &nobody), now + DG_S(1));
-    assert_int_equal(dg_co_net_rx(&net, now + DG_MS(5), &heartbeat), now + DG_MS(255));
-    assert_int_equal(dg_co_net_rx(&net, now + DG_MS(6), &nobody), now + DG_MS(255));
+    assert_int_equal(rx(now, &nobody), DG_NEVER);
+    assert_int_equal(rx(now, &segmented), now + DG_S(1));
+    assert_int_equal(rx(now + DG_MS(5), &nobody), now + DG_S(1));
+    assert_int_equal(rx(now + DG_MS(5), &heartbeat), now + DG_MS(255));
+    assert_int_equal(rx(now + DG_MS(6), &nobody), now + DG_MS(255));
 }
 
 static void a_tpdo_is_requested_where_it_has_gone(void **state)
@@ -377,7 +394,7 @@ static void a_tpdo_is_requested_where_it_has_gone(void **state)
     (void)state;
     nmt(0x01);
     write_ok(9, 0x1800, 1, 0x8000018A, 4);
-    assert_false(dg_co_net_listens(&net, 0x18A));
+    assert_false(dg_bus_frames_listens(bus, 0x18A));
     write_ok(9, 0x1800, 1, 0x00000222, 4);
     forget_rx();
     request(0x222);
@@ -385,7 +402,7 @@ static void a_tpdo_is_requested_where_it_has_gone(void **state)
     assert_offered_to(9);
     write_ok(9, 0x1800, 1, 0x80000222, 4);
     write_ok(9, 0x1800, 1, 0x40000222, 4); /* no RTR */
-    assert_false(dg_co_net_listens(&net, 0x222));
+    assert_false(dg_bus_frames_listens(bus, 0x222));
 }
 
 static void heartbeats_reach_their_consumers(void **state)
@@ -422,21 +439,21 @@ static void a_new_node_id_is_followed(void **state)
     receive(0, 2, 0x7F81);
     assert_int_equal(count, 1);
     assert_int_equal(sent[0].frame.id, 0x714);
-    assert_false(dg_co_net_listens(&net, 0x67F));
+    assert_false(dg_bus_frames_listens(bus, 0x67F));
     receive(0x614, 8, 0x00100040);
     assert_int_equal(count, 2); /* node 20 and the new one */
 }
 
-/* The host switches the power of a node behind the net's back and then steps the net. */
-static void power_off_and_on_is_followed_by_the_next_step(void **state)
+/* The host switches the power of an encoder, and then says so. */
+static void power_off_and_on_is_followed(void **state)
 {
     (void)state;
     write_ok(6, 0x1017, 0, 100, 2);
-    dg_co_power_off(&seats[6].node);
-    assert_true(dg_co_net_step(&net, now) == DG_NEVER);
-    assert_false(dg_co_net_listens(&net, 0x607));
-    assert_int_equal(dg_co_power_on(&seats[6].node, now), DG_OK);
-    (void)dg_co_net_step(&net, now);
+    dg_co_power_off(seats[6].node);
+    assert_true(dg_bus_changed(bus, 6, now) == DG_NEVER);
+    assert_false(dg_bus_frames_listens(bus, 0x607));
+    assert_int_equal(dg_co_power_on(seats[6].node, now), DG_OK);
+    (void)dg_bus_changed(bus, 6, now);
     forget_rx();
     receive(0x607, 8, 0x00100040);
     assert_int_equal(count, 1);
@@ -480,7 +497,7 @@ static void lss_selective_is_for_one(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup(a_net_takes_127_nodes, setup),
+        cmocka_unit_test_setup(a_bus_takes_127_encoders, setup),
         cmocka_unit_test_setup(each_answers_its_own_sdo_only, setup),
         cmocka_unit_test_setup(sync_reaches_all, setup),
         cmocka_unit_test_setup(a_remote_frame_reaches_the_one_it_asks, setup),
@@ -496,7 +513,7 @@ int main(void)
         cmocka_unit_test_setup(a_tpdo_is_requested_where_it_has_gone, setup),
         cmocka_unit_test_setup(heartbeats_reach_their_consumers, setup),
         cmocka_unit_test_setup(a_new_node_id_is_followed, setup),
-        cmocka_unit_test_setup(power_off_and_on_is_followed_by_the_next_step, setup),
+        cmocka_unit_test_setup(power_off_and_on_is_followed, setup),
         cmocka_unit_test_setup(lss_global_is_for_all, setup),
         cmocka_unit_test_setup(lss_selective_is_for_one, setup),
     };
