@@ -18,6 +18,7 @@
 #ifndef DREHGEBER_BUS_H
 #define DREHGEBER_BUS_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -102,6 +103,10 @@ DG_API dg_ns dg_bus_changed(struct dg_bus *self, size_t place, dg_ns now);
 /** What an encoder's memory was handed is durable, or lost: replies that waited for it may go.
  * @return as dg_bus_step() */
 DG_API dg_ns dg_bus_durable(struct dg_bus *self, size_t place, dg_ns now);
+
+/** Somebody looks at the wire as it goes, by ops->tap, or not any more: to begin with somebody does
+ * if there is a tap. Without it the bus need not be called for what nobody sees. */
+DG_API void dg_bus_watch(struct dg_bus *self, bool watched);
 
 /** Encoders on it. */
 DG_API size_t dg_bus_count(const struct dg_bus *self);

@@ -94,6 +94,10 @@ struct dg_host_wire {
     /** What the user should know at `now`, once; NULL: nothing. `due`: when to ask again. NULL
      * where the protocol has nothing to say. */
     const char *(*hint)(struct dg_host_line *line, dg_ns now, dg_ns *due);
+    /** Characters: the setting in force. NULL: of another medium. */
+    void (*uart)(const struct dg_host_line *line, struct dg_host_uart *to);
+    /** Characters: whether a request that begins with `byte` is for this encoder. NULL: each is. */
+    bool (*wants)(const struct dg_host_line *line, uint8_t byte);
     /** A frame by an own master from line->now on, which it moves on. NULL: has none. */
     int (*frame)(struct dg_host_line *line, struct dg_host_frame *to);
     /** NULL but of frames. */
@@ -134,6 +138,14 @@ DG_API uint64_t dg_host_feed(struct dg_host *self, const struct dg_host_event *e
 /** Frames: its controller says `event` (enum dg_host_bus) at the latest moment that was served, and
  * what that makes the encoder send it sends at once. */
 DG_API void dg_host_tell_controller(struct dg_host *self, uint32_t event);
+
+/** As dg_host_listen(), for a bus: what the encoder says then begins at event->at, and how long it
+ * takes is the bus's to say. */
+DG_API void dg_host_join_bus(struct dg_host *self,
+                             void (*heard)(void *ctx, const struct dg_host_event *event),
+                             void *ctx);
+/** Whether it has joined one. */
+DG_API bool dg_host_on_bus(const struct dg_host_line *line);
 
 /** The side of its protocol. */
 DG_API const struct dg_host_wire *dg_host_wire_at(const struct dg_host *self);

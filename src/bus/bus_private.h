@@ -55,6 +55,7 @@ struct dg_bus {
     void *ctx;
     dg_ns now;    /**< the latest moment that was served */
     dg_ns called; /**< the latest moment that the host has said */
+    bool watched; /**< somebody looks */
     size_t count;
     size_t room;
     size_t stride; /**< from place to place */
@@ -67,10 +68,13 @@ static inline struct bus_place *dg_bus_place_at(const struct dg_bus *self, size_
     return (struct bus_place *)(void *)(self->places + index * self->stride);
 }
 
+/** What is due before `now` happens, and it is `now`: for what comes in by a medium's own calls. */
+void dg_bus_run_until(struct dg_bus *self, dg_ns now);
+
 /** Tell who looks. */
 static inline void dg_bus_tell(const struct dg_bus *self, const struct dg_tap_event *event)
 {
-    if (self->ops->tap != NULL) {
+    if (self->watched && self->ops->tap != NULL) {
         self->ops->tap(self->ctx, event);
     }
 }

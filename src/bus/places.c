@@ -34,6 +34,7 @@ struct dg_bus *dg_bus_init(void *memory, size_t size, const struct dg_bus_setup 
         .medium = setup->medium,
         .ops = setup->ops,
         .ctx = setup->ctx,
+        .watched = setup->ops->tap != NULL,
         .room = setup->encoders,
         .stride = round_up(setup->medium->place_size),
         .wire = (uint8_t *)memory + round_up(sizeof *self),
@@ -69,7 +70,7 @@ int dg_bus_attach(struct dg_bus *self, struct dg_host *encoder, struct dg_encode
     if (result != DG_OK) {
         return result;
     }
-    dg_host_listen(encoder, hear_encoder, place);
+    dg_host_join_bus(encoder, hear_encoder, place);
     self->count++;
     return (int)place->index;
 }
@@ -86,7 +87,7 @@ dg_ns dg_bus_next(const struct dg_bus *self)
 }
 
 /* What is due before `now` happens first, each at its own moment. */
-static void run_until(struct dg_bus *self, dg_ns now)
+void dg_bus_run_until(struct dg_bus *self, dg_ns now)
 {
     dg_ns next = dg_bus_next(self);
 
@@ -103,7 +104,7 @@ static void run_until(struct dg_bus *self, dg_ns now)
 
 dg_ns dg_bus_rx(struct dg_bus *self, const struct dg_tap_event *event)
 {
-    run_until(self, event->at);
+    dg_bus_run_until(self, event->at);
     self->medium->take(self, event);
     self->medium->go_on(self, self->now);
     return dg_bus_next(self);
@@ -111,21 +112,21 @@ dg_ns dg_bus_rx(struct dg_bus *self, const struct dg_tap_event *event)
 
 dg_ns dg_bus_step(struct dg_bus *self, dg_ns now)
 {
-    run_until(self, now);
+    dg_bus_run_until(self, now);
     self->medium->go_on(self, self->now);
     return dg_bus_next(self);
 }
 
 void dg_bus_look(struct dg_bus *self, dg_ns now)
 {
-    run_until(self, now);
+    dg_bus_run_until(self, now);
 }
 
 dg_ns dg_bus_changed(struct dg_bus *self, size_t place, dg_ns now)
 {
     struct bus_place *changed = dg_bus_place_at(self, place);
 
-    run_until(self, now);
+    dg_bus_run_until(self, now);
     if (self->medium->feel != NULL) {
         self->medium->feel(changed, self->now);
     }
@@ -136,9 +137,14 @@ dg_ns dg_bus_changed(struct dg_bus *self, size_t place, dg_ns now)
 
 dg_ns dg_bus_durable(struct dg_bus *self, size_t place, dg_ns now)
 {
-    run_until(self, now);
+    dg_bus_run_until(self, now);
     self->medium->durable(dg_bus_place_at(self, place), self->now);
     return dg_bus_step(self, now);
+}
+
+void dg_bus_watch(struct dg_bus *self, bool watched)
+{
+    self->watched = watched;
 }
 
 size_t dg_bus_count(const struct dg_bus *self)

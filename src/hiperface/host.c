@@ -25,10 +25,13 @@ static void furnish(void *settings, const struct dg_device *device)
 
 /* ------------------------------------------------------------ out */
 
-/* Of `count` characters; only the last one is rounded up. */
-static dg_ns characters_ns(const struct dg_hf *device, size_t count)
+/* Of `count` characters; only the last one is rounded up. A bus counts by itself. */
+static dg_ns characters_ns(const struct dg_host_line *line, size_t count)
 {
-    const struct dg_hf_uart uart = dg_hf_uart(device);
+    if (dg_host_on_bus(line)) {
+        return 0;
+    }
+    const struct dg_hf_uart uart = dg_hf_uart(line->device);
     const uint32_t bits = BITS_WITHOUT_PARITY + (uart.parity != 'N' ? 1u : 0u);
 
     return dg_bit_times_ns(bits * (uint32_t)count, uart.baud);
@@ -37,18 +40,17 @@ static dg_ns characters_ns(const struct dg_hf *device, size_t count)
 static void send(void *ctx, const uint8_t *bytes, size_t n)
 {
     struct dg_host_line *line = ctx;
-    struct dg_host_event event = {.kind = DG_HOST_BYTES,
-                                  .id = (uint32_t)characters_ns(line->device, 1)};
+    struct dg_host_event event = {.kind = DG_HOST_BYTES, .id = (uint32_t)characters_ns(line, 1)};
 
     for (size_t done = 0; done < n; done += event.length) {
         const size_t rest = n - done;
-        event.at = dg_after(line->now, done == 0 ? 0 : characters_ns(line->device, done));
+        event.at = dg_after(line->now, done == 0 ? 0 : characters_ns(line, done));
         event.length = (uint8_t)(rest < RUN_MAX ? rest : RUN_MAX);
         memset(event.data, 0, sizeof event.data);
         memcpy(event.data, bytes + done, event.length);
         dg_host_emit(line, &event);
     }
-    line->until = dg_after(line->now, characters_ns(line->device, n));
+    line->until = dg_after(line->now, characters_ns(line, n));
 }
 
 static const struct dg_hf_ops ops = {.tx = send};
@@ -83,7 +85,7 @@ static bool only_start(const struct dg_host_event *event)
 
 static dg_ns character_ns(const struct dg_host_line *line, const struct dg_host_event *event)
 {
-    return event->id != 0 ? event->id : characters_ns(line->device, 1);
+    return event->id != 0 ? event->id : characters_ns(line, 1);
 }
 
 /* The end of the first character is where the start bits of the others are counted from. */
@@ -120,6 +122,23 @@ static bool take(struct dg_host_line *line, const struct dg_host_event *event)
     return only_start(event) || line->part == last;
 }
 
+/* ------------------------------------------------------------ on a line with others */
+
+static void tell_uart(const struct dg_host_line *line, struct dg_host_uart *to)
+{
+    const struct dg_hf_uart uart = dg_hf_uart(line->device);
+
+    *to = (struct dg_host_uart){
+        .baud = uart.baud, .parity = (uint8_t)uart.parity, .timeout_bits = uart.timeout_bits};
+}
+
+static bool wants(const struct dg_host_line *line, uint8_t byte)
+{
+    const struct dg_hf *device = line->device;
+
+    return byte == device->address || byte == DG_HF_ADDRESS_BROADCAST;
+}
+
 const struct dg_host_wire dg_hf_wire = {
     .stack = &dg_hf_stack,
     .keys = &dg_hf_keys,
@@ -129,23 +148,12 @@ const struct dg_host_wire dg_hf_wire = {
     .check = check,
     .due = due,
     .take = take,
+    .uart = tell_uart,
+    .wants = wants,
     .state = &dg_hf_check,
 };
 
 /* ------------------------------------------------------------ looks */
-
-int dg_host_uart(const struct dg_host *self, struct dg_host_uart *to)
-{
-    int result;
-    const struct dg_hf *device = dg_host_device(self, &dg_hf_wire, &result);
-
-    if (device != NULL) {
-        const struct dg_hf_uart uart = dg_hf_uart(device);
-        *to = (struct dg_host_uart){
-            .baud = uart.baud, .parity = (uint8_t)uart.parity, .timeout_bits = uart.timeout_bits};
-    }
-    return result;
-}
 
 int dg_host_sincos(const struct dg_host *self, uint64_t at, int32_t to[4])
 {

@@ -368,3 +368,15 @@ const void *dg_host_device(const struct dg_host *self, const struct dg_host_wire
     *result = dg_host_powered(self) ? DG_HOST_OK : DG_HOST_ERR_STATE;
     return *result == DG_HOST_OK ? self->line.device : NULL;
 }
+
+int dg_host_uart(const struct dg_host *self, struct dg_host_uart *to)
+{
+    if (self->refs.wire->uart == NULL) {
+        return DG_HOST_ERR_WIRE;
+    }
+    if (!dg_host_powered(self)) {
+        return DG_HOST_ERR_STATE;
+    }
+    self->refs.wire->uart(&self->line, to);
+    return DG_HOST_OK;
+}

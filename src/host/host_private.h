@@ -62,6 +62,7 @@ struct dg_host {
     struct dg_host_line line; /**< first: operations get it and find the handle */
     struct host_refs refs;
     uint32_t memory_size;
+    bool on_bus;    /**< refs.heard is a bus, and no more in a state than that */
     dg_ns deadline; /**< of the device */
     struct dg_world world;
     struct host_course course;

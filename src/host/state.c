@@ -69,6 +69,7 @@ size_t dg_host_state_size(const struct dg_host *self)
 static void drop_pointers(struct dg_host *self)
 {
     self->refs = (struct host_refs){0};
+    self->on_bus = false;
     self->line.settings = NULL;
     self->line.device = NULL;
     self->world.angle = NULL;
@@ -78,6 +79,7 @@ static void drop_pointers(struct dg_host *self)
 static void take_pointers(struct dg_host *self, const struct dg_host *from)
 {
     self->refs = from->refs;
+    self->on_bus = from->on_bus;
     self->line.settings = from->line.settings;
     self->line.device = from->line.device;
     self->world.angle = from->world.angle;

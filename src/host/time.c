@@ -103,6 +103,19 @@ void dg_host_listen(struct dg_host *self, void (*heard)(void *, const struct dg_
 {
     self->refs.heard = heard;
     self->refs.heard_ctx = ctx;
+    self->on_bus = false;
+}
+
+void dg_host_join_bus(struct dg_host *self, void (*heard)(void *, const struct dg_host_event *),
+                      void *ctx)
+{
+    dg_host_listen(self, heard, ctx);
+    self->on_bus = true;
+}
+
+bool dg_host_on_bus(const struct dg_host_line *line)
+{
+    return ((const struct dg_host *)(const void *)line)->on_bus;
 }
 
 static int check_edge(const struct dg_host_event *event)

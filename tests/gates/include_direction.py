@@ -127,6 +127,7 @@ OWNER = {
     "host.h":      "host",
     "host_wire.h": "host",
     "bus.h":       "bus",
+    "bus_characters.h": "bus",
     "bus_frames.h": "bus",
 }
 ROWS = ALLOWED | ROOMS

@@ -1,0 +1,434 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * A line of characters. Each encoder says what is next, this file makes it happen in the order of
+ * time:
+ *
+ *   dg_bus_rx --[paced: coming]--> arrive --> listen --> dg_host_feed --\
+ *                                                                        > deadline, setting
+ *   dg_bus_step ----> go_on -------------------------> dg_host_step ----/
+ *                       \--> dg_bus_reply_go_on --> dg_bus_spread --> dg_host_feed
+ *
+ * At the same moment: what comes in, what is over of replies, what is due.
+ */
+#include "characters_private.h"
+
+#include "drehgeber/wire_fault.h"
+
+#define ENCODERS_MAX 32u
+#define BITS_WITHOUT_PARITY 10u /* start bit, eight of data, stop bit */
+#define NS_PER_S UINT64_C(1000000000)
+
+/* --- settings --- */
+
+void dg_bus_pace_set(struct characters_pace *pace, uint32_t baud, char parity)
+{
+    const uint32_t bits = BITS_WITHOUT_PARITY + (parity != 'N' ? 1u : 0u);
+
+    if (baud == pace->baud && parity == pace->parity) {
+        return;
+    }
+    *pace = (struct characters_pace){.baud = baud, .parity = parity};
+    if (baud != 0) {
+        const dg_ns most = dg_bit_times_ns(bits, baud);
+        const uint32_t over = (uint32_t)(most * baud - bits * NS_PER_S);
+        pace->whole = most - (over > 0 ? 1u : 0u);
+        pace->rest = over > 0 ? baud - over : 0;
+    }
+}
+
+static dg_ns rounded_up(const struct characters_pace *pace)
+{
+    return dg_after(pace->whole, pace->rest > 0 ? 1u : 0u);
+}
+
+static bool fits(const struct characters_place *self, uint32_t baud, char parity)
+{
+    return self->end.any_line || baud == DG_BAUD_ANY ||
+           (baud == self->pace.baud && (parity == 0 || parity == self->pace.parity));
+}
+
+static bool is_parity(char parity)
+{
+    return parity == 'N' || parity == 'E' || parity == 'O';
+}
+
+/* What the master sends at, as far as it is known; else as the first encoder. */
+static const struct characters_pace *pace_of(const struct dg_bus *self, uint32_t baud, char parity)
+{
+    struct characters_line *line = characters_line_of(self);
+    const struct characters_pace *first = &characters_place_at(self, 0)->pace;
+
+    dg_bus_pace_set(&line->pace, baud == DG_BAUD_ANY || baud == 0 ? first->baud : baud,
+                    is_parity(parity) ? parity : first->parity);
+    return &line->pace;
+}
+
+/* --- calls into an encoder --- */
+
+/* Behind each of them: its deadline, the setting it may have changed, what it has said. */
+static void follow(struct characters_place *self, dg_ns now, dg_ns deadline)
+{
+    /* Whoever asks for the present again would stop time. */
+    self->place.deadline = deadline > now ? deadline : dg_after(now, 1);
+    if (dg_host_uart(self->place.host, &self->uart) == DG_HOST_OK) {
+        dg_bus_pace_set(&self->pace, self->uart.baud, (char)self->uart.parity);
+    }
+    dg_bus_reply_begin(self, now);
+}
+
+static void feed(struct characters_place *self, dg_ns at, uint8_t byte, unsigned flags)
+{
+    const struct dg_host_event event = {.at = at,
+                                        .kind = DG_HOST_BYTES,
+                                        .flags = (uint16_t)flags,
+                                        .length = (flags & DG_HOST_START) != 0 ? 0 : 1,
+                                        .data = {byte}};
+
+    follow(self, at, dg_host_feed(self->place.host, &event));
+}
+
+static void hear_character(struct characters_place *self, dg_ns at, uint8_t byte, bool damaged)
+{
+    feed(self, at, byte, damaged ? DG_HOST_ENDED | DG_HOST_DAMAGED : DG_HOST_ENDED);
+}
+
+static void hear_reply(struct bus_place *from, const struct dg_host_event *event)
+{
+    if (event->kind == DG_HOST_BYTES) {
+        dg_bus_reply_add((struct characters_place *)(void *)from, event->data, event->length);
+    }
+}
+
+/* --- what everybody hears --- */
+
+static void tell_character(const struct dg_bus *self, dg_ns at, bool ours,
+                           const struct characters_pace *pace, uint8_t byte, bool damaged)
+{
+    const struct dg_tap_event event = {
+        .at = at,
+        .kind = DG_TAP_CHARACTER,
+        .ours = ours,
+        .character = {pace->baud, pace->parity, byte, damaged},
+    };
+
+    dg_bus_tell(self, &event);
+}
+
+void dg_bus_spread(struct characters_place *from, dg_ns at, uint8_t byte, bool damaged)
+{
+    const struct dg_bus *bus = from->place.bus;
+
+    characters_line_of(bus)->heard = 0;
+    tell_character(bus, at, true, &from->pace, byte, damaged);
+    for (size_t i = 0; i < bus->count; i++) {
+        struct characters_place *to = characters_place_at(bus, i);
+        if (to != from && !dg_bus_reply_is_busy(to)) {
+            hear_character(to, at, byte, damaged || !fits(to, from->pace.baud, from->pace.parity));
+        }
+    }
+}
+
+static bool is_for(const struct characters_place *self, uint8_t byte)
+{
+    const struct dg_host_wire *wire = dg_host_wire_at(self->place.host);
+
+    return wire->wants == NULL || wire->wants(dg_host_line_of(self->place.host), byte);
+}
+
+/* Whether the master's character is kept from the encoder (fault). Decided at the first one of a
+ * request for it; what is for others it would not take anyway. */
+static bool is_deaf(struct characters_place *self, dg_ns now, uint8_t byte)
+{
+    const dg_ns heard = characters_line_of(self->place.bus)->heard;
+
+    if (self->place.control == NULL || (self->place.control->faults.wire == 0 && !self->deaf)) {
+        return false;
+    }
+    const dg_ns silence = dg_bit_times_ns(self->uart.timeout_bits, self->uart.baud);
+    if (heard == 0 || dg_elapsed(now, heard) > silence) {
+        self->deaf = is_for(self, byte) && dg_wire_fault_hear(self->place.control) != DG_WIRE_HEARD;
+    }
+    return self->deaf;
+}
+
+/* A character of the master, as one encoder hears it. */
+static void listen(struct characters_place *self, const struct characters_coming *coming,
+                   bool damaged)
+{
+    if (dg_host_powered(self->place.host) && !dg_bus_reply_is_busy(self) &&
+        !is_deaf(self, coming->end, coming->byte)) {
+        hear_character(self, coming->end, coming->byte,
+                       damaged || !fits(self, coming->baud, coming->parity));
+    }
+}
+
+static bool anybody_sends(const struct dg_bus *self, dg_ns now)
+{
+    bool sends = false;
+
+    for (size_t i = 0; i < self->count && !sends; i++) {
+        sends = dg_bus_reply_sends(characters_place_at(self, i), now);
+    }
+    return sends;
+}
+
+/* A character of the master is over. */
+static void arrive(struct dg_bus *self, const struct characters_coming *coming)
+{
+    struct characters_line *line = characters_line_of(self);
+    const bool meets = anybody_sends(self, coming->end);
+
+    tell_character(self, coming->end, false, pace_of(self, coming->baud, coming->parity),
+                   coming->byte, coming->damaged);
+    line->counters.collided += meets ? 1u : 0u;
+    for (size_t i = 0; i < self->count; i++) {
+        listen(characters_place_at(self, i), coming, coming->damaged || meets);
+    }
+    line->heard = coming->end;
+}
+
+/* A character begins on a line that was idle: whose frame goes on must not take it for over. */
+static void begin_character(struct dg_bus *self, dg_ns now)
+{
+    for (size_t i = 0; i < self->count; i++) {
+        struct characters_place *to = characters_place_at(self, i);
+        if (dg_host_powered(to->place.host) && !dg_bus_reply_is_busy(to) && !to->deaf) {
+            feed(to, now, 0, DG_HOST_START);
+        }
+    }
+}
+
+/* --- on its way in --- */
+
+static dg_ns coming_next(const struct characters_line *line)
+{
+    return line->count > 0 ? line->coming[line->first].end : DG_NEVER;
+}
+
+static struct characters_coming take_coming(struct characters_line *line)
+{
+    const struct characters_coming first = line->coming[line->first];
+
+    line->first = (line->first + 1u) % DG_COMING_MAX;
+    line->count--;
+    return first;
+}
+
+/* What is handed over begins now, or behind what is on the line. */
+static void put_coming(struct dg_bus *self, const struct characters_coming *coming)
+{
+    struct characters_line *line = characters_line_of(self);
+
+    if (line->end < self->now && line->count == 0) {
+        begin_character(self, self->now);
+    }
+    if (line->count == DG_COMING_MAX) {
+        line->counters.overrun++;
+        return;
+    }
+    struct characters_coming *place = &line->coming[(line->first + line->count) % DG_COMING_MAX];
+    line->end = dg_after(self->now > line->end ? self->now : line->end,
+                         rounded_up(pace_of(self, coming->baud, coming->parity)));
+    line->count++;
+    *place = *coming;
+    place->end = line->end;
+}
+
+/* --- time --- */
+
+static struct characters_place *first_reply(const struct dg_bus *self, dg_ns *next)
+{
+    struct characters_place *first = NULL;
+
+    *next = DG_NEVER;
+    for (size_t i = 0; i < self->count; i++) {
+        struct characters_place *place = characters_place_at(self, i);
+        const dg_ns own = dg_bus_reply_next(place);
+        if (own < *next) {
+            *next = own;
+            first = place;
+        }
+    }
+    return first;
+}
+
+static dg_ns first_deadline(const struct dg_bus *self)
+{
+    dg_ns first = DG_NEVER;
+
+    for (size_t i = 0; i < self->count; i++) {
+        first = dg_earliest(first, dg_bus_place_at(self, i)->deadline);
+    }
+    return first;
+}
+
+/* All that are due now, before one of them hears what another one says. */
+static void step_encoders(const struct dg_bus *self, dg_ns now)
+{
+    for (size_t i = 0; i < self->count; i++) {
+        struct characters_place *place = characters_place_at(self, i);
+        if (place->place.deadline <= now) {
+            follow(place, now, dg_host_step(place->place.host, now));
+        }
+    }
+}
+
+/* What happens first, if that is by `now`; deadlines up to `due`. @return false: nothing */
+static bool go_on_once(struct dg_bus *self, dg_ns now, dg_ns due)
+{
+    struct characters_line *line = characters_line_of(self);
+    dg_ns reply = DG_NEVER;
+    struct characters_place *sends = first_reply(self, &reply);
+    const dg_ns deadline = first_deadline(self);
+    const dg_ns coming = coming_next(line);
+    const dg_ns on_line = dg_earliest(coming, reply);
+
+    if (deadline < on_line && deadline <= due) {
+        step_encoders(self, deadline);
+        return true;
+    }
+    if (on_line > now || on_line == DG_NEVER) {
+        return false;
+    }
+    if (coming <= reply) {
+        const struct characters_coming character = take_coming(line);
+        arrive(self, &character);
+    } else {
+        dg_bus_reply_go_on(sends, reply);
+    }
+    return true;
+}
+
+static void go_on(struct dg_bus *self, dg_ns now)
+{
+    while (go_on_once(self, now, now)) {
+    }
+}
+
+/* What is over at this moment comes before what comes in, what is due comes behind. */
+static void finish_characters(struct dg_bus *self)
+{
+    while (go_on_once(self, self->now, dg_elapsed(self->now, 1))) {
+    }
+}
+
+static void take_character(struct dg_bus *self, const struct dg_tap_event *event)
+{
+    const struct characters_coming coming = {.end = self->now,
+                                             .baud = event->character.baud,
+                                             .parity = event->character.parity,
+                                             .byte = event->character.byte,
+                                             .damaged = event->character.damaged};
+
+    if (event->kind != DG_TAP_CHARACTER || self->count == 0) {
+        return;
+    }
+    finish_characters(self);
+    if (characters_line_of(self)->setup.paced) {
+        put_coming(self, &coming);
+    } else {
+        arrive(self, &coming);
+    }
+}
+
+/* The last character is early enough, as each one tells when it ended; not for those who look at
+ * the line as it goes. */
+static dg_ns next(const struct dg_bus *self)
+{
+    const struct characters_line *line = characters_line_of(self);
+    const dg_ns coming = self->watched || line->count == 0 ? coming_next(line) : line->end;
+    dg_ns reply = DG_NEVER;
+
+    (void)first_reply(self, &reply);
+    return dg_earliest(coming, reply);
+}
+
+/* --- the medium --- */
+
+static int begin(struct dg_bus *self, const void *setup)
+{
+    const struct dg_characters_setup *own = setup;
+
+    if (own != NULL && own->size != sizeof *own) {
+        return DG_ERR_ARGUMENT;
+    }
+    if (own != NULL) {
+        characters_line_of(self)->setup = *own;
+    }
+    return DG_OK;
+}
+
+static int attach(struct bus_place *place)
+{
+    struct characters_place *self = (struct characters_place *)(void *)place;
+
+    if (dg_host_wire_at(place->host)->uart == NULL) {
+        return DG_ERR_ARGUMENT;
+    }
+    self->reply.damaged = CHARACTERS_WHOLE;
+    if (dg_host_uart(place->host, &self->uart) == DG_HOST_OK) {
+        dg_bus_pace_set(&self->pace, self->uart.baud, (char)self->uart.parity);
+    }
+    return DG_OK;
+}
+
+static void changed(struct bus_place *place, dg_ns now)
+{
+    struct characters_place *self = (struct characters_place *)(void *)place;
+
+    follow(self, now, place->deadline);
+    if (!dg_host_powered(place->host)) {
+        dg_bus_reply_stop(self);
+        self->deaf = false;
+    }
+}
+
+static void durable(struct bus_place *place, dg_ns now)
+{
+    dg_bus_reply_release((struct characters_place *)(void *)place, now);
+}
+
+const struct dg_bus_medium dg_bus_characters = {
+    .medium = DG_MEDIUM_CHARACTERS,
+    .wire_size = sizeof(struct characters_line),
+    .place_size = sizeof(struct characters_place),
+    .encoders_most = ENCODERS_MAX,
+    .begin = begin,
+    .attach = attach,
+    .hear = hear_reply,
+    .take = take_character,
+    .go_on = go_on,
+    .next = next,
+    .changed = changed,
+    .durable = durable,
+};
+
+/* --- what only this medium has --- */
+
+void dg_bus_characters_set(struct dg_bus *self, size_t place, const struct dg_characters_end *end)
+{
+    characters_place_at(self, place)->end = *end;
+}
+
+dg_ns dg_bus_characters_start(struct dg_bus *self, dg_ns at)
+{
+    dg_bus_run_until(self, at);
+    finish_characters(self);
+    begin_character(self, self->now);
+    return dg_bus_step(self, self->now);
+}
+
+struct dg_host_uart dg_bus_characters_uart(const struct dg_bus *self, size_t place)
+{
+    return characters_place_at(self, place)->uart;
+}
+
+bool dg_bus_characters_fits(const struct dg_bus *self, size_t place, uint32_t baud, char parity)
+{
+    return fits(characters_place_at(self, place), baud, parity);
+}
+
+struct dg_characters_counters dg_bus_characters_counters(const struct dg_bus *self)
+{
+    return characters_line_of(self)->counters;
+}
