@@ -47,6 +47,8 @@ struct dg_characters_setup {
                       one before is over, and takes its time. Without, each is over at `at` */
     bool live;   /**< in real time, where calls are late: a reply begins when the call that it is
                       due in comes, so that its characters never come closer than on a line */
+    dg_ns
+        late; /**< what an encoder does later than this behind its moment was missed; 0: nothing */
     /** A reply begins at `at`, and whoever sends it does the timing: a UART, a model of one. What
      * others send then is in it. Valid during the call. NULL: ops->tx tells each character. */
     void (*whole)(void *ctx, size_t place, dg_ns at, const uint8_t *bytes, size_t n);
@@ -77,6 +79,7 @@ DG_API bool dg_bus_characters_fits(const struct dg_bus *self, size_t place, uint
 /** Things nobody has to act on; they only count up. */
 struct dg_characters_counters {
     uint64_t collided; /**< characters of the master that were over while a reply was on the line */
+    uint64_t late;     /**< calls in which an encoder was late, see dg_characters_setup.late */
     uint64_t overrun;  /**< ... that were lost, as DG_COMING_MAX were on their way */
 };
 

@@ -94,10 +94,13 @@ struct dg_host_wire {
     /** What the user should know at `now`, once; NULL: nothing. `due`: when to ask again. NULL
      * where the protocol has nothing to say. */
     const char *(*hint)(struct dg_host_line *line, dg_ns now, dg_ns *due);
-    /** Characters: the setting in force. NULL: of another medium. */
-    void (*uart)(const struct dg_host_line *line, struct dg_host_uart *to);
+    /** Characters: the setting in force, or the `stored` one that will be. NULL: of another medium.
+     */
+    void (*uart)(const struct dg_host_line *line, bool stored, struct dg_host_uart *to);
     /** Characters: whether a request that begins with `byte` is for this encoder. NULL: each is. */
     bool (*wants)(const struct dg_host_line *line, uint8_t byte);
+    /** The address in force on a wire with several; -1: nobody can tell. NULL: there is none. */
+    int (*address)(const struct dg_host_line *line);
     /** A frame by an own master from line->now on, which it moves on. NULL: has none. */
     int (*frame)(struct dg_host_line *line, struct dg_host_frame *to);
     /** NULL but of frames. */

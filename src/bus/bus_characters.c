@@ -119,7 +119,9 @@ void dg_bus_spread(struct characters_place *from, dg_ns at, uint8_t byte, bool d
     const struct dg_bus *bus = from->place.bus;
 
     characters_line_of(bus)->heard = 0;
-    tell_character(bus, at, true, &from->pace, byte, damaged);
+    if (bus->watched) {
+        tell_character(bus, at, true, &from->pace, byte, damaged);
+    }
     for (size_t i = 0; i < bus->count; i++) {
         struct characters_place *to = characters_place_at(bus, i);
         if (to != from && !dg_bus_reply_is_busy(to)) {
@@ -236,30 +238,39 @@ static void put_coming(struct dg_bus *self, const struct characters_coming *comi
 
 /* --- time --- */
 
-static struct characters_place *first_reply(const struct dg_bus *self, dg_ns *next)
-{
-    struct characters_place *first = NULL;
+/* What comes next of encoders: a deadline, and a character or the beginning of a reply. */
+struct upcoming {
+    dg_ns deadline;
+    dg_ns reply;
+    struct characters_place *sends;
+};
 
-    *next = DG_NEVER;
+static struct upcoming look_ahead(const struct dg_bus *self)
+{
+    struct upcoming to = {.deadline = DG_NEVER, .reply = DG_NEVER};
+
     for (size_t i = 0; i < self->count; i++) {
         struct characters_place *place = characters_place_at(self, i);
-        const dg_ns own = dg_bus_reply_next(place);
-        if (own < *next) {
-            *next = own;
-            first = place;
+        to.deadline = dg_earliest(to.deadline, place->place.deadline);
+        if (place->reply.next < to.reply) {
+            to.reply = place->reply.next;
+            to.sends = place;
         }
     }
-    return first;
+    return to;
 }
 
-static dg_ns first_deadline(const struct dg_bus *self)
+/* In real time it is called later than it asked for. */
+static void count_late(struct characters_place *self, dg_ns deadline)
 {
-    dg_ns first = DG_NEVER;
+    const struct dg_bus *bus = self->place.bus;
+    struct characters_line *line = characters_line_of(bus);
 
-    for (size_t i = 0; i < self->count; i++) {
-        first = dg_earliest(first, dg_bus_place_at(self, i)->deadline);
+    if (line->setup.late > 0 && bus->called > dg_after(deadline, line->setup.late) &&
+        self->missed != bus->called) {
+        self->missed = bus->called;
+        line->counters.late++;
     }
-    return first;
 }
 
 /* All that are due now, before one of them hears what another one says. */
@@ -268,6 +279,7 @@ static void step_encoders(const struct dg_bus *self, dg_ns now)
     for (size_t i = 0; i < self->count; i++) {
         struct characters_place *place = characters_place_at(self, i);
         if (place->place.deadline <= now) {
+            count_late(place, now);
             follow(place, now, dg_host_step(place->place.host, now));
         }
     }
@@ -277,24 +289,22 @@ static void step_encoders(const struct dg_bus *self, dg_ns now)
 static bool go_on_once(struct dg_bus *self, dg_ns now, dg_ns due)
 {
     struct characters_line *line = characters_line_of(self);
-    dg_ns reply = DG_NEVER;
-    struct characters_place *sends = first_reply(self, &reply);
-    const dg_ns deadline = first_deadline(self);
+    const struct upcoming next = look_ahead(self);
     const dg_ns coming = coming_next(line);
-    const dg_ns on_line = dg_earliest(coming, reply);
+    const dg_ns on_line = dg_earliest(coming, next.reply);
 
-    if (deadline < on_line && deadline <= due) {
-        step_encoders(self, deadline);
+    if (next.deadline < on_line && next.deadline <= due) {
+        step_encoders(self, next.deadline);
         return true;
     }
     if (on_line > now || on_line == DG_NEVER) {
         return false;
     }
-    if (coming <= reply) {
+    if (coming <= next.reply) {
         const struct characters_coming character = take_coming(line);
         arrive(self, &character);
     } else {
-        dg_bus_reply_go_on(sends, reply);
+        dg_bus_reply_go_on(next.sends, next.reply);
     }
     return true;
 }
@@ -333,14 +343,12 @@ static void take_character(struct dg_bus *self, const struct dg_tap_event *event
 
 /* The last character is early enough, as each one tells when it ended; not for those who look at
  * the line as it goes. */
-static dg_ns next(const struct dg_bus *self)
+static dg_ns next_on_line(const struct dg_bus *self)
 {
     const struct characters_line *line = characters_line_of(self);
     const dg_ns coming = self->watched || line->count == 0 ? coming_next(line) : line->end;
-    dg_ns reply = DG_NEVER;
 
-    (void)first_reply(self, &reply);
-    return dg_earliest(coming, reply);
+    return dg_earliest(coming, look_ahead(self).reply);
 }
 
 /* --- the medium --- */
@@ -366,6 +374,7 @@ static int attach(struct bus_place *place)
         return DG_ERR_ARGUMENT;
     }
     self->reply.damaged = CHARACTERS_WHOLE;
+    self->reply.next = DG_NEVER;
     if (dg_host_uart(place->host, &self->uart) == DG_HOST_OK) {
         dg_bus_pace_set(&self->pace, self->uart.baud, (char)self->uart.parity);
     }
@@ -393,12 +402,13 @@ const struct dg_bus_medium dg_bus_characters = {
     .wire_size = sizeof(struct characters_line),
     .place_size = sizeof(struct characters_place),
     .encoders_most = ENCODERS_MAX,
+    .ordered = true,
     .begin = begin,
     .attach = attach,
     .hear = hear_reply,
     .take = take_character,
     .go_on = go_on,
-    .next = next,
+    .next = next_on_line,
     .changed = changed,
     .durable = durable,
 };

@@ -24,6 +24,7 @@ struct characters_pace {
 /** A reply: kept, waiting for its moment, or on the line. */
 struct characters_reply {
     struct characters_pace pace; /**< as when it began */
+    dg_ns next;                  /**< when something happens to it; DG_NEVER */
     dg_ns start;                 /**< falling edge of the first start bit */
     dg_ns from;                  /**< beginning of the present character, and its end: */
     dg_ns to;
@@ -46,6 +47,7 @@ struct characters_place {
     struct characters_pace pace;
     struct dg_host_uart uart; /**< of which `pace` was made */
     struct characters_reply reply;
+    dg_ns missed; /**< the latest call in which it was late */
     uint8_t said; /**< characters of a reply that it has said in the call at hand */
     bool deaf;    /**< inside a request that does not reach it (fault) */
 };
@@ -108,9 +110,6 @@ bool dg_bus_reply_sends(const struct characters_place *self, dg_ns now);
 
 /** Whether it is busy with one, also with one that is kept or late: then it hears nothing. */
 bool dg_bus_reply_is_busy(const struct characters_place *self);
-
-/** When something happens to it next; DG_NEVER. */
-dg_ns dg_bus_reply_next(const struct characters_place *self);
 
 /** What is due with it at `at`. */
 void dg_bus_reply_go_on(struct characters_place *self, dg_ns at);

@@ -87,11 +87,10 @@ dg_ns dg_bus_next(const struct dg_bus *self)
 }
 
 /* What is due before `now` happens first, each at its own moment. */
-void dg_bus_run_until(struct dg_bus *self, dg_ns now)
+static void serve_each(struct dg_bus *self, dg_ns now)
 {
     dg_ns next = dg_bus_next(self);
 
-    self->called = now > self->called ? now : self->called;
     while (next < now) {
         /* Whoever asks for the present again would stop time. */
         self->now = next > self->now ? next : self->now;
@@ -99,12 +98,29 @@ void dg_bus_run_until(struct dg_bus *self, dg_ns now)
         const dg_ns later = dg_bus_next(self);
         next = later > self->now ? later : dg_after(self->now, 1);
     }
+}
+
+/* It is `now`; a medium that is ordered catches up by itself. */
+static void enter(struct dg_bus *self, dg_ns now)
+{
+    self->called = now > self->called ? now : self->called;
+    if (!self->medium->ordered) {
+        serve_each(self, now);
+    }
     self->now = now > self->now ? now : self->now;
+}
+
+void dg_bus_run_until(struct dg_bus *self, dg_ns now)
+{
+    enter(self, now);
+    if (self->medium->ordered) {
+        self->medium->go_on(self, dg_elapsed(self->now, 1));
+    }
 }
 
 dg_ns dg_bus_rx(struct dg_bus *self, const struct dg_tap_event *event)
 {
-    dg_bus_run_until(self, event->at);
+    enter(self, event->at);
     self->medium->take(self, event);
     self->medium->go_on(self, self->now);
     return dg_bus_next(self);
@@ -112,7 +128,7 @@ dg_ns dg_bus_rx(struct dg_bus *self, const struct dg_tap_event *event)
 
 dg_ns dg_bus_step(struct dg_bus *self, dg_ns now)
 {
-    dg_bus_run_until(self, now);
+    enter(self, now);
     self->medium->go_on(self, self->now);
     return dg_bus_next(self);
 }

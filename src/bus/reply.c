@@ -83,6 +83,23 @@ bool dg_bus_reply_is_busy(const struct characters_place *self)
     return self->reply.kept || has_reply(self);
 }
 
+static bool waits_for_all(const struct characters_place *self)
+{
+    return !self->reply.begun && form_of(self) != FORM_CHARACTERS;
+}
+
+/* Behind whatever changes it. */
+static void set_next(struct characters_place *self)
+{
+    struct characters_reply *reply = &self->reply;
+
+    if (!on_the_way(reply)) {
+        reply->next = DG_NEVER;
+    } else {
+        reply->next = waits_for_all(self) ? reply->start : reply->to;
+    }
+}
+
 /* --- begin --- */
 
 static void start_reply(struct characters_place *self, dg_ns at)
@@ -101,6 +118,7 @@ static void start_reply(struct characters_place *self, dg_ns at)
     reply->pace = self->pace;
     rewind_to(reply, dg_after(at, sent.delay));
     reply->sent = sent.times == 0 ? reply->length : 0;
+    set_next(self);
 }
 
 /* What was still on its way is cut off. */
@@ -113,6 +131,7 @@ void dg_bus_reply_add(struct characters_place *self, const uint8_t *bytes, size_
     self->said = (uint8_t)(self->said + fits);
     self->reply.length = self->said;
     self->reply.sent = self->said;
+    self->reply.next = DG_NEVER;
 }
 
 static enum dg_bus_answer ask_port(const struct characters_place *self)
@@ -160,6 +179,7 @@ void dg_bus_reply_stop(struct characters_place *self)
     self->reply.sent = 0;
     self->reply.kept = false;
     self->reply.again = false;
+    self->reply.next = DG_NEVER;
 }
 
 /* --- go on --- */
@@ -241,11 +261,6 @@ static void tell_whole(const struct characters_place *self)
                                          reply->length);
 }
 
-static bool waits_for_all(const struct characters_place *self)
-{
-    return !self->reply.begun && form_of(self) != FORM_CHARACTERS;
-}
-
 static void begin_at_once(struct characters_place *self)
 {
     const dg_ns at = self->reply.start;
@@ -258,14 +273,6 @@ static void begin_at_once(struct characters_place *self)
     while (self->reply.sent < self->reply.length) {
         emit(self, at);
     }
-}
-
-dg_ns dg_bus_reply_next(const struct characters_place *self)
-{
-    if (!on_the_way(&self->reply)) {
-        return DG_NEVER;
-    }
-    return waits_for_all(self) ? self->reply.start : self->reply.to;
 }
 
 void dg_bus_reply_go_on(struct characters_place *self, dg_ns at)
@@ -281,4 +288,5 @@ void dg_bus_reply_go_on(struct characters_place *self, dg_ns at)
         reply->again = false;
         rewind_to(reply, reply->from);
     }
+    set_next(self);
 }

@@ -124,12 +124,24 @@ static bool take(struct dg_host_line *line, const struct dg_host_event *event)
 
 /* ------------------------------------------------------------ on a line with others */
 
-static void tell_uart(const struct dg_host_line *line, struct dg_host_uart *to)
+/* A stored setting that cannot be decoded leaves the one in force. */
+static void tell_uart(const struct dg_host_line *line, bool stored, struct dg_host_uart *to)
 {
-    const struct dg_hf_uart uart = dg_hf_uart(line->device);
+    const struct dg_hf *device = line->device;
+    struct dg_hf_uart uart = dg_hf_uart(device);
 
+    if (stored) {
+        (void)dg_hf_uart_decode(device->uart_stored, &uart);
+    }
     *to = (struct dg_host_uart){
         .baud = uart.baud, .parity = (uint8_t)uart.parity, .timeout_bits = uart.timeout_bits};
+}
+
+static int address(const struct dg_host_line *line)
+{
+    const struct dg_hf *device = line->device;
+
+    return dg_store_damaged(&device->store, DG_HF_REGION_UART) ? -1 : device->address;
 }
 
 static bool wants(const struct dg_host_line *line, uint8_t byte)
@@ -150,6 +162,7 @@ const struct dg_host_wire dg_hf_wire = {
     .take = take,
     .uart = tell_uart,
     .wants = wants,
+    .address = address,
     .state = &dg_hf_check,
 };
 

@@ -377,6 +377,6 @@ int dg_host_uart(const struct dg_host *self, struct dg_host_uart *to)
     if (!dg_host_powered(self)) {
         return DG_HOST_ERR_STATE;
     }
-    self->refs.wire->uart(&self->line, to);
+    self->refs.wire->uart(&self->line, false, to);
     return DG_HOST_OK;
 }

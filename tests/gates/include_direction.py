@@ -63,14 +63,14 @@ ALLOWED |= {
 PROTOCOLS = {"hiperface", "biss", "ssi", "canopen", "cia406", "interbus"}
 BELOW = {"core", "control", "devices", "instruments", "host", "bus", "words",
          "linux/base", "linux/nvm", "linux/trace", "linux/plan", "linux/wire"}
-WIRES = {"linux/rs485", "linux/can", "linux/clocked", "linux/interbus"}
+WIRES = {"linux/line", "linux/can", "linux/clocked", "linux/interbus"}
 ROOMS = {
     "linux/base":      {"core", "motion"},
     "linux/nvm":       {"core", "devices", "linux/base"},
     "linux/trace":     {"core", "words", "linux/base"},
     "linux/plan":      {"core", "motion", "devices", "hiperface", "cia406", "linux/base"},
     "linux/wire":      {"core", "control", "linux/base", "linux/trace", "linux/plan"},
-    "linux/rs485":     {"hiperface"} | BELOW,
+    "linux/line":      {"hiperface"} | BELOW,
     "linux/can":       {"canopen", "cia406"} | BELOW,
     "linux/clocked":   {"biss", "ssi"} | BELOW,
     "linux/interbus":  {"interbus"} | BELOW,

@@ -12,7 +12,7 @@ static const struct {
     const struct lx_stack *stack;
     lx_bus_make *make;
 } kinds[] = {
-    {&lx_can_stack, lx_can_bus_make_silkit},  {&lx_hf_stack, lx_hf_bus_make_silkit},
+    {&lx_can_stack, lx_can_bus_make_silkit},  {&lx_hf_stack, lx_line_bus_make_silkit},
     {&lx_biss_stack, lx_sim_bus_make_silkit}, {&lx_ssi_stack, lx_sim_bus_make_silkit},
     {&lx_ib_stack, lx_ring_bus_make_silkit},
 };

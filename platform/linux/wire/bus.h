@@ -94,10 +94,10 @@ struct lx_bus {
 };
 
 /** The makers. */
-lx_bus_make lx_hf_bus_make_pty, lx_hf_bus_make_tty, lx_hf_bus_make_net, lx_can_bus_make_socket,
-    lx_can_bus_make_slcan, lx_can_bus_make_socketcand, lx_ring_bus_make, lx_sim_bus_make,
-    lx_gpio_bus_make, lx_silkit_bus_make, lx_can_bus_make_silkit, lx_hf_bus_make_silkit,
-    lx_sim_bus_make_silkit, lx_ring_bus_make_silkit;
+lx_bus_make lx_line_bus_make_pty, lx_line_bus_make_tty, lx_line_bus_make_net,
+    lx_can_bus_make_socket, lx_can_bus_make_slcan, lx_can_bus_make_socketcand, lx_ring_bus_make,
+    lx_sim_bus_make, lx_gpio_bus_make, lx_silkit_bus_make, lx_can_bus_make_silkit,
+    lx_line_bus_make_silkit, lx_sim_bus_make_silkit, lx_ring_bus_make_silkit;
 
 /** Make the bus that the plan asks for. @return NULL with `error`, which says where in the plan */
 struct lx_bus *lx_bus_new(const struct lx_bus_setup *setup, struct lx_error *error);

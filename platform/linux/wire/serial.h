@@ -16,6 +16,7 @@
 #include "characters.h"
 #include "say.h"
 #include "timer.h"
+#include "uart.h"
 
 /** Longest address of a port: a path. */
 #define LX_ADDRESS_MAX 4096u

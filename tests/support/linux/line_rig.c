@@ -180,11 +180,16 @@ void line_rig_open(struct line_rig *self, lx_bus_make *make)
     self->heard.listener = (struct lx_tap_listener){.event = on_event, .ctx = &self->heard};
 }
 
-void line_rig_open_pty(struct line_rig *self)
+void line_rig_open_made(struct line_rig *self, lx_bus_make *make)
 {
-    line_rig_open(self, lx_hf_bus_make_pty);
+    line_rig_open(self, make);
     open_master(self);
     line_rig_run(self, DG_MS(110));
+}
+
+void line_rig_open_pty(struct line_rig *self)
+{
+    line_rig_open_made(self, lx_line_bus_make_pty);
 }
 
 void line_rig_close(struct line_rig *self)

@@ -59,9 +59,9 @@ void line_rig_set(struct line_rig *self, size_t index, const char *assignment);
 /** Loop and stations for line_rig.setup. */
 void line_rig_stations(struct line_rig *self);
 
-/** That, and the power on. line_rig_open_pty() also has the master, and the start-up window over.
- */
+/** That, and the power on. The other two also have the master, and the start-up window over. */
 void line_rig_open(struct line_rig *self, lx_bus_make *make);
+void line_rig_open_made(struct line_rig *self, lx_bus_make *make);
 void line_rig_open_pty(struct line_rig *self);
 
 /** Everything off and free. */

@@ -254,7 +254,7 @@ static void what_does_not_fit_is_refused(void **state)
         }
         encoder->serial = rows[i].serial == NULL ? NULL : strdup(rows[i].serial);
         line_rig_stations(&rig);
-        assert_null(lx_hf_bus_make_pty(&rig.setup, &error));
+        assert_null(lx_line_bus_make_pty(&rig.setup, &error));
         assert_non_null(strstr(lx_error_line(&error).text, rows[i].says));
         rig.event = sd_event_unref(rig.event);
         lx_plan_free(&rig.plan);

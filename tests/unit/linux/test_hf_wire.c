@@ -16,8 +16,8 @@
 #include <cmocka.h>
 
 #include "drehgeber/instruments.h"
-#include "hf_line.h"
 #include "hf_rig.h"
+#include "line_bus.h"
 #include "line_rig.h"
 
 /* --- faults --- */
@@ -182,7 +182,7 @@ static void a_link_in_use_is_refused_in_the_same_process(void **state)
     for (size_t i = 1; i < 3; i++) {
         line_rig_plan(&rigs[i], 1, place.link);
         line_rig_stations(&rigs[i]);
-        rigs[i].bus = lx_hf_bus_make_pty(&rigs[i].setup, &error);
+        rigs[i].bus = lx_line_bus_make_pty(&rigs[i].setup, &error);
         assert_non_null(rigs[i].bus);
         assert_int_equal(rigs[i].bus->ops->open(rigs[i].bus, lx_now(), &error), -1);
         assert_non_null(strstr(lx_error_line(&error).text, pid));
@@ -203,7 +203,7 @@ static void several_share_a_tty(void **state)
     const int far = posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
     assert_true(far >= 0 && grantpt(far) == 0 && unlockpt(far) == 0);
     line_rig_plan(&rig, 2, ptsname(far));
-    line_rig_open(&rig, lx_hf_bus_make_tty);
+    line_rig_open(&rig, lx_line_bus_make_tty);
     rig.master = far;
     line_rig_run(&rig, DG_MS(110));
     line_rig_answers(&rig, 0x40);
@@ -218,6 +218,18 @@ static void several_share_a_tty(void **state)
     line_rig_close(&rig);
 }
 
+static struct lx_serial *open_timed(const struct lx_serial_setup *setup, struct lx_error *error)
+{
+    struct lx_serial *port = lx_pty_open(setup, error);
+    port->timed = true;
+    return port;
+}
+
+static struct lx_bus *make_timed(const struct lx_bus_setup *setup, struct lx_error *error)
+{
+    return lx_line_bus_make(setup, open_timed, error);
+}
+
 /* A UART that does the timing gets whole replies at once; the neighbours hear them in their time.
  * Two at once: the later one follows, damaged. */
 static void a_uart_gets_whole_replies(void **state)
@@ -227,8 +239,7 @@ static void a_uart_gets_whole_replies(void **state)
     line_rig_plan(&rig, 3, NULL);
     rig.plan.encoders[1].address = 0x40;
     rig.shaft = (dg_angle)0x0F0F << 32;
-    line_rig_open_pty(&rig);
-    ((struct lx_hf_bus *)rig.bus)->port->timed = true;
+    line_rig_open_made(&rig, make_timed);
     line_rig_request(&rig, 0x42, "56");
     const size_t n = line_rig_receive(&rig, 1, LINE_PATIENCE);
     assert_int_equal(n, 40);

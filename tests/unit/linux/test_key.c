@@ -211,12 +211,12 @@ static void values_reach_their_place(void **state)
     struct bench self = bench_of("s3684-rs485");
     const struct lx_hf_settings *settings = (const void *)self.settings;
     (void)state;
-    assert_true(settings->pace && !settings->any_line && !settings->serial_given);
+    assert_true(settings->line.pace && !settings->line.any_line);
     for (size_t i = 0; i < COUNT(assignments); i++) {
         set(&self, assignments[i]);
     }
-    assert_false(settings->pace);
-    assert_true(settings->any_line);
+    assert_false(settings->line.pace);
+    assert_true(settings->line.any_line);
     assert_true(settings->encoder.model.reaction == DG_US(2500) &&
                 settings->encoder.model.init == DG_MS(20));
     assert_int_equal(settings->encoder.model.periods_per_turn, 1024);

@@ -4,25 +4,16 @@
 
 #include <stddef.h>
 
-static const char *const own_any[2] = {"own", "any"};
+#define LINE offsetof(struct lx_hf_settings, line)
 
-#define AT(field) offsetof(struct lx_hf_settings, field)
-
-/* clang-format off */
-static const struct dg_key keys[] = {
-    /* name            unit       offset                             type       places factor   min         max  words     help */
-    {"pace",            "",        AT(pace),                           DG_KEY_FLAG,   0, 1,            0,          1, dg_key_no_yes, "requests and replies at the speed of the line; 0: at once"},
-    {"line",            "",        AT(any_line),                       DG_KEY_FLAG,   0, 1,            0,          1, own_any,  "data rate the master must use: the encoder's own, or any"},
-    {"sincos_us",       "us",      AT(sincos),                         DG_KEY_NS,     0, 1000,         0,    1000000, NULL,     "sine and cosine in a VCD trace: time between samples; 0: none"},
-};
+static const struct dg_key keys[] = {LX_LINE_KEYS(LINE), LX_LINE_SINCOS_KEY(LINE)};
 
 static void defaults(void *settings, const struct dg_device *device)
 {
     struct lx_hf_settings *self = settings;
     *self = (struct lx_hf_settings){
         .encoder.model = *dg_hf_model_of(device),
-        .pace = true,
-        .sincos = DG_MS(1),
+        .line = LX_LINE_USUAL,
     };
 }
 
@@ -64,6 +55,8 @@ const struct lx_stack lx_hf_stack = {
     .words = &dg_hf_words,
     .wire = "pty",
     .address = {"an RS485 address", DG_HF_ADDRESS_DEFAULT, true},
+    .line = LINE,
+    .spoiled = "the encoder answers 05h",
     .own = {keys, DG_COUNT(keys)},
     .keys = &dg_hf_keys,
     .settings_size = sizeof(struct lx_hf_settings),

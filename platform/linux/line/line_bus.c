@@ -1,0 +1,349 @@
+/* SPDX-License-Identifier: MIT */
+/* Encoders that speak in characters on one port: from the plan to a line, see line_master.c. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "figure.h"
+#include "line_bus.h"
+
+static struct lx_line_bus *line_of(struct lx_bus *bus)
+{
+    return (struct lx_line_bus *)bus;
+}
+
+static const struct lx_stack *stack_of(const struct lx_line_encoder *self)
+{
+    return lx_stack_of(self->station->plan->model);
+}
+
+/* --- the operations --- */
+
+/* What the plan or the model says; 0: neither does, or there is none. */
+static uint32_t serial_of(const struct lx_line_encoder *self)
+{
+    const struct dg_key *row = lx_stack_serial(stack_of(self));
+    char text[32];
+    uint64_t serial = 0;
+    return row != NULL &&
+                   dg_key_get(row, dg_host_line_of(self->host)->settings, text, sizeof text) > 0 &&
+                   lx_unsigned_parse(text, &serial)
+               ? (uint32_t)serial
+               : 0;
+}
+
+static int open_memory(struct lx_line_encoder *self, struct lx_error *error)
+{
+    const struct lx_bus_setup *bus = &self->all->bus.setup;
+    const struct lx_plan_encoder *plan = self->station->plan;
+    const struct lx_image_setup image = {
+        .path = plan->nvm,
+        .answer = stack_of(self)->spoiled,
+        .parts = &self->memory,
+        .count = 1,
+        .say = bus->say,
+        .writer = bus->writer,
+        .settled = lx_line_on_settled,
+        .ctx = self,
+    };
+    self->memory = (struct lx_image_part){
+        .stack = stack_of(self)->core,
+        .device = dg_host_setup(self->host),
+        .serial_given = plan->serial != NULL,
+    };
+    self->memory.device.serial = serial_of(self);
+    if (lx_image_open(&self->image, &image, error) != 0 ||
+        lx_image_start(&self->image, error) != 0) {
+        return lx_plan_refuse_key(bus->plan, "nvm", plan->nvm_line, error);
+    }
+    self->station->control.nvm = self->memory.device.nvm;
+    self->station->queue = lx_image_queue(&self->image);
+    return 0;
+}
+
+/* What was set over the line stays. */
+static void tell_address(const struct lx_line_encoder *self)
+{
+    const struct dg_host_wire *wire = dg_host_wire_at(self->host);
+    const int wanted = self->station->plan->address;
+    const int found = wire->address != NULL ? wire->address(dg_host_line_of(self->host)) : -1;
+    if (wanted != LX_PLAN_AS_DELIVERED && found >= 0 && found != wanted) {
+        lx_note(self->all->bus.setup.say, "%s: its address is 0x%02X, not 0x%02X",
+                self->station->plan->nvm, (unsigned)found, (unsigned)wanted);
+    }
+}
+
+static int switch_on(struct lx_line_encoder *self, dg_ns now, struct lx_error *error)
+{
+    struct lx_station *station = self->station;
+    if (open_memory(self, error) != 0) {
+        return -1;
+    }
+    if (dg_host_memory_port(self->host, &station->control.nvm) != DG_HOST_OK ||
+        dg_host_power(self->host, now, true) != DG_HOST_OK) {
+        return lx_fail(error, "the encoder does not start: not its EEPROM");
+    }
+    station->control.device = dg_host_line_of(self->host)->device;
+    tell_address(self);
+    return 0;
+}
+
+static bool nobody_asks(const struct lx_line_bus *self)
+{
+    for (size_t i = 0; i < self->count; i++) {
+        if (!self->encoder[i].settings.any_line) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool nobody_hurries(const struct lx_line_bus *self)
+{
+    for (size_t i = 0; i < self->count; i++) {
+        if (!self->encoder[i].settings.pace) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static int open_port(struct lx_line_bus *self, struct lx_error *error)
+{
+    const struct lx_bus_setup *bus = &self->bus.setup;
+    const struct dg_host *first = self->encoder->host;
+    struct dg_host_uart uart = {0};
+    struct dg_host_uart stored = {0};
+    dg_host_wire_at(first)->uart(dg_host_line_of(self->encoder->host), false, &uart);
+    dg_host_wire_at(first)->uart(dg_host_line_of(self->encoder->host), true, &stored);
+    const struct lx_serial_setup setup = {
+        .event = bus->event,
+        .silkit = bus->silkit,
+        .say = bus->say,
+        .where = bus->wire->where,
+        .uart = lx_line_uart(&uart),
+        .found_baud = stored.baud,
+        .any_line = nobody_asks(self),
+        .rx = lx_line_on_character,
+        .ctx = self,
+    };
+    const int result = lx_timer_open(&self->timer, bus->event, lx_line_on_time, self);
+    if (result < 0) {
+        return lx_fail(error, "no timer: %s", strerror(-result));
+    }
+    self->port = self->open(&setup, error);
+    return self->port == NULL ? -1 : 0;
+}
+
+static void *allocate(size_t n)
+{
+    return n == 0 ? NULL
+                  : aligned_alloc(DG_HOST_ALIGN,
+                                  (n + DG_HOST_ALIGN - 1u) / DG_HOST_ALIGN * DG_HOST_ALIGN);
+}
+
+/* The port is open: how it sends is known. */
+static int open_line(struct lx_line_bus *self, struct lx_error *error)
+{
+    self->paced = !self->port->timed && nobody_hurries(self);
+    const struct dg_characters_setup wire = {
+        .size = sizeof wire,
+        .paced = self->paced,
+        .live = true,
+        .late = LX_BUS_LATE,
+        .whole = self->port->timed ? lx_line_whole : NULL,
+    };
+    const struct dg_bus_setup setup = {
+        .size = sizeof setup,
+        .medium = &dg_bus_characters,
+        .encoders = self->count,
+        .wire = &wire,
+        .ops = &lx_line_ops,
+        .ctx = self,
+    };
+    const size_t size = dg_bus_size(&dg_bus_characters, self->count);
+    void *memory = allocate(size);
+    self->line = memory == NULL ? NULL : dg_bus_init(memory, size, &setup);
+    if (self->line == NULL) {
+        free(memory);
+        return lx_fail(error, "no memory for %zu encoders", self->count);
+    }
+    for (size_t i = 0; i < self->count; i++) {
+        const struct lx_line_encoder *encoder = &self->encoder[i];
+        const struct dg_characters_end end = {.any_line = encoder->settings.any_line,
+                                              .at_once = !encoder->settings.pace};
+        (void)dg_bus_attach(self->line, encoder->host, &encoder->station->control);
+        dg_bus_characters_set(self->line, i, &end);
+    }
+    return 0;
+}
+
+static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
+{
+    struct lx_line_bus *self = line_of(bus);
+    for (size_t i = 0; i < self->count; i++) {
+        if (switch_on(&self->encoder[i], now, error) != 0) {
+            return -1;
+        }
+    }
+    if (open_port(self, error) != 0 || open_line(self, error) != 0) {
+        return -1;
+    }
+    /* The first deadline: the end of the start-up window. */
+    lx_line_settle(self, dg_bus_next(self->line));
+    return 0;
+}
+
+static void address(const struct lx_bus *bus, const struct lx_station *station, char *to,
+                    size_t size)
+{
+    (void)station;
+    (void)snprintf(to, size, "%s", ((const struct lx_line_bus *)bus)->port->address);
+}
+
+static void changed(struct lx_bus *bus, struct lx_station *station, dg_ns now)
+{
+    struct lx_line_bus *self = line_of(bus);
+    lx_line_enter(self);
+    for (size_t i = 0; i < self->count; i++) {
+        if (station == NULL || station == self->encoder[i].station) {
+            (void)dg_bus_changed(self->line, i, now);
+        }
+    }
+    lx_line_settle(self, dg_bus_next(self->line));
+}
+
+static void counters(const struct lx_bus *bus, const struct lx_station *station, struct dg_scpi *to)
+{
+    const struct lx_line_bus *self = (const struct lx_line_bus *)bus;
+    const struct lx_line_encoder *encoder = station->own;
+    const struct dg_characters_counters counted = dg_bus_characters_counters(self->line);
+    const struct dg_host_uart uart =
+        dg_bus_characters_uart(self->line, (size_t)(encoder - self->encoder));
+    const struct lx_count rows[] = {
+        {"wire_up", lx_serial_up(self->port)},
+        {"wire_late", bus->late + bus->stalls},
+        {"wire_collided", counted.collided},
+        {"wire_lost", self->port->counters.lost},
+        {"wire_baud", uart.baud},
+        {"wire_overrun", counted.overrun},
+    };
+    lx_bus_count(to, rows, DG_COUNT(rows));
+}
+
+static void free_bus(struct lx_line_bus *self)
+{
+    for (size_t i = 0; i < self->count; i++) {
+        free(self->encoder[i].host);
+    }
+    free(self->line);
+    free(self);
+}
+
+static void close_bus(struct lx_bus *bus)
+{
+    struct lx_line_bus *self = line_of(bus);
+    for (size_t i = 0; i < self->count; i++) {
+        struct dg_host *host = self->encoder[i].host;
+        if (dg_host_powered(host)) {
+            dg_host_wire_at(host)->stack->power_off(dg_host_line_of(host)->device);
+        }
+        lx_image_close(&self->encoder[i].image);
+    }
+    lx_serial_close(self->port);
+    lx_timer_close(&self->timer);
+    free_bus(self);
+}
+
+static const struct lx_bus_ops ops = {LX_BUS_OPERATIONS};
+
+/* --- from the plan --- */
+
+/* The handle with the settings of the plan, and its world, which is what the station is about. */
+static int make_host(struct lx_line_encoder *self, void *settings, struct lx_error *error)
+{
+    struct lx_station *station = self->station;
+    const struct lx_plan_encoder *plan = station->plan;
+    const struct lx_bus_setup *bus = &self->all->bus.setup;
+    const struct lx_stack *stack = stack_of(self);
+    const struct dg_host_wire *wire = dg_host_wire_of(plan->model);
+    const struct dg_key *row = lx_stack_address_row(stack);
+    if (lx_stack_settings(bus->plan, bus->wire, plan, settings, &station->world, error) != 0) {
+        return -1;
+    }
+    if (row != NULL && plan->address != LX_PLAN_AS_DELIVERED) {
+        char text[16];
+        (void)snprintf(text, sizeof text, "%d", plan->address);
+        (void)dg_key_set(row, settings, text);
+    }
+    const size_t size = dg_host_size_on_bus(plan->model, wire);
+    void *memory = allocate(size);
+    self->host = memory == NULL ? NULL : dg_host_init_on_bus(memory, size, plan->model, wire);
+    if (self->host == NULL) {
+        free(memory);
+        return lx_fail(error, "no memory for an encoder");
+    }
+    memcpy(&self->settings, (const uint8_t *)settings + stack->line, sizeof self->settings);
+    memcpy(dg_host_line_of(self->host)->settings, settings, wire->settings_size);
+    *dg_host_world(self->host) = station->world;
+    station->control.world = dg_host_world(self->host);
+    return 0;
+}
+
+static int place(struct lx_line_bus *self, size_t index, struct lx_error *error)
+{
+    struct lx_station *station = self->bus.setup.stations[index];
+    struct lx_line_encoder *encoder = &self->encoder[index];
+    *encoder = (struct lx_line_encoder){.station = station, .all = self};
+    station->own = encoder;
+    self->names[index] = station->control.name;
+    void *settings = calloc(1, stack_of(encoder)->settings_size);
+    const int result = settings == NULL ? lx_fail(error, "no memory for an encoder")
+                                        : make_host(encoder, settings, error);
+    free(settings);
+    return result;
+}
+
+struct lx_bus *lx_line_bus_make(const struct lx_bus_setup *setup, lx_serial_open *open,
+                                struct lx_error *error)
+{
+    struct lx_line_bus *self = calloc(1, sizeof *self + setup->count * sizeof self->encoder[0]);
+    if (self == NULL) {
+        (void)lx_fail(error, "no memory for %zu encoders", setup->count);
+        return NULL;
+    }
+    self->bus = (struct lx_bus){.ops = &ops, .setup = *setup};
+    self->open = open;
+    self->count = setup->count;
+    self->bus.tap.encoders = self->names;
+    self->bus.tap.encoder_count = self->count;
+    for (size_t i = 0; i < self->count; i++) {
+        if (place(self, i, error) != 0) {
+            free_bus(self);
+            return NULL;
+        }
+    }
+    return &self->bus;
+}
+
+struct lx_bus *lx_line_bus_make_pty(const struct lx_bus_setup *setup, struct lx_error *error)
+{
+    return lx_line_bus_make(setup, lx_pty_open, error);
+}
+
+struct lx_bus *lx_line_bus_make_tty(const struct lx_bus_setup *setup, struct lx_error *error)
+{
+    return lx_line_bus_make(setup, lx_tty_open, error);
+}
+
+struct lx_bus *lx_line_bus_make_net(const struct lx_bus_setup *setup, struct lx_error *error)
+{
+    return lx_net_port_check(setup->wire->where, error) == 0
+               ? lx_line_bus_make(setup, lx_net_port_open, error)
+               : NULL;
+}
+
+struct lx_bus *lx_line_bus_make_silkit(const struct lx_bus_setup *setup, struct lx_error *error)
+{
+    return lx_line_bus_make(setup, lx_silkit_serial_open, error);
+}
