@@ -27,12 +27,7 @@ bool lx_wire_is_path(const struct lx_wire *self, const char *where)
 
 bool lx_wire_carries(const struct lx_wire *self, const struct lx_stack *stack)
 {
-    for (size_t i = 0; i < LX_WIRE_STACKS_MAX && self->stacks[i] != NULL; i++) {
-        if (self->stacks[i] == stack) {
-            return true;
-        }
-    }
-    return false;
+    return (self->media >> stack->core->medium & 1u) != 0;
 }
 
 bool lx_wire_has(const struct lx_wire *self, const char *key)
@@ -44,8 +39,9 @@ bool lx_wire_has(const struct lx_wire *self, const char *key)
 static bool offers(const struct lx_wire *self, const char *key)
 {
     bool found = lx_wire_has(self, key);
-    for (size_t i = 0; i < LX_WIRE_STACKS_MAX && self->stacks[i] != NULL; i++) {
-        found = found || dg_keys_find(&self->stacks[i]->own, key) != NULL;
+    for (size_t i = 0; i < lx_stack_count; i++) {
+        const struct lx_stack *stack = lx_stacks[i];
+        found = found || (lx_wire_carries(self, stack) && dg_keys_find(&stack->own, key) != NULL);
     }
     return found;
 }

@@ -17,15 +17,16 @@ struct lx_bus_setup;
 /** Understand the plan: figures, settings, addresses. @return NULL with `error` */
 typedef struct lx_bus *lx_bus_make(const struct lx_bus_setup *setup, struct lx_error *error);
 
-/** Most stacks that a kind of wire carries. */
-#define LX_WIRE_STACKS_MAX 5u
+/** In lx_wire.media: it carries what travels as DG_MEDIUM_`medium`. */
+#define LX_CARRIES(medium) (1u << DG_MEDIUM_##medium)
+#define LX_CARRIES_ALL ((1u << DG_MEDIUM_COUNT) - 1u)
 
 /** A kind of wire. */
 struct lx_wire {
     const char *name;    /**< as in "ready MODEL WIRE:ADDRESS" and --WIRE */
     size_t stations_max; /**< encoders that fit on one; all of one stack */
     lx_bus_make *make;
-    const struct lx_stack *stacks[LX_WIRE_STACKS_MAX]; /**< it can carry; NULL behind the last */
+    unsigned media;    /**< it can carry: LX_CARRIES() */
     const char *where; /**< what its address looks like, for messages, e.g. "CHIP:CLOCK,DATA"; NULL:
                           it has none */
     const char *usual; /**< address when none is given; NULL: the bus finds one */

@@ -15,7 +15,6 @@
 
 #include "drehgeber/devices.h"
 #include "hf_rig.h"
-#include "hf_settings.h"
 #include "station_rig.h"
 #include "timer.h"
 
@@ -130,7 +129,7 @@ static void open_master(struct line_rig *self)
 /* A plan of `count` encoders, the first one at 40h, the next at 41h ... */
 void line_rig_plan(struct line_rig *self, size_t count, const char *where)
 {
-    static const struct lx_wire kind = {.name = "pty", .stacks = {&lx_hf_stack}};
+    static const struct lx_wire kind = {.name = "pty", .media = LX_CARRIES(CHARACTERS)};
     *self = (struct line_rig){.say = {.quiet = true}, .master = -1, .clock = {.permille = 1000}};
     assert_int_equal(lx_plan_add_wire(&self->plan, "line", &kind, where), 0);
     for (size_t i = 0; i < count; i++) {

@@ -38,7 +38,7 @@ static void on_event(void *ctx, const struct dg_tap_event *event)
 
 void sim_rig_plan(struct sim_rig *self, size_t count)
 {
-    static const struct lx_wire kind = {.name = "sim", .stacks = {&lx_biss_stack}};
+    static const struct lx_wire kind = {.name = "sim", .media = LX_CARRIES(EDGES)};
     *self = (struct sim_rig){.say = {.quiet = true}, .clock = {.virtual_ = SIM_RIG_POWER_ON}};
     assert_int_equal(lx_plan_add_wire(&self->plan, "wire", &kind, NULL), 0);
     for (size_t i = 0; i < count; i++) {

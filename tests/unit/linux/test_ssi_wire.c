@@ -300,7 +300,7 @@ static void refuse(const char *setting, const char *right)
 
 static void a_plan_makes_the_line(void **state)
 {
-    static const struct lx_wire kind = {.name = "sim", .stacks = {&lx_ssi_stack}};
+    static const struct lx_wire kind = {.name = "sim", .media = LX_CARRIES(EDGES)};
     (void)state;
     begin(&dg_ssi_25);
     assert_int_equal(lx_plan_add_wire(&plan, "wire", &kind, NULL), 0);
