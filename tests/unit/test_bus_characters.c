@@ -173,7 +173,7 @@ static void each_answers_for_itself(void **state)
     character_rig_expect_silence(&line, "43 42 01");
 }
 
-/* 40h & 41h & 42h; positions and the rest are the same, their check sums 02h, 03h and 00h. */
+/* 40h & 41h & 42h; positions are 0 on the shafts at 0, check sums 02h, 03h and 00h. */
 static void two_at_once_are_their_and(void **state)
 {
     static struct character_rig line;
@@ -187,9 +187,7 @@ static void two_at_once_are_their_and(void **state)
     for (size_t i = 0; i < 7; i++) {
         assert_true(line.sent[i].event.character.damaged);
     }
-    character_rig_expect_sent(&line, 0, begin, 0, "40 42");
-    assert_int_equal(line.sent[6].event.character.byte,
-                     character_rig_device(&line, 0)->turns > 0 ? 0 : 1);
+    character_rig_expect_sent(&line, 0, begin, 0, "40 42 00 00 00 00 00");
     character_rig_expect_answer(&line, "41 42 03", 1);
 }
 
@@ -315,21 +313,26 @@ static void a_reply_that_takes_no_time(void **state)
     assert_int_equal(line.count, 7);
 }
 
-/* In real time a call is late: the reply begins with it and is not squeezed. */
+/* In real time a call is late: the reply begins with it and is not squeezed. It is counted once,
+ * though two deadlines have passed: the silence, and the reaction time. */
 static void a_late_call_does_not_squeeze_a_reply(void **state)
 {
     static const struct dg_characters_setup live = {
-        .size = sizeof live, .paced = true, .live = true};
+        .size = sizeof live, .paced = true, .live = true, .late = 5 * MS};
     static struct character_rig line;
 
     (void)state;
     character_rig_make(&line, &live, 1);
+    const uint64_t counted = dg_bus_characters_counters(line.bus).late;
     character_rig_say(&line, "40 42 02");
     const dg_ns late = line.now + REST;
     assert_int_equal(dg_bus_step(line.bus, late), late + CHARACTER);
     assert_int_equal(line.count, 0);
     character_rig_pass_to(&line, late + REST);
     character_rig_expect_sent(&line, 0, late, 0, "40 42");
+    assert_int_equal(dg_bus_characters_counters(line.bus).late, counted + 1);
+    character_rig_expect_answer(&line, "40 42 02", 0);
+    assert_int_equal(dg_bus_characters_counters(line.bus).late, counted + 1);
 }
 
 /* Nobody looks: one call for a request of three characters, and one for each that is said. */

@@ -21,8 +21,10 @@ static void a_kept_reply_waits(void **state)
     character_rig_make(&line, &character_rig_paced, 2);
     line.answer = DG_BUS_KEEP;
     character_rig_expect_silence(&line, "40 42 02");
+    const struct dg_hf_counters heard = character_rig_device(&line, 0)->counters;
     character_rig_expect_answer(&line, "41 42 03", 1);
-    character_rig_expect_silence(&line, "40 42 02"); /* it hears nothing */
+    character_rig_expect_silence(&line, "40 42 02");
+    assert_memory_equal(&heard, &character_rig_device(&line, 0)->counters, sizeof heard);
     (void)dg_bus_durable(line.bus, 0, line.now);
     character_rig_pass_to(&line, line.now + REST);
     assert_int_equal(line.count, 0);
