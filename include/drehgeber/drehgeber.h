@@ -12,6 +12,7 @@
 #include "drehgeber/biss.h"
 #include "drehgeber/bits.h"
 #include "drehgeber/bus.h"
+#include "drehgeber/bus_characters.h"
 #include "drehgeber/bus_frames.h"
 #include "drehgeber/canopen.h"
 #include "drehgeber/cia406.h"

@@ -343,12 +343,13 @@ static void take_character(struct dg_bus *self, const struct dg_tap_event *event
 
 /* The last character is early enough, as each one tells when it ended; not for those who look at
  * the line as it goes. */
-static dg_ns next_on_line(const struct dg_bus *self)
+static dg_ns next_of_all(const struct dg_bus *self)
 {
     const struct characters_line *line = characters_line_of(self);
     const dg_ns coming = self->watched || line->count == 0 ? coming_next(line) : line->end;
 
-    return dg_earliest(coming, look_ahead(self).reply);
+    const struct upcoming next = look_ahead(self);
+    return dg_earliest(coming, dg_earliest(next.reply, next.deadline));
 }
 
 /* --- the medium --- */
@@ -402,13 +403,14 @@ const struct dg_bus_medium dg_bus_characters = {
     .wire_size = sizeof(struct characters_line),
     .place_size = sizeof(struct characters_place),
     .encoders_most = ENCODERS_MAX,
+    .keeps_deadlines = true,
     .ordered = true,
     .begin = begin,
     .attach = attach,
     .hear = hear_reply,
     .take = take_character,
     .go_on = go_on,
-    .next = next_on_line,
+    .next = next_of_all,
     .changed = changed,
     .durable = durable,
 };

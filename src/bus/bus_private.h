@@ -27,7 +27,7 @@ struct dg_bus_medium {
     size_t wire_size;     /**< of its own state, */
     size_t place_size;    /**< ... and for each encoder, struct bus_place at the beginning */
     size_t encoders_most; /**< on one wire */
-    bool keeps_deadlines; /**< `next` is of its encoders, too, and places have none */
+    bool keeps_deadlines; /**< `next` is of its encoders, too: places need not be asked */
     bool ordered;         /**< go_on() and take() themselves serve what is due in the order of time:
                                nobody needs to ask for each moment */
     /** Zeroed memory becomes a wire. @return 0; DG_ERR_ARGUMENT: not with this setup */
