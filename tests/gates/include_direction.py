@@ -128,6 +128,7 @@ OWNER = {
     "host_wire.h": "host",
     "bus.h":       "bus",
     "bus_characters.h": "bus",
+    "bus_edges.h": "bus",
     "bus_frames.h": "bus",
 }
 ROWS = ALLOWED | ROOMS
