@@ -96,8 +96,8 @@ DG_API dg_ns dg_bus_next(const struct dg_bus *self);
  * the encoders are. */
 DG_API void dg_bus_look(struct dg_bus *self, dg_ns now);
 
-/** Power, world, settings or faults of an encoder have changed at `now`. @return as dg_bus_step()
- */
+/** Power, world, settings or faults of an encoder have changed at `now`, behind dg_bus_look(): what
+ * was due until then has met the old ones. @return as dg_bus_step() */
 DG_API dg_ns dg_bus_changed(struct dg_bus *self, size_t place, dg_ns now);
 
 /** What an encoder's memory was handed is durable, or lost: replies that waited for it may go.

@@ -12,8 +12,8 @@
  * what it does to data is then on its way back. All encoders see the same edge: what counts of a
  * neighbour is its level before it.
  *
- * Handles are asked below their queues, by the operations of their wire: a lone healthy encoder
- * costs not much more than itself.
+ * Handles are asked below their queues, by the operations of their wire: an edge costs not much
+ * more than the encoders do.
  */
 #include "drehgeber/bus_edges.h"
 
@@ -23,12 +23,12 @@
 
 /* The line. */
 struct edges {
-    struct dg_cable cable;
+    struct dg_bus_cable cable;
+    dg_ns due;  /* the first deadline of its encoders */
     dg_ns fell; /* the clock at the encoders' end, last */
     uint32_t there_ns;
     uint32_t period_ns; /* 0: as the clock's edges say */
     bool clock;         /* at the master's end */
-    bool alone;         /* one encoder and no cable */
 };
 
 /* An encoder on it. */
@@ -87,15 +87,15 @@ static void settle_line(struct edges_place *self)
     }
 }
 
+static dg_ns period_of(const struct edges *self, dg_ns at)
+{
+    return self->period_ns != 0 ? self->period_ns : 2u * dg_elapsed(at, self->fell);
+}
+
 /* What is on the other side of its fault. `rises`: behind a rising edge of the clock, whose period
    is that then. */
-static bool show_line(struct edges_place *self, bool rises, dg_ns period)
+static bool bend_level(struct edges_place *self, bool raw, bool rises, dg_ns period)
 {
-    const bool raw = self->live && self->wire->level(self->line);
-
-    if (!self->fault.active) {
-        return raw;
-    }
     if (rises) {
         dg_line_fault_advance(&self->fault, raw, period);
     }
@@ -104,21 +104,44 @@ static bool show_line(struct edges_place *self, bool rises, dg_ns period)
 
 /* Each of `count` shows its neighbour its line, from the last to the first. @return what gets to
    the master */
-static bool show_lines(const struct dg_bus *bus, size_t count, bool rises, dg_ns period)
+static bool show_lines(const struct dg_bus *bus, size_t count)
 {
     bool level = false;
 
     for (size_t i = count; i-- > 0;) {
         struct edges_place *place = edges_at(bus, i);
         place->line->behind = level;
-        level = show_line(place, rises, period);
+        level = place->live && place->wire->level(place->line);
+        level = place->fault.active ? bend_level(place, level, false, 0) : level;
     }
+    return level;
+}
+
+/* The edge gets to all of them, from the last to the first: each hears of its neighbour's new level
+   when it has taken the edge itself. @return what gets to the master */
+static bool clock_lines(const struct dg_bus *bus, dg_ns at, bool high, bool rises)
+{
+    struct edges *self = edges_of(bus);
+    dg_ns due = DG_NEVER;
+    bool level = false;
+
+    for (size_t i = bus->count; i-- > 0;) {
+        struct edges_place *place = edges_at(bus, i);
+        bool own = place->live && clock_encoder(place, at, high);
+        due = dg_earliest(due, place->place.deadline);
+        if (place->line->behind != level) {
+            place->line->behind = level;
+            own = place->live && place->wire->level(place->line);
+        }
+        level = place->fault.active ? bend_level(place, own, rises, period_of(self, at)) : own;
+    }
+    self->due = due;
     return level;
 }
 
 static void send_level(const struct dg_bus *bus, dg_ns at)
 {
-    dg_cable_put(&edges_of(bus)->cable, at, show_lines(bus, bus->count, false, 0));
+    dg_bus_cable_put(&edges_of(bus)->cable, at, show_lines(bus, bus->count));
 }
 
 /* --- the master's end --- */
@@ -141,23 +164,23 @@ static void tell_levels(const struct dg_bus *bus, dg_ns at, bool data_changed)
 /* What gets to the master up to `until`. */
 static void let_arrive(const struct dg_bus *bus, dg_ns until)
 {
-    struct dg_cable_change change;
+    struct dg_bus_cable_change change;
 
-    while (dg_cable_take(&edges_of(bus)->cable, until, &change)) {
+    while (dg_bus_cable_take(&edges_of(bus)->cable, until, &change)) {
         tell_levels(bus, change.at, true);
     }
 }
 
 /* --- time --- */
 
-static dg_ns first_deadline(const struct dg_bus *bus)
+static void look_for_deadline(const struct dg_bus *bus, size_t count)
 {
-    dg_ns first = DG_NEVER;
+    dg_ns due = DG_NEVER;
 
-    for (size_t i = 0; i < bus->count; i++) {
-        first = dg_earliest(first, edges_at(bus, i)->place.deadline);
+    for (size_t i = 0; i < count; i++) {
+        due = dg_earliest(due, edges_at(bus, i)->place.deadline);
     }
-    return first;
+    edges_of(bus)->due = due;
 }
 
 static void step_encoder(struct edges_place *self, dg_ns at)
@@ -172,83 +195,65 @@ static void step_encoder(struct edges_place *self, dg_ns at)
 /* Deadlines at the encoders' end up to `until`, each at its moment. */
 static void run_encoders(const struct dg_bus *bus, dg_ns until)
 {
-    dg_ns due = first_deadline(bus);
+    struct edges *self = edges_of(bus);
 
-    while (due <= until && due != DG_NEVER) {
+    while (self->due <= until && self->due != DG_NEVER) {
+        const dg_ns at = self->due;
         for (size_t i = 0; i < bus->count; i++) {
-            step_encoder(edges_at(bus, i), due);
+            step_encoder(edges_at(bus, i), at);
         }
-        send_level(bus, due);
+        send_level(bus, at);
+        look_for_deadline(bus, bus->count);
         /* Whoever asks for the present again would stop time. */
-        const dg_ns next = first_deadline(bus);
-        due = next > due ? next : dg_after(due, 1);
+        self->due = self->due > at ? self->due : dg_after(at, 1);
     }
 }
 
-static dg_ns period_of(const struct edges *self, dg_ns at)
-{
-    return self->period_ns != 0 ? self->period_ns : 2u * dg_elapsed(at, self->fell);
-}
-
-static void take_edge(struct dg_bus *bus, bool level)
+/* Nothing is due before. Without a cable the answer comes at once: one event for both. */
+static void take_edge(const struct dg_bus *bus, bool level)
 {
     struct edges *self = edges_of(bus);
     const dg_ns there = dg_after(bus->now, self->there_ns);
-    const bool rises = level && !self->clock;
-    const bool before = self->cable.level;
-    struct dg_cable_change change;
-
-    run_encoders(bus, there);
-    for (size_t i = 0; i < bus->count; i++) {
-        if (edges_at(bus, i)->live) {
-            (void)clock_encoder(edges_at(bus, i), there, level);
-        }
-    }
-    dg_cable_put(&self->cable, there, show_lines(bus, bus->count, rises, period_of(self, there)));
-    self->fell = self->clock && !level ? there : self->fell;
-    /* Without a cable the answer comes at once: one event for both. */
-    while (dg_cable_take(&self->cable, bus->now, &change)) {
-    }
     const bool clocked = self->clock != level;
+    const bool before = self->cable.level;
+    struct dg_bus_cable_change change;
+
+    const bool data = clock_lines(bus, there, level, clocked && level);
+    if (data != self->cable.sent) {
+        dg_bus_cable_put(&self->cable, there, data);
+    }
+    while (self->cable.count != 0 && dg_bus_cable_take(&self->cable, bus->now, &change)) {
+    }
+    self->fell = clocked && !level ? there : self->fell;
     self->clock = level;
-    if (clocked || self->cable.level != before) {
-        tell_levels(bus, bus->now, self->cable.level != before);
+    const bool answered = self->cable.level != before;
+    if (answered || (clocked && bus->ops->tap != NULL)) {
+        tell_levels(bus, bus->now, answered);
     }
 }
 
-/* One encoder without a cable, which no fault happens to and which waits for nothing before that.
-   @return false: nothing was done */
-static bool take_short(struct dg_bus *bus, dg_ns now, bool level)
+/* What is due before the edge gets there comes first. */
+static void rx_edge(struct dg_bus *bus, dg_ns now, bool level)
 {
-    struct edges *self = edges_of(bus);
-    struct edges_place *only = edges_at(bus, 0);
+    const struct dg_tap_event event = {
+        .at = now, .kind = DG_TAP_LEVELS, .levels = {level, edges_of(bus)->cable.level}};
 
-    if (only->place.deadline <= now || now < bus->now || dg_line_fault_due(&only->fault)) {
-        return false;
-    }
-    bus->now = now;
-    const bool raw = clock_encoder(only, now, level);
-    const bool data = only->fault.active ? dg_line_fault_level(&only->fault, raw) : raw;
-    const bool changed = data != self->cable.level;
-    const bool clocked = self->clock != level;
-    dg_cable_pass(&self->cable, now, data);
-    self->fell = self->clock && !level ? now : self->fell;
-    self->clock = level;
-    if (changed || (clocked && bus->ops->tap != NULL)) {
-        tell_levels(bus, now, changed);
-    }
-    return true;
+    (void)dg_bus_rx(bus, &event);
 }
 
 bool dg_bus_edge(struct dg_bus *bus, dg_ns now, bool level)
 {
     const struct edges *self = edges_of(bus);
-    const struct dg_tap_event event = {
-        .at = now, .kind = DG_TAP_LEVELS, .levels = {level, self->cable.level}};
 
-    if (!self->alone || !take_short(bus, now, level)) {
-        (void)dg_bus_rx(bus, &event);
+    if (now < bus->now || self->due <= dg_after(now, self->there_ns)) {
+        rx_edge(bus, now, level);
+        return self->cable.level;
     }
+    if (self->cable.count != 0) {
+        let_arrive(bus, dg_elapsed(now, 1));
+    }
+    bus->now = now;
+    take_edge(bus, level);
     return self->cable.level;
 }
 
@@ -261,7 +266,7 @@ bool dg_bus_edges_clock(const struct dg_bus *bus)
 
 bool dg_bus_edges_data(const struct dg_bus *bus, dg_ns at)
 {
-    return dg_cable_level(&edges_of(bus)->cable, at);
+    return dg_bus_cable_level(&edges_of(bus)->cable, at);
 }
 
 dg_ns dg_bus_edges_fell(const struct dg_bus *bus)
@@ -298,7 +303,8 @@ static int begin(struct dg_bus *bus, const void *setup)
     self->there_ns = wanted->there_ns;
     self->period_ns = wanted->period_ns;
     self->clock = true;
-    dg_cable_init(&self->cable, wanted->back_ns, false);
+    self->due = DG_NEVER;
+    dg_bus_cable_init(&self->cable, wanted->back_ns, false);
     return DG_OK;
 }
 
@@ -306,7 +312,6 @@ static int begin(struct dg_bus *bus, const void *setup)
 static void look_alive(struct edges_place *self)
 {
     struct dg_encoder *control = self->place.control;
-    struct edges *edges = edges_of(self->place.bus);
 
     if (!self->live && dg_host_powered(self->place.host)) {
         self->live = true;
@@ -315,8 +320,6 @@ static void look_alive(struct edges_place *self)
                                &control->faults);
         }
     }
-    edges->alone =
-        self->live && self->place.bus->room == 1 && edges->there_ns == 0 && edges->cable.back == 0;
 }
 
 /* Nobody knows what is connected before it is: the level is on all of the cable at once. */
@@ -337,7 +340,8 @@ static int attach(struct bus_place *place)
     }
     self->fault.frame.open = true;
     look_alive(self);
-    dg_cable_init(&edges->cable, edges->cable.back, show_lines(bus, place->index + 1u, false, 0));
+    look_for_deadline(bus, place->index + 1u);
+    dg_bus_cable_init(&edges->cable, edges->cable.back, show_lines(bus, place->index + 1u));
     return DG_OK;
 }
 
@@ -351,6 +355,7 @@ static void hear(struct bus_place *from, const struct dg_host_event *event)
 static void take(struct dg_bus *bus, const struct dg_tap_event *event)
 {
     if (event->kind == DG_TAP_LEVELS) {
+        run_encoders(bus, dg_after(bus->now, edges_of(bus)->there_ns));
         take_edge(bus, event->levels.clock);
     }
 }
@@ -363,7 +368,7 @@ static void go_on(struct dg_bus *bus, dg_ns now)
 
 static dg_ns next(const struct dg_bus *bus)
 {
-    const struct dg_cable *cable = &edges_of(bus)->cable;
+    const struct dg_bus_cable *cable = &edges_of(bus)->cable;
 
     return cable->count != 0 ? cable->coming[cable->first].at : DG_NEVER;
 }
@@ -374,6 +379,7 @@ static void changed(struct bus_place *place, dg_ns now)
 
     look_alive(self);
     settle_line(self);
+    look_for_deadline(place->bus, place->bus->count);
     send_level(place->bus, now);
 }
 

@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 #include "edges_cable.h"
 
-void dg_cable_init(struct dg_cable *self, uint32_t back, bool level)
+void dg_bus_cable_init(struct dg_bus_cable *self, uint32_t back, bool level)
 {
-    *self = (struct dg_cable){.back = back, .sent = level, .level = level};
+    *self = (struct dg_bus_cable){.back = back, .sent = level, .level = level};
 }
 
-static struct dg_cable_change *nth(struct dg_cable *self, unsigned n)
+static struct dg_bus_cable_change *nth(struct dg_bus_cable *self, unsigned n)
 {
-    return &self->coming[(self->first + n) % DG_CABLE_CHANGES];
+    return &self->coming[(self->first + n) % DG_BUS_CABLE_CHANGES];
 }
 
-void dg_cable_put(struct dg_cable *self, dg_ns now, bool level)
+void dg_bus_cable_put(struct dg_bus_cable *self, dg_ns now, bool level)
 {
     dg_ns at = dg_after(now, self->back);
 
@@ -26,30 +26,31 @@ void dg_cable_put(struct dg_cable *self, dg_ns now, bool level)
     }
     self->fell = level ? self->fell : at;
     /* Only power that is switched in no time fills it: of that the last level counts. */
-    if (self->count == DG_CABLE_CHANGES) {
+    if (self->count == DG_BUS_CABLE_CHANGES) {
         self->count--;
     }
-    *nth(self, self->count++) = (struct dg_cable_change){at, level};
+    *nth(self, self->count++) = (struct dg_bus_cable_change){at, level};
 }
 
-bool dg_cable_take(struct dg_cable *self, dg_ns until, struct dg_cable_change *change)
+bool dg_bus_cable_take(struct dg_bus_cable *self, dg_ns until, struct dg_bus_cable_change *change)
 {
     if (self->count == 0 || self->coming[self->first].at > until) {
         return false;
     }
     *change = self->coming[self->first];
     self->level = change->level;
-    self->first = (uint16_t)((self->first + 1u) % DG_CABLE_CHANGES);
+    self->first = (uint16_t)((self->first + 1u) % DG_BUS_CABLE_CHANGES);
     self->count--;
     return true;
 }
 
-bool dg_cable_level(const struct dg_cable *self, dg_ns at)
+bool dg_bus_cable_level(const struct dg_bus_cable *self, dg_ns at)
 {
     bool level = self->level;
 
     for (unsigned i = 0; i < self->count; i++) {
-        const struct dg_cable_change *change = &self->coming[(self->first + i) % DG_CABLE_CHANGES];
+        const struct dg_bus_cable_change *change =
+            &self->coming[(self->first + i) % DG_BUS_CABLE_CHANGES];
         if (change->at > at) {
             break;
         }

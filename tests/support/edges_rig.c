@@ -86,6 +86,7 @@ void edges_rig_attach(size_t place)
 
 void edges_rig_power(size_t place, bool on)
 {
+    (void)dg_bus_step(edges_rig.bus, edges_rig.now);
     assert_int_equal(dg_host_power(edges_rig.place[place].host, edges_rig.now, on), DG_OK);
     (void)dg_bus_changed(edges_rig.bus, place, edges_rig.now);
 }

@@ -197,6 +197,29 @@ static void an_edge_is_an_event(void **state)
     assert_int_equal(bits[0], bits[1]);
 }
 
+/* Without an edge, whenever it gets its power: before it is connected, or later. */
+static void the_end_of_a_start_is_told(void **state)
+{
+    (void)state;
+    for (size_t early = 0; early < 2; early++) {
+        edges_rig_begin(NULL, 1);
+        struct dg_host *host = edges_rig_model(0, "ssi-25");
+        assert_int_equal(dg_host_set(host, "init_ms", "7"), DG_HOST_OK);
+        if (early == 1) {
+            assert_int_equal(dg_host_power(host, 0, true), DG_OK);
+        }
+        edges_rig_attach(0);
+        if (early == 0) {
+            edges_rig_power(0, true);
+        }
+        assert_int_equal(dg_bus_next(edges_rig.bus), 7 * MS);
+        assert_int_equal(dg_bus_step(edges_rig.bus, SECOND), DG_NEVER);
+        assert_int_equal(edges_rig.heard_count, 1);
+        assert_int_equal(edges_rig.heard[0].at, 7 * MS);
+        assert_true(edges_rig.heard[0].levels.data);
+    }
+}
+
 /* --- chains --- */
 
 static void begin_chain(const struct dg_bus_edges_setup *wire)
@@ -380,6 +403,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(one_encoder_is_the_bare_handle),
         cmocka_unit_test(an_edge_is_an_event),
+        cmocka_unit_test(the_end_of_a_start_is_told),
         cmocka_unit_test(a_chain_sends_one_behind_the_other),
         cmocka_unit_test(a_chain_is_what_its_slaves_make_of_each_other),
         cmocka_unit_test(a_fault_is_behind_its_own_driver),

@@ -12,6 +12,7 @@
 #include <cmocka.h>
 
 #include "drehgeber/biss.h"
+#include "edges_cable.h"
 #include "edges_rig.h"
 #include "plain_encoder.h"
 
@@ -54,6 +55,29 @@ static void a_cable_delays_both_ways(void **state)
     assert_true(dg_bus_edges_data(edges_rig.bus, monoflop + 1700u));
 }
 
+/* An encoder that was silent for long enough when the edge gets there has ended its word. */
+static void what_is_due_on_the_way_comes_first(void **state)
+{
+    static const struct dg_bus_edges_setup wire = {.size = sizeof wire, .there_ns = 1200};
+
+    (void)state;
+    edges_rig_begin(&wire, 1);
+    (void)edges_rig_make(&edges_rig.place[0], &plain_low, &plain_wire, &plain_instrument);
+    edges_rig_attach(0);
+    edges_rig_power(0, true);
+    edges_rig_rest();
+    (void)edges_rig_take(PLAIN_BITS); /* all low */
+    const dg_ns end = edges_rig.now - EDGES_RIG_HALF + 1200u + PLAIN_MONOFLOP;
+    edges_rig.heard_count = 0;
+    (void)dg_bus_edge(edges_rig.bus, end - 600u, false);
+    (void)dg_bus_edge(edges_rig.bus, end - 100u, true);
+    (void)dg_bus_step(edges_rig.bus, end + 1200u);
+    assert_int_equal(edges_rig.heard_count, 2);
+    assert_int_equal(edges_rig.heard[0].at, end);
+    assert_true(edges_rig.heard[0].levels.data);
+    assert_int_equal(edges_rig.heard[1].at, end + 1100u);
+}
+
 /* Before it has arrived, too. */
 static void a_master_looks_ahead(void **state)
 {
@@ -74,6 +98,34 @@ static void a_master_looks_ahead(void **state)
             bits << 1 | dg_bus_edges_data(edges_rig.bus, edges_rig.now + 2u * DG_BUS_CABLE_MAX_NS);
     }
     assert_int_equal(bits, 0x2B5);
+}
+
+static void a_cable_keeps_the_order(void **state)
+{
+    struct dg_bus_cable cable;
+    struct dg_bus_cable_change change;
+    (void)state;
+    dg_bus_cable_init(&cable, 100, true);
+    dg_bus_cable_put(&cable, 1000, true); /* no change */
+    assert_false(dg_bus_cable_take(&cable, DG_NEVER, &change));
+    dg_bus_cable_put(&cable, 1000, false);
+    dg_bus_cable_put(&cable, 990, true); /* the past */
+    assert_int_equal(cable.fell, 1100);
+    assert_true(dg_bus_cable_level(&cable, 1099));
+    assert_true(dg_bus_cable_level(&cable, 1100));
+    dg_bus_cable_put(&cable, 1500, false);
+    assert_false(dg_bus_cable_level(&cable, 1600));
+    assert_false(dg_bus_cable_take(&cable, 1099, &change));
+    assert_true(dg_bus_cable_take(&cable, 1100, &change));
+    assert_false(change.level);
+    assert_true(dg_bus_cable_take(&cable, 1100, &change));
+    assert_true(change.level && cable.level && change.at == 1100);
+    for (unsigned i = 0; i < 2u * DG_BUS_CABLE_CHANGES + 1u; i++) {
+        dg_bus_cable_put(&cable, 2000 + i, i % 2u == 0);
+    }
+    while (dg_bus_cable_take(&cable, DG_NEVER, &change)) {
+    }
+    assert_true(cable.level); /* as it was put last */
 }
 
 static void setups_out_of_range_are_refused(void **state)
@@ -203,6 +255,22 @@ static void an_encoder_that_asks_for_the_present_again_stops_nobody(void **state
     assert_int_equal(device->frames, 1);
 }
 
+/* The same level again is no edge, and no clock to a fault. */
+static void a_level_that_is_told_twice_is_one(void **state)
+{
+    unsigned word = 0;
+
+    (void)state;
+    begin_plain(&plain_low);
+    dg_host_shaft(edges_rig.place[0].host, 0, 0x155 * (TURN >> PLAIN_BITS), 0);
+    edges_rig_bend(0, DG_WIRE_DELAY, 0);
+    for (unsigned i = 0; i < PLAIN_BITS; i++) {
+        (void)edges_rig_clock();
+        word = word << 1 | dg_bus_edge(edges_rig.bus, edges_rig.now, true);
+    }
+    assert_int_equal(word, 7u << (PLAIN_BITS - 3u) | 0x155u >> 3);
+}
+
 /* --- a slow memory, and hints --- */
 
 /* A frame that would acknowledge what is not durable yet is not sent, nor is it later. */
@@ -243,12 +311,15 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_cable_delays_both_ways),
+        cmocka_unit_test(what_is_due_on_the_way_comes_first),
         cmocka_unit_test(a_master_looks_ahead),
+        cmocka_unit_test(a_cable_keeps_the_order),
         cmocka_unit_test(setups_out_of_range_are_refused),
         cmocka_unit_test(words_come_over_the_wire),
         cmocka_unit_test(a_dead_driver_reads_as_the_receiver_does),
         cmocka_unit_test(a_damage_flips_a_bit_of_the_word),
         cmocka_unit_test(a_delay_takes_whole_clocks),
+        cmocka_unit_test(a_level_that_is_told_twice_is_one),
         cmocka_unit_test(an_encoder_that_asks_for_the_present_again_stops_nobody),
         cmocka_unit_test(a_lone_encoder_is_held_back),
         cmocka_unit_test(a_hint_comes_once_for_the_line),
