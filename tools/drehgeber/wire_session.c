@@ -141,12 +141,12 @@ static int close_session(struct wire_session *self, struct lx_error *error)
 
 enum lx_clocked_verdict wire_session_read(struct wire_session *self)
 {
-    const struct lx_clocked_ops *ops = self->line->ops;
+    const struct lx_clocked_protocol *protocol = self->line->protocol;
     char text[LX_SIM_NOTE_MAX];
     lx_sim_master_frame(&self->master);
-    const enum lx_clocked_verdict verdict = ops->judge(self->line, 0);
+    const enum lx_clocked_verdict verdict = protocol->judge(self->line, 0);
     if (verdict != LX_CLOCKED_SILENT) {
-        ops->print(self->line, 0, text, sizeof text);
+        protocol->print(self->line, 0, text, sizeof text);
         (void)printf("%s\n", text);
     }
     return verdict;

@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /*
- *            fault[0]            fault[1]
- *   master <--(bends)-- slave[0] <--(bends)-- slave[1] ... <-- low
- *
- * A fault sits behind the slave's driver: the slave itself works, its neighbour (or the master)
- * sees something else.
- *
  * Ack tells the master how long a level needs there and back:
  *
  *   MA   _|1|_|2|_|3|_|4|_|5|_      the clocks go on meanwhile
@@ -19,7 +13,6 @@
 
 #include "biss_master.h"
 #include "biss_settings.h"
-#include "drehgeber/instruments.h"
 #include "trace_format.h"
 
 #define CLOCK_NAME "MA"
@@ -47,95 +40,21 @@ static const struct lx_biss_line *view_of(const struct lx_clocked *base)
     return (const struct lx_biss_line *)base;
 }
 
-/* --- the line --- */
-
-/* P of a write comes with the frame behind it. What is not on the disk yet is not acknowledged:
-   there is no start bit then. */
-static void hold_back(struct lx_biss_line *self, uint8_t index)
+static const struct dg_biss *device_of(const struct lx_clocked *base, size_t encoder)
 {
-    struct lx_nvm_queue *memory = self->memory[index];
-    if (memory != NULL && lx_nvm_queue_answer(memory) != LX_NVM_SAY) {
-        dg_line_fault_kill(&self->fault[index]);
-    }
+    return lx_clocked_device(base, encoder);
 }
 
-/* The chain's line behind slave `index`. A frame begins for it with the edge that has put it into
-   the state behind e1. */
-static bool bend(void *ctx, uint8_t index, bool slo, bool clocked)
+static const struct dg_biss_model *model_of(const struct lx_clocked *base, size_t encoder)
 {
-    struct lx_biss_line *self = ctx;
-    struct dg_line_fault *fault = &self->fault[index];
-    if (clocked && self->chain.slave[index]->line.state == DG_BISS_ACK) {
-        dg_line_fault_begin(fault);
-        hold_back(self, index);
-    }
-    if (clocked) {
-        dg_line_fault_advance(fault, slo, self->base.period);
-    }
-    return dg_line_fault_level(fault, slo);
-}
-
-/* Nobody asks a healthy line, nor one whose memory keeps nobody waiting. */
-static void look_for_faults(struct lx_biss_line *self)
-{
-    bool due = false;
-    for (uint8_t i = 0; i < self->chain.count; i++) {
-        due = due || dg_line_fault_due(&self->fault[i]) || self->memory[i] != NULL;
-    }
-    self->chain.link = due ? bend : NULL;
-}
-
-static bool edge(struct lx_clocked *base, dg_ns now, bool level)
-{
-    struct lx_biss_line *self = line_of(base);
-    if (self->chain.slave[0]->line.state == DG_BISS_IDLE) {
-        look_for_faults(self); /* the next edge may be e1 */
-    }
-    return dg_biss_chain_ma(&self->chain, now, level);
-}
-
-static void settle(struct lx_clocked *base)
-{
-    struct lx_biss_line *self = line_of(base);
-    for (uint8_t i = 0; i < self->chain.count; i++) {
-        dg_line_fault_end(&self->fault[i]);
-    }
-    look_for_faults(self);
-}
-
-static dg_ns step(struct lx_clocked *base, dg_ns now)
-{
-    struct lx_biss_line *self = line_of(base);
-    const dg_ns due = dg_biss_chain_step(&self->chain, 0);
-    if (due > now) {
-        return due;
-    }
-    const dg_ns next = dg_biss_chain_step(&self->chain, now);
-    settle(base);
-    return next;
-}
-
-static bool level(const struct lx_clocked *base)
-{
-    return dg_biss_chain_slo(&view_of(base)->chain);
-}
-
-static bool clocked(const struct lx_clocked *base)
-{
-    return view_of(base)->chain.slave[0]->line.ma;
-}
-
-static const char *hint(struct lx_clocked *base, dg_ns now, dg_ns *due)
-{
-    return dg_biss_chain_hint(&line_of(base)->chain, now, due) ? DG_BISS_HINT : NULL;
+    return device_of(base, encoder)->setup.model;
 }
 
 static uint32_t rises(const struct lx_clocked *base)
 {
-    const struct dg_biss_chain *chain = &view_of(base)->chain;
     uint32_t edges = EDGES_AHEAD;
-    for (uint8_t i = 0; i < chain->count; i++) {
-        edges += dg_biss_frame_bits(chain->slave[i]->setup.model);
+    for (size_t i = 0; i < base->count; i++) {
+        edges += dg_biss_frame_bits(model_of(base, i));
     }
     return edges;
 }
@@ -149,9 +68,10 @@ static dg_ns await_ack(struct lx_biss_line *self, struct lx_clocked_wire *wire)
     (void)lx_clocked_wire_bit(wire);
     const dg_ns begin = wire->now;
     (void)lx_clocked_wire_bit(wire);
-    self->frame.answered = wire->cable.fell >= wire->now;
+    const dg_ns fell = dg_bus_edges_fell(wire->line->bus);
+    self->frame.answered = fell >= wire->now;
     const bool measured = self->frame.answered && wire->compensates;
-    wire->delay = measured ? wire->cable.fell - wire->now : 0;
+    wire->delay = measured ? fell - wire->now : 0;
     wire->silent += !self->frame.answered;
     return begin;
 }
@@ -165,9 +85,9 @@ bool lx_biss_frame_begin(struct lx_clocked_wire *wire)
     self->frame.start = wire->now - begin;
     const dg_ns known = wire->now + wire->delay + wire->half_ns;
     self->frame.cds = lx_clocked_wire_bit(wire);
-    for (uint8_t i = 0; i < self->chain.count; i++) {
+    for (size_t i = 0; i < self->base.count; i++) {
         uint64_t bits = 0;
-        for (uint8_t bit = 0; bit < self->fault[i].frame.bits; bit++) {
+        for (uint8_t left = dg_biss_frame_bits(model_of(&self->base, i)); left > 0; left--) {
             bits = bits << 1 | lx_clocked_wire_bit(wire);
         }
         self->frame.bits[i] = bits;
@@ -199,9 +119,8 @@ static void read_frame(struct lx_clocked *base, struct lx_clocked_wire *wire)
 
 static void skip(struct lx_clocked *base, uint64_t n)
 {
-    struct lx_biss_line *self = line_of(base);
-    for (uint8_t i = 0; i < self->chain.count; i++) {
-        dg_biss_skip(self->chain.slave[i], n);
+    for (size_t i = 0; i < base->count; i++) {
+        dg_biss_skip(lx_clocked_device(base, i), n);
     }
 }
 
@@ -209,7 +128,7 @@ static struct dg_biss_data data_of(const struct lx_clocked *base, size_t encoder
 {
     const struct lx_biss_line *self = view_of(base);
     struct dg_biss_data data;
-    dg_biss_frame_decode(self->chain.slave[encoder]->setup.model, self->frame.bits[encoder], &data);
+    dg_biss_frame_decode(model_of(base, encoder), self->frame.bits[encoder], &data);
     return data;
 }
 
@@ -227,7 +146,7 @@ static void word(const struct lx_clocked *base, size_t encoder, struct lx_clocke
     const struct dg_biss_data data = data_of(base, encoder);
     *out = (struct lx_clocked_word){
         .bits = self->frame.bits[encoder],
-        .count = dg_biss_frame_bits(self->chain.slave[encoder]->setup.model),
+        .count = dg_biss_frame_bits(model_of(base, encoder)),
         .multiturn = data.multiturn,
         .singleturn = data.singleturn,
         .error = !data.n_err,
@@ -256,43 +175,12 @@ static void note(const struct lx_clocked *base, const struct lx_clocked_wire *wi
 static void print(const struct lx_clocked *base, size_t encoder, char *text, size_t size)
 {
     const struct dg_biss_data data = data_of(base, encoder);
-    const uint8_t st_bits = view_of(base)->chain.slave[encoder]->setup.model->singleturn_bits;
+    const uint8_t st_bits = model_of(base, encoder)->singleturn_bits;
     const double turns = (double)data.singleturn / (double)(1u << st_bits);
     (void)snprintf(text, size,
                    "MT %" PRIu32 "  ST %" PRIu32 "  %.6f deg  nERR %d  nWARN %d  LC %u  CRC %s",
                    data.multiturn, data.singleturn, 360.0 * turns, data.n_err, data.n_warn,
                    data.life, data.crc_ok ? "valid" : "WRONG");
-}
-
-static const struct lx_clocked_ops ops = {
-    .clock = CLOCK_NAME,
-    .data = DATA_NAME,
-    LX_CLOCKED_OPERATIONS,
-    .hint = hint,
-    .read = read_frame,
-    .skip = skip,
-    .word = word,
-    .print = print,
-};
-
-void lx_biss_line_init(struct lx_biss_line *self)
-{
-    *self = (struct lx_biss_line){.base.ops = &ops, .chain.ctx = self};
-}
-
-void lx_biss_line_add(struct lx_biss_line *self, struct dg_biss *device, struct dg_faults *faults,
-                      const char *name)
-{
-    const uint8_t index = self->chain.count++;
-    self->chain.slave[index] = device;
-    self->base.name[index] = name;
-    self->base.count = self->chain.count;
-    dg_line_fault_init(&self->fault[index], &dg_biss_instrument, device, faults);
-}
-
-void lx_biss_line_hold(struct lx_biss_line *self, struct lx_nvm_queue *queue)
-{
-    self->memory[self->chain.count - 1u] = queue;
 }
 
 struct lx_biss_line *lx_biss_line_of(const struct lx_clocked_wire *wire)
@@ -302,41 +190,11 @@ struct lx_biss_line *lx_biss_line_of(const struct lx_clocked_wire *wire)
 
 /* --- from a plan --- */
 
-struct encoder {
-    struct dg_biss_model model;
-    struct lx_biss_memory memory;
-    struct dg_biss device;
-};
-
-struct planned {
-    struct lx_biss_line line;
-    size_t count; /* placed */
-    enum lx_clocked_master master;
-    struct encoder encoder[DG_BISS_CHAIN_MAX];
-};
-
-static struct encoder *encoder_of(struct lx_clocked *base, size_t index)
+static int suit(struct lx_clocked *base, const struct lx_bus_setup *setup, size_t index,
+                enum lx_clocked_master master, struct lx_error *error)
 {
-    return &((struct planned *)base)->encoder[index];
-}
-
-static void init(struct lx_clocked *base)
-{
-    lx_biss_line_init(line_of(base));
-}
-
-static int place(struct lx_clocked *base, const struct lx_bus_setup *setup, size_t index,
-                 enum lx_clocked_master master, struct lx_error *error)
-{
-    struct encoder *self = encoder_of(base, index);
-    struct dg_biss_model *model = &self->model;
+    struct dg_biss_model *model = dg_host_line_of(base->host[index])->settings;
     struct lx_station *station = setup->stations[index];
-    ((struct planned *)base)->count = index + 1u;
-    ((struct planned *)base)->master = master;
-    if (lx_stack_settings(setup->plan, setup->wire, station->plan, model, &station->world, error) !=
-        0) {
-        return -1;
-    }
     if (master == LX_CLOCKED_HERE &&
         lx_biss_own_timeout(setup->plan, station->plan, model, error) != 0) {
         return -1;
@@ -350,46 +208,20 @@ static int place(struct lx_clocked *base, const struct lx_bus_setup *setup, size
     return 0;
 }
 
-static int open_encoder(struct lx_clocked *base, const struct lx_bus_setup *setup, size_t index,
-                        dg_ns now, struct lx_error *error)
-{
-    struct encoder *self = encoder_of(base, index);
-    struct lx_station *station = setup->stations[index];
-    const struct lx_image_setup image = {station->plan->nvm, .say = setup->say,
-                                         .writer = setup->writer};
-    if (lx_biss_memory_open(&self->memory, &self->model, &image, error) != 0) {
-        return lx_plan_refuse_key(setup->plan, "nvm", station->plan->nvm_line, error);
-    }
-    station->control.nvm = self->memory.part.device.nvm;
-    station->queue = lx_image_queue(&self->memory.image);
-    const struct dg_biss_setup made = {&self->model, &station->world, station->control.nvm};
-    if (lx_biss_switch_on(&self->device, &made, now, error) != 0) {
-        return -1;
-    }
-    station->control.device = &self->device;
-    lx_biss_line_add(line_of(base), &self->device, &station->control.faults, station->control.name);
-    if (((const struct planned *)base)->master == LX_CLOCKED_THERE) {
-        lx_biss_line_hold(line_of(base), &self->memory.image.queue);
-    }
-    return 0;
-}
-
-static void close_all(struct lx_clocked *base)
-{
-    for (size_t i = 0; i < ((struct planned *)base)->count; i++) {
-        struct encoder *self = encoder_of(base, i);
-        dg_biss_power_off(&self->device);
-        lx_image_close(&self->memory.image);
-    }
-}
-
 const struct lx_clocked_protocol lx_clocked_biss = {
+    .clock = CLOCK_NAME,
+    .data = DATA_NAME,
+    .answer = "the encoder answers P = 1",
     .encoders_max = DG_BISS_CHAIN_MAX,
-    .size = sizeof(struct planned),
-    .init = init,
-    .place = place,
-    .open = open_encoder,
-    .close = close_all,
+    .size = sizeof(struct lx_biss_line),
+    .suit = suit,
+    .rises = rises,
+    .read = read_frame,
+    .skip = skip,
+    .judge = judge,
+    .word = word,
+    .note = note,
+    .print = print,
     .offer = lx_biss_master_offer,
 };
 

@@ -1,22 +1,18 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * BiSS encoders on a clocked line (clocked.h): a daisy chain, whose faults sit between neighbours.
- * The clock is MA, data is SLO, the master's SL.
+ * BiSS encoders on a clocked line (clocked.h): a daisy chain. The clock is MA, data is SLO, the
+ * master's SL.
  */
 #ifndef DREHGEBER_LINUX_BISS_CLOCKED_H
 #define DREHGEBER_LINUX_BISS_CLOCKED_H
 
 #include "clocked_wire.h"
 #include "drehgeber/biss.h"
-#include "nvm_writer.h"
 
 /** A line. Not to be moved. */
 struct lx_biss_line {
     struct lx_clocked base;
-    struct dg_biss_chain chain;
-    struct dg_line_fault fault[DG_BISS_CHAIN_MAX];  /**< behind each slave's driver */
-    struct lx_nvm_queue *memory[DG_BISS_CHAIN_MAX]; /**< NULL: written at once */
     /** The frame that the master of a simulated wire has read last. */
     struct {
         uint64_t bits[DG_BISS_CHAIN_MAX]; /**< behind CDS, right-aligned */
@@ -28,18 +24,6 @@ struct lx_biss_line {
 
 /** The protocol. */
 extern const struct lx_clocked_protocol lx_clocked_biss;
-
-/** A line without encoders. */
-void lx_biss_line_init(struct lx_biss_line *self);
-
-/** Put `device`, which has its model and its power, behind the others; at most DG_BISS_CHAIN_MAX.
- * @param faults NULL: none
- * @param name borrowed */
-void lx_biss_line_add(struct lx_biss_line *self, struct dg_biss *device, struct dg_faults *faults,
-                      const char *name);
-
-/** The encoder put there last does not acknowledge what is not yet through this queue. */
-void lx_biss_line_hold(struct lx_biss_line *self, struct lx_nvm_queue *queue);
 
 /** That of `wire`. */
 struct lx_biss_line *lx_biss_line_of(const struct lx_clocked_wire *wire);

@@ -95,7 +95,7 @@ static bool exchange(const struct access *self, size_t index, bool last, bool *g
    next one. */
 static int exchange_all(const struct access *self, size_t first, size_t end)
 {
-    const struct dg_biss *device = lx_biss_line_of(self->wire)->chain.slave[self->slave];
+    const struct dg_biss *device = lx_clocked_device(self->wire->line, self->slave);
     int done = 0;
     bool stop = false;
     for (size_t i = first; i < end && !stop; i++) {
@@ -189,7 +189,7 @@ int lx_biss_master_read(struct lx_sim_master *self, uint8_t slave, uint8_t addre
                         size_t n, size_t *done)
 {
     const struct access access = {.wire = &self->wire, .slave = slave, .got = bytes};
-    lx_sim_master_listen(self);
+    lx_clocked_listen(self->wire.line);
     const int result = transfer_all(&access, address, n, done);
     note_access(self, slave, address, bytes, *done, result);
     return result;
@@ -199,7 +199,7 @@ int lx_biss_master_write(struct lx_sim_master *self, uint8_t slave, uint8_t addr
                          const uint8_t *bytes, size_t n, size_t *done)
 {
     const struct access access = {.wire = &self->wire, .slave = slave, .sent = bytes};
-    lx_sim_master_listen(self);
+    lx_clocked_listen(self->wire.line);
     const int result = transfer_all(&access, address, n, done);
     note_access(self, slave, address, bytes, *done, result);
     return result;
@@ -212,7 +212,7 @@ static int read_frame(void *ctx, uint64_t *bits, uint8_t *count, char *detail)
     struct lx_station *station = ctx;
     struct lx_bus *bus = station->bus;
     const struct lx_biss_line *line = lx_biss_line_of(&lx_sim_bus_begin(bus)->wire);
-    const struct dg_biss *device = line->chain.slave[station->place];
+    const struct dg_biss *device = lx_clocked_device(&line->base, station->place);
     const uint8_t data_bits = dg_biss_frame_bits(device->setup.model);
     lx_sim_bus_read(bus);
     lx_sim_bus_end(bus);

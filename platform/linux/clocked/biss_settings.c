@@ -60,27 +60,3 @@ int lx_biss_own_timeout(const struct lx_plan *plan, const struct lx_plan_encoder
     (void)lx_about(error, LX_ABOUT_SETTING, "timeout_us", NULL);
     return lx_stands(error, plan->file, lx_plan_setting_line(encoder, "timeout_us"));
 }
-
-int lx_biss_memory_open(struct lx_biss_memory *self, const struct dg_biss_model *model,
-                        const struct lx_image_setup *image, struct lx_error *error)
-{
-    struct lx_image_setup setup = *image;
-    self->part = (struct lx_image_part){.stack = &dg_biss_stack, .device = {.model = model}};
-    setup.answer = "the encoder answers P = 1";
-    setup.parts = &self->part;
-    setup.count = 1;
-    return lx_image_open(&self->image, &setup, error) != 0 ? -1
-                                                           : lx_image_start(&self->image, error);
-}
-
-int lx_biss_switch_on(struct dg_biss *device, const struct dg_biss_setup *setup, dg_ns now,
-                      struct lx_error *error)
-{
-    if (dg_biss_init(device, setup) != DG_OK) {
-        return lx_fail(error, "these factory figures make no encoder");
-    }
-    if (dg_biss_power_on(device, now) != DG_OK) {
-        return lx_fail(error, "the encoder does not start: not its EEPROM");
-    }
-    return 0;
-}

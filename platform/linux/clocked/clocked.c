@@ -1,8 +1,90 @@
 /* SPDX-License-Identifier: MIT */
-/* Lines of a plan. */
+/* Lines of a plan: handles on a bus of the library, each with its EEPROM. */
 #include "clocked.h"
 
+#include <stdalign.h>
 #include <stdlib.h>
+
+struct lx_clocked_memory {
+    struct lx_image image;
+    struct lx_image_part part;
+    alignas(DG_HOST_ALIGN) uint8_t host[];
+};
+
+/* --- the bus --- */
+
+static void take_level(void *ctx, size_t place, const struct dg_tap_event *event)
+{
+    struct lx_clocked *self = ctx;
+    (void)place;
+    self->data = event->levels.data;
+}
+
+static void tell_levels(void *ctx, const struct dg_tap_event *event)
+{
+    const struct lx_clocked *self = ctx;
+    lx_tap_tell(self->tap, event);
+}
+
+static enum dg_bus_answer answer(void *ctx, size_t place)
+{
+    static const enum dg_bus_answer answers[] = {
+        [LX_NVM_SAY] = DG_BUS_SAY, [LX_NVM_KEEP] = DG_BUS_KEEP, [LX_NVM_DROP] = DG_BUS_DROP};
+    const struct lx_clocked *self = ctx;
+    struct lx_nvm_queue *queue = self->queue[place];
+    return queue == NULL ? DG_BUS_SAY : answers[lx_nvm_queue_answer(queue)];
+}
+
+void lx_clocked_hold(struct lx_clocked *self, size_t index, struct lx_nvm_queue *queue)
+{
+    self->queue[index] = queue;
+    self->ops.answer = answer;
+}
+
+void lx_clocked_listen(struct lx_clocked *self)
+{
+    self->ops.tap = lx_tap_on(self->tap) ? tell_levels : NULL;
+}
+
+void lx_clocked_add(struct lx_clocked *self, struct dg_host *host, struct dg_encoder *control)
+{
+    self->host[self->count] = host;
+    self->control[self->count++] = control;
+}
+
+/* All speak one protocol, and there is room for them: nothing is refused. */
+void lx_clocked_connect(struct lx_clocked *self, const struct dg_bus_edges_setup *wire,
+                        const struct lx_tap *tap)
+{
+    const struct dg_bus_setup setup = {
+        .size = sizeof setup,
+        .medium = &dg_bus_edges,
+        .encoders = self->count,
+        .wire = wire,
+        .ops = &self->ops,
+        .ctx = self,
+    };
+    self->tap = tap;
+    self->bus = dg_bus_init(self->bus_memory, dg_bus_size(&dg_bus_edges, self->count), &setup);
+    for (size_t i = 0; i < self->count; i++) {
+        (void)dg_bus_attach(self->bus, self->host[i], self->control[i]);
+    }
+    self->data = dg_bus_edges_data(self->bus, 0);
+}
+
+void lx_clocked_look(struct lx_clocked *self, dg_ns now)
+{
+    for (size_t i = 0; i < self->count; i++) {
+        (void)dg_bus_changed(self->bus, i, now);
+    }
+}
+
+void *lx_clocked_device(const struct lx_clocked *self, size_t index)
+{
+    return dg_host_line_of(self->host[index])->device;
+}
+
+/* --- from a plan --- */
 
 static const struct lx_clocked_protocol *protocol_of(const struct lx_station *station)
 {
@@ -31,6 +113,66 @@ static const struct lx_clocked_protocol *choose(const struct lx_bus_setup *setup
     return first;
 }
 
+struct lx_clocked *lx_clocked_new(const struct lx_clocked_protocol *protocol, size_t count)
+{
+    struct lx_clocked *self = calloc(1, protocol->size);
+    if (self == NULL) {
+        return NULL;
+    }
+    self->bus_memory = calloc(1, dg_bus_size(&dg_bus_edges, count));
+    if (self->bus_memory == NULL) {
+        free(self);
+        return NULL;
+    }
+    self->protocol = protocol;
+    self->ops.tx = take_level;
+    return self;
+}
+
+/* Its handle, with its settings, without power. */
+static int place_encoder(struct lx_clocked *self, const struct lx_bus_setup *setup, size_t index,
+                         struct lx_error *error)
+{
+    struct lx_station *station = setup->stations[index];
+    const struct lx_plan_encoder *plan = station->plan;
+    const struct dg_host_wire *wire = dg_host_wire_of(plan->model);
+    const size_t size = dg_host_size_on_bus(plan->model, wire);
+    struct lx_clocked_memory *memory = calloc(1, sizeof *memory + size);
+    if (memory == NULL) {
+        return lx_fail(error, "no memory for %s", plan->model->name);
+    }
+    self->memory[index] = memory;
+    struct dg_host *host = dg_host_init_on_bus(memory->host, size, plan->model, wire);
+    struct dg_world *world = dg_host_world(host);
+    self->host[index] = host;
+    *world = station->world;
+    station->control.world = world;
+    if (lx_stack_settings(setup->plan, setup->wire, plan, dg_host_line_of(host)->settings, world,
+                          error) != 0) {
+        return -1;
+    }
+    if (plan->nvm != NULL && dg_host_memory_size(host) == 0) {
+        (void)lx_refuse(error, "leave it out", "%s has no EEPROM", plan->model->name);
+        return lx_plan_refuse_key(setup->plan, "nvm", plan->nvm_line, error);
+    }
+    return 0;
+}
+
+static int place_all(struct lx_clocked *self, const struct lx_bus_setup *setup,
+                     enum lx_clocked_master master, struct lx_error *error)
+{
+    for (size_t i = 0; i < setup->count; i++) {
+        if (place_encoder(self, setup, i, error) != 0 ||
+            self->protocol->suit(self, setup, i, master, error) != 0) {
+            return -1;
+        }
+        if (master == LX_CLOCKED_THERE) {
+            lx_clocked_hold(self, i, &self->memory[i]->image.queue);
+        }
+    }
+    return 0;
+}
+
 struct lx_clocked *lx_clocked_make(const struct lx_bus_setup *setup, enum lx_clocked_master master,
                                    struct lx_error *error)
 {
@@ -38,18 +180,14 @@ struct lx_clocked *lx_clocked_make(const struct lx_bus_setup *setup, enum lx_clo
     if (protocol == NULL) {
         return NULL;
     }
-    struct lx_clocked *self = calloc(1, protocol->size);
+    struct lx_clocked *self = lx_clocked_new(protocol, setup->count);
     if (self == NULL) {
         (void)lx_fail(error, "no memory for %zu encoders", setup->count);
         return NULL;
     }
-    protocol->init(self);
-    self->protocol = protocol;
-    for (size_t i = 0; i < setup->count; i++) {
-        if (protocol->place(self, setup, i, master, error) != 0) {
-            free(self);
-            return NULL;
-        }
+    if (place_all(self, setup, master, error) != 0) {
+        lx_clocked_close(self);
+        return NULL;
     }
     return self;
 }
@@ -59,25 +197,71 @@ int lx_clocked_check_rate(const struct lx_clocked *self, uint32_t hz, struct lx_
     return self->protocol->check_rate == NULL ? 0 : self->protocol->check_rate(self, hz, error);
 }
 
+static int open_image(const struct lx_clocked *self, const struct lx_bus_setup *setup, size_t index,
+                      struct lx_error *error)
+{
+    struct lx_clocked_memory *memory = self->memory[index];
+    struct lx_station *station = setup->stations[index];
+    const struct lx_image_setup image = {
+        .path = station->plan->nvm,
+        .answer = self->protocol->answer,
+        .parts = &memory->part,
+        .count = 1,
+        .say = setup->say,
+        .writer = setup->writer,
+    };
+    memory->part = (struct lx_image_part){
+        .stack = station->plan->model->stack,
+        .device.model = dg_host_line_of(self->host[index])->settings,
+    };
+    if (lx_image_open(&memory->image, &image, error) != 0 ||
+        lx_image_start(&memory->image, error) != 0) {
+        return lx_plan_refuse_key(setup->plan, "nvm", station->plan->nvm_line, error);
+    }
+    station->control.nvm = memory->part.device.nvm;
+    station->queue = lx_image_queue(&memory->image);
+    (void)dg_host_memory_port(self->host[index], &station->control.nvm);
+    return 0;
+}
+
 int lx_clocked_open(struct lx_clocked *self, const struct lx_bus_setup *setup, size_t index,
                     dg_ns now, struct lx_error *error)
 {
-    return self->protocol->open(self, setup, index, now, error);
+    struct lx_station *station = setup->stations[index];
+    struct dg_host *host = self->host[index];
+    if (dg_host_memory_size(host) != 0 && open_image(self, setup, index, error) != 0) {
+        return -1;
+    }
+    const int result = dg_host_power(host, now, true);
+    if (result != DG_OK) {
+        return result == DG_ERR_ARGUMENT
+                   ? lx_fail(error, "these figures make no encoder")
+                   : lx_fail(error, "the encoder does not start: not its EEPROM");
+    }
+    station->control.device = dg_host_line_of(host)->device;
+    lx_clocked_add(self, host, &station->control);
+    return 0;
 }
 
 void lx_clocked_close(struct lx_clocked *self)
 {
-    if (self != NULL) {
-        self->protocol->close(self);
-        free(self);
+    if (self == NULL) {
+        return;
     }
+    for (size_t i = 0; i < LX_CLOCKED_MAX && self->memory[i] != NULL; i++) {
+        (void)dg_host_power(self->host[i], 0, false);
+        lx_image_close(&self->memory[i]->image);
+        free(self->memory[i]);
+    }
+    free(self->bus_memory);
+    free(self);
 }
 
 dg_ns lx_clocked_hint(struct lx_clocked *self, const struct lx_say *say, const char *name,
                       dg_ns now)
 {
     dg_ns due = DG_NEVER;
-    const char *text = self->ops->hint != NULL ? self->ops->hint(self, now, &due) : NULL;
+    const char *text = dg_bus_edges_hint(self->bus, now, &due);
     if (text != NULL) {
         lx_note(say, "%s: %s", name, text);
     }

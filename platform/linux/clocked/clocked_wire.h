@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * The simulated wire of a clocked line: every edge of the master's clock, in virtual time. The
- * wire's time is the master's and runs on by as much as it clocks. A cable delays both lines.
+ * The master's end of a simulated clocked line: every edge of its clock, in virtual time, and when
+ * it takes its samples. The wire's time is the master's and runs on by as much as it clocks. What
+ * is between it and the encoders is the bus's (drehgeber/bus_edges.h).
  */
 #ifndef DREHGEBER_LINUX_CLOCKED_WIRE_H
 #define DREHGEBER_LINUX_CLOCKED_WIRE_H
@@ -10,7 +11,6 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "cable.h"
 #include "clocked.h"
 
 /** The master's clock: as usual, and the slowest and fastest one. At slower ones encoders take half
@@ -23,33 +23,29 @@
 /** Times of the master and its cable. */
 struct lx_clocked_timing {
     uint32_t clock_hz;      /**< LX_CLOCK_MIN_HZ..LX_CLOCK_MAX_HZ */
-    uint32_t line_delay_ns; /**< each way; 0..LX_CABLE_DELAY_MAX_NS */
+    uint32_t line_delay_ns; /**< each way; 0..DG_BUS_CABLE_MAX_NS */
     bool compensate;        /**< the master takes its samples later by the way there and back */
 };
 
 /** The wire. */
 struct lx_clocked_wire {
     struct lx_clocked *line;
-    struct lx_cable cable;
     uint32_t edges_per_s; /**< of the clock */
     uint32_t half_ns;     /**< half a period, and */
     uint32_t rest;        /**< what it is longer, in 1 ns / edges_per_s */
     uint32_t owed;        /**< of such rests so far */
-    dg_ns now;            /**< at the master's end; likewise the next two */
-    bool clock;
-    bool data;
-    bool compensates; /**< whether the master knows `delay`: it measures it, or it was told */
-    dg_ns delay;      /**< there and back: it takes its samples later by that; else 0 */
-    uint32_t silent;  /**< frames without an answer; counted up */
-    /** The levels at the master's end from `at` on, whenever one has changed; NULL: nobody wants
-     * to know. */
-    void (*levels)(void *ctx, dg_ns at, bool clock, bool data);
-    void *ctx;
+    dg_ns now;            /**< at the master's end */
+    uint32_t way_ns;      /**< of the cable, there and back */
+    bool compensates;     /**< whether the master knows `delay`: it measures it, or it was told */
+    dg_ns delay;          /**< there and back: it takes its samples later by that; else 0 */
+    uint32_t silent;      /**< frames without an answer; counted up */
 };
 
-/** A wire at `now`, its clock high. The encoders have their power. */
+/** A wire at `now`, its clock high; connects the encoders, which have their power. `tap` is told
+ * the levels at the master's end. */
 void lx_clocked_wire_init(struct lx_clocked_wire *self, struct lx_clocked *line,
-                          const struct lx_clocked_timing *timing, dg_ns now);
+                          const struct lx_clocked_timing *timing, const struct lx_tap *tap,
+                          dg_ns now);
 
 /** Half a period on, the master puts the clock to `level`. */
 void lx_clocked_wire_edge(struct lx_clocked_wire *self, bool level);

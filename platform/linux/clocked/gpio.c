@@ -21,8 +21,6 @@
 /* How long an edge may be on its way to the queue when the line already has its level. */
 #define SETTLE DG_MS(1)
 #define WATCH DG_S(1)
-/* Of a clock that user space can follow. */
-#define PERIOD DG_MS(1)
 /* Trouble after a longer time without is told anew. */
 #define EPISODE DG_S(10)
 /* Room for what a rate is good for. */
@@ -45,20 +43,7 @@ static void gone(struct lx_gpio *self, int reason)
 
 static dg_ns deadline_of(const struct lx_gpio *self)
 {
-    return self->setup.line->ops->step(self->setup.line, 0);
-}
-
-static void tell(const struct lx_gpio *self, dg_ns at)
-{
-    const struct lx_clocked *line = self->setup.line;
-    if (lx_tap_on(self->setup.tap)) {
-        const struct dg_tap_event event = {
-            .at = at,
-            .kind = DG_TAP_LEVELS,
-            .levels = {line->ops->clocked(line), line->ops->level(line)},
-        };
-        lx_tap_tell(self->setup.tap, &event);
-    }
+    return dg_bus_next(self->setup.line->bus);
 }
 
 /* Answers have half a period: the master may look at the line at the edge behind a rising one
@@ -74,14 +59,13 @@ static void judge(struct lx_gpio *self, dg_ns next)
 
 static void take_edge(struct lx_gpio *self, const struct lx_gpio_edge *edge)
 {
-    struct lx_clocked *line = self->setup.line;
+    const struct lx_clocked *line = self->setup.line;
 
     self->doubtful = false;
     self->counters.edges++;
-    self->counters.lost += edge->gap || edge->level == line->ops->clocked(line);
+    self->counters.lost += edge->gap || edge->level == dg_bus_edges_clock(line->bus);
     judge(self, edge->at);
-    (void)line->ops->edge(line, edge->at, edge->level);
-    tell(self, edge->at);
+    (void)dg_bus_edge(line->bus, edge->at, edge->level);
     if (!edge->level) {
         return;
     }
@@ -98,7 +82,7 @@ static void answer(struct lx_gpio *self)
 {
     struct lx_gpio_lines *lines = self->setup.lines;
     const struct lx_clocked *line = self->setup.line;
-    const bool level = line->ops->level(line);
+    const bool level = line->data;
 
     if (self->waiting > 0 || level != self->data) {
         const int result = lines->ops->set_data(lines, level);
@@ -127,6 +111,7 @@ static int take_edges(struct lx_gpio *self, unsigned batches)
     struct lx_gpio_edge edges[BATCH];
     int n = 1;
 
+    lx_clocked_listen(self->setup.line);
     for (unsigned i = 0; i < batches && n > 0; i++) {
         n = lines->ops->read(lines, edges, BATCH);
         for (int j = 0; j < n; j++) {
@@ -155,14 +140,14 @@ static int on_edges(sd_event_source *source, int fd, uint32_t events, void *ctx)
 static bool settle(struct lx_gpio *self, dg_ns now)
 {
     struct lx_gpio_lines *lines = self->setup.lines;
-    struct lx_clocked *line = self->setup.line;
+    const struct lx_clocked *line = self->setup.line;
     const int level = lines->ops->get_clock(lines);
 
     if (level < 0) {
         gone(self, level);
         return false;
     }
-    if ((level != 0) == line->ops->clocked(line)) {
+    if ((level != 0) == dg_bus_edges_clock(line->bus)) {
         self->doubtful = false;
         return true;
     }
@@ -174,15 +159,15 @@ static bool settle(struct lx_gpio *self, dg_ns now)
     self->doubtful = false;
     self->counters.lost++;
     /* Before the end of the timeout, at which the level may mean something. */
-    (void)line->ops->edge(line, deadline_of(self) - 1u, level != 0);
+    (void)dg_bus_edge(line->bus, deadline_of(self) - 1u, level != 0);
     return true;
 }
 
-/* Edges that are queued came before the silence. */
+/* Edges that are queued came before the silence. Those that come now are not before its end, which
+   is the latest moment that the line knows of. */
 static void on_timeout(void *ctx, dg_ns now)
 {
     struct lx_gpio *self = ctx;
-    struct lx_clocked *line = self->setup.line;
     const int result = take_edges(self, BATCHES_MAX);
 
     if (result < 0) {
@@ -190,8 +175,7 @@ static void on_timeout(void *ctx, dg_ns now)
         return;
     }
     if (deadline_of(self) <= now && settle(self, now)) {
-        (void)line->ops->step(line, now);
-        tell(self, now);
+        (void)dg_bus_step(self->setup.line->bus, deadline_of(self));
     }
     answer(self);
 }
@@ -213,19 +197,19 @@ static const char *good_for(const struct lx_gpio_rate *rate, char text[GOOD_FOR_
 static void complain(const struct lx_gpio *self, uint64_t late, uint64_t lost)
 {
     const char *name = self->setup.name;
-    const struct lx_clocked_ops *ops = self->setup.line->ops;
+    const struct lx_clocked_protocol *protocol = self->setup.line->protocol;
     const uint32_t rate = lx_gpio_rate_hz(&self->rate);
     char text[GOOD_FOR_MAX];
 
     if (late > 0) {
         lx_complain("%s: the master's clock is too fast, %" PRIu64 " times %s was set later than "
                     "half a period behind its edge; up to %" PRIu32 " Hz is right for %s",
-                    name, late, ops->data, rate, good_for(&self->rate, text));
+                    name, late, protocol->data, rate, good_for(&self->rate, text));
     }
     if (lost > 0) {
         lx_complain("%s: edges of %s were lost, frames are damaged; a clean clock up to %" PRIu32
                     " Hz is right for %s",
-                    name, ops->clock, rate, good_for(&self->rate, text));
+                    name, protocol->clock, rate, good_for(&self->rate, text));
     }
 }
 
@@ -260,7 +244,7 @@ static void report_rate(struct lx_gpio *self)
     lx_note(self->setup.say,
             "%s: %s follows within %" PRIu32 " us of the kernel's time of an edge: a clock up to "
             "%" PRIu32 " Hz is right for %s; the time before the kernel's is unknown",
-            self->setup.name, self->setup.line->ops->data,
+            self->setup.name, self->setup.line->protocol->data,
             lx_gpio_rate_reaction_ns(&self->rate) / 1000u, lx_gpio_rate_hz(&self->rate),
             good_for(&self->rate, text));
 }
@@ -304,10 +288,9 @@ static int listen(struct lx_gpio *self)
 
 int lx_gpio_open(struct lx_gpio *self, const struct lx_gpio_setup *setup, struct lx_error *error)
 {
-    struct lx_clocked *line = setup->line;
-    *self = (struct lx_gpio){.setup = *setup, .data = line->ops->level(line)};
-    line->period = PERIOD;
-    lx_gpio_rate_init(&self->rate, line->ops->rises(line));
+    const struct lx_clocked *line = setup->line;
+    *self = (struct lx_gpio){.setup = *setup, .data = line->data};
+    lx_gpio_rate_init(&self->rate, line->protocol->rises(line));
     const int result = listen(self);
     if (result < 0) {
         return lx_fail(error, "no event loop for %s: %s", setup->name, strerror(-result));
@@ -315,24 +298,22 @@ int lx_gpio_open(struct lx_gpio *self, const struct lx_gpio_setup *setup, struct
     const dg_ns now = lx_now();
     const int level = setup->lines->ops->get_clock(setup->lines);
     if (level < 0) {
-        return lx_fail(error, "%s: cannot read %s: %s", setup->name, line->ops->clock,
+        return lx_fail(error, "%s: cannot read %s: %s", setup->name, line->protocol->clock,
                        strerror(-level));
     }
-    (void)line->ops->edge(line, now, level != 0);
+    (void)dg_bus_edge(line->bus, now, level != 0);
     answer(self);
     arm_watch(self, now);
     return 0;
 }
 
-/* In a frame, its end is soon enough for faults. */
+/* At the latest moment that the line knows of: edges that are queued are still to come. */
 void lx_gpio_changed(struct lx_gpio *self)
 {
     if (self->setup.lines == NULL) {
         return;
     }
-    if (deadline_of(self) == DG_NEVER) {
-        self->setup.line->ops->settle(self->setup.line);
-    }
+    lx_clocked_look(self->setup.line, 0);
     answer(self);
 }
 

@@ -13,21 +13,22 @@
 #include "clocked.h"
 #include "gpio_lines.h"
 #include "gpio_rate.h"
-#include "tap.h"
 #include "timer.h"
 
 /** What it is made of. Everything pointed to must outlive it. */
 struct lx_gpio_setup {
     sd_event *event;
     const struct lx_say *say;
-    struct lx_clocked *line;     /**< its encoder has its power */
+    struct lx_clocked *line;     /**< connected; its encoder has its power */
     const char *name;            /**< of the lines, for messages */
     struct lx_gpio_lines *lines; /**< data is as the encoder has it */
-    const struct lx_tap *tap;
     /** The chip has gone, and the user has been told; close, but not in this call. */
     void (*gone)(void *ctx);
     void *ctx;
 };
+
+/** The period of a clock that user space can follow, for faults that take whole clocks. */
+#define LX_GPIO_PERIOD DG_MS(1)
 
 /** They only count up. */
 struct lx_gpio_counters {

@@ -44,8 +44,7 @@ static int take_lines(struct gpio_bus *self, struct lx_error *error)
         .say = self->bus.setup.say,
         .line = self->line,
         .name = self->address.text,
-        .lines = lx_gpio_lines_open(&self->address, self->line->ops->level(self->line), error),
-        .tap = &self->bus.tap,
+        .lines = lx_gpio_lines_open(&self->address, self->line->data, error),
         .gone = on_gone,
         .ctx = self,
     };
@@ -71,6 +70,8 @@ static void on_retry(void *ctx, dg_ns now)
 
 static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
 {
+    static const struct dg_bus_edges_setup wire = {.size = sizeof wire,
+                                                   .period_ns = LX_GPIO_PERIOD};
     struct gpio_bus *self = gpio_of(bus);
     const int result = lx_timer_open(&self->retry, bus->setup.event, on_retry, self);
     if (result < 0) {
@@ -78,8 +79,11 @@ static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
     }
     /* The encoder got its power early enough to answer when it is announced. */
     const dg_ns early = dg_elapsed(now, self->line->init);
-    if (lx_clocked_open(self->line, &bus->setup, 0, early, error) != 0 ||
-        take_lines(self, error) != 0) {
+    if (lx_clocked_open(self->line, &bus->setup, 0, early, error) != 0) {
+        return -1;
+    }
+    lx_clocked_connect(self->line, &wire, &bus->tap);
+    if (take_lines(self, error) != 0) {
         return -1;
     }
     lx_note(bus->setup.say, "%s: libgpiod %s", self->address.text, lx_gpio_library());

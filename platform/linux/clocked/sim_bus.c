@@ -66,7 +66,7 @@ static void read_frame(struct sim_bus *self, dg_ns at)
     self->frames++;
     self->bad = 0;
     for (size_t i = 0; i < line->count; i++) {
-        self->bad += line->ops->judge(line, i) == LX_CLOCKED_WRONG;
+        self->bad += line->protocol->judge(line, i) == LX_CLOCKED_WRONG;
     }
     self->wrong += self->bad;
     self->silent = self->master.wire.silent - silent;
@@ -76,7 +76,7 @@ static void read_frame(struct sim_bus *self, dg_ns at)
 static void skip_frames(struct sim_bus *self, uint64_t n)
 {
     struct lx_clocked *line = self->line;
-    line->ops->skip(line, n);
+    line->protocol->skip(line, n);
     self->frames += n;
     self->wrong += n * self->bad;
     self->master.wire.silent += (uint32_t)n * self->silent;
@@ -126,8 +126,8 @@ static void rest(struct sim_bus *self)
     }
     const dg_ns next = next_read(self);
     const bool wanted = is_watched(self) || next < self->stirred;
-    const dg_ns hint =
-        lx_clocked_hint(self->line, setup->say, self->line->name[0], lx_clock_now(setup->clock));
+    const dg_ns hint = lx_clocked_hint(self->line, setup->say, self->line->control[0]->name,
+                                       lx_clock_now(setup->clock));
     const dg_ns due = dg_earliest(hint, wanted ? next : DG_NEVER);
     lx_timer_at(&self->timer, due != DG_NEVER ? lx_clock_real(setup->clock, due) : DG_NEVER);
 }
@@ -184,10 +184,10 @@ static bool read_one(struct lx_bus *bus, struct lx_station *station, char *text,
     const struct lx_clocked *line = lx_sim_bus_begin(bus)->wire.line;
     lx_sim_bus_read(bus);
     lx_sim_bus_end(bus);
-    if (line->ops->judge(line, station->place) == LX_CLOCKED_SILENT) {
+    if (line->protocol->judge(line, station->place) == LX_CLOCKED_SILENT) {
         return false;
     }
-    line->ops->print(line, station->place, text, size);
+    line->protocol->print(line, station->place, text, size);
     return true;
 }
 

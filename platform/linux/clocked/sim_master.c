@@ -3,24 +3,10 @@
 
 #include <stdio.h>
 
-static void tell_levels(void *ctx, dg_ns at, bool clock, bool data)
-{
-    const struct lx_sim_master *self = ctx;
-    const struct dg_tap_event event = {.at = at, .kind = DG_TAP_LEVELS, .levels = {clock, data}};
-    lx_tap_tell(self->tap, &event);
-}
-
-/* Edges cost most of the time of a frame: they are only told while somebody listens. */
-void lx_sim_master_listen(struct lx_sim_master *self)
-{
-    self->wire.levels = lx_tap_on(self->tap) ? tell_levels : NULL;
-    self->wire.ctx = self;
-}
-
 int lx_sim_master_name(const struct lx_sim_master *self, size_t encoder, char *text, size_t size)
 {
     const struct lx_clocked *line = self->wire.line;
-    return line->count == 1 ? 0 : snprintf(text, size, "%.32s: ", line->name[encoder]);
+    return line->count == 1 ? 0 : snprintf(text, size, "%.32s: ", line->control[encoder]->name);
 }
 
 void lx_sim_master_note(const struct lx_sim_master *self, const char *text,
@@ -40,12 +26,12 @@ void lx_sim_master_init(struct lx_sim_master *self, const struct lx_tap *tap,
                         struct lx_clocked *line, const struct lx_clocked_timing *timing, dg_ns now)
 {
     self->tap = tap;
-    lx_clocked_wire_init(&self->wire, line, timing, now);
+    lx_clocked_wire_init(&self->wire, line, timing, tap, now);
 }
 
 void lx_sim_master_pause(struct lx_sim_master *self, dg_ns now)
 {
-    lx_sim_master_listen(self);
+    lx_clocked_listen(self->wire.line);
     lx_clocked_wire_pause(&self->wire, now);
 }
 
@@ -53,10 +39,10 @@ void lx_sim_master_pause(struct lx_sim_master *self, dg_ns now)
 static enum dg_severity severity_of(const struct lx_clocked *line, size_t encoder)
 {
     struct lx_clocked_word word;
-    if (line->ops->judge(line, encoder) != LX_CLOCKED_GOOD) {
+    if (line->protocol->judge(line, encoder) != LX_CLOCKED_GOOD) {
         return DG_SEVERITY_ERROR;
     }
-    line->ops->word(line, encoder, &word);
+    line->protocol->word(line, encoder, &word);
     if (word.error) {
         return DG_SEVERITY_ERROR;
     }
@@ -66,15 +52,15 @@ static enum dg_severity severity_of(const struct lx_clocked *line, size_t encode
 void lx_sim_master_frame(struct lx_sim_master *self)
 {
     struct lx_clocked *line = self->wire.line;
-    lx_sim_master_listen(self);
-    line->ops->read(line, &self->wire);
+    lx_clocked_listen(line);
+    line->protocol->read(line, &self->wire);
     for (size_t i = 0; lx_tap_on(self->tap) && i < line->count; i++) {
         char text[LX_SIM_NOTE_MAX];
         const int n = lx_sim_master_name(self, i, text, sizeof text);
-        if (line->ops->judge(line, i) == LX_CLOCKED_SILENT) {
+        if (line->protocol->judge(line, i) == LX_CLOCKED_SILENT) {
             (void)snprintf(text + n, sizeof text - (size_t)n, "no answer");
         } else {
-            line->ops->note(line, &self->wire, i, text + n, sizeof text - (size_t)n);
+            line->protocol->note(line, &self->wire, i, text + n, sizeof text - (size_t)n);
         }
         lx_sim_master_note(self, text, severity_of(line, i));
     }

@@ -26,11 +26,8 @@ void lx_sim_master_init(struct lx_sim_master *self, const struct lx_tap *tap,
 /** Nothing happens until `now`, as lx_clocked_wire_pause(). */
 void lx_sim_master_pause(struct lx_sim_master *self, dg_ns now);
 
-/** Read a frame of all encoders, as lx_clocked_ops.read(). */
+/** Read a frame of all encoders, as lx_clocked_protocol.read(). */
 void lx_sim_master_frame(struct lx_sim_master *self);
-
-/** Before it clocks anything else: who listens. */
-void lx_sim_master_listen(struct lx_sim_master *self);
 
 /** Begin a text on an encoder with its name, where there are several. @return how long it is */
 int lx_sim_master_name(const struct lx_sim_master *self, size_t encoder, char *text, size_t size);

@@ -9,7 +9,7 @@
 /* clang-format off */
 static const struct dg_key keys[] = {
     {"clock_hz",      "Hz", AT(clock_hz),      DG_KEY_U32,  0, 1, LX_CLOCK_MIN_HZ, LX_CLOCK_MAX_HZ,       NULL,          "simulated wire: clock of the master"},
-    {"line_delay_ns", "ns", AT(line_delay_ns), DG_KEY_U32,  0, 1, 0,               LX_CABLE_DELAY_MAX_NS, NULL,          "simulated wire: delay of the cable each way; 5 ns are a metre"},
+    {"line_delay_ns", "ns", AT(line_delay_ns), DG_KEY_U32,  0, 1, 0,               DG_BUS_CABLE_MAX_NS, NULL,          "simulated wire: delay of the cable each way; 5 ns are a metre"},
     {"compensate",    "",   AT(compensate),    DG_KEY_FLAG, 0, 1, 0,               1,                     dg_key_no_yes, "simulated wire: the master takes its samples later by the way there and back"},
 };
 /* clang-format on */

@@ -18,10 +18,10 @@
 
 static void put_entry(uint8_t *to, const struct lx_clocked *line, size_t encoder)
 {
-    const enum lx_clocked_verdict verdict = line->ops->judge(line, encoder);
+    const enum lx_clocked_verdict verdict = line->protocol->judge(line, encoder);
     struct lx_clocked_word word = {0};
     if (verdict != LX_CLOCKED_SILENT) {
-        line->ops->word(line, encoder, &word);
+        line->protocol->word(line, encoder, &word);
     }
     to[0] = (uint8_t)verdict;
     to[1] = (uint8_t)((word.error ? FLAG_ERROR : 0u) | (word.warning ? FLAG_WARNING : 0u));

@@ -14,7 +14,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "drehgeber/instruments.h"
 #include "sim_bus.h"
 #include "ssi_settings.h"
 #include "trace_format.h"
@@ -36,56 +35,20 @@ static const struct lx_ssi_line *view_of(const struct lx_clocked *base)
     return (const struct lx_ssi_line *)base;
 }
 
-/* --- the line --- */
-
-static void settle(struct lx_clocked *base)
+static struct dg_ssi *device_of(const struct lx_clocked *base)
 {
-    dg_line_fault_end(&line_of(base)->fault);
+    return lx_clocked_device(base, 0);
 }
 
-static dg_ns step(struct lx_clocked *base, dg_ns now)
+static const struct dg_ssi_model *model_of(const struct lx_clocked *base)
 {
-    struct dg_ssi *device = line_of(base)->device;
-    const dg_ns due = dg_ssi_step(device, 0);
-    if (due > now) {
-        return due;
-    }
-    const dg_ns next = dg_ssi_step(device, now);
-    settle(base);
-    return next;
-}
-
-static bool edge(struct lx_clocked *base, dg_ns now, bool level)
-{
-    struct lx_ssi_line *self = line_of(base);
-    struct dg_ssi *device = self->device;
-    const bool rises = level && !device->clock;
-    (void)step(base, now);
-    if (!level && device->state == DG_SSI_IDLE) {
-        dg_line_fault_begin(&self->fault);
-    }
-    const bool data = dg_ssi_clock(device, now, level);
-    if (rises) {
-        dg_line_fault_advance(&self->fault, data, base->period);
-    }
-    return dg_line_fault_level(&self->fault, data);
-}
-
-static bool level(const struct lx_clocked *base)
-{
-    const struct lx_ssi_line *self = view_of(base);
-    return dg_line_fault_level(&self->fault, dg_ssi_data(self->device));
-}
-
-static bool clocked(const struct lx_clocked *base)
-{
-    return view_of(base)->device->clock;
+    return device_of(base)->setup.model;
 }
 
 /* Those of the word, and the one behind it. */
 static uint32_t rises(const struct lx_clocked *base)
 {
-    return dg_ssi_word_bits(view_of(base)->device->setup.model) + 1u;
+    return dg_ssi_word_bits(model_of(base)) + 1u;
 }
 
 /* --- words --- */
@@ -93,7 +56,7 @@ static uint32_t rises(const struct lx_clocked *base)
 /* What belongs to `at` at the master's end. */
 static bool take_sample(const struct lx_clocked_wire *wire, dg_ns at)
 {
-    return lx_cable_level(&wire->cable, at + wire->delay);
+    return dg_bus_edges_data(wire->line->bus, at + wire->delay);
 }
 
 /* What the master sees when the clock is about to move again. */
@@ -107,10 +70,10 @@ static bool look(const struct lx_clocked_wire *wire)
 static void read_frame(struct lx_clocked *base, struct lx_clocked_wire *wire)
 {
     struct lx_ssi_line *self = line_of(base);
-    const struct dg_ssi_model *model = self->device->setup.model;
+    const struct dg_ssi_model *model = model_of(base);
     uint64_t bits = 0;
-    self->frame.before = self->device->counters;
-    wire->delay = wire->compensates ? 2u * wire->cable.delay : 0;
+    self->frame.before = device_of(base)->counters;
+    wire->delay = wire->compensates ? wire->way_ns : 0;
     lx_clocked_wire_edge(wire, false);
     const bool high = look(wire);
     lx_clocked_wire_edge(wire, true);
@@ -122,27 +85,27 @@ static void read_frame(struct lx_clocked *base, struct lx_clocked_wire *wire)
     self->frame.bits = bits;
     self->frame.answered = high && !look(wire);
     wire->silent += !self->frame.answered;
-    lx_clocked_wire_pause(wire, wire->now + model->monoflop + 2u * wire->cable.delay + PAUSE_NS);
+    lx_clocked_wire_pause(wire, wire->now + model->monoflop + wire->way_ns + PAUSE_NS);
 }
 
 static void skip(struct lx_clocked *base, uint64_t n)
 {
     const struct dg_ssi_counters *before = &view_of(base)->frame.before;
-    const struct dg_ssi_counters *after = &view_of(base)->device->counters;
+    const struct dg_ssi_counters *after = &device_of(base)->counters;
     const struct dg_ssi_counters each = {
         .frames = after->frames - before->frames,
         .repeats = after->repeats - before->repeats,
         .aborted = after->aborted - before->aborted,
         .fast = after->fast - before->fast,
     };
-    dg_ssi_skip(line_of(base)->device, &each, n);
+    dg_ssi_skip(device_of(base), &each, n);
 }
 
 /* @return whether the parity is right */
 static bool take_apart(const struct lx_clocked *base, struct dg_ssi_frame *frame)
 {
     const struct lx_ssi_line *self = view_of(base);
-    return dg_ssi_frame_decode(self->device->setup.model, self->frame.bits, frame) == DG_OK;
+    return dg_ssi_frame_decode(model_of(base), self->frame.bits, frame) == DG_OK;
 }
 
 static enum lx_clocked_verdict judge(const struct lx_clocked *base, size_t encoder)
@@ -163,7 +126,7 @@ static void word(const struct lx_clocked *base, size_t encoder, struct lx_clocke
     (void)take_apart(base, &frame);
     *out = (struct lx_clocked_word){
         .bits = self->frame.bits,
-        .count = dg_ssi_word_bits(self->device->setup.model),
+        .count = dg_ssi_word_bits(model_of(base)),
         .multiturn = frame.multiturn,
         .singleturn = frame.singleturn,
         .error = frame.error,
@@ -190,14 +153,14 @@ static void note(const struct lx_clocked *base, const struct lx_clocked_wire *wi
     struct lx_words rest = {""};
     (void)wire;
     (void)encoder;
-    add_bits(view_of(base)->device->setup.model, &frame, right ? "ok" : "wrong", &rest);
+    add_bits(model_of(base), &frame, right ? "ok" : "wrong", &rest);
     (void)snprintf(text, size, "position %" PRIu32 ":%" PRIu32 "%s", frame.multiturn,
                    frame.singleturn, rest.text);
 }
 
 static void print(const struct lx_clocked *base, size_t encoder, char *text, size_t size)
 {
-    const struct dg_ssi_model *model = view_of(base)->device->setup.model;
+    const struct dg_ssi_model *model = model_of(base);
     struct dg_ssi_frame frame;
     const bool right = take_apart(base, &frame);
     const double turns = (double)frame.singleturn / (double)(1u << model->singleturn_bits);
@@ -206,30 +169,6 @@ static void print(const struct lx_clocked *base, size_t encoder, char *text, siz
     add_bits(model, &frame, right ? "valid" : "WRONG", &rest);
     (void)snprintf(text, size, "MT %" PRIu32 "  ST %" PRIu32 "  %.6f deg%s", frame.multiturn,
                    frame.singleturn, 360.0 * turns, rest.text);
-}
-
-static const struct lx_clocked_ops ops = {
-    .clock = CLOCK_NAME,
-    .data = DATA_NAME,
-    LX_CLOCKED_OPERATIONS,
-    .read = read_frame,
-    .skip = skip,
-    .word = word,
-    .print = print,
-};
-
-void lx_ssi_line_init(struct lx_ssi_line *self)
-{
-    *self = (struct lx_ssi_line){.base.ops = &ops};
-}
-
-void lx_ssi_line_add(struct lx_ssi_line *self, struct dg_ssi *device, struct dg_faults *faults,
-                     const char *name)
-{
-    self->device = device;
-    self->base.name[0] = name;
-    self->base.count = 1;
-    dg_line_fault_init(&self->fault, &dg_ssi_instrument, device, faults);
 }
 
 /* --- SCPI --- */
@@ -257,22 +196,6 @@ static void offer(struct lx_station *station)
 
 /* --- from a plan --- */
 
-struct planned {
-    struct lx_ssi_line line;
-    struct dg_ssi_model model;
-    struct dg_ssi device;
-};
-
-static struct planned *planned_of(struct lx_clocked *base)
-{
-    return (struct planned *)base;
-}
-
-static void init(struct lx_clocked *base)
-{
-    lx_ssi_line_init(line_of(base));
-}
-
 static bool is_set(const struct lx_plan_settings *settings, const char *key)
 {
     for (size_t i = 0; i < settings->count; i++) {
@@ -283,21 +206,14 @@ static bool is_set(const struct lx_plan_settings *settings, const char *key)
     return false;
 }
 
-static int place(struct lx_clocked *base, const struct lx_bus_setup *setup, size_t index,
-                 enum lx_clocked_master master, struct lx_error *error)
+static int suit(struct lx_clocked *base, const struct lx_bus_setup *setup, size_t index,
+                enum lx_clocked_master master, struct lx_error *error)
 {
-    struct dg_ssi_model *model = &planned_of(base)->model;
-    struct lx_station *station = setup->stations[index];
-    const struct lx_plan_encoder *plan = station->plan;
-    if (lx_stack_settings(setup->plan, setup->wire, plan, model, &station->world, error) != 0) {
-        return -1;
-    }
-    if (plan->nvm != NULL) {
-        (void)lx_refuse(error, "leave it out", "%s has no EEPROM", plan->model->name);
-        return lx_plan_refuse_key(setup->plan, "nvm", plan->nvm_line, error);
-    }
+    struct dg_ssi_model *model = dg_host_line_of(base->host[index])->settings;
+    (void)error;
     /* A clock that user space can follow is slower than the encoder's own time allows. */
-    if (master == LX_CLOCKED_THERE && !is_set(&plan->settings, "monoflop_us")) {
+    if (master == LX_CLOCKED_THERE &&
+        !is_set(&setup->stations[index]->plan->settings, "monoflop_us")) {
         model->monoflop = GPIO_MONOFLOP;
     }
     base->init = model->init;
@@ -308,7 +224,8 @@ static int place(struct lx_clocked *base, const struct lx_bus_setup *setup, size
    the wire are at whole nanoseconds. */
 static int check_rate(const struct lx_clocked *base, uint32_t hz, struct lx_error *error)
 {
-    const dg_ns monoflop = ((const struct planned *)base)->model.monoflop;
+    const dg_ns monoflop =
+        ((const struct dg_ssi_model *)dg_host_line_of(base->host[0])->settings)->monoflop;
     const dg_ns period = (DG_S(1) + hz - 1u) / hz;
     struct lx_words right = {""};
     if (period < monoflop) {
@@ -322,34 +239,20 @@ static int check_rate(const struct lx_clocked *base, uint32_t hz, struct lx_erro
                      (unsigned)period, (unsigned)monoflop);
 }
 
-static int open_encoder(struct lx_clocked *base, const struct lx_bus_setup *setup, size_t index,
-                        dg_ns now, struct lx_error *error)
-{
-    struct planned *self = planned_of(base);
-    struct lx_station *station = setup->stations[index];
-    const struct dg_ssi_setup made = {&self->model, &station->world};
-    if (dg_ssi_init(&self->device, &made) != DG_OK) {
-        return lx_fail(error, "these figures make no encoder");
-    }
-    dg_ssi_power_on(&self->device, now);
-    station->control.device = &self->device;
-    lx_ssi_line_add(&self->line, &self->device, &station->control.faults, station->control.name);
-    return 0;
-}
-
-static void close_all(struct lx_clocked *base)
-{
-    dg_ssi_power_off(&planned_of(base)->device);
-}
-
 const struct lx_clocked_protocol lx_clocked_ssi = {
+    .clock = CLOCK_NAME,
+    .data = DATA_NAME,
     .encoders_max = 1,
-    .size = sizeof(struct planned),
-    .init = init,
-    .place = place,
+    .size = sizeof(struct lx_ssi_line),
+    .suit = suit,
     .check_rate = check_rate,
-    .open = open_encoder,
-    .close = close_all,
+    .rises = rises,
+    .read = read_frame,
+    .skip = skip,
+    .judge = judge,
+    .word = word,
+    .note = note,
+    .print = print,
     .offer = offer,
 };
 

@@ -15,8 +15,6 @@ extern const struct lx_clocked_protocol lx_clocked_ssi;
 /** A line. Not to be moved. */
 struct lx_ssi_line {
     struct lx_clocked base;
-    struct dg_ssi *device; /**< NULL: nobody is there yet */
-    struct dg_line_fault fault;
     /** The word that the master of a simulated wire has read last. */
     struct {
         uint64_t bits;                 /**< right-aligned */
@@ -24,14 +22,5 @@ struct lx_ssi_line {
         struct dg_ssi_counters before; /**< of the encoder */
     } frame;
 };
-
-/** A line without an encoder. */
-void lx_ssi_line_init(struct lx_ssi_line *self);
-
-/** Put `device`, which has its model and its power, on it.
- * @param faults NULL: none
- * @param name borrowed */
-void lx_ssi_line_add(struct lx_ssi_line *self, struct dg_ssi *device, struct dg_faults *faults,
-                     const char *name);
 
 #endif

@@ -18,10 +18,11 @@
 #include <unistd.h>
 
 #include "biss_clocked.h"
-#include "biss_rig.h"
 #include "drehgeber/devices.h"
 #include "drehgeber/instruments.h"
 #include "gpio.h"
+#include "host_rig.h"
+#include "ssi_clocked.h"
 
 #define QUEUE_MAX 64u
 #define RUNS_MAX 2000u
@@ -40,11 +41,12 @@ struct fake {
 };
 
 static struct fake fake;
-static struct biss_rig rig;
-static struct lx_biss_line line;
+static struct host_rig_place place;
+static struct dg_encoder control;
+static struct lx_clocked *line;
+static struct dg_biss *slave;
 static struct lx_gpio gpio;
 static struct lx_tap tap;
-static struct dg_faults faults;
 static unsigned gone;
 static sd_event *event;
 static const struct lx_say say = {.quiet = true};
@@ -93,27 +95,47 @@ static void on_gone(void *ctx)
     gone++;
 }
 
-static void begin_on(struct lx_clocked *encoders)
+/* The encoder on GPIO lines, with its settings and no power yet. */
+static struct dg_host *make(const struct dg_device *model)
 {
-    const struct lx_gpio_setup setup = {.event = event,
-                                        .say = &say,
-                                        .line = encoders,
-                                        .name = "fake:4,5",
-                                        .lines = &fake.base,
-                                        .tap = &tap,
-                                        .gone = on_gone};
+    return dg_host_init_on_bus(place.bytes, sizeof place.bytes, model, dg_host_wire_of(model));
+}
+
+static void begin_on(struct dg_host *host, const struct lx_clocked_protocol *protocol)
+{
+    static const struct dg_bus_edges_setup wire = {.size = sizeof wire,
+                                                   .period_ns = LX_GPIO_PERIOD};
     struct lx_error error;
 
+    control = (struct dg_encoder){
+        .name = "a",
+        .instrument = dg_instrument_of(dg_host_wire_at(host)->stack),
+        .model = dg_device_find(dg_host_model(host)),
+        .device = dg_host_line_of(host)->device,
+        .world = dg_host_world(host),
+    };
+    assert_int_equal(dg_host_power(host, 0, true), DG_OK);
+    lx_clocked_close(line);
+    line = lx_clocked_new(protocol, 1);
+    assert_non_null(line);
+    lx_clocked_add(line, host, &control);
+    lx_clocked_connect(line, &wire, &tap);
+    const struct lx_gpio_setup setup = {.event = event,
+                                        .say = &say,
+                                        .line = line,
+                                        .name = "fake:4,5",
+                                        .lines = &fake.base,
+                                        .gone = on_gone};
     assert_int_equal(lx_gpio_open(&gpio, &setup, &error), 0);
 }
 
 static void begin_as(const struct dg_biss_model *model)
 {
-    assert_int_equal(biss_rig_init(&rig, model, 1), DG_OK);
-    assert_int_equal(biss_rig_power_on(&rig), DG_OK);
-    lx_biss_line_init(&line);
-    lx_biss_line_add(&line, &rig.slave[0], &faults, "a");
-    begin_on(&line.base);
+    struct dg_host *host = make(dg_device_find("s3674-biss"));
+
+    *(struct dg_biss_model *)dg_host_line_of(host)->settings = *model;
+    begin_on(host, &lx_clocked_biss);
+    slave = lx_clocked_device(line, 0);
 }
 
 /* A device whose frames end after `timeout`, 0: after its own. */
@@ -128,7 +150,6 @@ static void begin(dg_ns timeout)
 static int setup(void **state)
 {
     (void)state;
-    faults = (struct dg_faults){0};
     tap = (struct lx_tap){.first = NULL};
     gone = 0;
     fake = (struct fake){.base = {&fake_ops, eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)}, .ma = 1};
@@ -139,6 +160,8 @@ static int teardown(void **state)
 {
     (void)state;
     lx_gpio_close(&gpio);
+    lx_clocked_close(line);
+    line = NULL;
     event = sd_event_unref(event);
     return 0;
 }
@@ -179,11 +202,11 @@ static void test_queued_edges_are_caught_up_with(void **state)
     assert_int_equal(gpio.counters.edges, 16);
     assert_int_equal(gpio.counters.late, 7);
     assert_int_equal(gpio.counters.lost, 0);
-    assert_int_equal(rig.slave[0].counters.frames, 1);
-    assert_int_equal(rig.slave[0].line.state, DG_BISS_DATA);
+    assert_int_equal(slave->counters.frames, 1);
+    assert_int_equal(slave->line.state, DG_BISS_DATA);
     /* Only the level that is still worth it. */
     assert_int_equal(fake.written, 1);
-    assert_int_equal(fake.slo, dg_biss_slo(&rig.slave[0], false));
+    assert_int_equal(fake.slo, dg_biss_slo(slave, false));
     /* All as late as the first. */
     assert_int_equal(gpio.rate.edges, 8);
     assert_true(gpio.rate.worst_ns >= DG_US(1014));
@@ -279,10 +302,10 @@ static void test_slo_begins_as_the_device_has_it(void **state)
     begin(DG_S(1));
     assert_false(gpio.data);
     assert_int_equal(fake.written, 0);
-    for (dg_ns end = lx_now() + DG_MS(900); lx_now() < end && !rig.slave[0].line.hinted;) {
+    for (dg_ns end = lx_now() + DG_MS(900); lx_now() < end && !slave->line.hinted;) {
         run();
     }
-    assert_true(rig.slave[0].line.hinted); /* the user has been told why a master may wait */
+    assert_true(slave->line.hinted); /* the user has been told why a master may wait */
     queue(LATER, false);
     run();
     assert_int_equal(fake.written, 0);
@@ -320,11 +343,11 @@ static void test_lost_last_edge_is_made_up_for(void **state)
     (void)queue_clocks(lx_now(), 5);
     fake.ma = 0;
     run_until(&gpio.counters.lost);
-    for (unsigned i = 0; rig.slave[0].line.state != DG_BISS_RETURN && i < RUNS_MAX; i++) {
+    for (unsigned i = 0; slave->line.state != DG_BISS_RETURN && i < RUNS_MAX; i++) {
         run();
     }
-    assert_int_equal(rig.slave[0].line.state, DG_BISS_RETURN);
-    assert_int_equal(rig.slave[0].control.zeros, 0);
+    assert_int_equal(slave->line.state, DG_BISS_RETURN);
+    assert_int_equal(slave->control.zeros, 0);
     assert_true(fake.slo);
 }
 
@@ -344,86 +367,31 @@ static void test_edge_on_its_way_is_waited_for(void **state)
     queue(next + DG_US(1), true);
     run();
     assert_int_equal(gpio.counters.lost, 0);
-    assert_int_equal(rig.slave[0].counters.frames, 2);
-    assert_int_equal(rig.slave[0].control.zeros, 1);
+    assert_int_equal(slave->counters.frames, 2);
+    assert_int_equal(slave->control.zeros, 1);
 }
 
 /* --- an encoder that is switched on: its data rises without an edge of the clock --- */
 
-struct waking {
-    struct lx_clocked base;
-    dg_ns at; /* DG_NEVER: it stays as it is */
-    bool level;
-    bool settled;
-};
-
-static struct waking waking;
-
-static bool waking_edge(struct lx_clocked *base, dg_ns now, bool level)
-{
-    (void)base;
-    (void)now;
-    (void)level;
-    return waking.level;
-}
-
-static dg_ns waking_step(struct lx_clocked *base, dg_ns now)
-{
-    (void)base;
-    if (now >= waking.at) {
-        waking.level = true;
-        waking.at = DG_NEVER;
-    }
-    return waking.at;
-}
-
-static bool waking_level(const struct lx_clocked *base)
-{
-    (void)base;
-    return waking.level;
-}
-
-static bool waking_clocked(const struct lx_clocked *base)
-{
-    (void)base;
-    return true;
-}
-
-static void waking_settle(struct lx_clocked *base)
-{
-    (void)base;
-    waking.settled = true;
-}
-
-static uint32_t waking_rises(const struct lx_clocked *base)
-{
-    (void)base;
-    return 14;
-}
-
 static void test_data_follows_the_supply_without_a_clock(void **state)
 {
-    static const struct lx_clocked_ops ops = {.clock = "CLOCK",
-                                              .data = "DATA",
-                                              .edge = waking_edge,
-                                              .step = waking_step,
-                                              .level = waking_level,
-                                              .clocked = waking_clocked,
-                                              .settle = waking_settle,
-                                              .rises = waking_rises};
+    struct dg_host *host = make(dg_device_find("ssi-13"));
+
     (void)state;
-    waking = (struct waking){.base.ops = &ops, .at = DG_NEVER, .level = true};
-    begin_on(&waking.base);
-    waking.level = false;
+    assert_int_equal(dg_host_set(host, "init_ms", "2"), DG_HOST_OK);
+    begin_on(host, &lx_clocked_ssi);
+    for (unsigned i = 0; !fake.slo && i < RUNS_MAX; i++) {
+        run();
+    }
+    assert_true(fake.slo);
+    fake.written = 0;
+    assert_int_equal(dg_host_power(host, lx_now(), false), DG_OK);
     lx_gpio_changed(&gpio);
     assert_int_equal(fake.written, 1);
     assert_false(fake.slo);
-    assert_true(waking.settled);
-
-    waking.settled = false;
-    waking.at = dg_after(lx_now(), DG_MS(2));
+    assert_int_equal(dg_host_power(host, lx_now(), true), DG_OK);
     lx_gpio_changed(&gpio);
-    assert_false(waking.settled); /* not before its end */
+    assert_int_equal(fake.written, 1); /* not before its end */
     for (unsigned i = 0; !fake.slo && i < RUNS_MAX; i++) {
         run();
     }
@@ -446,12 +414,12 @@ static void test_chip_that_goes_is_told_once(void **state)
 
 static void set_fault(const char *name, uint32_t count)
 {
-    const struct dg_fault_target target = {.instrument = &dg_biss_instrument, .world = &rig.world};
+    const struct dg_fault_target target = dg_encoder_target(&control);
     const struct dg_fault_limits limits = {count, 1000000, DG_NEVER};
     const int index = dg_fault_find(&target, name);
 
     assert_true(index >= 0);
-    assert_int_equal(dg_fault_set(&faults, &target, (size_t)index, 0, &limits), DG_OK);
+    assert_int_equal(dg_fault_set(&control.faults, &target, (size_t)index, 0, &limits), DG_OK);
     lx_gpio_changed(&gpio);
 }
 
@@ -480,26 +448,26 @@ static void test_faults_sit_behind_the_driver(void **state)
     model.life_counter = false;
     begin_as(&model);
     const uint32_t good = levels(LATER, CLOCKS);
-    assert_int_equal(rig.slave[0].counters.frames, 1);
-    assert_int_equal(dg_biss_step(&rig.slave[0], LATER + DG_S(2)), DG_NEVER);
+    assert_int_equal(slave->counters.frames, 1);
+    assert_int_equal(dg_bus_step(line->bus, LATER + DG_S(2)), DG_NEVER);
 
     set_fault("wire_damage", 1);
     for (uint32_t bits = levels(LATER + DG_S(3), CLOCKS) ^ good; bits != 0; bits &= bits - 1u) {
         changes++;
     }
     assert_int_equal(changes, 1);
-    (void)dg_biss_step(&rig.slave[0], LATER + DG_S(5));
+    (void)dg_bus_step(line->bus, LATER + DG_S(5));
 
     set_fault("wire_drop", 1);
     assert_int_equal(levels(LATER + DG_S(6), CLOCKS), UINT32_MAX);
-    (void)dg_biss_step(&rig.slave[0], LATER + DG_S(8));
+    (void)dg_bus_step(line->bus, LATER + DG_S(8));
 
     assert_int_equal(levels(LATER + DG_S(9), CLOCKS), good);
-    (void)dg_biss_step(&rig.slave[0], LATER + DG_S(11));
+    (void)dg_bus_step(line->bus, LATER + DG_S(11));
 
     set_fault("wire_break", 0);
     assert_int_equal(levels(LATER + DG_S(12), CLOCKS), UINT32_MAX);
-    assert_int_equal(rig.slave[0].counters.frames, 5);
+    assert_int_equal(slave->counters.frames, 5);
 }
 
 /* No start bit, no P of the write: until the disk has it, and once when it will not. */
@@ -518,19 +486,19 @@ static void test_what_is_not_stored_is_not_acknowledged(void **state)
     begin_as(&model);
     assert_non_null(queue.setup.writer);
     const uint32_t good = levels(at, CLOCKS);
-    (void)dg_biss_step(&rig.slave[0], at += DG_S(2));
-    lx_biss_line_hold(&line, &queue);
+    (void)dg_bus_step(line->bus, at += DG_S(2));
+    lx_clocked_hold(line, 0, &queue);
     for (unsigned i = 0; i < 2; i++) {
         assert_int_equal(levels(at += DG_S(1), CLOCKS), UINT32_MAX);
-        (void)dg_biss_step(&rig.slave[0], at += DG_S(2));
+        (void)dg_bus_step(line->bus, at += DG_S(2));
     }
     queue.done = 1;
     assert_int_equal(levels(at += DG_S(1), CLOCKS), good);
-    (void)dg_biss_step(&rig.slave[0], at += DG_S(2));
+    (void)dg_bus_step(line->bus, at += DG_S(2));
     queue.issued = 2;
     queue.stalled = true;
     assert_int_equal(levels(at += DG_S(1), CLOCKS), UINT32_MAX);
-    (void)dg_biss_step(&rig.slave[0], at += DG_S(2));
+    (void)dg_bus_step(line->bus, at += DG_S(2));
     assert_int_equal(levels(at += DG_S(1), CLOCKS), good);
     lx_nvm_writer_free(queue.setup.writer);
 }
@@ -614,7 +582,7 @@ static bool acknowledged(void)
         run();
     }
     const bool low = !fake.slo;
-    for (unsigned i = 0; rig.slave[0].line.deadline != DG_NEVER && i < RUNS_MAX; i++) {
+    for (unsigned i = 0; slave->line.deadline != DG_NEVER && i < RUNS_MAX; i++) {
         run();
     }
     return low;
@@ -632,7 +600,7 @@ static void test_what_is_not_on_the_disk_is_not_acknowledged(void **state)
     (void)state;
     begin(DG_MS(20));
     assert_int_equal(lx_nvm_queue_open(&memory, &queued, &nvm, &error), 0);
-    line.memory[0] = &memory;
+    lx_clocked_hold(line, 0, &memory);
     assert_true(acknowledged());
     commit_slowly(&nvm, DG_OK);
     assert_false(acknowledged());

@@ -12,10 +12,12 @@
 
 #include <cmocka.h>
 
-#include "biss_settings.h"
+#include "clocked.h"
 #include "descriptors.h"
 #include "drehgeber/devices.h"
 #include "eeprom_rig.h"
+#include "image.h"
+#include "sim_rig.h"
 
 static void memory_forgets(void **state)
 {
@@ -275,13 +277,23 @@ static void an_interrupted_erase_is_ended_or_undone(void **state)
 static void a_kind_says_what_it_answers_without_its_memory(void **state)
 {
     struct eeprom_place *place = *state;
-    struct lx_biss_memory memory;
+    struct sim_rig rig;
     struct lx_error error;
-    const struct lx_image_setup image = {place->path, .say = &eeprom_quiet};
-    const struct dg_biss_model *model = dg_biss_model_of(&dg_s3684_biss);
-    assert_int_equal(lx_biss_memory_open(&memory, model, &image, &error), 0);
-    assert_string_equal(memory.image.file.answer, "the encoder answers P = 1");
-    lx_image_close(&memory.image);
+    sim_rig_plan(&rig, 1);
+    rig.plan.encoders[0].nvm = strdup(place->path);
+    sim_rig_stations(&rig);
+    rig.setup.writer = lx_nvm_writer_new(rig.event, NULL, NULL);
+    assert_non_null(rig.setup.writer);
+    struct lx_clocked *line = lx_clocked_make(&rig.setup, LX_CLOCKED_HERE, &error);
+    assert_non_null(line);
+    assert_int_equal(lx_clocked_open(line, &rig.setup, 0, 0, &error), 0);
+    const uint8_t *queue = (const uint8_t *)rig.station[0].queue;
+    const struct lx_image *image = (const void *)(queue - offsetof(struct lx_image, queue));
+    assert_string_equal(image->file.answer, "the encoder answers P = 1");
+    lx_clocked_close(line);
+    lx_nvm_writer_free(rig.setup.writer);
+    rig.event = sd_event_unref(rig.event);
+    lx_plan_free(&rig.plan);
 }
 
 #define IN_A_PLACE(test)                                                                           \
@@ -299,8 +311,8 @@ int main(void)
         IN_A_PLACE(a_cut_off_image_reads_erased),
         IN_A_PLACE(an_image_of_an_earlier_release_is_taken_and_grows),
         IN_A_PLACE(an_interrupted_erase_is_ended_or_undone),
-        IN_A_PLACE(a_kind_says_what_it_answers_without_its_memory),
         cmocka_unit_test(no_descriptor_is_left),
+        IN_A_PLACE(a_kind_says_what_it_answers_without_its_memory),
     };
     return cmocka_run_group_tests(tests, descriptors_note, NULL);
 }

@@ -399,8 +399,8 @@ static void settings_reach_the_station(void **state)
     assert_int_equal(lx_plan_add_assignment(settings, "lc=0", 0, &error), 0);
     assert_int_equal(lx_plan_add_assignment(settings, "busy_us=30", 0, &error), 0);
     sim_rig_open(&rig);
-    assert_int_equal(rig.station[0].world.temperature_mdegc, 85000);
-    assert_ptr_equal(rig.station[0].world.angle_ctx, &rig.shaft[0]);
+    assert_int_equal(rig.station[0].control.world->temperature_mdegc, 85000);
+    assert_ptr_equal(rig.station[0].control.world->angle_ctx, &rig.shaft[0]);
     assert_int_equal(sim_rig_frame(&rig, 0), 0);
     assert_int_equal(rig.count, SIM_RIG_DATA_BITS + 1 - 1 - 6);
     const struct dg_biss *device = rig.station[0].control.device;

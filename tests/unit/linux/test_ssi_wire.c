@@ -14,6 +14,8 @@
 #include <cmocka.h>
 
 #include "drehgeber/devices.h"
+#include "drehgeber/instruments.h"
+#include "host_rig.h"
 #include "sim_master.h"
 #include "sim_settings.h"
 #include "ssi_clocked.h"
@@ -22,20 +24,30 @@
 
 #define BEGIN DG_S(1)
 
-static struct ssi_rig rig; /* world, shaft, model, encoder; not its master */
-static struct lx_ssi_line line;
+static struct ssi_rig rig; /* world, shaft, model; not its encoder, nor its master */
+static struct host_rig_place place;
+static struct dg_encoder control;
+static struct lx_ssi_line *line;
+static struct dg_ssi *ssi;
 static struct lx_tap tap;
 static struct lx_sim_master master;
-static struct dg_faults faults;
 
 static void begin_with(const struct dg_ssi_model *model, const struct lx_clocked_timing *timing)
 {
-    faults = (struct dg_faults){.random = 1};
+    struct dg_host *host = dg_host_init_on_bus(place.bytes, sizeof place.bytes, &dg_ssi_25,
+                                               dg_host_wire_of(&dg_ssi_25));
+    control =
+        (struct dg_encoder){.name = "a", .instrument = &dg_ssi_instrument, .faults.random = 1};
     assert_int_equal(ssi_rig_init(&rig, model), DG_OK);
-    dg_ssi_power_on(&rig.device, BEGIN);
-    lx_ssi_line_init(&line);
-    lx_ssi_line_add(&line, &rig.device, &faults, "a");
-    lx_sim_master_init(&master, &tap, &line.base, timing, BEGIN);
+    *(struct dg_ssi_model *)dg_host_line_of(host)->settings = *model;
+    *dg_host_world(host) = rig.world;
+    assert_int_equal(dg_host_power(host, BEGIN, true), DG_OK);
+    lx_clocked_close(line != NULL ? &line->base : NULL);
+    line = (struct lx_ssi_line *)lx_clocked_new(&lx_clocked_ssi, 1);
+    assert_non_null(line);
+    lx_clocked_add(&line->base, host, &control);
+    ssi = lx_clocked_device(&line->base, 0);
+    lx_sim_master_init(&master, &tap, &line->base, timing, BEGIN);
     lx_sim_master_pause(&master, BEGIN + model->init);
 }
 
@@ -54,14 +66,14 @@ static uint64_t turn_to(uint32_t count)
 static enum lx_clocked_verdict read_word(void)
 {
     lx_sim_master_frame(&master);
-    return line.base.ops->judge(&line.base, 0);
+    return line->base.protocol->judge(&line->base, 0);
 }
 
 static void let_happen(enum dg_wire_fault fault, uint32_t count)
 {
-    faults.slot[fault] = (uint8_t)fault;
-    faults.wire |= 1u << fault;
-    faults.fault[fault] = (struct dg_fault){
+    control.faults.slot[fault] = (uint8_t)fault;
+    control.faults.wire |= 1u << fault;
+    control.faults.fault[fault] = (struct dg_fault){
         .active = true, .left = count, .probability_ppm = 1000000, .until = DG_NEVER};
 }
 
@@ -77,22 +89,22 @@ static void words_come_over_the_wire(void **state)
         for (uint32_t n = 1; n < 200; n++) {
             const uint64_t word = turn_to(n * 0x9E3779B1u >> (i < 2 ? unused - 2u : 4u));
             assert_int_equal(read_word(), LX_CLOCKED_GOOD);
-            assert_int_equal(line.frame.bits, word);
+            assert_int_equal(line->frame.bits, word);
         }
-        assert_int_equal(rig.device.counters.frames, 199); /* each its own: the pause is enough */
-        assert_int_equal(rig.device.counters.repeats, 0);
-        assert_int_equal(rig.device.counters.aborted, 0);
+        assert_int_equal(ssi->counters.frames, 199); /* each its own: the pause is enough */
+        assert_int_equal(ssi->counters.repeats, 0);
+        assert_int_equal(ssi->counters.aborted, 0);
         assert_int_equal(master.wire.silent, 0);
-        assert_int_equal(line.base.ops->rises(&line.base), ssi_rig_bits(&rig.model) + 1u);
+        assert_int_equal(line->base.protocol->rises(&line->base), ssi_rig_bits(&rig.model) + 1u);
     }
 }
 
 static void expect_texts(const char *printed, const char *noted)
 {
     char text[LX_SIM_NOTE_MAX];
-    line.base.ops->print(&line.base, 0, text, sizeof text);
+    line->base.protocol->print(&line->base, 0, text, sizeof text);
     assert_string_equal(text, printed);
-    line.base.ops->note(&line.base, &master.wire, 0, text, sizeof text);
+    line->base.protocol->note(&line->base, &master.wire, 0, text, sizeof text);
     assert_string_equal(text, noted);
 }
 
@@ -106,12 +118,12 @@ static void what_is_said_of_a_word(void **state)
     expect_texts("MT 0  ST 2048  90.000000 deg", "position 0:2048");
     begin(&dg_ssi_28);
     (void)turn_to(3u << 16 | 1u << 15);
-    rig.world.watchdog_fired = true;
+    dg_host_world(line->base.host[0])->watchdog_fired = true;
     assert_int_equal(read_word(), LX_CLOCKED_GOOD);
     expect_texts("MT 3  ST 32768  180.000000 deg  error 1  parity valid",
                  "position 3:32768  error 1  parity ok");
-    line.frame.bits ^= 1u;
-    assert_int_equal(line.base.ops->judge(&line.base, 0), LX_CLOCKED_WRONG);
+    line->frame.bits ^= 1u;
+    assert_int_equal(line->base.protocol->judge(&line->base, 0), LX_CLOCKED_WRONG);
     expect_texts("MT 3  ST 32768  180.000000 deg  error 1  parity WRONG",
                  "position 3:32768  error 1  parity wrong");
     model.parity = DG_SSI_PARITY_NONE;
@@ -124,11 +136,11 @@ static void without_power_nobody_answers(void **state)
 {
     (void)state;
     begin(&dg_ssi_13);
-    dg_ssi_power_off(&rig.device);
+    dg_ssi_power_off(ssi);
     lx_sim_master_pause(&master, master.wire.now);
     assert_int_equal(read_word(), LX_CLOCKED_SILENT);
     assert_int_equal(master.wire.silent, 1);
-    dg_ssi_power_on(&rig.device, master.wire.now);
+    dg_ssi_power_on(ssi, master.wire.now);
     assert_int_equal(read_word(), LX_CLOCKED_SILENT); /* it is not ready yet */
     lx_sim_master_pause(&master, master.wire.now + DG_S(1));
     assert_int_equal(read_word(), LX_CLOCKED_GOOD);
@@ -145,13 +157,13 @@ static void clocks_from_one_word_in_a_monoflop_time_to_10_mhz(void **state)
         begin_with(model, &(struct lx_clocked_timing){.clock_hz = rates[i]});
         const uint64_t word = turn_to(0x1234567);
         assert_int_equal(read_word(), LX_CLOCKED_GOOD);
-        assert_int_equal(line.frame.bits, word);
-        assert_int_equal(rig.device.counters.fast, i < 3 ? 0 : 25);
+        assert_int_equal(line->frame.bits, word);
+        assert_int_equal(ssi->counters.fast, i < 3 ? 0 : 25);
     }
     begin_with(model, &(struct lx_clocked_timing){.clock_hz = LX_CLOCK_MIN_HZ});
     (void)turn_to(0);
     assert_int_equal(read_word(), LX_CLOCKED_GOOD); /* which it cannot know */
-    assert_int_equal(line.frame.bits, (1u << 25) - 1u);
+    assert_int_equal(line->frame.bits, (1u << 25) - 1u);
 }
 
 /* From no cable to 1 km of it, at clocks of which it takes many. */
@@ -161,11 +173,11 @@ static void a_cable_is_made_up_for(void **state)
         {.clock_hz = LX_CLOCK_HZ, .line_delay_ns = 249, .compensate = true},
         {.clock_hz = LX_CLOCK_HZ, .line_delay_ns = 250, .compensate = true},
         {.clock_hz = LX_CLOCK_HZ, .line_delay_ns = 300, .compensate = true},
-        {.clock_hz = LX_CLOCK_HZ, .line_delay_ns = LX_CABLE_DELAY_MAX_NS, .compensate = true},
-        {.clock_hz = 100000, .line_delay_ns = LX_CABLE_DELAY_MAX_NS, .compensate = true},
+        {.clock_hz = LX_CLOCK_HZ, .line_delay_ns = DG_BUS_CABLE_MAX_NS, .compensate = true},
+        {.clock_hz = 100000, .line_delay_ns = DG_BUS_CABLE_MAX_NS, .compensate = true},
         {.clock_hz = 2000000, .line_delay_ns = 130, .compensate = true},
         {.clock_hz = LX_CLOCK_MAX_HZ, .line_delay_ns = 777, .compensate = true},
-        {.clock_hz = LX_CLOCK_MAX_HZ, .line_delay_ns = LX_CABLE_DELAY_MAX_NS, .compensate = true},
+        {.clock_hz = LX_CLOCK_MAX_HZ, .line_delay_ns = DG_BUS_CABLE_MAX_NS, .compensate = true},
     };
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
@@ -173,9 +185,9 @@ static void a_cable_is_made_up_for(void **state)
         for (uint32_t n = 1; n < 50; n++) {
             const uint64_t word = turn_to(n * 0x9E3779B1u >> 4);
             assert_int_equal(read_word(), LX_CLOCKED_GOOD);
-            assert_int_equal(line.frame.bits, word);
+            assert_int_equal(line->frame.bits, word);
         }
-        assert_int_equal(rig.device.counters.frames, 49);
+        assert_int_equal(ssi->counters.frames, 49);
         let_happen(DG_WIRE_DROP, 1);
         assert_int_equal(read_word(), LX_CLOCKED_SILENT);
     }
@@ -189,12 +201,12 @@ static void a_master_that_does_not_compensate_is_right_up_to_half_a_period(void 
     begin_with(model, &timing);
     const uint64_t word = turn_to(4779);
     assert_int_equal(read_word(), LX_CLOCKED_GOOD);
-    assert_int_equal(line.frame.bits, word);
+    assert_int_equal(line->frame.bits, word);
     timing.line_delay_ns = 251;
     begin_with(model, &timing);
     (void)turn_to(4779);
     (void)read_word();
-    assert_int_equal(line.frame.bits, 1u << 12 | word >> 1);
+    assert_int_equal(line->frame.bits, 1u << 12 | word >> 1);
 }
 
 /* --- faults --- */
@@ -207,15 +219,15 @@ static void a_dead_driver_reads_low(void **state)
     let_happen(DG_WIRE_DROP, 1);
     assert_int_equal(read_word(), LX_CLOCKED_SILENT);
     assert_int_equal(read_word(), LX_CLOCKED_GOOD);
-    assert_int_equal(line.frame.bits, word);
+    assert_int_equal(line->frame.bits, word);
     let_happen(DG_WIRE_BREAK, 0);
     lx_sim_master_pause(&master, 0);
-    assert_false(line.base.ops->level(&line.base));
+    assert_false(line->base.data);
     assert_int_equal(read_word(), LX_CLOCKED_SILENT);
     assert_int_equal(read_word(), LX_CLOCKED_SILENT);
-    faults = (struct dg_faults){0};
+    control.faults = (struct dg_faults){0};
     lx_sim_master_pause(&master, 0);
-    assert_true(line.base.ops->level(&line.base));
+    assert_true(line->base.data);
     assert_int_equal(read_word(), LX_CLOCKED_GOOD);
     assert_int_equal(master.wire.silent, 3);
 }
@@ -232,7 +244,7 @@ static void a_damage_flips_a_bit_of_the_word(void **state)
         for (unsigned n = 0; n < 400; n++) {
             let_happen(DG_WIRE_DAMAGE, 1);
             assert_int_equal(read_word(), i == 0 ? LX_CLOCKED_GOOD : LX_CLOCKED_WRONG);
-            const uint64_t bit = line.frame.bits ^ word;
+            const uint64_t bit = line->frame.bits ^ word;
             assert_true(bit != 0 && (bit & (bit - 1u)) == 0);
             flipped |= bit;
         }
@@ -247,7 +259,7 @@ static void a_delay_moves_the_word_by_a_clock(void **state)
     const uint64_t word = turn_to(0x1230001); /* no error, parity 1: no 0 behind it */
     let_happen(DG_WIRE_DELAY, 1);
     assert_int_equal(read_word(), LX_CLOCKED_SILENT);
-    assert_int_equal(line.frame.bits, 1u << 29 | word >> 1);
+    assert_int_equal(line->frame.bits, 1u << 29 | word >> 1);
     assert_int_equal(read_word(), LX_CLOCKED_GOOD);
 }
 
@@ -283,9 +295,9 @@ static dg_ns monoflop_of(enum lx_clocked_master who, const char *setting)
     const struct lx_bus_setup setup = {
         .plan = &plan, .wire = plan.wires, .stations = stations, .count = 1};
     assert_int_equal(lx_clocked_open(made, &setup, 0, BEGIN, &error), 0);
-    const struct dg_ssi *device = station.control.device;
-    const dg_ns monoflop = device->setup.model->monoflop;
-    assert_int_equal(device->state, DG_SSI_START);
+    const struct dg_ssi *opened = station.control.device;
+    const dg_ns monoflop = opened->setup.model->monoflop;
+    assert_int_equal(opened->state, DG_SSI_START);
     assert_int_equal(made->init, DG_MS(100));
     lx_clocked_close(made);
     return monoflop;
@@ -334,5 +346,7 @@ int main(void)
         cmocka_unit_test(a_delay_moves_the_word_by_a_clock),
         cmocka_unit_test(a_plan_makes_the_line),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    const int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    lx_clocked_close(&line->base);
+    return failed;
 }
