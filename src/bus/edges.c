@@ -315,7 +315,7 @@ static void look_alive(struct edges_place *self)
 
     if (!self->live && dg_host_powered(self->place.host)) {
         self->live = true;
-        if (control != NULL) {
+        if (control != NULL && control->instrument->line_frame != NULL) {
             dg_line_fault_init(&self->fault, control->instrument, self->line->device,
                                &control->faults);
         }
