@@ -136,7 +136,7 @@ static int place_encoder(struct lx_clocked *self, const struct lx_bus_setup *set
     struct lx_station *station = setup->stations[index];
     const struct lx_plan_encoder *plan = station->plan;
     const struct dg_host_wire *wire = dg_host_wire_of(plan->model);
-    const size_t size = dg_host_size_on_bus(plan->model, wire);
+    const size_t size = dg_host_size_with_port(plan->model, wire);
     struct lx_clocked_memory *memory = calloc(1, sizeof *memory + size);
     if (memory == NULL) {
         return lx_fail(error, "no memory for %s", plan->model->name);
@@ -221,6 +221,7 @@ static int open_image(const struct lx_clocked *self, const struct lx_bus_setup *
     station->control.nvm = memory->part.device.nvm;
     station->queue = lx_image_queue(&memory->image);
     (void)dg_host_memory_port(self->host[index], &station->control.nvm);
+    dg_host_memory_known(self->host[index]);
     return 0;
 }
 
