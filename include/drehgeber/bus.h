@@ -49,13 +49,17 @@ enum dg_bus_answer {
 
 /** The door. Operations may be NULL where they say so. */
 struct dg_bus_ops {
-    /** The wire carries `event` to the other end; event->ours is true. `place`: of its encoder. */
+    /** The wire carries `event` to the other end; event->ours is true. `place`: of its encoder.
+     * NULL on a ring, whose other end reads its image. */
     void (*tx)(void *ctx, size_t place, const struct dg_tap_event *event);
     /** All that goes over the wire, in either direction. NULL: nobody looks. */
     void (*tap)(void *ctx, const struct dg_tap_event *event);
     /** Encoder `place` is about to acknowledge: is what its memory was handed before durable? NULL:
      * it always is. */
     enum dg_bus_answer (*answer)(void *ctx, size_t place);
+    /** Rings: how often the memory of encoder `place` was handed something to keep so far. NULL: no
+     * memory is slow. */
+    uint64_t (*ticket)(void *ctx, size_t place);
 };
 
 /** What a bus is made of. Everything pointed to must outlive it. */

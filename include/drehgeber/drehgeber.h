@@ -14,6 +14,7 @@
 #include "drehgeber/bus.h"
 #include "drehgeber/bus_characters.h"
 #include "drehgeber/bus_frames.h"
+#include "drehgeber/bus_words.h"
 #include "drehgeber/canopen.h"
 #include "drehgeber/cia406.h"
 #include "drehgeber/control.h"

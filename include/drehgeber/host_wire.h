@@ -59,6 +59,26 @@ struct dg_host_controller {
     bool (*is_news)(const void *device, enum dg_host_bus event);
 };
 
+/** What a ring asks of an encoder in it; words are numbers of up to 32 bits, IN and OUT of one
+ * size. No operation is NULL. */
+struct dg_host_ring {
+    /** Words of 16 bits in either image: 1 or 2. Also before the first power-on. */
+    uint8_t (*words)(const struct dg_host_line *line);
+    /** Whether an ID cycle was here since it was switched on. */
+    bool (*identified)(const struct dg_host_line *line);
+    /** Its part of an ID cycle. `last`: the ring is cut behind it. @return its ID word */
+    uint16_t (*identify)(struct dg_host_line *line, dg_ns now, bool last);
+    /** Its part of a data cycle. @return IN */
+    uint32_t (*exchange)(struct dg_host_line *line, dg_ns now, uint32_t out);
+    /** A transmission error was found here. */
+    void (*spoil)(struct dg_host_line *line);
+    /** Until when data cycles with the same OUT as at `now` only count and latch; `now`: not even
+     * the next one. DG_NEVER */
+    dg_ns (*quiet)(const struct dg_host_line *line, dg_ns now);
+    /** Count data cycles that are not run. */
+    void (*skip)(struct dg_host_line *line, uint32_t cycles);
+};
+
 /** The wire. Operations may be NULL where they say so. */
 struct dg_host_wire {
     const struct dg_stack *stack;
@@ -105,6 +125,8 @@ struct dg_host_wire {
     int (*frame)(struct dg_host_line *line, struct dg_host_frame *to);
     /** NULL but of frames. */
     const struct dg_host_controller *controller;
+    /** DG_MEDIUM_WORDS: what a ring asks of it; NULL with all others. */
+    const struct dg_host_ring *ring;
     /** States of others: of the stack, whose settings begin with its own struct. */
     const struct dg_stack_check *state;
 };

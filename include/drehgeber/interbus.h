@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * OCD absolute encoders with INTERBUS (ENCOM profiles K1, K2, K3), and the ring they stand in.
- * Source: manual UMD OCD IB 11/03, chapters 2, 3.3, 5 and 9; what it leaves open is decided in
- * src/interbus/README.md, 'Inaccuracies and choices'. It is emulated at the level of process data:
- * words and time go in, words come out. Bits on the wire are not.
+ * OCD absolute encoders with INTERBUS (ENCOM profiles K1, K2, K3), each for itself; the ring that
+ * they stand in is bus_words.h. Source: manual UMD OCD IB 11/03, chapters 2, 3.3, 5 and 9; what it
+ * leaves open is decided in src/interbus/README.md, 'Inaccuracies and choices'. It is emulated at
+ * the level of process data: words and time go in, words come out. Bits on the wire are not.
  *
  * A data cycle n exchanges both directions at once, so that IN(n) cannot depend on OUT(n):
  *
@@ -49,10 +49,6 @@ struct dg_words;
 #define DG_IB_TURNS_MAX 4096u
 /** Registers of the protocol chip in the read-out mode (5.4.3). */
 #define DG_IB_OPC_REGISTERS 16u
-/** Most devices in a ring. */
-#define DG_IB_RING_MAX 512u
-/** Data cycles without valid data after one with a transmission error. */
-#define DG_IB_DEAD_CYCLES 5u
 /** So long after the last cycle the master counts as gone (LEDs). */
 #define DG_IB_BUS_TIMEOUT DG_MS(100)
 /** Half a period of a blinking LED. */
@@ -278,6 +274,11 @@ DG_API void dg_ib_power_off(struct dg_ib *self);
  */
 DG_API void dg_ib_cycle(struct dg_ib *self, dg_ns now, uint32_t out, uint32_t *in);
 
+/** After a cycle at `now`: until when further ones with the same OUT only count and latch. Of those
+ * before that moment it is enough to run the last one and to count the others. What is done to the
+ * device or its world ends it. @return `now`: not even the next one; DG_NEVER */
+DG_API dg_ns dg_ib_quiet(const struct dg_ib *self, dg_ns now);
+
 /** Position as a cycle would latch it at `now`, scaled, regardless of errors and mode. */
 DG_API uint32_t dg_ib_position(const struct dg_ib *self, dg_ns now);
 
@@ -292,6 +293,10 @@ DG_API uint16_t dg_ib_id(struct dg_ib *self, dg_ns now);
 
 /** The ID word without messages, from the model alone. */
 DG_API uint16_t dg_ib_id_word(const struct dg_ib_model *model);
+
+/** Whether a K1 or K2 tells a module error, bit 13 of its ID word (I19); as its latest cycle found
+ * it. */
+DG_API bool dg_ib_module_error(const struct dg_ib *self);
 
 /** Data words of a device in either image: 1 for a K1, 2 for K2 and K3. */
 DG_API uint8_t dg_ib_image_words(const struct dg_ib_model *model);
@@ -308,86 +313,24 @@ enum dg_ib_led {
 /** The LEDs at `now`: enum dg_ib_led, combined. Without power 0. */
 DG_API uint8_t dg_ib_leds(const struct dg_ib *self, dg_ns now);
 
-/** What became of a data cycle. Other than OK: no OUT was taken, `in` holds its last value. */
-enum dg_ib_ring_result {
-    DG_IB_RING_OK,          /**< loop-back word and check sequence came back right */
-    DG_IB_RING_CRC,         /**< transmission error */
-    DG_IB_RING_DEAD,        /**< one of the DG_IB_DEAD_CYCLES after it */
-    DG_IB_RING_INTERRUPTED, /**< no loop-back: a break, or a device without power */
-    DG_IB_RING_IDENTIFY,    /**< whole, but an ID cycle has to come first: start, after a break */
-};
-
-/** "The ring is not interrupted." */
+/** Numbers of a ring as programs of 0.3 know them; the ring is bus_words.h, which has the same. */
+#define DG_IB_RING_MAX 512u
+#define DG_IB_DEAD_CYCLES 5u
 #define DG_IB_RING_WHOLE UINT16_MAX
-
-/** Things nobody has to act on; they only count up. */
-struct dg_ib_ring_counters {
-    uint32_t cycles;      /**< data cycles, whatever became of them */
-    uint32_t ids;         /**< ID cycles */
-    uint32_t crc_errors;  /**< DG_IB_RING_CRC */
-    uint32_t dead;        /**< DG_IB_RING_DEAD */
-    uint32_t interrupted; /**< DG_IB_RING_INTERRUPTED */
+enum dg_ib_ring_result {
+    DG_IB_RING_OK,
+    DG_IB_RING_CRC,
+    DG_IB_RING_DEAD,
+    DG_IB_RING_INTERRUPTED,
+    DG_IB_RING_IDENTIFY,
 };
-
-/**
- * A master's ring. The devices stand in it in the order of the array. Plain data; the array is
- * borrowed. The host sets the two faults whenever it likes.
- */
-struct dg_ib_ring {
-    struct dg_ib *devices;
-    uint16_t count;      /**< 1..DG_IB_RING_MAX */
-    uint16_t words;      /**< of either image */
-    uint16_t broken_at;  /**< fault: the bus into this device is cut; DG_IB_RING_WHOLE: none */
-    uint16_t corrupt_at; /**< fault: the next data cycle fails at this device, then WHOLE again */
-    uint8_t dead;        /**< dead cycles to come */
-    bool configured;     /**< an ID cycle has reached all devices */
-    struct dg_ib_ring_counters counters;
-};
-
-/** Make a ring of `count` initialised devices. @return 0 or DG_ERR_ARGUMENT */
-DG_API int dg_ib_ring_init(struct dg_ib_ring *self, struct dg_ib *devices, size_t count);
-
-/**
- * An ID cycle: the ID words of all devices that can be reached, in ring order, message bits
- * included. The last one reached before a break switches its outgoing bus off (LED RD).
- * @param ids room for self->count words; those beyond the result are left as they are
- * @return devices reached; less than self->count when the ring is interrupted
- */
-DG_API uint16_t dg_ib_ring_id(struct dg_ib_ring *self, dg_ns now, uint16_t *ids);
-
-/**
- * A data cycle. Both images have the same layout: the devices in ring order, one word for a K1, two
- * for a K2 and a K3, the high word first; OUT words of K1 and K2 are not looked at.
- * @param out,in self->words words
- */
-DG_API enum dg_ib_ring_result dg_ib_ring_cycle(struct dg_ib_ring *self, dg_ns now,
-                                               const uint16_t *out, uint16_t *in);
-
-/**
- * Until when data cycles need not be run, for hosts that sleep: those before the returned time,
- * with the OUT words of the one at `now`, which gave `last`, only count and latch. It is enough to
- * run the last of them and to count the others, dg_ib_ring_skip(); the first one at or after the
- * time has to be run. What is done to ring, devices or world ends it: the next cycle has to be run
- * then.
- * @return `now`: the next cycle has to be run; DG_NEVER
- */
-DG_API dg_ns dg_ib_ring_quiet(const struct dg_ib_ring *self, enum dg_ib_ring_result last,
-                              dg_ns now);
-
-/** Count `cycles` data cycles that are not run; they would have given `last`, OK or INTERRUPTED. */
-DG_API void dg_ib_ring_skip(struct dg_ib_ring *self, enum dg_ib_ring_result last, uint32_t cycles);
-
-/** Count `cycles` ID cycles that are not run, between two alike that are. */
-DG_API void dg_ib_ring_skip_ids(struct dg_ib_ring *self, uint32_t cycles);
-
-/** Index of the first device that reports a module error (I19), or -1. */
-DG_API int dg_ib_ring_module_error(const struct dg_ib_ring *self);
 
 /** Bit times of a data cycle of n bytes and m devices: 13 * (6 + n) + 4 * m. */
 DG_API uint32_t dg_ib_bit_times(uint32_t bytes, uint32_t devices);
 
-/** Cycle time of a ring: its bit times at `baud` (500000 or 2000000) plus the master's time. */
-DG_API dg_ns dg_ib_ring_cycle_time(const struct dg_ib_ring *self, uint32_t baud, dg_ns software);
+/** Cycle time of a ring whose images have `words` words: its bit times at `baud` (500000 or
+ * 2000000) plus the master's time. */
+DG_API dg_ns dg_ib_cycle_time(uint32_t words, uint32_t devices, uint32_t baud, dg_ns software);
 
 /** The protocol: models are struct dg_ib_model, devices struct dg_ib; setup.port is not looked at.
  */

@@ -59,6 +59,7 @@ struct dg_tap_event {
                 *widths;    /**< words (1, 2) of each device, in ring order; NULL: not known */
             uint16_t count; /**< words of either image */
             bool valid;     /**< the cycle was completed */
+            bool identify;  /**< an ID cycle, which moves no words; `out` may be NULL then */
         } words;
         const char *note;
         struct {

@@ -30,6 +30,7 @@ struct dg_bus_medium {
     bool keeps_deadlines; /**< `next` is of its encoders, too: places need not be asked */
     bool ordered;         /**< go_on() and take() themselves serve what is due in the order of time:
                                nobody needs to ask for each moment */
+    bool is_read;         /**< the other end looks at what came in, and `tx` may be NULL */
     /** Zeroed memory becomes a wire. @return 0; DG_ERR_ARGUMENT: not with this setup */
     int (*begin)(struct dg_bus *self, const void *setup);
     /** An encoder comes to its place. @return 0; DG_ERR_ARGUMENT: not on this wire */

@@ -22,7 +22,8 @@ struct dg_bus *dg_bus_init(void *memory, size_t size, const struct dg_bus_setup 
 {
     struct dg_bus *self = memory;
 
-    if (setup->size != sizeof *setup || setup->ops == NULL || setup->ops->tx == NULL) {
+    if (setup->size != sizeof *setup || setup->ops == NULL ||
+        (setup->ops->tx == NULL && !setup->medium->is_read)) {
         return NULL;
     }
     const size_t needed = dg_bus_size(setup->medium, setup->encoders);

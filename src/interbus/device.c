@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A device on the bus: power, the data cycle, the ID cycle, LEDs. */
+/* A device on the bus: power, the data cycle, the ID cycle, LEDs; how long a cycle takes. */
 #include "drehgeber/angle.h"
 #include "interbus_private.h"
 
@@ -187,7 +187,7 @@ void dg_ib_cycle(struct dg_ib *self, dg_ns now, uint32_t out, uint32_t *in)
     }
 }
 
-static bool module_error(const struct dg_ib *self)
+bool dg_ib_module_error(const struct dg_ib *self)
 {
     return self->invalid && self->setup.model->profile != DG_IB_K3; /* I19 */
 }
@@ -200,7 +200,7 @@ uint16_t dg_ib_id(struct dg_ib *self, dg_ns now)
     self->invalid = is_invalid(self, now, dg_world_speed_mrpm(self->setup.world, now));
     word |= self->reconfigure ? MESSAGE_RECONFIGURE : 0u;
     word |= self->crc_error ? MESSAGE_CRC : 0u;
-    word |= module_error(self) ? MESSAGE_MODULE : 0u;
+    word |= dg_ib_module_error(self) ? MESSAGE_MODULE : 0u;
     self->reconfigure = false;
     self->crc_error = false;
     return (uint16_t)word;
@@ -228,4 +228,14 @@ uint8_t dg_ib_leds(const struct dg_ib *self, dg_ns now)
         }
     }
     return (uint8_t)leds;
+}
+
+uint32_t dg_ib_bit_times(uint32_t bytes, uint32_t devices)
+{
+    return 13u * (6u + bytes) + 4u * devices;
+}
+
+dg_ns dg_ib_cycle_time(uint32_t words, uint32_t devices, uint32_t baud, dg_ns software)
+{
+    return dg_after(dg_bit_times_ns(dg_ib_bit_times(2u * words, devices), baud), software);
 }

@@ -4,11 +4,14 @@
  * at the end lists them; interbus.rows explains them. Words are looked at as the master sees them,
  * the ring's as 16-bit images.
  */
+#include <stdalign.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "conformance.h"
+#include "drehgeber/bus_words.h"
 #include "drehgeber/devices.h"
+#include "drehgeber/host_wire.h"
 #include "drehgeber/interbus.h"
 #include "figures.h"
 #include "ram_nvm.h"
@@ -20,8 +23,12 @@
 #define SLACK 5u
 #define STAYS 3u
 
+#define MEMORY_MAX 16384u
+
 struct slave {
-    struct dg_ib_model model;
+    alignas(DG_HOST_ALIGN) uint8_t memory[MEMORY_MAX];
+    struct dg_host *encoder;
+    struct dg_ib_model *model; /* its settings */
     struct ram_nvm nvm;
 };
 
@@ -32,10 +39,10 @@ struct bench {
     int64_t rpm;
     struct dg_world world;
     struct slave slaves[DEVICES_MAX];
-    struct dg_ib ib[DEVICES_MAX]; /* the first is the one that `out` and `in` talk to */
+    struct dg_ib *ib[DEVICES_MAX]; /* the first is the one that `out` and `in` talk to */
     size_t count;
-    struct dg_ib_ring ring;
-    bool linked; /* `ring` is made of all devices so far */
+    alignas(DG_HOST_ALIGN) uint8_t of_ring[MEMORY_MAX];
+    struct dg_bus *ring; /* of all devices so far; NULL: it is to be made */
     uint32_t out;
     uint32_t in;               /* last one seen */
     uint16_t image[WORDS_MAX]; /* IN of the ring; a failed cycle leaves it */
@@ -48,7 +55,7 @@ static struct bench bench;
 /* clang-format off */
 #define MODEL(field, kind) CF_FIGURE(#field, dg_ib_model, field, kind)
 #define COUNTER(field) CF_FIGURE(#field, dg_ib_counters, field, U32)
-#define RING(field) CF_FIGURE(#field, dg_ib_ring_counters, field, U32)
+#define RING(field) CF_FIGURE(#field, dg_ring_counters, field, U32)
 static const struct cf_figure model_figures[] = {
     MODEL(steps, U16),  MODEL(turns, U16),   MODEL(steps_minus_one, BOOL), MODEL(temperature_sensor, BOOL),
     MODEL(serial, U32), MODEL(version, U32), MODEL(param_cycles, U8),      MODEL(loop, BOOL),
@@ -96,7 +103,7 @@ static dg_angle shaft_angle(void *ctx, dg_ns now)
 /* The first angle of that count of the first device, which is exactly on its edge. */
 static void set_angle(struct bench *b, const char *word)
 {
-    b->from = dg_angle_of_counts(strtoll(word, NULL, 0), b->slaves[0].model.steps);
+    b->from = dg_angle_of_counts(strtoll(word, NULL, 0), b->slaves[0].model->steps);
     b->since = b->now;
     b->rpm = 0;
 }
@@ -117,7 +124,7 @@ static bool matches(uint32_t word, const char *pattern, int digits)
 static void cycle(struct bench *b)
 {
     b->now += CYCLE;
-    dg_ib_cycle(&b->ib[0], b->now, b->out, &b->in);
+    dg_ib_cycle(b->ib[0], b->now, b->out, &b->in);
 }
 
 static bool parse_word(const char *text, uint32_t *to)
@@ -138,7 +145,7 @@ static bool unexpected(const struct bench *b, const char *pattern, struct cf_rep
 static bool become(struct bench *b, const char *pattern, struct cf_report *report)
 {
     uint32_t before = b->in;
-    unsigned patience = b->slaves[0].model.param_cycles + SLACK;
+    unsigned patience = b->slaves[0].model->param_cycles + SLACK;
 
     do {
         cycle(b);
@@ -225,25 +232,50 @@ static bool step_read(void *ctx, char **words, size_t n, struct cf_report *repor
 
 static bool link_ring(struct bench *b)
 {
-    b->linked = b->linked || dg_ib_ring_init(&b->ring, b->ib, b->count) == 0;
-    return b->linked;
+    static const struct dg_bus_ops ops = {.tx = NULL};
+    const struct dg_bus_words_setup wire = {sizeof wire, b->image, WORDS_MAX, false};
+    const struct dg_bus_setup setup = {sizeof setup, &dg_bus_words, DEVICES_MAX, &wire, &ops, NULL};
+
+    if (b->ring != NULL) {
+        return true;
+    }
+    b->ring = dg_bus_init(b->of_ring, sizeof b->of_ring, &setup);
+    for (size_t i = 0; b->ring != NULL && i < b->count; i++) {
+        if (dg_bus_attach(b->ring, b->slaves[i].encoder, NULL) != (int)i) {
+            b->ring = NULL;
+        }
+    }
+    return b->ring != NULL;
+}
+
+/* A cycle; without `out` an ID cycle. */
+static const struct dg_ring_state *run(struct bench *b, const uint16_t *out)
+{
+    const struct dg_tap_event event = {
+        .at = b->now,
+        .kind = DG_TAP_WORDS,
+        .words = {.out = out, .count = dg_ring_state(b->ring)->words, .identify = out == NULL},
+    };
+
+    (void)dg_bus_rx(b->ring, &event);
+    return dg_ring_state(b->ring);
 }
 
 /* ids WORD... */
 static bool step_ids(void *ctx, char **words, size_t n, struct cf_report *report)
 {
     struct bench *b = ctx;
-    uint16_t ids[DEVICES_MAX] = {0};
     uint16_t reached;
 
     b->now += CYCLE;
     if (!link_ring(b)) {
         return cf_fail(report, "the ring is refused");
     }
-    reached = dg_ib_ring_id(&b->ring, b->now, ids);
+    reached = run(b, NULL)->reached;
     for (size_t i = 0; i < reached && i + 1 < n; i++) {
-        if (ids[i] != strtoul(words[i + 1], NULL, 16)) {
-            return cf_fail(report, "ID word %zu: got %04X", i, ids[i]);
+        const uint16_t id = dg_ring_id_word(b->ring, i);
+        if (id != strtoul(words[i + 1], NULL, 16)) {
+            return cf_fail(report, "ID word %zu: got %04X", i, id);
         }
     }
     return reached + 1u == n || cf_fail(report, "%u devices reached", reached);
@@ -268,31 +300,31 @@ static bool step_data(void *ctx, char **words, size_t n, struct cf_report *repor
 {
     struct bench *b = ctx;
     static const char *const results[] = {
-        [DG_IB_RING_OK] = "ok",
-        [DG_IB_RING_CRC] = "crc",
-        [DG_IB_RING_DEAD] = "dead",
-        [DG_IB_RING_INTERRUPTED] = "interrupted",
-        [DG_IB_RING_IDENTIFY] = "identify",
+        [DG_RING_OK] = "ok",
+        [DG_RING_CRC] = "crc",
+        [DG_RING_DEAD] = "dead",
+        [DG_RING_INTERRUPTED] = "interrupted",
+        [DG_RING_IDENTIFY] = "identify",
     };
     uint16_t out[WORDS_MAX] = {0};
     size_t colon = 2;
-    enum dg_ib_ring_result result;
 
     while (colon < n && strcmp(words[colon], ":") != 0) {
         colon++;
     }
-    if (!link_ring(b) || colon == n || colon != (size_t)b->ring.words + 2) {
-        return cf_fail(report, "data RESULT OUT... : IN...; the image has %u words", b->ring.words);
+    const size_t length = link_ring(b) ? dg_ring_state(b->ring)->words : 0;
+    if (colon == n || colon != length + 2) {
+        return cf_fail(report, "data RESULT OUT... : IN...; the image has %zu words", length);
     }
     for (size_t i = 2; i < colon; i++) {
         out[i - 2] = (uint16_t)strtoul(words[i], NULL, 16);
     }
     b->now += CYCLE;
-    result = dg_ib_ring_cycle(&b->ring, b->now, out, b->image);
-    if (strcmp(results[result], words[1]) != 0) {
-        return cf_fail(report, "expected %s, got %s", words[1], results[result]);
+    const char *result = results[run(b, out)->result];
+    if (strcmp(result, words[1]) != 0) {
+        return cf_fail(report, "expected %s, got %s", words[1], result);
     }
-    return check_image(b->image, b->ring.words, words + colon + 1, n - colon - 1, report);
+    return check_image(b->image, length, words + colon + 1, n - colon - 1, report);
 }
 
 static bool step_break(void *ctx, char **words, size_t n, struct cf_report *report)
@@ -303,7 +335,7 @@ static bool step_break(void *ctx, char **words, size_t n, struct cf_report *repo
     if (n != 2 || !link_ring(b)) {
         return cf_fail(report, "break N or break none");
     }
-    b->ring.broken_at = heal ? DG_IB_RING_WHOLE : (uint16_t)strtoul(words[1], NULL, 10);
+    dg_ring_cut(b->ring, heal ? DG_RING_WHOLE : (uint16_t)strtoul(words[1], NULL, 10));
     return true;
 }
 
@@ -313,7 +345,7 @@ static bool step_corrupt(void *ctx, char **words, size_t n, struct cf_report *re
     if (n != 2 || !link_ring(b)) {
         return cf_fail(report, "corrupt N");
     }
-    b->ring.corrupt_at = (uint16_t)strtoul(words[1], NULL, 10);
+    dg_ring_spoil(b->ring, (uint16_t)strtoul(words[1], NULL, 10));
     return true;
 }
 
@@ -321,8 +353,12 @@ static bool step_corrupt(void *ctx, char **words, size_t n, struct cf_report *re
 static bool step_module(void *ctx, char **words, size_t n, struct cf_report *report)
 {
     struct bench *b = ctx;
-    long got = link_ring(b) ? dg_ib_ring_module_error(&b->ring) : -2;
+    long got = 0;
 
+    while (got < (long)b->count && !dg_ib_module_error(b->ib[got])) {
+        got++;
+    }
+    got = got < (long)b->count ? got : -1;
     return (n == 2 && got == strtol(words[1], NULL, 10)) ||
            cf_fail(report, "module error: got %ld", got);
 }
@@ -334,8 +370,9 @@ static bool step_cycletime(void *ctx, char **words, size_t n, struct cf_report *
     dg_ns got = 0;
 
     if (n == 4 && link_ring(b)) {
-        got = dg_ib_ring_cycle_time(&b->ring, (uint32_t)strtoul(words[1], NULL, 10),
-                                    DG_US(strtoul(words[2], NULL, 10)));
+        got = dg_ib_cycle_time(dg_ring_state(b->ring)->words, (uint32_t)b->count,
+                               (uint32_t)strtoul(words[1], NULL, 10),
+                               DG_US(strtoul(words[2], NULL, 10)));
     }
     return (n == 4 && got == strtoul(words[3], NULL, 10)) ||
            cf_fail(report, "cycle time: got %llu ns", (unsigned long long)got);
@@ -356,22 +393,17 @@ static bool step_bits(void *ctx, char **words, size_t n, struct cf_report *repor
 static bool step_ringcount(void *ctx, char **words, size_t n, struct cf_report *report)
 {
     struct bench *b = ctx;
-    return link_ring(b) && check_counter(ring_counters, &b->ring.counters, words, n, report);
+    return link_ring(b) &&
+           check_counter(ring_counters, &dg_ring_state(b->ring)->counters, words, n, report);
 }
 
-/* ringsize N ok|refused: devices that are initialised over and over */
+/* ringsize N ok|refused */
 static bool step_ringsize(void *ctx, char **words, size_t n, struct cf_report *report)
 {
-    struct bench *b = ctx;
-    static struct dg_ib many[DG_IB_RING_MAX + 1u];
     size_t count = n == 3 ? strtoul(words[1], NULL, 10) : 0;
-    struct dg_ib_ring ring;
 
-    for (size_t i = 0; i < count && i <= DG_IB_RING_MAX; i++) {
-        many[i] = b->ib[0];
-    }
-    return (n == 3 &&
-            (dg_ib_ring_init(&ring, many, count) == 0) == (strcmp(words[2], "ok") == 0)) ||
+    (void)ctx;
+    return (n == 3 && (dg_bus_size(&dg_bus_words, count) != 0) == (strcmp(words[2], "ok") == 0)) ||
            cf_fail(report, "a ring of %zu devices is not %s", count, n == 3 ? words[2] : "");
 }
 
@@ -386,7 +418,7 @@ static bool step_led(void *ctx, char **words, size_t n, struct cf_report *report
         uint8_t bit;
     } leds[] = {
         {"UL", DG_IB_LED_UL}, {"RC", DG_IB_LED_RC}, {"BA", DG_IB_LED_BA}, {"RD", DG_IB_LED_RD}};
-    uint8_t lit = dg_ib_leds(&b->ib[0], b->now);
+    uint8_t lit = dg_ib_leds(b->ib[0], b->now);
 
     for (size_t i = 0; n == 3 && i < sizeof leds / sizeof leds[0]; i++) {
         if (strcmp(leds[i].name, words[1]) == 0) {
@@ -407,15 +439,14 @@ static bool step_blink(void *ctx, char **words, size_t n, struct cf_report *repo
     const unsigned long period_ms = 20;
     unsigned long lit_ms = 0;
     unsigned long want_ms = n == 3 ? strtoul(words[1], NULL, 10) : 0;
-    uint16_t ids[DEVICES_MAX];
 
     if (want_ms == 0 || want_ms + strtoul(words[2], NULL, 10) != 1000 || !link_ring(b)) {
         return cf_fail(report, "blink ON OFF, a second together");
     }
     for (unsigned long at_ms = 0; at_ms < 1000; at_ms += period_ms) {
         b->now += DG_MS(period_ms);
-        (void)dg_ib_ring_id(&b->ring, b->now, ids);
-        lit_ms += (dg_ib_leds(&b->ib[0], b->now) & DG_IB_LED_BA) != 0 ? period_ms : 0;
+        (void)run(b, NULL);
+        lit_ms += (dg_ib_leds(b->ib[0], b->now) & DG_IB_LED_BA) != 0 ? period_ms : 0;
     }
     return (lit_ms + period_ms >= want_ms && lit_ms <= want_ms + period_ms) ||
            cf_fail(report, "BA is lit for %lu ms", lit_ms);
@@ -424,16 +455,26 @@ static bool step_blink(void *ctx, char **words, size_t n, struct cf_report *repo
 static bool step_count(void *ctx, char **words, size_t n, struct cf_report *report)
 {
     struct bench *b = ctx;
-    return check_counter(counters, &b->ib[0].counters, words, n, report);
+    return check_counter(counters, &b->ib[0]->counters, words, n, report);
 }
 
 static bool step_range(void *ctx, char **words, size_t n, struct cf_report *report)
 {
     struct bench *b = ctx;
-    uint32_t got = dg_ib_range(&b->ib[0]);
+    uint32_t got = dg_ib_range(b->ib[0]);
 
     return (n == 2 && got == strtoul(words[1], NULL, 0)) ||
            cf_fail(report, "range: got %lu", (unsigned long)got);
+}
+
+static int switch_power(struct bench *b, bool on)
+{
+    const int result = dg_host_power(b->slaves[0].encoder, b->now, on);
+
+    if (b->ring != NULL) {
+        (void)dg_bus_changed(b->ring, 0, b->now);
+    }
+    return result;
 }
 
 /* power off | power on [test] */
@@ -445,16 +486,16 @@ static bool step_power(void *ctx, char **words, size_t n, struct cf_report *repo
 
     b->out = 0;
     if (!on) {
-        dg_ib_power_off(&b->ib[0]);
+        switch_power(b, false);
         b->now += DG_MS(10);
         return true;
     }
-    result = dg_ib_power_on(&b->ib[0], b->now);
+    result = switch_power(b, true);
     if (result != 0) {
         return cf_fail(report, "power on returned %d", result);
     }
     if (n < 3 || strcmp(words[2], "test") != 0) {
-        b->now += b->slaves[0].model.self_test;
+        b->now += b->slaves[0].model->self_test;
         cycle(b);
     }
     return true;
@@ -465,29 +506,28 @@ static bool add_device(struct bench *b, char **words, size_t n, struct cf_report
 {
     const struct dg_device *device = n > 1 ? dg_device_find(words[1]) : NULL;
     struct slave *slave = &b->slaves[b->count];
-    struct dg_ib_setup setup = {&slave->model, &b->world, {NULL, NULL}};
 
     if (device == NULL || device->stack != &dg_ib_stack || b->count == DEVICES_MAX) {
         return cf_fail(report, "no such model, or too many");
     }
-    slave->model = *dg_ib_model_of(device);
+    slave->encoder = dg_host_init_on_bus(slave->memory, sizeof slave->memory, device, &dg_ib_wire);
+    slave->model = dg_host_line_of(slave->encoder)->settings;
+    *dg_host_world(slave->encoder) = b->world;
     for (size_t i = 2; i < n; i++) {
         if (strncmp(words[i], "raw=", 4) != 0 && strcmp(words[i], "test") != 0 &&
-            !cf_set_figure(model_figures, &slave->model, words[i])) {
+            !cf_set_figure(model_figures, slave->model, words[i])) {
             return cf_fail(report, "no such figure: %s", words[i]);
         }
     }
     ram_nvm_init(&slave->nvm, dg_store_size(&dg_ib_layout));
-    setup.nvm = ram_nvm_port(&slave->nvm);
-    if (slave->model.profile == DG_IB_K3 && dg_ib_format(&slave->model, setup.nvm) != 0) {
-        return cf_fail(report, "the memory cannot be formatted");
-    }
-    if (dg_ib_init(&b->ib[b->count], &setup) != 0 ||
-        dg_ib_power_on(&b->ib[b->count], b->now) != 0) {
+    const struct dg_nvm nvm = ram_nvm_port(&slave->nvm);
+    if (dg_host_memory_port(slave->encoder, &nvm) != DG_HOST_OK ||
+        dg_host_power(slave->encoder, b->now, true) != DG_HOST_OK) {
         return cf_fail(report, "these figures are refused");
     }
+    b->ib[b->count] = dg_host_line_of(slave->encoder)->device;
     b->count++;
-    b->linked = false;
+    b->ring = NULL;
     return true;
 }
 
@@ -509,7 +549,7 @@ static bool step_given(void *ctx, char **words, size_t n, struct cf_report *repo
         }
     }
     if (!test) {
-        b->now += b->slaves[0].model.self_test;
+        b->now += b->slaves[0].model->self_test;
         cycle(b);
     }
     return true;
@@ -521,7 +561,7 @@ static bool step_also(void *ctx, char **words, size_t n, struct cf_report *repor
     struct bench *b = ctx;
     bool good = add_device(b, words, n, report);
 
-    b->now += good ? b->slaves[b->count - 1].model.self_test : 0;
+    b->now += good ? b->slaves[b->count - 1].model->self_test : 0;
     return good;
 }
 
@@ -565,6 +605,9 @@ static bool step_world(void *ctx, char **words, size_t n, struct cf_report *repo
             return cf_fail(report, "no such quantity: %s", words[i]);
         }
     }
+    for (size_t i = 0; i < b->count; i++) {
+        *dg_host_world(b->slaves[i].encoder) = b->world;
+    }
     return true;
 }
 
@@ -594,7 +637,7 @@ static bool step_opc(void *ctx, char **words, size_t n, struct cf_report *report
     if (number >= DG_IB_OPC_REGISTERS) {
         return cf_fail(report, "opc REGISTER BYTE");
     }
-    b->ib[0].opc[number] = (uint8_t)strtoul(words[2], NULL, 16);
+    b->ib[0]->opc[number] = (uint8_t)strtoul(words[2], NULL, 16);
     return true;
 }
 

@@ -10,22 +10,40 @@
 #include <string.h>
 
 #include "drehgeber/devices.h"
+#include "drehgeber/interbus.h"
 #include "fuzz_input.h"
-#include "ib_rig.h"
+#include "ram_nvm.h"
+#include "ring_rig.h"
 
 #define DEVICES 3u
 #define K3 2u
-#define WORDS 5u
+
+/* A shaft that turns steadily. */
+struct shaft {
+    dg_angle angle;
+    int64_t angle_per_ms;
+};
 
 struct bench {
-    struct ib_rig rigs[DEVICES]; /* worlds and memories; the devices are in the ring */
-    struct dg_ib devices[DEVICES];
-    struct dg_ib_ring ring;
-    uint16_t out[WORDS];
-    uint16_t in[WORDS];
-    uint16_t ids[DEVICES];
-    dg_ns now;
+    struct ring_rig ring;
+    struct shaft shafts[DEVICES];
+    struct ram_nvm nvm; /* of the K3 */
 };
+
+static struct dg_ib *device_at(const struct bench *bench, size_t place)
+{
+    return ring_rig_device(&bench->ring, place);
+}
+
+/* Whole milliseconds and the rest apart, modulo 2^64: nothing overflows. */
+static dg_angle angle_of(void *ctx, dg_ns now)
+{
+    const struct shaft *self = ctx;
+    const uint64_t whole = (uint64_t)self->angle_per_ms * (now / DG_MS(1));
+    const int64_t rest = self->angle_per_ms * (int64_t)(now % DG_MS(1)) / (int64_t)DG_MS(1);
+
+    return (dg_angle)((uint64_t)self->angle + whole + (uint64_t)rest);
+}
 
 /* 9.3, 9.4, 9.6: what a K3 may show. */
 static void check_k3(const struct dg_ib *device, uint32_t in)
@@ -50,11 +68,13 @@ static void check_k3(const struct dg_ib *device, uint32_t in)
 
 static void check(const struct bench *bench)
 {
-    const struct dg_ib *device = &bench->devices[K3];
+    const struct dg_ib *device = device_at(bench, K3);
+    const dg_ns now = bench->ring.now;
 
     for (size_t i = 0; i < DEVICES; i++) {
-        fuzz_must(dg_ib_position(&bench->devices[i], bench->now) < dg_ib_range(&bench->devices[i]));
-        fuzz_must((dg_ib_leds(&bench->devices[i], bench->now) & ~0x1Fu) == 0);
+        const struct dg_ib *each = device_at(bench, i);
+        fuzz_must(dg_ib_position(each, now) < dg_ib_range(each));
+        fuzz_must((dg_ib_leds(each, now) & ~0x1Fu) == 0);
     }
     fuzz_must(device->mode >= DG_IB_POSITION && device->mode <= DG_IB_CAM + DG_IB_PROGRAMS);
     fuzz_must(device->shift_iw <= 25);
@@ -66,20 +86,18 @@ static void check(const struct bench *bench)
 
 static void cycle(struct bench *bench)
 {
-    const uint16_t before = bench->in[0];
+    struct ring_rig *ring = &bench->ring;
+    const uint16_t before = ring->in[0];
 
-    bench->now = dg_after(bench->now, DG_MS(1));
-    const enum dg_ib_ring_result result =
-        dg_ib_ring_cycle(&bench->ring, bench->now, bench->out, bench->in);
-    if (result == DG_IB_RING_OK) {
-        fuzz_must(bench->in[0] < 4096 && bench->in[1] < 256);
-        check_k3(&bench->devices[K3], (uint32_t)bench->in[3] << 16 | bench->in[4]);
+    ring->now = dg_after(ring->now, DG_MS(1));
+    const enum dg_ring_result result = ring_rig_cycle(ring);
+    if (result == DG_RING_OK && !dg_ring_state(ring->bus)->dropped) {
+        fuzz_must(ring->in[0] < 4096 && ring->in[1] < 256);
+        check_k3(device_at(bench, K3), (uint32_t)ring->in[3] << 16 | ring->in[4]);
     } else {
-        fuzz_must(bench->in[0] == before);
+        fuzz_must(ring->in[0] == before);
     }
-    if (result == DG_IB_RING_IDENTIFY || result == DG_IB_RING_INTERRUPTED) {
-        fuzz_must(dg_ib_ring_id(&bench->ring, bench->now, bench->ids) <= DEVICES);
-    }
+    fuzz_must(dg_ring_state(ring->bus)->reached <= DEVICES);
     check(bench);
 }
 
@@ -87,8 +105,8 @@ static void cycle(struct bench *bench)
 
 static void send(struct bench *bench, uint32_t word, unsigned cycles)
 {
-    bench->out[3] = (uint16_t)(word >> 16);
-    bench->out[4] = (uint16_t)word;
+    bench->ring.out[3] = (uint16_t)(word >> 16);
+    bench->ring.out[4] = (uint16_t)word;
     for (unsigned i = 0; i < cycles; i++) {
         cycle(bench);
     }
@@ -119,7 +137,7 @@ static void op_command(struct bench *bench, struct fuzz_input *input)
 
 static void op_torn(struct bench *bench, struct fuzz_input *input)
 {
-    bench->out[3] = (uint16_t)fuzz_take32(input);
+    bench->ring.out[3] = (uint16_t)fuzz_take32(input);
     cycle(bench);
 }
 
@@ -127,22 +145,26 @@ static void op_time(struct bench *bench, struct fuzz_input *input)
 {
     const uint8_t shift = fuzz_take(input) & 63u;
 
-    bench->now = dg_after(bench->now, (uint64_t)fuzz_take(input) << shift);
+    bench->ring.now = dg_after(bench->ring.now, (uint64_t)fuzz_take(input) << shift);
     cycle(bench);
 }
 
 static void op_world(struct bench *bench, struct fuzz_input *input)
 {
-    struct ib_rig *rig = &bench->rigs[fuzz_take(input) % DEVICES];
+    const size_t place = fuzz_take(input) % DEVICES;
     const uint8_t bits = fuzz_take(input);
+    struct shaft *shaft = &bench->shafts[place];
+    struct dg_world *world = ring_rig_world(&bench->ring, place);
 
-    rig->angle = (dg_angle)((uint64_t)fuzz_take32(input) << 32 | fuzz_take32(input));
-    rig->angle_per_ms = (int64_t)(int32_t)fuzz_take32(input) * 256;
-    rig->world.temperature_mdegc = (int32_t)fuzz_take32(input);
-    rig->world.singleturn_ok = (bits & 1u) != 0;
-    rig->world.multiturn_sync_ok = (bits & 2u) != 0;
-    rig->world.eeprom_acknowledges = (bits & 4u) == 0;
-    rig->nvm.no_acknowledge = (bits & 8u) != 0;
+    shaft->angle = (dg_angle)((uint64_t)fuzz_take32(input) << 32 | fuzz_take32(input));
+    shaft->angle_per_ms = (int64_t)(int32_t)fuzz_take32(input) * 256;
+    world->temperature_mdegc = (int32_t)fuzz_take32(input);
+    world->singleturn_ok = (bits & 1u) != 0;
+    world->multiturn_sync_ok = (bits & 2u) != 0;
+    world->eeprom_acknowledges = (bits & 4u) == 0;
+    if (place == K3) {
+        bench->nvm.no_acknowledge = (bits & 8u) != 0;
+    }
     cycle(bench);
 }
 
@@ -150,14 +172,18 @@ static void op_ring(struct bench *bench, struct fuzz_input *input)
 {
     const uint8_t how = fuzz_take(input);
 
-    bench->ring.broken_at = (how & 8u) != 0 ? how % 8u : DG_IB_RING_WHOLE;
-    bench->ring.corrupt_at = (how & 16u) != 0 ? how % 8u : DG_IB_RING_WHOLE;
+    dg_ring_cut(bench->ring.bus, (how & 8u) != 0 ? how % 8u : DG_RING_WHOLE);
+    dg_ring_spoil(bench->ring.bus, (how & 16u) != 0 ? how % 8u : DG_RING_WHOLE);
+    if ((how & 32u) != 0) {
+        ring_rig_bend(&bench->ring, how % DEVICES, (how & 64u) != 0 ? DG_WIRE_DROP : DG_WIRE_DAMAGE,
+                      1u + how % 4u);
+    }
     cycle(bench);
 }
 
 static void op_rot(struct bench *bench, struct fuzz_input *input)
 {
-    struct ram_nvm *nvm = &bench->rigs[K3].nvm;
+    struct ram_nvm *nvm = &bench->nvm;
     const uint32_t where = fuzz_take32(input);
 
     nvm->bytes[(where >> 3) % nvm->size] ^= (uint8_t)(1u << (where & 7u));
@@ -166,8 +192,8 @@ static void op_rot(struct bench *bench, struct fuzz_input *input)
 static void op_power(struct bench *bench, struct fuzz_input *input)
 {
     const uint8_t how = fuzz_take(input);
-    struct dg_ib *device = &bench->devices[how % DEVICES];
-    struct ram_nvm *nvm = &bench->rigs[how % DEVICES].nvm;
+    struct dg_ib *device = device_at(bench, how % DEVICES);
+    struct ram_nvm *nvm = &bench->nvm;
 
     if ((how & 64u) != 0) {
         ram_nvm_cut(nvm, how & 31u, (enum ram_nvm_tear)(fuzz_take(input) % RAM_NVM_TEAR_COUNT),
@@ -175,33 +201,45 @@ static void op_power(struct bench *bench, struct fuzz_input *input)
         return;
     }
     ram_nvm_restore(nvm);
-    if (dg_ib_power_on(device, bench->now) != DG_OK) {
+    if (dg_ib_power_on(device, bench->ring.now) != DG_OK) {
         fuzz_must(!device->powered);
         fuzz_must(dg_ib_format(device->setup.model, device->setup.nvm) == DG_OK);
-        fuzz_must(dg_ib_power_on(device, bench->now) == DG_OK);
+        fuzz_must(dg_ib_power_on(device, bench->ring.now) == DG_OK);
     }
+    (void)dg_bus_changed(bench->ring.bus, how % DEVICES, bench->ring.now);
     cycle(bench);
+}
+
+static void make_k3(struct bench *bench, struct dg_host *encoder, uint8_t how)
+{
+    struct dg_ib_model *model = dg_host_line_of(encoder)->settings;
+
+    model->steps_minus_one = (how & 1u) != 0;
+    model->turns = (how & 2u) != 0 ? 1 : 4096;
+    model->param_cycles = (uint8_t)(1u + (how >> 6));
+    ram_nvm_init(&bench->nvm, dg_store_size(&dg_ib_layout));
+    const struct dg_nvm nvm = ram_nvm_port(&bench->nvm);
+    fuzz_must(dg_host_memory_port(encoder, &nvm) == DG_HOST_OK);
 }
 
 static void set_up(struct bench *bench, struct fuzz_input *input)
 {
     static const char *const names[DEVICES] = {"ocd-ib-k1", "ocd-ib-k2", "ocd-ib-k3"};
 
-    memset(bench, 0, sizeof *bench);
+    memset(bench->shafts, 0, sizeof bench->shafts);
+    ring_rig_init(&bench->ring);
+    bench->ring.wire.identifies = true;
     for (size_t i = 0; i < DEVICES; i++) {
-        struct dg_ib_model model = *dg_ib_model_of(dg_device_find(names[i]));
+        struct dg_host *encoder = ring_rig_add(&bench->ring, names[i]);
+        struct dg_world *world = ring_rig_world(&bench->ring, i);
+        world->angle = angle_of;
+        world->angle_ctx = &bench->shafts[i];
         if (i == K3) {
-            const uint8_t how = fuzz_take(input);
-            model.steps_minus_one = (how & 1u) != 0;
-            model.turns = (how & 2u) != 0 ? 1 : 4096;
-            model.param_cycles = (uint8_t)(1u + (how >> 6));
+            make_k3(bench, encoder, fuzz_take(input));
         }
-        fuzz_must(ib_rig_init(&bench->rigs[i], &model) == DG_OK);
-        bench->devices[i] = bench->rigs[i].device;
-        fuzz_must(dg_ib_power_on(&bench->devices[i], 0) == DG_OK);
     }
-    fuzz_must(dg_ib_ring_init(&bench->ring, bench->devices, DEVICES) == DG_OK);
-    bench->now = DG_MS(100);
+    ring_rig_open(&bench->ring);
+    bench->ring.now = DG_MS(100);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)

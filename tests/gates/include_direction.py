@@ -130,6 +130,7 @@ OWNER = {
     "bus_characters.h": "bus",
     "bus_edges.h": "bus",
     "bus_frames.h": "bus",
+    "bus_words.h": "bus",
 }
 ROWS = ALLOWED | ROOMS
 # Files that stand in a protocol's folder and belong to other libraries.

@@ -336,6 +336,16 @@ static void without_power_nothing_answers(void **state)
     assert_int_equal(dg_ib_leds(&rig.device, rig.now), 0);
 }
 
+static void cycle_times(void **state)
+{
+    (void)state;
+    assert_int_equal(dg_ib_bit_times(4, 1), 134);
+    assert_int_equal(dg_ib_cycle_time(2, 1, 500000, 0), DG_US(268));
+    assert_int_equal(dg_ib_cycle_time(2, 1, 2000000, 0), DG_US(67));
+    assert_int_equal(dg_ib_cycle_time(2, 1, 2000000, DG_US(200)), DG_US(267));
+    assert_int_equal(dg_ib_cycle_time(7, 4, 500000, 0), DG_US(2 * (13 * 20 + 16)));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -349,6 +359,7 @@ int main(void)
         cmocka_unit_test(no_valid_position),
         cmocka_unit_test(k1_and_k2),
         cmocka_unit_test_setup(without_power_nothing_answers, set_up),
+        cmocka_unit_test(cycle_times),
     };
     return cmocka_run_group_tests_name("position of an OCD INTERBUS", tests, NULL, NULL);
 }

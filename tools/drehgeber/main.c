@@ -65,7 +65,7 @@ static bool wire_fits(const struct options *options, const struct dg_device *dev
 static int map(const struct options *options)
 {
     const struct dg_device *device = options->model == NULL ? NULL : dg_device_find(options->model);
-    const struct dg_ib_model *models[DG_IB_RING_MAX];
+    const struct dg_ib_model *models[DG_RING_MAX];
     struct lx_plan plan;
     struct lx_error error;
     if (options->ring == NULL && (device == NULL || device->stack != &dg_ib_stack)) {

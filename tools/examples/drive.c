@@ -36,7 +36,6 @@ struct drive {
     struct dg_co_node can;
     struct dg_cia406 can_encoder;
     struct dg_ib interbus;
-    struct dg_ib_ring ring;
     uint32_t position[4]; /* RS485, BiSS, CANopen, INTERBUS */
     bool rs485_replied;   /* in this cycle */
     uint64_t biss_counts; /* of the last frame */
@@ -107,7 +106,7 @@ static int power_up(struct drive *self)
            dg_co_format(can->device, nvm[2], 1) || dg_cia406_init(&self->can_encoder, can) ||
            dg_co_init(&self->can, &can_setup) || dg_co_power_on(&self->can, 0) ||
            dg_ib_format(interbus, nvm[3]) || dg_ib_init(&self->interbus, &interbus_setup) ||
-           dg_ib_power_on(&self->interbus, 0) || dg_ib_ring_init(&self->ring, &self->interbus, 1);
+           dg_ib_power_on(&self->interbus, 0);
 }
 
 /* 42h, a character at a time; the reply comes, and its position is latched, in some later cycle. */
@@ -157,11 +156,11 @@ static void read_can(struct drive *self, dg_ns now)
 
 static void read_interbus(struct drive *self, dg_ns now)
 {
-    const uint16_t out[2] = {0, 0};
-    uint16_t in[2] = {0, 0};
+    uint32_t in = DG_IB_NOT_VALID;
 
-    self->faults += dg_ib_ring_cycle(&self->ring, now, out, in) == DG_IB_RING_OK ? 0u : 1u;
-    self->position[3] = ((uint32_t)in[0] << 16 | in[1]) & DG_IB_DATA_MASK;
+    dg_ib_cycle(&self->interbus, now, 0, &in);
+    self->faults += (in & DG_IB_NOT_VALID) == 0 ? 0u : 1u;
+    self->position[3] = in & DG_IB_DATA_MASK;
 }
 
 /* A PI controller of the speed. Its output is the torque: an acceleration until the next cycle. */
@@ -212,7 +211,6 @@ int main(void)
 {
     static struct drive drive;
     const struct dg_can_frame start = {.dlc = 2, .data = {1, 0}}; /* NMT, all nodes */
-    uint16_t id;
     unsigned replies = 0;
     unsigned disagreements = 0;
 
@@ -220,7 +218,7 @@ int main(void)
         return 1;
     }
     (void)dg_co_rx(&drive.can, CYCLE, &start);
-    (void)dg_ib_ring_id(&drive.ring, CYCLE, &id);
+    (void)dg_ib_id(&drive.interbus, CYCLE);
     printf("   ms    rpm      is       RS485      BiSS   CANopen  INTERBUS\n");
     for (unsigned ms = 0; ms < END_MS; ms++) {
         disagreements += cycle(&drive, ms) ? 0u : 1u;

@@ -69,28 +69,38 @@ static uint16_t read_text(const struct lx_map *self, uint16_t index)
 /* The ring that was found is not the one that is expected. */
 static bool mismatch(const struct lx_ring *ring)
 {
-    for (uint16_t i = 0; i < ring->reached; i++) {
-        if ((ring->ids[i] & ~ID_MESSAGES) != dg_ib_id_word(&ring->models[i])) {
+    for (uint16_t i = 0; i < ring->is->reached; i++) {
+        if ((dg_ring_id_word(ring->bus, i) & ~ID_MESSAGES) !=
+            dg_ib_id_word(lx_ring_model(ring, i))) {
             return true;
         }
     }
-    return ring->reached < ring->ring.count;
+    return ring->is->reached < ring->count;
+}
+
+static bool has_module_error(const struct lx_ring *ring)
+{
+    for (size_t i = 0; i < ring->count; i++) {
+        if (dg_ib_module_error(lx_ring_device(ring, i))) {
+            return true;
+        }
+    }
+    return false;
 }
 
 static uint16_t read_status(const struct lx_map *self, uint16_t index)
 {
     const struct lx_ring *ring = self->ring;
-    const bool run = !ring->stopped && ring->result == DG_IB_RING_OK;
+    const bool whole = ring->is->result == DG_RING_OK;
     (void)index;
-    return (uint16_t)((run ? 1u : 0u) | (ring->result != DG_IB_RING_OK ? 2u : 0u) |
-                      (dg_ib_ring_module_error(&ring->ring) >= 0 ? 4u : 0u) |
-                      (mismatch(ring) ? 8u : 0u));
+    return (uint16_t)((whole && !ring->stopped ? 1u : 0u) | (whole ? 0u : 2u) |
+                      (has_module_error(ring) ? 4u : 0u) | (mismatch(ring) ? 8u : 0u));
 }
 
 static uint16_t read_image_bits(const struct lx_map *self, uint16_t index)
 {
     (void)index;
-    return (uint16_t)(16u * self->ring->ring.words);
+    return (uint16_t)(16u * self->ring->is->words);
 }
 
 static uint16_t read_zero(const struct lx_map *self, uint16_t index)
@@ -184,20 +194,16 @@ static uint16_t state_bits(const struct dg_ib *device, dg_ns now)
 static uint16_t read_device(const struct lx_map *self, uint16_t index)
 {
     const uint16_t number = (uint16_t)(index / DEVICE_REGISTERS);
-    const struct dg_ib *device = &self->ring->devices[number];
+    const struct lx_ring *ring = self->ring;
+    const struct dg_ib *device = lx_ring_device(ring, number);
+    const unsigned id = number < ring->is->reached ? dg_ring_id_word(ring->bus, number) : 0;
     const uint16_t registers[DEVICE_REGISTERS] = {
-        [0] = number < self->ring->reached ? (uint16_t)(self->ring->ids[number] & ~ID_MESSAGES) : 0,
-        [1] = state_bits(device, self->now),
-        [2] = high(device->counters.cycles),
-        [3] = (uint16_t)device->counters.cycles,
-        [4] = high(device->counters.crc_errors),
-        [5] = (uint16_t)device->counters.crc_errors,
-        [6] = dg_ib_leds(device, self->now),
-        [7] = device->mode,
-        [8] = high(device->last_command),
-        [9] = (uint16_t)device->last_command,
-        [10] = high(device->last_error),
-        [11] = (uint16_t)device->last_error,
+        [0] = (uint16_t)(id & ~ID_MESSAGES),     [1] = state_bits(device, self->now),
+        [2] = high(device->counters.cycles),     [3] = (uint16_t)device->counters.cycles,
+        [4] = high(device->counters.crc_errors), [5] = (uint16_t)device->counters.crc_errors,
+        [6] = dg_ib_leds(device, self->now),     [7] = device->mode,
+        [8] = high(device->last_command),        [9] = (uint16_t)device->last_command,
+        [10] = high(device->last_error),         [11] = (uint16_t)device->last_error,
     };
     return registers[index % DEVICE_REGISTERS];
 }
@@ -239,12 +245,12 @@ static const struct {
 
 static uint32_t count_of(const struct lx_map *self, const struct row *row)
 {
-    const struct dg_ib_ring *ring = &self->ring->ring;
+    const struct lx_ring *ring = self->ring;
     switch (row->size) {
     case FIXED:
         return row->count;
     case IMAGE:
-        return ring->words;
+        return ring->is->words;
     case PER_DEVICE:
         return DEVICE_REGISTERS * (uint32_t)ring->count;
     }
@@ -266,8 +272,8 @@ static bool splits(const struct lx_map *self, uint32_t boundary)
 {
     const struct lx_ring *ring = self->ring;
     uint32_t at = OUTPUT_IMAGE;
-    for (uint16_t i = 0; i < ring->ring.count && at < boundary; i++) {
-        at += dg_ib_image_words(&ring->models[i]);
+    for (size_t i = 0; i < ring->count && at < boundary; i++) {
+        at += dg_ib_image_words(lx_ring_model(ring, i));
     }
     return boundary > OUTPUT_IMAGE && boundary < at;
 }

@@ -12,7 +12,7 @@
 #include "modbus_ring.h"
 
 /** No register is at or above this address. */
-#define LX_MAP_END (0x2000u + 16u * DG_IB_RING_MAX)
+#define LX_MAP_END (0x2000u + 16u * DG_RING_MAX)
 
 /** What happens to OUT when the watchdog has fired (register 1123h). */
 enum lx_fallback {

@@ -10,26 +10,57 @@
 
 struct dg_nvm lx_ring_nvm(const struct lx_ring *self, size_t index)
 {
-    return self->windows[index].part->device.nvm;
+    return self->part_of[index]->device.nvm;
 }
 
 const struct lx_nvm_queue *lx_ring_queue(const struct lx_ring *self, size_t index)
 {
-    return lx_image_queue(self->windows[index].part->image);
+    return lx_image_queue(self->part_of[index]->image);
 }
 
-static int make_arrays(struct lx_ring *self, size_t count, struct lx_error *error)
+struct dg_ib *lx_ring_device(const struct lx_ring *self, size_t index)
 {
-    self->devices = calloc(count, sizeof *self->devices);
-    self->models = calloc(count, sizeof *self->models);
-    self->windows = calloc(count, sizeof *self->windows);
-    self->parts = calloc(count, sizeof *self->parts);
-    self->stores = calloc(count, sizeof *self->stores);
-    if (self->devices == NULL || self->models == NULL || self->windows == NULL ||
-        self->parts == NULL || self->stores == NULL) {
-        return lx_fail(error, "no memory for %lu devices", (unsigned long)count);
+    return dg_host_line_of(self->encoders[index])->device;
+}
+
+const struct dg_ib_model *lx_ring_model(const struct lx_ring *self, size_t index)
+{
+    return dg_host_line_of(self->encoders[index])->settings;
+}
+
+struct dg_world *lx_ring_world(const struct lx_ring *self, size_t index)
+{
+    return dg_host_world(self->encoders[index]);
+}
+
+/* In memory of its own. NULL: there is none. */
+static struct dg_host *make_encoder(const struct lx_ring_member *member)
+{
+    const size_t size = dg_host_size_on_bus(member->device, &dg_ib_wire);
+    void *memory = aligned_alloc(DG_HOST_ALIGN, size);
+    if (memory == NULL) {
+        return NULL;
     }
-    return 0;
+    struct dg_host *encoder = dg_host_init_on_bus(memory, size, member->device, &dg_ib_wire);
+    *(struct dg_ib_model *)dg_host_line_of(encoder)->settings = member->model;
+    *dg_host_world(encoder) = *member->world;
+    return encoder;
+}
+
+static int make_encoders(struct lx_ring *self, const struct lx_ring_setup *setup,
+                         struct lx_error *error)
+{
+    self->encoders = calloc(setup->count, sizeof(struct dg_host *));
+    self->part_of = calloc(setup->count, sizeof(struct lx_image_part *));
+    self->parts = calloc(setup->count, sizeof *self->parts);
+    self->stores = calloc(setup->count, sizeof *self->stores);
+    bool made = self->encoders != NULL && self->part_of != NULL && self->parts != NULL &&
+                self->stores != NULL;
+    for (; made && self->count < setup->count; self->count += made ? 1u : 0u) {
+        self->encoders[self->count] = make_encoder(&setup->members[self->count]);
+        made = self->encoders[self->count] != NULL;
+    }
+    return made ? 0 : lx_fail(error, "no memory for %zu devices", setup->count);
 }
 
 static bool same_path(const char *a, const char *b)
@@ -48,10 +79,10 @@ static void gather(struct lx_ring *self, const struct lx_ring_setup *setup, size
         if (!same_path(setup->members[i].nvm, store->path)) {
             continue;
         }
-        self->windows[i].part = &parts[store->count++];
-        *self->windows[i].part = (struct lx_image_part){
+        self->part_of[i] = &parts[store->count++];
+        *self->part_of[i] = (struct lx_image_part){
             .stack = &dg_ib_stack,
-            .device = {.model = &self->models[i]},
+            .device = {.model = lx_ring_model(self, i)},
             .place = i,
             .right = "a K1 has at most 65536 steps, one with steps_minus_one at least 2",
         };
@@ -59,23 +90,15 @@ static void gather(struct lx_ring *self, const struct lx_ring_setup *setup, size
 }
 
 /* Which part of which memory is whose. */
-static int share_out(struct lx_ring *self, const struct lx_ring_setup *setup,
-                     struct lx_error *error)
+static void share_out(struct lx_ring *self, const struct lx_ring_setup *setup)
 {
     size_t used = 0;
-    if (make_arrays(self, setup->count, error) != 0) {
-        return -1;
-    }
     for (size_t i = 0; i < setup->count; i++) {
-        self->models[i] = setup->members[i].model;
-    }
-    for (size_t i = 0; i < setup->count; i++) {
-        if (self->windows[i].part == NULL) {
+        if (self->part_of[i] == NULL) {
             gather(self, setup, i, &self->parts[used]);
             used += self->stores[self->store_count - 1].count;
         }
     }
-    return 0;
 }
 
 static bool has_memory(const struct lx_ring_store *self)
@@ -135,25 +158,79 @@ static int open_stores(struct lx_ring *self, const struct lx_ring_setup *setup,
     return 0;
 }
 
+/* --- the ring --- */
+
+static void tell_tap(void *ctx, const struct dg_tap_event *event)
+{
+    const struct lx_ring *self = ctx;
+    lx_tap_tell(self->tap, event);
+}
+
+static uint64_t last_ticket(void *ctx, size_t place)
+{
+    const struct lx_ring *self = ctx;
+    return self->part_of[place]->ticket;
+}
+
+static enum dg_bus_answer answer_now(void *ctx, size_t place)
+{
+    static const enum dg_bus_answer answers[] = {
+        [LX_NVM_THROUGH] = DG_BUS_SAY,
+        [LX_NVM_PENDING] = DG_BUS_KEEP,
+        [LX_NVM_LOST] = DG_BUS_DROP,
+    };
+    const struct lx_ring *self = ctx;
+    const struct lx_image_part *part = self->part_of[place];
+    return answers[lx_nvm_queue_state(&part->image->queue, part->ticket)];
+}
+
+static const struct dg_bus_ops ring_ops = {
+    .tap = tell_tap,
+    .answer = answer_now,
+    .ticket = last_ticket,
+};
+
+static int make_ring(struct lx_ring *self, struct lx_error *error)
+{
+    const struct dg_bus_words_setup wire = {
+        .size = sizeof wire,
+        .in = self->in,
+        .words = LX_RING_WORDS_MAX,
+        .identifies = true,
+    };
+    const struct dg_bus_setup setup = {
+        .size = sizeof setup,
+        .medium = &dg_bus_words,
+        .encoders = self->count,
+        .wire = &wire,
+        .ops = &ring_ops,
+        .ctx = self,
+    };
+    const size_t size = dg_bus_size(&dg_bus_words, self->count);
+    if (size == 0) {
+        return lx_fail(error, "a ring has 1 to %u devices, not %zu", DG_RING_MAX, self->count);
+    }
+    void *memory = aligned_alloc(DG_HOST_ALIGN, size);
+    self->bus = memory != NULL ? dg_bus_init(memory, size, &setup) : NULL;
+    if (self->bus == NULL) {
+        return lx_fail(error, "no memory for a ring of %zu devices", self->count);
+    }
+    self->is = dg_ring_state(self->bus);
+    return 0;
+}
+
 static int switch_on(struct lx_ring *self, const struct lx_ring_setup *setup, dg_ns now,
                      struct lx_error *error)
 {
     for (size_t i = 0; i < setup->count; i++) {
-        const struct dg_ib_setup device = {
-            .model = &self->models[i],
-            .world = setup->members[i].world,
-            .nvm = lx_ring_nvm(self, i),
-        };
-        if (dg_ib_init(&self->devices[i], &device) != DG_OK ||
-            dg_ib_power_on(&self->devices[i], now) != DG_OK) {
-            return lx_fail(error, "device %lu does not start: not its EEPROM", (unsigned long)i);
+        struct dg_host *encoder = self->encoders[i];
+        const struct dg_nvm nvm = lx_ring_nvm(self, i);
+        if ((nvm.ops != NULL && dg_host_memory_port(encoder, &nvm) != DG_HOST_OK) ||
+            dg_host_power(encoder, now, true) != DG_HOST_OK) {
+            return lx_fail(error, "device %zu does not start: not its EEPROM", i);
         }
+        (void)dg_bus_attach(self->bus, encoder, setup->members[i].control);
     }
-    if (dg_ib_ring_init(&self->ring, self->devices, setup->count) != DG_OK) {
-        return lx_fail(error, "a ring has 1 to %u devices, not %lu", DG_IB_RING_MAX,
-                       (unsigned long)setup->count);
-    }
-    self->result = DG_IB_RING_IDENTIFY;
     return 0;
 }
 
@@ -161,7 +238,12 @@ int lx_ring_open(struct lx_ring *self, const struct lx_ring_setup *setup, dg_ns 
                  struct lx_error *error)
 {
     memset(self, 0, sizeof *self);
-    return share_out(self, setup, error) != 0 || open_stores(self, setup, error) != 0
+    self->tap = setup->tap;
+    if (make_encoders(self, setup, error) != 0) {
+        return -1;
+    }
+    share_out(self, setup);
+    return open_stores(self, setup, error) != 0 || make_ring(self, error) != 0
                ? -1
                : switch_on(self, setup, now, error);
 }
@@ -171,79 +253,25 @@ void lx_ring_close(struct lx_ring *self)
     for (size_t i = 0; i < self->store_count; i++) {
         lx_image_close(&self->stores[i].image);
     }
+    for (size_t i = 0; i < self->count; i++) {
+        free(self->encoders[i]);
+    }
+    free(self->bus);
     free(self->stores);
     free(self->parts);
-    free(self->windows);
-    free(self->models);
-    free(self->devices);
+    free(self->part_of);
+    free(self->encoders);
     memset(self, 0, sizeof *self);
 }
 
-/* A device stores, and answers, within one cycle: what the master sees instead is from the one
-   before. What a device stores by itself, without a command, holds up nothing. What is lost is not
-   answered: the old words stay until there is another command. */
-static void hold_back(struct lx_ring_window *self, uint16_t *in, const uint16_t *before,
-                      const uint16_t *out)
+bool lx_ring_cycle(struct lx_ring *self, dg_ns now)
 {
-    static const uint16_t nothing[LX_RING_OWN_WORDS_MAX];
-    const uint64_t ticket = self->part->ticket;
-    const enum lx_nvm_state state = lx_nvm_queue_state(&self->part->image->queue, ticket);
-    const bool commanded = memcmp(out, nothing, sizeof nothing) != 0;
-    if (state != LX_NVM_THROUGH && ticket != self->looked && commanded) {
-        if (!self->holds) {
-            memcpy(self->shown, before, sizeof self->shown);
-        }
-        self->holds = true;
-        memcpy(self->command, out, sizeof self->command);
-    }
-    self->looked = ticket;
-    const bool same = self->holds && memcmp(self->command, out, sizeof self->command) == 0;
-    if (state == LX_NVM_THROUGH || (state == LX_NVM_LOST && !same)) {
-        self->settled = ticket;
-        self->holds = false;
-    }
-    if (self->holds) {
-        memcpy(in, self->shown, sizeof self->shown);
-    }
-}
-
-static void hold_back_all(struct lx_ring *self)
-{
-    size_t at = 0;
-    for (size_t i = 0; i < self->ring.count; i++) {
-        if (self->windows[i].part->ticket != self->windows[i].settled) {
-            hold_back(&self->windows[i], &self->in[at], &self->before[at], &self->out[at]);
-        }
-        at += dg_ib_image_words(&self->models[i]);
-    }
-}
-
-void lx_ring_cycle(struct lx_ring *self, dg_ns now)
-{
-    if (self->stopped) {
-        self->reached = dg_ib_ring_id(&self->ring, now, self->ids);
-        return;
-    }
-    memcpy(self->before, self->in, self->ring.words * sizeof self->in[0]);
-    self->result = dg_ib_ring_cycle(&self->ring, now, self->out, self->in);
-    hold_back_all(self);
-    if (self->result == DG_IB_RING_INTERRUPTED || self->result == DG_IB_RING_IDENTIFY) {
-        self->reached = dg_ib_ring_id(&self->ring, now, self->ids);
-    }
-}
-
-dg_ns lx_ring_quiet(const struct lx_ring *self, dg_ns now)
-{
-    return self->stopped ? DG_NEVER : dg_ib_ring_quiet(&self->ring, self->result, now);
-}
-
-/* The counters wrap, as they do one by one. */
-void lx_ring_skip(struct lx_ring *self, uint64_t n)
-{
-    if (!self->stopped) {
-        dg_ib_ring_skip(&self->ring, self->result, (uint32_t)n);
-    }
-    if (self->stopped || self->result == DG_IB_RING_INTERRUPTED) {
-        dg_ib_ring_skip_ids(&self->ring, (uint32_t)n);
-    }
+    const struct dg_tap_event event = {
+        .at = now,
+        .kind = DG_TAP_WORDS,
+        .words = {.out = self->out, .count = self->is->words, .identify = self->stopped},
+    };
+    dg_bus_watch(self->bus, self->tap != NULL && lx_tap_on(self->tap));
+    (void)dg_bus_rx(self->bus, &event);
+    return !self->is->dropped;
 }

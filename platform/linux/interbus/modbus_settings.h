@@ -9,6 +9,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "drehgeber/bus_words.h"
 #include "drehgeber/interbus.h"
 #include "stacks.h"
 
@@ -17,7 +18,7 @@ struct lx_ring_settings {
     uint32_t cycle_us;
     bool tear;         /**< half of an OUT word is taken (fault) */
     uint16_t break_at; /**< index of the device whose incoming bus is cut (fault), or
-                            DG_IB_RING_WHOLE */
+                            DG_RING_WHOLE */
 };
 
 /** The protocol, as the port knows it; its settings are a struct dg_ib_model. */

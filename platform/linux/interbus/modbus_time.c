@@ -18,7 +18,6 @@ static void run(struct lx_ring_time *self, dg_ns at)
 {
     lx_map_tick(self->setup.map, at);
     self->setup.drive(self->setup.ctx, at);
-    self->last = at;
     self->next += self->setup.period;
     self->stirred = false;
 }
@@ -28,7 +27,7 @@ static dg_ns quiet(const struct lx_ring_time *self)
 {
     const struct lx_map *map = self->setup.map;
     return self->stirred ? self->next
-                         : dg_earliest(lx_ring_quiet(map->ring, self->last), lx_map_quiet(map));
+                         : dg_earliest(dg_ring_quiet(map->ring->bus), lx_map_quiet(map));
 }
 
 /* All but the last one of those that only count and latch until `end`. */
@@ -39,7 +38,7 @@ static void skip(struct lx_ring_time *self, dg_ns end)
         return;
     }
     const dg_ns n = (until - 1u - self->next) / self->setup.period;
-    lx_ring_skip(self->setup.map->ring, n);
+    dg_ring_skip(self->setup.map->ring->bus, (uint32_t)n); /* counters wrap, as one by one */
     self->next += n * self->setup.period;
 }
 

@@ -25,7 +25,6 @@ struct lx_ring_time_setup {
 struct lx_ring_time {
     struct lx_ring_time_setup setup;
     dg_ns next;   /**< cycle to come; DG_NEVER before the first one */
-    dg_ns last;   /**< the one that was run last */
     bool stirred; /**< something was done to the ring since: the next one has to be run */
     bool watched; /**< each one is run, in real time */
 };

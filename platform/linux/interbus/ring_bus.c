@@ -1,13 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * A ring of INTERBUS encoders behind a Modbus/TCP coupler, as a bus. Somebody who listens, and
- * faults of the wire, want every cycle at its moment; else they are run when they are needed. In
- * each cycle:
- *
- *   coupler -- drive() --> faults: no cycle, a transmission error?
- *                          lx_ring_cycle()
- *                          faults: IN words torn?
- *                          tap
+ * faults of the wire, want every cycle at its moment; else they are run when they are needed.
  */
 #define _GNU_SOURCE
 #include <stdio.h>
@@ -20,10 +14,6 @@
 #include "modbus_settings.h"
 #include "ring_silkit.h"
 
-#define NOTE_MAX 80u
-#define HIGH_BYTE 0xFF00u
-#define LOW_BYTE 0x00FFu
-
 struct ring_bus {
     struct lx_bus bus;
     struct lx_ring_settings settings; /* of the ring as a whole */
@@ -33,11 +23,7 @@ struct ring_bus {
     bool coupled; /* the coupler was opened */
     bool driven;  /* there is none: a simulation lets it cycle */
     struct lx_ring_silkit silkit;
-    bool bent;                            /* wire faults may be active at a station */
-    uint16_t whole_in[LX_RING_WORDS_MAX]; /* while bent: IN of the latest cycle, not torn */
-    /* what the tap was told last */
-    enum dg_ib_ring_result told;
-    uint16_t told_reached;
+    bool bent; /* wire faults may be active at a station */
 };
 
 static struct ring_bus *ring_of(struct lx_bus *bus)
@@ -45,133 +31,13 @@ static struct ring_bus *ring_of(struct lx_bus *bus)
     return (struct ring_bus *)bus;
 }
 
-static struct dg_faults *faults_at(const struct ring_bus *self, size_t place)
-{
-    return &self->bus.setup.stations[place]->control.faults;
-}
-
-/* --- faults --- */
-
 static bool is_bent(const struct ring_bus *self)
 {
     bool bent = false;
     for (size_t i = 0; i < self->bus.setup.count; i++) {
-        bent = bent || faults_at(self, i)->wire != 0;
+        bent = bent || self->bus.setup.stations[i]->control.faults.wire != 0;
     }
     return bent;
-}
-
-/* Whether a data cycle comes next that a transmission error could end. */
-static bool data_is_next(const struct lx_ring *ring)
-{
-    return !ring->stopped && ring->ring.configured && ring->ring.dead == 0 &&
-           ring->ring.corrupt_at == DG_IB_RING_WHOLE;
-}
-
-/* What faults do to the cycle to come. @return false: it takes no place */
-static bool prepare(struct ring_bus *self)
-{
-    for (size_t i = 0; i < self->bus.setup.count; i++) {
-        struct dg_faults *faults = faults_at(self, i);
-        if (faults->wire == 0) {
-            continue;
-        }
-        if (dg_fault_wire_takes(faults, DG_WIRE_DROP)) {
-            return false;
-        }
-        if (data_is_next(&self->ring) && dg_fault_wire_takes(faults, DG_WIRE_DAMAGE)) {
-            self->ring.ring.corrupt_at = (uint16_t)i;
-        }
-    }
-    return true;
-}
-
-/* The high half of the cycle before: the high word, of a K1 the high byte. */
-static void tear_words(uint16_t *in, const uint16_t *before, uint8_t words)
-{
-    in[0] = words > 1 ? before[0] : (uint16_t)((before[0] & HIGH_BYTE) | (in[0] & LOW_BYTE));
-}
-
-static void tear(struct ring_bus *self)
-{
-    struct lx_ring *ring = &self->ring;
-    uint16_t whole[LX_RING_WORDS_MAX];
-    size_t at = 0;
-    if (ring->stopped || ring->result != DG_IB_RING_OK) {
-        return;
-    }
-    memcpy(whole, ring->in, sizeof whole);
-    for (size_t i = 0; i < self->bus.setup.count; i++) {
-        const uint8_t words = dg_ib_image_words(&ring->models[i]);
-        if (dg_fault_wire_takes(faults_at(self, i), DG_WIRE_TEAR)) {
-            tear_words(&ring->in[at], &self->whole_in[at], words);
-        }
-        at += words;
-    }
-    memcpy(self->whole_in, whole, sizeof whole);
-}
-
-/* The first place where the ring is cut, by a fault or as set. */
-static uint16_t first_break(const struct ring_bus *self)
-{
-    for (size_t i = 0; i < self->bus.setup.count && i < self->settings.break_at; i++) {
-        if (dg_fault_wire_active(faults_at(self, i), DG_WIRE_BREAK)) {
-            return (uint16_t)i;
-        }
-    }
-    return self->settings.break_at;
-}
-
-/* --- the tap --- */
-
-static void tell(const struct ring_bus *self, struct dg_tap_event *event, dg_ns now)
-{
-    event->at = now;
-    lx_tap_tell(&self->bus.tap, event);
-}
-
-/* ID cycles, breaks and errors, once each: a broken ring is identified again in every cycle. */
-static void tell_state(struct ring_bus *self, dg_ns now)
-{
-    const struct lx_ring *ring = &self->ring;
-    const unsigned count = ring->ring.count;
-    char text[NOTE_MAX] = "";
-    struct dg_tap_event event = {.kind = DG_TAP_NOTE, .note = text};
-    if (ring->result == self->told && ring->reached == self->told_reached) {
-        return;
-    }
-    self->told = ring->result;
-    self->told_reached = ring->reached;
-    event.severity = DG_SEVERITY_ERROR;
-    if (ring->result == DG_IB_RING_CRC) {
-        (void)snprintf(text, sizeof text, "transmission error");
-    } else if (ring->reached < count) {
-        (void)snprintf(text, sizeof text,
-                       "ID cycle: %u of %u devices, interrupted before device %u", ring->reached,
-                       count, ring->reached);
-    } else if (ring->result == DG_IB_RING_IDENTIFY) {
-        event.severity = DG_SEVERITY_NOTICE;
-        (void)snprintf(text, sizeof text, "ID cycle: %u of %u devices", ring->reached, count);
-    } else {
-        return;
-    }
-    tell(self, &event, now);
-}
-
-static void tell_words(const struct ring_bus *self, dg_ns now, bool took_place)
-{
-    const struct lx_ring *ring = &self->ring;
-    struct dg_tap_event event = {.kind = DG_TAP_WORDS};
-    uint8_t widths[DG_IB_RING_MAX];
-    for (size_t i = 0; i < self->bus.setup.count; i++) {
-        widths[i] = dg_ib_image_words(&ring->models[i]);
-    }
-    event.words.widths = widths;
-    event.words.in = ring->in;
-    event.words.out = ring->out;
-    event.words.count = ring->ring.words;
-    event.words.valid = took_place && !ring->stopped && ring->result == DG_IB_RING_OK;
-    tell(self, &event, now);
 }
 
 /* A fault may have happened as often as it was to, which nobody hears of. */
@@ -189,20 +55,10 @@ static void straighten(struct ring_bus *self)
 static bool drive_once(void *ctx, dg_ns now)
 {
     struct ring_bus *self = ctx;
-    const bool takes_place = !self->bent || prepare(self);
     self->bus.late = self->coupled ? self->coupler.map.missed : 0;
-    if (takes_place) {
-        lx_ring_cycle(&self->ring, now);
-        if (self->bent) {
-            tear(self);
-        }
-    }
-    if (lx_tap_on(&self->bus.tap)) {
-        tell_state(self, now);
-        tell_words(self, now, takes_place);
-    }
+    const bool took_place = lx_ring_cycle(&self->ring, now);
     straighten(self);
-    return takes_place;
+    return took_place;
 }
 
 static void drive(void *ctx, dg_ns now)
@@ -278,6 +134,7 @@ static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
     const struct lx_ring_setup ring = {
         .members = self->members,
         .count = setup->count,
+        .tap = &bus->tap,
         .say = setup->say,
         .writer = setup->writer,
         .settled = on_settled,
@@ -289,13 +146,14 @@ static int open_bus(struct lx_bus *bus, dg_ns now, struct lx_error *error)
     if ((self->driven ? open_topics : open_coupler)(self, error) != 0) {
         return -1;
     }
-    self->ring.ring.broken_at = self->settings.break_at;
+    dg_ring_cut(self->ring.bus, self->settings.break_at);
     stir(self, now);
     for (size_t i = 0; i < setup->count; i++) {
         struct dg_encoder *encoder = &setup->stations[i]->control;
-        encoder->device = &self->ring.devices[i];
-        if (self->ring.models[i].profile == DG_IB_K3) {
-            encoder->nvm = lx_ring_nvm(&self->ring, i);
+        encoder->device = lx_ring_device(&self->ring, i);
+        encoder->world = lx_ring_world(&self->ring, i);
+        encoder->nvm = lx_ring_nvm(&self->ring, i);
+        if (encoder->nvm.ops != NULL) {
             setup->stations[i]->queue = lx_ring_queue(&self->ring, i);
         }
     }
@@ -321,21 +179,18 @@ static void look(struct lx_bus *bus, dg_ns now)
 static void changed(struct lx_bus *bus, struct lx_station *station, dg_ns now)
 {
     struct ring_bus *self = ring_of(bus);
-    const bool before = self->bent;
-    (void)station;
     look(bus, now); /* what is over was not bent by what comes now */
     self->bent = is_bent(self);
-    if (self->bent && !before) {
-        memcpy(self->whole_in, self->ring.in, sizeof self->whole_in);
+    if (station != NULL) {
+        (void)dg_bus_changed(self->ring.bus, station->place, now);
     }
-    self->ring.ring.broken_at = first_break(self);
     stir(self, now);
 }
 
 static void counters(const struct lx_bus *bus, const struct lx_station *station, struct dg_scpi *to)
 {
     const struct ring_bus *self = (const struct ring_bus *)bus;
-    const struct dg_ib_ring_counters *ring = &self->ring.ring.counters;
+    const struct dg_ring_counters *ring = &self->ring.is->counters;
     const struct lx_count rows[] = {
         {"wire_up", self->driven || self->coupler.listener >= 0},
         {"wire_late", bus->late + bus->stalls},
@@ -392,7 +247,9 @@ static int understand(struct ring_bus *self, size_t place, struct lx_error *erro
     }
     const uint32_t index = encoder->serial == NULL ? (uint32_t)place : 0u;
     member->model = lx_ib_settings_model(&settings, index);
+    member->device = encoder->model;
     member->world = &station->world;
+    member->control = &station->control;
     member->nvm = encoder->nvm;
     station->control.serial = member->model.serial;
     return 0;

@@ -7,7 +7,7 @@
 #include "drehgeber/bits.h"
 
 #define MEDIA_TYPE "application/vnd.drehgeber.interbus.v1"
-/* In front of IN: what the cycle came to, enum dg_ib_ring_result or that it was left out, and how
+/* In front of IN: what the cycle came to, enum dg_ring_result or that it was left out, and how
    many devices were reached. */
 #define AHEAD 4u
 #define WORD 2u
@@ -30,18 +30,18 @@ static void step(void *ctx, dg_ns now)
     const struct lx_ring *ring = self->ring;
     uint8_t message[AHEAD + WORD * LX_RING_WORDS_MAX];
     const bool took_place = self->drive(self->ctx, now);
-    dg_store_le16(message, took_place ? (uint16_t)ring->result : LEFT_OUT);
-    dg_store_le16(message + WORD, ring->reached);
-    for (size_t i = 0; i < ring->ring.words; i++) {
+    dg_store_le16(message, took_place ? (uint16_t)ring->is->result : LEFT_OUT);
+    dg_store_le16(message + WORD, ring->is->reached);
+    for (size_t i = 0; i < ring->is->words; i++) {
         dg_store_le16(message + AHEAD + WORD * i, ring->in[i]);
     }
-    lx_silkit_publish(&self->in, message, AHEAD + (size_t)WORD * ring->ring.words);
+    lx_silkit_publish(&self->in, message, AHEAD + (size_t)WORD * ring->is->words);
 }
 
 int lx_ring_silkit_open(struct lx_ring_silkit *self, const struct lx_bus_setup *setup,
                         struct lx_error *error)
 {
-    const size_t size = (size_t)WORD * self->ring->ring.words;
+    const size_t size = (size_t)WORD * self->ring->is->words;
     struct lx_silkit_where where;
     if (lx_silkit_split(setup->wire->where, &where, error) != 0 ||
         lx_silkit_join(setup->silkit, error) != 0) {

@@ -31,7 +31,6 @@ struct shaft {
 
 struct side {
     struct shaft shaft;
-    struct dg_world world;
     struct lx_ring ring;
     struct lx_map map;
     uint64_t runs;
@@ -68,22 +67,26 @@ static void drive(void *ctx, dg_ns at)
 {
     struct side *self = ctx;
     self->runs++;
-    lx_ring_cycle(&self->ring, at);
+    (void)lx_ring_cycle(&self->ring, at);
 }
 
 /* --- both sides --- */
 
-static void open_side(struct side *self, const struct dg_ib_model *const *models)
+static void open_side(struct side *self)
 {
+    static const struct dg_device *const models[DEVICES] = {&dg_ocd_ib_k1, &dg_ocd_ib_k3,
+                                                            &dg_ocd_ib_k2};
+    struct dg_world world;
     static const struct lx_say quiet = {.quiet = true};
     struct lx_ring_member members[DEVICES];
     struct lx_error error;
     memset(self, 0, sizeof *self);
-    dg_world_init(&self->world);
-    self->world.angle = angle;
-    self->world.angle_ctx = &self->shaft;
+    dg_world_init(&world);
+    world.angle = angle;
+    world.angle_ctx = &self->shaft;
     for (size_t i = 0; i < DEVICES; i++) {
-        members[i] = (struct lx_ring_member){.model = *models[i], .world = &self->world};
+        members[i] = (struct lx_ring_member){
+            .device = models[i], .model = *dg_ib_model_of(models[i]), .world = &world};
     }
     const struct lx_ring_setup setup = {.members = members, .count = DEVICES, .say = &quiet};
     assert_int_equal(lx_ring_open(&self->ring, &setup, START, &error), 0);
@@ -92,16 +95,13 @@ static void open_side(struct side *self, const struct dg_ib_model *const *models
 
 static void open_both(uint32_t seed)
 {
-    const struct dg_ib_model *const models[DEVICES] = {dg_ib_model_of(dg_device_find("ocd-ib-k1")),
-                                                       dg_ib_model_of(dg_device_find("ocd-ib-k3")),
-                                                       dg_ib_model_of(dg_device_find("ocd-ib-k2"))};
     static const dg_ns periods[] = {DG_US(250), DG_US(333), DG_MS(1), DG_MS(7), DG_MS(50)};
     noise = seed;
     now = START;
     period = periods[next() % (sizeof periods / sizeof periods[0])];
     broken = false;
-    open_side(&eager, models);
-    open_side(&lazy, models);
+    open_side(&eager);
+    open_side(&lazy);
     const struct lx_ring_time_setup setup = {&lazy.map, period, drive, &lazy};
     lx_ring_time_init(&lazy_time, &setup);
     assert_int_equal(lx_ring_time_next(&lazy_time), 0);
@@ -127,7 +127,7 @@ static void run_eager(void)
 
 static const struct lx_nvm_memory *memory_of(const struct side *self)
 {
-    return &self->ring.windows[K3].part->image->memory;
+    return &self->ring.part_of[K3]->image->memory;
 }
 
 /* What would be there after the processes have died. */
@@ -199,13 +199,13 @@ static void look(void)
     const struct lx_ring *is = &lazy.ring;
     const struct lx_ring *wanted = &eager.ring;
     lx_ring_time_to(&lazy_time, now);
-    SAME(stopped), SAME(result), SAME(reached), SAME(ring.dead), SAME(ring.configured);
-    assert_memory_equal(&is->ring.counters, &wanted->ring.counters, sizeof wanted->ring.counters);
+    SAME(stopped), SAME(is->result), SAME(is->reached);
+    assert_memory_equal(&is->is->counters, &wanted->is->counters, sizeof wanted->is->counters);
     assert_memory_equal(is->in, wanted->in, sizeof wanted->in);
     assert_memory_equal(is->out, wanted->out, sizeof wanted->out);
-    assert_memory_equal(is->ids, wanted->ids, sizeof wanted->ids);
     for (size_t i = 0; i < DEVICES; i++) {
-        check_device(&is->devices[i], &wanted->devices[i]);
+        assert_int_equal(dg_ring_id_word(is->bus, i), dg_ring_id_word(wanted->bus, i));
+        check_device(lx_ring_device(is, i), lx_ring_device(wanted, i));
     }
     check_stored();
 }
@@ -266,11 +266,13 @@ static void change_world(void)
     const uint32_t where = next();
     lx_ring_time_to(&lazy_time, now);
     for (size_t i = 0; i < 2; i++) {
-        struct dg_world *world = &sides[i]->world;
-        world->singleturn_ok = how % 4u != 0;
-        world->multiturn_sync_ok = how / 4u % 8u != 0;
-        world->eeprom_acknowledges = how / 32u % 8u != 0;
-        world->temperature_mdegc = (int32_t)(where % 100000u);
+        for (size_t n = 0; n < DEVICES; n++) {
+            struct dg_world *world = lx_ring_world(&sides[i]->ring, n);
+            world->singleturn_ok = how % 4u != 0;
+            world->multiturn_sync_ok = how / 4u % 8u != 0;
+            world->eeprom_acknowledges = how / 32u % 8u != 0;
+            world->temperature_mdegc = (int32_t)(where % 100000u);
+        }
         sides[i]->shaft.per_us = how / 256u % 3u == 0 ? 0 : (int64_t)(where % 2000000u) - 1000000;
         sides[i]->shaft.angle = (dg_angle)((uint64_t)where << 24);
     }
@@ -283,12 +285,8 @@ static void switch_power(void)
     const bool on = !one_in(3);
     lx_ring_time_to(&lazy_time, now);
     for (size_t i = 0; i < 2; i++) {
-        struct dg_ib *device = &sides[i]->ring.devices[which];
-        if (on) {
-            assert_int_equal(dg_ib_power_on(device, now), DG_OK);
-        } else {
-            dg_ib_power_off(device);
-        }
+        assert_int_equal(dg_host_power(sides[i]->ring.encoders[which], now, on), DG_HOST_OK);
+        (void)dg_bus_changed(sides[i]->ring.bus, which, now);
     }
     lx_ring_time_stir(&lazy_time);
 }
@@ -300,10 +298,12 @@ static void hurt_ring(void)
     broken = !broken;
     lx_ring_time_to(&lazy_time, now);
     for (size_t i = 0; i < 2; i++) {
-        struct dg_ib_ring *ring = &sides[i]->ring.ring;
-        ring->broken_at = broken && !corrupt ? where : DG_IB_RING_WHOLE;
-        ring->corrupt_at = corrupt ? where : ring->corrupt_at;
-        sides[i]->ring.devices[where].reconfigure = true;
+        struct lx_ring *ring = &sides[i]->ring;
+        dg_ring_cut(ring->bus, broken && !corrupt ? where : DG_RING_WHOLE);
+        if (corrupt) {
+            dg_ring_spoil(ring->bus, where);
+        }
+        lx_ring_device(ring, where)->reconfigure = true;
     }
     lx_ring_time_stir(&lazy_time);
 }
@@ -361,11 +361,11 @@ static void a_day_alone(void **state)
         lx_ring_time_due(&lazy_time, lx_ring_time_next(&lazy_time));
     }
     assert_true(lazy.runs - before <= 3u * 144u);
-    assert_int_equal(lazy.ring.devices[K3].time_10min, 144);
+    assert_int_equal(lx_ring_device(&lazy.ring, K3)->time_10min, 144);
     lx_ring_time_to(&lazy_time, START + DG_S(86400));
     const uint64_t cycles = DG_S(86400) / period; /* the first one was an ID cycle, too */
-    assert_int_equal(lazy.ring.ring.counters.cycles, (uint32_t)(cycles + 1u));
-    assert_int_equal(lazy.ring.devices[K3].counters.cycles, (uint32_t)cycles);
+    assert_int_equal(lazy.ring.is->counters.cycles, (uint32_t)(cycles + 1u));
+    assert_int_equal(lx_ring_device(&lazy.ring, K3)->counters.cycles, (uint32_t)cycles);
     close_both();
 }
 
@@ -382,9 +382,10 @@ static void what_wakes_a_ring(void **state)
     now = START + DG_S(1);
     lx_ring_time_to(&lazy_time, now);
     assert_int_equal(lx_ring_time_next(&lazy_time), START + DG_S(600));
-    lazy.ring.models[K3].profile = DG_IB_K2;
+    struct dg_ib_model *model = dg_host_line_of(lazy.ring.encoders[K3])->settings;
+    model->profile = DG_IB_K2;
     assert_true(lx_ring_time_next(&lazy_time) == DG_NEVER);
-    lazy.ring.models[K3].profile = DG_IB_K3;
+    model->profile = DG_IB_K3;
     lx_map_request(&lazy.map, now);
     assert_true(lx_map_write(&lazy.map, (struct lx_range){0x1120, 1}, &ms));
     assert_true(lx_map_write(&lazy.map, (struct lx_range){0x1123, 1}, &stop));
@@ -422,7 +423,7 @@ static void late(void **state)
     lx_ring_time_watch(&lazy_time, false, START + 15u * period);
     lx_ring_time_to(&lazy_time, START + 1000u * period);
     assert_int_equal(lazy.map.missed, 3);
-    assert_int_equal(lazy.ring.ring.counters.cycles, 1001u - 3u);
+    assert_int_equal(lazy.ring.is->counters.cycles, 1001u - 3u);
     close_both();
 }
 

@@ -418,8 +418,8 @@ static void each_is_its_own(void **state)
     assert_int_equal(in[2], 0x3456);
     assert_int_equal(in[3], 3);
     assert_int_equal(in[4], 0x4567);
-    assert_int_equal(self->station[1].world.temperature_mdegc, 37000);
-    assert_int_equal(self->station[2].world.temperature_mdegc, 20000);
+    assert_int_equal(self->station[1].control.world->temperature_mdegc, 37000);
+    assert_int_equal(self->station[2].control.world->temperature_mdegc, 20000);
     assert_int_equal(self->station[1].control.serial, 4711);
     assert_int_equal(device(self, 1)->setup.model->serial, 4711);
     assert_int_equal(device(self, 1)->setup.model->param_cycles, 7);
@@ -570,7 +570,7 @@ static void transmission_errors(void **state)
     wait_for_cycles(self, 20);
     assert_int_equal(device(self, 0)->counters.crc_errors, 0);
     assert_int_equal(device(self, 1)->counters.crc_errors, 2);
-    assert_int_equal(self->ears.invalid, 2 * (1 + DG_IB_DEAD_CYCLES));
+    assert_int_equal(self->ears.invalid, 2 * (1 + DG_RING_DEAD_CYCLES));
     assert_string_equal(self->ears.notes, "transmission error|transmission error|");
 }
 

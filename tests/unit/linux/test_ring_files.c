@@ -45,7 +45,7 @@ static dg_angle still(void *ctx, dg_ns now)
 
 static int set_up(void **state)
 {
-    static const char *const names[] = {"ocd-ib-k3", "ocd-ib-k2", "ocd-ib-k3"};
+    static const struct dg_device *const models[] = {&dg_ocd_ib_k3, &dg_ocd_ib_k2, &dg_ocd_ib_k3};
     struct bench *self = calloc(1, sizeof *self);
     assert_non_null(self);
     (void)strcpy(self->folder, "/tmp/test_ring_files.XXXXXX");
@@ -55,8 +55,10 @@ static int set_up(void **state)
     dg_world_init(&self->world);
     self->world.angle = still;
     for (size_t i = 0; i < 3; i++) {
-        self->members[i] = (struct lx_ring_member){*dg_ib_model_of(dg_device_find(names[i])),
-                                                   &self->world, self->path};
+        self->members[i] = (struct lx_ring_member){.device = models[i],
+                                                   .model = *dg_ib_model_of(models[i]),
+                                                   .world = &self->world,
+                                                   .nvm = self->path};
     }
     *state = self;
     return 0;
@@ -134,9 +136,10 @@ static void images_are_moved_apart(void **state)
         assert_int_equal(chmod(self->path, 0640), 0);
         for (int round = 0; round < 2; round++) {
             assert_int_equal(open_ring(self), 0);
-            assert_int_equal(self->ring.devices[0].shift, 0x11);
-            assert_int_equal(self->ring.devices[2].shift, 0x22);
-            assert_int_equal(self->ring.devices[0].lost | self->ring.devices[2].lost, 0);
+            assert_int_equal(lx_ring_device(&self->ring, 0)->shift, 0x11);
+            assert_int_equal(lx_ring_device(&self->ring, 2)->shift, 0x22);
+            assert_int_equal(
+                lx_ring_device(&self->ring, 0)->lost | lx_ring_device(&self->ring, 2)->lost, 0);
             lx_ring_close(&self->ring);
             assert_int_equal(stat(self->path, &info), 0);
             assert_int_equal(info.st_size, 2 * dg_store_size(&dg_ib_layout));

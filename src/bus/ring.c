@@ -1,0 +1,595 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * A ring: one shift register through all encoders, each with a window by its place. What becomes of
+ * a cycle is modelled: loop-back, check sequence, breaks, dead cycles; who is held back or torn.
+ *
+ *   data cycle -- faults: dropped, or a transmission error somewhere?
+ *              -- whole? identified? -- no --> ID cycle, if the master does that
+ *              -- transmission error? dead?
+ *              -- each: OUT --> exchange --> IN -- held back? torn? --> image
+ *              -- tap: a note when something is new, then the words
+ */
+#include "bus_private.h"
+#include "drehgeber/bus_words.h"
+#include "drehgeber/text.h"
+
+#include <string.h>
+
+#define NOTE_MAX 80u
+#define HIGH_BYTE 0xFF00u
+#define LOW_BYTE 0x00FFu
+#define BITS_PER_WORD 16u
+
+/* The wire. */
+struct ring {
+    struct dg_bus_words_setup setup;
+    struct dg_ring_state is;
+    uint16_t cut_at;   /* before this encoder, or DG_RING_WHOLE */
+    uint16_t spoil_at; /* likewise: the transmission error to come */
+    uint8_t dead;      /* cycles to come */
+    bool configured;   /* an ID cycle has reached all */
+    bool known;      /* nothing has changed since the latest cycle, which faults had no part in: */
+    bool whole;      /* ... no break */
+    bool identified; /* ... and no encoder that an ID cycle has to reach first */
+    size_t timed;    /* encoders before this place may have a deadline */
+    bool id_only;    /* the latest cycle was an ID cycle that the master asked for */
+    bool bent;       /* wire faults are at work in this cycle */
+    bool keeps;      /* `whole` of each encoder is that of the latest cycle */
+    /* what the tap was told last */
+    enum dg_ring_result told;
+    uint16_t told_reached;
+};
+
+/* IN words that are held back: an encoder stores and answers within one cycle, but what its answer
+ * acknowledges is not durable yet. */
+struct held {
+    uint64_t settled; /* ticket of the latest write that is known to be durable, or lost */
+    uint64_t looked;  /* ... of the one that was there in the cycle before */
+    bool holds;       /* the master sees: */
+    uint16_t shown[DG_RING_WORDS_MAX];
+    uint16_t command[DG_RING_WORDS_MAX]; /* the OUT words that it answers */
+};
+
+/* An encoder at its place. */
+struct member {
+    struct bus_place place;
+    const struct dg_host_ring *ops;
+    struct dg_host_line *line;
+    uint16_t at; /* of its first word in both images */
+    uint16_t id;
+    uint8_t words;
+    uint16_t whole[DG_RING_WORDS_MAX]; /* IN of the latest cycle, not torn */
+    struct held held;
+};
+
+static struct ring *ring_of(const struct dg_bus *self)
+{
+    return self->wire;
+}
+
+static struct member *member_at(const struct dg_bus *self, size_t index)
+{
+    return (struct member *)(void *)dg_bus_place_at(self, index);
+}
+
+static struct dg_faults *faults_of(const struct member *self)
+{
+    return self->place.control != NULL ? &self->place.control->faults : NULL;
+}
+
+/* ------------------------------------------------------------ faults of the wire */
+
+/* Whether a data cycle comes next that a transmission error could end. */
+static bool is_data_next(const struct ring *ring)
+{
+    return ring->configured && ring->dead == 0 && ring->spoil_at == DG_RING_WHOLE;
+}
+
+static bool is_bent(const struct dg_bus *self)
+{
+    for (size_t i = 0; i < self->count; i++) {
+        const struct dg_faults *faults = faults_of(member_at(self, i));
+        if (faults != NULL && faults->wire != 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* What faults do to the cycle to come, which may be an ID cycle. @return false: it does not take
+ * place */
+static bool prepare_cycle(struct dg_bus *self, bool data)
+{
+    struct ring *ring = ring_of(self);
+
+    if (ring->known) {
+        return true;
+    }
+    ring->bent = false;
+    for (size_t i = 0; i < self->count; i++) {
+        struct dg_faults *faults = faults_of(member_at(self, i));
+        if (faults == NULL || faults->wire == 0) {
+            continue;
+        }
+        ring->bent = true;
+        if (dg_fault_wire_takes(faults, DG_WIRE_DROP)) {
+            return false;
+        }
+        if (data && is_data_next(ring) && dg_fault_wire_takes(faults, DG_WIRE_DAMAGE)) {
+            ring->spoil_at = (uint16_t)i;
+        }
+    }
+    return true;
+}
+
+/* The high half of the cycle before: the high word, of a single one the high byte. */
+static void tear_words(struct member *self, uint16_t *in, const uint16_t *before)
+{
+    struct dg_faults *faults = faults_of(self);
+
+    if (faults != NULL && dg_fault_wire_takes(faults, DG_WIRE_TEAR)) {
+        in[0] =
+            self->words > 1 ? before[0] : (uint16_t)((before[0] & HIGH_BYTE) | (in[0] & LOW_BYTE));
+    }
+}
+
+/* ------------------------------------------------------------ held back */
+
+static bool are_same(const struct member *self, const uint16_t *a, const uint16_t *b)
+{
+    return memcmp(a, b, self->words * sizeof *a) == 0;
+}
+
+/* What an encoder stores by itself, without a command, holds up nothing. What is lost is not
+ * answered: the old words stay until there is another command. */
+static void hold_words_back(struct member *self, uint64_t ticket, uint16_t *in, const uint16_t *out)
+{
+    static const uint16_t nothing[DG_RING_WORDS_MAX];
+    const struct dg_bus *bus = self->place.bus;
+    const size_t size = self->words * sizeof *in;
+    struct held *held = &self->held;
+    const enum dg_bus_answer answer = bus->ops->answer(bus->ctx, self->place.index);
+
+    if (answer != DG_BUS_SAY && ticket != held->looked && !are_same(self, out, nothing)) {
+        if (!held->holds) {
+            memcpy(held->shown, self->whole, size);
+        }
+        held->holds = true;
+        memcpy(held->command, out, size);
+    }
+    held->looked = ticket;
+    const bool same = held->holds && are_same(self, held->command, out);
+    if (answer == DG_BUS_SAY || (answer == DG_BUS_DROP && !same)) {
+        held->settled = ticket;
+        held->holds = false;
+    }
+    if (held->holds) {
+        memcpy(in, held->shown, size);
+    }
+}
+
+/* What the master sees in place of what the encoder has said. */
+static void bend_words(struct member *self, uint16_t *in, const uint16_t *out)
+{
+    const struct dg_bus *bus = self->place.bus;
+    uint16_t before[DG_RING_WORDS_MAX];
+
+    if (bus->ops->ticket != NULL) {
+        const uint64_t ticket = bus->ops->ticket(bus->ctx, self->place.index);
+        if (ticket != self->held.settled) {
+            hold_words_back(self, ticket, in, out);
+        }
+    }
+    memcpy(before, self->whole, sizeof before);
+    memcpy(self->whole, in, self->words * sizeof *in);
+    tear_words(self, in, before);
+}
+
+/* Whether bend_words() has something to do; from then on it knows the cycle before. */
+static bool must_bend(const struct dg_bus *self)
+{
+    struct ring *ring = ring_of(self);
+    const bool keeps = self->ops->ticket != NULL || ring->bent;
+
+    for (size_t i = 0; keeps && !ring->keeps && i < self->count; i++) {
+        struct member *member = member_at(self, i);
+        memcpy(member->whole, ring->setup.in + member->at, member->words * sizeof(uint16_t));
+    }
+    ring->keeps = keeps;
+    return keeps;
+}
+
+/* ------------------------------------------------------------ cycles */
+
+static bool is_cut_before(const struct dg_bus *self, size_t index)
+{
+    const struct member *member = member_at(self, index);
+    const struct dg_faults *faults = faults_of(member);
+    const struct dg_stack *stack = dg_host_wire_at(member->place.host)->stack;
+
+    return index == ring_of(self)->cut_at || !stack->powered(member->line->device) ||
+           (faults != NULL && dg_fault_wire_active(faults, DG_WIRE_BREAK));
+}
+
+/* Encoders before the first break; one without power is a break. */
+static uint16_t count_reachable(const struct dg_bus *self)
+{
+    size_t n = 0;
+
+    while (n < self->count && !is_cut_before(self, n)) {
+        n++;
+    }
+    return (uint16_t)n;
+}
+
+/* An encoder that was switched on again takes part only after an ID cycle. */
+static bool are_all_identified(const struct dg_bus *self)
+{
+    for (size_t i = 0; i < self->count; i++) {
+        const struct member *member = member_at(self, i);
+        if (!member->ops->identified(member->line)) {
+            return false;
+        }
+    }
+    return ring_of(self)->configured;
+}
+
+/* Faults come and go by themselves; all else is told. */
+static void look_around(struct dg_bus *self)
+{
+    struct ring *ring = ring_of(self);
+
+    if (!ring->known) {
+        ring->whole = count_reachable(self) == self->count;
+        ring->identified = ring->whole && are_all_identified(self);
+        ring->known = !ring->bent;
+    }
+}
+
+static void run_id_cycle(struct dg_bus *self)
+{
+    struct ring *ring = ring_of(self);
+    const uint16_t reached = count_reachable(self);
+
+    for (uint16_t i = 0; i < reached; i++) {
+        struct member *member = member_at(self, i);
+        const bool last = reached < self->count && i + 1u == reached;
+        member->id = member->ops->identify(member->line, self->now, last);
+    }
+    ring->configured = reached == self->count;
+    ring->known = false;
+    ring->is.reached = reached;
+    ring->is.counters.ids++;
+}
+
+static enum dg_ring_result interrupt_ring(struct ring *ring)
+{
+    ring->configured = false;
+    ring->known = false;
+    ring->dead = 0;
+    ring->is.counters.interrupted++;
+    return DG_RING_INTERRUPTED;
+}
+
+static enum dg_ring_result spoil_cycle(struct dg_bus *self)
+{
+    struct ring *ring = ring_of(self);
+    struct member *member = member_at(self, ring->spoil_at);
+
+    member->ops->spoil(member->line);
+    ring->spoil_at = DG_RING_WHOLE;
+    ring->dead = DG_RING_DEAD_CYCLES;
+    ring->is.counters.crc_errors++;
+    return DG_RING_CRC;
+}
+
+static void exchange_words(struct dg_bus *self, const uint16_t *out)
+{
+    const bool bends = must_bend(self);
+    const struct ring *ring = ring_of(self);
+
+    for (size_t i = 0; i < self->count; i++) {
+        struct member *member = member_at(self, i);
+        const uint16_t *own = out + member->at;
+        uint16_t *in = ring->setup.in + member->at;
+        const bool one = member->words == 1;
+        const uint32_t word = member->ops->exchange(
+            member->line, self->now, one ? own[0] : (uint32_t)own[0] << BITS_PER_WORD | own[1]);
+        if (!one) {
+            *in++ = (uint16_t)(word >> BITS_PER_WORD);
+        }
+        *in = (uint16_t)word;
+        if (bends) {
+            bend_words(member, ring->setup.in + member->at, own);
+        }
+    }
+}
+
+static enum dg_ring_result run_data_cycle(struct dg_bus *self, const uint16_t *out)
+{
+    struct ring *ring = ring_of(self);
+
+    ring->is.counters.cycles++;
+    look_around(self);
+    if (!ring->whole) {
+        return interrupt_ring(ring);
+    }
+    if (!ring->identified) {
+        return DG_RING_IDENTIFY;
+    }
+    if (ring->spoil_at < self->count) {
+        return spoil_cycle(self);
+    }
+    if (ring->dead > 0) {
+        ring->dead--;
+        ring->is.counters.dead++;
+        return DG_RING_DEAD;
+    }
+    exchange_words(self, out);
+    return DG_RING_OK;
+}
+
+/* ------------------------------------------------------------ what is told */
+
+/* ID cycles, breaks and errors, once each: a broken ring may be identified again in every cycle.
+ * @return whether there is something to say */
+static bool describe_state(const struct dg_bus *self, struct dg_text *text)
+{
+    const struct dg_ring_state *is = &ring_of(self)->is;
+    const bool whole = is->reached >= self->count;
+
+    if (is->result == DG_RING_CRC) {
+        dg_text_add(text, "transmission error");
+        return true;
+    }
+    if (whole && is->result != DG_RING_IDENTIFY) {
+        return false;
+    }
+    dg_text_add(text, "ID cycle: ");
+    dg_text_add_number(text, is->reached);
+    dg_text_add(text, " of ");
+    dg_text_add_number(text, (int64_t)self->count);
+    dg_text_add(text, " devices");
+    if (!whole) {
+        dg_text_add(text, ", interrupted before device ");
+        dg_text_add_number(text, is->reached);
+    }
+    return true;
+}
+
+static void tell_state(struct dg_bus *self)
+{
+    struct ring *ring = ring_of(self);
+    char note[NOTE_MAX];
+    struct dg_text text = dg_text_in(note, sizeof note);
+    struct dg_tap_event event = {.at = self->now, .kind = DG_TAP_NOTE, .note = note};
+
+    if (ring->is.result == ring->told && ring->is.reached == ring->told_reached) {
+        return;
+    }
+    ring->told = ring->is.result;
+    ring->told_reached = ring->is.reached;
+    if (describe_state(self, &text)) {
+        const bool whole = ring->is.result != DG_RING_CRC && ring->is.reached >= self->count;
+        event.severity = whole ? DG_SEVERITY_NOTICE : DG_SEVERITY_ERROR;
+        self->ops->tap(self->ctx, &event);
+    }
+}
+
+static void tell_cycle(struct dg_bus *self, const struct dg_tap_event *asked)
+{
+    const struct ring *ring = ring_of(self);
+    struct dg_tap_event event = *asked;
+    uint8_t widths[DG_RING_MAX];
+
+    tell_state(self);
+    if (event.words.out == NULL) {
+        return;
+    }
+    for (size_t i = 0; i < self->count; i++) {
+        widths[i] = member_at(self, i)->words;
+    }
+    event.at = self->now;
+    event.words.widths = widths;
+    event.words.in = ring->setup.in;
+    event.words.count = ring->is.words;
+    event.words.valid =
+        !asked->words.identify && !ring->is.dropped && ring->is.result == DG_RING_OK;
+    self->ops->tap(self->ctx, &event);
+}
+
+/* ------------------------------------------------------------ as a medium */
+
+static int begin(struct dg_bus *self, const void *setup)
+{
+    const struct dg_bus_words_setup *given = setup;
+    struct ring *ring = ring_of(self);
+
+    if (given == NULL || given->size != sizeof *given || given->in == NULL ||
+        (self->ops->ticket != NULL && self->ops->answer == NULL)) {
+        return DG_ERR_ARGUMENT;
+    }
+    *ring = (struct ring){
+        .setup = *given,
+        .is = {.result = DG_RING_IDENTIFY},
+        .cut_at = DG_RING_WHOLE,
+        .spoil_at = DG_RING_WHOLE,
+    };
+    return DG_OK;
+}
+
+static int attach(struct bus_place *place)
+{
+    struct member *self = (struct member *)(void *)place;
+    struct ring *ring = ring_of(place->bus);
+
+    self->ops = dg_host_wire_at(place->host)->ring;
+    self->line = dg_host_line_of(place->host);
+    self->words = self->ops->words(self->line);
+    self->at = ring->is.words;
+    if (self->at + (size_t)self->words > ring->setup.words) {
+        return DG_ERR_SPACE;
+    }
+    ring->is.words = (uint16_t)(ring->is.words + self->words);
+    ring->configured = false;
+    ring->known = false;
+    ring->timed = place->index + 1u;
+    return DG_OK;
+}
+
+/* The ring asks; an encoder says nothing by itself. */
+static void hear(struct bus_place *from, const struct dg_host_event *event)
+{
+    (void)from;
+    (void)event;
+}
+
+static void take(struct dg_bus *self, const struct dg_tap_event *event)
+{
+    struct ring *ring = ring_of(self);
+    const bool data = !event->words.identify;
+
+    if (event->kind != DG_TAP_WORDS || (data && event->words.count != ring->is.words)) {
+        return;
+    }
+    ring->id_only = !data;
+    ring->is.dropped = !prepare_cycle(self, data);
+    if (!ring->is.dropped && data) {
+        ring->is.result = run_data_cycle(self, event->words.out);
+    }
+    const bool anew = ring->setup.identifies && (ring->is.result == DG_RING_INTERRUPTED ||
+                                                 ring->is.result == DG_RING_IDENTIFY);
+    if (!ring->is.dropped && (!data || anew)) {
+        run_id_cycle(self);
+    }
+    if (self->watched && self->ops->tap != NULL) {
+        tell_cycle(self, event);
+    }
+}
+
+/* Many have no deadlines: they do everything in cycles. */
+static void go_on(struct dg_bus *self, dg_ns now)
+{
+    struct ring *ring = ring_of(self);
+    size_t timed = 0;
+
+    for (size_t i = 0; i < ring->timed; i++) {
+        struct bus_place *place = dg_bus_place_at(self, i);
+        if (place->deadline <= now) {
+            place->deadline = dg_host_step(place->host, now);
+        }
+        timed = place->deadline != DG_NEVER ? i + 1u : timed;
+    }
+    ring->timed = timed;
+}
+
+static dg_ns next(const struct dg_bus *self)
+{
+    dg_ns next = DG_NEVER;
+
+    for (size_t i = 0; i < ring_of(self)->timed; i++) {
+        next = dg_earliest(next, dg_bus_place_at(self, i)->deadline);
+    }
+    return next;
+}
+
+/* Power, worlds and faults are looked at in the next cycle. */
+static void changed(struct bus_place *place, dg_ns now)
+{
+    struct ring *ring = ring_of(place->bus);
+
+    (void)now;
+    ring->known = false;
+    ring->timed = place->bus->count;
+}
+
+/* IN words that were held back come with the next cycle. */
+static void durable(struct bus_place *place, dg_ns now)
+{
+    (void)place;
+    (void)now;
+}
+
+const struct dg_bus_medium dg_bus_words = {
+    .medium = DG_MEDIUM_WORDS,
+    .wire_size = sizeof(struct ring),
+    .place_size = sizeof(struct member),
+    .encoders_most = DG_RING_MAX,
+    .keeps_deadlines = true,
+    .is_read = true,
+    .begin = begin,
+    .attach = attach,
+    .hear = hear,
+    .take = take,
+    .go_on = go_on,
+    .next = next,
+    .changed = changed,
+    .durable = durable,
+};
+
+/* ------------------------------------------------------------ of a ring only */
+
+const struct dg_ring_state *dg_ring_state(const struct dg_bus *self)
+{
+    return &ring_of(self)->is;
+}
+
+uint16_t dg_ring_id_word(const struct dg_bus *self, size_t place)
+{
+    return member_at(self, place)->id;
+}
+
+void dg_ring_cut(struct dg_bus *self, uint16_t place)
+{
+    ring_of(self)->cut_at = place;
+    ring_of(self)->known = false;
+}
+
+void dg_ring_spoil(struct dg_bus *self, uint16_t place)
+{
+    ring_of(self)->spoil_at = place;
+}
+
+/*
+ * With the same OUT as before, a cycle only counts and latches, unless
+ *
+ *   a command waits, or something is stored    the encoder knows
+ *   the ring recovers                          ID cycle, dead cycles
+ *   a fault may happen to it                   or be over
+ */
+dg_ns dg_ring_quiet(const struct dg_bus *self)
+{
+    const struct ring *ring = ring_of(self);
+    dg_ns until = DG_NEVER;
+
+    if (ring->id_only || ring->is.result == DG_RING_INTERRUPTED) {
+        return is_bent(self) ? self->now : DG_NEVER;
+    }
+    if (ring->is.result != DG_RING_OK || is_bent(self)) {
+        return self->now;
+    }
+    for (size_t i = 0; i < self->count; i++) {
+        const struct member *member = member_at(self, i);
+        until = dg_earliest(until, member->ops->quiet(member->line, self->now));
+    }
+    return until;
+}
+
+void dg_ring_skip(struct dg_bus *self, uint32_t cycles)
+{
+    struct ring *ring = ring_of(self);
+    const bool interrupted = !ring->id_only && ring->is.result == DG_RING_INTERRUPTED;
+
+    ring->is.counters.cycles += ring->id_only ? 0 : cycles;
+    ring->is.counters.interrupted += interrupted ? cycles : 0;
+    if (ring->id_only || (interrupted && ring->setup.identifies)) {
+        ring->is.counters.ids += cycles;
+    }
+    if (ring->id_only || interrupted) {
+        return;
+    }
+    for (size_t i = 0; i < self->count; i++) {
+        const struct member *member = member_at(self, i);
+        member->ops->skip(member->line, cycles);
+    }
+}
