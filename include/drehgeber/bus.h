@@ -87,6 +87,10 @@ DG_API struct dg_bus *dg_bus_init(void *memory, size_t size, const struct dg_bus
  */
 DG_API int dg_bus_attach(struct dg_bus *self, struct dg_host *encoder, struct dg_encoder *control);
 
+/** The faults of `control` happen to the encoder at `place` from now on; NULL: none do. For one
+ * that got its control plane behind dg_bus_attach(). */
+DG_API void dg_bus_control(struct dg_bus *self, size_t place, struct dg_encoder *control);
+
 /** The other end does something: event->at is its moment, not before the latest one.
  * @return when to call again at the latest; DG_NEVER */
 DG_API dg_ns dg_bus_rx(struct dg_bus *self, const struct dg_tap_event *event);

@@ -20,6 +20,8 @@
 extern "C" {
 #endif
 
+struct dg_encoder; /* control.h */
+
 /** What a wire sees of its handle, and keeps there. dg_stack_setup.ctx of the device. */
 struct dg_host_line {
     void *device;   /**< as the stack makes it */
@@ -180,6 +182,9 @@ DG_API struct dg_host_line *dg_host_line_of(struct dg_host *self);
 DG_API struct dg_world *dg_host_world(struct dg_host *self);
 /** What its device is made of: the port's view of model, world and memory. */
 DG_API struct dg_stack_setup dg_host_setup(struct dg_host *self);
+
+/** The encoder of a panel, whose faults happen to what it sends on a bus, too: dg_bus_control(). */
+DG_API struct dg_encoder *dg_host_panel_encoder(struct dg_host_panel *self);
 
 /** The line of a handle of this wire that was switched on, at its moment or at `now` if that is
  * later: time has gone on. @return NULL with `result`: another wire, or no power */

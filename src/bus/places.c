@@ -76,6 +76,11 @@ int dg_bus_attach(struct dg_bus *self, struct dg_host *encoder, struct dg_encode
     return (int)place->index;
 }
 
+void dg_bus_control(struct dg_bus *self, size_t place, struct dg_encoder *control)
+{
+    dg_bus_place_at(self, place)->control = control;
+}
+
 dg_ns dg_bus_next(const struct dg_bus *self)
 {
     const size_t places = self->medium->keeps_deadlines ? 0 : self->count;

@@ -301,6 +301,11 @@ struct dg_shaft *dg_host_panel_shaft(struct dg_host_panel *self)
     return &self->shaft.shaft;
 }
 
+struct dg_encoder *dg_host_panel_encoder(struct dg_host_panel *self)
+{
+    return &self->encoder;
+}
+
 /* ------------------------------------------------------------ faults */
 
 int dg_host_fault(const struct dg_host_panel *self, size_t index, struct dg_host_fault *to)

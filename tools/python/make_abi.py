@@ -19,8 +19,10 @@ struct dg_co_sheet;
 const struct dg_device *dg_device_find(const char *name);
 const struct dg_co_sheet *dg_cia406_sheet_of(const struct dg_device *model);
 void dg_co_eds(const struct dg_co_sheet *, void (*)(void *, const char *, size_t), void *);
+struct dg_encoder *dg_host_panel_encoder(struct dg_host_panel *self);
+extern const char dg_bus_words[]; /* a struct dg_bus_medium, which nobody looks into */
 """
-HEADERS = ("host.h", "motion.h", "shaft.h", "course.h")
+HEADERS = ("host.h", "motion.h", "shaft.h", "course.h", "frame.h", "tap.h", "bus.h", "bus_words.h")
 INCLUDE = re.compile(r'^#include "drehgeber/(\w+\.h)"$', re.M)
 STRUCT = re.compile(r"^struct \w+ \{[^}]*\};", re.M)
 

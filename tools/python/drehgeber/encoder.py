@@ -90,6 +90,7 @@ class Encoder(Instrument):
         self._keep, place = _native.aligned(size)
         self._handle: Any = self._lib.dg_host_make(place, size, model.encode())
         self._panel: Any = None
+        self._ring: Any = None  # of several, which it stands in
         self._deadline = NEVER
         self._hint_due: Any = self._ffi.new("uint64_t *")
         self._made = False
