@@ -13,6 +13,7 @@ from script import EVENTS, OPERATIONS, SECOND, SHARED, SUBJECTS, word_of
 HERE = Path(__file__).parent
 EXPECTED = HERE / "expected"
 EXPECTED_OF_WIRES = HERE / "expected-wires"
+EXPECTED_OF_RINGS = HERE / "expected-rings"
 DIFFERENCES = HERE / "differences"
 SUMS_IN_LINE = 20
 ALL = "*"  # in place of an operation: the host has no such model

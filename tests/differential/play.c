@@ -7,9 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "play.h"
+#include "play_ring.h"
 
 static struct player player;
+static bool in_ring; /* the script is about one */
 
 static const struct {
     const char *name;
@@ -81,6 +82,7 @@ bool player_begin(struct player *self, const char *model)
     self->now = 0;
     memset(self->turns, 0, sizeof self->turns);
     self->was_on = false;
+    self->label = "";
     return self->host != NULL;
 }
 
@@ -123,9 +125,16 @@ static bool play_line(unsigned *number, char *line)
     if (count == 3 && strcmp(words[0], "script") == 0) {
         printf("script %s %s\n", words[1], words[2]);
         *number = 0;
-        return player_begin(&player, words[1]);
+        in_ring = strcmp(words[1], "ring") == 0;
+        if (in_ring) {
+            ring_begin();
+        }
+        return in_ring || player_begin(&player, words[1]);
     }
     *number += 1;
+    if (in_ring) {
+        return count >= 2 && ring_perform(*number, words, count);
+    }
     return player.host != NULL && count >= 2 && player_perform(&player, *number, words, count);
 }
 

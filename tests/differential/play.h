@@ -45,7 +45,8 @@ struct player {
     uint64_t now;
     struct turn turns[2]; /* the latest of the shaft, and what was before */
     bool was_on;
-    size_t said_n; /* of `said` */
+    const char *label; /* in front of an operation's name: which of several it is about */
+    size_t said_n;     /* of `said` */
     char said[SAID_MAX];
 };
 

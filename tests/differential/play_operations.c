@@ -452,7 +452,7 @@ bool player_perform(struct player *self, unsigned number, char *words[], int cou
             player_step(self, self->now);
             player_step(self, self->now); /* lets go what wire_delay has taken in the one before */
             player_drain(self);
-            printf("%u %s%s\n", number, words[1], self->said);
+            printf("%u %s%s%s\n", number, self->label, words[1], self->said);
             return self->said_n < sizeof self->said;
         }
     }

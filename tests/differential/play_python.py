@@ -6,6 +6,7 @@ import warnings
 from collections.abc import Callable
 
 import drehgeber
+import drehgeber.ring
 from script import SHARED
 
 SECOND = 1_000_000_000
@@ -34,13 +35,15 @@ class Player:
         self.settings: dict[str, str] = {}
         self.port: drehgeber.CanPort | None = None
         self.number = 0
-        if subject not in SHARED:
+        self.shared = subject in SHARED
+        self._ring: drehgeber.ring.Ring | None = None
+        if not self.shared:
             self.put("", subject)
 
     def put(self, number: str, model: str) -> None:
         """An encoder, on the wire of the others."""
         first = next(iter(self.encoders.values()), None)
-        wires = {} if first is None else {"line": first._line, "bus": first._bus}
+        wires = {} if first is None else {"clock": first.clock, "line": first._line, "bus": first._bus}
         self.encoder = self.encoders[number] = drehgeber.Encoder(model, power=False, **wires)
         if first is None and self.encoder.medium is drehgeber.Medium.FRAMES:
             self.port = self.encoder.can
@@ -130,12 +133,24 @@ class Player:
         self.port.send(int(identifier), remote=True, dlc=int(dlc))
         return " 0"
 
+    @property
+    def ring(self) -> drehgeber.ring.Ring:
+        """Of all encoders there are; its first cycle is when all were on."""
+        if self._ring is None:
+            self._ring = drehgeber.ring.Ring(list(self.encoders.values()))
+        return self._ring
+
     def cycle(self, word: str) -> str:
+        if self.shared:
+            out_words = [int(word[i : i + 4], 16) for i in range(0, len(word), 4)]
+            return f" 0 {''.join(f'{word:04x}' for word in self.ring.cycle(out_words))};"
         out = int(word, 0)
         words = self.encoder.ring.cycle((out >> 16, out & 0xFFFF))
         return f" 0 {''.join(f'{word:04x}' for word in words)};"
 
     def identify(self) -> str:
+        if self.shared:
+            return f" 0 {''.join(f'{word:04x}' for word in self.ring.identify_all())};"
         return f" 0 {self.encoder.ring.identify():04x};"
 
     @property

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: MIT
 """Play the scripts in a host, and see whether it does what all others do.
 
-usage: run.py [--wires] [--seeds N] [--host NAME PROGRAM...] -- PLAYER...
+usage: run.py [--wires|--rings] [--seeds N] [--host NAME PROGRAM...] -- PLAYER...
 
 PLAYER is the player of the C handle, with what starts it. Its logs have the sums in `expected`, and none of the
 disturbances changes them; with --host the logs of another player are compared with them line by line. Scripts are
 without the operations that `differences` names for a host. N scripts for each model are disturbed, or compared.
 
-With --wires the same of several encoders on a wire: PLAYER is that of the command, its sums are in `expected-wires`."""
+With --wires the same of several encoders on a wire: PLAYER is that of the command, its sums are in `expected-wires`. With --rings the same of rings, where PLAYER is that of the C handle, with `expected-rings`."""
 
 import subprocess
 import sys
@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from compare import (
-    ALL, EXPECTED, EXPECTED_OF_WIRES, Broken, Leave, Log, compare, compare_sums, cut, read_differences, read_expected,
+    ALL, EXPECTED, EXPECTED_OF_RINGS, EXPECTED_OF_WIRES, Broken, Leave, Log, compare, compare_sums, cut, read_differences, read_expected,
 )  # fmt: skip
 from script import MODELS, leave_out, write_whole_script
 from wires import MASTERS, write_whole_wire
@@ -40,7 +40,10 @@ class Kind(NamedTuple):
 
 
 ENCODERS = Kind(MODELS, write_whole_script, "handle", EXPECTED, True, ("steps", "looks", "restore", "fresh", "steps looks restore"))
-WIRES = Kind(tuple(MASTERS), write_whole_wire, "command", EXPECTED_OF_WIRES, False, ())
+RING = "ring"  # that of a rig cycles by itself: the C player has one that does what a script says
+WIRES = Kind(tuple(name for name in MASTERS if name != RING), write_whole_wire, "command", EXPECTED_OF_WIRES, False, ())
+RINGS = Kind((RING,), write_whole_wire, "handle", EXPECTED_OF_RINGS, True, ())
+KINDS = {"--wires": WIRES, "--rings": RINGS}  # else ENCODERS
 
 
 def write_scripts(kind: Kind, seeds: int, host: str) -> Scripts:
@@ -92,8 +95,8 @@ def check_host(kind: Kind, host: str, command: list[str], player: list[str], see
 
 def check(options: list[str], player: list[str]) -> None:
     kind, seeds = ENCODERS, SEEDS
-    if options[:1] == ["--wires"]:
-        kind, options = WIRES, options[1:]
+    if options and options[0] in KINDS:
+        kind, options = KINDS[options[0]], options[1:]
     if options[:1] == ["--seeds"]:
         seeds, options = int(options[1]), options[2:]
     if options[:1] == ["--host"]:

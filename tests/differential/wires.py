@@ -5,11 +5,12 @@ import functools
 from collections.abc import Callable
 
 from script import (
-    ADDRESS, LINES, MS, SECOND, SETTINGS, WORLD, Encoder, Script, break_something, frame_of_can, frame_of_line, sense,
+    ADDRESS, LINES, MS, SECOND, SETTINGS, WORDS, WORLD, Encoder, Script, break_something, frame_of_can, frame_of_line, sense,
     switch, turn,
 )  # fmt: skip
 
-MODELS = {"line": ("s3684-rs485", "s3674-rs485"), "can": ("f3668", "f3658"), "chain": ("s3684-biss", "s3674-biss")}
+MODELS = {"line": ("s3684-rs485", "s3674-rs485"), "can": ("f3668", "f3658"), "chain": ("s3684-biss", "s3674-biss"),
+          "ring": ("ocd-ib-k1", "ocd-ib-k2", "ocd-ib-k3", "ocd-ib-k3")}  # fmt: skip
 # Not all of these sense them; and an encoder whose EEPROM is silent at its start has the address of the delivered one.
 OTHERS = ("battery_mv", "multiturn_sync_ok", "multiturn_amplitude_ok", "eeprom_acknowledges")
 # Faults that the command and a handle do alike when one is alone; in a chain there is the command only.
@@ -17,6 +18,7 @@ FAULTS = {
     "line": ("led_current_low", "temperature_high", "wire_deaf"),
     "can": ("singleturn_lost", "wire_drop", "wire_deaf"),
     "chain": ("led_current_high", "singleturn_lost", "eeprom_silent", "wire_damage"),
+    "ring": ("singleturn_lost", "eeprom_silent", "wire_drop", "wire_damage", "wire_tear", "wire_break"),
 }
 NODES = (63, 5, 64, 1)
 # How long an exchange takes at most, with the pause that ends a frame.
@@ -33,7 +35,7 @@ class Wire(Script):
         self.faults = FAULTS[name]
         self.world = {name: WORLD[name] for name in WORLD if name not in OTHERS}
         self.encoders = [Encoder(prefix=f"{i}:") for i in range(1, 3 + self.draw(2))]
-        self.addresses: list[int] = []  # of each
+        self.addresses: list[int] = []  # of each; in a ring its words
 
     def choose_encoder(self) -> None:
         self.encoder = self.choose(self.encoders)
@@ -59,6 +61,11 @@ def place_on_bus(script: Wire, index: int) -> None:
 def place_in_chain(script: Wire, index: int) -> None:
     """The order of encoders is that of the line."""
     script.addresses.append(index)
+
+
+def place_in_ring(script: Wire, index: int) -> None:
+    """The order of encoders is that of the ring; a K1 has one word."""
+    script.addresses.append(1 if script.lines[-1].endswith("k1") else 2)
 
 
 # ------------------------------------------------------------ two with one address: rig files refuse it, masters can do it
@@ -91,6 +98,7 @@ def watch_second(script: Wire) -> None:
 KEYS = {
     "line": ("reaction_us", "init_ms", "memory", "serial"), "can": (),
     "chain": ("busy_us", "busy_jitter_us", "lc", "autostore", "eeprom_write_us", "init_ms"),
+    "ring": ("param_cycles", "self_test_ms", "serial"),
 }  # fmt: skip
 
 
@@ -144,9 +152,23 @@ def ask_chain(script: Wire) -> None:
         script.now += 200 * MS
 
 
-PLACES: dict[str, Callable[[Wire, int], None]] = {"line": place_on_line, "can": place_on_bus, "chain": place_in_chain}
+def ask_ring(script: Wire) -> None:
+    """One gets a command, as long as it needs; the others get none, or it as well."""
+    if script.draw(8) == 0:
+        script.add_for_all("identify")
+        return
+    words, one = script.choose(WORDS), script.draw(len(script.addresses))
+    for_all = script.draw(4) == 0
+    image = "".join(f"{words if for_all or place == one else 0:08x}"[-4 * width:]
+                    for place, width in enumerate(script.addresses))  # fmt: skip
+    for _ in range(1 + script.draw(6)):
+        script.add_for_all("cycle", image)
+        script.now += MS
+
+
+PLACES: dict[str, Callable[[Wire, int], None]] = {"line": place_on_line, "can": place_on_bus, "chain": place_in_chain, "ring": place_in_ring}
 MOVES: dict[str, Callable[[Wire, int, int], None]] = {"line": move_on_line, "can": move_on_bus}
-MASTERS: dict[str, Callable[[Wire], None]] = {"line": ask_line, "can": ask_bus, "chain": ask_chain}
+MASTERS: dict[str, Callable[[Wire], None]] = {"line": ask_line, "can": ask_bus, "chain": ask_chain, "ring": ask_ring}
 
 
 def look(script: Script) -> None:
