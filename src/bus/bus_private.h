@@ -77,7 +77,7 @@ void dg_bus_run_until(struct dg_bus *self, dg_ns now);
 /** Tell who looks. */
 static inline void dg_bus_tell(const struct dg_bus *self, const struct dg_tap_event *event)
 {
-    if (self->watched && self->ops->tap != NULL) {
+    if (self->watched) {
         self->ops->tap(self->ctx, event);
     }
 }

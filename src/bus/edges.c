@@ -227,7 +227,7 @@ static void take_edge(const struct dg_bus *bus, bool level)
     self->fell = clocked && !level ? there : self->fell;
     self->clock = level;
     const bool answered = self->cable.level != before;
-    if (answered || (clocked && bus->ops->tap != NULL)) {
+    if (answered || (clocked && bus->watched)) {
         tell_levels(bus, bus->now, answered);
     }
 }

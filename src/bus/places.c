@@ -166,7 +166,7 @@ dg_ns dg_bus_durable(struct dg_bus *self, size_t place, dg_ns now)
 
 void dg_bus_watch(struct dg_bus *self, bool watched)
 {
-    self->watched = watched;
+    self->watched = watched && self->ops->tap != NULL;
 }
 
 size_t dg_bus_count(const struct dg_bus *self)

@@ -462,7 +462,7 @@ static void take(struct dg_bus *self, const struct dg_tap_event *event)
     if (!ring->is.dropped && (!data || anew)) {
         run_id_cycle(self);
     }
-    if (self->watched && self->ops->tap != NULL) {
+    if (self->watched) {
         tell_cycle(self, event);
     }
 }

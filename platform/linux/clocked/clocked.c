@@ -43,7 +43,7 @@ void lx_clocked_hold(struct lx_clocked *self, size_t index, struct lx_nvm_queue 
 
 void lx_clocked_listen(struct lx_clocked *self)
 {
-    self->ops.tap = lx_tap_on(self->tap) ? tell_levels : NULL;
+    dg_bus_watch(self->bus, lx_tap_on(self->tap));
 }
 
 void lx_clocked_add(struct lx_clocked *self, struct dg_host *host, struct dg_encoder *control)
@@ -65,6 +65,7 @@ void lx_clocked_connect(struct lx_clocked *self, const struct dg_bus_edges_setup
         .ctx = self,
     };
     self->tap = tap;
+    self->ops.tap = tell_levels;
     self->bus = dg_bus_init(self->bus_memory, dg_bus_size(&dg_bus_edges, self->count), &setup);
     for (size_t i = 0; i < self->count; i++) {
         (void)dg_bus_attach(self->bus, self->host[i], self->control[i]);

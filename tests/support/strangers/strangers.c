@@ -73,6 +73,7 @@ static struct made *make_stranger(const char *model)
         self->wire = *row->wire;
         self->wire.stack = &self->stack;
         self->wire.furnish = row->wire->furnish != NULL ? furnish : NULL;
+        self->wire.uart = NULL; /* nor does it tell a data rate */
         self->instrument = *row->instrument;
         self->instrument.stack = &self->stack;
         return self;
