@@ -29,7 +29,7 @@ static void change_both(struct dg_host *alone)
                                          "eeprom_acknowledges"};
     const char *name = senses[draw() % DG_COUNT(senses)];
     const int64_t angle = (int64_t)draw() << 10;
-    const int64_t rate = ((int64_t)(draw() % 4000u) - 2000) << 24;
+    const int64_t rate = ((int64_t)(draw() % 4000u) - 2000) * (1 << 24);
     const bool on = draw() % 3u != 0;
     struct dg_host *const both[] = {alone, rig.encoders[0]};
 
