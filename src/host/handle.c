@@ -8,13 +8,6 @@
 
 #include <string.h>
 
-/* What a handle has of its own. */
-enum host_kind {
-    HOST_ALONE,     /* queues and an EEPROM */
-    HOST_ON_BUS,    /* an EEPROM */
-    HOST_WITH_PORT, /* neither */
-};
-
 _Static_assert(_Alignof(struct dg_host) <= DG_HOST_ALIGN, "what host.h asks for is enough");
 _Static_assert(_Alignof(max_align_t) <= DG_HOST_ALIGN, "also for devices, see stack.h");
 _Static_assert(offsetof(struct dg_host, line) == 0, "from a line to its handle");
@@ -47,42 +40,25 @@ struct host_parts dg_host_parts_of(const struct dg_host *self)
     return parts;
 }
 
-static size_t sum_of(const struct host_parts *parts)
+size_t dg_host_sum_of(const struct host_parts *parts)
 {
     return dg_host_round(sizeof(struct dg_host)) + parts->queues + parts->settings + parts->device +
            parts->memory;
 }
 
-size_t dg_host_size_in_all(const struct dg_host *self)
-{
-    const struct host_parts parts = dg_host_parts_of(self);
-
-    return sum_of(&parts);
-}
-
-static size_t size_of(const struct dg_device *model, const struct dg_host_wire *wire,
-                      enum host_kind kind)
+size_t dg_host_size_as(const struct dg_device *model, const struct dg_host_wire *wire,
+                       enum host_kind kind)
 {
     if (model->stack != wire->stack) {
         return 0;
     }
     const struct host_parts parts = parts_of(model, wire, kind);
-    return sum_of(&parts);
+    return dg_host_sum_of(&parts);
 }
 
 size_t dg_host_size(const struct dg_device *model, const struct dg_host_wire *wire)
 {
-    return size_of(model, wire, HOST_ALONE);
-}
-
-size_t dg_host_size_on_bus(const struct dg_device *model, const struct dg_host_wire *wire)
-{
-    return size_of(model, wire, HOST_ON_BUS);
-}
-
-size_t dg_host_size_with_port(const struct dg_device *model, const struct dg_host_wire *wire)
-{
-    return size_of(model, wire, HOST_WITH_PORT);
+    return dg_host_size_as(model, wire, HOST_ALONE);
 }
 
 static void place_parts(struct dg_host *self, const struct host_parts *parts)
@@ -96,17 +72,17 @@ static void place_parts(struct dg_host *self, const struct host_parts *parts)
     self->memory_size = (uint32_t)parts->memory;
 }
 
-static struct dg_host *init(void *memory, size_t size, const struct dg_device *model,
-                            const struct dg_host_wire *wire, enum host_kind kind)
+struct dg_host *dg_host_init_as(void *memory, size_t size, const struct dg_device *model,
+                                const struct dg_host_wire *wire, enum host_kind kind)
 {
-    const size_t needed = size_of(model, wire, kind);
+    const struct host_parts parts = parts_of(model, wire, kind);
     struct dg_host *self = memory;
 
-    if (memory == NULL || needed == 0 || size < needed || (uintptr_t)memory % DG_HOST_ALIGN != 0) {
+    if (memory == NULL || model->stack != wire->stack || size < dg_host_sum_of(&parts) ||
+        (uintptr_t)memory % DG_HOST_ALIGN != 0) {
         return NULL;
     }
-    const struct host_parts parts = parts_of(model, wire, kind);
-    memset(memory, 0, needed);
+    memset(memory, 0, dg_host_sum_of(&parts));
     place_parts(self, &parts);
     self->refs.device = model;
     self->refs.wire = wire;
@@ -124,15 +100,7 @@ static struct dg_host *init(void *memory, size_t size, const struct dg_device *m
 struct dg_host *dg_host_init(void *memory, size_t size, const struct dg_device *model,
                              const struct dg_host_wire *wire)
 {
-    return init(memory, size, model, wire, HOST_ALONE);
-}
-
-struct dg_host *dg_host_init_on_bus(void *memory, size_t size, const struct dg_device *model,
-                                    const struct dg_host_wire *wire)
-{
-    const bool has_room = size >= dg_host_size_on_bus(model, wire);
-
-    return init(memory, size, model, wire, has_room ? HOST_ON_BUS : HOST_WITH_PORT);
+    return dg_host_init_as(memory, size, model, wire, HOST_ALONE);
 }
 
 const char *dg_host_model(const struct dg_host *self)
@@ -143,16 +111,6 @@ const char *dg_host_model(const struct dg_host *self)
 const char *dg_host_protocol(const struct dg_host *self)
 {
     return self->refs.device->stack->name;
-}
-
-int dg_host_medium(const struct dg_host *self)
-{
-    return (int)self->refs.device->stack->medium;
-}
-
-const char *dg_host_address_key(const struct dg_host *self)
-{
-    return self->refs.device->stack->address_key;
 }
 
 /* ------------------------------------------------------------ EEPROM */
@@ -200,21 +158,6 @@ struct dg_stack_setup dg_host_setup(struct dg_host *self)
         self->refs.wire->arrange(self->line.settings, &setup);
     }
     return setup;
-}
-
-const struct dg_host_wire *dg_host_wire_at(const struct dg_host *self)
-{
-    return self->refs.wire;
-}
-
-struct dg_host_line *dg_host_line_of(struct dg_host *self)
-{
-    return &self->line;
-}
-
-struct dg_world *dg_host_world(struct dg_host *self)
-{
-    return &self->world;
 }
 
 /* The size is that of the layout, without what rounds it up. */
@@ -270,11 +213,6 @@ int dg_host_memory_port(struct dg_host *self, const struct dg_nvm *nvm)
     }
     self->refs.nvm = *nvm;
     return DG_HOST_OK;
-}
-
-void dg_host_memory_known(struct dg_host *self)
-{
-    self->loaded = true;
 }
 
 /* ------------------------------------------------------------ power */
@@ -367,16 +305,4 @@ const void *dg_host_device(const struct dg_host *self, const struct dg_host_wire
     }
     *result = dg_host_powered(self) ? DG_HOST_OK : DG_HOST_ERR_STATE;
     return *result == DG_HOST_OK ? self->line.device : NULL;
-}
-
-int dg_host_uart(const struct dg_host *self, struct dg_host_uart *to)
-{
-    if (self->refs.wire->uart == NULL) {
-        return DG_HOST_ERR_WIRE;
-    }
-    if (!dg_host_powered(self)) {
-        return DG_HOST_ERR_STATE;
-    }
-    self->refs.wire->uart(&self->line, false, to);
-    return DG_HOST_OK;
 }

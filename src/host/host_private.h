@@ -75,6 +75,13 @@ struct dg_host {
 };
 
 /** handle.c */
+/* What a handle has of its own. */
+enum host_kind {
+    HOST_ALONE,     /* queues and an EEPROM */
+    HOST_ON_BUS,    /* an EEPROM */
+    HOST_WITH_PORT, /* neither */
+};
+
 size_t dg_host_round(size_t n);
 /** Sizes of what stands behind a handle, in this order. */
 struct host_parts {
@@ -84,8 +91,13 @@ struct host_parts {
     size_t memory;
 };
 struct host_parts dg_host_parts_of(const struct dg_host *self);
+/** As dg_host_size() and dg_host_init(), of such a handle. */
+size_t dg_host_size_as(const struct dg_device *model, const struct dg_host_wire *wire,
+                       enum host_kind kind);
+struct dg_host *dg_host_init_as(void *memory, size_t size, const struct dg_device *model,
+                                const struct dg_host_wire *wire, enum host_kind kind);
 /** Of all of it, the handle included. */
-size_t dg_host_size_in_all(const struct dg_host *self);
+size_t dg_host_sum_of(const struct host_parts *parts);
 
 /** physics.c: sit on the own shaft, `course`. */
 void dg_host_sit_alone(struct dg_host *self);
@@ -94,6 +106,16 @@ void dg_host_sit(struct dg_host *self, void *shaft, dg_angle (*angle_of)(void *s
 
 /** time.c: whatever is due up to `now` happens, and what the host changed is looked at. */
 void dg_host_run(struct dg_host *self, dg_ns now);
+/** Whatever is due before `now` happens, and it is `now`. */
+void dg_host_run_until(struct dg_host *self, dg_ns now);
+/** The next part of an event, which faults may bend. @return whether it was the last one */
+bool dg_host_take_event(struct dg_host *self, struct dg_host_event *event);
+/** The line may have another level than was told. */
+void dg_host_look_at_level(struct dg_host *self);
+/** What came in and what is due at the present moment. */
+void dg_host_serve(struct dg_host *self);
+/** What the wire's controller is by itself, if `event` says so. */
+void dg_host_note_controller(struct dg_host *self, const struct dg_host_event *event);
 /** Whether a handle of this wire can take `event`. @return as dg_host_wire.check */
 int dg_host_check_event(const struct dg_host_wire *wire, const struct dg_host_event *event);
 

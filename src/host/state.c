@@ -36,6 +36,13 @@ struct header {
 };
 #define ORDER UINT32_C(0x01020304)
 
+static size_t size_in_all(const struct dg_host *self)
+{
+    const struct host_parts parts = dg_host_parts_of(self);
+
+    return dg_host_sum_of(&parts);
+}
+
 static struct header header_of(const struct dg_host *self)
 {
     const struct host_parts parts = dg_host_parts_of(self);
@@ -60,7 +67,7 @@ static struct header header_of(const struct dg_host *self)
 
 size_t dg_host_state_size(const struct dg_host *self)
 {
-    return sizeof(struct header) + dg_host_size_in_all(self);
+    return sizeof(struct header) + size_in_all(self);
 }
 
 /* ------------------------------------------------------------ pointers */
@@ -112,7 +119,7 @@ int dg_host_save(struct dg_host *self, void *to, size_t n)
 {
     struct header header = header_of(self);
     const struct dg_host kept = *self;
-    const size_t size = dg_host_size_in_all(self);
+    const size_t size = size_in_all(self);
     uint8_t *body = (uint8_t *)to + sizeof header;
 
     if (n < dg_host_state_size(self)) {
@@ -270,7 +277,7 @@ int dg_host_restore(struct dg_host *self, const void *from, size_t n)
 {
     const uint8_t *body = (const uint8_t *)from + sizeof(struct header);
     const struct header mine = header_of(self);
-    const size_t size = dg_host_size_in_all(self);
+    const size_t size = size_in_all(self);
     struct header header;
     struct dg_host state;
 

@@ -48,14 +48,6 @@ static void deliver(struct dg_host *self, const struct dg_host_event *event)
     }
 }
 
-void dg_host_tell_controller(struct dg_host *self, uint32_t event)
-{
-    struct dg_host_line *line = &self->line;
-    const struct dg_host_event said = {.at = line->now, .id = event, .kind = DG_HOST_BUS};
-
-    (void)self->refs.wire->take(line, &said);
-}
-
 void dg_host_emit(struct dg_host_line *line, const struct dg_host_event *event)
 {
     struct dg_host *self = (struct dg_host *)(void *)line;
@@ -176,7 +168,7 @@ static bool seen(struct dg_host *self)
 }
 
 /* The line may have another level than was told. */
-static void look_at_level(struct dg_host *self)
+void dg_host_look_at_level(struct dg_host *self)
 {
     struct dg_host_line *line = &self->line;
 
@@ -193,7 +185,7 @@ static void look_at_level(struct dg_host *self)
 }
 
 /* What the wire's controller is by itself. */
-static void note_controller(struct dg_host *self, const struct dg_host_event *event)
+void dg_host_note_controller(struct dg_host *self, const struct dg_host_event *event)
 {
     if (event->kind == DG_HOST_BUS && event->id <= DG_HOST_BUS_OFF) {
         self->controller = (uint8_t)event->id;
@@ -202,11 +194,11 @@ static void note_controller(struct dg_host *self, const struct dg_host_event *ev
 
 /* The next part of an event. What a fault keeps from the encoder is not taken at all. @return
  * whether it was the last one */
-static bool take_event(struct dg_host *self, struct dg_host_event *event)
+bool dg_host_take_event(struct dg_host *self, struct dg_host_event *event)
 {
     const struct dg_host_wire *wire = self->refs.wire;
 
-    note_controller(self, event);
+    dg_host_note_controller(self, event);
     if (self->line.part == 0 && self->refs.faults != NULL &&
         self->refs.faults->arrives(self->refs.faults_ctx, event, true) == 0) {
         return true;
@@ -223,33 +215,33 @@ static void take_queued(struct dg_host *self)
     struct host_queue *in = &self->refs.queues->in;
 
     while (in->count != 0 && due_in(self) <= self->line.now) {
-        if (take_event(self, head_of(in))) {
+        if (dg_host_take_event(self, head_of(in))) {
             self->line.part = 0;
             drop_head(in);
         }
-        look_at_level(self);
+        dg_host_look_at_level(self);
     }
 }
 
 /* What comes in comes before what is due at the same moment (hiperface.h). */
-static void serve(struct dg_host *self)
+void dg_host_serve(struct dg_host *self)
 {
     if (self->refs.queues != NULL) {
         take_queued(self);
     }
     self->deadline = self->refs.device->stack->step(self->line.device, self->line.now);
-    look_at_level(self);
+    dg_host_look_at_level(self);
 }
 
 /* Whatever is due before `now`, which is the present then. */
-static void run_until(struct dg_host *self, dg_ns now)
+void dg_host_run_until(struct dg_host *self, dg_ns now)
 {
     dg_ns next = dg_host_next(self);
 
     while (self->made && next < now) {
         /* A device that asks for the present again would stop time. */
         self->line.now = next > self->line.now ? next : self->line.now;
-        serve(self);
+        dg_host_serve(self);
         const dg_ns later = dg_host_next(self);
         next = later > self->line.now ? later : dg_after(self->line.now, 1);
     }
@@ -258,41 +250,10 @@ static void run_until(struct dg_host *self, dg_ns now)
 
 void dg_host_run(struct dg_host *self, dg_ns now)
 {
-    run_until(self, now);
+    dg_host_run_until(self, now);
     if (self->made) {
-        serve(self);
+        dg_host_serve(self);
     }
-}
-
-void dg_host_skip(struct dg_host *self, uint64_t now)
-{
-    self->line.now = now > self->line.now ? now : self->line.now;
-}
-
-static void feed_parts(struct dg_host *self, const struct dg_host_event *event)
-{
-    struct dg_host_event copy = *event;
-
-    self->line.part = 0;
-    while (!take_event(self, &copy)) {
-    }
-    self->line.part = 0;
-    look_at_level(self);
-    serve(self);
-}
-
-uint64_t dg_host_feed(struct dg_host *self, const struct dg_host_event *event)
-{
-    const struct dg_host_wire *wire = self->refs.wire;
-
-    run_until(self, event->at);
-    if (self->made && (wire->feed == NULL || self->refs.faults != NULL)) {
-        feed_parts(self, event);
-    } else if (self->made) {
-        note_controller(self, event);
-        self->deadline = wire->feed(&self->line, event);
-    }
-    return self->refs.queues != NULL ? dg_host_next(self) : self->deadline;
 }
 
 uint64_t dg_host_next(const struct dg_host *self)
@@ -332,7 +293,7 @@ struct dg_host_line *dg_host_line_at(struct dg_host *self, const struct dg_host_
 void dg_host_line_done(struct dg_host *self)
 {
     self->line.level = seen(self);
-    serve(self);
+    dg_host_serve(self);
 }
 
 int dg_host_clock(struct dg_host *self, uint64_t now, bool level)
@@ -345,7 +306,7 @@ int dg_host_clock(struct dg_host *self, uint64_t now, bool level)
     }
     dg_host_run(self, now);
     (void)self->refs.wire->clock(&self->line, self->line.now, level);
-    serve(self);
+    dg_host_serve(self);
     return self->line.level ? 1 : 0;
 }
 
@@ -360,7 +321,7 @@ int dg_host_behind(struct dg_host *self, uint64_t now, bool level)
     dg_host_run(self, now);
     self->line.behind = level;
     self->line.chained = true;
-    look_at_level(self);
+    dg_host_look_at_level(self);
     return self->line.level ? 1 : 0;
 }
 

@@ -1,0 +1,82 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * A handle on a bus: apart, so that who has none does not link this.
+ */
+#include "host_private.h"
+
+size_t dg_host_size_on_bus(const struct dg_device *model, const struct dg_host_wire *wire)
+{
+    return dg_host_size_as(model, wire, HOST_ON_BUS);
+}
+
+size_t dg_host_size_with_port(const struct dg_device *model, const struct dg_host_wire *wire)
+{
+    return dg_host_size_as(model, wire, HOST_WITH_PORT);
+}
+
+struct dg_host *dg_host_init_on_bus(void *memory, size_t size, const struct dg_device *model,
+                                    const struct dg_host_wire *wire)
+{
+    const bool has_room = size >= dg_host_size_on_bus(model, wire);
+
+    return dg_host_init_as(memory, size, model, wire, has_room ? HOST_ON_BUS : HOST_WITH_PORT);
+}
+
+void dg_host_memory_known(struct dg_host *self)
+{
+    self->loaded = true;
+}
+
+const struct dg_host_wire *dg_host_wire_at(const struct dg_host *self)
+{
+    return self->refs.wire;
+}
+
+struct dg_host_line *dg_host_line_of(struct dg_host *self)
+{
+    return &self->line;
+}
+
+struct dg_world *dg_host_world(struct dg_host *self)
+{
+    return &self->world;
+}
+
+void dg_host_skip(struct dg_host *self, uint64_t now)
+{
+    self->line.now = now > self->line.now ? now : self->line.now;
+}
+
+void dg_host_tell_controller(struct dg_host *self, uint32_t event)
+{
+    struct dg_host_line *line = &self->line;
+    const struct dg_host_event said = {.at = line->now, .id = event, .kind = DG_HOST_BUS};
+
+    (void)self->refs.wire->take(line, &said);
+}
+
+static void take_whole(struct dg_host *self, const struct dg_host_event *event)
+{
+    struct dg_host_event copy = *event;
+
+    self->line.part = 0;
+    while (!dg_host_take_event(self, &copy)) {
+    }
+    self->line.part = 0;
+    dg_host_look_at_level(self);
+    dg_host_serve(self);
+}
+
+uint64_t dg_host_feed(struct dg_host *self, const struct dg_host_event *event)
+{
+    const struct dg_host_wire *wire = self->refs.wire;
+
+    dg_host_run_until(self, event->at);
+    if (self->made && (wire->feed == NULL || self->refs.faults != NULL)) {
+        take_whole(self, event);
+    } else if (self->made) {
+        dg_host_note_controller(self, event);
+        self->deadline = wire->feed(&self->line, event);
+    }
+    return self->refs.queues != NULL ? dg_host_next(self) : self->deadline;
+}
