@@ -46,7 +46,8 @@ struct dg_characters_setup {
     bool paced;  /**< a master hands over many characters at once: each begins at `at`, or when the
                       one before is over, and takes its time. Without, each is over at `at` */
     bool live;   /**< in real time, where calls are late: a reply begins when the call that it is
-                      due in comes, so that its characters never come closer than on a line */
+                      due in comes, so that its characters never come closer than on a line, and
+                      is of that moment */
     dg_ns
         late; /**< what an encoder does later than this behind its moment was missed; 0: nothing */
     /** A reply begins at `at`, and whoever sends it does the timing: a UART, a model of one. What

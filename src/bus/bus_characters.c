@@ -58,8 +58,10 @@ static const struct characters_pace *pace_of(const struct dg_bus *self, uint32_t
     struct characters_line *line = characters_line_of(self);
     const struct characters_pace *first = &characters_place_at(self, 0)->pace;
 
-    dg_bus_pace_set(&line->pace, baud == DG_BAUD_ANY || baud == 0 ? first->baud : baud,
-                    is_parity(parity) ? parity : first->parity);
+    if (!is_parity(parity)) {
+        parity = first->parity;
+    }
+    dg_bus_pace_set(&line->pace, baud == DG_BAUD_ANY || baud == 0 ? first->baud : baud, parity);
     return &line->pace;
 }
 
@@ -273,16 +275,26 @@ static void count_late(struct characters_place *self, dg_ns deadline)
     }
 }
 
-/* All that are due now, before one of them hears what another one says. */
-static void step_encoders(const struct dg_bus *self, dg_ns now)
+/* All that were due at `deadline`, before one of them hears what another one says. What they say is
+ * of the moment that they say it at. */
+static void step_encoders(const struct dg_bus *self, dg_ns deadline, dg_ns now)
 {
     for (size_t i = 0; i < self->count; i++) {
         struct characters_place *place = characters_place_at(self, i);
-        if (place->place.deadline <= now) {
-            count_late(place, now);
+        if (place->place.deadline <= deadline) {
+            count_late(place, deadline);
+            dg_host_skip(place->place.host, now);
             follow(place, now, dg_host_step(place->place.host, now));
         }
     }
+}
+
+/* In real time the encoders are late when the host is, unless something has come in since. */
+static dg_ns step_time(const struct dg_bus *self, dg_ns deadline, dg_ns on_line)
+{
+    const bool is_late = self->called > deadline && on_line > self->called;
+
+    return characters_line_of(self)->setup.live && is_late ? self->called : deadline;
 }
 
 /* What happens first, if that is by `now`; deadlines up to `due`. @return false: nothing */
@@ -294,7 +306,7 @@ static bool go_on_once(struct dg_bus *self, dg_ns now, dg_ns due)
     const dg_ns on_line = dg_earliest(coming, next.reply);
 
     if (next.deadline < on_line && next.deadline <= due) {
-        step_encoders(self, next.deadline);
+        step_encoders(self, next.deadline, step_time(self, next.deadline, on_line));
         return true;
     }
     if (on_line > now || on_line == DG_NEVER) {

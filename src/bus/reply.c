@@ -211,14 +211,17 @@ static void tell_other_end(const struct characters_place *self, dg_ns at, uint8_
                            bool damaged)
 {
     const struct dg_bus *bus = self->place.bus;
-    const struct dg_tap_event event = {
+    struct dg_tap_event event = {
         .at = at,
         .kind = DG_TAP_CHARACTER,
         .ours = true,
-        .character = {self->end.any_line ? DG_BAUD_ANY : self->pace.baud,
-                      self->end.any_line ? (char)0 : self->pace.parity, byte, damaged},
+        .character = {DG_BAUD_ANY, 0, byte, damaged},
     };
 
+    if (!self->end.any_line) {
+        event.character.baud = self->pace.baud;
+        event.character.parity = self->pace.parity;
+    }
     bus->ops->tx(bus->ctx, self->place.index, &event);
 }
 

@@ -137,11 +137,14 @@ static void tell_uart(const struct dg_host_line *line, bool stored, struct dg_ho
         .baud = uart.baud, .parity = (uint8_t)uart.parity, .timeout_bits = uart.timeout_bits};
 }
 
+/* A memory that was silent when power came on was not read. */
 static int address(const struct dg_host_line *line)
 {
     const struct dg_hf *device = line->device;
+    const bool known =
+        device->store.layout != NULL && !dg_store_damaged(&device->store, DG_HF_REGION_UART);
 
-    return dg_store_damaged(&device->store, DG_HF_REGION_UART) ? -1 : device->address;
+    return known ? device->address : -1;
 }
 
 static bool wants(const struct dg_host_line *line, uint8_t byte)

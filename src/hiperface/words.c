@@ -120,8 +120,11 @@ static void add_ascii(struct dg_text *text, const uint8_t *bytes, size_t n)
 {
     for (size_t i = 0; i < n && bytes[i] != 0; i++) {
         const bool printable = bytes[i] >= ' ' && bytes[i] <= '~';
-        const char character = printable ? (char)bytes[i] : '?';
+        char character = '?';
 
+        if (printable) {
+            character = (char)bytes[i];
+        }
         dg_text_add_n(text, &character, 1);
     }
 }

@@ -335,6 +335,30 @@ static void a_late_call_does_not_squeeze_a_reply(void **state)
     assert_int_equal(dg_bus_characters_counters(line.bus).late, counted + 1);
 }
 
+/* The position in it is that of the moment it is said at. A quarter of a turn in 100 ms. */
+static void a_late_reply_is_of_its_own_moment(void **state)
+{
+    static const struct dg_characters_setup live = {
+        .size = sizeof live, .paced = true, .live = true};
+    static struct character_rig line;
+
+    (void)state;
+    character_rig_make(&line, &live, 1);
+    struct dg_host *host = dg_bus_encoder(line.bus, 0);
+    dg_host_shaft(host, line.now, 0, (int64_t)5 << 31);
+    character_rig_say(&line, "40 42 02");
+    const dg_ns late = line.now + 100 * MS;
+    uint64_t position = 0;
+    assert_int_equal(dg_host_position(host, late, &position), DG_HOST_OK);
+    (void)dg_bus_step(line.bus, late);
+    character_rig_pass_to(&line, late + REST);
+    for (int i = 0; i < 4; i++) {
+        assert_int_equal(line.sent[2 + i].event.character.byte,
+                         (uint8_t)(position >> (24 - 8 * i)));
+    }
+    assert_true(position > 0);
+}
+
 /* Nobody looks: one call for a request of three characters, and one for each that is said. */
 static void an_unwatched_line_asks_for_fewer_calls(void **state)
 {
@@ -417,6 +441,7 @@ int main(void)
         cmocka_unit_test(a_line_with_a_uart),
         cmocka_unit_test(a_reply_that_takes_no_time),
         cmocka_unit_test(a_late_call_does_not_squeeze_a_reply),
+        cmocka_unit_test(a_late_reply_is_of_its_own_moment),
         cmocka_unit_test(an_unwatched_line_asks_for_fewer_calls),
         cmocka_unit_test(too_many_characters_are_lost),
         cmocka_unit_test(what_is_no_such_line_is_refused),

@@ -16,7 +16,7 @@
 #include "tap.h"
 
 /** Words of either image at most. */
-#define LX_RING_WORDS_MAX (DG_RING_WORDS_MAX * DG_RING_MAX)
+#define LX_RING_WORDS_MAX ((size_t)DG_RING_WORDS_MAX * DG_RING_MAX)
 
 /** A device, in ring order. */
 struct lx_ring_member {
