@@ -633,6 +633,8 @@ static void changed(struct bus_place *base, dg_ns now)
     struct frames_place *place = (struct frames_place *)(void *)base;
 
     (void)now;
+    /* A state that was restored may be one of another encoder, and its version the same. */
+    place->version = ~place->ask->version(place->device);
     keep_deadline(place);
     tell_presence_to(place);
 }

@@ -392,6 +392,26 @@ static void a_controller_outlives_the_power(void **state)
     assert_int_equal(frames_rig_code(0), 0x8140);
 }
 
+/* The state may be one of another encoder, which has changed what it listens to as often. */
+static void a_restored_one_is_followed(void **state)
+{
+    static uint8_t saved[sizeof frames_rig.places[0]];
+
+    (void)state;
+    frames_rig_begin((struct dg_bus_frames_setup){.pace = false}, 2);
+    assert_int_equal(dg_host_save(frames_rig.host[0], saved, sizeof saved), DG_HOST_OK);
+    frames_rig_begin((struct dg_bus_frames_setup){.pace = false}, 2);
+    assert_int_equal(dg_host_power(frames_rig.host[0], DG_S(1), false), DG_HOST_OK);
+    (void)dg_bus_changed(frames_rig.bus, 0, DG_S(1));
+    dg_bus_look(frames_rig.bus, DG_S(2));
+    assert_int_equal(dg_host_restore(frames_rig.host[1], saved, sizeof saved), DG_HOST_OK);
+    (void)dg_bus_changed(frames_rig.bus, 1, DG_S(2));
+    assert_true(dg_bus_frames_listens(frames_rig.bus, ASK + 1));
+    assert_false(dg_bus_frames_listens(frames_rig.bus, ASK + 2));
+    (void)frames_rig_ask(DG_S(2), 0);
+    assert_int_equal(frames_rig_count(SDO + 1), 1);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -410,6 +430,7 @@ int main(void)
         cmocka_unit_test(late_and_twice),
         cmocka_unit_test(controllers),
         cmocka_unit_test(a_controller_outlives_the_power),
+        cmocka_unit_test(a_restored_one_is_followed),
     };
     return cmocka_run_group_tests_name("a bus of frames", tests, NULL, NULL);
 }
