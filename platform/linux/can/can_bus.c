@@ -16,9 +16,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What one moment can make each encoder send, beside what waits for a disk or for its time. */
+/* What one moment can make each encoder send, beside what waits for a disk or for its time, and
+   what is late by a fault: as much as a wire at 1 MBd carries until then, and a client that knows
+   no such limit some more. What is not used costs nothing. */
 #define ROOMS_EACH 8u
-#define ROOMS (DG_BUS_FRAMES_ANSWERS + DG_BUS_FRAMES_PACED)
+#define ROOMS_LATE 4096u
+#define ROOMS (DG_BUS_FRAMES_ANSWERS + DG_BUS_FRAMES_PACED + ROOMS_LATE)
 
 static struct lx_can_bus *can_bus_of(struct lx_bus *bus)
 {

@@ -201,6 +201,23 @@ static void faults_of_a_controller_are_its_own(void **state)
     expect_heard(self, ANSWER_1 ANSWER_1);
 }
 
+/* Late frames (wire_delay) wait for 50 ms, in which a wire at 1 MBd carries 370 with 8 bytes. */
+static void what_is_late_is_not_lost(void **state)
+{
+    static const unsigned asked = 400;
+    struct bench *self = *state;
+    open_hub(self, SLCAN, "");
+    open_channel(self);
+    virtual_rig_order(&self->rig, "FAUL:SET wire_delay");
+    for (unsigned i = 0; i < asked; i++) {
+        say_text(self, ASK_1);
+    }
+    self->heard_count = 0;
+    virtual_rig_pass(&self->rig, DG_MS(60));
+    assert_int_equal(self->heard_count, asked * strlen(ANSWER_1));
+    expect_counters(self, "wire_stalls=0,wire_lost=0,");
+}
+
 /* --- load --- */
 
 /* Most bits that frames of 0 and 8 bytes take, of 250000 in a second: 55 and 135, with identifiers
@@ -278,6 +295,7 @@ int main(void)
         WITH_BENCH(on_a_paced_wire_a_frame_waits_for_its_turn),
         WITH_BENCH(frames_keep_their_order),
         WITH_BENCH(faults_of_a_controller_are_its_own),
+        WITH_BENCH(what_is_late_is_not_lost),
         WITH_BENCH(load_is_what_was_on_the_wire),
         WITH_BENCH(who_has_subscribed_hears),
         cmocka_unit_test(no_descriptor_is_left),
