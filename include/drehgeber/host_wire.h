@@ -171,6 +171,8 @@ DG_API void dg_host_tell_controller(struct dg_host *self, uint32_t event);
 DG_API void dg_host_join_bus(struct dg_host *self,
                              void (*heard)(void *ctx, const struct dg_host_event *event),
                              void *ctx);
+/** Whether it was switched on once: then there is a device. */
+DG_API bool dg_host_made(const struct dg_host *self);
 /** Whether it has joined one. */
 DG_API bool dg_host_on_bus(const struct dg_host_line *line);
 

@@ -308,17 +308,17 @@ static int begin(struct dg_bus *bus, const void *setup)
     return DG_OK;
 }
 
-/* It may have got its power for the first time. */
+/* It may have got its power for the first time, or a state of one that never had any. */
 static void look_alive(struct edges_place *self)
 {
     struct dg_encoder *control = self->place.control;
+    const bool before = self->live;
 
-    if (!self->live && dg_host_powered(self->place.host)) {
-        self->live = true;
-        if (control != NULL && control->instrument->line_frame != NULL) {
-            dg_line_fault_init(&self->fault, control->instrument, self->line->device,
-                               &control->faults);
-        }
+    self->live = dg_host_made(self->place.host);
+    if (!self->live) {
+        self->place.deadline = DG_NEVER;
+    } else if (!before && control != NULL && control->instrument->line_frame != NULL) {
+        dg_line_fault_init(&self->fault, control->instrument, self->line->device, &control->faults);
     }
 }
 

@@ -105,6 +105,11 @@ void dg_host_join_bus(struct dg_host *self, void (*heard)(void *, const struct d
     self->on_bus = true;
 }
 
+bool dg_host_made(const struct dg_host *self)
+{
+    return self->made;
+}
+
 bool dg_host_on_bus(const struct dg_host_line *line)
 {
     return ((const struct dg_host *)(const void *)line)->on_bus;

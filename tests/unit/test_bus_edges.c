@@ -398,6 +398,27 @@ static void what_is_not_durable_is_not_acknowledged(void **state)
     assert_chain_answers();
 }
 
+/* Who goes back to before the first power-on has no device that an edge could get to. */
+static void a_state_from_before_the_power(void **state)
+{
+    static uint8_t saved[sizeof edges_rig.place[0].memory];
+
+    (void)state;
+    edges_rig_begin(NULL, 1);
+    struct dg_host *host = edges_rig_model(0, "s3684-biss");
+    edges_rig_attach(0);
+    assert_int_equal(dg_host_save(host, saved, sizeof saved), DG_HOST_OK);
+    edges_rig_power(0, true);
+    (void)edges_rig_take(4);
+    edges_rig_rest();
+    assert_int_equal(dg_host_restore(host, saved, sizeof saved), DG_HOST_OK);
+    (void)dg_bus_changed(edges_rig.bus, 0, edges_rig.now);
+    assert_int_equal(edges_rig_take(4), 0);
+    edges_rig_power(0, true);
+    edges_rig_rest();
+    assert_true(dg_host_powered(host));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -409,6 +430,7 @@ int main(void)
         cmocka_unit_test(a_fault_is_behind_its_own_driver),
         cmocka_unit_test(encoders_that_make_no_chain_are_refused),
         cmocka_unit_test(what_is_not_durable_is_not_acknowledged),
+        cmocka_unit_test(a_state_from_before_the_power),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
