@@ -78,7 +78,7 @@ static void follow(struct characters_place *self, dg_ns now, dg_ns deadline)
     dg_bus_reply_begin(self, now);
 }
 
-static void feed(struct characters_place *self, dg_ns at, uint8_t byte, unsigned flags)
+static void feed_character(struct characters_place *self, dg_ns at, uint8_t byte, unsigned flags)
 {
     const struct dg_host_event event = {.at = at,
                                         .kind = DG_HOST_BYTES,
@@ -91,7 +91,7 @@ static void feed(struct characters_place *self, dg_ns at, uint8_t byte, unsigned
 
 static void hear_character(struct characters_place *self, dg_ns at, uint8_t byte, bool damaged)
 {
-    feed(self, at, byte, damaged ? DG_HOST_ENDED | DG_HOST_DAMAGED : DG_HOST_ENDED);
+    feed_character(self, at, byte, damaged ? DG_HOST_ENDED | DG_HOST_DAMAGED : DG_HOST_ENDED);
 }
 
 static void hear_reply(struct bus_place *from, const struct dg_host_event *event)
@@ -197,7 +197,7 @@ static void begin_character(struct dg_bus *self, dg_ns now)
     for (size_t i = 0; i < self->count; i++) {
         struct characters_place *to = characters_place_at(self, i);
         if (dg_host_powered(to->place.host) && !dg_bus_reply_is_busy(to) && !to->deaf) {
-            feed(to, now, 0, DG_HOST_START);
+            feed_character(to, now, 0, DG_HOST_START);
         }
     }
 }

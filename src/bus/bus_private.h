@@ -21,7 +21,7 @@ struct bus_place {
     dg_ns deadline; /**< of the encoder */
 };
 
-/** A medium. No operation is NULL but `feel`. */
+/** A medium. No operation is NULL but `feel` and `durable`. */
 struct dg_bus_medium {
     enum dg_medium medium;
     size_t wire_size;     /**< of its own state, */
@@ -48,7 +48,7 @@ struct dg_bus_medium {
     void (*feel)(struct bus_place *place, dg_ns now);
     /** Power, world, settings or faults of an encoder have changed; it knows already. */
     void (*changed)(struct bus_place *place, dg_ns now);
-    /** Replies that wait for its memory may go. */
+    /** Replies that wait for its memory may go. NULL: what was kept back is asked for again. */
     void (*durable)(struct bus_place *place, dg_ns now);
 };
 

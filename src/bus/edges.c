@@ -346,13 +346,13 @@ static int attach(struct bus_place *place)
 }
 
 /* The bus looks at lines itself. */
-static void hear(struct bus_place *from, const struct dg_host_event *event)
+static void hear_level(struct bus_place *from, const struct dg_host_event *event)
 {
     (void)from;
     (void)event;
 }
 
-static void take(struct dg_bus *bus, const struct dg_tap_event *event)
+static void take_clock(struct dg_bus *bus, const struct dg_tap_event *event)
 {
     if (event->kind == DG_TAP_LEVELS) {
         run_encoders(bus, dg_after(bus->now, edges_of(bus)->there_ns));
@@ -383,13 +383,6 @@ static void changed(struct bus_place *place, dg_ns now)
     send_level(place->bus, now);
 }
 
-/* What was kept back was not sent, and the master asks again. */
-static void durable(struct bus_place *place, dg_ns now)
-{
-    (void)place;
-    (void)now;
-}
-
 const struct dg_bus_medium dg_bus_edges = {
     .medium = DG_MEDIUM_EDGES,
     .wire_size = sizeof(struct edges),
@@ -397,10 +390,9 @@ const struct dg_bus_medium dg_bus_edges = {
     .encoders_most = DG_BUS_CHAIN_MAX,
     .begin = begin,
     .attach = attach,
-    .hear = hear,
-    .take = take,
+    .hear = hear_level,
+    .take = take_clock,
     .go_on = go_on,
     .next = next,
     .changed = changed,
-    .durable = durable,
 };

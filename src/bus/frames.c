@@ -213,7 +213,7 @@ static void follow(struct frames_place *place)
 
 /* What it listens to from now on, e.g. heartbeats of another one that it just was told of, may come
  * as soon as its answer is out. */
-static void hear(struct bus_place *base, const struct dg_host_event *event)
+static void hear_frame(struct bus_place *base, const struct dg_host_event *event)
 {
     struct frames_place *from = (struct frames_place *)(void *)base;
     struct dg_tap_event sent = {.at = base->bus->now,
@@ -398,7 +398,7 @@ static void tell_presence(struct dg_bus *self)
 }
 
 /* What is due, until nothing is. */
-static void settle(struct dg_bus *self)
+static void settle_encoders(struct dg_bus *self)
 {
     struct frames_wire *wire = dg_bus_frames_wire(self);
 
@@ -449,7 +449,7 @@ static void go_on(struct dg_bus *self, dg_ns now)
             hear_each_other(self);
         }
         if (!waits(wire)) {
-            settle(self);
+            settle_encoders(self);
         }
     } while (is_something_left(self) && ++turns < TURNS_MAX);
     if (wire->passed) {
@@ -507,7 +507,7 @@ static void tell_other_end(const struct dg_bus *self, const struct dg_tap_event 
     }
 }
 
-static void take(struct dg_bus *self, const struct dg_tap_event *event)
+static void take_frame(struct dg_bus *self, const struct dg_tap_event *event)
 {
     if (event->kind != DG_TAP_FRAME || event->frame.dlc > DLC_MAX) {
         return;
@@ -663,8 +663,8 @@ const struct dg_bus_medium dg_bus_frames = {
     .keeps_deadlines = true,
     .begin = begin,
     .attach = attach,
-    .hear = hear,
-    .take = take,
+    .hear = hear_frame,
+    .take = take_frame,
     .go_on = go_on,
     .next = next,
     .feel = feel,

@@ -160,7 +160,9 @@ dg_ns dg_bus_changed(struct dg_bus *self, size_t place, dg_ns now)
 dg_ns dg_bus_durable(struct dg_bus *self, size_t place, dg_ns now)
 {
     dg_bus_run_until(self, now);
-    self->medium->durable(dg_bus_place_at(self, place), self->now);
+    if (self->medium->durable != NULL) {
+        self->medium->durable(dg_bus_place_at(self, place), self->now);
+    }
     return dg_bus_step(self, now);
 }
 

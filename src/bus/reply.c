@@ -2,11 +2,9 @@
 /*
  * A reply of an encoder, from the handle to its last stop bit:
  *
- *   dg_bus_reply_add .. dg_bus_reply_begin --[not durable]--> kept --> start_reply --[faults]-->
- * line
- *                                                                                         |
- *   go_on (bus_characters.c) --> dg_bus_reply_go_on --> emit: with what others send, to the other
- * end
+ *   dg_bus_reply_add .. dg_bus_reply_begin --[durable? else kept]--> start_reply --[faults]--\
+ *                                                                                          |
+ *   go_on (bus_characters.c) --> dg_bus_reply_go_on --> emit, with what others send <-------/
  *
  * Time of a character = its bits at the data rate, always counted from the start of the reply:
  *

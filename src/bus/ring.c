@@ -438,13 +438,13 @@ static int attach(struct bus_place *place)
 }
 
 /* The ring asks; an encoder says nothing by itself. */
-static void hear(struct bus_place *from, const struct dg_host_event *event)
+static void hear_words(struct bus_place *from, const struct dg_host_event *event)
 {
     (void)from;
     (void)event;
 }
 
-static void take(struct dg_bus *self, const struct dg_tap_event *event)
+static void take_cycle(struct dg_bus *self, const struct dg_tap_event *event)
 {
     struct ring *ring = ring_of(self);
     const bool data = !event->words.identify;
@@ -503,13 +503,6 @@ static void changed(struct bus_place *place, dg_ns now)
     ring->timed = place->bus->count;
 }
 
-/* IN words that were held back come with the next cycle. */
-static void durable(struct bus_place *place, dg_ns now)
-{
-    (void)place;
-    (void)now;
-}
-
 const struct dg_bus_medium dg_bus_words = {
     .medium = DG_MEDIUM_WORDS,
     .wire_size = sizeof(struct ring),
@@ -519,12 +512,11 @@ const struct dg_bus_medium dg_bus_words = {
     .is_read = true,
     .begin = begin,
     .attach = attach,
-    .hear = hear,
-    .take = take,
+    .hear = hear_words,
+    .take = take_cycle,
     .go_on = go_on,
     .next = next,
     .changed = changed,
-    .durable = durable,
 };
 
 /* ------------------------------------------------------------ of a ring only */

@@ -290,7 +290,7 @@ static int make_host(struct lx_line_encoder *self, void *settings, struct lx_err
     return 0;
 }
 
-static int place(struct lx_line_bus *self, size_t index, struct lx_error *error)
+static int place_encoder(struct lx_line_bus *self, size_t index, struct lx_error *error)
 {
     struct lx_station *station = self->bus.setup.stations[index];
     struct lx_line_encoder *encoder = &self->encoder[index];
@@ -318,7 +318,7 @@ struct lx_bus *lx_line_bus_make(const struct lx_bus_setup *setup, lx_serial_open
     self->bus.tap.encoders = self->names;
     self->bus.tap.encoder_count = self->count;
     for (size_t i = 0; i < self->count; i++) {
-        if (place(self, i, error) != 0) {
+        if (place_encoder(self, i, error) != 0) {
             free_bus(self);
             return NULL;
         }
