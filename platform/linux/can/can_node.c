@@ -198,6 +198,7 @@ void lx_can_node_close(struct lx_can_node *self)
 {
     if (self->station != NULL && self->station->control.device != NULL) {
         self->station->plan->model->stack->power_off(self->station->control.device);
+        self->station->control.device = NULL; /* it goes with its handle */
     }
     lx_image_close(&self->image);
     free(self->host);
