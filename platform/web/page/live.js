@@ -61,7 +61,8 @@ class Line {
 
   // Lines of which only the last begins with the mark. @return all that is answered, that with the mark last
   ask(...lines) {
-    if (!this.ready) {
+    // A connection that goes is told of only after it is closed.
+    if (!this.ready || this.socket.readyState !== WebSocket.OPEN) {
       return Promise.reject(new Error("no connection: not sent"));
     }
     return new Promise((resolve, reject) => {
