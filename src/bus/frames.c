@@ -103,6 +103,12 @@ static void emit_frame(struct dg_bus *self, size_t from, const struct dg_can_fra
     emit(self, from, &event);
 }
 
+static void fetch_waiting(struct frames_wire *wire, struct dg_bus_frames_room *sent)
+{
+    *sent = wire->setup.arbitrate ? dg_bus_room_arbitrate(wire, &wire->sending)
+                                  : dg_bus_room_fetch(wire, &wire->sending);
+}
+
 /* A frame that has waited follows the one before it at once, however late the host was, within
  * bounds. */
 static void send_waiting(struct dg_bus *self)
@@ -111,9 +117,8 @@ static void send_waiting(struct dg_bus *self)
     const dg_ns earliest = dg_elapsed(self->now, CATCH_UP);
 
     while (wire->sending.count > 0 && is_free(self) && !wire->stalled) {
-        const struct dg_bus_frames_room sent = wire->setup.arbitrate
-                                                   ? dg_bus_room_arbitrate(wire, &wire->sending)
-                                                   : dg_bus_room_fetch(wire, &wire->sending);
+        struct dg_bus_frames_room sent;
+        fetch_waiting(wire, &sent);
         dg_ns begin = wire->busy_until > sent.at ? wire->busy_until : sent.at;
         begin = begin > earliest ? begin : earliest;
         const struct dg_tap_event event = event_of(self, &sent.frame);
