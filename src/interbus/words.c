@@ -88,7 +88,10 @@ static void judge_devices(struct dg_words_draft *draft, const struct image *in,
 {
     size_t at = 0;
 
-    for (size_t i = 0; widths != NULL && at < in->count; at += widths[i], i++) {
+    if (widths == NULL) {
+        return;
+    }
+    for (size_t i = 0; at < in->count; at += widths[i], i++) {
         const bool whole = widths[i] == STATUS_WIDTH && at + 1u < in->count;
 
         if (whole && (has_changed(in, at) || has_changed(in, at + 1u))) {
