@@ -62,8 +62,8 @@ def module(path):
 def test_words_of_hiperface_are_those_of_the_program():
     """Commands and status messages as the traces have them; lengths and reaction times as the page has them."""
     lists = module("hiperface/lists.py")
-    source = (REPOSITORY / "platform/linux/trace/decode_hf.c").read_text(encoding="utf-8")
-    words = re.findall(r'^    \{0x(\w\w), "([^"]*)",\s*"([^"]*)"\},$', source, re.M)
+    source = (REPOSITORY / "src/hiperface/words.c").read_text(encoding="utf-8")
+    words = re.findall(r'^    \{0x(\w\w), \w+,\s*"([^"]*)",\s*"([^"]*)"\},$', source, re.M)
     assert {int(code, 16): (request, reply) for code, request, reply in words} == \
         {code: row[3:] for code, row in lists.COMMANDS.items()}
     errors = re.findall(r'^    \{0x(\w\w), "([^"]*)"\},$', source, re.M)

@@ -30,7 +30,7 @@ BESIDE = {"cia406": ("canopen",)}
 # A protocol's own places; PROTOCOL is any of them, FOLDER one of its folders in src/.
 OWN = (
     "src/FOLDER/*", "src/devices/*", "src/instruments/*", "include/drehgeber/FOLDER.h",
-    "platform/linux/rs485/*", "platform/linux/can/*", "platform/linux/clocked/*", "platform/linux/interbus/*",
+    "platform/linux/can/*", "platform/linux/clocked/*", "platform/linux/interbus/*",
     "tools/drehgeber/PROTOCOL.c", "tools/sigrok/*/*",
     "tests/e2e/test_PROTOCOL*.py", "tests/e2e/test_sigrok.py", "tests/hdl/*", "tests/hdl/cocotb/bench_PROTOCOL.py",
     "tests/unit/test_PROTOCOL_*.c",
