@@ -21,12 +21,16 @@ def git(folder: Path, *words: str) -> str:
 
 
 def copy_tree(folder: Path) -> Path:
-    """The files of the tree, whether they are committed there or not, as a commit of a new repository."""
+    """The files of the tree, whether they are committed there or not, as a commit of a new repository that could be
+    released: its change log has nothing that is not."""
     shutil.rmtree(folder, ignore_errors=True)
     for path in filter(None, git(TREE, "ls-files", "-z", "--cached", "--others", "--exclude-standard").split("\0")):
         if os.path.lexists(TREE / path):
             (folder / path).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(TREE / path, folder / path, follow_symlinks=False)
+    changelog = folder / "CHANGELOG.md"
+    text = changelog.read_text(encoding="utf-8")
+    changelog.write_text(re.sub(r"^## Unreleased\n.*?(?=^## )", "## Unreleased\n\n", text, flags=re.M | re.S), encoding="utf-8")
     git(folder, "init", "-q", "-b", "main")
     git(folder, "add", "--all", ".")
     git(folder, "commit", "-q", "-m", "A release")
