@@ -21,7 +21,7 @@ struct characters_pace {
     dg_ns whole;
 };
 
-/** A reply: kept, waiting for its moment, or on the line. */
+/** A reply: waiting for its moment, or on the line. */
 struct characters_reply {
     struct characters_pace pace; /**< as when it began */
     dg_ns next;                  /**< when something happens to it; DG_NEVER */
@@ -34,7 +34,6 @@ struct characters_reply {
     uint8_t length;
     uint8_t sent;    /**< characters that are over */
     uint8_t damaged; /**< index of the one that a bit was flipped in (fault) */
-    bool kept;       /**< until what it acknowledges is durable */
     bool begun;      /**< all at once: it was told already */
     bool again;      /**< it is sent a second time (fault) */
     bool merged;     /**< its present character is lost in another one */
@@ -48,8 +47,10 @@ struct characters_place {
     struct dg_host_uart uart; /**< of which `pace` was made */
     struct characters_reply reply;
     dg_ns missed; /**< the latest call in which it was late */
-    uint8_t said; /**< characters of a reply that it has said in the call at hand */
     bool deaf;    /**< inside a request that does not reach it (fault) */
+    bool kept;    /**< what it has said waits until what it acknowledges is durable */
+    uint8_t said; /**< characters of a reply that is said in the call at hand, or kept: */
+    uint8_t saying[DG_REPLY_MAX];
 };
 
 /** A character on its way in. */
@@ -93,10 +94,12 @@ void dg_bus_spread(struct characters_place *from, dg_ns at, uint8_t byte, bool d
 
 /* --- replies, reply.c --- */
 
-/** The encoder says `n` bytes of a reply; dg_bus_reply_begin() when that was all. */
+/** The encoder says `n` bytes of a reply; dg_bus_reply_begin() when that was all. What it said
+ * before and was kept is lost. */
 void dg_bus_reply_add(struct characters_place *self, const uint8_t *bytes, size_t n);
 
-/** What it has said is a reply that is due at `at`: it is kept, or begins. */
+/** What it has said is a reply that is due at `at`: it is kept, is lost, or begins, which cuts off
+ * what was on its way. */
 void dg_bus_reply_begin(struct characters_place *self, dg_ns at);
 
 /** A kept one may go. */

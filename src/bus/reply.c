@@ -62,7 +62,7 @@ static void rewind_to(struct characters_reply *reply, dg_ns start)
 
 static bool on_the_way(const struct characters_reply *reply)
 {
-    return !reply->kept && reply->sent < reply->length;
+    return reply->sent < reply->length;
 }
 
 /* Also before its start, when it is late (fault). */
@@ -78,7 +78,7 @@ bool dg_bus_reply_sends(const struct characters_place *self, dg_ns now)
 
 bool dg_bus_reply_is_busy(const struct characters_place *self)
 {
-    return self->reply.kept || has_reply(self);
+    return self->kept || has_reply(self);
 }
 
 static bool waits_for_all(const struct characters_place *self)
@@ -100,36 +100,45 @@ static void set_next(struct characters_place *self)
 
 /* --- begin --- */
 
+static void forget_said(struct characters_place *self)
+{
+    self->said = 0;
+    self->kept = false;
+}
+
+/* What was still on its way is cut off, but not by one that a fault has dropped. */
 static void start_reply(struct characters_place *self, dg_ns at)
 {
     struct characters_reply *reply = &self->reply;
     struct dg_wire_sent sent = {
-        .bytes = reply->bytes, .length = reply->length, .times = 1, .damaged = DG_WIRE_WHOLE};
+        .bytes = self->saying, .length = self->said, .times = 1, .damaged = DG_WIRE_WHOLE};
 
     if (self->place.control != NULL) {
         dg_wire_fault_send(self->place.control, &sent);
     }
-    reply->kept = false;
-    reply->merged = false;
-    reply->damaged = sent.damaged == DG_WIRE_WHOLE ? CHARACTERS_WHOLE : (uint8_t)sent.damaged;
-    reply->again = sent.times > 1;
-    reply->pace = self->pace;
-    rewind_to(reply, dg_after(at, sent.delay));
-    reply->sent = sent.times == 0 ? reply->length : 0;
-    set_next(self);
+    if (sent.times > 0) {
+        memcpy(reply->bytes, self->saying, self->said);
+        reply->length = self->said;
+        reply->merged = false;
+        reply->damaged = sent.damaged == DG_WIRE_WHOLE ? CHARACTERS_WHOLE : (uint8_t)sent.damaged;
+        reply->again = sent.times > 1;
+        reply->pace = self->pace;
+        rewind_to(reply, dg_after(at, sent.delay));
+        set_next(self);
+    }
+    forget_said(self);
 }
 
-/* What was still on its way is cut off. */
 void dg_bus_reply_add(struct characters_place *self, const uint8_t *bytes, size_t n)
 {
-    const size_t room = sizeof self->reply.bytes - self->said;
+    if (self->kept) {
+        forget_said(self);
+    }
+    const size_t room = sizeof self->saying - self->said;
     const size_t fits = n < room ? n : room;
 
-    memcpy(self->reply.bytes + self->said, bytes, fits);
+    memcpy(self->saying + self->said, bytes, fits);
     self->said = (uint8_t)(self->said + fits);
-    self->reply.length = self->said;
-    self->reply.sent = self->said;
-    self->reply.next = DG_NEVER;
 }
 
 static enum dg_bus_answer ask_port(const struct characters_place *self)
@@ -146,36 +155,38 @@ static dg_ns moment_of(const struct characters_place *self, dg_ns at)
     return characters_line_of(bus)->setup.live && bus->called > at ? bus->called : at;
 }
 
-void dg_bus_reply_begin(struct characters_place *self, dg_ns at)
-{
-    if (self->said == 0) {
-        return;
-    }
-    self->said = 0;
-    const enum dg_bus_answer answer = ask_port(self);
-    self->reply.kept = answer == DG_BUS_KEEP;
-    if (answer == DG_BUS_SAY) {
-        start_reply(self, moment_of(self, at));
-    }
-}
-
 /* What is lost is not acknowledged. */
-void dg_bus_reply_release(struct characters_place *self, dg_ns at)
+static void answer_or_keep(struct characters_place *self, dg_ns at)
 {
-    const enum dg_bus_answer answer = self->reply.kept ? ask_port(self) : DG_BUS_KEEP;
+    const enum dg_bus_answer answer = ask_port(self);
 
+    self->kept = answer == DG_BUS_KEEP;
     if (answer == DG_BUS_SAY) {
         start_reply(self, at);
     } else if (answer == DG_BUS_DROP) {
-        dg_bus_reply_stop(self);
+        forget_said(self);
+    }
+}
+
+void dg_bus_reply_begin(struct characters_place *self, dg_ns at)
+{
+    if (self->said > 0 && !self->kept) {
+        answer_or_keep(self, moment_of(self, at));
+    }
+}
+
+void dg_bus_reply_release(struct characters_place *self, dg_ns at)
+{
+    if (self->kept) {
+        answer_or_keep(self, at);
     }
 }
 
 void dg_bus_reply_stop(struct characters_place *self)
 {
+    forget_said(self);
     self->reply.length = 0;
     self->reply.sent = 0;
-    self->reply.kept = false;
     self->reply.again = false;
     self->reply.next = DG_NEVER;
 }

@@ -108,6 +108,40 @@ static void faults_of_replies(void **state)
     character_rig_expect_answer(&line, "40 42 02", 0);
 }
 
+/* One that takes no time hears requests while its reply is late. What is late goes out, unless a
+ * newer reply does. */
+static void a_late_reply_outlives_one_that_is_dropped(void **state)
+{
+    static const struct dg_characters_end at_once = {.at_once = true};
+    static struct character_rig line;
+
+    (void)state;
+    character_rig_make(&line, &character_rig_paced, 1);
+    dg_bus_characters_set(line.bus, 0, &at_once);
+    for (unsigned lost = 0; lost < 2; lost++) {
+        const dg_ns late = line.now + 3 * CHARACTER + ANSWER + DELAY;
+        character_rig_bend(&line, 0, DG_WIRE_DELAY, 1);
+        character_rig_expect_silence(&line, "40 42 02");
+        if (lost == 0) {
+            character_rig_bend(&line, 0, DG_WIRE_DROP, 1);
+        }
+        line.answer = lost == 0 ? DG_BUS_SAY : DG_BUS_DROP;
+        character_rig_expect_silence(&line, "40 50 10");
+        line.answer = DG_BUS_SAY;
+        character_rig_pass_to(&line, late + REST);
+        assert_int_equal(line.count, 7);
+        assert_int_equal(line.sent[0].event.at, late);
+        assert_int_equal(line.sent[1].event.character.byte, 0x42);
+        assert_false(line.sent[1].event.character.damaged);
+    }
+    character_rig_bend(&line, 0, DG_WIRE_DELAY, 1);
+    character_rig_expect_silence(&line, "40 42 02");
+    character_rig_say(&line, "40 50 10");
+    character_rig_pass_to(&line, line.now + 2 * DELAY);
+    assert_int_equal(line.count, 4);
+    assert_int_equal(line.sent[1].event.character.byte, 0x50);
+}
+
 /* Counted are requests for it, by their first character. */
 static void a_deaf_one_misses_what_is_for_it(void **state)
 {
@@ -134,6 +168,7 @@ int main(void)
         cmocka_unit_test(a_lost_reply_is_not_said),
         cmocka_unit_test(a_reply_ends_with_the_power),
         cmocka_unit_test(faults_of_replies),
+        cmocka_unit_test(a_late_reply_outlives_one_that_is_dropped),
         cmocka_unit_test(a_deaf_one_misses_what_is_for_it),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
