@@ -79,8 +79,9 @@ static int switch_on(struct lx_line_encoder *self, dg_ns now, struct lx_error *e
     if (open_memory(self, error) != 0) {
         return -1;
     }
-    if (dg_host_memory_port(self->host, &station->control.nvm) != DG_HOST_OK ||
-        dg_host_power(self->host, now, true) != DG_HOST_OK) {
+    (void)dg_host_memory_port(self->host, &station->control.nvm);
+    dg_host_memory_known(self->host);
+    if (dg_host_power(self->host, now, true) != DG_HOST_OK) {
         return lx_fail(error, "the encoder does not start: not its EEPROM");
     }
     station->control.device = dg_host_line_of(self->host)->device;

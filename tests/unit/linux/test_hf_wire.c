@@ -276,6 +276,29 @@ static void a_file_keeps_its_address(void **state)
     remove_place(&place);
 }
 
+/* Once when its delivery state is made, once by the encoder: whoever opened it knows what is in it.
+ */
+static unsigned mounted;
+int __real_dg_hf_mount(struct dg_store *self, const struct dg_hf_model *model, struct dg_nvm nvm);
+int __wrap_dg_hf_mount(struct dg_store *self, const struct dg_hf_model *model, struct dg_nvm nvm);
+int __wrap_dg_hf_mount(struct dg_store *self, const struct dg_hf_model *model, struct dg_nvm nvm)
+{
+    mounted++;
+    return __real_dg_hf_mount(self, model, nvm);
+}
+
+static void power_mounts_an_eeprom_once(void **state)
+{
+    struct line_rig rig;
+    (void)state;
+    mounted = 0;
+    line_rig_plan(&rig, 2, NULL);
+    line_rig_open_pty(&rig);
+    assert_int_equal(mounted, 2 * 2);
+    line_rig_answers(&rig, 0x40);
+    line_rig_close(&rig);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -289,6 +312,7 @@ int main(void)
         cmocka_unit_test(several_share_a_tty),
         cmocka_unit_test(a_uart_gets_whole_replies),
         cmocka_unit_test(a_file_keeps_its_address),
+        cmocka_unit_test(power_mounts_an_eeprom_once),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
