@@ -104,7 +104,8 @@ struct dg_host_wire {
     /** Take the next part at line->now. @return whether it was the last one. NULL with `check`. */
     bool (*take)(struct dg_host_line *line, const struct dg_host_event *event);
     /** Take a whole event at line->now, with all that is due then. @return when it wants to be
-     * called again. For dg_host_feed(); NULL: `take`, then what is due is asked for. */
+     * called again. For dg_host_feed(); NULL: `take`, then what is due is asked for. `uart` is the
+     * same behind a character if nothing was due and nothing is said. */
     dg_ns (*feed)(struct dg_host_line *line, const struct dg_host_event *event);
     /** Clocked lines: level of the encoder's line, and the master's clock. NULL. */
     bool (*level)(const struct dg_host_line *line);

@@ -20,19 +20,23 @@
 
 /* --- settings --- */
 
-void dg_bus_pace_set(struct characters_pace *pace, uint32_t baud, char parity)
+static void set_pace(struct characters_pace *pace, uint32_t baud, char parity)
 {
     const uint32_t bits = BITS_WITHOUT_PARITY + (parity != 'N' ? 1u : 0u);
 
-    if (baud == pace->baud && parity == pace->parity) {
-        return;
-    }
     *pace = (struct characters_pace){.baud = baud, .parity = parity};
     if (baud != 0) {
         const dg_ns most = dg_bit_times_ns(bits, baud);
         const uint32_t over = (uint32_t)(most * baud - bits * NS_PER_S);
         pace->whole = most - (over > 0 ? 1u : 0u);
         pace->rest = over > 0 ? baud - over : 0;
+    }
+}
+
+static void follow_pace(struct characters_pace *pace, uint32_t baud, char parity)
+{
+    if (baud != pace->baud || parity != pace->parity) {
+        set_pace(pace, baud, parity);
     }
 }
 
@@ -61,21 +65,37 @@ static const struct characters_pace *pace_of(const struct dg_bus *self, uint32_t
     if (!is_parity(parity)) {
         parity = first->parity;
     }
-    dg_bus_pace_set(&line->pace, baud == DG_BAUD_ANY || baud == 0 ? first->baud : baud, parity);
+    follow_pace(&line->pace, baud == DG_BAUD_ANY || baud == 0 ? first->baud : baud, parity);
     return &line->pace;
 }
 
 /* --- calls into an encoder --- */
+
+static void follow_setting(struct characters_place *self)
+{
+    if (dg_host_uart(self->place.host, &self->uart) == DG_HOST_OK) {
+        follow_pace(&self->pace, self->uart.baud, (char)self->uart.parity);
+    }
+}
 
 /* Behind each of them: its deadline, the setting it may have changed, what it has said. */
 static void follow(struct characters_place *self, dg_ns now, dg_ns deadline)
 {
     /* Whoever asks for the present again would stop time. */
     self->place.deadline = deadline > now ? deadline : dg_after(now, 1);
-    if (dg_host_uart(self->place.host, &self->uart) == DG_HOST_OK) {
-        dg_bus_pace_set(&self->pace, self->uart.baud, (char)self->uart.parity);
-    }
+    follow_setting(self);
     dg_bus_reply_begin(self, now);
+}
+
+/* dg_host_wire.feed promises that the setting stays when a character comes and nothing else
+ * happens: that is most of them, and asking costs as much as hearing. */
+static void follow_character(struct characters_place *self, dg_ns now, dg_ns deadline)
+{
+    if (self->steady && self->said == 0 && self->place.deadline > now && deadline > now) {
+        self->place.deadline = deadline;
+    } else {
+        follow(self, now, deadline);
+    }
 }
 
 static void feed_character(struct characters_place *self, dg_ns at, uint8_t byte, unsigned flags)
@@ -86,7 +106,7 @@ static void feed_character(struct characters_place *self, dg_ns at, uint8_t byte
                                         .length = (flags & DG_HOST_START) != 0 ? 0 : 1,
                                         .data = {byte}};
 
-    follow(self, at, dg_host_feed(self->place.host, &event));
+    follow_character(self, at, dg_host_feed(self->place.host, &event));
 }
 
 static void hear_character(struct characters_place *self, dg_ns at, uint8_t byte, bool damaged)
@@ -182,8 +202,10 @@ static void arrive(struct dg_bus *self, const struct characters_coming *coming)
     struct characters_line *line = characters_line_of(self);
     const bool meets = anybody_sends(self, coming->end);
 
-    tell_character(self, coming->end, false, pace_of(self, coming->baud, coming->parity),
-                   coming->byte, coming->damaged);
+    if (self->watched) {
+        tell_character(self, coming->end, false, pace_of(self, coming->baud, coming->parity),
+                       coming->byte, coming->damaged);
+    }
     line->counters.collided += meets ? 1u : 0u;
     for (size_t i = 0; i < self->count; i++) {
         listen(characters_place_at(self, i), coming, coming->damaged || meets);
@@ -240,16 +262,19 @@ static void put_coming(struct dg_bus *self, const struct characters_coming *comi
 
 /* --- time --- */
 
-/* What comes next of encoders: a deadline, and a character or the beginning of a reply. */
+/* What comes next: a deadline of an encoder, and on the line a character that comes in, or a
+ * character or the beginning of a reply. */
 struct upcoming {
     dg_ns deadline;
+    dg_ns coming;
     dg_ns reply;
     struct characters_place *sends;
 };
 
-static struct upcoming look_ahead(const struct dg_bus *self)
+static inline struct upcoming look_ahead(const struct dg_bus *self)
 {
-    struct upcoming to = {.deadline = DG_NEVER, .reply = DG_NEVER};
+    struct upcoming to = {
+        .deadline = DG_NEVER, .coming = coming_next(characters_line_of(self)), .reply = DG_NEVER};
 
     for (size_t i = 0; i < self->count; i++) {
         struct characters_place *place = characters_place_at(self, i);
@@ -297,41 +322,56 @@ static dg_ns step_time(const struct dg_bus *self, dg_ns deadline, dg_ns on_line)
     return characters_line_of(self)->setup.live && is_late ? self->called : deadline;
 }
 
-/* What happens first, if that is by `now`; deadlines up to `due`. @return false: nothing */
-static bool go_on_once(struct dg_bus *self, dg_ns now, dg_ns due)
+/* Whether a deadline comes first, up to `due`. */
+static inline bool steps_next(const struct upcoming *next, dg_ns due)
 {
-    struct characters_line *line = characters_line_of(self);
-    const struct upcoming next = look_ahead(self);
-    const dg_ns coming = coming_next(line);
-    const dg_ns on_line = dg_earliest(coming, next.reply);
+    return next->deadline < dg_earliest(next->coming, next->reply) && next->deadline <= due;
+}
 
-    if (next.deadline < on_line && next.deadline <= due) {
-        step_encoders(self, next.deadline, step_time(self, next.deadline, on_line));
-        return true;
-    }
-    if (on_line > now || on_line == DG_NEVER) {
-        return false;
-    }
-    if (coming <= next.reply) {
-        const struct characters_coming character = take_coming(line);
+static inline bool is_on_line(const struct upcoming *next, dg_ns now)
+{
+    const dg_ns at = dg_earliest(next->coming, next->reply);
+
+    return at <= now && at != DG_NEVER;
+}
+
+static void serve_line(struct dg_bus *self, const struct upcoming *next)
+{
+    if (next->coming <= next->reply) {
+        const struct characters_coming character = take_coming(characters_line_of(self));
         arrive(self, &character);
     } else {
-        dg_bus_reply_go_on(next.sends, next.reply);
+        dg_bus_reply_go_on(next->sends, next->reply);
     }
-    return true;
+}
+
+/* All that happens on the line by `now`, and deadlines up to `due`, in the order of time. */
+static void go_on_until(struct dg_bus *self, dg_ns now, dg_ns due)
+{
+    struct upcoming next = look_ahead(self);
+    bool steps = steps_next(&next, due);
+
+    while (steps || is_on_line(&next, now)) {
+        if (steps) {
+            const dg_ns on_line = dg_earliest(next.coming, next.reply);
+            step_encoders(self, next.deadline, step_time(self, next.deadline, on_line));
+        } else {
+            serve_line(self, &next);
+        }
+        next = look_ahead(self);
+        steps = steps_next(&next, due);
+    }
 }
 
 static void go_on(struct dg_bus *self, dg_ns now)
 {
-    while (go_on_once(self, now, now)) {
-    }
+    go_on_until(self, now, now);
 }
 
 /* What is over at this moment comes before what comes in, what is due comes behind. */
 static void finish_characters(struct dg_bus *self)
 {
-    while (go_on_once(self, self->now, dg_elapsed(self->now, 1))) {
-    }
+    go_on_until(self, self->now, dg_elapsed(self->now, 1));
 }
 
 static void take_character(struct dg_bus *self, const struct dg_tap_event *event)
@@ -358,9 +398,9 @@ static void take_character(struct dg_bus *self, const struct dg_tap_event *event
 static dg_ns next_of_all(const struct dg_bus *self)
 {
     const struct characters_line *line = characters_line_of(self);
-    const dg_ns coming = self->watched || line->count == 0 ? coming_next(line) : line->end;
-
     const struct upcoming next = look_ahead(self);
+    const dg_ns coming = self->watched || line->count == 0 ? next.coming : line->end;
+
     return dg_earliest(coming, dg_earliest(next.reply, next.deadline));
 }
 
@@ -382,15 +422,15 @@ static int begin(struct dg_bus *self, const void *setup)
 static int attach(struct bus_place *place)
 {
     struct characters_place *self = (struct characters_place *)(void *)place;
+    const struct dg_host_wire *wire = dg_host_wire_at(place->host);
 
-    if (dg_host_wire_at(place->host)->uart == NULL) {
+    if (wire->uart == NULL) {
         return DG_ERR_ARGUMENT;
     }
     self->reply.damaged = CHARACTERS_WHOLE;
     self->reply.next = DG_NEVER;
-    if (dg_host_uart(place->host, &self->uart) == DG_HOST_OK) {
-        dg_bus_pace_set(&self->pace, self->uart.baud, (char)self->uart.parity);
-    }
+    self->steady = wire->feed != NULL;
+    follow_setting(self);
     return DG_OK;
 }
 

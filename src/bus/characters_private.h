@@ -48,6 +48,7 @@ struct characters_place {
     struct characters_reply reply;
     dg_ns missed; /**< the latest call in which it was late */
     bool deaf;    /**< inside a request that does not reach it (fault) */
+    bool steady;  /**< its protocol has dg_host_wire.feed */
     bool kept;    /**< what it has said waits until what it acknowledges is durable */
     uint8_t said; /**< characters of a reply that is said in the call at hand, or kept: */
     uint8_t saying[DG_REPLY_MAX];
@@ -85,9 +86,6 @@ static inline struct characters_place *characters_place_at(const struct dg_bus *
 }
 
 /* --- the line, bus_characters.c --- */
-
-/** How long characters take at a setting; the one division there is. */
-void dg_bus_pace_set(struct characters_pace *pace, uint32_t baud, char parity);
 
 /** A character of `from` is over: tell who looks, and everybody else hears it. */
 void dg_bus_spread(struct characters_place *from, dg_ns at, uint8_t byte, bool damaged);

@@ -122,6 +122,20 @@ static bool take(struct dg_host_line *line, const struct dg_host_event *event)
     return only_start(event) || line->part == last;
 }
 
+/* A character, or a start bit: what it changes in an encoder is its deadline. */
+static dg_ns feed(struct dg_host_line *line, const struct dg_host_event *event)
+{
+    const bool damaged = (event->flags & DG_HOST_DAMAGED) != 0;
+    const unsigned ended = damaged ? DG_HF_RX_DAMAGED : DG_HF_RX_OK;
+    const unsigned flags = only_start(event) ? DG_HF_RX_START : ended;
+    dg_ns next = line->now;
+
+    if (line->now >= line->until) {
+        next = dg_hf_rx(line->device, line->now, event->data[0], (uint8_t)flags);
+    }
+    return next > line->now ? next : dg_hf_step(line->device, line->now);
+}
+
 /* ------------------------------------------------------------ on a line with others */
 
 /* A stored setting that cannot be decoded leaves the one in force. */
@@ -163,6 +177,7 @@ const struct dg_host_wire dg_hf_wire = {
     .check = check,
     .due = due,
     .take = take,
+    .feed = feed,
     .uart = tell_uart,
     .wants = wants,
     .address = address,
