@@ -21,9 +21,12 @@ static bool level(const struct dg_host_line *line)
 static bool set_clock(struct dg_host_line *line, dg_ns now, bool high)
 {
     struct dg_biss *device = line->device;
+
+    if (device->line.state != DG_BISS_IDLE) { /* only from there a frame begins */
+        return dg_biss_link(device, now, high, line->behind);
+    }
     const uint32_t frames = device->counters.frames;
     const bool slo = dg_biss_link(device, now, high, line->behind);
-
     line->latched = device->counters.frames != frames ? now : line->latched;
     return slo;
 }
