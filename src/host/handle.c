@@ -17,48 +17,31 @@ size_t dg_host_round(size_t n)
     return (n + DG_HOST_ALIGN - 1u) / DG_HOST_ALIGN * DG_HOST_ALIGN;
 }
 
-static struct host_parts parts_of(const struct dg_device *model, const struct dg_host_wire *wire,
-                                  enum host_kind kind)
+struct host_parts dg_host_parts_of(const struct dg_device *model, const struct dg_host_wire *wire)
 {
     const struct dg_store_layout *layout = model->stack->layout(model->model);
 
     return (struct host_parts){
-        .queues = kind == HOST_ALONE ? dg_host_round(sizeof(struct host_queues)) : 0,
+        .queues = dg_host_round(sizeof(struct host_queues)),
         .settings = dg_host_round(wire->settings_size),
         .device = dg_host_round(model->stack->device_size),
-        .memory =
-            layout != NULL && kind != HOST_WITH_PORT ? dg_host_round(dg_store_size(layout)) : 0,
+        .memory = layout != NULL ? dg_host_round(dg_store_size(layout)) : 0,
     };
 }
 
-struct host_parts dg_host_parts_of(const struct dg_host *self)
-{
-    struct host_parts parts = parts_of(self->refs.device, self->refs.wire,
-                                       self->refs.queues != NULL ? HOST_ALONE : HOST_ON_BUS);
-
-    parts.memory = self->memory_size;
-    return parts;
-}
-
-size_t dg_host_sum_of(const struct host_parts *parts)
+size_t dg_host_size_of_parts(const struct host_parts *parts)
 {
     return dg_host_round(sizeof(struct dg_host)) + parts->queues + parts->settings + parts->device +
            parts->memory;
 }
 
-size_t dg_host_size_as(const struct dg_device *model, const struct dg_host_wire *wire,
-                       enum host_kind kind)
+size_t dg_host_size(const struct dg_device *model, const struct dg_host_wire *wire)
 {
     if (model->stack != wire->stack) {
         return 0;
     }
-    const struct host_parts parts = parts_of(model, wire, kind);
-    return dg_host_sum_of(&parts);
-}
-
-size_t dg_host_size(const struct dg_device *model, const struct dg_host_wire *wire)
-{
-    return dg_host_size_as(model, wire, HOST_ALONE);
+    const struct host_parts parts = dg_host_parts_of(model, wire);
+    return dg_host_size_of_parts(&parts);
 }
 
 static void place_parts(struct dg_host *self, const struct host_parts *parts)
@@ -72,18 +55,18 @@ static void place_parts(struct dg_host *self, const struct host_parts *parts)
     self->memory_size = (uint32_t)parts->memory;
 }
 
-struct dg_host *dg_host_init_as(void *memory, size_t size, const struct dg_device *model,
-                                const struct dg_host_wire *wire, enum host_kind kind)
+struct dg_host *dg_host_init_parts(void *memory, size_t size, const struct dg_device *model,
+                                   const struct dg_host_wire *wire, const struct host_parts *parts)
 {
-    const struct host_parts parts = parts_of(model, wire, kind);
+    const size_t needed = dg_host_size_of_parts(parts);
     struct dg_host *self = memory;
 
-    if (memory == NULL || model->stack != wire->stack || size < dg_host_sum_of(&parts) ||
+    if (memory == NULL || model->stack != wire->stack || size < needed ||
         (uintptr_t)memory % DG_HOST_ALIGN != 0) {
         return NULL;
     }
-    memset(memory, 0, dg_host_sum_of(&parts));
-    place_parts(self, &parts);
+    memset(memory, 0, needed);
+    place_parts(self, parts);
     self->refs.device = model;
     self->refs.wire = wire;
     self->deadline = DG_NEVER;
@@ -100,7 +83,9 @@ struct dg_host *dg_host_init_as(void *memory, size_t size, const struct dg_devic
 struct dg_host *dg_host_init(void *memory, size_t size, const struct dg_device *model,
                              const struct dg_host_wire *wire)
 {
-    return dg_host_init_as(memory, size, model, wire, HOST_ALONE);
+    const struct host_parts parts = dg_host_parts_of(model, wire);
+
+    return dg_host_init_parts(memory, size, model, wire, &parts);
 }
 
 const char *dg_host_model(const struct dg_host *self)
@@ -158,61 +143,6 @@ struct dg_stack_setup dg_host_setup(struct dg_host *self)
         self->refs.wire->arrange(self->line.settings, &setup);
     }
     return setup;
-}
-
-/* The size is that of the layout, without what rounds it up. */
-size_t dg_host_memory_size(const struct dg_host *self)
-{
-    const struct dg_store_layout *layout =
-        self->refs.device->stack->layout(self->refs.device->model);
-
-    return layout != NULL ? dg_store_size(layout) : 0;
-}
-
-/* The EEPROM is in the handle. */
-static bool has_memory(const struct dg_host *self)
-{
-    return self->refs.nvm.ops == NULL && self->memory_size >= dg_host_memory_size(self);
-}
-
-int dg_host_memory_copy(const struct dg_host *self, void *to, size_t n)
-{
-    const size_t size = dg_host_memory_size(self);
-
-    if (!has_memory(self)) {
-        return DG_HOST_ERR_STATE;
-    }
-    if (n < size) {
-        return DG_HOST_ERR_SPACE;
-    }
-    if (size != 0) {
-        memcpy(to, self->refs.memory, size);
-    }
-    return DG_HOST_OK;
-}
-
-int dg_host_memory_load(struct dg_host *self, const void *from, size_t n)
-{
-    if (!has_memory(self) || dg_host_powered(self)) {
-        return DG_HOST_ERR_STATE;
-    }
-    if (n != dg_host_memory_size(self)) {
-        return DG_HOST_ERR_SPACE;
-    }
-    if (n != 0) {
-        memcpy(self->refs.memory, from, n);
-    }
-    self->loaded = true;
-    return DG_HOST_OK;
-}
-
-int dg_host_memory_port(struct dg_host *self, const struct dg_nvm *nvm)
-{
-    if (self->made || nvm == NULL || nvm->ops == NULL) {
-        return self->made ? DG_HOST_ERR_STATE : DG_HOST_ERR_ARGUMENT;
-    }
-    self->refs.nvm = *nvm;
-    return DG_HOST_OK;
 }
 
 /* ------------------------------------------------------------ power */

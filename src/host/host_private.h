@@ -75,29 +75,20 @@ struct dg_host {
 };
 
 /** handle.c */
-/* What a handle has of its own. */
-enum host_kind {
-    HOST_ALONE,     /* queues and an EEPROM */
-    HOST_ON_BUS,    /* an EEPROM */
-    HOST_WITH_PORT, /* neither */
-};
-
 size_t dg_host_round(size_t n);
 /** Sizes of what stands behind a handle, in this order. */
 struct host_parts {
     size_t queues; /**< 0 on a bus */
     size_t settings;
     size_t device;
-    size_t memory;
+    size_t memory; /**< 0: the model has none, or it is the host's */
 };
-struct host_parts dg_host_parts_of(const struct dg_host *self);
-/** As dg_host_size() and dg_host_init(), of such a handle. */
-size_t dg_host_size_as(const struct dg_device *model, const struct dg_host_wire *wire,
-                       enum host_kind kind);
-struct dg_host *dg_host_init_as(void *memory, size_t size, const struct dg_device *model,
-                                const struct dg_host_wire *wire, enum host_kind kind);
-/** Of all of it, the handle included. */
-size_t dg_host_sum_of(const struct host_parts *parts);
+/** Of a handle that is alone and has its own memory. */
+struct host_parts dg_host_parts_of(const struct dg_device *model, const struct dg_host_wire *wire);
+/** As dg_host_size() and dg_host_init(), of a handle with such parts. */
+size_t dg_host_size_of_parts(const struct host_parts *parts);
+struct dg_host *dg_host_init_parts(void *memory, size_t size, const struct dg_device *model,
+                                   const struct dg_host_wire *wire, const struct host_parts *parts);
 
 /** physics.c: sit on the own shaft, `course`. */
 void dg_host_sit_alone(struct dg_host *self);

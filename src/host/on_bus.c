@@ -4,27 +4,58 @@
  */
 #include "host_private.h"
 
+static struct host_parts parts_on_bus(const struct dg_device *model,
+                                      const struct dg_host_wire *wire, bool with_port)
+{
+    struct host_parts parts = dg_host_parts_of(model, wire);
+
+    parts.queues = 0;
+    parts.memory = with_port ? 0 : parts.memory;
+    return parts;
+}
+
+static size_t size_on_bus(const struct dg_device *model, const struct dg_host_wire *wire,
+                          bool with_port)
+{
+    const struct host_parts parts = parts_on_bus(model, wire, with_port);
+
+    return model->stack == wire->stack ? dg_host_size_of_parts(&parts) : 0;
+}
+
 size_t dg_host_size_on_bus(const struct dg_device *model, const struct dg_host_wire *wire)
 {
-    return dg_host_size_as(model, wire, HOST_ON_BUS);
+    return size_on_bus(model, wire, false);
 }
 
 size_t dg_host_size_with_port(const struct dg_device *model, const struct dg_host_wire *wire)
 {
-    return dg_host_size_as(model, wire, HOST_WITH_PORT);
+    return size_on_bus(model, wire, true);
 }
 
 struct dg_host *dg_host_init_on_bus(void *memory, size_t size, const struct dg_device *model,
                                     const struct dg_host_wire *wire)
 {
-    const bool has_room = size >= dg_host_size_on_bus(model, wire);
+    const bool with_port = size < dg_host_size_on_bus(model, wire);
+    const struct host_parts parts = parts_on_bus(model, wire, with_port);
 
-    return dg_host_init_as(memory, size, model, wire, has_room ? HOST_ON_BUS : HOST_WITH_PORT);
+    return dg_host_init_parts(memory, size, model, wire, &parts);
 }
 
 void dg_host_memory_known(struct dg_host *self)
 {
     self->loaded = true;
+}
+
+void dg_host_join_bus(struct dg_host *self, void (*heard)(void *, const struct dg_host_event *),
+                      void *ctx)
+{
+    dg_host_listen(self, heard, ctx);
+    self->on_bus = true;
+}
+
+bool dg_host_made(const struct dg_host *self)
+{
+    return self->made;
 }
 
 const struct dg_host_wire *dg_host_wire_at(const struct dg_host *self)

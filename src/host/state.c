@@ -36,16 +36,30 @@ struct header {
 };
 #define ORDER UINT32_C(0x01020304)
 
+/* They stand one behind the other. */
+static struct host_parts parts_of(const struct dg_host *self)
+{
+    const uint8_t *settings = self->line.settings;
+    const uint8_t *device = self->line.device;
+
+    return (struct host_parts){
+        .queues = self->refs.queues != NULL ? dg_host_round(sizeof(struct host_queues)) : 0,
+        .settings = (size_t)(device - settings),
+        .device = (size_t)(self->refs.memory - device),
+        .memory = self->memory_size,
+    };
+}
+
 static size_t size_in_all(const struct dg_host *self)
 {
-    const struct host_parts parts = dg_host_parts_of(self);
+    const struct host_parts parts = parts_of(self);
 
-    return dg_host_sum_of(&parts);
+    return dg_host_size_of_parts(&parts);
 }
 
 static struct header header_of(const struct dg_host *self)
 {
-    const struct host_parts parts = dg_host_parts_of(self);
+    const struct host_parts parts = parts_of(self);
     struct header header = {
         .order = ORDER,
         .pointer = sizeof(void *),
@@ -260,7 +274,7 @@ static bool handle_fits(const struct dg_host *self, const uint8_t *body)
 static bool is_sound(const struct dg_host *self, const uint8_t *body)
 {
     const struct dg_stack_check *check = self->refs.wire->state;
-    const struct host_parts parts = dg_host_parts_of(self);
+    const struct host_parts parts = parts_of(self);
     const uint8_t *settings = body + dg_host_round(sizeof *self) + parts.queues;
     const uint8_t *device = settings + parts.settings;
 

@@ -10,10 +10,6 @@
  */
 #include "host_private.h"
 
-#include <string.h>
-
-#define PS_PER_NS 1000u
-
 /* ------------------------------------------------------------ queues */
 
 static struct dg_host_event *head_of(struct host_queue *queue)
@@ -96,18 +92,6 @@ void dg_host_listen(struct dg_host *self, void (*heard)(void *, const struct dg_
     self->refs.heard = heard;
     self->refs.heard_ctx = ctx;
     self->on_bus = false;
-}
-
-void dg_host_join_bus(struct dg_host *self, void (*heard)(void *, const struct dg_host_event *),
-                      void *ctx)
-{
-    dg_host_listen(self, heard, ctx);
-    self->on_bus = true;
-}
-
-bool dg_host_made(const struct dg_host *self)
-{
-    return self->made;
 }
 
 bool dg_host_on_bus(const struct dg_host_line *line)
@@ -274,13 +258,6 @@ uint64_t dg_host_step(struct dg_host *self, uint64_t now)
     return dg_host_next(self);
 }
 
-uint64_t dg_host_step_ps(struct dg_host *self, uint64_t now)
-{
-    const uint64_t next = dg_host_step(self, now / PS_PER_NS);
-
-    return next > UINT64_MAX / PS_PER_NS ? DG_HOST_NEVER : next * PS_PER_NS;
-}
-
 /* ------------------------------------------------------------ lines */
 
 struct dg_host_line *dg_host_line_at(struct dg_host *self, const struct dg_host_wire *wire,
@@ -299,77 +276,4 @@ void dg_host_line_done(struct dg_host *self)
 {
     self->line.level = seen(self);
     dg_host_serve(self);
-}
-
-int dg_host_clock(struct dg_host *self, uint64_t now, bool level)
-{
-    if (self->refs.wire->clock == NULL) {
-        return DG_HOST_ERR_WIRE;
-    }
-    if (!self->made) {
-        return DG_HOST_ERR_STATE;
-    }
-    dg_host_run(self, now);
-    (void)self->refs.wire->clock(&self->line, self->line.now, level);
-    dg_host_serve(self);
-    return self->line.level ? 1 : 0;
-}
-
-int dg_host_behind(struct dg_host *self, uint64_t now, bool level)
-{
-    if (!self->refs.wire->chains) {
-        return DG_HOST_ERR_WIRE;
-    }
-    if (!self->made) {
-        return DG_HOST_ERR_STATE;
-    }
-    dg_host_run(self, now);
-    self->line.behind = level;
-    self->line.chained = true;
-    dg_host_look_at_level(self);
-    return self->line.level ? 1 : 0;
-}
-
-const char *dg_host_hint(struct dg_host *self, uint64_t now, uint64_t *due)
-{
-    /* As long as the neighbour is silent, too, it is the neighbour that says so. */
-    const bool last = !self->line.chained || self->line.behind;
-
-    *due = DG_HOST_NEVER;
-    return self->refs.wire->hint != NULL && dg_host_powered(self) && last
-               ? self->refs.wire->hint(&self->line, now, due)
-               : NULL;
-}
-
-int dg_host_latched(const struct dg_host *self, uint64_t *at, uint64_t *counts)
-{
-    if (self->refs.wire->latched == NULL) {
-        return DG_HOST_ERR_WIRE;
-    }
-    if (!self->made || self->line.latched == 0) {
-        return DG_HOST_ERR_STATE;
-    }
-    *at = self->line.latched;
-    *counts = self->refs.wire->latched(&self->line);
-    return DG_HOST_OK;
-}
-
-int dg_host_clock_ps(struct dg_host *self, uint64_t now, bool level)
-{
-    return dg_host_clock(self, now / PS_PER_NS, level);
-}
-
-int dg_host_frame(struct dg_host *self, uint64_t now, struct dg_host_frame *to)
-{
-    int result = DG_HOST_ERR_WIRE;
-
-    if (self->refs.wire->frame == NULL ||
-        dg_host_line_at(self, self->refs.wire, now, &result) == NULL) {
-        return result;
-    }
-    memset(to, 0, sizeof *to);
-    result = self->refs.wire->frame(&self->line, to);
-    dg_host_line_done(self);
-    to->end = self->line.now;
-    return result;
 }
