@@ -333,6 +333,9 @@ struct dg_host_uart {
 
 /** @return 0; DG_HOST_ERR_WIRE; DG_HOST_ERR_STATE: no power */
 DG_API int dg_host_uart(const struct dg_host *self, struct dg_host_uart *to);
+/** Nanoseconds that `count` characters (0..5000) without pauses take at a setting, rounded up;
+ * DG_HOST_NEVER: a data rate of 0. */
+DG_API uint64_t dg_host_uart_ns(const struct dg_host_uart *uart, uint32_t count);
 /** CAN: kbit/s in force. @return that; DG_HOST_ERR_WIRE; DG_HOST_ERR_STATE: no power */
 DG_API int dg_host_bit_rate(const struct dg_host *self);
 /** CAN: the identifiers it listens to at the moment, for whoever has many on one bus; what it

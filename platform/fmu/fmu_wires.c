@@ -228,7 +228,7 @@ static int characters_in(struct fmu_encoder *self, uint64_t at, const uint8_t *h
     if (result == DG_HOST_ERR_WIRE && event.id == 0) {
         return result; /* it cannot say how long its characters take, so the master has to */
     }
-    const uint64_t usual = UINT64_C(11000000000) / (uart.baud == 0 ? 9600u : uart.baud);
+    const uint64_t each = event.id == 0 ? dg_host_uart_ns(&uart, 1) : event.id;
     while (n > 0) {
         event.at = at;
         event.length = (uint8_t)(n < AT_ONCE ? n : AT_ONCE);
@@ -237,7 +237,7 @@ static int characters_in(struct fmu_encoder *self, uint64_t at, const uint8_t *h
         if (sent != DG_HOST_OK) {
             return sent;
         }
-        at += event.length * (event.id == 0 ? usual : event.id);
+        at += event.length * each;
         from += event.length;
         n -= event.length;
     }

@@ -11,8 +11,6 @@
 #include "drehgeber/hiperface.h"
 #include "drehgeber/host_wire.h"
 
-/* Start bit, eight of data, maybe parity, stop bit. */
-#define BITS_WITHOUT_PARITY 10u
 #define RUN_MAX (sizeof((struct dg_host_event *)0)->data)
 
 static void furnish(void *settings, const struct dg_device *device)
@@ -23,6 +21,21 @@ static void furnish(void *settings, const struct dg_device *device)
     self->address = DG_HF_ADDRESS_DEFAULT;
 }
 
+/* ------------------------------------------------------------ setting */
+
+/* A stored setting that cannot be decoded leaves the one in force. */
+static void tell_uart(const struct dg_host_line *line, bool stored, struct dg_host_uart *to)
+{
+    const struct dg_hf *device = line->device;
+    struct dg_hf_uart uart = dg_hf_uart(device);
+
+    if (stored) {
+        (void)dg_hf_uart_decode(device->uart_stored, &uart);
+    }
+    *to = (struct dg_host_uart){
+        .baud = uart.baud, .parity = (uint8_t)uart.parity, .timeout_bits = uart.timeout_bits};
+}
+
 /* ------------------------------------------------------------ out */
 
 /* Of `count` characters; only the last one is rounded up. A bus counts by itself. */
@@ -31,10 +44,9 @@ static dg_ns characters_ns(const struct dg_host_line *line, size_t count)
     if (dg_host_on_bus(line)) {
         return 0;
     }
-    const struct dg_hf_uart uart = dg_hf_uart(line->device);
-    const uint32_t bits = BITS_WITHOUT_PARITY + (uart.parity != 'N' ? 1u : 0u);
-
-    return dg_bit_times_ns(bits * (uint32_t)count, uart.baud);
+    struct dg_host_uart uart;
+    tell_uart(line, false, &uart);
+    return dg_host_uart_ns(&uart, (uint32_t)count);
 }
 
 static void send(void *ctx, const uint8_t *bytes, size_t n)
@@ -137,19 +149,6 @@ static dg_ns feed(struct dg_host_line *line, const struct dg_host_event *event)
 }
 
 /* ------------------------------------------------------------ on a line with others */
-
-/* A stored setting that cannot be decoded leaves the one in force. */
-static void tell_uart(const struct dg_host_line *line, bool stored, struct dg_host_uart *to)
-{
-    const struct dg_hf *device = line->device;
-    struct dg_hf_uart uart = dg_hf_uart(device);
-
-    if (stored) {
-        (void)dg_hf_uart_decode(device->uart_stored, &uart);
-    }
-    *to = (struct dg_host_uart){
-        .baud = uart.baud, .parity = (uint8_t)uart.parity, .timeout_bits = uart.timeout_bits};
-}
 
 /* A memory that was silent when power came on was not read. */
 static int address(const struct dg_host_line *line)

@@ -4,6 +4,9 @@
  */
 #include "host_private.h"
 
+/* Start bit, eight of data, maybe parity, stop bit. */
+#define BITS_WITHOUT_PARITY 10u
+
 int dg_host_medium(const struct dg_host *self)
 {
     return (int)self->refs.device->stack->medium;
@@ -24,4 +27,11 @@ int dg_host_uart(const struct dg_host *self, struct dg_host_uart *to)
     }
     self->refs.wire->uart(&self->line, false, to);
     return DG_HOST_OK;
+}
+
+uint64_t dg_host_uart_ns(const struct dg_host_uart *uart, uint32_t count)
+{
+    const uint32_t bits = BITS_WITHOUT_PARITY + (uart->parity != 'N' ? 1u : 0u);
+
+    return dg_bit_times_ns(bits * count, uart->baud);
 }

@@ -101,6 +101,28 @@ static void check_hiperface(const struct host_rig_model *row)
     assert_true(uv[2] > uv[3]);
 }
 
+/* 11 bits with parity, 10 without; rounded up. */
+static void characters_take_their_bits(void **state)
+{
+    static const struct {
+        struct dg_host_uart uart;
+        uint32_t count;
+        uint64_t ns;
+    } rows[] = {
+        {{.baud = 9600, .parity = 'E'}, 1, 1145834},
+        {{.baud = 9600, .parity = 'O'}, 16, 18333334},
+        {{.baud = 38400, .parity = 'N'}, 1, 260417},
+        {{.baud = 38400, .parity = 'N'}, 5000, 1302083334},
+        {{.baud = 600, .parity = 'E'}, 0, 0},
+        {{.baud = 0, .parity = 'E'}, 1, DG_HOST_NEVER},
+    };
+
+    (void)state;
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
+        assert_int_equal(dg_host_uart_ns(&rows[i].uart, rows[i].count), rows[i].ns);
+    }
+}
+
 /* Half duplex: an encoder is deaf as long as its reply lasts, 8 ms of 7 characters; but none of a
    reply is left when its power is gone. */
 static void a_reply_ends_with_the_power(void **state)
@@ -520,6 +542,7 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_model_is_driven_by_its_handle),
         cmocka_unit_test(every_model_tells_its_medium_and_its_address),
+        cmocka_unit_test(characters_take_their_bits),
         cmocka_unit_test(a_reply_ends_with_the_power),
         cmocka_unit_test(a_state_goes_on_in_another_process),
         cmocka_unit_test(the_pace_of_the_host_does_not_matter),

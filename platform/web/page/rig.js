@@ -138,9 +138,7 @@ export class Encoder {
   uart() {
     const at = this.engine.scratch;
     this.engine.checked(this.c.dg_host_uart(this.host, at), "the line");
-    const baud = this.engine.view.getUint32(at, true);
-    const bits = this.engine.view.getUint8(at + 4) === 0x4e ? 10 : 11;
-    return { at, characterNs: (BigInt(bits) * SECOND + BigInt(baud) - 1n) / BigInt(baud) };
+    return { at, characterNs: unsigned(this.c.dg_host_uart_ns(at, 1)) };
   }
 
   decodeUart(ours, data) {

@@ -288,6 +288,36 @@ static void requests_are_whole_or_unanswered(void **state)
     }
 }
 
+/* HIPERFACE: with 57h, 04h a character has 10 bits, and 11 bits of silence end a frame, from the
+   reset by 53h on (init: 100 ms). A request that the library takes in several pieces is whole all
+   the same: 4Bh, Save data, of 32 bytes to a field that is not there: 12h. */
+static void long_requests_have_no_pause_within(void **state)
+{
+    static const uint8_t set[] = {0x40, 0x57, 0x04, 0x55, 0x46};
+    static const uint8_t reset[] = {0x40, 0x53, 0x13};
+    uint8_t save[5 + 1 + 32 + 1] = {0x40, 0x4B, 0x00, 0x00, 32, 0x55};
+    uint8_t reply[256];
+    struct fmu *fmu = fmu_running(TOKEN " =s3684-rs485");
+
+    (void)state;
+    for (size_t i = 0; i + 1 < sizeof save; i++) {
+        save[sizeof save - 1] ^= save[i];
+    }
+    (void)fmu_step(fmu, 0, 1, false);
+    assert_int_equal(say_characters(fmu, set, sizeof set, 0, false), DG_HOST_OK);
+    (void)fmu_step(fmu, 1, 1, false);
+    assert_int_equal(hear_reply(fmu, reply), 4);
+    assert_memory_equal(reply, "\x40\x57\x04", 3);
+    assert_int_equal(say_characters(fmu, reset, sizeof reset, 0, false), DG_HOST_OK);
+    (void)fmu_step(fmu, 2, 1, false);
+    assert_int_equal(hear_reply(fmu, reply), 0);
+    assert_int_equal(say_characters(fmu, save, sizeof save, 0, false), DG_HOST_OK);
+    (void)fmu_step(fmu, 3, 1, false);
+    assert_int_equal(hear_reply(fmu, reply), 4);
+    assert_memory_equal(reply, "\x40\x50\x12\x02", 4);
+    fmu_free(fmu);
+}
+
 /* Cut off, or longer than it says; nothing is nothing. */
 static void records_of_characters_have_their_length(void **state)
 {
@@ -318,6 +348,7 @@ int main(void)
         cmocka_unit_test(operations_have_their_length),
         cmocka_unit_test(emergencies_are_seen_at_every_node),
         cmocka_unit_test(requests_are_whole_or_unanswered),
+        cmocka_unit_test(long_requests_have_no_pause_within),
         cmocka_unit_test(records_of_characters_have_their_length),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
