@@ -510,6 +510,9 @@ DG_API dg_ns dg_co_bus(struct dg_co_node *self, dg_ns now, enum dg_co_bus_event 
  */
 DG_API dg_ns dg_co_controller(struct dg_co_node *self, dg_ns now, enum dg_co_bus_event state);
 
+/** What the node takes its controller for: active, passive or bus-off. */
+DG_API enum dg_co_bus_event dg_co_controller_state(const struct dg_co_node *self);
+
 /** Most CAN-IDs a node listens to. */
 #define DG_CO_FILTERS_MAX 16u
 /**

@@ -338,6 +338,9 @@ DG_API int dg_host_uart(const struct dg_host *self, struct dg_host_uart *to);
 DG_API uint64_t dg_host_uart_ns(const struct dg_host_uart *uart, uint32_t count);
 /** CAN: kbit/s in force. @return that; DG_HOST_ERR_WIRE; DG_HOST_ERR_STATE: no power */
 DG_API int dg_host_bit_rate(const struct dg_host *self);
+/** CAN: what the encoder takes its controller for, by what it was told (DG_HOST_BUS) and by faults.
+ * @return DG_HOST_BUS_ACTIVE, _PASSIVE or _OFF; DG_HOST_ERR_WIRE; DG_HOST_ERR_STATE: no power */
+DG_API int dg_host_bus_state(const struct dg_host *self);
 /** CAN: the identifiers it listens to at the moment, for whoever has many on one bus; what it
  * hears, time and power change them. @return how many of `ids` are set; DG_HOST_ERR_WIRE;
  * DG_HOST_ERR_STATE: no power */

@@ -86,6 +86,8 @@ int encoder_set_fault(struct fmu *self, struct fmu_encoder *encoder, uint32_t in
 void wire_collect(struct fmu_encoder *self);
 /* What an importer sends. @return 0 or a result of host.h */
 int wire_take(struct fmu_encoder *self, uint64_t now, const uint8_t *bytes, size_t n);
+/* Power has come: a controller has counted nothing yet. @return 0 or a result of host.h */
+int wire_reset(struct fmu_encoder *self, uint64_t now);
 /* The first words of a node to its bus. */
 void wire_configure(struct fmu_encoder *self);
 

@@ -142,7 +142,12 @@ static int set_power(struct fmu *self, struct fmu_encoder *encoder, bool on)
 {
     const bool changes = on != encoder->now.power;
     encoder->now.power = on;
-    return changes && self->started ? dg_host_power(encoder->host, self->now, on) : DG_HOST_OK;
+    if (!changes || !self->started) {
+        return DG_HOST_OK;
+    }
+    const int result = dg_host_power(encoder->host, self->now, on);
+    const bool counts = on && (encoder->has & FMU_HAS_FRAMES) != 0;
+    return counts && result == DG_HOST_OK ? wire_reset(encoder, self->now) : result;
 }
 
 static int set_input(struct fmu *self, struct fmu_encoder *encoder, uint32_t index,

@@ -20,6 +20,9 @@ enum {
     HEADER_SIZE = 8,
 };
 
+/* Errors of a sender that make it go bus-off; nobody counts beyond. */
+#define BUS_OFF_ERRORS 256u
+
 static void put32(uint8_t *to, uint32_t value)
 {
     for (unsigned i = 0; i < 4; i++) {
@@ -106,44 +109,63 @@ void wire_configure(struct fmu_encoder *self)
     }
 }
 
-static int send_state(struct fmu_encoder *self, uint64_t now, uint8_t state)
+/* ISO 11898-1: what a controller counts. */
+
+static enum dg_host_bus state_of(const struct fmu_course *of)
 {
-    const struct dg_host_event event = {.at = now, .id = state, .kind = DG_HOST_BUS};
-    if (state == self->now.bus) {
-        return DG_HOST_OK;
+    if (of->transmit >= BUS_OFF_ERRORS) {
+        return DG_HOST_BUS_OFF;
     }
-    self->now.bus = state;
-    tell_status(&self->now);
-    return dg_host_send(self->host, &event);
+    return of->transmit > 127u || of->receive > 127u ? DG_HOST_BUS_PASSIVE : DG_HOST_BUS_ACTIVE;
 }
 
-/* ISO 11898-1: what a controller counts. */
+/* A fault may make the controller worse than what it has counted. */
+static void follow_controller(struct fmu_encoder *self)
+{
+    const int counted = (int)state_of(&self->now);
+    const int known = dg_host_bus_state(self->host);
+    const uint8_t state = (uint8_t)(known > counted ? known : counted);
+    if (state != self->now.bus) {
+        self->now.bus = state;
+        tell_status(&self->now);
+    }
+}
+
+static int send_change(struct fmu_encoder *self, uint64_t now, enum dg_host_bus before)
+{
+    const enum dg_host_bus state = state_of(&self->now);
+    const struct dg_host_event event = {.at = now, .id = (uint32_t)state, .kind = DG_HOST_BUS};
+    return state != before ? dg_host_send(self->host, &event) : DG_HOST_OK;
+}
+
 static int count_error(struct fmu_encoder *self, uint64_t now, bool sender, bool primary)
 {
-    struct fmu_course *of = &self->now;
-    uint16_t *counter = sender ? &of->transmit : &of->receive;
+    const enum dg_host_bus before = state_of(&self->now);
+    uint16_t *counter = sender ? &self->now.transmit : &self->now.receive;
+    const uint16_t most = sender ? BUS_OFF_ERRORS : BUS_OFF_ERRORS - 1u;
     *counter = (uint16_t)(*counter + (sender || primary ? 8u : 1u));
-    if (!sender && *counter > 255u) {
-        *counter = 255;
-    }
-    uint8_t state = of->bus;
-    if (of->transmit > 255u) {
-        state = DG_HOST_BUS_OFF;
-    } else if (of->transmit > 127u || of->receive > 127u) {
-        state = DG_HOST_BUS_PASSIVE;
-    }
-    return send_state(self, now, state);
+    *counter = *counter < most ? *counter : most;
+    return send_change(self, now, before);
 }
 
+/* What is good does not end bus-off. */
 static int count_good(struct fmu_encoder *self, uint64_t now, bool sender)
 {
-    struct fmu_course *of = &self->now;
-    uint16_t *counter = sender ? &of->transmit : &of->receive;
-    *counter = !sender && *counter > 127u ? 127u : (uint16_t)(*counter - (*counter > 0 ? 1u : 0u));
-    if (of->bus == DG_HOST_BUS_PASSIVE && of->transmit < 128u && of->receive < 128u) {
-        return send_state(self, now, DG_HOST_BUS_ACTIVE);
+    const enum dg_host_bus before = state_of(&self->now);
+    uint16_t *counter = sender ? &self->now.transmit : &self->now.receive;
+    if (before == DG_HOST_BUS_OFF) {
+        return DG_HOST_OK;
     }
-    return DG_HOST_OK;
+    *counter = !sender && *counter > 127u ? 127u : (uint16_t)(*counter - (*counter > 0 ? 1u : 0u));
+    return send_change(self, now, before);
+}
+
+int wire_reset(struct fmu_encoder *self, uint64_t now)
+{
+    const enum dg_host_bus before = state_of(&self->now);
+    self->now.transmit = 0;
+    self->now.receive = 0;
+    return send_change(self, now, before);
 }
 
 static int frame_in(struct fmu_encoder *self, uint64_t now, const uint8_t *at, size_t n)
@@ -153,7 +175,7 @@ static int frame_in(struct fmu_encoder *self, uint64_t now, const uint8_t *at, s
     if (length > 8 || n < TRANSMIT_SIZE + length) {
         return DG_HOST_ERR_ARGUMENT;
     }
-    if (at[12] != 0 || self->now.bus == DG_HOST_BUS_OFF) {
+    if (at[12] != 0) {
         return DG_HOST_OK; /* the controller takes standard frames */
     }
     event.id = get32(at + 8);
@@ -275,8 +297,11 @@ void wire_collect(struct fmu_encoder *self)
 {
     struct dg_host_event event;
     const size_t most = TRANSMIT_SIZE + sizeof event.data;
-    if ((self->has & FMU_HAS_FRAMES) != 0 && !self->now.configured) {
-        return; /* a bus knows its bit rate before there are frames */
+    if ((self->has & FMU_HAS_FRAMES) != 0) {
+        if (!self->now.configured) {
+            return; /* a bus knows its bit rate before there are frames */
+        }
+        follow_controller(self);
     }
     while (self->now.taken || sizeof self->now.out - self->now.waiting >= most) {
         const int result = dg_host_receive(self->host, &event);

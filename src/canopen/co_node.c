@@ -324,8 +324,7 @@ dg_ns dg_co_bus(struct dg_co_node *self, dg_ns now, enum dg_co_bus_event event)
     return settle(self);
 }
 
-/* What the node believes of its controller. */
-static enum dg_co_bus_event controller_of(const struct dg_co_node *self)
+enum dg_co_bus_event dg_co_controller_state(const struct dg_co_node *self)
 {
     if (self->bus_off) {
         return DG_CO_BUS_OFF;
@@ -342,7 +341,7 @@ dg_ns dg_co_controller(struct dg_co_node *self, dg_ns now, enum dg_co_bus_event 
     if (self->bus_off && state == DG_CO_BUS_PASSIVE) {
         (void)dg_co_bus(self, now, DG_CO_BUS_ACTIVE);
     }
-    return state != controller_of(self) ? dg_co_bus(self, now, state) : self->deadline;
+    return state != dg_co_controller_state(self) ? dg_co_bus(self, now, state) : self->deadline;
 }
 
 static bool has_id(const uint16_t *ids, uint8_t n, uint16_t id)

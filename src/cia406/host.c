@@ -200,6 +200,14 @@ int dg_host_bit_rate(const struct dg_host *self)
     return device != NULL ? (int)device->node.setup.device->kbaud[device->node.bit_rate] : result;
 }
 
+int dg_host_bus_state(const struct dg_host *self)
+{
+    int result;
+    const struct dg_cia406_device *device = dg_host_device(self, &dg_cia406_wire, &result);
+
+    return device != NULL ? (int)dg_co_controller_state(&device->node) : result;
+}
+
 int dg_host_filters(const struct dg_host *self, uint16_t ids[DG_HOST_FILTERS])
 {
     int result;

@@ -40,6 +40,7 @@ static void look_around(struct player *self)
     (void)dg_host_sincos(host, at, uv);
     (void)dg_host_uart(host, &uart);
     (void)dg_host_bit_rate(host);
+    (void)dg_host_bus_state(host);
     (void)dg_host_filters(host, ids);
     (void)dg_host_answer_at(host);
     (void)dg_host_angle(host, at);

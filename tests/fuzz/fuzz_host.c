@@ -157,6 +157,7 @@ static void op_look(struct fuzz_input *input)
     check(dg_host_sincos(host, take64(input), uv));
     check(dg_host_uart(host, &uart));
     check(dg_host_bit_rate(host));
+    check(dg_host_bus_state(host));
 }
 
 static void op_memory(struct fuzz_input *input)

@@ -60,6 +60,7 @@ static void what_a_wire_does_not_have_is_told(void **state)
     assert_int_equal(dg_host_uart(self, &uart), DG_HOST_ERR_WIRE);
     self = host_rig_start(&host_rig_here, "s3684-rs485");
     assert_int_equal(dg_host_bit_rate(self), DG_HOST_ERR_WIRE);
+    assert_int_equal(dg_host_bus_state(self), DG_HOST_ERR_WIRE);
     assert_int_equal(dg_host_filters(self, ids), DG_HOST_ERR_WIRE);
     assert_true(dg_host_answer_at(self) == DG_HOST_NEVER);
 }
@@ -103,6 +104,7 @@ static void nothing_is_seen_without_power(void **state)
     self = host_rig_start(&host_rig_here, "f3668");
     assert_int_equal(dg_host_power(self, READY, false), DG_HOST_OK);
     assert_int_equal(dg_host_bit_rate(self), DG_HOST_ERR_STATE);
+    assert_int_equal(dg_host_bus_state(self), DG_HOST_ERR_STATE);
     assert_int_equal(dg_host_filters(self, ids), DG_HOST_ERR_STATE);
     self = host_rig_make(&host_rig_here, "s3684-rs485");
     assert_int_equal(dg_host_position(self, READY, &counts), DG_HOST_ERR_STATE);

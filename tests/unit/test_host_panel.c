@@ -310,7 +310,9 @@ static void a_controller_is_never_better_than_its_fault(void **state)
 
     (void)state;
     host_rig_drain(self);
+    assert_int_equal(dg_host_bus_state(self), DG_HOST_BUS_ACTIVE);
     command(board, READY, "FAUL:SET bus_off");
+    assert_int_equal(dg_host_bus_state(self), DG_HOST_BUS_OFF);
     command(board, READY + MS, "POW CYCL");
     request_canopen(self, READY + 2 * MS);
     expect_said(board, self, READY + 3 * MS, "");

@@ -146,6 +146,83 @@ static void a_node_is_active_when_both_counters_allow_it(void **state)
     fmu_free(fmu);
 }
 
+static void cycle_power(struct fmu *fmu)
+{
+    const struct fmu_value off = {.type = FMU_BOOL};
+    const struct fmu_value on = {.type = FMU_BOOL, .integer = 1};
+    assert_int_equal(fmu_set(fmu, VARIABLE(FMU_INPUT, FMU_POWER), &off), DG_HOST_OK);
+    assert_int_equal(fmu_set(fmu, VARIABLE(FMU_INPUT, FMU_POWER), &on), DG_HOST_OK);
+}
+
+static void set_fault(struct fmu *fmu, const char *name, bool on)
+{
+    const struct fmu_value value = {.type = FMU_BOOL, .integer = on};
+    struct fmu_variable row = {.name = ""};
+    for (size_t i = 0; strcmp(row.name, name) != 0; i++) {
+        assert_true(fmu_variable(fmu, i, &row));
+    }
+    assert_int_equal(fmu_set(fmu, row.reference, &value), DG_HOST_OK);
+}
+
+/* The worse of what the node has counted and what a fault makes of it is told, each once; a power
+   cycle mends no fault. */
+static void a_controller_with_a_fault_is_told_to_its_bus(void **state)
+{
+    static const uint8_t off[] = {0x41, 0, 0, 0, 9, 0, 0, 0, 3};
+    const uint8_t *bytes = NULL;
+    struct fmu *fmu = fmu_running(TOKEN " =f3668");
+
+    (void)state;
+    (void)fmu_step(fmu, 0, 1, false);
+    (void)fetch(fmu, &bytes);
+    set_fault(fmu, "fault.bus_off", true);
+    assert_int_equal(bus_state(fmu), 2);
+    give_errors(fmu, 16, PRIMARY, SENT);
+    (void)fmu_step(fmu, 1, 1, false);
+    assert_int_equal(fetch(fmu, &bytes), sizeof off);
+    assert_memory_equal(bytes, off, sizeof off);
+    set_fault(fmu, "fault.bus_off", false);
+    (void)fmu_step(fmu, 2, 1, false);
+    assert_int_equal(bus_state(fmu), 1);
+    set_fault(fmu, "fault.bus_off", true);
+    (void)fetch(fmu, &bytes);
+    cycle_power(fmu);
+    (void)fmu_step(fmu, 3, 1, false);
+    assert_int_equal(bus_state(fmu), 2);
+    set_fault(fmu, "fault.bus_off", false);
+    (void)fmu_step(fmu, 4, 1, false);
+    assert_int_equal(bus_state(fmu), 0);
+    fmu_free(fmu);
+}
+
+/* Then it counts from 0, tells its bus, and hears again: a remote frame to 700h + node is answered
+   with its state (CiA 301), 17 bytes. */
+static void a_power_cycle_ends_bus_off(void **state)
+{
+    static const uint8_t guard[] = {0x10, 0, 0, 0, 16, 0, 0, 0, 0x3F, 7, 0, 0, 0, 1, 0, 0};
+    static const uint8_t active[] = {0x41, 0, 0, 0, 9, 0, 0, 0, 1};
+    const uint8_t *bytes = NULL;
+    struct fmu *fmu = fmu_running(TOKEN " =f3668");
+
+    (void)state;
+    (void)fmu_step(fmu, 0, 1, false);
+    give_errors(fmu, 20000, PRIMARY, SENT);
+    assert_int_equal(bus_state(fmu), 2);
+    (void)fetch(fmu, &bytes);
+    assert_int_equal(give(fmu, guard, sizeof guard), DG_HOST_OK);
+    assert_int_equal(fetch(fmu, &bytes), 0);
+    cycle_power(fmu);
+    (void)fmu_step(fmu, 1, 1, false);
+    assert_int_equal(bus_state(fmu), 0);
+    assert_true(fetch(fmu, &bytes) > sizeof active);
+    assert_memory_equal(bytes, active, sizeof active);
+    assert_int_equal(give(fmu, guard, sizeof guard), DG_HOST_OK);
+    assert_int_equal(fetch(fmu, &bytes), 17);
+    give_errors(fmu, 15, PRIMARY, SENT); /* 120 */
+    assert_int_equal(bus_state(fmu), 0);
+    fmu_free(fmu);
+}
+
 /* CiA 301: a remote frame to 700h + node asks for its state, 7Fh: pre-operational, and a data frame
    asks nothing. Neither does one with 29 bits of the same number. */
 static void only_remote_frames_are_asked_for_a_state(void **state)
@@ -344,6 +421,8 @@ int main(void)
         cmocka_unit_test(errors_of_a_sender_are_counted),
         cmocka_unit_test(errors_of_a_receiver_are_counted),
         cmocka_unit_test(a_node_is_active_when_both_counters_allow_it),
+        cmocka_unit_test(a_controller_with_a_fault_is_told_to_its_bus),
+        cmocka_unit_test(a_power_cycle_ends_bus_off),
         cmocka_unit_test(only_remote_frames_are_asked_for_a_state),
         cmocka_unit_test(operations_have_their_length),
         cmocka_unit_test(emergencies_are_seen_at_every_node),
