@@ -2,11 +2,10 @@
 // Four encoders on one shaft, in virtual time: nothing happens but when advance() is called. Times are nanoseconds,
 // angles 2^-32 turns, both as BigInt. Layouts are those that host.h promises.
 
-const EVENT = { size: 32, at: 0, id: 8, flags: 12, kind: 14, length: 15, data: 16 };
+const EVENT = { size: 32, at: 0, id: 8, kind: 14, length: 15, data: 16 };
 const FAULT = { size: 48, name: 0, cause: 32, effect: 36, active: 40 };
-const KIND = { bytes: 1, can: 2, edge: 4, words: 5 };
+const KIND = { bytes: 1, can: 2, edge: 4 };
 const MEDIUM = { characters: 0, frames: 1, edges: 2, words: 3 };
-const IDENTIFY = 16;
 const RUN = 16;
 const REPLY_NS = 100_000_000n;
 const ANSWER = 32768;
@@ -48,6 +47,10 @@ export class Encoder {
     while (this.receive() !== null);
     const size = this.c.dg_host_panel_size();
     this.panel = this.c.dg_host_panel_make(this.engine.place(size), size, this.host);
+    if (this.medium === MEDIUM.words) {
+      this.ring = this.engine.place(this.c.web_ring_size());
+      this.c.web_ring_init(this.ring, this.words, this.host, this.panel);
+    }
   }
 
   make() {
@@ -103,14 +106,13 @@ export class Encoder {
 
   // ---------------------------------------------------------------- the wire
 
-  write({ at, id = 0, flags = 0, kind, data = [], length = data.length }) {
+  write({ at, id = 0, kind, data }) {
     const { view } = this.engine;
     this.engine.bytes(this.event, EVENT.size).fill(0);
     view.setBigUint64(this.event + EVENT.at, at, true);
     view.setUint32(this.event + EVENT.id, id, true);
-    view.setUint16(this.event + EVENT.flags, flags, true);
     view.setUint8(this.event + EVENT.kind, kind);
-    view.setUint8(this.event + EVENT.length, length);
+    view.setUint8(this.event + EVENT.length, data.length);
     this.engine.bytes(this.event + EVENT.data, data.length).set(data);
   }
 
@@ -129,7 +131,6 @@ export class Encoder {
     return {
       at: view.getBigUint64(this.event + EVENT.at, true),
       id: view.getUint32(this.event + EVENT.id, true),
-      flags: view.getUint16(this.event + EVENT.flags, true),
       kind: view.getUint8(this.event + EVENT.kind),
       data: this.engine.bytes(this.event + EVENT.data, length).slice(),
     };
@@ -186,46 +187,32 @@ export class Encoder {
     this.frame(0x600 + this.node, [0x40, index & 0xff, index >> 8, sub, 0, 0, 0, 0]);
   }
 
-  // INTERBUS: a data cycle; the bytes of IN. A quiet one is told by the next that is not.
+  // INTERBUS: a data cycle; the bytes of IN, or null. A quiet one is told by the next that is not.
   cycle(out, quiet = false) {
-    const asked = { at: this.rig.now, id: out >>> 0, kind: KIND.words };
-    this.send(asked, "the cycle");
-    this.c.dg_host_panel_step(this.panel, this.rig.now);
-    const got = this.receive();
-    if (got === null) {
+    if (!this.c.web_ring_cycle(this.ring, this.rig.now, out >>> 0, quiet ? 0 : 1)) {
       if (!quiet) {
         this.note("no data in this cycle", false, "error");
       }
       return null;
     }
-    this.lastIn = got.data;
+    this.lastIn = this.ringBytes();
     this.lastOut = out;
-    if (quiet) {
-      return got.data;
-    }
-    this.raw.true.push(...got.data);
-    const back = this.event;
-    this.event = this.engine.scratch;
-    this.write(asked);
-    this.event = back;
-    this.changes = false;
-    this.c.web_words_cycle(this.words, this.engine.scratch, back);
-    if (!this.changes) {
-      this.raw.true.length = 0;
-    }
-    return got.data;
+    return this.lastIn;
+  }
+
+  ringBytes() {
+    const { scratch } = this.engine;
+    return this.engine.bytes(scratch, this.c.web_ring_in(this.ring, scratch)).slice();
   }
 
   identify() {
-    this.send({ at: this.rig.now, kind: KIND.words, flags: IDENTIFY }, "the cycle");
-    this.c.dg_host_panel_step(this.panel, this.rig.now);
-    const got = this.receive();
-    if (got === null) {
+    const id = this.c.web_ring_identify(this.ring, this.rig.now);
+    if (id < 0) {
       this.note("no ID cycle", true, "error");
-    } else {
-      this.note(`ID ${got.id.toString(16).toUpperCase().padStart(4, "0")}`, true, "notice");
+      return null;
     }
-    return got?.id ?? null;
+    this.note(`ID ${id.toString(16).toUpperCase().padStart(4, "0")}`, true, "notice");
+    return id;
   }
 
   // BiSS: the clock at a level from then on.
@@ -239,8 +226,7 @@ export class Encoder {
 
   // A line of what goes over the wire.
   said(line) {
-    const bytes = this.raw[line.ours].splice(0);
-    this.changes = true;
+    const bytes = this.ring && line.ours ? this.ringBytes() : this.raw[line.ours].splice(0);
     this.rig.heard({ encoder: this, bytes, ...line });
     if (line.ours && this.medium === MEDIUM.characters) {
       this.busyUntil = this.rig.now;
@@ -294,11 +280,6 @@ export class Encoder {
     const [text] = this.engine.spell(name);
     this.engine.checked(this.c.dg_host_fault_set(this.panel, this.rig.now, text, on ? 1 : 0), name);
     this.rig.advance(0n);
-  }
-
-  // Lines and rings that could have it are not on this page.
-  impossible(name) {
-    return /^wire_(break|tear)$/.test(name) || (this.medium === MEDIUM.edges && name.startsWith("wire_"));
   }
 
   scpi(line) {

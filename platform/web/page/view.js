@@ -3,7 +3,7 @@
 // and its EEPROM.
 //
 // An encoder is {key, model, rig, position, powered, state, faults(), fault(), scpi(), power()}, and what of {memory,
-// erase(), refused, impossible()} its kind has; rig.js has one that is calculated here, live.js one that runs elsewhere.
+// erase(), refused} its kind has; rig.js has one that is calculated here, live.js one that runs elsewhere.
 // What is shown of it is {title, name, figure, drawn, drawing, what}; of the first kind there is a master, of masters.js.
 import { drawFrame, drawSamples, drawSinCos, glows } from "./figures.js";
 import { button, form, hex, make } from "./parts.js";
@@ -215,10 +215,9 @@ export class Panel {
     this.faults = new Map();
     this.list.replaceChildren();
     for (const fault of this.encoder.faults()) {
-      const never = this.encoder.impossible?.(fault.name) ?? false;
-      const box = make("input", { type: "checkbox", id: `${this.key}-${fault.name}`, disabled: never || this.rig.watches === true });
+      const box = make("input", { type: "checkbox", id: `${this.key}-${fault.name}`, disabled: this.rig.watches === true });
       box.addEventListener("change", () => this.guard(() => this.setFault(fault.name, box.checked)));
-      const row = make("li", {}, make("label", {}, box, make("b", {}, fault.name), make("span", {}, fault.cause), make("span", {}, never ? "not on this page: it is a line's" : `→ ${fault.effect}`)));
+      const row = make("li", {}, make("label", {}, box, make("b", {}, fault.name), make("span", {}, fault.cause), make("span", {}, `→ ${fault.effect}`)));
       this.faults.set(fault.name, { box, row, words: row.textContent.toLowerCase() });
       this.list.append(row);
     }

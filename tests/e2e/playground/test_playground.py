@@ -196,6 +196,53 @@ def test_a_flipped_bit_is_found_at_the_next_start(still):
     assert "5100h" in still.locator("#panel-canopen .log").inner_text()
 
 
+def test_every_fault_can_be_clicked(still):
+    for panel in PANELS:
+        assert still.locator(f"#panel-{panel} .faults input").count() > 10
+    assert still.locator(".faults input:disabled").count() == 0
+
+
+def data_cycles(still, count):
+    """So many of them. @return how many brought nothing"""
+    nothing = still.locator("#panel-interbus .log .words", has_text="no data in this cycle")
+    before = nothing.count()
+    for _ in range(count):
+        press(still, "interbus", "Data cycle")
+    return nothing.count() - before
+
+
+def test_a_transmission_error_costs_six_cycles(still):
+    """Its own, and the five behind it: no. 5 of src/interbus/README.md."""
+    still.click("#tab-interbus")
+    assert data_cycles(still, 1) == 0
+    still.check("#interbus-wire_damage")
+    assert data_cycles(still, 1) == 1
+    assert "transmission error" in still.locator("#panel-interbus .log").inner_text()
+    still.uncheck("#interbus-wire_damage")
+    assert data_cycles(still, 5) == 5
+    assert data_cycles(still, 1) == 0
+
+
+def test_a_ring_that_was_cut_is_identified_anew(still):
+    still.click("#tab-interbus")
+    assert data_cycles(still, 1) == 0
+    still.check("#interbus-wire_break")
+    assert data_cycles(still, 2) == 2
+    still.uncheck("#interbus-wire_break")
+    assert data_cycles(still, 1) == 0
+    notes = still.locator("#panel-interbus .log .note", has_text="ID cycle").all_inner_texts()
+    assert [note.split(",")[0] for note in notes] == [f"ID cycle: {reached} of 1 devices" for reached in (1, 0, 1)]
+
+
+def test_a_broken_wire_reads_high(still):
+    """BiSS: all bits are 1, and no check sum is."""
+    still.click("#tab-biss")
+    still.check("#biss-wire_break")
+    press(still, "biss", "Frame")
+    words = still.locator("#panel-biss .log .words.error").last.inner_text()
+    assert words.startswith("MT 4095") and words.endswith("CRC wrong")
+
+
 def test_eeprom_outlives_a_reload(still, reload):
     """Bank 7 is the first of the user's: 40h selects it, and not for good."""
     still.click("#tab-biss")
