@@ -18,17 +18,20 @@ static bool level(const struct dg_host_line *line)
     return dg_biss_slo(line->device, line->behind);
 }
 
+/* Whether the edge is e1, at which the position is read. */
+static bool begins(const struct dg_biss_line *line, dg_ns now, bool high)
+{
+    return line->state == DG_BISS_IDLE && high && !line->ma && now < line->deadline;
+}
+
 static bool set_clock(struct dg_host_line *line, dg_ns now, bool high)
 {
     struct dg_biss *device = line->device;
 
-    if (device->line.state != DG_BISS_IDLE) { /* only from there a frame begins */
-        return dg_biss_link(device, now, high, line->behind);
+    if (begins(&device->line, now, high)) {
+        line->latched = now;
     }
-    const uint32_t frames = device->counters.frames;
-    const bool slo = dg_biss_link(device, now, high, line->behind);
-    line->latched = device->counters.frames != frames ? now : line->latched;
-    return slo;
+    return dg_biss_link(device, now, high, line->behind);
 }
 
 static uint64_t latched(const struct dg_host_line *line)
