@@ -86,13 +86,20 @@ static void follow_setting(struct lx_line_bus *self)
     }
 }
 
+/* Most of the time nobody asks for sine and cosine. */
+static dg_ns sample(struct lx_line_bus *self)
+{
+    const bool wanted = self->sampling || lx_tap_asked(&self->bus.tap);
+    return wanted ? lx_line_sample(self, lx_now()) : DG_NEVER;
+}
+
 /* The library goes on when its time comes: what a master has handed over with this character is on
    its way together with it. */
 void lx_line_settle(struct lx_line_bus *self, dg_ns next)
 {
     self->bus.late = dg_bus_characters_counters(self->line).late;
     follow_setting(self);
-    lx_timer_at(&self->timer, dg_earliest(next, lx_line_sample(self, lx_now())));
+    lx_timer_at(&self->timer, dg_earliest(next, sample(self)));
 }
 
 void lx_line_on_time(void *ctx, dg_ns now)
