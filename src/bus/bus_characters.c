@@ -455,7 +455,6 @@ const struct dg_bus_medium dg_bus_characters = {
     .wire_size = sizeof(struct characters_line),
     .place_size = sizeof(struct characters_place),
     .encoders_most = ENCODERS_MAX,
-    .keeps_deadlines = true,
     .ordered = true,
     .begin = begin,
     .attach = attach,

@@ -27,7 +27,6 @@ struct dg_bus_medium {
     size_t wire_size;     /**< of its own state, */
     size_t place_size;    /**< ... and for each encoder, struct bus_place at the beginning */
     size_t encoders_most; /**< on one wire */
-    bool keeps_deadlines; /**< `next` is of its encoders, too: places need not be asked */
     bool ordered;         /**< go_on() and take() themselves serve what is due in the order of time:
                                nobody needs to ask for each moment */
     bool is_read;         /**< the other end looks at what came in, and `tx` may be NULL */
@@ -41,7 +40,7 @@ struct dg_bus_medium {
     void (*take)(struct dg_bus *self, const struct dg_tap_event *event);
     /** What is due at `now`, of the wire and of its encoders. */
     void (*go_on)(struct dg_bus *self, dg_ns now);
-    /** When something on the wire itself is due; the encoders' deadlines come to that. */
+    /** When something is due, on the wire or in an encoder. */
     dg_ns (*next)(const struct dg_bus *self);
     /** The same is about to come: what the encoder feels of its wire before it senses anything.
      * NULL: nothing. */

@@ -368,9 +368,10 @@ static void go_on(struct dg_bus *bus, dg_ns now)
 
 static dg_ns next(const struct dg_bus *bus)
 {
-    const struct dg_bus_cable *cable = &edges_of(bus)->cable;
+    const struct edges *self = edges_of(bus);
+    const struct dg_bus_cable *cable = &self->cable;
 
-    return cable->count != 0 ? cable->coming[cable->first].at : DG_NEVER;
+    return cable->count != 0 ? dg_earliest(cable->coming[cable->first].at, self->due) : self->due;
 }
 
 static void changed(struct bus_place *place, dg_ns now)

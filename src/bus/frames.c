@@ -665,7 +665,6 @@ const struct dg_bus_medium dg_bus_frames = {
     .wire_size = sizeof(struct frames_wire),
     .place_size = sizeof(struct frames_place),
     .encoders_most = DG_BUS_FRAMES_ENCODERS,
-    .keeps_deadlines = true,
     .begin = begin,
     .attach = attach,
     .hear = hear_frame,

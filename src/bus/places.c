@@ -83,13 +83,7 @@ void dg_bus_control(struct dg_bus *self, size_t place, struct dg_encoder *contro
 
 dg_ns dg_bus_next(const struct dg_bus *self)
 {
-    const size_t places = self->medium->keeps_deadlines ? 0 : self->count;
-    dg_ns next = self->medium->next(self);
-
-    for (size_t i = 0; i < places; i++) {
-        next = dg_earliest(next, dg_bus_place_at(self, i)->deadline);
-    }
-    return next;
+    return self->medium->next(self);
 }
 
 /* What is due before `now` happens first, each at its own moment. */

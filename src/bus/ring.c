@@ -508,7 +508,6 @@ const struct dg_bus_medium dg_bus_words = {
     .wire_size = sizeof(struct ring),
     .place_size = sizeof(struct member),
     .encoders_most = DG_RING_MAX,
-    .keeps_deadlines = true,
     .is_read = true,
     .begin = begin,
     .attach = attach,
