@@ -101,7 +101,7 @@ static void serve_each(struct dg_bus *self, dg_ns now)
 }
 
 /* It is `now`; a medium that is ordered catches up by itself. */
-static void enter(struct dg_bus *self, dg_ns now)
+static inline void enter(struct dg_bus *self, dg_ns now)
 {
     self->called = now > self->called ? now : self->called;
     if (!self->medium->ordered) {

@@ -9,73 +9,11 @@
  *              -- each: OUT --> exchange --> IN -- held back? torn? --> image
  *              -- tap: a note when something is new, then the words
  */
-#include "bus_private.h"
-#include "drehgeber/bus_words.h"
 #include "drehgeber/text.h"
-
-#include <string.h>
+#include "ring_private.h"
 
 #define NOTE_MAX 80u
-#define HIGH_BYTE 0xFF00u
-#define LOW_BYTE 0x00FFu
 #define BITS_PER_WORD 16u
-
-/* The wire. */
-struct ring {
-    struct dg_bus_words_setup setup;
-    struct dg_ring_state is;
-    uint16_t cut_at;   /* before this encoder, or DG_RING_WHOLE */
-    uint16_t spoil_at; /* likewise: the transmission error to come */
-    uint8_t dead;      /* cycles to come */
-    bool configured;   /* an ID cycle has reached all */
-    bool known;      /* nothing has changed since the latest cycle, which faults had no part in: */
-    bool whole;      /* ... no break */
-    bool identified; /* ... and no encoder that an ID cycle has to reach first */
-    size_t timed;    /* encoders before this place may have a deadline */
-    bool id_only;    /* the latest cycle was an ID cycle that the master asked for */
-    bool bent;       /* wire faults are at work in this cycle */
-    bool keeps;      /* `whole` of each encoder is that of the latest cycle */
-    /* what the tap was told last */
-    enum dg_ring_result told;
-    uint16_t told_reached;
-};
-
-/* IN words that are held back: an encoder stores and answers within one cycle, but what its answer
- * acknowledges is not durable yet. */
-struct held {
-    uint64_t settled; /* ticket of the latest write that is known to be durable, or lost */
-    uint64_t looked;  /* ... of the one that was there in the cycle before */
-    bool holds;       /* the master sees: */
-    uint16_t shown[DG_RING_WORDS_MAX];
-    uint16_t command[DG_RING_WORDS_MAX]; /* the OUT words that it answers */
-};
-
-/* An encoder at its place. */
-struct member {
-    struct bus_place place;
-    const struct dg_host_ring *ops;
-    struct dg_host_line *line;
-    uint16_t at; /* of its first word in both images */
-    uint16_t id;
-    uint8_t words;
-    uint16_t whole[DG_RING_WORDS_MAX]; /* IN of the latest cycle, not torn */
-    struct held held;
-};
-
-static struct ring *ring_of(const struct dg_bus *self)
-{
-    return self->wire;
-}
-
-static struct member *member_at(const struct dg_bus *self, size_t index)
-{
-    return (struct member *)(void *)dg_bus_place_at(self, index);
-}
-
-static struct dg_faults *faults_of(const struct member *self)
-{
-    return self->place.control != NULL ? &self->place.control->faults : NULL;
-}
 
 /* ------------------------------------------------------------ faults of the wire */
 
@@ -102,9 +40,6 @@ static bool prepare_cycle(struct dg_bus *self, bool data)
 {
     struct ring *ring = ring_of(self);
 
-    if (ring->known) {
-        return true;
-    }
     ring->bent = false;
     for (size_t i = 0; i < self->count; i++) {
         struct dg_faults *faults = faults_of(member_at(self, i));
@@ -120,83 +55,6 @@ static bool prepare_cycle(struct dg_bus *self, bool data)
         }
     }
     return true;
-}
-
-/* The high half of the cycle before: the high word, of a single one the high byte. */
-static void tear_words(struct member *self, uint16_t *in, const uint16_t *before)
-{
-    struct dg_faults *faults = faults_of(self);
-
-    if (faults != NULL && dg_fault_wire_takes(faults, DG_WIRE_TEAR)) {
-        in[0] =
-            self->words > 1 ? before[0] : (uint16_t)((before[0] & HIGH_BYTE) | (in[0] & LOW_BYTE));
-    }
-}
-
-/* ------------------------------------------------------------ held back */
-
-static bool are_same(const struct member *self, const uint16_t *a, const uint16_t *b)
-{
-    return memcmp(a, b, self->words * sizeof *a) == 0;
-}
-
-/* What an encoder stores by itself, without a command, holds up nothing. What is lost is not
- * answered: the old words stay until there is another command. */
-static void hold_words_back(struct member *self, uint64_t ticket, uint16_t *in, const uint16_t *out)
-{
-    static const uint16_t nothing[DG_RING_WORDS_MAX];
-    const struct dg_bus *bus = self->place.bus;
-    const size_t size = self->words * sizeof *in;
-    struct held *held = &self->held;
-    const enum dg_bus_answer answer = bus->ops->answer(bus->ctx, self->place.index);
-
-    if (answer != DG_BUS_SAY && ticket != held->looked && !are_same(self, out, nothing)) {
-        if (!held->holds) {
-            memcpy(held->shown, self->whole, size);
-        }
-        held->holds = true;
-        memcpy(held->command, out, size);
-    }
-    held->looked = ticket;
-    const bool same = held->holds && are_same(self, held->command, out);
-    if (answer == DG_BUS_SAY || (answer == DG_BUS_DROP && !same)) {
-        held->settled = ticket;
-        held->holds = false;
-    }
-    if (held->holds) {
-        memcpy(in, held->shown, size);
-    }
-}
-
-/* What the master sees in place of what the encoder has said. */
-static void bend_words(struct member *self, uint16_t *in, const uint16_t *out)
-{
-    const struct dg_bus *bus = self->place.bus;
-    uint16_t before[DG_RING_WORDS_MAX];
-
-    if (bus->ops->ticket != NULL) {
-        const uint64_t ticket = bus->ops->ticket(bus->ctx, self->place.index);
-        if (ticket != self->held.settled) {
-            hold_words_back(self, ticket, in, out);
-        }
-    }
-    memcpy(before, self->whole, sizeof before);
-    memcpy(self->whole, in, self->words * sizeof *in);
-    tear_words(self, in, before);
-}
-
-/* Whether bend_words() has something to do; from then on it knows the cycle before. */
-static bool must_bend(const struct dg_bus *self)
-{
-    struct ring *ring = ring_of(self);
-    const bool keeps = self->ops->ticket != NULL || ring->bent;
-
-    for (size_t i = 0; keeps && !ring->keeps && i < self->count; i++) {
-        struct member *member = member_at(self, i);
-        memcpy(member->whole, ring->setup.in + member->at, member->words * sizeof(uint16_t));
-    }
-    ring->keeps = keeps;
-    return keeps;
 }
 
 /* ------------------------------------------------------------ cycles */
@@ -234,18 +92,6 @@ static bool are_all_identified(const struct dg_bus *self)
     return ring_of(self)->configured;
 }
 
-/* Faults come and go by themselves; all else is told. */
-static void look_around(struct dg_bus *self)
-{
-    struct ring *ring = ring_of(self);
-
-    if (!ring->known) {
-        ring->whole = count_reachable(self) == self->count;
-        ring->identified = ring->whole && are_all_identified(self);
-        ring->known = !ring->bent;
-    }
-}
-
 static void run_id_cycle(struct dg_bus *self)
 {
     struct ring *ring = ring_of(self);
@@ -257,7 +103,6 @@ static void run_id_cycle(struct dg_bus *self)
         member->id = member->ops->identify(member->line, self->now, last);
     }
     ring->configured = reached == self->count;
-    ring->known = false;
     ring->is.reached = reached;
     ring->is.counters.ids++;
 }
@@ -265,7 +110,6 @@ static void run_id_cycle(struct dg_bus *self)
 static enum dg_ring_result interrupt_ring(struct ring *ring)
 {
     ring->configured = false;
-    ring->known = false;
     ring->dead = 0;
     ring->is.counters.interrupted++;
     return DG_RING_INTERRUPTED;
@@ -283,38 +127,16 @@ static enum dg_ring_result spoil_cycle(struct dg_bus *self)
     return DG_RING_CRC;
 }
 
-static void exchange_words(struct dg_bus *self, const uint16_t *out)
-{
-    const bool bends = must_bend(self);
-    const struct ring *ring = ring_of(self);
-
-    for (size_t i = 0; i < self->count; i++) {
-        struct member *member = member_at(self, i);
-        const uint16_t *own = out + member->at;
-        uint16_t *in = ring->setup.in + member->at;
-        const bool one = member->words == 1;
-        const uint32_t word = member->ops->exchange(
-            member->line, self->now, one ? own[0] : (uint32_t)own[0] << BITS_PER_WORD | own[1]);
-        if (!one) {
-            *in++ = (uint16_t)(word >> BITS_PER_WORD);
-        }
-        *in = (uint16_t)word;
-        if (bends) {
-            bend_words(member, ring->setup.in + member->at, own);
-        }
-    }
-}
-
-static enum dg_ring_result run_data_cycle(struct dg_bus *self, const uint16_t *out)
+/* What becomes of a data cycle. */
+static enum dg_ring_result judge_cycle(struct dg_bus *self)
 {
     struct ring *ring = ring_of(self);
 
     ring->is.counters.cycles++;
-    look_around(self);
-    if (!ring->whole) {
+    if (count_reachable(self) < self->count) {
         return interrupt_ring(ring);
     }
-    if (!ring->identified) {
+    if (!are_all_identified(self)) {
         return DG_RING_IDENTIFY;
     }
     if (ring->spoil_at < self->count) {
@@ -325,8 +147,52 @@ static enum dg_ring_result run_data_cycle(struct dg_bus *self, const uint16_t *o
         ring->is.counters.dead++;
         return DG_RING_DEAD;
     }
-    exchange_words(self, out);
+    dg_ring_decide_to_bend(self);
+    ring->steady = !ring->bent;
     return DG_RING_OK;
+}
+
+/* @return whether words move in it */
+static bool begin_cycle(struct dg_bus *self, bool data)
+{
+    struct ring *ring = ring_of(self);
+
+    if (ring->steady && data) {
+        ring->is.counters.cycles++;
+        return true;
+    }
+    ring->steady = false;
+    ring->id_only = !data;
+    ring->is.dropped = !prepare_cycle(self, data);
+    if (ring->is.dropped) {
+        return false;
+    }
+    if (data) {
+        ring->is.result = judge_cycle(self);
+    }
+    const bool anew = ring->setup.identifies && (ring->is.result == DG_RING_INTERRUPTED ||
+                                                 ring->is.result == DG_RING_IDENTIFY);
+    if (!data || anew) {
+        run_id_cycle(self);
+    }
+    return data && ring->is.result == DG_RING_OK;
+}
+
+static void exchange_words(const struct dg_bus *self, const uint16_t *out)
+{
+    const struct ring *ring = ring_of(self);
+    uint16_t *in = ring->setup.in;
+
+    for (size_t i = 0; i < self->count; i++) {
+        const struct member *member = member_at(self, i);
+        const bool one = member->words == 1;
+        const uint32_t word = member->ops->exchange(
+            member->line, self->now, one ? *out : (uint32_t)out[0] << BITS_PER_WORD | out[1]);
+        in[0] = (uint16_t)(word >> BITS_PER_WORD);
+        in[member->words - 1u] = (uint16_t)word; /* of one word, all of it */
+        in += member->words;
+        out += member->words;
+    }
 }
 
 /* ------------------------------------------------------------ what is told */
@@ -432,7 +298,7 @@ static int attach(struct bus_place *place)
     }
     ring->is.words = (uint16_t)(ring->is.words + self->words);
     ring->configured = false;
-    ring->known = false;
+    ring->steady = false;
     ring->timed = place->index + 1u;
     return DG_OK;
 }
@@ -444,31 +310,7 @@ static void hear_words(struct bus_place *from, const struct dg_host_event *event
     (void)event;
 }
 
-static void take_cycle(struct dg_bus *self, const struct dg_tap_event *event)
-{
-    struct ring *ring = ring_of(self);
-    const bool data = !event->words.identify;
-
-    if (event->kind != DG_TAP_WORDS || (data && event->words.count != ring->is.words)) {
-        return;
-    }
-    ring->id_only = !data;
-    ring->is.dropped = !prepare_cycle(self, data);
-    if (!ring->is.dropped && data) {
-        ring->is.result = run_data_cycle(self, event->words.out);
-    }
-    const bool anew = ring->setup.identifies && (ring->is.result == DG_RING_INTERRUPTED ||
-                                                 ring->is.result == DG_RING_IDENTIFY);
-    if (!ring->is.dropped && (!data || anew)) {
-        run_id_cycle(self);
-    }
-    if (self->watched) {
-        tell_cycle(self, event);
-    }
-}
-
-/* Many have no deadlines: they do everything in cycles. */
-static void go_on(struct dg_bus *self, dg_ns now)
+static void step_encoders(struct dg_bus *self, dg_ns now)
 {
     struct ring *ring = ring_of(self);
     size_t timed = 0;
@@ -481,6 +323,36 @@ static void go_on(struct dg_bus *self, dg_ns now)
         timed = place->deadline != DG_NEVER ? i + 1u : timed;
     }
     ring->timed = timed;
+}
+
+/* Many have no deadlines: they do everything in cycles. None hears of another one in between. */
+static void go_on(struct dg_bus *self, dg_ns now)
+{
+    if (ring_of(self)->timed != 0) {
+        step_encoders(self, now);
+    }
+}
+
+static void take_cycle(struct dg_bus *self, const struct dg_tap_event *event)
+{
+    struct ring *ring = ring_of(self);
+    const bool data = !event->words.identify;
+
+    if (event->kind != DG_TAP_WORDS || (data && event->words.count != ring->is.words)) {
+        return;
+    }
+    if (ring->timed != 0) {
+        step_encoders(self, dg_elapsed(self->now, 1));
+    }
+    if (begin_cycle(self, data)) {
+        exchange_words(self, event->words.out);
+        if (ring->keeps) {
+            dg_ring_bend_words(self, event->words.out);
+        }
+    }
+    if (self->watched) {
+        tell_cycle(self, event);
+    }
 }
 
 static dg_ns next(const struct dg_bus *self)
@@ -499,7 +371,7 @@ static void changed(struct bus_place *place, dg_ns now)
     struct ring *ring = ring_of(place->bus);
 
     (void)now;
-    ring->known = false;
+    ring->steady = false;
     ring->timed = place->bus->count;
 }
 
@@ -508,6 +380,7 @@ const struct dg_bus_medium dg_bus_words = {
     .wire_size = sizeof(struct ring),
     .place_size = sizeof(struct member),
     .encoders_most = DG_RING_MAX,
+    .ordered = true,
     .is_read = true,
     .begin = begin,
     .attach = attach,
@@ -533,12 +406,13 @@ uint16_t dg_ring_id_word(const struct dg_bus *self, size_t place)
 void dg_ring_cut(struct dg_bus *self, uint16_t place)
 {
     ring_of(self)->cut_at = place;
-    ring_of(self)->known = false;
+    ring_of(self)->steady = false;
 }
 
 void dg_ring_spoil(struct dg_bus *self, uint16_t place)
 {
     ring_of(self)->spoil_at = place;
+    ring_of(self)->steady = false;
 }
 
 /*

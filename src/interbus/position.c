@@ -37,12 +37,10 @@ uint32_t dg_ib_range(const struct dg_ib *self)
 }
 
 /* @param range R. @return 0 .. R - 1 */
-static uint32_t scaled(const struct dg_ib *self, dg_angle angle, uint32_t *range)
+static inline uint32_t scaled(const struct dg_ib *self, dg_angle angle, uint32_t *range)
 {
     const struct dg_ib_model *model = self->setup.model;
     const uint32_t counts = (uint32_t)model->steps * model->turns;
-    const uint32_t divisor = self->revolutions * model->steps;
-    const uint32_t steps = effective(model, self->steps);
     uint32_t raw = (uint32_t)dg_mod(dg_angle_counts(angle, model->steps), counts);
 
     *range = counts;
@@ -52,6 +50,8 @@ static uint32_t scaled(const struct dg_ib *self, dg_angle angle, uint32_t *range
     if (self->direction == IB_COUNTERCLOCKWISE && raw != 0) {
         raw = counts - raw;
     }
+    const uint32_t divisor = self->revolutions * model->steps;
+    const uint32_t steps = effective(model, self->steps);
     if (steps == divisor) {
         return raw;
     }
