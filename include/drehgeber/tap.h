@@ -59,7 +59,8 @@ struct dg_tap_event {
                 *widths;    /**< words (1, 2) of each device, in ring order; NULL: not known */
             uint16_t count; /**< words of either image */
             bool valid;     /**< the cycle was completed */
-            bool identify;  /**< an ID cycle, which moves no words; `out` may be NULL then */
+            bool identify;  /**< an ID cycle, which moves no words; without `count` of the ring's
+                                 words in `out`, or with NULL, who looks is not shown it */
         } words;
         const char *note;
         struct {

@@ -249,7 +249,8 @@ static void tell_cycle(struct dg_bus *self, const struct dg_tap_event *asked)
     uint8_t widths[DG_RING_MAX];
 
     tell_state(self);
-    if (event.words.out == NULL) {
+    /* With an ID cycle there may be no OUT image, or one that is too short: nothing to show. */
+    if (event.words.out == NULL || event.words.count != ring->is.words) {
         return;
     }
     for (size_t i = 0; i < self->count; i++) {
