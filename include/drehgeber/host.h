@@ -18,8 +18,8 @@
  *
  * Time goes on in dg_host_step(), and in every call that takes `now`: whatever is due up to then
  * happens at its own moment, in the order of time, however far apart the calls are. A `now` before
- * the latest one is taken for that one. Memory is `dg_host_size()` bytes at a multiple of
- * DG_HOST_ALIGN, and must not be moved.
+ * the latest one is taken for that one, and so is DG_HOST_NEVER, which is no moment. Memory is
+ * `dg_host_size()` bytes at a multiple of DG_HOST_ALIGN, and must not be moved.
  *
  * ABI: names, types, values and layouts in this header stay what they are until the SONAME of the
  * library changes; what is added comes behind. tests/abi has the list. No other header promises

@@ -100,9 +100,12 @@ static void serve_each(struct dg_bus *self, dg_ns now)
     }
 }
 
-/* It is `now`; a medium that is ordered catches up by itself. */
+/* It is `now`; a medium that is ordered catches up by itself. DG_NEVER is no moment. */
 static inline void enter(struct dg_bus *self, dg_ns now)
 {
+    if (now == DG_NEVER) {
+        return;
+    }
     self->called = now > self->called ? now : self->called;
     if (!self->medium->ordered) {
         serve_each(self, now);

@@ -222,11 +222,14 @@ void dg_host_serve(struct dg_host *self)
     dg_host_look_at_level(self);
 }
 
-/* Whatever is due before `now`, which is the present then. */
+/* Whatever is due before `now`, which is the present then. DG_NEVER is no moment. */
 void dg_host_run_until(struct dg_host *self, dg_ns now)
 {
     dg_ns next = dg_host_next(self);
 
+    if (now == DG_NEVER) {
+        return;
+    }
     while (self->made && next < now) {
         /* A device that asks for the present again would stop time. */
         self->line.now = next > self->line.now ? next : self->line.now;

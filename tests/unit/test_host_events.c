@@ -391,8 +391,8 @@ static void what_comes_behind_a_gap_is_lost_too(void **state)
     assert_int_equal(n, DG_HOST_QUEUE - 1u);
 }
 
-/* "Run until nothing happens any more" is a moment like others: what comes then is taken. */
-static void the_end_of_time_can_be_stepped_to(void **state)
+/* As before the latest moment: what has come until then is taken, and time does not go on. */
+static void never_is_no_moment(void **state)
 {
     struct dg_host *self = host_rig_start(&host_rig_here, "ocd-ib-k2");
     struct dg_host_event event = {.at = 5, .kind = DG_HOST_WORDS};
@@ -403,7 +403,22 @@ static void the_end_of_time_can_be_stepped_to(void **state)
     assert_int_equal(dg_host_send(self, &event), DG_HOST_OK);
     assert_int_equal(dg_host_step(self, DG_HOST_NEVER), DG_HOST_NEVER);
     assert_int_equal(dg_host_receive(self, &event), 1);
-    assert_int_equal(dg_host_step(self, READY), DG_HOST_NEVER); /* time does not go back */
+    event.at = READY + SECOND;
+    assert_int_equal(dg_host_send(self, &event), DG_HOST_OK);
+    assert_int_equal(dg_host_step(self, DG_HOST_NEVER), READY + SECOND);
+    assert_int_equal(dg_host_receive(self, &event), 0);
+}
+
+/* One that looks after itself ten times a second would be asked for 584 years. */
+static void a_node_is_not_run_for_ever(void **state)
+{
+    struct dg_host *self = host_rig_start(&host_rig_here, "f3668");
+    const uint64_t next = dg_host_step(self, READY);
+
+    (void)state;
+    assert_true(next > READY && next < READY + SECOND);
+    assert_int_equal(dg_host_step(self, DG_HOST_NEVER), next);
+    assert_true(dg_host_step(self, next) > next);
 }
 
 int main(void)
@@ -423,7 +438,8 @@ int main(void)
         cmocka_unit_test(edges_are_told_when_the_line_moves),
         cmocka_unit_test(an_edge_by_call_is_told_as_well),
         cmocka_unit_test(what_comes_behind_a_gap_is_lost_too),
-        cmocka_unit_test(the_end_of_time_can_be_stepped_to),
+        cmocka_unit_test(never_is_no_moment),
+        cmocka_unit_test(a_node_is_not_run_for_ever),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
