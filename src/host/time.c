@@ -240,9 +240,12 @@ void dg_host_run_until(struct dg_host *self, dg_ns now)
     self->line.now = now > self->line.now ? now : self->line.now;
 }
 
+/* Nothing lies before the present, however late what is due is. */
 void dg_host_run(struct dg_host *self, dg_ns now)
 {
-    dg_host_run_until(self, now);
+    if (now > self->line.now) {
+        dg_host_run_until(self, now);
+    }
     if (self->made) {
         dg_host_serve(self);
     }
