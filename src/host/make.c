@@ -2,11 +2,12 @@
 /*
  * Encoders by name: whoever calls this links every model.
  */
+#include "drehgeber/protocols.h"
 #include "host_private.h"
 
-static const struct dg_host_wire *const wires[] = {
-    &dg_hf_wire, &dg_biss_wire, &dg_ssi_wire, &dg_cia406_wire, &dg_ib_wire,
-};
+#define ROW(prefix) &dg_##prefix##_wire,
+static const struct dg_host_wire *const wires[] = {DG_PROTOCOLS(ROW)};
+#undef ROW
 
 const struct dg_host_wire *dg_host_wire_of(const struct dg_device *model)
 {

@@ -4,16 +4,11 @@
  */
 #include "drehgeber/instruments.h"
 
-#include "drehgeber/biss.h"
-#include "drehgeber/cia406.h"
-#include "drehgeber/hiperface.h"
-#include "drehgeber/interbus.h"
-#include "drehgeber/ssi.h"
+#include "drehgeber/protocols.h"
 
-const struct dg_instrument *const dg_instruments[] = {
-    &dg_hf_instrument, &dg_biss_instrument, &dg_cia406_instrument,
-    &dg_ib_instrument, &dg_ssi_instrument,
-};
+#define ROW(prefix) &dg_##prefix##_instrument,
+const struct dg_instrument *const dg_instruments[] = {DG_PROTOCOLS(ROW)};
+#undef ROW
 
 const size_t dg_instrument_count = DG_COUNT(dg_instruments);
 

@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * All words; each are in their protocol's folder. The masters of BiSS and SSI tell their frames in
- * notes, which need no words.
+ * All words; each are in their protocol's folder.
  */
-#include "drehgeber/cia406.h"
-#include "drehgeber/hiperface.h"
-#include "drehgeber/interbus.h"
+#include "drehgeber/protocols.h"
 #include "drehgeber/words.h"
 
-const struct dg_words *const dg_words_list[] = {&dg_hf_words, &dg_cia406_words, &dg_ib_words};
+#define ROW(prefix) &dg_##prefix##_words,
+const struct dg_words *const dg_words_list[] = {DG_PROTOCOLS_IN_WORDS(ROW)};
+#undef ROW
 
 const size_t dg_words_count = DG_COUNT(dg_words_list);
 

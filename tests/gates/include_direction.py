@@ -14,78 +14,85 @@ from os.path import normpath
 
 from sources import blank, files, finish, read
 
-# folder: the folders whose public headers it may include beside its own
+# A folder with a stack.c is a protocol, and this is what it says travels on its wire.
+MEDIUM = re.compile(r"\.medium = DG_MEDIUM_(\w+)")
+# protocol: what it stands on beside the core; a folder that is one of these belongs to the protocol.
+BESIDE = {"cia406": {"canopen"}}
+# medium: the room of platform/linux with the ports of its protocols
+ROOM = {"CHARACTERS": "linux/line", "FRAMES": "linux/can", "EDGES": "linux/clocked", "WORDS": "linux/interbus"}
+# folder: the folders whose public headers it may include beside its own; add_protocols() has the rest
 ALLOWED = {
-    "core":      set(),
-    "motion":    {"core"},
-    "hiperface": {"core"},
-    "biss":      {"core"},
-    "ssi":       {"core"},
-    "canopen":   {"core"},
-    "cia406":    {"core", "canopen"},
-    "interbus":  {"core"},
-    "devices":   {"core", "hiperface", "biss", "ssi", "cia406", "interbus"},
-    "scpi":      {"core"},
-    "control":   {"core", "motion", "scpi"},
+    "core":        set(),
+    "motion":      {"core"},
+    "devices":     {"core"},
+    "scpi":        {"core"},
+    "control":     {"core", "motion", "scpi"},
+    "instruments": {"core", "control", "devices"},
+    "host":        {"core", "motion", "devices", "control", "instruments"},
+    "bus":         {"core", "devices", "control", "host"},
+    "words":       {"core", "devices"},
 }
-# A protocol's instrument.c is the control plane's view of it: no other file of its folder knows that there is one.
-INSTRUMENT = {"core", "scpi", "control", "instruments"}
-ALLOWED |= {
-    "instruments":          {"control"} | ALLOWED["devices"],
-    "hiperface/instrument": {"hiperface"} | INSTRUMENT,
-    "biss/instrument":      {"biss"} | INSTRUMENT,
-    "ssi/instrument":       {"ssi"} | INSTRUMENT,
-    "cia406/instrument":    {"canopen", "cia406"} | INSTRUMENT,
-    "interbus/instrument":  {"interbus"} | INSTRUMENT,
-}
-# Its host.c is its side of a handle, likewise.
-HANDLE = {"core", "host"}
-ALLOWED |= {
-    "host":           {"core", "motion", "devices", "control", "instruments"},
-    "bus":            {"core", "devices", "control", "host"},
-    "hiperface/host": {"hiperface"} | HANDLE,
-    "biss/host":      {"biss"} | HANDLE,
-    "ssi/host":       {"ssi"} | HANDLE,
-    "cia406/host":    {"canopen", "cia406"} | HANDLE,
-    "interbus/host":  {"interbus"} | HANDLE,
-}
-# Its words.c is what its wire looks like in words, likewise.
-WORDS = {"core", "words"}
-ALLOWED |= {
-    "words":           {"core"} | ALLOWED["devices"],
-    "hiperface/words": {"hiperface"} | WORDS,
-    "canopen/words":   {"canopen"} | WORDS,
-    "cia406/words":    {"canopen", "cia406"} | WORDS,
-    "interbus/words":  {"interbus"} | WORDS,
+# The lists of all protocols: they see each.
+LISTS = ("devices", "instruments", "host", "words")
+# Files that stand in a protocol's folder and belong to other libraries: the view of the control plane, its side of a
+# handle, what its wire looks like in words. No other file of the folder knows that there is one.
+SEEN_FROM_OUTSIDE = {
+    "instrument": {"core", "scpi", "control", "instruments"},
+    "host":       {"core", "host"},
+    "words":      {"core", "words"},
 }
 # room of platform/, folder of tools/: the same, and the rooms whose headers it may include:
 # base < nvm, trace, plan < wires < rig < tools. Private headers of src/ stand there as src/FOLDER.
-PROTOCOLS = {"hiperface", "biss", "ssi", "canopen", "cia406", "interbus"}
 BELOW = {"core", "control", "devices", "instruments", "host", "bus", "words",
          "linux/base", "linux/nvm", "linux/trace", "linux/plan", "linux/wire"}
-WIRES = {"linux/line", "linux/can", "linux/clocked", "linux/interbus"}
+WIRES = set(ROOM.values())
 ROOMS = {
     "linux/base":      {"core", "motion"},
     "linux/nvm":       {"core", "devices", "linux/base"},
     "linux/trace":     {"core", "words", "linux/base"},
     "linux/plan":      {"core", "motion", "devices", "hiperface", "cia406", "linux/base"},
     "linux/wire":      {"core", "control", "linux/base", "linux/trace", "linux/plan"},
-    "linux/line":      {"hiperface"} | BELOW,
-    "linux/can":       {"canopen", "cia406"} | BELOW,
-    "linux/clocked":   {"biss", "ssi"} | BELOW,
-    "linux/interbus":  {"interbus"} | BELOW,
-    "linux/rig":       {"motion"} | PROTOCOLS | BELOW | WIRES,
+    "linux/rig":       {"motion"} | BELOW | WIRES,
     "hdl":             {"core", "motion", "host", "bus", "linux/base", "linux/nvm", "linux/plan"},
-    "rp2040":          set(ALLOWED), # an image is an encoder with all that belongs to it
+    "rp2040":          set(), # an image is an encoder with all that belongs to it
     "web":             {"core", "devices", "host", "bus", "words"},
     "web/libc":        set(),
     "web/libc/sys":    set(),
     "fmu":             {"core", "host", "bus"},
-    "tools/drehgeber": {"tools/drehgeber", "motion", "linux/rig", "fmu"} | PROTOCOLS | BELOW | WIRES, # web/ is a program of its own
-    "tools/manual":    {"core", "devices", "tools/drehgeber"} | PROTOCOLS | BELOW,
-    "tools/reference": {"core", "control", "devices", "instruments"} | PROTOCOLS | {f"src/{folder}" for folder in PROTOCOLS},
-    "tools/examples":  set(ALLOWED), # and what is below it: each the whole of a user's program
+    "tools/drehgeber": {"tools/drehgeber", "motion", "linux/rig", "fmu"} | BELOW | WIRES, # web/ is a program of its own
+    "tools/manual":    {"core", "devices", "tools/drehgeber"} | BELOW,
+    "tools/reference": {"core", "control", "devices", "instruments"},
+    "tools/examples":  set(), # and what is below it: each the whole of a user's program
 }
+ROOMS |= {room: set(BELOW) for room in WIRES}
+SPEAKING = ("linux/rig", "tools/drehgeber", "tools/manual", "tools/reference") # with every protocol
+ANYTHING = ("rp2040", "tools/examples") # with all of src/
+
+
+def add_protocols(tree):
+    """The rows of the protocols that `tree` has, and of who may see them."""
+    folders = set()
+    for path in files(tree, "src", suffixes=("stack.c",)):
+        folder = path.split("/")[1]
+        own = {folder} | BESIDE.get(folder, set())
+        folders |= own
+        ALLOWED[folder] = {"core"} | own - {folder}
+        ALLOWED.update({beside: {"core"} for beside in own - {folder}})
+        ROOMS[ROOM[MEDIUM.search(read(tree, path))[1]]] |= own
+    for folder in folders:
+        own = {folder} | BESIDE.get(folder, set())
+        ALLOWED.update({f"{folder}/{file}": own | seen for file, seen in SEEN_FROM_OUTSIDE.items()})
+        OWNER.setdefault(f"{folder}.h", folder)
+    for place in LISTS:
+        ALLOWED[place] |= folders
+    for place in SPEAKING:
+        ROOMS[place] |= folders
+    ROOMS["tools/reference"] |= {f"src/{folder}" for folder in folders}
+    for place in ANYTHING:
+        ROOMS[place] |= set(ALLOWED)
+    ROWS.update(ALLOWED | ROOMS)
+
+
 # public header: the folder that implements it
 OWNER = {
     "angle.h":     "core",
@@ -105,15 +112,10 @@ OWNER = {
     "course.h":    "core",
     "quantity.h":  "core",
     "motion.h":    "motion",
-    "hiperface.h": "hiperface",
-    "biss.h":      "biss",
-    "ssi.h":       "ssi",
-    "canopen.h":   "canopen",
     "eds.h":       "canopen",
     "slcan.h":     "canopen",
-    "cia406.h":    "cia406",
-    "interbus.h":  "interbus",
     "devices.h":   "devices",
+    "protocols.h": "devices",
     "shaft.h":     "motion",
     "scpi.h":      "scpi",
     "fault.h":     "control",
@@ -132,9 +134,7 @@ OWNER = {
     "bus_frames.h": "bus",
     "bus_words.h": "bus",
 }
-ROWS = ALLOWED | ROOMS
-# Files that stand in a protocol's folder and belong to other libraries.
-SEEN_FROM_OUTSIDE = ("/instrument.c", "/host.c", "/words.c")
+ROWS = {}
 # The header for users that includes all others; the core only implements its dg_version().
 UMBRELLA = "drehgeber.h"
 MAY_INCLUDE_UMBRELLA = "src/core/version.c"
@@ -157,12 +157,17 @@ ABOVE = {
 LIBRARY = "platform/web/libc/"
 
 
+def is_seen_from_outside(path):
+    """A file of a protocol's folder that belongs to another library."""
+    return path.endswith(tuple(f"/{file}.c" for file in SEEN_FROM_OUTSIDE))
+
+
 def place_of(path):
     """Its row: a folder of src/ or tools/, a room of platform/."""
     parts = path.split("/")[:-1]
     if parts[0] == "include":
         return OWNER.get(path.rsplit("/", 1)[1])
-    if path.startswith("src/") and path.endswith(SEEN_FROM_OUTSIDE):
+    if path.startswith("src/") and is_seen_from_outside(path):
         return path[len("src/"):-len(".c")]
     return "/".join(parts[:2] if parts[0] == "tools" else parts[1:])
 
@@ -180,7 +185,7 @@ def public(path, place, header):
 def private(path, place, header, at):
     """Why `path` must not include a header that is no public one, or None."""
     folder = path.rsplit("/", 1)[0]
-    if place.startswith(tuple(ALLOWED)) and f"{place}.c".endswith(SEEN_FROM_OUTSIDE):
+    if place in ALLOWED and "/" in place:
         return f"{place} sees the public headers only"
     if f"{folder}/{header}" in at.get(header, ()):
         return None
@@ -239,6 +244,7 @@ def strangers(path, declared, defined):
 
 def main():
     tree = sys.argv[1]
+    add_protocols(tree)
     sources = files(tree, "src", "platform", "tools", suffixes=(".c", ".h", ".def"))
     publics = files(tree, "include/drehgeber", suffixes=(".h",))
     at = {}
