@@ -18,20 +18,23 @@ struct host_rig_place host_rig_there;
 #define CANOPEN "canopen", &dg_cia406_wire, DG_HOST_MEDIUM_FRAMES, "node"
 #define INTERBUS "interbus", &dg_ib_wire, DG_HOST_MEDIUM_WORDS, NULL
 
+/* clang-format off */
 const struct host_rig_model host_rig_models[] = {
-    {"s3674-rs485", HIPERFACE, 16384, 0},
-    {"s3684-rs485", HIPERFACE, 3 * 65536 + 16384, 0},
-    {"s3674-biss", BISS, 1u << 19, 21 + 2 + 6 + 6},
-    {"s3684-biss", BISS, 3u << 21 | 1u << 19, 12 + 21 + 2 + 6 + 6},
-    {"f3658", CANOPEN, 16384, 0},
-    {"f3668", CANOPEN, 3 * 65536 + 16384, 0},
-    {"ocd-ib-k1", INTERBUS, 1024, 2},
-    {"ocd-ib-k2", INTERBUS, 3 * 4096 + 1024, 4},
-    {"ocd-ib-k3", INTERBUS, 3 * 4096 + 1024, 4},
-    {"ssi-25", SSI, 3u << 13 | 1u << 11, 25},
-    {"ssi-13", SSI, 1u << 11, 13},
-    {"ssi-28", SSI, 3u << 16 | 1u << 14, 12 + 16 + 1 + 1},
+    /* name         resolution                                 multi  memory wire       position at 3.25 turns    width */
+    {"s3674-rs485", "2048 periods x 32 steps, singleturn",     false, true,  HIPERFACE, 16384,                    0},
+    {"s3684-rs485", "2048 periods x 32 steps, 4096 turns",     true,  true,  HIPERFACE, 3 * 65536 + 16384,        0},
+    {"s3674-biss",  "21 bit, singleturn",                      true,  true,  BISS,      1u << 19,                 21 + 2 + 6 + 6},
+    {"s3684-biss",  "21 bit, 4096 turns",                      true,  true,  BISS,      3u << 21 | 1u << 19,      12 + 21 + 2 + 6 + 6},
+    {"ssi-13",      "13 bit Gray, singleturn",                 false, false, SSI,       1u << 11,                 13},
+    {"ssi-25",      "13 bit Gray, 4096 turns",                 true,  false, SSI,       3u << 13 | 1u << 11,      25},
+    {"ssi-28",      "16 bit, 4096 turns, error bit, parity",   true,  false, SSI,       3u << 16 | 1u << 14,      12 + 16 + 1 + 1},
+    {"f3658",       "65536 steps, singleturn",                 false, true,  CANOPEN,   16384,                    0},
+    {"f3668",       "65536 steps, 4096 turns",                 true,  true,  CANOPEN,   3 * 65536 + 16384,        0},
+    {"ocd-ib-k1",   "4096 steps, singleturn",                  false, false, INTERBUS,  1024,                     2},
+    {"ocd-ib-k2",   "4096 steps, 4096 turns",                  true,  false, INTERBUS,  3 * 4096 + 1024,          4},
+    {"ocd-ib-k3",   "4096 steps, 4096 turns, parameters",      true,  true,  INTERBUS,  3 * 4096 + 1024,          4},
 };
+/* clang-format on */
 const size_t host_rig_model_count = sizeof host_rig_models / sizeof host_rig_models[0];
 
 const struct host_rig_model *host_rig_model(const char *name)

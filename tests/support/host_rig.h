@@ -7,6 +7,7 @@
 #define TESTS_SUPPORT_HOST_RIG_H
 
 #include <stdalign.h>
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "drehgeber/host.h"
@@ -28,9 +29,12 @@ struct host_rig_place {
 extern struct host_rig_place host_rig_here;
 extern struct host_rig_place host_rig_there;
 
-/** All models there are. */
+/** All models there are, in the order they are listed. */
 struct host_rig_model {
     const char *name;
+    const char *resolution; /**< in words */
+    bool senses_multiturn;
+    bool has_memory;
     const char *protocol;
     const struct dg_host_wire *wire;
     enum dg_host_medium medium;

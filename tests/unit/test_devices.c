@@ -16,40 +16,23 @@
 #include "co_rig.h"
 #include "drehgeber/devices.h"
 #include "hf_rig.h"
+#include "host_rig.h"
 #include "ib_rig.h"
 
 #define ROWS(table) (sizeof(table) / sizeof(table)[0])
 
 static void models_are_listed_in_order(void **state)
 {
-    static const struct {
-        const char *name;
-        const char *resolution;
-        bool senses_multiturn;
-        bool has_memory;
-    } rows[] = {
-        {"s3674-rs485", "2048 periods x 32 steps, singleturn", false, true},
-        {"s3684-rs485", "2048 periods x 32 steps, 4096 turns", true, true},
-        {"s3674-biss", "21 bit, singleturn", true, true},
-        {"s3684-biss", "21 bit, 4096 turns", true, true},
-        {"ssi-13", "13 bit Gray, singleturn", false, false},
-        {"ssi-25", "13 bit Gray, 4096 turns", true, false},
-        {"ssi-28", "16 bit, 4096 turns, error bit, parity", true, false},
-        {"f3658", "65536 steps, singleturn", false, true},
-        {"f3668", "65536 steps, 4096 turns", true, true},
-        {"ocd-ib-k1", "4096 steps, singleturn", false, false},
-        {"ocd-ib-k2", "4096 steps, 4096 turns", true, false},
-        {"ocd-ib-k3", "4096 steps, 4096 turns, parameters", true, true},
-    };
     (void)state;
-    assert_int_equal(dg_device_count, ROWS(rows));
-    for (size_t i = 0; i < ROWS(rows); i++) {
+    assert_int_equal(dg_device_count, host_rig_model_count);
+    for (size_t i = 0; i < host_rig_model_count; i++) {
+        const struct host_rig_model *row = &host_rig_models[i];
         const struct dg_device *device = dg_devices[i];
-        assert_string_equal(device->name, rows[i].name);
-        assert_string_equal(device->resolution, rows[i].resolution);
-        assert_int_equal(device->stack->senses_multiturn(device->model), rows[i].senses_multiturn);
-        assert_int_equal(device->stack->layout(device->model) != NULL, rows[i].has_memory);
-        assert_ptr_equal(dg_device_find(rows[i].name), device);
+        assert_string_equal(device->name, row->name);
+        assert_string_equal(device->resolution, row->resolution);
+        assert_int_equal(device->stack->senses_multiturn(device->model), row->senses_multiturn);
+        assert_int_equal(device->stack->layout(device->model) != NULL, row->has_memory);
+        assert_ptr_equal(dg_device_find(row->name), device);
     }
     assert_null(dg_device_find("s3674"));
 }
