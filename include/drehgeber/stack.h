@@ -117,6 +117,22 @@ struct dg_stack {
     .attach = attach, .power_on = power_on, .power_off = power_off, .powered = powered,            \
     .step = step, .model = model, .position = position
 
+/** In the same file: `layout` and `mount` of a protocol whose models have no EEPROM. */
+#define DG_STACK_WITHOUT_MEMORY                                                                    \
+    static const struct dg_store_layout *layout(const void *model)                                 \
+    {                                                                                              \
+        (void)model;                                                                               \
+        return NULL;                                                                               \
+    }                                                                                              \
+                                                                                                   \
+    static int mount(const struct dg_stack_setup *setup, struct dg_store *store)                   \
+    {                                                                                              \
+        (void)setup;                                                                               \
+        (void)store;                                                                               \
+        return DG_ERR_ARGUMENT;                                                                    \
+    }                                                                                              \
+    _Static_assert(DG_ERR_ARGUMENT != 0, "there is nothing to mount")
+
 /** In the same file: `init`, `power_on`, `power_off` and `model` of a protocol whose functions
  * begin with `name` and take a struct of that name. What it is made of is its member `setup`, which
  * a static function own() makes of what is handed over. */

@@ -11,11 +11,7 @@ static struct dg_ssi_setup own(const struct dg_stack_setup *setup)
     return (struct dg_ssi_setup){.model = setup->model, .world = setup->world};
 }
 
-static const struct dg_store_layout *layout(const void *model)
-{
-    (void)model;
-    return NULL;
-}
+DG_STACK_WITHOUT_MEMORY; /* no model has an EEPROM */
 
 static bool senses_multiturn(const void *model)
 {
@@ -34,13 +30,6 @@ static int init(void *self, const struct dg_stack_setup *setup)
     const struct dg_ssi_setup mine = own(setup);
 
     return dg_ssi_init(self, &mine);
-}
-
-static int mount(const struct dg_stack_setup *setup, struct dg_store *store)
-{
-    (void)setup;
-    (void)store;
-    return DG_ERR_ARGUMENT; /* no model has an EEPROM */
 }
 
 static void attach(void *self, const struct dg_stack_setup *setup)
