@@ -38,6 +38,7 @@ struct dg_words_line {
     bool ours; /**< an encoder sent it, not the master */
     enum dg_severity severity;
     const char *text;
+    bool whole; /**< it ends with the event that is being told; else it has ended before */
 };
 
 /** Where lines go. */
@@ -87,6 +88,7 @@ DG_API const struct dg_words *dg_words_of(const struct dg_stack *stack);
 struct dg_words_draft {
     struct dg_text text;
     enum dg_severity severity;
+    bool whole;                   /**< the event at hand is the last one of what it tells */
     char room[DG_WORDS_MAX + 1u]; /**< a character more than a line has: then it is cut */
 };
 

@@ -56,6 +56,7 @@ const struct lx_stack lx_hf_stack = {
     .wire = "pty",
     .address = {"an RS485 address", DG_HF_ADDRESS_DEFAULT, true},
     .line = LINE,
+    .baud = 38400,
     .spoiled = "the encoder answers 05h",
     .own = {keys, DG_COUNT(keys)},
     .keys = &dg_hf_keys,

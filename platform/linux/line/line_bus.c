@@ -58,6 +58,8 @@ static int open_memory(struct lx_line_encoder *self, struct lx_error *error)
     }
     self->station->control.nvm = self->memory.device.nvm;
     self->station->queue = lx_image_queue(&self->image);
+    (void)dg_host_memory_port(self->host, &self->station->control.nvm);
+    dg_host_memory_known(self->host);
     return 0;
 }
 
@@ -76,17 +78,26 @@ static void tell_address(const struct lx_line_encoder *self)
 static int switch_on(struct lx_line_encoder *self, dg_ns now, struct lx_error *error)
 {
     struct lx_station *station = self->station;
-    if (open_memory(self, error) != 0) {
+    if (dg_host_memory_size(self->host) != 0 && open_memory(self, error) != 0) {
         return -1;
     }
-    (void)dg_host_memory_port(self->host, &station->control.nvm);
-    dg_host_memory_known(self->host);
-    if (dg_host_power(self->host, now, true) != DG_HOST_OK) {
-        return lx_fail(error, "the encoder does not start: not its EEPROM");
+    const int result = dg_host_power(self->host, now, true);
+    if (result != DG_HOST_OK) {
+        return result == DG_HOST_ERR_ARGUMENT
+                   ? lx_fail(error, "these figures make no encoder")
+                   : lx_fail(error, "the encoder does not start: not its EEPROM");
     }
     station->control.device = dg_host_line_of(self->host)->device;
     tell_address(self);
     return 0;
+}
+
+/* Its setting in force, or the stored one. */
+static struct dg_host_uart uart_of(const struct lx_line_encoder *self, bool stored)
+{
+    struct dg_host_uart uart = {0};
+    dg_host_wire_at(self->host)->uart(dg_host_line_of(self->host), stored, &uart);
+    return uart;
 }
 
 static bool nobody_asks(const struct lx_line_bus *self)
@@ -112,18 +123,14 @@ static bool nobody_hurries(const struct lx_line_bus *self)
 static int open_port(struct lx_line_bus *self, struct lx_error *error)
 {
     const struct lx_bus_setup *bus = &self->bus.setup;
-    const struct dg_host *first = self->encoder->host;
-    struct dg_host_uart uart = {0};
-    struct dg_host_uart stored = {0};
-    dg_host_wire_at(first)->uart(dg_host_line_of(self->encoder->host), false, &uart);
-    dg_host_wire_at(first)->uart(dg_host_line_of(self->encoder->host), true, &stored);
+    const struct dg_host_uart uart = uart_of(self->encoder, false);
     const struct lx_serial_setup setup = {
         .event = bus->event,
         .silkit = bus->silkit,
         .say = bus->say,
         .where = bus->wire->where,
         .uart = lx_line_uart(&uart),
-        .found_baud = stored.baud,
+        .found_baud = uart_of(self->encoder, true).baud,
         .any_line = nobody_asks(self),
         .rx = lx_line_on_character,
         .ctx = self,
@@ -284,6 +291,10 @@ static int make_host(struct lx_line_encoder *self, void *settings, struct lx_err
         free(memory);
         return lx_fail(error, "no memory for an encoder");
     }
+    if (plan->nvm != NULL && dg_host_memory_size(self->host) == 0) {
+        (void)lx_refuse(error, "leave it out", "%s has no EEPROM", plan->model->name);
+        return lx_plan_refuse_key(bus->plan, "nvm", plan->nvm_line, error);
+    }
     memcpy(&self->settings, (const uint8_t *)settings + stack->line, sizeof self->settings);
     memcpy(dg_host_line_of(self->host)->settings, settings, wire->settings_size);
     *dg_host_world(self->host) = station->world;
@@ -299,6 +310,8 @@ static int place_encoder(struct lx_line_bus *self, size_t index, struct lx_error
     station->own = encoder;
     self->names[index] = station->control.name;
     void *settings = calloc(1, stack_of(encoder)->settings_size);
+    const uint32_t baud = stack_of(encoder)->baud;
+    self->bus.tap.baud = baud > self->bus.tap.baud ? baud : self->bus.tap.baud;
     const int result = settings == NULL ? lx_fail(error, "no memory for an encoder")
                                         : make_host(encoder, settings, error);
     free(settings);

@@ -93,7 +93,7 @@ static int use_bus(const struct lx_plan *plan, const struct lx_plan_setting *row
     if (!lx_wire_carries(kind, lx_stack_of(model))) {
         return no_plug(plan, row, kind, model, error);
     }
-    if (wire->stack != NULL && wire->stack != model->stack) {
+    if (wire->stack != NULL && wire->stack != model->stack && !kind->mixed) {
         return lx_plan_wrong_word(plan, row, error, "another bus is right",
                                   "%s has encoders of another protocol", row->value);
     }
@@ -178,13 +178,13 @@ static struct lx_words text_of(const struct lx_plan_encoder *encoder)
     return text;
 }
 
-/* A number for each wire and address. */
+/* A number for each wire, protocol and address. */
 static struct lx_plan_name number_name(const struct lx_plan_encoder *self)
 {
     return (struct lx_plan_name){
         .list = LX_PLAN_NUMBER,
         .scope = self->wire << CHAR_BIT | (size_t)(number_of(self) & UCHAR_MAX),
-        .text = "",
+        .text = self->model->stack->name,
     };
 }
 
@@ -220,21 +220,19 @@ static int refuse_number(const struct lx_plan *plan, const struct lx_plan_settin
     return lx_plan_wrong_word(plan, row, error, right.text, "%s has none", model->name);
 }
 
-/* `node` or `address`, whichever the stack has. */
+/* `node`, `address`, or whatever key the stack has. */
 static int take_number(struct lx_plan *plan, const struct lx_plan_section *self,
                        struct lx_plan_encoder *encoder, struct lx_error *error)
 {
-    static const char *const keys[] = {"node", "address"};
     const struct lx_stack *stack = lx_stack_of(encoder->model);
-    const struct lx_plan_setting *row = NULL;
-    for (size_t i = 0; i < DG_COUNT(keys); i++) {
-        const struct lx_plan_setting *word = lx_plan_word(self, keys[i]);
-        if (word != NULL && (stack->core->address_key == NULL ||
-                             strcmp(stack->core->address_key, word->key) != 0)) {
+    const char *key = stack->core->address_key;
+    for (size_t i = 0; i < self->words.count; i++) {
+        const struct lx_plan_setting *word = &self->words.list[i];
+        if (lx_is_address_key(word->key) && (key == NULL || strcmp(key, word->key) != 0)) {
             return refuse_number(plan, word, encoder->model, error);
         }
-        row = word == NULL ? row : word;
     }
+    const struct lx_plan_setting *row = key == NULL ? NULL : lx_plan_word(self, key);
     if (row != NULL) {
         encoder->address_line = row->line;
         encoder->address = lx_stack_address(stack, row->value, error);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * [encoder NAME] of a rig file, or many of them: with node = FIRST..LAST, or address, the section
- * stands for one for each number, NAME-FIRST to NAME-LAST. What else counts, counts up.
+ * [encoder NAME] of a rig file, or many of them: with node = FIRST..LAST, or another protocol's key
+ * of its addresses, the section stands for one for each number, NAME-FIRST to NAME-LAST. What else
+ * counts, counts up.
  */
 #define _GNU_SOURCE
 #include <inttypes.h>
@@ -27,10 +28,9 @@ struct range {
 
 static const struct lx_plan_setting *find_range(const struct lx_plan_section *self)
 {
-    static const char *const keys[] = {"node", "address"};
-    for (size_t i = 0; i < DG_COUNT(keys); i++) {
-        const struct lx_plan_setting *word = lx_plan_word(self, keys[i]);
-        if (word != NULL && strstr(word->value, BETWEEN) != NULL) {
+    for (size_t i = 0; i < self->words.count; i++) {
+        const struct lx_plan_setting *word = &self->words.list[i];
+        if (lx_is_address_key(word->key) && strstr(word->value, BETWEEN) != NULL) {
             return word;
         }
     }

@@ -12,6 +12,7 @@
 #include <string.h>
 
 #include "access.h"
+#include "stacks.h"
 
 /* --- words --- */
 
@@ -32,7 +33,7 @@ bool lx_plan_section_has(const struct lx_plan_section_kind *kind, const char *ke
             return true;
         }
     }
-    return false;
+    return kind->numbered && lx_is_address_key(key);
 }
 
 /* "a, b and c are right" */
@@ -217,16 +218,16 @@ static int take_rig(struct lx_plan *plan, const struct lx_plan_section *self,
 static const char *const rig_keys[] = {"name", "control", "files", NULL};
 static const char *const shaft_keys[] = {"motion", "driver", "ratio", NULL};
 static const char *const bus_keys[] = {"wire", "address", "trace", NULL};
-static const char *const encoder_keys[] = {"model", "shaft",   "bus", "wire",   "trace",
-                                           "node",  "address", "nvm", "serial", NULL};
+static const char *const encoder_keys[] = {"model", "shaft", "bus",    "wire",
+                                           "trace", "nvm",   "serial", NULL};
 
 /* clang-format off */
 static const struct lx_plan_section_kind kinds[] = {
-    /* name      named  open   repeats    keys          take */
-    {"rig",      false, false, "control", rig_keys,     take_rig},
-    {"shaft",    true,  false, NULL,      shaft_keys,   lx_plan_take_shaft},
-    {"bus",      true,  true,  NULL,      bus_keys,     lx_plan_take_bus},
-    {"encoder",  true,  true,  NULL,      encoder_keys, lx_plan_take_encoders},
+    /* name      named  open   numb.  repeats    keys          take */
+    {"rig",      false, false, false, "control", rig_keys,     take_rig},
+    {"shaft",    true,  false, false, NULL,      shaft_keys,   lx_plan_take_shaft},
+    {"bus",      true,  true,  false, NULL,      bus_keys,     lx_plan_take_bus},
+    {"encoder",  true,  true,  true,  NULL,      encoder_keys, lx_plan_take_encoders},
 };
 /* clang-format on */
 #define KIND_COUNT DG_COUNT(kinds)

@@ -25,6 +25,7 @@ struct lx_plan_section_kind {
     const char *name;
     bool named;              /**< [KIND NAME] */
     bool open;               /**< takes settings beside its keys */
+    bool numbered;           /**< the addresses of all stacks are keys of it, too */
     const char *repeats;     /**< the key that may stand several times; NULL: none */
     const char *const *keys; /**< NULL behind the last */
     int (*take)(struct lx_plan *plan, const struct lx_plan_section *self, struct lx_error *error);

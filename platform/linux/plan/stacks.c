@@ -148,6 +148,16 @@ int lx_stack_settings(const struct lx_plan *plan, const struct lx_plan_wire *wir
 
 /* --- addresses --- */
 
+bool lx_is_address_key(const char *key)
+{
+    bool found = false;
+    for (size_t i = 0; i < lx_stack_count && !found; i++) {
+        const char *own = lx_stacks[i]->core->address_key;
+        found = own != NULL && strcmp(own, key) == 0;
+    }
+    return found;
+}
+
 struct lx_words lx_stack_address_right(const struct lx_stack *self)
 {
     const struct lx_address *address = &self->address;

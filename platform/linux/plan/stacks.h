@@ -33,6 +33,7 @@ struct lx_stack {
     const char *wire;                          /**< the kind of wire when none is given */
     struct lx_address address;
     size_t line;         /**< characters: offset of a struct lx_line_settings in the settings */
+    uint32_t baud;       /**< characters: the fastest data rate that its encoders have */
     const char *spoiled; /**< characters: what an encoder does whose EEPROM file fails, in words */
     bool is_ring;        /**< encoders without a file are one thing with one address */
     struct dg_keys own;  /**< the port's rows; offsets count from settings */
@@ -85,6 +86,9 @@ int lx_stack_address(const struct lx_stack *self, const char *text, struct lx_er
 
 /** The row of its addresses; NULL: they have no key. */
 const struct dg_key *lx_stack_address_row(const struct lx_stack *self);
+
+/** Whether `key` is that of the addresses of any stack. */
+bool lx_is_address_key(const char *key);
 
 /** "a node-ID in 1..127" */
 struct lx_words lx_stack_address_right(const struct lx_stack *self);

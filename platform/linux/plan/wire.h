@@ -24,7 +24,7 @@ typedef struct lx_bus *lx_bus_make(const struct lx_bus_setup *setup, struct lx_e
 /** A kind of wire. */
 struct lx_wire {
     const char *name;    /**< as in "ready MODEL WIRE:ADDRESS" and --WIRE */
-    size_t stations_max; /**< encoders that fit on one; all of one stack */
+    size_t stations_max; /**< encoders that fit on one; all of one stack, unless it is mixed */
     lx_bus_make *make;
     unsigned media;    /**< it can carry: LX_CARRIES() */
     const char *where; /**< what its address looks like, for messages, e.g. "CHIP:CLOCK,DATA"; NULL:
@@ -33,6 +33,7 @@ struct lx_wire {
     const struct lx_keys *keys; /**< settings of the wire itself; NULL: none */
     const void *defaults;       /**< what they set, as nobody has set it */
     bool simulated;             /**< runs by the rig's clock, which may be slowed down */
+    bool mixed;                 /**< stacks of several may be on one */
     bool where_needed;
     bool where_is_path;    /**< a file name: in a rig file relative to its folder */
     bool where_may_be_tcp; /**< ... or tcp:HOST:PORT */

@@ -528,6 +528,20 @@ const struct lx_stack *lx_rig_stack(const struct lx_rig_wire *self)
     return lx_stack_of(self->stations[0]->plan->model);
 }
 
+bool lx_rig_mixed(const struct lx_rig_wire *self)
+{
+    bool mixed = false;
+    for (size_t i = 1; i < self->count; i++) {
+        mixed = mixed || lx_stack_of(self->stations[i]->plan->model) != lx_rig_stack(self);
+    }
+    return mixed;
+}
+
+const struct dg_words *lx_rig_words(const struct lx_rig_wire *self)
+{
+    return lx_rig_mixed(self) ? NULL : lx_rig_stack(self)->words;
+}
+
 int lx_rig_announce(struct lx_rig *self, struct lx_error *error)
 {
     const struct lx_plan *plan = self->setup.plan;

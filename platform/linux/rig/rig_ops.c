@@ -333,7 +333,7 @@ int lx_rig_trace(struct lx_rig_wire *self, const char *path, struct lx_error *er
         .path = path,
         .folder = self->rig->folder,
         .kind = lx_rig_stack(self)->trace,
-        .words = lx_rig_stack(self)->words,
+        .words = lx_rig_words(self),
         .wire = kind->where_in_trace ? self->plan->where : self->plan->name,
         .tap = &self->bus->tap,
         .held = !self->rig->stands,

@@ -53,8 +53,15 @@ struct lx_rig_wire {
     size_t line_count; /**< so far; the newest is in lines[(line_count - 1) % LX_RIG_LINES] */
 };
 
-/** What the encoders on a wire speak. */
+/** What the first encoder on a wire speaks; most wires have one protocol. */
 const struct lx_stack *lx_rig_stack(const struct lx_rig_wire *self);
+
+/** Whether another one speaks something else. */
+bool lx_rig_mixed(const struct lx_rig_wire *self);
+
+/** What tells the wire in words; NULL: its protocol has none, or there are several, and nobody
+ * knows which of them a request is for. */
+const struct dg_words *lx_rig_words(const struct lx_rig_wire *self);
 
 /** A rig. */
 struct lx_rig {

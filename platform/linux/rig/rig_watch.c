@@ -56,7 +56,7 @@ static void on_silence(void *ctx, dg_ns now)
 /* @return whether there was memory */
 static bool make_lines(struct lx_rig_wire *self)
 {
-    const struct dg_words *words = lx_rig_stack(self)->words;
+    const struct dg_words *words = lx_rig_words(self);
     void *memory = words == NULL ? NULL : calloc(1, words->size);
     self->lines = calloc(LX_RIG_LINES, sizeof *self->lines);
     self->words = (struct dg_words_wire){words, memory, {on_line, self}};
@@ -69,6 +69,21 @@ static void free_lines(struct lx_rig_wire *self)
     free(self->lines);
     self->words.memory = NULL;
     self->lines = NULL;
+}
+
+/* Whoever waits for lines is told why there are none. */
+static void tell_mixed(struct lx_rig_wire *self)
+{
+    const struct dg_tap_event event = {
+        .at = lx_clock_now(&self->rig->clock),
+        .kind = DG_TAP_NOTE,
+        .ours = true,
+        .severity = DG_SEVERITY_NOTICE,
+        .note = "encoders of several protocols: what goes over this wire is not told in words",
+    };
+    if (lx_rig_mixed(self)) {
+        dg_words_event(&self->words, &event);
+    }
 }
 
 int lx_rig_listen(struct lx_rig_wire *self, struct lx_error *error)
@@ -88,6 +103,7 @@ int lx_rig_listen(struct lx_rig_wire *self, struct lx_error *error)
     self->listener = (struct lx_tap_listener){.event = on_event, .ctx = self};
     lx_tap_add(&self->bus->tap, &self->listener);
     self->listens = true;
+    tell_mixed(self);
     return 0;
 }
 

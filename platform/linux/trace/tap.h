@@ -26,6 +26,7 @@ struct lx_tap {
     struct lx_tap_listener *first;
     const char *const *encoders; /**< names of those whose sine and cosine can be asked for */
     size_t encoder_count;
+    uint32_t baud; /**< characters: the fastest data rate that an encoder may have; 0: slow */
 };
 
 /** Whether anybody listens; buses may save themselves the trouble when not. */

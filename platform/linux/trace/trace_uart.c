@@ -18,8 +18,10 @@
 #include "trace_format.h"
 #include "uart.h"
 
-/* The fastest line, 38400 Bd, has a bit every 26 us. */
-#define STEP_NS DG_US(1)
+/* Steps of a file: a bit has BIT_STEPS of them at least, unless it is too short for that. */
+#define STEP_MAX DG_US(1)
+#define STEP_MIN 10u
+#define BIT_STEPS 20u
 #define DATA_BITS 8u
 /* Characters under one text; more are drawn before it is known. */
 #define FRAME_MAX 140u
@@ -65,6 +67,7 @@ struct uart {
     dg_ns free; /* end of the character drawn last */
     size_t count;
     struct character frame[FRAME_MAX];
+    const struct character *latest; /* the one that is being told, unless it is in `frame` */
     size_t first_sample;
     size_t sample_count;
     struct sample samples[SAMPLES_MAX];
@@ -167,14 +170,40 @@ static void draw_frame(struct uart *self, const char *text)
     self->count = 0;
 }
 
+/* One more; `latest` is in a frame then. */
+static void collect(struct uart *self)
+{
+    if (self->latest != NULL && self->count == FRAME_MAX) {
+        draw_frame(self, "too long");
+    }
+    if (self->latest != NULL) {
+        self->frame[self->count++] = *self->latest;
+        self->latest = NULL;
+    }
+}
+
 static void on_line(void *ctx, const struct dg_words_line *line)
 {
-    draw_frame(ctx, line->text);
+    struct uart *self = ctx;
+    if (line->whole) {
+        collect(self);
+    }
+    draw_frame(self, line->text);
+}
+
+/* 1 us up to 50 kBd, a power of ten. */
+static dg_ns step_of(const struct lx_tap *tap)
+{
+    dg_ns step = STEP_MAX;
+    while (tap->baud > 0 && step > STEP_MIN && dg_bit_times_ns(1, tap->baud) < BIT_STEPS * step) {
+        step /= 10u;
+    }
+    return step;
 }
 
 static void uart_begin(struct lx_trace *self)
 {
-    static const struct lx_vcd_head head = {"rs485", STEP_NS, side_ids, {"request", "reply"}};
+    const struct lx_vcd_head head = {"rs485", step_of(self->tap), side_ids, {"request", "reply"}};
     struct uart *uart = self->own;
     for (size_t i = 0; i < SIDE_COUNT; i++) {
         uart->levels[i] = true;
@@ -188,11 +217,7 @@ static void on_character(struct uart *self, const struct dg_tap_event *event, dg
     if (event->character.baud == 0) {
         return;
     }
-    dg_words_event(&self->words, event);
-    if (self->count == FRAME_MAX) {
-        draw_frame(self, "too long");
-    }
-    self->frame[self->count++] = (struct character){
+    const struct character character = {
         .end = at,
         .baud = event->character.baud,
         .side = event->ours ? SIDE_ENCODER : SIDE_MASTER,
@@ -200,6 +225,9 @@ static void on_character(struct uart *self, const struct dg_tap_event *event, dg
         .byte = event->character.byte,
         .damaged = event->character.damaged,
     };
+    self->latest = &character;
+    dg_words_event(&self->words, event);
+    collect(self);
     if (self->words.words == NULL) { /* then nobody says where a frame ends */
         draw_frame(self, NULL);
     }
