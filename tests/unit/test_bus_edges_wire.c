@@ -12,9 +12,9 @@
 #include <cmocka.h>
 
 #include "drehgeber/biss.h"
+#include "drehgeber/tenbit.h"
 #include "edges_cable.h"
 #include "edges_rig.h"
-#include "plain_encoder.h"
 
 /* --- the cable --- */
 
@@ -27,27 +27,28 @@ static void a_cable_delays_both_ways(void **state)
 
     (void)state;
     edges_rig_begin(&wire, 1);
-    (void)edges_rig_make(&edges_rig.place[0], &plain_low, &plain_wire, &plain_instrument);
-    dg_host_shaft(edges_rig.place[0].host, 0, 0x155 * (TURN >> PLAIN_BITS), 0);
+    (void)edges_rig_make(&edges_rig.place[0], &dg_tenbit_low, &dg_tenbit_wire,
+                         &dg_tenbit_instrument);
+    dg_host_shaft(edges_rig.place[0].host, 0, 0x155 * (TURN >> DG_TENBIT_BITS), 0);
     edges_rig_attach(0);
     edges_rig_power(0, true);
     edges_rig_rest();
     edges_rig.heard_count = 0;
     const dg_ns first = edges_rig.now + EDGES_RIG_HALF;
-    for (unsigned i = 0; i < PLAIN_BITS; i++) {
+    for (unsigned i = 0; i < DG_TENBIT_BITS; i++) {
         (void)edges_rig_clock();
     }
     assert_int_equal(dg_host_latched(edges_rig.place[0].host, &at, &counts), DG_HOST_OK);
     assert_int_equal(at, first + 1200u);
     assert_int_equal(counts, 0x155);
     /* Bits change with each clock: the first is a 0. */
-    const dg_ns monoflop = first + 9u * 2u * EDGES_RIG_HALF + 1200u + PLAIN_MONOFLOP;
+    const dg_ns monoflop = first + 9u * 2u * EDGES_RIG_HALF + 1200u + DG_TENBIT_MONOFLOP;
     assert_int_equal(dg_bus_edges_fell(edges_rig.bus), first + 17u * EDGES_RIG_HALF + 2900u);
     while (dg_bus_next(edges_rig.bus) != DG_NEVER) {
         (void)dg_bus_step(edges_rig.bus, dg_bus_next(edges_rig.bus));
     }
-    assert_int_equal(edges_rig.heard_count, PLAIN_BITS);
-    for (unsigned i = 0; i < PLAIN_BITS; i++) {
+    assert_int_equal(edges_rig.heard_count, DG_TENBIT_BITS);
+    for (unsigned i = 0; i < DG_TENBIT_BITS; i++) {
         assert_int_equal(edges_rig.heard[i].at,
                          first + EDGES_RIG_HALF + (dg_ns)i * 2u * EDGES_RIG_HALF + 2900u);
         assert_int_equal(edges_rig.heard[i].levels.data, i % 2u);
@@ -62,12 +63,13 @@ static void what_is_due_on_the_way_comes_first(void **state)
 
     (void)state;
     edges_rig_begin(&wire, 1);
-    (void)edges_rig_make(&edges_rig.place[0], &plain_low, &plain_wire, &plain_instrument);
+    (void)edges_rig_make(&edges_rig.place[0], &dg_tenbit_low, &dg_tenbit_wire,
+                         &dg_tenbit_instrument);
     edges_rig_attach(0);
     edges_rig_power(0, true);
     edges_rig_rest();
-    (void)edges_rig_take(PLAIN_BITS); /* all low */
-    const dg_ns end = edges_rig.now - EDGES_RIG_HALF + 1200u + PLAIN_MONOFLOP;
+    (void)edges_rig_take(DG_TENBIT_BITS); /* all low */
+    const dg_ns end = edges_rig.now - EDGES_RIG_HALF + 1200u + DG_TENBIT_MONOFLOP;
     edges_rig.heard_count = 0;
     (void)dg_bus_edge(edges_rig.bus, end - 600u, false);
     (void)dg_bus_edge(edges_rig.bus, end - 100u, true);
@@ -87,12 +89,13 @@ static void a_master_looks_ahead(void **state)
 
     (void)state;
     edges_rig_begin(&wire, 1);
-    (void)edges_rig_make(&edges_rig.place[0], &plain_low, &plain_wire, &plain_instrument);
-    dg_host_shaft(edges_rig.place[0].host, 0, 0x2B5 * (TURN >> PLAIN_BITS), 0);
+    (void)edges_rig_make(&edges_rig.place[0], &dg_tenbit_low, &dg_tenbit_wire,
+                         &dg_tenbit_instrument);
+    dg_host_shaft(edges_rig.place[0].host, 0, 0x2B5 * (TURN >> DG_TENBIT_BITS), 0);
     edges_rig_attach(0);
     edges_rig_power(0, true);
     edges_rig_rest();
-    for (unsigned i = 0; i < PLAIN_BITS; i++) {
+    for (unsigned i = 0; i < DG_TENBIT_BITS; i++) {
         (void)edges_rig_clock();
         bits =
             bits << 1 | dg_bus_edges_data(edges_rig.bus, edges_rig.now + 2u * DG_BUS_CABLE_MAX_NS);
@@ -149,10 +152,10 @@ static void setups_out_of_range_are_refused(void **state)
 
 /* --- a protocol that nobody has --- */
 
-static void begin_plain(const struct dg_device *model)
+static void begin_tenbit(const struct dg_device *model)
 {
     edges_rig_begin(NULL, 1);
-    (void)edges_rig_make(&edges_rig.place[0], model, &plain_wire, &plain_instrument);
+    (void)edges_rig_make(&edges_rig.place[0], model, &dg_tenbit_wire, &dg_tenbit_instrument);
     edges_rig_attach(0);
     edges_rig_power(0, true);
     edges_rig_rest();
@@ -160,9 +163,9 @@ static void begin_plain(const struct dg_device *model)
 
 static unsigned word_of(unsigned position)
 {
-    dg_host_shaft(edges_rig.place[0].host, edges_rig.now, (int64_t)position * (TURN >> PLAIN_BITS),
-                  0);
-    const unsigned word = (unsigned)edges_rig_take(PLAIN_BITS);
+    dg_host_shaft(edges_rig.place[0].host, edges_rig.now,
+                  (int64_t)position * (TURN >> DG_TENBIT_BITS), 0);
+    const unsigned word = (unsigned)edges_rig_take(DG_TENBIT_BITS);
 
     edges_rig_rest();
     return word;
@@ -171,29 +174,30 @@ static unsigned word_of(unsigned position)
 static void words_come_over_the_wire(void **state)
 {
     (void)state;
-    begin_plain(&plain_low);
+    begin_tenbit(&dg_tenbit_low);
     edges_rig.taps = 0;
-    for (unsigned i = 0; i <= PLAIN_ALL; i++) {
+    for (unsigned i = 0; i <= DG_TENBIT_ALL; i++) {
         assert_int_equal(word_of(i), i);
     }
     /* Each edge, and the end of each word that ends low. */
-    assert_int_equal(edges_rig.taps, (PLAIN_ALL + 1u) * (2u * PLAIN_BITS) + (PLAIN_ALL + 1u) / 2u);
+    assert_int_equal(edges_rig.taps,
+                     (DG_TENBIT_ALL + 1u) * (2u * DG_TENBIT_BITS) + (DG_TENBIT_ALL + 1u) / 2u);
 }
 
 static void a_dead_driver_reads_as_the_receiver_does(void **state)
 {
-    static const struct dg_device *const models[] = {&plain_low, &plain_high};
+    static const struct dg_device *const models[] = {&dg_tenbit_low, &dg_tenbit_high};
 
     (void)state;
     for (unsigned open = 0; open < 2; open++) {
-        begin_plain(models[open]);
+        begin_tenbit(models[open]);
         edges_rig_bend(0, DG_WIRE_DROP, 1);
-        assert_int_equal(word_of(0x155), open * PLAIN_ALL);
+        assert_int_equal(word_of(0x155), open * DG_TENBIT_ALL);
         edges_rig_heal(0);
         assert_int_equal(word_of(0x155), 0x155);
         edges_rig_bend(0, DG_WIRE_BREAK, 0);
         assert_int_equal(dg_bus_edges_data(edges_rig.bus, edges_rig.now), open);
-        assert_int_equal(word_of(0x155), open * PLAIN_ALL);
+        assert_int_equal(word_of(0x155), open * DG_TENBIT_ALL);
         assert_int_equal(dg_bus_edges_data(edges_rig.bus, edges_rig.now), open);
         edges_rig_heal(0);
         assert_true(dg_bus_edges_data(edges_rig.bus, edges_rig.now));
@@ -205,14 +209,14 @@ static void a_damage_flips_a_bit_of_the_word(void **state)
     unsigned flipped = 0;
 
     (void)state;
-    begin_plain(&plain_low);
+    begin_tenbit(&dg_tenbit_low);
     edges_rig_bend(0, DG_WIRE_DAMAGE, 0);
     for (unsigned i = 0; i < 200; i++) {
         const unsigned bit = word_of(0x155) ^ 0x155u;
         assert_true(bit != 0 && (bit & (bit - 1u)) == 0);
         flipped |= bit;
     }
-    assert_int_equal(flipped, PLAIN_ALL);
+    assert_int_equal(flipped, DG_TENBIT_ALL);
 }
 
 /* By the clock's own period, and by one that is said. */
@@ -221,29 +225,31 @@ static void a_delay_takes_whole_clocks(void **state)
     static const struct dg_bus_edges_setup slower = {.size = sizeof slower, .period_ns = 1500};
 
     (void)state;
-    begin_plain(&plain_low);
+    begin_tenbit(&dg_tenbit_low);
     edges_rig_bend(0, DG_WIRE_DELAY, 0);
-    assert_int_equal(word_of(0x155), 7u << (PLAIN_BITS - 3u) | 0x155u >> 3);
+    assert_int_equal(word_of(0x155), 7u << (DG_TENBIT_BITS - 3u) | 0x155u >> 3);
     edges_rig_heal(0);
     assert_int_equal(word_of(0x155), 0x155);
     edges_rig_begin(&slower, 1);
-    (void)edges_rig_make(&edges_rig.place[0], &plain_low, &plain_wire, &plain_instrument);
+    (void)edges_rig_make(&edges_rig.place[0], &dg_tenbit_low, &dg_tenbit_wire,
+                         &dg_tenbit_instrument);
     edges_rig_attach(0);
     edges_rig_power(0, true);
     edges_rig_rest();
     edges_rig_bend(0, DG_WIRE_DELAY, 0);
-    assert_int_equal(word_of(0x155), 3u << (PLAIN_BITS - 2u) | 0x155u >> 2);
+    assert_int_equal(word_of(0x155), 3u << (DG_TENBIT_BITS - 2u) | 0x155u >> 2);
 }
 
 /* Time goes on all the same. */
 static void an_encoder_that_asks_for_the_present_again_stops_nobody(void **state)
 {
     static const struct dg_bus_edges_setup wire = {.size = sizeof wire, .there_ns = 100};
-    struct plain *device;
+    struct dg_tenbit *device;
 
     (void)state;
     edges_rig_begin(&wire, 1);
-    (void)edges_rig_make(&edges_rig.place[0], &plain_low, &plain_wire, &plain_instrument);
+    (void)edges_rig_make(&edges_rig.place[0], &dg_tenbit_low, &dg_tenbit_wire,
+                         &dg_tenbit_instrument);
     edges_rig_attach(0);
     edges_rig_power(0, true);
     device = dg_host_line_of(edges_rig.place[0].host)->device;
@@ -261,14 +267,14 @@ static void a_level_that_is_told_twice_is_one(void **state)
     unsigned word = 0;
 
     (void)state;
-    begin_plain(&plain_low);
-    dg_host_shaft(edges_rig.place[0].host, 0, 0x155 * (TURN >> PLAIN_BITS), 0);
+    begin_tenbit(&dg_tenbit_low);
+    dg_host_shaft(edges_rig.place[0].host, 0, 0x155 * (TURN >> DG_TENBIT_BITS), 0);
     edges_rig_bend(0, DG_WIRE_DELAY, 0);
-    for (unsigned i = 0; i < PLAIN_BITS; i++) {
+    for (unsigned i = 0; i < DG_TENBIT_BITS; i++) {
         (void)edges_rig_clock();
         word = word << 1 | dg_bus_edge(edges_rig.bus, edges_rig.now, true);
     }
-    assert_int_equal(word, 7u << (PLAIN_BITS - 3u) | 0x155u >> 3);
+    assert_int_equal(word, 7u << (DG_TENBIT_BITS - 3u) | 0x155u >> 3);
 }
 
 /* --- a slow memory, and hints --- */
@@ -277,10 +283,10 @@ static void a_level_that_is_told_twice_is_one(void **state)
 static void a_lone_encoder_is_held_back(void **state)
 {
     (void)state;
-    begin_plain(&plain_high);
+    begin_tenbit(&dg_tenbit_high);
     edges_rig.ops.answer = edges_rig_answer;
     edges_rig.answer = DG_BUS_DROP;
-    assert_int_equal(word_of(0x155), PLAIN_ALL);
+    assert_int_equal(word_of(0x155), DG_TENBIT_ALL);
     edges_rig.answer = DG_BUS_SAY;
     assert_int_equal(word_of(0x155), 0x155);
 }

@@ -29,11 +29,7 @@ struct counter {
     dg_ns due;
 };
 
-static const struct dg_store_layout *layout(const void *model)
-{
-    (void)model;
-    return NULL;
-}
+DG_STACK_WITHOUT_MEMORY;
 
 static bool senses_multiturn(const void *model)
 {
@@ -102,6 +98,7 @@ static const struct dg_stack stack = {
     .name = "counter",
     .medium = DG_MEDIUM_WORDS,
     .device_size = sizeof(struct counter),
+    .mount = mount,
     DG_STACK_OPERATIONS,
 };
 

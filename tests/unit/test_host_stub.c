@@ -28,11 +28,7 @@ struct device {
     dg_ns asked; /* the moment of the last step */
 };
 
-static const struct dg_store_layout *layout(const void *model)
-{
-    (void)model;
-    return NULL;
-}
+DG_STACK_WITHOUT_MEMORY;
 
 static bool senses_multiturn(const void *model)
 {
@@ -110,7 +106,7 @@ static uint64_t position(const void *self, dg_ns now)
 }
 
 static const struct dg_stack stack = {
-    .name = "stub", .device_size = sizeof(struct device), DG_STACK_OPERATIONS};
+    .name = "stub", .device_size = sizeof(struct device), .mount = mount, DG_STACK_OPERATIONS};
 
 static int check(const struct dg_host_event *event)
 {

@@ -16,15 +16,17 @@
 #include <cmocka.h>
 
 #include "biss_clocked.h"
+#include "drehgeber/host_wire.h"
+#include "drehgeber/instrument.h"
+#include "drehgeber/tenbit.h"
 #include "host_rig.h"
-#include "plain_encoder.h"
 #include "sim_master.h"
 #include "sim_rig.h"
 
 #define BEGIN DG_S(1)
 
 /* The line, and what the master read last. */
-struct plain_line {
+struct word_line {
     struct lx_clocked base;
     unsigned got;
     enum lx_clocked_verdict verdict; /* what the master makes of it; likewise the next two */
@@ -35,7 +37,7 @@ struct plain_line {
 static unsigned take_word(struct lx_clocked_wire *wire)
 {
     unsigned bits = 0;
-    for (unsigned i = 0; i < PLAIN_BITS; i++) {
+    for (unsigned i = 0; i < DG_TENBIT_BITS; i++) {
         bits = bits << 1 | lx_clocked_wire_bit(wire);
     }
     return bits;
@@ -43,22 +45,22 @@ static unsigned take_word(struct lx_clocked_wire *wire)
 
 static void read_word(struct lx_clocked *base, struct lx_clocked_wire *wire)
 {
-    ((struct plain_line *)base)->got = take_word(wire);
-    lx_clocked_wire_pause(wire, wire->now + PLAIN_MONOFLOP + DG_US(1));
+    ((struct word_line *)base)->got = take_word(wire);
+    lx_clocked_wire_pause(wire, wire->now + DG_TENBIT_MONOFLOP + DG_US(1));
 }
 
 static enum lx_clocked_verdict judge(const struct lx_clocked *base, size_t encoder)
 {
     (void)encoder;
-    return ((const struct plain_line *)base)->verdict;
+    return ((const struct word_line *)base)->verdict;
 }
 
 static void word(const struct lx_clocked *base, size_t encoder, struct lx_clocked_word *out)
 {
-    const struct plain_line *self = (const struct plain_line *)base;
+    const struct word_line *self = (const struct word_line *)base;
     (void)encoder;
     *out = (struct lx_clocked_word){
-        .bits = self->got, .count = PLAIN_BITS, .error = self->error, .warning = self->warning};
+        .bits = self->got, .count = DG_TENBIT_BITS, .error = self->error, .warning = self->warning};
 }
 
 static void note(const struct lx_clocked *base, const struct lx_clocked_wire *wire, size_t encoder,
@@ -66,14 +68,14 @@ static void note(const struct lx_clocked *base, const struct lx_clocked_wire *wi
 {
     (void)wire;
     (void)encoder;
-    (void)snprintf(text, size, "word %u", ((const struct plain_line *)base)->got);
+    (void)snprintf(text, size, "word %u", ((const struct word_line *)base)->got);
 }
 
 static const struct lx_clocked_protocol protocol = {
     .clock = "CLOCK",
     .data = "DATA",
     .encoders_max = 1,
-    .size = sizeof(struct plain_line),
+    .size = sizeof(struct word_line),
     .read = read_word,
     .judge = judge,
     .word = word,
@@ -92,7 +94,7 @@ struct heard {
 
 static struct host_rig_place place;
 static struct dg_encoder control;
-static struct plain_line *line;
+static struct word_line *line;
 static struct lx_tap tap;
 static struct lx_sim_master master;
 static struct heard heard;
@@ -112,11 +114,11 @@ static void on_event(void *ctx, const struct dg_tap_event *event)
 static void begin(const struct lx_clocked_timing *timing)
 {
     struct dg_host *host =
-        dg_host_init_on_bus(place.bytes, sizeof place.bytes, &plain_low, &plain_wire);
-    control = (struct dg_encoder){.name = "a", .instrument = &plain_instrument};
+        dg_host_init_on_bus(place.bytes, sizeof place.bytes, &dg_tenbit_low, &dg_tenbit_wire);
+    control = (struct dg_encoder){.name = "a", .instrument = &dg_tenbit_instrument};
     assert_int_equal(dg_host_power(host, BEGIN, true), DG_OK);
     lx_clocked_close(line != NULL ? &line->base : NULL);
-    line = (struct plain_line *)lx_clocked_new(&protocol, 1);
+    line = (struct word_line *)lx_clocked_new(&protocol, 1);
     assert_non_null(line);
     lx_clocked_add(&line->base, host, &control);
     tap = (struct lx_tap){.first = NULL};
@@ -132,7 +134,7 @@ static void begin_usual(void)
 
 static void turn_to(unsigned position)
 {
-    dg_host_shaft(line->base.host[0], 0, (int64_t)position * (DG_TURN >> PLAIN_BITS), 0);
+    dg_host_shaft(line->base.host[0], 0, (int64_t)position * (DG_TURN >> DG_TENBIT_BITS), 0);
 }
 
 static unsigned word_of(unsigned position)
@@ -146,11 +148,11 @@ static void words_come_over_the_wire(void **state)
 {
     (void)state;
     begin_usual();
-    for (unsigned i = 0; i <= PLAIN_ALL; i++) {
+    for (unsigned i = 0; i <= DG_TENBIT_ALL; i++) {
         assert_int_equal(word_of(i), i);
     }
     assert_string_equal(heard.note, "word 1023");
-    assert_int_equal(heard.rises, PLAIN_BITS * (PLAIN_ALL + 1u));
+    assert_int_equal(heard.rises, DG_TENBIT_BITS * (DG_TENBIT_ALL + 1u));
     assert_int_equal(master.wire.silent, 0);
 }
 
@@ -191,7 +193,7 @@ static void clocks_go_on(void **state)
     turn_to(0x0AA);
     assert_false(lx_clocked_wire_bit(&master.wire));
     assert_int_equal(take_word(&master.wire), 0x155);
-    const dg_ns end = master.wire.now - DG_US(1) / 2 + PLAIN_MONOFLOP;
+    const dg_ns end = master.wire.now - DG_US(1) / 2 + DG_TENBIT_MONOFLOP;
     const bool data = line->base.data;
     lx_clocked_wire_pause(&master.wire, end - 1u);
     assert_int_equal(dg_bus_next(line->base.bus), end);
@@ -208,7 +210,7 @@ static void a_cable_is_not_made_up_for(void **state)
     begin(&(struct lx_clocked_timing){.clock_hz = LX_CLOCK_HZ, .line_delay_ns = 249});
     assert_int_equal(word_of(0x2A5), 0x2A5);
     begin(&(struct lx_clocked_timing){.clock_hz = LX_CLOCK_HZ, .line_delay_ns = 251});
-    assert_int_equal(word_of(0x2A5), PLAIN_ALL & (1u << (PLAIN_BITS - 1u) | 0x2A5u >> 1));
+    assert_int_equal(word_of(0x2A5), DG_TENBIT_ALL & (1u << (DG_TENBIT_BITS - 1u) | 0x2A5u >> 1));
 }
 
 /* A frame behind them is like all others. */

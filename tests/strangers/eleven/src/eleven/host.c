@@ -1,0 +1,92 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * An encoder that answers with eleven characters behind a handle.
+ */
+#include <string.h>
+
+#include "drehgeber/eleven.h"
+#include "drehgeber/host_wire.h"
+
+static void furnish(void *settings, const struct dg_device *device)
+{
+    *(struct dg_eleven_model *)settings = *(const struct dg_eleven_model *)device->model;
+}
+
+static void send(void *ctx, const uint8_t *bytes)
+{
+    struct dg_host_line *line = ctx;
+    struct dg_host_event event = {.at = line->now,
+                                  .id = DG_ELEVEN_CHARACTER_NS,
+                                  .kind = DG_HOST_BYTES,
+                                  .length = DG_ELEVEN_REPLY};
+
+    memcpy(event.data, bytes, DG_ELEVEN_REPLY);
+    dg_host_emit(line, &event);
+}
+
+static const struct dg_eleven_ops ops = {.tx = send};
+
+static void arrange(void *settings, struct dg_stack_setup *setup)
+{
+    (void)settings;
+    if (setup != NULL) {
+        setup->port = &ops;
+    }
+}
+
+static int check(const struct dg_host_event *event)
+{
+    return event->kind == DG_HOST_BYTES ? DG_HOST_OK : DG_HOST_ERR_WIRE;
+}
+
+/* The end of each character; on a bus there is one, and it ends now. */
+static dg_ns due(const struct dg_host_line *line, const struct dg_host_event *event)
+{
+    const uint32_t ends = (event->flags & DG_HOST_ENDED) != 0 ? line->part : line->part + 1u;
+
+    return dg_after(event->at, ends * (event->id != 0 ? event->id : DG_ELEVEN_CHARACTER_NS));
+}
+
+/* It does not mind when a character begins. */
+static bool take(struct dg_host_line *line, const struct dg_host_event *event)
+{
+    const uint32_t part = line->part++;
+
+    if ((event->flags & DG_HOST_START) == 0 && part < event->length) {
+        (void)dg_eleven_hear(line->device, line->now, event->data[part],
+                             (event->flags & DG_HOST_DAMAGED) != 0);
+    }
+    return line->part >= event->length;
+}
+
+static void tell_uart(const struct dg_host_line *line, bool stored, struct dg_host_uart *to)
+{
+    (void)line;
+    (void)stored;
+    *to = (struct dg_host_uart){.baud = DG_ELEVEN_BAUD, .parity = 'N', .timeout_bits = 10};
+}
+
+static int address(const struct dg_host_line *line)
+{
+    return ((const struct dg_eleven_model *)line->settings)->slot;
+}
+
+static bool wants(const struct dg_host_line *line, uint8_t byte)
+{
+    return byte == dg_eleven_request((uint8_t)address(line));
+}
+
+const struct dg_host_wire dg_eleven_wire = {
+    .stack = &dg_eleven_stack,
+    .keys = &dg_eleven_keys,
+    .settings_size = sizeof(struct dg_eleven_model),
+    .furnish = furnish,
+    .arrange = arrange,
+    .check = check,
+    .due = due,
+    .take = take,
+    .uart = tell_uart,
+    .wants = wants,
+    .address = address,
+    .state = &dg_eleven_state,
+};
