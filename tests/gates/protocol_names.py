@@ -58,6 +58,7 @@ ALLOWED = {
     "tests/e2e/rig/bench.py": "the folder tests/e2e/canopen",
     "tests/e2e/rig40/masters.[cp]*": NAMED,
     "tests/e2e/silkit/soak.py": NAMED,
+    "tests/e2e/strangers/test_command.py": COMMAND,
     "tests/e2e/test_access.py": NAMED,
     "tests/e2e/test_cli.py": COMMAND,
     "tests/e2e/test_files.py": NAMED,
