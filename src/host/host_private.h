@@ -90,6 +90,12 @@ size_t dg_host_size_of_parts(const struct host_parts *parts);
 struct dg_host *dg_host_init_parts(void *memory, size_t size, const struct dg_device *model,
                                    const struct dg_host_wire *wire, const struct host_parts *parts);
 
+/** What bends events and levels on their way; NULL: nothing does. On a bus that is the bus's. */
+static inline const struct host_faults *dg_host_faults(const struct dg_host *self)
+{
+    return self->on_bus ? NULL : self->refs.faults;
+}
+
 /** physics.c: sit on the own shaft, `course`. */
 void dg_host_sit_alone(struct dg_host *self);
 /** Sit on a shaft, which `angle_of` tells the angle of. */

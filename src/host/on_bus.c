@@ -103,7 +103,7 @@ uint64_t dg_host_feed(struct dg_host *self, const struct dg_host_event *event)
     const struct dg_host_wire *wire = self->refs.wire;
 
     dg_host_run_until(self, event->at);
-    if (self->made && (wire->feed == NULL || self->refs.faults != NULL)) {
+    if (self->made && (wire->feed == NULL || dg_host_faults(self) != NULL)) {
         take_whole(self, event);
     } else if (self->made) {
         dg_host_note_controller(self, event);

@@ -47,8 +47,9 @@ static void deliver(struct dg_host *self, const struct dg_host_event *event)
 void dg_host_emit(struct dg_host_line *line, const struct dg_host_event *event)
 {
     struct dg_host *self = (struct dg_host *)(void *)line;
+    const struct host_faults *faults = dg_host_faults(self);
 
-    if (self->refs.queues == NULL && self->refs.faults == NULL) {
+    if (faults == NULL && (self->on_bus || self->refs.queues == NULL)) {
         deliver(self, event);
         return;
     }
@@ -58,8 +59,8 @@ void dg_host_emit(struct dg_host_line *line, const struct dg_host_event *event)
     if (self->refs.queues != NULL) {
         copy.flags &= (uint16_t)~DG_HOST_ACKNOWLEDGES;
     }
-    if (self->refs.faults != NULL) {
-        times = self->refs.faults->arrives(self->refs.faults_ctx, &copy, false);
+    if (faults != NULL) {
+        times = faults->arrives(self->refs.faults_ctx, &copy, false);
     }
     while (times-- > 0) {
         deliver(self, &copy);
@@ -152,8 +153,9 @@ static dg_ns due_in(const struct dg_host *self)
 static bool seen(struct dg_host *self)
 {
     const bool raw = self->refs.wire->level(&self->line);
+    const struct host_faults *faults = dg_host_faults(self);
 
-    return self->refs.faults != NULL ? self->refs.faults->bent(self->refs.faults_ctx, raw) : raw;
+    return faults != NULL ? faults->bent(self->refs.faults_ctx, raw) : raw;
 }
 
 /* The line may have another level than was told. */
@@ -186,10 +188,11 @@ void dg_host_note_controller(struct dg_host *self, const struct dg_host_event *e
 bool dg_host_take_event(struct dg_host *self, struct dg_host_event *event)
 {
     const struct dg_host_wire *wire = self->refs.wire;
+    const struct host_faults *faults = dg_host_faults(self);
 
     dg_host_note_controller(self, event);
-    if (self->line.part == 0 && self->refs.faults != NULL &&
-        self->refs.faults->arrives(self->refs.faults_ctx, event, true) == 0) {
+    if (self->line.part == 0 && faults != NULL &&
+        faults->arrives(self->refs.faults_ctx, event, true) == 0) {
         return true;
     }
     if (wire->take != NULL) {
