@@ -132,6 +132,7 @@ OWNER = {
     "bus_characters.h": "bus",
     "bus_edges.h": "bus",
     "bus_frames.h": "bus",
+    "bus_queue.h": "bus",
     "bus_words.h": "bus",
 }
 ROWS = {}
