@@ -3,6 +3,7 @@
 
 import sys
 import warnings
+from collections import deque
 from collections.abc import Callable
 
 import drehgeber
@@ -12,6 +13,7 @@ from script import SHARED
 SECOND = 1_000_000_000
 LEAD = SECOND  # a clock of the package begins a second after 0 of the library
 TURN = 1 << 32
+CONTROLLER, COMPANY = ("active", "passive", "off", "overrun"), {4: "nobody", 5: "somebody"}
 CLOSED = "the first line of a script is missing"
 
 
@@ -34,40 +36,53 @@ class Player:
         self.encoders: dict[str, drehgeber.Encoder] = {}
         self.settings: dict[str, str] = {}
         self.port: drehgeber.CanPort | None = None
+        self.sent: deque[drehgeber.CanFrame] | None = None  # all frames, on a bus where they wait for their time
         self.number = 0
         self.shared = subject in SHARED
         self._ring: drehgeber.ring.Ring | None = None
+        self.clock = drehgeber.Clock()
+        # The wire of all its encoders, as its settings say.
+        self.wires: dict[str, drehgeber.Line | drehgeber.CanBus] = {}
+        self.wire = {"line": ("line", drehgeber.Line), "can": ("bus", drehgeber.CanBus)}.get(subject)
         if not self.shared:
             self.put("", subject)
 
     def put(self, number: str, model: str) -> None:
         """An encoder, on the wire of the others."""
-        first = next(iter(self.encoders.values()), None)
-        wires = {} if first is None else {"clock": first.clock, "line": first._line, "bus": first._bus}
-        self.encoder = self.encoders[number] = drehgeber.Encoder(model, power=False, **wires)
-        if first is None and self.encoder.medium is drehgeber.Medium.FRAMES:
+        if self.wire is not None and not self.wires:
+            word, kind = self.wire
+            self.wires = {word: kind(clock=self.clock, **{key: int(value) for key, value in self.settings.items()})}
+        first = not self.encoders
+        self.encoder = self.encoders[number] = drehgeber.Encoder(model, clock=self.clock, power=False, **self.wires)
+        if first and self.encoder.medium is drehgeber.Medium.FRAMES:
             self.port = self.encoder.can
+            if self.wires and "pace" in self.settings:
+                self.sent = self.encoder.bus.watch()
 
     # ------------------------------------------------------------ time
 
     @property
     def now(self) -> int:
-        return ns_of(self.encoder.clock.now)
+        return ns_of(self.clock.now)
 
     def pass_time(self, ns: int) -> None:
-        self.encoder.clock.advance(max(0, ns) / SECOND)
+        self.clock.advance(max(0, ns) / SECOND)
 
     def tell(self) -> None:
         """What the encoder has sent."""
+        if not self.encoders:
+            return
         if self.encoder.medium is drehgeber.Medium.CHARACTERS:
-            line = self.encoder.rs485
-            line._fetch()  # as the port of pyserial does
-            while line._arrived:
-                at, byte = line._arrived.popleft()
+            arrived = self.encoder.rs485._arrived  # as the port of pyserial does
+            while arrived:
+                at, byte = arrived.popleft()
                 print(f"  @{at} byte {byte:02x}")
-        while self.port is not None and (frame := self.port.recv()) is not None:
+        heard = list(iter(self.port.recv, None)) if self.port is not None else []
+        for frame in heard if self.sent is None else self.sent:
             remote = 8 if frame.remote else 0
             print(f"  @{ns_of(frame.at)} message {frame.id:x} {remote:x} {frame.data.hex()};")
+        if self.sent is not None:
+            self.sent.clear()
 
     def perform(self, words: list[str]) -> None:
         at, name, *arguments = words
@@ -78,7 +93,8 @@ class Player:
             print(f"{self.number} {name} 0")
             return
         operation, refused = OPERATIONS[word]
-        self.encoder = self.encoders.get(number, self.encoder)
+        if self.encoders:
+            self.encoder = self.encoders.get(number, self.encoder)
         self.pass_time(int(at) - self.now)
         self.tell()
         try:
@@ -92,7 +108,8 @@ class Player:
     # ------------------------------------------------------------ physics
 
     def set(self, key: str, value: str) -> str:
-        self.encoder.set(key, value)
+        if self.encoders:
+            self.encoder.set(key, value)
         self.settings[key] = value
         return " 0"
 
@@ -126,11 +143,27 @@ class Player:
     def can(self, identifier: str, data: str) -> str:
         assert self.port is not None
         self.port.send(int(identifier), bytes.fromhex(data.strip("-")))
+        self.forget_own()
         return " 0"
+
+    def forget_own(self) -> None:
+        """Who looks at the bus sees the master, too."""
+        if self.sent is not None:
+            self.sent.popleft()
 
     def remote(self, identifier: str, dlc: str) -> str:
         assert self.port is not None
         self.port.send(int(identifier), remote=True, dlc=int(dlc))
+        self.forget_own()
+        return " 0"
+
+    def bus(self, state: str) -> str:
+        """enum dg_host_bus."""
+        bus = self.encoder.bus
+        if int(state) < len(CONTROLLER):
+            bus.controller(CONTROLLER[int(state)])
+        else:
+            bus.company(COMPANY[int(state)])
         return " 0"
 
     @property
@@ -205,6 +238,7 @@ class Player:
 OPERATIONS: dict[str, tuple[Callable[..., str], str]] = {
     "set": (Player.set, " {}"), "power": (Player.power, " {}"), "shaft": (Player.shaft, " {}"),
     "world": (Player.world, " {}"), "fault": (Player.fault, " {}"), "bytes": (Player.bytes, " {}"),
+    "meet": (Player.bytes, " {}"), "over": (Player.bytes, " {}"), "twin": (Player.bytes, " {}"), "bus": (Player.bus, " {}"),
     "can": (Player.can, " {}"), "remote": (Player.remote, " {}"), "cycle": (Player.cycle, " {}"),
     "identify": (Player.identify, " {}"), "frame": (Player.frame, " {}"), "edges": (Player.edges, " {}"),
     "latch": (Player.latch, " {} 0/0 0 000"),

@@ -20,9 +20,13 @@ const struct dg_device *dg_device_find(const char *name);
 const struct dg_co_sheet *dg_cia406_sheet_of(const struct dg_device *model);
 void dg_co_eds(const struct dg_co_sheet *, void (*)(void *, const char *, size_t), void *);
 struct dg_encoder *dg_host_panel_encoder(struct dg_host_panel *self);
-extern const char dg_bus_words[]; /* a struct dg_bus_medium, which nobody looks into */
+/* Objects that nobody looks into: struct dg_bus_medium, struct dg_bus_ops. */
+extern const char dg_bus_characters[], dg_bus_frames[], dg_bus_words[], dg_bus_queue_ops[];
 """
-HEADERS = ("host.h", "motion.h", "shaft.h", "course.h", "frame.h", "tap.h", "bus.h", "bus_words.h")
+HEADERS = (
+    "host.h", "motion.h", "shaft.h", "course.h", "frame.h", "tap.h", "bus.h", "bus_characters.h", "bus_frames.h", "bus_words.h",
+    "bus_queue.h",
+)  # fmt: skip
 INCLUDE = re.compile(r'^#include "drehgeber/(\w+\.h)"$', re.M)
 STRUCT = re.compile(r"^struct \w+ \{[^}]*\};", re.M)
 
@@ -44,6 +48,7 @@ def declarations(text: str) -> str:
     text = re.sub(r"^#ifdef __cplusplus\n.*?^#endif$", "", text, flags=re.S | re.M)
     text = re.sub(r"^[ \t]*#(\\\n|.)*$", "", text, flags=re.M)
     text = re.sub(r"DG_API extern const struct [^;]*;", "", text)
+    text = re.sub(r"^static inline [^{]*\{.*?^\}$", "", text, flags=re.S | re.M)
     return "\n".join([*lengths, text.replace("DG_API ", "")])
 
 

@@ -3,17 +3,27 @@
 
 from __future__ import annotations
 
+import struct
 import weakref
 from collections import deque
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ._native import EncoderError, checked, load, octets, whole, within
+from ._native import EncoderError, RangeError, octets, whole, within
 from .clock import NEVER, SECOND_NS, SECONDS_MAX, Clock, seconds_of
+from .wire import Wire, row_of
 
 if TYPE_CHECKING:
     from .encoder import Encoder
 
-DATA = 16
+DATA = 8
+BAUD_MAX = 1_000_000
+# Frames that wait at most: for their time, for encoders that hear them, late by a fault.
+WAITING, WAITING_EACH = 1024, 8
+# What a controller is, or has done: enum dg_host_bus.
+CONTROLLER = ("active", "passive", "off", "overrun")
+# Whether anybody acknowledges: enum dg_bus_company.
+COMPANY = ("unknown", "somebody", "nobody")
 _named: weakref.WeakValueDictionary[str, CanBus] = weakref.WeakValueDictionary()
 
 
@@ -87,26 +97,38 @@ class CanPort:
                 self.bus._ports.remove(self)
 
 
-class CanBus:
-    """CAN without time on the wire: what is sent is heard at once. `name` is what
-    can.Bus(interface="drehgeber", channel=NAME) knows it by, as long as somebody holds it."""
+class CanBus(Wire):
+    """A CAN bus. A frame is heard at once, and those of one moment in the order of the encoders on it, unless `pace` gives each
+    its time at the bit rate, or `arbitrate` lets a lower identifier go first. `bit_rate` is that of the wire in bit/s: encoders of
+    another one are deaf and mute; 0: it carries all. `name` is what can.Bus(interface="drehgeber", channel=NAME) knows it by,
+    as long as somebody holds it."""
 
-    def __init__(self, name: str | None = None, *, clock: Clock | None = None) -> None:
-        self._ffi, self._lib = load()
+    MEDIUM = "frames"
+    MOST = 127
+
+    def __init__(
+        self,
+        name: str | None = None,
+        *,
+        clock: Clock | None = None,
+        pace: bool = False,
+        arbitrate: bool = False,
+        bit_rate: int = 0,
+    ) -> None:
+        super().__init__(clock)
         self.name = name
-        self.clock = clock or Clock()
-        self._nodes: list[Encoder] = []
         self._ports: list[CanPort] = []
-        self._event = self._ffi.new("struct dg_host_event *")
-        self._data = self._ffi.buffer(self._event.data)
-        self._ids = self._ffi.new("uint16_t[]", self._lib.DG_HOST_FILTERS)
-        self._kind: int = self._lib.DG_HOST_CAN
-        self._remote: int = self._lib.DG_HOST_REMOTE
+        self._event.kind = self._lib.DG_TAP_FRAME
+        self._frame = self._event.frame
+        self._data = self._ffi.buffer(self._frame.data)
+        self._looked: deque[CanFrame] | None = None  # where somebody does
+        self._wire = self._ffi.new("struct dg_bus_frames_setup *", {"size": self._ffi.sizeof("struct dg_bus_frames_setup")})
+        self._wire.pace, self._wire.arbitrate = bool(pace), bool(arbitrate)
+        self._wire.line.bit_rate = whole(bit_rate, 0, BAUD_MAX, "bit_rate")
         if name is not None:
             if name in _named:
                 raise EncoderError(f"there is a bus {name!r} already")
             _named[name] = self
-        self.clock._members.append(self)
 
     @staticmethod
     def named(name: str) -> CanBus | None:
@@ -116,91 +138,91 @@ class CanBus:
     @property
     def nodes(self) -> tuple[Encoder, ...]:
         """The encoders on it."""
-        return tuple(self._nodes)
+        return tuple(self._encoders)
 
     def port(self) -> CanPort:
         """One more master."""
         with self.clock.lock:
             return CanPort(self)
 
+    def watch(self) -> deque[CanFrame]:
+        """Whatever goes over the bus from now on, of masters and encoders, oldest first, with the moment at which it was sent,
+        however long it had to wait for its time (`pace`). Empty it as you read; a bus has one."""
+        with self.clock.lock:
+            if self._looked is None:
+                self._looked = deque()
+                self._look_on()
+            return self._looked
+
+    # ------------------------------------------------------------ the controllers of its encoders
+
+    def controller(self, state: str) -> None:
+        """What the bus has made of the encoders' controllers: "active", "passive" or "off", which lasts until it is "active"
+        again; or "overrun": they have lost a frame. Faults of an encoder make its own worse, never better."""
+        what = self._word(state, CONTROLLER)
+        with self.clock.lock:
+            now = self.clock._sync()
+            if self._bus is not None:
+                self._lib.dg_bus_frames_controller(self._bus, now, what)
+                self._read()
+
+    def company(self, who: str) -> None:
+        """Whether anybody acknowledges, which encoders show on their LEDs: "somebody", "nobody", or "unknown", as to begin
+        with."""
+        self._wire.line.company = self._word(who, COMPANY)
+        with self.clock.lock:
+            now = self.clock._sync()
+            if self._bus is not None and self._lib.dg_bus_frames_set_line(self._bus, self._ffi.addressof(self._wire.line)):
+                self._lib.dg_bus_step(self._bus, now)
+                self._read()
+
+    @staticmethod
+    def _word(word: str, words: tuple[str, ...]) -> int:
+        if word not in words:
+            raise RangeError(f"{word!r}: expected {', '.join(words[:-1])} or {words[-1]}")
+        return words.index(word)
+
     # ------------------------------------------------------------ what happens on it
 
-    def _next(self) -> int:
-        return min((node._deadline for node in self._nodes), default=NEVER)
+    def _setup(self) -> Any:
+        rooms = WAITING + WAITING_EACH * self._room
+        self._waiting = self._ffi.new("struct dg_bus_frames_room[]", rooms)
+        self._wire.room, self._wire.rooms = self._waiting, rooms
+        return self._wire
+
+    def _told_as(self) -> struct.Struct:
+        return row_of(frame__id="H", frame__rtr="?", frame__dlc="B", frame__data="8s")
+
+    def _looks(self) -> bool:
+        return self._looked is not None
 
     def _answer_at(self) -> int:
         """When the next answer comes that a master is still to get; NEVER: there is none."""
         answer_at = self._lib.dg_host_answer_at
-        return min((int(answer_at(node._host)) for node in self._nodes), default=NEVER)
+        return min((int(answer_at(node._host)) for node in self._encoders), default=NEVER)
 
-    def _run(self, until_ns: int) -> None:
-        """Deadline by deadline: what a node says, the others hear at that moment."""
-        now = self.clock._ns
-        while (due := self._next()) < until_ns:
-            now = max(due, now + 1)
-            if now >= until_ns:
-                break
-            self._serve(now)
-        self._serve(until_ns)
-
-    def _serve(self, now: int) -> None:
-        """At one moment, until nobody says anything any more."""
-        stepped = self._nodes
-        while stepped:
-            for node in stepped:
-                node._step(now)
-            stepped = self._spread(stepped)
-
-    def _spread(self, senders: list[Encoder]) -> list[Encoder]:
-        """Let masters and nodes hear what these have said. @return the nodes that did"""
-        event, receive = self._event, self._lib.dg_host_receive
-        listeners: dict[int, list[Encoder]] | None = None
-        reached: dict[Encoder, None] = {}
-        for sender in senders:
-            while receive(sender._host, event) == 1:
-                if event.kind != self._kind:
-                    continue
-                remote, length = bool(event.flags & self._remote), event.length
-                data = b"" if remote else self._data[:length]
-                self._tell(CanFrame(seconds_of(event.at), event.id, data, remote, length))
-                if listeners is None:
-                    listeners = self._listeners()
-                for node in listeners.get(event.id, ()):
-                    if node is not sender:
-                        self._to(node)
-                        reached[node] = None
-        return list(reached)
-
-    def _listeners(self) -> dict[int, list[Encoder]]:
-        """Which identifiers the nodes listen to at the moment, if there are others to hear them."""
-        listeners: dict[int, list[Encoder]] = {}
-        for node in self._nodes if len(self._nodes) > 1 else ():
-            count = self._lib.dg_host_filters(node._host, self._ids)
-            for id in self._ffi.unpack(self._ids, count) if count > 0 else ():
-                listeners.setdefault(id, []).append(node)
-        return listeners
-
-    def _tell(self, frame: CanFrame, sender: CanPort | None = None) -> None:
-        for port in self._ports:
-            if port is not sender:
-                port._heard.append(frame)
+    def _hear(self, rows: Sequence[tuple[Any, ...]]) -> None:
+        for at, id, remote, length, data, looked in rows:
+            frame = CanFrame(seconds_of(at), id, b"" if remote else data[:length], remote, length)
+            if not looked:
+                for port in self._ports:
+                    port._heard.append(frame)
+            elif self._looked is not None:
+                self._looked.append(frame)
         self.clock.changed.notify_all()
-
-    def _to(self, node: Encoder) -> None:
-        """The event at hand, to a node."""
-        if node._made:
-            result = self._lib.dg_host_send(node._host, self._event)
-            if result != 0:
-                checked(result, f"frame {self._event.id:03X}h")
 
     def _send(self, id: int, data: bytes, remote: bool, dlc: int, sender: CanPort) -> None:
         """Of a master, now. The lock is held."""
-        event, now = self._event, self.clock._ns
-        event.at, event.id, event.kind, event.length = now, id, self._kind, dlc
-        event.flags = self._remote if remote else 0
-        self._data[:] = data.ljust(DATA, b"\0")
-        for node in self._nodes:
-            self._to(node)
+        now = self.clock._ns
         if len(self._ports) > 1:
-            self._tell(CanFrame(seconds_of(now), id, data, remote, dlc), sender)
-        self._serve(now)
+            frame = CanFrame(seconds_of(now), id, data, remote, dlc)
+            for port in self._ports:
+                if port is not sender:
+                    port._heard.append(frame)
+            self.clock.changed.notify_all()
+        if self._bus is not None:
+            to = self._frame
+            self._event.at, to.id, to.rtr, to.dlc = now, id, remote, dlc
+            self._data[:] = data.ljust(DATA, b"\0")
+            self._lib.dg_bus_rx(self._bus, self._event)
+            self._read()

@@ -27,6 +27,8 @@ class Member(Protocol):
 
     def _next(self) -> int: ...
 
+    def _touch(self) -> None: ...
+
 
 class Clock:
     """Virtual time: it stands still until it is moved on, by advance() or by an exchange that takes
@@ -81,6 +83,10 @@ class Clock:
             member._run(until_ns)
         self._ns = until_ns
 
+    def _has_only(self, member: Member) -> bool:
+        """Whether virtual time moves this one and nothing else."""
+        return not self.real and not self._courses and len(self._members) == 1 and self._members[0] is member
+
     def _wait_until(self, at_ns: int) -> None:
         """The lock is held. Virtual time jumps there, real time passes; others may go on."""
         if not self.real:
@@ -104,7 +110,7 @@ class Clock:
     def _touch(self) -> None:
         """Physics have changed: who sits on it looks at once."""
         for member in self._members:
-            member._run(self._ns)
+            member._touch()
 
     def _ns_of(self, seconds: float) -> int:
         return LEAD_NS + round(within(seconds, -LEAD_NS // SECOND_NS, SECONDS_MAX, "a moment") * SECOND_NS)

@@ -20,6 +20,7 @@ from .instrument import Instrument, power_word
 from .ring import Ring
 from .rs485 import Line
 from .shaft import FORMS, Shaft
+from .wire import Wire
 from .world import World
 
 _named: weakref.WeakValueDictionary[str, Encoder] = weakref.WeakValueDictionary()
@@ -91,6 +92,7 @@ class Encoder(Instrument):
         self._handle: Any = self._lib.dg_host_make(place, size, model.encode())
         self._panel: Any = None
         self._ring: Any = None  # of several, which it stands in
+        self._place: int | None = None  # on its wire, from the first power-on
         self._deadline = NEVER
         self._hint_due: Any = self._ffi.new("uint64_t *")
         self._made = False
@@ -129,16 +131,15 @@ class Encoder(Instrument):
         self._line_up(bus, line)
 
     def _line_up(self, bus: CanBus | None, line: Line | None) -> None:
-        """Be among those that this bus or its clock, and this line, let live; else one of its own."""
-        self._line = Line(self.clock) if line is None and self.medium is Medium.CHARACTERS else line
+        """Be among those that this bus or line, or else its clock, lets live; without one, on one of its own."""
         self._bus = CanBus(clock=self.clock) if bus is None and self.medium is Medium.FRAMES else bus
+        self._line = Line(self.clock) if line is None and self.medium is Medium.CHARACTERS else line
+        self._wire_at: Wire | None = self._bus if self._bus is not None else self._line
         with self.clock.lock:
-            if self._bus is not None:
-                self._bus._nodes.append(self)
+            if self._wire_at is not None:
+                self._wire_at._join(self, own=self._wire_at not in (bus, line))
             else:
                 self.clock._members.append(self)
-            if self._line is not None:
-                self._line._encoders.append(self)
 
     def _register(self) -> None:
         if self.name is None:
@@ -162,16 +163,20 @@ class Encoder(Instrument):
             event = self._ffi.new("struct dg_host_event *")
             while self._lib.dg_host_receive(self._host, event) != 0:
                 pass
+            self._attach()
+
+    def _attach(self) -> None:
+        """From now on its wire lets it live."""
+        if self._wire_at is not None and self._place is None:
+            self._wire_at._attach(self)
 
     def close(self) -> None:
         """Take it off its bus or line, and off its clock; its courses end. It is of no use any more."""
-        places: list[list[Any]] = [self.clock._members]
-        places += [self._bus._nodes] if self._bus is not None else []
-        places += [self._line._encoders] if self._line is not None else []
         with self.clock.lock:
-            for members in places:
-                with contextlib.suppress(ValueError):
-                    members.remove(self)
+            if self._wire_at is not None:
+                self._wire_at._leave(self)
+            elif self in self.clock._members:
+                self.clock._members.remove(self)
             if self._bus is not None and self._own_bus:
                 self._bus._ports.clear()
             self.world._end()
@@ -216,9 +221,20 @@ class Encoder(Instrument):
     def _next(self) -> int:
         return self._deadline
 
+    def _enter(self, now: int) -> int:
+        """It is the present for its wire, too: something is about to be done to it. @return the present"""
+        if self._wire_at is not None:
+            self._wire_at._look(now)
+        return now
+
     def _changed(self) -> None:
         """Something was done to it at the present: what it does about it happens."""
-        (self._bus or self)._run(self.clock._ns)
+        if self._wire_at is not None:
+            self._wire_at._change(self)
+        else:
+            self._run(self.clock._ns)
+
+    _touch = _changed
 
     # ------------------------------------------------------------ settings, memory, power
 
@@ -300,7 +316,11 @@ class Encoder(Instrument):
         """True, False, or "CYCLE": off and on again."""
         on = power_word(state) != "OFF"
         with self.clock.lock:
-            now = self.clock._sync()
+            self._attach()
+            now = self._enter(self.clock._sync())
+            if on and self.powered:  # what it is saying ends
+                self._lib.dg_host_power(self._host, now, False)
+                self._changed()
             checked(self._lib.dg_host_power(self._host, now, on), f"{self.model} on")
             self._made = True
             self._changed()
@@ -322,6 +342,7 @@ class Encoder(Instrument):
         if len(state) > size:
             raise EncoderError(f"the state: {len(state)} bytes, not {size}: of another model, or too long")
         with self.clock.lock:
+            self._attach()
             checked(self._lib.dg_host_restore(self._host, state, len(state)), "the state")
             self._made = True
             self.clock._sync()
@@ -368,7 +389,7 @@ class Encoder(Instrument):
 
     def _sense_now(self, name: str, value: int) -> None:
         """The lock is held, and it is the present, or a moment on the way there."""
-        now = self.clock._ns
+        now = self._enter(self.clock._ns)
         checked(self._lib.dg_host_world_set(self._host, now, name.encode(), value), f"{self.model}: {name}")
         self._changed()
 
@@ -494,6 +515,8 @@ class Encoder(Instrument):
                 raise EncoderError(f"{self.model}: faults and SCPI need an encoder that was on", -9)
             self._panel = panel
             self._couple()
+            if self._wire_at is not None:
+                self._wire_at._control(self)
         return self._panel
 
     def _scpi(self, line: str) -> str:
@@ -505,7 +528,7 @@ class Encoder(Instrument):
     def ask(self, line: str) -> str | None:
         """An SCPI line; its answer, None when it has none. Raises ScpiError."""
         with self.clock.lock:
-            self.clock._sync()
+            self._enter(self.clock._sync())
             answer = self._scpi(line)
             code, text, *_ = split(self._scpi("SYST:ERR:ALL?"))
             self._changed()
@@ -536,7 +559,7 @@ class Encoder(Instrument):
 
     def _switch(self, name: str, on: bool) -> None:
         with self.clock.lock:
-            now = self.clock._sync()
+            now = self._enter(self.clock._sync())
             result = self._lib.dg_host_fault_set(self._with_panel(), now, encoded(name, "fault"), on)
             checked(result, f"{self.model}: fault {name}")
             self._changed()

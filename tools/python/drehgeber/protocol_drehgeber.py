@@ -13,7 +13,6 @@ from .clock import Clock
 from .encoder import Encoder
 
 SCHEME = "drehgeber://"
-BREAK = "break"  # no parity of an encoder: damaged
 FORMS = f"{SCHEME}s3684-rs485?shaft=60RPM&time=virtual, or {SCHEME}NAME of a drehgeber.Encoder, is right"
 
 
@@ -73,7 +72,7 @@ class Serial(serial.SerialBase):
         self._check_open()
         if self._break_state:
             with self.encoder.clock.lock:
-                self.encoder.clock._wait_until(self._line._send(b"\0", self._baudrate, BREAK))
+                self.encoder.clock._wait_until(self._line._send(b"\0", self._baudrate, self._parity, damaged=True))
 
     @property
     def cts(self) -> bool:
@@ -108,9 +107,8 @@ class Serial(serial.SerialBase):
         """Characters that have arrived by now."""
         self._check_open()
         with self.encoder.clock.lock:
-            now = self.encoder.clock._sync()
-            self._line._fetch()
-            return sum(at <= now for at, _ in self._line._arrived)
+            self.encoder.clock._sync()
+            return len(self._line._arrived)
 
     def read(self, size: int = 1) -> bytes:
         """As many characters, or fewer when the timeout is over; time goes on to the last one."""
@@ -119,17 +117,10 @@ class Serial(serial.SerialBase):
         with clock.lock:
             start = clock._sync()
             limit = 1 << 62 if self._timeout is None else clock._ahead(start, self._timeout, "timeout")
-            got = self._take(start, size)
-            while len(got) < size and clock._ns < limit:
-                if not self._line._until_said(limit):
-                    break
-                clock._wait_until(min(max(self._line._arrived[0][0], clock._ns), limit))
-                got += self._take(clock._ns, size - len(got))
+            got = self._line._heard(size)
+            while len(got) < size and clock._ns < limit and self._line._until_said(limit):
+                got += self._line._heard(size - len(got))
             return got
-
-    def _take(self, by_ns: int, size: int) -> bytes:
-        self._line._fetch()
-        return self._line._heard(by_ns, size)
 
     def write(self, b: Any, /) -> int | None:
         """Characters one behind the other; time goes on to the end of them."""
@@ -147,7 +138,9 @@ class Serial(serial.SerialBase):
     def reset_input_buffer(self) -> None:
         """Forget what has arrived by now."""
         self._check_open()
-        self._take(self.encoder.clock._sync(), 1 << 30)
+        with self.encoder.clock.lock:
+            self.encoder.clock._sync()
+            self._line._arrived.clear()
 
     def reset_output_buffer(self) -> None:
         """Nothing waits."""

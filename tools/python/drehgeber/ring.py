@@ -6,7 +6,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from ._native import EncoderError, RangeError, aligned, checked, whole
+from ._native import EncoderError, RangeError, checked, whole
+from .wire import make_bus
 
 if TYPE_CHECKING:
     from .encoder import Encoder
@@ -30,16 +31,7 @@ class _Bus:
         self._wire.size = ffi.sizeof("struct dg_bus_words_setup")
         self._wire[0].words, self._wire.identifies = len(self.words), True
         setattr(self._wire, "in", self.words)
-        self._ops = ffi.new("struct dg_bus_ops *")
-        medium = ffi.cast("struct dg_bus_medium *", lib.dg_bus_words)
-        size = lib.dg_bus_size(medium, len(encoders))
-        if size == 0:
-            raise RangeError(f"{len(encoders)} encoders: a ring has 1 to 512")
-        setup = ffi.new("struct dg_bus_setup *")
-        setup.size, setup.medium, setup.encoders = ffi.sizeof("struct dg_bus_setup"), medium, len(encoders)
-        setup.wire, setup.ops = self._wire, self._ops
-        self._keep, place = aligned(size)
-        self._bus: Any = lib.dg_bus_init(place, size, setup)
+        self._keep, self._bus = make_bus("words", len(encoders), self._wire, ffi.new("struct dg_bus_ops *"), ffi.NULL)
         for encoder in encoders:
             checked(lib.dg_bus_attach(self._bus, encoder._host, ffi.NULL), f"{encoder.model} in a ring")
         self.state: Any = lib.dg_ring_state(self._bus)

@@ -4,17 +4,19 @@
 from __future__ import annotations
 
 import functools
+import struct
 from collections import deque
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ._native import EncoderError, RangeError, checked, load, octets
+from ._native import EncoderError, RangeError, octets
 from .clock import SECOND_NS, Clock
+from .wire import Wire, row_of
 
 if TYPE_CHECKING:
     from .encoder import Encoder
 
-RUN = 16
-BLOCK = 16 * RUN  # less than a handle has room for
+BLOCK = 256  # less than the bus has room for on their way
 WITHOUT_PARITY = 10
 
 
@@ -33,19 +35,31 @@ def character_ns(baud: int, parity: str) -> int:
     return -(-bits * SECOND_NS // baud)
 
 
-class Line:
-    """An RS485 line and its master. Encoders with addresses of their own may share one:
-    `Encoder(..., line=line, address=0x41)`."""
+class Line(Wire):
+    """An RS485 line and its master. Several encoders may share one: `Encoder(..., line=line, address=0x41)`. They hear the
+    master and each other, but for those that send; two at once make the AND of their characters."""
+
+    MEDIUM = "characters"
+    MOST = 32
 
     def __init__(self, clock: Clock | None = None) -> None:
-        self._ffi, self._lib = load()
-        self.clock = clock or Clock()
-        self._encoders: list[Encoder] = []
-        self._event = self._ffi.new("struct dg_host_event *")
-        self._data = self._ffi.buffer(self._event.data)
+        super().__init__(clock)
         self._uart = self._ffi.new("struct dg_host_uart *")
+        self._event.kind = self._lib.DG_TAP_CHARACTER
+        self._character = self._event.character
         self._arrived: deque[tuple[int, int]] = deque()  # end of the character, what it is
+        self._latest: tuple[Any, ...] = (0, 1, b"N")  # its end, and the setting of who has said it
         self._free_ns = 0  # the master's own characters are on the line until then
+
+    def _setup(self) -> Any:
+        return self._ffi.new("struct dg_characters_setup *", {"size": self._ffi.sizeof("struct dg_characters_setup"), "paced": True})
+
+    def _told_as(self) -> struct.Struct:
+        return row_of(character__baud="I", character__parity="c", character__byte="B")
+
+    def _hear(self, rows: Sequence[tuple[Any, ...]]) -> None:
+        self._arrived.extend((at, byte) for at, _, _, byte, _ in rows)
+        self._latest = rows[-1]
 
     @property
     def encoders(self) -> tuple[Encoder, ...]:
@@ -61,7 +75,7 @@ class Line:
                 return Uart(to.baud, chr(to.parity), to.timeout_bits)
         raise EncoderError("nobody on the line has power", self._lib.DG_HOST_ERR_STATE)
 
-    def _send(self, data: bytes, baud: int | None = None, parity: str | None = None) -> int:
+    def _send(self, data: bytes, baud: int | None = None, parity: str | None = None, damaged: bool = False) -> int:
         """From the present on, or behind what is being sent. Who has another setting gets every character
         damaged. Of much the last BLOCK is on its way yet, all before is over. @return the end of it"""
         at = max(self.clock._sync(), self._free_ns)
@@ -69,69 +83,84 @@ class Line:
             baud, parity, _ = self.uart
         one = character_ns(baud, parity)
         self._free_ns = at + one * len(data)
+        self._character.baud, self._character.parity, self._character.damaged = baud, parity.encode(), damaged
         for done in range(0, len(data), BLOCK):
             if done > 0:
                 self.clock._wait_until(at + done * one)
-                self._fetch()
-            for encoder in self._encoders:
-                if self._lib.dg_host_uart(encoder._host, self._uart) == 0:
-                    right = self._uart.baud == baud and chr(self._uart.parity) == parity
-                    flags = 0 if right else self._lib.DG_HOST_DAMAGED
-                    self._send_to(encoder, data[done : done + BLOCK], at + done * one, one, flags)
+            self._send_now(data[done : done + BLOCK])
         return self._free_ns
 
-    def _send_to(self, encoder: Encoder, data: bytes, at: int, one: int, flags: int) -> None:
-        event = self._event
-        for done in range(0, len(data), RUN):
-            run = data[done : done + RUN]
-            event.at, event.id, event.flags = at + done * one, one, flags
-            event.kind, event.length = self._lib.DG_HOST_BYTES, len(run)
-            self._data[:] = run.ljust(RUN, b"\0")
-            checked(self._lib.dg_host_send(encoder._host, event), "more than can be sent at once")
-        encoder._deadline = min(encoder._deadline, self._lib.dg_host_next(encoder._host))
-
-    def _fetch(self) -> None:
-        """What the encoders have said so far; of several, in the order of time."""
-        event, before = self._event, len(self._arrived)
-        for encoder in self._encoders:
-            while self._lib.dg_host_receive(encoder._host, event) > 0:
-                if event.kind == self._lib.DG_HOST_BYTES:
-                    for i, byte in enumerate(self._data[: event.length]):
-                        self._arrived.append((event.at + (i + 1) * event.id, byte))
-        if len(self._arrived) > before and len(self._encoders) > 1:
-            self._arrived = deque(sorted(self._arrived, key=lambda row: row[0]))
+    def _send_now(self, data: bytes) -> None:
+        """To the bus, which paces it."""
+        if self._bus is None:
+            return
+        rx, bus, event, character = self._lib.dg_bus_rx, self._bus, self._event, self._character
+        event.at = self.clock._ns
+        for byte in data:
+            character.byte = byte
+            rx(bus, event)
+        self._read()
 
     def _until_said(self, until_ns: int) -> bool:
-        """Time goes on deadline by deadline until an encoder says something. The lock is held."""
+        """Time goes on until an encoder says something. The lock is held."""
         clock = self.clock
-        self._fetch()
         while not self._arrived and clock._sync() < until_ns:
-            due = min(encoder._deadline for encoder in self._encoders)
-            clock._wait_until(min(max(due, clock._ns + 1), until_ns))
-            self._fetch()
+            if clock._has_only(self) and not self._panels and self._bus is not None:
+                at = self._leap(until_ns, 0)
+                clock._ns = at if self._arrived else until_ns
+            else:
+                clock._wait_until(min(max(self._next(), clock._ns + 1), until_ns))
         return bool(self._arrived)
 
-    def _heard(self, by_ns: int, most: int) -> bytes:
-        """Take what has arrived by then."""
-        taken = bytearray()
-        while self._arrived and self._arrived[0][0] <= by_ns and len(taken) < most:
-            taken.append(self._arrived.popleft()[1])
-        return bytes(taken)
+    def _until_idle(self) -> None:
+        """Time goes on to the end of what encoders are saying: a character follows the one before at once. The lock is
+        held."""
+        clock = self.clock
+        one = character_ns(self._latest[1], self._latest[2].decode())
+        while (due := self._next()) <= self._latest[0] + one:
+            if clock._has_only(self) and not self._panels:
+                clock._ns = self._leap(due, one)
+            else:
+                clock._wait_until(max(due, clock._ns + 1))
+
+    def _leap(self, until_ns: int, gap_ns: int) -> int:
+        """All at once, where nothing else goes by the clock: to what is said first, and to the end of what follows each within a
+        gap. @return when it was the last time that anything happened"""
+        at = int(self._lib.dg_bus_step_burst(self._bus, self._queue, until_ns, gap_ns))
+        self._read()
+        return max(at, self.clock._ns)
+
+    def _until_free(self) -> None:
+        """Encoders that have heard another one answer take what comes at once for more of that: as other masters, leave them the
+        pause that ends a frame. The lock is held."""
+        if len(self._encoders) > 1:
+            over = [self._pause_of(one) for one in self._encoders]
+            self.clock._wait_until(self._latest[0] + max(over) + 1)
+
+    def _pause_of(self, encoder: Encoder) -> int:
+        """How long nothing has to be on the line for its frame to end; 0: it is off."""
+        to = self._uart
+        on = self._lib.dg_host_uart(encoder._host, to) == 0
+        return -(-to.timeout_bits * SECOND_NS // to.baud) if on else 0
+
+    def _heard(self, most: int) -> bytes:
+        """Take what has arrived."""
+        arrived = self._arrived
+        return bytes([arrived.popleft()[1] for _ in range(min(most, len(arrived)))])
 
     def request(self, data: bytes, timeout: float = 0.1) -> bytes:
         """A frame there and what comes back, b"" after `timeout` of silence; time goes on to the
-        end of it."""
+        end of it. On a line with several it begins with the pause that ends a frame."""
         data = octets(data, "a request")
         if not data:
             raise RangeError("a request has one character or more")
         with self.clock.lock:
+            self._until_free()
             silence = self.clock._ahead(self.clock._sync(), timeout, "timeout") - self.clock._ns
-            self._fetch()
             self._arrived.clear()
             end = self._send(data)
             self.clock._wait_until(end)
             if not self._until_said(end + silence):
                 return b""
-            self.clock._wait_until(max(at for at, _ in self._arrived))
-            self._fetch()
-            return self._heard(1 << 63, len(self._arrived))
+            self._until_idle()
+            return self._heard(len(self._arrived))

@@ -15,9 +15,11 @@ from cocotb.triggers import Event, Timer
 from cocotb.types import Logic
 
 from .._native import EncoderError, checked
+from ..canbus import CanBus
 from ..clock import LEAD_NS, NEVER, Clock
 from ..encoder import Encoder, Setting, SinCos
 from ..instrument import Instrument
+from ..rs485 import Line
 from ..shaft import TURN, Shaft
 from ..world import World
 
@@ -136,6 +138,12 @@ class Served(Encoder):
     """An encoder in this process that says when it was looked after."""
 
     served: Callable[[], None] | None = None
+
+    def _line_up(self, bus: CanBus | None, line: Line | None) -> None:
+        """It is on pins: what several make of a wire is the simulator's."""
+        self._bus, self._line, self._wire_at = bus, line, None
+        with self.clock.lock:
+            self.clock._members.append(self)
 
     def _run(self, until_ns: int) -> None:
         self._step(until_ns)
