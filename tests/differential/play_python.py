@@ -37,6 +37,7 @@ class Player:
         self.settings: dict[str, str] = {}
         self.port: drehgeber.CanPort | None = None
         self.sent: deque[drehgeber.CanFrame] | None = None  # all frames, on a bus where they wait for their time
+        self.levels: deque[drehgeber.clocked.Level] = deque()  # of the line of one that is clocked
         self.number = 0
         self.shared = subject in SHARED
         self._ring: drehgeber.ring.Ring | None = None
@@ -58,6 +59,8 @@ class Player:
             self.port = self.encoder.can
             if self.wires and "pace" in self.settings:
                 self.sent = self.encoder.bus.watch()
+        if not self.shared and self.encoder.medium is drehgeber.Medium.EDGES:
+            self.levels = self.encoder.clocked.watch()
 
     # ------------------------------------------------------------ time
 
@@ -77,6 +80,9 @@ class Player:
             while arrived:
                 at, byte = arrived.popleft()
                 print(f"  @{at} byte {byte:02x}")
+        while self.levels:
+            at, level = self.levels.popleft()
+            print(f"  @{ns_of(at)} edge {level:d}")
         heard = list(iter(self.port.recv, None)) if self.port is not None else []
         for frame in heard if self.sent is None else self.sent:
             remote = 8 if frame.remote else 0
@@ -214,6 +220,9 @@ class Player:
         count = self.encoder.biss.write_register(int(address), bytes.fromhex(data))
         return f" {count} {self.now}"
 
+    def chain(self, level: str) -> str:
+        return f" {self.encoder.biss.sli(level == '1'):d}"
+
     # ------------------------------------------------------------ looks
 
     def position(self) -> str:
@@ -241,7 +250,7 @@ OPERATIONS: dict[str, tuple[Callable[..., str], str]] = {
     "meet": (Player.bytes, " {}"), "over": (Player.bytes, " {}"), "twin": (Player.bytes, " {}"), "bus": (Player.bus, " {}"),
     "can": (Player.can, " {}"), "remote": (Player.remote, " {}"), "cycle": (Player.cycle, " {}"),
     "identify": (Player.identify, " {}"), "frame": (Player.frame, " {}"), "edges": (Player.edges, " {}"),
-    "latch": (Player.latch, " {} 0/0 0 000"),
+    "chain": (Player.chain, " {}"), "latch": (Player.latch, " {} 0/0 0 000"),
     "read": (Player.read, " {} ;"), "write": (Player.write, " {}"), "position": (Player.position, " {} 0"),
     "sincos": (Player.sincos, " {} 0 0 0 0"), "eeprom": (Player.eeprom, " {}"), "mount": (Player.mount, " {}"),
 }

@@ -200,3 +200,39 @@ def test_a_bus_that_another_one_joins():
     with pytest.raises(EncoderError, match="closed"):
         second.close()
         _ = second.bus.nodes and second.position
+
+
+# ---------------------------------------------------------------- a clocked line
+
+
+def test_levels_of_a_line_are_told():
+    """SSI: the first falling edge latches; each rising one brings a bit, here a 1 and zeros, and the monoflop time ends it."""
+    encoder = Encoder("ssi-13", shaft="180DEG", code="binary")
+    levels = encoder.clocked.watch()
+    assert not levels and encoder.clocked.watch() is levels
+    for i in range(4):
+        encoder.ssi.clock(i % 2 == 1)
+        encoder.clock.advance(1e-6)
+    told = [tuple(level) for level in levels]
+    levels.clear()
+    encoder.clock.advance(0.001)
+    assert told == [(pytest.approx(3e-6), False)]
+    assert [level.level for level in levels] == [True] and 20e-6 < levels[0].at < 40e-6
+
+
+def test_the_line_of_the_next_encoder_goes_through():
+    """Behind its own frame an encoder shows what stands at SLI."""
+    shown = []
+    for level in (False, True):
+        encoder = Encoder("s3674-biss")
+        encoder.biss.sli(level)
+        bits = []
+        for i in range(2 * 60):
+            bits.append(encoder.biss.clock(i % 2 == 1))
+            encoder.clock.advance(0.5e-6)
+        shown.append(bits[-1])
+        encoder.clock.advance(0.001)
+        assert encoder.biss.frame().good
+    assert shown == [False, True]
+    with pytest.raises(EncoderError, match="SLI"):
+        Encoder("s3674-biss", power=False).biss.sli(True)

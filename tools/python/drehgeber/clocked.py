@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from typing import TYPE_CHECKING, NamedTuple
 
 from ._native import checked, octets, whole
@@ -26,6 +27,13 @@ class Frame(NamedTuple):
     life: int  # BiSS: life counter
     bits: int  # as they came, behind start bit and CDS (BiSS)
     width: int  # how many those are
+
+
+class Level(NamedTuple):
+    """What the encoder's line is from a moment on."""
+
+    at: float
+    level: bool
 
 
 class Clocked:
@@ -54,7 +62,20 @@ class Clocked:
         level = whole(level, 0, 1, "level") == 1
         with encoder.clock.lock:
             now = encoder.clock._sync()
-            return checked(encoder._lib.dg_host_clock(encoder._host, now, level), "the clock") == 1
+            level = checked(encoder._lib.dg_host_clock(encoder._host, now, level), "the clock") == 1
+            encoder._tell_levels()
+        return level
+
+    def watch(self) -> deque[Level]:
+        """Each change of the encoder's line from now on, oldest first, with faults of the wire; those of frame() are not told. Empty
+        it as you read; an encoder has one."""
+        encoder = self._encoder
+        with encoder.clock.lock:
+            encoder.clock._sync()
+            if encoder._levels is None:
+                encoder._forget_told()
+                encoder._levels = deque()
+            return encoder._levels
 
 
 class Ssi(Clocked):
@@ -67,6 +88,17 @@ class Biss(Clocked):
     """BiSS: frames, and registers through them."""
 
     PROTOCOL = "biss"
+
+    def sli(self, level: bool) -> bool:
+        """The line of the next encoder in the chain is at `level` from now on, low until then as that of the last one; the level
+        of this one's line. frame() and registers are point to point."""
+        encoder = self._encoder
+        level = whole(level, 0, 1, "level") == 1
+        with encoder.clock.lock:
+            now = encoder.clock._sync()
+            level = checked(encoder._lib.dg_host_behind(encoder._host, now, level), "SLI") == 1
+            encoder._tell_levels()
+        return level
 
     def _registers(self, way: str, address: int, data: object, count: int) -> int:
         encoder = self._encoder

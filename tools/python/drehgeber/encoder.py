@@ -8,13 +8,14 @@ import sys
 import warnings
 import weakref
 from array import array
+from collections import deque
 from typing import Any, Literal, NamedTuple
 
 from . import _native
 from ._native import ERR_ARGUMENT, ERR_WIRE, WIRES, EncoderError, Medium, checked, encoded, octets, whole, within
 from .canbus import CanBus, CanPort
-from .clock import LEAD_NS, NEVER, SECOND_NS, SECONDS_MAX, Clock
-from .clocked import Biss, Clocked, Ssi
+from .clock import LEAD_NS, NEVER, SECOND_NS, SECONDS_MAX, Clock, seconds_of
+from .clocked import Biss, Clocked, Level, Ssi
 from .control import ScpiError, split
 from .instrument import Instrument, power_word
 from .ring import Ring
@@ -92,6 +93,7 @@ class Encoder(Instrument):
         self._handle: Any = self._lib.dg_host_make(place, size, model.encode())
         self._panel: Any = None
         self._ring: Any = None  # of several, which it stands in
+        self._levels: deque[Level] | None = None  # of its line, where somebody watches
         self._place: int | None = None  # on its wire, from the first power-on
         self._deadline = NEVER
         self._hint_due: Any = self._ffi.new("uint64_t *")
@@ -160,10 +162,22 @@ class Encoder(Instrument):
             checked(self._lib.dg_host_power(self._host, now - LEAD_NS, True), f"{self.model} on")
             self._made = True
             self._step(now)
-            event = self._ffi.new("struct dg_host_event *")
-            while self._lib.dg_host_receive(self._host, event) != 0:
-                pass
+            self._forget_told()
             self._attach()
+
+    def _forget_told(self) -> None:
+        """What it has said so far nobody hears."""
+        event = self._ffi.new("struct dg_host_event *")
+        while self._lib.dg_host_receive(self._host, event) != 0:
+            pass
+
+    def _tell_levels(self) -> None:
+        """Clocked lines: to who watches the line."""
+        if self._levels is None:
+            return
+        event = self._ffi.new("struct dg_host_event *")
+        while self._lib.dg_host_receive(self._host, event) > 0:
+            self._levels.append(Level(seconds_of(event.at), event.data[0] != 0))
 
     def _attach(self) -> None:
         """From now on its wire lets it live."""
@@ -201,6 +215,7 @@ class Encoder(Instrument):
         else:
             self._deadline = self._lib.dg_host_step(self._host, now)
         if self.medium is Medium.EDGES:  # some of these have hints
+            self._tell_levels()
             self._tell(now)
             self._deadline = min(self._deadline, int(self._hint_due[0]))
 
@@ -318,7 +333,7 @@ class Encoder(Instrument):
         with self.clock.lock:
             self._attach()
             now = self._enter(self.clock._sync())
-            if on and self.powered:  # what it is saying ends
+            if on and self._wire_at is not None and self.powered:  # what it is saying ends
                 self._lib.dg_host_power(self._host, now, False)
                 self._changed()
             checked(self._lib.dg_host_power(self._host, now, on), f"{self.model} on")
