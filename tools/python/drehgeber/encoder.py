@@ -358,9 +358,9 @@ class Encoder(Instrument):
             raise EncoderError(f"the state: {len(state)} bytes, not {size}: of another model, or too long")
         with self.clock.lock:
             self._attach()
+            self._enter(self.clock._sync())
             checked(self._lib.dg_host_restore(self._host, state, len(state)), "the state")
             self._made = True
-            self.clock._sync()
             self._changed()
 
     # ------------------------------------------------------------ physics
