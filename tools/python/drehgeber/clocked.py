@@ -63,7 +63,8 @@ class Clocked:
         with encoder.clock.lock:
             now = encoder.clock._sync()
             level = checked(encoder._lib.dg_host_clock(encoder._host, now, level), "the clock") == 1
-            encoder._tell_levels()
+            if encoder._levels is not None:
+                encoder._tell_levels()
         return level
 
     def watch(self) -> deque[Level]:
@@ -97,7 +98,8 @@ class Biss(Clocked):
         with encoder.clock.lock:
             now = encoder.clock._sync()
             level = checked(encoder._lib.dg_host_behind(encoder._host, now, level), "SLI") == 1
-            encoder._tell_levels()
+            if encoder._levels is not None:
+                encoder._tell_levels()
         return level
 
     def _registers(self, way: str, address: int, data: object, count: int) -> int:

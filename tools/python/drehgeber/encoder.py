@@ -173,8 +173,7 @@ class Encoder(Instrument):
 
     def _tell_levels(self) -> None:
         """Clocked lines: to who watches the line."""
-        if self._levels is None:
-            return
+        assert self._levels is not None
         event = self._ffi.new("struct dg_host_event *")
         while self._lib.dg_host_receive(self._host, event) > 0:
             self._levels.append(Level(seconds_of(event.at), event.data[0] != 0))
@@ -215,7 +214,8 @@ class Encoder(Instrument):
         else:
             self._deadline = self._lib.dg_host_step(self._host, now)
         if self.medium is Medium.EDGES:  # some of these have hints
-            self._tell_levels()
+            if self._levels is not None:
+                self._tell_levels()
             self._tell(now)
             self._deadline = min(self._deadline, int(self._hint_due[0]))
 
