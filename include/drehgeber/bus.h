@@ -83,11 +83,30 @@ DG_API struct dg_bus *dg_bus_init(void *memory, size_t size, const struct dg_bus
 
 /**
  * Put an encoder on the bus, behind those that are on it: in a chain or a ring that is its place.
- * Its listener is the bus from now on. It has to outlive the bus.
+ * Its listener is the bus from now on. It has to outlive the bus, or leave it. What it should know
+ * of the wire, e.g. the state of its controller, is told by dg_bus_changed().
  * @param control whose faults happen to what it sends and hears; NULL: none do
- * @return its place, from 0; DG_ERR_ARGUMENT: it is of another medium; DG_ERR_SPACE
+ * @return its place, from 0; DG_ERR_ARGUMENT: it is of another medium, or not for this wire;
+ * DG_ERR_SPACE
  */
 DG_API int dg_bus_attach(struct dg_bus *self, struct dg_host *encoder, struct dg_encoder *control);
+
+/**
+ * The plug of the encoder at `place`, below dg_bus_count(), is pulled at `now`, behind what was due
+ * before. It hears nothing any more, and what it was sending ends:
+ *
+ *   characters  a reply ends in the middle of a character, which nobody hears; one that was told
+ *               whole (dg_characters_setup.whole) is its door's to cut off
+ *   frames      what waits for its turn, its time, a delay or the encoder's memory is lost; the
+ *               encoder finds that nobody acknowledges
+ *   edges       the chain closes: the data line is that of those who are left. Low: nobody is
+ *   words       the ring closes, IN words move up; an ID cycle has to come first
+ *
+ * Those behind it move up: each place beyond `place` is less by one from now on, also in ops. The
+ * handle has no listener then and no faults of this bus, keeps its power, and may go to any bus.
+ * @return as dg_bus_step()
+ */
+DG_API dg_ns dg_bus_detach(struct dg_bus *self, size_t place, dg_ns now);
 
 /** The faults of `control` happen to the encoder at `place` from now on; NULL: none do. For one
  * that got its control plane behind dg_bus_attach(). */

@@ -21,7 +21,7 @@ struct bus_place {
     dg_ns deadline; /**< of the encoder */
 };
 
-/** A medium. No operation is NULL but `feel` and `durable`. */
+/** A medium. Operations may be NULL where they say so. */
 struct dg_bus_medium {
     enum dg_medium medium;
     size_t wire_size;     /**< of its own state, */
@@ -49,6 +49,12 @@ struct dg_bus_medium {
     void (*changed)(struct bus_place *place, dg_ns now);
     /** Replies that wait for its memory may go. NULL: what was kept back is asked for again. */
     void (*durable)(struct bus_place *place, dg_ns now);
+    /** An encoder is about to leave its place: what of it is elsewhere on the wire goes, too. NULL:
+     * all of it is in its place. */
+    void (*detach)(struct bus_place *place);
+    /** It has left; those behind it have moved up to place `from` and the next ones. NULL: nobody
+     * is told by its place. */
+    void (*moved)(struct dg_bus *self, size_t from);
 };
 
 struct dg_bus {

@@ -384,6 +384,27 @@ static void changed(struct bus_place *place, dg_ns now)
     send_level(place->bus, now);
 }
 
+/* --- an encoder leaves --- */
+
+static void detach(struct bus_place *place)
+{
+    const struct edges_place *self = (const struct edges_place *)place;
+
+    self->line->behind = false;
+    self->line->chained = false;
+}
+
+/* The last one has nobody behind it. */
+static void moved(struct dg_bus *bus, size_t from)
+{
+    (void)from;
+    if (bus->count > 0) {
+        edges_at(bus, bus->count - 1u)->line->chained = false;
+    }
+    look_for_deadline(bus, bus->count);
+    send_level(bus, bus->now);
+}
+
 const struct dg_bus_medium dg_bus_edges = {
     .medium = DG_MEDIUM_EDGES,
     .wire_size = sizeof(struct edges),
@@ -396,4 +417,6 @@ const struct dg_bus_medium dg_bus_edges = {
     .go_on = go_on,
     .next = next,
     .changed = changed,
+    .detach = detach,
+    .moved = moved,
 };

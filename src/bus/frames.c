@@ -381,7 +381,7 @@ static void step_encoders(struct dg_bus *self)
 }
 
 /* The encoder is asked what it knows, as a power cycle may lie between two looks. */
-static void tell_presence_to(struct frames_place *place)
+void dg_bus_frames_tell_presence(struct frames_place *place)
 {
     const struct frames_wire *wire = dg_bus_frames_wire(place->base.bus);
     const bool there = dg_bus_line_has_bus(wire, place);
@@ -398,7 +398,7 @@ static void tell_presence(struct dg_bus *self)
 {
     dg_bus_frames_wire(self)->unsure = false;
     for (size_t i = 0; i < self->count; i++) {
-        tell_presence_to(dg_bus_frames_at(self, i));
+        dg_bus_frames_tell_presence(dg_bus_frames_at(self, i));
     }
 }
 
@@ -641,7 +641,7 @@ static void changed(struct bus_place *base, dg_ns now)
     /* A state that was restored may be one of another encoder, and its version the same. */
     place->version = ~place->ask->version(place->device);
     keep_deadline(place);
-    tell_presence_to(place);
+    dg_bus_frames_tell_presence(place);
 }
 
 static void durable(struct bus_place *base, dg_ns now)
@@ -674,4 +674,6 @@ const struct dg_bus_medium dg_bus_frames = {
     .feel = feel,
     .changed = changed,
     .durable = durable,
+    .detach = dg_bus_frames_detach,
+    .moved = dg_bus_frames_moved,
 };

@@ -57,6 +57,20 @@ void dg_bus_filter_list(struct frames_wire *self, struct frames_place *place)
     self->refiltered = true;
 }
 
+void dg_bus_filter_list_all(struct dg_bus *self)
+{
+    struct frames_wire *wire = dg_bus_frames_wire(self);
+
+    memset(wire->head, 0, sizeof wire->head);
+    for (size_t i = 0; i < self->count; i++) {
+        dg_bus_frames_at(self, i)->filters = 0;
+    }
+    for (size_t i = 0; i < self->count; i++) {
+        dg_bus_filter_list(wire, dg_bus_frames_at(self, i));
+    }
+    wire->refiltered = true;
+}
+
 struct frames_set dg_bus_filter_of(const struct dg_bus *self, uint16_t id)
 {
     struct frames_set set = {{0}};

@@ -81,6 +81,16 @@ static inline struct frames_place *dg_bus_frames_at(const struct dg_bus *self, s
     return (struct frames_place *)(void *)dg_bus_place_at(self, index);
 }
 
+/* --- frames.c --- */
+
+/** The encoder learns whether somebody acknowledges, if that is news to it. */
+void dg_bus_frames_tell_presence(struct frames_place *place);
+
+/* --- frames_leave.c: an encoder leaves, as struct dg_bus_medium has it --- */
+
+void dg_bus_frames_detach(struct bus_place *base);
+void dg_bus_frames_moved(struct dg_bus *self, size_t from);
+
 /* --- frames_room.c --- */
 
 /** A frame of the encoder at `from` behind those in `list`. @return false: lost, and counted */
@@ -91,10 +101,15 @@ struct dg_bus_frames_room dg_bus_room_fetch(struct frames_wire *self, struct fra
 /** The one that goes first by arbitration leaves it, likewise. */
 struct dg_bus_frames_room dg_bus_room_arbitrate(struct frames_wire *self, struct frames_list *list);
 
+/** Lists were changed: when a late frame goes out, and whether too much waits for its time. */
+void dg_bus_room_settle(struct frames_wire *self);
+
 /* --- frames_filter.c: who listens to what --- */
 
 /** It listens to what it says, or, deaf, to nothing. */
 void dg_bus_filter_list(struct frames_wire *self, struct frames_place *place);
+/** All of them listen to what they say, whatever they did before. */
+void dg_bus_filter_list_all(struct dg_bus *self);
 /** Who listens to `id`. */
 struct frames_set dg_bus_filter_of(const struct dg_bus *self, uint16_t id);
 /** The host is told of what is new. */

@@ -96,3 +96,15 @@ struct dg_bus_frames_room dg_bus_room_arbitrate(struct frames_wire *self, struct
     }
     return fetch_behind(self, list, before);
 }
+
+void dg_bus_room_settle(struct frames_wire *self)
+{
+    uint16_t place = self->held.first;
+
+    self->release = DG_NEVER;
+    for (uint16_t left = self->held.count; left > 0; left--) {
+        self->release = dg_earliest(self->release, room_at(self, place)->at);
+        place = room_at(self, place)->next;
+    }
+    self->full = self->full && self->sending.count > DG_BUS_FRAMES_PACED / 2u;
+}

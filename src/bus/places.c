@@ -76,6 +76,39 @@ int dg_bus_attach(struct dg_bus *self, struct dg_host *encoder, struct dg_encode
     return (int)place->index;
 }
 
+/* Those behind place `index`, which is empty, move up to it. */
+static void close_gap(struct dg_bus *self, size_t index)
+{
+    self->count--;
+    for (size_t i = index; i < self->count; i++) {
+        struct bus_place *place = dg_bus_place_at(self, i);
+        memcpy(place, dg_bus_place_at(self, i + 1u), self->stride);
+        place->index = i;
+        dg_host_join_bus(place->host, hear_encoder, place);
+    }
+    memset(dg_bus_place_at(self, self->count), 0, self->stride);
+}
+
+/* What is due at `now` the encoder does already without a wire. */
+dg_ns dg_bus_detach(struct dg_bus *self, size_t place, dg_ns now)
+{
+    struct bus_place *leaving = dg_bus_place_at(self, place);
+    struct dg_host *encoder = leaving->host;
+
+    dg_bus_run_until(self, now);
+    if (self->medium->detach != NULL) {
+        self->medium->detach(leaving);
+    }
+    dg_host_listen(encoder, NULL, NULL);
+    close_gap(self, place);
+    if (self->medium->moved != NULL) {
+        self->medium->moved(self, place);
+    }
+    dg_host_skip(encoder, self->now);
+    (void)dg_host_step(encoder, self->now);
+    return dg_bus_step(self, now);
+}
+
 void dg_bus_control(struct dg_bus *self, size_t place, struct dg_encoder *control)
 {
     dg_bus_place_at(self, place)->control = control;

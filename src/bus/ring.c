@@ -9,6 +9,8 @@
  *              -- each: OUT --> exchange --> IN -- held back? torn? --> image
  *              -- tap: a note when something is new, then the words
  */
+#include <string.h>
+
 #include "drehgeber/text.h"
 #include "ring_private.h"
 
@@ -376,6 +378,44 @@ static void changed(struct bus_place *place, dg_ns now)
     ring->timed = place->bus->count;
 }
 
+/* ------------------------------------------------------------ an encoder leaves */
+
+/* Its words leave both images. */
+static void detach(struct bus_place *place)
+{
+    const struct member *self = (struct member *)(void *)place;
+    struct ring *ring = ring_of(place->bus);
+    uint16_t *in = ring->setup.in + self->at;
+    const size_t behind = (size_t)ring->is.words - self->at - self->words;
+
+    memmove(in, in + self->words, behind * sizeof *in);
+    memset(in + behind, 0, self->words * sizeof *in);
+    ring->is.words = (uint16_t)(ring->is.words - self->words);
+}
+
+/* What was to happen before an encoder, or at it, stays with it; a cut stays where it was. */
+static void moved(struct dg_bus *self, size_t from)
+{
+    struct ring *ring = ring_of(self);
+
+    for (size_t i = from; i < self->count; i++) {
+        struct member *member = member_at(self, i);
+        member->at =
+            i == 0 ? 0 : (uint16_t)(member_at(self, i - 1u)->at + member_at(self, i - 1u)->words);
+    }
+    if (ring->cut_at != DG_RING_WHOLE && ring->cut_at > from) {
+        ring->cut_at--;
+    }
+    if (ring->spoil_at == from) {
+        ring->spoil_at = DG_RING_WHOLE;
+    } else if (ring->spoil_at != DG_RING_WHOLE && ring->spoil_at > from) {
+        ring->spoil_at--;
+    }
+    ring->configured = false;
+    ring->steady = false;
+    ring->timed = self->count;
+}
+
 const struct dg_bus_medium dg_bus_words = {
     .medium = DG_MEDIUM_WORDS,
     .wire_size = sizeof(struct ring),
@@ -390,6 +430,8 @@ const struct dg_bus_medium dg_bus_words = {
     .go_on = go_on,
     .next = next,
     .changed = changed,
+    .detach = detach,
+    .moved = moved,
 };
 
 /* ------------------------------------------------------------ of a ring only */

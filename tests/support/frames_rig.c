@@ -22,6 +22,9 @@ static void tx(void *ctx, size_t place, const struct dg_tap_event *event)
                 event->kind == DG_TAP_FRAME);
     frames_rig.sent[frames_rig.count++] = (struct frames_rig_sent){place, *event};
     frames_rig.open_before = dg_bus_frames_listens(frames_rig.bus, frames_rig.wanted);
+    if (frames_rig.stall_at != 0 && event->frame.id == frames_rig.stall_at) {
+        dg_bus_frames_stall(frames_rig.bus, true);
+    }
 }
 
 static void tap(void *ctx, const struct dg_tap_event *event)

@@ -42,6 +42,7 @@ extern struct frames_rig {
     uint32_t retuned[FRAMES_RIG_ENCODERS];
     bool open_before; /* what is sent now may be answered: an identifier that has to be open */
     uint16_t wanted;
+    uint16_t stall_at; /* a frame behind which the port has no room; 0: none */
 } frames_rig;
 
 /** A bus that is made of `wire`, with the rig's door and room. NULL: it is refused. */
