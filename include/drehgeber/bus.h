@@ -137,6 +137,46 @@ DG_API dg_ns dg_bus_durable(struct dg_bus *self, size_t place, dg_ns now);
  * if there is a tap. Without it the bus need not be called for what nobody sees. */
 DG_API void dg_bus_watch(struct dg_bus *self, bool watched);
 
+/**
+ * Bytes of a state of the bus as it is now: what waits on the wire is in it, so that another moment
+ * may need more.
+ */
+DG_API size_t dg_bus_state_size(const struct dg_bus *self);
+
+/**
+ * Save what is going on between the encoders; each of them has a state of its own (dg_host_save()),
+ * and what goes on from all of them together is the same, byte for byte and nanosecond for
+ * nanosecond:
+ *
+ *   in it       the moment; what is on the wire and on its way; replies, frames and words that wait
+ *               for their time or for a memory; what faults do to what is on its way; the states of
+ *               controllers, dg_bus_frames_set_line(), dg_ring_cut() and _spoil(), the IN image;
+ *               what was counted
+ *   not in it   setup, ops, encoders; which faults are at work and how often they still happen
+ *               (dg_bus_attach()); what the port says of itself: dg_bus_watch(),
+ *               dg_bus_frames_stall(), dg_bus_characters_set(), the tickets of its memories
+ *
+ * There is no pointer in it. What is due before the present has to be done (dg_bus_step()), and
+ * changes of encoders be told (dg_bus_changed()).
+ * @return enum dg_host_result: 0; DG_HOST_ERR_SPACE: `n` is less than its size; DG_HOST_ERR_STATE:
+ * the bus is behind what the encoders wait for
+ */
+DG_API int dg_bus_save(const struct dg_bus *self, void *to, size_t n);
+
+/**
+ * Go on from a state that a bus of the same medium and the same build of the library has saved,
+ * maybe in another process. It is made by dg_bus_init(), with as many encoders, attached in the
+ * same order; their states are restored before. Setup, ops and faults stay those of this bus. No op
+ * is called: a host asks dg_bus_next() and, of a bus of frames, dg_bus_frames_listens() anew. What
+ * a state says is believed, whoever made it, but nothing that would lead out of memory or never
+ * end.
+ * @return enum dg_host_result: 0; nothing was changed: DG_HOST_ERR_SPACE: too short;
+ * DG_HOST_ERR_OTHER: of another medium or build, or of fewer or more encoders;
+ * DG_HOST_ERR_DAMAGED: its sum is wrong, or it does not go with the states of these encoders, the
+ * words of this ring, the room for frames of this bus
+ */
+DG_API int dg_bus_restore(struct dg_bus *self, const void *from, size_t n);
+
 /** Encoders on it. */
 DG_API size_t dg_bus_count(const struct dg_bus *self);
 /** The encoder at `place`, below dg_bus_count(). */

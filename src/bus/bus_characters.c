@@ -464,6 +464,8 @@ const struct dg_bus_medium dg_bus_characters = {
     .next = next_of_all,
     .changed = changed,
     .durable = durable,
+    .pass_wire = dg_bus_characters_pass_wire,
+    .pass_place = dg_bus_characters_pass_place,
 };
 
 /* --- what only this medium has --- */

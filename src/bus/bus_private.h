@@ -21,6 +21,8 @@ struct bus_place {
     dg_ns deadline; /**< of the encoder */
 };
 
+struct bus_tape; /* bus_tape.h */
+
 /** A medium. Operations may be NULL where they say so. */
 struct dg_bus_medium {
     enum dg_medium medium;
@@ -49,6 +51,12 @@ struct dg_bus_medium {
     void (*changed)(struct bus_place *place, dg_ns now);
     /** Replies that wait for its memory may go. NULL: what was kept back is asked for again. */
     void (*durable)(struct bus_place *place, dg_ns now);
+    /** What of the wire and of a place is in a state goes by `tape` (bus_tape.h). */
+    void (*pass_wire)(const struct dg_bus *self, struct bus_tape *tape);
+    void (*pass_place)(struct bus_place *place, struct bus_tape *tape);
+    /** A state was taken over, behind those of the handles: what follows from them. NULL: nothing
+     * does. */
+    void (*restored)(struct dg_bus *self);
     /** An encoder is about to leave its place: what of it is elsewhere on the wire goes, too. NULL:
      * all of it is in its place. */
     void (*detach)(struct bus_place *place);

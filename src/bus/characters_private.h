@@ -90,6 +90,11 @@ static inline struct characters_place *characters_place_at(const struct dg_bus *
 /** A character of `from` is over: tell who looks, and everybody else hears it. */
 void dg_bus_spread(struct characters_place *from, dg_ns at, uint8_t byte, bool damaged);
 
+/* --- states, characters_state.c: as struct dg_bus_medium has them --- */
+
+void dg_bus_characters_pass_wire(const struct dg_bus *self, struct bus_tape *tape);
+void dg_bus_characters_pass_place(struct bus_place *base, struct bus_tape *tape);
+
 /* --- replies, reply.c --- */
 
 /** The encoder says `n` bytes of a reply; dg_bus_reply_begin() when that was all. What it said

@@ -18,6 +18,7 @@
 #include "drehgeber/bus_edges.h"
 
 #include "bus_private.h"
+#include "bus_tape.h"
 #include "drehgeber/line_fault.h"
 #include "edges_cable.h"
 
@@ -384,6 +385,72 @@ static void changed(struct bus_place *place, dg_ns now)
     send_level(place->bus, now);
 }
 
+/* --- states --- */
+
+static const struct bus_member line_rows[] = {
+    BUS_ANY(edges, fell),        BUS_BOOL(edges, clock),       BUS_ANY(edges, cable.fell),
+    BUS_BOOL(edges, cable.sent), BUS_BOOL(edges, cable.level),
+};
+
+static const struct bus_member fault_rows[] = {
+    BUS_BOOL(dg_line_fault, active),
+    BUS_BOOL(dg_line_fault, cut),
+    BUS_BOOL(dg_line_fault, started),
+    BUS_BOOL(dg_line_fault, late),
+    BUS_MEMBER(dg_line_fault, delay, DG_LINE_FAULT_DELAY_MAX),
+    BUS_ANY(dg_line_fault, flip),
+    BUS_ANY(dg_line_fault, bit),
+    BUS_ANY(dg_line_fault, clocks),
+    BUS_ANY(dg_line_fault, held),
+};
+
+/* Changes arrive one behind the other. */
+static void pass_wire(const struct dg_bus *bus, struct bus_tape *tape)
+{
+    struct edges *self = edges_of(bus);
+    struct dg_bus_cable *cable = &self->cable;
+    const bool restores = tape->way == BUS_TAPE_RESTORE;
+    const size_t count = dg_bus_tape_length(tape, cable->count, DG_BUS_CABLE_CHANGES);
+    dg_ns latest = tape->now;
+
+    for (size_t i = 0; i < count; i++) {
+        const size_t at = restores ? i : (cable->first + i) % DG_BUS_CABLE_CHANGES;
+        struct dg_bus_cable_change change = cable->coming[at];
+        change.at = dg_bus_tape_moment(tape, change.at);
+        change.level = dg_bus_tape_length(tape, change.level, 1) != 0;
+        dg_bus_tape_expect(tape, change.at >= latest);
+        latest = change.at;
+        if (restores) {
+            cable->coming[i] = change;
+        }
+    }
+    dg_bus_tape_members(tape, line_rows, DG_COUNT(line_rows), self, dg_bus_tape_into(tape, self));
+    if (restores) {
+        cable->first = 0;
+        cable->count = (uint16_t)count;
+    }
+}
+
+/* The fault of the frame at hand, whatever faults are at work by now. */
+static void pass_place(struct bus_place *place, struct bus_tape *tape)
+{
+    struct edges_place *self = (struct edges_place *)place;
+    const dg_ns deadline = dg_bus_tape_moment(tape, place->deadline);
+
+    dg_bus_tape_expect(tape, deadline >= tape->now);
+    if (tape->way == BUS_TAPE_RESTORE) {
+        place->deadline = deadline;
+        look_alive(self);
+    }
+    dg_bus_tape_members(tape, fault_rows, DG_COUNT(fault_rows), &self->fault,
+                        dg_bus_tape_into(tape, &self->fault));
+}
+
+static void restored(struct dg_bus *bus)
+{
+    look_for_deadline(bus, bus->count);
+}
+
 /* --- an encoder leaves --- */
 
 static void detach(struct bus_place *place)
@@ -417,6 +484,9 @@ const struct dg_bus_medium dg_bus_edges = {
     .go_on = go_on,
     .next = next,
     .changed = changed,
+    .pass_wire = pass_wire,
+    .pass_place = pass_place,
+    .restored = restored,
     .detach = detach,
     .moved = moved,
 };

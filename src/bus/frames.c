@@ -674,6 +674,9 @@ const struct dg_bus_medium dg_bus_frames = {
     .feel = feel,
     .changed = changed,
     .durable = durable,
+    .pass_wire = dg_bus_frames_pass_wire,
+    .pass_place = dg_bus_frames_pass_place,
+    .restored = dg_bus_frames_restored,
     .detach = dg_bus_frames_detach,
     .moved = dg_bus_frames_moved,
 };

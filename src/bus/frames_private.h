@@ -86,6 +86,12 @@ static inline struct frames_place *dg_bus_frames_at(const struct dg_bus *self, s
 /** The encoder learns whether somebody acknowledges, if that is news to it. */
 void dg_bus_frames_tell_presence(struct frames_place *place);
 
+/* --- frames_state.c: states, as struct dg_bus_medium has them --- */
+
+void dg_bus_frames_pass_wire(const struct dg_bus *self, struct bus_tape *tape);
+void dg_bus_frames_pass_place(struct bus_place *base, struct bus_tape *tape);
+void dg_bus_frames_restored(struct dg_bus *self);
+
 /* --- frames_leave.c: an encoder leaves, as struct dg_bus_medium has it --- */
 
 void dg_bus_frames_detach(struct bus_place *base);

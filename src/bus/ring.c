@@ -11,6 +11,7 @@
  */
 #include <string.h>
 
+#include "bus_tape.h"
 #include "drehgeber/text.h"
 #include "ring_private.h"
 
@@ -378,6 +379,62 @@ static void changed(struct bus_place *place, dg_ns now)
     ring->timed = place->bus->count;
 }
 
+/* ------------------------------------------------------------ states */
+
+static const struct bus_member ring_rows[] = {
+    BUS_MEMBER(ring, is.result, DG_RING_IDENTIFY),
+    BUS_BOOL(ring, is.dropped),
+    BUS_MEMBER(ring, is.reached, DG_RING_MAX),
+    BUS_ANY(ring, is.counters),
+    BUS_ANY(ring, cut_at),
+    BUS_ANY(ring, spoil_at),
+    BUS_MEMBER(ring, dead, DG_RING_DEAD_CYCLES),
+    BUS_BOOL(ring, configured),
+    BUS_BOOL(ring, id_only),
+    BUS_BOOL(ring, keeps),
+    BUS_MEMBER(ring, told, DG_RING_IDENTIFY),
+    BUS_ANY(ring, told_reached),
+};
+
+static const struct bus_member member_rows[] = {
+    BUS_ANY(member, id),           BUS_ANY(member, whole),       BUS_ANY(member, held.settled),
+    BUS_ANY(member, held.looked),  BUS_BOOL(member, held.holds), BUS_ANY(member, held.shown),
+    BUS_ANY(member, held.command),
+};
+
+/* Both images have as many words as the encoders have; IN is the host's memory. */
+static void pass_wire(const struct dg_bus *self, struct bus_tape *tape)
+{
+    static const struct bus_member word = {0, sizeof(uint16_t), UINT32_MAX};
+    struct ring *ring = ring_of(self);
+    const size_t words = dg_bus_tape_length(tape, ring->is.words, ring->is.words);
+
+    dg_bus_tape_expect(tape, words == ring->is.words);
+    dg_bus_tape_members(tape, ring_rows, DG_COUNT(ring_rows), ring, dg_bus_tape_into(tape, ring));
+    for (size_t i = 0; i < words; i++) {
+        uint16_t *in = &ring->setup.in[i];
+        dg_bus_tape_members(tape, &word, 1, in, dg_bus_tape_into(tape, in));
+    }
+}
+
+static void pass_place(struct bus_place *place, struct bus_tape *tape)
+{
+    const dg_ns deadline = dg_bus_tape_deadline(tape, place);
+
+    dg_bus_tape_members(tape, member_rows, DG_COUNT(member_rows), place,
+                        dg_bus_tape_into(tape, place));
+    if (tape->way == BUS_TAPE_RESTORE) {
+        place->deadline = deadline;
+    }
+}
+
+/* All is looked at in the next cycle. */
+static void restored(struct dg_bus *self)
+{
+    ring_of(self)->steady = false;
+    ring_of(self)->timed = self->count;
+}
+
 /* ------------------------------------------------------------ an encoder leaves */
 
 /* Its words leave both images. */
@@ -430,6 +487,9 @@ const struct dg_bus_medium dg_bus_words = {
     .go_on = go_on,
     .next = next,
     .changed = changed,
+    .pass_wire = pass_wire,
+    .pass_place = pass_place,
+    .restored = restored,
     .detach = detach,
     .moved = moved,
 };

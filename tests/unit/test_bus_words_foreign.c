@@ -160,6 +160,15 @@ static const struct dg_host_ring in_ring = {
     .quiet = quiet,
     .skip = count_skipped,
 };
+static bool fits(const void *own, const void *settings, const void *kept)
+{
+    (void)own;
+    (void)settings;
+    (void)kept;
+    return true;
+}
+
+static const struct dg_stack_check any_state = {.fits = fits};
 static const struct dg_keys no_keys = {0};
 static const uint32_t figures;
 static const struct dg_device device = {.name = "counter", .stack = &stack, .model = &figures};
@@ -168,6 +177,7 @@ static const struct dg_host_wire wire = {
     .keys = &no_keys,
     .settings_size = sizeof figures,
     .ring = &in_ring,
+    .state = &any_state,
 };
 
 /* ------------------------------------------------------------ between a K1 and a K3 */
@@ -242,12 +252,48 @@ static void it_says_when_it_has_to_be_run(void **state)
     assert_int_equal(counter()->runs, 7);
 }
 
+/* Whoever waits for something still does at another place, and nobody waits when it has left. */
+static void its_deadlines_move_with_it(void **state)
+{
+    (void)state;
+    assert_int_equal(dg_bus_step(rig.bus, rig.now), DG_S(1) + PERIOD);
+    assert_int_equal(dg_bus_detach(rig.bus, 0, rig.now), DG_S(1) + PERIOD);
+    (void)dg_bus_detach(rig.bus, 1, rig.now);
+    (void)dg_bus_step(rig.bus, DG_S(1) + PERIOD);
+    assert_int_equal(counter()->sum, 0x1000 * 101);
+    assert_int_equal(dg_bus_detach(rig.bus, 0, DG_S(1) + PERIOD), DG_NEVER);
+    assert_int_equal(dg_bus_step(rig.bus, DG_S(2)), DG_NEVER);
+    assert_int_equal(counter()->sum, 0x1000 * 101);
+}
+
+/* The ring goes back to where it was, with what the encoder waits for. */
+static void its_deadlines_are_in_states(void **state)
+{
+    static uint8_t of_ring[1024];
+    static uint8_t of_encoder[1024];
+    const size_t n = dg_bus_state_size(rig.bus);
+
+    (void)state;
+    (void)dg_bus_step(rig.bus, rig.now);
+    assert_int_equal(dg_host_save(rig.encoders[COUNTER], of_encoder, sizeof of_encoder), 0);
+    assert_int_equal(dg_bus_save(rig.bus, of_ring, sizeof of_ring), 0);
+    (void)dg_bus_step(rig.bus, DG_S(1) + 5 * PERIOD);
+    assert_int_equal(dg_bus_restore(rig.bus, of_ring, n), DG_HOST_ERR_DAMAGED); /* it has not */
+    assert_int_equal(dg_host_restore(rig.encoders[COUNTER], of_encoder, sizeof of_encoder), 0);
+    assert_int_equal(dg_bus_restore(rig.bus, of_ring, n), DG_HOST_OK);
+    assert_int_equal(dg_bus_next(rig.bus), DG_S(1) + PERIOD);
+    (void)dg_bus_step(rig.bus, DG_S(1) + 2 * PERIOD);
+    assert_int_equal(counter()->sum, 0x1000 * 102);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup(it_stands_in_the_ring, set_up),
         cmocka_unit_test_setup(it_feels_what_happens_to_the_ring, set_up),
         cmocka_unit_test_setup(it_says_when_it_has_to_be_run, set_up),
+        cmocka_unit_test_setup(its_deadlines_move_with_it, set_up),
+        cmocka_unit_test_setup(its_deadlines_are_in_states, set_up),
     };
     return cmocka_run_group_tests_name("a protocol that nobody knows, in a ring", tests, NULL,
                                        NULL);
