@@ -127,7 +127,7 @@ static bool play_line(unsigned *number, char *line)
         *number = 0;
         in_ring = strcmp(words[1], "ring") == 0;
         if (in_ring) {
-            ring_begin();
+            ring_begin(player.disturbance);
         }
         return in_ring || player_begin(&player, words[1]);
     }

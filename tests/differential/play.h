@@ -70,6 +70,12 @@ struct dg_host *player_make_alike(struct player *self, bool all);
 /* Go on with the handle in the free place. */
 void player_exchange(struct player *self, struct dg_host *host);
 
+/* Go on with the state of this one in a handle in the free place. */
+void player_go_on_elsewhere(struct player *self);
+
+/* The disturbances' next random number. */
+uint32_t player_draw(struct player *self);
+
 /* Do to the encoder what must not change the log, at any moment up to `until`. */
 void player_disturb(struct player *self, uint64_t until);
 

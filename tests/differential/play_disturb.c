@@ -13,7 +13,7 @@
 static uint8_t state[HOST_RIG_MEMORY_MAX];
 
 /* Marsaglia's xorshift. */
-static uint32_t draw(struct player *self)
+uint32_t player_draw(struct player *self)
 {
     self->chance ^= self->chance << 13;
     self->chance ^= self->chance >> 17;
@@ -25,7 +25,7 @@ static uint32_t draw(struct player *self)
 static void look_around(struct player *self)
 {
     const struct dg_host *host = self->host;
-    const uint64_t at = self->now - 1000 + draw(self) % 100000u;
+    const uint64_t at = self->now - 1000 + player_draw(self) % 100000u;
     uint16_t ids[DG_HOST_FILTERS];
     uint64_t counts[2];
     int32_t uv[4];
@@ -55,19 +55,19 @@ static void look_around(struct player *self)
     (void)dg_host_save(self->host, state, sizeof state);
 }
 
-static void go_on_elsewhere(struct player *self)
+void player_go_on_elsewhere(struct player *self)
 {
     struct host_rig_place *place = &self->places[self->place ^ 1u];
     const size_t n = dg_host_state_size(self->host);
 
-    memset(place, (int)(draw(self) & 0xFFu), sizeof *place);
+    memset(place, (int)(player_draw(self) & 0xFFu), sizeof *place);
     struct dg_host *other = dg_host_make(place, sizeof *place, dg_host_model(self->host));
     if (dg_host_save(self->host, state, sizeof state) != DG_HOST_OK ||
         dg_host_restore(other, state, n) != DG_HOST_OK) {
         printf("  a state is not restored\n");
         return;
     }
-    memset(self->host, (int)(draw(self) & 0xFFu), n);
+    memset(self->host, (int)(player_draw(self) & 0xFFu), n);
     player_exchange(self, other);
 }
 
@@ -76,8 +76,8 @@ static void disturb_now(struct player *self)
     if ((self->disturbance & DISTURB_LOOKS) != 0) {
         look_around(self);
     }
-    if ((self->disturbance & DISTURB_RESTORE) != 0 && draw(self) % 4u == 0) {
-        go_on_elsewhere(self);
+    if ((self->disturbance & DISTURB_RESTORE) != 0 && player_draw(self) % 4u == 0) {
+        player_go_on_elsewhere(self);
     }
 }
 
@@ -87,8 +87,8 @@ void player_disturb(struct player *self, uint64_t until)
     if ((self->disturbance & DISTURB_STEPS) == 0) {
         return;
     }
-    for (unsigned n = draw(self) % (STEPS_MAX + 1u); n > 0 && self->now < until; n--) {
-        player_step(self, self->now + 1u + draw(self) % (until - self->now));
+    for (unsigned n = player_draw(self) % (STEPS_MAX + 1u); n > 0 && self->now < until; n--) {
+        player_step(self, self->now + 1u + player_draw(self) % (until - self->now));
         player_drain(self);
         disturb_now(self);
     }

@@ -15,35 +15,58 @@
 #define DIGITS_OF_WORD 4u
 
 static struct player players[RING_PLAYERS];
-static struct host_rig_place of_bus;
+/* The bus is in one of these, its IN image beside it. */
+static struct {
+    struct host_rig_place memory;
+    uint16_t in[WORDS_OF_RING];
+} places[2];
+static unsigned at;
 static char labels[RING_PLAYERS][4];
-static uint16_t in[WORDS_OF_RING];
 static uint16_t out[WORDS_OF_RING];
 static size_t count;
 static struct dg_bus *bus; /* NULL: no cycle yet */
+static unsigned disturbance;
+static uint8_t state[HOST_RIG_MEMORY_MAX];
 
-void ring_begin(void)
+void ring_begin(unsigned disturbances)
 {
     count = 0;
     bus = NULL;
-    memset(in, 0, sizeof in);
+    disturbance = disturbances;
+    memset(places[at].in, 0, sizeof places[at].in);
 }
 
 /* The master identifies by itself, as the package's does. */
 static bool make_bus(void)
 {
     static const struct dg_bus_ops ops = {.tx = NULL};
-    const struct dg_bus_words_setup wire = {sizeof wire, in, WORDS_OF_RING, true};
+    const struct dg_bus_words_setup wire = {sizeof wire, places[at].in, WORDS_OF_RING, true};
     const struct dg_bus_setup setup = {sizeof setup, &dg_bus_words, RING_PLAYERS,
                                        &wire,        &ops,          NULL};
 
-    bus = dg_bus_init(&of_bus, sizeof of_bus, &setup);
+    bus = dg_bus_init(&places[at].memory, sizeof places[at].memory, &setup);
     for (size_t i = 0; bus != NULL && i < count; i++) {
         if (dg_bus_attach(bus, players[i].host, NULL) != (int)i) {
             bus = NULL;
         }
     }
     return bus != NULL;
+}
+
+/* Encoders and ring in other, dirty memory. */
+static void go_on_elsewhere(void)
+{
+    const size_t n = dg_bus_state_size(bus);
+    const bool saved = n <= sizeof state && dg_bus_save(bus, state, n) == DG_HOST_OK;
+
+    for (size_t i = 0; i < count; i++) {
+        player_go_on_elsewhere(&players[i]);
+    }
+    memset(&places[at], (int)(player_draw(&players[0]) & 0xFFu), sizeof places[at]);
+    at ^= 1u;
+    if (!make_bus() || !saved || dg_bus_restore(bus, state, n) != DG_HOST_OK) {
+        printf("  a ring is not restored\n");
+    }
 }
 
 static const struct dg_ring_state *run_cycle(uint64_t now, bool identify)
@@ -61,6 +84,9 @@ static const struct dg_ring_state *run_cycle(uint64_t now, bool identify)
         (void)dg_bus_changed(bus, i, now);
     }
     (void)dg_bus_rx(bus, &event);
+    if ((disturbance & DISTURB_RESTORE) != 0 && player_draw(&players[0]) % 4u == 0) {
+        go_on_elsewhere();
+    }
     return dg_ring_state(bus);
 }
 
@@ -93,7 +119,7 @@ static bool play_cycle(unsigned number, uint64_t now, const char *image)
     }
     printf("%u cycle 0 ", number);
     for (size_t i = 0; i < is->words; i++) {
-        printf("%04x", in[i]);
+        printf("%04x", places[at].in[i]);
     }
     printf(";\n");
     return true;

@@ -10,8 +10,8 @@
 /* Most encoders. */
 #define RING_PLAYERS 3u
 
-/* A script begins: nobody is in the ring. */
-void ring_begin(void);
+/* A script begins: nobody is in the ring. Of enum disturbance a ring has RESTORE. */
+void ring_begin(unsigned disturbances);
 
 /* As player_perform(), of any of its encoders or of all. */
 bool ring_perform(unsigned number, char *words[], int n);

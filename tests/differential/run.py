@@ -42,7 +42,7 @@ class Kind(NamedTuple):
 ENCODERS = Kind(MODELS, write_whole_script, "handle", EXPECTED, True, ("steps", "looks", "restore", "fresh", "steps looks restore"))
 RING = "ring"  # that of a rig cycles by itself: the C player has one that does what a script says
 WIRES = Kind(tuple(name for name in MASTERS if name != RING), write_whole_wire, "command", EXPECTED_OF_WIRES, False, ())
-RINGS = Kind((RING,), write_whole_wire, "handle", EXPECTED_OF_RINGS, True, ())
+RINGS = Kind((RING,), write_whole_wire, "handle", EXPECTED_OF_RINGS, True, ("restore",))
 KINDS = {"--wires": WIRES, "--rings": RINGS}  # else ENCODERS
 
 
