@@ -126,6 +126,48 @@ static void those_behind_move_up_on_a_bus_of_frames(void **state)
     ask(2, 0);
     ask(3, 1);
     assert_int_equal(frames_rig.sent[0].place, 1);
+    for (size_t left = 2; left > 0; left--) {
+        const unsigned told = frames_rig.filters;
+        (void)dg_bus_detach(frames_rig.bus, 0, DG_S(11));
+        assert_true(frames_rig.filters > told);
+    }
+    assert_int_equal(dg_bus_next(frames_rig.bus), DG_NEVER);
+}
+
+/* Kept answers leave their room to others. */
+static void it_leaves_its_room(void **state)
+{
+    (void)state;
+    frames_rig_begin((struct dg_bus_frames_setup){.rooms = 4}, 2);
+    frames_rig.answer = DG_BUS_KEEP;
+    for (size_t i = 0; i < 2; i++) {
+        for (unsigned n = 0; n < 4; n++) {
+            (void)frames_rig_ask(DG_S(2), i);
+        }
+        assert_int_equal(frames_rig.count, 0);
+        if (i == 0) {
+            (void)dg_bus_detach(frames_rig.bus, 0, DG_S(2));
+        }
+    }
+    assert_int_equal(dg_bus_frames_counters(frames_rig.bus)->lost, 0);
+    frames_rig.answer = DG_BUS_SAY;
+    (void)dg_bus_durable(frames_rig.bus, 0, DG_S(3));
+    assert_int_equal(frames_rig_count(SDO + 2), 4);
+}
+
+/* A wire that has no bit rate of its own has that of the slowest one that is left. */
+static void a_bus_without_its_slowest(void **state)
+{
+    static const uint8_t reset[2] = {0x81, 1};
+
+    (void)state;
+    frames_rig_begin((struct dg_bus_frames_setup){.pace = false}, 2);
+    (void)frames_rig_write(DG_S(2), 0, 0x2100, 0, 3, 1);
+    (void)frames_rig_write(DG_S(2), 0, 0x2105, 0, 0x65766173u, 4); /* "save" */
+    (void)frames_rig_send(DG_S(3), 0, sizeof reset, reset);
+    assert_int_equal(dg_bus_frames_bit_rate(frames_rig.bus), 100000);
+    (void)dg_bus_detach(frames_rig.bus, 0, DG_S(4));
+    assert_int_equal(dg_bus_frames_bit_rate(frames_rig.bus), 250000);
 }
 
 /* Late frames, those that wait for their time, answers: of the others they stay. */
@@ -172,24 +214,32 @@ static void a_wire_is_free_without_it(void **state)
     assert_int_equal(frames_rig.sent[0].place, 0);
 }
 
-/* What it has said already others hear, though they have to wait for the port before. */
+/* What it has said already others hear, though they have to wait for the port before: also the one
+ * that has got its place, and also when others leave. */
 static void what_was_on_the_wire_is_heard(void **state)
 {
+    static uint8_t saved[4096];
+
     (void)state;
-    frames_rig_begin((struct dg_bus_frames_setup){.pace = false}, 3);
-    (void)frames_rig_write(DG_S(2), 2, 0x1016, 1, 2u << 16 | 600u, 4); /* node 3 hears node 2 */
-    (void)frames_rig_write(DG_S(2), 1, 0x1017, 0, 500, 2);
-    (void)dg_bus_step(frames_rig.bus, DG_S(2) + DG_MS(499));
-    frames_rig.stall_at = HEARTBEAT + 2;
-    (void)dg_bus_step(frames_rig.bus, DG_S(2) + DG_MS(500));
-    (void)dg_bus_detach(frames_rig.bus, 1, DG_S(2) + DG_MS(510));
-    (void)dg_bus_detach(frames_rig.bus, 0, DG_S(2) + DG_MS(510));
-    dg_bus_frames_stall(frames_rig.bus, false);
-    (void)dg_bus_step(frames_rig.bus, DG_S(2) + DG_MS(550));
-    frames_rig.count = 0;
-    (void)dg_bus_step(frames_rig.bus, DG_S(4));
-    assert_int_equal(frames_rig_count(EMCY + 3), 1);
-    assert_int_equal(frames_rig.sent[0].event.at, DG_S(2) + DG_MS(510 + 600));
+    for (size_t others = 0; others < 2; others++) {
+        frames_rig_begin((struct dg_bus_frames_setup){.pace = false}, 3);
+        (void)frames_rig_write(DG_S(2), 2, 0x1016, 1, 2u << 16 | 600u, 4); /* node 3 hears node 2 */
+        (void)frames_rig_write(DG_S(2), 1, 0x1017, 0, 500, 2);
+        (void)dg_bus_step(frames_rig.bus, DG_S(2) + DG_MS(499));
+        frames_rig.stall_at = HEARTBEAT + 2;
+        (void)dg_bus_step(frames_rig.bus, DG_S(2) + DG_MS(500));
+        (void)dg_bus_detach(frames_rig.bus, 1, DG_S(2) + DG_MS(510));
+        if (others == 1) {
+            (void)dg_bus_detach(frames_rig.bus, 0, DG_S(2) + DG_MS(510));
+        }
+        assert_int_equal(dg_bus_save(frames_rig.bus, saved, sizeof saved), DG_HOST_OK);
+        dg_bus_frames_stall(frames_rig.bus, false);
+        (void)dg_bus_step(frames_rig.bus, DG_S(2) + DG_MS(550));
+        frames_rig.count = 0;
+        (void)dg_bus_step(frames_rig.bus, DG_S(4));
+        assert_int_equal(frames_rig_count(EMCY + 3), 1);
+        assert_int_equal(frames_rig.sent[0].event.at, DG_S(2) + DG_MS(510 + 600));
+    }
 }
 
 /* It finds that there is no bus, and on another one that there is. */
@@ -258,6 +308,8 @@ static void a_chain_closes(void **state)
         take_levels(seen);
         assert_memory_not_equal(seen, expected, sizeof seen);
         (void)dg_bus_detach(edges_rig.bus, gone, edges_rig.now);
+        assert_false(dg_host_line_of(edges_rig.place[gone].host)->behind);
+        assert_false(dg_host_line_of(edges_rig.place[gone < 2 ? 2 : 1].host)->chained);
         take_levels(seen);
         assert_memory_equal(seen, expected, sizeof seen);
         assert_int_equal(dg_bus_count(edges_rig.bus), 2);
@@ -304,6 +356,8 @@ static void it_may_go_to_another_clocked_line(void **state)
     (void)dg_bus_detach(edges_rig.bus, 0, edges_rig.now);
     assert_false(dg_host_line_of(edges_rig.place[0].host)->chained);
     assert_true(dg_host_line_of(edges_rig.place[1].host)->chained);
+    assert_in_range(dg_host_next(edges_rig.place[0].host), edges_rig.now,
+                    edges_rig.now + DG_US(50));
     (void)dg_host_step(edges_rig.place[0].host, edges_rig.now + DG_MS(1));
     edges_rig.now += DG_MS(1);
     edges_rig.bus = dg_bus_init(&other_memory, sizeof other_memory, &setup);
@@ -391,6 +445,8 @@ int main(void)
         cmocka_unit_test(it_may_go_to_another_line),
         cmocka_unit_test(those_behind_move_up_on_a_bus_of_frames),
         cmocka_unit_test(what_it_has_not_sent_goes_with_it),
+        cmocka_unit_test(it_leaves_its_room),
+        cmocka_unit_test(a_bus_without_its_slowest),
         cmocka_unit_test(a_wire_is_free_without_it),
         cmocka_unit_test(what_was_on_the_wire_is_heard),
         cmocka_unit_test(it_may_go_to_another_bus_of_frames),
