@@ -150,7 +150,7 @@ static enum dg_ring_result judge_cycle(struct dg_bus *self)
         ring->is.counters.dead++;
         return DG_RING_DEAD;
     }
-    dg_ring_decide_to_bend(self);
+    dg_bus_ring_decide_to_bend(self);
     ring->steady = !ring->bent;
     return DG_RING_OK;
 }
@@ -351,7 +351,7 @@ static void take_cycle(struct dg_bus *self, const struct dg_tap_event *event)
     if (begin_cycle(self, data)) {
         exchange_words(self, event->words.out);
         if (ring->keeps) {
-            dg_ring_bend_words(self, event->words.out);
+            dg_bus_ring_bend_words(self, event->words.out);
         }
     }
     if (self->watched) {

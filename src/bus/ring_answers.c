@@ -11,13 +11,12 @@
 #define LOW_BYTE 0x00FFu
 
 /* The high half of the cycle before: the high word, of a single one the high byte. */
-static void tear_words(struct member *self, uint16_t *in, const uint16_t *before)
+static void tear_words(struct member *self, uint16_t *in, uint16_t before)
 {
     struct dg_faults *faults = faults_of(self);
 
     if (faults != NULL && dg_fault_wire_takes(faults, DG_WIRE_TEAR)) {
-        in[0] =
-            self->words > 1 ? before[0] : (uint16_t)((before[0] & HIGH_BYTE) | (in[0] & LOW_BYTE));
+        in[0] = self->words > 1 ? before : (uint16_t)((before & HIGH_BYTE) | (in[0] & LOW_BYTE));
     }
 }
 
@@ -58,7 +57,7 @@ static void hold_words_back(struct member *self, uint64_t ticket, uint16_t *in, 
 static void bend_words(struct member *self, uint16_t *in, const uint16_t *out)
 {
     const struct dg_bus *bus = self->place.bus;
-    uint16_t before[DG_RING_WORDS_MAX];
+    const uint16_t before = self->whole[0];
 
     if (bus->ops->ticket != NULL) {
         const uint64_t ticket = bus->ops->ticket(bus->ctx, self->place.index);
@@ -66,12 +65,11 @@ static void bend_words(struct member *self, uint16_t *in, const uint16_t *out)
             hold_words_back(self, ticket, in, out);
         }
     }
-    memcpy(before, self->whole, sizeof before);
     memcpy(self->whole, in, self->words * sizeof *in);
     tear_words(self, in, before);
 }
 
-void dg_ring_decide_to_bend(const struct dg_bus *self)
+void dg_bus_ring_decide_to_bend(const struct dg_bus *self)
 {
     struct ring *ring = ring_of(self);
     const bool keeps = self->ops->ticket != NULL || ring->bent;
@@ -83,7 +81,7 @@ void dg_ring_decide_to_bend(const struct dg_bus *self)
     ring->keeps = keeps;
 }
 
-void dg_ring_bend_words(const struct dg_bus *self, const uint16_t *out)
+void dg_bus_ring_bend_words(const struct dg_bus *self, const uint16_t *out)
 {
     uint16_t *in = ring_of(self)->setup.in;
 

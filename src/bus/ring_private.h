@@ -67,11 +67,11 @@ static inline struct dg_faults *faults_of(const struct member *self)
     return self->place.control != NULL ? &self->place.control->faults : NULL;
 }
 
-/** In a data cycle that is about to take place: whether dg_ring_bend_words() is to be called,
+/** In a data cycle that is about to take place: whether dg_bus_ring_bend_words() is to be called,
  * ring->keeps. From the first such cycle on the words of the one before are known. */
-void dg_ring_decide_to_bend(const struct dg_bus *self);
+void dg_bus_ring_decide_to_bend(const struct dg_bus *self);
 /** The encoders have said IN words, in answer to `out`; the master sees others while faults tear
  * them, and while what they acknowledge is not durable. */
-void dg_ring_bend_words(const struct dg_bus *self, const uint16_t *out);
+void dg_bus_ring_bend_words(const struct dg_bus *self, const uint16_t *out);
 
 #endif
