@@ -43,8 +43,8 @@ static void describe(struct bus_told *told, const struct dg_tap_event *event)
 {
     if (event->kind == DG_TAP_CHARACTER) {
         told->what[2] = event->character.baud;
-        told->what[3] = (uint32_t)(event->character.parity << 16 | event->character.byte << 8 |
-                                   (event->character.damaged ? 1 : 0));
+        told->what[3] = event->character.byte * 2u + (event->character.damaged ? 1u : 0u);
+        told->bytes[0] = (uint8_t)event->character.parity;
     } else if (event->kind == DG_TAP_FRAME) {
         told->what[2] = event->frame.id;
         told->what[3] = (event->frame.rtr ? 16u : 0u) + event->frame.dlc;

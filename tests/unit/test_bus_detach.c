@@ -28,11 +28,11 @@ static void a_reply_ends_in_its_character(void **state)
 {
     (void)state;
     character_rig_make(&line, &character_rig_paced, 2);
-    const dg_ns begin = line.now + 3 * CHARACTER + ANSWER;
+    const dg_ns begin = line.now + 3 * (dg_ns)CHARACTER + ANSWER;
     const uint32_t damaged = character_rig_device(&line, 0)->counters.damaged;
 
     character_rig_say(&line, "41 42 03");
-    character_rig_pass_to(&line, begin + 3 * CHARACTER + CHARACTER / 2);
+    character_rig_pass_to(&line, begin + 7 * (dg_ns)CHARACTER / 2);
     assert_int_equal(line.count, 3);
     (void)dg_bus_detach(line.bus, 1, line.now);
     assert_int_equal(dg_bus_count(line.bus), 1);
