@@ -9,7 +9,7 @@ from collections import deque
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ._native import EncoderError, RangeError, octets
+from ._native import EncoderError, RangeError, load, octets
 from .clock import SECOND_NS, Clock
 from .wire import Wire, row_of
 
@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from .encoder import Encoder
 
 BLOCK = 256  # less than the bus has room for on their way
-WITHOUT_PARITY = 10
 
 
 class Uart(NamedTuple):
@@ -31,8 +30,9 @@ class Uart(NamedTuple):
 @functools.cache
 def character_ns(baud: int, parity: str) -> int:
     """Time of a character on the line."""
-    bits = WITHOUT_PARITY + (parity != "N")
-    return -(-bits * SECOND_NS // baud)
+    ffi, lib = load()
+    uart = ffi.new("struct dg_host_uart *", {"baud": baud, "parity": ord(parity)})
+    return int(lib.dg_host_uart_ns(uart, 1))
 
 
 class Line(Wire):

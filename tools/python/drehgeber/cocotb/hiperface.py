@@ -11,7 +11,7 @@ from cocotb.types import Logic
 
 from .._native import checked
 from ..encoder import SinCos
-from ..rs485 import WITHOUT_PARITY, Uart
+from ..rs485 import Uart
 from ..shaft import Shaft
 from .simulation import (
     LEAD_PS, PS_PER_NS, Delay, News, SimulatedEncoder, drive, level_of, now_ps, ps_of, sincos_of, start, until_ps,
@@ -19,6 +19,7 @@ from .simulation import (
 
 SECOND_PS = 1_000_000_000_000
 DATA_BITS = 8
+WITHOUT_PARITY = DATA_BITS + 2  # with start and stop bit
 
 
 class Request(NamedTuple):
