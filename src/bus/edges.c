@@ -309,17 +309,20 @@ static int begin(struct dg_bus *bus, const void *setup)
     return DG_OK;
 }
 
-/* It may have got its power for the first time, or a state of one that never had any. */
+/* It may have got its power for the first time, or a state of one that never had any, or its
+   control plane. */
 static void look_alive(struct edges_place *self)
 {
     struct dg_encoder *control = self->place.control;
+    struct dg_faults *faults = control != NULL ? &control->faults : NULL;
     const bool before = self->live;
 
     self->live = dg_host_made(self->place.host);
     if (!self->live) {
         self->place.deadline = DG_NEVER;
-    } else if (!before && control != NULL && control->instrument->line_frame != NULL) {
-        dg_line_fault_init(&self->fault, control->instrument, self->line->device, &control->faults);
+    } else if ((!before || faults != self->fault.faults) && control != NULL &&
+               control->instrument->line_frame != NULL) {
+        dg_line_fault_init(&self->fault, control->instrument, self->line->device, faults);
     }
 }
 

@@ -364,6 +364,22 @@ static void a_fault_is_behind_its_own_driver(void **state)
     assert_chain_answers();
 }
 
+static void faults_may_come_behind_the_encoder(void **state)
+{
+    (void)state;
+    edges_rig_begin(NULL, 1);
+    struct dg_host *host = edges_rig_model(0, "s3684-biss");
+    assert_int_equal(dg_bus_attach(edges_rig.bus, host, NULL), 0);
+    edges_rig_power(0, true);
+    edges_rig.now = READY;
+    (void)dg_bus_step(edges_rig.bus, edges_rig.now);
+    dg_bus_control(edges_rig.bus, 0, &edges_rig.place[0].control);
+    edges_rig_bend(0, DG_WIRE_DROP, 1);
+    assert_int_equal(await_start(), 0);
+    edges_rig_rest();
+    assert_true(await_start() > 0);
+}
+
 static void encoders_that_make_no_chain_are_refused(void **state)
 {
     (void)state;
@@ -428,6 +444,7 @@ int main(void)
         cmocka_unit_test(a_chain_sends_one_behind_the_other),
         cmocka_unit_test(a_chain_is_what_its_slaves_make_of_each_other),
         cmocka_unit_test(a_fault_is_behind_its_own_driver),
+        cmocka_unit_test(faults_may_come_behind_the_encoder),
         cmocka_unit_test(encoders_that_make_no_chain_are_refused),
         cmocka_unit_test(what_is_not_durable_is_not_acknowledged),
         cmocka_unit_test(a_state_from_before_the_power),
