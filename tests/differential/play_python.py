@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: MIT
 """The player of the Python package's encoders: scripts come in, logs go out. README.md has the language."""
 
+import contextlib
 import sys
 import warnings
 from collections import deque
 from collections.abc import Callable
 
 import drehgeber
+import drehgeber.chain
 import drehgeber.ring
 from script import SHARED
 
@@ -14,6 +16,9 @@ SECOND = 1_000_000_000
 LEAD = SECOND  # a clock of the package begins a second after 0 of the library
 TURN = 1 << 32
 CONTROLLER, COMPANY = ("active", "passive", "off", "overrun"), {4: "nobody", 5: "somebody"}
+EVERY = 100_000_000  # ns from one frame that the master of a rig reads by itself to the next one
+LATCH = 1000  # ns from the beginning of a frame of a chain to its first rising edge
+SILENT, FAILED = -14, (-4,)  # of a rig: what is damaged is no answer
 CLOSED = "the first line of a script is missing"
 
 
@@ -38,9 +43,12 @@ class Player:
         self.port: drehgeber.CanPort | None = None
         self.sent: deque[drehgeber.CanFrame] | None = None  # all frames, on a bus where they wait for their time
         self.levels: deque[drehgeber.clocked.Level] = deque()  # of the line of one that is clocked
+        self.frames = 0  # that the master of a chain has read by itself
         self.number = 0
         self.shared = subject in SHARED
+        self.chained = subject == "chain"
         self._ring: drehgeber.ring.Ring | None = None
+        self._chain: drehgeber.chain.Chain | None = None
         self.clock = drehgeber.Clock()
         # The wire of all its encoders, as its settings say.
         self.wires: dict[str, drehgeber.Line | drehgeber.CanBus] = {}
@@ -69,7 +77,18 @@ class Player:
         return ns_of(self.clock.now)
 
     def pass_time(self, ns: int) -> None:
-        self.clock.advance(max(0, ns) / SECOND)
+        until = self.now + max(0, ns)
+        while self.chained and self.encoders and (due := self.next_frame()) <= until:
+            self.clock.advance((due - self.now) / SECOND)
+            with contextlib.suppress(drehgeber.EncoderError):
+                self.line.frame()
+            self.frames += 1
+        self.clock.advance(max(0, until - self.now) / SECOND)
+
+    def next_frame(self) -> int:
+        """The master of a rig reads one each 100 ms, from the end of initialisation on, when its line is free."""
+        init = max(int(one.get("init_ms")) for one in self.encoders.values()) * 1_000_000
+        return max(self.now, LEAD + init + self.frames * EVERY)
 
     def tell(self) -> None:
         """What the encoder has sent."""
@@ -101,12 +120,12 @@ class Player:
         operation, refused = OPERATIONS[word]
         if self.encoders:
             self.encoder = self.encoders.get(number, self.encoder)
-        self.pass_time(int(at) - self.now)
+        self.pass_time(int(at) - (LATCH if word == "latch" and self.chained else 0) - self.now)
         self.tell()
         try:
             answer = operation(self, *arguments)
         except drehgeber.EncoderError as error:
-            answer = refused.format(error.code)
+            answer = refused.format(SILENT if self.chained and error.code in FAILED else error.code)
         self.pass_time(0)
         self.tell()
         print(f"{self.number} {name}{answer}")
@@ -201,9 +220,22 @@ class Player:
         return (f" 0 {ns_of(got.at)} {ns_of(got.end)} {got.bits:x}/{got.width} {got.position:x} {got.multiturn:x} "
                 f"{got.singleturn:x} {got.error:d}{got.warning:d}{got.good:d} {got.life}")
 
+    @property
+    def line(self) -> drehgeber.chain.Chain:
+        """Of all encoders there are."""
+        if self._chain is None:
+            self._chain = drehgeber.chain.Chain(list(self.encoders.values()))
+        return self._chain
+
+    @property
+    def place(self) -> int:
+        return list(self.encoders.values()).index(self.encoder)
+
     def latch(self) -> str:
-        got = self.master.frame()
-        return f" 0 {got.bits:x}/{got.width} {got.position:x} {got.error:d}{got.warning:d}{got.good:d}"
+        line = self.line.frame() if self.chained else (self.master.frame(),)
+        got = line[self.place if self.chained else 0]
+        bits = "".join(f"{one.bits:0{one.width}b}" for one in line)
+        return f" 0 {int(bits, 2):x}/{len(bits)} {got.position:x} {got.error:d}{got.warning:d}{got.good:d}"
 
     def edges(self, half: str, count: str) -> str:
         levels = ""
@@ -213,10 +245,17 @@ class Player:
         return f" {levels}"
 
     def read(self, address: str, count: str) -> str:
+        if self.chained:
+            data = self.line.register(self.place, int(address), int(count))
+            if len(data) < int(count):  # a rig answers all or an error, and is asked again for those in front of it
+                data = self.line.register(self.place, int(address), len(data))
+            return f" {len(data)} {data.hex()};"
         data = self.encoder.biss.register(int(address), int(count))
         return f" {len(data)} {self.now} {data.hex()};"
 
     def write(self, address: str, data: str) -> str:
+        if self.chained:
+            return f" {self.line.write_register(self.place, int(address), bytes.fromhex(data))}"
         count = self.encoder.biss.write_register(int(address), bytes.fromhex(data))
         return f" {count} {self.now}"
 

@@ -21,11 +21,11 @@ const struct dg_co_sheet *dg_cia406_sheet_of(const struct dg_device *model);
 void dg_co_eds(const struct dg_co_sheet *, void (*)(void *, const char *, size_t), void *);
 struct dg_encoder *dg_host_panel_encoder(struct dg_host_panel *self);
 /* Objects that nobody looks into: struct dg_bus_medium, struct dg_bus_ops. */
-extern const char dg_bus_characters[], dg_bus_frames[], dg_bus_words[], dg_bus_queue_ops[];
+extern const char dg_bus_characters[], dg_bus_edges[], dg_bus_frames[], dg_bus_words[], dg_bus_queue_ops[];
 """
 HEADERS = (
-    "host.h", "motion.h", "shaft.h", "course.h", "frame.h", "tap.h", "bus.h", "bus_characters.h", "bus_frames.h", "bus_words.h",
-    "bus_queue.h",
+    "host.h", "motion.h", "shaft.h", "course.h", "frame.h", "tap.h", "bus.h", "bus_characters.h", "bus_edges.h", "bus_frames.h",
+    "bus_words.h", "bus_queue.h",
 )  # fmt: skip
 INCLUDE = re.compile(r'^#include "drehgeber/(\w+\.h)"$', re.M)
 STRUCT = re.compile(r"^struct \w+ \{[^}]*\};", re.M)
