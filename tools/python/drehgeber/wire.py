@@ -48,8 +48,8 @@ def make_bus(medium: str, encoders: int, wire: Any, ops: Any, ctx: Any) -> tuple
 
 
 class Wire:
-    """What a line and a CAN bus have in common. Encoders come to it when they are switched on for the first time; one that is
-    closed keeps its place, without power, until the room is needed."""
+    """What a line and a CAN bus have in common. Encoders come to it when they are switched on for the first time, and leave it
+    when they are closed."""
 
     MEDIUM = ""  # as the library's objects are called
     MOST = 0  # encoders
@@ -84,10 +84,12 @@ class Wire:
         self._encoders.remove(encoder)
         if encoder in self._panels:
             self._panels.remove(encoder)
-        if encoder._made:
-            self._look(self.clock._ns)
-            self._lib.dg_host_power(encoder._host, self.clock._ns, False)
-            self._change(encoder)
+        if encoder._place is not None:
+            self._lib.dg_bus_detach(self._bus, encoder._place, self.clock._ns)
+            self._read()
+            self._placed.remove(encoder)
+            for place, one in enumerate(self._placed):
+                one._place = place
         if not self._encoders:
             self.clock._members.remove(self)
 
@@ -99,9 +101,8 @@ class Wire:
         self._placed.append(encoder)
 
     def _build(self) -> None:
-        """A bus for those that are left, and for as many as there can be from the second time on."""
-        ffi, lib = self._ffi, self._lib
-        left = [one for one in self._placed if one in self._encoders]
+        """A bus for those that are on it, and for as many as there can be from the second time on."""
+        ffi, lib, placed = self._ffi, self._lib, self._placed
         if self._bus is not None and self._room < self.MOST:
             self._room = self.MOST
         room = ROOM + ROOM_EACH * self._room
@@ -115,7 +116,7 @@ class Wire:
         self._keep = (keep, told)
         self._look_on()
         self._placed = []
-        for one in left:
+        for one in placed:
             self._attach(one)
             self._control(one)
 
