@@ -35,8 +35,6 @@ DG_API extern const struct dg_bus_medium dg_bus_characters;
 
 /** A data rate that is right for everybody. */
 #define DG_BAUD_ANY UINT32_MAX
-/** Longest reply. */
-#define DG_REPLY_MAX 135u
 /** Characters of a master on their way at once: two of the longest frames. */
 #define DG_COMING_MAX ((size_t)2 * DG_REPLY_MAX)
 

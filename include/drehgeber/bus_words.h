@@ -36,8 +36,6 @@ DG_API extern const struct dg_bus_medium dg_bus_words;
 #define DG_RING_WORDS_MAX 2u
 /** "The ring is not interrupted." */
 #define DG_RING_WHOLE UINT16_MAX
-/** Data cycles without valid data after one with a transmission error. */
-#define DG_RING_DEAD_CYCLES 5u
 
 /** What dg_bus_setup.wire is for a ring; it must be there. */
 struct dg_bus_words_setup {

@@ -28,7 +28,7 @@ struct dg_host_line {
     void *settings; /**< dg_host_wire.settings_size bytes */
     dg_ns now;      /**< the moment that is being served */
     dg_ns latched;  /**< clocked lines: the latest frame is of this moment; 0: there was none */
-    dg_ns until;    /**< the wire's own: what the encoder sends is on the line until then */
+    dg_ns until;    /**< characters: what the encoder sends is on the line until then */
     uint32_t part;  /**< the wire's own: parts of the event at hand that were taken */
     uint32_t rate;  /**< the wire's own */
     bool level;     /**< the wire's own: of the encoder's line as told last */
@@ -134,8 +134,15 @@ struct dg_host_wire {
     const struct dg_stack_check *state;
 };
 
-/** The encoder has sent something. */
+/** The encoder has sent something, but for characters. */
 DG_API void dg_host_emit(struct dg_host_line *line, const struct dg_host_event *event);
+
+/** Characters: the encoder says a whole reply from line->now on, as runs without pauses; its end is
+ * line->until. */
+DG_API void dg_host_emit_reply(struct dg_host_line *line, const uint8_t *bytes, size_t n);
+/** Characters: how long so many of them take at the setting in force; only the last one is rounded
+ * up. 0 on a bus, which counts by itself. */
+DG_API dg_ns dg_host_characters_ns(const struct dg_host_line *line, size_t count);
 
 /** Bytes of a handle without queues, for one that is put on a bus. It takes events by
  * dg_host_feed() and tells a listener; dg_host_send() is DG_HOST_ERR_STATE.
@@ -164,7 +171,7 @@ DG_API const struct dg_host_wire *dg_host_wire_of(const struct dg_device *model)
 DG_API uint64_t dg_host_feed(struct dg_host *self, const struct dg_host_event *event);
 
 /** Frames: its controller says `event` (enum dg_host_bus) at the latest moment that was served, and
- * what that makes the encoder send it sends at once. */
+ * what that makes the encoder send it sends at once. On a bus nothing: that tells it. */
 DG_API void dg_host_tell_controller(struct dg_host *self, uint32_t event);
 
 /** As dg_host_listen(), for a bus: what the encoder says then begins at event->at, and how long it

@@ -34,6 +34,11 @@ enum dg_severity {
     DG_SEVERITY_COUNT
 };
 
+/** Longest reply in characters. */
+#define DG_REPLY_MAX 135u
+/** Data cycles of a ring without valid data behind one with a transmission error. */
+#define DG_RING_DEAD_CYCLES 5u
+
 /** An event. Pointers are valid during the call. */
 struct dg_tap_event {
     dg_ns at;

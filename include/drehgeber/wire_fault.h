@@ -21,17 +21,20 @@ extern "C" {
 /** No byte of it is damaged. */
 #define DG_WIRE_WHOLE SIZE_MAX
 
-/** A reply, a frame or the words of a cycle: all that an encoder sends at once. */
+/** What becomes of a reply or a frame, of all that an encoder sends at once. */
 struct dg_wire_sent {
-    uint8_t *bytes; /**< bent in place */
-    size_t length;
     dg_ns delay;    /**< it begins later by that */
     unsigned times; /**< it arrives: 0 not at all, 2 once more behind the first time */
-    size_t damaged; /**< the byte that a bit was flipped in; DG_WIRE_WHOLE */
+    size_t damaged; /**< the byte that a bit is flipped in; DG_WIRE_WHOLE */
+    uint8_t flip;   /**< that bit of it */
 };
 
-/** The faults at work on `encoder` happen to what it sends. Each one that happens counts down. */
-DG_API void dg_wire_fault_send(struct dg_encoder *encoder, struct dg_wire_sent *sent);
+/** Of something that nothing happens to. */
+#define DG_WIRE_UNBENT ((struct dg_wire_sent){.times = 1, .damaged = DG_WIRE_WHOLE})
+
+/** The faults at work on `encoder` happen to something of `length` bytes that it sends. Each one
+ * that happens counts down. */
+DG_API struct dg_wire_sent dg_wire_fault_send(struct dg_encoder *encoder, size_t length);
 
 /** What becomes of something that the encoder should hear. */
 enum dg_wire_heard {

@@ -156,10 +156,13 @@ static void send_in_time(struct frames_place *from, const struct dg_can_frame *f
 static void send_bent(struct frames_place *from, const struct dg_can_frame *frame)
 {
     struct dg_can_frame bent = *frame;
-    struct dg_wire_sent sent = {.bytes = bent.data, .length = dg_can_bytes(frame), .times = 1};
+    struct dg_wire_sent sent = DG_WIRE_UNBENT;
 
     if (from->base.control != NULL) {
-        dg_wire_fault_send(from->base.control, &sent);
+        sent = dg_wire_fault_send(from->base.control, dg_can_bytes(frame));
+    }
+    if (sent.damaged != DG_WIRE_WHOLE) {
+        bent.data[sent.damaged] ^= sent.flip;
     }
     for (unsigned i = 0; i < sent.times; i++) {
         send_in_time(from, &bent, sent.delay);

@@ -110,21 +110,24 @@ static void forget_said(struct characters_place *self)
 static void start_reply(struct characters_place *self, dg_ns at)
 {
     struct characters_reply *reply = &self->reply;
-    struct dg_wire_sent sent = {
-        .bytes = self->saying, .length = self->said, .times = 1, .damaged = DG_WIRE_WHOLE};
+    struct dg_wire_sent sent = DG_WIRE_UNBENT;
 
     if (self->place.control != NULL) {
-        dg_wire_fault_send(self->place.control, &sent);
+        sent = dg_wire_fault_send(self->place.control, self->said);
     }
     if (sent.times > 0) {
         memcpy(reply->bytes, self->saying, self->said);
         reply->length = self->said;
         reply->merged = false;
-        reply->damaged = sent.damaged == DG_WIRE_WHOLE ? CHARACTERS_WHOLE : (uint8_t)sent.damaged;
+        reply->damaged = CHARACTERS_WHOLE;
         reply->again = sent.times > 1;
         reply->pace = self->pace;
         rewind_to(reply, dg_after(at, sent.delay));
         set_next(self);
+    }
+    if (sent.damaged != DG_WIRE_WHOLE) { /* what is dropped is whole */
+        reply->damaged = (uint8_t)sent.damaged;
+        reply->bytes[sent.damaged] ^= sent.flip;
     }
     forget_said(self);
 }

@@ -16,34 +16,33 @@ static bool is_cut_off(const struct dg_faults *faults)
 }
 
 /* What has no bytes has no bit to flip. */
-static void flip_bit(struct dg_faults *faults, struct dg_wire_sent *sent)
+static void flip_bit(struct dg_faults *faults, size_t length, struct dg_wire_sent *sent)
 {
-    if (sent->length > 0 && dg_fault_wire_takes(faults, DG_WIRE_DAMAGE)) {
-        const uint32_t bit = dg_fault_pick(faults, BITS_PER_BYTE * (uint32_t)sent->length);
+    if (length > 0 && dg_fault_wire_takes(faults, DG_WIRE_DAMAGE)) {
+        const uint32_t bit = dg_fault_pick(faults, BITS_PER_BYTE * (uint32_t)length);
         sent->damaged = bit / BITS_PER_BYTE;
-        sent->bytes[sent->damaged] ^= (uint8_t)(1u << bit % BITS_PER_BYTE);
+        sent->flip = (uint8_t)(1u << bit % BITS_PER_BYTE);
     }
 }
 
-void dg_wire_fault_send(struct dg_encoder *encoder, struct dg_wire_sent *sent)
+struct dg_wire_sent dg_wire_fault_send(struct dg_encoder *encoder, size_t length)
 {
     struct dg_faults *faults = &encoder->faults;
+    struct dg_wire_sent sent = DG_WIRE_UNBENT;
 
-    sent->delay = 0;
-    sent->times = 1;
-    sent->damaged = DG_WIRE_WHOLE;
     if (faults->wire == 0) {
-        return;
+        return sent;
     }
     if (is_cut_off(faults) || dg_fault_wire_takes(faults, DG_WIRE_DROP)) {
-        sent->times = 0;
-        return;
+        sent.times = 0;
+        return sent;
     }
     if (dg_fault_wire_takes(faults, DG_WIRE_DELAY)) {
-        sent->delay = (dg_ns)dg_fault_wire_value(encoder->instrument, DG_WIRE_DELAY);
+        sent.delay = (dg_ns)dg_fault_wire_value(encoder->instrument, DG_WIRE_DELAY);
     }
-    flip_bit(faults, sent);
-    sent->times += dg_fault_wire_takes(faults, DG_WIRE_DUPLICATE) ? 1u : 0u;
+    flip_bit(faults, length, &sent);
+    sent.times += dg_fault_wire_takes(faults, DG_WIRE_DUPLICATE) ? 1u : 0u;
+    return sent;
 }
 
 enum dg_wire_heard dg_wire_fault_hear(struct dg_encoder *encoder)

@@ -6,8 +6,6 @@
  *   event  |40|42|02|           part   0    1    2    3    4    5
  *          at                   is   start end start end start end
  */
-#include <string.h>
-
 #include "drehgeber/hiperface.h"
 #include "drehgeber/host_wire.h"
 
@@ -38,31 +36,9 @@ static void tell_uart(const struct dg_host_line *line, bool stored, struct dg_ho
 
 /* ------------------------------------------------------------ out */
 
-/* Of `count` characters; only the last one is rounded up. A bus counts by itself. */
-static dg_ns characters_ns(const struct dg_host_line *line, size_t count)
-{
-    if (dg_host_on_bus(line)) {
-        return 0;
-    }
-    struct dg_host_uart uart;
-    tell_uart(line, false, &uart);
-    return dg_host_uart_ns(&uart, (uint32_t)count);
-}
-
 static void send(void *ctx, const uint8_t *bytes, size_t n)
 {
-    struct dg_host_line *line = ctx;
-    struct dg_host_event event = {.kind = DG_HOST_BYTES, .id = (uint32_t)characters_ns(line, 1)};
-
-    for (size_t done = 0; done < n; done += event.length) {
-        const size_t rest = n - done;
-        event.at = dg_after(line->now, done == 0 ? 0 : characters_ns(line, done));
-        event.length = (uint8_t)(rest < RUN_MAX ? rest : RUN_MAX);
-        memset(event.data, 0, sizeof event.data);
-        memcpy(event.data, bytes + done, event.length);
-        dg_host_emit(line, &event);
-    }
-    line->until = dg_after(line->now, characters_ns(line, n));
+    dg_host_emit_reply(ctx, bytes, n);
 }
 
 static const struct dg_hf_ops ops = {.tx = send};
@@ -97,7 +73,7 @@ static bool only_start(const struct dg_host_event *event)
 
 static dg_ns character_ns(const struct dg_host_line *line, const struct dg_host_event *event)
 {
-    return event->id != 0 ? event->id : characters_ns(line, 1);
+    return event->id != 0 ? event->id : dg_host_characters_ns(line, 1);
 }
 
 /* The end of the first character is where the start bits of the others are counted from. */

@@ -193,10 +193,15 @@ int dg_host_power(struct dg_host *self, uint64_t now, bool on)
     self->line.until = 0;
     if (on) {
         result = stack->power_on(self->line.device, self->line.now);
+        if (self->refs.faults != NULL) {
+            self->refs.faults->feel(self->refs.faults_ctx);
+        }
     } else {
         stack->power_off(self->line.device);
     }
-    dg_host_run(self, now);
+    if (!self->on_bus) {
+        dg_host_run(self, now);
+    }
     return result;
 }
 

@@ -32,15 +32,22 @@ struct host_course {
     int64_t rate; /**< 2^-32 turns per second */
 };
 
-/** Faults at work. */
+/** Faults at work, of the wire as long as the handle is on no bus. */
 struct host_faults {
-    /** @return how often an event arrives, which is bent */
-    unsigned (*arrives)(void *ctx, struct dg_host_event *event, bool sent);
+    /** What the encoder says is bent, but for characters. @return how often it arrives */
+    unsigned (*arrives)(void *ctx, struct dg_host_event *event);
+    /** The encoder says a reply in characters, by dg_host_say_reply() as often as it arrives. */
+    void (*reply)(void *ctx, const uint8_t *bytes, size_t n);
+    /** What the other end does may be bent. @return whether the encoder hears it */
+    bool (*hears)(void *ctx, struct dg_host_event *event);
     /** Clocked lines: what gets to the other end while the encoder's line is at `raw`. Asked behind
      * each edge of the clock. */
     bool (*bent)(void *ctx, bool raw);
-    /** The host sets the quantity of the world at `offset`: the fault that bends it is over. */
+    /** The host sets the quantity of the world at `offset`: the fault that bends it is over, and
+     * the encoder feels its wire before it looks at the new one. */
     void (*overridden)(void *ctx, size_t offset);
+    /** Power has come: the encoder feels its wire before anything else. */
+    void (*feel)(void *ctx);
 };
 
 /** What a handle points to, beside the parts in `line` and the shaft in `world`: none of it is in a
@@ -90,12 +97,6 @@ size_t dg_host_size_of_parts(const struct host_parts *parts);
 struct dg_host *dg_host_init_parts(void *memory, size_t size, const struct dg_device *model,
                                    const struct dg_host_wire *wire, const struct host_parts *parts);
 
-/** What bends events and levels on their way; NULL: nothing does. On a bus that is the bus's. */
-static inline const struct host_faults *dg_host_faults(const struct dg_host *self)
-{
-    return self->on_bus ? NULL : self->refs.faults;
-}
-
 /** physics.c: sit on the own shaft, `course`. */
 void dg_host_sit_alone(struct dg_host *self);
 /** Sit on a shaft, which `angle_of` tells the angle of. */
@@ -105,6 +106,10 @@ void dg_host_sit(struct dg_host *self, void *shaft, dg_angle (*angle_of)(void *s
 void dg_host_run(struct dg_host *self, dg_ns now);
 /** Whatever is due before `now` happens, and it is `now`. */
 void dg_host_run_until(struct dg_host *self, dg_ns now);
+/** What the encoder has sent gets to its host, whatever faults there are. */
+void dg_host_deliver(struct dg_host *self, const struct dg_host_event *event);
+/** runs.c: a reply goes out, from line->until on, which is its end then. */
+void dg_host_say_reply(struct dg_host *self, const uint8_t *bytes, size_t n);
 /** The next part of an event, which faults may bend. @return whether it was the last one */
 bool dg_host_take_event(struct dg_host *self, struct dg_host_event *event);
 /** The line may have another level than was told. */

@@ -83,7 +83,9 @@ void dg_host_tell_controller(struct dg_host *self, uint32_t event)
     struct dg_host_line *line = &self->line;
     const struct dg_host_event said = {.at = line->now, .id = event, .kind = DG_HOST_BUS};
 
-    (void)self->refs.wire->take(line, &said);
+    if (self->made && !self->on_bus) {
+        (void)self->refs.wire->take(line, &said);
+    }
 }
 
 static void take_whole(struct dg_host *self, const struct dg_host_event *event)
@@ -103,7 +105,7 @@ uint64_t dg_host_feed(struct dg_host *self, const struct dg_host_event *event)
     const struct dg_host_wire *wire = self->refs.wire;
 
     dg_host_run_until(self, event->at);
-    if (self->made && (wire->feed == NULL || dg_host_faults(self) != NULL)) {
+    if (self->made && (wire->feed == NULL || (self->refs.faults != NULL && !self->on_bus))) {
         take_whole(self, event);
     } else if (self->made) {
         dg_host_note_controller(self, event);

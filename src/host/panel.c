@@ -2,12 +2,13 @@
 /*
  * The control plane of one encoder: a rig of one instrument and one shaft, with one session. Faults
  * of the wire happen to events on their way into and out of the queues, and to the levels of a
- * clocked line.
+ * clocked line, as they do on a bus of this one encoder; on a bus they are the bus's.
  */
 #include <string.h>
 
 #include "drehgeber/control.h"
 #include "drehgeber/line_fault.h"
+#include "drehgeber/tap.h"
 #include "drehgeber/wire_fault.h"
 #include "host_private.h"
 
@@ -24,7 +25,10 @@ struct dg_host_panel {
     size_t size;
     size_t used;
     bool cut;
-    unsigned copies; /* what became of the reply at hand: it may be several events */
+    bool deaf;    /* characters: inside a request that does not reach the encoder */
+    dg_ns heard;  /* characters: the end of the latest one; 0: a reply has come since */
+    dg_ns late;   /* frames: when the latest one arrives that a fault has made late */
+    uint8_t dead; /* INTERBUS: cycles without data to come */
     uint8_t cycle[sizeof((struct dg_host_event *)0)->data]; /* INTERBUS: IN of the latest one */
     struct dg_line_fault line;
     dg_ns latched; /* the frame that `line` is about */
@@ -34,108 +38,197 @@ struct dg_host_panel {
 };
 _Static_assert(_Alignof(struct dg_host_panel) <= DG_HOST_ALIGN, "what host.h asks for is enough");
 
-/* ------------------------------------------------------------ faults of the wire */
+/* ------------------------------------------------------------ faults: what the encoder sends */
 
-/* IN of a cycle is told twice: its bytes, and as a number. */
-static void number_words(struct dg_host_event *event)
-{
-    if (event->kind == DG_HOST_WORDS) {
-        event->id = 0;
-        for (uint8_t i = 0; i < event->length; i++) {
-            event->id = event->id << 8 | event->data[i];
-        }
-    }
-}
-
-static void damage(struct dg_faults *faults, struct dg_host_event *event)
-{
-    const uint32_t bit = dg_fault_pick(faults, 8u * event->length);
-
-    event->data[bit / 8u] ^= (uint8_t)(1u << bit % 8u);
-    number_words(event);
-}
-
-/* The first half of IN is that of the cycle before: the high word, of a K1 the high byte. */
+/* The first half of IN is that of the cycle before: the high word, of a K1 the high byte. IN is
+ * told twice: its bytes, and as a number. */
 static void tear(struct dg_host_panel *self, struct dg_host_event *event)
 {
     uint8_t whole[sizeof self->cycle];
 
-    if (event->kind != DG_HOST_WORDS || (event->flags & DG_HOST_IDENTIFY) != 0) {
+    if ((event->flags & DG_HOST_IDENTIFY) != 0) {
         return;
     }
     memcpy(whole, event->data, sizeof whole);
     if (dg_fault_wire_takes(&self->encoder.faults, DG_WIRE_TEAR)) {
         memcpy(event->data, self->cycle, event->length / 2u);
-        number_words(event);
+        event->id = 0;
+        for (uint8_t i = 0; i < event->length; i++) {
+            event->id = event->id << 8 | event->data[i];
+        }
     }
     memcpy(self->cycle, whole, sizeof whole);
 }
 
-static unsigned sent_by_encoder(struct dg_host_panel *self, struct dg_host_event *event)
+/* Frames keep their order: what is sent while another one is late waits behind it. A state that was
+ * restored may have led back in time. */
+static dg_ns find_arrival(const struct dg_host_panel *self, dg_ns at)
 {
-    struct dg_faults *faults = &self->encoder.faults;
+    const dg_ns most = (dg_ns)dg_fault_wire_value(self->encoder.instrument, DG_WIRE_DELAY);
+    const dg_ns late = dg_earliest(self->late, dg_after(self->host->line.now, most));
 
-    /* A reply is one frame, of however many events: all but the first begin later. */
-    if (event->at <= self->host->line.now) {
-        self->copies = dg_fault_wire_takes(faults, DG_WIRE_DROP) ? 0 : 1;
-        self->copies += dg_fault_wire_takes(faults, DG_WIRE_DUPLICATE) ? 1u : 0u;
-        if (dg_fault_wire_takes(faults, DG_WIRE_DAMAGE)) {
-            damage(faults, event);
-        }
+    return late > at ? late : at;
+}
+
+/* Edges are bent as levels, below, and a cycle that is lost does not begin. */
+static unsigned arrives(void *ctx, struct dg_host_event *event)
+{
+    struct dg_host_panel *self = ctx;
+
+    if (event->kind == DG_HOST_WORDS) {
+        tear(self, event);
     }
-    if (dg_fault_wire_takes(faults, DG_WIRE_DELAY)) {
-        const int64_t delay = dg_fault_wire_value(self->encoder.instrument, DG_WIRE_DELAY);
-        event->at = dg_after(event->at, (dg_ns)delay);
+    if (event->kind != DG_HOST_CAN) {
+        return 1;
     }
-    return self->copies;
+    const struct dg_wire_sent sent = dg_wire_fault_send(&self->encoder, event->length);
+    if (sent.damaged < event->length) {
+        event->data[sent.damaged] ^= sent.flip;
+    }
+    if (sent.times > 0 && (sent.delay > 0 || event->at < self->late)) {
+        event->at = find_arrival(self, dg_after(event->at, sent.delay));
+        self->late = event->at;
+    }
+    return sent.times;
+}
+
+/* One that does not arrive takes no time: the encoder hears what comes next. */
+static void say_reply(void *ctx, const uint8_t *bytes, size_t n)
+{
+    struct dg_host_panel *self = ctx;
+    struct dg_host *host = self->host;
+    uint8_t bent[DG_REPLY_MAX];
+    const size_t length = n < sizeof bent ? n : sizeof bent;
+
+    if (host->on_bus) {
+        dg_host_say_reply(host, bytes, n);
+        return;
+    }
+    memcpy(bent, bytes, length);
+    const struct dg_wire_sent sent = dg_wire_fault_send(&self->encoder, length);
+    if (sent.damaged < length) {
+        bent[sent.damaged] ^= sent.flip;
+    }
+    host->line.until = dg_after(host->line.now, sent.delay);
+    for (unsigned left = sent.times; left > 0; left--) {
+        dg_host_say_reply(host, bent, length);
+    }
+    self->heard = 0;
+}
+
+/* ------------------------------------------------------------ faults: what it hears */
+
+/* A request is heard as a whole or not at all: its first character decides, if it is for the
+ * encoder. While its own reply is on the line it hears nothing anyway. */
+static bool hears_characters(struct dg_host_panel *self, const struct dg_host_event *event)
+{
+    const struct dg_host_wire *wire = self->host->refs.wire;
+    const struct dg_host_line *line = &self->host->line;
+    struct dg_host_uart uart;
+
+    if (event->length == 0 || dg_host_uart(self->host, &uart) != DG_HOST_OK) {
+        self->deaf = self->deaf && dg_host_powered(self->host);
+        return !self->deaf;
+    }
+    const dg_ns one = event->id != 0 ? event->id : dg_host_characters_ns(line, 1);
+    const dg_ns end = dg_after(event->at, (event->flags & DG_HOST_ENDED) != 0 ? 0 : one);
+    const dg_ns pause = dg_elapsed(end, self->heard);
+    const bool begins = self->heard == 0 || pause > dg_bit_times_ns(uart.timeout_bits, uart.baud);
+    self->heard = dg_after(end, (event->length - 1u) * one);
+    if (begins && end >= line->until) {
+        self->deaf = (wire->wants == NULL || wire->wants(line, event->data[0])) &&
+                     dg_wire_fault_hear(&self->encoder) != DG_WIRE_HEARD;
+    }
+    return !self->deaf;
+}
+
+/* A controller has filters: what gets by them was neither lost nor kept from the encoder. */
+static bool listens_to(const struct dg_host_panel *self, uint32_t id)
+{
+    const struct dg_host_controller *controller = self->host->refs.wire->controller;
+    uint16_t ids[DG_HOST_FILTERS];
+    uint8_t left = controller->listens(self->host->line.device, ids);
+
+    while (left > 0 && ids[left - 1u] != id) {
+        left--;
+    }
+    return left > 0;
 }
 
 /* A frame that a controller had to drop is an event to its node. */
-static bool hears(struct dg_host_panel *self)
+static bool hears_frame(struct dg_host_panel *self, const struct dg_host_event *event)
 {
+    if (self->encoder.faults.wire == 0 || !listens_to(self, event->id)) {
+        return true;
+    }
     const enum dg_wire_heard heard = dg_wire_fault_hear(&self->encoder);
-
     if (heard == DG_WIRE_LOST) {
         dg_host_tell_controller(self->host, DG_HOST_BUS_OVERRUN);
     }
     return heard == DG_WIRE_HEARD;
 }
 
-static unsigned sent_by_master(struct dg_host_panel *self, struct dg_host_event *event)
+/* No data comes back in a cycle that is lost or cut, nor in one with a transmission error and some
+ * behind it. */
+static bool hears_cycle(struct dg_host_panel *self, const struct dg_host_event *event)
 {
-    if (event->kind != DG_HOST_BUS) {
-        return hears(self) ? 1 : 0;
+    struct dg_faults *faults = &self->encoder.faults;
+    const bool data = (event->flags & DG_HOST_IDENTIFY) == 0;
+
+    if (!dg_host_powered(self->host)) {
+        return true;
     }
-    if (event->id <= DG_HOST_BUS_OFF) {
-        event->id =
-            (uint32_t)dg_fault_controller(&self->encoder.faults, (enum dg_controller)event->id);
+    if (dg_fault_wire_takes(faults, DG_WIRE_DROP) || dg_fault_wire_active(faults, DG_WIRE_BREAK)) {
+        return false;
     }
-    return 1;
+    if (data && self->dead > 0) {
+        self->dead--;
+        return false;
+    }
+    if (data && dg_fault_wire_takes(faults, DG_WIRE_DAMAGE)) {
+        self->host->refs.wire->ring->spoil(&self->host->line);
+        self->dead = DG_RING_DEAD_CYCLES;
+        return false;
+    }
+    return true;
 }
 
-static bool is_cut(const struct dg_faults *faults, const struct dg_host_event *event)
+/* What the wire's controller says of itself is never better than what a fault has made of it. */
+static void bend_controller(struct dg_host_panel *self, struct dg_host_event *event)
 {
-    return dg_fault_wire_active(faults, DG_WIRE_BREAK) ||
-           (event->kind == DG_HOST_CAN && dg_fault_wire_active(faults, DG_WIRE_BUS_OFF));
+    if (event->id <= DG_HOST_BUS_OFF) {
+        const enum dg_controller own = (enum dg_controller)event->id;
+        const enum dg_controller bent = dg_fault_controller(&self->encoder.faults, own);
+        self->bent = bent != own;
+        event->id = (uint32_t)bent;
+    }
 }
 
 /* Edges are bent as levels, below. */
-static unsigned arrives(void *ctx, struct dg_host_event *event, bool sent)
+static bool hears(void *ctx, struct dg_host_event *event)
 {
     struct dg_host_panel *self = ctx;
-    struct dg_faults *faults = &self->encoder.faults;
 
-    if (!sent) {
-        tear(self, event);
+    if (self->host->on_bus) {
+        return true;
     }
-    if (faults->wire == 0 || event->kind == DG_HOST_EDGE) {
-        return 1;
+    switch ((enum dg_host_kind)event->kind) {
+    case DG_HOST_BYTES:
+        return hears_characters(self, event);
+    case DG_HOST_CAN:
+        return hears_frame(self, event);
+    case DG_HOST_BUS:
+        bend_controller(self, event);
+        return true;
+    case DG_HOST_WORDS:
+        return hears_cycle(self, event);
+    case DG_HOST_EDGE:
+        return true;
     }
-    if (is_cut(faults, event)) {
-        return 0;
-    }
-    return sent ? sent_by_master(self, event) : sent_by_encoder(self, event);
+    return true;
 }
+
+/* ------------------------------------------------------------ faults: levels */
 
 /* The encoder may have taken an edge. A frame is latched by the one that it begins with; its period
  * is known at its rising edges only. */
@@ -160,6 +253,9 @@ static bool bent(void *ctx, bool raw)
 {
     struct dg_host_panel *self = ctx;
 
+    if (self->host->on_bus) {
+        return raw;
+    }
     follow(self, raw);
     if (dg_line_fault_due(&self->line) &&
         self->host->refs.device->stack->step(self->host->line.device, 0) == DG_NEVER) {
@@ -168,24 +264,14 @@ static bool bent(void *ctx, bool raw)
     return dg_line_fault_level(&self->line, raw);
 }
 
-static void overridden(void *ctx, size_t offset)
-{
-    struct dg_host_panel *self = ctx;
-    const struct dg_fault_target target = dg_encoder_target(&self->encoder);
-
-    dg_fault_override(&self->encoder.faults, &target, offset);
-}
-
-static const struct host_faults faults_at_work = {
-    .arrives = arrives, .bent = bent, .overridden = overridden};
-
 _Static_assert((int)DG_CONTROLLER_PASSIVE == (int)DG_HOST_BUS_PASSIVE, "the numbers are the same");
 _Static_assert((int)DG_CONTROLLER_OFF == (int)DG_HOST_BUS_OFF, "the numbers are the same");
 
-/* Whoever sets, ends or clears a fault comes by here, and at each step, as a power cycle makes a
- * controller forget. */
-static void follow_controller(struct dg_host_panel *self)
+/* Whoever sets, ends or clears a fault comes by here; so does who switches power or bends the
+ * world, as on a bus: a restart makes an encoder forget its controller. */
+static void feel_controller(void *ctx)
 {
+    struct dg_host_panel *self = ctx;
     const enum dg_controller own = (enum dg_controller)self->host->controller;
     const enum dg_controller wanted = dg_fault_controller(&self->encoder.faults, own);
 
@@ -195,6 +281,24 @@ static void follow_controller(struct dg_host_panel *self)
     self->bent = wanted != own;
 }
 
+static void overridden(void *ctx, size_t offset)
+{
+    struct dg_host_panel *self = ctx;
+    const struct dg_fault_target target = dg_encoder_target(&self->encoder);
+
+    dg_fault_override(&self->encoder.faults, &target, offset);
+    feel_controller(self);
+}
+
+static const struct host_faults faults_at_work = {
+    .arrives = arrives,
+    .reply = say_reply,
+    .hears = hears,
+    .bent = bent,
+    .overridden = overridden,
+    .feel = feel_controller,
+};
+
 /* ------------------------------------------------------------ the rig */
 
 static void changed(struct dg_rig *rig, struct dg_encoder *encoder, dg_ns now)
@@ -202,7 +306,7 @@ static void changed(struct dg_rig *rig, struct dg_encoder *encoder, dg_ns now)
     struct dg_host_panel *self = rig->host;
 
     (void)encoder;
-    follow_controller(self);
+    feel_controller(self);
     dg_host_run(self->host, now);
 }
 
@@ -344,7 +448,7 @@ int dg_host_fault_set(struct dg_host_panel *self, uint64_t now, const char *name
     }
     dg_host_run(self->host, now);
     const int result = set(self, &target, (size_t)index, on);
-    follow_controller(self);
+    feel_controller(self);
     dg_host_run(self->host, now);
     return result;
 }
@@ -398,7 +502,6 @@ uint64_t dg_host_panel_step(struct dg_host_panel *self, uint64_t now)
 {
     dg_ns faults = dg_rig_step(&self->rig, self->host->line.now);
 
-    follow_controller(self);
     while (faults <= now && faults > self->host->line.now) {
         dg_host_run(self->host, faults);
         faults = dg_rig_step(&self->rig, faults);

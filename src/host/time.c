@@ -29,7 +29,7 @@ static void append(struct host_queue *queue, const struct dg_host_event *event)
     queue->count++;
 }
 
-static void deliver(struct dg_host *self, const struct dg_host_event *event)
+void dg_host_deliver(struct dg_host *self, const struct dg_host_event *event)
 {
     struct host_queues *queues = self->refs.queues;
 
@@ -47,23 +47,19 @@ static void deliver(struct dg_host *self, const struct dg_host_event *event)
 void dg_host_emit(struct dg_host_line *line, const struct dg_host_event *event)
 {
     struct dg_host *self = (struct dg_host *)(void *)line;
-    const struct host_faults *faults = dg_host_faults(self);
-
-    if (faults == NULL && (self->on_bus || self->refs.queues == NULL)) {
-        deliver(self, event);
-        return;
-    }
     struct dg_host_event copy = *event;
     unsigned times = 1;
 
-    if (self->refs.queues != NULL) {
-        copy.flags &= (uint16_t)~DG_HOST_ACKNOWLEDGES;
+    if (self->on_bus) {
+        dg_host_deliver(self, event);
+        return;
     }
-    if (faults != NULL) {
-        times = faults->arrives(self->refs.faults_ctx, &copy, false);
+    copy.flags &= (uint16_t)~DG_HOST_ACKNOWLEDGES;
+    if (self->refs.faults != NULL) {
+        times = self->refs.faults->arrives(self->refs.faults_ctx, &copy);
     }
     while (times-- > 0) {
-        deliver(self, &copy);
+        dg_host_deliver(self, &copy);
     }
 }
 
@@ -153,9 +149,8 @@ static dg_ns due_in(const struct dg_host *self)
 static bool seen(struct dg_host *self)
 {
     const bool raw = self->refs.wire->level(&self->line);
-    const struct host_faults *faults = dg_host_faults(self);
 
-    return faults != NULL ? faults->bent(self->refs.faults_ctx, raw) : raw;
+    return self->refs.faults != NULL ? self->refs.faults->bent(self->refs.faults_ctx, raw) : raw;
 }
 
 /* The line may have another level than was told. */
@@ -188,11 +183,10 @@ void dg_host_note_controller(struct dg_host *self, const struct dg_host_event *e
 bool dg_host_take_event(struct dg_host *self, struct dg_host_event *event)
 {
     const struct dg_host_wire *wire = self->refs.wire;
-    const struct host_faults *faults = dg_host_faults(self);
 
     dg_host_note_controller(self, event);
-    if (self->line.part == 0 && faults != NULL &&
-        faults->arrives(self->refs.faults_ctx, event, true) == 0) {
+    if (self->line.part == 0 && self->refs.faults != NULL &&
+        !self->refs.faults->hears(self->refs.faults_ctx, event)) {
         return true;
     }
     if (wire->take != NULL) {

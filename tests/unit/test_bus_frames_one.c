@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * One encoder on a bus of frames in virtual time behaves as its handle: the same frames at the same
- * moments, the same deadlines.
+ * One encoder on a bus of frames in virtual time behaves as its handle, with all faults of its
+ * wire: the same frames at the same moments, the same deadlines.
  */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <string.h>
 
 #include <cmocka.h>
@@ -50,23 +51,41 @@ static const struct {
 
 static struct dg_host *bare;
 static struct host_rig_place bare_place;
+static struct dg_host_panel *panel;
+static struct host_rig_place panel_place;
 
-/* What the handle has sent is what the bus has: the same frames at the same moments. */
-static size_t compare(size_t done)
+/* What the handle has said of moments to come: a frame that a fault has made late. */
+static struct dg_host_event early[2u * DG_HOST_QUEUE];
+static size_t early_count;
+
+static void fetch_bare(void)
 {
-    struct dg_host_event event;
+    while (dg_host_receive(bare, &early[early_count]) == 1) {
+        early_count++;
+        assert_true(early_count < DG_COUNT(early));
+    }
+}
 
-    while (dg_host_receive(bare, &event) == 1) {
+/* What the handle has sent up to `now` is what the bus has: the same frames at the same moments. */
+static void compare(dg_ns now)
+{
+    size_t done = 0;
+
+    fetch_bare();
+    while (done < early_count && early[done].at <= now) {
         assert_true(done < frames_rig.count);
+        const struct dg_host_event *event = &early[done];
         const struct dg_tap_event *other = &frames_rig.sent[done++].event;
-        assert_int_equal(event.at, other->at);
-        assert_int_equal(event.id, other->frame.id);
-        assert_int_equal(event.flags, 0);
-        assert_int_equal(event.length, other->frame.dlc);
-        assert_memory_equal(event.data, other->frame.data, event.length);
+        assert_int_equal(event->at, other->at);
+        assert_int_equal(event->id, other->frame.id);
+        assert_int_equal(event->flags, 0);
+        assert_int_equal(event->length, other->frame.dlc);
+        assert_memory_equal(event->data, other->frame.data, event->length);
     }
     assert_int_equal(done, frames_rig.count);
-    return done;
+    frames_rig.count = 0;
+    early_count -= done;
+    memmove(early, early + done, early_count * sizeof early[0]);
 }
 
 static void say_to_both(dg_ns now, unsigned row, bool remote)
@@ -110,9 +129,50 @@ static void warm_both(dg_ns now)
     (void)dg_bus_changed(frames_rig.bus, 0, now);
 }
 
+/* The state of a wire's controller outlasts that. */
+static void switch_both(dg_ns now)
+{
+    state_of_both = DG_HOST_BUS_ACTIVE;
+    tell_bare(now, state_of_both);
+    (void)dg_bus_frames_controller(frames_rig.bus, now, DG_HOST_BUS_ACTIVE);
+    for (int on = 0; on < 2; on++) {
+        assert_int_equal(dg_host_power(bare, now, on != 0), DG_HOST_OK);
+        dg_bus_look(frames_rig.bus, now);
+        assert_int_equal(dg_host_power(frames_rig.host[0], now, on != 0), DG_HOST_OK);
+        (void)dg_bus_changed(frames_rig.bus, 0, now);
+    }
+}
+
+/* Until it is cleared or, where it happens to single frames, to some of them. */
+static void bend_both(dg_ns now)
+{
+    static const struct {
+        const char *name;
+        bool single;
+    } rows[] = {
+        {"wire_drop", true},      {"wire_deaf", true},      {"wire_delay", true},
+        {"wire_damage", true},    {"wire_duplicate", true}, {"overrun", true},
+        {"error_passive", false}, {"bus_off", false},
+    };
+    const size_t i = pick(DG_COUNT(rows));
+    const uint32_t count = rows[i].single ? pick(4) : 0;
+    const bool on = pick(3) != 0;
+    char line[64];
+    char answer[64];
+
+    if (count > 0 && on) {
+        (void)snprintf(line, sizeof line, "FAUL:SET %s,COUN %u", rows[i].name, (unsigned)count);
+        assert_int_equal(dg_host_scpi(panel, now, line, answer, sizeof answer), 0);
+    } else {
+        assert_int_equal(dg_host_fault_set(panel, now, rows[i].name, on), DG_HOST_OK);
+    }
+    tell_bare(now, state_of_both);
+    frames_rig_bend(0, rows[i].name, on, count, now);
+}
+
 static void do_to_both(dg_ns now)
 {
-    const uint32_t what = pick(20);
+    const uint32_t what = pick(panel != NULL ? 24 : 20);
     const uint32_t state = pick(3);
 
     if (what == 0) {
@@ -125,8 +185,47 @@ static void do_to_both(dg_ns now)
     } else if (what == 2) {
         tell_bare(now, DG_HOST_BUS_OVERRUN);
         (void)dg_bus_frames_controller(frames_rig.bus, now, DG_HOST_BUS_OVERRUN);
+    } else if (what == 20) {
+        switch_both(now);
+    } else if (what > 20) {
+        bend_both(now);
     } else {
         say_to_both(now, pick(DG_COUNT(said)), pick(8) == 0);
+    }
+}
+
+static void begin_both(uint32_t seed, bool faults)
+{
+    chance = seed;
+    state_of_both = DG_HOST_BUS_ACTIVE;
+    early_count = 0;
+    frames_rig_begin((struct dg_bus_frames_setup){.pace = false}, 1);
+    bare = host_rig_make(&bare_place, "f3668");
+    assert_int_equal(dg_host_set(bare, "node", "1"), DG_HOST_OK);
+    assert_int_equal(dg_host_power(bare, 0, true), DG_HOST_OK);
+    (void)dg_host_step(bare, DG_S(1));
+    host_rig_drain(bare);
+    panel = faults ? dg_host_panel_make(&panel_place, sizeof panel_place, bare) : NULL;
+    assert_true(panel != NULL || !faults);
+}
+
+static void compare_lives(uint32_t seed, bool faults)
+{
+    dg_ns now = DG_S(1);
+
+    begin_both(seed, faults);
+    for (unsigned i = 0; i < 100; i++) {
+        now += pick(4) == 0 ? 0 : pick(40000000);
+        (void)dg_host_step(bare, now);
+        (void)dg_bus_step(frames_rig.bus, now);
+        do_to_both(now);
+        compare(now);
+        /* Many deadlines at once, each at its own moment. */
+        now += DG_MS(20);
+        const dg_ns next = dg_bus_step(frames_rig.bus, now);
+        const dg_ns own = dg_host_step(bare, now);
+        compare(now);
+        assert_true(early_count > 0 || own == next);
     }
 }
 
@@ -134,32 +233,15 @@ static void a_bus_of_one_is_its_handle(void **state)
 {
     (void)state;
     for (uint32_t seed = 1; seed <= 20; seed++) {
-        dg_ns now = DG_S(1);
-        size_t done = 0;
-        chance = seed;
-        state_of_both = DG_HOST_BUS_ACTIVE;
-        frames_rig_begin((struct dg_bus_frames_setup){.pace = false}, 1);
-        bare = host_rig_make(&bare_place, "f3668");
-        assert_int_equal(dg_host_set(bare, "node", "1"), DG_HOST_OK);
-        assert_int_equal(dg_host_power(bare, 0, true), DG_HOST_OK);
-        (void)dg_host_step(bare, now);
-        struct dg_host_event event;
-        while (dg_host_receive(bare, &event) == 1) {
-        }
-        for (unsigned i = 0; i < 100; i++) {
-            now += pick(4) == 0 ? 0 : pick(40000000);
-            frames_rig.count -= done;
-            memmove(frames_rig.sent, frames_rig.sent + done,
-                    frames_rig.count * sizeof frames_rig.sent[0]);
-            done = 0;
-            do_to_both(now);
-            done = compare(done);
-            /* Many deadlines at once, each at its own moment. */
-            const dg_ns next = dg_bus_step(frames_rig.bus, now + DG_MS(20));
-            assert_int_equal(dg_host_step(bare, now + DG_MS(20)), next);
-            now += DG_MS(20);
-            done = compare(done);
-        }
+        compare_lives(seed, false);
+    }
+}
+
+static void a_bus_of_one_is_its_handle_with_faults(void **state)
+{
+    (void)state;
+    for (uint32_t seed = 1; seed <= 60; seed++) {
+        compare_lives(seed, true);
     }
 }
 
@@ -182,6 +264,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_bus_of_one_is_its_handle),
+        cmocka_unit_test(a_bus_of_one_is_its_handle_with_faults),
         cmocka_unit_test(sizes),
     };
     return cmocka_run_group_tests_name("one encoder on a bus of frames", tests, NULL, NULL);

@@ -14,6 +14,7 @@
 #include "drehgeber/biss.h"
 #include "drehgeber/shaft.h"
 #include "drehgeber/ssi.h"
+#include "drehgeber/tap.h"
 #include "host_rig.h"
 
 #define US UINT64_C(1000)
