@@ -50,7 +50,8 @@ class Leave:
     """What a host may do otherwise: the words of its rows in `differences` that are about logs, not scripts.
 
     byte         events of this kind are not compared
-    byte<        they stand behind operations that were before them; else they stand where they are told
+    byte<        they stand behind operations that were before them, and behind the last one they are not compared; else
+                 they stand where they are told
     byte@-9..0   their moments may be so many ns later
     world=       answers of this operation are not compared
     read@        moments in them are not"""
@@ -72,7 +73,6 @@ class Leave:
             while events and number < len(moments) and events[0][0] <= moments[number]:
                 left[number].append(events.pop(0)[1])
             left[number] += [self._line(line) for line in lines if not self._is_untold(line) and not self._is_moved(line)]
-        left[-1:] = [[*lines, *(line for _, line in events)] for lines in left[-1:]]
         return left
 
     def _is_untold(self, line: str) -> bool:
