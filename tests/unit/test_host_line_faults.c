@@ -12,6 +12,7 @@
 #include <cmocka.h>
 
 #include "drehgeber/biss.h"
+#include "drehgeber/host_wire.h"
 #include "drehgeber/shaft.h"
 #include "drehgeber/ssi.h"
 #include "drehgeber/tap.h"
@@ -456,6 +457,38 @@ static void a_cut_bus_brings_nothing_back(void **state)
     assert_int_equal(cycle(&self, TURN, &event), 1);
 }
 
+/* The ID word that comes back. */
+static uint32_t identify(struct bench *self)
+{
+    const struct dg_host_event cycle = {
+        .at = self->now, .kind = DG_HOST_WORDS, .flags = DG_HOST_IDENTIFY};
+    struct dg_host_event back;
+
+    assert_int_equal(dg_host_send(self->host, &cycle), DG_HOST_OK);
+    (void)dg_host_panel_step(self->panel, self->now);
+    assert_int_equal(dg_host_receive(self->host, &back), 1);
+    return back.id;
+}
+
+/* As in a ring: no data in the cycle and in five more, and the encoder says so to the next ID
+ * cycle.
+ */
+static void a_damaged_cycle_is_a_transmission_error(void **state)
+{
+    struct bench self = begin(&host_rig_here, 0, "ocd-ib-k3");
+    struct dg_host_event event;
+
+    (void)state;
+    assert_int_equal(identify(&self) & 0x4000u, 0);
+    (void)scpi(&self, "FAUL:SET wire_damage,COUN 1");
+    for (unsigned i = 0; i < 1 + DG_RING_DEAD_CYCLES; i++) {
+        assert_int_equal(cycle(&self, TURN, &event), 0);
+    }
+    assert_int_equal(cycle(&self, TURN, &event), 1);
+    assert_int_equal(identify(&self) & 0x4000u, 0x4000u);
+    assert_int_equal(identify(&self) & 0x4000u, 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -470,6 +503,7 @@ int main(void)
         cmocka_unit_test(chance_goes_by_the_seed),
         cmocka_unit_test(in_words_are_torn),
         cmocka_unit_test(a_cut_bus_brings_nothing_back),
+        cmocka_unit_test(a_damaged_cycle_is_a_transmission_error),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
