@@ -181,8 +181,6 @@ DG_API void dg_host_join_bus(struct dg_host *self,
                              void *ctx);
 /** Whether it was switched on once: then there is a device. */
 DG_API bool dg_host_made(const struct dg_host *self);
-/** Whether it has joined one. */
-DG_API bool dg_host_on_bus(const struct dg_host_line *line);
 
 /** The side of its protocol. */
 DG_API const struct dg_host_wire *dg_host_wire_at(const struct dg_host *self);

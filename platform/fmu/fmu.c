@@ -23,11 +23,6 @@ const char *fmu_prefix(const struct fmu *self, size_t encoder)
     return self->encoders[encoder].prefix;
 }
 
-bool fmu_follows(const struct fmu *self, size_t encoder)
-{
-    return self->encoders[encoder].owner >= 0;
-}
-
 void fmu_use_events(struct fmu *self, bool events)
 {
     self->events = events;

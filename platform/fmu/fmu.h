@@ -107,8 +107,6 @@ size_t fmu_count(const struct fmu *self);
 /** Of one: the handle, and what its variables' names begin with: "" or "NAME.". */
 struct dg_host *fmu_host(const struct fmu *self, size_t encoder);
 const char *fmu_prefix(const struct fmu *self, size_t encoder);
-/** Whether it follows the shaft of another one. */
-bool fmu_follows(const struct fmu *self, size_t encoder);
 
 /** Variable `index` of all; what is shown of faults switches its encoders on: describe an instance
  * of its own. @return whether there is one */

@@ -48,8 +48,6 @@ struct biss_register {
 /** registers.c */
 extern const struct biss_register dg_biss_registers[];
 extern const uint8_t dg_biss_register_count;
-/** Row of an address in a bank, or NULL: not implemented. */
-const struct biss_register *dg_biss_register_find(uint8_t bank, uint8_t address);
 /** The row when the access is possible now, or NULL: refused. */
 const struct biss_register *dg_biss_permitted(const struct dg_biss *self, dg_ns now,
                                               uint8_t address, bool write);

@@ -292,7 +292,8 @@ const struct biss_register dg_biss_registers[] = {
 
 const uint8_t dg_biss_register_count = DG_COUNT(dg_biss_registers);
 
-const struct biss_register *dg_biss_register_find(uint8_t bank, uint8_t address)
+/* Row of an address in a bank, or NULL: not implemented. */
+static const struct biss_register *find_register(uint8_t bank, uint8_t address)
 {
     for (uint8_t i = 0; i < dg_biss_register_count; i++) {
         const struct biss_register *row = &dg_biss_registers[i];
@@ -307,7 +308,7 @@ const struct biss_register *dg_biss_register_find(uint8_t bank, uint8_t address)
 const struct biss_register *dg_biss_permitted(const struct dg_biss *self, dg_ns now,
                                               uint8_t address, bool write)
 {
-    const struct biss_register *row = dg_biss_register_find(self->bank, address);
+    const struct biss_register *row = find_register(self->bank, address);
     const uint8_t wanted = write ? BISS_WRITE : BISS_READ;
 
     if (row == NULL || (row->access & wanted) == 0) {

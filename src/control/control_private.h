@@ -46,8 +46,6 @@ static inline bool control_offered(struct dg_scpi *self, bool there)
 void dg_control_put_none(struct dg_scpi *self, size_t count);
 
 /* fault_engine.c */
-/** Row `index` of a stack's catalogue, or NULL: a region or nothing. */
-const struct dg_fault_row *dg_control_row(const struct dg_fault_target *target, size_t index);
 /** The quantity at `offset` of the world is `value`, as soon as nothing bends it. */
 void dg_control_put_behind(struct dg_faults *self, const struct dg_fault_target *target,
                            size_t offset, int64_t value);

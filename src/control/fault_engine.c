@@ -25,7 +25,8 @@ static bool concerns(const struct dg_fault_target *target, const struct dg_fault
     return target->layout != NULL || row->offset != offsetof(struct dg_world, eeprom_acknowledges);
 }
 
-const struct dg_fault_row *dg_control_row(const struct dg_fault_target *target, size_t index)
+/* Row `index` of a catalogue, or NULL: a region or nothing. */
+static const struct dg_fault_row *find_row(const struct dg_fault_target *target, size_t index)
 {
     const struct dg_instrument *instrument = target->instrument;
 
@@ -41,7 +42,7 @@ static size_t rows_of(const struct dg_fault_target *target)
 {
     size_t n = 0;
 
-    while (dg_control_row(target, n) != NULL) {
+    while (find_row(target, n) != NULL) {
         n++;
     }
     return n;
@@ -91,7 +92,7 @@ static bool region_entry(const struct dg_fault_target *target, size_t n, struct 
 
 bool dg_fault_entry(const struct dg_fault_target *target, size_t index, struct dg_fault_entry *out)
 {
-    const struct dg_fault_row *row = dg_control_row(target, index);
+    const struct dg_fault_row *row = find_row(target, index);
 
     if (row == NULL) {
         const size_t rows = rows_of(target);
@@ -126,7 +127,7 @@ static size_t rival(const struct dg_faults *self, const struct dg_fault_target *
                     size_t offset)
 {
     for (size_t i = 0; i < DG_FAULTS_MAX; i++) {
-        const struct dg_fault_row *row = self->fault[i].active ? dg_control_row(target, i) : NULL;
+        const struct dg_fault_row *row = self->fault[i].active ? find_row(target, i) : NULL;
         if (row != NULL && row->kind == DG_FAULT_WORLD && row->offset == offset) {
             return i;
         }
@@ -337,7 +338,7 @@ int64_t dg_fault_wire_value(const struct dg_instrument *instrument, enum dg_wire
     const struct dg_fault_target target = {.instrument = instrument};
     const struct dg_fault_row *row;
 
-    for (size_t i = 0; (row = dg_control_row(&target, i)) != NULL; i++) {
+    for (size_t i = 0; (row = find_row(&target, i)) != NULL; i++) {
         if (row->kind == DG_FAULT_WIRE && row->wire == fault) {
             return row->value;
         }

@@ -91,11 +91,6 @@ void dg_host_listen(struct dg_host *self, void (*heard)(void *, const struct dg_
     self->on_bus = false;
 }
 
-bool dg_host_on_bus(const struct dg_host_line *line)
-{
-    return ((const struct dg_host *)(const void *)line)->on_bus;
-}
-
 static int check_edge(const struct dg_host_event *event)
 {
     if (event->kind != DG_HOST_EDGE) {

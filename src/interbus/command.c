@@ -21,7 +21,8 @@ const struct ib_command dg_ib_commands[] = {
 #undef DG_IB_COMMAND
 const uint8_t dg_ib_command_count = DG_COUNT(dg_ib_commands);
 
-const struct ib_command *dg_ib_command_find(const struct dg_ib *self, uint32_t word)
+/* Row of a word in the mode in force, or NULL. */
+static const struct ib_command *find_command(const struct dg_ib *self, uint32_t word)
 {
     uint8_t mode = self->mode > DG_IB_CAM ? IB_IN_CAM : IB_IN_POSITION;
 
@@ -61,7 +62,7 @@ void dg_ib_sample(struct dg_ib *self, uint32_t out)
         self->pending = 0;
         self->counters.releases_stale++;
     }
-    const struct ib_command *row = dg_ib_command_find(self, self->pending);
+    const struct ib_command *row = find_command(self, self->pending);
     self->wait = row != NULL && row->at_once ? 1 : self->setup.model->param_cycles;
 }
 
@@ -86,7 +87,7 @@ void dg_ib_execute(struct dg_ib *self, dg_ns now)
         return;
     }
     const uint32_t word = self->pending;
-    const struct ib_command *row = dg_ib_command_find(self, word);
+    const struct ib_command *row = find_command(self, word);
     /* I12: every word ends the read-out but one in operation with bit 16 set. */
     if ((word & (IB_CODE_MASK | IB_READ_OUT_BIT)) != IB_READ_OUT_BIT) {
         self->item = 0;

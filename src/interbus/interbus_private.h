@@ -58,8 +58,6 @@ struct ib_command {
 /** command.c: the table, and everything between OUT and a handler. */
 extern const struct ib_command dg_ib_commands[];
 extern const uint8_t dg_ib_command_count;
-/** Row of a word in the mode in force, or NULL. */
-const struct ib_command *dg_ib_command_find(const struct dg_ib *self, uint32_t word);
 /** OUT is another one: a new command begins to wait. */
 void dg_ib_sample(struct dg_ib *self, uint32_t out);
 /** One cycle has passed while a command waits: execute it if it is due. */
@@ -96,7 +94,6 @@ void dg_ib_load(struct dg_ib *self);
 /** Read cam program 1..8; a lost one is empty. */
 void dg_ib_load_program(struct dg_ib *self, uint8_t number, struct dg_ib_program *out);
 /** Store a region; it is not lost any more. @return false: not stored */
-bool dg_ib_put(struct dg_ib *self, uint8_t region, const uint8_t *bytes);
 bool dg_ib_put_u32(struct dg_ib *self, uint8_t region, uint32_t value);
 bool dg_ib_put_u8(struct dg_ib *self, uint8_t region, uint8_t value);
 bool dg_ib_put_preset(struct dg_ib *self, uint32_t preset, uint32_t offset, bool flag);

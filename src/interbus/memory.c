@@ -231,7 +231,7 @@ static bool writable(const struct dg_ib *self)
     return self->mounted && self->setup.world->eeprom_acknowledges;
 }
 
-bool dg_ib_put(struct dg_ib *self, uint8_t region, const uint8_t *bytes)
+static bool store_region(struct dg_ib *self, uint8_t region, const uint8_t *bytes)
 {
     if (!writable(self) ||
         dg_store_put(&self->store, region, 0, bytes, regions[region].size) != DG_OK) {
@@ -246,12 +246,12 @@ bool dg_ib_put_u32(struct dg_ib *self, uint8_t region, uint32_t value)
     uint8_t bytes[4];
 
     dg_store_be32(bytes, value);
-    return dg_ib_put(self, region, bytes);
+    return store_region(self, region, bytes);
 }
 
 bool dg_ib_put_u8(struct dg_ib *self, uint8_t region, uint8_t value)
 {
-    return dg_ib_put(self, region, &value);
+    return store_region(self, region, &value);
 }
 
 static void preset_bytes(uint8_t *to, uint32_t preset, uint32_t offset, bool flag)
@@ -266,7 +266,7 @@ bool dg_ib_put_preset(struct dg_ib *self, uint32_t preset, uint32_t offset, bool
     uint8_t bytes[PRESET_SIZE];
 
     preset_bytes(bytes, preset, offset, flag);
-    return dg_ib_put(self, DG_IB_REGION_PRESET, bytes);
+    return store_region(self, DG_IB_REGION_PRESET, bytes);
 }
 
 /* Nothing, unless this region waits. */
@@ -321,7 +321,7 @@ bool dg_ib_put_program(struct dg_ib *self, const struct dg_ib_program *program)
         dg_store_be32(&bytes[3u + 8u * i], program->on[i]);
         dg_store_be32(&bytes[7u + 8u * i], program->off[i]);
     }
-    return dg_ib_put(self, (uint8_t)(DG_IB_REGION_CAMS + self->program_number - 1u), bytes);
+    return store_region(self, (uint8_t)(DG_IB_REGION_CAMS + self->program_number - 1u), bytes);
 }
 
 bool dg_ib_put_defaults(struct dg_ib *self)

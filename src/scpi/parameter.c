@@ -65,7 +65,8 @@ bool dg_scpi_next(struct dg_scpi *self)
     return true;
 }
 
-void dg_scpi_refuse(struct dg_scpi *self, int code)
+/* Raise `code` with what stands at the place. */
+static void refuse_token(struct dg_scpi *self, int code)
 {
     char room[SCPI_DETAIL_SIZE];
     struct dg_text detail = dg_text_in(room, sizeof room);
@@ -98,7 +99,7 @@ bool dg_scpi_close(struct dg_scpi *self, int code)
     if (apart) {
         refuse_apart(self);
     } else {
-        dg_scpi_refuse(self, code);
+        refuse_token(self, code);
     }
     return false;
 }

@@ -47,8 +47,6 @@ void dg_scpi_skip_blanks(struct dg_scpi *self);
 size_t dg_scpi_token(const struct dg_scpi *self);
 /** Go to the next parameter. @return false: -109 was raised, or an error before */
 bool dg_scpi_next(struct dg_scpi *self);
-/** Raise `code` with what stands at the place. */
-void dg_scpi_refuse(struct dg_scpi *self, int code);
 /** How many parameters there are at `text`, up to the end of a command. */
 unsigned dg_scpi_count(const char *text);
 
@@ -66,15 +64,10 @@ void dg_scpi_usage(const struct dg_scpi_command *command, bool query,
 void dg_scpi_add_usage(struct dg_text *to, const struct dg_scpi_command *command, bool query);
 /** Raise `code` with the command at hand as the help has it. */
 void dg_scpi_raise_usage(struct dg_scpi *self, int code);
-/** Standard text of an error number, and of its class for others. */
-const char *dg_scpi_error_text(int code);
 uint8_t dg_scpi_status_byte(const struct dg_scpi *self);
 void dg_scpi_clear_errors(struct dg_scpi *self);
 /** Put the oldest error, or `0,"No error"`, and drop it. */
 void dg_scpi_put_error(struct dg_scpi *self);
-
-/** answer.c: what is written behind dg_scpi_begin(). */
-void dg_scpi_write(struct dg_scpi *self, const char *text, size_t n);
 /** With quotes in it doubled; no quotes around it. */
 void dg_scpi_append_quoted(struct dg_scpi *self, const char *text);
 /** Absolute value. */

@@ -61,7 +61,8 @@ static unsigned class_of(int code)
     return class > 0 && class < CLASSES ? (unsigned)class : DEVICE_SPECIFIC;
 }
 
-const char *dg_scpi_error_text(int code)
+/* Standard text of an error number, and of its class for others. */
+static const char *find_standard_text(int code)
 {
     const char *const text = find_text(code);
 
@@ -163,7 +164,7 @@ void dg_scpi_put_error(struct dg_scpi *self)
     dg_scpi_put_number(self, error->code, 0);
     dg_scpi_begin(self);
     dg_scpi_append(self, "\"");
-    dg_scpi_append(self, dg_scpi_error_text(error->code));
+    dg_scpi_append(self, find_standard_text(error->code));
     if (error->detail[0] != '\0') {
         dg_scpi_append(self, ";");
         dg_scpi_append_quoted(self, error->detail);

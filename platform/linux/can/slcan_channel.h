@@ -16,9 +16,6 @@ struct lx_slcan_channel {
     bool mismatch; /**< its bit rate is not the encoders', and the user has been told */
 };
 
-/** Whether it is open, and an encoder at `kbaud` understands it. */
-bool lx_slcan_hears(const struct lx_slcan_channel *self, uint16_t kbaud);
-
 /** Tell the user, once per episode, which bit rate would be right: that of the encoders. */
 void lx_slcan_check(struct lx_slcan_channel *self, const struct lx_say *say, uint16_t expected);
 

@@ -148,7 +148,8 @@ const char *lx_biss_failure_text(int failure)
     return texts[-failure];
 }
 
-void lx_biss_master_explain(const struct lx_sim_master *self, uint8_t slave, uint8_t address,
+/* An access to `address` that ended in `failure`, in words: "register 78h: ...". */
+static void explain_failure(const struct lx_sim_master *self, uint8_t slave, uint8_t address,
                             int failure, char *to, size_t size)
 {
     const int n = lx_sim_master_name(self, slave, to, size);
@@ -178,7 +179,7 @@ static void note_access(const struct lx_sim_master *self, uint8_t slave, uint8_t
         note_registers(self, slave, address, bytes, done);
     }
     if (result < 0) {
-        lx_biss_master_explain(self, slave, (uint8_t)(address + done), result, text, sizeof text);
+        explain_failure(self, slave, (uint8_t)(address + done), result, text, sizeof text);
         lx_sim_master_note(self, text, DG_SEVERITY_ERROR);
     }
 }
@@ -233,8 +234,8 @@ static int finish(struct lx_bus *bus, const struct lx_sim_master *master,
     if (result >= 0) {
         return DG_SCPI_NO_ERROR;
     }
-    lx_biss_master_explain(master, (uint8_t)station->place, address, result, detail,
-                           DG_SCPI_DETAIL_MAX + 1u);
+    explain_failure(master, (uint8_t)station->place, address, result, detail,
+                    DG_SCPI_DETAIL_MAX + 1u);
     return DG_SCPI_HARDWARE;
 }
 

@@ -30,10 +30,6 @@ int lx_biss_master_read(struct lx_sim_master *self, uint8_t slave, uint8_t addre
 int lx_biss_master_write(struct lx_sim_master *self, uint8_t slave, uint8_t address,
                          const uint8_t *bytes, size_t n, size_t *done);
 
-/** An access to `address` that ended in `failure`, in words: "register 78h: ...". */
-void lx_biss_master_explain(const struct lx_sim_master *self, uint8_t slave, uint8_t address,
-                            int failure, char *to, size_t size);
-
 /** An enum lx_biss_failure in words. */
 const char *lx_biss_failure_text(int failure);
 

@@ -649,11 +649,6 @@ enum lx_nvm_state lx_nvm_queue_state(struct lx_nvm_queue *self, uint64_t ticket)
     return state;
 }
 
-bool lx_nvm_queue_pending(struct lx_nvm_queue *self)
-{
-    return lx_nvm_queue_state(self, self->issued) == LX_NVM_PENDING;
-}
-
 /* A loss that nothing was kept back for yet, as the answer to it comes later, ends with that. */
 enum lx_nvm_answer lx_nvm_queue_answer(struct lx_nvm_queue *self)
 {

@@ -119,9 +119,6 @@ void lx_nvm_queue_close(struct lx_nvm_queue *self);
 /** What has become of the sync with `ticket` and of all before it. Through, when it is not open. */
 enum lx_nvm_state lx_nvm_queue_state(struct lx_nvm_queue *self, uint64_t ticket);
 
-/** Whether its last sync is under way. */
-bool lx_nvm_queue_pending(struct lx_nvm_queue *self);
-
 /** What to do with what the device answers now: it may acknowledge its last sync. What is kept is
  * to be asked for again when settled() is called. */
 enum lx_nvm_answer lx_nvm_queue_answer(struct lx_nvm_queue *self);

@@ -192,8 +192,3 @@ int lx_trace_close(struct lx_trace *self, struct lx_error *error)
     discard(self);
     return result;
 }
-
-bool lx_trace_good(const struct lx_trace *self)
-{
-    return self->good;
-}

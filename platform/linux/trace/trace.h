@@ -63,7 +63,4 @@ int lx_trace_release(struct lx_trace *self, struct lx_error *error);
  */
 int lx_trace_close(struct lx_trace *self, struct lx_error *error);
 
-/** Whether it still is written: false after a full disk, which has been said once. */
-bool lx_trace_good(const struct lx_trace *self);
-
 #endif

@@ -49,8 +49,8 @@ static void tokens_are_whole_or_refused(void **state)
     struct fmu *fmu = fmu_running(TOKEN " a=f3668,node=%35 b=s3684-rs485@0,designation=it%20is");
     assert_int_equal(fmu_count(fmu), 2);
     assert_string_equal(fmu_prefix(fmu, 0), "a.");
-    assert_false(fmu_follows(fmu, 0));
-    assert_true(fmu_follows(fmu, 1));
+    dg_host_shaft(fmu_host(fmu, 0), 0, 1234, 0);
+    assert_int_equal(dg_host_angle(fmu_host(fmu, 1), UINT64_C(1000000000)), 1234);
     char text[32];
     assert_int_equal(dg_host_get(fmu_host(fmu, 0), "node", text, sizeof text), 1);
     assert_string_equal(text, "5");

@@ -568,7 +568,7 @@ static void commit_slowly(const struct dg_nvm *nvm, int result)
 static void end_commit(struct lx_nvm_queue *memory)
 {
     (void)pthread_mutex_unlock(&disk);
-    while (lx_nvm_queue_pending(memory)) {
+    while (lx_nvm_queue_state(memory, memory->issued) == LX_NVM_PENDING) {
         run();
     }
 }
