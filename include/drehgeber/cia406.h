@@ -70,6 +70,14 @@ struct dg_cia406_leds {
     bool err;
 };
 
+/** Whether supervision is left out, as it cannot find anything new (world.h, `stands`). */
+enum dg_cia406_rest {
+    DG_CIA406_AWAKE,  /**< nobody knows whether the shaft stands, it turns, or something happened */
+    DG_CIA406_CALM,   /**< it has stood, and nothing has happened since the latest supervision */
+    DG_CIA406_ASLEEP, /**< nor since the one before: there is none until it is called */
+    DG_CIA406_REST_COUNT
+};
+
 /** An encoder behind a node: dg_co_setup.application points to it. Caller-owned plain data. */
 struct dg_cia406 {
     const struct dg_cia406_model *model;
@@ -79,7 +87,7 @@ struct dg_cia406 {
     uint64_t y;          /**< position in 1/65536 unit while 6000h-6002h are written */
     bool usf_lost;       /**< the stored offset did not verify: a preset is due */
     bool zero_unsaved;   /**< USF: the internal zero could not be stored yet */
-    dg_ns look_at;       /**< next supervision */
+    dg_ns look_at;       /**< next supervision; asleep: the one that was left out first */
     dg_ns event_at;      /**< event mode: when the mapped values are compared next */
     dg_ns time_from;     /**< operating time is counted from here on */
     uint32_t time_10h;   /**< 6508h: operating time in 0.1 h */
@@ -87,6 +95,7 @@ struct dg_cia406 {
     dg_ns locked_until;  /**< 300Ah refuses until then */
     uint8_t wrong_count; /**< wrong passwords in a row */
     bool serial_open;    /**< 300Bh may be written once */
+    uint8_t rest;        /**< enum dg_cia406_rest */
 };
 
 /**

@@ -100,6 +100,11 @@ DG_API int dg_shaft_play(struct dg_shaft *self, dg_ns now, const struct dg_motio
  * Geared: the driver's. */
 DG_API dg_ns dg_shaft_settled(const struct dg_shaft *self);
 
+/** Whether it has stood for DG_WORLD_SPEED_SPAN at `now`, and stands until there is a command;
+ * false while a motion is played that is not a standstill. `ctx` is a struct dg_shaft; the
+ * signature is dg_world.stands'. */
+DG_API bool dg_shaft_stands(void *ctx, dg_ns now);
+
 /** Where it is. `ctx` is a struct dg_shaft; the signature is dg_world.angle's. */
 DG_API dg_angle dg_shaft_angle(void *ctx, dg_ns now);
 

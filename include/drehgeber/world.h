@@ -29,7 +29,13 @@ struct dg_world {
      * latch moment is earlier than 1 ms). Must not block.
      */
     dg_angle (*angle)(void *ctx, dg_ns now);
-    void *angle_ctx;                 /**< handed to `angle` */
+    void *angle_ctx; /**< handed to `angle` and `stands` */
+    /**
+     * Whether the shaft has stood for DG_WORLD_SPEED_SPAN at `now`, and stands until somebody turns
+     * it. Whoever sets this has his encoders called behind whatever he changes in here and whatever
+     * turns the shaft: they do not look meanwhile at what cannot have changed. NULL: nobody knows.
+     */
+    bool (*stands)(void *ctx, dg_ns now);
     int32_t temperature_mdegc;       /**< in the housing, 0.001 degC; healthy: 37 000 */
     uint32_t led_current_ua;         /**< of the optical scanner; healthy: 12 000 */
     uint32_t supply_mv;              /**< healthy: 5 000 */
@@ -66,6 +72,10 @@ DG_API int32_t dg_world_speed_mrpm(const struct dg_world *self, dg_ns now);
 /** dg_world_speed_mrpm(), and the `angle` at `now`: for who wants both, as each one costs a motion.
  */
 DG_API int32_t dg_world_moving(const struct dg_world *self, dg_ns now, dg_angle *angle);
+
+/** Whether the shaft stands, and nothing in here changes, until the device is called; false: that
+ * is not known. */
+DG_API bool dg_world_stands(const struct dg_world *self, dg_ns now);
 
 /** What a monitor of the scanner's signals takes for good ones. */
 struct dg_signal_limits {

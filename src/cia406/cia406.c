@@ -130,24 +130,57 @@ static uint32_t look_ms(const struct dg_co_node *node)
     return parameter(node, DG_CIA406_USF) && turns < LOOK_MS ? turns : LOOK_MS;
 }
 
-/* Supervision now and then; in event mode every millisecond whether a position has changed. */
-static dg_ns step(struct dg_co_node *node)
+/* Those that were left out keep their pace. One at this moment came before what has woken it, but
+ * for the operating time. */
+static void find_next_look(struct dg_co_node *node)
 {
     struct dg_cia406 *self = encoder_of(node);
+    const uint32_t ms = look_ms(node);
+    const dg_ns over = dg_elapsed(node->now, dg_cia406_health_next(self) <= node->now ? 1u : 0u);
 
+    if (self->look_at <= over) {
+        const dg_ns span = dg_divide_ns(over - self->look_at, 20000);
+        const dg_ns looks = dg_divide_ns(span, (uint16_t)(50u * ms)) + 1u;
+        self->look_at = dg_after(self->look_at, looks * DG_MS(ms));
+    }
+}
+
+/* Behind two looks at a shaft that stands, with nothing between them, the next ones would see the
+ * same. Whatever happens wakes it: one that is called looks again. */
+static dg_ns look_around(struct dg_co_node *node)
+{
+    struct dg_cia406 *self = encoder_of(node);
+    const bool calm = self->rest == DG_CIA406_CALM;
+
+    if (self->rest == DG_CIA406_ASLEEP) {
+        find_next_look(node);
+    }
+    self->rest = DG_CIA406_AWAKE;
     if (self->look_at <= node->now) {
         self->look_at = dg_cia406_in_ms(node, look_ms(node));
         dg_cia406_watch_zero(node);
         dg_cia406_health_look(node);
+        if (dg_world_stands(node->setup.world, node->now)) {
+            self->rest = calm ? DG_CIA406_ASLEEP : DG_CIA406_CALM;
+        }
     }
+    return self->rest == DG_CIA406_ASLEEP ? dg_cia406_health_next(self) : self->look_at;
+}
+
+/* Supervision now and then; in event mode every millisecond whether a position has changed. */
+static dg_ns step(struct dg_co_node *node)
+{
+    struct dg_cia406 *self = encoder_of(node);
+    const dg_ns look_at = look_around(node);
+
     if (!parameter(node, DG_CIA406_EVENT_MODE) || node->state != DG_CO_OPERATIONAL) {
-        return self->look_at;
+        return look_at;
     }
     if (self->event_at <= node->now) {
         self->event_at = dg_cia406_in_ms(node, EVENT_MS);
         dg_co_pdo_event(node);
     }
-    return dg_earliest(self->look_at, self->event_at);
+    return dg_earliest(look_at, self->event_at);
 }
 
 /* Hooks by number, and the numbers. */

@@ -101,6 +101,8 @@ int32_t dg_cia406_rpm(const struct dg_co_node *node);
 /* health.c */
 void dg_cia406_health_start(struct dg_co_node *node);
 void dg_cia406_health_look(struct dg_co_node *node);
+/** When the operating time is to be stored next. */
+dg_ns dg_cia406_health_next(const struct dg_cia406 *self);
 
 /* Hooks, by file. */
 dg_co_hook dg_cia406_hook_scaling, dg_cia406_hook_preset; /* position.c */

@@ -196,6 +196,12 @@ void dg_cia406_health_start(struct dg_co_node *node)
     }
     self->time_from = node->now;
     self->look_at = node->now;
+    self->rest = DG_CIA406_AWAKE;
+}
+
+dg_ns dg_cia406_health_next(const struct dg_cia406 *self)
+{
+    return dg_after(self->time_from, TENTH_OF_AN_HOUR);
 }
 
 void dg_cia406_health_look(struct dg_co_node *node)

@@ -58,6 +58,11 @@ int32_t dg_world_speed_mrpm(const struct dg_world *self, dg_ns now)
     return dg_world_moving(self, now, &angle);
 }
 
+bool dg_world_stands(const struct dg_world *self, dg_ns now)
+{
+    return self->stands != NULL && self->stands(self->angle_ctx, now);
+}
+
 static bool amplitude_ok(uint16_t permille, const struct dg_signal_limits *limits)
 {
     return permille >= limits->amplitude_min_permille && permille <= limits->amplitude_max_permille;

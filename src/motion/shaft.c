@@ -556,6 +556,21 @@ dg_ns dg_shaft_settled(const struct dg_shaft *self)
     return self->course.plays ? DG_NEVER : self->course.phase[self->course.count - 1u].at;
 }
 
+bool dg_shaft_stands(void *ctx, dg_ns now)
+{
+    const struct dg_shaft *self = ctx;
+
+    while (self->driver != NULL) {
+        self = self->driver;
+    }
+    const struct dg_shaft_course *course = &self->course;
+    const struct dg_shaft_phase *last = &course->phase[course->count - 1u];
+    const bool rests =
+        course->plays ? course->motion.kind == DG_MOTION_STANDSTILL : last->prpm == 0;
+    const dg_ns since = course->plays ? course->at : last->at;
+    return rests && dg_after(since, DG_WORLD_SPEED_SPAN) <= now;
+}
+
 dg_angle dg_shaft_angle(void *ctx, dg_ns now)
 {
     return angle_at(ctx, now);

@@ -103,17 +103,36 @@ def test_a_request_that_waits_for_a_call_is_counted_and_told(served, tmp_path):
     assert 200 <= int(line.split("held up for ")[1].split()[0]) < 5000
 
 
-def test_an_idle_process_sleeps_and_is_never_late(served):
+def sleeper(served, kind):
+    """Started, and dealt with: nothing is left to do."""
+    model, wire = KINDS[kind]
+    encoder, client = served(model=model, wire=[wire.format(port=free_port())])
+    time.sleep(0.5)
+    return encoder, client
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_an_idle_process_sleeps_and_is_never_late(served, kind):
     seen = []
     while (0, 0, []) not in seen:
         assert len(seen) < 5, seen  # the machine may hold up whoever asks
-        encoder, client = served()
+        encoder, client = sleeper(served, kind)
         first = client.late()
         time.sleep(0.5)  # the connection is dealt with
         before = wakeups(encoder)
         time.sleep(2.0)
         assert wakeups(encoder) == before
         seen.append((first, client.late(), encoder.errors.so_far()))
+
+
+def test_a_node_that_sleeps_sees_what_happens(served):
+    """Its supervision is left out while nothing can have changed."""
+    _, client = sleeper(served, "can")
+    for command, causes in (("SHAF:VEL 13000 RPM", "00000200"), ("SHAF:VEL 0", "00000000"),
+                            ("WORL:TEMP 99", "00000100"), ("WORL:TEMP 37", "00000000")):
+        client.do(command)
+        time.sleep(0.5)
+        assert f"causes={causes}" in client.ask("STAT?"), command
 
 
 def long_motion(folder, lines) -> Path:

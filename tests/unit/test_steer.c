@@ -145,6 +145,34 @@ static void looking_back(void **state)
     assert_true(dg_shaft_angle(&shaft, DG_MS(1500)) == 78);
 }
 
+/* Not as long as an encoder that looks back sees it turn, and not while nobody can tell. */
+static void standing_still(void **state)
+{
+    static const struct dg_motion rest = {.kind = DG_MOTION_STANDSTILL};
+    static const struct dg_motion speed = {.kind = DG_MOTION_SPEED};
+    struct dg_shaft shaft = fresh(REV_PER_S2);
+    struct dg_shaft geared;
+
+    (void)state;
+    dg_shaft_init(&geared);
+    assert_int_equal(dg_shaft_couple(&geared, &shaft, 1, 3), DG_OK);
+    assert_false(dg_shaft_stands(&shaft, DG_WORLD_SPEED_SPAN - 1));
+    assert_true(dg_shaft_stands(&shaft, DG_WORLD_SPEED_SPAN));
+    assert_true(dg_shaft_stands(&geared, DG_WORLD_SPEED_SPAN));
+    (void)dg_shaft_set_velocity(&shaft, DG_S(1), REV_PER_S);
+    assert_false(dg_shaft_stands(&shaft, DG_S(9)));
+    (void)dg_shaft_set_velocity(&shaft, DG_S(9), 0);
+    const dg_ns settled = dg_shaft_settled(&shaft);
+    assert_true(settled > DG_S(9));
+    assert_false(dg_shaft_stands(&geared, settled + DG_WORLD_SPEED_SPAN - 1));
+    assert_true(dg_shaft_stands(&geared, settled + DG_WORLD_SPEED_SPAN));
+    (void)dg_shaft_play(&shaft, DG_S(20), &rest);
+    assert_false(dg_shaft_stands(&shaft, DG_S(20)));
+    assert_true(dg_shaft_stands(&shaft, DG_S(20) + DG_WORLD_SPEED_SPAN));
+    (void)dg_shaft_play(&shaft, DG_S(30), &speed);
+    assert_false(dg_shaft_stands(&shaft, DG_S(40)));
+}
+
 /* What an encoder measures at 10 000 commands a second is the speed that is commanded. */
 static void encoders_see_the_speed_between_commands(void **state)
 {
@@ -559,6 +587,7 @@ int main(void)
         cmocka_unit_test(speed_changes_by_hand),
         cmocka_unit_test(the_same_speed_again_changes_nothing),
         cmocka_unit_test(looking_back),
+        cmocka_unit_test(standing_still),
         cmocka_unit_test(encoders_see_the_speed_between_commands),
         cmocka_unit_test(no_drift_at_a_constant_speed),
         cmocka_unit_test(no_drift_over_many_speed_changes),

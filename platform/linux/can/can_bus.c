@@ -248,12 +248,32 @@ static void look(struct lx_bus *bus, dg_ns now)
     dg_bus_look(self->wire, now);
 }
 
+static void turn_shaft(struct lx_bus *bus, dg_ns now)
+{
+    struct lx_can_bus *self = can_bus_of(bus);
+    look(bus, now);
+    for (size_t i = 0; i < bus->setup.count && !self->stood; i++) {
+        self->stood = dg_world_stands(bus->setup.stations[i]->control.world, now);
+    }
+}
+
+/* Encoders whose shaft stood have not looked since; it may turn now. */
+static void wake_encoders(struct lx_can_bus *self, dg_ns now)
+{
+    for (size_t i = 0; i < self->bus.setup.count; i++) {
+        self->due = dg_bus_changed(self->wire, i, now);
+    }
+    self->stood = false;
+}
+
 static void changed(struct lx_bus *bus, struct lx_station *station, dg_ns now)
 {
     struct lx_can_bus *self = can_bus_of(bus);
     if (station != NULL) {
         (void)update_line(self);
         self->due = dg_bus_changed(self->wire, station->place, now);
+    } else if (self->stood) {
+        wake_encoders(self, now);
     }
     settle(self, now);
 }
@@ -296,7 +316,7 @@ static void close_bus(struct lx_bus *bus)
     free_bus(can_bus_of(bus));
 }
 
-static const struct lx_bus_ops bus_ops = {LX_BUS_OPERATIONS, .look = look};
+static const struct lx_bus_ops bus_ops = {LX_BUS_OPERATIONS, .look = look, .turns = turn_shaft};
 
 /* --- making --- */
 

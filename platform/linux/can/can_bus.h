@@ -45,6 +45,7 @@ struct lx_can_bus {
     bool tapped;     /**< ... and that somebody wants to see all there is */
     dg_ns tapped_at; /**< of the frame that the tap was told last */
     dg_ns due;       /**< as the bus has said last */
+    bool stood;      /**< a shaft of an encoder, until now: it may be asleep (world.h) */
     dg_ns promised;  /**< when the encoders want to be called next; while they wait for the wire
                         nobody is: DG_NEVER */
     struct lx_can_node *node; /**< owned, as many as stations */

@@ -70,6 +70,7 @@ static void make_station(struct lx_rig *self, size_t index)
     dg_world_init(&station->world);
     station->world.angle = dg_shaft_angle;
     station->world.angle_ctx = &shaft->shaft;
+    station->world.stands = dg_shaft_stands;
     station->plan = row;
     station->control = (struct dg_encoder){
         .name = row->name,
