@@ -155,7 +155,7 @@ static enum dg_ring_result judge_cycle(struct dg_bus *self)
     return DG_RING_OK;
 }
 
-/* @return whether words move in it */
+/* Faults come and go by themselves; all else is told. @return whether words move in it */
 static bool begin_cycle(struct dg_bus *self, bool data)
 {
     struct ring *ring = ring_of(self);
