@@ -174,15 +174,17 @@ def compare_sums(host: str, script: list[str], expected: tuple[str, list[str]], 
 # ------------------------------------------------------------ what is known to differ
 
 def read_differences(host: str, subject: str, text: str | None = None) -> dict[str, str]:
-    """What a host does not have or does otherwise with a model or a wire, operations and kinds of events, with the reason."""
+    """What a host does not have or does otherwise with a model or a wire, operations and kinds of events, with the reason.
+    Rows of a protocol are about one encoder: a wire has its own."""
     rows = (DIFFERENCES.read_text() if text is None else text).splitlines()
     found: dict[str, str] = {}
+    names = {host, f"{host}:{subject}"} | ({f"{host}:{SUBJECTS[subject]}"} if subject not in SHARED else set())
     for row in rows:
         name, _, rest = row.partition(" ")
         if name.partition(":")[2] not in ("", *SUBJECTS, *SUBJECTS.values()):
             raise Broken(f"differences: {row}: no such protocol, model or wire")
         word, _, reason = rest.strip().partition(" ")
-        if name in (host, f"{host}:{SUBJECTS[subject]}", f"{host}:{subject}"):
+        if name in names:
             known = {re.split("[:@=<~]", word)[0]} <= {*OPERATIONS, *EVENTS, ALL}
             if not known or not reason.strip() or word in found:
                 raise Broken(f"differences: {row}: expected HOST[:PROTOCOL|:MODEL|:WIRE] OPERATION REASON, once")
