@@ -15,7 +15,7 @@ cmake --build "$WORK/drehgeber"
 
 # Where the targets run there is nothing but a C library.
 libraries() {
-    ldd "$1" | sed -nE 's/^\s+lib(systemd|modbus|inih|gpiod|cap|gcrypt|gpg-error|lzma|lz4|zstd|cmocka)\S* => (\S+) .*/\2/p'
+    ldd "$1" | sed -nE 's/^\s+lib(systemd|modbus|gpiod|cap|gcrypt|gpg-error|lzma|lz4|zstd|cmocka)\S* => (\S+) .*/\2/p'
 }
 
 mkdir -p "$OUT/lib"

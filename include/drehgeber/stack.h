@@ -60,11 +60,14 @@ enum dg_medium {
  * of its setup and ones that `attach` can make anew.
  */
 struct dg_stack {
-    const char *name;        /**< lower case, unique; to be shown, not to be compared */
-    enum dg_medium medium;   /**< of its wire */
-    const char *address_key; /**< the setting that is an encoder's address on a wire; NULL: it has
-                                  none there */
-    size_t device_size;      /**< bytes of a device, aligned for max_align_t */
+    const char *name;          /**< lower case, unique; to be shown, not to be compared */
+    enum dg_medium medium;     /**< of its wire */
+    const char *address_key;   /**< the setting that is an encoder's address on a wire; NULL: it has
+                                    none there; then nothing is said of addresses */
+    const char *address_what;  /**< an address in words: "a node-ID" */
+    uint8_t address_delivered; /**< as long as nobody has set another one */
+    bool address_hex;          /**< written so */
+    size_t device_size;        /**< bytes of a device, aligned for max_align_t */
 
     /** The EEPROM of `model`, or NULL: it has none. */
     const struct dg_store_layout *(*layout)(const void *model);

@@ -26,6 +26,9 @@ struct dg_text {
 /** An empty one in `size` bytes, at least 1. */
 DG_API struct dg_text dg_text_in(char *to, size_t size);
 
+/** Characters of a text, `max` at most: there need be no more of it. */
+DG_API size_t dg_text_length(const char *text, size_t max);
+
 /** Append. */
 DG_API void dg_text_add(struct dg_text *self, const char *text);
 

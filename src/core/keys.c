@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "drehgeber/hal.h"
+#include "drehgeber/text.h"
 
 #define DECIMAL 10u
 #define HEX 16u
@@ -19,23 +20,11 @@ const char *const dg_key_no_yes[2] = {"0", "1"};
 /* Longer texts than any row takes. */
 #define TEXT_MAX 256u
 
-/* The library has no string functions to rely on, and a compiler makes one of a loop without a
- * limit. */
-static size_t length_of(const char *text)
-{
-    size_t n = 0;
-
-    while (n < TEXT_MAX && text[n] != '\0') {
-        n++;
-    }
-    return n;
-}
-
 static bool same(const char *a, const char *b)
 {
-    const size_t n = length_of(a);
+    const size_t n = dg_text_length(a, TEXT_MAX);
 
-    return n == length_of(b) && memcmp(a, b, n) == 0;
+    return n == dg_text_length(b, TEXT_MAX) && memcmp(a, b, n) == 0;
 }
 
 const struct dg_key *dg_keys_find(const struct dg_keys *self, const char *name)
@@ -145,7 +134,7 @@ static unsigned digit_of(char c)
 /* 27h and 0x27. */
 static bool parse_hex(const char *text, int64_t *value)
 {
-    const size_t n = length_of(text);
+    const size_t n = dg_text_length(text, TEXT_MAX);
     const bool prefixed = n > 2 && text[0] == '0' && (text[1] | 0x20) == 'x';
     const bool suffixed = n > 1 && (text[n - 1] | 0x20) == 'h';
     const size_t end = suffixed && !prefixed ? n - 1 : n;
@@ -246,7 +235,7 @@ static bool all_digits(const char *text)
 /* The rest of the field is cleared: it goes to the EEPROM as a whole. */
 static int set_text(const struct dg_key *key, uint8_t *to, const char *value)
 {
-    const size_t n = length_of(value);
+    const size_t n = dg_text_length(value, TEXT_MAX);
     const bool digits = key->type == DG_KEY_DIGITS;
 
     if (n < (size_t)key->min || n > (size_t)key->max || (digits && !all_digits(value))) {
@@ -325,7 +314,7 @@ int dg_key_get(const struct dg_key *self, const void *base, char *to, size_t siz
     } else if (!is_text(self)) {
         text = format(number, load(self, from), self->places);
     }
-    const size_t n = length_of(text);
+    const size_t n = dg_text_length(text, TEXT_MAX);
     if (n >= size) {
         return DG_ERR_SPACE;
     }

@@ -9,6 +9,17 @@ struct dg_text dg_text_in(char *to, size_t size)
     return (struct dg_text){.to = to, .size = size};
 }
 
+/* With a limit: of a loop without one a compiler makes strlen(), which is not there. */
+size_t dg_text_length(const char *text, size_t max)
+{
+    size_t n = 0;
+
+    while (n < max && text[n] != '\0') {
+        n++;
+    }
+    return n;
+}
+
 void dg_text_add(struct dg_text *self, const char *text)
 {
     dg_text_add_n(self, text, self->size);

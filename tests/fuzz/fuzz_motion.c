@@ -68,7 +68,7 @@ static void take_words(const uint8_t *bytes, size_t n)
     n = n < sizeof text ? n : sizeof text - 1u;
     memcpy(text, bytes, n);
     text[n] = '\0';
-    if (lx_shaft_is_file(text)) {
+    if (dg_motion_is_file(text)) {
         return; /* of this machine */
     }
     const int result = lx_shaft_parse(&shaft, text, NULL, &error);

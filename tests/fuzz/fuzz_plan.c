@@ -9,7 +9,7 @@
 
 #include "fuzz_input.h"
 #include "memory_file.h"
-#include "plan_section.h"
+#include "plan.h"
 #include "wire.h"
 
 static bool printable(const char *text)
@@ -22,7 +22,7 @@ static bool printable(const char *text)
     return true;
 }
 
-static void check_settings(const struct lx_plan_settings *settings)
+static void check_settings(const struct dg_plan_settings *settings)
 {
     for (size_t i = 0; i < settings->count; i++) {
         fuzz_must(settings->list[i].key != NULL && settings->list[i].value != NULL);
@@ -30,23 +30,23 @@ static void check_settings(const struct lx_plan_settings *settings)
     }
 }
 
-static void check_plan(const struct lx_plan *plan)
+static void check_plan(const struct dg_plan *plan)
 {
-    fuzz_must(plan->name != NULL && plan->control_count <= LX_PLAN_CONTROLS_MAX);
+    fuzz_must(plan->name != NULL && plan->control_count <= DG_PLAN_CONTROLS_MAX);
     fuzz_must(plan->encoder_count >= 1);
     for (size_t i = 0; i < plan->shaft_count; i++) {
-        const struct lx_plan_shaft *shaft = &plan->shafts[i];
-        fuzz_must(lx_plan_name_fits(shaft->name) && shaft->driver < (int)i);
+        const struct dg_plan_shaft *shaft = &plan->shafts[i];
+        fuzz_must(dg_plan_name_fits(shaft->name) && shaft->driver < (int)i);
         fuzz_must(shaft->driver < 0 || (shaft->ratio[0] != 0 && shaft->ratio[1] != 0));
     }
     for (size_t i = 0; i < plan->wire_count; i++) {
-        fuzz_must(lx_plan_name_fits(plan->wires[i].name) && plan->wires[i].kind != NULL);
-        fuzz_must(lx_plan_find_wire(plan, plan->wires[i].name) == (int)i);
+        fuzz_must(dg_plan_name_fits(plan->wires[i].name) && plan->wires[i].kind != NULL);
+        fuzz_must(dg_plan_find_wire(plan, plan->wires[i].name) == (int)i);
         check_settings(&plan->wires[i].settings);
     }
     for (size_t i = 0; i < plan->encoder_count; i++) {
-        const struct lx_plan_encoder *encoder = &plan->encoders[i];
-        fuzz_must(lx_plan_name_fits(encoder->name) && encoder->model != NULL);
+        const struct dg_plan_encoder *encoder = &plan->encoders[i];
+        fuzz_must(dg_plan_name_fits(encoder->name) && encoder->model != NULL);
         fuzz_must(encoder->shaft < plan->shaft_count && encoder->wire < plan->wire_count);
         check_settings(&encoder->settings);
     }
@@ -54,10 +54,10 @@ static void check_plan(const struct lx_plan *plan)
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
 {
-    static const struct lx_plan empty;
+    static const struct dg_plan empty;
     const char *file = memory_file_write(bytes, n);
     struct lx_error error = {.right = ""};
-    struct lx_plan plan;
+    struct dg_plan plan;
 
     if (lx_plan_read(&plan, file, &error) == 0) {
         check_plan(&plan);

@@ -13,7 +13,7 @@ import sys
 from sources import blank, files, finish, read
 
 # folder: what its internal names start with
-PREFIX = {"hiperface": "dg_hf_", "canopen": "dg_co_", "interbus": "dg_ib_"}
+PREFIX = {"hiperface": "dg_hf_", "canopen": "dg_co_", "interbus": "dg_ib_", "rig": "dg_plan_"}
 DECLARED = re.compile(r"^DG_API\b([^;{]*);", re.M)
 NAME = re.compile(r"\b(\w+)(?=\s*(?:\(|\[|,|$))")
 # Where the parameters of a function begin, nothing is declared any more.

@@ -30,6 +30,7 @@ ALLOWED = {
     "instruments": {"core", "control", "devices"},
     "host":        {"core", "motion", "devices", "control", "instruments"},
     "bus":         {"core", "devices", "control", "host"},
+    "rig":         {"core", "motion", "devices", "host"},
     "words":       {"core", "devices"},
 }
 # The lists of all protocols: they see each.
@@ -43,17 +44,17 @@ SEEN_FROM_OUTSIDE = {
 }
 # room of platform/, folder of tools/: the same, and the rooms whose headers it may include:
 # base < nvm, trace, plan < wires < rig < tools. Private headers of src/ stand there as src/FOLDER.
-BELOW = {"core", "control", "devices", "instruments", "host", "bus", "words",
+BELOW = {"core", "control", "devices", "instruments", "host", "bus", "rig", "words",
          "linux/base", "linux/nvm", "linux/trace", "linux/plan", "linux/wire"}
 WIRES = set(ROOM.values())
 ROOMS = {
-    "linux/base":      {"core", "motion"},
+    "linux/base":      {"core", "motion", "rig"},
     "linux/nvm":       {"core", "devices", "linux/base"},
     "linux/trace":     {"core", "words", "linux/base"},
-    "linux/plan":      {"core", "motion", "devices", "hiperface", "cia406", "linux/base"},
-    "linux/wire":      {"core", "control", "linux/base", "linux/trace", "linux/plan"},
+    "linux/plan":      {"core", "motion", "devices", "rig", "linux/base"},
+    "linux/wire":      {"core", "control", "rig", "linux/base", "linux/trace", "linux/plan"},
     "linux/rig":       {"motion"} | BELOW | WIRES,
-    "hdl":             {"core", "motion", "host", "bus", "linux/base", "linux/nvm", "linux/plan"},
+    "hdl":             {"core", "motion", "host", "bus", "rig", "linux/base", "linux/nvm", "linux/plan"},
     "rp2040":          set(), # an image is an encoder with all that belongs to it
     "web":             {"core", "devices", "host", "bus", "words"},
     "web/libc":        set(),
@@ -129,6 +130,8 @@ OWNER = {
     "host.h":      "host",
     "host_wire.h": "host",
     "bus.h":       "bus",
+    "rig.h":       "rig",
+    "figure.h":    "core",
     "bus_characters.h": "bus",
     "bus_edges.h": "bus",
     "bus_frames.h": "bus",

@@ -239,7 +239,7 @@ static void judge_text(struct book *self, const struct text *text)
 {
     const char *file = memory_file_write((const uint8_t *)text->bytes, text->length);
     struct lx_error error = {.right = ""};
-    struct lx_plan plan;
+    struct dg_plan plan;
     if (lx_plan_read(&plan, file, &error) == 0) {
         (void)fputs("taken", self->out);
         lx_plan_free(&plan);

@@ -47,6 +47,7 @@ JUDGES = {
     "src/host/": [r"unit\.host", VIRTUAL],
     "src/scpi/": [r"unit\.scpi_", VIRTUAL],
     "src/control/": [r"unit\.(control|fault|agree|scpi_random)", VIRTUAL],
+    "src/rig/": [r"unit\.(plan|course_words|motion_words|refused)", r"golden\.verdicts", VIRTUAL],
     "src/devices/": [r"conformance\.|unit\.agree", VIRTUAL],
     "platform/linux/base/": [
         r"unit\.(access|clock|csv|key|refused|say|tap|trace|virtual_timer|nvm_file|socketcand)", r"golden\.",

@@ -9,7 +9,7 @@ if(DREHGEBER_ARCHITECTURE)
   set(package_suffix ":${DREHGEBER_ARCHITECTURE}")
 endif()
 foreach(row "SYSTEMD libsystemd libsystemd-dev" "MODBUS libmodbus libmodbus-dev" "GPIOD libgpiod libgpiod-dev"
-    "INIH inih libinih-dev" "NCURSES ncursesw libncurses-dev")
+    "NCURSES ncursesw libncurses-dev")
   string(REPLACE " " ";" row "${row}")
   list(POP_FRONT row name module package)
   if(PKG_CONFIG_FOUND)

@@ -8,7 +8,7 @@
 #include "biss_master.h"
 #include "biss_settings.h"
 #include "drehgeber/devices.h"
-#include "figure.h"
+#include "drehgeber/figure.h"
 #include "run.h"
 #include "wire_session.h"
 
@@ -31,7 +31,7 @@ static bool take_number(struct words *words, uint64_t max, uint64_t *value)
 {
     const char *word = take_word(words);
 
-    return word != NULL && lx_unsigned_parse(word, value) && *value <= max;
+    return word != NULL && dg_unsigned_parse(word, value) && *value <= max;
 }
 
 /* Pairs of hexadecimal digits; a word that is something else is left. */
@@ -49,7 +49,7 @@ static size_t take_bytes(struct words *words, uint8_t *bytes, size_t capacity)
         for (size_t i = 0; i < length; i += 2) {
             const char digits[5] = {'0', 'x', word[i], word[i + 1], '\0'};
             uint64_t value = 0;
-            (void)lx_unsigned_parse(digits, &value);
+            (void)dg_unsigned_parse(digits, &value);
             bytes[n++] = (uint8_t)value;
         }
         (void)take_word(words);
@@ -85,7 +85,7 @@ static int take_address(struct wire_session *self, struct words *words, uint8_t 
 
     if (colon != NULL && (size_t)(colon - word) < sizeof bank) {
         memcpy(bank, word, (size_t)(colon - word));
-        if (!lx_unsigned_parse(bank, &number) || number > UINT8_MAX) {
+        if (!dg_unsigned_parse(bank, &number) || number > UINT8_MAX) {
             return usage(error, "no bank: ", bank);
         }
         const int result = select_bank(self, (uint8_t)number, error);
@@ -94,7 +94,7 @@ static int take_address(struct wire_session *self, struct words *words, uint8_t 
         }
         word = colon + 1;
     }
-    if (word == NULL || !lx_unsigned_parse(word, &number) || number >= ADDRESSES) {
+    if (word == NULL || !dg_unsigned_parse(word, &number) || number >= ADDRESSES) {
         return word == NULL ? usage(error, "no address", "")
                             : usage(error, "no address of 0x00..0x7F: ", word);
     }

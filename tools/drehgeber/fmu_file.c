@@ -150,9 +150,9 @@ static int put_setting(struct making *self, struct dg_host *trial, const char *k
     return 0;
 }
 
-static int put_settings(struct making *self, const struct lx_plan_encoder *encoder, FILE *to)
+static int put_settings(struct making *self, const struct dg_plan_encoder *encoder, FILE *to)
 {
-    const struct dg_key *address = lx_stack_address_row(lx_stack_of(encoder->model));
+    const struct dg_key *address = dg_plan_address_row(encoder->model);
     const size_t size = dg_host_size_of(encoder->model->name);
     void *memory = aligned_alloc(DG_HOST_ALIGN, (size + DG_HOST_ALIGN - 1) & ~(DG_HOST_ALIGN - 1));
     struct dg_host *trial =
@@ -165,13 +165,13 @@ static int put_settings(struct making *self, const struct lx_plan_encoder *encod
     if (result == 0 && encoder->serial != NULL) {
         result = put_setting(self, trial, "serial", encoder->serial, to);
     }
-    if (result == 0 && address != NULL && encoder->address != LX_PLAN_AS_DELIVERED) {
+    if (result == 0 && address != NULL && encoder->address != DG_PLAN_AS_DELIVERED) {
         char text[16];
         (void)snprintf(text, sizeof text, "%d", encoder->address);
         result = put_setting(self, trial, address->name, text, to);
     }
     for (size_t i = 0; result == 0 && i < encoder->settings.count; i++) {
-        const struct lx_plan_setting *row = &encoder->settings.list[i];
+        const struct dg_plan_setting *row = &encoder->settings.list[i];
         result = put_setting(self, trial, row->key, row->value, to);
     }
     free(memory);
@@ -205,7 +205,7 @@ static void add_word_if(struct words *self, const char *name, bool is)
     }
 }
 
-static struct words left_out(const struct lx_plan *plan)
+static struct words left_out(const struct dg_plan *plan)
 {
     struct words all = {.count = 0};
     for (size_t i = 0; i < plan->shaft_count; i++) {
@@ -213,7 +213,7 @@ static struct words left_out(const struct lx_plan *plan)
         add_word_if(&all, "driver", plan->shafts[i].driver >= 0);
     }
     for (size_t i = 0; i < plan->wire_count; i++) {
-        const struct lx_plan_wire *wire = &plan->wires[i];
+        const struct dg_plan_wire *wire = &plan->wires[i];
         add_word_if(&all, "trace", wire->trace != NULL);
         for (size_t k = 0; k < wire->settings.count; k++) {
             add_word(&all, wire->settings.list[k].key);
@@ -226,7 +226,7 @@ static struct words left_out(const struct lx_plan *plan)
 }
 
 /* A rig file is for running, too: what an FMU has no place for is told. */
-static void tell_left_out(const struct lx_plan *plan)
+static void tell_left_out(const struct dg_plan *plan)
 {
     const struct lx_say say = {.quiet = false};
     const struct words all = left_out(plan);
@@ -240,9 +240,9 @@ static void tell_left_out(const struct lx_plan *plan)
 }
 
 /* On a command line nobody else reads them. */
-static int refuse_wires(struct making *self, const struct lx_plan *plan)
+static int refuse_wires(struct making *self, const struct dg_plan *plan)
 {
-    const struct lx_plan_settings *of = &plan->wires[0].settings;
+    const struct dg_plan_settings *of = &plan->wires[0].settings;
     return plan->file != NULL || of->count == 0 ? 0
                                                 : no_such(self, of->list[0].key, of->list[0].value);
 }
@@ -250,9 +250,9 @@ static int refuse_wires(struct making *self, const struct lx_plan *plan)
 /* --- the token of all --- */
 
 /* The first encoder of a shaft is turned, and the others follow. */
-static int put_encoder(struct making *self, const struct lx_plan *plan, size_t index, FILE *to)
+static int put_encoder(struct making *self, const struct dg_plan *plan, size_t index, FILE *to)
 {
-    const struct lx_plan_encoder *encoder = &plan->encoders[index];
+    const struct dg_plan_encoder *encoder = &plan->encoders[index];
     size_t owner = 0;
     while (plan->encoders[owner].shaft != encoder->shaft) {
         owner++;
@@ -268,7 +268,7 @@ static int put_encoder(struct making *self, const struct lx_plan *plan, size_t i
     return put_settings(self, encoder, to);
 }
 
-static int make_token(struct making *self, const struct lx_plan *plan)
+static int make_token(struct making *self, const struct dg_plan *plan)
 {
     FILE *to = open_memstream(&self->token.bytes, &self->token.n);
     if (to == NULL) {
@@ -441,7 +441,7 @@ static int write_file(struct making *self, const char *name, const char *output)
     return result;
 }
 
-static int make(struct making *self, const struct lx_plan *plan, const char *output)
+static int make(struct making *self, const struct dg_plan *plan, const char *output)
 {
     if (find_folder(self) != 0 || take_list(self) != 0) {
         return -1;
@@ -477,7 +477,7 @@ static bool is_named(const char *output)
 int fmu_command(const struct options *options)
 {
     struct making self = {.version = 3};
-    struct lx_plan plan;
+    struct dg_plan plan;
     if (options->output == NULL) {
         lx_complain("fmu needs --output; right is 'drehgeber %s'", options->row->usage);
         return EXIT_USAGE;

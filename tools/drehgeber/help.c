@@ -187,16 +187,16 @@ static void *readable(const void *defaults)
 }
 
 static bool has_keys(const struct lx_wire *wire, const struct lx_stack *stack,
-                     const struct lx_keys *keys)
+                     const struct dg_keys *keys)
 {
-    return wire->keys == keys && lx_wire_carries(wire, stack);
+    return wire->kind.keys == keys && lx_wire_carries(wire, stack);
 }
 
 /* Wires with the same keys are told once, by the first of them. @return the others' names, too; "":
    an earlier one has told */
 static struct lx_words wires_with(const struct lx_stack *stack, size_t first)
 {
-    const struct lx_keys *keys = lx_wires[first].keys;
+    const struct dg_keys *keys = lx_wires[first].kind.keys;
     struct lx_words names = {""};
     size_t count = 0;
     size_t told = 0;
@@ -211,7 +211,7 @@ static struct lx_words wires_with(const struct lx_stack *stack, size_t first)
         if (i < first) {
             return (struct lx_words){""};
         }
-        (void)snprintf(name, sizeof name, "--%s", lx_wires[i].name);
+        (void)snprintf(name, sizeof name, "--%s", lx_wires[i].kind.name);
         lx_words_item(&names, name, told++, count, " and ");
     }
     return names;
@@ -227,11 +227,15 @@ static void print_wire_keys(const struct command_row *row, const struct lx_stack
 {
     for (size_t i = 0; i < lx_wire_count; i++) {
         const struct lx_wire *wire = &lx_wires[i];
-        const bool has = wire->keys != NULL && lx_wire_carries(wire, stack) && has_wire(row, wire);
+        const struct dg_keys *rows = wire->kind.keys;
+        const bool has = rows != NULL && lx_wire_carries(wire, stack) && has_wire(row, wire);
         const struct lx_words names = has ? wires_with(stack, i) : (struct lx_words){""};
         if (names.text[0] != '\0') {
-            struct lx_keys keys = *wire->keys;
-            keys.base = readable(wire->defaults);
+            const struct lx_keys keys = {
+                .rows = rows->rows,
+                .count = rows->count,
+                .base = readable(wire->defaults),
+            };
             (void)fprintf(to, " of %s:\n", names.text);
             lx_keys_help(&keys, to);
         }
@@ -301,7 +305,7 @@ static void print_senses(const struct command_row *row, const struct lx_stack *s
     print_lines(lines);
     free(lines);
     if (row == NULL || row->wires) {
-        (void)fputs("  Over time: " LX_COURSE_FORM " in place of VALUE,\n"
+        (void)fputs("  Over time: " DG_COURSE_FORM " in place of VALUE,\n"
                     "  with lines time_s,VALUE.\n",
                     stdout);
     }
@@ -343,7 +347,7 @@ static void print_everything(void)
     print_models();
     (void)fputs("\n", stdout);
     print_options(NULL, NULL);
-    (void)printf("\n MOTION:\n  %s\n%s", lx_shaft_forms, help_motion);
+    (void)printf("\n MOTION:\n  %s\n%s", dg_motion_forms, help_motion);
     print_settings();
     (void)printf("\n Exit status:\n  %s", help_exit);
 }
@@ -371,7 +375,7 @@ static void print_one(const struct command_row *row, const struct dg_device *dev
     (void)fputs("\n", stdout);
     print_options(row, device == NULL ? NULL : lx_stack_of(device));
     if (uses(row, " shaft ")) {
-        (void)printf("\n MOTION:\n  %s\n%s", lx_shaft_forms, help_motion);
+        (void)printf("\n MOTION:\n  %s\n%s", dg_motion_forms, help_motion);
     }
     if (uses(row, " set ") && device != NULL) {
         const bool factory = print_stack(row, lx_stack_of(device), device);

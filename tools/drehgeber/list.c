@@ -34,7 +34,7 @@ static void list_wires(const struct lx_stack *stack)
     for (size_t i = 0; i < lx_wire_count; i++) {
         if (lx_wire_carries(&lx_wires[i], stack)) {
             (void)fputs(between, stdout);
-            json_string(lx_wires[i].name);
+            json_string(lx_wires[i].kind.name);
             between = ", ";
         }
     }

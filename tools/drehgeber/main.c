@@ -66,7 +66,7 @@ static int map(const struct options *options)
 {
     const struct dg_device *device = options->model == NULL ? NULL : dg_device_find(options->model);
     const struct dg_ib_model *models[DG_RING_MAX];
-    struct lx_plan plan;
+    struct dg_plan plan;
     struct lx_error error;
     if (options->ring == NULL && (device == NULL || device->stack != &dg_ib_stack)) {
         lx_complain("map needs an INTERBUS model; right is 'drehgeber map ocd-ib-k3' or 'map "

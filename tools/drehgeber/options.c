@@ -127,9 +127,9 @@ static bool takes(const struct command_row *row, const struct argp_option *optio
 static struct argp_option option_of(const struct lx_wire *wire, int key)
 {
     return (struct argp_option){
-        .name = wire->name,
+        .name = wire->kind.name,
         .key = key,
-        .arg = wire->where,
+        .arg = wire->kind.where,
         .flags = lx_wire_is_optional(wire) ? OPTION_ARG_OPTIONAL : 0,
         .doc = wire->help,
         .group = 1,
@@ -202,9 +202,9 @@ static error_t take_wire(struct options *self, int key, const char *value)
         return 0;
     }
     for (size_t i = 0; i < lx_wire_count; i++) {
-        lx_words_add(&right, "%s--%s", i == 0 ? "" : ", ", lx_wires[i].name);
+        lx_words_add(&right, "%s--%s", i == 0 ? "" : ", ", lx_wires[i].kind.name);
     }
-    (void)lx_refuse(&self->error, right.text, "more than one wire: --%s", wire->name);
+    (void)lx_refuse(&self->error, right.text, "more than one wire: --%s", wire->kind.name);
     return EINVAL;
 }
 
@@ -271,7 +271,7 @@ static int superfluous(struct options *self, const char *value)
     const bool link = self->wire != NULL && self->where == NULL && lx_wire_is_optional(self->wire);
     struct lx_words right = {""};
     if (link) {
-        lx_words_add(&right, "--%s=%s is right", self->wire->name, value);
+        lx_words_add(&right, "--%s=%s is right", self->wire->kind.name, value);
     } else if (self->command == COMMAND_RUN) {
         lx_words_add(&right, "right is one model, or 'drehgeber run RIG.ini' with one encoder in "
                              "each [encoder NAME]");
@@ -595,8 +595,8 @@ const struct lx_wire *options_wire(const struct options *self, const struct dg_d
         return self->wire;
     }
     if (self->wire != NULL) {
-        (void)lx_refuse(error, right_wires(stack).text, "--%s is no wire of %s", self->wire->name,
-                        device->name);
+        (void)lx_refuse(error, right_wires(stack).text, "--%s is no wire of %s",
+                        self->wire->kind.name, device->name);
         return NULL;
     }
     if (must_be_said(stack)) {

@@ -77,7 +77,7 @@ struct options {
     const char *timeout;
     char **words; /* owned; what `biss MODEL` and its like are to do, as many as argc at most */
     size_t word_count;
-    struct lx_plan_settings settings; /* owned */
+    struct dg_plan_settings settings; /* owned */
     const char **controls;            /* owned; as many as argc at most */
     size_t control_count;
     bool json;
@@ -109,7 +109,7 @@ const struct lx_wire *options_wire(const struct options *self, const struct dg_d
 
 /* What `run` is to be: of a model, a ring, or a rig file. 0, or -1 with `error` and nothing to
    free. */
-int options_plan(const struct options *self, struct lx_plan *plan, struct lx_error *error);
+int options_plan(const struct options *self, struct dg_plan *plan, struct lx_error *error);
 
 /* Parse. 0, or -1 with self->error. options_free() in any case. */
 int options_parse(struct options *self, int argc, char **argv);

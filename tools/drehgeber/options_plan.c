@@ -13,8 +13,8 @@
 #include "access.h"
 #include "drehgeber/cia406.h"
 #include "drehgeber/devices.h"
+#include "drehgeber/figure.h"
 #include "drehgeber/interbus.h"
-#include "figure.h"
 #include "options.h"
 #include "wire.h"
 
@@ -94,29 +94,41 @@ static char *counted(const char *digits, unsigned offset)
     uint64_t number = 0;
     char *text = NULL;
     if (offset == 0 || digits[strspn(digits, "0123456789")] != '\0' ||
-        !lx_unsigned_parse(digits, &number)) {
+        !dg_unsigned_parse(digits, &number)) {
         return strdup(digits);
     }
     return asprintf(&text, "%" PRIu64, number + offset) < 0 ? NULL : text;
 }
 
-/* Settings of the wire itself go to the wire, once. */
-static int add_settings(const struct options *options, struct lx_plan *plan,
-                        struct lx_plan_encoder *encoder, struct lx_error *error)
+/* Those of the wire itself, or all others. @return false without memory */
+static bool pick_settings(const struct options *options, struct dg_plan *plan, bool of_wire,
+                          struct dg_plan_settings *to)
 {
-    struct lx_plan_wire *wire = &plan->wires[0];
-    for (size_t i = 0; i < options->settings.count; i++) {
-        const struct lx_plan_setting *row = &options->settings.list[i];
-        const bool of_wire = lx_wire_has(wire->kind, row->key);
-        if (of_wire && encoder != plan->encoders) {
-            continue;
-        }
-        if (lx_plan_add_setting(of_wire ? &wire->settings : &encoder->settings, row->key,
-                                row->value, 0, error) != 0) {
-            return -1;
+    const struct lx_wire *wire = lx_wire_of(plan->wires[0].kind);
+    const bool made = dg_plan_make_settings(plan, to, options->settings.count);
+    to->count = 0;
+    for (size_t i = 0; made && i < options->settings.count; i++) {
+        const struct dg_plan_setting *row = &options->settings.list[i];
+        if (lx_wire_has(wire, row->key) == of_wire) {
+            to->list[to->count++] = *row;
         }
     }
-    return 0;
+    return made;
+}
+
+/* Settings of the wire itself go to the wire, once. All encoders share theirs, which the options
+   keep. */
+static int add_settings(const struct options *options, struct dg_plan *plan,
+                        struct dg_plan_encoder *encoder, struct lx_error *error)
+{
+    if (encoder != plan->encoders) {
+        encoder->settings = plan->encoders[0].settings;
+        return 0;
+    }
+    return pick_settings(options, plan, true, &plan->wires[0].settings) &&
+                   pick_settings(options, plan, false, &encoder->settings)
+               ? 0
+               : no_memory(error);
 }
 
 /* "MODEL-NUMBER"; a negative number: there are no others of its model. */
@@ -129,44 +141,43 @@ static char *name_of(const struct dg_device *device, int number)
     return asprintf(&name, "%s-%d", device->name, number) < 0 ? NULL : name;
 }
 
-static struct lx_plan_encoder *add_encoder(const struct options *options, struct lx_plan *plan,
+static struct dg_plan_encoder *add_encoder(const struct options *options, struct dg_plan *plan,
                                            const struct dg_device *device, int number,
                                            struct lx_error *error)
 {
     const unsigned offset = (unsigned)plan->encoder_count;
     char *serial = options->serial == NULL ? NULL : counted(options->serial, offset);
     char *name = name_of(device, number);
-    const int at = name == NULL || (options->serial != NULL && serial == NULL)
+    const char *kept = serial == NULL ? NULL : dg_plan_copy(plan, serial);
+    const int at = name == NULL || (options->serial != NULL && kept == NULL)
                        ? -1
-                       : lx_plan_add_encoder(plan, name, device, 0, 0);
+                       : dg_plan_add_encoder(plan, name, device, 0, 0);
     free(name);
+    free(serial);
     if (at < 0) {
-        free(serial);
         (void)no_memory(error);
         return NULL;
     }
-    struct lx_plan_encoder *encoder = &plan->encoders[at];
-    encoder->serial = serial;
+    struct dg_plan_encoder *encoder = &plan->encoders[at];
+    encoder->serial = kept;
     return add_settings(options, plan, encoder, error) == 0 ? encoder : NULL;
-}
-
-static int take_nvm(const char *nvm, struct lx_plan_encoder *encoder, struct lx_error *error)
-{
-    encoder->nvm = nvm == NULL ? NULL : strdup(nvm);
-    return nvm != NULL && encoder->nvm == NULL ? no_memory(error) : 0;
 }
 
 /* --- one encoder, or a ring --- */
 
-static int plan_one(const struct options *options, struct lx_plan *plan,
+static int plan_one(const struct options *options, struct dg_plan *plan,
                     const struct dg_device *device, struct lx_error *error)
 {
-    struct lx_plan_encoder *encoder = add_encoder(options, plan, device, -1, error);
-    return encoder == NULL ? -1 : take_nvm(options->nvm, encoder, error);
+    struct dg_plan_encoder *encoder = add_encoder(options, plan, device, -1, error);
+    if (encoder == NULL) {
+        return -1;
+    }
+    encoder->nvm = options->nvm;
+    return 0;
 }
 
 /* All devices of a ring share one file. */
-static int plan_ring(const struct options *options, struct lx_plan *plan, struct lx_error *error)
+static int plan_ring(const struct options *options, struct dg_plan *plan, struct lx_error *error)
 {
     const size_t most = plan->wires[0].kind->stations_max;
     const char *at = options->ring;
@@ -180,11 +191,12 @@ static int plan_ring(const struct options *options, struct lx_plan *plan, struct
             (void)lx_refuse(error, "fewer are right", "more than %lu devices", (unsigned long)most);
             return lx_about(error, LX_ABOUT_KEY, "ring", "...");
         }
-        struct lx_plan_encoder *encoder =
+        struct dg_plan_encoder *encoder =
             add_encoder(options, plan, device, (int)plan->encoder_count, error);
-        if (encoder == NULL || take_nvm(options->nvm, encoder, error) != 0) {
+        if (encoder == NULL) {
             return -1;
         }
+        encoder->nvm = options->nvm;
         more = at[n] != '\0';
         at += n + 1;
     }
@@ -196,23 +208,24 @@ static int plan_ring(const struct options *options, struct lx_plan *plan, struct
 /* A decimal node-ID of at most 3 digits at the start of `text`. @return its end or NULL */
 static const char *take_node(const char *text, unsigned *node)
 {
-    struct lx_decimal number = {0};
+    struct dg_decimal number = {0};
     const size_t n = strspn(text, "0123456789");
-    if (n == 0 || n > 3 || !lx_decimal_parse(text, n, 0, &number)) {
+    if (n == 0 || n > 3 || !dg_decimal_parse(text, n, 0, &number)) {
         return NULL;
     }
     *node = (unsigned)number.value;
     return text + n;
 }
 
-static int take_nodes(const char *text, const struct lx_stack *stack, struct nodes *nodes,
+static int take_nodes(const char *text, const struct dg_device *device, struct nodes *nodes,
                       struct lx_error *error)
 {
     if (text == NULL) {
         return 0;
     }
-    const struct dg_key *row = lx_stack_address_row(stack);
-    struct lx_words right = lx_stack_address_right(stack);
+    const struct dg_key *row = dg_plan_address_row(device);
+    char range[64];
+    struct dg_text right = dg_text_in(range, sizeof range);
     const char *end = take_node(text, &nodes->first);
     nodes->last = nodes->first;
     if (end != NULL && strncmp(end, "..", 2) == 0) {
@@ -220,20 +233,21 @@ static int take_nodes(const char *text, const struct lx_stack *stack, struct nod
     }
     if (end == NULL || *end != '\0' || nodes->first < row->min || nodes->last < nodes->first ||
         nodes->last > row->max) {
-        lx_words_add(&right, ", or first..last, is right");
-        (void)lx_refuse(error, right.text, "%s", "");
+        dg_plan_say_addresses(device, &right);
+        dg_text_add(&right, ", or first..last, is right");
+        (void)lx_refuse(error, range, "%s", "");
         return lx_about(error, LX_ABOUT_KEY, row->name, text);
     }
     return 0;
 }
 
 /* Several nodes have a file each, FILE.NODE. */
-static int add_node(const struct options *options, struct lx_plan *plan,
+static int add_node(const struct options *options, struct dg_plan *plan,
                     const struct dg_device *device, const struct nodes *nodes, unsigned node,
                     struct lx_error *error)
 {
     const bool alone = nodes->first == nodes->last;
-    struct lx_plan_encoder *encoder =
+    struct dg_plan_encoder *encoder =
         add_encoder(options, plan, device, alone ? -1 : (int)node, error);
     if (encoder == NULL) {
         return -1;
@@ -242,20 +256,23 @@ static int add_node(const struct options *options, struct lx_plan *plan,
         encoder->address = (int)node;
     }
     if (alone || options->nvm == NULL) {
-        return take_nvm(options->nvm, encoder, error);
+        encoder->nvm = options->nvm;
+        return 0;
     }
-    if (asprintf(&encoder->nvm, "%s.%u", options->nvm, node) < 0) {
-        encoder->nvm = NULL;
+    char *nvm = NULL;
+    if (asprintf(&nvm, "%s.%u", options->nvm, node) < 0) {
         return no_memory(error);
     }
-    return 0;
+    encoder->nvm = dg_plan_copy(plan, nvm);
+    free(nvm);
+    return encoder->nvm == NULL ? no_memory(error) : 0;
 }
 
-static int plan_nodes(const struct options *options, struct lx_plan *plan,
+static int plan_nodes(const struct options *options, struct dg_plan *plan,
                       const struct dg_device *device, struct lx_error *error)
 {
     struct nodes nodes = {0, 0};
-    int result = take_nodes(options->node, lx_stack_of(device), &nodes, error);
+    int result = take_nodes(options->node, device, &nodes, error);
     for (unsigned node = nodes.first; result == 0 && node <= nodes.last; node++) {
         result = add_node(options, plan, device, &nodes, node, error);
     }
@@ -264,43 +281,50 @@ static int plan_nodes(const struct options *options, struct lx_plan *plan,
 
 /* --- the whole --- */
 
-static int take_controls(const struct options *options, struct lx_plan *plan,
+static int take_controls(const struct options *options, struct dg_plan *plan,
                          struct lx_error *error)
 {
     struct lx_access access;
     for (size_t i = 0; i < options->control_count; i++) {
-        if (plan->control_count == LX_PLAN_CONTROLS_MAX) {
-            (void)lx_refuse(error, "fewer are right", "one more than %u", LX_PLAN_CONTROLS_MAX);
+        if (plan->control_count == DG_PLAN_CONTROLS_MAX) {
+            (void)lx_refuse(error, "fewer are right", "one more than %u", DG_PLAN_CONTROLS_MAX);
             return lx_about(error, LX_ABOUT_KEY, "control", options->controls[i]);
         }
         if (lx_access_parse(options->controls[i], &access, error) != 0) {
             return lx_about(error, LX_ABOUT_KEY, "control", NULL);
         }
-        plan->controls[plan->control_count] = strdup(options->controls[i]);
-        if (plan->controls[plan->control_count++] == NULL) {
+        const bool token = access.token_file[0] != '\0';
+        struct dg_plan_control *to = &plan->controls[plan->control_count++];
+        *to = (struct dg_plan_control){
+            .where = dg_plan_copy(plan, access.where),
+            .token_file = token ? dg_plan_copy(plan, access.token_file) : NULL,
+            .tcp = access.tcp,
+            .open = access.open,
+        };
+        if (to->where == NULL || (token && to->token_file == NULL)) {
             return no_memory(error);
         }
     }
     return 0;
 }
 
-/* The shaft and the wire, which all share. */
-static int begin(const struct options *options, struct lx_plan *plan,
+/* The shaft and the wire, which all share. Texts of options are kept by them. */
+static int begin(const struct options *options, struct dg_plan *plan,
                  const struct dg_device *device, struct lx_error *error)
 {
     const char *name = options->ring != NULL ? "ring" : device->name;
-    const struct lx_wire *kind = options_wire(options, device, error);
-    if (kind == NULL) {
+    const struct lx_wire *wire = options_wire(options, device, error);
+    if (wire == NULL || lx_plan_make(plan, error) != 0) {
         return -1;
     }
-    const char *where = options->where == NULL ? kind->usual : options->where;
-    plan->name = strdup(name);
-    if (plan->name == NULL || lx_plan_add_shaft(plan, "main", options->shaft) < 0 ||
-        lx_plan_add_wire(plan, name, kind, where) < 0) {
+    const char *where = options->where == NULL ? wire->kind.usual : options->where;
+    plan->name = name;
+    if (dg_plan_add_shaft(plan, "main", options->shaft) < 0 ||
+        dg_plan_add_wire(plan, name, &wire->kind, where) < 0) {
         return no_memory(error);
     }
-    plan->wires[0].trace = options->trace == NULL ? NULL : strdup(options->trace);
-    return options->trace != NULL && plan->wires[0].trace == NULL ? no_memory(error) : 0;
+    plan->wires[0].trace = options->trace;
+    return 0;
 }
 
 bool options_numbered(const struct lx_stack *stack)
@@ -308,7 +332,7 @@ bool options_numbered(const struct lx_stack *stack)
     return stack->core->address_key != NULL && strcmp(stack->core->address_key, "node") == 0;
 }
 
-static int plan_model(const struct options *options, struct lx_plan *plan, struct lx_error *error)
+static int plan_model(const struct options *options, struct dg_plan *plan, struct lx_error *error)
 {
     const struct dg_device *device = the_model(options, error);
     if (device == NULL || begin(options, plan, device, error) != 0) {
@@ -342,7 +366,7 @@ static const char *not_with_rig(const struct options *options)
             return rows[i].name;
         }
     }
-    return options->wire == NULL ? NULL : options->wire->name;
+    return options->wire == NULL ? NULL : options->wire->kind.name;
 }
 
 static bool is_rig_file(const char *name)
@@ -356,9 +380,9 @@ static bool is_rig_file(const char *name)
            (n >= strlen(ending) && strcasecmp(name + n - strlen(ending), ending) == 0);
 }
 
-int options_plan(const struct options *self, struct lx_plan *plan, struct lx_error *error)
+int options_plan(const struct options *self, struct dg_plan *plan, struct lx_error *error)
 {
-    *plan = (struct lx_plan){.file = NULL};
+    *plan = (struct dg_plan){.file = NULL};
     int result = 0;
     if (!is_rig_file(self->model)) {
         result = plan_model(self, plan, error);
@@ -373,10 +397,8 @@ int options_plan(const struct options *self, struct lx_plan *plan, struct lx_err
         result = take_controls(self, plan, error);
     }
     if (result == 0 && self->files != NULL) {
-        free(plan->files);
         plan->files_line = 0;
-        plan->files = strdup(self->files);
-        result = plan->files == NULL ? no_memory(error) : 0;
+        plan->files = self->files;
     }
     if (result != 0) {
         lx_plan_free(plan);

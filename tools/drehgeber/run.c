@@ -26,7 +26,7 @@
 /* Everything that runs. */
 struct running {
     const struct options *options;
-    struct lx_plan plan;
+    struct dg_plan plan;
     struct lx_rig *rig;
     sd_event *event;
     struct lx_timer print; /* one encoder on a simulated wire */

@@ -18,7 +18,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "figure.h"
+#include "drehgeber/figure.h"
 #include "rig_link.h"
 #include "timer.h"
 #include "top_answer.h"
@@ -83,8 +83,8 @@ static void append(char *to, size_t size, const char *text)
 
 static int64_t decimal(const char *text, unsigned places)
 {
-    struct lx_decimal out = {.value = 0};
-    return text != NULL && lx_decimal_parse(text, strlen(text), places, &out) ? out.value : 0;
+    struct dg_decimal out = {.value = 0};
+    return text != NULL && dg_decimal_parse(text, strlen(text), places, &out) ? out.value : 0;
 }
 
 static void tell(struct top_client *self, const char *text)

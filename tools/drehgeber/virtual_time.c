@@ -5,8 +5,8 @@
 #include <strings.h>
 
 #include "bus.h"
+#include "drehgeber/figure.h"
 #include "drehgeber/hal.h"
-#include "figure.h"
 #include "timer.h"
 #include "wire.h"
 
@@ -27,9 +27,9 @@ int virtual_time_span(const char *text, dg_ns *span)
     const size_t n = strlen(text);
     for (size_t i = 0; i < DG_COUNT(units); i++) {
         const size_t length = strlen(units[i].name);
-        struct lx_decimal number;
+        struct dg_decimal number;
         if (n > length && strcasecmp(text + n - length, units[i].name) == 0) {
-            if (!lx_decimal_parse(text, n - length, PLACES, &number) || number.cut ||
+            if (!dg_decimal_parse(text, n - length, PLACES, &number) || number.cut ||
                 number.value <= 0 || (dg_ns)number.value > SPAN_MAX / (units[i].ns / 1000u)) {
                 return -1;
             }
@@ -43,13 +43,13 @@ int virtual_time_span(const char *text, dg_ns *span)
 /* One that has to be named is a device of the machine, and lives in its time. */
 static bool is_real(const struct lx_wire *kind)
 {
-    return kind->where_needed && kind->make != lx_silkit_bus_make;
+    return kind->kind.where_needed && kind->make != lx_silkit_bus_make;
 }
 
 /* Whether it lives in a time that this process, or a simulation, lets pass. */
 static bool is_virtual(const struct lx_wire *kind, bool stepped)
 {
-    return stepped ? !is_real(kind) : !kind->where_needed;
+    return stepped ? !is_real(kind) : !kind->kind.where_needed;
 }
 
 static struct lx_words virtual_wires(bool stepped)
@@ -61,20 +61,20 @@ static struct lx_words virtual_wires(bool stepped)
     }
     for (size_t i = 0, n = 0; i < lx_wire_count; i++) {
         if (is_virtual(&lx_wires[i], stepped)) {
-            lx_words_item(&right, lx_wires[i].name, n++, count, " and ");
+            lx_words_item(&right, lx_wires[i].kind.name, n++, count, " and ");
         }
     }
     lx_words_add(&right, " are right");
     return right;
 }
 
-static int check_wires(const char *text, const struct lx_plan *plan, bool stepped,
+static int check_wires(const char *text, const struct dg_plan *plan, bool stepped,
                        struct lx_error *error)
 {
     const struct lx_words right = virtual_wires(stepped);
     for (size_t i = 0; i < plan->wire_count; i++) {
         const char *name = plan->wires[i].kind->name;
-        if (is_virtual(plan->wires[i].kind, stepped)) {
+        if (is_virtual(lx_wire_of(plan->wires[i].kind), stepped)) {
             continue;
         }
         if (text != NULL) {
@@ -86,7 +86,7 @@ static int check_wires(const char *text, const struct lx_plan *plan, bool steppe
     return 0;
 }
 
-int virtual_time_of(const char *text, const struct lx_plan *plan, dg_ns *span, bool *stepped,
+int virtual_time_of(const char *text, const struct dg_plan *plan, dg_ns *span, bool *stepped,
                     struct lx_error *error)
 {
     const size_t n = strlen(PREFIX);

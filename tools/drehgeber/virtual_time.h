@@ -18,7 +18,7 @@ int virtual_time_span(const char *text, dg_ns *span);
 /** Understand what --time says, "virtual:SPAN" or NULL, whether the plan has the time of a
  * simulation, and whether it can: all other wires are made by this process.
  * @return 0 with `span` (0: none) and `stepped`, or -1 with `error` */
-int virtual_time_of(const char *text, const struct lx_plan *plan, dg_ns *span, bool *stepped,
+int virtual_time_of(const char *text, const struct dg_plan *plan, dg_ns *span, bool *stepped,
                     struct lx_error *error);
 
 /** Let it live. @return as sd_event_loop(), 0 when `span` is over */

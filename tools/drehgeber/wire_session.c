@@ -26,7 +26,7 @@ const char *take_word(struct words *words)
 /* The encoder as a rig has it, but for what only a rig needs. */
 static void furnish(struct wire_session *self, const struct options *options)
 {
-    const struct lx_plan_encoder *encoder = &self->plan.encoders[0];
+    const struct dg_plan_encoder *encoder = &self->plan.encoders[0];
     struct lx_station *station = &self->station;
     dg_world_init(&station->world);
     station->world.angle = dg_motion_angle;
@@ -49,11 +49,11 @@ static void furnish(struct wire_session *self, const struct options *options)
 }
 
 /* Only a rig lets the world go on. */
-static int refuse_courses(const struct lx_plan_settings *settings, struct lx_error *error)
+static int refuse_courses(const struct dg_plan_settings *settings, struct lx_error *error)
 {
     for (size_t i = 0; i < settings->count; i++) {
-        const struct lx_plan_setting *row = &settings->list[i];
-        if (dg_keys_find(&dg_world_keys, row->key) != NULL && lx_course_is(row->value)) {
+        const struct dg_plan_setting *row = &settings->list[i];
+        if (dg_keys_find(&dg_world_keys, row->key) != NULL && dg_course_is(row->value)) {
             (void)lx_refuse(error, "a value is right", "only run has courses");
             return lx_about(error, LX_ABOUT_SETTING, row->key, row->value);
         }
@@ -172,7 +172,7 @@ static bool is_right(const struct wire_command *self, const struct options *opti
     }
     if (options->wire != NULL && !options->wire->simulated) {
         lx_complain("%s %s has a simulated wire; right is 'drehgeber run %s --%s %s'", self->name,
-                    options->model, options->model, options->wire->name, options->where);
+                    options->model, options->model, options->wire->kind.name, options->where);
         return false;
     }
     if (options->word_count == 0) {

@@ -22,7 +22,7 @@ const char *take_word(struct words *words);
 
 /* Not to be moved while open. */
 struct wire_session {
-    struct lx_plan plan;
+    struct dg_plan plan;
     struct lx_station station;
     struct lx_station *stations[1];
     struct lx_bus_setup bus;

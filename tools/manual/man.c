@@ -171,7 +171,7 @@ static void put_settings(const struct lx_stack *stack)
 static void put_motion(void)
 {
     (void)puts(".SH MOTIONS");
-    put_line(lx_shaft_forms, strlen(lx_shaft_forms));
+    put_line(dg_motion_forms, strlen(dg_motion_forms));
     (void)puts(".PP");
     for (const char *line = help_motion; *line != '\0'; line += strcspn(line, "\n") + 1u) {
         const size_t indent = strspn(line, " ");

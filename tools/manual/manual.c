@@ -69,12 +69,13 @@ void manual_keys(const struct lx_stack *stack)
     lx_stack_keys(stack, NULL, NULL, NULL, lists);
     put_keys(lists, LX_STACK_LISTS);
     for (size_t i = 0; i < lx_wire_count; i++) {
-        bool before = lx_wires[i].keys == NULL;
+        bool before = lx_wires[i].kind.keys == NULL;
         for (size_t j = 0; j < i; j++) {
-            before = before || lx_wires[j].keys == lx_wires[i].keys;
+            before = before || lx_wires[j].kind.keys == lx_wires[i].kind.keys;
         }
         if (!before && lx_wire_carries(&lx_wires[i], stack)) {
-            put_keys(lx_wires[i].keys, 1);
+            const struct dg_keys *keys = lx_wires[i].kind.keys;
+            put_keys(&(struct lx_keys){.rows = keys->rows, .count = keys->count}, 1);
         }
     }
 }

@@ -11,61 +11,28 @@
 #include <unistd.h>
 
 #include "drehgeber/api.h"
+#include "drehgeber/hal.h"
+#include "drehgeber/rig.h"
 #include "endpoint.h"
 
-#define TCP_PREFIX "tcp:"
-#define OPEN_WORD ",open"
-#define TOKEN_WORD ",token="
 #define OTHERS 0077
 
 /* --- the address --- */
 
-/* Where the first of the words begins: a path may have commas of its own. */
-static size_t address_length(const char *text)
-{
-    const char *end = text + strlen(text);
-    const char *token = strstr(text, TOKEN_WORD);
-    const char *open = strstr(text, OPEN_WORD);
-    const char *behind = open == NULL ? "" : open + strlen(OPEN_WORD);
-    if (open != NULL && *behind != '\0' && *behind != ',') {
-        open = NULL; /* part of a name */
-    }
-    end = token != NULL && token < end ? token : end;
-    end = open != NULL && open < end ? open : end;
-    return (size_t)(end - text);
-}
-
-static int take_words(const char *words, struct lx_access *out)
-{
-    const size_t n = strlen(OPEN_WORD);
-    if (strncmp(words, OPEN_WORD, n) == 0) {
-        out->open = true;
-        words += n;
-    }
-    if (strncmp(words, TOKEN_WORD, strlen(TOKEN_WORD)) == 0) {
-        words += strlen(TOKEN_WORD);
-        const int length = snprintf(out->token_file, sizeof out->token_file, "%s", words);
-        return length > 0 && (size_t)length < sizeof out->token_file ? 0 : -1;
-    }
-    return words[0] == '\0' ? 0 : -1;
-}
-
 int lx_access_parse(const char *text, struct lx_access *out, struct lx_error *error)
 {
-    const size_t n = address_length(text);
-    *out = (struct lx_access){.tcp = strncmp(text, TCP_PREFIX, strlen(TCP_PREFIX)) == 0};
-    if (n >= sizeof out->where || take_words(text + n, out) != 0) {
-        return lx_fail(error, "%s: ADDRESS, ADDRESS,open, ADDRESS,token=FILE or both is right",
-                       text);
+    struct dg_access_words words;
+    struct dg_plan_error wrong;
+    if (dg_access_read(text, &words, &wrong) != DG_OK) {
+        return lx_error_take(error, &wrong);
     }
-    memcpy(out->where, text, n);
-    out->where[n] = '\0';
-    if (lx_endpoint_check(out->where, error) != 0) {
-        return -1;
-    }
-    return out->tcp || !out->open
+    const char *token = words.token == NULL ? "" : words.token;
+    *out = (struct lx_access){.tcp = words.tcp, .open = words.open};
+    memcpy(out->where, text, words.where);
+    const int length = snprintf(out->token_file, sizeof out->token_file, "%s", token);
+    return (size_t)length < sizeof out->token_file
                ? 0
-               : lx_fail(error, "%s: only tcp:HOST:PORT can be open; a socket file has its mode",
+               : lx_fail(error, "%s: ADDRESS, ADDRESS,open, ADDRESS,token=FILE or both is right",
                          text);
 }
 

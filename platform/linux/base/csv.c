@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "figure.h"
+#include "drehgeber/figure.h"
 
 /* 1 ns of time; an angle far below its own unit of 8e-8 degree. */
 #define PLACES 9u
@@ -23,7 +23,7 @@
 static void put_angle(void *points, size_t index, dg_ns at, int64_t value)
 {
     struct dg_motion_point *to = points;
-    to[index] = (struct dg_motion_point){at, lx_angle_of_degrees(value, PLACES)};
+    to[index] = (struct dg_motion_point){at, dg_angle_of_degrees(value, PLACES)};
 }
 
 const struct lx_csv_kind lx_csv_motion = {
@@ -121,13 +121,13 @@ static int take_point(struct reader *self, struct field line, struct lx_error *e
     }
     const struct field time = trimmed(line.at, (size_t)(comma - line.at));
     const struct field second = trimmed(comma + 1, line.n - (size_t)(comma + 1 - line.at));
-    struct lx_decimal at;
-    struct lx_decimal value;
-    if (!lx_decimal_parse(time.at, time.n, PLACES, &at) || at.value < 0 ||
-        at.value > TIME_MAX_S * lx_power_of_ten(PLACES)) {
+    struct dg_decimal at;
+    struct dg_decimal value;
+    if (!dg_decimal_parse(time.at, time.n, PLACES, &at) || at.value < 0 ||
+        at.value > TIME_MAX_S * dg_power_of_ten(PLACES)) {
         return complain(self, error, "the time is decimal seconds from 0 to 9000000000", time);
     }
-    if (!lx_decimal_parse(second.at, second.n, kind->places, &value) || value.value < kind->min ||
+    if (!dg_decimal_parse(second.at, second.n, kind->places, &value) || value.value < kind->min ||
         value.value > kind->max) {
         return complain(self, error, kind->value, second);
     }

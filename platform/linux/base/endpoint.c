@@ -14,7 +14,7 @@
 #include <unistd.h>
 
 #include "drehgeber/api.h"
-#include "figure.h"
+#include "drehgeber/figure.h"
 #include "unix_listen.h"
 
 /* Connections are accepted up to so often in a time. */
@@ -43,7 +43,7 @@ bool lx_host_port_split(const char *text, struct lx_host_port *out)
     uint64_t port = 0;
     if (n == 0 || n >= sizeof out->host || strlen(colon + 1) >= sizeof out->port ||
         colon[1 + strspn(colon + 1, "0123456789")] != '\0' ||
-        !lx_unsigned_parse(colon + 1, &port) || port > UINT16_MAX) {
+        !dg_unsigned_parse(colon + 1, &port) || port > UINT16_MAX) {
         return false;
     }
     if (text[0] == '[' && text[n - 1] == ']') {

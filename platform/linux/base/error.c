@@ -85,6 +85,16 @@ int lx_about(struct lx_error *error, enum lx_about about, const char *key, const
     return -1;
 }
 
+int lx_error_take(struct lx_error *error, const struct dg_plan_error *from)
+{
+    (void)lx_refuse(error, from->right, "%s", from->what);
+    if (from->key[0] != '\0') {
+        (void)lx_about(error, LX_ABOUT_KEY, from->key, from->valued ? from->value : NULL);
+    }
+    memcpy(error->where.included, from->included, sizeof from->included);
+    return lx_stands(error, from->file, from->line);
+}
+
 int lx_stands(struct lx_error *error, const char *file, unsigned line)
 {
     struct lx_where *where = &error->where;
@@ -111,7 +121,8 @@ struct lx_words lx_error_line(const struct lx_error *error)
     const struct lx_words reason = lx_error_reason(error);
     struct lx_words line = {""};
     if (where->file != NULL && where->line != 0) {
-        lx_words_add(&line, "%.*s:%u: ", (int)LX_ERROR_VALUE_MAX, where->file, where->line);
+        const char *file = where->included[0] == '\0' ? where->file : where->included;
+        lx_words_add(&line, "%.*s:%u: ", (int)LX_ERROR_VALUE_MAX, file, where->line);
     }
     if (where->about != LX_ABOUT_NOTHING && where->about != LX_ABOUT_ITSELF) {
         lx_words_add(&line, "%s%s%s: ", where->key, where->valued ? between[where->about] : "",

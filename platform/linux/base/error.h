@@ -12,6 +12,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "drehgeber/rig.h"
+
 /** Longest key and value that an error names, with their zeros; what is longer is cut off. */
 #define LX_ERROR_KEY_MAX 64u
 #define LX_ERROR_VALUE_MAX 256u
@@ -30,10 +32,12 @@ enum lx_about {
 struct lx_where {
     enum lx_about about;
     char key[LX_ERROR_KEY_MAX];
-    char value[LX_ERROR_VALUE_MAX]; /**< as it was given */
-    bool valued;                    /**< it is to be told */
-    const char *file;               /**< borrowed from the plan; NULL: the command line */
-    unsigned line;                  /**< of `file`; 0: unknown */
+    char value[LX_ERROR_VALUE_MAX];    /**< as it was given */
+    bool valued;                       /**< it is to be told */
+    const char *file;                  /**< borrowed from the plan; NULL: the command line */
+    char included[LX_ERROR_VALUE_MAX]; /**< "": `line` is of `file`; else of one that it includes:
+                                            "bench.ini:2: shafts.ini" */
+    unsigned line;                     /**< of `file`; 0: unknown */
 };
 
 /** An error. */
@@ -74,6 +78,9 @@ int lx_refuse_v(struct lx_error *error, const char *right, const char *format, v
 
 /** Say what it is about, unless that was said nearer to it. `value` NULL: not to be told. */
 int lx_about(struct lx_error *error, enum lx_about about, const char *key, const char *value);
+
+/** Make `error` what the library says of a plan. */
+int lx_error_take(struct lx_error *error, const struct dg_plan_error *from);
 
 /** Say where it stands, unless that was said nearer to it. `file` NULL or `line` 0: unknown. */
 int lx_stands(struct lx_error *error, const char *file, unsigned line);

@@ -326,7 +326,7 @@ static const struct dg_key keys[] = {
 };
 /* clang-format on */
 
-const struct lx_keys lx_can_keys = {.rows = keys, .count = DG_COUNT(keys)};
+const struct dg_keys lx_can_keys = {.rows = keys, .count = DG_COUNT(keys)};
 const bool lx_can_pace = false;
 
 static const struct dg_bus_ops door = {.tx = send_frame, .tap = tell_tap, .answer = answer};

@@ -33,7 +33,6 @@ const struct lx_stack lx_can_stack = {
     .trace = &trace,
     .words = &dg_cia406_words,
     .wire = "slcan",
-    .address = {"a node-ID", DG_CIA406_NODE_DEFAULT, false},
     .keys = &dg_cia406_keys,
     .settings_size = sizeof(struct dg_cia406_settings),
     .defaults = defaults,
@@ -46,7 +45,7 @@ static int take_settings(struct lx_can_node *self, struct lx_error *error)
 {
     const struct lx_bus_setup *setup = &self->bus->bus.setup;
     struct lx_station *station = self->station;
-    const struct lx_plan_encoder *plan = station->plan;
+    const struct dg_plan_encoder *plan = station->plan;
     const struct lx_stack *stack = lx_stack_of(plan->model);
     void *settings = dg_host_line_of(self->host)->settings;
     if (lx_stack_settings(setup->plan, setup->wire, plan, settings, &station->world, error) != 0) {
@@ -58,8 +57,8 @@ static int take_settings(struct lx_can_node *self, struct lx_error *error)
     station->control.serial = device.serial + place;
     (void)snprintf(text, sizeof text, "%lu", (unsigned long)station->control.serial);
     (void)dg_host_set(self->host, lx_stack_serial(stack)->name, text);
-    self->id =
-        plan->address == LX_PLAN_AS_DELIVERED ? stack->address.delivered : (uint32_t)plan->address;
+    self->id = plan->address == DG_PLAN_AS_DELIVERED ? stack->core->address_delivered
+                                                     : (uint32_t)plan->address;
     (void)snprintf(text, sizeof text, "%lu", (unsigned long)self->id);
     (void)dg_host_set(self->host, stack->core->address_key, text);
     *dg_host_world(self->host) = station->world;
@@ -97,7 +96,7 @@ static int open_memory(struct lx_can_node *self, void (*settled)(void *ctx, dg_n
                        struct lx_error *error)
 {
     const struct lx_bus_setup *bus = &self->bus->bus.setup;
-    const struct lx_plan_encoder *plan = self->station->plan;
+    const struct dg_plan_encoder *plan = self->station->plan;
     const struct lx_image_setup image = {
         .path = plan->nvm,
         .answer = "the encoder answers abort 06060000h",

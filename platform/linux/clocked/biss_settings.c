@@ -50,7 +50,7 @@ const struct lx_stack lx_biss_stack = {
     .check = check,
 };
 
-int lx_biss_own_timeout(const struct lx_plan *plan, const struct lx_plan_encoder *encoder,
+int lx_biss_own_timeout(const struct dg_plan *plan, const struct dg_plan_encoder *encoder,
                         const struct dg_biss_model *model, struct lx_error *error)
 {
     if (model->timeout == 0) {
@@ -58,5 +58,5 @@ int lx_biss_own_timeout(const struct lx_plan *plan, const struct lx_plan_encoder
     }
     (void)lx_refuse(error, "only with gpio", "the simulated wire has the encoder's own timeout");
     (void)lx_about(error, LX_ABOUT_SETTING, "timeout_us", NULL);
-    return lx_stands(error, plan->file, lx_plan_setting_line(encoder, "timeout_us"));
+    return lx_plan_stands(plan, dg_plan_setting_line(encoder, "timeout_us"), error);
 }

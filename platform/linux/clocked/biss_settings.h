@@ -14,7 +14,7 @@ extern const struct lx_stack lx_biss_stack;
 
 /** On a simulated wire the master leaves an encoder the time it has of its own.
  * @return 0, or -1 with `error`: one was set */
-int lx_biss_own_timeout(const struct lx_plan *plan, const struct lx_plan_encoder *encoder,
+int lx_biss_own_timeout(const struct dg_plan *plan, const struct dg_plan_encoder *encoder,
                         const struct dg_biss_model *model, struct lx_error *error);
 
 #endif

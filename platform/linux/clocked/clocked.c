@@ -98,16 +98,16 @@ static const struct lx_clocked_protocol *choose(const struct lx_bus_setup *setup
 {
     const struct lx_clocked_protocol *first = protocol_of(setup->stations[0]);
     for (size_t i = 0; i < setup->count; i++) {
-        const struct lx_plan_encoder *encoder = setup->stations[i]->plan;
+        const struct dg_plan_encoder *encoder = setup->stations[i]->plan;
         if (first == NULL || protocol_of(setup->stations[i]) != first) {
             (void)lx_fail(error, "%s cannot be on this wire", encoder->model->name);
-            (void)lx_stands(error, setup->plan->file, encoder->line);
+            (void)lx_plan_stands(setup->plan, encoder->line, error);
             return NULL;
         }
         if (i == first->encoders_max) {
             (void)lx_fail(error, "this wire is full: at most %zu encoders is right",
                           first->encoders_max);
-            (void)lx_stands(error, setup->plan->file, encoder->line);
+            (void)lx_plan_stands(setup->plan, encoder->line, error);
             return NULL;
         }
     }
@@ -135,7 +135,7 @@ static int place_encoder(struct lx_clocked *self, const struct lx_bus_setup *set
                          struct lx_error *error)
 {
     struct lx_station *station = setup->stations[index];
-    const struct lx_plan_encoder *plan = station->plan;
+    const struct dg_plan_encoder *plan = station->plan;
     const struct dg_host_wire *wire = dg_host_wire_of(plan->model);
     const size_t size = dg_host_size_with_port(plan->model, wire);
     struct lx_clocked_memory *memory = calloc(1, sizeof *memory + size);

@@ -10,7 +10,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-#include "figure.h"
+#include "drehgeber/figure.h"
 #include "gpio_lines.h"
 
 #define FOLDER "/dev/"
@@ -27,7 +27,7 @@ static bool parse_offset(const char *text, size_t n, unsigned *offset)
         return false;
     }
     memcpy(digits, text, n);
-    if (!lx_unsigned_parse(digits, &value) || value > LX_GPIO_OFFSET_MAX) {
+    if (!dg_unsigned_parse(digits, &value) || value > LX_GPIO_OFFSET_MAX) {
         return false;
     }
     *offset = (unsigned)value;

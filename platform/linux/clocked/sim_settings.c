@@ -14,7 +14,7 @@ static const struct dg_key keys[] = {
 };
 /* clang-format on */
 
-const struct lx_keys lx_sim_keys = {.rows = keys, .count = DG_COUNT(keys)};
+const struct dg_keys lx_sim_keys = {.rows = keys, .count = DG_COUNT(keys)};
 
 const struct lx_clocked_timing lx_sim_timing = {.clock_hz = LX_CLOCK_HZ, .compensate = true};
 
@@ -33,17 +33,17 @@ static int check_timing(const struct lx_clocked_timing *timing, struct lx_error 
 }
 
 /* By itself it is right: somebody has set it. */
-static int refuse_key(const struct lx_plan *plan, const struct lx_plan_wire *wire, const char *key,
+static int refuse_key(const struct dg_plan *plan, const struct dg_plan_wire *wire, const char *key,
                       struct lx_error *error)
 {
-    const struct lx_plan_setting *row = wire->settings.list;
+    const struct dg_plan_setting *row = wire->settings.list;
     while (strcmp(row->key, key) != 0) {
         row++;
     }
     return lx_plan_refuse_setting(plan, row, error);
 }
 
-int lx_sim_timing_set(const struct lx_plan *plan, const struct lx_plan_wire *wire,
+int lx_sim_timing_set(const struct dg_plan *plan, const struct dg_plan_wire *wire,
                       const struct lx_clocked *line, struct lx_clocked_timing *timing,
                       struct lx_error *error)
 {

@@ -196,7 +196,7 @@ static void offer(struct lx_station *station)
 
 /* --- from a plan --- */
 
-static bool is_set(const struct lx_plan_settings *settings, const char *key)
+static bool is_set(const struct dg_plan_settings *settings, const char *key)
 {
     for (size_t i = 0; i < settings->count; i++) {
         if (strcmp(settings->list[i].key, key) == 0) {

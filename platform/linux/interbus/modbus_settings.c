@@ -15,7 +15,7 @@ static const struct dg_key ring_keys[] = {
 };
 /* clang-format on */
 
-const struct lx_keys lx_ring_keys = {
+const struct dg_keys lx_ring_keys = {
     .rows = ring_keys,
     .count = DG_COUNT(ring_keys),
 };

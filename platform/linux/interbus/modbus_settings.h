@@ -25,7 +25,7 @@ struct lx_ring_settings {
 extern const struct lx_stack lx_ib_stack;
 
 /** The keys of the ring; offsets count from a struct lx_ring_settings. */
-extern const struct lx_keys lx_ring_keys;
+extern const struct dg_keys lx_ring_keys;
 
 /** 1 ms, and no faults. */
 extern const struct lx_ring_settings lx_ring_defaults;

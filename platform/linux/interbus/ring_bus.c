@@ -92,7 +92,7 @@ static int open_topics(struct ring_bus *self, struct lx_error *error)
 
 static int open_coupler(struct ring_bus *self, struct lx_error *error)
 {
-    const struct lx_plan_wire *wire = self->bus.setup.wire;
+    const struct dg_plan_wire *wire = self->bus.setup.wire;
     const struct lx_modbus_setup coupler = {
         .event = self->bus.setup.event,
         .where = wire->where,
@@ -119,9 +119,9 @@ static int open_coupler(struct ring_bus *self, struct lx_error *error)
 static int place_nvm(const struct lx_bus_setup *setup, const char *refused, struct lx_error *error)
 {
     for (size_t i = 0; refused != NULL && i < setup->count; i++) {
-        const struct lx_plan_encoder *plan = setup->stations[i]->plan;
+        const struct dg_plan_encoder *plan = setup->stations[i]->plan;
         if (plan->nvm != NULL && strcmp(plan->nvm, refused) == 0) {
-            return lx_stands(error, setup->plan->file, plan->nvm_line);
+            return lx_plan_stands(setup->plan, plan->nvm_line, error);
         }
     }
     return -1;
@@ -238,7 +238,7 @@ static int understand(struct ring_bus *self, size_t place, struct lx_error *erro
 {
     const struct lx_bus_setup *setup = &self->bus.setup;
     struct lx_station *station = setup->stations[place];
-    const struct lx_plan_encoder *encoder = station->plan;
+    const struct dg_plan_encoder *encoder = station->plan;
     struct lx_ring_member *member = &self->members[place];
     struct dg_ib_model settings;
     if (lx_stack_settings(setup->plan, setup->wire, encoder, &settings, &station->world, error) !=

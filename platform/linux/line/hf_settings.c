@@ -54,7 +54,6 @@ const struct lx_stack lx_hf_stack = {
     .trace = &trace,
     .words = &dg_hf_words,
     .wire = "pty",
-    .address = {"an RS485 address", DG_HF_ADDRESS_DEFAULT, true},
     .line = LINE,
     .baud = 38400,
     .spoiled = "the encoder answers 05h",

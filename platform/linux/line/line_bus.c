@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "figure.h"
+#include "drehgeber/figure.h"
 #include "line_bus.h"
 
 static struct lx_line_bus *line_of(struct lx_bus *bus)
@@ -27,7 +27,7 @@ static uint32_t serial_of(const struct lx_line_encoder *self)
     uint64_t serial = 0;
     return row != NULL &&
                    dg_key_get(row, dg_host_line_of(self->host)->settings, text, sizeof text) > 0 &&
-                   lx_unsigned_parse(text, &serial)
+                   dg_unsigned_parse(text, &serial)
                ? (uint32_t)serial
                : 0;
 }
@@ -35,7 +35,7 @@ static uint32_t serial_of(const struct lx_line_encoder *self)
 static int open_memory(struct lx_line_encoder *self, struct lx_error *error)
 {
     const struct lx_bus_setup *bus = &self->all->bus.setup;
-    const struct lx_plan_encoder *plan = self->station->plan;
+    const struct dg_plan_encoder *plan = self->station->plan;
     const struct lx_image_setup image = {
         .path = plan->nvm,
         .answer = stack_of(self)->spoiled,
@@ -69,7 +69,7 @@ static void tell_address(const struct lx_line_encoder *self)
     const struct dg_host_wire *wire = dg_host_wire_at(self->host);
     const int wanted = self->station->plan->address;
     const int found = wire->address != NULL ? wire->address(dg_host_line_of(self->host)) : -1;
-    if (wanted != LX_PLAN_AS_DELIVERED && found >= 0 && found != wanted) {
+    if (wanted != DG_PLAN_AS_DELIVERED && found >= 0 && found != wanted) {
         lx_note(self->all->bus.setup.say, "%s: its address is 0x%02X, not 0x%02X",
                 self->station->plan->nvm, (unsigned)found, (unsigned)wanted);
     }
@@ -271,15 +271,15 @@ static const struct lx_bus_ops ops = {LX_BUS_OPERATIONS};
 static int make_host(struct lx_line_encoder *self, void *settings, struct lx_error *error)
 {
     struct lx_station *station = self->station;
-    const struct lx_plan_encoder *plan = station->plan;
+    const struct dg_plan_encoder *plan = station->plan;
     const struct lx_bus_setup *bus = &self->all->bus.setup;
     const struct lx_stack *stack = stack_of(self);
     const struct dg_host_wire *wire = dg_host_wire_of(plan->model);
-    const struct dg_key *row = lx_stack_address_row(stack);
+    const struct dg_key *row = dg_plan_address_row(plan->model);
     if (lx_stack_settings(bus->plan, bus->wire, plan, settings, &station->world, error) != 0) {
         return -1;
     }
-    if (row != NULL && plan->address != LX_PLAN_AS_DELIVERED) {
+    if (row != NULL && plan->address != DG_PLAN_AS_DELIVERED) {
         char text[16];
         (void)snprintf(text, sizeof text, "%d", plan->address);
         (void)dg_key_set(row, settings, text);

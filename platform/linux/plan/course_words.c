@@ -11,51 +11,10 @@
 #include "drehgeber/hal.h"
 #include "key.h"
 
-static const char ending[] = ".csv";
-
-/* --- words --- */
-
-/* Characters of the name at the beginning; 0: there is none. */
-static size_t name_of(const char *text)
+int lx_course_parse(const char *text, struct dg_course_words *to, struct lx_error *error)
 {
-    const size_t n = strcspn(text, ",");
-    const size_t end = strlen(ending);
-    return n > end && strncasecmp(text + n - end, ending, end) == 0 ? n : 0;
-}
-
-bool lx_course_is(const char *text)
-{
-    return name_of(text) > 0;
-}
-
-static bool take_word(const char *word, size_t n, struct lx_course_words *to)
-{
-    static const char *const words[] = {"once", "loop", "linear", "step"};
-    size_t i = 0;
-    while (i < DG_COUNT(words) && (n != strlen(words[i]) || strncasecmp(word, words[i], n) != 0)) {
-        i++;
-    }
-    to->loop = to->loop || i == 1;
-    to->steps = to->steps || i == 3;
-    return i < DG_COUNT(words);
-}
-
-int lx_course_parse(const char *text, struct lx_course_words *to, struct lx_error *error)
-{
-    *to = (struct lx_course_words){.name = name_of(text)};
-    if (to->name == 0) {
-        return lx_refuse(error, LX_COURSE_FORM " is right", "'%s' is no CSV file", text);
-    }
-    for (const char *at = text + to->name; at[0] == ','; at += strcspn(at, ",")) {
-        at++;
-        at += strspn(at, " ");
-        const size_t n = strcspn(at, ",");
-        if (!take_word(at, n, to)) {
-            return lx_refuse(error, LX_COURSE_FORM " is right", "'%.*s' is none of the words",
-                             (int)n, at);
-        }
-    }
-    return 0;
+    struct dg_plan_error wrong;
+    return dg_course_read(text, to, &wrong) == DG_OK ? 0 : lx_error_take(error, &wrong);
 }
 
 /* --- files --- */

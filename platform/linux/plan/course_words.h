@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * A course of a quantity of the world in words: FILE.csv[,ONCE|LOOP][,LINEAR|STEP], with lines
- * `time_s,VALUE` as its setting takes VALUE. Words are not case sensitive.
+ * The files of courses: lines `time_s,VALUE`, as the setting of the quantity takes VALUE.
  */
 #ifndef DREHGEBER_LINUX_COURSE_WORDS_H
 #define DREHGEBER_LINUX_COURSE_WORDS_H
@@ -12,24 +11,12 @@
 
 #include "csv.h"
 #include "drehgeber/course.h"
+#include "drehgeber/rig.h"
 #include "file.h"
 #include "say.h"
 
-/** The form, for help and errors. */
-#define LX_COURSE_FORM "FILE.csv[,ONCE|LOOP][,LINEAR|STEP]"
-
-/** What the words say. */
-struct lx_course_words {
-    size_t name; /**< characters of the file's name, at the beginning */
-    bool loop;
-    bool steps;
-};
-
-/** Whether `text` is meant for a course: it begins with the name of a CSV file. */
-bool lx_course_is(const char *text);
-
-/** Understand them. @return 0, or -1 with one line in `error` */
-int lx_course_parse(const char *text, struct lx_course_words *to, struct lx_error *error);
+/** dg_course_read(), with an error of this port. @return 0, or -1 with one line in `error` */
+int lx_course_parse(const char *text, struct dg_course_words *to, struct lx_error *error);
 
 /** A file that is being read, a slice at a time. */
 struct lx_course_file;

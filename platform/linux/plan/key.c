@@ -3,8 +3,8 @@
 
 #include <string.h>
 
+#include "drehgeber/figure.h"
 #include "drehgeber/hal.h"
-#include "figure.h"
 
 /* Digits, sign and point of a number. */
 #define NUMBER_MAX 32u
@@ -22,7 +22,7 @@ static bool is_word(const struct dg_key *key)
 struct lx_words lx_key_range(const struct dg_key *key)
 {
     static const char *const kinds[] = {"characters", "digits"};
-    const long long one = (long long)lx_power_of_ten(key->places);
+    const long long one = (long long)dg_power_of_ten(key->places);
     const long long min = (long long)key->min / one;
     const long long max = (long long)key->max / one;
     struct lx_words range = {""};
@@ -112,11 +112,11 @@ void lx_keys_name(const struct lx_keys *lists, size_t n, struct lx_words *to)
 /* What could not be set stands for 'none'. */
 static bool has_default(const struct dg_key *key, const char *text)
 {
-    struct lx_decimal number;
+    struct dg_decimal number;
     if (is_word(key)) {
         return true;
     }
-    return lx_decimal_parse(text, strlen(text), key->places, &number) && number.value >= key->min &&
+    return dg_decimal_parse(text, strlen(text), key->places, &number) && number.value >= key->min &&
            number.value <= key->max;
 }
 

@@ -1,12 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * @file
- * A motion in words:
- *
- *   0 | 90DEG | 2.5REV | 60RPM | sine:AMPLITUDE,PERIOD | ramp:SPEED,TIME[,HOLD] | FILE.csv
- *
- * Units are not case sensitive: DEG REV (angle), RPM (speed), S MS (time). Angles are rounded up to
- * 2^-32 turn, so that an angle written down for a step is in that step.
+ * A motion in words, see dg_motion_read(), or of a file: FILE.csv.
  */
 #ifndef DREHGEBER_LINUX_MOTION_WORDS_H
 #define DREHGEBER_LINUX_MOTION_WORDS_H
@@ -16,11 +11,9 @@
 #include <stdint.h>
 
 #include "drehgeber/motion.h"
+#include "drehgeber/rig.h"
 #include "file.h"
 #include "say.h"
-
-/** The forms, in one line, for help and errors. */
-extern const char lx_shaft_forms[];
 
 /** A motion and the points it borrows. */
 struct lx_shaft {
@@ -54,9 +47,6 @@ int lx_shaft_file_read(struct lx_shaft_file *self, struct lx_shaft *to, struct l
 
 /** End; NULL is fine. */
 void lx_shaft_file_close(struct lx_shaft_file *self);
-
-/** Whether `text` is the name of a file, which lx_shaft_parse() would read. */
-bool lx_shaft_is_file(const char *text);
 
 /** Give back the points. */
 void lx_shaft_free(struct lx_shaft *self);

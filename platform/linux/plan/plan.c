@@ -1,211 +1,285 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * The reader asks for more memory by failing; then all is read again, from the same texts but for
+ * what is included.
+ */
 #define _GNU_SOURCE
 #include "plan.h"
 
-#include <limits.h>
+#include <errno.h>
+#include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "drehgeber/hal.h"
+#include "file.h"
 #include "wire.h"
 
-/* Room for one more behind `count` rows: the capacity is the next power of two. @return where the
-   rows are now, or NULL with the old ones in place: without memory, or a number for one more */
-static void *room(void *list, size_t count, size_t size)
+/* Bytes to begin with, and behind each byte of a file: what names and lists are apart from their
+   texts. Ranges need more. */
+#define MEMORY_MIN 65536u
+#define MEMORY_EACH 16u
+/* Of a command line, which has at most a bus full of nodes. */
+#define MEMORY_OF_OPTIONS 262144u
+/* Behind a plan: control addresses with tokens, which a command line adds. */
+#define MEMORY_SPARE 20480u
+#define BLOCK 4096u
+
+/* --- files --- */
+
+/* A file's bytes; the list of them keeps them as long as a plan is being read. */
+struct text {
+    struct text *next;
+    char *bytes;
+    size_t n;
+};
+
+/* Of more than `most` bytes the rest is left. @return 0 or an errno */
+static int read_stream(struct text *self, FILE *stream, size_t most)
 {
-    if (count > 0 && (count & (count - 1u)) != 0) {
-        return list;
+    size_t room = 0;
+    size_t n = 1;
+    while (n > 0 && self->n <= most) {
+        if (self->n == room) {
+            room = room == 0 ? BLOCK : 2u * room;
+            char *bytes = realloc(self->bytes, room);
+            if (bytes == NULL) {
+                return ENOMEM;
+            }
+            self->bytes = bytes;
+        }
+        n = fread(self->bytes + self->n, 1, room - self->n, stream);
+        self->n += n;
     }
-    return count >= INT_MAX ? NULL : reallocarray(list, count == 0 ? 1u : count * 2u, size);
+    return ferror(stream) != 0 ? errno : 0;
 }
 
-/* A copy; NULL stays NULL. @return false without memory */
-static bool copy(char **to, const char *text)
+static void free_texts(struct text *list)
 {
-    *to = text == NULL ? NULL : strdup(text);
-    return text == NULL || *to != NULL;
-}
-
-/* What a row is called: a copy, which the names borrow. @return its index, or -1 without memory */
-static int call(struct lx_plan *self, char **to, enum lx_plan_list list, const char *text,
-                size_t count)
-{
-    const int index = (int)count - 1;
-    if (!copy(to, text)) {
-        return -1;
+    while (list != NULL) {
+        struct text *next = list->next;
+        free(list->bytes);
+        free(list);
+        list = next;
     }
-    const struct lx_plan_name name = {.list = list, .text = *to};
-    return lx_plan_names_add(&self->names, &name, index) == 0 ? index : -1;
 }
 
-int lx_plan_add_shaft(struct lx_plan *self, const char *name, const char *motion)
+/* --- included files --- */
+
+struct including {
+    const char *file;        /* the first one */
+    struct lx_folder folder; /* which it lies in, once another one is included */
+    struct text *texts;
+    struct lx_error error;
+};
+
+static size_t prefix_of(const char *file)
 {
-    struct lx_plan_shaft *list = room(self->shafts, self->shaft_count, sizeof *list);
-    if (list == NULL) {
-        return -1;
+    const char *slash = strrchr(file, '/');
+    return slash == NULL ? 0 : (size_t)(slash + 1 - file);
+}
+
+static int open_folder(struct including *self)
+{
+    const size_t n = prefix_of(self->file);
+    if (self->folder.fd >= 0) {
+        return 0;
     }
-    self->shafts = list;
-    struct lx_plan_shaft *row = &list[self->shaft_count++];
-    *row = (struct lx_plan_shaft){.driver = -1, .ratio = {1, 1}};
-    return copy(&row->motion, motion)
-               ? call(self, &row->name, LX_PLAN_SHAFT, name, self->shaft_count)
-               : -1;
-}
-
-int lx_plan_add_wire(struct lx_plan *self, const char *name, const struct lx_wire *kind,
-                     const char *where)
-{
-    struct lx_plan_wire *list = room(self->wires, self->wire_count, sizeof *list);
-    if (list == NULL) {
-        return -1;
-    }
-    self->wires = list;
-    struct lx_plan_wire *row = &list[self->wire_count++];
-    *row = (struct lx_plan_wire){.kind = kind};
-    return copy(&row->where, where) ? call(self, &row->name, LX_PLAN_WIRE, name, self->wire_count)
-                                    : -1;
-}
-
-int lx_plan_add_encoder(struct lx_plan *self, const char *name, const struct dg_device *model,
-                        size_t shaft, size_t wire)
-{
-    struct lx_plan_encoder *list = room(self->encoders, self->encoder_count, sizeof *list);
-    if (list == NULL) {
-        return -1;
-    }
-    self->encoders = list;
-    struct lx_plan_encoder *row = &list[self->encoder_count++];
-    *row = (struct lx_plan_encoder){
-        .model = model, .shaft = shaft, .wire = wire, .address = LX_PLAN_AS_DELIVERED};
-    struct lx_plan_wire *on = &self->wires[wire];
-    on->stack = model->stack;
-    on->encoder_count++;
-    const int index = call(self, &row->name, LX_PLAN_ENCODER, name, self->encoder_count);
-    const struct lx_plan_name alias = {.list = LX_PLAN_ALIAS, .text = row->name};
-    return index < 0 ? -1 : lx_plan_names_add(&self->names, &alias, index) == 0 ? index : -1;
-}
-
-int lx_plan_find_encoder(const struct lx_plan *self, const char *name)
-{
-    struct lx_plan_name wanted = {.list = LX_PLAN_ENCODER, .text = name};
-    const int index = lx_plan_names_find(&self->names, &wanted);
-    wanted.list = LX_PLAN_ALIAS;
-    return index < 0 ? lx_plan_names_find(&self->names, &wanted) : index;
-}
-
-int lx_plan_add_setting(struct lx_plan_settings *self, const char *key, const char *value,
-                        lx_line_number line, struct lx_error *error)
-{
-    struct lx_plan_setting *list = room(self->list, self->count, sizeof *list);
-    if (list == NULL) {
-        return lx_fail(error, "no memory for %s", key);
-    }
-    self->list = list;
-    struct lx_plan_setting *row = &list[self->count++];
-    *row = (struct lx_plan_setting){.line = line};
-    return copy(&row->key, key) && copy(&row->value, value)
-               ? 0
-               : lx_fail(error, "no memory for %s", key);
-}
-
-int lx_plan_add_assignment(struct lx_plan_settings *self, const char *assignment,
-                           lx_line_number line, struct lx_error *error)
-{
-    const char *equals = strchr(assignment, '=');
-    if (equals == NULL || equals == assignment) {
-        (void)lx_refuse(error, "KEY=VALUE is right", "%s", "");
-        return lx_about(error, LX_ABOUT_SETTING, assignment, NULL);
-    }
-    char *key = strndup(assignment, (size_t)(equals - assignment));
-    const int result = key == NULL ? lx_fail(error, "no memory for %s", assignment)
-                                   : lx_plan_add_setting(self, key, equals + 1, line, error);
-    free(key);
+    char *path = n == 0 ? strdup(".") : strndup(self->file, n);
+    const int result = path == NULL ? lx_fail(&self->error, "no memory")
+                                    : lx_folder_open(&self->folder, path, &self->error);
+    free(path);
     return result;
 }
 
-lx_line_number lx_plan_setting_line(const struct lx_plan_encoder *encoder, const char *key)
+/* @return NULL with self->error */
+static FILE *open_included(struct including *self, const char *path)
 {
-    for (size_t i = 0; i < encoder->settings.count; i++) {
-        if (strcmp(encoder->settings.list[i].key, key) == 0) {
-            return encoder->settings.list[i].line;
-        }
-    }
-    return encoder->line;
+    return open_folder(self) == 0
+               ? lx_file_read(&self->folder, path + prefix_of(self->file), &self->error)
+               : NULL;
 }
 
-int lx_plan_refuse_setting(const struct lx_plan *self, const struct lx_plan_setting *setting,
+/* Below the folder of the first file, whatever links there are. */
+static const char *include_file(void *ctx, const char *path, struct dg_plan_text *to)
+{
+    struct including *self = ctx;
+    struct text *text = calloc(1, sizeof *text);
+    FILE *stream = text == NULL ? NULL : open_included(self, path);
+    int reason = text == NULL ? ENOMEM : 0;
+    if (stream != NULL) {
+        reason = read_stream(text, stream, DG_PLAN_INCLUDED_MAX);
+        (void)fclose(stream);
+    }
+    if (text != NULL) {
+        text->next = self->texts;
+        self->texts = text;
+        *to = (struct dg_plan_text){text->bytes, text->n};
+    }
+    if (reason != 0) {
+        (void)lx_fail(&self->error, "cannot read: %s", strerror(reason));
+    }
+    return reason == 0 && stream != NULL ? NULL : self->error.what;
+}
+
+/* --- the plan --- */
+
+int lx_plan_make(struct dg_plan *self, struct lx_error *error)
+{
+    void *memory = malloc(MEMORY_OF_OPTIONS);
+    dg_plan_begin(self, memory, memory == NULL ? 0 : MEMORY_OF_OPTIONS);
+    return memory == NULL ? lx_fail(error, "no memory for a plan") : 0;
+}
+
+static int read_plan(struct dg_plan *self, struct dg_plan_setup *setup, struct lx_error *error)
+{
+    struct dg_plan_error wrong;
+    int result = DG_ERR_SPACE;
+    size_t size = MEMORY_MIN + MEMORY_EACH * setup->text.n;
+    while (result == DG_ERR_SPACE) {
+        free(setup->memory);
+        setup->memory = malloc(size);
+        setup->memory_size = size;
+        if (setup->memory == NULL) {
+            return lx_fail(error, "%s: no memory for what is in it", setup->file);
+        }
+        result = dg_plan_read(self, setup, &wrong);
+        if (result == 0 && (size_t)(self->end - self->at) < MEMORY_SPARE) {
+            result = DG_ERR_SPACE;
+        }
+        size *= 2u;
+    }
+    if (result != 0) {
+        free(setup->memory);
+        return lx_error_take(error, &wrong);
+    }
+    return 0;
+}
+
+static int read_text(struct dg_plan *self, const char *file, const struct text *text,
+                     struct lx_error *error)
+{
+    struct including including = {.file = file, .folder = LX_FOLDER_NONE};
+    struct dg_plan_setup setup = {
+        .size = sizeof setup,
+        .file = file,
+        .text = {text->bytes, text->n},
+        .wires = lx_wires,
+        .wire_count = lx_wire_count,
+        .wire_stride = sizeof lx_wires[0],
+        .include = include_file,
+        .ctx = &including,
+    };
+    const int result = read_plan(self, &setup, error);
+    lx_folder_close(&including.folder);
+    free_texts(including.texts);
+    return result;
+}
+
+int lx_plan_read(struct dg_plan *self, const char *file, struct lx_error *error)
+{
+    struct text text = {.n = 0};
+    FILE *stream = fopen(file, "re");
+    *self = (struct dg_plan){.file = NULL};
+    if (stream == NULL) {
+        return lx_fail(error, "%s: cannot open: %s", file, strerror(errno));
+    }
+    const int reason = read_stream(&text, stream, SIZE_MAX);
+    (void)fclose(stream);
+    const int result = reason == 0 ? read_text(self, file, &text, error)
+                                   : lx_fail(error, "%s: cannot read: %s", file, strerror(reason));
+    free(text.bytes);
+    return result;
+}
+
+void lx_plan_free(struct dg_plan *self)
+{
+    free(self->memory);
+    *self = (struct dg_plan){.file = NULL};
+}
+
+/* --- settings of a command line --- */
+
+/* Key and value lie behind each other. */
+static char *split_assignment(const char *assignment)
+{
+    char *text = strdup(assignment);
+    if (text != NULL) {
+        text[strcspn(text, "=")] = '\0';
+    }
+    return text;
+}
+
+int lx_plan_add_assignment(struct dg_plan_settings *self, const char *assignment, dg_plan_line line,
+                           struct lx_error *error)
+{
+    const size_t n = strcspn(assignment, "=");
+    if (n == 0 || assignment[n] == '\0') {
+        (void)lx_refuse(error, "KEY=VALUE is right", "%s", "");
+        return lx_about(error, LX_ABOUT_SETTING, assignment, NULL);
+    }
+    struct dg_plan_setting *list = reallocarray(self->list, self->count + 1u, sizeof *list);
+    self->list = list == NULL ? self->list : list;
+    char *text = list == NULL ? NULL : split_assignment(assignment);
+    if (text == NULL) {
+        return lx_fail(error, "no memory for %.*s", (int)n, assignment);
+    }
+    list[self->count++] = (struct dg_plan_setting){text, text + n + 1, line};
+    return 0;
+}
+
+void lx_plan_free_settings(struct dg_plan_settings *self)
+{
+    for (size_t i = 0; i < self->count; i++) {
+        free((char *)self->list[i].key);
+    }
+    free(self->list);
+    *self = (struct dg_plan_settings){.list = NULL};
+}
+
+/* --- where things stand --- */
+
+char *lx_plan_path(const struct dg_plan *self, const char *path, dg_plan_line line,
+                   struct lx_error *error)
+{
+    const struct dg_plan_place place = dg_plan_place(self, line);
+    const int folder = path[0] == '/' ? 0 : (int)place.folder;
+    char *to = NULL;
+    if (asprintf(&to, "%.*s%s", folder, folder == 0 ? "" : place.file, path) < 0) {
+        (void)lx_fail(error, "no memory for %s", path);
+        return NULL;
+    }
+    return to;
+}
+
+int lx_plan_stands(const struct dg_plan *self, dg_plan_line line, struct lx_error *error)
+{
+    const struct dg_plan_place place = dg_plan_place(self, line);
+    if (error->where.line == 0 && place.file != self->file) {
+        struct dg_text files = dg_text_in(error->where.included, sizeof error->where.included);
+        dg_plan_say_files(self, line, &files);
+    }
+    return lx_stands(error, self->file, place.line);
+}
+
+int lx_plan_refuse_setting(const struct dg_plan *self, const struct dg_plan_setting *setting,
                            struct lx_error *error)
 {
     (void)lx_about(error, LX_ABOUT_SETTING, setting->key, setting->value);
-    return lx_stands(error, self->file, setting->line);
+    return lx_plan_stands(self, setting->line, error);
 }
 
-int lx_plan_refuse_key(const struct lx_plan *self, const char *key, lx_line_number line,
+int lx_plan_refuse_key(const struct dg_plan *self, const char *key, dg_plan_line line,
                        struct lx_error *error)
 {
     (void)lx_about(error, LX_ABOUT_KEY, key, NULL);
-    return lx_stands(error, self->file, line);
+    return lx_plan_stands(self, line, error);
 }
 
-int lx_plan_refuse_wire(const struct lx_plan *self, const struct lx_plan_wire *wire,
+int lx_plan_refuse_wire(const struct dg_plan *self, const struct dg_plan_wire *wire,
                         struct lx_error *error)
 {
     (void)lx_about(error, LX_ABOUT_WIRE, wire->kind->name, wire->where);
-    return lx_stands(error, self->file, wire->where_line != 0 ? wire->where_line : wire->line);
-}
-
-void lx_plan_free_settings(struct lx_plan_settings *self)
-{
-    for (size_t i = 0; i < self->count; i++) {
-        free(self->list[i].key);
-        free(self->list[i].value);
-    }
-    free(self->list);
-    *self = (struct lx_plan_settings){.list = NULL};
-}
-
-static void free_shafts(struct lx_plan *self)
-{
-    for (size_t i = 0; i < self->shaft_count; i++) {
-        free(self->shafts[i].name);
-        free(self->shafts[i].motion);
-    }
-    free(self->shafts);
-}
-
-static void free_wires(struct lx_plan *self)
-{
-    for (size_t i = 0; i < self->wire_count; i++) {
-        struct lx_plan_wire *wire = &self->wires[i];
-        free(wire->name);
-        free(wire->where);
-        free(wire->trace);
-        lx_plan_free_settings(&wire->settings);
-    }
-    free(self->wires);
-}
-
-static void free_encoders(struct lx_plan *self)
-{
-    for (size_t i = 0; i < self->encoder_count; i++) {
-        struct lx_plan_encoder *encoder = &self->encoders[i];
-        free(encoder->name);
-        free(encoder->nvm);
-        free(encoder->serial);
-        lx_plan_free_settings(&encoder->settings);
-    }
-    free(self->encoders);
-}
-
-void lx_plan_free(struct lx_plan *self)
-{
-    lx_plan_names_free(&self->names);
-    free_encoders(self);
-    free_wires(self);
-    free_shafts(self);
-    free(self->files);
-    for (size_t i = 0; i < self->control_count; i++) {
-        free(self->controls[i]);
-    }
-    free(self->name);
-    *self = (struct lx_plan){.file = NULL};
+    return lx_plan_stands(self, wire->where_line != 0 ? wire->where_line : wire->line, error);
 }

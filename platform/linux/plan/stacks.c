@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "course_words.h"
-#include "figure.h"
 #include "wire.h"
 
 const struct lx_stack *lx_stack_of(const struct dg_device *device)
@@ -23,16 +22,16 @@ const struct dg_key *lx_stack_serial(const struct lx_stack *self)
     return dg_keys_find(self->keys, serial_key);
 }
 
-const struct dg_key *lx_stack_address_row(const struct lx_stack *self)
+static const struct dg_key *address_row(const struct lx_stack *self)
 {
-    return self->core->address_key == NULL ? NULL
-                                           : dg_keys_find(self->keys, self->core->address_key);
+    const char *key = self->core->address_key;
+    return key == NULL ? NULL : dg_keys_find(self->keys, key);
 }
 
 /* Bit n: row n of the core is not for --set. */
 static uint32_t apart(const struct lx_stack *self)
 {
-    const struct dg_key *const rows[] = {lx_stack_serial(self), lx_stack_address_row(self)};
+    const struct dg_key *const rows[] = {lx_stack_serial(self), address_row(self)};
     uint32_t bits = 0;
     for (size_t i = 0; i < DG_COUNT(rows); i++) {
         bits |= rows[i] == NULL ? 0 : UINT32_C(1) << (rows[i] - self->keys->rows);
@@ -67,8 +66,8 @@ void lx_stack_keys(const struct lx_stack *self, const struct dg_device *device, 
 /* --- settings --- */
 
 /* A key of another kind of wire, or of none: whoever mistyped one finds it in the list. */
-static int unknown_key(const struct lx_keys *lists, const struct lx_wire *kind, const char *name,
-                       struct lx_error *error)
+static int unknown_key(const struct lx_keys *lists, const struct dg_plan_wire_kind *kind,
+                       const char *name, struct lx_error *error)
 {
     struct lx_words right = {"valid:"};
     struct lx_words wires = {""};
@@ -78,8 +77,8 @@ static int unknown_key(const struct lx_keys *lists, const struct lx_wire *kind, 
                          wires.text, others == 1 ? "wire has" : "wires have");
     }
     lx_keys_name(lists, LX_STACK_LISTS, &right);
-    if (kind != NULL && kind->keys != NULL) {
-        lx_keys_name(kind->keys, 1, &wires);
+    for (size_t i = 0; kind != NULL && kind->keys != NULL && i < kind->keys->count; i++) {
+        lx_words_add(&wires, " %s", kind->keys->rows[i].name);
     }
     lx_words_add(&right, "%s%s", wires.text[0] == '\0' ? "" : "; of the wire:", wires.text);
     (void)lx_refuse(error, right.text, "no such key");
@@ -89,24 +88,24 @@ static int unknown_key(const struct lx_keys *lists, const struct lx_wire *kind, 
 /* A course is understood here; its file is only read when the rig is made. */
 static int check_course(const char *text, struct lx_error *error)
 {
-    struct lx_course_words words;
+    struct dg_course_words words;
     return lx_course_parse(text, &words, error);
 }
 
-static int set_one(const struct lx_keys *lists, const struct lx_wire *kind,
-                   const struct lx_plan_setting *setting, struct lx_error *error)
+static int set_one(const struct lx_keys *lists, const struct dg_plan_wire_kind *kind,
+                   const struct dg_plan_setting *setting, struct lx_error *error)
 {
     void *base = NULL;
     const struct dg_key *key = lx_keys_find(lists, LX_STACK_LISTS, setting->key, &base);
     if (key == NULL) {
         return unknown_key(lists, kind, setting->key, error);
     }
-    return base == lists[LX_STACK_WORLD].base && lx_course_is(setting->value)
+    return base == lists[LX_STACK_WORLD].base && dg_course_is(setting->value)
                ? check_course(setting->value, error)
                : lx_key_set(key, base, setting->value, error);
 }
 
-static int set_serial(const struct lx_plan *plan, const struct lx_plan_encoder *encoder,
+static int set_serial(const struct dg_plan *plan, const struct dg_plan_encoder *encoder,
                       const struct lx_stack *self, void *settings, struct lx_error *error)
 {
     const struct dg_key *serial = lx_stack_serial(self);
@@ -119,15 +118,15 @@ static int set_serial(const struct lx_plan *plan, const struct lx_plan_encoder *
         return 0;
     }
     (void)lx_about(error, LX_ABOUT_KEY, serial_key, encoder->serial);
-    return lx_stands(error, plan->file, encoder->serial_line);
+    return lx_plan_stands(plan, encoder->serial_line, error);
 }
 
-int lx_stack_settings(const struct lx_plan *plan, const struct lx_plan_wire *wire,
-                      const struct lx_plan_encoder *encoder, void *settings, struct dg_world *world,
+int lx_stack_settings(const struct dg_plan *plan, const struct dg_plan_wire *wire,
+                      const struct dg_plan_encoder *encoder, void *settings, struct dg_world *world,
                       struct lx_error *error)
 {
     const struct lx_stack *self = lx_stack_of(encoder->model);
-    const struct lx_plan_settings *list = &encoder->settings;
+    const struct dg_plan_settings *list = &encoder->settings;
     struct lx_keys lists[LX_STACK_LISTS];
     lx_stack_keys(self, encoder->model, settings, world, lists);
     self->defaults(settings, encoder->model);
@@ -143,44 +142,10 @@ int lx_stack_settings(const struct lx_plan *plan, const struct lx_plan_wire *wir
         return 0;
     }
     (void)lx_about(error, LX_ABOUT_ITSELF, "", NULL);
-    return lx_stands(error, plan->file, encoder->line);
+    return lx_plan_stands(plan, encoder->line, error);
 }
 
-/* --- addresses --- */
-
-bool lx_is_address_key(const char *key)
-{
-    bool found = false;
-    for (size_t i = 0; i < lx_stack_count && !found; i++) {
-        const char *own = lx_stacks[i]->core->address_key;
-        found = own != NULL && strcmp(own, key) == 0;
-    }
-    return found;
-}
-
-struct lx_words lx_stack_address_right(const struct lx_stack *self)
-{
-    const struct lx_address *address = &self->address;
-    const struct dg_key *row = lx_stack_address_row(self);
-    struct lx_words right = {""};
-    lx_words_add(&right, address->hex ? "%s in 0x%02X..0x%02X" : "%s in %u..%u", address->what,
-                 (unsigned)row->min, (unsigned)row->max);
-    return right;
-}
-
-int lx_stack_address(const struct lx_stack *self, const char *text, struct lx_error *error)
-{
-    const struct dg_key *row = lx_stack_address_row(self);
-    struct lx_words right = lx_stack_address_right(self);
-    uint64_t number = 0;
-    if (lx_unsigned_parse(text, &number) && number >= (uint64_t)row->min &&
-        number <= (uint64_t)row->max) {
-        return (int)number;
-    }
-    lx_words_add(&right, " is right");
-    (void)lx_refuse(error, right.text, "%s", "");
-    return lx_about(error, LX_ABOUT_KEY, self->core->address_key, text);
-}
+/* --- names --- */
 
 void lx_stack_models(const struct lx_stack *self, struct lx_words *to)
 {
@@ -196,7 +161,7 @@ void lx_stack_wires(const struct lx_stack *self, struct lx_words *to)
     const char *between = "";
     for (size_t i = 0; i < lx_wire_count; i++) {
         if (lx_wire_carries(&lx_wires[i], self)) {
-            lx_words_add(to, "%s%s", between, lx_wires[i].name);
+            lx_words_add(to, "%s%s", between, lx_wires[i].kind.name);
             between = " or ";
         }
     }

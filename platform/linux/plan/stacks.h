@@ -15,14 +15,6 @@ struct lx_clocked_protocol;
 struct lx_trace_kind;
 struct dg_words;
 
-/** How the addresses of a stack's encoders are written; core->address_key is the key, in rig files,
- * too. Without one encoders are told apart by their places, and nothing here is looked at. */
-struct lx_address {
-    const char *what;  /**< "a node-ID" */
-    uint8_t delivered; /**< as long as nobody has set another one */
-    bool hex;          /**< written so */
-};
-
 /** A protocol of a port. */
 struct lx_stack {
     const struct dg_stack *core;
@@ -31,7 +23,6 @@ struct lx_stack {
     const struct dg_words *words;              /**< likewise; NULL: only notes are told */
     const struct lx_clocked_protocol *clocked; /**< on a clocked line; NULL: it is on none */
     const char *wire;                          /**< the kind of wire when none is given */
-    struct lx_address address;
     size_t line;         /**< characters: offset of a struct lx_line_settings in the settings */
     uint32_t baud;       /**< characters: the fastest data rate that its encoders have */
     const char *spoiled; /**< characters: what an encoder does whose EEPROM file fails, in words */
@@ -77,21 +68,9 @@ const struct dg_key *lx_stack_serial(const struct lx_stack *self);
  * serial number. `settings` and `world` need not be initialised but for the world's angle.
  * @return 0, or -1 with `error`
  */
-int lx_stack_settings(const struct lx_plan *plan, const struct lx_plan_wire *wire,
-                      const struct lx_plan_encoder *encoder, void *settings, struct dg_world *world,
+int lx_stack_settings(const struct dg_plan *plan, const struct dg_plan_wire *wire,
+                      const struct dg_plan_encoder *encoder, void *settings, struct dg_world *world,
                       struct lx_error *error);
-
-/** An address of the stack's encoders. @return it, or -1 with `error` */
-int lx_stack_address(const struct lx_stack *self, const char *text, struct lx_error *error);
-
-/** The row of its addresses; NULL: they have no key. */
-const struct dg_key *lx_stack_address_row(const struct lx_stack *self);
-
-/** Whether `key` is that of the addresses of any stack. */
-bool lx_is_address_key(const char *key);
-
-/** "a node-ID in 1..127" */
-struct lx_words lx_stack_address_right(const struct lx_stack *self);
 
 /** Append all models of the stack (NULL: all there are), with a blank in front of each. */
 void lx_stack_models(const struct lx_stack *self, struct lx_words *to);

@@ -6,33 +6,32 @@
 const struct lx_wire *lx_wire_find(const char *name, size_t n)
 {
     for (size_t i = 0; i < lx_wire_count; i++) {
-        if (strlen(lx_wires[i].name) == n && memcmp(lx_wires[i].name, name, n) == 0) {
+        if (strlen(lx_wires[i].kind.name) == n && memcmp(lx_wires[i].kind.name, name, n) == 0) {
             return &lx_wires[i];
         }
     }
     return NULL;
 }
 
-bool lx_wire_is_optional(const struct lx_wire *self)
+/* Kinds of plans stand at the beginning of these. */
+const struct lx_wire *lx_wire_of(const struct dg_plan_wire_kind *kind)
 {
-    return self->where != NULL && !self->where_needed && self->usual == NULL;
+    return (const struct lx_wire *)(const void *)kind;
 }
 
-bool lx_wire_is_path(const struct lx_wire *self, const char *where)
+bool lx_wire_is_optional(const struct lx_wire *self)
 {
-    static const char tcp[] = "tcp:";
-    return self->where_is_path && where != NULL &&
-           !(self->where_may_be_tcp && strncmp(where, tcp, strlen(tcp)) == 0);
+    return self->kind.where != NULL && !self->kind.where_needed && self->kind.usual == NULL;
 }
 
 bool lx_wire_carries(const struct lx_wire *self, const struct lx_stack *stack)
 {
-    return (self->media >> stack->core->medium & 1u) != 0;
+    return dg_plan_carries(&self->kind, stack->core);
 }
 
 bool lx_wire_has(const struct lx_wire *self, const char *key)
 {
-    return self->keys != NULL && lx_keys_find(self->keys, 1, key, NULL) != NULL;
+    return self->kind.keys != NULL && dg_keys_find(self->kind.keys, key) != NULL;
 }
 
 /* Keys of its own, or of the port for what it carries. */
@@ -56,19 +55,19 @@ size_t lx_wires_with(const char *key, struct lx_words *names)
     }
     for (size_t i = 0, n = 0; own > 0 && i < lx_wire_count; i++) {
         if (offers(&lx_wires[i], key)) {
-            lx_words_item(names, lx_wires[i].name, n++, count, " and ");
+            lx_words_item(names, lx_wires[i].kind.name, n++, count, " and ");
         }
     }
     return own > 0 ? count : 0;
 }
 
 /* Which keys it has was asked when they were given to it. */
-int lx_wire_settings(const struct lx_keys *keys, const struct lx_plan *plan,
-                     const struct lx_plan_wire *wire, void *base, struct lx_error *error)
+int lx_wire_settings(const struct dg_keys *keys, const struct dg_plan *plan,
+                     const struct dg_plan_wire *wire, void *base, struct lx_error *error)
 {
     for (size_t i = 0; i < wire->settings.count; i++) {
-        const struct lx_plan_setting *setting = &wire->settings.list[i];
-        const struct dg_key *key = lx_keys_find(keys, 1, setting->key, NULL);
+        const struct dg_plan_setting *setting = &wire->settings.list[i];
+        const struct dg_key *key = dg_keys_find(keys, setting->key);
         if (key == NULL) {
             (void)lx_refuse(error, "leave it out", "the wire has no such key");
         }

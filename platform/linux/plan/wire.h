@@ -17,28 +17,15 @@ struct lx_bus_setup;
 /** Understand the plan: figures, settings, addresses. @return NULL with `error` */
 typedef struct lx_bus *lx_bus_make(const struct lx_bus_setup *setup, struct lx_error *error);
 
-/** In lx_wire.media: it carries what travels as DG_MEDIUM_`medium`. */
-#define LX_CARRIES(medium) (1u << DG_MEDIUM_##medium)
-#define LX_CARRIES_ALL ((1u << DG_MEDIUM_COUNT) - 1u)
-
 /** A kind of wire. */
 struct lx_wire {
-    const char *name;    /**< as in "ready MODEL WIRE:ADDRESS" and --WIRE */
-    size_t stations_max; /**< encoders that fit on one; all of one stack, unless it is mixed */
+    struct dg_plan_wire_kind kind; /**< what plans say of it; the name is in "ready MODEL
+                                        WIRE:ADDRESS" and --WIRE, too */
     lx_bus_make *make;
-    unsigned media;    /**< it can carry: LX_CARRIES() */
-    const char *where; /**< what its address looks like, for messages, e.g. "CHIP:CLOCK,DATA"; NULL:
-                          it has none */
-    const char *usual; /**< address when none is given; NULL: the bus finds one */
-    const struct lx_keys *keys; /**< settings of the wire itself; NULL: none */
-    const void *defaults;       /**< what they set, as nobody has set it */
-    bool simulated;             /**< runs by the rig's clock, which may be slowed down */
-    bool mixed;                 /**< stacks of several may be on one */
-    bool where_needed;
-    bool where_is_path;    /**< a file name: in a rig file relative to its folder */
-    bool where_may_be_tcp; /**< ... or tcp:HOST:PORT */
-    bool where_in_trace;   /**< its address is the name of the wire in a trace */
-    const char *help;      /**< what it is, in one line */
+    const void *defaults; /**< what kind.keys set, as nobody has set it */
+    bool simulated;       /**< runs by the rig's clock, which may be slowed down */
+    bool where_in_trace;  /**< its address is the name of the wire in a trace */
+    const char *help;     /**< what it is, in one line */
 };
 
 /** All kinds. */
@@ -48,11 +35,11 @@ extern const size_t lx_wire_count;
 /** The kind called `name` (n characters), or NULL. */
 const struct lx_wire *lx_wire_find(const char *name, size_t n);
 
+/** That of a wire of a plan. */
+const struct lx_wire *lx_wire_of(const struct dg_plan_wire_kind *kind);
+
 /** Whether the bus finds an address by itself. */
 bool lx_wire_is_optional(const struct lx_wire *self);
-
-/** Whether an address of it is a path. */
-bool lx_wire_is_path(const struct lx_wire *self, const char *where);
 
 /** Whether encoders of `stack` can be on it. */
 bool lx_wire_carries(const struct lx_wire *self, const struct lx_stack *stack);
@@ -66,7 +53,7 @@ size_t lx_wires_with(const char *key, struct lx_words *names);
 
 /** Understand the settings of the wire itself: those in `keys`, to `base`, which has the defaults.
  * @return 0, or -1 with `error` */
-int lx_wire_settings(const struct lx_keys *keys, const struct lx_plan *plan,
-                     const struct lx_plan_wire *wire, void *base, struct lx_error *error);
+int lx_wire_settings(const struct dg_keys *keys, const struct dg_plan *plan,
+                     const struct dg_plan_wire *wire, void *base, struct lx_error *error);
 
 #endif

@@ -88,10 +88,10 @@ static int describe(struct place *next, const struct dg_rig_course_wish *wish, s
 
 /* What is asked for, but for the points. */
 static int understand(struct place *next, const struct dg_rig_course_wish *wish,
-                      struct lx_course_words *words, struct lx_error *error)
+                      struct dg_course_words *words, struct lx_error *error)
 {
     const bool state = dg_quantities[wish->quantity].unit == DG_UNIT_STATE;
-    *words = (struct lx_course_words){.name = strlen("points")};
+    *words = (struct dg_course_words){.name = strlen("points")};
     if (wish->path != NULL && lx_course_parse(wish->path, words, error) != 0) {
         return -1;
     }
@@ -130,7 +130,7 @@ static int open_file(struct lx_courses *self, const struct lx_folder *folder,
 int lx_courses_begin(struct lx_courses *self, const struct lx_courses_setup *setup,
                      const struct dg_rig_course_wish *wish, dg_ns now, struct lx_error *error)
 {
-    struct lx_course_words words;
+    struct dg_course_words words;
     int result = -1;
     if (self->reading != NULL) {
         (void)lx_fail(error, "another client's file is being read for it");

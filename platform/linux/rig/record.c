@@ -168,7 +168,7 @@ struct lx_record *lx_record_open(const struct lx_record_setup *setup, dg_ns now,
                       setup->path, setup->interval);
         return NULL;
     }
-    if (!lx_shaft_is_file(setup->path)) {
+    if (!dg_motion_is_file(setup->path)) {
         (void)lx_fail(error, "%.48s: the name of a recording ends in .csv", setup->path);
         return NULL;
     }

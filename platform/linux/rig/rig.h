@@ -27,7 +27,7 @@ struct lx_rig;
 struct lx_rig_setup {
     sd_event *event;
     const struct lx_say *say;
-    const struct lx_plan *plan;
+    const struct dg_plan *plan;
     bool verbose; /**< decoded frames on stderr, one line each */
 };
 
@@ -56,7 +56,7 @@ int lx_rig_announce(struct lx_rig *self, struct lx_error *error);
 
 /** Whether the rig of this plan has the time of a simulation that it takes part in; then virtual
  * time is to begin before it is opened. @return 0 with `is`, or -1 with `error` */
-int lx_rig_is_stepped(const struct lx_plan *plan, bool *is, struct lx_error *error);
+int lx_rig_is_stepped(const struct dg_plan *plan, bool *is, struct lx_error *error);
 
 /** Such a rig ends when the step at `span` is done, 0: when others end. */
 void lx_rig_end_after(struct lx_rig *self, dg_ns span);

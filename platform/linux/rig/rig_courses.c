@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "courses.h"
-#include "plan_section.h"
+#include "plan.h"
 #include "rig_parts.h"
 
 static size_t index_of(const struct lx_rig *self, const struct dg_encoder *encoder)
@@ -40,15 +40,6 @@ static struct lx_courses *courses_of(struct lx_rig *self, const struct dg_encode
 
 /* --- of the plan --- */
 
-static int path_of(const struct lx_plan *plan, const char *text, char **to, struct lx_error *error)
-{
-    if (plan->file != NULL) {
-        return lx_plan_take_path(plan, text, to, error);
-    }
-    *to = strdup(text);
-    return *to == NULL ? lx_fail(error, "no memory for %s", text) : 0;
-}
-
 static int begin(struct lx_rig *self, struct dg_encoder *encoder, size_t quantity, const char *path,
                  struct lx_error *error)
 {
@@ -65,18 +56,16 @@ static int begin(struct lx_rig *self, struct dg_encoder *encoder, size_t quantit
 
 /* The setting is known to be sound, but for its file. */
 static enum lx_rig_result begin_setting(struct lx_rig *self, struct dg_encoder *encoder,
-                                        const struct lx_plan_setting *setting,
+                                        const struct dg_plan_setting *setting,
                                         struct lx_error *error)
 {
     const struct dg_key *key = dg_keys_find(&dg_world_keys, setting->key);
-    char *path = NULL;
-    if (key == NULL || !lx_course_is(setting->value)) {
+    if (key == NULL || !dg_course_is(setting->value)) {
         return LX_RIG_OK;
     }
-    int result = path_of(self->setup.plan, setting->value, &path, error);
-    if (result == 0) {
-        result = begin(self, encoder, (size_t)(key - dg_world_keys.rows), path, error);
-    }
+    char *path = lx_plan_path(self->setup.plan, setting->value, setting->line, error);
+    const int result =
+        path == NULL ? -1 : begin(self, encoder, (size_t)(key - dg_world_keys.rows), path, error);
     free(path);
     if (result == 0) {
         return LX_RIG_OK;
@@ -89,7 +78,7 @@ enum lx_rig_result lx_rig_begin_courses(struct lx_rig *self, struct lx_error *er
 {
     enum lx_rig_result result = LX_RIG_OK;
     for (size_t i = 0; i < self->setup.plan->encoder_count; i++) {
-        const struct lx_plan_settings *settings = &self->setup.plan->encoders[i].settings;
+        const struct dg_plan_settings *settings = &self->setup.plan->encoders[i].settings;
         for (size_t j = 0; result == LX_RIG_OK && j < settings->count; j++) {
             result = begin_setting(self, &self->stations[i].control, &settings->list[j], error);
         }

@@ -11,9 +11,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "drehgeber/figure.h"
 #include "drehgeber/instruments.h"
 #include "drehgeber/interbus.h"
-#include "figure.h"
 #include "rig_parts.h"
 
 /* Rigs of one name that have a default control address, at the same time. */
@@ -27,8 +27,8 @@
 
 static enum lx_rig_result make_shaft(struct lx_rig *self, size_t index, struct lx_error *error)
 {
-    const struct lx_plan *plan = self->setup.plan;
-    const struct lx_plan_shaft *row = &plan->shafts[index];
+    const struct dg_plan *plan = self->setup.plan;
+    const struct dg_plan_shaft *row = &plan->shafts[index];
     struct lx_rig_shaft *shaft = &self->shafts[index];
     shaft->control.name = row->name;
     shaft->control.host = shaft;
@@ -38,7 +38,7 @@ static enum lx_rig_result make_shaft(struct lx_rig *self, size_t index, struct l
         dg_shaft_couple(&shaft->control.shaft, &self->shafts[row->driver].control.shaft,
                         row->ratio[0], row->ratio[1]) != DG_OK) {
         (void)lx_fail(error, "[shaft %s]: the gear cannot be", row->name);
-        (void)lx_stands(error, plan->file, row->line);
+        (void)lx_plan_stands(plan, row->line, error);
         return LX_RIG_PLAN;
     }
     const int result =
@@ -63,7 +63,7 @@ static enum lx_rig_result make_shafts(struct lx_rig *self, struct lx_error *erro
 
 static void make_station(struct lx_rig *self, size_t index)
 {
-    const struct lx_plan_encoder *row = &self->setup.plan->encoders[index];
+    const struct dg_plan_encoder *row = &self->setup.plan->encoders[index];
     struct lx_station *station = &self->stations[index];
     struct dg_rig_shaft *shaft = &self->shafts[row->shaft].control;
     uint64_t serial = 0;
@@ -81,7 +81,7 @@ static void make_station(struct lx_rig *self, size_t index)
         .faults = {.random = (uint32_t)index},
         .host = station,
     };
-    if (row->serial != NULL && lx_unsigned_parse(row->serial, &serial)) {
+    if (row->serial != NULL && dg_unsigned_parse(row->serial, &serial)) {
         station->control.serial = (uint32_t)serial;
     }
     self->control.encoders[index] = &station->control;
@@ -90,7 +90,7 @@ static void make_station(struct lx_rig *self, size_t index)
 /* The encoders of each wire in the order of the plan. @return false without memory */
 static bool gather(struct lx_rig *self)
 {
-    const struct lx_plan *plan = self->setup.plan;
+    const struct dg_plan *plan = self->setup.plan;
     for (size_t i = 0; i < plan->wire_count; i++) {
         struct lx_rig_wire *wire = &self->wires[i];
         wire->stations = calloc(plan->wires[i].encoder_count, sizeof(struct lx_station *));
@@ -136,7 +136,7 @@ static int make_wire(struct lx_rig *self, size_t index, struct lx_error *error)
 /* What can be said of a trace before anything is opened. */
 static int check_trace(struct lx_rig *self, size_t index, struct lx_error *error)
 {
-    const struct lx_plan_wire *wire = &self->setup.plan->wires[index];
+    const struct dg_plan_wire *wire = &self->setup.plan->wires[index];
     if (wire->trace == NULL ||
         lx_trace_fits(wire->trace, lx_rig_stack(&self->wires[index])->trace, error) == 0) {
         return 0;
@@ -146,7 +146,7 @@ static int check_trace(struct lx_rig *self, size_t index, struct lx_error *error
 
 static bool make_room(struct lx_rig *self)
 {
-    const struct lx_plan *plan = self->setup.plan;
+    const struct dg_plan *plan = self->setup.plan;
     struct dg_rig *control = &self->control;
     self->shafts = calloc(plan->shaft_count, sizeof *self->shafts);
     self->wires = calloc(plan->wire_count, sizeof *self->wires);
@@ -189,7 +189,7 @@ static bool add_minder(struct lx_rig_shaft *self, struct lx_rig_wire *wire)
    without memory */
 static bool mind_shafts(struct lx_rig *self, struct lx_rig_wire *wire)
 {
-    const struct lx_plan *plan = self->setup.plan;
+    const struct dg_plan *plan = self->setup.plan;
     bool done = true;
     for (size_t i = 0; wire->bus->ops->turns != NULL && i < wire->count; i++) {
         for (int at = (int)wire->stations[i]->plan->shaft; at >= 0; at = plan->shafts[at].driver) {
@@ -265,7 +265,7 @@ static int look_after_loop(struct lx_rig *self, struct lx_error *error)
 static void on_written(void *ctx)
 {
     const struct lx_rig *self = ctx;
-    for (size_t i = 0; i < LX_PLAN_CONTROLS_MAX; i++) {
+    for (size_t i = 0; i < DG_PLAN_CONTROLS_MAX; i++) {
         lx_server_wake(self->servers[i]);
     }
 }
@@ -298,7 +298,8 @@ static void enter(void *ctx, bool tcp)
     self->folder = tcp && self->setup.plan->files == NULL ? &self->no_files : &self->files;
 }
 
-static struct lx_server *serve(struct lx_rig *self, const char *where, struct lx_error *error)
+static struct lx_server *serve(struct lx_rig *self, const struct dg_plan_control *at,
+                               struct lx_error *error)
 {
     const struct lx_server_setup setup = {
         .event = self->setup.event,
@@ -310,7 +311,7 @@ static struct lx_server *serve(struct lx_rig *self, const char *where, struct lx
         .settle = lx_rig_settle,
         .ctx = self,
     };
-    return lx_server_open(where, &setup, error);
+    return lx_server_open(at, &setup, error);
 }
 
 /* Another rig of this name may be running: then with a number behind it, the first one that is
@@ -326,7 +327,7 @@ static void serve_default(struct lx_rig *self)
         if (lx_server_default(name, where, sizeof where, &error) != 0) {
             break;
         }
-        self->servers[0] = serve(self, where, &error);
+        self->servers[0] = serve(self, &(struct dg_plan_control){.where = where}, &error);
         (void)snprintf(name, sizeof name, "%.40s-%u", self->setup.plan->name, i);
     }
     if (self->servers[0] == NULL) {
@@ -336,11 +337,11 @@ static void serve_default(struct lx_rig *self)
 
 static int serve_all(struct lx_rig *self, struct lx_error *error)
 {
-    const struct lx_plan *plan = self->setup.plan;
+    const struct dg_plan *plan = self->setup.plan;
     for (size_t i = 0; i < plan->control_count; i++) {
-        self->servers[i] = serve(self, plan->controls[i], error);
+        self->servers[i] = serve(self, &plan->controls[i], error);
         if (self->servers[i] == NULL) {
-            return lx_plan_refuse_key(plan, "control", plan->control_lines[i], error);
+            return lx_plan_refuse_key(plan, "control", plan->controls[i].line, error);
         }
     }
     if (plan->control_count == 0) {
@@ -370,7 +371,7 @@ static int release_traces(struct lx_rig *self, struct lx_error *error)
 /* The working directory may be gone; then clients name no files. */
 static int open_files(struct lx_rig *self, struct lx_error *error)
 {
-    const struct lx_plan *plan = self->setup.plan;
+    const struct dg_plan *plan = self->setup.plan;
     const char *folder = plan->files == NULL ? "." : plan->files;
     if (lx_folder_open(&self->files, folder, error) == 0 || plan->files == NULL) {
         return 0;
@@ -380,7 +381,7 @@ static int open_files(struct lx_rig *self, struct lx_error *error)
 
 static void warn(const struct lx_rig *self)
 {
-    for (size_t i = 0; i < LX_PLAN_CONTROLS_MAX; i++) {
+    for (size_t i = 0; i < DG_PLAN_CONTROLS_MAX; i++) {
         lx_server_warn(self->servers[i]);
     }
 }
@@ -451,12 +452,12 @@ struct dg_rig *lx_rig_control(struct lx_rig *self)
     return &self->control;
 }
 
-int lx_rig_is_stepped(const struct lx_plan *plan, bool *is, struct lx_error *error)
+int lx_rig_is_stepped(const struct dg_plan *plan, bool *is, struct lx_error *error)
 {
     struct lx_silkit *silkit = lx_silkit_new(NULL, NULL, plan->name);
     int result = silkit == NULL ? lx_fail(error, "no memory for a rig") : 0;
     for (size_t i = 0; result == 0 && i < plan->wire_count; i++) {
-        if (plan->wires[i].kind->make == lx_silkit_bus_make) {
+        if (lx_wire_of(plan->wires[i].kind)->make == lx_silkit_bus_make) {
             result = lx_silkit_add(silkit, plan, &plan->wires[i], error);
         }
     }
@@ -500,7 +501,7 @@ const char *lx_rig_address(struct lx_rig *self, const struct lx_station *station
    @return false when nothing is written any more */
 static bool announce_ring(struct lx_rig *self)
 {
-    const struct lx_plan *plan = self->setup.plan;
+    const struct dg_plan *plan = self->setup.plan;
     char *address = self->address;
     bool written = fputs("ready ", stdout) >= 0;
     for (size_t i = 0; i < plan->encoder_count; i++) {
@@ -513,7 +514,7 @@ static bool announce_ring(struct lx_rig *self)
 
 static bool announce_encoders(struct lx_rig *self)
 {
-    const struct lx_plan *plan = self->setup.plan;
+    const struct dg_plan *plan = self->setup.plan;
     bool written = true;
     for (size_t i = 0; i < plan->encoder_count; i++) {
         const char *name = plan->file == NULL ? "" : plan->encoders[i].name;
@@ -545,7 +546,7 @@ const struct dg_words *lx_rig_words(const struct lx_rig_wire *self)
 
 int lx_rig_announce(struct lx_rig *self, struct lx_error *error)
 {
-    const struct lx_plan *plan = self->setup.plan;
+    const struct dg_plan *plan = self->setup.plan;
     const bool ring = plan->file == NULL && lx_stack_of(plan->encoders[0].model)->is_ring;
     bool written = ring ? announce_ring(self) : announce_encoders(self);
     for (size_t i = 0; i < plan->control_count; i++) {
@@ -608,7 +609,7 @@ int lx_rig_close(struct lx_rig *self, struct lx_error *error)
     if (self == NULL) {
         return 0;
     }
-    for (size_t i = 0; i < LX_PLAN_CONTROLS_MAX; i++) {
+    for (size_t i = 0; i < DG_PLAN_CONTROLS_MAX; i++) {
         lx_server_close(self->servers[i]);
         self->servers[i] = NULL;
     }

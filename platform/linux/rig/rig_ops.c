@@ -46,7 +46,7 @@ static void note_change(struct lx_rig *self, dg_ns now)
     for (size_t i = 0; self->recorded > 0 && i < self->setup.plan->shaft_count; i++) {
         lx_record_write(self->shafts[i].record, now);
     }
-    for (size_t i = 0; i < LX_PLAN_CONTROLS_MAX; i++) {
+    for (size_t i = 0; i < DG_PLAN_CONTROLS_MAX; i++) {
         lx_server_wake(self->servers[i]);
     }
 }
@@ -112,7 +112,7 @@ static void counters(struct dg_rig *control, const struct dg_encoder *encoder, s
 /* The plan has the names sorted. */
 static size_t find(struct dg_rig *control, const char *name)
 {
-    const int at = lx_plan_find_encoder(rig_of(control)->setup.plan, name);
+    const int at = dg_plan_find_encoder(rig_of(control)->setup.plan, name);
     return at < 0 ? control->encoder_count : (size_t)at;
 }
 
@@ -265,8 +265,9 @@ static int profile(struct dg_rig *control, struct dg_rig_shaft *shaft, dg_ns now
         return refuse(DG_SCPI_CONFLICT, detail, "another client's file is being read for it");
     }
     const struct lx_folder *folder = rig_of(control)->folder;
-    const int result = lx_shaft_is_file(text) ? begin_reading(self, text, folder, &error)
-                                              : lx_rig_play(self, now, false, text, folder, &error);
+    const int result = dg_motion_is_file(text)
+                           ? begin_reading(self, text, folder, &error)
+                           : lx_rig_play(self, now, false, text, folder, &error);
     return profiled(result, &error, detail);
 }
 
@@ -328,7 +329,7 @@ static int record(struct dg_rig *control, struct dg_rig_shaft *shaft, dg_ns now,
 
 int lx_rig_trace(struct lx_rig_wire *self, const char *path, struct lx_error *error)
 {
-    const struct lx_wire *kind = self->plan->kind;
+    const struct lx_wire *kind = lx_wire_of(self->plan->kind);
     const struct lx_trace_setup setup = {
         .path = path,
         .folder = self->rig->folder,
@@ -392,9 +393,9 @@ static bool last(struct dg_rig *control, const struct dg_encoder *encoder, unsig
 
 static bool simulated(const struct lx_rig *self)
 {
-    const struct lx_plan *plan = self->setup.plan;
+    const struct dg_plan *plan = self->setup.plan;
     for (size_t i = 0; i < plan->wire_count; i++) {
-        if (!plan->wires[i].kind->simulated) {
+        if (!lx_wire_of(plan->wires[i].kind)->simulated) {
             return false;
         }
     }

@@ -40,7 +40,7 @@ struct lx_rig_shaft {
 /** A wire. */
 struct lx_rig_wire {
     struct lx_rig *rig;
-    const struct lx_plan_wire *plan;
+    const struct dg_plan_wire *plan;
     struct lx_bus *bus;
     struct lx_station **stations; /**< owned */
     size_t count;
@@ -84,7 +84,7 @@ struct lx_rig {
     const struct lx_folder *folder; /**< of the client that is served; NULL: none is */
     bool stands;                    /**< nothing can be refused any more: traces are written */
     size_t recorded;                /**< shafts that are */
-    struct lx_server *servers[LX_PLAN_CONTROLS_MAX];
+    struct lx_server *servers[DG_PLAN_CONTROLS_MAX];
     char address[LX_BUS_ADDRESS_MAX + 16u]; /**< of the encoder asked for last */
 };
 

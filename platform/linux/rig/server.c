@@ -59,7 +59,7 @@ struct lx_server {
     struct lx_timer timer;
     bool woken; /* what a client waits for may have come sooner */
     struct client clients[LX_SERVER_CLIENTS_MAX];
-    struct lx_access access;
+    bool tcp;                             /* clients come over TCP */
     char token[LX_ACCESS_TOKEN_MAX + 1u]; /* "": none is asked for */
     dev_t device;                         /* of the socket file, to remove no other one */
     ino_t inode;
@@ -252,7 +252,7 @@ static dg_ns serve(struct client *client)
     const struct lx_clock *clock = client->server->setup.clock;
     bool more = true;
     dg_ns next = DG_NEVER;
-    client->server->setup.enter(client->server->setup.ctx, client->server->access.tcp);
+    client->server->setup.enter(client->server->setup.ctx, client->server->tcp);
     do {
         const dg_ns now = lx_clock_now(clock); /* the client before may have let time pass */
         const size_t before = client->input_length;
@@ -354,9 +354,9 @@ static int on_connection(sd_event_source *source, int fd, uint32_t events, void 
     }
     struct client *client = place(self);
     *client = (struct client){.server = self, .fd = socket, .heard = lx_now()};
-    client->guard = (struct lx_guard){.tcp = self->access.tcp,
-                                      .token = self->token[0] == '\0' ? NULL : self->token};
-    if (self->access.tcp) {
+    client->guard =
+        (struct lx_guard){.tcp = self->tcp, .token = self->token[0] == '\0' ? NULL : self->token};
+    if (self->tcp) {
         lx_endpoint_keep_alive(socket);
     }
     dg_control_init(&client->control, self->setup.rig, keep, client);
@@ -390,30 +390,28 @@ static void remove_file(const struct lx_server *self)
 }
 
 /* Where to listen and who may come in. The address that is told leads a client there as it is. */
-static int listen_there(struct lx_server *self, const char *where, struct lx_error *error)
+static int listen_there(struct lx_server *self, const struct dg_plan_control *at,
+                        struct lx_error *error)
 {
-    if (lx_access_parse(where, &self->access, error) != 0) {
+    const char *file = at->token_file;
+    if (file != NULL && lx_access_token(file, self->token, error) != 0) {
         return -1;
     }
-    const char *file = self->access.token_file;
-    if (file[0] != '\0' && lx_access_token(file, self->token, error) != 0) {
-        return -1;
-    }
-    const enum lx_endpoint_reach reach = self->access.open ? LX_ENDPOINT_ANY : LX_ENDPOINT_LOOPBACK;
-    self->listener =
-        lx_endpoint_listen(self->access.where, reach, self->where, sizeof self->where, error);
+    const enum lx_endpoint_reach reach = at->open ? LX_ENDPOINT_ANY : LX_ENDPOINT_LOOPBACK;
+    self->tcp = at->tcp;
+    self->listener = lx_endpoint_listen(at->where, reach, self->where, sizeof self->where, error);
     if (self->listener < 0) {
         return -1;
     }
     remember_file(self);
     (void)snprintf(self->address, sizeof self->address, "%s%s%s", self->where,
-                   file[0] == '\0' ? "" : ",token=", file);
+                   file == NULL ? "" : ",token=", file == NULL ? "" : file);
     return 0;
 }
 
-static int start(struct lx_server *self, const char *where, struct lx_error *error)
+static int start(struct lx_server *self, const struct dg_plan_control *at, struct lx_error *error)
 {
-    if (listen_there(self, where, error) != 0) {
+    if (listen_there(self, at, error) != 0) {
         return -1;
     }
     int result = lx_timer_open(&self->timer, self->setup.event, on_time, self);
@@ -424,15 +422,15 @@ static int start(struct lx_server *self, const char *where, struct lx_error *err
     if (result >= 0) {
         result = lx_endpoint_calm(self->io);
     }
-    return result < 0 ? lx_fail(error, "%s: no event loop: %s", where, strerror(-result)) : 0;
+    return result < 0 ? lx_fail(error, "%s: no event loop: %s", at->where, strerror(-result)) : 0;
 }
 
-struct lx_server *lx_server_open(const char *where, const struct lx_server_setup *setup,
-                                 struct lx_error *error)
+struct lx_server *lx_server_open(const struct dg_plan_control *at,
+                                 const struct lx_server_setup *setup, struct lx_error *error)
 {
     struct lx_server *self = calloc(1, sizeof *self);
     if (self == NULL) {
-        (void)lx_fail(error, "%s: no memory", where);
+        (void)lx_fail(error, "%s: no memory", at->where);
         return NULL;
     }
     self->setup = *setup;
@@ -440,7 +438,7 @@ struct lx_server *lx_server_open(const char *where, const struct lx_server_setup
     for (size_t i = 0; i < LX_SERVER_CLIENTS_MAX; i++) {
         self->clients[i].fd = -1;
     }
-    if (start(self, where, error) != 0) {
+    if (start(self, at, error) != 0) {
         lx_server_close(self);
         return NULL;
     }

@@ -15,6 +15,7 @@
 #include "access.h"
 #include "bus.h"
 #include "drehgeber/control.h"
+#include "drehgeber/rig.h"
 #include "nvm_writer.h"
 #include "say.h"
 
@@ -44,12 +45,12 @@ struct lx_server_setup {
 struct lx_server;
 
 /**
- * Listen at `where`, see lx_access_parse() (port 0: any). A socket left behind by a dead
+ * Listen at an address of a plan (port 0: any). A socket left behind by a dead
  * process is replaced, one of a living process is not.
  * @return NULL with one line in `error`
  */
-struct lx_server *lx_server_open(const char *where, const struct lx_server_setup *setup,
-                                 struct lx_error *error);
+struct lx_server *lx_server_open(const struct dg_plan_control *at,
+                                 const struct lx_server_setup *setup, struct lx_error *error);
 
 /** A shaft or the clock has changed, or something was written to an EEPROM file: what clients wait
  * for may come sooner; NULL is fine. */

@@ -15,20 +15,148 @@ const struct lx_stack *const lx_stacks[] = {
 };
 const size_t lx_stack_count = DG_COUNT(lx_stacks);
 
-/* clang-format off */
 const struct lx_wire lx_wires[] = {
-    /* name        stations           make                        carries                 address                usual                     keys           defaults           simul. mixed  needed path   or tcp traced help */
-    {"pty",        32,                lx_line_bus_make_pty,       LX_CARRIES(CHARACTERS), "LINK",                NULL,                     NULL,          NULL,              false, true,  false, true,  false, false,  "RS485 on a pseudo-terminal, and a symbolic link to it while it runs"},
-    {"tty",        32,                lx_line_bus_make_tty,       LX_CARRIES(CHARACTERS), "DEV",                 NULL,                     NULL,          NULL,              false, false, true,  true,  false, false,  "RS485 on a serial port; data rate and parity are the encoder's own"},
-    {"rs485",      32,                lx_line_bus_make_net,       LX_CARRIES(CHARACTERS), "KIND:HOST:PORT",      "rfc2217:127.0.0.1:2217", NULL,          NULL,              false, true,  false, false, false, false,  "RS485 on a TCP port: KIND rfc2217, where clients say data rate and parity, or tcp, plain bytes (loopback; ,open: beyond it, too)"},
-    {"sim",        DG_BISS_CHAIN_MAX, lx_sim_bus_make,            LX_CARRIES(EDGES),      NULL,                  NULL,                     &lx_sim_keys,  &lx_sim_timing,    true,  false, false, false, false, false,  "BiSS or SSI on a simulated wire with a master that reads positions"},
-    {"gpio",       1,                 lx_gpio_bus_make,           LX_CARRIES(EDGES),      "CHIP:CLOCK,DATA",     NULL,                     NULL,          NULL,              false, false, true,  false, false, false,  "BiSS (MA, SLO) or SSI (clock, data) on two lines of a GPIO chip: its name, path or label, and their offsets, e.g. gpiochip0:4,5"},
-    {"can",        DG_BUS_FRAMES_ENCODERS, lx_can_bus_make_socket,     LX_CARRIES(FRAMES),     "IFNAME",              NULL,                     &lx_can_keys,  &lx_can_pace,      false, false, true,  false, false, true,   "CAN on a network interface (SocketCAN)"},
-    {"slcan",      DG_BUS_FRAMES_ENCODERS, lx_can_bus_make_slcan,      LX_CARRIES(FRAMES),     "LINK|tcp:HOST:PORT",  NULL,                     &lx_can_keys,  &lx_can_pace,      false, false, false, true,  true,  false,  "CAN behind an SLCAN adapter on a pseudo-terminal, or on a TCP port, one for each client (loopback; ,open: beyond it, too)"},
-    {"socketcand", DG_BUS_FRAMES_ENCODERS, lx_can_bus_make_socketcand, LX_CARRIES(FRAMES),     "HOST:PORT[,BUS]",     "127.0.0.1:29536",        &lx_can_keys,  &lx_can_pace,      false, false, false, false, false, false,  "CAN behind a socketcand on a TCP port; BUS: the name that clients have to open it by (loopback; ,open: beyond it, too)"},
-    {"silkit",     DG_RING_MAX,       lx_silkit_bus_make,         LX_CARRIES_ALL,         "silkit://HOST:PORT,NETWORK", NULL,              &lx_silkit_keys, &lx_silkit_defaults, false, false, true, false, false, false, "a SIL Kit simulation: the registry, the CAN network or the name before the topics of another line, and behind a comma the name of the participant"},
-    {"modbus",     DG_RING_MAX,       lx_ring_bus_make,           LX_CARRIES(WORDS),      "HOST:PORT",           "127.0.0.1:5020",         &lx_ring_keys, &lx_ring_defaults, false, false, false, false, false, false,  "INTERBUS: the Modbus/TCP coupler in front of the ring (loopback; ,open: beyond it, too)"},
+    {
+        .kind =
+            {
+                .name = "pty",
+                .stations_max = 32,
+                .media = DG_PLAN_CARRIES(CHARACTERS),
+                .where = "LINK",
+                .where_is_path = true,
+                .mixed = true,
+            },
+        .make = lx_line_bus_make_pty,
+        .help = "RS485 on a pseudo-terminal, and a symbolic link to it while it runs",
+    },
+    {
+        .kind =
+            {
+                .name = "tty",
+                .stations_max = 32,
+                .media = DG_PLAN_CARRIES(CHARACTERS),
+                .where = "DEV",
+                .where_needed = true,
+                .where_is_path = true,
+            },
+        .make = lx_line_bus_make_tty,
+        .help = "RS485 on a serial port; data rate and parity are the encoder's own",
+    },
+    {
+        .kind =
+            {
+                .name = "rs485",
+                .stations_max = 32,
+                .media = DG_PLAN_CARRIES(CHARACTERS),
+                .where = "KIND:HOST:PORT",
+                .usual = "rfc2217:127.0.0.1:2217",
+                .mixed = true,
+            },
+        .make = lx_line_bus_make_net,
+        .help = "RS485 on a TCP port: KIND rfc2217, where clients say data rate and parity, "
+                "or tcp, plain bytes (loopback; ,open: beyond it, too)",
+    },
+    {
+        .kind =
+            {
+                .name = "sim",
+                .stations_max = DG_BISS_CHAIN_MAX,
+                .media = DG_PLAN_CARRIES(EDGES),
+                .keys = &lx_sim_keys,
+            },
+        .make = lx_sim_bus_make,
+        .defaults = &lx_sim_timing,
+        .simulated = true,
+        .help = "BiSS or SSI on a simulated wire with a master that reads positions",
+    },
+    {
+        .kind =
+            {
+                .name = "gpio",
+                .stations_max = 1,
+                .media = DG_PLAN_CARRIES(EDGES),
+                .where = "CHIP:CLOCK,DATA",
+                .where_needed = true,
+            },
+        .make = lx_gpio_bus_make,
+        .help = "BiSS (MA, SLO) or SSI (clock, data) on two lines of a GPIO chip: its name, "
+                "path or label, and their offsets, e.g. gpiochip0:4,5",
+    },
+    {
+        .kind =
+            {
+                .name = "can",
+                .stations_max = DG_BUS_FRAMES_ENCODERS,
+                .media = DG_PLAN_CARRIES(FRAMES),
+                .where = "IFNAME",
+                .keys = &lx_can_keys,
+                .where_needed = true,
+            },
+        .make = lx_can_bus_make_socket,
+        .defaults = &lx_can_pace,
+        .where_in_trace = true,
+        .help = "CAN on a network interface (SocketCAN)",
+    },
+    {
+        .kind =
+            {
+                .name = "slcan",
+                .stations_max = DG_BUS_FRAMES_ENCODERS,
+                .media = DG_PLAN_CARRIES(FRAMES),
+                .where = "LINK|tcp:HOST:PORT",
+                .keys = &lx_can_keys,
+                .where_is_path = true,
+                .where_may_be_tcp = true,
+            },
+        .make = lx_can_bus_make_slcan,
+        .defaults = &lx_can_pace,
+        .help = "CAN behind an SLCAN adapter on a pseudo-terminal, or on a TCP port, one for "
+                "each client (loopback; ,open: beyond it, too)",
+    },
+    {
+        .kind =
+            {
+                .name = "socketcand",
+                .stations_max = DG_BUS_FRAMES_ENCODERS,
+                .media = DG_PLAN_CARRIES(FRAMES),
+                .where = "HOST:PORT[,BUS]",
+                .usual = "127.0.0.1:29536",
+                .keys = &lx_can_keys,
+            },
+        .make = lx_can_bus_make_socketcand,
+        .defaults = &lx_can_pace,
+        .help = "CAN behind a socketcand on a TCP port; BUS: the name that clients have to "
+                "open it by (loopback; ,open: beyond it, too)",
+    },
+    {
+        .kind =
+            {
+                .name = "silkit",
+                .stations_max = DG_RING_MAX,
+                .media = DG_PLAN_CARRIES_ALL,
+                .where = "silkit://HOST:PORT,NETWORK",
+                .keys = &lx_silkit_keys,
+                .where_needed = true,
+            },
+        .make = lx_silkit_bus_make,
+        .defaults = &lx_silkit_defaults,
+        .help = "a SIL Kit simulation: the registry, the CAN network or the name before the "
+                "topics of another line, and behind a comma the name of the participant",
+    },
+    {
+        .kind =
+            {
+                .name = "modbus",
+                .stations_max = DG_RING_MAX,
+                .media = DG_PLAN_CARRIES(WORDS),
+                .where = "HOST:PORT",
+                .usual = "127.0.0.1:5020",
+                .keys = &lx_ring_keys,
+            },
+        .make = lx_ring_bus_make,
+        .defaults = &lx_ring_defaults,
+        .help = "INTERBUS: the Modbus/TCP coupler in front of the ring (loopback; ,open: "
+                "beyond it, too)",
+    },
 };
-/* clang-format on */
-
 const size_t lx_wire_count = DG_COUNT(lx_wires);

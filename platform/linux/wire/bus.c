@@ -22,7 +22,7 @@ void lx_bus_count(struct dg_scpi *to, const struct lx_count *rows, size_t n)
 
 struct lx_bus *lx_bus_new(const struct lx_bus_setup *setup, struct lx_error *error)
 {
-    struct lx_bus *self = setup->wire->kind->make(setup, error);
+    struct lx_bus *self = lx_wire_of(setup->wire->kind)->make(setup, error);
     if (self == NULL) {
         (void)lx_plan_refuse_wire(setup->plan, setup->wire, error);
     }

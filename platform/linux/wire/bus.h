@@ -26,7 +26,7 @@ struct lx_silkit;
 struct lx_station {
     struct dg_encoder control; /**< name, model, kind, world and shaft are set before make() */
     struct dg_world world;     /**< what control.world points to; healthy before make() */
-    const struct lx_plan_encoder *plan;
+    const struct dg_plan_encoder *plan;
     struct lx_bus *bus;
     size_t place;                     /**< on the bus, 0 is the first */
     void *own;                        /**< the bus's own */
@@ -38,8 +38,8 @@ struct lx_station {
 struct lx_bus_setup {
     sd_event *event;
     const struct lx_say *say;
-    const struct lx_plan *plan;      /**< for messages */
-    const struct lx_plan_wire *wire; /**< its row of the plan */
+    const struct dg_plan *plan;      /**< for messages */
+    const struct dg_plan_wire *wire; /**< its row of the plan */
     struct lx_station **stations;
     size_t count; /**< at least 1 */
     const struct lx_clock *clock;

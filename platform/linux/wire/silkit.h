@@ -42,7 +42,7 @@ struct lx_silkit_settings {
     uint8_t time;     /**< enum lx_silkit_time */
     uint32_t step_us; /**< 1..1000000 */
 };
-extern const struct lx_keys lx_silkit_keys;
+extern const struct dg_keys lx_silkit_keys;
 extern const struct lx_silkit_settings lx_silkit_defaults;
 
 /** An address. */
@@ -88,8 +88,8 @@ struct lx_silkit *lx_silkit_new(sd_event *event, const struct lx_say *say, const
 
 /** A wire of the plan is to be on it. All wires of a rig have one registry, one participant and
  * the same settings. @return 0, or -1 with `error` */
-int lx_silkit_add(struct lx_silkit *self, const struct lx_plan *plan,
-                  const struct lx_plan_wire *wire, struct lx_error *error);
+int lx_silkit_add(struct lx_silkit *self, const struct dg_plan *plan,
+                  const struct dg_plan_wire *wire, struct lx_error *error);
 
 /** Whether any is, and time is not real. */
 bool lx_silkit_is_virtual(const struct lx_silkit *self);

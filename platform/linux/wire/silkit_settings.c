@@ -19,7 +19,7 @@ static const struct dg_key keys[] = {
 };
 /* clang-format on */
 
-const struct lx_keys lx_silkit_keys = {.rows = keys, .count = DG_COUNT(keys)};
+const struct dg_keys lx_silkit_keys = {.rows = keys, .count = DG_COUNT(keys)};
 const struct lx_silkit_settings lx_silkit_defaults = {.time = LX_SILKIT_COORDINATED,
                                                       .step_us = 1000};
 
@@ -82,8 +82,8 @@ bool lx_silkit_is_loopback(const struct lx_silkit_where *self)
 
 /* --- the plan --- */
 
-static int refuse_another(const char *first, const char *what, const struct lx_plan *plan,
-                          const struct lx_plan_wire *wire, struct lx_error *error)
+static int refuse_another(const char *first, const char *what, const struct dg_plan *plan,
+                          const struct dg_plan_wire *wire, struct lx_error *error)
 {
     struct lx_words right = {""};
     lx_words_add(&right, "%s, as at the first silkit wire, is right", first);
@@ -92,7 +92,7 @@ static int refuse_another(const char *first, const char *what, const struct lx_p
 }
 
 static int same_where(const struct lx_silkit *self, const struct lx_silkit_where *where,
-                      const struct lx_plan *plan, const struct lx_plan_wire *wire,
+                      const struct dg_plan *plan, const struct dg_plan_wire *wire,
                       struct lx_error *error)
 {
     if (strcmp(self->where.uri, where->uri) != 0) {
@@ -105,7 +105,7 @@ static int same_where(const struct lx_silkit *self, const struct lx_silkit_where
 }
 
 static int same_settings(const struct lx_silkit *self, const struct lx_silkit_settings *settings,
-                         const struct lx_plan *plan, const struct lx_plan_wire *wire,
+                         const struct dg_plan *plan, const struct dg_plan_wire *wire,
                          struct lx_error *error)
 {
     if (self->settings.time != settings->time) {
@@ -120,8 +120,8 @@ static int same_settings(const struct lx_silkit *self, const struct lx_silkit_se
 }
 
 /* What a later wire leaves out is as with the first one. */
-int lx_silkit_add(struct lx_silkit *self, const struct lx_plan *plan,
-                  const struct lx_plan_wire *wire, struct lx_error *error)
+int lx_silkit_add(struct lx_silkit *self, const struct dg_plan *plan,
+                  const struct dg_plan_wire *wire, struct lx_error *error)
 {
     struct lx_silkit_where where;
     struct lx_silkit_settings settings = self->planned ? self->settings : lx_silkit_defaults;

@@ -143,12 +143,12 @@ int can_rig_tear_down(void **state)
 /* Encoders with the node-IDs 1, 2, ..., of both models in turn. */
 void can_rig_plan(struct can_rig *self, size_t count)
 {
-    self->wire = (struct lx_plan_wire){.name = "can0", .where = self->link};
+    self->wire = (struct dg_plan_wire){.name = "can0", .where = self->link};
     self->plan.encoder_count = 0;
     for (size_t i = 0; i < count; i++) {
-        struct lx_plan_encoder *encoder = &self->encoder[i];
+        struct dg_plan_encoder *encoder = &self->encoder[i];
         (void)snprintf(self->name[i], sizeof self->name[i], "e%zu", i);
-        *encoder = (struct lx_plan_encoder){
+        *encoder = (struct dg_plan_encoder){
             .name = self->name[i],
             .model = dg_device_find(i % 2 == 0 ? "f3668" : "f3658"),
             .address = (int)i + 1,

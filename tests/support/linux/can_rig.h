@@ -40,9 +40,9 @@ struct can_rig {
     char nvm[CAN_RIG_NODES_MAX][64]; /**< files that are removed at the end */
     char name[CAN_RIG_NODES_MAX][24];
     sd_event *event;
-    struct lx_plan plan; /**< only its `file` counts */
-    struct lx_plan_wire wire;
-    struct lx_plan_encoder encoder[CAN_RIG_NODES_MAX];
+    struct dg_plan plan; /**< only its `file` counts */
+    struct dg_plan_wire wire;
+    struct dg_plan_encoder encoder[CAN_RIG_NODES_MAX];
     struct lx_station station[CAN_RIG_NODES_MAX];
     struct lx_station *stations[CAN_RIG_NODES_MAX];
     dg_angle angle[CAN_RIG_NODES_MAX];

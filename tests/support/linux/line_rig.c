@@ -129,13 +129,14 @@ static void open_master(struct line_rig *self)
 /* A plan of `count` encoders, the first one at 40h, the next at 41h ... */
 void line_rig_plan(struct line_rig *self, size_t count, const char *where)
 {
-    static const struct lx_wire kind = {.name = "pty", .media = LX_CARRIES(CHARACTERS)};
+    static const struct lx_wire wire = {
+        .kind = {.name = "pty", .media = DG_PLAN_CARRIES(CHARACTERS)}};
     *self = (struct line_rig){.say = {.quiet = true}, .master = -1, .clock = {.permille = 1000}};
-    assert_int_equal(lx_plan_add_wire(&self->plan, "line", &kind, where), 0);
+    plan_rig_begin(&self->plan, "line", &wire.kind, where);
     for (size_t i = 0; i < count; i++) {
         char name[24];
         (void)snprintf(name, sizeof name, "e%zu", i);
-        assert_int_equal(lx_plan_add_encoder(&self->plan, name, dg_device_find(MODEL), 0, 0),
+        assert_int_equal(dg_plan_add_encoder(&self->plan, name, dg_device_find(MODEL), 0, 0),
                          (int)i);
         self->plan.encoders[i].address = 0x40 + (int)i;
     }
@@ -198,7 +199,7 @@ void line_rig_close(struct line_rig *self)
         (void)close(self->master);
     }
     self->event = sd_event_unref(self->event);
-    lx_plan_free(&self->plan);
+    plan_rig_free(&self->plan);
 }
 
 struct dg_hf *line_rig_device(struct line_rig *self, size_t index)

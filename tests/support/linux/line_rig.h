@@ -13,6 +13,7 @@
 
 #include "bus.h"
 #include "drehgeber/hiperface.h"
+#include "plan_rig.h"
 
 /** Encoders on a line. */
 #define LINE_STATIONS_MAX 32u
@@ -35,7 +36,7 @@ struct line_heard {
 
 /** The line, its encoders and its master. Not to be moved while open. */
 struct line_rig {
-    struct lx_plan plan;
+    struct dg_plan plan;
     struct lx_say say;
     sd_event *event;
     struct lx_clock clock;

@@ -38,13 +38,13 @@ static void on_event(void *ctx, const struct dg_tap_event *event)
 
 void sim_rig_plan(struct sim_rig *self, size_t count)
 {
-    static const struct lx_wire kind = {.name = "sim", .media = LX_CARRIES(EDGES)};
+    static const struct lx_wire wire = {.kind = {.name = "sim", .media = DG_PLAN_CARRIES(EDGES)}};
     *self = (struct sim_rig){.say = {.quiet = true}, .clock = {.virtual_ = SIM_RIG_POWER_ON}};
-    assert_int_equal(lx_plan_add_wire(&self->plan, "wire", &kind, NULL), 0);
+    plan_rig_begin(&self->plan, "wire", &wire.kind, NULL);
     for (size_t i = 0; i < count; i++) {
         char name[24];
         (void)snprintf(name, sizeof name, "b%zu", i);
-        assert_int_equal(lx_plan_add_encoder(&self->plan, name, dg_device_find(MODEL), 0, 0),
+        assert_int_equal(dg_plan_add_encoder(&self->plan, name, dg_device_find(MODEL), 0, 0),
                          (int)i);
     }
 }
@@ -96,7 +96,7 @@ void sim_rig_close(struct sim_rig *self)
     assert_int_equal(self->bus->late, 0);
     self->bus->ops->close(self->bus);
     self->event = sd_event_unref(self->event);
-    lx_plan_free(&self->plan);
+    plan_rig_free(&self->plan);
 }
 
 int sim_rig_frame(struct sim_rig *self, size_t place)

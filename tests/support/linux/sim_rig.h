@@ -9,6 +9,7 @@
 
 #include "bus.h"
 #include "drehgeber/biss.h"
+#include "plan_rig.h"
 
 #define SIM_RIG_ENCODERS_MAX 8u
 #define SIM_RIG_POWER_ON DG_S(1)
@@ -38,7 +39,7 @@ struct sim_heard {
 
 /** A rig of one wire. */
 struct sim_rig {
-    struct lx_plan plan;
+    struct dg_plan plan;
     struct lx_say say;
     sd_event *event;
     struct lx_clock clock;

@@ -16,7 +16,7 @@ static dg_angle turned(void *ctx, dg_ns now)
     return *(const dg_angle *)ctx;
 }
 
-void station_make(struct lx_station *station, const struct lx_plan_encoder *plan, size_t place,
+void station_make(struct lx_station *station, const struct dg_plan_encoder *plan, size_t place,
                   dg_angle *angle)
 {
     *station = (struct lx_station){.plan = plan, .place = place};

@@ -6,7 +6,7 @@
 #include "bus.h"
 
 /** The encoder `plan`, the one at `place` of its bus, on a shaft that stands at `*angle`. */
-void station_make(struct lx_station *station, const struct lx_plan_encoder *plan, size_t place,
+void station_make(struct lx_station *station, const struct dg_plan_encoder *plan, size_t place,
                   dg_angle *angle);
 
 /** Let `fault` happen to `count` frames from `now` on, 0: until mended. The bus is not told. */

@@ -20,7 +20,7 @@
 /** The rig, its master and its client. Not to be moved while open. */
 struct virtual_rig {
     const char *name;
-    struct lx_plan plan;
+    struct dg_plan plan;
     sd_event *event;
     struct lx_rig *rig;
     struct lx_tap_listener *listener;

@@ -30,7 +30,7 @@ static void refuse(struct can_rig *self, const char *text)
     assert_string_equal(lx_error_line(&self->error).text, text);
 }
 
-static void set(struct lx_plan_encoder *encoder, const char *assignment)
+static void set(struct dg_plan_encoder *encoder, const char *assignment)
 {
     struct lx_error error;
     lx_plan_free_settings(&encoder->settings);
@@ -60,7 +60,7 @@ static void plans_that_cannot_be(void **state)
     self->plan.file = "rig.ini";
     can_rig_plan(self, 2);
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
-        struct lx_plan_encoder *encoder = &self->encoder[1]; /* an f3658 */
+        struct dg_plan_encoder *encoder = &self->encoder[1]; /* an f3658 */
         char *serial = rows[i].serial == NULL ? NULL : strdup(rows[i].serial);
         encoder->serial = serial;
         encoder->serial_line = 8;

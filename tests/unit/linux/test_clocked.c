@@ -246,7 +246,7 @@ static void one_line_has_one_protocol(void **state)
     assert_null(lx_clocked_make(&rig.setup, LX_CLOCKED_HERE, &error));
     assert_string_equal(lx_error_line(&error).text, "s3684-rs485 cannot be on this wire");
     rig.event = sd_event_unref(rig.event);
-    lx_plan_free(&rig.plan);
+    plan_rig_free(&rig.plan);
 }
 
 static void a_line_has_no_more_encoders_than_its_protocol(void **state)
@@ -268,7 +268,7 @@ static void a_line_has_no_more_encoders_than_its_protocol(void **state)
     rig.setup.count = lx_clocked_biss.encoders_max;
     lx_clocked_close(lx_clocked_make(&rig.setup, LX_CLOCKED_HERE, &error));
     rig.event = sd_event_unref(rig.event);
-    lx_plan_free(&rig.plan);
+    plan_rig_free(&rig.plan);
 }
 
 int main(void)

@@ -21,7 +21,7 @@ static void words(void **state)
 {
     static const struct {
         const char *text;
-        struct lx_course_words is;
+        struct dg_course_words is;
     } rows[] = {
         {"a.csv", {5, false, false}},
         {"a.csv,LOOP", {5, true, false}},
@@ -32,10 +32,10 @@ static void words(void **state)
     };
     (void)state;
     for (size_t i = 0; i < LENGTH(rows); i++) {
-        struct lx_course_words got;
+        struct dg_course_words got;
         struct lx_error error;
         const int result = lx_course_parse(rows[i].text, &got, &error);
-        assert_true(lx_course_is(rows[i].text));
+        assert_true(dg_course_is(rows[i].text));
         assert_int_equal(result, rows[i].is.name == 0 ? -1 : 0);
         if (result == 0) {
             assert_int_equal(got.name, rows[i].is.name);
@@ -63,12 +63,12 @@ static void what_are_none(void **state)
     };
     (void)state;
     for (size_t i = 0; i < LENGTH(rows); i++) {
-        struct lx_course_words got;
+        struct dg_course_words got;
         struct lx_error error;
-        assert_int_equal(lx_course_is(rows[i].text), rows[i].is);
+        assert_int_equal(dg_course_is(rows[i].text), rows[i].is);
         assert_int_equal(lx_course_parse(rows[i].text, &got, &error), -1);
         assert_string_equal(error.what, rows[i].said);
-        assert_string_equal(error.right, LX_COURSE_FORM " is right");
+        assert_string_equal(error.right, DG_COURSE_FORM " is right");
     }
 }
 

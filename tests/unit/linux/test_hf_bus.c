@@ -245,19 +245,19 @@ static void what_does_not_fit_is_refused(void **state)
         struct line_rig rig;
         struct lx_error error = {.right = ""};
         line_rig_plan(&rig, 1, NULL);
-        struct lx_plan_encoder *encoder = rig.plan.encoders;
+        struct dg_plan_encoder *encoder = rig.plan.encoders;
         rig.plan.file = "rig.ini";
         encoder->line = 5;
         encoder->serial_line = 9;
         if (rows[i].setting != NULL) {
             (void)lx_plan_add_assignment(&encoder->settings, rows[i].setting, 7, &error);
         }
-        encoder->serial = rows[i].serial == NULL ? NULL : strdup(rows[i].serial);
+        encoder->serial = rows[i].serial;
         line_rig_stations(&rig);
         assert_null(lx_line_bus_make_pty(&rig.setup, &error));
         assert_non_null(strstr(lx_error_line(&error).text, rows[i].says));
         rig.event = sd_event_unref(rig.event);
-        lx_plan_free(&rig.plan);
+        plan_rig_free(&rig.plan);
     }
 }
 
@@ -269,7 +269,7 @@ static void settings_reach_the_station(void **state)
     line_rig_set(&rig, 1, "temperature=85");
     line_rig_set(&rig, 1, "led_current_ua=31000");
     line_rig_set(&rig, 1, "reaction_us=500");
-    rig.plan.encoders[1].serial = strdup("4711");
+    rig.plan.encoders[1].serial = "4711";
     line_rig_open_pty(&rig);
     assert_int_equal(rig.station[0].world.temperature_mdegc, 37000);
     assert_int_equal(rig.station[1].world.temperature_mdegc, 85000);

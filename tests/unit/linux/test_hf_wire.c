@@ -267,7 +267,7 @@ static void a_file_keeps_its_address(void **state)
         struct line_rig rig;
         line_rig_plan(&rig, 1, NULL);
         rig.plan.encoders[0].address = round == 0 ? 0x4A : 0x4B;
-        rig.plan.encoders[0].nvm = strdup(file);
+        rig.plan.encoders[0].nvm = dg_plan_copy(&rig.plan, file);
         line_rig_open_pty(&rig);
         line_rig_answers(&rig, 0x4A);
         line_rig_close(&rig);

@@ -280,7 +280,7 @@ static void a_kind_says_what_it_answers_without_its_memory(void **state)
     struct sim_rig rig;
     struct lx_error error;
     sim_rig_plan(&rig, 1);
-    rig.plan.encoders[0].nvm = strdup(place->path);
+    rig.plan.encoders[0].nvm = dg_plan_copy(&rig.plan, place->path);
     sim_rig_stations(&rig);
     rig.setup.writer = lx_nvm_writer_new(rig.event, NULL, NULL);
     assert_non_null(rig.setup.writer);
@@ -293,7 +293,7 @@ static void a_kind_says_what_it_answers_without_its_memory(void **state)
     lx_clocked_close(line);
     lx_nvm_writer_free(rig.setup.writer);
     rig.event = sd_event_unref(rig.event);
-    lx_plan_free(&rig.plan);
+    plan_rig_free(&rig.plan);
 }
 
 #define IN_A_PLACE(test)                                                                           \

@@ -79,14 +79,6 @@ static void check_instead(const struct lx_stack *stack)
     assert_true(row->min <= stack->instead->min && row->max >= stack->instead->max);
 }
 
-static void check_address(const struct lx_stack *stack)
-{
-    const struct dg_key *row = lx_stack_address_row(stack);
-    assert_true((row != NULL) == (stack->core->address_key != NULL));
-    assert_true(row == NULL ||
-                (stack->address.delivered >= row->min && stack->address.delivered <= row->max));
-}
-
 static void rows_are_whole(void **state)
 {
     (void)state;
@@ -99,7 +91,6 @@ static void rows_are_whole(void **state)
             check_row(&stack->keys->rows[j], stack->settings_size);
         }
         check_instead(stack);
-        check_address(stack);
         if (lx_stack_serial(stack) != NULL) {
             check_row(lx_stack_serial(stack), stack->settings_size);
         }
@@ -394,9 +385,9 @@ static void settings_of_an_interbus_encoder(void **state)
 /* What is said of key=1 of an encoder on `wire`. */
 static struct lx_error refused_key(const char *model, const char *wire, const char *assignment)
 {
-    const struct lx_plan plan = {.file = NULL};
-    const struct lx_plan_wire on = {.kind = lx_wire_find(wire, strlen(wire))};
-    struct lx_plan_encoder encoder = {.model = dg_device_find(model)};
+    const struct dg_plan plan = {.file = NULL};
+    const struct dg_plan_wire on = {.kind = &lx_wire_find(wire, strlen(wire))->kind};
+    struct dg_plan_encoder encoder = {.model = dg_device_find(model)};
     struct bench self = bench_of(model);
     struct lx_error error;
     assert_int_equal(lx_plan_add_assignment(&encoder.settings, assignment, 0, &error), 0);
@@ -465,36 +456,6 @@ static void a_key_of_another_wire_names_those_that_have_it(void **state)
     assert_string_equal(error.what, "no such key");
 }
 
-/* --- addresses --- */
-
-static void addresses(void **state)
-{
-    static const struct {
-        const char *model;
-        const char *text;
-        int number;
-        const char *right;
-    } rows[] = {
-        {"f3668", "1", 1, NULL},
-        {"f3668", "7Fh", 127, NULL},
-        {"f3668", "0", -1, "node 0: a node-ID in 1..127 is right"},
-        {"f3668", "128", -1, "node 128: a node-ID in 1..127 is right"},
-        {"f3668", "x", -1, "node x: a node-ID in 1..127 is right"},
-        {"s3674-rs485", "0x5F", 0x5F, NULL},
-        {"s3674-rs485", "0x60", -1, "address 0x60: an RS485 address in 0x40..0x5F is right"},
-        {"s3674-rs485", "none", -1, "address none: an RS485 address in 0x40..0x5F is right"},
-    };
-    (void)state;
-    for (size_t i = 0; i < COUNT(rows); i++) {
-        struct lx_error error = {.right = ""};
-        const struct lx_stack *stack = lx_stack_of(dg_device_find(rows[i].model));
-        assert_int_equal(lx_stack_address(stack, rows[i].text, &error), rows[i].number);
-        if (rows[i].number < 0) {
-            assert_string_equal(lx_error_line(&error).text, rows[i].right);
-        }
-    }
-}
-
 /* --- errors --- */
 
 static void whoever_is_nearest_says_where(void **state)
@@ -558,7 +519,6 @@ int main(void)
         cmocka_unit_test(settings_of_an_interbus_encoder),
         cmocka_unit_test(a_mistyped_key_names_those_of_the_encoder),
         cmocka_unit_test(a_key_of_another_wire_names_those_that_have_it),
-        cmocka_unit_test(addresses),
         cmocka_unit_test(whoever_is_nearest_says_where),
         cmocka_unit_test(an_error_is_one_line_without_colours),
         cmocka_unit_test(long_errors_are_cut),

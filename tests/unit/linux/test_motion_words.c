@@ -7,7 +7,7 @@
 
 #include <cmocka.h>
 
-#include "figure.h"
+#include "drehgeber/figure.h"
 #include "motion_words.h"
 
 #define LENGTH(array) (sizeof(array) / sizeof((array)[0]))
@@ -33,8 +33,8 @@ static void decimals(void **state)
     };
     (void)state;
     for (size_t i = 0; i < LENGTH(rows); i++) {
-        struct lx_decimal got = {-1, false};
-        assert_true(lx_decimal_parse(rows[i].text, strlen(rows[i].text), rows[i].places, &got));
+        struct dg_decimal got = {-1, false};
+        assert_true(dg_decimal_parse(rows[i].text, strlen(rows[i].text), rows[i].places, &got));
         assert_true(got.value == rows[i].value);
         assert_int_equal(got.cut, rows[i].cut);
     }
@@ -59,8 +59,8 @@ static void not_decimals(void **state)
     };
     (void)state;
     for (size_t i = 0; i < LENGTH(texts); i++) {
-        struct lx_decimal got;
-        assert_false(lx_decimal_parse(texts[i], strlen(texts[i]), 0, &got));
+        struct dg_decimal got;
+        assert_false(dg_decimal_parse(texts[i], strlen(texts[i]), 0, &got));
     }
 }
 
@@ -68,17 +68,17 @@ static void unsigned_numbers(void **state)
 {
     uint64_t value = 0;
     (void)state;
-    assert_true(lx_unsigned_parse("39", &value) && value == 39);
-    assert_true(lx_unsigned_parse("0x27", &value) && value == 39);
-    assert_true(lx_unsigned_parse("27h", &value) && value == 39);
-    assert_true(lx_unsigned_parse("FFh", &value) && value == 255);
-    assert_true(lx_unsigned_parse("18446744073709551615", &value) && value == UINT64_MAX);
-    assert_false(lx_unsigned_parse("18446744073709551616", &value));
-    assert_false(lx_unsigned_parse("", &value));
-    assert_false(lx_unsigned_parse("h", &value));
-    assert_false(lx_unsigned_parse("0x", &value));
-    assert_false(lx_unsigned_parse("2F", &value));
-    assert_false(lx_unsigned_parse("-1", &value));
+    assert_true(dg_unsigned_parse("39", &value) && value == 39);
+    assert_true(dg_unsigned_parse("0x27", &value) && value == 39);
+    assert_true(dg_unsigned_parse("27h", &value) && value == 39);
+    assert_true(dg_unsigned_parse("FFh", &value) && value == 255);
+    assert_true(dg_unsigned_parse("18446744073709551615", &value) && value == UINT64_MAX);
+    assert_false(dg_unsigned_parse("18446744073709551616", &value));
+    assert_false(dg_unsigned_parse("", &value));
+    assert_false(dg_unsigned_parse("h", &value));
+    assert_false(dg_unsigned_parse("0x", &value));
+    assert_false(dg_unsigned_parse("2F", &value));
+    assert_false(dg_unsigned_parse("-1", &value));
 }
 
 static struct dg_motion parsed(const char *text)

@@ -12,7 +12,7 @@
 
 #include <cmocka.h>
 
-#include "plan_section.h"
+#include "plan_rig.h"
 #include "wire.h"
 
 #define FILE_NAME "rig.ini"
@@ -42,7 +42,7 @@ static void write_bytes(const char *path, const char *bytes, size_t n)
     assert_int_equal(fclose(file), 0);
 }
 
-static void read_good(struct lx_plan *plan, const char *text)
+static void read_good(struct dg_plan *plan, const char *text)
 {
     struct lx_error error = {.right = ""};
     write_bytes(FILE_NAME, text, strlen(text));
@@ -51,9 +51,9 @@ static void read_good(struct lx_plan *plan, const char *text)
     }
 }
 
-static void assert_all_zero(const struct lx_plan *plan)
+static void assert_all_zero(const struct dg_plan *plan)
 {
-    static const struct lx_plan zero;
+    static const struct dg_plan zero;
     assert_memory_equal(plan, &zero, sizeof zero);
 }
 
@@ -88,13 +88,13 @@ static const char everything[] = "; a comment\n"
                                  "trace = /tmp/rs.vcd\n"
                                  "address = 0x41\n";
 
-static void check_rig_and_shafts(const struct lx_plan *plan)
+static void check_rig_and_shafts(const struct dg_plan *plan)
 {
     assert_string_equal(plan->name, "bench");
     assert_string_equal(plan->file, FILE_NAME);
     assert_int_equal(plan->control_count, 2);
-    assert_string_equal(plan->controls[0], "tcp:127.0.0.1:5025");
-    assert_string_equal(plan->controls[1], "unix:sock");
+    assert_string_equal(plan->controls[0].where, "tcp:127.0.0.1:5025");
+    assert_string_equal(plan->controls[1].where, "unix:sock");
     assert_int_equal(plan->shaft_count, 2);
     assert_string_equal(plan->shafts[0].motion, "60RPM");
     assert_int_equal(plan->shafts[0].driver, -1);
@@ -103,7 +103,7 @@ static void check_rig_and_shafts(const struct lx_plan *plan)
     assert_int_equal(plan->shafts[1].ratio[1], 10);
 }
 
-static void check_wires(const struct lx_plan *plan)
+static void check_wires(const struct dg_plan *plan)
 {
     assert_int_equal(plan->wire_count, 2);
     assert_string_equal(plan->wires[0].name, "ring");
@@ -119,16 +119,16 @@ static void check_wires(const struct lx_plan *plan)
     assert_string_equal(plan->wires[1].trace, "/tmp/rs.vcd");
 }
 
-static void check_encoders(const struct lx_plan *plan)
+static void check_encoders(const struct dg_plan *plan)
 {
-    const struct lx_plan_encoder *a1 = &plan->encoders[0];
+    const struct dg_plan_encoder *a1 = &plan->encoders[0];
     assert_int_equal(plan->encoder_count, 3);
     assert_string_equal(a1->model->name, "ocd-ib-k3");
     assert_int_equal(a1->shaft, 1);
     assert_int_equal(a1->wire, 0);
     assert_string_equal(a1->nvm, "a1.nvm");
     assert_string_equal(a1->serial, "123");
-    assert_int_equal(a1->address, LX_PLAN_AS_DELIVERED);
+    assert_int_equal(a1->address, DG_PLAN_AS_DELIVERED);
     assert_int_equal(a1->line, 15);
     assert_int_equal(a1->nvm_line, 19);
     assert_int_equal(a1->serial_line, 20);
@@ -142,7 +142,7 @@ static void check_encoders(const struct lx_plan *plan)
 
 static void everything_is_read(void **state)
 {
-    struct lx_plan plan;
+    struct dg_plan plan;
     (void)state;
     read_good(&plan, everything);
     check_rig_and_shafts(&plan);
@@ -155,7 +155,7 @@ static void everything_is_read(void **state)
 /* Line ends, byte order marks, indentation, colons: as other tools write such files. */
 static void other_tools(void **state)
 {
-    struct lx_plan plan;
+    struct dg_plan plan;
     (void)state;
     read_good(&plan, "\xEF\xBB\xBF[encoder a]\r\n"
                      "  model = f3668\r\n"
@@ -178,12 +178,12 @@ static void files_lie_beside_the_rig_file(void **state)
                                "[shaft m]\nmotion = m.csv\n"
                                "[encoder a]\nmodel = s3684-rs485\nwire = pty:link\nnvm = a.nvm\n"
                                "trace = /abs/a.vcd\n";
-    struct lx_plan plan;
+    struct dg_plan plan;
     struct lx_error error;
     (void)state;
     write_bytes("sub/" FILE_NAME, text, strlen(text));
     assert_int_equal(lx_plan_read(&plan, "sub/" FILE_NAME, &error), 0);
-    assert_string_equal(plan.controls[0], "unix:sub/s");
+    assert_string_equal(plan.controls[0].where, "unix:sub/s");
     assert_string_equal(plan.shafts[0].motion, "sub/m.csv");
     assert_string_equal(plan.wires[0].where, "sub/link");
     assert_string_equal(plan.wires[0].trace, "/abs/a.vcd");
@@ -242,7 +242,8 @@ static const struct {
      "2: 'model ; = f3668' is neither [SECTION] nor KEY = VALUE; one of them is right"},
     {ENCODER "so be it",
      "4: 'so be it' is neither [SECTION] nor KEY = VALUE; one of them is right"},
-    {"[rig]\ncolour = red\n", "2: colour: no key of [rig]; name, control and files are right"},
+    {"[rig]\ncolour = red\n",
+     "2: colour: no key of [rig]; name, control, files and include are right"},
     {"[rig]\nname = a b\n", "2: name: a b is none; 1 to 32 letters, digits, _ and - are right"},
     {"[rig]\nname = a\n[rig]\nname = b\n",
      "4: name: the rig is called a already; one name is right"},
@@ -402,7 +403,7 @@ static void what_is_right_up_to_its_edge(void **state)
 {
     (void)state;
     for (size_t i = 0; i < LENGTH(edges); i++) {
-        struct lx_plan plan;
+        struct dg_plan plan;
         read_good(&plan, edges[i]);
         lx_plan_free(&plan);
     }
@@ -411,7 +412,7 @@ static void what_is_right_up_to_its_edge(void **state)
 /* The sign is that of the shaft that is driven. */
 static void a_ratio_has_one_sign(void **state)
 {
-    struct lx_plan plan;
+    struct dg_plan plan;
     (void)state;
     read_good(&plan, RATIO("3:-7") "[shaft c]\ndriver = a\nratio = -3:-7\n" ENCODER);
     assert_true(plan.shafts[1].ratio[0] == -3 && plan.shafts[1].ratio[1] == 7);
@@ -435,7 +436,7 @@ static void what_is_wrong_and_where(void **state)
 {
     (void)state;
     for (size_t i = 0; i < LENGTH(bad); i++) {
-        struct lx_plan plan;
+        struct dg_plan plan;
         struct lx_error error = {.right = ""};
         write_bytes(FILE_NAME, bad[i].text, strlen(bad[i].text));
         assert_int_equal(lx_plan_read(&plan, FILE_NAME, &error), -1);
@@ -447,7 +448,7 @@ static void what_is_wrong_and_where(void **state)
 
 static void assert_refused(const char *file, const char *text, size_t n, const char *message)
 {
-    struct lx_plan plan;
+    struct dg_plan plan;
     struct lx_error error = {.right = ""};
     if (text != NULL) {
         write_bytes(file, text, n);
@@ -484,12 +485,44 @@ static void files_that_are_none(void **state)
     assert_refused("sub", NULL, 0, "sub: cannot read: Is a directory");
 }
 
+/* Beside the rig file or below it, and never by a link. */
+static void included_files(void **state)
+{
+    static const char bus[] = "[bus b]\nwire = slcan\naddress = hub\n";
+    static const char rope[] = "[bus b]\nwire = rope\n";
+    struct dg_plan plan;
+    (void)state;
+    write_bytes("sub/" FILE_NAME, bus, strlen(bus));
+    assert_int_equal(symlink("sub/" FILE_NAME, "link.ini"), 0);
+    read_good(&plan, "[rig]\ninclude = sub/" FILE_NAME "\n" ON_BUS("a"));
+    assert_string_equal(plan.wires[0].where, "sub/hub");
+    struct lx_error error = {.right = ""};
+    assert_int_equal(lx_plan_refuse_wire(&plan, &plan.wires[0], &error), -1);
+    assert_string_equal(lx_error_line(&error).text,
+                        FILE_NAME ":2: sub/" FILE_NAME ":3: slcan:sub/hub: ");
+    lx_plan_free(&plan);
+    static const char by_link[] = "[rig]\ninclude = link.ini\n" ON_BUS("a");
+    assert_refused(FILE_NAME, by_link, strlen(by_link),
+                   FILE_NAME
+                   ":2: include: link.ini: not in the folder for files; a name below it is right");
+    static const char none[] = "[rig]\ninclude = sub/none.ini\n";
+    assert_refused(FILE_NAME, none, strlen(none),
+                   FILE_NAME ":2: include: sub/none.ini: No such file or directory");
+    write_bytes("sub/" FILE_NAME, rope, strlen(rope));
+    static const char text[] = "[rig]\ninclude = sub/" FILE_NAME "\n";
+    assert_refused(FILE_NAME, text, strlen(text),
+                   FILE_NAME ":2: sub/" FILE_NAME
+                             ":2: wire: rope is no kind of wire; pty, tty, rs485, sim, gpio, can, "
+                             "slcan, socketcand, silkit and modbus are right");
+    assert_int_equal(unlink("link.ini"), 0);
+}
+
 /* As many as there is memory for, each of them known by its name. */
 static void many(void **state)
 {
     enum { COUNT = 3000 };
     char *text = malloc((size_t)COUNT * 160);
-    struct lx_plan plan;
+    struct dg_plan plan;
     struct lx_error error = {.right = ""};
     size_t n = 0;
     (void)state;
@@ -511,7 +544,7 @@ static void many(void **state)
         char name[16];
         (void)snprintf(name, sizeof name, "E%u", i);
         assert_int_equal(plan.encoders[i].shaft, COUNT - 1u - i);
-        assert_int_equal(lx_plan_find_wire(&plan, name), i);
+        assert_int_equal(dg_plan_find_wire(&plan, name), i);
     }
     lx_plan_free(&plan);
 }
@@ -519,7 +552,7 @@ static void many(void **state)
 /* One section, a number each: everything else is the same, what counts counts up. */
 static void one_section_for_many(void **state)
 {
-    struct lx_plan plan;
+    struct dg_plan plan;
     char text[64];
     (void)state;
     read_good(&plan, SLCAN_BUS "[encoder a]\nmodel = f3668\nbus = b\nnode = 2..127\n"
@@ -529,7 +562,7 @@ static void one_section_for_many(void **state)
     assert_int_equal(plan.encoder_count, 126 + 32);
     assert_int_equal(plan.wire_count, 2);
     for (int i = 0; i < 126; i++) {
-        const struct lx_plan_encoder *encoder = &plan.encoders[i];
+        const struct dg_plan_encoder *encoder = &plan.encoders[i];
         (void)snprintf(text, sizeof text, "a-%d", 2 + i);
         assert_string_equal(encoder->name, text);
         assert_int_equal(encoder->address, 2 + i);
@@ -549,31 +582,31 @@ static void one_section_for_many(void **state)
 static void encoders_by_name(void **state)
 {
     static const char *const names[] = {"a-b", "A_b", "c-d", "c_e"};
-    struct lx_plan plan = {.file = NULL};
+    struct dg_plan plan;
     (void)state;
-    assert_int_equal(lx_plan_add_wire(&plan, "w", lx_wire_find("can", 3), "vcan0"), 0);
+    plan_rig_begin(&plan, "w", &lx_wire_find("can", 3)->kind, "vcan0");
     for (int i = 0; i < 4; i++) {
-        assert_int_equal(lx_plan_add_encoder(&plan, names[i], dg_device_find("f3668"), 0, 0), i);
+        assert_int_equal(dg_plan_add_encoder(&plan, names[i], dg_device_find("f3668"), 0, 0), i);
     }
-    assert_int_equal(lx_plan_find_encoder(&plan, "A-B"), 0);
-    assert_int_equal(lx_plan_find_encoder(&plan, "a_b"), 1);
-    assert_int_equal(lx_plan_find_encoder(&plan, "C_D"), 2);
-    assert_int_equal(lx_plan_find_encoder(&plan, "c-e"), 3);
-    assert_int_equal(lx_plan_find_encoder(&plan, "c-"), -1);
-    assert_int_equal(lx_plan_find_encoder(&plan, "c-ee"), -1);
+    assert_int_equal(dg_plan_find_encoder(&plan, "A-B"), 0);
+    assert_int_equal(dg_plan_find_encoder(&plan, "a_b"), 1);
+    assert_int_equal(dg_plan_find_encoder(&plan, "C_D"), 2);
+    assert_int_equal(dg_plan_find_encoder(&plan, "c-e"), 3);
+    assert_int_equal(dg_plan_find_encoder(&plan, "c-"), -1);
+    assert_int_equal(dg_plan_find_encoder(&plan, "c-ee"), -1);
     lx_plan_free(&plan);
 }
 
 /* From the command line there are no lines. */
 static void without_a_file(void **state)
 {
-    struct lx_plan plan = {.file = NULL};
+    struct dg_plan plan;
     struct lx_error error = {.right = ""};
     (void)state;
-    assert_int_equal(lx_plan_add_shaft(&plan, "main", "60RPM"), 0);
-    assert_int_equal(lx_plan_add_wire(&plan, "w", lx_wire_find("can", 3), "vcan0"), 0);
+    plan_rig_begin(&plan, "w", &lx_wire_find("can", 3)->kind, "vcan0");
+    assert_int_equal(dg_plan_add_shaft(&plan, "main", "60RPM"), 0);
     for (int i = 0; i < 9; i++) {
-        assert_int_equal(lx_plan_add_encoder(&plan, "e", dg_device_find("f3668"), 0, 0), i);
+        assert_int_equal(dg_plan_add_encoder(&plan, "e", dg_device_find("f3668"), 0, 0), i);
     }
     assert_int_equal(lx_plan_add_assignment(&plan.encoders[8].settings, "a=b=c", 0, &error), 0);
     assert_string_equal(plan.encoders[8].settings.list[0].key, "a");
@@ -582,7 +615,7 @@ static void without_a_file(void **state)
     assert_string_equal(lx_error_line(&error).text, "pace: KEY=VALUE is right");
     assert_int_equal(lx_plan_refuse_key(&plan, "k", 7, &error), -1);
     assert_string_equal(lx_error_line(&error).text, "pace: KEY=VALUE is right");
-    lx_plan_free(&plan);
+    plan_rig_free(&plan);
     assert_all_zero(&plan);
 }
 
@@ -598,10 +631,11 @@ static void wires(void **state)
     assert_null(lx_wire_find("pt", 2));
     assert_null(lx_wire_find("ptyx", 4));
     for (size_t i = 0; i < lx_wire_count; i++) {
-        assert_ptr_equal(lx_wire_find(lx_wires[i].name, strlen(lx_wires[i].name)), &lx_wires[i]);
+        assert_ptr_equal(lx_wire_find(lx_wires[i].kind.name, strlen(lx_wires[i].kind.name)),
+                         &lx_wires[i]);
         assert_non_null(lx_wires[i].make);
-        assert_true(lx_wires[i].stations_max > 0);
-        assert_true(lx_wires[i].where != NULL || !lx_wires[i].where_needed);
+        assert_true(lx_wires[i].kind.stations_max > 0);
+        assert_true(lx_wires[i].kind.where != NULL || !lx_wires[i].kind.where_needed);
     }
 }
 
@@ -616,6 +650,7 @@ int main(void)
         cmocka_unit_test(a_ratio_has_one_sign),
         cmocka_unit_test(lines_that_are_none),
         cmocka_unit_test(files_that_are_none),
+        cmocka_unit_test(included_files),
         cmocka_unit_test(many),
         cmocka_unit_test(one_section_for_many),
         cmocka_unit_test(encoders_by_name),

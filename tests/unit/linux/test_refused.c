@@ -173,7 +173,7 @@ static void each_says_why_and_leaves_all_as_it_was(void **state)
     (void)state;
     for (size_t i = 0; i < LENGTH(rows); i++) {
         struct lx_error error = {.right = ""};
-        struct lx_plan plan = {.file = NULL};
+        struct dg_plan plan = {.file = NULL};
         struct lx_rig *rig = NULL;
         sd_event *event = NULL;
         write_file("rig.ini", rows[i].rig, 0600);

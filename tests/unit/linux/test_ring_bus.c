@@ -46,9 +46,9 @@ struct bench {
     char nvm[DEVICES_MAX][64];
     char name[DEVICES_MAX][24];
     sd_event *event;
-    struct lx_plan plan;
-    struct lx_plan_wire wire;
-    struct lx_plan_encoder encoder[DEVICES_MAX];
+    struct dg_plan plan;
+    struct dg_plan_wire wire;
+    struct dg_plan_encoder encoder[DEVICES_MAX];
     struct lx_station station[DEVICES_MAX];
     struct lx_station *stations[DEVICES_MAX];
     dg_angle angle[DEVICES_MAX];
@@ -60,20 +60,10 @@ struct bench {
     struct ears ears;
 };
 
-static void set(struct lx_plan_settings *settings, const char *assignment)
+static void set(struct dg_plan_settings *settings, const char *assignment)
 {
     struct lx_error error;
     assert_int_equal(lx_plan_add_assignment(settings, assignment, SETTINGS_LINE, &error), 0);
-}
-
-static void forget(struct lx_plan_settings *settings)
-{
-    for (size_t i = 0; i < settings->count; i++) {
-        free(settings->list[i].key);
-        free(settings->list[i].value);
-    }
-    free(settings->list);
-    *settings = (struct lx_plan_settings){.list = NULL};
 }
 
 static int set_up(void **state)
@@ -103,9 +93,9 @@ static void shut(struct bench *self)
 
 static void forget_plan(struct bench *self)
 {
-    forget(&self->wire.settings);
+    lx_plan_free_settings(&self->wire.settings);
     for (size_t i = 0; i < DEVICES_MAX; i++) {
-        forget(&self->encoder[i].settings);
+        lx_plan_free_settings(&self->encoder[i].settings);
     }
 }
 
@@ -132,16 +122,16 @@ static void plan_ring(struct bench *self, const char *const *models, size_t coun
     static char where[] = "127.0.0.1:0";
     forget_plan(self);
     self->count = count;
-    self->wire = (struct lx_plan_wire){
+    self->wire = (struct dg_plan_wire){
         .name = "ring",
-        .kind = lx_wire_find("modbus", strlen("modbus")),
+        .kind = &lx_wire_find("modbus", strlen("modbus"))->kind,
         .where = where,
         .line = 4,
     };
     for (size_t i = 0; i < count; i++) {
-        struct lx_plan_encoder *encoder = &self->encoder[i];
+        struct dg_plan_encoder *encoder = &self->encoder[i];
         (void)snprintf(self->name[i], sizeof self->name[i], "e%zu", i);
-        *encoder = (struct lx_plan_encoder){
+        *encoder = (struct dg_plan_encoder){
             .name = self->name[i],
             .model = dg_device_find(models[i]),
             .serial_line = 8,

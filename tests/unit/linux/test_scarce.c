@@ -220,7 +220,8 @@ static const char *const rigs[] = {
     "[encoder e]\nmodel = s3684-rs485\nwire = pty:link\nnvm = e.nvm\ntrace = e.vcd\n"
     "temperature = warm.csv\nsincos_us = 1000\nserial = 5\n",
     "[bus b]\nwire = slcan\naddress = tcp:127.0.0.1:0\ntrace = b.pcapng\npace = 1\n"
-    "[encoder e]\nmodel = f3668\nbus = b\nnode = 1..2\nnvm = e.nvm\n",
+    "[encoder e]\nmodel = f3668\nbus = b\nnode = 1..2\nnvm = e.nvm\n"
+    "temperature = 21\n",
     "[bus b]\nwire = sim\ntrace = b.vcd\n[encoder x]\nmodel = s3684-biss\nbus = b\nnvm = x.nvm\n"
     "[encoder y]\nmodel = s3674-biss\nbus = b\n",
     "[bus b]\nwire = modbus\naddress = 127.0.0.1:0\ntrace = b.csv\n"
@@ -374,12 +375,11 @@ static bool serve_client(struct lx_rig *rig, sd_event *event, struct lx_error *e
 static bool live_once(struct lx_error *error)
 {
     static const struct lx_say quiet = {.quiet = true};
-    struct lx_plan plan = {.wire_count = 0};
+    struct dg_plan plan = {.wire_count = 0};
     struct lx_rig *rig = NULL;
     sd_event *event = NULL;
     assert_true(sd_event_new(&event) >= 0);
-    bool good = lx_plan_read(&plan, "rig.ini", error) == 0 &&
-                lx_plan_add_assignment(&plan.encoders[0].settings, "temperature=21", 0, error) == 0;
+    bool good = lx_plan_read(&plan, "rig.ini", error) == 0;
     if (good) {
         const struct lx_rig_setup setup = {.event = event, .say = &quiet, .plan = &plan};
         good = lx_rig_open(&rig, &setup, lx_now(), error) == LX_RIG_OK;
@@ -447,7 +447,7 @@ static void a_file_that_closes_badly_is_not_whole(void **state)
         {"SHAF:REC:STAR \"record.csv\"", "SHAF:REC:STOP"},
     };
     static const struct lx_say quiet = {.quiet = true};
-    struct lx_plan plan = {.wire_count = 0};
+    struct dg_plan plan = {.wire_count = 0};
     struct lx_rig *rig = NULL;
     sd_event *event = NULL;
     struct lx_error error;

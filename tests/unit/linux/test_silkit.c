@@ -44,7 +44,7 @@ static const char *hangs; /* for the next bench */
 struct bench {
     char folder[32];
     char file[64];
-    struct lx_plan plan;
+    struct dg_plan plan;
     sd_event *event;
     struct lx_rig *rig;
     struct fake_silkit *fake;

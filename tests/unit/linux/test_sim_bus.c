@@ -235,7 +235,7 @@ static void a_chain_of_eight(void **state)
     for (size_t i = 0; i < SIM_RIG_ENCODERS_MAX; i++) {
         char digits[8];
         (void)snprintf(digits, sizeof digits, "%zu", 100 + i);
-        rig.plan.encoders[i].serial = strdup(digits);
+        rig.plan.encoders[i].serial = dg_plan_copy(&rig.plan, digits);
     }
     sim_rig_open(&rig);
     for (size_t i = 0; i < SIM_RIG_ENCODERS_MAX; i++) {
@@ -372,18 +372,18 @@ static void what_does_not_fit_is_refused(void **state)
         struct sim_rig rig;
         struct lx_error error = {.right = ""};
         sim_rig_plan(&rig, 1);
-        struct lx_plan_encoder *encoder = rig.plan.encoders;
+        struct dg_plan_encoder *encoder = rig.plan.encoders;
         rig.plan.file = "rig.ini";
         encoder->serial_line = 9;
         if (rows[i].setting != NULL) {
             (void)lx_plan_add_assignment(&encoder->settings, rows[i].setting, 7, &error);
         }
-        encoder->serial = rows[i].serial == NULL ? NULL : strdup(rows[i].serial);
+        encoder->serial = rows[i].serial;
         sim_rig_stations(&rig);
         assert_null(lx_sim_bus_make(&rig.setup, &error));
         assert_non_null(strstr(lx_error_line(&error).text, rows[i].says));
         rig.event = sd_event_unref(rig.event);
-        lx_plan_free(&rig.plan);
+        plan_rig_free(&rig.plan);
     }
 }
 
@@ -393,7 +393,7 @@ static void settings_reach_the_station(void **state)
     struct lx_error error;
     (void)state;
     sim_rig_plan(&rig, 1);
-    struct lx_plan_settings *settings = &rig.plan.encoders[0].settings;
+    struct dg_plan_settings *settings = &rig.plan.encoders[0].settings;
     assert_int_equal(lx_plan_add_assignment(settings, "temperature=85", 0, &error), 0);
     assert_int_equal(lx_plan_add_assignment(settings, "st=20", 0, &error), 0);
     assert_int_equal(lx_plan_add_assignment(settings, "lc=0", 0, &error), 0);

@@ -227,7 +227,7 @@ static void timings_out_of_range_are_refused(void **state)
         assert_null(lx_sim_bus_make(&rig.setup, &error));
         assert_string_equal(lx_error_line(&error).text, rows[i][1]);
         rig.event = sd_event_unref(rig.event);
-        lx_plan_free(&rig.plan);
+        plan_rig_free(&rig.plan);
     }
 }
 

@@ -16,6 +16,7 @@
 #include "drehgeber/devices.h"
 #include "drehgeber/instruments.h"
 #include "host_rig.h"
+#include "plan_rig.h"
 #include "sim_master.h"
 #include "sim_settings.h"
 #include "ssi_clocked.h"
@@ -265,7 +266,7 @@ static void a_delay_moves_the_word_by_a_clock(void **state)
 
 /* --- from a plan --- */
 
-static struct lx_plan plan;
+static struct dg_plan plan;
 static struct lx_station station;
 static struct lx_station *stations[1] = {&station};
 
@@ -274,7 +275,7 @@ static struct lx_clocked *line_of_plan(enum lx_clocked_master who, const char *s
 {
     const struct lx_bus_setup setup = {
         .plan = &plan, .wire = plan.wires, .stations = stations, .count = 1};
-    struct lx_plan_encoder *encoder = &plan.encoders[0];
+    struct dg_plan_encoder *encoder = &plan.encoders[0];
     lx_plan_free_settings(&encoder->settings);
     if (setting != NULL) {
         assert_int_equal(lx_plan_add_assignment(&encoder->settings, setting, 0, error), 0);
@@ -312,11 +313,11 @@ static void refuse(const char *setting, const char *right)
 
 static void a_plan_makes_the_line(void **state)
 {
-    static const struct lx_wire kind = {.name = "sim", .media = LX_CARRIES(EDGES)};
+    static const struct lx_wire wire = {.kind = {.name = "sim", .media = DG_PLAN_CARRIES(EDGES)}};
     (void)state;
     begin(&dg_ssi_25);
-    assert_int_equal(lx_plan_add_wire(&plan, "wire", &kind, NULL), 0);
-    assert_int_equal(lx_plan_add_encoder(&plan, "a", &dg_ssi_25, 0, 0), 0);
+    plan_rig_begin(&plan, "wire", &wire.kind, NULL);
+    assert_int_equal(dg_plan_add_encoder(&plan, "a", &dg_ssi_25, 0, 0), 0);
     assert_int_equal(monoflop_of(LX_CLOCKED_HERE, NULL), DG_US(20));
     assert_int_equal(monoflop_of(LX_CLOCKED_THERE, NULL), DG_MS(20));
     assert_int_equal(monoflop_of(LX_CLOCKED_HERE, "monoflop_us=30"), DG_US(30));
@@ -325,11 +326,11 @@ static void a_plan_makes_the_line(void **state)
     refuse("st=32", "st=32: a number in 8..31 is right");
     refuse("st=21", "mt 12 and st 21; together 10 to 32 bits are right");
     refuse("parity=mark", "parity=mark: none, even or odd is right");
-    plan.encoders[0].nvm = strdup("x.nvm");
+    plan.encoders[0].nvm = "x.nvm";
     refuse(NULL, "nvm: ssi-25 has no EEPROM; leave it out");
-    plan.encoders[0].serial = strdup("5");
+    plan.encoders[0].serial = "5";
     refuse(NULL, "serial 5: ssi-25 has none; leave it out");
-    lx_plan_free(&plan);
+    plan_rig_free(&plan);
 }
 
 int main(void)

@@ -146,6 +146,7 @@ const struct dg_stack dg_eleven_stack = {
     .name = "eleven",
     .medium = DG_MEDIUM_CHARACTERS,
     .address_key = "slot",
+    .address_what = "a slot",
     .device_size = sizeof(struct dg_eleven),
     .mount = mount,
     DG_STACK_OPERATIONS,

@@ -26,7 +26,6 @@ const struct lx_stack lx_eleven_stack = {
     .trace = &trace,
     .words = &dg_eleven_words,
     .wire = "pty",
-    .address = {"a slot", 0, false},
     .line = LINE,
     .baud = DG_ELEVEN_BAUD,
     .own = {keys, DG_COUNT(keys)},

@@ -3,17 +3,22 @@
  * @file
  * Numbers from text, exactly and independent of the locale.
  */
-#ifndef DREHGEBER_LINUX_FIGURE_H
-#define DREHGEBER_LINUX_FIGURE_H
+#ifndef DREHGEBER_FIGURE_H
+#define DREHGEBER_FIGURE_H
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
 #include "drehgeber/angle.h"
+#include "drehgeber/api.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
 
 /** A decimal as it was written. */
-struct lx_decimal {
+struct dg_decimal {
     int64_t value; /**< in units of 10^-places */
     bool cut;      /**< there were digits other than 0 beyond `places`; they are not in `value` */
 };
@@ -22,15 +27,19 @@ struct lx_decimal {
  * Parse `n` characters as [+-]digits[.digits] into units of 10^-places.
  * @return false when they are anything else (also an exponent), or leave 64 bits
  */
-bool lx_decimal_parse(const char *text, size_t n, unsigned places, struct lx_decimal *out);
+DG_API bool dg_decimal_parse(const char *text, size_t n, unsigned places, struct dg_decimal *out);
 
-/** Parse a whole string as an unsigned number: 39, 0x27 or 27h. */
-bool lx_unsigned_parse(const char *text, uint64_t *out);
+/** Parse a whole string, up to 4095 characters, as an unsigned number: 39, 0x27 or 27h. */
+DG_API bool dg_unsigned_parse(const char *text, uint64_t *out);
 
 /** 10^places, places 0..18. */
-int64_t lx_power_of_ten(unsigned places);
+DG_API int64_t dg_power_of_ten(unsigned places);
 
 /** `value` / 10^places degrees as an angle, rounded up; |degrees| at most 6 * 10^9. */
-dg_angle lx_angle_of_degrees(int64_t value, unsigned places);
+DG_API dg_angle dg_angle_of_degrees(int64_t value, unsigned places);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

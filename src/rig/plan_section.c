@@ -1,0 +1,316 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * A row for each kind of section. What a section refers to stands above it, so that each can be
+ * checked when it ends, with all that it may clash with.
+ */
+#include "rig_private.h"
+
+/* ---------------------------------------------------------------- words */
+
+struct dg_plan_setting *dg_plan_word_at(const struct rig_section *self, size_t index)
+{
+    return self->words - 1u - index;
+}
+
+const struct dg_plan_setting *dg_plan_word(const struct rig_section *self, const char *key)
+{
+    for (size_t i = 0; i < self->count; i++) {
+        if (dg_plan_same(dg_plan_word_at(self, i)->key, key)) {
+            return dg_plan_word_at(self, i);
+        }
+    }
+    return NULL;
+}
+
+int dg_plan_word_add(struct rig_reader *in, struct rig_section *self,
+                     const struct dg_plan_setting *word)
+{
+    struct dg_plan *plan = in->plan;
+    const char *key = dg_plan_copy(plan, word->key);
+    const char *value = key == NULL ? NULL : dg_plan_copy(plan, word->value);
+
+    if (value == NULL || (size_t)(plan->end - plan->at) < sizeof *word) {
+        plan->out = true;
+        return -1;
+    }
+    plan->end -= sizeof *word;
+    *dg_plan_word_at(self, self->count++) = (struct dg_plan_setting){key, value, word->line};
+    return 0;
+}
+
+bool dg_plan_kind_has(const struct rig_kind *kind, const char *key)
+{
+    for (size_t i = 0; kind->keys[i] != NULL; i++) {
+        if (dg_plan_same(kind->keys[i], key)) {
+            return true;
+        }
+    }
+    return kind->numbered && dg_plan_is_address_key(key);
+}
+
+/* "a, b and c are right" */
+static int refuse_key_of(struct rig_reader *in, const struct rig_section *self,
+                         const struct dg_plan_setting *word)
+{
+    const char *const *keys = self->kind->keys;
+    struct rig_list list;
+    size_t count = 0;
+
+    while (keys[count] != NULL) {
+        count++;
+    }
+    dg_plan_list_begin(&list);
+    for (size_t i = 0; i < count; i++) {
+        dg_plan_list_item(&list, keys[i], i, count);
+    }
+    return dg_plan_wrong_word(in, word, RIG_SAY(list.room, " are right"),
+                              RIG_SAY("no key of [", self->kind->name, "]"));
+}
+
+static int check_words(struct rig_reader *in, const struct rig_section *self)
+{
+    for (size_t i = 0; i < self->count; i++) {
+        const struct dg_plan_setting *word = dg_plan_word_at(self, i);
+        const bool known = dg_plan_kind_has(self->kind, word->key);
+        if (!known && !self->kind->open) {
+            return refuse_key_of(in, self, word);
+        }
+        if (known && word->value[0] == '\0') {
+            return dg_plan_wrong_word(in, word, RIG_SAY(word->key, " = VALUE is right"),
+                                      RIG_SAY("empty"));
+        }
+    }
+    return 0;
+}
+
+static bool is_wanted(const struct rig_section *self, const struct dg_plan_setting *word,
+                      const struct dg_plan_wire_kind *wire, bool of_wire)
+{
+    return !dg_plan_kind_has(self->kind, word->key) && dg_plan_wire_has(wire, word->key) == of_wire;
+}
+
+int dg_plan_take_settings(struct rig_reader *in, const struct rig_section *self,
+                          const struct dg_plan_wire_kind *wire, bool of_wire,
+                          struct dg_plan_settings *to)
+{
+    size_t count = 0;
+    size_t n = 0;
+
+    for (size_t i = 0; i < self->count; i++) {
+        count += is_wanted(self, dg_plan_word_at(self, i), wire, of_wire) ? 1u : 0u;
+    }
+    if (!dg_plan_make_settings(in->plan, to, count)) {
+        return -1;
+    }
+    for (size_t i = 0; i < self->count; i++) {
+        if (is_wanted(self, dg_plan_word_at(self, i), wire, of_wire)) {
+            to->list[n++] = *dg_plan_word_at(self, i);
+        }
+    }
+    return 0;
+}
+
+/* ---------------------------------------------------------------- what is wrong */
+
+struct rig_line dg_plan_line_text(const struct dg_plan *plan, dg_plan_line line, dg_plan_line here)
+{
+    const struct dg_plan_place place = dg_plan_place(plan, line);
+    const struct dg_plan_place other = dg_plan_place(plan, here);
+    struct rig_line found;
+    struct dg_text text = dg_text_in(found.text, sizeof found.text);
+
+    dg_text_add_number(&text, place.line);
+    if (place.file != other.file) {
+        dg_text_add(&text, " of ");
+        dg_text_add(&text, place.file);
+    }
+    return found;
+}
+
+static int stand_in(struct rig_reader *in, dg_plan_line line)
+{
+    struct dg_plan_error *error = in->error;
+    const struct dg_plan_place place = dg_plan_place(in->plan, line);
+
+    if (error->line == 0) {
+        error->file = in->plan->file;
+        error->line = place.line;
+        if (place.file != in->plan->file) {
+            struct dg_text text = dg_text_in(error->included, sizeof error->included);
+            dg_plan_say_files(in->plan, line, &text);
+        }
+    }
+    return -1;
+}
+
+int dg_plan_refuse_key(struct rig_reader *in, const char *key, dg_plan_line line)
+{
+    (void)dg_plan_about(in->error, key, NULL);
+    return stand_in(in, line);
+}
+
+int dg_plan_wrong_word(struct rig_reader *in, const struct dg_plan_setting *word, rig_parts right,
+                       rig_parts what)
+{
+    (void)dg_plan_refuse(in->error, right, what);
+    return dg_plan_refuse_key(in, word->key, word->line);
+}
+
+int dg_plan_wrong_section(struct rig_reader *in, const struct rig_section *section, rig_parts right,
+                          rig_parts what)
+{
+    char name[2u * DG_PLAN_NAME_MAX];
+    struct dg_text text = dg_text_in(name, sizeof name);
+
+    dg_plan_add(&text, RIG_SAY("[", section->kind->name, " ", section->name, "]"));
+    (void)dg_plan_refuse(in->error, right, what);
+    return dg_plan_refuse_key(in, name, section->line);
+}
+
+int dg_plan_wrong_line(struct rig_reader *in, dg_plan_line line, rig_parts right, rig_parts what)
+{
+    (void)dg_plan_refuse(in->error, right, what);
+    return stand_in(in, line);
+}
+
+int dg_plan_taken(struct rig_reader *in, const struct rig_section *section, dg_plan_line by)
+{
+    return dg_plan_wrong_section(in, section, RIG_SAY("another name is right"),
+                                 RIG_SAY("line ",
+                                         dg_plan_line_text(in->plan, by, section->line).text,
+                                         " has the name already"));
+}
+
+const char *dg_plan_path(struct rig_reader *in, const char *path, dg_plan_line line)
+{
+    const struct dg_plan_place place = dg_plan_place(in->plan, line);
+    const size_t folder = path[0] == '/' ? 0 : place.folder;
+    char *found = dg_plan_keep(in->plan, place.file, folder);
+
+    if (found == NULL) {
+        return NULL;
+    }
+    in->plan->at--; /* the rest begins where this one's zero is */
+    return dg_plan_copy(in->plan, path) == NULL ? NULL : found;
+}
+
+bool dg_plan_name_fits(const char *name)
+{
+    size_t n = 0;
+
+    while ((name[n] >= '0' && name[n] <= '9') || name[n] == '_' || name[n] == '-' ||
+           (dg_text_upper(name[n]) >= 'A' && dg_text_upper(name[n]) <= 'Z')) {
+        n++;
+    }
+    return n > 0 && n <= DG_PLAN_NAME_MAX && name[n] == '\0';
+}
+
+/* ---------------------------------------------------------------- [rig] */
+
+/* A path of a socket or a token is the rig file's neighbour. */
+static int add_control(struct rig_reader *in, const struct dg_plan_setting *word,
+                       const struct dg_access_words *access)
+{
+    struct dg_plan_control *to = &in->plan->controls[in->plan->control_count];
+    const size_t n = access->tcp ? 0 : dg_plan_length("unix:");
+    const char *where = dg_plan_keep(in->plan, word->value, access->where);
+
+    *to = (struct dg_plan_control){.tcp = access->tcp, .open = access->open, .line = word->line};
+    if (where != NULL && n > 0) {
+        const char *path = where + n;
+        where = dg_plan_keep(in->plan, "unix:", n);
+        in->plan->at -= where == NULL ? 0 : 1;
+        where = where == NULL || dg_plan_path(in, path, word->line) == NULL ? NULL : where;
+    }
+    to->where = where;
+    to->token_file = access->token == NULL ? NULL : dg_plan_path(in, access->token, word->line);
+    in->plan->control_count++;
+    return in->plan->out ? -1 : 0;
+}
+
+static int take_control(struct rig_reader *in, const struct dg_plan_setting *word)
+{
+    struct dg_access_words access;
+
+    if (in->plan->control_count == DG_PLAN_CONTROLS_MAX) {
+        return dg_plan_wrong_word(
+            in, word, RIG_SAY("fewer are right"),
+            RIG_SAY("one more than ", dg_plan_number(DG_PLAN_CONTROLS_MAX).text));
+    }
+    if (dg_access_read(word->value, &access, in->error) != 0) {
+        return dg_plan_refuse_key(in, word->key, word->line);
+    }
+    return add_control(in, word, &access);
+}
+
+static int take_name(struct rig_reader *in, const struct dg_plan_setting *name)
+{
+    struct dg_plan *plan = in->plan;
+
+    if (name == NULL) {
+        return 0;
+    }
+    if (!dg_plan_name_fits(name->value)) {
+        return dg_plan_wrong_word(in, name,
+                                  RIG_SAY("1 to ", dg_plan_number(DG_PLAN_NAME_MAX).text,
+                                          " letters, digits, _ and - are right"),
+                                  RIG_SAY(name->value, " is none"));
+    }
+    if (plan->name != NULL) {
+        return dg_plan_wrong_word(in, name, RIG_SAY("one name is right"),
+                                  RIG_SAY("the rig is called ", plan->name, " already"));
+    }
+    plan->name = name->value;
+    return 0;
+}
+
+static int take_rig(struct rig_reader *in, const struct rig_section *self)
+{
+    const struct dg_plan_setting *files = dg_plan_word(self, "files");
+    int result = take_name(in, dg_plan_word(self, "name"));
+
+    if (result == 0 && files != NULL && in->plan->files == NULL) {
+        in->plan->files_line = files->line;
+        in->plan->files = dg_plan_path(in, files->value, files->line);
+        result = in->plan->files == NULL ? -1 : 0;
+    }
+    for (size_t i = 0; result == 0 && i < self->count; i++) {
+        if (dg_plan_same(dg_plan_word_at(self, i)->key, "control")) {
+            result = take_control(in, dg_plan_word_at(self, i));
+        }
+    }
+    return result;
+}
+
+/* ---------------------------------------------------------------- the kinds */
+
+static const char *const rig_keys[] = {"name", "control", "files", "include", NULL};
+static const char *const shaft_keys[] = {"motion", "driver", "ratio", NULL};
+static const char *const bus_keys[] = {"wire", "address", "trace", NULL};
+static const char *const encoder_keys[] = {"model", "shaft", "bus",    "wire",
+                                           "trace", "nvm",   "serial", NULL};
+
+/* clang-format off */
+static const struct rig_kind kinds[] = {
+    /* name      named  open   numb.  repeats    at once    keys          take */
+    {"rig",      false, false, false, "control", "include", rig_keys,     take_rig},
+    {"shaft",    true,  false, false, NULL,      NULL,      shaft_keys,   dg_plan_take_shaft},
+    {"bus",      true,  true,  false, NULL,      NULL,      bus_keys,     dg_plan_take_bus},
+    {"encoder",  true,  true,  true,  NULL,      NULL,      encoder_keys, dg_plan_take_encoders},
+};
+/* clang-format on */
+
+const struct rig_kind *dg_plan_kind_find(const char *name)
+{
+    for (size_t i = 0; i < DG_COUNT(kinds); i++) {
+        if (dg_plan_same(kinds[i].name, name)) {
+            return &kinds[i];
+        }
+    }
+    return NULL;
+}
+
+int dg_plan_section_take(struct rig_reader *in, const struct rig_section *self)
+{
+    return check_words(in, self) != 0 ? -1 : self->kind->take(in, self);
+}
