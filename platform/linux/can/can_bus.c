@@ -165,6 +165,7 @@ static void on_frame(void *ctx, dg_ns now, const struct dg_can_frame *frame)
 {
     struct lx_can_bus *self = ctx;
     const struct dg_tap_event event = {.at = now, .kind = DG_TAP_FRAME, .frame = *frame};
+    measure(self, now); /* an idle wire has called nobody when its window was over */
     self->due = dg_bus_rx(self->wire, &event);
     lx_can_crowd(self->can, dg_bus_frames_waits(self->wire));
 }
@@ -172,6 +173,7 @@ static void on_frame(void *ctx, dg_ns now, const struct dg_can_frame *frame)
 static void on_foreign(void *ctx, uint32_t count)
 {
     struct lx_can_bus *self = ctx;
+    measure(self, lx_now());
     dg_bus_frames_count(self->wire, lx_now(), count);
 }
 
