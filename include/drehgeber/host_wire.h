@@ -141,7 +141,7 @@ DG_API void dg_host_emit(struct dg_host_line *line, const struct dg_host_event *
  * line->until. */
 DG_API void dg_host_emit_reply(struct dg_host_line *line, const uint8_t *bytes, size_t n);
 /** Characters: how long so many of them take at the setting in force; only the last one is rounded
- * up. 0 on a bus, which counts by itself. */
+ * up. 0 on a bus, which counts by itself, and of a protocol without `uart`. */
 DG_API dg_ns dg_host_characters_ns(const struct dg_host_line *line, size_t count);
 
 /** Bytes of a handle without queues, for one that is put on a bus. It takes events by
