@@ -67,6 +67,7 @@ static void start(struct twin *self, bool knows)
     world->stands = knows ? dg_shaft_stands : NULL;
     dg_host_join_bus(self->host, hear, self);
     assert_int_equal(dg_host_power(self->host, now, true), DG_HOST_OK);
+    (void)dg_host_step(self->host, now);
     self->count = 0;
     self->called = 0;
 }
