@@ -222,7 +222,7 @@ static void add_address(const struct dg_device *model, int address, struct dg_te
 
 struct rig_number dg_plan_address_text(const struct dg_device *model, int address)
 {
-    struct rig_number number;
+    struct rig_number number = {.text = ""};
     struct dg_text text = dg_text_in(number.text, sizeof number.text);
 
     add_address(model, address, &text);

@@ -116,7 +116,7 @@ struct rig_line dg_plan_line_text(const struct dg_plan *plan, dg_plan_line line,
 {
     const struct dg_plan_place place = dg_plan_place(plan, line);
     const struct dg_plan_place other = dg_plan_place(plan, here);
-    struct rig_line found;
+    struct rig_line found = {.text = ""};
     struct dg_text text = dg_text_in(found.text, sizeof found.text);
 
     dg_text_add_number(&text, place.line);

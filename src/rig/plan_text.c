@@ -10,7 +10,7 @@
 
 struct rig_number dg_plan_signed(int64_t value)
 {
-    struct rig_number number;
+    struct rig_number number = {.text = ""};
     struct dg_text text = dg_text_in(number.text, sizeof number.text);
 
     dg_text_add_number(&text, value);
@@ -24,7 +24,7 @@ struct rig_number dg_plan_number(size_t value)
 
 struct rig_cut dg_plan_cut(const char *text, size_t n)
 {
-    struct rig_cut cut;
+    struct rig_cut cut = {.text = ""};
     struct dg_text to = dg_text_in(cut.text, sizeof cut.text);
 
     dg_text_add_n(&to, text, n);

@@ -220,12 +220,15 @@ int lx_plan_add_assignment(struct dg_plan_settings *self, const char *assignment
         return lx_about(error, LX_ABOUT_SETTING, assignment, NULL);
     }
     struct dg_plan_setting *list = reallocarray(self->list, self->count + 1u, sizeof *list);
-    self->list = list == NULL ? self->list : list;
-    char *text = list == NULL ? NULL : split_assignment(assignment);
+    if (list == NULL) {
+        return lx_fail(error, "no memory for %.*s", (int)n, assignment);
+    }
+    self->list = list;
+    char *text = split_assignment(assignment);
     if (text == NULL) {
         return lx_fail(error, "no memory for %.*s", (int)n, assignment);
     }
-    list[self->count++] = (struct dg_plan_setting){text, text + n + 1, line};
+    self->list[self->count++] = (struct dg_plan_setting){text, text + n + 1, line};
     return 0;
 }
 

@@ -67,7 +67,8 @@ struct uart {
     dg_ns free; /* end of the character drawn last */
     size_t count;
     struct character frame[FRAME_MAX];
-    const struct character *latest; /* the one that is being told, unless it is in `frame` */
+    struct character latest; /* the one that is being told, */
+    bool apart;              /* ... unless it is in `frame` */
     size_t first_sample;
     size_t sample_count;
     struct sample samples[SAMPLES_MAX];
@@ -173,12 +174,12 @@ static void draw_frame(struct uart *self, const char *text)
 /* One more; `latest` is in a frame then. */
 static void collect(struct uart *self)
 {
-    if (self->latest != NULL && self->count == FRAME_MAX) {
+    if (self->apart && self->count == FRAME_MAX) {
         draw_frame(self, "too long");
     }
-    if (self->latest != NULL) {
-        self->frame[self->count++] = *self->latest;
-        self->latest = NULL;
+    if (self->apart) {
+        self->frame[self->count++] = self->latest;
+        self->apart = false;
     }
 }
 
@@ -217,7 +218,7 @@ static void on_character(struct uart *self, const struct dg_tap_event *event, dg
     if (event->character.baud == 0) {
         return;
     }
-    const struct character character = {
+    self->latest = (struct character){
         .end = at,
         .baud = event->character.baud,
         .side = event->ours ? SIDE_ENCODER : SIDE_MASTER,
@@ -225,7 +226,7 @@ static void on_character(struct uart *self, const struct dg_tap_event *event, dg
         .byte = event->character.byte,
         .damaged = event->character.damaged,
     };
-    self->latest = &character;
+    self->apart = true;
     dg_words_event(&self->words, event);
     collect(self);
     if (self->words.words == NULL) { /* then nobody says where a frame ends */
