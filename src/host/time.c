@@ -196,7 +196,7 @@ static void take_queued(struct dg_host *self)
     struct host_queue *in = &self->refs.queues->in;
 
     while (in->count != 0 && due_in(self) <= self->line.now) {
-        if (dg_host_take_event(self, head_of(in))) {
+        if (dg_host_take_event(self, &in->event[in->first])) {
             self->line.part = 0;
             drop_head(in);
         }

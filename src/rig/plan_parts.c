@@ -233,6 +233,9 @@ void dg_plan_say_addresses(const struct dg_device *model, struct dg_text *to)
 {
     const struct dg_key *row = dg_plan_address_row(model);
 
+    if (row == NULL) {
+        return; /* it has none */
+    }
     dg_text_add(to, model->stack->address_what);
     dg_text_add(to, " in ");
     add_address(model, (int)row->min, to);
