@@ -27,7 +27,7 @@ static void escaped(const char *text, FILE *to)
     } rows[] = {{'&', "&amp;"}, {'<', "&lt;"}, {'>', "&gt;"}, {'"', "&quot;"}};
     for (; *text != '\0'; text++) {
         const char *as = NULL;
-        for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        for (size_t i = 0; i < DG_COUNT(rows); i++) {
             as = rows[i].c == *text ? rows[i].as : as;
         }
         if (as != NULL) {
@@ -129,7 +129,7 @@ static void variable3(const struct fmu_variable *row, FILE *to)
     static void (*const writers[])(const struct fmu_variable *row, FILE *to) = {
         [FMU_REAL] = number3, [FMU_INT] = number3,    [FMU_BOOL] = number3,
         [FMU_TEXT] = text3,   [FMU_BINARY] = binary3, [FMU_CLOCK] = clock3};
-    _Static_assert(sizeof writers / sizeof writers[0] == FMU_TYPE_COUNT, "each type is written");
+    _Static_assert(DG_COUNT(writers) == FMU_TYPE_COUNT, "each type is written");
     writers[row->type](row, to);
 }
 
@@ -299,7 +299,7 @@ void fmu_describe_terminals(const struct fmu *self, FILE *to)
                       " terminalKind=\"org.fmi-ls-bus.network-terminal\""
                       " matchingRule=\"org.fmi-ls-bus.transceiver\">\n",
                       fmu_prefix(self, i));
-        for (size_t k = 0; k < sizeof members / sizeof members[0]; k++) {
+        for (size_t k = 0; k < DG_COUNT(members); k++) {
             (void)fprintf(to,
                           "      <TerminalMemberVariable variableName=\"%sCanChannel.%s\""
                           " memberName=\"%s\" variableKind=\"signal\"/>\n",

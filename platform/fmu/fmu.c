@@ -409,7 +409,7 @@ static bool course_fits(const uint8_t *bytes, uint64_t now)
         offsetof(struct fmu_course, configured)};
     const uint64_t longest_frame = UINT64_C(1000000000);
     struct fmu_course course;
-    for (size_t i = 0; i < sizeof flags / sizeof flags[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(flags); i++) {
         if (bytes[flags[i]] > 1) {
             return false;
         }

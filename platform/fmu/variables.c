@@ -59,8 +59,6 @@ static const struct fixed_row behind[] = {
 };
 /* clang-format on */
 
-#define COUNT(rows) (sizeof(rows) / sizeof(rows)[0])
-
 static void name_it(struct fmu_variable *to, const struct fmu_encoder *of, const char *room,
                     const char *name)
 {
@@ -191,8 +189,8 @@ bool fmu_variable(struct fmu *self, size_t index, struct fmu_variable *to)
     (void)fmu_start(self, 0);
     for (size_t i = 0; i < self->count; i++) {
         struct fmu_encoder *of = &self->encoders[i];
-        if (fixed(of, before, COUNT(before), &index, to) || setting(of, &index, to) ||
-            fault(self, of, &index, to) || fixed(of, behind, COUNT(behind), &index, to)) {
+        if (fixed(of, before, DG_COUNT(before), &index, to) || setting(of, &index, to) ||
+            fault(self, of, &index, to) || fixed(of, behind, DG_COUNT(behind), &index, to)) {
             to->reference |= (uint32_t)i << 16;
             return true;
         }

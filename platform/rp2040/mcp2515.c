@@ -226,7 +226,7 @@ bool mcp2515_open(uint16_t kbaud, const struct mcp2515_filters *filters)
     }
     write_filters(filters);
     mode = MODE_CONFIGURATION;
-    for (size_t i = 0; i < sizeof rates / sizeof rates[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rates); i++) {
         if (rates[i].kbaud == kbaud) {
             set_rate(&rates[i]);
         }

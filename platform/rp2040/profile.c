@@ -75,7 +75,7 @@ static bool read_parts(struct figures *to, const struct form *form, const char *
 
 bool profile_read(struct dg_motion *to, const char *text)
 {
-    for (size_t i = 0; i < sizeof forms / sizeof forms[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(forms); i++) {
         const struct form *form = &forms[i];
         const size_t n = strlen(form->word);
         struct figures figures = {.second = DG_NEVER};

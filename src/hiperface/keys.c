@@ -31,4 +31,4 @@ static const struct dg_key rows[] = {
 };
 /* clang-format on */
 
-const struct dg_keys dg_hf_keys = {rows, sizeof rows / sizeof rows[0]};
+const struct dg_keys dg_hf_keys = {rows, DG_COUNT(rows)};

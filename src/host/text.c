@@ -32,7 +32,7 @@ const char *dg_host_result_text(int result)
         [-DG_HOST_ERR_REFUSED] = "the encoder refuses",
         [-DG_HOST_ERR_SILENT] = "the encoder does not answer",
     };
-    const int count = (int)(sizeof texts / sizeof texts[0]);
+    const int count = (int)DG_COUNT(texts);
 
     return result <= 0 && result > -count ? texts[-result] : "unknown result";
 }

@@ -172,9 +172,9 @@ static uint64_t answers(void)
 int main(int argc, char **argv)
 {
     static const struct bench_set set = {.benches = benches,
-                                         .count = sizeof benches / sizeof benches[0],
+                                         .count = DG_COUNT(benches),
                                          .bytes = bytes,
-                                         .bytes_count = sizeof bytes / sizeof bytes[0],
+                                         .bytes_count = DG_COUNT(bytes),
                                          .start = start,
                                          .answers = answers};
 

@@ -114,7 +114,7 @@ static bool start(void)
     }
     now = DG_S(1);
     (void)dg_hf_step(&device, now);
-    for (size_t i = 0; i < sizeof requests / sizeof requests[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(requests); i++) {
         *requests[i].request = request_of(requests[i].hexadecimal);
     }
     exchange(&field);
@@ -130,7 +130,7 @@ int main(int argc, char **argv)
 {
     static const struct bench_bytes bytes[] = {{"ram.dg_hf", sizeof(struct dg_hf)}};
     static const struct bench_set set = {.benches = benches,
-                                         .count = sizeof benches / sizeof benches[0],
+                                         .count = DG_COUNT(benches),
                                          .bytes = bytes,
                                          .bytes_count = 1,
                                          .start = start,

@@ -69,7 +69,7 @@ int main(int argc, char **argv)
     };
     static const struct bench_bytes bytes[] = {{"ram.dg_ssi", sizeof(struct dg_ssi)}};
     static const struct bench_set set = {.benches = benches,
-                                         .count = sizeof benches / sizeof benches[0],
+                                         .count = DG_COUNT(benches),
                                          .bytes = bytes,
                                          .bytes_count = 1,
                                          .start = start,

@@ -247,7 +247,7 @@ static bool set_option(struct biss_access *access, const char *word)
         return false;
     }
     figure = strtoul(value + 1, NULL, 16);
-    while (i < sizeof names / sizeof names[0] && strncmp(word, names[i], strlen(names[i])) != 0) {
+    while (i < DG_COUNT(names) && strncmp(word, names[i], strlen(names[i])) != 0) {
         i++;
     }
     access->id = i == 0 ? (uint8_t)figure : access->id;
@@ -255,7 +255,7 @@ static bool set_option(struct biss_access *access, const char *word)
     access->data_flips = i == 2 ? (uint8_t)figure : access->data_flips;
     access->patience = i == 3 ? DG_US(strtoul(value + 1, NULL, 10)) : access->patience;
     access->n = i == 4 ? figure : access->n;
-    return i < sizeof names / sizeof names[0];
+    return i < DG_COUNT(names);
 }
 
 /* "4B", "1F..21", "FFx64", "*", "*x8" */
@@ -295,7 +295,7 @@ static bool set_keyword(struct outcome *outcome, const char *word)
         {"P", &outcome->stop},
     };
 
-    for (size_t i = 0; i < sizeof keywords / sizeof keywords[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(keywords); i++) {
         if (strcmp(word, keywords[i].name) == 0) {
             *keywords[i].flag = true;
             return true;
@@ -470,8 +470,7 @@ static bool finish(void *ctx, struct cf_report *report)
 
 const struct cf_device *cf_biss(void)
 {
-    static const struct cf_device device = {&bench, begin, steps, sizeof steps / sizeof steps[0],
-                                            finish};
+    static const struct cf_device device = {&bench, begin, steps, DG_COUNT(steps), finish};
 
     return &device;
 }

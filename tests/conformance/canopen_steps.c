@@ -135,7 +135,7 @@ static dg_ns span(const char *word, const char **end)
     char *unit;
     unsigned long n = strtoul(word, &unit, 10);
 
-    for (size_t i = 0; i < sizeof units / sizeof units[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(units); i++) {
         size_t length = strlen(units[i].unit);
 
         if (strncmp(unit, units[i].unit, length) == 0) {
@@ -512,7 +512,7 @@ static bool step_world(void *ctx, char **words, size_t n, struct cf_report *repo
         {"eeprom_acknowledges", NULL, &world->eeprom_acknowledges},
         {"watchdog_fired", NULL, &world->watchdog_fired},
     };
-    const size_t count = sizeof quantities / sizeof quantities[0];
+    const size_t count = DG_COUNT(quantities);
     long value = n == 3 ? strtol(words[2], NULL, 10) : 0;
     size_t i = 0;
 
@@ -607,7 +607,7 @@ static bool step_bus(void *ctx, char **words, size_t n, struct cf_report *report
         {"absent", DG_CO_BUS_ABSENT}, {"present", DG_CO_BUS_PRESENT},
     };
 
-    for (size_t i = 0; n == 2 && i < sizeof events / sizeof events[0]; i++) {
+    for (size_t i = 0; n == 2 && i < DG_COUNT(events); i++) {
         if (strcmp(words[1], events[i].word) == 0) {
             note_deadline(b, dg_co_bus(&b->node, b->now, events[i].event));
             return true;
@@ -693,8 +693,7 @@ static bool finish(void *ctx, struct cf_report *report)
 
 const struct cf_device *cf_canopen(void)
 {
-    static const struct cf_device device = {&bench, begin, steps, sizeof steps / sizeof steps[0],
-                                            finish};
+    static const struct cf_device device = {&bench, begin, steps, DG_COUNT(steps), finish};
 
     return &device;
 }

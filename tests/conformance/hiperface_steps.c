@@ -534,8 +534,7 @@ static bool finish(void *ctx, struct cf_report *report)
 
 const struct cf_device *cf_hiperface(void)
 {
-    static const struct cf_device device = {&bench, begin, steps, sizeof steps / sizeof steps[0],
-                                            finish};
+    static const struct cf_device device = {&bench, begin, steps, DG_COUNT(steps), finish};
 
     return &device;
 }

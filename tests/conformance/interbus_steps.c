@@ -420,7 +420,7 @@ static bool step_led(void *ctx, char **words, size_t n, struct cf_report *report
         {"UL", DG_IB_LED_UL}, {"RC", DG_IB_LED_RC}, {"BA", DG_IB_LED_BA}, {"RD", DG_IB_LED_RD}};
     uint8_t lit = dg_ib_leds(b->ib[0], b->now);
 
-    for (size_t i = 0; n == 3 && i < sizeof leds / sizeof leds[0]; i++) {
+    for (size_t i = 0; n == 3 && i < DG_COUNT(leds); i++) {
         if (strcmp(leds[i].name, words[1]) == 0) {
             bool blinks = leds[i].bit == DG_IB_LED_BA && (lit & DG_IB_LED_BA_BLINKS) != 0;
             const char *steady = (lit & leds[i].bit) != 0 ? "on" : "off";
@@ -679,8 +679,7 @@ static bool finish(void *ctx, struct cf_report *report)
 
 const struct cf_device *cf_interbus(void)
 {
-    static const struct cf_device device = {&bench, begin, steps, sizeof steps / sizeof steps[0],
-                                            finish};
+    static const struct cf_device device = {&bench, begin, steps, DG_COUNT(steps), finish};
 
     return &device;
 }

@@ -35,7 +35,7 @@ static bool span_of(const char *word, dg_ns *span)
     const char *const units[] = {"ns", "us", "ms", "s"};
     dg_ns scale = 1;
 
-    for (size_t i = 0; i < sizeof units / sizeof units[0]; i++, scale *= 1000u) {
+    for (size_t i = 0; i < DG_COUNT(units); i++, scale *= 1000u) {
         if (unit != word && strcmp(unit, units[i]) == 0) {
             *span = n * scale;
             return true;
@@ -130,7 +130,7 @@ static bool set_figure(struct dg_ssi_model *model, const char *word)
         {"init_us", NULL, &model->init, 1000},   {"once", NULL, NULL, 0},
     };
 
-    for (size_t i = 0; equals != NULL && i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; equals != NULL && i < DG_COUNT(rows); i++) {
         const uint64_t value = number(equals + 1);
 
         if (strlen(rows[i].name) != (size_t)(equals - word) ||
@@ -262,7 +262,7 @@ static bool set_quantity(struct dg_world *world, const char *word)
         world->temperature_mdegc = (int32_t)value;
         return true;
     }
-    for (size_t i = 0; equals != NULL && i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; equals != NULL && i < DG_COUNT(rows); i++) {
         if (strlen(rows[i].name) != (size_t)(equals - word) ||
             strncmp(rows[i].name, word, strlen(rows[i].name)) != 0) {
             continue;
@@ -503,8 +503,7 @@ static bool finish(void *ctx, struct cf_report *report)
 
 const struct cf_device *cf_ssi(void)
 {
-    static const struct cf_device device = {&bench, begin, steps, sizeof steps / sizeof steps[0],
-                                            finish};
+    static const struct cf_device device = {&bench, begin, steps, DG_COUNT(steps), finish};
 
     return &device;
 }

@@ -143,7 +143,7 @@ static bool read_disturbances(int count, char *names[])
     for (int i = 0; i < count; i++) {
         const unsigned before = player.disturbance;
 
-        for (size_t k = 0; k < sizeof disturbances / sizeof disturbances[0]; k++) {
+        for (size_t k = 0; k < DG_COUNT(disturbances); k++) {
             player.disturbance |=
                 strcmp(names[i], disturbances[k].name) == 0 ? disturbances[k].bit : 0u;
         }

@@ -442,7 +442,7 @@ bool player_perform(struct player *self, unsigned number, char *words[], int cou
 {
     const uint64_t at = read_number(words[0]);
 
-    for (size_t i = 0; i < sizeof operations / sizeof operations[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(operations); i++) {
         if (strcmp(words[1], operations[i].name) == 0 && count == operations[i].words + 2) {
             player_disturb(self, at);
             pass_time(self, at);

@@ -256,7 +256,7 @@ static uint32_t some_value(const struct bench *bench, struct fuzz_input *input,
         0x65766173u, 0x64616F6Cu, 0x1004u,     3600u,        36000u,
     };
 
-    return how % 2 == 0 ? random : edges[how / 2u % (sizeof edges / sizeof edges[0])];
+    return how % 2 == 0 ? random : edges[how / 2u % (DG_COUNT(edges))];
 }
 
 static void op_write(struct bench *bench, struct fuzz_input *input)
@@ -304,7 +304,7 @@ static void op_communication(struct bench *bench, struct fuzz_input *input)
                                       2,          255,        0x800001BF, 0x000001BF,
                                       0x65050010, 0x60040020, 0x64000108, 0x60300110};
     uint8_t which = fuzz_take(input) % sizeof sizes;
-    uint32_t value = values[fuzz_take(input) % (sizeof values / sizeof values[0])];
+    uint32_t value = values[fuzz_take(input) % (DG_COUNT(values))];
 
     (void)ask(bench, (uint8_t)(0x23u | (4u - sizes[which]) << 2), &stack[which], value);
 }
@@ -314,7 +314,7 @@ static void op_frame(struct bench *bench, struct fuzz_input *input)
     static const uint16_t ids[] = {0x000, 0x000, 0x080, 0x63F, 0x7E5, 0x1BF, 0x4BF, 0x73F, 0x701};
     uint8_t how = fuzz_take(input);
     struct dg_can_frame frame = {
-        .id = ids[how % (sizeof ids / sizeof ids[0])],
+        .id = ids[how % (DG_COUNT(ids))],
         .rtr = how / 16u % 8u == 0,
         .dlc = fuzz_take(input) % 9,
     };
@@ -427,7 +427,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
     struct fuzz_input input = {.at = bytes, .end = bytes + n};
 
     memset(&bench, 0, sizeof bench);
-    bench.model = models[fuzz_take(&input) % (sizeof models / sizeof models[0])];
+    bench.model = models[fuzz_take(&input) % (DG_COUNT(models))];
     list_objects(&bench.model.device->dictionary);
     dg_world_init(&bench.world);
     bench.world.angle = angle;
@@ -436,7 +436,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
     fuzz_must(dg_co_format(bench.model.device, ram_nvm_port(&bench.nvm), 1) == DG_OK);
     power_on(&bench);
     while (input.at < input.end) {
-        operations[fuzz_take(&input) % (sizeof operations / sizeof operations[0])](&bench, &input);
+        operations[fuzz_take(&input) % (DG_COUNT(operations))](&bench, &input);
         check(&bench);
     }
     return 0;

@@ -123,8 +123,7 @@ static void op_write(struct fuzz_input *input)
     if (rig.words) {
         const uint8_t how = fuzz_take(input);
         dg_store_le32(bytes, fuzz_take32(input));
-        const uint8_t address =
-            how < 0x80 ? how : favourites[how % (sizeof favourites / sizeof favourites[0])];
+        const uint8_t address = how < 0x80 ? how : favourites[how % (DG_COUNT(favourites))];
         (void)biss_rig_write(&rig, 0, address, bytes, 1u + (bytes[3] & 3u));
     }
     rig.words = false;
@@ -219,7 +218,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
     model.autostore = (fuzz_take(&input) & 1u) != 0;
     fuzz_must(biss_rig_init(&rig, &model, 1) == DG_OK && biss_rig_power_on(&rig) == DG_OK);
     while (input.at < input.end) {
-        operations[fuzz_take(&input) % (sizeof operations / sizeof operations[0])](&input);
+        operations[fuzz_take(&input) % (DG_COUNT(operations))](&input);
         check(&rig.slave[0]);
     }
     return 0;

@@ -17,7 +17,6 @@
 #include "fuzz_input.h"
 #include "ram_nvm.h"
 
-#define COUNT(a) (sizeof(a) / sizeof((a)[0]))
 #define LSS_RX 0x7E5u
 #define LSS_TX 0x7E4u
 #define SEGMENTS_MAX 6u /* of a block upload: DG_CO_STRING_MAX bytes */
@@ -159,7 +158,7 @@ static void check_objects(struct bench *bench)
         return;
     }
     bench->sender = &copy;
-    for (size_t i = 0; i < COUNT(limits); i++) {
+    for (size_t i = 0; i < DG_COUNT(limits); i++) {
         const uint32_t value = probe(bench, &copy, limits[i].index, limits[i].sub);
         fuzz_must(value >= limits[i].min && value <= limits[i].max);
     }
@@ -262,7 +261,7 @@ static void op_known_frame(struct bench *bench, struct fuzz_input *input)
         {0x380, true, true, 0},   {0x480, true, true, 0},   {0x700, true, true, 0},
         {0x705, false, false, 1}, {0x706, false, false, 1},
     };
-    const uint8_t which = fuzz_take(input) % COUNT(known);
+    const uint8_t which = fuzz_take(input) % DG_COUNT(known);
     struct dg_can_frame frame = {
         .id = known[which].base, .rtr = known[which].rtr, .dlc = known[which].dlc};
 
@@ -277,7 +276,7 @@ static void op_nmt(struct bench *bench, struct fuzz_input *input)
 {
     static const uint8_t commands[] = {0x01, 0x02, 0x80, 0x81, 0x82};
     const struct dg_can_frame frame = {.dlc = 2,
-                                       .data = {commands[fuzz_take(input) % COUNT(commands)]}};
+                                       .data = {commands[fuzz_take(input) % DG_COUNT(commands)]}};
 
     receive(bench, &frame);
 }
@@ -303,7 +302,7 @@ static void op_write(struct bench *bench, struct fuzz_input *input)
         0x64616F6C, 0x60040020, 0x21620010, 0x10010008, 0x60300110, 0x80000181, 0x00000222,
         0x000500FF, 0x000600FF, 0x80000100, 100,        240,        255,        0x400001BF,
     };
-    const uint8_t which = fuzz_take(input) % COUNT(objects);
+    const uint8_t which = fuzz_take(input) % DG_COUNT(objects);
     const uint8_t how = fuzz_take(input);
     const uint8_t size = objects[which].size == 0 ? 1 : objects[which].size;
     struct dg_can_frame frame = {.id = (uint16_t)(0x600u + (bench->node.id & 0x7Fu)), .dlc = 8};
@@ -311,7 +310,7 @@ static void op_write(struct bench *bench, struct fuzz_input *input)
     frame.data[0] = (uint8_t)(0x23u | (4u - size) << 2);
     dg_store_le16(&frame.data[1], objects[which].index);
     frame.data[3] = objects[which].sub;
-    dg_store_le32(&frame.data[4], how < COUNT(values) ? values[how] : fuzz_take32(input));
+    dg_store_le32(&frame.data[4], how < DG_COUNT(values) ? values[how] : fuzz_take32(input));
     receive(bench, &frame);
 }
 
@@ -326,8 +325,8 @@ static void op_sdo(struct bench *bench, struct fuzz_input *input)
     struct dg_can_frame frame = {.id = (uint16_t)(0x600u + (bench->node.id & 0x7Fu)), .dlc = 8};
     size_t from = 1;
 
-    frame.data[0] = command < COUNT(commands) ? commands[command] : command;
-    if (which < COUNT(objects)) {
+    frame.data[0] = command < DG_COUNT(commands) ? commands[command] : command;
+    if (which < DG_COUNT(objects)) {
         dg_store_le16(&frame.data[1], objects[which].index);
         frame.data[3] = objects[which].sub;
         from = 4;
@@ -343,7 +342,7 @@ static void op_lss(struct bench *bench, struct fuzz_input *input)
     struct dg_can_frame frame = {.id = LSS_RX, .dlc = 8};
     const uint8_t service = fuzz_take(input);
 
-    frame.data[0] = service < COUNT(services) ? services[service] : service;
+    frame.data[0] = service < DG_COUNT(services) ? services[service] : service;
     fill(&frame, input, 1);
     if (frame.data[0] == 0x15) {
         frame.data[2] = 0; /* not silent for the rest of the input */
@@ -364,7 +363,7 @@ static void sdo(struct bench *bench, const uint8_t *data)
 /* The first frame of a transfer; the caller fills in what follows the object. */
 static void name_object(uint8_t *data, uint8_t command, struct fuzz_input *input)
 {
-    const uint8_t which = fuzz_take(input) % COUNT(objects);
+    const uint8_t which = fuzz_take(input) % DG_COUNT(objects);
 
     memset(data, 0, 8);
     data[0] = command;
@@ -460,7 +459,7 @@ static void op_lss_identify(struct bench *bench, struct fuzz_input *input)
     static const uint8_t below[] = {0, 0, 1, 0, 1, 0};
     const uint8_t how = fuzz_take(input);
 
-    for (unsigned i = 0; i < COUNT(parts); i++) {
+    for (unsigned i = 0; i < DG_COUNT(parts); i++) {
         const uint32_t wide = how == i ? 0xFFFFFFF0u : how & 7u;
         const uint32_t mine = identity(bench, parts[i]);
         lss(bench, (uint8_t)(0x46u + i),
@@ -481,7 +480,7 @@ static void op_lss_configure(struct bench *bench, struct fuzz_input *input)
     }
     for (uint8_t n = how >> 5; n > 0; n--) {
         static const uint8_t services[] = {0x11, 0x13, 0x15, 0x17, 0x5A, 0x5B, 0x5C, 0x5D, 0x5E};
-        const uint8_t service = services[fuzz_take(input) % COUNT(services)];
+        const uint8_t service = services[fuzz_take(input) % DG_COUNT(services)];
         const uint32_t value = fuzz_take(input);
         /* The table of bit rates is 0, then the rate; a pause is short. */
         lss(bench, service, service == 0x13 ? value % 10u << 8 : value, 0);
@@ -631,7 +630,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
                                 (fuzz_take(&input) & 1u) != 0 ? "f3658" : "f3668"))));
     while (input.at < input.end) {
         pass(&bench, DG_US(100));
-        operations[fuzz_take(&input) % COUNT(operations)](&bench, &input);
+        operations[fuzz_take(&input) % DG_COUNT(operations)](&bench, &input);
         check_objects(&bench);
     }
     return 0;

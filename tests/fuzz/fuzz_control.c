@@ -14,7 +14,6 @@
 #include "drehgeber/instruments.h"
 #include "fuzz_input.h"
 
-#define COUNT(a) (sizeof(a) / sizeof((a)[0]))
 #define CLIENTS 2u
 #define RING 2u
 /* Longer than any initialisation, start-up window and self-test. */
@@ -242,7 +241,7 @@ static const char *pick_value(struct fuzz_input *input)
         "0,1,1S,0",    "LOOP",      "STEP",   "0,0",     "2MS,1",      "1,0,LOOP",
     };
 
-    return values[fuzz_take(input) % COUNT(values)];
+    return values[fuzz_take(input) % DG_COUNT(values)];
 }
 
 /* Of the encoder that the client has selected. */
@@ -278,7 +277,7 @@ static const char *pick_header(size_t index)
     size_t total = 0;
     size_t i = 0;
 
-    for (size_t n = 0; n < COUNT(lists); n++) {
+    for (size_t n = 0; n < DG_COUNT(lists); n++) {
         total += lists[n]->count;
     }
     for (index %= total; index >= lists[i]->count; i++) {
@@ -315,7 +314,7 @@ static void op_common(struct bench *bench, struct fuzz_input *input)
         "SYST:HELP?\n", "\n",      ";",       "'",         "SYST:ERR?;ERR?;:",
     };
     const uint8_t how = fuzz_take(input);
-    const char *line = lines[(how >> 1) % COUNT(lines)];
+    const char *line = lines[(how >> 1) % DG_COUNT(lines)];
 
     send(bench, how & 1u, line, strlen(line));
 }
@@ -347,7 +346,7 @@ static void op_host(struct bench *bench, struct fuzz_input *input)
     struct control_rig *rig = &bench->rig;
     const uint8_t how = fuzz_take(input);
 
-    rig->result = results[how % COUNT(results)];
+    rig->result = results[how % DG_COUNT(results)];
     rig->ops = how >= 0xC0 ? bench->unable : bench->able;
     rig->encoder[CONTROL_RIG_BISS].port = how >= 0xC0 ? NULL : bench->biss_port;
     rig->lines = fuzz_take(input);
@@ -374,7 +373,7 @@ static void set_memory(struct control_rig *rig, uint8_t dead)
     struct ram_nvm *const memories[] = {&rig->hf.nvm, &rig->biss.nvm[0], &rig->co.nvm,
                                         &rig->k3.nvm};
 
-    for (size_t i = 0; i < COUNT(memories); i++) {
+    for (size_t i = 0; i < DG_COUNT(memories); i++) {
         memories[i]->no_acknowledge = (dead >> i & 1u) != 0;
     }
 }
@@ -426,7 +425,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
     }
     bench = fresh;
     while (input.at < input.end) {
-        operations[fuzz_take(&input) % COUNT(operations)](&bench, &input);
+        operations[fuzz_take(&input) % DG_COUNT(operations)](&bench, &input);
         check(&bench);
     }
     restore(&bench);

@@ -177,8 +177,8 @@ static void op_known_request(struct bench *bench, struct fuzz_input *input)
         "43 00 00 00 00 55",
     };
     uint8_t command[32];
-    const size_t n = hf_rig_hex(known[fuzz_take(input) % (sizeof known / sizeof known[0])], command,
-                                sizeof command);
+    const size_t n =
+        hf_rig_hex(known[fuzz_take(input) % (DG_COUNT(known))], command, sizeof command);
     const size_t at = fuzz_take(input) % (2u * n);
 
     if (at < n) {
@@ -293,7 +293,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
         bench.replies = bench.rig.replies;
     }
     while (input.at < input.end) {
-        operations[fuzz_take(&input) % (sizeof operations / sizeof operations[0])](&bench, &input);
+        operations[fuzz_take(&input) % (DG_COUNT(operations))](&bench, &input);
     }
     return 0;
 }

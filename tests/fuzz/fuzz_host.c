@@ -117,7 +117,7 @@ static void op_world(struct fuzz_input *input)
     static const char *const names[] = {
         "temperature",   "led_current_ua",    "sin_amplitude_permille",
         "singleturn_ok", "multiturn_sync_ok", "eeprom_acknowledges"};
-    const char *name = names[fuzz_take(input) % (sizeof names / sizeof names[0])];
+    const char *name = names[fuzz_take(input) % (DG_COUNT(names))];
 
     check(dg_host_world_set(host, now, name, (int32_t)fuzz_take32(input)));
 }
@@ -203,7 +203,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
     host = make(here, model_index);
     fuzz_must(host != NULL);
     while (input.at < input.end) {
-        operations[fuzz_take(&input) % (sizeof operations / sizeof operations[0])](&input);
+        operations[fuzz_take(&input) % (DG_COUNT(operations))](&input);
     }
     return 0;
 }

@@ -130,7 +130,7 @@ static void op_command(struct bench *bench, struct fuzz_input *input)
         {0x20210000, 0xFF},       {0x20100000, 0x1F},       {0x20200000, 0x3F},
         {0x40000000, 0x0FFFFFFF}, {0x60000000, 0x0FFFFFFF},
     };
-    const uint32_t *const row = known[fuzz_take(input) % (sizeof known / sizeof known[0])];
+    const uint32_t *const row = known[fuzz_take(input) % (DG_COUNT(known))];
 
     send(bench, row[0] | (fuzz_take32(input) & row[1]), 5);
 }
@@ -253,7 +253,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
 
     set_up(&bench, &input);
     while (input.at < input.end) {
-        operations[fuzz_take(&input) % (sizeof operations / sizeof operations[0])](&bench, &input);
+        operations[fuzz_take(&input) % (DG_COUNT(operations))](&bench, &input);
     }
     return 0;
 }

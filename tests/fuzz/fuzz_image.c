@@ -111,7 +111,7 @@ static void change_image(struct image *image, struct fuzz_input *input)
     };
 
     for (uint8_t count = fuzz_take(input) % CHANGES_MAX; count > 0; count--) {
-        changes[fuzz_take(input) % (sizeof changes / sizeof changes[0])](image, input);
+        changes[fuzz_take(input) % (DG_COUNT(changes))](image, input);
     }
 }
 
@@ -298,7 +298,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
     if (model->stack->layout(model->model) == NULL) {
         return 0; /* no EEPROM */
     }
-    for (size_t i = 0; i < sizeof uses / sizeof uses[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(uses); i++) {
         if (uses[i].stack == model->stack) {
             uses[i].use(model, &input);
             return 0;

@@ -63,7 +63,7 @@ static const struct lx_range inside[] = {
     {0x0000, WORDS}, {0x0800, WORDS}, {0x1000, 10}, {0x100C, 1},
     {0x1010, 6},     {0x1020, 1},     {0x1120, 4},  {0x2000, 16 * DEVICES},
 };
-#define INSIDE (sizeof inside / sizeof inside[0])
+#define INSIDE DG_COUNT(inside)
 
 static uint16_t take16(struct fuzz_input *input)
 {
@@ -345,7 +345,7 @@ static size_t put_pdu(uint8_t *to, struct fuzz_input *input)
         uint8_t code;
         uint8_t lists; /* where its byte count is, 0: none */
     } functions[] = {{3, 0}, {4, 0}, {6, 0}, {16, 5}, {23, 9}};
-    const size_t i = fuzz_take(input) % (sizeof functions / sizeof functions[0]);
+    const size_t i = fuzz_take(input) % (DG_COUNT(functions));
     const size_t at = functions[i].lists;
 
     to[0] = functions[i].code;
@@ -554,7 +554,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
 
     set_up(&input);
     while (input.at < input.end) {
-        operations[fuzz_take(&input) % (sizeof operations / sizeof operations[0])](&input);
+        operations[fuzz_take(&input) % (DG_COUNT(operations))](&input);
     }
     for (size_t i = 0; i < SOCKETS; i++) {
         settle(&bench.clients[i]);

@@ -13,7 +13,7 @@
 #include "fuzz_input.h"
 #include "scpi_rig.h"
 
-#define PIECES (sizeof pieces / sizeof pieces[0])
+#define PIECES DG_COUNT(pieces)
 
 struct bench {
     struct scpi_rig rigs[2]; /* at once, and byte by byte */
@@ -228,7 +228,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
     scpi_rig_init(&bench.rigs[0]);
     scpi_rig_init(&bench.rigs[1]);
     while (input.at < input.end) {
-        operations[fuzz_take(&input) % (sizeof operations / sizeof operations[0])](&bench, &input);
+        operations[fuzz_take(&input) % (DG_COUNT(operations))](&bench, &input);
         check(&bench);
     }
     return 0;

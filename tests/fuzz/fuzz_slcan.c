@@ -18,7 +18,7 @@ static bool is_known(const char *reply)
 {
     static const char *const replies[] = {"\r", "\a", "z\r", "Z\r", "F00\r", "V1010\r", "NDG01\r"};
 
-    for (size_t i = 0; i < sizeof replies / sizeof replies[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(replies); i++) {
         if (strcmp(reply, replies[i]) == 0) {
             return true;
         }

@@ -26,7 +26,7 @@ static bool is_known(const char *reply)
         "< error syntax error in send command >",
     };
 
-    for (size_t i = 0; i < sizeof replies / sizeof replies[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(replies); i++) {
         if (strcmp(reply, replies[i]) == 0) {
             return true;
         }

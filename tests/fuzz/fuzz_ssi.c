@@ -153,7 +153,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
                       model.parity <= 2 && model.monoflop >= DG_US(10);
     fuzz_must((ssi_rig_init(&rig, &model) == DG_OK) == good);
     while (good && input.at < input.end) {
-        operations[fuzz_take(&input) % (sizeof operations / sizeof operations[0])](&input);
+        operations[fuzz_take(&input) % (DG_COUNT(operations))](&input);
         check(&rig.device);
     }
     return 0;

@@ -257,7 +257,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
 
     set_up();
     while (input.at < input.end) {
-        operations[fuzz_take(&input) % (sizeof operations / sizeof operations[0])](&input);
+        operations[fuzz_take(&input) % (DG_COUNT(operations))](&input);
     }
     serve();
     hang_up();

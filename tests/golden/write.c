@@ -23,7 +23,6 @@
 #define BYTES_A_LINE 30u
 #define SAVE 0x65766173u
 #define COUNTED 300
-#define ROWS(table) (sizeof(table) / sizeof(table)[0])
 
 /* As `xxd -p` writes it. */
 static void write_image(const char *folder, const char *name, const struct ram_nvm *nvm)
@@ -71,7 +70,7 @@ static void write_hiperface(const char *folder, const char *name, const char *po
     for (int i = 0; i < COUNTED; i++) {
         assert_int_equal(hf_rig_ask(&rig, "47"), 0);
     }
-    for (size_t i = 0; i + 1 < sizeof hiperface_setup / sizeof hiperface_setup[0]; i++) {
+    for (size_t i = 0; i + 1 < DG_COUNT(hiperface_setup); i++) {
         if (i == 7) { /* field 1 is written and then protected */
             for (size_t n = 0; n < 128; n++) {
                 save[5 + n] = (uint8_t)(0xFF - n);
@@ -196,16 +195,16 @@ static void write_canopen(const char *folder)
     const struct dg_cia406_model *multi = dg_cia406_model_of(dg_device_find("f3668"));
     co_rig_start_model(&can, multi);
     co_rig_run(&can, DG_S(800)); /* two tenths of an hour */
-    put_all(bus_parameters, ROWS(bus_parameters));
+    put_all(bus_parameters, DG_COUNT(bus_parameters));
     co_rig_nmt(&can, 0x81);
-    put_all(parameters, ROWS(parameters));
+    put_all(parameters, DG_COUNT(parameters));
     dg_co_power_off(&can.node);
     write_image(folder, "f3668", &can.nvm);
-    write_node(folder, "f3658", single, few, ROWS(few));
-    write_node(folder, "f3668-16", &wide, few, ROWS(few));
-    write_node(folder, "f3658-crossed", single, crossed, ROWS(crossed));
-    write_node(folder, "f3668-crossed", multi, crossed, ROWS(crossed));
-    write_node(folder, "f3668-16-crossed", &wide, crossed, ROWS(crossed));
+    write_node(folder, "f3658", single, few, DG_COUNT(few));
+    write_node(folder, "f3668-16", &wide, few, DG_COUNT(few));
+    write_node(folder, "f3658-crossed", single, crossed, DG_COUNT(crossed));
+    write_node(folder, "f3668-crossed", multi, crossed, DG_COUNT(crossed));
+    write_node(folder, "f3668-16-crossed", &wide, crossed, DG_COUNT(crossed));
 }
 
 /* --- INTERBUS --- */
@@ -229,7 +228,7 @@ static void write_interbus(const char *folder)
     assert_int_equal(ib_rig_init(&rig, dg_ib_model_of(dg_device_find("ocd-ib-k3"))), DG_OK);
     ib_rig_turn_to(&rig, 0);
     assert_int_equal(ib_rig_power_on(&rig), DG_OK);
-    for (size_t i = 0; i < sizeof interbus_setup / sizeof interbus_setup[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(interbus_setup); i++) {
         const uint32_t out = interbus_setup[i];
         const uint32_t in = out == 0x80000000 ? ib_rig_release(&rig) : ib_rig_send(&rig, out);
         const bool answered = out != 0x80000000 && out != 0x40000000;

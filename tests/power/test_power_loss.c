@@ -342,7 +342,7 @@ static void the_model_notices_a_sync_that_is_missing(void **state)
         {MODEL_GROW, 0},   {MODEL_GROW, 1},   {MODEL_FORMAT, 0}, {MODEL_FORMAT, 1},
         {MODEL_FORMAT, 2}, {MODEL_FORMAT, 3},
     };
-    for (size_t i = 0; i < sizeof missing / sizeof missing[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(missing); i++) {
         set_up(devices);
         model.broken = missing[i].operation;
         /* Both marks torn, with a cleared journal under way: two differences from all that is

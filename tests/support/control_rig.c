@@ -13,8 +13,6 @@
 
 #include <cmocka.h>
 
-#define COUNT(a) (sizeof(a) / sizeof((a)[0]))
-
 static struct control_rig *rig_of(struct dg_rig *rig)
 {
     return rig->host;
@@ -122,7 +120,7 @@ static int course(struct dg_rig *rig, struct dg_encoder *encoder,
     dg_rig_unfollow(rig, encoder, wish->quantity);
     to->course = (struct dg_rig_course){.quantity = wish->quantity,
                                         .course = {.points = to->points,
-                                                   .count = points ? wish->count : COUNT(file),
+                                                   .count = points ? wish->count : DG_COUNT(file),
                                                    .loop = wish->loop,
                                                    .steps = wish->steps}};
     memcpy(to->points, points ? wish->points : file, to->course.course.count * sizeof *file);
@@ -212,7 +210,7 @@ static void start_shafts(struct control_rig *self)
 {
     static const char *const names[] = {"main", "geared"};
 
-    for (size_t i = 0; i < COUNT(self->shaft); i++) {
+    for (size_t i = 0; i < DG_COUNT(self->shaft); i++) {
         self->shaft[i].name = names[i];
         dg_shaft_init(&self->shaft[i].shaft);
         self->shafts[i] = &self->shaft[i];
@@ -239,7 +237,7 @@ static void start_encoders(struct control_rig *self)
         {"k2", "ocd-ib-k2", &self->k2.device, &self->k2.world, {NULL, NULL}},
     };
 
-    for (size_t i = 0; i < COUNT(rows); i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         struct dg_encoder *encoder = &self->encoder[i];
         const struct dg_device *model = dg_device_find(rows[i].model);
         *encoder = (struct dg_encoder){
@@ -276,7 +274,7 @@ void control_rig_start(struct control_rig *self)
         .encoders = self->encoders,
         .encoder_count = CONTROL_RIG_ENCODERS,
         .shafts = self->shafts,
-        .shaft_count = COUNT(self->shafts),
+        .shaft_count = DG_COUNT(self->shafts),
         .instruments = dg_instruments,
         .courses = &dg_course_commands,
         .instrument_count = dg_instrument_count,

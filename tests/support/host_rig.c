@@ -35,7 +35,7 @@ const struct host_rig_model host_rig_models[] = {
     {"ocd-ib-k3",   "4096 steps, 4096 turns, parameters",      true,  true,  INTERBUS,  3 * 4096 + 1024,          4},
 };
 /* clang-format on */
-const size_t host_rig_model_count = sizeof host_rig_models / sizeof host_rig_models[0];
+const size_t host_rig_model_count = DG_COUNT(host_rig_models);
 
 const struct host_rig_model *host_rig_model(const char *name)
 {

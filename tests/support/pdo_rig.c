@@ -81,7 +81,7 @@ static const struct dg_store_region regions[] = {DG_CO_STORE_REGIONS(default_bus
 const struct dg_store_layout pdo_rig_layout = {
     .id = 0x7E57,
     .journal_size = DG_CO_JOURNAL_SIZE,
-    .region_count = sizeof regions / sizeof regions[0],
+    .region_count = DG_COUNT(regions),
     .regions = regions,
 };
 static const struct dg_co_cause causes[] = {{0x1000, 0x01, DG_CO_CLASS_DEVICE}};
@@ -111,9 +111,9 @@ const struct dg_co_device pdo_rig_device = {
     .name = "test",
     .dictionary = {DG_CO_ROWS(rows), NULL, hooks},
     .figures = figures,
-    .figure_count = sizeof figures / sizeof figures[0],
+    .figure_count = DG_COUNT(figures),
     .kbaud = kbaud,
-    .kbaud_count = sizeof kbaud / sizeof kbaud[0],
+    .kbaud_count = DG_COUNT(kbaud),
     .causes = causes,
     .cause_count = 1,
     .strings = strings,
@@ -123,14 +123,14 @@ const struct dg_co_device pdo_rig_device = {
 };
 
 /* The same memory in a device without 2001h-2008h. */
-#define REST (sizeof rows / sizeof rows[0] - 8)
+#define REST (DG_COUNT(rows) - 8)
 const struct dg_co_device pdo_rig_smaller_device = {
     .name = "test",
     .dictionary = {&rows[8], REST, DG_CO_POWER(REST), NULL, hooks},
     .figures = figures,
-    .figure_count = sizeof figures / sizeof figures[0],
+    .figure_count = DG_COUNT(figures),
     .kbaud = kbaud,
-    .kbaud_count = sizeof kbaud / sizeof kbaud[0],
+    .kbaud_count = DG_COUNT(kbaud),
     .causes = causes,
     .cause_count = 1,
     .strings = strings,

@@ -3,7 +3,6 @@
 
 #include <string.h>
 
-#define LENGTH(a) (sizeof(a) / sizeof(a)[0])
 #define SPEED_MAX 6000000
 
 static const struct dg_scpi_range ranges[SCPI_RIG_VALUES] = {
@@ -110,7 +109,7 @@ static void set_fault(struct dg_scpi *session)
     set_text(session);
     while (dg_scpi_more(session)) {
         index = 0;
-        (void)dg_scpi_word(session, words, LENGTH(words), &index);
+        (void)dg_scpi_word(session, words, DG_COUNT(words), &index);
         take_number(session, values[index]); /* careless: after an error there is none */
     }
 }
@@ -195,7 +194,7 @@ const struct dg_scpi_command scpi_rig_commands[] = {
     {"RAISe",               raise_any,  NULL,        0,                     "N",       "any error"},
 };
 /* clang-format on */
-const size_t scpi_rig_command_count = LENGTH(scpi_rig_commands);
+const size_t scpi_rig_command_count = DG_COUNT(scpi_rig_commands);
 
 /* In two lists: the engine takes any number of them. */
 static const struct dg_scpi_commands *commands(const struct dg_scpi *session, size_t index)
@@ -203,11 +202,11 @@ static const struct dg_scpi_commands *commands(const struct dg_scpi *session, si
     enum { FIRST = 10 };
     static const struct dg_scpi_commands lists[] = {
         {scpi_rig_commands, FIRST},
-        {scpi_rig_commands + FIRST, LENGTH(scpi_rig_commands) - FIRST},
+        {scpi_rig_commands + FIRST, DG_COUNT(scpi_rig_commands) - FIRST},
     };
 
     (void)session;
-    return index < LENGTH(lists) ? &lists[index] : NULL;
+    return index < DG_COUNT(lists) ? &lists[index] : NULL;
 }
 
 void scpi_rig_init(struct scpi_rig *self)

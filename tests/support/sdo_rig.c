@@ -8,7 +8,6 @@
 
 #include <cmocka.h>
 
-#define COUNT(a) (sizeof(a) / sizeof((a)[0]))
 #define NODE_ID 0x3Fu
 #define TIMEOUT DG_S(1)
 #define FULL 0xFFFFFFFFu
@@ -106,7 +105,7 @@ static const struct dg_store_region regions[] = {DG_CO_STORE_REGIONS(default_bus
 static const struct dg_store_layout layout = {
     .id = 0x53444F31u,
     .journal_size = DG_CO_JOURNAL_SIZE,
-    .region_count = COUNT(regions),
+    .region_count = DG_COUNT(regions),
     .regions = regions,
 };
 
@@ -114,7 +113,7 @@ static const struct dg_co_device device = {
     .name = "SDO rig",
     .dictionary = {DG_CO_ROWS(rows), limits, hooks},
     .kbaud = kbaud,
-    .kbaud_count = COUNT(kbaud),
+    .kbaud_count = DG_COUNT(kbaud),
     .save_ms = 14,
     .strings = strings,
     .device_type = 0x00020196,
@@ -256,10 +255,10 @@ void sdo_rig_disturb(struct sdo_rig *self, const struct sdo_rig_step *steps, siz
         new_request, client_abort, timeout};
 
     assert_true(n >= 2);
-    for (size_t i = 0; i < COUNT(ends) * (n - 1u); i++) {
+    for (size_t i = 0; i < DG_COUNT(ends) * (n - 1u); i++) {
         sdo_rig_init(self);
-        sdo_rig_play(self, steps, i / COUNT(ends) + 1u);
-        ends[i % COUNT(ends)](self, steps);
+        sdo_rig_play(self, steps, i / DG_COUNT(ends) + 1u);
+        ends[i % DG_COUNT(ends)](self, steps);
         /* The transfer is over: nothing more comes of it, and the next one works. */
         sdo_rig_wait(self, 2u * TIMEOUT);
         sdo_rig_expect(self, "");

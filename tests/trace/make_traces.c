@@ -113,7 +113,7 @@ static void feed(const struct lx_tap *tap, char *line)
     };
     static struct room room;
     const char *word = strtok(line, " \n");
-    for (size_t i = 0; word != NULL && i < sizeof kinds / sizeof kinds[0]; i++) {
+    for (size_t i = 0; word != NULL && i < DG_COUNT(kinds); i++) {
         if (kinds[i].letter == word[0]) {
             struct dg_tap_event event = {.at = number(10)};
             kinds[i].take(&event, &room);
@@ -128,11 +128,10 @@ int main(int argc, char *argv[])
     struct lx_error error;
     char line[8192];
     size_t stack = 0;
-    while (argc == 4 && stack < sizeof stacks / sizeof stacks[0] &&
-           strcmp(stacks[stack].name, argv[1]) != 0) {
+    while (argc == 4 && stack < DG_COUNT(stacks) && strcmp(stacks[stack].name, argv[1]) != 0) {
         stack++;
     }
-    if (argc != 4 || stack == sizeof stacks / sizeof stacks[0]) {
+    if (argc != 4 || stack == DG_COUNT(stacks)) {
         (void)fputs("usage: make_traces rs485|biss|can|interbus WIRE FILE\n", stderr);
         return 2;
     }

@@ -97,7 +97,7 @@ static void expect_the_work_area(void)
     } rows[] = {{999, 5}, {1000, 0}, {35000, 0}, {35001, 3}};
 
     rig.motion = (struct dg_motion){0};
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         rig.motion.from = dg_angle_of_counts(rows[i].position, 3600);
         rig.motion.from += DG_TURN / 7200; /* in the middle of the unit */
         assert_int_equal(co_rig_get(&rig, 0x6004, 0), rows[i].position);

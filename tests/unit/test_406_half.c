@@ -33,7 +33,7 @@ static void half_the_range_is_told_from_the_other(void **state)
     };
 
     (void)state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         co_rig_start(&rig);
         turn_to(0);
         co_rig_put(&rig, 0x6001, 0, 16, 4);

@@ -131,7 +131,7 @@ static const struct row {
     {watchdog_fired,          NULL,                      0x00, 0, 0x0004, NONE},
 };
 /* clang-format on */
-#define ROWS (sizeof rows / sizeof rows[0])
+#define ROWS DG_COUNT(rows)
 
 static void heal(void)
 {
@@ -248,7 +248,7 @@ static void too_fast_has_a_hysteresis(void **state)
     static const int32_t still_too_fast[] = {12001000, 12000000, 11881000, 12000000, -11900000};
     (void)state;
     co_rig_forget(&rig);
-    for (size_t i = 0; i < sizeof still_too_fast / sizeof still_too_fast[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(still_too_fast); i++) {
         turn_at(still_too_fast[i]);
         co_rig_run(&rig, DG_S(1));
         co_rig_expect_count(&rig, 1);
@@ -351,7 +351,7 @@ static void temperature_codes(void **state)
         {-65000, 0x00}, {191000, 0xFF}, {192000, 0xFF}, {INT32_MIN, 0x00}, {INT32_MAX, 0xFF},
     };
     (void)state;
-    for (size_t i = 0; i < sizeof codes / sizeof codes[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(codes); i++) {
         rig.world.temperature_mdegc = codes[i].mdegc;
         assert_int_equal(co_rig_get(&rig, 0x2120, 4), codes[i].code);
     }
@@ -412,7 +412,7 @@ static void battery_voltage(void **state)
         {9999, 500}, {100, 10},   {99, 0x3FF}, {0, 0x3FF},  {UINT32_MAX, 500},
     };
     (void)state;
-    for (size_t i = 0; i < sizeof values / sizeof values[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(values); i++) {
         rig.world.battery_mv = values[i].mv;
         assert_int_equal(co_rig_get(&rig, 0x2125, 0), values[i].value);
     }

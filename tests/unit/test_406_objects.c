@@ -82,7 +82,7 @@ static void working_areas_at_every_boundary(void **state)
         {{0, 1000}, {0x0FFFFFFF, 500}, 700, 0x38},
     };
     (void)state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         for (uint8_t n = 0; n < 2; n++) {
             co_rig_put(&rig, 0x6402, (uint8_t)(n + 1u), rows[i].high[n], 4);
             co_rig_put(&rig, 0x6401, (uint8_t)(n + 1u), rows[i].low[n], 4);
@@ -173,7 +173,7 @@ static void configure_all(void)
         {0x6401, 2, 4, 65535},      {0x6402, 2, 4, 0},    {0x6002, 0, 4, 3600},
         {0x6000, 0, 2, 0x0004},
     };
-    for (size_t i = 0; i < sizeof wanted / sizeof wanted[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(wanted); i++) {
         const struct entry *at = &wanted[i];
         co_rig_put(&rig, at->index, at->sub, at->value, at->size);
     }
@@ -187,7 +187,7 @@ static void what_is_read_can_be_written_in_any_order(void **state)
     const struct dg_cia406_model *const models[] = {&model, &singleturn};
 
     (void)state;
-    for (size_t i = 0; i < sizeof models / sizeof models[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(models); i++) {
         co_rig_start_model(&rig, models[i]);
         write_all_back(false);
         write_all_back(true);
@@ -527,7 +527,7 @@ static void blinking_and_slow_blinking(void **state)
         unsigned half_ms;
     } rows[] = {{0x80, 250}, {STOP, 1000}};
     (void)state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         co_rig_nmt(&rig, rows[i].command);
         for (unsigned ms = 0; ms < 4000; ms += 5) {
             rig.node.now = DG_S(10) + DG_MS(ms);

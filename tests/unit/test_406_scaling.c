@@ -165,7 +165,7 @@ static void check_combination(void)
 static void every_combination_agrees_with_unbounded_integers(void **state)
 {
     (void)state;
-    for (size_t m = 0; m < sizeof models / sizeof models[0]; m++) {
+    for (size_t m = 0; m < DG_COUNT(models); m++) {
         co_rig_start_model(&rig, models[m]);
         for (uint32_t i = 0; i < COMBINATIONS / 3 + 1; i++) {
             check_combination();
@@ -188,7 +188,7 @@ static void counts_are_floored_angles(void **state)
 static void both_ends_of_the_range(void **state)
 {
     (void)state;
-    for (size_t m = 0; m < sizeof models / sizeof models[0]; m++) {
+    for (size_t m = 0; m < DG_COUNT(models); m++) {
         co_rig_start_model(&rig, models[m]);
         uint32_t last = (uint32_t)(physical() - 1);
         turn_to(-1);
@@ -256,7 +256,7 @@ static void what_is_refused_leaves_the_old_value(void **state)
     co_rig_put(&rig, 0x6002, 0, 36000, 4);
     co_rig_put(&rig, 0x6000, 0, SCALING, 2);
     co_rig_put(&rig, 0x6003, 0, 35999, 4);
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         uint32_t before = co_rig_get(&rig, rows[i].index, 0);
         uint32_t position = co_rig_get(&rig, 0x6004, 0);
         assert_int_equal(co_rig_write(&rig, rows[i].index, 0, rows[i].value, rows[i].size),
@@ -278,7 +278,7 @@ static void models_that_cannot_be_are_refused(void **state)
     static const struct dg_cia406_model good = {.turns = 65536, .device = &dg_cia406_multiturn_32};
     struct dg_cia406 encoder;
     (void)state;
-    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(wrong); i++) {
         assert_int_equal(dg_cia406_init(&encoder, &wrong[i]), DG_ERR_ARGUMENT);
     }
     assert_int_equal(dg_cia406_init(&encoder, &good), DG_OK);
@@ -371,9 +371,9 @@ static void defaults_are_those_of_chapters_10_and_26(void **state)
         {0x650E, 0, {3, 3, 3}},
     };
     (void)state;
-    for (size_t m = 0; m < sizeof models / sizeof models[0]; m++) {
+    for (size_t m = 0; m < DG_COUNT(models); m++) {
         co_rig_start_model(&rig, models[m]);
-        for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        for (size_t i = 0; i < DG_COUNT(rows); i++) {
             assert_int_equal(co_rig_get(&rig, rows[i].index, rows[i].sub), rows[i].value[m]);
         }
         assert_int_equal(co_rig_get(&rig, 0x6507, 0) & 0xFFFF, 0x0302);

@@ -98,7 +98,7 @@ static void check_motion(struct dg_motion motion)
     for (uint32_t parameters = 0; parameters < 4; parameters++) {
         bool units = parameters / 2 != 0;
         co_rig_put(&rig, 0x6000, 0, (parameters % 2 ? CCW : 0) | (units ? UNITS_PER_S : 0), 2);
-        for (size_t w = 0; w < sizeof windows_ms / sizeof windows_ms[0]; w++) {
+        for (size_t w = 0; w < DG_COUNT(windows_ms); w++) {
             co_rig_put(&rig, 0x6031, 2, windows_ms[w], 2);
             motion.start = rig.now;
             assert_int_equal(dg_motion_set(&rig.motion, &motion), DG_OK);
@@ -125,7 +125,7 @@ static void a_constant_speed(void **state)
 {
     static const int32_t mrpm[] = {0, 17, 1000, -1000, 29999, 123456, -7654321, 14999999};
     (void)state;
-    for (size_t i = 0; i < sizeof mrpm / sizeof mrpm[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(mrpm); i++) {
         check_motion((struct dg_motion){.kind = DG_MOTION_SPEED, .mrpm = mrpm[i]});
     }
 }
@@ -134,7 +134,7 @@ static void a_ramp(void **state)
 {
     static const int32_t mrpm[] = {3000000, -3000000, 20000};
     (void)state;
-    for (size_t i = 0; i < sizeof mrpm / sizeof mrpm[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(mrpm); i++) {
         check_motion((struct dg_motion){
             .kind = DG_MOTION_RAMP, .mrpm = mrpm[i], .accel = DG_MS(550), .hold = DG_NEVER});
     }
@@ -155,7 +155,7 @@ static void a_constant_speed_reads_constant(void **state)
     static const uint32_t windows[] = {10, 100, 200};
     static const int32_t rpm[] = {1, 60, 601, 7777, 11999, 14999, -1, -60, -601, -14999};
     (void)state;
-    for (size_t i = 0; i < 3 * sizeof rpm / sizeof rpm[0]; i++) {
+    for (size_t i = 0; i < 3 * DG_COUNT(rpm); i++) {
         const int32_t wanted = rpm[i / 3];
         co_rig_put(&rig, 0x6031, 2, windows[i % 3], 2);
         turn_at(1000 * wanted);
@@ -238,7 +238,7 @@ static void multiplier_and_divisor_change_units_per_second(void **state)
     };
     (void)state;
     turn_at(75000);
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         co_rig_put(&rig, 0x6031, 3, rows[i].multiplier, 2);
         co_rig_put(&rig, 0x6031, 4, rows[i].divisor, 2);
         co_rig_put(&rig, 0x6000, 0, UNITS_PER_S, 2);
@@ -287,7 +287,7 @@ static void the_parameters_of_6031h(void **state)
     };
     uint32_t before[6] = {4, 2, 100, 1, 1, 0};
     (void)state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         uint8_t sub = rows[i].sub;
         assert_int_equal(co_rig_write(&rig, 0x6031, sub, rows[i].value, sub == 0 ? 1 : 2),
                          rows[i].abort);

@@ -224,7 +224,7 @@ static void step_by_step_over_the_overflow(void **state)
 {
     static const uint32_t sequences[] = {0, CCW};
     (void)state;
-    for (size_t i = 0; i < sizeof sequences / sizeof sequences[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(sequences); i++) {
         turn_to(TURNS * STEPS - 200);
         activate(65000, 65000u * 1000u, 64999999, sequences[i]);
         for (int64_t way = 0; way < 800; way++) {
@@ -357,7 +357,7 @@ static void power_cuts_while_the_zero_is_stored(void **state)
     static const uint32_t tears[] = {0, 1, 3, 8, 20};
     (void)state;
     for (int tear = 0; tear < RAM_NVM_TEAR_COUNT; tear++) {
-        for (size_t i = 0; i < sizeof tears / sizeof tears[0]; i++) {
+        for (size_t i = 0; i < DG_COUNT(tears); i++) {
             uint32_t writes = 0;
             activate_any();
             while (cut_during_correction(writes, (enum ram_nvm_tear)tear, tears[i])) {

@@ -136,7 +136,7 @@ static void test_at_rest(void **state)
 
     (void)state;
     start(&fixture);
-    for (unsigned i = 0; i < sizeof angles / sizeof angles[0]; i++) {
+    for (unsigned i = 0; i < DG_COUNT(angles); i++) {
         assert_int_equal(dg_shaft_set_position(&fixture.shaft, fixture.hf.now, angles[i]), DG_OK);
         expect_agreement(&fixture);
     }
@@ -149,7 +149,7 @@ static void test_turning(void **state)
 
     (void)state;
     start(&fixture);
-    for (unsigned i = 0; i < sizeof speeds / sizeof speeds[0]; i++) {
+    for (unsigned i = 0; i < DG_COUNT(speeds); i++) {
         assert_int_equal(dg_shaft_set_velocity(&fixture.shaft, fixture.hf.now, speeds[i]), DG_OK);
         for (unsigned round = 0; round < ROUNDS; round++) {
             expect_agreement(&fixture);

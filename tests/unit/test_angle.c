@@ -12,8 +12,6 @@
 #include "effort.h"
 #include "motion_model.h"
 
-#define COUNT(a) (sizeof(a) / sizeof((a)[0]))
-
 /* The unbounded integers everything is checked against. */
 __extension__ typedef unsigned __int128 uwide;
 
@@ -78,8 +76,8 @@ static void counts_are_the_exact_floor(void **state)
     uint64_t seed = 1;
 
     (void)state;
-    for (size_t a = 0; a < COUNT(EDGES); a++) {
-        for (size_t r = 0; r < COUNT(RESOLUTIONS); r++) {
+    for (size_t a = 0; a < DG_COUNT(EDGES); a++) {
+        for (size_t r = 0; r < DG_COUNT(RESOLUTIONS); r++) {
             check_counts(EDGES[a], RESOLUTIONS[r]);
         }
     }
@@ -125,8 +123,8 @@ static void angle_of_counts_is_the_exact_ceiling(void **state)
     int checked = 0;
 
     (void)state;
-    for (size_t a = 0; a < COUNT(EDGES); a++) {
-        for (size_t r = 0; r < COUNT(RESOLUTIONS); r++) {
+    for (size_t a = 0; a < DG_COUNT(EDGES); a++) {
+        for (size_t r = 0; r < DG_COUNT(RESOLUTIONS); r++) {
             int64_t counts = dg_angle_counts(EDGES[a], RESOLUTIONS[r]);
 
             for (int64_t near = -1; near <= 1; near++) {
@@ -155,8 +153,8 @@ static void mod_is_never_negative(void **state)
     uint64_t seed = 3;
 
     (void)state;
-    for (size_t a = 0; a < COUNT(EDGES); a++) {
-        for (size_t r = 0; r < COUNT(ranges); r++) {
+    for (size_t a = 0; a < DG_COUNT(EDGES); a++) {
+        for (size_t r = 0; r < DG_COUNT(ranges); r++) {
             wide range = (wide)ranges[r];
 
             assert_true((wide)dg_mod(EDGES[a], ranges[r]) ==
@@ -196,9 +194,9 @@ static void muldiv_keeps_the_whole_product(void **state)
     uint64_t seed = 4;
 
     (void)state;
-    for (size_t a = 0; a < COUNT(edges); a++) {
-        for (size_t b = 0; b < COUNT(edges); b++) {
-            for (size_t c = 1; c < COUNT(edges); c++) {
+    for (size_t a = 0; a < DG_COUNT(edges); a++) {
+        for (size_t b = 0; b < DG_COUNT(edges); b++) {
+            for (size_t c = 1; c < DG_COUNT(edges); c++) {
                 check_muldiv(edges[a], edges[b], edges[c]);
             }
         }

@@ -260,7 +260,7 @@ static void test_aborted_anywhere(void **state)
                             "1"};
 
     (void)state;
-    for (size_t f = 0; f < 2u * sizeof frames / sizeof frames[0]; f++) {
+    for (size_t f = 0; f < 2u * DG_COUNT(frames); f++) {
         const char *frame = frames[f / 2u];
         for (size_t n = 0; n <= strlen(frame); n++) {
             char part[64] = "";
@@ -404,7 +404,7 @@ static void test_command_frames(void **state)
     };
 
     (void)state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         char cds[64];
         const uint32_t before = rig.slave[0].counters.commands;
         rig.slave[0].channel_off = false;

@@ -46,7 +46,7 @@ static void test_crc6_vectors(void **state)
     };
 
     (void)state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         const uint64_t bits = rows[i].position << 2 | rows[i].flags;
         assert_int_equal(dg_biss_crc6(bits, (uint8_t)(rows[i].n + 2u)), rows[i].crc);
         assert_int_equal(biss_rig_crc6(bits, rows[i].n + 2u), rows[i].crc);
@@ -83,7 +83,7 @@ static void test_address_words(void **state)
     };
 
     (void)state;
-    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(words); i++) {
         assert_int_equal(dg_biss_crc4(words[i] >> 21, 11), words[i] >> 17 & 0x0Fu);
     }
     assert_int_equal(dg_biss_crc4(words[13] >> 6 & 0xFFu, 8), words[13] >> 2 & 0x0Fu);
@@ -204,7 +204,7 @@ static void test_frames_are_taken_apart(void **state)
                 {24, 24, true, 62}, {24, 12, false, 44}, {1, 24, true, 39}};
 
     (void)state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         struct dg_biss_model model = {.multiturn_bits = rows[i].mt,
                                       .singleturn_bits = rows[i].st,
                                       .life_counter = rows[i].lc};
@@ -269,7 +269,7 @@ static void test_chosen_timeout(void **state)
     };
 
     (void)state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         struct dg_biss_model model = *dg_biss_model_of(dg_device_find("s3674-biss"));
         struct dg_biss *slave = &rig.slave[0];
         assert_int_equal(biss_rig_init(&rig, &model, 1), DG_OK);

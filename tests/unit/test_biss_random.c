@@ -197,7 +197,7 @@ static void test_traffic(void **state)
     for (uint32_t seed = 1; seed <= seeds; seed++) {
         reset(seed);
         for (uint32_t i = 0; i < OPERATIONS; i++) {
-            operations[dice(sizeof operations / sizeof operations[0])]();
+            operations[dice(DG_COUNT(operations))]();
             /* A short timeout is fine for fast clocks only. */
             if (model.timeout != 0 && rig.half_ns > 500) {
                 rig.half_ns = 50;

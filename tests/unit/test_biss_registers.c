@@ -74,7 +74,7 @@ static void test_every_access(void **state)
     rig.model.eeprom_read = 0;
     rig.half_ns = 50;
     rig.words = true;
-    for (size_t i = 0; i < sizeof banks / sizeof banks[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(banks); i++) {
         for (uint8_t address = 0; address < 0x80; address++) {
             const char access = access_of(banks[i], address);
             rig.slave[0].bank = banks[i];
@@ -253,7 +253,7 @@ static void test_temperature(void **state)
         {-3276800, -32768}, {INT32_MIN, -32768}};
 
     (void)state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         uint8_t bytes[2];
         rig.world.temperature_mdegc = rows[i].mdegc;
         assert_int_equal(biss_rig_read(&rig, 0, 0x6A, bytes, 2), 2);

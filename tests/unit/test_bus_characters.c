@@ -47,7 +47,7 @@ static size_t make_request(uint8_t *bytes)
         "40 42",       "40 56",       "FF 42", "40 4A 00 00 04", "40 50", "41 42", "40 57 E5 55",
         "40 57 C2 55", "40 57 E4 55", "40 53", "40 46",          "40 47", "40 52", "40 44 48",
     };
-    size_t n = hf_rig_hex(requests[draw(sizeof requests / sizeof requests[0])], bytes, 8);
+    size_t n = hf_rig_hex(requests[draw(DG_COUNT(requests))], bytes, 8);
 
     bytes[n] = (uint8_t)(hf_rig_xor(bytes, n) ^ (draw(16) == 0 ? 1 : 0));
     return n + 1;
@@ -279,7 +279,7 @@ static void another_setting_arrives_damaged(void **state)
     static struct character_rig line;
 
     (void)state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         character_rig_make(&line, &character_rig_paced, 1);
         assert_int_equal(dg_bus_characters_fits(line.bus, 0, rows[i].baud, rows[i].parity),
                          rows[i].fits);

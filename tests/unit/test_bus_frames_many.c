@@ -223,7 +223,7 @@ static void a_remote_frame_reaches_the_one_it_asks(void **state)
     nmt(0x01);
     for (uint8_t i = 0; i < NODES; i++) {
         static const uint16_t bases[] = {0x181, 0x281, 0x381, 0x481, 0x701};
-        for (size_t k = 0; k < sizeof bases / sizeof bases[0]; k++) {
+        for (size_t k = 0; k < DG_COUNT(bases); k++) {
             forget_rx();
             request((uint16_t)(bases[k] + i));
             assert_int_equal(count, 1);

@@ -68,7 +68,7 @@ static void an_overload_begins_once(void **state)
     uint64_t bits = 0;
     (void)state;
     dg_bus_load_begin(&load, T0, bits);
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         bits += rows[i].bits;
         assert_int_equal(dg_bus_load_close(&load, T0 + DG_S(i + 1), bits, 10000), rows[i].begins);
         assert_int_equal(load.permille, rows[i].bits / 10);

@@ -12,7 +12,6 @@
 
 #include "sdo_rig.h"
 
-#define COUNT(a) (sizeof(a) / sizeof((a)[0]))
 /** The text of 2017h in segments, as numbered in a block that holds it whole. */
 #define SEGMENT_1 "01 30 31 32 33 34 35 36"
 #define SEGMENT_2 "02 37 38 39 41 42 43 44"
@@ -142,28 +141,28 @@ static const struct transfer {
     const struct sdo_rig_step *steps;
     size_t n;
 } uploads[] = {
-    {upload_32, COUNT(upload_32)},
-    {upload_9, COUNT(upload_9)},
-    {upload_9_crc, COUNT(upload_9_crc)},
-    {upload_14, COUNT(upload_14)},
-    {upload_number, COUNT(upload_number)},
-    {upload_empty, COUNT(upload_empty)},
-    {upload_in_blocks, COUNT(upload_in_blocks)},
-    {upload_with_losses, COUNT(upload_with_losses)},
-    {switched_to_segments, COUNT(switched_to_segments)},
-    {switched_to_an_empty_segment, COUNT(switched_to_an_empty_segment)},
-    {not_switched, COUNT(not_switched)},
+    {upload_32, DG_COUNT(upload_32)},
+    {upload_9, DG_COUNT(upload_9)},
+    {upload_9_crc, DG_COUNT(upload_9_crc)},
+    {upload_14, DG_COUNT(upload_14)},
+    {upload_number, DG_COUNT(upload_number)},
+    {upload_empty, DG_COUNT(upload_empty)},
+    {upload_in_blocks, DG_COUNT(upload_in_blocks)},
+    {upload_with_losses, DG_COUNT(upload_with_losses)},
+    {switched_to_segments, DG_COUNT(switched_to_segments)},
+    {switched_to_an_empty_segment, DG_COUNT(switched_to_an_empty_segment)},
+    {not_switched, DG_COUNT(not_switched)},
 };
 static const struct transfer downloads[] = {
-    {download_u32, COUNT(download_u32)},
-    {download_plain, COUNT(download_plain)},
-    {download_with_losses, COUNT(download_with_losses)},
+    {download_u32, DG_COUNT(download_u32)},
+    {download_plain, DG_COUNT(download_plain)},
+    {download_with_losses, DG_COUNT(download_with_losses)},
 };
 
 static void block_uploads(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < COUNT(uploads); i++) {
+    for (size_t i = 0; i < DG_COUNT(uploads); i++) {
         sdo_rig_play(&rig, uploads[i].steps, uploads[i].n);
         assert_int_equal(rig.node.sdo.state, DG_CO_SDO_IDLE);
     }
@@ -179,13 +178,13 @@ static void short_data_are_expedited_when_the_client_allows(void **state)
     };
 
     (void)state;
-    sdo_rig_play(&rig, steps, COUNT(steps));
+    sdo_rig_play(&rig, steps, DG_COUNT(steps));
 }
 
 static void block_downloads_arrive_at_the_end(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < COUNT(downloads); i++) {
+    for (size_t i = 0; i < DG_COUNT(downloads); i++) {
         rig.node.value[SDO_RIG_U32] = 0;
         sdo_rig_play(&rig, downloads[i].steps, downloads[i].n - 1u);
         assert_int_equal(rig.node.value[SDO_RIG_U32], 0);
@@ -205,7 +204,7 @@ static void a_last_segment_received_twice_does_not_matter(void **state)
     };
 
     (void)state;
-    sdo_rig_play(&rig, steps, COUNT(steps));
+    sdo_rig_play(&rig, steps, DG_COUNT(steps));
     assert_int_equal(rig.node.value[SDO_RIG_U32], 0x12345678);
 }
 
@@ -234,8 +233,8 @@ static void block_downloads_of_every_type(void **state)
     };
 
     (void)state;
-    for (size_t i = 0; i < COUNT(rows); i++) {
-        sdo_rig_play(&rig, rows[i].steps, COUNT(rows[i].steps));
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
+        sdo_rig_play(&rig, rows[i].steps, DG_COUNT(rows[i].steps));
         assert_int_equal(rig.node.value[rows[i].slot], rows[i].value);
     }
 }
@@ -243,10 +242,10 @@ static void block_downloads_of_every_type(void **state)
 static void disturbed_at_every_frame(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < COUNT(uploads); i++) {
+    for (size_t i = 0; i < DG_COUNT(uploads); i++) {
         sdo_rig_disturb(&rig, uploads[i].steps, uploads[i].n);
     }
-    for (size_t i = 0; i < COUNT(downloads); i++) {
+    for (size_t i = 0; i < DG_COUNT(downloads); i++) {
         sdo_rig_disturb(&rig, downloads[i].steps, downloads[i].n);
     }
 }
@@ -263,7 +262,7 @@ static void any_new_request_ends_a_block_download(void **state)
     };
 
     (void)state;
-    for (size_t i = 0; i < COUNT(next); i++) {
+    for (size_t i = 0; i < DG_COUNT(next); i++) {
         sdo_rig_play(&rig, download_plain, 1);
         sdo_rig_play(&rig, &next[i], 1);
     }
@@ -392,7 +391,7 @@ static const struct {
 static void a_broken_transfer_is_over(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < COUNT(broken); i++) {
+    for (size_t i = 0; i < DG_COUNT(broken); i++) {
         sdo_rig_play(&rig, broken[i].steps, broken[i].n);
         sdo_rig_ask(&rig, "A3 00 00 00 00 00 00 00", "80 00 00 00 01 00 04 05");
         sdo_rig_ask(&rig, "A1 00 00 00 00 00 00 00", "80 00 00 00 01 00 04 05");
@@ -418,9 +417,9 @@ static void a_full_block_without_an_end(void **state)
     };
 
     (void)state;
-    sdo_rig_play(&rig, steps, COUNT(steps));
+    sdo_rig_play(&rig, steps, DG_COUNT(steps));
     assert_int_equal(rig.node.value[SDO_RIG_U32], 0);
-    sdo_rig_disturb(&rig, steps, COUNT(steps));
+    sdo_rig_disturb(&rig, steps, DG_COUNT(steps));
 }
 
 int main(void)

@@ -15,7 +15,6 @@
 #include "drehgeber/eds.h"
 #include "ram_nvm.h"
 
-#define COUNT(a) (sizeof(a) / sizeof((a)[0]))
 #define FRAMES 32u
 #define NODE_ID 0x11u
 #define SAVE 0x65766173u /* "save" */
@@ -70,7 +69,7 @@ static const struct dg_store_region regions[] = {
 static const struct dg_store_layout layout = {
     .id = 0x44493038u,
     .journal_size = DG_CO_JOURNAL_SIZE + 6u + 1u,
-    .region_count = COUNT(regions),
+    .region_count = DG_COUNT(regions),
     .regions = regions,
 };
 static const char *const strings[] = {"8 inputs", "A", "1"};
@@ -78,9 +77,9 @@ static const struct dg_co_device device = {
     .name = "DI8",
     .dictionary = {DG_CO_ROWS(rows), limits, hooks},
     .figures = figures,
-    .figure_count = COUNT(figures),
+    .figure_count = DG_COUNT(figures),
     .kbaud = kbaud,
-    .kbaud_count = COUNT(kbaud),
+    .kbaud_count = DG_COUNT(kbaud),
     .strings = strings,
     .device_type = 0x00010191,
     .layout = &layout,
@@ -283,7 +282,7 @@ static void its_eds_file_is_written_from_its_rows(void **state)
         {0x6000, 1, DG_CO_VAR, "Inputs 1 to 8"},
     };
     static const struct dg_co_sheet sheet = {&device,  "di8", "8 inputs",
-                                             "Nobody", names, COUNT(names)};
+                                             "Nobody", names, DG_COUNT(names)};
     static const char *const wanted[] = {
         "FileName=di8.eds\r\n",
         "Description=DI8, 8 inputs, as drehgeber ",
@@ -303,7 +302,7 @@ static void its_eds_file_is_written_from_its_rows(void **state)
     (void)state;
     text.n = 0;
     dg_co_eds(&sheet, append, &text);
-    for (size_t i = 0; i < COUNT(wanted); i++) {
+    for (size_t i = 0; i < DG_COUNT(wanted); i++) {
         assert_non_null(strstr(text.bytes, wanted[i]));
     }
 }

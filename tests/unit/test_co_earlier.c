@@ -13,7 +13,6 @@
 #include "co_od.h"
 #include "co_rig.h"
 
-#define COUNT(a) (sizeof(a) / sizeof((a)[0]))
 #define LSS 0x7E5
 #define RESET_NODE 0x81
 #define SAVE 0x65766173u /* "save" */
@@ -103,7 +102,7 @@ static void memories_with_rows_that_have_gone_still_fit(void **state)
     assert_int_equal(dg_store_commit(store), DG_OK);
     power_cycle();
     for (unsigned round = 0; round < 2; round++) {
-        for (size_t i = 0; i < COUNT(expected); i++) {
+        for (size_t i = 0; i < DG_COUNT(expected); i++) {
             assert_int_equal(read_ok(expected[i].index, expected[i].sub), expected[i].value);
         }
         write_ok(0x1010, 1, SAVE, 4); /* as this release stores them */

@@ -15,7 +15,6 @@
 
 #include "co_rig.h"
 
-#define COUNT(a) (sizeof(a) / sizeof((a)[0]))
 #define MASTER 0x7E5
 #define SLAVE 0x7E4
 
@@ -104,8 +103,8 @@ static void a_part_that_differs_deselects(void **state)
         "43 D2 02 96 49 00 00 00",
     };
     (void)state;
-    for (size_t wrong = 0; wrong < COUNT(own); wrong++) {
-        for (size_t part = 0; part < COUNT(own); part++) {
+    for (size_t wrong = 0; wrong < DG_COUNT(own); wrong++) {
+        for (size_t part = 0; part < DG_COUNT(own); part++) {
             if (part == wrong) {
                 ask(other[part], NULL);
             }
@@ -132,20 +131,20 @@ static void a_reset_begins_anew(void **state)
         "49 FF FF FF FF 00 00 00", "4A 00 00 00 00 00 00 00", "4B FF FF FF FF 00 00 00",
     };
     (void)state;
-    for (size_t i = 0; i < COUNT(resets); i++) {
+    for (size_t i = 0; i < DG_COUNT(resets); i++) {
         ask(CONFIGURE, NULL);
         co_rig_nmt(&rig, resets[i]);
         ask("5E 00 00 00 00 00 00 00", NULL);
-        for (size_t cut = 1; cut < COUNT(selection); cut++) {
-            for (size_t part = 0; part < COUNT(selection); part++) {
+        for (size_t cut = 1; cut < DG_COUNT(selection); cut++) {
+            for (size_t part = 0; part < DG_COUNT(selection); part++) {
                 if (part == cut) {
                     co_rig_nmt(&rig, resets[i]);
                 }
                 ask(selection[part], NULL);
             }
         }
-        for (size_t cut = 1; cut < COUNT(identification); cut++) {
-            for (size_t part = 0; part < COUNT(identification); part++) {
+        for (size_t cut = 1; cut < DG_COUNT(identification); cut++) {
+            for (size_t part = 0; part < DG_COUNT(identification); part++) {
                 if (part == cut) {
                     co_rig_nmt(&rig, resets[i]);
                 }
@@ -153,7 +152,7 @@ static void a_reset_begins_anew(void **state)
             }
         }
     }
-    for (size_t part = 0; part < COUNT(identification); part++) { /* and it works */
+    for (size_t part = 0; part < DG_COUNT(identification); part++) { /* and it works */
         ask(identification[part], part == 5 ? "4F 00 00 00 00 00 00 00" : NULL);
     }
 }
@@ -171,7 +170,7 @@ static void identify_compares_ranges(void **state)
         {"4A 00 00 00 00 00 00 00", "4B D1 02 96 49 00 00 00", false},
     };
     (void)state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         ask("46 13 00 00 00 00 00 00", NULL);
         ask("47 01 20 68 56 00 00 00", NULL);
         ask("48 00 00 00 00 00 00 00", NULL);
@@ -198,7 +197,7 @@ static void identify_wants_all_six(void **state)
         {{"46 13", "48 6C", "49 6C", "47 01 20 68 56", "4A D2 02 96 49", "4B D2 02 96 49"}, false},
     };
     (void)state;
-    for (size_t i = 0; i < COUNT(rows); i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         for (size_t part = 0; part < 6; part++) {
             char request[32];
             (void)snprintf(request, sizeof request, "%s%s", rows[i].request[part],
@@ -224,7 +223,7 @@ static void node_ids_have_their_range(void **state)
     };
     (void)state;
     ask(CONFIGURE, NULL);
-    for (size_t i = 0; i < COUNT(rows); i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         ask(rows[i].request, rows[i].answer);
     }
 }
@@ -285,7 +284,7 @@ static void bit_timing_knows_its_table(void **state)
     };
     (void)state;
     ask(CONFIGURE, NULL);
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         ask(rows[i].request, rows[i].answer);
     }
 }
@@ -303,7 +302,7 @@ static void every_bit_rate_comes_into_force(void **state)
         {"13 00 08 00 00 00 00 00", 10},
     };
     (void)state;
-    for (size_t i = 0; i < COUNT(rows); i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         ask(CONFIGURE, NULL);
         ask(rows[i].request, "13 00 00 00 00 00 00 00");
         ask("17 00 00 00 00 00 00 00", "17 00 00 00 00 00 00 00");

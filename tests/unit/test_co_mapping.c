@@ -97,7 +97,7 @@ static void what_a_valid_tpdo_refuses(void **state)
     };
 
     (void)state;
-    attempt_all(attempts, sizeof attempts / sizeof attempts[0]);
+    attempt_all(attempts, DG_COUNT(attempts));
     assert_int_equal(pdo_put(0x1800, 4, 0, 1), 0x06090011);
     assert_int_equal(pdo_put(0x1800, 6, 0, 1), 0x06090011);
     assert_int_equal(pdo_put(0x1800, 0, 5, 1), 0x06010002);
@@ -135,7 +135,7 @@ static void what_mapping_refuses(void **state)
 
     (void)state;
     pdo_disable(0);
-    attempt_all(attempts, sizeof attempts / sizeof attempts[0]);
+    attempt_all(attempts, DG_COUNT(attempts));
 }
 
 static void unused_entries_leave_no_gap(void **state)
@@ -171,13 +171,13 @@ static void restricted_can_ids_are_refused(void **state)
     (void)state;
     pdo_disable(0);
     assert_int_equal(pdo_put(0x1800, 1, 0, 4), 0x06090030);
-    for (uint8_t i = 0; i < sizeof ends / sizeof ends[0]; i++) {
+    for (uint8_t i = 0; i < DG_COUNT(ends); i++) {
         for (uint8_t j = 0; j < 2; j++) {
             assert_int_equal(pdo_put(0x1800, 1, ends[i][j], 4), 0x06090030);
             assert_int_equal(pdo_put(0x1800, 1, NOT_VALID | ends[i][j], 4), 0x06090030);
         }
     }
-    for (uint8_t i = 0; i < sizeof allowed / sizeof allowed[0]; i++) {
+    for (uint8_t i = 0; i < DG_COUNT(allowed); i++) {
         pdo_put_ok(0x1800, 1, NOT_VALID | allowed[i], 4);
         pdo_put_ok(0x1800, 1, allowed[i], 4);
         pdo_put_ok(0x1800, 1, NOT_VALID, 4);
@@ -210,7 +210,7 @@ static void services_may_share_a_can_id(void **state)
 
     (void)state;
     expect_shared(0, 0, 0);
-    attempt_all(attempts, sizeof attempts / sizeof attempts[0]);
+    attempt_all(attempts, DG_COUNT(attempts));
     expect_shared(2, 0x080, EMCY);
     pdo_put_ok(0x1803, 1, NOT_VALID, 4);
     pdo_put_ok(0x1803, 1, TPDO2, 4);
@@ -234,7 +234,7 @@ static void sync_and_time_change_at_any_time(void **state)
     };
 
     (void)state;
-    attempt_all(attempts, sizeof attempts / sizeof attempts[0]);
+    attempt_all(attempts, DG_COUNT(attempts));
     expect_shared(2, EMCY, TPDO4);
     pdo_put_ok(0x1012, 0, TPDO4, 4); /* not consumed any more */
     expect_shared(1, EMCY, 0);
@@ -367,7 +367,7 @@ static void foreign_parameters_leave_the_tpdo_off(void **state)
     pdo_run_ms(20);
     assert_int_equal(dg_store_mount(&store, &pdo_rig_layout, ram_nvm_port(&pdo_rig.nvm)), DG_OK);
     assert_int_equal(dg_store_read(&store, DG_CO_REGION_TPDO1, 0, good, sizeof good), DG_OK);
-    for (uint8_t i = 0; i < sizeof damages / sizeof damages[0]; i++) {
+    for (uint8_t i = 0; i < DG_COUNT(damages); i++) {
         memcpy(bad, good, sizeof good);
         assert_int_not_equal(bad[damages[i].offset], damages[i].byte);
         bad[damages[i].offset] = damages[i].byte;

@@ -61,7 +61,7 @@ static void commands_change_the_state(void **state)
         {RESET_COMMUNICATION, DG_CO_PRE_OPERATIONAL},
     };
     (void)state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         co_rig_nmt(&rig, rows[i].command);
         assert_int_equal(rig.node.state, rows[i].state);
     }

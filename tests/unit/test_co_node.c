@@ -14,7 +14,6 @@
 
 #include "co_rig.h"
 
-#define COUNT(a) (sizeof(a) / sizeof((a)[0]))
 #define SDO_RX 0x63F
 #define SDO_TX 0x5BF
 #define EMCY 0x0BF
@@ -40,7 +39,7 @@ static void a_setup_that_lacks_something_is_refused(void **state)
     struct dg_co_setup setups[5];
     (void)state;
 
-    for (size_t i = 0; i < COUNT(setups); i++) {
+    for (size_t i = 0; i < DG_COUNT(setups); i++) {
         setups[i] = rig.node.setup;
     }
     setups[0].device = NULL;
@@ -48,7 +47,7 @@ static void a_setup_that_lacks_something_is_refused(void **state)
     setups[2].nvm.ops = NULL;
     setups[3].ops = NULL;
     setups[4].ops = &no_send;
-    for (size_t i = 0; i < COUNT(setups); i++) {
+    for (size_t i = 0; i < DG_COUNT(setups); i++) {
         assert_int_equal(dg_co_init(&node, &setups[i]), DG_ERR_ARGUMENT);
     }
     assert_int_equal(dg_co_init(&node, &rig.node.setup), DG_OK);
@@ -304,7 +303,7 @@ static void send_every_frame(struct outcome (*expect)(enum dg_co_state state,
 {
     const struct dg_co_node node = rig.node;
 
-    for (uint32_t i = 0; i < 0x800u * 9u * 2u * COUNT(payloads); i++) {
+    for (uint32_t i = 0; i < 0x800u * 9u * 2u * DG_COUNT(payloads); i++) {
         struct dg_can_frame frame = {.id = (uint16_t)(i & 0x7FFu),
                                      .dlc = (uint8_t)(i / 0x800u % 9u),
                                      .rtr = i / (0x800u * 9u) % 2u != 0};
@@ -320,7 +319,7 @@ static void services_work_in_the_states_they_belong_to(void **state)
     static const uint8_t commands[] = {0x80, 0x01, 0x02};
     (void)state;
 
-    for (size_t i = 0; i < COUNT(commands); i++) {
+    for (size_t i = 0; i < DG_COUNT(commands); i++) {
         co_rig_nmt(&rig, commands[i]);
         send_every_frame(expected);
     }
@@ -368,7 +367,7 @@ static void without_a_node_id_the_bus_is_not_disturbed(void **state)
     assert_int_equal(co_rig_write(&rig, 0x1010, 1, SAVE, 4), 0);
     lose_the_node_id();
     co_rig_forget(&rig);
-    for (size_t i = 0; i < COUNT(events); i++) {
+    for (size_t i = 0; i < DG_COUNT(events); i++) {
         (void)dg_co_bus(&rig.node, rig.now, events[i]);
         co_rig_run(&rig, DG_MS(100));
     }

@@ -257,7 +257,7 @@ static void random_operations_as_the_model_says(void **state)
         pdo_disable(2);
         pdo_disable(3);
         for (uint32_t step = 0; step < 300; step++) {
-            operations[random_below(sizeof operations / sizeof operations[0])]();
+            operations[random_below(DG_COUNT(operations))]();
             model_events();
             frames += model.count;
             compare(seed, step);

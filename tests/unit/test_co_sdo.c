@@ -13,7 +13,6 @@
 
 #include "sdo_rig.h"
 
-#define COUNT(a) (sizeof(a) / sizeof((a)[0]))
 #define SAVE_NS DG_MS(14)
 
 static struct sdo_rig rig;
@@ -44,7 +43,7 @@ static void expedited_uploads(void **state)
     };
 
     (void)state;
-    sdo_rig_play(&rig, steps, COUNT(steps));
+    sdo_rig_play(&rig, steps, DG_COUNT(steps));
 }
 
 static void expedited_downloads_of_every_type(void **state)
@@ -83,7 +82,7 @@ static void expedited_downloads_of_every_type(void **state)
     };
 
     (void)state;
-    for (size_t i = 0; i < COUNT(rows); i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         sdo_rig_ask(&rig, rows[i].write, rows[i].confirm);
         assert_int_equal(rig.node.value[rows[i].slot], rows[i].value);
         sdo_rig_ask(&rig, rows[i].read, rows[i].back);
@@ -179,7 +178,7 @@ static void every_refusal_has_its_code(void **state)
 
     (void)state;
     memcpy(before, rig.node.value, sizeof before);
-    sdo_rig_play(&rig, refused, COUNT(refused));
+    sdo_rig_play(&rig, refused, DG_COUNT(refused));
     sdo_rig_wait(&rig, DG_S(3));
     sdo_rig_expect(&rig, "");
     assert_memory_equal(before, rig.node.value, sizeof before);
@@ -249,22 +248,22 @@ static const struct {
     const struct sdo_rig_step *steps;
     size_t n;
 } transfers[] = {
-    {upload_empty, COUNT(upload_empty)},
-    {upload_5, COUNT(upload_5)},
-    {upload_7, COUNT(upload_7)},
-    {upload_8, COUNT(upload_8)},
-    {upload_14, COUNT(upload_14)},
-    {upload_32, COUNT(upload_32)},
-    {upload_46, COUNT(upload_46)},
-    {download_4, COUNT(download_4)},
-    {download_bytes, COUNT(download_bytes)},
-    {download_negative, COUNT(download_negative)},
+    {upload_empty, DG_COUNT(upload_empty)},
+    {upload_5, DG_COUNT(upload_5)},
+    {upload_7, DG_COUNT(upload_7)},
+    {upload_8, DG_COUNT(upload_8)},
+    {upload_14, DG_COUNT(upload_14)},
+    {upload_32, DG_COUNT(upload_32)},
+    {upload_46, DG_COUNT(upload_46)},
+    {download_4, DG_COUNT(download_4)},
+    {download_bytes, DG_COUNT(download_bytes)},
+    {download_negative, DG_COUNT(download_negative)},
 };
 
 static void segmented_transfers(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < COUNT(transfers); i++) {
+    for (size_t i = 0; i < DG_COUNT(transfers); i++) {
         sdo_rig_play(&rig, transfers[i].steps, transfers[i].n);
         assert_int_equal(rig.node.sdo.state, DG_CO_SDO_IDLE);
     }
@@ -273,23 +272,23 @@ static void segmented_transfers(void **state)
 static void segmented_downloads_arrive_with_the_last_segment(void **state)
 {
     (void)state;
-    sdo_rig_play(&rig, download_4, COUNT(download_4) - 1u);
+    sdo_rig_play(&rig, download_4, DG_COUNT(download_4) - 1u);
     assert_int_equal(rig.node.value[SDO_RIG_U32], 0);
     sdo_rig_play(&rig, &download_4[1], 1);
     assert_int_equal(rig.node.value[SDO_RIG_U32], 0x12345678);
     rig.node.value[SDO_RIG_U32] = 0;
-    sdo_rig_play(&rig, download_bytes, COUNT(download_bytes) - 1u);
+    sdo_rig_play(&rig, download_bytes, DG_COUNT(download_bytes) - 1u);
     assert_int_equal(rig.node.value[SDO_RIG_U32], 0);
-    sdo_rig_play(&rig, &download_bytes[COUNT(download_bytes) - 1u], 1);
+    sdo_rig_play(&rig, &download_bytes[DG_COUNT(download_bytes) - 1u], 1);
     assert_int_equal(rig.node.value[SDO_RIG_U32], 0x12345678);
-    sdo_rig_play(&rig, download_negative, COUNT(download_negative));
+    sdo_rig_play(&rig, download_negative, DG_COUNT(download_negative));
     assert_int_equal(rig.node.value[SDO_RIG_I8], (uint32_t)-2);
 }
 
 static void disturbed_at_every_frame(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < COUNT(transfers); i++) {
+    for (size_t i = 0; i < DG_COUNT(transfers); i++) {
         sdo_rig_disturb(&rig, transfers[i].steps, transfers[i].n);
     }
 }
@@ -297,8 +296,8 @@ static void disturbed_at_every_frame(void **state)
 static void an_interrupted_download_writes_nothing(void **state)
 {
     (void)state;
-    sdo_rig_play(&rig, download_bytes, COUNT(download_bytes) - 1u);
-    sdo_rig_play(&rig, upload_5, COUNT(upload_5));
+    sdo_rig_play(&rig, download_bytes, DG_COUNT(download_bytes) - 1u);
+    sdo_rig_play(&rig, upload_5, DG_COUNT(upload_5));
     sdo_rig_ask(&rig, "0D 12 00 00 00 00 00 00", "80 12 00 00 01 00 04 05");
     assert_int_equal(rig.node.value[SDO_RIG_U32], 0);
 }
@@ -375,7 +374,7 @@ static const struct {
 static void a_broken_transfer_is_over(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < COUNT(broken); i++) {
+    for (size_t i = 0; i < DG_COUNT(broken); i++) {
         sdo_rig_play(&rig, broken[i].steps, broken[i].n);
         sdo_rig_ask(&rig, "60 00 00 00 00 00 00 00", "80 00 00 00 01 00 04 05");
         sdo_rig_ask(&rig, "07 78 56 34 12 00 00 00", "80 78 56 34 01 00 04 05");
@@ -402,7 +401,7 @@ static void short_frames_are_counted(void **state)
     };
 
     (void)state;
-    for (size_t i = 0; i < COUNT(frames); i++) {
+    for (size_t i = 0; i < DG_COUNT(frames); i++) {
         sdo_rig_ask(&rig, frames[i], "");
         assert_int_equal(rig.node.counters.malformed, i + 1u);
     }
@@ -427,7 +426,7 @@ static void nothing_is_answered_in_stopped(void **state)
     sdo_rig_expect(&rig, ""); /* not even the timeout */
     sdo_rig_receive(&rig, 0, "80 3F");
     sdo_rig_ask(&rig, "70 00 00 00 00 00 00 00", "80 00 00 00 01 00 04 05");
-    sdo_rig_play(&rig, upload_32, COUNT(upload_32));
+    sdo_rig_play(&rig, upload_32, DG_COUNT(upload_32));
 }
 
 static void a_transfer_goes_on_into_operational(void **state)
@@ -485,7 +484,7 @@ static void save(size_t i)
 static void saving_is_answered_later(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < COUNT(saves); i++) {
+    for (size_t i = 0; i < DG_COUNT(saves); i++) {
         save(i);
         sdo_rig_wait(&rig, SAVE_NS - 1u);
         sdo_rig_expect(&rig, "");
@@ -505,13 +504,13 @@ static void a_request_meanwhile_has_the_delayed_answer_sent_first(void **state)
     };
 
     (void)state;
-    for (size_t i = 0; i < COUNT(saves) * COUNT(next); i++) {
-        const struct sdo_rig_step *step = &next[i % COUNT(next)];
+    for (size_t i = 0; i < DG_COUNT(saves) * DG_COUNT(next); i++) {
+        const struct sdo_rig_step *step = &next[i % DG_COUNT(next)];
         char both[64];
 
-        save(i / COUNT(next));
+        save(i / DG_COUNT(next));
         sdo_rig_wait(&rig, SAVE_NS / 2u);
-        memcpy(both, saves[i / COUNT(next)].answer, 23);
+        memcpy(both, saves[i / DG_COUNT(next)].answer, 23);
         memcpy(&both[23], " / ", 3);
         memcpy(&both[26], step->answer, 24);
         sdo_rig_ask(&rig, step->request, both);
@@ -523,7 +522,7 @@ static void a_request_meanwhile_has_the_delayed_answer_sent_first(void **state)
 static void a_client_abort_drops_the_delayed_answer(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < COUNT(saves); i++) {
+    for (size_t i = 0; i < DG_COUNT(saves); i++) {
         save(i);
         sdo_rig_ask(&rig, "80 10 10 01 00 00 00 08", "");
         sdo_rig_wait(&rig, DG_S(3));

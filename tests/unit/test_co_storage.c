@@ -16,7 +16,6 @@
 #include "co_rig.h"
 #include "effort.h"
 
-#define COUNT(a) (sizeof(a) / sizeof((a)[0]))
 #define SDO_RX 0x63F
 #define SDO_TX 0x5BF
 #define EMCY 0x0BF
@@ -187,7 +186,7 @@ static void ask(const char *request, const char *answer, unsigned delay_ms)
 static void signatures_are_checked_and_answers_take_their_time(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < COUNT(commands); i++) {
+    for (size_t i = 0; i < DG_COUNT(commands); i++) {
         const uint32_t writes = rig.nvm.writes;
         ask(commands[i].read, commands[i].one, 0);
         ask(commands[i].wrong, commands[i].refused, 0);
@@ -214,7 +213,7 @@ static void a_reset_or_stop_takes_the_delayed_answer_with_it(void **state)
 {
     static const uint8_t nmt[] = {0x02, 0x81, 0x82};
     (void)state;
-    for (size_t i = 0; i < COUNT(nmt); i++) {
+    for (size_t i = 0; i < DG_COUNT(nmt); i++) {
         start();
         co_rig_rx(&rig, SDO_RX, commands[0].right);
         co_rig_nmt(&rig, nmt[i]);
@@ -232,7 +231,7 @@ static void no_answer_from_the_memory_is_told(void **state)
         start();
         rig.nvm.no_acknowledge = how == 0;
         rig.world.eeprom_acknowledges = how != 0 ? false : true;
-        for (size_t i = 0; i < COUNT(commands); i++) {
+        for (size_t i = 0; i < DG_COUNT(commands); i++) {
             const uint32_t signature = commands[i].index == 0x1011 ? LOAD : SAVE;
             const uint8_t sub = commands[i].index == 0x2105 ? 0 : 1;
             assert_int_equal(co_rig_write(&rig, commands[i].index, sub, signature, 4), 0x06060000);
@@ -256,7 +255,7 @@ static void parameters_that_cannot_be_read_are_the_defaults_and_an_emergency(voi
 {
     static const uint8_t nmt[] = {0, 0x81, 0x82};
     (void)state;
-    for (size_t i = 0; i < 2 * COUNT(nmt); i++) {
+    for (size_t i = 0; i < 2 * DG_COUNT(nmt); i++) {
         const uint8_t command[2] = {nmt[i / 2], 0};
         struct dg_can_frame frame = {.dlc = 2};
         memcpy(frame.data, command, sizeof command);
@@ -433,7 +432,7 @@ static void damage_while_powered_is_noticed_by_either_reset(void **state)
     static const char *const resets[] = {"81 00", "82 00"};
     (void)state;
 
-    for (size_t i = 0; i < COUNT(resets); i++) {
+    for (size_t i = 0; i < DG_COUNT(resets); i++) {
         live_in();
         rig.nvm.bytes[dg_store_address(device->layout, DG_CO_REGION_TPDO2)] ^= 1;
         rig.nvm.bytes[dg_store_address(device->layout, DG_CO_REGION_BUS)] ^= 1;
@@ -640,7 +639,7 @@ static void power_may_fail(void **state)
     assert_false(same(&before, &after));
     for (uint32_t cut = 0; cut <= writes; cut++) {
         for (unsigned tear = 0; tear < RAM_NVM_TEAR_COUNT; tear++) {
-            for (size_t i = 0; i < COUNT(tears); i += effort(2, 1)) {
+            for (size_t i = 0; i < DG_COUNT(tears); i += effort(2, 1)) {
                 rig = lived_in;
                 ram_nvm_cut(&rig.nvm, cut, (enum ram_nvm_tear)tear, tears[i]);
                 const bool acknowledged = store->act();
@@ -685,9 +684,9 @@ int main(void)
         cmocka_unit_test(every_bit_that_rots_is_noticed_or_does_not_matter),
         cmocka_unit_test(values_out_of_range_do_not_come_into_force),
     };
-    struct CMUnitTest cuts[COUNT(stores)];
+    struct CMUnitTest cuts[DG_COUNT(stores)];
 
-    for (size_t i = 0; i < COUNT(stores); i++) {
+    for (size_t i = 0; i < DG_COUNT(stores); i++) {
         cuts[i] = (struct CMUnitTest){
             .name = stores[i].name, .test_func = power_may_fail, .initial_state = &stores[i]};
     }

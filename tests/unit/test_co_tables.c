@@ -14,7 +14,6 @@
 #include "co_od.h"
 #include "co_rig.h"
 
-#define COUNT(a) (sizeof(a) / sizeof((a)[0]))
 #define SAVE 0x65766173u /* "save" */
 #define FLAGS                                                                                      \
     (DG_CO_RW | DG_CO_MAP | DG_CO_ID | DG_CO_SAVE | DG_CO_SLOT | DG_CO_CONST | DG_CO_GAP |         \
@@ -40,7 +39,7 @@ static int list_rows(void **state)
 
     do {
         all[row_count++] = object;
-    } while (row_count < COUNT(all) && dg_co_next(device, &object));
+    } while (row_count < DG_COUNT(all) && dg_co_next(device, &object));
     return 0;
 }
 
@@ -90,7 +89,7 @@ static uint32_t cut(const struct dg_co_object *object, uint32_t value)
 static void rows_are_sorted_and_unique(void **state)
 {
     (void)state;
-    assert_in_range(rows(), 111, COUNT(all) - 1);
+    assert_in_range(rows(), 111, DG_COUNT(all) - 1);
     assert_true(row(0)->index == 0x1000 && row(rows() - 1)->index == 0x650E);
     for (size_t i = 0; i < rows(); i++) {
         if (i > 0) {
@@ -168,7 +167,7 @@ static void figures_belong_to_rows(void **state)
         &dg_cia406_singleturn, &dg_cia406_multiturn, &dg_cia406_multiturn_32};
     (void)state;
 
-    for (size_t d = 0; d < COUNT(devices); d++) {
+    for (size_t d = 0; d < DG_COUNT(devices); d++) {
         uint8_t next = 0;
         for (size_t i = 0; i < rows(); i++) {
             const bool may = co_is(row(i), DG_CO_FIGURE);
@@ -295,7 +294,7 @@ static uint32_t change(const struct dg_co_object *object)
         assert_int_equal(co_rig_write(&rig, 0x6003, 0, 500, 4), 0);
         return 500;
     }
-    for (size_t i = 0; i < COUNT(candidates); i++) {
+    for (size_t i = 0; i < DG_COUNT(candidates); i++) {
         const uint32_t wanted = cut(object, candidates[i]);
         if (wanted != before &&
             co_rig_write(&rig, object->index, object->sub, wanted, co_size(object)) == 0) {
@@ -355,9 +354,9 @@ static void causes_have_their_code_register_and_class(void **state)
     static const uint8_t details[5] = {1, 2, 3, 4, 5};
     (void)state;
 
-    assert_int_equal(COUNT(causes), DG_CO_CAUSES);
+    assert_int_equal(DG_COUNT(causes), DG_CO_CAUSES);
     assert_true(DG_CO_CAUSES + device->cause_count <= 32); /* active_causes */
-    for (size_t i = 0; i < COUNT(causes); i++) {
+    for (size_t i = 0; i < DG_COUNT(causes); i++) {
         co_rig_start(&rig);
         for (uint8_t sub = 1; sub <= 3; sub++) {
             const uint32_t behaviour = sub == causes[i].class_of ? 2 : 1;
@@ -382,7 +381,7 @@ static bool restricted(uint32_t id)
                                          {0x581, 0x5FF}, {0x601, 0x67F}, {0x6E0, 0x6FF},
                                          {0x701, 0x77F}, {0x780, 0x7FF}};
 
-    for (size_t i = 0; i < COUNT(ranges); i++) {
+    for (size_t i = 0; i < DG_COUNT(ranges); i++) {
         if (id >= ranges[i][0] && id <= ranges[i][1]) {
             return true;
         }

@@ -184,7 +184,7 @@ static void test_position_is_the_nearest(void **state)
     };
 
     (void)state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         assert_int_equal(dg_shaft_set_position(&rig.shaft[0].shaft, rig.now, rows[i].angle), DG_OK);
         expect("SHAF:POS?", rows[i].degrees);
     }
@@ -349,7 +349,7 @@ static const struct {
     {"WORLd:WATChdog",             "0",      "ON",        "1",       NULL},
 };
 /* clang-format on */
-#define QUANTITIES (sizeof quantities / sizeof quantities[0])
+#define QUANTITIES DG_COUNT(quantities)
 
 static void say_quantity(size_t i, const char *format, const char *value, const char *answer)
 {

@@ -93,7 +93,7 @@ static void test_a_singleturn_offers_no_multiturn_faults(void **state)
         rig.hf.device.setup.model = &model;
         const char *catalogue = control_rig_say(&rig, "FAUL:CAT?");
         assert_non_null(strstr(catalogue, "\"singleturn_lost\""));
-        for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
+        for (size_t i = 0; i < DG_COUNT(kinds); i++) {
             assert_int_equal(strstr(catalogue, kinds[i]) == NULL, turns == 1);
         }
         rig.hf.device.setup.model = dg_hf_model_of(dg_device_find("s3684-rs485"));
@@ -137,7 +137,7 @@ static void test_limits_in_any_order(void **state)
     (void)state;
     const struct dg_fault_target target = dg_encoder_target(&rig.encoder[0]);
     const int index = dg_fault_find(&target, "wire_drop");
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         const struct dg_fault *fault = &rig.encoder[0].faults.fault[index];
         expect(rows[i].line, "");
         assert_true(fault->active);
@@ -308,7 +308,7 @@ static void test_erase(void **state)
     static const char *const names[] = {"hf", "biss-1", "can", "k3"};
 
     (void)state;
-    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(names); i++) {
         char line[40];
         (void)snprintf(line, sizeof line, "INST:SEL %s", names[i]);
         expect(line, "");

@@ -126,7 +126,7 @@ static void test_limits(void **state)
         {"*SRE 255", "*SRE 256"},
     };
     (void)state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         expect(rows[i].taken, "");
         control_rig_refuse(&rig, rows[i].refused, "-222", NULL);
     }

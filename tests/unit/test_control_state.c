@@ -74,7 +74,7 @@ static void test_all_have_the_same_beginning(void **state)
     for (size_t i = 0; i < CONTROL_RIG_ENCODERS; i++) {
         choose(rig.encoder[i].name);
         const char *at = control_rig_say(&rig, "STAT?");
-        for (size_t k = 0; k < sizeof keys / sizeof keys[0]; k++) {
+        for (size_t k = 0; k < DG_COUNT(keys); k++) {
             const char *next = strstr(at, keys[k]);
             assert_non_null(next);
             at = next;
@@ -313,7 +313,7 @@ static void test_canopen_without_a_node_id(void **state)
 
     (void)state;
     choose("can");
-    for (size_t i = 0; i < sizeof frames / sizeof frames[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(frames); i++) {
         (void)dg_co_rx(&rig.co.node, rig.now, &frames[i]);
     }
     control_rig_expect(&rig, "POW CYCL", "");

@@ -10,7 +10,6 @@
 #include "drehgeber/course.h"
 #include "drehgeber/hal.h"
 
-#define COUNT(a) (sizeof(a) / sizeof((a)[0]))
 #define NONE INT32_MIN
 
 static int32_t at(const struct dg_course *course, dg_ns since)
@@ -32,7 +31,7 @@ static const struct dg_course_point warm[] = {{DG_S(1), 20000}, {DG_S(11), 85000
 
 static void a_line_is_exact_at_every_millisecond(void **state)
 {
-    const struct dg_course course = of(warm, COUNT(warm));
+    const struct dg_course course = of(warm, DG_COUNT(warm));
     (void)state;
     assert_int_equal(at(&course, 0), NONE);
     assert_int_equal(at(&course, DG_S(1) - 1u), NONE);
@@ -49,7 +48,7 @@ static void a_line_is_exact_at_every_millisecond(void **state)
 
 static void it_changes_when_it_says(void **state)
 {
-    const struct dg_course course = of(warm, COUNT(warm));
+    const struct dg_course course = of(warm, DG_COUNT(warm));
     (void)state;
     assert_int_equal(dg_course_next(&course, 0), DG_S(1));
     assert_int_equal(dg_course_next(&course, DG_S(1)), DG_S(1) + DG_MS(1));
@@ -62,7 +61,7 @@ static void it_changes_when_it_says(void **state)
 static void nothing_happens_between_units(void **state)
 {
     static const struct dg_course_point points[] = {{0, 12000}, {DG_S(600), 11997}};
-    const struct dg_course course = of(points, COUNT(points));
+    const struct dg_course course = of(points, DG_COUNT(points));
     static const struct {
         dg_ns at;
         int32_t value;
@@ -71,7 +70,7 @@ static void nothing_happens_between_units(void **state)
     };
     dg_ns now = 0;
     (void)state;
-    for (size_t i = 0; i < COUNT(seen); i++) {
+    for (size_t i = 0; i < DG_COUNT(seen); i++) {
         assert_int_equal(now, seen[i].at);
         assert_int_equal(at(&course, now), seen[i].value);
         now = dg_course_next(&course, now);
@@ -83,8 +82,8 @@ static void a_falling_line_mirrors_a_rising_one(void **state)
 {
     static const struct dg_course_point up[] = {{0, -500}, {DG_MS(7), 500}};
     static const struct dg_course_point down[] = {{0, 500}, {DG_MS(7), -500}};
-    const struct dg_course rising = of(up, COUNT(up));
-    const struct dg_course falling = of(down, COUNT(down));
+    const struct dg_course rising = of(up, DG_COUNT(up));
+    const struct dg_course falling = of(down, DG_COUNT(down));
     (void)state;
     for (unsigned ms = 0; ms < 8; ms++) {
         assert_int_equal(at(&rising, DG_MS(ms)), -at(&falling, DG_MS(ms)));
@@ -94,7 +93,7 @@ static void a_falling_line_mirrors_a_rising_one(void **state)
 
 static void steps_hold(void **state)
 {
-    struct dg_course course = of(warm, COUNT(warm));
+    struct dg_course course = of(warm, DG_COUNT(warm));
     (void)state;
     course.steps = true;
     assert_int_equal(at(&course, DG_S(11) - 1u), 20000);
@@ -107,7 +106,7 @@ static void the_last_point_of_a_moment_counts(void **state)
     static const struct dg_course_point points[] = {
         {DG_MS(10), 37}, {DG_MS(10), 90}, {DG_MS(10) + 1u, 200}, {DG_S(1), 200}, {DG_S(1), 37},
     };
-    const struct dg_course course = of(points, COUNT(points));
+    const struct dg_course course = of(points, DG_COUNT(points));
     (void)state;
     assert_int_equal(at(&course, DG_MS(10)), 90);
     assert_int_equal(dg_course_next(&course, DG_MS(10)), DG_MS(10) + 1u); /* off the grid */
@@ -120,7 +119,7 @@ static void the_last_point_of_a_moment_counts(void **state)
 static void a_loop_begins_again_at_its_last_point(void **state)
 {
     static const struct dg_course_point points[] = {{DG_MS(2), 10}, {DG_MS(12), 20}};
-    struct dg_course course = {.points = points, .count = COUNT(points), .loop = true};
+    struct dg_course course = {.points = points, .count = DG_COUNT(points), .loop = true};
     const dg_ns laps = DG_MS(12) * 1000000000000u;
     (void)state;
     assert_int_equal(dg_course_check(&course), DG_OK);
@@ -139,7 +138,7 @@ static void a_loop_begins_again_at_its_last_point(void **state)
 static void nothing_overflows(void **state)
 {
     static const struct dg_course_point points[] = {{0, -1000000000}, {DG_NEVER - 1u, 1000000000}};
-    const struct dg_course course = of(points, COUNT(points));
+    const struct dg_course course = of(points, DG_COUNT(points));
     dg_ns now = 0;
     int32_t before = at(&course, 0);
     (void)state;
@@ -164,13 +163,13 @@ static void stepping_misses_nothing(void **state)
     for (unsigned round = 0; round < 200; round++) {
         struct dg_course_point points[6];
         dg_ns time = 0;
-        for (size_t i = 0; i < COUNT(points); i++) {
+        for (size_t i = 0; i < DG_COUNT(points); i++) {
             random = random * 1664525u + 1013904223u;
             time += (random >> 8) % 4u == 0 ? 0 : (random >> 4) % DG_MS(20);
             points[i] = (struct dg_course_point){time, (int32_t)(random >> 16) % 60 - 30};
         }
         const struct dg_course course = {.points = points,
-                                         .count = COUNT(points),
+                                         .count = DG_COUNT(points),
                                          .loop = round % 3u == 0 && time > 0,
                                          .steps = round % 5u == 0};
         assert_int_equal(dg_course_check(&course), DG_OK);
@@ -198,7 +197,7 @@ static void what_is_no_course(void **state)
         {.points = still, .count = 2, .loop = true},
     };
     (void)state;
-    for (size_t i = 0; i < COUNT(wrong); i++) {
+    for (size_t i = 0; i < DG_COUNT(wrong); i++) {
         assert_int_equal(dg_course_check(&wrong[i]), DG_ERR_ARGUMENT);
     }
     assert_int_equal(at(&(struct dg_course){.points = still, .count = 2}, 0), 1);

@@ -73,7 +73,7 @@ static void every_byte_agrees_with_the_definition(void **state)
     for (unsigned value = 0; value < 256; value++) {
         uint8_t byte = (uint8_t)value;
 
-        for (size_t i = 0; i < sizeof seeds / sizeof seeds[0]; i++) {
+        for (size_t i = 0; i < DG_COUNT(seeds); i++) {
             uint16_t seed16 = (uint16_t)seeds[i];
 
             assert_int_equal(dg_crc16(seed16, &byte, 1), crc16_by_bits(seed16, &byte, 1));

@@ -19,8 +19,6 @@
 #include "host_rig.h"
 #include "ib_rig.h"
 
-#define ROWS(table) (sizeof(table) / sizeof(table)[0])
-
 static void models_are_listed_in_order(void **state)
 {
     (void)state;
@@ -105,7 +103,7 @@ static void rs485_answers_after_1_ms_and_starts_in_100_ms(void **state)
     const dg_ns character = UINT64_C(11) * 1000000000 / 9600;
     static const char *const names[] = {"s3674-rs485", "s3684-rs485"};
     (void)state;
-    for (size_t i = 0; i < ROWS(names); i++) {
+    for (size_t i = 0; i < DG_COUNT(names); i++) {
         start_hiperface(names[i]);
         dg_ns before = drive.now;
         assert_int_equal(hf_rig_ask(&drive, "42"), 0);
@@ -301,7 +299,7 @@ static void ocd_k3_parameters(void **state)
     }
     assert_int_equal(ib_rig_cycle(&plc, 0x06000003), 0xC6000003);
     (void)ib_rig_release(&plc);
-    for (size_t i = 0; i < ROWS(items); i++) {
+    for (size_t i = 0; i < DG_COUNT(items); i++) {
         assert_int_equal(ib_rig_send(&plc, items[i][0]), 0xA0000000 | items[i][1]);
         (void)ib_rig_cycle(&plc, 0);
     }

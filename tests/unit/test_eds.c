@@ -180,7 +180,7 @@ static void known_values(void **state)
 {
     const struct file file = print("f3668");
     (void)state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         assert_value(&file, rows[i].section, rows[i].key, rows[i].value);
     }
     free(file.text);

@@ -184,7 +184,7 @@ static void test_singleturn_has_no_multiturn_sensor(void **state)
                                         "multiturn_vector"};
 
     (void)state;
-    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(names); i++) {
         target.singleturn = false;
         assert_true(dg_fault_find(&target, names[i]) >= 0);
         target.singleturn = true;
@@ -236,7 +236,7 @@ static void test_limits_that_cannot_be(void **state)
     };
 
     (void)state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         assert_int_equal(set(rows[i].name, &rows[i].limits), rows[i].result);
         assert_int_equal(active(rows[i].name), rows[i].result == DG_OK);
         assert_int_equal(clear(rows[i].name), DG_OK);

@@ -373,7 +373,7 @@ static const struct device {
     {&dg_ib_stack,     fault_rig_start_k2,   k2},
 };
 /* clang-format on */
-#define DEVICES (sizeof devices / sizeof devices[0])
+#define DEVICES DG_COUNT(devices)
 
 static void expect(const struct proof *proof, const char *when, uint32_t wanted)
 {

@@ -177,7 +177,7 @@ static size_t damage_every_region(const struct memory *memory)
 static void test_every_checked_region(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < sizeof memories / sizeof memories[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(memories); i++) {
         assert_int_equal(damage_every_region(&memories[i]), memories[i].regions);
     }
 }

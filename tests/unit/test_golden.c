@@ -18,7 +18,6 @@
 #include "hf_rig.h"
 #include "ib_rig.h"
 
-#define ROWS(table) (sizeof(table) / sizeof(table)[0])
 #define CHECKED DG_STORE_CHECKED
 #define RAW DG_STORE_RAW
 
@@ -63,7 +62,7 @@ static const struct place hiperface[] = {
     {"implemented",   1, CHECKED, 0x9AB},
 };
 /* The last two are later ones. */
-#define HIPERFACE_0_1 (ROWS(hiperface) - 2u)
+#define HIPERFACE_0_1 (DG_COUNT(hiperface) - 2u)
 
 static const struct place biss[] = {
     {"config", 9,  CHECKED, 0x066},
@@ -107,22 +106,22 @@ static const struct golden {
     uint32_t size;
 } golden[] = {
     {"0.1.0/s3684-rs485",      "s3684-rs485", hiperface, HIPERFACE_0_1,   2469},
-    {"0.1.0/s3684-biss",       "s3684-biss",  biss,      ROWS(biss),      1763},
-    {"0.1.0/f3658",            "f3658",       canopen,   ROWS(canopen),   664},
-    {"0.1.0/f3668",            "f3668",       canopen,   ROWS(canopen),   664},
-    {"0.1.0/f3668-16",         NULL,          canopen,   ROWS(canopen),   664},
-    {"0.1.0/ocd-ib-k3",        "ocd-ib-k3",   interbus,  ROWS(interbus),  1278},
-    {"0.3.0/s3674-rs485",      "s3674-rs485", hiperface, ROWS(hiperface), 2478},
-    {"0.3.0/s3684-rs485",      "s3684-rs485", hiperface, ROWS(hiperface), 2478},
-    {"0.3.0/s3674-biss",       "s3674-biss",  biss,      ROWS(biss),      1763},
-    {"0.3.0/s3684-biss",       "s3684-biss",  biss,      ROWS(biss),      1763},
-    {"0.3.0/f3658",            "f3658",       canopen,   ROWS(canopen),   664},
-    {"0.3.0/f3658-crossed",    "f3658",       canopen,   ROWS(canopen),   664},
-    {"0.3.0/f3668",            "f3668",       canopen,   ROWS(canopen),   664},
-    {"0.3.0/f3668-crossed",    "f3668",       canopen,   ROWS(canopen),   664},
-    {"0.3.0/f3668-16",         NULL,          canopen,   ROWS(canopen),   664},
-    {"0.3.0/f3668-16-crossed", NULL,          canopen,   ROWS(canopen),   664},
-    {"0.3.0/ocd-ib-k3",        "ocd-ib-k3",   interbus,  ROWS(interbus),  1278},
+    {"0.1.0/s3684-biss",       "s3684-biss",  biss,      DG_COUNT(biss),      1763},
+    {"0.1.0/f3658",            "f3658",       canopen,   DG_COUNT(canopen),   664},
+    {"0.1.0/f3668",            "f3668",       canopen,   DG_COUNT(canopen),   664},
+    {"0.1.0/f3668-16",         NULL,          canopen,   DG_COUNT(canopen),   664},
+    {"0.1.0/ocd-ib-k3",        "ocd-ib-k3",   interbus,  DG_COUNT(interbus),  1278},
+    {"0.3.0/s3674-rs485",      "s3674-rs485", hiperface, DG_COUNT(hiperface), 2478},
+    {"0.3.0/s3684-rs485",      "s3684-rs485", hiperface, DG_COUNT(hiperface), 2478},
+    {"0.3.0/s3674-biss",       "s3674-biss",  biss,      DG_COUNT(biss),      1763},
+    {"0.3.0/s3684-biss",       "s3684-biss",  biss,      DG_COUNT(biss),      1763},
+    {"0.3.0/f3658",            "f3658",       canopen,   DG_COUNT(canopen),   664},
+    {"0.3.0/f3658-crossed",    "f3658",       canopen,   DG_COUNT(canopen),   664},
+    {"0.3.0/f3668",            "f3668",       canopen,   DG_COUNT(canopen),   664},
+    {"0.3.0/f3668-crossed",    "f3668",       canopen,   DG_COUNT(canopen),   664},
+    {"0.3.0/f3668-16",         NULL,          canopen,   DG_COUNT(canopen),   664},
+    {"0.3.0/f3668-16-crossed", NULL,          canopen,   DG_COUNT(canopen),   664},
+    {"0.3.0/ocd-ib-k3",        "ocd-ib-k3",   interbus,  DG_COUNT(interbus),  1278},
 };
 /* clang-format on */
 
@@ -138,7 +137,7 @@ static const struct dg_store_layout *layout_of(const struct golden *self)
 static void regions_are_where_they_were(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < ROWS(golden); i++) {
+    for (size_t i = 0; i < DG_COUNT(golden); i++) {
         const struct dg_store_layout *layout = layout_of(&golden[i]);
         assert_true(layout->region_count >= golden[i].count);
         for (uint8_t region = 0; region < golden[i].count; region++) {
@@ -156,7 +155,7 @@ static void images_are_mounted_without_damage(void **state)
 {
     static struct ram_nvm nvm;
     (void)state;
-    for (size_t i = 0; i < ROWS(golden); i++) {
+    for (size_t i = 0; i < DG_COUNT(golden); i++) {
         const struct dg_store_layout *layout = layout_of(&golden[i]);
         struct dg_store store;
         ram_nvm_init(&nvm, dg_store_size(layout));
@@ -232,7 +231,7 @@ static void check_drive(const struct drive *self)
 static void rs485_has_its_position_setting_and_identity(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < ROWS(drives); i++) {
+    for (size_t i = 0; i < DG_COUNT(drives); i++) {
         check_drive(&drives[i]);
     }
 }
@@ -264,7 +263,7 @@ static void check_fields(const struct drive *self)
 static void rs485_has_its_data_fields(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < ROWS(drives); i++) {
+    for (size_t i = 0; i < DG_COUNT(drives); i++) {
         check_fields(&drives[i]);
     }
 }
@@ -382,13 +381,13 @@ static void canopen_has_its_parameters(void **state)
 {
     static const char *const images[] = {"0.1.0/f3668", "0.3.0/f3668"};
     (void)state;
-    for (size_t i = 0; i < ROWS(images); i++) {
+    for (size_t i = 0; i < DG_COUNT(images); i++) {
         /* 10.5 turns clockwise while it was off: the zero of USF stays where it was */
         start_canopen(dg_cia406_model_of(dg_device_find("f3668")), images[i], 21 * (DG_TURN / 2));
         assert_int_equal(can.node.id, 33);
         assert_int_equal(can.kbaud, 500);
         co_rig_expect(&can, 0, 0x721, "00");
-        read_all(values, ROWS(values));
+        read_all(values, DG_COUNT(values));
         assert_int_equal(co_rig_get(&can, 0x6004, 0), 123456 - 37800);
         assert_int_equal(can.node.store.damaged, 0);
     }
@@ -399,20 +398,20 @@ static void canopen_has_them_in_every_model(void **state)
     const struct dg_cia406_model *single = dg_cia406_model_of(dg_device_find("f3658"));
     (void)state;
     start_canopen(single, "0.1.0/f3658", DG_TURN / 8);
-    read_all(few, ROWS(few));
+    read_all(few, DG_COUNT(few));
     start_canopen(single, "0.3.0/f3658", DG_TURN / 8);
-    read_all(few, ROWS(few));
+    read_all(few, DG_COUNT(few));
     start_canopen(&wide, "0.1.0/f3668-16", DG_TURN / 8);
-    read_all(few, ROWS(few));
+    read_all(few, DG_COUNT(few));
     start_canopen(&wide, "0.3.0/f3668-16", DG_TURN / 8);
-    read_all(few, ROWS(few));
+    read_all(few, DG_COUNT(few));
 }
 
 /* At 4096 of 65536 steps: above 100 and below 5000, above 0 and below 65535. No TPDO is valid. */
 static void check_crossed(const struct dg_cia406_model *model, const char *image)
 {
     start_canopen(model, image, DG_TURN / 16);
-    read_all(crossed, ROWS(crossed));
+    read_all(crossed, DG_COUNT(crossed));
     assert_int_equal(can.node.store.damaged, 0);
     co_rig_forget(&can);
     co_rig_rx(&can, 0x000, "01 00");
@@ -471,7 +470,7 @@ static void check_plc(const char *image)
     assert_int_equal(ib_rig_cycle(&plc, 0), (1085u >> 2) << 8 | 0x81);
     ib_rig_turn_to(&plc, 4096); /* a turn clockwise is 1800 steps less, past zero */
     assert_int_equal(ib_rig_cycle(&plc, 0), (7372085u >> 2 & 0x1FFFF) << 8);
-    for (size_t i = 0; i < ROWS(exchanges); i++) {
+    for (size_t i = 0; i < DG_COUNT(exchanges); i++) {
         const uint32_t in = ib_rig_send(&plc, exchanges[i].out);
         if (in != exchanges[i].in) {
             fail_msg("%08Xh: %08Xh, not %08Xh", exchanges[i].out, in, exchanges[i].in);

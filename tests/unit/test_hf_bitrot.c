@@ -66,7 +66,7 @@ static const struct {
     {"56", E},
     {"57 E4 55", U | W | E | S},
 };
-#define COMMANDS (sizeof commands / sizeof commands[0])
+#define COMMANDS DG_COUNT(commands)
 
 static struct hf_rig rig;
 static struct hf_rig lived_in;
@@ -127,7 +127,7 @@ static void assert_queue(const struct queue *expected)
 /* What a command with these locks answers when `locked` are in force. */
 static int answer(uint8_t may_lock, uint8_t locked)
 {
-    for (size_t i = 0; i < sizeof locks / sizeof locks[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(locks); i++) {
         if ((may_lock & locked & locks[i].lock) != 0) {
             return locks[i].status;
         }
@@ -326,7 +326,7 @@ static void a_forged_table_is_refused(void **state)
     } forged[] = {{113, 0x80}, {255, 0x80}, {15, 0xCF}, {112, 0xFF}};
 
     (void)state;
-    for (size_t i = 0; i < sizeof forged / sizeof forged[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(forged); i++) {
         uint8_t table[DG_STORE_CHECKED_MAX];
         const uint16_t size = (uint16_t)size_of("fields");
         rig = lived_in;
@@ -397,7 +397,7 @@ static int live(void **state)
         hf_rig_power_on(&rig) != DG_OK) {
         return -1;
     }
-    for (size_t i = 0; i < sizeof history / sizeof history[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(history); i++) {
         if (hf_rig_ask(&rig, history[i]) != 0) {
             return -1;
         }

@@ -111,7 +111,7 @@ static void live(struct hf_rig *self, uint32_t seed)
         seed = seed * 1664525u + 1013904223u;
         self->angle += (dg_angle)seed;
         self->world.temperature_mdegc = (seed & 0x10000u) != 0 ? 130000 : 37000;
-        (void)hf_rig_ask(self, requests[(seed >> 20) % (sizeof requests / sizeof requests[0])]);
+        (void)hf_rig_ask(self, requests[(seed >> 20) % (DG_COUNT(requests))]);
         self->now += seed >> 8;
         (void)dg_hf_rx(&self->device, self->now, (uint8_t)(seed >> 24), (uint8_t)(seed >> 8 & 1u));
         hf_rig_run(self);

@@ -163,7 +163,7 @@ static void an_image_makes_the_encoder_it_was(void **state)
     uint64_t counts = 0;
 
     (void)state;
-    for (size_t i = 0; i < sizeof figures / sizeof figures[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(figures); i++) {
         assert_int_equal(dg_host_set(made, figures[i][0], figures[i][1]), DG_HOST_OK);
     }
     assert_int_equal(dg_host_power(made, 0, true), DG_HOST_OK);

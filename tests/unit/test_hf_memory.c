@@ -39,7 +39,7 @@ static const char *const requests[] = {
     "57 BD 55",
     "4B 00 00 05 55 01 02 03 04 05",
 };
-#define REQUESTS (sizeof requests / sizeof requests[0])
+#define REQUESTS DG_COUNT(requests)
 
 struct sight {
     size_t n;
@@ -80,7 +80,7 @@ static void look(struct sight *sight)
                                         "4A 01 00 10 55"};
 
     sight->n = 0;
-    for (size_t i = 0; i < sizeof looks / sizeof looks[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(looks); i++) {
         uint8_t frame[16] = {DG_HF_ADDRESS_BROADCAST};
         const size_t n = 1 + hf_rig_hex(looks[i], &frame[1], sizeof frame - 2u);
         frame[n] = hf_rig_xor(frame, n);

@@ -33,7 +33,7 @@ static const struct {
                   {3, 5, 7},         {1, 4, 1u << 30},  {5, 1, 858993459}, /* 2^32 - 1 */
                   {2048, 512, 1},    {2048, 512, 4096}, {2048, 256, 3},    {1, 1u << 24, 256},
                   {100, 167772, 2}};
-#define GEOMETRIES (sizeof geometries / sizeof geometries[0])
+#define GEOMETRIES DG_COUNT(geometries)
 
 static struct dg_hf_model model;
 static struct hf_rig rig;
@@ -109,7 +109,7 @@ static void the_position_is_the_floor_of_the_angle_in_the_range(void **state)
         const dg_angle full = (dg_angle)model.turns * DG_TURN;
         const dg_angle edges[] = {0,           -1,   1,        DG_TURN, -DG_TURN,
                                   DG_TURN - 1, full, full - 1, -full,   -full - 1};
-        for (size_t k = 0; k < sizeof edges / sizeof edges[0]; k++) {
+        for (size_t k = 0; k < DG_COUNT(edges); k++) {
             assert_int_equal(position_at(edges[k]), raw(edges[k]));
         }
         for (int k = 0; k < 500; k++) {
@@ -222,7 +222,7 @@ static void ties_go_up(void **state)
                 {167772, 83885, 0}, {167772, 83886, 167772}};
 
     (void)state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         begin(100, rows[i].steps, 10);
         assert_int_equal(preset(0x6A, rows[i].wanted), 0);
         assert_int_equal(dg_load_be32(&rig.reply[2]), rows[i].used);
@@ -238,7 +238,7 @@ static void singleturn_has_no_multiturn_faults(void **state)
     } rows[] = {{1, 0}, {2, DG_HF_MULTITURN_AMPLITUDE}};
 
     (void)state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         begin(2048, 32, rows[i].turns);
         rig.world.multiturn_amplitude_ok = false;
         rig.world.multiturn_sync_ok = false;
@@ -287,7 +287,7 @@ static void sine_and_cosine_are_within_two_microvolts(void **state)
     static const int16_t offsets[] = {0, 1000, -1000, 1, -333};
 
     (void)state;
-    for (size_t i = 0; i < sizeof periods / sizeof periods[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(periods); i++) {
         begin(periods[i], 32, 16);
         for (size_t k = 0; k < 5; k++) {
             rig.world.sin_amplitude_permille = amplitudes[k];
@@ -336,7 +336,7 @@ static void the_signals_are_locked_to_the_five_lsb(void **state)
     static const uint16_t periods[] = {2048, 1000, 7};
 
     (void)state;
-    for (size_t i = 0; i < sizeof periods / sizeof periods[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(periods); i++) {
         begin(periods[i], 32, 4096);
         assert_locked(0);
         rig.angle = 0;

@@ -42,7 +42,7 @@ static struct command commands[] = {
     {"57 BD 55",            0},
 };
 /* clang-format on */
-#define COMMANDS (sizeof commands / sizeof commands[0])
+#define COMMANDS DG_COUNT(commands)
 
 /* Everything a master can find out. */
 struct sight {
@@ -152,7 +152,7 @@ static void assert_survives_start(const struct sight *expected)
     for (int64_t cut = 0; failed; cut++) {
         failed = false;
         for (int tear = 0; tear < RAM_NVM_TEAR_COUNT; tear++) {
-            for (size_t i = 0; i < sizeof tears / sizeof tears[0]; i++) {
+            for (size_t i = 0; i < DG_COUNT(tears); i++) {
                 if (start_again(cut, (enum ram_nvm_tear)tear, tears[i])) {
                     failed = true;
                     look_at_everything(&seen);
@@ -251,7 +251,7 @@ static int live(void **state)
         hf_rig_power_on(&rig) != DG_OK) {
         return -1;
     }
-    for (size_t i = 0; i < sizeof history / sizeof history[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(history); i++) {
         if (send_command(&history[i]) != 0) {
             return -1;
         }

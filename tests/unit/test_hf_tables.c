@@ -15,7 +15,6 @@
 #include "hf_rig.h"
 #include "hiperface_private.h"
 
-#define COUNT(a) (sizeof(a) / sizeof((a)[0]))
 #define RESET 0x53u
 
 /* The tables of 5.1.2: data bytes of request and reply, reaction time. Where the text contradicts
@@ -56,8 +55,8 @@ static int set_up(void **state)
 static void commands_are_those_of_the_manual(void **state)
 {
     (void)state;
-    assert_int_equal(dg_hf_command_count, COUNT(manual));
-    for (size_t i = 0; i < COUNT(manual); i++) {
+    assert_int_equal(dg_hf_command_count, DG_COUNT(manual));
+    for (size_t i = 0; i < DG_COUNT(manual); i++) {
         const struct hf_command *row = &dg_hf_commands[i];
         assert_int_equal(row->code, manual[i].code);
         assert_int_equal(row->request_min, manual[i].request_min);
@@ -113,8 +112,8 @@ static bool can_answer(size_t row, const char *code)
 static void names_and_error_conditions_agree_with_the_flags(void **state)
 {
     (void)state;
-    assert_int_equal(COUNT(words), dg_hf_command_count);
-    for (size_t i = 0; i < COUNT(words); i++) {
+    assert_int_equal(DG_COUNT(words), dg_hf_command_count);
+    for (size_t i = 0; i < DG_COUNT(words); i++) {
         const uint8_t flags = dg_hf_commands[i].flags;
         assert_true(strlen(words[i].name) > 0);
         for (size_t k = 0; k < i; k++) {
@@ -316,7 +315,7 @@ static void replies_are_as_long_as_their_rows_say(void **state)
     size_t longest[0x80] = {0};
 
     (void)state;
-    for (size_t i = 0; i < COUNT(requests); i++) {
+    for (size_t i = 0; i < DG_COUNT(requests); i++) {
         uint8_t code = 0;
         assert_int_equal(hf_rig_hex(requests[i], &code, 1), 1);
         const int status = hf_rig_ask(&rig, requests[i]);
@@ -332,7 +331,7 @@ static void replies_are_as_long_as_their_rows_say(void **state)
     for (uint8_t i = 0; i < dg_hf_command_count; i++) {
         assert_int_equal(longest[dg_hf_commands[i].code], dg_hf_commands[i].reply_max);
     }
-    assert_int_equal(rig.replies, COUNT(requests) - 1u); /* all but the reset */
+    assert_int_equal(rig.replies, DG_COUNT(requests) - 1u); /* all but the reset */
 }
 
 int main(void)

@@ -42,7 +42,7 @@ static const struct request {
     {"57 E5 55", 0},
     {"6A 00 00 12 34 55", 0},
 };
-#define REQUESTS (sizeof requests / sizeof requests[0])
+#define REQUESTS DG_COUNT(requests)
 
 /* Commands and the lengths of their data, from the tables in 5.1.2. */
 static const struct {
@@ -256,7 +256,7 @@ static void an_address_alone_is_too_short(void **state)
 /* What 5.1.2 has to say about a command and a number of data bytes; 0: it is analysed further. */
 static int manual_says(uint8_t code, size_t n)
 {
-    for (size_t i = 0; i < sizeof manual / sizeof manual[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(manual); i++) {
         if (manual[i].code == code) {
             return n < manual[i].min || n > manual[i].max ? DG_HF_LENGTH : 0;
         }

@@ -387,7 +387,7 @@ static void ask(struct dg_host *self, uint64_t now)
         {.at = now + MS, .kind = DG_HOST_WORDS},
     };
 
-    for (size_t i = 0; i < sizeof events / sizeof events[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(events); i++) {
         const int result = dg_host_send(self, &events[i]);
         assert_true(result == DG_HOST_OK || result == DG_HOST_ERR_WIRE);
     }

@@ -213,7 +213,7 @@ static void a_shaft_turns_exactly_between_two_steps(void **state)
     };
 
     (void)state;
-    for (size_t i = 0; i < sizeof courses / sizeof courses[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(courses); i++) {
         struct dg_host *self = host_rig_make(&host_rig_here, "f3658");
         const uint64_t want = (uint64_t)TURN + (uint64_t)courses[i].turned;
         dg_host_shaft(self, 0, -TURN, 0);
@@ -420,7 +420,7 @@ static void a_frame_waits_for_the_end_of_another(void **state)
     struct dg_host_frame frame;
 
     (void)state;
-    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(names); i++) {
         struct dg_host *self = host_rig_make(&host_rig_here, names[i]);
         assert_int_equal(dg_host_frame(self, 0, &frame), DG_HOST_ERR_STATE);
         assert_int_equal(dg_host_clock(self, 0, false), DG_HOST_ERR_STATE);

@@ -123,7 +123,7 @@ static void faults_bend_the_world_so_far(void **state)
     static struct host_rig_place place;
 
     (void)state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         struct dg_host *self = host_rig_start(&host_rig_here, rows[i].model);
         struct dg_host_panel *panel = dg_host_panel_make(&place, sizeof place, self);
         int64_t value = 0;

@@ -39,7 +39,7 @@ static void what_cannot_be_an_event_is_refused(void **state)
     };
 
     (void)state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         struct dg_host *self = host_rig_make(&host_rig_here, rows[i].model);
         const int never_on = rows[i].result == DG_HOST_OK ? DG_HOST_ERR_STATE : rows[i].result;
         assert_int_equal(dg_host_send(self, &rows[i].event), never_on);
@@ -216,7 +216,7 @@ static void a_start_bit_keeps_a_frame_open(void **state)
     for (unsigned with = 0; with < 2; with++) {
         unsigned positions = 0;
         host_rig_drain(self);
-        for (size_t i = 0; i < sizeof events / sizeof events[0]; i++) {
+        for (size_t i = 0; i < DG_COUNT(events); i++) {
             struct dg_host_event event = events[i];
             event.at += with * SECOND;
             if (i != 1 || with == 1) {

@@ -181,7 +181,7 @@ static void ask(struct dg_host *self, uint64_t now)
     static char answer[4096];
     struct dg_host_panel *panel = dg_host_panel_make(&panel_place, sizeof panel_place, self);
 
-    for (size_t i = 0; panel != NULL && i < sizeof lines / sizeof lines[0]; i++) {
+    for (size_t i = 0; panel != NULL && i < DG_COUNT(lines); i++) {
         (void)dg_host_scpi(panel, now, lines[i], answer, sizeof answer);
         (void)dg_host_panel_step(panel, now + i * MS);
     }

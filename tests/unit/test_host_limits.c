@@ -14,8 +14,6 @@
 
 #include "host_rig.h"
 
-#define COUNT(a) (sizeof(a) / sizeof((a)[0]))
-
 /* clang-format off */
 static const struct {
     const char *model;
@@ -151,7 +149,7 @@ static const char *written(int64_t value, uint8_t places)
 static void numbers_have_limits(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < COUNT(numbers); i++) {
+    for (size_t i = 0; i < DG_COUNT(numbers); i++) {
         struct dg_host *self = host_rig_make(&host_rig_here, numbers[i].model);
         struct dg_host_key key;
         size_t at = 0;
@@ -172,7 +170,7 @@ static void numbers_have_limits(void **state)
 static void words_are_all_there(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < COUNT(words); i++) {
+    for (size_t i = 0; i < DG_COUNT(words); i++) {
         struct dg_host *self = host_rig_make(&host_rig_here, words[i].model);
         for (size_t k = 0; words[i].value[k] != NULL; k++) {
             take(self, words[i].key, words[i].value[k]);
@@ -185,7 +183,7 @@ static void words_are_all_there(void **state)
 static void texts_have_limits(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < COUNT(texts); i++) {
+    for (size_t i = 0; i < DG_COUNT(texts); i++) {
         struct dg_host *self = host_rig_make(&host_rig_here, texts[i].model);
         char longer[32];
         (void)snprintf(longer, sizeof longer, "%s1", texts[i].most);

@@ -163,7 +163,7 @@ static void a_late_start_bit_comes_100_us_later(void **state)
 
     (void)state;
     (void)read_biss(&self);
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         self.half = rows[i].half;
         const struct biss_frame healthy = read_biss(&self);
         fault(&self, "wire_delay", true);
@@ -419,7 +419,7 @@ static void in_words_are_torn(void **state)
     static const char *const models[] = {"ocd-ib-k1", "ocd-ib-k2", "ocd-ib-k3"};
 
     (void)state;
-    for (size_t i = 0; i < sizeof models / sizeof models[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(models); i++) {
         struct bench self = begin(&host_rig_here, 0, models[i]);
         struct dg_host_event old;
         struct dg_host_event now;

@@ -104,7 +104,7 @@ static void faults_of_the_wire_happen_in_the_queues(void **state)
     (void)state;
     assert_int_equal(ask_hiperface(self, now, &healthy), 1);
     healthy.at -= now;
-    for (size_t i = 0; i < sizeof faults / sizeof faults[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(faults); i++) {
         now += SECOND;
         assert_int_equal(dg_host_fault_set(board, now, faults[i].name, true), DG_HOST_OK);
         assert_int_equal(ask_hiperface(self, now, &event), faults[i].replies);
@@ -141,7 +141,7 @@ static void a_long_reply_has_a_fault_as_a_whole(void **state)
     for (int i = 0; i < 3; i++) {
         assert_int_equal(dg_host_receive(self, &healthy[i]), 1);
     }
-    for (size_t i = 0; i < sizeof faults / sizeof faults[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(faults); i++) {
         unsigned events = 0;
         unsigned damaged = 0;
         request.at += SECOND;
@@ -267,7 +267,7 @@ static void faults_of_the_controller_act_and_end_by_all_ways(void **state)
         struct dg_host_panel *board = panel(self);
         uint64_t at = READY;
         host_rig_drain(self);
-        for (size_t i = 0; i < sizeof controller_rows / sizeof controller_rows[0]; i++) {
+        for (size_t i = 0; i < DG_COUNT(controller_rows); i++) {
             begin(board, at, controller_rows[i].name, (ways & 1u) != 0);
             request_canopen(self, at + MS);
             expect_said(board, self, at + 2 * MS, controller_rows[i].during);
@@ -288,7 +288,7 @@ static void timed_faults_of_the_controller_end_by_themselves(void **state)
 
     (void)state;
     host_rig_drain(self);
-    for (size_t i = 0; i < sizeof controller_rows / sizeof controller_rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(controller_rows); i++) {
         assert_int_equal(dg_host_fault_set(board, at, controller_rows[i].name, true), DG_HOST_OK);
         (void)snprintf(line, sizeof line, "FAUL:SET %s,DUR 100 MS", controller_rows[i].name);
         command(board, at, line);

@@ -123,7 +123,7 @@ static void what_follows_the_last_register_is_not_counted(void **state)
     static const char *const kinds[] = {"own", "early"};
 
     (void)state;
-    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(kinds); i++) {
         struct dg_host *self = started("stop_bit", kinds[i]);
         uint8_t bytes[4] = {0xFB, 0x04, 0x11, 0x22};
         uint64_t now = READY;
@@ -245,7 +245,7 @@ static void a_frame_ends_where_time_ends(void **state)
     static const char *const names[] = {"s3684-biss", "ssi-25"};
 
     (void)state;
-    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(names); i++) {
         for (uint64_t left = 1; left < 100000; left += 997) {
             struct dg_host *self = host_rig_start(&host_rig_here, names[i]);
             struct dg_host_frame frame = {0};

@@ -116,7 +116,7 @@ static void a_queue_that_cannot_be_is_damage(void **state)
     const size_t queues = dg_host_round(sizeof *self);
 
     (void)state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         struct dg_host *other = host_rig_make(&host_rig_there, "f3668");
         forge(self, queues + rows[i].offset, rows[i].bad, sizeof rows[i].bad);
         assert_int_equal(dg_host_restore(other, again, n), DG_HOST_ERR_DAMAGED);
@@ -239,7 +239,7 @@ static const struct bound bounds[] = {
 static void numbers_have_their_bounds(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < sizeof bounds / sizeof bounds[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(bounds); i++) {
         const struct bound *row = &bounds[i];
         struct dg_host *self = host_rig_start(&host_rig_here, row->model);
         struct dg_host *other = host_rig_make(&host_rig_there, row->model);
@@ -310,7 +310,7 @@ static const struct misfit misfits[] = {
 static void numbers_fit_together(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < sizeof misfits / sizeof misfits[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(misfits); i++) {
         const struct misfit *row = &misfits[i];
         struct dg_host *self = host_rig_start(&host_rig_here, row->model);
         struct dg_host *other = host_rig_make(&host_rig_there, row->model);

@@ -143,7 +143,7 @@ static const struct word words[] = {
     {0xFFFFFFFF, {0x84000000, 0x84000000, 0x84000000}},
 };
 /* clang-format on */
-#define WORDS (sizeof words / sizeof words[0])
+#define WORDS DG_COUNT(words)
 
 static void every_word_in_every_mode(void **state)
 {
@@ -214,7 +214,7 @@ static void the_first_word_is_a_command(void **state)
     static const uint32_t words_of_masters[] = {0x04000000, 0x20200018, 0x8FFFFFFF, 0xFFFFFFFF};
 
     (void)state;
-    for (size_t i = 0; i < sizeof words_of_masters / sizeof words_of_masters[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(words_of_masters); i++) {
         assert_int_equal(dg_ib_power_on(&rig.device, rig.now), DG_OK);
         rig.now = rig.device.ready_at;
         assert_int_equal(ib_rig_send(&rig, words_of_masters[i]), i == 0 ? 0x82000000 : 0x84000000);
@@ -262,7 +262,7 @@ static void items_are_read_in_every_cycle(void **state)
 
     (void)state;
     (void)ib_rig_send(&rig, 0x2021000C);
-    for (size_t i = 0; i < sizeof temperatures / sizeof temperatures[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(temperatures); i++) {
         rig.world.temperature_mdegc = temperatures[i].mdegc;
         assert_int_equal(ib_rig_cycle(&rig, 0x2021000C), temperatures[i].in);
     }

@@ -64,8 +64,8 @@ static void chapter_5_3(void **state)
     };
 
     (void)state;
-    replay(parametrisation, sizeof parametrisation / sizeof parametrisation[0]);
-    replay(preset, sizeof preset / sizeof preset[0]);
+    replay(parametrisation, DG_COUNT(parametrisation));
+    replay(preset, DG_COUNT(preset));
     ib_rig_turn_to(&rig, 1000 + 2048); /* half a turn on */
     assert_int_equal(ib_rig_cycle(&rig, 0), 127);
 }
@@ -79,7 +79,7 @@ static void chapter_5_4_4(void **state)
     };
 
     (void)state;
-    replay(cam, sizeof cam / sizeof cam[0]);
+    replay(cam, DG_COUNT(cam));
     for (uint32_t p = 0; p < 0x300; p++) {
         ib_rig_turn_to(&rig, p);
         uint32_t expected = p << 8 | (p >= 0x15 && p < 0x213 ? 8u : 0u);

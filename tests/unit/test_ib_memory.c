@@ -44,7 +44,7 @@ static int set_up(void **state)
         return -1;
     }
     ib_rig_turn_to(&rig, 123456);
-    for (size_t i = 0; i < sizeof history / sizeof history[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(history); i++) {
         if (ib_rig_send(&rig, history[i]) >> 30 != 3) {
             return -1;
         }
@@ -241,7 +241,7 @@ static void impossible_values_are_lost(void **state)
     };
 
     (void)state;
-    for (size_t i = 0; i < sizeof values / sizeof values[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(values); i++) {
         rig = lived_in;
         rig.model.steps_minus_one = i == 0;
         assert_int_equal(
@@ -258,7 +258,7 @@ static uint32_t commands[] = {
     0x80000000, 0x06000003, 0x08000005, 0x0A000005, 0x0E000000, 0x20800000, 0x20800005,
     0x204000FF, 0x20100000, 0x40000000, 0x6E000123, 0x40000001, 0x60000000,
 };
-#define COMMANDS (sizeof commands / sizeof commands[0])
+#define COMMANDS DG_COUNT(commands)
 
 static bool in_position_mode(uint32_t word)
 {
@@ -280,7 +280,7 @@ static void prepare(uint32_t word)
     static const uint32_t waiting[] = {0x02000005, 0x04000011, 0x08000005, 0x0A000007};
     const uint32_t writes = rig.nvm.writes;
 
-    for (size_t i = 0; word == 0x80000000 && i < sizeof waiting / sizeof waiting[0]; i++) {
+    for (size_t i = 0; word == 0x80000000 && i < DG_COUNT(waiting); i++) {
         assert_int_equal(ib_rig_send(&rig, waiting[i]), waiting[i] | 0xC0000000);
     }
     assert_int_equal(rig.nvm.writes, writes);
@@ -395,7 +395,7 @@ static void is_stored_whole_or_not_at_all(void **state)
     assert_memory_not_equal(&after, &before, sizeof before);
     for (uint32_t write = 0; write < writes; write++) {
         for (int tear = 0; tear < RAM_NVM_TEAR_COUNT; tear++) {
-            for (size_t i = 0; i < sizeof tears / sizeof tears[0]; i++) {
+            for (size_t i = 0; i < DG_COUNT(tears); i++) {
                 cut(word, write, (enum ram_nvm_tear)tear, tears[i]);
             }
         }

@@ -259,7 +259,7 @@ static void speed_in_rpm(void **state)
     (void)state;
     (void)ib_rig_send(&rig, 0x20400001);
     (void)ib_rig_release(&rig);
-    for (size_t i = 0; i < sizeof speeds / sizeof speeds[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(speeds); i++) {
         rig.angle_per_ms = DG_TURN / 60000 * speeds[i].rpm;
         rig.device.direction = 3;
         assert_int_equal(ib_rig_cycle(&rig, 0), speeds[i].in);

@@ -329,7 +329,7 @@ static uint32_t random_word(void)
         {0x60000000, 0x1EFFFFFF}, {0x40000000, 0x0E000FFF}, {0x60000000, 0x0E000FFF},
         {0x00000000, 0xFFFFFFFF},
     };
-    const uint32_t *const pattern = patterns[next() % (sizeof patterns / sizeof patterns[0])];
+    const uint32_t *const pattern = patterns[next() % (DG_COUNT(patterns))];
     const uint32_t bits = next() << 16 ^ next();
     const uint32_t word = pattern[0] | (bits & pattern[1]);
 

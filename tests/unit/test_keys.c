@@ -39,7 +39,7 @@ static const struct dg_key rows[] = {
     {"digits", "",   offsetof(struct things, digits), DG_KEY_DIGITS, 0, 1,    1, 9,          NULL,    "digits"},
 };
 /* clang-format on */
-static const struct dg_keys keys = {rows, sizeof rows / sizeof rows[0]};
+static const struct dg_keys keys = {rows, DG_COUNT(rows)};
 
 /* What is set is told as `told`. */
 static const struct {
@@ -115,7 +115,7 @@ static const struct {
 static void a_value_is_told_as_it_was_taken(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < sizeof taken / sizeof taken[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(taken); i++) {
         const struct dg_key *key = dg_keys_find(&keys, taken[i].key);
         struct things things;
         char told[32];
@@ -132,7 +132,7 @@ static void what_is_no_value_is_refused(void **state)
 {
     (void)state;
     memset(long_text, 'a', sizeof long_text - 1u);
-    for (size_t i = 0; i < sizeof refused / sizeof refused[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(refused); i++) {
         struct things things;
         struct things before;
         memset(&things, 0xA5, sizeof things);

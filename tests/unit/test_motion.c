@@ -15,8 +15,6 @@
 #include "effort.h"
 #include "motion_model.h"
 
-#define COUNT(a) (sizeof(a) / sizeof((a)[0]))
-
 /** 0.001 rpm in units of 2^-32 turn per nanosecond: 2^32 / 6e13 = 2^18 / MRPM_DIVISOR. */
 #define MRPM_DIVISOR 3662109375
 #define HOURS_100 DG_S(360000)
@@ -92,11 +90,11 @@ static void speed_is_the_exact_floor(void **state)
     uint64_t seed = 1;
 
     (void)state;
-    for (size_t i = 0; i < COUNT(edges) * COUNT(speeds) * COUNT(froms); i++) {
-        dg_ns t = edges[i % COUNT(edges)];
+    for (size_t i = 0; i < DG_COUNT(edges) * DG_COUNT(speeds) * DG_COUNT(froms); i++) {
+        dg_ns t = edges[i % DG_COUNT(edges)];
         struct dg_motion m = {.kind = DG_MOTION_SPEED,
-                              .from = froms[i / COUNT(edges) / COUNT(speeds)],
-                              .mrpm = speeds[i / COUNT(edges) % COUNT(speeds)]};
+                              .from = froms[i / DG_COUNT(edges) / DG_COUNT(speeds)],
+                              .mrpm = speeds[i / DG_COUNT(edges) % DG_COUNT(speeds)]};
 
         assert_true(dg_motion_angle(&m, t) ==
                     wrapped(m.from + floor_div((wide)m.mrpm * t * 262144, MRPM_DIVISOR)));
@@ -140,7 +138,7 @@ static void ramp_by_hand(void **state)
 
     (void)state;
     assert_true(dg_motion_angle(&m, 0) == -5);
-    for (size_t i = 0; i < COUNT(rows); i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         m.mrpm = 60000;
         assert_true(dg_motion_angle(&m, DG_S(9) + rows[i].t) == -5 + rows[i].angle);
         m.mrpm = -60000;
@@ -228,13 +226,13 @@ static void ramp_survives_any_hold(void **state)
                                   DG_NEVER};
 
     (void)state;
-    for (size_t i = 0; i < COUNT(holds) * COUNT(times); i++) {
+    for (size_t i = 0; i < DG_COUNT(holds) * DG_COUNT(times); i++) {
         struct dg_motion m = {.kind = DG_MOTION_RAMP,
                               .mrpm = i % 2 == 0 ? 60 : -60,
                               .accel = DG_S(1),
-                              .hold = holds[i / COUNT(times)]};
+                              .hold = holds[i / DG_COUNT(times)]};
 
-        check_ramp(&m, times[i % COUNT(times)]);
+        check_ramp(&m, times[i % DG_COUNT(times)]);
     }
 }
 
@@ -262,9 +260,9 @@ static void ramp_is_monotonic_and_continuous(void **state)
         1, -1, 12345678, -12345678, DG_MOTION_SPEED_MAX_MRPM, -DG_MOTION_SPEED_MAX_MRPM};
 
     (void)state;
-    for (size_t a = 0; a < COUNT(accels); a++) {
-        for (size_t h = 0; h < COUNT(holds); h++) {
-            for (size_t s = 0; s < COUNT(speeds); s++) {
+    for (size_t a = 0; a < DG_COUNT(accels); a++) {
+        for (size_t h = 0; h < DG_COUNT(holds); h++) {
+            for (size_t s = 0; s < DG_COUNT(speeds); s++) {
                 check_every_step(&(struct dg_motion){.kind = DG_MOTION_RAMP,
                                                      .start = 17,
                                                      .from = -1000000,
@@ -292,7 +290,7 @@ static void ramp_is_continuous_at_the_joints(void **state)
         int64_t direction = m.mrpm < 0 ? -1 : 1;
         int64_t largest = direction * m.mrpm * 262144 / MRPM_DIVISOR + 2;
 
-        for (size_t j = 0; j < COUNT(joints); j++) {
+        for (size_t j = 0; j < DG_COUNT(joints); j++) {
             dg_angle before = dg_motion_angle(&m, joints[j] - 1);
             dg_angle at = dg_motion_angle(&m, joints[j]);
             dg_angle after = dg_motion_angle(&m, joints[j] + 1);
@@ -371,11 +369,11 @@ static void replay_by_hand(void **state)
         {215, 546},  {219, 102},  {220, -9},   {221, -9},   {DG_NEVER - 50, -9},
     };
     struct dg_motion m = accepted((struct dg_motion){
-        .kind = DG_MOTION_REPLAY, .start = 50, .points = points, .point_count = COUNT(points)});
+        .kind = DG_MOTION_REPLAY, .start = 50, .points = points, .point_count = DG_COUNT(points)});
 
     (void)state;
     assert_true(dg_motion_angle(&m, 0) == 1000);
-    for (size_t i = 0; i < COUNT(rows); i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         assert_true(dg_motion_angle(&m, 50 + rows[i].t) == rows[i].angle);
     }
 }
@@ -398,7 +396,7 @@ static void replay_spans_both_types(void **state)
     static const struct dg_motion_point points[] = {
         {0, INT64_MAX}, {1, INT64_MIN}, {DG_NEVER, INT64_MAX}};
     struct dg_motion m = accepted((struct dg_motion){
-        .kind = DG_MOTION_REPLAY, .points = points, .point_count = COUNT(points)});
+        .kind = DG_MOTION_REPLAY, .points = points, .point_count = DG_COUNT(points)});
     uint64_t seed = 5;
 
     (void)state;
@@ -422,13 +420,13 @@ static void replay_floors_between_many_points(void **state)
     struct dg_motion m;
 
     (void)state;
-    for (size_t i = 0; i < COUNT(points); i++) {
+    for (size_t i = 0; i < DG_COUNT(points); i++) {
         points[i].at = i == 0 ? 7 : points[i - 1].at + random_up_to(&seed, DG_S(1));
         points[i].angle = (dg_angle)random_bits(&seed) / 2;
     }
     m = accepted((struct dg_motion){
-        .kind = DG_MOTION_REPLAY, .points = points, .point_count = COUNT(points)});
-    for (size_t i = 0; i + 1 < COUNT(points); i++) {
+        .kind = DG_MOTION_REPLAY, .points = points, .point_count = DG_COUNT(points)});
+    for (size_t i = 0; i + 1 < DG_COUNT(points); i++) {
         const struct dg_motion_point *a = &points[i];
         const struct dg_motion_point *b = &points[i + 1];
         wide rise = (wide)b->angle - a->angle;
@@ -459,7 +457,7 @@ static void speeds_out_of_range_are_refused(void **state)
     static const enum dg_motion_kind kinds[] = {DG_MOTION_SPEED, DG_MOTION_RAMP};
 
     (void)state;
-    for (size_t i = 0; i < COUNT(kinds); i++) {
+    for (size_t i = 0; i < DG_COUNT(kinds); i++) {
         struct dg_motion m = {.kind = kinds[i], .accel = 1, .mrpm = DG_MOTION_SPEED_MAX_MRPM};
 
         accepted(m);
@@ -568,7 +566,7 @@ static void angle_is_a_pure_function_of_time(void **state)
                                                          .amplitude = DG_TURN,
                                                          .period = DG_MS(3),
                                                          .points = points,
-                                                         .point_count = COUNT(points)});
+                                                         .point_count = DG_COUNT(points)});
         struct dg_motion copy = m;
 
         for (int i = 0; i < 2000; i++) {

@@ -16,8 +16,6 @@
 #include "effort.h"
 #include "motion_model.h"
 
-#define COUNT(a) (sizeof(a) / sizeof((a)[0]))
-
 /** 0.001 rpm in units of 2^-32 turn per nanosecond: 2^32 / 6e13 = 2^18 / MRPM_DIVISOR. */
 #define MRPM_DIVISOR 3662109375
 #define AMPLITUDE_MAX ((dg_angle)1 << 40)
@@ -63,7 +61,7 @@ static void ramp_is_the_same_to_the_unit(void **state)
                                         .hold = random_up_to(&seed, DG_NEVER / 2)});
         const dg_ns joints[] = {0, m.accel, m.accel + m.hold, 2 * m.accel + m.hold};
 
-        for (size_t j = 0; j < COUNT(joints); j++) {
+        for (size_t j = 0; j < DG_COUNT(joints); j++) {
             const dg_ns near = joints[j] + random_up_to(&seed, m.accel) - random_up_to(&seed, 3);
 
             assert_true(dg_motion_angle((void *)&m, near) == ramp_by_floors(&m, near));

@@ -108,7 +108,7 @@ static void every_device_starts_on_an_image_of_an_earlier_release(void **state)
     (void)state;
     dg_world_init(&world);
     world.angle = still;
-    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(names); i++) {
         const struct dg_device *device = dg_device_find(names[i]);
         const uint8_t count = layout_of(device)->region_count;
         /* An image without a serial number cannot have kept it. */

@@ -48,7 +48,7 @@ static const struct dg_scpi_command rows[] = {
     {"LONG", begin, NULL, 0, "", "takes its time"},
     {"SEVen", NULL, answer, 0, "", "7"},
 };
-static const struct dg_scpi_commands list = {rows, sizeof rows / sizeof rows[0]};
+static const struct dg_scpi_commands list = {rows, DG_COUNT(rows)};
 
 static const struct dg_scpi_commands *commands(const struct dg_scpi *self, size_t index)
 {

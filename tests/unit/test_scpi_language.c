@@ -15,7 +15,6 @@
 #include "scpi_private.h"
 #include "scpi_rig.h"
 
-#define LENGTH(a) (sizeof(a) / sizeof(a)[0])
 #define NONE "0,\"No error\"\n"
 
 /* What is sent, what is answered, and what SYSTem:ERRor:ALL? says then. */
@@ -201,25 +200,25 @@ static const struct row parameters[] = {
 static void headers_are_found(void **state)
 {
     (void)state;
-    check_all(headers, LENGTH(headers));
+    check_all(headers, DG_COUNT(headers));
 }
 
 static void relative_headers_follow_the_path(void **state)
 {
     (void)state;
-    check_all(paths, LENGTH(paths));
+    check_all(paths, DG_COUNT(paths));
 }
 
 static void lines_have_one_answer(void **state)
 {
     (void)state;
-    check_all(messages, LENGTH(messages));
+    check_all(messages, DG_COUNT(messages));
 }
 
 static void words_and_strings_are_read(void **state)
 {
     (void)state;
-    check_all(parameters, LENGTH(parameters));
+    check_all(parameters, DG_COUNT(parameters));
 }
 
 /* Strings of any length, quoted or not: none is written beyond its place, which is the rig's text,
@@ -231,7 +230,7 @@ static void strings_stay_in_their_place(void **state)
     const dg_ns mark = UINT64_MAX / 3u;
     (void)state;
 
-    for (size_t quote = 0; quote < LENGTH(quotes); quote++) {
+    for (size_t quote = 0; quote < DG_COUNT(quotes); quote++) {
         for (int n = 1; n <= 26; n++) {
             char line[64];
             scpi_rig_init(&rig);
@@ -256,7 +255,7 @@ static void refusals_are_told(void **state)
     };
     (void)state;
 
-    for (size_t i = 0; i < LENGTH(lines); i++) {
+    for (size_t i = 0; i < DG_COUNT(lines); i++) {
         scpi_rig_init(&rig);
         scpi_rig_send(&rig, lines[i]);
         assert_int_equal(rig.taken, 0);

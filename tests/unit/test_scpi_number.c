@@ -15,7 +15,6 @@
 #include "drehgeber/angle.h"
 #include "scpi_rig.h"
 
-#define LENGTH(a) (sizeof(a) / sizeof(a)[0])
 #define ROUNDS 20000u
 
 static struct scpi_rig rig;
@@ -135,20 +134,20 @@ static const struct row currents[] = {
 static void numbers_are_read(void **state)
 {
     (void)state;
-    check_all(SCPI_RIG_NUMBER, "NUMB", whole, LENGTH(whole));
-    check_all(SCPI_RIG_THOUSANDTHS, "VAL", thousandths, LENGTH(thousandths));
+    check_all(SCPI_RIG_NUMBER, "NUMB", whole, DG_COUNT(whole));
+    check_all(SCPI_RIG_THOUSANDTHS, "VAL", thousandths, DG_COUNT(thousandths));
 }
 
 static void units_are_read(void **state)
 {
     (void)state;
-    check_all(SCPI_RIG_POSITION, "SHAF:POS", angles, LENGTH(angles));
-    check_all(SCPI_RIG_VELOCITY, "SHAF:VEL", speeds, LENGTH(speeds));
-    check_all(SCPI_RIG_ACCELERATION, "SHAF:ACC", accelerations, LENGTH(accelerations));
-    check_all(SCPI_RIG_SPAN, "TIME:STEP", spans, LENGTH(spans));
-    check_all(SCPI_RIG_TEMPERATURE, "WORL:TEMP", temperatures, LENGTH(temperatures));
-    check_all(SCPI_RIG_SUPPLY, "WORL:SUPP", voltages, LENGTH(voltages));
-    check_all(SCPI_RIG_CURRENT, "WORL:LED:CURR", currents, LENGTH(currents));
+    check_all(SCPI_RIG_POSITION, "SHAF:POS", angles, DG_COUNT(angles));
+    check_all(SCPI_RIG_VELOCITY, "SHAF:VEL", speeds, DG_COUNT(speeds));
+    check_all(SCPI_RIG_ACCELERATION, "SHAF:ACC", accelerations, DG_COUNT(accelerations));
+    check_all(SCPI_RIG_SPAN, "TIME:STEP", spans, DG_COUNT(spans));
+    check_all(SCPI_RIG_TEMPERATURE, "WORL:TEMP", temperatures, DG_COUNT(temperatures));
+    check_all(SCPI_RIG_SUPPLY, "WORL:SUPP", voltages, DG_COUNT(voltages));
+    check_all(SCPI_RIG_CURRENT, "WORL:LED:CURR", currents, DG_COUNT(currents));
 }
 
 /* What a query answers sets the same value again, whatever it is. */

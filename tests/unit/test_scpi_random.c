@@ -15,7 +15,6 @@
 #include "scpi_private.h"
 #include "scpi_rig.h"
 
-#define LENGTH(a) (sizeof(a) / sizeof(a)[0])
 #define ROUNDS 3000u
 #define FORMS 200u
 #define HEADER_MAX 128u
@@ -46,7 +45,7 @@ static size_t random_input(char *to, size_t size)
     size_t n = 0;
 
     while (n + 16u < size) {
-        const char *piece = pieces[below(LENGTH(pieces))];
+        const char *piece = pieces[below(DG_COUNT(pieces))];
         memcpy(&to[n], piece, strlen(piece));
         n += strlen(piece);
     }

@@ -15,8 +15,6 @@
 #include "scpi_private.h"
 #include "scpi_rig.h"
 
-#define LENGTH(a) (sizeof(a) / sizeof(a)[0])
-
 static struct scpi_rig rig;
 
 static int set_up(void **state)
@@ -84,7 +82,7 @@ static void each_error_has_its_bit_and_text(void **state)
 
     memset(detail, 'x', DG_SCPI_DETAIL_MAX);
     detail[DG_SCPI_DETAIL_MAX] = '\0';
-    for (size_t i = 0; i < LENGTH(errors); i++) {
+    for (size_t i = 0; i < DG_COUNT(errors); i++) {
         char line[64];
         char answer[256];
         (void)snprintf(line, sizeof line, "*CLS;RAIS %d\n*ESR?;:SYST:ERR?\n", errors[i].code);
@@ -150,7 +148,7 @@ static void status_byte(void **state)
                                    "range;0..255\",-222,\"Data out of range;0..255\"\n"},
     };
     (void)state;
-    for (size_t i = 0; i < LENGTH(rows); i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         ask(rows[i].line, rows[i].answer);
     }
 }
@@ -211,7 +209,7 @@ static void operation_complete_is_forgotten(void **state)
     static const char *const forgetters[] = {"*CLS\n", "*RST\n"};
     (void)state;
 
-    for (size_t i = 0; i < LENGTH(forgetters); i++) {
+    for (size_t i = 0; i < DG_COUNT(forgetters); i++) {
         scpi_rig_init(&rig);
         rig.settles = DG_S(2);
         ask("*CLS;*OPC\n", "");

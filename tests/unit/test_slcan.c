@@ -90,7 +90,7 @@ static const struct {
 static void every_line_has_its_answer(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < sizeof lines / sizeof lines[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(lines); i++) {
         struct dg_slcan slcan = {.state = lines[i].before};
         assert_string_equal(talk(&slcan, lines[i].line, NULL), lines[i].reply);
         assert_int_equal(slcan.state, lines[i].after);
@@ -103,7 +103,7 @@ static void all_bit_rates(void **state)
     struct dg_slcan slcan = {.length = 0};
     (void)state;
     assert_int_equal(slcan.kbaud, 0);
-    for (size_t i = 0; i < sizeof kbaud / sizeof kbaud[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(kbaud); i++) {
         const char line[] = {'S', (char)('0' + i), '\r', '\0'};
         assert_string_equal(talk(&slcan, line, NULL), "\r");
         assert_int_equal(slcan.kbaud, kbaud[i]);
@@ -139,7 +139,7 @@ static void frames_that_do_not_reach_the_encoder(void **state)
     static const char *const without[] = {
         "T00000185411223344\r", "R000001854\r", "t1852112\r", "t185\r", "t8852 1122\r", "S6\r"};
     (void)state;
-    for (size_t i = 0; i < sizeof without / sizeof without[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(without); i++) {
         struct dg_slcan slcan = {.state = DG_SLCAN_OPEN};
         struct dg_can_frame frame = {.id = 0xFFFF};
         (void)talk(&slcan, without[i], &frame);
@@ -245,7 +245,7 @@ static void frames_of_the_encoder(void **state)
     struct dg_slcan slcan = {.state = DG_SLCAN_OPEN};
     char text[DG_SLCAN_TEXT_MAX + 1];
     (void)state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         slcan.stamps = false;
         assert_int_equal(dg_slcan_print(&slcan, &rows[i].frame, 61234, text),
                          strlen(rows[i].plain));

@@ -62,7 +62,7 @@ static void what_bends_the_world_is_seen_and_goes(void **state)
     const struct dg_fault_target here = target();
 
     (void)state;
-    for (size_t i = 0; i < sizeof proofs / sizeof proofs[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(proofs); i++) {
         start(&dg_ssi_28);
         const int index = dg_fault_find(&here, proofs[i].fault);
         assert_true(index >= 0);
@@ -81,10 +81,10 @@ static bool proven(const char *fault)
 {
     size_t i = 0;
 
-    while (i < sizeof proofs / sizeof proofs[0] && strcmp(proofs[i].fault, fault) != 0) {
+    while (i < DG_COUNT(proofs) && strcmp(proofs[i].fault, fault) != 0) {
         i++;
     }
-    return i < sizeof proofs / sizeof proofs[0];
+    return i < DG_COUNT(proofs);
 }
 
 static void every_row_of_the_world_is_proven(void **state)

@@ -62,7 +62,7 @@ static void test_gray(void **state)
     };
 
     (void)state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         assert_int_equal(dg_ssi_gray(rows[i].binary), rows[i].gray);
         assert_int_equal(dg_ssi_binary(rows[i].gray), rows[i].binary);
     }
@@ -193,7 +193,7 @@ static void test_position(void **state)
 
     (void)state;
     assert_int_equal(ssi_rig_init(&rig, &model), 0);
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         rig.angle = rows[i].angle;
         assert_int_equal(dg_ssi_position(&rig.device, 0), rows[i].position);
     }

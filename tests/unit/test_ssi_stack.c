@@ -55,7 +55,7 @@ static void models_as_delivered(void **state)
     };
 
     (void)state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         const struct dg_device *row = rows[i].device;
         const struct dg_stack_setup made = {.model = row->model, .world = &world};
         uint64_t word = 0;

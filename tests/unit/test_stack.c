@@ -157,7 +157,7 @@ static void check_accessors(const struct dg_device *device)
         {&dg_ib_stack, dg_ib_model_of(device)},
     };
 
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         assert_ptr_equal(rows[i].model, rows[i].stack == device->stack ? device->model : NULL);
     }
 }
@@ -245,7 +245,7 @@ static void the_position_is_the_wires(void **state)
     };
 
     (void)state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         const struct dg_device *device = dg_device_find(rows[i].name);
         start(&here, device);
         const struct place before = here;
@@ -281,7 +281,7 @@ static void the_address_is_burnt_in(void **state)
         bool (*has)(const void *self, uint32_t address);
     } rows[] = {{&dg_s3684_rs485, 0x40, 0x5F, line_address_is}, {&dg_f3668, 1, 127, node_id_is}};
     (void)state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         const struct dg_stack *stack = rows[i].device->stack;
         for (uint32_t address = rows[i].first; address <= rows[i].last; address++) {
             furnish(&here, rows[i].device);

@@ -14,7 +14,6 @@
 #include "drehgeber/world.h"
 #include "motion_model.h"
 
-#define COUNT(a) (sizeof(a) / sizeof((a)[0]))
 #define SPEED_MAX DG_MOTION_SPEED_MAX_MRPM
 /** 1 rev/s, and 1 rev/s in a second. */
 #define REV_PER_S 60000
@@ -50,7 +49,7 @@ static void a_new_shaft_rests(void **state)
     struct dg_shaft shaft = fresh(0);
 
     (void)state;
-    check_rows(&shaft, rows, COUNT(rows));
+    check_rows(&shaft, rows, DG_COUNT(rows));
     assert_true(dg_shaft_settled(&shaft) == 0);
 }
 
@@ -79,7 +78,7 @@ static void without_acceleration_all_is_at_once(void **state)
     assert_int_equal(dg_shaft_set_velocity(&shaft, DG_S(4), -REV_PER_S), DG_OK);
     check_rows(&shaft, rows + 2, 3);
     assert_int_equal(dg_shaft_set_velocity(&shaft, DG_S(8), 0), DG_OK);
-    check_rows(&shaft, end, COUNT(end));
+    check_rows(&shaft, end, DG_COUNT(end));
 }
 
 /* 1 rev/s^2: up to 1 rev/s in a second over half a turn; from there to -1 rev/s in two. */
@@ -102,10 +101,10 @@ static void speed_changes_by_hand(void **state)
 
     (void)state;
     assert_int_equal(dg_shaft_set_velocity(&shaft, DG_S(1), REV_PER_S), DG_OK);
-    check_rows(&shaft, up, COUNT(up));
+    check_rows(&shaft, up, DG_COUNT(up));
     assert_true(dg_shaft_settled(&shaft) == DG_S(2));
     assert_int_equal(dg_shaft_set_velocity(&shaft, DG_S(4), -REV_PER_S), DG_OK);
-    check_rows(&shaft, back, COUNT(back));
+    check_rows(&shaft, back, DG_COUNT(back));
     assert_true(dg_shaft_settled(&shaft) == DG_S(6));
     assert_int_equal(dg_shaft_set_velocity(&shaft, DG_S(7), 0), DG_OK);
     assert_true(dg_shaft_settled(&shaft) == DG_S(8));
@@ -308,7 +307,7 @@ static void huge_times_wrap(void **state)
         struct dg_shaft shaft = fresh(0);
         const dg_angle from = (dg_angle)random_bits(&seed);
         const int32_t mrpm = random_mrpm(&seed);
-        const dg_ns now = i % 2 == 0 ? times[(size_t)i / 2 % COUNT(times)] : random_bits(&seed);
+        const dg_ns now = i % 2 == 0 ? times[(size_t)i / 2 % DG_COUNT(times)] : random_bits(&seed);
         struct dg_motion motion = {.kind = DG_MOTION_SPEED, .from = from, .mrpm = mrpm};
 
         (void)dg_shaft_set_position(&shaft, 0, from);
@@ -405,11 +404,11 @@ static void a_played_mean_is_the_nearest(void **state)
     };
 
     (void)state;
-    for (size_t i = 0; i < 2 * COUNT(rows); i++) {
+    for (size_t i = 0; i < 2 * DG_COUNT(rows); i++) {
         const int sign = i % 2 == 0 ? 1 : -1;
         const struct dg_motion_point points[] = {{0, 5}, {DG_MS(1), 5 + sign * rows[i / 2].travel}};
         const struct dg_motion line = {
-            .kind = DG_MOTION_REPLAY, .points = points, .point_count = COUNT(points)};
+            .kind = DG_MOTION_REPLAY, .points = points, .point_count = DG_COUNT(points)};
         struct dg_shaft shaft = fresh(0);
 
         assert_int_equal(dg_shaft_play(&shaft, DG_S(1), &line), DG_OK);
@@ -425,7 +424,7 @@ static void a_jump_is_left_at_the_highest_speed(void **state)
     const struct dg_motion_point *const points[] = {there, back};
 
     (void)state;
-    for (size_t i = 0; i < COUNT(points); i++) {
+    for (size_t i = 0; i < DG_COUNT(points); i++) {
         const struct dg_motion jump = {
             .kind = DG_MOTION_REPLAY, .points = points[i], .point_count = 2};
         const int32_t wanted = i == 0 ? SPEED_MAX : -SPEED_MAX;
@@ -451,9 +450,9 @@ static void gears_are_exact(void **state)
         struct dg_shaft driver = fresh(0);
         struct dg_shaft shaft = fresh(0);
         const dg_angle at =
-            i % 2 == 0 ? angles[(size_t)i / 2 % COUNT(angles)] : (dg_angle)random_bits(&seed);
+            i % 2 == 0 ? angles[(size_t)i / 2 % DG_COUNT(angles)] : (dg_angle)random_bits(&seed);
         const int32_t numerator =
-            i % 3 == 0 ? edges[(size_t)i / 3 % COUNT(edges)] : (int32_t)random_bits(&seed);
+            i % 3 == 0 ? edges[(size_t)i / 3 % DG_COUNT(edges)] : (int32_t)random_bits(&seed);
         const int32_t denominator = (int32_t)random_up_to(&seed, INT32_MAX);
 
         assert_int_equal(dg_shaft_couple(&shaft, &driver, numerator, denominator), DG_OK);
@@ -519,7 +518,7 @@ static void gears_in_a_row(void **state)
     struct dg_shaft shafts[DG_SHAFT_GEARS_MAX + 2];
 
     (void)state;
-    for (size_t i = 0; i < COUNT(shafts); i++) {
+    for (size_t i = 0; i < DG_COUNT(shafts); i++) {
         shafts[i] = fresh(0);
         assert_int_equal(dg_shaft_couple(&shafts[i], &shafts[i], 1, 1), DG_ERR_ARGUMENT);
         if (i > 0) {

@@ -8,7 +8,6 @@
 
 #include "motion_private.h"
 
-#define COUNT(a) (sizeof(a) / sizeof((a)[0]))
 #define ROUNDS 100000
 
 __extension__ typedef unsigned __int128 wide;
@@ -73,8 +72,8 @@ static void roots_of_128_bits(void **state)
     uint64_t seed = 2;
 
     (void)state;
-    for (size_t i = 0; i < COUNT(edges) * COUNT(edges); i++) {
-        check_root((wide)edges[i / COUNT(edges)] << 64 | edges[i % COUNT(edges)]);
+    for (size_t i = 0; i < DG_COUNT(edges) * DG_COUNT(edges); i++) {
+        check_root((wide)edges[i / DG_COUNT(edges)] << 64 | edges[i % DG_COUNT(edges)]);
     }
     for (int i = 0; i < ROUNDS / 10; i++) {
         uint64_t root = random_bits(&seed);

@@ -14,7 +14,6 @@
 #include "effort.h"
 #include "motion_model.h"
 
-#define COUNT(a) (sizeof(a) / sizeof((a)[0]))
 #define SPEED_MAX DG_MOTION_SPEED_MAX_MRPM
 #define START DG_S(1000)
 /** 0.001 rpm in units of 2^-32 turn per nanosecond, and 0.001 rpm/s per square nanosecond. */
@@ -258,7 +257,7 @@ static void moves_keep_their_promises(void **state)
 
     (void)state;
     for (uint32_t i = 0; i < rounds; i++) {
-        const struct move move = random_move(&seed, ways[i % COUNT(ways)]);
+        const struct move move = random_move(&seed, ways[i % DG_COUNT(ways)]);
 
         check_properties(&move, &seed);
     }
@@ -274,15 +273,15 @@ static void extreme_moves(void **state)
     uint64_t seed = 3;
 
     (void)state;
-    for (size_t i = 0; i < COUNT(angles) * COUNT(angles) * COUNT(speeds); i++) {
-        for (size_t j = 0; j < COUNT(limits) * COUNT(accels); j++) {
+    for (size_t i = 0; i < DG_COUNT(angles) * DG_COUNT(angles) * DG_COUNT(speeds); i++) {
+        for (size_t j = 0; j < DG_COUNT(limits) * DG_COUNT(accels); j++) {
             check_properties(
                 &(struct move){
-                    .from = angles[i % COUNT(angles)],
-                    .target = angles[i / COUNT(angles) % COUNT(angles)],
-                    .mrpm = speeds[i / COUNT(angles) / COUNT(angles)],
-                    .limit = limits[j % COUNT(limits)],
-                    .accel = accels[j / COUNT(limits)],
+                    .from = angles[i % DG_COUNT(angles)],
+                    .target = angles[i / DG_COUNT(angles) % DG_COUNT(angles)],
+                    .mrpm = speeds[i / DG_COUNT(angles) / DG_COUNT(angles)],
+                    .limit = limits[j % DG_COUNT(limits)],
+                    .accel = accels[j / DG_COUNT(limits)],
                 },
                 &seed);
         }
@@ -331,7 +330,7 @@ static void trapezoid(void **state)
     };
 
     (void)state;
-    check_rows(&move, rows, COUNT(rows));
+    check_rows(&move, rows, DG_COUNT(rows));
 }
 
 static void triangle(void **state)
@@ -344,7 +343,7 @@ static void triangle(void **state)
     };
 
     (void)state;
-    check_rows(&move, rows, COUNT(rows));
+    check_rows(&move, rows, DG_COUNT(rows));
 }
 
 /* Moving away at 1 rev/s: stands at -1/2, and from there as from rest. */
@@ -359,7 +358,7 @@ static void moving_away(void **state)
     };
 
     (void)state;
-    check_rows(&move, rows, COUNT(rows));
+    check_rows(&move, rows, DG_COUNT(rows));
 }
 
 /* Too fast to stop: at 2 rev/s it stands after 2 turns, and comes back half a turn and more. */
@@ -373,7 +372,7 @@ static void overshoot(void **state)
     };
 
     (void)state;
-    check_rows(&move, rows, COUNT(rows));
+    check_rows(&move, rows, DG_COUNT(rows));
 }
 
 /* Faster than it may go: down to the limit first. */
@@ -389,7 +388,7 @@ static void above_the_limit(void **state)
     };
 
     (void)state;
-    check_rows(&move, rows, COUNT(rows));
+    check_rows(&move, rows, DG_COUNT(rows));
 }
 
 /* Just enough room to brake: nothing but that. */
@@ -403,7 +402,7 @@ static void just_in_time(void **state)
     };
 
     (void)state;
-    check_rows(&move, rows, COUNT(rows));
+    check_rows(&move, rows, DG_COUNT(rows));
 }
 
 static void at_once(void **state)
@@ -416,7 +415,7 @@ static void at_once(void **state)
     };
 
     (void)state;
-    check_rows(&move, rows, COUNT(rows));
+    check_rows(&move, rows, DG_COUNT(rows));
 }
 
 static void nowhere_to_go(void **state)
@@ -424,7 +423,7 @@ static void nowhere_to_go(void **state)
     static const int64_t accels[] = {0, 1, REV_PER_S, DG_SHAFT_ACCELERATION_MAX};
 
     (void)state;
-    for (size_t i = 0; i < COUNT(accels); i++) {
+    for (size_t i = 0; i < DG_COUNT(accels); i++) {
         const struct move move = {5, 5, 0, REV_PER_S, accels[i]};
         struct dg_shaft shaft = moving(&move);
 
@@ -558,7 +557,7 @@ static void not_there_before_its_end(void **state)
     } rows[] = {{3, 1}, {7, 6}, {9, 1}, {11, 10}, {13, 12}, {999999, 1000}, {999999999, 1}};
 
     (void)state;
-    for (size_t i = 0; i < COUNT(rows); i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         const struct move move = {0, DG_TURN, 0, rows[i].limit, rows[i].accel};
         struct dg_shaft shaft = moving(&move);
         const dg_ns end = dg_shaft_settled(&shaft);

@@ -16,7 +16,6 @@
 #include "drehgeber/store.h"
 #include "ram_nvm.h"
 
-#define ROWS(table) (sizeof(table) / sizeof(table)[0])
 #define FF8 "\xFF\xFF\xFF\xFF\xFF\xFF\xFF\xFF"
 
 enum region { SERIAL, NOTES, LIMITS, SUMS, REGIONS };
@@ -262,7 +261,7 @@ static int take_step(const struct step *step)
 static void every_call_has_its_result(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < ROWS(steps); i++) {
+    for (size_t i = 0; i < DG_COUNT(steps); i++) {
         assert_int_equal(take_step(&steps[i]), steps[i].result);
     }
     assert_int_equal(store->failures, 3);
@@ -476,7 +475,7 @@ static uint32_t cut_everywhere(const struct scenario *scenario, bool first)
 static void a_power_cut_leaves_old_or_new(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < ROWS(scenarios); i++) {
+    for (size_t i = 0; i < DG_COUNT(scenarios); i++) {
         scenarios[i].prepare();
         assert_true(cut_everywhere(&scenarios[i], true) > 100);
     }
@@ -527,7 +526,7 @@ static bool act_with_fault(const struct scenario *scenario, uint32_t nth, uint32
 static void a_failing_operation_leaves_old_or_new(void **state)
 {
     (void)state;
-    for (uint32_t i = 0; i < ROWS(scenarios) * FAULT_KINDS * CONTINUATIONS; i++) {
+    for (uint32_t i = 0; i < DG_COUNT(scenarios) * FAULT_KINDS * CONTINUATIONS; i++) {
         const struct scenario *scenario = &scenarios[i / CONTINUATIONS / FAULT_KINDS];
         uint32_t nth = 0;
         while (act_with_fault(scenario, nth, i / CONTINUATIONS % FAULT_KINDS)) {
@@ -668,7 +667,7 @@ static void forge(const struct forged_row *row)
 static void a_forged_journal_stays_inside_its_regions(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < ROWS(forged_rows); i++) {
+    for (size_t i = 0; i < DG_COUNT(forged_rows); i++) {
         forge(&forged_rows[i]);
         assert_int_equal(mount(), DG_OK);
         assert_true(store->replays == 1 && store->damaged == 0);

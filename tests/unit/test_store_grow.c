@@ -97,7 +97,7 @@ static int test_read(void *to, uint32_t address, void *bytes, size_t n)
 static int test_write(void *to, uint32_t address, const void *bytes, size_t n)
 {
     length = n;
-    assert_true(pending_count < sizeof pending / sizeof pending[0]);
+    assert_true(pending_count < DG_COUNT(pending));
     pending[pending_count].address = address;
     pending[pending_count++].n = n;
     return fails() ? DG_ERR_IO : ram_nvm_port(to).ops->write(to, address, bytes, n);

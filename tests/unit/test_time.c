@@ -91,7 +91,7 @@ static void bit_times_round_up(void **state)
     };
 
     (void)state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         assert_true(dg_bit_times_ns(rows[i].bits, rows[i].baud) == rows[i].ns);
     }
 }

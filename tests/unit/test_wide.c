@@ -11,8 +11,6 @@
 #include "effort.h"
 #include "motion_model.h"
 
-#define COUNT(a) (sizeof(a) / sizeof((a)[0]))
-
 /* The unbounded integers everything is checked against. */
 __extension__ typedef unsigned __int128 uwide;
 
@@ -89,7 +87,7 @@ static void reciprocals_are_exact(void **state)
     uint64_t seed = 2;
 
     (void)state;
-    for (size_t i = 0; i < COUNT(EDGES); i++) {
+    for (size_t i = 0; i < DG_COUNT(EDGES); i++) {
         check_reciprocal(EDGES[i]);
     }
     for (uint32_t i = 0; i < rounds; i++) {
@@ -105,8 +103,8 @@ static void divisions_are_exact(void **state)
     uint64_t seed = 3;
 
     (void)state;
-    for (size_t d = 0; d < COUNT(EDGES); d++) {
-        for (size_t q = 0; q < COUNT(EDGES); q++) { /* both sides of a whole quotient */
+    for (size_t d = 0; d < DG_COUNT(EDGES); d++) {
+        for (size_t q = 0; q < DG_COUNT(EDGES); q++) { /* both sides of a whole quotient */
             check_division((uwide)EDGES[d] * EDGES[q], EDGES[d]);
             check_division((uwide)EDGES[d] * EDGES[q] - 1, EDGES[d]);
             check_division((uwide)EDGES[d] * EDGES[q] + EDGES[d] - 1, EDGES[d]);

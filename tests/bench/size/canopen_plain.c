@@ -48,11 +48,11 @@ static const struct dg_store_region regions[] = {
 };
 static const struct dg_store_layout layout = {.id = 1,
                                               .journal_size = DG_CO_JOURNAL_SIZE + 6u + 60u,
-                                              .region_count = sizeof regions / sizeof regions[0],
+                                              .region_count = DG_COUNT(regions),
                                               .regions = regions};
 static const struct dg_co_device plain = {.dictionary = {DG_CO_ROWS(rows), limits, hooks},
                                           .kbaud = kbaud,
-                                          .kbaud_count = sizeof kbaud / sizeof kbaud[0],
+                                          .kbaud_count = DG_COUNT(kbaud),
                                           .strings = strings,
                                           .layout = &layout,
                                           .device_type = 0x00020196};

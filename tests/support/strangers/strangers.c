@@ -36,7 +36,7 @@ static const struct stranger {
     {STRANGER_FUTURE, "unknown-future", DG_MEDIUM_COUNT, &dg_ssi_25, &dg_ssi_wire,
      &dg_ssi_instrument},
 };
-#define STRANGER_COUNT (sizeof strangers / sizeof strangers[0])
+#define STRANGER_COUNT DG_COUNT(strangers)
 
 /* The objects that make a stranger known to handles. */
 static struct made {

@@ -48,7 +48,7 @@ static void other_strangers_are_refused_by_name(void **state)
     };
 
     (void)state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         struct dg_hdl *self = dg_hdl_open(rows[i][0], "", "", "");
         assert_non_null(strstr(dg_hdl_error(self), rows[i][1]));
         dg_hdl_close(self);

@@ -70,7 +70,7 @@ static const struct {
 static void test_addresses(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < sizeof addresses / sizeof addresses[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(addresses); i++) {
         struct lx_access access;
         struct lx_error error = {.right = ""};
         const int result = lx_access_parse(addresses[i].text, &access, &error);
@@ -151,7 +151,7 @@ static void test_token_files(void **state)
     (void)state;
     assert_non_null(mkdtemp(folder));
     (void)snprintf(path, sizeof path, "%s/token", folder);
-    for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(files); i++) {
         put(path, files[i].text, files[i].n > 0 ? files[i].n : strlen(files[i].text),
             files[i].mode);
         const int result = lx_access_token(path, token, &error);
@@ -285,7 +285,7 @@ static void test_guard(void **state)
                                    [LX_GUARD_TELL] = 'T',
                                    [LX_GUARD_CLOSE] = 'C'};
     (void)state;
-    for (size_t i = 0; i < sizeof sessions / sizeof sessions[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(sessions); i++) {
         const enum where where = sessions[i].where;
         struct lx_guard guard = {.tcp = where == TCP || where == TCP_TOKEN,
                                  .token = where == TCP_TOKEN || where == UNIX_TOKEN ? TOKEN : NULL};

@@ -59,7 +59,7 @@ static void plans_that_cannot_be(void **state)
     struct can_rig *self = *state;
     self->plan.file = "rig.ini";
     can_rig_plan(self, 2);
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         struct dg_plan_encoder *encoder = &self->encoder[1]; /* an f3658 */
         char *serial = rows[i].serial == NULL ? NULL : strdup(rows[i].serial);
         encoder->serial = serial;
@@ -282,7 +282,7 @@ static void filters_are_open_before_the_answer(void **state)
     can_rig_open(self, 1);
     struct can_wire *wire = can_rig_wire(self);
     assert_int_equal(wire->frame[0].id, HEARTBEAT + 1);
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         wire->asked = rows[i].can_id;
         can_rig_write(self, 0, rows[i].index, rows[i].sub, rows[i].value, rows[i].size);
         assert_int_equal(wire->frame[wire->count - 1].id, 0x581);

@@ -93,7 +93,7 @@ static void unless_it_is_set_nothing_waits(void **state)
 {
     static const char *const rows[] = {NULL, "pace=0"};
     struct can_rig *self = *state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         struct can_wire *wire = open_bus(self, rows[i]);
         ask(wire, 0, 2 * DG_BUS_FRAMES_PACED);
         assert_int_equal(wire->count, 2 * DG_BUS_FRAMES_PACED);

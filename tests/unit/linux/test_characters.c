@@ -26,13 +26,13 @@ static void parity_marks(void **state)
     for (size_t i = 0; i < sizeof given; i++) {
         struct lx_character got;
         if (lx_parmrk_feed(&decoder, given[i], &got)) {
-            assert_true(n < sizeof wanted / sizeof wanted[0]);
+            assert_true(n < DG_COUNT(wanted));
             assert_int_equal(got.byte, wanted[n].byte);
             assert_int_equal(got.damaged, wanted[n].damaged);
             n++;
         }
     }
-    assert_int_equal(n, sizeof wanted / sizeof wanted[0]);
+    assert_int_equal(n, DG_COUNT(wanted));
 }
 
 /* Every data rate of 57h is one that termios has. */

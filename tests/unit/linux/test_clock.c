@@ -9,8 +9,6 @@
 #include "clock.h"
 #include "timer.h"
 
-#define LENGTH(array) (sizeof(array) / sizeof((array)[0]))
-
 /* Real time of rig time: by hand from real + (at - virtual) * 1000 / permille, rounded up. */
 static void real_time_of_a_deadline(void **state)
 {
@@ -33,7 +31,7 @@ static void real_time_of_a_deadline(void **state)
         {{0, 0, UINT32_MAX}, UINT32_MAX, 1000},
     };
     (void)state;
-    for (size_t i = 0; i < LENGTH(rows); i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         assert_true(lx_clock_real(&rows[i].clock, rows[i].at) == rows[i].real);
     }
 }
@@ -43,7 +41,7 @@ static void time_goes_at_its_rate(void **state)
 {
     static const uint32_t rates[] = {0, 1, 500, 1000, 10000};
     (void)state;
-    for (size_t i = 0; i < LENGTH(rates); i++) {
+    for (size_t i = 0; i < DG_COUNT(rates); i++) {
         const dg_ns start = lx_now();
         const struct lx_clock clock = {.real = start, .virtual_ = 77, .permille = rates[i]};
         const dg_ns low = lx_now() - start;

@@ -257,7 +257,7 @@ static void a_line_has_no_more_encoders_than_its_protocol(void **state)
     (void)state;
     sim_rig_plan(&rig, SIM_RIG_ENCODERS_MAX);
     sim_rig_stations(&rig);
-    for (size_t i = 0; i < sizeof stations / sizeof stations[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(stations); i++) {
         stations[i] = rig.stations[i % SIM_RIG_ENCODERS_MAX];
     }
     rig.setup.stations = stations;

@@ -163,7 +163,7 @@ static void each_command_is_answered(void **state)
     };
     struct bench *self = *state;
     open_port(self, "rfc2217", "");
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         expect_answer(self, rows[i][0], rows[i][1]);
     }
 }
@@ -185,12 +185,12 @@ static void each_control_is_remembered(void **state)
     char said[8];
     char answer[8];
     open_port(self, "rfc2217", "");
-    for (size_t i = 0; i < sizeof groups / sizeof groups[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(groups); i++) {
         (void)snprintf(said, sizeof said, "05 %02X", groups[i].asks);
         (void)snprintf(answer, sizeof answer, "69 %02X", groups[i].found);
         expect_answer(self, said, answer);
     }
-    for (size_t i = 0; i < sizeof groups / sizeof groups[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(groups); i++) {
         for (size_t k = 0; k < groups[i].count; k++) {
             (void)snprintf(answer, sizeof answer, "69 %02X", groups[i].values[k]);
             (void)snprintf(said, sizeof said, "05 %02X", groups[i].values[k]);
@@ -243,7 +243,7 @@ static void an_encoder_hears_its_own_setting(void **state)
     struct bench *self = *state;
     open_port(self, "rfc2217", "");
     expect_reply(self, "as it came", REPLY);
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         expect_answer(self, rows[i].command, rows[i].answer);
         expect_reply(self, rows[i].command, rows[i].hears ? REPLY : "");
     }

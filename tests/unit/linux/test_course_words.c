@@ -15,8 +15,6 @@
 #include "course_words.h"
 #include "drehgeber/quantity.h"
 
-#define LENGTH(array) (sizeof(array) / sizeof((array)[0]))
-
 static void words(void **state)
 {
     static const struct {
@@ -31,7 +29,7 @@ static void words(void **state)
         {"a.csv,Step", {5, false, true}},
     };
     (void)state;
-    for (size_t i = 0; i < LENGTH(rows); i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         struct dg_course_words got;
         struct lx_error error;
         const int result = lx_course_parse(rows[i].text, &got, &error);
@@ -62,7 +60,7 @@ static void what_are_none(void **state)
         {"a.csv,loop,lo", true, "'lo' is none of the words"},
     };
     (void)state;
-    for (size_t i = 0; i < LENGTH(rows); i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         struct dg_course_words got;
         struct lx_error error;
         assert_int_equal(dg_course_is(rows[i].text), rows[i].is);
@@ -158,7 +156,7 @@ static void what_cannot_be_read(void **state)
          ":2: the time must not be earlier than on the line before, not '0.5'"},
     };
     (void)state;
-    for (size_t i = 0; i < LENGTH(rows); i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         struct lx_csv_points found;
         struct lx_error error;
         assert_int_equal(read_text(rows[i].text, rows[i].quantity, &found, &error), -1);

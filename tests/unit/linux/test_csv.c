@@ -14,8 +14,6 @@
 #include "csv.h"
 #include "drehgeber/hal.h"
 
-#define LENGTH(array) (sizeof(array) / sizeof((array)[0]))
-
 static int read_text(struct lx_recording *out, const char *text, struct lx_error *error)
 {
     FILE *file = fmemopen(NULL, strlen(text) + 1, "w+");
@@ -112,7 +110,7 @@ static void refusals(void **state)
         {"0,6000000001\n", "shaft.csv:1:", "6000000001"},
     };
     (void)state;
-    for (size_t i = 0; i < LENGTH(rows); i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         struct lx_recording recording;
         struct lx_error error = {.right = ""};
         assert_int_equal(read_text(&recording, rows[i].text, &error), -1);
@@ -174,7 +172,7 @@ static void a_file_without_lines_is_not_read_on(void **state)
         {.text = "\r", .size = 1}, {.text = " ", .size = 1}, {.text = "1,2,", .size = 4},
     };
     (void)state;
-    for (size_t i = 0; i < LENGTH(rows); i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         struct source source = rows[i];
         assert_string_equal(refusal_of(&source).text,
                             i == 0 ? "shaft.csv:1: no text, as it has a NUL; expected lines of text"
@@ -193,7 +191,7 @@ static void lines_have_a_bound(void **state)
     struct lx_error error;
     (void)state;
     for (int n = 197; n <= 199; n++) {
-        for (size_t end = 0; end < LENGTH(ends); end++) {
+        for (size_t end = 0; end < DG_COUNT(ends); end++) {
             (void)snprintf(text, sizeof text, "0,0\n1,90 #%*s%s", n - 6, "x", ends[end]);
             assert_int_equal(read_text(&recording, text, &error), n <= 198 ? 0 : -1);
             if (n <= 198) {
@@ -224,7 +222,7 @@ static void what_cannot_be_read_is_said(void **state)
         {ENOMEM, "shaft.csv: cannot read: Cannot allocate memory"},
     };
     (void)state;
-    for (size_t i = 0; i < LENGTH(rows); i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         for (size_t at = 0; at <= 5; at++) {
             struct source source = {.text = "1,2 \n", .size = 5, .reason = rows[i].reason};
             source.fails_at = at;

@@ -41,7 +41,7 @@ static void tokens_are_whole_or_refused(void **state)
         TOKEN " =f3668 ",
     };
     (void)state;
-    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(bad); i++) {
         assert_null(fmu_make(bad[i]));
     }
     assert_null(fmu_make(NULL));
@@ -110,7 +110,7 @@ static void values_of_another_kind_are_refused(void **state)
             continue;
         }
         truths += row.type == FMU_BOOL ? 1 : 0;
-        for (size_t k = 0; k < sizeof types / sizeof types[0]; k++) {
+        for (size_t k = 0; k < DG_COUNT(types); k++) {
             const bool number = types[k] == FMU_REAL || types[k] == FMU_INT;
             const bool fits = row.type == types[k] || (number && row.type == FMU_REAL);
             assert_int_equal(fmu_get(fmu, row.reference, &value), DG_HOST_OK);
@@ -166,7 +166,7 @@ static void steps_begin_where_the_last_one_ended(void **state)
         {0, 1e-6}, {-3.5, 1e-6}, {1e9, 1e-6}, {4294967296.0, 4 * 0x1p-20}, {-8e9, 4 * 0x1p-20},
     };
     (void)state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         struct fmu *fmu = fmu_make(TOKEN " =s3684-biss");
         assert_int_equal(fmu_start(fmu, rows[i].start), DG_HOST_OK);
         refused_around(fmu, rows[i].start, rows[i].tolerance);
@@ -186,7 +186,7 @@ static void a_million_summed_steps_are_taken(void **state)
     /* Not as literals: x87 has them, and what is worked out with them, with more bits. */
     const volatile double step = 1e-3;
     (void)state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         struct fmu *fmu = fmu_make(TOKEN " =ssi-25");
         double time = rows[i].start;
         assert_int_equal(fmu_start(fmu, time), DG_HOST_OK);
@@ -355,7 +355,7 @@ static void numbers_are_rounded_to_the_nearest(void **state)
     struct fmu *fmu = fmu_running(TOKEN " =f3668");
 
     (void)state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         const struct fmu_value angle = {.type = FMU_REAL, .real = rows[i].units * unit};
         const struct fmu_value cold = {.type = FMU_REAL, .real = rows[i].units * 1e-3};
         assert_int_equal(fmu_set(fmu, VARIABLE(FMU_INPUT, FMU_ANGLE), &angle), DG_HOST_OK);
@@ -533,7 +533,7 @@ static void followers_follow_with_faults_too(void **state)
     const uint32_t position = VARIABLE(FMU_OUTPUT, FMU_POSITION);
 
     (void)state;
-    for (size_t i = 0; i < sizeof faulty / sizeof faulty[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(faulty); i++) {
         struct fmu *fmu = fmu_running(TOKEN " a=f3668 b=f3668@0");
         assert_int_equal(fmu_set(fmu, OF_B(VARIABLE(FMU_INPUT, FMU_ANGLE)), &turn),
                          DG_HOST_ERR_ARGUMENT);
@@ -604,9 +604,9 @@ static void numbers_that_are_none_are_refused(void **state)
     struct fmu *fmu = fmu_running(TOKEN " =f3668");
 
     (void)state;
-    for (size_t i = 0; i < sizeof inputs / sizeof inputs[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(inputs); i++) {
         const double before = fmu_real(fmu, inputs[i]);
-        for (size_t k = 0; k < sizeof wrong / sizeof wrong[0]; k++) {
+        for (size_t k = 0; k < DG_COUNT(wrong); k++) {
             const struct fmu_value value = {.type = FMU_REAL, .real = wrong[k]};
             assert_int_equal(fmu_set(fmu, inputs[i], &value), DG_HOST_ERR_ARGUMENT);
         }

@@ -222,8 +222,6 @@ static const struct version {
      fmi2Reset, get_2, set_2, fmi2GetString, fmi2GetFMUstate, fmi2SetFMUstate, fmi2FreeFMUstate},
 };
 
-#define COUNT(rows) (sizeof(rows) / sizeof(rows)[0])
-
 /* The call was an error, and the importer has heard why, once. */
 static void refused(int status, const char *what, int result)
 {
@@ -256,7 +254,7 @@ static double value_of(const struct version *fmi, void *of, uint32_t reference)
 static void errors_are_told_in_words(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < COUNT(versions); i++) {
+    for (size_t i = 0; i < DG_COUNT(versions); i++) {
         const struct version *fmi = &versions[i];
         double value;
         assert_null(fmi->make("drehgeber 0.0.0 =f3668"));
@@ -410,7 +408,7 @@ static void silent_importers_get_the_same_answers(void **state)
 static void a_reset_begins_anew(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < COUNT(versions); i++) {
+    for (size_t i = 0; i < DG_COUNT(versions); i++) {
         const struct version *fmi = &versions[i];
         void *of = begin(fmi, TOKEN " =s3684-biss", 7.5);
         assert_int_equal(fmi->set(of, speed, 6.283185307179586), OK);
@@ -439,7 +437,7 @@ static void a_reset_begins_anew(void **state)
 static void an_output_ends_the_settings(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < COUNT(versions); i++) {
+    for (size_t i = 0; i < DG_COUNT(versions); i++) {
         const struct version *fmi = &versions[i];
         void *of = begin(fmi, TOKEN " =f3668", 0);
         assert_int_equal(fmi->set(of, node, 9), OK);
@@ -489,7 +487,7 @@ static void a_step_says_how_it_ended(void **state)
     const uint32_t data = VARIABLE(FMU_BUS, FMU_TX);
 
     (void)state;
-    for (size_t i = 0; i < COUNT(rows); i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         bool event = true, end = true, early = true, ticks = false;
         const uint8_t *bytes = NULL;
         size_t size = 0;
@@ -642,7 +640,7 @@ static int use(const struct version *fmi, void *of, void **saved)
 static void without_memory_there_is_an_error_and_no_leak(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < COUNT(versions); i++) {
+    for (size_t i = 0; i < DG_COUNT(versions); i++) {
         const struct version *fmi = &versions[i];
         unsigned calls = 0;
         do {

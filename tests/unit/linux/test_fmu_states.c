@@ -111,7 +111,7 @@ static void forged_states_do_no_harm(void **state)
     static const uint8_t values[] = {0x00, 0x02, 0x40, 0x7F, 0xC5, 0xFF};
     (void)state;
     unsigned refused = 0;
-    for (size_t i = 0; i < sizeof tokens / sizeof tokens[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(tokens); i++) {
         struct fmu *fmu = fmu_running(tokens[i]);
         (void)fmu_step(fmu, 0, 0.3, false);
         const size_t n = fmu_state_size(fmu);

@@ -45,7 +45,7 @@ static void assert_wire(const char *model, const char *const *own, size_t count)
 
     assert_non_null(fmu);
     assert_true(has(fmu, "position"));
-    for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(all); i++) {
         bool is_own = false;
         for (size_t k = 0; k < count; k++) {
             is_own = is_own || strcmp(own[k], all[i]) == 0;
@@ -115,7 +115,7 @@ static void what_an_fmu_cannot_have_is_refused(void **state)
     static alignas(DG_HOST_ALIGN) uint8_t memory[STRANGER_MEMORY_MAX];
 
     (void)state;
-    for (size_t i = 0; i < sizeof models / sizeof models[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(models); i++) {
         char token[64] = TOKEN " =";
         struct dg_host *host = dg_host_make(memory, sizeof memory, models[i]);
         assert_non_null(host);

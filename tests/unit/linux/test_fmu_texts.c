@@ -131,12 +131,12 @@ static void each_kind_of_variable_is_described(void **state)
     (void)state;
     for (int version = 2; version <= 3; version++) {
         const char *text = described(TOKEN " a=f3668 b=s3684-rs485@0", "two", version);
-        for (size_t i = 0; i < sizeof lines / sizeof lines[0]; i++) {
+        for (size_t i = 0; i < DG_COUNT(lines); i++) {
             if (lines[i].version == version && strstr(text, lines[i].line) == NULL) {
                 fail_msg("no %s", lines[i].line);
             }
         }
-        for (size_t k = 0; k < sizeof nowhere / sizeof nowhere[0]; k++) {
+        for (size_t k = 0; k < DG_COUNT(nowhere); k++) {
             assert_null(strstr(text, nowhere[k]));
         }
     }
@@ -157,7 +157,7 @@ static void outputs_of_fmi_2_are_counted_from_1(void **state)
     for (const char *at = strstr(text, "<ScalarVariable"); at != NULL && at < end; count++) {
         at = strstr(at + 1, "<ScalarVariable");
     }
-    for (size_t i = 0; i < sizeof wires / sizeof wires[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(wires); i++) {
         const char *at = strstr(text, wires[i]);
         assert_true(at == NULL || at > end);
     }
@@ -213,7 +213,7 @@ static void buses_and_sources_are_described(void **state)
     assert_non_null(strstr(text, terminals));
     assert_non_null(strstr(text, build));
     assert_non_null(strstr(text, manifest));
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         struct fmu *fmu = fmu_make(rows[i].token);
         assert_non_null(fmu);
         assert_int_equal(fmu_has_bus(fmu), rows[i].bus);

@@ -23,7 +23,7 @@ static void clocks_that_are_none_are_refused(void **state)
     bool on = true;
 
     (void)state;
-    for (size_t i = 0; i < sizeof none / sizeof none[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(none); i++) {
         assert_int_equal(fmu_clock_get(fmu, none[i], &on), DG_HOST_ERR_NAME);
         assert_int_equal(fmu_clock_set(fmu, none[i], true), DG_HOST_ERR_NAME);
     }
@@ -82,7 +82,7 @@ static void each_variable_says_what_it_is_for(void **state)
         (void)snprintf(token, sizeof token, "%s =%s", TOKEN, dg_host_name(model));
         struct fmu *fmu = fmu_running(token);
         for (size_t i = 1; fmu_variable(fmu, i, &row); i++) {
-            for (size_t k = 0; k < sizeof explained / sizeof explained[0]; k++) {
+            for (size_t k = 0; k < DG_COUNT(explained); k++) {
                 if (row.type == explained[k] && row.help[0] == '\0') {
                     fail_msg("%s %s", dg_host_name(model), row.name);
                 }
@@ -123,7 +123,7 @@ static void wires_lead_in_and_out(void **state)
         {"ssi-25", "MA", FMU_CLOCK, true},
     };
     (void)state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         char token[96];
         struct fmu_variable row;
         (void)snprintf(token, sizeof token, "%s =%s", TOKEN, rows[i].model);

@@ -233,7 +233,7 @@ static void only_remote_frames_are_asked_for_a_state(void **state)
     } rows[] = {{0, 0, 0}, {1, 1, 0}, {0, 1, 17}};
 
     (void)state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         const uint8_t guard[] = {
             0x10, 0, 0, 0, 16, 0, 0, 0, 0x3F, 7, 0, 0, rows[i].extended, rows[i].remote, 0, 0};
         const uint8_t *bytes = NULL;
@@ -277,7 +277,7 @@ static void operations_have_their_length(void **state)
 
     (void)state;
     (void)fmu_step(fmu, 0, 1, false);
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         assert_int_equal(give(fmu, rows[i].bytes, rows[i].n), rows[i].result);
     }
     fmu_free(fmu);
@@ -290,7 +290,7 @@ static void emergencies_are_seen_at_every_node(void **state)
     const struct fmu_value yes = {.type = FMU_BOOL, .integer = 1};
 
     (void)state;
-    for (size_t i = 0; i < sizeof tokens / sizeof tokens[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(tokens); i++) {
         struct fmu_value value;
         struct fmu *fmu = fmu_running(tokens[i]);
         (void)fmu_step(fmu, 0, 1, false);
@@ -351,7 +351,7 @@ static void requests_are_whole_or_unanswered(void **state)
     static const uint8_t request[] = {0x40, 0x42, 0x02};
 
     (void)state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         uint8_t reply[256];
         struct fmu *fmu = fmu_running(TOKEN " =s3684-rs485");
         (void)fmu_step(fmu, 0, 1, false);

@@ -633,7 +633,7 @@ static void test_addresses(void **state)
     assert_int_equal(address.data, 17);
     assert_int_equal(lx_gpio_address_parse(&address, "/dev/by:id/chip:0,1", &error), 0);
     assert_string_equal(address.path, "/dev/by:id/chip");
-    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(wrong); i++) {
         assert_int_equal(lx_gpio_address_parse(&address, wrong[i], &error), -1);
         assert_non_null(strstr(lx_error_line(&error).text, "CHIP:CLOCK,DATA"));
     }

@@ -131,7 +131,7 @@ static void the_told_clock_holds_for_999_permille_of_frames(void **state)
     static const unsigned edges[] = {EDGES_S3674, EDGES_S3684};
     const uint32_t measurements = effort(3, 6); /* the longer ones take their time */
     (void)state;
-    for (size_t i = 0; i < sizeof hosts / sizeof hosts[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(hosts); i++) {
         for (size_t j = 0; j < measurements; j++) {
             struct lx_gpio_rate rate;
             measure(&rate, hosts[i], edges[j % 2], frames[j / 2]);

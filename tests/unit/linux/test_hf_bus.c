@@ -241,7 +241,7 @@ static void what_does_not_fit_is_refused(void **state)
         {NULL, "12a", "rig.ini:9: serial 12a: 1 to 9 digits are right"},
     };
     (void)state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         struct line_rig rig;
         struct lx_error error = {.right = ""};
         line_rig_plan(&rig, 1, NULL);

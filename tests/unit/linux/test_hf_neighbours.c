@@ -271,7 +271,7 @@ static void a_pause_in_a_request(void **state)
     };
     struct line *line = *state;
     open_line(line, "", "");
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         dg_ns end = say_characters(line, rows[i].first);
         virtual_rig_pass_to(&line->rig, end + SILENCE - 1);
         const dg_ns again = lx_now();

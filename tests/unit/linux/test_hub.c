@@ -238,7 +238,7 @@ static void load_is_what_was_on_the_wire(void **state)
     struct bench *self = *state;
     open_hub(self, SLCAN, "");
     open_channel(self);
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         virtual_rig_pass(&self->rig, DG_MS(1500)); /* into the middle of a second */
         for (unsigned k = 0; k < rows[i].count; k++) {
             say_text(self, rows[i].line);

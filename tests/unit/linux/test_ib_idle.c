@@ -98,7 +98,7 @@ static void open_both(uint32_t seed)
     static const dg_ns periods[] = {DG_US(250), DG_US(333), DG_MS(1), DG_MS(7), DG_MS(50)};
     noise = seed;
     now = START;
-    period = periods[next() % (sizeof periods / sizeof periods[0])];
+    period = periods[next() % (DG_COUNT(periods))];
     broken = false;
     open_side(&eager);
     open_side(&lazy);
@@ -160,7 +160,7 @@ static dg_ns some_time(void)
     if (one_in(8)) { /* just before a cycle, or at it */
         return eager_next + period * (next() % 100u) - next() % 2u - now;
     }
-    const dg_ns span = spans[next() % (sizeof spans / sizeof spans[0])];
+    const dg_ns span = spans[next() % (DG_COUNT(spans))];
     const dg_ns long_span = period * 5000u + DG_S(next() % 700u);
     return one_in(40) && period >= DG_MS(7) ? long_span : 1u + span * (next() % 1000u) / 500u;
 }
@@ -220,7 +220,7 @@ static void read_by_a_client(void)
     for (size_t i = 0; i < 2; i++) {
         lx_map_request(&sides[i]->map, now);
     }
-    check_registers(ranges[next() % (sizeof ranges / sizeof ranges[0])]);
+    check_registers(ranges[next() % (DG_COUNT(ranges))]);
 }
 
 static void write_by_a_client(uint16_t first, const uint16_t *values, uint16_t count)
@@ -242,7 +242,7 @@ static void write_out(void)
         {0x20210000, 0x0F},       {0x20100000, 0x1F}, {0x20200000, 0x3F}, {0x40000000, 0x0E0000FF},
         {0x60000000, 0x0E0000FF}, {0x60000000, 0},
     };
-    const uint32_t *const row = words[next() % (sizeof words / sizeof words[0])];
+    const uint32_t *const row = words[next() % (DG_COUNT(words))];
     const uint32_t word = row[0] | (next() & row[1]);
     const uint16_t values[] = {(uint16_t)(word >> 16), (uint16_t)word};
     write_by_a_client(OUT_AT, values, 2);
@@ -334,7 +334,7 @@ static void fates(uint32_t seed)
     open_both(seed);
     for (int i = 0; i < 300; i++) {
         pass(some_time());
-        happenings[next() % (sizeof happenings / sizeof happenings[0])]();
+        happenings[next() % (DG_COUNT(happenings))]();
     }
     pass(DG_S(1));
     look();

@@ -115,7 +115,7 @@ static void existing_registers(void **state)
     };
 
     (void)state;
-    for (size_t i = 0; i < sizeof ranges / sizeof ranges[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(ranges); i++) {
         if (lx_map_readable(&map, ranges[i].range) != ranges[i].readable ||
             lx_map_writable(&map, ranges[i].range) != ranges[i].writable) {
             fail_msg("%04X, %u", (unsigned)ranges[i].range.first, (unsigned)ranges[i].range.count);
@@ -341,10 +341,10 @@ static void addresses(void **state)
                                       "h:65536", "h:x", "[]:1", "h:1,bus", "h:1,bus,open"};
 
     (void)state;
-    for (size_t i = 0; i < sizeof good / sizeof good[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(good); i++) {
         assert_true(lx_modbus_address_fits(good[i]));
     }
-    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(bad); i++) {
         assert_false(lx_modbus_address_fits(bad[i]));
     }
 }

@@ -83,7 +83,7 @@ static void other_factory_figures_are_refused(void **state)
     others[2].type_code = 0x28;
     (void)strcpy(others[3].designation, "other");
     others[4].temperature_max_degc = 60;
-    for (size_t i = 0; i < sizeof others / sizeof others[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(others); i++) {
         place->model = others[i];
         eeprom_refused(place, "differs");
     }

@@ -16,7 +16,6 @@
 #include "set_key.h"
 #include "wire.h"
 
-#define COUNT(array) (sizeof(array) / sizeof((array)[0]))
 #define ROOM 1024u
 
 /* An encoder's settings and world. */
@@ -148,7 +147,7 @@ static void check_limits(struct bench *self, const struct dg_key *key)
     }
     const int64_t values[] = {key->min, key->max, key->min - 1, key->max + 1};
     const long long one = key->places == 3 ? 1000 : 1;
-    for (size_t i = 0; i < COUNT(values); i++) {
+    for (size_t i = 0; i < DG_COUNT(values); i++) {
         const long long value = (long long)values[i];
         (void)snprintf(text, sizeof text, "%s=%s%lld.%03lld", key->name, value < 0 ? "-" : "",
                        llabs(value) / one, one == 1 ? 0 : llabs(value) % one);
@@ -203,7 +202,7 @@ static void values_reach_their_place(void **state)
     const struct lx_hf_settings *settings = (const void *)self.settings;
     (void)state;
     assert_true(settings->line.pace && !settings->line.any_line);
-    for (size_t i = 0; i < COUNT(assignments); i++) {
+    for (size_t i = 0; i < DG_COUNT(assignments); i++) {
         set(&self, assignments[i]);
     }
     assert_false(settings->line.pace);
@@ -246,7 +245,7 @@ static void what_is_out_of_range_is_refused(void **state)
     };
     struct bench self = bench_of("s3684-rs485");
     (void)state;
-    for (size_t i = 0; i < COUNT(rows); i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         refuse(&self, rows[i][0], rows[i][1]);
     }
 }
@@ -262,7 +261,7 @@ static void one_of_several_words(void **state)
     char *help = NULL;
     size_t size = 0;
     (void)state;
-    for (uint8_t i = 0; i < COUNT(words); i++) {
+    for (uint8_t i = 0; i < DG_COUNT(words); i++) {
         assert_int_equal(lx_key_set(&key, bytes, words[i], &error), 0);
         assert_int_equal(bytes[1], i);
     }
@@ -314,7 +313,7 @@ static void serial_numbers_get_zeros_in_front(void **state)
     assert_string_equal(settings->encoder.model.serial, "000004711");
     assert_int_equal(lx_key_set(serial, self.settings, "987654321", &error), 0);
     assert_string_equal(settings->encoder.model.serial, "987654321");
-    for (size_t i = 0; i < COUNT(bad); i++) {
+    for (size_t i = 0; i < DG_COUNT(bad); i++) {
         assert_int_equal(lx_key_set(serial, self.settings, bad[i], &error), -1);
         assert_string_equal(lx_error_line(&error).text, "1 to 9 digits are right");
     }
@@ -361,7 +360,7 @@ static void settings_of_an_interbus_encoder(void **state)
     struct bench k1 = bench_of("ocd-ib-k1");
     struct lx_error error;
     (void)state;
-    for (size_t i = 0; i < COUNT(assignments); i++) {
+    for (size_t i = 0; i < DG_COUNT(assignments); i++) {
         set(&k3, assignments[i]);
     }
     set(&k1, "turns=16"); /* as one of a ring */
@@ -448,7 +447,7 @@ static void a_key_of_another_wire_names_those_that_have_it(void **state)
          "out"},
     };
     (void)state;
-    for (size_t i = 0; i < COUNT(rows); i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         const struct lx_error error = refused_key(rows[i].model, rows[i].wire, rows[i].assignment);
         assert_string_equal(lx_error_line(&error).text, rows[i].line);
     }

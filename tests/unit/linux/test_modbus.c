@@ -268,7 +268,7 @@ static void longest_requests(void **state)
     };
     struct bench *self = *state;
     open_ring(self, "0DEG", K3_MANY);
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         char request[2u * PDU_MAX + 16u];
         size_t at = (size_t)snprintf(request, sizeof request, "%s ", rows[i].head);
         for (size_t k = 0; k < rows[i].words; k++) {
@@ -345,7 +345,7 @@ static void what_is_no_modbus_ends_the_stream(void **state)
     open_ring(self, "0DEG", 1);
     const int first = self->rig.line;
     const unsigned open = descriptors_open();
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         uint8_t bytes[16];
         const size_t n = hf_rig_hex(rows[i].bytes, bytes, sizeof bytes);
         const int line = join(self);
@@ -501,7 +501,7 @@ static void what_is_read_is_of_the_latest_cycle(void **state)
     };
     struct bench *self = *state;
     open_ring(self, "60RPM", 2);
-    for (size_t i = 0; i < sizeof moments / sizeof moments[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(moments); i++) {
         const uint64_t cycles = moments[i] / CYCLE;
         pass_to(self, moments[i]);
         assert_int_equal(get_pair(self, 0x0001), position_at(cycles * CYCLE));
@@ -530,7 +530,7 @@ static void the_watchdog_fires_in_a_cycle(void **state)
     put_register(self, 0x1120, 100);
     put_register(self, 0x1122, 0);
     put_register(self, 0x1123, 2);
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         const dg_ns second = (i + 1u) * DG_S(10);
         const dg_ns fed = second + rows[i].fed;
         pass_to(self, fed);

@@ -10,8 +10,6 @@
 #include "drehgeber/figure.h"
 #include "motion_words.h"
 
-#define LENGTH(array) (sizeof(array) / sizeof((array)[0]))
-
 /* Texts and the decimals they are, in units of 10^-places. */
 static void decimals(void **state)
 {
@@ -32,7 +30,7 @@ static void decimals(void **state)
         {"9223372036854775807", 0, INT64_MAX, false},
     };
     (void)state;
-    for (size_t i = 0; i < LENGTH(rows); i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         struct dg_decimal got = {-1, false};
         assert_true(dg_decimal_parse(rows[i].text, strlen(rows[i].text), rows[i].places, &got));
         assert_true(got.value == rows[i].value);
@@ -58,7 +56,7 @@ static void not_decimals(void **state)
         "9223372036854775808",
     };
     (void)state;
-    for (size_t i = 0; i < LENGTH(texts); i++) {
+    for (size_t i = 0; i < DG_COUNT(texts); i++) {
         struct dg_decimal got;
         assert_false(dg_decimal_parse(texts[i], strlen(texts[i]), 0, &got));
     }
@@ -110,7 +108,7 @@ static void angles_stand_still(void **state)
         {"-0.36DEG", -4294967},
     };
     (void)state;
-    for (size_t i = 0; i < LENGTH(rows); i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         const struct dg_motion motion = parsed(rows[i].text);
         assert_int_equal(motion.kind, DG_MOTION_STANDSTILL);
         assert_true(motion.from == rows[i].angle);
@@ -187,7 +185,7 @@ static void refusals(void **state)
         {"ramp:1RPM,1S,1S,1S", "'1S' is too much"},
     };
     (void)state;
-    for (size_t i = 0; i < LENGTH(rows); i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         struct lx_shaft shaft;
         struct lx_error error = {.right = ""};
         assert_int_equal(lx_shaft_parse(&shaft, rows[i].text, NULL, &error), LX_SHAFT_WORDS);

@@ -93,7 +93,7 @@ static void a_file_is_made_with_either_way_to_name_it(void **state)
     static const int ways[][2] = {{0, EPERM}, {EINVAL, 0}, {ENOSYS, 0}};
     struct eeprom_place *place = *state;
     struct stat info;
-    for (size_t i = 0; i < sizeof ways / sizeof ways[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(ways); i++) {
         no_rename = ways[i][0];
         no_link = ways[i][1];
         eeprom_make(place);
@@ -112,7 +112,7 @@ static void without_any_way_to_name_it_no_file_is_made(void **state)
     struct eeprom_place *place = *state;
     struct eeprom eeprom;
     struct lx_error error = {.right = ""};
-    for (size_t i = 0; i < sizeof ways / sizeof ways[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(ways); i++) {
         no_rename = ways[i][0];
         no_link = ways[i][1];
         assert_int_equal(eeprom_open(&eeprom, place->path, place, &error), -1);

@@ -16,7 +16,6 @@
 #include "wire.h"
 
 #define FILE_NAME "rig.ini"
-#define LENGTH(array) (sizeof(array) / sizeof((array)[0]))
 
 static char folder[] = "/tmp/test_plan.XXXXXX";
 
@@ -402,7 +401,7 @@ static const char *const edges[] = {
 static void what_is_right_up_to_its_edge(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < LENGTH(edges); i++) {
+    for (size_t i = 0; i < DG_COUNT(edges); i++) {
         struct dg_plan plan;
         read_good(&plan, edges[i]);
         lx_plan_free(&plan);
@@ -435,7 +434,7 @@ static struct lx_words message_of(const char *file, const char *text)
 static void what_is_wrong_and_where(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < LENGTH(bad); i++) {
+    for (size_t i = 0; i < DG_COUNT(bad); i++) {
         struct dg_plan plan;
         struct lx_error error = {.right = ""};
         write_bytes(FILE_NAME, bad[i].text, strlen(bad[i].text));

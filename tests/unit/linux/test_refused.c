@@ -22,7 +22,6 @@
 #include "rig.h"
 #include "timer.h"
 
-#define LENGTH(array) (sizeof(array) / sizeof((array)[0]))
 #define LINE "[encoder e]\nmodel = s3684-rs485\nwire = pty\n"
 #define BEYOND "beyond loopback, where anybody could "
 
@@ -129,7 +128,7 @@ static int make_folder(void **state)
     if (mkdtemp(folder) == NULL || chdir(folder) != 0 || mkdir("folder", 0700) != 0) {
         return -1;
     }
-    for (size_t i = 0; i < LENGTH(files); i++) {
+    for (size_t i = 0; i < DG_COUNT(files); i++) {
         write_file(files[i].name, files[i].text, files[i].mode);
     }
     return descriptors_note(state);
@@ -138,7 +137,7 @@ static int make_folder(void **state)
 static int remove_folder(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < LENGTH(files); i++) {
+    for (size_t i = 0; i < DG_COUNT(files); i++) {
         (void)unlink(files[i].name);
     }
     (void)unlink("rig.ini");
@@ -156,8 +155,8 @@ static bool is_as_before(void)
         count += entry->d_name[0] != '.' ? 1u : 0u;
     }
     (void)closedir(all);
-    bool same = count == LENGTH(files) + 2u; /* the folder, the rig file */
-    for (size_t i = 0; i < LENGTH(files); i++) {
+    bool same = count == DG_COUNT(files) + 2u; /* the folder, the rig file */
+    for (size_t i = 0; i < DG_COUNT(files); i++) {
         FILE *file = fopen(files[i].name, "r");
         assert_non_null(file);
         const size_t n = fread(text, 1, sizeof text, file);
@@ -171,7 +170,7 @@ static void each_says_why_and_leaves_all_as_it_was(void **state)
 {
     static const struct lx_say quiet = {.quiet = true};
     (void)state;
-    for (size_t i = 0; i < LENGTH(rows); i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         struct lx_error error = {.right = ""};
         struct dg_plan plan = {.file = NULL};
         struct lx_rig *rig = NULL;

@@ -242,7 +242,7 @@ static void files_that_a_rig_names_lie_beside_it(void **state)
     virtual_rig_pass(rig, DG_MS(500));
     answers(rig, "SHAF:POS?;:WORL:TEMP?", "180.000000;25.000");
     close_rig(rig);
-    for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(files); i++) {
         assert_int_equal(unlink(files[i]), 0);
     }
     assert_int_equal(rmdir("sub"), 0);

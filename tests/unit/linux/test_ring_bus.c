@@ -352,7 +352,7 @@ static void plans_that_cannot_be(void **state)
     };
     struct bench *self = *state;
     self->plan.file = "rig.ini";
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         char where[16] = "";
         char serial[16] = "";
         plan_ring(self, mixed, 3);
@@ -631,7 +631,7 @@ static void a_ring_sleeps_again_when_its_fault_is_used_up(void **state)
 {
     static const enum dg_wire_fault each[] = {DG_WIRE_DROP, DG_WIRE_DAMAGE, DG_WIRE_TEAR};
     struct bench *self = running(state);
-    for (size_t i = 0; i < sizeof each / sizeof each[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(each); i++) {
         bend(self, 2, each[i], 2);
         wait_for_cycles(self, 10);
         settle(self);

@@ -314,7 +314,7 @@ static const char *const commands[] = {
     "POW OFF;POW ON",
     "STAT?",
 };
-#define COMMANDS (sizeof commands / sizeof commands[0])
+#define COMMANDS DG_COUNT(commands)
 
 /* Of what was refused to the rig, a part. */
 static const char *reason_of_refusal(void)
@@ -460,7 +460,7 @@ static void a_file_that_closes_badly_is_not_whole(void **state)
     const struct lx_rig_setup setup = {.event = event, .say = &quiet, .plan = &plan};
     assert_int_equal(lx_rig_open(&rig, &setup, lx_now(), &error), LX_RIG_OK);
     dg_control_init(&client, lx_rig_control(rig), keep_answer, &answer);
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         send_line(&client, event, rows[i][0]);
         scarce.disk_is_broken = true;
         send_line(&client, event, rows[i][1]);
@@ -480,7 +480,7 @@ static void a_file_that_closes_badly_is_not_whole(void **state)
 static void nothing_is_left_of_a_rig_that_something_was_refused_to(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < sizeof rigs / sizeof rigs[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rigs); i++) {
         unsigned n = 1;
         while (live_without(rigs[i], n)) {
             n++;

@@ -392,7 +392,7 @@ static void what_is_no_uart_is_refused(void **state)
     char path[2u * LX_ADDRESS_MAX];
     (void)state;
     assert_true(sd_event_new(&self.event) >= 0);
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         const struct lx_serial_setup setup = setup_of(&self, rows[i].path);
         error = (struct lx_error){.what = "", .right = ""};
         assert_null(lx_tty_open(&setup, &error));

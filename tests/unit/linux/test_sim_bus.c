@@ -368,7 +368,7 @@ static void what_does_not_fit_is_refused(void **state)
         {NULL, "x", "rig.ini:9: serial x: a number in 0..4294967295 is right"},
     };
     (void)state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         struct sim_rig rig;
         struct lx_error error = {.right = ""};
         sim_rig_plan(&rig, 1);

@@ -75,7 +75,7 @@ static void every_clock_and_cable_gives_the_right_position(void **state)
         "compensate=0 line_delay_ns=250",       /* half a clock */
     };
     (void)state;
-    for (size_t i = 0; i < sizeof timings / sizeof timings[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(timings); i++) {
         struct sim_rig rig;
         open_timed(&rig, 1, timings[i]);
         for (unsigned turn = 0; turn < 6; turn++) {
@@ -217,7 +217,7 @@ static void timings_out_of_range_are_refused(void **state)
          "of 50001 Hz; clock_hz up to 50000 is right"},
     };
     (void)state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         struct sim_rig rig;
         struct lx_error error = {.right = ""};
         sim_rig_plan(&rig, 1);

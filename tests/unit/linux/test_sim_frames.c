@@ -72,7 +72,7 @@ static void expect_counters(struct bench *self, uint64_t frames, uint64_t silent
 static void frames_are_counted_at_their_moments(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < sizeof wires / sizeof wires[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(wires); i++) {
         struct bench bench;
         open_wire(&bench, i);
         expect_counters(&bench, 0, 0, 0);
@@ -96,7 +96,7 @@ static void frames_are_counted_at_their_moments(void **state)
 static void faults_are_counted_by_frames(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < sizeof wires / sizeof wires[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(wires); i++) {
         struct bench bench;
         open_wire(&bench, i);
         pass_to(&bench, DG_S(10));
@@ -122,7 +122,7 @@ static void faults_are_counted_by_frames(void **state)
 static void without_power_each_frame_is_silent(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < sizeof wires / sizeof wires[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(wires); i++) {
         struct bench bench;
         open_wire(&bench, i);
         pass_to(&bench, DG_S(10));

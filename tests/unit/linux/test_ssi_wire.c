@@ -84,7 +84,7 @@ static void words_come_over_the_wire(void **state)
 {
     static const struct dg_device *const devices[] = {&dg_ssi_13, &dg_ssi_25, &dg_ssi_28};
     (void)state;
-    for (size_t i = 0; i < sizeof devices / sizeof devices[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(devices); i++) {
         begin(devices[i]);
         const unsigned unused = 34u - ssi_rig_bits(&rig.model);
         for (uint32_t n = 1; n < 200; n++) {
@@ -154,7 +154,7 @@ static void clocks_from_one_word_in_a_monoflop_time_to_10_mhz(void **state)
     const struct dg_ssi_model *model = dg_ssi_model_of(&dg_ssi_25);
     static const uint32_t rates[] = {51000, 100000, 2000000, LX_CLOCK_MAX_HZ};
     (void)state;
-    for (size_t i = 0; i < sizeof rates / sizeof rates[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rates); i++) {
         begin_with(model, &(struct lx_clocked_timing){.clock_hz = rates[i]});
         const uint64_t word = turn_to(0x1234567);
         assert_int_equal(read_word(), LX_CLOCKED_GOOD);
@@ -181,7 +181,7 @@ static void a_cable_is_made_up_for(void **state)
         {.clock_hz = LX_CLOCK_MAX_HZ, .line_delay_ns = DG_BUS_CABLE_MAX_NS, .compensate = true},
     };
     (void)state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
         begin_with(dg_ssi_model_of(&dg_ssi_28), &rows[i]);
         for (uint32_t n = 1; n < 50; n++) {
             const uint64_t word = turn_to(n * 0x9E3779B1u >> 4);

@@ -25,7 +25,6 @@
 #include "stderr_heard.h"
 #include "trace.h"
 
-#define LENGTH(array) (sizeof(array) / sizeof((array)[0]))
 #define FILE_SIZE 65536
 
 /* A folder of its own, a tap, and what was read of a file. */
@@ -131,7 +130,7 @@ static void endings_are_checked(void **state)
         {&lx_ib_stack, "no/such/folder.csv", "No such file or directory"},
     };
     struct place *place = *state;
-    for (size_t i = 0; i < LENGTH(names); i++) {
+    for (size_t i = 0; i < DG_COUNT(names); i++) {
         struct lx_trace *trace = open_trace(place, names[i].name, names[i].stack, 0);
         assert_int_equal(trace != NULL, names[i].says == NULL);
         if (names[i].says != NULL) {
@@ -292,12 +291,12 @@ static void candump_lines(void **state)
     const double after = wall_clock();
     assert_non_null(trace);
     tell_note(place, DG_S(1000), "not a frame");
-    for (size_t i = 0; i < LENGTH(frames); i++) {
+    for (size_t i = 0; i < DG_COUNT(frames); i++) {
         tell_frame(place, DG_S(1003) + DG_MS(i), i != 0, frames[i]);
     }
     close_trace(place, trace);
     const char *line = strtok(place->text, "\n");
-    for (size_t i = 0; i < LENGTH(frames); i++) {
+    for (size_t i = 0; i < DG_COUNT(frames); i++) {
         double at = 0;
         char wire[16];
         char frame[32];
@@ -348,7 +347,7 @@ static void pcapng_blocks(void **state)
     size_t count = 0;
     for (size_t at = 0; at < place->length; at += word(place, at + 4)) {
         const uint32_t length = word(place, at + 4);
-        assert_true(count < LENGTH(blocks) && length >= 12 && length % 4 == 0);
+        assert_true(count < DG_COUNT(blocks) && length >= 12 && length % 4 == 0);
         assert_int_equal(word(place, at + length - 4), length);
         blocks[count++] = at;
     }

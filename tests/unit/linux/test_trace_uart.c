@@ -271,7 +271,7 @@ static void all_bytes_at_all_settings(void **state)
     static const uint32_t bauds[] = {600, 1200, 2400, 4800, 9600, 19200, 38400};
     static const char parities[] = {'N', 'E', 'O'};
     struct bench *bench = *state;
-    for (size_t i = 0; i < sizeof bauds / sizeof bauds[0] * sizeof parities; i++) {
+    for (size_t i = 0; i < DG_COUNT(bauds) * sizeof parities; i++) {
         const uint32_t baud = bauds[i / sizeof parities];
         const char parity = parities[i % sizeof parities];
         const uint32_t bits = parity == 'N' ? 10 : 11;
@@ -333,7 +333,7 @@ static void sine_and_cosine_do_not_disturb_the_line(void **state)
     struct bench *bench = *state;
     bench->tap.encoders = names;
     bench->tap.encoder_count = 2;
-    for (size_t i = 0; i < sizeof bauds / sizeof bauds[0]; i++) {
+    for (size_t i = 0; i < DG_COUNT(bauds); i++) {
         const dg_ns each = bit_times(11, bauds[i]);
         dg_ns sample = DG_S(1) + DG_US(700);
         dg_ns at = DG_S(1);
