@@ -24,7 +24,8 @@ int lx_access_parse(const char *text, struct lx_access *out, struct lx_error *er
     struct dg_access_words words;
     struct dg_plan_error wrong;
     if (dg_access_read(text, &words, &wrong) != DG_OK) {
-        return lx_error_take(error, &wrong);
+        (void)lx_error_take(error, &wrong);
+        return -1;
     }
     const char *token = words.token == NULL ? "" : words.token;
     *out = (struct lx_access){.tcp = words.tcp, .open = words.open};
