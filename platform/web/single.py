@@ -11,13 +11,14 @@ from pathlib import Path
 # Each uses those before it only.
 MODULES = ("parts", "engine", "rig", "biss", "figures", "masters", "view", "page", "main")
 IMPORT = re.compile(r'^import \{[^}]*\} from "\./\w+\.js";\n', re.MULTILINE)
+COMMENT = re.compile(r"^ *//.*\n", re.MULTILINE)  # the module's own files have them, and are beside the page
 EXPORT = re.compile(r"^export (?=const|class|function|async)", re.MULTILINE)
 
 
 def script(folder: Path) -> str:
     """The modules as one, in which a name of the top level means one thing."""
     texts = [(folder / f"{name}.js").read_text(encoding="utf-8") for name in MODULES]
-    return "".join(EXPORT.sub("", IMPORT.sub("", text)) for text in texts)
+    return "".join(COMMENT.sub("", EXPORT.sub("", IMPORT.sub("", text))) for text in texts)
 
 
 def replaced(page: str, what: str, by: str) -> str:
