@@ -55,7 +55,7 @@ static void hear(void *ctx, const struct dg_host_event *event)
     self->count++;
 }
 
-static void start(struct twin *self, bool knows)
+static void start_twin(struct twin *self, bool knows)
 {
     const struct dg_device *model = dg_device_find("f3668");
 
@@ -78,8 +78,8 @@ static int set_up(void **state)
     now = 0;
     seed = 1;
     dg_shaft_init(&shaft);
-    start(&rests, true);
-    start(&looks, false);
+    start_twin(&rests, true);
+    start_twin(&looks, false);
     return 0;
 }
 
