@@ -119,10 +119,14 @@ static void initialise(struct dg_co_node *self, bool application)
     dg_co_report_memory(self, loaded); /* an EMCY comes after boot-up */
 }
 
+/* The wire is as bad as it was: a controller that was error passive finds that again. */
 void dg_co_reset(struct dg_co_node *self, bool application)
 {
+    const enum dg_co_bus_event controller = dg_co_controller_state(self);
+
     dg_co_remount(self);
     initialise(self, application);
+    (void)dg_co_controller(self, self->now, controller);
 }
 
 int dg_co_power_on(struct dg_co_node *self, dg_ns now)
