@@ -2,8 +2,6 @@
 /*
  * An encoder that answers with eleven characters behind a handle.
  */
-#include <string.h>
-
 #include "drehgeber/eleven.h"
 #include "drehgeber/host_wire.h"
 
@@ -14,14 +12,7 @@ static void furnish(void *settings, const struct dg_device *device)
 
 static void send(void *ctx, const uint8_t *bytes)
 {
-    struct dg_host_line *line = ctx;
-    struct dg_host_event event = {.at = line->now,
-                                  .id = DG_ELEVEN_CHARACTER_NS,
-                                  .kind = DG_HOST_BYTES,
-                                  .length = DG_ELEVEN_REPLY};
-
-    memcpy(event.data, bytes, DG_ELEVEN_REPLY);
-    dg_host_emit(line, &event);
+    dg_host_emit_reply(ctx, bytes, DG_ELEVEN_REPLY);
 }
 
 static const struct dg_eleven_ops ops = {.tx = send};
