@@ -186,21 +186,21 @@ static int prepare_slave(struct pty *self)
     return tcsetattr(self->slave, TCSANOW, &line);
 }
 
+/* Packet mode begins when the slave is as it should be: nothing about it waits to be read then. */
 static int open_pair(struct pty *self)
 {
     struct lx_serial *serial = &self->serial;
     const int on = 1;
     serial->fd = posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
     if (serial->fd < 0 || grantpt(serial->fd) != 0 || unlockpt(serial->fd) != 0 ||
-        ioctl(serial->fd, TIOCPKT, &on) != 0 ||
         ptsname_r(serial->fd, serial->address, sizeof serial->address) != 0) {
         return -1;
     }
     self->slave = open(serial->address, O_RDWR | O_NOCTTY | O_CLOEXEC);
-    if (self->slave < 0) {
+    if (self->slave < 0 || prepare_slave(self) != 0) {
         return -1;
     }
-    return prepare_slave(self);
+    return ioctl(serial->fd, TIOCPKT, &on);
 }
 
 static int open_pty(struct lx_serial *serial, struct lx_error *error)
