@@ -29,7 +29,8 @@ LANGUAGES = {".py": "python", ".c": "c", ".h": "c", ".yml": "yaml", ".yaml": "ya
 PICTURES = (".svg", ".png")
 PLAYGROUND = "playground"
 BOOSTS = (("docs/c/", 0.3), ("docs/python.md", 0.5), ("docs/", 3), ("tools/python/README.md", 3),
-          ("tests/", 0.3), ("ARCHITECTURE.md", 0.3), ("CONTRIBUTING.md", 0.3), ("CHANGELOG.md", 0.3))
+          ("src/bus/", 0.3), ("src/host/", 0.3), ("src/rig/", 0.3), ("tests/", 0.3), ("ARCHITECTURE.md", 0.3),
+          ("CONTRIBUTING.md", 0.3), ("CHANGELOG.md", 0.3))
 LINK = re.compile(r"(\]\()([^)\s#]+)((?:#[^)\s]*)?\))")
 FENCE = re.compile(r"^ {0,3}(```|~~~)")
 MADE = re.compile(r"<!-- made: ([\w-]+)((?: [\w./-]+)*) -->")
