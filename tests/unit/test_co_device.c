@@ -307,6 +307,20 @@ static void its_eds_file_is_written_from_its_rows(void **state)
     }
 }
 
+/* In the factory, or by who sets up a rig: in the EEPROM before it is powered. */
+static void a_node_id_is_burnt(void **state)
+{
+    (void)state;
+    dg_co_power_off(&node);
+    assert_int_equal(dg_co_burn_node_id(&device, ram_nvm_port(&nvm), 0), DG_ERR_ARGUMENT);
+    assert_int_equal(dg_co_burn_node_id(&device, ram_nvm_port(&nvm), 128), DG_ERR_ARGUMENT);
+    assert_int_equal(dg_co_burn_node_id(&device, ram_nvm_port(&nvm), 127), DG_OK);
+    power_on();
+    assert_int_equal(node.id, 127);
+    ram_nvm_init(&nvm, dg_store_size(&layout));
+    assert_int_equal(dg_co_burn_node_id(&device, ram_nvm_port(&nvm), 1), DG_ERR_BLANK);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -317,6 +331,7 @@ int main(void)
         cmocka_unit_test_setup(damaged_bus_parameters_become_the_delivered_ones, setup),
         cmocka_unit_test_setup(saving_takes_as_long_as_it_says, setup),
         cmocka_unit_test(its_eds_file_is_written_from_its_rows),
+        cmocka_unit_test_setup(a_node_id_is_burnt, setup),
     };
     return cmocka_run_group_tests_name("co_device", tests, NULL, NULL);
 }

@@ -14,6 +14,7 @@
 
 #include "drehgeber/devices.h"
 #include "hf_rig.h"
+#include "hiperface_private.h"
 
 #define EVER UINT32_MAX
 
@@ -295,6 +296,32 @@ static void assert_stays_off(int expected)
     assert_memory_equal(rig.nvm.bytes, image, sizeof image);
 }
 
+/* A model is checked before anything of it is written. */
+static void models_that_cannot_be(void **state)
+{
+    static const struct {
+        struct dg_hf_model model;
+        bool good;
+    } rows[] = {
+        {{.memory_blocks = 1}, true},
+        {{.memory_blocks = 112, .implemented_blocks = 128, .init = DG_HF_INIT_MAX}, true},
+        {{.memory_blocks = 16, .implemented_blocks = 16}, true},
+        {{.memory_blocks = 16, .implemented_blocks = 15}, false},
+        {{.memory_blocks = 16, .implemented_blocks = 129}, false},
+        {{.memory_blocks = 0}, false},
+        {{.memory_blocks = 113}, false},
+        {{.memory_blocks = 16, .init = DG_HF_INIT_MAX + 1u}, false},
+    };
+    (void)state;
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
+        struct dg_hf_model model = *rig.device.setup.model;
+        model.memory_blocks = rows[i].model.memory_blocks;
+        model.implemented_blocks = rows[i].model.implemented_blocks;
+        model.init = rows[i].model.init;
+        assert_int_equal(dg_hf_model_check(&model), rows[i].good ? DG_OK : DG_ERR_ARGUMENT);
+    }
+}
+
 static void a_blank_memory_is_no_device(void **state)
 {
     (void)state;
@@ -351,6 +378,7 @@ int main(void)
         cmocka_unit_test_setup(a_dead_bus_is_answered_and_heals, set_up),
         cmocka_unit_test_setup(a_bus_that_is_dead_at_power_on, set_up),
         cmocka_unit_test_setup(every_access_of_the_start_may_fail, set_up),
+        cmocka_unit_test_setup(models_that_cannot_be, set_up),
         cmocka_unit_test_setup(a_blank_memory_is_no_device, set_up),
         cmocka_unit_test_setup(a_foreign_memory_is_left_alone, set_up),
         cmocka_unit_test_setup(every_access_of_formatting_may_fail, set_up),

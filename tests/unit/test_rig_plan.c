@@ -149,6 +149,25 @@ static void a_setup_of_another_version(void **state)
     (void)state;
     assert_int_equal(dg_plan_read(&plan, &setup, &error), DG_ERR_ARGUMENT);
     assert_string_equal(error.what, "not a setup of this version");
+    setup.size = sizeof setup;
+    setup.file = NULL;
+    assert_int_equal(dg_plan_read(&plan, &setup, &error), DG_ERR_ARGUMENT);
+}
+
+/* A host without files says so. */
+static void a_host_that_includes_nothing(void **state)
+{
+    static struct bench bench;
+    static const char text[] = "[rig]\ninclude = shafts.ini\n";
+    const struct dg_plan_setup setup = {.size = sizeof setup,
+                                        .file = "bench.ini",
+                                        .text = {text, sizeof text - 1u},
+                                        .memory = bench.memory,
+                                        .memory_size = MEMORY_SIZE};
+    (void)state;
+    assert_int_equal(dg_plan_read(&bench.plan, &setup, &bench.error), DG_ERR_ARGUMENT);
+    assert_int_equal(bench.error.line, 2);
+    assert_string_equal(bench.error.key, "include");
 }
 
 /* --- files that include each other --- */
@@ -204,6 +223,115 @@ static void included_where_the_word_stands(void **state)
     struct dg_text files = dg_text_in(text, sizeof text);
     dg_plan_say_files(&bench.plan, bench.plan.wires[0].line, &files);
     assert_string_equal(text, "lab/bench.ini:5: lab/sub/wires.ini:2: lab/sub/more/bus.ini");
+}
+
+/* Wherever the memory ends, the plan is empty, and nobody is told that a word is wrong. */
+static void memory_that_ends_anywhere(void **state)
+{
+    static struct bench bench;
+    int result = DG_ERR_SPACE;
+    (void)state;
+    use_machine(&bench);
+    for (size_t size = 0; result != DG_OK; size++) {
+        result = read_in(&bench,
+                         "[rig]\nname = x\ncontrol = unix:s,token=t\nfiles = x\n"
+                         "include = shafts.ini\ninclude = sub/wires.ini\n"
+                         "[shaft wheel]\ndriver = motor\nratio = 1:10\n"
+                         "[encoder a]\nmodel = f3668\nbus = b\nnode = 1..9\nserial = 7\n"
+                         "nvm = a.nvm\ntemperature = 85\n"
+                         "[encoder c]\nmodel = f3668\nbus = c\nserial = 8\n"
+                         "[encoder own]\nmodel = ssi-25\nwire = string\ntrace = d.vcd\n"
+                         "temperature = 20\nbits = 13\n",
+                         size);
+        assert_true(result == DG_OK || result == DG_ERR_SPACE);
+        assert_true(result == DG_OK || bench.plan.memory == NULL);
+        assert_true(size < MEMORY_SIZE);
+    }
+    assert_int_equal(bench.plan.encoder_count, 11);
+    assert_string_equal(bench.plan.wires[2].trace, "lab/d.vcd");
+}
+
+/* Addresses of the control plane, whose ports and hosts are looked at as far as words go. */
+static void control_addresses(void **state)
+{
+    static const struct {
+        const char *text;
+        bool good;
+    } rows[] = {
+        {"unix:s", true},
+        {"unix:", false},
+        {"unix:0123456789012345678901234567890123456789012345678901234567890123456789012345678901234"
+         "567890123456789012345678901234",
+         false},
+        {"a:b", false},
+        {"tcp:localhost:5025,open,open", false},
+        {"tcp:[::1]:5025", true},
+        {"tcp:localhost:65535,open,token=t", true},
+        {"tcp:localhost:65536", false},
+        {"tcp:[]:5025", false},
+        {"tcp:ab]:5025", true},
+        {"tcp:[]a:5025", true},
+        {"tcp:abc:5025", true},
+        {"tcp::5025", false},
+        {"tcp:a:", false},
+        {"tcp:a:5x", false},
+        {"tcp:a:5025,shut", false},
+        {"unix:s,open", false},
+    };
+    (void)state;
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
+        struct dg_access_words words;
+        struct dg_plan_error error;
+        const int result = dg_access_read(rows[i].text, &words, &error);
+        if (result != (rows[i].good ? DG_OK : DG_ERR_ARGUMENT)) {
+            fail_msg("%s: %d", rows[i].text, result);
+        }
+    }
+}
+
+/* A command line adds what it says; however little memory there is, nothing is half there. */
+static void a_plan_without_a_text(void **state)
+{
+    static _Alignas(16) unsigned char memory[4096];
+    struct dg_plan plan;
+    int done = -1;
+    (void)state;
+    dg_plan_begin(&plan, NULL, 0);
+    assert_int_equal(dg_plan_add_shaft(&plan, "main", NULL), -1);
+    assert_null(dg_plan_copy(&plan, "x"));
+    for (size_t size = 0; done < 0; size++) {
+        struct dg_plan_settings none;
+        assert_true(size < sizeof memory);
+        dg_plan_begin(&plan, memory, size);
+        const int shaft = dg_plan_add_shaft(&plan, "main", "60RPM");
+        const int wire = shaft < 0 ? -1 : dg_plan_add_wire(&plan, "b", &kinds[0].kind, "knot");
+        done = wire < 0 ? -1
+                        : dg_plan_add_encoder(&plan, "a", dg_device_find("f3668"), (size_t)shaft,
+                                              (size_t)wire);
+        assert_true(dg_plan_make_settings(&plan, &none, 0));
+    }
+    assert_int_equal(dg_plan_find_shaft(&plan, "MAIN"), 0);
+    assert_int_equal(dg_plan_find_wire(&plan, "b"), 0);
+    assert_int_equal(dg_plan_find_encoder(&plan, "A"), 0);
+    assert_string_equal(plan.wires[0].where, "knot");
+}
+
+static void where_settings_stand(void **state)
+{
+    static struct bench bench;
+    char text[80];
+    struct dg_text addresses = dg_text_in(text, sizeof text);
+    (void)state;
+    read_good(&bench, "[encoder a]\nmodel = f3668\nwire = rope\ntemperature = 85\nnode = 7\n"
+                      "rotor_ok = 1\n");
+    assert_int_equal(dg_plan_setting_line(&bench.plan.encoders[0], "temperature"), 4);
+    assert_int_equal(dg_plan_setting_line(&bench.plan.encoders[0], "rotor_ok"), 6);
+    assert_int_equal(dg_plan_setting_line(&bench.plan.encoders[0], "wire"), 1);
+    dg_plan_say_addresses(dg_device_find("s3684-biss"), &addresses);
+    assert_string_equal(text, "");
+    dg_plan_say_addresses(dg_device_find("f3668"), &addresses);
+    assert_string_equal(text, "a node-ID in 1..127");
+    assert_null(dg_plan_address_row(dg_device_find("ssi-25")));
 }
 
 static void errors_name_the_files(void **state)
@@ -265,6 +393,11 @@ int main(void)
         cmocka_unit_test(kinds_of_wire_are_the_hosts),
         cmocka_unit_test(a_setup_of_another_version),
         cmocka_unit_test(included_where_the_word_stands),
+        cmocka_unit_test(memory_that_ends_anywhere),
+        cmocka_unit_test(a_plan_without_a_text),
+        cmocka_unit_test(where_settings_stand),
+        cmocka_unit_test(a_host_that_includes_nothing),
+        cmocka_unit_test(control_addresses),
         cmocka_unit_test(errors_name_the_files),
         cmocka_unit_test(no_way_out_of_the_folder),
         cmocka_unit_test(a_megabyte_is_enough),
