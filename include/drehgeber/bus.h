@@ -86,8 +86,8 @@ DG_API struct dg_bus *dg_bus_init(void *memory, size_t size, const struct dg_bus
  * Its listener is the bus from now on. It has to outlive the bus, or leave it. What it should know
  * of the wire, e.g. the state of its controller, is told by dg_bus_changed().
  * @param control whose faults happen to what it sends and hears; NULL: none do
- * @return its place, from 0; DG_ERR_ARGUMENT: it is of another medium, or not for this wire;
- * DG_ERR_SPACE
+ * @return its place, from 0; DG_ERR_ARGUMENT: it is of another medium, not for this wire, or made
+ * by dg_host_init() without dg_host_take_side(); DG_ERR_SPACE
  */
 DG_API int dg_bus_attach(struct dg_bus *self, struct dg_host *encoder, struct dg_encoder *control);
 

@@ -396,6 +396,8 @@ DG_API size_t dg_host_panel_size(void);
 /**
  * Put a panel before an encoder that was switched on, which has to outlive it; one at a time. The
  * encoder sits on the panel's shaft then, which is at the same angle, at rest: SHAFt moves it.
+ * Faults of the wire happen to what is for the encoder; of one by dg_host_init() alone, which does
+ * not know that, to all that comes (dg_host_take_side() in host_wire.h).
  * @return NULL: too small, not aligned, never on, or `instrument` is not that of its protocol
  */
 DG_API struct dg_host_panel *dg_host_panel_init(void *memory, size_t size, struct dg_host *host,

@@ -34,11 +34,8 @@ struct dg_host_line {
     bool level;     /**< the wire's own: of the encoder's line as told last */
     bool behind;    /**< clocked lines: level of the line of the next encoder in a chain */
     bool chained;   /**< ... of which there is one */
+    bool on_bus;    /**< a bus hears what it says; not in a state */
 };
-
-/** A bit of dg_host_event.flags, from a protocol to a bus: what was sent may acknowledge that
- * something was stored. Hosts that fetch events do not see it. */
-#define DG_HOST_ACKNOWLEDGES 0x8000u
 
 /** Identifiers that services of one encoder share at most. */
 #define DG_HOST_SHARED 3u
@@ -59,6 +56,9 @@ struct dg_host_controller {
     /** Whether it does not know yet that somebody acknowledges (DG_HOST_BUS_PRESENT), or that
      * nobody does (DG_HOST_BUS_ABSENT). */
     bool (*is_news)(const void *device, enum dg_host_bus event);
+    /** Whether a frame that it sends with this identifier may acknowledge that something was
+     * stored. */
+    bool (*acknowledges)(const void *device, uint32_t id);
 };
 
 /** What a ring asks of an encoder in it; words are numbers of up to 32 bits, IN and OUT of one
@@ -120,19 +120,30 @@ struct dg_host_wire {
     /** Characters: the setting in force, or the `stored` one that will be. NULL: of another medium.
      */
     void (*uart)(const struct dg_host_line *line, bool stored, struct dg_host_uart *to);
+    /** A frame by an own master from line->now on, which it moves on. NULL: has none. */
+    int (*frame)(struct dg_host_line *line, struct dg_host_frame *to);
+    /** States of others: of the stack, whose settings begin with its own struct. */
+    const struct dg_stack_check *state;
+};
+
+/** What only a bus asks of an encoder, in an object of its own: who names no more than the wire
+ * links nothing of it, and such a handle goes on no bus. Operations may be NULL where they say
+ * so. */
+struct dg_bus_side {
+    const struct dg_host_wire *wire;
     /** Characters: whether a request that begins with `byte` is for this encoder. NULL: each is. */
     bool (*wants)(const struct dg_host_line *line, uint8_t byte);
     /** The address in force on a wire with several; -1: nobody can tell. NULL: there is none. */
     int (*address)(const struct dg_host_line *line);
-    /** A frame by an own master from line->now on, which it moves on. NULL: has none. */
-    int (*frame)(struct dg_host_line *line, struct dg_host_frame *to);
     /** NULL but of frames. */
     const struct dg_host_controller *controller;
     /** DG_MEDIUM_WORDS: what a ring asks of it; NULL with all others. */
     const struct dg_host_ring *ring;
-    /** States of others: of the stack, whose settings begin with its own struct. */
-    const struct dg_stack_check *state;
 };
+
+/** The protocols' own. */
+DG_API extern const struct dg_bus_side dg_hf_side, dg_biss_side, dg_ssi_side, dg_cia406_side,
+    dg_ib_side;
 
 /** The encoder has sent something, but for characters. */
 DG_API void dg_host_emit(struct dg_host_line *line, const struct dg_host_event *event);
@@ -147,21 +158,25 @@ DG_API dg_ns dg_host_characters_ns(const struct dg_host_line *line, size_t count
 /** Bytes of a handle without queues, for one that is put on a bus. It takes events by
  * dg_host_feed() and tells a listener; dg_host_send() is DG_HOST_ERR_STATE.
  * @return as dg_host_size() */
-DG_API size_t dg_host_size_on_bus(const struct dg_device *model, const struct dg_host_wire *wire);
+DG_API size_t dg_host_size_on_bus(const struct dg_device *model, const struct dg_bus_side *side);
 /** The same for one whose EEPROM is the host's (dg_host_memory_port(), before the first power-on):
  * there is no room for one in it. */
-DG_API size_t dg_host_size_with_port(const struct dg_device *model,
-                                     const struct dg_host_wire *wire);
+DG_API size_t dg_host_size_with_port(const struct dg_device *model, const struct dg_bus_side *side);
 /** Behind dg_host_memory_port(): there is an image of this encoder in it, as whoever opened it
  * knows. The first power-on does not look whether to format it. */
 DG_API void dg_host_memory_known(struct dg_host *self);
 /** Make one; with an EEPROM of its own if `size` has room for that. @return as dg_host_init() */
 DG_API struct dg_host *dg_host_init_on_bus(void *memory, size_t size, const struct dg_device *model,
-                                           const struct dg_host_wire *wire);
+                                           const struct dg_bus_side *side);
+/** A handle of this wire by dg_host_init() may go on a bus from now on, and its panel knows which
+ * events are for it. `side` outlives it. */
+DG_API void dg_host_take_side(struct dg_host *self, const struct dg_bus_side *side);
 /** It is `now`, and nothing happens yet: what has become due since is late, and done at this moment
  * by the next call. For who cannot come in time. */
 DG_API void dg_host_skip(struct dg_host *self, uint64_t now);
-/** The side of this model's protocol; links all of them. NULL: it has none. */
+/** What a bus asks of this model's protocol; links all of them. NULL: it has none. */
+DG_API const struct dg_bus_side *dg_bus_side_of(const struct dg_device *model);
+/** The same for its wire alone. */
 DG_API const struct dg_host_wire *dg_host_wire_of(const struct dg_device *model);
 
 /** `event` of this wire happens at event->at, or at the latest moment that was served if that is
@@ -184,6 +199,8 @@ DG_API bool dg_host_made(const struct dg_host *self);
 
 /** The side of its protocol. */
 DG_API const struct dg_host_wire *dg_host_wire_at(const struct dg_host *self);
+/** What a bus asks of it; NULL: it was made without. */
+DG_API const struct dg_bus_side *dg_host_side_at(const struct dg_host *self);
 /** What a protocol sees of a handle, for a bus and the port around it; it lasts as long. */
 DG_API struct dg_host_line *dg_host_line_of(struct dg_host *self);
 /** What it senses, for a port that bends it; it lasts as long. */

@@ -15,8 +15,8 @@
 #include "drehgeber/interbus.h"
 #include "drehgeber/ssi.h"
 
-/** ROW(PREFIX) for each protocol: there are dg_PREFIX_stack, dg_PREFIX_wire for its handles and
- * dg_PREFIX_instrument. Their commands are told in this order. */
+/** ROW(PREFIX) for each protocol: there are dg_PREFIX_stack, dg_PREFIX_wire for its handles,
+ * dg_PREFIX_side for buses and dg_PREFIX_instrument. Their commands are told in this order. */
 #define DG_PROTOCOLS(ROW) ROW(hf) ROW(biss) ROW(cia406) ROW(ib) ROW(ssi)
 
 /** ROW(PREFIX) for those that have dg_PREFIX_words; the masters of the others tell their frames in

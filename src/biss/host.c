@@ -134,6 +134,8 @@ const struct dg_host_wire dg_biss_wire = {
     .state = &dg_biss_check,
 };
 
+const struct dg_bus_side dg_biss_side = {.wire = &dg_biss_wire};
+
 /* ------------------------------------------------------------ registers */
 
 #define ZERO_FRAMES 14u

@@ -154,9 +154,9 @@ void dg_bus_spread(struct characters_place *from, dg_ns at, uint8_t byte, bool d
 
 static bool is_for(const struct characters_place *self, uint8_t byte)
 {
-    const struct dg_host_wire *wire = dg_host_wire_at(self->place.host);
+    const struct dg_bus_side *side = dg_host_side_at(self->place.host);
 
-    return wire->wants == NULL || wire->wants(dg_host_line_of(self->place.host), byte);
+    return side->wants == NULL || side->wants(dg_host_line_of(self->place.host), byte);
 }
 
 /* Whether the master's character is kept from the encoder (fault). Decided at the first one of a

@@ -239,7 +239,7 @@ static void hear_frame(struct bus_place *base, const struct dg_host_event *event
         return;
     }
     memcpy(sent.frame.data, event->data, sizeof sent.frame.data);
-    if ((event->flags & DG_HOST_ACKNOWLEDGES) != 0) {
+    if (from->ask->acknowledges(from->device, event->id)) {
         acknowledge(from, &sent);
     } else {
         send_event(from, &sent);
@@ -610,7 +610,7 @@ static int attach(struct bus_place *base)
 {
     struct frames_place *place = (struct frames_place *)(void *)base;
 
-    place->ask = dg_host_wire_at(base->host)->controller;
+    place->ask = dg_host_side_at(base->host)->controller;
     if (place->ask == NULL) {
         return DG_ERR_ARGUMENT;
     }

@@ -55,7 +55,7 @@ int dg_bus_attach(struct dg_bus *self, struct dg_host *encoder, struct dg_encode
 {
     const struct dg_stack *stack = dg_host_wire_at(encoder)->stack;
 
-    if (stack->medium != self->medium->medium) {
+    if (stack->medium != self->medium->medium || dg_host_side_at(encoder) == NULL) {
         return DG_ERR_ARGUMENT;
     }
     if (self->count == self->room) {

@@ -293,7 +293,7 @@ static int attach(struct bus_place *place)
     struct member *self = (struct member *)(void *)place;
     struct ring *ring = ring_of(place->bus);
 
-    self->ops = dg_host_wire_at(place->host)->ring;
+    self->ops = dg_host_side_at(place->host)->ring;
     self->line = dg_host_line_of(place->host);
     self->words = self->ops->words(self->line);
     self->at = ring->is.words;

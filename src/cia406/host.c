@@ -9,9 +9,6 @@
 
 #define ID_MAX 0x7FFu
 #define DLC_MAX 8u
-/* An SDO server's answers, and the one to LSS. */
-#define ID_SDO 0x580u
-#define ID_LSS 0x7E4u
 
 _Static_assert((int)DG_HOST_BUS_ACTIVE == (int)DG_CO_BUS_ACTIVE, "the numbers are the same");
 _Static_assert((int)DG_HOST_BUS_PASSIVE == (int)DG_CO_BUS_PASSIVE, "the numbers are the same");
@@ -19,7 +16,6 @@ _Static_assert((int)DG_HOST_BUS_OFF == (int)DG_CO_BUS_OFF, "the numbers are the 
 _Static_assert((int)DG_HOST_BUS_OVERRUN == (int)DG_CO_BUS_OVERRUN, "the numbers are the same");
 _Static_assert((int)DG_HOST_BUS_ABSENT == (int)DG_CO_BUS_ABSENT, "the numbers are the same");
 _Static_assert((int)DG_HOST_BUS_PRESENT == (int)DG_CO_BUS_PRESENT, "the numbers are the same");
-_Static_assert(DG_HOST_FILTERS == DG_CO_FILTERS_MAX, "a node has no more");
 
 static void furnish(void *settings, const struct dg_device *device)
 {
@@ -35,12 +31,6 @@ static uint32_t without(const void *settings)
 
 /* ------------------------------------------------------------ out */
 
-/* Only an answer acknowledges. */
-static bool is_answer(const struct dg_cia406_device *device, uint16_t id)
-{
-    return id == ID_SDO + device->node.id || id == ID_LSS;
-}
-
 /* A node asks for nothing: it sends no remote frames. */
 static void send(void *ctx, const struct dg_can_frame *frame)
 {
@@ -49,7 +39,6 @@ static void send(void *ctx, const struct dg_can_frame *frame)
     struct dg_host_event event = {
         .at = line->now,
         .id = frame->id,
-        .flags = is_answer(device, frame->id) ? DG_HOST_ACKNOWLEDGES : 0,
         .kind = DG_HOST_CAN,
         .length = frame->dlc,
     };
@@ -114,70 +103,6 @@ static bool take(struct dg_host_line *line, const struct dg_host_event *event)
     return true;
 }
 
-/* ------------------------------------------------------------ what a bus asks */
-
-static uint32_t version(const void *self)
-{
-    const struct dg_cia406_device *device = self;
-
-    return (uint32_t)device->node.filter_version << 8 | device->node.bit_rate;
-}
-
-/* One that was never on is all zero, and so has no device. */
-static bool is_made(const struct dg_co_node *node)
-{
-    return node->setup.device != NULL;
-}
-
-static uint8_t listens(const void *self, uint16_t ids[DG_HOST_FILTERS])
-{
-    const struct dg_cia406_device *device = self;
-
-    return is_made(&device->node) ? dg_co_filters(&device->node, ids) : 0;
-}
-
-static uint32_t bit_rate(const void *self)
-{
-    const struct dg_co_node *node = &((const struct dg_cia406_device *)self)->node;
-
-    return is_made(node) ? 1000u * node->setup.device->kbaud[node->bit_rate] : 0;
-}
-
-static uint32_t address(const void *self)
-{
-    const struct dg_cia406_device *device = self;
-
-    return device->node.id;
-}
-
-static uint8_t shared(const void *self, uint16_t ids[DG_HOST_SHARED])
-{
-    const struct dg_cia406_device *device = self;
-
-    return is_made(&device->node) ? dg_co_shared_ids(&device->node, ids) : 0;
-}
-
-static bool is_news(const void *self, enum dg_host_bus event)
-{
-    const struct dg_cia406_device *device = self;
-    const struct dg_co_node *node = &device->node;
-
-    if (!is_made(node) || event == DG_HOST_BUS_ABSENT) {
-        return is_made(node) && !node->bus_absent;
-    }
-    return node->bus_absent || (!node->bus_found && node->state != DG_CO_OFF);
-}
-
-static const struct dg_host_controller controller = {
-    .version = version,
-    .listens = listens,
-    .bit_rate = bit_rate,
-    .address = address,
-    .shared = shared,
-    .is_news = is_news,
-};
-_Static_assert(DG_HOST_SHARED == DG_CO_SHARED_MAX, "a node has no more");
-
 const struct dg_host_wire dg_cia406_wire = {
     .stack = &dg_cia406_stack,
     .keys = &dg_cia406_keys,
@@ -188,7 +113,6 @@ const struct dg_host_wire dg_cia406_wire = {
     .check = check,
     .take = take,
     .feed = feed,
-    .controller = &controller,
     .state = &dg_cia406_check,
 };
 

@@ -124,25 +124,6 @@ static dg_ns feed(struct dg_host_line *line, const struct dg_host_event *event)
     return next > line->now ? next : dg_hf_step(line->device, line->now);
 }
 
-/* ------------------------------------------------------------ on a line with others */
-
-/* A memory that was silent when power came on was not read. */
-static int address(const struct dg_host_line *line)
-{
-    const struct dg_hf *device = line->device;
-    const bool known =
-        device->store.layout != NULL && !dg_store_damaged(&device->store, DG_HF_REGION_UART);
-
-    return known ? device->address : -1;
-}
-
-static bool wants(const struct dg_host_line *line, uint8_t byte)
-{
-    const struct dg_hf *device = line->device;
-
-    return byte == device->address || byte == DG_HF_ADDRESS_BROADCAST;
-}
-
 const struct dg_host_wire dg_hf_wire = {
     .stack = &dg_hf_stack,
     .keys = &dg_hf_keys,
@@ -154,8 +135,6 @@ const struct dg_host_wire dg_hf_wire = {
     .take = take,
     .feed = feed,
     .uart = tell_uart,
-    .wants = wants,
-    .address = address,
     .state = &dg_hf_check,
 };
 

@@ -12,27 +12,16 @@ _Static_assert(_Alignof(struct dg_host) <= DG_HOST_ALIGN, "what host.h asks for 
 _Static_assert(_Alignof(max_align_t) <= DG_HOST_ALIGN, "also for devices, see stack.h");
 _Static_assert(offsetof(struct dg_host, line) == 0, "from a line to its handle");
 
-size_t dg_host_round(size_t n)
-{
-    return (n + DG_HOST_ALIGN - 1u) / DG_HOST_ALIGN * DG_HOST_ALIGN;
-}
-
 struct host_parts dg_host_parts_of(const struct dg_device *model, const struct dg_host_wire *wire)
 {
     const struct dg_store_layout *layout = model->stack->layout(model->model);
+    struct host_parts parts;
 
-    return (struct host_parts){
-        .queues = dg_host_round(sizeof(struct host_queues)),
-        .settings = dg_host_round(wire->settings_size),
-        .device = dg_host_round(model->stack->device_size),
-        .memory = layout != NULL ? dg_host_round(dg_store_size(layout)) : 0,
-    };
-}
-
-size_t dg_host_size_of_parts(const struct host_parts *parts)
-{
-    return dg_host_round(sizeof(struct dg_host)) + parts->queues + parts->settings + parts->device +
-           parts->memory;
+    parts.settings = HOST_QUEUES_AT + dg_host_round(sizeof(struct host_queues));
+    parts.device = parts.settings + dg_host_round(wire->settings_size);
+    parts.memory = parts.device + dg_host_round(model->stack->device_size);
+    parts.end = parts.memory + (layout != NULL ? dg_host_round(dg_store_size(layout)) : 0);
+    return parts;
 }
 
 size_t dg_host_size(const struct dg_device *model, const struct dg_host_wire *wire)
@@ -40,38 +29,39 @@ size_t dg_host_size(const struct dg_device *model, const struct dg_host_wire *wi
     if (model->stack != wire->stack) {
         return 0;
     }
-    const struct host_parts parts = dg_host_parts_of(model, wire);
-    return dg_host_size_of_parts(&parts);
+    return dg_host_parts_of(model, wire).end;
 }
 
 static void place_parts(struct dg_host *self, const struct host_parts *parts)
 {
-    uint8_t *behind = (uint8_t *)self + dg_host_round(sizeof *self);
+    uint8_t *base = (uint8_t *)self;
 
-    self->refs.queues = parts->queues != 0 ? (struct host_queues *)(void *)behind : NULL;
-    self->line.settings = behind + parts->queues;
-    self->line.device = behind + parts->queues + parts->settings;
-    self->refs.memory = behind + parts->queues + parts->settings + parts->device;
-    self->memory_size = (uint32_t)parts->memory;
+    self->refs.queues = parts->settings != HOST_QUEUES_AT
+                            ? (struct host_queues *)(void *)(base + HOST_QUEUES_AT)
+                            : NULL;
+    self->line.settings = base + parts->settings;
+    self->line.device = base + parts->device;
+    self->refs.memory = base + parts->memory;
+    self->memory_size = (uint32_t)(parts->end - parts->memory);
 }
 
 struct dg_host *dg_host_init_parts(void *memory, size_t size, const struct dg_device *model,
                                    const struct dg_host_wire *wire, const struct host_parts *parts)
 {
-    const size_t needed = dg_host_size_of_parts(parts);
     struct dg_host *self = memory;
 
-    if (memory == NULL || model->stack != wire->stack || size < needed ||
+    if (memory == NULL || model->stack != wire->stack || size < parts->end ||
         (uintptr_t)memory % DG_HOST_ALIGN != 0) {
         return NULL;
     }
-    memset(memory, 0, needed);
+    memset(memory, 0, parts->end);
     place_parts(self, parts);
     self->refs.device = model;
     self->refs.wire = wire;
     self->deadline = DG_NEVER;
     dg_world_init(&self->world);
-    dg_host_sit_alone(self);
+    self->world.angle = dg_host_own_angle;
+    self->world.angle_ctx = self;
     if (wire->furnish != NULL) {
         wire->furnish(self->line.settings, model);
     } else {
@@ -151,15 +141,16 @@ struct dg_stack_setup dg_host_setup(struct dg_host *self)
 static int format(struct dg_host *self, const struct dg_stack_setup *setup)
 {
     const struct dg_stack *stack = self->refs.device->stack;
+    const bool stores = stack->layout(setup->model) != NULL;
     struct dg_store store;
 
-    if (setup->nvm.ops == NULL && stack->layout(setup->model) != NULL) {
+    if (stores && setup->nvm.ops == NULL) {
         return DG_ERR_IO; /* the host has not said where it is */
     }
     if (self->loaded) {
         return DG_OK;
     }
-    if (self->refs.nvm.ops != NULL && stack->layout(setup->model) != NULL) {
+    if (stores && self->refs.nvm.ops != NULL) {
         const int result = stack->mount(setup, &store);
         return result == DG_ERR_BLANK ? stack->format(setup) : result;
     }
@@ -199,7 +190,7 @@ int dg_host_power(struct dg_host *self, uint64_t now, bool on)
     } else {
         stack->power_off(self->line.device);
     }
-    if (!self->on_bus) {
+    if (!self->line.on_bus) {
         dg_host_run(self, now);
     }
     return result;

@@ -55,7 +55,8 @@ struct host_faults {
 struct host_refs {
     const struct dg_device *device;
     const struct dg_host_wire *wire;
-    struct host_queues *queues; /**< behind the handle; NULL: it is on a bus */
+    const struct dg_bus_side *side; /**< NULL: it goes on no bus */
+    struct host_queues *queues;     /**< behind the handle; NULL: it is on a bus */
     void (*heard)(void *ctx, const struct dg_host_event *event); /**< NULL: into `queues` */
     void *heard_ctx;
     const struct host_faults *faults; /**< NULL: none */
@@ -69,7 +70,6 @@ struct dg_host {
     struct dg_host_line line; /**< first: operations get it and find the handle */
     struct host_refs refs;
     uint32_t memory_size;
-    bool on_bus;    /**< refs.heard is a bus, and no more in a state than that */
     dg_ns deadline; /**< of the device */
     struct dg_world world;
     struct host_course course;
@@ -81,24 +81,32 @@ struct dg_host {
     uint32_t lost;
 };
 
-/** handle.c */
-size_t dg_host_round(size_t n);
-/** Sizes of what stands behind a handle, in this order. */
+/** Up to a multiple of DG_HOST_ALIGN. */
+static inline size_t dg_host_round(size_t n)
+{
+    return (n + DG_HOST_ALIGN - 1u) / DG_HOST_ALIGN * DG_HOST_ALIGN;
+}
+
+/** Where queues begin, if a handle has some. */
+#define HOST_QUEUES_AT dg_host_round(sizeof(struct dg_host))
+
+/** Where the parts behind them begin, in this order, counted from the handle. */
 struct host_parts {
-    size_t queues; /**< 0 on a bus */
-    size_t settings;
+    size_t settings; /**< HOST_QUEUES_AT: there are no queues, it is on a bus */
     size_t device;
-    size_t memory; /**< 0: the model has none, or it is the host's */
+    size_t memory;
+    size_t end; /**< as memory: the model has no EEPROM, or it is the host's */
 };
+
+/** handle.c */
 /** Of a handle that is alone and has its own memory. */
 struct host_parts dg_host_parts_of(const struct dg_device *model, const struct dg_host_wire *wire);
-/** As dg_host_size() and dg_host_init(), of a handle with such parts. */
-size_t dg_host_size_of_parts(const struct host_parts *parts);
+/** As dg_host_init(), of a handle with such parts. */
 struct dg_host *dg_host_init_parts(void *memory, size_t size, const struct dg_device *model,
                                    const struct dg_host_wire *wire, const struct host_parts *parts);
 
-/** physics.c: sit on the own shaft, `course`. */
-void dg_host_sit_alone(struct dg_host *self);
+/** physics.c: the angle of a handle's own shaft, `course`. */
+dg_angle dg_host_own_angle(void *handle, dg_ns at);
 /** Sit on a shaft, which `angle_of` tells the angle of. */
 void dg_host_sit(struct dg_host *self, void *shaft, dg_angle (*angle_of)(void *shaft, dg_ns at));
 

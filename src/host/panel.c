@@ -70,15 +70,16 @@ static dg_ns find_arrival(const struct dg_host_panel *self, dg_ns at)
     return late > at ? late : at;
 }
 
-/* Edges are bent as levels, below, and a cycle that is lost does not begin. */
+/* Edges are bent as levels, below, and a cycle that is lost does not begin. On a bus the bus bends
+ * what is said. */
 static unsigned arrives(void *ctx, struct dg_host_event *event)
 {
     struct dg_host_panel *self = ctx;
 
-    if (event->kind == DG_HOST_WORDS) {
+    if (event->kind == DG_HOST_WORDS && !self->host->line.on_bus) {
         tear(self, event);
     }
-    if (event->kind != DG_HOST_CAN) {
+    if (event->kind != DG_HOST_CAN || self->host->line.on_bus) {
         return 1;
     }
     const struct dg_wire_sent sent = dg_wire_fault_send(&self->encoder, event->length);
@@ -100,7 +101,7 @@ static void say_reply(void *ctx, const uint8_t *bytes, size_t n)
     uint8_t bent[DG_REPLY_MAX];
     const size_t length = n < sizeof bent ? n : sizeof bent;
 
-    if (host->on_bus) {
+    if (host->line.on_bus) {
         dg_host_say_reply(host, bytes, n);
         return;
     }
@@ -122,7 +123,7 @@ static void say_reply(void *ctx, const uint8_t *bytes, size_t n)
  * encoder. While its own reply is on the line it hears nothing anyway. */
 static bool hears_characters(struct dg_host_panel *self, const struct dg_host_event *event)
 {
-    const struct dg_host_wire *wire = self->host->refs.wire;
+    const struct dg_bus_side *side = self->host->refs.side;
     const struct dg_host_line *line = &self->host->line;
     struct dg_host_uart uart;
 
@@ -136,7 +137,7 @@ static bool hears_characters(struct dg_host_panel *self, const struct dg_host_ev
     const bool begins = self->heard == 0 || pause > dg_bit_times_ns(uart.timeout_bits, uart.baud);
     self->heard = dg_after(end, (event->length - 1u) * one);
     if (begins && end >= line->until) {
-        self->deaf = (wire->wants == NULL || wire->wants(line, event->data[0])) &&
+        self->deaf = (side == NULL || side->wants == NULL || side->wants(line, event->data[0])) &&
                      dg_wire_fault_hear(&self->encoder) != DG_WIRE_HEARD;
     }
     return !self->deaf;
@@ -145,9 +146,13 @@ static bool hears_characters(struct dg_host_panel *self, const struct dg_host_ev
 /* A controller has filters: what gets by them was neither lost nor kept from the encoder. */
 static bool listens_to(const struct dg_host_panel *self, uint32_t id)
 {
-    const struct dg_host_controller *controller = self->host->refs.wire->controller;
+    const struct dg_bus_side *side = self->host->refs.side;
     uint16_t ids[DG_HOST_FILTERS];
-    uint8_t left = controller->listens(self->host->line.device, ids);
+
+    if (side == NULL) {
+        return true;
+    }
+    uint8_t left = side->controller->listens(self->host->line.device, ids);
 
     while (left > 0 && ids[left - 1u] != id) {
         left--;
@@ -186,7 +191,9 @@ static bool hears_cycle(struct dg_host_panel *self, const struct dg_host_event *
         return false;
     }
     if (data && dg_fault_wire_takes(faults, DG_WIRE_DAMAGE)) {
-        self->host->refs.wire->ring->spoil(&self->host->line);
+        if (self->host->refs.side != NULL) {
+            self->host->refs.side->ring->spoil(&self->host->line);
+        }
         self->dead = DG_RING_DEAD_CYCLES;
         return false;
     }
@@ -209,7 +216,7 @@ static bool hears(void *ctx, struct dg_host_event *event)
 {
     struct dg_host_panel *self = ctx;
 
-    if (self->host->on_bus) {
+    if (self->host->line.on_bus) {
         return true;
     }
     switch ((enum dg_host_kind)event->kind) {
@@ -253,7 +260,7 @@ static bool bent(void *ctx, bool raw)
 {
     struct dg_host_panel *self = ctx;
 
-    if (self->host->on_bus) {
+    if (self->host->line.on_bus) {
         return raw;
     }
     follow(self, raw);

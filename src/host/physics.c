@@ -28,8 +28,7 @@ static dg_angle angle_in(const struct host_course *course, dg_ns at)
     return (dg_angle)((uint64_t)course->angle + turned(course->rate, course->at, at));
 }
 
-/* Of a handle. */
-static dg_angle own_angle(void *handle, dg_ns at)
+dg_angle dg_host_own_angle(void *handle, dg_ns at)
 {
     const struct dg_host *self = handle;
 
@@ -60,16 +59,11 @@ void dg_host_sit(struct dg_host *self, void *shaft, dg_angle (*angle_of)(void *s
     dg_host_run(self, self->line.now);
 }
 
-void dg_host_sit_alone(struct dg_host *self)
-{
-    dg_host_sit(self, self, own_angle);
-}
-
 int dg_host_share(struct dg_host *self, struct dg_host *other)
 {
     if (other != NULL && other->world.angle_ctx != other) {
         return DG_HOST_ERR_ARGUMENT;
     }
-    dg_host_sit(self, other == NULL ? self : other, own_angle);
+    dg_host_sit(self, other == NULL ? self : other, dg_host_own_angle);
     return DG_HOST_OK;
 }

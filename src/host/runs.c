@@ -16,7 +16,7 @@ dg_ns dg_host_characters_ns(const struct dg_host_line *line, size_t count)
     const struct dg_host *self = (const struct dg_host *)(const void *)line;
     struct dg_host_uart uart;
 
-    if (self->on_bus || self->refs.wire->uart == NULL) {
+    if (self->line.on_bus || self->refs.wire->uart == NULL) {
         return 0;
     }
     self->refs.wire->uart(line, false, &uart);

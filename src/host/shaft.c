@@ -9,7 +9,7 @@
 void dg_host_shaft_of(struct dg_host *self, struct dg_shaft *shaft)
 {
     if (shaft == NULL) {
-        dg_host_sit_alone(self);
+        dg_host_sit(self, self, dg_host_own_angle);
     } else {
         dg_host_sit(self, shaft, dg_shaft_angle);
     }

@@ -36,25 +36,22 @@ struct header {
 };
 #define ORDER UINT32_C(0x01020304)
 
-/* They stand one behind the other. */
 static struct host_parts parts_of(const struct dg_host *self)
 {
-    const uint8_t *settings = self->line.settings;
-    const uint8_t *device = self->line.device;
+    const uint8_t *base = (const uint8_t *)self;
+    const size_t memory = (size_t)(self->refs.memory - base);
 
     return (struct host_parts){
-        .queues = self->refs.queues != NULL ? dg_host_round(sizeof(struct host_queues)) : 0,
-        .settings = (size_t)(device - settings),
-        .device = (size_t)(self->refs.memory - device),
-        .memory = self->memory_size,
+        .settings = (size_t)((const uint8_t *)self->line.settings - base),
+        .device = (size_t)((const uint8_t *)self->line.device - base),
+        .memory = memory,
+        .end = memory + self->memory_size,
     };
 }
 
 static size_t size_in_all(const struct dg_host *self)
 {
-    const struct host_parts parts = parts_of(self);
-
-    return dg_host_size_of_parts(&parts);
+    return parts_of(self).end;
 }
 
 static struct header header_of(const struct dg_host *self)
@@ -64,10 +61,10 @@ static struct header header_of(const struct dg_host *self)
         .order = ORDER,
         .pointer = sizeof(void *),
         .handle = sizeof(struct dg_host),
-        .queues = (uint32_t)parts.queues,
-        .settings = (uint32_t)parts.settings,
-        .device = (uint32_t)parts.device,
-        .memory = (uint32_t)parts.memory,
+        .queues = (uint32_t)(parts.settings - HOST_QUEUES_AT),
+        .settings = (uint32_t)(parts.device - parts.settings),
+        .device = (uint32_t)(parts.memory - parts.device),
+        .memory = (uint32_t)(parts.end - parts.memory),
         .own_memory = self->refs.nvm.ops == NULL ? 1u : 0u,
     };
 
@@ -90,7 +87,7 @@ size_t dg_host_state_size(const struct dg_host *self)
 static void drop_pointers(struct dg_host *self)
 {
     self->refs = (struct host_refs){0};
-    self->on_bus = false;
+    self->line.on_bus = false;
     self->line.settings = NULL;
     self->line.device = NULL;
     self->world.angle = NULL;
@@ -101,7 +98,7 @@ static void drop_pointers(struct dg_host *self)
 static void take_pointers(struct dg_host *self, const struct dg_host *from)
 {
     self->refs = from->refs;
-    self->on_bus = from->on_bus;
+    self->line.on_bus = from->line.on_bus;
     self->line.settings = from->line.settings;
     self->line.device = from->line.device;
     self->world.angle = from->world.angle;
@@ -277,8 +274,8 @@ static bool is_sound(const struct dg_host *self, const uint8_t *body)
 {
     const struct dg_stack_check *check = self->refs.wire->state;
     const struct host_parts parts = parts_of(self);
-    const uint8_t *settings = body + dg_host_round(sizeof *self) + parts.queues;
-    const uint8_t *device = settings + parts.settings;
+    const uint8_t *settings = body + parts.settings;
+    const uint8_t *device = body + parts.device;
 
     if (!handle_fits(self, body) || !all_hold(self->refs.wire->keys, settings)) {
         return false;

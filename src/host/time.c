@@ -50,11 +50,6 @@ void dg_host_emit(struct dg_host_line *line, const struct dg_host_event *event)
     struct dg_host_event copy = *event;
     unsigned times = 1;
 
-    if (self->on_bus) {
-        dg_host_deliver(self, event);
-        return;
-    }
-    copy.flags &= (uint16_t)~DG_HOST_ACKNOWLEDGES;
     if (self->refs.faults != NULL) {
         times = self->refs.faults->arrives(self->refs.faults_ctx, &copy);
     }
@@ -88,7 +83,7 @@ void dg_host_listen(struct dg_host *self, void (*heard)(void *, const struct dg_
 {
     self->refs.heard = heard;
     self->refs.heard_ctx = ctx;
-    self->on_bus = false;
+    self->line.on_bus = false;
 }
 
 static int check_edge(const struct dg_host_event *event)

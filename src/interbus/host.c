@@ -21,68 +21,6 @@ static int check(const struct dg_host_event *event)
     return event->kind == DG_HOST_WORDS ? DG_HOST_OK : DG_HOST_ERR_WIRE;
 }
 
-/* ------------------------------------------------------------ in a ring */
-
-static uint8_t words(const struct dg_host_line *line)
-{
-    return dg_ib_image_words(line->settings);
-}
-
-static bool identified(const struct dg_host_line *line)
-{
-    const struct dg_ib *device = line->device;
-
-    return device->last_id != DG_NEVER;
-}
-
-static uint16_t identify(struct dg_host_line *line, dg_ns now, bool last)
-{
-    struct dg_ib *device = line->device;
-
-    device->outgoing_off = last;
-    return dg_ib_id(device, now);
-}
-
-static uint32_t exchange(struct dg_host_line *line, dg_ns now, uint32_t out)
-{
-    uint32_t in = 0;
-
-    dg_ib_cycle(line->device, now, out, &in);
-    return in;
-}
-
-static void spoil(struct dg_host_line *line)
-{
-    struct dg_ib *device = line->device;
-
-    device->crc_error = true;
-    device->counters.crc_errors++;
-}
-
-static dg_ns quiet(const struct dg_host_line *line, dg_ns now)
-{
-    return dg_ib_quiet(line->device, now);
-}
-
-static void skip(struct dg_host_line *line, uint32_t cycles)
-{
-    struct dg_ib *device = line->device;
-
-    device->counters.cycles += cycles;
-}
-
-static const struct dg_host_ring ring = {
-    .words = words,
-    .identified = identified,
-    .identify = identify,
-    .exchange = exchange,
-    .spoil = spoil,
-    .quiet = quiet,
-    .skip = skip,
-};
-
-/* ------------------------------------------------------------ alone */
-
 /* Without power a device is a break of the ring: nothing comes back. */
 static bool take(struct dg_host_line *line, const struct dg_host_event *event)
 {
@@ -96,8 +34,8 @@ static bool take(struct dg_host_line *line, const struct dg_host_event *event)
         back.id = dg_ib_id(device, line->now);
         back.length = 2;
     } else {
-        back.id = exchange(line, line->now, event->id);
-        back.length = (uint8_t)(2u * words(line));
+        dg_ib_cycle(device, line->now, event->id, &back.id);
+        back.length = (uint8_t)(2u * dg_ib_image_words(line->settings));
     }
     /* The high word first, as they stand in the ring. */
     for (uint8_t i = 0; i < back.length; i++) {
@@ -115,6 +53,5 @@ const struct dg_host_wire dg_ib_wire = {
     .without = without,
     .check = check,
     .take = take,
-    .ring = &ring,
     .state = &dg_ib_check,
 };

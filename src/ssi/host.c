@@ -69,3 +69,5 @@ const struct dg_host_wire dg_ssi_wire = {
     .frame = frame,
     .state = &dg_ssi_check,
 };
+
+const struct dg_bus_side dg_ssi_side = {.wire = &dg_ssi_wire};

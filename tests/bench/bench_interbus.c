@@ -60,7 +60,7 @@ static bool add(struct subject *self, size_t place)
 {
     const struct dg_nvm port = ram_nvm_port(&nvm);
     struct dg_host *encoder =
-        dg_host_init_on_bus(self->handles[place], ROOM, &dg_ocd_ib_k3, &dg_ib_wire);
+        dg_host_init_on_bus(self->handles[place], ROOM, &dg_ocd_ib_k3, &dg_ib_side);
 
     dg_host_world(encoder)->angle = angle;
     return dg_host_memory_port(encoder, &port) == DG_HOST_OK &&

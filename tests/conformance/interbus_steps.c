@@ -510,7 +510,7 @@ static bool add_device(struct bench *b, char **words, size_t n, struct cf_report
     if (device == NULL || device->stack != &dg_ib_stack || b->count == DEVICES_MAX) {
         return cf_fail(report, "no such model, or too many");
     }
-    slave->encoder = dg_host_init_on_bus(slave->memory, sizeof slave->memory, device, &dg_ib_wire);
+    slave->encoder = dg_host_init_on_bus(slave->memory, sizeof slave->memory, device, &dg_ib_side);
     slave->model = dg_host_line_of(slave->encoder)->settings;
     *dg_host_world(slave->encoder) = b->world;
     for (size_t i = 2; i < n; i++) {

@@ -36,10 +36,11 @@ ALLOWED = {
 # The lists of all protocols: they see each.
 LISTS = ("devices", "instruments", "host", "words")
 # Files that stand in a protocol's folder and belong to other libraries: the view of the control plane, its side of a
-# handle, what its wire looks like in words. No other file of the folder knows that there is one.
+# handle and of a bus, what its wire looks like in words. No other file of the folder knows that there is one.
 SEEN_FROM_OUTSIDE = {
     "instrument": {"core", "scpi", "control", "instruments"},
     "host":       {"core", "host"},
+    "side":       {"core", "host"},
     "words":      {"core", "words"},
 }
 # room of platform/, folder of tools/: the same, and the rooms whose headers it may include:

@@ -50,7 +50,7 @@ ROWS = {
         (PROTOCOLS, "ROW(f3658) ", "ROW(eleven_24) "),
         (MESON, "  'src/devices/f36x8.c',\n", "  'src/devices/eleven.c',\n"),
         (MESON, "  'src/hiperface/check.c',\n",
-         "".join(f"  'src/eleven/{name}.c',\n" for name in ("host", "instrument", "keys", "stack", "words"))),
+         "".join(f"  'src/eleven/{name}.c',\n" for name in ("host", "instrument", "keys", "side", "stack", "words"))),
         (WIRES, '#include "hf_settings.h"\n', '#include "eleven_settings.h"\n'),
         (WIRES, "&lx_hf_stack,", "&lx_eleven_stack, "),
         (PAGE, "| `f3658` |", "| `eleven-24` | nobody's, 24 bit | eleven characters | [about it](src/eleven/README.md) |\n"),

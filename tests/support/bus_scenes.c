@@ -104,7 +104,7 @@ static void add_encoder(const struct bus_scene *scene, struct bus_world *world, 
 {
     const struct dg_device *model = dg_device_find(scene->models[i]);
     struct dg_host *host = dg_host_init_on_bus(&world->places[i], sizeof world->places[i], model,
-                                               dg_host_wire_of(model));
+                                               dg_bus_side_of(model));
 
     assert_non_null(host);
     world->hosts[i] = host;

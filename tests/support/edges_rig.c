@@ -53,10 +53,10 @@ void edges_rig_begin(const struct dg_bus_edges_setup *wire, size_t encoders)
 
 /* A handle without queues. */
 struct dg_host *edges_rig_make(struct edges_rig_place *self, const struct dg_device *model,
-                               const struct dg_host_wire *wire,
+                               const struct dg_bus_side *side,
                                const struct dg_instrument *instrument)
 {
-    self->host = dg_host_init_on_bus(self->memory.bytes, sizeof self->memory.bytes, model, wire);
+    self->host = dg_host_init_on_bus(self->memory.bytes, sizeof self->memory.bytes, model, side);
     assert_non_null(self->host);
     self->control = (struct dg_encoder){
         .name = model->name,
@@ -73,7 +73,7 @@ struct dg_host *edges_rig_model(size_t place, const char *name)
 {
     const struct dg_device *model = dg_device_find(name);
 
-    return edges_rig_make(&edges_rig.place[place], model, dg_host_wire_of(model),
+    return edges_rig_make(&edges_rig.place[place], model, dg_bus_side_of(model),
                           dg_instrument_of(model->stack));
 }
 

@@ -48,7 +48,7 @@ void edges_rig_begin(const struct dg_bus_edges_setup *wire, size_t encoders);
 
 /** A handle without queues, not yet on the bus. @param instrument NULL: none */
 struct dg_host *edges_rig_make(struct edges_rig_place *self, const struct dg_device *model,
-                               const struct dg_host_wire *wire,
+                               const struct dg_bus_side *side,
                                const struct dg_instrument *instrument);
 /** One of the models that everybody knows, at its place. */
 struct dg_host *edges_rig_model(size_t place, const char *name);

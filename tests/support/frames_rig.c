@@ -77,10 +77,10 @@ struct dg_bus *frames_rig_make_bus(struct dg_bus_frames_setup *wire, size_t enco
 static void make_encoder(size_t i, const char *node)
 {
     struct host_rig_place *place = &frames_rig.places[i];
-    const size_t size = dg_host_size_on_bus(&dg_f3668, &dg_cia406_wire);
+    const size_t size = dg_host_size_on_bus(&dg_f3668, &dg_cia406_side);
 
     assert_true(size != 0 && size <= sizeof *place);
-    frames_rig.host[i] = dg_host_init_on_bus(place, size, &dg_f3668, &dg_cia406_wire);
+    frames_rig.host[i] = dg_host_init_on_bus(place, size, &dg_f3668, &dg_cia406_side);
     assert_non_null(frames_rig.host[i]);
     assert_int_equal(dg_host_set(frames_rig.host[i], "node", node), DG_HOST_OK);
     frames_rig.control[i] =

@@ -24,12 +24,12 @@ void ring_rig_init(struct ring_rig *self)
 struct dg_host *ring_rig_add(struct ring_rig *self, const char *model)
 {
     const struct dg_device *device = dg_device_find(model);
-    const struct dg_host_wire *wire = dg_host_wire_of(device);
+    const struct dg_bus_side *side = dg_bus_side_of(device);
 
-    must(self->count < RING_RIG_ENCODERS && wire != NULL);
+    must(self->count < RING_RIG_ENCODERS && side != NULL);
     struct ring_rig_place *place = &self->places[self->count];
     memset(place, 0xA5, sizeof *place);
-    struct dg_host *host = dg_host_init_on_bus(place->bytes, sizeof place->bytes, device, wire);
+    struct dg_host *host = dg_host_init_on_bus(place->bytes, sizeof place->bytes, device, side);
     must(host != NULL);
     self->encoders[self->count] = host;
     self->controls[self->count++] =

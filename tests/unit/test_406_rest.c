@@ -60,7 +60,7 @@ static void start_twin(struct twin *self, bool knows)
     const struct dg_device *model = dg_device_find("f3668");
 
     self->host =
-        dg_host_init_on_bus(self->memory, sizeof self->memory, model, dg_host_wire_of(model));
+        dg_host_init_on_bus(self->memory, sizeof self->memory, model, dg_bus_side_of(model));
     struct dg_world *world = dg_host_world(self->host);
     world->angle = dg_shaft_angle;
     world->angle_ctx = &shaft;

@@ -55,9 +55,9 @@ static void make_line(struct line *self, struct dg_encoder *control)
                                        .wire = &paced,
                                        .ops = &ops,
                                        .ctx = self};
-    const size_t size = dg_host_size(&dg_eleven_24, &dg_eleven_wire);
+    const size_t size = dg_host_size_on_bus(&dg_eleven_24, &dg_eleven_side);
     struct dg_host *host =
-        dg_host_init(self->places[0].bytes, size, &dg_eleven_24, &dg_eleven_wire);
+        dg_host_init_on_bus(self->places[0].bytes, size, &dg_eleven_24, &dg_eleven_side);
 
     self->count = 0;
     self->host = host;

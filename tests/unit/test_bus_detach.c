@@ -250,7 +250,7 @@ static void it_may_go_to_another_bus_of_frames(void **state)
     (void)state;
     frames_rig_begin(wire, 2);
     struct dg_host *host = frames_rig.host[1];
-    const struct dg_host_controller *ask_it = dg_host_wire_at(host)->controller;
+    const struct dg_host_controller *ask_it = dg_host_side_at(host)->controller;
     const void *device = dg_host_line_of(host)->device;
     assert_false(ask_it->is_news(device, DG_HOST_BUS_PRESENT));
     (void)dg_bus_frames_controller(frames_rig.bus, DG_S(2), DG_HOST_BUS_OFF);

@@ -301,7 +301,7 @@ static void a_chain_is_what_its_slaves_make_of_each_other(void **state)
     for (size_t i = 0; i < EDGES_RIG_ENCODERS; i++) {
         memset(&twin[i], 0, sizeof twin[i]);
         struct dg_host *host = edges_rig_make(&twin[i], edges_rig.place[i].control.model,
-                                              dg_host_wire_at(edges_rig.place[i].host), NULL);
+                                              dg_host_side_at(edges_rig.place[i].host), NULL);
         (void)dg_host_set(host, "lc", "0");
         (void)dg_host_set(host, "busy_jitter_us", "0");
         assert_int_equal(dg_host_power(host, 0, true), DG_OK);

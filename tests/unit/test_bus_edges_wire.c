@@ -27,7 +27,7 @@ static void a_cable_delays_both_ways(void **state)
 
     (void)state;
     edges_rig_begin(&wire, 1);
-    (void)edges_rig_make(&edges_rig.place[0], &dg_tenbit_low, &dg_tenbit_wire,
+    (void)edges_rig_make(&edges_rig.place[0], &dg_tenbit_low, &dg_tenbit_side,
                          &dg_tenbit_instrument);
     dg_host_shaft(edges_rig.place[0].host, 0, 0x155 * (TURN >> DG_TENBIT_BITS), 0);
     edges_rig_attach(0);
@@ -63,7 +63,7 @@ static void what_is_due_on_the_way_comes_first(void **state)
 
     (void)state;
     edges_rig_begin(&wire, 1);
-    (void)edges_rig_make(&edges_rig.place[0], &dg_tenbit_low, &dg_tenbit_wire,
+    (void)edges_rig_make(&edges_rig.place[0], &dg_tenbit_low, &dg_tenbit_side,
                          &dg_tenbit_instrument);
     edges_rig_attach(0);
     edges_rig_power(0, true);
@@ -89,7 +89,7 @@ static void a_master_looks_ahead(void **state)
 
     (void)state;
     edges_rig_begin(&wire, 1);
-    (void)edges_rig_make(&edges_rig.place[0], &dg_tenbit_low, &dg_tenbit_wire,
+    (void)edges_rig_make(&edges_rig.place[0], &dg_tenbit_low, &dg_tenbit_side,
                          &dg_tenbit_instrument);
     dg_host_shaft(edges_rig.place[0].host, 0, 0x2B5 * (TURN >> DG_TENBIT_BITS), 0);
     edges_rig_attach(0);
@@ -155,7 +155,7 @@ static void setups_out_of_range_are_refused(void **state)
 static void begin_tenbit(const struct dg_device *model)
 {
     edges_rig_begin(NULL, 1);
-    (void)edges_rig_make(&edges_rig.place[0], model, &dg_tenbit_wire, &dg_tenbit_instrument);
+    (void)edges_rig_make(&edges_rig.place[0], model, &dg_tenbit_side, &dg_tenbit_instrument);
     edges_rig_attach(0);
     edges_rig_power(0, true);
     edges_rig_rest();
@@ -231,7 +231,7 @@ static void a_delay_takes_whole_clocks(void **state)
     edges_rig_heal(0);
     assert_int_equal(word_of(0x155), 0x155);
     edges_rig_begin(&slower, 1);
-    (void)edges_rig_make(&edges_rig.place[0], &dg_tenbit_low, &dg_tenbit_wire,
+    (void)edges_rig_make(&edges_rig.place[0], &dg_tenbit_low, &dg_tenbit_side,
                          &dg_tenbit_instrument);
     edges_rig_attach(0);
     edges_rig_power(0, true);
@@ -248,7 +248,7 @@ static void an_encoder_that_asks_for_the_present_again_stops_nobody(void **state
 
     (void)state;
     edges_rig_begin(&wire, 1);
-    (void)edges_rig_make(&edges_rig.place[0], &dg_tenbit_low, &dg_tenbit_wire,
+    (void)edges_rig_make(&edges_rig.place[0], &dg_tenbit_low, &dg_tenbit_side,
                          &dg_tenbit_instrument);
     edges_rig_attach(0);
     edges_rig_power(0, true);

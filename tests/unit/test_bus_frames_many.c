@@ -107,7 +107,7 @@ static void make_encoder(uint8_t i)
     struct seat *seat = &seats[i];
     char text[16];
 
-    seat->host = dg_host_init_on_bus(seat->memory, sizeof seat->memory, &dg_f3668, &dg_cia406_wire);
+    seat->host = dg_host_init_on_bus(seat->memory, sizeof seat->memory, &dg_f3668, &dg_cia406_side);
     assert_non_null(seat->host);
     (void)snprintf(text, sizeof text, "%u", i + 1u);
     assert_int_equal(dg_host_set(seat->host, "node", text), DG_HOST_OK);

@@ -250,7 +250,7 @@ static void sizes(void **state)
     struct dg_bus_frames_setup wire = {.rooms = UINT16_MAX};
 
     (void)state;
-    assert_true(dg_host_size_with_port(&dg_f3668, &dg_cia406_wire) <= 2000);
+    assert_true(dg_host_size_with_port(&dg_f3668, &dg_cia406_side) <= 2000);
     assert_int_equal(dg_bus_size(&dg_bus_frames, 0), 0);
     assert_int_equal(dg_bus_size(&dg_bus_frames, DG_BUS_FRAMES_ENCODERS + 1u), 0);
     assert_true(dg_bus_size(&dg_bus_frames, DG_BUS_FRAMES_ENCODERS) <=

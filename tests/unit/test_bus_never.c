@@ -59,7 +59,7 @@ static struct dg_bus *start(const struct row *row)
     struct dg_bus *bus = dg_bus_init(of_bus, sizeof of_bus, &setup);
     const struct dg_device *model = dg_device_find(row->model);
     struct dg_host *encoder =
-        dg_host_init_on_bus(of_encoder, sizeof of_encoder, model, dg_host_wire_of(model));
+        dg_host_init_on_bus(of_encoder, sizeof of_encoder, model, dg_bus_side_of(model));
 
     assert_non_null(bus);
     assert_int_equal(dg_host_power(encoder, 0, true), DG_HOST_OK);

@@ -176,9 +176,9 @@ static const struct dg_host_wire wire = {
     .stack = &stack,
     .keys = &no_keys,
     .settings_size = sizeof figures,
-    .ring = &in_ring,
     .state = &any_state,
 };
+static const struct dg_bus_side side = {.wire = &wire, .ring = &in_ring};
 
 /* ------------------------------------------------------------ between a K1 and a K3 */
 
@@ -198,7 +198,7 @@ static int set_up(void **state)
     (void)state;
     ring_rig_init(&rig);
     (void)ring_rig_add(&rig, "ocd-ib-k1");
-    rig.encoders[COUNTER] = dg_host_init_on_bus(place->bytes, sizeof place->bytes, &device, &wire);
+    rig.encoders[COUNTER] = dg_host_init_on_bus(place->bytes, sizeof place->bytes, &device, &side);
     rig.count++;
     (void)ring_rig_add(&rig, "ocd-ib-k3");
     ring_rig_open(&rig);

@@ -69,14 +69,14 @@ static int take_settings(struct lx_can_node *self, struct lx_error *error)
 static int make_host(struct lx_can_node *self, struct lx_error *error)
 {
     const struct dg_device *model = self->station->plan->model;
-    const struct dg_host_wire *wire = dg_host_wire_of(model);
-    const size_t size = dg_host_size_with_port(model, wire);
+    const struct dg_bus_side *side = dg_bus_side_of(model);
+    const size_t size = dg_host_size_with_port(model, side);
     void *memory = aligned_alloc(DG_HOST_ALIGN, size);
     if (memory == NULL) {
         return lx_fail(error, "no memory for an encoder");
     }
-    self->host = dg_host_init_on_bus(memory, size, model, wire);
-    self->ask = wire->controller;
+    self->host = dg_host_init_on_bus(memory, size, model, side);
+    self->ask = side->controller;
     self->device = dg_host_line_of(self->host)->device;
     return dg_bus_attach(self->bus->wire, self->host, &self->station->control) >= 0
                ? 0

@@ -136,14 +136,14 @@ static int place_encoder(struct lx_clocked *self, const struct lx_bus_setup *set
 {
     struct lx_station *station = setup->stations[index];
     const struct dg_plan_encoder *plan = station->plan;
-    const struct dg_host_wire *wire = dg_host_wire_of(plan->model);
-    const size_t size = dg_host_size_with_port(plan->model, wire);
+    const struct dg_bus_side *side = dg_bus_side_of(plan->model);
+    const size_t size = dg_host_size_with_port(plan->model, side);
     struct lx_clocked_memory *memory = calloc(1, sizeof *memory + size);
     if (memory == NULL) {
         return lx_fail(error, "no memory for %s", plan->model->name);
     }
     self->memory[index] = memory;
-    struct dg_host *host = dg_host_init_on_bus(memory->host, size, plan->model, wire);
+    struct dg_host *host = dg_host_init_on_bus(memory->host, size, plan->model, side);
     struct dg_world *world = dg_host_world(host);
     self->host[index] = host;
     *world = station->world;

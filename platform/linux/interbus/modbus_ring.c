@@ -36,12 +36,12 @@ struct dg_world *lx_ring_world(const struct lx_ring *self, size_t index)
 /* In memory of its own. NULL: there is none. */
 static struct dg_host *make_encoder(const struct lx_ring_member *member)
 {
-    const size_t size = dg_host_size_on_bus(member->device, &dg_ib_wire);
+    const size_t size = dg_host_size_on_bus(member->device, &dg_ib_side);
     void *memory = aligned_alloc(DG_HOST_ALIGN, size);
     if (memory == NULL) {
         return NULL;
     }
-    struct dg_host *encoder = dg_host_init_on_bus(memory, size, member->device, &dg_ib_wire);
+    struct dg_host *encoder = dg_host_init_on_bus(memory, size, member->device, &dg_ib_side);
     *(struct dg_ib_model *)dg_host_line_of(encoder)->settings = member->model;
     *dg_host_world(encoder) = *member->world;
     return encoder;

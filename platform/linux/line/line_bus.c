@@ -66,9 +66,9 @@ static int open_memory(struct lx_line_encoder *self, struct lx_error *error)
 /* What was set over the line stays. */
 static void tell_address(const struct lx_line_encoder *self)
 {
-    const struct dg_host_wire *wire = dg_host_wire_at(self->host);
+    const struct dg_bus_side *side = dg_host_side_at(self->host);
     const int wanted = self->station->plan->address;
-    const int found = wire->address != NULL ? wire->address(dg_host_line_of(self->host)) : -1;
+    const int found = side->address != NULL ? side->address(dg_host_line_of(self->host)) : -1;
     if (wanted != DG_PLAN_AS_DELIVERED && found >= 0 && found != wanted) {
         lx_note(self->all->bus.setup.say, "%s: its address is 0x%02X, not 0x%02X",
                 self->station->plan->nvm, (unsigned)found, (unsigned)wanted);
@@ -274,7 +274,7 @@ static int make_host(struct lx_line_encoder *self, void *settings, struct lx_err
     const struct dg_plan_encoder *plan = station->plan;
     const struct lx_bus_setup *bus = &self->all->bus.setup;
     const struct lx_stack *stack = stack_of(self);
-    const struct dg_host_wire *wire = dg_host_wire_of(plan->model);
+    const struct dg_bus_side *side = dg_bus_side_of(plan->model);
     const struct dg_key *row = dg_plan_address_row(plan->model);
     if (lx_stack_settings(bus->plan, bus->wire, plan, settings, &station->world, error) != 0) {
         return -1;
@@ -284,9 +284,9 @@ static int make_host(struct lx_line_encoder *self, void *settings, struct lx_err
         (void)snprintf(text, sizeof text, "%d", plan->address);
         (void)dg_key_set(row, settings, text);
     }
-    const size_t size = dg_host_size_on_bus(plan->model, wire);
+    const size_t size = dg_host_size_on_bus(plan->model, side);
     void *memory = allocate(size);
-    self->host = memory == NULL ? NULL : dg_host_init_on_bus(memory, size, plan->model, wire);
+    self->host = memory == NULL ? NULL : dg_host_init_on_bus(memory, size, plan->model, side);
     if (self->host == NULL) {
         free(memory);
         return lx_fail(error, "no memory for an encoder");
@@ -296,7 +296,7 @@ static int make_host(struct lx_line_encoder *self, void *settings, struct lx_err
         return lx_plan_refuse_key(bus->plan, "nvm", plan->nvm_line, error);
     }
     memcpy(&self->settings, (const uint8_t *)settings + stack->line, sizeof self->settings);
-    memcpy(dg_host_line_of(self->host)->settings, settings, wire->settings_size);
+    memcpy(dg_host_line_of(self->host)->settings, settings, side->wire->settings_size);
     *dg_host_world(self->host) = station->world;
     station->control.world = dg_host_world(self->host);
     return 0;

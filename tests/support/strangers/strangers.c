@@ -22,18 +22,18 @@ static const struct stranger {
     const char *protocol;
     int medium;
     const struct dg_device *as;
-    const struct dg_host_wire *wire;
+    const struct dg_bus_side *side;
     const struct dg_instrument *instrument;
 } strangers[] = {
-    {STRANGER_CHARACTERS, "unknown-characters", DG_MEDIUM_CHARACTERS, &dg_s3684_rs485, &dg_hf_wire,
+    {STRANGER_CHARACTERS, "unknown-characters", DG_MEDIUM_CHARACTERS, &dg_s3684_rs485, &dg_hf_side,
      &dg_hf_instrument},
-    {STRANGER_FRAMES, "unknown-frames", DG_MEDIUM_FRAMES, &dg_f3668, &dg_cia406_wire,
+    {STRANGER_FRAMES, "unknown-frames", DG_MEDIUM_FRAMES, &dg_f3668, &dg_cia406_side,
      &dg_cia406_instrument},
-    {STRANGER_EDGES, "unknown-edges", DG_MEDIUM_EDGES, &dg_ssi_25, &dg_ssi_wire,
+    {STRANGER_EDGES, "unknown-edges", DG_MEDIUM_EDGES, &dg_ssi_25, &dg_ssi_side,
      &dg_ssi_instrument},
-    {STRANGER_WORDS, "unknown-words", DG_MEDIUM_WORDS, &dg_ocd_ib_k3, &dg_ib_wire,
+    {STRANGER_WORDS, "unknown-words", DG_MEDIUM_WORDS, &dg_ocd_ib_k3, &dg_ib_side,
      &dg_ib_instrument},
-    {STRANGER_FUTURE, "unknown-future", DG_MEDIUM_COUNT, &dg_ssi_25, &dg_ssi_wire,
+    {STRANGER_FUTURE, "unknown-future", DG_MEDIUM_COUNT, &dg_ssi_25, &dg_ssi_side,
      &dg_ssi_instrument},
 };
 #define STRANGER_COUNT DG_COUNT(strangers)
@@ -43,6 +43,7 @@ static struct made {
     struct dg_stack stack;
     struct dg_device device;
     struct dg_host_wire wire;
+    struct dg_bus_side side;
     struct dg_instrument instrument;
 } made[STRANGER_COUNT];
 
@@ -51,7 +52,7 @@ static void furnish(void *settings, const struct dg_device *device)
 {
     for (size_t i = 0; i < STRANGER_COUNT; i++) {
         if (device == &made[i].device) {
-            strangers[i].wire->furnish(settings, strangers[i].as);
+            strangers[i].side->wire->furnish(settings, strangers[i].as);
         }
     }
 }
@@ -70,10 +71,12 @@ static struct made *make_stranger(const char *model)
         self->device = *row->as;
         self->device.name = row->model;
         self->device.stack = &self->stack;
-        self->wire = *row->wire;
+        self->wire = *row->side->wire;
         self->wire.stack = &self->stack;
-        self->wire.furnish = row->wire->furnish != NULL ? furnish : NULL;
+        self->wire.furnish = row->side->wire->furnish != NULL ? furnish : NULL;
         self->wire.uart = NULL; /* nor does it tell a data rate */
+        self->side = *row->side;
+        self->side.wire = &self->wire;
         self->instrument = *row->instrument;
         self->instrument.stack = &self->stack;
         return self;
@@ -96,8 +99,13 @@ size_t dg_host_size_of(const char *name)
 struct dg_host *dg_host_make(void *memory, size_t size, const char *name)
 {
     const struct made *self = make_stranger(name);
+    struct dg_host *host =
+        self != NULL ? dg_host_init(memory, size, &self->device, &self->wire) : NULL;
 
-    return self != NULL ? dg_host_init(memory, size, &self->device, &self->wire) : NULL;
+    if (host != NULL) {
+        dg_host_take_side(host, &self->side);
+    }
+    return host;
 }
 
 struct dg_host_panel *dg_host_panel_make(void *memory, size_t size, struct dg_host *host)

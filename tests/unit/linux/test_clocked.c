@@ -114,7 +114,7 @@ static void on_event(void *ctx, const struct dg_tap_event *event)
 static void begin(const struct lx_clocked_timing *timing)
 {
     struct dg_host *host =
-        dg_host_init_on_bus(place.bytes, sizeof place.bytes, &dg_tenbit_low, &dg_tenbit_wire);
+        dg_host_init_on_bus(place.bytes, sizeof place.bytes, &dg_tenbit_low, &dg_tenbit_side);
     control = (struct dg_encoder){.name = "a", .instrument = &dg_tenbit_instrument};
     assert_int_equal(dg_host_power(host, BEGIN, true), DG_OK);
     lx_clocked_close(line != NULL ? &line->base : NULL);

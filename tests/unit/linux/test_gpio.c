@@ -98,7 +98,7 @@ static void on_gone(void *ctx)
 /* The encoder on GPIO lines, with its settings and no power yet. */
 static struct dg_host *make(const struct dg_device *model)
 {
-    return dg_host_init_on_bus(place.bytes, sizeof place.bytes, model, dg_host_wire_of(model));
+    return dg_host_init_on_bus(place.bytes, sizeof place.bytes, model, dg_bus_side_of(model));
 }
 
 static void begin_on(struct dg_host *host, const struct lx_clocked_protocol *protocol)

@@ -36,7 +36,7 @@ static struct lx_sim_master master;
 static void begin_with(const struct dg_ssi_model *model, const struct lx_clocked_timing *timing)
 {
     struct dg_host *host = dg_host_init_on_bus(place.bytes, sizeof place.bytes, &dg_ssi_25,
-                                               dg_host_wire_of(&dg_ssi_25));
+                                               dg_bus_side_of(&dg_ssi_25));
     control =
         (struct dg_encoder){.name = "a", .instrument = &dg_ssi_instrument, .faults.random = 1};
     assert_int_equal(ssi_rig_init(&rig, model), DG_OK);

@@ -27,6 +27,7 @@
 extern "C" {
 #endif
 
+struct dg_bus_side;
 struct dg_host_wire;
 struct dg_instrument;
 struct dg_words;
@@ -90,6 +91,7 @@ DG_API extern const struct dg_device dg_eleven_24;
 DG_API extern const struct dg_keys dg_eleven_keys;
 /** The protocol behind a handle, as an instrument, in words. */
 DG_API extern const struct dg_host_wire dg_eleven_wire;
+DG_API extern const struct dg_bus_side dg_eleven_side;
 DG_API extern const struct dg_instrument dg_eleven_instrument;
 DG_API extern const struct dg_words dg_eleven_words;
 /** What looks at a device that somebody has made, see stack.h. */

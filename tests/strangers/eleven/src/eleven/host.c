@@ -57,16 +57,6 @@ static void tell_uart(const struct dg_host_line *line, bool stored, struct dg_ho
     *to = (struct dg_host_uart){.baud = DG_ELEVEN_BAUD, .parity = 'N', .timeout_bits = 10};
 }
 
-static int address(const struct dg_host_line *line)
-{
-    return ((const struct dg_eleven_model *)line->settings)->slot;
-}
-
-static bool wants(const struct dg_host_line *line, uint8_t byte)
-{
-    return byte == dg_eleven_request((uint8_t)address(line));
-}
-
 const struct dg_host_wire dg_eleven_wire = {
     .stack = &dg_eleven_stack,
     .keys = &dg_eleven_keys,
@@ -77,7 +67,5 @@ const struct dg_host_wire dg_eleven_wire = {
     .due = due,
     .take = take,
     .uart = tell_uart,
-    .wants = wants,
-    .address = address,
     .state = &dg_eleven_state,
 };

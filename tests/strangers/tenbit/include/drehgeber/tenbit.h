@@ -19,6 +19,7 @@
 extern "C" {
 #endif
 
+struct dg_bus_side;
 struct dg_host_wire;
 struct dg_instrument;
 
@@ -59,6 +60,7 @@ DG_API extern const struct dg_device dg_tenbit_low, dg_tenbit_high;
 DG_API extern const struct dg_keys dg_tenbit_keys;
 /** The protocol behind a handle, and as an instrument: a delay takes 3 us. */
 DG_API extern const struct dg_host_wire dg_tenbit_wire;
+DG_API extern const struct dg_bus_side dg_tenbit_side;
 DG_API extern const struct dg_instrument dg_tenbit_instrument;
 /** What looks at a device that somebody has made, see stack.h. */
 DG_API extern const struct dg_stack_check dg_tenbit_state;

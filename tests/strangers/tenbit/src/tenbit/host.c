@@ -36,3 +36,5 @@ const struct dg_host_wire dg_tenbit_wire = {
     .latched = latched,
     .state = &dg_tenbit_state,
 };
+
+const struct dg_bus_side dg_tenbit_side = {.wire = &dg_tenbit_wire};
