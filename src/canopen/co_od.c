@@ -100,11 +100,15 @@ static const struct dg_co_row *last_not_behind(const struct dg_co_dictionary *ha
     return row[1].key <= wanted ? &row[1] : row;
 }
 
+/* What is done about a key that has no row of its own; object->row is the neighbour. */
+static enum dg_co_abort find_else(const struct dg_co_device *device, uint32_t key,
+                                  struct dg_co_object *object);
+
 enum dg_co_abort dg_co_find(const struct dg_co_device *device, uint32_t key,
                             struct dg_co_object *object)
 {
     if (repeated(key) != 0) {
-        return dg_co_find_else(device, key, object);
+        return find_else(device, key, object);
     }
     const struct dg_co_dictionary *half =
         key < 0x20000000u ? &dg_co_common_dictionary : &device->dictionary;
@@ -114,7 +118,7 @@ enum dg_co_abort dg_co_find(const struct dg_co_device *device, uint32_t key,
     object->row = row;
     object->dictionary = half;
     if (nth > more_of(row)) {
-        return dg_co_find_else(device, key, object);
+        return find_else(device, key, object);
     }
     const uint32_t all = key | (uint8_t)(row->slot + nth);
     object->slot = (uint8_t)all; /* one store for the three */
@@ -125,8 +129,8 @@ enum dg_co_abort dg_co_find(const struct dg_co_device *device, uint32_t key,
 
 /* TPDO2 to TPDO4 have the rows of TPDO1, with slots further on. Of what has no row at all a
  * neighbour of the same index says that only the sub-index is missing. */
-enum dg_co_abort dg_co_find_else(const struct dg_co_device *device, uint32_t key,
-                                 struct dg_co_object *object)
+static enum dg_co_abort find_else(const struct dg_co_device *device, uint32_t key,
+                                  struct dg_co_object *object)
 {
     const struct dg_co_row *row = object->row;
     const struct dg_co_dictionary *half = object->dictionary;

@@ -14,9 +14,6 @@ extern const struct dg_co_dictionary dg_co_common_dictionary;
  * missing */
 enum dg_co_abort dg_co_find(const struct dg_co_device *device, uint32_t key,
                             struct dg_co_object *object);
-/** What dg_co_find() does about a key that has no row of its own; object->row is the neighbour. */
-enum dg_co_abort dg_co_find_else(const struct dg_co_device *device, uint32_t key,
-                                 struct dg_co_object *object);
 /** The first object of a device's dictionary, and the one behind; false: there is none. */
 struct dg_co_object dg_co_first(void);
 bool dg_co_next(const struct dg_co_device *device, struct dg_co_object *object);

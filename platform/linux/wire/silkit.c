@@ -123,7 +123,8 @@ void lx_silkit_unmask(const sigset_t *before)
 
 /* --- time --- */
 
-dg_ns lx_silkit_moment(const struct lx_silkit *self, uint64_t time)
+/* The rig's time at the simulation's `time`; what is over already is now. */
+static dg_ns moment_of(const struct lx_silkit *self, uint64_t time)
 {
     const uint64_t since = time > self->origin ? time - self->origin : 0;
     const dg_ns at = dg_after(self->begin, since);
@@ -347,13 +348,13 @@ bool lx_silkit_step(struct lx_silkit *self)
     const struct lx_silkit_message *next =
         list->first < list->count ? &list->at[list->first] : NULL;
     if (next != NULL && next->time < self->at) {
-        const dg_ns at = lx_silkit_moment(self, next->time);
+        const dg_ns at = moment_of(self, next->time);
         if (!lx_time_pass(at)) {
             lx_silkit_deliver(self, at, self->at);
         }
         return true;
     }
-    if (lx_time_pass(lx_silkit_moment(self, self->at))) {
+    if (lx_time_pass(moment_of(self, self->at))) {
         return true;
     }
     const size_t foreign = bring_foreign_first(self);

@@ -46,9 +46,6 @@ struct lx_silkit {
     bool complained; /**< about what the library refuses */
 };
 
-/** The rig's time at the simulation's `time`; what is over already is now. */
-dg_ns lx_silkit_moment(const struct lx_silkit *self, uint64_t time);
-
 /** Hand over the first message of the pending ones, at `now`, of which those before `end` come in
  * this step. */
 void lx_silkit_deliver(struct lx_silkit *self, dg_ns now, uint64_t end);
