@@ -122,11 +122,14 @@ static void initialise(struct dg_co_node *self, bool application)
 /* The wire is as bad as it was: a controller that was error passive finds that again. */
 void dg_co_reset(struct dg_co_node *self, bool application)
 {
-    const enum dg_co_bus_event controller = dg_co_controller_state(self);
+    static const uint8_t none[5];
+    const bool passive = (self->active_causes >> DG_CO_CAUSE_PASSIVE & 1u) != 0;
 
     dg_co_remount(self);
     initialise(self, application);
-    (void)dg_co_controller(self, self->now, controller);
+    if (passive) {
+        dg_co_raise(self, DG_CO_CAUSE_PASSIVE, none);
+    }
 }
 
 int dg_co_power_on(struct dg_co_node *self, dg_ns now)
