@@ -5,12 +5,12 @@
  * file and makes a plan of it, in memory of the host: it opens nothing, and whatever can be known
  * without opening anything is checked. This header may change until 1.0.
  *
- *   struct dg_plan_setup setup = {sizeof setup, "bench.ini", text, n, memory, size, wires ...};
+ *   struct dg_plan_setup setup = {sizeof setup, "bench.ini", text, n, memory, size, ...};
  *   struct dg_plan plan;
  *   dg_plan_read(&plan, &setup, &error) == DG_ERR_SPACE: again, with more memory
  *
- * Sections, keys and words: docs/rigs.md. Wires are the host's, so it brings the rows of those
- * that it has.
+ * Sections, keys and words: docs/rigs.md. What a file means is the same on every host, so the kinds
+ * of wires are here as well: dg_plan_wires. Which of them a host can make is its own to say.
  */
 #ifndef DREHGEBER_RIG_H
 #define DREHGEBER_RIG_H
@@ -72,20 +72,25 @@ struct dg_plan_shaft {
     dg_plan_line motion_line; /**< of the key */
 };
 
-/** A kind of wire, as the host has it. */
+/** A kind of wire. */
 struct dg_plan_wire_kind {
     const char *name;    /**< as in wire = NAME */
     size_t stations_max; /**< encoders that fit on one; all of one stack, unless it is mixed */
-    unsigned media;      /**< it can carry: DG_PLAN_CARRIES() */
     const char *where;   /**< what its address looks like, for messages, e.g. "CHIP:CLOCK,DATA";
                               NULL: it has none */
     const char *usual;   /**< address when none is given; NULL: the bus finds one */
     const struct dg_keys *keys; /**< settings of the wire itself; NULL: none */
+    const void *settings;       /**< what they set, as nobody has set it; NULL: none */
+    unsigned media;             /**< it can carry: DG_PLAN_CARRIES() */
     bool mixed;                 /**< encoders of several stacks may be on one */
     bool where_needed;
     bool where_is_path;    /**< a file name: in a rig file relative to its folder */
     bool where_may_be_tcp; /**< ... or tcp:HOST:PORT */
 };
+
+/** All kinds. A host that cannot make one says so when it makes the rig. */
+DG_API extern const struct dg_plan_wire_kind dg_plan_wires[];
+DG_API extern const size_t dg_plan_wire_count;
 
 /** In dg_plan_wire_kind.media: it carries what travels as DG_MEDIUM_`medium`. */
 #define DG_PLAN_CARRIES(medium) (1u << DG_MEDIUM_##medium)
@@ -197,10 +202,6 @@ struct dg_plan_setup {
     struct dg_plan_text text;
     void *memory; /**< for the plan, as long as it is used; aligned for any type */
     size_t memory_size;
-    const void
-        *wires; /**< struct dg_plan_wire_kind each, at the beginning of the host's own rows */
-    size_t wire_count;
-    size_t wire_stride; /**< bytes from one to the next */
     /** The text of a file that is included, valid until dg_plan_read() returns. `path` leads
      * there from where `file` does, and not out of its folder by its words; links are the host's to
      * look at. NULL: nothing can be included. @return NULL, or what is wrong with it, in words */
@@ -266,6 +267,10 @@ DG_API bool dg_plan_make_settings(struct dg_plan *self, struct dg_plan_settings 
 
 /* ---------------------------------------------------------------- kinds of wires, addresses */
 
+/** The kind called `name` (n characters), or NULL. */
+DG_API const struct dg_plan_wire_kind *dg_plan_find_kind(const char *name, size_t n);
+/** Whether `key` is a setting of the wire itself, not of the encoders on it. */
+DG_API bool dg_plan_wire_has(const struct dg_plan_wire_kind *kind, const char *key);
 /** Whether an address of this kind is a path. */
 DG_API bool dg_plan_is_path(const struct dg_plan_wire_kind *kind, const char *where);
 /** Whether encoders of `stack` can be on it. */
@@ -275,6 +280,49 @@ DG_API bool dg_plan_carries(const struct dg_plan_wire_kind *kind, const struct d
 DG_API const struct dg_key *dg_plan_address_row(const struct dg_device *model);
 /** Append "a node-ID in 1..127", of a model with such a row. */
 DG_API void dg_plan_say_addresses(const struct dg_device *model, struct dg_text *to);
+
+/* ---------------------------------------------------------------- settings of wires */
+
+/** Clock of a master on a simulated wire: as usual, and the slowest and fastest one. At slower ones
+ * encoders take half a period for the end of a frame. */
+#define DG_PLAN_CLOCK_HZ 1000000u
+#define DG_PLAN_CLOCK_MIN_HZ 50000u
+#define DG_PLAN_CLOCK_MAX_HZ 10000000u
+
+/** Settings of a simulated wire where a master clocks. (Wires that carry frames have a bool:
+ * whether each frame takes its time.) */
+struct dg_plan_timing {
+    uint32_t clock_hz;      /**< DG_PLAN_CLOCK_MIN_HZ..DG_PLAN_CLOCK_MAX_HZ */
+    uint32_t line_delay_ns; /**< of the cable, each way; 0..DG_BUS_CABLE_MAX_NS */
+    bool compensate;        /**< the master takes its samples later by the way there and back */
+};
+
+/** Settings of a ring behind a coupler. */
+struct dg_plan_ring {
+    uint32_t cycle_us; /**< from one data cycle to the next; 250..50000 */
+    bool tear;         /**< half of an OUT word is taken (fault) */
+    uint16_t break_at; /**< index of the encoder whose incoming bus is cut (fault), or
+                            DG_RING_WHOLE */
+};
+
+/** Whose time a simulation has. */
+enum dg_plan_time {
+    DG_PLAN_COORDINATED, /**< virtual; begins and ends with all others */
+    DG_PLAN_AUTONOMOUS,  /**< virtual; begins when it can */
+    DG_PLAN_REAL,        /**< each one's own */
+    DG_PLAN_TIME_COUNT
+};
+
+/** Settings of a wire in a simulation. */
+struct dg_plan_simulation {
+    uint8_t time;     /**< enum dg_plan_time */
+    uint32_t step_us; /**< of virtual time; 1..1000000 */
+};
+
+/** As nobody has set them: 1 MHz and no delay; 1 ms and no faults; coordinated, steps of 1 ms. */
+DG_API extern const struct dg_plan_timing dg_plan_timing_usual;
+DG_API extern const struct dg_plan_ring dg_plan_ring_usual;
+DG_API extern const struct dg_plan_simulation dg_plan_simulation_usual;
 
 /* ---------------------------------------------------------------- words */
 

@@ -2,38 +2,16 @@
 /* [bus NAME] of a rig file, and the private wire of an encoder. */
 #include "rig_private.h"
 
-const struct dg_plan_wire_kind *dg_plan_kind_at(const struct rig_reader *in, size_t index)
-{
-    const unsigned char *rows = in->setup->wires;
-
-    return (const struct dg_plan_wire_kind *)(const void *)(rows + index * in->setup->wire_stride);
-}
-
-static const struct dg_plan_wire_kind *find_kind(const struct rig_reader *in, const char *name)
-{
-    for (size_t i = 0; i < in->setup->wire_count; i++) {
-        if (dg_plan_same(dg_plan_kind_at(in, i)->name, name)) {
-            return dg_plan_kind_at(in, i);
-        }
-    }
-    return NULL;
-}
-
-bool dg_plan_wire_has(const struct dg_plan_wire_kind *kind, const char *key)
-{
-    return kind->keys != NULL && dg_keys_find(kind->keys, key) != NULL;
-}
-
 const struct dg_plan_wire_kind *dg_plan_take_kind(struct rig_reader *in,
                                                   const struct dg_plan_setting *word, size_t n)
 {
     const struct rig_cut name = dg_plan_cut(word->value, n);
-    const struct dg_plan_wire_kind *kind = find_kind(in, name.text);
+    const struct dg_plan_wire_kind *kind = dg_plan_find_kind(word->value, n);
     struct rig_list names;
 
     dg_plan_list_begin(&names);
-    for (size_t i = 0; kind == NULL && i < in->setup->wire_count; i++) {
-        dg_plan_list_item(&names, dg_plan_kind_at(in, i)->name, i, in->setup->wire_count);
+    for (size_t i = 0; kind == NULL && i < dg_plan_wire_count; i++) {
+        dg_plan_list_item(&names, dg_plan_wires[i].name, i, dg_plan_wire_count);
     }
     if (kind == NULL) {
         (void)dg_plan_wrong_word(in, word, RIG_SAY(names.room, " are right"),
@@ -84,16 +62,13 @@ static bool is_taken_up(const struct dg_plan_wire *self)
 }
 
 /* Paths are one scope, whatever wire is there; other addresses are each kind's own. */
-static struct dg_plan_name place_of(const struct rig_reader *in, const struct dg_plan_wire *self)
+static struct dg_plan_name place_of(const struct dg_plan_wire *self)
 {
-    uint32_t kind = 1;
+    const uint32_t kind = (uint32_t)(self->kind - dg_plan_wires);
 
-    while (dg_plan_kind_at(in, kind - 1u) != self->kind) {
-        kind++;
-    }
     return (struct dg_plan_name){
         .list = RIG_PLACE,
-        .scope = dg_plan_is_path(self->kind, self->where) ? 0 : kind,
+        .scope = dg_plan_is_path(self->kind, self->where) ? 0 : kind + 1u,
         .text = self->where,
     };
 }
@@ -124,7 +99,7 @@ static int take_place(struct rig_reader *in, const struct rig_section *self, int
     if (!is_taken_up(wire)) {
         return 0;
     }
-    struct dg_plan_name place = place_of(in, wire);
+    struct dg_plan_name place = place_of(wire);
     const int same = dg_plan_names_find(in->plan, &place);
     if (same >= 0) {
         return refuse_place(in, self, &in->plan->wires[same], wire, where);
@@ -223,7 +198,7 @@ static int check_kind(struct rig_reader *in, const struct dg_plan_setting *word)
     const size_t n = dg_plan_span(word->value, ':');
     const struct rig_cut kind = dg_plan_cut(word->value, n);
 
-    if (word->value[n] == '\0' || find_kind(in, kind.text) == NULL) {
+    if (word->value[n] == '\0' || dg_plan_find_kind(word->value, n) == NULL) {
         return 0;
     }
     return dg_plan_wrong_word(in, word,

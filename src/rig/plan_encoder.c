@@ -79,8 +79,8 @@ static int refuse_kind(struct rig_reader *in, const struct dg_plan_setting *word
     const char *between = "";
 
     dg_plan_list_begin(&right);
-    for (size_t i = 0; i < in->setup->wire_count; i++) {
-        const struct dg_plan_wire_kind *other = dg_plan_kind_at(in, i);
+    for (size_t i = 0; i < dg_plan_wire_count; i++) {
+        const struct dg_plan_wire_kind *other = &dg_plan_wires[i];
         if (dg_plan_carries(other, model->stack)) {
             dg_plan_add(&right.text, RIG_SAY(between, other->name));
             between = " or ";

@@ -227,13 +227,9 @@ struct rig_where {
     const char *key;                    /**< that gives it, or would */
     const struct dg_plan_setting *word; /**< that gives it; NULL: none */
 };
-/** Kind `index` of the host. */
-const struct dg_plan_wire_kind *dg_plan_kind_at(const struct rig_reader *in, size_t index);
 /** The kind of wire that the first `n` characters of the value name. @return NULL with `error` */
 const struct dg_plan_wire_kind *dg_plan_take_kind(struct rig_reader *in,
                                                   const struct dg_plan_setting *word, size_t n);
-/** Whether `key` is a setting of the wire itself. */
-bool dg_plan_wire_has(const struct dg_plan_wire_kind *kind, const char *key);
 /** A wire with the name of the section. @return its index or -1 */
 int dg_plan_take_wire(struct rig_reader *in, const struct rig_section *self,
                       const struct dg_plan_wire_kind *kind, const struct rig_where *where);

@@ -30,7 +30,7 @@ ALLOWED = {
     "instruments": {"core", "control", "devices"},
     "host":        {"core", "motion", "devices", "control", "instruments"},
     "bus":         {"core", "devices", "control", "host"},
-    "rig":         {"core", "motion", "devices", "host"},
+    "rig":         {"core", "motion", "devices", "host", "bus"},
     "words":       {"core", "devices"},
 }
 # The lists of all protocols: they see each.

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The reader of rig files as a host without files sees it: memory that is too small, kinds of wire
- * of its own, files that include each other. What it takes and says of a text is held by
+ * The reader of rig files as a host without files sees it: memory that is too small, kinds of wire,
+ * files that include each other. What it takes and says of a text is held by
  * linux/test_plan.c and golden.verdicts.
  */
+#include <inttypes.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -14,21 +15,11 @@
 
 #include <cmocka.h>
 
+#include "drehgeber/bus_words.h"
 #include "drehgeber/hal.h"
 #include "drehgeber/rig.h"
 
 #define MEMORY_SIZE 131072u
-
-/* A host has more to say of a kind than the reader asks. */
-struct kind {
-    struct dg_plan_wire_kind kind;
-    int of_the_host;
-};
-
-static const struct kind kinds[] = {
-    {{.name = "rope", .stations_max = 127, .media = DG_PLAN_CARRIES(FRAMES), .where = "KNOT"}, 1},
-    {{.name = "string", .stations_max = 1, .media = DG_PLAN_CARRIES_ALL}, 2},
-};
 
 /* Files that can be included. */
 struct file {
@@ -66,9 +57,6 @@ static int read_in(struct bench *self, const char *text, size_t size)
         .text = {text, strlen(text)},
         .memory = self->memory,
         .memory_size = size,
-        .wires = kinds,
-        .wire_count = DG_COUNT(kinds),
-        .wire_stride = sizeof kinds[0],
         .include = include_file,
         .ctx = self,
     };
@@ -94,7 +82,7 @@ static void assert_refused(struct bench *self, const char *text, const char *inc
 }
 
 static const char nodes[] = "[rig]\ncontrol = unix:s,token=t\nfiles = x\n"
-                            "[shaft m]\nmotion = 60RPM\n[bus b]\nwire = rope\n"
+                            "[shaft m]\nmotion = 60RPM\n[bus b]\nwire = slcan\n"
                             "[encoder a]\nmodel = f3668\nbus = b\nnode = 1..100\nserial = 7\n"
                             "nvm = a.nvm\ntemperature = 85\n";
 
@@ -129,16 +117,52 @@ static void memory_of_any_size(void **state)
     assert_string_equal(bench.plan.files, "lab/x");
 }
 
-static void kinds_of_wire_are_the_hosts(void **state)
+static void kinds_of_wire_are_everybodys(void **state)
 {
     static struct bench bench;
     (void)state;
-    read_good(&bench, "[encoder a]\nmodel = ssi-25\nwire = string\n");
-    assert_ptr_equal(bench.plan.wires[0].kind, &kinds[1].kind);
+    read_good(&bench, "[encoder a]\nmodel = ssi-25\nwire = sim\nline_delay_ns = 5\n");
+    assert_ptr_equal(bench.plan.wires[0].kind, dg_plan_find_kind("sim", 3));
+    assert_int_equal(bench.plan.wires[0].settings.count, 1);
     assert_refused(&bench, "[encoder a]\nmodel = ssi-25\nwire = pty\n", "", 3,
-                   "pty is no kind of wire");
-    assert_string_equal(bench.error.right, "rope and string are right");
+                   "pty is no wire of ssi-25");
+    assert_string_equal(bench.error.right, "sim or gpio or silkit is right");
+    assert_refused(&bench, "[bus a]\nwire = pt\n", "", 2, "pt is no kind of wire");
+    assert_string_equal(bench.error.right, "pty, tty, rs485, sim, gpio, can, slcan, socketcand, "
+                                           "silkit and modbus are right");
     assert_string_equal(bench.error.file, "lab/bench.ini");
+}
+
+/* Whatever is right for a row lies in the settings that its kind has. */
+static void check_rows(const struct dg_keys *keys, void *settings)
+{
+    for (size_t i = 0; i < keys->count; i++) {
+        const struct dg_key *row = &keys->rows[i];
+        char text[32];
+        (void)snprintf(text, sizeof text, "%" PRId64, row->max);
+        const char *most = row->words == NULL ? text : row->words[row->max];
+        assert_int_equal(dg_key_set(row, settings, most), DG_OK);
+        assert_true(dg_key_get(row, settings, text, sizeof text) > 0);
+        assert_string_equal(text, most);
+    }
+}
+
+static void settings_of_wires(void **state)
+{
+    struct dg_plan_timing timing = dg_plan_timing_usual;
+    struct dg_plan_ring ring = dg_plan_ring_usual;
+    struct dg_plan_simulation simulation = dg_plan_simulation_usual;
+    bool pace = false;
+    (void)state;
+    check_rows(dg_plan_find_kind("sim", 3)->keys, &timing);
+    assert_int_equal(timing.clock_hz, DG_PLAN_CLOCK_MAX_HZ);
+    check_rows(dg_plan_find_kind("modbus", 6)->keys, &ring);
+    assert_int_equal(ring.break_at, DG_RING_MAX - 1);
+    check_rows(dg_plan_find_kind("silkit", 6)->keys, &simulation);
+    assert_int_equal(simulation.time, DG_PLAN_REAL);
+    assert_int_equal(simulation.step_us, 1000000);
+    check_rows(dg_plan_find_kind("can", 3)->keys, &pace);
+    assert_true(pace);
 }
 
 static void a_setup_of_another_version(void **state)
@@ -174,8 +198,8 @@ static void a_host_that_includes_nothing(void **state)
 
 static const struct file machine[] = {
     {"lab/shafts.ini", "; of the machine\n[shaft motor]\nmotion = 60RPM\n"},
-    {"lab/sub/wires.ini", "[rig]\ninclude = more/bus.ini\n[bus c]\nwire = rope\ntrace = c.log\n"},
-    {"lab/sub/more/bus.ini", "[bus b]\nwire = rope\ntrace = b.log"},
+    {"lab/sub/wires.ini", "[rig]\ninclude = more/bus.ini\n[bus c]\nwire = slcan\ntrace = c.log\n"},
+    {"lab/sub/more/bus.ini", "[bus b]\nwire = slcan\ntrace = b.log"},
     {"lab/empty.ini", ""},
     {"lab/broken.ini", "[rig]\n\ninclude = broken/deep.ini\n"},
     {"lab/broken/deep.ini", "[shaft a]\nratio = 1:2\n"},
@@ -376,7 +400,7 @@ static void a_megabyte_is_enough(void **state)
     static char half[DG_PLAN_INCLUDED_MAX / 2u + 1u];
     const struct file files[] = {{"lab/half.ini", half}, {"lab/more.ini", "; \n"}};
     static const char twice[] = "[rig]\ninclude = half.ini\ninclude = half.ini\n"
-                                "[encoder a]\nmodel = f3668\nwire = rope\n";
+                                "[encoder a]\nmodel = f3668\nwire = slcan\n";
     (void)state;
     memset(half, '\n', sizeof half - 1u);
     bench.files = files;
@@ -390,7 +414,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(memory_of_any_size),
-        cmocka_unit_test(kinds_of_wire_are_the_hosts),
+        cmocka_unit_test(kinds_of_wire_are_everybodys),
+        cmocka_unit_test(settings_of_wires),
         cmocka_unit_test(a_setup_of_another_version),
         cmocka_unit_test(included_where_the_word_stands),
         cmocka_unit_test(memory_that_ends_anywhere),

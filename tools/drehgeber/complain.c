@@ -15,7 +15,7 @@ static const char *option_of(const char *key)
 /* What may be left out stands behind '='. */
 static const char *between(const char *kind)
 {
-    const struct lx_wire *wire = lx_wire_find(kind, strlen(kind));
+    const struct dg_plan_wire_kind *wire = dg_plan_find_kind(kind, strlen(kind));
     return wire != NULL && lx_wire_is_optional(wire) ? "=" : " ";
 }
 

@@ -186,55 +186,56 @@ static void *readable(const void *defaults)
     return base;
 }
 
-static bool has_keys(const struct lx_wire *wire, const struct lx_stack *stack,
+static bool has_keys(const struct dg_plan_wire_kind *wire, const struct lx_stack *stack,
                      const struct dg_keys *keys)
 {
-    return wire->kind.keys == keys && lx_wire_carries(wire, stack);
+    return wire->keys == keys && dg_plan_carries(wire, stack->core);
 }
 
 /* Wires with the same keys are told once, by the first of them. @return the others' names, too; "":
    an earlier one has told */
 static struct lx_words wires_with(const struct lx_stack *stack, size_t first)
 {
-    const struct dg_keys *keys = lx_wires[first].kind.keys;
+    const struct dg_keys *keys = dg_plan_wires[first].keys;
     struct lx_words names = {""};
     size_t count = 0;
     size_t told = 0;
-    for (size_t i = 0; i < lx_wire_count; i++) {
-        count += has_keys(&lx_wires[i], stack, keys) ? 1u : 0u;
+    for (size_t i = 0; i < dg_plan_wire_count; i++) {
+        count += has_keys(&dg_plan_wires[i], stack, keys) ? 1u : 0u;
     }
-    for (size_t i = 0; i < lx_wire_count; i++) {
+    for (size_t i = 0; i < dg_plan_wire_count; i++) {
         char name[32];
-        if (!has_keys(&lx_wires[i], stack, keys)) {
+        if (!has_keys(&dg_plan_wires[i], stack, keys)) {
             continue;
         }
         if (i < first) {
             return (struct lx_words){""};
         }
-        (void)snprintf(name, sizeof name, "--%s", lx_wires[i].kind.name);
+        (void)snprintf(name, sizeof name, "--%s", dg_plan_wires[i].name);
         lx_words_item(&names, name, told++, count, " and ");
     }
     return names;
 }
 
 /* Whether encoders are on such a wire when the command is done; NULL: any command. */
-static bool has_wire(const struct command_row *row, const struct lx_wire *wire)
+static bool has_wire(const struct command_row *row, const struct dg_plan_wire_kind *wire)
 {
-    return row == NULL || row->wires || (row->command == COMMAND_ASK && wire->simulated);
+    return row == NULL || row->wires ||
+           (row->command == COMMAND_ASK && lx_wire_of(wire)->simulated);
 }
 
 static void print_wire_keys(const struct command_row *row, const struct lx_stack *stack, FILE *to)
 {
-    for (size_t i = 0; i < lx_wire_count; i++) {
-        const struct lx_wire *wire = &lx_wires[i];
-        const struct dg_keys *rows = wire->kind.keys;
-        const bool has = rows != NULL && lx_wire_carries(wire, stack) && has_wire(row, wire);
+    for (size_t i = 0; i < dg_plan_wire_count; i++) {
+        const struct dg_plan_wire_kind *wire = &dg_plan_wires[i];
+        const struct dg_keys *rows = wire->keys;
+        const bool has = rows != NULL && dg_plan_carries(wire, stack->core) && has_wire(row, wire);
         const struct lx_words names = has ? wires_with(stack, i) : (struct lx_words){""};
         if (names.text[0] != '\0') {
             const struct lx_keys keys = {
                 .rows = rows->rows,
                 .count = rows->count,
-                .base = readable(wire->defaults),
+                .base = readable(wire->settings),
             };
             (void)fprintf(to, " of %s:\n", names.text);
             lx_keys_help(&keys, to);

@@ -31,10 +31,10 @@ static void list_wires(const struct lx_stack *stack)
 {
     const char *between = "";
     (void)fputs("\"wires\": [", stdout);
-    for (size_t i = 0; i < lx_wire_count; i++) {
-        if (lx_wire_carries(&lx_wires[i], stack)) {
+    for (size_t i = 0; i < dg_plan_wire_count; i++) {
+        if (dg_plan_carries(&dg_plan_wires[i], stack->core)) {
             (void)fputs(between, stdout);
-            json_string(lx_wires[i].kind.name);
+            json_string(dg_plan_wires[i].name);
             between = ", ";
         }
     }

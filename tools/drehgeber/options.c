@@ -124,14 +124,14 @@ static bool takes(const struct command_row *row, const struct argp_option *optio
     return option->name == NULL ? row->takes[0] != '\0' : strstr(row->takes, word.text) != NULL;
 }
 
-static struct argp_option option_of(const struct lx_wire *wire, int key)
+static struct argp_option option_of(const struct dg_plan_wire_kind *wire, int key)
 {
     return (struct argp_option){
-        .name = wire->kind.name,
+        .name = wire->name,
         .key = key,
-        .arg = wire->kind.where,
+        .arg = wire->where,
         .flags = lx_wire_is_optional(wire) ? OPTION_ARG_OPTIONAL : 0,
-        .doc = wire->help,
+        .doc = lx_wire_of(wire)->help,
         .group = 1,
     };
 }
@@ -144,16 +144,16 @@ static bool serves(const struct argp_option *option, const struct lx_stack *stac
 
 struct argp_option *options_table(const struct command_row *row, const struct lx_stack *stack)
 {
-    struct argp_option *table = calloc(lx_wire_count + ROW_COUNT + 2u, sizeof *table);
+    struct argp_option *table = calloc(dg_plan_wire_count + ROW_COUNT + 2u, sizeof *table);
     size_t n = 0;
     if (table == NULL) {
         return NULL;
     }
     if (row == NULL || row->wires) {
         table[n++] = (struct argp_option){.doc = "Wires (one of them):", .group = 1};
-        for (size_t i = 0; i < lx_wire_count; i++) {
-            if (stack == NULL || lx_wire_carries(&lx_wires[i], stack)) {
-                table[n++] = option_of(&lx_wires[i], KEY_WIRE + (int)i);
+        for (size_t i = 0; i < dg_plan_wire_count; i++) {
+            if (stack == NULL || dg_plan_carries(&dg_plan_wires[i], stack->core)) {
+                table[n++] = option_of(&dg_plan_wires[i], KEY_WIRE + (int)i);
             }
         }
     }
@@ -194,17 +194,17 @@ static const struct argp_option *row_with(const struct options *self, int key)
 
 static error_t take_wire(struct options *self, int key, const char *value)
 {
-    const struct lx_wire *wire = &lx_wires[key - KEY_WIRE];
+    const struct dg_plan_wire_kind *wire = &dg_plan_wires[key - KEY_WIRE];
     struct lx_words right = {"give one of "};
     if (self->wire == NULL) {
         self->wire = wire;
         self->where = value;
         return 0;
     }
-    for (size_t i = 0; i < lx_wire_count; i++) {
-        lx_words_add(&right, "%s--%s", i == 0 ? "" : ", ", lx_wires[i].kind.name);
+    for (size_t i = 0; i < dg_plan_wire_count; i++) {
+        lx_words_add(&right, "%s--%s", i == 0 ? "" : ", ", dg_plan_wires[i].name);
     }
-    (void)lx_refuse(&self->error, right.text, "more than one wire: --%s", wire->kind.name);
+    (void)lx_refuse(&self->error, right.text, "more than one wire: --%s", wire->name);
     return EINVAL;
 }
 
@@ -271,7 +271,7 @@ static int superfluous(struct options *self, const char *value)
     const bool link = self->wire != NULL && self->where == NULL && lx_wire_is_optional(self->wire);
     struct lx_words right = {""};
     if (link) {
-        lx_words_add(&right, "--%s=%s is right", self->wire->kind.name, value);
+        lx_words_add(&right, "--%s=%s is right", self->wire->name, value);
     } else if (self->command == COMMAND_RUN) {
         lx_words_add(&right, "right is one model, or 'drehgeber run RIG.ini' with one encoder in "
                              "each [encoder NAME]");
@@ -569,9 +569,9 @@ static struct lx_words right_wires(const struct lx_stack *stack)
 {
     struct lx_words right = {"right is"};
     const char *between = " ";
-    for (size_t i = 0; i < lx_wire_count; i++) {
-        if (lx_wire_carries(&lx_wires[i], stack)) {
-            const struct argp_option row = option_of(&lx_wires[i], 0);
+    for (size_t i = 0; i < dg_plan_wire_count; i++) {
+        if (dg_plan_carries(&dg_plan_wires[i], stack->core)) {
+            const struct argp_option row = option_of(&dg_plan_wires[i], 0);
             lx_words_add(&right, "%s", between);
             add_option(&right, &row);
             between = " or ";
@@ -583,27 +583,27 @@ static struct lx_words right_wires(const struct lx_stack *stack)
 /* A kernel that has CAN also has an interface that the user wants it on; there is no guessing. */
 static bool must_be_said(const struct lx_stack *stack)
 {
-    const struct lx_wire *can = lx_wire_find("can", strlen("can"));
-    return lx_wire_carries(can, stack) && lx_can_in_kernel();
+    const struct dg_plan_wire_kind *can = dg_plan_find_kind("can", strlen("can"));
+    return dg_plan_carries(can, stack->core) && lx_can_in_kernel();
 }
 
-const struct lx_wire *options_wire(const struct options *self, const struct dg_device *device,
-                                   struct lx_error *error)
+const struct dg_plan_wire_kind *options_wire(const struct options *self,
+                                             const struct dg_device *device, struct lx_error *error)
 {
     const struct lx_stack *stack = lx_stack_of(device);
-    if (self->wire != NULL && lx_wire_carries(self->wire, stack)) {
+    if (self->wire != NULL && dg_plan_carries(self->wire, stack->core)) {
         return self->wire;
     }
     if (self->wire != NULL) {
-        (void)lx_refuse(error, right_wires(stack).text, "--%s is no wire of %s",
-                        self->wire->kind.name, device->name);
+        (void)lx_refuse(error, right_wires(stack).text, "--%s is no wire of %s", self->wire->name,
+                        device->name);
         return NULL;
     }
     if (must_be_said(stack)) {
         (void)lx_refuse(error, right_wires(stack).text, "%s needs a wire", device->name);
         return NULL;
     }
-    return lx_wire_find(stack->wire, strlen(stack->wire));
+    return dg_plan_find_kind(stack->wire, strlen(stack->wire));
 }
 
 void options_free(struct options *self)

@@ -61,8 +61,8 @@ struct options {
     const struct command_row *row; /* its row, for help the one that is asked about; may be NULL */
     const char *model;             /* or the rig file */
     const char *ring;              /* models with commas between them */
-    const struct lx_wire *wire;    /* NULL: not said */
-    const char *where;             /* the wire's value; NULL: none */
+    const struct dg_plan_wire_kind *wire; /* NULL: not said */
+    const char *where;                    /* the wire's value; NULL: none */
     const char *nvm;
     const char *serial;
     const char *node;
@@ -104,8 +104,8 @@ bool options_numbered(const struct lx_stack *stack);
 
 /* The wire for this encoder: the one that was given, or the default. NULL with `error` when that
    is none for it. */
-const struct lx_wire *options_wire(const struct options *self, const struct dg_device *device,
-                                   struct lx_error *error);
+const struct dg_plan_wire_kind *
+options_wire(const struct options *self, const struct dg_device *device, struct lx_error *error);
 
 /* What `run` is to be: of a model, a ring, or a rig file. 0, or -1 with `error` and nothing to
    free. */

@@ -104,12 +104,12 @@ static char *counted(const char *digits, unsigned offset)
 static bool pick_settings(const struct options *options, struct dg_plan *plan, bool of_wire,
                           struct dg_plan_settings *to)
 {
-    const struct lx_wire *wire = lx_wire_of(plan->wires[0].kind);
+    const struct dg_plan_wire_kind *wire = plan->wires[0].kind;
     const bool made = dg_plan_make_settings(plan, to, options->settings.count);
     to->count = 0;
     for (size_t i = 0; made && i < options->settings.count; i++) {
         const struct dg_plan_setting *row = &options->settings.list[i];
-        if (lx_wire_has(wire, row->key) == of_wire) {
+        if (dg_plan_wire_has(wire, row->key) == of_wire) {
             to->list[to->count++] = *row;
         }
     }
@@ -313,14 +313,14 @@ static int begin(const struct options *options, struct dg_plan *plan,
                  const struct dg_device *device, struct lx_error *error)
 {
     const char *name = options->ring != NULL ? "ring" : device->name;
-    const struct lx_wire *wire = options_wire(options, device, error);
+    const struct dg_plan_wire_kind *wire = options_wire(options, device, error);
     if (wire == NULL || lx_plan_make(plan, error) != 0) {
         return -1;
     }
-    const char *where = options->where == NULL ? wire->kind.usual : options->where;
+    const char *where = options->where == NULL ? wire->usual : options->where;
     plan->name = name;
     if (dg_plan_add_shaft(plan, "main", options->shaft) < 0 ||
-        dg_plan_add_wire(plan, name, &wire->kind, where) < 0) {
+        dg_plan_add_wire(plan, name, wire, where) < 0) {
         return no_memory(error);
     }
     plan->wires[0].trace = options->trace;
@@ -366,7 +366,7 @@ static const char *not_with_rig(const struct options *options)
             return rows[i].name;
         }
     }
-    return options->wire == NULL ? NULL : options->wire->kind.name;
+    return options->wire == NULL ? NULL : options->wire->name;
 }
 
 static bool is_rig_file(const char *name)

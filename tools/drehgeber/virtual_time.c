@@ -41,27 +41,27 @@ int virtual_time_span(const char *text, dg_ns *span)
 }
 
 /* One that has to be named is a device of the machine, and lives in its time. */
-static bool is_real(const struct lx_wire *kind)
+static bool is_real(const struct dg_plan_wire_kind *kind)
 {
-    return kind->kind.where_needed && kind->make != lx_silkit_bus_make;
+    return kind->where_needed && lx_wire_of(kind)->make != lx_silkit_bus_make;
 }
 
 /* Whether it lives in a time that this process, or a simulation, lets pass. */
-static bool is_virtual(const struct lx_wire *kind, bool stepped)
+static bool is_virtual(const struct dg_plan_wire_kind *kind, bool stepped)
 {
-    return stepped ? !is_real(kind) : !kind->kind.where_needed;
+    return stepped ? !is_real(kind) : !kind->where_needed;
 }
 
 static struct lx_words virtual_wires(bool stepped)
 {
     struct lx_words right = {""};
     size_t count = 0;
-    for (size_t i = 0; i < lx_wire_count; i++) {
-        count += is_virtual(&lx_wires[i], stepped);
+    for (size_t i = 0; i < dg_plan_wire_count; i++) {
+        count += is_virtual(&dg_plan_wires[i], stepped);
     }
-    for (size_t i = 0, n = 0; i < lx_wire_count; i++) {
-        if (is_virtual(&lx_wires[i], stepped)) {
-            lx_words_item(&right, lx_wires[i].kind.name, n++, count, " and ");
+    for (size_t i = 0, n = 0; i < dg_plan_wire_count; i++) {
+        if (is_virtual(&dg_plan_wires[i], stepped)) {
+            lx_words_item(&right, dg_plan_wires[i].name, n++, count, " and ");
         }
     }
     lx_words_add(&right, " are right");
@@ -74,7 +74,7 @@ static int check_wires(const char *text, const struct dg_plan *plan, bool steppe
     const struct lx_words right = virtual_wires(stepped);
     for (size_t i = 0; i < plan->wire_count; i++) {
         const char *name = plan->wires[i].kind->name;
-        if (is_virtual(lx_wire_of(plan->wires[i].kind), stepped)) {
+        if (is_virtual(plan->wires[i].kind, stepped)) {
             continue;
         }
         if (text != NULL) {

@@ -170,9 +170,9 @@ static bool is_right(const struct wire_command *self, const struct options *opti
         lx_complain("%s needs %s; valid:%s", self->name, self->needs, models.text);
         return false;
     }
-    if (options->wire != NULL && !options->wire->simulated) {
+    if (options->wire != NULL && !lx_wire_of(options->wire)->simulated) {
         lx_complain("%s %s has a simulated wire; right is 'drehgeber run %s --%s %s'", self->name,
-                    options->model, options->model, options->wire->kind.name, options->where);
+                    options->model, options->model, options->wire->name, options->where);
         return false;
     }
     if (options->word_count == 0) {

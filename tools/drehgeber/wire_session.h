@@ -26,7 +26,7 @@ struct wire_session {
     struct lx_station station;
     struct lx_station *stations[1];
     struct lx_bus_setup bus;
-    struct lx_clocked_timing timing; /* of the master and its cable */
+    struct dg_plan_timing timing; /* of the master and its cable */
     struct lx_shaft shaft;
     struct lx_clocked *line; /* NULL: not made */
     struct lx_tap tap;

@@ -68,13 +68,13 @@ void manual_keys(const struct lx_stack *stack)
     struct lx_keys lists[LX_STACK_LISTS];
     lx_stack_keys(stack, NULL, NULL, NULL, lists);
     put_keys(lists, LX_STACK_LISTS);
-    for (size_t i = 0; i < lx_wire_count; i++) {
-        bool before = lx_wires[i].kind.keys == NULL;
+    for (size_t i = 0; i < dg_plan_wire_count; i++) {
+        bool before = dg_plan_wires[i].keys == NULL;
         for (size_t j = 0; j < i; j++) {
-            before = before || lx_wires[j].kind.keys == lx_wires[i].kind.keys;
+            before = before || dg_plan_wires[j].keys == dg_plan_wires[i].keys;
         }
-        if (!before && lx_wire_carries(&lx_wires[i], stack)) {
-            const struct dg_keys *keys = lx_wires[i].kind.keys;
+        if (!before && dg_plan_carries(&dg_plan_wires[i], stack->core)) {
+            const struct dg_keys *keys = dg_plan_wires[i].keys;
             put_keys(&(struct lx_keys){.rows = keys->rows, .count = keys->count}, 1);
         }
     }

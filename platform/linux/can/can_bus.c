@@ -322,15 +322,6 @@ static const struct lx_bus_ops bus_ops = {LX_BUS_OPERATIONS, .look = look, .turn
 
 /* --- making --- */
 
-/* clang-format off */
-static const struct dg_key keys[] = {
-    {"pace", "", 0, DG_KEY_FLAG, 0, 1, 0, 1, dg_key_no_yes, "1: each frame takes its time at the bit rate"},
-};
-/* clang-format on */
-
-const struct dg_keys lx_can_keys = {.rows = keys, .count = DG_COUNT(keys)};
-const bool lx_can_pace = false;
-
 static const struct dg_bus_ops door = {.tx = send_frame, .tap = tell_tap, .answer = answer};
 static const struct dg_bus_frames_ops frames_door = {.filter = refilter, .retuned = retune};
 
@@ -363,7 +354,7 @@ static int understand(struct lx_can_bus *self, struct lx_error *error)
     const struct lx_bus_setup *setup = &self->bus.setup;
     int result = 0;
     if (self->open != lx_silkit_can_open) { /* that has the keys of its simulation */
-        result = lx_wire_settings(&lx_can_keys, setup->plan, setup->wire, &self->pace, error);
+        result = lx_wire_settings(setup->plan, setup->wire, &self->pace, error);
     }
     if (result == 0 && !make_wire(self)) {
         return lx_fail(error, "no memory for %lu encoders", (unsigned long)setup->count);
@@ -390,7 +381,6 @@ struct lx_bus *lx_can_bus_make(const struct lx_bus_setup *setup, lx_can_open *op
     self->open = open;
     self->promised = DG_NEVER;
     self->node = node;
-    self->pace = lx_can_pace;
     if (understand(self, error) != 0) {
         free_bus(self);
         return NULL;

@@ -81,8 +81,4 @@ void lx_can_node_close(struct lx_can_node *self);
 /** The protocol, as the port knows it. */
 extern const struct lx_stack lx_can_stack;
 
-/** The keys of the wire itself, of a bool: whether frames take their time. */
-extern const struct dg_keys lx_can_keys;
-extern const bool lx_can_pace;
-
 #endif

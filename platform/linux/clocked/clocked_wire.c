@@ -2,8 +2,7 @@
 #include "clocked_wire.h"
 
 void lx_clocked_wire_init(struct lx_clocked_wire *self, struct lx_clocked *line,
-                          const struct lx_clocked_timing *timing, const struct lx_tap *tap,
-                          dg_ns now)
+                          const struct dg_plan_timing *timing, const struct lx_tap *tap, dg_ns now)
 {
     const uint32_t edges = 2u * timing->clock_hz; /* in a second */
     *self = (struct lx_clocked_wire){

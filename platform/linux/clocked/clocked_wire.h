@@ -13,20 +13,6 @@
 
 #include "clocked.h"
 
-/** The master's clock: as usual, and the slowest and fastest one. At slower ones encoders take half
- * a period for the end of a frame (BiSS: below 38.5 kHz); SSI may need a faster one, see
- * lx_clocked_check_rate(). */
-#define LX_CLOCK_HZ 1000000u
-#define LX_CLOCK_MIN_HZ 50000u
-#define LX_CLOCK_MAX_HZ 10000000u
-
-/** Times of the master and its cable. */
-struct lx_clocked_timing {
-    uint32_t clock_hz;      /**< LX_CLOCK_MIN_HZ..LX_CLOCK_MAX_HZ */
-    uint32_t line_delay_ns; /**< each way; 0..DG_BUS_CABLE_MAX_NS */
-    bool compensate;        /**< the master takes its samples later by the way there and back */
-};
-
 /** The wire. */
 struct lx_clocked_wire {
     struct lx_clocked *line;
@@ -44,8 +30,7 @@ struct lx_clocked_wire {
 /** A wire at `now`, its clock high; connects the encoders, which have their power. `tap` is told
  * the levels at the master's end. */
 void lx_clocked_wire_init(struct lx_clocked_wire *self, struct lx_clocked *line,
-                          const struct lx_clocked_timing *timing, const struct lx_tap *tap,
-                          dg_ns now);
+                          const struct dg_plan_timing *timing, const struct lx_tap *tap, dg_ns now);
 
 /** Half a period on, the master puts the clock to `level`. */
 void lx_clocked_wire_edge(struct lx_clocked_wire *self, bool level);

@@ -36,7 +36,7 @@
 
 struct sim_bus {
     struct lx_bus bus;
-    struct lx_clocked_timing timing;
+    struct dg_plan_timing timing;
     struct lx_clocked *line;
     struct lx_sim_master master;
     struct lx_timer timer;
@@ -276,7 +276,7 @@ static struct lx_bus *make(const struct lx_bus_setup *setup, bool driven, struct
         return NULL;
     }
     self->bus = (struct lx_bus){.ops = &ops, .setup = *setup};
-    self->timing = lx_sim_timing;
+    self->timing = dg_plan_timing_usual;
     self->driven = driven;
     self->line = lx_clocked_make(setup, LX_CLOCKED_HERE, error);
     if (self->line == NULL || (!driven && lx_sim_timing_set(setup->plan, setup->wire, self->line,

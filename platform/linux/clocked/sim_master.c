@@ -23,7 +23,7 @@ void lx_sim_master_note(const struct lx_sim_master *self, const char *text,
 }
 
 void lx_sim_master_init(struct lx_sim_master *self, const struct lx_tap *tap,
-                        struct lx_clocked *line, const struct lx_clocked_timing *timing, dg_ns now)
+                        struct lx_clocked *line, const struct dg_plan_timing *timing, dg_ns now)
 {
     self->tap = tap;
     lx_clocked_wire_init(&self->wire, line, timing, tap, now);

@@ -21,7 +21,7 @@ struct lx_sim_master {
 
 /** Of a wire with the encoders of `line`, as lx_clocked_wire_init(). `tap` must outlive it. */
 void lx_sim_master_init(struct lx_sim_master *self, const struct lx_tap *tap,
-                        struct lx_clocked *line, const struct lx_clocked_timing *timing, dg_ns now);
+                        struct lx_clocked *line, const struct dg_plan_timing *timing, dg_ns now);
 
 /** Nothing happens until `now`, as lx_clocked_wire_pause(). */
 void lx_sim_master_pause(struct lx_sim_master *self, dg_ns now);

@@ -1,25 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #include "sim_settings.h"
 
-#include <stddef.h>
 #include <string.h>
 
-#define AT(field) offsetof(struct lx_clocked_timing, field)
-
-/* clang-format off */
-static const struct dg_key keys[] = {
-    {"clock_hz",      "Hz", AT(clock_hz),      DG_KEY_U32,  0, 1, LX_CLOCK_MIN_HZ, LX_CLOCK_MAX_HZ,       NULL,          "simulated wire: clock of the master"},
-    {"line_delay_ns", "ns", AT(line_delay_ns), DG_KEY_U32,  0, 1, 0,               DG_BUS_CABLE_MAX_NS, NULL,          "simulated wire: delay of the cable each way; 5 ns are a metre"},
-    {"compensate",    "",   AT(compensate),    DG_KEY_FLAG, 0, 1, 0,               1,                     dg_key_no_yes, "simulated wire: the master takes its samples later by the way there and back"},
-};
-/* clang-format on */
-
-const struct dg_keys lx_sim_keys = {.rows = keys, .count = DG_COUNT(keys)};
-
-const struct lx_clocked_timing lx_sim_timing = {.clock_hz = LX_CLOCK_HZ, .compensate = true};
-
 /* A bit is looked at half a period behind the edge that it belongs to. */
-static int check_timing(const struct lx_clocked_timing *timing, struct lx_error *error)
+static int check_timing(const struct dg_plan_timing *timing, struct lx_error *error)
 {
     const uint64_t back_ns = (uint64_t)2u * timing->line_delay_ns;
     struct lx_words right = {""};
@@ -44,11 +29,11 @@ static int refuse_key(const struct dg_plan *plan, const struct dg_plan_wire *wir
 }
 
 int lx_sim_timing_set(const struct dg_plan *plan, const struct dg_plan_wire *wire,
-                      const struct lx_clocked *line, struct lx_clocked_timing *timing,
+                      const struct lx_clocked *line, struct dg_plan_timing *timing,
                       struct lx_error *error)
 {
-    *timing = lx_sim_timing;
-    if (lx_wire_settings(&lx_sim_keys, plan, wire, timing, error) != 0) {
+    *timing = dg_plan_timing_usual;
+    if (lx_wire_settings(plan, wire, timing, error) != 0) {
         return -1;
     }
     if (check_timing(timing, error) != 0) {

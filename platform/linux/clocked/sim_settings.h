@@ -11,17 +11,11 @@
 #include "key.h"
 #include "plan.h"
 
-/** Its keys; offsets count from a struct lx_clocked_timing. */
-extern const struct dg_keys lx_sim_keys;
-
-/** 1 MHz and no delay. */
-extern const struct lx_clocked_timing lx_sim_timing;
-
-/** The same with the settings of `wire`. A master that does not compensate needs a clock that the
+/** As usual, with the settings of `wire`. A master that does not compensate needs a clock that the
  * cable leaves time for, and the encoders of `line` one that they take for one frame.
  * @return 0, or -1 with `error` */
 int lx_sim_timing_set(const struct dg_plan *plan, const struct dg_plan_wire *wire,
-                      const struct lx_clocked *line, struct lx_clocked_timing *timing,
+                      const struct lx_clocked *line, struct dg_plan_timing *timing,
                       struct lx_error *error);
 
 #endif

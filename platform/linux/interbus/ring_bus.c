@@ -16,8 +16,8 @@
 
 struct ring_bus {
     struct lx_bus bus;
-    struct lx_ring_settings settings; /* of the ring as a whole */
-    struct lx_ring_member *members;   /* owned, as many as stations */
+    struct dg_plan_ring settings;   /* of the ring as a whole */
+    struct lx_ring_member *members; /* owned, as many as stations */
     struct lx_ring ring;
     struct lx_modbus coupler;
     bool coupled; /* the coupler was opened */
@@ -230,7 +230,7 @@ static int understand_ring(struct ring_bus *self, struct lx_error *error)
     if (!lx_modbus_address_fits(where)) {
         return lx_refuse(error, LX_MODBUS_RIGHT, "%s", "");
     }
-    return lx_wire_settings(&lx_ring_keys, setup->plan, setup->wire, &self->settings, error);
+    return lx_wire_settings(setup->plan, setup->wire, &self->settings, error);
 }
 
 /* A serial number that was asked for is this one's; the models' own count up. */
@@ -268,7 +268,7 @@ static struct lx_bus *make(const struct lx_bus_setup *setup, bool driven, struct
     self->bus = (struct lx_bus){.ops = &bus_ops, .setup = *setup};
     self->members = members;
     self->driven = driven;
-    self->settings = lx_ring_defaults;
+    self->settings = dg_plan_ring_usual;
     int result = driven ? 0 : understand_ring(self, error);
     for (size_t i = 0; result == 0 && i < setup->count; i++) {
         result = understand(self, i, error);

@@ -165,9 +165,6 @@ static int read_text(struct dg_plan *self, const char *file, const struct text *
         .size = sizeof setup,
         .file = file,
         .text = {text->bytes, text->n},
-        .wires = lx_wires,
-        .wire_count = lx_wire_count,
-        .wire_stride = sizeof lx_wires[0],
         .include = include_file,
         .ctx = &including,
     };

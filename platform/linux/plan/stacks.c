@@ -159,9 +159,9 @@ void lx_stack_models(const struct lx_stack *self, struct lx_words *to)
 void lx_stack_wires(const struct lx_stack *self, struct lx_words *to)
 {
     const char *between = "";
-    for (size_t i = 0; i < lx_wire_count; i++) {
-        if (lx_wire_carries(&lx_wires[i], self)) {
-            lx_words_add(to, "%s%s", between, lx_wires[i].kind.name);
+    for (size_t i = 0; i < dg_plan_wire_count; i++) {
+        if (dg_plan_carries(&dg_plan_wires[i], self->core)) {
+            lx_words_add(to, "%s%s", between, dg_plan_wires[i].name);
             between = " or ";
         }
     }

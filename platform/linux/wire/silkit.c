@@ -229,7 +229,7 @@ static int on_standstill(sd_event_source *source, uint64_t usec, void *ctx)
 
 static void note_gone(struct lx_silkit *self, const char *name)
 {
-    const bool coordinated = self->settings.time == LX_SILKIT_COORDINATED;
+    const bool coordinated = self->settings.time == DG_PLAN_COORDINATED;
     if (strcmp(name, REGISTRY) != 0) {
         lx_note(self->say, "SIL Kit: %s has left the simulation", name);
     } else if (coordinated && !self->heard) {
@@ -420,7 +420,7 @@ static int make_clock(struct lx_silkit *self, struct lx_error *error)
 
 static int make_life(struct lx_silkit *self, struct lx_error *error)
 {
-    const bool coordinated = self->settings.time == LX_SILKIT_COORDINATED;
+    const bool coordinated = self->settings.time == DG_PLAN_COORDINATED;
     const struct lx_sk_lifecycle_setup setup = {
         .header = {.version = LX_SK_LIFECYCLE},
         .mode = coordinated ? LX_SK_COORDINATED : LX_SK_AUTONOMOUS,

@@ -30,21 +30,6 @@
 /** Longest topic: PARTICIPANT/shaft/NAME/... */
 #define LX_SILKIT_TOPIC_MAX 200u
 
-/** Whose time it is. */
-enum lx_silkit_time {
-    LX_SILKIT_COORDINATED, /**< virtual; begins and ends with all others */
-    LX_SILKIT_AUTONOMOUS,  /**< virtual; begins when it can */
-    LX_SILKIT_REAL,        /**< each one's own */
-};
-
-/** Settings. */
-struct lx_silkit_settings {
-    uint8_t time;     /**< enum lx_silkit_time */
-    uint32_t step_us; /**< 1..1000000 */
-};
-extern const struct dg_keys lx_silkit_keys;
-extern const struct lx_silkit_settings lx_silkit_defaults;
-
 /** An address. */
 struct lx_silkit_where {
     char uri[LX_SILKIT_URI_MAX];

@@ -34,7 +34,7 @@ struct lx_silkit {
     dg_ns span;                    /**< its part is over then; 0: it is not */
     sd_event_source *standstill;   /**< is looked for; NULL: it is not */
     unsigned grace;                /**< steps until it need not be */
-    struct lx_silkit_settings settings;
+    struct dg_plan_simulation settings;
     struct lx_silkit_where where;
     bool planned;    /**< a wire was added */
     bool heard;      /**< everybody can hear */

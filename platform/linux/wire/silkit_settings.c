@@ -8,20 +8,6 @@
 #include "silkit_parts.h"
 
 #define RIGHT "silkit://HOST:PORT,NETWORK or silkit://HOST:PORT,NETWORK,PARTICIPANT is right"
-#define STEP_MAX_US 1000000
-
-static const char *const times[] = {"coordinated", "autonomous", "real"};
-
-/* clang-format off */
-static const struct dg_key keys[] = {
-    {"time",    "",   offsetof(struct lx_silkit_settings, time),    DG_KEY_WORD, 0, 1, 0, LX_SILKIT_REAL, times, "of the SIL Kit simulation: virtual, begun and ended with all others; virtual, begun at once; or real, without steps"},
-    {"step_us", "us", offsetof(struct lx_silkit_settings, step_us), DG_KEY_U32,  0, 1, 1, STEP_MAX_US,    NULL,  "of SIL Kit's virtual time: from one step to the next"},
-};
-/* clang-format on */
-
-const struct dg_keys lx_silkit_keys = {.rows = keys, .count = DG_COUNT(keys)};
-const struct lx_silkit_settings lx_silkit_defaults = {.time = LX_SILKIT_COORDINATED,
-                                                      .step_us = 1000};
 
 /* --- addresses --- */
 
@@ -104,12 +90,13 @@ static int same_where(const struct lx_silkit *self, const struct lx_silkit_where
     return 0;
 }
 
-static int same_settings(const struct lx_silkit *self, const struct lx_silkit_settings *settings,
+static int same_settings(const struct lx_silkit *self, const struct dg_plan_simulation *settings,
                          const struct dg_plan *plan, const struct dg_plan_wire *wire,
                          struct lx_error *error)
 {
     if (self->settings.time != settings->time) {
-        return refuse_another(times[self->settings.time], "time", plan, wire, error);
+        const struct dg_key *time = dg_keys_find(wire->kind->keys, "time");
+        return refuse_another(time->words[self->settings.time], "time", plan, wire, error);
     }
     if (self->settings.step_us != settings->step_us) {
         struct lx_words step = {""};
@@ -124,11 +111,11 @@ int lx_silkit_add(struct lx_silkit *self, const struct dg_plan *plan,
                   const struct dg_plan_wire *wire, struct lx_error *error)
 {
     struct lx_silkit_where where;
-    struct lx_silkit_settings settings = self->planned ? self->settings : lx_silkit_defaults;
+    struct dg_plan_simulation settings = self->planned ? self->settings : dg_plan_simulation_usual;
     if (lx_silkit_split(wire->where, &where, error) != 0) {
         return lx_plan_refuse_wire(plan, wire, error);
     }
-    if (lx_wire_settings(&lx_silkit_keys, plan, wire, &settings, error) != 0) {
+    if (lx_wire_settings(plan, wire, &settings, error) != 0) {
         return -1;
     }
     if (self->planned) {
@@ -144,7 +131,7 @@ int lx_silkit_add(struct lx_silkit *self, const struct dg_plan *plan,
 
 bool lx_silkit_is_virtual(const struct lx_silkit *self)
 {
-    return self->planned && self->settings.time != LX_SILKIT_REAL;
+    return self->planned && self->settings.time != DG_PLAN_REAL;
 }
 
 const char *lx_silkit_name(const struct lx_silkit *self)

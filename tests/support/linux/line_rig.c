@@ -129,10 +129,8 @@ static void open_master(struct line_rig *self)
 /* A plan of `count` encoders, the first one at 40h, the next at 41h ... */
 void line_rig_plan(struct line_rig *self, size_t count, const char *where)
 {
-    static const struct lx_wire wire = {
-        .kind = {.name = "pty", .media = DG_PLAN_CARRIES(CHARACTERS)}};
     *self = (struct line_rig){.say = {.quiet = true}, .master = -1, .clock = {.permille = 1000}};
-    plan_rig_begin(&self->plan, "line", &wire.kind, where);
+    plan_rig_begin(&self->plan, "line", dg_plan_find_kind("pty", 3), where);
     for (size_t i = 0; i < count; i++) {
         char name[24];
         (void)snprintf(name, sizeof name, "e%zu", i);

@@ -38,9 +38,8 @@ static void on_event(void *ctx, const struct dg_tap_event *event)
 
 void sim_rig_plan(struct sim_rig *self, size_t count)
 {
-    static const struct lx_wire wire = {.kind = {.name = "sim", .media = DG_PLAN_CARRIES(EDGES)}};
     *self = (struct sim_rig){.say = {.quiet = true}, .clock = {.virtual_ = SIM_RIG_POWER_ON}};
-    plan_rig_begin(&self->plan, "wire", &wire.kind, NULL);
+    plan_rig_begin(&self->plan, "wire", dg_plan_find_kind("sim", 3), NULL);
     for (size_t i = 0; i < count; i++) {
         char name[24];
         (void)snprintf(name, sizeof name, "b%zu", i);

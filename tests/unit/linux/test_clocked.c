@@ -111,7 +111,7 @@ static void on_event(void *ctx, const struct dg_tap_event *event)
     self->clock = event->levels.clock;
 }
 
-static void begin(const struct lx_clocked_timing *timing)
+static void begin(const struct dg_plan_timing *timing)
 {
     struct dg_host *host =
         dg_host_init_on_bus(place.bytes, sizeof place.bytes, &dg_tenbit_low, &dg_tenbit_side);
@@ -129,7 +129,7 @@ static void begin(const struct lx_clocked_timing *timing)
 
 static void begin_usual(void)
 {
-    begin(&(struct lx_clocked_timing){.clock_hz = LX_CLOCK_HZ});
+    begin(&(struct dg_plan_timing){.clock_hz = DG_PLAN_CLOCK_HZ});
 }
 
 static void turn_to(unsigned position)
@@ -207,9 +207,9 @@ static void clocks_go_on(void **state)
 static void a_cable_is_not_made_up_for(void **state)
 {
     (void)state;
-    begin(&(struct lx_clocked_timing){.clock_hz = LX_CLOCK_HZ, .line_delay_ns = 249});
+    begin(&(struct dg_plan_timing){.clock_hz = DG_PLAN_CLOCK_HZ, .line_delay_ns = 249});
     assert_int_equal(word_of(0x2A5), 0x2A5);
-    begin(&(struct lx_clocked_timing){.clock_hz = LX_CLOCK_HZ, .line_delay_ns = 251});
+    begin(&(struct dg_plan_timing){.clock_hz = DG_PLAN_CLOCK_HZ, .line_delay_ns = 251});
     assert_int_equal(word_of(0x2A5), DG_TENBIT_ALL & (1u << (DG_TENBIT_BITS - 1u) | 0x2A5u >> 1));
 }
 

@@ -93,8 +93,9 @@ static void rows_are_whole(void **state)
         if (lx_stack_serial(stack) != NULL) {
             check_row(lx_stack_serial(stack), stack->settings_size);
         }
-        assert_non_null(lx_wire_find(stack->wire, strlen(stack->wire)));
-        assert_true(lx_wire_carries(lx_wire_find(stack->wire, strlen(stack->wire)), stack));
+        assert_non_null(dg_plan_find_kind(stack->wire, strlen(stack->wire)));
+        assert_true(
+            dg_plan_carries(dg_plan_find_kind(stack->wire, strlen(stack->wire)), stack->core));
     }
     for (size_t i = 0; i < dg_world_keys.count; i++) {
         check_row(&dg_world_keys.rows[i], sizeof(struct dg_world));
@@ -128,9 +129,9 @@ static void names_are_unique(void **state)
         for (size_t j = 0; j < LX_STACK_LISTS * DG_QUANTITY_COUNT * 2u; j++) {
             const struct dg_key *row = lx_keys_row(&lists[j % LX_STACK_LISTS], j / LX_STACK_LISTS);
             assert_true(row == NULL || called(lists, row->name) == 1);
-            for (size_t k = 0; row != NULL && k < lx_wire_count; k++) {
-                assert_false(lx_wire_carries(&lx_wires[k], stack) &&
-                             lx_wire_has(&lx_wires[k], row->name));
+            for (size_t k = 0; row != NULL && k < dg_plan_wire_count; k++) {
+                assert_false(dg_plan_carries(&dg_plan_wires[k], stack->core) &&
+                             dg_plan_wire_has(&dg_plan_wires[k], row->name));
             }
         }
     }
@@ -385,7 +386,7 @@ static void settings_of_an_interbus_encoder(void **state)
 static struct lx_error refused_key(const char *model, const char *wire, const char *assignment)
 {
     const struct dg_plan plan = {.file = NULL};
-    const struct dg_plan_wire on = {.kind = &lx_wire_find(wire, strlen(wire))->kind};
+    const struct dg_plan_wire on = {.kind = dg_plan_find_kind(wire, strlen(wire))};
     struct dg_plan_encoder encoder = {.model = dg_device_find(model)};
     struct bench self = bench_of(model);
     struct lx_error error;

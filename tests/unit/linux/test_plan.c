@@ -605,7 +605,7 @@ static void encoders_by_name(void **state)
     static const char *const names[] = {"a-b", "A_b", "c-d", "c_e"};
     struct dg_plan plan;
     (void)state;
-    plan_rig_begin(&plan, "w", &lx_wire_find("can", 3)->kind, "vcan0");
+    plan_rig_begin(&plan, "w", dg_plan_find_kind("can", 3), "vcan0");
     for (int i = 0; i < 4; i++) {
         assert_int_equal(dg_plan_add_encoder(&plan, names[i], dg_device_find("f3668"), 0, 0), i);
     }
@@ -624,7 +624,7 @@ static void without_a_file(void **state)
     struct dg_plan plan;
     struct lx_error error = {.right = ""};
     (void)state;
-    plan_rig_begin(&plan, "w", &lx_wire_find("can", 3)->kind, "vcan0");
+    plan_rig_begin(&plan, "w", dg_plan_find_kind("can", 3), "vcan0");
     assert_int_equal(dg_plan_add_shaft(&plan, "main", "60RPM"), 0);
     for (int i = 0; i < 9; i++) {
         assert_int_equal(dg_plan_add_encoder(&plan, "e", dg_device_find("f3668"), 0, 0), i);
@@ -642,21 +642,26 @@ static void without_a_file(void **state)
 
 static void wires(void **state)
 {
-    const struct lx_wire *modbus = lx_wire_find("modbus:x", 6);
+    const struct dg_plan_wire_kind *modbus = dg_plan_find_kind("modbus:x", 6);
     (void)state;
     assert_non_null(modbus);
-    assert_true(lx_wire_has(modbus, "cycle"));
-    assert_true(lx_wire_has(modbus, "break_at"));
-    assert_false(lx_wire_has(modbus, "temperature"));
-    assert_false(lx_wire_has(lx_wire_find("pty", 3), "cycle"));
-    assert_null(lx_wire_find("pt", 2));
-    assert_null(lx_wire_find("ptyx", 4));
-    for (size_t i = 0; i < lx_wire_count; i++) {
-        assert_ptr_equal(lx_wire_find(lx_wires[i].kind.name, strlen(lx_wires[i].kind.name)),
-                         &lx_wires[i]);
-        assert_non_null(lx_wires[i].make);
-        assert_true(lx_wires[i].kind.stations_max > 0);
-        assert_true(lx_wires[i].kind.where != NULL || !lx_wires[i].kind.where_needed);
+    assert_true(dg_plan_wire_has(modbus, "cycle"));
+    assert_true(dg_plan_wire_has(modbus, "break_at"));
+    assert_false(dg_plan_wire_has(modbus, "temperature"));
+    assert_false(dg_plan_wire_has(dg_plan_find_kind("pty", 3), "cycle"));
+    assert_null(dg_plan_find_kind("pt", 2));
+    assert_null(dg_plan_find_kind("ptyx", 4));
+    assert_int_equal(lx_wire_count, dg_plan_wire_count);
+    for (size_t i = 0; i < dg_plan_wire_count; i++) {
+        const struct dg_plan_wire_kind *kind = &dg_plan_wires[i];
+        const struct lx_wire *door = &lx_wires[i];
+        assert_ptr_equal(dg_plan_find_kind(kind->name, strlen(kind->name)), kind);
+        assert_true(kind->stations_max > 0);
+        assert_true(kind->where != NULL || !kind->where_needed);
+        assert_int_equal(kind->keys == NULL, kind->settings == NULL);
+        assert_string_equal(door->name, kind->name);
+        assert_ptr_equal(lx_wire_of(kind), door);
+        assert_non_null(door->make);
     }
 }
 

@@ -124,7 +124,7 @@ static void plan_ring(struct bench *self, const char *const *models, size_t coun
     self->count = count;
     self->wire = (struct dg_plan_wire){
         .name = "ring",
-        .kind = &lx_wire_find("modbus", strlen("modbus"))->kind,
+        .kind = dg_plan_find_kind("modbus", strlen("modbus")),
         .where = where,
         .line = 4,
     };

@@ -33,7 +33,7 @@ static struct dg_ssi *ssi;
 static struct lx_tap tap;
 static struct lx_sim_master master;
 
-static void begin_with(const struct dg_ssi_model *model, const struct lx_clocked_timing *timing)
+static void begin_with(const struct dg_ssi_model *model, const struct dg_plan_timing *timing)
 {
     struct dg_host *host = dg_host_init_on_bus(place.bytes, sizeof place.bytes, &dg_ssi_25,
                                                dg_bus_side_of(&dg_ssi_25));
@@ -54,7 +54,7 @@ static void begin_with(const struct dg_ssi_model *model, const struct lx_clocked
 
 static void begin(const struct dg_device *device)
 {
-    begin_with(dg_ssi_model_of(device), &lx_sim_timing);
+    begin_with(dg_ssi_model_of(device), &dg_plan_timing_usual);
 }
 
 /* The shaft at `count` of a turn and turns; the word that has to come. */
@@ -128,7 +128,7 @@ static void what_is_said_of_a_word(void **state)
     expect_texts("MT 3  ST 32768  180.000000 deg  error 1  parity WRONG",
                  "position 3:32768  error 1  parity wrong");
     model.parity = DG_SSI_PARITY_NONE;
-    begin_with(&model, &lx_sim_timing);
+    begin_with(&model, &dg_plan_timing_usual);
     assert_int_equal(read_word(), LX_CLOCKED_GOOD);
     expect_texts("MT 0  ST 0  0.000000 deg  error 0", "position 0:0  error 0");
 }
@@ -152,16 +152,16 @@ static void without_power_nobody_answers(void **state)
 static void clocks_from_one_word_in_a_monoflop_time_to_10_mhz(void **state)
 {
     const struct dg_ssi_model *model = dg_ssi_model_of(&dg_ssi_25);
-    static const uint32_t rates[] = {51000, 100000, 2000000, LX_CLOCK_MAX_HZ};
+    static const uint32_t rates[] = {51000, 100000, 2000000, DG_PLAN_CLOCK_MAX_HZ};
     (void)state;
     for (size_t i = 0; i < DG_COUNT(rates); i++) {
-        begin_with(model, &(struct lx_clocked_timing){.clock_hz = rates[i]});
+        begin_with(model, &(struct dg_plan_timing){.clock_hz = rates[i]});
         const uint64_t word = turn_to(0x1234567);
         assert_int_equal(read_word(), LX_CLOCKED_GOOD);
         assert_int_equal(line->frame.bits, word);
         assert_int_equal(ssi->counters.fast, i < 3 ? 0 : 25);
     }
-    begin_with(model, &(struct lx_clocked_timing){.clock_hz = LX_CLOCK_MIN_HZ});
+    begin_with(model, &(struct dg_plan_timing){.clock_hz = DG_PLAN_CLOCK_MIN_HZ});
     (void)turn_to(0);
     assert_int_equal(read_word(), LX_CLOCKED_GOOD); /* which it cannot know */
     assert_int_equal(line->frame.bits, (1u << 25) - 1u);
@@ -170,15 +170,17 @@ static void clocks_from_one_word_in_a_monoflop_time_to_10_mhz(void **state)
 /* From no cable to 1 km of it, at clocks of which it takes many. */
 static void a_cable_is_made_up_for(void **state)
 {
-    static const struct lx_clocked_timing rows[] = {
-        {.clock_hz = LX_CLOCK_HZ, .line_delay_ns = 249, .compensate = true},
-        {.clock_hz = LX_CLOCK_HZ, .line_delay_ns = 250, .compensate = true},
-        {.clock_hz = LX_CLOCK_HZ, .line_delay_ns = 300, .compensate = true},
-        {.clock_hz = LX_CLOCK_HZ, .line_delay_ns = DG_BUS_CABLE_MAX_NS, .compensate = true},
+    static const struct dg_plan_timing rows[] = {
+        {.clock_hz = DG_PLAN_CLOCK_HZ, .line_delay_ns = 249, .compensate = true},
+        {.clock_hz = DG_PLAN_CLOCK_HZ, .line_delay_ns = 250, .compensate = true},
+        {.clock_hz = DG_PLAN_CLOCK_HZ, .line_delay_ns = 300, .compensate = true},
+        {.clock_hz = DG_PLAN_CLOCK_HZ, .line_delay_ns = DG_BUS_CABLE_MAX_NS, .compensate = true},
         {.clock_hz = 100000, .line_delay_ns = DG_BUS_CABLE_MAX_NS, .compensate = true},
         {.clock_hz = 2000000, .line_delay_ns = 130, .compensate = true},
-        {.clock_hz = LX_CLOCK_MAX_HZ, .line_delay_ns = 777, .compensate = true},
-        {.clock_hz = LX_CLOCK_MAX_HZ, .line_delay_ns = DG_BUS_CABLE_MAX_NS, .compensate = true},
+        {.clock_hz = DG_PLAN_CLOCK_MAX_HZ, .line_delay_ns = 777, .compensate = true},
+        {.clock_hz = DG_PLAN_CLOCK_MAX_HZ,
+         .line_delay_ns = DG_BUS_CABLE_MAX_NS,
+         .compensate = true},
     };
     (void)state;
     for (size_t i = 0; i < DG_COUNT(rows); i++) {
@@ -197,7 +199,7 @@ static void a_cable_is_made_up_for(void **state)
 static void a_master_that_does_not_compensate_is_right_up_to_half_a_period(void **state)
 {
     const struct dg_ssi_model *model = dg_ssi_model_of(&dg_ssi_13);
-    struct lx_clocked_timing timing = {.clock_hz = LX_CLOCK_HZ, .line_delay_ns = 249};
+    struct dg_plan_timing timing = {.clock_hz = DG_PLAN_CLOCK_HZ, .line_delay_ns = 249};
     (void)state;
     begin_with(model, &timing);
     const uint64_t word = turn_to(4779);
@@ -313,10 +315,9 @@ static void refuse(const char *setting, const char *right)
 
 static void a_plan_makes_the_line(void **state)
 {
-    static const struct lx_wire wire = {.kind = {.name = "sim", .media = DG_PLAN_CARRIES(EDGES)}};
     (void)state;
     begin(&dg_ssi_25);
-    plan_rig_begin(&plan, "wire", &wire.kind, NULL);
+    plan_rig_begin(&plan, "wire", dg_plan_find_kind("sim", 3), NULL);
     assert_int_equal(dg_plan_add_encoder(&plan, "a", &dg_ssi_25, 0, 0), 0);
     assert_int_equal(monoflop_of(LX_CLOCKED_HERE, NULL), DG_US(20));
     assert_int_equal(monoflop_of(LX_CLOCKED_THERE, NULL), DG_MS(20));
