@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * What the reader of rig files says about the files of a release and about mutants of them: taken,
- * or the line and the words of the refusal. Compares that with the record, or writes the record
- * anew.
+ * or the line and the words of the refusal. Compares that with the record, writes the record
+ * anew, or writes the mutants for those who read them otherwise.
  *
  * The record (rigs/verdicts.record) has the name of a file in brackets, then a line for each
  * mutant: its seed, and "taken" or the refusal; seed 0 is the file itself. What would be right is
@@ -263,7 +263,8 @@ static void read_rig(const struct book *self, const char *name, struct text *tex
     }
 }
 
-static void judge_all(struct book *self)
+/* Each file with its mutants, handed over one by one. */
+static void judge_all(struct book *self, void (*judge)(struct book *, const struct text *))
 {
     static struct text rig;
     static struct text mutant;
@@ -277,10 +278,14 @@ static void judge_all(struct book *self)
                 mutate_text(&mutant, seed);
             }
             (void)fprintf(self->out, "%u ", seed);
-            judge_text(self, &mutant);
+            judge(self, &mutant);
             (void)fputc('\n', self->out);
         }
     }
+}
+
+static void put_rights(struct book *self)
+{
     (void)fputs("[right]\n", self->out);
     for (size_t i = 0; i < self->right_count; i++) {
         (void)fprintf(self->out, "@%zu ", i + 1);
@@ -288,6 +293,13 @@ static void judge_all(struct book *self)
         (void)fputc('\n', self->out);
         free(self->rights[i]);
     }
+}
+
+/* For readers of other languages: its length, and the bytes. */
+static void put_text(struct book *self, const struct text *text)
+{
+    (void)fprintf(self->out, "%zu\n", text->length);
+    (void)fwrite(text->bytes, 1, text->length, self->out);
 }
 
 /* --- the record --- */
@@ -325,28 +337,41 @@ static int is_rig(const struct dirent *entry)
     return dot != NULL && strcmp(dot, ".ini") == 0;
 }
 
-int main(int argc, char **argv)
+static unsigned settle_record(struct book *book, bool update)
 {
-    struct book book = {.folder = argv[argc - 1]};
-    const bool update = argc == 3 && strcmp(argv[1], "--update") == 0;
     char path[4096];
     char *now = NULL;
     size_t size = 0;
-    if (argc != 2 && !update) {
-        (void)fprintf(stderr, "usage: %s [--update] FOLDER\n", argv[0]);
+    book->out = open_memstream(&now, &size);
+    judge_all(book, judge_text);
+    put_rights(book);
+    (void)fclose(book->out);
+    (void)snprintf(path, sizeof path, "%s/verdicts.record", book->folder);
+    const unsigned differences = record_settle(path, now, update, show_verdict, book);
+    (void)printf("%u of %u verdicts differ\n", differences, MUTANTS);
+    free(now);
+    return differences;
+}
+
+int main(int argc, char **argv)
+{
+    struct book book = {.folder = argv[argc - 1], .out = stdout};
+    const bool update = argc == 3 && strcmp(argv[1], "--update") == 0;
+    const bool texts = argc == 3 && strcmp(argv[1], "--texts") == 0;
+    unsigned differences = 0;
+    if (argc != 2 && !update && !texts) {
+        (void)fprintf(stderr, "usage: %s [--update|--texts] FOLDER\n", argv[0]);
         return 2;
     }
     book.count = scandir(book.folder, &book.files, is_rig, alphasort);
     if (book.count <= 0) {
         give_up("no rig files", book.folder);
     }
-    book.out = open_memstream(&now, &size);
-    judge_all(&book);
-    (void)fclose(book.out);
-    (void)snprintf(path, sizeof path, "%s/verdicts.record", book.folder);
-    const unsigned differences = record_settle(path, now, update, show_verdict, &book);
-    (void)printf("%u of %u verdicts differ\n", differences, MUTANTS);
-    free(now);
+    if (texts) {
+        judge_all(&book, put_text);
+    } else {
+        differences = settle_record(&book, update);
+    }
     for (int i = 0; i < book.count; i++) {
         free(book.files[i]);
     }

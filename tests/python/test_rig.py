@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Rig files in this process, in virtual time."""
+import os
+import subprocess
 from pathlib import Path
 
 import drehgeber
@@ -121,7 +123,7 @@ def test_the_examples_are_taken(name):
 
 
 def test_without_shafts_all_share_one():
-    rig = Rig.of_text("[encoder a]\nmodel = f3668\n[encoder b]\nmodel = ssi-28\n")
+    rig = Rig.of_text("[encoder a]\nmodel = f3668\nwire = slcan\n[encoder b]\nmodel = ssi-28\nwire = sim\n")
     rig.shafts["main"].position = 90
     assert rig.encoders["a"].position == rig.encoders["b"].position == 16384
     assert rig.encoders["a"].bus is not None
@@ -141,34 +143,108 @@ def test_whatever_carries_rs485_is_a_line(wire):
 
 def test_a_recording_beside_the_file(tmp_path):
     (tmp_path / "run.csv").write_text("0,0\n1,90\n")
-    rig = Rig.of_text("[shaft s]\nmotion = run.csv\n[encoder a]\nmodel = f3668\n", tmp_path)
+    rig = Rig.of_text("[shaft s]\nmotion = run.csv\n[encoder a]\nmodel = f3668\nwire = slcan\n", tmp_path)
     rig.advance(0.5)
     assert rig.shafts["s"].position == pytest.approx(45, abs=1e-6)
 
 
+ENCODER = "[encoder a]\nmodel = f3668\nwire = slcan\n"
 WRONG = {
-    "": "no encoder",
-    "[motor]\n": r"text:1: \[motor\]: .*\[encoder NAME\] are right",
-    "[shaft]\n": r"\[shaft\]: .* is right",
-    "[rig a]\n": r"\[rig a\]: .* is right",
-    "[encoder a]\n": r"\[encoder a\]: model = MODEL",
-    "[encoder a]\nmodel = s9\n": "no model 's9'",
-    "[encoder a]\nmodel = f3668\nnod = 5\n": r"\[encoder a\]: f3668: nod=5",
-    "[encoder a]\nmodel = f3668\nshaft = b\n": "no shaft b so far",
-    "[encoder a]\nmodel = f3668\nbus = b\n": "no bus b so far",
-    "[bus b]\nwire = slcan\n[encoder a]\nmodel = ssi-13\nbus = b\n": "has no CAN",
-    "[shaft a]\nmotion = fast\n": r"\[shaft a\]: motion 'fast'",
-    "[shaft a]\nspeed = 1\n": r"\[shaft a\]: speed: right is one of driver, motion, ratio",
-    "[shaft a]\n[shaft b]\ndriver = a\nratio = 1\n": "TURNS:TURNS",
-    "[shaft a]\n[shaft a]\n": "already exists",
-    "model = f3668\n": "no section",
+    "": "^text: without encoders; ",
+    "[motor]\n": r"^text:1: \[motor\]: no such section; .*\[encoder NAME\] are right",
+    "[encoder a]\nmodel = s9\n": "^text:2: model: s9 is none; right is one of: s3674-rs485 ",
+    ENCODER + "node = 500\n": r"^text:4: node 500: a node-ID in 1\.\.127 is right",
+    ENCODER + "nod = 5\n": r"^text:4: \[encoder a\]: f3668: nod=5: no such name",
+    ENCODER + "serial = -5\n": r"^text:4: \[encoder a\]: f3668: serial=-5: expected 0\.\.",
+    "[bus b]\nwire = slcan\npace = 2\n" + ENCODER.replace("wire = slcan", "bus = b"): r"^text:3: \[bus b\]: pace=2: 0 or 1 is right",
+    ENCODER + "pace = 2\n": r"^text:4: \[encoder a\]: pace=2: 0 or 1 is right",
+    ENCODER.replace("slcan", "silkit:silkit://a:1,b") + "step_us = 0\n": r"a number in 1\.\.1000000 us is right",
+    ENCODER + "nvm = bad.nvm\n": r"^text:4: \[encoder a\]: the image: ",
+    "[shaft a]\nmotion = fast\n": "^text:2: motion fast: .* FILE.csv$",
+    "model = f3668\n": "^text:1: model: stands before the first section; ",
 }
 
 
 @pytest.mark.parametrize("text", WRONG)
-def test_what_is_wrong_is_said_with_its_place(text):
+def test_what_is_wrong_is_said_with_its_place(text, tmp_path):
+    (tmp_path / "bad.nvm").write_bytes(b"x")
     with pytest.raises(EncoderError, match=WRONG[text]):
-        drehgeber.Rig.of_text(text)
+        drehgeber.Rig.of_text(text, tmp_path)
+
+
+LAB = {
+    "bench.ini": "[rig]\ninclude = lab/shafts.ini\n[encoder a]\nmodel = f3668\nwire = slcan\n",
+    "lab/shafts.ini": "[rig]\nname = lab\ninclude = deep/more.ini\n[shaft s]\nmotion = run.csv\n",
+    "lab/deep/more.ini": "[shaft first]\n",
+    "lab/run.csv": "0,0\n1,90\n",
+}
+
+
+@pytest.fixture
+def lab(tmp_path):
+    """A folder of its own, with something beside it."""
+    for name, text in LAB.items():
+        path = tmp_path / "here" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    (tmp_path / "secret.ini").write_text("[shaft secret]\n")
+    return tmp_path / "here"
+
+
+def test_files_include_each_other(lab):
+    """Names in them are relative to each one's folder."""
+    rig = Rig(lab / "bench.ini")
+    assert (rig.name, list(rig.shafts)) == ("lab", ["first", "s"])
+    rig.advance(0.5)
+    assert rig.shafts["s"].position == pytest.approx(45, abs=1e-6)
+    (lab / "lab/shafts.ini").write_text("[shaft s]\n[rig]\ninclude = deep/more.ini\n")
+    (lab / "lab/deep/more.ini").write_text("[encoder b]\nmodel = f3668\nwire = slcan\n\ncolour = red\n")
+    with pytest.raises(EncoderError, match=r"^bench.ini:2: lab/shafts.ini:3: lab/deep/more.ini:5: \[encoder b\]: f3668: colour=red"):
+        Rig(lab / "bench.ini")
+
+
+@pytest.mark.parametrize("name", ["link.ini", "folder/secret.ini", "folder", "none.ini", "pipe", "../secret.ini", "loop.ini", "long.ini"])
+def test_no_file_elsewhere_is_included(lab, name):
+    """As the command, which says the same of each."""
+    (lab / "link.ini").symlink_to("../secret.ini")
+    (lab / "folder").symlink_to("..")
+    (lab / "loop.ini").write_text("[rig]\ninclude = loop.ini\n")
+    (lab / "long.ini").write_text("\n" * (1 << 20) + "\n")
+    os.mkfifo(lab / "pipe")
+    (lab / "bench.ini").write_text(f"[rig]\ninclude = {name}\n[encoder a]\nmodel = f3668\nwire = slcan\n")
+    command = [os.environ["DREHGEBER"], "run", "bench.ini", "--time", "virtual:1MS", "--control", f"unix:{lab}/s"]
+    ended = subprocess.run(command, cwd=lab, capture_output=True, text=True, timeout=60, stdin=subprocess.DEVNULL)
+    with pytest.raises(EncoderError, match=r"^bench.ini:2: ") as caught:
+        Rig(lab / "bench.ini")
+    assert ended.returncode == 2 and str(caught.value) in ended.stderr
+
+
+def test_encoders_of_a_bus_share_its_master():
+    """In the order of the file; each one's own master goes on beside it."""
+    rig = Rig.of_text(
+        "[bus c]\nwire = sim\nline_delay_ns = 5\n[bus r]\nwire = modbus\n[bus s]\nwire = sim\n"
+        "[encoder a]\nmodel = s3684-biss\nbus = c\n[encoder b]\nmodel = s3674-biss\nbus = c\n"
+        "[encoder k]\nmodel = ocd-ib-k1\nbus = r\n[encoder l]\nmodel = ocd-ib-k2\nbus = r\n[encoder m]\nmodel = ssi-13\nbus = s\n"
+    )
+    rig.shafts["main"].position = 90
+    rig.advance(1)
+    assert (list(rig.chains), list(rig.rings), rig.buses, rig.lines) == (["c"], ["r"], {}, {})
+    assert rig.chains["c"].encoders == (rig.encoders["a"], rig.encoders["b"])
+    assert [frame.singleturn for frame in rig.chains["c"].frame()] == [1 << 19, 1 << 19]
+    rig.advance(1)
+    assert rig.rings["r"].cycle() == (1024, 0, 1024)
+    assert rig.encoders["a"].biss.frame().singleturn == 1 << 19
+
+
+def test_texts_are_bytes_as_the_command_takes_them(tmp_path):
+    """Of comments nothing is asked; a name of a file is its bytes."""
+    (tmp_path / "rig.ini").write_bytes(b"; \xe4\n[encoder a]\nmodel = f3668\nwire = slcan\nnvm = \xe4.nvm\n")
+    with Rig(tmp_path / "rig.ini") as rig:
+        assert rig.encoders["a"].powered
+    assert os.fsencode(tmp_path / "\udce4.nvm") in [os.fsencode(path) for path in tmp_path.iterdir()]
+    (tmp_path / "rig.ini").write_bytes(b"[encoder a]\nmodel = f3668\nwire = slcan\ntemperature = \xe4\n")
+    with pytest.raises(EncoderError, match=r"^rig.ini:4: \[encoder a\]: temperature .*expected UTF-8"):
+        Rig(tmp_path / "rig.ini")
 
 
 COURSES = """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Two readers of rig files, the command's and Rig: they take and refuse the same ones, and for the same line."""
+"""The command and Rig have one reader of rig files: they take and refuse the same ones, and for the same line."""
 import os
 import re
 import subprocess
@@ -7,7 +7,6 @@ from pathlib import Path
 
 import pytest
 from drehgeber import EncoderError, Rig
-from drehgeber.rigfile import OF_WIRES
 
 TREE = Path(__file__).resolve().parents[2]
 # The others are of other programs; tests/golden has what some of them were, so the same one is there twice.
@@ -103,21 +102,18 @@ BAD = {
     "an EEPROM of two": (ENCODER + "nvm = x\n[encoder b]\nmodel = f3668\nwire = slcan\nnvm = x\n", 8),
     "a trace of a bus": (BUS + ON_BUS.format("a") + "trace = x.log\n", 6),
     "a key of a bus": (BUS + ON_BUS.format("a") + "pace = 1\n", 6),
-    "a long line": (ENCODER + "; " + "x" * 197, 4),
-    "a zero": (ENCODER + "\0\n", 4),
-} | {f"ratio {text}": (RATIO.format(text), 4) for text in ("0:1", "1:0", "1", "1.5:1", "1:2:3", "x:1", ":", "1:", "3000000000:1")}
-
-# What only the command looks at: wires, and the control plane.
-OF_THE_COMMAND = {
     "an encoder without a wire": ("[encoder a]\nmodel = f3668\n", 1),
     "a kind of wire": ("[bus b]\nwire = rope\n" + ON_BUS.format("a"), 2),
     "a wire that it has not": ("[encoder a]\nmodel = f3668\nwire = pty\n", 3),
     "a wire's address": ("[encoder a]\nmodel = f3668\nwire = can\n", 3),
     "a key of another wire": (BUS + "cycle = 1000\n" + ON_BUS.format("a"), 3),
     "a wire's value": (BUS + "pace = often\n" + ON_BUS.format("a"), 3),
+    "a private wire's value": ("[encoder a]\nmodel = ssi-25\nwire = sim\nclock_hz = 5\n", 4),
     "a control address": ("[rig]\ncontrol = tcp\n" + ENCODER, 2),
-}
-
+    "an included file": ("[rig]\ninclude = none.ini\n" + ENCODER, 2),
+    "a long line": (ENCODER + "; " + "x" * 197, 4),
+    "a zero": (ENCODER + "\0\n", 4),
+} | {f"ratio {text}": (RATIO.format(text), 4) for text in ("0:1", "1:0", "1", "1.5:1", "1:2:3", "x:1", ":", "1:", "3000000000:1")}
 
 def told_by_command(path):
     """Whether the command takes it, and the line that it names. Nothing is opened."""
@@ -165,14 +161,6 @@ def test_both_refuse_for_the_same_line(name, rig_file):
     assert told_by_rig(path) == (False, line)
 
 
-@pytest.mark.parametrize("name", OF_THE_COMMAND)
-def test_only_the_command_looks_at(name, rig_file):
-    text, line = OF_THE_COMMAND[name]
-    path = rig_file(text)
-    assert told_by_command(path) == (False, line)
-    assert told_by_rig(path) == (True, None)
-
-
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
 def test_files_of_the_tree(path, tmp_path):
     """Without making their wires: as an FMU the command reads one whole."""
@@ -181,19 +169,3 @@ def test_files_of_the_tree(path, tmp_path):
     )
     assert ended.returncode == 0, ended.stderr
     assert Rig(path).encoders
-
-
-def test_keys_of_wires_are_those_of_the_command(rig_file):
-    """Whoever mistypes one is told all of that wire."""
-    def told(text):
-        path = rig_file(text)
-        return subprocess.run([os.environ["DREHGEBER"], "run", path], capture_output=True, text=True).stderr
-
-    kinds = re.split(", | and ", re.search("; (.*) are right", told("[bus b]\nwire = rope\n"))[1])
-    keys = set()
-    for kind in kinds:
-        text = told(f"[bus b]\nwire = {kind}\naddress = 127.0.0.1:0\ncolour = 1\n")
-        text = text if "no key" in text else told(f"[bus b]\nwire = {kind}\ncolour = 1\n")
-        keys |= set(re.split(", | and ", re.search("; (.*) are right", text)[1]))
-    assert len(kinds) >= 9
-    assert keys == OF_WIRES | {"wire", "address", "trace"}

@@ -25,10 +25,12 @@ extern const char dg_bus_characters[], dg_bus_edges[], dg_bus_frames[], dg_bus_w
 """
 HEADERS = (
     "host.h", "motion.h", "shaft.h", "course.h", "frame.h", "tap.h", "bus.h", "bus_characters.h", "bus_edges.h", "bus_frames.h",
-    "bus_words.h", "bus_queue.h",
+    "bus_words.h", "bus_queue.h", "key.h", "rig.h",
 )  # fmt: skip
 INCLUDE = re.compile(r'^#include "drehgeber/(\w+\.h)"$', re.M)
 STRUCT = re.compile(r"^struct \w+ \{[^}]*\};", re.M)
+# Of hal.h and stack.h, so much: results, what a model is called, what travels on its wire.
+PARTS = re.compile(r"^(?:enum dg_result|enum dg_medium|struct dg_stack|struct dg_device) \{[^}]*\};", re.M)
 
 
 def read(path: Path) -> str:
@@ -55,7 +57,8 @@ def declarations(text: str) -> str:
 def main() -> None:
     headers, output = Path(sys.argv[1]), Path(sys.argv[2])
     builder = cffi.FFI()
-    rows = [OTHERS, *members(headers), *(declarations(read(headers / name)) for name in HEADERS)]
+    parts = [row for name in ("hal.h", "stack.h") for row in PARTS.findall(read(headers / name))]
+    rows = [OTHERS, *parts, *members(headers), *(declarations(read(headers / name)) for name in HEADERS)]
     builder.cdef("\n".join(rows))
     builder.set_source("drehgeber._abi", None)
     builder.emit_python_code(str(output))
