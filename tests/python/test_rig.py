@@ -173,10 +173,12 @@ def test_what_is_wrong_is_said_with_its_place(text, tmp_path):
 
 
 LAB = {
-    "bench.ini": "[rig]\ninclude = lab/shafts.ini\n[encoder a]\nmodel = f3668\nwire = slcan\n",
-    "lab/shafts.ini": "[rig]\nname = lab\ninclude = deep/more.ini\n[shaft s]\nmotion = run.csv\n",
-    "lab/deep/more.ini": "[shaft first]\n",
-    "lab/run.csv": "0,0\n1,90\n",
+    "bench.ini": "[rig]\ninclude = läb/shafts.ini\n[encoder a]\nmodel = f3668\nwire = slcan\n[rig]\ninclude = läb/house.ini\n",
+    "läb/shafts.ini": "[rig]\nname = lab\ninclude = deep/more.ini\n[shaft s]\nmotion = run.csv\n",
+    "läb/deep/more.ini": "[shaft first]\n",
+    "läb/house.ini": "[encoder h]\nmodel = s3684-rs485\nwire = pty\ntemperature = warm.csv\nnvm = h.nvm\n",
+    "läb/run.csv": "0,0\n1,90\n",
+    "läb/warm.csv": "0,20\n1,30\n",
 }
 
 
@@ -197,9 +199,12 @@ def test_files_include_each_other(lab):
     assert (rig.name, list(rig.shafts)) == ("lab", ["first", "s"])
     rig.advance(0.5)
     assert rig.shafts["s"].position == pytest.approx(45, abs=1e-6)
-    (lab / "lab/shafts.ini").write_text("[shaft s]\n[rig]\ninclude = deep/more.ini\n")
-    (lab / "lab/deep/more.ini").write_text("[encoder b]\nmodel = f3668\nwire = slcan\n\ncolour = red\n")
-    with pytest.raises(EncoderError, match=r"^bench.ini:2: lab/shafts.ini:3: lab/deep/more.ini:5: \[encoder b\]: f3668: colour=red"):
+    assert rig.encoders["h"].world.temperature == 25
+    rig.close()
+    assert (lab / "läb/h.nvm").stat().st_size
+    (lab / "läb/shafts.ini").write_text("[shaft s]\n[rig]\ninclude = deep/more.ini\n")
+    (lab / "läb/deep/more.ini").write_text("[encoder b]\nmodel = f3668\nwire = slcan\n\ncolour = red\n")
+    with pytest.raises(EncoderError, match=r"^bench.ini:2: läb/shafts.ini:3: läb/deep/more.ini:5: \[encoder b\]: f3668: colour=red"):
         Rig(lab / "bench.ini")
 
 
@@ -269,7 +274,7 @@ def test_courses_of_a_file(tmp_path):
     (tmp_path / "led.csv").write_text("0,12000\n")
     with pytest.raises(EncoderError, match=r"\[encoder a\]: .*one behind 0"):
         Rig.of_text(COURSES, tmp_path)
-    with pytest.raises(EncoderError, match=r"\[encoder a\]: 'lop' is none of the words"):
+    with pytest.raises(EncoderError, match=r"\[encoder a\]: 'LOP' is none of the words"):
         Rig.of_text(COURSES.replace("LOOP", "LOP"), tmp_path)
 
 

@@ -77,15 +77,36 @@ def whole(value: SupportsIndex | SupportsFloat, low: int, high: int, what: str) 
 
 def encoded(text: str, what: str, encoding: str = "utf-8") -> bytes:
     """A text for the library, which ends at a NUL."""
+    return _terminated(text, what, encoding, "strict")
+
+
+def raw(text: str, what: str) -> bytes:
+    """The same of one that came from bytes, whatever they were."""
+    return _terminated(text, what, "utf-8", "surrogateescape")
+
+
+def _terminated(text: str, what: str, encoding: str, errors: str) -> bytes:
     if not isinstance(text, str):
         raise TypeError(f"{what} {text!r}: expected a text")
     try:
-        data = text.encode(encoding)
+        data = text.encode(encoding, errors)
     except UnicodeEncodeError as error:
         raise RangeError(f"{what} {text!r}: expected {encoding.upper()}", ERR_ARGUMENT) from error
     if b"\0" in data:
         raise RangeError(f"{what} {text!r}: expected a text without NUL", ERR_ARGUMENT)
     return data
+
+
+def text_of(pointer: Any) -> str:
+    """A text of the library; what is no UTF-8 becomes the same bytes again by raw()."""
+    ffi, _ = load()
+    data: bytes = ffi.string(pointer)
+    return data.decode("utf-8", "surrogateescape")
+
+
+def reason_of(wrong: Any) -> str:
+    """What a struct dg_plan_error says: what was wrong, what would be right."""
+    return "; ".join(filter(None, (text_of(wrong.what), text_of(wrong.right))))
 
 
 def octets(data: Any, what: str) -> bytes:

@@ -7,25 +7,23 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from . import _native
-from ._native import EncoderError
+from ._native import EncoderError, raw, reason_of
 from .clock import NEVER, Clock
-
-WORDS = "FILE.csv[,ONCE|LOOP][,LINEAR|STEP]"
 
 
 def is_file(text: str) -> bool:
     """Whether a setting is meant for a course."""
-    return text.partition(",")[0].lower().endswith(".csv")
+    _, lib = _native.load()
+    return bool(lib.dg_course_is(raw(text, "a course")))
 
 
 def split_words(text: str) -> tuple[str, bool, bool]:
     """The file that a setting names, whether it loops, whether it goes in steps."""
-    name, *words = text.split(",")
-    said = [word.strip(" ").lower() for word in words]
-    for word in said:
-        if word not in ("once", "loop", "linear", "step"):
-            raise EncoderError(f"{word!r} is none of the words; {WORDS} is right")
-    return name, "loop" in said, "step" in said
+    ffi, lib = _native.load()
+    said, wrong, data = ffi.new("struct dg_course_words *"), ffi.new("struct dg_plan_error *"), raw(text, "a course")
+    if lib.dg_course_read(data, said, wrong) != 0:
+        raise EncoderError(reason_of(wrong))
+    return data[: said.name].decode("utf-8", "surrogateescape"), said.loop, said.steps
 
 
 class Course:

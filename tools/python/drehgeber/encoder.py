@@ -20,7 +20,7 @@ from .control import ScpiError, split
 from .instrument import Instrument, power_word
 from .ring import Ring
 from .rs485 import Line
-from .shaft import FORMS, Shaft
+from .shaft import Shaft, forms
 from .wire import Wire
 from .world import World
 
@@ -122,7 +122,7 @@ class Encoder(Instrument):
     def _join(self, clock: Clock | None, shaft: Shaft | str, bus: CanBus | None, line: Line | None) -> None:
         """Its clock, its bus or line, its shaft."""
         if not isinstance(shaft, (Shaft, str)):
-            raise TypeError(f"shaft {shaft!r}: expected a Shaft, or words: {FORMS}")
+            raise TypeError(f"shaft {shaft!r}: expected a Shaft, or words: {forms()}")
         self._own_bus = bus is None
         for wire, medium in ((bus, Medium.FRAMES), (line, Medium.CHARACTERS)):
             if wire is not None and self.medium is not medium:

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path, PurePosixPath
 from typing import Any, NamedTuple, TypeVar
 
-from ._native import EncoderError, load
+from ._native import EncoderError, aligned, load, raw, reason_of, text_of
 
 MEMORY_MIN, MEMORY_EACH = 16384, 16  # bytes to begin with, and behind each byte of a file
 LINKS = (errno.ELOOP, errno.ENOTDIR)
@@ -58,13 +58,13 @@ class Plan:
             setup.include = include
         size, result = MEMORY_MIN + MEMORY_EACH * len(data), lib.DG_ERR_SPACE
         while result == lib.DG_ERR_SPACE:
-            self._memory = ffi.new("uint64_t[]", size // 8 * 2)  # in pairs: aligned for any type
-            setup.memory, setup.memory_size = self._memory, ffi.sizeof(self._memory)
+            self._memory, setup.memory = aligned(size)
+            setup.memory_size = size
             result = lib.dg_plan_read(self.rows, setup, wrong)
             size *= 2
         if result != 0:
             raise EncoderError(self._refusal(wrong))
-        self.name = self.text(self.rows.name)
+        self.name = text_of(self.rows.name)
 
     def _kept(self, data: bytes) -> Any:
         self._keep.append(self._ffi.new("char[]", data))
@@ -72,24 +72,19 @@ class Plan:
 
     def _include(self, _: Any, path: Any, to: Any) -> Any:
         """Of a file that is too long, so much that the reader says so."""
-        name = self.text(path)
+        name = text_of(path)
         try:
             data = read_below(self.folder, name, self._lib.DG_PLAN_INCLUDED_MAX + 1)
         except OSError as error:
             linked = error.errno in LINKS
             why = "not in the folder for files; a name below it is right" if linked else error.strerror
-            return self._kept(f"{name}: {why}".encode("utf-8", "surrogateescape"))
+            return self._kept(raw(f"{name}: {why}", "a name"))
         to.text, to.n = self._kept(data), len(data)
         return self._ffi.NULL
 
-    def text(self, pointer: Any) -> str:
-        """As Python has it; what is no UTF-8 goes back to the same bytes."""
-        data: bytes = self._ffi.string(pointer)
-        return data.decode("utf-8", "surrogateescape")
-
     def word(self, pointer: Any) -> str | None:
         """None: it is not there."""
-        return None if pointer == self._ffi.NULL else self.text(pointer)
+        return None if pointer == self._ffi.NULL else text_of(pointer)
 
     def each(self, list: str, count: str) -> Iterator[Any]:
         """All rows of a list."""
@@ -99,20 +94,21 @@ class Plan:
     def words(self, settings: Any) -> list[Word]:
         """Settings of an encoder, or of a wire."""
         rows = (settings.list[index] for index in range(settings.count))
-        return [Word(self.text(row.key), self.text(row.value), row.line) for row in rows]
+        return [Word(text_of(row.key), text_of(row.value), row.line) for row in rows]
 
     # ------------------------------------------------------------ where things stand
 
     def file(self, name: str, line: int) -> Path:
         """One that a word in this line names."""
         place = self._lib.dg_plan_place(self.rows, line)
-        return self.folder / self.text(place.file)[: place.folder] / name
+        folder: bytes = self._ffi.string(place.file, place.folder)
+        return self.folder / folder.decode("utf-8", "surrogateescape") / name
 
     def _place(self, line: int) -> str:
         to = self._ffi.new("char[]", FILES_MAX)
         text = self._ffi.new("struct dg_text *", {"to": to, "size": FILES_MAX})
         self._lib.dg_plan_say_files(self.rows, line, text)
-        return f"{self.text(to)}:{self._lib.dg_plan_place(self.rows, line).line}"
+        return f"{text_of(to)}:{self._lib.dg_plan_place(self.rows, line).line}"
 
     def told(self, section: str, line: int, make: Callable[[], T]) -> T:
         """What `make` makes of a word; its error says where that stands."""
@@ -130,16 +126,16 @@ class Plan:
         ffi, lib = self._ffi, self._lib
         row = lib.dg_keys_find(keys, word.key.encode())
         to = ffi.new("uint64_t[]", row.offset // 8 + 1)
-        if lib.dg_key_set(row, to, word.value.encode("utf-8", "surrogateescape")) != 0:
-            right = f"a number in {row.min}..{row.max} {self.text(row.unit)}".rstrip()
+        if lib.dg_key_set(row, to, raw(word.value, word.key)) != 0:
+            right = f"a number in {row.min}..{row.max} {text_of(row.unit)}".rstrip()
             if row.words != ffi.NULL:
-                right = " or ".join(self.text(row.words[index]) for index in range(row.max + 1))
+                right = " or ".join(text_of(row.words[index]) for index in range(row.max + 1))
             raise EncoderError(f"{word.key}={word.value}: {right} is right")
 
-    def _refusal(self, error: Any) -> str:
+    def _refusal(self, wrong: Any) -> str:
         """FILE:LINE: KEY: what; right"""
-        what, right, key, value = (self.text(part) for part in (error.what, error.right, error.key, error.value))
-        file = self.text(error.included) or self.word(error.file)
-        place = f"{file}:{error.line}: " if file and error.line else ""
-        about = f"{key}{f' {value}' if error.valued else ''}: " if key else ""
-        return f"{place}{about}{'; '.join(part for part in (what, right) if part)}"
+        key, value = text_of(wrong.key), text_of(wrong.value)
+        file = text_of(wrong.included) or self.word(wrong.file)
+        place = f"{file}:{wrong.line}: " if file and wrong.line else ""
+        about = f"{key}{f' {value}' if wrong.valued else ''}: " if key else ""
+        return f"{place}{about}{reason_of(wrong)}"

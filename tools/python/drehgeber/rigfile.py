@@ -4,12 +4,13 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from ._native import Medium
+from ._native import Medium, text_of
 from .canbus import CanBus
 from .chain import Chain
 from .clock import Clock
@@ -59,19 +60,21 @@ class Rig:
             self._make_encoder(row)
 
     def _make_shaft(self, row: Any) -> None:
-        plan, name, motion = self._plan, self._plan.text(row.name), self._plan.word(row.motion)
+        plan, name, motion = self._plan, text_of(row.name), self._plan.word(row.motion)
         if row.driver >= 0:
-            driver, ratio = list(self.shafts.values())[row.driver], (row.ratio[0], row.ratio[1])
-            make = partial(Shaft, driver=driver, ratio=ratio)
+            make = partial(Shaft, driver=self._shaft_at(row.driver), ratio=(row.ratio[0], row.ratio[1]))
         elif motion is not None and motion.lower().endswith(".csv"):
             make = partial(Shaft, self.clock, str(plan.folder / motion))
         else:
             make = partial(Shaft, self.clock, motion or "0")
         self.shafts[name.lower()] = plan.told(f"shaft {name}", row.motion_line or row.line, make)
 
+    def _shaft_at(self, index: int) -> Shaft:
+        return self.shafts[text_of(self._plan.rows.shafts[index].name).lower()]
+
     def _make_wire(self, row: Any) -> None:
         """Of a [bus], where encoders meet."""
-        name = self._plan.text(row.name)
+        name = text_of(row.name)
         self._plan.check_wire(f"{'encoder' if row.is_private else 'bus'} {name}", row)
         name = name.lower()
         if row.is_private:
@@ -83,16 +86,12 @@ class Rig:
             self.lines[name] = Line(self.clock)
 
     def _make_encoder(self, row: Any) -> None:
-        plan, name = self._plan, self._plan.text(row.name)
+        plan, name = self._plan, text_of(row.name)
         section, wire = f"encoder {name}", self._plan.rows.wires[row.wire]
-        bus = "" if wire.is_private else plan.text(wire.name).lower()
-        encoder = Encoder(
-            plan.text(row.model.name),
-            shaft=list(self.shafts.values())[row.shaft],
-            bus=self.buses.get(bus),
-            line=self.lines.get(bus),
-            power=False,
-        )
+        bus = "" if wire.is_private else text_of(wire.name).lower()
+        shaft, on, line = self._shaft_at(row.shaft), self.buses.get(bus), self.lines.get(bus)
+        make = partial(Encoder, text_of(row.model.name), shaft=shaft, bus=on, line=line, power=False)
+        encoder = plan.told(section, row.line, make)
         courses = self._set_up(section, row, encoder)
         self._remember(name.lower(), section, row, encoder)
         for word, file, _, _ in courses:
@@ -129,7 +128,7 @@ class Rig:
             image = path.read_bytes()
             self._plan.told(section, row.nvm_line, lambda: setattr(encoder, "memory", image))
 
-    def _masters(self, kind: type[Ring] | type[Chain], fits: Any) -> dict[str, Any]:
+    def _masters(self, kind: type[Ring] | type[Chain], fits: Callable[[Encoder], bool]) -> dict[str, Any]:
         return {name: kind(members) for name, members in self._shared.items() if fits(members[0])}
 
     @functools.cached_property

@@ -4,37 +4,24 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from decimal import Decimal
 from pathlib import Path
 from typing import Any
 
 from . import _native
-from ._native import EncoderError, whole, within
-from .clock import NEVER, SECOND_NS, SECONDS_MAX, Clock
+from ._native import EncoderError, RangeError, raw, reason_of, text_of, whole, within
+from .clock import SECOND_NS, SECONDS_MAX, Clock
 
 TURN = 1 << 32
-FORMS = "0, 90DEG, 2.5REV, 60RPM, sine:90DEG,2S, ramp:3000RPM,1S[,HOLD] or FILE.csv"
 MRPM = 1000
-# What a unit measures, and what the library counts of it.
-UNITS = {
-    "DEG": ("angle", TURN / 360),
-    "REV": ("angle", TURN),
-    "RPM": ("speed", MRPM),
-    "MS": ("time", SECOND_NS / 1000),
-    "S": ("time", SECOND_NS),
-}
 # Bytes of a line of a CSV file without its end, as the command has it.
 LINE_MAX = 198
 DECIMAL = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)", re.A)
-QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+))\s*(DEG|REV|RPM|MS|S)\s*", re.A | re.I)
-
-
 # What fits: angles have 64 bits, speeds and gears 32.
 DEGREES_MAX = 360 * ((1 << 31) - 1)
 RPM_MAX = ((1 << 31) - 1) // MRPM
 GEAR_MAX = (1 << 31) - 1
-MOST = {"angle": DEGREES_MAX * TURN / 360, "speed": RPM_MAX * MRPM, "time": SECONDS_MAX * SECOND_NS}
 
 
 def angle_of(degrees: float | Decimal) -> int:
@@ -45,55 +32,10 @@ def mrpm_of(rpm: float) -> int:
     return round(within(rpm, -RPM_MAX, RPM_MAX, "rpm") * MRPM)
 
 
-def _quantity(text: str, *wanted: str) -> tuple[str, int]:
-    match = QUANTITY.fullmatch(text)
-    if match is None or UNITS[match[2].upper()][0] not in wanted:
-        raise EncoderError(f"motion {text!r}: {' or '.join(wanted)} with its unit is right: {FORMS}")
-    dimension, factor = UNITS[match[2].upper()]
-    most = MOST[dimension] / factor
-    value = float(match[1])
-    within(value, 0 if dimension == "time" else -most, most, match[2].upper())
-    return dimension, round(value * factor)
-
-
-def _sine(amplitude: str, period: str) -> dict[str, Any]:
-    return {
-        "kind": "DG_MOTION_SINE",
-        "amplitude": _quantity(amplitude, "angle")[1],
-        "period": _quantity(period, "time")[1],
-    }
-
-
-def _ramp(speed: str, accel: str, hold: str | None = None) -> dict[str, Any]:
-    return {
-        "kind": "DG_MOTION_RAMP",
-        "mrpm": _quantity(speed, "speed")[1],
-        "accel": _quantity(accel, "time")[1],
-        "hold": NEVER if hold is None else _quantity(hold, "time")[1],
-    }
-
-
-def _simple(text: str) -> dict[str, Any]:
-    if re.fullmatch(r"\s*[+-]?0+(\.0*)?\s*", text, re.A):
-        return {"kind": "DG_MOTION_STANDSTILL"}
-    dimension, value = _quantity(text, "angle", "speed")
-    if dimension == "angle":
-        return {"kind": "DG_MOTION_STANDSTILL", "from": value}
-    return {"kind": "DG_MOTION_SPEED", "mrpm": value}
-
-
-FORMS_OF: dict[str, Callable[..., dict[str, Any]]] = {"sine": _sine, "ramp": _ramp}
-
-
-def parse_motion(text: str) -> dict[str, Any]:
-    """Members of struct dg_motion of words as --shaft takes them, but for files."""
-    kind, colon, rest = text.partition(":")
-    if not colon:
-        return _simple(text)
-    try:
-        return FORMS_OF[kind.lower()](*rest.split(","))
-    except (KeyError, TypeError):
-        raise EncoderError(f"motion {text!r}: one of these is right: {FORMS}") from None
+def forms() -> str:
+    """Words that a motion has."""
+    _, lib = _native.load()
+    return text_of(lib.dg_motion_forms)
 
 
 def _lines(path: Path) -> Iterable[tuple[int, str]]:
@@ -209,21 +151,22 @@ class Shaft:
     def play(self, motion: str) -> None:
         """What --shaft takes: "60RPM", "sine:90DEG,2S", "ramp:3000RPM,1S", "run.csv", ..."""
         if not isinstance(motion, str):
-            raise TypeError(f"motion {motion!r}: words are right: {FORMS}")
-        if motion.lower().endswith(".csv"):
+            raise TypeError(f"motion {motion!r}: words are right: {forms()}")
+        text, ffi = raw(motion, "motion"), self._ffi
+        if self._lib.dg_motion_is_file(text):
             self.replay(read_points(Path(motion)))
-        else:
-            self._play(parse_motion(motion), motion)
+            return
+        made, wrong = ffi.new("struct dg_motion *"), ffi.new("struct dg_plan_error *")
+        if self._lib.dg_motion_read(made, text, wrong) != 0:
+            raise RangeError(f"motion {motion!r}: {reason_of(wrong)}", _native.ERR_ARGUMENT)
+        self._play(made, motion)
 
     def replay(self, points: Iterable[tuple[float | Decimal, float | Decimal]]) -> None:
         """Straight lines between points (seconds from now on, degrees)."""
         rows = [{"at": round(within(at, 0, SECONDS_MAX, "seconds") * SECOND_NS), "angle": angle_of(degrees)} for at, degrees in points]
         self._points.append(self._ffi.new("struct dg_motion_point[]", rows))
-        self._play(
-            {"kind": "DG_MOTION_REPLAY", "points": self._points[-1], "point_count": len(rows)}, "points"
-        )
+        members = {"kind": self._lib.DG_MOTION_REPLAY, "points": self._points[-1], "point_count": len(rows)}
+        self._play(self._ffi.new("struct dg_motion *", members), "points")
 
-    def _play(self, members: dict[str, Any], text: str) -> None:
-        kind = getattr(self._lib, members["kind"])
-        motion = self._ffi.new("struct dg_motion *", {**members, "kind": kind})
+    def _play(self, motion: Any, text: str) -> None:
         self._command("play", f"motion {text!r}", self.clock._sync(), motion)
