@@ -264,7 +264,7 @@ static void memory_that_ends_anywhere(void **state)
                          "[encoder a]\nmodel = f3668\nbus = b\nnode = 1..9\nserial = 7\n"
                          "nvm = a.nvm\ntemperature = 85\n"
                          "[encoder c]\nmodel = f3668\nbus = c\nserial = 8\n"
-                         "[encoder own]\nmodel = ssi-25\nwire = string\ntrace = d.vcd\n"
+                         "[encoder own]\nmodel = ssi-25\nwire = sim\ntrace = d.vcd\n"
                          "temperature = 20\nbits = 13\n",
                          size);
         assert_true(result == DG_OK || result == DG_ERR_SPACE);
@@ -328,7 +328,8 @@ static void a_plan_without_a_text(void **state)
         assert_true(size < sizeof memory);
         dg_plan_begin(&plan, memory, size);
         const int shaft = dg_plan_add_shaft(&plan, "main", "60RPM");
-        const int wire = shaft < 0 ? -1 : dg_plan_add_wire(&plan, "b", &kinds[0].kind, "knot");
+        const int wire =
+            shaft < 0 ? -1 : dg_plan_add_wire(&plan, "b", dg_plan_find_kind("slcan", 5), "knot");
         done = wire < 0 ? -1
                         : dg_plan_add_encoder(&plan, "a", dg_device_find("f3668"), (size_t)shaft,
                                               (size_t)wire);
@@ -346,7 +347,7 @@ static void where_settings_stand(void **state)
     char text[80];
     struct dg_text addresses = dg_text_in(text, sizeof text);
     (void)state;
-    read_good(&bench, "[encoder a]\nmodel = f3668\nwire = rope\ntemperature = 85\nnode = 7\n"
+    read_good(&bench, "[encoder a]\nmodel = f3668\nwire = slcan\ntemperature = 85\nnode = 7\n"
                       "rotor_ok = 1\n");
     assert_int_equal(dg_plan_setting_line(&bench.plan.encoders[0], "temperature"), 4);
     assert_int_equal(dg_plan_setting_line(&bench.plan.encoders[0], "rotor_ok"), 6);
