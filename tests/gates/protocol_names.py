@@ -40,7 +40,7 @@ COMMAND, NAMED, TABLE = "the command `drehgeber biss` or `ssi`", "encoders, wire
 ALLOWED = {
     "platform/web/single.py": "page/biss.js, a BiSS master",
     "tools/drehgeber/help.c": COMMAND,
-    "tools/drehgeber/options.c": COMMAND,
+    "tools/drehgeber/command_rows.c": COMMAND,
     "tools/python/drehgeber/clocked.py": "classes Biss and Ssi, masters of these alone",
     "tools/python/drehgeber/cocotb/clocked.py": "classes BissEncoder and SsiEncoder, of these alone",
     "tools/python/drehgeber/cocotb/hiperface.py": "class HiperfaceEncoder, of this alone",

@@ -7,10 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "biss.h"
 #include "can.h"
 #include "drehgeber/drehgeber.h"
-#include "ssi.h"
 
 enum key {
     KEY_HELP = 'h',
@@ -37,68 +35,148 @@ enum key {
     KEY_WIRE, /* and one more for each kind of wire */
 };
 
-/* clang-format off */
-const struct command_row command_rows[] = {
-    /* name    command         wires  usage                                  help                                            takes  ask  stack  words */
-    {"list",   COMMAND_LIST,   false, "list [--json]",                       "the models",                                   " json ", NULL, NULL, NULL},
-    {"faults", COMMAND_FAULTS, false, "faults MODEL [--json]",               "what can happen to an encoder, and what it does about it", " json ", NULL, NULL, NULL},
-    {"run",    COMMAND_RUN,    true,  "run MODEL [WIRE] [OPTIONS]",          "be that encoder",                              NULL, NULL, NULL, NULL},
-    {"run",    COMMAND_RUN,    true,  "run RIG.ini [--control ...]",         "be all encoders of a rig file",                NULL, NULL, NULL, NULL},
-    {"eds",    COMMAND_EDS,    false, "eds MODEL",                           "the EDS file of a CANopen encoder",            "", NULL, &dg_cia406_stack, NULL},
-    {"biss",   COMMAND_ASK,    false, "biss MODEL ACTION [OPTIONS]",         "ask a BiSS encoder over a simulated wire; ACTION, one or more: read, registers [BANK:]ADDR N, eds, write [BANK:]ADDR BYTES, command N", " set nvm serial shaft trace ", biss_command, &dg_biss_stack, "read registers eds write command"},
-    {"ssi",    COMMAND_ASK,    false, "ssi MODEL read [OPTIONS]",            "read an SSI encoder over a simulated wire",    " set shaft trace ", ssi_command, &dg_ssi_stack, "read"},
-    {"map",    COMMAND_MAP,    false, "map MODEL",                           "the Modbus registers of an INTERBUS encoder",  " ring ", NULL, &dg_ib_stack, NULL},
-    {"fmu",    COMMAND_FMU,    false, "fmu MODEL --output FILE.fmu [OPTIONS]", "write that encoder as an FMU, for co-simulation", " output fmi set serial node ", NULL, NULL, NULL},
-    {"fmu",    COMMAND_FMU,    false, "fmu RIG.ini --output FILE.fmu [--fmi 2]", "write all encoders of a rig as one FMU",  " output fmi set serial node ", NULL, NULL, NULL},
-    {"ctl",    COMMAND_CTL,    false, "ctl [--control ADDR] COMMAND",        "SCPI to what is running; SYST:HELP? says which", " control timeout ", NULL, NULL, NULL},
-    {"top",    COMMAND_TOP,    false, "top [ADDRESS]",                       "what is running, in a terminal; ? says the keys", " control ", NULL, NULL, NULL},
-    {"web",    COMMAND_WEB,    false, "web [ADDRESS] [OPTIONS]",             "what is running, in a browser",                " control listen token watch ", NULL, NULL, NULL},
-    {"help",   COMMAND_HELP,   false, "help [COMMAND [MODEL]]",              "this text, or that of a command",              "", NULL, NULL, NULL},
-};
-
 /* Behind the wires. */
 static const struct argp_option rows[] = {
-    {.doc = "Options:", .group = 2},
-    {.name = "ring",    .key = KEY_RING,    .arg = "MODELS",    .doc = "INTERBUS: all encoders of the ring, with commas between them"},
-    {.name = "nvm",     .key = KEY_NVM,     .arg = "FILE",      .doc = "keep the EEPROM in FILE, made when it does not exist (default: forgotten at the end)"},
-    {.name = "serial",  .key = KEY_SERIAL,  .arg = "N",         .doc = "serial number, up to 9 digits, CANopen 10"},
-    {.name = "node",    .key = KEY_NODE,    .arg = "N[..M]",    .doc = "CANopen node-ID (default: 63), or several; each has its own EEPROM FILE.N"},
-    {.name = "shaft",   .key = KEY_SHAFT,   .arg = "MOTION",    .doc = "what the shaft does, see below (default: 0)"},
-    {.name = "set",     .key = KEY_SET,     .arg = "KEY=VALUE", .doc = "see below; may be given again"},
-    {.name = "control", .key = KEY_CONTROL, .arg = "ADDRESS",   .doc = "SCPI at unix:PATH or tcp:HOST:PORT (loopback; ,open: beyond it, too), ,token=FILE behind it: for who knows the token; may be given again; for ctl also tty:PATH, the console of a board (default: unix:$XDG_RUNTIME_DIR/drehgeber/NAME.sock; in a service unix:$RUNTIME_DIRECTORY/NAME.sock)"},
-    {.name = "files",   .key = KEY_FILES,   .arg = "DIR",       .doc = "traces, recordings and motions that SCPI names lie below DIR (default: here for unix:, nowhere for tcp:)"},
-    {.name = "trace",   .key = KEY_TRACE,   .arg = "FILE",      .doc = "what goes over the wire: .vcd (RS485, BiSS, SSI), .log or .pcapng (CAN), .csv (INTERBUS)"},
-    {.name = "time",    .key = KEY_TIME,    .arg = "virtual:SPAN", .doc = "live for a span such as 2.5S, 10MIN or 1H of virtual time, as fast as the machine can, and end"},
-    {.name = "output",  .key = KEY_OUTPUT,  .arg = "FILE",      .doc = "the FMU"},
-    {.name = "fmi",     .key = KEY_FMI,     .arg = "VERSION",   .doc = "of the FMU: 3, or 2, which has signals only (default: 3)"},
-    {.name = "listen",  .key = KEY_LISTEN,  .arg = "HOST:PORT", .doc = "of the page (loopback; ,open: beyond it, too; port 0: any free one; default: 127.0.0.1:8080)"},
-    {.name = "token",   .key = KEY_TOKEN,   .arg = "FILE",      .doc = "for who knows the token in FILE (default: a new one, in the address that is printed)"},
-    {.name = "watch",   .key = KEY_WATCH,                       .doc = "the page shows, and changes nothing"},
-    {.name = "timeout", .key = KEY_TIMEOUT, .arg = "SPAN",      .doc = "end when nothing has come for a span such as 10S or 5MIN (default: 60S, no limit with *OPC? or *WAI)"},
-    {.name = "json",    .key = KEY_JSON,                        .doc = "for programs: an array of objects"},
-    {.name = "verbose", .key = KEY_VERBOSE,                     .doc = "what goes over the wire in words, on stderr"},
-    {.name = "quiet",   .key = KEY_QUIET,                       .doc = "no notes on stderr, only complaints"},
-    {.name = "help",    .key = KEY_HELP,                        .doc = "this text; behind a command that of the command, and nothing is started"},
-    {.name = "version", .key = KEY_VERSION,                     .doc = "the version"},
+    {
+        .doc = "Options:",
+        .group = 2,
+    },
+    {
+        .name = "ring",
+        .key = KEY_RING,
+        .arg = "MODELS",
+        .doc = "INTERBUS: all encoders of the ring, with commas between them",
+    },
+    {
+        .name = "nvm",
+        .key = KEY_NVM,
+        .arg = "FILE",
+        .doc = "keep the EEPROM in FILE, made when it does not exist (default: forgotten at the "
+               "end)",
+    },
+    {
+        .name = "serial",
+        .key = KEY_SERIAL,
+        .arg = "N",
+        .doc = "serial number, up to 9 digits, CANopen 10",
+    },
+    {
+        .name = "node",
+        .key = KEY_NODE,
+        .arg = "N[..M]",
+        .doc = "CANopen node-ID (default: 63), or several; each has its own EEPROM FILE.N",
+    },
+    {
+        .name = "shaft",
+        .key = KEY_SHAFT,
+        .arg = "MOTION",
+        .doc = "what the shaft does, see below (default: 0)",
+    },
+    {
+        .name = "set",
+        .key = KEY_SET,
+        .arg = "KEY=VALUE",
+        .doc = "see below; may be given again",
+    },
+    {
+        .name = "control",
+        .key = KEY_CONTROL,
+        .arg = "ADDRESS",
+        .doc = "SCPI at unix:PATH or tcp:HOST:PORT (loopback; ,open: beyond it, too), ,token=FILE "
+               "behind it: for who knows the token; may be given again; for ctl also tty:PATH, "
+               "the console of a board (default: unix:$XDG_RUNTIME_DIR/drehgeber/NAME.sock; in a "
+               "service unix:$RUNTIME_DIRECTORY/NAME.sock)",
+    },
+    {
+        .name = "files",
+        .key = KEY_FILES,
+        .arg = "DIR",
+        .doc = "traces, recordings and motions that SCPI names lie below DIR (default: here for "
+               "unix:, nowhere for tcp:)",
+    },
+    {
+        .name = "trace",
+        .key = KEY_TRACE,
+        .arg = "FILE",
+        .doc = "what goes over the wire: .vcd (RS485, BiSS, SSI), .log or .pcapng (CAN), .csv "
+               "(INTERBUS)",
+    },
+    {
+        .name = "time",
+        .key = KEY_TIME,
+        .arg = "virtual:SPAN",
+        .doc = "live for a span such as 2.5S, 10MIN or 1H of virtual time, as fast as the machine "
+               "can, and end",
+    },
+    {
+        .name = "output",
+        .key = KEY_OUTPUT,
+        .arg = "FILE",
+        .doc = "the FMU",
+    },
+    {
+        .name = "fmi",
+        .key = KEY_FMI,
+        .arg = "VERSION",
+        .doc = "of the FMU: 3, or 2, which has signals only (default: 3)",
+    },
+    {
+        .name = "listen",
+        .key = KEY_LISTEN,
+        .arg = "HOST:PORT",
+        .doc = "of the page (loopback; ,open: beyond it, too; port 0: any free one; default: "
+               "127.0.0.1:8080)",
+    },
+    {
+        .name = "token",
+        .key = KEY_TOKEN,
+        .arg = "FILE",
+        .doc = "for who knows the token in FILE (default: a new one, in the address that is "
+               "printed)",
+    },
+    {
+        .name = "watch",
+        .key = KEY_WATCH,
+        .doc = "the page shows, and changes nothing",
+    },
+    {
+        .name = "timeout",
+        .key = KEY_TIMEOUT,
+        .arg = "SPAN",
+        .doc = "end when nothing has come for a span such as 10S or 5MIN (default: 60S, no limit "
+               "with *OPC? or *WAI)",
+    },
+    {
+        .name = "json",
+        .key = KEY_JSON,
+        .doc = "for programs: an array of objects",
+    },
+    {
+        .name = "verbose",
+        .key = KEY_VERBOSE,
+        .doc = "what goes over the wire in words, on stderr",
+    },
+    {
+        .name = "quiet",
+        .key = KEY_QUIET,
+        .doc = "no notes on stderr, only complaints",
+    },
+    {
+        .name = "help",
+        .key = KEY_HELP,
+        .doc = "this text; behind a command that of the command, and nothing is started",
+    },
+    {
+        .name = "version",
+        .key = KEY_VERSION,
+        .doc = "the version",
+    },
 };
-/* clang-format on */
 #define ROW_COUNT DG_COUNT(rows)
-
-const size_t command_row_count = DG_COUNT(command_rows);
-
-const struct command_row *command_find(const char *name)
-{
-    for (size_t i = 0; i < command_row_count; i++) {
-        if (strcmp(command_rows[i].name, name) == 0) {
-            return &command_rows[i];
-        }
-    }
-    return NULL;
-}
 
 /* --- the table of options --- */
 
-/* Who takes them names them. */
+/* Options that only those commands have which list them in `takes`. */
 static bool of_few(const struct argp_option *option)
 {
     static const int keys[] = {KEY_JSON,  KEY_OUTPUT, KEY_FMI,    KEY_LISTEN,

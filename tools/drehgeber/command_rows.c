@@ -1,0 +1,129 @@
+/* SPDX-License-Identifier: MIT */
+/* The commands: a row for each way to call one. */
+#include <string.h>
+
+#include "biss.h"
+#include "drehgeber/drehgeber.h"
+#include "options.h"
+#include "ssi.h"
+
+const struct command_row command_rows[] = {
+    {
+        .name = "list",
+        .command = COMMAND_LIST,
+        .usage = "list [--json]",
+        .help = "the models",
+        .takes = " json ",
+    },
+    {
+        .name = "faults",
+        .command = COMMAND_FAULTS,
+        .usage = "faults MODEL [--json]",
+        .help = "what can happen to an encoder, and what it does about it",
+        .takes = " json ",
+    },
+    {
+        .name = "run",
+        .command = COMMAND_RUN,
+        .wires = true,
+        .usage = "run MODEL [WIRE] [OPTIONS]",
+        .help = "be that encoder",
+    },
+    {
+        .name = "run",
+        .command = COMMAND_RUN,
+        .wires = true,
+        .usage = "run RIG.ini [--control ...]",
+        .help = "be all encoders of a rig file",
+    },
+    {
+        .name = "eds",
+        .command = COMMAND_EDS,
+        .usage = "eds MODEL",
+        .help = "the EDS file of a CANopen encoder",
+        .takes = "",
+        .stack = &dg_cia406_stack,
+    },
+    {
+        .name = "biss",
+        .command = COMMAND_ASK,
+        .usage = "biss MODEL ACTION [OPTIONS]",
+        .help = "ask a BiSS encoder over a simulated wire; ACTION, one or more: read, registers "
+                "[BANK:]ADDR N, eds, write [BANK:]ADDR BYTES, command N",
+        .takes = " set nvm serial shaft trace ",
+        .ask = biss_command,
+        .stack = &dg_biss_stack,
+        .words = "read registers eds write command",
+    },
+    {
+        .name = "ssi",
+        .command = COMMAND_ASK,
+        .usage = "ssi MODEL read [OPTIONS]",
+        .help = "read an SSI encoder over a simulated wire",
+        .takes = " set shaft trace ",
+        .ask = ssi_command,
+        .stack = &dg_ssi_stack,
+        .words = "read",
+    },
+    {
+        .name = "map",
+        .command = COMMAND_MAP,
+        .usage = "map MODEL",
+        .help = "the Modbus registers of an INTERBUS encoder",
+        .takes = " ring ",
+        .stack = &dg_ib_stack,
+    },
+    {
+        .name = "fmu",
+        .command = COMMAND_FMU,
+        .usage = "fmu MODEL --output FILE.fmu [OPTIONS]",
+        .help = "write that encoder as an FMU, for co-simulation",
+        .takes = " output fmi set serial node ",
+    },
+    {
+        .name = "fmu",
+        .command = COMMAND_FMU,
+        .usage = "fmu RIG.ini --output FILE.fmu [--fmi 2]",
+        .help = "write all encoders of a rig as one FMU",
+        .takes = " output fmi set serial node ",
+    },
+    {
+        .name = "ctl",
+        .command = COMMAND_CTL,
+        .usage = "ctl [--control ADDR] COMMAND",
+        .help = "SCPI to what is running; SYST:HELP? says which",
+        .takes = " control timeout ",
+    },
+    {
+        .name = "top",
+        .command = COMMAND_TOP,
+        .usage = "top [ADDRESS]",
+        .help = "what is running, in a terminal; ? says the keys",
+        .takes = " control ",
+    },
+    {
+        .name = "web",
+        .command = COMMAND_WEB,
+        .usage = "web [ADDRESS] [OPTIONS]",
+        .help = "what is running, in a browser",
+        .takes = " control listen token watch ",
+    },
+    {
+        .name = "help",
+        .command = COMMAND_HELP,
+        .usage = "help [COMMAND [MODEL]]",
+        .help = "this text, or that of a command",
+        .takes = "",
+    },
+};
+const size_t command_row_count = DG_COUNT(command_rows);
+
+const struct command_row *command_find(const char *name)
+{
+    for (size_t i = 0; i < command_row_count; i++) {
+        if (strcmp(command_rows[i].name, name) == 0) {
+            return &command_rows[i];
+        }
+    }
+    return NULL;
+}
