@@ -7,7 +7,6 @@
 #include "biss_eds.h"
 #include "biss_master.h"
 #include "biss_settings.h"
-#include "drehgeber/devices.h"
 #include "drehgeber/figure.h"
 #include "run.h"
 #include "wire_session.h"

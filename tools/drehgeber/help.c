@@ -3,14 +3,11 @@
 #define _GNU_SOURCE
 #include "help.h"
 
-#include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "columns.h"
-#include "course_words.h"
-#include "motion_words.h"
 
 const char help_intro[] =
     "  drehgeber run s3684-rs485 --pty=enc --shaft 60RPM --nvm enc.nvm\n"

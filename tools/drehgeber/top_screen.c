@@ -11,7 +11,6 @@
 #define _GNU_SOURCE
 #include "top_screen.h"
 
-#include <inttypes.h>
 #include <ncurses.h>
 #include <stdio.h>
 #include <string.h>

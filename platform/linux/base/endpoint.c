@@ -62,7 +62,8 @@ void lx_host_port_print(const struct lx_host_port *self, char *to, size_t size)
     (void)snprintf(to, size, six ? "[%s]:%s" : "%s:%s", self->host, self->port);
 }
 
-int lx_endpoint_check(const char *where, struct lx_error *error)
+/* Whether `where` is unix:PATH or tcp:HOST:PORT. */
+static int check_where(const char *where, struct lx_error *error)
 {
     struct lx_host_port tcp;
     const char *path = behind(where, UNIX_PREFIX);
@@ -190,7 +191,7 @@ int lx_endpoint_listen(const char *where, enum lx_endpoint_reach reach, char *ad
 {
     struct lx_host_port tcp;
     const char *path = behind(where, UNIX_PREFIX);
-    if (lx_endpoint_check(where, error) != 0) {
+    if (check_where(where, error) != 0) {
         return -1;
     }
     if (path != NULL) {
@@ -230,7 +231,7 @@ int lx_endpoint_connect(const char *where, struct lx_error *error)
 {
     struct lx_host_port tcp;
     const char *path = behind(where, UNIX_PREFIX);
-    if (lx_endpoint_check(where, error) != 0) {
+    if (check_where(where, error) != 0) {
         return -1;
     }
     int fd = -1;

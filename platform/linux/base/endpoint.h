@@ -28,9 +28,6 @@ void lx_host_port_print(const struct lx_host_port *self, char *to, size_t size);
 /** Fill in the port that a socket really has: of port 0 the kernel has chosen one. */
 void lx_host_port_real(struct lx_host_port *self, int fd);
 
-/** Whether `where` is unix:PATH or tcp:HOST:PORT. @return 0, or -1 with one line in `error` */
-int lx_endpoint_check(const char *where, struct lx_error *error);
-
 /** Who may reach a TCP port. */
 enum lx_endpoint_reach {
     LX_ENDPOINT_LOOPBACK, /**< addresses of this machine's loopback only; others are refused */

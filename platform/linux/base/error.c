@@ -34,7 +34,8 @@ void lx_words_item(struct lx_words *self, const char *word, size_t index, size_t
     lx_words_add(self, "%s%s", index == 0 ? "" : between, word);
 }
 
-int lx_refuse_v(struct lx_error *error, const char *right, const char *format, va_list arguments)
+__attribute__((format(printf, 3, 0))) static int refuse_v(struct lx_error *error, const char *right,
+                                                          const char *format, va_list arguments)
 {
     struct lx_error made = {.right = ""};
     (void)vsnprintf(made.what, sizeof made.what, format, arguments);
@@ -57,7 +58,7 @@ int lx_fail(struct lx_error *error, const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
-    const int result = lx_refuse_v(error, NULL, format, arguments);
+    const int result = refuse_v(error, NULL, format, arguments);
     va_end(arguments);
     return result;
 }
@@ -66,7 +67,7 @@ int lx_refuse(struct lx_error *error, const char *right, const char *format, ...
 {
     va_list arguments;
     va_start(arguments, format);
-    const int result = lx_refuse_v(error, right, format, arguments);
+    const int result = refuse_v(error, right, format, arguments);
     va_end(arguments);
     return result;
 }

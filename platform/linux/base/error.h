@@ -8,7 +8,6 @@
 #ifndef DREHGEBER_LINUX_ERROR_H
 #define DREHGEBER_LINUX_ERROR_H
 
-#include <stdarg.h>
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -71,10 +70,6 @@ int lx_refuse(struct lx_error *error, const char *right, const char *format, ...
 
 /** What would be right after a call that gave this errno, where more of something is; else NULL. */
 const char *lx_more_of(int reason);
-
-/** lx_refuse() from a list of arguments. */
-int lx_refuse_v(struct lx_error *error, const char *right, const char *format, va_list arguments)
-    __attribute__((format(printf, 3, 0)));
 
 /** Say what it is about, unless that was said nearer to it. `value` NULL: not to be told. */
 int lx_about(struct lx_error *error, enum lx_about about, const char *key, const char *value);

@@ -2,7 +2,6 @@
 #include "biss_settings.h"
 
 #include <stddef.h>
-#include <string.h>
 
 #include "biss_clocked.h"
 #include "trace_format.h"

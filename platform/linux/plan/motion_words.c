@@ -6,11 +6,8 @@
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
-#include <strings.h>
 
 #include "csv.h"
-#include "drehgeber/figure.h"
 #include "drehgeber/hal.h"
 #include "file.h"
 

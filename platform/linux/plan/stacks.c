@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "stacks.h"
 
-#include <string.h>
-
 #include "course_words.h"
 #include "wire.h"
 
@@ -152,17 +150,6 @@ void lx_stack_models(const struct lx_stack *self, struct lx_words *to)
     for (size_t i = 0; i < dg_device_count; i++) {
         if (self == NULL || lx_stack_of(dg_devices[i]) == self) {
             lx_words_add(to, " %s", dg_devices[i]->name);
-        }
-    }
-}
-
-void lx_stack_wires(const struct lx_stack *self, struct lx_words *to)
-{
-    const char *between = "";
-    for (size_t i = 0; i < dg_plan_wire_count; i++) {
-        if (dg_plan_carries(&dg_plan_wires[i], self->core)) {
-            lx_words_add(to, "%s%s", between, dg_plan_wires[i].name);
-            between = " or ";
         }
     }
 }

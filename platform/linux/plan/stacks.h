@@ -75,7 +75,4 @@ int lx_stack_settings(const struct dg_plan *plan, const struct dg_plan_wire *wir
 /** Append all models of the stack (NULL: all there are), with a blank in front of each. */
 void lx_stack_models(const struct lx_stack *self, struct lx_words *to);
 
-/** Append "or"-separated kinds of wire for the stack. */
-void lx_stack_wires(const struct lx_stack *self, struct lx_words *to);
-
 #endif

@@ -12,7 +12,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "file.h"
 #include "motion_words.h"
 #include "timer.h"
 

@@ -38,9 +38,6 @@ struct lx_rig_setup {
 int lx_rig_open(struct lx_rig **self, const struct lx_rig_setup *setup, dg_ns now,
                 struct lx_error *error);
 
-/** Its encoders and shafts as instruments, for whoever does more than serve it. */
-struct dg_rig *lx_rig_control(struct lx_rig *self);
-
 /** What the master of its wire reads of encoder `index` now, in one line, where that master is in
  * this program. @return false: it does not answer */
 bool lx_rig_read(struct lx_rig *self, size_t index, char *text, size_t size);

@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Courses that the plan has, and those that clients ask for. */
 #define _GNU_SOURCE
-#include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "courses.h"
 #include "plan.h"

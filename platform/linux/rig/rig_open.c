@@ -447,11 +447,6 @@ int lx_rig_open(struct lx_rig **self, const struct lx_rig_setup *setup, dg_ns no
     return result;
 }
 
-struct dg_rig *lx_rig_control(struct lx_rig *self)
-{
-    return &self->control;
-}
-
 int lx_rig_is_stepped(const struct dg_plan *plan, bool *is, struct lx_error *error)
 {
     struct lx_silkit *silkit = lx_silkit_new(NULL, NULL, plan->name);

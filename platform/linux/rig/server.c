@@ -21,7 +21,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "access.h"
 #include "endpoint.h"
 #include "timer.h"
 

@@ -9,7 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "file.h"
 #include "timer.h"
 #include "trace_format.h"
 

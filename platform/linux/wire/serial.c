@@ -86,7 +86,12 @@ static void shut(struct lx_serial *self)
     if (self->ops->shut != NULL) {
         self->ops->shut(self);
     }
-    lx_serial_unwatch(self);
+    self->io = sd_event_source_disable_unref(self->io);
+    self->count = 0;
+    if (self->fd >= 0) {
+        (void)close(self->fd);
+    }
+    self->fd = -1;
 }
 
 static void try_again(void *ctx, dg_ns now)
@@ -178,16 +183,6 @@ int lx_serial_start(struct lx_serial *self, const struct lx_serial_ops *ops,
 int lx_serial_watch(struct lx_serial *self)
 {
     return sd_event_add_io(self->setup.event, &self->io, self->fd, EPOLLIN, on_readable, self);
-}
-
-void lx_serial_unwatch(struct lx_serial *self)
-{
-    self->io = sd_event_source_disable_unref(self->io);
-    self->count = 0;
-    if (self->fd >= 0) {
-        (void)close(self->fd);
-    }
-    self->fd = -1;
 }
 
 void lx_serial_close(struct lx_serial *self)

@@ -35,7 +35,7 @@ struct lx_silkit;
 struct lx_serial_ops {
     const char *again; /**< what is done about one that has gone, for the message */
     /** Open files, make links, call lx_serial_watch(); also when it is to be back.
-     * @return 0, or -1 with `error`; then shut() and lx_serial_unwatch() clean up */
+     * @return 0, or -1 with `error`; then shut() cleans up, and self->fd is closed */
     int (*open)(struct lx_serial *self, struct lx_error *error);
     /** The line's UART setting has changed to self->uart. NULL: nobody to tell. */
     void (*apply)(struct lx_serial *self);
@@ -139,9 +139,6 @@ int lx_serial_start(struct lx_serial *self, const struct lx_serial_ops *ops,
 
 /** For the kinds: put self->fd on the event loop. @return 0 or a negative errno */
 int lx_serial_watch(struct lx_serial *self);
-
-/** For the kinds: take self->fd off the event loop and close it. */
-void lx_serial_unwatch(struct lx_serial *self);
 
 /** The number of a termios speed; 0 when it is none of the standard ones. */
 uint32_t lx_baud_of_speed(unsigned long speed);

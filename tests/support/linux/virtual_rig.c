@@ -183,7 +183,7 @@ void virtual_rig_open(struct virtual_rig *self, const char *file, struct lx_tap_
     if (listener != NULL) {
         lx_tap_add(&self->rig->wires[0].bus->tap, listener);
     }
-    dg_control_init(&self->control, lx_rig_control(self->rig), on_answer, self);
+    dg_control_init(&self->control, &self->rig->control, on_answer, self);
 }
 
 void virtual_rig_close(struct virtual_rig *self)

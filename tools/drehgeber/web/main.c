@@ -14,7 +14,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <systemd/sd-event.h>
-#include <unistd.h>
 
 #include "access.h"
 #include "complain.h"
