@@ -39,24 +39,28 @@ static void check_points(const struct dg_motion_point *points, size_t count)
 static void take_csv(const uint8_t *bytes, size_t n)
 {
     struct lx_error error = {.right = ""};
-    struct lx_recording recording = {.points = NULL};
+    struct lx_shaft recording = {.points = NULL};
     struct dg_motion motion = {.kind = DG_MOTION_STANDSTILL};
     FILE *file = n > 0 ? fmemopen((void *)(uintptr_t)bytes, n, "r") : NULL;
+    int result = 1;
 
     if (file == NULL) {
         return;
     }
-    if (lx_csv_read(&recording, file, "some.csv", &error) == 0) {
-        check_points(recording.points, recording.count);
-        const struct dg_motion wanted = {
-            .kind = DG_MOTION_REPLAY, .points = recording.points, .point_count = recording.count};
-        fuzz_must(dg_motion_set(&motion, &wanted) == DG_OK);
+    struct lx_csv *csv = lx_csv_begin(file, "some.csv", &lx_csv_motion, SIZE_MAX);
+    fuzz_must(csv != NULL);
+    while (result > 0) {
+        result = lx_shaft_read_on(csv, &recording, &error);
+    }
+    if (result == 0) {
+        check_points(recording.points, recording.motion.point_count);
+        fuzz_must(dg_motion_set(&motion, &recording.motion) == DG_OK);
         turn(&motion);
-        free(recording.points);
+        lx_shaft_free(&recording);
     } else {
         fuzz_must(strncmp(lx_error_line(&error).text, "some.csv", 8) == 0);
     }
-    (void)fclose(file);
+    lx_csv_close(csv);
 }
 
 static void take_words(const uint8_t *bytes, size_t n)

@@ -7,7 +7,6 @@
 #include "csv.h"
 
 #include <errno.h>
-#include <limits.h>
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -27,8 +26,8 @@ static void put_angle(void *points, size_t index, dg_ns at, int64_t value)
 }
 
 const struct lx_csv_kind lx_csv_motion = {
-    .line = "time_s,angle_deg",
-    .value = "the angle is decimal degrees within +-6000000000",
+    .column = "angle_deg",
+    .value = {"the angle is decimal degrees within +-6000000000"},
     .places = PLACES,
     .min = -ANGLE_MAX,
     .max = ANGLE_MAX,
@@ -38,7 +37,7 @@ const struct lx_csv_kind lx_csv_motion = {
 
 /* Where the reader is, and what it has. */
 struct reader {
-    const struct lx_csv_kind *kind;
+    struct lx_csv_kind kind;
     const char *name;
     unsigned long line;
     bool started; /* the first line that is not empty or a comment has been seen */
@@ -87,7 +86,7 @@ static int complain(const struct reader *self, struct lx_error *error, const cha
 static int complain_of_line(const struct reader *self, struct lx_error *error, struct field got)
 {
     struct lx_words what = {""};
-    lx_words_add(&what, "a line is '%s'", self->kind->line);
+    lx_words_add(&what, "a line is 'time_s,%s'", self->kind.column);
     return complain(self, error, what.text, got);
 }
 
@@ -98,14 +97,14 @@ static int append(struct reader *self, dg_ns at, int64_t value, struct lx_error 
     }
     if (self->found.count == self->capacity) {
         const size_t capacity = self->capacity == 0 ? 256 : self->capacity * 2;
-        void *grown = reallocarray(self->found.points, capacity, self->kind->size);
+        void *grown = reallocarray(self->found.points, capacity, self->kind.size);
         if (grown == NULL) {
             return lx_fail(error, "%s:%lu: no memory for so many lines", self->name, self->line);
         }
         self->found.points = grown;
         self->capacity = capacity;
     }
-    self->kind->put(self->found.points, self->found.count++, at, value);
+    self->kind.put(self->found.points, self->found.count++, at, value);
     self->latest = at;
     return 0;
 }
@@ -113,7 +112,7 @@ static int append(struct reader *self, dg_ns at, int64_t value, struct lx_error 
 /* One line without its comment. */
 static int take_point(struct reader *self, struct field line, struct lx_error *error)
 {
-    const struct lx_csv_kind *kind = self->kind;
+    const struct lx_csv_kind *kind = &self->kind;
     const char *comma = memchr(line.at, ',', line.n);
     /* A second comma ends up in the value and is refused there. */
     if (comma == NULL) {
@@ -129,7 +128,7 @@ static int take_point(struct reader *self, struct field line, struct lx_error *e
     }
     if (!dg_decimal_parse(second.at, second.n, kind->places, &value) || value.value < kind->min ||
         value.value > kind->max) {
-        return complain(self, error, kind->value, second);
+        return complain(self, error, kind->value.text, second);
     }
     /* The core needs them in order; the nanoseconds count, not the digits. */
     const bool again = self->found.count > 0 && self->latest == (dg_ns)at.value;
@@ -166,21 +165,37 @@ struct lx_csv {
     char text[LX_CSV_LINE_MAX + 2u]; /* of a line, with its end, CR LF at most; not a string */
 };
 
-struct lx_csv *lx_csv_open(FILE *file, const char *name, const struct lx_csv_kind *kind,
-                           size_t most)
+struct lx_csv *lx_csv_begin(FILE *file, const char *name, const struct lx_csv_kind *kind,
+                            size_t most)
 {
     struct lx_csv *self = calloc(1, sizeof *self);
     char *copy = strdup(name);
     if (self == NULL || copy == NULL) {
         free(self);
         free(copy);
+        (void)fclose(file);
         return NULL;
     }
     self->file = file;
     self->name = copy;
     self->reader.name = copy;
-    self->reader.kind = kind;
+    self->reader.kind = *kind;
     self->reader.most = most;
+    return self;
+}
+
+struct lx_csv *lx_csv_open(const char *path, const struct lx_folder *folder,
+                           const struct lx_csv_kind *kind, struct lx_error *error)
+{
+    FILE *file = lx_file_read(folder, path, error);
+    if (file == NULL) {
+        return NULL;
+    }
+    struct lx_csv *self =
+        lx_csv_begin(file, path, kind, folder == NULL ? SIZE_MAX : LX_CSV_CLIENT_MAX);
+    if (self == NULL) {
+        (void)lx_fail(error, "%s: no memory for its lines", path);
+    }
     return self;
 }
 
@@ -221,8 +236,8 @@ static int check_count(const struct lx_csv *self, struct lx_error *error)
 {
     return self->reader.found.count > 0
                ? 0
-               : lx_fail(error, "%s:%lu: no points; a line is '%s'", self->name,
-                         self->reader.line + 1, self->reader.kind->line);
+               : lx_fail(error, "%s:%lu: no points; a line is 'time_s,%s'", self->name,
+                         self->reader.line + 1, self->reader.kind.column);
 }
 
 int lx_csv_read_on(struct lx_csv *self, unsigned lines, struct lx_error *error)
@@ -252,25 +267,8 @@ void lx_csv_close(struct lx_csv *self)
     if (self == NULL) {
         return;
     }
+    (void)fclose(self->file);
     free(self->reader.found.points);
     free(self->name);
     free(self);
-}
-
-int lx_csv_read(struct lx_recording *out, FILE *file, const char *name, struct lx_error *error)
-{
-    struct lx_csv *reader = lx_csv_open(file, name, &lx_csv_motion, SIZE_MAX);
-    int result = 1;
-    if (reader == NULL) {
-        return lx_fail(error, "%s: no memory for its lines", name);
-    }
-    while (result > 0) {
-        result = lx_csv_read_on(reader, UINT_MAX, error);
-    }
-    if (result == 0) {
-        const struct lx_csv_points found = lx_csv_take(reader);
-        *out = (struct lx_recording){.points = found.points, .count = found.count};
-    }
-    lx_csv_close(reader);
-    return result;
 }

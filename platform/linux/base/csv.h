@@ -13,6 +13,7 @@
 #include <stdio.h>
 
 #include "drehgeber/motion.h"
+#include "file.h"
 #include "say.h"
 
 /** Characters of a line without its end, as of a rig file's. */
@@ -27,10 +28,10 @@
 
 /** What the second column is, and what a point is made of. */
 struct lx_csv_kind {
-    const char *line;  /**< how a line is written: "time_s,angle_deg" */
-    const char *value; /**< what is right: "the angle is decimal degrees within +-6000000000" */
-    unsigned places;   /**< that are kept of it */
-    int64_t min;       /**< in units of the last place */
+    const char *column;    /**< its name: "angle_deg" */
+    struct lx_words value; /**< what is right: "the angle is decimal degrees ..." */
+    unsigned places;       /**< that are kept of it */
+    int64_t min;           /**< in units of the last place */
     int64_t max;
     bool steps;  /**< a time may be that of the line before */
     size_t size; /**< of a point */
@@ -46,19 +47,18 @@ struct lx_csv_points {
     size_t count;
 };
 
-/** The points of a motion. */
-struct lx_recording {
-    struct dg_motion_point *points; /**< malloc()ed, the caller frees */
-    size_t count;
-};
-
 /** A file that is being read, a slice at a time. */
 struct lx_csv;
 
-/** Begin with `file`, called `name` in errors; it and `kind` are borrowed. More than `most` points
- * are refused. @return NULL without memory */
-struct lx_csv *lx_csv_open(FILE *file, const char *name, const struct lx_csv_kind *kind,
-                           size_t most);
+/** Begin with the file that a user names, or with `folder` a client; that may have
+ * LX_CSV_CLIENT_MAX points. @return NULL with one line in `error` */
+struct lx_csv *lx_csv_open(const char *path, const struct lx_folder *folder,
+                           const struct lx_csv_kind *kind, struct lx_error *error);
+
+/** Begin with `file`, called `name` in errors, which is closed at the end. More than `most` points
+ * are refused. @return NULL without memory; then it is closed, too */
+struct lx_csv *lx_csv_begin(FILE *file, const char *name, const struct lx_csv_kind *kind,
+                            size_t most);
 
 /** Read up to `lines` more. @return 1: there are more; 0: that was all, and lx_csv_take() has it;
  * -1 with "name:line: what is wrong" */
@@ -69,11 +69,5 @@ struct lx_csv_points lx_csv_take(struct lx_csv *self);
 
 /** End; NULL is fine. */
 void lx_csv_close(struct lx_csv *self);
-
-/**
- * Read all points of a motion in `file`, called `name` in errors.
- * @return 0 with one point or more; -1 with "name:line: what is wrong" and nothing to free
- */
-int lx_csv_read(struct lx_recording *out, FILE *file, const char *name, struct lx_error *error);
 
 #endif

@@ -18,8 +18,8 @@ struct place {
 
 struct lx_courses {
     struct place places[DG_QUANTITY_COUNT];
-    struct lx_course_file *reading; /* NULL: none */
-    struct place next;              /* what is being read for */
+    struct lx_csv *reading; /* NULL: none */
+    struct place next;      /* what is being read for */
 };
 
 struct lx_courses *lx_courses_new(void)
@@ -36,7 +36,7 @@ static void empty(struct place *place)
 
 void lx_courses_read_none(struct lx_courses *self)
 {
-    lx_course_file_close(self->reading);
+    lx_csv_close(self->reading);
     self->reading = NULL;
     empty(&self->next);
 }
@@ -122,7 +122,7 @@ static int open_file(struct lx_courses *self, const struct lx_folder *folder,
         (void)lx_fail(error, "no memory for a course");
         return LX_COURSES_WORDS;
     }
-    self->reading = lx_course_file_open(path, wish->quantity, folder, error);
+    self->reading = lx_course_open(path, wish->quantity, folder, error);
     free(path);
     return self->reading == NULL ? LX_COURSES_FILE : 1;
 }
@@ -153,9 +153,9 @@ int lx_courses_begin(struct lx_courses *self, const struct lx_courses_setup *set
 int lx_courses_read_on(struct lx_courses *self, const struct lx_courses_setup *setup, dg_ns now,
                        struct lx_error *error)
 {
-    struct lx_csv_points found;
-    int result = lx_course_file_read(self->reading, &found, error);
+    int result = lx_csv_read_on(self->reading, LX_CSV_SLICE, error);
     if (result == 0) {
+        const struct lx_csv_points found = lx_csv_take(self->reading);
         self->next.points = found.points;
         self->next.course.course.count = found.count;
         result = follow(self, setup, now, error) == 0 ? 0 : LX_COURSES_WORDS;

@@ -191,13 +191,13 @@ int lx_rig_play(struct lx_rig_shaft *self, dg_ns now, bool first, const char *te
 
 void lx_rig_read_none(struct lx_rig_shaft *self)
 {
-    lx_shaft_file_close(self->reading);
+    lx_csv_close(self->reading);
     free(self->reads);
     self->reading = NULL;
     self->reads = NULL;
 }
 
-/* @return as lx_shaft_file_read() */
+/* @return as lx_shaft_read_on() */
 static int begin_reading(struct lx_rig_shaft *self, const char *text,
                          const struct lx_folder *folder, struct lx_error *error)
 {
@@ -205,7 +205,7 @@ static int begin_reading(struct lx_rig_shaft *self, const char *text,
     if (self->reads == NULL) {
         return lx_fail(error, "no memory for %s", text);
     }
-    self->reading = lx_shaft_file_open(text, folder, error);
+    self->reading = lx_csv_open(text, folder, &lx_csv_motion, error);
     if (self->reading == NULL) {
         lx_rig_read_none(self);
         return LX_SHAFT_FILE;
@@ -216,7 +216,7 @@ static int begin_reading(struct lx_rig_shaft *self, const char *text,
 static int read_on(struct lx_rig_shaft *self, dg_ns now, struct lx_error *error)
 {
     struct lx_shaft motion;
-    int result = lx_shaft_file_read(self->reading, &motion, error);
+    int result = lx_shaft_read_on(self->reading, &motion, error);
     if (result == 0) {
         struct lx_shaft *at = place(self);
         *at = motion;

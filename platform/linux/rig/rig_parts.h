@@ -31,9 +31,9 @@ struct lx_rig_shaft {
     struct lx_rig_wire **minders; /**< owned: wires that mind how it turns, or what it drives */
     size_t minder_count;
     struct lx_shaft motion[LX_RIG_MOTIONS];
-    char *text;                    /**< of the motion played last; owned */
-    struct lx_shaft_file *reading; /**< of a motion that is to be played; NULL: none */
-    char *reads;                   /**< its name; owned */
+    char *text;             /**< of the motion played last; owned */
+    struct lx_csv *reading; /**< of a motion that is to be played; NULL: none */
+    char *reads;            /**< its name; owned */
     struct lx_record *record;
 };
 

@@ -70,7 +70,7 @@ static void what_are_none(void **state)
     }
 }
 
-/* @return as lx_course_file_read() at the end; `found` is the caller's */
+/* @return as lx_csv_read_on() at the end; `found` is the caller's */
 static int read_text(const char *text, size_t quantity, struct lx_csv_points *found,
                      struct lx_error *error)
 {
@@ -79,14 +79,17 @@ static int read_text(const char *text, size_t quantity, struct lx_csv_points *fo
     assert_true(fd >= 0);
     assert_int_equal(write(fd, text, strlen(text)), strlen(text));
     (void)close(fd);
-    struct lx_course_file *file = lx_course_file_open(path, quantity, NULL, error);
+    struct lx_csv *file = lx_course_open(path, quantity, NULL, error);
     (void)unlink(path);
     assert_non_null(file);
     int result = 1;
     while (result > 0) {
-        result = lx_course_file_read(file, found, error);
+        result = lx_csv_read_on(file, LX_CSV_SLICE, error);
     }
-    lx_course_file_close(file);
+    if (result == 0) {
+        *found = lx_csv_take(file);
+    }
+    lx_csv_close(file);
     return result;
 }
 
@@ -168,7 +171,7 @@ static void a_file_that_is_not_there(void **state)
 {
     struct lx_error error;
     (void)state;
-    assert_null(lx_course_file_open("/nowhere/x.csv", DG_QUANTITY_SUPPLY, NULL, &error));
+    assert_null(lx_course_open("/nowhere/x.csv", DG_QUANTITY_SUPPLY, NULL, &error));
     assert_non_null(strstr(error.what, "/nowhere/x.csv"));
 }
 

@@ -14,20 +14,41 @@
 #include "csv.h"
 #include "drehgeber/hal.h"
 
-static int read_text(struct lx_recording *out, const char *text, struct lx_error *error)
+/* The points of a motion. */
+struct recording {
+    struct dg_motion_point *points; /* owned */
+    size_t count;
+};
+
+/* All points of `file`, which is closed. @return 0, or -1 with `error` */
+static int read_all(struct recording *out, FILE *file, struct lx_error *error)
+{
+    struct lx_csv *csv = lx_csv_begin(file, "shaft.csv", &lx_csv_motion, SIZE_MAX);
+    int result = 1;
+    assert_non_null(csv);
+    while (result > 0) {
+        result = lx_csv_read_on(csv, LX_CSV_SLICE, error);
+    }
+    if (result == 0) {
+        const struct lx_csv_points found = lx_csv_take(csv);
+        *out = (struct recording){found.points, found.count};
+    }
+    lx_csv_close(csv);
+    return result;
+}
+
+static int read_text(struct recording *out, const char *text, struct lx_error *error)
 {
     FILE *file = fmemopen(NULL, strlen(text) + 1, "w+");
     assert_non_null(file);
     assert_true(fputs(text, file) >= 0);
     rewind(file);
-    const int result = lx_csv_read(out, file, "shaft.csv", error);
-    (void)fclose(file);
-    return result;
+    return read_all(out, file, error);
 }
 
 static void points_are_read(void **state)
 {
-    struct lx_recording recording;
+    struct recording recording;
     struct lx_error error;
     (void)state;
     assert_int_equal(read_text(&recording,
@@ -50,7 +71,7 @@ static void points_are_read(void **state)
 
 static void the_last_line_needs_no_end(void **state)
 {
-    struct lx_recording recording;
+    struct recording recording;
     struct lx_error error;
     (void)state;
     assert_int_equal(read_text(&recording, "2,180", &error), 0);
@@ -70,7 +91,7 @@ static void many_points(void **state)
     for (int i = 0; i < COUNT; i++) {
         used += (size_t)snprintf(text + used, 24, "%d,%d\n", i, i * 360);
     }
-    struct lx_recording recording;
+    struct recording recording;
     struct lx_error error;
     assert_int_equal(read_text(&recording, text, &error), 0);
     assert_int_equal(recording.count, COUNT);
@@ -111,7 +132,7 @@ static void refusals(void **state)
     };
     (void)state;
     for (size_t i = 0; i < DG_COUNT(rows); i++) {
-        struct lx_recording recording;
+        struct recording recording;
         struct lx_error error = {.right = ""};
         assert_int_equal(read_text(&recording, rows[i].text, &error), -1);
         const struct lx_words line = lx_error_line(&error);
@@ -157,11 +178,10 @@ static FILE *open_source(struct source *self)
 /* @return what is said */
 static struct lx_words refusal_of(struct source *self)
 {
-    struct lx_recording recording;
+    struct recording recording;
     struct lx_error error = {.right = ""};
     FILE *file = open_source(self);
-    assert_int_equal(lx_csv_read(&recording, file, "shaft.csv", &error), -1);
-    (void)fclose(file);
+    assert_int_equal(read_all(&recording, file, &error), -1);
     return lx_error_line(&error);
 }
 
@@ -187,7 +207,7 @@ static void lines_have_a_bound(void **state)
 {
     static const char *const ends[] = {"", "\n", "\r\n", "\r\n2,3", "\r"};
     char text[512];
-    struct lx_recording recording;
+    struct recording recording;
     struct lx_error error;
     (void)state;
     for (int n = 197; n <= 199; n++) {
@@ -238,12 +258,11 @@ static void points_have_a_bound(void **state)
         char text[] = "0,0\n1,0\n\n2,0\n";
         struct lx_error error = {.what = ""};
         FILE *file = fmemopen(text, strlen(text), "r");
-        struct lx_csv *csv = lx_csv_open(file, "shaft.csv", &lx_csv_motion, most);
+        struct lx_csv *csv = lx_csv_begin(file, "shaft.csv", &lx_csv_motion, most);
         assert_non_null(csv);
         assert_int_equal(lx_csv_read_on(csv, 100, &error), most == 3 ? 0 : -1);
         assert_string_equal(error.what, most == 3 ? "" : "shaft.csv:4: more than 2 points");
         lx_csv_close(csv);
-        (void)fclose(file);
     }
 }
 

@@ -12,10 +12,10 @@
 
 #include <cmocka.h>
 
-#include "csv.h"
 #include "descriptors.h"
 #include "drehgeber/hal.h"
 #include "motion_model.h"
+#include "motion_words.h"
 #include "record.h"
 #include "stderr_heard.h"
 #include "timer.h"
@@ -79,14 +79,11 @@ static void closed(struct lx_record *record, dg_ns now)
     assert_int_equal(lx_record_close(record, now, &error), 0);
 }
 
-static struct lx_recording read_back(const struct place *place)
+static struct lx_shaft read_back(const struct place *place)
 {
-    struct lx_recording recording;
+    struct lx_shaft recording;
     struct lx_error error = {.right = ""};
-    FILE *file = fopen(place->path, "re");
-    assert_non_null(file);
-    assert_int_equal(lx_csv_read(&recording, file, "shaft.csv", &error), 0);
-    (void)fclose(file);
+    assert_int_equal(lx_shaft_parse(&recording, place->path, NULL, &error), 0);
     return recording;
 }
 
@@ -129,13 +126,13 @@ static void angles_read_back_the_same(void **state)
         lx_record_write(record, START + DG_MS(i));
     }
     closed(record, START + DG_MS(COUNT) - 1);
-    struct lx_recording recording = read_back(place);
-    assert_int_equal(recording.count, COUNT);
+    struct lx_shaft recording = read_back(place);
+    assert_int_equal(recording.motion.point_count, COUNT);
     for (size_t i = 0; i < COUNT; i++) {
         assert_true(recording.points[i].at == DG_MS(i));
         assert_true(recording.points[i].angle == angles[i]);
     }
-    free(recording.points);
+    lx_shaft_free(&recording);
 }
 
 /* A steered shaft, recorded and replayed: equal at every moment of the grid. */
@@ -159,17 +156,15 @@ static void a_recording_is_replayed(void **state)
         }
     }
     closed(record, START + COUNT * interval - 1);
-    struct lx_recording recording = read_back(place);
-    assert_int_equal(recording.count, COUNT);
-    const struct dg_motion motion = {
-        .kind = DG_MOTION_REPLAY, .points = recording.points, .point_count = recording.count};
+    struct lx_shaft recording = read_back(place);
+    assert_int_equal(recording.motion.point_count, COUNT);
     struct dg_shaft replayed;
     dg_shaft_init(&replayed);
-    assert_int_equal(dg_shaft_play(&replayed, DG_S(5), &motion), DG_OK);
+    assert_int_equal(dg_shaft_play(&replayed, DG_S(5), &recording.motion), DG_OK);
     for (size_t i = 0; i < COUNT; i++) {
         assert_true(dg_shaft_angle(&replayed, DG_S(5) + i * interval) == angles[i]);
     }
-    free(recording.points);
+    lx_shaft_free(&recording);
 }
 
 /* Let so many wake-ups happen: one at least every 10 ms, or the test hangs and is ended. */
@@ -206,14 +201,14 @@ static void wake_ups_write_the_grid(void **state)
     const dg_ns end = lx_clock_now(&place->clock);
     /* Nothing is due at START: all lines are of wake-ups. */
     closed(record, START);
-    struct lx_recording recording = read_back(place);
-    assert_true(recording.count > (stepped - START) / DG_MS(1));
-    assert_true(recording.count <= (end - START) / DG_MS(1) + 1);
-    for (size_t i = 0; i < recording.count; i++) {
+    struct lx_shaft recording = read_back(place);
+    assert_true(recording.motion.point_count > (stepped - START) / DG_MS(1));
+    assert_true(recording.motion.point_count <= (end - START) / DG_MS(1) + 1);
+    for (size_t i = 0; i < recording.motion.point_count; i++) {
         assert_true(recording.points[i].at == DG_MS(i));
         assert_true(recording.points[i].angle == dg_shaft_angle(&place->shaft, START + DG_MS(i)));
     }
-    free(recording.points);
+    lx_shaft_free(&recording);
 }
 
 /* What goes to stderr while `record` writes up to `now`. */
@@ -277,9 +272,9 @@ static void angles_that_cannot_be_read_back_end_it(void **state)
     assert_non_null(strstr(said, "ends at 0.003000000 s: a recording holds up to 6000000000 deg"));
     assert_int_equal(lx_record_close(record, START + DG_S(1), &error), -1);
     (void)rename(folder_path, place->path);
-    struct lx_recording recording = read_back(place);
-    assert_int_equal(recording.count, 3);
-    free(recording.points);
+    struct lx_shaft recording = read_back(place);
+    assert_int_equal(recording.motion.point_count, 3);
+    lx_shaft_free(&recording);
 }
 
 static void what_cannot_be_recorded(void **state)
