@@ -50,7 +50,7 @@ BELOW = {"core", "control", "devices", "instruments", "host", "bus", "rig", "wor
 WIRES = set(ROOM.values())
 ROOMS = {
     "linux/base":      {"core", "motion", "rig"},
-    "linux/nvm":       {"core", "devices", "linux/base"},
+    "linux/nvm":       {"core", "devices", "bus", "linux/base"},
     "linux/trace":     {"core", "words", "linux/base"},
     "linux/plan":      {"core", "motion", "devices", "rig", "linux/base"},
     "linux/wire":      {"core", "control", "rig", "linux/base", "linux/trace", "linux/plan"},
@@ -63,7 +63,7 @@ ROOMS = {
     "fmu":             {"core", "host", "bus"},
     "tools/drehgeber": {"tools/drehgeber", "motion", "linux/rig", "fmu"} | BELOW | WIRES, # web/ is a program of its own
     "tools/manual":    {"core", "devices", "tools/drehgeber"} | BELOW,
-    "tools/reference": {"core", "control", "devices", "instruments"},
+    "tools/reference": {"core", "control", "devices", "instruments", "rig", "src/rig"},
     "tools/examples":  set(), # and what is below it: each the whole of a user's program
 }
 ROOMS |= {room: set(BELOW) for room in WIRES}

@@ -73,10 +73,8 @@ static void send_frame(void *ctx, size_t place, const struct dg_tap_event *event
 
 static enum dg_bus_answer answer(void *ctx, size_t place)
 {
-    static const enum dg_bus_answer answers[] = {
-        [LX_NVM_SAY] = DG_BUS_SAY, [LX_NVM_KEEP] = DG_BUS_KEEP, [LX_NVM_DROP] = DG_BUS_DROP};
     struct lx_can_bus *self = ctx;
-    return answers[lx_nvm_queue_answer(&self->node[place].image.queue)];
+    return lx_nvm_queue_answer(&self->node[place].image.queue);
 }
 
 /* --- what the wire is --- */

@@ -28,11 +28,9 @@ static void tell_levels(void *ctx, const struct dg_tap_event *event)
 
 static enum dg_bus_answer answer(void *ctx, size_t place)
 {
-    static const enum dg_bus_answer answers[] = {
-        [LX_NVM_SAY] = DG_BUS_SAY, [LX_NVM_KEEP] = DG_BUS_KEEP, [LX_NVM_DROP] = DG_BUS_DROP};
     const struct lx_clocked *self = ctx;
     struct lx_nvm_queue *queue = self->queue[place];
-    return queue == NULL ? DG_BUS_SAY : answers[lx_nvm_queue_answer(queue)];
+    return queue == NULL ? DG_BUS_SAY : lx_nvm_queue_answer(queue);
 }
 
 void lx_clocked_hold(struct lx_clocked *self, size_t index, struct lx_nvm_queue *queue)

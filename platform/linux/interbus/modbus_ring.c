@@ -174,14 +174,9 @@ static uint64_t last_ticket(void *ctx, size_t place)
 
 static enum dg_bus_answer answer_now(void *ctx, size_t place)
 {
-    static const enum dg_bus_answer answers[] = {
-        [LX_NVM_THROUGH] = DG_BUS_SAY,
-        [LX_NVM_PENDING] = DG_BUS_KEEP,
-        [LX_NVM_LOST] = DG_BUS_DROP,
-    };
     const struct lx_ring *self = ctx;
     const struct lx_image_part *part = self->part_of[place];
-    return answers[lx_nvm_queue_state(&part->image->queue, part->ticket)];
+    return lx_nvm_answer_of(lx_nvm_queue_state(&part->image->queue, part->ticket));
 }
 
 static const struct dg_bus_ops ring_ops = {

@@ -57,13 +57,8 @@ static void tell_character(void *ctx, const struct dg_tap_event *event)
 
 static enum dg_bus_answer ask_writer(void *ctx, size_t place)
 {
-    static const enum dg_bus_answer answers[] = {
-        [LX_NVM_SAY] = DG_BUS_SAY,
-        [LX_NVM_KEEP] = DG_BUS_KEEP,
-        [LX_NVM_DROP] = DG_BUS_DROP,
-    };
     struct lx_line_bus *self = ctx;
-    return answers[lx_nvm_queue_answer(&self->encoder[place].image.queue)];
+    return lx_nvm_queue_answer(&self->encoder[place].image.queue);
 }
 
 const struct dg_bus_ops lx_line_ops = {

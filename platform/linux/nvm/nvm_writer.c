@@ -649,16 +649,25 @@ enum lx_nvm_state lx_nvm_queue_state(struct lx_nvm_queue *self, uint64_t ticket)
     return state;
 }
 
+enum dg_bus_answer lx_nvm_answer_of(enum lx_nvm_state state)
+{
+    static const enum dg_bus_answer answers[] = {
+        [LX_NVM_THROUGH] = DG_BUS_SAY,
+        [LX_NVM_PENDING] = DG_BUS_KEEP,
+        [LX_NVM_LOST] = DG_BUS_DROP,
+    };
+    return answers[state];
+}
+
 /* A loss that nothing was kept back for yet, as the answer to it comes later, ends with that. */
-enum lx_nvm_answer lx_nvm_queue_answer(struct lx_nvm_queue *self)
+enum dg_bus_answer lx_nvm_queue_answer(struct lx_nvm_queue *self)
 {
     if (self->known == self->issued) {
-        return LX_NVM_SAY;
+        return DG_BUS_SAY;
     }
     const enum lx_nvm_state state = lx_nvm_queue_state(self, self->issued);
-    if (state == LX_NVM_PENDING) {
-        return LX_NVM_KEEP;
+    if (state != LX_NVM_PENDING) {
+        self->known = self->issued;
     }
-    self->known = self->issued;
-    return state == LX_NVM_LOST ? LX_NVM_DROP : LX_NVM_SAY;
+    return lx_nvm_answer_of(state);
 }

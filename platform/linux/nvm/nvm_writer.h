@@ -14,6 +14,7 @@
 
 #include <systemd/sd-event.h>
 
+#include "drehgeber/bus.h"
 #include "drehgeber/hal.h"
 #include "drehgeber/time.h"
 #include "say.h"
@@ -33,13 +34,6 @@ enum lx_nvm_state {
     LX_NVM_PENDING,
     LX_NVM_LOST, /**< it failed after it had said yes; it may get through later, when the file works
                   */
-};
-
-/** What becomes of an answer of a device. */
-enum lx_nvm_answer {
-    LX_NVM_SAY,
-    LX_NVM_KEEP, /**< it acknowledges what is under way */
-    LX_NVM_DROP, /**< it acknowledges what was lost; the next one may be said */
 };
 
 /** What the thread has to do for a queue: a write, or a sync; private. */
@@ -119,8 +113,12 @@ void lx_nvm_queue_close(struct lx_nvm_queue *self);
 /** What has become of the sync with `ticket` and of all before it. Through, when it is not open. */
 enum lx_nvm_state lx_nvm_queue_state(struct lx_nvm_queue *self, uint64_t ticket);
 
+/** What to do with what acknowledges a sync. */
+enum dg_bus_answer lx_nvm_answer_of(enum lx_nvm_state state);
+
 /** What to do with what the device answers now: it may acknowledge its last sync. What is kept is
- * to be asked for again when settled() is called. */
-enum lx_nvm_answer lx_nvm_queue_answer(struct lx_nvm_queue *self);
+ * to be asked for again when settled() is called; behind what is dropped the next one may be said.
+ */
+enum dg_bus_answer lx_nvm_queue_answer(struct lx_nvm_queue *self);
 
 #endif

@@ -533,23 +533,23 @@ static void an_answer_is_kept_and_one_behind_a_loss_is_dropped(void **state)
 {
     struct bench *self = *state;
     struct lx_nvm_queue *queue = &self->queue[0];
-    assert_int_equal(lx_nvm_queue_answer(queue), LX_NVM_SAY);
+    assert_int_equal(lx_nvm_queue_answer(queue), DG_BUS_SAY);
     put_late(self, 0, 0, "a|");
-    assert_int_equal(lx_nvm_queue_answer(queue), LX_NVM_KEEP);
-    assert_int_equal(lx_nvm_queue_answer(queue), LX_NVM_KEEP);
+    assert_int_equal(lx_nvm_queue_answer(queue), DG_BUS_KEEP);
+    assert_int_equal(lx_nvm_queue_answer(queue), DG_BUS_KEEP);
     disk.fails = 1;
     set_stuck(false);
     assert_int_equal(settle(self, 0), LX_NVM_LOST);
-    assert_int_equal(lx_nvm_queue_answer(queue), LX_NVM_DROP);
+    assert_int_equal(lx_nvm_queue_answer(queue), DG_BUS_DROP);
     assert_int_equal(put(self, 0, 0, "b"), DG_ERR_IO);
-    assert_int_equal(lx_nvm_queue_answer(queue), LX_NVM_SAY); /* that it is refused */
+    assert_int_equal(lx_nvm_queue_answer(queue), DG_BUS_SAY); /* that it is refused */
     while (put(self, 0, 0, "b") != DG_OK) {
     }
     put_late(self, 0, 1, "|");
-    assert_int_equal(lx_nvm_queue_answer(queue), LX_NVM_KEEP);
+    assert_int_equal(lx_nvm_queue_answer(queue), DG_BUS_KEEP);
     set_stuck(false);
     assert_int_equal(settle(self, 0), LX_NVM_THROUGH);
-    assert_int_equal(lx_nvm_queue_answer(queue), LX_NVM_SAY);
+    assert_int_equal(lx_nvm_queue_answer(queue), DG_BUS_SAY);
 }
 
 /* Whoever knows only that something was written behind `after`. */
