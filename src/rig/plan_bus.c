@@ -166,14 +166,14 @@ static int refuse_key_of(struct rig_reader *in, const struct rig_section *self,
     struct rig_list list;
     size_t own = 0;
 
-    while (self->kind->keys[own] != NULL) {
+    while (self->kind->keys[own].name != NULL) {
         own++;
     }
     const size_t count = own + (kind->keys == NULL ? 0 : kind->keys->count);
     dg_plan_list_begin(&list);
     for (size_t i = 0; i < count; i++) {
-        dg_plan_list_item(&list, i < own ? self->kind->keys[i] : kind->keys->rows[i - own].name, i,
-                          count);
+        dg_plan_list_item(
+            &list, i < own ? self->kind->keys[i].name : kind->keys->rows[i - own].name, i, count);
     }
     return dg_plan_wrong_word(in, word, RIG_SAY(list.room, " are right"),
                               RIG_SAY("no key of a ", kind->name, " bus"));

@@ -3,6 +3,7 @@
  * A row for each kind of section. What a section refers to stands above it, so that each can be
  * checked when it ends, with all that it may clash with.
  */
+#include "drehgeber/shaft.h"
 #include "rig_private.h"
 
 /* ---------------------------------------------------------------- words */
@@ -40,8 +41,8 @@ int dg_plan_word_add(struct rig_reader *in, struct rig_section *self,
 
 bool dg_plan_kind_has(const struct rig_kind *kind, const char *key)
 {
-    for (size_t i = 0; kind->keys[i] != NULL; i++) {
-        if (dg_plan_same(kind->keys[i], key)) {
+    for (size_t i = 0; kind->keys[i].name != NULL; i++) {
+        if (dg_plan_same(kind->keys[i].name, key)) {
             return true;
         }
     }
@@ -52,16 +53,16 @@ bool dg_plan_kind_has(const struct rig_kind *kind, const char *key)
 static int refuse_key_of(struct rig_reader *in, const struct rig_section *self,
                          const struct dg_plan_setting *word)
 {
-    const char *const *keys = self->kind->keys;
+    const struct rig_key *keys = self->kind->keys;
     struct rig_list list;
     size_t count = 0;
 
-    while (keys[count] != NULL) {
+    while (keys[count].name != NULL) {
         count++;
     }
     dg_plan_list_begin(&list);
     for (size_t i = 0; i < count; i++) {
-        dg_plan_list_item(&list, keys[i], i, count);
+        dg_plan_list_item(&list, keys[i].name, i, count);
     }
     return dg_plan_wrong_word(in, word, RIG_SAY(list.room, " are right"),
                               RIG_SAY("no key of [", self->kind->name, "]"));
@@ -284,11 +285,128 @@ static int take_rig(struct rig_reader *in, const struct rig_section *self)
 
 /* ---------------------------------------------------------------- the kinds */
 
-static const char *const rig_keys[] = {"name", "control", "files", "include", NULL};
-static const char *const shaft_keys[] = {"motion", "driver", "ratio", NULL};
-static const char *const bus_keys[] = {"wire", "address", "trace", NULL};
-static const char *const encoder_keys[] = {"model", "shaft", "bus",    "wire",
-                                           "trace", "nvm",   "serial", NULL};
+_Static_assert(DG_PLAN_CONTROLS_MAX == 4u && DG_PLAN_DEPTH_MAX == 8u &&
+                   DG_PLAN_INCLUDED_MAX == 1u << 20 && DG_SHAFT_GEARS_MAX == 8u,
+               "as the help of the rows has them");
+
+static const struct rig_key rig_keys[] = {
+    {
+        .name = "name",
+        .takes = "NAME",
+        .usual = "the file's name without its ending",
+        .help = "of the rig, and of its default control socket",
+    },
+    {
+        .name = "control",
+        .takes = "unix:PATH or tcp:HOST:PORT, with ,open and ,token=FILE behind it or not",
+        .usual = "a socket of the user, called NAME.sock",
+        .help = "where clients steer the rig; up to four times",
+    },
+    {
+        .name = "files",
+        .takes = "DIR",
+        .usual = "the working directory, and nothing for clients over TCP",
+        .help = "the folder for files that clients name; --files goes before it",
+    },
+    {
+        .name = "include",
+        .takes = "FILE",
+        .usual = "none",
+        .help =
+            "a file whose sections stand here, as often as you like: in the folder of this file or "
+            "below it, without links; up to 8 files that include each other, 1 MiB in all",
+    },
+    {.name = NULL},
+};
+static const struct rig_key shaft_keys[] = {
+    {
+        .name = "motion",
+        .takes = "MOTION or FILE.csv",
+        .usual = "at rest at 0",
+        .help = "how it turns, as --shaft takes it",
+    },
+    {
+        .name = "driver",
+        .takes = "NAME",
+        .usual = "none",
+        .help =
+            "the shaft above that turns this one, through at most 8 gears in a row; instead of a "
+            "motion",
+    },
+    {
+        .name = "ratio",
+        .takes = "TURNS:TURNS",
+        .usual = "1:1",
+        .help =
+            "turns of this shaft for turns of the driver: whole numbers other than 0, each may be "
+            "negative",
+    },
+    {.name = NULL},
+};
+static const struct rig_key bus_keys[] = {
+    {
+        .name = "wire",
+        .takes = "KIND",
+        .help = "which kind of wire it is",
+    },
+    {
+        .name = "address",
+        .takes = "as --KIND",
+        .usual = "that of its kind",
+        .help = "where the wire is",
+    },
+    {
+        .name = "trace",
+        .takes = "FILE",
+        .usual = "none",
+        .help = "what goes over the wire, as --trace has it",
+    },
+    {.name = NULL},
+};
+static const struct rig_key encoder_keys[] = {
+    {
+        .name = "model",
+        .takes = "MODEL",
+        .help = "one of drehgeber list",
+    },
+    {
+        .name = "shaft",
+        .takes = "NAME",
+        .usual = "the first shaft; in a file without shafts all share one at rest",
+        .help = "the shaft above that it is on",
+    },
+    {
+        .name = "bus",
+        .takes = "NAME",
+        .usual = "a wire of its own",
+        .help = "the bus above that it is on",
+    },
+    {
+        .name = "wire",
+        .takes = "KIND or KIND:ADDRESS",
+        .usual = "a bus",
+        .help = "a wire of its own; keys of the wire may stand here, too",
+    },
+    {
+        .name = "trace",
+        .takes = "FILE",
+        .usual = "none",
+        .help = "of the wire of its own",
+    },
+    {
+        .name = "nvm",
+        .takes = "FILE",
+        .usual = "state is lost at the end",
+        .help = "its EEPROM, made when it does not exist",
+    },
+    {
+        .name = "serial",
+        .takes = "N",
+        .usual = "the model's",
+        .help = "its serial number",
+    },
+    {.name = NULL},
+};
 
 /* clang-format off */
 static const struct rig_kind kinds[] = {

@@ -135,15 +135,23 @@ struct dg_plan_piece {
 struct rig_section;
 struct rig_reader;
 
+/** A key of a section: its name for the reader, the rest for docs/rigs.md, which is generated. */
+struct rig_key {
+    const char *name;
+    const char *takes; /**< what a value looks like: "NAME", "FILE" */
+    const char *usual; /**< what holds without it; NULL: it has to be there */
+    const char *help;
+};
+
 /** A kind of section. */
 struct rig_kind {
     const char *name;
-    bool named;              /**< [KIND NAME] */
-    bool open;               /**< takes settings beside its keys */
-    bool numbered;           /**< the addresses of all stacks are keys of it, too */
-    const char *repeats;     /**< the key that may stand several times; NULL: none */
-    const char *at_once;     /**< the key that is a file to be read, then and there; NULL: none */
-    const char *const *keys; /**< NULL behind the last */
+    bool named;          /**< [KIND NAME] */
+    bool open;           /**< takes settings beside its keys */
+    bool numbered;       /**< the addresses of all stacks are keys of it, too */
+    const char *repeats; /**< the key that may stand several times; NULL: none */
+    const char *at_once; /**< the key that is a file to be read, then and there; NULL: none */
+    const struct rig_key *keys; /**< name NULL behind the last */
     int (*take)(struct rig_reader *in, const struct rig_section *self);
 };
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * usage: reference-manual man [COMMAND] | bash | zsh | commands
+ * usage: reference-manual man [COMMAND] | bash | zsh | commands | wires | wire-keys | settings
  *
- * tools/reference/update writes what it prints into tools/man and tools/completion.
+ * tools/reference/update writes what it prints into tools/man, tools/completion and docs/rigs.md.
  */
 #include "manual.h"
 
@@ -107,6 +107,12 @@ int main(int argc, char **argv)
         print_commands();
         return 0;
     }
-    (void)fputs("usage: reference-manual man [COMMAND] | bash | zsh | commands\n", stderr);
+    if (argc == 2 && manual_table(what)) {
+        return 0;
+    }
+    (void)fputs(
+        "usage: reference-manual man [COMMAND] | bash | zsh | commands | wires | wire-keys | "
+        "settings\n",
+        stderr);
     return 2;
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Manual pages and shell completion, of the tables that the command line itself works with. On
- * stdout.
+ * Manual pages, shell completion and tables of pages, of the tables that the command line itself
+ * works with. On stdout.
  */
 #ifndef DREHGEBER_MANUAL_H
 #define DREHGEBER_MANUAL_H
@@ -13,6 +13,9 @@
 
 /* The page of a command; NULL: that of the program. @return false: there is no such command */
 bool manual_page(const char *command);
+
+/* A table of a page. @return false: there is no such table */
+bool manual_table(const char *name);
 
 void manual_bash(void);
 void manual_zsh(void);

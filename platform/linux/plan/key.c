@@ -120,13 +120,14 @@ static bool has_default(const struct dg_key *key, const char *text)
            number.value <= key->max;
 }
 
-/* Of a text nothing is told: it is a factory figure. */
-static void print_default(const struct dg_key *key, const void *base, FILE *to)
+struct lx_words lx_key_value(const struct dg_key *key, const void *base)
 {
+    struct lx_words value = {""};
     char text[NUMBER_MAX];
     if (!is_text(key) && dg_key_get(key, base, text, sizeof text) > 0 && has_default(key, text)) {
-        (void)fprintf(to, ", default %.*s", (int)strcspn(text, "."), text);
+        lx_words_add(&value, "%.*s", (int)strcspn(text, "."), text);
     }
+    return value;
 }
 
 void lx_keys_help(const struct lx_keys *keys, FILE *to)
@@ -137,9 +138,9 @@ void lx_keys_help(const struct lx_keys *keys, FILE *to)
             continue;
         }
         (void)fprintf(to, "  %-23s %s (%s", key->name, key->help, lx_key_range(key).text);
-        if (keys->base != NULL) {
-            print_default(key, keys->base, to);
-        }
+        const struct lx_words value =
+            keys->base == NULL ? (struct lx_words){""} : lx_key_value(key, keys->base);
+        (void)fprintf(to, "%s%s", value.text[0] == '\0' ? "" : ", default ", value.text);
         (void)fputs(")\n", to);
     }
 }

@@ -36,6 +36,10 @@ struct lx_words lx_key_range(const struct dg_key *key);
 const struct dg_key *lx_keys_find(const struct lx_keys *lists, size_t n, const char *name,
                                   void **base);
 
+/** What lies there, as text; "" of what is not told: texts, which are factory figures, and what
+ * stands for 'none'. */
+struct lx_words lx_key_value(const struct dg_key *key, const void *base);
+
 /** Append all names, with a blank in front of each. */
 void lx_keys_name(const struct lx_keys *lists, size_t n, struct lx_words *to);
 
