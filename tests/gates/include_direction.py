@@ -53,7 +53,7 @@ ROOMS = {
     "linux/nvm":       {"core", "devices", "bus", "linux/base"},
     "linux/trace":     {"core", "words", "linux/base"},
     "linux/plan":      {"core", "motion", "devices", "rig", "linux/base"},
-    "linux/wire":      {"core", "control", "rig", "linux/base", "linux/trace", "linux/plan"},
+    "linux/wire":      {"core", "control", "host", "rig", "linux/base", "linux/nvm", "linux/trace", "linux/plan"},
     "linux/rig":       {"motion"} | BELOW | WIRES,
     "hdl":             {"core", "motion", "host", "bus", "rig", "linux/base", "linux/nvm", "linux/plan"},
     "rp2040":          set(), # an image is an encoder with all that belongs to it

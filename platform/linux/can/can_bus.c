@@ -74,7 +74,7 @@ static void send_frame(void *ctx, size_t place, const struct dg_tap_event *event
 static enum dg_bus_answer answer(void *ctx, size_t place)
 {
     struct lx_can_bus *self = ctx;
-    return lx_nvm_queue_answer(&self->node[place].image.queue);
+    return lx_nvm_queue_answer(&self->bus.setup.stations[place]->image.queue);
 }
 
 /* --- what the wire is --- */
@@ -301,7 +301,7 @@ static void counters(const struct lx_bus *bus, const struct lx_station *station,
 static void free_bus(struct lx_can_bus *self)
 {
     for (size_t i = 0; i < self->bus.setup.count; i++) {
-        lx_can_node_close(&self->node[i]);
+        lx_station_close(self->bus.setup.stations[i]);
     }
     lx_can_close(self->can);
     lx_timer_close(&self->timer);

@@ -11,7 +11,6 @@
 #include "can.h"
 #include "drehgeber/bus_frames.h"
 #include "drehgeber/host_wire.h"
-#include "image.h"
 
 struct lx_can_bus;
 
@@ -19,11 +18,8 @@ struct lx_can_bus;
 struct lx_can_node {
     struct lx_can_bus *bus;
     struct lx_station *station;
-    struct dg_host *host;                 /**< owned */
     const struct dg_host_controller *ask; /**< what it tells of itself: */
     const void *device;
-    struct lx_image image; /**< its EEPROM: */
-    struct lx_image_part memory;
     uint32_t id;      /**< node-ID in the delivery state */
     uint32_t version; /**< of what it tells of itself, when `shared` was looked at */
     /** CAN-IDs that two of its services had at the last look; 0: none */
@@ -74,9 +70,6 @@ uint64_t lx_can_node_kbaud(const struct lx_can_node *self);
 
 /** Say so when two services of the node have come to share a CAN-ID. */
 void lx_can_tell_shared(struct lx_can_node *self);
-
-/** Switch it off, close its EEPROM; also after a failed open. */
-void lx_can_node_close(struct lx_can_node *self);
 
 /** The protocol, as the port knows it. */
 extern const struct lx_stack lx_can_stack;

@@ -211,7 +211,6 @@ static int suit(struct lx_clocked *base, const struct lx_bus_setup *setup, size_
 const struct lx_clocked_protocol lx_clocked_biss = {
     .clock = CLOCK_NAME,
     .data = DATA_NAME,
-    .answer = "the encoder answers P = 1",
     .encoders_max = DG_BISS_CHAIN_MAX,
     .size = sizeof(struct lx_biss_line),
     .suit = suit,

@@ -42,6 +42,7 @@ const struct lx_stack lx_biss_stack = {
     .trace = &trace,
     .clocked = &lx_clocked_biss,
     .wire = "sim",
+    .spoiled = "the encoder answers P = 1",
     .keys = &dg_biss_keys,
     .instead = &timeout,
     .settings_size = sizeof(struct dg_biss_model),

@@ -2,14 +2,7 @@
 /* Lines of a plan: handles on a bus of the library, each with its EEPROM. */
 #include "clocked.h"
 
-#include <stdalign.h>
 #include <stdlib.h>
-
-struct lx_clocked_memory {
-    struct lx_image image;
-    struct lx_image_part part;
-    alignas(DG_HOST_ALIGN) uint8_t host[];
-};
 
 /* --- the bus --- */
 
@@ -128,45 +121,21 @@ struct lx_clocked *lx_clocked_new(const struct lx_clocked_protocol *protocol, si
     return self;
 }
 
-/* Its handle, with its settings, without power. */
-static int place_encoder(struct lx_clocked *self, const struct lx_bus_setup *setup, size_t index,
-                         struct lx_error *error)
-{
-    struct lx_station *station = setup->stations[index];
-    const struct dg_plan_encoder *plan = station->plan;
-    const struct dg_bus_side *side = dg_bus_side_of(plan->model);
-    const size_t size = dg_host_size_with_port(plan->model, side);
-    struct lx_clocked_memory *memory = calloc(1, sizeof *memory + size);
-    if (memory == NULL) {
-        return lx_fail(error, "no memory for %s", plan->model->name);
-    }
-    self->memory[index] = memory;
-    struct dg_host *host = dg_host_init_on_bus(memory->host, size, plan->model, side);
-    struct dg_world *world = dg_host_world(host);
-    self->host[index] = host;
-    *world = station->world;
-    station->control.world = world;
-    if (lx_stack_settings(setup->plan, setup->wire, plan, dg_host_line_of(host)->settings, world,
-                          error) != 0) {
-        return -1;
-    }
-    if (plan->nvm != NULL && dg_host_memory_size(host) == 0) {
-        (void)lx_refuse(error, "leave it out", "%s has no EEPROM", plan->model->name);
-        return lx_plan_refuse_key(setup->plan, "nvm", plan->nvm_line, error);
-    }
-    return 0;
-}
-
 static int place_all(struct lx_clocked *self, const struct lx_bus_setup *setup,
                      enum lx_clocked_master master, struct lx_error *error)
 {
     for (size_t i = 0; i < setup->count; i++) {
-        if (place_encoder(self, setup, i, error) != 0 ||
-            self->protocol->suit(self, setup, i, master, error) != 0) {
+        struct lx_station *station = setup->stations[i];
+        self->station[i] = station;
+        if (lx_station_make(station, setup, NULL, error) != 0) {
+            return -1;
+        }
+        self->host[i] = station->host;
+        if (self->protocol->suit(self, setup, i, master, error) != 0) {
             return -1;
         }
         if (master == LX_CLOCKED_THERE) {
-            lx_clocked_hold(self, i, &self->memory[i]->image.queue);
+            lx_clocked_hold(self, i, &station->image.queue);
         }
     }
     return 0;
@@ -196,50 +165,14 @@ int lx_clocked_check_rate(const struct lx_clocked *self, uint32_t hz, struct lx_
     return self->protocol->check_rate == NULL ? 0 : self->protocol->check_rate(self, hz, error);
 }
 
-static int open_image(const struct lx_clocked *self, const struct lx_bus_setup *setup, size_t index,
-                      struct lx_error *error)
-{
-    struct lx_clocked_memory *memory = self->memory[index];
-    struct lx_station *station = setup->stations[index];
-    const struct lx_image_setup image = {
-        .path = station->plan->nvm,
-        .answer = self->protocol->answer,
-        .parts = &memory->part,
-        .count = 1,
-        .say = setup->say,
-        .writer = setup->writer,
-    };
-    memory->part = (struct lx_image_part){
-        .stack = station->plan->model->stack,
-        .device.model = dg_host_line_of(self->host[index])->settings,
-    };
-    if (lx_image_open(&memory->image, &image, error) != 0 ||
-        lx_image_start(&memory->image, error) != 0) {
-        return lx_plan_refuse_key(setup->plan, "nvm", station->plan->nvm_line, error);
-    }
-    station->control.nvm = memory->part.device.nvm;
-    station->queue = lx_image_queue(&memory->image);
-    (void)dg_host_memory_port(self->host[index], &station->control.nvm);
-    dg_host_memory_known(self->host[index]);
-    return 0;
-}
-
 int lx_clocked_open(struct lx_clocked *self, const struct lx_bus_setup *setup, size_t index,
                     dg_ns now, struct lx_error *error)
 {
     struct lx_station *station = setup->stations[index];
-    struct dg_host *host = self->host[index];
-    if (dg_host_memory_size(host) != 0 && open_image(self, setup, index, error) != 0) {
+    if (lx_station_open(station, setup, NULL, NULL, now, error) != 0) {
         return -1;
     }
-    const int result = dg_host_power(host, now, true);
-    if (result != DG_OK) {
-        return result == DG_ERR_ARGUMENT
-                   ? lx_fail(error, "these figures make no encoder")
-                   : lx_fail(error, "the encoder does not start: not its EEPROM");
-    }
-    station->control.device = dg_host_line_of(host)->device;
-    lx_clocked_add(self, host, &station->control);
+    lx_clocked_add(self, station->host, &station->control);
     return 0;
 }
 
@@ -248,10 +181,8 @@ void lx_clocked_close(struct lx_clocked *self)
     if (self == NULL) {
         return;
     }
-    for (size_t i = 0; i < LX_CLOCKED_MAX && self->memory[i] != NULL; i++) {
-        (void)dg_host_power(self->host[i], 0, false);
-        lx_image_close(&self->memory[i]->image);
-        free(self->memory[i]);
+    for (size_t i = 0; i < LX_CLOCKED_MAX && self->station[i] != NULL; i++) {
+        lx_station_close(self->station[i]);
     }
     free(self->bus_memory);
     free(self);

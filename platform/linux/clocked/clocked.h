@@ -19,7 +19,6 @@
 #include "drehgeber/bus_edges.h"
 #include "drehgeber/host_wire.h"
 #include "drehgeber/time.h"
-#include "image.h"
 #include "say.h"
 #include "tap.h"
 
@@ -57,7 +56,6 @@ enum lx_clocked_master {
 struct lx_clocked_protocol {
     const char *clock; /**< its names of the lines, for messages, e.g. "MA" */
     const char *data;
-    const char *answer;  /**< what an encoder says when its memory fails; NULL: it has none */
     size_t encoders_max; /**< on one line, LX_CLOCKED_MAX at most */
     size_t size;         /**< of its line: struct lx_clocked and what the master has read */
 
@@ -90,9 +88,6 @@ struct lx_clocked_protocol {
     void (*offer)(struct lx_station *station);
 };
 
-/** An encoder of a plan: its memory, and its handle behind it. */
-struct lx_clocked_memory;
-
 /** A line; first member of each protocol's own. Not to be moved. */
 struct lx_clocked {
     const struct lx_clocked_protocol *protocol;
@@ -106,7 +101,7 @@ struct lx_clocked {
     struct dg_host *host[LX_CLOCKED_MAX];
     struct dg_encoder *control[LX_CLOCKED_MAX];
     struct lx_nvm_queue *queue[LX_CLOCKED_MAX]; /**< NULL: nobody waits for it */
-    struct lx_clocked_memory *memory[LX_CLOCKED_MAX];
+    struct lx_station *station[LX_CLOCKED_MAX]; /**< of a plan; NULL: it is of none */
 };
 
 /** A line of `protocol` with room for `count` encoders, and none. @return NULL: no memory */

@@ -115,7 +115,7 @@ static int open_store(struct lx_ring_store *self, const struct lx_ring_setup *se
 {
     const struct lx_image_setup image = {
         .path = self->path,
-        .answer = "the encoder answers 86000000h",
+        .answer = lx_ib_stack.spoiled,
         .parts = self->parts,
         .count = self->count,
         .say = setup->say,

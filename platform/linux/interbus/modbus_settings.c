@@ -17,6 +17,7 @@ const struct lx_stack lx_ib_stack = {
     .trace = &trace,
     .words = &dg_ib_words,
     .wire = "modbus",
+    .spoiled = "the encoder answers 86000000h",
     .is_ring = true,
     .keys = &dg_ib_keys,
     .blind = DG_IB_BLIND,

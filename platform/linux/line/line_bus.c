@@ -4,7 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "drehgeber/figure.h"
 #include "line_bus.h"
 
 static struct lx_line_bus *line_of(struct lx_bus *bus)
@@ -19,56 +18,13 @@ static const struct lx_stack *stack_of(const struct lx_line_encoder *self)
 
 /* --- the operations --- */
 
-/* What the plan or the model says; 0: neither does, or there is none. */
-static uint32_t serial_of(const struct lx_line_encoder *self)
-{
-    const struct dg_key *row = lx_stack_serial(stack_of(self));
-    char text[32];
-    uint64_t serial = 0;
-    return row != NULL &&
-                   dg_key_get(row, dg_host_line_of(self->host)->settings, text, sizeof text) > 0 &&
-                   dg_unsigned_parse(text, &serial)
-               ? (uint32_t)serial
-               : 0;
-}
-
-static int open_memory(struct lx_line_encoder *self, struct lx_error *error)
-{
-    const struct lx_bus_setup *bus = &self->all->bus.setup;
-    const struct dg_plan_encoder *plan = self->station->plan;
-    const struct lx_image_setup image = {
-        .path = plan->nvm,
-        .answer = stack_of(self)->spoiled,
-        .parts = &self->memory,
-        .count = 1,
-        .say = bus->say,
-        .writer = bus->writer,
-        .settled = lx_line_on_settled,
-        .ctx = self,
-    };
-    self->memory = (struct lx_image_part){
-        .stack = stack_of(self)->core,
-        .device = dg_host_setup(self->host),
-        .serial_given = plan->serial != NULL,
-    };
-    self->memory.device.serial = serial_of(self);
-    if (lx_image_open(&self->image, &image, error) != 0 ||
-        lx_image_start(&self->image, error) != 0) {
-        return lx_plan_refuse_key(bus->plan, "nvm", plan->nvm_line, error);
-    }
-    self->station->control.nvm = self->memory.device.nvm;
-    self->station->queue = lx_image_queue(&self->image);
-    (void)dg_host_memory_port(self->host, &self->station->control.nvm);
-    dg_host_memory_known(self->host);
-    return 0;
-}
-
 /* What was set over the line stays. */
 static void tell_address(const struct lx_line_encoder *self)
 {
-    const struct dg_bus_side *side = dg_host_side_at(self->host);
+    const struct dg_bus_side *side = dg_host_side_at(self->station->host);
     const int wanted = self->station->plan->address;
-    const int found = side->address != NULL ? side->address(dg_host_line_of(self->host)) : -1;
+    const int found =
+        side->address != NULL ? side->address(dg_host_line_of(self->station->host)) : -1;
     if (wanted != DG_PLAN_AS_DELIVERED && found >= 0 && found != wanted) {
         lx_note(self->all->bus.setup.say, "%s: its address is 0x%02X, not 0x%02X",
                 self->station->plan->nvm, (unsigned)found, (unsigned)wanted);
@@ -77,17 +33,10 @@ static void tell_address(const struct lx_line_encoder *self)
 
 static int switch_on(struct lx_line_encoder *self, dg_ns now, struct lx_error *error)
 {
-    struct lx_station *station = self->station;
-    if (dg_host_memory_size(self->host) != 0 && open_memory(self, error) != 0) {
+    if (lx_station_open(self->station, &self->all->bus.setup, lx_line_on_settled, self, now,
+                        error) != 0) {
         return -1;
     }
-    const int result = dg_host_power(self->host, now, true);
-    if (result != DG_HOST_OK) {
-        return result == DG_HOST_ERR_ARGUMENT
-                   ? lx_fail(error, "these figures make no encoder")
-                   : lx_fail(error, "the encoder does not start: not its EEPROM");
-    }
-    station->control.device = dg_host_line_of(self->host)->device;
     tell_address(self);
     return 0;
 }
@@ -96,7 +45,7 @@ static int switch_on(struct lx_line_encoder *self, dg_ns now, struct lx_error *e
 static struct dg_host_uart uart_of(const struct lx_line_encoder *self, bool stored)
 {
     struct dg_host_uart uart = {0};
-    dg_host_wire_at(self->host)->uart(dg_host_line_of(self->host), stored, &uart);
+    dg_host_wire_at(self->station->host)->uart(dg_host_line_of(self->station->host), stored, &uart);
     return uart;
 }
 
@@ -143,13 +92,6 @@ static int open_port(struct lx_line_bus *self, struct lx_error *error)
     return self->port == NULL ? -1 : 0;
 }
 
-static void *allocate(size_t n)
-{
-    return n == 0 ? NULL
-                  : aligned_alloc(DG_HOST_ALIGN,
-                                  (n + DG_HOST_ALIGN - 1u) / DG_HOST_ALIGN * DG_HOST_ALIGN);
-}
-
 /* The port is open: how it sends is known. */
 static int open_line(struct lx_line_bus *self, struct lx_error *error)
 {
@@ -170,7 +112,7 @@ static int open_line(struct lx_line_bus *self, struct lx_error *error)
         .ctx = self,
     };
     const size_t size = dg_bus_size(&dg_bus_characters, self->count);
-    void *memory = allocate(size);
+    void *memory = aligned_alloc(DG_HOST_ALIGN, size);
     self->line = memory == NULL ? NULL : dg_bus_init(memory, size, &setup);
     if (self->line == NULL) {
         free(memory);
@@ -180,7 +122,7 @@ static int open_line(struct lx_line_bus *self, struct lx_error *error)
         const struct lx_line_encoder *encoder = &self->encoder[i];
         const struct dg_characters_end end = {.any_line = encoder->settings.any_line,
                                               .at_once = !encoder->settings.pace};
-        (void)dg_bus_attach(self->line, encoder->host, &encoder->station->control);
+        (void)dg_bus_attach(self->line, encoder->station->host, &encoder->station->control);
         dg_bus_characters_set(self->line, i, &end);
     }
     return 0;
@@ -224,10 +166,8 @@ static void changed(struct lx_bus *bus, struct lx_station *station, dg_ns now)
 static void counters(const struct lx_bus *bus, const struct lx_station *station, struct dg_scpi *to)
 {
     const struct lx_line_bus *self = (const struct lx_line_bus *)bus;
-    const struct lx_line_encoder *encoder = station->own;
     const struct dg_characters_counters counted = dg_bus_characters_counters(self->line);
-    const struct dg_host_uart uart =
-        dg_bus_characters_uart(self->line, (size_t)(encoder - self->encoder));
+    const struct dg_host_uart uart = dg_bus_characters_uart(self->line, station->place);
     const struct lx_count rows[] = {
         {"wire_up", lx_serial_up(self->port)},
         {"wire_late", bus->late + bus->stalls},
@@ -239,81 +179,38 @@ static void counters(const struct lx_bus *bus, const struct lx_station *station,
     lx_bus_count(to, rows, DG_COUNT(rows));
 }
 
-static void free_bus(struct lx_line_bus *self)
-{
-    for (size_t i = 0; i < self->count; i++) {
-        free(self->encoder[i].host);
-    }
-    free(self->line);
-    free(self);
-}
-
+/* Encoders first: what is written to a file may still lead to a reply. */
 static void close_bus(struct lx_bus *bus)
 {
     struct lx_line_bus *self = line_of(bus);
     for (size_t i = 0; i < self->count; i++) {
-        struct dg_host *host = self->encoder[i].host;
-        if (dg_host_powered(host)) {
-            dg_host_wire_at(host)->stack->power_off(dg_host_line_of(host)->device);
-        }
-        lx_image_close(&self->encoder[i].image);
+        lx_station_close(bus->setup.stations[i]);
     }
     lx_serial_close(self->port);
     lx_timer_close(&self->timer);
-    free_bus(self);
+    free(self->line);
+    free(self);
 }
 
 static const struct lx_bus_ops ops = {LX_BUS_OPERATIONS};
 
 /* --- from the plan --- */
 
-/* The handle with the settings of the plan, and its world, which is what the station is about. */
-static int make_host(struct lx_line_encoder *self, void *settings, struct lx_error *error)
-{
-    struct lx_station *station = self->station;
-    const struct dg_plan_encoder *plan = station->plan;
-    const struct lx_bus_setup *bus = &self->all->bus.setup;
-    const struct lx_stack *stack = stack_of(self);
-    const struct dg_bus_side *side = dg_bus_side_of(plan->model);
-    const struct dg_key *row = dg_plan_address_row(plan->model);
-    if (lx_stack_settings(bus->plan, bus->wire, plan, settings, &station->world, error) != 0) {
-        return -1;
-    }
-    if (row != NULL && plan->address != DG_PLAN_AS_DELIVERED) {
-        char text[16];
-        (void)snprintf(text, sizeof text, "%d", plan->address);
-        (void)dg_key_set(row, settings, text);
-    }
-    const size_t size = dg_host_size_on_bus(plan->model, side);
-    void *memory = allocate(size);
-    self->host = memory == NULL ? NULL : dg_host_init_on_bus(memory, size, plan->model, side);
-    if (self->host == NULL) {
-        free(memory);
-        return lx_fail(error, "no memory for an encoder");
-    }
-    if (plan->nvm != NULL && dg_host_memory_size(self->host) == 0) {
-        (void)lx_refuse(error, "leave it out", "%s has no EEPROM", plan->model->name);
-        return lx_plan_refuse_key(bus->plan, "nvm", plan->nvm_line, error);
-    }
-    memcpy(&self->settings, (const uint8_t *)settings + stack->line, sizeof self->settings);
-    memcpy(dg_host_line_of(self->host)->settings, settings, side->wire->settings_size);
-    *dg_host_world(self->host) = station->world;
-    station->control.world = dg_host_world(self->host);
-    return 0;
-}
-
 static int place_encoder(struct lx_line_bus *self, size_t index, struct lx_error *error)
 {
     struct lx_station *station = self->bus.setup.stations[index];
     struct lx_line_encoder *encoder = &self->encoder[index];
     *encoder = (struct lx_line_encoder){.station = station, .all = self};
-    station->own = encoder;
     self->names[index] = station->control.name;
-    void *settings = calloc(1, stack_of(encoder)->settings_size);
-    const uint32_t baud = stack_of(encoder)->baud;
-    self->bus.tap.baud = baud > self->bus.tap.baud ? baud : self->bus.tap.baud;
-    const int result = settings == NULL ? lx_fail(error, "no memory for an encoder")
-                                        : make_host(encoder, settings, error);
+    const struct lx_stack *stack = stack_of(encoder);
+    uint8_t *settings = calloc(1, stack->settings_size);
+    self->bus.tap.baud = stack->baud > self->bus.tap.baud ? stack->baud : self->bus.tap.baud;
+    const int result = settings == NULL
+                           ? lx_fail(error, "no memory for an encoder")
+                           : lx_station_make(station, &self->bus.setup, settings, error);
+    if (result == 0) {
+        memcpy(&encoder->settings, settings + stack->line, sizeof encoder->settings);
+    }
     free(settings);
     return result;
 }
@@ -333,7 +230,7 @@ struct lx_bus *lx_line_bus_make(const struct lx_bus_setup *setup, lx_serial_open
     self->bus.tap.encoder_count = self->count;
     for (size_t i = 0; i < self->count; i++) {
         if (place_encoder(self, i, error) != 0) {
-            free_bus(self);
+            close_bus(&self->bus);
             return NULL;
         }
     }

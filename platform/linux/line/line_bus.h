@@ -10,9 +10,7 @@
 #include "bus.h"
 #include "drehgeber/bus_characters.h"
 #include "drehgeber/host_wire.h"
-#include "image.h"
 #include "line_settings.h"
-#include "nvm_writer.h"
 #include "serial.h"
 #include "timer.h"
 
@@ -28,10 +26,7 @@ struct lx_line_encoder {
     struct lx_station *station;
     struct lx_line_bus *all;
     struct lx_line_settings settings;
-    struct lx_image image; /**< its EEPROM: */
-    struct lx_image_part memory;
-    struct dg_host *host; /**< owned */
-    bool drawn;           /**< the tap knows sine and cosine: */
+    bool drawn; /**< the tap knows sine and cosine: */
     int32_t uv[4];
     dg_ns point; /**< they are sampled next */
 };

@@ -58,7 +58,7 @@ static void tell_character(void *ctx, const struct dg_tap_event *event)
 static enum dg_bus_answer ask_writer(void *ctx, size_t place)
 {
     struct lx_line_bus *self = ctx;
-    return lx_nvm_queue_answer(&self->encoder[place].image.queue);
+    return lx_nvm_queue_answer(&self->encoder[place].station->image.queue);
 }
 
 const struct dg_bus_ops lx_line_ops = {
@@ -142,7 +142,7 @@ static void check_speed(struct lx_line_bus *self)
 {
     size_t first = self->count;
     for (size_t i = 0; i < self->count; i++) {
-        const bool powered = dg_host_powered(self->encoder[i].host);
+        const bool powered = dg_host_powered(self->encoder[i].station->host);
         if (powered &&
             dg_bus_characters_fits(self->line, i, self->port->baud, self->port->parity)) {
             self->mismatch = false;

@@ -17,7 +17,8 @@
 static bool samples(const struct lx_line_encoder *self)
 {
     int32_t uv[4];
-    return self->settings.sincos > 0 && dg_host_sincos(self->host, 0, uv) != DG_HOST_ERR_WIRE;
+    return self->settings.sincos > 0 &&
+           dg_host_sincos(self->station->host, 0, uv) != DG_HOST_ERR_WIRE;
 }
 
 /* The first of an encoder's sampling points, whole multiples of its interval, after `at`. */
@@ -31,7 +32,7 @@ static void tell(struct lx_line_encoder *self, size_t place, dg_ns at)
 {
     struct dg_tap_event event = {.at = at, .kind = DG_TAP_SINCOS, .ours = true};
     event.sincos.encoder = place;
-    (void)dg_host_sincos(self->host, at, event.sincos.uv);
+    (void)dg_host_sincos(self->station->host, at, event.sincos.uv);
     if (!self->drawn || memcmp(event.sincos.uv, self->uv, sizeof self->uv) != 0) {
         self->drawn = true;
         memcpy(self->uv, event.sincos.uv, sizeof self->uv);

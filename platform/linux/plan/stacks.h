@@ -23,11 +23,12 @@ struct lx_stack {
     const struct dg_words *words;              /**< likewise; NULL: only notes are told */
     const struct lx_clocked_protocol *clocked; /**< on a clocked line; NULL: it is on none */
     const char *wire;                          /**< the kind of wire when none is given */
-    size_t line;         /**< characters: offset of a struct lx_line_settings in the settings */
-    uint32_t baud;       /**< characters: the fastest data rate that its encoders have */
-    const char *spoiled; /**< characters: what an encoder does whose EEPROM file fails, in words */
-    bool is_ring;        /**< encoders without a file are one thing with one address */
-    struct dg_keys own;  /**< the port's rows; offsets count from settings */
+    size_t line;   /**< characters: offset of a struct lx_line_settings in the settings */
+    uint32_t baud; /**< characters: the fastest data rate that its encoders have */
+    const char
+        *spoiled; /**< what an encoder does whose EEPROM file fails, in words; NULL: it has none */
+    bool is_ring; /**< encoders without a file are one thing with one address */
+    struct dg_keys own;           /**< the port's rows; offsets count from settings */
     const struct dg_keys *keys;   /**< the core's, likewise: settings begin with the core's own */
     const struct dg_key *instead; /**< the port's row in place of one of the core's; NULL */
     uint32_t blind;               /**< bit n: it does not sense enum dg_quantity_id n */

@@ -13,26 +13,13 @@
 #include "drehgeber/control.h"
 #include "plan.h"
 #include "say.h"
+#include "station.h"
 #include "tap.h"
 #include "wire.h"
 
 struct lx_bus;
-struct lx_nvm_queue;
 struct lx_nvm_writer;
 struct lx_silkit;
-
-/** An encoder on a bus. The rig owns it; the bus fills control.nvm, and control.device when the
-    encoder is switched on, not before. */
-struct lx_station {
-    struct dg_encoder control; /**< name, model, kind, world and shaft are set before make() */
-    struct dg_world world;     /**< what control.world points to; healthy before make() */
-    const struct dg_plan_encoder *plan;
-    struct lx_bus *bus;
-    size_t place;                     /**< on the bus, 0 is the first */
-    void *own;                        /**< the bus's own */
-    const struct lx_nvm_queue *queue; /**< in front of its EEPROM file; NULL: it has none */
-    dg_ns ready; /**< from when on lx_bus_ops.read() has something to say; set by open() */
-};
 
 /** What a bus is made of. Everything pointed to must outlive it. */
 struct lx_bus_setup {
