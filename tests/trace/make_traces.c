@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "biss_settings.h"
+#include "biss_clocked.h"
 #include "can_bus.h"
 #include "hf_settings.h"
 #include "modbus_settings.h"

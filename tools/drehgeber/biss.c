@@ -4,9 +4,9 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "biss_clocked.h"
 #include "biss_eds.h"
 #include "biss_master.h"
-#include "biss_settings.h"
 #include "drehgeber/figure.h"
 #include "run.h"
 #include "wire_session.h"

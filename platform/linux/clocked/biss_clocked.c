@@ -9,10 +9,10 @@
 #include "biss_clocked.h"
 
 #include <inttypes.h>
+#include <stddef.h>
 #include <stdio.h>
 
 #include "biss_master.h"
-#include "biss_settings.h"
 #include "trace_format.h"
 
 #define CLOCK_NAME "MA"
@@ -27,6 +27,9 @@
 #define START_MAX DG_BISS_BUSY_S_MAX_NS
 /* Ends a frame on GPIO lines; see src/biss/README.md, 'GPIO'. */
 #define GPIO_TIMEOUT DG_MS(20)
+/* Threads of a host are slower than the encoder's own timeout is short. */
+#define TIMEOUT_MIN_US (DG_BISS_TIMEOUT_NS / DG_US(1))
+#define TIMEOUT_MAX_US (DG_BISS_TIMEOUT_MAX_NS / DG_US(1))
 
 _Static_assert(DG_BISS_CHAIN_MAX <= LX_CLOCKED_MAX, "room for a chain");
 
@@ -190,13 +193,24 @@ struct lx_biss_line *lx_biss_line_of(const struct lx_clocked_wire *wire)
 
 /* --- from a plan --- */
 
+/* On a simulated wire the master leaves an encoder the time it has of its own. */
+static int check_timeout(const struct dg_plan *plan, const struct dg_plan_encoder *encoder,
+                         const struct dg_biss_model *model, struct lx_error *error)
+{
+    if (model->timeout == 0) {
+        return 0;
+    }
+    (void)lx_refuse(error, "only with gpio", "the simulated wire has the encoder's own timeout");
+    (void)lx_about(error, LX_ABOUT_SETTING, "timeout_us", NULL);
+    return lx_plan_stands(plan, dg_plan_setting_line(encoder, "timeout_us"), error);
+}
+
 static int suit(struct lx_clocked *base, const struct lx_bus_setup *setup, size_t index,
                 enum lx_clocked_master master, struct lx_error *error)
 {
     struct dg_biss_model *model = dg_host_line_of(base->host[index])->settings;
     struct lx_station *station = setup->stations[index];
-    if (master == LX_CLOCKED_HERE &&
-        lx_biss_own_timeout(setup->plan, station->plan, model, error) != 0) {
+    if (master == LX_CLOCKED_HERE && check_timeout(setup->plan, station->plan, model, error) != 0) {
         return -1;
     }
     /* A clock that user space can follow is slower than the encoder's own timeout allows. */
@@ -224,19 +238,45 @@ const struct lx_clocked_protocol lx_clocked_biss = {
     .offer = lx_biss_master_offer,
 };
 
-/* --- in traces --- */
+/* --- the stack --- */
 
-static void begin_trace(struct lx_trace *self)
+/* clang-format off */
+static const struct dg_key timeout =
+    {"timeout_us", "us", offsetof(struct dg_biss_model, timeout), DG_KEY_NS, 0, 1000, TIMEOUT_MIN_US, TIMEOUT_MAX_US, NULL, "gpio: silence on MA that ends a frame; 20000 unless set"};
+/* clang-format on */
+
+static void defaults(void *settings, const struct dg_device *device)
 {
-    static const char *const lines[] = {CLOCK_NAME, DATA_NAME};
-    lx_trace_clocked_begin(self, "biss", lines);
+    *(struct dg_biss_model *)settings = *dg_biss_model_of(device);
 }
 
-const struct lx_trace_format lx_trace_biss = {
-    .ending = ".vcd",
-    .mark = LX_VCD_MARK,
-    .size = sizeof(struct lx_trace_clocked),
-    .begin = begin_trace,
-    .event = lx_trace_clocked_event,
-    .end = lx_trace_clocked_end,
+static int check(const void *settings, struct lx_error *error)
+{
+    const struct dg_biss_model *model = settings;
+    struct lx_words right = {""};
+    if (model->busy + model->busy_jitter <= DG_BISS_BUSY_S_MAX_NS) {
+        return 0;
+    }
+    lx_words_add(&right, "together at most %u is right", (unsigned)(DG_BISS_BUSY_S_MAX_NS / 1000u));
+    return lx_refuse(error, right.text, "busy_us %g and busy_jitter_us %g",
+                     (double)model->busy / 1000.0, (double)model->busy_jitter / 1000.0);
+}
+
+static const char title[] = "BiSS";
+static const struct lx_trace_format vcd = LX_TRACE_CLOCKED("biss", CLOCK_NAME, DATA_NAME);
+static const struct lx_trace_format *const formats[] = {&vcd, NULL};
+static const struct lx_trace_kind trace = {title, formats, false};
+
+const struct lx_stack lx_biss_stack = {
+    .core = &dg_biss_stack,
+    .title = title,
+    .trace = &trace,
+    .clocked = &lx_clocked_biss,
+    .wire = "sim",
+    .spoiled = "the encoder answers P = 1",
+    .keys = &dg_biss_keys,
+    .instead = &timeout,
+    .settings_size = sizeof(struct dg_biss_model),
+    .defaults = defaults,
+    .check = check,
 };

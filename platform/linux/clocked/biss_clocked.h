@@ -22,7 +22,10 @@ struct lx_biss_line {
     } frame;
 };
 
-/** The protocol. */
+/** The protocol, as the port knows it; its settings are a struct dg_biss_model. */
+extern const struct lx_stack lx_biss_stack;
+
+/** Its part of it. */
 extern const struct lx_clocked_protocol lx_clocked_biss;
 
 /** That of `wire`. */

@@ -11,11 +11,11 @@
 #include "ssi_clocked.h"
 
 #include <inttypes.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "sim_bus.h"
-#include "ssi_settings.h"
 #include "trace_format.h"
 
 #define CLOCK_NAME "CLOCK"
@@ -256,19 +256,45 @@ const struct lx_clocked_protocol lx_clocked_ssi = {
     .offer = offer,
 };
 
-/* --- in traces --- */
+/* --- the stack --- */
 
-static void begin_trace(struct lx_trace *self)
+/* clang-format off */
+static const struct dg_key monoflop =
+    {"monoflop_us", "us", offsetof(struct dg_ssi_model, monoflop), DG_KEY_NS, 0, 1000, DG_SSI_MONOFLOP_MIN_NS / DG_US(1), DG_SSI_MONOFLOP_MAX_NS / DG_US(1), NULL, "silence on the clock that ends a word; gpio: 20000 unless set"};
+/* clang-format on */
+
+static void defaults(void *settings, const struct dg_device *device)
 {
-    static const char *const lines[] = {CLOCK_NAME, DATA_NAME};
-    lx_trace_clocked_begin(self, "ssi", lines);
+    *(struct dg_ssi_model *)settings = *dg_ssi_model_of(device);
 }
 
-const struct lx_trace_format lx_trace_ssi = {
-    .ending = ".vcd",
-    .mark = LX_VCD_MARK,
-    .size = sizeof(struct lx_trace_clocked),
-    .begin = begin_trace,
-    .event = lx_trace_clocked_event,
-    .end = lx_trace_clocked_end,
+static int check(const void *settings, struct lx_error *error)
+{
+    const struct dg_ssi_model *model = settings;
+    const unsigned bits = (unsigned)model->multiturn_bits + model->singleturn_bits;
+    struct lx_words right = {""};
+    if (bits >= DG_SSI_BITS_MIN && bits <= DG_SSI_BITS_MAX) {
+        return 0;
+    }
+    lx_words_add(&right, "together %u to %u bits are right", DG_SSI_BITS_MIN, DG_SSI_BITS_MAX);
+    return lx_refuse(error, right.text, "mt %u and st %u", model->multiturn_bits,
+                     model->singleturn_bits);
+}
+
+static const char title[] = "SSI";
+static const struct lx_trace_format vcd = LX_TRACE_CLOCKED("ssi", CLOCK_NAME, DATA_NAME);
+static const struct lx_trace_format *const formats[] = {&vcd, NULL};
+static const struct lx_trace_kind trace = {title, formats, false};
+
+const struct lx_stack lx_ssi_stack = {
+    .core = &dg_ssi_stack,
+    .title = title,
+    .trace = &trace,
+    .clocked = &lx_clocked_ssi,
+    .wire = "sim",
+    .keys = &dg_ssi_keys,
+    .instead = &monoflop,
+    .settings_size = sizeof(struct dg_ssi_model),
+    .defaults = defaults,
+    .check = check,
 };

@@ -9,7 +9,10 @@
 #include "clocked_wire.h"
 #include "drehgeber/ssi.h"
 
-/** The protocol. */
+/** The protocol, as the port knows it; its settings are a struct dg_ssi_model. */
+extern const struct lx_stack lx_ssi_stack;
+
+/** Its part of it. */
 extern const struct lx_clocked_protocol lx_clocked_ssi;
 
 /** A line. Not to be moved. */

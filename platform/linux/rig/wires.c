@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* One row for each kind of wire and for each protocol. */
-#include "biss_settings.h"
+#include "biss_clocked.h"
 #include "bus.h"
 #include "can_bus.h"
 #include "drehgeber/interbus.h"
@@ -8,7 +8,7 @@
 #include "modbus_settings.h"
 #include "silkit.h"
 #include "sim_settings.h"
-#include "ssi_settings.h"
+#include "ssi_clocked.h"
 
 const struct lx_stack *const lx_stacks[] = {
     &lx_hf_stack, &lx_biss_stack, &lx_ssi_stack, &lx_can_stack, &lx_ib_stack,

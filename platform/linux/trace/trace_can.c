@@ -85,7 +85,11 @@ static void log_event(struct lx_trace *self, const struct dg_tap_event *event)
 }
 
 const struct lx_trace_format lx_trace_log = {
-    ".log", {0, 0, NULL}, 1, log_begin, log_event, nothing_to_end,
+    .ending = ".log",
+    .size = 1,
+    .begin = log_begin,
+    .event = log_event,
+    .end = nothing_to_end,
 };
 
 /* ---------------------------------------------------------------- pcapng */
@@ -189,8 +193,18 @@ static void pcapng_event(struct lx_trace *self, const struct dg_tap_event *event
 }
 
 const struct lx_trace_format lx_trace_pcapng = {
-    ".pcapng", PCAPNG_MARK, 1, pcapng_begin, pcapng_event, nothing_to_end,
+    .ending = ".pcapng",
+    .mark = PCAPNG_MARK,
+    .size = 1,
+    .begin = pcapng_begin,
+    .event = pcapng_event,
+    .end = nothing_to_end,
 };
 const struct lx_trace_format lx_trace_pcap = {
-    ".pcap", PCAPNG_MARK, 1, pcapng_begin, pcapng_event, nothing_to_end,
+    .ending = ".pcap",
+    .mark = PCAPNG_MARK,
+    .size = 1,
+    .begin = pcapng_begin,
+    .event = pcapng_event,
+    .end = nothing_to_end,
 };

@@ -12,10 +12,12 @@
 /* The fastest clock, 10 MHz, has an edge every 50 ns. */
 #define STEP_NS 10u
 
-void lx_trace_clocked_begin(struct lx_trace *self, const char *scope, const char *const lines[2])
+void lx_trace_clocked_begin(struct lx_trace *self)
 {
     static const char ids[] = {CLOCK_ID, DATA_ID, '\0'};
-    const struct lx_vcd_head head = {scope, STEP_NS, ids, {lines[0], lines[1]}};
+    const struct lx_trace_format *format = self->format;
+    const struct lx_vcd_head head = {
+        format->scope, STEP_NS, ids, {format->lines[0], format->lines[1]}};
     struct lx_trace_clocked *clocked = self->own;
     clocked->clock = true;
     clocked->data = true;

@@ -92,5 +92,10 @@ static void csv_event(struct lx_trace *self, const struct dg_tap_event *event)
 }
 
 const struct lx_trace_format lx_trace_csv = {
-    ".csv", {0, sizeof BEGIN - 1u, BEGIN}, sizeof(struct csv), csv_begin, csv_event, csv_end,
+    .ending = ".csv",
+    .mark = {0, sizeof BEGIN - 1u, BEGIN},
+    .size = sizeof(struct csv),
+    .begin = csv_begin,
+    .event = csv_event,
+    .end = csv_end,
 };

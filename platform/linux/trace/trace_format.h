@@ -21,6 +21,8 @@ struct lx_trace_format {
     void (*begin)(struct lx_trace *self);
     void (*event)(struct lx_trace *self, const struct dg_tap_event *event);
     void (*end)(struct lx_trace *self); /**< what was held back */
+    const char *scope;                  /**< of a clocked line: what is traced, */
+    const char *lines[2];               /**< ... names of clock and data */
 };
 
 /** A file while it is written. */
@@ -50,8 +52,8 @@ struct lx_trace {
     }
 
 /** The formats. */
-extern const struct lx_trace_format lx_trace_uart, lx_trace_biss, lx_trace_log, lx_trace_pcapng,
-    lx_trace_pcap, lx_trace_csv;
+extern const struct lx_trace_format lx_trace_uart, lx_trace_log, lx_trace_pcapng, lx_trace_pcap,
+    lx_trace_csv;
 
 /** Texts of a VCD file that wait for their turn. */
 #define LX_VCD_TEXTS 16u
@@ -111,7 +113,7 @@ struct lx_trace_held {
     bool level;
 };
 
-/** A clocked line in a VCD file: a protocol's format has this for its own. */
+/** A clocked line in a VCD file. */
 struct lx_trace_clocked {
     struct lx_vcd vcd;
     bool clock;
@@ -122,10 +124,20 @@ struct lx_trace_clocked {
     struct lx_trace_held held[LX_TRACE_HELD];
 };
 
-/** As in struct lx_trace_format; `scope` is what is traced, `lines` has the names of clock and
- * data. */
-void lx_trace_clocked_begin(struct lx_trace *self, const char *scope, const char *const lines[2]);
+/** As in struct lx_trace_format. */
+void lx_trace_clocked_begin(struct lx_trace *self);
 void lx_trace_clocked_event(struct lx_trace *self, const struct dg_tap_event *event);
 void lx_trace_clocked_end(struct lx_trace *self);
+
+/** The format of a protocol: what is traced, names of clock and data. */
+#define LX_TRACE_CLOCKED(what, clock_name, data_name)                                              \
+    {                                                                                              \
+        .ending = ".vcd", .mark = LX_VCD_MARK, .size = sizeof(struct lx_trace_clocked),            \
+        .begin = lx_trace_clocked_begin, .event = lx_trace_clocked_event,                          \
+        .end = lx_trace_clocked_end, .scope = (what), .lines = {                                   \
+            (clock_name),                                                                          \
+            (data_name)                                                                            \
+        }                                                                                          \
+    }
 
 #endif

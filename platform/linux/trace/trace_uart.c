@@ -270,5 +270,10 @@ static void uart_end(struct lx_trace *self)
 }
 
 const struct lx_trace_format lx_trace_uart = {
-    ".vcd", LX_VCD_MARK, sizeof(struct uart), uart_begin, uart_event, uart_end,
+    .ending = ".vcd",
+    .mark = LX_VCD_MARK,
+    .size = sizeof(struct uart),
+    .begin = uart_begin,
+    .event = uart_event,
+    .end = uart_end,
 };

@@ -8,8 +8,8 @@
 
 #include <cmocka.h>
 
+#include "biss_clocked.h"
 #include "biss_rig.h"
-#include "biss_settings.h"
 #include "drehgeber/devices.h"
 #include "station_rig.h"
 #include "timer.h"

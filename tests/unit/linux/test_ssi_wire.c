@@ -21,7 +21,6 @@
 #include "sim_settings.h"
 #include "ssi_clocked.h"
 #include "ssi_rig.h"
-#include "ssi_settings.h"
 
 #define BEGIN DG_S(1)
 

@@ -17,7 +17,7 @@
 
 #include <cmocka.h>
 
-#include "biss_settings.h"
+#include "biss_clocked.h"
 #include "can_bus.h"
 #include "drehgeber/bits.h"
 #include "hf_settings.h"

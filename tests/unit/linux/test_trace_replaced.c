@@ -13,7 +13,7 @@
 
 #include <cmocka.h>
 
-#include "biss_settings.h"
+#include "biss_clocked.h"
 #include "can_bus.h"
 #include "hf_settings.h"
 #include "modbus_settings.h"

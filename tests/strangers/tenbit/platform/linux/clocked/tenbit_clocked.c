@@ -91,23 +91,6 @@ static const struct lx_clocked_protocol protocol = {
     .print = print,
 };
 
-/* --- in traces --- */
-
-static void begin_trace(struct lx_trace *self)
-{
-    static const char *const lines[] = {"CLOCK", "DATA"};
-    lx_trace_clocked_begin(self, "tenbit", lines);
-}
-
-static const struct lx_trace_format vcd = {
-    .ending = ".vcd",
-    .mark = LX_VCD_MARK,
-    .size = sizeof(struct lx_trace_clocked),
-    .begin = begin_trace,
-    .event = lx_trace_clocked_event,
-    .end = lx_trace_clocked_end,
-};
-
 /* --- what a plan knows of it --- */
 
 static void defaults(void *settings, const struct dg_device *device)
@@ -116,6 +99,7 @@ static void defaults(void *settings, const struct dg_device *device)
 }
 
 static const char title[] = "ten bits";
+static const struct lx_trace_format vcd = LX_TRACE_CLOCKED("tenbit", "CLOCK", "DATA");
 static const struct lx_trace_format *const formats[] = {&vcd, NULL};
 static const struct lx_trace_kind trace = {title, formats, false};
 
