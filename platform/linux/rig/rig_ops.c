@@ -229,19 +229,11 @@ static int read_on(struct lx_rig_shaft *self, dg_ns now, struct lx_error *error)
     return result;
 }
 
-/* What a client is told: its room is small, so what would be right goes when it does not fit. */
-static struct lx_words explain(const struct lx_error *error)
-{
-    struct lx_words reason = lx_error_reason(error);
-    if (strlen(reason.text) > DG_SCPI_DETAIL_MAX) {
-        (void)snprintf(reason.text, sizeof reason.text, "%s", error->what);
-    }
-    return reason;
-}
-
 int lx_rig_refuse(int code, const struct lx_error *error, char *detail)
 {
-    return refuse((enum dg_scpi_error)code, detail, explain(error).text);
+    const struct lx_words reason = lx_error_reason(error);
+    const bool fits = strlen(reason.text) <= DG_SCPI_DETAIL_MAX;
+    return refuse((enum dg_scpi_error)code, detail, fits ? reason.text : error->what);
 }
 
 static int profiled(int result, const struct lx_error *error, char *detail)
@@ -249,8 +241,8 @@ static int profiled(int result, const struct lx_error *error, char *detail)
     if (result >= 0) {
         return result == 0 ? 0 : DG_RIG_READS;
     }
-    return refuse(result == LX_SHAFT_FILE ? DG_SCPI_FILE_NAME : DG_SCPI_ILLEGAL, detail,
-                  explain(error).text);
+    return lx_rig_refuse(result == LX_SHAFT_FILE ? DG_SCPI_FILE_NAME : DG_SCPI_ILLEGAL, error,
+                         detail);
 }
 
 static int profile(struct dg_rig *control, struct dg_rig_shaft *shaft, dg_ns now, const char *text,
@@ -307,7 +299,7 @@ static int record(struct dg_rig *control, struct dg_rig_shaft *shaft, dg_ns now,
         const int result = lx_record_close(part->record, now, &error);
         self->recorded -= part->record != NULL ? 1u : 0u;
         part->record = NULL;
-        return result == 0 ? 0 : refuse(DG_SCPI_STORAGE, detail, explain(&error).text);
+        return result == 0 ? 0 : lx_rig_refuse(DG_SCPI_STORAGE, &error, detail);
     }
     if (part->record != NULL) {
         return refuse(DG_SCPI_CONFLICT, detail, "recorded already; SHAFt:RECord:STOP first");
@@ -322,7 +314,7 @@ static int record(struct dg_rig *control, struct dg_rig_shaft *shaft, dg_ns now,
     };
     part->record = lx_record_open(&setup, now, &error);
     self->recorded += part->record != NULL ? 1u : 0u;
-    return part->record != NULL ? 0 : refuse(DG_SCPI_FILE_ERROR, detail, explain(&error).text);
+    return part->record != NULL ? 0 : lx_rig_refuse(DG_SCPI_FILE_ERROR, &error, detail);
 }
 
 /* --- wires --- */
@@ -357,13 +349,13 @@ static int trace(struct dg_rig *control, struct dg_encoder *encoder, const char 
         const int result = lx_trace_close(self->trace, &error);
         self->trace = NULL;
         listened(self);
-        return result == 0 ? 0 : refuse(DG_SCPI_STORAGE, detail, explain(&error).text);
+        return result == 0 ? 0 : lx_rig_refuse(DG_SCPI_STORAGE, &error, detail);
     }
     if (self->trace != NULL) {
         return refuse(DG_SCPI_CONFLICT, detail, "traced already; TRACe:STOP first");
     }
     if (lx_rig_trace(self, path, &error) != 0) {
-        return refuse(DG_SCPI_FILE_ERROR, detail, explain(&error).text);
+        return lx_rig_refuse(DG_SCPI_FILE_ERROR, &error, detail);
     }
     listened(self);
     return 0;
