@@ -119,7 +119,9 @@ static int begin(struct lx_trace *self, const struct lx_trace_setup *setup, stru
         return -1;
     }
     self->good = true;
-    self->format->begin(self);
+    if (self->format->begin != NULL) {
+        self->format->begin(self);
+    }
     flush(self);
     return self->good
                ? 0
@@ -176,7 +178,9 @@ int lx_trace_close(struct lx_trace *self, struct lx_error *error)
     }
     lx_tap_remove(self->tap, &self->listener);
     if (self->good) {
-        self->format->end(self);
+        if (self->format->end != NULL) {
+            self->format->end(self);
+        }
         flush(self);
     }
     if (fclose(self->file) != 0 && self->good) {

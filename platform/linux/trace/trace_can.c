@@ -54,16 +54,6 @@ static uint8_t data_length(const struct dg_can_frame *frame)
 
 /* ---------------------------------------------------------------- candump -L */
 
-static void log_begin(struct lx_trace *self)
-{
-    (void)self;
-}
-
-static void nothing_to_end(struct lx_trace *self)
-{
-    (void)self;
-}
-
 static void log_event(struct lx_trace *self, const struct dg_tap_event *event)
 {
     const struct dg_can_frame *frame = &event->frame;
@@ -87,9 +77,7 @@ static void log_event(struct lx_trace *self, const struct dg_tap_event *event)
 const struct lx_trace_format lx_trace_log = {
     .ending = ".log",
     .size = 1,
-    .begin = log_begin,
     .event = log_event,
-    .end = nothing_to_end,
 };
 
 /* ---------------------------------------------------------------- pcapng */
@@ -198,7 +186,6 @@ const struct lx_trace_format lx_trace_pcapng = {
     .size = 1,
     .begin = pcapng_begin,
     .event = pcapng_event,
-    .end = nothing_to_end,
 };
 const struct lx_trace_format lx_trace_pcap = {
     .ending = ".pcap",
@@ -206,5 +193,4 @@ const struct lx_trace_format lx_trace_pcap = {
     .size = 1,
     .begin = pcapng_begin,
     .event = pcapng_event,
-    .end = nothing_to_end,
 };

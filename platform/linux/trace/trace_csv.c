@@ -22,16 +22,6 @@ struct csv {
     uint16_t out[WORDS_MAX];
 };
 
-static void csv_begin(struct lx_trace *self)
-{
-    (void)self;
-}
-
-static void csv_end(struct lx_trace *self)
-{
-    (void)self;
-}
-
 static void put_header(const struct csv *csv, FILE *file)
 {
     (void)fputs("time_s", file);
@@ -95,7 +85,5 @@ const struct lx_trace_format lx_trace_csv = {
     .ending = ".csv",
     .mark = {0, sizeof BEGIN - 1u, BEGIN},
     .size = sizeof(struct csv),
-    .begin = csv_begin,
     .event = csv_event,
-    .end = csv_end,
 };

@@ -16,9 +16,9 @@
 /** How a kind of file is written. Errors of `file` are seen by the caller, after each call. */
 struct lx_trace_format {
     const char *ending;
-    struct lx_file_mark mark; /**< n 0: none */
-    size_t size;              /**< of the format's own state */
-    void (*begin)(struct lx_trace *self);
+    struct lx_file_mark mark;             /**< n 0: none */
+    size_t size;                          /**< of the format's own state */
+    void (*begin)(struct lx_trace *self); /**< NULL: nothing, likewise `end` */
     void (*event)(struct lx_trace *self, const struct dg_tap_event *event);
     void (*end)(struct lx_trace *self); /**< what was held back */
     const char *scope;                  /**< of a clocked line: what is traced, */
