@@ -52,7 +52,7 @@ ROOMS = {
     "linux/base":      {"core", "motion", "rig"},
     "linux/nvm":       {"core", "devices", "bus", "linux/base"},
     "linux/trace":     {"core", "words", "linux/base"},
-    "linux/plan":      {"core", "motion", "devices", "rig", "linux/base"},
+    "linux/plan":      {"core", "motion", "devices", "host", "rig", "linux/base"},
     "linux/wire":      {"core", "control", "host", "rig", "linux/base", "linux/nvm", "linux/trace", "linux/plan"},
     "linux/rig":       {"motion"} | BELOW | WIRES,
     "hdl":             {"core", "motion", "host", "bus", "rig", "linux/base", "linux/nvm", "linux/plan"},

@@ -148,10 +148,10 @@ static const struct dg_device *any_of(const struct lx_stack *stack)
  */
 static void print_own(const struct lx_stack *stack, const struct dg_device *device, FILE *to)
 {
-    void *settings = calloc(1, stack->settings_size);
+    void *settings = calloc(1, lx_stack_size(stack));
     struct lx_keys lists[LX_STACK_LISTS];
     if (settings != NULL) {
-        stack->defaults(settings, device == NULL ? any_of(stack) : device);
+        lx_stack_deliver(stack, device == NULL ? any_of(stack) : device, settings);
     }
     lx_stack_keys(stack, device, settings, NULL, lists);
     if (device == NULL) {
@@ -169,7 +169,7 @@ void help_senses(const struct lx_stack *stack, FILE *to)
         .rows = dg_world_keys.rows,
         .count = dg_world_keys.count,
         .base = &world,
-        .without = stack == NULL ? 0 : stack->blind,
+        .without = stack == NULL ? 0 : stack->handle->blind,
     };
     dg_world_init(&world);
     lx_keys_help(&keys, to);

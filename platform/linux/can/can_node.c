@@ -11,11 +11,6 @@
 
 /* --- the plan --- */
 
-static void defaults(void *settings, const struct dg_device *device)
-{
-    dg_cia406_settings_init(settings, dg_cia406_model_of(device));
-}
-
 static uint32_t without(const struct dg_device *device)
 {
     return dg_cia406_without(dg_cia406_model_of(device));
@@ -28,14 +23,12 @@ static const struct lx_trace_kind trace = {title, formats, false};
 
 const struct lx_stack lx_can_stack = {
     .core = &dg_cia406_stack,
+    .handle = &dg_cia406_wire,
     .title = title,
     .trace = &trace,
     .words = &dg_cia406_words,
     .wire = "slcan",
     .spoiled = "the encoder answers abort 06060000h",
-    .keys = &dg_cia406_keys,
-    .settings_size = sizeof(struct dg_cia406_settings),
-    .defaults = defaults,
     .without = without,
 };
 

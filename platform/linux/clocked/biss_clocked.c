@@ -245,11 +245,6 @@ static const struct dg_key timeout =
     {"timeout_us", "us", offsetof(struct dg_biss_model, timeout), DG_KEY_NS, 0, 1000, TIMEOUT_MIN_US, TIMEOUT_MAX_US, NULL, "gpio: silence on MA that ends a frame; 20000 unless set"};
 /* clang-format on */
 
-static void defaults(void *settings, const struct dg_device *device)
-{
-    *(struct dg_biss_model *)settings = *dg_biss_model_of(device);
-}
-
 static int check(const void *settings, struct lx_error *error)
 {
     const struct dg_biss_model *model = settings;
@@ -269,14 +264,12 @@ static const struct lx_trace_kind trace = {title, formats, false};
 
 const struct lx_stack lx_biss_stack = {
     .core = &dg_biss_stack,
+    .handle = &dg_biss_wire,
     .title = title,
     .trace = &trace,
     .clocked = &lx_clocked_biss,
     .wire = "sim",
     .spoiled = "the encoder answers P = 1",
-    .keys = &dg_biss_keys,
     .instead = &timeout,
-    .settings_size = sizeof(struct dg_biss_model),
-    .defaults = defaults,
     .check = check,
 };

@@ -263,11 +263,6 @@ static const struct dg_key monoflop =
     {"monoflop_us", "us", offsetof(struct dg_ssi_model, monoflop), DG_KEY_NS, 0, 1000, DG_SSI_MONOFLOP_MIN_NS / DG_US(1), DG_SSI_MONOFLOP_MAX_NS / DG_US(1), NULL, "silence on the clock that ends a word; gpio: 20000 unless set"};
 /* clang-format on */
 
-static void defaults(void *settings, const struct dg_device *device)
-{
-    *(struct dg_ssi_model *)settings = *dg_ssi_model_of(device);
-}
-
 static int check(const void *settings, struct lx_error *error)
 {
     const struct dg_ssi_model *model = settings;
@@ -288,13 +283,11 @@ static const struct lx_trace_kind trace = {title, formats, false};
 
 const struct lx_stack lx_ssi_stack = {
     .core = &dg_ssi_stack,
+    .handle = &dg_ssi_wire,
     .title = title,
     .trace = &trace,
     .clocked = &lx_clocked_ssi,
     .wire = "sim",
-    .keys = &dg_ssi_keys,
     .instead = &monoflop,
-    .settings_size = sizeof(struct dg_ssi_model),
-    .defaults = defaults,
     .check = check,
 };

@@ -2,27 +2,19 @@
 #include "modbus_settings.h"
 #include "trace_format.h"
 
-static void defaults(void *settings, const struct dg_device *device)
-{
-    *(struct dg_ib_model *)settings = *dg_ib_model_of(device);
-}
-
 static const char title[] = "INTERBUS";
 static const struct lx_trace_format *const formats[] = {&lx_trace_csv, NULL};
 static const struct lx_trace_kind trace = {title, formats, false};
 
 const struct lx_stack lx_ib_stack = {
     .core = &dg_ib_stack,
+    .handle = &dg_ib_wire,
     .title = title,
     .trace = &trace,
     .words = &dg_ib_words,
     .wire = "modbus",
     .spoiled = "the encoder answers 86000000h",
     .is_ring = true,
-    .keys = &dg_ib_keys,
-    .blind = DG_IB_BLIND,
-    .settings_size = sizeof(struct dg_ib_model),
-    .defaults = defaults,
 };
 
 /* As one of a ring a K1 takes turns and leaves them. */

@@ -8,15 +8,6 @@
 
 static const struct dg_key keys[] = {LX_LINE_KEYS(LINE), LX_LINE_SINCOS_KEY(LINE)};
 
-static void defaults(void *settings, const struct dg_device *device)
-{
-    struct lx_hf_settings *self = settings;
-    *self = (struct lx_hf_settings){
-        .encoder.model = *dg_hf_model_of(device),
-        .line = LX_LINE_USUAL,
-    };
-}
-
 static int check_steps(const struct dg_hf_model *model, struct lx_error *error)
 {
     const uint64_t steps = (uint64_t)model->periods_per_turn * model->steps_per_period;
@@ -50,16 +41,16 @@ static const struct lx_trace_kind trace = {title, formats, true};
 
 const struct lx_stack lx_hf_stack = {
     .core = &dg_hf_stack,
+    .handle = &dg_hf_wire,
     .title = title,
     .trace = &trace,
     .words = &dg_hf_words,
     .wire = "pty",
-    .line = LINE,
     .baud = 38400,
     .spoiled = "the encoder answers 05h",
     .own = {keys, DG_COUNT(keys)},
-    .keys = &dg_hf_keys,
-    .settings_size = sizeof(struct lx_hf_settings),
-    .defaults = defaults,
+    .own_at = LINE,
+    .own_size = sizeof(struct lx_line_settings),
+    .usual = &lx_line_usual,
     .check = check,
 };

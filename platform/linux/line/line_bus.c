@@ -203,13 +203,13 @@ static int place_encoder(struct lx_line_bus *self, size_t index, struct lx_error
     *encoder = (struct lx_line_encoder){.station = station, .all = self};
     self->names[index] = station->control.name;
     const struct lx_stack *stack = stack_of(encoder);
-    uint8_t *settings = calloc(1, stack->settings_size);
+    uint8_t *settings = calloc(1, lx_stack_size(stack));
     self->bus.tap.baud = stack->baud > self->bus.tap.baud ? stack->baud : self->bus.tap.baud;
     const int result = settings == NULL
                            ? lx_fail(error, "no memory for an encoder")
                            : lx_station_make(station, &self->bus.setup, settings, error);
     if (result == 0) {
-        memcpy(&encoder->settings, settings + stack->line, sizeof encoder->settings);
+        memcpy(&encoder->settings, settings + stack->own_at, sizeof encoder->settings);
     }
     free(settings);
     return result;

@@ -20,10 +20,7 @@ struct lx_line_settings {
 };
 
 /** As delivered. */
-#define LX_LINE_USUAL                                                                              \
-    {                                                                                              \
-        .pace = true, .sincos = DG_MS(1)                                                           \
-    }
+extern const struct lx_line_settings lx_line_usual;
 
 /** Words of "line". */
 extern const char *const lx_line_own_any[2];

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "stacks.h"
 
+#include <string.h>
+
 #include "course_words.h"
 #include "wire.h"
 
@@ -17,13 +19,13 @@ static const char serial_key[] = "serial";
 
 const struct dg_key *lx_stack_serial(const struct lx_stack *self)
 {
-    return dg_keys_find(self->keys, serial_key);
+    return dg_keys_find(self->handle->keys, serial_key);
 }
 
 static const struct dg_key *address_row(const struct lx_stack *self)
 {
     const char *key = self->core->address_key;
-    return key == NULL ? NULL : dg_keys_find(self->keys, key);
+    return key == NULL ? NULL : dg_keys_find(self->handle->keys, key);
 }
 
 /* Bit n: row n of the core is not for --set. */
@@ -32,7 +34,7 @@ static uint32_t apart(const struct lx_stack *self)
     const struct dg_key *const rows[] = {lx_stack_serial(self), address_row(self)};
     uint32_t bits = 0;
     for (size_t i = 0; i < DG_COUNT(rows); i++) {
-        bits |= rows[i] == NULL ? 0 : UINT32_C(1) << (rows[i] - self->keys->rows);
+        bits |= rows[i] == NULL ? 0 : UINT32_C(1) << (rows[i] - self->handle->keys->rows);
     }
     return bits;
 }
@@ -47,8 +49,8 @@ void lx_stack_keys(const struct lx_stack *self, const struct dg_device *device, 
         .base = settings,
     };
     lists[LX_STACK_CORE] = (struct lx_keys){
-        .rows = self->keys->rows,
-        .count = self->keys->count,
+        .rows = self->handle->keys->rows,
+        .count = self->handle->keys->count,
         .base = settings,
         .without = apart(self) | (all ? 0 : self->without(device)),
         .instead = self->instead,
@@ -57,11 +59,29 @@ void lx_stack_keys(const struct lx_stack *self, const struct dg_device *device, 
         .rows = dg_world_keys.rows,
         .count = dg_world_keys.count,
         .base = world,
-        .without = self->blind,
+        .without = self->handle->blind,
     };
 }
 
 /* --- settings --- */
+
+size_t lx_stack_size(const struct lx_stack *self)
+{
+    return self->own_size > 0 ? self->own_at + self->own_size : self->handle->settings_size;
+}
+
+void lx_stack_deliver(const struct lx_stack *self, const struct dg_device *device, void *settings)
+{
+    const struct dg_host_wire *handle = self->handle;
+    if (handle->furnish != NULL) {
+        handle->furnish(settings, device);
+    } else {
+        memcpy(settings, device->model, handle->settings_size);
+    }
+    if (self->own_size > 0) {
+        memcpy((uint8_t *)settings + self->own_at, self->usual, self->own_size);
+    }
+}
 
 /* A key of another kind of wire, or of none: whoever mistyped one finds it in the list. */
 static int unknown_key(const struct lx_keys *lists, const struct dg_plan_wire_kind *kind,
@@ -127,7 +147,7 @@ int lx_stack_settings(const struct dg_plan *plan, const struct dg_plan_wire *wir
     const struct dg_plan_settings *list = &encoder->settings;
     struct lx_keys lists[LX_STACK_LISTS];
     lx_stack_keys(self, encoder->model, settings, world, lists);
-    self->defaults(settings, encoder->model);
+    lx_stack_deliver(self, encoder->model, settings);
     for (size_t i = 0; i < list->count; i++) {
         if (set_one(lists, wire->kind, &list->list[i], error) != 0) {
             return lx_plan_refuse_setting(plan, &list->list[i], error);

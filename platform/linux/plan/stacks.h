@@ -7,6 +7,7 @@
 #define DREHGEBER_LINUX_STACKS_H
 
 #include "drehgeber/devices.h"
+#include "drehgeber/host_wire.h"
 #include "drehgeber/world.h"
 #include "key.h"
 #include "plan.h"
@@ -18,24 +19,22 @@ struct dg_words;
 /** A protocol of a port. */
 struct lx_stack {
     const struct dg_stack *core;
-    const char *title;                         /**< of its wires, for messages, e.g. "RS485" */
-    const struct lx_trace_kind *trace;         /**< of its wires */
-    const struct dg_words *words;              /**< likewise; NULL: only notes are told */
+    const struct dg_host_wire *handle; /**< settings of its encoders begin with the handle's */
+    const char *title;                 /**< of its wires, for messages, e.g. "RS485" */
+    const struct lx_trace_kind *trace; /**< of its wires */
+    const struct dg_words *words;      /**< likewise; NULL: only notes are told */
     const struct lx_clocked_protocol *clocked; /**< on a clocked line; NULL: it is on none */
     const char *wire;                          /**< the kind of wire when none is given */
-    size_t line;   /**< characters: offset of a struct lx_line_settings in the settings */
-    uint32_t baud; /**< characters: the fastest data rate that its encoders have */
-    const char
-        *spoiled; /**< what an encoder does whose EEPROM file fails, in words; NULL: it has none */
-    bool is_ring; /**< encoders without a file are one thing with one address */
-    struct dg_keys own;           /**< the port's rows; offsets count from settings */
-    const struct dg_keys *keys;   /**< the core's, likewise: settings begin with the core's own */
-    const struct dg_key *instead; /**< the port's row in place of one of the core's; NULL */
-    uint32_t blind;               /**< bit n: it does not sense enum dg_quantity_id n */
-    size_t settings_size;         /**< aligned for any type */
-    /** `settings` become those of `device` as delivered. */
-    void (*defaults)(void *settings, const struct dg_device *device);
-    /** Bit n: `device` has not row n of `keys`. NULL: each has all. */
+    uint32_t baud;       /**< characters: the fastest data rate that its encoders have */
+    const char *spoiled; /**< what an encoder does whose EEPROM file fails, in words; NULL: it has
+                            none */
+    bool is_ring;        /**< encoders without a file are one thing with one address */
+    struct dg_keys own;  /**< the port's rows; offsets count from settings */
+    size_t own_at;       /**< what they set: offset in the settings, */
+    size_t own_size;     /**< ... size, 0: there is nothing, */
+    const void *usual;   /**< ... and what it is as nobody has set it */
+    const struct dg_key *instead; /**< the port's row in place of one of the handle's; NULL */
+    /** Bit n: `device` has not row n of the handle's keys. NULL: each has all. */
     uint32_t (*without)(const struct dg_device *device);
     /** All are set: do they fit each other? @return 0, or -1 with `error`. NULL: they always do */
     int (*check)(const void *settings, struct lx_error *error);
@@ -60,6 +59,12 @@ enum lx_stack_list {
  * and ranges are asked for. `device` NULL: of all encoders of the stack. */
 void lx_stack_keys(const struct lx_stack *self, const struct dg_device *device, void *settings,
                    struct dg_world *world, struct lx_keys lists[LX_STACK_LISTS]);
+
+/** Bytes of the settings of an encoder. */
+size_t lx_stack_size(const struct lx_stack *self);
+
+/** `settings` become those of `device` as delivered. */
+void lx_stack_deliver(const struct lx_stack *self, const struct dg_device *device, void *settings);
 
 /** What --serial sets. */
 const struct dg_key *lx_stack_serial(const struct lx_stack *self);

@@ -29,8 +29,8 @@ static struct bench bench_of(const char *model)
 {
     struct bench self = {.device = dg_device_find(model)};
     assert_non_null(self.device);
-    assert_true(lx_stack_of(self.device)->settings_size <= ROOM);
-    lx_stack_of(self.device)->defaults(self.settings, self.device);
+    assert_true(lx_stack_size(lx_stack_of(self.device)) <= ROOM);
+    lx_stack_deliver(lx_stack_of(self.device), self.device, self.settings);
     dg_world_init(&self.world);
     return self;
 }
@@ -70,9 +70,9 @@ static void check_instead(const struct lx_stack *stack)
     if (stack->instead == NULL) {
         return;
     }
-    const struct dg_key *row = dg_keys_find(stack->keys, stack->instead->name);
+    const struct dg_key *row = dg_keys_find(stack->handle->keys, stack->instead->name);
     assert_non_null(row);
-    check_row(stack->instead, stack->settings_size);
+    check_row(stack->instead, lx_stack_size(stack));
     assert_true(row->offset == stack->instead->offset && row->type == stack->instead->type &&
                 row->factor == stack->instead->factor);
     assert_true(row->min <= stack->instead->min && row->max >= stack->instead->max);
@@ -84,14 +84,14 @@ static void rows_are_whole(void **state)
     for (size_t i = 0; i < lx_stack_count; i++) {
         const struct lx_stack *stack = lx_stacks[i];
         for (size_t j = 0; j < stack->own.count; j++) {
-            check_row(&stack->own.rows[j], stack->settings_size);
+            check_row(&stack->own.rows[j], lx_stack_size(stack));
         }
-        for (size_t j = 0; j < stack->keys->count; j++) {
-            check_row(&stack->keys->rows[j], stack->settings_size);
+        for (size_t j = 0; j < stack->handle->keys->count; j++) {
+            check_row(&stack->handle->keys->rows[j], lx_stack_size(stack));
         }
         check_instead(stack);
         if (lx_stack_serial(stack) != NULL) {
-            check_row(lx_stack_serial(stack), stack->settings_size);
+            check_row(lx_stack_serial(stack), lx_stack_size(stack));
         }
         assert_non_null(dg_plan_find_kind(stack->wire, strlen(stack->wire)));
         assert_true(

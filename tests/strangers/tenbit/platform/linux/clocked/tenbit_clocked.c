@@ -93,11 +93,6 @@ static const struct lx_clocked_protocol protocol = {
 
 /* --- what a plan knows of it --- */
 
-static void defaults(void *settings, const struct dg_device *device)
-{
-    *(struct dg_tenbit_model *)settings = *(const struct dg_tenbit_model *)device->model;
-}
-
 static const char title[] = "ten bits";
 static const struct lx_trace_format vcd = LX_TRACE_CLOCKED("tenbit", "CLOCK", "DATA");
 static const struct lx_trace_format *const formats[] = {&vcd, NULL};
@@ -105,11 +100,9 @@ static const struct lx_trace_kind trace = {title, formats, false};
 
 const struct lx_stack lx_tenbit_stack = {
     .core = &dg_tenbit_stack,
+    .handle = &dg_tenbit_wire,
     .title = title,
     .trace = &trace,
     .clocked = &protocol,
     .wire = "sim",
-    .keys = &dg_tenbit_keys,
-    .settings_size = sizeof(struct dg_tenbit_model),
-    .defaults = defaults,
 };
