@@ -24,28 +24,28 @@ static const char *address_of(const struct dg_plan_wire_kind *kind)
     return kind->where == NULL ? "none" : kind->where;
 }
 
-static const char *usual_of(const struct lx_wire *wire)
+static const char *usual_of(const struct dg_plan_wire_kind *kind)
 {
-    if (wire->kind.where_needed) {
+    if (kind->where_needed) {
         return "needed";
     }
-    if (wire->kind.usual != NULL) {
-        return wire->kind.usual;
+    if (kind->usual != NULL) {
+        return kind->usual;
     }
-    return wire->kind.where == NULL ? "" : "any";
+    return kind->where == NULL ? "" : "any";
 }
 
 static void print_wires(void)
 {
     (void)puts("| kind | address | default | encoders | what it is |");
     (void)puts("|---|---|---|---|---|");
-    for (size_t i = 0; i < lx_wire_count; i++) {
-        const struct lx_wire *wire = &lx_wires[i];
-        (void)printf("| `%s` |", wire->kind.name);
-        print_cell(address_of(&wire->kind));
-        print_cell(usual_of(wire));
-        (void)printf(" %zu |", wire->kind.stations_max);
-        print_cell(wire->help);
+    for (size_t i = 0; i < dg_plan_wire_count; i++) {
+        const struct dg_plan_wire_kind *kind = &dg_plan_wires[i];
+        (void)printf("| `%s` |", kind->name);
+        print_cell(address_of(kind));
+        print_cell(usual_of(kind));
+        (void)printf(" %zu |", kind->stations_max);
+        print_cell(lx_wire_of(kind)->help);
         (void)putchar('\n');
     }
 }
@@ -69,12 +69,12 @@ static void print_setting(const struct dg_key *key, const void *base, const char
 static struct lx_words wires_with_keys_of(size_t first)
 {
     struct lx_words names = {""};
-    for (size_t i = 0; i < lx_wire_count; i++) {
-        if (lx_wires[i].kind.keys == lx_wires[first].kind.keys) {
+    for (size_t i = 0; i < dg_plan_wire_count; i++) {
+        if (dg_plan_wires[i].keys == dg_plan_wires[first].keys) {
             if (i < first) {
                 return (struct lx_words){""};
             }
-            lx_words_add(&names, "%s`%s`", i == first ? "" : " ", lx_wires[i].kind.name);
+            lx_words_add(&names, "%s`%s`", i == first ? "" : " ", dg_plan_wires[i].name);
         }
     }
     return names;
@@ -84,11 +84,11 @@ static void print_wire_keys(void)
 {
     (void)puts("| key | of | takes | default | what it is |");
     (void)puts("|---|---|---|---|---|");
-    for (size_t i = 0; i < lx_wire_count; i++) {
-        const struct dg_keys *keys = lx_wires[i].kind.keys;
+    for (size_t i = 0; i < dg_plan_wire_count; i++) {
+        const struct dg_keys *keys = dg_plan_wires[i].keys;
         const struct lx_words names = keys == NULL ? (struct lx_words){""} : wires_with_keys_of(i);
         for (size_t j = 0; names.text[0] != '\0' && j < keys->count; j++) {
-            print_setting(&keys->rows[j], lx_wires[i].defaults, names.text);
+            print_setting(&keys->rows[j], dg_plan_wires[i].settings, names.text);
         }
     }
 }
