@@ -34,6 +34,7 @@
 #include "drehgeber/protocols.h"
 #include "drehgeber/quantity.h"
 #include "drehgeber/rig.h"
+#include "drehgeber/rig_engine.h"
 #include "drehgeber/scpi.h"
 #include "drehgeber/shaft.h"
 #include "drehgeber/slcan.h"

@@ -173,6 +173,13 @@ struct dg_plan {
 
 /* ---------------------------------------------------------------- errors */
 
+/** Whether a word's value is told, and how it stands in a text. */
+enum dg_plan_valued {
+    DG_PLAN_UNVALUED,  /**< it is not told */
+    DG_PLAN_KEY_VALUE, /**< KEY VALUE */
+    DG_PLAN_SETTING,   /**< KEY=VALUE, of an encoder or a wire */
+};
+
 /** What is wrong, where it stands, what would be right; each of them one printable line. */
 struct dg_plan_error {
     const char *file;   /**< borrowed from the setup; NULL: unknown, likewise */
@@ -181,7 +188,7 @@ struct dg_plan_error {
                              shafts.ini"; "": it is `file` */
     char key[64];       /**< word or section; "": `what` says it */
     char value[256];    /**< as it was given */
-    bool valued;        /**< ... and it is to be told */
+    uint8_t valued;     /**< enum dg_plan_valued: whether it is to be told */
     char what[400];     /**< what was wrong; "": that is clear from what would be right */
     char right[512];    /**< what would be right; "": `what` says it */
 };

@@ -128,17 +128,16 @@ struct rig_line dg_plan_line_text(const struct dg_plan *plan, dg_plan_line line,
     return found;
 }
 
-static int stand_in(struct rig_reader *in, dg_plan_line line)
+int dg_plan_stand(const struct dg_plan *plan, dg_plan_line line, struct dg_plan_error *error)
 {
-    struct dg_plan_error *error = in->error;
-    const struct dg_plan_place place = dg_plan_place(in->plan, line);
+    const struct dg_plan_place place = dg_plan_place(plan, line);
 
     if (error->line == 0) {
-        error->file = in->plan->file;
+        error->file = plan->file;
         error->line = place.line;
-        if (place.file != in->plan->file) {
+        if (place.file != plan->file) {
             struct dg_text text = dg_text_in(error->included, sizeof error->included);
-            dg_plan_say_files(in->plan, line, &text);
+            dg_plan_say_files(plan, line, &text);
         }
     }
     return -1;
@@ -147,7 +146,7 @@ static int stand_in(struct rig_reader *in, dg_plan_line line)
 int dg_plan_refuse_key(struct rig_reader *in, const char *key, dg_plan_line line)
 {
     (void)dg_plan_about(in->error, key, NULL);
-    return stand_in(in, line);
+    return dg_plan_stand(in->plan, line, in->error);
 }
 
 int dg_plan_wrong_word(struct rig_reader *in, const struct dg_plan_setting *word, rig_parts right,
@@ -171,7 +170,7 @@ int dg_plan_wrong_section(struct rig_reader *in, const struct rig_section *secti
 int dg_plan_wrong_line(struct rig_reader *in, dg_plan_line line, rig_parts right, rig_parts what)
 {
     (void)dg_plan_refuse(in->error, right, what);
-    return stand_in(in, line);
+    return dg_plan_stand(in->plan, line, in->error);
 }
 
 int dg_plan_taken(struct rig_reader *in, const struct rig_section *section, dg_plan_line by)

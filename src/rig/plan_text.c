@@ -129,7 +129,7 @@ int dg_plan_refuse(struct dg_plan_error *error, rig_parts right, rig_parts what)
 int dg_plan_about(struct dg_plan_error *error, const char *key, const char *value)
 {
     if (error->key[0] == '\0') {
-        error->valued = value != NULL;
+        error->valued = value != NULL ? DG_PLAN_KEY_VALUE : DG_PLAN_UNVALUED;
         write_text(error->key, sizeof error->key, RIG_SAY(key));
         write_text(error->value, sizeof error->value, RIG_SAY(value));
     }

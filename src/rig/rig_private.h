@@ -80,6 +80,8 @@ const char *dg_plan_find(const char *text, const char *what);
 int dg_plan_refuse(struct dg_plan_error *error, rig_parts right, rig_parts what);
 /** Say what it is about, unless that was said nearer to it. `value` NULL: not to be told. */
 int dg_plan_about(struct dg_plan_error *error, const char *key, const char *value);
+/** Say where it stands, unless that was said nearer to it. */
+int dg_plan_stand(const struct dg_plan *plan, dg_plan_line line, struct dg_plan_error *error);
 
 /* ---------------------------------------------------------------- memory, names */
 

@@ -14,6 +14,8 @@ from sources import blank, files, finish, read
 
 # folder: what its internal names start with
 PREFIX = {"hiperface": "dg_hf_", "canopen": "dg_co_", "interbus": "dg_ib_", "rig": "dg_plan_"}
+# What a second part of a folder has instead.
+SECOND = {"rig": "dg_engine_"}
 DECLARED = re.compile(r"^DG_API\b([^;{]*);", re.M)
 NAME = re.compile(r"\b(\w+)(?=\s*(?:\(|\[|,|$))")
 # Where the parameters of a function begin, nothing is declared any more.
@@ -42,7 +44,8 @@ def foreign(archive, public):
     folder = re.search(r"libdg_(\w+)\.a$", archive).group(1)
     prefix = PREFIX.get(folder, f"dg_{folder}_")
     internal = defined(archive) - set(public)
-    return [f"{folder}: {name} is not {prefix}..." for name in sorted(internal) if not name.startswith(prefix)]
+    known = prefix, SECOND.get(folder, prefix)
+    return [f"{folder}: {name} is not {prefix}..." for name in sorted(internal) if not name.startswith(known)]
 
 
 def main():

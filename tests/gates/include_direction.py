@@ -31,6 +31,7 @@ ALLOWED = {
     "host":        {"core", "motion", "devices", "control", "instruments"},
     "bus":         {"core", "devices", "control", "host"},
     "rig":         {"core", "motion", "devices", "host", "bus"},
+    "rig":         {"core", "motion", "devices", "host", "bus", "scpi", "control"},
     "words":       {"core", "devices"},
 }
 # The lists of all protocols: they see each.
@@ -132,6 +133,7 @@ OWNER = {
     "host_wire.h": "host",
     "bus.h":       "bus",
     "rig.h":       "rig",
+    "rig_engine.h": "rig",
     "figure.h":    "core",
     "bus_characters.h": "bus",
     "bus_edges.h": "bus",

@@ -1,0 +1,185 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file
+ * A rig at work: what a plan (rig.h) says, made in memory of the host and moved on by `now`. Shafts
+ * and gears, encoders with their settings, a bus for each wire, and the control plane over all of
+ * them are in here; a host opens doors, keeps EEPROMs and knows what time it is.
+ *
+ *   struct dg_engine_setup setup = {sizeof setup, &plan, .instruments = dg_instruments, ...};
+ *   size_t n = dg_engine_size(&setup);
+ *   struct dg_engine *engine = dg_engine_make(memory, n, &setup, &error);
+ *   dg_host_memory_load(dg_engine_encoder(engine, 0), image, bytes)      if there is one
+ *   dg_engine_power(engine, now, &error)
+ *   dg_bus_rx(dg_engine_bus(engine, 0), &event)                         what a master does
+ *   next = dg_engine_step(engine, now)                                  time goes on
+ *
+ * An engine has a struct dg_rig (control.h): that is what clients of the control plane see of any
+ * rig, whoever runs it, so the rig that runs by itself has another name.
+ *
+ * Nothing is allocated and nothing happens outside of these calls; memory is at a multiple of
+ * DG_HOST_ALIGN, must not be moved, and is all that there is to give back. How much that is stands
+ * when the plan does. This header may change until 1.0.
+ */
+#ifndef DREHGEBER_RIG_ENGINE_H
+#define DREHGEBER_RIG_ENGINE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "drehgeber/api.h"
+#include "drehgeber/bus.h"
+#include "drehgeber/bus_characters.h"
+#include "drehgeber/bus_edges.h"
+#include "drehgeber/bus_frames.h"
+#include "drehgeber/bus_words.h"
+#include "drehgeber/control.h"
+#include "drehgeber/host.h"
+#include "drehgeber/key.h"
+#include "drehgeber/rig.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** A rig at work. Lives in the host's memory. */
+struct dg_engine;
+
+/** Settings of a wire, whoever has it; which of them one has goes by its medium. Masters that are
+ * the host's look up theirs here. */
+struct dg_engine_line {
+    bool pace;              /**< frames: each takes its time at the bit rate */
+    uint32_t clock_hz;      /**< edges: of the master */
+    uint32_t line_delay_ns; /**< edges: of the cable, each way */
+    bool compensate;        /**< edges: the master takes its samples later by the way there and back
+                             */
+    uint32_t cycle_us;      /**< words: from one data cycle to the next */
+    bool tear;              /**< words: half of an OUT word is taken from a request (fault) */
+    uint16_t break_at;      /**< words: the ring is cut before this place; DG_RING_WHOLE */
+};
+
+/** Their rows, by enum dg_medium, for struct dg_plan_wire_kind.keys; offsets count from a struct
+ * dg_engine_line. */
+DG_API extern const struct dg_keys dg_engine_line_keys[DG_MEDIUM_COUNT];
+/** What they are unless somebody sets them. */
+DG_API extern const struct dg_engine_line dg_engine_line_usual;
+
+/** A wire before its bus is made. It is filled by the plan, and the host may change it. */
+struct dg_engine_wire {
+    const struct dg_plan_wire *plan;
+    struct dg_engine_line line;
+    const struct dg_bus_ops *ops; /**< the door; to begin with nobody listens */
+    void *ctx;
+    /** The medium's own setup; only that of the medium at hand counts. Room for frames, IN image
+     * and `size` are the engine's. */
+    struct dg_characters_setup characters; /**< paced, unless an encoder has pace = 0 */
+    struct dg_bus_frames_setup frames;     /**< in virtual time, without arbitration */
+    struct dg_bus_edges_setup edges;
+    struct dg_bus_words_setup words; /**< the master identifies by itself */
+};
+
+/** What a rig is made of. All that it points to must outlive the rig. */
+struct dg_engine_setup {
+    size_t size; /**< sizeof(struct dg_engine_setup) */
+    const struct dg_plan *plan;
+    dg_ns begin;          /**< motions begin then, and TIME? counts from there */
+    bool memory_is_host;  /**< the host has all EEPROMs (dg_host_memory_port()): no room for them */
+    uint16_t frames_wait; /**< room for frames that wait, on each bus of frames; 0: as much as a
+                               fast wire and its faults need, 140 kB of which nothing is touched
+                               before it is used */
+    /** Whose commands and faults the control plane has: dg_instruments, or some of them. NULL: no
+     * faults, and only the commands that all rigs have. */
+    const struct dg_instrument *const *instruments;
+    size_t instrument_count;
+    const struct dg_rig_ops *ops; /**< of the control plane; NULL: dg_engine_ops */
+    /** Kinds of wire as in struct dg_plan_setup, for messages only; NULL: none are named. */
+    const void *wires;
+    size_t wire_count;
+    size_t wire_stride;
+    /** Wire `index` of the plan is about to be made. NULL: each is made as it stands. */
+    void (*wire)(void *ctx, size_t index, struct dg_engine_wire *to);
+    /** Rows of the host's own for encoder `index`, whose settings are `settings`; one that has the
+     * name of a row of the encoder takes its place. @return what they are about. NULL: none */
+    void *(*rows)(void *ctx, size_t index, void *settings, struct dg_keys *rows);
+    /** Whether settings that are right one by one go together. @return 0, or anything else with
+     * `error`. NULL: the encoder says it, in few words. */
+    int (*check)(void *ctx, size_t index, const void *settings, struct dg_plan_error *error);
+    /** The motion of the file `path`, which the plan names for shaft `index`. Its points stay while
+     * the rig does. @return as `check`. NULL: files are refused, likewise below */
+    int (*motion)(void *ctx, size_t index, const char *path, struct dg_motion *to,
+                  struct dg_plan_error *error);
+    /** The points of the file that `setting` (DG_COURSE_FORM) names: a quantity of encoder `index`
+     * follows them. They and the course, whose other members are the engine's, stay while it does.
+     * @return NULL with `error` */
+    struct dg_rig_course *(*course)(void *ctx, size_t index, const struct dg_plan_setting *setting,
+                                    struct dg_plan_error *error);
+    /** The address of encoder `index`, as in "can:vcan0/5", in `size` bytes. NULL: as the plan has
+     * it. */
+    void (*address)(void *ctx, size_t index, char *to, size_t size);
+    /** STATe?: counters of the port, as dg_rig_ops.counters. NULL: it has none. */
+    void (*counters)(void *ctx, size_t index, struct dg_scpi *to);
+    /** Something was done to the rig: dg_engine_next() may be earlier. NULL: the host asks anyway.
+     */
+    void (*woken)(void *ctx);
+    void *ctx;
+};
+
+/** Bytes of the rig; 0: not a setup of this version, or a wire has no encoders, or more than its
+ * medium carries. */
+DG_API size_t dg_engine_size(const struct dg_engine_setup *setup);
+
+/**
+ * Make the rig: shafts turn from setup->begin on, encoders have their settings and no power.
+ * Nothing outside is touched.
+ * @return NULL with `error`: a setting that is not right, a gear that cannot be, memory that is too
+ * small or not aligned
+ */
+DG_API struct dg_engine *dg_engine_make(void *memory, size_t size,
+                                        const struct dg_engine_setup *setup,
+                                        struct dg_plan_error *error);
+
+/** Switch all encoders on at `now`, not before setup->begin. EEPROMs have their images by now;
+ * those that have none are formatted.
+ * @return 0, or DG_ERR_ARGUMENT with `error`: an encoder does not start */
+DG_API int dg_engine_power(struct dg_engine *self, dg_ns now, struct dg_plan_error *error);
+
+/**
+ * Let time pass up to `now`: on every wire, for faults that end, each at its own moment. What wires
+ * carry is told wire by wire; a host that wants all of it in the order of time goes on to
+ * dg_engine_next(), again and again. A host that steps a wire itself, at its own time, may.
+ * @return when to call again; DG_NEVER
+ */
+DG_API dg_ns dg_engine_step(struct dg_engine *self, dg_ns now);
+
+/** The same moment; nothing happens. */
+DG_API dg_ns dg_engine_next(const struct dg_engine *self);
+
+/** The bus of wire `index` of the plan. */
+DG_API struct dg_bus *dg_engine_bus(const struct dg_engine *self, size_t index);
+/** What it is made of, as the host has left it; a ring's IN image is in words.in. */
+DG_API const struct dg_engine_wire *dg_engine_wire_of(const struct dg_engine *self, size_t index);
+/** Encoder `index` of the plan. */
+DG_API struct dg_host *dg_engine_encoder(const struct dg_engine *self, size_t index);
+/** Its place on its bus. */
+DG_API size_t dg_engine_place(const struct dg_engine *self, size_t index);
+
+/** What clients of the control plane work on, for dg_control_init(). Encoders and shafts have the
+ * order of the plan; encoder->port is the host's to set. */
+DG_API struct dg_rig *dg_engine_control(struct dg_engine *self);
+/** What was handed over as dg_engine_setup.ctx, for operations of the host's own. */
+DG_API void *dg_engine_ctx(const struct dg_rig *rig);
+
+/**
+ * What the control plane of an engine does by itself: power, world, faults, motions in words,
+ * counters. A host that has more copies it, replaces what it does otherwise, and hands that over:
+ *
+ *   struct dg_rig_ops ops = dg_engine_ops;
+ *   ops.trace = trace, setup.ops = &ops
+ */
+DG_API extern const struct dg_rig_ops dg_engine_ops;
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

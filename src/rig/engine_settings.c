@@ -1,0 +1,459 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What a plan says of encoders and wires, by rows. An encoder has four lists of them: its end of
+ * the line, the host's own, the encoder's, its world's; the first one that has the name counts.
+ */
+#include "drehgeber/course.h"
+#include "drehgeber/figure.h"
+#include "drehgeber/hal.h"
+#include "drehgeber/host_wire.h"
+#include "engine_private.h"
+
+#include <string.h>
+
+#define SERIAL "serial"
+#define RANGE_MAX 128u
+
+/* ---------------------------------------------------------------- rows of wires */
+
+#define LINE(member) offsetof(struct dg_engine_line, member)
+#define END(member) offsetof(struct engine_end, member)
+
+static const char *const own_any[2] = {"own", "any"};
+
+/* clang-format off */
+static const struct dg_key frames_rows[] = {
+    /* name           unit  offset                type         places factor min     max                  words          help */
+    {"pace",          "",   LINE(pace),           DG_KEY_FLAG, 0,     1,     0,      1,                   dg_key_no_yes, "1: each frame takes its time at the bit rate"},
+};
+static const struct dg_key edges_rows[] = {
+    {"clock_hz",      "Hz", LINE(clock_hz),       DG_KEY_U32,  0,     1,     50000,  10000000,            NULL,          "simulated wire: clock of the master"},
+    {"line_delay_ns", "ns", LINE(line_delay_ns),  DG_KEY_U32,  0,     1,     0,      DG_BUS_CABLE_MAX_NS, NULL,          "simulated wire: delay of the cable each way; 5 ns are a metre"},
+    {"compensate",    "",   LINE(compensate),     DG_KEY_FLAG, 0,     1,     0,      1,                   dg_key_no_yes, "simulated wire: the master takes its samples later by the way there and back"},
+};
+static const struct dg_key words_rows[] = {
+    {"cycle",         "us", LINE(cycle_us),       DG_KEY_U32,  0,     1,     250,    50000,               NULL,          "from one data cycle of the ring to the next"},
+    {"tear",          "",   LINE(tear),           DG_KEY_FLAG, 0,     1,     0,      1,                   dg_key_no_yes, "1: half of an OUT word is taken from a request (fault)"},
+    {"break_at",      "",   LINE(break_at),       DG_KEY_U16,  0,     1,     0,      DG_RING_MAX - 1,     NULL,          "the bus is cut before this device, 0 is the first (fault)"},
+};
+static const struct dg_key end_rows[] = {
+    {"pace",          "",   END(pace),            DG_KEY_FLAG, 0,     1,     0,      1,                   dg_key_no_yes, "requests and replies at the speed of the line; 0: at once"},
+    {"line",          "",   END(any_line),        DG_KEY_FLAG, 0,     1,     0,      1,                   own_any,       "data rate the master must use: the encoder's own, or any"},
+};
+/* clang-format on */
+
+const struct dg_keys dg_engine_line_keys[DG_MEDIUM_COUNT] = {
+    [DG_MEDIUM_FRAMES] = {frames_rows, DG_COUNT(frames_rows)},
+    [DG_MEDIUM_EDGES] = {edges_rows, DG_COUNT(edges_rows)},
+    [DG_MEDIUM_WORDS] = {words_rows, DG_COUNT(words_rows)},
+};
+
+/* Of an encoder's end of a wire, by medium. */
+static const struct dg_keys end_keys[DG_MEDIUM_COUNT] = {
+    [DG_MEDIUM_CHARACTERS] = {end_rows, DG_COUNT(end_rows)},
+};
+
+const struct dg_engine_line dg_engine_line_usual = {
+    .clock_hz = 1000000, .compensate = true, .cycle_us = 1000, .break_at = DG_RING_WHOLE};
+
+/* ---------------------------------------------------------------- a value */
+
+static bool is_text(const struct dg_key *row)
+{
+    return row->type == DG_KEY_TEXT || row->type == DG_KEY_DIGITS;
+}
+
+static bool is_word(const struct dg_key *row)
+{
+    return row->type == DG_KEY_FLAG || row->type == DG_KEY_WORD;
+}
+
+static void say_limits(const struct dg_key *row, struct dg_text *to)
+{
+    static const char *const kinds[] = {"characters", "digits"};
+    const int64_t one = dg_power_of_ten(row->places);
+    const bool text = is_text(row);
+    const char *unit = text ? kinds[row->type == DG_KEY_DIGITS] : row->unit;
+
+    dg_text_add_number(to, row->min / one);
+    if (!text || row->min != row->max) {
+        dg_text_add(to, text ? " to " : "..");
+        dg_text_add_number(to, row->max / one);
+    }
+    dg_plan_add(to, RIG_SAY(unit[0] == '\0' ? "" : " ", unit));
+}
+
+static void say_range(const struct dg_key *row, struct dg_text *to)
+{
+    for (size_t i = 0; is_word(row) && i <= (size_t)row->max; i++) {
+        dg_plan_add(to, RIG_SAY(i == 0 ? "" : " or ", row->words[i]));
+    }
+    if (!is_word(row)) {
+        say_limits(row, to);
+    }
+}
+
+/* "a number in 1..127 is right" */
+static int set_value(const struct dg_key *row, void *base, const char *value,
+                     struct dg_plan_error *error)
+{
+    const bool number = !is_text(row) && !is_word(row);
+    char range[RANGE_MAX];
+    struct dg_text right = dg_text_in(range, sizeof range);
+
+    if (dg_key_set(row, base, value) == DG_OK) {
+        return 0;
+    }
+    dg_text_add(&right, number ? "a number in " : "");
+    say_range(row, &right);
+    if (number && row->places > 0) {
+        dg_plan_add(&right,
+                    RIG_SAY(" with at most ", dg_plan_number(row->places).text, " decimals"));
+    }
+    dg_text_add(&right, is_text(row) ? " are right" : " is right");
+    return dg_plan_refuse(error, RIG_SAY(range), RIG_SAY(""));
+}
+
+static int refuse_setting(const struct dg_engine *self, const struct dg_plan_setting *setting,
+                          struct dg_plan_error *error)
+{
+    if (error->key[0] == '\0') {
+        (void)dg_plan_about(error, setting->key, setting->value);
+        error->valued = DG_PLAN_SETTING;
+    }
+    return dg_plan_stand(self->setup.plan, setting->line, error);
+}
+
+/* ---------------------------------------------------------------- lists */
+
+enum { OF_END, OF_HOST, OF_ENCODER, OF_WORLD, LISTS };
+
+struct list {
+    struct dg_keys keys;
+    void *base;
+    uint32_t without; /* bit n: row n is not there */
+};
+
+/* Serial number and address have words of their own in a rig file. */
+static uint32_t apart(const struct dg_host_wire *wire)
+{
+    const struct dg_key *rows[] = {dg_keys_find(wire->keys, SERIAL), NULL};
+    uint32_t bits = 0;
+
+    if (wire->stack->address_key != NULL) {
+        rows[1] = dg_keys_find(wire->keys, wire->stack->address_key);
+    }
+    for (size_t i = 0; i < DG_COUNT(rows); i++) {
+        bits |= rows[i] == NULL ? 0 : UINT32_C(1) << (rows[i] - wire->keys->rows);
+    }
+    return bits;
+}
+
+static void list_rows(struct dg_engine *self, size_t index, struct list lists[LISTS])
+{
+    struct engine_encoder *encoder = &self->encoders[index];
+    const struct dg_host_wire *wire = dg_host_wire_at(encoder->host);
+    void *settings = dg_host_line_of(encoder->host)->settings;
+
+    lists[OF_END] = (struct list){.keys = end_keys[wire->stack->medium], .base = &encoder->end};
+    lists[OF_HOST] = (struct list){.base = NULL};
+    if (self->setup.rows != NULL) {
+        lists[OF_HOST].base =
+            self->setup.rows(self->setup.ctx, index, settings, &lists[OF_HOST].keys);
+    }
+    lists[OF_ENCODER] = (struct list){.keys = *wire->keys, .base = settings};
+    lists[OF_ENCODER].without = apart(wire) | (wire->without != NULL ? wire->without(settings) : 0);
+    lists[OF_WORLD] = (struct list){
+        .keys = dg_world_keys, .base = dg_host_world(encoder->host), .without = wire->blind};
+}
+
+static bool has_row(const struct list *self, size_t row)
+{
+    return row >= 32u || (self->without >> row & 1u) == 0;
+}
+
+static const struct dg_key *find_row(const struct list lists[LISTS], const char *name, void **base)
+{
+    for (size_t i = 0; i < LISTS; i++) {
+        const struct dg_key *row =
+            lists[i].keys.rows == NULL ? NULL : dg_keys_find(&lists[i].keys, name);
+        if (row != NULL && has_row(&lists[i], (size_t)(row - lists[i].keys.rows))) {
+            *base = lists[i].base;
+            return row;
+        }
+    }
+    return NULL;
+}
+
+/* ---------------------------------------------------------------- names that nobody has */
+
+static const struct dg_plan_wire_kind *kind_at(const struct dg_engine_setup *setup, size_t index)
+{
+    return (const struct dg_plan_wire_kind *)(const void *)((const uint8_t *)setup->wires +
+                                                            index * setup->wire_stride);
+}
+
+static bool is_key_of(const struct dg_plan_wire_kind *kind, const char *name)
+{
+    return kind->keys != NULL && dg_keys_find(kind->keys, name) != NULL;
+}
+
+/* A key of its own, or of the ends of what it carries. */
+static bool offers(const struct dg_plan_wire_kind *kind, const char *name)
+{
+    bool found = is_key_of(kind, name);
+
+    for (size_t i = 0; i < DG_MEDIUM_COUNT && !found; i++) {
+        found = (kind->media >> i & 1u) != 0 && end_keys[i].rows != NULL &&
+                dg_keys_find(&end_keys[i], name) != NULL;
+    }
+    return found;
+}
+
+/* @return how many kinds of wire take it, if one of them has it itself */
+static size_t list_kinds(const struct dg_engine_setup *setup, const char *name, struct rig_list *to)
+{
+    const size_t all = setup->wires == NULL ? 0 : setup->wire_count;
+    size_t count = 0;
+    size_t own = 0;
+    size_t n = 0;
+
+    for (size_t i = 0; i < all; i++) {
+        own += is_key_of(kind_at(setup, i), name) ? 1u : 0u;
+        count += offers(kind_at(setup, i), name) ? 1u : 0u;
+    }
+    for (size_t i = 0; own > 0 && i < all; i++) {
+        if (offers(kind_at(setup, i), name)) {
+            dg_plan_list_item(to, kind_at(setup, i)->name, n++, count);
+        }
+    }
+    return own > 0 ? count : 0;
+}
+
+static void list_names(const struct list lists[LISTS], struct dg_text *to)
+{
+    for (size_t i = 0; i < LISTS; i++) {
+        for (size_t j = 0; j < lists[i].keys.count; j++) {
+            const char *name = lists[i].keys.rows[j].name;
+            const bool instead =
+                i == OF_HOST && dg_keys_find(&lists[OF_ENCODER].keys, name) != NULL;
+            if (has_row(&lists[i], j) && !instead) {
+                dg_plan_add(to, RIG_SAY(" ", name));
+            }
+        }
+    }
+}
+
+/* A key of another kind of wire, or of none: whoever mistyped one finds it in the list. */
+static int refuse_name(const struct dg_engine *self, size_t index, const struct list lists[LISTS],
+                       const char *name, struct dg_plan_error *error)
+{
+    const struct dg_plan_wire *wire =
+        &self->setup.plan->wires[self->setup.plan->encoders[index].wire];
+    const struct dg_keys *of_wire = wire->kind->keys;
+    struct rig_list text;
+
+    dg_plan_list_begin(&text);
+    const size_t others = list_kinds(&self->setup, name, &text);
+    if (others > 0) {
+        return dg_plan_refuse(error, RIG_SAY("leave it out"),
+                              RIG_SAY("only ", others == 1 ? "a " : "", text.room,
+                                      others == 1 ? " wire has it" : " wires have it"));
+    }
+    dg_text_add(&text.text, "valid:");
+    list_names(lists, &text.text);
+    for (size_t i = 0; of_wire != NULL && i < of_wire->count; i++) {
+        dg_plan_add(&text.text, RIG_SAY(i == 0 ? "; of the wire: " : " ", of_wire->rows[i].name));
+    }
+    (void)dg_plan_refuse(error, RIG_SAY(text.room), RIG_SAY("no such key"));
+    return dg_plan_about(error, name, NULL);
+}
+
+/* ---------------------------------------------------------------- an encoder */
+
+static bool is_course(const struct dg_key *row, const struct dg_plan_setting *setting)
+{
+    return row >= dg_world_keys.rows && row < dg_world_keys.rows + dg_world_keys.count &&
+           dg_course_is(setting->value);
+}
+
+/* It is understood here; its points come when the rig is made. */
+static int check_course(const struct dg_engine *self, const char *text, struct dg_plan_error *error)
+{
+    struct dg_course_words words;
+
+    const int result = dg_course_read(text, &words, error);
+    return result != 0 || self->setup.course != NULL
+               ? result
+               : dg_plan_refuse(error, RIG_SAY("a value is right"),
+                                RIG_SAY("there are no files here"));
+}
+
+static int set_one(const struct dg_engine *self, size_t index, const struct list lists[LISTS],
+                   const struct dg_plan_setting *setting, struct dg_plan_error *error)
+{
+    void *base = NULL;
+    const struct dg_key *row = find_row(lists, setting->key, &base);
+
+    if (row == NULL) {
+        return refuse_name(self, index, lists, setting->key, error);
+    }
+    return is_course(row, setting) ? check_course(self, setting->value, error)
+                                   : set_value(row, base, setting->value, error);
+}
+
+static int set_serial(const struct dg_engine *self, size_t index, struct dg_plan_error *error)
+{
+    const struct dg_plan_encoder *row = &self->setup.plan->encoders[index];
+    struct dg_host *host = self->encoders[index].host;
+    const struct dg_key *key = dg_keys_find(dg_host_wire_at(host)->keys, SERIAL);
+
+    if (key == NULL) {
+        (void)dg_plan_refuse(error, RIG_SAY("leave it out"),
+                             RIG_SAY(row->model->name, " has none"));
+    } else if (set_value(key, dg_host_line_of(host)->settings, row->serial, error) == 0) {
+        return 0;
+    }
+    (void)dg_plan_about(error, SERIAL, row->serial);
+    return dg_plan_stand(self->setup.plan, row->serial_line, error);
+}
+
+/* Encoders whose master asks for their serial numbers count up on their wire. */
+static void count_serial(struct engine_encoder *encoder)
+{
+    const struct dg_host_wire *wire = dg_host_wire_at(encoder->host);
+    const struct dg_key *key = dg_keys_find(wire->keys, SERIAL);
+    const bool counts =
+        wire->stack->medium == DG_MEDIUM_FRAMES || wire->stack->medium == DG_MEDIUM_WORDS;
+    char text[DG_TEXT_DIGITS_MAX + 1u];
+    uint64_t serial = 0;
+
+    if (!counts || key == NULL || dg_host_get(encoder->host, SERIAL, text, sizeof text) <= 0 ||
+        !dg_unsigned_parse(text, &serial)) {
+        return;
+    }
+    serial = (serial + encoder->place) % ((uint64_t)key->max + 1u);
+    (void)dg_host_set(encoder->host, SERIAL, dg_plan_number((size_t)serial).text);
+}
+
+static void set_address(struct dg_host *host, const struct dg_plan_encoder *row)
+{
+    if (row->address != DG_PLAN_AS_DELIVERED) {
+        (void)dg_host_set(host, row->model->stack->address_key,
+                          dg_plan_number((size_t)row->address).text);
+    }
+}
+
+/* One by one they are right. Making a device touches no memory, so it may be tried. */
+static int check_together(struct dg_engine *self, size_t index, struct dg_plan_error *error)
+{
+    static const struct dg_nvm_ops nowhere = {.read = NULL};
+    const struct dg_plan_encoder *row = &self->setup.plan->encoders[index];
+    struct dg_host_line *line = dg_host_line_of(self->encoders[index].host);
+    struct dg_stack_setup setup = dg_host_setup(self->encoders[index].host);
+    int result = 0;
+
+    if (self->setup.check != NULL) {
+        result = self->setup.check(self->setup.ctx, index, line->settings, error);
+    }
+    if (result == 0) {
+        setup.nvm.ops = &nowhere;
+        result = row->model->stack->init(line->device, &setup);
+        memset(line->device, 0, row->model->stack->device_size);
+        (void)(result == 0 ? 0
+                           : dg_plan_refuse(error, NULL, RIG_SAY("these figures make no encoder")));
+    }
+    return result == 0 ? 0 : dg_plan_stand(self->setup.plan, row->line, error);
+}
+
+int dg_engine_set_encoder(struct dg_engine *self, size_t index, struct dg_plan_error *error)
+{
+    const struct dg_plan_encoder *row = &self->setup.plan->encoders[index];
+    struct engine_encoder *encoder = &self->encoders[index];
+    struct list lists[LISTS];
+
+    encoder->end = (struct engine_end){.pace = true};
+    list_rows(self, index, lists);
+    for (size_t i = 0; i < row->settings.count; i++) {
+        if (set_one(self, index, lists, &row->settings.list[i], error) != 0) {
+            return refuse_setting(self, &row->settings.list[i], error);
+        }
+    }
+    if (row->serial == NULL) {
+        count_serial(encoder);
+    } else if (set_serial(self, index, error) != 0) {
+        return -1;
+    }
+    set_address(encoder->host, row);
+    if (check_together(self, index, error) != 0) {
+        return -1;
+    }
+    if (row->nvm == NULL || dg_host_memory_size(encoder->host) > 0) {
+        return 0;
+    }
+    (void)dg_plan_refuse(error, RIG_SAY("leave it out"),
+                         RIG_SAY(row->model->name, " has no EEPROM"));
+    (void)dg_plan_about(error, "nvm", NULL);
+    return dg_plan_stand(self->setup.plan, row->nvm_line, error);
+}
+
+/* ---------------------------------------------------------------- courses */
+
+/* What can be told by the words alone is right already. */
+static int begin_course(struct dg_engine *self, size_t index, const struct dg_plan_setting *setting,
+                        struct dg_plan_error *error)
+{
+    const struct dg_key *row = dg_keys_find(&dg_world_keys, setting->key);
+    struct dg_course_words words;
+
+    if (row == NULL || !is_course(row, setting)) {
+        return 0;
+    }
+    (void)dg_course_read(setting->value, &words, error);
+    struct dg_rig_course *course = self->setup.course(self->setup.ctx, index, setting, error);
+    if (course == NULL) {
+        return refuse_setting(self, setting, error);
+    }
+    course->quantity = (size_t)(row - dg_world_keys.rows);
+    course->course.loop = words.loop;
+    course->course.steps = words.steps || dg_quantities[course->quantity].unit == DG_UNIT_STATE;
+    if (dg_rig_follow(&self->control, &self->encoders[index].control, course, self->setup.begin) ==
+        DG_OK) {
+        return 0;
+    }
+    (void)dg_plan_refuse(error, NULL, RIG_SAY("a loop needs a time above 0"));
+    return refuse_setting(self, setting, error);
+}
+
+int dg_engine_begin_courses(struct dg_engine *self, struct dg_plan_error *error)
+{
+    int result = 0;
+
+    for (size_t i = 0; i < self->setup.plan->encoder_count; i++) {
+        const struct dg_plan_settings *settings = &self->setup.plan->encoders[i].settings;
+        for (size_t j = 0; result == 0 && j < settings->count; j++) {
+            result = begin_course(self, i, &settings->list[j], error);
+        }
+    }
+    return result;
+}
+
+/* ---------------------------------------------------------------- a wire */
+
+/* Keys that are not here are the host's. */
+int dg_engine_set_line(const struct dg_engine *self, size_t index, struct dg_engine_line *line,
+                       struct dg_plan_error *error)
+{
+    const struct dg_plan_wire *wire = &self->setup.plan->wires[index];
+    const struct dg_keys *keys = &dg_engine_line_keys[wire->stack->medium];
+
+    *line = dg_engine_line_usual;
+    for (size_t i = 0; keys->rows != NULL && i < wire->settings.count; i++) {
+        const struct dg_plan_setting *setting = &wire->settings.list[i];
+        const struct dg_key *row = dg_keys_find(keys, setting->key);
+        if (row != NULL && set_value(row, line, setting->value, error) != 0) {
+            return refuse_setting(self, setting, error);
+        }
+    }
+    return 0;
+}
