@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""The player of `drehgeber run` in virtual time: a rig file for each script. README.md has the language.
+"""The player of rigs in virtual time: a rig file for each script. README.md has the language.
 
-usage: play_command.py [EMULATOR...] RIG, the program of rig/main.c"""
+usage: play_command.py [EMULATOR...] RIG, the program of rig/main.c, which is `drehgeber run`, or of engine/main.c"""
 
 import re
 import subprocess
@@ -15,10 +15,12 @@ from scpi import result_of, state_of, steer
 from script import SHARED, read_scripts, word_of
 
 BEGIN = 1_000_000_000  # of virtual time
-LINE, BUS = "rs485:tcp:127.0.0.1:0", "slcan:tcp:127.0.0.1:0"
-WIRES = {"rs485": LINE, "f3658": BUS, "f3668": BUS, "biss": "sim", "ssi": "sim", "line": LINE, "can": BUS, "chain": "sim"}
+LINE, BUS, RING = "rs485:tcp:127.0.0.1:0", "slcan:tcp:127.0.0.1:0", "modbus"
+WIRES = {"rs485": LINE, "f3658": BUS, "f3668": BUS, "biss": "sim", "ssi": "sim", "line": LINE, "can": BUS, "chain": "sim", "ring": RING}
 # A handle stores the address that it is made with, a rig one that is said.
 ADDRESSES = {"rs485": "address = 0x40\n"}
+# A rig counts serial numbers up where none is said.
+DELIVERED = {"ring": {"serial": "1234567"}}
 # What lets the master clock a frame, and how long after it the position is taken: at its first rising edge, falling edge.
 FRAMES = {"biss": ("BISS:FRAM?", 1000), "chain": ("BISS:FRAM?", 1000), "ssi": ("SSI:FRAM?", 500)}
 CHANNEL = b"O\r"  # of SLCAN: open it, at any bit rate
@@ -60,6 +62,7 @@ def write(address: str, data: str) -> Lines:
 REQUESTS = ("bytes", "meet", "over", "twin")
 WORDS: dict[str, Callable[..., Lines]] = {
     "can": frame, "remote": remote, "write": write, "read": read,
+    "cycle": lambda words: [f"cycle {words}"], "identify": lambda: ["identify"],
     **dict.fromkeys(REQUESTS, lambda data: [say(bytes.fromhex(data))]),
 }
 
@@ -114,6 +117,7 @@ def latch(answer: str, levels: list[tuple[int, int]]) -> str:
 
 ANSWERS: dict[str, Callable[[str], str]] = {
     **dict.fromkeys((*REQUESTS, "can", "remote"), lambda _: " 0"),
+    **dict.fromkeys(("cycle", "identify"), lambda answer: f" {answer}"),
     "shaft": lambda _: "", "eeprom": sum_memory, "position": position, "sincos": sincos,
 }
 
@@ -129,14 +133,16 @@ def write_rig(path: Path, model: str, settings: Iterable[Lines]) -> None:
 def write_shared_rig(path: Path, wire: str, script: list[Lines]) -> Lines:
     """One with several encoders. @return their numbers"""
     kind, _, address = WIRES[wire].partition(":")
-    sections = {"": f"[bus it]\nwire = {kind}\n" + (f"address = {address}\n" if address else "")}
+    sections = {"": {"wire": kind} | ({"address": address} if address else {})}
     for _, name, *words in script:
         number, _, word = name.rpartition(":")
         if word == "encoder":
-            sections[number] = f"[shaft s{number}]\n[encoder e{number}]\nshaft = s{number}\nbus = it\nmodel = {words[0]}\n"
+            sections[number] = {"shaft": f"s{number}", "bus": "it", "model": words[0]} | DELIVERED.get(wire, {})
         elif word == "set":
-            sections[number] += f"{words[0]} = {words[1]}\n"
-    path.write_text("".join(sections.values()))
+            sections[number][words[0]] = words[1]
+    heads = {number: f"[shaft s{number}]\n[encoder e{number}]\n" if number else "[bus it]\n" for number in sections}
+    path.write_text("".join(heads[number] + "".join(f"{key} = {value}\n" for key, value in section.items())
+                            for number, section in sections.items()))
     return list(sections)[1:]
 
 

@@ -10,7 +10,6 @@
  * "@NS levels CLOCK DATA". usage: differential_rig RIG.ini < LINES
  */
 #define _GNU_SOURCE
-#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,36 +17,15 @@
 #include "give_up.h"
 #include "hf_rig.h"
 #include "timer.h"
+#include "told.h"
 #include "virtual_rig.h"
 
 #define LINE_CHARS_MAX 512u
-#define REMOTE 8u /* DG_HOST_REMOTE */
-
-static bool clocking;
-
-static void print_event(void *ctx, const struct dg_tap_event *event)
-{
-    (void)ctx;
-    if (event->kind == DG_TAP_LEVELS && clocking) {
-        printf("@%" PRIu64 " levels %d %d\n", event->at, event->levels.clock, event->levels.data);
-    } else if (event->kind == DG_TAP_CHARACTER && event->ours) {
-        printf("@%" PRIu64 " byte %02x\n", event->at, event->character.byte);
-    } else if (event->kind == DG_TAP_FRAME && event->ours) {
-        const struct dg_can_frame *frame = &event->frame;
-
-        printf("@%" PRIu64 " message %" PRIx32 " %x ", event->at, (uint32_t)frame->id,
-               frame->rtr ? REMOTE : 0u);
-        for (uint8_t i = 0; !frame->rtr && i < frame->dlc; i++) {
-            printf("%02x", frame->data[i]);
-        }
-        printf(";\n");
-    }
-}
 
 static void ask_scpi(struct virtual_rig *rig, unsigned number, const char *command)
 {
     virtual_rig_ask(rig, command);
-    clocking = false;
+    told_levels = false;
     if (rig->answer[0] == '\0') {
         virtual_rig_ask(rig, "SYST:ERR?");
     }
@@ -56,7 +34,7 @@ static void ask_scpi(struct virtual_rig *rig, unsigned number, const char *comma
 
 static void clock_frame(struct virtual_rig *rig, unsigned number, const char *command)
 {
-    clocking = true;
+    told_levels = true;
     ask_scpi(rig, number, command);
 }
 
@@ -100,7 +78,7 @@ static void do_line(struct virtual_rig *rig, unsigned number, char *line)
 int main(int argc, char *argv[])
 {
     static struct virtual_rig rig;
-    struct lx_tap_listener listener = {.event = print_event};
+    struct lx_tap_listener listener = {.event = told_print};
     char line[LINE_CHARS_MAX];
 
     if (argc != 2) {
