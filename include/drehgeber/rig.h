@@ -326,7 +326,9 @@ struct dg_plan_simulation {
     uint32_t step_us; /**< of virtual time; 1..1000000 */
 };
 
-/** As nobody has set them: 1 MHz and no delay; 1 ms and no faults; coordinated, steps of 1 ms. */
+/** As nobody has set them: at once; 1 MHz and no delay; 1 ms and no faults; coordinated, steps of
+ * 1 ms. */
+DG_API extern const bool dg_plan_pace_usual;
 DG_API extern const struct dg_plan_timing dg_plan_timing_usual;
 DG_API extern const struct dg_plan_ring dg_plan_ring_usual;
 DG_API extern const struct dg_plan_simulation dg_plan_simulation_usual;

@@ -45,24 +45,14 @@ extern "C" {
 /** A rig at work. Lives in the host's memory. */
 struct dg_engine;
 
-/** Settings of a wire, whoever has it; which of them one has goes by its medium. Masters that are
- * the host's look up theirs here. */
+/** Settings of a wire, of every kind; those that its kind does not have are as usual. Masters that
+ * are the host's look up theirs here. */
 struct dg_engine_line {
-    bool pace;              /**< frames: each takes its time at the bit rate */
-    uint32_t clock_hz;      /**< edges: of the master */
-    uint32_t line_delay_ns; /**< edges: of the cable, each way */
-    bool compensate;        /**< edges: the master takes its samples later by the way there and back
-                             */
-    uint32_t cycle_us;      /**< words: from one data cycle to the next */
-    bool tear;              /**< words: half of an OUT word is taken from a request (fault) */
-    uint16_t break_at;      /**< words: the ring is cut before this place; DG_RING_WHOLE */
+    bool pace; /**< frames: each takes its time at the bit rate */
+    struct dg_plan_timing timing;
+    struct dg_plan_ring ring;
+    struct dg_plan_simulation simulation;
 };
-
-/** Their rows, by enum dg_medium, for struct dg_plan_wire_kind.keys; offsets count from a struct
- * dg_engine_line. */
-DG_API extern const struct dg_keys dg_engine_line_keys[DG_MEDIUM_COUNT];
-/** What they are unless somebody sets them. */
-DG_API extern const struct dg_engine_line dg_engine_line_usual;
 
 /** A wire before its bus is made. It is filled by the plan, and the host may change it. */
 struct dg_engine_wire {
@@ -92,10 +82,6 @@ struct dg_engine_setup {
     const struct dg_instrument *const *instruments;
     size_t instrument_count;
     const struct dg_rig_ops *ops; /**< of the control plane; NULL: dg_engine_ops */
-    /** Kinds of wire as in struct dg_plan_setup, for messages only; NULL: none are named. */
-    const void *wires;
-    size_t wire_count;
-    size_t wire_stride;
     /** Wire `index` of the plan is about to be made. NULL: each is made as it stands. */
     void (*wire)(void *ctx, size_t index, struct dg_engine_wire *to);
     /** Rows of the host's own for encoder `index`, whose settings are `settings`; one that has the

@@ -43,10 +43,10 @@ size_t dg_engine_rooms(const struct dg_engine_setup *setup, size_t encoders)
 
 size_t dg_engine_handle_size(const struct dg_engine_setup *setup, const struct dg_device *model)
 {
-    const struct dg_host_wire *wire = dg_host_wire_of(model);
+    const struct dg_bus_side *side = dg_bus_side_of(model);
 
-    return round_up(setup->memory_is_host ? dg_host_size_with_port(model, wire)
-                                          : dg_host_size_on_bus(model, wire));
+    return round_up(setup->memory_is_host ? dg_host_size_with_port(model, side)
+                                          : dg_host_size_on_bus(model, side));
 }
 
 /* 0 also of a wire that has none. */

@@ -100,7 +100,7 @@ static void place_encoder(struct dg_engine *self, size_t index, uint8_t *memory)
     struct dg_rig_shaft *shaft = &self->shafts[row->shaft].control;
 
     encoder->host = dg_host_init_on_bus(memory, dg_engine_handle_size(&self->setup, row->model),
-                                        row->model, dg_host_wire_of(row->model));
+                                        row->model, dg_bus_side_of(row->model));
     dg_host_shaft_of(encoder->host, &shaft->shaft);
     dg_host_world(encoder->host)->stands = dg_shaft_stands;
     encoder->control = (struct dg_encoder){
@@ -166,8 +166,8 @@ static void describe_wire(const struct dg_engine *self, struct engine_wire *wire
                                               .rooms = dg_engine_rooms(&self->setup, count),
                                               .pace = is->line.pace};
     is->edges = (struct dg_bus_edges_setup){.size = sizeof is->edges,
-                                            .there_ns = is->line.line_delay_ns,
-                                            .back_ns = is->line.line_delay_ns};
+                                            .there_ns = is->line.timing.line_delay_ns,
+                                            .back_ns = is->line.timing.line_delay_ns};
     is->words = (struct dg_bus_words_setup){.size = sizeof is->words,
                                             .in = room,
                                             .words = count * DG_RING_WORDS_MAX,
@@ -233,7 +233,7 @@ static int attach_all(struct dg_engine *self, const struct engine_wire *wire,
         }
     }
     if (wire->is.plan->stack->medium == DG_MEDIUM_WORDS) {
-        dg_ring_cut(wire->bus, wire->is.line.break_at);
+        dg_ring_cut(wire->bus, wire->is.line.ring.break_at);
     }
     return 0;
 }

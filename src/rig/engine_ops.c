@@ -65,7 +65,7 @@ static void say_address(const struct dg_engine *self, size_t index, struct dg_te
 {
     const struct dg_plan_encoder *row = &self->setup.plan->encoders[index];
     const struct dg_plan_wire *wire = &self->setup.plan->wires[row->wire];
-    const struct dg_host_wire *side = dg_host_wire_at(self->encoders[index].host);
+    const struct dg_bus_side *side = dg_host_side_at(self->encoders[index].host);
 
     dg_plan_add(to, RIG_SAY(wire->kind->name, ":", wire->where != NULL ? wire->where : ""));
     if (side->controller != NULL) {
@@ -116,7 +116,7 @@ static void count_frames(const struct dg_bus *bus, size_t place, struct dg_scpi 
 
     dg_state_number(to, "wire_stalls", counted->stalls);
     dg_state_number(to, "wire_lost", counted->lost);
-    dg_state_number(to, "wire_kbaud", dg_host_wire_at(host)->controller->bit_rate(device) / 1000u);
+    dg_state_number(to, "wire_kbaud", dg_host_side_at(host)->controller->bit_rate(device) / 1000u);
 }
 
 static void count_words(const struct dg_bus *bus, size_t place, struct dg_scpi *to)

@@ -22,39 +22,16 @@
 static const char *const own_any[2] = {"own", "any"};
 
 /* clang-format off */
-static const struct dg_key frames_rows[] = {
-    /* name           unit  offset                type         places factor min     max                  words          help */
-    {"pace",          "",   LINE(pace),           DG_KEY_FLAG, 0,     1,     0,      1,                   dg_key_no_yes, "1: each frame takes its time at the bit rate"},
-};
-static const struct dg_key edges_rows[] = {
-    {"clock_hz",      "Hz", LINE(clock_hz),       DG_KEY_U32,  0,     1,     50000,  10000000,            NULL,          "simulated wire: clock of the master"},
-    {"line_delay_ns", "ns", LINE(line_delay_ns),  DG_KEY_U32,  0,     1,     0,      DG_BUS_CABLE_MAX_NS, NULL,          "simulated wire: delay of the cable each way; 5 ns are a metre"},
-    {"compensate",    "",   LINE(compensate),     DG_KEY_FLAG, 0,     1,     0,      1,                   dg_key_no_yes, "simulated wire: the master takes its samples later by the way there and back"},
-};
-static const struct dg_key words_rows[] = {
-    {"cycle",         "us", LINE(cycle_us),       DG_KEY_U32,  0,     1,     250,    50000,               NULL,          "from one data cycle of the ring to the next"},
-    {"tear",          "",   LINE(tear),           DG_KEY_FLAG, 0,     1,     0,      1,                   dg_key_no_yes, "1: half of an OUT word is taken from a request (fault)"},
-    {"break_at",      "",   LINE(break_at),       DG_KEY_U16,  0,     1,     0,      DG_RING_MAX - 1,     NULL,          "the bus is cut before this device, 0 is the first (fault)"},
-};
 static const struct dg_key end_rows[] = {
     {"pace",          "",   END(pace),            DG_KEY_FLAG, 0,     1,     0,      1,                   dg_key_no_yes, "requests and replies at the speed of the line; 0: at once"},
     {"line",          "",   END(any_line),        DG_KEY_FLAG, 0,     1,     0,      1,                   own_any,       "data rate the master must use: the encoder's own, or any"},
 };
 /* clang-format on */
 
-const struct dg_keys dg_engine_line_keys[DG_MEDIUM_COUNT] = {
-    [DG_MEDIUM_FRAMES] = {frames_rows, DG_COUNT(frames_rows)},
-    [DG_MEDIUM_EDGES] = {edges_rows, DG_COUNT(edges_rows)},
-    [DG_MEDIUM_WORDS] = {words_rows, DG_COUNT(words_rows)},
-};
-
 /* Of an encoder's end of a wire, by medium. */
 static const struct dg_keys end_keys[DG_MEDIUM_COUNT] = {
     [DG_MEDIUM_CHARACTERS] = {end_rows, DG_COUNT(end_rows)},
 };
-
-const struct dg_engine_line dg_engine_line_usual = {
-    .clock_hz = 1000000, .compensate = true, .cycle_us = 1000, .break_at = DG_RING_WHOLE};
 
 /* ---------------------------------------------------------------- a value */
 
@@ -187,21 +164,10 @@ static const struct dg_key *find_row(const struct list lists[LISTS], const char 
 
 /* ---------------------------------------------------------------- names that nobody has */
 
-static const struct dg_plan_wire_kind *kind_at(const struct dg_engine_setup *setup, size_t index)
-{
-    return (const struct dg_plan_wire_kind *)(const void *)((const uint8_t *)setup->wires +
-                                                            index * setup->wire_stride);
-}
-
-static bool is_key_of(const struct dg_plan_wire_kind *kind, const char *name)
-{
-    return kind->keys != NULL && dg_keys_find(kind->keys, name) != NULL;
-}
-
 /* A key of its own, or of the ends of what it carries. */
 static bool offers(const struct dg_plan_wire_kind *kind, const char *name)
 {
-    bool found = is_key_of(kind, name);
+    bool found = dg_plan_wire_has(kind, name);
 
     for (size_t i = 0; i < DG_MEDIUM_COUNT && !found; i++) {
         found = (kind->media >> i & 1u) != 0 && end_keys[i].rows != NULL &&
@@ -211,20 +177,20 @@ static bool offers(const struct dg_plan_wire_kind *kind, const char *name)
 }
 
 /* @return how many kinds of wire take it, if one of them has it itself */
-static size_t list_kinds(const struct dg_engine_setup *setup, const char *name, struct rig_list *to)
+static size_t list_kinds(const char *name, struct rig_list *to)
 {
-    const size_t all = setup->wires == NULL ? 0 : setup->wire_count;
+    const size_t all = dg_plan_wire_count;
     size_t count = 0;
     size_t own = 0;
     size_t n = 0;
 
     for (size_t i = 0; i < all; i++) {
-        own += is_key_of(kind_at(setup, i), name) ? 1u : 0u;
-        count += offers(kind_at(setup, i), name) ? 1u : 0u;
+        own += dg_plan_wire_has(&dg_plan_wires[i], name) ? 1u : 0u;
+        count += offers(&dg_plan_wires[i], name) ? 1u : 0u;
     }
     for (size_t i = 0; own > 0 && i < all; i++) {
-        if (offers(kind_at(setup, i), name)) {
-            dg_plan_list_item(to, kind_at(setup, i)->name, n++, count);
+        if (offers(&dg_plan_wires[i], name)) {
+            dg_plan_list_item(to, dg_plan_wires[i].name, n++, count);
         }
     }
     return own > 0 ? count : 0;
@@ -254,7 +220,7 @@ static int refuse_name(const struct dg_engine *self, size_t index, const struct 
     struct rig_list text;
 
     dg_plan_list_begin(&text);
-    const size_t others = list_kinds(&self->setup, name, &text);
+    const size_t others = list_kinds(name, &text);
     if (others > 0) {
         return dg_plan_refuse(error, RIG_SAY("leave it out"),
                               RIG_SAY("only ", others == 1 ? "a " : "", text.room,
@@ -440,18 +406,41 @@ int dg_engine_begin_courses(struct dg_engine *self, struct dg_plan_error *error)
 
 /* ---------------------------------------------------------------- a wire */
 
-/* Keys that are not here are the host's. */
+/* By what a kind has nobody set of it. */
+static const struct {
+    const void *usual;
+    size_t offset;
+} places[] = {
+    {&dg_plan_pace_usual, LINE(pace)},
+    {&dg_plan_timing_usual, LINE(timing)},
+    {&dg_plan_ring_usual, LINE(ring)},
+    {&dg_plan_simulation_usual, LINE(simulation)},
+};
+
+static void *place_of(struct dg_engine_line *line, const struct dg_plan_wire_kind *kind)
+{
+    size_t i = DG_COUNT(places) - 1u;
+
+    while (i > 0 && places[i].usual != kind->settings) {
+        i--;
+    }
+    return (uint8_t *)line + places[i].offset;
+}
+
 int dg_engine_set_line(const struct dg_engine *self, size_t index, struct dg_engine_line *line,
                        struct dg_plan_error *error)
 {
     const struct dg_plan_wire *wire = &self->setup.plan->wires[index];
-    const struct dg_keys *keys = &dg_engine_line_keys[wire->stack->medium];
+    const struct dg_keys *keys = wire->kind->keys;
 
-    *line = dg_engine_line_usual;
-    for (size_t i = 0; keys->rows != NULL && i < wire->settings.count; i++) {
+    *line = (struct dg_engine_line){.pace = dg_plan_pace_usual,
+                                    .timing = dg_plan_timing_usual,
+                                    .ring = dg_plan_ring_usual,
+                                    .simulation = dg_plan_simulation_usual};
+    for (size_t i = 0; keys != NULL && i < wire->settings.count; i++) {
         const struct dg_plan_setting *setting = &wire->settings.list[i];
         const struct dg_key *row = dg_keys_find(keys, setting->key);
-        if (row != NULL && set_value(row, line, setting->value, error) != 0) {
+        if (row != NULL && set_value(row, place_of(line, wire->kind), setting->value, error) != 0) {
             return refuse_setting(self, setting, error);
         }
     }

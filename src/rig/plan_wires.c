@@ -63,7 +63,7 @@ static const struct dg_keys simulation_keys = {
     .count = DG_COUNT(simulation_rows),
 };
 
-static const bool pace_usual = false;
+const bool dg_plan_pace_usual = false;
 const struct dg_plan_timing dg_plan_timing_usual = {
     .clock_hz = DG_PLAN_CLOCK_HZ,
     .compensate = true,
@@ -126,7 +126,7 @@ const struct dg_plan_wire_kind dg_plan_wires[] = {
         .media = DG_PLAN_CARRIES(FRAMES),
         .where = "IFNAME",
         .keys = &pace_keys,
-        .settings = &pace_usual,
+        .settings = &dg_plan_pace_usual,
         .where_needed = true,
     },
     {
@@ -135,7 +135,7 @@ const struct dg_plan_wire_kind dg_plan_wires[] = {
         .media = DG_PLAN_CARRIES(FRAMES),
         .where = "LINK|tcp:HOST:PORT",
         .keys = &pace_keys,
-        .settings = &pace_usual,
+        .settings = &dg_plan_pace_usual,
         .where_is_path = true,
         .where_may_be_tcp = true,
     },
@@ -146,7 +146,7 @@ const struct dg_plan_wire_kind dg_plan_wires[] = {
         .where = "HOST:PORT[,BUS]",
         .usual = "127.0.0.1:29536",
         .keys = &pace_keys,
-        .settings = &pace_usual,
+        .settings = &dg_plan_pace_usual,
     },
     {
         .name = "silkit",

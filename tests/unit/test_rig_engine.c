@@ -23,23 +23,6 @@
 #define GUARD 64u
 #define HEARD_MAX 64u
 
-static const struct dg_plan_wire_kind kinds[] = {
-    {.name = "line", .stations_max = 32, .media = DG_PLAN_CARRIES(CHARACTERS), .mixed = true},
-    {.name = "can",
-     .stations_max = 127,
-     .media = DG_PLAN_CARRIES(FRAMES),
-     .where = "IFNAME",
-     .keys = &dg_engine_line_keys[DG_MEDIUM_FRAMES]},
-    {.name = "sim",
-     .stations_max = 8,
-     .media = DG_PLAN_CARRIES(EDGES),
-     .keys = &dg_engine_line_keys[DG_MEDIUM_EDGES]},
-    {.name = "ring",
-     .stations_max = 512,
-     .media = DG_PLAN_CARRIES(WORDS),
-     .keys = &dg_engine_line_keys[DG_MEDIUM_WORDS]},
-};
-
 struct bench {
     _Alignas(16) unsigned char plan_memory[PLAN_SIZE];
     _Alignas(16) unsigned char memory[RIG_SIZE + GUARD];
@@ -88,9 +71,6 @@ static void read_plan(const char *text)
         .text = {text, strlen(text)},
         .memory = bench.plan_memory,
         .memory_size = sizeof bench.plan_memory,
-        .wires = kinds,
-        .wire_count = DG_COUNT(kinds),
-        .wire_stride = sizeof kinds[0],
     };
 
     if (dg_plan_read(&bench.plan, &setup, &bench.error) != DG_OK) {
@@ -104,9 +84,6 @@ static void read_plan(const char *text)
         .begin = DG_S(1),
         .instruments = dg_instruments,
         .instrument_count = dg_instrument_count,
-        .wires = kinds,
-        .wire_count = DG_COUNT(kinds),
-        .wire_stride = sizeof kinds[0],
         .wire = open_door,
         .woken = note_waking,
         .ctx = &bench,
@@ -172,10 +149,10 @@ static void connect_client(void)
 
 static const char mixed[] = "[shaft motor]\nmotion = 60RPM\n"
                             "[shaft load]\ndriver = motor\nratio = 1:4\n"
-                            "[bus rs]\nwire = line\n"
+                            "[bus rs]\nwire = pty\n"
                             "[bus vcan]\nwire = can\naddress = vcan0\n"
                             "[bus chain]\nwire = sim\nline_delay_ns = 100\n"
-                            "[bus loop]\nwire = ring\n"
+                            "[bus loop]\nwire = modbus\n"
                             "[encoder a]\nmodel = s3684-rs485\nbus = rs\naddress = 0x41\n"
                             "[encoder n]\nmodel = f3668\nbus = vcan\nnode = 1..3\nshaft = load\n"
                             "[encoder b]\nmodel = s3684-biss\nbus = chain\n"
@@ -252,7 +229,7 @@ static void shafts_turn_from_the_beginning(void **state)
 
 /* ------------------------------------------------------------ what it refuses */
 
-#define LINE_OF "[bus rs]\nwire = line\n[encoder a]\nbus = rs\nmodel = s3684-rs485\n"
+#define LINE_OF "[bus rs]\nwire = pty\n[encoder a]\nbus = rs\nmodel = s3684-rs485\n"
 #define BUS_OF "[bus vcan]\nwire = can\naddress = vcan0\n[encoder n]\nbus = vcan\nmodel = f3668\n"
 #define CHAIN_OF "[bus c]\nwire = sim\n[encoder b]\nbus = c\nmodel = s3684-biss\n"
 
@@ -274,7 +251,8 @@ static const struct {
      4, "pace", "2", "", "0 or 1 is right"},
     {LINE_OF "pace = 2\n", 6, "pace", "2", "", "0 or 1 is right"},
     {LINE_OF "serial = 1234567890\n", 6, "serial", "1234567890", "", "1 to 9 digits are right"},
-    {CHAIN_OF "pace = 1\n", 6, "pace", "1", "only line and can wires have it", "leave it out"},
+    {CHAIN_OF "pace = 1\n", 6, "pace", "1",
+     "only pty, tty, rs485, can, slcan, socketcand and silkit wires have it", "leave it out"},
     {CHAIN_OF "busy_us = 40\nbusy_jitter_us = 40\n", 3, "", NULL, "these figures make no encoder",
      ""},
     {"[bus c]\nwire = sim\n[encoder b]\nbus = c\nmodel = ssi-25\n[encoder d]\nbus = c\nmodel = ssi-25\n",
@@ -449,7 +427,7 @@ static void an_eeprom_may_be_there_before_the_power(void **state)
     struct dg_host *host = dg_engine_encoder(bench.engine, 0);
     assert_int_equal(dg_host_memory_load(host, image, n), DG_HOST_OK);
     assert_int_equal(dg_engine_power(bench.engine, DG_S(1), &bench.error), DG_OK);
-    assert_int_equal(dg_host_wire_at(host)->address(dg_host_line_of(host)), 0x52);
+    assert_int_equal(dg_host_side_at(host)->address(dg_host_line_of(host)), 0x52);
     /* Something else is none. */
     make(LINE_OF "nvm = it.nvm\n");
     memset(image, 0x5A, n);
@@ -552,8 +530,9 @@ static void a_ring_is_cut_where_the_plan_says(void **state)
 {
     static const uint16_t out[8];
     (void)state;
-    switch_on("[bus loop]\nwire = ring\nbreak_at = 1\n[encoder a]\nmodel = ocd-ib-k2\nbus = loop\n"
-              "[encoder b]\nmodel = ocd-ib-k2\nbus = loop\n");
+    switch_on(
+        "[bus loop]\nwire = modbus\nbreak_at = 1\n[encoder a]\nmodel = ocd-ib-k2\nbus = loop\n"
+        "[encoder b]\nmodel = ocd-ib-k2\nbus = loop\n");
     (void)dg_engine_step(bench.engine, DG_S(3));
     struct dg_bus *bus = dg_engine_bus(bench.engine, 0);
     const struct dg_tap_event event = {

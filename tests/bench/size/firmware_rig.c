@@ -11,16 +11,9 @@
 
 static const char text[] = "[shaft motor]\nmotion = 1500RPM\n"
                            "[shaft load]\ndriver = motor\nratio = 1:3\n"
-                           "[bus field]\nwire = controller\n"
+                           "[bus field]\nwire = slcan\n"
                            "[encoder motor]\nmodel = f3668\nbus = field\nnode = 5\n"
                            "[encoder load]\nmodel = f3658\nbus = field\nnode = 6\nshaft = load\n";
-
-static const struct dg_plan_wire_kind kinds[] = {
-    {.name = "controller",
-     .stations_max = 8,
-     .media = DG_PLAN_CARRIES(FRAMES),
-     .keys = &dg_engine_line_keys[DG_MEDIUM_FRAMES]},
-};
 
 static _Alignas(DG_HOST_ALIGN) unsigned char plan_memory[4096];
 static _Alignas(DG_HOST_ALIGN) unsigned char rig_memory[20480];
@@ -49,10 +42,7 @@ static struct dg_engine *make_rig(struct dg_plan *plan)
                                          .file = "rig.ini",
                                          .text = {text, sizeof text - 1u},
                                          .memory = plan_memory,
-                                         .memory_size = sizeof plan_memory,
-                                         .wires = kinds,
-                                         .wire_count = DG_COUNT(kinds),
-                                         .wire_stride = sizeof kinds[0]};
+                                         .memory_size = sizeof plan_memory};
     const struct dg_engine_setup setup = {.size = sizeof setup,
                                           .plan = plan,
                                           .begin = board_now,

@@ -27,11 +27,6 @@
 /* Time of the command's rigs begins there. */
 #define BEGIN DG_S(1)
 
-struct kind {
-    struct dg_plan_wire_kind kind;
-    void (*send)(dg_ns now, const uint8_t *bytes, size_t n); /* NULL: nothing can be said on it */
-};
-
 static struct {
     struct dg_plan plan;
     struct dg_engine *engine;
@@ -61,7 +56,7 @@ static void open_door(void *ctx, size_t index, struct dg_engine_wire *to)
     (void)index;
     to->ops = &ops;
     to->frames.line = (struct dg_bus_frames_line){.closed = true, .company = DG_BUS_SOMEBODY};
-    to->edges.period_ns = (uint32_t)(DG_S(1) / to->line.clock_hz);
+    to->edges.period_ns = (uint32_t)(DG_S(1) / to->line.timing.clock_hz);
 }
 
 /* ------------------------------------------------------------ what the master says */
@@ -99,34 +94,11 @@ static void send_slcan(dg_ns now, const uint8_t *bytes, size_t n)
     }
 }
 
-static const struct kind kinds[] = {
-    {{.name = "rs485",
-      .stations_max = 32,
-      .media = DG_PLAN_CARRIES(CHARACTERS),
-      .where = "ADDRESS"},
-     send_characters},
-    {{.name = "slcan",
-      .stations_max = 127,
-      .media = DG_PLAN_CARRIES(FRAMES),
-      .where = "ADDRESS",
-      .keys = &dg_engine_line_keys[DG_MEDIUM_FRAMES]},
-     send_slcan},
-    {{.name = "sim",
-      .stations_max = DG_BISS_CHAIN_MAX,
-      .media = DG_PLAN_CARRIES(EDGES),
-      .keys = &dg_engine_line_keys[DG_MEDIUM_EDGES]},
-     NULL},
-    {{.name = "modbus",
-      .stations_max = DG_RING_MAX,
-      .media = DG_PLAN_CARRIES(WORDS),
-      .keys = &dg_engine_line_keys[DG_MEDIUM_WORDS]},
-     NULL},
+/* What the master says to a medium; NULL: by calls. */
+static void (*const senders[DG_MEDIUM_COUNT])(dg_ns now, const uint8_t *bytes, size_t n) = {
+    [DG_MEDIUM_CHARACTERS] = send_characters,
+    [DG_MEDIUM_FRAMES] = send_slcan,
 };
-
-static const struct kind *kind_of_wire(void)
-{
-    return (const struct kind *)(const void *)it.plan.wires[0].kind;
-}
 
 /* ------------------------------------------------------------ time */
 
@@ -189,7 +161,7 @@ static void send_bytes(unsigned number, const char *digits)
 {
     uint8_t bytes[LINE_CHARS_MAX / 2u];
 
-    kind_of_wire()->send(it.now, bytes, hf_rig_hex(digits, bytes, sizeof bytes));
+    senders[it.plan.wires[0].stack->medium](it.now, bytes, hf_rig_hex(digits, bytes, sizeof bytes));
     printf("%u\n", number);
 }
 
@@ -301,10 +273,7 @@ static void read_plan(const char *file)
                                         .file = file,
                                         .text = {text, n},
                                         .memory = allocate(FILE_MAX),
-                                        .memory_size = FILE_MAX,
-                                        .wires = kinds,
-                                        .wire_count = DG_COUNT(kinds),
-                                        .wire_stride = sizeof kinds[0]};
+                                        .memory_size = FILE_MAX};
     if (dg_plan_read(&it.plan, &setup, &error) != 0 || it.plan.wire_count != 1) {
         give_up(error.what, file);
     }
