@@ -51,6 +51,16 @@ static void hear_encoder(void *ctx, const struct dg_host_event *event)
     from->bus->medium->hear(from, event);
 }
 
+/* Who draws by chance draws otherwise than the others on the wire: unless somebody else has begun it,
+ * chance begins with the place. */
+static struct dg_encoder *begin_chance(struct dg_encoder *control, size_t place)
+{
+    if (control != NULL && control->faults.random == 0) {
+        control->faults.random = (uint32_t)place;
+    }
+    return control;
+}
+
 int dg_bus_attach(struct dg_bus *self, struct dg_host *encoder, struct dg_encoder *control)
 {
     const struct dg_stack *stack = dg_host_wire_at(encoder)->stack;
@@ -64,7 +74,7 @@ int dg_bus_attach(struct dg_bus *self, struct dg_host *encoder, struct dg_encode
     struct bus_place *place = dg_bus_place_at(self, self->count);
     *place = (struct bus_place){.bus = self,
                                 .host = encoder,
-                                .control = control,
+                                .control = begin_chance(control, self->count),
                                 .index = self->count,
                                 .deadline = dg_host_next(encoder)};
     const int result = self->medium->attach(place);
@@ -111,7 +121,7 @@ dg_ns dg_bus_detach(struct dg_bus *self, size_t place, dg_ns now)
 
 void dg_bus_control(struct dg_bus *self, size_t place, struct dg_encoder *control)
 {
-    dg_bus_place_at(self, place)->control = control;
+    dg_bus_place_at(self, place)->control = begin_chance(control, place);
 }
 
 dg_ns dg_bus_next(const struct dg_bus *self)
