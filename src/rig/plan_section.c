@@ -284,9 +284,10 @@ static int take_rig(struct rig_reader *in, const struct rig_section *self)
 
 /* ---------------------------------------------------------------- the kinds */
 
-_Static_assert(DG_PLAN_CONTROLS_MAX == 4u && DG_PLAN_DEPTH_MAX == 8u &&
-                   DG_PLAN_INCLUDED_MAX == 1u << 20 && DG_SHAFT_GEARS_MAX == 8u,
-               "as the help of the rows has them");
+_Static_assert(DG_PLAN_CONTROLS_MAX == 4u, "as the help of the rows has it");
+_Static_assert(DG_PLAN_DEPTH_MAX == 8u, "likewise");
+_Static_assert(DG_PLAN_INCLUDED_MAX == 1u << 20, "likewise");
+_Static_assert(DG_SHAFT_GEARS_MAX == 8u, "likewise");
 
 static const struct rig_key rig_keys[] = {
     {

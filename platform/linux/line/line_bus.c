@@ -204,10 +204,11 @@ static int place_encoder(struct lx_line_bus *self, size_t index, struct lx_error
     self->names[index] = station->control.name;
     const struct lx_stack *stack = stack_of(encoder);
     uint8_t *settings = calloc(1, lx_stack_size(stack));
+    if (settings == NULL) {
+        return lx_fail(error, "no memory for an encoder");
+    }
     self->bus.tap.baud = stack->baud > self->bus.tap.baud ? stack->baud : self->bus.tap.baud;
-    const int result = settings == NULL
-                           ? lx_fail(error, "no memory for an encoder")
-                           : lx_station_make(station, &self->bus.setup, settings, error);
+    const int result = lx_station_make(station, &self->bus.setup, settings, error);
     if (result == 0) {
         memcpy(&encoder->settings, settings + stack->own_at, sizeof encoder->settings);
     }

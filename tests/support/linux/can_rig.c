@@ -143,7 +143,8 @@ int can_rig_tear_down(void **state)
 /* Encoders with the node-IDs 1, 2, ..., of both models in turn. */
 void can_rig_plan(struct can_rig *self, size_t count)
 {
-    self->wire = (struct dg_plan_wire){.name = "can0", .where = self->link};
+    self->wire = (struct dg_plan_wire){
+        .name = "can0", .kind = dg_plan_find_kind("slcan", 5), .where = self->link};
     self->plan.encoder_count = 0;
     for (size_t i = 0; i < count; i++) {
         struct dg_plan_encoder *encoder = &self->encoder[i];
