@@ -14,6 +14,7 @@
 
 #include "drehgeber/api.h"
 #include "drehgeber/quantity.h"
+#include "drehgeber/text.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -73,6 +74,11 @@ DG_API bool dg_key_holds(const struct dg_key *self, const void *base);
 /** What it is, as dg_key_set() takes it. @return its characters, behind which there is a zero, or
  * DG_ERR_SPACE */
 DG_API int dg_key_get(const struct dg_key *self, const void *base, char *to, size_t size);
+
+/** Append the values it takes: "0..24", "4 to 8 characters", "none, even or odd". */
+DG_API void dg_key_say_range(const struct dg_key *self, struct dg_text *to);
+/** Append what would be right in place of a value that is not: "a number in 0..24 is right". */
+DG_API void dg_key_say_right(const struct dg_key *self, struct dg_text *to);
 
 #ifdef __cplusplus
 }

@@ -21,24 +21,9 @@ static bool is_word(const struct dg_key *key)
 
 struct lx_words lx_key_range(const struct dg_key *key)
 {
-    static const char *const kinds[] = {"characters", "digits"};
-    const long long one = (long long)dg_power_of_ten(key->places);
-    const long long min = (long long)key->min / one;
-    const long long max = (long long)key->max / one;
     struct lx_words range = {""};
-    if (is_word(key)) {
-        for (size_t i = 0; i <= (size_t)max; i++) {
-            lx_words_item(&range, key->words[i], i, (size_t)max + 1u, " or ");
-        }
-        return range;
-    }
-    if (is_text(key) && min == max) {
-        lx_words_add(&range, "%lld", min);
-    } else {
-        lx_words_add(&range, is_text(key) ? "%lld to %lld" : "%lld..%lld", min, max);
-    }
-    const char *unit = is_text(key) ? kinds[key->type == DG_KEY_DIGITS] : key->unit;
-    lx_words_add(&range, "%s%s", unit[0] == '\0' ? "" : " ", unit);
+    struct dg_text text = dg_text_in(range.text, sizeof range.text);
+    dg_key_say_range(key, &text);
     return range;
 }
 
@@ -47,15 +32,11 @@ struct lx_words lx_key_range(const struct dg_key *key)
 int lx_key_set(const struct dg_key *key, void *base, const char *value, struct lx_error *error)
 {
     struct lx_words right = {""};
+    struct dg_text text = dg_text_in(right.text, sizeof right.text);
     if (dg_key_set(key, base, value) == DG_OK) {
         return 0;
     }
-    const bool number = !is_text(key) && !is_word(key);
-    lx_words_add(&right, "%s%s", number ? "a number in " : "", lx_key_range(key).text);
-    if (number && key->places > 0) {
-        lx_words_add(&right, " with at most %u decimals", key->places);
-    }
-    lx_words_add(&right, is_text(key) ? " are right" : " is right");
+    dg_key_say_right(key, &text);
     return lx_refuse(error, right.text, "%s", "");
 }
 
