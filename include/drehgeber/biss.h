@@ -30,6 +30,7 @@
 #include <stdint.h>
 
 #include "drehgeber/api.h"
+#include "drehgeber/form.h"
 #include "drehgeber/hal.h"
 #include "drehgeber/key.h"
 #include "drehgeber/stack.h"
@@ -42,6 +43,7 @@ extern "C" {
 #endif
 
 struct dg_instrument;
+struct dg_model_text;
 
 /** Silence on MA that ends a frame (5.2.1.2), and the short one chosen by 7Ch bits 2..0 (1..7). */
 #define DG_BISS_TIMEOUT_NS ((dg_ns)13000)
@@ -126,6 +128,12 @@ enum dg_biss_command {
     DG_BISS_COMMAND_COUNT
 };
 
+/** Widths of MT and ST, and of a whole frame behind CDS. */
+#define DG_BISS_MULTITURN_BITS_MAX 32u
+#define DG_BISS_SINGLETURN_BITS_MIN 8u
+#define DG_BISS_SINGLETURN_BITS_MAX 32u
+#define DG_BISS_FRAME_BITS_MAX 63u
+
 /** EEPROM regions; the row of dg_biss_layout.regions with the same index. */
 enum dg_biss_region {
     DG_BISS_REGION_CONFIG, /**< "config": bank 0, 1Bh..23h */
@@ -137,28 +145,34 @@ enum dg_biss_region {
 /** The device's EEPROM table; each region is checked. */
 DG_API extern const struct dg_store_layout dg_biss_layout;
 
+struct dg_biss_form;
+
 /** What a model is. Every figure is configuration; src/devices has the models of the manual. */
 struct dg_biss_model {
-    uint8_t multiturn_bits;  /**< MT, 0..24 */
-    uint8_t singleturn_bits; /**< ST, 12..24 */
+    uint8_t multiturn_bits;  /**< MT, 0..DG_BISS_MULTITURN_BITS_MAX */
+    uint8_t singleturn_bits; /**< ST, DG_BISS_SINGLETURN_BITS_MIN..DG_BISS_SINGLETURN_BITS_MAX; a
+                                  frame has at most DG_BISS_FRAME_BITS_MAX bits, 49 of MT and ST */
     bool life_counter;       /**< the frame has the 6 bits LC */
     bool autostore;          /**< each write to 1Bh..23h goes to the EEPROM at once */
     bool sl_low_at_start;    /**< SLO is low from power-on and command 03 to the first e1 */
     bool stop_bit_early;     /**< P = 1 says that the register behind the one just transferred will
                                   be refused; otherwise that the one just transferred was */
+    bool unidirectional;     /**< no registers, no commands: CDS is 0, CDM is not looked at */
     uint32_t serial;         /**< 44h..47h */
     uint8_t device_id[6];    /**< 78h..7Dh; MT, ST and timeout in it are filled in by the device */
-    dg_ns busy;              /**< from e1 to the earliest start bit, 0..DG_BISS_BUSY_S_MAX_NS */
-    dg_ns busy_jitter;       /**< up to as much more in every frame, see dg_biss.noise; with busy at
-                                  most DG_BISS_BUSY_S_MAX_NS */
-    dg_ns eeprom_read;       /**< before each byte of a user bank is there, or accepted */
-    dg_ns eeprom_write;      /**< after a byte was written, before the EEPROM takes another access;
-                                  with eeprom_read at most DG_BISS_BUSY_R_MAX_NS */
-    dg_ns init;              /**< after power-on and soft reset: position 0, nERR and nWARN low,
-                                  registers refused except for reading 60h (PON_DLY) */
-    dg_ns timeout;           /**< 0: as the device has it, by 7Ch. Otherwise always this long, up to
-                                  DG_BISS_TIMEOUT_MAX_NS: for lines slower than BiSS allows */
-    dg_ns hint;              /**< dg_biss_hint() waits so long; 0: for ever */
+    const struct dg_biss_form *form; /**< frames of another form; NULL: position, nERR, nWARN, LC if
+                                          there is one, ~CRC6 */
+    dg_ns busy;         /**< from e1 to the earliest start bit, 0..DG_BISS_BUSY_S_MAX_NS */
+    dg_ns busy_jitter;  /**< up to as much more in every frame, see dg_biss.noise; with busy at
+                             most DG_BISS_BUSY_S_MAX_NS */
+    dg_ns eeprom_read;  /**< before each byte of a user bank is there, or accepted */
+    dg_ns eeprom_write; /**< after a byte was written, before the EEPROM takes another access;
+                             with eeprom_read at most DG_BISS_BUSY_R_MAX_NS */
+    dg_ns init;         /**< after power-on and soft reset: position 0, nERR and nWARN low,
+                             registers refused except for reading 60h (PON_DLY) */
+    dg_ns timeout;      /**< 0: as the device has it, by 7Ch. Otherwise always this long, up to
+                             DG_BISS_TIMEOUT_MAX_NS: for lines slower than BiSS allows */
+    dg_ns hint;         /**< dg_biss_hint() waits so long; 0: for ever */
 };
 
 /** What a device is made of. Everything pointed to must outlive the device. */
@@ -349,8 +363,8 @@ DG_API bool dg_biss_chain_slo(const struct dg_biss_chain *self);
  * A whole frame at once, point to point, for hosts whose hardware does the shifting: latch at
  * `e1` and give what follows the start bit, which is not due before self->line.start.
  * To be followed by dg_biss_frame_end(); not to be mixed with dg_biss_ma() inside a frame.
- * @param bits CDS, MT, ST, nERR, nWARN, LC, ~CRC6, right-aligned
- * @return number of bits, 1..63; 0 without power
+ * @param bits CDS, and what is behind it, right-aligned
+ * @return number of bits, 1..64; 0 without power
  */
 DG_API uint8_t dg_biss_frame(struct dg_biss *self, dg_ns e1, uint64_t *bits);
 
@@ -371,7 +385,28 @@ struct dg_biss_data {
     bool crc_ok;         /**< the CRC fits */
 };
 
-/** Bits of a frame behind CDS: MT, ST, nERR, nWARN, LC if there is one, ~CRC6. 20..62 */
+/** Frames of another form, of models that are texts: what makes them, and takes them apart. An
+ * object of their own (src/biss/form.c), so that an image without such models carries none of it.
+ */
+struct dg_biss_form {
+    /** Whether MT, ST and all around them fit. */
+    bool (*fits)(const struct dg_biss_model *model);
+    /** What was latched last, with the `flags` of dg_biss_flags(), into `bits`: all behind CDS.
+     * @return how many */
+    uint8_t (*make_frame)(const struct dg_biss *self, uint8_t flags, uint64_t *bits);
+    /** As dg_biss_frame_decode(). */
+    void (*take_apart)(const struct dg_biss_model *model, uint64_t bits, struct dg_biss_data *out);
+    uint32_t crc_poly;             /**< with its first and last bit: 43h is x^6 + x + 1 */
+    uint16_t crc_start;            /**< what the check sum begins with */
+    bool crc_plain;                /**< sent as it is, otherwise inverted */
+    bool error_high;               /**< 1 is an error, otherwise 0 */
+    bool warning_high;             /**< likewise */
+    uint8_t around;                /**< bits of the layout, those of the position not counted */
+    char layout[DG_FORM_MAX + 1u]; /**< form.h; P: MT and ST, E: error, W: warning, L: life counter,
+                                        C: CRC over all in front of it */
+};
+
+/** Bits of a frame behind CDS, 16..63. */
 DG_API uint8_t dg_biss_frame_bits(const struct dg_biss_model *model);
 
 /** Take apart what a slave of this model sent behind CDS. `bits` is right-aligned, what is in front
@@ -421,6 +456,8 @@ DG_API extern const struct dg_stack dg_biss_stack;
 DG_API extern const struct dg_stack_check dg_biss_check;
 /** Its models in src/devices: singleturn, multiturn. */
 DG_API extern const struct dg_device dg_s3674_biss, dg_s3684_biss;
+/** What a text can say of its models, see model.h; an object file of its own. */
+DG_API extern const struct dg_model_text dg_biss_model_text;
 /** The protocol as an instrument, see instrument.h; an object file of its own. */
 DG_API extern const struct dg_instrument dg_biss_instrument;
 

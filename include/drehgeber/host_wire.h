@@ -88,13 +88,13 @@ struct dg_host_wire {
     uint32_t blind;             /**< bit n: it does not sense enum dg_quantity_id n */
     size_t settings_size;
     /** Settings of this model, as delivered. They begin with a copy of the stack's own struct;
-     * NULL: that is all of them, and the stack's own struct has no pointers to make. */
+     * NULL: that is all of them. */
     void (*furnish)(void *settings, const struct dg_device *device);
     /** Bit n: this model has not row n of `keys`. NULL: each has all. */
     uint32_t (*without)(const void *settings);
-    /** Put serial number, address and port of the settings into `setup`, which has the model they
-     * begin with; make what pointers settings have. `setup` NULL: take the pointers out. NULL with
-     * `furnish`. */
+    /** Put serial number, address and port of the settings into `setup`, which has the model as
+     * delivered; make what pointers settings have. `setup` NULL: take the pointers out. NULL: there
+     * is nothing to put anywhere. */
     void (*arrange)(void *settings, struct dg_stack_setup *setup);
     /** Whether `event` is one of this wire. @return 0, DG_HOST_ERR_WIRE, DG_HOST_ERR_ARGUMENT.
      * NULL: edges are, which `clock` takes. */

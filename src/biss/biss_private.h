@@ -21,6 +21,10 @@
 #define BISS_WMASK (0x23u - BISS_CONFIG_FIRST)
 #define BISS_DIR_BIT 0x04u
 
+/** Of MT and ST in a frame without a form, which may have a life counter. */
+#define BISS_USUAL_BITS_MAX                                                                        \
+    (DG_BISS_FRAME_BITS_MAX - DG_BISS_FLAG_BITS - DG_BISS_LIFE_BITS - DG_BISS_CRC_BITS)
+
 /** What can be done with a register. */
 enum biss_access {
     BISS_READ = 1,
@@ -62,6 +66,12 @@ uint8_t dg_biss_life_bits(const struct dg_biss_model *model);
 /** What was latched last, with the `flags` of dg_biss_flags(), into `bits`: all behind CDS.
  * @return how many */
 uint8_t dg_biss_frame_encode(const struct dg_biss *self, uint8_t flags, uint64_t *bits);
+
+/** form.c: what makes frames of other forms; its figures are those of frames without one. */
+extern const struct dg_biss_form dg_biss_any_form;
+/** form.c: count the bits of `form`, which is that of `model`, if it fits. @return NULL, or what
+ * would be right, in words */
+const char *dg_biss_form_settle(const struct dg_biss_model *model, struct dg_biss_form *form);
 
 /** factory.c */
 /** Its figures are within their ranges, and fit together. */

@@ -36,12 +36,13 @@ static const struct dg_stack_range ranges[] = {
 
 static bool fits(const void *own, const void *settings, const void *device)
 {
+    const struct dg_biss_model *mine = own;
     struct dg_biss_model model;
     struct dg_biss self;
 
-    (void)own;
     memcpy(&model, settings, sizeof model);
     memcpy(&self, device, sizeof self);
+    model.form = mine->form; /* which form frames have is not in the state */
     return dg_biss_model_ok(&model) &&
            (self.control.id <= ID_MAX || self.control.id == DG_BISS_NO_ID);
 }

@@ -299,6 +299,9 @@ void dg_biss_cdm(struct dg_biss *self, dg_ns now, bool cdm)
     struct dg_biss_control *control = &self->control;
 
     _Static_assert(DG_COUNT(states) == DG_BISS_CONTROL_STATE_COUNT, "all states");
+    if (self->setup.model->unidirectional) {
+        return;
+    }
     control->cds = false;
     states[control->state](self, now, cdm);
     if (cdm) {

@@ -74,14 +74,15 @@ uint8_t dg_biss_eds_common(const struct dg_biss_model *model, uint8_t offset)
 uint8_t dg_biss_eds_profile(const struct dg_biss_model *model, uint8_t offset)
 {
     uint8_t bank[DG_BISS_BANK_SIZE] = {0};
-    const uint8_t fine = (uint8_t)(model->singleturn_bits - COARSE_BITS);
+    const uint8_t st = model->singleturn_bits;
+    const uint8_t fine = st > COARSE_BITS ? (uint8_t)(st - COARSE_BITS) : 0;
 
     memcpy(bank, profile, sizeof profile);
     bank[0x03] = dg_biss_position_bits(model);
     bank[0x0A] = model->multiturn_bits;
     bank[0x0E] = fine;
     if (model->multiturn_bits > 0) {
-        dg_store_be32(&bank[0x10], (uint32_t)1 << model->multiturn_bits);
+        dg_store_be32(&bank[0x10], (uint32_t)((uint64_t)1 << model->multiturn_bits));
     }
     dg_store_be32(&bank[0x18], (uint32_t)1 << fine);
     return finish(bank, offset);

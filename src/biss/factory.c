@@ -41,10 +41,21 @@ const struct dg_store_layout dg_biss_layout = {
     .regions = regions,
 };
 
+static bool widths_ok(const struct dg_biss_model *model)
+{
+    const uint32_t mt = model->multiturn_bits;
+    const uint32_t st = model->singleturn_bits;
+
+    if (model->form != NULL) {
+        return model->form->fits(model);
+    }
+    return mt <= DG_BISS_MULTITURN_BITS_MAX && st >= DG_BISS_SINGLETURN_BITS_MIN &&
+           st <= DG_BISS_SINGLETURN_BITS_MAX && mt + st <= BISS_USUAL_BITS_MAX;
+}
+
 bool dg_biss_model_ok(const struct dg_biss_model *model)
 {
-    return model->multiturn_bits <= 24 && model->singleturn_bits >= 12 &&
-           model->singleturn_bits <= 24 && model->busy <= DG_BISS_BUSY_S_MAX_NS &&
+    return widths_ok(model) && model->busy <= DG_BISS_BUSY_S_MAX_NS &&
            model->busy_jitter <= DG_BISS_BUSY_S_MAX_NS - model->busy &&
            model->timeout <= DG_BISS_TIMEOUT_MAX_NS &&
            model->eeprom_read <= DG_BISS_BUSY_R_MAX_NS &&

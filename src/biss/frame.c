@@ -2,8 +2,8 @@
 /*
  * The layout of a frame behind CDS (5.2.1.2), most significant bit first:
  *
- *   MT, ST      nERR nWARN   LC           ~CRC6 over all in front of it
- *   0..24,12..24  2          6 or none    6 bits
+ *   MT, ST       nERR nWARN   LC           ~CRC6 over all in front of it
+ *   0..32, 8..32  2           6 or none    6 bits
  */
 #include "biss_private.h"
 
@@ -24,12 +24,20 @@ uint8_t dg_biss_life_bits(const struct dg_biss_model *model)
 
 uint8_t dg_biss_frame_bits(const struct dg_biss_model *model)
 {
-    return (uint8_t)(dg_biss_position_bits(model) + dg_biss_life_bits(model) + DG_BISS_CRC_BITS);
+    const uint8_t usual =
+        (uint8_t)(DG_BISS_FLAG_BITS + dg_biss_life_bits(model) + DG_BISS_CRC_BITS);
+    const uint8_t around = model->form == NULL ? usual : model->form->around;
+
+    return (uint8_t)(model->multiturn_bits + model->singleturn_bits + around);
 }
 
 uint8_t dg_biss_frame_encode(const struct dg_biss *self, uint8_t flags, uint64_t *bits)
 {
     const struct dg_biss_model *model = self->setup.model;
+
+    if (model->form != NULL) {
+        return model->form->make_frame(self, flags, bits);
+    }
     uint64_t data = self->position << DG_BISS_FLAG_BITS | flags;
     uint8_t n = dg_biss_position_bits(model);
 
@@ -46,6 +54,11 @@ void dg_biss_frame_decode(const struct dg_biss_model *model, uint64_t bits,
 {
     const uint8_t mt_bits = model->multiturn_bits;
     const uint8_t st_bits = model->singleturn_bits;
+
+    if (model->form != NULL) {
+        model->form->take_apart(model, bits, out);
+        return;
+    }
     const uint8_t life_bits = dg_biss_life_bits(model);
     const uint8_t flags = (uint8_t)(DG_BISS_CRC_BITS + life_bits);
     const uint8_t st = (uint8_t)(flags + DG_BISS_FLAG_BITS);

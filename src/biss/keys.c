@@ -6,6 +6,7 @@
 
 #define AT(field) offsetof(struct dg_biss_model, field)
 #define NS(limit) DG_BISS_##limit##_MAX_NS
+#define BITS(of) DG_BISS_##of##TURN_BITS_MAX
 #define US(limit) (DG_BISS_##limit##_MAX_NS / DG_US(1))
 
 static const char *const stop_bits[2] = {"own", "early"};
@@ -14,8 +15,8 @@ static const char *const stop_bits[2] = {"own", "early"};
 static const struct dg_key rows[] = {
     /* name             unit  offset                type       places factor min         max  words           help */
     {"serial",          "",   AT(serial),           DG_KEY_U32,  0, 1,        0, UINT32_MAX, NULL,          "serial number"},
-    {"mt",              "",   AT(multiturn_bits),   DG_KEY_U8,   0, 1,        0,         24, NULL,          "multiturn bits"},
-    {"st",              "",   AT(singleturn_bits),  DG_KEY_U8,   0, 1,       12,         24, NULL,          "singleturn bits"},
+    {"mt",              "",   AT(multiturn_bits),   DG_KEY_U8,   0, 1,        0,  BITS(MULTI), NULL,          "multiturn bits"},
+    {"st",              "",   AT(singleturn_bits),  DG_KEY_U8,   0, 1, DG_BISS_SINGLETURN_BITS_MIN, BITS(SINGLE), NULL,          "singleturn bits"},
     {"lc",              "",   AT(life_counter),     DG_KEY_FLAG, 0, 1,        0,          1, dg_key_no_yes, "the frame has a life counter"},
     {"autostore",       "",   AT(autostore),        DG_KEY_FLAG, 0, 1,        0,          1, dg_key_no_yes, "offsets and masks go to the EEPROM when they are written"},
     {"busy_us",         "us", AT(busy),             DG_KEY_NS,   3, 1,        0,   NS(BUSY_S), NULL,          "from the first clock edge to the start bit"},

@@ -5,36 +5,35 @@
  */
 #include "biss_private.h"
 
-#define OFFSET_ST_BITS 26u
+/* Of an angle below whole turns. */
+#define TURN_BITS 32u
 #define LIFE_MAX 63u
 
-static uint64_t mask(uint8_t bits)
-{
-    return ((uint64_t)1 << bits) - 1u;
-}
-
-/* OFFS_MT:OFFS_ST in counts of the position. */
-static uint64_t offset_counts(const struct dg_biss *self)
+/* OFFS_MT:OFFS_ST as an angle: OFFS_ST is left-aligned in 26 bits, and below these as a turn is in
+ * an angle. */
+static uint64_t offset_angle(const struct dg_biss *self)
 {
     const uint8_t *config = self->config;
-    const uint32_t st = (uint32_t)config[3] << 18 | (uint32_t)config[2] << 10 |
-                        (uint32_t)config[1] << 2 | (uint32_t)config[0] >> 6;
+    const uint32_t st = (uint32_t)config[3] << 24 | (uint32_t)config[2] << 16 |
+                        (uint32_t)config[1] << 8 | (config[0] & 0xC0u);
     const uint32_t mt = (uint32_t)config[6] << 16 | (uint32_t)config[5] << 8 | config[4];
-    const uint8_t st_bits = self->setup.model->singleturn_bits;
 
-    return (uint64_t)mt << st_bits | st >> (OFFSET_ST_BITS - st_bits);
+    return (uint64_t)mt << TURN_BITS | st;
 }
 
+/* What is below a count is dropped from both, before one of them is subtracted. As many turns are
+ * left as MT has bits for: an angle has more. */
 uint64_t dg_biss_position(const struct dg_biss *self, dg_ns now)
 {
     const struct dg_biss_model *model = self->setup.model;
-    const dg_angle angle = dg_world_angle(self->setup.world, now);
-    const int64_t raw = dg_angle_counts(angle, (uint32_t)1 << model->singleturn_bits);
-    const uint64_t position = (uint64_t)raw - offset_counts(self);
+    const uint32_t below = TURN_BITS - model->singleturn_bits;
+    const uint32_t above = TURN_BITS - model->multiturn_bits;
+    const uint64_t counted = ~(uint64_t)((UINT32_C(1) << below) - 1u);
+    const uint64_t angle = (uint64_t)dg_world_angle(self->setup.world, now);
+    const uint64_t position = (angle & counted) - (offset_angle(self) & counted);
     const bool reverse = (self->config[BISS_DIR] & BISS_DIR_BIT) != 0;
 
-    return (reverse ? 0u - position : position) &
-           mask((uint8_t)(model->multiturn_bits + model->singleturn_bits));
+    return (reverse ? 0u - position : position) << above >> (above + below);
 }
 
 static const struct dg_signal_limits limits = {

@@ -121,7 +121,7 @@ static const struct dg_nvm_ops own_memory = {.read = read_own, .write = write_ow
 
 struct dg_stack_setup dg_host_setup(struct dg_host *self)
 {
-    struct dg_stack_setup setup = {.model = self->line.settings,
+    struct dg_stack_setup setup = {.model = self->refs.device->model,
                                    .world = &self->world,
                                    .nvm = self->refs.nvm,
                                    .ctx = &self->line};
@@ -132,6 +132,7 @@ struct dg_stack_setup dg_host_setup(struct dg_host *self)
     if (self->refs.wire->arrange != NULL) {
         self->refs.wire->arrange(self->line.settings, &setup);
     }
+    setup.model = self->line.settings;
     return setup;
 }
 

@@ -69,7 +69,7 @@ def test_slo_at_the_start(tmp_path):
 
 
 @pytest.mark.parametrize("assignment, right", [
-    ("st=11", "a number in 12..24"), ("st=25", "a number in 12..24"), ("mt=25", "a number in 0..24"),
+    ("st=7", "a number in 8..32"), ("st=33", "a number in 8..32"), ("mt=33", "a number in 0..32"),
     ("busy_us=41", "a number in 0..40"), ("busy_jitter_us=40.001", "a number in 0..40"),
     ("busy_us=5.5555", "with at most 3 decimals"),
     ("busy_jitter_us=x", "a number in 0..40"), ("sl_low_at_start=2", "0 or 1"),
@@ -129,7 +129,7 @@ def test_help_names_them():
     said = re.sub(r"\n {10,}", " ", run("--help").stdout)  # lines that go on
     for key in ("busy_us", "busy_jitter_us", "sl_low_at_start", "stop_bit"):
         assert re.search(rf"^  {key} .*\)$", said, re.M)
-    assert "(own or early)" in said and "singleturn bits (12..24)" in said
+    assert "(own or early)" in said and "singleturn bits (8..32)" in said
 
 
 HINT = ("SLO is low until the first MA pulse (BiSS C6, Bus reset); a master that waits for SLO = 1 hangs here: send a "

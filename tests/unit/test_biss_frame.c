@@ -161,8 +161,8 @@ static void test_without_life_counter(void **state)
 static void test_widths(void **state)
 {
     (void)state;
-    for (uint8_t mt = 0; mt <= 24; mt++) {
-        for (uint8_t st = 12; st <= 24; st++) {
+    for (uint8_t mt = 0; mt <= 32; mt++) {
+        for (uint8_t st = 8; st <= 32 && mt + st <= 49; st++) {
             struct dg_biss_model model = *dg_biss_model_of(dg_device_find("s3674-biss"));
             model.multiturn_bits = mt;
             model.singleturn_bits = st;
@@ -201,7 +201,8 @@ static void test_frames_are_taken_apart(void **state)
         bool lc;
         uint8_t bits;
     } rows[] = {{0, 12, false, 20}, {0, 21, true, 35},   {12, 21, true, 47},
-                {24, 24, true, 62}, {24, 12, false, 44}, {1, 24, true, 39}};
+                {24, 24, true, 62}, {24, 12, false, 44}, {1, 24, true, 39},
+                {0, 8, false, 16},  {17, 32, true, 63},  {32, 17, true, 63}};
 
     (void)state;
     for (size_t i = 0; i < DG_COUNT(rows); i++) {
@@ -212,8 +213,8 @@ static void test_frames_are_taken_apart(void **state)
         assert_int_equal(dg_biss_frame_bits(&model), rows[i].bits);
         for (uint32_t n = 0; n < 256; n++) {
             const struct dg_biss_data sent = {
-                .multiturn = n * 0x9E3779B1u & ((1u << rows[i].mt) - 1u),
-                .singleturn = n * 0x85EBCA77u & ((1u << rows[i].st) - 1u),
+                .multiturn = (uint32_t)(n * 0x9E3779B1u & ((UINT64_C(1) << rows[i].mt) - 1u)),
+                .singleturn = (uint32_t)(n * 0x85EBCA77u & ((UINT64_C(1) << rows[i].st) - 1u)),
                 .life = rows[i].lc ? n & 63u : 0,
                 .n_err = (n & 1u) != 0,
                 .n_warn = (n & 2u) != 0,
@@ -236,15 +237,18 @@ static void test_frames_are_taken_apart(void **state)
 
 static void test_refused_figures(void **state)
 {
-    static const struct dg_biss_model good = {
-        .multiturn_bits = 24, .singleturn_bits = 24, .busy = 40000, .eeprom_read = 20000000};
-    struct dg_biss_model bad[9] = {good, good, good, good, good, good, good, good, good};
+    static const struct dg_biss_model good = {.multiturn_bits = 17,
+                                              .singleturn_bits = 32,
+                                              .life_counter = true,
+                                              .busy = 40000,
+                                              .eeprom_read = 20000000};
+    struct dg_biss_model bad[] = {good, good, good, good, good, good, good, good, good, good};
 
     (void)state;
     assert_int_equal(biss_rig_init(&rig, &good, 1), DG_OK);
-    bad[0].multiturn_bits = 25;
-    bad[1].singleturn_bits = 25;
-    bad[2].singleturn_bits = 11;
+    bad[0].multiturn_bits = 18; /* 64 bits */
+    bad[1].singleturn_bits = 33;
+    bad[2].singleturn_bits = 7;
     bad[3].busy = 40001;
     bad[4].eeprom_write = 1;
     bad[5].eeprom_read = 20000001;
@@ -252,7 +256,9 @@ static void test_refused_figures(void **state)
     bad[7].busy_jitter = 1;
     bad[8].busy = 0;
     bad[8].busy_jitter = 40001;
-    for (size_t i = 0; i < 9; i++) {
+    bad[9].multiturn_bits = 33;
+    bad[9].singleturn_bits = 8;
+    for (size_t i = 0; i < DG_COUNT(bad); i++) {
         assert_int_equal(biss_rig_init(&rig, &bad[i], 1), DG_ERR_ARGUMENT);
     }
 }

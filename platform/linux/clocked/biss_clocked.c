@@ -179,7 +179,7 @@ static void print(const struct lx_clocked *base, size_t encoder, char *text, siz
 {
     const struct dg_biss_data data = data_of(base, encoder);
     const uint8_t st_bits = model_of(base, encoder)->singleturn_bits;
-    const double turns = (double)data.singleturn / (double)(1u << st_bits);
+    const double turns = (double)data.singleturn / (double)(UINT64_C(1) << st_bits);
     (void)snprintf(text, size,
                    "MT %" PRIu32 "  ST %" PRIu32 "  %.6f deg  nERR %d  nWARN %d  LC %u  CRC %s",
                    data.multiturn, data.singleturn, 360.0 * turns, data.n_err, data.n_warn,
@@ -245,10 +245,20 @@ static const struct dg_key timeout =
     {"timeout_us", "us", offsetof(struct dg_biss_model, timeout), DG_KEY_NS, 0, 1000, TIMEOUT_MIN_US, TIMEOUT_MAX_US, NULL, "gpio: silence on MA that ends a frame; 20000 unless set"};
 /* clang-format on */
 
+/* Bits of a frame that are no position, with a life counter. */
+#define USUAL_AROUND (DG_BISS_FLAG_BITS + DG_BISS_LIFE_BITS + DG_BISS_CRC_BITS)
+
 static int check(const void *settings, struct lx_error *error)
 {
     const struct dg_biss_model *model = settings;
     struct lx_words right = {""};
+    const unsigned bits = (unsigned)model->multiturn_bits + model->singleturn_bits;
+    const unsigned around = model->form == NULL ? USUAL_AROUND : model->form->around;
+    if (bits + around > DG_BISS_FRAME_BITS_MAX) {
+        lx_words_add(&right, "together at most %u are right", DG_BISS_FRAME_BITS_MAX - around);
+        return lx_refuse(error, right.text, "mt %u and st %u", model->multiturn_bits,
+                         model->singleturn_bits);
+    }
     if (model->busy + model->busy_jitter <= DG_BISS_BUSY_S_MAX_NS) {
         return 0;
     }

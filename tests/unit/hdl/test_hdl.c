@@ -398,7 +398,7 @@ static void wrong_settings_are_one_line(void **state)
     } rows[] = {
         {"s3684", "", "", "there is no model 's3684'"},
         {"f3668", "", "", "f3668 speaks canopen; BiSS, SSI and RS485 are right"},
-        {"s3684-biss", "st=25", "", "st=25: 12..24 is right"},
+        {"s3684-biss", "st=33", "", "st=33: 8..32 is right"},
         {"s3684-biss", "lc=2", "", "lc=2: 0 or 1 is right"},
         {"s3684-rs485", "address=96", "", "address=96: 64..95 is right"},
         {"s3684-biss", "tco_ns=0", "", "tco_ns=0: 0.001..10000 is right"},
