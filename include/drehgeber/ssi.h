@@ -30,6 +30,7 @@
 #include <stdint.h>
 
 #include "drehgeber/api.h"
+#include "drehgeber/form.h"
 #include "drehgeber/hal.h"
 #include "drehgeber/key.h"
 #include "drehgeber/stack.h"
@@ -41,6 +42,7 @@ extern "C" {
 #endif
 
 struct dg_instrument;
+struct dg_model_text;
 
 /** Monoflop time: as most encoders have it, and what dg_ssi_init() takes. Encoders have 10 to 30
  * us; longer ones are for lines slower than SSI is. */
@@ -49,13 +51,17 @@ struct dg_instrument;
 #define DG_SSI_MONOFLOP_MAX_NS DG_S(1)
 /** Clock period at 2 MHz: shorter ones are answered, and counted. */
 #define DG_SSI_PERIOD_MIN_NS ((dg_ns)500)
-/** Width of a position, multiturn and singleturn together, and of its parts. */
+/** Width of a position, multiturn and singleturn together, and of its parts; in words of another
+ * form it may have any up to DG_SSI_FORM_BITS_MAX, with all bits around it. */
 #define DG_SSI_BITS_MIN 10u
 #define DG_SSI_BITS_MAX 32u
 #define DG_SSI_MULTITURN_BITS_MAX 24u
 #define DG_SSI_SINGLETURN_BITS_MIN 8u
 #define DG_SSI_SINGLETURN_BITS_MAX 31u
-/** Longest word: a position, error bit and parity bit. */
+#define DG_SSI_FORM_BITS_MAX 64u
+/** In these, the parts of a position: 0 or more, and 1 or more. */
+#define DG_SSI_FORM_PART_BITS_MAX 32u
+/** Longest word without a form: a position, error bit and parity bit. */
 #define DG_SSI_WORD_BITS_MAX (DG_SSI_BITS_MAX + 2u)
 
 /** Limits behind the error bit. */
@@ -97,6 +103,8 @@ enum dg_ssi_parity {
     DG_SSI_PARITY_COUNT
 };
 
+struct dg_ssi_form;
+
 /** What a model is. Every figure is configuration. */
 struct dg_ssi_model {
     uint8_t multiturn_bits;  /**< 0..DG_SSI_MULTITURN_BITS_MAX */
@@ -106,8 +114,9 @@ struct dg_ssi_model {
     uint8_t error_bit;       /**< enum dg_ssi_error_bit */
     uint8_t parity;          /**< enum dg_ssi_parity */
     bool once;               /**< the word is sent once and zeros follow; otherwise it goes round */
-    dg_ns monoflop;          /**< tm, DG_SSI_MONOFLOP_MIN_NS..DG_SSI_MONOFLOP_MAX_NS */
-    dg_ns init;              /**< after power-on: data is low, clocks are not answered */
+    const struct dg_ssi_form *form; /**< words of another form; NULL: position, error bit, parity */
+    dg_ns monoflop;                 /**< tm, DG_SSI_MONOFLOP_MIN_NS..DG_SSI_MONOFLOP_MAX_NS */
+    dg_ns init;                     /**< after power-on: data is low, clocks are not answered */
 };
 
 /** What a device is made of. Everything pointed to must outlive the device. */
@@ -139,24 +148,45 @@ enum dg_ssi_state {
  */
 struct dg_ssi {
     struct dg_ssi_setup setup;
+    enum dg_ssi_state state;
+    uint8_t bits; /**< of the word as stored last; 0: there was none */
+    uint8_t left; /**< of these, still to come */
+    bool clock;   /**< level of the clock line, which is the master's: power does not change it */
+    bool data;    /**< level of the data line */
     struct dg_ssi_counters counters;
-    uint64_t word;     /**< as stored last, right-aligned: position, error bit, parity bit */
-    uint32_t position; /**< as stored last: multiturn and singleturn, right-aligned, binary */
+    uint64_t word;     /**< as stored last, right-aligned */
+    uint64_t position; /**< as stored last: multiturn and singleturn, right-aligned, binary */
     dg_ns deadline;    /**< end of the initialisation or of tm, or DG_NEVER */
     dg_ns fell;        /**< the latest falling edge */
     dg_ns last;        /**< latest `now` */
-    enum dg_ssi_state state;
-    uint8_t left; /**< bits of the word that are still to come */
-    bool clock;   /**< level of the clock line, which is the master's: power does not change it */
-    bool data;    /**< level of the data line */
 };
 
 /** A word taken apart. */
 struct dg_ssi_frame {
-    uint32_t position;   /**< multiturn and singleturn, right-aligned, binary */
+    uint64_t position;   /**< multiturn and singleturn, right-aligned, binary */
     uint32_t multiturn;  /**< turns, 0 without multiturn bits */
     uint32_t singleturn; /**< counts in the turn */
     bool error;          /**< the error bit says that there is an error */
+    bool toggle;         /**< the toggle bit, of a form that has one */
+    bool power_fail;     /**< the bit for a supply that is too low, likewise */
+};
+
+/** Words of another form, of models that are texts: what makes them, and takes them apart. An
+ * object of their own (src/ssi/form.c), so that an image without such models carries none of it. */
+struct dg_ssi_form {
+    /** Whether all figures are in their ranges. */
+    bool (*fits)(const struct dg_ssi_model *model);
+    /** As dg_ssi_position(). */
+    uint64_t (*find_position)(const struct dg_ssi *self, dg_ns now);
+    /** The word of what was stored. @param errors bits of enum dg_ssi_error @return its bits */
+    uint8_t (*make_word)(const struct dg_ssi *self, uint8_t errors, uint64_t *word);
+    /** As dg_ssi_frame_decode(). */
+    int (*take_apart)(const struct dg_ssi_model *model, uint64_t bits, struct dg_ssi_frame *frame);
+    char layout[DG_FORM_MAX + 1u]; /**< form.h; P: position, E: error, T: toggle, F: power fail, Y:
+                                        parity */
+    uint8_t parity_over; /**< 0: all bits in front of it, 1: the position as it is coded */
+    bool error_parity;   /**< an error inverts the parity bit */
+    uint8_t around;      /**< bits of the layout, those of the position not counted */
 };
 
 /**
@@ -207,12 +237,12 @@ DG_API void dg_ssi_skip(struct dg_ssi *self, const struct dg_ssi_counters *each,
  * Position at `now`, multiturn and singleturn right-aligned, binary: counts of the angle modulo the
  * width. Regardless of errors and initialisation.
  */
-DG_API uint32_t dg_ssi_position(const struct dg_ssi *self, dg_ns now);
+DG_API uint64_t dg_ssi_position(const struct dg_ssi *self, dg_ns now);
 
 /** What is wrong: bits of enum dg_ssi_error. */
 DG_API uint8_t dg_ssi_errors(const struct dg_ssi *self);
 
-/** Bits of a word of this model: position, error bit, parity bit. A master clocks one more. */
+/** Bits of a word of this model. A master clocks one more. */
 DG_API uint8_t dg_ssi_word_bits(const struct dg_ssi_model *model);
 
 /**
@@ -237,6 +267,8 @@ DG_API extern const struct dg_stack_check dg_ssi_check;
 /** Its models in src/devices: singleturn, multiturn; multiturn in binary with error bit and parity.
  */
 DG_API extern const struct dg_device dg_ssi_13, dg_ssi_25, dg_ssi_28;
+/** What a text can say of its models, see model.h; an object file of its own. */
+DG_API extern const struct dg_model_text dg_ssi_model_text;
 /** The protocol as an instrument, see instrument.h; an object file of its own. */
 DG_API extern const struct dg_instrument dg_ssi_instrument;
 

@@ -12,15 +12,18 @@ static const struct dg_stack_range ranges[] = {
     DG_STACK_BOOL(dg_ssi, data),
 };
 
+/* No word was stored, or one of this model; which form it has is not in the state. */
 static bool fits(const void *own, const void *settings, const void *device)
 {
+    const struct dg_ssi_model *mine = own;
     struct dg_ssi_model model;
     struct dg_ssi self;
 
-    (void)own;
     memcpy(&model, settings, sizeof model);
     memcpy(&self, device, sizeof self);
-    return dg_ssi_model_ok(&model) && self.left <= dg_ssi_word_bits(&model);
+    model.form = mine->form;
+    return dg_ssi_model_ok(&model) && self.left <= dg_ssi_word_bits(&model) &&
+           (self.bits == 0 || self.bits == dg_ssi_word_bits(&model));
 }
 
 const struct dg_stack_check dg_ssi_check = {ranges, DG_COUNT(ranges), fits};

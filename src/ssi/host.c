@@ -59,10 +59,20 @@ static int frame(struct dg_host_line *line, struct dg_host_frame *to)
     return DG_HOST_OK;
 }
 
+/* Which form words have is the model's to say, and in no state. */
+static void arrange(void *settings, struct dg_stack_setup *setup)
+{
+    struct dg_ssi_model *self = settings;
+    const struct dg_ssi_model *delivered = setup == NULL ? NULL : setup->model;
+
+    self->form = delivered == NULL ? NULL : delivered->form;
+}
+
 const struct dg_host_wire dg_ssi_wire = {
     .stack = &dg_ssi_stack,
     .keys = &dg_ssi_keys,
     .settings_size = sizeof(struct dg_ssi_model),
+    .arrange = arrange,
     .level = level,
     .clock = set_clock,
     .latched = latched,

@@ -14,8 +14,8 @@ static const char *const parities[] = {"none", "even", "odd"};
 /* clang-format off */
 static const struct dg_key rows[] = {
     /* name         unit  offset               type        places factor min    max  words           help */
-    {"mt",          "",   AT(multiturn_bits),  DG_KEY_U8,   0, 1,        0, DG_SSI_MULTITURN_BITS_MAX, NULL, "multiturn bits"},
-    {"st",          "",   AT(singleturn_bits), DG_KEY_U8,   0, 1,        DG_SSI_SINGLETURN_BITS_MIN, DG_SSI_SINGLETURN_BITS_MAX, NULL, "singleturn bits; 10 to 32 with those of the turns"},
+    {"mt",          "",   AT(multiturn_bits),  DG_KEY_U8,   0, 1,        0, DG_SSI_FORM_PART_BITS_MAX, NULL, "multiturn bits"},
+    {"st",          "",   AT(singleturn_bits), DG_KEY_U8,   0, 1,        1, DG_SSI_FORM_PART_BITS_MAX, NULL, "singleturn bits; 10 to 32 with those of the turns"},
     {"code",        "",   AT(code),            DG_KEY_WORD, 0, 1,        0, DG_SSI_CODE_COUNT - 1, codes, "of the position: gray or binary"},
     {"error_bit",   "",   AT(error_bit),       DG_KEY_WORD, 0, 1,        0, DG_SSI_ERROR_BIT_COUNT - 1, error_bits, "behind the position: none, high or low is an error"},
     {"parity",      "",   AT(parity),          DG_KEY_WORD, 0, 1,        0, DG_SSI_PARITY_COUNT - 1, parities, "last bit of the word: none, even or odd"},

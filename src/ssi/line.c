@@ -20,6 +20,9 @@ bool dg_ssi_model_ok(const struct dg_ssi_model *model)
 {
     const uint32_t bits = (uint32_t)model->multiturn_bits + model->singleturn_bits;
 
+    if (model->form != NULL) {
+        return model->form->fits(model);
+    }
     return in(bits, DG_SSI_BITS_MIN, DG_SSI_BITS_MAX) &&
            in(model->singleturn_bits, DG_SSI_SINGLETURN_BITS_MIN, DG_SSI_SINGLETURN_BITS_MAX) &&
            model->code < DG_SSI_CODE_COUNT && model->error_bit < DG_SSI_ERROR_BIT_COUNT &&
@@ -55,7 +58,7 @@ void dg_ssi_power_off(struct dg_ssi *self)
 /* The 0 behind a word is on data: the word is over and the next one has not begun. */
 static bool between_words(const struct dg_ssi *self)
 {
-    return self->left == dg_ssi_word_bits(self->setup.model) && !self->data;
+    return self->left == self->bits && !self->data;
 }
 
 dg_ns dg_ssi_step(struct dg_ssi *self, dg_ns now)
@@ -90,7 +93,7 @@ static void falling(struct dg_ssi *self, dg_ns now)
         self->state = DG_SSI_SHIFT;
         break;
     case DG_SSI_SHIFT:
-        self->counters.fast += dg_elapsed(now, self->fell) < DG_SSI_PERIOD_MIN_NS ? 1u : 0u;
+        self->counters.fast += now - self->fell < DG_SSI_PERIOD_MIN_NS ? 1u : 0u;
         break;
     }
     self->fell = now;
@@ -99,13 +102,11 @@ static void falling(struct dg_ssi *self, dg_ns now)
 
 static void rising(struct dg_ssi *self)
 {
-    const struct dg_ssi_model *model = self->setup.model;
-
     if (self->state != DG_SSI_SHIFT) {
         return;
     }
     if (self->left == 0) {
-        self->left = model->once ? 0 : dg_ssi_word_bits(model);
+        self->left = self->setup.model->once ? 0 : self->bits;
         self->data = false;
         return;
     }
@@ -151,5 +152,5 @@ uint8_t dg_ssi_frame(struct dg_ssi *self, dg_ns now, uint64_t *bits)
     }
     dg_ssi_latch(self, now);
     *bits = self->word;
-    return dg_ssi_word_bits(self->setup.model);
+    return self->bits;
 }

@@ -4,9 +4,13 @@
  */
 #include "ssi_private.h"
 
-uint32_t dg_ssi_position(const struct dg_ssi *self, dg_ns now)
+uint64_t dg_ssi_position(const struct dg_ssi *self, dg_ns now)
 {
     const struct dg_ssi_model *model = self->setup.model;
+
+    if (model->form != NULL) {
+        return model->form->find_position(self, now);
+    }
     const dg_angle angle = dg_world_angle(self->setup.world, now);
     const int64_t counts = dg_angle_counts(angle, (uint32_t)1 << model->singleturn_bits);
 
@@ -50,10 +54,12 @@ uint8_t dg_ssi_errors(const struct dg_ssi *self)
 
 void dg_ssi_latch(struct dg_ssi *self, dg_ns now)
 {
-    const struct dg_ssi_model *model = self->setup.model;
+    const struct dg_ssi_form *form = self->setup.model->form;
+    uint8_t (*const make_word)(const struct dg_ssi *, uint8_t, uint64_t *) =
+        form == NULL ? dg_ssi_make_word : form->make_word;
 
     self->counters.frames++;
     self->position = dg_ssi_position(self, now);
-    self->word = dg_ssi_word(model, self->position, dg_ssi_errors(self) != 0);
-    self->left = dg_ssi_word_bits(model);
+    self->bits = make_word(self, dg_ssi_errors(self), &self->word);
+    self->left = self->bits;
 }

@@ -58,7 +58,9 @@ static bool start(void)
 /* Words so far; 0 when the last one is not what a master expects. */
 static uint64_t answers(void)
 {
-    return word == 0 || word == ssi_rig_word(&rig.model, rig.device.position, false) ? words : 0;
+    const uint32_t position = (uint32_t)rig.device.position;
+
+    return word == 0 || word == ssi_rig_word(&rig.model, position, false) ? words : 0;
 }
 
 int main(int argc, char **argv)

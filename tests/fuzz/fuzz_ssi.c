@@ -58,8 +58,8 @@ static void op_words(struct fuzz_input *input)
     const unsigned words = 1u + fuzz_take(input) % 4u;
     for (unsigned n = 0; n < words; n++) {
         const uint64_t word = ssi_rig_take(&rig, bits + 1u);
-        const uint64_t want =
-            ssi_rig_word(&rig.model, rig.device.position, dg_ssi_errors(&rig.device) != 0);
+        const uint64_t want = ssi_rig_word(&rig.model, (uint32_t)rig.device.position,
+                                           dg_ssi_errors(&rig.device) != 0);
         first = n == 0 ? word : first;
         fuzz_must(first == want << 1);
         fuzz_must(word == (n > 0 && rig.model.once ? 0 : first));
@@ -90,7 +90,7 @@ static void op_decode(struct fuzz_input *input)
     struct dg_ssi_frame frame;
 
     const int result = dg_ssi_frame_decode(&rig.model, bits, &frame);
-    const uint64_t again = ssi_rig_word(&rig.model, frame.position, frame.error);
+    const uint64_t again = ssi_rig_word(&rig.model, (uint32_t)frame.position, frame.error);
     const uint64_t parity = rig.model.parity == DG_SSI_PARITY_NONE ? 0 : 1;
     fuzz_must(result == DG_OK || result == DG_ERR_DAMAGED);
     fuzz_must(((bits & mask) ^ again) == (result == DG_OK ? 0 : parity));

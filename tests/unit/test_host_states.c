@@ -293,6 +293,7 @@ static const struct misfit misfits[] = {
     EDGE("ocd-ib-k3", dg_ib, revolutions, 4096),
     MISFIT("ocd-ib-k2", dg_ib, mounted, 1), /* it has no EEPROM */
     EDGE("ssi-13", dg_ssi, left, 13),
+    EDGE("ssi-13", dg_ssi, bits, 13),
     /* bit rates 0 to 8 but 7 (2100h) */
     EDGE("f3668", dg_cia406_device, node.bit_rate, 8),
     NODE(bit_rate, 7),

@@ -52,7 +52,7 @@ static void expect(bool error)
     const unsigned bits = ssi_rig_bits(&rig.model);
     const uint64_t word = ssi_rig_take(&rig, bits + 1u);
 
-    assert_int_equal(word, ssi_rig_word(&rig.model, rig.device.position, error) << 1);
+    assert_int_equal(word, ssi_rig_word(&rig.model, (uint32_t)rig.device.position, error) << 1);
     assert_int_equal(rig.device.position, dg_ssi_position(&rig.device, rig.now));
     (void)ssi_rig_wait(&rig, DG_US(30));
 }

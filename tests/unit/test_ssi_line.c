@@ -309,7 +309,7 @@ static void one_random_clock(void)
         note_edge(&history, &model, rig.now);
         (void)ssi_rig_edge(&rig, !rig.device.clock);
         if (rig.device.counters.frames != frames) {
-            position = dg_ssi_position(&rig.device, rig.now);
+            position = (uint32_t)dg_ssi_position(&rig.device, rig.now);
         }
         assert_int_equal(dg_ssi_data(&rig.device), expected(&history, &model, rig.now, position));
     }

@@ -133,7 +133,7 @@ static void word(const struct lx_clocked *base, size_t encoder, struct lx_clocke
     };
 }
 
-/* What the bits behind the position say, if there are any. */
+/* What the bits around the position say, if there are any. */
 static void add_bits(const struct dg_ssi_model *model, const struct dg_ssi_frame *frame,
                      const char *parity, struct lx_words *to)
 {
@@ -142,6 +142,12 @@ static void add_bits(const struct dg_ssi_model *model, const struct dg_ssi_frame
     }
     if (model->parity != DG_SSI_PARITY_NONE) {
         lx_words_add(to, "  parity %s", parity);
+    }
+    if (model->form != NULL && dg_form_has(model->form->layout, 'T')) {
+        lx_words_add(to, "  toggle %d", frame->toggle);
+    }
+    if (model->form != NULL && dg_form_has(model->form->layout, 'F')) {
+        lx_words_add(to, "  power fail %d", frame->power_fail);
     }
 }
 
@@ -163,7 +169,7 @@ static void print(const struct lx_clocked *base, size_t encoder, char *text, siz
     const struct dg_ssi_model *model = model_of(base);
     struct dg_ssi_frame frame;
     const bool right = take_apart(base, &frame);
-    const double turns = (double)frame.singleturn / (double)(1u << model->singleturn_bits);
+    const double turns = (double)frame.singleturn / (double)(UINT64_C(1) << model->singleturn_bits);
     struct lx_words rest = {""};
     (void)encoder;
     add_bits(model, &frame, right ? "valid" : "WRONG", &rest);
@@ -267,11 +273,22 @@ static int check(const void *settings, struct lx_error *error)
 {
     const struct dg_ssi_model *model = settings;
     const unsigned bits = (unsigned)model->multiturn_bits + model->singleturn_bits;
+    const unsigned most =
+        model->form == NULL ? DG_SSI_BITS_MAX : DG_SSI_FORM_BITS_MAX - model->form->around;
+    const unsigned least = model->form == NULL ? DG_SSI_BITS_MIN : 1u;
     struct lx_words right = {""};
-    if (bits >= DG_SSI_BITS_MIN && bits <= DG_SSI_BITS_MAX) {
+    const bool each =
+        model->form != NULL || (model->multiturn_bits <= DG_SSI_MULTITURN_BITS_MAX &&
+                                model->singleturn_bits >= DG_SSI_SINGLETURN_BITS_MIN &&
+                                model->singleturn_bits <= DG_SSI_SINGLETURN_BITS_MAX);
+    if (each && bits >= least && bits <= most) {
         return 0;
     }
-    lx_words_add(&right, "together %u to %u bits are right", DG_SSI_BITS_MIN, DG_SSI_BITS_MAX);
+    lx_words_add(&right, "together %u to %u bits are right", least, most);
+    if (!each) {
+        lx_words_add(&right, ", mt 0..%u and st %u..%u", DG_SSI_MULTITURN_BITS_MAX,
+                     DG_SSI_SINGLETURN_BITS_MIN, DG_SSI_SINGLETURN_BITS_MAX);
+    }
     return lx_refuse(error, right.text, "mt %u and st %u", model->multiturn_bits,
                      model->singleturn_bits);
 }

@@ -323,7 +323,8 @@ static void a_plan_makes_the_line(void **state)
     assert_int_equal(monoflop_of(LX_CLOCKED_HERE, "monoflop_us=30"), DG_US(30));
     assert_int_equal(monoflop_of(LX_CLOCKED_THERE, "monoflop_us=20"), DG_US(20));
     refuse("monoflop_us=9", "monoflop_us=9: a number in 10..1000000 us is right");
-    refuse("st=32", "st=32: a number in 8..31 is right");
+    refuse("st=33", "st=33: a number in 1..32 is right");
+    refuse("st=7", "mt 12 and st 7; together 10 to 32 bits are right, mt 0..24 and st 8..31");
     refuse("st=21", "mt 12 and st 21; together 10 to 32 bits are right");
     refuse("parity=mark", "parity=mark: none, even or odd is right");
     plan.encoders[0].nvm = "x.nvm";
