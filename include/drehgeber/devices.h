@@ -13,6 +13,8 @@
 #include "drehgeber/api.h"
 #include "drehgeber/stack.h"
 
+struct dg_model_text; /* model.h */
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -23,6 +25,9 @@ DG_API extern const size_t dg_device_count;
 
 /** The model called `name`, or NULL. */
 DG_API const struct dg_device *dg_device_find(const char *name);
+
+/** What a text can say of models of `stack`; NULL: nothing. Links all stacks. */
+DG_API const struct dg_model_text *dg_model_text_of(const struct dg_stack *stack);
 
 #ifdef __cplusplus
 }

@@ -35,6 +35,7 @@ extern "C" {
 #endif
 
 struct dg_instrument;
+struct dg_model_text;
 struct dg_words;
 
 /** Longest frame in either direction: address, command, 132 data bytes, check sum (5.1.2.8). */
@@ -322,6 +323,8 @@ DG_API extern const struct dg_stack dg_hf_stack;
 DG_API extern const struct dg_stack_check dg_hf_check;
 /** Its models in src/devices: singleturn, multiturn. */
 DG_API extern const struct dg_device dg_s3674_rs485, dg_s3684_rs485;
+/** What a text can say of its models, see model.h; an object file of its own. */
+DG_API extern const struct dg_model_text dg_hf_model_text;
 /** The protocol as an instrument, see instrument.h; an object file of its own. */
 DG_API extern const struct dg_instrument dg_hf_instrument;
 /** What goes over its wire in words, see words.h; an object file of its own. */

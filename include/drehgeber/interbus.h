@@ -37,6 +37,7 @@ extern "C" {
 #endif
 
 struct dg_instrument;
+struct dg_model_text;
 struct dg_words;
 
 /** Cam programs, and cams of each (5.4.4). */
@@ -339,6 +340,8 @@ DG_API extern const struct dg_stack dg_ib_stack;
 DG_API extern const struct dg_stack_check dg_ib_check;
 /** Its models in src/devices: by ENCOM profile. */
 DG_API extern const struct dg_device dg_ocd_ib_k1, dg_ocd_ib_k2, dg_ocd_ib_k3;
+/** What a text can say of its models, see model.h; an object file of its own. */
+DG_API extern const struct dg_model_text dg_ib_model_text;
 /** The protocol as an instrument, see instrument.h; an object file of its own. */
 DG_API extern const struct dg_instrument dg_ib_instrument;
 /** What goes over its wire in words, see words.h; an object file of its own. */

@@ -3,8 +3,8 @@
  * @file
  * The protocols and models of this library, a word for each: all lists of them are made of these
  * rows, each by whoever needs it, so that a program links what it names. The handles' list is in
- * src/host/make.c, those of models, instruments and words in src/devices, src/instruments and
- * src/words.
+ * src/host/make.c, those of models and of what texts can say of them, of instruments and of words
+ * in src/devices, src/instruments and src/words.
  */
 #ifndef DREHGEBER_PROTOCOLS_H
 #define DREHGEBER_PROTOCOLS_H
@@ -22,6 +22,9 @@
 /** ROW(PREFIX) for those that have dg_PREFIX_words; the masters of the others tell their frames in
  * notes, which need none. */
 #define DG_PROTOCOLS_IN_WORDS(ROW) ROW(hf) ROW(cia406) ROW(ib)
+
+/** ROW(PREFIX) for those that have dg_PREFIX_model_text; a model of another one is no text. */
+#define DG_PROTOCOLS_WITH_MODEL_TEXT(ROW) ROW(hf) ROW(biss) ROW(ib) ROW(ssi)
 
 /* clang-format off */
 /** ROW(NAME) for each model: there is dg_NAME, a struct dg_device. They are listed in this order.

@@ -35,6 +35,8 @@ extern "C" {
 #define DG_PLAN_LINE_MAX 198u
 /** Control addresses of a rig. */
 #define DG_PLAN_CONTROLS_MAX 4u
+/** Models that a model stands on, with the built-in one. */
+#define DG_PLAN_BASES_MAX 4u
 /** Files that include each other, with the first one. */
 #define DG_PLAN_DEPTH_MAX 8u
 /** Bytes of all included files together. */
@@ -57,6 +59,15 @@ struct dg_plan_setting {
 struct dg_plan_settings {
     struct dg_plan_setting *list;
     size_t count;
+};
+
+/** A model that is a text: figures of a copy of another model. */
+struct dg_plan_model {
+    const struct dg_device *device; /**< as everywhere; its name is the section's */
+    const struct dg_device *base;   /**< built-in, or a model above */
+    const char *source;             /**< what was read, in the words of the file; NULL: not said */
+    unsigned depth;                 /**< models below it, with the built-in one */
+    dg_plan_line line;              /**< of the section */
 };
 
 /** An address that nobody has given. */
@@ -143,7 +154,7 @@ struct dg_plan_piece;
 struct dg_plan_name;
 
 /** A rig. All zero is an empty one without memory. All that it points to lies in its memory, but
- * for `file`, kinds of wires and models. */
+ * for `file`, kinds of wires and built-in models. */
 struct dg_plan {
     const char *file;  /**< for messages, borrowed; NULL: the command line */
     const char *name;  /**< of the rig: the file's without its ending, or of the model */
@@ -157,6 +168,8 @@ struct dg_plan {
     size_t wire_count;
     struct dg_plan_encoder *encoders; /**< those of a wire in the order of their places on it */
     size_t encoder_count;
+    struct dg_plan_model *models; /**< that the file brings, whether encoders have them or not */
+    size_t model_count;
     void *memory; /**< what the host has lent; NULL: none */
     /* Of the reader only. */
     struct dg_plan_name *names; /* a hash table of what stands once */
@@ -218,7 +231,7 @@ struct dg_plan_setup {
 
 /**
  * Read a rig file (INI): sections, keys, models, names, references, ratios, forms of motions and
- * addresses.
+ * addresses. A file of nothing but models is one, too: its plan has no encoders.
  * @return 0; DG_ERR_SPACE: more memory is needed, `error` says nothing then; DG_ERR_ARGUMENT with
  * `error`, or not a setup of this version. Whatever failed: the plan is empty.
  */
@@ -248,6 +261,8 @@ DG_API int dg_plan_find_encoder(const struct dg_plan *self, const char *name);
 DG_API int dg_plan_find_shaft(const struct dg_plan *self, const char *name);
 /** Index of the wire called so, likewise. */
 DG_API int dg_plan_find_wire(const struct dg_plan *self, const char *name);
+/** The model called so, of the plan or built-in; NULL: there is none so far. */
+DG_API const struct dg_device *dg_plan_find_model(const struct dg_plan *self, const char *name);
 
 /** Where the encoder's setting `key` stands, the section without one. */
 DG_API dg_plan_line dg_plan_setting_line(const struct dg_plan_encoder *encoder, const char *key);

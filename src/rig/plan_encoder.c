@@ -11,45 +11,30 @@
 /* ---------------------------------------------------------------- models */
 
 /* Whoever mistyped `model` has it in another line. @return the word, or NULL */
-static const struct dg_plan_setting *find_mistyped(const struct rig_section *self)
+static const struct dg_plan_setting *find_mistyped(const struct rig_reader *in,
+                                                   const struct rig_section *self)
 {
     for (size_t i = 0; i < self->count; i++) {
         const struct dg_plan_setting *word = dg_plan_word_at(self, i);
-        if (!dg_plan_kind_has(self->kind, word->key) && dg_device_find(word->value) != NULL) {
+        if (!dg_plan_kind_has(self->kind, word->key) &&
+            dg_plan_find_model(in->plan, word->value) != NULL) {
             return word;
         }
     }
     return NULL;
 }
 
-static int refuse_model(struct rig_reader *in, const struct rig_section *self,
-                        const struct dg_plan_setting *word)
-{
-    struct rig_list models;
-
-    dg_plan_list_begin(&models);
-    for (size_t i = 0; i < dg_device_count; i++) {
-        dg_plan_add(&models.text, RIG_SAY(" ", dg_devices[i]->name));
-    }
-    return word == NULL
-               ? dg_plan_wrong_section(in, self,
-                                       RIG_SAY("model = MODEL is right, one of:", models.room),
-                                       RIG_SAY("without a model"))
-               : dg_plan_wrong_word(in, word, RIG_SAY("right is one of:", models.room),
-                                    RIG_SAY(word->value, " is none"));
-}
-
 static const struct dg_device *take_model(struct rig_reader *in, const struct rig_section *self)
 {
     const struct dg_plan_setting *word = dg_plan_word(self, "model");
-    const struct dg_plan_setting *mistyped = word == NULL ? find_mistyped(self) : NULL;
-    const struct dg_device *model = word == NULL ? NULL : dg_device_find(word->value);
+    const struct dg_plan_setting *mistyped = word == NULL ? find_mistyped(in, self) : NULL;
+    const struct dg_device *model = word == NULL ? NULL : dg_plan_find_model(in->plan, word->value);
 
     if (mistyped != NULL) {
         (void)dg_plan_wrong_word(in, mistyped, RIG_SAY("model = ", mistyped->value, " is right"),
                                  RIG_SAY("no such key"));
     } else if (model == NULL) {
-        (void)refuse_model(in, self, word);
+        (void)dg_plan_refuse_model(in, self, "model", word);
     }
     return model;
 }

@@ -303,6 +303,12 @@ void dg_plan_say_files(const struct dg_plan *self, dg_plan_line line, struct dg_
 
 /* ---------------------------------------------------------------- reading */
 
+/* Models for other files, and nothing that would run. */
+static bool is_catalogue(const struct dg_plan *plan)
+{
+    return plan->model_count > 0 && plan->shaft_count == 0 && plan->wire_count == 0;
+}
+
 /* What only the end of the text tells. */
 static int check_whole(struct rig_reader *in)
 {
@@ -317,7 +323,7 @@ static int check_whole(struct rig_reader *in)
                 RIG_SAY("[bus ", wire->name, "]: without encoders"));
         }
     }
-    return plan->encoder_count > 0
+    return plan->encoder_count > 0 || is_catalogue(plan)
                ? 0
                : dg_plan_refuse(
                      in->error,

@@ -135,7 +135,7 @@ int dg_plan_take_encoders(struct rig_reader *in, const struct rig_section *self)
     const struct dg_plan_setting *model = dg_plan_word(self, "model");
     struct range range = {.word = find_range(self)};
 
-    range.model = model == NULL ? NULL : dg_device_find(model->value);
+    range.model = model == NULL ? NULL : dg_plan_find_model(in->plan, model->value);
     if (range.word == NULL || range.model == NULL) {
         return dg_plan_take_encoder(in, self);
     }

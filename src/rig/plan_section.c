@@ -318,6 +318,32 @@ static const struct rig_key rig_keys[] = {
     },
     {.name = NULL},
 };
+static const struct rig_key model_keys[] = {
+    {
+        .name = "base",
+        .takes = "MODEL",
+        .help = "a built-in model, or one above, of which this one is a copy with other figures",
+    },
+    {
+        .name = "inherit",
+        .takes = "registers",
+        .usual = "frame and timing of the base, and nothing else",
+        .help = "what else of the base is taken over",
+    },
+    {
+        .name = "title",
+        .takes = "TEXT",
+        .usual = "as of the base",
+        .help = "what drehgeber list says of it",
+    },
+    {
+        .name = "source",
+        .takes = "TEXT",
+        .usual = "none",
+        .help = "what was read, for whoever reads the file",
+    },
+    {.name = NULL},
+};
 static const struct rig_key shaft_keys[] = {
     {
         .name = "motion",
@@ -412,6 +438,7 @@ static const struct rig_key encoder_keys[] = {
 static const struct rig_kind kinds[] = {
     /* name      named  open   numb.  repeats    at once    keys          take */
     {"rig",      false, false, false, "control", "include", rig_keys,     take_rig},
+    {"model",    true,  true,  false, NULL,      NULL,      model_keys,   dg_plan_take_model},
     {"shaft",    true,  false, false, NULL,      NULL,      shaft_keys,   dg_plan_take_shaft},
     {"bus",      true,  true,  false, NULL,      NULL,      bus_keys,     dg_plan_take_bus},
     {"encoder",  true,  true,  true,  NULL,      NULL,      encoder_keys, dg_plan_take_encoders},

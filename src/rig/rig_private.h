@@ -14,7 +14,7 @@
 #include "drehgeber/rig.h"
 
 /** The sections there are, for messages. */
-#define RIG_SECTIONS "[rig], [shaft NAME], [bus NAME] and [encoder NAME]"
+#define RIG_SECTIONS "[rig], [model NAME], [shaft NAME], [bus NAME] and [encoder NAME]"
 
 /** Longest text anybody hands over. */
 #define RIG_TEXT_MAX 65536u
@@ -100,6 +100,7 @@ enum rig_names {
     RIG_ENCODER, /**< encoders */
     RIG_ALIAS,   /**< likewise, where '-' and '_' are the same */
     RIG_PLACE,   /**< addresses of wires, those of a `scope` */
+    RIG_MODEL,   /**< models of the plan */
     RIG_NUMBER,  /**< numbers of encoders on the wire `scope` */
     RIG_MEMORY,  /**< EEPROM files */
     RIG_TRACE,   /**< trace files */
@@ -210,6 +211,7 @@ int dg_plan_take_settings(struct rig_reader *in, const struct rig_section *self,
                           struct dg_plan_settings *to);
 
 /** What they make of a section. */
+int dg_plan_take_model(struct rig_reader *in, const struct rig_section *self);
 int dg_plan_take_shaft(struct rig_reader *in, const struct rig_section *self);
 int dg_plan_take_bus(struct rig_reader *in, const struct rig_section *self);
 int dg_plan_take_encoders(struct rig_reader *in, const struct rig_section *self);
@@ -245,6 +247,10 @@ int dg_plan_take_wire(struct rig_reader *in, const struct rig_section *self,
                       const struct dg_plan_wire_kind *kind, const struct rig_where *where);
 /** What is written of a wire, and where to; `word` NULL: nothing. */
 int dg_plan_take_trace(struct rig_reader *in, const struct dg_plan_setting *word, int wire);
+
+/** No model is called as the word `key` of this section says, or there is no such word: NULL. */
+int dg_plan_refuse_model(struct rig_reader *in, const struct rig_section *section, const char *key,
+                         const struct dg_plan_setting *word);
 
 /** Whether `key` is that of the addresses of any stack. */
 bool dg_plan_is_address_key(const char *key);

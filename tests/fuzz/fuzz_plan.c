@@ -30,10 +30,38 @@ static void check_settings(const struct dg_plan_settings *settings)
     }
 }
 
+static dg_angle angle_of_nothing(void *ctx, dg_ns at)
+{
+    (void)ctx;
+    (void)at;
+    return 0;
+}
+
+/* Whatever was taken can be made. */
+static void check_model(const struct dg_plan_model *model)
+{
+    static const struct dg_nvm_ops untouched;
+    static struct dg_world world;
+    static _Alignas(max_align_t) unsigned char device[16384];
+    const struct dg_stack *stack = model->device->stack;
+    const struct dg_stack_setup setup = {
+        .model = model->device->model, .world = &world, .nvm = {&untouched, NULL}};
+
+    dg_world_init(&world);
+    world.angle = angle_of_nothing;
+    fuzz_must(dg_plan_name_fits(model->device->name) && model->device->stack == model->base->stack);
+    fuzz_must(model->depth >= 1 && model->depth <= DG_PLAN_BASES_MAX);
+    fuzz_must(stack->device_size <= sizeof device && stack->init(device, &setup) == DG_OK);
+}
+
 static void check_plan(const struct dg_plan *plan)
 {
     fuzz_must(plan->name != NULL && plan->control_count <= DG_PLAN_CONTROLS_MAX);
-    fuzz_must(plan->encoder_count >= 1);
+    fuzz_must(plan->encoder_count >= 1 || plan->model_count >= 1);
+    for (size_t i = 0; i < plan->model_count; i++) {
+        check_model(&plan->models[i]);
+        fuzz_must(dg_plan_find_model(plan, plan->models[i].device->name) == plan->models[i].device);
+    }
     for (size_t i = 0; i < plan->shaft_count; i++) {
         const struct dg_plan_shaft *shaft = &plan->shafts[i];
         fuzz_must(dg_plan_name_fits(shaft->name) && shaft->driver < (int)i);

@@ -63,6 +63,7 @@ ALLOWED = {
     "tests/e2e/test_cli.py": COMMAND,
     "tests/e2e/test_files.py": NAMED,
     "tests/e2e/test_golden.py": COMMAND,
+    "tests/e2e/test_models.py": COMMAND,
     "tests/e2e/test_manual.py": COMMAND,
     "tests/e2e/test_trace_tools.py": COMMAND,
     "tests/fmu/test_described.py": NAMED,

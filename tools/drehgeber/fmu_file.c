@@ -247,6 +247,19 @@ static int refuse_wires(struct making *self, const struct dg_plan *plan)
                                                 : no_such(self, of->list[0].key, of->list[0].value);
 }
 
+/* It is made anew from its name, where no file is. */
+static int refuse_models(struct making *self, const struct dg_plan *plan)
+{
+    for (size_t i = 0; i < plan->encoder_count; i++) {
+        const char *name = plan->encoders[i].model->name;
+        if (dg_device_find(name) == NULL) {
+            return lx_refuse(&self->error, "a built-in model is right",
+                             "%s is the model of a file, which an FMU does not have", name);
+        }
+    }
+    return 0;
+}
+
 /* --- the token of all --- */
 
 /* The first encoder of a shaft is turned, and the others follow. */
@@ -487,10 +500,10 @@ int fmu_command(const struct options *options)
         return complain(&self.error, EXIT_USAGE);
     }
     int status = EXIT_OK;
-    if (refuse_wires(&self, &plan) != 0 || make_token(&self, &plan) != 0) {
+    if (refuse_models(&self, &plan) != 0 || refuse_wires(&self, &plan) != 0 ||
+        make_token(&self, &plan) != 0) {
         status = complain(&self.error, EXIT_USAGE);
-    } else if (dg_device_find(options->model) == NULL &&
-               is_same_file(options->model, options->output)) {
+    } else if (options->device == NULL && is_same_file(options->model, options->output)) {
         lx_complain("fmu: %s is the rig file itself", options->output);
         status = EXIT_USAGE;
     } else if (!is_named(options->output)) {

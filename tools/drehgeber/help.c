@@ -393,6 +393,6 @@ void help_print(const struct options *options)
     if (row == NULL || row->command == COMMAND_HELP) {
         print_everything();
     } else {
-        print_one(row, options->model == NULL ? NULL : dg_device_find(options->model));
+        print_one(row, options->device);
     }
 }

@@ -6,8 +6,10 @@
 #include <unistd.h>
 
 #include "columns.h"
+#include "complain.h"
 #include "drehgeber/drehgeber.h"
 #include "json.h"
+#include "models.h"
 #include "run.h"
 
 /* Where the text behind a fault's name begins, and how wide a line may be: as the terminal, but not
@@ -18,12 +20,9 @@
 
 /* --- models --- */
 
-static void list_models(void)
+static void list_line(const struct dg_device *device)
 {
-    for (size_t i = 0; i < dg_device_count; i++) {
-        (void)printf("%-12s %s, %s\n", dg_devices[i]->name, dg_devices[i]->wire,
-                     dg_devices[i]->resolution);
-    }
+    (void)printf("%-12s %s, %s\n", device->name, device->wire, device->resolution);
 }
 
 static void list_wires(const struct lx_stack *stack)
@@ -62,17 +61,43 @@ static void list_model(const struct dg_device *device)
     (void)fputs("}", stdout);
 }
 
+/* The way each is told, and what stands between them. */
+struct listing {
+    void (*tell)(const struct dg_device *device);
+    const char *between;
+    const char *before; /* the next one */
+};
+
+static void list_device(struct listing *self, const struct dg_device *device)
+{
+    (void)fputs(self->before, stdout);
+    self->tell(device);
+    self->before = self->between;
+}
+
+/* All models of a file of the folder. */
+static bool list_file(void *ctx, const struct dg_plan *plan, const struct lx_error *error)
+{
+    if (error != NULL) {
+        (void)complain(error, EXIT_OTHER);
+    }
+    for (size_t i = 0; i < plan->model_count; i++) {
+        list_device(ctx, plan->models[i].device);
+    }
+    return false;
+}
+
 int list_command(const struct options *options)
 {
-    if (!options->json) {
-        list_models();
-        return EXIT_OK;
+    struct listing listing = {list_line, "", ""};
+    if (options->json) {
+        listing = (struct listing){list_model, ",\n", "[\n"};
     }
     for (size_t i = 0; i < dg_device_count; i++) {
-        (void)fputs(i == 0 ? "[\n" : ",\n", stdout);
-        list_model(dg_devices[i]);
+        list_device(&listing, dg_devices[i]);
     }
-    (void)fputs("\n]\n", stdout);
+    (void)models_search(list_file, &listing);
+    (void)fputs(options->json ? "\n]\n" : "", stdout);
     return EXIT_OK;
 }
 
@@ -146,7 +171,7 @@ static void put_json(const struct dg_fault_target *target)
 
 int faults_command(const struct options *options)
 {
-    const struct dg_device *device = options->model == NULL ? NULL : dg_device_find(options->model);
+    const struct dg_device *device = options->device;
     if (device == NULL) {
         struct lx_words right = {""};
         for (size_t i = 0; i < dg_device_count; i++) {

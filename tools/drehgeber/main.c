@@ -38,7 +38,7 @@ static void write_text(void *to, const char *text, size_t n)
 
 static int eds(const struct options *options)
 {
-    const struct dg_device *device = options->model == NULL ? NULL : dg_device_find(options->model);
+    const struct dg_device *device = options->device;
     const struct dg_co_sheet *sheet = dg_cia406_sheet_of(device);
     if (sheet == NULL) {
         struct lx_words right = {""};
@@ -61,10 +61,23 @@ static bool wire_fits(const struct options *options, const struct dg_device *dev
     return false;
 }
 
+/* Commands that take a rig file, too, say so themselves. */
+static bool file_is_read(const struct options *options)
+{
+    const bool rig = options->command == COMMAND_RUN || options->command == COMMAND_FMU ||
+                     options->command == COMMAND_HELP;
+    const bool wrong = options->unread.what[0] != '\0' || options->unread.right[0] != '\0';
+    if (!rig && wrong && options->device == NULL) {
+        (void)complain(&options->unread, EXIT_USAGE);
+        return false;
+    }
+    return true;
+}
+
 /* The registers of a model, or of a whole --ring. */
 static int map(const struct options *options)
 {
-    const struct dg_device *device = options->model == NULL ? NULL : dg_device_find(options->model);
+    const struct dg_device *device = options->device;
     const struct dg_ib_model *models[DG_RING_MAX];
     struct dg_plan plan;
     struct lx_error error;
@@ -104,8 +117,8 @@ static int ctl(const struct options *options)
 
 static int act(const struct options *options)
 {
-    const struct dg_device *device = options->model == NULL ? NULL : dg_device_find(options->model);
-    if (!wire_fits(options, device)) {
+    const struct dg_device *device = options->device;
+    if (!wire_fits(options, device) || !file_is_read(options)) {
         return EXIT_USAGE;
     }
     switch (options->command) {

@@ -613,11 +613,50 @@ static enum command find_help(struct options *self, int argc, char **argv)
     return found;
 }
 
+/* A file that is wrong may be the one that has the model: it ends the search. */
+static bool has_model(void *ctx, const struct dg_plan *plan, const struct lx_error *error)
+{
+    struct options *self = ctx;
+    if (error != NULL) {
+        self->unread = *error;
+        return true;
+    }
+    self->device = dg_plan_find_model(plan, self->model);
+    return self->device != NULL;
+}
+
+/* A file of nothing but models stands for the last one of them; one with encoders is a rig. */
+static void read_model(struct options *self)
+{
+    self->file = models_read(self->model, &self->unread);
+    const struct dg_plan *plan = self->file == NULL ? NULL : &self->file->plan;
+    if (plan != NULL && plan->memory != NULL && plan->encoder_count == 0) {
+        self->device = plan->models[plan->model_count - 1u].device;
+    }
+}
+
+/* What MODEL names, for commands that take one. */
+static void find_model(struct options *self)
+{
+    const bool asked = self->row != NULL && self->command != COMMAND_CTL &&
+                       self->command != COMMAND_TOP && self->command != COMMAND_WEB;
+    if (self->model == NULL || !asked) {
+        return;
+    }
+    self->device = dg_device_find(self->model);
+    if (self->device == NULL && models_is_file(self->model)) {
+        read_model(self);
+    } else if (self->device == NULL) {
+        self->file = models_search(has_model, self);
+    }
+}
+
 int options_parse(struct options *self, int argc, char **argv)
 {
     *self = (struct options){.command = COMMAND_NONE, .parsed = 1};
     self->command = find_help(self, argc, argv);
     if (self->command != COMMAND_NONE) {
+        find_model(self);
         return 0;
     }
     const struct command_row *const meant = self->row; /* options are parsed before arguments */
@@ -639,6 +678,7 @@ int options_parse(struct options *self, int argc, char **argv)
         self->row = meant;
         return explain_culprit(self);
     }
+    find_model(self);
     return check_command(self);
 }
 
@@ -687,6 +727,7 @@ const struct dg_plan_wire_kind *options_wire(const struct options *self,
 void options_free(struct options *self)
 {
     lx_plan_free_settings(&self->settings);
+    models_free(self->file);
     free(self->table);
     free(self->words);
     free(self->controls);

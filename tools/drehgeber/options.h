@@ -10,6 +10,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "models.h"
 #include "plan.h"
 #include "say.h"
 #include "wire.h"
@@ -58,9 +59,12 @@ const struct command_row *command_find(const char *name);
 
 struct options {
     enum command command;
-    const struct command_row *row; /* its row, for help the one that is asked about; may be NULL */
-    const char *model;             /* or the rig file */
-    const char *ring;              /* models with commas between them */
+    const struct command_row *row;  /* its row, for help the one that is asked about; may be NULL */
+    const char *model;              /* or the rig file */
+    const struct dg_device *device; /* that `model` names: built-in, or of `file`; NULL: none */
+    struct model_file *file;        /* owned; `model` as a file, or the one that has it; NULL */
+    struct lx_error unread;         /* why there is no `file`; "" when nobody asked for one */
+    const char *ring;               /* models with commas between them */
     const struct dg_plan_wire_kind *wire; /* NULL: not said */
     const char *where;                    /* the wire's value; NULL: none */
     const char *nvm;
@@ -107,8 +111,8 @@ bool options_numbered(const struct lx_stack *stack);
 const struct dg_plan_wire_kind *
 options_wire(const struct options *self, const struct dg_device *device, struct lx_error *error);
 
-/* What `run` is to be: of a model, a ring, or a rig file. 0, or -1 with `error` and nothing to
-   free. */
+/* What `run` is to be: of a model, a ring, or a rig file, whose plan is handed over: to be called
+   once. 0, or -1 with `error` and nothing to free. */
 int options_plan(const struct options *self, struct dg_plan *plan, struct lx_error *error);
 
 /* Parse. 0, or -1 with self->error. options_free() in any case. */

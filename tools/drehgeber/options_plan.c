@@ -8,7 +8,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 #include "access.h"
 #include "drehgeber/cia406.h"
@@ -34,8 +33,12 @@ static int no_memory(struct lx_error *error)
 static int unknown_model(const struct options *options, struct lx_error *error)
 {
     struct lx_words right = {"valid:"};
+    if (options->unread.what[0] != '\0' || options->unread.right[0] != '\0') {
+        *error = options->unread; /* it may be in a file that nobody could read */
+        return -1;
+    }
     lx_stack_models(NULL, &right);
-    lx_words_add(&right, ", or RIG.ini");
+    lx_words_add(&right, ", RIG.ini or MODELS.ini");
     return options->model == NULL
                ? lx_refuse(error, right.text, "%s needs a model or a rig file", options->row->name)
                : lx_refuse(error, right.text, "unknown model %s", options->model);
@@ -73,7 +76,7 @@ static const struct dg_device *ring_model(const char *name, size_t n, const char
 
 static const struct dg_device *the_model(const struct options *options, struct lx_error *error)
 {
-    const struct dg_device *device = options->model == NULL ? NULL : dg_device_find(options->model);
+    const struct dg_device *device = options->device;
     if (options->ring != NULL && options->model != NULL) {
         return ring_model(options->model, strlen(options->model), options->ring, error);
     }
@@ -369,29 +372,36 @@ static const char *not_with_rig(const struct options *options)
     return options->wire == NULL ? NULL : options->wire->name;
 }
 
-static bool is_rig_file(const char *name)
+/* A file of models is none: it says what MODEL is. */
+static bool is_rig_file(const struct options *self)
 {
-    static const char ending[] = ".ini";
-    const size_t n = name == NULL ? 0 : strlen(name);
-    if (n == 0 || dg_device_find(name) != NULL) {
-        return false;
+    return self->model != NULL && self->device == NULL && models_is_file(self->model);
+}
+
+/* The plan is the caller's now. */
+static int take_rig(const struct options *self, struct dg_plan *plan, struct lx_error *error)
+{
+    if (self->file == NULL || self->file->plan.memory == NULL) {
+        *error = self->unread;
+        return -1;
     }
-    return strchr(name, '/') != NULL ||
-           (n >= strlen(ending) && strcasecmp(name + n - strlen(ending), ending) == 0);
+    *plan = self->file->plan;
+    self->file->plan = (struct dg_plan){.file = NULL};
+    return 0;
 }
 
 int options_plan(const struct options *self, struct dg_plan *plan, struct lx_error *error)
 {
     *plan = (struct dg_plan){.file = NULL};
     int result = 0;
-    if (!is_rig_file(self->model)) {
+    if (!is_rig_file(self)) {
         result = plan_model(self, plan, error);
     } else if (not_with_rig(self) != NULL) {
         struct lx_words right = {""};
         lx_words_add(&right, "right is its place in %s", self->model);
         result = lx_refuse(error, right.text, "--%s: not with a rig file", not_with_rig(self));
     } else {
-        result = lx_plan_read(plan, self->model, error);
+        result = take_rig(self, plan, error);
     }
     if (result == 0) {
         result = take_controls(self, plan, error);

@@ -162,7 +162,7 @@ int wire_command_usage(const struct wire_command *self, const char *what, const 
 /* Everything but what the words say. */
 static bool is_right(const struct wire_command *self, const struct options *options)
 {
-    const struct dg_device *device = options->model == NULL ? NULL : dg_device_find(options->model);
+    const struct dg_device *device = options->device;
     struct lx_words models = {""};
 
     if (device == NULL || lx_stack_of(device) != self->stack) {
