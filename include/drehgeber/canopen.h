@@ -261,9 +261,14 @@ enum dg_co_region {
 /** What a node is: const, shared by all nodes of the kind. */
 struct dg_co_device {
     const char *name;                   /**< product name, for the EDS */
-    struct dg_co_dictionary dictionary; /**< from 2000h on */
+    struct dg_co_dictionary dictionary; /**< from 2000h on; from 1000h on if it is `whole` */
     const struct dg_co_figure *figures; /**< of the stack's and of the device's rows, sorted */
     uint8_t figure_count;
+    /** The dictionary is all that a master finds, rows for 1000h-1FFFh included: none of them is
+     * repeated or saved, those with a slot of the stack have its slot. The stack's own rows are
+     * there for what is saved and for what the dictionary leaves out. */
+    bool whole;
+    uint16_t hidden; /**< rows in front of the dictionary's first: with slots, found by no master */
     const uint16_t *kbaud; /**< bit rates by the number that stands for them; 0: none */
     uint8_t kbaud_count;
     uint16_t save_ms;                 /**< "save" is answered so long after the request */

@@ -93,7 +93,7 @@ struct dg_host_wire {
     /** Bit n: this model has not row n of `keys`. NULL: each has all. */
     uint32_t (*without)(const void *settings);
     /** Put serial number, address and port of the settings into `setup`, which has the model as
-     * delivered; make what pointers settings have. `setup` NULL: take the pointers out. NULL: there
+     * ordered; make what pointers settings have. `setup` NULL: take the pointers out. NULL: there
      * is nothing to put anywhere. */
     void (*arrange)(void *settings, struct dg_stack_setup *setup);
     /** Whether `event` is one of this wire. @return 0, DG_HOST_ERR_WIRE, DG_HOST_ERR_ARGUMENT.

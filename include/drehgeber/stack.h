@@ -197,6 +197,7 @@ struct dg_device {
     const char *resolution; /**< in words, e.g. "2048 periods x 32 steps, 4096 turns" */
     const struct dg_stack *stack;
     const void *model; /**< of the stack's own kind; typed by dg_hf_model_of() and its like */
+    size_t more;       /**< bytes behind the stack's device_size that one of this model takes */
 };
 
 #ifdef __cplusplus

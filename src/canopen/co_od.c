@@ -72,7 +72,8 @@ static uint8_t more_of(const struct dg_co_row *row)
     return row->key & 0xFu;
 }
 
-/* 1800h-1803h and 1A00h-1A03h have the rows of the first: by how much a key is above it. */
+/* The stack's 1800h-1803h and 1A00h-1A03h have the rows of the first: by how much a key is above
+ * it. */
 static uint32_t repeated(uint32_t key)
 {
     return (key & 0xFDFC0000u) == 0x18000000u ? key & 0x00030000u : 0;
@@ -100,25 +101,34 @@ static const struct dg_co_row *last_not_behind(const struct dg_co_dictionary *ha
     return row[1].key <= wanted ? &row[1] : row;
 }
 
-/* What is done about a key that has no row of its own; object->row is the neighbour. */
-static enum dg_co_abort find_else(const struct dg_co_device *device, uint32_t key,
-                                  struct dg_co_object *object);
+/* Of what has no row a neighbour of the same index says that only the sub-index is missing. */
+static enum dg_co_abort tell_missing(const struct dg_co_dictionary *half,
+                                     const struct dg_co_row *row, uint32_t index)
+{
+    const bool behind = row + 1 < &half->rows[half->count] && index_of(row + 1) == index;
+
+    return index_of(row) == index || behind ? DG_CO_NO_SUB : DG_CO_NO_OBJECT;
+}
+
+static enum dg_co_abort find_repeated(const struct dg_co_device *device, uint32_t key,
+                                      struct dg_co_object *object);
 
 enum dg_co_abort dg_co_find(const struct dg_co_device *device, uint32_t key,
                             struct dg_co_object *object)
 {
-    if (repeated(key) != 0) {
-        return find_else(device, key, object);
+    const bool common = key < 0x20000000u && !device->whole;
+
+    if (common && repeated(key) != 0) {
+        return find_repeated(device, key, object);
     }
-    const struct dg_co_dictionary *half =
-        key < 0x20000000u ? &dg_co_common_dictionary : &device->dictionary;
+    const struct dg_co_dictionary *half = common ? &dg_co_common_dictionary : &device->dictionary;
     const struct dg_co_row *row = last_not_behind(half, key | 0xFFu);
     const uint32_t nth = ((key | 0xFFu) - row->key) >> 8; /* large for any other index */
 
     object->row = row;
     object->dictionary = half;
     if (nth > more_of(row)) {
-        return find_else(device, key, object);
+        return tell_missing(half, row, key >> 16);
     }
     const uint32_t all = key | (uint8_t)(row->slot + nth);
     object->slot = (uint8_t)all; /* one store for the three */
@@ -127,21 +137,13 @@ enum dg_co_abort dg_co_find(const struct dg_co_device *device, uint32_t key,
     return DG_CO_OK;
 }
 
-/* TPDO2 to TPDO4 have the rows of TPDO1, with slots further on. Of what has no row at all a
- * neighbour of the same index says that only the sub-index is missing. */
-static enum dg_co_abort find_else(const struct dg_co_device *device, uint32_t key,
-                                  struct dg_co_object *object)
+/* TPDO2 to TPDO4 have the rows of TPDO1, with slots further on. */
+static enum dg_co_abort find_repeated(const struct dg_co_device *device, uint32_t key,
+                                      struct dg_co_object *object)
 {
-    const struct dg_co_row *row = object->row;
-    const struct dg_co_dictionary *half = object->dictionary;
+    const enum dg_co_abort abort = dg_co_find(device, key - repeated(key), object);
     const uint32_t index = key >> 16;
-    enum dg_co_abort abort;
 
-    if (repeated(key) == 0) {
-        const bool behind = row + 1 < &half->rows[half->count] && index_of(row + 1) == index;
-        return index_of(row) == index || behind ? DG_CO_NO_SUB : DG_CO_NO_OBJECT;
-    }
-    abort = dg_co_find(device, key - repeated(key), object);
     object->index = (uint16_t)index;
     object->slot = (uint8_t)(object->slot + CO_PDO_SLOTS * (index & 3u));
     return abort;
@@ -171,7 +173,7 @@ bool dg_co_next(const struct dg_co_device *device, struct dg_co_object *object)
             return false;
         }
         half = &device->dictionary;
-        row = half->rows;
+        row = half->rows - device->hidden;
     }
     if (index_of(row) == index) {
         object->row = row;
@@ -179,7 +181,7 @@ bool dg_co_next(const struct dg_co_device *device, struct dg_co_object *object)
         object->sub = sub_of(row);
         return true;
     }
-    if (behind - repeated(behind) == DG_CO_KEY(index, 0)) {
+    if (behind - repeated(behind) == DG_CO_KEY(index, 0) && !device->whole) {
         return dg_co_find(device, behind, object) == DG_CO_OK;
     }
     *object = co_object(half, row);

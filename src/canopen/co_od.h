@@ -14,7 +14,9 @@ extern const struct dg_co_dictionary dg_co_common_dictionary;
  * missing */
 enum dg_co_abort dg_co_find(const struct dg_co_device *device, uint32_t key,
                             struct dg_co_object *object);
-/** The first object of a device's dictionary, and the one behind; false: there is none. */
+/** The first object of what a device keeps, and the one behind; false: there is none. Those of the
+ * stack, those that the device hides, those of its dictionary: of a device whose dictionary is
+ * whole some come twice, with one slot, and TPDO2 to TPDO4 are among the hidden. */
 struct dg_co_object dg_co_first(void);
 bool dg_co_next(const struct dg_co_device *device, struct dg_co_object *object);
 /** What a row stands for, the first of it. */

@@ -15,7 +15,7 @@
         OF_NODE(tpdo[n].sampled, 1)
 
 static const struct dg_stack_range ranges[] = {
-    OF_NODE(store.region_count, REGION_COUNT),
+    OF_NODE(store.region_count, DG_STORE_REGIONS_MAX),
     OF_NODE(store.unapplied, 1),
     OF_NODE(mounted, 1),
     OF_NODE(emcy_count, DG_CO_HISTORY),
@@ -45,7 +45,7 @@ static const struct dg_stack_range ranges[] = {
 };
 _Static_assert(DG_CO_TPDOS == 4, "a row for each");
 
-/* Which dictionary there is goes by the turns. */
+/* Which dictionary there is goes by the turns, or comes from a file. */
 static bool fits(const void *own, const void *settings, const void *device)
 {
     const struct dg_cia406_settings *mine = own;
@@ -57,9 +57,11 @@ static bool fits(const void *own, const void *settings, const void *device)
     if ((theirs.model.turns == 1) != (mine->model.turns == 1)) {
         return false;
     }
+    theirs.model.device = mine->model.device;
     dg_cia406_settings_apply(&theirs);
     self.node.setup.device = theirs.model.device;
-    return dg_co_fits(&self.node);
+    return self.node.store.region_count <= theirs.model.device->layout->region_count &&
+           dg_co_fits(&self.node);
 }
 
 const struct dg_stack_check dg_cia406_check = {ranges, DG_COUNT(ranges), fits};

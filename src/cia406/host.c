@@ -59,6 +59,8 @@ static void arrange(void *settings, struct dg_stack_setup *setup)
         self->model.device = NULL;
         return;
     }
+    const struct dg_cia406_model *ordered = setup->model;
+    self->model.device = ordered->device;
     dg_cia406_settings_apply(self);
     setup->serial = self->serial;
     setup->address = self->node;

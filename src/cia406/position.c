@@ -178,7 +178,7 @@ uint32_t dg_cia406_position(const struct dg_co_node *node, dg_ns now)
 
     at.now = now;
     at.setup.application = &encoder;
-    dg_cia406_sample(&at);
+    at.setup.device->sample(&at);
     return at.value[SLOT_POSITION];
 }
 

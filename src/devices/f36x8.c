@@ -17,7 +17,7 @@ static const struct dg_cia406_model f3668 = {
     .password = F36X8_PASSWORD,
 };
 
-const struct dg_device dg_f3658 = {"f3658", "CANopen (CiA 406)", "65536 steps, singleturn",
-                                   &dg_cia406_stack, &f3658};
-const struct dg_device dg_f3668 = {"f3668", "CANopen (CiA 406)", "65536 steps, 4096 turns",
-                                   &dg_cia406_stack, &f3668};
+const struct dg_device dg_f3658 = {
+    "f3658", "CANopen (CiA 406)", "65536 steps, singleturn", &dg_cia406_stack, &f3658, 0};
+const struct dg_device dg_f3668 = {
+    "f3668", "CANopen (CiA 406)", "65536 steps, 4096 turns", &dg_cia406_stack, &f3668, 0};

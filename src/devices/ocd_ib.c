@@ -15,7 +15,7 @@ static const struct dg_ib_model ocd_ib_k2 = {OCD_IB, .profile = DG_IB_K2, .turns
 static const struct dg_ib_model ocd_ib_k3 = {OCD_IB, .profile = DG_IB_K3, .turns = 4096};
 
 /* clang-format off */
-const struct dg_device dg_ocd_ib_k1 = {"ocd-ib-k1", "INTERBUS, ENCOM profile K1", "4096 steps, singleturn", &dg_ib_stack, &ocd_ib_k1};
-const struct dg_device dg_ocd_ib_k2 = {"ocd-ib-k2", "INTERBUS, ENCOM profile K2", "4096 steps, 4096 turns", &dg_ib_stack, &ocd_ib_k2};
-const struct dg_device dg_ocd_ib_k3 = {"ocd-ib-k3", "INTERBUS, ENCOM profile K3", "4096 steps, 4096 turns, parameters", &dg_ib_stack, &ocd_ib_k3};
+const struct dg_device dg_ocd_ib_k1 = {"ocd-ib-k1", "INTERBUS, ENCOM profile K1", "4096 steps, singleturn", &dg_ib_stack, &ocd_ib_k1, 0};
+const struct dg_device dg_ocd_ib_k2 = {"ocd-ib-k2", "INTERBUS, ENCOM profile K2", "4096 steps, 4096 turns", &dg_ib_stack, &ocd_ib_k2, 0};
+const struct dg_device dg_ocd_ib_k3 = {"ocd-ib-k3", "INTERBUS, ENCOM profile K3", "4096 steps, 4096 turns, parameters", &dg_ib_stack, &ocd_ib_k3, 0};
 /* clang-format on */

@@ -14,7 +14,7 @@
 static const struct dg_biss_model s3674_biss = {S36_BISS, .multiturn_bits = 0};
 static const struct dg_biss_model s3684_biss = {S36_BISS, .multiturn_bits = 12};
 
-const struct dg_device dg_s3674_biss = {"s3674-biss", "BiSS-C", "21 bit, singleturn",
-                                        &dg_biss_stack, &s3674_biss};
-const struct dg_device dg_s3684_biss = {"s3684-biss", "BiSS-C", "21 bit, 4096 turns",
-                                        &dg_biss_stack, &s3684_biss};
+const struct dg_device dg_s3674_biss = {"s3674-biss",   "BiSS-C",    "21 bit, singleturn",
+                                        &dg_biss_stack, &s3674_biss, 0};
+const struct dg_device dg_s3684_biss = {"s3684-biss",   "BiSS-C",    "21 bit, 4096 turns",
+                                        &dg_biss_stack, &s3684_biss, 0};

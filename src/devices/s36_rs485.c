@@ -29,6 +29,6 @@ static const struct dg_hf_model s3684_rs485 = {
 };
 
 /* clang-format off */
-const struct dg_device dg_s3674_rs485 = {"s3674-rs485", "RS485 + SinCos (HIPERFACE-compatible)", "2048 periods x 32 steps, singleturn", &dg_hf_stack, &s3674_rs485};
-const struct dg_device dg_s3684_rs485 = {"s3684-rs485", "RS485 + SinCos (HIPERFACE-compatible)", "2048 periods x 32 steps, 4096 turns", &dg_hf_stack, &s3684_rs485};
+const struct dg_device dg_s3674_rs485 = {"s3674-rs485", "RS485 + SinCos (HIPERFACE-compatible)", "2048 periods x 32 steps, singleturn", &dg_hf_stack, &s3674_rs485, 0};
+const struct dg_device dg_s3684_rs485 = {"s3684-rs485", "RS485 + SinCos (HIPERFACE-compatible)", "2048 periods x 32 steps, 4096 turns", &dg_hf_stack, &s3684_rs485, 0};
 /* clang-format on */

@@ -27,7 +27,7 @@ static const struct dg_ssi_model ssi_28 = {
 };
 
 /* clang-format off */
-const struct dg_device dg_ssi_13 = {"ssi-13", "SSI", "13 bit Gray, singleturn", &dg_ssi_stack, &ssi_13};
-const struct dg_device dg_ssi_25 = {"ssi-25", "SSI", "13 bit Gray, 4096 turns", &dg_ssi_stack, &ssi_25};
-const struct dg_device dg_ssi_28 = {"ssi-28", "SSI", "16 bit, 4096 turns, error bit, parity", &dg_ssi_stack, &ssi_28};
+const struct dg_device dg_ssi_13 = {"ssi-13", "SSI", "13 bit Gray, singleturn", &dg_ssi_stack, &ssi_13, 0};
+const struct dg_device dg_ssi_25 = {"ssi-25", "SSI", "13 bit Gray, 4096 turns", &dg_ssi_stack, &ssi_25, 0};
+const struct dg_device dg_ssi_28 = {"ssi-28", "SSI", "16 bit, 4096 turns, error bit, parity", &dg_ssi_stack, &ssi_28, 0};
 /* clang-format on */

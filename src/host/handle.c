@@ -19,7 +19,7 @@ struct host_parts dg_host_parts_of(const struct dg_device *model, const struct d
 
     parts.settings = HOST_QUEUES_AT + dg_host_round(sizeof(struct host_queues));
     parts.device = parts.settings + dg_host_round(wire->settings_size);
-    parts.memory = parts.device + dg_host_round(model->stack->device_size);
+    parts.memory = parts.device + dg_host_round(model->stack->device_size + model->more);
     parts.end = parts.memory + (layout != NULL ? dg_host_round(dg_store_size(layout)) : 0);
     return parts;
 }

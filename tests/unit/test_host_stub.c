@@ -127,7 +127,7 @@ static const struct dg_host_wire wire = {.stack = &stack,
                                          .check = check,
                                          .take = take};
 static struct model settings;
-static const struct dg_device encoder = {"stub", "nothing", "none", &stack, &settings};
+static const struct dg_device encoder = {"stub", "nothing", "none", &stack, &settings, 0};
 
 static struct dg_host *make(int start, int power)
 {

@@ -7,5 +7,5 @@
 
 static const struct dg_eleven_model figures = {.reaction = DG_US(3)};
 
-const struct dg_device dg_eleven_24 = {"eleven-24", "eleven characters", "24 bit, singleturn",
-                                       &dg_eleven_stack, &figures};
+const struct dg_device dg_eleven_24 = {
+    "eleven-24", "eleven characters", "24 bit, singleturn", &dg_eleven_stack, &figures, 0};
